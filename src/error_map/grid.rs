@@ -1,0 +1,59 @@
+//! The nodes of a work surface.
+
+use crate::cell::{Operation, Placement, Rectangle};
+use nalgebra::Vector3;
+
+/// (m + 1)(n + 1) nodes over a surface, in the frame of its equipment. Node (i, j) runs over x,
+/// then y, from the low corner.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Grid {
+    pub divisions: (usize, usize),
+    /// Local x of the columns and y of the rows, m.
+    xs: Vec<f64>,
+    ys: Vec<f64>,
+    standoff: f64,
+}
+
+impl Grid {
+    pub fn new(surface: &Rectangle, operation: &Operation) -> Self {
+        let line = |centre: f64, size: f64, n: usize| {
+            (0..=n).map(|k| centre - size / 2.0 + size * k as f64 / n as f64).collect()
+        };
+        let (m, n) = operation.grid;
+        Self {
+            divisions: (m, n),
+            xs: line(surface.centre.0, surface.size.0, m),
+            ys: line(surface.centre.1, surface.size.1, n),
+            standoff: operation.standoff,
+        }
+    }
+
+    pub fn len(&self) -> usize {
+        self.xs.len() * self.ys.len()
+    }
+
+    /// A grid has at least one division each way.
+    pub fn is_empty(&self) -> bool {
+        false
+    }
+
+    /// Index (i, j) of the k-th node.
+    pub fn index(&self, k: usize) -> (usize, usize) {
+        (k % self.xs.len(), k / self.xs.len())
+    }
+
+    /// Calls `each` with the number and the TCP target of every node, for a surface placed at `at`
+    /// in the frame wanted.
+    #[inline]
+    pub fn targets(&self, at: &Placement, mut each: impl FnMut(usize, Vector3<f64>)) {
+        let (sin, cos) = at.yaw.sin_cos();
+        let z = at.z + self.standoff;
+        let mut k = 0;
+        for y in &self.ys {
+            for x in &self.xs {
+                each(k, Vector3::new(at.x + cos * x - sin * y, at.y + sin * x + cos * y, z));
+                k += 1;
+            }
+        }
+    }
+}

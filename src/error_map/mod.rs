@@ -1,0 +1,14 @@
+//! Section 3 of the seed paper: the error at every node of a work surface, and the node with the
+//! least error in a sense.
+//!
+//! [`Mapper::least_error`] is what the search asks: candidates in ascending error, collision asked
+//! one by one until a node is free. [`Mapper::map`] is what people ask: every node with its posture
+//! and errors, or the reason why not. Both walk the same branches and judge them alike.
+
+mod grid;
+mod mapper;
+mod node;
+
+pub use grid::Grid;
+pub use mapper::{Mapper, Outcome, Scratch, Spot};
+pub use node::{NodeRecord, OperationMap, Status};

@@ -1,0 +1,110 @@
+//! One candidate: [`evaluate`] a [`Layout`]. The seam that search, what-ifs and reports share.
+
+use crate::cell::{Cell, Layout, Objective};
+use crate::clearance::{Overlap, Placed, Scene, overlaps};
+use crate::error_map::{Mapper, OperationMap, Outcome, Scratch};
+
+/// Added to the cost of every infeasible layout: more than any error in m, so that no infeasible
+/// layout ever ranks before a feasible one.
+const INFEASIBLE: f64 = 1e3;
+/// What an operation without a spot costs at least (m): being out of reach is worse than passing a
+/// joint limit, which is worse than colliding everywhere.
+const COLLIDES: f64 = 0.5;
+const PASSES_LIMIT: f64 = 1.0;
+const OUT_OF_REACH: f64 = 2.0;
+
+/// A cell made ready: chain, inverse kinematics, errors, solids.
+pub struct Workcell {
+    pub cell: Cell,
+    mapper: Mapper,
+    scene: Scene,
+}
+
+/// What a layout is worth. A value for every layout: an infeasible one says why.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Evaluation {
+    pub overlaps: Vec<Overlap>,
+    /// One per operation.
+    pub outcomes: Vec<Outcome>,
+    /// Weighted errors in the senses of the operations, m; None if the layout is infeasible.
+    pub objective: Option<f64>,
+    /// Finite for every layout: the objective, or 1000 and more, falling towards feasibility.
+    pub cost: f64,
+}
+
+/// Memory reused from layout to layout by one thread.
+#[derive(Default)]
+pub struct Workspace {
+    overlaps: Vec<Overlap>,
+    placed: Placed,
+    scratch: Scratch,
+}
+
+impl Workcell {
+    /// # Errors
+    /// Why the robot cannot be used.
+    pub fn new(cell: Cell) -> Result<Self, String> {
+        let mapper = Mapper::new(&cell)?;
+        let scene = Scene::new(&cell);
+        Ok(Self { cell, mapper, scene })
+    }
+
+    /// The error map of every operation.
+    pub fn maps(&self, layout: &Layout) -> Vec<OperationMap> {
+        let mut placed = Placed::default();
+        self.scene.place(layout, &mut placed);
+        (0..self.cell.operations.len()).map(|k| self.mapper.map(k, layout, &self.scene, &placed)).collect()
+    }
+
+    pub fn mapper(&self) -> &Mapper {
+        &self.mapper
+    }
+}
+
+/// Evaluates one layout: overlaps, reach, limits, errors, collisions. Pure and total: the same
+/// layout gives the same bits, and every layout gives a value.
+pub fn evaluate(workcell: &Workcell, layout: &Layout) -> Evaluation {
+    evaluate_in(workcell, layout, &mut Workspace::default())
+}
+
+/// [`evaluate`] with memory that is kept from call to call.
+pub fn evaluate_in(workcell: &Workcell, layout: &Layout, workspace: &mut Workspace) -> Evaluation {
+    let Workcell { cell, mapper, scene } = workcell;
+    let Workspace { overlaps: found, placed, scratch } = workspace;
+    overlaps(cell, layout, found);
+    scene.place(layout, placed);
+    let outcome = |k| mapper.least_error(k, layout, scene, placed, scratch);
+    let outcomes: Vec<_> = (0..cell.operations.len()).map(outcome).collect();
+    let objective = if found.is_empty() { objective(cell, &outcomes) } else { None };
+    let cost = objective.unwrap_or_else(|| {
+        let apart: f64 = found.iter().map(|o| o.depth).sum();
+        INFEASIBLE + apart + outcomes.iter().map(|o| shortfall(cell, o)).sum::<f64>()
+    });
+    Evaluation { overlaps: found.clone(), outcomes, objective, cost }
+}
+
+/// The errors of all operations as one number, None if an operation has no spot.
+fn objective(cell: &Cell, outcomes: &[Outcome]) -> Option<f64> {
+    let weighted = cell.operations.iter().zip(outcomes).map(|(operation, outcome)| match outcome {
+        Outcome::Found(spot) => Some(operation.weight * spot.in_sense),
+        _ => None,
+    });
+    let errors: Option<Vec<f64>> = weighted.collect();
+    errors.map(|e| match cell.search.objective {
+        Objective::WeightedSum => e.iter().sum(),
+        Objective::WeightedMaximum => e.iter().fold(0.0, |a, b| b.max(a)),
+    })
+}
+
+/// How far an operation is from having a spot, m.
+fn shortfall(cell: &Cell, outcome: &Outcome) -> f64 {
+    match outcome {
+        Outcome::Found(_) => 0.0,
+        Outcome::AllCollide { .. } => COLLIDES,
+        Outcome::Unreachable { gap } if gap.reach > 0.0 => OUT_OF_REACH + gap.reach.min(INFEASIBLE),
+        // The excess is a sum of cosines; the reach makes it a length.
+        Outcome::Unreachable { gap } => {
+            PASSES_LIMIT + (gap.limits.min(4.0) / 4.0) * cell.robot.reach().min(1.0)
+        }
+    }
+}

@@ -1,0 +1,9 @@
+pub mod cell;
+pub mod clearance;
+pub mod error_map;
+pub mod kinematic_error;
+pub mod layout;
+pub mod pose;
+pub mod reach;
+pub mod robot;
+pub mod units;

@@ -1,0 +1,113 @@
+//! The chain of links and its forward kinematics.
+
+use crate::cell::{JointKind, JointVector, MAX_JOINTS, Robot};
+use crate::pose::Pose;
+use nalgebra::{Matrix3, Vector3};
+
+/// A D-H row made ready for the node loop.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Link {
+    pub kind: JointKind,
+    /// Angle and axial offset at coordinate 0 (rad, m).
+    pub theta: f64,
+    pub r: f64,
+    /// Common normal, m.
+    pub l: f64,
+    /// Twist, rad, and its cosine and sine. Those of multiples of a right angle are exact, so that
+    /// parallel axes stay parallel.
+    pub alpha: f64,
+    pub cos_alpha: f64,
+    pub sin_alpha: f64,
+    pub limits: (f64, f64),
+}
+
+/// The D-H variables of one configuration: cosine and sine of each theta, and each r (m).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Posture {
+    pub cos: [f64; MAX_JOINTS],
+    pub sin: [f64; MAX_JOINTS],
+    pub r: [f64; MAX_JOINTS],
+}
+
+/// A serial chain with coupling and tool.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Chain {
+    pub links: Vec<Link>,
+    /// D-H coordinates = `coupling` * actuators + zero; lower triangular, units on the diagonal.
+    pub coupling: Vec<Vec<f64>>,
+    /// Mechanical interface to TCP.
+    pub tool: Pose,
+    /// Unit vector in the frame of the TCP.
+    pub tool_axis: Vector3<f64>,
+}
+
+impl Chain {
+    pub fn new(robot: &Robot) -> Self {
+        let links = robot.joints.iter().map(|j| {
+            let (sin_alpha, cos_alpha) = exact_sin_cos(j.alpha);
+            let (theta, r, l, alpha, limits) = (j.theta, j.r, j.l, j.alpha, j.limits);
+            Link { kind: j.kind, theta, r, l, alpha, cos_alpha, sin_alpha, limits }
+        });
+        Self {
+            links: links.collect(),
+            coupling: robot.coupling.clone(),
+            tool: robot.tool,
+            tool_axis: robot.tool_axis,
+        }
+    }
+
+    pub fn axes(&self) -> usize {
+        self.links.len()
+    }
+
+    /// The posture at actuator coordinates `q` (rad or m).
+    pub fn posture(&self, q: &JointVector) -> Posture {
+        let mut posture = Posture { cos: [1.0; MAX_JOINTS], sin: [0.0; MAX_JOINTS], r: [0.0; MAX_JOINTS] };
+        for (i, link) in self.links.iter().enumerate() {
+            let coupled: f64 = self.coupling[i].iter().zip(q).map(|(c, q)| c * q).sum();
+            let (turn, slide) = match link.kind {
+                JointKind::Revolute => (coupled, 0.0),
+                JointKind::Prismatic => (0.0, coupled),
+            };
+            (posture.sin[i], posture.cos[i]) = (link.theta + turn).sin_cos();
+            posture.r[i] = link.r + slide;
+        }
+        posture
+    }
+
+    /// `frames[k]` is the pose of the frame after `A_k` in the base (0: the base itself); the rest
+    /// of the array is identity. Returns the pose of the TCP.
+    pub fn frames(&self, posture: &Posture, frames: &mut [Pose; MAX_JOINTS + 1]) -> Pose {
+        let mut t = Pose::identity();
+        frames[0] = t;
+        for (i, link) in self.links.iter().enumerate() {
+            t = step(&t, link, posture.cos[i], posture.sin[i], posture.r[i]);
+            frames[i + 1] = t;
+        }
+        t * self.tool
+    }
+
+    /// Eq. (2) with the tool: the pose of the TCP in the base.
+    pub fn forward(&self, posture: &Posture) -> Pose {
+        self.frames(posture, &mut [Pose::identity(); MAX_JOINTS + 1])
+    }
+}
+
+/// `T A` for one link, using the zeros of `A`.
+fn step(t: &Pose, link: &Link, c: f64, s: f64, r: f64) -> Pose {
+    let (x, y, z) = (t.rotation.column(0), t.rotation.column(1), t.rotation.column(2));
+    let x1 = x * c + y * s;
+    let y1 = y * c - x * s;
+    let (ca, sa) = (link.cos_alpha, link.sin_alpha);
+    Pose {
+        rotation: Matrix3::from_columns(&[x1, y1 * ca + z * sa, z * ca - y1 * sa]),
+        translation: t.translation + z * r + x1 * link.l,
+    }
+}
+
+/// Sine and cosine, exact at multiples of a right angle within rounding of degrees.
+fn exact_sin_cos(angle: f64) -> (f64, f64) {
+    let (s, c) = angle.sin_cos();
+    let snap = |v: f64| if v.abs() < 1e-15 { 0.0 } else { v };
+    (snap(s), snap(c))
+}
