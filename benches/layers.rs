@@ -1,1 +1,122 @@
-fn main() {}
+//! One bench per layer, on the shipped cells: a map node, a map of 99 nodes, collision of one
+//! configuration, `evaluate` on random and on plausible layouts.
+//!
+//! `cargo bench` runs all; the layouts are the 2 000 of tests/data (1 000 random, 1 000 plausible).
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use std::hint::black_box;
+use sweetspot::cell::{self, Cell, Layout, Model, Placement};
+use sweetspot::clearance::{Placed, Scene};
+use sweetspot::kinematic_error::{Perturbation, position_error};
+use sweetspot::layout::{Workcell, Workspace, evaluate_in};
+use sweetspot::pose::Pose;
+use sweetspot::reach::PlanarArm;
+use sweetspot::robot::Chain;
+
+fn folder() -> std::path::PathBuf {
+    std::path::PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn shipped(name: &str) -> Cell {
+    let read = &mut |path: &str| {
+        std::fs::read_to_string(folder().join("cells").join(path)).map_err(|e| e.to_string())
+    };
+    cell::load(name, read).expect("a shipped cell").cell
+}
+
+fn data(name: &str) -> Vec<f64> {
+    let bytes = std::fs::read(folder().join("tests/data").join(name)).expect("reference data");
+    bytes.chunks_exact(8).map(|c| f64::from_le_bytes(c.try_into().expect("8 bytes"))).collect()
+}
+
+/// The layouts of the reference data: table x, y, yaw, height, conveyor x, y, yaw.
+fn layouts(cell: &Cell) -> Vec<Layout> {
+    let at = |x: f64, y: f64, z: f64, yaw: f64| Placement {
+        x: x / 1e3,
+        y: y / 1e3,
+        z: z / 1e3,
+        yaw: yaw.to_radians(),
+    };
+    let layout = |x: &[f64]| {
+        let mut layout = cell.start();
+        layout.placements[0] = at(x[0], x[1], x[3], x[2]);
+        layout.placements[1] = at(x[4], x[5], 600.0, x[6]);
+        layout
+    };
+    data("d_layouts.bin").chunks_exact(7).map(layout).collect()
+}
+
+fn node(c: &mut Criterion) {
+    let cell = shipped("hitachi_cell.toml");
+    let chain = Chain::new(&cell.robot);
+    let errors = Perturbation::new(&chain, cell.signed_errors());
+    let arm = PlanarArm::new(&chain).expect("the paper's arm");
+    let approach = arm.approach(-std::f64::consts::FRAC_PI_2);
+    let target = nalgebra::Vector3::new(0.2, 0.95, 0.7);
+    let mut scratch = arm.scratch();
+    c.bench_function("node: all branches, limits, nonlinear error", |b| {
+        b.iter(|| {
+            let mut least = f64::INFINITY;
+            arm.visit(black_box(&target), &approach, &mut scratch, |_, posture| {
+                let e = position_error(&chain, &errors, posture, Model::Nonlinear);
+                least = least.min(e.x * e.x + e.y * e.y);
+            });
+            least
+        })
+    });
+    let posture = chain.posture(&[0.3, 0.2, 0.1, -0.4, 0.0, 0.0, 0.0, 0.0]);
+    for model in Model::ALL {
+        c.bench_function(&format!("position error: {}", model.name()), |b| {
+            b.iter(|| position_error(&chain, &errors, black_box(&posture), model))
+        });
+    }
+}
+
+fn map(c: &mut Criterion) {
+    let workcell = Workcell::new(shipped("hitachi_paper.toml")).expect("the paper's cell");
+    let layout = workcell.cell.start();
+    c.bench_function("map: 99 nodes, every branch, both models", |b| {
+        b.iter(|| workcell.maps(black_box(&layout)))
+    });
+}
+
+fn collision(c: &mut Criterion) {
+    let cell = shipped("hitachi_cell.toml");
+    let scene = Scene::new(&cell);
+    let chain = Chain::new(&cell.robot);
+    let mut placed = Placed::default();
+    scene.place(&layouts(&cell)[0], &mut placed);
+    for set in ["q", "qtask"] {
+        let postures: Vec<_> = data(&format!("c_pw10_{set}.bin"))
+            .chunks_exact(4)
+            .map(|q| chain.posture(&std::array::from_fn(|i| q.get(i).copied().unwrap_or(0.0))))
+            .collect();
+        let mut next = postures.iter().cycle();
+        c.bench_function(&format!("collision: one configuration of {set}"), |b| {
+            b.iter(|| {
+                let mut frames = [Pose::identity(); cell::MAX_JOINTS + 1];
+                chain.frames(next.next().expect("a cycle"), &mut frames);
+                scene.hit(&placed, &frames)
+            })
+        });
+    }
+}
+
+fn evaluate(c: &mut Criterion) {
+    let workcell = Workcell::new(shipped("hitachi_cell.toml")).expect("the cell");
+    let layouts = layouts(&workcell.cell);
+    let mut workspace = Workspace::default();
+    for (name, set) in [("random", &layouts[..1000]), ("plausible", &layouts[1000..])] {
+        // A thousand layouts an iteration: the mean over the set, free of its order.
+        c.bench_function(&format!("evaluate: 1000 {name} layouts"), |b| {
+            b.iter(|| set.iter().map(|l| evaluate_in(&workcell, l, &mut workspace).cost).sum::<f64>())
+        });
+    }
+}
+
+criterion_group! {
+    name = layers;
+    config = Criterion::default().sample_size(20);
+    targets = node, map, collision, evaluate
+}
+criterion_main!(layers);

@@ -8,5 +8,5 @@
 mod plan;
 mod scene;
 
-pub use plan::{Overlap, Party, overlaps};
+pub use plan::{FloorPlan, Overlap, Party};
 pub use scene::{Hit, Placed, Scene};

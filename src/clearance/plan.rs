@@ -1,6 +1,6 @@
 //! Floor space in plan: which equipment stands in another, in the robot's base or where it may not.
 
-use crate::cell::{Cell, Layout, Placement, Rectangle, Role, extent};
+use crate::cell::{Cell, Equipment, KeepOut, Layout, Placement, Rectangle, Role, Shape, extent};
 
 /// Who takes part in an overlap.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -58,48 +58,77 @@ fn depth(a: &Placed, b: &Placed, clearance: f64) -> f64 {
     axes.into_iter().map(along).fold(f64::INFINITY, f64::min).max(0.0)
 }
 
-/// All overlaps of a layout, in the order equipment, robot base, keep-out boxes, floor.
-pub fn overlaps(cell: &Cell, layout: &Layout, found: &mut Vec<Overlap>) {
-    found.clear();
-    if !cell.collision {
-        return;
+/// The floor space of a cell, made ready once.
+pub struct FloorPlan {
+    /// Footprint, role, and the lowest and highest point of the solids, per equipment.
+    equipment: Vec<(Rectangle, Role, f64, f64)>,
+    base: Placed,
+    keep_out: Vec<(Placed, f64, f64)>,
+    clearance: f64,
+    floor: f64,
+    enabled: bool,
+}
+
+impl FloorPlan {
+    pub fn new(cell: &Cell) -> Self {
+        let stand = |e: &Equipment| {
+            let extents = || e.solids.iter().map(|s| extent(&s.shape));
+            let legs = e.solids.iter().any(|s| matches!(s.shape, Shape::Leg { .. }));
+            // Legs take the floor space below them, whatever their height.
+            let below = if legs { f64::NEG_INFINITY } else { 0.0 };
+            let low = extents().map(|(lo, _)| lo.z).fold(below, f64::min);
+            let high = extents().map(|(_, hi)| hi.z).fold(0.0, f64::max);
+            (e.footprint, e.role, low, high)
+        };
+        Self {
+            equipment: cell.equipment.iter().map(stand).collect(),
+            base: Placed::new(&cell.robot.footprint, &cell.base),
+            keep_out: cell.keep_out.iter().map(|k| (plan_of(k), k.min.z, k.max.z)).collect(),
+            clearance: cell.clearance,
+            floor: cell.floor,
+            enabled: cell.collision,
+        }
     }
-    let base = Placed::new(&cell.robot.footprint, &cell.base);
-    let mut note = |a, b, depth: f64| {
-        if depth > 0.0 {
-            found.push(Overlap { a, b, depth });
+
+    /// All overlaps of a layout into `found`: per equipment with those after it, the robot base,
+    /// the keep-out boxes and the floor. Two obstacles may overlap.
+    pub fn overlaps(&self, layout: &Layout, found: &mut Vec<Overlap>) {
+        found.clear();
+        if !self.enabled {
+            return;
         }
-    };
-    for (i, (equipment, at)) in cell.equipment.iter().zip(&layout.placements).enumerate() {
-        let party = Party::Equipment(i);
-        let here = Placed::new(&equipment.footprint, at);
-        for (j, (other, there)) in cell.equipment.iter().zip(&layout.placements).enumerate().skip(i + 1) {
-            if equipment.role == Role::Obstacle && other.role == Role::Obstacle {
-                continue;
+        let clearance = self.clearance;
+        let mut note = |a, b, depth: f64| {
+            if depth > 0.0 {
+                found.push(Overlap { a, b, depth });
             }
-            note(
-                party,
-                Party::Equipment(j),
-                depth(&here, &Placed::new(&other.footprint, there), cell.clearance),
-            );
-        }
-        note(party, Party::RobotBase, depth(&here, &base, cell.clearance));
-        let shapes = || equipment.solids.iter().map(|s| extent(&s.shape));
-        let low = shapes().map(|(lo, _)| lo.z).fold(0.0, f64::min) + at.z;
-        let high = shapes().map(|(_, hi)| hi.z).fold(0.0, f64::max) + at.z;
-        for (k, keep_out) in cell.keep_out.iter().enumerate() {
-            let stands = equipment.solids.iter().any(|s| matches!(s.shape, crate::cell::Shape::Leg { .. }));
-            let low = if stands { low.min(cell.floor) } else { low };
-            let height = (high + cell.clearance - keep_out.min.z).min(keep_out.max.z - low + cell.clearance);
-            if height > 0.0 {
-                note(party, Party::KeepOut(k), depth(&here, &plan_of(keep_out), cell.clearance));
+        };
+        let all = || self.equipment.iter().zip(&layout.placements).enumerate();
+        for (i, ((footprint, role, low, high), at)) in all() {
+            let party = Party::Equipment(i);
+            let here = Placed::new(footprint, at);
+            for (j, ((other, other_role, ..), there)) in all().skip(i + 1) {
+                if (*role, *other_role) != (Role::Obstacle, Role::Obstacle) {
+                    note(party, Party::Equipment(j), depth(&here, &Placed::new(other, there), clearance));
+                }
+            }
+            note(party, Party::RobotBase, depth(&here, &self.base, clearance));
+            for (k, (box_plan, bottom, top)) in self.keep_out.iter().enumerate() {
+                let apart = at.z + low >= top + clearance || at.z + high + clearance <= *bottom;
+                if !apart {
+                    note(party, Party::KeepOut(k), depth(&here, box_plan, clearance));
+                }
+            }
+            let sunk = self.floor - (at.z + low);
+            // Standing on the floor is no overlap; rounding must not make it one.
+            if sunk.is_finite() && sunk > 1e-9 {
+                note(party, Party::Floor, sunk);
             }
         }
-        note(party, Party::Floor, cell.floor - low - 1e-9);
     }
 }
 
-fn plan_of(keep_out: &crate::cell::KeepOut) -> Placed {
+fn plan_of(keep_out: &KeepOut) -> Placed {
     let (lo, hi) = (keep_out.min, keep_out.max);
     Placed {
         centre: ((lo.x + hi.x) / 2.0, (lo.y + hi.y) / 2.0),

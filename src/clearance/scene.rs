@@ -5,7 +5,7 @@ use crate::pose::Pose;
 use nalgebra::Vector3;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::math as pm;
-use parry3d::query::intersection_test;
+use parry3d::query::{DefaultQueryDispatcher, QueryDispatcher};
 use parry3d::shape::{self, SharedShape, TriMesh, TriMeshFlags};
 
 /// What a robot solid touches.
@@ -22,12 +22,16 @@ struct Body {
     shape: SharedShape,
     local: Pose,
     /// A point inside the solid, for tests against closed meshes.
-    inside: Vector3<f64>,
+    inside: pm::Vector,
+    /// Shorter capsules that together are the capsule, for tests against meshes: the bounds of a
+    /// long one that lies askew take in most triangles of a mesh. Empty: the shape itself.
+    pieces: Vec<SharedShape>,
 }
 
 /// An equipment solid: fixed in shape, or a leg that is cut to length by the placement.
 enum Part {
-    Rigid { body: Body, closed_mesh: bool },
+    Convex(Body),
+    Mesh { body: Body, closed: bool },
     Leg { x: f64, y: f64, half: (f64, f64), top: f64 },
 }
 
@@ -46,13 +50,17 @@ pub struct Placed {
     bodies: Vec<PlacedBody>,
     /// What the base itself touches, whatever the arm does.
     base_hit: Option<Hit>,
+    /// The pair that touched last: the next posture most likely touches it, too.
+    suspect: Option<(usize, usize)>,
 }
 
 struct PlacedBody {
     id: (usize, usize),
     pose: pm::Pose,
     bounds: Aabb,
-    /// A leg of this layout; None: the rigid shape of the scene.
+    /// Bounds in the frame of the solid.
+    local_bounds: Aabb,
+    /// A leg of this layout; None: the shape of the scene.
     leg: Option<shape::Cuboid>,
 }
 
@@ -72,29 +80,27 @@ impl Scene {
     /// Poses the equipment of a layout.
     pub fn place(&self, layout: &Layout, placed: &mut Placed) {
         placed.bodies.clear();
-        placed.base_hit = None;
+        (placed.base_hit, placed.suspect) = (None, None);
         if !self.enabled {
             return;
         }
         for (e, (parts, at)) in self.parts.iter().zip(&layout.placements).enumerate() {
             let frame = at.pose();
-            for (s, part) in parts.iter().enumerate() {
-                placed.bodies.extend(self.placed_body((e, s), part, &frame));
-            }
+            let bodies = parts.iter().enumerate().filter_map(|(s, part)| self.posed((e, s), part, &frame));
+            placed.bodies.extend(bodies);
         }
-        let fixed = self.links.iter().enumerate().filter(|(_, (link, _))| *link == 0);
-        for (solid, (_, body)) in fixed {
-            let pose = parry_pose(&(self.base * body.local));
-            let hit = self.first_hit(solid, &pose, &body.shape.compute_aabb(&pose), placed);
-            placed.base_hit = placed.base_hit.or(hit);
+        for solid in (0..self.links.len()).filter(|&solid| self.links[solid].0 == 0) {
+            let pose = parry_pose(&(self.base * self.links[solid].1.local));
+            placed.base_hit = placed.base_hit.or_else(|| self.first_hit(solid, &pose, placed));
         }
     }
 
-    fn placed_body(&self, id: (usize, usize), part: &Part, frame: &Pose) -> Option<PlacedBody> {
+    fn posed(&self, id: (usize, usize), part: &Part, frame: &Pose) -> Option<PlacedBody> {
         match part {
-            Part::Rigid { body, .. } => {
+            Part::Convex(body) | Part::Mesh { body, .. } => {
                 let pose = parry_pose(&(*frame * body.local));
-                Some(PlacedBody { id, pose, bounds: body.shape.compute_aabb(&pose), leg: None })
+                let local_bounds = body.shape.compute_local_aabb();
+                Some(PlacedBody { id, pose, bounds: body.shape.compute_aabb(&pose), local_bounds, leg: None })
             }
             Part::Leg { x, y, half, top } => {
                 let height = frame.translation.z + top - self.floor;
@@ -104,99 +110,122 @@ impl Scene {
                 let centre = Vector3::new(*x, *y, top - height / 2.0);
                 let pose = parry_pose(&Pose { translation: frame.transform(&centre), ..*frame });
                 let leg = shape::Cuboid::new(pm::Vector::new(half.0, half.1, height / 2.0));
-                Some(PlacedBody { id, pose, bounds: leg.aabb(&pose), leg: Some(leg) })
+                Some(PlacedBody {
+                    id,
+                    pose,
+                    bounds: leg.aabb(&pose),
+                    local_bounds: leg.local_aabb(),
+                    leg: Some(leg),
+                })
             }
         }
     }
 
     /// The first contact of the robot with its link frames (in the base) at `frames`, or None.
     pub fn hit(&self, placed: &Placed, frames: &[Pose; MAX_JOINTS + 1]) -> Option<Hit> {
-        if !self.enabled {
-            return None;
-        }
-        if placed.base_hit.is_some() {
+        if !self.enabled || placed.base_hit.is_some() {
             return placed.base_hit;
         }
-        for (solid, (link, body)) in self.links.iter().enumerate().filter(|(_, (link, _))| *link > 0) {
-            let pose = parry_pose(&(self.base * frames[*link] * body.local));
-            let bounds = body.shape.compute_aabb(&pose);
-            if bounds.mins.z <= self.floor {
-                return Some(Hit { solid, other: None });
+        (0..self.links.len()).filter(|&solid| self.links[solid].0 > 0).find_map(|solid| {
+            let pose = self.link_pose(solid, frames);
+            let low = self.links[solid].1.shape.compute_aabb(&pose).mins.z;
+            if low <= self.floor {
+                Some(Hit { solid, other: None })
+            } else {
+                self.first_hit(solid, &pose, placed)
             }
-            if let Some(hit) = self.first_hit(solid, &pose, &bounds, placed) {
-                return Some(hit);
-            }
-        }
-        None
+        })
     }
 
-    fn first_hit(&self, solid: usize, pose: &pm::Pose, bounds: &Aabb, placed: &Placed) -> Option<Hit> {
+    /// Whether [`Self::hit`] finds nothing, asked faster for one posture after another.
+    pub fn is_free(&self, placed: &mut Placed, frames: &[Pose; MAX_JOINTS + 1]) -> bool {
+        if let Some((solid, k)) = placed.suspect
+            && self.touches(solid, &self.link_pose(solid, frames), &placed.bodies[k])
+        {
+            return false;
+        }
+        let hit = self.hit(placed, frames);
+        placed.suspect = hit.and_then(|h| {
+            let other = h.other.filter(|_| self.links[h.solid].0 > 0)?;
+            Some((h.solid, placed.bodies.iter().position(|b| b.id == other)?))
+        });
+        hit.is_none()
+    }
+
+    fn link_pose(&self, solid: usize, frames: &[Pose; MAX_JOINTS + 1]) -> pm::Pose {
+        let (link, body) = &self.links[solid];
+        parry_pose(&(self.base * frames[*link] * body.local))
+    }
+
+    fn first_hit(&self, solid: usize, pose: &pm::Pose, placed: &Placed) -> Option<Hit> {
+        let bounds = self.links[solid].1.shape.compute_aabb(pose);
+        let mut near = placed.bodies.iter().filter(|b| b.bounds.intersects(&bounds));
+        near.find(|b| self.touches(solid, pose, b)).map(|b| Hit { solid, other: Some(b.id) })
+    }
+
+    /// Bounds in the frame of the other solid, then the shapes themselves.
+    fn touches(&self, solid: usize, pose: &pm::Pose, other: &PlacedBody) -> bool {
         let link = &self.links[solid].1;
-        let near = placed.bodies.iter().filter(|b| b.bounds.intersects(bounds));
-        near.into_iter()
-            .find(|b| {
-                let (e, s) = b.id;
-                match (&self.parts[e][s], &b.leg) {
-                    (_, Some(leg)) => intersecting(pose, &*link.shape, &b.pose, leg),
-                    (Part::Rigid { body, closed_mesh }, None) => {
-                        intersecting(pose, &*link.shape, &b.pose, &*body.shape)
-                            || *closed_mesh
-                                && body.shape.contains_point(&b.pose, *pose * vector(&link.inside))
-                    }
-                    (Part::Leg { .. }, None) => false,
-                }
-            })
-            .map(|b| Hit { solid, other: Some(b.id) })
+        let relative = other.pose.inv_mul(pose);
+        if !link.shape.compute_aabb(&relative).intersects(&other.local_bounds) {
+            return false;
+        }
+        match (&self.parts[other.id.0][other.id.1], &other.leg) {
+            (_, Some(leg)) => intersecting(leg, &relative, &*link.shape),
+            (Part::Convex(body), None) => intersecting(&*body.shape, &relative, &*link.shape),
+            (Part::Mesh { body, closed }, None) => {
+                let near = |s: &SharedShape| s.compute_aabb(&relative).intersects(&other.local_bounds);
+                let hits = |s: &SharedShape| near(s) && intersecting(&*body.shape, &relative, &**s);
+                let whole = std::slice::from_ref(&link.shape);
+                let pieces = if link.pieces.is_empty() { whole } else { &link.pieces };
+                // A closed mesh that is not touched but holds one point of the link holds all of it.
+                let point = relative * link.inside;
+                let held = || {
+                    other.local_bounds.contains_local_point(point) && body.shape.contains_local_point(point)
+                };
+                pieces.iter().any(hits) || *closed && held()
+            }
+            (Part::Leg { .. }, None) => false,
+        }
     }
 }
 
 /// parry answers every pair of the shapes built here; should it not, a collision is the safe answer.
-fn intersecting(pose_a: &pm::Pose, a: &dyn shape::Shape, pose_b: &pm::Pose, b: &dyn shape::Shape) -> bool {
-    intersection_test(pose_a, a, pose_b, b).map_or(true, |answer| answer.intersecting)
+fn intersecting(a: &dyn shape::Shape, b_in_a: &pm::Pose, b: &dyn shape::Shape) -> bool {
+    DefaultQueryDispatcher.intersection_test(b_in_a, a, b).map_or(true, |answer| answer.intersecting)
 }
 
-/// The shape of a link solid with every point within `by` (m) of it.
+/// The shape of a link solid with every point within `by` (m) of it: exact, for a ball swept over a
+/// convex solid is one of parry's shapes.
 fn swollen(shape: &Shape, by: f64) -> Body {
     match shape {
         Shape::Box { pose, size } if by > 0.0 => {
             let half = size / 2.0;
-            let shape = SharedShape::round_cuboid(half.x, half.y, half.z, by);
-            Body { shape, local: *pose, inside: Vector3::zeros() }
+            centred(SharedShape::round_cuboid(half.x, half.y, half.z, by), *pose)
         }
         Shape::Sphere { centre, radius } => ball(centre, radius + by),
         Shape::Capsule { a, b, radius } => capsule(a, b, radius + by),
         Shape::Cylinder { a, b, radius } if by > 0.0 => {
-            let shape = SharedShape::round_cylinder((b - a).norm() / 2.0, *radius, by);
-            Body { shape, local: along_y(a, b), inside: Vector3::zeros() }
+            centred(SharedShape::round_cylinder((b - a).norm() / 2.0, *radius, by), along_y(a, b))
         }
         other => body(other),
     }
 }
 
-/// The shape as it is.
+/// The shape as it is. A leg gets its length from the placement and never comes here.
 fn body(shape: &Shape) -> Body {
     match shape {
         Shape::Box { pose, size } => {
             let half = size / 2.0;
-            Body {
-                shape: SharedShape::cuboid(half.x, half.y, half.z),
-                local: *pose,
-                inside: Vector3::zeros(),
-            }
+            centred(SharedShape::cuboid(half.x, half.y, half.z), *pose)
         }
         Shape::Sphere { centre, radius } => ball(centre, *radius),
         Shape::Capsule { a, b, radius } => capsule(a, b, *radius),
         Shape::Cylinder { a, b, radius } => {
-            let shape = SharedShape::cylinder((b - a).norm() / 2.0, *radius);
-            Body { shape, local: along_y(a, b), inside: Vector3::zeros() }
+            centred(SharedShape::cylinder((b - a).norm() / 2.0, *radius), along_y(a, b))
         }
-        // A leg has no length of its own; see `Part::Leg`.
-        Shape::Leg { x, y, size, top } => {
-            let shape = SharedShape::cuboid(size.0 / 2.0, size.1 / 2.0, f64::MIN_POSITIVE);
-            let translation = Vector3::new(*x, *y, *top);
-            Body { shape, local: Pose { translation, ..Pose::identity() }, inside: Vector3::zeros() }
-        }
-        Shape::Mesh { pose, vertices, triangles, closed } => mesh(pose, vertices, triangles, *closed),
+        Shape::Leg { x, y, top, .. } => ball(&Vector3::new(*x, *y, *top), 0.0),
+        Shape::Mesh { pose, vertices, triangles, .. } => centred(mesh(vertices, triangles), *pose),
     }
 }
 
@@ -205,44 +234,44 @@ fn part(shape: &Shape) -> Part {
         Shape::Leg { x, y, size, top } => {
             Part::Leg { x: *x, y: *y, half: (size.0 / 2.0, size.1 / 2.0), top: *top }
         }
-        other => {
-            Part::Rigid { body: body(other), closed_mesh: matches!(other, Shape::Mesh { closed: true, .. }) }
-        }
+        Shape::Mesh { closed, .. } => Part::Mesh { body: body(shape), closed: *closed },
+        _ => Part::Convex(body(shape)),
     }
 }
 
+fn centred(shape: SharedShape, local: Pose) -> Body {
+    Body { shape, local, inside: pm::Vector::ZERO, pieces: Vec::new() }
+}
+
 fn ball(centre: &Vector3<f64>, radius: f64) -> Body {
-    let local = Pose { translation: *centre, ..Pose::identity() };
-    Body { shape: SharedShape::ball(radius), local, inside: Vector3::zeros() }
+    centred(SharedShape::ball(radius), Pose { translation: *centre, ..Pose::identity() })
 }
 
 fn capsule(a: &Vector3<f64>, b: &Vector3<f64>, radius: f64) -> Body {
-    Body { shape: SharedShape::capsule(vector(a), vector(b), radius), local: Pose::identity(), inside: *a }
+    let count = ((b - a).norm() / (2.0 * radius)).ceil().clamp(1.0, 64.0);
+    let point = |k: f64| vector(&a.lerp(b, k / count));
+    let pieces =
+        (0..count as usize).map(|k| SharedShape::capsule(point(k as f64), point(k as f64 + 1.0), radius));
+    let shape = SharedShape::capsule(vector(a), vector(b), radius);
+    Body { inside: vector(a), pieces: pieces.collect(), ..centred(shape, Pose::identity()) }
 }
 
 /// The pose of a bar whose axis is y in parry and runs from `a` to `b` here.
 fn along_y(a: &Vector3<f64>, b: &Vector3<f64>) -> Pose {
-    let axis = (b - a).normalize();
-    let turn = nalgebra::Rotation3::rotation_between(&Vector3::y(), &axis);
+    let turn = nalgebra::Rotation3::rotation_between(&Vector3::y(), &(b - a));
     // Opposite directions have no unique turn between them: half a turn about x is one.
     let turn = turn
         .unwrap_or_else(|| nalgebra::Rotation3::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI));
     Pose { rotation: turn.into_inner(), translation: (a + b) / 2.0 }
 }
 
-fn mesh(pose: &Pose, vertices: &[Vector3<f64>], triangles: &[[u32; 3]], closed: bool) -> Body {
+/// Oriented, so that a point inside can be told from one outside. What parry refuses (the cell has
+/// refused empty meshes before) is taken as the box round it.
+fn mesh(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> SharedShape {
     let points: Vec<_> = vertices.iter().map(vector).collect();
-    // Oriented: a point inside can be told from one outside.
-    let flags = if closed { TriMeshFlags::ORIENTED } else { TriMeshFlags::empty() };
-    let built = TriMesh::with_flags(points.clone(), triangles.to_vec(), flags);
-    // The cell refuses empty meshes; its bounding box stands for anything else parry dislikes.
-    let shape = built.map(SharedShape::new).unwrap_or_else(|_| bounding_box(&points));
-    Body { shape, local: *pose, inside: Vector3::zeros() }
-}
-
-fn bounding_box(points: &[pm::Vector]) -> SharedShape {
     let reach = points.iter().fold(pm::Vector::ZERO, |m, p| m.max(p.abs()));
-    SharedShape::cuboid(reach.x, reach.y, reach.z)
+    let built = TriMesh::with_flags(points, triangles.to_vec(), TriMeshFlags::ORIENTED);
+    built.map_or_else(|_| SharedShape::cuboid(reach.x, reach.y, reach.z), SharedShape::new)
 }
 
 fn vector(v: &Vector3<f64>) -> pm::Vector {

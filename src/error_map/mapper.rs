@@ -109,7 +109,7 @@ impl Mapper {
         operation: usize,
         layout: &Layout,
         scene: &Scene,
-        placed: &Placed,
+        placed: &mut Placed,
         scratch: &mut Scratch,
     ) -> Outcome {
         let station = &self.stations[operation];
@@ -135,7 +135,7 @@ impl Mapper {
         let nearest = heap.peek().map(|c| c.spot);
         let mut found = None;
         while let Some(candidate) = heap.pop() {
-            if self.candidate_hit(&candidate, &station.approach, scene, placed).is_none() {
+            if self.is_free(&candidate, &station.approach, scene, placed) {
                 found = Some(candidate.spot);
                 break;
             }
@@ -150,20 +150,22 @@ impl Mapper {
 
     /// Solves the candidate's target again for its one posture: dearer than keeping it, but few
     /// candidates ever come here and all of them would have to be stored.
-    fn candidate_hit(
+    fn is_free(
         &self,
         candidate: &Candidate,
         approach: &Approach,
         scene: &Scene,
-        placed: &Placed,
-    ) -> Option<Hit> {
-        let mut hit = None;
+        placed: &mut Placed,
+    ) -> bool {
+        let mut free = false;
         self.arm.visit(&candidate.target, approach, &mut self.arm.scratch(), |branch, posture| {
             if branch == candidate.spot.branch {
-                hit = self.hit(posture, scene, placed);
+                let mut frames = [Pose::identity(); MAX_JOINTS + 1];
+                self.chain.frames(posture, &mut frames);
+                free = scene.is_free(placed, &frames);
             }
         });
-        hit
+        free
     }
 
     fn hit(&self, posture: &Posture, scene: &Scene, placed: &Placed) -> Option<Hit> {

@@ -1,7 +1,7 @@
 //! One candidate: [`evaluate`] a [`Layout`]. The seam that search, what-ifs and reports share.
 
 use crate::cell::{Cell, Layout, Objective};
-use crate::clearance::{Overlap, Placed, Scene, overlaps};
+use crate::clearance::{FloorPlan, Overlap, Placed, Scene};
 use crate::error_map::{Mapper, OperationMap, Outcome, Scratch};
 
 /// Added to the cost of every infeasible layout: more than any error in m, so that no infeasible
@@ -17,6 +17,7 @@ const OUT_OF_REACH: f64 = 2.0;
 pub struct Workcell {
     pub cell: Cell,
     mapper: Mapper,
+    plan: FloorPlan,
     scene: Scene,
 }
 
@@ -45,8 +46,8 @@ impl Workcell {
     /// Why the robot cannot be used.
     pub fn new(cell: Cell) -> Result<Self, String> {
         let mapper = Mapper::new(&cell)?;
-        let scene = Scene::new(&cell);
-        Ok(Self { cell, mapper, scene })
+        let (plan, scene) = (FloorPlan::new(&cell), Scene::new(&cell));
+        Ok(Self { cell, mapper, plan, scene })
     }
 
     /// The error map of every operation.
@@ -69,9 +70,9 @@ pub fn evaluate(workcell: &Workcell, layout: &Layout) -> Evaluation {
 
 /// [`evaluate`] with memory that is kept from call to call.
 pub fn evaluate_in(workcell: &Workcell, layout: &Layout, workspace: &mut Workspace) -> Evaluation {
-    let Workcell { cell, mapper, scene } = workcell;
+    let Workcell { cell, mapper, plan, scene } = workcell;
     let Workspace { overlaps: found, placed, scratch } = workspace;
-    overlaps(cell, layout, found);
+    plan.overlaps(layout, found);
     scene.place(layout, placed);
     let outcome = |k| mapper.least_error(k, layout, scene, placed, scratch);
     let outcomes: Vec<_> = (0..cell.operations.len()).map(outcome).collect();
