@@ -6,4 +6,5 @@ pub mod layout;
 pub mod pose;
 pub mod reach;
 pub mod robot;
+pub mod search;
 pub mod units;

@@ -1,0 +1,164 @@
+//! CMA-ES as an argmin solver: the (mu/mu_w, lambda) evolution strategy with covariance matrix
+//! adaptation. Formulas and default parameters: N. Hansen, "The CMA Evolution Strategy: A
+//! Tutorial", arXiv:1604.00772, equations and Table 1 as numbered there.
+//!
+//! Only ranks of costs are used, so a cost with walls (infeasible layouts) does no harm.
+
+use argmin::core::{
+    CostFunction, Error, IterState, KV, Problem, Solver, State, TerminationReason, TerminationStatus,
+};
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use rand::Rng;
+use rand_chacha::ChaCha8Rng;
+
+/// First step size, in units of the search range.
+const SIGMA: f64 = 0.3;
+/// The run has settled when no coordinate moves by more than this, ...
+const TOL_X: f64 = 1e-7;
+/// ... when the best costs of many generations differ by no more than this (m), ...
+const TOL_COST: f64 = 1e-9;
+/// ... or when the covariance has become this lopsided.
+const MAX_CONDITION: f64 = 1e14;
+
+/// One run from one starting mean.
+pub struct CmaEs {
+    rng: ChaCha8Rng,
+    weights: DVector<f64>,
+    lambda: usize,
+    mu_eff: f64,
+    c_sigma: f64,
+    d_sigma: f64,
+    c_c: f64,
+    c_1: f64,
+    c_mu: f64,
+    /// Expected length of a standard normal vector.
+    chi: f64,
+    mean: DVector<f64>,
+    sigma: f64,
+    covariance: DMatrix<f64>,
+    path_sigma: DVector<f64>,
+    path_c: DVector<f64>,
+    /// Best cost of each of the last generations.
+    history: Vec<f64>,
+    settled: bool,
+}
+
+impl CmaEs {
+    /// Table 1 with positive weights only.
+    pub fn new(mean: Vec<f64>, rng: ChaCha8Rng) -> Self {
+        let n = mean.len() as f64;
+        let lambda = 4 + (3.0 * n.ln()).floor() as usize;
+        let mu = lambda / 2;
+        let raw = DVector::from_fn(mu, |i, _| ((lambda as f64 + 1.0) / 2.0).ln() - (i as f64 + 1.0).ln());
+        let weights = &raw / raw.sum();
+        let mu_eff = 1.0 / weights.norm_squared();
+        let c_sigma = (mu_eff + 2.0) / (n + mu_eff + 5.0);
+        let c_1 = 2.0 / ((n + 1.3).powi(2) + mu_eff);
+        let c_mu = (2.0 * (mu_eff - 2.0 + 1.0 / mu_eff) / ((n + 2.0).powi(2) + mu_eff)).min(1.0 - c_1);
+        let dimensions = mean.len();
+        Self {
+            rng,
+            weights,
+            lambda,
+            mu_eff,
+            c_sigma,
+            d_sigma: 1.0 + 2.0 * (((mu_eff - 1.0) / (n + 1.0)).sqrt() - 1.0).max(0.0) + c_sigma,
+            c_c: (4.0 + mu_eff / n) / (n + 4.0 + 2.0 * mu_eff / n),
+            c_1,
+            c_mu,
+            chi: n.sqrt() * (1.0 - 1.0 / (4.0 * n) + 1.0 / (21.0 * n * n)),
+            mean: DVector::from_vec(mean),
+            sigma: SIGMA,
+            covariance: DMatrix::identity(dimensions, dimensions),
+            path_sigma: DVector::zeros(dimensions),
+            path_c: DVector::zeros(dimensions),
+            history: Vec::new(),
+            settled: false,
+        }
+    }
+
+    /// A standard normal vector (Box-Muller).
+    fn normal(&mut self) -> DVector<f64> {
+        let rng = &mut self.rng;
+        DVector::from_fn(self.mean.len(), |_, _| {
+            let (u, v): (f64, f64) = (1.0 - rng.random::<f64>(), rng.random());
+            (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * v).cos()
+        })
+    }
+
+    /// Eqs. (41)-(47) from the steps y, best first. `whiten` is C^(-1/2).
+    fn adapt(&mut self, steps: &[DVector<f64>], whiten: &DMatrix<f64>, generation: u64) {
+        let n = self.mean.len() as f64;
+        let zero = DVector::zeros(self.mean.len());
+        let step = steps.iter().zip(self.weights.iter()).fold(zero, |sum, (y, w)| sum + y * *w);
+        self.mean += &step * self.sigma;
+        let gain = (self.c_sigma * (2.0 - self.c_sigma) * self.mu_eff).sqrt();
+        self.path_sigma = &self.path_sigma * (1.0 - self.c_sigma) + whiten * &step * gain;
+        let length = self.path_sigma.norm();
+        let warmed = (1.0 - (1.0 - self.c_sigma).powf(2.0 * (generation as f64 + 1.0))).sqrt();
+        let h = if length / warmed < (1.4 + 2.0 / (n + 1.0)) * self.chi { 1.0 } else { 0.0 };
+        let gain = h * (self.c_c * (2.0 - self.c_c) * self.mu_eff).sqrt();
+        self.path_c = &self.path_c * (1.0 - self.c_c) + &step * gain;
+        let keep = 1.0 - self.c_1 - self.c_mu + (1.0 - h) * self.c_1 * self.c_c * (2.0 - self.c_c);
+        let mut covariance = &self.covariance * keep + &self.path_c * self.path_c.transpose() * self.c_1;
+        for (y, w) in steps.iter().zip(self.weights.iter()) {
+            covariance += y * y.transpose() * (self.c_mu * w);
+        }
+        self.covariance = (&covariance + covariance.transpose()) / 2.0;
+        // The exponent is bounded: one generation never changes the step by more than e.
+        self.sigma *= ((self.c_sigma / self.d_sigma) * (length / self.chi - 1.0)).min(1.0).exp();
+    }
+
+    /// The stopping rules of section B.3 that matter on a unit cube.
+    fn has_settled(&mut self, best: f64, eigenvalues: &DVector<f64>) -> bool {
+        self.history.push(best);
+        let span = 10 + (30.0 * self.mean.len() as f64 / self.lambda as f64).ceil() as usize;
+        let recent = &self.history[self.history.len().saturating_sub(span)..];
+        let (low, high) = recent.iter().fold((f64::MAX, f64::MIN), |(l, h), &c| (l.min(c), h.max(c)));
+        let flat = recent.len() == span && high - low < TOL_COST;
+        let (least, most) = (eigenvalues.min(), eigenvalues.max());
+        let small = self.sigma * most.sqrt() < TOL_X;
+        let sound = least > 0.0 && most / least < MAX_CONDITION && self.sigma.is_finite() && self.sigma < 1e3;
+        flat || small || !sound
+    }
+}
+
+impl<O> Solver<O, IterState<Vec<f64>, (), (), (), (), f64>> for CmaEs
+where
+    O: CostFunction<Param = Vec<f64>, Output = f64>,
+{
+    fn name(&self) -> &str {
+        "CMA-ES"
+    }
+
+    fn next_iter(
+        &mut self,
+        problem: &mut Problem<O>,
+        state: IterState<Vec<f64>, (), (), (), (), f64>,
+    ) -> Result<(IterState<Vec<f64>, (), (), (), (), f64>, Option<KV>), Error> {
+        let SymmetricEigen { eigenvectors, eigenvalues } = SymmetricEigen::new(self.covariance.clone());
+        let roots = eigenvalues.map(|v| v.max(1e-300).sqrt());
+        let spread = &eigenvectors * DMatrix::from_diagonal(&roots);
+        let whiten =
+            &eigenvectors * DMatrix::from_diagonal(&roots.map(|r| 1.0 / r)) * eigenvectors.transpose();
+        let steps: Vec<DVector<f64>> = (0..self.lambda).map(|_| &spread * self.normal()).collect();
+        let points: Vec<Vec<f64>> =
+            steps.iter().map(|y| (&self.mean + y * self.sigma).as_slice().to_vec()).collect();
+        let costs = problem.bulk_cost(&points)?;
+        let mut order: Vec<usize> = (0..costs.len()).collect();
+        order.sort_by(|&a, &b| costs[a].total_cmp(&costs[b]));
+        let best = order[0];
+        let ranked: Vec<_> = order.iter().map(|&k| steps[k].clone()).collect();
+        self.adapt(&ranked, &whiten, state.get_iter());
+        self.settled = self.has_settled(costs[best], &eigenvalues);
+        Ok((state.param(points[best].clone()).cost(costs[best]), None))
+    }
+
+    fn terminate(&mut self, _state: &IterState<Vec<f64>, (), (), (), (), f64>) -> TerminationStatus {
+        if self.settled {
+            TerminationStatus::Terminated(TerminationReason::SolverConverged)
+        } else {
+            TerminationStatus::NotTerminated
+        }
+    }
+}
