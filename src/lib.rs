@@ -1,10 +1,13 @@
 pub mod cell;
 pub mod clearance;
+pub mod cli;
+pub mod compare;
 pub mod error_map;
 pub mod kinematic_error;
 pub mod layout;
 pub mod pose;
 pub mod reach;
+pub mod report;
 pub mod robot;
 pub mod search;
 pub mod units;

@@ -11,4 +11,4 @@ mod node;
 
 pub use grid::Grid;
 pub use mapper::{Mapper, Outcome, Scratch, Spot};
-pub use node::{NodeRecord, OperationMap, Status};
+pub use node::{NodeRecord, OperationMap, PostureRecord, Status};

@@ -1,0 +1,116 @@
+//! The command line.
+
+use crate::cell::{Model, Sense, Solver};
+use clap::builder::PossibleValuesParser;
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+
+/// Finds where in a robot workcell a precision operation should happen, and where worktable and
+/// conveyor must stand so that it can.
+#[derive(Parser)]
+#[command(
+    version,
+    about,
+    disable_help_subcommand = true,
+    before_help = "Example: sweetspot search cells/hitachi_cell.toml"
+)]
+pub struct Arguments {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+#[derive(Subcommand)]
+pub enum Command {
+    /// Validate a cell file and everything it refers to; all faults at once
+    #[command(before_help = "Example: sweetspot check cells/hitachi_cell.toml")]
+    Check(CheckArguments),
+    /// Map the error over every work surface of the layout as drawn
+    #[command(before_help = "Example: sweetspot map cells/hitachi_paper.toml --svg map.svg")]
+    Map(MapArguments),
+    /// Search where the equipment must stand and where to operate
+    #[command(
+        before_help = "Example: sweetspot search cells/hitachi_cell.toml --seed 2 --out results/second-try"
+    )]
+    Search(SearchArguments),
+    /// Put layouts side by side: cell files, best.toml files or folders of a search
+    #[command(before_help = "Example: sweetspot compare cells/hitachi_cell.toml results/hitachi_cell-001")]
+    Compare(CompareArguments),
+}
+
+#[derive(Args)]
+pub struct CheckArguments {
+    /// Cell file (TOML)
+    pub cell: PathBuf,
+    /// Print the faults as JSON on stdout
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// What may be said otherwise than in the cell file.
+#[derive(Args)]
+pub struct Overrides {
+    /// Use this error set of the robot
+    #[arg(long, value_name = "NAME")]
+    pub errors: Option<String>,
+    /// Use this error model
+    #[arg(long, value_parser = PossibleValuesParser::new(Model::ALL.map(Model::name)))]
+    pub model: Option<String>,
+    /// Measure every operation in this sense
+    #[arg(long, value_parser = PossibleValuesParser::new(Sense::ALL.map(Sense::name)))]
+    pub sense: Option<String>,
+}
+
+#[derive(Args)]
+pub struct MapArguments {
+    /// Cell file (TOML)
+    pub cell: PathBuf,
+    #[command(flatten)]
+    pub overrides: Overrides,
+    /// Print the map as JSON on stdout
+    #[arg(long)]
+    pub json: bool,
+    /// Write the map as a picture
+    #[arg(long, value_name = "FILE")]
+    pub svg: Option<PathBuf>,
+    /// Write map.json, map.csv, map.svg and manifest.json into this new folder
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+#[derive(Args)]
+pub struct SearchArguments {
+    /// Cell file (TOML)
+    pub cell: PathBuf,
+    #[command(flatten)]
+    pub overrides: Overrides,
+    /// Seed of all randomness; the same seed gives the same bytes
+    #[arg(long)]
+    pub seed: Option<u64>,
+    /// Layout evaluations
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
+    pub budget: Option<u64>,
+    /// Global solver
+    #[arg(long, value_parser = PossibleValuesParser::new(Solver::ALL.map(Solver::name)))]
+    pub solver: Option<String>,
+    /// Threads; the result does not depend on it [default: all cores]
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Write the result into this new folder [default: results/CELL-NNN]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Print the result as JSON on stdout
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Args)]
+pub struct CompareArguments {
+    /// Cell files, or folders that a search has written
+    #[arg(required = true)]
+    pub layouts: Vec<PathBuf>,
+    #[command(flatten)]
+    pub overrides: Overrides,
+    /// Print the comparison as JSON on stdout
+    #[arg(long)]
+    pub json: bool,
+}

@@ -1,0 +1,140 @@
+//! Reading inside the cell's folder, and writing whole files or none.
+
+use super::{Exit, output};
+use crate::cell::{self, Fault, Loaded, shown};
+use sha2::{Digest, Sha256};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Largest file read: a mesh of a million triangles has some 60 MB.
+const MAX_BYTES: u64 = 128 << 20;
+
+/// Reads a cell and all it refers to; faults and warnings go to stderr.
+pub fn load(path: &Path) -> Result<Loaded, Exit> {
+    let loaded = read_cell(path).map_err(|faults| {
+        let missing = |f: &Fault| f.excerpt.is_empty() && f.message.starts_with("cannot read");
+        let io = faults.iter().any(missing);
+        output::faults(&faults);
+        if io { Exit::Io } else { Exit::BadInput }
+    })?;
+    output::faults(&loaded.warnings);
+    Ok(loaded)
+}
+
+/// Reads a cell and all it refers to.
+pub fn read_cell(path: &Path) -> Result<Loaded, Vec<Fault>> {
+    let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    let folder = match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent.to_path_buf(),
+        _ => PathBuf::from("."),
+    };
+    let prefix = folder.clone();
+    let mut faults_named = |mut faults: Vec<Fault>| {
+        // Named as the user names the cell, so that an editor can jump there.
+        for fault in &mut faults {
+            fault.file = prefix.join(&fault.file).to_string_lossy().into_owned();
+        }
+        faults
+    };
+    let mut loaded =
+        cell::load(&name, &mut |inside| read_inside(&folder, inside)).map_err(&mut faults_named)?;
+    loaded.warnings = faults_named(loaded.warnings);
+    Ok(loaded)
+}
+
+/// Reads a file that must lie in `folder`, symbolic links followed.
+fn read_inside(folder: &Path, inside: &str) -> Result<String, String> {
+    let path = folder.join(inside);
+    let real = path.canonicalize().map_err(|e| reason(&e))?;
+    let home = folder.canonicalize().map_err(|e| reason(&e))?;
+    if !real.starts_with(&home) {
+        return Err("it leads out of the folder of the cell file".into());
+    }
+    let about = real.metadata().map_err(|e| reason(&e))?;
+    if !about.is_file() {
+        return Err("it is not a file".into());
+    }
+    if about.len() > MAX_BYTES {
+        return Err(format!("it has {} MB, more than {} MB", about.len() >> 20, MAX_BYTES >> 20));
+    }
+    let bytes = std::fs::read(&real).map_err(|e| reason(&e))?;
+    String::from_utf8(bytes).map_err(|_| "it is not UTF-8 text".to_string())
+}
+
+fn reason(e: &std::io::Error) -> String {
+    match e.kind() {
+        std::io::ErrorKind::NotFound => "no such file".into(),
+        std::io::ErrorKind::PermissionDenied => "permission denied".into(),
+        _ => e.to_string(),
+    }
+}
+
+/// Writes a file whole or not at all: a temporary file in the same folder, synced, renamed.
+pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Exit> {
+    let folder = match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    let write = || -> std::io::Result<()> {
+        let mut file = tempfile::NamedTempFile::new_in(folder)?;
+        file.write_all(bytes)?;
+        file.as_file().sync_all()?;
+        share(&file)?;
+        file.persist(path).map_err(|e| e.error)?;
+        Ok(())
+    };
+    write().map_err(|e| {
+        output::error(&format!("cannot write {}: {}", shown(&path.to_string_lossy()), reason(&e)));
+        Exit::Io
+    })
+}
+
+/// Temporary files are private; results are for all who may read the folder.
+#[cfg(unix)]
+fn share(file: &tempfile::NamedTempFile) -> std::io::Result<()> {
+    use std::os::unix::fs::PermissionsExt;
+    file.as_file().set_permissions(std::fs::Permissions::from_mode(0o644))
+}
+
+#[cfg(not(unix))]
+fn share(_file: &tempfile::NamedTempFile) -> std::io::Result<()> {
+    Ok(())
+}
+
+/// Makes the folder for results: the one asked for, which must be new or empty, or the first free
+/// `results/STEM-NNN`.
+pub fn new_folder(asked: Option<&Path>, stem: &str) -> Result<PathBuf, Exit> {
+    let cannot = |path: &Path, e: &std::io::Error| {
+        output::error(&format!("cannot make the folder {}: {}", shown(&path.to_string_lossy()), reason(e)));
+        Exit::Io
+    };
+    if let Some(path) = asked {
+        std::fs::create_dir_all(path).map_err(|e| cannot(path, &e))?;
+        let empty = path.read_dir().map_err(|e| cannot(path, &e))?.next().is_none();
+        if !empty {
+            let path = shown(&path.to_string_lossy());
+            output::error(&format!(
+                "{path} is not empty; nothing is overwritten: name a new folder with --out"
+            ));
+            return Err(Exit::BadInput);
+        }
+        return Ok(path.to_path_buf());
+    }
+    let results = Path::new("results");
+    std::fs::create_dir_all(results).map_err(|e| cannot(results, &e))?;
+    for number in 1..1000 {
+        let path = results.join(format!("{stem}-{number:03}"));
+        match std::fs::create_dir(&path) {
+            Ok(()) => return Ok(path),
+            Err(e) if e.kind() == std::io::ErrorKind::AlreadyExists => {}
+            Err(e) => return Err(cannot(&path, &e)),
+        }
+    }
+    output::error(&format!("results/{stem}-001 to -999 are all taken: name a folder with --out"));
+    Err(Exit::BadInput)
+}
+
+/// SHA-256 in hexadecimal, as `sha256sum` prints it.
+pub fn sha256(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect()
+}

@@ -1,0 +1,50 @@
+//! The edge: arguments, files, progress, exit codes. The only part that touches the file system,
+//! the clock or the terminal.
+
+mod arguments;
+mod commands;
+mod files;
+mod output;
+mod results;
+
+use arguments::{Arguments, Command};
+use clap::Parser;
+use clap::error::ErrorKind;
+use std::process::ExitCode;
+
+/// How a command ended; the numbers are the contract with scripts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Exit {
+    Done = 0,
+    /// It ran and the answer is no: no feasible layout.
+    AnswerIsNo = 1,
+    /// Bad usage or bad input.
+    BadInput = 2,
+    /// A file could not be read or written.
+    Io = 3,
+    Interrupted = 130,
+}
+
+/// Runs the command line and says how it ended.
+pub fn run() -> ExitCode {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(e) => {
+            let asked = matches!(e.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion);
+            // clap prints help to stdout and faults to stderr; a closed pipe is no fault.
+            let _ = e.print();
+            return code(if asked { Exit::Done } else { Exit::BadInput });
+        }
+    };
+    let exit = match arguments.command {
+        Command::Check(a) => commands::check(&a),
+        Command::Map(a) => commands::map(&a),
+        Command::Search(a) => commands::search(&a),
+        Command::Compare(a) => commands::compare(&a),
+    };
+    code(exit.unwrap_or_else(|exit| exit))
+}
+
+fn code(exit: Exit) -> ExitCode {
+    ExitCode::from(exit as u8)
+}

@@ -1,0 +1,49 @@
+//! Data on stdout, talk on stderr.
+
+use super::Exit;
+use crate::cell::Fault;
+use indicatif::{ProgressBar, ProgressStyle};
+use std::io::Write;
+
+/// Writes data to stdout. A reader that has gone (`| head`) is no fault.
+pub fn data(text: &str) -> Result<(), Exit> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
+            error(&format!("cannot write to stdout: {e}"));
+            Err(Exit::Io)
+        }
+        _ => Ok(()),
+    }
+}
+
+/// A line of talk.
+pub fn talk(text: &str) {
+    let _ = writeln!(std::io::stderr().lock(), "{text}");
+}
+
+pub fn error(text: &str) {
+    talk(&format!("error: {text}"));
+}
+
+/// Faults of files, and how many there are.
+pub fn faults(faults: &[Fault]) {
+    for fault in faults {
+        talk(&format!("{fault}\n"));
+    }
+    let errors = faults.iter().filter(|f| f.is_error()).count();
+    if errors > 0 {
+        talk(&format!("{errors} error{}; nothing was done", if errors == 1 { "" } else { "s" }));
+    }
+}
+
+/// A bar on stderr, silent when that is no terminal.
+pub fn progress_bar(length: u64) -> ProgressBar {
+    let bar = ProgressBar::new(length);
+    let style = "{bar:32} {pos}/{len} layouts, {per_sec}, {eta} left, best {msg}";
+    if let Ok(style) = ProgressStyle::with_template(style) {
+        bar.set_style(style);
+    }
+    bar.set_message("none yet");
+    bar
+}

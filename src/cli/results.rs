@@ -1,0 +1,108 @@
+//! The folder that a search or a map leaves: its files, the inputs they came from, the manifest.
+
+use super::commands::path_word;
+use super::{Exit, files, output};
+use crate::cell::{Cell, Source};
+use crate::compare::{Assessment, Comparison};
+use crate::report;
+use crate::search::SearchRecord;
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+/// Where the inputs are kept, so that the folder can be mailed whole.
+const INPUTS: &str = "inputs";
+
+/// What was written where.
+pub struct Written {
+    folder: PathBuf,
+    names: Vec<String>,
+}
+
+impl Written {
+    pub fn tell(&self) {
+        output::talk(&format!("wrote {}: {}", path_word(&self.folder), self.names.join(", ")));
+    }
+}
+
+/// The files of a search. best.toml is left out if no layout is feasible.
+pub fn write_search(
+    folder: &Path,
+    cell_file: &Path,
+    cell: &Cell,
+    sources: &[Source],
+    record: &SearchRecord,
+    comparison: &Comparison<'_>,
+) -> Result<Written, Exit> {
+    let best = &comparison.columns[1];
+    let mut outputs = Vec::new();
+    if let Some(objective) = best.objective_mm() {
+        let name = cell_file.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+        let comment = format!(
+            "Best layout of {} found by sweetspot {} (seed {}): objective {objective:.6} mm",
+            crate::cell::shown(&name),
+            env!("CARGO_PKG_VERSION"),
+            cell.search.seed
+        );
+        let text = report::toml::fixed(&format!("{INPUTS}/{name}"), &comment, cell, &best.layout);
+        outputs.push(("best.toml", text.into_bytes()));
+        keep_inputs(folder, sources)?;
+    }
+    outputs.push(("search.json", pretty(&report::json::search(cell, record, comparison, None))));
+    outputs.push(("map.csv", csv(best)?));
+    outputs.push(("map.svg", report::svg::plan(best).into_bytes()));
+    write(folder, cell, sources, outputs)
+}
+
+/// Copies of every file that was read, in their places.
+fn keep_inputs(folder: &Path, sources: &[Source]) -> Result<(), Exit> {
+    for source in sources {
+        let path = folder.join(INPUTS).join(&source.path);
+        if let Some(parent) = path.parent() {
+            std::fs::create_dir_all(parent).map_err(|e| {
+                output::error(&format!("cannot make the folder {}: {e}", path_word(parent)));
+                Exit::Io
+            })?;
+        }
+        files::write_whole(&path, source.text.as_bytes())?;
+    }
+    Ok(())
+}
+
+/// Writes files and, last, the manifest: a folder with one is complete.
+pub fn write(
+    folder: &Path,
+    cell: &Cell,
+    sources: &[Source],
+    outputs: Vec<(&str, Vec<u8>)>,
+) -> Result<Written, Exit> {
+    let hashed = |path: &str, bytes: &[u8]| json!({ "path": path, "sha256": files::sha256(bytes) });
+    let manifest = json!({
+        "schema": "sweetspot/manifest/1",
+        "program": "sweetspot",
+        "version": env!("CARGO_PKG_VERSION"),
+        "command": std::env::args().skip(1).collect::<Vec<_>>(),
+        "cell": cell.name,
+        "seed": cell.search.seed,
+        "inputs": sources.iter().map(|s| hashed(&s.path, s.text.as_bytes())).collect::<Vec<_>>(),
+        "outputs": outputs.iter().map(|(name, bytes)| hashed(name, bytes)).collect::<Vec<_>>(),
+    });
+    let mut names = Vec::new();
+    for (name, bytes) in &outputs {
+        files::write_whole(&folder.join(name), bytes)?;
+        names.push(name.to_string());
+    }
+    files::write_whole(&folder.join("manifest.json"), &pretty(&manifest))?;
+    names.push("manifest.json".into());
+    Ok(Written { folder: folder.to_path_buf(), names })
+}
+
+pub fn pretty(document: &Value) -> Vec<u8> {
+    format!("{document:#}\n").into_bytes()
+}
+
+pub fn csv(assessment: &Assessment<'_>) -> Result<Vec<u8>, Exit> {
+    report::csv::map(assessment).map_err(|why| {
+        output::error(&format!("cannot make map.csv: {why}"));
+        Exit::Io
+    })
+}

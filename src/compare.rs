@@ -1,0 +1,133 @@
+//! What if: layouts side by side.
+//!
+//! An [`Assessment`] is everything known of one layout; a [`Comparison`] is several of them that
+//! answer the same question.
+
+use crate::cell::{Cell, Layout, Operation, Role, Sense, shown};
+use crate::clearance::{Overlap, Party};
+use crate::error_map::{NodeRecord, OperationMap, PostureRecord};
+use crate::layout::{Evaluation, Workcell, evaluate};
+use crate::units::mm_from_m;
+
+/// One layout, evaluated and mapped.
+pub struct Assessment<'a> {
+    pub label: String,
+    pub cell: &'a Cell,
+    pub layout: Layout,
+    pub evaluation: Evaluation,
+    pub maps: Vec<OperationMap>,
+}
+
+impl<'a> Assessment<'a> {
+    pub fn new(label: &str, workcell: &'a Workcell, layout: Layout) -> Self {
+        let evaluation = evaluate(workcell, &layout);
+        let maps = workcell.maps(&layout);
+        Self { label: label.to_string(), cell: &workcell.cell, layout, evaluation, maps }
+    }
+
+    /// The spot of an operation: its best usable node, unless the layout itself is impossible.
+    pub fn spot(&self, operation: usize) -> Option<(&NodeRecord, &PostureRecord)> {
+        if !self.evaluation.overlaps.is_empty() {
+            return None;
+        }
+        let node = self.maps[operation].best_node()?;
+        Some((node, node.posture.as_ref()?))
+    }
+
+    /// The error at the spot of an operation in a sense, mm.
+    pub fn error_mm(&self, operation: usize, sense: Sense) -> Option<f64> {
+        self.spot(operation).map(|(_, posture)| mm_from_m(sense.of(&posture.error)))
+    }
+
+    pub fn objective_mm(&self) -> Option<f64> {
+        self.evaluation.objective.map(mm_from_m)
+    }
+
+    /// Why the layout is not feasible, in words; empty if it is.
+    pub fn reasons(&self) -> Vec<String> {
+        let overlaps = self.evaluation.overlaps.iter().map(|o| overlap_in_words(self.cell, o));
+        let spotless = self.maps.iter().filter(|m| m.best.is_none()).map(|m| {
+            let name = &self.cell.operations[m.operation].name;
+            let count = |status| m.count(status);
+            let (out, limit, hit) = (count("out-of-reach"), count("joint-limit"), count("collision"));
+            format!(
+                "{name} has no usable node: {out} out of reach, {limit} beyond a joint limit, {hit} colliding"
+            )
+        });
+        overlaps.chain(spotless).collect()
+    }
+}
+
+/// An overlap in words, with the names of the cell.
+pub fn overlap_in_words(cell: &Cell, overlap: &Overlap) -> String {
+    let name = |party: Party| match party {
+        Party::Equipment(i) => cell.equipment[i].name.clone(),
+        Party::RobotBase => "the robot base".into(),
+        Party::KeepOut(k) => format!("keep-out {}", cell.keep_out[k].name),
+        Party::Floor => "the floor".into(),
+    };
+    let depth = mm_from_m(overlap.depth);
+    format!("{} overlaps {} by {depth:.1} mm", name(overlap.a), name(overlap.b))
+}
+
+/// Layouts that answer the same question.
+pub struct Comparison<'a> {
+    pub columns: Vec<Assessment<'a>>,
+}
+
+impl<'a> Comparison<'a> {
+    /// # Errors
+    /// Why the layouts cannot be compared.
+    pub fn new(columns: Vec<Assessment<'a>>) -> Result<Self, String> {
+        if let [first, others @ ..] = &columns[..] {
+            for other in others {
+                same_question(first, other)?;
+            }
+        }
+        Ok(Self { columns })
+    }
+
+    /// Change of an error from the first column, percent; None for the first and where it says nothing.
+    pub fn change_percent(
+        &self,
+        column: usize,
+        error: impl Fn(&Assessment<'a>) -> Option<f64>,
+    ) -> Option<f64> {
+        let (first, this) = (error(&self.columns[0])?, error(&self.columns[column])?);
+        (column > 0 && first > 0.0).then(|| (this - first) / first * 100.0)
+    }
+
+    /// Names of the equipment that any of the layouts has, obstacles left out.
+    pub fn equipment(&self) -> Vec<&str> {
+        let mut names: Vec<&str> = Vec::new();
+        let all = self.columns.iter().flat_map(|c| &c.cell.equipment);
+        for equipment in all.filter(|e| e.role == Role::Equipment) {
+            if !names.contains(&equipment.name.as_str()) {
+                names.push(&equipment.name);
+            }
+        }
+        names
+    }
+}
+
+fn same_question(a: &Assessment<'_>, b: &Assessment<'_>) -> Result<(), String> {
+    let refuse =
+        |what: String| Err(format!("{} and {} cannot be compared: {what}", shown(&a.label), shown(&b.label)));
+    let names = |c: &Cell| c.operations.iter().map(|o| o.name.clone()).collect::<Vec<_>>().join(", ");
+    if names(a.cell) != names(b.cell) {
+        return refuse(format!("their operations are {} and {}", names(a.cell), names(b.cell)));
+    }
+    if a.cell.search.objective != b.cell.search.objective {
+        return refuse("one adds the errors of its operations, the other takes the largest".into());
+    }
+    let question = |o: &Operation| (o.sense, o.grid, o.weight.to_bits());
+    for (x, y) in a.cell.operations.iter().zip(&b.cell.operations) {
+        if question(x) != question(y) {
+            let said = |o: &Operation| {
+                format!("sense {}, grid {} by {}, weight {}", o.sense.name(), o.grid.0, o.grid.1, o.weight)
+            };
+            return refuse(format!("{} has {} in one, {} in the other", x.name, said(x), said(y)));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,7 @@
+//! Records to bytes: pure renderers, one per format.
+
+pub mod csv;
+pub mod json;
+pub mod svg;
+pub mod text;
+pub mod toml;

@@ -1,0 +1,204 @@
+//! What a person reads in the terminal.
+
+use crate::cell::{Cell, Sense};
+use crate::compare::{Assessment, Comparison};
+use crate::error_map::{OperationMap, Status};
+use crate::kinematic_error::{Discrepancy, discrepancy};
+use crate::units::{deg_from_rad, mm_from_m, rounded};
+use std::fmt::Write;
+
+/// Cell, robot, error set and model in one line.
+pub fn headline(cell: &Cell) -> String {
+    format!(
+        "{}: {}, errors {}, {} model",
+        cell.name,
+        cell.robot.name,
+        cell.signed_errors().name,
+        cell.model.name()
+    )
+}
+
+/// Rows of a side-by-side table: a group, a label, one cell per layout.
+struct Table {
+    rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    fn row(&mut self, group: &str, label: &str, cells: impl Iterator<Item = String>) {
+        let mut row = vec![group.to_string(), label.to_string()];
+        row.extend(cells);
+        self.rows.push(row);
+    }
+
+    /// Columns as wide as their widest cell; text left, numbers right.
+    fn render(&self) -> String {
+        let columns = self.rows.iter().map(Vec::len).max().unwrap_or(0);
+        let cell_width = |row: &Vec<String>, k: usize| row.get(k).map_or(0, |c| c.chars().count());
+        let widths: Vec<usize> =
+            (0..columns).map(|k| self.rows.iter().map(|r| cell_width(r, k)).max().unwrap_or(0)).collect();
+        let mut out = String::new();
+        for row in &self.rows {
+            let mut line = String::new();
+            for (k, cell) in row.iter().enumerate() {
+                let width = widths[k];
+                let _ =
+                    if k < 2 { write!(line, "{cell:<width$}  ") } else { write!(line, "{cell:>width$}   ") };
+            }
+            let _ = writeln!(out, "{}", line.trim_end());
+        }
+        out
+    }
+}
+
+/// Layouts side by side.
+pub fn comparison(comparison: &Comparison<'_>) -> String {
+    let mut table = Table { rows: Vec::new() };
+    let columns = &comparison.columns;
+    table.row("", "", columns.iter().map(|c| c.label.clone()));
+    for name in comparison.equipment() {
+        placement_rows(&mut table, name, columns);
+    }
+    if let Some(first) = columns.first() {
+        for k in 0..first.cell.operations.len() {
+            operation_rows(&mut table, k, comparison);
+        }
+    }
+    let objective = |a: &Assessment<'_>| a.objective_mm();
+    let cells = (0..columns.len()).map(|c| with_change(comparison, c, &objective));
+    table.row("objective", "mm", cells);
+    let mut out = table.render();
+    for column in columns.iter().filter(|c| c.evaluation.objective.is_none()) {
+        let _ = writeln!(out, "\n{} is not feasible:", column.label);
+        for reason in column.reasons() {
+            let _ = writeln!(out, "  {reason}");
+        }
+    }
+    out
+}
+
+fn placement_rows(table: &mut Table, name: &str, columns: &[Assessment<'_>]) {
+    let of = |a: &Assessment<'_>| {
+        let k = a.cell.equipment.iter().position(|e| e.name == name)?;
+        Some(a.layout.placements[k])
+    };
+    let cells = |f: fn(&crate::cell::Placement) -> String| {
+        columns.iter().map(move |c| of(c).map_or("-".into(), |p| f(&p))).collect::<Vec<_>>()
+    };
+    table.row(name, "x, y mm", cells(|p| format!("{}, {}", mm(p.x), mm(p.y))).into_iter());
+    table.row("", "z mm", cells(|p| mm(p.z)).into_iter());
+    table.row("", "yaw deg", cells(|p| rounded(deg_from_rad(p.yaw), 4).to_string()).into_iter());
+}
+
+fn operation_rows(table: &mut Table, k: usize, comparison: &Comparison<'_>) {
+    let columns = &comparison.columns;
+    let operation = &columns[0].cell.operations[k];
+    let spot = |a: &Assessment<'_>| match a.spot(k) {
+        Some((n, _)) => format!("{}, {}, {}", mm1(n.position.x), mm1(n.position.y), mm1(n.position.z)),
+        None => "none".into(),
+    };
+    table.row(&operation.name, "spot x, y, z mm", columns.iter().map(spot));
+    let joints = |a: &Assessment<'_>| match a.spot(k) {
+        Some((_, p)) => {
+            let q = p.joints.iter().take(a.cell.robot.axes());
+            q.map(|q| format!("{:.2}", rounded(deg_from_rad(*q), 2))).collect::<Vec<_>>().join(", ")
+        }
+        None => "-".into(),
+    };
+    table.row("", "joints deg", columns.iter().map(joints));
+    for sense in Sense::ALL {
+        let asked = if sense == operation.sense { " <- asked" } else { "" };
+        let error = |a: &Assessment<'_>| a.error_mm(k, sense);
+        let cells = (0..columns.len()).map(|c| with_change(comparison, c, &error));
+        table.row("", &format!("error {} mm{asked}", sense.name()), cells);
+    }
+    let counts = |a: &Assessment<'_>| {
+        let m = &a.maps[k];
+        let count = |status| m.count(status);
+        let (ok, hit, limit, out) =
+            (count("ok"), count("collision"), count("joint-limit"), count("out-of-reach"));
+        format!("{ok} ok, {hit} colliding, {limit} limit, {out} out")
+    };
+    table.row("", "nodes", columns.iter().map(counts));
+}
+
+/// A value and its change from the first column.
+fn with_change(
+    comparison: &Comparison<'_>,
+    column: usize,
+    value: &dyn Fn(&Assessment<'_>) -> Option<f64>,
+) -> String {
+    let Some(v) = value(&comparison.columns[column]) else { return "-".into() };
+    match comparison.change_percent(column, value) {
+        Some(change) => format!("{v:.4} ({change:+.1} %)"),
+        None => format!("{v:.4}"),
+    }
+}
+
+/// What the map says, operation by operation.
+pub fn maps(a: &Assessment<'_>) -> String {
+    let mut out = String::new();
+    for map in &a.maps {
+        let _ = writeln!(out, "{}", map_summary(a.cell, map));
+    }
+    for reason in a.reasons() {
+        let _ = writeln!(out, "not feasible: {reason}");
+    }
+    out
+}
+
+fn map_summary(cell: &Cell, map: &OperationMap) -> String {
+    let operation = &cell.operations[map.operation];
+    let surface = &cell.equipment[operation.equipment].name;
+    let mut out =
+        format!("{} on {surface}: {} of {} nodes ok", operation.name, map.count("ok"), map.nodes.len());
+    for (status, words) in [
+        ("out-of-reach", "out of reach"),
+        ("joint-limit", "beyond a joint limit"),
+        ("collision", "colliding"),
+    ] {
+        if map.count(status) > 0 {
+            let _ = write!(out, ", {} {words}", map.count(status));
+        }
+    }
+    let sense = operation.sense.name();
+    match map.best_node().and_then(|n| Some((n, n.posture.as_ref()?))) {
+        Some((node, p)) => {
+            let (x, y, z) = (mm1(node.position.x), mm1(node.position.y), mm1(node.position.z));
+            let _ = write!(out, "\n  least error in {sense}: {:.6} mm", mm_from_m(p.in_sense));
+            let _ = write!(out, " at node ({}, {}), x {x} y {y} z {z} mm", node.i, node.j);
+        }
+        None => out.push_str("\n  no usable node"),
+    }
+    let _ = write!(out, "\n  {}", discrepancy_summary(map));
+    out
+}
+
+/// The claim of section 4.3 (no discrepancy above 1 %), looked at node by node.
+fn discrepancy_summary(map: &OperationMap) -> String {
+    let usable = map.nodes.iter().filter(|n| n.status == Status::Ok).filter_map(|n| n.posture.as_ref());
+    let all: Vec<Discrepancy> = usable.map(|p| discrepancy(&p.nonlinear, &p.linear)).collect();
+    let of = |f: fn(&Discrepancy) -> Option<f64>| {
+        let values: Vec<f64> = all.iter().filter_map(f).collect();
+        let most = values.iter().copied().fold(0.0, f64::max);
+        (most, values.iter().filter(|&&v| v > 1.0).count())
+    };
+    let said = |name: &str, (most, above): (f64, usize)| match above {
+        0 => format!("{name} {most:.3} %"),
+        n => format!("{name} {most:.3} % (above 1 % at {n} node{})", if n == 1 { "" } else { "s" }),
+    };
+    let parts = [
+        said("resultant", of(|d| d.resultant)),
+        said("x", of(|d| d.x)),
+        said("y", of(|d| d.y)),
+        said("z", of(|d| d.z)),
+    ];
+    format!("linear against nonlinear model, largest discrepancy: {}", parts.join(", "))
+}
+
+fn mm(m: f64) -> String {
+    rounded(mm_from_m(m), 3).to_string()
+}
+
+fn mm1(m: f64) -> String {
+    format!("{:.1}", rounded(mm_from_m(m), 1))
+}

@@ -1,0 +1,44 @@
+//! best.toml: the cell again with its placements fixed, runnable where it lies.
+
+use crate::cell::{Cell, Layout, Role};
+use crate::units::{deg_from_rad, mm_from_m, rounded};
+use std::fmt::Write;
+
+/// A cell file that takes everything `from` another and fixes the placements, the error set, the
+/// model, and the senses that were asked for. `comment` is one line.
+pub fn fixed(from: &str, comment: &str, cell: &Cell, layout: &Layout) -> String {
+    let mut out = String::new();
+    // Writing to a String cannot fail.
+    let _ = writeln!(out, "# {comment}\nfrom = {}\n", quoted(from));
+    let _ =
+        writeln!(out, "errors = {}\nmodel = \"{}\"", quoted(&cell.signed_errors().name), cell.model.name());
+    for (equipment, at) in cell.equipment.iter().zip(&layout.placements) {
+        if equipment.role == Role::Obstacle {
+            continue;
+        }
+        let mm = |v| decimal(rounded(mm_from_m(v), 3));
+        let _ = writeln!(out, "\n[equipment.{}.placement]", quoted(&equipment.name));
+        let _ = writeln!(out, "x_mm = {}\ny_mm = {}\nz_mm = {}", mm(at.x), mm(at.y), mm(at.z));
+        let _ = writeln!(out, "yaw_deg = {}", decimal(rounded(deg_from_rad(at.yaw), 4)));
+    }
+    for operation in &cell.operations {
+        let _ = writeln!(
+            out,
+            "\n[operation.{}]\nsense = \"{}\"",
+            quoted(&operation.name),
+            operation.sense.name()
+        );
+    }
+    out
+}
+
+/// A TOML basic string. Names hold no control characters; quotes and backslashes are escaped.
+fn quoted(text: &str) -> String {
+    format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
+}
+
+/// A float that TOML reads as one.
+fn decimal(value: f64) -> String {
+    let text = value.to_string();
+    if text.contains('.') { text } else { text + ".0" }
+}
