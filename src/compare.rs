@@ -4,7 +4,6 @@
 //! answer the same question.
 
 use crate::cell::{Cell, Layout, Operation, Role, Sense, shown};
-use crate::clearance::{Overlap, Party};
 use crate::error_map::{NodeRecord, OperationMap, PostureRecord};
 use crate::layout::{Evaluation, Workcell, evaluate};
 use crate::units::mm_from_m;
@@ -45,7 +44,7 @@ impl<'a> Assessment<'a> {
 
     /// Why the layout is not feasible, in words; empty if it is.
     pub fn reasons(&self) -> Vec<String> {
-        let overlaps = self.evaluation.overlaps.iter().map(|o| overlap_in_words(self.cell, o));
+        let overlaps = self.evaluation.overlaps.iter().map(|o| o.in_words(self.cell));
         let spotless = self.maps.iter().filter(|m| m.best.is_none()).map(|m| {
             let name = &self.cell.operations[m.operation].name;
             let count = |status| m.count(status);
@@ -56,18 +55,6 @@ impl<'a> Assessment<'a> {
         });
         overlaps.chain(spotless).collect()
     }
-}
-
-/// An overlap in words, with the names of the cell.
-pub fn overlap_in_words(cell: &Cell, overlap: &Overlap) -> String {
-    let name = |party: Party| match party {
-        Party::Equipment(i) => cell.equipment[i].name.clone(),
-        Party::RobotBase => "the robot base".into(),
-        Party::KeepOut(k) => format!("keep-out {}", cell.keep_out[k].name),
-        Party::Floor => "the floor".into(),
-    };
-    let depth = mm_from_m(overlap.depth);
-    format!("{} overlaps {} by {depth:.1} mm", name(overlap.a), name(overlap.b))
 }
 
 /// Layouts that answer the same question.

@@ -1,3 +1,84 @@
+//! Where in a robot workcell should a precision operation happen, and where must worktable and
+//! conveyor stand so that it can?
+//!
+//! # The problem
+//!
+//! A robot is built with small errors `e` in its link parameters, so its end effector is not where
+//! its controller thinks. With the Denavit-Hartenberg link of eq. (1) of the seed paper (a 1990s
+//! *kinematic error mapping and layout facility*),
+//!
+//! ```text
+//! A_i  = Rz(q_i) Tz(r_i) Tx(l_i) Rx(alpha_i)                          (1)
+//! T(q) = A_1 A_2 ... A_N                                              (2)
+//! dT(q, e) = prod (A_i + dA_i) - T(q)                                 (4)-(6)
+//! ```
+//!
+//! and with the inverse kinematics `Q(x)`, every posture that puts the tool at `x` inside the joint
+//! limits, we choose the layout `L` (the placement of every movable equipment) and, for every
+//! operation `k`, a node `x_k` of the grid `G_k(L)` on its surface:
+//!
+//! ```text
+//! minimize over L:   sum_k w_k  min { |dT(q, e)|_k :  x in G_k(L),  q in Q(x),  q hits nothing }
+//! such that          equipment, robot base, obstacles and keep-out boxes share no floor space.
+//! ```
+//!
+//! `|.|_k` is the sense that operation `k` cares about: x, y, z, xy (parts that mate in the plane)
+//! or xyz.
+//!
+//! # The flow
+//!
+//! Data flows one way, and a module uses only those above it:
+//!
+//! | module | question | what goes in and out |
+//! |---|---|---|
+//! | [`cell`] | what exists | TOML files to a validated [`cell::Cell`] |
+//! | [`robot`] | what moves | joint coordinates to frames |
+//! | [`kinematic_error`] | how wrong | posture and link errors to position and rotation error |
+//! | [`reach`] | can it go | TCP target to all postures, or what is missing |
+//! | [`clearance`] | does it hit | layout and frames to the first contact, or none |
+//! | [`error_map`] | where is it best | surface to the least-error spot, or to the whole map |
+//! | [`layout`] | what is it worth | **[`layout::evaluate`]: layout to evaluation, the seam** |
+//! | [`search`] | choose | cell to the best layout found |
+//! | [`compare`] | what if | layouts side by side |
+//! | [`report`] | say it | records to JSON, CSV, SVG, TOML, text |
+//! | [`cli`] | edge | arguments, files, progress, exit codes |
+//!
+//! # What holds everywhere
+//!
+//! - SI inside: m, rad, f64. Millimetres and degrees live in files and reports, where every name
+//!   carries its unit; [`units`] alone converts.
+//! - The core does no IO: only [`cli`] touches files, clock and terminal.
+//! - A [`cell::Cell`] is valid by construction; faults come all at once, each with file, line,
+//!   column, what is wrong and what to do.
+//! - [`layout::evaluate`] is pure and total: the same input gives the same bits, and an infeasible
+//!   layout is a value with its reason, never a panic, an `Err`, NaN or infinity.
+//! - Out of reach, joint limit and collision are different answers, naming the joint or the solids.
+//! - A signed sample of errors is not a tolerance: [`cell::SignedErrors`] is a type of its own.
+//! - Errors are differences: never two nearly equal numbers subtracted.
+//! - Deterministic: an explicit seed, a random stream per restart, results in order. One thread or
+//!   sixteen give the same bytes.
+//! - The optimizer proposes, `evaluate` decides.
+//!
+//! # Example
+//!
+//! ```
+//! use sweetspot::{cell, layout};
+//!
+//! // The core reads through a function: here from the shipped cells.
+//! let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/cells/");
+//! let mut read = |path: &str| std::fs::read_to_string(format!("{folder}{path}")).map_err(|e| e.to_string());
+//! let cell = cell::load("hitachi_paper.toml", &mut read).unwrap().cell;
+//!
+//! let workcell = layout::Workcell::new(cell).unwrap();
+//! let start = workcell.cell.start();
+//! let evaluation = layout::evaluate(&workcell, &start);
+//! let least_mm = evaluation.objective.unwrap() * 1000.0;
+//! assert!((least_mm - 3.768569).abs() < 1e-6);
+//!
+//! let map = &workcell.maps(&start)[0];
+//! assert_eq!((map.count("ok"), map.nodes.len()), (80, 99));
+//! ```
+
 pub mod cell;
 pub mod clearance;
 pub mod cli;

@@ -1,6 +1,7 @@
 //! Floor space in plan: which equipment stands in another, in the robot's base or where it may not.
 
 use crate::cell::{Cell, Equipment, KeepOut, Layout, Placement, Rectangle, Role, Shape, extent};
+use crate::units::mm_from_m;
 
 /// Who takes part in an overlap.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -19,6 +20,24 @@ pub struct Overlap {
     pub a: Party,
     pub b: Party,
     pub depth: f64,
+}
+
+impl Overlap {
+    /// Whether this equipment takes part.
+    pub fn concerns(&self, equipment: usize) -> bool {
+        [self.a, self.b].contains(&Party::Equipment(equipment))
+    }
+
+    /// In words, with the names of the cell.
+    pub fn in_words(&self, cell: &Cell) -> String {
+        let name = |party: Party| match party {
+            Party::Equipment(i) => cell.equipment[i].name.clone(),
+            Party::RobotBase => "the robot base".into(),
+            Party::KeepOut(k) => format!("keep-out {}", cell.keep_out[k].name),
+            Party::Floor => "the floor".into(),
+        };
+        format!("{} overlaps {} by {:.1} mm", name(self.a), name(self.b), mm_from_m(self.depth))
+    }
 }
 
 /// A rectangle placed in plan: centre, half size, directions of its sides.

@@ -1,7 +1,7 @@
 //! What the map says of a node.
 
 use crate::cell::{Cell, JointVector, shown};
-use crate::clearance::Hit;
+use crate::clearance::{Hit, Overlap};
 use crate::reach::LimitViolation;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use nalgebra::Vector3;
@@ -23,6 +23,8 @@ pub enum Status {
     Collision {
         hit: Hit,
     },
+    /// The equipment that carries the node stands where it cannot.
+    Overlap(Overlap),
 }
 
 impl Status {
@@ -31,7 +33,7 @@ impl Status {
             Status::Ok => "ok",
             Status::OutOfReach { .. } => "out-of-reach",
             Status::JointLimit { .. } => "joint-limit",
-            Status::Collision { .. } => "collision",
+            Status::Collision { .. } | Status::Overlap(_) => "collision",
         }
     }
 
@@ -50,6 +52,7 @@ impl Status {
                     rounded(limit, 6)
                 )
             }
+            Status::Overlap(overlap) => overlap.in_words(cell),
             Status::Collision { hit } => {
                 let robot = &cell.robot.solids[hit.solid].solid.name;
                 match hit.other {
@@ -101,6 +104,13 @@ pub struct OperationMap {
 }
 
 impl OperationMap {
+    /// Marks what could be used as blocked: the surface itself stands where it cannot.
+    pub fn block(&mut self, overlap: Overlap) {
+        let blocked = |n: &&mut NodeRecord| matches!(n.status, Status::Ok | Status::Collision { .. });
+        self.nodes.iter_mut().filter(blocked).for_each(|n| n.status = Status::Overlap(overlap));
+        self.best = None;
+    }
+
     pub fn best_node(&self) -> Option<&NodeRecord> {
         self.best.map(|k| &self.nodes[k])
     }

@@ -1,6 +1,6 @@
 //! One candidate: [`evaluate`] a [`Layout`]. The seam that search, what-ifs and reports share.
 
-use crate::cell::{Cell, Layout, Objective};
+use crate::cell::{Cell, Layout, Objective, Operation};
 use crate::clearance::{FloorPlan, Overlap, Placed, Scene};
 use crate::error_map::{Mapper, OperationMap, Outcome, Scratch};
 
@@ -50,15 +50,20 @@ impl Workcell {
         Ok(Self { cell, mapper, plan, scene })
     }
 
-    /// The error map of every operation.
+    /// The error map of every operation. Nodes on equipment that overlaps something are blocked.
     pub fn maps(&self, layout: &Layout) -> Vec<OperationMap> {
         let mut placed = Placed::default();
         self.scene.place(layout, &mut placed);
-        (0..self.cell.operations.len()).map(|k| self.mapper.map(k, layout, &self.scene, &placed)).collect()
-    }
-
-    pub fn mapper(&self) -> &Mapper {
-        &self.mapper
+        let mut overlaps = Vec::new();
+        self.plan.overlaps(layout, &mut overlaps);
+        let map = |(k, operation): (usize, &Operation)| {
+            let mut map = self.mapper.map(k, layout, &self.scene, &placed);
+            if let Some(overlap) = overlaps.iter().find(|o| o.concerns(operation.equipment)) {
+                map.block(*overlap);
+            }
+            map
+        };
+        self.cell.operations.iter().enumerate().map(map).collect()
     }
 }
 

@@ -4,7 +4,7 @@
 //! coordinates. What has no value is null, never left out.
 
 use crate::cell::{Cell, Layout, Role, Sense};
-use crate::compare::{Assessment, Comparison, overlap_in_words};
+use crate::compare::{Assessment, Comparison};
 use crate::error_map::{NodeRecord, OperationMap, PostureRecord};
 use crate::kinematic_error::discrepancy;
 use crate::search::{Ended, SearchRecord};
@@ -159,7 +159,7 @@ fn counts(map: &OperationMap) -> Value {
 }
 
 fn overlaps(a: &Assessment<'_>) -> Value {
-    json!(a.evaluation.overlaps.iter().map(|o| overlap_in_words(a.cell, o)).collect::<Vec<_>>())
+    json!(a.evaluation.overlaps.iter().map(|o| o.in_words(a.cell)).collect::<Vec<_>>())
 }
 
 /// Placements by the name of the equipment; obstacles are not the layout's to place.

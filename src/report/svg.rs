@@ -39,7 +39,7 @@ impl View {
         let fold = |pick: fn(&(f64, f64)) -> f64, start: f64, f: fn(f64, f64) -> f64| {
             points.iter().map(pick).fold(start, f)
         };
-        let margin = 0.12;
+        let margin = 0.25;
         let low = (fold(|p| p.0, f64::MAX, f64::min) - margin, fold(|p| p.1, f64::MAX, f64::min) - margin);
         let high = (fold(|p| p.0, f64::MIN, f64::max) + margin, fold(|p| p.1, f64::MIN, f64::max) + margin);
         Self { low, high, scale: SIDE / (high.0 - low.0).max(high.1 - low.1) }
@@ -118,6 +118,20 @@ fn draw_equipment(out: &mut String, a: &Assessment<'_>, view: &View) {
     let _ = writeln!(out, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"5\" fill=\"#bc4c00\"/>");
 }
 
+fn middle(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
+    ((a.0 + b.0) / 2.0, (a.1 + b.1) / 2.0)
+}
+
+/// Off the edge that is farthest from the robot: a surface is full of nodes.
+fn beside(corners: &[(f64, f64); 4], centre: (f64, f64), base: &Placement) -> (f64, f64) {
+    let edges = (0..4).map(|k| middle(corners[k], corners[(k + 1) % 4]));
+    let away = |p: &(f64, f64)| (p.0 - base.x).hypot(p.1 - base.y);
+    let edge = edges.max_by(|p, q| away(p).total_cmp(&away(q))).unwrap_or(centre);
+    let (dx, dy) = (edge.0 - centre.0, edge.1 - centre.1);
+    let out = 0.13 / dx.hypot(dy).max(1e-9);
+    (edge.0 + out * dx, edge.1 + out * dy)
+}
+
 /// Names last, with a halo, so that nothing covers them.
 fn draw_names(out: &mut String, a: &Assessment<'_>, view: &View) {
     let mut name = |text: &str, (x, y): (f64, f64)| {
@@ -129,13 +143,11 @@ fn draw_names(out: &mut String, a: &Assessment<'_>, view: &View) {
         );
     };
     for (equipment, at) in a.cell.equipment.iter().zip(&a.layout.placements) {
-        let (sin, cos) = at.yaw.sin_cos();
-        let (cx, cy) = equipment.footprint.centre;
-        let centre = (at.x + cos * cx - sin * cy, at.y + sin * cx + cos * cy);
-        let (x, y) = view.at(centre);
-        // Off the middle node of a surface.
-        let lift = if equipment.surface.is_some() { -9.0 } else { 4.0 };
-        name(&equipment.name, (x, y + lift));
+        let corners = corners(&equipment.footprint, at);
+        let centre = middle(corners[0], corners[2]);
+        let place = if equipment.surface.is_some() { beside(&corners, centre, &a.cell.base) } else { centre };
+        let (x, y) = view.at(place);
+        name(&equipment.name, (x, y + 4.0));
     }
     let (x, y) = view.at((a.cell.base.x, a.cell.base.y));
     name("robot", (x, y + 22.0));
@@ -177,19 +189,16 @@ fn draw_nodes(
             (Status::Ok, Some(p)) => {
                 let mm = mm_from_m(p.in_sense);
                 let fill = colour((mm - range.0) / (range.1 - range.0).max(f64::MIN_POSITIVE));
-                let (dx, dy) = (p.error.x * enlarged * view.scale, -p.error.y * enlarged * view.scale);
+                let arrow =
+                    arrow((x, y), (p.error.x * enlarged * view.scale, -p.error.y * enlarged * view.scale));
                 writeln!(
                     out,
-                    "<g><title>({}, {}): {mm:.4} mm</title><line x1=\"{x:.1}\" y1=\"{y:.1}\" x2=\"{:.1}\" y2=\"{:.1}\" \
-                     stroke=\"{fill}\" stroke-width=\"1.6\"/><circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4.2\" \
-                     fill=\"{fill}\" stroke=\"#ffffff\" stroke-width=\"0.6\"/></g>",
-                    node.i,
-                    node.j,
-                    x + dx,
-                    y + dy
+                    "<g stroke=\"{fill}\"><title>({}, {}): {mm:.4} mm</title><path d=\"{arrow}\" fill=\"none\" \
+                     stroke-width=\"1.5\"/><circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3.6\" fill=\"{fill}\"/></g>",
+                    node.i, node.j
                 )
             }
-            (Status::Collision { .. }, _) => writeln!(
+            (Status::Collision { .. } | Status::Overlap(_), _) => writeln!(
                 out,
                 "<path d=\"M{:.1} {:.1}l7 7m0 -7l-7 7\" stroke=\"#cf222e\" stroke-width=\"1.5\" fill=\"none\"><title>{reason}</title></path>",
                 x - 3.5,
@@ -208,6 +217,17 @@ fn draw_nodes(
             }
         };
     }
+}
+
+/// Path of an arrow from a point: shaft and head.
+fn arrow((x, y): (f64, f64), (dx, dy): (f64, f64)) -> String {
+    let head = |turn: f64| {
+        let (sin, cos) = turn.sin_cos();
+        let size = 5.0 / dx.hypot(dy).max(5.0);
+        (size * (cos * dx - sin * dy), size * (sin * dx + cos * dy))
+    };
+    let ((ax, ay), (bx, by)) = (head(2.7), head(-2.7));
+    format!("M{x:.1} {y:.1}l{dx:.1} {dy:.1}l{ax:.1} {ay:.1}m{:.1} {:.1}l{bx:.1} {by:.1}", -ax, -ay)
 }
 
 fn draw_spot(out: &mut String, a: &Assessment<'_>, k: usize, map: &OperationMap, view: &View) {
@@ -238,14 +258,15 @@ fn draw_legend(out: &mut String, a: &Assessment<'_>, view: &View, range: (f64, f
             top + 18.0
         );
     }
-    let senses: Vec<_> = a.cell.operations.iter().map(|o| format!("{} {}", o.name, o.sense.name())).collect();
+    let mut senses: Vec<_> = a.cell.operations.iter().map(|o| o.sense.name()).collect();
+    senses.dedup();
     let mut text = |x: f64, y: f64, what: &str| {
         let _ = writeln!(out, "<text x=\"{x:.1}\" y=\"{y:.1}\">{}</text>", escaped(what));
     };
-    text(MARGIN, top + 10.0, &format!("error in the sense asked ({})", senses.join(", ")));
+    text(MARGIN, top + 10.0, &format!("error in {}", senses.join(", ")));
     text(MARGIN, top + 46.0, &format!("{:.2} mm", range.0));
     text(MARGIN + 190.0, top + 46.0, &format!("{:.2} mm", range.1));
-    text(MARGIN, top + 68.0, &format!("lines: error in x and y, {enlarged} times enlarged"));
+    text(MARGIN, top + 68.0, &format!("arrows: error in x and y, {enlarged} times enlarged"));
     text(MARGIN + 330.0, top + 10.0, "out of reach");
     text(MARGIN + 330.0, top + 30.0, "beyond a joint limit");
     text(MARGIN + 330.0, top + 50.0, "collides");

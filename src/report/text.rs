@@ -18,6 +18,14 @@ pub fn headline(cell: &Cell) -> String {
     )
 }
 
+/// What can be the matter with a node, in words.
+const STATUSES: [(&str, &str); 4] = [
+    ("ok", "ok"),
+    ("collision", "colliding"),
+    ("joint-limit", "beyond a joint limit"),
+    ("out-of-reach", "out of reach"),
+];
+
 /// Rows of a side-by-side table: a group, a label, one cell per layout.
 struct Table {
     rows: Vec<Vec<String>>,
@@ -111,14 +119,9 @@ fn operation_rows(table: &mut Table, k: usize, comparison: &Comparison<'_>) {
         let cells = (0..columns.len()).map(|c| with_change(comparison, c, &error));
         table.row("", &format!("error {} mm{asked}", sense.name()), cells);
     }
-    let counts = |a: &Assessment<'_>| {
-        let m = &a.maps[k];
-        let count = |status| m.count(status);
-        let (ok, hit, limit, out) =
-            (count("ok"), count("collision"), count("joint-limit"), count("out-of-reach"));
-        format!("{ok} ok, {hit} colliding, {limit} limit, {out} out")
-    };
-    table.row("", "nodes", columns.iter().map(counts));
+    for (status, words) in STATUSES {
+        table.row("", &format!("nodes {words}"), columns.iter().map(|c| c.maps[k].count(status).to_string()));
+    }
 }
 
 /// A value and its change from the first column.
@@ -151,11 +154,7 @@ fn map_summary(cell: &Cell, map: &OperationMap) -> String {
     let surface = &cell.equipment[operation.equipment].name;
     let mut out =
         format!("{} on {surface}: {} of {} nodes ok", operation.name, map.count("ok"), map.nodes.len());
-    for (status, words) in [
-        ("out-of-reach", "out of reach"),
-        ("joint-limit", "beyond a joint limit"),
-        ("collision", "colliding"),
-    ] {
+    for (status, words) in &STATUSES[1..] {
         if map.count(status) > 0 {
             let _ = write!(out, ", {} {words}", map.count(status));
         }
