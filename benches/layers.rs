@@ -3,6 +3,8 @@
 //!
 //! `cargo bench` runs all; the layouts are the 2 000 of tests/data (1 000 random, 1 000 plausible).
 
+#![allow(clippy::expect_used)] // a bench without its data has nothing to measure
+
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
 use sweetspot::cell::{self, Cell, Layout, Model, Placement};

@@ -5,7 +5,7 @@
 
 use crate::cell::{Cell, Layout, Operation, Role, Sense, shown};
 use crate::error_map::{NodeRecord, OperationMap, PostureRecord};
-use crate::layout::{Evaluation, Workcell, evaluate};
+use crate::layout::{Evaluation, Workcell, evaluate, separated};
 use crate::units::mm_from_m;
 
 /// One layout, evaluated and mapped.
@@ -15,13 +15,16 @@ pub struct Assessment<'a> {
     pub layout: Layout,
     pub evaluation: Evaluation,
     pub maps: Vec<OperationMap>,
+    /// If equipment overlaps: the nearest layout in which none does.
+    pub apart: Option<Layout>,
 }
 
 impl<'a> Assessment<'a> {
     pub fn new(label: &str, workcell: &'a Workcell, layout: Layout) -> Self {
         let evaluation = evaluate(workcell, &layout);
         let maps = workcell.maps(&layout);
-        Self { label: label.to_string(), cell: &workcell.cell, layout, evaluation, maps }
+        let apart = if evaluation.overlaps.is_empty() { None } else { separated(workcell, &layout) };
+        Self { label: label.to_string(), cell: &workcell.cell, layout, evaluation, maps, apart }
     }
 
     /// The spot of an operation: its best usable node, unless the layout itself is impossible.
@@ -53,7 +56,17 @@ impl<'a> Assessment<'a> {
                 "{name} has no usable node: {out} out of reach, {limit} beyond a joint limit, {hit} colliding"
             )
         });
-        overlaps.chain(spotless).collect()
+        overlaps.chain(self.way_out()).chain(spotless).collect()
+    }
+
+    /// Where the overlapping equipment could stand instead.
+    fn way_out(&self) -> Option<String> {
+        let apart = self.apart.as_ref()?;
+        let moves = self.cell.equipment.iter().zip(self.layout.placements.iter().zip(&apart.placements));
+        let moved = moves.filter(|(_, (from, to))| from != to).map(|(e, (_, to))| {
+            format!("{} at x {:.1}, y {:.1} mm", e.name, mm_from_m(to.x), mm_from_m(to.y))
+        });
+        Some(format!("nearest without overlap: {}", moved.collect::<Vec<_>>().join("; ")))
     }
 }
 

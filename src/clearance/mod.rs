@@ -8,5 +8,5 @@
 mod plan;
 mod scene;
 
-pub use plan::{FloorPlan, Overlap, Party};
+pub use plan::{FloorPlan, Overlap, Party, Separation};
 pub use scene::{Hit, Placed, Scene};

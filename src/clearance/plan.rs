@@ -22,6 +22,16 @@ pub struct Overlap {
     pub depth: f64,
 }
 
+/// How two floor spaces lie to each other: `a` leaves `b` fastest along `direction` (unit, plan),
+/// by `depth` (m; negative if they are apart already).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Separation {
+    pub a: usize,
+    pub b: Option<usize>,
+    pub direction: (f64, f64),
+    pub depth: f64,
+}
+
 impl Overlap {
     /// Whether this equipment takes part.
     pub fn concerns(&self, equipment: usize) -> bool {
@@ -68,13 +78,25 @@ impl Placed {
     }
 }
 
-/// Separating axes of two rectangles: how deep they overlap when each keeps `clearance`, or 0.
-/// At corners this asks for a little more than the clearance, never for less.
-fn depth(a: &Placed, b: &Placed, clearance: f64) -> f64 {
-    let (dx, dy) = (b.centre.0 - a.centre.0, b.centre.1 - a.centre.1);
+/// Separating axes of two rectangles: along which unit direction (from `b` to `a`) they are best
+/// apart, and by how much less than `clearance` (negative: more). At corners this asks for a little
+/// more than the clearance, never for less.
+fn best_separated(a: &Placed, b: &Placed, clearance: f64) -> ((f64, f64), f64) {
+    let (dx, dy) = (a.centre.0 - b.centre.0, a.centre.1 - b.centre.1);
     let axes = [(a.cos, a.sin), (-a.sin, a.cos), (b.cos, b.sin), (-b.sin, b.cos)];
-    let along = |u: (f64, f64)| a.shadow(u) + b.shadow(u) + clearance - (dx * u.0 + dy * u.1).abs();
-    axes.into_iter().map(along).fold(f64::INFINITY, f64::min).max(0.0)
+    let along = |u: (f64, f64)| {
+        let apart = dx * u.0 + dy * u.1;
+        let towards = if apart < 0.0 { (-u.0, -u.1) } else { u };
+        (towards, a.shadow(u) + b.shadow(u) + clearance - apart.abs())
+    };
+    let shallower =
+        |best: ((f64, f64), f64), next: ((f64, f64), f64)| if next.1 < best.1 { next } else { best };
+    axes.into_iter().map(along).fold(((1.0, 0.0), f64::INFINITY), shallower)
+}
+
+/// How deep two rectangles overlap when each keeps `clearance`, or 0.
+fn depth(a: &Placed, b: &Placed, clearance: f64) -> f64 {
+    best_separated(a, b, clearance).1.max(0.0)
 }
 
 /// The floor space of a cell, made ready once.
@@ -107,6 +129,32 @@ impl FloorPlan {
             floor: cell.floor,
             enabled: cell.collision,
         }
+    }
+
+    /// Every pair of floor spaces of which the layout may move one, whether it overlaps or not; a
+    /// partner that stands still is None.
+    pub fn separations(&self, layout: &Layout) -> Vec<Separation> {
+        let mut pairs = Vec::new();
+        let all = || self.equipment.iter().zip(&layout.placements).enumerate();
+        for (i, ((footprint, _, low, high), at)) in all().filter(|(_, (e, _))| e.1 == Role::Equipment) {
+            let here = Placed::new(footprint, at);
+            let mut note = |b: Option<usize>, there: &Placed| {
+                let (direction, depth) = best_separated(&here, there, self.clearance);
+                pairs.push(Separation { a: i, b, direction, depth });
+            };
+            for (j, ((other, other_role, ..), there)) in all() {
+                if j > i || *other_role == Role::Obstacle {
+                    note(Some(j), &Placed::new(other, there));
+                }
+            }
+            note(None, &self.base);
+            for (keep_out, bottom, top) in &self.keep_out {
+                if at.z + low < top + self.clearance && at.z + high + self.clearance > *bottom {
+                    note(None, keep_out);
+                }
+            }
+        }
+        pairs
     }
 
     /// All overlaps of a layout into `found`: per equipment with those after it, the robot base,

@@ -72,7 +72,7 @@ pub struct MapArguments {
     /// Write the map as a picture
     #[arg(long, value_name = "FILE")]
     pub svg: Option<PathBuf>,
-    /// Write map.json, map.csv, map.svg and manifest.json into this new folder
+    /// Write map.json, map.csv, map.svg, discrepancy.svg and manifest.json into this new folder
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 }

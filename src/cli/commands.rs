@@ -65,6 +65,7 @@ pub fn map(a: &MapArguments) -> Result<Exit, Exit> {
                 ("map.json", results::pretty(&document)),
                 ("map.csv", results::csv(&assessment)?),
                 ("map.svg", report::svg::plan(&assessment).into_bytes()),
+                ("discrepancy.svg", report::fig8::chart(&assessment).into_bytes()),
             ];
             Some(results::write(&folder, &workcell.cell, &sources, files)?)
         }

@@ -28,13 +28,9 @@ impl Grid {
         }
     }
 
-    pub fn len(&self) -> usize {
+    /// Number of nodes.
+    pub fn count(&self) -> usize {
         self.xs.len() * self.ys.len()
-    }
-
-    /// A grid has at least one division each way.
-    pub fn is_empty(&self) -> bool {
-        false
     }
 
     /// Index (i, j) of the k-th node.

@@ -178,7 +178,7 @@ impl Mapper {
     pub fn map(&self, operation: usize, layout: &Layout, scene: &Scene, placed: &Placed) -> OperationMap {
         let station = &self.stations[operation];
         let at = self.in_base(&layout.placements[station.equipment]);
-        let mut nodes = Vec::with_capacity(station.grid.len());
+        let mut nodes = Vec::with_capacity(station.grid.count());
         station.grid.targets(&at, |k, target| {
             let (i, j) = station.grid.index(k);
             let position = self.base.pose().transform(&target);

@@ -1,5 +1,9 @@
 //! One candidate: [`evaluate`] a [`Layout`]. The seam that search, what-ifs and reports share.
 
+mod separate;
+
+pub use separate::separated;
+
 use crate::cell::{Cell, Layout, Objective, Operation};
 use crate::clearance::{FloorPlan, Overlap, Placed, Scene};
 use crate::error_map::{Mapper, OperationMap, Outcome, Scratch};

@@ -63,8 +63,9 @@ impl Limits {
     /// what the cosine misses, a measure that grows with the distance.
     pub fn excess(&self, posture: &Posture) -> f64 {
         let Some(whole) = &self.whole else {
-            let (_, violation) = self.joints(posture);
-            return violation.map_or(0.0, |v| v.by.max(f64::MIN_POSITIVE));
+            let (q, _) = self.joints(posture);
+            let missed = |(arc, q): (&Arc, f64)| (arc.cos_half - (q - arc.middle_angle).cos()).max(0.0);
+            return self.arcs.iter().zip(q).map(missed).sum();
         };
         let mut actuators = [(1.0, 0.0); MAX_JOINTS];
         let mut excess = 0.0;
@@ -84,19 +85,19 @@ impl Limits {
     }
 
     /// Actuator coordinates of a posture, each in the turn nearest to the middle of its range, and
-    /// the worst violation if [`Self::excess`] is not 0.
-    pub fn joints(&self, posture: &Posture) -> (JointVector, Option<LimitViolation>) {
+    /// the joint furthest past its limits, or least inside them: a violation if [`Self::excess`]
+    /// is not 0.
+    pub fn joints(&self, posture: &Posture) -> (JointVector, LimitViolation) {
         let mut q = [0.0; MAX_JOINTS];
-        let mut worst: Option<LimitViolation> = None;
+        let mut worst = LimitViolation { joint: 0, by: f64::NEG_INFINITY };
         for (joint, arc) in self.arcs.iter().enumerate() {
             let z = times_conjugate((posture.cos[joint], posture.sin[joint]), arc.zero);
             let others: f64 = (0..joint).map(|j| self.coupling[joint][j] * q[j]).sum();
             let from_middle = wrapped(z.1.atan2(z.0) - others - arc.middle_angle);
             q[joint] = arc.middle_angle + from_middle;
             let by = from_middle.abs() - arc.half;
-            let passed = arc.half < PI && from_middle.cos() < arc.cos_half;
-            if passed && worst.is_none_or(|w| by > w.by) {
-                worst = Some(LimitViolation { joint, by });
+            if arc.half < PI && by > worst.by {
+                worst = LimitViolation { joint, by };
             }
         }
         (q, worst)

@@ -13,7 +13,8 @@ use crate::cell::{JointKind, JointVector};
 use crate::robot::{Chain, Posture};
 use nalgebra::Vector3;
 
-/// Rounding must not lose the stretched arm: cosines up to 1 plus this count as 1.
+/// Rounding must not lose the stretched arm, nor the one in the vertical plane of the base axis:
+/// cosines up to 1 plus this count as 1.
 const STRETCHED: f64 = 1e-12;
 
 /// The arm; lengths in m.
@@ -25,6 +26,8 @@ pub struct PlanarArm {
     l: [f64; 3],
     /// Distance of the tool from the vertical plane through the base axis.
     lateral: f64,
+    /// theta_1 (cos, sin) in the middle of the range of joint 1.
+    middle_yaw: (f64, f64),
     /// TCP and direction of the tool axis (cos, sin) in the plane, in the frame turned by theta_4.
     tool: (f64, f64),
     axis: (f64, f64),
@@ -59,7 +62,8 @@ pub struct Gap {
 /// One posture that puts the TCP where it should be.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Branch {
-    /// Bit 0: elbow, bit 1: back, bit 2: tool towards the base.
+    /// Bit 0: elbow, bit 1: the arm leans back over the base, bit 2: the tool points against the
+    /// direction of theta_1 (and not along it).
     pub index: u8,
     pub joints: JointVector,
     pub posture: Posture,
@@ -100,16 +104,24 @@ impl PlanarArm {
         let turned = |v: &Vector3<f64>| {
             Vector3::new(v.x, d.cos_alpha * v.y - d.sin_alpha * v.z, d.sin_alpha * v.y + d.cos_alpha * v.z)
         };
+        let half_turn = std::f64::consts::PI;
+        let turns = |j: usize| (chain.links[j].limits.1 - chain.links[j].limits.0) / 2.0 > half_turn;
+        let geared = |j: usize| (j + 1..4).any(|i| chain.coupling[i][j].fract() != 0.0);
+        if (0..4).any(|j| turns(j) && geared(j)) {
+            return Err("a joint that turns more than a whole turn drives another by a fraction".into());
+        }
         let axis = turned(&(chain.tool.rotation * chain.tool_axis));
         if axis.z.abs() > 1e-9 {
             return Err("the tool axis does not lie in the plane of the arm".into());
         }
+        let middle_yaw = (a.theta + (a.limits.0 + a.limits.1) / 2.0).sin_cos();
         let tip = turned(&chain.tool.translation) + Vector3::new(d.l, 0.0, d.r);
         Ok(Self {
             side: a.sin_alpha.signum(),
             r1: a.r,
             l: [a.l, b.l, c.l],
             lateral: b.r + c.r + tip.z,
+            middle_yaw: (middle_yaw.1, middle_yaw.0),
             tool: (tip.x, tip.y),
             axis: (axis.x, axis.y),
             limits: Limits::new(chain),
@@ -165,7 +177,7 @@ impl PlanarArm {
         let by = self.solve(target, approach, &mut self.scratch(), |index, posture| {
             let (joints, violation) = self.limits.joints(posture);
             // One judge for search and map: the sum in `excess`.
-            let violation = if self.limits.excess(posture) == 0.0 { None } else { violation };
+            let violation = if self.limits.excess(posture) == 0.0 { None } else { Some(violation) };
             all.push(Branch { index, joints, posture: *posture, violation });
         });
         if all.is_empty() { Reach::OutOfReach { by } } else { Reach::Branches(all) }
@@ -188,10 +200,10 @@ impl PlanarArm {
         let lateral = self.side * self.lateral;
         let radius2 = target.x * target.x + target.y * target.y;
         let along2 = radius2 - lateral * lateral;
-        if along2 < 0.0 {
+        if along2 < -STRETCHED * radius2 {
             return lateral.abs() - radius2.sqrt();
         }
-        let along = along2.sqrt();
+        let along = along2.max(0.0).sqrt();
         let [l1, l2, l3] = self.l;
         let mut missing = f64::INFINITY;
         for (w, way) in approach.ways.iter().enumerate() {
@@ -207,10 +219,13 @@ impl PlanarArm {
                 }
                 missing = 0.0;
                 let cos3 = cos3.clamp(-1.0, 1.0);
-                let sin3 = (1.0 - cos3 * cos3).sqrt();
-                (posture.cos[0], posture.sin[0]) = base_yaw(target, s, lateral, radius2);
+                // Heron's form, and k1 likewise: a folded arm of equal links keeps its digits.
+                let (long, short) = ((l2 + l3) * (l2 + l3) - d2, d2 - (l2 - l3) * (l2 - l3));
+                let sin3 = (long * short).max(0.0).sqrt() / (2.0 * l2 * l3).abs();
+                let k1 = (d2 + l2 * l2 - l3 * l3) / (2.0 * l2);
+                (posture.cos[0], posture.sin[0]) = self.base_yaw(target, s, lateral, radius2);
                 for (elbow, sin3) in [(0, -sin3), (1, sin3)] {
-                    let (k1, k2) = (l2 + l3 * cos3, l3 * sin3);
+                    let k2 = l3 * sin3;
                     let (cos2, sin2) =
                         if d2 > 0.0 { ((k1 * u + k2 * v) / d2, (k1 * v - k2 * u) / d2) } else { (1.0, 0.0) };
                     let (c23, s23) = (cos2 * cos3 - sin2 * sin3, sin2 * cos3 + cos2 * sin3);
@@ -224,13 +239,14 @@ impl PlanarArm {
         }
         missing.max(0.0)
     }
-}
 
-/// Cosine and sine of theta_1 that turns (s, -lateral) to the target. On the base axis every yaw
-/// does; the middle one is taken.
-fn base_yaw(target: &Vector3<f64>, s: f64, lateral: f64, radius2: f64) -> (f64, f64) {
-    if radius2 < 1e-24 {
-        return (0.0, 1.0);
+    /// Cosine and sine of theta_1 that turns (s, -lateral) to the target. On the base axis every
+    /// yaw does; the middle of the range is taken.
+    #[inline]
+    fn base_yaw(&self, target: &Vector3<f64>, s: f64, lateral: f64, radius2: f64) -> (f64, f64) {
+        if radius2 < 1e-24 {
+            return self.middle_yaw;
+        }
+        ((target.x * s - target.y * lateral) / radius2, (target.y * s + target.x * lateral) / radius2)
     }
-    ((target.x * s - target.y * lateral) / radius2, (target.y * s + target.x * lateral) / radius2)
 }

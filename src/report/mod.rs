@@ -1,6 +1,7 @@
 //! Records to bytes: pure renderers, one per format.
 
 pub mod csv;
+pub mod fig8;
 pub mod json;
 pub mod svg;
 pub mod text;

@@ -51,7 +51,8 @@ impl View {
 
     fn size(&self) -> (f64, f64) {
         let (w, h) = ((self.high.0 - self.low.0) * self.scale, (self.high.1 - self.low.1) * self.scale);
-        (w + 2.0 * MARGIN, h + 2.0 * MARGIN + 44.0 + LEGEND)
+        // The legend needs its width, however narrow the cell.
+        ((w + 2.0 * MARGIN).max(740.0), h + 2.0 * MARGIN + 44.0 + LEGEND)
     }
 }
 
@@ -289,16 +290,15 @@ fn draw_legend(out: &mut String, a: &Assessment<'_>, view: &View, range: (f64, f
 
 /// Half a metre, and the directions of the world axes.
 fn draw_scale_bar(out: &mut String, view: &View, top: f64) {
-    let (x, y, length) = (MARGIN + 520.0, top + 66.0, 0.5 * view.scale);
+    let (x, y, length) = (MARGIN + 520.0, top + 70.0, 0.5 * view.scale);
     let _ = writeln!(
         out,
         "<path d=\"M{x:.1} {0:.1}v8m0 -4h{length:.1}m0 -4v8\" stroke=\"#1b1f24\" fill=\"none\"/>\
-         <text x=\"{1:.1}\" y=\"{2:.1}\">500 mm</text>\
-         <path d=\"M{x:.1} {3:.1}h26m-5 -3l5 3l-5 3M{x:.1} {3:.1}v-26m-3 5l3 -5l3 5\" stroke=\"#1b1f24\" fill=\"none\"/>\
-         <text x=\"{4:.1}\" y=\"{5:.1}\">x</text><text x=\"{6:.1}\" y=\"{7:.1}\">y</text>",
+         <text x=\"{1:.1}\" y=\"{0:.1}\" text-anchor=\"middle\">500 mm</text>\
+         <path d=\"M{x:.1} {2:.1}h26m-5 -3l5 3l-5 3M{x:.1} {2:.1}v-26m-3 5l3 -5l3 5\" stroke=\"#1b1f24\" fill=\"none\"/>\
+         <text x=\"{3:.1}\" y=\"{4:.1}\">x</text><text x=\"{5:.1}\" y=\"{6:.1}\">y</text>",
         y - 4.0,
-        x + length + 8.0,
-        y + 4.5,
+        x + length / 2.0,
         top + 34.0,
         x + 30.0,
         top + 38.0,
@@ -317,7 +317,7 @@ fn colour(t: f64) -> String {
 }
 
 /// Text made safe for markup.
-fn escaped(text: &str) -> String {
+pub(super) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")
         .replace('>', "&gt;")

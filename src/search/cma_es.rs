@@ -13,10 +13,10 @@ use rand_chacha::ChaCha8Rng;
 
 /// First step size, in units of the search range.
 const SIGMA: f64 = 0.3;
-/// The run has settled when no coordinate moves by more than this, ...
-const TOL_X: f64 = 1e-7;
+/// The run has settled when no coordinate moves by more than this (the polish does the rest), ...
+const TOL_X: f64 = 1e-5;
 /// ... when the best costs of many generations differ by no more than this (m), ...
-const TOL_COST: f64 = 1e-9;
+const TOL_COST: f64 = 1e-7;
 /// ... or when the covariance has become this lopsided.
 const MAX_CONDITION: f64 = 1e14;
 

@@ -2,7 +2,7 @@
 
 use super::space::Space;
 use crate::cell::Layout;
-use crate::layout::{Workcell, Workspace, evaluate_in};
+use crate::layout::{Workcell, Workspace, evaluate_in, separated};
 use argmin::core::{CostFunction, Error};
 use argmin::solver::simulatedannealing::Anneal;
 use rand::Rng;
@@ -80,6 +80,14 @@ impl<'a> Problem<'a> {
 
     pub fn dimensions(&self) -> usize {
         self.space.dimensions()
+    }
+
+    /// The nearest point without overlaps, or the point itself if none is found.
+    pub fn separated(&self, point: Vec<f64>) -> Vec<f64> {
+        match separated(self.workcell, &self.space.layout(&point)) {
+            Some(layout) => self.space.point(&layout),
+            None => point,
+        }
     }
 
     pub fn best_point(&self) -> Vec<f64> {

@@ -37,7 +37,7 @@ pub fn explore(problem: &Problem<'_>, settings: &SearchSettings, start: Vec<f64>
         let mut rng = ChaCha8Rng::seed_from_u64(settings.seed);
         rng.set_stream(run);
         let random = |rng: &mut ChaCha8Rng| (0..problem.dimensions()).map(|_| rng.random()).collect();
-        let from = if run == 0 { start.clone() } else { random(&mut rng) };
+        let from = problem.separated(if run == 0 { start.clone() } else { random(&mut rng) });
         // A solver ends by itself or because the budget is used up, which is an error to argmin
         // and none to us: either way the problem has kept the best.
         let _ended = match settings.solver {

@@ -10,7 +10,6 @@ struct Variable {
     axis: usize,
     min: f64,
     max: f64,
-    start: f64,
 }
 
 /// Maps the unit cube to layouts.
@@ -25,8 +24,8 @@ impl Space {
         let mut variables = Vec::new();
         for (equipment, e) in cell.equipment.iter().enumerate() {
             for (axis, coordinate) in e.placement.iter().enumerate() {
-                if let Coordinate::Range { min, max, start } = *coordinate {
-                    variables.push(Variable { equipment, axis, min, max, start });
+                if let Coordinate::Range { min, max, .. } = *coordinate {
+                    variables.push(Variable { equipment, axis, min, max });
                 }
             }
         }
@@ -39,7 +38,16 @@ impl Space {
 
     /// The start layout as a point.
     pub fn start(&self) -> Vec<f64> {
-        self.variables.iter().map(|v| (v.start - v.min) / (v.max - v.min)).collect()
+        self.point(&self.start)
+    }
+
+    /// The point of a layout whose free coordinates lie in their ranges.
+    pub fn point(&self, layout: &Layout) -> Vec<f64> {
+        let value = |v: &Variable| {
+            let p = &layout.placements[v.equipment];
+            [p.x, p.y, p.z, p.yaw][v.axis]
+        };
+        self.variables.iter().map(|v| (value(v) - v.min) / (v.max - v.min)).collect()
     }
 
     /// The layout of a point. Points outside the cube are folded back like in a mirror, so that

@@ -1,0 +1,56 @@
+//! The D-H product, with nothing of the crate but the description of a robot.
+
+use nalgebra::{Matrix3, Matrix4, Vector3};
+use num_dual::DualNum;
+use rand::Rng;
+use rand_chacha::ChaCha8Rng;
+use std::array::from_fn;
+use sweetspot::cell::{JointKind, JointVector, Robot, SignedErrors};
+
+/// Eq. (1) as textbooks print it.
+fn link<D: DualNum<Primitive = f64> + Copy>(theta: D, r: D, l: D, alpha: D) -> Matrix4<D> {
+    let ((s, c), (sa, ca)) = (theta.sin_cos(), alpha.sin_cos());
+    let (o, i) = (D::from(0.0), D::from(1.0));
+    Matrix4::new(c, -s * ca, s * sa, l * c, s, c * ca, -c * sa, l * s, o, sa, ca, r, o, o, o, i)
+}
+
+/// The TCP with `unit` times the errors in every D-H value: 0 is the nominal robot, 1 the perturbed
+/// one, an infinitesimal the derivative.
+pub fn tcp<D: DualNum<Primitive = f64> + Copy>(
+    robot: &Robot,
+    q: &[f64],
+    e: &SignedErrors,
+    unit: D,
+) -> Matrix4<D> {
+    let value = |v: f64, error: f64| D::from(v) + unit * error;
+    let mut t: Matrix4<D> = Matrix4::identity();
+    for (i, joint) in robot.joints.iter().enumerate() {
+        let coupled = |q: &[f64]| robot.coupling[i].iter().zip(q).map(|(c, q)| c * q).sum::<f64>();
+        let (mut theta, mut r) = (D::from(joint.theta), value(joint.r, e.dr[i]));
+        match joint.kind {
+            JointKind::Revolute => theta += value(coupled(q), coupled(&e.dq)),
+            JointKind::Prismatic => r += value(coupled(q), coupled(&e.dq)),
+        }
+        t *= link(theta, r, value(joint.l, e.dl[i]), value(joint.alpha, e.dalpha[i]));
+    }
+    let mut tool = robot.tool.rotation.to_homogeneous();
+    tool.fixed_view_mut::<3, 1>(0, 3).copy_from(&robot.tool.translation);
+    t * tool.map(D::from)
+}
+
+pub fn position(t: &Matrix4<f64>) -> Vector3<f64> {
+    t.fixed_view::<3, 1>(0, 3).into_owned()
+}
+
+pub fn rotation(t: &Matrix4<f64>) -> Matrix3<f64> {
+    t.fixed_view::<3, 3>(0, 0).into_owned()
+}
+
+pub fn no_errors(n: usize) -> SignedErrors {
+    let zeros = || vec![0.0; n];
+    SignedErrors { name: "none".into(), dq: zeros(), dr: zeros(), dl: zeros(), dalpha: zeros() }
+}
+
+pub fn random_joints(robot: &Robot, rng: &mut ChaCha8Rng) -> JointVector {
+    from_fn(|i| robot.joints.get(i).map_or(0.0, |j| rng.random_range(j.limits.0..=j.limits.1)))
+}
