@@ -1,80 +1,55 @@
 //! Equipment: work surface, solids, floor space and placement.
 
-use super::document::{Library, Node};
-use super::fault::shown;
+use super::document::Library;
 use super::model::*;
-use super::reader::{Must, Table, number};
-use super::solid;
+use super::reader::Table;
+use super::solid::{self, Carrier};
+use super::tree::{Node, Value};
+use super::value::{self, Must, plain};
 use crate::units;
 use nalgebra::Vector3;
 
 /// Reads `[equipment.NAME]` or `[obstacle.NAME]`, usually `from` an equipment file.
 pub fn read(name: &str, node: &Node, role: Role, lib: &mut Library<'_>) -> Option<Equipment> {
-    let mut t = Table::of(node, "an equipment", lib)?;
-    let named = solid::checked_name(name.to_string(), node.at, lib);
-    super::header(&mut t, "equipment", lib);
-    t.text_or("name", name, lib);
-    t.text_or("source", "", lib);
-    let surface = match t.get("surface") {
-        Some(node) => Some(solid::read_rectangle(node, "surface", lib)?),
-        None => None,
-    };
-    let solids = read_solids(&mut t, lib);
-    let drawn = solids.as_ref().and_then(|s| solid::extent_of(s.iter().map(|s| &s.shape)));
-    let top = surface.map(|s| {
-        let half = Vector3::new(s.size.0, s.size.1, 0.0) / 2.0;
-        let centre = Vector3::new(s.centre.0, s.centre.1, 0.0);
-        (centre - half, centre + half)
-    });
-    let extent = [drawn, top].into_iter().flatten().reduce(|(a, b), (c, d)| (a.inf(&c), b.sup(&d)));
-    let footprint = solid::read_footprint(&mut t, extent, lib);
-    let placement = read_placement(&mut t, role, lib);
-    t.finish(lib);
-    Some(Equipment {
-        name: named?,
-        role,
-        surface,
-        footprint: footprint?,
-        solids: solids?,
-        placement: placement?,
+    let what = if role == Role::Equipment { "an equipment" } else { "an obstacle" };
+    Table::read(node, what, lib, |t, lib| {
+        super::header(t, "equipment", lib)?;
+        t.text_or("name", name, lib);
+        t.text_or("source", "", lib);
+        let before = lib.errors();
+        let surface = t.get("surface").and_then(|node| solid::read_rectangle(node, "`surface`", lib));
+        let solids = solid::read_all(t, Carrier::Equipment, lib, |_, solid, _| solid);
+        let drawn = solid::extent_of(solids.iter().map(|s| &s.shape));
+        let extents = [drawn, surface.map(|s| top(&s))].into_iter().flatten();
+        let extent = extents.reduce(|(a, b), (c, d)| (a.inf(&c), b.sup(&d)));
+        let sound = lib.errors() == before;
+        let needed: &[_] = if sound { &["footprint", "solid", "surface"] } else { &[] };
+        let footprint = solid::read_footprint(t, extent, needed, lib);
+        let placement = read_placement(t, role, lib);
+        let (footprint, placement) = (footprint?, placement?);
+        Some(Equipment { name: name.to_string(), role, surface, footprint, solids, placement })
     })
 }
 
-fn read_solids(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<Vec<Solid>> {
-    let nodes = solid::list(t, lib);
-    let mut solids: Vec<Solid> = Vec::new();
-    let mut sound = true;
-    for node in nodes {
-        let read = Table::of(node, "a solid", lib).and_then(|mut t| {
-            let read = solid::read(&mut t, solid::Carrier::Equipment, lib);
-            t.finish(lib);
-            read
-        });
-        match read {
-            Some(s) if solids.iter().any(|k| k.name == s.name) => {
-                super::duplicate_solid(&s.name, node.at, lib);
-                sound = false;
-            }
-            Some(s) => solids.push(s),
-            None => sound = false,
-        }
-    }
-    sound.then_some(solids)
+/// Extent of a work surface.
+fn top(surface: &Rectangle) -> solid::Extent {
+    let half = Vector3::new(surface.size.0, surface.size.1, 0.0) / 2.0;
+    let centre = Vector3::new(surface.centre.0, surface.centre.1, 0.0);
+    (centre - half, centre + half)
 }
 
 fn read_placement(t: &mut Table<'_>, role: Role, lib: &mut Library<'_>) -> Option<[Coordinate; 4]> {
-    let node = t.need("placement", lib)?;
-    let mut t = Table::of(node, "`placement`", lib)?;
-    let length = units::m_from_mm as fn(f64) -> f64;
-    let x = read_coordinate(&mut t, "x_mm", length, role, lib);
-    let y = read_coordinate(&mut t, "y_mm", length, role, lib);
-    let z = read_coordinate(&mut t, "z_mm", length, role, lib);
-    let yaw = match t.get("yaw_deg") {
-        Some(_) => read_coordinate(&mut t, "yaw_deg", units::rad_from_deg, role, lib),
-        None => Some(Coordinate::Fixed(0.0)),
-    };
-    t.finish(lib);
-    Some([x?, y?, z?, yaw?])
+    let node = t.need("placement", "add placement = { x_mm = 0, y_mm = 1000, z_mm = 600 }")?;
+    Table::read(node, "`placement`", lib, |t, lib| {
+        let x = read_coordinate(t, "x_mm", units::m_from_mm, role, lib);
+        let y = read_coordinate(t, "y_mm", units::m_from_mm, role, lib);
+        let z = read_coordinate(t, "z_mm", units::m_from_mm, role, lib);
+        let yaw = match t.get("yaw_deg") {
+            Some(_) => read_coordinate(t, "yaw_deg", units::rad_from_deg, role, lib),
+            None => Some(Coordinate::Fixed(0.0)),
+        };
+        Some([x?, y?, z?, yaw?])
+    })
 }
 
 /// A number (fixed) or `{ min, max, start }` (a search variable; it starts in the middle by default).
@@ -85,57 +60,49 @@ fn read_coordinate(
     role: Role,
     lib: &mut Library<'_>,
 ) -> Option<Coordinate> {
-    let node = t.need(key, lib)?;
-    if !matches!(node.value, super::document::Value::Table(_)) {
-        return number(node, &format!("`{key}`"), Must::BeFinite, lib).map(|v| Coordinate::Fixed(si(v)));
-    }
-    let mut t = Table::of(node, key, lib)?;
-    let min = t.number("min", Must::BeFinite, lib);
-    let max = t.number("max", Must::BeFinite, lib);
-    let middle = min.zip(max).map_or(0.0, |(a, b)| (a + b) / 2.0);
-    let start = t.number_or("start", middle, Must::BeFinite, lib);
-    t.finish(lib);
-    let (min, max, start) = (min?, max?, start?);
-    if role == Role::Obstacle {
-        lib.error(
-            node.at,
-            format!("`{key}` of an obstacle cannot be a range"),
-            "move it to [equipment.NAME]",
-        );
+    let node = t.need(key, format!("add {key} = 0, or {{ min = -500, max = 500 }} to let it be searched"))?;
+    let is_range = matches!(node.value, Value::Table(_));
+    if is_range && role == Role::Obstacle {
+        let message = format!("`{key}` of an obstacle cannot be a range");
+        lib.error(node.at, message, "give it one number, or make it an [equipment.NAME]");
         return None;
     }
-    if min >= max {
-        let message = format!("range of `{key}` reversed: min {min} is not below max {max}");
-        lib.error(
-            node.at,
-            message,
-            format!("write {{ min = {}, max = {} }}, or one number", max.min(min), max.max(min)),
-        );
-        return None;
+    if !is_range {
+        let fixed = value::number(node, &format!("`{key}`"), Must::BeFinite, lib);
+        return fixed.map(|v| Coordinate::Fixed(si(v)));
     }
-    if !(min..=max).contains(&start) {
-        lib.error(
-            node.at,
-            format!("start {start} of `{key}` is outside {min} to {max}"),
-            "start inside the range",
-        );
-        return None;
-    }
-    Some(Coordinate::Range { min: si(min), max: si(max), start: si(start) })
+    Table::read(node, key, lib, |t, lib| {
+        let min = t.number("min", Must::BeFinite, lib);
+        let max = t.number("max", Must::BeFinite, lib);
+        let start = match t.get("start") {
+            Some(node) => value::number(node, "`start`", Must::BeFinite, lib).map(|v| (v, node.at)),
+            None => min.zip(max).map(|(min, max)| ((min + max) / 2.0, t.at)),
+        };
+        let (min, max, (start, start_at)) = (min?, max?, start?);
+        let (low, high) = (plain(min), plain(max));
+        if min >= max {
+            let message = format!("range of `{key}` is empty: min {low} is not below max {high}");
+            lib.error(t.at, message, "give the lower end as min, or write one number to fix it");
+        } else if !(min..=max).contains(&start) {
+            let message = format!("start {} of `{key}` is outside {low} to {high}", plain(start));
+            lib.error(start_at, message, "start inside the range");
+        }
+        Some(Coordinate::Range { min: si(min), max: si(max), start: si(start) })
+    })
 }
 
 /// `[keep_out.NAME]`: low and high corner of a box, world frame.
 pub fn read_keep_out(name: &str, node: &Node, lib: &mut Library<'_>) -> Option<KeepOut> {
-    let mut t = Table::of(node, "a keep-out box", lib)?;
-    let named = solid::checked_name(name.to_string(), node.at, lib);
-    let min = t.vector("min_mm", Must::BeFinite, lib);
-    let max = t.vector("max_mm", Must::BeFinite, lib);
-    t.finish(lib);
-    let (min, max) = (min?, max?);
-    if (max - min).min() <= 0.0 {
-        let message = format!("keep-out box `{}` is empty: min_mm is not below max_mm", shown(name));
-        lib.error(node.at, message, "give the low corner first, then the high one");
-        return None;
-    }
-    Some(KeepOut { name: named?, min, max })
+    Table::read(node, "a keep-out box", lib, |t, lib| {
+        let min = t.vector("min_mm", Must::BeFinite, lib);
+        let max = t.vector("max_mm", Must::BeFinite, lib);
+        let (min, max) = (min?, max?);
+        if let Some(axis) = (0..3).find(|&i| min[i] >= max[i]) {
+            let (low, high) = (units::mm_from_m(min[axis]), units::mm_from_m(max[axis]));
+            let (axis, low, high) = (["x", "y", "z"][axis], plain(low), plain(high));
+            let message = format!("the box is empty: in {axis}, min_mm {low} is not below max_mm {high}");
+            lib.error(t.at, message, "give the low corner as min_mm, the high one as max_mm");
+        }
+        Some(KeepOut { name: name.to_string(), min, max })
+    })
 }

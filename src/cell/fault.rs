@@ -20,9 +20,12 @@ pub struct Fault {
     pub column: usize,
     pub message: String,
     pub help: String,
-    /// The line of the file, for the reader.
+    /// The line of the file, for the reader: of a long line the part round the fault.
     #[serde(skip)]
     pub excerpt: String,
+    /// Characters of the excerpt before the fault.
+    #[serde(skip)]
+    pub caret: usize,
 }
 
 impl Fault {
@@ -36,7 +39,23 @@ impl Fault {
             message: message.into(),
             help: help.into(),
             excerpt: String::new(),
+            caret: 0,
         }
+    }
+
+    /// An error at a byte offset of the text of a file.
+    pub fn in_text(file: &str, text: &str, offset: usize, message: String, help: String) -> Self {
+        let offset = (0..=offset.min(text.len())).rev().find(|&i| text.is_char_boundary(i)).unwrap_or(0);
+        let start = text[..offset].rfind('\n').map_or(0, |i| i + 1);
+        let line = text[..start].matches('\n').count() + 1;
+        let before = text[start..offset].chars().count();
+        let skipped = if before > WIDEST { before - WIDEST / 2 } else { 0 };
+        let shown = text[start..].lines().next().unwrap_or("").chars().skip(skipped).take(WIDEST + 20);
+        let blank = |c: char| if c.is_control() || hides(c) { ' ' } else { c };
+        let cut = if skipped > 0 { "..." } else { "" };
+        let excerpt = cut.chars().chain(shown.map(blank)).collect();
+        let caret = before - skipped + cut.len();
+        Self { line, column: before + 1, excerpt, caret, ..Self::of_file(file, message, help) }
     }
 
     pub fn is_error(&self) -> bool {
@@ -44,13 +63,16 @@ impl Fault {
     }
 }
 
+/// Widest excerpt up to the fault, characters.
+const WIDEST: usize = 100;
+
 impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let kind = if self.is_error() { "error" } else { "warning" };
         write!(f, "{}:{}:{}: {kind}: {}", shown(&self.file), self.line, self.column, self.message)?;
         if !self.excerpt.trim().is_empty() {
             let number = self.line.to_string();
-            let caret = " ".repeat(self.column.saturating_sub(1));
+            let caret = " ".repeat(self.caret);
             write!(f, "\n  {number} | {}\n  {:w$} | {caret}^", self.excerpt, "", w = number.len())?;
         }
         if !self.help.is_empty() {
@@ -66,7 +88,7 @@ pub fn shown(text: &str) -> String {
         .chars()
         .take(80)
         .flat_map(|c| {
-            let plain = !c.is_control() && !is_bidi_control(c);
+            let plain = !c.is_control() && !hides(c);
             let escaped = (!plain).then(|| c.escape_default());
             escaped.into_iter().flatten().chain(plain.then_some(c))
         })
@@ -74,17 +96,46 @@ pub fn shown(text: &str) -> String {
     if text.chars().nth(80).is_some() { safe + "..." } else { safe }
 }
 
-/// Characters that reorder or hide text on a terminal.
-fn is_bidi_control(c: char) -> bool {
-    matches!(c, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}')
+/// A few names for a help.
+pub fn listed<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
+    let mut names: Vec<_> = names.into_iter().take(21).map(shown).collect();
+    match names.len() {
+        0 => return "none".into(),
+        21 => names[20] = "...".into(),
+        _ => {}
+    }
+    names.join(", ")
 }
 
-/// The candidate nearest to a mistyped `word`, if one is near enough to suggest.
+/// Characters that reorder or hide text on a terminal.
+fn hides(c: char) -> bool {
+    matches!(c, '\u{ad}' | '\u{61c}' | '\u{180e}' | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}'
+        | '\u{2060}'..='\u{206f}' | '\u{feff}' | '\u{fff9}'..='\u{fffb}' | '\u{e0000}'..='\u{e0fff}')
+}
+
+/// The candidate nearest to a mistyped `word`, if one is near enough to suggest: the same quantity in
+/// another unit or none (`x` or `x_m` for `x_mm`), or a few letters off.
 pub fn did_you_mean<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    candidates
-        .into_iter()
-        .map(|c| (strsim::damerau_levenshtein(word, c), c))
-        .filter(|(d, c)| *d <= (c.len().max(word.len()) / 3).max(1))
-        .min_by_key(|(d, _)| *d)
-        .map(|(_, c)| c)
+    let length = word.chars().count();
+    let quantity = word.rsplit_once('_').map_or(word, |(stem, _)| stem);
+    let distance = |c: &str| {
+        let stem = c.strip_suffix("_mm").or(c.strip_suffix("_deg"));
+        if stem.is_some_and(|s| s == word || s == quantity) {
+            return Some((0, 0));
+        }
+        let other = c.chars().count();
+        let most = (length.max(other) / 3).max(1);
+        // The distance takes a table of one word times the other.
+        let apart = (length.max(other) <= 100).then(|| strsim::damerau_levenshtein(word, c))?;
+        // A short word has too many neighbours: cm is not mm.
+        let near = apart <= most && (2 * apart < length || sorted(word) == sorted(c));
+        near.then_some((apart, length.abs_diff(other)))
+    };
+    candidates.into_iter().filter_map(|c| Some((distance(c)?, c))).min_by_key(|(d, _)| *d).map(|(_, c)| c)
+}
+
+fn sorted(word: &str) -> Vec<char> {
+    let mut letters: Vec<_> = word.chars().collect();
+    letters.sort_unstable();
+    letters
 }

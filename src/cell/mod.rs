@@ -6,23 +6,32 @@
 //! that comes out is valid: nothing downstream checks it again.
 
 mod cell_file;
-pub mod document;
+mod document;
 mod equipment_file;
+mod error_set;
 pub mod fault;
+mod from;
 mod mesh;
 mod model;
+mod operation_file;
 mod plausible;
 mod reader;
 mod robot_file;
+mod robot_model;
 mod solid;
+mod tree;
+mod value;
 
 pub use document::{ReadFile, Source};
 pub use fault::{Fault, Severity, shown};
 pub use model::*;
+pub use robot_model::*;
 pub use solid::extent;
 
-use document::{At, Library, Node, Value};
+use document::Library;
 use reader::Table;
+use std::collections::{HashMap, HashSet};
+use tree::Node;
 
 /// A cell with everything that was read for it.
 #[derive(Debug, Clone)]
@@ -40,16 +49,15 @@ pub struct Loaded {
 /// All faults of all files, errors and warnings, in the order of files and lines.
 pub fn load(path: &str, read: &mut ReadFile<'_>) -> Result<Loaded, Vec<Fault>> {
     let mut lib = Library::new(read);
-    let root = lib.load(path);
+    let root = from::load(path, &mut lib);
     let stem = path.strip_suffix(".toml").unwrap_or(path);
     let cell = root.as_ref().and_then(|root| cell_file::read(stem, root, &mut lib));
-    if let (Some(cell), Some(root)) = (&cell, &root) {
-        plausible::warn(cell, |name| place_of(root, name), &mut lib);
+    if lib.errors() == 0
+        && let (Some(cell), Some(root)) = (&cell, &root)
+    {
+        plausible::warn(cell, root, &mut lib);
     }
-    let mut faults = std::mem::take(&mut lib.faults);
-    let order = |f: &Fault| lib.sources.iter().position(|s| s.path == f.file);
-    faults.sort_by_key(|f| (order(f), f.line, f.column));
-    faults.dedup();
+    let faults = sorted(&mut lib);
     match cell {
         Some(cell) if !faults.iter().any(Fault::is_error) => {
             Ok(Loaded { cell, sources: lib.sources, warnings: faults })
@@ -58,48 +66,65 @@ pub fn load(path: &str, read: &mut ReadFile<'_>) -> Result<Loaded, Vec<Fault>> {
     }
 }
 
-/// Where an equipment or obstacle is named.
-fn place_of(root: &Node, name: &str) -> At {
-    let Value::Table(top) = &root.value else { return root.at };
-    let groups = top.iter().filter(|(k, ..)| k == "equipment" || k == "obstacle");
-    let entries = groups.flat_map(|(.., node)| match &node.value {
-        Value::Table(entries) => entries.as_slice(),
-        _ => &[],
-    });
-    entries.into_iter().find(|(k, ..)| k == name).map_or(root.at, |(_, at, _)| *at)
+/// The faults in the order of files and lines; those of a file that is named twice once.
+fn sorted(lib: &mut Library<'_>) -> Vec<Fault> {
+    let mut faults = std::mem::take(&mut lib.faults);
+    let order: HashMap<_, _> = lib.sources.iter().enumerate().map(|(i, s)| (&s.path, i)).collect();
+    faults.sort_by_key(|f| (order.get(&f.file), f.line, f.column));
+    let mut told = HashSet::new();
+    faults.retain(|f| told.insert((f.file.clone(), f.line, f.column, f.message.clone())));
+    faults
 }
 
-/// `schema` and `units`, the same in every kind of file. A part written inside a cell has neither:
-/// those of the cell hold.
-fn header(t: &mut Table<'_>, kind: &str, lib: &mut Library<'_>) {
-    let want = format!("sweetspot/{kind}/1");
-    let schema = t.get("schema");
-    if let Some(node) = schema
-        && let Some(given) = reader::text(node, "schema", lib)
-        && given != want
-    {
-        let message = format!("this is a `{}` where a `{want}` is wanted", shown(&given));
-        lib.error(node.at, message, "refer to a file of the right kind");
-    }
-    let units = if schema.is_some() { t.need("units", lib) } else { t.get("units") };
-    let Some(node) = units else { return };
-    let Some(mut units) = Table::of(node, "`units`", lib) else { return };
-    for (key, want) in [("length", "mm"), ("angle", "deg")] {
-        if let Some(node) = units.need(key, lib)
-            && let Some(given) = reader::text(node, key, lib)
-            && given != want
-        {
-            let message = format!("{key} in `{}` is not read", shown(&given));
-            lib.error(node.at, message, format!("convert the file to {key} = \"{want}\""));
+/// `schema` and `units`, the same in every kind of file; None if it is a file of another kind, of
+/// which nothing more is read. A part written inside a cell has neither: those of the cell hold.
+fn header(t: &mut Table<'_>, kind: &'static str, lib: &mut Library<'_>) -> Option<()> {
+    let help = "add units = { length = \"mm\", angle = \"deg\" }";
+    let units = if let Some(node) = t.get("schema") {
+        if !is_schema(node, t, kind, lib) {
+            t.give_up();
+            return None;
         }
-    }
-    units.finish(lib);
+        t.need("units", help)
+    } else {
+        t.get("units")
+    };
+    let Some(node) = units else { return Some(()) };
+    Table::read(node, "`units`", lib, |t, lib| {
+        for (key, want, help) in
+            [("length", "mm", "add length = \"mm\""), ("angle", "deg", "add angle = \"deg\"")]
+        {
+            let Some(node) = t.need(key, help) else { continue };
+            let Some(given) = value::text(node, key, lib).filter(|given| given != want) else { continue };
+            let message = format!("`{key}` must be in \"{want}\", not in \"{}\"", shown(&given));
+            lib.error(
+                node.at,
+                message,
+                format!("convert the numbers of the file, then write {key} = \"{want}\""),
+            );
+        }
+        Some(())
+    });
+    Some(())
 }
 
-fn duplicate_solid(name: &str, at: At, lib: &mut Library<'_>) {
-    lib.error(
-        at,
-        format!("two solids are named `{}`", shown(name)),
-        "reasons name solids: give each its own name",
-    );
+/// Whether the file is of the wanted kind; if another file brought the wrong one, the fault is where
+/// that file was named.
+fn is_schema(node: &Node, t: &Table<'_>, kind: &str, lib: &mut Library<'_>) -> bool {
+    let want = format!("sweetspot/{kind}/1");
+    let Some(given) = value::text(node, "schema", lib) else { return false };
+    if given == want {
+        return true;
+    }
+    let file = shown(&lib.sources[node.at.file].path);
+    let named = if node.at.file == t.at.file { node.at } else { t.at };
+    let (at, message) = match KINDS.iter().find(|(k, _)| given == format!("sweetspot/{k}/1")) {
+        Some((_, what)) => (named, format!("`{file}` is the file of {what}")),
+        None => (node.at, format!("`{}` is no schema that is read", shown(&given))),
+    };
+    lib.error(at, message, format!("a file with schema = \"{want}\" is wanted here"));
+    false
 }
+
+/// With the article.
+const KINDS: [(&str, &str); 3] = [("cell", "a cell"), ("robot", "a robot"), ("equipment", "an equipment")];

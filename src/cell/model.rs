@@ -1,36 +1,8 @@
 //! What exists in a workcell: plain data in SI units, valid by construction.
 
+use super::robot_model::{Robot, SignedErrors};
 use crate::pose::Pose;
 use nalgebra::Vector3;
-
-/// Longest chain of joints. Joint vectors are arrays of this length; the unused tail is zero.
-pub const MAX_JOINTS: usize = 8;
-
-/// Actuator coordinates, rad (revolute) or m (prismatic), in the robot's own (the paper's) zero.
-pub type JointVector = [f64; MAX_JOINTS];
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum JointKind {
-    Revolute,
-    Prismatic,
-}
-
-/// One row of the standard Denavit-Hartenberg table, eq. (1): `A = Rz(theta) Tz(r) Tx(l) Rx(alpha)`.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Joint {
-    pub name: String,
-    pub kind: JointKind,
-    /// Angle theta at coordinate 0, rad (a revolute joint adds its coordinate).
-    pub theta: f64,
-    /// Axial offset at coordinate 0, m (a prismatic joint adds its coordinate).
-    pub r: f64,
-    /// Common normal, m.
-    pub l: f64,
-    /// Twist, rad.
-    pub alpha: f64,
-    /// Lower and upper limit of the actuator coordinate.
-    pub limits: (f64, f64),
-}
 
 /// The shapes a solid can have, in the frame of the link or equipment that carries it, m.
 #[derive(Debug, Clone, PartialEq)]
@@ -77,66 +49,6 @@ pub enum Shape {
 pub struct Solid {
     pub name: String,
     pub shape: Shape,
-}
-
-/// A solid that moves with a link: 0 is the base, k the frame after `A_k`.
-#[derive(Debug, Clone, PartialEq)]
-pub struct LinkSolid {
-    pub link: usize,
-    pub solid: Solid,
-}
-
-/// A signed sample of the kinematic errors, one value per joint (the reading of the paper's
-/// Tables 2 and 3). Not a tolerance: the signs are part of it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SignedErrors {
-    pub name: String,
-    /// Of the actuator coordinate, rad or m.
-    pub dq: Vec<f64>,
-    /// m
-    pub dr: Vec<f64>,
-    /// m
-    pub dl: Vec<f64>,
-    /// rad
-    pub dalpha: Vec<f64>,
-}
-
-#[derive(Debug, Clone, PartialEq)]
-pub struct Robot {
-    pub name: String,
-    pub source: String,
-    pub joints: Vec<Joint>,
-    /// Row i: how the D-H coordinate i follows the actuators, lower triangular with units on the
-    /// diagonal; the identity for a serial arm.
-    pub coupling: Vec<Vec<f64>>,
-    /// Mechanical interface to TCP.
-    pub tool: Pose,
-    /// Working direction of the tool in the frame of the TCP, unit length.
-    pub tool_axis: Vector3<f64>,
-    pub solids: Vec<LinkSolid>,
-    /// Floor space of the base, in its frame.
-    pub footprint: Rectangle,
-    pub errors: Vec<SignedErrors>,
-}
-
-impl Robot {
-    pub fn axes(&self) -> usize {
-        self.joints.len()
-    }
-
-    /// An upper bound of the distance from the base axis that the TCP can reach, m.
-    pub fn reach(&self) -> f64 {
-        let links: f64 = self.joints.iter().skip(1).map(|j| j.l.hypot(j.r) + travel(j)).sum();
-        let first = self.joints.first().map_or(0.0, |j| j.l.abs() + travel(j));
-        first + links + self.tool.translation.norm()
-    }
-}
-
-fn travel(joint: &Joint) -> f64 {
-    match joint.kind {
-        JointKind::Prismatic => joint.limits.0.abs().max(joint.limits.1.abs()),
-        JointKind::Revolute => 0.0,
-    }
 }
 
 /// A rectangle in plan: centre and full size in the frame of its owner, m.

@@ -1,43 +1,96 @@
-//! Warnings about sizes that are probably a wrong unit: 20 times the reach, or a twentieth of it.
+//! Warnings about sizes that are probably in a wrong unit: 20 times the reach, or a twentieth of it.
 
-use super::document::{At, Library};
+use super::document::Library;
 use super::fault::Severity;
-use super::model::{Cell, Equipment};
+use super::model::{Cell, Equipment, Role, Shape};
 use super::solid;
-use crate::units::mm_from_m;
+use super::tree::{At, Node};
+use crate::units::{mm_from_m, rounded};
 
 const FACTOR: f64 = 20.0;
 
-/// Compares every equipment with the robot's reach. `at` gives the place of an equipment by name.
-pub fn warn(cell: &Cell, at: impl Fn(&str) -> At, lib: &mut Library<'_>) {
+/// Something with a size, m.
+struct Thing {
+    what: String,
+    at: At,
+    size: f64,
+}
+
+/// Compares everything that stands in the cell, and the links, with the reach of the robot.
+pub fn warn(cell: &Cell, root: &Node, lib: &mut Library<'_>) {
     let reach = cell.robot.reach();
-    for equipment in &cell.equipment {
-        let size = largest_size(equipment);
-        let side = if size > FACTOR * reach {
-            "20 times"
-        } else if size < reach / FACTOR {
-            "less than a twentieth of"
-        } else {
-            continue;
-        };
-        let message = format!(
-            "`{}` measures {} mm, {side} the reach of the robot ({:.0} mm)",
-            equipment.name,
-            (mm_from_m(size) * 10.0).round() / 10.0,
-            mm_from_m(reach)
-        );
+    let side = |thing: &Thing| side(thing.size, reach);
+    let reach_mm = millimetres(reach);
+    let robot = place_of(root, "robot");
+    let standing = standing(cell, root);
+    if let [first, _, ..] = &standing[..]
+        && let Some(all) = side(first)
+        && standing.iter().all(|thing| side(thing) == Some(all))
+    {
+        let message = format!("everything in the cell measures {all} the reach of the robot ({reach_mm} mm)");
+        lib.fault(robot, Severity::Warning, message, "are the lengths of the robot really in mm?");
+        return;
+    }
+    let sizes = cell.robot.solids.iter().map(|s| extent_size([&s.solid.shape]));
+    let what = "the largest solid of the robot".to_string();
+    let links = sizes.reduce(f64::max).map(|size| Thing { what, at: robot, size });
+    for thing in standing.iter().chain(&links) {
+        let Some(side) = side(thing) else { continue };
+        let size = millimetres(thing.size);
+        let message =
+            format!("{} measures {size} mm, {side} the reach of the robot ({reach_mm} mm)", thing.what);
         lib.fault(
-            at(&equipment.name),
+            thing.at,
             Severity::Warning,
             message,
-            "are its lengths, or the robot's, really in mm?",
+            "are all lengths, and those of the robot, really in mm?",
         );
     }
 }
 
-fn largest_size(e: &Equipment) -> f64 {
-    let drawn = solid::extent_of(e.solids.iter().map(|s| &s.shape)).map_or(0.0, |(lo, hi)| (hi - lo).max());
+fn side(size: f64, reach: f64) -> Option<&'static str> {
+    if size > FACTOR * reach {
+        Some("more than 20 times")
+    } else if size < reach / FACTOR {
+        Some("less than a twentieth of")
+    } else {
+        None
+    }
+}
+
+/// Equipment, obstacles and keep-out boxes.
+fn standing(cell: &Cell, root: &Node) -> Vec<Thing> {
+    let at = |group: &str, name: &str| root.value.get(group).map(|node| place_of(node, name));
+    let equipment = cell.equipment.iter().map(|e| {
+        let group = if e.role == Role::Equipment { "equipment" } else { "obstacle" };
+        Thing {
+            what: format!("`{}`", e.name),
+            at: at(group, &e.name).unwrap_or(root.at),
+            size: equipment_size(e),
+        }
+    });
+    let keep_out = cell.keep_out.iter().map(|k| Thing {
+        what: format!("keep-out box `{}`", k.name),
+        at: at("keep_out", &k.name).unwrap_or(root.at),
+        size: (k.max - k.min).max(),
+    });
+    equipment.chain(keep_out).collect()
+}
+
+fn place_of(table: &Node, key: &str) -> At {
+    table.value.entries().iter().find(|(k, ..)| k == key).map_or(table.at, |(_, at, _)| *at)
+}
+
+fn millimetres(m: f64) -> f64 {
+    rounded(mm_from_m(m), 1)
+}
+
+fn equipment_size(e: &Equipment) -> f64 {
+    let drawn = extent_size(e.solids.iter().map(|s| &s.shape));
     let surface = e.surface.map_or(0.0, |s| s.size.0.max(s.size.1));
-    let footprint = e.footprint.size.0.max(e.footprint.size.1);
-    drawn.max(surface).max(footprint)
+    drawn.max(surface).max(e.footprint.size.0).max(e.footprint.size.1)
+}
+
+fn extent_size<'s>(shapes: impl IntoIterator<Item = &'s Shape>) -> f64 {
+    solid::extent_of(shapes).map_or(0.0, |(lo, hi)| (hi - lo).max())
 }

@@ -1,65 +1,83 @@
 //! Typed reading of the located tree: every fault is recorded and reading goes on.
+//!
+//! What a reader returns is only good if no fault was recorded: [`super::load`] sees to that.
 
-use super::document::{At, Library, Node, Value};
-use super::fault::{did_you_mean, shown};
+use super::document::Library;
+use super::fault::{did_you_mean, listed, shown};
+use super::tree::{At, Entry, Node, Value};
+use super::value::{self, Must};
 use crate::units;
 use nalgebra::Vector3;
 
-/// Largest length (mm) or angle (degrees) that any file can mean.
-const ABSURD: f64 = 1e7;
-
-/// What a number must be besides finite.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Must {
-    BeFinite,
-    BePositive,
-    NotBeNegative,
-}
-
-/// A table being read. [`Table::finish`] reports the keys that nobody asked for.
+/// A table being read. Keys that are missing, and keys that nobody asked for, are reported at the end
+/// of [`Table::read`]: only then is it known which of them is a misspelling of which.
 pub struct Table<'n> {
     pub at: At,
-    entries: &'n [(String, At, Node)],
+    entries: &'n [Entry],
     asked: Vec<&'static str>,
+    /// Keys of which one must be there, and what to do about it.
+    missing: Vec<(Vec<&'static str>, String)>,
+    /// Some keys were lost with a file that could not be read, or it is not the table it should be.
+    pub partial: bool,
 }
 
 impl<'n> Table<'n> {
-    pub fn of(node: &'n Node, what: &str, lib: &mut Library<'_>) -> Option<Self> {
-        match &node.value {
-            Value::Table(entries) => Some(Self { at: node.at, entries, asked: Vec::new() }),
+    /// Reads a table with `read` and reports its missing and unknown keys.
+    pub fn read<T>(
+        node: &'n Node,
+        what: &str,
+        lib: &mut Library<'_>,
+        read: impl FnOnce(&mut Self, &mut Library<'_>) -> Option<T>,
+    ) -> Option<T> {
+        let entries = match &node.value {
+            Value::Table(entries) => entries,
+            Value::Unread => return None,
             other => {
-                lib.error(node.at, format!("{what} must be a table, not {}", other.kind()), "");
-                None
+                let message = format!("{what} must be a table, not {}", other.kind());
+                lib.error(node.at, message, "write its keys under a header in [ ], or in { }");
+                return None;
             }
-        }
+        };
+        let partial = node.value.is_partial();
+        let mut table = Self { at: node.at, entries, asked: Vec::new(), missing: Vec::new(), partial };
+        let result = read(&mut table, lib);
+        table.finish(lib);
+        result
     }
 
     /// The node of a key that may be missing.
     pub fn get(&mut self, key: &'static str) -> Option<&'n Node> {
-        self.asked.push(key);
+        if !self.asked.contains(&key) {
+            self.asked.push(key);
+        }
         self.entries.iter().find(|(k, ..)| k == key).map(|(.., node)| node)
     }
 
-    /// The node of a key that must be there.
-    pub fn need(&mut self, key: &'static str, lib: &mut Library<'_>) -> Option<&'n Node> {
+    /// The node of a key that must be there; `help` says what to write.
+    pub fn need(&mut self, key: &'static str, help: impl Into<String>) -> Option<&'n Node> {
         let found = self.get(key);
         if found.is_none() {
-            // A near miss is reported as an unknown key with a suggestion; say it once.
-            let near = self.entries.iter().any(|(k, ..)| did_you_mean(k, [key]).is_some());
-            if !near {
-                lib.error(self.at, format!("`{key}` is missing"), format!("add {key} = {}", example(key)));
-            }
+            self.missing.push((vec![key], help.into()));
         }
         found
     }
 
-    /// All entries of a table of named tables, in file order.
-    pub fn named(&self) -> impl Iterator<Item = (&'n str, At, &'n Node)> {
-        self.entries.iter().map(|(k, at, node)| (k.as_str(), *at, node))
+    /// Says that one of these keys must be there and is not; none of none.
+    pub fn need_one_of(&mut self, keys: &[&'static str], help: impl Into<String>) {
+        if !keys.is_empty() {
+            self.missing.push((keys.to_vec(), help.into()));
+        }
+    }
+
+    /// The rest cannot be judged: report nothing more.
+    pub fn give_up(&mut self) {
+        self.partial = true;
+        self.entries = &[];
     }
 
     pub fn number(&mut self, key: &'static str, must: Must, lib: &mut Library<'_>) -> Option<f64> {
-        number(self.need(key, lib)?, &format!("`{key}`"), must, lib)
+        let node = self.need(key, format!("add {key} = {}", must.example()))?;
+        value::number(node, &format!("`{key}`"), must, lib)
     }
 
     pub fn number_or(
@@ -69,7 +87,7 @@ impl<'n> Table<'n> {
         must: Must,
         lib: &mut Library<'_>,
     ) -> Option<f64> {
-        self.get(key).map_or(Some(default), |n| number(n, &format!("`{key}`"), must, lib))
+        self.get(key).map_or(Some(default), |n| value::number(n, &format!("`{key}`"), must, lib))
     }
 
     /// A length given in mm, in m.
@@ -89,7 +107,8 @@ impl<'n> Table<'n> {
         must: Must,
         lib: &mut Library<'_>,
     ) -> Option<Vec<f64>> {
-        numbers(self.need(key, lib)?, key, len, must, lib)
+        let node = self.need(key, format!("add {key} = {}", must.examples(len)))?;
+        value::numbers(node, &format!("`{key}`"), len, must, lib)
     }
 
     pub fn numbers_or_zero(
@@ -98,21 +117,28 @@ impl<'n> Table<'n> {
         len: usize,
         lib: &mut Library<'_>,
     ) -> Option<Vec<f64>> {
-        self.get(key).map_or(Some(vec![0.0; len]), |n| numbers(n, key, len, Must::BeFinite, lib))
+        let Some(node) = self.get(key) else { return Some(vec![0.0; len]) };
+        value::numbers(node, &format!("`{key}`"), len, Must::BeFinite, lib)
     }
 
     /// Three lengths in mm, in m.
     pub fn vector(&mut self, key: &'static str, must: Must, lib: &mut Library<'_>) -> Option<Vector3<f64>> {
         let v = self.numbers(key, 3, must, lib)?;
-        Some(Vector3::new(v[0], v[1], v[2]).map(units::m_from_mm))
+        Some(Vector3::from_iterator(v).map(units::m_from_mm))
     }
 
     pub fn text(&mut self, key: &'static str, lib: &mut Library<'_>) -> Option<String> {
-        text(self.need(key, lib)?, key, lib)
+        value::text(self.need(key, format!("add {key} = \"...\""))?, key, lib)
     }
 
     pub fn text_or(&mut self, key: &'static str, default: &str, lib: &mut Library<'_>) -> Option<String> {
-        self.get(key).map_or(Some(default.to_string()), |n| text(n, key, lib))
+        self.get(key).map_or(Some(default.to_string()), |n| value::text(n, key, lib))
+    }
+
+    /// A text under `name` that can be shown and written to files.
+    pub fn name(&mut self, lib: &mut Library<'_>) -> Option<String> {
+        let node = self.need("name", "add name = \"...\"")?;
+        value::checked_name(&value::text(node, "name", lib)?, node.at, lib)
     }
 
     pub fn boolean_or(&mut self, key: &'static str, default: bool, lib: &mut Library<'_>) -> Option<bool> {
@@ -120,7 +146,8 @@ impl<'n> Table<'n> {
         if let Value::Boolean(b) = node.value {
             return Some(b);
         }
-        lib.error(node.at, format!("`{key}` must be true or false, not {}", node.value.kind()), "");
+        let message = format!("`{key}` must be true or false, not {}", node.value.kind());
+        lib.error(node.at, message, format!("write {key} = true or {key} = false, without quotes"));
         None
     }
 
@@ -133,7 +160,7 @@ impl<'n> Table<'n> {
         lib: &mut Library<'_>,
     ) -> Option<u64> {
         let Some(node) = self.get(key) else { return Some(default) };
-        integer(node, key, (min, max), lib)
+        value::integer(node, &format!("`{key}`"), (min, max), lib)
     }
 
     /// One of a closed set of words.
@@ -145,117 +172,72 @@ impl<'n> Table<'n> {
         default: Option<T>,
         lib: &mut Library<'_>,
     ) -> Option<T> {
+        let names: Vec<_> = all.iter().map(|&v| name(v)).collect();
+        let any = || format!("\"{}\"", names.join("\" or \""));
         let node = match (self.get(key), default) {
             (None, Some(value)) => return Some(value),
-            (None, None) => self.need(key, lib)?,
+            (None, None) => self.need(key, format!("add {key} = {}", any()))?,
             (Some(node), _) => node,
         };
-        let word = text(node, key, lib)?;
+        let word = value::text(node, key, lib)?;
         let found = all.iter().copied().find(|&v| name(v) == word);
         if found.is_none() {
-            let names: Vec<_> = all.iter().map(|&v| name(v)).collect();
             let help = match did_you_mean(&word, names.iter().copied()) {
                 Some(near) => format!("did you mean \"{near}\"?"),
-                None => format!("one of: {}", names.join(", ")),
+                None => format!("write {key} = {}", any()),
             };
             lib.error(node.at, format!("`{key}` cannot be \"{}\"", shown(&word)), help);
         }
         found
     }
 
-    /// Reports every key that is not known here.
-    pub fn finish(self, lib: &mut Library<'_>) {
-        for (key, at, _) in self.entries {
-            if self.asked.contains(&key.as_str()) {
+    fn finish(self, lib: &mut Library<'_>) {
+        // Each key that was asked for, with the file that gives it.
+        let given = |key: &str| self.entries.iter().find(|(k, ..)| k == key).map(|(_, at, _)| at.file);
+        let asked: Vec<_> = self.asked.iter().map(|&key| (key, given(key))).collect();
+        let mut missing = if self.partial { Vec::new() } else { self.missing };
+        for (key, at, node) in self.entries {
+            if self.asked.contains(&key.as_str()) || matches!(node.value, Value::Unread) {
                 continue;
             }
-            let help = match did_you_mean(key, self.asked.iter().copied()) {
+            // A key given in the same file was not meant again.
+            let meant = asked.iter().filter(|(_, file)| *file != Some(at.file));
+            let near = did_you_mean(key, meant.map(|(k, _)| *k));
+            missing.retain(|(keys, _)| !near.is_some_and(|n| keys.contains(&n)));
+            let help = match near {
+                _ if key == "from" => FROM_PLACES.into(),
                 Some(near) => format!("did you mean `{near}`?"),
-                None => format!("known here: {}", self.asked.join(", ")),
+                None => format!("known here: {}", listed(self.asked.iter().copied())),
             };
             lib.error(*at, format!("unknown key `{}`", shown(key)), help);
         }
+        for (keys, help) in missing {
+            let message = match &keys[..] {
+                [key] => format!("`{key}` is missing"),
+                keys => format!("one of `{}` is missing", keys.join("`, `")),
+            };
+            lib.error(self.at, message, help);
+        }
     }
 }
 
-/// A finite number of a believable size.
-pub fn number(node: &Node, what: &str, must: Must, lib: &mut Library<'_>) -> Option<f64> {
-    let value = match node.value {
-        Value::Integer(i) => i as f64,
-        Value::Float(f) => f,
-        ref other => {
-            lib.error(node.at, format!("{what} must be a number, not {}", other.kind()), "");
-            return None;
-        }
+const FROM_PLACES: &str = "it works at the top of a file, in the robot, in an equipment and in an obstacle";
+
+/// Reads a table of named tables, each with its checked name; a missing one is empty.
+pub fn read_named<'n, T>(
+    table: &mut Table<'n>,
+    key: &'static str,
+    lib: &mut Library<'_>,
+    mut read: impl FnMut(&'n str, &'n Node, &mut Library<'_>) -> Option<T>,
+) -> Vec<T> {
+    let Some(node) = table.get(key) else { return Vec::new() };
+    if !matches!(node.value, Value::Table(_)) {
+        let message = format!("`{key}` must be tables with names, not {}", node.value.kind());
+        lib.error(node.at, message, format!("write [{key}.NAME] above the keys of each"));
+    }
+    let read_one = |(name, at, node): &'n Entry| {
+        let known = value::checked_name(name, *at, lib).is_some();
+        read(name, node, lib).filter(|_| known)
     };
-    let wrong = if !value.is_finite() {
-        Some(("must be a finite number", "nan and inf are no measures"))
-    } else if value.abs() > ABSURD {
-        Some(("is beyond any workcell", "lengths are in mm, angles in degrees"))
-    } else if must == Must::BePositive && value <= 0.0 {
-        Some(("must be greater than 0", ""))
-    } else if must == Must::NotBeNegative && value < 0.0 {
-        Some(("must not be negative", ""))
-    } else {
-        None
-    };
-    if let Some((message, help)) = wrong {
-        lib.error(node.at, format!("{what} {message}, not {value}"), help);
-        return None;
-    }
-    Some(value)
-}
-
-fn numbers(node: &Node, key: &str, len: usize, must: Must, lib: &mut Library<'_>) -> Option<Vec<f64>> {
-    let Value::Array(items) = &node.value else {
-        lib.error(node.at, format!("`{key}` must be a list of {len} numbers, not {}", node.value.kind()), "");
-        return None;
-    };
-    if items.len() != len {
-        let message = format!("`{key}` must have {len} numbers, not {}", items.len());
-        lib.error(node.at, message, "");
-        return None;
-    }
-    let values: Vec<_> =
-        items.iter().enumerate().map(|(i, n)| number(n, &format!("`{key}`[{i}]"), must, lib)).collect();
-    values.into_iter().collect()
-}
-
-pub fn text(node: &Node, key: &str, lib: &mut Library<'_>) -> Option<String> {
-    match &node.value {
-        Value::Text(s) => Some(s.clone()),
-        other => {
-            lib.error(node.at, format!("`{key}` must be a text, not {}", other.kind()), "write it in quotes");
-            None
-        }
-    }
-}
-
-pub fn integer(node: &Node, key: &str, (min, max): (u64, u64), lib: &mut Library<'_>) -> Option<u64> {
-    match node.value {
-        Value::Integer(i) if u64::try_from(i).is_ok_and(|u| (min..=max).contains(&u)) => Some(i as u64),
-        Value::Integer(i) => {
-            lib.error(node.at, format!("`{key}` must be from {min} to {max}, not {i}"), "");
-            None
-        }
-        ref other => {
-            let got = if let Value::Float(f) = other { f.to_string() } else { other.kind().to_string() };
-            lib.error(node.at, format!("`{key}` must be a whole number, not {got}"), "");
-            None
-        }
-    }
-}
-
-/// What to write for a missing key, by its unit.
-fn example(key: &str) -> &'static str {
-    match key {
-        "position_mm" | "min_mm" | "max_mm" | "centre_mm" | "a_mm" | "b_mm" => "[0, 0, 0]",
-        "size_mm" => "[1500, 700]",
-        "limits_deg" | "limits_mm" => "[-90, 90]",
-        "grid" => "[10, 8]",
-        "units" => "{ length = \"mm\", angle = \"deg\" }",
-        "sense" => "\"xy\"",
-        _ if key.ends_with("_mm") || key.ends_with("_deg") => "0",
-        _ => "...",
-    }
+    node.value.entries().iter().filter_map(read_one).collect()
 }

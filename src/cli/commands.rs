@@ -19,29 +19,30 @@ use std::time::Instant;
 /// `sweetspot check`
 pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
     if a.json {
-        let (valid, faults) = match files::read_cell(&a.cell) {
-            Ok(loaded) => (true, loaded.warnings),
-            Err(faults) => (false, faults),
+        let (exit, faults) = match files::read_cell(&a.cell) {
+            Ok(loaded) => (Exit::Done, loaded.warnings),
+            Err(faults) => (files::exit_of(&faults), faults),
         };
+        let valid = exit == Exit::Done;
         output::data(&format!(
             "{}\n",
             json!({ "schema": "sweetspot/check/1", "valid": valid, "faults": faults })
         ))?;
-        return Ok(if valid { Exit::Done } else { Exit::BadInput });
+        return Ok(exit);
     }
     let loaded = files::load(&a.cell)?;
     let warnings = loaded.warnings.len();
-    let workcell = workcell(loaded.cell)?;
+    let workcell = workcell(loaded.cell, &a.cell)?;
     let cell = &workcell.cell;
-    let placements = || cell.equipment.iter().flat_map(|e| &e.placement);
-    let free = placements().filter(|c| matches!(c, Coordinate::Range { .. })).count();
+    let free = cell.equipment.iter().flat_map(|e| &e.placement).filter(|c| is_free(c)).count();
     let nodes: usize = cell.operations.iter().map(|o| o.nodes()).sum();
     output::data(&format!(
-        "{}\n{} axes, {} equipment and obstacles, {} operations on {nodes} nodes, {free} search variables\nvalid{}\n",
+        "{}\n{} axes, {} equipment and obstacles, {} operations on {nodes} nodes, {free} search variables\n{}valid{}\n",
         report::text::headline(cell),
         cell.robot.axes(),
         cell.equipment.len(),
         cell.operations.len(),
+        report::text::feasibility(&Assessment::new("start", &workcell, cell.start())),
         if warnings == 0 { String::new() } else { format!(", {warnings} warning(s)") },
     ))?;
     let next = if free > 0 { "search" } else { "map" };
@@ -52,8 +53,8 @@ pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
 /// `sweetspot map`
 pub fn map(a: &MapArguments) -> Result<Exit, Exit> {
     let Loaded { cell, sources, .. } = overridden(files::load(&a.cell)?, &a.overrides)?;
-    let workcell = workcell(cell)?;
-    let assessment = Assessment::new(&stem(&a.cell), &workcell, workcell.cell.start());
+    let workcell = workcell(cell, &a.cell)?;
+    let assessment = Assessment::new("start", &workcell, workcell.cell.start());
     let document = report::json::map(&assessment);
     if let Some(path) = &a.svg {
         files::write_whole(path, report::svg::plan(&assessment).as_bytes())?;
@@ -101,7 +102,7 @@ pub fn search(a: &SearchArguments) -> Result<Exit, Exit> {
     settings.budget = a.budget.unwrap_or(settings.budget);
     let named = |name: &String| Solver::ALL.into_iter().find(|s| s.name() == name);
     settings.solver = a.solver.as_ref().and_then(named).unwrap_or(settings.solver);
-    let workcell = workcell(loaded.cell)?;
+    let workcell = workcell(loaded.cell, &a.cell)?;
     // Before the work, not after it: an unwritable folder must not cost a search.
     let folder = files::new_folder(a.out.as_deref(), &stem(&a.cell))?;
     let clock = Instant::now();
@@ -178,7 +179,7 @@ pub fn compare(a: &CompareArguments) -> Result<Exit, Exit> {
     for path in &a.layouts {
         let file = if path.is_dir() { path.join("best.toml") } else { path.clone() };
         let label = if path.is_dir() { stem(path) } else { label_of(&file) };
-        cells.push((label, workcell(overridden(files::load(&file)?, &a.overrides)?.cell)?));
+        cells.push((label, workcell(overridden(files::load(&file)?, &a.overrides)?.cell, &file)?));
     }
     let columns = cells.iter().map(|(label, w)| Assessment::new(label, w, w.cell.start())).collect();
     let comparison = Comparison::new(columns).map_err(|why| {
@@ -202,10 +203,11 @@ fn label_of(file: &Path) -> String {
     }
 }
 
-fn workcell(cell: Cell) -> Result<Workcell, Exit> {
+fn workcell(cell: Cell, file: &Path) -> Result<Workcell, Exit> {
     let name = cell.robot.name.clone();
     Workcell::new(cell).map_err(|why| {
-        output::error(&format!("no inverse kinematics for the robot `{name}`: {why}"));
+        let file = path_word(file);
+        output::error(&format!("{file}: no inverse kinematics for the robot `{name}`: {why}"));
         output::talk("  help: this version solves arms with a base yaw and three parallel axes");
         Exit::BadInput
     })

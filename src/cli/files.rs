@@ -12,13 +12,17 @@ const MAX_BYTES: u64 = 128 << 20;
 /// Reads a cell and all it refers to; faults and warnings go to stderr.
 pub fn load(path: &Path) -> Result<Loaded, Exit> {
     let loaded = read_cell(path).map_err(|faults| {
-        let missing = |f: &Fault| f.excerpt.is_empty() && f.message.starts_with("cannot read");
-        let io = faults.iter().any(missing);
         output::faults(&faults);
-        if io { Exit::Io } else { Exit::BadInput }
+        exit_of(&faults)
     })?;
     output::faults(&loaded.warnings);
     Ok(loaded)
+}
+
+/// A cell file that cannot be read is a matter of I/O, all else of input.
+pub fn exit_of(faults: &[Fault]) -> Exit {
+    let unread = |f: &Fault| f.excerpt.is_empty() && f.message.starts_with("cannot read");
+    if faults.iter().any(unread) { Exit::Io } else { Exit::BadInput }
 }
 
 /// Reads a cell and all it refers to.

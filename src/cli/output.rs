@@ -40,8 +40,7 @@ pub fn faults(faults: &[Fault]) {
 /// A bar on stderr, silent when that is no terminal.
 pub fn progress_bar(length: u64) -> ProgressBar {
     let bar = ProgressBar::new(length);
-    let style = "{bar:32} {pos}/{len} layouts, {per_sec}, {eta} left, best {msg}";
-    if let Ok(style) = ProgressStyle::with_template(style) {
+    if let Ok(style) = ProgressStyle::with_template("{bar:24} {pos}/{len} layouts, {eta} left, best {msg}") {
         bar.set_style(style);
     }
     bar.set_message("none yet");

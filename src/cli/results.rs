@@ -37,15 +37,16 @@ pub fn write_search(
     let mut outputs = Vec::new();
     if let Some(objective) = best.objective_mm() {
         let name = cell_file.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+        let kept = portable(&name);
         let comment = format!(
             "Best layout of {} found by sweetspot {} (seed {}): objective {objective:.6} mm",
             crate::cell::shown(&name),
             env!("CARGO_PKG_VERSION"),
             cell.search.seed
         );
-        let text = report::toml::fixed(&format!("{INPUTS}/{name}"), &comment, cell, &best.layout);
+        let text = report::toml::fixed(&format!("{INPUTS}/{kept}"), &comment, cell, &best.layout);
         outputs.push(("best.toml", text.into_bytes()));
-        keep_inputs(folder, sources)?;
+        keep_inputs(folder, &kept, sources)?;
     }
     outputs.push(("search.json", pretty(&report::json::search(cell, record, comparison, None))));
     outputs.push(("map.csv", csv(best)?));
@@ -53,10 +54,15 @@ pub fn write_search(
     write(folder, cell, sources, outputs)
 }
 
-/// Copies of every file that was read, in their places.
-fn keep_inputs(folder: &Path, sources: &[Source]) -> Result<(), Exit> {
-    for source in sources {
-        let path = folder.join(INPUTS).join(&source.path);
+/// A name that every file system and every cell file can hold.
+fn portable(name: &str) -> String {
+    name.chars().map(|c| if c.is_ascii_alphanumeric() || "._-".contains(c) { c } else { '_' }).collect()
+}
+
+/// Copies of every file that was read, in their places; the cell file comes first and is renamed.
+fn keep_inputs(folder: &Path, cell_name: &str, sources: &[Source]) -> Result<(), Exit> {
+    for (k, source) in sources.iter().enumerate() {
+        let path = folder.join(INPUTS).join(if k == 0 { cell_name } else { &source.path });
         if let Some(parent) = path.parent() {
             std::fs::create_dir_all(parent).map_err(|e| {
                 output::error(&format!("cannot make the folder {}: {e}", path_word(parent)));
@@ -80,7 +86,7 @@ pub fn write(
         "schema": "sweetspot/manifest/1",
         "program": "sweetspot",
         "version": env!("CARGO_PKG_VERSION"),
-        "command": std::env::args().skip(1).collect::<Vec<_>>(),
+        "command": std::env::args_os().skip(1).map(|a| a.to_string_lossy().into_owned()).collect::<Vec<_>>(),
         "cell": cell.name,
         "seed": cell.search.seed,
         "inputs": sources.iter().map(|s| hashed(&s.path, s.text.as_bytes())).collect::<Vec<_>>(),

@@ -21,6 +21,9 @@ const ROUNDS: usize = 8;
 /// Distance kept beyond what is asked, m: more than placements are rounded by.
 const SPARE: f64 = 2e-6;
 
+/// Shifts below this are the solver's rounding, m.
+const STILL: f64 = 1e-7;
+
 /// One coordinate that may move: equipment, 0 for x or 1 for y, range.
 struct Free {
     equipment: usize,
@@ -41,7 +44,7 @@ pub fn separated(workcell: &Workcell, layout: &Layout) -> Option<Layout> {
             return Some(moved);
         }
         let shift = least_shift(&free, &moved, &workcell.plan.separations(&moved))?;
-        for (coordinate, d) in free.iter().zip(shift) {
+        for (coordinate, d) in free.iter().zip(shift).filter(|(_, d)| d.abs() > STILL) {
             let placement = &mut moved.placements[coordinate.equipment];
             let value = if coordinate.axis == 0 { &mut placement.x } else { &mut placement.y };
             *value = (*value + d).clamp(coordinate.min, coordinate.max);

@@ -76,12 +76,17 @@ pub fn comparison(comparison: &Comparison<'_>) -> String {
     table.row("objective", "mm", cells);
     let mut out = table.render();
     for column in columns.iter().filter(|c| c.evaluation.objective.is_none()) {
-        let _ = writeln!(out, "\n{} is not feasible:", column.label);
-        for reason in column.reasons() {
-            let _ = writeln!(out, "  {reason}");
-        }
+        let _ = write!(out, "\n{}", feasibility(column));
     }
     out
+}
+
+/// The objective of a layout, or line by line why it has none.
+pub fn feasibility(a: &Assessment<'_>) -> String {
+    match a.objective_mm() {
+        Some(objective) => format!("{} layout: objective {objective:.4} mm\n", a.label),
+        None => format!("{} layout is not feasible:\n  {}\n", a.label, a.reasons().join("\n  ")),
+    }
 }
 
 fn placement_rows(table: &mut Table, name: &str, columns: &[Assessment<'_>]) {
@@ -143,8 +148,8 @@ pub fn maps(a: &Assessment<'_>) -> String {
     for map in &a.maps {
         let _ = writeln!(out, "{}", map_summary(a.cell, map));
     }
-    for reason in a.reasons() {
-        let _ = writeln!(out, "not feasible: {reason}");
+    if a.evaluation.objective.is_none() {
+        out.push_str(&feasibility(a));
     }
     out
 }
@@ -168,7 +173,9 @@ fn map_summary(cell: &Cell, map: &OperationMap) -> String {
         }
         None => out.push_str("\n  no usable node"),
     }
-    let _ = write!(out, "\n  {}", discrepancy_summary(map));
+    if map.best.is_some() {
+        let _ = write!(out, "\n  {}", discrepancy_summary(map));
+    }
     out
 }
 

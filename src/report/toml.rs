@@ -1,11 +1,11 @@
 //! best.toml: the cell again with its placements fixed, runnable where it lies.
 
-use crate::cell::{Cell, Layout, Role};
+use crate::cell::{Cell, Coordinate, Layout};
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use std::fmt::Write;
 
-/// A cell file that takes everything `from` another and fixes the placements, the error set, the
-/// model, and the senses that were asked for. `comment` is one line.
+/// A cell file that takes everything `from` another and fixes the free coordinates of the
+/// placements, the error set, the model, and the senses that were asked for. `comment` is one line.
 pub fn fixed(from: &str, comment: &str, cell: &Cell, layout: &Layout) -> String {
     let mut out = String::new();
     // Writing to a String cannot fail.
@@ -13,13 +13,25 @@ pub fn fixed(from: &str, comment: &str, cell: &Cell, layout: &Layout) -> String 
     let _ =
         writeln!(out, "errors = {}\nmodel = \"{}\"", quoted(&cell.signed_errors().name), cell.model.name());
     for (equipment, at) in cell.equipment.iter().zip(&layout.placements) {
-        if equipment.role == Role::Obstacle {
+        let values = [at.x, at.y, at.z, at.yaw];
+        let free: Vec<_> =
+            (0..4).filter(|&k| matches!(equipment.placement[k], Coordinate::Range { .. })).collect();
+        if free.is_empty() {
             continue;
         }
-        let mm = |v| decimal(rounded(mm_from_m(v), 3));
         let _ = writeln!(out, "\n[equipment.{}.placement]", quoted(&equipment.name));
-        let _ = writeln!(out, "x_mm = {}\ny_mm = {}\nz_mm = {}", mm(at.x), mm(at.y), mm(at.z));
-        let _ = writeln!(out, "yaw_deg = {}", decimal(rounded(deg_from_rad(at.yaw), 4)));
+        for k in free {
+            // As the search rounds them.
+            let _ = match k {
+                3 => writeln!(out, "yaw_deg = {}", decimal(rounded(deg_from_rad(values[k]), 4))),
+                _ => writeln!(
+                    out,
+                    "{} = {}",
+                    ["x_mm", "y_mm", "z_mm"][k],
+                    decimal(rounded(mm_from_m(values[k]), 3))
+                ),
+            };
+        }
     }
     for operation in &cell.operations {
         let _ = writeln!(

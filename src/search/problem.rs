@@ -39,8 +39,9 @@ pub struct Record {
     cost: Option<f64>,
 }
 
-/// Cost of a point of the unit cube, with a budget. When that is used up the cost is an error,
-/// which ends any argmin solver; the record keeps what was found.
+/// Cost of a point of the unit cube, with a budget. When that is used up every further point costs
+/// minus infinity: the best there can be, at which every argmin solver stops. (An error would, too,
+/// but argmin's Nelder-Mead panics at one.) The record keeps what was found.
 pub struct Problem<'a> {
     workcell: &'a Workcell,
     space: &'a Space,
@@ -99,11 +100,8 @@ impl<'a> Problem<'a> {
     }
 
     /// Costs of several points, in their order, and the record brought up to date in that order.
-    fn costs(&self, points: &[&Vec<f64>]) -> Result<Vec<f64>, Error> {
+    fn costs(&self, points: &[&Vec<f64>]) -> Vec<f64> {
         let count = self.left().min(points.len() as u64) as usize;
-        if count == 0 {
-            return Err(Error::msg("the evaluation budget is used up"));
-        }
         let layouts: Vec<Layout> = points[..count].iter().map(|p| self.space.layout(p)).collect();
         let evaluate = |workspace: &mut Workspace, layout: &Layout| {
             let e = evaluate_in(self.workcell, layout, workspace);
@@ -120,9 +118,8 @@ impl<'a> Problem<'a> {
         let best = record.trace.last().map(|t| t.1);
         (self.watch.progress)(Progress { evaluations: record.evaluations, budget: self.budget, best });
         let mut costs: Vec<f64> = values.into_iter().map(|v| v.0).collect();
-        // What the budget cut off ranks last; the next call ends the solver.
-        costs.resize(points.len(), f64::MAX);
-        Ok(costs)
+        costs.resize(points.len(), f64::NEG_INFINITY);
+        costs
     }
 }
 
@@ -150,7 +147,7 @@ impl CostFunction for &Problem<'_> {
     type Output = f64;
 
     fn cost(&self, point: &Vec<f64>) -> Result<f64, Error> {
-        Ok(self.costs(&[point])?[0])
+        Ok(self.costs(&[point])[0])
     }
 
     fn bulk_cost<P>(&self, points: &[P]) -> Result<Vec<f64>, Error>
@@ -160,7 +157,7 @@ impl CostFunction for &Problem<'_> {
         Self: argmin::core::SyncAlias,
     {
         let points: Vec<&Vec<f64>> = points.iter().map(|p| p.borrow()).collect();
-        self.costs(&points)
+        Ok(self.costs(&points))
     }
 }
 

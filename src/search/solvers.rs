@@ -38,8 +38,7 @@ pub fn explore(problem: &Problem<'_>, settings: &SearchSettings, start: Vec<f64>
         rng.set_stream(run);
         let random = |rng: &mut ChaCha8Rng| (0..problem.dimensions()).map(|_| rng.random()).collect();
         let from = problem.separated(if run == 0 { start.clone() } else { random(&mut rng) });
-        // A solver ends by itself or because the budget is used up, which is an error to argmin
-        // and none to us: either way the problem has kept the best.
+        // However a solver ends, the problem has kept the best.
         let _ended = match settings.solver {
             Solver::CmaEs => {
                 Executor::<_, _, Point>::new(problem, CmaEs::new(from, rng)).timer(false).run().map(drop)
