@@ -3,6 +3,7 @@
 use super::document::Library;
 use super::model::*;
 use super::reader::Table;
+use super::shape::{self, Rectangle};
 use super::solid::{self, Carrier};
 use super::tree::{Node, Value};
 use super::value::{self, Must, plain};
@@ -19,7 +20,7 @@ pub fn read(name: &str, node: &Node, role: Role, lib: &mut Library<'_>) -> Optio
         let before = lib.errors();
         let surface = t.get("surface").and_then(|node| solid::read_rectangle(node, "`surface`", lib));
         let solids = solid::read_all(t, Carrier::Equipment, lib, |_, solid, _| solid);
-        let drawn = solid::extent_of(solids.iter().map(|s| &s.shape));
+        let drawn = shape::extent_of(solids.iter().map(|s| &s.shape));
         let extents = [drawn, surface.map(|s| top(&s))].into_iter().flatten();
         let extent = extents.reduce(|(a, b), (c, d)| (a.inf(&c), b.sup(&d)));
         let sound = lib.errors() == before;
@@ -32,7 +33,7 @@ pub fn read(name: &str, node: &Node, role: Role, lib: &mut Library<'_>) -> Optio
 }
 
 /// Extent of a work surface.
-fn top(surface: &Rectangle) -> solid::Extent {
+fn top(surface: &Rectangle) -> shape::Extent {
     let half = Vector3::new(surface.size.0, surface.size.1, 0.0) / 2.0;
     let centre = Vector3::new(surface.centre.0, surface.centre.1, 0.0);
     (centre - half, centre + half)

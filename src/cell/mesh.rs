@@ -2,9 +2,8 @@
 
 use super::document::Library;
 use super::fault::{Severity, shown};
-use super::model::Shape;
 use super::reader::Table;
-use super::solid::read_pose;
+use super::shape::Shape;
 use super::tree::At;
 use super::value::text;
 use nalgebra::Vector3;
@@ -18,7 +17,7 @@ const MAX_COORDINATE: f64 = 1e4;
 
 /// Reads `mesh = { file, units, centre_mm, rpy_deg }`; `file` is relative to the naming file.
 pub fn read(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<Shape> {
-    let pose = read_pose(t, "centre_mm", lib);
+    let pose = t.pose("centre_mm", lib);
     let scale = t.choice("units", &["mm", "m", "inch"], |u| u, None, lib).map(|u| match u {
         "mm" => 1e-3,
         "inch" => 0.0254,

@@ -18,6 +18,7 @@ mod plausible;
 mod reader;
 mod robot_file;
 mod robot_model;
+mod shape;
 mod solid;
 mod tree;
 mod value;
@@ -26,7 +27,7 @@ pub use document::{ReadFile, Source};
 pub use fault::{Fault, Severity, shown};
 pub use model::*;
 pub use robot_model::*;
-pub use solid::extent;
+pub use shape::*;
 
 use document::Library;
 use reader::Table;

@@ -1,62 +1,9 @@
 //! What exists in a workcell: plain data in SI units, valid by construction.
 
 use super::robot_model::{Robot, SignedErrors};
+use super::shape::{Rectangle, Solid};
 use crate::pose::Pose;
 use nalgebra::Vector3;
-
-/// The shapes a solid can have, in the frame of the link or equipment that carries it, m.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Shape {
-    /// `size`: full edge lengths; `pose`: its centre.
-    Box {
-        pose: Pose,
-        size: Vector3<f64>,
-    },
-    Sphere {
-        centre: Vector3<f64>,
-        radius: f64,
-    },
-    /// Segment from `a` to `b` swept by a ball.
-    Capsule {
-        a: Vector3<f64>,
-        b: Vector3<f64>,
-        radius: f64,
-    },
-    /// Round bar with flat ends at `a` and `b`.
-    Cylinder {
-        a: Vector3<f64>,
-        b: Vector3<f64>,
-        radius: f64,
-    },
-    /// Upright rectangular leg: from the floor up to `top`, so that its length follows the height
-    /// at which the equipment is placed.
-    Leg {
-        x: f64,
-        y: f64,
-        size: (f64, f64),
-        top: f64,
-    },
-    /// Triangle mesh.
-    Mesh {
-        pose: Pose,
-        vertices: Vec<Vector3<f64>>,
-        triangles: Vec<[u32; 3]>,
-        closed: bool,
-    },
-}
-
-#[derive(Debug, Clone, PartialEq)]
-pub struct Solid {
-    pub name: String,
-    pub shape: Shape,
-}
-
-/// A rectangle in plan: centre and full size in the frame of its owner, m.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Rectangle {
-    pub centre: (f64, f64),
-    pub size: (f64, f64),
-}
 
 /// One coordinate of a placement.
 #[derive(Debug, Clone, Copy, PartialEq)]

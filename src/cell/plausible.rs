@@ -2,8 +2,8 @@
 
 use super::document::Library;
 use super::fault::Severity;
-use super::model::{Cell, Equipment, Role, Shape};
-use super::solid;
+use super::model::{Cell, Equipment, Role};
+use super::shape::{Shape, extent_of};
 use super::tree::{At, Node};
 use crate::units::{mm_from_m, rounded};
 
@@ -92,5 +92,5 @@ fn equipment_size(e: &Equipment) -> f64 {
 }
 
 fn extent_size<'s>(shapes: impl IntoIterator<Item = &'s Shape>) -> f64 {
-    solid::extent_of(shapes).map_or(0.0, |(lo, hi)| (hi - lo).max())
+    extent_of(shapes).map_or(0.0, |(lo, hi)| (hi - lo).max())
 }

@@ -6,6 +6,7 @@ use super::document::Library;
 use super::fault::{did_you_mean, listed, shown};
 use super::tree::{At, Entry, Node, Value};
 use super::value::{self, Must};
+use crate::pose::Pose;
 use crate::units;
 use nalgebra::Vector3;
 
@@ -125,6 +126,14 @@ impl<'n> Table<'n> {
     pub fn vector(&mut self, key: &'static str, must: Must, lib: &mut Library<'_>) -> Option<Vector3<f64>> {
         let v = self.numbers(key, 3, must, lib)?;
         Some(Vector3::from_iterator(v).map(units::m_from_mm))
+    }
+
+    /// A pose: a position (mm) under `key` and an optional `rpy_deg`.
+    pub fn pose(&mut self, key: &'static str, lib: &mut Library<'_>) -> Option<Pose> {
+        let position = self.vector(key, Must::BeFinite, lib);
+        let rpy = self.numbers_or_zero("rpy_deg", 3, lib);
+        let rpy = rpy.map(|v| Vector3::from_iterator(v).map(units::rad_from_deg));
+        Some(Pose::from_translation_rpy(position?, rpy?))
     }
 
     pub fn text(&mut self, key: &'static str, lib: &mut Library<'_>) -> Option<String> {

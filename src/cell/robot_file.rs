@@ -5,6 +5,7 @@ use super::error_set;
 use super::fault::Severity;
 use super::reader::Table;
 use super::robot_model::*;
+use super::shape::extent_of;
 use super::solid::{self, Carrier};
 use super::tree::{Node, Value};
 use super::value::{self, Must, plain};
@@ -30,7 +31,7 @@ pub fn read(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<Robot> {
     let solids = read_solids(t, rows.map_or(MAX_JOINTS, <[_]>::len), lib);
     let base = solids.iter().filter(|s| s.link == 0).map(|s| &s.solid.shape);
     let needed: &[_] = if lib.errors() == before { &["footprint"] } else { &[] };
-    let footprint = solid::read_footprint(t, solid::extent_of(base), needed, lib);
+    let footprint = solid::read_footprint(t, extent_of(base), needed, lib);
     let errors = error_set::read_all(t, rows, joints.as_deref(), lib);
     let ((tool, tool_axis), footprint) = (tool?, footprint?);
     let (name, source, coupling, joints) = (name?, source?, coupling?, joints?);
@@ -140,7 +141,7 @@ fn read_coupling_row(row: &Node, i: usize, n: usize, lib: &mut Library<'_>) -> O
 fn read_tool(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<(Pose, Vector3<f64>)> {
     let node = t.need("tool", "add tool = { position_mm = [0, 0, 0], axis = [1, 0, 0] }")?;
     Table::read(node, "`tool`", lib, |t, lib| {
-        let pose = solid::read_pose(t, "position_mm", lib);
+        let pose = t.pose("position_mm", lib);
         let node = t.need("axis", "add axis = [1, 0, 0], the working direction of the tool")?;
         let axis = value::numbers(node, "`axis`", 3, Must::BeFinite, lib)?;
         let unit = Vector3::from_iterator(axis).try_normalize(1e-9);

@@ -1,6 +1,6 @@
 //! A robot: plain data in SI units, valid by construction.
 
-use super::model::{Rectangle, Solid};
+use super::shape::{Rectangle, Solid};
 use crate::pose::Pose;
 use nalgebra::Vector3;
 

@@ -2,13 +2,11 @@
 
 use super::document::Library;
 use super::mesh;
-use super::model::{Rectangle, Shape, Solid};
 use super::reader::Table;
+use super::shape::{Extent, Rectangle, Shape, Solid};
 use super::tree::{Node, Value};
 use super::value::Must;
-use crate::pose::Pose;
 use crate::units;
-use nalgebra::Vector3;
 use std::collections::HashSet;
 
 /// What carries a solid: a link has no legs and meshes.
@@ -23,9 +21,6 @@ const SHAPES: [&str; 6] = ["box", "sphere", "capsule", "cylinder", "leg", "mesh"
 
 /// Shortest capsule or cylinder, m.
 const SHORTEST_BAR: f64 = 1e-9;
-
-/// Low and high corner.
-pub type Extent = (Vector3<f64>, Vector3<f64>);
 
 /// Reads the list of solids (missing: none); `read_one` reads what the carrier adds to a solid.
 pub fn read_all<T>(
@@ -90,7 +85,7 @@ fn read(table: &mut Table<'_>, carrier: Carrier, lib: &mut Library<'_>) -> Optio
 }
 
 fn read_box(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<Shape> {
-    let pose = read_pose(t, "centre_mm", lib);
+    let pose = t.pose("centre_mm", lib);
     let size = t.vector("size_mm", Must::BePositive, lib);
     Some(Shape::Box { pose: pose?, size: size? })
 }
@@ -121,46 +116,6 @@ fn read_bar(kind: &str, t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<Shap
         return None;
     }
     Some(if kind == "capsule" { Shape::Capsule { a, b, radius } } else { Shape::Cylinder { a, b, radius } })
-}
-
-/// A pose: a position under `key` (mm) and an optional `rpy_deg`.
-pub fn read_pose(t: &mut Table<'_>, key: &'static str, lib: &mut Library<'_>) -> Option<Pose> {
-    let position = t.vector(key, Must::BeFinite, lib);
-    let rpy = t.numbers_or_zero("rpy_deg", 3, lib);
-    let rpy = rpy.map(|v| Vector3::from_iterator(v).map(units::rad_from_deg));
-    Some(Pose::from_translation_rpy(position?, rpy?))
-}
-
-/// Extent of a shape in the frame of its carrier: low and high corner, m. A leg has no bottom of
-/// its own: its low z is its top.
-pub fn extent(shape: &Shape) -> Extent {
-    match shape {
-        Shape::Box { pose, size } => {
-            let half = pose.rotation.abs() * (size / 2.0);
-            (pose.translation - half, pose.translation + half)
-        }
-        Shape::Sphere { centre, radius } => (centre.add_scalar(-radius), centre.add_scalar(*radius)),
-        Shape::Capsule { a, b, radius } => (a.inf(b).add_scalar(-radius), a.sup(b).add_scalar(*radius)),
-        Shape::Cylinder { a, b, radius } => {
-            let axis = (b - a).normalize();
-            let disc = axis.map(|c| radius * (1.0 - c * c).max(0.0).sqrt());
-            (a.inf(b) - disc, a.sup(b) + disc)
-        }
-        Shape::Leg { x, y, size, top } => (
-            Vector3::new(x - size.0 / 2.0, y - size.1 / 2.0, *top),
-            Vector3::new(x + size.0 / 2.0, y + size.1 / 2.0, *top),
-        ),
-        Shape::Mesh { pose, vertices, .. } => {
-            let none = Vector3::repeat(f64::INFINITY);
-            let placed = vertices.iter().map(|v| pose.transform(v));
-            placed.fold((none, -none), |(lo, hi), v| (lo.inf(&v), hi.sup(&v)))
-        }
-    }
-}
-
-/// Extent of several shapes together, None if there are none.
-pub fn extent_of<'s>(shapes: impl IntoIterator<Item = &'s Shape>) -> Option<Extent> {
-    shapes.into_iter().map(extent).reduce(|(a, b), (c, d)| (a.inf(&c), b.sup(&d)))
 }
 
 /// Reads `footprint`, or takes the plan extent of what stands on it; a fault if something sticks out.

@@ -1,6 +1,7 @@
 //! One function per command: read, ask the library, print, suggest the next.
 
 use super::arguments::{CheckArguments, CompareArguments, MapArguments, Overrides, SearchArguments};
+use super::output::path_word;
 use super::results::{self, Written};
 use super::{Exit, files, output};
 use crate::cell::fault::did_you_mean;
@@ -247,10 +248,4 @@ fn suggest(command: &str) {
 
 fn stem(path: &Path) -> String {
     path.file_stem().map_or("cell".into(), |s| shown(&s.to_string_lossy()))
-}
-
-/// A path as one would type it.
-pub fn path_word(path: &Path) -> String {
-    let text = shown(&path.to_string_lossy());
-    if text.contains(' ') { format!("'{text}'") } else { text }
 }

@@ -1,9 +1,10 @@
 //! Data on stdout, talk on stderr.
 
 use super::Exit;
-use crate::cell::Fault;
+use crate::cell::{Fault, shown};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::Write;
+use std::path::Path;
 
 /// Writes data to stdout. A reader that has gone (`| head`) is no fault.
 pub fn data(text: &str) -> Result<(), Exit> {
@@ -45,4 +46,10 @@ pub fn progress_bar(length: u64) -> ProgressBar {
     }
     bar.set_message("none yet");
     bar
+}
+
+/// A path as one would type it.
+pub fn path_word(path: &Path) -> String {
+    let text = shown(&path.to_string_lossy());
+    if text.contains(' ') { format!("'{text}'") } else { text }
 }

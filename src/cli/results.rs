@@ -1,6 +1,6 @@
 //! The folder that a search or a map leaves: its files, the inputs they came from, the manifest.
 
-use super::commands::path_word;
+use super::output::path_word;
 use super::{Exit, files, output};
 use crate::cell::{Cell, Source};
 use crate::compare::{Assessment, Comparison};

@@ -1,0 +1,93 @@
+//! Solids: what they look like and how far they extend, m.
+
+use crate::pose::Pose;
+use nalgebra::Vector3;
+
+/// The shapes a solid can have, in the frame of the link or equipment that carries it, m.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Shape {
+    /// `size`: full edge lengths; `pose`: its centre.
+    Box {
+        pose: Pose,
+        size: Vector3<f64>,
+    },
+    Sphere {
+        centre: Vector3<f64>,
+        radius: f64,
+    },
+    /// Segment from `a` to `b` swept by a ball.
+    Capsule {
+        a: Vector3<f64>,
+        b: Vector3<f64>,
+        radius: f64,
+    },
+    /// Round bar with flat ends at `a` and `b`.
+    Cylinder {
+        a: Vector3<f64>,
+        b: Vector3<f64>,
+        radius: f64,
+    },
+    /// Upright rectangular leg: from the floor up to `top`, so that its length follows the height
+    /// at which the equipment is placed.
+    Leg {
+        x: f64,
+        y: f64,
+        size: (f64, f64),
+        top: f64,
+    },
+    /// Triangle mesh.
+    Mesh {
+        pose: Pose,
+        vertices: Vec<Vector3<f64>>,
+        triangles: Vec<[u32; 3]>,
+        closed: bool,
+    },
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct Solid {
+    pub name: String,
+    pub shape: Shape,
+}
+
+/// A rectangle in plan: centre and full size in the frame of its owner, m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rectangle {
+    pub centre: (f64, f64),
+    pub size: (f64, f64),
+}
+
+/// Low and high corner.
+pub type Extent = (Vector3<f64>, Vector3<f64>);
+
+/// Extent of a shape in the frame of its carrier: low and high corner, m. A leg has no bottom of
+/// its own: its low z is its top.
+pub fn extent(shape: &Shape) -> Extent {
+    match shape {
+        Shape::Box { pose, size } => {
+            let half = pose.rotation.abs() * (size / 2.0);
+            (pose.translation - half, pose.translation + half)
+        }
+        Shape::Sphere { centre, radius } => (centre.add_scalar(-radius), centre.add_scalar(*radius)),
+        Shape::Capsule { a, b, radius } => (a.inf(b).add_scalar(-radius), a.sup(b).add_scalar(*radius)),
+        Shape::Cylinder { a, b, radius } => {
+            let axis = (b - a).normalize();
+            let disc = axis.map(|c| radius * (1.0 - c * c).max(0.0).sqrt());
+            (a.inf(b) - disc, a.sup(b) + disc)
+        }
+        Shape::Leg { x, y, size, top } => (
+            Vector3::new(x - size.0 / 2.0, y - size.1 / 2.0, *top),
+            Vector3::new(x + size.0 / 2.0, y + size.1 / 2.0, *top),
+        ),
+        Shape::Mesh { pose, vertices, .. } => {
+            let none = Vector3::repeat(f64::INFINITY);
+            let placed = vertices.iter().map(|v| pose.transform(v));
+            placed.fold((none, -none), |(lo, hi), v| (lo.inf(&v), hi.sup(&v)))
+        }
+    }
+}
+
+/// Extent of several shapes together, None if there are none.
+pub fn extent_of<'s>(shapes: impl IntoIterator<Item = &'s Shape>) -> Option<Extent> {
+    shapes.into_iter().map(extent).reduce(|(a, b), (c, d)| (a.inf(&c), b.sup(&d)))
+}
