@@ -1,4 +1,5 @@
 //! Reference values made with other libraries: see tests/data/README.md.
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 mod common;
 

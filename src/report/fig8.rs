@@ -33,7 +33,7 @@ pub fn chart(a: &Assessment<'_>) -> String {
          font-family=\"system-ui, sans-serif\" font-size=\"13\" fill=\"#1b1f24\">\n\
          <rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n\
          <text x=\"{LEFT}\" y=\"26\" font-size=\"16\" font-weight=\"600\">{}</text>",
-        super::svg::escaped(&super::text::headline(a.cell))
+        super::view::escaped(&super::text::headline(a.cell))
     );
     for (k, map) in a.maps.iter().enumerate() {
         panel(&mut out, a, map, TOP + (PANEL + 50.0) * k as f64);
@@ -79,7 +79,7 @@ fn panel(out: &mut String, a: &Assessment<'_>, map: &OperationMap, top: f64) {
             top - 8.5
         );
     }
-    let operation = super::svg::escaped(&a.cell.operations[map.operation].name);
+    let operation = super::view::escaped(&a.cell.operations[map.operation].name);
     let _ = writeln!(
         out,
         "<text x=\"{LEFT}\" y=\"{:.1}\">{operation}: the {} usable nodes in the order of the grid; discrepancy of \

@@ -3,6 +3,8 @@
 pub mod csv;
 pub mod fig8;
 pub mod json;
+mod legend;
 pub mod svg;
 pub mod text;
 pub mod toml;
+mod view;

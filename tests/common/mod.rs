@@ -1,5 +1,5 @@
 //! Shared by the tests: shipped cells read from disk, reference data.
-#![allow(dead_code)]
+#![allow(dead_code, clippy::unwrap_used, clippy::panic)] // every test file uses a part of it
 
 use std::path::{Path, PathBuf};
 use sweetspot::cell::{self, Cell, Fault, Loaded};

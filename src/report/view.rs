@@ -1,0 +1,60 @@
+//! What every drawing shares: world plan to picture, safe text.
+
+use crate::cell::{Placement, Rectangle};
+use crate::compare::Assessment;
+
+/// Longer side of the drawing area and the space round it, in px.
+const SIDE: f64 = 820.0;
+pub const MARGIN: f64 = 24.0;
+pub const LEGEND: f64 = 118.0;
+
+/// World plan (m) to picture (px), y upwards.
+pub struct View {
+    low: (f64, f64),
+    high: (f64, f64),
+    pub scale: f64,
+}
+
+impl View {
+    pub fn of(a: &Assessment<'_>) -> Self {
+        let mut points: Vec<(f64, f64)> = corners(&a.cell.robot.footprint, &a.cell.base).to_vec();
+        for (equipment, at) in a.cell.equipment.iter().zip(&a.layout.placements) {
+            points.extend(corners(&equipment.footprint, at));
+        }
+        let fold = |pick: fn(&(f64, f64)) -> f64, start: f64, f: fn(f64, f64) -> f64| {
+            points.iter().map(pick).fold(start, f)
+        };
+        let margin = 0.25;
+        let low = (fold(|p| p.0, f64::MAX, f64::min) - margin, fold(|p| p.1, f64::MAX, f64::min) - margin);
+        let high = (fold(|p| p.0, f64::MIN, f64::max) + margin, fold(|p| p.1, f64::MIN, f64::max) + margin);
+        Self { low, high, scale: SIDE / (high.0 - low.0).max(high.1 - low.1) }
+    }
+
+    pub fn at(&self, (x, y): (f64, f64)) -> (f64, f64) {
+        (MARGIN + (x - self.low.0) * self.scale, MARGIN + 44.0 + (self.high.1 - y) * self.scale)
+    }
+
+    pub fn size(&self) -> (f64, f64) {
+        let (w, h) = ((self.high.0 - self.low.0) * self.scale, (self.high.1 - self.low.1) * self.scale);
+        // The legend needs its width, however narrow the cell.
+        ((w + 2.0 * MARGIN).max(740.0), h + 2.0 * MARGIN + 44.0 + LEGEND)
+    }
+}
+
+/// Corners of a placed rectangle in the world plan, m, counterclockwise.
+pub fn corners(rectangle: &Rectangle, at: &Placement) -> [(f64, f64); 4] {
+    let (sin, cos) = at.yaw.sin_cos();
+    [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)].map(|(u, v)| {
+        let (x, y) = (rectangle.centre.0 + u * rectangle.size.0, rectangle.centre.1 + v * rectangle.size.1);
+        (at.x + cos * x - sin * y, at.y + sin * x + cos * y)
+    })
+}
+
+/// Text made safe for markup.
+pub fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+        .replace('"', "&quot;")
+        .replace('\'', "&#39;")
+}
