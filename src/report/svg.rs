@@ -68,35 +68,40 @@ fn middle(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
     ((a.0 + b.0) / 2.0, (a.1 + b.1) / 2.0)
 }
 
-/// Off the edge that is farthest from the robot: a surface is full of nodes.
-fn beside(corners: &[(f64, f64); 4], centre: (f64, f64), base: &Placement) -> (f64, f64) {
+/// Middle of the edge that is farthest from the robot: a surface is full of nodes, its name stands
+/// beside it.
+fn far_edge(corners: &[(f64, f64); 4], base: &Placement) -> Option<(f64, f64)> {
     let edges = (0..4).map(|k| middle(corners[k], corners[(k + 1) % 4]));
     let away = |p: &(f64, f64)| (p.0 - base.x).hypot(p.1 - base.y);
-    let edge = edges.max_by(|p, q| away(p).total_cmp(&away(q))).unwrap_or(centre);
-    let (dx, dy) = (edge.0 - centre.0, edge.1 - centre.1);
-    let out = 0.13 / dx.hypot(dy).max(1e-9);
-    (edge.0 + out * dx, edge.1 + out * dy)
+    edges.max_by(|p, q| away(p).total_cmp(&away(q)))
 }
 
 /// Names last, with a halo, so that nothing covers them.
 fn draw_names(out: &mut String, a: &Assessment<'_>, view: &View) {
-    let mut name = |text: &str, (x, y): (f64, f64)| {
+    let mut name = |text: &str, (x, y): (f64, f64), anchor: &str| {
         let _ = writeln!(
             out,
-            "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"middle\" font-weight=\"600\" stroke=\"#ffffff\" \
+            "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\" font-weight=\"600\" stroke=\"#ffffff\" \
              stroke-width=\"3\" paint-order=\"stroke\">{}</text>",
             escaped(text)
         );
     };
     for (equipment, at) in a.cell.equipment.iter().zip(&a.layout.placements) {
         let corners = corners(&equipment.footprint, at);
-        let centre = middle(corners[0], corners[2]);
-        let place = if equipment.surface.is_some() { beside(&corners, centre, &a.cell.base) } else { centre };
-        let (x, y) = view.at(place);
-        name(&equipment.name, (x, y + 4.0));
+        let centre = view.at(middle(corners[0], corners[2]));
+        let edge = equipment.surface.and_then(|_| far_edge(&corners, &a.cell.base)).map(|e| view.at(e));
+        let (x, y) = edge.unwrap_or(centre);
+        let (dx, dy) = (x - centre.0, y - centre.1);
+        let away = 16.0 / dx.hypot(dy).max(16.0);
+        let anchor = match dx * away {
+            side if side > 6.0 => "start",
+            side if side < -6.0 => "end",
+            _ => "middle",
+        };
+        name(&equipment.name, (x + dx * away, y + dy * away + 4.0), anchor);
     }
     let (x, y) = view.at((a.cell.base.x, a.cell.base.y));
-    name("robot", (x, y + 22.0));
+    name("robot", (x, y + 22.0), "middle");
 }
 
 fn usable(map: &OperationMap) -> impl Iterator<Item = (&NodeRecord, &PostureRecord)> {
