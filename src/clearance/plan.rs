@@ -32,6 +32,9 @@ pub struct Separation {
     pub depth: f64,
 }
 
+/// Things that stand side by side touch, m: rounding must not make that an overlap.
+const TOUCHING: f64 = 1e-9;
+
 impl Overlap {
     /// Whether this equipment takes part.
     pub fn concerns(&self, equipment: usize) -> bool {
@@ -99,12 +102,31 @@ fn depth(a: &Placed, b: &Placed, clearance: f64) -> f64 {
     best_separated(a, b, clearance).1.max(0.0)
 }
 
+/// What the floor plan knows of an equipment.
+struct Stand {
+    footprint: Rectangle,
+    role: Role,
+    /// Lowest and highest point of the solids and the surface over the equipment's frame, m.
+    low: f64,
+    high: f64,
+    /// Legs take the space down to the floor.
+    legs: bool,
+}
+
+impl Stand {
+    /// Whether an equipment placed at height `z` reaches into a box between two heights.
+    fn meets(&self, z: f64, (bottom, top): (f64, f64), clearance: f64) -> bool {
+        let above = !self.legs && z + self.low >= top + clearance - TOUCHING;
+        let below = z + self.high + clearance <= bottom + TOUCHING;
+        !(above || below)
+    }
+}
+
 /// The floor space of a cell, made ready once.
 pub struct FloorPlan {
-    /// Footprint, role, and the lowest and highest point of the solids, per equipment.
-    equipment: Vec<(Rectangle, Role, f64, f64)>,
+    equipment: Vec<Stand>,
     base: Placed,
-    keep_out: Vec<(Placed, f64, f64)>,
+    keep_out: Vec<(Placed, (f64, f64))>,
     clearance: f64,
     floor: f64,
     enabled: bool,
@@ -113,18 +135,19 @@ pub struct FloorPlan {
 impl FloorPlan {
     pub fn new(cell: &Cell) -> Self {
         let stand = |e: &Equipment| {
-            let extents = || e.solids.iter().map(|s| extent(&s.shape));
-            let legs = e.solids.iter().any(|s| matches!(s.shape, Shape::Leg { .. }));
-            // Legs take the floor space below them, whatever their height.
-            let below = if legs { f64::NEG_INFINITY } else { 0.0 };
-            let low = extents().map(|(lo, _)| lo.z).fold(below, f64::min);
-            let high = extents().map(|(_, hi)| hi.z).fold(0.0, f64::max);
-            (e.footprint, e.role, low, high)
+            let heights = || e.solids.iter().map(|s| extent(&s.shape)).map(|(lo, hi)| (lo.z, hi.z));
+            Stand {
+                footprint: e.footprint,
+                role: e.role,
+                low: heights().map(|h| h.0).fold(0.0, f64::min),
+                high: heights().map(|h| h.1).fold(0.0, f64::max),
+                legs: e.solids.iter().any(|s| matches!(s.shape, Shape::Leg { .. })),
+            }
         };
         Self {
             equipment: cell.equipment.iter().map(stand).collect(),
             base: Placed::new(&cell.robot.footprint, &cell.base),
-            keep_out: cell.keep_out.iter().map(|k| (plan_of(k), k.min.z, k.max.z)).collect(),
+            keep_out: cell.keep_out.iter().map(|k| (plan_of(k), (k.min.z, k.max.z))).collect(),
             clearance: cell.clearance,
             floor: cell.floor,
             enabled: cell.collision,
@@ -136,20 +159,20 @@ impl FloorPlan {
     pub fn separations(&self, layout: &Layout) -> Vec<Separation> {
         let mut pairs = Vec::new();
         let all = || self.equipment.iter().zip(&layout.placements).enumerate();
-        for (i, ((footprint, _, low, high), at)) in all().filter(|(_, (e, _))| e.1 == Role::Equipment) {
-            let here = Placed::new(footprint, at);
+        for (i, (stand, at)) in all().filter(|(_, (stand, _))| stand.role == Role::Equipment) {
+            let here = Placed::new(&stand.footprint, at);
             let mut note = |b: Option<usize>, there: &Placed| {
                 let (direction, depth) = best_separated(&here, there, self.clearance);
                 pairs.push(Separation { a: i, b, direction, depth });
             };
-            for (j, ((other, other_role, ..), there)) in all() {
-                if j > i || *other_role == Role::Obstacle {
-                    note(Some(j), &Placed::new(other, there));
+            for (j, (other, there)) in all() {
+                if j > i || other.role == Role::Obstacle {
+                    note(Some(j), &Placed::new(&other.footprint, there));
                 }
             }
             note(None, &self.base);
-            for (keep_out, bottom, top) in &self.keep_out {
-                if at.z + low < top + self.clearance && at.z + high + self.clearance > *bottom {
+            for (keep_out, heights) in &self.keep_out {
+                if stand.meets(at.z, *heights, self.clearance) {
                     note(None, keep_out);
                 }
             }
@@ -166,31 +189,30 @@ impl FloorPlan {
         }
         let clearance = self.clearance;
         let mut note = |a, b, depth: f64| {
-            if depth > 0.0 {
+            if depth > TOUCHING {
                 found.push(Overlap { a, b, depth });
             }
         };
         let all = || self.equipment.iter().zip(&layout.placements).enumerate();
-        for (i, ((footprint, role, low, high), at)) in all() {
+        for (i, (stand, at)) in all() {
             let party = Party::Equipment(i);
-            let here = Placed::new(footprint, at);
-            for (j, ((other, other_role, ..), there)) in all().skip(i + 1) {
-                if (*role, *other_role) != (Role::Obstacle, Role::Obstacle) {
-                    note(party, Party::Equipment(j), depth(&here, &Placed::new(other, there), clearance));
+            let here = Placed::new(&stand.footprint, at);
+            for (j, (other, there)) in all().skip(i + 1) {
+                if (stand.role, other.role) != (Role::Obstacle, Role::Obstacle) {
+                    note(
+                        party,
+                        Party::Equipment(j),
+                        depth(&here, &Placed::new(&other.footprint, there), clearance),
+                    );
                 }
             }
             note(party, Party::RobotBase, depth(&here, &self.base, clearance));
-            for (k, (box_plan, bottom, top)) in self.keep_out.iter().enumerate() {
-                let apart = at.z + low >= top + clearance || at.z + high + clearance <= *bottom;
-                if !apart {
+            for (k, (box_plan, heights)) in self.keep_out.iter().enumerate() {
+                if stand.meets(at.z, *heights, clearance) {
                     note(party, Party::KeepOut(k), depth(&here, box_plan, clearance));
                 }
             }
-            let sunk = self.floor - (at.z + low);
-            // Standing on the floor is no overlap; rounding must not make it one.
-            if sunk.is_finite() && sunk > 1e-9 {
-                note(party, Party::Floor, sunk);
-            }
+            note(party, Party::Floor, self.floor - (at.z + stand.low));
         }
     }
 }

@@ -1,7 +1,7 @@
 //! best.toml: the cell again with its placements fixed, runnable where it lies.
 
 use crate::cell::{Cell, Coordinate, Layout};
-use crate::units::{deg_from_rad, mm_from_m, rounded};
+use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg, rounded};
 use std::fmt::Write;
 
 /// A cell file that takes everything `from` another and fixes the free coordinates of the
@@ -21,14 +21,13 @@ pub fn fixed(from: &str, comment: &str, cell: &Cell, layout: &Layout) -> String 
         }
         let _ = writeln!(out, "\n[equipment.{}.placement]", quoted(&equipment.name));
         for k in free {
-            // As the search rounds them.
             let _ = match k {
-                3 => writeln!(out, "yaw_deg = {}", decimal(rounded(deg_from_rad(values[k]), 4))),
+                3 => writeln!(out, "yaw_deg = {}", shortest(values[k], deg_from_rad, rad_from_deg, 4)),
                 _ => writeln!(
                     out,
                     "{} = {}",
                     ["x_mm", "y_mm", "z_mm"][k],
-                    decimal(rounded(mm_from_m(values[k]), 3))
+                    shortest(values[k], mm_from_m, m_from_mm, 3)
                 ),
             };
         }
@@ -49,8 +48,11 @@ fn quoted(text: &str) -> String {
     format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
 }
 
-/// A float that TOML reads as one.
-fn decimal(value: f64) -> String {
+/// An SI value in the unit of the file: with few digits if they say the same, else with all. TOML
+/// reads it as a float.
+fn shortest(si: f64, to_file: fn(f64) -> f64, from_file: fn(f64) -> f64, digits: i32) -> String {
+    let few = rounded(to_file(si), digits);
+    let value = if from_file(few) == si { few } else { to_file(si) };
     let text = value.to_string();
     if text.contains('.') { text } else { text + ".0" }
 }

@@ -16,7 +16,7 @@ pub use space::Space;
 
 use crate::cell::{Layout, SearchSettings};
 use crate::layout::{Evaluation, Workcell, evaluate};
-use problem::Problem;
+use problem::{Problem, Record};
 
 /// Share of the budget kept for the polish.
 const POLISH_SHARE: f64 = 0.1;
@@ -72,20 +72,21 @@ pub fn search(workcell: &Workcell, settings: &SearchSettings, watch: &Watch<'_>)
     let mut problem = Problem::new(workcell, &space, settings.budget, watch);
     let polish = (settings.budget as f64 * POLISH_SHARE) as u64;
     problem.allow(settings.budget - polish);
+    // The layout as drawn is the first candidate, so that no answer is worse.
+    problem.try_point(&space.start());
     solvers::explore(&problem, settings, space.start());
     problem.allow(settings.budget);
     solvers::polish(&problem);
     let ended = if problem.interrupted() { Ended::Interrupted } else { Ended::Done };
-    let record = problem.into_record();
-    let best = candidate(workcell, space.layout(&record.point));
-    SearchRecord {
-        start,
-        best,
-        evaluations: record.evaluations,
-        feasible: record.feasible,
-        trace: record.trace,
-        ended,
+    let mut record = problem.into_record();
+    let mut best = candidate(workcell, space.layout(&record.point));
+    // Drawn finer than the search rounds, it can still be the better one.
+    if start.evaluation.cost < best.evaluation.cost {
+        best = start.clone();
+        record.trace.extend(best.evaluation.objective.map(|e| (record.evaluations, e)));
     }
+    let Record { evaluations, feasible, trace, .. } = record;
+    SearchRecord { start, best, evaluations, feasible, trace, ended }
 }
 
 fn candidate(workcell: &Workcell, layout: Layout) -> Candidate {

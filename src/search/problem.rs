@@ -83,6 +83,11 @@ impl<'a> Problem<'a> {
         self.space.dimensions()
     }
 
+    /// Evaluates one point for the record.
+    pub fn try_point(&self, point: &Vec<f64>) {
+        self.costs(&[point]);
+    }
+
     /// The nearest point without overlaps, or the point itself if none is found.
     pub fn separated(&self, point: Vec<f64>) -> Vec<f64> {
         match separated(self.workcell, &self.space.layout(&point)) {
@@ -102,6 +107,9 @@ impl<'a> Problem<'a> {
     /// Costs of several points, in their order, and the record brought up to date in that order.
     fn costs(&self, points: &[&Vec<f64>]) -> Vec<f64> {
         let count = self.left().min(points.len() as u64) as usize;
+        if count == 0 {
+            return vec![f64::NEG_INFINITY; points.len()];
+        }
         let layouts: Vec<Layout> = points[..count].iter().map(|p| self.space.layout(p)).collect();
         let evaluate = |workspace: &mut Workspace, layout: &Layout| {
             let e = evaluate_in(self.workcell, layout, workspace);

@@ -3,6 +3,9 @@
 use crate::cell::{Cell, Coordinate, Layout};
 use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg, rounded};
 
+/// The last of x, y, z, yaw.
+const YAW: usize = 3;
+
 /// One free coordinate: equipment, which of x, y, z, yaw, and its range.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Variable {
@@ -57,16 +60,23 @@ impl Space {
         let mut layout = self.start.clone();
         for (variable, u) in self.variables.iter().zip(point) {
             let value = variable.min + mirrored(*u) * (variable.max - variable.min);
+            let rounded = if variable.axis == YAW { to_ten_thousandth_degree(value) } else { to_um(value) };
+            // A range need not end at a round number.
+            let value = rounded.clamp(variable.min, variable.max);
             let placement = &mut layout.placements[variable.equipment];
             match variable.axis {
-                0 => placement.x = to_um(value),
-                1 => placement.y = to_um(value),
-                2 => placement.z = to_um(value),
-                _ => placement.yaw = rad_from_deg(rounded(deg_from_rad(value), 4)),
+                0 => placement.x = value,
+                1 => placement.y = value,
+                2 => placement.z = value,
+                _ => placement.yaw = value,
             }
         }
         layout
     }
+}
+
+fn to_ten_thousandth_degree(rad: f64) -> f64 {
+    rad_from_deg(rounded(deg_from_rad(rad), 4))
 }
 
 fn to_um(m: f64) -> f64 {
