@@ -8,7 +8,7 @@
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
 use sweetspot::cell::{self, Cell, Layout, Model, Placement};
-use sweetspot::clearance::{Placed, Scene};
+use sweetspot::clearance::{FloorPlan, Placed, Scene};
 use sweetspot::kinematic_error::{Perturbation, position_error};
 use sweetspot::layout::{Workcell, Workspace, evaluate_in};
 use sweetspot::pose::Pose;
@@ -104,21 +104,40 @@ fn collision(c: &mut Criterion) {
     }
 }
 
+/// A thousand layouts an iteration: the mean over the set, free of its order. Without collision the
+/// same work less the solids: what is left is inverse kinematics, limits and errors.
 fn evaluate(c: &mut Criterion) {
-    let workcell = Workcell::new(shipped("hitachi_cell.toml")).expect("the cell");
-    let layouts = layouts(&workcell.cell);
-    let mut workspace = Workspace::default();
-    for (name, set) in [("random", &layouts[..1000]), ("plausible", &layouts[1000..])] {
-        // A thousand layouts an iteration: the mean over the set, free of its order.
-        c.bench_function(&format!("evaluate: 1000 {name} layouts"), |b| {
-            b.iter(|| set.iter().map(|l| evaluate_in(&workcell, l, &mut workspace).cost).sum::<f64>())
-        });
+    for (what, collision) in [("evaluate", true), ("evaluate without collision", false)] {
+        let mut cell = shipped("hitachi_cell.toml");
+        cell.collision = collision;
+        let workcell = Workcell::new(cell).expect("the cell");
+        let layouts = layouts(&workcell.cell);
+        let mut workspace = Workspace::default();
+        for (name, set) in [("random", &layouts[..1000]), ("plausible", &layouts[1000..])] {
+            c.bench_function(&format!("{what}: 1000 {name} layouts"), |b| {
+                b.iter(|| set.iter().map(|l| evaluate_in(&workcell, l, &mut workspace).cost).sum::<f64>())
+            });
+        }
     }
+}
+
+/// What every layout pays before any node: posing the solids, floor space.
+fn layout(c: &mut Criterion) {
+    let cell = shipped("hitachi_cell.toml");
+    let layouts = layouts(&cell);
+    let (scene, plan) = (Scene::new(&cell), FloorPlan::new(&cell));
+    let (mut placed, mut found) = (Placed::default(), Vec::new());
+    c.bench_function("solids posed: 2000 layouts", |b| {
+        b.iter(|| layouts.iter().for_each(|l| scene.place(black_box(l), &mut placed)))
+    });
+    c.bench_function("floor space: 2000 layouts", |b| {
+        b.iter(|| layouts.iter().for_each(|l| plan.overlaps(black_box(l), &mut found)))
+    });
 }
 
 criterion_group! {
     name = layers;
     config = Criterion::default().sample_size(20);
-    targets = node, map, collision, evaluate
+    targets = node, map, collision, layout, evaluate
 }
 criterion_main!(layers);

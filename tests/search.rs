@@ -6,7 +6,7 @@ mod common;
 use common::{from_text, shipped};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
-use sweetspot::cell::{Cell, Coordinate, Layout, Objective, SearchSettings, Solver};
+use sweetspot::cell::{Cell, Coordinate, Layout, Objective, SearchSettings, Sense, Solver};
 use sweetspot::error_map::Outcome;
 use sweetspot::layout::{Evaluation, Workcell, evaluate};
 use sweetspot::search::{Ended, SearchRecord, Space, Watch, search};
@@ -31,7 +31,7 @@ fn check(workcell: &Workcell, settings: &SearchSettings, record: &SearchRecord) 
     }
     assert_eq!(record.start.layout, workcell.cell.start());
     lies_in_its_ranges(&workcell.cell, &record.best.layout);
-    let improving = record.trace.windows(2).all(|w| w[0].0 < w[1].0 && w[0].1 > w[1].1);
+    let improving = record.trace.windows(2).all(|w| w[0].0 <= w[1].0 && w[0].1 > w[1].1);
     assert!(improving, "the trace goes back: {:?}", record.trace);
     if let Some((_, last)) = record.trace.last() {
         assert_eq!(Some(last.to_bits()), bits(&record.best.evaluation).0, "the trace ends elsewhere");
@@ -179,6 +179,15 @@ fn the_answer_is_never_worse_than_the_layout_as_drawn() {
             assert!(best <= start, "{} {budget}: {best} after {start}", solver.name());
         }
     }
+    // Nor where the layout is drawn finer than the search rounds, whichever way it rounds.
+    for fine in [-4e-7, 4e-7] {
+        let mut cell = workcell.cell.clone();
+        let Coordinate::Range { start, .. } = &mut cell.equipment[0].placement[1] else { panic!("fixed") };
+        *start += fine;
+        let drawn = Workcell::new(cell).unwrap();
+        let record = run(&drawn, settings(Solver::CmaEs, 1));
+        assert!(record.best.evaluation.cost <= record.start.evaluation.cost, "{fine}");
+    }
 }
 
 #[test]
@@ -214,13 +223,23 @@ fn no_free_variable_leaves_nothing_to_search() {
 /// Only the table's y is free, over 100 mm: at steps of 1 um every position there is can be tried.
 #[test]
 fn one_dimension_agrees_with_a_scan_of_every_position() {
-    // Over the first range the error falls to a joint limit and jumps; over the second collisions
-    // with a post cut the best part out.
     let post = "[obstacle.post]\nsolid = [{ name = \"post\", box = { centre_mm = [0, 0, 600], \
                 size_mm = [100, 100, 1200] } }]\nplacement = { x_mm = 0, y_mm = 420, z_mm = 0 }\n";
-    for (low, more) in [(850, ""), (900, post)] {
+    // Grid, sense, start of the range, what stands in the way, and how far off the scan (mm).
+    let cases = [
+        ((10, 8), Sense::Z, 700, "", 1e-6),
+        // The optimum lies at the edge of what is feasible.
+        ((1, 1), Sense::Xy, 650, "", 1e-6),
+        // Many equal teeth, each with its optimum at a joint limit: which is the least is decided by
+        // rounding, and 1 um away the error is 1e-5 mm greater.
+        ((10, 8), Sense::Xy, 850, "", 1.1e-5),
+        ((10, 8), Sense::Xy, 900, post, 1.1e-5),
+    ];
+    for (grid, sense, low, more, tolerance) in cases {
         let y = format!("x_mm = 20, y_mm = {{ min = {low}, max = {} }}, z_mm = 650, yaw_deg = 3", low + 100);
-        let workcell = one_table(&y, more);
+        let mut cell = one_table(&y, more).cell;
+        (cell.operations[0].grid, cell.operations[0].sense) = (grid, sense);
+        let workcell = Workcell::new(cell).unwrap();
         let at = |step: u32| {
             let mut layout = workcell.cell.start();
             layout.placements[0].y = m_from_mm(f64::from(low * 1000 + step) / 1000.0);
@@ -233,7 +252,7 @@ fn one_dimension_agrees_with_a_scan_of_every_position() {
             let found = record.best.evaluation.cost;
             assert!(found >= scanned, "{}: better than every position there is", solver.name());
             let missed = mm_from_m(found - scanned);
-            assert!(missed <= 1e-6, "{} from {low}: {missed} mm above the scan", solver.name());
+            assert!(missed <= tolerance, "{} from {low}: {missed} mm above the scan", solver.name());
         }
     }
 }

@@ -1,16 +1,13 @@
 //! Robot solids against equipment solids, in three dimensions.
 
-use crate::cell::{Cell, Layout, MAX_JOINTS, Shape};
+use super::bodies::{Body, Part, parry_pose, part, swollen};
+use crate::cell::{Cell, Layout, MAX_JOINTS};
 use crate::pose::Pose;
 use nalgebra::Vector3;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::math as pm;
 use parry3d::query::{DefaultQueryDispatcher, QueryDispatcher};
-use parry3d::shape::{self, SharedShape, TriMesh, TriMeshFlags};
-
-/// Added to the border of rounded boxes and cylinders, m: parry finds them apart from a ball up to
-/// 1.5e-5 m too early (measured over 2 000 poses each), and a clearance must never be less than asked.
-const SAFE: f64 = 2e-5;
+use parry3d::shape::{self, SharedShape};
 
 /// What a robot solid touches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -19,24 +16,6 @@ pub struct Hit {
     pub solid: usize,
     /// Index into [`Cell::equipment`] and its solids; None for the floor.
     pub other: Option<(usize, usize)>,
-}
-
-/// A solid ready for parry: its shape, and its pose in the frame of its carrier.
-struct Body {
-    shape: SharedShape,
-    local: Pose,
-    /// A point inside the solid, for tests against closed meshes.
-    inside: pm::Vector,
-    /// Shorter capsules that together are the capsule, for tests against meshes: the bounds of a
-    /// long one that lies askew take in most triangles of a mesh. Empty: the shape itself.
-    pieces: Vec<SharedShape>,
-}
-
-/// An equipment solid: fixed in shape, or a leg that is cut to length by the placement.
-enum Part {
-    Convex(Body),
-    Mesh { body: Body, closed: bool },
-    Leg { x: f64, y: f64, half: (f64, f64), top: f64 },
 }
 
 /// The solids of a cell, made ready once. Robot solids are swollen by the clearance.
@@ -176,7 +155,12 @@ impl Scene {
         }
         match (&self.parts[other.id.0][other.id.1], &other.leg) {
             (_, Some(leg)) => intersecting(leg, &relative, &*link.shape),
-            (Part::Convex(body), None) => intersecting(&*body.shape, &relative, &*link.shape),
+            (Part::Convex(body), None) => match (body.shape.as_ball(), &link.unswollen) {
+                (Some(ball), Some((shape, by))) => {
+                    intersecting(&shape::Ball::new(ball.radius + by), &relative, &**shape)
+                }
+                _ => intersecting(&*body.shape, &relative, &*link.shape),
+            },
             (Part::Mesh { body, closed }, None) => {
                 let near = |s: &SharedShape| s.compute_aabb(&relative).intersects(&other.local_bounds);
                 let hits = |s: &SharedShape| near(s) && intersecting(&*body.shape, &relative, &**s);
@@ -197,97 +181,4 @@ impl Scene {
 /// parry answers every pair of the shapes built here; should it not, a collision is the safe answer.
 fn intersecting(a: &dyn shape::Shape, b_in_a: &pm::Pose, b: &dyn shape::Shape) -> bool {
     DefaultQueryDispatcher.intersection_test(b_in_a, a, b).map_or(true, |answer| answer.intersecting)
-}
-
-/// The shape of a link solid with every point within `by` (m) of it: exact, for a ball swept over a
-/// convex solid is one of parry's shapes.
-fn swollen(shape: &Shape, by: f64) -> Body {
-    match shape {
-        Shape::Box { pose, size } if by > 0.0 => {
-            let half = size / 2.0;
-            centred(SharedShape::round_cuboid(half.x, half.y, half.z, by + SAFE), *pose)
-        }
-        Shape::Sphere { centre, radius } => ball(centre, radius + by),
-        Shape::Capsule { a, b, radius } => capsule(a, b, radius + by),
-        Shape::Cylinder { a, b, radius } if by > 0.0 => {
-            centred(SharedShape::round_cylinder((b - a).norm() / 2.0, *radius, by + SAFE), along_y(a, b))
-        }
-        other => body(other),
-    }
-}
-
-/// The shape as it is. A leg gets its length from the placement and never comes here.
-fn body(shape: &Shape) -> Body {
-    match shape {
-        Shape::Box { pose, size } => {
-            let half = size / 2.0;
-            centred(SharedShape::cuboid(half.x, half.y, half.z), *pose)
-        }
-        Shape::Sphere { centre, radius } => ball(centre, *radius),
-        Shape::Capsule { a, b, radius } => capsule(a, b, *radius),
-        Shape::Cylinder { a, b, radius } => {
-            centred(SharedShape::cylinder((b - a).norm() / 2.0, *radius), along_y(a, b))
-        }
-        Shape::Leg { x, y, top, .. } => ball(&Vector3::new(*x, *y, *top), 0.0),
-        Shape::Mesh { pose, vertices, triangles, closed } => {
-            centred(mesh(vertices, triangles, *closed), *pose)
-        }
-    }
-}
-
-fn part(shape: &Shape) -> Part {
-    match shape {
-        Shape::Leg { x, y, size, top } => {
-            Part::Leg { x: *x, y: *y, half: (size.0 / 2.0, size.1 / 2.0), top: *top }
-        }
-        Shape::Mesh { closed, .. } => Part::Mesh { body: body(shape), closed: *closed },
-        _ => Part::Convex(body(shape)),
-    }
-}
-
-fn centred(shape: SharedShape, local: Pose) -> Body {
-    Body { shape, local, inside: pm::Vector::ZERO, pieces: Vec::new() }
-}
-
-fn ball(centre: &Vector3<f64>, radius: f64) -> Body {
-    centred(SharedShape::ball(radius), Pose { translation: *centre, ..Pose::identity() })
-}
-
-fn capsule(a: &Vector3<f64>, b: &Vector3<f64>, radius: f64) -> Body {
-    let count = ((b - a).norm() / (2.0 * radius)).ceil().clamp(1.0, 64.0);
-    let point = |k: f64| vector(&a.lerp(b, k / count));
-    let pieces =
-        (0..count as usize).map(|k| SharedShape::capsule(point(k as f64), point(k as f64 + 1.0), radius));
-    let shape = SharedShape::capsule(vector(a), vector(b), radius);
-    Body { inside: vector(a), pieces: pieces.collect(), ..centred(shape, Pose::identity()) }
-}
-
-/// The pose of a bar whose axis is y in parry and runs from `a` to `b` here.
-fn along_y(a: &Vector3<f64>, b: &Vector3<f64>) -> Pose {
-    let turn = nalgebra::Rotation3::rotation_between(&Vector3::y(), &(b - a));
-    // Opposite directions have no unique turn between them: half a turn about x is one.
-    let turn = turn
-        .unwrap_or_else(|| nalgebra::Rotation3::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI));
-    Pose { rotation: turn.into_inner(), translation: (a + b) / 2.0 }
-}
-
-/// Oriented if closed, so that a point inside can be told from one outside. What parry refuses (the
-/// cell has refused empty meshes before) is taken as the box round it.
-fn mesh(vertices: &[Vector3<f64>], triangles: &[[u32; 3]], closed: bool) -> SharedShape {
-    let flags = if closed { TriMeshFlags::ORIENTED } else { TriMeshFlags::empty() };
-    let points: Vec<_> = vertices.iter().map(vector).collect();
-    let reach = points.iter().fold(pm::Vector::ZERO, |m, p| m.max(p.abs()));
-    let built = TriMesh::with_flags(points, triangles.to_vec(), flags);
-    built.map_or_else(|_| SharedShape::cuboid(reach.x, reach.y, reach.z), SharedShape::new)
-}
-
-fn vector(v: &Vector3<f64>) -> pm::Vector {
-    pm::Vector::new(v.x, v.y, v.z)
-}
-
-fn parry_pose(pose: &Pose) -> pm::Pose {
-    let column =
-        |i: usize| pm::Vector::new(pose.rotation[(0, i)], pose.rotation[(1, i)], pose.rotation[(2, i)]);
-    let matrix = pm::Matrix::from_cols(column(0), column(1), column(2));
-    pm::Pose::from_parts(vector(&pose.translation), pm::Rotation::from_mat3(&matrix))
 }
