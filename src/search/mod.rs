@@ -3,7 +3,7 @@
 //! The free coordinates of all placements make a point of the unit cube ([`Space`]); the cost of a
 //! point is that of [`crate::layout::evaluate`]. A global solver with restarts takes most of the
 //! budget, a Nelder-Mead polish from the best layout the rest. The solvers propose, `evaluate`
-//! decides: [`Problem`] keeps the best feasible layout it has ever seen, whatever a solver thinks
+//! decides: the problem keeps the best feasible layout it has ever seen, whatever a solver thinks
 //! its best is. Same cell, seed and budget give the same bytes for any number of threads.
 
 mod cma_es;
