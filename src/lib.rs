@@ -43,6 +43,9 @@
 //! | [`report`] | say it | records to JSON, CSV, SVG, TOML, text |
 //! | [`cli`] | edge | arguments, files, progress, exit codes |
 //!
+//! `evaluate` takes a [`layout::Workcell`], a cell made ready (chain, inverse kinematics, parry
+//! shapes), and not the bare cell: a search prepares once and asks hundreds of thousands of times.
+//!
 //! # What holds everywhere
 //!
 //! - SI inside: m, rad, f64. Millimetres and degrees live in files and reports, where every name

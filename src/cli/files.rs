@@ -32,7 +32,7 @@ pub fn read_cell(path: &Path) -> Result<Loaded, Vec<Fault>> {
         Some(parent) if !parent.as_os_str().is_empty() => parent.to_path_buf(),
         _ => PathBuf::from("."),
     };
-    let prefix = folder.clone();
+    let prefix = path.parent().unwrap_or(Path::new("")).to_path_buf();
     let mut faults_named = |mut faults: Vec<Fault>| {
         // Named as the user names the cell, so that an editor can jump there.
         for fault in &mut faults {

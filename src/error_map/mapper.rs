@@ -22,8 +22,8 @@ struct Station {
 
 /// Robot, errors and operations of a cell, made ready for the node loop.
 pub struct Mapper {
-    pub chain: Chain,
-    pub errors: Perturbation,
+    chain: Chain,
+    errors: Perturbation,
     arm: PlanarArm,
     model: Model,
     base: Placement,

@@ -9,6 +9,5 @@ mod grid;
 mod mapper;
 mod node;
 
-pub use grid::Grid;
 pub use mapper::{Mapper, Outcome, Scratch, Spot};
 pub use node::{NodeRecord, OperationMap, PostureRecord, Status};
