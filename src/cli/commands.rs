@@ -64,7 +64,7 @@ pub fn map(a: &MapArguments) -> Result<Exit, Exit> {
         Some(folder) => {
             let folder = files::new_folder(Some(folder), "")?;
             let files = vec![
-                ("map.json", results::pretty(&document)),
+                ("map.json", results::pretty(&document)?),
                 ("map.csv", results::csv(&assessment)?),
                 ("map.svg", report::svg::plan(&assessment).into_bytes()),
                 ("discrepancy.svg", report::fig8::chart(&assessment).into_bytes()),
@@ -74,7 +74,7 @@ pub fn map(a: &MapArguments) -> Result<Exit, Exit> {
         None => None,
     };
     if a.json {
-        output::data(&format!("{document}\n"))?;
+        output::data(&results::line(&document)?)?;
     } else {
         let headline = report::text::headline(&workcell.cell);
         output::data(&format!("{headline}\n{}", report::text::maps(&assessment)))?;
@@ -116,7 +116,7 @@ pub fn search(a: &SearchArguments) -> Result<Exit, Exit> {
         results::write_search(&folder, &a.cell, &workcell.cell, &loaded.sources, &record, &comparison)?;
     if a.json {
         let document = report::json::search(&workcell.cell, &record, &comparison, Some(seconds));
-        output::data(&format!("{document}\n"))?;
+        output::data(&results::line(&document)?)?;
     } else {
         output::data(&answer(&workcell.cell, &record, &comparison, seconds))?;
     }
@@ -188,7 +188,7 @@ pub fn compare(a: &CompareArguments) -> Result<Exit, Exit> {
         Exit::BadInput
     })?;
     if a.json {
-        output::data(&format!("{}\n", report::json::compare(&comparison)))?;
+        output::data(&results::line(&report::json::compare(&comparison))?)?;
     } else {
         output::data(&report::text::comparison(&comparison))?;
         suggest("search CELL, or map CELL --svg map.svg for a picture of one of them");

@@ -6,7 +6,8 @@ use crate::cell::{Cell, Source};
 use crate::compare::{Assessment, Comparison};
 use crate::report;
 use crate::search::SearchRecord;
-use serde_json::{Value, json};
+use serde::Serialize;
+use serde_json::json;
 use std::path::{Path, PathBuf};
 
 /// Where the inputs are kept, so that the folder can be mailed whole.
@@ -48,7 +49,7 @@ pub fn write_search(
         outputs.push(("best.toml", text.into_bytes()));
         keep_inputs(folder, &kept, sources)?;
     }
-    outputs.push(("search.json", pretty(&report::json::search(cell, record, comparison, None))));
+    outputs.push(("search.json", pretty(&report::json::search(cell, record, comparison, None))?));
     outputs.push(("map.csv", csv(best)?));
     outputs.push(("map.svg", report::svg::plan(best).into_bytes()));
     write(folder, cell, sources, outputs)
@@ -97,13 +98,26 @@ pub fn write(
         files::write_whole(&folder.join(name), bytes)?;
         names.push(name.to_string());
     }
-    files::write_whole(&folder.join("manifest.json"), &pretty(&manifest))?;
+    files::write_whole(&folder.join("manifest.json"), &pretty(&manifest)?)?;
     names.push("manifest.json".into());
     Ok(Written { folder: folder.to_path_buf(), names })
 }
 
-pub fn pretty(document: &Value) -> Vec<u8> {
-    format!("{document:#}\n").into_bytes()
+/// A document as a file of JSON.
+pub fn pretty(document: &impl Serialize) -> Result<Vec<u8>, Exit> {
+    let mut bytes = serde_json::to_vec_pretty(document).map_err(not_json)?;
+    bytes.push(b'\n');
+    Ok(bytes)
+}
+
+/// A document as one line of JSON.
+pub fn line(document: &impl Serialize) -> Result<String, Exit> {
+    Ok(serde_json::to_string(document).map_err(not_json)? + "\n")
+}
+
+fn not_json(e: serde_json::Error) -> Exit {
+    output::error(&format!("cannot make JSON: {e}"));
+    Exit::Io
 }
 
 pub fn csv(assessment: &Assessment<'_>) -> Result<Vec<u8>, Exit> {

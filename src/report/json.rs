@@ -10,61 +10,123 @@ use crate::kinematic_error::discrepancy;
 use crate::search::{Ended, SearchRecord};
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use nalgebra::Vector3;
+use serde::{Serialize, Serializer};
 use serde_json::{Map, Value, json};
 
+/// The document of `map --json`. Nodes are made one by one while it is written: a map can have a
+/// million of them.
+#[derive(Serialize)]
+pub struct MapDocument<'a> {
+    schema: &'static str,
+    cell: &'a str,
+    robot: &'a str,
+    feasible: bool,
+    objective_mm: Option<f64>,
+    overlaps: Value,
+    layout: Value,
+    operations: Vec<OperationDocument<'a>>,
+}
+
+#[derive(Serialize)]
+struct OperationDocument<'a> {
+    name: &'a str,
+    equipment: &'a str,
+    sense: &'static str,
+    model: &'static str,
+    errors: &'a str,
+    counts: Value,
+    nodes: Nodes<'a>,
+    best: Option<NodeDocument>,
+}
+
+struct Nodes<'a>(&'a Cell, &'a OperationMap);
+
+impl Serialize for Nodes<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.1.nodes.iter().map(|n| NodeDocument::new(self.0, n)))
+    }
+}
+
+#[derive(Serialize)]
+struct NodeDocument {
+    i: usize,
+    j: usize,
+    position_mm: [f64; 3],
+    status: &'static str,
+    reason: String,
+    joints_deg: Option<Vec<f64>>,
+    error_mm: Option<[f64; 3]>,
+    error_sense_mm: Option<f64>,
+    rotation_deg: Option<[f64; 3]>,
+    linear_error_mm: Option<[f64; 3]>,
+    nonlinear_error_mm: Option<[f64; 3]>,
+    discrepancy_percent: Option<DiscrepancyDocument>,
+}
+
+/// Eq. (9) per component and for the resultant r.
+#[derive(Serialize)]
+struct DiscrepancyDocument {
+    x: Option<f64>,
+    y: Option<f64>,
+    z: Option<f64>,
+    r: Option<f64>,
+}
+
 /// The document of `map --json`.
-pub fn map(assessment: &Assessment<'_>) -> Value {
+pub fn map<'a>(assessment: &'a Assessment<'_>) -> MapDocument<'a> {
     let cell = assessment.cell;
-    let operations: Vec<_> = assessment.maps.iter().map(|m| operation_map(cell, m)).collect();
-    json!({
-        "schema": "sweetspot/map/1",
-        "cell": cell.name,
-        "robot": cell.robot.name,
-        "feasible": assessment.evaluation.objective.is_some(),
-        "objective_mm": assessment.objective_mm().map(length),
-        "overlaps": overlaps(assessment),
-        "layout": layout(cell, &assessment.layout),
-        "operations": operations,
-    })
+    MapDocument {
+        schema: "sweetspot/map/1",
+        cell: &cell.name,
+        robot: &cell.robot.name,
+        feasible: assessment.evaluation.objective.is_some(),
+        objective_mm: assessment.objective_mm().map(length),
+        overlaps: overlaps(assessment),
+        layout: layout(cell, &assessment.layout),
+        operations: assessment.maps.iter().map(|m| operation_map(cell, m)).collect(),
+    }
 }
 
-fn operation_map(cell: &Cell, map: &OperationMap) -> Value {
+fn operation_map<'a>(cell: &'a Cell, map: &'a OperationMap) -> OperationDocument<'a> {
     let operation = &cell.operations[map.operation];
-    let nodes: Vec<_> = map.nodes.iter().map(|n| node(cell, n)).collect();
-    json!({
-        "name": operation.name,
-        "equipment": cell.equipment[operation.equipment].name,
-        "sense": operation.sense.name(),
-        "model": cell.model.name(),
-        "errors": cell.signed_errors().name,
-        "counts": counts(map),
-        "nodes": nodes,
-        "best": map.best.map(|k| node(cell, &map.nodes[k])),
-    })
+    OperationDocument {
+        name: &operation.name,
+        equipment: &cell.equipment[operation.equipment].name,
+        sense: operation.sense.name(),
+        model: cell.model.name(),
+        errors: &cell.signed_errors().name,
+        counts: counts(map),
+        nodes: Nodes(cell, map),
+        best: map.best_node().map(|n| NodeDocument::new(cell, n)),
+    }
 }
 
-fn node(cell: &Cell, n: &NodeRecord) -> Value {
-    let of = |f: &dyn Fn(&PostureRecord) -> Value| n.posture.as_ref().map(f);
-    json!({
-        "i": n.i,
-        "j": n.j,
-        "position_mm": lengths(&n.position),
-        "status": n.status.name(),
-        "reason": n.status.reason(cell),
-        "joints_deg": of(&|p| joints(cell, p)),
-        "error_mm": of(&|p| lengths(&p.error)),
-        "error_sense_mm": of(&|p| json!(length(mm_from_m(p.in_sense)))),
-        "rotation_deg": of(&|p| json!(p.rotation.map(|r| length(deg_from_rad(r))).as_slice())),
-        "linear_error_mm": of(&|p| lengths(&p.linear)),
-        "nonlinear_error_mm": of(&|p| lengths(&p.nonlinear)),
-        "discrepancy_percent": of(&discrepancies),
-    })
+impl NodeDocument {
+    fn new(cell: &Cell, n: &NodeRecord) -> Self {
+        let p = n.posture.as_ref();
+        Self {
+            i: n.i,
+            j: n.j,
+            position_mm: lengths(&n.position),
+            status: n.status.name(),
+            reason: n.status.reason(cell),
+            joints_deg: p.map(|p| joints(cell, p)),
+            error_mm: p.map(|p| lengths(&p.error)),
+            error_sense_mm: p.map(|p| length(mm_from_m(p.in_sense))),
+            rotation_deg: p.map(|p| p.rotation.map(|r| length(deg_from_rad(r))).into()),
+            linear_error_mm: p.map(|p| lengths(&p.linear)),
+            nonlinear_error_mm: p.map(|p| lengths(&p.nonlinear)),
+            discrepancy_percent: p.map(DiscrepancyDocument::new),
+        }
+    }
 }
 
-fn discrepancies(p: &PostureRecord) -> Value {
-    let d = discrepancy(&p.nonlinear, &p.linear);
-    let percent = |v: Option<f64>| v.map(length);
-    json!({ "x": percent(d.x), "y": percent(d.y), "z": percent(d.z), "r": percent(d.resultant) })
+impl DiscrepancyDocument {
+    fn new(p: &PostureRecord) -> Self {
+        let d = discrepancy(&p.nonlinear, &p.linear);
+        let [x, y, z, r] = [d.x, d.y, d.z, d.resultant].map(|v| v.map(length));
+        Self { x, y, z, r }
+    }
 }
 
 /// The document of `search --json`. Without `seconds` it is the file search.json, which is the same
@@ -175,16 +237,16 @@ fn layout(cell: &Cell, layout: &Layout) -> Value {
     Value::Object(one.collect())
 }
 
-fn joints(cell: &Cell, p: &PostureRecord) -> Value {
+fn joints(cell: &Cell, p: &PostureRecord) -> Vec<f64> {
     let in_file_units = cell.robot.joints.iter().zip(p.joints).map(|(joint, q)| match joint.kind {
         crate::cell::JointKind::Revolute => length(deg_from_rad(q)),
         crate::cell::JointKind::Prismatic => length(mm_from_m(q)),
     });
-    json!(in_file_units.collect::<Vec<_>>())
+    in_file_units.collect()
 }
 
-fn lengths(v: &Vector3<f64>) -> Value {
-    json!(v.map(|m| length(mm_from_m(m))).as_slice())
+fn lengths(v: &Vector3<f64>) -> [f64; 3] {
+    v.map(|m| length(mm_from_m(m))).into()
 }
 
 fn length(mm: f64) -> f64 {
