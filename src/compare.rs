@@ -27,11 +27,8 @@ impl<'a> Assessment<'a> {
         Self { label: label.to_string(), cell: &workcell.cell, layout, evaluation, maps, apart }
     }
 
-    /// The spot of an operation: its best usable node, unless the layout itself is impossible.
+    /// The spot of an operation: its best usable node.
     pub fn spot(&self, operation: usize) -> Option<(&NodeRecord, &PostureRecord)> {
-        if !self.evaluation.overlaps.is_empty() {
-            return None;
-        }
         let node = self.maps[operation].best_node()?;
         Some((node, node.posture.as_ref()?))
     }

@@ -9,6 +9,9 @@ use parry3d::math as pm;
 use parry3d::query::{DefaultQueryDispatcher, QueryDispatcher};
 use parry3d::shape::{self, SharedShape};
 
+/// Solids nearer than this touch, m: more than parry's rounding, so that every contact is one.
+const TOUCHING: f64 = 1e-7;
+
 /// What a robot solid touches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Hit {
@@ -49,7 +52,7 @@ struct PlacedBody {
 
 impl Scene {
     pub fn new(cell: &Cell) -> Self {
-        let link = |s: &crate::cell::LinkSolid| (s.link, swollen(&s.solid.shape, cell.clearance));
+        let link = |s: &crate::cell::LinkSolid| (s.link, swollen(&s.solid.shape, cell.clearance + TOUCHING));
         let parts = |e: &crate::cell::Equipment| e.solids.iter().map(|s| part(&s.shape)).collect();
         Self {
             links: cell.robot.solids.iter().map(link).collect(),

@@ -159,6 +159,7 @@ fn answer(cell: &Cell, record: &SearchRecord, comparison: &Comparison<'_>, secon
         (Ended::NothingToSearch, _) => "nothing to search: every placement is fixed".to_string(),
         (_, false) => "no feasible layout found; `best` is the nearest to one".to_string(),
         (_, true) => match comparison.change_percent(1, Assessment::objective_mm) {
+            Some(change) if change > -0.05 => "no better layout than the start was found".to_string(),
             Some(change) => format!("the best layout has {:.1} % less error than the start", -change),
             None => "the start layout is not feasible, the best one is".to_string(),
         },

@@ -8,8 +8,8 @@ use crate::cell::{Cell, Layout, Objective, Operation};
 use crate::clearance::{FloorPlan, Overlap, Placed, Scene};
 use crate::error_map::{Mapper, OperationMap, Outcome, Scratch};
 
-/// Added to the cost of every infeasible layout: more than any error in m, so that no infeasible
-/// layout ever ranks before a feasible one.
+/// Added to the cost of every infeasible layout, times the weights: more than any weighted error in
+/// m, so that no infeasible layout ever ranks before a feasible one.
 const INFEASIBLE: f64 = 1e3;
 /// What an operation without a spot costs at least (m): being out of reach is worse than passing a
 /// joint limit, which is worse than colliding everywhere.
@@ -33,7 +33,8 @@ pub struct Evaluation {
     pub outcomes: Vec<Outcome>,
     /// Weighted errors in the senses of the operations, m; None if the layout is infeasible.
     pub objective: Option<f64>,
-    /// Finite for every layout: the objective, or 1000 and more, falling towards feasibility.
+    /// Finite for every layout: the objective, or 1000 times the weights and more, falling towards
+    /// feasibility.
     pub cost: f64,
 }
 
@@ -52,6 +53,15 @@ impl Workcell {
         let mapper = Mapper::new(&cell)?;
         let (plan, scene) = (FloorPlan::new(&cell), Scene::new(&cell));
         Ok(Self { cell, mapper, plan, scene })
+    }
+
+    /// What the weights multiply errors by in the objective: their sum, or the largest of them.
+    pub fn weight(&self) -> f64 {
+        let weights = self.cell.operations.iter().map(|o| o.weight);
+        match self.cell.search.objective {
+            Objective::WeightedSum => weights.sum(),
+            Objective::WeightedMaximum => weights.fold(0.0, f64::max),
+        }
     }
 
     /// The error map of every operation. Nodes on equipment that overlaps something are blocked.
@@ -88,7 +98,7 @@ pub fn evaluate_in(workcell: &Workcell, layout: &Layout, workspace: &mut Workspa
     let objective = if found.is_empty() { objective(cell, &outcomes) } else { None };
     let cost = objective.unwrap_or_else(|| {
         let apart: f64 = found.iter().map(|o| o.depth).sum();
-        INFEASIBLE + apart + outcomes.iter().map(|o| shortfall(cell, o)).sum::<f64>()
+        workcell.weight() * (INFEASIBLE + apart + outcomes.iter().map(|o| shortfall(cell, o)).sum::<f64>())
     });
     Evaluation { overlaps: found.clone(), outcomes, objective, cost }
 }

@@ -15,8 +15,8 @@ use rand_chacha::ChaCha8Rng;
 const SIGMA: f64 = 0.3;
 /// The run has settled when no coordinate moves by more than this (the polish does the rest), ...
 const TOL_X: f64 = 1e-5;
-/// ... when the best costs of many generations differ by no more than this (m), ...
-const TOL_COST: f64 = 1e-7;
+/// ... when the best costs of many generations differ by no more than this share, ...
+const TOL_COST: f64 = 1e-5;
 /// ... or when the covariance has become this lopsided.
 const MAX_CONDITION: f64 = 1e14;
 
@@ -115,7 +115,7 @@ impl CmaEs {
         let span = 10 + (30.0 * self.mean.len() as f64 / self.lambda as f64).ceil() as usize;
         let recent = &self.history[self.history.len().saturating_sub(span)..];
         let (low, high) = recent.iter().fold((f64::MAX, f64::MIN), |(l, h), &c| (l.min(c), h.max(c)));
-        let flat = recent.len() == span && high - low < TOL_COST;
+        let flat = recent.len() == span && high - low < TOL_COST * low.abs();
         let (least, most) = (eigenvalues.min(), eigenvalues.max());
         let small = self.sigma * most.sqrt() < TOL_X;
         let sound = least > 0.0 && most / least < MAX_CONDITION && self.sigma.is_finite() && self.sigma < 1e3;

@@ -125,7 +125,9 @@ impl<'a> Problem<'a> {
         }
         let best = record.trace.last().map(|t| t.1);
         (self.watch.progress)(Progress { evaluations: record.evaluations, budget: self.budget, best });
-        let mut costs: Vec<f64> = values.into_iter().map(|v| v.0).collect();
+        // Solvers see the cost of unit weights: their tolerances are lengths.
+        let weight = self.workcell.weight();
+        let mut costs: Vec<f64> = values.into_iter().map(|v| v.0 / weight).collect();
         costs.resize(points.len(), f64::NEG_INFINITY);
         costs
     }
