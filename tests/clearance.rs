@@ -1059,3 +1059,16 @@ fn blocked_where_it_overlaps(workcell: &Workcell, layout: &Layout) {
         }
     }
 }
+
+/// A tool that ends at the TCP touches the surface at a stand-off of 0: at every node, not at those
+/// where rounding says so.
+#[test]
+fn contact_at_every_node_is_a_collision_at_every_node() {
+    let mut cell = common::shipped("hitachi_cell.toml");
+    cell.operations.iter_mut().for_each(|o| o.standoff = 0.0);
+    let workcell = Workcell::new(cell).unwrap();
+    for map in workcell.maps(&workcell.cell.start()) {
+        assert_eq!(map.count("ok"), 0);
+        assert!(map.count("collision") > 20);
+    }
+}

@@ -343,3 +343,16 @@ fn an_infeasible_layout_never_ranks_before_a_feasible_one() {
     }
     assert!(feasible > 0.0 && feasible < infeasible, "{feasible} {infeasible}");
 }
+
+/// Weights scale the objective, not the quality of the answer.
+#[test]
+fn any_weights_find_the_same_layout() {
+    for weight in [1e6, 1e-6] {
+        let mut cell = shipped("hitachi_cell.toml");
+        cell.operations.iter_mut().for_each(|o| o.weight = weight);
+        let workcell = Workcell::new(cell).unwrap();
+        let record = run(&workcell, settings(Solver::CmaEs, 20_000));
+        let objective = mm_from_m(record.best.evaluation.objective.expect("feasible")) / weight;
+        assert!(objective <= 20.44, "weight {weight}: {objective} mm");
+    }
+}

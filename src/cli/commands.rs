@@ -5,9 +5,9 @@ use super::output::path_word;
 use super::results::{self, Written};
 use super::{Exit, files, output};
 use crate::cell::fault::did_you_mean;
-use crate::cell::{Cell, Coordinate, Loaded, Model, Sense, Solver, shown};
+use crate::cell::{Cell, Coordinate, Fault, Loaded, Model, Sense, Solver, shown};
 use crate::compare::{Assessment, Comparison};
-use crate::layout::Workcell;
+use crate::layout::{Workcell, evaluate};
 use crate::report;
 use crate::search::{self, Ended, Progress, SearchRecord, Watch};
 use crate::units::mm_from_m;
@@ -17,11 +17,20 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
+/// What to do about a robot without inverse kinematics.
+const UNSOLVED: &str = "this version solves arms with a base yaw and three parallel axes";
+
 /// `sweetspot check`
 pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
     if a.json {
         let (exit, faults) = match files::read_cell(&a.cell) {
-            Ok(loaded) => (Exit::Done, loaded.warnings),
+            Ok(loaded) => match Workcell::new(loaded.cell) {
+                Ok(_) => (Exit::Done, loaded.warnings),
+                Err(why) => {
+                    let fault = Fault::of_file(&path_word(&a.cell), why, UNSOLVED);
+                    (Exit::BadInput, [loaded.warnings, vec![fault]].concat())
+                }
+            },
             Err(faults) => (files::exit_of(&faults), faults),
         };
         let valid = exit == Exit::Done;
@@ -46,6 +55,7 @@ pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
         report::text::feasibility(&Assessment::new("start", &workcell, cell.start())),
         if warnings == 0 { String::new() } else { format!(", {warnings} warning(s)") },
     ))?;
+    warn_of_hopeless(&workcell);
     let next = if free > 0 { "search" } else { "map" };
     suggest(&format!("{next} {}", path_word(&a.cell)));
     Ok(Exit::Done)
@@ -104,6 +114,7 @@ pub fn search(a: &SearchArguments) -> Result<Exit, Exit> {
     let named = |name: &String| Solver::ALL.into_iter().find(|s| s.name() == name);
     settings.solver = a.solver.as_ref().and_then(named).unwrap_or(settings.solver);
     let workcell = workcell(loaded.cell, &a.cell)?;
+    warn_of_hopeless(&workcell);
     // Before the work, not after it: an unwritable folder must not cost a search.
     let folder = files::new_folder(a.out.as_deref(), &stem(&a.cell))?;
     let clock = Instant::now();
@@ -129,6 +140,18 @@ pub fn search(a: &SearchArguments) -> Result<Exit, Exit> {
         (_, true) => Exit::Done,
         (_, false) => Exit::AnswerIsNo,
     })
+}
+
+/// Says which overlaps no search can cure: nothing that takes part can move.
+fn warn_of_hopeless(workcell: &Workcell) {
+    let moves = |k: usize| workcell.cell.equipment[k].placement.iter().any(is_free);
+    let overlaps = evaluate(workcell, &workcell.cell.start()).overlaps;
+    for overlap in
+        overlaps.iter().filter(|o| !(0..workcell.cell.equipment.len()).any(|k| o.concerns(k) && moves(k)))
+    {
+        let what = overlap.in_words(&workcell.cell);
+        output::talk(&format!("warning: {what}, and none of the two can move: no layout is feasible"));
+    }
 }
 
 fn run_search(workcell: &Workcell, threads: Option<u16>) -> Result<SearchRecord, Exit> {
@@ -210,7 +233,7 @@ fn workcell(cell: Cell, file: &Path) -> Result<Workcell, Exit> {
     Workcell::new(cell).map_err(|why| {
         let file = path_word(file);
         output::error(&format!("{file}: no inverse kinematics for the robot `{name}`: {why}"));
-        output::talk("  help: this version solves arms with a base yaw and three parallel axes");
+        output::talk(&format!("  help: {UNSOLVED}"));
         Exit::BadInput
     })
 }
