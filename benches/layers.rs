@@ -7,11 +7,10 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
-use sweetspot::cell::{self, Cell, Layout, Model, Placement};
+use sweetspot::cell::{self, Cell, ErrorSet, Layout, Model, Placement};
 use sweetspot::clearance::{FloorPlan, Placed, Scene};
 use sweetspot::kinematic_error::{Perturbation, position_error};
 use sweetspot::layout::{Workcell, Workspace, evaluate_in};
-use sweetspot::pose::Pose;
 use sweetspot::reach::PlanarArm;
 use sweetspot::robot::Chain;
 
@@ -51,7 +50,9 @@ fn layouts(cell: &Cell) -> Vec<Layout> {
 fn node(c: &mut Criterion) {
     let cell = shipped("hitachi_cell.toml");
     let chain = Chain::new(&cell.robot);
-    let errors = Perturbation::new(&chain, cell.signed_errors());
+    let ErrorSet::Signed(signed) = cell.error_set() else { unreachable!("a signed sample") };
+    let errors = Perturbation::new(&chain, signed);
+    let mut frames = chain.frames(&chain.posture(&[0.0; cell::MAX_JOINTS]));
     let arm = PlanarArm::new(&chain).expect("the paper's arm");
     let approach = arm.approach(-std::f64::consts::FRAC_PI_2);
     let target = nalgebra::Vector3::new(0.2, 0.95, 0.7);
@@ -60,7 +61,8 @@ fn node(c: &mut Criterion) {
         b.iter(|| {
             let mut least = f64::INFINITY;
             arm.visit(black_box(&target), &approach, &mut scratch, |_, posture| {
-                let e = position_error(&chain, &errors, posture, Model::Nonlinear);
+                chain.place(posture, &mut frames);
+                let e = position_error(&frames, &errors, Model::Nonlinear);
                 least = least.min(e.x * e.x + e.y * e.y);
             });
             least
@@ -68,8 +70,11 @@ fn node(c: &mut Criterion) {
     });
     let posture = chain.posture(&[0.3, 0.2, 0.1, -0.4, 0.0, 0.0, 0.0, 0.0]);
     for model in Model::ALL {
-        c.bench_function(&format!("position error: {}", model.name()), |b| {
-            b.iter(|| position_error(&chain, &errors, black_box(&posture), model))
+        c.bench_function(&format!("frames and position error: {}", model.name()), |b| {
+            b.iter(|| {
+                chain.place(black_box(&posture), &mut frames);
+                position_error(&frames, &errors, model)
+            })
         });
     }
 }
@@ -96,9 +101,8 @@ fn collision(c: &mut Criterion) {
         let mut next = postures.iter().cycle();
         c.bench_function(&format!("collision: one configuration of {set}"), |b| {
             b.iter(|| {
-                let mut frames = [Pose::identity(); cell::MAX_JOINTS + 1];
-                chain.frames(next.next().expect("a cycle"), &mut frames);
-                scene.hit(&placed, &frames)
+                let frames = chain.frames(next.next().expect("a cycle"));
+                scene.hit(&placed, &frames.links)
             })
         });
     }

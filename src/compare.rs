@@ -3,9 +3,10 @@
 //! An [`Assessment`] is everything known of one layout; a [`Comparison`] is several of them that
 //! answer the same question.
 
-use crate::cell::{Cell, Layout, Operation, Role, Sense, shown};
-use crate::error_map::{NodeRecord, OperationMap, PostureRecord};
+use crate::cell::{Cell, Layout, Operation, Reading, Role, Unit, shown};
+use crate::error_map::{NodeRecord, OperationMap, PostureRecord, Status};
 use crate::layout::{Evaluation, Workcell, evaluate, separated};
+use crate::reading::{Figures, MonteCarlo, monte_carlo};
 use crate::units::mm_from_m;
 
 /// One layout, evaluated and mapped.
@@ -15,6 +16,8 @@ pub struct Assessment<'a> {
     pub layout: Layout,
     pub evaluation: Evaluation,
     pub maps: Vec<OperationMap>,
+    /// Of the statistical reading: what samples through the nonlinear model say of each spot.
+    pub samples: Vec<Option<MonteCarlo>>,
     /// If equipment overlaps: the nearest layout in which none does.
     pub apart: Option<Layout>,
 }
@@ -24,7 +27,8 @@ impl<'a> Assessment<'a> {
         let evaluation = evaluate(workcell, &layout);
         let maps = workcell.maps(&layout);
         let apart = if evaluation.overlaps.is_empty() { None } else { separated(workcell, &layout) };
-        Self { label: label.to_string(), cell: &workcell.cell, layout, evaluation, maps, apart }
+        let samples = (0..maps.len()).map(|k| sampled(workcell, &layout, &maps, k)).collect();
+        Self { label: label.to_string(), cell: &workcell.cell, layout, evaluation, maps, samples, apart }
     }
 
     /// The spot of an operation: its best usable node.
@@ -33,13 +37,33 @@ impl<'a> Assessment<'a> {
         Some((node, node.posture.as_ref()?))
     }
 
-    /// The error at the spot of an operation in a sense, mm.
-    pub fn error_mm(&self, operation: usize, sense: Sense) -> Option<f64> {
-        self.spot(operation).map(|(_, posture)| mm_from_m(sense.of(&posture.error)))
+    /// The figures at the spot of an operation in a reported sense, m or rad.
+    pub fn figures(&self, operation: usize, sense: &str) -> Option<&Figures> {
+        let place = self.maps[operation].sense(sense)?;
+        self.spot(operation).map(|(_, posture)| &posture.figures[place])
     }
 
+    /// What the reading says at the spot of an operation in a reported sense, mm or degrees.
+    pub fn error_at(&self, operation: usize, sense: &str) -> Option<f64> {
+        let unit = self.maps[operation].senses[self.maps[operation].sense(sense)?].unit;
+        let figures = self.figures(operation, sense)?;
+        Some(unit.from_si(figures.in_reading(self.cell.reading, self.cell.quantity)))
+    }
+
+    /// Of the statistical reading: whether the samples confirm the first-order figures of a spot.
+    pub fn first_order_holds(&self, operation: usize) -> Option<bool> {
+        let name = &self.cell.operations[operation].sense.name;
+        Some(self.samples[operation].as_ref()?.confirms(self.figures(operation, name)?))
+    }
+
+    /// In mm, degrees or as a share.
+    pub fn objective(&self) -> Option<f64> {
+        self.evaluation.objective.map(|o| self.cell.unit().from_si(o))
+    }
+
+    /// In mm; None if it is no length.
     pub fn objective_mm(&self) -> Option<f64> {
-        self.evaluation.objective.map(mm_from_m)
+        self.objective().filter(|_| self.cell.unit() == Unit::Length)
     }
 
     /// Why the layout is not feasible, in words; empty if it is.
@@ -49,8 +73,13 @@ impl<'a> Assessment<'a> {
             let name = &self.cell.operations[m.operation].name;
             let count = |status| m.count(status);
             let (out, limit, hit) = (count("out-of-reach"), count("joint-limit"), count("collision"));
+            let why = m.nodes.iter().find_map(|n| match n.status {
+                Status::Unjudged(why) => Some(format!("; {}", why.in_words())),
+                _ => None,
+            });
             format!(
-                "{name} has no usable node: {out} out of reach, {limit} beyond a joint limit, {hit} colliding"
+                "{name} has no usable node: {out} out of reach, {limit} beyond a joint limit, {hit} colliding{}",
+                why.unwrap_or_default()
             )
         });
         overlaps.chain(self.way_out()).chain(spotless).collect()
@@ -65,6 +94,20 @@ impl<'a> Assessment<'a> {
         });
         Some(format!("nearest without overlap: {}", moved.collect::<Vec<_>>().join("; ")))
     }
+}
+
+/// How many samples judge a spot.
+pub const SAMPLES: usize = 1 << 16;
+
+fn sampled(workcell: &Workcell, layout: &Layout, maps: &[OperationMap], k: usize) -> Option<MonteCarlo> {
+    if workcell.cell.reading != Reading::Statistical {
+        return None;
+    }
+    let posture = maps[k].best_node()?.posture.as_ref()?;
+    let (situation, frames) = workcell.posed(layout, maps, k, posture).ok()?;
+    let gauge = workcell.gauge(k);
+    let p95 = posture.figures[gauge.own()].p95;
+    Some(monte_carlo(gauge, &situation, &frames, SAMPLES, workcell.cell.search.seed, p95))
 }
 
 /// Layouts that answer the same question.
@@ -114,14 +157,25 @@ fn same_question(a: &Assessment<'_>, b: &Assessment<'_>) -> Result<(), String> {
     if names(a.cell) != names(b.cell) {
         return refuse(format!("their operations are {} and {}", names(a.cell), names(b.cell)));
     }
+    let read = |c: &Cell| {
+        let quantity = if c.reading == Reading::Statistical { c.quantity.name() } else { "" };
+        (c.reading.name(), quantity, c.registration.name())
+    };
+    if read(a.cell) != read(b.cell) {
+        let said = |c: &Cell| {
+            let (reading, quantity, registration) = read(c);
+            format!("{reading} {quantity}").trim().to_string() + &format!(", registration {registration}")
+        };
+        return refuse(format!("one is read {}, the other {}", said(a.cell), said(b.cell)));
+    }
     if a.cell.search.objective != b.cell.search.objective {
         return refuse("one adds the errors of its operations, the other takes the largest".into());
     }
-    let question = |o: &Operation| (o.sense, o.grid, o.weight.to_bits());
+    let question = |o: &Operation| (o.sense.clone(), o.grid, o.weight.to_bits(), o.limit.map(f64::to_bits));
     for (x, y) in a.cell.operations.iter().zip(&b.cell.operations) {
         if question(x) != question(y) {
             let said = |o: &Operation| {
-                format!("sense {}, grid {} by {}, weight {}", o.sense.name(), o.grid.0, o.grid.1, o.weight)
+                format!("sense {}, grid {} by {}, weight {}", o.sense.name, o.grid.0, o.grid.1, o.weight)
             };
             return refuse(format!("{} has {} in one, {} in the other", x.name, said(x), said(y)));
         }

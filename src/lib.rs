@@ -91,6 +91,7 @@ pub mod kinematic_error;
 pub mod layout;
 pub mod pose;
 pub mod reach;
+pub mod reading;
 pub mod report;
 pub mod robot;
 pub mod search;

@@ -24,6 +24,16 @@ pub fn deg_from_rad(rad: f64) -> f64 {
     rad.to_degrees()
 }
 
+/// Percent to a share of one.
+pub fn share_from_percent(percent: f64) -> f64 {
+    percent / 100.0
+}
+
+/// A share of one to percent.
+pub fn percent_from_share(share: f64) -> f64 {
+    share * 100.0
+}
+
 /// Rounds a value for print to `digits` decimals; never returns the negative zero.
 pub fn rounded(value: f64, digits: i32) -> f64 {
     let scale = 10f64.powi(digits);

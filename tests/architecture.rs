@@ -9,12 +9,13 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 /// The modules in the order in which data flows: each uses only those before it.
-const ORDER: [&str; 13] = [
+const ORDER: [&str; 14] = [
     "units",
     "pose",
     "cell",
     "robot",
     "kinematic_error",
+    "reading",
     "reach",
     "clearance",
     "error_map",

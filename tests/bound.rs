@@ -29,7 +29,7 @@ impl Errors {
         let mut least = f64::INFINITY;
         let down = self.arm.approach(-std::f64::consts::FRAC_PI_2);
         self.arm.visit(&target, &down, &mut self.arm.scratch(), |_, posture| {
-            let e = position_error(&self.chain, &self.errors, posture, Model::Nonlinear);
+            let e = position_error(&self.chain.frames(posture), &self.errors, Model::Nonlinear);
             least = least.min(1e3 * e.x.hypot(e.y));
         });
         least
@@ -62,7 +62,7 @@ impl Errors {
 fn the_bound_of_hitachi_cell() {
     let cell = shipped("hitachi_cell.toml");
     let chain = Chain::new(&cell.robot);
-    let errors = Perturbation::new(&chain, cell.signed_errors());
+    let errors = Perturbation::new(&chain, common::signed(&cell));
     let errors = Errors { arm: PlanarArm::new(&chain).unwrap(), chain, errors };
     // The TCP works 100 mm above the surfaces: the table from 300 to 900 mm, the conveyor at 600 mm.
     let bound = errors.least(400.0, 1000.0) + errors.least(700.0, 700.0);

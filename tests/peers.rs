@@ -10,7 +10,6 @@ use sweetspot::clearance::{Placed, Scene};
 use sweetspot::error_map::Outcome;
 use sweetspot::kinematic_error::{Perturbation, pose_error};
 use sweetspot::layout::{Workcell, evaluate};
-use sweetspot::pose::Pose;
 use sweetspot::robot::Chain;
 use sweetspot::units::mm_from_m;
 
@@ -21,13 +20,13 @@ fn joints(q: &[f64]) -> [f64; MAX_JOINTS] {
 /// Work A: errors of 100 configurations by the nonlinear and the linearized model.
 fn errors_agree(robot_cell: &Cell, name: &str) {
     let chain = Chain::new(&robot_cell.robot);
-    let errors = Perturbation::new(&chain, robot_cell.signed_errors());
+    let errors = Perturbation::new(&chain, common::signed(robot_cell));
     let n = chain.axes();
     let (q, reference) = (data(&format!("a_{name}_q.bin")), data(&format!("a_{name}_ref.bin")));
     let mut worst: f64 = 0.0;
     for (q, want) in q.chunks_exact(n).zip(reference.chunks_exact(18)) {
         let posture = chain.posture(&joints(q));
-        let nonlinear = pose_error(&chain, &errors, &posture, Model::Nonlinear);
+        let nonlinear = pose_error(&chain.frames(&posture), &errors, Model::Nonlinear);
         // Rows of the 3 x 4 difference; its last column is the position, the rest the rotation part.
         let position = Vector3::new(want[3], want[7], want[11]);
         worst = worst.max((nonlinear.position.map(mm_from_m) - position).abs().max());
@@ -36,7 +35,7 @@ fn errors_agree(robot_cell: &Cell, name: &str) {
         for (row, col) in (0..3).flat_map(|r| (0..3).map(move |c| (r, c))) {
             worst = worst.max((turned[(row, col)] - want[4 * row + col]).abs());
         }
-        let linear = pose_error(&chain, &errors, &posture, Model::Linear);
+        let linear = pose_error(&chain.frames(&posture), &errors, Model::Linear);
         let d = Vector3::new(want[12], want[13], want[14]);
         let delta = Vector3::new(want[15], want[16], want[17]);
         worst = worst.max((linear.position.map(mm_from_m) - d).abs().max());
@@ -78,9 +77,8 @@ fn work_c_collision_flags() {
         let flags = std::fs::read_to_string(root().join(format!("tests/data/c_hits_{set}.txt"))).unwrap();
         let mut count = 0;
         for (q, flag) in data(&format!("c_pw10_{set}.bin")).chunks_exact(4).zip(flags.lines()) {
-            let mut frames = [Pose::identity(); MAX_JOINTS + 1];
-            chain.frames(&chain.posture(&joints(q)), &mut frames);
-            assert_eq!(scene.hit(&placed, &frames).is_some(), flag == "1", "{set} {q:?}");
+            let frames = chain.frames(&chain.posture(&joints(q)));
+            assert_eq!(scene.hit(&placed, &frames.links).is_some(), flag == "1", "{set} {q:?}");
             count += 1;
         }
         assert_eq!(count, 2000);
@@ -105,9 +103,9 @@ fn work_d_layout_evaluations() {
             .iter()
             .zip(unreachable)
             .map(|(outcome, unreachable)| match outcome {
-                Outcome::Found(spot) => mm_from_m(spot.in_sense),
+                Outcome::Found(spot) => mm_from_m(spot.value),
                 Outcome::AllCollide { .. } => 50.0,
-                Outcome::Unreachable { .. } => unreachable,
+                Outcome::Unreachable { .. } | Outcome::Unjudged(_) => unreachable,
             })
             .sum();
         worst = worst.max((errors + overlaps - want).abs());

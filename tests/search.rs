@@ -59,7 +59,7 @@ fn lies_in_its_ranges(cell: &Cell, layout: &Layout) {
 /// Error at its spot of every operation, m; None if one has none.
 fn errors(evaluation: &Evaluation) -> Option<Vec<f64>> {
     let of = |o: &Outcome| match o {
-        Outcome::Found(spot) => Some(spot.in_sense),
+        Outcome::Found(spot) => Some(spot.value),
         _ => None,
     };
     evaluation.outcomes.iter().map(of).collect()
@@ -227,18 +227,18 @@ fn one_dimension_agrees_with_a_scan_of_every_position() {
                 size_mm = [100, 100, 1200] } }]\nplacement = { x_mm = 0, y_mm = 420, z_mm = 0 }\n";
     // Grid, sense, start of the range, what stands in the way, and how far off the scan (mm).
     let cases = [
-        ((10, 8), Sense::Z, 700, "", 1e-6),
+        ((10, 8), "z", 700, "", 1e-6),
         // The optimum lies at the edge of what is feasible.
-        ((1, 1), Sense::Xy, 650, "", 1e-6),
+        ((1, 1), "xy", 650, "", 1e-6),
         // Many equal teeth, each with its optimum at a joint limit: which is the least is decided by
         // rounding, and 1 um away the error is 1e-5 mm greater.
-        ((10, 8), Sense::Xy, 850, "", 1.1e-5),
-        ((10, 8), Sense::Xy, 900, post, 1.1e-5),
+        ((10, 8), "xy", 850, "", 1.1e-5),
+        ((10, 8), "xy", 900, post, 1.1e-5),
     ];
     for (grid, sense, low, more, tolerance) in cases {
         let y = format!("x_mm = 20, y_mm = {{ min = {low}, max = {} }}, z_mm = 650, yaw_deg = 3", low + 100);
         let mut cell = one_table(&y, more).cell;
-        (cell.operations[0].grid, cell.operations[0].sense) = (grid, sense);
+        (cell.operations[0].grid, cell.operations[0].sense) = (grid, Sense::plain(sense).unwrap());
         let workcell = Workcell::new(cell).unwrap();
         let at = |step: u32| {
             let mut layout = workcell.cell.start();

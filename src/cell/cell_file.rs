@@ -22,6 +22,11 @@ pub fn read(stem: &str, root: &Node, lib: &mut Library<'_>) -> Option<Cell> {
         let robot = read_robot(t, lib);
         let errors = read_error_choice(t, lib);
         let model = t.choice("model", &Model::ALL, Model::name, Some(Model::Nonlinear), lib);
+        let reading = t.choice("reading", &Reading::ALL, Reading::name, Some(Reading::Signed), lib);
+        let quantity = t.choice("quantity", &Quantity::ALL, Quantity::name, Some(Quantity::P95), lib);
+        let none = Some(Registration::None);
+        let registration = t.choice("registration", &Registration::ALL, Registration::name, none, lib);
+        let guard = t.number_or("guard_percent", 1.0, Must::BePositive, lib);
         let equipment = read_equipment(t, lib);
         let keep_out = read_named(t, "keep_out", lib, equipment_file::read_keep_out);
         let operations = operation_file::read_all(t, &equipment, lib);
@@ -36,9 +41,14 @@ pub fn read(stem: &str, root: &Node, lib: &mut Library<'_>) -> Option<Cell> {
             base,
             errors: errors?,
             model: model?,
+            reading: reading?,
+            quantity: quantity?,
+            registration: registration?,
+            guard: units::share_from_percent(guard?),
             equipment,
             keep_out,
             operations,
+            senses: Vec::new(),
             collision: collision?,
             clearance: units::m_from_mm(clearance?),
             floor: units::m_from_mm(floor?),

@@ -28,7 +28,8 @@ pub fn read(name: &str, node: &Node, role: Role, lib: &mut Library<'_>) -> Optio
         let footprint = solid::read_footprint(t, extent, needed, lib);
         let placement = read_placement(t, role, lib);
         let (footprint, placement) = (footprint?, placement?);
-        Some(Equipment { name: name.to_string(), role, surface, footprint, solids, placement })
+        let (name, errors) = (name.to_string(), None);
+        Some(Equipment { name, role, surface, footprint, solids, placement, errors })
     })
 }
 

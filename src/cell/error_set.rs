@@ -1,6 +1,7 @@
 //! Error sets of a robot: signed samples of its kinematic errors.
 
 use super::document::Library;
+use super::error_model::*;
 use super::reader::{Table, read_named};
 use super::robot_model::*;
 use super::tree::{Node, Value};
@@ -13,7 +14,7 @@ pub fn read_all(
     rows: Option<&[Node]>,
     joints: Option<&[Joint]>,
     lib: &mut Library<'_>,
-) -> Vec<SignedErrors> {
+) -> Vec<ErrorSet> {
     let help = "add [errors.NAME] with kind = \"signed\", dr_mm, dl_mm and dalpha_deg";
     let node = t.need("errors", help);
     let Some(rows) = rows else { return Vec::new() };
@@ -33,7 +34,7 @@ fn read(
     n: usize,
     joints: Option<&[Joint]>,
     lib: &mut Library<'_>,
-) -> Option<SignedErrors> {
+) -> Option<ErrorSet> {
     let lengths = |v: Vec<f64>| v.into_iter().map(units::m_from_mm).collect::<Vec<_>>();
     let angles = |v: Vec<f64>| v.into_iter().map(units::rad_from_deg).collect::<Vec<_>>();
     t.text("source", lib);
@@ -49,7 +50,9 @@ fn read(
     fits(t, "dq_mm", &dq_mm, joints, JointKind::Prismatic, lib);
     // One of the two is zero for every joint.
     let dq = angles(dq_deg).iter().zip(lengths(dq_mm)).map(|(a, b)| a + b).collect();
-    Some(SignedErrors { name: name.to_string(), dq, dr: dr?, dl: dl?, dalpha: dalpha? })
+    let (name, dbeta, frame) = (name.to_string(), vec![0.0; n], [0.0; PER_FRAME]);
+    let (dr, dl, dalpha) = (dr?, dl?, dalpha?);
+    Some(ErrorSet::Signed(SignedErrors { name, dq, dr, dl, dalpha, dbeta, base: frame, tool: frame }))
 }
 
 /// An error of a joint coordinate has the unit of that joint.

@@ -8,6 +8,7 @@
 mod cell_file;
 mod document;
 mod equipment_file;
+mod error_model;
 mod error_set;
 pub mod fault;
 mod from;
@@ -18,15 +19,18 @@ mod plausible;
 mod reader;
 mod robot_file;
 mod robot_model;
+mod sense;
 mod shape;
 mod solid;
 mod tree;
 mod value;
 
 pub use document::{ReadFile, Source};
+pub use error_model::*;
 pub use fault::{Fault, Severity, shown};
 pub use model::*;
 pub use robot_model::*;
+pub use sense::*;
 pub use shape::*;
 
 use document::Library;

@@ -1,6 +1,8 @@
 //! What exists in a workcell: plain data in SI units, valid by construction.
 
-use super::robot_model::{Robot, SignedErrors};
+use super::error_model::{ErrorSet, FrameErrors};
+use super::robot_model::Robot;
+use super::sense::{Sense, Unit};
 use super::shape::{Rectangle, Solid};
 use crate::pose::Pose;
 use nalgebra::Vector3;
@@ -65,6 +67,8 @@ pub struct Equipment {
     pub solids: Vec<Solid>,
     /// x, y, z, yaw.
     pub placement: [Coordinate; 4],
+    /// Of its placement or fixture.
+    pub errors: Option<FrameErrors>,
 }
 
 /// A box that no equipment may enter, in the world.
@@ -75,56 +79,96 @@ pub struct KeepOut {
     pub max: Vector3<f64>,
 }
 
-/// In which sense the error is measured: world axes of the position error.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Sense {
-    X,
-    Y,
-    Z,
-    Xy,
-    Xyz,
-}
-
-impl Sense {
-    pub const ALL: [Sense; 5] = [Sense::X, Sense::Y, Sense::Z, Sense::Xy, Sense::Xyz];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Sense::X => "x",
-            Sense::Y => "y",
-            Sense::Z => "z",
-            Sense::Xy => "xy",
-            Sense::Xyz => "xyz",
-        }
-    }
-
-    /// Size of the position error in this sense, same unit.
-    pub fn of(self, e: &Vector3<f64>) -> f64 {
-        match self {
-            Sense::X => e.x.abs(),
-            Sense::Y => e.y.abs(),
-            Sense::Z => e.z.abs(),
-            Sense::Xy => (e.x * e.x + e.y * e.y).sqrt(),
-            Sense::Xyz => e.norm(),
-        }
-    }
-}
-
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Model {
     /// Eqs. (4)-(6).
     Nonlinear,
     /// Eqs. (7)-(8).
     Linear,
+    /// Linear plus the quadratic form (section 2.3).
+    SecondOrder,
 }
 
 impl Model {
-    pub const ALL: [Model; 2] = [Model::Nonlinear, Model::Linear];
+    pub const ALL: [Model; 3] = [Model::Nonlinear, Model::Linear, Model::SecondOrder];
 
     pub fn name(self) -> &'static str {
         match self {
             Model::Nonlinear => "nonlinear",
             Model::Linear => "linear",
+            Model::SecondOrder => "second-order",
+        }
+    }
+}
+
+/// How the errors are read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Reading {
+    /// As one signed sample.
+    Signed,
+    /// As plus-or-minus: the largest error of any corner of the tolerance box.
+    WorstCase,
+    /// As random variables.
+    Statistical,
+}
+
+impl Reading {
+    pub const ALL: [Reading; 3] = [Reading::Signed, Reading::WorstCase, Reading::Statistical];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Reading::Signed => "signed",
+            Reading::WorstCase => "worst-case",
+            Reading::Statistical => "statistical",
+        }
+    }
+}
+
+/// What of a random error is made small.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quantity {
+    Rms,
+    Mean,
+    P95,
+    P99,
+    /// The share of failures, one less the yield: P(error > limit).
+    Yield,
+}
+
+impl Quantity {
+    pub const ALL: [Quantity; 5] =
+        [Quantity::Rms, Quantity::Mean, Quantity::P95, Quantity::P99, Quantity::Yield];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Quantity::Rms => "rms",
+            Quantity::Mean => "mean",
+            Quantity::P95 => "p95",
+            Quantity::P99 => "p99",
+            Quantity::Yield => "yield",
+        }
+    }
+}
+
+/// What has been measured with the robot itself, so that its errors cancel there.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Registration {
+    /// Nothing: the robot base stands where the drawing says.
+    None,
+    /// The base frame, fitted over the workspace.
+    BestFit,
+    /// The frame of each work surface, taught by touching three points.
+    Taught,
+}
+
+impl Registration {
+    pub const ALL: [Registration; 3] = [Registration::None, Registration::BestFit, Registration::Taught];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Registration::None => "none",
+            Registration::BestFit => "best-fit",
+            Registration::Taught => "taught",
         }
     }
 }
@@ -142,6 +186,14 @@ pub struct Operation {
     /// Tool bending angle: elevation of the tool axis above the horizontal, rad; -pi/2 points down.
     pub bend: f64,
     pub sense: Sense,
+    /// Largest error in the sense (m or rad) with which the operation succeeds.
+    pub limit: Option<f64>,
+    /// The operation before this one in which the part was picked: what counts is the error of the
+    /// placed part, in which common errors cancel.
+    pub relative_to: Option<usize>,
+    /// Points of the surface (its frame, m) at which a frame is taught; None: the reachable nodes
+    /// nearest to three corners of the grid.
+    pub teach: Option<[(f64, f64); 3]>,
     pub weight: f64,
 }
 
@@ -207,9 +259,17 @@ pub struct Cell {
     /// Index into [`Robot::errors`].
     pub errors: usize,
     pub model: Model,
+    pub reading: Reading,
+    /// What the statistical reading makes small.
+    pub quantity: Quantity,
+    pub registration: Registration,
+    /// A model is not trusted where it is off by more than this share of the resultant error.
+    pub guard: f64,
     pub equipment: Vec<Equipment>,
     pub keep_out: Vec<KeepOut>,
     pub operations: Vec<Operation>,
+    /// Those defined in the cell file.
+    pub senses: Vec<Sense>,
     /// Whether anything is checked for collision and overlap.
     pub collision: bool,
     /// Least distance between solids, m; at 0 touching counts as collision.
@@ -229,8 +289,21 @@ impl Cell {
         Layout { placements: self.equipment.iter().map(at).collect() }
     }
 
-    /// The chosen sample of the kinematic errors.
-    pub fn signed_errors(&self) -> &SignedErrors {
+    /// The chosen errors of the robot.
+    pub fn error_set(&self) -> &ErrorSet {
         &self.robot.errors[self.errors]
+    }
+
+    /// A sense by its word: a plain one, or one of the cell file.
+    pub fn sense(&self, word: &str) -> Option<Sense> {
+        Sense::plain(word).or_else(|| self.senses.iter().find(|s| s.name == word).cloned())
+    }
+
+    /// What the objective adds up.
+    pub fn unit(&self) -> Unit {
+        match (self.reading, self.quantity) {
+            (Reading::Statistical, Quantity::Yield) => Unit::Share,
+            _ => self.operations.first().map_or(Unit::Length, |o| o.sense.unit),
+        }
     }
 }

@@ -4,6 +4,7 @@ use super::document::Library;
 use super::fault::{did_you_mean, listed, shown};
 use super::model::*;
 use super::reader::{Table, read_named};
+use super::sense::Sense;
 use super::tree::{Entry, Node, Value};
 use super::value::{self, Must, plain};
 use crate::units;
@@ -46,7 +47,7 @@ fn read(name: &str, node: &Node, standing: &Standing<'_>, lib: &mut Library<'_>)
         let grid = read_grid(t, lib);
         let standoff = t.number_or("standoff_mm", 0.0, Must::NotBeNegative, lib);
         let bend = read_bend(t, lib);
-        let sense = t.choice("sense", &Sense::ALL, Sense::name, None, lib);
+        let sense = t.text("sense", lib).and_then(|word| Sense::plain(&word));
         let weight = t.number_or("weight", 1.0, Must::BePositive, lib);
         Some(Operation {
             name: name.to_string(),
@@ -55,6 +56,9 @@ fn read(name: &str, node: &Node, standing: &Standing<'_>, lib: &mut Library<'_>)
             standoff: units::m_from_mm(standoff?),
             bend: bend?,
             sense: sense?,
+            limit: None,
+            relative_to: None,
+            teach: None,
             weight: weight?,
         })
     })

@@ -1,5 +1,6 @@
 //! A robot: plain data in SI units, valid by construction.
 
+use super::error_model::ErrorSet;
 use super::shape::{Rectangle, Solid};
 use crate::pose::Pose;
 use nalgebra::Vector3;
@@ -40,21 +41,6 @@ pub struct LinkSolid {
     pub solid: Solid,
 }
 
-/// A signed sample of the kinematic errors, one value per joint (the reading of the paper's
-/// Tables 2 and 3). Not a tolerance: the signs are part of it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SignedErrors {
-    pub name: String,
-    /// Of the actuator coordinate, rad or m.
-    pub dq: Vec<f64>,
-    /// m
-    pub dr: Vec<f64>,
-    /// m
-    pub dl: Vec<f64>,
-    /// rad
-    pub dalpha: Vec<f64>,
-}
-
 #[derive(Debug, Clone, PartialEq)]
 pub struct Robot {
     pub name: String,
@@ -70,7 +56,7 @@ pub struct Robot {
     pub solids: Vec<LinkSolid>,
     /// Floor space of the base, in its frame.
     pub footprint: Rectangle,
-    pub errors: Vec<SignedErrors>,
+    pub errors: Vec<ErrorSet>,
 }
 
 impl Robot {

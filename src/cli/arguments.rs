@@ -1,6 +1,6 @@
 //! The command line.
 
-use crate::cell::{Model, Sense, Solver};
+use crate::cell::{Model, Quantity, Reading, Registration, Solver};
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
@@ -55,8 +55,18 @@ pub struct Overrides {
     /// Use this error model
     #[arg(long, value_parser = PossibleValuesParser::new(Model::ALL.map(Model::name)))]
     pub model: Option<String>,
-    /// Measure every operation in this sense
-    #[arg(long, value_parser = PossibleValuesParser::new(Sense::ALL.map(Sense::name)))]
+    /// Read the errors as one signed sample, as tolerances or as random variables
+    #[arg(long, value_parser = PossibleValuesParser::new(Reading::ALL.map(Reading::name)))]
+    pub reading: Option<String>,
+    /// What of a random error to make small (statistical reading)
+    #[arg(long, value_parser = PossibleValuesParser::new(Quantity::ALL.map(Quantity::name)))]
+    pub quantity: Option<String>,
+    /// What has been measured with the robot itself: nothing, its base frame, the surface frames
+    #[arg(long, value_parser = PossibleValuesParser::new(Registration::ALL.map(Registration::name)))]
+    pub registration: Option<String>,
+    /// Measure every operation in this sense: x, y, z, xy, xyz, rx, ry, rz, rotation, each with
+    /// @surface or @tool for other axes, or a sense of the cell file
+    #[arg(long, value_name = "SENSE")]
     pub sense: Option<String>,
 }
 

@@ -1,16 +1,15 @@
 //! One function per command: read, ask the library, print, suggest the next.
 
-use super::arguments::{CheckArguments, CompareArguments, MapArguments, Overrides, SearchArguments};
+use super::arguments::{CheckArguments, CompareArguments, MapArguments, SearchArguments};
 use super::output::path_word;
+use super::overrides::overridden;
 use super::results::{self, Written};
 use super::{Exit, files, output};
-use crate::cell::fault::did_you_mean;
-use crate::cell::{Cell, Coordinate, Fault, Loaded, Model, Sense, Solver, shown};
+use crate::cell::{Cell, Coordinate, Fault, Loaded, Solver, shown};
 use crate::compare::{Assessment, Comparison};
 use crate::layout::{Workcell, evaluate};
 use crate::report;
 use crate::search::{self, Ended, Progress, SearchRecord, Watch};
-use crate::units::mm_from_m;
 use serde_json::json;
 use std::path::Path;
 use std::sync::Arc;
@@ -159,11 +158,12 @@ fn run_search(workcell: &Workcell, threads: Option<u16>) -> Result<SearchRecord,
     let asked = stop.clone();
     // Without a handler Ctrl-C just ends the program, which leaves no half-written file either.
     let _ = ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed));
+    let unit = workcell.cell.unit();
     let bar = output::progress_bar(workcell.cell.search.budget);
     let progress = |p: Progress| {
         bar.set_position(p.evaluations);
         if let Some(best) = p.best {
-            bar.set_message(format!("{:.4} mm", mm_from_m(best)));
+            bar.set_message(format!("{:.4} {}", unit.from_si(best), unit.word()));
         }
     };
     let watch = Watch { progress: &progress, stop: &stop };
@@ -181,9 +181,12 @@ fn answer(cell: &Cell, record: &SearchRecord, comparison: &Comparison<'_>, secon
     let said = match (record.ended, record.found()) {
         (Ended::NothingToSearch, _) => "nothing to search: every placement is fixed".to_string(),
         (_, false) => "no feasible layout found; `best` is the nearest to one".to_string(),
-        (_, true) => match comparison.change_percent(1, Assessment::objective_mm) {
+        (_, true) => match comparison.change_percent(1, Assessment::objective) {
             Some(change) if change > -0.05 => "no better layout than the start was found".to_string(),
-            Some(change) => format!("the best layout has {:.1} % less error than the start", -change),
+            Some(change) => {
+                let word = report::text::value_word(cell);
+                format!("the best layout has {:.1} % less {word} than the start", -change)
+            }
             None => "the start layout is not feasible, the best one is".to_string(),
         },
     };
@@ -236,30 +239,6 @@ fn workcell(cell: Cell, file: &Path) -> Result<Workcell, Exit> {
         output::talk(&format!("  help: {UNSOLVED}"));
         Exit::BadInput
     })
-}
-
-/// The cell as asked for on the command line.
-fn overridden(mut loaded: Loaded, asked: &Overrides) -> Result<Loaded, Exit> {
-    let cell = &mut loaded.cell;
-    if let Some(name) = &asked.errors {
-        let names = || cell.robot.errors.iter().map(|e| e.name.as_str());
-        let Some(found) = names().position(|n| n == name) else {
-            let near = did_you_mean(name, names()).map(|n| format!("did you mean {n}? "));
-            let known = names().collect::<Vec<_>>().join(", ");
-            let near = near.unwrap_or_default();
-            output::error(&format!("the robot has no error set `{}`; {near}it has: {known}", shown(name)));
-            return Err(Exit::BadInput);
-        };
-        cell.errors = found;
-    }
-    // clap has checked these two against the same lists.
-    let model = asked.model.as_ref().and_then(|n| Model::ALL.into_iter().find(|m| m.name() == n));
-    cell.model = model.unwrap_or(cell.model);
-    let sense = asked.sense.as_ref().and_then(|n| Sense::ALL.into_iter().find(|s| s.name() == n));
-    if let Some(sense) = sense {
-        cell.operations.iter_mut().for_each(|o| o.sense = sense);
-    }
-    Ok(loaded)
 }
 
 fn is_free(coordinate: &Coordinate) -> bool {

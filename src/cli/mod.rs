@@ -5,6 +5,7 @@ mod arguments;
 mod commands;
 mod files;
 mod output;
+mod overrides;
 mod results;
 
 use arguments::{Arguments, Command};

@@ -38,6 +38,18 @@ impl Grid {
         (k % self.xs.len(), k / self.xs.len())
     }
 
+    /// The TCP target over a point of the surface (frame of the equipment, m).
+    pub fn point(&self, at: &Placement, (x, y): (f64, f64)) -> Vector3<f64> {
+        let (sin, cos) = at.yaw.sin_cos();
+        Vector3::new(at.x + cos * x - sin * y, at.y + sin * x + cos * y, at.z + self.standoff)
+    }
+
+    /// The TCP target of one node.
+    pub fn target(&self, at: &Placement, node: usize) -> Vector3<f64> {
+        let (i, j) = self.index(node);
+        self.point(at, (self.xs[i], self.ys[j]))
+    }
+
     /// Calls `each` with the number and the TCP target of every node, for a surface placed at `at`
     /// in the frame wanted.
     #[inline]

@@ -1,31 +1,21 @@
 //! From a placed surface to its least-error spot, or to its whole map.
 
-use super::grid::Grid;
 use super::node::{NodeRecord, OperationMap, PostureRecord, Status};
-use crate::cell::{Cell, Layout, MAX_JOINTS, Model, Placement, Sense};
-use crate::clearance::{Hit, Placed, Scene};
-use crate::kinematic_error::{Perturbation, pose_error, position_error};
-use crate::pose::Pose;
-use crate::reach::{Approach, Branch, Gap, PlanarArm, Reach};
-use crate::robot::{Chain, Posture};
+use super::station::{Arm, Station, Unjudged};
+use crate::cell::{Cell, JointVector, Layout, Placement};
+use crate::clearance::{Placed, Scene};
+use crate::kinematic_error::deviation;
+use crate::pose::Displacement;
+use crate::reach::{Branch, Gap, PlanarArm, Reach};
+use crate::reading::{Gauge, Memory, Reference, Situation};
+use crate::robot::{Chain, Frames};
 use nalgebra::Vector3;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-/// One operation made ready.
-struct Station {
-    equipment: usize,
-    grid: Grid,
-    approach: Approach,
-    sense: Sense,
-}
-
 /// Robot, errors and operations of a cell, made ready for the node loop.
 pub struct Mapper {
-    chain: Chain,
-    errors: Perturbation,
-    arm: PlanarArm,
-    model: Model,
+    arm: Arm,
     base: Placement,
     stations: Vec<Station>,
 }
@@ -36,8 +26,9 @@ pub struct Spot {
     /// Number of the node.
     pub node: usize,
     pub branch: u8,
-    /// Error in the sense of the operation, m.
-    pub in_sense: f64,
+    /// What the reading makes small: the error in the sense of the operation (m or rad) or one of
+    /// its statistics, or a share of failures.
+    pub value: f64,
 }
 
 /// What one operation gets from one layout.
@@ -52,6 +43,8 @@ pub enum Outcome {
     Unreachable {
         gap: Gap,
     },
+    /// Nodes can be reached, but their errors depend on something that is missing.
+    Unjudged(Unjudged),
 }
 
 /// A posture that might be the spot, ordered by error, then node, then branch (reversed: the heap
@@ -76,7 +69,7 @@ impl PartialOrd for Candidate {
 impl Ord for Candidate {
     fn cmp(&self, other: &Self) -> Ordering {
         let key = |c: &Self| (c.spot.node, c.spot.branch);
-        other.spot.in_sense.total_cmp(&self.spot.in_sense).then_with(|| key(other).cmp(&key(self)))
+        other.spot.value.total_cmp(&self.spot.value).then_with(|| key(other).cmp(&key(self)))
     }
 }
 
@@ -84,6 +77,9 @@ impl Ord for Candidate {
 #[derive(Default)]
 pub struct Scratch {
     candidates: Vec<Candidate>,
+    frames: Frames,
+    /// One per operation.
+    memories: Vec<Memory>,
 }
 
 impl Mapper {
@@ -91,52 +87,118 @@ impl Mapper {
     /// Why the robot has no inverse kinematics here.
     pub fn new(cell: &Cell) -> Result<Self, String> {
         let chain = Chain::new(&cell.robot);
-        let arm = PlanarArm::new(&chain)?;
-        let errors = Perturbation::new(&chain, cell.signed_errors());
-        let station = |o: &crate::cell::Operation| {
-            let surface = cell.equipment[o.equipment].surface?;
-            let (grid, approach) = (Grid::new(&surface, o), arm.approach(o.bend));
-            Some(Station { equipment: o.equipment, grid, approach, sense: o.sense })
-        };
-        let stations = cell.operations.iter().filter_map(station).collect();
-        Ok(Self { chain, errors, arm, model: cell.model, base: cell.base, stations })
+        let inverse = PlanarArm::new(&chain)?;
+        let arm = Arm { chain, inverse };
+        let stations = cell.operations.iter().filter_map(|o| Station::new(cell, o, &arm)).collect();
+        Ok(Self { arm, base: cell.base, stations })
     }
 
-    /// The least-error spot of an operation that touches nothing. Cheap tests first: geometry,
-    /// limits, error; collision only for candidates that can still win.
+    /// How an operation judges postures.
+    pub fn gauge(&self, operation: usize) -> &Gauge {
+        &self.stations[operation].gauge
+    }
+
+    /// The frames at joint coordinates.
+    pub fn frames(&self, joints: &JointVector) -> Frames {
+        self.arm.chain.frames(&self.arm.chain.posture(joints))
+    }
+
+    /// What an operation depends on besides its own posture; `spots` are those of the operations
+    /// before it.
+    ///
+    /// # Errors
+    /// What is missing.
+    pub fn situation(
+        &self,
+        operation: usize,
+        layout: &Layout,
+        scene: &Scene,
+        placed: &Placed,
+        spots: &[Option<Spot>],
+    ) -> Result<Situation, Unjudged> {
+        let station = &self.stations[operation];
+        let at = |s: &Station| self.in_base(&layout.placements[s.equipment]);
+        let site = station.site(&station.gauge, &at(station), &self.arm, scene, placed)?;
+        let Some(other) = station.relative_to else { return Ok(Situation { site, reference: None }) };
+        let spot = spots.get(other).copied().flatten().ok_or(Unjudged::NoPick)?;
+        let pick = &self.stations[other];
+        let target = pick.grid.target(&at(pick), spot.node);
+        let frames = self.arm.frames(&target, &pick.approach, spot.branch).ok_or(Unjudged::NoPick)?;
+        let site_of_pick = pick.site(&station.gauge, &at(pick), &self.arm, scene, placed)?;
+        let reference = Reference::new(&station.gauge, site_of_pick, frames);
+        Ok(Situation { site, reference: Some(Box::new(reference)) })
+    }
+
+    /// The least-error spot of an operation that touches nothing; `spots` are those of the
+    /// operations before it. Cheap tests first: geometry, limits, error; collision only for
+    /// candidates that can still win.
     pub fn least_error(
         &self,
         operation: usize,
         layout: &Layout,
         scene: &Scene,
         placed: &mut Placed,
+        spots: &[Option<Spot>],
         scratch: &mut Scratch,
     ) -> Outcome {
+        let situation = self.situation(operation, layout, scene, placed, spots);
         let station = &self.stations[operation];
         let at = self.in_base(&layout.placements[station.equipment]);
-        let mut posture = self.arm.scratch();
+        for missing in scratch.memories.len()..=operation {
+            scratch.memories.push(self.stations[missing].gauge.memory());
+        }
+        let Scratch { candidates, frames, memories } = scratch;
+        let memory = &mut memories[operation];
+        let mut posture = self.arm.inverse.scratch();
         let mut gap = Gap { reach: f64::INFINITY, limits: f64::INFINITY };
-        let candidates = &mut scratch.candidates;
         candidates.clear();
+        let mut reached = false;
         station.grid.targets(&at, |node, target| {
-            let missed = self.arm.visit(&target, &station.approach, &mut posture, |branch, posture| {
-                let e = self.world(position_error(&self.chain, &self.errors, posture, self.model));
-                let spot = Spot { node, branch, in_sense: station.sense.of(&e) };
-                candidates.push(Candidate { spot, target });
-            });
+            let missed =
+                self.arm.inverse.visit(&target, &station.approach, &mut posture, |branch, posture| {
+                    reached = true;
+                    if let Ok(situation) = &situation {
+                        self.arm.chain.place(posture, frames);
+                        let value = station.gauge.value(situation, frames, memory);
+                        candidates.push(Candidate { spot: Spot { node, branch, value }, target });
+                    }
+                });
             if (missed.reach, missed.limits) < (gap.reach, gap.limits) {
                 gap = missed;
             }
         });
-        if candidates.is_empty() {
-            return Outcome::Unreachable { gap };
+        match situation {
+            _ if !reached => Outcome::Unreachable { gap },
+            Err(why) => Outcome::Unjudged(why),
+            Ok(_) => self.first_free(station, scene, placed, candidates, frames),
         }
+    }
+
+    /// The least-error candidate that touches nothing. Its target is solved again for its one
+    /// posture: dearer than keeping it, but few candidates ever come here and all of them would have
+    /// to be stored.
+    fn first_free(
+        &self,
+        station: &Station,
+        scene: &Scene,
+        placed: &mut Placed,
+        candidates: &mut Vec<Candidate>,
+        frames: &mut Frames,
+    ) -> Outcome {
         let mut heap = BinaryHeap::from(std::mem::take(candidates));
         let nearest = heap.peek().map(|c| c.spot);
         let mut found = None;
-        while let Some(candidate) = heap.pop() {
-            if self.is_free(&candidate, &station.approach, scene, placed) {
-                found = Some(candidate.spot);
+        let inverse = &self.arm.inverse;
+        while let Some(Candidate { spot, target }) = heap.pop() {
+            let mut free = false;
+            inverse.visit(&target, &station.approach, &mut inverse.scratch(), |branch, posture| {
+                if branch == spot.branch {
+                    self.arm.chain.place(posture, frames);
+                    free = scene.is_free(placed, &frames.links);
+                }
+            });
+            if free {
+                found = Some(spot);
                 break;
             }
         }
@@ -144,100 +206,103 @@ impl Mapper {
         match (found, nearest) {
             (Some(spot), _) => Outcome::Found(spot),
             (None, Some(nearest)) => Outcome::AllCollide { nearest },
-            (None, None) => Outcome::Unreachable { gap },
+            (None, None) => Outcome::Unreachable { gap: Gap { reach: 0.0, limits: 0.0 } },
         }
     }
 
-    /// Solves the candidate's target again for its one posture: dearer than keeping it, but few
-    /// candidates ever come here and all of them would have to be stored.
-    fn is_free(
+    /// The whole map of an operation; `spots` are those of the operations before it.
+    pub fn map(
         &self,
-        candidate: &Candidate,
-        approach: &Approach,
+        operation: usize,
+        layout: &Layout,
         scene: &Scene,
-        placed: &mut Placed,
-    ) -> bool {
-        let mut free = false;
-        self.arm.visit(&candidate.target, approach, &mut self.arm.scratch(), |branch, posture| {
-            if branch == candidate.spot.branch {
-                let mut frames = [Pose::identity(); MAX_JOINTS + 1];
-                self.chain.frames(posture, &mut frames);
-                free = scene.is_free(placed, &frames);
-            }
-        });
-        free
-    }
-
-    fn hit(&self, posture: &Posture, scene: &Scene, placed: &Placed) -> Option<Hit> {
-        let mut frames = [Pose::identity(); MAX_JOINTS + 1];
-        self.chain.frames(posture, &mut frames);
-        scene.hit(placed, &frames)
-    }
-
-    /// The whole map of an operation.
-    pub fn map(&self, operation: usize, layout: &Layout, scene: &Scene, placed: &Placed) -> OperationMap {
+        placed: &Placed,
+        spots: &[Option<Spot>],
+    ) -> OperationMap {
         let station = &self.stations[operation];
+        let situation = self.situation(operation, layout, scene, placed, spots);
         let at = self.in_base(&layout.placements[station.equipment]);
+        let mut memory = station.gauge.memory();
         let mut nodes = Vec::with_capacity(station.grid.count());
         station.grid.targets(&at, |k, target| {
             let (i, j) = station.grid.index(k);
             let position = self.base.pose().transform(&target);
-            let (status, posture) = self.judge(&target, station, scene, placed);
+            let (status, posture) = self.judge(&target, station, &situation, scene, placed, &mut memory);
             nodes.push(NodeRecord { i, j, position, status, posture });
         });
-        let usable =
-            |n: &NodeRecord| n.posture.as_ref().filter(|_| n.status == Status::Ok).map(|p| p.in_sense);
+        let usable = |n: &NodeRecord| n.posture.as_ref().filter(|_| n.status == Status::Ok).map(|p| p.value);
         let errors = nodes.iter().enumerate().filter_map(|(k, n)| Some((k, usable(n)?)));
         let best = errors.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(k, _)| k);
-        OperationMap { operation, nodes, best }
+        OperationMap { operation, senses: station.gauge.reported.clone(), nodes, best }
     }
 
     fn judge(
         &self,
         target: &Vector3<f64>,
         station: &Station,
+        situation: &Result<Situation, Unjudged>,
         scene: &Scene,
         placed: &Placed,
+        memory: &mut Memory,
     ) -> (Status, Option<PostureRecord>) {
-        let branches = match self.arm.branches(target, &station.approach) {
+        let branches = match self.arm.inverse.branches(target, &station.approach) {
             Reach::OutOfReach { by } => return (Status::OutOfReach { by }, None),
             Reach::Branches(branches) => branches,
         };
-        let mut within: Vec<_> = branches
-            .iter()
-            .filter(|b| b.violation.is_none())
-            .map(|b| self.record(b, station.sense))
+        let allowed = branches.iter().filter(|b| b.violation.is_none());
+        let situation = match situation {
+            Ok(situation) => situation,
+            Err(why) if allowed.clone().next().is_some() => return (Status::Unjudged(*why), None),
+            Err(_) => return (least_violation(&branches), None),
+        };
+        let mut within: Vec<(f64, Frames, &Branch)> = allowed
+            .map(|branch| {
+                let frames = self.arm.chain.frames(&branch.posture);
+                (station.gauge.value(situation, &frames, memory), frames, branch)
+            })
             .collect();
-        within.sort_by(|a, b| a.0.in_sense.total_cmp(&b.0.in_sense).then(a.0.branch.cmp(&b.0.branch)));
+        within.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.2.index.cmp(&b.2.index)));
         let mut first_hit = None;
-        for (record, posture) in &within {
-            match self.hit(posture, scene, placed) {
-                None => return (Status::Ok, Some(record.clone())),
+        for (_, frames, branch) in &within {
+            match scene.hit(placed, &frames.links) {
+                None => return (Status::Ok, Some(self.record(station, situation, frames, branch, memory))),
                 Some(hit) => first_hit = first_hit.or(Some(hit)),
             }
         }
-        match (first_hit, within.into_iter().next()) {
-            (Some(hit), Some((record, _))) => (Status::Collision { hit }, Some(record)),
+        match (first_hit, within.first()) {
+            (Some(hit), Some((_, frames, branch))) => {
+                (Status::Collision { hit }, Some(self.record(station, situation, frames, branch, memory)))
+            }
             _ => (least_violation(&branches), None),
         }
     }
 
-    fn record(&self, branch: &Branch, sense: Sense) -> (PostureRecord, Posture) {
-        let of = |model| {
-            let e = pose_error(&self.chain, &self.errors, &branch.posture, model);
-            (self.world(e.position), self.world(e.rotation))
-        };
-        let (nonlinear, nonlinear_rotation) = of(Model::Nonlinear);
-        let (linear, linear_rotation) = of(Model::Linear);
-        let (error, rotation) = match self.model {
-            Model::Nonlinear => (nonlinear, nonlinear_rotation),
-            Model::Linear => (linear, linear_rotation),
-        };
-        let (branch, joints, posture) = (branch.index, branch.joints, branch.posture);
-        (
-            PostureRecord { branch, joints, error, rotation, nonlinear, linear, in_sense: sense.of(&error) },
-            posture,
-        )
+    fn record(
+        &self,
+        station: &Station,
+        situation: &Situation,
+        frames: &Frames,
+        branch: &Branch,
+        memory: &mut Memory,
+    ) -> PostureRecord {
+        let judged = station.gauge.judge(situation, frames, memory);
+        let to_world = station.gauge.world.transpose();
+        let world = |d: &Displacement| d.turned(&to_world);
+        let off = |model: &Displacement| deviation(&judged.nonlinear.position, &model.position);
+        let error = world(&judged.error);
+        PostureRecord {
+            branch: branch.index,
+            joints: branch.joints,
+            error: error.position,
+            rotation: error.rotation,
+            nonlinear: world(&judged.nonlinear).position,
+            linear: world(&judged.linear).position,
+            linear_off: off(&judged.linear),
+            second_order_off: off(&judged.second_order),
+            value: judged.value,
+            figures: judged.figures,
+            success: judged.success,
+        }
     }
 
     /// A placement in the frame of the robot base.
@@ -250,15 +315,6 @@ impl Mapper {
             z: at.z - self.base.z,
             yaw: at.yaw - self.base.yaw,
         }
-    }
-
-    /// A vector of the base frame in the world.
-    fn world(&self, v: Vector3<f64>) -> Vector3<f64> {
-        if self.base.yaw == 0.0 {
-            return v;
-        }
-        let (s, c) = self.base.yaw.sin_cos();
-        Vector3::new(c * v.x - s * v.y, s * v.x + c * v.y, v.z)
     }
 }
 

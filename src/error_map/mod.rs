@@ -8,6 +8,8 @@
 mod grid;
 mod mapper;
 mod node;
+mod station;
 
 pub use mapper::{Mapper, Outcome, Scratch, Spot};
 pub use node::{NodeRecord, OperationMap, PostureRecord, Status};
+pub use station::Unjudged;

@@ -1,8 +1,11 @@
 //! What the map says of a node.
 
-use crate::cell::{Cell, JointVector, shown};
+use super::mapper::Spot;
+use super::station::Unjudged;
+use crate::cell::{Cell, JointVector, Model, Sense, shown};
 use crate::clearance::{Hit, Overlap};
 use crate::reach::LimitViolation;
+use crate::reading::Figures;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use nalgebra::Vector3;
 
@@ -25,6 +28,8 @@ pub enum Status {
     },
     /// The equipment that carries the node stands where it cannot.
     Overlap(Overlap),
+    /// It can be reached, but its error depends on something that is missing.
+    Unjudged(Unjudged),
 }
 
 impl Status {
@@ -34,6 +39,7 @@ impl Status {
             Status::OutOfReach { .. } => "out-of-reach",
             Status::JointLimit { .. } => "joint-limit",
             Status::Collision { .. } | Status::Overlap(_) => "collision",
+            Status::Unjudged(_) => "unjudged",
         }
     }
 
@@ -53,6 +59,7 @@ impl Status {
                 )
             }
             Status::Overlap(overlap) => overlap.in_words(cell),
+            Status::Unjudged(why) => why.in_words().into(),
             Status::Collision { hit } => {
                 let robot = &cell.robot.solids[hit.solid].solid.name;
                 match hit.other {
@@ -79,7 +86,8 @@ pub struct NodeRecord {
     pub posture: Option<PostureRecord>,
 }
 
-/// The branch reported for a node, errors in the world frame (m, rad).
+/// The branch reported for a node, errors in the world frame (m, rad): those of the signed sample,
+/// or, of a tolerance, those of the corner that is worst in the sense of the operation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PostureRecord {
     pub branch: u8,
@@ -89,8 +97,26 @@ pub struct PostureRecord {
     pub rotation: Vector3<f64>,
     pub nonlinear: Vector3<f64>,
     pub linear: Vector3<f64>,
-    /// `error` in the sense of the operation, m.
-    pub in_sense: f64,
+    /// How far these models are from the nonlinear one, as a share of its resultant.
+    pub linear_off: f64,
+    pub second_order_off: f64,
+    /// What the reading makes small: m, rad or a share of failures.
+    pub value: f64,
+    /// One per sense of [`OperationMap::senses`].
+    pub figures: Vec<Figures>,
+    /// P(|error| <= limit), of an operation with a limit.
+    pub success: Option<f64>,
+}
+
+impl PostureRecord {
+    /// How far a model is from the nonlinear one.
+    pub fn off(&self, model: Model) -> f64 {
+        match model {
+            Model::Nonlinear => 0.0,
+            Model::Linear => self.linear_off,
+            Model::SecondOrder => self.second_order_off,
+        }
+    }
 }
 
 /// The map of one operation.
@@ -98,21 +124,45 @@ pub struct PostureRecord {
 pub struct OperationMap {
     /// Index into [`Cell::operations`].
     pub operation: usize,
+    /// The senses in which every node is reported: the paper's, and the operation's own.
+    pub senses: Vec<Sense>,
     pub nodes: Vec<NodeRecord>,
-    /// Index of the usable node with the least error in the sense.
+    /// Index of the usable node with the least value.
     pub best: Option<usize>,
 }
 
 impl OperationMap {
     /// Marks what could be used as blocked: the surface itself stands where it cannot.
     pub fn block(&mut self, overlap: Overlap) {
-        let blocked = |n: &&mut NodeRecord| matches!(n.status, Status::Ok | Status::Collision { .. });
+        let blocked = |n: &&mut NodeRecord| {
+            matches!(n.status, Status::Ok | Status::Collision { .. } | Status::Unjudged(_))
+        };
         self.nodes.iter_mut().filter(blocked).for_each(|n| n.status = Status::Overlap(overlap));
         self.best = None;
     }
 
     pub fn best_node(&self) -> Option<&NodeRecord> {
         self.best.map(|k| &self.nodes[k])
+    }
+
+    /// The spot of the operation.
+    pub fn spot(&self) -> Option<Spot> {
+        let posture = self.best_node()?.posture.as_ref()?;
+        Some(Spot { node: self.best?, branch: posture.branch, value: posture.value })
+    }
+
+    /// Place of a sense among the reported ones, by its name.
+    pub fn sense(&self, name: &str) -> Option<usize> {
+        self.senses.iter().position(|s| s.name == name)
+    }
+
+    /// How far a model is from the nonlinear one over the usable nodes: the most (a share of the
+    /// resultant), at how many nodes it is more than `guard`, and of how many.
+    pub fn off(&self, model: Model, guard: f64) -> (f64, usize, usize) {
+        let usable = self.nodes.iter().filter(|n| n.status == Status::Ok).filter_map(|n| n.posture.as_ref());
+        usable.map(|p| p.off(model)).fold((0.0, 0, 0), |(most, above, all), off| {
+            (f64::max(most, off), above + usize::from(off > guard), all + 1)
+        })
     }
 
     /// How many nodes have this status, by its name.

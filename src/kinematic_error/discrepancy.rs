@@ -23,6 +23,13 @@ pub fn discrepancy(nonlinear: &Vector3<f64>, linear: &Vector3<f64>) -> Discrepan
     }
 }
 
+/// How far a model is from the nonlinear one, as a share of the nonlinear resultant: vector against
+/// vector, so that nothing hides in a size that happens to agree. 0 if both vanish.
+pub fn deviation(nonlinear: &Vector3<f64>, model: &Vector3<f64>) -> f64 {
+    let (off, size) = ((model - nonlinear).norm(), nonlinear.norm());
+    if off == 0.0 { 0.0 } else { off / size.max(f64::MIN_POSITIVE) }
+}
+
 fn percent(nonlinear: f64, linear: f64) -> Option<f64> {
     let ratio = (nonlinear - linear).abs() / nonlinear.abs() * 100.0;
     ratio.is_finite().then_some(ratio)

@@ -1,47 +1,55 @@
-//! Section 2 of the seed paper: from errors of the links to the error of the end effector.
+//! Section 2 of the seed paper: from errors of the parameters to the error of the end effector.
 //!
-//! Every model is a walk along one representation of the chain, [`Perturbation`], from the TCP back
-//! to the base. With `v` the TCP in the frame of link i, `w = Rx(alpha) v + (l, 0, r)` and
-//! `A v = Rz(theta) w`, the walk carries the nominal vector and its error `e`:
+//! Every model reads one representation of the chain, its [`Frames`] at a posture. An error of a
+//! parameter is a small motion about or along an axis of one of them: dtheta about and dr along the
+//! z axis before the link, dl along and dalpha about the x axis after it, dbeta about its y axis
+//! (Hayati's fifth parameter), and the six components of the base and of the tool frame. With `S_k`
+//! the twist of the k-th motion in the base frame and `a_k` its size, base first,
 //!
-//! - nonlinear, eqs. (4)-(6): `A' v' - A v = Rz (w' - w) + (Rz' - Rz) w'`, exact, every difference
-//!   formed from the small quantities themselves, so that errors of 1 nm keep their digits;
-//! - linearized, eqs. (7)-(8): the same walk with products of errors left out.
+//! ```text
+//! T' T^-1 = exp(S_1 a_1) exp(S_2 a_2) ... exp(S_K a_K)
+//! ```
 //!
-//! Errors are given in the world frame of the robot base: position in m, rotation as a rotation
-//! vector in rad.
+//! holds exactly, and all models follow from it, for the TCP at p:
+//!
+//! - nonlinear, eqs. (4)-(6): the product itself, from the tool back to the base, as a sum of
+//!   displacements, so that errors of 1 nm keep their digits;
+//! - linear, eqs. (7)-(8): `e = sum_k a_k g_k` with `g_k = S_k p`, that is `w_k x (p - o_k)` of a
+//!   turn and `w_k` of a slide;
+//! - second-order (section 2.3): the linear one and `sum_(j<k) a_j a_k w_j x g_k + 1/2 sum_k a_k^2
+//!   w_k x g_k` over the turns j, which is the exact quadratic form: motions nearer to the base act
+//!   on what the later ones have done.
+//!
+//! Errors are given in the base frame: position in m, rotation as a rotation vector in rad.
 
 mod discrepancy;
-mod linearized;
+mod expansion;
 mod nonlinear;
 mod perturbation;
 
-pub use discrepancy::{Discrepancy, discrepancy};
-pub use perturbation::{LinkError, Perturbation};
+pub use discrepancy::{Discrepancy, deviation, discrepancy};
+pub use expansion::{Expansion, Term};
+pub use perturbation::{FrameError, LinkError, Perturbation, Turn};
 
 use crate::cell::Model;
-use crate::robot::{Chain, Posture};
+use crate::pose::Displacement;
+use crate::robot::Frames;
 use nalgebra::Vector3;
 
-/// Error of the TCP: `position` (m) and `rotation` (rotation vector, rad), in the base frame.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PoseError {
-    pub position: Vector3<f64>,
-    pub rotation: Vector3<f64>,
-}
-
-/// The position error alone, m: what the search asks for at every node.
-pub fn position_error(chain: &Chain, errors: &Perturbation, posture: &Posture, model: Model) -> Vector3<f64> {
+/// The position error of the TCP alone, m, base frame: what a search asks for at every node.
+pub fn position_error(frames: &Frames, errors: &Perturbation, model: Model) -> Vector3<f64> {
     match model {
-        Model::Nonlinear => nonlinear::position_error(chain, errors, posture),
-        Model::Linear => linearized::pose_error(chain, errors, posture).position,
+        Model::Nonlinear => nonlinear::position_error(frames, errors),
+        Model::Linear => expansion::linear(frames, errors).position,
+        Model::SecondOrder => expansion::second_order(frames, errors).position,
     }
 }
 
-/// Position and rotation error.
-pub fn pose_error(chain: &Chain, errors: &Perturbation, posture: &Posture, model: Model) -> PoseError {
+/// Position and rotation error of the TCP, base frame.
+pub fn pose_error(frames: &Frames, errors: &Perturbation, model: Model) -> Displacement {
     match model {
-        Model::Nonlinear => nonlinear::pose_error(chain, errors, posture),
-        Model::Linear => linearized::pose_error(chain, errors, posture),
+        Model::Nonlinear => nonlinear::pose_error(frames, errors),
+        Model::Linear => expansion::linear(frames, errors),
+        Model::SecondOrder => expansion::second_order(frames, errors),
     }
 }

@@ -1,93 +1,86 @@
-//! The nonlinear model, eqs. (4)-(6): `dT = prod(A_i + dA_i) - T`, as a telescoping sum.
+//! The nonlinear model, eqs. (4)-(6): `dT = prod(A_i + dA_i) - T`, one small motion after another.
 
-use super::{LinkError, Perturbation, PoseError};
-use crate::robot::{Chain, Link, Posture};
-use nalgebra::Vector3;
+use super::{FrameError, Perturbation, Turn};
+use crate::pose::{Displacement, Pose, SmallRotation};
+use crate::robot::Frames;
+use nalgebra::{Matrix3, Vector3};
 
-/// Position error, m, base frame. About 50 multiplications a link; no allocation.
+/// A motion of everything behind it.
+enum Motion<'a> {
+    Slide(Vector3<f64>),
+    Turn { axis: Vector3<f64>, through: &'a Vector3<f64>, by: &'a Turn },
+}
+
+/// Position error of the TCP, m, base frame. No allocation.
 #[inline]
-pub fn position_error(chain: &Chain, errors: &Perturbation, posture: &Posture) -> Vector3<f64> {
-    let mut v = chain.tool.translation;
+pub fn position_error(frames: &Frames, errors: &Perturbation) -> Vector3<f64> {
+    let p = &frames.tcp.translation;
     let mut e = Vector3::zeros();
-    for (i, (link, error)) in chain.links.iter().zip(&errors.links).enumerate().rev() {
-        (v, e) = step_back(link, error, posture.cos[i], posture.sin[i], posture.r[i], v, e);
-    }
+    walk_back(frames, errors, |motion| e += moved(&motion, &(p + e)));
     e
 }
 
-/// From the frame after `A_i` to the frame before it: `v` becomes `A v`, `e` becomes `A' v' - A v`.
+/// Position and rotation error of the TCP, base frame.
+pub fn pose_error(frames: &Frames, errors: &Perturbation) -> Displacement {
+    let p = &frames.tcp.translation;
+    let (mut e, mut rotation) = (Vector3::zeros(), SmallRotation::none());
+    walk_back(frames, errors, |motion| {
+        e += moved(&motion, &(p + e));
+        if let Motion::Turn { axis, by, .. } = motion {
+            rotation = SmallRotation::about(&axis, by.angle).after(&rotation);
+        }
+    });
+    Displacement { position: e, rotation: rotation.vector() }
+}
+
+/// How far a motion moves a point: `(R - 1)(x - o)` of a turn (Rodrigues).
 #[inline]
-fn step_back(
-    link: &Link,
-    error: &LinkError,
-    c: f64,
-    s: f64,
-    r: f64,
-    v: Vector3<f64>,
-    e: Vector3<f64>,
-) -> (Vector3<f64>, Vector3<f64>) {
-    let (ca, sa) = (link.cos_alpha, link.sin_alpha);
-    let w = Vector3::new(v.x + link.l, ca * v.y - sa * v.z, sa * v.y + ca * v.z + r);
-    let moved = v + e;
-    let dw = Vector3::new(
-        e.x + error.dl,
-        ca * e.y - sa * e.z + error.dcos_alpha * moved.y - error.dsin_alpha * moved.z,
-        sa * e.y + ca * e.z + error.dsin_alpha * moved.y + error.dcos_alpha * moved.z + error.dr,
-    );
-    let dc = c * error.cos_dtheta_less_1 - s * error.sin_dtheta;
-    let ds = s * error.cos_dtheta_less_1 + c * error.sin_dtheta;
-    let (px, py) = (w.x + dw.x, w.y + dw.y);
-    let before = Vector3::new(c * w.x - s * w.y, s * w.x + c * w.y, w.z);
-    let e =
-        Vector3::new(c * dw.x - s * dw.y + dc * px - ds * py, s * dw.x + c * dw.y + ds * px + dc * py, dw.z);
-    (before, e)
-}
-
-/// Position and rotation error, base frame.
-pub fn pose_error(chain: &Chain, errors: &Perturbation, posture: &Posture) -> PoseError {
-    PoseError {
-        position: position_error(chain, errors, posture),
-        rotation: rotation_error(chain, errors, posture),
+fn moved(motion: &Motion<'_>, x: &Vector3<f64>) -> Vector3<f64> {
+    match motion {
+        Motion::Slide(by) => *by,
+        Motion::Turn { axis, through, by } => {
+            let w = x - *through;
+            axis.cross(&w) * by.sin + (axis * axis.dot(&w) - w) * by.versine
+        }
     }
 }
 
-/// The rotation `R' R^T` as a rotation vector. Its quaternion (w; v) is built link by link,
-/// `Q <- Rz(dtheta) (A Rx(dalpha) Q A^T)`, so that the small vector part is never the difference
-/// of large numbers.
-fn rotation_error(chain: &Chain, errors: &Perturbation, posture: &Posture) -> Vector3<f64> {
-    let (mut w, mut v) = (1.0, Vector3::zeros());
-    for (i, (link, error)) in chain.links.iter().zip(&errors.links).enumerate().rev() {
-        let (c, s) = (posture.cos[i], posture.sin[i]);
-        (w, v) =
-            product(half_turn(Vector3::x(), error.dalpha), (w, turned_x(v, link.cos_alpha, link.sin_alpha)));
-        (w, v) = product(half_turn(Vector3::z(), error.dtheta), (w, turned_z(v, c, s)));
+/// Visits what is wrong from the tool back to the base.
+#[inline]
+fn walk_back(frames: &Frames, errors: &Perturbation, mut visit: impl FnMut(Motion<'_>)) {
+    if let Some(tool) = &errors.tool {
+        frame_back(tool, &frames.tcp.rotation, &frames.tcp.translation, &mut visit);
     }
-    rotation_vector(w, v)
+    for (i, link) in errors.links().iter().enumerate().rev() {
+        let (before, after) = (&frames.links[i], &frames.links[i + 1]);
+        turn_back(after, 1, &link.dbeta, &mut visit);
+        turn_back(after, 0, &link.dalpha, &mut visit);
+        visit(Motion::Slide(after.rotation.column(0) * link.dl + before.rotation.column(2) * link.dr));
+        turn_back(before, 2, &link.dtheta, &mut visit);
+    }
+    if let Some(base) = &errors.base {
+        frame_back(base, &Matrix3::identity(), &Vector3::zeros(), &mut visit);
+    }
 }
 
-/// Quaternion of a turn by `angle` about a unit `axis`.
-fn half_turn(axis: Vector3<f64>, angle: f64) -> (f64, Vector3<f64>) {
-    let (s, c) = (angle / 2.0).sin_cos();
-    (c, axis * s)
+/// A turn about an axis of a frame.
+#[inline]
+fn turn_back(frame: &Pose, axis: usize, by: &Turn, visit: &mut impl FnMut(Motion<'_>)) {
+    if by.angle != 0.0 {
+        let axis = frame.rotation.column(axis).into_owned();
+        visit(Motion::Turn { axis, through: &frame.translation, by });
+    }
 }
 
-fn product((w1, v1): (f64, Vector3<f64>), (w2, v2): (f64, Vector3<f64>)) -> (f64, Vector3<f64>) {
-    (w1 * w2 - v1.dot(&v2), v2 * w1 + v1 * w2 + v1.cross(&v2))
-}
-
-pub(super) fn turned_x(v: Vector3<f64>, c: f64, s: f64) -> Vector3<f64> {
-    Vector3::new(v.x, c * v.y - s * v.z, s * v.y + c * v.z)
-}
-
-pub(super) fn turned_z(v: Vector3<f64>, c: f64, s: f64) -> Vector3<f64> {
-    Vector3::new(c * v.x - s * v.y, s * v.x + c * v.y, v.z)
-}
-
-/// Logarithm of the unit quaternion (w; v): the rotation vector of at most pi.
-fn rotation_vector(w: f64, v: Vector3<f64>) -> Vector3<f64> {
-    let (w, v) = if w < 0.0 { (-w, -v) } else { (w, v) };
-    let size = v.norm();
-    // angle / sin(angle / 2); at 0 it is 2, and atan2 / size is exact to rounding down to 1e-160.
-    let factor = if size < 1e-150 { 2.0 } else { 2.0 * size.atan2(w) / size };
-    v * factor
+/// The error of one frame, its turn about x first.
+fn frame_back(
+    error: &FrameError,
+    axes: &Matrix3<f64>,
+    through: &Vector3<f64>,
+    visit: &mut impl FnMut(Motion<'_>),
+) {
+    for k in 0..3 {
+        visit(Motion::Turn { axis: axes.column(k).into_owned(), through, by: &error.turns[k] });
+    }
+    visit(Motion::Slide(axes * Vector3::from(error.slides)));
 }

@@ -1,61 +1,107 @@
-//! The errors of every link, made ready for the walk along the chain.
+//! A signed sample of the errors, made ready for the models.
 
-use crate::cell::{JointKind, SignedErrors};
+use crate::cell::{JointKind, MAX_JOINTS, MAX_PARAMETERS, PER_FRAME, PER_LINK, SignedErrors};
 use crate::robot::Chain;
 
-/// Errors of one link, eq. (4), with the differences of sines and cosines that they cause. The
-/// differences come from half angles, so that no two nearly equal numbers are subtracted.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LinkError {
-    /// Of the D-H angle theta (rad) and the axial offset r (m), coupling included.
-    pub dtheta: f64,
-    pub dr: f64,
-    /// m
-    pub dl: f64,
+/// A small turn, with what its sine and cosine need: no two nearly equal numbers are subtracted.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Turn {
     /// rad
-    pub dalpha: f64,
-    /// sin(dtheta) and cos(dtheta) - 1.
-    pub sin_dtheta: f64,
-    pub cos_dtheta_less_1: f64,
-    /// cos(alpha + dalpha) - cos(alpha) and the same of the sine.
-    pub dcos_alpha: f64,
-    pub dsin_alpha: f64,
+    pub angle: f64,
+    pub sin: f64,
+    /// 1 - cos(angle), from the half angle.
+    pub versine: f64,
+}
+
+impl Turn {
+    pub fn new(angle: f64) -> Self {
+        if angle == 0.0 {
+            return Self::default();
+        }
+        let (sin, cos) = (angle / 2.0).sin_cos();
+        Self { angle, sin: 2.0 * sin * cos, versine: 2.0 * sin * sin }
+    }
+}
+
+/// Errors of one link, eq. (4) with the fifth parameter; the joint coupling is in dtheta and dr.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct LinkError {
+    pub dtheta: Turn,
+    /// m
+    pub dr: f64,
+    pub dl: f64,
+    pub dalpha: Turn,
+    pub dbeta: Turn,
+}
+
+/// Error of a frame in itself: slides along x, y, z (m), then turns about z, y, x.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FrameError {
+    pub slides: [f64; 3],
+    /// About x, y, z.
+    pub turns: [Turn; 3],
+}
+
+impl FrameError {
+    /// None if nothing is wrong.
+    pub fn new(values: &[f64]) -> Option<Self> {
+        let value = |k: usize| values.get(k).copied().unwrap_or(0.0);
+        let any = (0..PER_FRAME).any(|k| value(k) != 0.0);
+        let (slides, turns) = ([value(0), value(1), value(2)], [3, 4, 5].map(|k| Turn::new(value(k))));
+        any.then_some(Self { slides, turns })
+    }
 }
 
 /// One signed sample of the errors, for one chain.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Perturbation {
-    pub links: Vec<LinkError>,
+    links: [LinkError; MAX_JOINTS],
+    axes: usize,
+    sizes: [f64; MAX_PARAMETERS],
+    pub base: Option<FrameError>,
+    pub tool: Option<FrameError>,
 }
 
 impl Perturbation {
-    /// The error dq acts on the actuators: it reaches the D-H coordinates through the coupling.
     pub fn new(chain: &Chain, errors: &SignedErrors) -> Self {
-        let link = |(i, link): (usize, &crate::robot::Link)| {
-            let dq: f64 = chain.coupling[i].iter().zip(&errors.dq).map(|(c, q)| c * q).sum();
+        Self::of_values(chain, &errors.values())
+    }
+
+    /// Of values in the order of [`crate::cell::Parameter::of_robot`]. The error dq acts on the
+    /// actuators: it reaches the D-H coordinates through the coupling. Does not allocate.
+    pub fn of_values(chain: &Chain, values: &[f64]) -> Self {
+        let axes = chain.axes();
+        let mut links = [LinkError::default(); MAX_JOINTS];
+        let mut sizes = [0.0; MAX_PARAMETERS];
+        sizes[..values.len()].copy_from_slice(values);
+        for (i, (link, error)) in chain.links.iter().zip(&mut links).enumerate() {
+            let own = &values[PER_LINK * i..];
+            let dq: f64 = (0..=i).map(|j| chain.coupling[i][j] * values[PER_LINK * j]).sum();
             let (dtheta, slide) = match link.kind {
                 JointKind::Revolute => (dq, 0.0),
                 JointKind::Prismatic => (0.0, dq),
             };
-            let dalpha = errors.dalpha[i];
-            let (sin_dalpha, cos_less_1) = (dalpha.sin(), cos_less_1(dalpha));
-            LinkError {
-                dtheta,
-                dr: errors.dr[i] + slide,
-                dl: errors.dl[i],
-                dalpha,
-                sin_dtheta: dtheta.sin(),
-                cos_dtheta_less_1: self::cos_less_1(dtheta),
-                dcos_alpha: link.cos_alpha * cos_less_1 - link.sin_alpha * sin_dalpha,
-                dsin_alpha: link.sin_alpha * cos_less_1 + link.cos_alpha * sin_dalpha,
-            }
-        };
-        Self { links: chain.links.iter().enumerate().map(link).collect() }
+            (sizes[PER_LINK * i], sizes[PER_LINK * i + 1]) = (dtheta, own[1] + slide);
+            *error = LinkError {
+                dtheta: Turn::new(dtheta),
+                dr: own[1] + slide,
+                dl: own[2],
+                dalpha: Turn::new(own[3]),
+                dbeta: Turn::new(own[4]),
+            };
+        }
+        let frames = &values[PER_LINK * axes..];
+        let (base, tool) = (FrameError::new(frames), FrameError::new(&frames[PER_FRAME..]));
+        Self { links, axes, sizes, base, tool }
     }
-}
 
-/// cos(x) - 1 without cancellation.
-fn cos_less_1(x: f64) -> f64 {
-    let half = (x / 2.0).sin();
-    -2.0 * half * half
+    /// Sizes of the motions, in the order of [`crate::cell::Parameter::of_robot`]; those of dq and dr
+    /// are of the D-H coordinates.
+    pub fn sizes(&self) -> &[f64] {
+        &self.sizes[..PER_LINK * self.axes + 2 * PER_FRAME]
+    }
+
+    pub fn links(&self) -> &[LinkError] {
+        &self.links[..self.axes]
+    }
 }

@@ -4,9 +4,11 @@ mod separate;
 
 pub use separate::separated;
 
-use crate::cell::{Cell, Layout, Objective, Operation};
+use crate::cell::{Cell, Layout, Objective};
 use crate::clearance::{FloorPlan, Overlap, Placed, Scene};
-use crate::error_map::{Mapper, OperationMap, Outcome, Scratch};
+use crate::error_map::{Mapper, OperationMap, Outcome, PostureRecord, Scratch, Unjudged};
+use crate::reading::{Gauge, Situation};
+use crate::robot::Frames;
 
 /// Added to the cost of every infeasible layout, times the weights: more than any weighted error in
 /// m, so that no infeasible layout ever ranks before a feasible one.
@@ -14,6 +16,7 @@ const INFEASIBLE: f64 = 1e3;
 /// What an operation without a spot costs at least (m): being out of reach is worse than passing a
 /// joint limit, which is worse than colliding everywhere.
 const COLLIDES: f64 = 0.5;
+const UNJUDGED: f64 = 0.75;
 const PASSES_LIMIT: f64 = 1.0;
 const OUT_OF_REACH: f64 = 2.0;
 
@@ -31,7 +34,7 @@ pub struct Evaluation {
     pub overlaps: Vec<Overlap>,
     /// One per operation.
     pub outcomes: Vec<Outcome>,
-    /// Weighted errors in the senses of the operations, m; None if the layout is infeasible.
+    /// Weighted values of the operations (m, rad or shares); None if the layout is infeasible.
     pub objective: Option<f64>,
     /// Finite for every layout: the objective, or 1000 times the weights and more, falling towards
     /// feasibility.
@@ -64,20 +67,45 @@ impl Workcell {
         }
     }
 
+    /// How an operation judges postures.
+    pub fn gauge(&self, operation: usize) -> &Gauge {
+        self.mapper.gauge(operation)
+    }
+
+    /// A posture of a map, with what its errors depend on in that layout.
+    ///
+    /// # Errors
+    /// What is missing.
+    pub fn posed(
+        &self,
+        layout: &Layout,
+        maps: &[OperationMap],
+        operation: usize,
+        posture: &PostureRecord,
+    ) -> Result<(Situation, Frames), Unjudged> {
+        let mut placed = Placed::default();
+        self.scene.place(layout, &mut placed);
+        let spots: Vec<_> = maps.iter().map(OperationMap::spot).collect();
+        let situation = self.mapper.situation(operation, layout, &self.scene, &placed, &spots)?;
+        Ok((situation, self.mapper.frames(&posture.joints)))
+    }
+
     /// The error map of every operation. Nodes on equipment that overlaps something are blocked.
     pub fn maps(&self, layout: &Layout) -> Vec<OperationMap> {
         let mut placed = Placed::default();
         self.scene.place(layout, &mut placed);
         let mut overlaps = Vec::new();
         self.plan.overlaps(layout, &mut overlaps);
-        let map = |(k, operation): (usize, &Operation)| {
-            let mut map = self.mapper.map(k, layout, &self.scene, &placed);
+        let mut maps: Vec<OperationMap> = Vec::new();
+        for (k, operation) in self.cell.operations.iter().enumerate() {
+            let spots: Vec<_> = maps.iter().map(OperationMap::spot).collect();
+            let mut map = self.mapper.map(k, layout, &self.scene, &placed, &spots);
             if let Some(overlap) = overlaps.iter().find(|o| o.concerns(operation.equipment)) {
                 map.block(*overlap);
             }
-            map
-        };
-        self.cell.operations.iter().enumerate().map(map).collect()
+            maps.push(map);
+        }
+        maps
     }
 }
 
@@ -93,8 +121,13 @@ pub fn evaluate_in(workcell: &Workcell, layout: &Layout, workspace: &mut Workspa
     let Workspace { overlaps: found, placed, scratch } = workspace;
     plan.overlaps(layout, found);
     scene.place(layout, placed);
-    let outcome = |k| mapper.least_error(k, layout, scene, placed, scratch);
-    let outcomes: Vec<_> = (0..cell.operations.len()).map(outcome).collect();
+    let mut outcomes = Vec::with_capacity(cell.operations.len());
+    let mut spots = Vec::with_capacity(cell.operations.len());
+    for k in 0..cell.operations.len() {
+        let outcome = mapper.least_error(k, layout, scene, placed, &spots, scratch);
+        spots.push(if let Outcome::Found(spot) = outcome { Some(spot) } else { None });
+        outcomes.push(outcome);
+    }
     let objective = if found.is_empty() { objective(cell, &outcomes) } else { None };
     let cost = objective.unwrap_or_else(|| {
         let apart: f64 = found.iter().map(|o| o.depth).sum();
@@ -106,7 +139,7 @@ pub fn evaluate_in(workcell: &Workcell, layout: &Layout, workspace: &mut Workspa
 /// The errors of all operations as one number, None if an operation has no spot.
 fn objective(cell: &Cell, outcomes: &[Outcome]) -> Option<f64> {
     let weighted = cell.operations.iter().zip(outcomes).map(|(operation, outcome)| match outcome {
-        Outcome::Found(spot) => Some(operation.weight * spot.in_sense),
+        Outcome::Found(spot) => Some(operation.weight * spot.value),
         _ => None,
     });
     let errors: Option<Vec<f64>> = weighted.collect();
@@ -121,6 +154,7 @@ fn shortfall(cell: &Cell, outcome: &Outcome) -> f64 {
     match outcome {
         Outcome::Found(_) => 0.0,
         Outcome::AllCollide { .. } => COLLIDES,
+        Outcome::Unjudged(_) => UNJUDGED,
         Outcome::Unreachable { gap } if gap.reach > 0.0 => OUT_OF_REACH + gap.reach.min(INFEASIBLE),
         // The excess is a sum of cosines; the reach makes it a length.
         Outcome::Unreachable { gap } => {

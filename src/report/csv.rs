@@ -1,10 +1,11 @@
 //! map.csv: one row per node.
 
-use crate::cell::{Cell, JointKind};
+use crate::cell::{Cell, JointKind, Sense, Unit};
 use crate::compare::Assessment;
-use crate::error_map::{NodeRecord, PostureRecord};
+use crate::error_map::{NodeRecord, OperationMap, PostureRecord};
 use crate::kinematic_error::discrepancy;
-use crate::units::{deg_from_rad, mm_from_m, rounded};
+use crate::reading::Figures;
+use crate::units::{deg_from_rad, mm_from_m, percent_from_share, rounded};
 
 /// The maps of all operations, with a header. World frame, mm and degrees.
 ///
@@ -15,13 +16,14 @@ pub fn map(a: &Assessment<'_>) -> Result<Vec<u8>, String> {
     let put = |writer: &mut ::csv::Writer<Vec<u8>>, row: &[String]| {
         writer.write_record(row).map_err(|e| e.to_string())
     };
-    put(&mut writer, &header(a.cell))?;
+    let senses = senses(a);
+    put(&mut writer, &header(a.cell, &senses))?;
     for map in &a.maps {
         let operation = &a.cell.operations[map.operation];
         let equipment = &a.cell.equipment[operation.equipment].name;
         for (k, node) in map.nodes.iter().enumerate() {
             let mut row = vec![inert(&operation.name), inert(equipment)];
-            row.extend(node_columns(a.cell, node));
+            row.extend(node_columns(a.cell, node, map, &senses));
             row.push(if map.best == Some(k) { "1".into() } else { "0".into() });
             put(&mut writer, &row)?;
         }
@@ -29,7 +31,27 @@ pub fn map(a: &Assessment<'_>) -> Result<Vec<u8>, String> {
     writer.into_inner().map_err(|e| e.to_string())
 }
 
-fn header(cell: &Cell) -> Vec<String> {
+/// Every sense that any map reports.
+fn senses<'a>(a: &'a Assessment<'_>) -> Vec<&'a Sense> {
+    let mut all: Vec<&Sense> = Vec::new();
+    for sense in a.maps.iter().flat_map(|m| &m.senses) {
+        if !all.iter().any(|s| s.name == sense.name) {
+            all.push(sense);
+        }
+    }
+    all
+}
+
+/// Figures of a sense, as columns.
+const FIGURES: [(&str, fn(&Figures) -> f64); 5] = [
+    ("worst", |f| f.worst),
+    ("rms", |f| f.rms),
+    ("mean", |f| f.mean),
+    ("p95", |f| f.p95),
+    ("p99", |f| f.p99),
+];
+
+fn header(cell: &Cell, senses: &[&Sense]) -> Vec<String> {
     let start = ["operation", "equipment", "i", "j", "x_mm", "y_mm", "z_mm", "status", "reason"];
     let joints = cell.robot.joints.iter().enumerate().map(|(k, joint)| match joint.kind {
         JointKind::Revolute => format!("q{}_deg", k + 1),
@@ -40,6 +62,7 @@ fn header(cell: &Cell) -> Vec<String> {
         "error_y_mm",
         "error_z_mm",
         "error_sense_mm",
+        "error_sense_deg",
         "rotation_x_deg",
         "rotation_y_deg",
         "rotation_z_deg",
@@ -50,35 +73,58 @@ fn header(cell: &Cell) -> Vec<String> {
         "discrepancy_y_percent",
         "discrepancy_z_percent",
         "discrepancy_r_percent",
-        "best",
+        "linear_off_percent",
+        "second_order_off_percent",
+        "value",
+        "yield",
     ];
-    start.into_iter().map(String::from).chain(joints).chain(end.into_iter().map(String::from)).collect()
+    let figures = FIGURES
+        .iter()
+        .flat_map(|(figure, _)| senses.iter().map(move |s| format!("{figure}_{}_{}", s.name, s.unit.word())));
+    let text = |words: &[&str]| words.iter().map(|w| w.to_string()).collect::<Vec<_>>();
+    let row = text(&start).into_iter().chain(joints).chain(text(&end));
+    row.chain(figures).chain(text(&["best"])).collect()
 }
 
-fn node_columns(cell: &Cell, node: &NodeRecord) -> Vec<String> {
+fn node_columns(cell: &Cell, node: &NodeRecord, map: &OperationMap, senses: &[&Sense]) -> Vec<String> {
     let mut row = vec![node.i.to_string(), node.j.to_string()];
     row.extend(node.position.iter().map(|&v| number(mm_from_m(v))));
     row.push(node.status.name().to_string());
     row.push(inert(&node.status.reason(cell)));
     match &node.posture {
-        Some(posture) => row.extend(posture_columns(cell, posture)),
-        None => row.extend(std::iter::repeat_n(String::new(), cell.robot.axes() + 14)),
+        Some(posture) => row.extend(posture_columns(cell, posture, map, senses)),
+        None => {
+            let empty = cell.robot.axes() + 19 + FIGURES.len() * senses.len();
+            row.extend(std::iter::repeat_n(String::new(), empty));
+        }
     }
     row
 }
 
-fn posture_columns(cell: &Cell, p: &PostureRecord) -> Vec<String> {
+fn posture_columns(cell: &Cell, p: &PostureRecord, map: &OperationMap, senses: &[&Sense]) -> Vec<String> {
     let mm = |v: &f64| number(mm_from_m(*v));
     let mut row: Vec<String> = Vec::new();
     for (joint, &q) in cell.robot.joints.iter().zip(&p.joints) {
         row.push(if joint.kind == JointKind::Revolute { number(deg_from_rad(q)) } else { mm(&q) });
     }
     row.extend(p.error.iter().map(mm));
-    row.push(mm(&p.in_sense));
+    let own = &cell.operations[map.operation].sense;
+    let in_sense = map.sense(&own.name).map(|k| own.unit.from_si(p.figures[k].error));
+    let of = |unit| in_sense.filter(|_| own.unit == unit).map_or(String::new(), number);
+    row.extend([of(Unit::Length), of(Unit::Angle)]);
     row.extend(p.rotation.iter().map(|&r| number(deg_from_rad(r))));
     row.extend(p.linear.iter().map(mm));
     let d = discrepancy(&p.nonlinear, &p.linear);
     row.extend([d.x, d.y, d.z, d.resultant].map(|v| v.map_or(String::new(), number)));
+    row.extend([p.linear_off, p.second_order_off].map(|off| number(percent_from_share(off))));
+    row.push(number(cell.unit().from_si(p.value)));
+    row.push(p.success.map_or(String::new(), number));
+    for (_, figure) in FIGURES {
+        row.extend(senses.iter().map(|sense| {
+            let figures = map.sense(&sense.name).map(|k| &p.figures[k]);
+            figures.map_or(String::new(), |f| number(sense.unit.from_si(figure(f))))
+        }));
+    }
     row
 }
 

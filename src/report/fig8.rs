@@ -33,7 +33,7 @@ pub fn chart(a: &Assessment<'_>) -> String {
          font-family=\"system-ui, sans-serif\" font-size=\"13\" fill=\"#1b1f24\">\n\
          <rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n\
          <text x=\"{LEFT}\" y=\"26\" font-size=\"16\" font-weight=\"600\">{}</text>",
-        super::view::escaped(&format!("{}: {}", a.cell.robot.name, a.cell.signed_errors().name))
+        super::view::escaped(&format!("{}: {}", a.cell.robot.name, a.cell.error_set().name()))
     );
     for (k, map) in a.maps.iter().enumerate() {
         panel(&mut out, a, map, TOP + (PANEL + 50.0) * k as f64);

@@ -3,12 +3,13 @@
 //! Lengths in mm, angles in degrees, rounded to 1e-9; world frame; joints in the robot's own
 //! coordinates. What has no value is null, never left out.
 
-use crate::cell::{Cell, Layout, Role, Sense};
+use crate::cell::{Cell, Layout, Model, Role, Unit};
 use crate::compare::{Assessment, Comparison};
 use crate::error_map::{NodeRecord, OperationMap, PostureRecord};
 use crate::kinematic_error::discrepancy;
+use crate::reading::{Estimate, Figures, MonteCarlo};
 use crate::search::{Ended, SearchRecord};
-use crate::units::{deg_from_rad, mm_from_m, rounded};
+use crate::units::{deg_from_rad, mm_from_m, percent_from_share, rounded};
 use nalgebra::Vector3;
 use serde::{Serialize, Serializer};
 use serde_json::{Map, Value, json};
@@ -22,6 +23,8 @@ pub struct MapDocument<'a> {
     robot: &'a str,
     feasible: bool,
     objective_mm: Option<f64>,
+    objective: Option<f64>,
+    unit: &'static str,
     overlaps: Value,
     layout: Value,
     operations: Vec<OperationDocument<'a>>,
@@ -31,10 +34,16 @@ pub struct MapDocument<'a> {
 struct OperationDocument<'a> {
     name: &'a str,
     equipment: &'a str,
-    sense: &'static str,
+    sense: &'a str,
     model: &'static str,
     errors: &'a str,
+    reading: &'static str,
+    quantity: &'static str,
+    registration: &'static str,
+    limit: Option<f64>,
     counts: Value,
+    guard: Value,
+    monte_carlo: Value,
     nodes: Nodes<'a>,
     best: Option<NodeDocument>,
 }
@@ -43,7 +52,7 @@ struct Nodes<'a>(&'a Cell, &'a OperationMap);
 
 impl Serialize for Nodes<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_seq(self.1.nodes.iter().map(|n| NodeDocument::new(self.0, n)))
+        serializer.collect_seq(self.1.nodes.iter().map(|n| NodeDocument::new(self.0, self.1, n)))
     }
 }
 
@@ -57,11 +66,28 @@ struct NodeDocument {
     joints_deg: Option<Vec<f64>>,
     error_mm: Option<[f64; 3]>,
     error_sense_mm: Option<f64>,
+    error_sense_deg: Option<f64>,
+    value: Option<f64>,
     rotation_deg: Option<[f64; 3]>,
     linear_error_mm: Option<[f64; 3]>,
     nonlinear_error_mm: Option<[f64; 3]>,
     discrepancy_percent: Option<DiscrepancyDocument>,
+    linear_off_percent: Option<f64>,
+    second_order_off_percent: Option<f64>,
+    worst_mm: Option<BySense>,
+    worst_linear_mm: Option<BySense>,
+    rms_mm: Option<BySense>,
+    mean_mm: Option<BySense>,
+    p95_mm: Option<BySense>,
+    p99_mm: Option<BySense>,
+    worst_deg: Option<BySense>,
+    rms_deg: Option<BySense>,
+    p95_deg: Option<BySense>,
+    r#yield: Option<f64>,
 }
+
+/// Values by the name of their sense.
+type BySense = Map<String, Value>;
 
 /// Eq. (9) per component and for the resultant r.
 #[derive(Serialize)]
@@ -81,29 +107,45 @@ pub fn map<'a>(assessment: &'a Assessment<'_>) -> MapDocument<'a> {
         robot: &cell.robot.name,
         feasible: assessment.evaluation.objective.is_some(),
         objective_mm: assessment.objective_mm().map(length),
+        objective: assessment.objective().map(length),
+        unit: cell.unit().word(),
         overlaps: overlaps(assessment),
         layout: layout(cell, &assessment.layout),
-        operations: assessment.maps.iter().map(|m| operation_map(cell, m)).collect(),
+        operations: assessment.maps.iter().map(|m| operation_map(assessment, m)).collect(),
     }
 }
 
-fn operation_map<'a>(cell: &'a Cell, map: &'a OperationMap) -> OperationDocument<'a> {
+fn operation_map<'a>(a: &'a Assessment<'_>, map: &'a OperationMap) -> OperationDocument<'a> {
+    let cell = a.cell;
     let operation = &cell.operations[map.operation];
     OperationDocument {
         name: &operation.name,
         equipment: &cell.equipment[operation.equipment].name,
-        sense: operation.sense.name(),
+        sense: &operation.sense.name,
         model: cell.model.name(),
-        errors: &cell.signed_errors().name,
+        errors: cell.error_set().name(),
+        reading: cell.reading.name(),
+        quantity: super::text::value_word(cell),
+        registration: cell.registration.name(),
+        limit: operation.limit.map(|l| length(operation.sense.unit.from_si(l))),
         counts: counts(map),
+        guard: guard(cell, map),
+        monte_carlo: monte_carlo(a, map.operation),
         nodes: Nodes(cell, map),
-        best: map.best_node().map(|n| NodeDocument::new(cell, n)),
+        best: map.best_node().map(|n| NodeDocument::new(cell, map, n)),
     }
 }
 
 impl NodeDocument {
-    fn new(cell: &Cell, n: &NodeRecord) -> Self {
+    fn new(cell: &Cell, map: &OperationMap, n: &NodeRecord) -> Self {
         let p = n.posture.as_ref();
+        let own = &cell.operations[map.operation].sense;
+        let in_sense = |unit| {
+            let p = p.filter(|_| own.unit == unit)?;
+            Some(length(unit.from_si(p.figures[map.sense(&own.name)?].error)))
+        };
+        let lengths_of = |figure: fn(&Figures) -> f64| p.and_then(|p| by_sense(map, p, Unit::Length, figure));
+        let angles_of = |figure: fn(&Figures) -> f64| p.and_then(|p| by_sense(map, p, Unit::Angle, figure));
         Self {
             i: n.i,
             j: n.j,
@@ -112,13 +154,76 @@ impl NodeDocument {
             reason: n.status.reason(cell),
             joints_deg: p.map(|p| joints(cell, p)),
             error_mm: p.map(|p| lengths(&p.error)),
-            error_sense_mm: p.map(|p| length(mm_from_m(p.in_sense))),
+            error_sense_mm: in_sense(Unit::Length),
+            error_sense_deg: in_sense(Unit::Angle),
+            value: p.map(|p| length(cell.unit().from_si(p.value))),
             rotation_deg: p.map(|p| p.rotation.map(|r| length(deg_from_rad(r))).into()),
             linear_error_mm: p.map(|p| lengths(&p.linear)),
             nonlinear_error_mm: p.map(|p| lengths(&p.nonlinear)),
             discrepancy_percent: p.map(DiscrepancyDocument::new),
+            linear_off_percent: p.map(|p| length(percent_from_share(p.linear_off))),
+            second_order_off_percent: p.map(|p| length(percent_from_share(p.second_order_off))),
+            worst_mm: lengths_of(|f| f.worst),
+            worst_linear_mm: lengths_of(|f| f.worst_linear),
+            rms_mm: lengths_of(|f| f.rms),
+            mean_mm: lengths_of(|f| f.mean),
+            p95_mm: lengths_of(|f| f.p95),
+            p99_mm: lengths_of(|f| f.p99),
+            worst_deg: angles_of(|f| f.worst),
+            rms_deg: angles_of(|f| f.rms),
+            p95_deg: angles_of(|f| f.p95),
+            r#yield: p.and_then(|p| p.success).map(length),
         }
     }
+}
+
+/// A figure in every reported sense of one unit; None if there is none.
+fn by_sense(
+    map: &OperationMap,
+    p: &PostureRecord,
+    unit: Unit,
+    figure: fn(&Figures) -> f64,
+) -> Option<BySense> {
+    let pairs = map.senses.iter().zip(&p.figures).filter(|(s, _)| s.unit == unit);
+    let values: BySense =
+        pairs.map(|(s, f)| (s.name.clone(), json!(length(unit.from_si(figure(f)))))).collect();
+    (!values.is_empty()).then_some(values)
+}
+
+/// Where the models are not to be trusted, over the usable nodes.
+fn guard(cell: &Cell, map: &OperationMap) -> Value {
+    let of = |model: Model| {
+        let (most, above, _) = map.off(model, cell.guard);
+        json!({ "most_percent": length(percent_from_share(most)), "nodes_above": above })
+    };
+    json!({
+        "threshold_percent": length(percent_from_share(cell.guard)),
+        "linear": of(Model::Linear),
+        "second_order": of(Model::SecondOrder),
+        "trusted": map.off(cell.model, cell.guard).1 == 0,
+    })
+}
+
+/// What the samples say of a spot; null unless the reading is statistical.
+fn monte_carlo(a: &Assessment<'_>, operation: usize) -> Value {
+    let Some(samples) = &a.samples[operation] else { return Value::Null };
+    let unit = a.cell.operations[operation].sense.unit;
+    let estimate = |e: &Estimate, unit: Unit| {
+        let [value, low, high] = [e.value, e.low, e.high].map(|v| length(unit.from_si(v)));
+        json!({ "value": value, "low": low, "high": high })
+    };
+    let MonteCarlo { rms, mean, p95, p99, above, success, .. } = samples;
+    json!({
+        "samples": samples.samples,
+        "unit": unit.word(),
+        "rms": estimate(rms, unit),
+        "mean": estimate(mean, unit),
+        "p95": estimate(p95, unit),
+        "p99": estimate(p99, unit),
+        "yield": success.as_ref().map(|s| estimate(s, Unit::Share)),
+        "share_above_first_order_p95": estimate(above, Unit::Share),
+        "first_order_holds": a.first_order_holds(operation),
+    })
 }
 
 impl DiscrepancyDocument {
@@ -142,14 +247,19 @@ pub fn search(cell: &Cell, record: &SearchRecord, assessed: &Comparison<'_>, sec
         "schema": "sweetspot/search/1",
         "status": if record.found() { "found" } else { "none" },
         "objective_mm": best.objective_mm().map(length),
-        "gain_percent": assessed.change_percent(1, Assessment::objective_mm).map(|c| rounded(-c, 6)),
+        "objective_value": best.objective().map(length),
+        "unit": cell.unit().word(),
+        "gain_percent": assessed.change_percent(1, Assessment::objective).map(|c| rounded(-c, 6)),
         "evaluations": record.evaluations,
         "feasible": record.feasible,
         "ended": ended,
         "cell": cell.name,
         "robot": cell.robot.name,
-        "errors": cell.signed_errors().name,
+        "errors": cell.error_set().name(),
         "model": cell.model.name(),
+        "reading": cell.reading.name(),
+        "quantity": super::text::value_word(cell),
+        "registration": cell.registration.name(),
         "objective": cell.search.objective.name(),
         "solver": cell.search.solver.name(),
         "seed": cell.search.seed,
@@ -159,11 +269,12 @@ pub fn search(cell: &Cell, record: &SearchRecord, assessed: &Comparison<'_>, sec
         "operations": spots(best),
         "start": {
             "objective_mm": start.objective_mm().map(length),
+            "objective_value": start.objective().map(length),
             "reasons": start.reasons(),
             "layout": layout(cell, &start.layout),
             "operations": spots(start),
         },
-        "trace": record.trace.iter().map(|(n, e)| json!([n, length(mm_from_m(*e))])).collect::<Vec<_>>(),
+        "trace": record.trace.iter().map(|(n, e)| json!([n, length(cell.unit().from_si(*e))])).collect::<Vec<_>>(),
     });
     if let (Some(seconds), Some(object)) = (seconds, document.as_object_mut()) {
         object.insert("seconds".into(), json!(rounded(seconds, 3)));
@@ -178,7 +289,9 @@ pub fn compare(comparison: &Comparison<'_>) -> Value {
             "name": a.label,
             "feasible": a.evaluation.objective.is_some(),
             "objective_mm": a.objective_mm().map(length),
-            "change_percent": comparison.change_percent(k, Assessment::objective_mm).map(length),
+            "objective": a.objective().map(length),
+            "unit": a.cell.unit().word(),
+            "change_percent": comparison.change_percent(k, Assessment::objective).map(length),
             "reasons": a.reasons(),
             "layout": layout(a.cell, &a.layout),
             "operations": spots(a),
@@ -192,18 +305,33 @@ fn spots(a: &Assessment<'_>) -> Value {
     let one = |(k, map): (usize, &OperationMap)| {
         let operation = &a.cell.operations[map.operation];
         let spot = a.spot(k);
-        let by_sense: Map<String, Value> =
-            Sense::ALL.iter().map(|&s| (s.name().to_string(), json!(a.error_mm(k, s).map(length)))).collect();
+        let figures = |figure: fn(&Figures) -> f64| {
+            let of = |s: &crate::cell::Sense| {
+                let value = a.figures(k, &s.name).map(|f| length(s.unit.from_si(figure(f))));
+                (s.name.clone(), json!(value))
+            };
+            map.senses.iter().filter(|s| s.unit == Unit::Length).map(of).collect::<Map<String, Value>>()
+        };
+        let own = a.figures(k, &operation.sense.name).map(|f| operation.sense.unit.from_si(f.error));
+        let in_sense = |unit| own.filter(|_| operation.sense.unit == unit).map(length);
         json!({
             "name": operation.name,
             "equipment": a.cell.equipment[operation.equipment].name,
-            "sense": operation.sense.name(),
+            "sense": operation.sense.name,
+            "value": spot.map(|(_, p)| length(a.cell.unit().from_si(p.value))),
             "node": spot.map(|(n, _)| json!([n.i, n.j])),
             "position_mm": spot.map(|(n, _)| lengths(&n.position)),
             "joints_deg": spot.map(|(_, p)| joints(a.cell, p)),
             "error_mm": spot.map(|(_, p)| lengths(&p.error)),
-            "error_sense_mm": spot.map(|(_, p)| length(mm_from_m(p.in_sense))),
-            "error_by_sense_mm": by_sense,
+            "error_sense_mm": in_sense(Unit::Length),
+            "error_sense_deg": in_sense(Unit::Angle),
+            "error_by_sense_mm": figures(|f| f.error),
+            "worst_mm": figures(|f| f.worst),
+            "rms_mm": figures(|f| f.rms),
+            "p95_mm": figures(|f| f.p95),
+            "yield": spot.and_then(|(_, p)| p.success).map(length),
+            "guard": guard(a.cell, map),
+            "monte_carlo": monte_carlo(a, k),
             "counts": counts(map),
         })
     };
@@ -217,6 +345,7 @@ fn counts(map: &OperationMap) -> Value {
         "out-of-reach": count("out-of-reach"),
         "joint-limit": count("joint-limit"),
         "collision": count("collision"),
+        "unjudged": count("unjudged"),
     })
 }
 

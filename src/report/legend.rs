@@ -33,14 +33,15 @@ pub(super) fn draw_legend(
             top + 18.0
         );
     }
-    let mut senses: Vec<_> = a.cell.operations.iter().map(|o| o.sense.name()).collect();
+    let mut senses: Vec<_> = a.cell.operations.iter().map(|o| o.sense.name.as_str()).collect();
     senses.dedup();
+    let unit = a.cell.unit().word();
     let mut text = |x: f64, y: f64, what: &str| {
         let _ = writeln!(out, "<text x=\"{x:.1}\" y=\"{y:.1}\">{}</text>", escaped(what));
     };
-    text(MARGIN, top + 10.0, &format!("error in {}", senses.join(", ")));
-    text(MARGIN, top + 46.0, &format!("{:.2} mm", range.0));
-    text(MARGIN + 190.0, top + 46.0, &format!("{:.2} mm", range.1));
+    text(MARGIN, top + 10.0, &format!("{} in {}", super::text::value_word(a.cell), senses.join(", ")));
+    text(MARGIN, top + 46.0, &format!("{:.2} {unit}", range.0));
+    text(MARGIN + 190.0, top + 46.0, &format!("{:.2} {unit}", range.1));
     text(MARGIN, top + 68.0, &format!("arrows: error in x and y, {enlarged} times enlarged"));
     text(MARGIN + 330.0, top + 10.0, "out of reach");
     text(MARGIN + 330.0, top + 30.0, "beyond a joint limit");

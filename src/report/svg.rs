@@ -6,7 +6,6 @@ use super::view::{MARGIN, View, corners, escaped};
 use crate::cell::{Placement, Rectangle, Role};
 use crate::compare::Assessment;
 use crate::error_map::{NodeRecord, OperationMap, PostureRecord, Status};
-use crate::units::mm_from_m;
 use std::fmt::Write;
 
 /// The picture of a layout with all its maps.
@@ -108,9 +107,9 @@ fn usable(map: &OperationMap) -> impl Iterator<Item = (&NodeRecord, &PostureReco
     map.nodes.iter().filter(|n| n.status == Status::Ok).filter_map(|n| Some((n, n.posture.as_ref()?)))
 }
 
-/// Least and greatest error in its sense over all maps, mm: one colour scale for all.
+/// Least and greatest value over all maps, in its unit: one colour scale for all.
 fn error_range(a: &Assessment<'_>) -> (f64, f64) {
-    let errors = || a.maps.iter().flat_map(usable).map(|(_, p)| mm_from_m(p.in_sense));
+    let errors = || a.maps.iter().flat_map(usable).map(|(_, p)| a.cell.unit().from_si(p.value));
     let (low, high) = (errors().fold(f64::MAX, f64::min), errors().fold(f64::MIN, f64::max));
     if low > high { (0.0, 1.0) } else { (low, high) }
 }
@@ -133,23 +132,24 @@ fn draw_nodes(
     range: (f64, f64),
     enlarged: f64,
 ) {
+    let unit = a.cell.unit().word();
     for node in &map.nodes {
         let (x, y) = view.at((node.position.x, node.position.y));
         let reason = escaped(&node.status.reason(a.cell));
         let _ = match (&node.status, &node.posture) {
             (Status::Ok, Some(p)) => {
-                let mm = mm_from_m(p.in_sense);
-                let fill = colour((mm - range.0) / (range.1 - range.0).max(f64::MIN_POSITIVE));
+                let value = a.cell.unit().from_si(p.value);
+                let fill = colour((value - range.0) / (range.1 - range.0).max(f64::MIN_POSITIVE));
                 let arrow =
                     arrow((x, y), (p.error.x * enlarged * view.scale, -p.error.y * enlarged * view.scale));
                 writeln!(
                     out,
-                    "<g stroke=\"{fill}\"><title>({}, {}): {mm:.4} mm</title><path d=\"{arrow}\" fill=\"none\" \
+                    "<g stroke=\"{fill}\"><title>({}, {}): {value:.4} {unit}</title><path d=\"{arrow}\" fill=\"none\" \
                      stroke-width=\"1.5\"/><circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3.6\" fill=\"{fill}\"/></g>",
                     node.i, node.j
                 )
             }
-            (Status::Collision { .. } | Status::Overlap(_), _) => writeln!(
+            (Status::Collision { .. } | Status::Overlap(_) | Status::Unjudged(_), _) => writeln!(
                 out,
                 "<path d=\"M{:.1} {:.1}l7 7m0 -7l-7 7\" stroke=\"#cf222e\" stroke-width=\"1.5\" fill=\"none\"><title>{reason}</title></path>",
                 x - 3.5,
@@ -189,10 +189,11 @@ fn draw_spot(out: &mut String, a: &Assessment<'_>, k: usize, map: &OperationMap,
         out,
         "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"9\" fill=\"none\" stroke=\"#bf3989\" stroke-width=\"2.4\"/>\
          <text x=\"{:.1}\" y=\"{:.1}\" fill=\"#99286e\" font-weight=\"600\" stroke=\"#ffffff\" stroke-width=\"3.5\" \
-         paint-order=\"stroke\">{}: {:.3} mm</text>",
+         paint-order=\"stroke\">{}: {:.3} {}</text>",
         x + 13.0,
         y - 9.0,
         escaped(&operation.name),
-        mm_from_m(p.in_sense)
+        a.cell.unit().from_si(p.value),
+        a.cell.unit().word()
     );
 }

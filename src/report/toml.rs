@@ -5,13 +5,20 @@ use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg, rounded};
 use std::fmt::Write;
 
 /// A cell file that takes everything `from` another and fixes the free coordinates of the
-/// placements, the error set, the model, and the senses that were asked for. `comment` is one line.
+/// placements, the error set, the model, its reading, and the senses that were asked for. `comment` is one line.
 pub fn fixed(from: &str, comment: &str, cell: &Cell, layout: &Layout) -> String {
     let mut out = String::new();
     // Writing to a String cannot fail.
     let _ = writeln!(out, "# {comment}\nfrom = {}\n", quoted(from));
-    let _ =
-        writeln!(out, "errors = {}\nmodel = \"{}\"", quoted(&cell.signed_errors().name), cell.model.name());
+    let _ = writeln!(
+        out,
+        "errors = {}\nmodel = \"{}\"\nreading = \"{}\"\nquantity = \"{}\"\nregistration = \"{}\"",
+        quoted(cell.error_set().name()),
+        cell.model.name(),
+        cell.reading.name(),
+        cell.quantity.name(),
+        cell.registration.name()
+    );
     for (equipment, at) in cell.equipment.iter().zip(&layout.placements) {
         let values = [at.x, at.y, at.z, at.yaw];
         let free: Vec<_> =
@@ -35,9 +42,9 @@ pub fn fixed(from: &str, comment: &str, cell: &Cell, layout: &Layout) -> String 
     for operation in &cell.operations {
         let _ = writeln!(
             out,
-            "\n[operation.{}]\nsense = \"{}\"",
+            "\n[operation.{}]\nsense = {}",
             quoted(&operation.name),
-            operation.sense.name()
+            quoted(&operation.sense.name)
         );
     }
     out

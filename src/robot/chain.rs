@@ -29,6 +29,20 @@ pub struct Posture {
     pub r: [f64; MAX_JOINTS],
 }
 
+/// The frames of a chain at one posture, in the base.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Frames {
+    /// 0: the base itself (identity), k: the frame after `A_k`; the rest is identity.
+    pub links: [Pose; MAX_JOINTS + 1],
+    pub tcp: Pose,
+}
+
+impl Default for Frames {
+    fn default() -> Self {
+        Self { links: [Pose::identity(); MAX_JOINTS + 1], tcp: Pose::identity() }
+    }
+}
+
 /// A serial chain with coupling and tool.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chain {
@@ -75,21 +89,27 @@ impl Chain {
         posture
     }
 
-    /// `frames[k]` is the pose of the frame after `A_k` in the base (0: the base itself); the rest
-    /// of the array is identity. Returns the pose of the TCP.
-    pub fn frames(&self, posture: &Posture, frames: &mut [Pose; MAX_JOINTS + 1]) -> Pose {
-        let mut t = Pose::identity();
-        frames[0] = t;
+    /// Every frame of the chain at a posture.
+    pub fn frames(&self, posture: &Posture) -> Frames {
+        let mut frames = Frames::default();
+        self.place(posture, &mut frames);
+        frames
+    }
+
+    /// [`Self::frames`] into memory that is kept from posture to posture.
+    #[inline]
+    pub fn place(&self, posture: &Posture, frames: &mut Frames) {
+        let mut t = frames.links[0];
         for (i, link) in self.links.iter().enumerate() {
             t = step(&t, link, posture.cos[i], posture.sin[i], posture.r[i]);
-            frames[i + 1] = t;
+            frames.links[i + 1] = t;
         }
-        t * self.tool
+        frames.tcp = t * self.tool;
     }
 
     /// Eq. (2) with the tool: the pose of the TCP in the base.
     pub fn forward(&self, posture: &Posture) -> Pose {
-        self.frames(posture, &mut [Pose::identity(); MAX_JOINTS + 1])
+        self.frames(posture).tcp
     }
 }
 

@@ -6,4 +6,4 @@
 
 mod chain;
 
-pub use chain::{Chain, Link, Posture};
+pub use chain::{Chain, Frames, Link, Posture};

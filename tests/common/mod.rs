@@ -2,7 +2,7 @@
 #![allow(dead_code, clippy::unwrap_used, clippy::panic)] // every test file uses a part of it
 
 use std::path::{Path, PathBuf};
-use sweetspot::cell::{self, Cell, Fault, Loaded};
+use sweetspot::cell::{self, Cell, ErrorSet, Fault, Loaded, SignedErrors};
 
 pub fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
@@ -20,6 +20,14 @@ pub fn load_from(folder: &Path, name: &str) -> Result<Loaded, Vec<Fault>> {
 
 pub fn shipped(name: &str) -> Cell {
     load_from(&root().join("cells"), name).unwrap_or_else(|f| panic!("{name}: {f:#?}")).cell
+}
+
+/// The chosen sample of a cell.
+pub fn signed(cell: &Cell) -> &SignedErrors {
+    match cell.error_set() {
+        ErrorSet::Signed(errors) => errors,
+        ErrorSet::Tolerance(t) => panic!("{} is a tolerance", t.name),
+    }
 }
 
 /// A cell from text, with shipped robots and equipment.

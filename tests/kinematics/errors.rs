@@ -1,6 +1,6 @@
 //! Both error models: derivative, reference in 60 digits, special sizes, signs by hand, base.
 
-use crate::common::{root, shipped};
+use crate::common::{root, shipped, signed};
 use crate::product::{no_errors, position, random_joints, rotation, tcp};
 use nalgebra::{Rotation3, Vector3, vector};
 use num_dual::Dual64;
@@ -10,9 +10,9 @@ use serde_json::Value;
 use std::array::from_fn;
 use std::f64::consts::{FRAC_PI_2, PI};
 use sweetspot::cell::{Joint, JointKind, JointVector, Model, Placement, Rectangle, Robot, SignedErrors};
-use sweetspot::kinematic_error::{Perturbation, PoseError, pose_error};
+use sweetspot::kinematic_error::{Perturbation, pose_error};
 use sweetspot::layout::Workcell;
-use sweetspot::pose::Pose;
+use sweetspot::pose::{Displacement, Pose};
 use sweetspot::robot::Chain;
 
 /// A robot of these rows; the limits play no part.
@@ -53,6 +53,7 @@ fn random_robot(rng: &mut ChaCha8Rng, n: usize, flat: bool) -> Robot {
 }
 
 fn random_errors(rng: &mut ChaCha8Rng, n: usize, length: f64, angle: f64) -> SignedErrors {
+    let rng_frame: [f64; 12] = from_fn(|_| rng.random_range(-1.0..1.0));
     let mut some = |bound: f64| (0..n).map(|_| rng.random_range(-bound..bound)).collect();
     SignedErrors {
         name: "e".into(),
@@ -60,13 +61,16 @@ fn random_errors(rng: &mut ChaCha8Rng, n: usize, length: f64, angle: f64) -> Sig
         dr: some(length),
         dl: some(length),
         dalpha: some(angle),
+        dbeta: some(angle),
+        base: from_fn(|k| rng_frame[k] * if k < 3 { length } else { angle }),
+        tool: from_fn(|k| rng_frame[6 + k] * if k < 3 { length } else { angle }),
     }
 }
 
-fn predicted(robot: &Robot, q: &[f64], errors: &SignedErrors, model: Model) -> PoseError {
+fn predicted(robot: &Robot, q: &[f64], errors: &SignedErrors, model: Model) -> Displacement {
     let chain = Chain::new(robot);
     let q = from_fn(|i| q.get(i).copied().unwrap_or(0.0));
-    pose_error(&chain, &Perturbation::new(&chain, errors), &chain.posture(&q), model)
+    pose_error(&chain.frames(&chain.posture(&q)), &Perturbation::new(&chain, errors), model)
 }
 
 fn assert_close(got: Vector3<f64>, want: Vector3<f64>, relative: f64, what: &str) {
@@ -113,7 +117,7 @@ fn nonlinear_model_keeps_its_digits_down_to_nanometres() {
             robot(joints, coupling, Pose::from_translation_rpy(three(&c["tool"]), vector![0.3, -0.8, 2.0]));
         for case in c["cases"].as_array().unwrap() {
             let [dq, dr, dl, dalpha] = ["dq", "dr", "dl", "dalpha"].map(|key| numbers(&case[key]));
-            let errors = SignedErrors { name: "e".into(), dq, dr, dl, dalpha };
+            let errors = SignedErrors { dq, dr, dl, dalpha, ..no_errors(rows[0].len()) };
             let got = predicted(&robot, &numbers(&c["q"]), &errors, Model::Nonlinear);
             assert_close(got.position, three(&case["position"]), 1e-12, "position");
             assert_close(got.rotation, three(&case["rotation"]), 1e-12, "rotation");
@@ -228,7 +232,7 @@ fn maps_turn_with_the_base() {
     start.placements[0].x = 0.15;
     let still = Workcell::new(cell.clone()).unwrap().maps(&start).remove(0);
     cell.base = Placement { x: 0.1, y: -0.2, z: 0.3, yaw: FRAC_PI_2 };
-    let (mut layout, errors) = (start, cell.signed_errors().clone());
+    let (mut layout, errors) = (start, signed(&cell).clone());
     let turned = |v: Vector3<f64>| vector![-v.y, v.x, v.z];
     let moved = |v| turned(v) + vector![0.1, -0.2, 0.3];
     let Placement { x, y, z, .. } = layout.placements[0];

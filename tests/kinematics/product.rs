@@ -14,6 +14,21 @@ fn link<D: DualNum<Primitive = f64> + Copy>(theta: D, r: D, l: D, alpha: D) -> M
     Matrix4::new(c, -s * ca, s * sa, l * c, s, c * ca, -c * sa, l * s, o, sa, ca, r, o, o, o, i)
 }
 
+/// A turn about y after the link: Hayati's fifth parameter.
+fn about_y<D: DualNum<Primitive = f64> + Copy>(angle: D) -> Matrix4<D> {
+    let ((s, c), o, i) = (angle.sin_cos(), D::from(0.0), D::from(1.0));
+    Matrix4::new(c, o, s, o, o, i, o, o, -s, o, c, o, o, o, o, i)
+}
+
+/// `Trans(x, y, z) Rz(rz) Ry(ry) Rx(rx)`: D-H links make all but the turn about y.
+fn frame<D: DualNum<Primitive = f64> + Copy>(values: &[f64; 6], unit: D) -> Matrix4<D> {
+    let o = D::from(0.0);
+    let [x, y, z, rx, ry, rz] = values.map(|v| unit * v);
+    let mut slide = Matrix4::identity();
+    (slide[(0, 3)], slide[(1, 3)], slide[(2, 3)]) = (x, y, z);
+    slide * link(rz, o, o, o) * about_y(ry) * link(o, o, o, rx)
+}
+
 /// The TCP with `unit` times the errors in every D-H value: 0 is the nominal robot, 1 the perturbed
 /// one, an infinitesimal the derivative.
 pub fn tcp<D: DualNum<Primitive = f64> + Copy>(
@@ -23,7 +38,7 @@ pub fn tcp<D: DualNum<Primitive = f64> + Copy>(
     unit: D,
 ) -> Matrix4<D> {
     let value = |v: f64, error: f64| D::from(v) + unit * error;
-    let mut t: Matrix4<D> = Matrix4::identity();
+    let mut t: Matrix4<D> = frame(&e.base, unit);
     for (i, joint) in robot.joints.iter().enumerate() {
         let coupled = |q: &[f64]| robot.coupling[i].iter().zip(q).map(|(c, q)| c * q).sum::<f64>();
         let (mut theta, mut r) = (D::from(joint.theta), value(joint.r, e.dr[i]));
@@ -31,11 +46,12 @@ pub fn tcp<D: DualNum<Primitive = f64> + Copy>(
             JointKind::Revolute => theta += value(coupled(q), coupled(&e.dq)),
             JointKind::Prismatic => r += value(coupled(q), coupled(&e.dq)),
         }
-        t *= link(theta, r, value(joint.l, e.dl[i]), value(joint.alpha, e.dalpha[i]));
+        t *= link(theta, r, value(joint.l, e.dl[i]), value(joint.alpha, e.dalpha[i]))
+            * about_y(unit * e.dbeta[i]);
     }
     let mut tool = robot.tool.rotation.to_homogeneous();
     tool.fixed_view_mut::<3, 1>(0, 3).copy_from(&robot.tool.translation);
-    t * tool.map(D::from)
+    t * tool.map(D::from) * frame(&e.tool, unit)
 }
 
 pub fn position(t: &Matrix4<f64>) -> Vector3<f64> {
@@ -48,7 +64,8 @@ pub fn rotation(t: &Matrix4<f64>) -> Matrix3<f64> {
 
 pub fn no_errors(n: usize) -> SignedErrors {
     let zeros = || vec![0.0; n];
-    SignedErrors { name: "none".into(), dq: zeros(), dr: zeros(), dl: zeros(), dalpha: zeros() }
+    let (name, base, tool) = ("none".into(), [0.0; 6], [0.0; 6]);
+    SignedErrors { name, dq: zeros(), dr: zeros(), dl: zeros(), dalpha: zeros(), dbeta: zeros(), base, tool }
 }
 
 pub fn random_joints(robot: &Robot, rng: &mut ChaCha8Rng) -> JointVector {

@@ -1,0 +1,218 @@
+//! Errors as data: a signed sample or a tolerance, of the robot's parameters or of a frame.
+
+use super::robot_model::MAX_JOINTS;
+use nalgebra::DMatrix;
+
+/// Parameters of one link: dq, dr, dl, dalpha, dbeta.
+pub const PER_LINK: usize = 5;
+
+/// Components of a frame error: x, y, z (m), then rx, ry, rz (rad), `Trans(x, y, z) Rz(rz) Ry(ry) Rx(rx)`.
+pub const PER_FRAME: usize = 6;
+
+/// Most parameters of a robot: those of its links, of its base frame and of its tool frame.
+pub const MAX_PARAMETERS: usize = PER_LINK * MAX_JOINTS + 2 * PER_FRAME;
+
+/// What can be wrong. Joints and equipment by index, components of a frame from 0 to 5.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Parameter {
+    /// The actuator coordinate; it reaches the D-H coordinates through the joint coupling.
+    Dq(usize),
+    /// The axial offset.
+    Dr(usize),
+    /// The common normal.
+    Dl(usize),
+    /// The twist.
+    Dalpha(usize),
+    /// The fifth parameter (Hayati): a turn about y after the twist.
+    Dbeta(usize),
+    /// The robot's base frame, in itself.
+    Base(usize),
+    /// The tool frame (the TCP), in itself.
+    Tool(usize),
+    /// An equipment's placement or fixture, in its own frame.
+    Equipment(usize, usize),
+}
+
+impl Parameter {
+    /// The parameters of a robot of `axes` joints, in the order of every list of their values:
+    /// link by link, then base, then tool.
+    pub fn of_robot(axes: usize) -> impl Iterator<Item = Parameter> {
+        let links = (0..axes).flat_map(|i| {
+            [Self::Dq(i), Self::Dr(i), Self::Dl(i), Self::Dalpha(i), Self::Dbeta(i)].into_iter()
+        });
+        links.chain((0..PER_FRAME).map(Self::Base)).chain((0..PER_FRAME).map(Self::Tool))
+    }
+
+    /// How many they are.
+    pub fn count(axes: usize) -> usize {
+        PER_LINK * axes + 2 * PER_FRAME
+    }
+}
+
+/// Components of a frame error by name.
+pub const COMPONENTS: [&str; PER_FRAME] = ["x", "y", "z", "rx", "ry", "rz"];
+
+/// A signed sample of the kinematic errors, one value per joint (the reading of the paper's
+/// Tables 2 and 3). Not a tolerance: the signs are part of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SignedErrors {
+    pub name: String,
+    /// Of the actuator coordinate, rad or m.
+    pub dq: Vec<f64>,
+    /// m
+    pub dr: Vec<f64>,
+    /// m
+    pub dl: Vec<f64>,
+    /// rad
+    pub dalpha: Vec<f64>,
+    /// rad
+    pub dbeta: Vec<f64>,
+    /// Of the base frame and of the tool frame (m, rad).
+    pub base: [f64; PER_FRAME],
+    pub tool: [f64; PER_FRAME],
+}
+
+impl SignedErrors {
+    /// The values in the order of [`Parameter::of_robot`].
+    pub fn values(&self) -> Vec<f64> {
+        let value = |parameter| match parameter {
+            Parameter::Dq(i) => self.dq[i],
+            Parameter::Dr(i) => self.dr[i],
+            Parameter::Dl(i) => self.dl[i],
+            Parameter::Dalpha(i) => self.dalpha[i],
+            Parameter::Dbeta(i) => self.dbeta[i],
+            Parameter::Base(c) => self.base[c],
+            Parameter::Tool(c) => self.tool[c],
+            Parameter::Equipment(..) => 0.0,
+        };
+        Parameter::of_robot(self.dq.len()).map(value).collect()
+    }
+}
+
+/// How a parameter spreads inside its tolerance.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Distribution {
+    Normal,
+    Uniform,
+    Triangular,
+}
+
+impl Distribution {
+    pub const ALL: [Distribution; 3] =
+        [Distribution::Normal, Distribution::Uniform, Distribution::Triangular];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Distribution::Normal => "normal",
+            Distribution::Uniform => "uniform",
+            Distribution::Triangular => "triangular",
+        }
+    }
+
+    /// Fourth cumulant of the parameter scaled to unit variance.
+    pub fn excess_kurtosis(self) -> f64 {
+        match self {
+            Distribution::Normal => 0.0,
+            Distribution::Uniform => -1.2,
+            Distribution::Triangular => -0.6,
+        }
+    }
+}
+
+/// Plus or minus, m or rad.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spread {
+    pub plus_minus: f64,
+    pub distribution: Distribution,
+    /// How many standard deviations of a normal the plus-or-minus is.
+    pub sigmas: f64,
+}
+
+impl Spread {
+    /// The usual reading of a tolerance: three standard deviations.
+    pub const SIGMAS: f64 = 3.0;
+
+    /// Of a signed value: its magnitude as plus-or-minus, normal, three standard deviations.
+    pub fn of_magnitude(value: f64) -> Self {
+        Self { plus_minus: value.abs(), distribution: Distribution::Normal, sigmas: Self::SIGMAS }
+    }
+
+    /// Standard deviation.
+    pub fn deviation(&self) -> f64 {
+        match self.distribution {
+            Distribution::Normal => self.plus_minus / self.sigmas,
+            Distribution::Uniform => self.plus_minus / 3f64.sqrt(),
+            Distribution::Triangular => self.plus_minus / 6f64.sqrt(),
+        }
+    }
+}
+
+/// Normal parameters that vary together, as a calibration reports them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Covariance {
+    /// Places in the order of [`Parameter::of_robot`].
+    pub parameters: Vec<usize>,
+    /// Symmetric, positive semidefinite (products of m and rad).
+    pub matrix: DMatrix<f64>,
+}
+
+/// What the parameters may be: plus or minus. Not a sample: it has no signs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tolerance {
+    pub name: String,
+    /// In the order of [`Parameter::of_robot`]. Those of a covariance spread by its diagonal.
+    pub spreads: Vec<Spread>,
+    pub covariance: Option<Covariance>,
+}
+
+/// The errors of a robot under one name.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ErrorSet {
+    Signed(SignedErrors),
+    Tolerance(Tolerance),
+}
+
+impl ErrorSet {
+    pub fn name(&self) -> &str {
+        match self {
+            ErrorSet::Signed(e) => &e.name,
+            ErrorSet::Tolerance(t) => &t.name,
+        }
+    }
+
+    /// The set as a tolerance: of a signed sample the magnitudes.
+    pub fn tolerance(&self) -> Tolerance {
+        match self {
+            ErrorSet::Tolerance(t) => t.clone(),
+            ErrorSet::Signed(e) => Tolerance {
+                name: e.name.clone(),
+                spreads: e.values().into_iter().map(Spread::of_magnitude).collect(),
+                covariance: None,
+            },
+        }
+    }
+}
+
+/// The error of an equipment's placement or fixture, in its own frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum FrameErrors {
+    Signed([f64; PER_FRAME]),
+    Tolerance([Spread; PER_FRAME]),
+}
+
+impl FrameErrors {
+    /// The sample; of a tolerance there is none.
+    pub fn signed(&self) -> Option<&[f64; PER_FRAME]> {
+        match self {
+            FrameErrors::Signed(values) => Some(values),
+            FrameErrors::Tolerance(_) => None,
+        }
+    }
+
+    pub fn tolerance(&self) -> [Spread; PER_FRAME] {
+        match self {
+            FrameErrors::Signed(values) => values.map(Spread::of_magnitude),
+            FrameErrors::Tolerance(spreads) => *spreads,
+        }
+    }
+}

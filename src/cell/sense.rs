@@ -1,0 +1,143 @@
+//! In which sense an error is measured: weighted rows of the error of a point.
+
+use crate::units;
+use nalgebra::Vector3;
+
+/// Most rows of a sense: three of position, three of rotation.
+pub const MAX_ROWS: usize = 6;
+
+/// The frame that directions are given in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Frame {
+    World,
+    /// Of the equipment that carries the operation.
+    Surface,
+    /// Of the TCP at the posture.
+    Tool,
+}
+
+impl Frame {
+    pub const ALL: [Frame; 3] = [Frame::World, Frame::Surface, Frame::Tool];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Frame::World => "world",
+            Frame::Surface => "surface",
+            Frame::Tool => "tool",
+        }
+    }
+}
+
+/// One row: the error along a direction, or the rotation about it. The length of the direction is
+/// the weight: 1 for plain senses; m of a rotation row that is added to lengths.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Row {
+    pub turns: bool,
+    pub direction: Vector3<f64>,
+}
+
+impl Row {
+    const ZERO: Self = Self { turns: false, direction: Vector3::new(0.0, 0.0, 0.0) };
+}
+
+/// What the rows are measured in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Unit {
+    Length,
+    Angle,
+    /// A share of all trials, 0 to 1.
+    Share,
+}
+
+impl Unit {
+    pub const ALL: [Unit; 3] = [Unit::Length, Unit::Angle, Unit::Share];
+
+    /// The unit of files and reports.
+    pub fn word(self) -> &'static str {
+        match self {
+            Unit::Length => "mm",
+            Unit::Angle => "deg",
+            Unit::Share => "share",
+        }
+    }
+
+    /// A value in SI in the unit of files and reports.
+    pub fn from_si(self, value: f64) -> f64 {
+        match self {
+            Unit::Length => units::mm_from_m(value),
+            Unit::Angle => units::deg_from_rad(value),
+            Unit::Share => value,
+        }
+    }
+}
+
+/// A sense: the size of the vector of its rows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sense {
+    pub name: String,
+    pub frame: Frame,
+    /// The point whose error is meant, from the TCP in the tool frame, m.
+    pub point: Vector3<f64>,
+    pub unit: Unit,
+    rows: [Row; MAX_ROWS],
+    count: usize,
+}
+
+/// The senses that need no definition, in world, surface or tool axes.
+pub const PLAIN: [&str; 9] = ["x", "y", "z", "xy", "xyz", "rx", "ry", "rz", "rotation"];
+
+/// The paper's senses, in which every node is reported.
+pub const PAPER: [&str; 5] = ["x", "y", "z", "xy", "xyz"];
+
+impl Sense {
+    /// A sense of up to [`MAX_ROWS`] rows; further ones are left out.
+    pub fn new(name: &str, frame: Frame, point: Vector3<f64>, unit: Unit, given: &[Row]) -> Self {
+        let mut rows = [Row::ZERO; MAX_ROWS];
+        let count = given.len().min(MAX_ROWS);
+        rows[..count].copy_from_slice(&given[..count]);
+        Self { name: name.to_string(), frame, point, unit, rows, count }
+    }
+
+    /// One of [`PLAIN`], in world axes, or in others by `xy@tool` and `xy@surface`.
+    pub fn plain(name: &str) -> Option<Self> {
+        let (word, frame) = match name.split_once('@') {
+            Some((word, frame)) => (word, Frame::ALL.into_iter().find(|f| f.name() == frame)?),
+            None => (name, Frame::World),
+        };
+        let rows = Self::plain_rows(word)?;
+        let unit = if rows.iter().any(|r| r.turns) { Unit::Angle } else { Unit::Length };
+        // Written as short as can be, so that a sense has one name.
+        let name = if frame == Frame::World { word } else { name };
+        Some(Self::new(name, frame, Vector3::zeros(), unit, &rows))
+    }
+
+    /// The rows of one of [`PLAIN`].
+    pub fn plain_rows(word: &str) -> Option<Vec<Row>> {
+        let (turns, axes) = match word {
+            "rotation" => (true, "xyz"),
+            "rx" | "ry" | "rz" => (true, &word[1..]),
+            "x" | "y" | "z" | "xy" | "xyz" => (false, word),
+            _ => return None,
+        };
+        let axis = |c| match c {
+            'x' => Vector3::x(),
+            'y' => Vector3::y(),
+            _ => Vector3::z(),
+        };
+        Some(axes.chars().map(|c| Row { turns, direction: axis(c) }).collect())
+    }
+
+    /// The paper's five senses.
+    pub fn paper() -> Vec<Self> {
+        PAPER.iter().filter_map(|name| Self::plain(name)).collect()
+    }
+
+    pub fn rows(&self) -> &[Row] {
+        &self.rows[..self.count]
+    }
+
+    /// Whether the position error of the TCP in world axes is all it needs.
+    pub fn is_of_position(&self) -> bool {
+        self.frame == Frame::World && self.point == Vector3::zeros() && self.rows().iter().all(|r| !r.turns)
+    }
+}

@@ -1,0 +1,163 @@
+//! One operation made ready: its grid, its approach, its gauge, and what it depends on in a layout.
+
+use super::grid::Grid;
+use crate::cell::{Cell, Operation, Placement, Registration};
+use crate::clearance::{Placed, Scene};
+use crate::reach::{Approach, PlanarArm};
+use crate::reading::{Gauge, Site, Taught};
+use crate::robot::{Chain, Frames};
+use nalgebra::Vector3;
+
+/// Three points must span a triangle at least so high, m, to teach a frame.
+const FLAT: f64 = 1e-3;
+
+/// Why an operation cannot be judged although nodes may be reachable.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Unjudged {
+    /// No three points of the surface can be touched to teach its frame.
+    NotTaught,
+    /// The operation that it is relative to has no spot.
+    NoPick,
+}
+
+impl Unjudged {
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Unjudged::NotTaught => "the surface frame cannot be taught: no three points can be touched",
+            Unjudged::NoPick => "the operation it is relative to has no spot",
+        }
+    }
+}
+
+/// One operation made ready.
+pub struct Station {
+    pub equipment: usize,
+    pub grid: Grid,
+    pub approach: Approach,
+    pub gauge: Gauge,
+    pub relative_to: Option<usize>,
+    /// Nodes to touch, in the order of trying, for each of three points; or points given by the user
+    /// (frame of the equipment, m).
+    teach: Teach,
+}
+
+enum Teach {
+    No,
+    Nodes([Vec<usize>; 3]),
+    Points([(f64, f64); 3]),
+}
+
+/// The robot's side of a station.
+pub struct Arm {
+    pub chain: Chain,
+    pub inverse: PlanarArm,
+}
+
+impl Arm {
+    /// The frames of one branch at a target.
+    pub fn frames(&self, target: &Vector3<f64>, approach: &Approach, wanted: u8) -> Option<Frames> {
+        let mut found = None;
+        self.inverse.visit(target, approach, &mut self.inverse.scratch(), |branch, posture| {
+            if branch == wanted {
+                found = Some(self.chain.frames(posture));
+            }
+        });
+        found
+    }
+
+    /// The frames of the first branch at a target that touches nothing.
+    fn first_free(
+        &self,
+        target: &Vector3<f64>,
+        approach: &Approach,
+        scene: &Scene,
+        placed: &Placed,
+    ) -> Option<Frames> {
+        let mut found = None;
+        self.inverse.visit(target, approach, &mut self.inverse.scratch(), |_, posture| {
+            if found.is_none() {
+                let frames = self.chain.frames(posture);
+                found = scene.hit(placed, &frames.links).is_none().then_some(frames);
+            }
+        });
+        found
+    }
+}
+
+impl Station {
+    pub fn new(cell: &Cell, operation: &Operation, arm: &Arm) -> Option<Self> {
+        let surface = cell.equipment[operation.equipment].surface?;
+        let grid = Grid::new(&surface, operation);
+        let teach = match (cell.registration, operation.teach) {
+            (Registration::Taught, Some(points)) => Teach::Points(points),
+            (Registration::Taught, None) => Teach::Nodes(from_corners(&grid)),
+            _ => Teach::No,
+        };
+        Some(Self {
+            equipment: operation.equipment,
+            approach: arm.inverse.approach(operation.bend),
+            gauge: Gauge::new(cell, operation),
+            relative_to: operation.relative_to,
+            grid,
+            teach,
+        })
+    }
+
+    /// The work with the surface at `at` (base frame), seen by the sources of `gauge`.
+    pub fn site(
+        &self,
+        gauge: &Gauge,
+        at: &Placement,
+        arm: &Arm,
+        scene: &Scene,
+        placed: &Placed,
+    ) -> Result<Site, Unjudged> {
+        let taught = match self.touched(at, arm, scene, placed) {
+            Some(postures) => {
+                let postures = postures.ok_or(Unjudged::NotTaught)?;
+                Some(Box::new(Taught::new(&arm.chain, &gauge.sources, postures, gauge.takes_mean())))
+            }
+            None => None,
+        };
+        Ok(Site { equipment: self.equipment, work: at.pose(), taught })
+    }
+
+    /// The touching postures; None if nothing is taught, Some(None) if it cannot be.
+    fn touched(
+        &self,
+        at: &Placement,
+        arm: &Arm,
+        scene: &Scene,
+        placed: &Placed,
+    ) -> Option<Option<[Frames; 3]>> {
+        let touch = |target| arm.first_free(&target, &self.approach, scene, placed);
+        let point = |k: usize| match &self.teach {
+            Teach::No => None,
+            Teach::Nodes(orders) => orders[k].iter().find_map(|&node| touch(self.grid.target(at, node))),
+            Teach::Points(points) => touch(self.grid.point(at, points[k])),
+        };
+        if matches!(self.teach, Teach::No) {
+            return None;
+        }
+        let postures = point(0).zip(point(1)).zip(point(2)).map(|((a, b), c)| [a, b, c]);
+        Some(postures.filter(|p| {
+            let [a, b, c] = [0, 1, 2].map(|k| p[k].tcp.translation);
+            let (u, v) = (b - a, c - a);
+            let longest = u.norm().max(v.norm()).max((c - b).norm());
+            u.cross(&v).norm() > FLAT * longest
+        }))
+    }
+}
+
+/// Nodes by their distance from the low corner, the corner along x and the corner along y.
+fn from_corners(grid: &Grid) -> [Vec<usize>; 3] {
+    let still = Placement { x: 0.0, y: 0.0, z: 0.0, yaw: 0.0 };
+    let (m, n) = grid.divisions;
+    [0, m, n * (m + 1)].map(|corner| {
+        let from = grid.target(&still, corner);
+        let mut nodes: Vec<usize> = (0..grid.count()).collect();
+        let distance = |k: &usize| (grid.target(&still, *k) - from).norm();
+        nodes.sort_by(|a, b| distance(a).total_cmp(&distance(b)).then(a.cmp(b)));
+        nodes
+    })
+}

@@ -1,0 +1,152 @@
+//! The linear model, eqs. (7)-(8), and the second-order model (section 2.3): derivatives of the
+//! pose by every parameter.
+
+use super::Perturbation;
+use crate::cell::{JointKind, MAX_PARAMETERS, PER_FRAME, PER_LINK};
+use crate::pose::Displacement;
+use crate::robot::{Chain, Frames};
+use nalgebra::Vector3;
+
+/// What a unit of one small motion does to the TCP: `g = S p` (m a unit) and the axis `w` of a turn,
+/// zero for a slide.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Term {
+    pub g: Vector3<f64>,
+    pub w: Vector3<f64>,
+}
+
+impl Term {
+    const NONE: Self = Self { g: Vector3::new(0.0, 0.0, 0.0), w: Vector3::new(0.0, 0.0, 0.0) };
+
+    /// The k-th motion, in the order of [`crate::cell::Parameter::of_robot`]; that of dq is the one
+    /// of the D-H coordinate: a turn, for the slide of a prismatic joint is that of dr.
+    #[inline]
+    fn of(frames: &Frames, axes: usize, k: usize) -> Self {
+        let links = PER_LINK * axes;
+        let (frame, axis, turns) = if k < links {
+            let (before, after) = (&frames.links[k / PER_LINK], &frames.links[k / PER_LINK + 1]);
+            match k % PER_LINK {
+                0 => (before, 2, true),
+                1 => (before, 2, false),
+                2 => (after, 0, false),
+                3 => (after, 0, true),
+                _ => (after, 1, true),
+            }
+        } else {
+            let component = (k - links) % PER_FRAME;
+            let frame = if k < links + PER_FRAME { &frames.links[0] } else { &frames.tcp };
+            (frame, component % 3, component >= 3)
+        };
+        let axis = frame.rotation.column(axis).into_owned();
+        match turns {
+            true => Self { g: axis.cross(&(frames.tcp.translation - frame.translation)), w: axis },
+            false => Self { g: axis, w: Vector3::zeros() },
+        }
+    }
+}
+
+/// The motions from the base out to the tool, by their places in the list of parameters.
+fn outwards(axes: usize) -> impl Iterator<Item = usize> {
+    let (base, tool) = (PER_LINK * axes, PER_LINK * axes + PER_FRAME);
+    let frame = |first: usize| [0, 1, 2, 5, 4, 3].map(|k| first + k);
+    frame(base).into_iter().chain(0..base).chain(frame(tool))
+}
+
+/// Eqs. (7)-(8): the sum of all motions.
+pub fn linear(frames: &Frames, errors: &Perturbation) -> Displacement {
+    let axes = errors.links().len();
+    let wrong = errors.sizes().iter().enumerate().filter(|(_, size)| **size != 0.0);
+    wrong.fold(Displacement::NONE, |sum, (k, size)| {
+        let Term { g, w } = Term::of(frames, axes, k);
+        sum + Displacement { position: g, rotation: w } * *size
+    })
+}
+
+/// Linear and quadratic terms: each motion is turned by those before it, and by half of itself.
+pub fn second_order(frames: &Frames, errors: &Perturbation) -> Displacement {
+    let axes = errors.links().len();
+    let (mut sum, mut turned) = (Displacement::NONE, Vector3::zeros());
+    for k in outwards(axes) {
+        let size = errors.sizes()[k];
+        if size != 0.0 {
+            let Term { g, w } = Term::of(frames, axes, k);
+            let (g, w) = (g * size, w * size);
+            sum.position += g + (turned + w / 2.0).cross(&g);
+            sum.rotation += w + turned.cross(&w) / 2.0;
+            turned += w;
+        }
+    }
+    sum
+}
+
+/// First and second derivatives of the TCP's pose by the parameters of one chain at one posture,
+/// base frame. Memory that is kept from posture to posture.
+#[derive(Debug, Clone)]
+pub struct Expansion {
+    axes: usize,
+    terms: [Term; MAX_PARAMETERS],
+    /// For every joint: the motions that a unit of its actuator error makes, and how large.
+    drives: Vec<Vec<(usize, f64)>>,
+}
+
+impl Expansion {
+    pub fn new(chain: &Chain) -> Self {
+        let axes = chain.axes();
+        let drives = (0..axes).map(|j| {
+            let driven = (j..axes).filter(|&i| chain.coupling[i][j] != 0.0);
+            let motion = |i: usize| match chain.links[i].kind {
+                JointKind::Revolute => PER_LINK * i,
+                JointKind::Prismatic => PER_LINK * i + 1,
+            };
+            driven.map(|i| (motion(i), chain.coupling[i][j])).collect()
+        });
+        Self { axes, terms: [Term::NONE; MAX_PARAMETERS], drives: drives.collect() }
+    }
+
+    /// Moves to another posture.
+    pub fn set(&mut self, frames: &Frames) {
+        let count = PER_LINK * self.axes + 2 * PER_FRAME;
+        for (k, term) in self.terms[..count].iter_mut().enumerate() {
+            *term = Term::of(frames, self.axes, k);
+        }
+    }
+
+    /// What a unit of the parameter moves, to first order.
+    pub fn first(&self, parameter: usize) -> Displacement {
+        self.motions(parameter).fold(Displacement::NONE, |sum, (k, size)| {
+            sum + Displacement { position: self.terms[k].g, rotation: self.terms[k].w } * size
+        })
+    }
+
+    /// Second derivative by two parameters: of the position, and of the rotation vector.
+    pub fn second(&self, a: usize, b: usize) -> Displacement {
+        let mut sum = Displacement::NONE;
+        for (j, size_j) in self.motions(a) {
+            for (k, size_k) in self.motions(b) {
+                let (j, k) = if self.place(j) <= self.place(k) { (j, k) } else { (k, j) };
+                let (w, later) = (self.terms[j].w, self.terms[k]);
+                let rotation = if j == k { Vector3::zeros() } else { w.cross(&later.w) / 2.0 };
+                sum = sum + Displacement { position: w.cross(&later.g), rotation } * (size_j * size_k);
+            }
+        }
+        sum
+    }
+
+    /// The motions that a unit of a parameter makes.
+    fn motions(&self, parameter: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let is_actuator = parameter < PER_LINK * self.axes && parameter % PER_LINK == 0;
+        let driven: &[_] = if is_actuator { &self.drives[parameter / PER_LINK] } else { &[] };
+        driven.iter().copied().chain((!is_actuator).then_some((parameter, 1.0)))
+    }
+
+    /// How far out along the chain a motion is.
+    fn place(&self, k: usize) -> usize {
+        let base = PER_LINK * self.axes;
+        let in_frame = |first: usize| [0, 1, 2, 5, 4, 3][k - first];
+        match k {
+            _ if k < base => PER_FRAME + k,
+            _ if k < base + PER_FRAME => in_frame(base),
+            _ => PER_FRAME + base + in_frame(base + PER_FRAME),
+        }
+    }
+}

@@ -1,0 +1,81 @@
+//! What a unit of every source does to the TCP, seen from the work.
+
+use super::{MAX_SOURCES, Sources};
+use crate::cell::Parameter;
+use crate::kinematic_error::Expansion;
+use crate::pose::{Displacement, Pose};
+use nalgebra::Vector3;
+
+/// First-order effect of a unit of each source on the TCP (base frame), and what the second order
+/// makes of their spread: the mean.
+#[derive(Debug, Clone)]
+pub struct Effects {
+    pub columns: [Displacement; MAX_SOURCES],
+    pub count: usize,
+    pub mean: Displacement,
+}
+
+impl Default for Effects {
+    fn default() -> Self {
+        Self { columns: [Displacement::NONE; MAX_SOURCES], count: 0, mean: Displacement::NONE }
+    }
+}
+
+impl Effects {
+    /// Of the robot at the posture of `expansion`; with `mean` the second-order mean too.
+    pub fn set(&mut self, sources: &Sources, expansion: &Expansion, mean: bool) {
+        self.count = sources.list.len();
+        for k in 0..self.count {
+            self.columns[k] = sources.robot_index(k).map_or(Displacement::NONE, |p| expansion.first(p));
+        }
+        self.mean = if mean { second_order_mean(sources, expansion) } else { Displacement::NONE };
+    }
+
+    /// Takes off what the equipment's own frame, at `work` in the base, does to the point `p`.
+    pub fn less_equipment(&mut self, sources: &Sources, equipment: usize, work: &Pose, p: &Vector3<f64>) {
+        for (k, source) in sources.list.iter().enumerate() {
+            if let Parameter::Equipment(e, c) = source.parameter
+                && e == equipment
+            {
+                let axis = work.rotation.column(c % 3).into_owned();
+                let moved = match c < 3 {
+                    true => Displacement { position: axis, rotation: Vector3::zeros() },
+                    false => Displacement { position: axis.cross(&(p - work.translation)), rotation: axis },
+                };
+                self.columns[k] = self.columns[k] - moved;
+            }
+        }
+    }
+
+    /// Takes off other effects, each changed by `change` first.
+    pub fn less(&mut self, other: &Effects, change: impl Fn(&Displacement) -> Displacement) {
+        for k in 0..self.count {
+            self.columns[k] = self.columns[k] - change(&other.columns[k]);
+        }
+        self.mean = self.mean - change(&other.mean);
+    }
+
+    /// The linear error of a sample, one value per source.
+    pub fn of_sample(&self, values: &[f64]) -> Displacement {
+        let columns = self.columns[..self.count].iter().zip(values);
+        columns.fold(Displacement::NONE, |sum, (column, value)| sum + *column * *value)
+    }
+}
+
+/// `1/2 sum_jk H_jk C_jk`: of independent sources the diagonal alone.
+fn second_order_mean(sources: &Sources, expansion: &Expansion) -> Displacement {
+    let mut mean = Displacement::NONE;
+    for (k, source) in sources.list.iter().enumerate().filter(|(_, s)| s.spread.is_some()) {
+        if let Some(p) = sources.robot_index(k) {
+            mean = mean + expansion.second(p, p) * (source.deviation * source.deviation / 2.0);
+        }
+    }
+    for factor in &sources.factors {
+        for (&(j, vj), &(k, vk)) in factor.iter().flat_map(|a| factor.iter().map(move |b| (a, b))) {
+            if let (Some(a), Some(b)) = (sources.robot_index(j), sources.robot_index(k)) {
+                mean = mean + expansion.second(a, b) * (vj * vk / 2.0);
+            }
+        }
+    }
+    mean
+}

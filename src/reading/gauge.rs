@@ -1,0 +1,338 @@
+//! What a posture is worth to an operation: one number for the search, every figure for the map.
+
+use super::norm::Norm;
+use super::registration::BestFit;
+use super::situation::{Sample, Situation, Theory};
+use super::sources::Sources;
+use super::worst_case::{WorstCase, by_model, farthest};
+use super::zonotope::{Farthest, Scratch};
+use super::{Effects, MAX_SOURCES, Measure};
+use crate::cell::{Cell, Model, Operation, Quantity, Reading, Registration, Sense};
+use crate::kinematic_error::{Expansion, position_error};
+use crate::pose::Displacement;
+use crate::robot::{Chain, Frames};
+use nalgebra::{Matrix3, Vector6};
+
+/// One operation's way to judge a posture.
+#[derive(Debug, Clone)]
+pub struct Gauge {
+    chain: Chain,
+    pub sources: Sources,
+    best_fit: Option<BestFit>,
+    pub sense: Sense,
+    /// Senses in which every node is reported: the paper's and the operation's own.
+    pub reported: Vec<Sense>,
+    pub model: Model,
+    pub reading: Reading,
+    pub quantity: Quantity,
+    pub limit: Option<f64>,
+    /// Turns world axes into the base frame.
+    pub world: Matrix3<f64>,
+    /// The signed sample, by the model of the cell.
+    signed_values: Vec<f64>,
+    signed: Sample,
+    /// Whether the position error of the TCP in world axes is all that counts.
+    plain: bool,
+}
+
+/// Memory kept from posture to posture.
+pub struct Memory {
+    expansion: Expansion,
+    effects: Effects,
+    columns: [Vector6<f64>; MAX_SOURCES],
+    kurtosis: [f64; MAX_SOURCES],
+    scratch: Scratch,
+}
+
+impl Memory {
+    pub fn expansion(&mut self) -> &mut Expansion {
+        &mut self.expansion
+    }
+
+    /// The effects of the posture last prepared.
+    pub fn effects(&self) -> &Effects {
+        &self.effects
+    }
+}
+
+/// Every figure of one sense at one posture, m or rad.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Figures {
+    /// Of the sample: the signed one, or the corner that is worst in the operation's sense.
+    pub error: f64,
+    /// Worst case by the linear model (exact), and of the chosen model.
+    pub worst_linear: f64,
+    pub worst: f64,
+    pub rms: f64,
+    pub mean: f64,
+    pub p95: f64,
+    pub p99: f64,
+}
+
+impl Figures {
+    /// What a reading asks for; of a yield, which belongs to a limit, the 95th percentile.
+    pub fn in_reading(&self, reading: Reading, quantity: Quantity) -> f64 {
+        match (reading, quantity) {
+            (Reading::Signed, _) => self.error,
+            (Reading::WorstCase, _) => self.worst,
+            (Reading::Statistical, Quantity::Rms) => self.rms,
+            (Reading::Statistical, Quantity::Mean) => self.mean,
+            (Reading::Statistical, Quantity::P99) => self.p99,
+            (Reading::Statistical, Quantity::P95 | Quantity::Yield) => self.p95,
+        }
+    }
+}
+
+/// Everything known of one posture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Judgement {
+    /// What the search makes small: an error (m or rad), or a share of failures.
+    pub value: f64,
+    /// By the model of the cell, of the sample; base frame.
+    pub error: Displacement,
+    /// The same by each model.
+    pub nonlinear: Displacement,
+    pub linear: Displacement,
+    pub second_order: Displacement,
+    /// One per sense of [`Gauge::reported`].
+    pub figures: Vec<Figures>,
+    /// P(|error| <= limit), of an operation with a limit.
+    pub success: Option<f64>,
+}
+
+impl Gauge {
+    pub fn new(cell: &Cell, operation: &Operation) -> Self {
+        let chain = Chain::new(&cell.robot);
+        let other = operation.relative_to.map(|k| cell.operations[k].equipment);
+        let sources = Sources::new(cell, operation.equipment, other);
+        let mean = cell.model != Model::Linear;
+        let fits = cell.registration == Registration::BestFit;
+        let best_fit = fits.then(|| BestFit::new(&chain, &sources, mean));
+        let mut reported = Sense::paper();
+        if !reported.contains(&operation.sense) {
+            reported.push(operation.sense.clone());
+        }
+        let signed_values = sources.signed();
+        let theory = Theory { chain: &chain, sources: &sources, best_fit: best_fit.as_ref() };
+        let signed = theory.sample(&signed_values, cell.model);
+        let (s, c) = cell.base.yaw.sin_cos();
+        let placed = [Some(operation.equipment), other];
+        let still = placed.into_iter().flatten().all(|e| cell.equipment[e].errors.is_none());
+        let plain = cell.registration == Registration::None
+            && still
+            && other.is_none()
+            && operation.sense.is_of_position();
+        Self {
+            sense: operation.sense.clone(),
+            reported,
+            model: cell.model,
+            reading: cell.reading,
+            quantity: cell.quantity,
+            limit: operation.limit,
+            world: Matrix3::new(c, s, 0.0, -s, c, 0.0, 0.0, 0.0, 1.0),
+            chain,
+            sources,
+            best_fit,
+            signed_values,
+            signed,
+            plain,
+        }
+    }
+
+    pub fn memory(&self) -> Memory {
+        Memory {
+            expansion: Expansion::new(&self.chain),
+            effects: Effects::default(),
+            columns: [Vector6::zeros(); MAX_SOURCES],
+            kurtosis: [0.0; MAX_SOURCES],
+            scratch: Scratch::default(),
+        }
+    }
+
+    pub fn theory(&self) -> Theory<'_> {
+        Theory { chain: &self.chain, sources: &self.sources, best_fit: self.best_fit.as_ref() }
+    }
+
+    /// Whether second-order means count.
+    pub fn takes_mean(&self) -> bool {
+        self.model != Model::Linear
+    }
+
+    pub fn measure(&self, sense: &Sense, situation: &Situation, frames: &Frames) -> Measure {
+        Measure::new(sense, frames, &self.world, &situation.site.work.rotation)
+    }
+
+    /// What the search makes small: an error (m or rad), or a share of failures.
+    pub fn value(&self, situation: &Situation, frames: &Frames, memory: &mut Memory) -> f64 {
+        match self.reading {
+            Reading::Signed if self.plain => {
+                let e = position_error(frames, self.signed.errors(), self.model);
+                self.size_of_position(&e)
+            }
+            Reading::Signed => {
+                let error = self.signed_error(situation, frames, self.model, memory);
+                self.measure(&self.sense, situation, frames).size(&error)
+            }
+            Reading::WorstCase => {
+                self.prepare(situation, frames, memory);
+                self.worst(&self.sense, situation, frames, memory).by_model
+            }
+            Reading::Statistical => {
+                self.prepare(situation, frames, memory);
+                let norm = self.norm(&self.sense, situation, frames, memory);
+                match self.quantity {
+                    Quantity::Rms => norm.rms(),
+                    Quantity::Mean => norm.mean(),
+                    Quantity::P95 => norm.quantile(0.95),
+                    Quantity::P99 => norm.quantile(0.99),
+                    Quantity::Yield => 1.0 - self.limit.map_or(1.0, |limit| norm.cdf(limit)),
+                }
+            }
+        }
+    }
+
+    /// Rows of a plain sense on a position error of the base frame.
+    fn size_of_position(&self, e: &nalgebra::Vector3<f64>) -> f64 {
+        let world = self.world.transpose() * e;
+        self.sense.rows().iter().map(|row| row.direction.dot(&world).powi(2)).sum::<f64>().sqrt()
+    }
+
+    /// The error of the signed sample by any model.
+    fn signed_error(
+        &self,
+        situation: &Situation,
+        frames: &Frames,
+        model: Model,
+        memory: &mut Memory,
+    ) -> Displacement {
+        if model == self.model && model != Model::Linear {
+            return self.theory().error(situation, frames, &self.signed, model);
+        }
+        self.error_of(&self.signed_values, situation, frames, model, memory)
+    }
+
+    /// The error of a sample by a model, one value per source, base frame.
+    pub fn error_of(
+        &self,
+        values: &[f64],
+        situation: &Situation,
+        frames: &Frames,
+        model: Model,
+        memory: &mut Memory,
+    ) -> Displacement {
+        let theory = self.theory();
+        if model == Model::Linear {
+            theory.effects(situation, frames, &mut memory.expansion, false, &mut memory.effects);
+            return memory.effects.of_sample(values);
+        }
+        theory.error(situation, frames, &theory.sample(values, model), model)
+    }
+
+    /// Effects at a posture, for every sense at once.
+    pub fn prepare(&self, situation: &Situation, frames: &Frames, memory: &mut Memory) {
+        let mean = self.takes_mean();
+        self.theory().effects(situation, frames, &mut memory.expansion, mean, &mut memory.effects);
+    }
+
+    /// The worst case in a sense; after [`Self::prepare`].
+    pub fn worst(
+        &self,
+        sense: &Sense,
+        situation: &Situation,
+        frames: &Frames,
+        memory: &mut Memory,
+    ) -> WorstCase {
+        let measure = self.measure(sense, situation, frames);
+        let n = self.sources.list.len();
+        let (linear, corner) = self.linear_corner(&measure, memory);
+        let columns = &memory.columns[..n];
+        if self.model == Model::Linear {
+            let exact = linear.upper <= linear.value;
+            let linear = linear.upper.max(linear.value);
+            return WorstCase { linear, exact, by_model: linear, corner };
+        }
+        let theory = self.theory();
+        by_model(columns, &linear, corner, |signs| {
+            let mut values = [0.0; MAX_SOURCES];
+            self.corner(signs, &mut values);
+            let sample = theory.sample(&values[..n], self.model);
+            measure.size(&theory.error(situation, frames, &sample, self.model))
+        })
+    }
+
+    /// The farthest corner by the linear model, one sign per source; after [`Self::prepare`].
+    pub fn linear_corner(&self, measure: &Measure, memory: &mut Memory) -> (Farthest, [f64; MAX_SOURCES]) {
+        for (k, source) in self.sources.list.iter().enumerate() {
+            memory.columns[k] = measure.column(&(memory.effects.columns[k] * source.plus_minus));
+        }
+        let mut corner = [0.0; MAX_SOURCES];
+        let n = self.sources.list.len();
+        let found = farthest(&memory.columns[..n], measure.rows(), &mut memory.scratch, &mut corner[..n]);
+        (found, corner)
+    }
+
+    /// Values of the sources at a corner of the box.
+    pub fn corner(&self, signs: &[f64], values: &mut [f64]) {
+        for ((value, source), sign) in values.iter_mut().zip(&self.sources.list).zip(signs) {
+            *value = source.plus_minus * sign;
+        }
+    }
+
+    /// The distribution of the error's size in a sense; after [`Self::prepare`].
+    pub fn norm(&self, sense: &Sense, situation: &Situation, frames: &Frames, memory: &mut Memory) -> Norm {
+        let measure = self.measure(sense, situation, frames);
+        let mut n = 0;
+        let Memory { effects, columns, kurtosis, .. } = memory;
+        self.sources.independent(effects, |effect, excess| {
+            (columns[n], kurtosis[n]) = (measure.column(&effect), excess);
+            n += 1;
+        });
+        Norm::new(measure.rows(), &columns[..n], &kurtosis[..n], &measure.column(&effects.mean))
+    }
+
+    /// Everything about a posture, in every reported sense.
+    pub fn judge(&self, situation: &Situation, frames: &Frames, memory: &mut Memory) -> Judgement {
+        self.prepare(situation, frames, memory);
+        let each = |sense: &Sense| self.worst(sense, situation, frames, memory);
+        let worst: Vec<_> = self.reported.iter().map(each).collect();
+        let each = |sense: &Sense| self.norm(sense, situation, frames, memory);
+        let norms: Vec<_> = self.reported.iter().map(each).collect();
+        let own = self.own();
+        let success = self.limit.map(|limit| norms[own].cdf(limit));
+        let mut values = [0.0; MAX_SOURCES];
+        match self.reading {
+            Reading::Signed => values[..self.signed_values.len()].copy_from_slice(&self.signed_values),
+            _ => self.corner(&worst[own].corner, &mut values),
+        }
+        let values = &values[..self.sources.list.len()];
+        let [nonlinear, linear, second_order] = [Model::Nonlinear, Model::Linear, Model::SecondOrder]
+            .map(|model| self.error_of(values, situation, frames, model, memory));
+        let error = match self.model {
+            Model::Nonlinear => nonlinear,
+            Model::Linear => linear,
+            Model::SecondOrder => second_order,
+        };
+        let figures =
+            self.reported.iter().zip(worst.iter().zip(&norms)).map(|(sense, (worst, norm))| Figures {
+                error: self.measure(sense, situation, frames).size(&error),
+                worst_linear: worst.linear,
+                worst: worst.by_model,
+                rms: norm.rms(),
+                mean: norm.mean(),
+                p95: norm.quantile(0.95),
+                p99: norm.quantile(0.99),
+            });
+        let figures: Vec<Figures> = figures.collect();
+        let value = match (self.reading, self.quantity) {
+            (Reading::Signed, _) => self.value(situation, frames, memory),
+            (Reading::Statistical, Quantity::Yield) => 1.0 - success.unwrap_or(1.0),
+            (reading, quantity) => figures[own].in_reading(reading, quantity),
+        };
+        Judgement { value, error, nonlinear, linear, second_order, figures, success }
+    }
+
+    /// Place of the operation's sense among the reported ones.
+    pub fn own(&self) -> usize {
+        self.reported.iter().position(|s| *s == self.sense).unwrap_or(0)
+    }
+}

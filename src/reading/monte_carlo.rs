@@ -1,0 +1,175 @@
+//! The judge of the statistical reading: samples through the nonlinear model.
+//!
+//! Quasi-random points (Richtmyer: multiples of the square roots of primes) in replicates, each
+//! shifted at random from an explicit seed. How the replicates differ gives the interval.
+
+use super::situation::Situation;
+use super::{Figures, Gauge};
+use crate::cell::{Distribution, Model, Spread};
+use crate::robot::Frames;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+use statrs::function::erf::erfc_inv;
+
+/// Independently shifted replicates.
+const REPLICATES: usize = 32;
+
+/// Student's t for 97.5 % and 31 degrees of freedom.
+const STUDENT: f64 = 2.039_513_446;
+
+/// The first-order figure holds if it is within the interval, or this near as a share.
+pub const NEAR: f64 = 0.01;
+
+/// A figure with its 95 % interval.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Estimate {
+    pub value: f64,
+    pub low: f64,
+    pub high: f64,
+}
+
+impl Estimate {
+    /// Whether a figure agrees: inside the interval, or within [`NEAR`] of the value.
+    pub fn agrees(&self, figure: f64) -> bool {
+        (self.low..=self.high).contains(&figure) || (figure - self.value).abs() <= NEAR * self.value.abs()
+    }
+}
+
+/// What the samples say of the error's size in a sense, m or rad.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MonteCarlo {
+    pub samples: usize,
+    pub rms: Estimate,
+    pub mean: Estimate,
+    pub p95: Estimate,
+    pub p99: Estimate,
+    /// P(|error| <= limit), of an operation with a limit.
+    pub success: Option<Estimate>,
+    /// Share of samples that exceed the p95 asked about.
+    pub above: Estimate,
+}
+
+impl MonteCarlo {
+    /// Whether the first-order figures hold.
+    pub fn confirms(&self, first_order: &Figures) -> bool {
+        let pairs = [
+            (self.rms, first_order.rms),
+            (self.mean, first_order.mean),
+            (self.p95, first_order.p95),
+            (self.p99, first_order.p99),
+        ];
+        pairs.iter().all(|(estimate, figure)| estimate.agrees(*figure))
+    }
+}
+
+/// Samples the error in the operation's sense at one posture by the nonlinear model; `p95` is the
+/// first-order figure whose coverage is wanted.
+pub fn monte_carlo(
+    gauge: &Gauge,
+    situation: &Situation,
+    frames: &Frames,
+    samples: usize,
+    seed: u64,
+    p95: f64,
+) -> MonteCarlo {
+    let each = samples.div_ceil(REPLICATES).max(1);
+    let measure = gauge.measure(&gauge.sense, situation, frames);
+    let theory = gauge.theory();
+    let replicate = |r: usize| {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        rng.set_stream(r as u64);
+        let mut points = Points::new(gauge, &mut rng);
+        let mut sizes: Vec<f64> = (0..each)
+            .map(|_| {
+                let sample = theory.sample(points.next(), Model::Nonlinear);
+                measure.size(&theory.error(situation, frames, &sample, Model::Nonlinear))
+            })
+            .collect();
+        sizes.sort_by(f64::total_cmp);
+        sizes
+    };
+    let replicates: Vec<Vec<f64>> = (0..REPLICATES).into_par_iter().map(replicate).collect();
+    let mut all: Vec<f64> = replicates.iter().flatten().copied().collect();
+    all.sort_by(f64::total_cmp);
+    let estimate = |figure: &dyn Fn(&[f64]) -> f64| {
+        let value = figure(&all);
+        let values: Vec<f64> = replicates.iter().map(|r| figure(r)).collect();
+        let mean = values.iter().sum::<f64>() / REPLICATES as f64;
+        let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (REPLICATES - 1) as f64;
+        let half = STUDENT * (variance / REPLICATES as f64).sqrt();
+        Estimate { value, low: value - half, high: value + half }
+    };
+    let share =
+        |sizes: &[f64], limit: f64| sizes.partition_point(|v| *v <= limit) as f64 / sizes.len() as f64;
+    MonteCarlo {
+        samples: all.len(),
+        rms: estimate(&|s| (s.iter().map(|v| v * v).sum::<f64>() / s.len() as f64).sqrt()),
+        mean: estimate(&|s| s.iter().sum::<f64>() / s.len() as f64),
+        p95: estimate(&|s| percentile(s, 0.95)),
+        p99: estimate(&|s| percentile(s, 0.99)),
+        success: gauge.limit.map(|limit| estimate(&|s| share(s, limit))),
+        above: estimate(&|s| 1.0 - share(s, p95)),
+    }
+}
+
+/// Of sorted values, between ranks (Hazen).
+fn percentile(sorted: &[f64], p: f64) -> f64 {
+    let at = (p * sorted.len() as f64 - 0.5).clamp(0.0, (sorted.len() - 1) as f64);
+    let (k, f) = (at.floor() as usize, at.fract());
+    let next = sorted[(k + 1).min(sorted.len() - 1)];
+    sorted[k] + (next - sorted[k]) * f
+}
+
+/// A stream of samples, one value per source.
+struct Points<'a> {
+    gauge: &'a Gauge,
+    /// Where each dimension is in the unit interval, and its step.
+    at: Vec<(f64, f64)>,
+    values: Vec<f64>,
+}
+
+impl<'a> Points<'a> {
+    fn new(gauge: &'a Gauge, rng: &mut ChaCha8Rng) -> Self {
+        let sources = &gauge.sources;
+        let dimensions = sources.list.len() + sources.factors.len();
+        let at = primes(dimensions).map(|p| (rng.random::<f64>(), f64::from(p).sqrt().fract())).collect();
+        Self { gauge, at, values: vec![0.0; sources.list.len()] }
+    }
+
+    fn next(&mut self) -> &[f64] {
+        for (at, step) in &mut self.at {
+            *at = (*at + *step).fract();
+        }
+        let sources = &self.gauge.sources;
+        let (own, factors) = self.at.split_at(sources.list.len());
+        for ((value, source), (u, _)) in self.values.iter_mut().zip(&sources.list).zip(own) {
+            *value = source.spread.map_or(0.0, |spread| drawn(&spread, *u));
+        }
+        for (factor, (u, _)) in sources.factors.iter().zip(factors) {
+            let z = normal(*u);
+            factor.iter().for_each(|&(k, v)| self.values[k] += v * z);
+        }
+        &self.values
+    }
+}
+
+/// The value of a spread at a probability.
+fn drawn(spread: &Spread, u: f64) -> f64 {
+    match spread.distribution {
+        Distribution::Normal => spread.deviation() * normal(u),
+        Distribution::Uniform => spread.plus_minus * (2.0 * u - 1.0),
+        Distribution::Triangular if u < 0.5 => spread.plus_minus * ((2.0 * u).sqrt() - 1.0),
+        Distribution::Triangular => spread.plus_minus * (1.0 - (2.0 - 2.0 * u).sqrt()),
+    }
+}
+
+/// Quantile of the standard normal distribution; the ends of the interval stay finite.
+fn normal(u: f64) -> f64 {
+    -std::f64::consts::SQRT_2 * erfc_inv(2.0 * u.clamp(1e-16, 1.0 - 1e-16))
+}
+
+fn primes(count: usize) -> impl Iterator<Item = u32> {
+    let is_prime = |n: &u32| (2..*n).take_while(|d| d * d <= *n).all(|d| n % d != 0);
+    (2u32..).filter(is_prime).take(count)
+}

@@ -1,0 +1,116 @@
+//! The squared norm `Q = |e|^2` of a nearly normal vector `e`, known by its Laplace transform.
+//!
+//! In the eigenbasis of the covariance, with eigenvalues `l_i`, mean components `mu_i` and
+//! `r_i = 1 / (1 + 2 l_i z)`,
+//!
+//! ```text
+//! L(z) = E exp(-z Q) = prod_i sqrt(r_i) exp(-mu_i^2 z r_i)
+//! ```
+
+use super::fourth::{Axes, Fourth};
+use super::jacobi::{covariance, diagonalize};
+use nalgebra::{Complex, Vector6};
+
+/// Eigenvalues below this part of the trace are rounding.
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
+/// Smaller than any error is.
+const TINY: f64 = 1e-300;
+
+/// The transform, in the unit in which the normal part has `E Q = 1`.
+#[derive(Default)]
+pub struct Spectrum {
+    /// Eigenvalues above zero, how many they are, and the squares of the mean along them.
+    pub rank: usize,
+    pub l: [f64; 6],
+    pub mean2: [f64; 6],
+    /// What the mean adds to Q where nothing varies, and all that it adds.
+    pub shift: f64,
+    pub square: f64,
+    /// `sum mu_i^2 / l_i`.
+    pub noncentrality: f64,
+    pub fourth: Option<Fourth>,
+}
+
+impl Spectrum {
+    /// The spectrum and its unit of length; None if `e` is zero.
+    pub fn new(
+        m: usize,
+        columns: &[Vector6<f64>],
+        kurtosis: &[f64],
+        mean: &Vector6<f64>,
+    ) -> Option<(Self, f64)> {
+        let m = m.clamp(1, 6);
+        let largest = |v: &Vector6<f64>| v.as_slice()[..m].iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+        let size = columns.iter().map(largest).fold(largest(mean), f64::max);
+        if size < TINY {
+            return None;
+        }
+        let mut s = covariance(m, columns, 1.0 / size);
+        let trace: f64 = (0..m).map(|i| s[i][i]).sum();
+        let square: f64 = (0..m).map(|i| (mean[i] / size).powi(2)).sum();
+        let axes = diagonalize(m, &mut s);
+        let unit = (trace + square).sqrt();
+        let mut this = Self { square: square / (unit * unit), ..Self::default() };
+        let (mut varying, mut mu) = ([[0.0; 6]; 6], [0.0; 6]);
+        let floor = (ROUNDING * trace).max(1e-30 * square);
+        for (i, axis) in axes.iter().enumerate().take(m) {
+            let along = (0..m).map(|j| axis[j] * mean[j]).sum::<f64>() / size / unit;
+            if s[i][i] <= floor {
+                this.shift += along * along;
+                continue;
+            }
+            let (k, l) = (this.rank, s[i][i] / (unit * unit));
+            (this.l[k], this.mean2[k]) = (l, along * along);
+            this.noncentrality += along * along / l;
+            (varying[k], mu[k]) = (*axis, along);
+            this.rank += 1;
+        }
+        let to_axes = Axes { rows: &varying[..this.rank], m, scale: 1.0 / size / unit };
+        this.fourth = Fourth::new(&to_axes, columns, kurtosis, &mu);
+        Some((this, size * unit))
+    }
+
+    /// Cumulants 1 to 3 of `Q - shift`; the fourth cumulant of `e` counts in the second.
+    pub fn cumulants(&self) -> [f64; 3] {
+        let mut k = [0.0; 3];
+        for (l, mean2) in self.varying() {
+            k[0] += l + mean2;
+            k[1] += 2.0 * l * (l + 2.0 * mean2);
+            k[2] += 8.0 * l * l * (l + 3.0 * mean2);
+        }
+        let more = self.fourth.as_ref().map_or(0.0, Fourth::variance);
+        let ratio = ((k[1] + more) / k[1]).max(0.05);
+        [k[0], k[1] * ratio, k[2] * ratio * ratio.sqrt()]
+    }
+
+    /// Eigenvalue and square of the mean along each axis that varies.
+    pub fn varying(&self) -> impl Iterator<Item = (f64, f64)> {
+        self.l.iter().copied().zip(self.mean2).take(self.rank)
+    }
+
+    /// The transform without a mean, `prod_i sqrt(r_i)`, all parameters normal.
+    pub fn central(&self, z: Complex<f64>) -> Complex<f64> {
+        let one = Complex::new(1.0, 0.0);
+        self.varying().fold(one, |product, (l, _)| product * principal_root(1.0 + 2.0 * l * z)).inv()
+    }
+
+    /// `(h, f)`: the transform is `central(z) exp(h - |mu|^2 z) f`; `h = sum 2 l_i mu_i^2 z^2 r_i` is what
+    /// a mean and a variance along the same axis make together, `f` is due to the fourth cumulants.
+    pub fn factors(&self, z: Complex<f64>) -> (Complex<f64>, Complex<f64>) {
+        let mut h = Complex::new(0.0, 0.0);
+        let mut zr = [h; 6];
+        for (i, (l, mean2)) in self.varying().enumerate() {
+            let w = 1.0 + 2.0 * l * z;
+            zr[i] = z * w.conj() / w.norm_sqr();
+            h += 2.0 * l * mean2 * (z * zr[i]);
+        }
+        (h, self.fourth.as_ref().map_or(Complex::new(1.0, 0.0), |f| f.factor(&zr[..self.rank])))
+    }
+}
+
+/// Root with a real part that is not negative.
+fn principal_root(w: Complex<f64>) -> Complex<f64> {
+    let t = (0.5 * (w.re.abs() + (w.re * w.re + w.im * w.im).sqrt())).sqrt();
+    let other = 0.5 * w.im / t;
+    if w.re >= 0.0 { Complex::new(t, other) } else { Complex::new(other.abs(), t.copysign(w.im)) }
+}

@@ -1,0 +1,149 @@
+//! What is wrong, as one list: parameters of the robot and of the equipment with their sample, their
+//! tolerance and their spread.
+
+use super::Effects;
+use crate::cell::{Cell, ErrorSet, MAX_PARAMETERS, PER_FRAME, Parameter, Registration, Spread, Tolerance};
+use crate::kinematic_error::{FrameError, Perturbation};
+use crate::pose::Displacement;
+use crate::robot::Chain;
+use nalgebra::DMatrix;
+
+/// Most sources of one operation: the robot's and those of two pieces of equipment.
+pub const MAX_SOURCES: usize = MAX_PARAMETERS + 2 * PER_FRAME;
+
+/// One parameter that can be wrong.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Source {
+    pub parameter: Parameter,
+    /// Its value in the signed sample (m or rad); 0 of a tolerance.
+    pub signed: f64,
+    /// Half width of its tolerance.
+    pub plus_minus: f64,
+    /// Standard deviation and fourth cumulant of the parameter scaled to unit variance.
+    pub deviation: f64,
+    pub kurtosis: f64,
+    /// How it is drawn: its spread; None if it varies together with others.
+    pub spread: Option<Spread>,
+    /// Its place among the parameters of the robot.
+    robot: Option<usize>,
+}
+
+/// The sources of one operation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sources {
+    pub list: Vec<Source>,
+    /// Independent normal factors of those that vary together: (source, value at one standard
+    /// deviation of the factor).
+    pub factors: Vec<Vec<(usize, f64)>>,
+    parameters: usize,
+    /// The equipment that takes part.
+    at: [Option<usize>; 2],
+}
+
+impl Sources {
+    /// The sources that an operation on `equipment` feels, with a part from `other`.
+    pub fn new(cell: &Cell, equipment: usize, other: Option<usize>) -> Self {
+        let at = [Some(equipment), other.filter(|o| *o != equipment)];
+        let axes = cell.robot.axes();
+        let set = cell.error_set();
+        let (tolerance, signed) = (set.tolerance(), signed_values(set, axes));
+        let mut list = Vec::new();
+        let mut place = vec![None; signed.len()];
+        for (k, parameter) in Parameter::of_robot(axes).enumerate() {
+            let (spread, signed) = (tolerance.spreads[k], signed[k]);
+            if spread.plus_minus > 0.0 {
+                place[k] = Some(list.len());
+                list.push(Source { robot: Some(k), ..Source::new(parameter, signed, spread) });
+            }
+        }
+        // A taught frame moves with the equipment.
+        for e in at.into_iter().flatten().filter(|_| cell.registration != Registration::Taught) {
+            let Some(errors) = &cell.equipment[e].errors else { continue };
+            let spreads = errors.tolerance();
+            for (c, spread) in spreads.into_iter().enumerate().filter(|(_, s)| s.plus_minus > 0.0) {
+                let signed = errors.signed().map_or(0.0, |values| values[c]);
+                list.push(Source::new(Parameter::Equipment(e, c), signed, spread));
+            }
+        }
+        let factors = factors(&tolerance, &place);
+        factors.iter().flatten().for_each(|&(k, _)| list[k].spread = None);
+        Self { list, factors, parameters: signed.len(), at }
+    }
+
+    /// The signed sample.
+    pub fn signed(&self) -> Vec<f64> {
+        self.list.iter().map(|s| s.signed).collect()
+    }
+
+    /// The robot's part of a sample given as one value per source.
+    pub fn perturbation(&self, chain: &Chain, values: &[f64]) -> Perturbation {
+        let mut all = [0.0; MAX_PARAMETERS];
+        for (source, value) in self.list.iter().zip(values) {
+            source.robot.into_iter().for_each(|k| all[k] = *value);
+        }
+        Perturbation::of_values(chain, &all[..self.parameters])
+    }
+
+    /// The errors of the equipment's frames in a sample, with the index of each.
+    pub fn equipment(&self, values: &[f64]) -> [Option<(usize, FrameError)>; 2] {
+        let error = |wanted: usize| {
+            let mut all = [0.0; PER_FRAME];
+            for (source, value) in self.list.iter().zip(values) {
+                match source.parameter {
+                    Parameter::Equipment(e, c) if e == wanted => all[c] = *value,
+                    _ => {}
+                }
+            }
+            FrameError::new(&all).map(|error| (wanted, error))
+        };
+        self.at.map(|e| e.and_then(error))
+    }
+
+    /// Calls `add` with every independent random factor: what it does at one standard deviation,
+    /// and its excess kurtosis.
+    pub fn independent(&self, effects: &Effects, mut add: impl FnMut(Displacement, f64)) {
+        for (k, source) in self.list.iter().enumerate().filter(|(_, s)| s.spread.is_some()) {
+            add(effects.columns[k] * source.deviation, source.kurtosis);
+        }
+        for factor in &self.factors {
+            let moved = factor.iter().fold(Displacement::NONE, |sum, &(k, v)| sum + effects.columns[k] * v);
+            add(moved, 0.0);
+        }
+    }
+
+    pub fn robot_index(&self, source: usize) -> Option<usize> {
+        self.list[source].robot
+    }
+}
+
+impl Source {
+    fn new(parameter: Parameter, signed: f64, spread: Spread) -> Self {
+        let (deviation, kurtosis) = (spread.deviation(), spread.distribution.excess_kurtosis());
+        let (plus_minus, spread) = (spread.plus_minus, Some(spread));
+        Self { parameter, signed, plus_minus, deviation, kurtosis, spread, robot: None }
+    }
+}
+
+fn signed_values(set: &ErrorSet, axes: usize) -> Vec<f64> {
+    match set {
+        ErrorSet::Signed(errors) => errors.values(),
+        ErrorSet::Tolerance(_) => vec![0.0; Parameter::count(axes)],
+    }
+}
+
+/// Principal axes of the covariance: `C = sum_f v_f v_f^T`.
+fn factors(tolerance: &Tolerance, place: &[Option<usize>]) -> Vec<Vec<(usize, f64)>> {
+    let Some(covariance) = &tolerance.covariance else { return Vec::new() };
+    let matrix: DMatrix<f64> = covariance.matrix.clone();
+    let eigen = matrix.symmetric_eigen();
+    let factor = |f: usize| {
+        let deviation = eigen.eigenvalues[f].max(0.0).sqrt();
+        let entry = |(row, &parameter): (usize, &usize)| {
+            Some((place[parameter]?, eigen.eigenvectors[(row, f)] * deviation))
+        };
+        covariance.parameters.iter().enumerate().filter_map(entry).collect::<Vec<_>>()
+    };
+    let largest = eigen.eigenvalues.iter().copied().fold(0.0, f64::max);
+    let real = (0..eigen.eigenvalues.len()).filter(|&f| eigen.eigenvalues[f] > 1e-15 * largest);
+    real.map(factor).collect()
+}

@@ -1,0 +1,7 @@
+//! The readings of the errors against brute force, sampling, closed forms and other people's figures.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod zonotope;
