@@ -69,6 +69,7 @@ fn node(c: &mut Criterion) {
         })
     });
     let posture = chain.posture(&[0.3, 0.2, 0.1, -0.4, 0.0, 0.0, 0.0, 0.0]);
+    c.bench_function("frames", |b| b.iter(|| chain.place(black_box(&posture), black_box(&mut frames))));
     for model in Model::ALL {
         c.bench_function(&format!("frames and position error: {}", model.name()), |b| {
             b.iter(|| {

@@ -2,10 +2,11 @@
 //!
 //! Nothing here is fitted to moments: `P(|e| <= c)` is the inverse Laplace transform of that of
 //! `|e|^2`, good to 1e-10 for normal parameters, whatever the ratios of the eigenvalues. Parameters
-//! that are not normal enter by their fourth cumulants, to first order.
+//! that are not normal enter by their fourth and sixth cumulants, to second order: ten uniform ones
+//! in space come out within 0.2 %, five within 3 %, fewer are not meant.
 
 mod bromwich;
-mod fourth;
+mod cumulants;
 mod jacobi;
 mod spectrum;
 
@@ -24,7 +25,8 @@ pub struct Norm {
 
 impl Norm {
     /// `columns`: effect of each unit-variance parameter, of which the first `m` rows count;
-    /// `kurtosis`: their excess kurtosis (0 where the slice ends early); `mean`: the mean of `e`.
+    /// `kurtosis`: their excess kurtosis (0 where the slice ends early), a negative one that of a sum of
+    /// alike uniform parameters (-1.2 uniform, -0.6 triangular); `mean`: the mean of `e`.
     pub fn new(m: usize, columns: &[Vector6<f64>], kurtosis: &[f64], mean: &Vector6<f64>) -> Self {
         match Spectrum::new(m, columns, kurtosis, mean) {
             None => Self { spectrum: None, unit: 0.0 },
@@ -41,7 +43,7 @@ impl Norm {
     /// whose tails are geometric series.
     pub fn mean(&self) -> f64 {
         let Some(spectrum) = &self.spectrum else { return self.unit };
-        let step = if spectrum.noncentrality + spectrum.shift > 0.01 { 0.4 } else { 0.8 };
+        let step = if spectrum.noncentrality + spectrum.shift > 0.01 { 0.4 } else { 0.6 };
         let (first, last) = ((-11.0 / step) as i32, (26.0 / step) as i32);
         let mut sum = 0.0;
         for k in first..=last {
@@ -82,7 +84,7 @@ impl Norm {
     /// only makes a component larger. 0 unless all parameters are normal.
     pub fn quantile_bound(&self, p: f64) -> f64 {
         let Some(spectrum) = &self.spectrum else { return self.unit };
-        if spectrum.fourth.is_some() || p <= 0.0 {
+        if spectrum.correction.is_some() || p <= 0.0 {
             return 0.0;
         }
         let largest = spectrum.l.iter().fold(0.0, |a: f64, &b| a.max(b));

@@ -51,6 +51,8 @@ pub struct Chain {
     pub coupling: Vec<Vec<f64>>,
     /// Mechanical interface to TCP.
     pub tool: Pose,
+    /// Whether the tool is turned against the mechanical interface.
+    turned_tool: bool,
     /// Unit vector in the frame of the TCP.
     pub tool_axis: Vector3<f64>,
 }
@@ -66,6 +68,7 @@ impl Chain {
             links: links.collect(),
             coupling: robot.coupling.clone(),
             tool: robot.tool,
+            turned_tool: robot.tool.rotation != Matrix3::identity(),
             tool_axis: robot.tool_axis,
         }
     }
@@ -104,7 +107,10 @@ impl Chain {
             t = step(&t, link, posture.cos[i], posture.sin[i], posture.r[i]);
             frames.links[i + 1] = t;
         }
-        frames.tcp = t * self.tool;
+        frames.tcp = match self.turned_tool {
+            true => t * self.tool,
+            false => Pose { translation: t.transform(&self.tool.translation), ..t },
+        };
     }
 
     /// Eq. (2) with the tool: the pose of the TCP in the base.
@@ -114,13 +120,19 @@ impl Chain {
 }
 
 /// `T A` for one link, using the zeros of `A`.
+#[inline]
 fn step(t: &Pose, link: &Link, c: f64, s: f64, r: f64) -> Pose {
     let (x, y, z) = (t.rotation.column(0), t.rotation.column(1), t.rotation.column(2));
     let x1 = x * c + y * s;
     let y1 = y * c - x * s;
-    let (ca, sa) = (link.cos_alpha, link.sin_alpha);
+    // Parallel and right-angled axes are most of all links.
+    let (y2, z2) = match (link.cos_alpha, link.sin_alpha) {
+        (1.0, 0.0) => (y1, z.into_owned()),
+        (0.0, sa) => (z * sa, y1 * -sa),
+        (ca, sa) => (y1 * ca + z * sa, z * ca - y1 * sa),
+    };
     Pose {
-        rotation: Matrix3::from_columns(&[x1, y1 * ca + z * sa, z * ca - y1 * sa]),
+        rotation: Matrix3::from_columns(&[x1, y2, z2]),
         translation: t.translation + z * r + x1 * link.l,
     }
 }

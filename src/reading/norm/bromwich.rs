@@ -63,7 +63,7 @@ pub fn invert(spectrum: &Spectrum, above: f64) -> [f64; 3] {
 fn on_parabola(spectrum: &Spectrum, x: f64) -> [f64; 3] {
     let at = &*PARABOLA;
     let (re, im) = roots(spectrum, x, at);
-    let plain = spectrum.noncentrality == 0.0 && spectrum.fourth.is_none();
+    let plain = spectrum.noncentrality == 0.0 && spectrum.correction.is_none();
     let moved = spectrum.square - spectrum.shift;
     let mut sum = [0.0; 3];
     for k in 0..N {

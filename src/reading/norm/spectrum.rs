@@ -7,7 +7,7 @@
 //! L(z) = E exp(-z Q) = prod_i sqrt(r_i) exp(-mu_i^2 z r_i)
 //! ```
 
-use super::fourth::{Axes, Fourth};
+use super::cumulants::{Axes, Cumulants};
 use super::jacobi::{covariance, diagonalize};
 use nalgebra::{Complex, Vector6};
 
@@ -28,7 +28,7 @@ pub struct Spectrum {
     pub square: f64,
     /// `sum mu_i^2 / l_i`.
     pub noncentrality: f64,
-    pub fourth: Option<Fourth>,
+    pub correction: Option<Cumulants>,
 }
 
 impl Spectrum {
@@ -66,7 +66,7 @@ impl Spectrum {
             this.rank += 1;
         }
         let to_axes = Axes { rows: &varying[..this.rank], m, scale: 1.0 / size / unit };
-        this.fourth = Fourth::new(&to_axes, columns, kurtosis, &mu);
+        this.correction = Cumulants::new(&to_axes, columns, kurtosis, &mu);
         Some((this, size * unit))
     }
 
@@ -78,7 +78,7 @@ impl Spectrum {
             k[1] += 2.0 * l * (l + 2.0 * mean2);
             k[2] += 8.0 * l * l * (l + 3.0 * mean2);
         }
-        let more = self.fourth.as_ref().map_or(0.0, Fourth::variance);
+        let more = self.correction.as_ref().map_or(0.0, Cumulants::variance);
         let ratio = ((k[1] + more) / k[1]).max(0.05);
         [k[0], k[1] * ratio, k[2] * ratio * ratio.sqrt()]
     }
@@ -95,7 +95,7 @@ impl Spectrum {
     }
 
     /// `(h, f)`: the transform is `central(z) exp(h - |mu|^2 z) f`; `h = sum 2 l_i mu_i^2 z^2 r_i` is what
-    /// a mean and a variance along the same axis make together, `f` is due to the fourth cumulants.
+    /// a mean and a variance along the same axis make together, `f` is due to higher cumulants.
     pub fn factors(&self, z: Complex<f64>) -> (Complex<f64>, Complex<f64>) {
         let mut h = Complex::new(0.0, 0.0);
         let mut zr = [h; 6];
@@ -104,7 +104,7 @@ impl Spectrum {
             zr[i] = z * w.conj() / w.norm_sqr();
             h += 2.0 * l * mean2 * (z * zr[i]);
         }
-        (h, self.fourth.as_ref().map_or(Complex::new(1.0, 0.0), |f| f.factor(&zr[..self.rank])))
+        (h, self.correction.as_ref().map_or(Complex::new(1.0, 0.0), |f| f.factor(&zr[..self.rank])))
     }
 }
 

@@ -1,0 +1,154 @@
+//! What parameters that are not normal change in the transform, to second order.
+//!
+//! A unit-variance parameter with cumulants `gamma_k` (the fourth, its excess kurtosis) and `six_k`
+//! adds `gamma_k (g_k.t)^4 / 24 - six_k (g_k.t)^6 / 720` to the log of the characteristic function of
+//! `e`. With `exp(-z |e|^2) = E_w exp(i sqrt(2z) w.e)`, `w ~ N(0, I)`, the normal part of `e` turns `w`
+//! into a normal vector of covariance `A^-1 = (I + 2 z S)^-1` and mean `i sqrt(2z) A^-1 mu`. So, with
+//! `q_kl = z g_k^T A^-1 g_l`, `q_k = q_kk` and `b_k = z g_k^T A^-1 mu`,
+//!
+//! ```text
+//! L -> L [1 + t + t^2 / 2 + sum_k (-2 gamma_k b_k^2 q_k + 2/3 gamma_k b_k^4 - 1/6 six_k q_k^3)
+//!           + sum_kl gamma_k gamma_l (q_k q_l q_kl^2 + q_kl^4 / 3)],   t = 1/2 sum_k gamma_k q_k^2
+//! ```
+//!
+//! The first order is complete; of the second order the terms that have the mean, too, are left out.
+//! In the eigenbasis all this is a polynomial in `z r_i`, whatever the number of parameters.
+
+use nalgebra::{Complex, Vector6};
+
+/// `six / gamma^2` of the uniform distribution, and of any sum of uniform ones of the same size, as is
+/// the triangular distribution.
+const SIXTH: f64 = 100.0 / 21.0;
+
+/// Axes of the covariance along which anything varies, of which `m` components count, and what turns
+/// a column into the spectrum's unit.
+pub struct Axes<'a> {
+    pub rows: &'a [[f64; 6]],
+    pub m: usize,
+    pub scale: f64,
+}
+
+/// Coefficients of the sorted products of two, three and four `z r_i`, in the order of the loops.
+pub struct Cumulants {
+    two: [f64; 21],
+    three: [f64; 56],
+    four: [f64; 126],
+}
+
+impl Cumulants {
+    /// None if all parameters are normal; `mu` is the mean along the axes.
+    pub fn new(axes: &Axes, columns: &[Vector6<f64>], kurtosis: &[f64], mu: &[f64; 6]) -> Option<Self> {
+        if kurtosis.iter().take(columns.len()).all(|&gamma| gamma == 0.0) {
+            return None;
+        }
+        let n = axes.rows.len();
+        let mut this = Self { two: [0.0; 21], three: [0.0; 56], four: [0.0; 126] };
+        // sum_k gamma_k g_a g_b g_c g_d: sorted, and with a = b in front
+        let (mut sorted, mut twice) = ([0.0; 126], [[[0.0; 6]; 6]; 6]);
+        for (column, &gamma) in columns.iter().zip(kurtosis).filter(|(_, gamma)| **gamma != 0.0) {
+            let mut g = [0.0; 6];
+            for (along, axis) in g.iter_mut().zip(axes.rows) {
+                *along = (0..axes.m).map(|j| axis[j] * column[j]).sum::<f64>() * axes.scale;
+            }
+            this.add(gamma, &g[..n], mu, &mut sorted);
+            for a in 0..n {
+                for b in 0..n {
+                    let gab = gamma * g[a] * g[a] * g[b];
+                    (0..n).for_each(|c| twice[a][b][c] += gab * g[c]);
+                }
+            }
+        }
+        this.add_pairs(n, &sorted, &twice);
+        Some(this)
+    }
+
+    /// The terms of one parameter.
+    fn add(&mut self, gamma: f64, g: &[f64], mu: &[f64; 6], sorted: &mut [f64; 126]) {
+        let n = g.len();
+        let sixth = if gamma < 0.0 { SIXTH * gamma * gamma / 6.0 } else { 0.0 };
+        let (mut at2, mut at3, mut at4) = (0, 0, 0);
+        for i in 0..n {
+            for j in i..n {
+                let gij = g[i] * g[j];
+                self.two[at2] += 0.5 * gamma * orders(&[i, j]) * gij * gij;
+                at2 += 1;
+                for k in j..n {
+                    let gijk = gij * g[k];
+                    // b_i b_j s_k and so on, b = g mu, s = g^2
+                    let mixed = gijk * (mu[i] * mu[j] * g[k] + mu[i] * mu[k] * g[j] + mu[j] * mu[k] * g[i]);
+                    let once = 2.0 / 3.0 * gamma * mixed + sixth * gijk * gijk;
+                    self.three[at3] -= orders(&[i, j, k]) * once;
+                    at3 += 1;
+                    for l in k..n {
+                        let gijkl = gamma * gijk * g[l];
+                        let means = mu[i] * mu[j] * mu[k] * mu[l];
+                        self.four[at4] += 2.0 / 3.0 * orders(&[i, j, k, l]) * gijkl * means;
+                        sorted[at4] += gijkl;
+                        at4 += 1;
+                    }
+                }
+            }
+        }
+    }
+
+    /// The terms of all pairs of parameters but `t^2 / 2`.
+    fn add_pairs(&mut self, n: usize, sorted: &[f64; 126], twice: &[[[f64; 6]; 6]; 6]) {
+        let mut at = 0;
+        for i in 0..n {
+            for j in i..n {
+                for k in j..n {
+                    for l in k..n {
+                        let inner = |b: usize, c: usize, a: usize, d: usize| {
+                            twice[a][b][c] * twice[d][b][c] + twice[b][a][d] * twice[c][a][d]
+                        };
+                        let sum = inner(i, j, k, l) + inner(i, k, j, l) + inner(i, l, j, k);
+                        let square = sorted[at] * sorted[at] / 3.0;
+                        self.four[at] += orders(&[i, j, k, l]) * (sum / 6.0 + square);
+                        at += 1;
+                    }
+                }
+            }
+        }
+    }
+
+    /// The factor of the transform, of `z r_i` along the axes.
+    pub fn factor(&self, zr: &[Complex<f64>]) -> Complex<f64> {
+        let n = zr.len();
+        let (mut at2, mut at3, mut at4) = (0, 0, 0);
+        let (mut t, mut rest) = (Complex::new(0.0, 0.0), Complex::new(0.0, 0.0));
+        for i in 0..n {
+            for j in i..n {
+                let product = zr[i] * zr[j];
+                t += self.two[at2] * product;
+                at2 += 1;
+                let mut two = Complex::new(0.0, 0.0);
+                for k in j..n {
+                    let mut three = Complex::new(self.three[at3], 0.0);
+                    at3 += 1;
+                    for z in &zr[k..] {
+                        three += self.four[at4] * z;
+                        at4 += 1;
+                    }
+                    two += three * zr[k];
+                }
+                rest += product * two;
+            }
+        }
+        1.0 + t + 0.5 * t * t + rest
+    }
+
+    /// What they add to the variance of `|e - mu|^2`: `sum gamma_k |g_k|^4`.
+    pub fn variance(&self) -> f64 {
+        2.0 * self.two.iter().sum::<f64>()
+    }
+}
+
+/// In how many orders sorted indices can be written.
+fn orders(sorted: &[usize]) -> f64 {
+    let (mut count, mut run) = (1, 1);
+    for k in 1..sorted.len() {
+        run = if sorted[k] == sorted[k - 1] { run + 1 } else { 1 };
+        count = count * (k + 1) / run;
+    }
+    count as f64
+}
