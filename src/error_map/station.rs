@@ -8,8 +8,9 @@ use crate::reading::{Gauge, Site, Taught};
 use crate::robot::{Chain, Frames};
 use nalgebra::Vector3;
 
-/// Three points must span a triangle at least so high, m, to teach a frame.
-const FLAT: f64 = 1e-3;
+/// Three points must span a triangle at least so high, m: a flatter one teaches no plane, for its
+/// frame turns by errors over height.
+const FLAT: f64 = 0.02;
 
 /// Why an operation cannot be judged although nodes may be reachable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -131,10 +131,7 @@ fn step(t: &Pose, link: &Link, c: f64, s: f64, r: f64) -> Pose {
         (0.0, sa) => (z * sa, y1 * -sa),
         (ca, sa) => (y1 * ca + z * sa, z * ca - y1 * sa),
     };
-    Pose {
-        rotation: Matrix3::from_columns(&[x1, y2, z2]),
-        translation: t.translation + z * r + x1 * link.l,
-    }
+    Pose { rotation: Matrix3::from_columns(&[x1, y2, z2]), translation: t.translation + z * r + x1 * link.l }
 }
 
 /// Sine and cosine, exact at multiples of a right angle within rounding of degrees.

@@ -3,5 +3,13 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+#[path = "../kinematics/product.rs"]
+#[allow(dead_code)]
+mod product;
 
+mod bench;
+mod norm;
+mod registration;
+mod sampling;
+mod worst;
 mod zonotope;

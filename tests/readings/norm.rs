@@ -2,7 +2,8 @@
 //!
 //! The tables come from `mpmath` (17 to 25 digits) in real space, without a Laplace transform:
 //! `P(|e| <= c) = int phi((c sin t - mu)/sd)/sd c cos t P'(c cos t) dt` component by component, the last
-//! one by `erf`; means as `quad` of `1 - P`. Eigenvalues are squares of `sd`.
+//! one by `erf`; far from zero in space by 120 points of Gauss and Legendre a side; means as `quad` of
+//! `1 - P`. Eigenvalues are squares of `sd`.
 
 use nalgebra::{Matrix6, Vector6};
 use rand::{Rng, SeedableRng};
@@ -181,6 +182,31 @@ const TABLE: &[Case] = &[
         ],
     ),
     (
+        &[1.0],
+        &[2.4],
+        &[(1.4, 0.1585829058875), (2.0, 0.3445728458457), (2.9, 0.6914624033726), (4.4, 0.9772498680465)],
+    ),
+    (
+        &[1.0],
+        &[2.6],
+        &[(1.6, 0.1586419081824), (2.2, 0.3445774650615), (3.1, 0.6914624552836), (4.6, 0.9772498680515)],
+    ),
+    (
+        &[1.0],
+        &[3.5],
+        &[(2.5, 0.1586552529448), (3.1, 0.3445782583691), (4.0, 0.6914624612739), (5.5, 0.9772498680518)],
+    ),
+    (
+        &[1.0],
+        &[4.4],
+        &[(3.4, 0.1586552539314), (4.0, 0.3445782583896), (4.9, 0.6914624612740), (6.4, 0.9772498680518)],
+    ),
+    (
+        &[1.0],
+        &[30.0],
+        &[(29.0, 0.1586552539314), (29.6, 0.3445782583896), (30.5, 0.6914624612740), (32.0, 0.9772498680518)],
+    ),
+    (
         &[1.0, 1.0, 1.0],
         &[0.0, 0.0, 0.0],
         &[(0.892, 0.1494961360568), (1.8, 0.6439187918909), (2.58, 0.9163056060746), (3.4, 0.990947051123)],
@@ -239,6 +265,21 @@ const TABLE: &[Case] = &[
         &[1.0, 0.001, 0.1],
         &[0.3, 2.0, 0.1],
         &[(1.93, 0.0), (2.29, 0.710133082485), (2.72, 0.9217158056653), (3.24, 0.9853984806691)],
+    ),
+    (
+        &[1.0, 0.5, 0.0],
+        &[0.2, 0.1, 0.4],
+        &[(0.6, 0.171114242593), (1.2, 0.657849912028), (2.0, 0.934279802762), (2.8, 0.992278532291)],
+    ),
+    (
+        &[0.1, 0.05, 0.02],
+        &[1.0, 1.0, 1.0],
+        &[(1.6, 0.0171273290213), (1.7, 0.3034207915478), (1.75, 0.5996448142641), (1.85, 0.9581526635701)],
+    ),
+    (
+        &[0.03, 0.02, 0.01],
+        &[4.0, 0.0, 3.0],
+        &[(4.95, 0.0213109389033), (5.0, 0.4991177849665), (5.03, 0.886680457656), (5.06, 0.9921868502487)],
     ),
 ];
 
@@ -373,7 +414,7 @@ fn kurtosis_of_several_components_is_that_of_a_mixture() {
         let m = 2 + round % 5;
         // With a mean the second order is not complete.
         let size = [0.0, 0.5, 5.0][round % 3];
-        let (a, tolerance): (f64, f64) = if size == 0.0 { (0.3, 5e-6) } else { (0.05, 1e-7) };
+        let (a, tolerance): (f64, f64) = if size == 0.0 { (0.3, 1.5e-5) } else { (0.05, 1e-7) };
         let mut columns = random(&mut rng, m, m + 2);
         (columns[0], columns[1]) = (columns[0] * 2.0, columns[1] * 2.0);
         let mean = random(&mut rng, m, 1)[0] * size;
@@ -395,7 +436,7 @@ fn kurtosis_of_several_components_is_that_of_a_mixture() {
             near(corrected.cdf(c), exact, tolerance);
             largest = largest.max((exact - p).abs());
         }
-        assert!(largest > 50.0 * tolerance, "nothing to see in round {round}: {largest}");
+        assert!(largest > 30.0 * tolerance, "nothing to see in round {round}: {largest}");
     }
 }
 

@@ -14,7 +14,7 @@ use std::f64::consts::PI;
 use std::sync::LazyLock;
 
 const N: usize = 14;
-/// Up to this `sum mu_i^2 / l_i` the parabola is good to 1e-11.
+/// Up to this `sum mu_i^2 / l_i` the parabola is good to 1e-10.
 const CENTRAL: f64 = 6.0;
 /// Of the unit: no nearly normal vector is that short.
 const VANISHING: f64 = 1e-100;

@@ -35,6 +35,14 @@ pub struct Cumulants {
     four: [f64; 126],
 }
 
+/// `sum_k gamma_k g_a g_b g_c g_d`, sorted and as `[a][b][c]` with d = a, and `sum_k six_k / 6
+/// g_a^2 g_b^2 g_c^2`, sorted.
+struct Sums {
+    four: [f64; 126],
+    twice: [[[f64; 6]; 6]; 6],
+    six: [f64; 56],
+}
+
 impl Cumulants {
     /// None if all parameters are normal; `mu` is the mean along the axes.
     pub fn new(axes: &Axes, columns: &[Vector6<f64>], kurtosis: &[f64], mu: &[f64; 6]) -> Option<Self> {
@@ -42,73 +50,15 @@ impl Cumulants {
             return None;
         }
         let n = axes.rows.len();
-        let mut this = Self { two: [0.0; 21], three: [0.0; 56], four: [0.0; 126] };
-        // sum_k gamma_k g_a g_b g_c g_d: sorted, and with a = b in front
-        let (mut sorted, mut twice) = ([0.0; 126], [[[0.0; 6]; 6]; 6]);
+        let mut sums = Sums { four: [0.0; 126], twice: [[[0.0; 6]; 6]; 6], six: [0.0; 56] };
         for (column, &gamma) in columns.iter().zip(kurtosis).filter(|(_, gamma)| **gamma != 0.0) {
             let mut g = [0.0; 6];
             for (along, axis) in g.iter_mut().zip(axes.rows) {
                 *along = (0..axes.m).map(|j| axis[j] * column[j]).sum::<f64>() * axes.scale;
             }
-            this.add(gamma, &g[..n], mu, &mut sorted);
-            for a in 0..n {
-                for b in 0..n {
-                    let gab = gamma * g[a] * g[a] * g[b];
-                    (0..n).for_each(|c| twice[a][b][c] += gab * g[c]);
-                }
-            }
+            sums.add(gamma, &g[..n]);
         }
-        this.add_pairs(n, &sorted, &twice);
-        Some(this)
-    }
-
-    /// The terms of one parameter.
-    fn add(&mut self, gamma: f64, g: &[f64], mu: &[f64; 6], sorted: &mut [f64; 126]) {
-        let n = g.len();
-        let sixth = if gamma < 0.0 { SIXTH * gamma * gamma / 6.0 } else { 0.0 };
-        let (mut at2, mut at3, mut at4) = (0, 0, 0);
-        for i in 0..n {
-            for j in i..n {
-                let gij = g[i] * g[j];
-                self.two[at2] += 0.5 * gamma * orders(&[i, j]) * gij * gij;
-                at2 += 1;
-                for k in j..n {
-                    let gijk = gij * g[k];
-                    // b_i b_j s_k and so on, b = g mu, s = g^2
-                    let mixed = gijk * (mu[i] * mu[j] * g[k] + mu[i] * mu[k] * g[j] + mu[j] * mu[k] * g[i]);
-                    let once = 2.0 / 3.0 * gamma * mixed + sixth * gijk * gijk;
-                    self.three[at3] -= orders(&[i, j, k]) * once;
-                    at3 += 1;
-                    for l in k..n {
-                        let gijkl = gamma * gijk * g[l];
-                        let means = mu[i] * mu[j] * mu[k] * mu[l];
-                        self.four[at4] += 2.0 / 3.0 * orders(&[i, j, k, l]) * gijkl * means;
-                        sorted[at4] += gijkl;
-                        at4 += 1;
-                    }
-                }
-            }
-        }
-    }
-
-    /// The terms of all pairs of parameters but `t^2 / 2`.
-    fn add_pairs(&mut self, n: usize, sorted: &[f64; 126], twice: &[[[f64; 6]; 6]; 6]) {
-        let mut at = 0;
-        for i in 0..n {
-            for j in i..n {
-                for k in j..n {
-                    for l in k..n {
-                        let inner = |b: usize, c: usize, a: usize, d: usize| {
-                            twice[a][b][c] * twice[d][b][c] + twice[b][a][d] * twice[c][a][d]
-                        };
-                        let sum = inner(i, j, k, l) + inner(i, k, j, l) + inner(i, l, j, k);
-                        let square = sorted[at] * sorted[at] / 3.0;
-                        self.four[at] += orders(&[i, j, k, l]) * (sum / 6.0 + square);
-                        at += 1;
-                    }
-                }
-            }
-        }
+        Some(sums.coefficients(n, mu))
     }
 
     /// The factor of the transform, of `z r_i` along the axes.
@@ -140,6 +90,59 @@ impl Cumulants {
     /// What they add to the variance of `|e - mu|^2`: `sum gamma_k |g_k|^4`.
     pub fn variance(&self) -> f64 {
         2.0 * self.two.iter().sum::<f64>()
+    }
+}
+
+impl Sums {
+    fn add(&mut self, gamma: f64, g: &[f64]) {
+        let n = g.len();
+        let six = if gamma < 0.0 { SIXTH * gamma * gamma / 6.0 } else { 0.0 };
+        let (mut at3, mut at4) = (0, 0);
+        for i in 0..n {
+            for j in i..n {
+                let gij = g[i] * g[j];
+                for (sum, along) in self.twice.iter_mut().zip(g) {
+                    sum[i][j] += gamma * gij * along * along;
+                }
+                for k in j..n {
+                    let gijk = gij * g[k];
+                    self.six[at3] += six * gijk * gijk;
+                    at3 += 1;
+                    for along in &g[k..] {
+                        self.four[at4] += gamma * gijk * along;
+                        at4 += 1;
+                    }
+                }
+            }
+        }
+    }
+
+    fn coefficients(&self, n: usize, mu: &[f64; 6]) -> Cumulants {
+        let mut all = Cumulants { two: [0.0; 21], three: [0.0; 56], four: [0.0; 126] };
+        let (mut at2, mut at3, mut at4) = (0, 0, 0);
+        for i in 0..n {
+            for j in i..n {
+                let twice = |k: usize, i: usize, j: usize| self.twice[k][i.min(j)][i.max(j)];
+                all.two[at2] = 0.5 * orders(&[i, j]) * twice(i, j, j);
+                at2 += 1;
+                for k in j..n {
+                    let part = |i: usize, j: usize, k: usize| mu[i] * mu[j] * twice(k, i, j);
+                    let mixed = part(i, j, k) + part(i, k, j) + part(j, k, i);
+                    all.three[at3] = -orders(&[i, j, k]) * (2.0 / 3.0 * mixed + self.six[at3]);
+                    at3 += 1;
+                    for l in k..n {
+                        let split =
+                            |b, c, a, d| twice(a, b, c) * twice(d, b, c) + twice(b, a, d) * twice(c, a, d);
+                        let pairs = (split(i, j, k, l) + split(i, k, j, l) + split(i, l, j, k)) / 6.0;
+                        let (one, means) = (self.four[at4], mu[i] * mu[j] * mu[k] * mu[l]);
+                        let sum = 2.0 / 3.0 * one * means + pairs + one * one / 3.0;
+                        all.four[at4] = orders(&[i, j, k, l]) * sum;
+                        at4 += 1;
+                    }
+                }
+            }
+        }
+        all
     }
 }
 

@@ -88,6 +88,20 @@ impl Spectrum {
         self.l.iter().copied().zip(self.mean2).take(self.rank)
     }
 
+    /// The transform at a real z.
+    pub fn real(&self, z: f64) -> f64 {
+        let (mut product, mut exponent) = (1.0, self.shift * z);
+        let mut zr = [Complex::new(0.0, 0.0); 6];
+        for (i, (l, mean2)) in self.varying().enumerate() {
+            let w = 1.0 + 2.0 * l * z;
+            product *= w;
+            zr[i].re = z / w;
+            exponent += mean2 * zr[i].re;
+        }
+        (-exponent).exp() / f64::sqrt(product)
+            * self.correction.as_ref().map_or(1.0, |f| f.factor(&zr[..self.rank]).re)
+    }
+
     /// The transform without a mean, `prod_i sqrt(r_i)`, all parameters normal.
     pub fn central(&self, z: Complex<f64>) -> Complex<f64> {
         let one = Complex::new(1.0, 0.0);

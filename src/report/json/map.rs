@@ -1,16 +1,13 @@
-//! The machine-readable contract: field names of `map`, `search` and `compare --json`.
-//!
-//! Lengths in mm, angles in degrees, rounded to 1e-9; world frame; joints in the robot's own
-//! coordinates. What has no value is null, never left out.
+//! `map --json`.
 
-use crate::cell::{Cell, Layout, Model, Role, Unit};
-use crate::compare::{Assessment, Comparison};
+use super::{joints, layout, length, lengths};
+use crate::cell::{Cell, Model, Unit};
+use crate::compare::Assessment;
 use crate::error_map::{NodeRecord, OperationMap, PostureRecord};
 use crate::kinematic_error::discrepancy;
 use crate::reading::{Estimate, Figures, MonteCarlo};
-use crate::search::{Ended, SearchRecord};
-use crate::units::{deg_from_rad, mm_from_m, percent_from_share, rounded};
-use nalgebra::Vector3;
+use crate::report::text::value_word;
+use crate::units::{deg_from_rad, percent_from_share};
 use serde::{Serialize, Serializer};
 use serde_json::{Map, Value, json};
 
@@ -125,7 +122,7 @@ fn operation_map<'a>(a: &'a Assessment<'_>, map: &'a OperationMap) -> OperationD
         model: cell.model.name(),
         errors: cell.error_set().name(),
         reading: cell.reading.name(),
-        quantity: super::text::value_word(cell),
+        quantity: value_word(cell),
         registration: cell.registration.name(),
         limit: operation.limit.map(|l| length(operation.sense.unit.from_si(l))),
         counts: counts(map),
@@ -152,7 +149,7 @@ impl NodeDocument {
             position_mm: lengths(&n.position),
             status: n.status.name(),
             reason: n.status.reason(cell),
-            joints_deg: p.map(|p| joints(cell, p)),
+            joints_deg: p.map(|p| joints(cell, &p.joints)),
             error_mm: p.map(|p| lengths(&p.error)),
             error_sense_mm: in_sense(Unit::Length),
             error_sense_deg: in_sense(Unit::Angle),
@@ -191,7 +188,7 @@ fn by_sense(
 }
 
 /// Where the models are not to be trusted, over the usable nodes.
-fn guard(cell: &Cell, map: &OperationMap) -> Value {
+pub(super) fn guard(cell: &Cell, map: &OperationMap) -> Value {
     let of = |model: Model| {
         let (most, above, _) = map.off(model, cell.guard);
         json!({ "most_percent": length(percent_from_share(most)), "nodes_above": above })
@@ -205,7 +202,7 @@ fn guard(cell: &Cell, map: &OperationMap) -> Value {
 }
 
 /// What the samples say of a spot; null unless the reading is statistical.
-fn monte_carlo(a: &Assessment<'_>, operation: usize) -> Value {
+pub(super) fn monte_carlo(a: &Assessment<'_>, operation: usize) -> Value {
     let Some(samples) = &a.samples[operation] else { return Value::Null };
     let unit = a.cell.operations[operation].sense.unit;
     let estimate = |e: &Estimate, unit: Unit| {
@@ -234,111 +231,7 @@ impl DiscrepancyDocument {
     }
 }
 
-/// The document of `search --json`. Without `seconds` it is the file search.json, which is the same
-/// for any number of threads.
-pub fn search(cell: &Cell, record: &SearchRecord, assessed: &Comparison<'_>, seconds: Option<f64>) -> Value {
-    let [start, best] = &assessed.columns[..] else { return Value::Null };
-    let ended = match record.ended {
-        Ended::Done => "done",
-        Ended::Interrupted => "interrupted",
-        Ended::NothingToSearch => "nothing-to-search",
-    };
-    let mut document = json!({
-        "schema": "sweetspot/search/1",
-        "status": if record.found() { "found" } else { "none" },
-        "objective_mm": best.objective_mm().map(length),
-        "objective_value": best.objective().map(length),
-        "unit": cell.unit().word(),
-        "gain_percent": assessed.change_percent(1, Assessment::objective).map(|c| rounded(-c, 6)),
-        "evaluations": record.evaluations,
-        "feasible": record.feasible,
-        "ended": ended,
-        "cell": cell.name,
-        "robot": cell.robot.name,
-        "errors": cell.error_set().name(),
-        "model": cell.model.name(),
-        "reading": cell.reading.name(),
-        "quantity": super::text::value_word(cell),
-        "registration": cell.registration.name(),
-        "objective": cell.search.objective.name(),
-        "solver": cell.search.solver.name(),
-        "seed": cell.search.seed,
-        "budget": cell.search.budget,
-        "reasons": best.reasons(),
-        "layout": layout(cell, &best.layout),
-        "operations": spots(best),
-        "start": {
-            "objective_mm": start.objective_mm().map(length),
-            "objective_value": start.objective().map(length),
-            "reasons": start.reasons(),
-            "layout": layout(cell, &start.layout),
-            "operations": spots(start),
-        },
-        "trace": record.trace.iter().map(|(n, e)| json!([n, length(cell.unit().from_si(*e))])).collect::<Vec<_>>(),
-    });
-    if let (Some(seconds), Some(object)) = (seconds, document.as_object_mut()) {
-        object.insert("seconds".into(), json!(rounded(seconds, 3)));
-    }
-    document
-}
-
-/// The document of `compare --json`.
-pub fn compare(comparison: &Comparison<'_>) -> Value {
-    let layouts = comparison.columns.iter().enumerate().map(|(k, a)| {
-        json!({
-            "name": a.label,
-            "feasible": a.evaluation.objective.is_some(),
-            "objective_mm": a.objective_mm().map(length),
-            "objective": a.objective().map(length),
-            "unit": a.cell.unit().word(),
-            "change_percent": comparison.change_percent(k, Assessment::objective).map(length),
-            "reasons": a.reasons(),
-            "layout": layout(a.cell, &a.layout),
-            "operations": spots(a),
-        })
-    });
-    json!({ "schema": "sweetspot/compare/1", "layouts": layouts.collect::<Vec<_>>() })
-}
-
-/// The spot of every operation.
-fn spots(a: &Assessment<'_>) -> Value {
-    let one = |(k, map): (usize, &OperationMap)| {
-        let operation = &a.cell.operations[map.operation];
-        let spot = a.spot(k);
-        let figures = |figure: fn(&Figures) -> f64| {
-            let of = |s: &crate::cell::Sense| {
-                let value = a.figures(k, &s.name).map(|f| length(s.unit.from_si(figure(f))));
-                (s.name.clone(), json!(value))
-            };
-            map.senses.iter().filter(|s| s.unit == Unit::Length).map(of).collect::<Map<String, Value>>()
-        };
-        let own = a.figures(k, &operation.sense.name).map(|f| operation.sense.unit.from_si(f.error));
-        let in_sense = |unit| own.filter(|_| operation.sense.unit == unit).map(length);
-        json!({
-            "name": operation.name,
-            "equipment": a.cell.equipment[operation.equipment].name,
-            "sense": operation.sense.name,
-            "value": spot.map(|(_, p)| length(a.cell.unit().from_si(p.value))),
-            "node": spot.map(|(n, _)| json!([n.i, n.j])),
-            "position_mm": spot.map(|(n, _)| lengths(&n.position)),
-            "joints_deg": spot.map(|(_, p)| joints(a.cell, p)),
-            "error_mm": spot.map(|(_, p)| lengths(&p.error)),
-            "error_sense_mm": in_sense(Unit::Length),
-            "error_sense_deg": in_sense(Unit::Angle),
-            "error_by_sense_mm": figures(|f| f.error),
-            "worst_mm": figures(|f| f.worst),
-            "rms_mm": figures(|f| f.rms),
-            "p95_mm": figures(|f| f.p95),
-            "yield": spot.and_then(|(_, p)| p.success).map(length),
-            "guard": guard(a.cell, map),
-            "monte_carlo": monte_carlo(a, k),
-            "counts": counts(map),
-        })
-    };
-    Value::Array(a.maps.iter().enumerate().map(one).collect())
-}
-
-fn counts(map: &OperationMap) -> Value {
+pub(super) fn counts(map: &OperationMap) -> Value {
     let count = |status| map.count(status);
     json!({
         "ok": count("ok"),
@@ -351,33 +244,4 @@ fn counts(map: &OperationMap) -> Value {
 
 fn overlaps(a: &Assessment<'_>) -> Value {
     json!(a.evaluation.overlaps.iter().map(|o| o.in_words(a.cell)).collect::<Vec<_>>())
-}
-
-/// Placements by the name of the equipment; obstacles are not the layout's to place.
-fn layout(cell: &Cell, layout: &Layout) -> Value {
-    let placed = cell.equipment.iter().zip(&layout.placements).filter(|(e, _)| e.role == Role::Equipment);
-    let one = placed.map(|(e, p)| {
-        let mm = |v| length(mm_from_m(v));
-        let at = json!({
-            "x_mm": mm(p.x), "y_mm": mm(p.y), "z_mm": mm(p.z), "yaw_deg": length(deg_from_rad(p.yaw)),
-        });
-        (e.name.clone(), at)
-    });
-    Value::Object(one.collect())
-}
-
-fn joints(cell: &Cell, p: &PostureRecord) -> Vec<f64> {
-    let in_file_units = cell.robot.joints.iter().zip(p.joints).map(|(joint, q)| match joint.kind {
-        crate::cell::JointKind::Revolute => length(deg_from_rad(q)),
-        crate::cell::JointKind::Prismatic => length(mm_from_m(q)),
-    });
-    in_file_units.collect()
-}
-
-fn lengths(v: &Vector3<f64>) -> [f64; 3] {
-    v.map(|m| length(mm_from_m(m))).into()
-}
-
-fn length(mm: f64) -> f64 {
-    rounded(mm, 9)
 }

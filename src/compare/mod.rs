@@ -1,10 +1,23 @@
 //! What if: layouts side by side.
 //!
 //! An [`Assessment`] is everything known of one layout; a [`Comparison`] is several of them that
-//! answer the same question.
+//! answer the same question. [`Account`] (budget) and [`Explanation`] look at one posture,
+//! [`Readings`] at one layout in every reading.
+
+mod budget;
+mod explain;
+mod motion;
+mod readings;
+mod stance;
+
+pub use budget::{Account, Tighter};
+pub use explain::{DhRow, Explanation, Line, SenseRow};
+pub use motion::{Motion, Place};
+pub use readings::{Choice, Readings, Row};
+pub use stance::{At, NoStance, Stance};
 
 use crate::cell::{Cell, Layout, Operation, Reading, Role, Unit, shown};
-use crate::error_map::{NodeRecord, OperationMap, PostureRecord, Status};
+use crate::error_map::{NodeRecord, OperationMap, PostureRecord};
 use crate::layout::{Evaluation, Workcell, evaluate, separated};
 use crate::reading::{Figures, MonteCarlo, monte_carlo};
 use crate::units::mm_from_m;
@@ -69,19 +82,8 @@ impl<'a> Assessment<'a> {
     /// Why the layout is not feasible, in words; empty if it is.
     pub fn reasons(&self) -> Vec<String> {
         let overlaps = self.evaluation.overlaps.iter().map(|o| o.in_words(self.cell));
-        let spotless = self.maps.iter().filter(|m| m.best.is_none()).map(|m| {
-            let name = &self.cell.operations[m.operation].name;
-            let count = |status| m.count(status);
-            let (out, limit, hit) = (count("out-of-reach"), count("joint-limit"), count("collision"));
-            let why = m.nodes.iter().find_map(|n| match n.status {
-                Status::Unjudged(why) => Some(format!("; {}", why.in_words())),
-                _ => None,
-            });
-            format!(
-                "{name} has no usable node: {out} out of reach, {limit} beyond a joint limit, {hit} colliding{}",
-                why.unwrap_or_default()
-            )
-        });
+        let spotless = self.maps.iter().filter(|m| m.best.is_none());
+        let spotless = spotless.map(|m| stance::no_usable_node(self.cell, m));
         overlaps.chain(self.way_out()).chain(spotless).collect()
     }
 

@@ -1,0 +1,91 @@
+//! The error budget of a spot: what each parameter adds, and what tightening it would gain.
+
+use super::stance::Stance;
+use crate::cell::{Parameter, Reading, Unit};
+use crate::reading::{Budget, Gauge, Judgement, Memory, WorstCase};
+
+/// How many parameters are tried tighter.
+const TRIED: usize = 3;
+
+/// What half the tolerance would make of the figure that counts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tighter {
+    pub parameters: Vec<Parameter>,
+    /// In the unit of [`Account::unit`], SI.
+    pub figure: f64,
+}
+
+/// Everything of the budget of one spot.
+pub struct Account<'a> {
+    pub stance: Stance<'a>,
+    pub budget: Budget,
+    pub judged: Judgement,
+    pub worst: WorstCase,
+    /// What tightening makes smaller: the worst case, or the statistical quantity.
+    pub figure: f64,
+    /// The first parameters of the budget, each halved alone; then all of them at once.
+    pub tighter: Vec<Tighter>,
+}
+
+impl<'a> Account<'a> {
+    pub fn new(stance: Stance<'a>) -> Self {
+        let Stance { gauge, situation, frames, .. } = &stance;
+        let mut memory = gauge.memory();
+        let budget = Budget::new(gauge, situation, frames, &mut memory);
+        let judged = gauge.judge(situation, frames, &mut memory);
+        gauge.prepare(situation, frames, &mut memory);
+        let worst = gauge.worst(&gauge.sense, situation, frames, &mut memory);
+        let first: Vec<Parameter> = budget.shares.iter().take(TRIED).map(|s| s.parameter).collect();
+        let mut tried: Vec<Vec<Parameter>> = first.iter().map(|p| vec![*p]).collect();
+        if first.len() > 1 {
+            tried.push(first);
+        }
+        let tighter = tried.into_iter().map(|parameters| {
+            let figure = figure(&halved(gauge, &parameters), &stance, &mut memory);
+            Tighter { parameters, figure }
+        });
+        let tighter = tighter.collect();
+        let figure = figure(gauge, &stance, &mut memory);
+        Self { budget, judged, worst, figure, tighter, stance }
+    }
+
+    /// Of [`Self::figure`].
+    pub fn unit(&self) -> Unit {
+        let gauge = &self.stance.gauge;
+        match (gauge.reading, self.stance.cell.unit()) {
+            (Reading::Statistical, Unit::Share) => Unit::Share,
+            _ => gauge.sense.unit,
+        }
+    }
+
+    /// How much of the figure the tightening takes, as a share of it.
+    pub fn cut(&self, tighter: &Tighter) -> f64 {
+        if self.figure > 0.0 { 1.0 - tighter.figure / self.figure } else { 0.0 }
+    }
+}
+
+/// What counts of tolerances: in the statistical reading its quantity, else the worst case.
+fn figure(gauge: &Gauge, stance: &Stance<'_>, memory: &mut Memory) -> f64 {
+    let Stance { situation, frames, .. } = stance;
+    if gauge.reading == Reading::Statistical {
+        return gauge.value(situation, frames, memory);
+    }
+    gauge.prepare(situation, frames, memory);
+    gauge.worst(&gauge.sense, situation, frames, memory).by_model
+}
+
+/// The same operation with half the tolerance of some parameters.
+fn halved(gauge: &Gauge, parameters: &[Parameter]) -> Gauge {
+    let mut tighter = gauge.clone();
+    let sources = &mut tighter.sources;
+    for (k, source) in sources.list.iter_mut().enumerate() {
+        if parameters.contains(&source.parameter) {
+            source.plus_minus /= 2.0;
+            source.deviation /= 2.0;
+            source.spread.iter_mut().for_each(|spread| spread.plus_minus /= 2.0);
+            let of_it = sources.factors.iter_mut().flatten().filter(|(source, _)| *source == k);
+            of_it.for_each(|(_, value)| *value /= 2.0);
+        }
+    }
+    tighter
+}

@@ -1,0 +1,180 @@
+//! One posture's numbers, step by step, so that they can be followed by hand.
+
+use super::motion::{Motion, motions};
+use super::stance::Stance;
+use crate::cell::{Frame, JointKind, Model, Parameter, Reading, Unit};
+use crate::kinematic_error::{deviation, pose_error};
+use crate::pose::Displacement;
+use crate::reading::{Figures, Judgement, MAX_SOURCES, Source, WorstCase};
+use crate::robot::Frames;
+use nalgebra::{Matrix3, Vector3};
+
+/// A row of the D-H table at the posture: `Rz(theta) Tz(r) Tx(l) Rx(alpha)`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DhRow {
+    pub kind: JointKind,
+    /// Actuator coordinate, and whether it is within its limits.
+    pub q: f64,
+    pub allowed: bool,
+    pub theta: f64,
+    pub r: f64,
+    pub l: f64,
+    pub alpha: f64,
+}
+
+/// What one parameter does, base frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Line {
+    pub source: Source,
+    pub motions: Vec<Motion>,
+    /// Its value in the sample explained.
+    pub value: f64,
+    /// Effect of a unit: of the motions alone, and after all that takes off from it.
+    pub alone: Displacement,
+    pub left: Displacement,
+}
+
+impl Line {
+    /// Its linear term.
+    pub fn term(&self) -> Displacement {
+        self.left * self.value
+    }
+
+    /// Sum of its motions' effects on the robot, or on the work.
+    fn alone(parameter: Parameter, own: usize, motions: &[Motion]) -> Displacement {
+        let sum = motions.iter().fold(Displacement::NONE, |sum, motion| sum + motion.effect());
+        match parameter {
+            // Seen from work that moves, the TCP moves the other way.
+            Parameter::Equipment(e, _) if e == own => sum * -1.0,
+            Parameter::Equipment(..) => Displacement::NONE,
+            _ => sum,
+        }
+    }
+}
+
+/// A row of the sense and the error in it, m or rad.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SenseRow {
+    pub turns: bool,
+    /// Base frame; its length is the weight.
+    pub direction: Vector3<f64>,
+    pub value: f64,
+}
+
+/// The numbers of one posture; base frame, m and rad.
+pub struct Explanation<'a> {
+    pub stance: Stance<'a>,
+    pub rows: Vec<DhRow>,
+    pub lines: Vec<Line>,
+    pub judged: Judgement,
+    pub worst: WorstCase,
+    /// The nonlinear error of the robot alone, before anything is taken off.
+    pub robot: Displacement,
+    pub sense: Vec<SenseRow>,
+    /// How far the models are from the nonlinear one, as shares.
+    pub linear_off: f64,
+    pub second_order_off: f64,
+}
+
+impl<'a> Explanation<'a> {
+    pub fn new(stance: Stance<'a>) -> Self {
+        let Stance { gauge, situation, frames, .. } = &stance;
+        let mut memory = gauge.memory();
+        let judged = gauge.judge(situation, frames, &mut memory);
+        gauge.prepare(situation, frames, &mut memory);
+        let worst = gauge.worst(&gauge.sense, situation, frames, &mut memory);
+        let sources = &gauge.sources;
+        let mut values = [0.0; MAX_SOURCES];
+        match gauge.reading {
+            Reading::Signed => values.iter_mut().zip(sources.signed()).for_each(|(v, s)| *v = s),
+            _ => gauge.corner(&worst.corner, &mut values),
+        }
+        let theory = gauge.theory();
+        let line = |(k, source): (usize, &Source)| {
+            let motions = motions(theory.chain, frames, &situation.site.work, source.parameter);
+            let alone = Line::alone(source.parameter, situation.site.equipment, &motions);
+            Line { source: *source, motions, value: values[k], alone, left: memory.effects().columns[k] }
+        };
+        let lines = sources.list.iter().enumerate().map(line).collect();
+        let sample = theory.sample(&values[..sources.list.len()], Model::Nonlinear);
+        let robot = pose_error(frames, sample.errors(), Model::Nonlinear);
+        let off = |model: &Displacement| deviation(&judged.nonlinear.position, &model.position);
+        let (linear_off, second_order_off) = (off(&judged.linear), off(&judged.second_order));
+        let (rows, sense) = (dh_rows(&stance), sense_rows(&stance, &judged.error));
+        Self { rows, lines, worst, robot, sense, linear_off, second_order_off, judged, stance }
+    }
+
+    /// The figures in the operation's sense.
+    pub fn figures(&self) -> &Figures {
+        &self.judged.figures[self.stance.gauge.own()]
+    }
+
+    /// How far the chosen model is off, as a share.
+    pub fn off(&self) -> f64 {
+        match self.stance.gauge.model {
+            Model::Nonlinear => 0.0,
+            Model::Linear => self.linear_off,
+            Model::SecondOrder => self.second_order_off,
+        }
+    }
+
+    pub fn trusted(&self) -> bool {
+        self.off() <= self.stance.cell.guard
+    }
+
+    /// Whether a registration, a moved frame or a pick takes anything off the robot's error.
+    pub fn takes_off(&self) -> bool {
+        let situation = &self.stance.situation;
+        situation.reference.is_some()
+            || situation.site.taught.is_some()
+            || self.stance.cell.registration != crate::cell::Registration::None
+            || self.lines.iter().any(|l| matches!(l.source.parameter, Parameter::Equipment(..)))
+    }
+
+    /// Of the reading's value.
+    pub fn unit(&self) -> Unit {
+        match (self.stance.gauge.reading, self.stance.cell.unit()) {
+            (Reading::Statistical, Unit::Share) => Unit::Share,
+            _ => self.stance.gauge.sense.unit,
+        }
+    }
+}
+
+fn dh_rows(stance: &Stance<'_>) -> Vec<DhRow> {
+    let robot = &stance.cell.robot;
+    let rows = robot.joints.iter().enumerate().map(|(i, joint)| {
+        let coordinate: f64 = robot.coupling[i].iter().zip(&stance.joints).map(|(c, q)| c * q).sum();
+        let (turn, slide) = match joint.kind {
+            JointKind::Revolute => (coordinate, 0.0),
+            JointKind::Prismatic => (0.0, coordinate),
+        };
+        let q = stance.joints[i];
+        // Rounding of degrees must not take a posture at its limit for one beyond.
+        let allowed = q >= joint.limits.0 - 1e-9 && q <= joint.limits.1 + 1e-9;
+        let (theta, r) = (joint.theta + turn, joint.r + slide);
+        DhRow { kind: joint.kind, q, allowed, theta, r, l: joint.l, alpha: joint.alpha }
+    });
+    rows.collect()
+}
+
+/// The rows of the operation's sense, base frame.
+fn sense_rows(stance: &Stance<'_>, error: &Displacement) -> Vec<SenseRow> {
+    let Stance { gauge, situation, frames, .. } = stance;
+    let axes: &Matrix3<f64> = match gauge.sense.frame {
+        Frame::World => &gauge.world,
+        Frame::Surface => &situation.site.work.rotation,
+        Frame::Tool => &frames.tcp.rotation,
+    };
+    let at_point = error.at(&arm(stance, frames));
+    let row = |row: &crate::cell::Row| {
+        let direction = axes * row.direction;
+        let value = direction.dot(if row.turns { &at_point.rotation } else { &at_point.position });
+        SenseRow { turns: row.turns, direction, value }
+    };
+    gauge.sense.rows().iter().map(row).collect()
+}
+
+/// From the TCP to the point that the sense looks at, base frame.
+fn arm(stance: &Stance<'_>, frames: &Frames) -> Vector3<f64> {
+    frames.tcp.rotation * stance.gauge.sense.point
+}

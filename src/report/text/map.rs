@@ -1,0 +1,133 @@
+//! What the maps say, operation by operation.
+
+use super::{STATUSES, feasibility, mm1, percent, value_word};
+use crate::cell::{Cell, Model, Unit};
+use crate::compare::Assessment;
+use crate::error_map::{OperationMap, Status};
+use crate::kinematic_error::{Discrepancy, discrepancy};
+use crate::reading::{Estimate, Figures};
+use std::fmt::Write;
+
+/// What the map says, operation by operation.
+pub fn maps(a: &Assessment<'_>) -> String {
+    let mut out = String::new();
+    for map in &a.maps {
+        let _ = writeln!(out, "{}", map_summary(a, map));
+    }
+    if a.evaluation.objective.is_none() {
+        out.push_str(&feasibility(a));
+    }
+    out
+}
+
+fn map_summary(a: &Assessment<'_>, map: &OperationMap) -> String {
+    let cell = a.cell;
+    let operation = &cell.operations[map.operation];
+    let surface = &cell.equipment[operation.equipment].name;
+    let mut out =
+        format!("{} on {surface}: {} of {} nodes ok", operation.name, map.count("ok"), map.nodes.len());
+    for (status, words) in &STATUSES[1..] {
+        if map.count(status) > 0 {
+            let _ = write!(out, ", {} {words}", map.count(status));
+        }
+    }
+    let (sense, unit) = (&operation.sense.name, cell.unit());
+    match map.best_node().and_then(|n| Some((n, n.posture.as_ref()?))) {
+        Some((node, p)) => {
+            let (x, y, z) = (mm1(node.position.x), mm1(node.position.y), mm1(node.position.z));
+            let (word, value) = (value_word(cell), unit.from_si(p.value));
+            let _ = write!(out, "\n  least {word} in {sense}: {value:.6} {}", unit.word());
+            let _ = write!(out, " at node ({}, {}), x {x} y {y} z {z} mm", node.i, node.j);
+            if let Some(k) = map.sense(sense) {
+                let _ = write!(out, "\n  there {}", risk(&p.figures[k], operation.sense.unit, p.success));
+            }
+            if let Some(said) = samples_summary(a, map.operation) {
+                let _ = write!(out, "\n  {said}");
+            }
+        }
+        None => out.push_str("\n  no usable node"),
+    }
+    if map.best.is_some() {
+        let _ = write!(out, "\n  {}", discrepancy_summary(map));
+        let _ = write!(out, "\n  {}", guard_summary(cell, map));
+    }
+    out
+}
+
+/// The same errors read in other ways.
+fn risk(f: &Figures, unit: Unit, success: Option<f64>) -> String {
+    let [error, worst, rms, p95, p99] =
+        [f.error, f.worst, f.rms, f.p95, f.p99].map(|v| format!("{:.4}", unit.from_si(v)));
+    let success = success.map_or(String::new(), |s| format!(", yield {s:.6}"));
+    let unit = unit.word();
+    format!("sample {error}, worst case {worst}, rms {rms}, p95 {p95}, p99 {p99} {unit}{success}")
+}
+
+/// The verdict of the samples on the first-order figures.
+fn samples_summary(a: &Assessment<'_>, k: usize) -> Option<String> {
+    let samples = a.samples[k].as_ref()?;
+    let unit = a.cell.operations[k].sense.unit;
+    let said = |e: &Estimate| {
+        let [value, low, high] = [e.value, e.low, e.high].map(|v| unit.from_si(v));
+        format!("{value:.4} ({low:.4} to {high:.4})")
+    };
+    let verdict = match a.first_order_holds(k)? {
+        true => "the first-order figures hold",
+        false => "the first-order figures do NOT hold: trust the samples",
+    };
+    Some(format!(
+        "{} samples of the nonlinear model: rms {}, p95 {}, p99 {} {}; {verdict}",
+        samples.samples,
+        said(&samples.rms),
+        said(&samples.p95),
+        said(&samples.p99),
+        unit.word()
+    ))
+}
+
+/// How far the models are off, and whether the chosen one can be trusted.
+fn guard_summary(cell: &Cell, map: &OperationMap) -> String {
+    let most = |model| percent(map.off(model, cell.guard).0);
+    let trust = distrust(cell, map)
+        .unwrap_or_else(|| format!("the {} model can be trusted at every node", cell.model.name()));
+    format!(
+        "off the nonlinear model at most: linear {}, second-order {}; {trust}",
+        most(Model::Linear),
+        most(Model::SecondOrder)
+    )
+}
+
+/// Where the chosen model is not to be trusted; None if it can be.
+pub fn distrust(cell: &Cell, map: &OperationMap) -> Option<String> {
+    let (most, above, all) = map.off(cell.model, cell.guard);
+    (above > 0).then(|| {
+        format!(
+            "do NOT trust the {} model at {above} of {all} nodes (off by up to {}, the guard is {})",
+            cell.model.name(),
+            percent(most),
+            percent(cell.guard)
+        )
+    })
+}
+
+/// The claim of section 4.3 (no discrepancy above 1 %), looked at node by node.
+fn discrepancy_summary(map: &OperationMap) -> String {
+    let usable = map.nodes.iter().filter(|n| n.status == Status::Ok).filter_map(|n| n.posture.as_ref());
+    let all: Vec<Discrepancy> = usable.map(|p| discrepancy(&p.nonlinear, &p.linear)).collect();
+    let of = |f: fn(&Discrepancy) -> Option<f64>| {
+        let values: Vec<f64> = all.iter().filter_map(f).collect();
+        let most = values.iter().copied().fold(0.0, f64::max);
+        (most, values.iter().filter(|&&v| v > 1.0).count())
+    };
+    let said = |name: &str, (most, above): (f64, usize)| match above {
+        0 => format!("{name} {most:.3} %"),
+        n => format!("{name} {most:.3} % (above 1 % at {n} node{})", if n == 1 { "" } else { "s" }),
+    };
+    let parts = [
+        said("resultant", of(|d| d.resultant)),
+        said("x", of(|d| d.x)),
+        said("y", of(|d| d.y)),
+        said("z", of(|d| d.z)),
+    ];
+    format!("linear against nonlinear model, largest discrepancy: {}", parts.join(", "))
+}
