@@ -7,12 +7,14 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
-use sweetspot::cell::{self, Cell, ErrorSet, Layout, Model, Placement};
+use sweetspot::cell::{self, Cell, ErrorSet, Layout, Model, Placement, Reading, Sense};
 use sweetspot::clearance::{FloorPlan, Placed, Scene};
 use sweetspot::kinematic_error::{Perturbation, position_error};
 use sweetspot::layout::{Workcell, Workspace, evaluate_in};
 use sweetspot::reach::PlanarArm;
-use sweetspot::robot::Chain;
+use sweetspot::pose::Pose;
+use sweetspot::reading::{Gauge, Site, Situation};
+use sweetspot::robot::{self, Chain};
 
 fn folder() -> std::path::PathBuf {
     std::path::PathBuf::from(env!("CARGO_MANIFEST_DIR"))
@@ -80,6 +82,56 @@ fn node(c: &mut Criterion) {
     }
 }
 
+/// The same node, its tolerances read as a box and as random variables: exact worst case of the
+/// linear model and covariance in a sense of three rows, for every branch. Signed: the same walk.
+fn readings(c: &mut Criterion) {
+    let mut cell = shipped("hitachi_cell.toml");
+    cell.model = Model::Linear;
+    cell.operations[0].sense = Sense::plain("xyz").expect("a plain sense");
+    let chain = Chain::new(&cell.robot);
+    let arm = PlanarArm::new(&chain).expect("the paper's arm");
+    let approach = arm.approach(-std::f64::consts::FRAC_PI_2);
+    let target = nalgebra::Vector3::new(0.2, 0.95, 0.7);
+    let (mut scratch, mut frames) = (arm.scratch(), robot::Frames::default());
+    let site = Site { equipment: 0, work: Pose::identity(), taught: None };
+    let situation = Situation { site, reference: None };
+    for (model, reading) in [(Model::Nonlinear, "signed"), (Model::Linear, "worst case and covariance")] {
+        cell.model = model;
+        let gauge = Gauge::new(&cell, &cell.operations[0]);
+        let mut memory = gauge.memory();
+        c.bench_function(&format!("node, {reading}"), |b| {
+            b.iter(|| {
+                let mut sum = 0.0;
+                arm.visit(black_box(&target), &approach, &mut scratch, |_, posture| {
+                    chain.place(posture, &mut frames);
+                    if reading == "signed" {
+                        sum += gauge.value(&situation, &frames, &mut memory);
+                    } else {
+                        gauge.prepare(&situation, &frames, &mut memory);
+                        sum += gauge.worst(&gauge.sense, &situation, &frames, &mut memory).linear;
+                        sum += gauge.norm(&gauge.sense, &situation, &frames, &mut memory).rms();
+                    }
+                });
+                sum
+            })
+        });
+    }
+    cell.model = Model::Nonlinear;
+    for reading in [Reading::WorstCase, Reading::Statistical] {
+        cell.reading = reading;
+        let gauge = Gauge::new(&cell, &cell.operations[0]);
+        let mut memory = gauge.memory();
+        let posture = chain.posture(&[0.3, 0.2, 0.1, -0.4, 0.0, 0.0, 0.0, 0.0]);
+        chain.place(&posture, &mut frames);
+        c.bench_function(&format!("posture, nonlinear {}", reading.name()), |b| {
+            b.iter(|| gauge.value(&situation, black_box(&frames), &mut memory))
+        });
+        c.bench_function(&format!("posture, everything, {}", reading.name()), |b| {
+            b.iter(|| gauge.judge(&situation, black_box(&frames), &mut memory))
+        });
+    }
+}
+
 fn map(c: &mut Criterion) {
     let workcell = Workcell::new(shipped("hitachi_paper.toml")).expect("the paper's cell");
     let layout = workcell.cell.start();
@@ -143,6 +195,6 @@ fn layout(c: &mut Criterion) {
 criterion_group! {
     name = layers;
     config = Criterion::default().sample_size(20);
-    targets = node, map, collision, layout, evaluate
+    targets = node, readings, map, collision, layout, evaluate
 }
 criterion_main!(layers);

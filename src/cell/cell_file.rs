@@ -1,5 +1,6 @@
 //! Cell files: robot, equipment, obstacles, operations, search settings.
 
+use super::choices::*;
 use super::document::Library;
 use super::fault::{did_you_mean, listed, shown};
 use super::model::*;
@@ -7,7 +8,7 @@ use super::reader::{Table, read_named};
 use super::robot_model::*;
 use super::tree::Node;
 use super::value::{Must, is_name, text};
-use super::{equipment_file, operation_file, robot_file};
+use super::{equipment_file, operation_file, robot_file, sense_file};
 use crate::units;
 
 /// Reads a whole cell; good only if no fault was recorded. `stem` names it by default.
@@ -22,6 +23,7 @@ pub fn read(stem: &str, root: &Node, lib: &mut Library<'_>) -> Option<Cell> {
         let robot = read_robot(t, lib);
         let errors = read_error_choice(t, lib);
         let model = t.choice("model", &Model::ALL, Model::name, Some(Model::Nonlinear), lib);
+        let given = t.get("reading").is_some();
         let reading = t.choice("reading", &Reading::ALL, Reading::name, Some(Reading::Signed), lib);
         let quantity = t.choice("quantity", &Quantity::ALL, Quantity::name, Some(Quantity::P95), lib);
         let none = Some(Registration::None);
@@ -29,13 +31,14 @@ pub fn read(stem: &str, root: &Node, lib: &mut Library<'_>) -> Option<Cell> {
         let guard = t.number_or("guard_percent", 1.0, Must::BePositive, lib);
         let equipment = read_equipment(t, lib);
         let keep_out = read_named(t, "keep_out", lib, equipment_file::read_keep_out);
-        let operations = operation_file::read_all(t, &equipment, lib);
+        let senses = sense_file::read_all(t, lib);
+        let operations = operation_file::read_all(t, &equipment, &senses, lib);
         let collision = t.boolean_or("collision", true, lib);
         let clearance = t.number_or("clearance_mm", 0.0, Must::NotBeNegative, lib);
         let floor = t.number_or("floor_mm", 0.0, Must::BeFinite, lib);
         let search = read_search(t, lib);
         let (robot, base) = robot?;
-        Some(Cell {
+        let mut cell = Cell {
             name: name?,
             robot,
             base,
@@ -48,12 +51,16 @@ pub fn read(stem: &str, root: &Node, lib: &mut Library<'_>) -> Option<Cell> {
             equipment,
             keep_out,
             operations,
-            senses: Vec::new(),
+            senses,
             collision: collision?,
             clearance: units::m_from_mm(clearance?),
             floor: units::m_from_mm(floor?),
             search: search?,
-        })
+        };
+        if !given {
+            cell.reading = cell.default_reading();
+        }
+        Some(cell)
     })
 }
 

@@ -1,6 +1,8 @@
 //! Equipment: work surface, solids, floor space and placement.
 
 use super::document::Library;
+use super::error_model::FrameErrors;
+use super::frame_file;
 use super::model::*;
 use super::reader::Table;
 use super::shape::{self, Rectangle};
@@ -27,10 +29,21 @@ pub fn read(name: &str, node: &Node, role: Role, lib: &mut Library<'_>) -> Optio
         let needed: &[_] = if sound { &["footprint", "solid", "surface"] } else { &[] };
         let footprint = solid::read_footprint(t, extent, needed, lib);
         let placement = read_placement(t, role, lib);
+        let errors = t.get("errors").map(|node| read_errors(node, role, lib));
         let (footprint, placement) = (footprint?, placement?);
-        let (name, errors) = (name.to_string(), None);
+        let (name, errors) = (name.to_string(), errors.flatten());
         Some(Equipment { name, role, surface, footprint, solids, placement, errors })
     })
+}
+
+/// The errors of its placement or fixture.
+fn read_errors(node: &Node, role: Role, lib: &mut Library<'_>) -> Option<FrameErrors> {
+    if role == Role::Obstacle {
+        let help = "make it an [equipment.NAME] if work is done on it, or remove them";
+        lib.error(node.at, "an obstacle has no `errors`".into(), help);
+        return None;
+    }
+    frame_file::read_errors(node, lib)
 }
 
 /// Extent of a work surface.

@@ -43,6 +43,20 @@ impl Parameter {
         links.chain((0..PER_FRAME).map(Self::Base)).chain((0..PER_FRAME).map(Self::Tool))
     }
 
+    /// As a file names it: `dl2`, `base rx`; of an equipment its component alone.
+    pub fn name(self) -> String {
+        match self {
+            Self::Dq(i) => format!("dq{}", i + 1),
+            Self::Dr(i) => format!("dr{}", i + 1),
+            Self::Dl(i) => format!("dl{}", i + 1),
+            Self::Dalpha(i) => format!("dalpha{}", i + 1),
+            Self::Dbeta(i) => format!("dbeta{}", i + 1),
+            Self::Base(c) => format!("base {}", COMPONENTS[c]),
+            Self::Tool(c) => format!("tool {}", COMPONENTS[c]),
+            Self::Equipment(_, c) => COMPONENTS[c].to_string(),
+        }
+    }
+
     /// How many they are.
     pub fn count(axes: usize) -> usize {
         PER_LINK * axes + 2 * PER_FRAME

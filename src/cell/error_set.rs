@@ -1,9 +1,11 @@
-//! Error sets of a robot: signed samples of its kinematic errors.
+//! Error sets of a robot: signed samples or tolerances of its kinematic parameters.
 
 use super::document::Library;
 use super::error_model::*;
+use super::frame_file;
 use super::reader::{Table, read_named};
 use super::robot_model::*;
+use super::tolerance_file::{self, Kind};
 use super::tree::{Node, Value};
 use super::value::Must;
 use crate::units;
@@ -23,36 +25,63 @@ pub fn read_all(
     {
         lib.error(node.at, "no error set".into(), help);
     }
+    let arm = Arm { axes: rows.len(), joints: joints.unwrap_or(&[]) };
     read_named(t, "errors", lib, |name, node, lib| {
-        Table::read(node, "an error set", lib, |t, lib| read(name, t, rows.len(), joints, lib))
+        Table::read(node, "an error set", lib, |t, lib| read(name, t, arm, lib))
     })
 }
 
-fn read(
+/// The joints that errors belong to.
+#[derive(Clone, Copy)]
+pub struct Arm<'j> {
+    pub axes: usize,
+    /// None of a robot that could not be read.
+    pub joints: &'j [Joint],
+}
+
+impl Arm<'_> {
+    pub fn slides(&self, joint: usize) -> bool {
+        self.joints.get(joint).is_some_and(|j| j.kind == JointKind::Prismatic)
+    }
+}
+
+fn read(name: &str, t: &mut Table<'_>, arm: Arm<'_>, lib: &mut Library<'_>) -> Option<ErrorSet> {
+    t.text("source", lib);
+    let kind = Kind::read(t, lib);
+    let values = read_values(name, t, arm, Kind::must(kind), lib);
+    if kind == Some(Kind::Tolerance) {
+        return tolerance_file::read(t, values, arm, lib).map(ErrorSet::Tolerance);
+    }
+    tolerance_file::refuse(t, kind, lib);
+    values.map(ErrorSet::Signed)
+}
+
+/// The rows and frames: one number for each parameter.
+fn read_values(
     name: &str,
     t: &mut Table<'_>,
-    n: usize,
-    joints: Option<&[Joint]>,
+    arm: Arm<'_>,
+    must: Must,
     lib: &mut Library<'_>,
-) -> Option<ErrorSet> {
+) -> Option<SignedErrors> {
+    let n = arm.axes;
     let lengths = |v: Vec<f64>| v.into_iter().map(units::m_from_mm).collect::<Vec<_>>();
     let angles = |v: Vec<f64>| v.into_iter().map(units::rad_from_deg).collect::<Vec<_>>();
-    t.text("source", lib);
-    // A tolerance will be a type of its own; the word keeps the two apart in files from the start.
-    t.choice("kind", &["signed"], |k| k, None, lib);
-    let dq_deg = t.numbers_or_zero("dq_deg", n, lib);
-    let dq_mm = t.numbers_or_zero("dq_mm", n, lib);
-    let dr = t.numbers("dr_mm", n, Must::BeFinite, lib).map(lengths);
-    let dl = t.numbers("dl_mm", n, Must::BeFinite, lib).map(lengths);
-    let dalpha = t.numbers("dalpha_deg", n, Must::BeFinite, lib).map(angles);
+    let dq_deg = t.numbers_or_zero("dq_deg", n, must, lib);
+    let dq_mm = t.numbers_or_zero("dq_mm", n, must, lib);
+    let dr = t.numbers("dr_mm", n, must, lib).map(lengths);
+    let dl = t.numbers("dl_mm", n, must, lib).map(lengths);
+    let dalpha = t.numbers("dalpha_deg", n, must, lib).map(angles);
+    let dbeta = t.numbers_or_zero("dbeta_deg", n, must, lib).map(angles);
+    let base = frame_file::read_part(t, "base", must, lib);
+    let tool = frame_file::read_part(t, "tool", must, lib);
     let (dq_deg, dq_mm) = (dq_deg?, dq_mm?);
-    fits(t, "dq_deg", &dq_deg, joints, JointKind::Revolute, lib);
-    fits(t, "dq_mm", &dq_mm, joints, JointKind::Prismatic, lib);
+    fits(t, "dq_deg", &dq_deg, arm, JointKind::Revolute, lib);
+    fits(t, "dq_mm", &dq_mm, arm, JointKind::Prismatic, lib);
     // One of the two is zero for every joint.
     let dq = angles(dq_deg).iter().zip(lengths(dq_mm)).map(|(a, b)| a + b).collect();
-    let (name, dbeta, frame) = (name.to_string(), vec![0.0; n], [0.0; PER_FRAME]);
-    let (dr, dl, dalpha) = (dr?, dl?, dalpha?);
-    Some(ErrorSet::Signed(SignedErrors { name, dq, dr, dl, dalpha, dbeta, base: frame, tool: frame }))
+    let (dr, dl, dalpha, dbeta) = (dr?, dl?, dalpha?, dbeta?);
+    Some(SignedErrors { name: name.to_string(), dq, dr, dl, dalpha, dbeta, base: base?, tool: tool? })
 }
 
 /// An error of a joint coordinate has the unit of that joint.
@@ -60,7 +89,7 @@ fn fits(
     t: &mut Table<'_>,
     key: &'static str,
     values: &[f64],
-    joints: Option<&[Joint]>,
+    arm: Arm<'_>,
     kind: JointKind,
     lib: &mut Library<'_>,
 ) {
@@ -69,7 +98,7 @@ fn fits(
         JointKind::Revolute => ("slides", "dq_mm"),
         JointKind::Prismatic => ("turns", "dq_deg"),
     };
-    let pairs = joints.unwrap_or(&[]).iter().zip(values).enumerate();
+    let pairs = arm.joints.iter().zip(values).enumerate();
     for (i, (joint, _)) in pairs.filter(|(_, (j, v))| j.kind != kind && **v != 0.0) {
         let message = format!("number {} of `{key}` must be 0: joint `{}` {is}", i + 1, joint.name);
         lib.error(node.at, message, format!("give its error in {right}"));

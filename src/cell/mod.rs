@@ -6,29 +6,38 @@
 //! that comes out is valid: nothing downstream checks it again.
 
 mod cell_file;
+mod choices;
+mod covariance_file;
 mod document;
 mod equipment_file;
 mod error_model;
 mod error_set;
 pub mod fault;
+mod frame_file;
 mod from;
 mod mesh;
 mod model;
 mod operation_file;
 mod plausible;
+mod question;
 mod reader;
 mod robot_file;
 mod robot_model;
 mod sense;
+mod sense_file;
 mod shape;
 mod solid;
+mod teach_file;
+mod tolerance_file;
 mod tree;
 mod value;
 
+pub use choices::*;
 pub use document::{ReadFile, Source};
 pub use error_model::*;
 pub use fault::{Fault, Severity, shown};
 pub use model::*;
+pub use question::{About, QuestionFault};
 pub use robot_model::*;
 pub use sense::*;
 pub use shape::*;
@@ -60,6 +69,7 @@ pub fn load(path: &str, read: &mut ReadFile<'_>) -> Result<Loaded, Vec<Fault>> {
     if lib.errors() == 0
         && let (Some(cell), Some(root)) = (&cell, &root)
     {
+        question::check(cell, root, &mut lib);
         plausible::warn(cell, root, &mut lib);
     }
     let faults = sorted(&mut lib);

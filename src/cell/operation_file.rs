@@ -4,7 +4,9 @@ use super::document::Library;
 use super::fault::{did_you_mean, listed, shown};
 use super::model::*;
 use super::reader::{Table, read_named};
-use super::sense::Sense;
+use super::sense::{Frame, PLAIN, Sense, Unit};
+use super::shape::Rectangle;
+use super::teach_file;
 use super::tree::{Entry, Node, Value};
 use super::value::{self, Must, plain};
 use crate::units;
@@ -12,42 +14,69 @@ use crate::units;
 /// Most nodes of one grid: a map of more is no picture, and takes hours and gigabytes.
 pub const MAX_NODES: u64 = 1_000_000;
 
+const PICKED: &str = "name the operation in which the part was picked";
+
 /// What `map --json` takes a node, s and bytes: measured with a million nodes on hitachi_cell.
 const NODE_COST: (f64, f64) = (1.4e-5, 700.0);
 
 /// Reads every `[operation.NAME]`.
-pub fn read_all(t: &mut Table<'_>, equipment: &[Equipment], lib: &mut Library<'_>) -> Vec<Operation> {
+pub fn read_all(
+    t: &mut Table<'_>,
+    equipment: &[Equipment],
+    senses: &[Sense],
+    lib: &mut Library<'_>,
+) -> Vec<Operation> {
     let help = "add [operation.NAME] with on, grid, bend_deg and sense";
-    if let Some(node) = t.need("operation", help)
+    let operations = t.need("operation", help);
+    if let Some(node) = operations
         && matches!(&node.value, Value::Table(entries) if entries.is_empty())
     {
         lib.error(node.at, "no operation".into(), help);
     }
     let standing = ["equipment", "obstacle"].map(|key| t.get(key));
+    let named = t.get("sense");
     let is_table = |node: &&Node| matches!(node.value, Value::Table(_));
-    let complete = !t.partial && standing.iter().flatten().all(is_table);
-    let entries = standing.into_iter().flatten().flat_map(|node| node.value.entries());
-    let standing = Standing { complete, equipment, entries: entries.collect() };
-    read_named(t, "operation", lib, |name, node, lib| read(name, node, &standing, lib))
+    let complete = !t.partial && standing.iter().chain([&named]).flatten().all(is_table);
+    let around = Around {
+        complete,
+        equipment,
+        entries: standing.into_iter().flatten().flat_map(|node| node.value.entries()).collect(),
+        senses,
+        sense_entries: named.map_or(&[], |node| node.value.entries()),
+        operations: operations.map_or(&[], |node| node.value.entries()),
+    };
+    read_named(t, "operation", lib, |name, node, lib| read(name, node, &around, lib))
 }
 
-/// What may carry an operation.
-struct Standing<'c> {
+/// What an operation may name.
+struct Around<'c> {
     /// Whether nothing was lost with a file.
     complete: bool,
-    /// What could be read.
+    /// Equipment and senses that could be read.
     equipment: &'c [Equipment],
-    /// What is named, equipment first.
+    senses: &'c [Sense],
+    /// What is named: what stands, equipment first; senses; operations.
     entries: Vec<&'c Entry>,
+    sense_entries: &'c [Entry],
+    operations: &'c [Entry],
 }
 
-fn read(name: &str, node: &Node, standing: &Standing<'_>, lib: &mut Library<'_>) -> Option<Operation> {
+fn read(name: &str, node: &Node, around: &Around<'_>, lib: &mut Library<'_>) -> Option<Operation> {
     Table::read(node, "an operation", lib, |t, lib| {
-        let on = read_surface_choice(t, standing, lib);
+        let on = read_surface_choice(t, around, lib);
         let grid = read_grid(t, lib);
         let standoff = t.number_or("standoff_mm", 0.0, Must::NotBeNegative, lib);
         let bend = read_bend(t, lib);
-        let sense = t.text("sense", lib).and_then(|word| Sense::plain(&word));
+        let sense = read_sense(t, around, lib);
+        let limit = read_limit(t, sense.as_ref(), lib);
+        let relative_to = match t.get("relative_to") {
+            Some(node) => read_relative(name, node, around, lib).map(Some),
+            None => Some(None),
+        };
+        let teach = match t.get("teach_mm") {
+            Some(node) => teach_file::read(node, on.and_then(|k| around.surface(k)), lib).map(Some),
+            None => Some(None),
+        };
         let weight = t.number_or("weight", 1.0, Must::BePositive, lib);
         Some(Operation {
             name: name.to_string(),
@@ -56,35 +85,113 @@ fn read(name: &str, node: &Node, standing: &Standing<'_>, lib: &mut Library<'_>)
             standoff: units::m_from_mm(standoff?),
             bend: bend?,
             sense: sense?,
-            limit: None,
-            relative_to: None,
-            teach: None,
+            limit: limit?,
+            relative_to: relative_to?,
+            teach: teach?,
             weight: weight?,
         })
     })
 }
 
+impl Around<'_> {
+    /// The surface of what stands at a place of `entries`, if it could be read.
+    fn surface(&self, k: usize) -> Option<Rectangle> {
+        let (name, ..) = self.entries.get(k)?;
+        self.equipment.iter().find(|e| e.name == *name)?.surface
+    }
+}
+
 /// `on = "NAME"`: something with a work surface, by the names in the cell.
-fn read_surface_choice(t: &mut Table<'_>, standing: &Standing<'_>, lib: &mut Library<'_>) -> Option<usize> {
+fn read_surface_choice(t: &mut Table<'_>, around: &Around<'_>, lib: &mut Library<'_>) -> Option<usize> {
     let node = t.need("on", "add on = \"NAME\" of an equipment with a work surface")?;
     let name = value::text(node, "on", lib)?;
     let has_surface = |part: &Node| part.value.get("surface").is_some();
-    let Some(index) = standing.entries.iter().position(|(n, ..)| *n == name) else {
-        let fitting = || standing.entries.iter().filter(|e| has_surface(&e.2)).map(|e| e.0.as_str());
+    let Some(index) = around.entries.iter().position(|(n, ..)| *n == name) else {
+        let fitting = || around.entries.iter().filter(|e| has_surface(&e.2)).map(|e| e.0.as_str());
         let help = match did_you_mean(&name, fitting()) {
             Some(near) => format!("did you mean \"{}\"?", shown(near)),
             None => format!("equipment with a work surface: {}", listed(fitting())),
         };
-        if standing.complete {
+        if around.complete {
             lib.error(node.at, format!("there is no equipment `{}`", shown(&name)), help);
         }
         return None;
     };
-    if standing.equipment.iter().any(|e| e.name == name) && !has_surface(&standing.entries[index].2) {
+    if around.equipment.iter().any(|e| e.name == name) && !has_surface(&around.entries[index].2) {
         let message = format!("`{}` has no work surface", shown(&name));
         lib.error(node.at, message, "add to it for example surface = { size_mm = [1500, 700] }");
     }
     Some(index)
+}
+
+/// `sense = "WORD"`: a plain one or one of the cell.
+fn read_sense(t: &mut Table<'_>, around: &Around<'_>, lib: &mut Library<'_>) -> Option<Sense> {
+    let node = t.need("sense", "add sense = \"xy\" or another: what must be small there")?;
+    let word = value::text(node, "sense", lib)?;
+    if let Some(plain) = Sense::plain(&word) {
+        return Some(plain);
+    }
+    let defined = || around.sense_entries.iter().map(|(name, ..)| name.as_str());
+    if !defined().any(|name| name == word) && around.complete {
+        let frames = Frame::ALL.map(Frame::name);
+        let framed: Vec<_> = PLAIN.iter().flat_map(|p| frames.map(|f| format!("{p}@{f}"))).collect();
+        let known = PLAIN.into_iter().chain(defined());
+        let help = match did_you_mean(&word, known.clone().chain(framed.iter().map(String::as_str))) {
+            Some(near) => format!("did you mean \"{}\"?", shown(near)),
+            None => format!("known: {}", listed(known)),
+        };
+        lib.error(node.at, format!("`sense` cannot be \"{}\"", shown(&word)), help);
+    }
+    around.senses.iter().find(|sense| sense.name == word).cloned()
+}
+
+/// `limit_mm` or `limit_deg`, whichever the sense is measured in.
+fn read_limit(t: &mut Table<'_>, sense: Option<&Sense>, lib: &mut Library<'_>) -> Option<Option<f64>> {
+    let mut limit = Some(None);
+    let lengths: (_, _, fn(f64) -> f64) = ("limit_mm", Unit::Length, units::m_from_mm);
+    for (key, unit, si) in [lengths, ("limit_deg", Unit::Angle, units::rad_from_deg)] {
+        let Some(node) = t.get(key) else { continue };
+        let value = value::number(node, &format!("`{key}`"), Must::BePositive, lib);
+        if let Some(sense) = sense.filter(|sense| sense.unit != unit) {
+            let word = sense.unit.word();
+            let message = format!("`{key}` is no limit of the sense `{}`, which is in {word}", sense.name);
+            lib.error(node.at, message, format!("write limit_{word}, or choose another sense"));
+        } else {
+            limit = value.map(|value| Some(si(value)));
+        }
+    }
+    limit
+}
+
+/// `relative_to = "NAME"`: an operation before this one, itself relative to none.
+fn read_relative(name: &str, node: &Node, around: &Around<'_>, lib: &mut Library<'_>) -> Option<usize> {
+    let other = value::text(node, "relative_to", lib)?;
+    let place = |wanted: &str| around.operations.iter().position(|(n, ..)| n == wanted);
+    let found = place(&other);
+    let (message, help) = match found {
+        _ if other == name => ("an operation is not relative to itself".to_string(), PICKED.to_string()),
+        None => {
+            let others = || around.operations.iter().map(|(n, ..)| n.as_str()).filter(|n| *n != name);
+            let help = match did_you_mean(&other, others()) {
+                Some(near) => format!("did you mean \"{}\"?", shown(near)),
+                None => format!("the cell has besides this: {}", listed(others())),
+            };
+            (format!("there is no operation `{}`", shown(&other)), help)
+        }
+        Some(k) if Some(k) > place(name) => {
+            let message = format!("`{}` comes after what is relative to it", shown(&other));
+            (message, format!("write [operation.{}] above [operation.{}]", shown(&other), shown(name)))
+        }
+        Some(k) if around.operations[k].2.value.get("relative_to").is_some() => {
+            let message = format!("`{}` is itself relative to an operation", shown(&other));
+            (message, PICKED.to_string())
+        }
+        Some(k) => return Some(k),
+    };
+    if found.is_some() || around.complete {
+        lib.error(node.at, message, help);
+    }
+    None
 }
 
 /// `grid = [m, n]`: divisions along x and y, (m + 1)(n + 1) nodes.

@@ -1,6 +1,8 @@
-//! Warnings about sizes that are probably in a wrong unit: 20 times the reach, or a twentieth of it.
+//! Warnings about sizes that are probably in a wrong unit: 20 times the reach, or a twentieth of it;
+//! tolerances a twentieth of it, or a millionth.
 
 use super::document::Library;
+use super::error_model::{ErrorSet, Parameter, Tolerance};
 use super::fault::Severity;
 use super::model::{Cell, Equipment, Role};
 use super::shape::{Shape, extent_of};
@@ -8,6 +10,9 @@ use super::tree::{At, Node};
 use crate::units::{mm_from_m, rounded};
 
 const FACTOR: f64 = 20.0;
+
+/// No link is made as true as this share of the reach.
+const LEAST: f64 = 1e-6;
 
 /// Something with a size, m.
 struct Thing {
@@ -22,6 +27,9 @@ pub fn warn(cell: &Cell, root: &Node, lib: &mut Library<'_>) {
     let side = |thing: &Thing| side(thing.size, reach);
     let reach_mm = millimetres(reach);
     let robot = place_of(root, "robot");
+    if let ErrorSet::Tolerance(set) = cell.error_set() {
+        warn_of_tolerance(set, cell.robot.axes(), reach, place_of(root, "errors"), lib);
+    }
     let standing = standing(cell, root);
     if let [first, _, ..] = &standing[..]
         && let Some(all) = side(first)
@@ -46,6 +54,24 @@ pub fn warn(cell: &Cell, root: &Node, lib: &mut Library<'_>) {
             "are all lengths, and those of the robot, really in mm?",
         );
     }
+}
+
+/// Offsets and common normals: angles look alike in degrees and radians.
+fn warn_of_tolerance(set: &Tolerance, axes: usize, reach: f64, at: At, lib: &mut Library<'_>) {
+    let varies_alone = |k: &usize| !set.covariance.iter().any(|c| c.parameters.contains(k));
+    let lengths = Parameter::of_robot(axes)
+        .enumerate()
+        .filter(|(k, parameter)| matches!(parameter, Parameter::Dr(_) | Parameter::Dl(_)) && varies_alone(k));
+    let largest = lengths.map(|(k, _)| set.spreads[k].plus_minus).fold(0.0, f64::max);
+    let share = if largest > reach / FACTOR {
+        "more than a twentieth"
+    } else if largest > 0.0 && largest < reach * LEAST {
+        "less than a millionth"
+    } else {
+        return;
+    };
+    let message = format!("the largest of dr_mm and dl_mm of `{}` is {share} of the reach", set.name);
+    lib.fault(at, Severity::Warning, message, "are its lengths really in mm?");
 }
 
 fn side(size: f64, reach: f64) -> Option<&'static str> {

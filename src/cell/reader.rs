@@ -116,10 +116,11 @@ impl<'n> Table<'n> {
         &mut self,
         key: &'static str,
         len: usize,
+        must: Must,
         lib: &mut Library<'_>,
     ) -> Option<Vec<f64>> {
         let Some(node) = self.get(key) else { return Some(vec![0.0; len]) };
-        value::numbers(node, &format!("`{key}`"), len, Must::BeFinite, lib)
+        value::numbers(node, &format!("`{key}`"), len, must, lib)
     }
 
     /// Three lengths in mm, in m.
@@ -131,7 +132,7 @@ impl<'n> Table<'n> {
     /// A pose: a position (mm) under `key` and an optional `rpy_deg`.
     pub fn pose(&mut self, key: &'static str, lib: &mut Library<'_>) -> Option<Pose> {
         let position = self.vector(key, Must::BeFinite, lib);
-        let rpy = self.numbers_or_zero("rpy_deg", 3, lib);
+        let rpy = self.numbers_or_zero("rpy_deg", 3, Must::BeFinite, lib);
         let rpy = rpy.map(|v| Vector3::from_iterator(v).map(units::rad_from_deg));
         Some(Pose::from_translation_rpy(position?, rpy?))
     }
@@ -181,23 +182,14 @@ impl<'n> Table<'n> {
         default: Option<T>,
         lib: &mut Library<'_>,
     ) -> Option<T> {
-        let names: Vec<_> = all.iter().map(|&v| name(v)).collect();
-        let any = || format!("\"{}\"", names.join("\" or \""));
-        let node = match (self.get(key), default) {
-            (None, Some(value)) => return Some(value),
-            (None, None) => self.need(key, format!("add {key} = {}", any()))?,
-            (Some(node), _) => node,
-        };
-        let word = value::text(node, key, lib)?;
-        let found = all.iter().copied().find(|&v| name(v) == word);
-        if found.is_none() {
-            let help = match did_you_mean(&word, names.iter().copied()) {
-                Some(near) => format!("did you mean \"{near}\"?"),
-                None => format!("write {key} = {}", any()),
-            };
-            lib.error(node.at, format!("`{key}` cannot be \"{}\"", shown(&word)), help);
+        match (self.get(key), default) {
+            (None, Some(value)) => Some(value),
+            (None, None) => {
+                self.need(key, format!("add {key} = {}", value::any_of(all, name)));
+                None
+            }
+            (Some(node), _) => value::choice(node, key, all, name, lib),
         }
-        found
     }
 
     fn finish(self, lib: &mut Library<'_>) {

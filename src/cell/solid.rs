@@ -153,7 +153,7 @@ pub fn read_rectangle(node: &Node, what: &str, lib: &mut Library<'_>) -> Option<
     Table::read(node, what, lib, |t, lib| {
         let plan = |v: Vec<f64>| (units::m_from_mm(v[0]), units::m_from_mm(v[1]));
         let size = t.numbers("size_mm", 2, Must::BePositive, lib).map(plan);
-        let centre = t.numbers_or_zero("centre_mm", 2, lib).map(plan);
+        let centre = t.numbers_or_zero("centre_mm", 2, Must::BeFinite, lib).map(plan);
         Some(Rectangle { centre: centre?, size: size? })
     })
 }

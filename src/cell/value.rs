@@ -1,7 +1,7 @@
 //! Single values: numbers of a believable size, texts, names.
 
 use super::document::Library;
-use super::fault::shown;
+use super::fault::{did_you_mean, shown};
 use super::tree::{At, Node, Value};
 
 /// Largest length (mm) or angle (degrees) that any file can mean.
@@ -19,6 +19,8 @@ pub enum Must {
     BeFinite,
     BePositive,
     NotBeNegative,
+    /// Half the width of a tolerance.
+    BePlusMinus,
 }
 
 impl Must {
@@ -43,6 +45,8 @@ impl Must {
             Some(("must be at least 1e-6", "is the unit right? lengths are in mm"))
         } else if self == Must::NotBeNegative && value < 0.0 {
             Some(("must not be negative", "write 0 or a number greater than 0"))
+        } else if self == Must::BePlusMinus && value < 0.0 {
+            Some(("must not be negative", "a plus-or-minus has no sign; a sample has: kind = \"signed\""))
         } else {
             None
         }
@@ -109,6 +113,32 @@ pub fn text(node: &Node, key: &str, lib: &mut Library<'_>) -> Option<String> {
             None
         }
     }
+}
+
+/// One of a closed set of words.
+pub fn choice<T: Copy>(
+    node: &Node,
+    key: &str,
+    all: &[T],
+    name: impl Fn(T) -> &'static str,
+    lib: &mut Library<'_>,
+) -> Option<T> {
+    let word = text(node, key, lib)?;
+    let found = all.iter().copied().find(|&v| name(v) == word);
+    if found.is_none() {
+        let help = match did_you_mean(&word, all.iter().map(|&v| name(v))) {
+            Some(near) => format!("did you mean \"{near}\"?"),
+            None => format!("write {key} = {}", any_of(all, name)),
+        };
+        lib.error(node.at, format!("`{key}` cannot be \"{}\"", shown(&word)), help);
+    }
+    found
+}
+
+/// The words of a closed set, quoted.
+pub fn any_of<T: Copy>(all: &[T], name: impl Fn(T) -> &'static str) -> String {
+    let names: Vec<_> = all.iter().map(|&v| name(v)).collect();
+    format!("\"{}\"", names.join("\" or \""))
 }
 
 /// A whole number from `min` to `max`.

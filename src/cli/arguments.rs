@@ -1,6 +1,7 @@
 //! The command line.
 
 use crate::cell::{Model, Quantity, Reading, Registration, Solver};
+use crate::compare::At;
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
@@ -35,6 +36,15 @@ pub enum Command {
     /// Put layouts side by side: cell files, best.toml files or folders of a search
     #[command(before_help = "Example: sweetspot compare cells/hitachi_cell.toml results/hitachi_cell-001")]
     Compare(CompareArguments),
+    /// Tell at a spot of the layout as drawn which tolerance to tighten first
+    #[command(before_help = "Example: sweetspot budget cells/hitachi_cell.toml --operation assembly")]
+    Budget(BudgetArguments),
+    /// Show the numbers of one posture step by step, to be followed by hand
+    #[command(before_help = "Example: sweetspot explain cells/hitachi_paper.toml --at 5,4")]
+    Explain(ExplainArguments),
+    /// Put every reading and registration of the layout as drawn side by side
+    #[command(before_help = "Example: sweetspot readings cells/hitachi_cell.toml --out results/readings")]
+    Readings(ReadingsArguments),
 }
 
 #[derive(Args)]
@@ -46,28 +56,38 @@ pub struct CheckArguments {
     pub json: bool,
 }
 
-/// What may be said otherwise than in the cell file.
+/// Which errors, how modelled, and where they count: what may be said otherwise than in the cell file.
 #[derive(Args)]
-pub struct Overrides {
+pub struct Choice {
     /// Use this error set of the robot
     #[arg(long, value_name = "NAME")]
     pub errors: Option<String>,
     /// Use this error model
     #[arg(long, value_parser = PossibleValuesParser::new(Model::ALL.map(Model::name)))]
     pub model: Option<String>,
+    /// Measure every operation in this sense: x, y, z, xy, xyz, rx, ry, rz, rotation, each with
+    /// @surface or @tool for other axes, or a sense of the cell file
+    #[arg(long, value_name = "SENSE")]
+    pub sense: Option<String>,
+    /// Largest error with which every operation succeeds: mm, or degrees of a rotation
+    #[arg(long, value_name = "MM", value_parser = limit, allow_negative_numbers = true)]
+    pub limit: Option<f64>,
+}
+
+/// What else may be said otherwise.
+#[derive(Args)]
+pub struct Overrides {
+    #[command(flatten)]
+    pub choice: Choice,
     /// Read the errors as one signed sample, as tolerances or as random variables
     #[arg(long, value_parser = PossibleValuesParser::new(Reading::ALL.map(Reading::name)))]
     pub reading: Option<String>,
-    /// What of a random error to make small (statistical reading)
+    /// What of a random error to make small; without --reading, takes the statistical one
     #[arg(long, value_parser = PossibleValuesParser::new(Quantity::ALL.map(Quantity::name)))]
     pub quantity: Option<String>,
     /// What has been measured with the robot itself: nothing, its base frame, the surface frames
     #[arg(long, value_parser = PossibleValuesParser::new(Registration::ALL.map(Registration::name)))]
     pub registration: Option<String>,
-    /// Measure every operation in this sense: x, y, z, xy, xyz, rx, ry, rz, rotation, each with
-    /// @surface or @tool for other axes, or a sense of the cell file
-    #[arg(long, value_name = "SENSE")]
-    pub sense: Option<String>,
 }
 
 #[derive(Args)]
@@ -123,4 +143,81 @@ pub struct CompareArguments {
     /// Print the comparison as JSON on stdout
     #[arg(long)]
     pub json: bool,
+}
+
+#[derive(Args)]
+pub struct BudgetArguments {
+    /// Cell file (TOML)
+    pub cell: PathBuf,
+    /// Look at this operation alone [default: all of them]
+    #[arg(long, value_name = "NAME")]
+    pub operation: Option<String>,
+    /// The node: best, or its number along x and along y
+    #[arg(long, value_name = "best|I,J", value_parser = at, default_value = "best", hide_default_value = true)]
+    pub at: At,
+    #[command(flatten)]
+    pub overrides: Overrides,
+    /// Print the budget as JSON on stdout
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Args)]
+pub struct ExplainArguments {
+    /// Cell file (TOML)
+    pub cell: PathBuf,
+    /// Look at this operation [default: the first]
+    #[arg(long, value_name = "NAME")]
+    pub operation: Option<String>,
+    /// The node: best, or its number along x and along y
+    #[arg(long, value_name = "best|I,J", value_parser = at, default_value = "best", hide_default_value = true)]
+    pub at: At,
+    /// Joints instead of a node, for any robot: degrees or mm in its own coordinates
+    #[arg(
+        long,
+        value_name = "Q1,Q2,...",
+        value_delimiter = ',',
+        value_parser = finite,
+        allow_hyphen_values = true,
+        conflicts_with = "at"
+    )]
+    pub joints: Option<Vec<f64>>,
+    #[command(flatten)]
+    pub overrides: Overrides,
+    /// Print the explanation as JSON on stdout
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Args)]
+pub struct ReadingsArguments {
+    /// Cell file (TOML)
+    pub cell: PathBuf,
+    #[command(flatten)]
+    pub choice: Choice,
+    /// Write readings.json, readings.csv and manifest.json into this new folder
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Print the readings as JSON on stdout
+    #[arg(long)]
+    pub json: bool,
+}
+
+fn finite(text: &str) -> Result<f64, String> {
+    let number: f64 = text.trim().parse().map_err(|_| "it is not a number".to_string())?;
+    if number.is_finite() { Ok(number) } else { Err("it must be finite".into()) }
+}
+
+fn limit(text: &str) -> Result<f64, String> {
+    let number = finite(text)?;
+    if number > 0.0 { Ok(number) } else { Err("a limit must be more than 0".into()) }
+}
+
+fn at(text: &str) -> Result<At, String> {
+    if text == "best" {
+        return Ok(At::Best);
+    }
+    let number = |word: &str| word.trim().parse::<usize>().ok();
+    let pair = text.split_once(',').and_then(|(i, j)| Some(At::Node(number(i)?, number(j)?)));
+    pair.ok_or_else(|| "write best, or the node's numbers along x and y, for example 3,4".into())
 }

@@ -42,6 +42,9 @@ pub fn run() -> ExitCode {
         Command::Map(a) => commands::map(&a),
         Command::Search(a) => commands::search(&a),
         Command::Compare(a) => commands::compare(&a),
+        Command::Budget(a) => commands::budget(&a),
+        Command::Explain(a) => commands::explain(&a),
+        Command::Readings(a) => commands::readings(&a),
     };
     code(exit.unwrap_or_else(|exit| exit))
 }

@@ -1,25 +1,92 @@
 //! What the command line says otherwise than the cell file.
 
-use super::arguments::Overrides;
+use super::arguments::{Choice, Overrides};
 use super::{Exit, output};
 use crate::cell::fault::did_you_mean;
-use crate::cell::{Cell, Loaded, Model, PLAIN, Quantity, Reading, Registration, shown};
+use crate::cell::{
+    Cell, Loaded, Model, Operation, PLAIN, Quantity, Reading, Registration, Sense, Unit, shown,
+};
 use crate::report;
+use crate::units;
 
 /// The cell as asked for on the command line; says what must be said about it.
 pub fn overridden(mut loaded: Loaded, asked: &Overrides) -> Result<Loaded, Exit> {
     let cell = &mut loaded.cell;
-    choose_errors(cell, asked)?;
     // clap has checked these against the same lists.
-    set(&mut cell.model, &asked.model, &Model::ALL, Model::name);
-    set(&mut cell.reading, &asked.reading, &Reading::ALL, Reading::name);
     set(&mut cell.quantity, &asked.quantity, &Quantity::ALL, Quantity::name);
     set(&mut cell.registration, &asked.registration, &Registration::ALL, Registration::name);
+    if asked.quantity.is_some() {
+        cell.reading = Reading::Statistical;
+    }
+    set(&mut cell.reading, &asked.reading, &Reading::ALL, Reading::name);
+    choose(cell, &asked.choice)?;
+    if asked.reading.is_none() && read_as_tolerance(cell) {
+        output::talk(&format!(
+            "note: {} is a tolerance: read as worst-case (--reading statistical for the other way)",
+            shown(cell.error_set().name())
+        ));
+    }
+    if asked.quantity.is_some() && cell.reading != Reading::Statistical {
+        output::talk("note: --quantity says nothing: it is of the statistical reading");
+    }
+    answerable(cell)?;
+    say_caveats(cell);
+    Ok(loaded)
+}
+
+/// The cell with the errors chosen, to be read in every way.
+pub fn chosen(mut loaded: Loaded, asked: &Choice) -> Result<Loaded, Exit> {
+    let cell = &mut loaded.cell;
+    choose(cell, asked)?;
+    read_as_tolerance(cell);
+    cell.reading = if cell.reading == Reading::Signed { cell.reading } else { Reading::WorstCase };
+    answerable(cell)?;
+    let magnitudes = Cell { reading: Reading::WorstCase, ..cell.clone() };
+    say_caveats(&magnitudes);
+    Ok(loaded)
+}
+
+fn choose(cell: &mut Cell, asked: &Choice) -> Result<(), Exit> {
+    choose_errors(cell, asked)?;
+    set(&mut cell.model, &asked.model, &Model::ALL, Model::name);
     choose_sense(cell, asked)?;
+    if let Some(limit) = asked.limit {
+        cell.operations.iter_mut().for_each(|o| o.limit = Some(limit_in_si(&o.sense, limit)));
+    }
+    Ok(())
+}
+
+fn limit_in_si(sense: &Sense, limit: f64) -> f64 {
+    match sense.unit {
+        Unit::Length => units::m_from_mm(limit),
+        Unit::Angle => units::rad_from_deg(limit),
+        Unit::Share => limit,
+    }
+}
+
+/// A tolerance has no signs: it is read as the worst case if it would be read as signed.
+fn read_as_tolerance(cell: &mut Cell) -> bool {
+    let unsigned = cell.reading == Reading::Signed && cell.default_reading() != Reading::Signed;
+    if unsigned {
+        cell.reading = Reading::WorstCase;
+    }
+    unsigned
+}
+
+/// Refuses what has no answer, as the cell file would have been.
+fn answerable(cell: &Cell) -> Result<(), Exit> {
+    let faults = cell.question_faults();
+    for fault in &faults {
+        output::error(&fault.message);
+        output::talk(&format!("  help: {}", fault.help));
+    }
+    if faults.is_empty() { Ok(()) } else { Err(Exit::BadInput) }
+}
+
+fn say_caveats(cell: &Cell) {
     for said in report::text::caveats(cell) {
         output::talk(&format!("note: {said}"));
     }
-    Ok(loaded)
 }
 
 fn set<T: Copy>(value: &mut T, word: &Option<String>, all: &[T], name: impl Fn(T) -> &'static str) {
@@ -27,7 +94,7 @@ fn set<T: Copy>(value: &mut T, word: &Option<String>, all: &[T], name: impl Fn(T
     *value = found.unwrap_or(*value);
 }
 
-fn choose_errors(cell: &mut Cell, asked: &Overrides) -> Result<(), Exit> {
+fn choose_errors(cell: &mut Cell, asked: &Choice) -> Result<(), Exit> {
     let Some(name) = &asked.errors else { return Ok(()) };
     let names = || cell.robot.errors.iter().map(|e| e.name());
     let Some(found) = names().position(|n| n == name) else {
@@ -37,7 +104,7 @@ fn choose_errors(cell: &mut Cell, asked: &Overrides) -> Result<(), Exit> {
     Ok(())
 }
 
-fn choose_sense(cell: &mut Cell, asked: &Overrides) -> Result<(), Exit> {
+fn choose_sense(cell: &mut Cell, asked: &Choice) -> Result<(), Exit> {
     let Some(word) = &asked.sense else { return Ok(()) };
     let Some(sense) = cell.sense(word) else {
         let defined = cell.senses.iter().map(|s| s.name.as_str());
@@ -55,9 +122,18 @@ fn choose_sense(cell: &mut Cell, asked: &Overrides) -> Result<(), Exit> {
     Ok(())
 }
 
+/// The operation of a name.
+pub fn operation(cell: &Cell, name: &str) -> Result<usize, Exit> {
+    let names = || cell.operations.iter().map(|o: &Operation| o.name.as_str());
+    names()
+        .position(|n| n == name)
+        .ok_or_else(|| unknown(&format!("the cell has no operation `{}`", shown(name)), name, names()))
+}
+
 /// Says what is not known, and what is.
 fn unknown<'a>(what: &str, word: &str, known: impl Iterator<Item = &'a str> + Clone) -> Exit {
-    let near = did_you_mean(word, known.clone()).map(|n| format!("did you mean {n}? ")).unwrap_or_default();
-    output::error(&format!("{what}; {near}there is: {}", known.collect::<Vec<_>>().join(", ")));
+    let near = did_you_mean(word, known.clone());
+    let near = near.map(|n| format!("did you mean {}? ", shown(n))).unwrap_or_default();
+    output::error(&format!("{what}; {near}there is: {}", known.map(shown).collect::<Vec<_>>().join(", ")));
     Exit::BadInput
 }

@@ -36,14 +36,15 @@ pub fn write_search(
 ) -> Result<Written, Exit> {
     let best = &comparison.columns[1];
     let mut outputs = Vec::new();
-    if let Some(objective) = best.objective_mm() {
+    if let Some(objective) = best.objective() {
         let name = cell_file.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
         let kept = portable(&name);
         let comment = format!(
-            "Best layout of {} found by sweetspot {} (seed {}): objective {objective:.6} mm",
+            "Best layout of {} found by sweetspot {} (seed {}): objective {objective:.6} {}",
             crate::cell::shown(&name),
             env!("CARGO_PKG_VERSION"),
-            cell.search.seed
+            cell.search.seed,
+            cell.unit().word()
         );
         let text = report::toml::fixed(&format!("{INPUTS}/{kept}"), &comment, cell, &best.layout);
         outputs.push(("best.toml", text.into_bytes()));

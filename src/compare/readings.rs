@@ -1,8 +1,8 @@
 //! The layout as drawn under every reading and every registration: what each would choose, and what
 //! it costs to have chosen by the signed sample.
 
-use super::stance::no_usable_node;
-use crate::cell::{Cell, ErrorSet, Quantity, Reading, Registration, Unit};
+use super::stance::no_spot;
+use crate::cell::{About, Cell, Quantity, Reading, Registration, Unit};
 use crate::error_map::OperationMap;
 use crate::layout::Workcell;
 use nalgebra::Vector3;
@@ -66,9 +66,9 @@ impl<'a> Readings<'a> {
         let mut operations = vec![Vec::new(); cell.operations.len()];
         for registration in Registration::ALL {
             let mut signed = None;
-            for (reading, quantity) in kinds(cell) {
-                let workcell =
-                    Workcell::new(Cell { reading, quantity, registration, ..cell.clone() })?;
+            for variant in variants(cell, registration) {
+                let reading = variant.reading;
+                let workcell = Workcell::new(variant)?;
                 let maps = workcell.maps(&cell.start());
                 for (k, rows) in operations.iter_mut().enumerate() {
                     rows.push(row(&workcell, &maps, signed.as_deref().unwrap_or(&[]), k));
@@ -110,19 +110,18 @@ impl<'a> Readings<'a> {
     }
 }
 
-/// The readings that the cell allows, the signed one first.
-fn kinds(cell: &Cell) -> Vec<(Reading, Quantity)> {
-    let signed = matches!(cell.error_set(), ErrorSet::Signed(_));
-    let limited = cell.operations.iter().all(|o| o.limit.is_some());
-    [
-        (signed, Reading::Signed, cell.quantity),
-        (true, Reading::WorstCase, cell.quantity),
-        (true, Reading::Statistical, Quantity::P95),
-        (limited, Reading::Statistical, Quantity::Yield),
-    ]
-    .into_iter()
-    .filter_map(|(allowed, reading, quantity)| allowed.then_some((reading, quantity)))
-    .collect()
+/// The cell in every reading that has an answer, the signed one first.
+fn variants(cell: &Cell, registration: Registration) -> Vec<Cell> {
+    let kinds = [
+        (Reading::Signed, cell.quantity),
+        (Reading::WorstCase, cell.quantity),
+        (Reading::Statistical, Quantity::P95),
+        (Reading::Statistical, Quantity::Yield),
+    ];
+    let read = |(reading, quantity)| Cell { reading, quantity, registration, ..cell.clone() };
+    // Nothing is added up here: senses of two units are none of its faults.
+    let answers = |c: &Cell| c.question_faults().iter().all(|f| matches!(f.about, About::Sense(_)));
+    kinds.into_iter().map(read).filter(answers).collect()
 }
 
 /// One operation under the reading of the workcell; `signed` are the maps of the signed one.
@@ -147,7 +146,7 @@ fn row(workcell: &Workcell, maps: &[OperationMap], signed: &[OperationMap], k: u
         reading: cell.reading,
         quantity: cell.quantity,
         registration: cell.registration,
-        choice: choice.ok_or_else(|| no_usable_node(cell, &maps[k])),
+        choice: choice.ok_or_else(|| no_spot(cell, &maps[k])),
         at_signed: at_signed(),
         unit: if share { Unit::Share } else { cell.operations[k].sense.unit },
     }

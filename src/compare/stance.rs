@@ -53,7 +53,7 @@ impl<'a> Stance<'a> {
         let cell = &workcell.cell;
         let (map, name) = (&maps[operation], shown(&cell.operations[operation].name));
         let node = match at {
-            At::Best => map.best_node().ok_or_else(|| NoStance::Unusable(no_usable_node(cell, map)))?,
+            At::Best => map.best_node().ok_or_else(|| NoStance::Unusable(no_spot(cell, map)))?,
             At::Node(i, j) => {
                 let (m, n) = cell.operations[operation].grid;
                 let inside = (i <= m && j <= n).then(|| map.nodes.get(j * (m + 1) + i)).flatten();
@@ -139,12 +139,19 @@ fn situation_elsewhere(
 pub fn no_usable_node(cell: &Cell, map: &OperationMap) -> String {
     let name = shown(&cell.operations[map.operation].name);
     let [out, limit, hit] = ["out-of-reach", "joint-limit", "collision"].map(|status| map.count(status));
-    let blocked = map.nodes.iter().find_map(|n| match n.status {
-        Status::Unjudged(_) | Status::Overlap(_) => Some(format!("; {}", n.status.reason(cell))),
+    let unjudged = map.nodes.iter().find_map(|n| match n.status {
+        Status::Unjudged(why) => Some(format!("; {}", why.in_words())),
         _ => None,
     });
     format!(
         "{name} has no usable node: {out} out of reach, {limit} beyond a joint limit, {hit} colliding{}",
-        blocked.unwrap_or_default()
+        unjudged.unwrap_or_default()
     )
+}
+
+/// The same, with the overlap that blocks its equipment.
+pub fn no_spot(cell: &Cell, map: &OperationMap) -> String {
+    let blocked = map.nodes.iter().find(|n| matches!(n.status, Status::Overlap(_)));
+    let overlap = blocked.map_or(String::new(), |n| format!("; {}", n.status.reason(cell)));
+    no_usable_node(cell, map) + &overlap
 }

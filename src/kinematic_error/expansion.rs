@@ -2,7 +2,7 @@
 //! pose by every parameter.
 
 use super::Perturbation;
-use crate::cell::{JointKind, MAX_PARAMETERS, PER_FRAME, PER_LINK};
+use crate::cell::{JointKind, MAX_PARAMETERS, PER_FRAME, PER_LINK, Parameter};
 use crate::pose::Displacement;
 use crate::robot::{Chain, Frames};
 use nalgebra::Vector3;
@@ -87,6 +87,8 @@ pub struct Expansion {
     terms: [Term; MAX_PARAMETERS],
     /// For every joint: the motions that a unit of its actuator error makes, and how large.
     drives: Vec<Vec<(usize, f64)>>,
+    /// The motions that are kept up to date.
+    wanted: Vec<usize>,
 }
 
 impl Expansion {
@@ -100,14 +102,25 @@ impl Expansion {
             };
             driven.map(|i| (motion(i), chain.coupling[i][j])).collect()
         });
-        Self { axes, terms: [Term::NONE; MAX_PARAMETERS], drives: drives.collect() }
+        let (drives, wanted) = (drives.collect(), (0..Parameter::count(axes)).collect());
+        Self { axes, terms: [Term::NONE; MAX_PARAMETERS], drives, wanted }
+    }
+
+    /// Of these parameters alone: what others do is left undefined.
+    pub fn of(chain: &Chain, parameters: &[usize]) -> Self {
+        let mut expansion = Self::new(chain);
+        let mut wanted: Vec<usize> =
+            parameters.iter().flat_map(|&p| expansion.motions(p)).map(|motion| motion.0).collect();
+        wanted.sort_unstable();
+        wanted.dedup();
+        expansion.wanted = wanted;
+        expansion
     }
 
     /// Moves to another posture.
     pub fn set(&mut self, frames: &Frames) {
-        let count = PER_LINK * self.axes + 2 * PER_FRAME;
-        for (k, term) in self.terms[..count].iter_mut().enumerate() {
-            *term = Term::of(frames, self.axes, k);
+        for &k in &self.wanted {
+            self.terms[k] = Term::of(frames, self.axes, k);
         }
     }
 

@@ -141,7 +141,7 @@ impl Gauge {
 
     pub fn memory(&self) -> Memory {
         Memory {
-            expansion: Expansion::new(&self.chain),
+            expansion: self.sources.expansion(&self.chain),
             effects: Effects::default(),
             columns: [Vector6::zeros(); MAX_SOURCES],
             kurtosis: [0.0; MAX_SOURCES],

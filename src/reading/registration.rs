@@ -7,7 +7,7 @@
 
 use super::{Effects, Sources};
 use crate::cell::{MAX_JOINTS, Model};
-use crate::kinematic_error::{Expansion, Perturbation, position_error};
+use crate::kinematic_error::{Perturbation, position_error};
 use crate::pose::{Displacement, SmallRotation};
 use crate::robot::{Chain, Frames};
 use nalgebra::{Matrix3, Vector3};
@@ -76,7 +76,7 @@ impl BestFit {
     }
 
     fn of_sources(&self, chain: &Chain, sources: &Sources, mean: bool) -> Effects {
-        let mut expansion = Expansion::new(chain);
+        let mut expansion = sources.expansion(chain);
         let each: Vec<Effects> = self
             .postures
             .iter()
@@ -129,7 +129,7 @@ pub struct Taught {
 impl Taught {
     pub fn new(chain: &Chain, sources: &Sources, postures: [Frames; 3], mean: bool) -> Self {
         let mut taught = Self { postures, effects: Effects::default() };
-        let mut expansion = Expansion::new(chain);
+        let mut expansion = sources.expansion(chain);
         let each = taught.postures.map(|frames| {
             let mut effects = Effects::default();
             expansion.set(&frames);

@@ -3,7 +3,7 @@
 
 use super::Effects;
 use crate::cell::{Cell, ErrorSet, MAX_PARAMETERS, PER_FRAME, Parameter, Registration, Spread, Tolerance};
-use crate::kinematic_error::{FrameError, Perturbation};
+use crate::kinematic_error::{Expansion, FrameError, Perturbation};
 use crate::pose::Displacement;
 use crate::robot::Chain;
 use nalgebra::DMatrix;
@@ -109,6 +109,12 @@ impl Sources {
             let moved = factor.iter().fold(Displacement::NONE, |sum, &(k, v)| sum + effects.columns[k] * v);
             add(moved, 0.0);
         }
+    }
+
+    /// The derivatives that these sources need.
+    pub fn expansion(&self, chain: &Chain) -> Expansion {
+        let parameters: Vec<usize> = self.list.iter().filter_map(|s| s.robot).collect();
+        Expansion::of(chain, &parameters)
     }
 
     pub fn robot_index(&self, source: usize) -> Option<usize> {

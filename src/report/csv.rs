@@ -1,7 +1,7 @@
-//! map.csv: one row per node.
+//! map.csv: one row per node. readings.csv: one row per operation and reading.
 
 use crate::cell::{Cell, JointKind, Sense, Unit};
-use crate::compare::Assessment;
+use crate::compare::{Assessment, Readings, Row};
 use crate::error_map::{NodeRecord, OperationMap, PostureRecord};
 use crate::kinematic_error::discrepancy;
 use crate::reading::Figures;
@@ -13,9 +13,6 @@ use crate::units::{deg_from_rad, mm_from_m, percent_from_share, rounded};
 /// Those of the csv writer, which writes to memory here.
 pub fn map(a: &Assessment<'_>) -> Result<Vec<u8>, String> {
     let mut writer = ::csv::Writer::from_writer(Vec::new());
-    let put = |writer: &mut ::csv::Writer<Vec<u8>>, row: &[String]| {
-        writer.write_record(row).map_err(|e| e.to_string())
-    };
     let senses = senses(a);
     put(&mut writer, &header(a.cell, &senses))?;
     for map in &a.maps {
@@ -29,6 +26,61 @@ pub fn map(a: &Assessment<'_>) -> Result<Vec<u8>, String> {
         }
     }
     writer.into_inner().map_err(|e| e.to_string())
+}
+
+fn put(writer: &mut ::csv::Writer<Vec<u8>>, row: &[String]) -> Result<(), String> {
+    writer.write_record(row).map_err(|e| e.to_string())
+}
+
+/// The readings of all operations, with a header. World frame, mm and degrees.
+///
+/// # Errors
+/// Those of the csv writer, which writes to memory here.
+pub fn readings(r: &Readings<'_>) -> Result<Vec<u8>, String> {
+    let mut writer = ::csv::Writer::from_writer(Vec::new());
+    put(&mut writer, &READINGS.map(str::to_string))?;
+    for (operation, rows) in r.cell.operations.iter().zip(&r.operations) {
+        for row in rows {
+            put(&mut writer, &reading_columns(&operation.name, row))?;
+        }
+    }
+    writer.into_inner().map_err(|e| e.to_string())
+}
+
+const READINGS: [&str; 15] = [
+    "operation",
+    "reading",
+    "quantity",
+    "registration",
+    "i",
+    "j",
+    "x_mm",
+    "y_mm",
+    "z_mm",
+    "value",
+    "unit",
+    "at_signed_choice",
+    "ratio",
+    "moved_mm",
+    "reason",
+];
+
+fn reading_columns(operation: &str, row: &Row) -> Vec<String> {
+    let choice = row.choice.as_ref().ok();
+    let mm = |v: f64| number(mm_from_m(v));
+    let value = |v: f64| number(row.unit.from_si(v));
+    let or_empty = |v: Option<String>| v.unwrap_or_default();
+    let words = [row.reading.name(), row.quantity_name(), row.registration.name()];
+    let mut columns = vec![inert(operation)];
+    columns.extend(words.map(str::to_string));
+    columns
+        .extend([choice.map(|c| c.node.0.to_string()), choice.map(|c| c.node.1.to_string())].map(or_empty));
+    columns.extend([0, 1, 2].map(|k| or_empty(choice.map(|c| mm(c.position[k])))));
+    columns.extend([or_empty(row.value().map(value)), row.unit.word().to_string()]);
+    columns.extend([row.at_signed.map(value), row.ratio().map(number)].map(or_empty));
+    columns.push(or_empty(choice.and_then(|c| c.moved).map(mm)));
+    columns.push(or_empty(row.choice.as_ref().err().map(|why| inert(why))));
+    columns
 }
 
 /// Every sense that any map reports.

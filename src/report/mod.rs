@@ -4,6 +4,7 @@ pub mod csv;
 pub mod fig8;
 pub mod json;
 mod legend;
+mod names;
 pub mod svg;
 pub mod text;
 pub mod toml;

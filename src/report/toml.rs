@@ -1,11 +1,12 @@
 //! best.toml: the cell again with its placements fixed, runnable where it lies.
 
-use crate::cell::{Cell, Coordinate, Layout};
+use crate::cell::{Cell, Coordinate, Layout, Unit};
 use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg, rounded};
 use std::fmt::Write;
 
 /// A cell file that takes everything `from` another and fixes the free coordinates of the
-/// placements, the error set, the model, its reading, and the senses that were asked for. `comment` is one line.
+/// placements, the error set, the model, how they are read, and senses and limits as asked for.
+/// `comment` is one line.
 pub fn fixed(from: &str, comment: &str, cell: &Cell, layout: &Layout) -> String {
     let mut out = String::new();
     // Writing to a String cannot fail.
@@ -46,6 +47,14 @@ pub fn fixed(from: &str, comment: &str, cell: &Cell, layout: &Layout) -> String 
             quoted(&operation.name),
             quoted(&operation.sense.name)
         );
+        if let Some(limit) = operation.limit {
+            let _ = match operation.sense.unit {
+                Unit::Angle => {
+                    writeln!(out, "limit_deg = {}", shortest(limit, deg_from_rad, rad_from_deg, 6))
+                }
+                _ => writeln!(out, "limit_mm = {}", shortest(limit, mm_from_m, m_from_mm, 6)),
+            };
+        }
     }
     out
 }

@@ -5,9 +5,13 @@
 
 mod layouts;
 mod map;
+mod posture;
+mod readings;
 
 pub use layouts::{compare, search};
 pub use map::{MapDocument, map};
+pub use posture::{budget, explain};
+pub use readings::readings;
 
 use crate::cell::{Cell, JointKind, JointVector, Layout, Role};
 use crate::units::{deg_from_rad, mm_from_m, rounded};

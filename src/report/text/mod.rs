@@ -1,16 +1,34 @@
 //! What a person reads in the terminal.
 
+mod budget;
 mod compare;
+mod explain;
 mod map;
+mod readings;
 mod table;
 
+pub use budget::budget;
 pub use compare::{comparison, feasibility};
+pub use explain::{explanation, frame_name};
 pub use map::{distrust, maps};
+pub use readings::{findings, readings};
 
-use crate::cell::{Cell, ErrorSet, Quantity, Reading, Registration, Spread};
+use crate::cell::{Cell, ErrorSet, Quantity, Reading, Registration, Spread, shown};
+use crate::compare::Stance;
 use crate::units::{mm_from_m, percent_from_share, rounded};
 
-/// Cell, robot, error set, model, reading and registration in one line.
+/// Cell, robot, error set and model in one line.
+pub fn question(cell: &Cell) -> String {
+    format!(
+        "{}: {}, errors {}, {} model",
+        cell.name,
+        cell.robot.name,
+        cell.error_set().name(),
+        cell.model.name()
+    )
+}
+
+/// The same with reading and registration.
 pub fn headline(cell: &Cell) -> String {
     let reading = match cell.reading {
         Reading::Signed => String::new(),
@@ -21,13 +39,7 @@ pub fn headline(cell: &Cell) -> String {
         Registration::BestFit => ", base frame best-fitted".into(),
         Registration::Taught => ", surface frames taught".into(),
     };
-    format!(
-        "{}: {}, errors {}, {} model{reading}{registration}",
-        cell.name,
-        cell.robot.name,
-        cell.error_set().name(),
-        cell.model.name()
-    )
+    format!("{}{reading}{registration}", question(cell))
 }
 
 /// What must be said about how the errors are read; empty if nothing.
@@ -82,4 +94,38 @@ fn mm1(m: f64) -> String {
 /// A share as percent.
 fn percent(share: f64) -> String {
     format!("{} %", rounded(percent_from_share(share), 3))
+}
+
+/// The same in sentences and columns of shares.
+fn percent1(share: f64) -> String {
+    format!("{} %", fixed(percent_from_share(share), 1))
+}
+
+/// With so many decimals, never the negative zero.
+fn fixed(value: f64, digits: usize) -> String {
+    format!("{:.digits$}", rounded(value, digits as i32))
+}
+
+/// Operation, surface, node and position in one line.
+fn place_words(stance: &Stance<'_>) -> String {
+    let operation = &stance.cell.operations[stance.operation];
+    let surface = shown(&stance.cell.equipment[operation.equipment].name);
+    let at = match stance.node {
+        Some((i, j)) => format!("node ({i}, {j})"),
+        None => "the joints given".to_string(),
+    };
+    let [x, y, z] = [stance.position.x, stance.position.y, stance.position.z].map(mm1);
+    format!("{} on {surface}: {at}, x {x} y {y} z {z} mm\n", shown(&operation.name))
+}
+
+/// What tightening a tolerance makes smaller, with its article.
+fn tightened_word(stance: &Stance<'_>) -> &'static str {
+    match (stance.gauge.reading, stance.gauge.quantity) {
+        (Reading::Statistical, Quantity::Yield) => "the share of failures",
+        (Reading::Statistical, Quantity::Rms) => "the rms",
+        (Reading::Statistical, Quantity::Mean) => "the mean",
+        (Reading::Statistical, Quantity::P95) => "the p95",
+        (Reading::Statistical, Quantity::P99) => "the p99",
+        _ => "the worst case",
+    }
 }

@@ -1,0 +1,65 @@
+//! `teach_mm`: three points of a work surface that teach its frame.
+
+use super::document::Library;
+use super::model::TEACH_HEIGHT;
+use super::shape::Rectangle;
+use super::tree::{Node, Value};
+use super::value::{self, Must, plain};
+use crate::units;
+use nalgebra::Vector2;
+
+/// What rounding may put a point beyond the edge of its surface, m.
+const EDGE: f64 = 1e-9;
+
+/// Reads the points; without the surface not whether they lie on it.
+pub fn read(node: &Node, surface: Option<Rectangle>, lib: &mut Library<'_>) -> Option<[(f64, f64); 3]> {
+    let items = match &node.value {
+        Value::Array(items) if items.len() == 3 => items,
+        other => {
+            let given = match other {
+                Value::Array(items) => items.len().to_string(),
+                other => other.kind().to_string(),
+            };
+            let help = "write for example teach_mm = [[-500, -200], [500, -200], [-500, 200]]";
+            lib.error(node.at, format!("`teach_mm` must be a list of 3 points, not {given}"), help);
+            return None;
+        }
+    };
+    let read = |(i, item)| read_point(i, item, surface, lib);
+    let points: Vec<_> = items.iter().enumerate().map(read).collect();
+    let [a, b, c] = points[..] else { return None };
+    let (a, b, c) = (a?, b?, c?);
+    let height = height(a, b, c);
+    if height < TEACH_HEIGHT {
+        let [is, least] = [height, TEACH_HEIGHT].map(|h| plain(units::rounded(units::mm_from_m(h), 1)));
+        let message = format!("the points of `teach_mm` lie nearly in line: their triangle is {is} mm high");
+        lib.error(node.at, message, format!("spread them out: at least {least} mm; the farther, the better"));
+    }
+    Some([a, b, c].map(|p| (p.x, p.y)))
+}
+
+fn read_point(
+    i: usize,
+    node: &Node,
+    surface: Option<Rectangle>,
+    lib: &mut Library<'_>,
+) -> Option<Vector2<f64>> {
+    let what = format!("point {} of `teach_mm`", i + 1);
+    let point = value::numbers(node, &what, 2, Must::BeFinite, lib)?;
+    let point = Vector2::from_iterator(point).map(units::m_from_mm);
+    let Some(Rectangle { centre, size }) = surface else { return Some(point) };
+    let (dx, dy) = ((point.x - centre.0).abs() - size.0 / 2.0, (point.y - centre.1).abs() - size.1 / 2.0);
+    if dx.max(dy) > EDGE {
+        let end = |centre: f64, half: f64| plain(units::rounded(units::mm_from_m(centre + half), 6));
+        let range = |c: f64, s: f64| format!("{} to {}", end(c, -s / 2.0), end(c, s / 2.0));
+        let (x, y) = (range(centre.0, size.0), range(centre.1, size.1));
+        lib.error(node.at, format!("{what} is not on the surface"), format!("x from {x}, y from {y}"));
+    }
+    Some(point)
+}
+
+/// The smallest height of a triangle.
+fn height(a: Vector2<f64>, b: Vector2<f64>, c: Vector2<f64>) -> f64 {
+    let longest = (b - a).norm().max((c - b).norm()).max((a - c).norm());
+    if longest > 0.0 { (b - a).perp(&(c - a)).abs() / longest } else { 0.0 }
+}

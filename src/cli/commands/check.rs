@@ -1,0 +1,64 @@
+//! `check`.
+
+use super::{UNSOLVED, is_free, suggest, warn_of_hopeless, workcell};
+use crate::cell::{Cell, ErrorSet, Fault, shown};
+use crate::cli::arguments::CheckArguments;
+use crate::cli::output::path_word;
+use crate::cli::{Exit, files, output};
+use crate::compare::Assessment;
+use crate::layout::Workcell;
+use crate::report;
+use serde_json::json;
+
+/// `sweetspot check`
+pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
+    if a.json {
+        let (exit, faults) = match files::read_cell(&a.cell) {
+            Ok(loaded) => match Workcell::new(loaded.cell) {
+                Ok(_) => (Exit::Done, loaded.warnings),
+                Err(why) => {
+                    let fault = Fault::of_file(&path_word(&a.cell), why, UNSOLVED);
+                    (Exit::BadInput, [loaded.warnings, vec![fault]].concat())
+                }
+            },
+            Err(faults) => (files::exit_of(&faults), faults),
+        };
+        let valid = exit == Exit::Done;
+        output::data(&format!(
+            "{}\n",
+            json!({ "schema": "sweetspot/check/1", "valid": valid, "faults": faults })
+        ))?;
+        return Ok(exit);
+    }
+    let loaded = files::load(&a.cell)?;
+    let warnings = loaded.warnings.len();
+    let workcell = workcell(loaded.cell, &a.cell)?;
+    let cell = &workcell.cell;
+    let free = cell.equipment.iter().flat_map(|e| &e.placement).filter(|c| is_free(c)).count();
+    let nodes: usize = cell.operations.iter().map(|o| o.nodes()).sum();
+    output::data(&format!(
+        "{}\n{} axes, {} equipment and obstacles, {} operations on {nodes} nodes, {free} search variables\n{}\n{}valid{}\n",
+        report::text::headline(cell),
+        cell.robot.axes(),
+        cell.equipment.len(),
+        cell.operations.len(),
+        error_sets(cell),
+        report::text::feasibility(&Assessment::new("start", &workcell, cell.start())),
+        if warnings == 0 { String::new() } else { format!(", {warnings} warning(s)") },
+    ))?;
+    warn_of_hopeless(&workcell);
+    let next = if free > 0 { "search" } else { "map" };
+    suggest(&format!("{next} {}", path_word(&a.cell)));
+    Ok(Exit::Done)
+}
+
+/// How many error sets the robot has, and what the chosen one is.
+fn error_sets(cell: &Cell) -> String {
+    let kind = match cell.error_set() {
+        ErrorSet::Signed(_) => "a signed sample",
+        ErrorSet::Tolerance(_) => "a tolerance",
+    };
+    let count = cell.robot.errors.len();
+    let sets = if count == 1 { "1 error set".to_string() } else { format!("{count} error sets") };
+    format!("{sets}; {} is {kind}, read as {}", shown(cell.error_set().name()), cell.reading.name())
+}

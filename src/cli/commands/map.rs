@@ -1,0 +1,56 @@
+//! `map`.
+
+use super::{is_free, suggest, warn_of_distrust, workcell};
+use crate::cell::Loaded;
+use crate::cli::arguments::MapArguments;
+use crate::cli::output::path_word;
+use crate::cli::overrides::overridden;
+use crate::cli::results::{self, Written};
+use crate::cli::{Exit, files, output};
+use crate::compare::Assessment;
+use crate::report;
+
+/// `sweetspot map`
+pub fn map(a: &MapArguments) -> Result<Exit, Exit> {
+    let Loaded { cell, sources, .. } = overridden(files::load(&a.cell)?, &a.overrides)?;
+    let workcell = workcell(cell, &a.cell)?;
+    let assessment = Assessment::new("start", &workcell, workcell.cell.start());
+    let document = report::json::map(&assessment);
+    if let Some(path) = &a.svg {
+        files::write_whole(path, report::svg::plan(&assessment).as_bytes())?;
+    }
+    let written = match &a.out {
+        Some(folder) => {
+            let folder = files::new_folder(Some(folder), "")?;
+            let files = vec![
+                ("map.json", results::pretty(&document)?),
+                ("map.csv", results::csv(&assessment)?),
+                ("map.svg", report::svg::plan(&assessment).into_bytes()),
+                ("discrepancy.svg", report::fig8::chart(&assessment).into_bytes()),
+            ];
+            Some(results::write(&folder, &workcell.cell, &sources, files)?)
+        }
+        None => None,
+    };
+    if a.json {
+        output::data(&results::line(&document)?)?;
+    } else {
+        let headline = report::text::headline(&workcell.cell);
+        output::data(&format!("{headline}\n{}", report::text::maps(&assessment)))?;
+    }
+    if let Some(path) = &a.svg {
+        output::talk(&format!("wrote {}", path_word(path)));
+    }
+    written.iter().for_each(Written::tell);
+    warn_of_distrust(&assessment);
+    if !a.json {
+        let movable = workcell.cell.equipment.iter().any(|e| e.placement.iter().any(is_free));
+        let next = match (movable, &a.svg) {
+            (true, _) => format!("search {}", path_word(&a.cell)),
+            (false, None) => format!("map {} --svg map.svg", path_word(&a.cell)),
+            (false, Some(_)) => format!("map {} --json", path_word(&a.cell)),
+        };
+        suggest(&next);
+    }
+    Ok(Exit::Done)
+}

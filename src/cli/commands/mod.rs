@@ -1,0 +1,70 @@
+//! One function per command: read, ask the library, print, suggest the next.
+
+mod check;
+mod layouts;
+mod map;
+mod posture;
+mod readings;
+
+pub use check::check;
+pub use layouts::{compare, search};
+pub use map::map;
+pub use posture::{budget, explain};
+pub use readings::readings;
+
+use crate::cell::{Cell, Coordinate, shown};
+use crate::cli::output::path_word;
+use crate::cli::{Exit, output};
+use crate::compare::Assessment;
+use crate::layout::{Workcell, evaluate};
+use crate::report;
+use std::path::Path;
+
+/// What to do about a robot without inverse kinematics.
+const UNSOLVED: &str = "this version solves arms with a base yaw and three parallel axes";
+
+/// Says which overlaps no search can cure: nothing that takes part can move.
+fn warn_of_hopeless(workcell: &Workcell) {
+    let moves = |k: usize| workcell.cell.equipment[k].placement.iter().any(is_free);
+    let overlaps = evaluate(workcell, &workcell.cell.start()).overlaps;
+    for overlap in
+        overlaps.iter().filter(|o| !(0..workcell.cell.equipment.len()).any(|k| o.concerns(k) && moves(k)))
+    {
+        let what = overlap.in_words(&workcell.cell);
+        output::talk(&format!("warning: {what}, and none of the two can move: no layout is feasible"));
+    }
+}
+
+/// Says where the chosen model is not to be trusted.
+fn warn_of_distrust(assessment: &Assessment<'_>) {
+    for map in &assessment.maps {
+        if let Some(said) = report::text::distrust(assessment.cell, map) {
+            let name = shown(&assessment.cell.operations[map.operation].name);
+            output::talk(&format!("warning: {name}: {said}"));
+        }
+    }
+}
+
+fn workcell(cell: Cell, file: &Path) -> Result<Workcell, Exit> {
+    let name = cell.robot.name.clone();
+    Workcell::new(cell).map_err(|why| unsolved(&name, file, &why))
+}
+
+fn unsolved(robot: &str, file: &Path, why: &str) -> Exit {
+    let file = path_word(file);
+    output::error(&format!("{file}: no inverse kinematics for the robot `{}`: {why}", shown(robot)));
+    output::talk(&format!("  help: {UNSOLVED}"));
+    Exit::BadInput
+}
+
+fn is_free(coordinate: &Coordinate) -> bool {
+    matches!(coordinate, Coordinate::Range { .. })
+}
+
+fn suggest(command: &str) {
+    output::talk(&format!("next: sweetspot {command}"));
+}
+
+fn stem(path: &Path) -> String {
+    path.file_stem().map_or("cell".into(), |s| shown(&s.to_string_lossy()))
+}

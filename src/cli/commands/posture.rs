@@ -1,0 +1,154 @@
+//! `budget` and `explain`: one posture.
+
+use super::{UNSOLVED, suggest, workcell};
+use crate::cell::{Cell, JointKind, JointVector, MAX_JOINTS, shown};
+use crate::cli::arguments::{BudgetArguments, ExplainArguments};
+use crate::cli::output::path_word;
+use crate::cli::overrides::{self, overridden};
+use crate::cli::{Exit, files, output, results};
+use crate::compare::{Account, At, Explanation, NoStance, Stance};
+use crate::layout::Workcell;
+use crate::report;
+use crate::units::{m_from_mm, rad_from_deg};
+
+/// `sweetspot budget`
+pub fn budget(a: &BudgetArguments) -> Result<Exit, Exit> {
+    let loaded = overridden(files::load(&a.cell)?, &a.overrides)?;
+    let workcell = workcell(loaded.cell, &a.cell)?;
+    let cell = &workcell.cell;
+    let operations = match one_operation(cell, a.operation.as_deref(), a.at)? {
+        Some(one) => vec![one],
+        None => (0..cell.operations.len()).collect(),
+    };
+    let layout = cell.start();
+    let maps = workcell.maps(&layout);
+    let mut accounts = Vec::new();
+    for k in operations {
+        accounts.push(Account::new(Stance::at(&workcell, &layout, &maps, k, a.at).map_err(refused)?));
+    }
+    if a.json {
+        output::data(&results::line(&report::json::budget(cell, &accounts))?)?;
+    } else {
+        let budgets: Vec<String> = accounts.iter().map(report::text::budget).collect();
+        output::data(&format!("{}\n{}", report::text::headline(cell), budgets.join("\n")))?;
+        let first = accounts.first().map(|account| &cell.operations[account.stance.operation].name);
+        suggest(&asked_again("explain", &path_word(&a.cell), first.map(String::as_str), a.at));
+    }
+    Ok(Exit::Done)
+}
+
+/// `sweetspot explain`
+pub fn explain(a: &ExplainArguments) -> Result<Exit, Exit> {
+    let loaded = overridden(files::load(&a.cell)?, &a.overrides)?;
+    let k = match one_operation(&loaded.cell, a.operation.as_deref(), a.at)? {
+        Some(k) => k,
+        None => {
+            say_others(&loaded.cell);
+            0
+        }
+    };
+    if let Some(given) = &a.joints {
+        let cell = loaded.cell;
+        let joints = joints(&cell, given)?;
+        let ready = Workcell::new(cell.clone());
+        let stance = Stance::of_joints(&cell, ready.as_ref().map_err(String::as_str), k, joints);
+        let stance = stance.map_err(|why| {
+            output::error(&why);
+            output::talk(&format!("  help: choose another registration; {UNSOLVED}"));
+            Exit::BadInput
+        })?;
+        return told(a, &Explanation::new(stance));
+    }
+    let workcell = workcell(loaded.cell, &a.cell)?;
+    let layout = workcell.cell.start();
+    let maps = workcell.maps(&layout);
+    told(a, &Explanation::new(Stance::at(&workcell, &layout, &maps, k, a.at).map_err(refused)?))
+}
+
+fn told(a: &ExplainArguments, explanation: &Explanation<'_>) -> Result<Exit, Exit> {
+    let cell = explanation.stance.cell;
+    for (row, joint) in explanation.rows.iter().zip(&cell.robot.joints) {
+        if !row.allowed {
+            output::talk(&format!("note: joint {} is beyond its limits", shown(&joint.name)));
+        }
+    }
+    if !explanation.trusted() {
+        let model = cell.model.name();
+        output::talk(&format!("warning: do NOT trust the {model} model at this posture"));
+    }
+    if a.json {
+        output::data(&results::line(&report::json::explain(explanation))?)?;
+        return Ok(Exit::Done);
+    }
+    let text = report::text::explanation(explanation);
+    output::data(&format!("{}\n{text}", report::text::headline(cell)))?;
+    let name = &cell.operations[explanation.stance.operation].name;
+    let next = if a.joints.is_some() { "check" } else { "budget" };
+    match a.joints {
+        Some(_) => suggest(&format!("{next} {}", path_word(&a.cell))),
+        None => suggest(&asked_again(next, &path_word(&a.cell), Some(name), a.at)),
+    }
+    Ok(Exit::Done)
+}
+
+/// The operation that was named, or the only one; a node is one of an operation's own.
+fn one_operation(cell: &Cell, name: Option<&str>, at: At) -> Result<Option<usize>, Exit> {
+    match (name, at) {
+        (Some(name), _) => overrides::operation(cell, name).map(Some),
+        (None, _) if cell.operations.len() == 1 => Ok(Some(0)),
+        (None, At::Best) => Ok(None),
+        (None, At::Node(..)) => {
+            let names: Vec<String> = cell.operations.iter().map(|o| shown(&o.name)).collect();
+            output::error("--at names a node of one operation, and the cell has several");
+            output::talk(&format!("  help: add --operation with one of: {}", names.join(", ")));
+            Err(Exit::BadInput)
+        }
+    }
+}
+
+/// Which operations are not explained.
+fn say_others(cell: &Cell) {
+    let names: Vec<String> = cell.operations.iter().map(|o| shown(&o.name)).collect();
+    if let [first, others @ ..] = &names[..] {
+        output::talk(&format!("note: this is {first}; with --operation also: {}", others.join(", ")));
+    }
+}
+
+fn refused(why: NoStance) -> Exit {
+    match why {
+        NoStance::Outside(why) => {
+            output::error(&why);
+            Exit::BadInput
+        }
+        NoStance::Unusable(why) => {
+            output::error(&why);
+            Exit::AnswerIsNo
+        }
+    }
+}
+
+/// Joints as given, in degrees or mm, in SI.
+fn joints(cell: &Cell, given: &[f64]) -> Result<JointVector, Exit> {
+    if given.len() != cell.robot.axes() {
+        let (has, axes) = (given.len(), cell.robot.axes());
+        output::error(&format!("--joints has {has} numbers, the robot has {axes} joints"));
+        return Err(Exit::BadInput);
+    }
+    let mut joints = [0.0; MAX_JOINTS];
+    for ((q, joint), given) in joints.iter_mut().zip(&cell.robot.joints).zip(given) {
+        *q = if joint.kind == JointKind::Revolute { rad_from_deg(*given) } else { m_from_mm(*given) };
+    }
+    Ok(joints)
+}
+
+/// The same question to another command.
+fn asked_again(command: &str, file: &str, operation: Option<&str>, at: At) -> String {
+    let operation = operation.map(shown).map_or(String::new(), |name| match name.contains(' ') {
+        true => format!(" --operation '{name}'"),
+        false => format!(" --operation {name}"),
+    });
+    match at {
+        At::Best => format!("{command} {file}{operation}"),
+        At::Node(i, j) => format!("{command} {file}{operation} --at {i},{j}"),
+    }
+}

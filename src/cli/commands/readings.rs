@@ -1,0 +1,46 @@
+//! `readings`.
+
+use super::{suggest, unsolved, workcell};
+use crate::cli::arguments::ReadingsArguments;
+use crate::cli::output::path_word;
+use crate::cli::overrides::chosen;
+use crate::cli::results::{self, Written};
+use crate::cli::{Exit, files, output};
+use crate::compare::Readings;
+use crate::report;
+
+/// `sweetspot readings`
+pub fn readings(a: &ReadingsArguments) -> Result<Exit, Exit> {
+    let loaded = chosen(files::load(&a.cell)?, &a.choice)?;
+    let cell = &loaded.cell;
+    workcell(cell.clone(), &a.cell)?;
+    // Before the work, not after it.
+    let folder = match &a.out {
+        Some(folder) => Some(files::new_folder(Some(folder), "")?),
+        None => None,
+    };
+    let readings = Readings::new(cell).map_err(|why| unsolved(&cell.robot.name, &a.cell, &why))?;
+    let document = report::json::readings(&readings);
+    let written = match &folder {
+        Some(folder) => {
+            let table = report::csv::readings(&readings).map_err(|why| {
+                output::error(&format!("cannot make readings.csv: {why}"));
+                Exit::Io
+            })?;
+            let outputs = vec![("readings.json", results::pretty(&document)?), ("readings.csv", table)];
+            Some(results::write(folder, cell, &loaded.sources, outputs)?)
+        }
+        None => None,
+    };
+    if a.json {
+        output::data(&results::line(&document)?)?;
+    } else {
+        let title = report::text::question(cell);
+        output::data(&format!("{title}\n\n{}", report::text::readings(&readings)))?;
+    }
+    written.iter().for_each(Written::tell);
+    if !a.json {
+        suggest(&format!("budget {} --reading worst-case", path_word(&a.cell)));
+    }
+    Ok(if readings.found() { Exit::Done } else { Exit::AnswerIsNo })
+}

@@ -1,0 +1,102 @@
+//! The error budget: what to tighten first.
+
+use super::table::Table;
+use super::{fixed, percent1, place_words};
+use crate::cell::{Reading, Unit};
+use crate::compare::{Account, Tighter};
+use crate::reading::{Figures, Share};
+use crate::report::names;
+use crate::units::mm_from_m;
+use nalgebra::Vector3;
+use std::fmt::Write;
+
+/// The budget of one spot.
+pub fn budget(a: &Account<'_>) -> String {
+    let gauge = &a.stance.gauge;
+    let by = if gauge.reading == Reading::Statistical { "variance" } else { "worst case" };
+    let at = match gauge.reading {
+        Reading::Signed => "at their signed values",
+        _ => "at plus",
+    };
+    let mut out = place_words(&a.stance);
+    let _ = writeln!(
+        out,
+        "  in {}, the largest share of the {by} first; linear terms {at}, world axes",
+        gauge.sense.name
+    );
+    out.push_str(&shares(a));
+    out.push_str(&totals(a));
+    out.push_str(&tighten(a));
+    out
+}
+
+fn shares(a: &Account<'_>) -> String {
+    let unit = a.stance.gauge.sense.unit;
+    let mut table = Table::indented(1);
+    let alone = format!("alone {}", unit.word());
+    table.row(["parameter", "+-", "x mm", "y mm", "z mm", &alone, "of worst case", "of variance"]);
+    let cell = a.stance.cell;
+    for share in &a.budget.shares {
+        let own = names::unit(cell, share.parameter);
+        let mut row = vec![
+            names::parameter(cell, share.parameter),
+            format!("{} {}", value(own, share.plus_minus), own.word()),
+        ];
+        row.extend(terms(&share.term));
+        row.push(fixed(unit.from_si(share.alone), 4));
+        row.extend([share.of_worst, share.of_variance].map(percent1));
+        table.row(row);
+    }
+    if a.stance.gauge.reading == Reading::Signed {
+        let sum = a.budget.shares.iter().map(|s: &Share| s.term).sum::<Vector3<f64>>();
+        table.row(["sum".to_string(), String::new()].into_iter().chain(terms(&sum)));
+    }
+    table.render()
+}
+
+fn terms(v: &Vector3<f64>) -> [String; 3] {
+    [v.x, v.y, v.z].map(|m| fixed(mm_from_m(m), 4))
+}
+
+/// A parameter's value as one would write it.
+fn value(unit: Unit, si: f64) -> String {
+    crate::units::rounded(unit.from_si(si), 6).to_string()
+}
+
+fn totals(a: &Account<'_>) -> String {
+    let gauge = &a.stance.gauge;
+    let unit = gauge.sense.unit;
+    let Figures { worst_linear, worst, rms, mean, p95, p99, .. } = a.judged.figures[gauge.own()];
+    let [worst_linear, worst, rms, mean, p95, p99] =
+        [worst_linear, worst, rms, mean, p95, p99].map(|v| fixed(unit.from_si(v), 4));
+    let bound = if a.worst.exact { "" } else { " at most" };
+    let word = unit.word();
+    let success = a.judged.success.map_or(String::new(), |s| format!(", yield {s:.6}"));
+    format!(
+        "  worst case {worst_linear} {word}{bound} by the linear model, {worst} {word} by the {} one\n  \
+         rms {rms}, mean {mean}, p95 {p95}, p99 {p99} {word}{success}\n",
+        gauge.model.name()
+    )
+}
+
+fn tighten(a: &Account<'_>) -> String {
+    let cell = a.stance.cell;
+    let figure = super::tightened_word(&a.stance);
+    let unit = a.unit();
+    let digits = if unit == Unit::Share { 6 } else { 4 };
+    let mut out = String::new();
+    for tighter @ Tighter { parameters, figure: left } in &a.tighter {
+        let names: Vec<String> = parameters.iter().map(|p| names::parameter(cell, *p)).collect();
+        let (all, what) = if names.len() > 1 { (" together", "it") } else { ("", figure) };
+        let _ = writeln!(
+            out,
+            "  halving {}{all} cuts {what} by {}, from {} to {} {}",
+            names.join(", "),
+            percent1(a.cut(tighter)),
+            fixed(unit.from_si(a.figure), digits),
+            fixed(unit.from_si(*left), digits),
+            unit.word()
+        );
+    }
+    out
+}

@@ -1,0 +1,267 @@
+//! One posture's numbers, step by step.
+
+use super::table::Table;
+use super::{fixed, percent, place_words, value_word};
+use crate::cell::{Frame, JointKind, Reading, Registration, Unit};
+use crate::compare::{Explanation, Line, Motion, Place};
+use crate::pose::Displacement;
+use crate::report::names;
+use crate::units::{deg_from_rad, mm_from_m, rad_from_deg, rounded};
+use nalgebra::Vector3;
+use std::fmt::Write;
+
+/// Everything, in the order in which one would calculate it.
+pub fn explanation(e: &Explanation<'_>) -> String {
+    [place(e), dh_table(e), frames(e), motions(e), effects(e), models(e), sense(e), risk(e)].concat()
+}
+
+fn place(e: &Explanation<'_>) -> String {
+    let (stance, cell) = (&e.stance, e.stance.cell);
+    let mut out = place_words(stance);
+    let base = &cell.base;
+    let tool = stance.gauge.world.transpose() * stance.frames.tcp.rotation * cell.robot.tool_axis;
+    let tip = stance.position;
+    let _ = writeln!(out, "  TCP, world: {} mm", triple(&tip, 4, mm_from_m));
+    let _ = writeln!(
+        out,
+        "  tool axis, world: {}, {} deg above the horizontal",
+        triple(&tool, 4, |v| v),
+        fixed(deg_from_rad(tool.z.clamp(-1.0, 1.0).asin()), 3)
+    );
+    let _ = writeln!(
+        out,
+        "  robot base, world: {} mm, turned {} deg; what follows is in its axes until \"world\" is said",
+        triple(&Vector3::new(base.x, base.y, base.z), 3, mm_from_m),
+        fixed(deg_from_rad(base.yaw), 3)
+    );
+    out
+}
+
+fn dh_table(e: &Explanation<'_>) -> String {
+    let mut table = Table::indented(1);
+    table.row(["row", "q", "theta deg", "r mm", "l mm", "alpha deg", ""]);
+    for (k, row) in e.rows.iter().enumerate() {
+        let q = match row.kind {
+            JointKind::Revolute => format!("{} deg", fixed(deg_from_rad(row.q), 4)),
+            JointKind::Prismatic => format!("{} mm", fixed(mm_from_m(row.q), 4)),
+        };
+        table.row([
+            format!("A{}", k + 1),
+            q,
+            fixed(deg_from_rad(row.theta), 4),
+            fixed(mm_from_m(row.r), 4),
+            fixed(mm_from_m(row.l), 4),
+            fixed(deg_from_rad(row.alpha), 4),
+            if row.allowed { "" } else { "beyond its limit" }.to_string(),
+        ]);
+    }
+    format!("\n1. Links: A = Rz(theta) Tz(r) Tx(l) Rx(alpha)\n{}", table.render())
+}
+
+fn frames(e: &Explanation<'_>) -> String {
+    let mut table = Table::indented(1);
+    table.row(["frame", "origin mm", "x axis", "z axis"]);
+    let frames = &e.stance.frames;
+    let links = frames.links[..=e.rows.len()].iter().enumerate();
+    let named = links.map(|(k, pose)| (frame_name(Place::Link(k)), pose));
+    for (name, pose) in named.chain([(frame_name(Place::Tcp), &frames.tcp)]) {
+        table.row([
+            name,
+            triple(&pose.translation, 4, mm_from_m),
+            triple(&pose.rotation.column(0).into_owned(), 5, |v| v),
+            triple(&pose.rotation.column(2).into_owned(), 5, |v| v),
+        ]);
+    }
+    format!("\n2. Frames: A1, A1 A2, ... and the tool\n{}", table.render())
+}
+
+fn motions(e: &Explanation<'_>) -> String {
+    let mut table = Table::indented(2);
+    table.row(["parameter", "motion", "axis w", "lever p - o mm"]);
+    for line in &e.lines {
+        for motion in &line.motions {
+            table.row([
+                names::parameter(e.stance.cell, line.source.parameter),
+                motion_words(motion),
+                triple(&motion.direction, 5, |v| v),
+                triple(&motion.lever, 4, mm_from_m),
+            ]);
+        }
+    }
+    format!("\n3. Each error is a small motion of all that follows it\n{}", table.render())
+}
+
+fn motion_words(motion: &Motion) -> String {
+    let axis = ["x", "y", "z"][motion.axis];
+    let how = if motion.turns { "turn about" } else { "slide along" };
+    let factor = if motion.factor == 1.0 { String::new() } else { format!(", times {}", motion.factor) };
+    format!("{how} {axis} of {}{factor}", frame_name(motion.place))
+}
+
+pub fn frame_name(place: Place) -> String {
+    match place {
+        Place::Link(0) => "base".into(),
+        Place::Link(k) => format!("frame {k}"),
+        Place::Tcp => "TCP".into(),
+        Place::Work => "work".into(),
+    }
+}
+
+fn effects(e: &Explanation<'_>) -> String {
+    let mut table = Table::indented(1);
+    let takes_off = e.takes_off();
+    let (mut head, sample) = (vec!["parameter", "value", "effect g, mm per unit"], sample_word(e));
+    if takes_off {
+        head.push("taken off g");
+    }
+    table.row(head.into_iter().chain(["linear term mm"]));
+    let cell = e.stance.cell;
+    for line in &e.lines {
+        let unit = names::unit(cell, line.source.parameter);
+        let mut row = vec![
+            names::parameter(cell, line.source.parameter),
+            format!("{} {}", rounded(unit.from_si(line.value), 6), unit.word()),
+            triple(&per_unit(&line.alone.position, unit), 5, |v| v),
+        ];
+        if takes_off {
+            row.push(triple(&per_unit(&(line.alone - line.left).position, unit), 5, |v| v));
+        }
+        row.push(triple(&line.term().position, 5, mm_from_m));
+        table.row(row);
+    }
+    let mut sum = vec!["sum".to_string(), String::new(), String::new()];
+    if takes_off {
+        sum.push(String::new());
+    }
+    sum.push(triple(&e.lines.iter().map(|l: &Line| l.term().position).sum(), 5, mm_from_m));
+    table.row(sum);
+    format!(
+        "\n4. Effect on the TCP: g = w x (p - o) of a turn, w of a slide; unit 1 deg or 1 mm; {sample}\n{}",
+        table.render()
+    )
+}
+
+fn sample_word(e: &Explanation<'_>) -> &'static str {
+    match e.stance.gauge.reading {
+        Reading::Signed => "values of the signed sample",
+        _ => "values of the worst corner",
+    }
+}
+
+/// Effect of 1 degree or 1 mm in mm.
+fn per_unit(g: &Vector3<f64>, unit: Unit) -> Vector3<f64> {
+    match unit {
+        Unit::Angle => g.map(mm_from_m) * rad_from_deg(1.0),
+        _ => *g,
+    }
+}
+
+fn models(e: &Explanation<'_>) -> String {
+    let judged = &e.judged;
+    let world = |d: &Displacement| d.turned(&e.stance.gauge.world.transpose());
+    let mut table = Table::indented(1);
+    table.row(["model", "position mm", "size mm", "rotation deg", "off the nonlinear one"]);
+    let mut row = |name: &str, d: &Displacement, off: Option<f64>| {
+        let d = world(d);
+        table.row([
+            name.to_string(),
+            triple(&d.position, 5, mm_from_m),
+            fixed(mm_from_m(d.position.norm()), 5),
+            triple(&d.rotation, 5, deg_from_rad),
+            off.map_or(String::new(), percent),
+        ]);
+    };
+    row("linear, the sum above", &judged.linear, Some(e.linear_off));
+    row("second-order correction", &(judged.second_order - judged.linear), None);
+    row("second-order", &judged.second_order, Some(e.second_order_off));
+    row("nonlinear", &judged.nonlinear, Some(0.0));
+    if e.takes_off() {
+        row("the robot alone, nonlinear", &e.robot, None);
+        row("of it taken off", &(e.robot - judged.nonlinear), None);
+    }
+    let mut out = format!("\n5. Models, world axes\n{}", table.render());
+    let model = e.stance.gauge.model.name();
+    let guard = percent(e.stance.cell.guard);
+    let _ = match e.trusted() {
+        true => writeln!(out, "  the {model} model can be trusted here: within the guard of {guard}"),
+        false => writeln!(out, "  do NOT trust the {model} model here: off by more than {guard}"),
+    };
+    if e.takes_off() {
+        let _ = writeln!(out, "  taken off: {}", taken_words(e));
+    }
+    out
+}
+
+/// What takes something off the robot's error.
+fn taken_words(e: &Explanation<'_>) -> String {
+    let registration = match e.stance.cell.registration {
+        Registration::None => None,
+        Registration::BestFit => Some("the base frame as best-fitted"),
+        Registration::Taught => Some("the surface frame as taught"),
+    };
+    let reference = e.stance.situation.reference.as_ref().map(|_| "the error of the pick");
+    let moved = |l: &Line| matches!(l.source.parameter, crate::cell::Parameter::Equipment(..));
+    let moved = e.lines.iter().any(moved).then_some("the error of the equipment's own frame");
+    [registration, moved, reference].into_iter().flatten().collect::<Vec<_>>().join(", ")
+}
+
+fn sense(e: &Explanation<'_>) -> String {
+    let gauge = &e.stance.gauge;
+    let (sense, unit) = (&gauge.sense, gauge.sense.unit);
+    let axes = match sense.frame {
+        Frame::World => "world axes",
+        Frame::Surface => "axes of the surface",
+        Frame::Tool => "axes of the tool",
+    };
+    let point = match sense.point == Vector3::zeros() {
+        true => "the TCP".to_string(),
+        false => format!("the point {} mm from the TCP", triple(&sense.point, 3, mm_from_m)),
+    };
+    let mut out = format!("\n6. Sense {}: of {point}, {axes}, {} model\n", sense.name, gauge.model.name());
+    for (row, given) in e.sense.iter().zip(sense.rows()) {
+        let how = if row.turns { "about" } else { "along" };
+        let axis = triple(&given.direction, 4, |v| v);
+        let _ = writeln!(out, "  {how} {axis}: {} {}", fixed(unit.from_si(row.value), 5), unit.word());
+    }
+    let size = fixed(unit.from_si(e.figures().error), 5);
+    let _ = writeln!(out, "  size, the root of their squares added up: {size} {}", unit.word());
+    out
+}
+
+fn risk(e: &Explanation<'_>) -> String {
+    let gauge = &e.stance.gauge;
+    let unit = gauge.sense.unit;
+    let f = e.figures();
+    let [worst_linear, worst, rms, mean, p95, p99] =
+        [f.worst_linear, f.worst, f.rms, f.mean, f.p95, f.p99].map(|v| fixed(unit.from_si(v), 5));
+    let sign = |s: f64| if s < 0.0 { "-" } else { "+" };
+    let corner = e.lines.iter().zip(e.worst.corner);
+    let corner: Vec<String> = corner
+        .map(|(l, s)| format!("{}{}", sign(s), names::parameter(e.stance.cell, l.source.parameter)))
+        .collect();
+    let word = unit.word();
+    let mut out = format!(
+        "\n7. As plus-or-minus\n  worst case: {worst_linear} {word} by the linear model, {worst} {word} by the {} one, at\n    \
+         {}\n  rms {rms}, mean {mean}, p95 {p95}, p99 {p99} {word}\n",
+        gauge.model.name(),
+        corner.join(" ")
+    );
+    if let Some(success) = e.judged.success {
+        let _ = writeln!(out, "  yield {success:.6}");
+    }
+    let value = fixed(e.unit().from_si(e.judged.value), 6);
+    let _ = writeln!(
+        out,
+        "\n{} reading: {} {value} {}",
+        gauge.reading.name(),
+        value_word(e.stance.cell),
+        e.unit().word()
+    );
+    out
+}
+
+/// A vector in brackets.
+fn triple(v: &Vector3<f64>, digits: usize, outside: fn(f64) -> f64) -> String {
+    let [x, y, z] = [v.x, v.y, v.z].map(|c| fixed(outside(c), digits));
+    format!("({x}, {y}, {z})")
+}

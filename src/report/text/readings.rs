@@ -1,0 +1,124 @@
+//! The layout as drawn in every reading.
+
+use super::table::Table;
+use super::{fixed, mm1, percent1};
+use crate::cell::{ErrorSet, Registration, Unit, shown};
+use crate::compare::{Readings, Row};
+use std::fmt::Write;
+
+/// One table per operation, then what they say.
+pub fn readings(r: &Readings<'_>) -> String {
+    let mut out = String::new();
+    for (operation, rows) in r.cell.operations.iter().zip(&r.operations) {
+        let surface = shown(&r.cell.equipment[operation.equipment].name);
+        let _ = writeln!(
+            out,
+            "{} on {surface}, in {}, {} model:",
+            shown(&operation.name),
+            operation.sense.name,
+            r.cell.model.name()
+        );
+        out.push_str(&table(rows));
+        let mut missing: Vec<&String> = rows.iter().filter_map(|r| r.choice.as_ref().err()).collect();
+        missing.dedup();
+        missing.iter().for_each(|why| {
+            let _ = writeln!(out, "  {why}");
+        });
+        out.push('\n');
+    }
+    findings(r).iter().for_each(|finding| {
+        let _ = writeln!(out, "{finding}");
+    });
+    out
+}
+
+fn table(rows: &[Row]) -> String {
+    let mut table = Table::indented(3);
+    table.row([
+        "reading",
+        "of",
+        "registration",
+        "node",
+        "x, y, z mm",
+        "value",
+        "at the signed choice",
+        "ratio",
+        "moved mm",
+    ]);
+    let none = || "-".to_string();
+    for row in rows {
+        let digits = if row.unit == Unit::Share { 6 } else { 4 };
+        let value = |v: f64| format!("{} {}", fixed(row.unit.from_si(v), digits), row.unit.word());
+        let choice = row.choice.as_ref().ok();
+        let place = |c: &crate::compare::Choice| {
+            let p = c.position;
+            format!("{}, {}, {}", mm1(p.x), mm1(p.y), mm1(p.z))
+        };
+        table.row([
+            row.reading.name().to_string(),
+            row.quantity_name().to_string(),
+            row.registration.name().to_string(),
+            choice.map_or_else(none, |c| format!("({}, {})", c.node.0, c.node.1)),
+            choice.map_or_else(none, place),
+            choice.map_or_else(none, |c| value(c.value)),
+            row.at_signed.map_or_else(none, value),
+            row.ratio().map_or_else(none, |r| fixed(r, 3)),
+            choice.and_then(|c| c.moved).map_or_else(none, mm1),
+        ]);
+    }
+    table.render()
+}
+
+/// What the tables say, in words.
+pub fn findings(r: &Readings<'_>) -> Vec<String> {
+    regret(r).into_iter().chain(taught(r)).collect()
+}
+
+/// What choosing by the signed sample costs.
+fn regret(r: &Readings<'_>) -> Vec<String> {
+    if matches!(r.cell.error_set(), ErrorSet::Tolerance(_)) {
+        return vec![format!(
+            "{} is a tolerance: there is no signed sample to choose by",
+            shown(r.cell.error_set().name())
+        )];
+    }
+    let Some((k, row, ratio)) = r.largest_regret() else { return Vec::new() };
+    if ratio < 1.0 + 5e-4 {
+        return vec!["choosing by the signed sample costs nothing in any other reading".into()];
+    }
+    vec![format!(
+        "choosing by the signed sample costs up to {} times the least {} ({}, {})",
+        fixed(ratio, 2),
+        row.quantity_name().replace("yield", "share of failures"),
+        shown(&r.cell.operations[k].name),
+        match row.registration {
+            Registration::None => "nothing registered".to_string(),
+            other => format!("registration {}", other.name()),
+        }
+    )]
+}
+
+/// What registration does to the worst case.
+fn taught(r: &Readings<'_>) -> Vec<String> {
+    let mut said = Vec::new();
+    for (k, operation) in r.cell.operations.iter().enumerate() {
+        let Some(before) = r.worst_case(k, Registration::None).filter(|v| *v > 0.0) else { continue };
+        let unit = operation.sense.unit;
+        for (what, registration) in
+            [("best-fitting the base", Registration::BestFit), ("teaching the surface", Registration::Taught)]
+        {
+            let Some(after) = r.worst_case(k, registration) else { continue };
+            let change = after / before - 1.0;
+            said.push(format!(
+                "{what} frame {} the worst case of {} by {}, from {} to {} {}",
+                if change > 0.0 { "raises" } else { "cuts" },
+                shown(&operation.name),
+                percent1(change.abs()),
+                fixed(unit.from_si(before), 4),
+                fixed(unit.from_si(after), 4),
+                unit.word()
+            ));
+        }
+    }
+    said
+}

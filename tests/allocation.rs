@@ -1,0 +1,62 @@
+//! The node loop asks for no memory, whatever the reading.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+mod common;
+
+use allocation_counter::measure;
+use common::shipped;
+use sweetspot::cell::*;
+use sweetspot::pose::Pose;
+use sweetspot::reach::PlanarArm;
+use sweetspot::reading::{BestFit, Gauge, Reference, Site, Situation, Sources, Taught};
+use sweetspot::robot::{Chain, Frames};
+
+fn situations(cell: &Cell, gauge: &Gauge, chain: &Chain) -> Vec<Situation> {
+    let site = || Site { equipment: 0, work: Pose::identity(), taught: None };
+    let frames = |q: [f64; 4]| chain.frames(&chain.posture(&std::array::from_fn(|i| *q.get(i).unwrap_or(&0.0))));
+    let postures = [[0.3, 0.2, 0.1, -0.4], [-0.6, 0.1, 0.2, -0.2], [0.4, -0.5, 0.1, 0.3]].map(frames);
+    let mut all = vec![Situation { site: site(), reference: None }];
+    if cell.registration == Registration::Taught {
+        let taught = Some(Box::new(Taught::new(chain, &gauge.sources, postures, true)));
+        all = vec![Situation { site: Site { taught, ..site() }, reference: None }];
+    }
+    let picked = Reference::new(gauge, site(), postures[1]);
+    all.push(Situation { site: site(), reference: Some(Box::new(picked)) });
+    all
+}
+
+#[test]
+fn the_node_loop_does_not_allocate() {
+    let mut cell = shipped("hitachi_cell.toml");
+    let chain = Chain::new(&cell.robot);
+    let arm = PlanarArm::new(&chain).unwrap();
+    let approach = arm.approach(-std::f64::consts::FRAC_PI_2);
+    let mut postures = 0;
+    for registration in Registration::ALL {
+        for (reading, model) in Reading::ALL.into_iter().flat_map(|r| Model::ALL.map(|m| (r, m))) {
+            for sense in ["xy", "xyz@tool", "rz", "rotation"] {
+                (cell.registration, cell.reading, cell.model) = (registration, reading, model);
+                cell.operations[0].sense = Sense::plain(sense).unwrap();
+                let gauge = Gauge::new(&cell, &cell.operations[0]);
+                let mut memory = gauge.memory();
+                let (mut scratch, mut frames) = (arm.scratch(), Frames::default());
+                for situation in situations(&cell, &gauge, &chain) {
+                    let target = nalgebra::Vector3::new(0.2, 0.95, 0.7);
+                    let mut sum = 0.0;
+                    let used = measure(|| {
+                        arm.visit(&target, &approach, &mut scratch, |_, posture| {
+                            chain.place(posture, &mut frames);
+                            sum += gauge.value(&situation, &frames, &mut memory);
+                            postures += 1;
+                        });
+                    });
+                    assert!(sum > 0.0 && sum.is_finite());
+                    assert_eq!(used.count_total, 0, "{registration:?} {reading:?} {model:?} {sense}");
+                }
+            }
+        }
+    }
+    assert!(postures > 200);
+    // The counter counts.
+    assert!(measure(|| drop(BestFit::new(&chain, &Sources::new(&cell, 0, None), true))).count_total > 0);
+}
