@@ -5,25 +5,28 @@
 //!
 //! A robot is built with small errors `e` in its link parameters, so its end effector is not where
 //! its controller thinks. With the Denavit-Hartenberg link of eq. (1) of the seed paper (a 1990s
-//! *kinematic error mapping and layout facility*),
+//! *kinematic error mapping and layout facility*) and the fifth parameter of its section 2.3,
 //!
 //! ```text
-//! A_i  = Rz(q_i) Tz(r_i) Tx(l_i) Rx(alpha_i)                          (1)
+//! A_i  = Rz(q_i) Tz(r_i) Tx(l_i) Rx(alpha_i) [Ry(beta_i)]             (1)
 //! T(q) = A_1 A_2 ... A_N                                              (2)
 //! dT(q, e) = prod (A_i + dA_i) - T(q)                                 (4)-(6)
 //! ```
 //!
+//! an error of the base, of the tool and of the work's own fixture included,//!
 //! and with the inverse kinematics `Q(x)`, every posture that puts the tool at `x` inside the joint
 //! limits, we choose the layout `L` (the placement of every movable equipment) and, for every
 //! operation `k`, a node `x_k` of the grid `G_k(L)` on its surface:
 //!
 //! ```text
-//! minimize over L:   sum_k w_k  min { |dT(q, e)|_k :  x in G_k(L),  q in Q(x),  q hits nothing }
+//! minimize over L:   sum_k w_k  min { R |dT(q, e)|_k :  x in G_k(L),  q in Q(x),  q hits nothing }
 //! such that          equipment, robot base, obstacles and keep-out boxes share no floor space.
 //! ```
 //!
-//! `|.|_k` is the sense that operation `k` cares about: x, y, z, xy (parts that mate in the plane)
-//! or xyz.
+//! `|.|_k` is the sense that operation `k` cares about: x, y, z, xy (parts that mate in the plane),
+//! xyz, a direction, plane or rotation in world, surface or tool axes, at a point off the TCP. `R` is
+//! how the errors are read: one signed sample, the worst corner of a tolerance box, or a statistic of
+//! random variables ([`reading`]).
 //!
 //! # The flow
 //!
@@ -33,7 +36,8 @@
 //! |---|---|---|
 //! | [`cell`] | what exists | TOML files to a validated [`cell::Cell`] |
 //! | [`robot`] | what moves | joint coordinates to frames |
-//! | [`kinematic_error`] | how wrong | posture and link errors to position and rotation error |
+//! | [`kinematic_error`] | how wrong | frames and a sample of errors to position and rotation error |
+//! | [`reading`] | how bad | frames and a tolerance to worst case, percentiles, yield, budget |
 //! | [`reach`] | can it go | TCP target to all postures, or what is missing |
 //! | [`clearance`] | does it hit | layout and frames to the first contact, or none |
 //! | [`error_map`] | where is it best | surface to the least-error spot, or to the whole map |
@@ -56,7 +60,8 @@
 //! - [`layout::evaluate`] is pure and total: the same input gives the same bits, and an infeasible
 //!   layout is a value with its reason, never a panic, an `Err`, NaN or infinity.
 //! - Out of reach, joint limit and collision are different answers, naming the joint or the solids.
-//! - A signed sample of errors is not a tolerance: [`cell::SignedErrors`] is a type of its own.
+//! - A signed sample of errors is not a tolerance: [`cell::SignedErrors`] and [`cell::Tolerance`] are
+//!   two types.
 //! - Errors are differences: never two nearly equal numbers subtracted.
 //! - Deterministic: an explicit seed, a random stream per restart, results in order. One thread or
 //!   sixteen give the same bytes.

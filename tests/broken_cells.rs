@@ -172,6 +172,12 @@ fn hostile_texts_are_refused_soon() {
         many(|i| format!("[obstacle.o{i}]\nfootprint = {{ size_mm = [1, 1] }}\n")),
         many(|i| format!("[operation.o{i}]\non = \"worktabel\"\n")),
         many(|i| format!("[[robot.solid]]\nname = \"{i}\"\n")),
+        many(|i| format!("[sense.s{i}]\nof = \"rotate\"\n")),
+        many(|i| format!("[sense.s{i}]\nof = \"xy\"\n[operation.o{i}]\nsense = \"t{i}\"\n")),
+        many(|i| format!("[operation.o{i}]\nrelative_to = \"o{}\"\n", i + 1)),
+        many(|i| format!("[robot.errors.e{i}]\nkind = \"tolerance\"\ndistribution = {{ dl = \"norml\" }}\n")),
+        format!("{BASE}[sense.s]\nterm = [{}]", megabyte("{ of = \"xyz\" },")),
+        format!("{BASE}[robot.errors.table-3-tolerance.covariance]\nparameters = [{}]", megabyte("\"dl2\",")),
     ];
     for text in texts {
         let start = std::time::Instant::now();
@@ -242,10 +248,12 @@ fn mutated_files_never_panic() {
         ("equipment/conveyor.toml", "hitachi_cell.toml"),
         ("equipment/machine.toml", "hitachi_cell.toml"),
         ("equipment/machine.obj", "hitachi_cell.toml"),
+        ("every_key.toml", "every_key.toml"),
     ];
     let mut shipped: BTreeMap<String, String> = BTreeMap::new();
     for (path, _) in files {
-        shipped.insert(path.to_string(), std::fs::read_to_string(root().join("cells").join(path)).unwrap());
+        let folder = root().join(if path == "every_key.toml" { "tests/data" } else { "cells" });
+        shipped.insert(path.to_string(), std::fs::read_to_string(folder.join(path)).unwrap());
     }
     shipped.insert("equipment/machine.obj".into(), CUBE.into());
     check(load_parts(&shipped, "hitachi_cell.toml"), &shipped, "the shipped cell");

@@ -7,7 +7,7 @@ use super::model::*;
 use super::reader::{Table, read_named};
 use super::robot_model::*;
 use super::tree::Node;
-use super::value::{Must, is_name, text};
+use super::value::{self, Must, is_name, text};
 use super::{equipment_file, operation_file, robot_file, sense_file};
 use crate::units;
 
@@ -22,13 +22,7 @@ pub fn read(stem: &str, root: &Node, lib: &mut Library<'_>) -> Option<Cell> {
         t.text_or("source", "", lib);
         let robot = read_robot(t, lib);
         let errors = read_error_choice(t, lib);
-        let model = t.choice("model", &Model::ALL, Model::name, Some(Model::Nonlinear), lib);
-        let given = t.get("reading").is_some();
-        let reading = t.choice("reading", &Reading::ALL, Reading::name, Some(Reading::Signed), lib);
-        let quantity = t.choice("quantity", &Quantity::ALL, Quantity::name, Some(Quantity::P95), lib);
-        let none = Some(Registration::None);
-        let registration = t.choice("registration", &Registration::ALL, Registration::name, none, lib);
-        let guard = t.number_or("guard_percent", 1.0, Must::BePositive, lib);
+        let question = read_question(t, lib);
         let equipment = read_equipment(t, lib);
         let keep_out = read_named(t, "keep_out", lib, equipment_file::read_keep_out);
         let senses = sense_file::read_all(t, lib);
@@ -37,17 +31,17 @@ pub fn read(stem: &str, root: &Node, lib: &mut Library<'_>) -> Option<Cell> {
         let clearance = t.number_or("clearance_mm", 0.0, Must::NotBeNegative, lib);
         let floor = t.number_or("floor_mm", 0.0, Must::BeFinite, lib);
         let search = read_search(t, lib);
-        let (robot, base) = robot?;
+        let ((robot, base), question) = (robot?, question?);
         let mut cell = Cell {
             name: name?,
             robot,
             base,
             errors: errors?,
-            model: model?,
-            reading: reading?,
-            quantity: quantity?,
-            registration: registration?,
-            guard: units::share_from_percent(guard?),
+            model: question.model,
+            reading: question.reading.unwrap_or(Reading::Signed),
+            quantity: question.quantity,
+            registration: question.registration,
+            guard: question.guard,
             equipment,
             keep_out,
             operations,
@@ -57,10 +51,39 @@ pub fn read(stem: &str, root: &Node, lib: &mut Library<'_>) -> Option<Cell> {
             floor: units::m_from_mm(floor?),
             search: search?,
         };
-        if !given {
+        if question.reading.is_none() {
             cell.reading = cell.default_reading();
         }
         Some(cell)
+    })
+}
+
+/// How the errors are judged.
+struct Question {
+    model: Model,
+    /// None: it follows from the errors.
+    reading: Option<Reading>,
+    quantity: Quantity,
+    registration: Registration,
+    guard: f64,
+}
+
+fn read_question(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<Question> {
+    let model = t.choice("model", &Model::ALL, Model::name, Some(Model::Nonlinear), lib);
+    let reading = match t.get("reading") {
+        Some(node) => value::choice(node, "reading", &Reading::ALL, Reading::name, lib).map(Some),
+        None => Some(None),
+    };
+    let quantity = t.choice("quantity", &Quantity::ALL, Quantity::name, Some(Quantity::P95), lib);
+    let none = Some(Registration::None);
+    let registration = t.choice("registration", &Registration::ALL, Registration::name, none, lib);
+    let guard = t.number_or("guard_percent", 1.0, Must::BePositive, lib).map(units::share_from_percent);
+    Some(Question {
+        model: model?,
+        reading: reading?,
+        quantity: quantity?,
+        registration: registration?,
+        guard: guard?,
     })
 }
 

@@ -13,6 +13,9 @@ use nalgebra::DMatrix;
 /// Relative rounding that a symmetric, semidefinite matrix in a file may have.
 const ROUNDING: f64 = 1e-9;
 
+const KNOWN: &str =
+    "dq, dr, dl, dalpha or dbeta and a joint (dl2), or base or tool and x, y, z, rx, ry or rz (base x)";
+
 /// Reads `covariance`; `values`: the plus-or-minus of all parameters, of which those here have none.
 pub fn read(
     node: &Node,
@@ -77,15 +80,7 @@ fn read_parameters(items: &[Node], arm: Arm<'_>, lib: &mut Library<'_>) -> Optio
     let names: Vec<_> = Parameter::of_robot(arm.axes).map(Parameter::name).collect();
     let mut places: Vec<Option<usize>> = Vec::new();
     for item in items {
-        let name = value::text(item, "parameters", lib);
-        let place = name.and_then(|name| {
-            let found = names.iter().position(|n| *n == name);
-            if found.is_none() {
-                let message = format!("there is no parameter `{}`", shown(&name));
-                lib.error(item.at, message, nearest(&name, &names, arm));
-            }
-            found
-        });
+        let place = read_parameter(item, &names, arm, lib);
         if let Some(place) = place.filter(|_| places.contains(&place)) {
             let message = format!("`{}` is given twice", names[place]);
             lib.error(item.at, message, "remove one of the two, with its row and column");
@@ -93,6 +88,19 @@ fn read_parameters(items: &[Node], arm: Arm<'_>, lib: &mut Library<'_>) -> Optio
         places.push(place);
     }
     places.into_iter().collect()
+}
+
+fn read_parameter(item: &Node, names: &[String], arm: Arm<'_>, lib: &mut Library<'_>) -> Option<usize> {
+    let Value::Text(name) = &item.value else {
+        let message = format!("`parameters` must be a list of names, not with {}", item.value.kind());
+        lib.error(item.at, message, KNOWN);
+        return None;
+    };
+    let found = names.iter().position(|n| n == name);
+    if found.is_none() {
+        lib.error(item.at, format!("there is no parameter `{}`", shown(name)), nearest(name, names, arm));
+    }
+    found
 }
 
 /// What may have been meant by an unknown name.
@@ -103,7 +111,7 @@ fn nearest(name: &str, names: &[String], arm: Arm<'_>) -> String {
     }
     match did_you_mean(name, names.iter().map(String::as_str)) {
         Some(near) => format!("did you mean \"{near}\"?"),
-        None => format!("known: {}", listed(names.iter().map(String::as_str))),
+        None => KNOWN.into(),
     }
 }
 
@@ -208,7 +216,8 @@ impl<'n> Matrix<'n> {
         let deviation = |k: usize| if self.at(k, k) > 0.0 { self.at(k, k).sqrt() } else { 1.0 };
         let scaled = |i: usize, j: usize| self.at(i, j) / deviation(i) / deviation(j);
         let eigen = DMatrix::from_fn(n, n, |i, j| scaled(i.max(j), i.min(j))).symmetric_eigen();
-        let (least, value) = eigen.eigenvalues.argmin();
+        let values = eigen.eigenvalues.iter().copied().enumerate();
+        let (least, value) = values.min_by(|a, b| a.1.total_cmp(&b.1))?;
         if value >= -ROUNDING * eigen.eigenvalues.max() {
             return Some(());
         }

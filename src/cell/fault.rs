@@ -113,6 +113,9 @@ fn hides(c: char) -> bool {
         | '\u{2060}'..='\u{206f}' | '\u{feff}' | '\u{fff9}'..='\u{fffb}' | '\u{e0000}'..='\u{e0fff}')
 }
 
+/// Most names that are compared with a mistyped one.
+const MOST_CANDIDATES: usize = 100;
+
 /// The candidate nearest to a mistyped `word`, if one is near enough to suggest: the same quantity in
 /// another unit or none (`x` or `x_m` for `x_mm`), or a few letters off.
 pub fn did_you_mean<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
@@ -126,12 +129,14 @@ pub fn did_you_mean<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str
         let other = c.chars().count();
         let most = (length.max(other) / 3).max(1);
         // The distance takes a table of one word times the other.
-        let apart = (length.max(other) <= 100).then(|| strsim::damerau_levenshtein(word, c))?;
+        let comparable = length.max(other) <= 100 && length.abs_diff(other) <= most;
+        let apart = comparable.then(|| strsim::damerau_levenshtein(word, c))?;
         // A short word has too many neighbours: cm is not mm.
         let near = apart <= most && (2 * apart < length || sorted(word) == sorted(c));
         near.then_some((apart, length.abs_diff(other)))
     };
-    candidates.into_iter().filter_map(|c| Some((distance(c)?, c))).min_by_key(|(d, _)| *d).map(|(_, c)| c)
+    let candidates = candidates.into_iter().take(MOST_CANDIDATES);
+    candidates.filter_map(|c| Some((distance(c)?, c))).min_by_key(|(d, _)| *d).map(|(_, c)| c)
 }
 
 fn sorted(word: &str) -> Vec<char> {

@@ -10,6 +10,7 @@ use super::teach_file;
 use super::tree::{Entry, Node, Value};
 use super::value::{self, Must, plain};
 use crate::units;
+use std::collections::HashMap;
 
 /// Most nodes of one grid: a map of more is no picture, and takes hours and gigabytes.
 pub const MAX_NODES: u64 = 1_000_000;
@@ -41,9 +42,11 @@ pub fn read_all(
         complete,
         equipment,
         entries: standing.into_iter().flatten().flat_map(|node| node.value.entries()).collect(),
-        senses,
-        sense_entries: named.map_or(&[], |node| node.value.entries()),
-        operations: operations.map_or(&[], |node| node.value.entries()),
+        senses: senses.iter().map(|sense| (sense.name.as_str(), sense)).collect(),
+        sense_names: names(named),
+        sense_entries: entries_of(named),
+        operation_names: names(operations),
+        operations: entries_of(operations),
     };
     read_named(t, "operation", lib, |name, node, lib| read(name, node, &around, lib))
 }
@@ -54,11 +57,24 @@ struct Around<'c> {
     complete: bool,
     /// Equipment and senses that could be read.
     equipment: &'c [Equipment],
-    senses: &'c [Sense],
+    senses: HashMap<&'c str, &'c Sense>,
     /// What is named: what stands, equipment first; senses; operations.
     entries: Vec<&'c Entry>,
+    sense_names: Places<'c>,
     sense_entries: &'c [Entry],
+    operation_names: Places<'c>,
     operations: &'c [Entry],
+}
+
+/// Places of entries by their names.
+type Places<'c> = HashMap<&'c str, usize>;
+
+fn entries_of(node: Option<&Node>) -> &[Entry] {
+    node.map_or(&[], |node| node.value.entries())
+}
+
+fn names(node: Option<&Node>) -> Places<'_> {
+    entries_of(node).iter().enumerate().map(|(k, (name, ..))| (name.as_str(), k)).collect()
 }
 
 fn read(name: &str, node: &Node, around: &Around<'_>, lib: &mut Library<'_>) -> Option<Operation> {
@@ -126,23 +142,24 @@ fn read_surface_choice(t: &mut Table<'_>, around: &Around<'_>, lib: &mut Library
 
 /// `sense = "WORD"`: a plain one or one of the cell.
 fn read_sense(t: &mut Table<'_>, around: &Around<'_>, lib: &mut Library<'_>) -> Option<Sense> {
-    let node = t.need("sense", "add sense = \"xy\" or another: what must be small there")?;
+    let node = t.need("sense", format!("add sense = \"xy\", or another of {}", listed(PLAIN)))?;
     let word = value::text(node, "sense", lib)?;
     if let Some(plain) = Sense::plain(&word) {
         return Some(plain);
     }
     let defined = || around.sense_entries.iter().map(|(name, ..)| name.as_str());
-    if !defined().any(|name| name == word) && around.complete {
+    if !around.sense_names.contains_key(word.as_str()) && around.complete {
         let frames = Frame::ALL.map(Frame::name);
         let framed: Vec<_> = PLAIN.iter().flat_map(|p| frames.map(|f| format!("{p}@{f}"))).collect();
-        let known = PLAIN.into_iter().chain(defined());
-        let help = match did_you_mean(&word, known.clone().chain(framed.iter().map(String::as_str))) {
+        let known = || PLAIN.into_iter().chain(defined());
+        let candidates = framed.iter().map(String::as_str).chain(known());
+        let help = match did_you_mean(&word, candidates) {
             Some(near) => format!("did you mean \"{}\"?", shown(near)),
-            None => format!("known: {}", listed(known)),
+            None => format!("known: {}", listed(known())),
         };
         lib.error(node.at, format!("`sense` cannot be \"{}\"", shown(&word)), help);
     }
-    around.senses.iter().find(|sense| sense.name == word).cloned()
+    around.senses.get(word.as_str()).map(|sense| (*sense).clone())
 }
 
 /// `limit_mm` or `limit_deg`, whichever the sense is measured in.
@@ -166,7 +183,7 @@ fn read_limit(t: &mut Table<'_>, sense: Option<&Sense>, lib: &mut Library<'_>) -
 /// `relative_to = "NAME"`: an operation before this one, itself relative to none.
 fn read_relative(name: &str, node: &Node, around: &Around<'_>, lib: &mut Library<'_>) -> Option<usize> {
     let other = value::text(node, "relative_to", lib)?;
-    let place = |wanted: &str| around.operations.iter().position(|(n, ..)| n == wanted);
+    let place = |wanted: &str| around.operation_names.get(wanted).copied();
     let found = place(&other);
     let (message, help) = match found {
         _ if other == name => ("an operation is not relative to itself".to_string(), PICKED.to_string()),

@@ -45,7 +45,7 @@ impl Cell {
         if self.unit() == Unit::Share {
             for (k, operation) in self.operations.iter().enumerate().filter(|(_, o)| o.limit.is_none()) {
                 let message =
-                    format!("`{}` has no limit, which its yield is the share within", operation.name);
+                    format!("`{}` has no limit: its yield is the share of errors within one", operation.name);
                 let help =
                     format!("add limit_{}, the largest error that it tolerates", operation.sense.unit.word());
                 faults.push(fault(About::Operation(k), message, &help));

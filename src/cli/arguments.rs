@@ -70,7 +70,7 @@ pub struct Choice {
     #[arg(long, value_name = "SENSE")]
     pub sense: Option<String>,
     /// Largest error with which every operation succeeds: mm, or degrees of a rotation
-    #[arg(long, value_name = "MM", value_parser = limit, allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", value_parser = limit, allow_hyphen_values = true)]
     pub limit: Option<f64>,
 }
 
@@ -153,7 +153,7 @@ pub struct BudgetArguments {
     #[arg(long, value_name = "NAME")]
     pub operation: Option<String>,
     /// The node: best, or its number along x and along y
-    #[arg(long, value_name = "best|I,J", value_parser = at, default_value = "best", hide_default_value = true)]
+    #[arg(long, value_name = "best|I,J", value_parser = at, default_value = "best", hide_default_value = true, allow_hyphen_values = true)]
     pub at: At,
     #[command(flatten)]
     pub overrides: Overrides,
@@ -170,7 +170,7 @@ pub struct ExplainArguments {
     #[arg(long, value_name = "NAME")]
     pub operation: Option<String>,
     /// The node: best, or its number along x and along y
-    #[arg(long, value_name = "best|I,J", value_parser = at, default_value = "best", hide_default_value = true)]
+    #[arg(long, value_name = "best|I,J", value_parser = at, default_value = "best", hide_default_value = true, allow_hyphen_values = true)]
     pub at: At,
     /// Joints instead of a node, for any robot: degrees or mm in its own coordinates
     #[arg(

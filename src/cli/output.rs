@@ -50,6 +50,16 @@ pub fn progress_bar(length: u64) -> ProgressBar {
 
 /// A path as one would type it.
 pub fn path_word(path: &Path) -> String {
-    let text = shown(&path.to_string_lossy());
-    if text.contains(' ') { format!("'{text}'") } else { text }
+    word(&path.to_string_lossy())
+}
+
+/// A word as one would type it in a shell.
+pub fn word(text: &str) -> String {
+    let text = shown(text);
+    let plain = |c: char| c.is_alphanumeric() || "-_./,:@+=%~\\".contains(c);
+    if !text.is_empty() && text.chars().all(plain) {
+        text
+    } else {
+        format!("'{}'", text.replace('\'', "'\\''"))
+    }
 }

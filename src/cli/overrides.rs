@@ -137,3 +137,22 @@ fn unknown<'a>(what: &str, word: &str, known: impl Iterator<Item = &'a str> + Cl
     output::error(&format!("{what}; {near}there is: {}", known.map(shown).collect::<Vec<_>>().join(", ")));
     Exit::BadInput
 }
+
+/// The overrides as one would type them again, with a space before each.
+pub fn again(asked: &Overrides) -> String {
+    let Overrides { choice, reading, quantity, registration } = asked;
+    let limit = choice.limit.map(|limit| limit.to_string());
+    let given = [
+        ("errors", &choice.errors),
+        ("model", &choice.model),
+        ("sense", &choice.sense),
+        ("limit", &limit),
+        ("reading", reading),
+        ("quantity", quantity),
+        ("registration", registration),
+    ];
+    let typed = |(name, value): (&str, &Option<String>)| {
+        value.as_ref().map(|value| format!(" --{name} {}", output::word(value)))
+    };
+    given.into_iter().filter_map(typed).collect()
+}

@@ -7,6 +7,10 @@ use crate::error_map::OperationMap;
 use crate::layout::Workcell;
 use nalgebra::Vector3;
 
+/// Below this a value is rounding, m, rad or share: at a point touched to teach a frame nothing is
+/// left of any error.
+pub const NOTHING: f64 = 1e-12;
+
 /// The best node of an operation under one reading.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Choice {
@@ -29,6 +33,8 @@ pub struct Row {
     pub choice: Result<Choice, String>,
     /// The value here of the posture that the signed reading chooses under this registration.
     pub at_signed: Option<f64>,
+    /// The value here of the posture that this reading chooses with nothing registered.
+    pub at_unregistered: Option<f64>,
     pub unit: Unit,
 }
 
@@ -38,6 +44,7 @@ impl Row {
         match self.reading {
             Reading::Signed => "error",
             Reading::WorstCase => "worst case",
+            Reading::Statistical if self.quantity == Quantity::Yield => "share of failures",
             Reading::Statistical => self.quantity.name(),
         }
     }
@@ -48,7 +55,7 @@ impl Row {
 
     /// How many times the least value the signed choice has.
     pub fn ratio(&self) -> Option<f64> {
-        let value = self.value().filter(|v| *v > 0.0)?;
+        let value = self.value().filter(|v| *v > NOTHING)?;
         Some(self.at_signed? / value).filter(|r| r.is_finite())
     }
 }
@@ -64,23 +71,25 @@ impl<'a> Readings<'a> {
     /// Why the robot cannot be used.
     pub fn new(cell: &'a Cell) -> Result<Self, String> {
         let mut operations = vec![Vec::new(); cell.operations.len()];
+        // By reading, of no registration: the first one.
+        let mut unregistered: Vec<(Reading, Quantity, Maps)> = Vec::new();
         for registration in Registration::ALL {
-            let mut signed = None;
+            let mut signed: Option<Maps> = None;
             for variant in variants(cell, registration) {
-                let reading = variant.reading;
+                let (reading, quantity) = (variant.reading, variant.quantity);
                 let workcell = Workcell::new(variant)?;
                 let maps = workcell.maps(&cell.start());
+                let by_signed = if reading == Reading::Signed { Some(&maps) } else { signed.as_ref() };
+                let same = |(r, q, _): &&(Reading, Quantity, Maps)| (*r, *q) == (reading, quantity);
+                let plain = unregistered.iter().find(same).map(|(_, _, maps)| maps);
                 for (k, rows) in operations.iter_mut().enumerate() {
-                    rows.push(row(&workcell, &maps, signed.as_deref().unwrap_or(&[]), k));
+                    let plain = if registration == Registration::None { Some(&maps) } else { plain };
+                    rows.push(row(&workcell, &maps, by_signed, plain, k));
+                }
+                if registration == Registration::None {
+                    unregistered.push((reading, quantity, maps.clone()));
                 }
                 if reading == Reading::Signed {
-                    // Of itself the signed choice costs nothing.
-                    for rows in &mut operations {
-                        if let Some(row) = rows.last_mut() {
-                            row.at_signed = row.value();
-                            row.choice.iter_mut().for_each(|c| c.moved = Some(0.0));
-                        }
-                    }
                     signed = Some(maps);
                 }
             }
@@ -103,12 +112,15 @@ impl<'a> Readings<'a> {
         })
     }
 
-    /// The least worst case of an operation under a registration, m or rad.
-    pub fn worst_case(&self, operation: usize, registration: Registration) -> Option<f64> {
+    /// The worst case of an operation under a registration.
+    pub fn worst_case(&self, operation: usize, registration: Registration) -> Option<&Row> {
         let wanted = |r: &&Row| r.reading == Reading::WorstCase && r.registration == registration;
-        self.operations[operation].iter().find(wanted)?.value()
+        self.operations[operation].iter().find(wanted)
     }
 }
+
+/// One map per operation.
+type Maps = Vec<OperationMap>;
 
 /// The cell in every reading that has an answer, the signed one first.
 fn variants(cell: &Cell, registration: Registration) -> Vec<Cell> {
@@ -124,10 +136,11 @@ fn variants(cell: &Cell, registration: Registration) -> Vec<Cell> {
     kinds.into_iter().map(read).filter(answers).collect()
 }
 
-/// One operation under the reading of the workcell; `signed` are the maps of the signed one.
-fn row(workcell: &Workcell, maps: &[OperationMap], signed: &[OperationMap], k: usize) -> Row {
+/// One operation under the reading of the workcell; `signed` are the maps of the signed one, `plain`
+/// those of nothing registered.
+fn row(workcell: &Workcell, maps: &Maps, signed: Option<&Maps>, plain: Option<&Maps>, k: usize) -> Row {
     let cell = &workcell.cell;
-    let there = signed.get(k).and_then(OperationMap::best_node);
+    let there = signed.and_then(|maps| maps[k].best_node());
     let best = maps[k].best_node().and_then(|n| Some((n, n.posture.as_ref()?)));
     let choice = best.map(|(node, posture)| Choice {
         node: (node.i, node.j),
@@ -135,19 +148,27 @@ fn row(workcell: &Workcell, maps: &[OperationMap], signed: &[OperationMap], k: u
         value: posture.value,
         moved: there.map(|t| (node.position - t.position).norm()),
     });
-    let at_signed = || {
-        let posture = there?.posture.as_ref()?;
-        let (situation, frames) = workcell.posed(&cell.start(), signed, k, posture).ok()?;
-        let gauge = workcell.gauge(k);
-        Some(gauge.value(&situation, &frames, &mut gauge.memory()))
-    };
     let share = cell.reading == Reading::Statistical && cell.quantity == Quantity::Yield;
     Row {
         reading: cell.reading,
         quantity: cell.quantity,
         registration: cell.registration,
         choice: choice.ok_or_else(|| no_spot(cell, &maps[k])),
-        at_signed: at_signed(),
+        at_signed: signed.and_then(|chosen| value_at_choice(workcell, maps, chosen, k)),
+        at_unregistered: plain.and_then(|chosen| value_at_choice(workcell, maps, chosen, k)),
         unit: if share { Unit::Share } else { cell.operations[k].sense.unit },
     }
+}
+
+/// The value under the workcell's reading of the postures that other maps choose.
+fn value_at_choice(workcell: &Workcell, maps: &Maps, chosen: &Maps, k: usize) -> Option<f64> {
+    let place = chosen[k].best?;
+    let posture = chosen[k].nodes[place].posture.as_ref()?;
+    let own = maps[k].nodes[place].posture.as_ref().filter(|own| own.branch == posture.branch);
+    if let (Some(own), None) = (own, workcell.cell.operations[k].relative_to) {
+        return Some(own.value);
+    }
+    let (situation, frames) = workcell.posed(&workcell.cell.start(), chosen, k, posture).ok()?;
+    let gauge = workcell.gauge(k);
+    Some(gauge.value(&situation, &frames, &mut gauge.memory()))
 }

@@ -147,7 +147,7 @@ impl Expansion {
 
     /// The motions that a unit of a parameter makes.
     fn motions(&self, parameter: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
-        let is_actuator = parameter < PER_LINK * self.axes && parameter % PER_LINK == 0;
+        let is_actuator = parameter < PER_LINK * self.axes && parameter.is_multiple_of(PER_LINK);
         let driven: &[_] = if is_actuator { &self.drives[parameter / PER_LINK] } else { &[] };
         driven.iter().copied().chain((!is_actuator).then_some((parameter, 1.0)))
     }

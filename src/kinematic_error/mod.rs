@@ -24,11 +24,13 @@
 
 mod discrepancy;
 mod expansion;
+mod identification;
 mod nonlinear;
 mod perturbation;
 
 pub use discrepancy::{Discrepancy, deviation, discrepancy};
 pub use expansion::{Expansion, Term};
+pub use identification::{ParameterSet, condition, identifiable, identification_jacobian};
 pub use perturbation::{FrameError, LinkError, Perturbation, Turn};
 
 use crate::cell::Model;

@@ -170,6 +170,6 @@ fn normal(u: f64) -> f64 {
 }
 
 fn primes(count: usize) -> impl Iterator<Item = u32> {
-    let is_prime = |n: &u32| (2..*n).take_while(|d| d * d <= *n).all(|d| n % d != 0);
+    let is_prime = |n: &u32| (2..*n).take_while(|d| d * d <= *n).all(|d| !n.is_multiple_of(d));
     (2u32..).filter(is_prime).take(count)
 }

@@ -140,7 +140,7 @@ fn start(spectrum: &Spectrum, p: f64) -> f64 {
     } else {
         k1 + z * k2.sqrt()
     };
-    x.max(1e-3 * k1)
+    x.max(k1 / 1024.0)
 }
 
 /// Acklam's rational approximation, good to 1.2e-9.

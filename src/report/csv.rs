@@ -47,7 +47,7 @@ pub fn readings(r: &Readings<'_>) -> Result<Vec<u8>, String> {
     writer.into_inner().map_err(|e| e.to_string())
 }
 
-const READINGS: [&str; 15] = [
+const READINGS: [&str; 16] = [
     "operation",
     "reading",
     "quantity",
@@ -60,6 +60,7 @@ const READINGS: [&str; 15] = [
     "value",
     "unit",
     "at_signed_choice",
+    "at_unregistered_choice",
     "ratio",
     "moved_mm",
     "reason",
@@ -77,7 +78,9 @@ fn reading_columns(operation: &str, row: &Row) -> Vec<String> {
         .extend([choice.map(|c| c.node.0.to_string()), choice.map(|c| c.node.1.to_string())].map(or_empty));
     columns.extend([0, 1, 2].map(|k| or_empty(choice.map(|c| mm(c.position[k])))));
     columns.extend([or_empty(row.value().map(value)), row.unit.word().to_string()]);
-    columns.extend([row.at_signed.map(value), row.ratio().map(number)].map(or_empty));
+    columns.extend(
+        [row.at_signed.map(value), row.at_unregistered.map(value), row.ratio().map(number)].map(or_empty),
+    );
     columns.push(or_empty(choice.and_then(|c| c.moved).map(mm)));
     columns.push(or_empty(row.choice.as_ref().err().map(|why| inert(why))));
     columns
@@ -94,8 +97,10 @@ fn senses<'a>(a: &'a Assessment<'_>) -> Vec<&'a Sense> {
     all
 }
 
+type Column = (&'static str, fn(&Figures) -> f64);
+
 /// Figures of a sense, as columns.
-const FIGURES: [(&str, fn(&Figures) -> f64); 5] = [
+const FIGURES: [Column; 5] = [
     ("worst", |f| f.worst),
     ("rms", |f| f.rms),
     ("mean", |f| f.mean),

@@ -16,18 +16,18 @@ use sweetspot::pose::{Displacement, Pose};
 use sweetspot::robot::Chain;
 
 /// A robot of these rows; the limits play no part.
-fn robot(joints: Vec<Joint>, coupling: Vec<Vec<f64>>, tool: Pose) -> Robot {
+pub fn robot(joints: Vec<Joint>, coupling: Vec<Vec<f64>>, tool: Pose) -> Robot {
     let (footprint, text) = (Rectangle { centre: (0.0, 0.0), size: (1.0, 1.0) }, || "test".to_string());
     let (tool_axis, solids, errors) = (Vector3::x(), vec![], vec![]);
     Robot { name: text(), source: text(), joints, coupling, tool, tool_axis, solids, footprint, errors }
 }
 
-fn joint(kind: JointKind, theta: f64, r: f64, l: f64, alpha: f64) -> Joint {
+pub fn joint(kind: JointKind, theta: f64, r: f64, l: f64, alpha: f64) -> Joint {
     Joint { name: "q".into(), kind, theta, r, l, alpha, limits: (-PI, PI) }
 }
 
 /// Couplings, prismatic joints, right angles and all; `flat`: every angle 0, all axes parallel.
-fn random_robot(rng: &mut ChaCha8Rng, n: usize, flat: bool) -> Robot {
+pub fn random_robot(rng: &mut ChaCha8Rng, n: usize, flat: bool) -> Robot {
     let joints = (0..n).map(|_| {
         let kind = if rng.random_bool(0.25) { JointKind::Prismatic } else { JointKind::Revolute };
         let right = FRAC_PI_2 * f64::from(rng.random_range(-1..3));
@@ -52,7 +52,7 @@ fn random_robot(rng: &mut ChaCha8Rng, n: usize, flat: bool) -> Robot {
     robot(joints, coupling, tool)
 }
 
-fn random_errors(rng: &mut ChaCha8Rng, n: usize, length: f64, angle: f64) -> SignedErrors {
+pub fn random_errors(rng: &mut ChaCha8Rng, n: usize, length: f64, angle: f64) -> SignedErrors {
     let rng_frame: [f64; 12] = from_fn(|_| rng.random_range(-1.0..1.0));
     let mut some = |bound: f64| (0..n).map(|_| rng.random_range(-bound..bound)).collect();
     SignedErrors {
@@ -67,7 +67,7 @@ fn random_errors(rng: &mut ChaCha8Rng, n: usize, length: f64, angle: f64) -> Sig
     }
 }
 
-fn predicted(robot: &Robot, q: &[f64], errors: &SignedErrors, model: Model) -> Displacement {
+pub fn predicted(robot: &Robot, q: &[f64], errors: &SignedErrors, model: Model) -> Displacement {
     let chain = Chain::new(robot);
     let q = from_fn(|i| q.get(i).copied().unwrap_or(0.0));
     pose_error(&chain.frames(&chain.posture(&q)), &Perturbation::new(&chain, errors), model)

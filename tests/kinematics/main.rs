@@ -1,9 +1,14 @@
-//! Forward and inverse kinematics and both error models against a D-H product written here, its
-//! derivative by dual numbers, a reference in 60 digits and cases done by hand.
-#![allow(clippy::unwrap_used, clippy::panic)]
+//! Forward and inverse kinematics and the error models against a D-H product written here, its
+//! derivatives by dual numbers, references in 60 digits and cases done by hand.
+#![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout)]
 
 #[path = "../common/mod.rs"]
 mod common;
+mod derivatives;
 mod errors;
+mod identification;
 mod inverse;
 mod product;
+mod rotations;
+#[path = "../common/ur.rs"]
+mod ur;

@@ -21,12 +21,32 @@ fn about_y<D: DualNum<Primitive = f64> + Copy>(angle: D) -> Matrix4<D> {
 }
 
 /// `Trans(x, y, z) Rz(rz) Ry(ry) Rx(rx)`: D-H links make all but the turn about y.
-fn frame<D: DualNum<Primitive = f64> + Copy>(values: &[f64; 6], unit: D) -> Matrix4<D> {
-    let o = D::from(0.0);
-    let [x, y, z, rx, ry, rz] = values.map(|v| unit * v);
-    let mut slide = Matrix4::identity();
-    (slide[(0, 3)], slide[(1, 3)], slide[(2, 3)]) = (x, y, z);
-    slide * link(rz, o, o, o) * about_y(ry) * link(o, o, o, rx)
+fn frame<D: DualNum<Primitive = f64> + Copy>(values: &[D]) -> Matrix4<D> {
+    let (o, mut slide) = (D::from(0.0), Matrix4::identity());
+    (slide[(0, 3)], slide[(1, 3)], slide[(2, 3)]) = (values[0], values[1], values[2]);
+    slide * link(values[5], o, o, o) * about_y(values[4]) * link(o, o, o, values[3])
+}
+
+/// The TCP with these errors: dq, dr, dl, dalpha, dbeta of every link, then x, y, z, rx, ry, rz of the
+/// base and of the tool.
+pub fn product<D: DualNum<Primitive = f64> + Copy>(robot: &Robot, q: &[f64], errors: &[D]) -> Matrix4<D> {
+    let (links, frames) = errors.split_at(5 * robot.axes());
+    let mut t = frame(frames);
+    for (i, (joint, e)) in robot.joints.iter().zip(links.chunks(5)).enumerate() {
+        let factors = &robot.coupling[i];
+        let moved: f64 = factors.iter().zip(q).map(|(c, q)| c * q).sum();
+        let driven = factors.iter().zip(links.chunks(5));
+        let moved = driven.fold(D::from(moved), |sum, (c, e)| sum + e[0] * *c);
+        let (mut theta, mut r) = (D::from(joint.theta), e[1] + joint.r);
+        match joint.kind {
+            JointKind::Revolute => theta += moved,
+            JointKind::Prismatic => r += moved,
+        }
+        t *= link(theta, r, e[2] + joint.l, e[3] + joint.alpha) * about_y(e[4]);
+    }
+    let mut tool = robot.tool.rotation.to_homogeneous();
+    tool.fixed_view_mut::<3, 1>(0, 3).copy_from(&robot.tool.translation);
+    t * tool.map(D::from) * frame(&frames[6..])
 }
 
 /// The TCP with `unit` times the errors in every D-H value: 0 is the nominal robot, 1 the perturbed
@@ -37,21 +57,9 @@ pub fn tcp<D: DualNum<Primitive = f64> + Copy>(
     e: &SignedErrors,
     unit: D,
 ) -> Matrix4<D> {
-    let value = |v: f64, error: f64| D::from(v) + unit * error;
-    let mut t: Matrix4<D> = frame(&e.base, unit);
-    for (i, joint) in robot.joints.iter().enumerate() {
-        let coupled = |q: &[f64]| robot.coupling[i].iter().zip(q).map(|(c, q)| c * q).sum::<f64>();
-        let (mut theta, mut r) = (D::from(joint.theta), value(joint.r, e.dr[i]));
-        match joint.kind {
-            JointKind::Revolute => theta += value(coupled(q), coupled(&e.dq)),
-            JointKind::Prismatic => r += value(coupled(q), coupled(&e.dq)),
-        }
-        t *= link(theta, r, value(joint.l, e.dl[i]), value(joint.alpha, e.dalpha[i]))
-            * about_y(unit * e.dbeta[i]);
-    }
-    let mut tool = robot.tool.rotation.to_homogeneous();
-    tool.fixed_view_mut::<3, 1>(0, 3).copy_from(&robot.tool.translation);
-    t * tool.map(D::from) * frame(&e.tool, unit)
+    let links = (0..robot.axes()).flat_map(|i| [e.dq[i], e.dr[i], e.dl[i], e.dalpha[i], e.dbeta[i]]);
+    let values = links.chain(e.base).chain(e.tool);
+    product(robot, q, &values.map(|v| unit * v).collect::<Vec<_>>())
 }
 
 pub fn position(t: &Matrix4<f64>) -> Vector3<f64> {

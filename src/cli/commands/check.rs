@@ -37,11 +37,12 @@ pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
     let free = cell.equipment.iter().flat_map(|e| &e.placement).filter(|c| is_free(c)).count();
     let nodes: usize = cell.operations.iter().map(|o| o.nodes()).sum();
     output::data(&format!(
-        "{}\n{} axes, {} equipment and obstacles, {} operations on {nodes} nodes, {free} search variables\n{}\n{}valid{}\n",
+        "{}\n{}, {} equipment and obstacles, {} on {nodes} nodes, {}\n{}\n{}valid{}\n",
         report::text::headline(cell),
-        cell.robot.axes(),
+        counted(cell.robot.axes(), "axis", "axes"),
         cell.equipment.len(),
-        cell.operations.len(),
+        counted(cell.operations.len(), "operation", "operations"),
+        counted(free, "search variable", "search variables"),
         error_sets(cell),
         report::text::feasibility(&Assessment::new("start", &workcell, cell.start())),
         if warnings == 0 { String::new() } else { format!(", {warnings} warning(s)") },
@@ -58,7 +59,10 @@ fn error_sets(cell: &Cell) -> String {
         ErrorSet::Signed(_) => "a signed sample",
         ErrorSet::Tolerance(_) => "a tolerance",
     };
-    let count = cell.robot.errors.len();
-    let sets = if count == 1 { "1 error set".to_string() } else { format!("{count} error sets") };
+    let sets = counted(cell.robot.errors.len(), "error set", "error sets");
     format!("{sets}; {} is {kind}, read as {}", shown(cell.error_set().name()), cell.reading.name())
+}
+
+fn counted(n: usize, one: &str, many: &str) -> String {
+    format!("{n} {}", if n == 1 { one } else { many })
 }

@@ -2,8 +2,8 @@
 
 use super::{UNSOLVED, suggest, workcell};
 use crate::cell::{Cell, JointKind, JointVector, MAX_JOINTS, shown};
-use crate::cli::arguments::{BudgetArguments, ExplainArguments};
-use crate::cli::output::path_word;
+use crate::cli::arguments::{BudgetArguments, ExplainArguments, Overrides};
+use crate::cli::output::{path_word, word};
 use crate::cli::overrides::{self, overridden};
 use crate::cli::{Exit, files, output, results};
 use crate::compare::{Account, At, Explanation, NoStance, Stance};
@@ -32,7 +32,8 @@ pub fn budget(a: &BudgetArguments) -> Result<Exit, Exit> {
         let budgets: Vec<String> = accounts.iter().map(report::text::budget).collect();
         output::data(&format!("{}\n{}", report::text::headline(cell), budgets.join("\n")))?;
         let first = accounts.first().map(|account| &cell.operations[account.stance.operation].name);
-        suggest(&asked_again("explain", &path_word(&a.cell), first.map(String::as_str), a.at));
+        let same = asked_again(first.map(String::as_str), a.at, &a.overrides);
+        suggest(&format!("explain {}{same}", path_word(&a.cell)));
     }
     Ok(Exit::Done)
 }
@@ -83,10 +84,16 @@ fn told(a: &ExplainArguments, explanation: &Explanation<'_>) -> Result<Exit, Exi
     let text = report::text::explanation(explanation);
     output::data(&format!("{}\n{text}", report::text::headline(cell)))?;
     let name = &cell.operations[explanation.stance.operation].name;
-    let next = if a.joints.is_some() { "check" } else { "budget" };
-    match a.joints {
-        Some(_) => suggest(&format!("{next} {}", path_word(&a.cell))),
-        None => suggest(&asked_again(next, &path_word(&a.cell), Some(name), a.at)),
+    let file = path_word(&a.cell);
+    match &a.joints {
+        Some(joints) => {
+            let joints: Vec<String> = joints.iter().map(f64::to_string).collect();
+            let asked = overrides::again(&a.overrides);
+            let name = word(name);
+            let same = format!("--operation {name} --joints={}{asked}", joints.join(","));
+            suggest(&format!("explain {file} {same} --json"));
+        }
+        None => suggest(&format!("budget {file}{}", asked_again(Some(name), a.at, &a.overrides))),
     }
     Ok(Exit::Done)
 }
@@ -141,14 +148,12 @@ fn joints(cell: &Cell, given: &[f64]) -> Result<JointVector, Exit> {
     Ok(joints)
 }
 
-/// The same question to another command.
-fn asked_again(command: &str, file: &str, operation: Option<&str>, at: At) -> String {
-    let operation = operation.map(shown).map_or(String::new(), |name| match name.contains(' ') {
-        true => format!(" --operation '{name}'"),
-        false => format!(" --operation {name}"),
-    });
-    match at {
-        At::Best => format!("{command} {file}{operation}"),
-        At::Node(i, j) => format!("{command} {file}{operation} --at {i},{j}"),
-    }
+/// The same question, for another command.
+fn asked_again(operation: Option<&str>, at: At, asked: &Overrides) -> String {
+    let operation = operation.map_or(String::new(), |name| format!(" --operation {}", word(name)));
+    let at = match at {
+        At::Best => String::new(),
+        At::Node(i, j) => format!(" --at {i},{j}"),
+    };
+    operation + &at + &overrides::again(asked)
 }

@@ -43,6 +43,7 @@ fn row(row: &Row) -> Value {
         "position_mm": of(|c| json!(lengths(&c.position))),
         "value": choice.map(|c| value(c.value)),
         "at_signed_choice": row.at_signed.map(value),
+        "at_unregistered_choice": row.at_unregistered.map(value),
         "ratio": row.ratio().map(length),
         "moved_mm": choice.and_then(|c| c.moved).map(|m| length(mm_from_m(m))),
         "reason": row.choice.as_ref().err(),

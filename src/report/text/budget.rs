@@ -1,7 +1,7 @@
 //! The error budget: what to tighten first.
 
 use super::table::Table;
-use super::{fixed, percent1, place_words};
+use super::{amount, fixed, percent1, place_words};
 use crate::cell::{Reading, Unit};
 use crate::compare::{Account, Tighter};
 use crate::reading::{Figures, Share};
@@ -74,7 +74,7 @@ fn totals(a: &Account<'_>) -> String {
     let success = a.judged.success.map_or(String::new(), |s| format!(", yield {s:.6}"));
     format!(
         "  worst case {worst_linear} {word}{bound} by the linear model, {worst} {word} by the {} one\n  \
-         rms {rms}, mean {mean}, p95 {p95}, p99 {p99} {word}{success}\n",
+         rms {rms}, mean {mean}, p95 {p95}, p99 {p99} {word}{success}, to first order\n",
         gauge.model.name()
     )
 }
@@ -83,19 +83,17 @@ fn tighten(a: &Account<'_>) -> String {
     let cell = a.stance.cell;
     let figure = super::tightened_word(&a.stance);
     let unit = a.unit();
-    let digits = if unit == Unit::Share { 6 } else { 4 };
     let mut out = String::new();
     for tighter @ Tighter { parameters, figure: left } in &a.tighter {
         let names: Vec<String> = parameters.iter().map(|p| names::parameter(cell, *p)).collect();
         let (all, what) = if names.len() > 1 { (" together", "it") } else { ("", figure) };
         let _ = writeln!(
             out,
-            "  halving {}{all} cuts {what} by {}, from {} to {} {}",
+            "  halving {}{all} cuts {what} by {}, from {} to {}",
             names.join(", "),
             percent1(a.cut(tighter)),
-            fixed(unit.from_si(a.figure), digits),
-            fixed(unit.from_si(*left), digits),
-            unit.word()
+            amount(unit, a.figure),
+            amount(unit, *left)
         );
     }
     out

@@ -24,7 +24,7 @@ fn place(e: &Explanation<'_>) -> String {
     let _ = writeln!(out, "  TCP, world: {} mm", triple(&tip, 4, mm_from_m));
     let _ = writeln!(
         out,
-        "  tool axis, world: {}, {} deg above the horizontal",
+        "  tool axis, world: {}, elevation {} deg",
         triple(&tool, 4, |v| v),
         fixed(deg_from_rad(tool.z.clamp(-1.0, 1.0).asin()), 3)
     );
@@ -183,6 +183,7 @@ fn models(e: &Explanation<'_>) -> String {
     let model = e.stance.gauge.model.name();
     let guard = percent(e.stance.cell.guard);
     let _ = match e.trusted() {
+        true if e.off() == 0.0 => writeln!(out, "  the {model} model is exact"),
         true => writeln!(out, "  the {model} model can be trusted here: within the guard of {guard}"),
         false => writeln!(out, "  do NOT trust the {model} model here: off by more than {guard}"),
     };
@@ -242,7 +243,7 @@ fn risk(e: &Explanation<'_>) -> String {
     let word = unit.word();
     let mut out = format!(
         "\n7. As plus-or-minus\n  worst case: {worst_linear} {word} by the linear model, {worst} {word} by the {} one, at\n    \
-         {}\n  rms {rms}, mean {mean}, p95 {p95}, p99 {p99} {word}\n",
+         {}\n  rms {rms}, mean {mean}, p95 {p95}, p99 {p99} {word}, to first order\n",
         gauge.model.name(),
         corner.join(" ")
     );

@@ -13,7 +13,7 @@ pub use explain::{explanation, frame_name};
 pub use map::{distrust, maps};
 pub use readings::{findings, readings};
 
-use crate::cell::{Cell, ErrorSet, Quantity, Reading, Registration, Spread, shown};
+use crate::cell::{Cell, ErrorSet, Quantity, Reading, Registration, Spread, Unit, shown};
 use crate::compare::Stance;
 use crate::units::{mm_from_m, percent_from_share, rounded};
 
@@ -104,6 +104,14 @@ fn percent1(share: f64) -> String {
 /// With so many decimals, never the negative zero.
 fn fixed(value: f64, digits: usize) -> String {
     format!("{:.digits$}", rounded(value, digits as i32))
+}
+
+/// A value with its unit, a share in percent.
+fn amount(unit: Unit, si: f64) -> String {
+    match unit {
+        Unit::Share => format!("{} %", fixed(percent_from_share(si), 4)),
+        _ => format!("{} {}", fixed(unit.from_si(si), 4), unit.word()),
+    }
 }
 
 /// Operation, surface, node and position in one line.

@@ -1,9 +1,9 @@
 //! The layout as drawn in every reading.
 
 use super::table::Table;
-use super::{fixed, mm1, percent1};
-use crate::cell::{ErrorSet, Registration, Unit, shown};
-use crate::compare::{Readings, Row};
+use super::{amount, fixed, mm1, percent1};
+use crate::cell::{ErrorSet, Registration, shown};
+use crate::compare::{NOTHING, Readings, Row};
 use std::fmt::Write;
 
 /// One table per operation, then what they say.
@@ -47,8 +47,7 @@ fn table(rows: &[Row]) -> String {
     ]);
     let none = || "-".to_string();
     for row in rows {
-        let digits = if row.unit == Unit::Share { 6 } else { 4 };
-        let value = |v: f64| format!("{} {}", fixed(row.unit.from_si(v), digits), row.unit.word());
+        let value = |v: f64| amount(row.unit, v);
         let choice = row.choice.as_ref().ok();
         let place = |c: &crate::compare::Choice| {
             let p = c.position;
@@ -71,7 +70,7 @@ fn table(rows: &[Row]) -> String {
 
 /// What the tables say, in words.
 pub fn findings(r: &Readings<'_>) -> Vec<String> {
-    regret(r).into_iter().chain(taught(r)).collect()
+    regret(r).into_iter().chain(registered(r)).collect()
 }
 
 /// What choosing by the signed sample costs.
@@ -89,7 +88,7 @@ fn regret(r: &Readings<'_>) -> Vec<String> {
     vec![format!(
         "choosing by the signed sample costs up to {} times the least {} ({}, {})",
         fixed(ratio, 2),
-        row.quantity_name().replace("yield", "share of failures"),
+        row.quantity_name(),
         shown(&r.cell.operations[k].name),
         match row.registration {
             Registration::None => "nothing registered".to_string(),
@@ -98,25 +97,31 @@ fn regret(r: &Readings<'_>) -> Vec<String> {
     )]
 }
 
-/// What registration does to the worst case.
-fn taught(r: &Readings<'_>) -> Vec<String> {
+/// What registration does to the worst case at the spot that is best without it.
+fn registered(r: &Readings<'_>) -> Vec<String> {
     let mut said = Vec::new();
     for (k, operation) in r.cell.operations.iter().enumerate() {
-        let Some(before) = r.worst_case(k, Registration::None).filter(|v| *v > 0.0) else { continue };
+        let plain = r.worst_case(k, Registration::None).and_then(|row| row.choice.as_ref().ok());
+        let Some(plain) = plain.filter(|c| c.value > NOTHING) else { continue };
         let unit = operation.sense.unit;
         for (what, registration) in
             [("best-fitting the base", Registration::BestFit), ("teaching the surface", Registration::Taught)]
         {
-            let Some(after) = r.worst_case(k, registration) else { continue };
-            let change = after / before - 1.0;
+            let Some(row) = r.worst_case(k, registration) else { continue };
+            let Some(after) = row.at_unregistered else { continue };
+            let change = after / plain.value - 1.0;
+            let touched = row.value().is_some_and(|v| v <= NOTHING);
             said.push(format!(
-                "{what} frame {} the worst case of {} by {}, from {} to {} {}",
+                "{what} frame {} the worst case of {} at node ({}, {}) by {}, from {} to {} {}{}",
                 if change > 0.0 { "raises" } else { "cuts" },
                 shown(&operation.name),
+                plain.node.0,
+                plain.node.1,
                 percent1(change.abs()),
-                fixed(unit.from_si(before), 4),
+                fixed(unit.from_si(plain.value), 4),
                 fixed(unit.from_si(after), 4),
-                unit.word()
+                unit.word(),
+                if touched { "; nothing is left at the points touched" } else { "" }
             ));
         }
     }

@@ -1,0 +1,12 @@
+//! The command as scripts and people meet it: exit codes, streams, files, the JSON contract.
+//!
+//! Every test runs the real binary in a folder of its own.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+#[path = "../common/mod.rs"]
+mod common;
+mod contract;
+mod overrides;
+mod postures;
+mod readings;
+mod shop;
