@@ -11,8 +11,8 @@ use sweetspot::cell::{self, Cell, ErrorSet, Layout, Model, Placement, Reading, S
 use sweetspot::clearance::{FloorPlan, Placed, Scene};
 use sweetspot::kinematic_error::{Perturbation, position_error};
 use sweetspot::layout::{Workcell, Workspace, evaluate_in};
-use sweetspot::reach::PlanarArm;
 use sweetspot::pose::Pose;
+use sweetspot::reach::PlanarArm;
 use sweetspot::reading::{Gauge, Site, Situation};
 use sweetspot::robot::{self, Chain};
 

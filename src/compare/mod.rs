@@ -13,7 +13,7 @@ mod stance;
 pub use budget::{Account, Tighter};
 pub use explain::{DhRow, Explanation, Line, SenseRow};
 pub use motion::{Motion, Place};
-pub use readings::{Choice, NOTHING, Readings, Row};
+pub use readings::{Choice, Readings, Row};
 pub use stance::{At, NoStance, Stance};
 
 use crate::cell::{Cell, Layout, Operation, Reading, Role, Unit, shown};

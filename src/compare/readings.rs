@@ -4,12 +4,9 @@
 use super::stance::no_spot;
 use crate::cell::{About, Cell, Quantity, Reading, Registration, Unit};
 use crate::error_map::OperationMap;
+use crate::kinematic_error::NOTHING;
 use crate::layout::Workcell;
 use nalgebra::Vector3;
-
-/// Below this a value is rounding, m, rad or share: at a point touched to teach a frame nothing is
-/// left of any error.
-pub const NOTHING: f64 = 1e-12;
 
 /// The best node of an operation under one reading.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -157,7 +157,8 @@ impl Mapper {
             let missed =
                 self.arm.inverse.visit(&target, &station.approach, &mut posture, |branch, posture| {
                     reached = true;
-                    if let Ok(situation) = &situation {
+                    let judged = situation.as_ref().ok().filter(|s| !s.touches(&target));
+                    if let Some(situation) = judged {
                         self.arm.chain.place(posture, frames);
                         let value = station.gauge.value(situation, frames, memory);
                         candidates.push(Candidate { spot: Spot { node, branch, value }, target });
@@ -170,6 +171,7 @@ impl Mapper {
         match situation {
             _ if !reached => Outcome::Unreachable { gap },
             Err(why) => Outcome::Unjudged(why),
+            Ok(_) if candidates.is_empty() => Outcome::Unjudged(Unjudged::OnlyTouched),
             Ok(_) => self.first_free(station, scene, placed, candidates, frames),
         }
     }
@@ -206,7 +208,7 @@ impl Mapper {
         match (found, nearest) {
             (Some(spot), _) => Outcome::Found(spot),
             (None, Some(nearest)) => Outcome::AllCollide { nearest },
-            (None, None) => Outcome::Unreachable { gap: Gap { reach: 0.0, limits: 0.0 } },
+            (None, None) => Outcome::Unjudged(Unjudged::OnlyTouched),
         }
     }
 
@@ -230,7 +232,10 @@ impl Mapper {
             let (status, posture) = self.judge(&target, station, &situation, scene, placed, &mut memory);
             nodes.push(NodeRecord { i, j, position, status, posture });
         });
-        let usable = |n: &NodeRecord| n.posture.as_ref().filter(|_| n.status == Status::Ok).map(|p| p.value);
+        let free = |p: &&PostureRecord| !p.touched;
+        let usable = |n: &NodeRecord| {
+            n.posture.as_ref().filter(|_| n.status == Status::Ok).filter(free).map(|p| p.value)
+        };
         let errors = nodes.iter().enumerate().filter_map(|(k, n)| Some((k, usable(n)?)));
         let best = errors.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(k, _)| k);
         OperationMap { operation, senses: station.gauge.reported.clone(), nodes, best }
@@ -265,14 +270,20 @@ impl Mapper {
         let mut first_hit = None;
         for (_, frames, branch) in &within {
             match scene.hit(placed, &frames.links) {
-                None => return (Status::Ok, Some(self.record(station, situation, frames, branch, memory))),
+                None => {
+                    return (
+                        Status::Ok,
+                        Some(self.record(station, situation, (target, frames), branch, memory)),
+                    );
+                }
                 Some(hit) => first_hit = first_hit.or(Some(hit)),
             }
         }
         match (first_hit, within.first()) {
-            (Some(hit), Some((_, frames, branch))) => {
-                (Status::Collision { hit }, Some(self.record(station, situation, frames, branch, memory)))
-            }
+            (Some(hit), Some((_, frames, branch))) => (
+                Status::Collision { hit },
+                Some(self.record(station, situation, (target, frames), branch, memory)),
+            ),
             _ => (least_violation(&branches), None),
         }
     }
@@ -281,7 +292,7 @@ impl Mapper {
         &self,
         station: &Station,
         situation: &Situation,
-        frames: &Frames,
+        (target, frames): (&Vector3<f64>, &Frames),
         branch: &Branch,
         memory: &mut Memory,
     ) -> PostureRecord {
@@ -299,6 +310,7 @@ impl Mapper {
             linear: world(&judged.linear).position,
             linear_off: off(&judged.linear),
             second_order_off: off(&judged.second_order),
+            touched: situation.touches(target),
             value: judged.value,
             figures: judged.figures,
             success: judged.success,

@@ -100,6 +100,8 @@ pub struct PostureRecord {
     /// How far these models are from the nonlinear one, as a share of its resultant.
     pub linear_off: f64,
     pub second_order_off: f64,
+    /// Whether the node was touched to teach the frame: it cannot be the spot.
+    pub touched: bool,
     /// What the reading makes small: m, rad or a share of failures.
     pub value: f64,
     /// One per sense of [`OperationMap::senses`].

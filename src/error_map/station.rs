@@ -1,22 +1,20 @@
 //! One operation made ready: its grid, its approach, its gauge, and what it depends on in a layout.
 
 use super::grid::Grid;
-use crate::cell::{Cell, Operation, Placement, Registration};
+use crate::cell::{Cell, Operation, Placement, Registration, TEACH_HEIGHT};
 use crate::clearance::{Placed, Scene};
 use crate::reach::{Approach, PlanarArm};
 use crate::reading::{Gauge, Site, Taught};
 use crate::robot::{Chain, Frames};
 use nalgebra::Vector3;
 
-/// Three points must span a triangle at least so high, m: a flatter one teaches no plane, for its
-/// frame turns by errors over height.
-const FLAT: f64 = 0.02;
-
 /// Why an operation cannot be judged although nodes may be reachable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Unjudged {
     /// No three points of the surface can be touched to teach its frame.
     NotTaught,
+    /// Nothing but the touched points themselves can be reached.
+    OnlyTouched,
     /// The operation that it is relative to has no spot.
     NoPick,
 }
@@ -25,6 +23,7 @@ impl Unjudged {
     pub fn in_words(self) -> &'static str {
         match self {
             Unjudged::NotTaught => "the surface frame cannot be taught: no three points can be touched",
+            Unjudged::OnlyTouched => "only the points touched to teach the frame can be reached",
             Unjudged::NoPick => "the operation it is relative to has no spot",
         }
     }
@@ -37,7 +36,8 @@ pub struct Station {
     pub approach: Approach,
     pub gauge: Gauge,
     pub relative_to: Option<usize>,
-    /// Nodes to touch, in the order of trying, for each of three points; or points given by the user
+    /// Nodes to touch, in the order of trying, for each of three points (if those lie in a line: the
+    /// widest triangle of all that can be touched); or points given by the user
     /// (frame of the equipment, m).
     teach: Teach,
 }
@@ -141,13 +141,32 @@ impl Station {
             return None;
         }
         let postures = point(0).zip(point(1)).zip(point(2)).map(|((a, b), c)| [a, b, c]);
-        Some(postures.filter(|p| {
-            let [a, b, c] = [0, 1, 2].map(|k| p[k].tcp.translation);
-            let (u, v) = (b - a, c - a);
-            let longest = u.norm().max(v.norm()).max((c - b).norm());
-            u.cross(&v).norm() > FLAT * longest
-        }))
+        let postures = postures.filter(|p| height(p) > TEACH_HEIGHT);
+        if postures.is_some() || matches!(self.teach, Teach::Points(_)) {
+            return Some(postures);
+        }
+        let mut all = Vec::new();
+        self.grid.targets(at, |_, target| all.extend(touch(target)));
+        Some(widest(&all).filter(|p| height(p) > TEACH_HEIGHT))
     }
+}
+
+/// Height of the triangle over its longest side, m.
+fn height(p: &[Frames; 3]) -> f64 {
+    let [a, b, c] = [0, 1, 2].map(|k| p[k].tcp.translation);
+    let longest = (b - a).norm().max((c - a).norm()).max((c - b).norm());
+    (b - a).cross(&(c - a)).norm() / longest.max(f64::MIN_POSITIVE)
+}
+
+/// Of many postures the first, the farthest from it, and the farthest from the line of the two.
+fn widest(all: &[Frames]) -> Option<[Frames; 3]> {
+    let first = all.first()?;
+    let from = |f: &Frames| (f.tcp.translation - first.tcp.translation).norm();
+    let second = all.iter().max_by(|a, b| from(a).total_cmp(&from(b)))?;
+    let along = second.tcp.translation - first.tcp.translation;
+    let beside = |f: &Frames| along.cross(&(f.tcp.translation - first.tcp.translation)).norm();
+    let third = all.iter().max_by(|a, b| beside(a).total_cmp(&beside(b)))?;
+    Some([*first, *second, *third])
 }
 
 /// Nodes by their distance from the low corner, the corner along x and the corner along y.

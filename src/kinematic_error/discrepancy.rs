@@ -23,14 +23,17 @@ pub fn discrepancy(nonlinear: &Vector3<f64>, linear: &Vector3<f64>) -> Discrepan
     }
 }
 
+/// Below this an error is rounding, m or rad: where it was taken off by what was measured with the
+/// robot itself.
+pub const NOTHING: f64 = 1e-12;
+
 /// How far a model is from the nonlinear one, as a share of the nonlinear resultant: vector against
-/// vector, so that nothing hides in a size that happens to agree. 0 if both vanish.
+/// vector, so that nothing hides in a size that happens to agree. 0 if they differ by rounding.
 pub fn deviation(nonlinear: &Vector3<f64>, model: &Vector3<f64>) -> f64 {
     let (off, size) = ((model - nonlinear).norm(), nonlinear.norm());
-    if off == 0.0 { 0.0 } else { off / size.max(f64::MIN_POSITIVE) }
+    if off < NOTHING { 0.0 } else { off / size.max(NOTHING) }
 }
 
 fn percent(nonlinear: f64, linear: f64) -> Option<f64> {
-    let ratio = (nonlinear - linear).abs() / nonlinear.abs() * 100.0;
-    ratio.is_finite().then_some(ratio)
+    (nonlinear.abs() > NOTHING).then(|| (nonlinear - linear).abs() / nonlinear.abs() * 100.0)
 }

@@ -28,7 +28,7 @@ mod identification;
 mod nonlinear;
 mod perturbation;
 
-pub use discrepancy::{Discrepancy, deviation, discrepancy};
+pub use discrepancy::{Discrepancy, NOTHING, deviation, discrepancy};
 pub use expansion::{Expansion, Term};
 pub use identification::{ParameterSet, condition, identifiable, identification_jacobian};
 pub use perturbation::{FrameError, LinkError, Perturbation, Turn};

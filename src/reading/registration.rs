@@ -20,6 +20,9 @@ const POSTURES: usize = 64;
 const ROUNDS: usize = 16;
 const NOTHING: f64 = 1e-17;
 
+/// Points nearer than this are one, m.
+const SAME_POINT: f64 = 1e-6;
+
 /// The base frame, best-fitted (least squares of the positions) over quasi-random postures between
 /// the joint limits.
 #[derive(Debug, Clone)]
@@ -151,6 +154,11 @@ impl Taught {
         let mut moved = [0, 1, 2].map(|i| position_error(&self.postures[i], errors, model));
         let point = |k: usize| self.point(k);
         exact(&point, &mut moved, &self.point(0), |moved| self.twist(moved))
+    }
+
+    /// Whether a point is one of those touched.
+    pub fn touches(&self, p: &Vector3<f64>) -> bool {
+        self.postures.iter().any(|f| (f.tcp.translation - p).norm() < SAME_POINT)
     }
 
     /// From the origin to the TCP.

@@ -26,6 +26,14 @@ pub struct Reference {
     pub effects: Effects,
 }
 
+impl Situation {
+    /// Whether a target (base frame, m) was touched to teach the frame: what is left there says
+    /// nothing of the surface, for it is nothing by the rule of the frame.
+    pub fn touches(&self, target: &Vector3<f64>) -> bool {
+        self.site.taught.as_ref().is_some_and(|taught| taught.touches(target))
+    }
+}
+
 impl Reference {
     /// A pick at `frames`, seen by the sources of the gauge that places.
     pub fn new(gauge: &Gauge, site: Site, frames: Frames) -> Self {

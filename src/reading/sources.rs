@@ -137,15 +137,21 @@ fn signed_values(set: &ErrorSet, axes: usize) -> Vec<f64> {
     }
 }
 
-/// Principal axes of the covariance: `C = sum_f v_f v_f^T`.
+/// Principal axes of the correlations, scaled back: `C = sum_f v_f v_f^T`.
 fn factors(tolerance: &Tolerance, place: &[Option<usize>]) -> Vec<Vec<(usize, f64)>> {
     let Some(covariance) = &tolerance.covariance else { return Vec::new() };
-    let matrix: DMatrix<f64> = covariance.matrix.clone();
-    let eigen = matrix.symmetric_eigen();
+    // Of the correlations: m and rad must not be compared.
+    let deviations: Vec<f64> = covariance.matrix.diagonal().iter().map(|v| v.max(0.0).sqrt()).collect();
+    let n = deviations.len();
+    let correlation = |i: usize, j: usize| match deviations[i] * deviations[j] {
+        0.0 => 0.0,
+        scale => covariance.matrix[(i, j)] / scale,
+    };
+    let eigen = DMatrix::from_fn(n, n, correlation).symmetric_eigen();
     let factor = |f: usize| {
-        let deviation = eigen.eigenvalues[f].max(0.0).sqrt();
+        let size = eigen.eigenvalues[f].max(0.0).sqrt();
         let entry = |(row, &parameter): (usize, &usize)| {
-            Some((place[parameter]?, eigen.eigenvectors[(row, f)] * deviation))
+            Some((place[parameter]?, eigen.eigenvectors[(row, f)] * size * deviations[row]))
         };
         covariance.parameters.iter().enumerate().filter_map(entry).collect::<Vec<_>>()
     };

@@ -49,40 +49,77 @@ pub fn farthest(
     }
 }
 
+/// Corners within this share of the linear worst case are tried at any rate.
+const NEAR: f64 = 0.02;
+
+/// Columns within this angle (as a sine) of each other count as one group of the polish.
+const PARALLEL: f64 = 1e-6;
+
 /// The same by a model whose error at a corner is `error`: from the linear corner and its opposite
-/// (even orders tell them apart), flipping those signs that matter less than the models differ.
+/// (even orders tell them apart), flipping those signs, alone or with all parallel ones, that matter
+/// less than the models differ. Groups matter: on a planar arm the lateral effects are perpendicular
+/// to all others, so that linear corners come in pairs which no single flip joins.
 pub fn by_model(
     columns: &[Vector6<f64>],
     linear: &Farthest,
     corner: [f64; MAX_SOURCES],
     mut error: impl FnMut(&[f64; MAX_SOURCES]) -> f64,
 ) -> WorstCase {
-    let opposite = corner.map(|s| -s);
-    let (mut best, mut corner) = (error(&corner), corner);
-    let other = error(&opposite);
-    if other > best {
-        (best, corner) = (other, opposite);
-    }
-    let gap = 2.0 * (best - linear.value).abs();
-    let sum: Vector6<f64> = columns.iter().zip(&corner).map(|(c, s)| c * *s).sum();
-    for _ in 0..ROUNDS {
-        let mut improved = false;
-        for (k, column) in columns.iter().enumerate() {
-            let loss = sum.norm() - (sum - column * (2.0 * corner[k])).norm();
-            if loss.abs() <= gap {
-                corner[k] = -corner[k];
-                let flipped = error(&corner);
-                if flipped > best {
-                    (best, improved) = (flipped, true);
-                } else {
-                    corner[k] = -corner[k];
-                }
-            }
-        }
-        if !improved {
-            break;
+    let starts = [corner, corner.map(|s| -s)].map(|corner| (error(&corner), corner));
+    let apart = starts.iter().map(|(e, _)| (e - linear.value).abs()).fold(0.0, f64::max);
+    let gap = (2.0 * apart).max(NEAR * linear.value);
+    let (mut best, mut at) = (f64::NEG_INFINITY, corner);
+    for (value, corner) in starts {
+        let (value, corner) = polished(columns, gap, value, corner, &mut error);
+        if value > best {
+            (best, at) = (value, corner);
         }
     }
     let exact = linear.upper <= linear.value;
-    WorstCase { linear: linear.upper.max(linear.value), exact, by_model: best, corner }
+    WorstCase { linear: linear.upper.max(linear.value), exact, by_model: best, corner: at }
+}
+
+/// The best corner that single flips and flips of parallel groups reach.
+fn polished(
+    columns: &[Vector6<f64>],
+    gap: f64,
+    mut best: f64,
+    mut corner: [f64; MAX_SOURCES],
+    error: &mut impl FnMut(&[f64; MAX_SOURCES]) -> f64,
+) -> (f64, [f64; MAX_SOURCES]) {
+    for _ in 0..ROUNDS {
+        let before = best;
+        for k in 0..columns.len() {
+            for group in [false, true] {
+                let mut flipped = corner;
+                let mut others = 0;
+                for (j, sign) in flipped[..columns.len()].iter_mut().enumerate() {
+                    if j == k || group && parallel(&columns[j], &columns[k]) {
+                        *sign = -*sign;
+                        others += usize::from(j < k);
+                    }
+                }
+                // A group is tried once, at its first member.
+                let size = |signs: &[f64]| {
+                    columns.iter().zip(signs).map(|(c, s)| c * *s).sum::<Vector6<f64>>().norm()
+                };
+                if group && others > 0 || (size(&corner) - size(&flipped)).abs() > gap {
+                    continue;
+                }
+                let value = error(&flipped);
+                if value > best {
+                    (best, corner) = (value, flipped);
+                }
+            }
+        }
+        if best <= before {
+            break;
+        }
+    }
+    (best, corner)
+}
+
+fn parallel(a: &Vector6<f64>, b: &Vector6<f64>) -> bool {
+    let product = a.dot(b);
+    a.norm_squared() * b.norm_squared() - product * product <= PARALLEL * PARALLEL * product * product
 }

@@ -112,6 +112,17 @@ fn the_budget_names_what_to_tighten() {
 }
 
 #[test]
+fn nothing_is_left_at_a_taught_point() {
+    let shop = Shop::new();
+    let taught = ["--registration", "taught", "--reading", "worst-case"];
+    let ran = shop.done(&[&["budget", CELL, "--operation", "assembly"][..], &taught].concat());
+    assert!(ran.out.contains("a point touched to teach the frame: nothing is left"), "{}", ran.out);
+    assert!(!ran.out.contains("halving"), "{}", ran.out);
+    let map = shop.done(&[&["map", CELL][..], &taught].concat());
+    assert!(map.out.contains("a point touched to teach the frame: nothing is left"), "{}", map.out);
+}
+
+#[test]
 fn budget_and_explain_refuse_what_cannot_be_looked_at() {
     let shop = Shop::new();
     let one = ["--operation", "assembly"];

@@ -11,5 +11,6 @@ mod bench;
 mod norm;
 mod registration;
 mod sampling;
+mod spread;
 mod worst;
 mod zonotope;

@@ -72,6 +72,5 @@ fn percentiles_and_yields_of_five_robots_at_twenty_postures() {
             assert!(sampled.confirms(&first), "{what}");
         }
     }
-    println!("{inside} of {all} figures inside their 95 % interval");
     assert!(inside * 100 >= all * 85, "{inside} of {all} inside");
 }

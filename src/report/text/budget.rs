@@ -4,6 +4,7 @@ use super::table::Table;
 use super::{amount, fixed, percent1, place_words};
 use crate::cell::{Reading, Unit};
 use crate::compare::{Account, Tighter};
+use crate::kinematic_error::NOTHING;
 use crate::reading::{Figures, Share};
 use crate::report::names;
 use crate::units::mm_from_m;
@@ -19,6 +20,14 @@ pub fn budget(a: &Account<'_>) -> String {
         _ => "at plus",
     };
     let mut out = place_words(&a.stance);
+    if a.judged.figures[gauge.own()].worst <= NOTHING {
+        // Shares of rounding say nothing.
+        out.push_str(match a.stance.situation.site.taught.is_some() {
+            true => "  a point touched to teach the frame: nothing is left here of any error\n",
+            false => "  no parameter has an effect here\n",
+        });
+        return out;
+    }
     let _ = writeln!(
         out,
         "  in {}, the largest share of the {by} first; linear terms {at}, world axes",

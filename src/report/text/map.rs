@@ -1,8 +1,8 @@
 //! What the maps say, operation by operation.
 
 use super::{STATUSES, feasibility, mm1, percent, value_word};
-use crate::cell::{Cell, Model, Registration, Unit};
-use crate::compare::{Assessment, NOTHING};
+use crate::cell::{Cell, Model, Unit};
+use crate::compare::Assessment;
 use crate::error_map::{OperationMap, Status};
 use crate::kinematic_error::{Discrepancy, discrepancy};
 use crate::reading::{Estimate, Figures};
@@ -40,9 +40,6 @@ fn map_summary(a: &Assessment<'_>, map: &OperationMap) -> String {
             let _ = write!(out, " at node ({}, {}), x {x} y {y} z {z} mm", node.i, node.j);
             if let Some(k) = map.sense(sense) {
                 let _ = write!(out, "\n  there {}", risk(&p.figures[k], operation.sense.unit, p.success));
-            }
-            if p.value <= NOTHING && cell.registration == Registration::Taught {
-                out.push_str("\n  a point touched to teach the frame: nothing is left there of any error");
             }
             if let Some(said) = samples_summary(a, map.operation) {
                 let _ = write!(out, "\n  {said}");

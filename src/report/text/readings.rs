@@ -3,7 +3,8 @@
 use super::table::Table;
 use super::{amount, fixed, mm1, percent1};
 use crate::cell::{ErrorSet, Registration, shown};
-use crate::compare::{NOTHING, Readings, Row};
+use crate::compare::{Readings, Row};
+use crate::kinematic_error::NOTHING;
 use std::fmt::Write;
 
 /// One table per operation, then what they say.
@@ -110,9 +111,8 @@ fn registered(r: &Readings<'_>) -> Vec<String> {
             let Some(row) = r.worst_case(k, registration) else { continue };
             let Some(after) = row.at_unregistered else { continue };
             let change = after / plain.value - 1.0;
-            let touched = row.value().is_some_and(|v| v <= NOTHING);
             said.push(format!(
-                "{what} frame {} the worst case of {} at node ({}, {}) by {}, from {} to {} {}{}",
+                "{what} frame {} the worst case of {} at node ({}, {}) by {}, from {} to {} {}",
                 if change > 0.0 { "raises" } else { "cuts" },
                 shown(&operation.name),
                 plain.node.0,
@@ -120,8 +120,7 @@ fn registered(r: &Readings<'_>) -> Vec<String> {
                 percent1(change.abs()),
                 fixed(unit.from_si(plain.value), 4),
                 fixed(unit.from_si(after), 4),
-                unit.word(),
-                if touched { "; nothing is left at the points touched" } else { "" }
+                unit.word()
             ));
         }
     }
