@@ -31,8 +31,8 @@ pub struct Gauge {
     /// The signed sample, by the model of the cell.
     signed_values: Vec<f64>,
     signed: Sample,
-    /// Whether the position error of the TCP in world axes is all that counts.
-    plain: bool,
+    /// Whether nothing but the robot is wrong and nothing is taken off.
+    alone: bool,
 }
 
 /// Memory kept from posture to posture.
@@ -118,10 +118,7 @@ impl Gauge {
         let (s, c) = cell.base.yaw.sin_cos();
         let placed = [Some(operation.equipment), other];
         let still = placed.into_iter().flatten().all(|e| cell.equipment[e].errors.is_none());
-        let plain = cell.registration == Registration::None
-            && still
-            && other.is_none()
-            && operation.sense.is_of_position();
+        let alone = cell.registration == Registration::None && still && other.is_none();
         Self {
             sense: operation.sense.clone(),
             reported,
@@ -135,7 +132,7 @@ impl Gauge {
             best_fit,
             signed_values,
             signed,
-            plain,
+            alone,
         }
     }
 
@@ -165,7 +162,7 @@ impl Gauge {
     /// What the search makes small: an error (m or rad), or a share of failures.
     pub fn value(&self, situation: &Situation, frames: &Frames, memory: &mut Memory) -> f64 {
         match self.reading {
-            Reading::Signed if self.plain => {
+            Reading::Signed if self.alone && self.sense.is_of_position() => {
                 let e = position_error(frames, self.signed.errors(), self.model);
                 self.size_of_position(&e)
             }
@@ -255,6 +252,10 @@ impl Gauge {
         by_model(columns, &linear, corner, |signs| {
             let mut values = [0.0; MAX_SOURCES];
             self.corner(signs, &mut values);
+            if self.alone && measure.is_of_position() {
+                let errors = self.sources.perturbation(&self.chain, &values[..n]);
+                return measure.size_of_position(&position_error(frames, &errors, self.model));
+            }
             let sample = theory.sample(&values[..n], self.model);
             measure.size(&theory.error(situation, frames, &sample, self.model))
         })

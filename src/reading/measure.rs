@@ -33,6 +33,16 @@ impl Measure {
         self.count
     }
 
+    /// Whether the position error of the TCP is all it looks at.
+    pub fn is_of_position(&self) -> bool {
+        self.arm == Vector3::zeros() && self.rows[..self.count].iter().all(|(turns, _)| !turns)
+    }
+
+    /// Size of a position error of the TCP; only where [`Self::is_of_position`].
+    pub fn size_of_position(&self, e: &Vector3<f64>) -> f64 {
+        self.rows[..self.count].iter().map(|(_, row)| row.dot(e).powi(2)).sum::<f64>().sqrt()
+    }
+
     /// Size of an error of the TCP in the sense.
     pub fn size(&self, error: &Displacement) -> f64 {
         self.vector(&error.at(&self.arm)).norm()

@@ -68,9 +68,10 @@ pub fn by_model(
     let starts = [corner, corner.map(|s| -s)].map(|corner| (error(&corner), corner));
     let apart = starts.iter().map(|(e, _)| (e - linear.value).abs()).fold(0.0, f64::max);
     let gap = (2.0 * apart).max(NEAR * linear.value);
+    let groups = groups(columns);
     let (mut best, mut at) = (f64::NEG_INFINITY, corner);
     for (value, corner) in starts {
-        let (value, corner) = polished(columns, gap, value, corner, &mut error);
+        let (value, corner) = polished(columns, &groups[..columns.len()], gap, (value, corner), &mut error);
         if value > best {
             (best, at) = (value, corner);
         }
@@ -79,36 +80,44 @@ pub fn by_model(
     WorstCase { linear: linear.upper.max(linear.value), exact, by_model: best, corner: at }
 }
 
-/// The best corner that single flips and flips of parallel groups reach.
+/// For every column the others, as bits, that are parallel to it and come after; none if one before is.
+fn groups(columns: &[Vector6<f64>]) -> [u64; MAX_SOURCES] {
+    let mut groups = [0; MAX_SOURCES];
+    let mut taken = 0u64;
+    for (k, column) in columns.iter().enumerate().filter(|(_, c)| **c != Vector6::zeros()) {
+        if taken >> k & 1 == 0 {
+            let after = columns.iter().enumerate().skip(k + 1);
+            groups[k] = after.filter(|(_, c)| parallel(c, column)).fold(0, |bits, (j, _)| bits | 1 << j);
+            taken |= groups[k];
+        }
+    }
+    groups
+}
+
+/// The best corner that flips of single signs and of parallel groups reach.
 fn polished(
     columns: &[Vector6<f64>],
+    groups: &[u64],
     gap: f64,
-    mut best: f64,
-    mut corner: [f64; MAX_SOURCES],
+    (mut best, mut corner): (f64, [f64; MAX_SOURCES]),
     error: &mut impl FnMut(&[f64; MAX_SOURCES]) -> f64,
 ) -> (f64, [f64; MAX_SOURCES]) {
+    let mut sum: Vector6<f64> = columns.iter().zip(&corner).map(|(c, s)| c * *s).sum();
     for _ in 0..ROUNDS {
         let before = best;
         for k in 0..columns.len() {
-            for group in [false, true] {
-                let mut flipped = corner;
-                let mut others = 0;
-                for (j, sign) in flipped[..columns.len()].iter_mut().enumerate() {
-                    if j == k || group && parallel(&columns[j], &columns[k]) {
-                        *sign = -*sign;
-                        others += usize::from(j < k);
-                    }
-                }
-                // A group is tried once, at its first member.
-                let size = |signs: &[f64]| {
-                    columns.iter().zip(signs).map(|(c, s)| c * *s).sum::<Vector6<f64>>().norm()
-                };
-                if group && others > 0 || (size(&corner) - size(&flipped)).abs() > gap {
+            // A group of one is the sign alone.
+            for others in [Some(0), Some(groups[k]).filter(|g| *g != 0)].into_iter().flatten() {
+                let members = |bits: u64| (0..columns.len()).filter(move |&j| j == k || bits >> j & 1 == 1);
+                let change: Vector6<f64> = members(others).map(|j| columns[j] * (-2.0 * corner[j])).sum();
+                if ((sum + change).norm() - sum.norm()).abs() > gap {
                     continue;
                 }
+                let mut flipped = corner;
+                members(others).for_each(|j| flipped[j] = -flipped[j]);
                 let value = error(&flipped);
                 if value > best {
-                    (best, corner) = (value, flipped);
+                    (best, corner, sum) = (value, flipped, sum + change);
                 }
             }
         }

@@ -108,7 +108,9 @@ fn shapes_of_the_parameters_count() {
         let sampled = monte_carlo(&gauge, &alone(), &frames, 1 << 17, 3, first.p95);
         assert!((sampled.above.value - 0.05).abs() < 0.004, "{k}: {first:?} {sampled:?}");
         assert!((first.p99 / sampled.p99.value - 1.0).abs() < 0.01, "{k}: {first:?} {sampled:?}");
-        assert!((first.rms / sampled.rms.value - 1.0).abs() < 1e-3, "{k}: {first:?} {sampled:?}");
+        let half = (sampled.rms.high - sampled.rms.low) / 2.0;
+        let off = (first.rms - sampled.rms.value).abs();
+        assert!(off < 2.0 * half + 1e-3 * first.rms, "{k}: {first:?} {sampled:?}");
     }
     assert!(judged >= 10, "{judged}");
 }
