@@ -1,8 +1,8 @@
 //! The covariance of a calibration: normal parameters that vary together.
 
+use super::arm::Arm;
 use super::document::Library;
 use super::error_model::*;
-use super::error_set::Arm;
 use super::fault::{did_you_mean, listed, shown};
 use super::reader::Table;
 use super::tree::{At, Node, Value};

@@ -1,6 +1,5 @@
 //! Errors as data: a signed sample or a tolerance, of the robot's parameters or of a frame.
 
-use super::robot_model::MAX_JOINTS;
 use nalgebra::DMatrix;
 
 /// Parameters of one link: dq, dr, dl, dalpha, dbeta.
@@ -8,9 +7,6 @@ pub const PER_LINK: usize = 5;
 
 /// Components of a frame error: x, y, z (m), then rx, ry, rz (rad), `Trans(x, y, z) Rz(rz) Ry(ry) Rx(rx)`.
 pub const PER_FRAME: usize = 6;
-
-/// Most parameters of a robot: those of its links, of its base frame and of its tool frame.
-pub const MAX_PARAMETERS: usize = PER_LINK * MAX_JOINTS + 2 * PER_FRAME;
 
 /// What can be wrong. Joints and equipment by index, components of a frame from 0 to 5.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,5 +1,6 @@
 //! Error sets of a robot: signed samples or tolerances of its kinematic parameters.
 
+use super::arm::Arm;
 use super::document::Library;
 use super::error_model::*;
 use super::frame_file;
@@ -29,20 +30,6 @@ pub fn read_all(
     read_named(t, "errors", lib, |name, node, lib| {
         Table::read(node, "an error set", lib, |t, lib| read(name, t, arm, lib))
     })
-}
-
-/// The joints that errors belong to.
-#[derive(Clone, Copy)]
-pub struct Arm<'j> {
-    pub axes: usize,
-    /// None of a robot that could not be read.
-    pub joints: &'j [Joint],
-}
-
-impl Arm<'_> {
-    pub fn slides(&self, joint: usize) -> bool {
-        self.joints.get(joint).is_some_and(|j| j.kind == JointKind::Prismatic)
-    }
 }
 
 fn read(name: &str, t: &mut Table<'_>, arm: Arm<'_>, lib: &mut Library<'_>) -> Option<ErrorSet> {

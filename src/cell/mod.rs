@@ -5,6 +5,7 @@
 //! every file in one pass, each with file, line, column, what is wrong and what to do. A [`Cell`]
 //! that comes out is valid: nothing downstream checks it again.
 
+mod arm;
 mod cell_file;
 mod choices;
 mod covariance_file;

@@ -1,12 +1,15 @@
 //! A robot: plain data in SI units, valid by construction.
 
-use super::error_model::ErrorSet;
+use super::error_model::{ErrorSet, PER_FRAME, PER_LINK};
 use super::shape::{Rectangle, Solid};
 use crate::pose::Pose;
 use nalgebra::Vector3;
 
 /// Longest chain of joints. Joint vectors are arrays of this length; the unused tail is zero.
 pub const MAX_JOINTS: usize = 8;
+
+/// Most error parameters of a robot: those of its links, of its base frame and of its tool frame.
+pub const MAX_PARAMETERS: usize = PER_LINK * MAX_JOINTS + 2 * PER_FRAME;
 
 /// Actuator coordinates, rad (revolute) or m (prismatic), in the robot's own (the paper's) zero.
 pub type JointVector = [f64; MAX_JOINTS];

@@ -1,9 +1,9 @@
 //! Tolerances: how each plus-or-minus spreads.
 
+use super::arm::Arm;
 use super::covariance_file;
 use super::document::Library;
 use super::error_model::*;
-use super::error_set::Arm;
 use super::reader::Table;
 use super::tree::{Node, Value};
 use super::value::{self, Must};

@@ -1,7 +1,8 @@
 //! From a placed surface to its least-error spot, or to its whole map.
 
 use super::node::{NodeRecord, OperationMap, PostureRecord, Status};
-use super::station::{Arm, Station, Unjudged};
+use super::outcome::{Candidate, Outcome, Spot, Unjudged};
+use super::station::{Arm, Station};
 use crate::cell::{Cell, JointVector, Layout, Placement};
 use crate::clearance::{Placed, Scene};
 use crate::kinematic_error::deviation;
@@ -10,7 +11,6 @@ use crate::reach::{Branch, Gap, PlanarArm, Reach};
 use crate::reading::{Gauge, Memory, Reference, Situation};
 use crate::robot::{Chain, Frames};
 use nalgebra::Vector3;
-use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 /// Robot, errors and operations of a cell, made ready for the node loop.
@@ -18,59 +18,6 @@ pub struct Mapper {
     arm: Arm,
     base: Placement,
     stations: Vec<Station>,
-}
-
-/// The spot chosen for an operation.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Spot {
-    /// Number of the node.
-    pub node: usize,
-    pub branch: u8,
-    /// What the reading makes small: the error in the sense of the operation (m or rad) or one of
-    /// its statistics, or a share of failures.
-    pub value: f64,
-}
-
-/// What one operation gets from one layout.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Outcome {
-    Found(Spot),
-    /// Postures within limits exist, all of them touch something; the least-error one of them.
-    AllCollide {
-        nearest: Spot,
-    },
-    /// No node has a posture within the limits.
-    Unreachable {
-        gap: Gap,
-    },
-    /// Nodes can be reached, but their errors depend on something that is missing.
-    Unjudged(Unjudged),
-}
-
-/// A posture that might be the spot, ordered by error, then node, then branch (reversed: the heap
-/// gives the greatest first).
-#[derive(Clone, Copy)]
-struct Candidate {
-    spot: Spot,
-    target: Vector3<f64>,
-}
-
-impl PartialEq for Candidate {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-impl Eq for Candidate {}
-impl PartialOrd for Candidate {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-impl Ord for Candidate {
-    fn cmp(&self, other: &Self) -> Ordering {
-        let key = |c: &Self| (c.spot.node, c.spot.branch);
-        other.spot.value.total_cmp(&self.spot.value).then_with(|| key(other).cmp(&key(self)))
-    }
 }
 
 /// Memory reused from layout to layout.

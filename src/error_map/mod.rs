@@ -8,8 +8,9 @@
 mod grid;
 mod mapper;
 mod node;
+mod outcome;
 mod station;
 
-pub use mapper::{Mapper, Outcome, Scratch, Spot};
+pub use mapper::{Mapper, Scratch};
 pub use node::{NodeRecord, OperationMap, PostureRecord, Status};
-pub use station::Unjudged;
+pub use outcome::{Outcome, Spot, Unjudged};

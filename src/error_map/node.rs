@@ -1,7 +1,6 @@
 //! What the map says of a node.
 
-use super::mapper::Spot;
-use super::station::Unjudged;
+use super::outcome::{Spot, Unjudged};
 use crate::cell::{Cell, JointVector, Model, Sense, shown};
 use crate::clearance::{Hit, Overlap};
 use crate::reach::LimitViolation;

@@ -1,33 +1,13 @@
 //! One operation made ready: its grid, its approach, its gauge, and what it depends on in a layout.
 
 use super::grid::Grid;
+use super::outcome::Unjudged;
 use crate::cell::{Cell, Operation, Placement, Registration, TEACH_HEIGHT};
 use crate::clearance::{Placed, Scene};
 use crate::reach::{Approach, PlanarArm};
 use crate::reading::{Gauge, Site, Taught};
 use crate::robot::{Chain, Frames};
 use nalgebra::Vector3;
-
-/// Why an operation cannot be judged although nodes may be reachable.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Unjudged {
-    /// No three points of the surface can be touched to teach its frame.
-    NotTaught,
-    /// Nothing but the touched points themselves can be reached.
-    OnlyTouched,
-    /// The operation that it is relative to has no spot.
-    NoPick,
-}
-
-impl Unjudged {
-    pub fn in_words(self) -> &'static str {
-        match self {
-            Unjudged::NotTaught => "the surface frame cannot be taught: no three points can be touched",
-            Unjudged::OnlyTouched => "only the points touched to teach the frame can be reached",
-            Unjudged::NoPick => "the operation it is relative to has no spot",
-        }
-    }
-}
 
 /// One operation made ready.
 pub struct Station {

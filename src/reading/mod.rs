@@ -15,6 +15,7 @@
 
 mod budget;
 mod effects;
+mod figures;
 mod gauge;
 mod measure;
 mod monte_carlo;
@@ -27,7 +28,8 @@ pub mod zonotope;
 
 pub use budget::{Budget, Share};
 pub use effects::Effects;
-pub use gauge::{Figures, Gauge, Judgement, Memory};
+pub use figures::{Figures, Judgement};
+pub use gauge::{Gauge, Memory};
 pub use measure::Measure;
 pub use monte_carlo::{Estimate, MonteCarlo, monte_carlo};
 pub use registration::{BestFit, Taught};

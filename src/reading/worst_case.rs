@@ -105,9 +105,9 @@ fn polished(
     let mut sum: Vector6<f64> = columns.iter().zip(&corner).map(|(c, s)| c * *s).sum();
     for _ in 0..ROUNDS {
         let before = best;
-        for k in 0..columns.len() {
+        for (k, group) in groups.iter().enumerate() {
             // A group of one is the sign alone.
-            for others in [Some(0), Some(groups[k]).filter(|g| *g != 0)].into_iter().flatten() {
+            for others in [Some(0), Some(*group).filter(|g| *g != 0)].into_iter().flatten() {
                 let members = |bits: u64| (0..columns.len()).filter(move |&j| j == k || bits >> j & 1 == 1);
                 let change: Vector6<f64> = members(others).map(|j| columns[j] * (-2.0 * corner[j])).sum();
                 if ((sum + change).norm() - sum.norm()).abs() > gap {
