@@ -30,7 +30,7 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// Whether a figure agrees: inside the interval, or within [`NEAR`] of the value.
+    /// Whether a figure agrees: inside the interval, or within 1 % of the value.
     pub fn agrees(&self, figure: f64) -> bool {
         (self.low..=self.high).contains(&figure) || (figure - self.value).abs() <= NEAR * self.value.abs()
     }
