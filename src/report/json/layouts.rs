@@ -37,6 +37,7 @@ pub fn search(cell: &Cell, record: &SearchRecord, assessed: &Comparison<'_>, sec
         "reading": cell.reading.name(),
         "quantity": value_word(cell),
         "registration": cell.registration.name(),
+        "notes": crate::report::text::caveats(cell),
         "objective": cell.search.objective.name(),
         "solver": cell.search.solver.name(),
         "seed": cell.search.seed,

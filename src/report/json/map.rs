@@ -22,6 +22,8 @@ pub struct MapDocument<'a> {
     objective_mm: Option<f64>,
     objective: Option<f64>,
     unit: &'static str,
+    /// What must be said about how the errors are read.
+    notes: Vec<String>,
     overlaps: Value,
     layout: Value,
     operations: Vec<OperationDocument<'a>>,
@@ -106,6 +108,7 @@ pub fn map<'a>(assessment: &'a Assessment<'_>) -> MapDocument<'a> {
         objective_mm: assessment.objective_mm().map(length),
         objective: assessment.objective().map(length),
         unit: cell.unit().word(),
+        notes: crate::report::text::caveats(cell),
         overlaps: overlaps(assessment),
         layout: layout(cell, &assessment.layout),
         operations: assessment.maps.iter().map(|m| operation_map(assessment, m)).collect(),

@@ -56,11 +56,10 @@ fn map_summary(a: &Assessment<'_>, map: &OperationMap) -> String {
 
 /// The same errors read in other ways.
 fn risk(f: &Figures, unit: Unit, success: Option<f64>) -> String {
-    let [error, worst, rms, p95, p99] =
-        [f.error, f.worst, f.rms, f.p95, f.p99].map(|v| format!("{:.4}", unit.from_si(v)));
+    let [worst, rms, p95, p99] = [f.worst, f.rms, f.p95, f.p99].map(|v| format!("{:.4}", unit.from_si(v)));
     let success = success.map_or(String::new(), |s| format!(", yield {s:.6}"));
     let unit = unit.word();
-    format!("sample {error}, worst case {worst}, rms {rms}, p95 {p95}, p99 {p99} {unit}{success}")
+    format!("worst case {worst}, rms {rms}, p95 {p95}, p99 {p99} {unit}{success}")
 }
 
 /// The verdict of the samples on the first-order figures.

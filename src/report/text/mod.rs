@@ -53,14 +53,6 @@ pub fn caveats(cell: &Cell) -> Vec<String> {
             Spread::SIGMAS
         ));
     }
-    let signs = |e: &crate::cell::Equipment| e.errors.is_some_and(|errors| errors.signed().is_none());
-    let operated = cell.operations.iter().map(|o| &cell.equipment[o.equipment]);
-    if cell.reading == Reading::Signed
-        && cell.registration != Registration::Taught
-        && operated.clone().any(signs)
-    {
-        said.push("tolerances of equipment have no signs: the signed reading leaves them out".into());
-    }
     said
 }
 
