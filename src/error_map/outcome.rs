@@ -45,7 +45,9 @@ pub enum Unjudged {
 impl Unjudged {
     pub fn in_words(self) -> &'static str {
         match self {
-            Unjudged::NotTaught => "the surface frame cannot be taught: no three points can be touched",
+            Unjudged::NotTaught => {
+                "the surface frame cannot be taught: three points, in no line, cannot all be touched"
+            }
             Unjudged::OnlyTouched => "only the points touched to teach the frame can be reached",
             Unjudged::NoPick => "the operation it is relative to has no spot",
         }

@@ -197,6 +197,8 @@ impl Gauge {
     ) -> WorstCase {
         let measure = self.measure(sense, situation, frames);
         let n = self.sources.list.len();
+        let largest =
+            if self.model == Model::Linear { [[1.0; MAX_SOURCES]; 2] } else { self.largest(memory) };
         let (linear, corner) = self.linear_corner(&measure, memory);
         let columns = &memory.columns[..n];
         if self.model == Model::Linear {
@@ -205,7 +207,7 @@ impl Gauge {
             return WorstCase { linear, exact, by_model: linear, corner };
         }
         let theory = self.theory();
-        by_model(columns, &linear, corner, |signs| {
+        by_model(columns, &linear, self.quadratic(&memory.effects), &largest, corner, |signs| {
             let mut values = [0.0; MAX_SOURCES];
             self.corner(signs, &mut values);
             if self.alone && measure.is_of_position() {
@@ -215,6 +217,32 @@ impl Gauge {
             let sample = theory.sample(&values[..n], self.model);
             measure.size(&theory.error(situation, frames, &sample, self.model))
         })
+    }
+
+    /// The corners of the largest displacement of the TCP and of the largest turn.
+    fn largest(&self, memory: &mut Memory) -> [[f64; MAX_SOURCES]; 2] {
+        [false, true].map(|turns| {
+            for (k, source) in self.sources.list.iter().enumerate() {
+                let effect = &memory.effects.columns[k];
+                let v = if turns { effect.rotation } else { effect.position } * source.plus_minus;
+                memory.columns[k] = Vector6::new(v.x, v.y, v.z, 0.0, 0.0, 0.0);
+            }
+            let mut corner = [1.0; MAX_SOURCES];
+            let n = self.sources.list.len();
+            farthest(&memory.columns[..n], 3, &mut memory.scratch, &mut corner[..n]);
+            corner
+        })
+    }
+
+    /// The size of products of errors: what a typical turn of the box does to a typical displacement.
+    fn quadratic(&self, effects: &Effects) -> f64 {
+        let pairs = self.sources.list.iter().zip(&effects.columns);
+        let (turn, shift) = pairs.fold((0.0, 0.0), |(turn, shift), (source, effect)| {
+            let [w, d] =
+                [effect.rotation, effect.position].map(|v| v.norm_squared() * source.plus_minus.powi(2));
+            (turn + w, shift + d)
+        });
+        (turn * shift).sqrt()
     }
 
     /// The farthest corner by the linear model, one sign per source; after [`Self::prepare`].

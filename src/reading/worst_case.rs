@@ -5,7 +5,7 @@ use super::zonotope::{Farthest, Scratch, farthest_1, farthest_2, farthest_3, far
 use nalgebra::{Vector2, Vector3, Vector6};
 
 /// Rounds of the polish at most; it ends when no flip is better.
-const ROUNDS: usize = 4;
+const ROUNDS: usize = 12;
 
 /// The largest error in a sense over the tolerance box.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,28 +52,62 @@ pub fn farthest(
 /// Corners within this share of the linear worst case are tried at any rate.
 const NEAR: f64 = 0.02;
 
+/// So many sources are tried in every combination of their signs.
+const FEW: usize = 8;
+
 /// Columns within this angle (as a sine) of each other count as one group of the polish.
 const PARALLEL: f64 = 1e-6;
 
 /// The same by a model whose error at a corner is `error`: from the linear corner and its opposite
 /// (even orders tell them apart), flipping those signs, alone or with all parallel ones, that matter
-/// less than the models differ. Groups matter: on a planar arm the lateral effects are perpendicular
+/// less than the models differ or than `quadratic`, the size of the products of errors. Groups matter: on a planar arm the lateral effects are perpendicular
 /// to all others, so that linear corners come in pairs which no single flip joins.
 pub fn by_model(
     columns: &[Vector6<f64>],
     linear: &Farthest,
+    quadratic: f64,
+    largest: &[[f64; MAX_SOURCES]],
     corner: [f64; MAX_SOURCES],
     mut error: impl FnMut(&[f64; MAX_SOURCES]) -> f64,
 ) -> WorstCase {
-    let starts = [corner, corner.map(|s| -s)].map(|corner| (error(&corner), corner));
+    let both = |corner: [f64; MAX_SOURCES]| [corner, corner.map(|s| -s)];
+    let starts = both(corner).map(|corner| (error(&corner), corner));
     let apart = starts.iter().map(|(e, _)| (e - linear.value).abs()).fold(0.0, f64::max);
-    let gap = (2.0 * apart).max(NEAR * linear.value);
+    let gap = (2.0 * apart).max(NEAR * linear.value).max(quadratic);
     let groups = groups(columns);
     let (mut best, mut at) = (f64::NEG_INFINITY, corner);
-    for (value, corner) in starts {
-        let (value, corner) = polished(columns, &groups[..columns.len()], gap, (value, corner), &mut error);
+    let mut polish = |start: (f64, [f64; MAX_SOURCES]), error: &mut dyn FnMut(&[f64; MAX_SOURCES]) -> f64| {
+        let (value, corner) = polished(columns, &groups[..columns.len()], gap, start, error);
         if value > best {
             (best, at) = (value, corner);
+        }
+    };
+    // Sources that the sense hardly sees act by products. Few are tried in every combination, many in
+    // step with the largest motions.
+    let unseen = |k: usize| 2.0 * columns[k].norm() <= gap;
+    let count = (0..columns.len()).filter(|&k| unseen(k)).count();
+    if (1..=FEW).contains(&count) {
+        for mut tried in both(corner) {
+            let mut start = (error(&tried), tried);
+            for step in 1u32..1 << count {
+                let flip = (0..columns.len()).filter(|&k| unseen(k)).nth(step.trailing_zeros() as usize);
+                flip.into_iter().for_each(|k| tried[k] = -tried[k]);
+                let value = error(&tried);
+                if value > start.0 {
+                    start = (value, tried);
+                }
+            }
+            polish(start, &mut error);
+        }
+    } else {
+        starts.into_iter().for_each(|start| polish(start, &mut error));
+    }
+    if count > FEW {
+        for mut start in largest.iter().flat_map(|l| both(*l)) {
+            (0..columns.len()).filter(|&k| !unseen(k)).for_each(|k| start[k] = corner[k]);
+            for start in both(start) {
+                polish((error(&start), start), &mut error);
+            }
         }
     }
     let exact = linear.upper <= linear.value;
@@ -100,7 +134,7 @@ fn polished(
     groups: &[u64],
     gap: f64,
     (mut best, mut corner): (f64, [f64; MAX_SOURCES]),
-    error: &mut impl FnMut(&[f64; MAX_SOURCES]) -> f64,
+    error: &mut dyn FnMut(&[f64; MAX_SOURCES]) -> f64,
 ) -> (f64, [f64; MAX_SOURCES]) {
     let mut sum: Vector6<f64> = columns.iter().zip(&corner).map(|(c, s)| c * *s).sum();
     for _ in 0..ROUNDS {
@@ -121,11 +155,39 @@ fn polished(
                 }
             }
         }
-        if best <= before {
+        if best <= before && !flip_pair(columns, gap, (&mut best, &mut corner, &mut sum), error) {
             break;
         }
     }
     (best, corner)
+}
+
+/// Flips the first two signs that matter little to the linear model and are better flipped together:
+/// what is small in the first order may be ruled by products of errors.
+fn flip_pair(
+    columns: &[Vector6<f64>],
+    gap: f64,
+    (best, corner, sum): (&mut f64, &mut [f64; MAX_SOURCES], &mut Vector6<f64>),
+    error: &mut dyn FnMut(&[f64; MAX_SOURCES]) -> f64,
+) -> bool {
+    let size = sum.norm();
+    for j in 0..columns.len() {
+        let first = *sum + columns[j] * (-2.0 * corner[j]);
+        for k in j + 1..columns.len() {
+            let both = first + columns[k] * (-2.0 * corner[k]);
+            if (both.norm() - size).abs() > gap {
+                continue;
+            }
+            (corner[j], corner[k]) = (-corner[j], -corner[k]);
+            let value = error(corner);
+            if value > *best {
+                (*best, *sum) = (value, both);
+                return true;
+            }
+            (corner[j], corner[k]) = (-corner[j], -corner[k]);
+        }
+    }
+    false
 }
 
 fn parallel(a: &Vector6<f64>, b: &Vector6<f64>) -> bool {

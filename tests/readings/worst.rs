@@ -118,6 +118,14 @@ fn table_3_at_the_initial_position() {
     }
 }
 
+const SENSES: [(&str, [f64; 3]); 5] = [
+    ("xyz", [1.0, 1.0, 1.0]),
+    ("xy", [1.0, 1.0, 0.0]),
+    ("x", [1.0, 0.0, 0.0]),
+    ("y", [0.0, 1.0, 0.0]),
+    ("z", [0.0, 0.0, 1.0]),
+];
+
 /// By the nonlinear model no corner is worse than the one found by more than the polish can miss;
 /// with tolerances of the paper it misses nothing.
 #[test]
@@ -125,9 +133,10 @@ fn nonlinear_worst_case_against_every_corner() {
     let mut rng = ChaCha8Rng::seed_from_u64(32);
     let mut cell = shipped("hitachi_paper.toml");
     (cell.reading, cell.model) = (Reading::WorstCase, Model::Nonlinear);
-    for k in 0..120 {
+    for k in 0..300 {
         // Tables 2 and 3; the plane has corners that tie in the linear model.
-        (cell.errors, cell.operations[0].sense) = (k % 2, Sense::plain(["xyz", "xy"][k / 2 % 2]).unwrap());
+        let (sense, kept) = SENSES[k / 2 % 5];
+        (cell.errors, cell.operations[0].sense) = (k % 2, Sense::plain(sense).unwrap());
         let gauge = gauge_of(&cell);
         let chain = Chain::new(&cell.robot);
         let (n, mut memory) = (gauge.sources.list.len(), gauge.memory());
@@ -145,10 +154,12 @@ fn nonlinear_worst_case_against_every_corner() {
                 .collect();
             let all: Perturbation = gauge.sources.perturbation(&chain, &values);
             let e = position_error(&frames, &all, Model::Nonlinear);
-            if k / 2 % 2 == 0 { e.norm() } else { e.x.hypot(e.y) }
+            let [x, y, z] = kept;
+            Vector3::new(e.x * x, e.y * y, e.z * z).norm()
         };
         let want = (0..1 << n).map(error).fold(0.0, f64::max);
         assert!((worst.by_model - want).abs() <= 1e-12 * want, "{} instead of {want}", worst.by_model);
-        assert!((worst.linear - want).abs() < 0.02 * want);
+        // Along one axis products of errors can matter more than single ones.
+        assert!((worst.linear - want).abs() < if sense == "xyz" { 0.02 } else { 0.2 } * want, "{sense}");
     }
 }
