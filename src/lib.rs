@@ -75,16 +75,17 @@
 //! // The core reads through a function: here from the shipped cells.
 //! let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/cells/");
 //! let mut read = |path: &str| std::fs::read_to_string(format!("{folder}{path}")).map_err(|e| e.to_string());
-//! let cell = cell::load("hitachi_paper.toml", &mut read).unwrap().cell;
+//! let loaded = cell::load("hitachi_paper.toml", &mut read).map_err(|faults| format!("{faults:?}"))?;
 //!
-//! let workcell = layout::Workcell::new(cell).unwrap();
+//! let workcell = layout::Workcell::new(loaded.cell)?;
 //! let start = workcell.cell.start();
 //! let evaluation = layout::evaluate(&workcell, &start);
-//! let least_mm = evaluation.objective.unwrap() * 1000.0;
+//! let least_mm = evaluation.objective.ok_or("not feasible")? * 1000.0;
 //! assert!((least_mm - 3.768569).abs() < 1e-6);
 //!
 //! let map = &workcell.maps(&start)[0];
 //! assert_eq!((map.count("ok"), map.nodes.len()), (80, 99));
+//! # Ok::<(), String>(())
 //! ```
 
 pub mod cell;

@@ -123,7 +123,7 @@ impl Gauge {
                 self.size_of_position(&e)
             }
             Reading::Signed => {
-                let error = self.signed_error(situation, frames, self.model, memory);
+                let error = self.signed_error(situation, frames, memory);
                 self.measure(&self.sense, situation, frames).size(&error)
             }
             Reading::WorstCase => {
@@ -150,18 +150,12 @@ impl Gauge {
         self.sense.rows().iter().map(|row| row.direction.dot(&world).powi(2)).sum::<f64>().sqrt()
     }
 
-    /// The error of the signed sample by any model.
-    fn signed_error(
-        &self,
-        situation: &Situation,
-        frames: &Frames,
-        model: Model,
-        memory: &mut Memory,
-    ) -> Displacement {
-        if model == self.model && model != Model::Linear {
-            return self.theory().error(situation, frames, &self.signed, model);
+    /// The error of the signed sample by the model of the cell.
+    fn signed_error(&self, situation: &Situation, frames: &Frames, memory: &mut Memory) -> Displacement {
+        match self.model {
+            Model::Linear => self.error_of(&self.signed_values, situation, frames, self.model, memory),
+            model => self.theory().error(situation, frames, &self.signed, model),
         }
-        self.error_of(&self.signed_values, situation, frames, model, memory)
     }
 
     /// The error of a sample by a model, one value per source, base frame.

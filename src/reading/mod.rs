@@ -11,7 +11,8 @@
 //!
 //! with `g_k` what the k-th [`Source`] does to the error at its tolerance (or its standard
 //! deviation) in the rows of a sense ([`Measure`]), after all that the cell has measured itself
-//! ([`BestFit`], [`Taught`]) and, for a part that was picked elsewhere, less what the pick did ([`Situation`]).
+//! ([`BestFit`], [`Taught`]) and, for a part that was picked elsewhere, less what the pick did
+//! ([`Situation`]).
 
 mod budget;
 mod effects;

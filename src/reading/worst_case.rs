@@ -60,8 +60,9 @@ const PARALLEL: f64 = 1e-6;
 
 /// The same by a model whose error at a corner is `error`: from the linear corner and its opposite
 /// (even orders tell them apart), flipping those signs, alone or with all parallel ones, that matter
-/// less than the models differ or than `quadratic`, the size of the products of errors. Groups matter: on a planar arm the lateral effects are perpendicular
-/// to all others, so that linear corners come in pairs which no single flip joins.
+/// less than the models differ or than `quadratic`, the size of the products of errors. Groups
+/// matter: on a planar arm the lateral effects are perpendicular to all others, so that linear
+/// corners come in pairs which no single flip joins. `largest`: corners of the largest motions.
 pub fn by_model(
     columns: &[Vector6<f64>],
     linear: &Farthest,

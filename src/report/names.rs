@@ -1,18 +1,12 @@
 //! What parameters are called, and in which unit they are told.
 
-use crate::cell::{COMPONENTS, Cell, JointKind, Parameter, Unit, shown};
+use crate::cell::{Cell, JointKind, Parameter, Unit, shown};
 
 /// dq1, dalpha3, base rx, tool z, worktable rz: joints by their numbers from 1.
 pub fn parameter(cell: &Cell, parameter: Parameter) -> String {
     match parameter {
-        Parameter::Dq(i) => format!("dq{}", i + 1),
-        Parameter::Dr(i) => format!("dr{}", i + 1),
-        Parameter::Dl(i) => format!("dl{}", i + 1),
-        Parameter::Dalpha(i) => format!("dalpha{}", i + 1),
-        Parameter::Dbeta(i) => format!("dbeta{}", i + 1),
-        Parameter::Base(c) => format!("base {}", COMPONENTS[c]),
-        Parameter::Tool(c) => format!("tool {}", COMPONENTS[c]),
-        Parameter::Equipment(e, c) => format!("{} {}", shown(&cell.equipment[e].name), COMPONENTS[c]),
+        Parameter::Equipment(e, _) => format!("{} {}", shown(&cell.equipment[e].name), parameter.name()),
+        _ => parameter.name(),
     }
 }
 
