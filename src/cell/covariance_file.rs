@@ -77,7 +77,8 @@ fn name_of(item: &Node) -> String {
 
 /// Places in the order of [`Parameter::of_robot`].
 fn read_parameters(items: &[Node], arm: Arm<'_>, lib: &mut Library<'_>) -> Option<Vec<usize>> {
-    let names: Vec<_> = Parameter::of_robot(arm.axes).map(Parameter::name).collect();
+    let mut names: Vec<_> = Parameter::of_robot(arm.axes).map(Parameter::name).collect();
+    arm.in_order(&mut names);
     let mut places: Vec<Option<usize>> = Vec::new();
     for item in items {
         let place = read_parameter(item, &names, arm, lib);

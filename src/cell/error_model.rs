@@ -83,6 +83,14 @@ pub struct SignedErrors {
 }
 
 impl SignedErrors {
+    /// Of values in the order of [`Parameter::of_robot`].
+    pub fn of_values(name: String, axes: usize, values: &[f64]) -> Self {
+        let row = |k: usize| (0..axes).map(|i| values[PER_LINK * i + k]).collect();
+        let frame = |k: usize| std::array::from_fn(|c| values[PER_LINK * axes + PER_FRAME * k + c]);
+        let [dq, dr, dl, dalpha, dbeta] = [0, 1, 2, 3, 4].map(row);
+        Self { name, dq, dr, dl, dalpha, dbeta, base: frame(0), tool: frame(1) }
+    }
+
     /// The values in the order of [`Parameter::of_robot`].
     pub fn values(&self) -> Vec<f64> {
         let value = |parameter| match parameter {

@@ -1,6 +1,6 @@
 //! Error sets of a robot: signed samples or tolerances of its kinematic parameters.
 
-use super::arm::Arm;
+use super::arm::{Arm, OF_FIRST_ROW};
 use super::document::Library;
 use super::error_model::*;
 use super::frame_file;
@@ -16,6 +16,7 @@ pub fn read_all(
     t: &mut Table<'_>,
     rows: Option<&[Node]>,
     joints: Option<&[Joint]>,
+    convention: Option<Convention>,
     lib: &mut Library<'_>,
 ) -> Vec<ErrorSet> {
     let help = "add [errors.NAME] with kind = \"signed\", dr_mm, dl_mm and dalpha_deg";
@@ -26,7 +27,8 @@ pub fn read_all(
     {
         lib.error(node.at, "no error set".into(), help);
     }
-    let arm = Arm { axes: rows.len(), joints: joints.unwrap_or(&[]) };
+    let modified = convention == Some(Convention::Modified);
+    let arm = Arm { axes: rows.len(), joints: joints.unwrap_or(&[]), modified };
     read_named(t, "errors", lib, |name, node, lib| {
         Table::read(node, "an error set", lib, |t, lib| read(name, t, arm, lib))
     })
@@ -68,7 +70,16 @@ fn read_values(
     // One of the two is zero for every joint.
     let dq = angles(dq_deg).iter().zip(lengths(dq_mm)).map(|(a, b)| a + b).collect();
     let (dr, dl, dalpha, dbeta) = (dr?, dl?, dalpha?, dbeta?);
-    Some(SignedErrors { name: name.to_string(), dq, dr, dl, dalpha, dbeta, base: base?, tool: tool? })
+    let (base, tool, name) = (base?, tool?, name.to_string());
+    if arm.modified && OF_FIRST_ROW.iter().any(|&c| base[c] != 0.0) {
+        let at = t.get("base").map_or(t.at, |node| node.at);
+        let message = "x, rx and ry of `base` are those of row 1: this robot has modified rows";
+        lib.error(at, message.into(), "give them as number 1 of dl_mm, dalpha_deg and dbeta_deg");
+    }
+    let rows = SignedErrors { name: name.clone(), dq, dr, dl, dalpha, dbeta, base, tool };
+    let mut values = rows.values();
+    arm.in_order(&mut values);
+    Some(SignedErrors::of_values(name, n, &values))
 }
 
 /// An error of a joint coordinate has the unit of that joint.

@@ -2,7 +2,7 @@
 
 use super::document::Library;
 use super::error_set;
-use super::fault::Severity;
+use super::fault::{Severity, shown};
 use super::reader::Table;
 use super::robot_model::*;
 use super::shape::extent_of;
@@ -17,25 +17,72 @@ use std::collections::HashSet;
 /// Limits of at most so many degrees on every joint look like radians.
 const RADIANS: f64 = 7.0;
 
+/// A passive joint turns with others, by the coupling alone.
+const KINDS: [&str; 3] = ["revolute", "prismatic", "passive"];
+
+const STANDARD: Option<Convention> = Some(Convention::Standard);
+
 /// Reads the robot part of a table that may hold more (the cell's base pose).
 pub fn read(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<Robot> {
     super::header(t, "robot", lib)?;
     let name = t.name(lib);
     let source = t.text("source", lib);
+    let convention = t.choice("convention", &Convention::ALL, Convention::name, STANDARD, lib);
     let rows = joint_rows(t, lib);
     let joints = rows.and_then(|rows| read_joints(rows, t.get("joint")?, lib));
     let coupling = t.get("coupling");
     let coupling = rows.and_then(|rows| read_coupling(coupling, rows.len(), lib));
+    if let (Some(rows), Some(joints), Some(coupling)) = (rows, &joints, &coupling) {
+        refuse_idle(rows, joints, coupling, lib);
+    }
     let tool = read_tool(t, lib);
     let before = lib.errors();
     let solids = read_solids(t, rows.map_or(MAX_JOINTS, <[_]>::len), lib);
     let base = solids.iter().filter(|s| s.link == 0).map(|s| &s.solid.shape);
     let needed: &[_] = if lib.errors() == before { &["footprint"] } else { &[] };
     let footprint = solid::read_footprint(t, extent_of(base), needed, lib);
-    let errors = error_set::read_all(t, rows, joints.as_deref(), lib);
+    let errors = error_set::read_all(t, rows, joints.as_deref(), convention, lib);
     let ((tool, tool_axis), footprint) = (tool?, footprint?);
-    let (name, source, coupling, joints) = (name?, source?, coupling?, joints?);
-    Some(Robot { name, source, joints, coupling, tool, tool_axis, solids, footprint, errors })
+    let (name, source, coupling, mut joints) = (name?, source?, coupling?, joints?);
+    let convention = convention?;
+    let mount = match convention {
+        Convention::Standard => Pose::identity(),
+        Convention::Modified => standard_rows(&mut joints),
+    };
+    Some(Robot {
+        name,
+        source,
+        convention,
+        mount,
+        joints,
+        coupling,
+        tool,
+        tool_axis,
+        solids,
+        footprint,
+        errors,
+    })
+}
+
+/// Makes standard rows of modified ones: a row's common normal and twist go to the row before it, for
+/// `Tx Rx` commute; those of the first are where the chain stands on the base.
+fn standard_rows(joints: &mut [Joint]) -> Pose {
+    let (l, alpha) = (joints[0].l, joints[0].alpha);
+    for i in 0..joints.len() {
+        (joints[i].l, joints[i].alpha) = joints.get(i + 1).map_or((0.0, 0.0), |next| (next.l, next.alpha));
+    }
+    Pose::from_translation_rpy(Vector3::new(l, 0.0, 0.0), Vector3::new(alpha, 0.0, 0.0))
+}
+
+/// A passive joint that nothing moves is none.
+fn refuse_idle(rows: &[Node], joints: &[Joint], coupling: &[Vec<f64>], lib: &mut Library<'_>) {
+    for (i, joint) in joints.iter().enumerate().filter(|(_, joint)| joint.is_passive()) {
+        let meant = rows[i].value.get("kind").is_some();
+        if meant && coupling[i][..i].iter().all(|&c| c == 0.0) {
+            let message = format!("nothing moves the passive joint `{}`", shown(&joint.name));
+            lib.error(rows[i].at, message, "say in its row of `coupling` which actuators it follows");
+        }
+    }
 }
 
 fn joint_rows<'n>(t: &mut Table<'n>, lib: &mut Library<'_>) -> Option<&'n [Node]> {
@@ -63,7 +110,8 @@ fn read_joints(rows: &[Node], node: &Node, lib: &mut Library<'_>) -> Option<Vec<
             lib.error(row.at, message, "give each a name of its own: reasons name the joints");
         }
     }
-    let mut turning = joints.iter().filter(|j| j.kind == JointKind::Revolute).peekable();
+    let turns = |j: &&Joint| j.kind == JointKind::Revolute && !j.is_passive();
+    let mut turning = joints.iter().filter(turns).peekable();
     let small = |j: &Joint| j.limits.0.abs().max(j.limits.1.abs()) <= units::rad_from_deg(RADIANS);
     if turning.peek().is_some() && turning.all(small) {
         let message = format!("no joint may turn more than {RADIANS} degrees");
@@ -75,19 +123,18 @@ fn read_joints(rows: &[Node], node: &Node, lib: &mut Library<'_>) -> Option<Vec<
 fn read_joint(row: &Node, lib: &mut Library<'_>) -> Option<Joint> {
     Table::read(row, "a joint", lib, |t, lib| {
         let name = t.name(lib);
-        let kinds = [JointKind::Revolute, JointKind::Prismatic];
-        let word = |k| if k == JointKind::Revolute { "revolute" } else { "prismatic" };
         let r = t.length("r_mm", Must::BeFinite, lib);
         let l = t.length("l_mm", Must::BeFinite, lib);
         let alpha = t.angle("alpha_deg", lib);
-        let Some(kind) = t.choice("kind", &kinds, word, Some(JointKind::Revolute), lib) else {
+        let Some(word) = t.choice("kind", &KINDS, |k| k, Some(KINDS[0]), lib) else {
             // Which other keys it should have is not known.
             t.give_up();
             return None;
         };
-        let revolute = kind == JointKind::Revolute;
+        let (revolute, passive) = (word != "prismatic", word == "passive");
+        let kind = if revolute { JointKind::Revolute } else { JointKind::Prismatic };
         let theta = t.angle(if revolute { "q_offset_deg" } else { "theta_deg" }, lib);
-        let limits = read_limits(t, revolute, lib);
+        let limits = if passive { Some((0.0, 0.0)) } else { read_limits(t, revolute, lib) };
         let (name, theta, limits) = (name?, theta?, limits?);
         Some(Joint { name, kind, theta, r: r?, l: l?, alpha: alpha?, limits })
     })

@@ -20,6 +20,26 @@ pub enum JointKind {
     Prismatic,
 }
 
+/// How the rows of a file are meant. Inside there are standard rows only.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Convention {
+    /// `A = Rz(theta) Tz(r) Tx(l) Rx(alpha)`: a row ends with its common normal.
+    Standard,
+    /// Craig's `A = Tx(l) Rx(alpha) Rz(theta) Tz(r)`: a row begins with it.
+    Modified,
+}
+
+impl Convention {
+    pub const ALL: [Self; 2] = [Self::Standard, Self::Modified];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Standard => "standard",
+            Self::Modified => "modified",
+        }
+    }
+}
+
 /// One row of the standard Denavit-Hartenberg table, eq. (1): `A = Rz(theta) Tz(r) Tx(l) Rx(alpha)`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Joint {
@@ -33,8 +53,15 @@ pub struct Joint {
     pub l: f64,
     /// Twist, rad.
     pub alpha: f64,
-    /// Lower and upper limit of the actuator coordinate.
+    /// Lower and upper limit of the actuator coordinate; both 0 of a passive joint, which follows the
+    /// others by the coupling alone.
     pub limits: (f64, f64),
+}
+
+impl Joint {
+    pub fn is_passive(&self) -> bool {
+        self.limits.0 == self.limits.1
+    }
 }
 
 /// A solid that moves with a link: 0 is the base, k the frame after `A_k`.
@@ -48,6 +75,10 @@ pub struct LinkSolid {
 pub struct Robot {
     pub name: String,
     pub source: String,
+    /// Of the rows in its file: reports name the parameters as the file does.
+    pub convention: Convention,
+    /// Robot base to D-H frame 0.
+    pub mount: Pose,
     pub joints: Vec<Joint>,
     /// Row i: how the D-H coordinate i follows the actuators, lower triangular with units on the
     /// diagonal; the identity for a serial arm.
@@ -74,7 +105,8 @@ impl Robot {
             let axial = if i == 0 { 0.0 } else { joint.r.abs() + self.travel(i) };
             joint.l.hypot(axial)
         });
-        links.sum::<f64>() + self.tool.translation.norm()
+        let aside = self.mount.translation.xy().norm();
+        aside + links.sum::<f64>() + self.tool.translation.norm()
     }
 
     /// How far the D-H coordinate of a sliding joint can be from 0, by its own and coupled actuators.

@@ -38,7 +38,8 @@ pub fn read(
     let sigmas = read_sigmas(t, lib);
     let node = t.get("covariance");
     let covariance = node.map(|node| covariance_file::read(node, arm, values.as_ref(), lib));
-    let (values, distributions, sigmas) = (values?, distributions?, sigmas?);
+    let (values, mut distributions, sigmas) = (values?, distributions?, sigmas?);
+    arm.in_order(&mut distributions);
     let plus_minus = values.values().into_iter().zip(distributions);
     let mut spreads: Vec<_> =
         plus_minus.map(|(plus_minus, distribution)| Spread { plus_minus, distribution, sigmas }).collect();

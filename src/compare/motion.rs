@@ -8,7 +8,8 @@ use nalgebra::Vector3;
 /// Where the axis of a motion is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Place {
-    /// The frame after so many D-H rows; 0 is the base.
+    Base,
+    /// The frame after so many D-H rows.
     Link(usize),
     Tcp,
     /// The equipment that carries the operation.
@@ -46,6 +47,7 @@ impl Motion {
 pub fn motions(chain: &Chain, frames: &Frames, work: &Pose, parameter: Parameter) -> Vec<Motion> {
     let one = |place: Place, axis: usize, turns: bool, factor: f64| {
         let frame = match place {
+            Place::Base => &Pose::identity(),
             Place::Link(k) => &frames.links[k],
             Place::Tcp => &frames.tcp,
             Place::Work => work,
@@ -68,7 +70,7 @@ pub fn motions(chain: &Chain, frames: &Frames, work: &Pose, parameter: Parameter
         Parameter::Dl(i) => vec![one(Place::Link(i + 1), 0, false, 1.0)],
         Parameter::Dalpha(i) => vec![one(Place::Link(i + 1), 0, true, 1.0)],
         Parameter::Dbeta(i) => vec![one(Place::Link(i + 1), 1, true, 1.0)],
-        Parameter::Base(c) => component(Place::Link(0), c),
+        Parameter::Base(c) => component(Place::Base, c),
         Parameter::Tool(c) => component(Place::Tcp, c),
         Parameter::Equipment(_, c) => component(Place::Work, c),
     }

@@ -3,9 +3,14 @@
 
 use super::Perturbation;
 use crate::cell::{JointKind, MAX_PARAMETERS, PER_FRAME, PER_LINK, Parameter};
-use crate::pose::Displacement;
+use crate::pose::{Displacement, Pose};
 use crate::robot::{Chain, Frames};
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
+
+const BASE: Pose = Pose {
+    rotation: Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0),
+    translation: Vector3::new(0.0, 0.0, 0.0),
+};
 
 /// What a unit of one small motion does to the TCP: `g = S p` (m a unit) and the axis `w` of a turn,
 /// zero for a slide.
@@ -34,7 +39,7 @@ impl Term {
             }
         } else {
             let component = (k - links) % PER_FRAME;
-            let frame = if k < links + PER_FRAME { &frames.links[0] } else { &frames.tcp };
+            let frame = if k < links + PER_FRAME { &BASE } else { &frames.tcp };
             (frame, component % 3, component >= 3)
         };
         let axis = frame.rotation.column(axis).into_owned();

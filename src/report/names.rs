@@ -1,10 +1,18 @@
 //! What parameters are called, and in which unit they are told.
 
-use crate::cell::{Cell, JointKind, Parameter, Unit, shown};
+use crate::cell::{Cell, Convention, JointKind, Parameter, Unit, shown};
 
 /// dq1, dalpha3, base rx, tool z, worktable rz: joints by their numbers from 1.
 pub fn parameter(cell: &Cell, parameter: Parameter) -> String {
+    let modified = cell.robot.convention == Convention::Modified;
     match parameter {
+        // The common normal at the end of a standard row begins the next modified one.
+        Parameter::Dl(i) if modified => Parameter::Dl(i + 1).name(),
+        Parameter::Dalpha(i) if modified => Parameter::Dalpha(i + 1).name(),
+        Parameter::Dbeta(i) if modified => Parameter::Dbeta(i + 1).name(),
+        Parameter::Base(0) if modified => Parameter::Dl(0).name(),
+        Parameter::Base(3) if modified => Parameter::Dalpha(0).name(),
+        Parameter::Base(4) if modified => Parameter::Dbeta(0).name(),
         Parameter::Equipment(e, _) => format!("{} {}", shown(&cell.equipment[e].name), parameter.name()),
         _ => parameter.name(),
     }

@@ -32,7 +32,7 @@ pub struct Posture {
 /// The frames of a chain at one posture, in the base.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Frames {
-    /// 0: the base itself (identity), k: the frame after `A_k`; the rest is identity.
+    /// 0: where the chain stands on the base, k: the frame after `A_k`; the rest is identity.
     pub links: [Pose; MAX_JOINTS + 1],
     pub tcp: Pose,
 }
@@ -46,6 +46,8 @@ impl Default for Frames {
 /// A serial chain with coupling and tool.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chain {
+    /// Robot base to D-H frame 0.
+    pub mount: Pose,
     pub links: Vec<Link>,
     /// D-H coordinates = `coupling` * actuators + zero; lower triangular, units on the diagonal.
     pub coupling: Vec<Vec<f64>>,
@@ -65,6 +67,7 @@ impl Chain {
             Link { kind: j.kind, theta, r, l, alpha, cos_alpha, sin_alpha, limits }
         });
         Self {
+            mount: robot.mount,
             links: links.collect(),
             coupling: robot.coupling.clone(),
             tool: robot.tool,
@@ -102,7 +105,8 @@ impl Chain {
     /// [`Self::frames`] into memory that is kept from posture to posture.
     #[inline]
     pub fn place(&self, posture: &Posture, frames: &mut Frames) {
-        let mut t = frames.links[0];
+        let mut t = self.mount;
+        frames.links[0] = t;
         for (i, link) in self.links.iter().enumerate() {
             t = step(&t, link, posture.cos[i], posture.sin[i], posture.r[i]);
             frames.links[i + 1] = t;

@@ -3,7 +3,7 @@
 
 use nalgebra::Vector3;
 use std::f64::consts::PI;
-use sweetspot::cell::{Joint, JointKind, Rectangle, Robot, SignedErrors};
+use sweetspot::cell::{Convention, Joint, JointKind, Rectangle, Robot, SignedErrors};
 use sweetspot::pose::Pose;
 use toml::de::{DeTable, DeValue};
 
@@ -59,6 +59,8 @@ fn robot(name: &str, rows: impl Fn(&str) -> Vec<f64>) -> Robot {
     Robot {
         name: name.into(),
         source: "tests/data/ur_calibration.toml".into(),
+        convention: Convention::Standard,
+        mount: Pose::identity(),
         joints: (0..6).map(joint).collect(),
         coupling: (0..6).map(row).collect(),
         tool: Pose::identity(),

@@ -9,7 +9,9 @@ use rand_chacha::ChaCha8Rng;
 use serde_json::Value;
 use std::array::from_fn;
 use std::f64::consts::{FRAC_PI_2, PI};
-use sweetspot::cell::{Joint, JointKind, JointVector, Model, Placement, Rectangle, Robot, SignedErrors};
+use sweetspot::cell::{
+    Convention, Joint, JointKind, JointVector, Model, Placement, Rectangle, Robot, SignedErrors,
+};
 use sweetspot::kinematic_error::{Perturbation, pose_error};
 use sweetspot::layout::Workcell;
 use sweetspot::pose::{Displacement, Pose};
@@ -19,7 +21,20 @@ use sweetspot::robot::Chain;
 pub fn robot(joints: Vec<Joint>, coupling: Vec<Vec<f64>>, tool: Pose) -> Robot {
     let (footprint, text) = (Rectangle { centre: (0.0, 0.0), size: (1.0, 1.0) }, || "test".to_string());
     let (tool_axis, solids, errors) = (Vector3::x(), vec![], vec![]);
-    Robot { name: text(), source: text(), joints, coupling, tool, tool_axis, solids, footprint, errors }
+    let (convention, mount) = (Convention::Standard, Pose::identity());
+    Robot {
+        name: text(),
+        source: text(),
+        convention,
+        mount,
+        joints,
+        coupling,
+        tool,
+        tool_axis,
+        solids,
+        footprint,
+        errors,
+    }
 }
 
 pub fn joint(kind: JointKind, theta: f64, r: f64, l: f64, alpha: f64) -> Joint {

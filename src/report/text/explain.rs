@@ -100,7 +100,7 @@ fn motion_words(motion: &Motion) -> String {
 
 pub fn frame_name(place: Place) -> String {
     match place {
-        Place::Link(0) => "base".into(),
+        Place::Base => "base".into(),
         Place::Link(k) => format!("frame {k}"),
         Place::Tcp => "TCP".into(),
         Place::Work => "work".into(),
