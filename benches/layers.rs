@@ -7,12 +7,12 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
-use sweetspot::cell::{self, Cell, ErrorSet, Layout, Model, Placement, Reading, Sense};
+use sweetspot::cell::{self, Attitude, Cell, ErrorSet, Layout, Model, Placement, Reading, Sense};
 use sweetspot::clearance::{FloorPlan, Placed, Scene};
 use sweetspot::kinematic_error::{Perturbation, position_error};
 use sweetspot::layout::{Workcell, Workspace, evaluate_in};
 use sweetspot::pose::Pose;
-use sweetspot::reach::PlanarArm;
+use sweetspot::reach::Inverse;
 use sweetspot::reading::{Gauge, Site, Situation};
 use sweetspot::robot::{self, Chain};
 
@@ -55,8 +55,8 @@ fn node(c: &mut Criterion) {
     let ErrorSet::Signed(signed) = cell.error_set() else { unreachable!("a signed sample") };
     let errors = Perturbation::new(&chain, signed);
     let mut frames = chain.frames(&chain.posture(&[0.0; cell::MAX_JOINTS]));
-    let arm = PlanarArm::new(&chain).expect("the paper's arm");
-    let approach = arm.approach(-std::f64::consts::FRAC_PI_2);
+    let arm = Inverse::new(&chain);
+    let approach = arm.approach(&Attitude::elevation(-std::f64::consts::FRAC_PI_2), 0.0);
     let target = nalgebra::Vector3::new(0.2, 0.95, 0.7);
     let mut scratch = arm.scratch();
     c.bench_function("node: all branches, limits, nonlinear error", |b| {
@@ -89,8 +89,8 @@ fn readings(c: &mut Criterion) {
     cell.model = Model::Linear;
     cell.operations[0].sense = Sense::plain("xyz").expect("a plain sense");
     let chain = Chain::new(&cell.robot);
-    let arm = PlanarArm::new(&chain).expect("the paper's arm");
-    let approach = arm.approach(-std::f64::consts::FRAC_PI_2);
+    let arm = Inverse::new(&chain);
+    let approach = arm.approach(&Attitude::elevation(-std::f64::consts::FRAC_PI_2), 0.0);
     let target = nalgebra::Vector3::new(0.2, 0.95, 0.7);
     let (mut scratch, mut frames) = (arm.scratch(), robot::Frames::default());
     let site = Site { equipment: 0, work: Pose::identity(), taught: None };

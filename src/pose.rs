@@ -163,3 +163,10 @@ impl std::ops::Mul for Pose {
         Pose { rotation: self.rotation * inner.rotation, translation: self.transform(&inner.translation) }
     }
 }
+
+/// Sine and cosine, exact at multiples of a right angle within rounding of degrees.
+pub fn exact_sin_cos(angle: f64) -> (f64, f64) {
+    let (s, c) = angle.sin_cos();
+    let snap = |v: f64| if v.abs() < 1e-15 { 0.0 } else { v };
+    (snap(s), snap(c))
+}

@@ -7,7 +7,7 @@ use allocation_counter::measure;
 use common::shipped;
 use sweetspot::cell::*;
 use sweetspot::pose::Pose;
-use sweetspot::reach::PlanarArm;
+use sweetspot::reach::Inverse;
 use sweetspot::reading::{BestFit, Gauge, Reference, Site, Situation, Sources, Taught};
 use sweetspot::robot::{Chain, Frames};
 
@@ -30,8 +30,8 @@ fn situations(cell: &Cell, gauge: &Gauge, chain: &Chain) -> Vec<Situation> {
 fn the_node_loop_does_not_allocate() {
     let mut cell = shipped("hitachi_cell.toml");
     let chain = Chain::new(&cell.robot);
-    let arm = PlanarArm::new(&chain).unwrap();
-    let approach = arm.approach(-std::f64::consts::FRAC_PI_2);
+    let arm = Inverse::new(&chain);
+    let approach = arm.approach(&Attitude::elevation(-std::f64::consts::FRAC_PI_2), 0.0);
     let mut postures = 0;
     for registration in Registration::ALL {
         for (reading, model) in Reading::ALL.into_iter().flat_map(|r| Model::ALL.map(|m| (r, m))) {

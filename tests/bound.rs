@@ -10,9 +10,10 @@ mod common;
 
 use common::shipped;
 use nalgebra::Vector3;
+use sweetspot::cell::Attitude;
 use sweetspot::cell::Model;
 use sweetspot::kinematic_error::{Perturbation, position_error};
-use sweetspot::reach::PlanarArm;
+use sweetspot::reach::Inverse;
 use sweetspot::robot::Chain;
 
 /// The least xy error (mm) of any branch with the tool down, TCP at a radius and height (mm), waist
@@ -20,14 +21,14 @@ use sweetspot::robot::Chain;
 struct Errors {
     chain: Chain,
     errors: Perturbation,
-    arm: PlanarArm,
+    arm: Inverse,
 }
 
 impl Errors {
     fn at(&self, radius: f64, height: f64) -> f64 {
         let target = Vector3::new(0.0, radius / 1e3, height / 1e3);
         let mut least = f64::INFINITY;
-        let down = self.arm.approach(-std::f64::consts::FRAC_PI_2);
+        let down = self.arm.approach(&Attitude::elevation(-std::f64::consts::FRAC_PI_2), 0.0);
         self.arm.visit(&target, &down, &mut self.arm.scratch(), |_, posture| {
             let e = position_error(&self.chain.frames(posture), &self.errors, Model::Nonlinear);
             least = least.min(1e3 * e.x.hypot(e.y));
@@ -63,7 +64,7 @@ fn the_bound_of_hitachi_cell() {
     let cell = shipped("hitachi_cell.toml");
     let chain = Chain::new(&cell.robot);
     let errors = Perturbation::new(&chain, common::signed(&cell));
-    let errors = Errors { arm: PlanarArm::new(&chain).unwrap(), chain, errors };
+    let errors = Errors { arm: Inverse::new(&chain), chain, errors };
     // The TCP works 100 mm above the surfaces: the table from 300 to 900 mm, the conveyor at 600 mm.
     let bound = errors.least(400.0, 1000.0) + errors.least(700.0, 700.0);
     assert!((bound - 20.429670).abs() < 1e-6, "{bound}");

@@ -6,6 +6,8 @@
 //! that comes out is valid: nothing downstream checks it again.
 
 mod arm;
+mod attitude;
+mod attitude_file;
 mod cell_file;
 mod choices;
 mod covariance_file;
@@ -33,6 +35,7 @@ mod tolerance_file;
 mod tree;
 mod value;
 
+pub use attitude::*;
 pub use choices::*;
 pub use document::{ReadFile, Source};
 pub use error_model::*;

@@ -1,5 +1,6 @@
 //! What exists in a workcell: plain data in SI units, valid by construction.
 
+use super::attitude::Attitude;
 use super::choices::*;
 use super::error_model::{ErrorSet, FrameErrors};
 use super::robot_model::Robot;
@@ -94,8 +95,7 @@ pub struct Operation {
     pub grid: (usize, usize),
     /// TCP above the surface, m.
     pub standoff: f64,
-    /// Tool bending angle: elevation of the tool axis above the horizontal, rad; -pi/2 points down.
-    pub bend: f64,
+    pub attitude: Attitude,
     pub sense: Sense,
     /// Largest error in the sense (m or rad) with which the operation succeeds.
     pub limit: Option<f64>,

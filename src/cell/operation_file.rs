@@ -6,9 +6,9 @@ use super::model::*;
 use super::reader::{Table, read_named};
 use super::sense::{Frame, PLAIN, Sense, Unit};
 use super::shape::Rectangle;
-use super::teach_file;
 use super::tree::{Entry, Node, Value};
 use super::value::{self, Must, plain};
+use super::{attitude_file, teach_file};
 use crate::units;
 use std::collections::HashMap;
 
@@ -82,7 +82,7 @@ fn read(name: &str, node: &Node, around: &Around<'_>, lib: &mut Library<'_>) -> 
         let on = read_surface_choice(t, around, lib);
         let grid = read_grid(t, lib);
         let standoff = t.number_or("standoff_mm", 0.0, Must::NotBeNegative, lib);
-        let bend = read_bend(t, lib);
+        let attitude = attitude_file::read(t, lib);
         let sense = read_sense(t, around, lib);
         let limit = read_limit(t, sense.as_ref(), lib);
         let relative_to = match t.get("relative_to") {
@@ -99,7 +99,7 @@ fn read(name: &str, node: &Node, around: &Around<'_>, lib: &mut Library<'_>) -> 
             equipment: on?,
             grid: grid?,
             standoff: units::m_from_mm(standoff?),
-            bend: bend?,
+            attitude: attitude?,
             sense: sense?,
             limit: limit?,
             relative_to: relative_to?,
@@ -240,15 +240,4 @@ fn read_grid(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<(usize, usize)>
 
 fn about(value: f64) -> String {
     if value < 1e6 { format!("{value:.1}") } else { format!("{value:.1e}") }
-}
-
-/// Elevation of the tool, rad.
-fn read_bend(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<f64> {
-    let bend = t.number("bend_deg", Must::BeFinite, lib)?;
-    if bend.abs() > 90.0 {
-        let message = format!("`bend_deg` must be from -90 to 90, not {}", plain(bend));
-        let help = "-90 is the tool pointing down, 0 horizontal, 90 up";
-        lib.error(t.get("bend_deg")?.at, message, help);
-    }
-    Some(units::rad_from_deg(bend))
 }

@@ -138,13 +138,17 @@ fn situation_elsewhere(
 /// Why a map has no best node.
 pub fn no_usable_node(cell: &Cell, map: &OperationMap) -> String {
     let name = shown(&cell.operations[map.operation].name);
-    let [out, limit, hit] = ["out-of-reach", "joint-limit", "collision"].map(|status| map.count(status));
+    let of = |status| map.count(status);
+    let (out, limit, hit) = (of("out-of-reach"), of("joint-limit"), of("collision"));
+    let others = [("attitude", "missing the attitude"), ("not-converged", "without answer")];
+    let others = others.into_iter().filter(|(status, _)| of(status) > 0);
+    let others: String = others.map(|(status, words)| format!(", {} {words}", of(status))).collect();
     let unjudged = map.nodes.iter().find_map(|n| match n.status {
         Status::Unjudged(why) => Some(format!("; {}", why.in_words())),
         _ => None,
     });
     format!(
-        "{name} has no usable node: {out} out of reach, {limit} beyond a joint limit, {hit} colliding{}",
+        "{name} has no usable node: {out} out of reach, {limit} beyond a joint limit, {hit} colliding{others}{}",
         unjudged.unwrap_or_default()
     )
 }

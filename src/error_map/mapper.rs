@@ -3,11 +3,11 @@
 use super::node::{NodeRecord, OperationMap, PostureRecord, Status};
 use super::outcome::{Candidate, Outcome, Spot, Unjudged};
 use super::station::{Arm, Station};
-use crate::cell::{Cell, JointVector, Layout, Placement};
+use crate::cell::{Cell, JointVector, Layout, Placement, shown};
 use crate::clearance::{Placed, Scene};
 use crate::kinematic_error::deviation;
 use crate::pose::Displacement;
-use crate::reach::{Branch, Gap, PlanarArm, Reach};
+use crate::reach::{Approach, Branch, Gap, Inverse, Reach};
 use crate::reading::{Gauge, Memory, Reference, Situation};
 use crate::robot::{Chain, Frames};
 use nalgebra::Vector3;
@@ -25,18 +25,24 @@ pub struct Mapper {
 pub struct Scratch {
     candidates: Vec<Candidate>,
     frames: Frames,
+    approach: Approach,
     /// One per operation.
     memories: Vec<Memory>,
 }
 
 impl Mapper {
     /// # Errors
-    /// Why the robot has no inverse kinematics here.
+    /// What an operation asks of the tool and the robot cannot do by its build.
     pub fn new(cell: &Cell) -> Result<Self, String> {
         let chain = Chain::new(&cell.robot);
-        let inverse = PlanarArm::new(&chain)?;
+        let inverse = Inverse::new(&chain);
+        for operation in &cell.operations {
+            if let Some(why) = inverse.refusal(&operation.attitude) {
+                return Err(format!("operation {}: {why}", shown(&operation.name)));
+            }
+        }
         let arm = Arm { chain, inverse };
-        let stations = cell.operations.iter().filter_map(|o| Station::new(cell, o, &arm)).collect();
+        let stations = cell.operations.iter().filter_map(|o| Station::new(cell, o)).collect();
         Ok(Self { arm, base: cell.base, stations })
     }
 
@@ -70,7 +76,8 @@ impl Mapper {
         let spot = spots.get(other).copied().flatten().ok_or(Unjudged::NoPick)?;
         let pick = &self.stations[other];
         let target = pick.grid.target(&at(pick), spot.node);
-        let frames = self.arm.frames(&target, &pick.approach, spot.branch).ok_or(Unjudged::NoPick)?;
+        let approach = pick.approach(&self.arm, &at(pick));
+        let frames = self.arm.frames(&target, &approach, spot.branch).ok_or(Unjudged::NoPick)?;
         let site_of_pick = pick.site(&station.gauge, &at(pick), &self.arm, scene, placed)?;
         let reference = Reference::new(&station.gauge, site_of_pick, frames);
         Ok(Situation { site, reference: Some(Box::new(reference)) })
@@ -94,24 +101,24 @@ impl Mapper {
         for missing in scratch.memories.len()..=operation {
             scratch.memories.push(self.stations[missing].gauge.memory());
         }
-        let Scratch { candidates, frames, memories } = scratch;
+        let Scratch { candidates, frames, approach, memories } = scratch;
+        self.arm.inverse.set(approach, &station.attitude, at.yaw);
         let memory = &mut memories[operation];
         let mut posture = self.arm.inverse.scratch();
-        let mut gap = Gap { reach: f64::INFINITY, limits: f64::INFINITY };
+        let mut gap = Gap::ALL;
         candidates.clear();
         let mut reached = false;
         station.grid.targets(&at, |node, target| {
-            let missed =
-                self.arm.inverse.visit(&target, &station.approach, &mut posture, |branch, posture| {
-                    reached = true;
-                    let judged = situation.as_ref().ok().filter(|s| !s.touches(&target));
-                    if let Some(situation) = judged {
-                        self.arm.chain.place(posture, frames);
-                        let value = station.gauge.value(situation, frames, memory);
-                        candidates.push(Candidate { spot: Spot { node, branch, value }, target });
-                    }
-                });
-            if (missed.reach, missed.limits) < (gap.reach, gap.limits) {
+            let missed = self.arm.inverse.visit(&target, approach, &mut posture, |branch, posture| {
+                reached = true;
+                let judged = situation.as_ref().ok().filter(|s| !s.touches(&target));
+                if let Some(situation) = judged {
+                    self.arm.chain.place(posture, frames);
+                    let value = station.gauge.value(situation, frames, memory);
+                    candidates.push(Candidate { spot: Spot { node, branch, value }, target });
+                }
+            });
+            if missed.is_less(&gap) {
                 gap = missed;
             }
         });
@@ -119,7 +126,7 @@ impl Mapper {
             _ if !reached => Outcome::Unreachable { gap },
             Err(why) => Outcome::Unjudged(why),
             Ok(_) if candidates.is_empty() => Outcome::Unjudged(Unjudged::OnlyTouched),
-            Ok(_) => self.first_free(station, scene, placed, candidates, frames),
+            Ok(_) => self.first_free(approach, scene, placed, candidates, frames),
         }
     }
 
@@ -128,7 +135,7 @@ impl Mapper {
     /// to be stored.
     fn first_free(
         &self,
-        station: &Station,
+        approach: &Approach,
         scene: &Scene,
         placed: &mut Placed,
         candidates: &mut Vec<Candidate>,
@@ -137,16 +144,10 @@ impl Mapper {
         let mut heap = BinaryHeap::from(std::mem::take(candidates));
         let nearest = heap.peek().map(|c| c.spot);
         let mut found = None;
-        let inverse = &self.arm.inverse;
         while let Some(Candidate { spot, target }) = heap.pop() {
-            let mut free = false;
-            inverse.visit(&target, &station.approach, &mut inverse.scratch(), |branch, posture| {
-                if branch == spot.branch {
-                    self.arm.chain.place(posture, frames);
-                    free = scene.is_free(placed, &frames.links);
-                }
-            });
-            if free {
+            let Some(posture) = self.arm.inverse.posture(&target, approach, spot.branch) else { continue };
+            self.arm.chain.place(&posture, frames);
+            if scene.is_free(placed, &frames.links) {
                 found = Some(spot);
                 break;
             }
@@ -172,11 +173,13 @@ impl Mapper {
         let situation = self.situation(operation, layout, scene, placed, spots);
         let at = self.in_base(&layout.placements[station.equipment]);
         let mut memory = station.gauge.memory();
+        let approach = station.approach(&self.arm, &at);
         let mut nodes = Vec::with_capacity(station.grid.count());
         station.grid.targets(&at, |k, target| {
             let (i, j) = station.grid.index(k);
             let position = self.base.pose().transform(&target);
-            let (status, posture) = self.judge(&target, station, &situation, scene, placed, &mut memory);
+            let (status, posture) =
+                self.judge(&target, (station, &approach), &situation, scene, placed, &mut memory);
             nodes.push(NodeRecord { i, j, position, status, posture });
         });
         let free = |p: &&PostureRecord| !p.touched;
@@ -191,17 +194,21 @@ impl Mapper {
     fn judge(
         &self,
         target: &Vector3<f64>,
-        station: &Station,
+        (station, approach): (&Station, &Approach),
         situation: &Result<Situation, Unjudged>,
         scene: &Scene,
         placed: &Placed,
         memory: &mut Memory,
     ) -> (Status, Option<PostureRecord>) {
-        let branches = match self.arm.inverse.branches(target, &station.approach) {
+        let branches = match self.arm.inverse.branches(target, approach) {
             Reach::OutOfReach { by } => return (Status::OutOfReach { by }, None),
+            Reach::Attitude { by, joint } => return (Status::Attitude { by, joint }, None),
+            Reach::NotConverged { position, angle } => {
+                return (Status::NotConverged { position, angle }, None);
+            }
             Reach::Branches(branches) => branches,
         };
-        let allowed = branches.iter().filter(|b| b.violation.is_none());
+        let allowed = branches.iter().filter(|b| b.is_usable());
         let situation = match situation {
             Ok(situation) => situation,
             Err(why) if allowed.clone().next().is_some() => return (Status::Unjudged(*why), None),
@@ -277,9 +284,14 @@ impl Mapper {
     }
 }
 
-/// The joint limit that the most nearly allowed branch passes.
+/// The joint limit that the most nearly allowed branch passes, or the attitude that it misses.
 fn least_violation(branches: &[Branch]) -> Status {
     let passed = branches.iter().filter_map(|b| b.violation.map(|v| (v, b.joints[v.joint])));
     let least = passed.min_by(|a, b| a.0.by.total_cmp(&b.0.by));
-    least.map_or(Status::OutOfReach { by: 0.0 }, |(violation, needs)| Status::JointLimit { violation, needs })
+    let off = branches.iter().filter(|b| b.violation.is_none()).map(|b| b.off).reduce(f64::min);
+    match (off, least) {
+        (Some(by), _) => Status::Attitude { by, joint: None },
+        (None, Some((violation, needs))) => Status::JointLimit { violation, needs },
+        (None, None) => Status::OutOfReach { by: 0.0 },
+    }
 }

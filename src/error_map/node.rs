@@ -1,7 +1,7 @@
 //! What the map says of a node.
 
 use super::outcome::{Spot, Unjudged};
-use crate::cell::{Cell, JointVector, Model, Sense, shown};
+use crate::cell::{Cell, JointKind, JointVector, Model, Sense, shown};
 use crate::clearance::{Hit, Overlap};
 use crate::reach::LimitViolation;
 use crate::reading::Figures;
@@ -15,6 +15,16 @@ pub enum Status {
     /// No posture at all; so many metres are missing.
     OutOfReach {
         by: f64,
+    },
+    /// In reach, but so much of the attitude is missing (rad), with this joint at its limit.
+    Attitude {
+        by: f64,
+        joint: Option<usize>,
+    },
+    /// The numeric inverse kinematics came no nearer than this (m, rad): there may be a posture.
+    NotConverged {
+        position: f64,
+        angle: f64,
     },
     /// Every posture passes a joint limit; the least violation.
     JointLimit {
@@ -36,6 +46,8 @@ impl Status {
         match self {
             Status::Ok => "ok",
             Status::OutOfReach { .. } => "out-of-reach",
+            Status::Attitude { .. } => "attitude",
+            Status::NotConverged { .. } => "not-converged",
             Status::JointLimit { .. } => "joint-limit",
             Status::Collision { .. } | Status::Overlap(_) => "collision",
             Status::Unjudged(_) => "unjudged",
@@ -50,13 +62,23 @@ impl Status {
             Status::JointLimit { violation, needs } => {
                 let joint = &cell.robot.joints[violation.joint];
                 let limit = if *needs < joint.limits.0 { joint.limits.0 } else { joint.limits.1 };
-                let (needs, limit) = (deg_from_rad(*needs), deg_from_rad(limit));
-                format!(
-                    "joint {} needs {needs:.2} deg, its limit is {} deg",
-                    shown(&joint.name),
-                    rounded(limit, 6)
-                )
+                let (needs, limit, unit) = match joint.kind {
+                    JointKind::Revolute => (deg_from_rad(*needs), deg_from_rad(limit), "deg"),
+                    JointKind::Prismatic => (mm_from_m(*needs), mm_from_m(limit), "mm"),
+                };
+                let name = shown(&joint.name);
+                format!("joint {name} needs {needs:.2} {unit}, its limit is {} {unit}", rounded(limit, 6))
             }
+            Status::Attitude { by, joint } => {
+                let at =
+                    joint.map(|j| format!(" with joint {} at its limit", shown(&cell.robot.joints[j].name)));
+                format!("the attitude is missed by {:.2} deg{}", deg_from_rad(*by), at.unwrap_or_default())
+            }
+            Status::NotConverged { position, angle } => format!(
+                "no posture found, and none ruled out: the nearest is off by {:.3} mm and {:.3} deg",
+                mm_from_m(*position),
+                deg_from_rad(*angle)
+            ),
             Status::Overlap(overlap) => overlap.in_words(cell),
             Status::Unjudged(why) => why.in_words().into(),
             Status::Collision { hit } => {
@@ -89,7 +111,7 @@ pub struct NodeRecord {
 /// or, of a tolerance, those of the corner that is worst in the sense of the operation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PostureRecord {
-    pub branch: u8,
+    pub branch: u32,
     pub joints: JointVector,
     /// By the model of the cell.
     pub error: Vector3<f64>,

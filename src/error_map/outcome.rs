@@ -9,7 +9,7 @@ use std::cmp::Ordering;
 pub struct Spot {
     /// Number of the node.
     pub node: usize,
-    pub branch: u8,
+    pub branch: u32,
     /// What the reading makes small: the error in the sense of the operation (m or rad) or one of
     /// its statistics, or a share of failures.
     pub value: f64,

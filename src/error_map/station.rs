@@ -2,9 +2,9 @@
 
 use super::grid::Grid;
 use super::outcome::Unjudged;
-use crate::cell::{Cell, Operation, Placement, Registration, TEACH_HEIGHT};
+use crate::cell::{Attitude, Cell, Operation, Placement, Registration, TEACH_HEIGHT};
 use crate::clearance::{Placed, Scene};
-use crate::reach::{Approach, PlanarArm};
+use crate::reach::{Approach, Inverse};
 use crate::reading::{Gauge, Site, Taught};
 use crate::robot::{Chain, Frames};
 use nalgebra::Vector3;
@@ -13,7 +13,7 @@ use nalgebra::Vector3;
 pub struct Station {
     pub equipment: usize,
     pub grid: Grid,
-    pub approach: Approach,
+    pub attitude: Attitude,
     pub gauge: Gauge,
     pub relative_to: Option<usize>,
     /// Nodes to touch, in the order of trying, for each of three points (if those lie in a line: the
@@ -31,19 +31,13 @@ enum Teach {
 /// The robot's side of a station.
 pub struct Arm {
     pub chain: Chain,
-    pub inverse: PlanarArm,
+    pub inverse: Inverse,
 }
 
 impl Arm {
     /// The frames of one branch at a target.
-    pub fn frames(&self, target: &Vector3<f64>, approach: &Approach, wanted: u8) -> Option<Frames> {
-        let mut found = None;
-        self.inverse.visit(target, approach, &mut self.inverse.scratch(), |branch, posture| {
-            if branch == wanted {
-                found = Some(self.chain.frames(posture));
-            }
-        });
-        found
+    pub fn frames(&self, target: &Vector3<f64>, approach: &Approach, wanted: u32) -> Option<Frames> {
+        self.inverse.posture(target, approach, wanted).map(|posture| self.chain.frames(&posture))
     }
 
     /// The frames of the first branch at a target that touches nothing.
@@ -66,7 +60,7 @@ impl Arm {
 }
 
 impl Station {
-    pub fn new(cell: &Cell, operation: &Operation, arm: &Arm) -> Option<Self> {
+    pub fn new(cell: &Cell, operation: &Operation) -> Option<Self> {
         let surface = cell.equipment[operation.equipment].surface?;
         let grid = Grid::new(&surface, operation);
         let teach = match (cell.registration, operation.teach) {
@@ -76,12 +70,17 @@ impl Station {
         };
         Some(Self {
             equipment: operation.equipment,
-            approach: arm.inverse.approach(operation.bend),
+            attitude: operation.attitude.clone(),
             gauge: Gauge::new(cell, operation),
             relative_to: operation.relative_to,
             grid,
             teach,
         })
+    }
+
+    /// The ways to hold the tool with the surface at `at` (base frame).
+    pub fn approach(&self, arm: &Arm, at: &Placement) -> Approach {
+        arm.inverse.approach(&self.attitude, at.yaw)
     }
 
     /// The work with the surface at `at` (base frame), seen by the sources of `gauge`.
@@ -111,15 +110,16 @@ impl Station {
         scene: &Scene,
         placed: &Placed,
     ) -> Option<Option<[Frames; 3]>> {
-        let touch = |target| arm.first_free(&target, &self.approach, scene, placed);
+        if matches!(self.teach, Teach::No) {
+            return None;
+        }
+        let approach = self.approach(arm, at);
+        let touch = |target| arm.first_free(&target, &approach, scene, placed);
         let point = |k: usize| match &self.teach {
             Teach::No => None,
             Teach::Nodes(orders) => orders[k].iter().find_map(|&node| touch(self.grid.target(at, node))),
             Teach::Points(points) => touch(self.grid.point(at, points[k])),
         };
-        if matches!(self.teach, Teach::No) {
-            return None;
-        }
         let postures = point(0).zip(point(1)).zip(point(2)).map(|((a, b), c)| [a, b, c]);
         let postures = postures.filter(|p| height(p) > TEACH_HEIGHT);
         if postures.is_some() || matches!(self.teach, Teach::Points(_)) {

@@ -9,68 +9,85 @@ use std::f64::consts::PI;
 /// middle of the range: rounding must not refuse a posture exactly at its limit.
 const TOLERANCE: f64 = 1e-12;
 
-/// The joint whose limit is passed the most, and by how much (rad).
+/// The same of a slide, m.
+const SLIDE_TOLERANCE: f64 = 1e-9;
+
+/// The joint whose limit is passed the most, and by how much (rad or m).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LimitViolation {
     pub joint: usize,
     pub by: f64,
 }
 
-/// The allowed arc of one actuator.
+/// The allowed range of one actuator.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Arc {
+struct Range {
+    kind: JointKind,
     /// Cosine and sine of the D-H offset theta and of the middle of the range.
     zero: (f64, f64),
     middle: (f64, f64),
-    middle_angle: f64,
-    /// Half the width of the range, rad, and its cosine (-2: every angle is allowed).
+    /// Axial offset at coordinate 0, m.
+    r: f64,
+    /// Of the actuator coordinate, rad or m.
+    centre: f64,
     half: f64,
+    /// Cosine of the half width of a turning joint (-2: every angle is allowed).
     cos_half: f64,
 }
 
-/// The limits of a chain of revolute joints.
+/// The limits of a chain.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Limits {
-    arcs: Vec<Arc>,
+    ranges: Vec<Range>,
     coupling: Vec<Vec<f64>>,
-    /// Below the diagonal: (row, column, factor), where every factor is a whole number.
+    /// Below the diagonal: (row, column, factor), where every factor is a whole number between
+    /// turning joints.
     whole: Option<Vec<(usize, usize, i32)>>,
 }
 
 impl Limits {
-    pub fn new(chain: &Chain) -> Self {
-        debug_assert!(chain.links.iter().all(|l| l.kind == JointKind::Revolute));
-        let arcs = chain.links.iter().map(|link| {
-            let (lo, hi) = link.limits;
-            let (middle_angle, half) = ((lo + hi) / 2.0, (hi - lo) / 2.0);
-            Arc {
-                zero: cos_sin(link.theta),
-                middle: cos_sin(middle_angle),
-                middle_angle,
-                half,
-                cos_half: if half >= PI { -2.0 } else { half.cos() - TOLERANCE },
-            }
-        });
+    /// # Errors
+    /// Why the limits cannot be judged by the posture alone.
+    pub fn new(chain: &Chain) -> Result<Self, String> {
+        let turns_more = |j: usize| {
+            let link = &chain.links[j];
+            link.kind == JointKind::Revolute && (link.limits.1 - link.limits.0) / 2.0 > PI
+        };
+        let turning = |i: usize| chain.links[i].kind == JointKind::Revolute;
+        let geared = |i: usize, j: usize| {
+            let factor = chain.coupling[i][j];
+            factor.fract() != 0.0 || factor != 0.0 && !turning(i)
+        };
+        let n = chain.axes();
+        if (0..n).any(|j| turns_more(j) && (j + 1..n).any(|i| geared(i, j))) {
+            return Err("a joint that turns more than a whole turn drives another by a fraction".into());
+        }
         let below = |i: usize| (0..i).map(move |j| (i, j));
-        let factors = (0..chain.axes()).flat_map(below).map(|(i, j)| (i, j, chain.coupling[i][j]));
+        let factors = (0..n).flat_map(below).map(|(i, j)| (i, j, chain.coupling[i][j]));
         let used: Vec<_> = factors.filter(|f| f.2 != 0.0).collect();
-        let whole = used.iter().all(|f| f.2.fract() == 0.0 && f.2.abs() <= 8.0);
+        let is_whole =
+            |&(i, j, f): &(usize, usize, f64)| turning(i) && turning(j) && f.fract() == 0.0 && f.abs() <= 8.0;
+        let whole = used.iter().all(is_whole);
         let whole = whole.then(|| used.iter().map(|&(i, j, f)| (i, j, f as i32)).collect());
-        Self { arcs: arcs.collect(), coupling: chain.coupling.clone(), whole }
+        Ok(Self { ranges: chain.links.iter().map(range).collect(), coupling: chain.coupling.clone(), whole })
     }
 
     /// How far outside its limits the posture is: 0 inside; otherwise the sum over the joints of
-    /// what the cosine misses, a measure that grows with the distance.
+    /// what the cosine misses (of slides: the metres), a measure that grows with the distance.
+    #[inline]
     pub fn excess(&self, posture: &Posture) -> f64 {
         let Some(whole) = &self.whole else {
             let (q, _) = self.joints(posture);
-            let missed = |(arc, q): (&Arc, f64)| (arc.cos_half - (q - arc.middle_angle).cos()).max(0.0);
-            return self.arcs.iter().zip(q).map(missed).sum();
+            return self.ranges.iter().zip(q).map(|(range, q)| range.missed(q)).sum();
         };
         let mut actuators = [(1.0, 0.0); MAX_JOINTS];
         let mut excess = 0.0;
-        for (i, arc) in self.arcs.iter().enumerate() {
-            let mut z = times_conjugate((posture.cos[i], posture.sin[i]), arc.zero);
+        for (i, range) in self.ranges.iter().enumerate() {
+            if range.kind == JointKind::Prismatic {
+                excess += range.missed(posture.r[i] - range.r);
+                continue;
+            }
+            let mut z = times_conjugate((posture.cos[i], posture.sin[i]), range.zero);
             for &(_, j, factor) in whole.iter().filter(|w| w.0 == i) {
                 let other = actuators[j];
                 let other = if factor > 0 { other } else { (other.0, -other.1) };
@@ -79,7 +96,7 @@ impl Limits {
                 }
             }
             actuators[i] = z;
-            excess += (arc.cos_half - z.0 * arc.middle.0 - z.1 * arc.middle.1).max(0.0);
+            excess += (range.cos_half - z.0 * range.middle.0 - z.1 * range.middle.1).max(0.0);
         }
         excess
     }
@@ -90,17 +107,50 @@ impl Limits {
     pub fn joints(&self, posture: &Posture) -> (JointVector, LimitViolation) {
         let mut q = [0.0; MAX_JOINTS];
         let mut worst = LimitViolation { joint: 0, by: f64::NEG_INFINITY };
-        for (joint, arc) in self.arcs.iter().enumerate() {
-            let z = times_conjugate((posture.cos[joint], posture.sin[joint]), arc.zero);
+        for (joint, range) in self.ranges.iter().enumerate() {
             let others: f64 = (0..joint).map(|j| self.coupling[joint][j] * q[j]).sum();
-            let from_middle = wrapped(z.1.atan2(z.0) - others - arc.middle_angle);
-            q[joint] = arc.middle_angle + from_middle;
-            let by = from_middle.abs() - arc.half;
-            if arc.half < PI && by > worst.by {
+            let from_middle = match range.kind {
+                JointKind::Revolute => {
+                    let z = times_conjugate((posture.cos[joint], posture.sin[joint]), range.zero);
+                    wrapped(z.1.atan2(z.0) - others - range.centre)
+                }
+                JointKind::Prismatic => posture.r[joint] - range.r - others - range.centre,
+            };
+            q[joint] = range.centre + from_middle;
+            let by = from_middle.abs() - range.half;
+            if range.cos_half > -2.0 && by > worst.by {
                 worst = LimitViolation { joint, by };
             }
         }
         (q, worst)
+    }
+}
+
+impl Range {
+    /// What the coordinate misses, in the measure of [`Limits::excess`].
+    fn missed(&self, q: f64) -> f64 {
+        match self.kind {
+            JointKind::Revolute => (self.cos_half - (q - self.centre).cos()).max(0.0),
+            JointKind::Prismatic => {
+                let by = (q - self.centre).abs() - self.half;
+                if by > SLIDE_TOLERANCE { by } else { 0.0 }
+            }
+        }
+    }
+}
+
+fn range(link: &crate::robot::Link) -> Range {
+    let (lo, hi) = link.limits;
+    let (centre, half) = ((lo + hi) / 2.0, (hi - lo) / 2.0);
+    let whole_turn = link.kind == JointKind::Revolute && half >= PI;
+    Range {
+        kind: link.kind,
+        zero: cos_sin(link.theta),
+        middle: cos_sin(centre),
+        r: link.r,
+        centre,
+        half,
+        cos_half: if whole_turn { -2.0 } else { half.min(PI).cos() - TOLERANCE },
     }
 }
 

@@ -1,7 +1,21 @@
 //! Can it go: inverse kinematics with all branches and joint limits.
 
+mod ability;
+mod hold;
+mod inverse;
+mod kernel;
 mod limits;
+mod numeric;
 mod planar;
+mod scara;
+mod spherical_wrist;
+mod subproblems;
+mod three_parallel;
 
+pub use inverse::{Approach, Branch, Gap, Inverse, Reach};
 pub use limits::LimitViolation;
-pub use planar::{Approach, Branch, Gap, PlanarArm, Reach};
+pub use numeric::Numeric;
+pub use spherical_wrist::SphericalWrist;
+pub use three_parallel::ThreeParallel;
+
+use ability::kept_elevation;

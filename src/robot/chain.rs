@@ -1,7 +1,7 @@
 //! The chain of links and its forward kinematics.
 
 use crate::cell::{JointKind, JointVector, MAX_JOINTS, Robot};
-use crate::pose::Pose;
+use crate::pose::{Pose, exact_sin_cos};
 use nalgebra::{Matrix3, Vector3};
 
 /// A D-H row made ready for the node loop.
@@ -19,6 +19,13 @@ pub struct Link {
     pub cos_alpha: f64,
     pub sin_alpha: f64,
     pub limits: (f64, f64),
+}
+
+impl Link {
+    /// Eq. (1) at cosine and sine of theta, and r (m).
+    pub fn pose(&self, cos: f64, sin: f64, r: f64) -> Pose {
+        step(&Pose::identity(), self, cos, sin, r)
+    }
 }
 
 /// The D-H variables of one configuration: cosine and sine of each theta, and each r (m).
@@ -136,11 +143,4 @@ fn step(t: &Pose, link: &Link, c: f64, s: f64, r: f64) -> Pose {
         (ca, sa) => (y1 * ca + z * sa, z * ca - y1 * sa),
     };
     Pose { rotation: Matrix3::from_columns(&[x1, y2, z2]), translation: t.translation + z * r + x1 * link.l }
-}
-
-/// Sine and cosine, exact at multiples of a right angle within rounding of degrees.
-fn exact_sin_cos(angle: f64) -> (f64, f64) {
-    let (s, c) = angle.sin_cos();
-    let snap = |v: f64| if v.abs() < 1e-15 { 0.0 } else { v };
-    (snap(s), snap(c))
 }

@@ -340,7 +340,7 @@ fn an_explanation_in_words_has_every_step() {
     ] {
         assert!(ran.out.contains(step), "{step}: {}", ran.out);
     }
-    assert!(ran.out.contains("turn about x of frame 1") && ran.out.contains("slide along z of base"));
+    assert!(ran.out.contains("turn about x of frame 1") && ran.out.contains("slide along z of frame 0"));
     assert!(ran.err.contains("note: this is assembly; with --operation also: picking"), "{}", ran.err);
     assert!(ran.err.contains("next: sweetspot budget"), "{}", ran.err);
     let taken = shop.done(&["explain", CELL, "--registration", "best-fit"]);

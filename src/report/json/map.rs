@@ -243,6 +243,8 @@ pub(super) fn counts(map: &OperationMap) -> Value {
         "out-of-reach": count("out-of-reach"),
         "joint-limit": count("joint-limit"),
         "collision": count("collision"),
+        "attitude": count("attitude"),
+        "not-converged": count("not-converged"),
         "unjudged": count("unjudged"),
     })
 }

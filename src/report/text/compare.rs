@@ -1,7 +1,7 @@
 //! Layouts side by side.
 
 use super::table::Table;
-use super::{STATUSES, mm, mm1, value_word};
+use super::{STATUSES, USUAL, mm, mm1, value_word};
 use crate::cell::Unit;
 use crate::compare::{Assessment, Comparison};
 use crate::units::{deg_from_rad, rounded};
@@ -82,7 +82,7 @@ fn operation_rows(table: &mut Table, k: usize, comparison: &Comparison<'_>) {
         table.labelled("", "yield", (0..columns.len()).map(|c| with_change(comparison, c, &success)));
     }
     for (status, words) in STATUSES {
-        if status == "unjudged" && columns.iter().all(|c| c.maps[k].count(status) == 0) {
+        if !USUAL.contains(&status) && columns.iter().all(|c| c.maps[k].count(status) == 0) {
             continue;
         }
         table.labelled(

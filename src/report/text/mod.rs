@@ -66,11 +66,16 @@ pub fn value_word(cell: &Cell) -> &'static str {
     }
 }
 
+/// Told even if there are none.
+const USUAL: [&str; 4] = ["ok", "collision", "joint-limit", "out-of-reach"];
+
 /// What can be the matter with a node, in words.
-const STATUSES: [(&str, &str); 5] = [
+const STATUSES: [(&str, &str); 7] = [
     ("ok", "ok"),
     ("collision", "colliding"),
     ("joint-limit", "beyond a joint limit"),
+    ("attitude", "where the tool cannot be held so"),
+    ("not-converged", "without answer"),
     ("out-of-reach", "out of reach"),
     ("unjudged", "that cannot be judged"),
 ];

@@ -1,0 +1,12 @@
+use crate::pose::Pose;
+use crate::robot::{Chain, Posture};
+#[derive(Debug, Clone)]
+pub struct ThreeParallel;
+impl ThreeParallel {
+    pub fn new(_: &Chain) -> Result<Self, String> {
+        Err("stub".into())
+    }
+    pub fn solve(&self, _: &Pose, _: &mut Posture, _: &mut impl FnMut(u8, &Posture)) -> f64 {
+        f64::INFINITY
+    }
+}
