@@ -109,6 +109,15 @@ impl Inverse {
         self.kernel.family()
     }
 
+    /// The same arm with its redundant joint, if it has one that is held, at the coordinate in `q` alone.
+    pub fn held_at(&self, q: &JointVector) -> Self {
+        let mut held = self.clone();
+        if let Kernel::Locked(locked) = &mut held.kernel {
+            locked.hold(q);
+        }
+        held
+    }
+
     /// The ways to hold the tool over a surface turned by `yaw` (rad) in the base frame.
     pub fn approach(&self, attitude: &Attitude, yaw: f64) -> Approach {
         let mut approach = Approach::default();

@@ -176,6 +176,11 @@ impl Locked {
         Some(Self { kernel, template, link, first, axes: n, values })
     }
 
+    /// Tries the coordinate in `q` alone.
+    pub fn hold(&mut self, q: &JointVector) {
+        self.values = [q[if self.first { 0 } else { self.axes - 1 }]; Self::STEPS];
+    }
+
     /// The held link at a coordinate: its row of the posture, and the inverse of its matrix.
     pub fn at(&self, value: f64) -> ((f64, f64, f64), Pose) {
         let (turn, slide) = match self.link.kind {

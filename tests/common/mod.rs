@@ -2,7 +2,7 @@
 #![allow(dead_code, clippy::unwrap_used, clippy::panic)] // every test file uses a part of it
 
 use std::path::{Path, PathBuf};
-use sweetspot::cell::{self, Cell, ErrorSet, Fault, Loaded, SignedErrors};
+use sweetspot::cell::{self, Cell, ErrorSet, Fault, Loaded, Robot, SignedErrors};
 
 pub fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
@@ -45,4 +45,31 @@ pub fn from_text(text: &str) -> Result<Loaded, Vec<Fault>> {
 pub fn data(name: &str) -> Vec<f64> {
     let bytes = std::fs::read(root().join("tests/data").join(name)).unwrap();
     bytes.chunks_exact(8).map(|c| f64::from_le_bytes(c.try_into().unwrap())).collect()
+}
+
+/// A cell round a robot file of the library: one table, one operation, the first error set.
+pub fn cell_of_robot(stem: &str) -> String {
+    let text = std::fs::read_to_string(root().join(format!("cells/robots/{stem}.toml"))).unwrap();
+    let set = text.lines().find_map(|line| line.strip_prefix("[errors.")?.split([']', '.']).next());
+    format!(
+        "schema = \"sweetspot/cell/1\"\nunits = {{ length = \"mm\", angle = \"deg\" }}\nerrors = \"{}\"\n\
+         [robot]\nfrom = \"robots/{stem}.toml\"\n\
+         [equipment.table]\nsurface = {{ size_mm = [500, 500] }}\n\
+         placement = {{ x_mm = 600, y_mm = 0, z_mm = 100 }}\n\
+         [operation.work]\non = \"table\"\ngrid = [2, 2]\nbend_deg = -90\nsense = \"xyz\"\n",
+        set.unwrap_or("table-2") // those of the file it is made from
+    )
+}
+
+/// Every robot of the library by its file's name.
+pub fn robots() -> Vec<(String, Robot)> {
+    let files = std::fs::read_dir(root().join("cells/robots")).unwrap();
+    let paths = files.map(|file| file.unwrap().path()).filter(|p| p.extension().is_some_and(|e| e == "toml"));
+    let mut stems: Vec<_> = paths.map(|p| p.file_stem().unwrap().to_string_lossy().into_owned()).collect();
+    stems.sort();
+    let robot = |stem: String| {
+        let cell = from_text(&cell_of_robot(&stem)).unwrap_or_else(|f| panic!("{stem}: {f:#?}")).cell;
+        (stem, cell.robot)
+    };
+    stems.into_iter().map(robot).collect()
 }
