@@ -1,0 +1,77 @@
+//! The geometric Jacobian and the normal equations of a goal.
+
+use super::goal::Miss;
+use super::step::Matrix;
+use crate::cell::{JointKind, JointVector, MAX_JOINTS};
+use crate::pose::Displacement;
+use crate::robot::{Chain, Frames};
+use nalgebra::Vector3;
+
+/// The geometric Jacobian: column j is how the TCP moves (m and rad, base frame) per unit (rad or m)
+/// of actuator j; those beyond the chain are 0. A turn about z_i gives `z_i x (p - o_i)` and `z_i`, a
+/// slide `z_i` and 0, and an actuator adds the D-H coordinates that it drives.
+pub fn jacobian(chain: &Chain, frames: &Frames) -> [Displacement; MAX_JOINTS] {
+    let mut columns = uncoupled(chain, frames);
+    // Lower triangular: the columns after j are still those of the D-H coordinates.
+    for (i, row) in chain.coupling.iter().enumerate() {
+        for (j, &factor) in row[..i].iter().enumerate().filter(|(_, factor)| **factor != 0.0) {
+            columns[j] = columns[j] + columns[i] * factor;
+        }
+    }
+    columns
+}
+
+/// The Jacobian of the D-H coordinates.
+fn uncoupled(chain: &Chain, frames: &Frames) -> [Displacement; MAX_JOINTS] {
+    let mut columns = [Displacement::NONE; MAX_JOINTS];
+    let tcp = frames.tcp.translation;
+    for ((link, frame), column) in chain.links.iter().zip(&frames.links).zip(&mut columns) {
+        let axis: Vector3<f64> = frame.rotation.column(2).into_owned();
+        *column = match link.kind {
+            JointKind::Revolute => {
+                Displacement { position: axis.cross(&(tcp - frame.translation)), rotation: axis }
+            }
+            JointKind::Prismatic => Displacement { position: axis, rotation: Vector3::zeros() },
+        };
+    }
+    columns
+}
+
+/// `J^T J` and `J^T e` of the twist error e, lengths by `scale` (1/m).
+pub(super) fn normal_equations(
+    n: usize,
+    columns: &[Displacement; MAX_JOINTS],
+    miss: &Miss,
+    scale: f64,
+) -> (Matrix, JointVector) {
+    let (mut matrix, mut right) = (Matrix::default(), JointVector::default());
+    let mut seen = [Displacement::NONE; MAX_JOINTS];
+    for (seen, column) in seen.iter_mut().zip(columns).take(n) {
+        *seen = Displacement { position: column.position * scale, rotation: miss.seen.of(&column.rotation) };
+    }
+    let position = miss.position * scale;
+    for i in 0..n {
+        right[i] = seen[i].position.dot(&position) + seen[i].rotation.dot(&miss.rotation);
+        for j in 0..=i {
+            matrix[i][j] = seen[i].position.dot(&seen[j].position) + seen[i].rotation.dot(&seen[j].rotation);
+        }
+    }
+    (matrix, right)
+}
+
+/// The second-order part of the Hessian of `|e|^2 / 2` for the position alone,
+/// `-e . d2p / dq_i dq_j`, where `d2p / dq_i dq_j = w_i x J_j` for i <= j (lower triangle), lengths by
+/// `scale` (1/m): with it Newton's method converges where a rest of e is left, too.
+pub(super) fn add_curvature(chain: &Chain, frames: &Frames, miss: &Miss, scale: f64, matrix: &mut Matrix) {
+    let n = chain.axes();
+    let columns = uncoupled(chain, frames);
+    let entry = |i: usize, j: usize| {
+        let (first, last) = (i.min(j), i.max(j));
+        -scale * scale * miss.position.dot(&columns[first].rotation.cross(&columns[last].position))
+    };
+    let factor = |i: usize, j: usize| chain.coupling[i][j];
+    for (i, j) in (0..n).flat_map(|i| (0..=i).map(move |j| (i, j))) {
+        let driven = (i..n).flat_map(|k| (j..n).map(move |l| (k, l)));
+        matrix[i][j] += driven.map(|(k, l)| factor(k, i) * entry(k, l) * factor(l, j)).sum::<f64>();
+    }
+}

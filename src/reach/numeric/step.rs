@@ -1,0 +1,82 @@
+//! One step: the least of `d^T H d / 2 - b . d` within bounds, on arrays that live on the stack.
+
+use crate::cell::{JointVector, MAX_JOINTS};
+
+/// Symmetric: only the lower triangle is kept.
+pub(super) type Matrix = [[f64; MAX_JOINTS]; MAX_JOINTS];
+
+/// Least and greatest step of each joint.
+pub(super) type Bounds = [(f64, f64); MAX_JOINTS];
+
+/// The step within `bounds`: joints whose step leaves them are put at the bound and the rest is solved
+/// again, an active set that never lets go. None if H is not positive definite.
+pub(super) fn bounded_step(n: usize, h: &Matrix, b: &JointVector, bounds: &Bounds) -> Option<JointVector> {
+    let mut step = *b;
+    solve(n, h, &mut step)?;
+    let mut held = [false; MAX_JOINTS];
+    loop {
+        let leaves = |i: &usize| !held[*i] && (step[*i] < bounds[*i].0 || step[*i] > bounds[*i].1);
+        let mut leaving = [false; MAX_JOINTS];
+        (0..n).filter(leaves).for_each(|i| leaving[i] = true);
+        if leaving == [false; MAX_JOINTS] {
+            return Some(step);
+        }
+        for i in (0..n).filter(|&i| leaving[i]) {
+            step[i] = step[i].clamp(bounds[i].0, bounds[i].1);
+            held[i] = true;
+        }
+        solve_free(n, h, b, &held, &mut step)?;
+    }
+}
+
+/// Solves for the joints that are not held, the others stay where they are in `step`.
+fn solve_free(
+    n: usize,
+    h: &Matrix,
+    b: &JointVector,
+    held: &[bool; MAX_JOINTS],
+    step: &mut JointVector,
+) -> Option<()> {
+    let at = |i: usize, j: usize| if i >= j { h[i][j] } else { h[j][i] };
+    let (mut free, mut count) = ([0; MAX_JOINTS], 0);
+    for i in (0..n).filter(|&i| !held[i]) {
+        free[count] = i;
+        count += 1;
+    }
+    let (mut part, mut right) = (Matrix::default(), JointVector::default());
+    for (k, &i) in free[..count].iter().enumerate() {
+        let pulled: f64 = (0..n).filter(|&j| held[j]).map(|j| at(i, j) * step[j]).sum();
+        right[k] = b[i] - pulled;
+        for (l, &j) in free[..=k].iter().enumerate() {
+            part[k][l] = at(i, j);
+        }
+    }
+    solve(count, &part, &mut right)?;
+    for (&i, d) in free[..count].iter().zip(right) {
+        step[i] = d;
+    }
+    Some(())
+}
+
+/// `H^-1 b` in place of b, by Cholesky. None if H is not positive definite.
+#[inline]
+fn solve(n: usize, h: &Matrix, b: &mut JointVector) -> Option<()> {
+    let mut lower = *h;
+    let mut inverse = JointVector::default();
+    for i in 0..n {
+        for j in 0..i {
+            let dot: f64 = (0..j).map(|k| lower[i][k] * lower[j][k]).sum();
+            lower[i][j] = (lower[i][j] - dot) * inverse[j];
+        }
+        let square = lower[i][i] - (0..i).map(|k| lower[i][k] * lower[i][k]).sum::<f64>();
+        if !(square > 0.0 && square.is_finite()) {
+            return None;
+        }
+        inverse[i] = 1.0 / square.sqrt();
+        b[i] = (b[i] - (0..i).map(|k| lower[i][k] * b[k]).sum::<f64>()) * inverse[i];
+    }
+    for i in (0..n).rev() {
+        b[i] = (b[i] - (i + 1..n).map(|k| lower[k][i] * b[k]).sum::<f64>()) * inverse[i];
+    }
+    Some(())
+}
