@@ -16,7 +16,7 @@ const GAIN: f64 = 2.0;
 const STRIDE: f64 = 1.0;
 /// Damping per cost, and the least one: H stays positive definite at singular postures.
 const DAMPING: f64 = 0.3;
-const LEAST_DAMPING: f64 = 1e-12;
+const LEAST_DAMPING: f64 = 1e-15;
 /// How far a redundant chain goes towards the middle of its ranges in one step, as a share.
 const PULL: f64 = 0.1;
 

@@ -18,7 +18,7 @@ const DAMPING: f64 = 1e-3;
 const EASED: f64 = 0.2;
 const TIGHTENED: f64 = 5.0;
 const STUCK: f64 = 1e10;
-const LEAST_DAMPING: f64 = 1e-13;
+const LEAST_DAMPING: f64 = 1e-15;
 /// A step that gains less than this share of the cost is the last.
 const GAIN: f64 = 1e-13;
 
