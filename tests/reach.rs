@@ -1,6 +1,6 @@
 //! Inverse kinematics of every robot of the library: poses made by the forward kinematics are found
 //! again. With `SWEETSPOT_POSES=100000` (and `--release`) this is the study of results/inverse.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
 mod common;
 

@@ -14,7 +14,7 @@ mod three_parallel;
 
 pub use inverse::{Approach, Branch, Gap, Inverse, Reach};
 pub use limits::LimitViolation;
-pub use numeric::Numeric;
+pub use numeric::{Goal, Held, Missing, Numeric, jacobian};
 pub use spherical_wrist::SphericalWrist;
 pub use three_parallel::ThreeParallel;
 

@@ -32,13 +32,6 @@ impl Range {
         q.clamp(self.lo, self.hi)
     }
 
-    /// Half a turn away if the limits allow it, else mirrored at the middle.
-    pub fn opposite(&self, q: f64) -> f64 {
-        let half = if q > self.middle() { q - PI } else { q + PI };
-        let revolute = self.kind == JointKind::Revolute && (self.lo..=self.hi).contains(&half);
-        if revolute { half } else { 2.0 * self.middle() - q }
-    }
-
     /// Difference of two coordinates, less whole turns where they do not count.
     pub fn apart(&self, a: f64, b: f64) -> f64 {
         if self.turns { wrapped(a - b).abs() } else { (a - b).abs() }

@@ -9,7 +9,7 @@ use crate::robot::Frames;
 const POSITION_STARTS: usize = 12;
 const ATTITUDE_STARTS: usize = 24;
 /// How much more the position weighs when the least angle is looked for: it is met first.
-const STRICT: f64 = 1e3;
+const STRICT: f64 = 1e4;
 /// Less than this is not missing but not found, m and rad.
 const CLOSE: f64 = 1e-6;
 /// Beyond so many lengths of the chain only the direction of a goal counts.

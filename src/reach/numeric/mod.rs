@@ -20,6 +20,7 @@ mod starts;
 mod step;
 
 pub use goal::{Goal, Held};
+pub use jacobian::jacobian;
 pub use missing::Missing;
 
 use crate::cell::{JointKind, JointVector};
@@ -77,15 +78,6 @@ impl Numeric {
             distinct.take(self.rush(&goal, start, &mut frames));
             if distinct.is_done() {
                 break;
-            }
-        }
-        let mut next = 0;
-        while let Some(&q) = distinct.found.get(next).filter(|_| false) {
-            next += 1;
-            for (j, range) in self.joints.ranges().iter().enumerate() {
-                let mut start = q;
-                start[j] = range.opposite(q[j]);
-                distinct.take(self.rush(&goal, &start, &mut frames));
             }
         }
         if distinct.found.is_empty() {
