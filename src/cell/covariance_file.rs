@@ -13,8 +13,7 @@ use nalgebra::DMatrix;
 /// Relative rounding that a symmetric, semidefinite matrix in a file may have.
 const ROUNDING: f64 = 1e-9;
 
-const KNOWN: &str =
-    "dq, dr, dl, dalpha or dbeta and a joint (dl2), or base or tool and x, y, z, rx, ry or rz (base x)";
+const KNOWN: &str = "dq, dr, dl, dalpha or dbeta and a joint (dl2), or base, tool or a joint and x, y, z, rx, ry or rz (joint2 x)";
 
 /// Reads `covariance`; `values`: the plus-or-minus of all parameters, of which those here have none.
 pub fn read(
@@ -50,7 +49,8 @@ fn is_length(parameter: Parameter, arm: Arm<'_>) -> bool {
         Parameter::Dq(i) => arm.slides(i),
         Parameter::Dr(_) | Parameter::Dl(_) => true,
         Parameter::Dalpha(_) | Parameter::Dbeta(_) => false,
-        Parameter::Base(c) | Parameter::Tool(c) | Parameter::Equipment(_, c) => c < PER_FRAME / 2,
+        Parameter::Base(c) | Parameter::Tool(c) => c < PER_FRAME / 2,
+        Parameter::Joint(_, c) | Parameter::Equipment(_, c) => c < PER_FRAME / 2,
     }
 }
 
