@@ -13,8 +13,7 @@ use nalgebra::DMatrix;
 /// Relative rounding that a symmetric, semidefinite matrix in a file may have.
 const ROUNDING: f64 = 1e-9;
 
-const KNOWN: &str =
-    "dq, dr, dl, dalpha or dbeta and a joint (dl2), or base or tool and x, y, z, rx, ry or rz (base x)";
+const KNOWN: &str = "dq, dr, dl, dalpha or dbeta and a joint (dl2), or base, tool or a joint and x, y, z, rx, ry or rz (joint2 x)";
 
 /// Reads `covariance`; `values`: the plus-or-minus of all parameters, of which those here have none.
 pub fn read(
@@ -50,7 +49,8 @@ fn is_length(parameter: Parameter, arm: Arm<'_>) -> bool {
         Parameter::Dq(i) => arm.slides(i),
         Parameter::Dr(_) | Parameter::Dl(_) => true,
         Parameter::Dalpha(_) | Parameter::Dbeta(_) => false,
-        Parameter::Base(c) | Parameter::Tool(c) | Parameter::Equipment(_, c) => c < PER_FRAME / 2,
+        Parameter::Base(c) | Parameter::Tool(c) => c < PER_FRAME / 2,
+        Parameter::Joint(_, c) | Parameter::Equipment(_, c) => c < PER_FRAME / 2,
     }
 }
 
@@ -106,14 +106,20 @@ fn read_parameter(item: &Node, names: &[String], arm: Arm<'_>, lib: &mut Library
 
 /// What may have been meant by an unknown name.
 fn nearest(name: &str, names: &[String], arm: Arm<'_>) -> String {
-    let row = name.trim_end_matches(|c: char| c.is_ascii_digit());
-    if row != name && names.contains(&format!("{row}1")) {
-        return format!("the robot has joints 1 to {}: {row}1 to {row}{}", arm.axes, arm.axes);
+    if let Some(first) = of_joint(name, 1).filter(|first| names.contains(first)) {
+        let last = of_joint(name, arm.axes).unwrap_or_default();
+        return format!("the robot has joints 1 to {}: {first} to {last}", arm.axes);
     }
     match did_you_mean(name, names.iter().map(String::as_str)) {
         Some(near) => format!("did you mean \"{near}\"?"),
         None => KNOWN.into(),
     }
+}
+
+/// The same parameter of another joint: the number in its name replaced.
+fn of_joint(name: &str, number: usize) -> Option<String> {
+    let (before, rest) = name.split_at(name.find(|c: char| c.is_ascii_digit())?);
+    Some(format!("{before}{number}{}", rest.trim_start_matches(|c: char| c.is_ascii_digit())))
 }
 
 /// A parameter spreads by the covariance or by its plus-or-minus.

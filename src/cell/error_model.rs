@@ -25,21 +25,24 @@ pub enum Parameter {
     Base(usize),
     /// The tool frame (the TCP), in itself.
     Tool(usize),
+    /// A joint frame ([`super::Robot::joint_frames`]), in itself: everything from the joint on moves.
+    Joint(usize, usize),
     /// An equipment's placement or fixture, in its own frame.
     Equipment(usize, usize),
 }
 
 impl Parameter {
     /// The parameters of a robot of `axes` joints, in the order of every list of their values:
-    /// link by link, then base, then tool.
+    /// link by link, then base, then tool, then joint frame by joint frame.
     pub fn of_robot(axes: usize) -> impl Iterator<Item = Parameter> {
         let links = (0..axes).flat_map(|i| {
             [Self::Dq(i), Self::Dr(i), Self::Dl(i), Self::Dalpha(i), Self::Dbeta(i)].into_iter()
         });
-        links.chain((0..PER_FRAME).map(Self::Base)).chain((0..PER_FRAME).map(Self::Tool))
+        let joints = (0..axes).flat_map(|i| (0..PER_FRAME).map(move |c| Self::Joint(i, c)));
+        links.chain((0..PER_FRAME).map(Self::Base)).chain((0..PER_FRAME).map(Self::Tool)).chain(joints)
     }
 
-    /// As a file names it: `dl2`, `base rx`; of an equipment its component alone.
+    /// As a file names it: `dl2`, `base rx`, `joint3 rx`; of an equipment its component alone.
     pub fn name(self) -> String {
         match self {
             Self::Dq(i) => format!("dq{}", i + 1),
@@ -49,13 +52,19 @@ impl Parameter {
             Self::Dbeta(i) => format!("dbeta{}", i + 1),
             Self::Base(c) => format!("base {}", COMPONENTS[c]),
             Self::Tool(c) => format!("tool {}", COMPONENTS[c]),
+            Self::Joint(i, c) => format!("joint{} {}", i + 1, COMPONENTS[c]),
             Self::Equipment(_, c) => COMPONENTS[c].to_string(),
         }
     }
 
+    /// Place of the first joint frame: before it are the links, the base and the tool.
+    pub fn first_joint(axes: usize) -> usize {
+        PER_LINK * axes + 2 * PER_FRAME
+    }
+
     /// How many they are.
     pub fn count(axes: usize) -> usize {
-        PER_LINK * axes + 2 * PER_FRAME
+        Self::first_joint(axes) + PER_FRAME * axes
     }
 }
 
@@ -80,6 +89,8 @@ pub struct SignedErrors {
     /// Of the base frame and of the tool frame (m, rad).
     pub base: [f64; PER_FRAME],
     pub tool: [f64; PER_FRAME],
+    /// Of every joint frame (m, rad).
+    pub joints: Vec<[f64; PER_FRAME]>,
 }
 
 impl SignedErrors {
@@ -88,7 +99,8 @@ impl SignedErrors {
         let row = |k: usize| (0..axes).map(|i| values[PER_LINK * i + k]).collect();
         let frame = |k: usize| std::array::from_fn(|c| values[PER_LINK * axes + PER_FRAME * k + c]);
         let [dq, dr, dl, dalpha, dbeta] = [0, 1, 2, 3, 4].map(row);
-        Self { name, dq, dr, dl, dalpha, dbeta, base: frame(0), tool: frame(1) }
+        let joints = (0..axes).map(|i| frame(2 + i)).collect();
+        Self { name, dq, dr, dl, dalpha, dbeta, base: frame(0), tool: frame(1), joints }
     }
 
     /// The values in the order of [`Parameter::of_robot`].
@@ -101,6 +113,7 @@ impl SignedErrors {
             Parameter::Dbeta(i) => self.dbeta[i],
             Parameter::Base(c) => self.base[c],
             Parameter::Tool(c) => self.tool[c],
+            Parameter::Joint(i, c) => self.joints[i][c],
             Parameter::Equipment(..) => 0.0,
         };
         Parameter::of_robot(self.dq.len()).map(value).collect()

@@ -58,25 +58,28 @@ fn read_values(
     let angles = |v: Vec<f64>| v.into_iter().map(units::rad_from_deg).collect::<Vec<_>>();
     let dq_deg = t.numbers_or_zero("dq_deg", n, must, lib);
     let dq_mm = t.numbers_or_zero("dq_mm", n, must, lib);
-    let dr = t.numbers("dr_mm", n, must, lib).map(lengths);
-    let dl = t.numbers("dl_mm", n, must, lib).map(lengths);
-    let dalpha = t.numbers("dalpha_deg", n, must, lib).map(angles);
+    // Joint frames say it all: the rows may be left out.
+    let rows = if t.get("joints").is_some() { Table::numbers_or_zero } else { Table::numbers };
+    let dr = rows(t, "dr_mm", n, must, lib).map(lengths);
+    let dl = rows(t, "dl_mm", n, must, lib).map(lengths);
+    let dalpha = rows(t, "dalpha_deg", n, must, lib).map(angles);
     let dbeta = t.numbers_or_zero("dbeta_deg", n, must, lib).map(angles);
     let base = frame_file::read_part(t, "base", must, lib);
     let tool = frame_file::read_part(t, "tool", must, lib);
+    let joints = frame_file::read_joints(t, arm, must, lib);
     let (dq_deg, dq_mm) = (dq_deg?, dq_mm?);
     fits(t, "dq_deg", &dq_deg, arm, JointKind::Revolute, lib);
     fits(t, "dq_mm", &dq_mm, arm, JointKind::Prismatic, lib);
     // One of the two is zero for every joint.
     let dq = angles(dq_deg).iter().zip(lengths(dq_mm)).map(|(a, b)| a + b).collect();
     let (dr, dl, dalpha, dbeta) = (dr?, dl?, dalpha?, dbeta?);
-    let (base, tool, name) = (base?, tool?, name.to_string());
+    let (base, tool, joints, name) = (base?, tool?, joints?, name.to_string());
     if arm.modified && OF_FIRST_ROW.iter().any(|&c| base[c] != 0.0) {
         let at = t.get("base").map_or(t.at, |node| node.at);
         let message = "x, rx and ry of `base` are those of row 1: this robot has modified rows";
         lib.error(at, message.into(), "give them as number 1 of dl_mm, dalpha_deg and dbeta_deg");
     }
-    let rows = SignedErrors { name: name.clone(), dq, dr, dl, dalpha, dbeta, base, tool };
+    let rows = SignedErrors { name: name.clone(), dq, dr, dl, dalpha, dbeta, base, tool, joints };
     let mut values = rows.values();
     arm.in_order(&mut values);
     Some(SignedErrors::of_values(name, n, &values))

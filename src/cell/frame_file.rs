@@ -1,11 +1,13 @@
-//! Errors of a frame: of the robot's base and tool, and of an equipment's placement or fixture.
+//! Errors of a frame: of the robot's base, tool and joints, and of an equipment's placement or fixture.
 
+use super::arm::Arm;
 use super::document::Library;
 use super::error_model::*;
+use super::fault::{did_you_mean, listed, shown};
 use super::reader::Table;
 use super::tolerance_file::{self, Kind};
-use super::tree::Node;
-use super::value::Must;
+use super::tree::{Node, Value};
+use super::value::{self, Must};
 use crate::units;
 
 /// The frame error under a key of an error set; missing: none.
@@ -27,6 +29,57 @@ fn read_values(t: &mut Table<'_>, must: Must, lib: &mut Library<'_>) -> Option<[
     let lengths = position.into_iter().map(units::m_from_mm);
     let mut all = lengths.chain(rotation.into_iter().map(units::rad_from_deg));
     Some([(); PER_FRAME].map(|()| all.next().unwrap_or(0.0)))
+}
+
+/// `joints` of an error set: the frame error of every joint, none of those that are not listed.
+pub fn read_joints(
+    t: &mut Table<'_>,
+    arm: Arm<'_>,
+    must: Must,
+    lib: &mut Library<'_>,
+) -> Option<Vec<[f64; PER_FRAME]>> {
+    let mut all = vec![[0.0; PER_FRAME]; arm.axes];
+    let Some(node) = t.get("joints") else { return Some(all) };
+    let Value::Array(items) = &node.value else {
+        let message = format!("`joints` must be a list of frame errors, not {}", node.value.kind());
+        lib.error(node.at, message, "write joints = [{ joint = 1, rotation_deg = [0, 0, 0.1] }]");
+        return None;
+    };
+    let before = lib.errors();
+    let mut given = vec![false; arm.axes];
+    for item in items {
+        let read = Table::read(item, "a frame error of `joints`", lib, |t, lib| {
+            let values = read_values(t, must, lib);
+            let node = t.need("joint", "add joint = 1, the number or the name of the joint")?;
+            let joint = read_joint(node, arm, lib)?;
+            if std::mem::replace(&mut given[joint], true) {
+                let message = format!("joint {} is given twice", joint + 1);
+                lib.error(node.at, message, "write what is wrong with its frame into one of the two");
+            }
+            Some((joint, values?))
+        });
+        read.into_iter().for_each(|(joint, values)| all[joint] = values);
+    }
+    (lib.errors() == before).then_some(all)
+}
+
+/// A joint by its name, or by its number from 1.
+fn read_joint(node: &Node, arm: Arm<'_>, lib: &mut Library<'_>) -> Option<usize> {
+    let Value::Text(name) = &node.value else {
+        let number = value::integer(node, "`joint`", (1, arm.axes as u64), lib)?;
+        return Some(number as usize - 1);
+    };
+    let names = || arm.joints.iter().map(|joint| joint.name.as_str());
+    let found = names().position(|n| n == name);
+    // The names of a robot that could not be read are not known.
+    if found.is_none() && !arm.joints.is_empty() {
+        let help = match did_you_mean(name, names()) {
+            Some(near) => format!("did you mean \"{}\"?", shown(near)),
+            None => format!("the robot has: {}", listed(names())),
+        };
+        lib.error(node.at, format!("the robot has no joint `{}`", shown(name)), help);
+    }
+    found
 }
 
 /// `errors` of an equipment.

@@ -56,12 +56,12 @@ pub fn warn(cell: &Cell, root: &Node, lib: &mut Library<'_>) {
     }
 }
 
-/// Offsets and common normals: angles look alike in degrees and radians.
+/// Offsets, common normals and slides of joint frames: angles look alike in degrees and radians.
 fn warn_of_tolerance(set: &Tolerance, axes: usize, reach: f64, at: At, lib: &mut Library<'_>) {
     let varies_alone = |k: &usize| !set.covariance.iter().any(|c| c.parameters.contains(k));
-    let lengths = Parameter::of_robot(axes)
-        .enumerate()
-        .filter(|(k, parameter)| matches!(parameter, Parameter::Dr(_) | Parameter::Dl(_)) && varies_alone(k));
+    let is_length =
+        |p: &Parameter| matches!(p, Parameter::Dr(_) | Parameter::Dl(_) | Parameter::Joint(_, 0..3));
+    let lengths = Parameter::of_robot(axes).enumerate().filter(|(k, p)| is_length(p) && varies_alone(k));
     let largest = lengths.map(|(k, _)| set.spreads[k].plus_minus).fold(0.0, f64::max);
     let share = if largest > reach / FACTOR {
         "more than a twentieth"
@@ -70,7 +70,10 @@ fn warn_of_tolerance(set: &Tolerance, axes: usize, reach: f64, at: At, lib: &mut
     } else {
         return;
     };
-    let message = format!("the largest of dr_mm and dl_mm of `{}` is {share} of the reach", set.name);
+    let message = format!(
+        "the largest of dr_mm, dl_mm and the joints' position_mm of `{}` is {share} of the reach",
+        set.name
+    );
     lib.fault(at, Severity::Warning, message, "are its lengths really in mm?");
 }
 

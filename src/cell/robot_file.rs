@@ -54,6 +54,7 @@ pub fn read(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<Robot> {
         source,
         convention,
         mount,
+        joint_frames: vec![Pose::identity(); joints.len()],
         joints,
         coupling,
         tool,

@@ -8,8 +8,8 @@ use nalgebra::Vector3;
 /// Longest chain of joints. Joint vectors are arrays of this length; the unused tail is zero.
 pub const MAX_JOINTS: usize = 8;
 
-/// Most error parameters of a robot: those of its links, of its base frame and of its tool frame.
-pub const MAX_PARAMETERS: usize = PER_LINK * MAX_JOINTS + 2 * PER_FRAME;
+/// Most error parameters of a robot: those of its links, of its base, tool and joint frames.
+pub const MAX_PARAMETERS: usize = (PER_LINK + PER_FRAME) * MAX_JOINTS + 2 * PER_FRAME;
 
 /// Actuator coordinates, rad (revolute) or m (prismatic), in the robot's own (the paper's) zero.
 pub type JointVector = [f64; MAX_JOINTS];
@@ -80,6 +80,9 @@ pub struct Robot {
     /// Robot base to D-H frame 0.
     pub mount: Pose,
     pub joints: Vec<Joint>,
+    /// Of every joint its frame in the D-H frame before its row, fixed to the link before it: the
+    /// origin frame of a URDF joint, the identity for D-H rows.
+    pub joint_frames: Vec<Pose>,
     /// Row i: how the D-H coordinate i follows the actuators, lower triangular with units on the
     /// diagonal; the identity for a serial arm.
     pub coupling: Vec<Vec<f64>>,

@@ -84,12 +84,14 @@ fn read_distributions(t: &mut Table<'_>, axes: usize, lib: &mut Library<'_>) -> 
         let default = t.choice("default", &Distribution::ALL, Distribution::name, Some(normal), lib);
         let default = default.unwrap_or(normal);
         let links = ["dq", "dr", "dl", "dalpha", "dbeta"].map(|key| read_words(t, key, axes, default, lib));
-        let frames = ["base", "tool"].map(|key| read_words(t, key, PER_FRAME, default, lib));
+        // The words of `joints` are those of every joint.
+        let frames = ["base", "tool", "joints"].map(|key| read_words(t, key, PER_FRAME, default, lib));
         let [links, frames] =
             [links.to_vec(), frames.to_vec()].map(|w| w.into_iter().collect::<Option<Vec<_>>>());
         let (links, frames) = (links?, frames?);
         let by_link = (0..axes).flat_map(|i| links.iter().map(move |row| row[i]));
-        Some(by_link.chain(frames.iter().flatten().copied()).collect())
+        let joints = frames[2].repeat(axes.saturating_sub(1));
+        Some(by_link.chain(frames.into_iter().flatten()).chain(joints).collect())
     })
 }
 

@@ -11,6 +11,8 @@ pub enum Place {
     Base,
     /// The frame after so many D-H rows.
     Link(usize),
+    /// The frame of a joint, from 0.
+    Joint(usize),
     Tcp,
     /// The equipment that carries the operation.
     Work,
@@ -47,10 +49,11 @@ impl Motion {
 pub fn motions(chain: &Chain, frames: &Frames, work: &Pose, parameter: Parameter) -> Vec<Motion> {
     let one = |place: Place, axis: usize, turns: bool, factor: f64| {
         let frame = match place {
-            Place::Base => &Pose::identity(),
-            Place::Link(k) => &frames.links[k],
-            Place::Tcp => &frames.tcp,
-            Place::Work => work,
+            Place::Base => Pose::identity(),
+            Place::Link(k) => frames.links[k],
+            Place::Joint(k) => frames.links[k] * chain.joint_frames[k],
+            Place::Tcp => frames.tcp,
+            Place::Work => *work,
         };
         let direction = frame.rotation.column(axis).into_owned();
         let lever = frames.tcp.translation - frame.translation;
@@ -72,6 +75,7 @@ pub fn motions(chain: &Chain, frames: &Frames, work: &Pose, parameter: Parameter
         Parameter::Dbeta(i) => vec![one(Place::Link(i + 1), 1, true, 1.0)],
         Parameter::Base(c) => component(Place::Base, c),
         Parameter::Tool(c) => component(Place::Tcp, c),
+        Parameter::Joint(k, c) => component(Place::Joint(k), c),
         Parameter::Equipment(_, c) => component(Place::Work, c),
     }
 }

@@ -24,10 +24,16 @@ impl Term {
     const NONE: Self = Self { g: Vector3::new(0.0, 0.0, 0.0), w: Vector3::new(0.0, 0.0, 0.0) };
 
     /// The k-th motion, in the order of [`crate::cell::Parameter::of_robot`]; that of dq is the one
-    /// of the D-H coordinate: a turn, for the slide of a prismatic joint is that of dr.
+    /// of the D-H coordinate: a turn, for the slide of a prismatic joint is that of dr. `joints`: where
+    /// the joint frames are.
     #[inline]
-    fn of(frames: &Frames, axes: usize, k: usize) -> Self {
-        let links = PER_LINK * axes;
+    fn of(frames: &Frames, joints: &[Pose], axes: usize, k: usize) -> Self {
+        let (links, first_joint) = (PER_LINK * axes, Parameter::first_joint(axes));
+        if k >= first_joint {
+            let (joint, component) = ((k - first_joint) / PER_FRAME, (k - first_joint) % PER_FRAME);
+            let frame = frames.links[joint] * joints[joint];
+            return Self::about(frames, &frame, component % 3, component >= 3);
+        }
         let (frame, axis, turns) = if k < links {
             let (before, after) = (&frames.links[k / PER_LINK], &frames.links[k / PER_LINK + 1]);
             match k % PER_LINK {
@@ -42,6 +48,12 @@ impl Term {
             let frame = if k < links + PER_FRAME { &BASE } else { &frames.tcp };
             (frame, component % 3, component >= 3)
         };
+        Self::about(frames, frame, axis, turns)
+    }
+
+    /// A turn about or a slide along an axis of a frame.
+    #[inline]
+    fn about(frames: &Frames, frame: &Pose, axis: usize, turns: bool) -> Self {
         let axis = frame.rotation.column(axis).into_owned();
         match turns {
             true => Self { g: axis.cross(&(frames.tcp.translation - frame.translation)), w: axis },
@@ -50,11 +62,14 @@ impl Term {
     }
 }
 
-/// The motions from the base out to the tool, by their places in the list of parameters.
-fn outwards(axes: usize) -> impl Iterator<Item = usize> {
+/// The motions from the base out to the tool, by their places in the list of parameters; each joint
+/// frame before its row, if they are wanted.
+fn outwards(axes: usize, joints: bool) -> impl Iterator<Item = usize> {
     let (base, tool) = (PER_LINK * axes, PER_LINK * axes + PER_FRAME);
     let frame = |first: usize| [0, 1, 2, 5, 4, 3].map(|k| first + k);
-    frame(base).into_iter().chain(0..base).chain(frame(tool))
+    let joint = move |i: usize| joints.then(|| frame(Parameter::first_joint(axes) + PER_FRAME * i));
+    let row = move |i: usize| joint(i).into_iter().flatten().chain(PER_LINK * i..PER_LINK * (i + 1));
+    frame(base).into_iter().chain((0..axes).flat_map(row)).chain(frame(tool))
 }
 
 /// Eqs. (7)-(8): the sum of all motions.
@@ -62,7 +77,7 @@ pub fn linear(frames: &Frames, errors: &Perturbation) -> Displacement {
     let axes = errors.links().len();
     let wrong = errors.sizes().iter().enumerate().filter(|(_, size)| **size != 0.0);
     wrong.fold(Displacement::NONE, |sum, (k, size)| {
-        let Term { g, w } = Term::of(frames, axes, k);
+        let Term { g, w } = Term::of(frames, errors.joint_frames(), axes, k);
         sum + Displacement { position: g, rotation: w } * *size
     })
 }
@@ -71,10 +86,11 @@ pub fn linear(frames: &Frames, errors: &Perturbation) -> Displacement {
 pub fn second_order(frames: &Frames, errors: &Perturbation) -> Displacement {
     let axes = errors.links().len();
     let (mut sum, mut turned) = (Displacement::NONE, Vector3::zeros());
-    for k in outwards(axes) {
+    let joints = errors.joint_frames();
+    for k in outwards(axes, !joints.is_empty()) {
         let size = errors.sizes()[k];
         if size != 0.0 {
-            let Term { g, w } = Term::of(frames, axes, k);
+            let Term { g, w } = Term::of(frames, joints, axes, k);
             let (g, w) = (g * size, w * size);
             sum.position += g + (turned + w / 2.0).cross(&g);
             sum.rotation += w + turned.cross(&w) / 2.0;
@@ -89,6 +105,7 @@ pub fn second_order(frames: &Frames, errors: &Perturbation) -> Displacement {
 #[derive(Debug, Clone)]
 pub struct Expansion {
     axes: usize,
+    joint_frames: Vec<Pose>,
     terms: [Term; MAX_PARAMETERS],
     /// For every joint: the motions that a unit of its actuator error makes, and how large.
     drives: Vec<Vec<(usize, f64)>>,
@@ -108,7 +125,8 @@ impl Expansion {
             driven.map(|i| (motion(i), chain.coupling[i][j])).collect()
         });
         let (drives, wanted) = (drives.collect(), (0..Parameter::count(axes)).collect());
-        Self { axes, terms: [Term::NONE; MAX_PARAMETERS], drives, wanted }
+        let joint_frames = chain.joint_frames.clone();
+        Self { axes, joint_frames, terms: [Term::NONE; MAX_PARAMETERS], drives, wanted }
     }
 
     /// Of these parameters alone: what others do is left undefined.
@@ -125,7 +143,7 @@ impl Expansion {
     /// Moves to another posture.
     pub fn set(&mut self, frames: &Frames) {
         for &k in &self.wanted {
-            self.terms[k] = Term::of(frames, self.axes, k);
+            self.terms[k] = Term::of(frames, &self.joint_frames, self.axes, k);
         }
     }
 
@@ -159,12 +177,15 @@ impl Expansion {
 
     /// How far out along the chain a motion is.
     fn place(&self, k: usize) -> usize {
-        let base = PER_LINK * self.axes;
-        let in_frame = |first: usize| [0, 1, 2, 5, 4, 3][k - first];
+        let (base, first_joint) = (PER_LINK * self.axes, Parameter::first_joint(self.axes));
+        // A joint frame and its row.
+        let joint = |i: usize| PER_FRAME + (PER_FRAME + PER_LINK) * i;
+        let in_frame = |first: usize| [0, 1, 2, 5, 4, 3][(k - first) % PER_FRAME];
         match k {
-            _ if k < base => PER_FRAME + k,
+            _ if k < base => joint(k / PER_LINK) + PER_FRAME + k % PER_LINK,
             _ if k < base + PER_FRAME => in_frame(base),
-            _ => PER_FRAME + base + in_frame(base + PER_FRAME),
+            _ if k < first_joint => joint(self.axes) + in_frame(base),
+            _ => joint((k - first_joint) / PER_FRAME) + in_frame(first_joint),
         }
     }
 }

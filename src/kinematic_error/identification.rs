@@ -12,8 +12,8 @@
 //!
 //! A sliding joint needs less, whatever the lengths: its dr is its dq, and since a slide turns
 //! nothing, all slides between two turning joints are vectors of one body, of which three tell all.
-//! The rest is left out of both sets. How a sliding joint is turned about its axis is no parameter
-//! here. What else depends shows as it is: coincident axes, postures that do not move a joint.
+//! The rest is left out of both sets, as are the six of every joint frame, which depend
+//! on the rows. How a sliding joint is turned about its axis is no parameter here. What else depends shows as it is: coincident axes, postures that do not move a joint.
 
 use super::Expansion;
 use crate::cell::{JointKind, MAX_JOINTS, Parameter};
@@ -40,7 +40,7 @@ pub fn identifiable(chain: &Chain, set: ParameterSet) -> Vec<Parameter> {
         Parameter::Dq(_) | Parameter::Dl(_) | Parameter::Dalpha(_) => true,
         Parameter::Dr(i) => chain.links[i].kind == JointKind::Revolute && !fifth(i),
         Parameter::Dbeta(i) => fifth(i),
-        Parameter::Base(_) | Parameter::Tool(_) | Parameter::Equipment(..) => false,
+        Parameter::Base(_) | Parameter::Tool(_) | Parameter::Joint(..) | Parameter::Equipment(..) => false,
     };
     let mut parameters: Vec<_> = Parameter::of_robot(axes).filter(is_of_set).collect();
     let spare = spare_slides(chain, &parameters);

@@ -3,7 +3,8 @@
 //! Every model reads one representation of the chain, its [`Frames`] at a posture. An error of a
 //! parameter is a small motion about or along an axis of one of them: dtheta about and dr along the
 //! z axis before the link, dl along and dalpha about the x axis after it, dbeta about its y axis
-//! (Hayati's fifth parameter), and the six components of the base and of the tool frame. With `S_k`
+//! (Hayati's fifth parameter), and the six components of the base, of the tool and of every joint
+//! frame, which stands before the row of its joint. With `S_k`
 //! the twist of the k-th motion in the base frame and `a_k` its size, base first,
 //!
 //! ```text
@@ -31,7 +32,7 @@ mod perturbation;
 pub use discrepancy::{Discrepancy, NOTHING, deviation, discrepancy};
 pub use expansion::{Expansion, Term};
 pub use identification::{ParameterSet, condition, identifiable, identification_jacobian};
-pub use perturbation::{FrameError, LinkError, Perturbation, Turn};
+pub use perturbation::{FrameError, JointErrors, LinkError, Perturbation, Turn};
 
 use crate::cell::Model;
 use crate::pose::Displacement;

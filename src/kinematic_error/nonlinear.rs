@@ -57,6 +57,12 @@ fn walk_back(frames: &Frames, errors: &Perturbation, mut visit: impl FnMut(Motio
         turn_back(after, 0, &link.dalpha, &mut visit);
         visit(Motion::Slide(after.rotation.column(0) * link.dl + before.rotation.column(2) * link.dr));
         turn_back(before, 2, &link.dtheta, &mut visit);
+        if let Some(joints) = &errors.joints
+            && let Some(error) = &joints.errors[i]
+        {
+            let Pose { rotation, translation } = *before * joints.frames[i];
+            frame_back(error, &rotation, &translation, &mut visit);
+        }
     }
     if let Some(base) = &errors.base {
         frame_back(base, &Matrix3::identity(), &Vector3::zeros(), &mut visit);

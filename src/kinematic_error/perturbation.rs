@@ -1,6 +1,7 @@
 //! A signed sample of the errors, made ready for the models.
 
-use crate::cell::{JointKind, MAX_JOINTS, MAX_PARAMETERS, PER_FRAME, PER_LINK, SignedErrors};
+use crate::cell::{JointKind, MAX_JOINTS, MAX_PARAMETERS, PER_FRAME, PER_LINK, Parameter, SignedErrors};
+use crate::pose::Pose;
 use crate::robot::Chain;
 
 /// A small turn, with what its sine and cosine need: no two nearly equal numbers are subtracted.
@@ -52,6 +53,27 @@ impl FrameError {
     }
 }
 
+/// Errors of the joint frames, and where these are: in the D-H frame before their row.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointErrors {
+    pub frames: [Pose; MAX_JOINTS],
+    pub errors: [Option<FrameError>; MAX_JOINTS],
+}
+
+impl JointErrors {
+    /// Of six values for every joint; None if nothing is wrong.
+    fn new(chain: &Chain, values: &[f64]) -> Option<Self> {
+        if values.iter().all(|v| *v == 0.0) {
+            return None;
+        }
+        let mut all = Self { frames: [Pose::identity(); MAX_JOINTS], errors: [None; MAX_JOINTS] };
+        all.frames.iter_mut().zip(&chain.joint_frames).for_each(|(to, frame)| *to = *frame);
+        let values = values.chunks(PER_FRAME);
+        all.errors.iter_mut().zip(values).for_each(|(error, values)| *error = FrameError::new(values));
+        Some(all)
+    }
+}
+
 /// One signed sample of the errors, for one chain.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Perturbation {
@@ -60,6 +82,7 @@ pub struct Perturbation {
     sizes: [f64; MAX_PARAMETERS],
     pub base: Option<FrameError>,
     pub tool: Option<FrameError>,
+    pub joints: Option<JointErrors>,
 }
 
 impl Perturbation {
@@ -67,7 +90,7 @@ impl Perturbation {
         Self::of_values(chain, &errors.values())
     }
 
-    /// Of values in the order of [`crate::cell::Parameter::of_robot`]. The error dq acts on the
+    /// Of values in the order of [`Parameter::of_robot`], or of those before the joint frames. The error dq acts on the
     /// actuators: it reaches the D-H coordinates through the coupling. Does not allocate.
     pub fn of_values(chain: &Chain, values: &[f64]) -> Self {
         let axes = chain.axes();
@@ -91,14 +114,25 @@ impl Perturbation {
             };
         }
         let frames = &values[PER_LINK * axes..];
-        let (base, tool) = (FrameError::new(frames), FrameError::new(&frames[PER_FRAME..]));
-        Self { links, axes, sizes, base, tool }
+        let (base, frames) = frames.split_at(PER_FRAME);
+        let (tool, joints) = frames.split_at(PER_FRAME);
+        let (base, tool, joints) =
+            (FrameError::new(base), FrameError::new(tool), JointErrors::new(chain, joints));
+        Self { links, axes, sizes, base, tool, joints }
     }
 
-    /// Sizes of the motions, in the order of [`crate::cell::Parameter::of_robot`]; those of dq and dr
-    /// are of the D-H coordinates.
+    /// Sizes of the motions, in the order of [`Parameter::of_robot`]; those of dq and dr are of the D-H
+    /// coordinates. Where no joint frame is wrong, those before them.
     pub fn sizes(&self) -> &[f64] {
-        &self.sizes[..PER_LINK * self.axes + 2 * PER_FRAME]
+        match self.joints {
+            Some(_) => &self.sizes[..Parameter::count(self.axes)],
+            None => &self.sizes[..Parameter::first_joint(self.axes)],
+        }
+    }
+
+    /// Where the joint frames are in the D-H frame before their row; none if none is wrong.
+    pub fn joint_frames(&self) -> &[Pose] {
+        self.joints.as_ref().map_or(&[], |joints| &joints.frames[..self.axes])
     }
 
     pub fn links(&self) -> &[LinkError] {

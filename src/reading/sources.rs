@@ -35,6 +35,7 @@ pub struct Sources {
     /// Independent normal factors of those that vary together: (source, value at one standard
     /// deviation of the factor).
     pub factors: Vec<Vec<(usize, f64)>>,
+    /// So many values of the robot are made ready: those of the joint frames only if one is wrong.
     parameters: usize,
     /// The equipment that takes part.
     at: [Option<usize>; 2],
@@ -67,7 +68,9 @@ impl Sources {
         }
         let factors = factors(&tolerance, &place);
         factors.iter().flatten().for_each(|&(k, _)| list[k].spread = None);
-        Self { list, factors, parameters: signed.len(), at }
+        let joints = list.iter().any(|s| matches!(s.parameter, Parameter::Joint(..)));
+        let parameters = if joints { signed.len() } else { Parameter::first_joint(axes) };
+        Self { list, factors, parameters, at }
     }
 
     /// The signed sample.

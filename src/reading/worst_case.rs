@@ -116,9 +116,9 @@ pub fn by_model(
 }
 
 /// For every column the others, as bits, that are parallel to it and come after; none if one before is.
-fn groups(columns: &[Vector6<f64>]) -> [u64; MAX_SOURCES] {
+fn groups(columns: &[Vector6<f64>]) -> [u128; MAX_SOURCES] {
     let mut groups = [0; MAX_SOURCES];
-    let mut taken = 0u64;
+    let mut taken = 0u128;
     for (k, column) in columns.iter().enumerate().filter(|(_, c)| **c != Vector6::zeros()) {
         if taken >> k & 1 == 0 {
             let after = columns.iter().enumerate().skip(k + 1);
@@ -132,7 +132,7 @@ fn groups(columns: &[Vector6<f64>]) -> [u64; MAX_SOURCES] {
 /// The best corner that flips of single signs and of parallel groups reach.
 fn polished(
     columns: &[Vector6<f64>],
-    groups: &[u64],
+    groups: &[u128],
     gap: f64,
     (mut best, mut corner): (f64, [f64; MAX_SOURCES]),
     error: &mut dyn FnMut(&[f64; MAX_SOURCES]) -> f64,
@@ -143,7 +143,7 @@ fn polished(
         for (k, group) in groups.iter().enumerate() {
             // A group of one is the sign alone.
             for others in [Some(0), Some(*group).filter(|g| *g != 0)].into_iter().flatten() {
-                let members = |bits: u64| (0..columns.len()).filter(move |&j| j == k || bits >> j & 1 == 1);
+                let members = |bits: u128| (0..columns.len()).filter(move |&j| j == k || bits >> j & 1 == 1);
                 let change: Vector6<f64> = members(others).map(|j| columns[j] * (-2.0 * corner[j])).sum();
                 if ((sum + change).norm() - sum.norm()).abs() > gap {
                     continue;

@@ -22,8 +22,8 @@ use nalgebra::{SVector, Vector2, Vector3, Vector6};
 use table::{Table, try_all};
 use walk::{Walk, split, walk_circles};
 
-/// Most generators: 5 parameters for each of 8 joints, base, tool and two frames of equipment.
-pub const MAX_GENERATORS: usize = 64;
+/// Most generators, a power of two: at least as many as there can be sources.
+pub const MAX_GENERATORS: usize = 128;
 
 /// Up to this many in 3-D, trying all corners beats looking for structure and walking.
 const FEW: usize = 7;

@@ -2,7 +2,7 @@
 
 use crate::cell::{Cell, Convention, JointKind, Parameter, Unit, shown};
 
-/// dq1, dalpha3, base rx, tool z, worktable rz: joints by their numbers from 1.
+/// dq1, dalpha3, base rx, tool z, joint2 y, worktable rz: joints by their numbers from 1.
 pub fn parameter(cell: &Cell, parameter: Parameter) -> String {
     let modified = cell.robot.convention == Convention::Modified;
     match parameter {
@@ -24,7 +24,8 @@ pub fn unit(cell: &Cell, parameter: Parameter) -> Unit {
         Parameter::Dq(i) => cell.robot.joints[i].kind == JointKind::Revolute,
         Parameter::Dr(_) | Parameter::Dl(_) => false,
         Parameter::Dalpha(_) | Parameter::Dbeta(_) => true,
-        Parameter::Base(c) | Parameter::Tool(c) | Parameter::Equipment(_, c) => c >= 3,
+        Parameter::Base(c) | Parameter::Tool(c) => c >= 3,
+        Parameter::Joint(_, c) | Parameter::Equipment(_, c) => c >= 3,
     };
     if turns { Unit::Angle } else { Unit::Length }
 }

@@ -56,6 +56,8 @@ pub struct Chain {
     /// Robot base to D-H frame 0.
     pub mount: Pose,
     pub links: Vec<Link>,
+    /// Joint frame k in D-H frame k, before row k.
+    pub joint_frames: Vec<Pose>,
     /// D-H coordinates = `coupling` * actuators + zero; lower triangular, units on the diagonal.
     pub coupling: Vec<Vec<f64>>,
     /// Mechanical interface to TCP.
@@ -76,6 +78,7 @@ impl Chain {
         Self {
             mount: robot.mount,
             links: links.collect(),
+            joint_frames: robot.joint_frames.clone(),
             coupling: robot.coupling.clone(),
             tool: robot.tool,
             turned_tool: robot.tool.rotation != Matrix3::identity(),

@@ -62,6 +62,7 @@ fn robot(name: &str, rows: impl Fn(&str) -> Vec<f64>) -> Robot {
         convention: Convention::Standard,
         mount: Pose::identity(),
         joints: (0..6).map(joint).collect(),
+        joint_frames: vec![Pose::identity(); 6],
         coupling: (0..6).map(row).collect(),
         tool: Pose::identity(),
         tool_axis: Vector3::z(),
@@ -74,5 +75,15 @@ fn robot(name: &str, rows: impl Fn(&str) -> Vec<f64>) -> Robot {
 fn errors(rows: impl Fn(&str) -> Vec<f64>) -> SignedErrors {
     let [dr, dl, dq, dalpha] = ["d", "a", "theta", "alpha"].map(rows);
     let (base, tool) = ([0.0; 6], [0.0; 6]);
-    SignedErrors { name: "factory".into(), dq, dr, dl, dalpha, dbeta: vec![0.0; 6], base, tool }
+    SignedErrors {
+        name: "factory".into(),
+        dq,
+        dr,
+        dl,
+        dalpha,
+        dbeta: vec![0.0; 6],
+        base,
+        tool,
+        joints: vec![[0.0; 6]; 6],
+    }
 }

@@ -27,6 +27,7 @@ pub fn robot(joints: Vec<Joint>, coupling: Vec<Vec<f64>>, tool: Pose) -> Robot {
         source: text(),
         convention,
         mount,
+        joint_frames: vec![Pose::identity(); joints.len()],
         joints,
         coupling,
         tool,
@@ -64,11 +65,16 @@ pub fn random_robot(rng: &mut ChaCha8Rng, n: usize, flat: bool) -> Robot {
     let coupling = (0..n).map(|i| (0..n).map(|j| factor(i, j)).collect()).collect();
     let mut three = |bound: f64| Vector3::from_fn(|_, _| rng.random_range(-bound..bound));
     let tool = Pose::from_translation_rpy(three(0.3), three(PI));
-    robot(joints, coupling, tool)
+    let frames = (0..n).map(|_| Pose::from_translation_rpy(three(0.3), three(PI))).collect();
+    Robot { joint_frames: frames, ..robot(joints, coupling, tool) }
 }
 
 pub fn random_errors(rng: &mut ChaCha8Rng, n: usize, length: f64, angle: f64) -> SignedErrors {
-    let rng_frame: [f64; 12] = from_fn(|_| rng.random_range(-1.0..1.0));
+    let mut frame = || {
+        let components: [f64; 6] = from_fn(|_| rng.random_range(-1.0..1.0));
+        from_fn(|k| components[k] * if k < 3 { length } else { angle })
+    };
+    let (base, tool, joints) = (frame(), frame(), (0..n).map(|_| frame()).collect());
     let mut some = |bound: f64| (0..n).map(|_| rng.random_range(-bound..bound)).collect();
     SignedErrors {
         name: "e".into(),
@@ -77,8 +83,9 @@ pub fn random_errors(rng: &mut ChaCha8Rng, n: usize, length: f64, angle: f64) ->
         dl: some(length),
         dalpha: some(angle),
         dbeta: some(angle),
-        base: from_fn(|k| rng_frame[k] * if k < 3 { length } else { angle }),
-        tool: from_fn(|k| rng_frame[6 + k] * if k < 3 { length } else { angle }),
+        base,
+        tool,
+        joints,
     }
 }
 

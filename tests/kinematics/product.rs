@@ -6,6 +6,7 @@ use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use std::array::from_fn;
 use sweetspot::cell::{JointKind, JointVector, Robot, SignedErrors};
+use sweetspot::pose::Pose;
 
 /// Eq. (1) as textbooks print it.
 fn link<D: DualNum<Primitive = f64> + Copy>(theta: D, r: D, l: D, alpha: D) -> Matrix4<D> {
@@ -28,7 +29,7 @@ fn frame<D: DualNum<Primitive = f64> + Copy>(values: &[D]) -> Matrix4<D> {
 }
 
 /// The TCP with these errors: dq, dr, dl, dalpha, dbeta of every link, then x, y, z, rx, ry, rz of the
-/// base and of the tool.
+/// base, of the tool and of every joint frame J, whose error is between J and its inverse.
 pub fn product<D: DualNum<Primitive = f64> + Copy>(robot: &Robot, q: &[f64], errors: &[D]) -> Matrix4<D> {
     let (links, frames) = errors.split_at(5 * robot.axes());
     let mut t = frame(frames);
@@ -42,11 +43,18 @@ pub fn product<D: DualNum<Primitive = f64> + Copy>(robot: &Robot, q: &[f64], err
             JointKind::Revolute => theta += moved,
             JointKind::Prismatic => r += moved,
         }
+        let there = homogeneous(&robot.joint_frames[i]);
+        let back = homogeneous(&robot.joint_frames[i].inverse());
+        t = t * there * frame(&frames[12 + 6 * i..]) * back;
         t *= link(theta, r, e[2] + joint.l, e[3] + joint.alpha) * about_y(e[4]);
     }
-    let mut tool = robot.tool.rotation.to_homogeneous();
-    tool.fixed_view_mut::<3, 1>(0, 3).copy_from(&robot.tool.translation);
-    t * tool.map(D::from) * frame(&frames[6..])
+    t * homogeneous(&robot.tool) * frame(&frames[6..])
+}
+
+fn homogeneous<D: DualNum<Primitive = f64> + Copy>(pose: &Pose) -> Matrix4<D> {
+    let mut t = pose.rotation.to_homogeneous();
+    t.fixed_view_mut::<3, 1>(0, 3).copy_from(&pose.translation);
+    t.map(D::from)
 }
 
 /// The TCP with `unit` times the errors in every D-H value: 0 is the nominal robot, 1 the perturbed
@@ -58,7 +66,7 @@ pub fn tcp<D: DualNum<Primitive = f64> + Copy>(
     unit: D,
 ) -> Matrix4<D> {
     let links = (0..robot.axes()).flat_map(|i| [e.dq[i], e.dr[i], e.dl[i], e.dalpha[i], e.dbeta[i]]);
-    let values = links.chain(e.base).chain(e.tool);
+    let values = links.chain(e.base).chain(e.tool).chain(e.joints.iter().flatten().copied());
     product(robot, q, &values.map(|v| unit * v).collect::<Vec<_>>())
 }
 
@@ -72,8 +80,9 @@ pub fn rotation(t: &Matrix4<f64>) -> Matrix3<f64> {
 
 pub fn no_errors(n: usize) -> SignedErrors {
     let zeros = || vec![0.0; n];
-    let (name, base, tool) = ("none".into(), [0.0; 6], [0.0; 6]);
-    SignedErrors { name, dq: zeros(), dr: zeros(), dl: zeros(), dalpha: zeros(), dbeta: zeros(), base, tool }
+    let (name, base, tool, joints) = ("none".into(), [0.0; 6], [0.0; 6], vec![[0.0; 6]; n]);
+    let [dq, dr, dl, dalpha, dbeta] = [(); 5].map(|()| zeros());
+    SignedErrors { name, dq, dr, dl, dalpha, dbeta, base, tool, joints }
 }
 
 pub fn random_joints(robot: &Robot, rng: &mut ChaCha8Rng) -> JointVector {

@@ -55,6 +55,7 @@ pub fn random_robot(rng: &mut ChaCha8Rng, axes: usize) -> Robot {
         .collect();
     let mut three = |bound: f64| Vector3::from_fn(|_, _| rng.random_range(-bound..bound));
     robot.tool = Pose::from_translation_rpy(three(0.3), three(PI));
+    robot.joint_frames = (0..axes).map(|_| Pose::from_translation_rpy(three(0.3), three(PI))).collect();
     robot.solids.clear();
     robot
 }
@@ -80,7 +81,7 @@ pub fn random_tolerance(
     for (place, parameter) in Parameter::of_robot(axes).enumerate() {
         let turns = match parameter {
             Parameter::Dq(_) | Parameter::Dalpha(_) | Parameter::Dbeta(_) => true,
-            Parameter::Base(c) | Parameter::Tool(c) => c >= 3,
+            Parameter::Base(c) | Parameter::Tool(c) | Parameter::Joint(_, c) => c >= 3,
             _ => false,
         };
         if chosen[..wrong].contains(&place) {

@@ -21,9 +21,9 @@ fn all_wrong(rng: &mut ChaCha8Rng) -> Cell {
     let mut some = |bound: f64| (0..n).map(|_| rng.random_range(-bound..bound)).collect::<Vec<f64>>();
     let (dq, dr, dl, dalpha, dbeta) = (some(5e-3), some(2e-3), some(2e-3), some(5e-3), some(5e-3));
     let mut frame = || std::array::from_fn(|k| rng.random_range(-1.0..1.0) * if k < 3 { 2e-3 } else { 4e-3 });
-    let (base, tool) = (frame(), frame());
+    let (base, tool, joints) = (frame(), frame(), (0..n).map(|_| frame()).collect());
     let fixture = frame();
-    let signed = SignedErrors { name: "all".into(), dq, dr, dl, dalpha, dbeta, base, tool };
+    let signed = SignedErrors { name: "all".into(), dq, dr, dl, dalpha, dbeta, base, tool, joints };
     (cell.robot.errors, cell.errors) = (vec![ErrorSet::Signed(signed)], 0);
     cell.equipment[0].errors = Some(FrameErrors::Signed(fixture));
     cell
@@ -200,6 +200,7 @@ fn fixture_errors_by_hand() {
         dbeta: none(),
         base: [0.0; 6],
         tool: [0.0; 6],
+        joints: vec![[0.0; 6]; n],
     };
     (cell.robot.errors, cell.errors) = (vec![ErrorSet::Signed(signed)], 0);
     cell.equipment[0].placement[3] = Coordinate::Fixed(FRAC_PI_2);

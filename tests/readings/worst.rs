@@ -23,6 +23,7 @@ pub fn unit(axes: usize, parameter: Parameter) -> SignedErrors {
         Parameter::Dbeta(i) => e.dbeta[i] = 1.0,
         Parameter::Base(c) => e.base[c] = 1.0,
         Parameter::Tool(c) => e.tool[c] = 1.0,
+        Parameter::Joint(i, c) => e.joints[i][c] = 1.0,
         Parameter::Equipment(..) => panic!("not of a robot"),
     }
     e

@@ -102,6 +102,7 @@ pub fn frame_name(place: Place) -> String {
     match place {
         Place::Base => "base".into(),
         Place::Link(k) => format!("frame {k}"),
+        Place::Joint(k) => format!("joint {}", k + 1),
         Place::Tcp => "TCP".into(),
         Place::Work => "work".into(),
     }
