@@ -11,9 +11,9 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use std::f64::consts::{FRAC_PI_2, PI};
-use sweetspot::cell::{JointKind, JointVector, MAX_JOINTS, Parameter, Robot};
+use sweetspot::cell::{Attitude, JointKind, JointVector, MAX_JOINTS, Parameter, Robot};
 use sweetspot::pose::Pose;
-use sweetspot::reach::{Goal, Held, Missing, Numeric, PlanarArm, Reach, jacobian};
+use sweetspot::reach::{Goal, Held, Inverse, Missing, Numeric, Reach, jacobian};
 use sweetspot::robot::Chain;
 use sweetspot::units::wrapped;
 
@@ -82,6 +82,7 @@ fn on_slides(slides: usize, arm: &Robot) -> Robot {
     let rows = [(SLIDE, 0.0, 0.0, 90.0, (-1.0, 1.5)), (SLIDE, 0.2, 0.1, -90.0, (0.0, 0.8))];
     let mut robot = serial(&rows[..slides], arm.tool);
     robot.joints.extend(arm.joints.clone());
+    robot.joint_frames.extend(arm.joint_frames.clone());
     let n = robot.axes();
     robot.coupling = (0..n).map(|i| (0..n).map(|j| f64::from(u8::from(i == j))).collect()).collect();
     robot
@@ -215,12 +216,16 @@ fn work_b_one_and_all() {
 fn all_are_those_of_the_closed_form() {
     let robot = shipped("hitachi_paper.toml").robot;
     let chain = Chain::new(&robot);
-    let (solver, arm) = (Numeric::new(&chain), PlanarArm::new(&chain).unwrap());
+    let (solver, arm) = (Numeric::new(&chain), Inverse::new(&chain));
     let (mut rng, mut out, mut branches, mut lost) = (ChaCha8Rng::seed_from_u64(3), Vec::new(), 0, 0);
     for _ in 0..500 {
         let goal = goal_at(&robot, &random_joints(&robot, &mut rng), 4);
         let Held::Elevation(bend) = goal.attitude else { panic!() };
-        let Reach::Branches(closed) = arm.branches(&goal.position, &arm.approach(bend)) else { panic!() };
+        let Reach::Branches(closed) =
+            arm.branches(&goal.position, &arm.approach(&Attitude::elevation(bend), 0.0))
+        else {
+            panic!()
+        };
         let closed: Vec<_> = closed.iter().filter(|b| b.violation.is_none()).map(|b| b.joints).collect();
         assert_eq!(solver.all(&goal, &mut out), Missing::None);
         let same =
