@@ -3,7 +3,7 @@
 
 use nalgebra::Vector3;
 use std::f64::consts::PI;
-use sweetspot::cell::{Convention, Joint, JointKind, Rectangle, Robot, SignedErrors};
+use sweetspot::cell::{Convention, Joint, JointKind, MAX_JOINTS, Rectangle, Robot, SignedErrors};
 use sweetspot::pose::Pose;
 use toml::de::{DeTable, DeValue};
 
@@ -63,6 +63,7 @@ fn robot(name: &str, rows: impl Fn(&str) -> Vec<f64>) -> Robot {
         mount: Pose::identity(),
         joints: (0..6).map(joint).collect(),
         coupling: (0..6).map(row).collect(),
+        home: [0.0; MAX_JOINTS],
         tool: Pose::identity(),
         tool_axis: Vector3::z(),
         solids: vec![],
