@@ -35,9 +35,10 @@ pub fn read(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<Robot> {
     if let (Some(rows), Some(joints), Some(coupling)) = (rows, &joints, &coupling) {
         refuse_idle(rows, joints, coupling, lib);
     }
+    let home = joints.as_deref().and_then(|joints| read_home(t.get("home"), joints, lib));
     let tool = read_tool(t, lib);
     let before = lib.errors();
-    let solids = read_solids(t, rows.map_or(MAX_JOINTS, <[_]>::len), lib);
+    let mut solids = read_solids(t, rows.map_or(MAX_JOINTS, <[_]>::len), lib);
     let base = solids.iter().filter(|s| s.link == 0).map(|s| &s.solid.shape);
     let needed: &[_] = if lib.errors() == before { &["footprint"] } else { &[] };
     let footprint = solid::read_footprint(t, extent_of(base), needed, lib);
@@ -47,7 +48,10 @@ pub fn read(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<Robot> {
     let convention = convention?;
     let mount = match convention {
         Convention::Standard => Pose::identity(),
-        Convention::Modified => standard_rows(&mut joints),
+        Convention::Modified => {
+            onto_standard_rows(&mut solids, &joints);
+            standard_rows(&mut joints)
+        }
     };
     Some(Robot {
         name,
@@ -57,6 +61,7 @@ pub fn read(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<Robot> {
         joint_frames: vec![Pose::identity(); joints.len()],
         joints,
         coupling,
+        home: home?,
         tool,
         tool_axis,
         solids,
@@ -68,11 +73,25 @@ pub fn read(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<Robot> {
 /// Makes standard rows of modified ones: a row's common normal and twist go to the row before it, for
 /// `Tx Rx` commute; those of the first are where the chain stands on the base.
 fn standard_rows(joints: &mut [Joint]) -> Pose {
-    let (l, alpha) = (joints[0].l, joints[0].alpha);
+    let mount = common_normal(&joints[0]);
     for i in 0..joints.len() {
         (joints[i].l, joints[i].alpha) = joints.get(i + 1).map_or((0.0, 0.0), |next| (next.l, next.alpha));
     }
-    Pose::from_translation_rpy(Vector3::new(l, 0.0, 0.0), Vector3::new(alpha, 0.0, 0.0))
+    mount
+}
+
+/// The solids of link k are drawn in the frame after row k of the file, from which the standard one is
+/// the next common normal away.
+fn onto_standard_rows(solids: &mut [LinkSolid], rows: &[Joint]) {
+    for solid in solids.iter_mut().filter(|s| s.link > 0 && s.link < rows.len()) {
+        let shape = solid.solid.shape.clone();
+        solid.solid.shape = shape.seen_from(&common_normal(&rows[solid.link]).inverse());
+    }
+}
+
+/// `Tx(l) Rx(alpha)` of a row.
+fn common_normal(row: &Joint) -> Pose {
+    Pose::from_translation_rpy(Vector3::new(row.l, 0.0, 0.0), Vector3::new(row.alpha, 0.0, 0.0))
 }
 
 /// A passive joint that nothing moves is none.
@@ -183,6 +202,34 @@ fn read_coupling_row(row: &Node, i: usize, n: usize, lib: &mut Library<'_>) -> O
         lib.error(row.at, message, "a coordinate follows its own actuator and those before it");
     }
     Some(values)
+}
+
+/// One number for each joint, in its unit; missing: 0, where that is outside the limits their middle.
+fn read_home(node: Option<&Node>, joints: &[Joint], lib: &mut Library<'_>) -> Option<JointVector> {
+    let mut home = [0.0; MAX_JOINTS];
+    let Some(node) = node else {
+        for (q, joint) in home.iter_mut().zip(joints) {
+            let (low, high) = joint.limits;
+            *q = if (low..=high).contains(&0.0) { 0.0 } else { (low + high) / 2.0 };
+        }
+        return Some(home);
+    };
+    let given = value::numbers(node, "`home`", joints.len(), Must::BeFinite, lib)?;
+    for (i, (joint, &q)) in joints.iter().zip(&given).enumerate() {
+        let (si, back): (fn(f64) -> f64, fn(f64) -> f64) = match joint.kind {
+            JointKind::Revolute => (units::rad_from_deg, units::deg_from_rad),
+            JointKind::Prismatic => (units::m_from_mm, units::mm_from_m),
+        };
+        home[i] = si(q);
+        let (low, high) = joint.limits;
+        if !(low..=high).contains(&home[i]) {
+            let (low, high, name) = (plain(back(low)), plain(back(high)), shown(&joint.name));
+            let message = format!("number {} of `home` is outside the limits of joint `{name}`", i + 1);
+            let at = if let Value::Array(items) = &node.value { items[i].at } else { node.at };
+            lib.error(at, message, format!("choose it from {low} to {high}, not {}", plain(q)));
+        }
+    }
+    Some(home)
 }
 
 /// `[tool]`: `position_mm`, `rpy_deg` of the TCP in the mechanical interface, and the tool `axis`.

@@ -86,6 +86,8 @@ pub struct Robot {
     /// Row i: how the D-H coordinate i follows the actuators, lower triangular with units on the
     /// diagonal; the identity for a serial arm.
     pub coupling: Vec<Vec<f64>>,
+    /// Where the arm rests: actuator coordinates inside the limits, rad or m.
+    pub home: JointVector,
     /// Mechanical interface to TCP.
     pub tool: Pose,
     /// Working direction of the tool in the frame of the TCP, unit length.

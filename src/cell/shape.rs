@@ -44,6 +44,24 @@ pub enum Shape {
     },
 }
 
+impl Shape {
+    /// The same shape seen from the frame in which its own is at `pose`. A leg stands on the floor and
+    /// stays.
+    pub fn seen_from(self, pose: &Pose) -> Self {
+        let at = |p: Vector3<f64>| pose.transform(&p);
+        match self {
+            Self::Box { pose: own, size } => Self::Box { pose: *pose * own, size },
+            Self::Sphere { centre, radius } => Self::Sphere { centre: at(centre), radius },
+            Self::Capsule { a, b, radius } => Self::Capsule { a: at(a), b: at(b), radius },
+            Self::Cylinder { a, b, radius } => Self::Cylinder { a: at(a), b: at(b), radius },
+            Self::Mesh { pose: own, vertices, triangles, closed } => {
+                Self::Mesh { pose: *pose * own, vertices, triangles, closed }
+            }
+            leg @ Self::Leg { .. } => leg,
+        }
+    }
+}
+
 #[derive(Debug, Clone, PartialEq)]
 pub struct Solid {
     pub name: String,

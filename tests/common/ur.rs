@@ -3,7 +3,7 @@
 
 use nalgebra::Vector3;
 use std::f64::consts::PI;
-use sweetspot::cell::{Convention, Joint, JointKind, Rectangle, Robot, SignedErrors};
+use sweetspot::cell::{Convention, Joint, JointKind, MAX_JOINTS, Rectangle, Robot, SignedErrors};
 use sweetspot::pose::Pose;
 use toml::de::{DeTable, DeValue};
 
@@ -64,6 +64,7 @@ fn robot(name: &str, rows: impl Fn(&str) -> Vec<f64>) -> Robot {
         joints: (0..6).map(joint).collect(),
         joint_frames: vec![Pose::identity(); 6],
         coupling: (0..6).map(row).collect(),
+        home: [0.0; MAX_JOINTS],
         tool: Pose::identity(),
         tool_axis: Vector3::z(),
         solids: vec![],

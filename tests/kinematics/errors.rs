@@ -23,6 +23,7 @@ pub fn robot(joints: Vec<Joint>, coupling: Vec<Vec<f64>>, tool: Pose) -> Robot {
     let (tool_axis, solids, errors) = (Vector3::x(), vec![], vec![]);
     let (convention, mount) = (Convention::Standard, Pose::identity());
     Robot {
+        home: [0.0; sweetspot::cell::MAX_JOINTS],
         name: text(),
         source: text(),
         convention,
