@@ -21,9 +21,7 @@ fn folder() -> std::path::PathBuf {
 }
 
 fn shipped(name: &str) -> Cell {
-    let read = &mut |path: &str| {
-        std::fs::read_to_string(folder().join("cells").join(path)).map_err(|e| e.to_string())
-    };
+    let read = &mut |path: &str| std::fs::read(folder().join("cells").join(path)).map_err(|e| e.to_string());
     cell::load(name, read).expect("a shipped cell").cell
 }
 

@@ -536,9 +536,9 @@ fn clearance_of_the_file_shifts_the_verdict() {
 fn mesh_cell(link: &str, obj: &str) -> Cell {
     let text = cell_text(link, "mesh = { file = \"part.obj\", units = \"mm\", centre_mm = [0, 0, 0] }", "");
     let loaded = cell::load("test.toml", &mut |path: &str| match path {
-        "test.toml" => Ok(text.clone()),
-        "part.obj" => Ok(obj.to_string()),
-        _ => std::fs::read_to_string(root().join("cells").join(path)).map_err(|e| e.to_string()),
+        "test.toml" => Ok(text.clone().into_bytes()),
+        "part.obj" => Ok(obj.as_bytes().to_vec()),
+        _ => std::fs::read(root().join("cells").join(path)).map_err(|e| e.to_string()),
     });
     loaded.unwrap_or_else(|f| panic!("{f:#?}")).cell
 }

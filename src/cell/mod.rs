@@ -17,6 +17,8 @@ pub mod fault;
 mod frame_file;
 mod from;
 mod mesh;
+mod mesh_obj;
+mod mesh_stl;
 mod model;
 mod operation_file;
 mod plausible;
