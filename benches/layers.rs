@@ -153,7 +153,7 @@ fn collision(c: &mut Criterion) {
         c.bench_function(&format!("collision: one configuration of {set}"), |b| {
             b.iter(|| {
                 let frames = chain.frames(next.next().expect("a cycle"));
-                scene.hit(&placed, &frames.links)
+                scene.hit(&placed, &frames.links, None)
             })
         });
     }

@@ -7,11 +7,10 @@ use super::reader::Table;
 use super::robot_model::*;
 use super::shape::extent_of;
 use super::solid::{self, Carrier};
+use super::tool_file::{self, Tool};
 use super::tree::{Node, Value};
 use super::value::{self, Must, plain};
-use crate::pose::Pose;
 use crate::units;
-use nalgebra::Vector3;
 use std::collections::HashSet;
 
 /// Limits of at most so many degrees on every joint look like radians.
@@ -26,16 +25,30 @@ pub fn read(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<Robot> {
     let joints = rows.and_then(|rows| read_joints(rows, t.get("joint")?, lib));
     let coupling = t.get("coupling");
     let coupling = rows.and_then(|rows| read_coupling(coupling, rows.len(), lib));
-    let tool = read_tool(t, lib);
+    let tool = tool_file::read(t, lib);
     let before = lib.errors();
-    let solids = read_solids(t, rows.map_or(MAX_JOINTS, <[_]>::len), lib);
+    let n = rows.map_or(MAX_JOINTS, <[_]>::len);
+    let mut solids = read_solids(t, n, lib);
+    tool_file::mount(&tool, n, &mut solids, lib);
     let base = solids.iter().filter(|s| s.link == 0).map(|s| &s.solid.shape);
     let needed: &[_] = if lib.errors() == before { &["footprint"] } else { &[] };
     let footprint = solid::read_footprint(t, extent_of(base), needed, lib);
+    let self_collision = tool_file::read_self_collision(t, &solids, lib);
     let errors = error_set::read_all(t, rows, joints.as_deref(), lib);
-    let ((tool, tool_axis), footprint) = (tool?, footprint?);
+    let (Tool { pose: tool, axis: tool_axis, .. }, footprint) = (tool?, footprint?);
     let (name, source, coupling, joints) = (name?, source?, coupling?, joints?);
-    Some(Robot { name, source, joints, coupling, tool, tool_axis, solids, footprint, errors })
+    Some(Robot {
+        name,
+        source,
+        joints,
+        coupling,
+        tool,
+        tool_axis,
+        solids,
+        self_collision: self_collision?,
+        footprint,
+        errors,
+    })
 }
 
 fn joint_rows<'n>(t: &mut Table<'n>, lib: &mut Library<'_>) -> Option<&'n [Node]> {
@@ -135,22 +148,6 @@ fn read_coupling_row(row: &Node, i: usize, n: usize, lib: &mut Library<'_>) -> O
         lib.error(row.at, message, "a coordinate follows its own actuator and those before it");
     }
     Some(values)
-}
-
-/// `[tool]`: `position_mm`, `rpy_deg` of the TCP in the mechanical interface, and the tool `axis`.
-fn read_tool(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<(Pose, Vector3<f64>)> {
-    let node = t.need("tool", "add tool = { position_mm = [0, 0, 0], axis = [1, 0, 0] }")?;
-    Table::read(node, "`tool`", lib, |t, lib| {
-        let pose = t.pose("position_mm", lib);
-        let node = t.need("axis", "add axis = [1, 0, 0], the working direction of the tool")?;
-        let axis = value::numbers(node, "`axis`", 3, Must::BeFinite, lib)?;
-        let unit = Vector3::from_iterator(axis).try_normalize(1e-9);
-        if unit.is_none() {
-            let help = "write the working direction of the tool, for example axis = [1, 0, 0]";
-            lib.error(node.at, "the tool `axis` has no direction".into(), help);
-        }
-        Some((pose?, unit?))
-    })
 }
 
 fn read_solids(t: &mut Table<'_>, n: usize, lib: &mut Library<'_>) -> Vec<LinkSolid> {

@@ -119,7 +119,7 @@ impl Mapper {
             _ if !reached => Outcome::Unreachable { gap },
             Err(why) => Outcome::Unjudged(why),
             Ok(_) if candidates.is_empty() => Outcome::Unjudged(Unjudged::OnlyTouched),
-            Ok(_) => self.first_free(station, scene, placed, candidates, frames),
+            Ok(_) => self.first_free(operation, scene, placed, candidates, frames),
         }
     }
 
@@ -128,12 +128,13 @@ impl Mapper {
     /// to be stored.
     fn first_free(
         &self,
-        station: &Station,
+        operation: usize,
         scene: &Scene,
         placed: &mut Placed,
         candidates: &mut Vec<Candidate>,
         frames: &mut Frames,
     ) -> Outcome {
+        let station = &self.stations[operation];
         let mut heap = BinaryHeap::from(std::mem::take(candidates));
         let nearest = heap.peek().map(|c| c.spot);
         let mut found = None;
@@ -143,7 +144,7 @@ impl Mapper {
             inverse.visit(&target, &station.approach, &mut inverse.scratch(), |branch, posture| {
                 if branch == spot.branch {
                     self.arm.chain.place(posture, frames);
-                    free = scene.is_free(placed, &frames.links);
+                    free = scene.is_free(placed, &frames.links, Some(operation));
                 }
             });
             if free {
@@ -176,7 +177,7 @@ impl Mapper {
         station.grid.targets(&at, |k, target| {
             let (i, j) = station.grid.index(k);
             let position = self.base.pose().transform(&target);
-            let (status, posture) = self.judge(&target, station, &situation, scene, placed, &mut memory);
+            let (status, posture) = self.judge(&target, operation, &situation, scene, placed, &mut memory);
             nodes.push(NodeRecord { i, j, position, status, posture });
         });
         let free = |p: &&PostureRecord| !p.touched;
@@ -191,12 +192,13 @@ impl Mapper {
     fn judge(
         &self,
         target: &Vector3<f64>,
-        station: &Station,
+        operation: usize,
         situation: &Result<Situation, Unjudged>,
         scene: &Scene,
         placed: &Placed,
         memory: &mut Memory,
     ) -> (Status, Option<PostureRecord>) {
+        let station = &self.stations[operation];
         let branches = match self.arm.inverse.branches(target, &station.approach) {
             Reach::OutOfReach { by } => return (Status::OutOfReach { by }, None),
             Reach::Branches(branches) => branches,
@@ -216,7 +218,7 @@ impl Mapper {
         within.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.2.index.cmp(&b.2.index)));
         let mut first_hit = None;
         for (_, frames, branch) in &within {
-            match scene.hit(placed, &frames.links) {
+            match scene.hit(placed, &frames.links, Some(operation)) {
                 None => {
                     return (
                         Status::Ok,

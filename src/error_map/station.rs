@@ -46,7 +46,7 @@ impl Arm {
         found
     }
 
-    /// The frames of the first branch at a target that touches nothing.
+    /// The frames of the first branch at a target that touches nothing, with empty hands.
     fn first_free(
         &self,
         target: &Vector3<f64>,
@@ -58,7 +58,7 @@ impl Arm {
         self.inverse.visit(target, approach, &mut self.inverse.scratch(), |_, posture| {
             if found.is_none() {
                 let frames = self.chain.frames(posture);
-                found = scene.hit(placed, &frames.links).is_none().then_some(frames);
+                found = scene.hit(placed, &frames.links, None).is_none().then_some(frames);
             }
         });
         found

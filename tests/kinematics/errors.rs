@@ -19,7 +19,18 @@ use sweetspot::robot::Chain;
 pub fn robot(joints: Vec<Joint>, coupling: Vec<Vec<f64>>, tool: Pose) -> Robot {
     let (footprint, text) = (Rectangle { centre: (0.0, 0.0), size: (1.0, 1.0) }, || "test".to_string());
     let (tool_axis, solids, errors) = (Vector3::x(), vec![], vec![]);
-    Robot { name: text(), source: text(), joints, coupling, tool, tool_axis, solids, footprint, errors }
+    Robot {
+        name: text(),
+        source: text(),
+        joints,
+        coupling,
+        tool,
+        tool_axis,
+        solids,
+        self_collision: Default::default(),
+        footprint,
+        errors,
+    }
 }
 
 pub fn joint(kind: JointKind, theta: f64, r: f64, l: f64, alpha: f64) -> Joint {
