@@ -21,9 +21,7 @@ fn folder() -> std::path::PathBuf {
 }
 
 fn shipped(name: &str) -> Cell {
-    let read = &mut |path: &str| {
-        std::fs::read_to_string(folder().join("cells").join(path)).map_err(|e| e.to_string())
-    };
+    let read = &mut |path: &str| std::fs::read(folder().join("cells").join(path)).map_err(|e| e.to_string());
     cell::load(name, read).expect("a shipped cell").cell
 }
 
@@ -155,7 +153,7 @@ fn collision(c: &mut Criterion) {
         c.bench_function(&format!("collision: one configuration of {set}"), |b| {
             b.iter(|| {
                 let frames = chain.frames(next.next().expect("a cycle"));
-                scene.hit(&placed, &frames.links)
+                scene.hit(&placed, &frames.links, None)
             })
         });
     }

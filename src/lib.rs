@@ -74,7 +74,7 @@
 //!
 //! // The core reads through a function: here from the shipped cells.
 //! let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/cells/");
-//! let mut read = |path: &str| std::fs::read_to_string(format!("{folder}{path}")).map_err(|e| e.to_string());
+//! let mut read = |path: &str| std::fs::read(format!("{folder}{path}")).map_err(|e| e.to_string());
 //! let loaded = cell::load("hitachi_paper.toml", &mut read).map_err(|faults| format!("{faults:?}"))?;
 //!
 //! let workcell = layout::Workcell::new(loaded.cell)?;

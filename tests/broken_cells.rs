@@ -61,8 +61,8 @@ fn every_broken_file_is_told_what_is_wrong() {
 fn load_parts(files: &BTreeMap<String, String>, path: &str) -> Result<Loaded, Vec<Fault>> {
     let cells = root().join("cells");
     cell::load(path, &mut |path: &str| match files.get(path) {
-        Some(text) => Ok(text.clone()),
-        None => std::fs::read_to_string(cells.join(path)).map_err(|_| "no such file".to_string()),
+        Some(text) => Ok(text.clone().into_bytes()),
+        None => std::fs::read(cells.join(path)).map_err(|_| "no such file".to_string()),
     })
 }
 

@@ -11,7 +11,7 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use sweetspot::cell::{self, Cell, Equipment, Layout, MAX_JOINTS, Placement, Rectangle, Shape};
-use sweetspot::clearance::{FloorPlan, Hit, Overlap, Party, Placed, Scene};
+use sweetspot::clearance::{Allowed, FloorPlan, Hit, Overlap, Party, Placed, Scene, SolidRef};
 use sweetspot::error_map::{Outcome, Status};
 use sweetspot::layout::{Workcell, evaluate};
 use sweetspot::pose::Pose;
@@ -47,10 +47,10 @@ fn hit(cell: &Cell, layout: &Layout, link: &Pose) -> Option<Hit> {
     scene.place(layout, &mut placed);
     let mut frames: Frames = [Pose::identity(); MAX_JOINTS + 1];
     frames[4] = *link;
-    let hit = scene.hit(&placed, &frames);
+    let hit = scene.hit(&placed, &frames, Some(0));
     // The quicker question, first without and then with the memory of the pair that touched last.
     for _ in 0..2 {
-        assert_eq!(scene.is_free(&mut placed, &frames), hit.is_none(), "hit and is_free disagree");
+        assert_eq!(scene.is_free(&mut placed, &frames, Some(0)), hit.is_none(), "hit and is_free disagree");
     }
     hit
 }
@@ -415,7 +415,11 @@ fn solids_agree(link: Kind, part: Kind, rounds: u64) -> usize {
                 )
             };
             assert_eq!(got.is_some(), want, "{}", case());
-            assert!(got.is_none_or(|h| h == Hit { solid: 0, other: Some((0, 0)) }), "{}", case());
+            assert!(
+                got.is_none_or(|h| h == Hit { solid: SolidRef::Robot(0), other: SolidRef::Equipment(0, 0) }),
+                "{}",
+                case()
+            );
             asked += 1;
         };
         ask(rng.random_range(0.0..1.2));
@@ -471,7 +475,7 @@ fn the_floor_agrees_with_the_lowest_point() {
         for above in [-0.5, -2.0 * SURE, 2.0 * SURE, 0.5] {
             let mut there = frame;
             there.translation.z += cell.floor + cell.clearance + above - low;
-            let want = (above < 0.0).then_some(Hit { solid: 0, other: None });
+            let want = (above < 0.0).then_some(Hit { solid: SolidRef::Robot(0), other: SolidRef::Floor });
             assert_eq!(hit(&cell, &layout, &there), want, "{kind:?} {above} m above the floor");
         }
     }
@@ -536,9 +540,9 @@ fn clearance_of_the_file_shifts_the_verdict() {
 fn mesh_cell(link: &str, obj: &str) -> Cell {
     let text = cell_text(link, "mesh = { file = \"part.obj\", units = \"mm\", centre_mm = [0, 0, 0] }", "");
     let loaded = cell::load("test.toml", &mut |path: &str| match path {
-        "test.toml" => Ok(text.clone()),
-        "part.obj" => Ok(obj.to_string()),
-        _ => std::fs::read_to_string(root().join("cells").join(path)).map_err(|e| e.to_string()),
+        "test.toml" => Ok(text.clone().into_bytes()),
+        "part.obj" => Ok(obj.as_bytes().to_vec()),
+        _ => std::fs::read(root().join("cells").join(path)).map_err(|e| e.to_string()),
     });
     loaded.unwrap_or_else(|f| panic!("{f:#?}")).cell
 }
@@ -644,7 +648,7 @@ fn inside_a_ring_agrees_with_the_winding_number() {
         assert!((winds - winds.round()).abs() < 1e-6, "the mesh is not closed at {p}");
         let mut frames: Frames = [Pose::identity(); MAX_JOINTS + 1];
         frames[4].translation = place.transform(p);
-        assert_eq!(scene.hit(&placed, &frames).is_some(), winds.round() == 1.0, "{p}");
+        assert_eq!(scene.hit(&placed, &frames, None).is_some(), winds.round() == 1.0, "{p}");
         inside += usize::from(winds > 0.5);
     }
     assert!((200..1300).contains(&inside), "{inside}");
@@ -671,8 +675,10 @@ fn legs_reach_from_the_table_down_to_the_floor() {
             let mut there = at(0.0, 0.0, 0.0);
             there.translation = frame.transform(&V::new(x, y, 0.0));
             there.translation.z = height;
-            hit(&cell, &layout, &there)
-                .map(|h| h.other.map(|(_, s)| cell.equipment[0].solids[s].name.as_str()))
+            hit(&cell, &layout, &there).map(|h| match h.other {
+                SolidRef::Equipment(_, s) => Some(cell.equipment[0].solids[s].name.as_str()),
+                _ => None,
+            })
         };
         for k in 0..=20 {
             // From just above the floor to just below the slab, whose lower side is at z - 50 mm.

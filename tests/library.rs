@@ -122,7 +122,9 @@ fn home_is_zero_or_else_the_middle() {
         robot = { from = "robot.toml" }
         equipment.table = { surface = { size_mm = [9, 9] }, placement = { x_mm = 400, y_mm = 0, z_mm = 0 } }
         operation.map = { on = "table", grid = [1, 1], bend_deg = -90, sense = "xyz" }"#;
-    let read = &mut |path: &str| Ok(if path == "robot.toml" { text.clone() } else { cell.into() });
+    let read = &mut |path: &str| {
+        Ok(if path == "robot.toml" { text.clone().into_bytes() } else { cell.as_bytes().to_vec() })
+    };
     let home = sweetspot::cell::load("cell.toml", read).unwrap_or_else(|f| panic!("{f:#?}")).cell.robot.home;
     let middle = (304.8 + 1270.0) / 2e3;
     assert!((home[2] - middle).abs() < 1e-12 && home[0] == 0.0 && home[4] == 0.0, "{home:?}");

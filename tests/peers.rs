@@ -78,7 +78,7 @@ fn work_c_collision_flags() {
         let mut count = 0;
         for (q, flag) in data(&format!("c_pw10_{set}.bin")).chunks_exact(4).zip(flags.lines()) {
             let frames = chain.frames(&chain.posture(&joints(q)));
-            assert_eq!(scene.hit(&placed, &frames.links).is_some(), flag == "1", "{set} {q:?}");
+            assert_eq!(scene.hit(&placed, &frames.links, None).is_some(), flag == "1", "{set} {q:?}");
             count += 1;
         }
         assert_eq!(count, 2000);

@@ -21,12 +21,19 @@ const NAMING: &str = "write its path from the folder of the file that names it";
 pub struct Source {
     /// Relative to the folder of the cell file, with forward slashes.
     pub path: String,
-    pub text: String,
+    pub bytes: Vec<u8>,
 }
 
-/// Gives the text of the file at a path relative to the cell's folder, or says why not.
+impl Source {
+    /// The text of the file; empty if it is none (a binary mesh).
+    pub fn text(&self) -> &str {
+        std::str::from_utf8(&self.bytes).unwrap_or("")
+    }
+}
+
+/// Gives the bytes of the file at a path relative to the cell's folder, or says why not.
 /// The path has been normalized and does not leave that folder.
-pub type ReadFile<'a> = dyn FnMut(&str) -> Result<String, String> + 'a;
+pub type ReadFile<'a> = dyn FnMut(&str) -> Result<Vec<u8>, String> + 'a;
 
 /// All files read so far and all faults found so far.
 pub struct Library<'a> {
@@ -54,7 +61,7 @@ impl<'a> Library<'a> {
             Ordering::Greater => return,
         };
         let source = &self.sources[at.file];
-        let fault = Fault::in_text(&source.path, &source.text, at.offset, message, help);
+        let fault = Fault::in_text(&source.path, source.text(), at.offset, message, help);
         self.faults.push(Fault { severity, ..fault });
     }
 
@@ -67,13 +74,23 @@ impl<'a> Library<'a> {
         self.faults.iter().filter(|f| f.is_error()).count()
     }
 
-    /// The index among the sources of a file named at `at` (the cell file: nowhere).
+    /// The index among the sources of a file of text.
     pub fn text(&mut self, path: &str, at: Option<At>) -> Option<usize> {
+        let file = self.file(path, at)?;
+        if std::str::from_utf8(&self.sources[file].bytes).is_ok() {
+            return Some(file);
+        }
+        self.unreadable(path, at, "it is not UTF-8 text");
+        None
+    }
+
+    /// The index among the sources of a file named at `at` (the cell file: nowhere).
+    pub fn file(&mut self, path: &str, at: Option<At>) -> Option<usize> {
         let file = match self.sources.iter().position(|s| s.path == path) {
             Some(known) => known,
             None => self.read_new(path, at)?,
         };
-        self.named = self.named.saturating_add(self.sources[file].text.len());
+        self.named = self.named.saturating_add(self.sources[file].bytes.len());
         if let Some(at) = at.filter(|_| self.named > MAX_NAMED) {
             let most = MAX_NAMED / 1_000_000;
             let message = format!("the files named up to here add up to more than {most} MB");
@@ -85,21 +102,21 @@ impl<'a> Library<'a> {
 
     fn read_new(&mut self, path: &str, at: Option<At>) -> Option<usize> {
         match (self.read)(path) {
-            Ok(text) => {
-                self.sources.push(Source { path: path.to_string(), text });
+            Ok(bytes) => {
+                self.sources.push(Source { path: path.to_string(), bytes });
                 return Some(self.sources.len() - 1);
             }
-            Err(why) => {
-                let message = format!("cannot read `{}`: {}", shown(path), shown(&why));
-                match at {
-                    Some(at) => self.error(at, message, NAMING),
-                    None => {
-                        self.faults.push(Fault::of_file(path, message, "check the path of the cell file"))
-                    }
-                }
-            }
+            Err(why) => self.unreadable(path, at, &why),
         }
         None
+    }
+
+    fn unreadable(&mut self, path: &str, at: Option<At>, why: &str) {
+        let message = format!("cannot read `{}`: {}", shown(path), shown(why));
+        match at {
+            Some(at) => self.error(at, message, NAMING),
+            None => self.faults.push(Fault::of_file(path, message, "check the path of the cell file")),
+        }
     }
 
     /// The entries at the top of a file, parsed once, or None with the faults recorded once.
@@ -107,10 +124,10 @@ impl<'a> Library<'a> {
         if let Some(known) = self.parsed.get(&file) {
             return known.clone();
         }
-        let text = &self.sources[file].text;
+        let text = self.sources[file].text();
         let parsed = if text.len() > MAX_TOML {
             let message = format!("{} MB of text", text.len() / 1_000_000);
-            let help = "a file of this kind has at most 4 MB: put shapes that large into an OBJ mesh";
+            let help = "a file of this kind has at most 4 MB: put shapes that large into a mesh";
             Err(vec![(0, message, help)])
         } else {
             parse(file, text)

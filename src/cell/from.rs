@@ -2,7 +2,7 @@
 //!
 //! `from` is a key like any other and the nearest one wins: a cell made `from` another cell that
 //! names its own robot file takes nothing from the robot file of the other. It may stand at the top
-//! of a file, in the robot, in an equipment and in an obstacle; elsewhere it is an unknown key.
+//! of a file, in the robot, in its tool, in an equipment and in an obstacle; elsewhere it is an unknown key.
 
 use super::document::Library;
 use super::fault::shown;
@@ -22,7 +22,7 @@ pub fn load(path: &str, lib: &mut Library<'_>) -> Option<Node> {
     let Value::Table(entries) = &mut root.value else { return None };
     for (key, _, node) in entries {
         match (key.as_str(), &mut node.value) {
-            ("robot", _) => lay_part(node, &chain, lib),
+            ("robot", _) => lay_robot(node, &chain, lib),
             ("equipment" | "obstacle", Value::Table(parts)) => {
                 parts.iter_mut().for_each(|(.., part)| lay_part(part, &chain, lib));
             }
@@ -30,6 +30,25 @@ pub fn load(path: &str, lib: &mut Library<'_>) -> Option<Node> {
         }
     }
     Some(root)
+}
+
+/// A robot and its tool. A tool that is `from` a file beside the robot's own `from` takes the place of
+/// that of the robot file: half of one and half of the other would be neither.
+fn lay_robot(node: &mut Node, chain: &[String], lib: &mut Library<'_>) {
+    let Value::Table(entries) = &mut node.value else { return lay_part(node, chain, lib) };
+    let is_own = |e: &Entry| e.0 == "tool" && e.2.value.get("from").is_some();
+    let own = entries.iter().position(is_own).map(|k| entries.remove(k));
+    lay_part(node, chain, lib);
+    let Value::Table(entries) = &mut node.value else { return };
+    if let Some(own) = own {
+        entries.retain(|(key, ..)| key != "tool");
+        entries.push(own);
+    }
+    for (.., tool) in entries.iter_mut().filter(|(key, ..)| key == "tool") {
+        if tool.value.get("from").is_some() {
+            lay_part(tool, chain, lib);
+        }
+    }
 }
 
 fn lay_part(node: &mut Node, chain: &[String], lib: &mut Library<'_>) {
@@ -84,7 +103,7 @@ fn follow(from: &Node, chain: &mut Vec<String>, lib: &mut Library<'_>) -> Option
 /// Every file says what it is, itself or through its `from`.
 fn has_schema(root: &Node, at: At, lib: &mut Library<'_>) {
     if root.value.get("schema").is_none() && !root.value.is_partial() {
-        let help = "start it with schema = \"sweetspot/cell/1\", sweetspot/robot/1 or sweetspot/equipment/1";
+        let help = "start it with schema = \"sweetspot/cell/1\", sweetspot/robot/1, sweetspot/tool/1 or sweetspot/equipment/1";
         lib.error(at, "the file does not say what it is: `schema` is missing".into(), help);
     }
 }

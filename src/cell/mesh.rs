@@ -1,19 +1,37 @@
-//! Triangle meshes of equipment, from Wavefront OBJ.
+//! Triangle meshes of equipment and links: reading them, and whether they bound a solid.
 
 use super::document::Library;
 use super::fault::{Severity, shown};
 use super::reader::Table;
 use super::shape::Shape;
-use super::tree::At;
+use super::tree::{At, Node};
 use super::value::text;
+use super::{mesh_obj, mesh_stl};
 use nalgebra::Vector3;
 use std::collections::HashMap;
 
 /// Most triangles of one mesh.
-const MAX_TRIANGLES: usize = 1_000_000;
+pub const MAX_TRIANGLES: usize = 200_000;
 
 /// Farthest believable coordinate, m.
 const MAX_COORDINATE: f64 = 1e4;
+
+pub const BEYOND: &str = "a vertex that is no finite point of a workcell; is the unit right?";
+
+pub type Vertices = Vec<Vector3<f64>>;
+pub type Triangles = Vec<[u32; 3]>;
+
+/// What is wrong with a mesh, and in which line of its file (from 0).
+pub type Wrong = (Option<usize>, String);
+
+/// Whether a coordinate (m) is none of a workcell.
+pub fn is_beyond(coordinate: f64) -> bool {
+    coordinate.is_nan() || coordinate.abs() >= MAX_COORDINATE
+}
+
+pub fn too_many() -> String {
+    format!("more than {MAX_TRIANGLES} triangles: simplify it, a coarse mesh collides much faster")
+}
 
 /// Reads `mesh = { file, units, centre_mm, rpy_deg }`; `file` is relative to the naming file.
 pub fn read(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<Shape> {
@@ -23,145 +41,167 @@ pub fn read(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<Shape> {
         "inch" => 0.0254,
         _ => 1.0,
     });
-    let node = t.need("file", "add file = \"NAME.obj\"")?;
+    let node = t.need("file", "add file = \"NAME.stl\" or \"NAME.obj\"")?;
     let name = text(node, "file", lib)?;
-    if !name.to_ascii_lowercase().ends_with(".obj") {
-        let message = format!("`{}` is not an OBJ file", shown(&name));
-        lib.error(node.at, message, "export the mesh as Wavefront OBJ");
-        return None;
+    let (path, (vertices, mut triangles)) = read_file(node, &name, scale, lib)?;
+    let kind = solidity(&vertices, &mut triangles);
+    if let Some((message, help)) = kind.warning() {
+        lib.fault(node.at, Severity::Warning, format!("mesh `{}` {message}", shown(&path)), help);
     }
-    let path = lib.relative(&name, node.at)?;
-    let file = lib.text(&path, Some(node.at))?;
-    let (vertices, mut triangles) = match parse_obj(&lib.sources[file].text, scale?) {
-        Ok(mesh) => mesh,
-        Err((line, why)) => {
-            let start = |line| lib.sources[file].text.split_inclusive('\n').take(line).map(str::len).sum();
-            let (at, why) = match line {
-                Some(line) => (At { file, offset: start(line) }, why),
-                None => (node.at, format!("mesh `{}`: {why}", shown(&path))),
-            };
-            let help = "export the mesh anew as Wavefront OBJ, and look at it in a mesh viewer";
-            lib.error(at, why, help);
-            return None;
-        }
-    };
-    let closed = is_closed(&triangles);
-    if !closed {
-        let message = format!("mesh `{}` is not a closed surface", shown(&path));
-        let help = "its inside is not solid, a link wholly inside would not be seen: close its holes";
-        lib.fault(node.at, Severity::Warning, message, help);
-    } else if signed_volume(&vertices, &triangles) < 0.0 {
-        triangles.iter_mut().for_each(|t| t.swap(1, 2));
-    }
+    let closed = kind != Solidity::Open;
     Some(Shape::Mesh { pose: pose?, vertices, triangles, closed })
 }
 
-type Vertices = Vec<Vector3<f64>>;
-type Triangles = Vec<[u32; 3]>;
+/// The path of a mesh file, its vertices (in m, each place once) and its triangles.
+fn read_file(
+    node: &Node,
+    name: &str,
+    scale: Option<f64>,
+    lib: &mut Library<'_>,
+) -> Option<(String, (Vertices, Triangles))> {
+    let lower = name.to_ascii_lowercase();
+    let (is_obj, is_stl) = (lower.ends_with(".obj"), lower.ends_with(".stl"));
+    if !is_obj && !is_stl {
+        let message = format!("`{}` is no OBJ or STL file", shown(name));
+        lib.error(node.at, message, "export the mesh as STL or Wavefront OBJ");
+        return None;
+    }
+    let path = lib.relative(name, node.at)?;
+    let file = if is_obj { lib.text(&path, Some(node.at))? } else { lib.file(&path, Some(node.at))? };
+    let source = &lib.sources[file];
+    let raw =
+        if is_obj { mesh_obj::parse(source.text(), scale?) } else { mesh_stl::parse(&source.bytes, scale?) };
+    match raw.and_then(|(vertices, triangles)| merged(vertices, triangles)) {
+        Ok(mesh) => Some((path, mesh)),
+        Err((line, why)) => {
+            let start = |line| source.text().split_inclusive('\n').take(line).map(str::len).sum();
+            let (at, why) = match line.filter(|_| !source.text().is_empty()) {
+                Some(line) => (At { file, offset: start(line) }, why),
+                None => (node.at, format!("mesh `{}`: {why}", shown(&path))),
+            };
+            let kind = if is_obj { "Wavefront OBJ" } else { "STL" };
+            let help = format!("export the mesh anew as {kind}, and look at it in a mesh viewer");
+            lib.error(at, why, help);
+            None
+        }
+    }
+}
 
-/// What is wrong with a mesh, and in which line of its file (from 0).
-type Wrong = (Option<usize>, String);
-
-/// Vertices (scaled to m) and triangles of an OBJ text. Vertices at the same place become one.
-fn parse_obj(text: &str, scale: f64) -> Result<(Vertices, Triangles), Wrong> {
-    let options = tobj::LoadOptions {
-        triangulate: true,
-        ignore_points: true,
-        ignore_lines: true,
-        ..Default::default()
-    };
-    let geometry = geometry_of(text);
-    let mut rest = geometry.as_bytes();
-    let loaded = tobj::load_obj_buf(&mut rest, &options, |_| Ok(Default::default()));
-    let read = geometry.len() - rest.len();
-    let (models, _) = loaded.map_err(|e| explained(e, &geometry, read))?;
-    let mut vertices = Vec::new();
-    let mut triangles = Vec::new();
-    for model in &models {
-        let first = vertices.len() as u32;
-        vertices.extend(model.mesh.positions.chunks_exact(3).map(|v| Vector3::new(v[0], v[1], v[2]) * scale));
-        triangles
-            .extend(model.mesh.indices.chunks_exact(3).map(|t| [first + t[0], first + t[1], first + t[2]]));
+/// One vertex for all at the same place, in order of first use; triangles without area by their
+/// corners are left out.
+fn merged(vertices: Vertices, mut triangles: Triangles) -> Result<(Vertices, Triangles), Wrong> {
+    // Adding 0 makes -0 and 0 the same bits.
+    let bits = |i: u32| vertices[i as usize].map(|c| (c + 0.0).to_bits()).data.0[0];
+    // Sorted and not hashed: a map of all places takes more memory than everything else.
+    let mut order: Vec<u32> = (0..vertices.len() as u32).collect();
+    order.sort_unstable_by_key(|&i| (bits(i), i));
+    let mut first = vec![0; vertices.len()];
+    for alike in order.chunk_by(|&i, &k| bits(i) == bits(k)) {
+        alike.iter().for_each(|&i| first[i as usize] = alike[0]);
     }
-    let beyond = |c: f64| c.is_nan() || c.abs() >= MAX_COORDINATE;
-    if vertices.iter().any(|v: &Vector3<f64>| v.iter().any(|c| beyond(*c))) {
-        let line = line_with(&geometry, "v", |c| c.parse().is_ok_and(|c: f64| beyond(c * scale)));
-        return Err((line, "a vertex that is no finite point of a workcell; is the unit right?".into()));
+    let (mut kept, mut index) = (Vec::new(), vec![0; vertices.len()]);
+    for (i, vertex) in vertices.iter().enumerate() {
+        if first[i] == i as u32 {
+            index[i] = kept.len() as u32;
+            kept.push(*vertex);
+        }
+        index[i] = index[first[i] as usize];
     }
-    if triangles.len() > MAX_TRIANGLES {
-        let why = format!("{} triangles, at most {MAX_TRIANGLES} are taken: simplify it", triangles.len());
-        return Err((None, why));
-    }
-    let (vertices, mut triangles) = merged(vertices, triangles);
+    triangles.iter_mut().for_each(|t| *t = t.map(|i| index[i as usize]));
     triangles.retain(|[a, b, c]| a != b && b != c && c != a);
-    if triangles.is_empty() {
-        return Err((None, "no triangle in it".into()));
+    match triangles.len() {
+        0 => Err((None, "no triangle in it".into())),
+        n if n > MAX_TRIANGLES => Err((None, too_many())),
+        _ => Ok((kept, triangles)),
     }
-    Ok((vertices, triangles))
 }
 
-/// The vertices and faces of an OBJ text, line by line: nothing else of it is used, and indices of
-/// texture and normals can make the reader overflow.
-fn geometry_of(text: &str) -> String {
-    let mut geometry = String::with_capacity(text.len());
-    for line in text.lines() {
-        let mut words = line.split_whitespace().take_while(|w| !w.starts_with('#'));
-        let kind = words.next().filter(|w| ["v", "f"].contains(w));
-        geometry.push_str(kind.unwrap_or(""));
-        let used = words.take(match kind {
-            Some("v") => 3,
-            Some(_) => usize::MAX,
-            None => 0,
-        });
-        for word in used {
-            let index = word.split('/').next().filter(|w| !w.is_empty());
-            geometry.push(' ');
-            geometry.push_str(index.unwrap_or("?"));
+/// Whether a surface bounds a solid.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Solidity {
+    Solid,
+    /// Closed shells lie in others with their outside inwards: hollows.
+    Hollow(usize),
+    /// There are holes, edges of three triangles, or sides that do not agree.
+    Open,
+}
+
+impl Solidity {
+    fn warning(self) -> Option<(String, &'static str)> {
+        match self {
+            Self::Solid => None,
+            Self::Hollow(1) => Some(("has a hollow inside".into(), HOLLOW)),
+            Self::Hollow(n) => Some((format!("has {n} hollows inside"), HOLLOW)),
+            Self::Open => Some(("is not a closed surface".into(), OPEN)),
         }
-        geometry.push('\n');
     }
-    geometry
 }
 
-/// The reader's error in words, and its line: the last one `read`, but faces are followed at the end.
-fn explained(e: tobj::LoadError, geometry: &str, read: usize) -> Wrong {
-    let last = geometry[..read].lines().count().checked_sub(1);
-    match e {
-        tobj::LoadError::PositionParseError => (last, "a vertex needs three numbers".into()),
-        tobj::LoadError::FaceParseError => (last, "a face needs the whole numbers of its vertices".into()),
-        tobj::LoadError::FaceVertexOutOfBounds => {
-            let count = geometry.lines().filter(|l| l.starts_with('v')).count() as u64;
-            let is_none = |i: i64| i == 0 || i.unsigned_abs() > count;
-            let line = line_with(geometry, "f", |i| i.parse().is_ok_and(is_none));
-            (line, format!("a face with a vertex that is not there (the file has {count})"))
+const HOLLOW: &str = "what lies wholly in a hollow touches nothing: remove its inner walls to make it solid";
+const OPEN: &str = "its inside is not solid, a link wholly inside would not be seen: close its holes";
+
+/// Whether the surface is that of a solid; it, and shells that lie in no other, are turned outside
+/// outwards.
+fn solidity(vertices: &[Vector3<f64>], triangles: &mut Triangles) -> Solidity {
+    if !is_closed(triangles) {
+        return Solidity::Open;
+    }
+    if signed_volume(vertices, triangles) < 0.0 {
+        triangles.iter_mut().for_each(|t| t.swap(1, 2));
+    }
+    let shell_of = shells(vertices.len(), triangles);
+    let count = shell_of.iter().max().map_or(0, |last| last + 1);
+    let mut volumes = vec![0.0; count];
+    let none = Vector3::repeat(f64::INFINITY);
+    let mut bounds = vec![(none, -none); count];
+    for (t, &shell) in triangles.iter().zip(&shell_of) {
+        let [a, b, c] = t.map(|i| vertices[i as usize]);
+        volumes[shell] += signed_volume(vertices, std::slice::from_ref(t));
+        let (low, high) = bounds[shell];
+        bounds[shell] = (low.inf(&a.inf(&b).inf(&c)), high.sup(&a.sup(&b).sup(&c)));
+    }
+    let holds = |(low, high): &(Vector3<f64>, Vector3<f64>), shell: usize| {
+        let (l, h) = bounds[shell];
+        (0..3).all(|k| low[k] < l[k] && h[k] < high[k])
+    };
+    let inner = |shell: usize| bounds.iter().any(|outer| holds(outer, shell));
+    let hollows: Vec<bool> = (0..count).map(|k| volumes[k] < 0.0 && inner(k)).collect();
+    for (t, &shell) in triangles.iter_mut().zip(&shell_of) {
+        if volumes[shell] < 0.0 && !hollows[shell] {
+            t.swap(1, 2);
         }
-        other => (None, shown(&other.to_string())),
+    }
+    match hollows.iter().filter(|h| **h).count() {
+        0 => Solidity::Solid,
+        n => Solidity::Hollow(n),
     }
 }
 
-/// The first line of a kind of which a word after the first is `wrong`.
-fn line_with(geometry: &str, kind: &str, wrong: impl Fn(&str) -> bool) -> Option<usize> {
-    let has = |line: &str| line.starts_with(kind) && line.split(' ').skip(1).any(&wrong);
-    geometry.lines().position(has)
+/// For every triangle the number of its shell: triangles that hang together by vertices.
+fn shells(vertices: usize, triangles: &Triangles) -> Vec<usize> {
+    let mut parent: Vec<u32> = (0..vertices as u32).collect();
+    for t in triangles {
+        for pair in t.windows(2) {
+            let (a, b) = (root(&mut parent, pair[0]), root(&mut parent, pair[1]));
+            parent[a as usize] = b;
+        }
+    }
+    let mut numbers = HashMap::new();
+    let number = |t: &[u32; 3]| {
+        let next = numbers.len();
+        *numbers.entry(root(&mut parent, t[0])).or_insert(next)
+    };
+    triangles.iter().map(number).collect()
 }
 
-/// One vertex for all at the same place, in order of first use.
-fn merged(vertices: Vertices, triangles: Triangles) -> (Vertices, Triangles) {
-    let mut known: HashMap<[u64; 3], u32> = HashMap::new();
-    let mut kept = Vec::new();
-    let index: Vec<u32> = vertices
-        .iter()
-        .map(|v| {
-            // Adding 0 makes -0 and 0 the same bits.
-            let key = [(v.x + 0.0).to_bits(), (v.y + 0.0).to_bits(), (v.z + 0.0).to_bits()];
-            *known.entry(key).or_insert_with(|| {
-                kept.push(*v);
-                (kept.len() - 1) as u32
-            })
-        })
-        .collect();
-    let renamed = triangles.into_iter().map(|t| t.map(|i| index[i as usize])).collect();
-    (kept, renamed)
+/// The vertex that stands for all of a shell; the way there is halved as it is walked.
+fn root(parent: &mut [u32], mut vertex: u32) -> u32 {
+    while parent[vertex as usize] != vertex {
+        let above = parent[parent[vertex as usize] as usize];
+        parent[vertex as usize] = above;
+        vertex = above;
+    }
+    vertex
 }
 
 /// Whether every edge is used once in each direction: a closed, consistently oriented surface.
@@ -176,6 +216,7 @@ fn is_closed(triangles: &Triangles) -> bool {
     balance.values().all(|&(forth, back)| forth == 1 && back == 1)
 }
 
+/// Volume inside a closed surface, negative if its outside is inwards.
 fn signed_volume(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> f64 {
     let v = |i: u32| &vertices[i as usize];
     triangles.iter().map(|&[a, b, c]| v(a).dot(&v(b).cross(v(c))) / 6.0).sum()

@@ -19,6 +19,8 @@ pub mod fault;
 mod frame_file;
 mod from;
 mod mesh;
+mod mesh_obj;
+mod mesh_stl;
 mod model;
 mod operation_file;
 mod plausible;
@@ -32,6 +34,7 @@ mod shape;
 mod solid;
 mod teach_file;
 mod tolerance_file;
+mod tool_file;
 mod tree;
 mod value;
 
@@ -146,4 +149,5 @@ fn is_schema(node: &Node, t: &Table<'_>, kind: &str, lib: &mut Library<'_>) -> b
 }
 
 /// With the article.
-const KINDS: [(&str, &str); 3] = [("cell", "a cell"), ("robot", "a robot"), ("equipment", "an equipment")];
+const KINDS: [(&str, &str); 4] =
+    [("cell", "a cell"), ("robot", "a robot"), ("tool", "a tool"), ("equipment", "an equipment")];

@@ -85,6 +85,15 @@ pub struct KeepOut {
 /// plane, for its frame turns by errors over height.
 pub const TEACH_HEIGHT: f64 = 0.02;
 
+/// What the robot carries to or from an operation.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Held {
+    /// In the frame of the TCP.
+    pub solids: Vec<Solid>,
+    /// It rests on the equipment of the operation: touching that is no collision.
+    pub touches_surface: bool,
+}
+
 /// A precision operation: somewhere on a surface, the tool at one elevation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Operation {
@@ -106,6 +115,7 @@ pub struct Operation {
     /// nearest to three corners of the grid.
     pub teach: Option<[(f64, f64); 3]>,
     pub weight: f64,
+    pub held: Held,
 }
 
 impl Operation {

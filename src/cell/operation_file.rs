@@ -8,7 +8,7 @@ use super::sense::{Frame, PLAIN, Sense, Unit};
 use super::shape::Rectangle;
 use super::tree::{Entry, Node, Value};
 use super::value::{self, Must, plain};
-use super::{attitude_file, teach_file};
+use super::{attitude_file, teach_file, tool_file};
 use crate::units;
 use std::collections::HashMap;
 
@@ -94,6 +94,10 @@ fn read(name: &str, node: &Node, around: &Around<'_>, lib: &mut Library<'_>) -> 
             None => Some(None),
         };
         let weight = t.number_or("weight", 1.0, Must::BePositive, lib);
+        let held = match t.get("held") {
+            Some(node) => tool_file::read_held(node, lib),
+            None => Some(Held::default()),
+        };
         Some(Operation {
             name: name.to_string(),
             equipment: on?,
@@ -105,6 +109,7 @@ fn read(name: &str, node: &Node, around: &Around<'_>, lib: &mut Library<'_>) -> 
             relative_to: relative_to?,
             teach: teach?,
             weight: weight?,
+            held: held?,
         })
     })
 }

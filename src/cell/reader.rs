@@ -222,7 +222,8 @@ impl<'n> Table<'n> {
     }
 }
 
-const FROM_PLACES: &str = "it works at the top of a file, in the robot, in an equipment and in an obstacle";
+const FROM_PLACES: &str =
+    "it works at the top of a file, in the robot and its tool, in an equipment and in an obstacle";
 
 /// Reads a table of named tables, each with its checked name; a missing one is empty.
 pub fn read_named<'n, T>(

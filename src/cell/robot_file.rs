@@ -7,6 +7,7 @@ use super::reader::Table;
 use super::robot_model::*;
 use super::shape::extent_of;
 use super::solid::{self, Carrier};
+use super::tool_file::{self, Tool};
 use super::tree::{Node, Value};
 use super::value::{self, Must, plain};
 use crate::pose::Pose;
@@ -36,14 +37,17 @@ pub fn read(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<Robot> {
         refuse_idle(rows, joints, coupling, lib);
     }
     let home = joints.as_deref().and_then(|joints| read_home(t.get("home"), joints, lib));
-    let tool = read_tool(t, lib);
+    let tool = tool_file::read(t, lib);
     let before = lib.errors();
-    let mut solids = read_solids(t, rows.map_or(MAX_JOINTS, <[_]>::len), lib);
+    let n = rows.map_or(MAX_JOINTS, <[_]>::len);
+    let mut solids = read_solids(t, n, lib);
+    tool_file::mount(&tool, n, &mut solids, lib);
     let base = solids.iter().filter(|s| s.link == 0).map(|s| &s.solid.shape);
     let needed: &[_] = if lib.errors() == before { &["footprint"] } else { &[] };
     let footprint = solid::read_footprint(t, extent_of(base), needed, lib);
+    let self_collision = tool_file::read_self_collision(t, &solids, lib);
     let errors = error_set::read_all(t, rows, joints.as_deref(), convention, lib);
-    let ((tool, tool_axis), footprint) = (tool?, footprint?);
+    let (Tool { pose: tool, axis: tool_axis, .. }, footprint) = (tool?, footprint?);
     let (name, source, coupling, mut joints) = (name?, source?, coupling?, joints?);
     let convention = convention?;
     let mount = match convention {
@@ -65,6 +69,7 @@ pub fn read(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<Robot> {
         tool,
         tool_axis,
         solids,
+        self_collision: self_collision?,
         footprint,
         errors,
     })
@@ -230,22 +235,6 @@ fn read_home(node: Option<&Node>, joints: &[Joint], lib: &mut Library<'_>) -> Op
         }
     }
     Some(home)
-}
-
-/// `[tool]`: `position_mm`, `rpy_deg` of the TCP in the mechanical interface, and the tool `axis`.
-fn read_tool(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<(Pose, Vector3<f64>)> {
-    let node = t.need("tool", "add tool = { position_mm = [0, 0, 0], axis = [1, 0, 0] }")?;
-    Table::read(node, "`tool`", lib, |t, lib| {
-        let pose = t.pose("position_mm", lib);
-        let node = t.need("axis", "add axis = [1, 0, 0], the working direction of the tool")?;
-        let axis = value::numbers(node, "`axis`", 3, Must::BeFinite, lib)?;
-        let unit = Vector3::from_iterator(axis).try_normalize(1e-9);
-        if unit.is_none() {
-            let help = "write the working direction of the tool, for example axis = [1, 0, 0]";
-            lib.error(node.at, "the tool `axis` has no direction".into(), help);
-        }
-        Some((pose?, unit?))
-    })
 }
 
 fn read_solids(t: &mut Table<'_>, n: usize, lib: &mut Library<'_>) -> Vec<LinkSolid> {

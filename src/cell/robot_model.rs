@@ -71,6 +71,20 @@ pub struct LinkSolid {
     pub solid: Solid,
 }
 
+/// Whether the robot is checked against itself.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SelfCollision {
+    pub checked: bool,
+    /// Pairs of [`Robot::solids`] that may touch, besides those of one link and of neighbours.
+    pub allowed: Vec<(usize, usize)>,
+}
+
+impl Default for SelfCollision {
+    fn default() -> Self {
+        Self { checked: true, allowed: Vec::new() }
+    }
+}
+
 #[derive(Debug, Clone, PartialEq)]
 pub struct Robot {
     pub name: String,
@@ -92,7 +106,9 @@ pub struct Robot {
     pub tool: Pose,
     /// Working direction of the tool in the frame of the TCP, unit length.
     pub tool_axis: Vector3<f64>,
+    /// Those of the tool come last: they move with the mechanical interface, the last frame.
     pub solids: Vec<LinkSolid>,
+    pub self_collision: SelfCollision,
     /// Floor space of the base, in its frame.
     pub footprint: Rectangle,
     pub errors: Vec<ErrorSet>,

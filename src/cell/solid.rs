@@ -9,15 +9,15 @@ use super::value::Must;
 use crate::units;
 use std::collections::HashSet;
 
-/// What carries a solid: a link has no legs and meshes.
+/// What carries a solid: a link, a tool and a held part have no legs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Carrier {
     Link,
     Equipment,
 }
 
-/// The first four are for links, too.
-const SHAPES: [&str; 6] = ["box", "sphere", "capsule", "cylinder", "leg", "mesh"];
+/// All but the last are for links, too.
+const SHAPES: [&str; 6] = ["box", "sphere", "capsule", "cylinder", "mesh", "leg"];
 
 /// Shortest capsule or cylinder, m.
 const SHORTEST_BAR: f64 = 1e-9;
@@ -54,7 +54,7 @@ pub fn read_all<T>(
 /// Reads one solid: `name` and exactly one shape.
 fn read(table: &mut Table<'_>, carrier: Carrier, lib: &mut Library<'_>) -> Option<Solid> {
     let name = table.name(lib);
-    let known = if carrier == Carrier::Link { &SHAPES[..4] } else { &SHAPES[..] };
+    let known = if carrier == Carrier::Link { &SHAPES[..5] } else { &SHAPES[..] };
     let given: Vec<_> = SHAPES.iter().filter_map(|&s| table.get(s).map(|node| (s, node))).collect();
     let [(kind, node)] = given[..] else {
         if given.is_empty() {
@@ -69,7 +69,7 @@ fn read(table: &mut Table<'_>, carrier: Carrier, lib: &mut Library<'_>) -> Optio
     if !known.contains(&kind) {
         lib.error(
             node.at,
-            format!("a link cannot be a {kind}"),
+            format!("what moves cannot be a {kind}"),
             format!("give it one of: {}", known.join(", ")),
         );
         return None;

@@ -1,12 +1,15 @@
 //! Solids of the cell as parry's shapes.
 
+use super::decomposition::{Hull, convex};
 use crate::cell::Shape;
 use crate::pose::Pose;
 use nalgebra::Vector3;
+use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::math as pm;
-use parry3d::shape::{SharedShape, TriMesh, TriMeshFlags};
+use parry3d::query::{DefaultQueryDispatcher, QueryDispatcher};
+use parry3d::shape::{Ball, Shape as ParryShape, SharedShape, TriMesh, TriMeshFlags};
 
-/// A solid ready for parry: its shape, and its pose in the frame of its carrier.
+/// A solid ready for parry, convex but for the meshes of equipment: its shape, and its pose in the frame of its carrier.
 pub(super) struct Body {
     pub(super) shape: SharedShape,
     pub(super) local: Pose,
@@ -18,6 +21,40 @@ pub(super) struct Body {
     /// A rounded solid before it was rounded, and by how much (m): parry finds it apart from a ball up
     /// to 4e-5 m too early, where swelling the ball instead is exact.
     pub(super) unswollen: Option<(SharedShape, f64)>,
+    /// In the frame of the shape.
+    pub(super) bounds: Aabb,
+    /// Of many vertices: its bounds are turned, for to find them anew takes longer.
+    pub(super) is_hull: bool,
+}
+
+impl Body {
+    /// Bounds in another frame.
+    pub(super) fn bounds_in(&self, pose: &pm::Pose) -> Aabb {
+        if self.is_hull { self.bounds.transform_by(pose) } else { self.shape.compute_aabb(pose) }
+    }
+
+    /// Whether a point (in the frame of the shape) lies inside.
+    pub(super) fn holds(&self, point: &pm::Vector) -> bool {
+        self.bounds.contains_local_point(*point) && self.shape.contains_local_point(*point)
+    }
+}
+
+/// Whether two convex solids share a point; `relative`: the pose of `b` in the frame of `a`.
+pub(super) fn touching(a: &Body, relative: &pm::Pose, b: &Body) -> bool {
+    if !b.bounds_in(relative).intersects(&a.bounds) {
+        return false;
+    }
+    let swelled = |ball: &Ball, by: f64| Ball::new(ball.radius + by);
+    match (a.shape.as_ball(), &a.unswollen, b.shape.as_ball(), &b.unswollen) {
+        (Some(ball), _, _, Some((shape, by))) => intersecting(&swelled(ball, *by), relative, &**shape),
+        (_, Some((shape, by)), Some(ball), _) => intersecting(&**shape, relative, &swelled(ball, *by)),
+        _ => intersecting(&*a.shape, relative, &*b.shape),
+    }
+}
+
+/// parry answers every pair of the shapes built here; should it not, a collision is the safe answer.
+pub(super) fn intersecting(a: &dyn ParryShape, b_in_a: &pm::Pose, b: &dyn ParryShape) -> bool {
+    DefaultQueryDispatcher.intersection_test(b_in_a, a, b).map_or(true, |answer| answer.intersecting)
 }
 
 /// An equipment solid: fixed in shape, or a leg that is cut to length by the placement.
@@ -27,12 +64,22 @@ pub(super) enum Part {
     Leg { x: f64, y: f64, half: (f64, f64), top: f64 },
 }
 
+/// The bodies of a link solid, every point within `by` (m) of it: one, or those of a mesh's `parts`.
+pub(super) fn link_bodies(shape: &Shape, parts: &[Hull], by: f64) -> Vec<Body> {
+    let Shape::Mesh { pose, .. } = shape else { return vec![swollen(shape, by)] };
+    let body = |hull: &Hull| {
+        let (shape, unswollen) = hull.swollen(by);
+        Body { unswollen, inside: hull.inside, is_hull: true, ..centred(shape, *pose) }
+    };
+    parts.iter().map(body).collect()
+}
+
 /// The shape of a link solid with every point within `by` (m) of it: exact, for a ball swept over a
 /// convex solid is one of parry's shapes.
-pub(super) fn swollen(shape: &Shape, by: f64) -> Body {
+fn swollen(shape: &Shape, by: f64) -> Body {
     let rounded = |shape: &Shape, round: SharedShape| {
         let plain = body(shape);
-        Body { unswollen: Some((plain.shape, by)), shape: round, ..plain }
+        Body { unswollen: Some((plain.shape, by)), ..centred(round, plain.local) }
     };
     match shape {
         Shape::Box { size, .. } if by > 0.0 => {
@@ -49,7 +96,7 @@ pub(super) fn swollen(shape: &Shape, by: f64) -> Body {
 }
 
 /// The shape as it is. A leg gets its length from the placement and never comes here.
-fn body(shape: &Shape) -> Body {
+pub(super) fn body(shape: &Shape) -> Body {
     match shape {
         Shape::Box { pose, size } => {
             let half = size / 2.0;
@@ -72,13 +119,20 @@ pub(super) fn part(shape: &Shape) -> Part {
         Shape::Leg { x, y, size, top } => {
             Part::Leg { x: *x, y: *y, half: (size.0 / 2.0, size.1 / 2.0), top: *top }
         }
-        Shape::Mesh { closed, .. } => Part::Mesh { body: body(shape), closed: *closed },
+        Shape::Mesh { pose, vertices, triangles, closed } => {
+            match convex(vertices, triangles).filter(|_| *closed) {
+                Some(solid) => Part::Convex(Body { is_hull: true, ..centred(solid, *pose) }),
+                None => Part::Mesh { body: body(shape), closed: *closed },
+            }
+        }
         _ => Part::Convex(body(shape)),
     }
 }
 
 fn centred(shape: SharedShape, local: Pose) -> Body {
-    Body { shape, local, inside: pm::Vector::ZERO, pieces: Vec::new(), unswollen: None }
+    let bounds = shape.compute_local_aabb();
+    let (inside, pieces, unswollen) = (pm::Vector::ZERO, Vec::new(), None);
+    Body { shape, local, inside, pieces, unswollen, bounds, is_hull: false }
 }
 
 fn ball(centre: &Vector3<f64>, radius: f64) -> Body {

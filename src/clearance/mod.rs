@@ -5,9 +5,21 @@
 //! capsules, spheres and rounded boxes and cylinders), so that every test is a plain intersection
 //! test. Touching counts as collision; floor spaces side by side may touch.
 
+//!
+//! Equipment meshes are asked triangle by triangle, so that verdicts are exact; one that is convex
+//! becomes a solid polyhedron. Link meshes, which move, collide as convex parts that hold them. The
+//! robot is checked against itself, the clearance aside.
+
 mod bodies;
+mod decomposition;
+mod hit;
+mod links;
+mod own_pairs;
 mod plan;
 mod scene;
 
+pub use decomposition::Remember;
+pub use hit::{Hit, SolidRef};
+pub use own_pairs::{Allowed, OwnPair};
 pub use plan::{FloorPlan, Overlap, Party, Separation};
-pub use scene::{Hit, Placed, Scene};
+pub use scene::{Placed, Scene};

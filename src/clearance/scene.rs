@@ -1,29 +1,24 @@
 //! Robot solids against equipment solids, in three dimensions.
 
-use super::bodies::{Body, Part, parry_pose, part, swollen};
+use super::bodies::{Body, Part, intersecting, parry_pose, part, touching};
+use super::decomposition::Remember;
+use super::hit::{Hit, SolidRef};
+use super::links::{self, Link};
+use super::own_pairs::{self, OwnPair};
 use crate::cell::{Cell, Layout, MAX_JOINTS};
 use crate::pose::Pose;
 use nalgebra::Vector3;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::math as pm;
-use parry3d::query::{DefaultQueryDispatcher, QueryDispatcher};
 use parry3d::shape::{self, SharedShape};
-
-/// Solids nearer than this touch, m: more than parry's rounding, so that every contact is one.
-const TOUCHING: f64 = 1e-7;
-
-/// What a robot solid touches.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Hit {
-    /// Index into [`crate::cell::Robot::solids`].
-    pub solid: usize,
-    /// Index into [`Cell::equipment`] and its solids; None for the floor.
-    pub other: Option<(usize, usize)>,
-}
 
 /// The solids of a cell, made ready once. Robot solids are swollen by the clearance.
 pub struct Scene {
-    links: Vec<(usize, Body)>,
+    links: Vec<Link>,
+    /// What of the robot is checked against what, and what may touch.
+    own_pairs: Vec<OwnPair>,
+    /// Links of the pairs that are checked.
+    checked: Vec<(usize, usize)>,
     parts: Vec<Vec<Part>>,
     base: Pose,
     floor: f64,
@@ -36,8 +31,8 @@ pub struct Placed {
     bodies: Vec<PlacedBody>,
     /// What the base itself touches, whatever the arm does.
     base_hit: Option<Hit>,
-    /// The pair that touched last: the next posture most likely touches it, too.
-    suspect: Option<(usize, usize)>,
+    /// Link, its body and placed body that touched last: the next posture most likely does, too.
+    suspect: Option<(usize, usize, usize)>,
 }
 
 struct PlacedBody {
@@ -52,15 +47,30 @@ struct PlacedBody {
 
 impl Scene {
     pub fn new(cell: &Cell) -> Self {
-        let link = |s: &crate::cell::LinkSolid| (s.link, swollen(&s.solid.shape, cell.clearance + TOUCHING));
+        Self::remembering(cell, &mut |_, compute| compute())
+    }
+
+    /// The same with what takes long to compute, the convex parts of link meshes, kept elsewhere.
+    pub fn remembering(cell: &Cell, remember: &mut Remember<'_>) -> Self {
+        let links = links::all(cell, remember);
         let parts = |e: &crate::cell::Equipment| e.solids.iter().map(|s| part(&s.shape)).collect();
+        let own_pairs = if cell.collision { own_pairs::find(cell, &links) } else { Vec::new() };
+        let place = |id: SolidRef| links.iter().position(|l| l.id == id);
+        let checked = own_pairs.iter().filter(|p| p.allowed.is_none());
         Self {
-            links: cell.robot.solids.iter().map(link).collect(),
+            checked: checked.filter_map(|p| place(p.a).zip(place(p.b))).collect(),
+            own_pairs,
             parts: cell.equipment.iter().map(parts).collect(),
             base: cell.base.pose(),
             floor: cell.floor,
             enabled: cell.collision,
+            links,
         }
+    }
+
+    /// Every pair of solids of the robot, tool and held parts included, and why it may touch.
+    pub fn own_pairs(&self) -> &[OwnPair] {
+        &self.own_pairs
     }
 
     /// Poses the equipment of a layout.
@@ -75,9 +85,8 @@ impl Scene {
             let bodies = parts.iter().enumerate().filter_map(|(s, part)| self.posed((e, s), part, &frame));
             placed.bodies.extend(bodies);
         }
-        for solid in (0..self.links.len()).filter(|&solid| self.links[solid].0 == 0) {
-            let pose = parry_pose(&(self.base * self.links[solid].1.local));
-            placed.base_hit = placed.base_hit.or_else(|| self.first_hit(solid, &pose, placed));
+        for link in self.links.iter().filter(|l| l.frame == 0) {
+            placed.base_hit = placed.base_hit.or_else(|| self.first_hit(link, &self.base, placed));
         }
     }
 
@@ -85,8 +94,8 @@ impl Scene {
         match part {
             Part::Convex(body) | Part::Mesh { body, .. } => {
                 let pose = parry_pose(&(*frame * body.local));
-                let local_bounds = body.shape.compute_local_aabb();
-                Some(PlacedBody { id, pose, bounds: body.shape.compute_aabb(&pose), local_bounds, leg: None })
+                let (bounds, local_bounds) = (body.shape.compute_aabb(&pose), body.bounds);
+                Some(PlacedBody { id, pose, bounds, local_bounds, leg: None })
             }
             Part::Leg { x, y, half, top } => {
                 let height = frame.translation.z + top - self.floor;
@@ -107,81 +116,107 @@ impl Scene {
         }
     }
 
-    /// The first contact of the robot with its link frames (in the base) at `frames`, or None.
-    pub fn hit(&self, placed: &Placed, frames: &[Pose; MAX_JOINTS + 1]) -> Option<Hit> {
+    /// The first contact of the robot with its link frames (in the base) at `frames`, or None. With
+    /// the parts that `operation` holds; None: with empty hands.
+    pub fn hit(
+        &self,
+        placed: &Placed,
+        frames: &[Pose; MAX_JOINTS + 1],
+        operation: Option<usize>,
+    ) -> Option<Hit> {
         if !self.enabled || placed.base_hit.is_some() {
             return placed.base_hit;
         }
-        (0..self.links.len()).filter(|&solid| self.links[solid].0 > 0).find_map(|solid| {
-            let pose = self.link_pose(solid, frames);
-            let low = self.links[solid].1.shape.compute_aabb(&pose).mins.z;
-            if low <= self.floor {
-                Some(Hit { solid, other: None })
-            } else {
-                self.first_hit(solid, &pose, placed)
-            }
-        })
+        let there = |link: &&Link| link.frame > 0 && link.is_there(operation);
+        let outside = self.links.iter().filter(there).find_map(|link| {
+            let frame = self.base * frames[link.frame];
+            self.on_floor(link, &frame).or_else(|| self.first_hit(link, &frame, placed))
+        });
+        outside.or_else(|| self.own_hit(frames, operation))
     }
 
     /// Whether [`Self::hit`] finds nothing, asked faster for one posture after another.
-    pub fn is_free(&self, placed: &mut Placed, frames: &[Pose; MAX_JOINTS + 1]) -> bool {
-        if let Some((solid, k)) = placed.suspect
-            && self.touches(solid, &self.link_pose(solid, frames), &placed.bodies[k])
+    pub fn is_free(
+        &self,
+        placed: &mut Placed,
+        frames: &[Pose; MAX_JOINTS + 1],
+        operation: Option<usize>,
+    ) -> bool {
+        if let Some((k, b, body)) = placed.suspect
+            && self.links[k].is_there(operation)
+            && let link = &self.links[k]
+            && let frame = self.base * frames[link.frame]
+            && self.touches(
+                &link.bodies[b],
+                &parry_pose(&(frame * link.bodies[b].local)),
+                &placed.bodies[body],
+            )
         {
             return false;
         }
-        let hit = self.hit(placed, frames);
-        placed.suspect = hit.and_then(|h| {
-            let other = h.other.filter(|_| self.links[h.solid].0 > 0)?;
-            Some((h.solid, placed.bodies.iter().position(|b| b.id == other)?))
-        });
+        let hit = self.hit(placed, frames, operation);
+        placed.suspect = None;
+        if let Some(Hit { solid, other: SolidRef::Equipment(e, s) }) = hit {
+            let link = self.links.iter().position(|l| l.id == solid && l.frame > 0);
+            let body = placed.bodies.iter().position(|b| b.id == (e, s));
+            placed.suspect = link.zip(body).map(|(link, body)| (link, 0, body));
+        }
         hit.is_none()
     }
 
-    fn link_pose(&self, solid: usize, frames: &[Pose; MAX_JOINTS + 1]) -> pm::Pose {
-        let (link, body) = &self.links[solid];
-        parry_pose(&(self.base * frames[*link] * body.local))
+    fn on_floor(&self, link: &Link, frame: &Pose) -> Option<Hit> {
+        let low = |b: &Body| b.shape.compute_aabb(&parry_pose(&(*frame * b.local))).mins.z;
+        let touches = link.bodies.iter().any(|b| low(b) <= self.floor);
+        touches.then_some(Hit { solid: link.id, other: SolidRef::Floor })
     }
 
-    fn first_hit(&self, solid: usize, pose: &pm::Pose, placed: &Placed) -> Option<Hit> {
-        let bounds = self.links[solid].1.shape.compute_aabb(pose);
-        let mut near = placed.bodies.iter().filter(|b| b.bounds.intersects(&bounds));
-        near.find(|b| self.touches(solid, pose, b)).map(|b| Hit { solid, other: Some(b.id) })
+    /// The first contact of the robot with itself.
+    fn own_hit(&self, frames: &[Pose; MAX_JOINTS + 1], operation: Option<usize>) -> Option<Hit> {
+        let pairs = self.checked.iter().map(|&(a, b)| (&self.links[a], &self.links[b]));
+        let mut there = pairs.filter(|(a, b)| a.is_there(operation) && b.is_there(operation));
+        let found = there.find(|(a, b)| a.touches(&frames[a.frame], b, &frames[b.frame]));
+        found.map(|(a, b)| Hit { solid: b.id, other: a.id })
+    }
+
+    fn first_hit(&self, link: &Link, frame: &Pose, placed: &Placed) -> Option<Hit> {
+        link.bodies.iter().find_map(|body| {
+            let pose = parry_pose(&(*frame * body.local));
+            let bounds = body.bounds_in(&pose);
+            let may_touch = |b: &&PlacedBody| Some(b.id.0) != link.spared && b.bounds.intersects(&bounds);
+            let mut near = placed.bodies.iter().filter(may_touch);
+            let found = near.find(|b| self.touches(body, &pose, b) || self.swallows(link, frame, b));
+            found.map(|b| Hit { solid: link.id, other: SolidRef::Equipment(b.id.0, b.id.1) })
+        })
+    }
+
+    /// Whether a closed link mesh holds a point of the other solid.
+    fn swallows(&self, link: &Link, frame: &Pose, other: &PlacedBody) -> bool {
+        let Some(shell) = &link.shell else { return false };
+        let inside = match &self.parts[other.id.0][other.id.1] {
+            Part::Convex(body) | Part::Mesh { body, .. } => body.inside,
+            Part::Leg { .. } => pm::Vector::ZERO,
+        };
+        shell.holds(&(parry_pose(&(*frame * shell.local)).inverse() * (other.pose * inside)))
     }
 
     /// Bounds in the frame of the other solid, then the shapes themselves.
-    fn touches(&self, solid: usize, pose: &pm::Pose, other: &PlacedBody) -> bool {
-        let link = &self.links[solid].1;
+    fn touches(&self, link: &Body, pose: &pm::Pose, other: &PlacedBody) -> bool {
         let relative = other.pose.inv_mul(pose);
-        if !link.shape.compute_aabb(&relative).intersects(&other.local_bounds) {
+        if !link.bounds_in(&relative).intersects(&other.local_bounds) {
             return false;
         }
         match (&self.parts[other.id.0][other.id.1], &other.leg) {
             (_, Some(leg)) => intersecting(leg, &relative, &*link.shape),
-            (Part::Convex(body), None) => match (body.shape.as_ball(), &link.unswollen) {
-                (Some(ball), Some((shape, by))) => {
-                    intersecting(&shape::Ball::new(ball.radius + by), &relative, &**shape)
-                }
-                _ => intersecting(&*body.shape, &relative, &*link.shape),
-            },
+            (Part::Convex(body), None) => touching(body, &relative, link),
             (Part::Mesh { body, closed }, None) => {
                 let near = |s: &SharedShape| s.compute_aabb(&relative).intersects(&other.local_bounds);
                 let hits = |s: &SharedShape| near(s) && intersecting(&*body.shape, &relative, &**s);
                 let whole = std::slice::from_ref(&link.shape);
                 let pieces = if link.pieces.is_empty() { whole } else { &link.pieces };
                 // A closed mesh that is not touched but holds one point of the link holds all of it.
-                let point = relative * link.inside;
-                let held = || {
-                    other.local_bounds.contains_local_point(point) && body.shape.contains_local_point(point)
-                };
-                pieces.iter().any(hits) || *closed && held()
+                pieces.iter().any(hits) || *closed && body.holds(&(relative * link.inside))
             }
             (Part::Leg { .. }, None) => false,
         }
     }
-}
-
-/// parry answers every pair of the shapes built here; should it not, a collision is the safe answer.
-fn intersecting(a: &dyn shape::Shape, b_in_a: &pm::Pose, b: &dyn shape::Shape) -> bool {
-    DefaultQueryDispatcher.intersection_test(b_in_a, a, b).map_or(true, |answer| answer.intersecting)
 }

@@ -47,7 +47,7 @@ pub fn read_cell(path: &Path) -> Result<Loaded, Vec<Fault>> {
 }
 
 /// Reads a file that must lie in `folder`, symbolic links followed.
-fn read_inside(folder: &Path, inside: &str) -> Result<String, String> {
+fn read_inside(folder: &Path, inside: &str) -> Result<Vec<u8>, String> {
     let path = folder.join(inside);
     let real = path.canonicalize().map_err(|e| reason(&e))?;
     let home = folder.canonicalize().map_err(|e| reason(&e))?;
@@ -61,8 +61,7 @@ fn read_inside(folder: &Path, inside: &str) -> Result<String, String> {
     if about.len() > MAX_BYTES {
         return Err(format!("it has {} MB, more than {} MB", about.len() >> 20, MAX_BYTES >> 20));
     }
-    let bytes = std::fs::read(&real).map_err(|e| reason(&e))?;
-    String::from_utf8(bytes).map_err(|_| "it is not UTF-8 text".to_string())
+    std::fs::read(&real).map_err(|e| reason(&e))
 }
 
 fn reason(e: &std::io::Error) -> String {

@@ -71,7 +71,7 @@ fn keep_inputs(folder: &Path, cell_name: &str, sources: &[Source]) -> Result<(),
                 Exit::Io
             })?;
         }
-        files::write_whole(&path, source.text.as_bytes())?;
+        files::write_whole(&path, &source.bytes)?;
     }
     Ok(())
 }
@@ -91,7 +91,7 @@ pub fn write(
         "command": std::env::args_os().skip(1).map(|a| a.to_string_lossy().into_owned()).collect::<Vec<_>>(),
         "cell": cell.name,
         "seed": cell.search.seed,
-        "inputs": sources.iter().map(|s| hashed(&s.path, s.text.as_bytes())).collect::<Vec<_>>(),
+        "inputs": sources.iter().map(|s| hashed(&s.path, &s.bytes)).collect::<Vec<_>>(),
         "outputs": outputs.iter().map(|(name, bytes)| hashed(name, bytes)).collect::<Vec<_>>(),
     });
     let mut names = Vec::new();

@@ -126,7 +126,7 @@ impl Mapper {
             _ if !reached => Outcome::Unreachable { gap },
             Err(why) => Outcome::Unjudged(why),
             Ok(_) if candidates.is_empty() => Outcome::Unjudged(Unjudged::OnlyTouched),
-            Ok(_) => self.first_free(approach, scene, placed, candidates, frames),
+            Ok(_) => self.first_free((operation, approach), scene, placed, candidates, frames),
         }
     }
 
@@ -135,7 +135,7 @@ impl Mapper {
     /// to be stored.
     fn first_free(
         &self,
-        approach: &Approach,
+        (operation, approach): (usize, &Approach),
         scene: &Scene,
         placed: &mut Placed,
         candidates: &mut Vec<Candidate>,
@@ -147,7 +147,7 @@ impl Mapper {
         while let Some(Candidate { spot, target }) = heap.pop() {
             let Some(posture) = self.arm.inverse.posture(&target, approach, spot.branch) else { continue };
             self.arm.chain.place(&posture, frames);
-            if scene.is_free(placed, &frames.links) {
+            if scene.is_free(placed, &frames.links, Some(operation)) {
                 found = Some(spot);
                 break;
             }
@@ -179,7 +179,7 @@ impl Mapper {
             let (i, j) = station.grid.index(k);
             let position = self.base.pose().transform(&target);
             let (status, posture) =
-                self.judge(&target, (station, &approach), &situation, scene, placed, &mut memory);
+                self.judge(&target, (operation, &approach), &situation, scene, placed, &mut memory);
             nodes.push(NodeRecord { i, j, position, status, posture });
         });
         let free = |p: &&PostureRecord| !p.touched;
@@ -194,12 +194,13 @@ impl Mapper {
     fn judge(
         &self,
         target: &Vector3<f64>,
-        (station, approach): (&Station, &Approach),
+        (operation, approach): (usize, &Approach),
         situation: &Result<Situation, Unjudged>,
         scene: &Scene,
         placed: &Placed,
         memory: &mut Memory,
     ) -> (Status, Option<PostureRecord>) {
+        let station = &self.stations[operation];
         let branches = match self.arm.inverse.branches(target, approach) {
             Reach::OutOfReach { by } => return (Status::OutOfReach { by }, None),
             Reach::Attitude { by, joint } => return (Status::Attitude { by, joint }, None),
@@ -223,7 +224,7 @@ impl Mapper {
         within.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.2.index.cmp(&b.2.index)));
         let mut first_hit = None;
         for (_, frames, branch) in &within {
-            match scene.hit(placed, &frames.links) {
+            match scene.hit(placed, &frames.links, Some(operation)) {
                 None => {
                     return (
                         Status::Ok,

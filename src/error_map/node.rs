@@ -81,16 +81,7 @@ impl Status {
             ),
             Status::Overlap(overlap) => overlap.in_words(cell),
             Status::Unjudged(why) => why.in_words().into(),
-            Status::Collision { hit } => {
-                let robot = &cell.robot.solids[hit.solid].solid.name;
-                match hit.other {
-                    None => format!("{robot} touches the floor"),
-                    Some((e, s)) => {
-                        let equipment = &cell.equipment[e];
-                        format!("{robot} touches {} ({})", equipment.name, equipment.solids[s].name)
-                    }
-                }
-            }
+            Status::Collision { hit } => hit.in_words(cell),
         }
     }
 }

@@ -40,7 +40,7 @@ impl Arm {
         self.inverse.posture(target, approach, wanted).map(|posture| self.chain.frames(&posture))
     }
 
-    /// The frames of the first branch at a target that touches nothing.
+    /// The frames of the first branch at a target that touches nothing, with empty hands.
     fn first_free(
         &self,
         target: &Vector3<f64>,
@@ -52,7 +52,7 @@ impl Arm {
         self.inverse.visit(target, approach, &mut self.inverse.scratch(), |_, posture| {
             if found.is_none() {
                 let frames = self.chain.frames(posture);
-                found = scene.hit(placed, &frames.links).is_none().then_some(frames);
+                found = scene.hit(placed, &frames.links, None).is_none().then_some(frames);
             }
         });
         found

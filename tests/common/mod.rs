@@ -14,7 +14,7 @@ pub fn load_from(folder: &Path, name: &str) -> Result<Loaded, Vec<Fault>> {
     cell::load(name, &mut |path: &str| {
         let here = folder.join(path);
         let file = if here.exists() { here } else { cells.join(path) };
-        std::fs::read_to_string(file).map_err(|_| "no such file".to_string())
+        std::fs::read(file).map_err(|_| "no such file".to_string())
     })
 }
 
@@ -35,9 +35,9 @@ pub fn from_text(text: &str) -> Result<Loaded, Vec<Fault>> {
     let cells = root().join("cells");
     cell::load("test.toml", &mut |path: &str| {
         if path == "test.toml" {
-            return Ok(text.to_string());
+            return Ok(text.as_bytes().to_vec());
         }
-        std::fs::read_to_string(cells.join(path)).map_err(|_| "no such file".to_string())
+        std::fs::read(cells.join(path)).map_err(|_| "no such file".to_string())
     })
 }
 

@@ -28,6 +28,7 @@ pub fn robot(joints: Vec<Joint>, coupling: Vec<Vec<f64>>, tool: Pose) -> Robot {
         source: text(),
         convention,
         mount,
+        self_collision: Default::default(),
         joint_frames: vec![Pose::identity(); joints.len()],
         joints,
         coupling,
