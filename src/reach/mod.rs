@@ -1,15 +1,19 @@
 //! Can it go: inverse kinematics with all branches and joint limits.
 
 mod ability;
+mod anthropomorphic;
 mod hold;
 mod inverse;
 mod kernel;
 mod limits;
+mod nearest;
 mod numeric;
 mod planar;
+mod quartic;
 mod scara;
 mod spherical_wrist;
 mod subproblems;
+mod three_joints;
 mod three_parallel;
 
 pub use inverse::{Approach, Branch, Gap, Inverse, Reach};

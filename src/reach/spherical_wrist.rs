@@ -1,12 +1,170 @@
+//! Six-axis arms of which three neighbouring axes meet in one point: the last three (a spherical
+//! wrist) or the first three (a spherical shoulder, solved as the wrist of the arm turned end for end).
+//!
+//! The first three joints put the wrist centre where it must be; the last three turn (Pieper 1968).
+
+use super::anthropomorphic::Anthropomorphic;
+use super::subproblems::{ALIGNED, Twists, before_twist, turned_back};
+use super::three_joints::ThreeJoints;
+use crate::cell::JointKind;
 use crate::pose::Pose;
-use crate::robot::{Chain, Posture};
-#[derive(Debug, Clone)]
-pub struct SphericalWrist;
+use crate::robot::{Chain, Link, Posture};
+use nalgebra::{Matrix3, Vector3};
+
+/// The arm; lengths in m.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SphericalWrist {
+    /// In the order in which they are solved.
+    links: [Link; 6],
+    arm: Arm,
+    twists: Twists,
+    /// Wrist centre in the last frame.
+    centre: Vector3<f64>,
+    /// The arm is solved from its flange to its base; this is `Tx(l_6) Rx(alpha_6)`.
+    reversed: Option<Pose>,
+}
+
+/// The joints up to the wrist centre.
+#[derive(Debug, Clone, PartialEq)]
+enum Arm {
+    Anthropomorphic(Anthropomorphic),
+    Any(Box<ThreeJoints>),
+}
+
 impl SphericalWrist {
-    pub fn new(_: &Chain) -> Result<Self, String> {
-        Err("stub".into())
+    /// Recognizes the arm in a chain.
+    ///
+    /// # Errors
+    /// Why the chain is not of this family.
+    pub fn new(chain: &Chain) -> Result<Self, String> {
+        let links: [Link; 6] =
+            chain.links[..].try_into().map_err(|_| format!("it has {} axes, not 6", chain.axes()))?;
+        Self::forward(links, None).or_else(|wrist| {
+            let last = &links[5];
+            let (s, c) = (last.sin_alpha, last.cos_alpha);
+            let rotation = Matrix3::new(1.0, 0.0, 0.0, 0.0, c, -s, 0.0, s, c);
+            let lead = Pose { rotation, translation: Vector3::new(last.l, 0.0, 0.0) };
+            Self::forward(end_for_end(&links), Some(lead))
+                .map_err(|shoulder| format!("{wrist}; from its flange to its base, {shoulder}"))
+        })
     }
-    pub fn solve(&self, _: &Pose, _: &mut Posture, _: &mut impl FnMut(u8, &Posture)) -> f64 {
-        f64::INFINITY
+
+    fn forward(links: [Link; 6], reversed: Option<Pose>) -> Result<Self, String> {
+        let [_, _, c, d, e, f] = &links;
+        if [d, e, f].iter().any(|l| l.kind != JointKind::Revolute) {
+            return Err("a joint of the wrist is prismatic".into());
+        }
+        if [d.l, e.l, e.r].iter().any(|x| x.abs() > 1e-12) {
+            return Err("the last three axes do not meet in one point (l_4, l_5 or r_5 is not 0)".into());
+        }
+        if [d, e].iter().any(|l| l.sin_alpha.abs() < 1e-6) {
+            return Err("two neighbouring axes of the wrist are parallel (alpha_4 or alpha_5)".into());
+        }
+        let arm = [links[0], links[1], links[2]];
+        let tip = Vector3::new(c.l, -d.r * c.sin_alpha, c.r + d.r * c.cos_alpha);
+        let arm = match Anthropomorphic::new(&arm, &tip) {
+            Some(arm) => Arm::Anthropomorphic(arm),
+            None => Arm::Any(Box::new(ThreeJoints::new(&arm, d.r)?)),
+        };
+        let twists = Twists::new((d.cos_alpha, d.sin_alpha), (e.cos_alpha, e.sin_alpha));
+        let centre = -Vector3::new(f.l, f.r * f.sin_alpha, f.r * f.cos_alpha);
+        Ok(Self { links, arm, twists, centre, reversed })
     }
+
+    /// Calls `found` with every posture that puts the last D-H frame at `flange` (a pose in frame 0,
+    /// the tool not included), without regard to joint limits. `posture` is memory that carries the
+    /// fixed D-H values of the chain.
+    ///
+    /// The branch: bit 0 tells the wrist from the flipped one, the bits above name the way in which
+    /// the first three joints reach the wrist centre (usual industrial arm: bit 1 elbow, bit 2 the arm
+    /// leans back; otherwise see [`ThreeJoints`]). With axes 4 and 6 in line theta_4 is 0, and the
+    /// wrist is not flipped. Of an arm with a spherical shoulder all this holds from flange to base.
+    ///
+    /// Returns how far (m) the wrist centre is from what the first three joints reach, 0 if they reach
+    /// it; an oblique wrist may still not turn as it should.
+    #[inline]
+    pub fn solve(&self, flange: &Pose, posture: &mut Posture, found: &mut impl FnMut(u8, &Posture)) -> f64 {
+        let Some(lead) = &self.reversed else { return self.reach(flange, posture, found) };
+        let mut mirror = mirrored(posture);
+        self.reach(&(*lead * flange.inverse()), &mut mirror, &mut |branch, mirror| {
+            *posture = mirrored(mirror);
+            found(branch, posture);
+        })
+    }
+
+    #[inline]
+    fn reach(&self, flange: &Pose, posture: &mut Posture, found: &mut impl FnMut(u8, &Posture)) -> f64 {
+        let p = flange.transform(&self.centre);
+        let last = &self.links[5];
+        let [x, _, z] = before_twist(&flange.rotation, (last.cos_alpha, last.sin_alpha));
+        let mut turn = |branch, posture: &mut Posture| self.turn(branch << 1, x, z, posture, found);
+        match &self.arm {
+            Arm::Anthropomorphic(arm) => arm.solve(&p, posture, &mut turn),
+            Arm::Any(arm) => arm.solve(&p, posture, &mut turn),
+        }
+    }
+
+    /// theta_4 to theta_6, with theta_1 to theta_3 in `posture`, that turn the x and z axes of the last
+    /// frame (before its twist) to `x` and `z`.
+    #[inline]
+    fn turn(
+        &self,
+        branch: u8,
+        mut x: Vector3<f64>,
+        mut z: Vector3<f64>,
+        posture: &mut Posture,
+        found: &mut impl FnMut(u8, &Posture),
+    ) {
+        for (k, link) in self.links[..3].iter().enumerate() {
+            let (theta, alpha) = ((posture.cos[k], posture.sin[k]), (link.cos_alpha, link.sin_alpha));
+            (x, z) = (turned_back(&x, theta, alpha), turned_back(&z, theta, alpha));
+        }
+        let across2 = z.x * z.x + z.y * z.y;
+        let Some((cos5, sin5)) = self.twists.turn(z.z, across2) else { return };
+        let ((ca, sa), (cb, sb)) = (self.twists.first, self.twists.second);
+        // Axis 6 in the frame turned by theta_4 is (+-u, v, .); theta_4 turns it to z.
+        let (u, v) = (sb * sin5, -(ca * sb * cos5 + sa * cb));
+        let size2 = u * u + v * v;
+        let in_line = across2.min(size2) < ALIGNED * ALIGNED;
+        let per = 1.0 / (size2 * across2).sqrt();
+        for (flipped, sin5, u) in [(0, sin5, u), (1, -sin5, -u)] {
+            let theta = match in_line {
+                true => (1.0, 0.0),
+                false => ((u * z.x + v * z.y) * per, (u * z.y - v * z.x) * per),
+            };
+            // theta_6 makes up for whatever theta_4 is.
+            let w = turned_back(&x, theta, (ca, sa));
+            (posture.cos[3], posture.sin[3]) = theta;
+            (posture.cos[4], posture.sin[4]) = (cos5, sin5);
+            posture.cos[5] = cos5 * w.x + sin5 * w.y;
+            posture.sin[5] = cb * (cos5 * w.y - sin5 * w.x) + sb * w.z;
+            found(branch | flipped, posture);
+            if in_line {
+                break;
+            }
+        }
+    }
+}
+
+/// The chain from flange to base: row k is `Rz(-theta) Tz(-r)` of joint 7 - k with the common normal
+/// before it.
+fn end_for_end(links: &[Link; 6]) -> [Link; 6] {
+    std::array::from_fn(|k| {
+        let (joint, before) = (&links[5 - k], 4usize.checked_sub(k).map(|i| &links[i]));
+        let twist = before.map_or((0.0, 0.0, 1.0, 0.0), |b| (-b.l, -b.alpha, b.cos_alpha, -b.sin_alpha));
+        let (l, alpha, cos_alpha, sin_alpha) = twist;
+        Link { theta: -joint.theta, r: -joint.r, l, alpha, cos_alpha, sin_alpha, ..*joint }
+    })
+}
+
+/// The posture of the chain from flange to base.
+#[inline]
+fn mirrored(posture: &Posture) -> Posture {
+    let mut mirror = *posture;
+    for k in 0..6 {
+        mirror.cos[k] = posture.cos[5 - k];
+        mirror.sin[k] = -posture.sin[5 - k];
+        mirror.r[k] = -posture.r[5 - k];
+    }
+    mirror
 }

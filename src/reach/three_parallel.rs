@@ -1,12 +1,266 @@
+//! Six-axis arms whose axes 2, 3 and 4 are parallel and whose axes 5 and 6 intersect, such as those of
+//! Universal Robots (Hawkins 2013; IK-Geo's family of three parallel and two intersecting axes).
+//!
+//! The wrist centre, where axes 5 and 6 meet, lies at a fixed distance along axis 2: that gives
+//! theta_1. The angle between axes 2 and 6 gives theta_5, the direction of axis 2 in the flange
+//! theta_6, and two links of a plane theta_2, theta_3 and theta_4.
+
+use super::subproblems::{ALIGNED, Angle, BOUNDARY, Twists, TwoLinks, before_twist, difference};
+use crate::cell::JointKind;
 use crate::pose::Pose;
-use crate::robot::{Chain, Posture};
-#[derive(Debug, Clone)]
-pub struct ThreeParallel;
+use crate::robot::{Chain, Link, Posture};
+use nalgebra::Vector3;
+
+/// The arm; lengths in m.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ThreeParallel {
+    first: Link,
+    /// cos alpha_2 and cos alpha_2 cos alpha_3: 1 or -1, the sense of axes 3 and 4 against axis 2.
+    sense: (f64, f64),
+    /// From axis 1 to the wrist centre along axis 2, but for the part of r_1.
+    along: f64,
+    links: TwoLinks,
+    l4: f64,
+    r5: f64,
+    twists: Twists,
+    twist6: Angle,
+    /// Wrist centre in the last frame.
+    centre: Vector3<f64>,
+}
+
+/// What is known once theta_1 is.
+struct Side {
+    bit: u8,
+    theta: Angle,
+    /// x axis of frame 1 and y axis (both normal to axis 2); axis 2.
+    x: Vector3<f64>,
+    y: Vector3<f64>,
+    z: Vector3<f64>,
+    /// Wrist centre from the origin of frame 1.
+    centre: Vector3<f64>,
+}
+
+/// What is known once theta_5 and theta_6 are.
+struct Wrist {
+    theta5: Angle,
+    theta6: Angle,
+    x4: Vector3<f64>,
+    /// Where the common normal of axes 3 and 4 meets axis 4, from the wrist centre, but for its
+    /// distance along axis 4.
+    elbow: Vector3<f64>,
+}
+
 impl ThreeParallel {
-    pub fn new(_: &Chain) -> Result<Self, String> {
-        Err("stub".into())
+    /// Recognizes the arm in a chain.
+    ///
+    /// # Errors
+    /// Why the chain is not of this family.
+    pub fn new(chain: &Chain) -> Result<Self, String> {
+        let [a, b, c, d, e, f] = chain.links[..] else {
+            return Err(format!("it has {} axes, not 6", chain.axes()));
+        };
+        if chain.links.iter().any(|l| l.kind != JointKind::Revolute) {
+            return Err("it has a prismatic joint".into());
+        }
+        if [b, c].iter().any(|l| l.sin_alpha.abs() > 1e-15) {
+            return Err("axes 2, 3 and 4 are not exactly parallel (alpha_2, alpha_3)".into());
+        }
+        if [a, d, e].iter().any(|l| l.sin_alpha.abs() < 1e-6) {
+            return Err("axis 1, 5 or 6 is parallel to its neighbour (alpha_1, alpha_4 or alpha_5)".into());
+        }
+        if b.l.abs() < 1e-6 || c.l.abs() < 1e-6 {
+            return Err("an arm link has no length (l_2 or l_3 is 0)".into());
+        }
+        if e.l.abs() > 1e-12 {
+            return Err("axes 5 and 6 do not intersect (l_5 is not 0)".into());
+        }
+        let sense = (b.cos_alpha.signum(), b.cos_alpha.signum() * c.cos_alpha.signum());
+        let angle = |l: &Link| (l.cos_alpha, l.sin_alpha);
+        Ok(Self {
+            first: a,
+            sense,
+            along: b.r + sense.0 * c.r + sense.1 * (d.r + e.r * d.cos_alpha),
+            links: TwoLinks::new(b.l, c.l),
+            l4: d.l,
+            r5: e.r,
+            twists: Twists::new(angle(&d), angle(&e)),
+            twist6: angle(&f),
+            centre: -Vector3::new(f.l, f.r * f.sin_alpha, f.r * f.cos_alpha),
+        })
     }
-    pub fn solve(&self, _: &Pose, _: &mut Posture, _: &mut impl FnMut(u8, &Posture)) -> f64 {
-        f64::INFINITY
+
+    /// Calls `found` with every posture that puts the last D-H frame at `flange` (a pose in frame 0,
+    /// the tool not included), without regard to joint limits. `posture` is memory.
+    ///
+    /// The branch: bit 0 elbow, bit 1 sign of sin theta_5, bit 2 the arm on the other side of axis 1.
+    /// With axis 6 parallel to axis 2, theta_6 is 0 if the arm reaches with it, otherwise such that
+    /// the arm is bent half way, and bit 1 is 0. With the wrist centre on axis 1 and no offset from
+    /// it, theta_1 is the first multiple of 45 degrees that has a solution, and bit 2 is 0.
+    ///
+    /// Returns how far (m) the wrist centre has to move: to axis 2's fixed distance from axis 1 if no
+    /// theta_1 gives that, otherwise in the plane of the arm, for the theta_1 that do. 0: it need not
+    /// move; oblique axes 4 to 6 may still not turn as they should.
+    #[inline]
+    pub fn solve(&self, flange: &Pose, posture: &mut Posture, found: &mut impl FnMut(u8, &Posture)) -> f64 {
+        let (p, a) = (flange.transform(&self.centre), &self.first);
+        // sin alpha_1 (x sin theta_1 - y cos theta_1) = along, less the part of the height.
+        let lateral = (self.along - a.cos_alpha * (p.z - a.r)) / a.sin_alpha;
+        let radius2 = p.x * p.x + p.y * p.y;
+        let across2 = radius2 - lateral * lateral;
+        if across2 < 0.0 && lateral.abs() - radius2.sqrt() > BOUNDARY {
+            return (lateral.abs() - radius2.sqrt()) * a.sin_alpha.abs();
+        }
+        let axes = before_twist(&flange.rotation, self.twist6);
+        if radius2 < ALIGNED * ALIGNED {
+            return self.any_yaw(&p, &axes, posture, found);
+        }
+        let across2 = across2.max(0.0);
+        let (across, per) = (across2.sqrt(), 1.0 / (radius2 * (across2 + lateral * lateral)).sqrt());
+        let mut missing = f64::INFINITY;
+        for (bit, t) in [(0, across), (4, -across)] {
+            let theta = ((p.x * t - p.y * lateral) * per, (p.y * t + p.x * lateral) * per);
+            missing = missing.min(self.side(bit, theta, &p, &axes, posture, found));
+        }
+        if missing.is_finite() { missing } else { 0.0 }
+    }
+
+    /// The wrist centre is on axis 1, and that is where it must be for every theta_1.
+    #[cold]
+    fn any_yaw(
+        &self,
+        p: &Vector3<f64>,
+        axes: &[Vector3<f64>; 3],
+        posture: &mut Posture,
+        found: &mut impl FnMut(u8, &Posture),
+    ) -> f64 {
+        let h = std::f64::consts::FRAC_1_SQRT_2;
+        let turns = [(1.0, 0.0), (h, h), (0.0, 1.0), (-h, h), (-1.0, 0.0), (-h, -h), (0.0, -1.0), (h, -h)];
+        let mut missing = f64::INFINITY;
+        for theta in turns {
+            missing = missing.min(self.side(0, theta, p, axes, posture, found));
+            if missing == 0.0 {
+                return 0.0;
+            }
+        }
+        if missing.is_finite() { missing } else { 0.0 }
+    }
+
+    /// All branches of one theta_1; m that the plane arm misses, infinite if axes 4 to 6 cannot turn so.
+    #[inline]
+    fn side(
+        &self,
+        bit: u8,
+        theta: Angle,
+        p: &Vector3<f64>,
+        [x6, y6, z6]: &[Vector3<f64>; 3],
+        posture: &mut Posture,
+        found: &mut impl FnMut(u8, &Posture),
+    ) -> f64 {
+        let (a, (c, s)) = (&self.first, theta);
+        let (ca, sa) = (a.cos_alpha, a.sin_alpha);
+        let side = Side {
+            bit,
+            theta,
+            x: Vector3::new(c, s, 0.0),
+            y: Vector3::new(-s * ca, c * ca, sa),
+            z: Vector3::new(s * sa, -c * sa, ca),
+            centre: Vector3::new(p.x - a.l * c, p.y - a.l * s, p.z - a.r),
+        };
+        // Axis 4 (the sense of z turned) in the last frame before its twist.
+        let w = [x6, y6, z6].map(|axis| self.sense.1 * axis.dot(&side.z));
+        let across2 = w[0] * w[0] + w[1] * w[1];
+        let Some((cos5, sin5)) = self.twists.turn(w[2], across2) else { return f64::INFINITY };
+        let ((cd, sd), (ce, se)) = (self.twists.first, self.twists.second);
+        // Axis 4 before theta_6 is (+-u, v, .).
+        let (u, v) = (sd * sin5, ce * sd * cos5 + se * cd);
+        let size2 = u * u + v * v;
+        if across2.min(size2) < ALIGNED * ALIGNED {
+            return self.in_line(&side, [x6, y6, z6], (cos5, sin5), posture, found);
+        }
+        let per = 1.0 / (size2 * across2).sqrt();
+        let mut missing = f64::INFINITY;
+        for (flipped, sin5, u) in [(0, sin5, u), (2, -sin5, -u)] {
+            // Rz(theta_6) w = (u, v).
+            let theta6 = ((w[0] * u + w[1] * v) * per, (w[0] * v - w[1] * u) * per);
+            let wrist = self.wrist([x6, y6, z6], (cos5, sin5), theta6);
+            missing = missing.min(self.plane(flipped, &side, &wrist, posture, found));
+        }
+        missing
+    }
+
+    /// theta_5 and theta_6 and what follows from them.
+    #[inline]
+    fn wrist(&self, [x6, y6, z6]: [&Vector3<f64>; 3], theta5: Angle, theta6: Angle) -> Wrist {
+        let (ce, se) = self.twists.second;
+        let (x5, y5) = (x6 * theta6.0 - y6 * theta6.1, x6 * theta6.1 + y6 * theta6.0);
+        let x4 = x5 * theta5.0 - (y5 * ce - z6 * se) * theta5.1;
+        let axis5 = y5 * se + z6 * ce;
+        Wrist { theta5, theta6, x4, elbow: -(axis5 * self.r5 + x4 * self.l4) }
+    }
+
+    /// theta_2 to theta_4; m that are missing.
+    #[inline]
+    fn plane(
+        &self,
+        flipped: u8,
+        side: &Side,
+        wrist: &Wrist,
+        posture: &mut Posture,
+        found: &mut impl FnMut(u8, &Posture),
+    ) -> f64 {
+        let o3 = side.centre + wrist.elbow;
+        let elbows = match self.links.solve(side.x.dot(&o3), side.y.dot(&o3)) {
+            Ok(elbows) => elbows,
+            Err(missing) => return missing,
+        };
+        let whole = (side.x.dot(&wrist.x4), side.y.dot(&wrist.x4));
+        (posture.cos[0], posture.sin[0]) = side.theta;
+        (posture.cos[4], posture.sin[4]) = wrist.theta5;
+        (posture.cos[5], posture.sin[5]) = wrist.theta6;
+        for (elbow, (second, third)) in (0..).zip(elbows) {
+            let fourth = difference(difference(whole, second), third);
+            (posture.cos[1], posture.sin[1]) = second;
+            (posture.cos[2], posture.sin[2]) = (third.0, self.sense.0 * third.1);
+            (posture.cos[3], posture.sin[3]) = (fourth.0, self.sense.1 * fourth.1);
+            found(side.bit | flipped | elbow, posture);
+        }
+        0.0
+    }
+
+    /// Axis 6 is parallel to axis 2: theta_6 is free, and turns the elbow point of axis 4 about the
+    /// wrist centre.
+    #[cold]
+    fn in_line(
+        &self,
+        side: &Side,
+        axes: [&Vector3<f64>; 3],
+        theta5: Angle,
+        posture: &mut Posture,
+        found: &mut impl FnMut(u8, &Posture),
+    ) -> f64 {
+        let wrist = self.wrist(axes, theta5, (1.0, 0.0));
+        let missing = self.plane(0, side, &wrist, posture, found);
+        if missing == 0.0 {
+            return 0.0;
+        }
+        let in_plane = |v: &Vector3<f64>| (side.x.dot(v), side.y.dot(v));
+        let (centre, elbow) = (in_plane(&side.centre), in_plane(&wrist.elbow));
+        let (far, near) = (centre.0.hypot(centre.1), elbow.0.hypot(elbow.1));
+        if far < ALIGNED || near < ALIGNED {
+            return missing;
+        }
+        let (least, most) = self.links.range();
+        let (lo, hi) = (least.max((far - near).abs()), most.min(far + near));
+        if lo > hi + BOUNDARY {
+            return lo - hi;
+        }
+        // Law of cosines: the elbow point half way between what links and circle allow.
+        let d = (lo + hi) / 2.0;
+        let cos = ((d * d - far * far - near * near) / (2.0 * far * near)).clamp(-1.0, 1.0);
+        let unit = |v: (f64, f64), size: f64| (v.0 / size, v.1 / size);
+        let (from, to) = (unit(elbow, near), unit(centre, far));
+        let bend = difference((cos, (1.0 - cos * cos).sqrt()), difference(from, to));
+        let theta6 = (bend.0, -bend.1 * side.z.dot(axes[2]).signum());
+        self.plane(0, side, &self.wrist(axes, theta5, theta6), posture, found)
     }
 }

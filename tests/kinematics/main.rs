@@ -1,6 +1,6 @@
 //! Forward and inverse kinematics and the error models against a D-H product written here, its
 //! derivatives by dual numbers, references in 60 digits and cases done by hand.
-#![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -11,5 +11,6 @@ mod inverse;
 mod numeric;
 mod product;
 mod rotations;
+mod six_axes;
 #[path = "../common/ur.rs"]
 mod ur;
