@@ -7,7 +7,7 @@ use allocation_counter::measure;
 use common::shipped;
 use sweetspot::cell::*;
 use sweetspot::pose::Pose;
-use sweetspot::reach::PlanarArm;
+use sweetspot::reach::{Goal, Held, Numeric, PlanarArm};
 use sweetspot::reading::{BestFit, Gauge, Reference, Site, Situation, Sources, Taught};
 use sweetspot::robot::{Chain, Frames};
 
@@ -60,4 +60,18 @@ fn the_node_loop_does_not_allocate() {
     assert!(postures > 200);
     // The counter counts.
     assert!(measure(|| drop(BestFit::new(&chain, &Sources::new(&cell, 0, None), true))).count_total > 0);
+}
+
+/// The fast descents live on the stack; only a goal that they all miss asks for memory.
+#[test]
+fn one_numeric_solution_does_not_allocate() {
+    let chain = Chain::new(&shipped("hitachi_cell.toml").robot);
+    let solver = Numeric::new(&chain);
+    let position = nalgebra::Vector3::new(0.2, 0.95, 0.7);
+    for elevation in [-1.5, -1.0, -0.5] {
+        let goal = Goal { position, attitude: Held::Elevation(elevation) };
+        let mut solved = false;
+        assert_eq!(measure(|| solved = solver.one(&goal).is_some()).count_total, 0);
+        assert!(solved, "{elevation}");
+    }
 }

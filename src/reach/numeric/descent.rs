@@ -10,12 +10,12 @@ use crate::robot::Frames;
 /// Steps of one descent at most.
 const ROUNDS: usize = 40;
 /// A descent that has not divided its cost by `GAIN` in so many steps is given up.
-const PATIENCE: usize = 4;
+const PATIENCE: usize = 6;
 const GAIN: f64 = 2.0;
 /// Largest step of a joint, rad.
 const STRIDE: f64 = 1.0;
 /// Damping per cost, and the least one: a posture that is nearly singular needs its large steps.
-const DAMPING: f64 = 0.3;
+const DAMPING: f64 = 0.1;
 const LEAST_DAMPING: f64 = 1e-15;
 /// What is added where H is singular to rounding, and to that of every redundant chain.
 const SINGULAR: f64 = 1e-12;
