@@ -67,11 +67,14 @@ fn the_node_loop_does_not_allocate() {
 fn one_numeric_solution_does_not_allocate() {
     let chain = Chain::new(&shipped("hitachi_cell.toml").robot);
     let solver = Numeric::new(&chain);
-    let position = nalgebra::Vector3::new(0.2, 0.95, 0.7);
-    for elevation in [-1.5, -1.0, -0.5] {
-        let goal = Goal { position, attitude: Held::Elevation(elevation) };
-        let mut solved = false;
-        assert_eq!(measure(|| solved = solver.one(&goal).is_some()).count_total, 0);
-        assert!(solved, "{elevation}");
+    for q in [[0.3, 0.2, 0.1, -0.4], [-0.6, 0.1, 0.2, -0.2], [0.4, -0.5, 0.1, 0.3]] {
+        let q = std::array::from_fn(|i| *q.get(i).unwrap_or(&0.0));
+        let tcp = chain.forward(&chain.posture(&q));
+        for attitude in [Held::Any, Held::Axis(tcp.rotation * chain.tool_axis), Held::Rotation(tcp.rotation)]
+        {
+            let (goal, mut solved) = (Goal { position: tcp.translation, attitude }, false);
+            let used = measure(|| solved = solver.one(&goal).is_some());
+            assert!(solved && used.count_total == 0, "{goal:?}: {}", used.count_total);
+        }
     }
 }
