@@ -1,7 +1,7 @@
-//! Numeric inverse kinematics on the 1000 poses of PUMA 560 and UR5 in tests/data, whose peers are in
-//! tests/data/README.md: an iteration is all of them, so a thousandth of it is the mean per pose.
+//! Numeric inverse kinematics on the 1000 poses of PUMA 560 and of UR5 in tests/data: an iteration is
+//! all of them, so a thousandth of it is the mean per pose.
 
-#![allow(clippy::expect_used, clippy::print_stderr)] // a bench without its data has nothing to measure
+#![allow(clippy::expect_used, clippy::print_stderr)] // without its data nothing can be measured
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use nalgebra::Matrix4;

@@ -7,7 +7,7 @@ use allocation_counter::measure;
 use common::shipped;
 use sweetspot::cell::*;
 use sweetspot::pose::Pose;
-use sweetspot::reach::Inverse;
+use sweetspot::reach::{Goal, Held, Inverse, Numeric};
 use sweetspot::reading::{BestFit, Gauge, Reference, Site, Situation, Sources, Taught};
 use sweetspot::robot::{Chain, Frames};
 
@@ -60,4 +60,21 @@ fn the_node_loop_does_not_allocate() {
     assert!(postures > 200);
     // The counter counts.
     assert!(measure(|| drop(BestFit::new(&chain, &Sources::new(&cell, 0, None), true))).count_total > 0);
+}
+
+/// The fast descents live on the stack; only a goal that they all miss asks for memory.
+#[test]
+fn one_numeric_solution_does_not_allocate() {
+    let chain = Chain::new(&shipped("hitachi_cell.toml").robot);
+    let solver = Numeric::new(&chain);
+    for q in [[0.3, 0.2, 0.1, -0.4], [-0.6, 0.1, 0.2, -0.2], [0.4, -0.5, 0.1, 0.3]] {
+        let q = std::array::from_fn(|i| *q.get(i).unwrap_or(&0.0));
+        let tcp = chain.forward(&chain.posture(&q));
+        for attitude in [Held::Any, Held::Axis(tcp.rotation * chain.tool_axis), Held::Rotation(tcp.rotation)]
+        {
+            let (goal, mut solved) = (Goal { position: tcp.translation, attitude }, false);
+            let used = measure(|| solved = solver.one(&goal).is_some());
+            assert!(solved && used.count_total == 0, "{goal:?}: {}", used.count_total);
+        }
+    }
 }

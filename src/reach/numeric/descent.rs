@@ -10,13 +10,15 @@ use crate::robot::Frames;
 /// Steps of one descent at most.
 const ROUNDS: usize = 40;
 /// A descent that has not divided its cost by `GAIN` in so many steps is given up.
-const PATIENCE: usize = 4;
+const PATIENCE: usize = 6;
 const GAIN: f64 = 2.0;
 /// Largest step of a joint, rad.
 const STRIDE: f64 = 1.0;
-/// Damping per cost, and the least one: H stays positive definite at singular postures.
-const DAMPING: f64 = 0.3;
+/// Damping per cost, and the least one: a posture that is nearly singular needs its large steps.
+const DAMPING: f64 = 0.1;
 const LEAST_DAMPING: f64 = 1e-15;
+/// What is added where H is singular to rounding, and to that of every redundant chain.
+const SINGULAR: f64 = 1e-12;
 /// How far a redundant chain goes towards the middle of its ranges in one step, as a share.
 const PULL: f64 = 0.1;
 
@@ -40,15 +42,20 @@ impl Numeric {
             }
             let columns = jacobian(&self.chain, frames);
             let (mut h, mut b) = normal_equations(n, &columns, &miss, self.scale);
-            let damping = DAMPING * cost + LEAST_DAMPING;
+            let redundant = goal.rows() < n;
+            let damping = DAMPING * cost + if redundant { SINGULAR } else { LEAST_DAMPING };
             self.joints.damp(&mut h, damping, self.scale);
-            if goal.rows() < n {
+            if redundant {
                 // The damping pulls towards 0, here towards a step to the middle: what the goal does
                 // not see follows it alone.
                 self.joints.pull(&mut b, &q, damping * PULL * cost.min(1.0), self.scale);
             }
             let bounds = self.joints.bounds(&q, STRIDE, 1.0 / self.scale);
-            q = self.joints.moved(&q, &bounded_step(n, &h, &b, &bounds)?);
+            let step = bounded_step(n, &h, &b, &bounds).or_else(|| {
+                self.joints.damp(&mut h, SINGULAR, self.scale);
+                bounded_step(n, &h, &b, &bounds)
+            });
+            q = self.joints.moved(&q, &step?);
         }
         None
     }

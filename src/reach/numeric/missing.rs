@@ -7,7 +7,7 @@ use crate::robot::Frames;
 
 /// Descents for each question.
 const POSITION_STARTS: usize = 12;
-const ATTITUDE_STARTS: usize = 24;
+const ATTITUDE_STARTS: usize = 16;
 /// How much more the position weighs when the least angle is looked for: it is met first.
 const STRICT: f64 = 1e4;
 /// Less than this is not missing but not found, m and rad.
@@ -38,16 +38,17 @@ pub enum Missing {
 }
 
 impl Numeric {
-    /// Of a checked goal that nothing was found for.
-    pub(super) fn missing(&self, goal: &Goal) -> Missing {
-        let mut frames = Frames::default();
-        let alone = Goal { attitude: Held::Any, ..*goal };
-        let (by, still) = self.least_distance(&alone, &mut frames);
-        if by > CLOSE && still {
-            return Missing::OutOfReach { by };
-        }
+    /// How far a checked goal is out of reach, m, attitude aside; None if it is not, or if the search
+    /// cannot tell.
+    pub(super) fn out_of_reach(&self, goal: &Goal, frames: &mut Frames) -> Option<f64> {
+        let (by, still) = self.least_distance(&Goal { attitude: Held::Any, ..*goal }, frames);
+        (by > CLOSE && still).then_some(by)
+    }
+
+    /// Of a checked goal within reach that nothing was found for.
+    pub(super) fn missing(&self, goal: &Goal, frames: &mut Frames) -> Missing {
         let starts = self.starts.ranked(goal, self.scale).take(ATTITUDE_STARTS);
-        let rests = starts.map(|start| self.settle(goal, start, STRICT * self.scale, &mut frames));
+        let rests = starts.map(|start| self.settle(goal, start, STRICT * self.scale, frames));
         let near = |rest: &Rest| rest.miss.position.norm() * self.scale < 1.0 / STRICT;
         let angle = |rest: &Rest| rest.miss.rotation.norm();
         let rests: Vec<Rest> = rests.collect();
@@ -57,7 +58,7 @@ impl Numeric {
                 Missing::Attitude { by: angle(rest), joint: rest.joint }
             }
             Some(rest) => Missing::NotConverged { position: rest.miss.position.norm(), angle: angle(rest) },
-            None => Missing::NotConverged { position: by, angle: f64::INFINITY },
+            None => Missing::NotConverged { position: f64::INFINITY, angle: f64::INFINITY },
         }
     }
 

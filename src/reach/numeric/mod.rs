@@ -30,7 +30,7 @@ use joints::Joints;
 use starts::Starts;
 
 /// Slow descents after all fast ones have failed.
-const SECOND: usize = 24;
+const SECOND: usize = 12;
 
 /// The solver, made ready for a chain.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,7 +58,10 @@ impl Numeric {
         let mut frames = Frames::default();
         let mut starts = self.starts.ranked(&goal, self.scale);
         let found = starts.find_map(|start| self.rush(&goal, start, &mut frames));
-        found.or_else(|| self.second(&goal, &mut frames))
+        found.or_else(|| match self.out_of_reach(&goal, &mut frames) {
+            Some(_) => None,
+            None => self.second(&goal, &mut frames),
+        })
     }
 
     /// The distinct solutions inside the limits that the starts lead to, sorted, and what is missing
@@ -69,22 +72,24 @@ impl Numeric {
         let Some(goal) = goal.checked() else {
             return Missing::NotConverged { position: f64::INFINITY, angle: f64::INFINITY };
         };
-        if !self.spans(&goal) {
-            return self.missing(&goal);
-        }
         let mut frames = Frames::default();
         let mut distinct = Distinct::new(&self.joints, goal.rows());
-        for start in self.starts.ranked(&goal, self.scale) {
-            distinct.take(self.rush(&goal, start, &mut frames));
-            if distinct.is_done() {
-                break;
+        if self.spans(&goal) {
+            for start in self.starts.ranked(&goal, self.scale) {
+                distinct.take(self.rush(&goal, start, &mut frames));
+                if distinct.is_done() {
+                    break;
+                }
             }
         }
         if distinct.found.is_empty() {
+            if let Some(by) = self.out_of_reach(&goal, &mut frames) {
+                return Missing::OutOfReach { by };
+            }
             distinct.take(self.second(&goal, &mut frames));
         }
         distinct.into_sorted(out);
-        if out.is_empty() { self.missing(&goal) } else { Missing::None }
+        if out.is_empty() { self.missing(&goal, &mut frames) } else { Missing::None }
     }
 
     /// The solution that the descent from `start` leads to.

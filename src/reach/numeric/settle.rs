@@ -4,7 +4,7 @@ use super::Numeric;
 use super::goal::{Goal, Held, Miss};
 use super::jacobian::{add_curvature, jacobian, normal_equations};
 use super::program::exact_step;
-use super::step::{Bounds, Matrix, bounded_step};
+use super::step::{Matrix, bounded_step, holds_too_much};
 use crate::cell::JointVector;
 use crate::robot::Frames;
 
@@ -19,6 +19,8 @@ const EASED: f64 = 0.2;
 const TIGHTENED: f64 = 5.0;
 const STUCK: f64 = 1e10;
 const LEAST_DAMPING: f64 = 1e-15;
+/// Quadratic programs of one descent at most: they cost a hundred times a step.
+const PROGRAMS: usize = 4;
 /// A step that gains less than this share of the cost is the last.
 const GAIN: f64 = 1e-13;
 
@@ -41,21 +43,34 @@ struct Local {
     b: JointVector,
 }
 
+/// A descent on its way.
+struct Descent<'a> {
+    solver: &'a Numeric,
+    goal: &'a Goal,
+    /// Of lengths, 1/m.
+    scale: f64,
+    frames: &'a mut Frames,
+    damping: f64,
+    /// Quadratic programs that may still be solved.
+    programs: usize,
+}
+
 impl Numeric {
-    /// Levenberg-Marquardt inside the limits, every step downhill; lengths by `scale` (1/m). Where the
-    /// step with joints put at their bounds leads up, the quadratic program tells which of them to let
-    /// go. A goal of the position alone has the exact Hessian, so that a rest of any size is met
+    /// Levenberg-Marquardt inside the limits, every step downhill; lengths by `scale` (1/m). Where a
+    /// step leads up and holds a joint at a bound that it should leave, the quadratic program is
+    /// solved. A goal of the position alone has the exact Hessian, so that a rest of any size is met
     /// quadratically.
     pub(super) fn settle(&self, goal: &Goal, start: &JointVector, scale: f64, frames: &mut Frames) -> Rest {
+        let mut descent = Descent { solver: self, goal, scale, frames, damping: 0.0, programs: PROGRAMS };
         let mut q = self.joints.kept(start);
-        let mut here = self.local(goal, &q, scale, frames);
-        let mut damping = DAMPING * here.stiffness();
+        let mut here = descent.local(&q);
+        descent.damping = DAMPING * here.stiffness();
         let mut still = here.miss.is_reached();
         for _ in 0..ROUNDS {
             if still {
                 break;
             }
-            match self.downhill(goal, &q, &here, &mut damping, scale, frames) {
+            match descent.downhill(&q, &here) {
                 Some((better, there)) => {
                     still = there.miss.is_reached() || here.cost - there.cost < GAIN * here.cost;
                     (q, here) = (better, there);
@@ -65,54 +80,53 @@ impl Numeric {
         }
         Rest { q: self.joints.kept(&q), miss: here.miss, joint: self.joints.held(&q, &here.b), still }
     }
+}
 
+impl Descent<'_> {
     /// The goal linearized at q.
-    fn local(&self, goal: &Goal, q: &JointVector, scale: f64, frames: &mut Frames) -> Local {
-        self.chain.place(&self.chain.posture(q), frames);
-        let miss = goal.miss(&frames.tcp, &self.chain.tool_axis);
-        let columns = jacobian(&self.chain, frames);
-        let (mut h, b) = normal_equations(self.chain.axes(), &columns, &miss, scale);
-        if goal.attitude == Held::Any {
-            add_curvature(&self.chain, frames, &miss, scale, &mut h);
+    fn local(&mut self, q: &JointVector) -> Local {
+        let chain = &self.solver.chain;
+        chain.place(&chain.posture(q), self.frames);
+        let miss = self.goal.miss(&self.frames.tcp, &chain.tool_axis);
+        let columns = jacobian(chain, self.frames);
+        let (mut h, b) = normal_equations(chain.axes(), &columns, &miss, self.scale);
+        if self.goal.attitude == Held::Any {
+            add_curvature(chain, self.frames, &miss, self.scale, &mut h);
         }
-        Local { miss, cost: miss.cost(scale), h, b }
+        Local { miss, cost: miss.cost(self.scale), h, b }
     }
 
     /// A step that lowers the cost, damped as much as that needs; None if none does.
-    fn downhill(
-        &self,
-        goal: &Goal,
-        q: &JointVector,
-        here: &Local,
-        damping: &mut f64,
-        scale: f64,
-        frames: &mut Frames,
-    ) -> Option<(JointVector, Local)> {
-        let n = self.chain.axes();
-        let bounds = self.joints.bounds(q, STRIDE, 1.0 / self.scale);
+    fn downhill(&mut self, q: &JointVector, here: &Local) -> Option<(JointVector, Local)> {
+        let (n, joints, length) = (self.solver.chain.axes(), &self.solver.joints, 1.0 / self.solver.scale);
+        let bounds = joints.bounds(q, STRIDE, length);
         let most = STUCK * here.stiffness().max(here.cost);
-        let mut better = |step: Option<JointVector>| {
-            let q = self.joints.moved(q, &step?);
-            let there = self.local(goal, &q, scale, frames);
-            (there.cost < here.cost).then_some((q, there))
-        };
-        let mut tried = false;
-        while *damping <= most {
+        // A harder damping needs no second program: its step is shorter and meets fewer bounds.
+        let mut exact = self.programs > 0;
+        while self.damping <= most {
             let mut h = here.h;
-            self.joints.damp(&mut h, *damping, self.scale);
+            joints.damp(&mut h, self.damping, self.solver.scale);
             let step = bounded_step(n, &h, &here.b, &bounds);
-            let blocked = step.is_some_and(|step| at_bound(n, &step, &bounds));
-            let found = better(step).or_else(|| {
-                let first = blocked && !std::mem::replace(&mut tried, true);
-                first.then(|| better(exact_step(n, &h, &here.b, &bounds))).flatten()
-            });
+            let mut found = step.and_then(|step| self.better(&joints.moved(q, &step), here));
+            let improvable = |step: &JointVector| holds_too_much(n, &h, &here.b, &bounds, step);
+            if found.is_none() && exact && step.as_ref().is_some_and(improvable) {
+                exact = false;
+                self.programs -= 1;
+                let step = exact_step(n, &h, &here.b, &bounds);
+                found = step.and_then(|step| self.better(&joints.moved(q, &step), here));
+            }
             if found.is_some() {
-                *damping = (*damping * EASED).max(LEAST_DAMPING);
+                self.damping = (self.damping * EASED).max(LEAST_DAMPING);
                 return found;
             }
-            *damping = damping.max(LEAST_DAMPING) * TIGHTENED;
+            self.damping = self.damping.max(LEAST_DAMPING) * TIGHTENED;
         }
         None
+    }
+
+    fn better(&mut self, q: &JointVector, here: &Local) -> Option<(JointVector, Local)> {
+        let there = self.local(q);
+        (there.cost < here.cost).then_some((*q, there))
     }
 }
 
@@ -121,8 +135,4 @@ impl Local {
     fn stiffness(&self) -> f64 {
         self.h.iter().enumerate().map(|(i, row)| row[i].abs()).fold(0.0, f64::max)
     }
-}
-
-fn at_bound(n: usize, step: &JointVector, bounds: &Bounds) -> bool {
-    step.iter().zip(bounds).take(n).any(|(d, (lo, hi))| d <= lo || d >= hi)
 }

@@ -29,6 +29,22 @@ pub(super) fn bounded_step(n: usize, h: &Matrix, b: &JointVector, bounds: &Bound
     }
 }
 
+/// Whether a step of [`bounded_step`] is not the least: a joint at its bound would go down inward, the
+/// sign of its multiplier is wrong.
+pub(super) fn holds_too_much(
+    n: usize,
+    h: &Matrix,
+    b: &JointVector,
+    bounds: &Bounds,
+    step: &JointVector,
+) -> bool {
+    let at = |i: usize, j: usize| if i >= j { h[i][j] } else { h[j][i] };
+    (0..n).any(|i| {
+        let slope = (0..n).map(|j| at(i, j) * step[j]).sum::<f64>() - b[i];
+        step[i] <= bounds[i].0 && slope < 0.0 || step[i] >= bounds[i].1 && slope > 0.0
+    })
+}
+
 /// Solves for the joints that are not held, the others stay where they are in `step`.
 fn solve_free(
     n: usize,
