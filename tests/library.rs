@@ -153,6 +153,19 @@ fn solids_of_modified_rows_are_in_the_frames_of_the_file() {
     }
 }
 
+/// A track counts: its first axis lies, and its travel is reach.
+#[test]
+fn no_flange_is_farther_from_the_base_axis_than_the_reach() {
+    for (name, poses) in golden().as_object().unwrap() {
+        let reach = robot(name).reach();
+        let flange = |pose: &Value| numbers(&pose["p"])[0].hypot(numbers(&pose["p"])[1]);
+        let farthest = poses.as_array().unwrap().iter().map(flange).fold(0.0, f64::max);
+        assert!(farthest <= reach, "{name}: {farthest} m, reach {reach} m");
+    }
+    let (track, arm) = (robot("puma560_on_track").reach(), robot("puma560").reach());
+    assert!(track >= arm + 1.0, "{track} m, and {arm} m without the metre of travel");
+}
+
 /// The cells of the kinematic families, one each.
 const FAMILIES: [&str; 8] =
     ["five_axis", "offset_wrist", "palletizer", "panda", "scara", "track", "ur", "wrist"];
