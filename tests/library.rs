@@ -9,6 +9,7 @@ use nalgebra::{Matrix3, Vector3};
 use serde_json::Value;
 use std::path::Path;
 use sweetspot::cell::{ErrorSet, JointVector, Loaded, Robot, Shape};
+use sweetspot::clearance::{FloorPlan, Placed, Scene};
 use sweetspot::robot::Chain;
 
 /// Names of the files in a folder below cells, without `.toml`.
@@ -151,5 +152,39 @@ fn solids_of_modified_rows_are_in_the_frames_of_the_file() {
             let off = (frames.links[link.link].transform(&centre) - want).norm();
             assert!(off < 1e-9, "link {}: {off:e} m", link.link);
         }
+    }
+}
+
+/// A track counts: its first axis lies, and its travel is reach.
+#[test]
+fn no_flange_is_farther_from_the_base_axis_than_the_reach() {
+    for (name, poses) in golden().as_object().unwrap() {
+        let reach = robot(name).reach();
+        let flange = |pose: &Value| numbers(&pose["p"])[0].hypot(numbers(&pose["p"])[1]);
+        let farthest = poses.as_array().unwrap().iter().map(flange).fold(0.0, f64::max);
+        assert!(farthest <= reach, "{name}: {farthest} m, reach {reach} m");
+    }
+    let (track, arm) = (robot("puma560_on_track").reach(), robot("puma560").reach());
+    assert!(track >= arm + 1.0, "{track} m, and {arm} m without the metre of travel");
+}
+
+/// The cells of the kinematic families, one each.
+const FAMILIES: [&str; 8] =
+    ["five_axis", "offset_wrist", "palletizer", "panda", "scara", "track", "ur", "wrist"];
+
+#[test]
+fn cells_of_the_families_start_apart_and_with_the_arm_at_rest() {
+    for family in FAMILIES {
+        let name = format!("{family}_cell.toml");
+        let loaded = common::load_from(&root().join("cells"), &name).unwrap_or_else(|f| panic!("{f:#?}"));
+        assert!(loaded.warnings.is_empty(), "{name}: {:#?}", loaded.warnings);
+        let (cell, start) = (&loaded.cell, loaded.cell.start());
+        let mut overlaps = Vec::new();
+        FloorPlan::new(cell).overlaps(&start, &mut overlaps);
+        assert!(overlaps.is_empty(), "{name}: {overlaps:?}");
+        let (scene, mut placed, chain) = (Scene::new(cell), Placed::default(), Chain::new(&cell.robot));
+        scene.place(&start, &mut placed);
+        let frames = chain.frames(&chain.posture(&cell.robot.home));
+        assert_eq!(scene.hit(&placed, &frames.links), None, "{name} at home");
     }
 }

@@ -221,14 +221,12 @@ fn read_home(node: Option<&Node>, joints: &[Joint], lib: &mut Library<'_>) -> Op
     };
     let given = value::numbers(node, "`home`", joints.len(), Must::BeFinite, lib)?;
     for (i, (joint, &q)) in joints.iter().zip(&given).enumerate() {
-        let (si, back): (fn(f64) -> f64, fn(f64) -> f64) = match joint.kind {
-            JointKind::Revolute => (units::rad_from_deg, units::deg_from_rad),
-            JointKind::Prismatic => (units::m_from_mm, units::mm_from_m),
-        };
-        home[i] = si(q);
+        let turns = joint.kind == JointKind::Revolute;
+        home[i] = if turns { units::rad_from_deg(q) } else { units::m_from_mm(q) };
         let (low, high) = joint.limits;
         if !(low..=high).contains(&home[i]) {
-            let (low, high, name) = (plain(back(low)), plain(back(high)), shown(&joint.name));
+            let shown_limit = |v| plain(if turns { units::deg_from_rad(v) } else { units::mm_from_m(v) });
+            let (low, high, name) = (shown_limit(low), shown_limit(high), shown(&joint.name));
             let message = format!("number {} of `home` is outside the limits of joint `{name}`", i + 1);
             let at = if let Value::Array(items) = &node.value { items[i].at } else { node.at };
             lib.error(at, message, format!("choose it from {low} to {high}, not {}", plain(q)));

@@ -121,9 +121,10 @@ impl Robot {
 
     /// An upper bound of the distance from the base axis that the TCP can reach, m.
     pub fn reach(&self) -> f64 {
+        let upright = self.mount.rotation.m33.abs() > 1.0 - 1e-12;
         let links = self.joints.iter().enumerate().map(|(i, joint)| {
-            // The first offset and its travel lie along the base axis.
-            let axial = if i == 0 { 0.0 } else { joint.r.abs() + self.travel(i) };
+            // The first offset and its travel lie along the base axis, unless the first axis leans.
+            let axial = if i == 0 && upright { 0.0 } else { joint.r.abs() + self.travel(i) };
             joint.l.hypot(axial)
         });
         let aside = self.mount.translation.xy().norm();
