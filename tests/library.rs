@@ -185,6 +185,6 @@ fn cells_of_the_families_start_apart_and_with_the_arm_at_rest() {
         let (scene, mut placed, chain) = (Scene::new(cell), Placed::default(), Chain::new(&cell.robot));
         scene.place(&start, &mut placed);
         let frames = chain.frames(&chain.posture(&cell.robot.home));
-        assert_eq!(scene.hit(&placed, &frames.links), None, "{name} at home");
+        assert_eq!(scene.hit(&placed, &frames.links, None), None, "{name} at home");
     }
 }

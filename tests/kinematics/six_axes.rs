@@ -28,17 +28,9 @@ fn robot(rows: &[Row]) -> Robot {
         Joint { name: format!("q{k}"), kind, theta, r: r / 1e3, l: l / 1e3, alpha, limits }
     };
     let n = rows.len();
-    Robot {
-        name: "test".into(),
-        source: "test".into(),
-        joints: rows.iter().enumerate().map(joint).collect(),
-        coupling: (0..n).map(|i| (0..n).map(|j| f64::from(i == j)).collect()).collect(),
-        tool: Pose::identity(),
-        tool_axis: Vector3::z(),
-        solids: vec![],
-        footprint: Rectangle { centre: (0.0, 0.0), size: (0.4, 0.4) },
-        errors: vec![],
-    }
+    let joints = rows.iter().enumerate().map(joint).collect();
+    let serial = (0..n).map(|i| (0..n).map(|j| f64::from(i == j)).collect()).collect();
+    crate::errors::robot(joints, serial, Pose::identity())
 }
 
 fn turning(rows: [[f64; 4]; 6]) -> Robot {
