@@ -104,7 +104,11 @@ fn tally(robot: &Robot, poses: usize) -> (Tally, &'static str) {
         let tcp = chain.forward(&chain.posture(&q));
         let attitude = asked(&inverse, attitude_of(&(tcp.rotation * columns)));
         let approach = inverse.approach(&attitude, 0.0);
-        let Reach::Branches(branches) = inverse.branches(&tcp.translation, &approach) else { continue };
+        let reach = inverse.branches(&tcp.translation, &approach);
+        let Reach::Branches(branches) = reach else {
+            println!("{}: {q:?} {reach:?}", robot.name);
+            continue;
+        };
         let usable: Vec<_> = branches.iter().filter(|b| b.is_usable()).collect();
         tally.found += usize::from(!usable.is_empty());
         for b in &usable {
@@ -119,6 +123,9 @@ fn tally(robot: &Robot, poses: usize) -> (Tally, &'static str) {
         let nearest = branches.iter().map(|b| apart(robot, &q, &b.joints)).fold(f64::INFINITY, f64::min);
         // Conditioned by the nearness to a singular posture: its square root of the rounding.
         tally.reached += usize::from(nearest < 1e-5);
+        if nearest >= 1e-5 || usable.is_empty() {
+            println!("{}: {q:?} {nearest:e}, {} usable of {}", robot.name, usable.len(), branches.len());
+        }
     }
     (tally, inverse.family())
 }
@@ -128,7 +135,9 @@ fn poses_of_the_forward_kinematics_are_found_by_the_inverse() {
     println!(
         "robot | inverse kinematics | poses | found | original reached | answers | outside limits | worst (m, rad)"
     );
-    for (stem, robot) in robots() {
+    for (stem, robot) in
+        robots().into_iter().filter(|r| std::env::var("ONLY").map_or(true, |o| r.0.contains(&o)))
+    {
         let numeric = Inverse::new(&Chain::new(&robot)).family().contains("numeric");
         let (t, family) = tally(&robot, poses(if numeric { 300 } else { 10_000 }));
         println!(

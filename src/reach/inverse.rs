@@ -11,8 +11,12 @@ use crate::pose::Pose;
 use crate::robot::{Chain, Posture};
 use nalgebra::{Matrix3, Vector3};
 
-/// Halvings of the interval in which a redundant joint might still find a posture.
-const REFINEMENTS: usize = 24;
+/// An interval in which a redundant joint might still find a posture is cut into finer and finer parts.
+const ROUNDS: usize = 5;
+const INSIDE: usize = 11;
+
+/// A target nearer to reach than this may be in reach somewhere between, m.
+const GRAZING: f64 = 0.01;
 
 /// An arm made ready.
 #[derive(Debug, Clone)]
@@ -201,13 +205,15 @@ impl Inverse {
                 let each = locked.values.iter().enumerate();
                 let gaps = each.map(|(k, v)| self.solve_locked(locked, (k, *v), target, approach, &mut keep));
                 let by = gaps.fold(f64::INFINITY, f64::min);
-                if !all.iter().any(Branch::is_usable) {
+                if all.iter().any(Branch::is_usable) {
+                    by
+                } else {
                     // Between the values that are tried.
-                    self.unlock(locked, target, approach, |index, posture| {
+                    let keep = |index, posture: &Posture| {
                         all.push(self.branch(index, posture, target, approach));
-                    });
+                    };
+                    self.unlock(locked, target, approach, keep).reach
                 }
-                by
             }
             _ => self.solve(target, approach, &mut self.scratch(), &mut keep),
         };
@@ -355,16 +361,31 @@ impl Inverse {
             let higher = |other: usize| !gaps[other].is_less(&gaps[k]);
             if (k == 0 || higher(k - 1)) && (k == last || higher(k + 1)) {
                 let (mut lo, mut hi) = (locked.values[k.saturating_sub(1)], locked.values[(k + 1).min(last)]);
-                for _ in 0..REFINEMENTS {
-                    let (a, b) = (lo + 0.382 * (hi - lo), lo + 0.618 * (hi - lo));
-                    let ((at_a, found_a), (at_b, found_b)) =
-                        (gap_at(gaps.len() + k, a), gap_at(gaps.len() + k, b));
-                    let less = if at_a.is_less(&at_b) { at_a } else { at_b };
-                    best = if less.is_less(&best) { less } else { best };
-                    if found_a || found_b {
-                        return best;
+                for _ in 0..ROUNDS {
+                    let (step, mut nearest) = ((hi - lo) / (INSIDE + 1) as f64, (Gap::ALL, lo));
+                    for inner in 1..=INSIDE {
+                        let value = lo + step * inner as f64;
+                        let (gap, usable) = gap_at(gaps.len() + k, value);
+                        if usable {
+                            return gap;
+                        }
+                        nearest = if gap.is_less(&nearest.0) { (gap, value) } else { nearest };
                     }
-                    if at_a.is_less(&at_b) { hi = b } else { lo = a }
+                    best = if nearest.0.is_less(&best) { nearest.0 } else { best };
+                    (lo, hi) = (nearest.1 - step, nearest.1 + step);
+                }
+            }
+        }
+        if best.reach > GRAZING {
+            return best;
+        }
+        // A window too narrow for all that: the numeric way walks along the edge of the reach.
+        for (k, goal) in self.goals(target, approach).iter().enumerate() {
+            if let Some(q) = locked.numeric.one(goal) {
+                let posture = self.chain.posture(&q);
+                if self.excess(&posture, target, approach) == 0.0 {
+                    found(((2 * gaps.len()) << 16 | k) as u32, &posture);
+                    return Gap { reach: 0.0, limits: 0.0 };
                 }
             }
         }

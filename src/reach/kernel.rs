@@ -34,6 +34,8 @@ pub(super) enum PoseKernel {
 #[derive(Debug, Clone)]
 pub(super) struct Locked {
     pub kernel: PoseKernel,
+    /// For the edge of the reach.
+    pub numeric: Numeric,
     /// The rest's own scratch.
     pub template: Posture,
     link: Link,
@@ -173,7 +175,8 @@ impl Locked {
         let step = |k: usize| lo + (hi - lo) * k as f64 / (Self::STEPS - 1) as f64;
         let values = std::array::from_fn(step);
         let (kernel, template) = (PoseKernel::new(&rest)?, template(&rest));
-        Some(Self { kernel, template, link, first, axes: n, values })
+        let numeric = Numeric::new(chain);
+        Some(Self { kernel, numeric, template, link, first, axes: n, values })
     }
 
     /// Tries the coordinate in `q` alone.

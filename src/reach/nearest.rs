@@ -141,7 +141,15 @@ impl Point {
     /// Whether the joints move the point in all directions somewhere.
     pub fn moves_in_space(&self) -> bool {
         (0..GRID * GRID).any(|k| {
-            let (_, moves) = self.derivative(&self.on_grid([k % GRID, k / GRID]));
+            let mut joints = self.on_grid([k % GRID, k / GRID]);
+            // A boom of no length would turn its point on the spot.
+            joints
+                .r
+                .iter_mut()
+                .zip(&self.links)
+                .filter(|(_, link)| link.kind == Prismatic)
+                .for_each(|(r, _)| *r += 1.0);
+            let (_, moves) = self.derivative(&joints);
             moves.determinant().abs() > 1e-9 * moves.norm().powi(3)
         })
     }
