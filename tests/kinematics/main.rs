@@ -8,6 +8,7 @@ mod derivatives;
 mod errors;
 mod identification;
 mod inverse;
+mod modified;
 mod product;
 mod rotations;
 #[path = "../common/ur.rs"]
