@@ -73,6 +73,34 @@ fn a_signed_set() {
     assert!(all_close(&sample.dbeta, &[0.0, -0.5 * DEG, 0.0, 0.0]));
     assert!(all_close(&sample.base, &[0.001, 0.002, 0.003, 0.1 * DEG, 0.2 * DEG, 0.3 * DEG]));
     assert!(all_close(&sample.tool, &[0.0, 0.0, 0.0, 0.0, 0.0, -0.4 * DEG]));
+    assert!(all_close(&sample.joints[1], &[0.001, 0.002, 0.003, 0.1 * DEG, 0.2 * DEG, 0.3 * DEG]));
+    assert!(all_close(&sample.joints[3], &[0.0, 0.0, 0.0, 0.0, 0.0, -0.5 * DEG]));
+    assert_eq!([sample.joints[0], sample.joints[2]], [[0.0; 6]; 2]);
+    // The list of all is in the order of the parameters, and back.
+    assert_eq!(sample.values()[place(Parameter::Joint(1, 2), 4)], 0.003);
+    assert_eq!(place(Parameter::Joint(1, 2), 4), 5 * 4 + 12 + 6 + 2);
+    assert_eq!(SignedErrors::of_values("sample".into(), 4, &sample.values()), *sample);
+}
+
+#[test]
+fn a_set_of_joint_frames_alone() {
+    use Distribution::{Normal, Triangular, Uniform};
+    let cell = every_key();
+    let ErrorSet::Tolerance(set) = set(&cell, "joints-alone") else { panic!("a sample") };
+    let at = |p| set.spreads[place(p, 4)];
+    let components = |joint| [0, 1, 2, 3, 4, 5].map(|c| at(Parameter::Joint(joint, c)));
+    assert_eq!(components(0).map(|s| s.plus_minus), [0.001, 0.001, 0.001, 0.0, 0.0, 0.0]);
+    assert!(close(at(Parameter::Joint(2, 4)).plus_minus, 0.1 * DEG));
+    let words = [Normal, Uniform, Normal, Normal, Triangular, Normal];
+    assert_eq!([0, 1, 2, 3].map(|k| components(k).map(|s| s.distribution)), [words; 4]);
+    assert_eq!(
+        [Parameter::Dr(0), Parameter::Dl(1), Parameter::Dalpha(2)].map(|p| at(p).plus_minus),
+        [0.0; 3]
+    );
+    let covariance = set.covariance.as_ref().unwrap();
+    assert_eq!(covariance.parameters, [Parameter::Joint(2, 3), Parameter::Joint(1, 2)].map(|p| place(p, 4)));
+    assert!(close(covariance.matrix[(0, 1)], 0.06 * DEG * 1e-3));
+    assert!(close(at(Parameter::Joint(1, 2)).plus_minus, 1.5e-3));
 }
 
 #[test]

@@ -79,6 +79,7 @@ fn name_of(item: &Node) -> String {
 fn read_parameters(items: &[Node], arm: Arm<'_>, lib: &mut Library<'_>) -> Option<Vec<usize>> {
     let mut names: Vec<_> = Parameter::of_robot(arm.axes).map(Parameter::name).collect();
     arm.in_order(&mut names);
+    arm.unused().into_iter().flatten().for_each(|place| names[place].clear());
     let mut places: Vec<Option<usize>> = Vec::new();
     for item in items {
         let place = read_parameter(item, &names, arm, lib);
@@ -97,7 +98,7 @@ fn read_parameter(item: &Node, names: &[String], arm: Arm<'_>, lib: &mut Library
         lib.error(item.at, message, KNOWN);
         return None;
     };
-    let found = names.iter().position(|n| n == name);
+    let found = names.iter().position(|n| n == name).filter(|_| !name.is_empty());
     if found.is_none() {
         lib.error(item.at, format!("there is no parameter `{}`", shown(name)), nearest(name, names, arm));
     }
@@ -110,7 +111,7 @@ fn nearest(name: &str, names: &[String], arm: Arm<'_>) -> String {
         let last = of_joint(name, arm.axes).unwrap_or_default();
         return format!("the robot has joints 1 to {}: {first} to {last}", arm.axes);
     }
-    match did_you_mean(name, names.iter().map(String::as_str)) {
+    match did_you_mean(name, names.iter().map(String::as_str).filter(|n| !n.is_empty())) {
         Some(near) => format!("did you mean \"{near}\"?"),
         None => KNOWN.into(),
     }

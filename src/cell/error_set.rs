@@ -1,6 +1,6 @@
 //! Error sets of a robot: signed samples or tolerances of its kinematic parameters.
 
-use super::arm::{Arm, OF_FIRST_ROW};
+use super::arm::Arm;
 use super::document::Library;
 use super::error_model::*;
 use super::frame_file;
@@ -74,15 +74,31 @@ fn read_values(
     let dq = angles(dq_deg).iter().zip(lengths(dq_mm)).map(|(a, b)| a + b).collect();
     let (dr, dl, dalpha, dbeta) = (dr?, dl?, dalpha?, dbeta?);
     let (base, tool, joints, name) = (base?, tool?, joints?, name.to_string());
-    if arm.modified && OF_FIRST_ROW.iter().any(|&c| base[c] != 0.0) {
-        let at = t.get("base").map_or(t.at, |node| node.at);
-        let message = "x, rx and ry of `base` are those of row 1: this robot has modified rows";
-        lib.error(at, message.into(), "give them as number 1 of dl_mm, dalpha_deg and dbeta_deg");
+    if arm.modified {
+        refuse_first_row(t, &base, &joints, lib);
     }
     let rows = SignedErrors { name: name.clone(), dq, dr, dl, dalpha, dbeta, base, tool, joints };
     let mut values = rows.values();
     arm.in_order(&mut values);
     Some(SignedErrors::of_values(name, n, &values))
+}
+
+/// Modified rows begin with the common normal: what row 1 says of it stands there alone.
+fn refuse_first_row(
+    t: &mut Table<'_>,
+    base: &[f64; PER_FRAME],
+    joints: &[[f64; PER_FRAME]],
+    lib: &mut Library<'_>,
+) {
+    let of_base = ("base", base[3] != 0.0, "rx of `base` is dalpha", "number 1 of dalpha_deg");
+    let is_joint = joints.first().is_some_and(|joint| joint[0] != 0.0 || joint[4] != 0.0);
+    let of_joint =
+        ("joints", is_joint, "x and ry of joint 1 are dl and dbeta", "number 1 of dl_mm and dbeta_deg");
+    for (key, _, what, place) in [of_base, of_joint].into_iter().filter(|of| of.1) {
+        let at = t.get(key).map_or(t.at, |node| node.at);
+        let message = format!("{what} of row 1: this robot has modified rows");
+        lib.error(at, message, format!("give it as {place}"));
+    }
 }
 
 /// An error of a joint coordinate has the unit of that joint.

@@ -148,11 +148,12 @@ fn polished(
                 if ((sum + change).norm() - sum.norm()).abs() > gap {
                     continue;
                 }
-                let mut flipped = corner;
-                members(others).for_each(|j| flipped[j] = -flipped[j]);
-                let value = error(&flipped);
+                members(others).for_each(|j| corner[j] = -corner[j]);
+                let value = error(&corner);
                 if value > best {
-                    (best, corner, sum) = (value, flipped, sum + change);
+                    (best, sum) = (value, sum + change);
+                } else {
+                    members(others).for_each(|j| corner[j] = -corner[j]);
                 }
             }
         }

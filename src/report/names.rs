@@ -10,9 +10,9 @@ pub fn parameter(cell: &Cell, parameter: Parameter) -> String {
         Parameter::Dl(i) if modified => Parameter::Dl(i + 1).name(),
         Parameter::Dalpha(i) if modified => Parameter::Dalpha(i + 1).name(),
         Parameter::Dbeta(i) if modified => Parameter::Dbeta(i + 1).name(),
-        Parameter::Base(0) if modified => Parameter::Dl(0).name(),
+        Parameter::Joint(0, 0) if modified => Parameter::Dl(0).name(),
         Parameter::Base(3) if modified => Parameter::Dalpha(0).name(),
-        Parameter::Base(4) if modified => Parameter::Dbeta(0).name(),
+        Parameter::Joint(0, 4) if modified => Parameter::Dbeta(0).name(),
         Parameter::Equipment(e, _) => format!("{} {}", shown(&cell.equipment[e].name), parameter.name()),
         _ => parameter.name(),
     }

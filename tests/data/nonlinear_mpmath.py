@@ -5,6 +5,9 @@ vector (rad) of prod(A_i + dA_i) against prod(A_i). Inputs are f64 and enter the
 with two exceptions that follow the crate: an alpha that is the f64 nearest to a multiple of pi/2
 counts as that multiple, and coupled sums and theta + q, r + q are rounded to f64 before they are used.
 Every number is written as text, because JSON readers do not all round to the nearest f64.
+
+The last robots have errors of joint frames, too: x, y, z, rx, ry, rz in a frame that `joint_frames` gives
+in the D-H frame before each row (translation, then roll, pitch, yaw about fixed axes).
 """
 
 import json
@@ -38,6 +41,28 @@ def coupled(row, values):
     return total
 
 
+def frame(values):
+    """Trans(x, y, z) Rz Ry Rx."""
+    (x, y, z, rx, ry, rz) = [mpf(v) for v in values]
+    t = link(rz, 0, 0, 0) * matrix(
+        [[cos(ry), 0, sin(ry), 0], [0, 1, 0, 0], [-sin(ry), 0, cos(ry), 0], [0, 0, 0, 1]]
+    )
+    t = t * link(mpf(0), 0, 0, rx)
+    t[0, 3], t[1, 3], t[2, 3] = x, y, z
+    return t
+
+
+def inverse(t):
+    r = t[:3, :3].T
+    p = r * t[:3, 3]
+    out = diag([1, 1, 1, 1])
+    for i in range(3):
+        out[i, 3] = -p[i]
+        for j in range(3):
+            out[i, j] = r[i, j]
+    return out
+
+
 def tip(robot, errors):
     """Rotation after the last link and position of the TCP."""
     t = diag([1, 1, 1, 1])
@@ -48,13 +73,16 @@ def tip(robot, errors):
         theta = mpf(robot["theta"][i] + turn) + mpf(dturn)
         r = mpf(robot["r"][i] + slide) + mpf(errors["dr"][i]) + mpf(dslide)
         l = mpf(robot["l"][i]) + mpf(errors["dl"][i])
+        if "joints" in errors:
+            at = frame(robot["joint_frames"][i])
+            t = t * at * frame(errors["joints"][6 * i : 6 * i + 6]) * inverse(at)
         t = t * link(theta, r, l, twist(robot["alpha"][i]) + mpf(errors["dalpha"][i]))
     return t[:3, :3], (t * matrix([mpf(x) for x in robot["tool"]] + [1]))[:3]
 
 
 def pose_error(robot, errors):
     n = len(robot["q"])
-    nothing = {key: [0.0] * n for key in errors}
+    nothing = {key: [0.0] * len(values) for key, values in errors.items()}
     (r0, p0), (r1, p1) = tip(robot, nothing), tip(robot, errors)
     d = r1 * r0.T
     axis = [(d[2, 1] - d[1, 2]) / 2, (d[0, 2] - d[2, 0]) / 2, (d[1, 0] - d[0, 1]) / 2]
@@ -119,6 +147,17 @@ def case(robot, scale, unscaled):
     }
 
 
+def with_joint_frames(k):
+    robot = random_robot(k)
+    n = len(robot["q"])
+    robot["joint_frames"] = [uniform(3, 0.5) + uniform(3, math.pi) for _ in range(n)]
+    angle = math.radians(0.5)
+    errors = {key: uniform(n, bound) for key, bound in {"dq": 1e-3, "dr": 1e-3, "dl": 1e-3, "dalpha": angle}.items()}
+    errors["joints"] = [x for _ in range(n) for x in uniform(3, 1e-3) + uniform(3, angle)]
+    text = {key: values if key == "prismatic" else as_text(values) for key, values in robot.items()}
+    return json.dumps(text | {"cases": [case(robot, s, errors) for s in SCALES]})
+
+
 def main():
     parallelogram = identity(4)
     parallelogram[2][1] = -1.0
@@ -135,6 +174,7 @@ def main():
                 errors["dq"][i] = RNG.uniform(-1e-3, 1e-3)
         text = {key: values if key == "prismatic" else as_text(values) for key, values in robot.items()}
         lines.append(json.dumps(text | {"cases": [case(robot, s, errors) for s in SCALES]}))
+    lines += [with_joint_frames(k) for k in range(12)]
     print("[\n" + ",\n".join(lines) + "\n]")
 
 

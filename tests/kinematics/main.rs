@@ -8,6 +8,7 @@ mod derivatives;
 mod errors;
 mod identification;
 mod inverse;
+mod modified;
 mod numeric;
 mod product;
 mod rotations;

@@ -21,7 +21,9 @@ fn all_wrong(rng: &mut ChaCha8Rng) -> Cell {
     let mut some = |bound: f64| (0..n).map(|_| rng.random_range(-bound..bound)).collect::<Vec<f64>>();
     let (dq, dr, dl, dalpha, dbeta) = (some(5e-3), some(2e-3), some(2e-3), some(5e-3), some(5e-3));
     let mut frame = || std::array::from_fn(|k| rng.random_range(-1.0..1.0) * if k < 3 { 2e-3 } else { 4e-3 });
-    let (base, tool, joints) = (frame(), frame(), (0..n).map(|_| frame()).collect());
+    let (base, tool) = (frame(), frame());
+    let mut quarter = || frame().map(|v: f64| v / 4.0);
+    let joints = (0..n).map(|_| quarter()).collect();
     let fixture = frame();
     let signed = SignedErrors { name: "all".into(), dq, dr, dl, dalpha, dbeta, base, tool, joints };
     (cell.robot.errors, cell.errors) = (vec![ErrorSet::Signed(signed)], 0);
@@ -84,6 +86,8 @@ fn rigid_errors_cancel() {
             let zeros = || vec![0.0; n];
             (e.dq, e.dr, e.dl, e.dalpha, e.dbeta, e.tool) =
                 (zeros(), zeros(), zeros(), zeros(), zeros(), [0.0; 6]);
+            // The first joint frame stands still, so it is rigid with the base.
+            e.joints[1..].fill([0.0; 6]);
         }
         for (registration, fixture) in [(Registration::Taught, true), (Registration::BestFit, false)] {
             cell.registration = registration;

@@ -90,7 +90,7 @@ fn shapes_of_the_parameters_count() {
     let mut rng = ChaCha8Rng::seed_from_u64(62);
     let shapes = [Distribution::Uniform, Distribution::Triangular, Distribution::Normal];
     let mut judged = 0;
-    for k in 0..60 {
+    for k in 0..120 {
         let robot = random_robot(&mut rng, 6);
         let sizes = (3e-4, rad_from_deg(0.03));
         let tolerance =
