@@ -159,6 +159,60 @@ fn open_and_hollow_meshes_are_told() {
     }
 }
 
+/// The shipped STL is the shipped OBJ at half size. To write it anew: `UPDATE=1 cargo test --test meshes`.
+#[test]
+fn the_shipped_stl_is_the_shipped_obj_at_half_size() {
+    let folder = root().join("cells/equipment");
+    let (vertices, triangles, closed, _) =
+        read("part.obj", "mm", &std::fs::read(folder.join("machine.obj")).unwrap());
+    assert!(closed && triangles.len() == 10_000);
+    let half: Vec<_> = vertices.iter().map(|v| [v.x, v.y, v.z].map(|c| (c * 500.0) as f32)).collect();
+    let mesh = (half, triangles.iter().map(|t| t.map(|i| i as usize)).collect());
+    let bytes = binary_stl(&mesh, "machine.obj at half size, mm");
+    if std::env::var_os("UPDATE").is_some() {
+        std::fs::write(folder.join("machine.stl"), &bytes).unwrap();
+    }
+    assert!(std::fs::read(folder.join("machine.stl")).unwrap() == bytes);
+    let got = read("part.stl", "mm", &bytes);
+    assert!(got.2 && got.3.is_empty() && got.1.len() == 10_000 && got.0.len() == vertices.len());
+}
+
+/// Every shipped equipment and tool loads, says its source, and stands where it is put.
+#[test]
+fn the_shipped_equipment_loads() {
+    let names = [
+        "worktable",
+        "conveyor",
+        "machine",
+        "machine_stl",
+        "pallet",
+        "machine_tool",
+        "fixture",
+        "column",
+        "fence",
+    ];
+    let place = |(k, name): (usize, &&str)| {
+        let x = 5000 + 4000 * k;
+        format!(
+            "[obstacle.a_{name}]\nfrom = \"equipment/{name}.toml\"\nplacement = {{ x_mm = {x}, y_mm = 5000, z_mm = 600 }}\n"
+        )
+    };
+    let all: String = names.iter().enumerate().map(place).collect();
+    let cell = format!(
+        "from = \"hitachi_paper.toml\"\n[robot]\ntool = {{ from = \"equipment/gripper.toml\" }}\n{all}"
+    );
+    let loaded = common::from_text(&cell).unwrap_or_else(|f| panic!("{f:#?}"));
+    assert_eq!(loaded.cell.equipment.len(), names.len() + 1);
+    assert_eq!(loaded.cell.robot.solids.last().unwrap().solid.name, "jaw right");
+    let pallet = loaded.cell.equipment.iter().find(|e| e.name == "a_pallet").unwrap();
+    assert_eq!(pallet.footprint.size, (1.2, 0.8));
+    for file in
+        loaded.sources.iter().filter(|s| s.path.starts_with("equipment/") && s.path.ends_with(".toml"))
+    {
+        assert!(file.text().contains("\nsource = \""), "{}", file.path);
+    }
+}
+
 // --- hostile files ------------------------------------------------------------------------------
 
 /// Texts and bytes made to break a reader, with what must be said of each.

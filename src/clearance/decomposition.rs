@@ -96,7 +96,10 @@ fn division(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Vec<u8> {
         let step = (3 * part.len()).div_ceil(MAX_POINTS).max(1);
         let corners = part.iter().flat_map(|&t| triangles[t as usize]).step_by(step);
         let points: Vec<_> = corners.map(|i| vector(&vertices[i as usize])).collect();
-        polyhedron(&points).map_or(0.0, |solid| volume_of(&solid))
+        // Hulls of long thin sets may fail or turn inside out: then the box.
+        let most = box_volume(&points);
+        let hull = polyhedron(&points).map(|solid| volume_of(&solid));
+        hull.filter(|v| (0.0..=most).contains(v)).unwrap_or(most)
     };
     let cut = |part: &[u32]| {
         let whole = volume(part);
@@ -141,7 +144,7 @@ fn hull(points: &[pm::Vector]) -> Hull {
     let inside = points[0];
     let reach = points.iter().map(|p| p.length()).fold(0.0, f64::max);
     let solid = polyhedron(points).or_else(|| {
-        let (low, high) = points.iter().fold((inside, inside), |(l, h), p| (l.min(*p), h.max(*p)));
+        let (low, high) = box_round(points);
         let (low, high) = (low - pm::Vector::splat(FLAT), high + pm::Vector::splat(FLAT));
         let side = |k: usize, i: usize| if k >> i & 1 == 1 { high[i] } else { low[i] };
         let corners: Vec<_> = (0..8).map(|k| pm::Vector::new(side(k, 0), side(k, 1), side(k, 2))).collect();
@@ -149,6 +152,16 @@ fn hull(points: &[pm::Vector]) -> Hull {
     });
     let slack = solid.as_ref().map_or(0.0, |solid| slack(solid, points));
     Hull { solid, slack, reach, inside }
+}
+
+fn box_round(points: &[pm::Vector]) -> (pm::Vector, pm::Vector) {
+    let start = (pm::Vector::splat(f64::INFINITY), pm::Vector::splat(f64::NEG_INFINITY));
+    points.iter().fold(start, |(low, high), p| (low.min(*p), high.max(*p)))
+}
+
+fn box_volume(points: &[pm::Vector]) -> f64 {
+    let (low, high) = box_round(points);
+    (high - low).element_product()
 }
 
 /// Half the thickness of the box round a flat part, m.

@@ -2,6 +2,7 @@
 //! the clock or the terminal.
 
 mod arguments;
+mod cache;
 mod commands;
 mod files;
 mod output;

@@ -5,7 +5,7 @@ mod separate;
 pub use separate::separated;
 
 use crate::cell::{Cell, Layout, Objective};
-use crate::clearance::{FloorPlan, Overlap, Placed, Scene};
+use crate::clearance::{FloorPlan, Overlap, OwnPair, Placed, Remember, Scene};
 use crate::error_map::{Mapper, OperationMap, Outcome, PostureRecord, Scratch, Unjudged};
 use crate::reading::{Gauge, Situation};
 use crate::robot::Frames;
@@ -53,9 +53,22 @@ impl Workcell {
     /// # Errors
     /// Why the robot cannot be used.
     pub fn new(cell: Cell) -> Result<Self, String> {
+        Self::remembering(cell, &mut |_, compute| compute())
+    }
+
+    /// The same, with what takes long to compute kept elsewhere.
+    ///
+    /// # Errors
+    /// Why the robot cannot be used.
+    pub fn remembering(cell: Cell, remember: &mut Remember<'_>) -> Result<Self, String> {
         let mapper = Mapper::new(&cell)?;
-        let (plan, scene) = (FloorPlan::new(&cell), Scene::new(&cell));
+        let (plan, scene) = (FloorPlan::new(&cell), Scene::remembering(&cell, remember));
         Ok(Self { cell, mapper, plan, scene })
+    }
+
+    /// Every pair of solids of the robot, and why it may touch; none if it is not checked.
+    pub fn own_pairs(&self) -> &[OwnPair] {
+        self.scene.own_pairs()
     }
 
     /// What the weights multiply errors by in the objective: their sum, or the largest of them.

@@ -48,7 +48,7 @@ impl Shop {
 
     pub fn command(&self, args: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_sweetspot"));
-        command.args(args).current_dir(self.dir.path()).stdin(Stdio::null());
+        command.env("SWEETSPOT_CACHE", "off").args(args).current_dir(self.dir.path()).stdin(Stdio::null());
         command
     }
 

@@ -4,7 +4,7 @@ use super::{UNSOLVED, is_free, suggest, warn_of_hopeless, workcell};
 use crate::cell::{Cell, ErrorSet, Fault, shown};
 use crate::cli::arguments::CheckArguments;
 use crate::cli::output::path_word;
-use crate::cli::{Exit, files, output};
+use crate::cli::{Exit, cache, files, output};
 use crate::compare::Assessment;
 use crate::layout::Workcell;
 use crate::report;
@@ -13,9 +13,13 @@ use serde_json::json;
 /// `sweetspot check`
 pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
     if a.json {
+        let mut pairs = Vec::new();
         let (exit, faults) = match files::read_cell(&a.cell) {
-            Ok(loaded) => match Workcell::new(loaded.cell) {
-                Ok(_) => (Exit::Done, loaded.warnings),
+            Ok(loaded) => match Workcell::remembering(loaded.cell, &mut cache::remember) {
+                Ok(workcell) => {
+                    pairs = report::json::own_pairs(&workcell);
+                    (Exit::Done, loaded.warnings)
+                }
                 Err(why) => {
                     let fault = Fault::of_file(&path_word(&a.cell), why, UNSOLVED);
                     (Exit::BadInput, [loaded.warnings, vec![fault]].concat())
@@ -26,7 +30,7 @@ pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
         let valid = exit == Exit::Done;
         output::data(&format!(
             "{}\n",
-            json!({ "schema": "sweetspot/check/1", "valid": valid, "faults": faults })
+            json!({ "schema": "sweetspot/check/1", "valid": valid, "faults": faults, "self_collision": pairs })
         ))?;
         return Ok(exit);
     }
@@ -37,13 +41,14 @@ pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
     let free = cell.equipment.iter().flat_map(|e| &e.placement).filter(|c| is_free(c)).count();
     let nodes: usize = cell.operations.iter().map(|o| o.nodes()).sum();
     output::data(&format!(
-        "{}\n{}, {} equipment and obstacles, {} on {nodes} nodes, {}\n{}\n{}valid{}\n",
+        "{}\n{}, {} equipment and obstacles, {} on {nodes} nodes, {}\n{}\n{}\n{}valid{}\n",
         report::text::headline(cell),
         counted(cell.robot.axes(), "axis", "axes"),
         cell.equipment.len(),
         counted(cell.operations.len(), "operation", "operations"),
         counted(free, "search variable", "search variables"),
         error_sets(cell),
+        report::text::own_pairs(&workcell),
         report::text::feasibility(&Assessment::new("start", &workcell, cell.start())),
         if warnings == 0 { String::new() } else { format!(", {warnings} warning(s)") },
     ))?;

@@ -14,7 +14,7 @@ pub use readings::readings;
 
 use crate::cell::{Cell, Coordinate, shown};
 use crate::cli::output::path_word;
-use crate::cli::{Exit, output};
+use crate::cli::{Exit, cache, output};
 use crate::compare::Assessment;
 use crate::layout::{Workcell, evaluate};
 use crate::report;
@@ -47,7 +47,7 @@ fn warn_of_distrust(assessment: &Assessment<'_>) {
 
 fn workcell(cell: Cell, file: &Path) -> Result<Workcell, Exit> {
     let name = cell.robot.name.clone();
-    Workcell::new(cell).map_err(|why| unsolved(&name, file, &why))
+    Workcell::remembering(cell, &mut cache::remember).map_err(|why| unsolved(&name, file, &why))
 }
 
 fn unsolved(robot: &str, file: &Path, why: &str) -> Exit {

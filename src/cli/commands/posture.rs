@@ -5,7 +5,7 @@ use crate::cell::{Cell, JointKind, JointVector, MAX_JOINTS, shown};
 use crate::cli::arguments::{BudgetArguments, ExplainArguments, Overrides};
 use crate::cli::output::{path_word, word};
 use crate::cli::overrides::{self, overridden};
-use crate::cli::{Exit, files, output, results};
+use crate::cli::{Exit, cache, files, output, results};
 use crate::compare::{Account, At, Explanation, NoStance, Stance};
 use crate::layout::Workcell;
 use crate::report;
@@ -51,7 +51,7 @@ pub fn explain(a: &ExplainArguments) -> Result<Exit, Exit> {
     if let Some(given) = &a.joints {
         let cell = loaded.cell;
         let joints = joints(&cell, given)?;
-        let ready = Workcell::new(cell.clone());
+        let ready = Workcell::remembering(cell.clone(), &mut cache::remember);
         let stance = Stance::of_joints(&cell, ready.as_ref().map_err(String::as_str), k, joints);
         let stance = stance.map_err(|why| {
             output::error(&why);

@@ -14,9 +14,20 @@ pub use posture::{budget, explain};
 pub use readings::readings;
 
 use crate::cell::{Cell, JointKind, JointVector, Layout, Role};
+use crate::clearance::{Allowed, OwnPair};
+use crate::layout::Workcell;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use nalgebra::Vector3;
 use serde_json::{Value, json};
+
+/// Every pair of solids of the robot: what they are, and why they may touch (null: they may not).
+pub fn own_pairs(workcell: &Workcell) -> Vec<Value> {
+    let pair = |p: &OwnPair| {
+        let [a, b] = [p.a, p.b].map(|id| id.in_words(&workcell.cell));
+        json!({ "a": a, "b": b, "allowed": p.allowed.map(Allowed::in_words) })
+    };
+    workcell.own_pairs().iter().map(pair).collect()
+}
 
 /// Placements by the name of the equipment; obstacles are not the layout's to place.
 fn layout(cell: &Cell, layout: &Layout) -> Value {

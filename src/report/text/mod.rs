@@ -4,6 +4,7 @@ mod budget;
 mod compare;
 mod explain;
 mod map;
+mod own_pairs;
 mod readings;
 mod table;
 
@@ -11,6 +12,7 @@ pub use budget::budget;
 pub use compare::{comparison, feasibility};
 pub use explain::{explanation, frame_name};
 pub use map::{distrust, maps};
+pub use own_pairs::own_pairs;
 pub use readings::{findings, readings};
 
 use crate::cell::{Cell, ErrorSet, Quantity, Reading, Registration, Spread, Unit, shown};
