@@ -31,6 +31,7 @@ mod solid;
 mod teach_file;
 mod tolerance_file;
 mod tree;
+mod urdf;
 mod value;
 
 pub use choices::*;

@@ -83,7 +83,10 @@ pub struct Robot {
     /// Row i: how the D-H coordinate i follows the actuators, lower triangular with units on the
     /// diagonal; the identity for a serial arm.
     pub coupling: Vec<Vec<f64>>,
-    /// Mechanical interface to TCP.
+    /// Pose of the frame of each URDF joint (before its motion) in the D-H frame before its row, in the
+    /// order of the joints; identity for every joint of a D-H file.
+    pub joint_frames: Vec<Pose>,
+    /// Last D-H frame to TCP: the tip link of a URDF comes first, then the tool.
     pub tool: Pose,
     /// Working direction of the tool in the frame of the TCP, unit length.
     pub tool_axis: Vector3<f64>,
@@ -91,6 +94,21 @@ pub struct Robot {
     /// Floor space of the base, in its frame.
     pub footprint: Rectangle,
     pub errors: Vec<ErrorSet>,
+    /// None of a robot written as D-H rows.
+    pub urdf: Option<UrdfOrigin>,
+}
+
+/// Where rows come from that were derived from a URDF.
+#[derive(Debug, Clone, PartialEq)]
+pub struct UrdfOrigin {
+    /// Its path from the folder of the cell.
+    pub file: String,
+    pub base_link: String,
+    pub tip_link: String,
+    /// Last D-H frame to tip link.
+    pub tip: Pose,
+    /// What of it is not used, and how often it is there.
+    pub ignored: Vec<(String, usize)>,
 }
 
 impl Robot {

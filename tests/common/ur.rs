@@ -63,11 +63,13 @@ fn robot(name: &str, rows: impl Fn(&str) -> Vec<f64>) -> Robot {
         mount: Pose::identity(),
         joints: (0..6).map(joint).collect(),
         coupling: (0..6).map(row).collect(),
+        joint_frames: vec![Pose::identity(); 6],
         tool: Pose::identity(),
         tool_axis: Vector3::z(),
         solids: vec![],
         footprint: Rectangle { centre: (0.0, 0.0), size: (0.4, 0.4) },
         errors: vec![],
+        urdf: None,
     }
 }
 

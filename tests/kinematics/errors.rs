@@ -27,6 +27,7 @@ pub fn robot(joints: Vec<Joint>, coupling: Vec<Vec<f64>>, tool: Pose) -> Robot {
         source: text(),
         convention,
         mount,
+        joint_frames: vec![Pose::identity(); joints.len()],
         joints,
         coupling,
         tool,
@@ -34,6 +35,7 @@ pub fn robot(joints: Vec<Joint>, coupling: Vec<Vec<f64>>, tool: Pose) -> Robot {
         solids,
         footprint,
         errors,
+        urdf: None,
     }
 }
 
