@@ -10,6 +10,7 @@
 
 use super::limits::{LimitViolation, Limits};
 use crate::cell::{JointKind, JointVector};
+use crate::pose::Pose;
 use crate::robot::{Chain, Posture};
 use nalgebra::Vector3;
 
@@ -100,6 +101,9 @@ impl PlanarArm {
         }
         if b.l.abs() < 1e-6 || c.l.abs() < 1e-6 {
             return Err("an arm link has no length (l_2 or l_3 is 0)".into());
+        }
+        if chain.mount != Pose::identity() {
+            return Err("the first axis is not that of the base (its mount is turned or moved)".into());
         }
         let turned = |v: &Vector3<f64>| {
             Vector3::new(v.x, d.cos_alpha * v.y - d.sin_alpha * v.z, d.sin_alpha * v.y + d.cos_alpha * v.z)

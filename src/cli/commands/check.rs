@@ -13,7 +13,7 @@ use serde_json::json;
 /// `sweetspot check`
 pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
     if a.json {
-        let (exit, faults) = match files::read_cell(&a.cell) {
+        let (exit, faults) = match files::read_cell(&a.cell, &a.packages) {
             Ok(loaded) => match Workcell::new(loaded.cell) {
                 Ok(_) => (Exit::Done, loaded.warnings),
                 Err(why) => {
@@ -30,7 +30,7 @@ pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
         ))?;
         return Ok(exit);
     }
-    let loaded = files::load(&a.cell)?;
+    let loaded = files::load(&a.cell, &a.packages)?;
     let warnings = loaded.warnings.len();
     let workcell = workcell(loaded.cell, &a.cell)?;
     let cell = &workcell.cell;
