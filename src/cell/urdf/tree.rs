@@ -43,7 +43,9 @@ impl<'u> Tree<'u> {
                 lib.error(joint.child.at, message, "a link hangs on one joint: a closed loop cannot be read");
             }
         }
-        tree.refuse_circles(lib);
+        if lib.errors() == before {
+            tree.refuse_circles(lib);
+        }
         (lib.errors() == before).then_some(tree)
     }
 

@@ -13,25 +13,32 @@ use serde_json::json;
 /// `sweetspot check`
 pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
     if a.json {
+        let mut urdf = None;
         let (exit, faults) = match files::read_cell(&a.cell, &a.packages) {
-            Ok(loaded) => match Workcell::new(loaded.cell) {
-                Ok(_) => (Exit::Done, loaded.warnings),
-                Err(why) => {
-                    let fault = Fault::of_file(&path_word(&a.cell), why, UNSOLVED);
-                    (Exit::BadInput, [loaded.warnings, vec![fault]].concat())
+            Ok(loaded) => {
+                urdf = loaded.cell.robot.urdf.is_some().then(|| report::urdf::derived(&loaded.cell.robot));
+                match Workcell::new(loaded.cell) {
+                    Ok(_) => (Exit::Done, loaded.warnings),
+                    Err(why) => {
+                        let fault = Fault::of_file(&path_word(&a.cell), why, UNSOLVED);
+                        (Exit::BadInput, [loaded.warnings, vec![fault]].concat())
+                    }
                 }
-            },
+            }
             Err(faults) => (files::exit_of(&faults), faults),
         };
         let valid = exit == Exit::Done;
-        output::data(&format!(
-            "{}\n",
-            json!({ "schema": "sweetspot/check/1", "valid": valid, "faults": faults })
-        ))?;
+        let mut document = json!({ "schema": "sweetspot/check/1", "valid": valid, "faults": faults });
+        if let Some(urdf) = urdf {
+            document["urdf"] = urdf;
+        }
+        output::data(&format!("{document}\n"))?;
         return Ok(exit);
     }
     let loaded = files::load(&a.cell, &a.packages)?;
     let warnings = loaded.warnings.len();
+    // Also of a robot that cannot be solved: its rows tell why.
+    output::data(&report::text::derived(&loaded.cell.robot))?;
     let workcell = workcell(loaded.cell, &a.cell)?;
     let cell = &workcell.cell;
     let free = cell.equipment.iter().flat_map(|e| &e.placement).filter(|c| is_free(c)).count();

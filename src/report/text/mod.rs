@@ -6,12 +6,14 @@ mod explain;
 mod map;
 mod readings;
 mod table;
+mod urdf;
 
 pub use budget::budget;
 pub use compare::{comparison, feasibility};
 pub use explain::{explanation, frame_name};
 pub use map::{distrust, maps};
 pub use readings::{findings, readings};
+pub use urdf::derived;
 
 use crate::cell::{Cell, ErrorSet, Quantity, Reading, Registration, Spread, Unit, shown};
 use crate::compare::Stance;
