@@ -46,8 +46,8 @@ pub fn read(t: &mut Table<'_>, node: &Node, lib: &mut Library<'_>) -> Option<Arm
     let packages = Packages::read(t, lib);
     let base = asked(t, "base_link", lib);
     let tip = asked(t, "tip_link", lib);
-    let named = value::text(node, "urdf", lib)?;
-    let path = lib.relative(&named, node.at)?;
+    let named = Named { name: value::text(node, "urdf", lib)?, at: node.at };
+    let path = packages.path(&named, lib)?;
     let file = lib.text(&path, Some(node.at))?;
     let mut faults = Faults::new(file);
     let urdf = parse::parse(&lib.sources[file].text, &mut faults).filter(|_| faults.is_empty());

@@ -30,8 +30,15 @@ impl Packages {
     /// The path of a file that a URDF names: relative to the folder of the cell, or
     /// `package://NAME/PATH` of a package whose folder the file does not give.
     pub fn path(&self, file: &Named, lib: &mut Library<'_>) -> Option<String> {
-        let Some(rest) = file.name.strip_prefix(SCHEME) else { return lib.relative(&file.name, file.at) };
-        let inside = rest.split_once('/').and_then(|(name, path)| Some((name, normal(path)?)));
+        let naming =
+            lib.sources[file.at.file].path.strip_prefix(SCHEME).and_then(|path| path.rsplit_once('/'));
+        let whole = match (file.name.strip_prefix(SCHEME), naming) {
+            (Some(rest), _) => rest.to_string(),
+            // Beside a URDF that lies in a package itself.
+            (None, Some((folder, _))) if !file.name.starts_with('/') => format!("{folder}/{}", file.name),
+            _ => return lib.relative(&file.name, file.at),
+        };
+        let inside = whole.split_once('/').and_then(|(name, path)| Some((name, normal(path)?)));
         let Some((name, path)) = inside.filter(|(name, _)| is_package(name)) else {
             let message = format!("`{}` is no file of a package", shown(&file.name));
             lib.error(file.at, message, "write package://NAME/PATH, with a path that stays in the package");
