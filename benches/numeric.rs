@@ -17,7 +17,7 @@ fn file(name: &str) -> Vec<u8> {
 
 fn chain(name: &str) -> Chain {
     let text = String::from_utf8(file(&format!("{name}.toml"))).expect("text");
-    let loaded = cell::load("cell.toml", &mut |_: &str| Ok(text.clone())).expect("a robot");
+    let loaded = cell::load("cell.toml", &mut |_: &str| Ok(text.clone().into_bytes())).expect("a robot");
     Chain::new(&loaded.cell.robot)
 }
 

@@ -258,7 +258,7 @@ fn every_heavy_crate_has_one_home() {
     {
         assert_eq!(homes(name), only(home), "{name}");
     }
-    for (name, home) in [("toml", "cell"), ("tobj", "cell"), ("csv", "report")] {
+    for (name, home) in [("toml", "cell"), ("tobj", "cell"), ("roxmltree", "cell"), ("csv", "report")] {
         let users: Vec<_> = sources().into_iter().filter(|f| f.code.contains(&format!("{name}::"))).collect();
         // `report::toml` and `report::csv` are modules of ours.
         let foreign =

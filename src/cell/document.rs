@@ -32,7 +32,8 @@ impl Source {
 }
 
 /// Gives the bytes of the file at a path relative to the cell's folder, or says why not.
-/// The path has been normalized and does not leave that folder.
+/// The path has been normalized and does not leave that folder; `package://NAME/PATH` is a file of a
+/// package named in a URDF robot, of which the cell does not say where it lies.
 pub type ReadFile<'a> = dyn FnMut(&str) -> Result<Vec<u8>, String> + 'a;
 
 /// All files read so far and all faults found so far.

@@ -7,28 +7,28 @@ use super::frame_file;
 use super::reader::{Table, read_named};
 use super::robot_model::*;
 use super::tolerance_file::{self, Kind};
-use super::tree::{Node, Value};
+use super::tree::Value;
 use super::value::Must;
 use crate::units;
 
 /// Reads every `[errors.NAME]`; without the joints only what does not depend on them.
 pub fn read_all(
     t: &mut Table<'_>,
-    rows: Option<&[Node]>,
+    axes: Option<usize>,
     joints: Option<&[Joint]>,
     convention: Option<Convention>,
     lib: &mut Library<'_>,
 ) -> Vec<ErrorSet> {
     let help = "add [errors.NAME] with kind = \"signed\", dr_mm, dl_mm and dalpha_deg";
     let node = t.need("errors", help);
-    let Some(rows) = rows else { return Vec::new() };
+    let Some(axes) = axes else { return Vec::new() };
     if let Some(node) = node
         && matches!(&node.value, Value::Table(entries) if entries.is_empty())
     {
         lib.error(node.at, "no error set".into(), help);
     }
     let modified = convention == Some(Convention::Modified);
-    let arm = Arm { axes: rows.len(), joints: joints.unwrap_or(&[]), modified };
+    let arm = Arm { axes, joints: joints.unwrap_or(&[]), modified };
     read_named(t, "errors", lib, |name, node, lib| {
         Table::read(node, "an error set", lib, |t, lib| read(name, t, arm, lib))
     })

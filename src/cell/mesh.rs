@@ -4,9 +4,10 @@ use super::document::Library;
 use super::fault::{Severity, shown};
 use super::reader::Table;
 use super::shape::Shape;
-use super::tree::{At, Node};
+use super::tree::At;
 use super::value::text;
 use super::{mesh_obj, mesh_stl};
+use crate::pose::Pose;
 use nalgebra::Vector3;
 use std::collections::HashMap;
 
@@ -43,41 +44,49 @@ pub fn read(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<Shape> {
     });
     let node = t.need("file", "add file = \"NAME.stl\" or \"NAME.obj\"")?;
     let name = text(node, "file", lib)?;
-    let (path, (vertices, mut triangles)) = read_file(node, &name, scale, lib)?;
-    let kind = solidity(&vertices, &mut triangles);
-    if let Some((message, help)) = kind.warning() {
-        lib.fault(node.at, Severity::Warning, format!("mesh `{}` {message}", shown(&path)), help);
-    }
-    let closed = kind != Solidity::Open;
-    Some(Shape::Mesh { pose: pose?, vertices, triangles, closed })
+    is_mesh(&name, node.at, lib).then_some(())?;
+    let path = lib.relative(&name, node.at)?;
+    load(&path, node.at, &Vector3::repeat(scale?), pose?, lib)
 }
 
-/// The path of a mesh file, its vertices (in m, each place once) and its triangles.
-fn read_file(
-    node: &Node,
-    name: &str,
-    scale: Option<f64>,
-    lib: &mut Library<'_>,
-) -> Option<(String, (Vertices, Triangles))> {
+/// Whether the name is that of a mesh that can be read; a fault if not.
+pub fn is_mesh(name: &str, at: At, lib: &mut Library<'_>) -> bool {
     let lower = name.to_ascii_lowercase();
-    let (is_obj, is_stl) = (lower.ends_with(".obj"), lower.ends_with(".stl"));
-    if !is_obj && !is_stl {
+    let known = [".obj", ".stl"].iter().any(|end| lower.ends_with(end));
+    if !known {
         let message = format!("`{}` is no OBJ or STL file", shown(name));
-        lib.error(node.at, message, "export the mesh as STL or Wavefront OBJ");
-        return None;
+        lib.error(at, message, "export the mesh as STL or Wavefront OBJ");
     }
-    let path = lib.relative(name, node.at)?;
-    let file = if is_obj { lib.text(&path, Some(node.at))? } else { lib.file(&path, Some(node.at))? };
+    known
+}
+
+/// The mesh in the file at `path`, named at `at`, its coordinates times `scale` in m.
+pub fn load(path: &str, at: At, scale: &Vector3<f64>, pose: Pose, lib: &mut Library<'_>) -> Option<Shape> {
+    let (mut vertices, mut triangles) = read_file(path, at, scale.amax(), lib)?;
+    let even = scale / scale.amax();
+    vertices.iter_mut().for_each(|v| v.component_mul_assign(&even));
+    let kind = solidity(&vertices, &mut triangles);
+    if let Some((message, help)) = kind.warning() {
+        lib.fault(at, Severity::Warning, format!("mesh `{}` {message}", shown(path)), help);
+    }
+    let closed = kind != Solidity::Open;
+    Some(Shape::Mesh { pose, vertices, triangles, closed })
+}
+
+/// The vertices of a mesh file (in m, each place once) and its triangles.
+fn read_file(path: &str, at: At, scale: f64, lib: &mut Library<'_>) -> Option<(Vertices, Triangles)> {
+    let is_obj = path.to_ascii_lowercase().ends_with(".obj");
+    let file = if is_obj { lib.text(path, Some(at))? } else { lib.file(path, Some(at))? };
     let source = &lib.sources[file];
     let raw =
-        if is_obj { mesh_obj::parse(source.text(), scale?) } else { mesh_stl::parse(&source.bytes, scale?) };
+        if is_obj { mesh_obj::parse(source.text(), scale) } else { mesh_stl::parse(&source.bytes, scale) };
     match raw.and_then(|(vertices, triangles)| merged(vertices, triangles)) {
-        Ok(mesh) => Some((path, mesh)),
+        Ok(mesh) => Some(mesh),
         Err((line, why)) => {
             let start = |line| source.text().split_inclusive('\n').take(line).map(str::len).sum();
             let (at, why) = match line.filter(|_| !source.text().is_empty()) {
                 Some(line) => (At { file, offset: start(line) }, why),
-                None => (node.at, format!("mesh `{}`: {why}", shown(&path))),
+                None => (at, format!("mesh `{}`: {why}", shown(path))),
             };
             let kind = if is_obj { "Wavefront OBJ" } else { "STL" };
             let help = format!("export the mesh anew as {kind}, and look at it in a mesh viewer");

@@ -36,6 +36,7 @@ mod teach_file;
 mod tolerance_file;
 mod tool_file;
 mod tree;
+mod urdf;
 mod value;
 
 pub use attitude::*;

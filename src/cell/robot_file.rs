@@ -9,6 +9,7 @@ use super::shape::extent_of;
 use super::solid::{self, Carrier};
 use super::tool_file::{self, Tool};
 use super::tree::{Node, Value};
+use super::urdf;
 use super::value::{self, Must, plain};
 use crate::pose::Pose;
 use crate::units;
@@ -23,11 +24,86 @@ const KINDS: [&str; 3] = ["revolute", "prismatic", "passive"];
 
 const STANDARD: Option<Convention> = Some(Convention::Standard);
 
+/// The joints of a robot, from rows or from a URDF; None is what could not be read.
+struct Mechanism {
+    axes: Option<usize>,
+    convention: Option<Convention>,
+    mount: Pose,
+    joints: Option<Vec<Joint>>,
+    coupling: Option<Vec<Vec<f64>>>,
+    joint_frames: Vec<Pose>,
+}
+
 /// Reads the robot part of a table that may hold more (the cell's base pose).
 pub fn read(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<Robot> {
     super::header(t, "robot", lib)?;
-    let name = t.name(lib);
-    let source = t.text("source", lib);
+    let urdf = t.get("urdf");
+    let before = lib.errors();
+    let mut arm = urdf.and_then(|node| urdf::read(t, node, lib));
+    let is_read = lib.errors() == before;
+    let (name, source) = read_names(t, urdf.is_some(), arm.as_ref(), lib);
+    let drawn = arm.as_mut().map(|arm| std::mem::take(&mut arm.solids)).unwrap_or_default();
+    let origin = arm.as_ref().map(|arm| arm.origin.clone());
+    let from = match urdf {
+        Some(node) => read_derived(t, node, arm, lib),
+        None => read_rows(t, lib),
+    };
+    let home = from.joints.as_deref().and_then(|joints| read_home(t.get("home"), joints, lib));
+    let tool = tool_file::read(t, lib);
+    let before = lib.errors();
+    let n = from.axes.unwrap_or(MAX_JOINTS);
+    let mut solids = joined(drawn, read_solids(t, n, lib));
+    let tip = origin.as_ref().map_or(Pose::identity(), |origin| origin.tip);
+    tool_file::mount(&tool, (n, &tip), &mut solids, lib);
+    let base = solids.iter().filter(|s| s.link == 0).map(|s| &s.solid.shape);
+    let needed: &[_] = if is_read && lib.errors() == before { &["footprint"] } else { &[] };
+    let footprint = solid::read_footprint(t, extent_of(base), needed, lib);
+    let self_collision = tool_file::read_self_collision(t, &solids, lib);
+    let errors = error_set::read_all(t, from.axes, from.joints.as_deref(), from.convention, lib);
+    let (Tool { pose: tool, axis: tool_axis, .. }, footprint) = (tool?, footprint?);
+    let Mechanism { mut mount, joint_frames, .. } = from;
+    let (convention, mut joints, coupling) = (from.convention?, from.joints?, from.coupling?);
+    if convention == Convention::Modified {
+        onto_standard_rows(&mut solids, &joints);
+        mount = standard_rows(&mut joints);
+    }
+    Some(Robot {
+        name: name?,
+        source: source?,
+        convention,
+        mount,
+        joints,
+        coupling,
+        joint_frames,
+        home: home?,
+        tool: tip * tool,
+        tool_axis,
+        solids,
+        self_collision: self_collision?,
+        footprint,
+        errors,
+        urdf: origin,
+    })
+}
+
+/// `name` and `source`; those of a URDF robot may be missing.
+fn read_names(
+    t: &mut Table<'_>,
+    is_urdf: bool,
+    arm: Option<&urdf::Arm>,
+    lib: &mut Library<'_>,
+) -> (Option<String>, Option<String>) {
+    if !is_urdf {
+        return (t.name(lib), t.text("source", lib));
+    }
+    let named = arm.and_then(|arm| arm.name.clone());
+    let name = t.get("name").is_some().then(|| t.name(lib));
+    let file = arm.map_or("", |arm| &arm.origin.file);
+    let source = t.text_or("source", &format!("the URDF {file}"), lib);
+    (name.unwrap_or_else(|| Some(named.unwrap_or("robot".into()))), source)
+}
+
+fn read_rows(t: &mut Table<'_>, lib: &mut Library<'_>) -> Mechanism {
     let convention = t.choice("convention", &Convention::ALL, Convention::name, STANDARD, lib);
     let rows = joint_rows(t, lib);
     let joints = rows.and_then(|rows| read_joints(rows, t.get("joint")?, lib));
@@ -36,43 +112,34 @@ pub fn read(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<Robot> {
     if let (Some(rows), Some(joints), Some(coupling)) = (rows, &joints, &coupling) {
         refuse_idle(rows, joints, coupling, lib);
     }
-    let home = joints.as_deref().and_then(|joints| read_home(t.get("home"), joints, lib));
-    let tool = tool_file::read(t, lib);
-    let before = lib.errors();
-    let n = rows.map_or(MAX_JOINTS, <[_]>::len);
-    let mut solids = read_solids(t, n, lib);
-    tool_file::mount(&tool, n, &mut solids, lib);
-    let base = solids.iter().filter(|s| s.link == 0).map(|s| &s.solid.shape);
-    let needed: &[_] = if lib.errors() == before { &["footprint"] } else { &[] };
-    let footprint = solid::read_footprint(t, extent_of(base), needed, lib);
-    let self_collision = tool_file::read_self_collision(t, &solids, lib);
-    let errors = error_set::read_all(t, rows, joints.as_deref(), convention, lib);
-    let (Tool { pose: tool, axis: tool_axis, .. }, footprint) = (tool?, footprint?);
-    let (name, source, coupling, mut joints) = (name?, source?, coupling?, joints?);
-    let convention = convention?;
-    let mount = match convention {
-        Convention::Standard => Pose::identity(),
-        Convention::Modified => {
-            onto_standard_rows(&mut solids, &joints);
-            standard_rows(&mut joints)
+    let axes = rows.map(<[_]>::len);
+    let joint_frames = vec![Pose::identity(); axes.unwrap_or(0)];
+    Mechanism { axes, convention, mount: Pose::identity(), joints, coupling, joint_frames }
+}
+
+/// The rows derived from a URDF: beside it there are none of the file.
+fn read_derived(t: &mut Table<'_>, node: &Node, arm: Option<urdf::Arm>, lib: &mut Library<'_>) -> Mechanism {
+    for key in ["joint", "coupling", "convention"].into_iter().filter(|key| t.get(key).is_some()) {
+        let message = format!("`urdf` and `{key}` together: the rows come from one of them");
+        lib.error(node.at, message, format!("remove `{key}`, or name another robot file in `from`"));
+    }
+    let mount = arm.as_ref().map_or(Pose::identity(), |arm| arm.mount);
+    let axes = arm.as_ref().map(|arm| arm.joints.len());
+    let (joints, coupling, joint_frames) =
+        arm.map(|arm| (Some(arm.joints), Some(arm.coupling), arm.joint_frames)).unwrap_or_default();
+    Mechanism { axes, convention: STANDARD, mount, joints, coupling, joint_frames }
+}
+
+/// The solids of a URDF and those of the file; reasons name them, so that names differ.
+fn joined(mut drawn: Vec<LinkSolid>, own: Vec<LinkSolid>) -> Vec<LinkSolid> {
+    let mut names: HashSet<String> = own.iter().map(|s| s.solid.name.clone()).collect();
+    for solid in &mut drawn {
+        while !names.insert(solid.solid.name.clone()) {
+            solid.solid.name.push('\'');
         }
-    };
-    Some(Robot {
-        name,
-        source,
-        convention,
-        mount,
-        joint_frames: vec![Pose::identity(); joints.len()],
-        joints,
-        coupling,
-        home: home?,
-        tool,
-        tool_axis,
-        solids,
-        self_collision: self_collision?,
-        footprint,
-        errors,
-    })
+    }
+    drawn.extend(own);
+    drawn
 }
 
 /// Makes standard rows of modified ones: a row's common normal and twist go to the row before it, for

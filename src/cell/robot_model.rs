@@ -102,7 +102,7 @@ pub struct Robot {
     pub coupling: Vec<Vec<f64>>,
     /// Where the arm rests: actuator coordinates inside the limits, rad or m.
     pub home: JointVector,
-    /// Mechanical interface to TCP.
+    /// Last D-H frame to TCP: the tip link of a URDF comes first, then the tool.
     pub tool: Pose,
     /// Working direction of the tool in the frame of the TCP, unit length.
     pub tool_axis: Vector3<f64>,
@@ -112,6 +112,21 @@ pub struct Robot {
     /// Floor space of the base, in its frame.
     pub footprint: Rectangle,
     pub errors: Vec<ErrorSet>,
+    /// None of a robot written as D-H rows.
+    pub urdf: Option<UrdfOrigin>,
+}
+
+/// Where rows come from that were derived from a URDF.
+#[derive(Debug, Clone, PartialEq)]
+pub struct UrdfOrigin {
+    /// Its path from the folder of the cell.
+    pub file: String,
+    pub base_link: String,
+    pub tip_link: String,
+    /// Last D-H frame to tip link.
+    pub tip: Pose,
+    /// What of it is not used, and how often it is there.
+    pub ignored: Vec<(String, usize)>,
 }
 
 impl Robot {

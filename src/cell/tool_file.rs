@@ -43,15 +43,22 @@ pub fn read(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<Tool> {
     })
 }
 
-/// Puts the solids of the tool behind those of the links.
-pub fn mount(tool: &Option<Tool>, interface: usize, solids: &mut Vec<LinkSolid>, lib: &mut Library<'_>) {
+/// Puts the solids of the tool behind those of the links; the mechanical interface is at `tip` in the
+/// frame after the last row.
+pub fn mount(
+    tool: &Option<Tool>,
+    (interface, tip): (usize, &Pose),
+    solids: &mut Vec<LinkSolid>,
+    lib: &mut Library<'_>,
+) {
     let Some(tool) = tool else { return };
     for solid in &tool.solids {
         if solids.iter().any(|s| s.solid.name == solid.name) {
             let message = format!("a solid of the tool has the name of one of the robot: `{}`", solid.name);
             lib.error(tool.at, message, "give each a name of its own: reasons name the solids");
         }
-        solids.push(LinkSolid { link: interface, solid: solid.clone() });
+        let Solid { name, shape } = solid.clone();
+        solids.push(LinkSolid { link: interface, solid: Solid { name, shape: shape.seen_from(tip) } });
     }
 }
 

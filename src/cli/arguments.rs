@@ -47,10 +47,20 @@ pub enum Command {
     Readings(ReadingsArguments),
 }
 
+/// Where the packages lie whose files a URDF names.
+#[derive(Args, Clone, Default)]
+pub struct Packages {
+    /// The folder of package://NAME/... in a URDF; once for each package
+    #[arg(long = "package", value_name = "NAME=DIR", value_parser = package)]
+    pub folders: Vec<(String, PathBuf)>,
+}
+
 #[derive(Args)]
 pub struct CheckArguments {
     /// Cell file (TOML)
     pub cell: PathBuf,
+    #[command(flatten)]
+    pub packages: Packages,
     /// Print the faults as JSON on stdout
     #[arg(long)]
     pub json: bool,
@@ -95,6 +105,8 @@ pub struct MapArguments {
     /// Cell file (TOML)
     pub cell: PathBuf,
     #[command(flatten)]
+    pub packages: Packages,
+    #[command(flatten)]
     pub overrides: Overrides,
     /// Print the map as JSON on stdout
     #[arg(long)]
@@ -111,6 +123,8 @@ pub struct MapArguments {
 pub struct SearchArguments {
     /// Cell file (TOML)
     pub cell: PathBuf,
+    #[command(flatten)]
+    pub packages: Packages,
     #[command(flatten)]
     pub overrides: Overrides,
     /// Seed of all randomness; the same seed gives the same bytes
@@ -139,6 +153,8 @@ pub struct CompareArguments {
     #[arg(required = true)]
     pub layouts: Vec<PathBuf>,
     #[command(flatten)]
+    pub packages: Packages,
+    #[command(flatten)]
     pub overrides: Overrides,
     /// Print the comparison as JSON on stdout
     #[arg(long)]
@@ -149,6 +165,8 @@ pub struct CompareArguments {
 pub struct BudgetArguments {
     /// Cell file (TOML)
     pub cell: PathBuf,
+    #[command(flatten)]
+    pub packages: Packages,
     /// Look at this operation alone [default: all of them]
     #[arg(long, value_name = "NAME")]
     pub operation: Option<String>,
@@ -166,6 +184,8 @@ pub struct BudgetArguments {
 pub struct ExplainArguments {
     /// Cell file (TOML)
     pub cell: PathBuf,
+    #[command(flatten)]
+    pub packages: Packages,
     /// Look at this operation [default: the first]
     #[arg(long, value_name = "NAME")]
     pub operation: Option<String>,
@@ -194,6 +214,8 @@ pub struct ReadingsArguments {
     /// Cell file (TOML)
     pub cell: PathBuf,
     #[command(flatten)]
+    pub packages: Packages,
+    #[command(flatten)]
     pub choice: Choice,
     /// Write readings.json, readings.csv and manifest.json into this new folder
     #[arg(long, value_name = "DIR")]
@@ -201,6 +223,13 @@ pub struct ReadingsArguments {
     /// Print the readings as JSON on stdout
     #[arg(long)]
     pub json: bool,
+}
+
+fn package(text: &str) -> Result<(String, PathBuf), String> {
+    match text.split_once('=') {
+        Some((name, folder)) if !name.is_empty() && !folder.is_empty() => Ok((name.into(), folder.into())),
+        _ => Err("write the name of a package, = and its folder".into()),
+    }
 }
 
 fn finite(text: &str) -> Result<f64, String> {

@@ -1,5 +1,6 @@
 //! Reading inside the cell's folder, and writing whole files or none.
 
+use super::arguments::Packages;
 use super::{Exit, output};
 use crate::cell::{self, Fault, Loaded, shown};
 use sha2::{Digest, Sha256};
@@ -10,8 +11,8 @@ use std::path::{Path, PathBuf};
 const MAX_BYTES: u64 = 128 << 20;
 
 /// Reads a cell and all it refers to; faults and warnings go to stderr.
-pub fn load(path: &Path) -> Result<Loaded, Exit> {
-    let loaded = read_cell(path).map_err(|faults| {
+pub fn load(path: &Path, packages: &Packages) -> Result<Loaded, Exit> {
+    let loaded = read_cell(path, packages).map_err(|faults| {
         output::faults(&faults);
         exit_of(&faults)
     })?;
@@ -26,7 +27,7 @@ pub fn exit_of(faults: &[Fault]) -> Exit {
 }
 
 /// Reads a cell and all it refers to.
-pub fn read_cell(path: &Path) -> Result<Loaded, Vec<Fault>> {
+pub fn read_cell(path: &Path, packages: &Packages) -> Result<Loaded, Vec<Fault>> {
     let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent.to_path_buf(),
@@ -41,18 +42,30 @@ pub fn read_cell(path: &Path) -> Result<Loaded, Vec<Fault>> {
         faults
     };
     let mut loaded =
-        cell::load(&name, &mut |inside| read_inside(&folder, inside)).map_err(&mut faults_named)?;
+        cell::load(&name, &mut |inside| read_named(&folder, packages, inside)).map_err(&mut faults_named)?;
     loaded.warnings = faults_named(loaded.warnings);
     Ok(loaded)
 }
 
-/// Reads a file that must lie in `folder`, symbolic links followed.
-fn read_inside(folder: &Path, inside: &str) -> Result<Vec<u8>, String> {
+/// Reads `package://NAME/PATH` in the folder of that package, all else in that of the cell.
+fn read_named(folder: &Path, packages: &Packages, name: &str) -> Result<Vec<u8>, String> {
+    let Some((package, inside)) = name.strip_prefix("package://").and_then(|rest| rest.split_once('/'))
+    else {
+        return read_inside(folder, name, "the cell file");
+    };
+    match packages.folders.iter().find(|(name, _)| name == package) {
+        Some((_, folder)) => read_inside(folder, inside, "its package"),
+        None => Err(format!("say where the package lies: --package {package}=DIR")),
+    }
+}
+
+/// Reads a file that must lie in `folder`, that of `whose`, symbolic links followed.
+fn read_inside(folder: &Path, inside: &str, whose: &str) -> Result<Vec<u8>, String> {
     let path = folder.join(inside);
     let real = path.canonicalize().map_err(|e| reason(&e))?;
     let home = folder.canonicalize().map_err(|e| reason(&e))?;
     if !real.starts_with(&home) {
-        return Err("it leads out of the folder of the cell file".into());
+        return Err(format!("it leads out of the folder of {whose}"));
     }
     let about = real.metadata().map_err(|e| reason(&e))?;
     if !about.is_file() {

@@ -8,4 +8,5 @@ mod names;
 pub mod svg;
 pub mod text;
 pub mod toml;
+pub mod urdf;
 mod view;

@@ -10,3 +10,4 @@ mod overrides;
 mod postures;
 mod readings;
 mod shop;
+mod urdf;

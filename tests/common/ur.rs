@@ -71,6 +71,7 @@ fn robot(name: &str, rows: impl Fn(&str) -> Vec<f64>) -> Robot {
         self_collision: Default::default(),
         footprint: Rectangle { centre: (0.0, 0.0), size: (0.4, 0.4) },
         errors: vec![],
+        urdf: None,
     }
 }
 

@@ -37,6 +37,7 @@ pub fn robot(joints: Vec<Joint>, coupling: Vec<Vec<f64>>, tool: Pose) -> Robot {
         solids,
         footprint,
         errors,
+        urdf: None,
     }
 }
 

@@ -13,29 +13,35 @@ use serde_json::json;
 /// `sweetspot check`
 pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
     if a.json {
-        let mut pairs = Vec::new();
-        let (exit, faults) = match files::read_cell(&a.cell) {
-            Ok(loaded) => match Workcell::remembering(loaded.cell, &mut cache::remember) {
-                Ok(workcell) => {
-                    pairs = report::json::own_pairs(&workcell);
-                    (Exit::Done, loaded.warnings)
+        let (mut pairs, mut urdf) = (Vec::new(), None);
+        let (exit, faults) = match files::read_cell(&a.cell, &a.packages) {
+            Ok(loaded) => {
+                urdf = loaded.cell.robot.urdf.is_some().then(|| report::urdf::derived(&loaded.cell.robot));
+                match Workcell::remembering(loaded.cell, &mut cache::remember) {
+                    Ok(workcell) => {
+                        pairs = report::json::own_pairs(&workcell);
+                        (Exit::Done, loaded.warnings)
+                    }
+                    Err(why) => {
+                        let fault = Fault::of_file(&path_word(&a.cell), why, UNSOLVED);
+                        (Exit::BadInput, [loaded.warnings, vec![fault]].concat())
+                    }
                 }
-                Err(why) => {
-                    let fault = Fault::of_file(&path_word(&a.cell), why, UNSOLVED);
-                    (Exit::BadInput, [loaded.warnings, vec![fault]].concat())
-                }
-            },
+            }
             Err(faults) => (files::exit_of(&faults), faults),
         };
         let valid = exit == Exit::Done;
-        output::data(&format!(
-            "{}\n",
-            json!({ "schema": "sweetspot/check/1", "valid": valid, "faults": faults, "self_collision": pairs })
-        ))?;
+        let mut document = json!({ "schema": "sweetspot/check/1", "valid": valid, "faults": faults, "self_collision": pairs });
+        if let Some(urdf) = urdf {
+            document["urdf"] = urdf;
+        }
+        output::data(&format!("{document}\n"))?;
         return Ok(exit);
     }
-    let loaded = files::load(&a.cell)?;
+    let loaded = files::load(&a.cell, &a.packages)?;
     let warnings = loaded.warnings.len();
+    // Also of a robot that cannot be solved: its rows tell why.
+    output::data(&report::text::derived(&loaded.cell.robot))?;
     let workcell = workcell(loaded.cell, &a.cell)?;
     let cell = &workcell.cell;
     let free = cell.equipment.iter().flat_map(|e| &e.placement).filter(|c| is_free(c)).count();

@@ -17,7 +17,7 @@ use std::time::Instant;
 
 /// `sweetspot search`
 pub fn search(a: &SearchArguments) -> Result<Exit, Exit> {
-    let drawn = files::load(&a.cell)?;
+    let drawn = files::load(&a.cell, &a.packages)?;
     let limited: Vec<bool> = drawn.cell.operations.iter().map(|o| o.limit.is_some()).collect();
     let mut loaded = overridden(drawn, &a.overrides)?;
     refuse_lost_limits(&loaded.cell, &limited)?;
@@ -125,7 +125,10 @@ pub fn compare(a: &CompareArguments) -> Result<Exit, Exit> {
     for path in &a.layouts {
         let file = if path.is_dir() { path.join("best.toml") } else { path.clone() };
         let label = if path.is_dir() { stem(path) } else { label_of(&file) };
-        cells.push((label, workcell(overridden(files::load(&file)?, &a.overrides)?.cell, &file)?));
+        cells.push((
+            label,
+            workcell(overridden(files::load(&file, &a.packages)?, &a.overrides)?.cell, &file)?,
+        ));
     }
     let columns = cells.iter().map(|(label, w)| Assessment::new(label, w, w.cell.start())).collect();
     let comparison = Comparison::new(columns).map_err(|why| {

@@ -12,7 +12,7 @@ use crate::report;
 
 /// `sweetspot map`
 pub fn map(a: &MapArguments) -> Result<Exit, Exit> {
-    let Loaded { cell, sources, .. } = overridden(files::load(&a.cell)?, &a.overrides)?;
+    let Loaded { cell, sources, .. } = overridden(files::load(&a.cell, &a.packages)?, &a.overrides)?;
     let workcell = workcell(cell, &a.cell)?;
     let assessment = Assessment::new("start", &workcell, workcell.cell.start());
     let document = report::json::map(&assessment);

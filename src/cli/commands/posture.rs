@@ -13,7 +13,7 @@ use crate::units::{m_from_mm, rad_from_deg};
 
 /// `sweetspot budget`
 pub fn budget(a: &BudgetArguments) -> Result<Exit, Exit> {
-    let loaded = overridden(files::load(&a.cell)?, &a.overrides)?;
+    let loaded = overridden(files::load(&a.cell, &a.packages)?, &a.overrides)?;
     let workcell = workcell(loaded.cell, &a.cell)?;
     let cell = &workcell.cell;
     let operations = match one_operation(cell, a.operation.as_deref(), a.at)? {
@@ -40,7 +40,7 @@ pub fn budget(a: &BudgetArguments) -> Result<Exit, Exit> {
 
 /// `sweetspot explain`
 pub fn explain(a: &ExplainArguments) -> Result<Exit, Exit> {
-    let loaded = overridden(files::load(&a.cell)?, &a.overrides)?;
+    let loaded = overridden(files::load(&a.cell, &a.packages)?, &a.overrides)?;
     let k = match one_operation(&loaded.cell, a.operation.as_deref(), a.at)? {
         Some(k) => k,
         None => {

@@ -11,7 +11,7 @@ use crate::report;
 
 /// `sweetspot readings`
 pub fn readings(a: &ReadingsArguments) -> Result<Exit, Exit> {
-    let loaded = chosen(files::load(&a.cell)?, &a.choice)?;
+    let loaded = chosen(files::load(&a.cell, &a.packages)?, &a.choice)?;
     let cell = &loaded.cell;
     workcell(cell.clone(), &a.cell)?;
     // Before the work, not after it.

@@ -7,6 +7,7 @@ mod map;
 mod own_pairs;
 mod readings;
 mod table;
+mod urdf;
 
 pub use budget::budget;
 pub use compare::{comparison, feasibility};
@@ -14,6 +15,7 @@ pub use explain::{explanation, frame_name};
 pub use map::{distrust, maps};
 pub use own_pairs::own_pairs;
 pub use readings::{findings, readings};
+pub use urdf::derived;
 
 use crate::cell::{Cell, ErrorSet, Quantity, Reading, Registration, Spread, Unit, shown};
 use crate::compare::Stance;
