@@ -109,6 +109,16 @@ impl Inverse {
         self.kernel.family()
     }
 
+    /// The elevation (rad) that the tool axis has in every posture, if there is one.
+    pub fn kept_elevation(&self) -> Option<f64> {
+        self.kept
+    }
+
+    /// Whether there is no closed form: a target costs a thousand times as much.
+    pub fn is_numeric(&self) -> bool {
+        matches!(self.kernel, Kernel::Numeric(_))
+    }
+
     /// The ways to hold the tool over a surface turned by `yaw` (rad) in the base frame.
     pub fn approach(&self, attitude: &Attitude, yaw: f64) -> Approach {
         let mut approach = Approach::default();

@@ -1,6 +1,7 @@
 //! Can it go: inverse kinematics with all branches and joint limits.
 
 mod ability;
+mod envelope;
 mod hold;
 mod inverse;
 mod kernel;
@@ -8,13 +9,16 @@ mod limits;
 mod numeric;
 mod planar;
 mod scara;
+mod shell;
 mod spherical_wrist;
 mod subproblems;
 mod three_parallel;
 
+pub use envelope::{Envelope, Extent, Fineness, Outline, Region, Size};
 pub use inverse::{Approach, Branch, Gap, Inverse, Reach};
 pub use limits::LimitViolation;
 pub use numeric::Numeric;
+pub use shell::Shell;
 pub use spherical_wrist::SphericalWrist;
 pub use three_parallel::ThreeParallel;
 
