@@ -4,6 +4,7 @@
 mod arguments;
 mod commands;
 mod files;
+mod library;
 mod output;
 mod overrides;
 mod results;
@@ -45,6 +46,9 @@ pub fn run() -> ExitCode {
         Command::Budget(a) => commands::budget(&a),
         Command::Explain(a) => commands::explain(&a),
         Command::Readings(a) => commands::readings(&a),
+        Command::Robots(a) => commands::robots(&a),
+        Command::Robot(a) => commands::robot(&a),
+        Command::Envelope(a) => commands::envelope(&a),
     };
     code(exit.unwrap_or_else(|exit| exit))
 }

@@ -13,6 +13,7 @@ use super::kernel::Kernel;
 use super::{Approach, Inverse, Shell};
 use crate::cell::{Attitude, JointKind, MAX_JOINTS};
 use crate::pose::exact_sin_cos;
+use crate::robot::Posture;
 use nalgebra::Vector3;
 use outline::Lattice;
 
@@ -51,6 +52,16 @@ impl<'a> Envelope<'a> {
         let mut scratch = self.inverse.scratch();
         self.inverse.visit(target, &self.approach, &mut scratch, |_, _| any = true);
         any
+    }
+
+    /// A posture there, if there is one.
+    pub fn posture(&self, target: &Vector3<f64>) -> Option<Posture> {
+        let mut first = None;
+        let mut scratch = self.inverse.scratch();
+        self.inverse.visit(target, &self.approach, &mut scratch, |_, posture| {
+            first.get_or_insert(*posture);
+        });
+        first
     }
 
     /// Azimuth (rad) in which the arm points with every joint in the middle of its range.

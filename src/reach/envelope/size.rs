@@ -1,11 +1,14 @@
 //! Volume and extent of a working envelope.
 
-use super::outline::Lattice;
+use super::outline::{Lattice, Outline};
 use super::{Envelope, Fineness};
 use crate::reach::{Inverse, Reach};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
+
+/// A greater change (rad, or of yes and no) from point to point is a jump.
+const JUMP: f64 = 0.05;
 
 /// Volume and extent.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,8 +40,7 @@ impl Extent {
     fn of(points: impl Iterator<Item = (f64, f64)>, within: f64) -> Option<Self> {
         let mut extent: Option<Self> = None;
         for (r, z) in points {
-            let e =
-                extent.get_or_insert(Self { radius: (r, r), height: (z, z), widest: z, within });
+            let e = extent.get_or_insert(Self { radius: (r, r), height: (z, z), widest: z, within });
             e.widest = if r > e.radius.1 { z } else { e.widest };
             e.radius = (e.radius.0.min(r), e.radius.1.max(r));
             e.height = (e.height.0.min(z), e.height.1.max(z));
@@ -59,7 +61,7 @@ struct Opened {
 }
 
 impl Envelope<'_> {
-    /// By the midpoint rule: over (r, z) times the angle that can be reached there, where the envelope
+    /// By the midpoint rule from line to line, the ends of each line found: over (r, z) times the angle that can be reached there, where the envelope
     /// [is symmetric](Self::is_symmetric); over (x, y, z) otherwise.
     pub fn size(&self, fine: &Fineness<'_>) -> Size {
         if self.is_symmetric() { self.turned_size(fine) } else { self.counted_size(fine) }
@@ -76,29 +78,28 @@ impl Envelope<'_> {
 
     fn turned_size(&self, fine: &Fineness<'_>) -> Size {
         let opened = (!turns_whole(self.inverse)).then(|| Opened::new(self.inverse));
+        let angle = |r: f64, z: f64| self.angle(opened.as_ref(), &Vector3::new(r, 0.0, z));
         let [volume, coarse] = [1.0, 2.0].map(|factor| {
             let step = factor * fine.step;
             let lattice = self.upright(0.0, step);
             let row = |j: usize| {
                 let z = lattice.coordinate(1, j);
                 let radii = (0..lattice.size[0]).map(|i| lattice.coordinate(0, i)).filter(|r| *r > 0.0);
-                let (sum, count) = radii.fold((0.0, 0), |(sum, count), r| {
-                    (sum + r * self.angle(opened.as_ref(), &Vector3::new(r, 0.0, z)), count + 1)
-                });
-                (fine.asked)(count);
-                sum * step * step
+                let radii: Vec<f64> = radii.collect();
+                let moment = |r: f64| r * r / 2.0;
+                let line = along(&radii, fine.tolerance, |r| angle(r, z), moment, |_| ());
+                (fine.asked)(radii.len() as u64);
+                line * step
             };
             // In order: the same sum on any number of threads.
             let rows: Vec<f64> = (0..lattice.size[1]).into_par_iter().map(row).collect();
             rows.iter().sum::<f64>()
         });
-        let turned = self.upright(0.0, fine.step).region(fine.tolerance, fine.asked, |[r, z]| {
-            self.angle(opened.as_ref(), &Vector3::new(r.abs(), 0.0, z)) > 0.0
-        });
+        let turned =
+            self.upright(0.0, fine.step).region(fine.tolerance, fine.asked, |[r, z]| angle(r.abs(), z) > 0.0);
         // An outline on both sides of the axis crosses it.
-        let crosses = turned.outlines.iter().any(|o| {
-            o.points.iter().any(|p| p[0] < 0.0) && o.points.iter().any(|p| p[0] > 0.0)
-        });
+        let on = |o: &Outline, side: f64| o.points.iter().any(|p| p[0] * side > 0.0);
+        let crosses = turned.outlines.iter().any(|o| on(o, 1.0) && on(o, -1.0));
         let mut extent = Extent::of(turned.points().map(|[r, z]| (r.abs(), z)), fine.step);
         extent.iter_mut().filter(|_| crosses).for_each(|e| e.radius.0 = 0.0);
         Size { volume, error: (volume - coarse).abs(), symmetric: true, extent }
@@ -123,23 +124,56 @@ impl Envelope<'_> {
     }
 
     fn counted_size(&self, fine: &Fineness<'_>) -> Size {
-        let [fine_count, coarse] = [1.0, 2.0].map(|factor| {
+        let [(volume, extent), (coarse, _)] = [1.0, 2.0].map(|factor| {
             let step = factor * fine.step;
             let layers: Vec<(f64, Lattice)> = self.cubes(step).collect();
             let layer = |(z, lattice): &(f64, Lattice)| {
-                let nodes = (0..lattice.size[1]).flat_map(|j| (0..lattice.size[0]).map(move |i| (i, j)));
-                let points = nodes.map(|(i, j)| (lattice.coordinate(0, i), lattice.coordinate(1, j)));
-                let held = points.filter(|(x, y)| self.has(&Vector3::new(*x, *y, *z)));
-                let radii: Vec<(f64, f64)> = held.map(|(x, y)| (x.hypot(y), *z)).collect();
+                let xs: Vec<f64> = (0..lattice.size[0]).map(|i| lattice.coordinate(0, i)).collect();
+                let (mut sum, mut seen) = (0.0, Vec::new());
+                for y in (0..lattice.size[1]).map(|j| lattice.coordinate(1, j)) {
+                    let held = |x: f64| f64::from(u8::from(self.has(&Vector3::new(x, y, *z))));
+                    let see = |x: f64| seen.push((x.hypot(y), *z));
+                    sum += along(&xs, fine.tolerance, held, |x| x, see) * step * step;
+                }
                 (fine.asked)(lattice.count());
-                radii
+                (sum, seen)
             };
-            let points: Vec<(f64, f64)> = layers.par_iter().flat_map_iter(layer).collect();
-            (points.len() as f64 * step.powi(3), Extent::of(points.into_iter(), step))
+            let layers: Vec<(f64, Vec<(f64, f64)>)> = layers.par_iter().map(layer).collect();
+            let points = layers.iter().flat_map(|(_, seen)| seen.iter().copied());
+            (layers.iter().map(|(sum, _)| sum).sum::<f64>(), Extent::of(points, step))
         });
-        let (volume, extent) = fine_count;
-        Size { volume, error: (volume - coarse.0).abs(), symmetric: false, extent }
+        Size { volume, error: (volume - coarse).abs(), symmetric: false, extent }
     }
+}
+
+/// The integral of `value` over a line of points, times the derivative of `moment`. Where the value
+/// jumps, the place is found to `tolerance`; `seen` is told where it is more than 0.
+fn along(
+    line: &[f64],
+    tolerance: f64,
+    value: impl Fn(f64) -> f64,
+    moment: impl Fn(f64) -> f64,
+    mut seen: impl FnMut(f64),
+) -> f64 {
+    let values: Vec<f64> = line.iter().map(|u| value(*u)).collect();
+    let mut sum = 0.0;
+    // From 0 to the first point of a line of radii; nothing is there on a line that begins outside.
+    sum += values.first().zip(line.first()).map_or(0.0, |(w, u)| w * moment(*u));
+    for (ends, w) in line.windows(2).zip(values.windows(2)) {
+        let (mut low, mut high) = (ends[0], ends[1]);
+        while (w[0] - w[1]).abs() > JUMP && high - low > tolerance {
+            let middle = (low + high) / 2.0;
+            let between = value(middle);
+            if (between - w[0]).abs() < (between - w[1]).abs() { low = middle } else { high = middle }
+        }
+        let split = (low + high) / 2.0;
+        sum += w[0] * (moment(split) - moment(ends[0])) + w[1] * (moment(ends[1]) - moment(split));
+        (0..2).filter(|k| w[*k] > 0.0).for_each(|k| {
+            seen(ends[k]);
+            seen(split);
+        });
+    }
+    sum
 }
 
 impl Opened {
