@@ -8,7 +8,9 @@ use nalgebra::{Vector3, vector};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::{FRAC_PI_2, PI};
-use sweetspot::cell::{self, Attitude, Azimuth, Robot};
+use sweetspot::cell::{self, Attitude, Azimuth, Cell, Placement, Robot};
+use sweetspot::error_map::Outcome;
+use sweetspot::layout::{Workcell, evaluate};
 use sweetspot::reach::{Branch, Envelope, Fineness, Inverse, Reach, Region, Size};
 use sweetspot::robot::Chain;
 
@@ -38,10 +40,10 @@ fn text_of(rows: &[Row], axis: [f64; 3]) -> String {
              alpha_deg = {alpha}\nlimits_{unit} = [{low}, {high}]\n"
         );
     }
-    let zeros = vec![0.0; rows.len()];
+    let some = vec![0.2; rows.len()];
     text += &format!(
-        "[tool]\nposition_mm = [0, 0, 0]\naxis = {axis:?}\n[errors.none]\nkind = \"signed\"\n\
-         source = \"a test\"\ndr_mm = {zeros:?}\ndl_mm = {zeros:?}\ndalpha_deg = {zeros:?}\n"
+        "[tool]\nposition_mm = [0, 0, 0]\naxis = {axis:?}\n[errors.some]\nkind = \"signed\"\n\
+         source = \"a test\"\ndr_mm = {some:?}\ndl_mm = {some:?}\ndalpha_deg = {some:?}\n"
     );
     text
 }
@@ -200,10 +202,7 @@ fn the_scara_has_its_area() {
     assert!(!envelope.is_symmetric());
     let counted = envelope.size(&fine(0.04));
     let volume = exact * 0.2;
-    assert!(
-        !counted.symmetric && (counted.volume - volume).abs() < counted.error + 0.02 * volume,
-        "{counted:?}"
-    );
+    assert!(!counted.symmetric && near(counted.volume, volume, 0.03), "{counted:?}");
     let radial = Attitude { azimuth: Azimuth::Radial, ..Attitude::elevation(DOWN) };
     let envelope = Envelope::new(&arm, &radial, 0.0);
     let turned = envelope.size(&fine(0.005));
@@ -346,7 +345,7 @@ fn the_shell_holds_every_tcp() {
         tightest.push((far, close));
     }
     // And it is not much larger than it must be.
-    assert!(tightest.iter().all(|(far, _)| *far > 0.75), "{tightest:?}");
+    assert!(tightest.iter().all(|(far, _)| *far > 0.6), "{tightest:?}");
     assert!(tightest[0].1 < 0.35, "{tightest:?}");
 }
 
@@ -360,4 +359,63 @@ fn the_shell_says_how_far() {
     assert!((shell.gap((1.5, 2.0)) - 0.5).abs() < 2e-6);
     assert!((shell.gap((0.0, 0.15)) - 0.05).abs() < 2e-6);
     assert_eq!(shell.gap((0.0, 3.0)), 0.0);
+}
+
+/// One operation on the worktable of the shipped cell, by the SCARA: a dear arm, whose unreachable
+/// layouts are seen before the node loop.
+fn scara_cell() -> Cell {
+    let mut cell = shipped("hitachi_cell.toml");
+    cell.robot = scara([-100.0, 100.0], [20.0, 140.0]);
+    (cell.errors, cell.collision) = (0, false);
+    cell.operations.truncate(1);
+    cell
+}
+
+/// The map walks every node of every layout: nothing that it finds was discarded, and what is found is
+/// the same to the last bit.
+#[test]
+fn discarding_early_changes_no_objective() {
+    let workcell = Workcell::new(scara_cell()).unwrap();
+    assert!(workcell.inverse().is_dear());
+    let shell = workcell.inverse().shell(&workcell.cell.operations[0].attitude);
+    let mut rng = ChaCha8Rng::seed_from_u64(11);
+    let (mut found, mut lost) = (0, 0);
+    for _ in 0..1000 {
+        let mut layout = workcell.cell.start();
+        let mut about = |size: f64| rng.random_range(-size..size);
+        layout.placements[0] =
+            Placement { x: about(1.8), y: about(1.8), z: 0.5 + about(0.4), yaw: about(PI) };
+        let evaluation = evaluate(&workcell, &layout);
+        let map = &workcell.maps(&layout)[0];
+        match (evaluation.outcomes[0], map.spot()) {
+            (Outcome::Found(spot), Some(of_map)) => {
+                assert_eq!(spot.value.to_bits(), of_map.value.to_bits());
+                found += 1;
+            }
+            (Outcome::Unreachable { gap }, None) => {
+                assert!(gap.reach > 0.0 || gap.limits > 0.0, "{gap:?}");
+                let near = map.nodes.iter().map(|n| (n.position - shell.centre).norm());
+                let discarded = near.fold(f64::INFINITY, f64::min) > shell.outer;
+                lost += usize::from(discarded);
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+    assert!(found > 50 && lost > 50, "{found} found, {lost} discarded");
+}
+
+/// Farther away costs more, across the edge of the shell, too: the search feels its way back.
+#[test]
+fn the_cost_grows_with_the_distance() {
+    let workcell = Workcell::new(scara_cell()).unwrap();
+    let mut before = 0.0;
+    for k in 0..60 {
+        let mut layout = workcell.cell.start();
+        layout.placements[0] = Placement { x: 1.2 + 0.05 * f64::from(k), y: 0.1, z: 0.5, yaw: 0.3 };
+        let evaluation = evaluate(&workcell, &layout);
+        let Outcome::Unreachable { gap } = evaluation.outcomes[0] else { continue };
+        assert!(gap.reach > 0.0 && evaluation.cost > before, "{k}: {gap:?} {before}");
+        before = evaluation.cost;
+    }
+    assert!(before > 0.0);
 }

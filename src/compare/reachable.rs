@@ -37,6 +37,20 @@ pub struct Asked<'a> {
     pub step: Option<f64>,
 }
 
+impl Asked<'_> {
+    fn step(&self, robot: &Robot, inverse: &Inverse) -> f64 {
+        self.step.unwrap_or_else(|| step_of(robot, inverse))
+    }
+
+    /// How many points it takes, bisections not counted.
+    pub fn work(&self, robot: &Robot, inverse: &Inverse) -> u64 {
+        let envelope = Envelope::new(inverse, &self.attitude, self.yaw);
+        // Without a height the plan is about as large as the largest.
+        let heights = if self.heights.is_empty() { &[0.0][..] } else { &self.heights };
+        envelope.work(1, heights, true, self.step(robot, inverse))
+    }
+}
+
 impl<'a> Reachable<'a> {
     /// `progress` is told how many points of how many were asked.
     pub fn new(
@@ -46,10 +60,7 @@ impl<'a> Reachable<'a> {
         progress: &(dyn Fn(u64, u64) + Sync),
     ) -> Self {
         let envelope = Envelope::new(inverse, &asked.attitude, asked.yaw);
-        let step = asked.step.unwrap_or_else(|| step_of(robot, inverse));
-        // Without a height the plan is about as large as the largest.
-        let heights = if asked.heights.is_empty() { &[0.0][..] } else { &asked.heights };
-        let work = envelope.work(1, heights, true, step);
+        let (step, work) = (asked.step(robot, inverse), asked.work(robot, inverse));
         let told = |count: u64| progress(count, work);
         let fine = Fineness { step, tolerance: tolerance_of(inverse, step), asked: &told };
         let size = envelope.size(&fine);
@@ -86,7 +97,7 @@ fn drawn_arm(envelope: &Envelope<'_>, inverse: &Inverse, size: &Size, azimuth: f
 
 /// A step that draws an arm in about a second, m.
 pub fn step_of(robot: &Robot, inverse: &Inverse) -> f64 {
-    let parts = if inverse.is_numeric() { 10.0 } else { 150.0 };
+    let parts = if inverse.is_numeric() { 10.0 } else { 200.0 };
     let steps = [5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0].map(m_from_mm);
     let wanted = robot.reach() / parts;
     steps.into_iter().find(|step| *step >= wanted).unwrap_or(wanted)

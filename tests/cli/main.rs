@@ -9,4 +9,5 @@ mod contract;
 mod overrides;
 mod postures;
 mod readings;
+mod robots;
 mod shop;

@@ -12,6 +12,9 @@ use crate::robot::Chain;
 use crate::units::{m_from_mm, rad_from_deg};
 use std::path::Path;
 
+/// Most points of one envelope: minutes of a closed form.
+const MOST_POINTS: u64 = 300_000_000;
+
 /// `sweetspot robots`
 pub fn robots(a: &RobotsArguments) -> Result<Exit, Exit> {
     let mut all = Vec::new();
@@ -109,6 +112,12 @@ fn drawn(a: &EnvelopeArguments, robot: &Robot, inverse: &Inverse, about: About<'
         heights.extend(height);
     }
     let asked = Asked { operation, attitude, yaw, heights, step: a.step.map(m_from_mm) };
+    let work = asked.work(robot, inverse);
+    if work > MOST_POINTS {
+        output::error(&format!("this takes {work} points, more than {MOST_POINTS}"));
+        output::talk("  help: take a larger --step, or fewer heights");
+        return Err(Exit::BadInput);
+    }
     let bar = output::points_bar();
     let envelope = Reachable::new(robot, inverse, asked, &|count, of| output::advance(&bar, count, of));
     bar.finish_and_clear();

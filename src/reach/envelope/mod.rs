@@ -9,10 +9,10 @@ mod size;
 pub use outline::{Outline, Region};
 pub use size::{Extent, Size};
 
-use super::kernel::Kernel;
-use super::{Approach, Inverse, Shell};
 use crate::cell::{Attitude, JointKind, MAX_JOINTS};
 use crate::pose::exact_sin_cos;
+use crate::reach::kernel::Kernel;
+use crate::reach::{Approach, Inverse, Shell};
 use crate::robot::Posture;
 use nalgebra::Vector3;
 use outline::Lattice;

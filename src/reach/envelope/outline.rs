@@ -21,7 +21,7 @@ pub struct Outline {
 pub(super) struct Lattice {
     /// The first column and row, as numbers of steps.
     first: [i64; 2],
-    pub size: [usize; 2],
+    size: [usize; 2],
     step: f64,
 }
 
@@ -68,8 +68,13 @@ impl Lattice {
     }
 
     /// The coordinate of the k-th column (axis 0) or row (axis 1).
-    pub fn coordinate(&self, axis: usize, k: usize) -> f64 {
+    fn coordinate(&self, axis: usize, k: usize) -> f64 {
         (self.first[axis] as f64 + k as f64 + 0.5) * self.step
+    }
+
+    /// All columns (axis 0) or rows (axis 1).
+    pub fn line(&self, axis: usize) -> Vec<f64> {
+        (0..self.size[axis]).map(|k| self.coordinate(axis, k)).collect()
     }
 
     fn point(&self, node: usize) -> [f64; 2] {

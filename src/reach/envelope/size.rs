@@ -1,6 +1,6 @@
 //! Volume and extent of a working envelope.
 
-use super::outline::{Lattice, Outline};
+use super::outline::Outline;
 use super::{Envelope, Fineness};
 use crate::reach::{Inverse, Reach};
 use nalgebra::Vector3;
@@ -61,7 +61,7 @@ struct Opened {
 }
 
 impl Envelope<'_> {
-    /// By the midpoint rule from line to line, the ends of each line found: over (r, z) times the angle that can be reached there, where the envelope
+    /// Integrated line by line, jumps found by bisection: over (r, z) times the angle that can be reached there, where the envelope
     /// [is symmetric](Self::is_symmetric); over (x, y, z) otherwise.
     pub fn size(&self, fine: &Fineness<'_>) -> Size {
         if self.is_symmetric() { self.turned_size(fine) } else { self.counted_size(fine) }
@@ -72,7 +72,8 @@ impl Envelope<'_> {
         if self.is_symmetric() {
             return upright(step) * 3 / 2 + upright(2.0 * step) / 2;
         }
-        let cube = |step: f64| self.cubes(step).map(|(_, lattice)| lattice.count()).sum::<u64>();
+        let heights = |step: f64| self.upright(0.0, step).line(1);
+        let cube = |step: f64| heights(step).iter().map(|z| self.level(*z, step).count()).sum::<u64>();
         cube(step) + cube(2.0 * step)
     }
 
@@ -80,20 +81,21 @@ impl Envelope<'_> {
         let opened = (!turns_whole(self.inverse)).then(|| Opened::new(self.inverse));
         let angle = |r: f64, z: f64| self.angle(opened.as_ref(), &Vector3::new(r, 0.0, z));
         let [volume, coarse] = [1.0, 2.0].map(|factor| {
-            let step = factor * fine.step;
-            let lattice = self.upright(0.0, step);
-            let row = |j: usize| {
-                let z = lattice.coordinate(1, j);
-                let radii = (0..lattice.size[0]).map(|i| lattice.coordinate(0, i)).filter(|r| *r > 0.0);
-                let radii: Vec<f64> = radii.collect();
-                let moment = |r: f64| r * r / 2.0;
-                let line = along(&radii, fine.tolerance, |r| angle(r, z), moment, |_| ());
+            let lattice = self.upright(0.0, factor * fine.step);
+            let radii: Vec<f64> = lattice.line(0).into_iter().filter(|r| *r > 0.0).collect();
+            let row = |z: f64| {
+                let at = |r: f64| angle(r, z);
+                let values: Vec<f64> = radii.iter().map(|r| at(*r)).collect();
+                integral((&radii, &values), (fine.tolerance, JUMP), at, |r| r * r / 2.0)
+            };
+            let heights = lattice.line(1);
+            let told = |z: &f64| {
                 (fine.asked)(radii.len() as u64);
-                line * step
+                row(*z)
             };
             // In order: the same sum on any number of threads.
-            let rows: Vec<f64> = (0..lattice.size[1]).into_par_iter().map(row).collect();
-            rows.iter().sum::<f64>()
+            let rows: Vec<f64> = heights.par_iter().map(told).collect();
+            integral((&heights, &rows), (fine.tolerance, leap(&rows)), row, |z| z)
         });
         let turned =
             self.upright(0.0, fine.step).region(fine.tolerance, fine.asked, |[r, z]| angle(r.abs(), z) > 0.0);
@@ -115,63 +117,67 @@ impl Envelope<'_> {
         covered(turned.collect())
     }
 
-    fn cubes(&self, step: f64) -> impl Iterator<Item = (f64, Lattice)> {
-        let rows = self.upright(0.0, step);
-        (0..rows.size[1]).map(move |j| {
-            let z = rows.coordinate(1, j);
-            (z, self.level(z, step))
-        })
-    }
-
     fn counted_size(&self, fine: &Fineness<'_>) -> Size {
         let [(volume, extent), (coarse, _)] = [1.0, 2.0].map(|factor| {
             let step = factor * fine.step;
-            let layers: Vec<(f64, Lattice)> = self.cubes(step).collect();
-            let layer = |(z, lattice): &(f64, Lattice)| {
-                let xs: Vec<f64> = (0..lattice.size[0]).map(|i| lattice.coordinate(0, i)).collect();
-                let (mut sum, mut seen) = (0.0, Vec::new());
-                for y in (0..lattice.size[1]).map(|j| lattice.coordinate(1, j)) {
-                    let held = |x: f64| f64::from(u8::from(self.has(&Vector3::new(x, y, *z))));
-                    let see = |x: f64| seen.push((x.hypot(y), *z));
-                    sum += along(&xs, fine.tolerance, held, |x| x, see) * step * step;
-                }
-                (fine.asked)(lattice.count());
-                (sum, seen)
+            let heights = self.upright(0.0, step).line(1);
+            let told = |z: &f64| {
+                (fine.asked)(self.level(*z, step).count());
+                self.layer(*z, step, fine.tolerance)
             };
-            let layers: Vec<(f64, Vec<(f64, f64)>)> = layers.par_iter().map(layer).collect();
-            let points = layers.iter().flat_map(|(_, seen)| seen.iter().copied());
-            (layers.iter().map(|(sum, _)| sum).sum::<f64>(), Extent::of(points, step))
+            let layers: Vec<(f64, Vec<(f64, f64)>)> = heights.par_iter().map(told).collect();
+            let areas: Vec<f64> = layers.iter().map(|(area, _)| *area).collect();
+            let area = |z: f64| self.layer(z, step, fine.tolerance).0;
+            let volume = integral((&heights, &areas), (fine.tolerance, leap(&areas)), area, |z| z);
+            (volume, Extent::of(layers.into_iter().flat_map(|(_, seen)| seen), step))
         });
         Size { volume, error: (volume - coarse).abs(), symmetric: false, extent }
     }
+
+    /// The area at a height, and distance from the base axis and height of the lattice points there.
+    fn layer(&self, z: f64, step: f64, tolerance: f64) -> (f64, Vec<(f64, f64)>) {
+        let lattice = self.level(z, step);
+        let (xs, ys) = (lattice.line(0), lattice.line(1));
+        let held = |x: f64, y: f64| f64::from(u8::from(self.has(&Vector3::new(x, y, z))));
+        let row = |y: f64| xs.iter().map(|x| held(*x, y)).collect::<Vec<f64>>();
+        let width =
+            |y: f64, values: &[f64]| integral((&xs, values), (tolerance, JUMP), |x| held(x, y), |x| x);
+        let (mut widths, mut seen) = (Vec::new(), Vec::new());
+        for y in &ys {
+            let values = row(*y);
+            let there = xs.iter().zip(&values).filter(|(_, value)| **value > 0.0);
+            seen.extend(there.map(|(x, _)| (x.hypot(*y), z)));
+            widths.push(width(*y, &values));
+        }
+        let limits = (tolerance, leap(&widths));
+        (integral((&ys, &widths), limits, |y| width(y, &row(y)), |y| y), seen)
+    }
 }
 
-/// The integral of `value` over a line of points, times the derivative of `moment`. Where the value
-/// jumps, the place is found to `tolerance`; `seen` is told where it is more than 0.
-fn along(
-    line: &[f64],
-    tolerance: f64,
+/// From line to line this is a jump: a wall along the lattice, not the end of something round.
+fn leap(values: &[f64]) -> f64 {
+    0.2 * values.iter().copied().fold(f64::MIN_POSITIVE, f64::max)
+}
+
+/// The integral over a line of points, with the values there, times the derivative of `moment`. Where
+/// the value changes by more than `jump` the place is found to `tolerance`.
+fn integral(
+    (line, values): (&[f64], &[f64]),
+    (tolerance, jump): (f64, f64),
     value: impl Fn(f64) -> f64,
     moment: impl Fn(f64) -> f64,
-    mut seen: impl FnMut(f64),
 ) -> f64 {
-    let values: Vec<f64> = line.iter().map(|u| value(*u)).collect();
-    let mut sum = 0.0;
     // From 0 to the first point of a line of radii; nothing is there on a line that begins outside.
-    sum += values.first().zip(line.first()).map_or(0.0, |(w, u)| w * moment(*u));
+    let mut sum = values.first().zip(line.first()).map_or(0.0, |(w, u)| w * moment(*u));
     for (ends, w) in line.windows(2).zip(values.windows(2)) {
         let (mut low, mut high) = (ends[0], ends[1]);
-        while (w[0] - w[1]).abs() > JUMP && high - low > tolerance {
+        while (w[0] - w[1]).abs() > jump && high - low > tolerance {
             let middle = (low + high) / 2.0;
             let between = value(middle);
             if (between - w[0]).abs() < (between - w[1]).abs() { low = middle } else { high = middle }
         }
         let split = (low + high) / 2.0;
         sum += w[0] * (moment(split) - moment(ends[0])) + w[1] * (moment(ends[1]) - moment(split));
-        (0..2).filter(|k| w[*k] > 0.0).for_each(|k| {
-            seen(ends[k]);
-            seen(split);
-        });
     }
     sum
 }
