@@ -53,7 +53,7 @@ pub use shape::*;
 use document::Library;
 use reader::Table;
 use std::collections::{HashMap, HashSet};
-use tree::Node;
+use tree::{Node, Value};
 
 /// A cell with everything that was read for it.
 #[derive(Debug, Clone)]
@@ -87,6 +87,39 @@ pub fn load(path: &str, read: &mut ReadFile<'_>) -> Result<Loaded, Vec<Fault>> {
         }
         _ => Err(faults),
     }
+}
+
+/// A robot with everything that was read for it.
+#[derive(Debug, Clone)]
+pub struct LoadedRobot {
+    pub robot: Robot,
+    /// Every file read, the robot file first.
+    pub sources: Vec<Source>,
+    pub warnings: Vec<Fault>,
+}
+
+/// Reads the robot file at `path` (relative to its own folder) and every file it refers to.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_robot(path: &str, read: &mut ReadFile<'_>) -> Result<LoadedRobot, Vec<Fault>> {
+    let mut lib = Library::new(read);
+    let root = from::load(path, &mut lib);
+    let robot = root.and_then(|root| Table::read(&root, "a robot", &mut lib, robot_file::read));
+    let faults = sorted(&mut lib);
+    match robot {
+        Some(robot) if !faults.iter().any(Fault::is_error) => {
+            Ok(LoadedRobot { robot, sources: lib.sources, warnings: faults })
+        }
+        _ => Err(faults),
+    }
+}
+
+/// Whether the file at `path` says, itself or through its `from`, that it is the file of a robot.
+pub fn is_robot(path: &str, read: &mut ReadFile<'_>) -> bool {
+    let root = from::load(path, &mut Library::new(read));
+    let schema = root.as_ref().and_then(|root| root.value.get("schema"));
+    schema.is_some_and(|node| matches!(&node.value, Value::Text(word) if word == "sweetspot/robot/1"))
 }
 
 /// The faults in the order of files and lines; those of a file that is named twice once.

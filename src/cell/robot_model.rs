@@ -134,6 +134,29 @@ impl Robot {
         self.joints.len()
     }
 
+    /// Theta and r at coordinate 0, l and alpha of every row as its file has them (rad, m).
+    pub fn rows_of_file(&self) -> Vec<[f64; 4]> {
+        let turned = &self.mount.rotation;
+        let first = (self.mount.translation.x, turned[(2, 1)].atan2(turned[(1, 1)]));
+        let before = std::iter::once(first).chain(self.joints.iter().map(|j| (j.l, j.alpha)));
+        let rows = self.joints.iter().zip(before);
+        rows.map(|(j, (l, alpha))| match self.convention {
+            Convention::Standard => [j.theta, j.r, j.l, j.alpha],
+            Convention::Modified => [j.theta, j.r, l, alpha],
+        })
+        .collect()
+    }
+
+    /// Every joint at 0, or in the middle of its range where that is not allowed.
+    pub fn middle_posture(&self) -> JointVector {
+        let mut q = [0.0; MAX_JOINTS];
+        for (q, joint) in q.iter_mut().zip(&self.joints) {
+            let (low, high) = joint.limits;
+            *q = if low <= 0.0 && 0.0 <= high { 0.0 } else { (low + high) / 2.0 };
+        }
+        q
+    }
+
     /// An upper bound of the distance from the base axis that the TCP can reach, m.
     pub fn reach(&self) -> f64 {
         let upright = self.mount.rotation.m33.abs() > 1.0 - 1e-12;

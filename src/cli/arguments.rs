@@ -45,6 +45,15 @@ pub enum Command {
     /// Put every reading and registration of the layout as drawn side by side
     #[command(before_help = "Example: sweetspot readings cells/hitachi_cell.toml --out results/readings")]
     Readings(ReadingsArguments),
+    /// List the robots that come with the program
+    #[command(before_help = "Example: sweetspot robots")]
+    Robots(RobotsArguments),
+    /// Show a robot: D-H table, limits, tool, reach, error sets, size of its working envelope
+    #[command(before_help = "Example: sweetspot robot hitachi_pw10")]
+    Robot(RobotArguments),
+    /// Draw and measure where a robot can hold its tool: section, plan, volume
+    #[command(before_help = "Example: sweetspot envelope hitachi_pw10 --svg envelope.svg")]
+    Envelope(EnvelopeArguments),
 }
 
 /// Where the packages lie whose files a URDF names.
@@ -230,6 +239,66 @@ fn package(text: &str) -> Result<(String, PathBuf), String> {
         Some((name, folder)) if !name.is_empty() && !folder.is_empty() => Ok((name.into(), folder.into())),
         _ => Err("write the name of a package, = and its folder".into()),
     }
+}
+
+#[derive(Args)]
+pub struct RobotsArguments {
+    /// Print the list as JSON on stdout
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Args)]
+pub struct RobotArguments {
+    /// Name of a robot of the library, or a robot file (TOML)
+    pub robot: PathBuf,
+    /// Print the robot file itself, to start your own from
+    #[arg(long, conflicts_with = "json")]
+    pub toml: bool,
+    /// Print the robot as JSON on stdout
+    #[arg(long)]
+    pub json: bool,
+    #[command(flatten)]
+    pub packages: Packages,
+}
+
+#[derive(Args)]
+pub struct EnvelopeArguments {
+    /// Name of a robot of the library, a robot file or a cell file (TOML)
+    #[arg(value_name = "ROBOT|CELL")]
+    pub of: PathBuf,
+    /// Hold the tool as in this operation of the cell [default: the first]
+    #[arg(long, value_name = "NAME")]
+    pub operation: Option<String>,
+    /// Elevation of the tool axis, degrees: -90 points down, 0 is horizontal [default: that of the
+    /// operation; -90]
+    #[arg(long, value_name = "DEG", value_parser = bend, allow_hyphen_values = true)]
+    pub bend: Option<f64>,
+    /// Draw the plan at this height above the robot base; may be given several times [default: that
+    /// of the operation; where the robot reaches farthest]
+    #[arg(long, value_name = "MM", value_parser = finite, allow_hyphen_values = true)]
+    pub height: Vec<f64>,
+    /// Distance of the points asked [default: by the size and kind of the robot]
+    #[arg(long, value_name = "MM", value_parser = step, allow_hyphen_values = true)]
+    pub step: Option<f64>,
+    /// Print the envelope as JSON on stdout
+    #[arg(long)]
+    pub json: bool,
+    #[command(flatten)]
+    pub packages: Packages,
+    /// Write section and plan as a picture
+    #[arg(long, value_name = "FILE")]
+    pub svg: Option<PathBuf>,
+}
+
+fn bend(text: &str) -> Result<f64, String> {
+    let number = finite(text)?;
+    if number.abs() <= 90.0 { Ok(number) } else { Err("it must be from -90 to 90".into()) }
+}
+
+fn step(text: &str) -> Result<f64, String> {
+    let number = finite(text)?;
+    if number >= 1.0 { Ok(number) } else { Err("it must be at least 1".into()) }
 }
 
 fn finite(text: &str) -> Result<f64, String> {

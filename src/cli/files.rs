@@ -2,7 +2,7 @@
 
 use super::arguments::Packages;
 use super::{Exit, output};
-use crate::cell::{self, Fault, Loaded, shown};
+use crate::cell::{self, Fault, Loaded, LoadedRobot, shown};
 use sha2::{Digest, Sha256};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -28,23 +28,47 @@ pub fn exit_of(faults: &[Fault]) -> Exit {
 
 /// Reads a cell and all it refers to.
 pub fn read_cell(path: &Path, packages: &Packages) -> Result<Loaded, Vec<Fault>> {
-    let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-    let folder = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent.to_path_buf(),
-        _ => PathBuf::from("."),
-    };
-    let prefix = path.parent().unwrap_or(Path::new("")).to_path_buf();
-    let mut faults_named = |mut faults: Vec<Fault>| {
-        // Named as the user names the cell, so that an editor can jump there.
-        for fault in &mut faults {
-            fault.file = prefix.join(&fault.file).to_string_lossy().into_owned();
-        }
-        faults
-    };
-    let mut loaded =
-        cell::load(&name, &mut |inside| read_named(&folder, packages, inside)).map_err(&mut faults_named)?;
-    loaded.warnings = faults_named(loaded.warnings);
+    let (folder, name) = parted(path);
+    let mut loaded = cell::load(&name, &mut |inside| read_named(&folder, packages, inside))
+        .map_err(|faults| named(path, faults))?;
+    loaded.warnings = named(path, loaded.warnings);
     Ok(loaded)
+}
+
+/// Reads a robot and all it refers to; faults and warnings go to stderr.
+pub fn load_robot(path: &Path, packages: &Packages) -> Result<LoadedRobot, Exit> {
+    let (folder, name) = parted(path);
+    let loaded =
+        cell::load_robot(&name, &mut |inside| read_named(&folder, packages, inside)).map_err(|faults| {
+            output::faults(&named(path, faults.clone()));
+            exit_of(&faults)
+        })?;
+    output::faults(&named(path, loaded.warnings.clone()));
+    Ok(loaded)
+}
+
+/// Whether it is the file of a robot.
+pub fn is_robot(path: &Path, packages: &Packages) -> bool {
+    let (folder, name) = parted(path);
+    cell::is_robot(&name, &mut |inside| read_named(&folder, packages, inside))
+}
+
+/// The folder of a file, and its name there.
+fn parted(path: &Path) -> (PathBuf, String) {
+    let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => (parent.to_path_buf(), name),
+        _ => (PathBuf::from("."), name),
+    }
+}
+
+/// Named as the user names the file, so that an editor can jump there.
+fn named(path: &Path, mut faults: Vec<Fault>) -> Vec<Fault> {
+    let prefix = path.parent().unwrap_or(Path::new(""));
+    for fault in &mut faults {
+        fault.file = prefix.join(&fault.file).to_string_lossy().into_owned();
+    }
+    faults
 }
 
 /// Reads `package://NAME/PATH` in the folder of that package, all else in that of the cell.

@@ -5,6 +5,7 @@ mod arguments;
 mod cache;
 mod commands;
 mod files;
+mod library;
 mod output;
 mod overrides;
 mod results;
@@ -46,6 +47,9 @@ pub fn run() -> ExitCode {
         Command::Budget(a) => commands::budget(&a),
         Command::Explain(a) => commands::explain(&a),
         Command::Readings(a) => commands::readings(&a),
+        Command::Robots(a) => commands::robots(&a),
+        Command::Robot(a) => commands::robot(&a),
+        Command::Envelope(a) => commands::envelope(&a),
     };
     code(exit.unwrap_or_else(|exit| exit))
 }

@@ -2,7 +2,7 @@
 
 use super::Exit;
 use crate::cell::{Fault, shown};
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::Write;
 use std::path::Path;
 
@@ -46,6 +46,24 @@ pub fn progress_bar(length: u64) -> ProgressBar {
     }
     bar.set_message("none yet");
     bar
+}
+
+/// A bar for points asked, silent when stderr is no terminal; it shows itself after the first second.
+pub fn points_bar() -> ProgressBar {
+    let bar = ProgressBar::hidden();
+    if let Ok(style) = ProgressStyle::with_template("{bar:24} {percent} %, {eta} left") {
+        bar.set_style(style);
+    }
+    bar
+}
+
+/// `count` points more, of so many.
+pub fn advance(bar: &ProgressBar, count: u64, of: u64) {
+    if bar.is_hidden() && bar.elapsed().as_secs() >= 1 {
+        bar.set_draw_target(ProgressDrawTarget::stderr());
+    }
+    bar.set_length(of);
+    bar.inc(count);
 }
 
 /// A path as one would type it.

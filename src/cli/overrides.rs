@@ -131,7 +131,7 @@ pub fn operation(cell: &Cell, name: &str) -> Result<usize, Exit> {
 }
 
 /// Says what is not known, and what is.
-fn unknown<'a>(what: &str, word: &str, known: impl Iterator<Item = &'a str> + Clone) -> Exit {
+pub fn unknown<'a>(what: &str, word: &str, known: impl Iterator<Item = &'a str> + Clone) -> Exit {
     let near = did_you_mean(word, known.clone());
     let near = near.map(|n| format!("did you mean {}? ", shown(n))).unwrap_or_default();
     output::error(&format!("{what}; {near}there is: {}", known.map(shown).collect::<Vec<_>>().join(", ")));

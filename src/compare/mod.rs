@@ -7,18 +7,21 @@
 mod budget;
 mod explain;
 mod motion;
+mod reachable;
 mod readings;
 mod stance;
 
 pub use budget::{Account, Tighter};
 pub use explain::{DhRow, Explanation, Line, SenseRow};
 pub use motion::{Motion, Place};
+pub use reachable::{Asked, Reachable, Sheet, step_of, tolerance_of};
 pub use readings::{Choice, Readings, Row};
 pub use stance::{At, NoStance, Stance};
 
 use crate::cell::{Cell, Layout, Operation, Reading, Role, Unit, shown};
 use crate::error_map::{NodeRecord, OperationMap, PostureRecord};
 use crate::layout::{Evaluation, Workcell, evaluate, separated};
+use crate::reach::{Envelope, Fineness};
 use crate::reading::{Figures, MonteCarlo, monte_carlo};
 use crate::units::mm_from_m;
 
@@ -26,6 +29,7 @@ use crate::units::mm_from_m;
 pub struct Assessment<'a> {
     pub label: String,
     pub cell: &'a Cell,
+    pub workcell: &'a Workcell,
     pub layout: Layout,
     pub evaluation: Evaluation,
     pub maps: Vec<OperationMap>,
@@ -41,7 +45,23 @@ impl<'a> Assessment<'a> {
         let maps = workcell.maps(&layout);
         let apart = if evaluation.overlaps.is_empty() { None } else { separated(workcell, &layout) };
         let samples = (0..maps.len()).map(|k| sampled(workcell, &layout, &maps, k)).collect();
-        Self { label: label.to_string(), cell: &workcell.cell, layout, evaluation, maps, samples, apart }
+        let cell = &workcell.cell;
+        Self { label: label.to_string(), cell, workcell, layout, evaluation, maps, samples, apart }
+    }
+
+    /// What can be reached at the height of an operation's TCP: outlines in the world plan, m. Drawn
+    /// coarsely.
+    pub fn reachable(&self, operation: usize) -> Vec<Vec<(f64, f64)>> {
+        let inverse = self.workcell.inverse();
+        let operation = &self.cell.operations[operation];
+        let (at, base) = (&self.layout.placements[operation.equipment], &self.cell.base);
+        let envelope = Envelope::new(inverse, &operation.attitude, at.yaw - base.yaw);
+        let step = 2.0 * step_of(&self.cell.robot, inverse);
+        let fine = Fineness { step, tolerance: tolerance_of(inverse, step), asked: &|_| () };
+        let plan = envelope.plan(at.z + operation.standoff - base.z, &fine);
+        let (sin, cos) = base.yaw.sin_cos();
+        let world = |[x, y]: [f64; 2]| (base.x + cos * x - sin * y, base.y + sin * x + cos * y);
+        plan.outlines.iter().map(|o| o.points.iter().map(|p| world(*p)).collect()).collect()
     }
 
     /// The spot of an operation: its best usable node.

@@ -50,6 +50,23 @@ impl Grid {
         self.point(at, (self.xs[i], self.ys[j]))
     }
 
+    /// Least and greatest distance of the points over the placed surface from a point (m); the nodes lie
+    /// between.
+    pub fn distances(&self, at: &Placement, from: &Vector3<f64>) -> (f64, f64) {
+        let (sin, cos) = at.yaw.sin_cos();
+        let (dx, dy) = (from.x - at.x, from.y - at.y);
+        let seen = [cos * dx + sin * dy, cos * dy - sin * dx];
+        let up = from.z - at.z - self.standoff;
+        let (mut near, mut far) = (up * up, up * up);
+        for (line, v) in [&self.xs, &self.ys].into_iter().zip(seen) {
+            let ends = [line[0], line[line.len() - 1]];
+            let aside = v - v.clamp(ends[0], ends[1]);
+            near += aside * aside;
+            far += ends.map(|end| (v - end) * (v - end)).into_iter().fold(0.0, f64::max);
+        }
+        (near.sqrt(), far.sqrt())
+    }
+
     /// Calls `each` with the number and the TCP target of every node, for a surface placed at `at`
     /// in the frame wanted.
     #[inline]

@@ -7,7 +7,7 @@ use crate::cell::{Cell, JointVector, Layout, Placement, shown};
 use crate::clearance::{Placed, Scene};
 use crate::kinematic_error::deviation;
 use crate::pose::Displacement;
-use crate::reach::{Approach, Branch, Gap, Inverse, Reach};
+use crate::reach::{Approach, Branch, Gap, Inverse, Reach, Shell};
 use crate::reading::{Gauge, Memory, Reference, Situation};
 use crate::robot::{Chain, Frames};
 use nalgebra::Vector3;
@@ -18,6 +18,8 @@ pub struct Mapper {
     arm: Arm,
     base: Placement,
     stations: Vec<Station>,
+    /// One per operation: what may be reached at all, where asking a node is dear.
+    shells: Vec<Option<Shell>>,
 }
 
 /// Memory reused from layout to layout.
@@ -42,8 +44,32 @@ impl Mapper {
             }
         }
         let arm = Arm { chain, inverse };
-        let stations = cell.operations.iter().filter_map(|o| Station::new(cell, o)).collect();
-        Ok(Self { arm, base: cell.base, stations })
+        let stations: Vec<_> = cell.operations.iter().filter_map(|o| Station::new(cell, o)).collect();
+        let shell = |s: &Station| arm.inverse.is_dear().then(|| arm.inverse.shell(&s.attitude));
+        let shells = stations.iter().map(shell).collect();
+        Ok(Self { arm, base: cell.base, stations, shells })
+    }
+
+    pub fn inverse(&self) -> &Inverse {
+        &self.arm.inverse
+    }
+
+    /// What is missing if no node of an operation can be in reach by the length of the links alone: the
+    /// gap of the node nearest to reach, so that it falls into that of the whole loop on the way there.
+    fn beyond_reach(&self, operation: usize, at: &Placement, approach: &mut Approach) -> Option<Gap> {
+        let (station, shell) = (&self.stations[operation], self.shells[operation].as_ref()?);
+        let range = station.grid.distances(at, &shell.centre);
+        if shell.gap(range) == 0.0 {
+            return None;
+        }
+        let distance = |node: &usize| (station.grid.target(at, *node) - shell.centre).norm();
+        let outside = range.0 > shell.outer;
+        let order = |a: &usize, b: &usize| distance(a).total_cmp(&distance(b));
+        let nodes = 0..station.grid.count();
+        let nearest = if outside { nodes.min_by(order) } else { nodes.max_by(order) }?;
+        self.arm.inverse.set(approach, &station.attitude, at.yaw);
+        let target = station.grid.target(at, nearest);
+        Some(self.arm.inverse.visit(&target, approach, &mut self.arm.inverse.scratch(), |_, _| ()))
     }
 
     /// How an operation judges postures.
@@ -95,9 +121,12 @@ impl Mapper {
         spots: &[Option<Spot>],
         scratch: &mut Scratch,
     ) -> Outcome {
-        let situation = self.situation(operation, layout, scene, placed, spots);
         let station = &self.stations[operation];
         let at = self.in_base(&layout.placements[station.equipment]);
+        if let Some(gap) = self.beyond_reach(operation, &at, &mut scratch.approach) {
+            return Outcome::Unreachable { gap };
+        }
+        let situation = self.situation(operation, layout, scene, placed, spots);
         for missing in scratch.memories.len()..=operation {
             scratch.memories.push(self.stations[missing].gauge.memory());
         }

@@ -7,6 +7,7 @@ pub use separate::separated;
 use crate::cell::{Cell, Layout, Objective};
 use crate::clearance::{FloorPlan, Overlap, OwnPair, Placed, Remember, Scene};
 use crate::error_map::{Mapper, OperationMap, Outcome, PostureRecord, Scratch, Unjudged};
+use crate::reach::Inverse;
 use crate::reading::{Gauge, Situation};
 use crate::robot::Frames;
 
@@ -78,6 +79,10 @@ impl Workcell {
             Objective::WeightedSum => weights.sum(),
             Objective::WeightedMaximum => weights.fold(0.0, f64::max),
         }
+    }
+
+    pub fn inverse(&self) -> &Inverse {
+        self.mapper.inverse()
     }
 
     /// How an operation judges postures.

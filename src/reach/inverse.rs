@@ -122,6 +122,25 @@ impl Inverse {
         held
     }
 
+    pub fn chain(&self) -> &Chain {
+        &self.chain
+    }
+
+    /// The elevation (rad) that the tool axis has in every posture, if there is one.
+    pub fn kept_elevation(&self) -> Option<f64> {
+        self.kept
+    }
+
+    /// Whether there is no closed form: a target costs a thousand times as much.
+    pub fn is_numeric(&self) -> bool {
+        matches!(self.kernel, Kernel::Numeric(_))
+    }
+
+    /// Whether a target costs more than the closed form of the planar arm.
+    pub fn is_dear(&self) -> bool {
+        !matches!(self.kernel, Kernel::Planar(_))
+    }
+
     /// The ways to hold the tool over a surface turned by `yaw` (rad) in the base frame.
     pub fn approach(&self, attitude: &Attitude, yaw: f64) -> Approach {
         let mut approach = Approach::default();

@@ -2,6 +2,7 @@
 
 mod ability;
 mod anthropomorphic;
+mod envelope;
 mod hold;
 mod inverse;
 mod kernel;
@@ -11,14 +12,17 @@ mod numeric;
 mod planar;
 mod quartic;
 mod scara;
+mod shell;
 mod spherical_wrist;
 mod subproblems;
 mod three_joints;
 mod three_parallel;
 
+pub use envelope::{Envelope, Extent, Fineness, Outline, Region, Size};
 pub use inverse::{Approach, Branch, Gap, Inverse, Reach};
 pub use limits::LimitViolation;
 pub use numeric::{Goal, Held, Missing, Numeric, jacobian};
+pub use shell::Shell;
 pub use spherical_wrist::SphericalWrist;
 pub use three_parallel::ThreeParallel;
 

@@ -15,6 +15,9 @@ const COLOURS: [(f64, f64, f64); 6] = [
     (253.0, 231.0, 37.0),
 ];
 
+/// How far the arm reaches: a thin line.
+pub(super) const ENVELOPE_STYLE: &str = "stroke=\"#0969a8\" stroke-width=\"1.2\" stroke-dasharray=\"7 3\"";
+
 pub(super) fn draw_legend(
     out: &mut String,
     a: &Assessment<'_>,
@@ -47,18 +50,22 @@ pub(super) fn draw_legend(
     text(MARGIN + 330.0, top + 30.0, "beyond a joint limit");
     text(MARGIN + 330.0, top + 50.0, "collides");
     text(MARGIN + 330.0, top + 70.0, "spot chosen");
+    text(MARGIN + 330.0, top + 90.0, "reach at this height");
     let x = MARGIN + 315.0;
     let _ = writeln!(
         out,
         "<circle cx=\"{x}\" cy=\"{0:.1}\" r=\"4.6\" fill=\"none\" stroke=\"#6e7781\"/>\
          <circle cx=\"{x}\" cy=\"{1:.1}\" r=\"4.6\" fill=\"none\" stroke=\"#6e7781\" stroke-dasharray=\"2 1.6\"/>\
          <path d=\"M{2:.1} {3:.1}l7 7m0 -7l-7 7\" stroke=\"#cf222e\" stroke-width=\"1.5\" fill=\"none\"/>\
-         <circle cx=\"{x}\" cy=\"{4:.1}\" r=\"7\" fill=\"none\" stroke=\"#bf3989\" stroke-width=\"2.4\"/>",
+         <circle cx=\"{x}\" cy=\"{4:.1}\" r=\"7\" fill=\"none\" stroke=\"#bf3989\" stroke-width=\"2.4\"/>\
+         <path d=\"M{5:.1} {6:.1}h20\" {ENVELOPE_STYLE}/>",
         top + 6.0,
         top + 26.0,
         x - 3.5,
         top + 42.0,
-        top + 66.0
+        top + 66.0,
+        x - 10.0,
+        top + 86.0
     );
     draw_scale_bar(out, view, top);
 }

@@ -1,6 +1,7 @@
 //! Records to bytes: pure renderers, one per format.
 
 pub mod csv;
+pub mod envelope;
 pub mod fig8;
 pub mod json;
 mod legend;

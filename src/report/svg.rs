@@ -1,7 +1,8 @@
 //! The error map as a picture: the cell in plan, nodes coloured by error, arrows for the error in
 //! the plane, circles round nodes that cannot be reached (the paper's Figs. 4 to 7 in plan).
 
-use super::legend::{colour, draw_legend};
+use super::envelope::path;
+use super::legend::{ENVELOPE_STYLE, colour, draw_legend};
 use super::view::{MARGIN, View, corners, escaped};
 use crate::cell::{Placement, Rectangle, Role};
 use crate::compare::Assessment;
@@ -28,6 +29,7 @@ pub fn plan(a: &Assessment<'_>) -> String {
         MARGIN + 14.0
     );
     draw_equipment(&mut out, a, &view);
+    draw_envelopes(&mut out, a, &view);
     let range = error_range(a);
     let enlarged = enlargement(a, &view);
     for map in &a.maps {
@@ -61,6 +63,30 @@ fn draw_equipment(out: &mut String, a: &Assessment<'_>, view: &View) {
     );
     let (x, y) = view.at((a.cell.base.x, a.cell.base.y));
     let _ = writeln!(out, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"5\" fill=\"#bc4c00\"/>");
+}
+
+/// How far the arm reaches at the height of each operation, cut off at the frame of the drawing.
+fn draw_envelopes(out: &mut String, a: &Assessment<'_>, view: &View) {
+    let (x, y, width, height) = view.frame();
+    let _ = writeln!(
+        out,
+        "<clipPath id=\"plan\"><rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{width:.1}\" height=\"{height:.1}\"/></clipPath>"
+    );
+    let mut drawn: Vec<String> = Vec::new();
+    for k in 0..a.maps.len() {
+        let outlines = a.reachable(k);
+        let path: String = outlines.iter().map(|o| path(o.iter().map(|p| view.at(*p)), "Z")).collect();
+        // Operations of one height and attitude share an outline.
+        if !path.is_empty() && !drawn.contains(&path) {
+            let _ = writeln!(
+                out,
+                "<path d=\"{path}\" clip-path=\"url(#plan)\" fill=\"none\" {ENVELOPE_STYLE}><title>reach at the \
+                 height of {}</title></path>",
+                escaped(&a.cell.operations[a.maps[k].operation].name)
+            );
+            drawn.push(path);
+        }
+    }
 }
 
 fn middle(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {

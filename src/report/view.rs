@@ -34,6 +34,12 @@ impl View {
         (MARGIN + (x - self.low.0) * self.scale, MARGIN + 44.0 + (self.high.1 - y) * self.scale)
     }
 
+    /// The drawing without title and legend: left, top, width, height.
+    pub fn frame(&self) -> (f64, f64, f64, f64) {
+        let (left, top) = self.at((self.low.0, self.high.1));
+        (left, top, (self.high.0 - self.low.0) * self.scale, (self.high.1 - self.low.1) * self.scale)
+    }
+
     pub fn size(&self) -> (f64, f64) {
         let (w, h) = ((self.high.0 - self.low.0) * self.scale, (self.high.1 - self.low.1) * self.scale);
         // The legend needs its width, however narrow the cell.

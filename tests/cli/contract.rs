@@ -247,6 +247,9 @@ fn help_of_every_command_begins_with_an_example() {
         &["budget", "--help"],
         &["explain", "-h"],
         &["readings", "-h"],
+        &["robots", "--help"],
+        &["robot", "-h"],
+        &["envelope", "--help"],
     ] {
         let ran = shop.done(args);
         let first = ran.out.lines().next().unwrap();
@@ -261,7 +264,9 @@ fn help_of_every_command_begins_with_an_example() {
 #[test]
 fn the_examples_of_the_help_run() {
     let shop = Shop::new();
-    for command in ["check", "map", "search", "compare", "budget", "explain", "readings"] {
+    for command in
+        ["check", "map", "search", "compare", "budget", "explain", "readings", "robots", "robot", "envelope"]
+    {
         let help = shop.done(&[command, "--help"]);
         let example = help.out.lines().next().unwrap().trim_start_matches("Example: sweetspot ");
         let mut args: Vec<&str> = example.split(' ').collect();

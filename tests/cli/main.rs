@@ -9,5 +9,6 @@ mod contract;
 mod overrides;
 mod postures;
 mod readings;
+mod robots;
 mod shop;
 mod urdf;

@@ -5,12 +5,14 @@ mod layouts;
 mod map;
 mod posture;
 mod readings;
+mod robots;
 
 pub use check::check;
 pub use layouts::{compare, search};
 pub use map::map;
 pub use posture::{budget, explain};
 pub use readings::readings;
+pub use robots::{envelope, robot, robots};
 
 use crate::cell::{Cell, Coordinate, shown};
 use crate::cli::output::path_word;

@@ -3,11 +3,13 @@
 //! Lengths in mm, angles in degrees, rounded to 1e-9; world frame; joints in the robot's own
 //! coordinates. What has no value is null, never left out.
 
+mod envelope;
 mod layouts;
 mod map;
 mod posture;
 mod readings;
 
+pub use envelope::{envelope, robot, robots};
 pub use layouts::{compare, search};
 pub use map::{MapDocument, map};
 pub use posture::{budget, explain};

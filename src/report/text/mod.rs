@@ -2,6 +2,7 @@
 
 mod budget;
 mod compare;
+mod envelope;
 mod explain;
 mod map;
 mod own_pairs;
@@ -11,6 +12,7 @@ mod urdf;
 
 pub use budget::budget;
 pub use compare::{comparison, feasibility};
+pub use envelope::{envelope, envelope_title, first_line, robot, robots};
 pub use explain::{explanation, frame_name};
 pub use map::{distrust, maps};
 pub use own_pairs::own_pairs;

@@ -1,0 +1,183 @@
+//! `robots`, `robot` and `envelope`: a robot, of the library or of a file.
+
+use super::{suggest, unsolved};
+use crate::cell::{Attitude, LoadedRobot, Operation, Robot, shown};
+use crate::cli::arguments::{EnvelopeArguments, Packages, RobotArguments, RobotsArguments};
+use crate::cli::output::{path_word, word};
+use crate::cli::{Exit, files, library, output, overrides, results};
+use crate::compare::{Asked, Reachable, Sheet};
+use crate::reach::Inverse;
+use crate::report;
+use crate::robot::Chain;
+use crate::units::{m_from_mm, rad_from_deg};
+use std::path::Path;
+
+/// Most points of one envelope: minutes of a closed form.
+const MOST_POINTS: u64 = 300_000_000;
+
+/// `sweetspot robots`
+pub fn robots(a: &RobotsArguments) -> Result<Exit, Exit> {
+    let mut all = Vec::new();
+    for (name, _) in library::ROBOTS {
+        let robot = of_library(name)?.robot;
+        let family = Inverse::new(&Chain::new(&robot)).family();
+        all.push((name, robot, family));
+    }
+    if a.json {
+        output::data(&results::line(&report::json::robots(&all))?)?;
+    } else {
+        output::data(&report::text::robots(&all))?;
+        suggest(&format!("robot {}", library::ROBOTS[0].0));
+    }
+    Ok(Exit::Done)
+}
+
+/// `sweetspot robot`
+pub fn robot(a: &RobotArguments) -> Result<Exit, Exit> {
+    if a.toml {
+        return print_file(&a.robot, &a.packages);
+    }
+    let robot = read(&a.robot, &a.packages)?.robot;
+    let bar = output::points_bar();
+    let sheet = Sheet::new(&robot, &|count, of| output::advance(&bar, count, of));
+    bar.finish_and_clear();
+    if a.json {
+        output::data(&results::line(&report::json::robot(&sheet))?)?;
+    } else {
+        output::data(&report::text::robot(&sheet))?;
+        suggest(&format!("envelope {} --svg envelope.svg", path_word(&a.robot)));
+    }
+    Ok(Exit::Done)
+}
+
+fn print_file(robot: &Path, packages: &Packages) -> Result<Exit, Exit> {
+    let name = robot.to_string_lossy();
+    match library::text(&name) {
+        Some(text) => output::data(text)?,
+        None => {
+            let source = read(robot, packages)?.sources.into_iter().next();
+            output::data(source.as_ref().map_or("", |s| s.text()))?;
+        }
+    }
+    suggest("check CELL, with robot = { from = \"FILE\" } in it");
+    Ok(Exit::Done)
+}
+
+/// `sweetspot envelope`
+pub fn envelope(a: &EnvelopeArguments) -> Result<Exit, Exit> {
+    if is_robot(&a.of, &a.packages) {
+        if a.operation.is_some() {
+            output::error("--operation is of a cell, and this is a robot");
+            output::talk("  help: say how the tool is held with --bend DEG");
+            return Err(Exit::BadInput);
+        }
+        let robot = read(&a.of, &a.packages)?.robot;
+        let inverse = Inverse::new(&Chain::new(&robot));
+        let down = inverse.kept_elevation().unwrap_or(-std::f64::consts::FRAC_PI_2);
+        let attitude = Attitude::elevation(a.bend.map_or(down, rad_from_deg));
+        return drawn(a, &robot, &inverse, (None, attitude, 0.0, None));
+    }
+    let cell = files::load(&a.of, &a.packages)?.cell;
+    let k = match (&a.operation, &cell.operations[..]) {
+        (Some(name), _) => overrides::operation(&cell, name)?,
+        (None, [first, others @ ..]) => {
+            let others: Vec<String> = others.iter().map(|o| shown(&o.name)).collect();
+            if !others.is_empty() {
+                let (first, others) = (shown(&first.name), others.join(", "));
+                output::talk(&format!("note: this is {first}; with --operation also: {others}"));
+            }
+            0
+        }
+        (None, []) => 0,
+    };
+    let operation = &cell.operations[k];
+    let at = cell.start().placements[operation.equipment];
+    let mut attitude = operation.attitude.clone();
+    attitude.elevation = a.bend.map_or(attitude.elevation, rad_from_deg);
+    let height = at.z + operation.standoff - cell.base.z;
+    let inverse = Inverse::new(&Chain::new(&cell.robot));
+    drawn(a, &cell.robot, &inverse, (Some(operation), attitude, at.yaw - cell.base.yaw, Some(height)))
+}
+
+/// Operation, attitude, yaw of the surface and height that it is about.
+type About<'a> = (Option<&'a Operation>, Attitude, f64, Option<f64>);
+
+fn drawn(a: &EnvelopeArguments, robot: &Robot, inverse: &Inverse, about: About<'_>) -> Result<Exit, Exit> {
+    let (operation, attitude, yaw, height) = about;
+    if let Some(why) = inverse.refusal(&attitude) {
+        return Err(unsolved(&robot.name, &a.of, &why));
+    }
+    let mut heights: Vec<f64> = a.height.iter().copied().map(m_from_mm).collect();
+    if heights.is_empty() {
+        heights.extend(height);
+    }
+    let asked = Asked { operation, attitude, yaw, heights, step: a.step.map(m_from_mm) };
+    let work = asked.work(robot, inverse);
+    if work > MOST_POINTS {
+        output::error(&format!("this takes {work} points, more than {MOST_POINTS}"));
+        output::talk("  help: take a larger --step, or fewer heights");
+        return Err(Exit::BadInput);
+    }
+    let bar = output::points_bar();
+    let envelope = Reachable::new(robot, inverse, asked, &|count, of| output::advance(&bar, count, of));
+    bar.finish_and_clear();
+    if let Some(path) = &a.svg {
+        files::write_whole(path, report::envelope::picture(&envelope).as_bytes())?;
+    }
+    if a.json {
+        output::data(&results::line(&report::json::envelope(&envelope))?)?;
+    } else {
+        output::data(&report::text::envelope(&envelope))?;
+    }
+    if let Some(path) = &a.svg {
+        output::talk(&format!("wrote {}", path_word(path)));
+    }
+    if envelope.size.extent.is_none() {
+        output::talk("warning: nothing was found to be reachable with the tool held like this");
+    }
+    if !a.json {
+        let next = match (operation, &a.svg) {
+            (Some(_), _) => format!("map {} --svg map.svg", path_word(&a.of)),
+            (None, None) => format!("envelope {} --svg envelope.svg", path_word(&a.of)),
+            (None, Some(_)) => format!("robot {}", path_word(&a.of)),
+        };
+        suggest(&next);
+    }
+    Ok(Exit::Done)
+}
+
+/// Whether a word names a robot of the library, or the file of a robot; what is no file at all can
+/// only be meant as a name.
+fn is_robot(given: &Path, packages: &Packages) -> bool {
+    let name = given.to_string_lossy();
+    library::text(&name).is_some() || is_bare(given) || files::is_robot(given, packages)
+}
+
+/// A word that is no path.
+fn is_bare(given: &Path) -> bool {
+    given.extension().is_none() && given.components().count() == 1 && !given.exists()
+}
+
+/// A robot of the library by its name, or of a file.
+fn read(given: &Path, packages: &Packages) -> Result<LoadedRobot, Exit> {
+    let name = given.to_string_lossy();
+    if library::text(&name).is_some() {
+        return of_library(&name);
+    }
+    if is_bare(given) {
+        let names = library::ROBOTS.iter().map(|(name, _)| *name);
+        let what = format!("the library has no robot `{}`", shown(&name));
+        let exit = overrides::unknown(&what, &name, names);
+        output::talk(&format!("  help: a file of your own is named with its ending: {}.toml", word(&name)));
+        return Err(exit);
+    }
+    files::load_robot(given, packages)
+}
+
+fn of_library(name: &str) -> Result<LoadedRobot, Exit> {
+    let loaded = library::robot(name).unwrap_or_else(|| Err(Vec::new()));
+    loaded.map_err(|faults| {
+        output::faults(&faults);
+        Exit::BadInput
+    })
+}

@@ -1,0 +1,43 @@
+//! The robots that come with the program, built in so that they are known anywhere.
+
+use crate::cell::{self, LoadedRobot, ReadFile};
+
+/// Name and text of every file of cells/robots, in the order of names.
+pub const ROBOTS: [(&str, &str); 16] = [
+    ("abb_irb140", include_str!("../../cells/robots/abb_irb140.toml")),
+    ("abb_irb460", include_str!("../../cells/robots/abb_irb460.toml")),
+    ("adept_cobra_s600", include_str!("../../cells/robots/adept_cobra_s600.toml")),
+    ("fanuc_crx10ia", include_str!("../../cells/robots/fanuc_crx10ia.toml")),
+    ("franka_panda", include_str!("../../cells/robots/franka_panda.toml")),
+    ("hitachi_pw10", include_str!("../../cells/robots/hitachi_pw10.toml")),
+    ("hitachi_pw10_parallelogram", include_str!("../../cells/robots/hitachi_pw10_parallelogram.toml")),
+    ("hitachi_pw10_urdf", include_str!("../../cells/robots/hitachi_pw10_urdf.toml")),
+    ("kuka_kr6_r900", include_str!("../../cells/robots/kuka_kr6_r900.toml")),
+    ("kuka_youbot", include_str!("../../cells/robots/kuka_youbot.toml")),
+    ("puma560", include_str!("../../cells/robots/puma560.toml")),
+    ("puma560_on_track", include_str!("../../cells/robots/puma560_on_track.toml")),
+    ("stanford_arm", include_str!("../../cells/robots/stanford_arm.toml")),
+    ("ur10", include_str!("../../cells/robots/ur10.toml")),
+    ("ur10e", include_str!("../../cells/robots/ur10e.toml")),
+    ("ur5e", include_str!("../../cells/robots/ur5e.toml")),
+];
+
+/// What they name.
+const URDFS: [(&str, &str); 1] =
+    [("hitachi_pw10.urdf", include_str!("../../cells/robots/hitachi_pw10.urdf"))];
+
+/// The text of a robot file by its name.
+pub fn text(name: &str) -> Option<&'static str> {
+    ROBOTS.iter().find(|(known, _)| *known == name).map(|(_, text)| *text)
+}
+
+/// A robot of the library by its name.
+pub fn robot(name: &str) -> Option<Result<LoadedRobot, Vec<cell::Fault>>> {
+    text(name)?;
+    let read: &mut ReadFile<'_> = &mut |path: &str| {
+        let urdf = || URDFS.iter().find(|(known, _)| *known == path).map(|(_, text)| *text);
+        let text = path.strip_suffix(".toml").and_then(text).or_else(urdf);
+        text.map(|text| text.as_bytes().to_vec()).ok_or_else(|| "the library has no such file".to_string())
+    };
+    Some(cell::load_robot(&format!("{name}.toml"), read))
+}

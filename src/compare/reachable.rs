@@ -1,0 +1,138 @@
+//! What an arm can reach, drawn and measured, and what is known of a robot alone.
+
+use crate::cell::{Attitude, Operation, Robot};
+use crate::pose::Pose;
+use crate::reach::{Envelope, Fineness, Inverse, Region, Size};
+use crate::robot::Chain;
+use crate::units::m_from_mm;
+use nalgebra::Vector3;
+
+/// A working envelope, in the base frame of the robot (m).
+pub struct Reachable<'a> {
+    pub robot: &'a Robot,
+    /// The operation whose attitude it is.
+    pub operation: Option<&'a Operation>,
+    pub family: &'static str,
+    pub attitude: Attitude,
+    pub step: f64,
+    /// Azimuth of the section (rad), and its points (r, z).
+    pub azimuth: f64,
+    pub section: Region,
+    /// Heights and points (x, y).
+    pub plans: Vec<(f64, Region)>,
+    pub size: Size,
+    /// The arm near its greatest reach: the origins of its frames and the TCP.
+    pub arm: Vec<Vector3<f64>>,
+}
+
+/// What is asked of an envelope.
+pub struct Asked<'a> {
+    pub operation: Option<&'a Operation>,
+    pub attitude: Attitude,
+    /// Of the surface, rad.
+    pub yaw: f64,
+    /// None: the height of the greatest reach, m.
+    pub heights: Vec<f64>,
+    /// None: [`step_of`] the arm, m.
+    pub step: Option<f64>,
+}
+
+impl Asked<'_> {
+    fn step(&self, robot: &Robot, inverse: &Inverse) -> f64 {
+        self.step.unwrap_or_else(|| step_of(robot, inverse))
+    }
+
+    /// How many points it takes, bisections not counted.
+    pub fn work(&self, robot: &Robot, inverse: &Inverse) -> u64 {
+        let envelope = Envelope::new(inverse, &self.attitude, self.yaw);
+        // Without a height the plan is about as large as the largest.
+        let heights = if self.heights.is_empty() { &[0.0][..] } else { &self.heights };
+        envelope.work(1, heights, true, self.step(robot, inverse))
+    }
+}
+
+impl<'a> Reachable<'a> {
+    /// `progress` is told how many points of how many were asked.
+    pub fn new(
+        robot: &'a Robot,
+        inverse: &Inverse,
+        asked: Asked<'a>,
+        progress: &(dyn Fn(u64, u64) + Sync),
+    ) -> Self {
+        let envelope = Envelope::new(inverse, &asked.attitude, asked.yaw);
+        let (step, work) = (asked.step(robot, inverse), asked.work(robot, inverse));
+        let told = |count: u64| progress(count, work);
+        let fine = Fineness { step, tolerance: tolerance_of(inverse, step), asked: &told };
+        let size = envelope.size(&fine);
+        let azimuth = envelope.middle();
+        let section = envelope.section(azimuth, &fine);
+        let mut heights = asked.heights;
+        if heights.is_empty() {
+            heights.extend(size.extent.map(|extent| extent.widest));
+        }
+        let plans = heights.into_iter().map(|z| (z, envelope.plan(z, &fine))).collect();
+        let arm = drawn_arm(&envelope, inverse, &size, azimuth);
+        let (family, attitude) = (inverse.family(), asked.attitude);
+        let operation = asked.operation;
+        Self { robot, operation, family, attitude, step, azimuth, section, plans, size, arm }
+    }
+}
+
+/// The frames of the arm in the plane of the section, where it reaches far; empty if it does not there.
+fn drawn_arm(envelope: &Envelope<'_>, inverse: &Inverse, size: &Size, azimuth: f64) -> Vec<Vector3<f64>> {
+    let Some(extent) = &size.extent else { return Vec::new() };
+    let far = [0.9, 0.8, 0.7, 0.6].map(|share| {
+        let r = extent.radius.0 + share * (extent.radius.1 - extent.radius.0);
+        envelope.posture(&Vector3::new(r * azimuth.cos(), r * azimuth.sin(), extent.widest))
+    });
+    let Some(posture) = far.into_iter().flatten().next() else { return Vec::new() };
+    let chain = inverse.chain();
+    let frames = chain.frames(&posture);
+    let links = frames.links[..=chain.axes()].iter().chain([&frames.tcp]);
+    let mut arm = vec![Vector3::zeros()];
+    arm.extend(links.map(|pose| pose.translation));
+    arm.dedup_by(|b, a| (*b - *a).norm() < 1e-6);
+    arm
+}
+
+/// A step that draws an arm in about a second, m.
+pub fn step_of(robot: &Robot, inverse: &Inverse) -> f64 {
+    let parts = if inverse.is_numeric() { 10.0 } else { 200.0 };
+    let steps = [5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0].map(m_from_mm);
+    let wanted = robot.reach() / parts;
+    steps.into_iter().find(|step| *step >= wanted).unwrap_or(wanted)
+}
+
+/// How far a crossing may be off: 0.1 mm where that is cheap.
+pub fn tolerance_of(inverse: &Inverse, step: f64) -> f64 {
+    if inverse.is_numeric() { step / 20.0 } else { m_from_mm(0.1) }
+}
+
+/// A robot alone.
+pub struct Sheet<'a> {
+    pub robot: &'a Robot,
+    pub family: &'static str,
+    /// The TCP with every joint at 0 or in the middle of its range.
+    pub pose: Pose,
+    /// The envelope at this elevation (rad) of the tool.
+    pub elevation: f64,
+    pub size: Size,
+    pub step: f64,
+}
+
+impl<'a> Sheet<'a> {
+    /// At the elevation that the arm keeps, or with the tool pointing down.
+    pub fn new(robot: &'a Robot, progress: &(dyn Fn(u64, u64) + Sync)) -> Self {
+        let chain = Chain::new(robot);
+        let inverse = Inverse::new(&chain);
+        let elevation = inverse.kept_elevation().unwrap_or(-std::f64::consts::FRAC_PI_2);
+        let attitude = Attitude::elevation(elevation);
+        let envelope = Envelope::new(&inverse, &attitude, 0.0);
+        let step = step_of(robot, &inverse);
+        let work = envelope.work(0, &[], true, step);
+        let told = |count: u64| progress(count, work);
+        let size = envelope.size(&Fineness { step, tolerance: tolerance_of(&inverse, step), asked: &told });
+        let pose = chain.forward(&chain.posture(&robot.middle_posture()));
+        Self { robot, family: inverse.family(), pose, elevation, size, step }
+    }
+}

@@ -1,0 +1,181 @@
+//! The outline of what a yes-or-no question holds for in a plane: marching squares (Lorensen and Cline
+//! 1987, in two dimensions), every crossing refined by bisection.
+
+use rayon::prelude::*;
+
+/// A part of a plane, m.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Region {
+    pub outlines: Vec<Outline>,
+}
+
+/// A closed line; the last point is joined to the first. The region lies to its left: it runs
+/// counterclockwise outside, clockwise round a hole.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outline {
+    pub points: Vec<[f64; 2]>,
+}
+
+/// A lattice of points half a step off the axes, so that none lies on the base axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Lattice {
+    /// The first column and row, as numbers of steps.
+    first: [i64; 2],
+    size: [usize; 2],
+    step: f64,
+}
+
+/// No crossing on this edge.
+const NONE: u32 = u32::MAX;
+
+impl Region {
+    /// Holes taken off, m^2.
+    pub fn area(&self) -> f64 {
+        self.outlines.iter().map(Outline::area).sum()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.outlines.is_empty()
+    }
+
+    pub fn points(&self) -> impl Iterator<Item = [f64; 2]> {
+        self.outlines.iter().flat_map(|o| o.points.iter().copied())
+    }
+}
+
+impl Outline {
+    /// Signed: negative of a hole, m^2.
+    pub fn area(&self) -> f64 {
+        let next = self.points.iter().cycle().skip(1);
+        self.points.iter().zip(next).map(|(a, b)| (a[0] * b[1] - a[1] * b[0]) / 2.0).sum()
+    }
+
+    pub fn is_hole(&self) -> bool {
+        self.area() < 0.0
+    }
+}
+
+impl Lattice {
+    /// Over all that is nearer than `radius` to `centre`, with a frame of points outside.
+    pub fn round(centre: [f64; 2], radius: f64, step: f64) -> Self {
+        let first = centre.map(|c| ((c - radius) / step).floor() as i64 - 1);
+        let last = centre.map(|c| ((c + radius) / step).ceil() as i64 + 1);
+        Self { first, size: [0, 1].map(|k| (last[k] - first[k]).max(2) as usize), step }
+    }
+
+    pub fn count(&self) -> u64 {
+        (self.size[0] * self.size[1]) as u64
+    }
+
+    /// The coordinate of the k-th column (axis 0) or row (axis 1).
+    fn coordinate(&self, axis: usize, k: usize) -> f64 {
+        (self.first[axis] as f64 + k as f64 + 0.5) * self.step
+    }
+
+    /// All columns (axis 0) or rows (axis 1).
+    pub fn line(&self, axis: usize) -> Vec<f64> {
+        (0..self.size[axis]).map(|k| self.coordinate(axis, k)).collect()
+    }
+
+    fn point(&self, node: usize) -> [f64; 2] {
+        [self.coordinate(0, node % self.size[0]), self.coordinate(1, node / self.size[0])]
+    }
+
+    /// The region where `inside` holds. What is narrower than a step may be missed; a crossing is off
+    /// by at most `tolerance`. `row_done` is told after every row of points.
+    pub fn region(
+        &self,
+        tolerance: f64,
+        row_done: &(dyn Fn(u64) + Sync),
+        inside: impl Fn([f64; 2]) -> bool + Sync,
+    ) -> Region {
+        let [columns, rows] = self.size;
+        let row = |j: usize| {
+            let frame = |i: usize| i == 0 || j == 0 || i + 1 == columns || j + 1 == rows;
+            let held: Vec<bool> =
+                (0..columns).map(|i| !frame(i) && inside(self.point(i + j * columns))).collect();
+            row_done(columns as u64);
+            held
+        };
+        let held: Vec<bool> = (0..rows).into_par_iter().flat_map_iter(row).collect();
+        // Edge 2 k runs from point k to the right, edge 2 k + 1 upwards.
+        let end = |edge: usize| edge / 2 + if edge % 2 == 0 { 1 } else { columns };
+        let has_end =
+            |edge: usize| if edge % 2 == 0 { (edge / 2 + 1) % columns != 0 } else { end(edge) < held.len() };
+        let cut = |&edge: &usize| has_end(edge) && held[edge / 2] != held[end(edge)];
+        let edges: Vec<usize> = (0..2 * held.len()).filter(cut).collect();
+        let crossing = |&edge: &usize| {
+            let (from, to) = (self.point(edge / 2), self.point(end(edge)));
+            let (yes, no) = if held[edge / 2] { (from, to) } else { (to, from) };
+            bisected(yes, no, tolerance, &inside)
+        };
+        let crossings: Vec<[f64; 2]> = edges.par_iter().map(crossing).collect();
+        let mut number = vec![NONE; 2 * held.len()];
+        edges.iter().enumerate().for_each(|(k, &edge)| number[edge] = k as u32);
+        let next = self.linked(&held, &number, edges.len(), &inside);
+        Region { outlines: walked(&crossings, next) }
+    }
+
+    /// From every crossing the next one along the outline.
+    fn linked(
+        &self,
+        held: &[bool],
+        number: &[u32],
+        count: usize,
+        inside: &impl Fn([f64; 2]) -> bool,
+    ) -> Vec<u32> {
+        let columns = self.size[0];
+        let mut next = vec![NONE; count];
+        for low in (0..held.len() - columns).filter(|k| (k + 1) % columns != 0) {
+            // Counterclockwise from the lower left; side k runs from corner k to the next.
+            let corners = [low, low + 1, low + columns + 1, low + columns];
+            let sides = [2 * low, 2 * (low + 1) + 1, 2 * (low + columns), 2 * low + 1];
+            let leaves = |k: usize| held[corners[k]] && !held[corners[(k + 1) % 4]];
+            let enters = |k: usize| !held[corners[k]] && held[corners[(k + 1) % 4]];
+            let saddle = (0..4).filter(|&k| leaves(k)).count() == 2;
+            let middle = || {
+                let [a, b] = [self.point(corners[0]), self.point(corners[2])];
+                inside([(a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0])
+            };
+            // Of a saddle whose middle is outside the two corners are apart.
+            let turn = if saddle && !middle() { 3 } else { 1 };
+            for k in (0..4).filter(|&k| leaves(k)) {
+                if let Some(to) = (1..4).map(|n| (k + n * turn) % 4).find(|&k| enters(k)) {
+                    next[number[sides[k]] as usize] = number[sides[to]];
+                }
+            }
+        }
+        next
+    }
+}
+
+/// The point between `yes` and `no` where `inside` ends.
+fn bisected(
+    mut yes: [f64; 2],
+    mut no: [f64; 2],
+    tolerance: f64,
+    inside: &impl Fn([f64; 2]) -> bool,
+) -> [f64; 2] {
+    let middle = |a: [f64; 2], b: [f64; 2]| [(a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0];
+    while (yes[0] - no[0]).abs() + (yes[1] - no[1]).abs() > 2.0 * tolerance {
+        let between = middle(yes, no);
+        if inside(between) { yes = between } else { no = between }
+    }
+    middle(yes, no)
+}
+
+/// The closed lines along `next`.
+fn walked(crossings: &[[f64; 2]], mut next: Vec<u32>) -> Vec<Outline> {
+    let mut outlines = Vec::new();
+    for start in 0..next.len() {
+        let (mut at, mut points) = (start, Vec::new());
+        while next[at] != NONE {
+            points.push(crossings[at]);
+            at = std::mem::replace(&mut next[at], NONE) as usize;
+        }
+        if !points.is_empty() {
+            outlines.push(Outline { points });
+        }
+    }
+    outlines
+}

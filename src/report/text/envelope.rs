@@ -1,0 +1,169 @@
+//! Robots and their working envelopes in words.
+
+use super::table::Table;
+use super::{fixed, mm, mm1};
+use crate::cell::{Convention, ErrorSet, JointKind, Robot, shown};
+use crate::compare::{Reachable, Sheet};
+use crate::reach::Size;
+use crate::units::{deg_from_rad, mm_from_m, percent_from_share, rounded};
+use nalgebra::Vector3;
+use std::fmt::Write;
+
+/// The robots of the library: file stem, robot, family.
+pub fn robots(all: &[(&str, Robot, &str)]) -> String {
+    let mut table = Table::new(3);
+    table.row(["robot", "name", "inverse kinematics", "axes", "reach mm", "error sets"]);
+    for (stem, robot, family) in all {
+        let (reach, axes) = (fixed(mm_from_m(robot.reach()), 0), robot.axes().to_string());
+        let sets = robot.errors.len().to_string();
+        table.row([stem.to_string(), shown(&robot.name), family.to_string(), axes, reach, sets]);
+    }
+    let mut out =
+        format!("{}reach: at most so far from the base axis, any attitude\n\nsources\n", table.render());
+    for (stem, robot, _) in all {
+        let _ = writeln!(out, "  {stem}: {}", first_line(robot));
+    }
+    out
+}
+
+/// The first line of what a robot's file says about its numbers.
+pub fn first_line(robot: &Robot) -> String {
+    shown(robot.source.trim().lines().next().unwrap_or_default())
+}
+
+/// All that is known of a robot alone.
+pub fn robot(sheet: &Sheet<'_>) -> String {
+    let robot = sheet.robot;
+    let kept = format!("{} axes, {}", robot.axes(), sheet.family);
+    let mut out = format!("{}: {kept}\n\n{}{}", shown(&robot.name), dh_table(robot), coupling(robot));
+    let tool = &robot.tool;
+    let _ = writeln!(
+        out,
+        "tool        TCP at {} mm in the last frame, {}, axis {}",
+        triple(&tool.translation.map(mm_from_m)),
+        if tool.rotation == nalgebra::Matrix3::identity() { "not turned" } else { "turned" },
+        triple(&robot.tool_axis)
+    );
+    let axis = sheet.pose.rotation * robot.tool_axis;
+    let elevation = fixed(deg_from_rad(axis.z.clamp(-1.0, 1.0).asin()), 1);
+    let _ = writeln!(
+        out,
+        "at zero     TCP at {} mm, tool axis at {elevation} deg (joints at 0, or in the middle of their range)",
+        triple(&sheet.pose.translation.map(mm_from_m)),
+    );
+    let _ = writeln!(out, "reach       at most {} mm from the base axis", fixed(mm_from_m(robot.reach()), 0));
+    let tilt = fixed(deg_from_rad(sheet.elevation), 1);
+    let _ = writeln!(out, "envelope    with the tool at {tilt} deg: {}", size(&sheet.size));
+    let _ = writeln!(out, "solids      {}", solids(robot));
+    for set in &robot.errors {
+        let _ = writeln!(out, "errors      {}, {}", shown(set.name()), kind_of(set));
+    }
+    let _ = writeln!(out, "source      {}", first_line(robot));
+    out
+}
+
+/// What an error set is.
+pub fn kind_of(set: &ErrorSet) -> &'static str {
+    match set {
+        ErrorSet::Signed(_) => "a signed sample",
+        ErrorSet::Tolerance(_) => "a tolerance",
+    }
+}
+
+fn solids(robot: &Robot) -> String {
+    let names: Vec<String> = robot.solids.iter().map(|s| shown(&s.solid.name)).collect();
+    if names.is_empty() { "none: nothing of the arm collides".into() } else { names.join(", ") }
+}
+
+fn dh_table(robot: &Robot) -> String {
+    let mut table = Table::new(2);
+    table.row(["joint", "kind", "theta deg", "r mm", "l mm", "alpha deg", "from", "to", "unit"]);
+    for (joint, [theta, r, l, alpha]) in robot.joints.iter().zip(robot.rows_of_file()) {
+        let turns = joint.kind == JointKind::Revolute;
+        let (kind, unit) = if turns { ("revolute", "deg") } else { ("prismatic", "mm") };
+        let limit = |q| rounded(if turns { deg_from_rad(q) } else { mm_from_m(q) }, 3).to_string();
+        let angle = |rad| rounded(deg_from_rad(rad), 6).to_string();
+        let (kind, from, to) = match joint.is_passive() {
+            true => ("passive", String::new(), String::new()),
+            false => (kind, limit(joint.limits.0), limit(joint.limits.1)),
+        };
+        let numbers = [angle(theta), mm(r), mm(l), angle(alpha), from, to, unit.into()];
+        table.row([shown(&joint.name), kind.into()].into_iter().chain(numbers));
+    }
+    let matrix = match robot.convention {
+        Convention::Standard => "Rz(theta + q) Tz(r) Tx(l) Rx(alpha)",
+        Convention::Modified => "Tx(l) Rx(alpha) Rz(theta + q) Tz(r)",
+    };
+    format!("D-H rows, {}: A = {matrix}\n{}\n", robot.convention.name(), table.render())
+}
+
+/// How joints follow other actuators; empty of a serial arm.
+fn coupling(robot: &Robot) -> String {
+    let mut out = String::new();
+    for (i, row) in robot.coupling.iter().enumerate() {
+        let others = row.iter().enumerate().filter(|(j, factor)| *j != i && **factor != 0.0);
+        let others: Vec<String> =
+            others.map(|(j, factor)| format!("{factor:+} {}", shown(&robot.joints[j].name))).collect();
+        if !others.is_empty() {
+            let own = if robot.joints[i].is_passive() { "follows" } else { "also follows" };
+            let _ = writeln!(out, "coupling    {} {own} {}", shown(&robot.joints[i].name), others.join(" "));
+        }
+    }
+    out
+}
+
+fn triple(v: &Vector3<f64>) -> String {
+    let [x, y, z] = [v.x, v.y, v.z].map(|v| rounded(v, 3));
+    format!("({x}, {y}, {z})")
+}
+
+/// Volume and extent in one line.
+pub fn size(size: &Size) -> String {
+    let Some(extent) = &size.extent else { return "nothing was found to be reachable".into() };
+    format!(
+        "{:.4} +- {:.4} m^3, {} to {} mm from the base axis, {} to {} mm high",
+        size.volume,
+        size.error,
+        mm1(extent.radius.0),
+        mm1(extent.radius.1),
+        mm1(extent.height.0),
+        mm1(extent.height.1)
+    )
+}
+
+/// Whose envelope it is, and how the tool is held.
+pub fn envelope_title(envelope: &Reachable<'_>) -> String {
+    let elevation = rounded(deg_from_rad(envelope.attitude.elevation), 3);
+    let of = envelope.operation.map_or(String::new(), |o| format!(" of {}", shown(&o.name)));
+    format!("{}: working envelope{of}, tool at {elevation} deg", shown(&envelope.robot.name))
+}
+
+/// Section, plans and size.
+pub fn envelope(envelope: &Reachable<'_>) -> String {
+    let size_of = &envelope.size;
+    let mut out = format!("{}\n{}\n\n", envelope_title(envelope), envelope.family);
+    let mut table = Table::new(1);
+    let azimuth = fixed(deg_from_rad(envelope.azimuth), 1);
+    let square = |area: f64| format!("{area:.4} m^2");
+    let pieces = |count: usize| format!("{count} outline{}", if count == 1 { "" } else { "s" });
+    let section = &envelope.section;
+    table.row([
+        format!("section at azimuth {azimuth} deg"),
+        square(section.area()),
+        pieces(section.outlines.len()),
+    ]);
+    for (height, plan) in &envelope.plans {
+        table.row([format!("plan at {} mm", mm1(*height)), square(plan.area()), pieces(plan.outlines.len())]);
+    }
+    let _ = write!(out, "{}", table.render());
+    let share = percent_from_share(size_of.error / size_of.volume.max(f64::MIN_POSITIVE));
+    let _ = writeln!(out, "size: {}", size(size_of));
+    let how = if size_of.symmetric { "turned round the base axis" } else { "counted in x, y and z" };
+    let _ = writeln!(
+        out,
+        "{how}; +- is the change from twice the step ({share:.1} %); step {} mm, what is narrower may be missed",
+        mm(envelope.step)
+    );
+    let _ = writeln!(out, "base frame of the robot; joint limits are kept, collisions not looked at");
+    out
+}
