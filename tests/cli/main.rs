@@ -3,6 +3,7 @@
 //! Every test runs the real binary in a folder of its own.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod cache;
 #[path = "../common/mod.rs"]
 mod common;
 mod contract;
