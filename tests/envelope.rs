@@ -8,7 +8,7 @@ use nalgebra::{Vector3, vector};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::{FRAC_PI_2, PI};
-use sweetspot::cell::{self, Attitude, Azimuth, Cell, Placement, Robot};
+use sweetspot::cell::{self, Attitude, Azimuth, Cell, Placement, Robot, Spin};
 use sweetspot::error_map::Outcome;
 use sweetspot::layout::{Workcell, evaluate};
 use sweetspot::reach::{Branch, Envelope, Fineness, Inverse, Reach, Region, Size};
@@ -289,11 +289,15 @@ fn the_volume_is_what_counting_finds() {
 #[test]
 fn a_track_draws_the_plan_along() {
     let arm = inverse(&on_track());
-    let envelope = Envelope::new(&arm, &Attitude::elevation(DOWN), 0.0);
-    let plan = envelope.plan(0.6, &fine(0.04));
+    // Every spin is as good as any.
+    let attitude = Attitude { spin: Spin::At(vec![0.0]), ..Attitude::elevation(DOWN) };
+    let envelope = Envelope::new(&arm, &attitude, 0.0);
+    // Every target costs 25 times as much here.
+    let coarse = |step: f64| Fineness { step, tolerance: 2e-3, asked: &|_| () };
+    let plan = envelope.plan(0.6, &coarse(0.08));
     let exact = PI * 0.49 + 1.4;
-    assert!(near(plan.area(), exact, 0.01), "{} {exact}, {}", plan.area(), arm.family());
-    let Size { volume, error, symmetric, extent } = envelope.size(&fine(0.08));
+    assert!(near(plan.area(), exact, 0.02), "{} {exact}, {}", plan.area(), arm.family());
+    let Size { volume, error, symmetric, extent } = envelope.size(&coarse(0.1));
     let exact = 0.2 * exact;
     assert!(
         !symmetric && (volume - exact).abs() < error + 0.02 * exact,

@@ -99,9 +99,10 @@ impl Lattice {
         };
         let held: Vec<bool> = (0..rows).into_par_iter().flat_map_iter(row).collect();
         // Edge 2 k runs from point k to the right, edge 2 k + 1 upwards.
-        let end = |edge: usize| edge / 2 + if edge % 2 == 0 { 1 } else { columns };
-        let has_end =
-            |edge: usize| if edge % 2 == 0 { (edge / 2 + 1) % columns != 0 } else { end(edge) < held.len() };
+        let level = |edge: usize| edge.is_multiple_of(2);
+        let end = |edge: usize| edge / 2 + if level(edge) { 1 } else { columns };
+        let closes = |k: usize| (k + 1).is_multiple_of(columns);
+        let has_end = |edge: usize| if level(edge) { !closes(edge / 2) } else { end(edge) < held.len() };
         let cut = |&edge: &usize| has_end(edge) && held[edge / 2] != held[end(edge)];
         let edges: Vec<usize> = (0..2 * held.len()).filter(cut).collect();
         let crossing = |&edge: &usize| {
@@ -126,7 +127,7 @@ impl Lattice {
     ) -> Vec<u32> {
         let columns = self.size[0];
         let mut next = vec![NONE; count];
-        for low in (0..held.len() - columns).filter(|k| (k + 1) % columns != 0) {
+        for low in (0..held.len() - columns).filter(|k| !(k + 1).is_multiple_of(columns)) {
             // Counterclockwise from the lower left; side k runs from corner k to the next.
             let corners = [low, low + 1, low + columns + 1, low + columns];
             let sides = [2 * low, 2 * (low + 1) + 1, 2 * (low + columns), 2 * low + 1];
