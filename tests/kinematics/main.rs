@@ -11,5 +11,6 @@ mod inverse;
 mod product;
 mod rotations;
 mod six_axes;
+mod six_axes_edges;
 #[path = "../common/ur.rs"]
 mod ur;
