@@ -3,6 +3,7 @@
 mod anthropomorphic;
 mod limits;
 mod nearest;
+mod pieper;
 mod planar;
 mod quartic;
 mod spherical_wrist;
