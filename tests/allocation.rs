@@ -7,7 +7,7 @@ use allocation_counter::measure;
 use common::shipped;
 use sweetspot::cell::*;
 use sweetspot::pose::Pose;
-use sweetspot::reach::{Goal, Held, Inverse, Numeric};
+use sweetspot::reach::{Goal, Held, Inverse, Numeric, SphericalWrist, ThreeParallel};
 use sweetspot::reading::{BestFit, Gauge, Reference, Site, Situation, Sources, Taught};
 use sweetspot::robot::{Chain, Frames};
 
@@ -76,5 +76,32 @@ fn one_numeric_solution_does_not_allocate() {
             let used = measure(|| solved = solver.one(&goal).is_some());
             assert!(solved && used.count_total == 0, "{goal:?}: {}", used.count_total);
         }
+    }
+}
+
+#[test]
+fn inverse_kinematics_of_six_axes_does_not_allocate() {
+    let load = |name: &str| common::load_from(&common::root().join("tests/data"), name).unwrap().cell.robot;
+    let (puma, ur5) = (load("puma560.toml"), load("ur5.toml"));
+    let mut general = puma.clone();
+    (general.joints[0].l, general.joints[1].alpha) = (0.1, 0.3);
+    let (wrist, oblique) = (Chain::new(&puma), Chain::new(&general));
+    let solvers = [&wrist, &oblique].map(|chain| SphericalWrist::new(chain).unwrap());
+    let parallel = (Chain::new(&ur5), ThreeParallel::new(&Chain::new(&ur5)).unwrap());
+    let q = [0.3, 0.4, -0.5, 0.6, 0.7, -0.8, 0.0, 0.0];
+    for (far, chain, solver) in [(0.0, &wrist, 0), (9.0, &wrist, 0), (0.0, &oblique, 1), (9.0, &oblique, 1)]
+        .into_iter()
+        .chain([(0.0, &parallel.0, 2), (9.0, &parallel.0, 2)])
+    {
+        let mut flange = chain.forward(&chain.posture(&q));
+        flange.translation.x += far;
+        let (mut scratch, mut found, mut missing) = (chain.posture(&q), 0, 0.0);
+        let used = measure(|| {
+            missing = match solver {
+                2 => parallel.1.solve(&flange, &mut scratch, &mut |_, _| found += 1),
+                k => solvers[k].solve(&flange, &mut scratch, &mut |_, _| found += 1),
+            };
+        });
+        assert_eq!((used.count_total, found > 0, missing > 0.0), (0, far == 0.0, far > 0.0), "{solver}");
     }
 }

@@ -187,6 +187,39 @@ impl Inverse {
         Gap { reach, limits: if reach > 0.0 { 0.0 } else { least } }
     }
 
+    /// Whether a branch keeps the joint limits, asked until the first is found; a redundant joint stands
+    /// at the values tried, not between them.
+    pub fn reaches(&self, target: &Vector3<f64>, approach: &Approach, scratch: &mut Posture) -> bool {
+        let mut any = false;
+        let mut judge = |_: u32, posture: &Posture| {
+            any = any || self.excess(posture, target, approach) == 0.0;
+        };
+        match &self.kernel {
+            Kernel::Pose(_) => (0..approach.hold.columns.len()).any(|k| {
+                let mut found = false;
+                self.solve_one(k, target, approach, scratch, &mut |_, posture: &Posture| {
+                    found = found || self.excess(posture, target, approach) == 0.0;
+                });
+                found
+            }),
+            Kernel::Locked(locked) => locked.values.iter().enumerate().any(|(k, value)| {
+                let mut found = false;
+                self.solve_locked(locked, (k, *value), target, approach, &mut |_, posture: &Posture| {
+                    found = found || self.excess(posture, target, approach) == 0.0;
+                });
+                found
+            }),
+            Kernel::Planar(_) => {
+                self.solve(target, approach, scratch, &mut judge);
+                any
+            }
+            Kernel::Numeric(_) => {
+                self.converge(target, approach, |_, _| any = true);
+                any
+            }
+        }
+    }
+
     /// The posture of one branch that [`Self::visit`] has found.
     pub fn posture(&self, target: &Vector3<f64>, approach: &Approach, wanted: u32) -> Option<Posture> {
         let mut found = None;

@@ -154,7 +154,7 @@ pub(super) fn spread(chain: &Chain, k: usize) -> JointVector {
 
 impl Locked {
     /// Values tried of the joint that is held.
-    pub const STEPS: usize = 25;
+    pub const STEPS: usize = 13;
 
     fn new(chain: &Chain, first: bool) -> Option<Self> {
         let n = chain.axes();

@@ -9,6 +9,7 @@ mod kernel;
 mod limits;
 mod nearest;
 mod numeric;
+mod pieper;
 mod planar;
 mod quartic;
 mod scara;

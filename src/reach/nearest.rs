@@ -84,9 +84,9 @@ impl Point {
         missed
     }
 
-    /// The distance from `p` to the nearest place of the point, m: Levenberg-Marquardt from the best
-    /// of many postures.
-    pub fn missing(&self, p: &Vector3<f64>) -> f64 {
+    /// The distance from `p` to the nearest place of the point, m, and the joints there:
+    /// Levenberg-Marquardt from the best of many postures.
+    pub fn nearest(&self, p: &Vector3<f64>) -> (f64, Joints) {
         const STARTS: usize = 4;
         let mut best = [(f64::INFINITY, Joints { theta: [(1.0, 0.0); 3], r: [0.0; 3] }); STARTS];
         for k in 0..GRID * GRID {
@@ -99,7 +99,8 @@ impl Point {
                 best[place] = (rest, joints);
             }
         }
-        best.iter().map(|b| self.approached(p, b.1)).fold(f64::INFINITY, f64::min)
+        let [first, rest @ ..] = best.map(|b| self.approached(p, b.1));
+        rest.into_iter().fold(first, |a, b| if b.0 < a.0 { b } else { a })
     }
 
     /// Postures of joints 2 and 3, all around; slides at their zero.
@@ -116,7 +117,7 @@ impl Point {
         joints
     }
 
-    fn approached(&self, p: &Vector3<f64>, mut joints: Joints) -> f64 {
+    fn approached(&self, p: &Vector3<f64>, mut joints: Joints) -> (f64, Joints) {
         let (mut rest, mut damping) = ((p - self.seen_from(0, &joints)).norm(), 1e-2);
         for _ in 0..200 {
             let (q, moves) = self.derivative(&joints);
@@ -135,7 +136,7 @@ impl Point {
                 damping *= 4.0;
             }
         }
-        rest
+        (rest, joints)
     }
 
     /// Whether the joints move the point in all directions somewhere.

@@ -7,7 +7,7 @@ pub(super) type Polynomial = [f64; 5];
 pub(super) type Quadratic = [f64; 3];
 
 /// A value below this share of the sum of its terms counts as a root that only touches zero.
-const TOUCHES: f64 = 1e-9;
+const TOUCHES: f64 = 1e-7;
 
 /// Up to four numbers in ascending order.
 #[derive(Debug, Clone, Copy, PartialEq)]

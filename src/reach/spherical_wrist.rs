@@ -75,10 +75,13 @@ impl SphericalWrist {
     /// the tool not included), without regard to joint limits. `posture` is memory that carries the
     /// fixed D-H values of the chain.
     ///
-    /// The branch: bit 0 tells the wrist from the flipped one, the bits above name the way in which
-    /// the first three joints reach the wrist centre (usual industrial arm: bit 1 elbow, bit 2 the arm
-    /// leans back; otherwise see [`ThreeJoints`]). With axes 4 and 6 in line theta_4 is 0, and the
-    /// wrist is not flipped. Of an arm with a spherical shoulder all this holds from flange to base.
+    /// The branch: bit 0 tells the wrist from the flipped one. Usual industrial arm: bit 1 elbow, bit 2
+    /// the arm leans back over its base. Other arms: bit 1 which of two postures of joint 2, bit 2
+    /// whether Pieper's equation rises at the solution for joint 3, bit 3 which of these, counted from
+    /// theta_3 = -180 degrees or the lowest r_3; neighbours keep that number up to a singularity or to
+    /// theta_3 = 180 degrees, and an arm that changes posture without a singularity has no better one.
+    /// With axes 4 and 6 in line theta_4 is 0 and the wrist is not flipped; a wrist centre on axis 1 or
+    /// 2 leaves that theta 0. Of an arm with a spherical shoulder all this holds from flange to base.
     ///
     /// Returns how far (m) the wrist centre is from what the first three joints reach, 0 if they reach
     /// it; an oblique wrist may still not turn as it should.

@@ -6,7 +6,8 @@
 //! joints 2 and 1 follow. Newton's method on the point itself polishes each solution and decides.
 
 use super::nearest::{Joints, Point};
-use super::quartic::{Polynomial, Quadratic, product, real_roots, value};
+use super::pieper::combined;
+use super::quartic::{Quadratic, real_roots, value};
 use super::subproblems::{ALIGNED, Angle};
 use crate::cell::JointKind::{self, Prismatic, Revolute};
 use crate::robot::{Link, Posture};
@@ -19,37 +20,30 @@ const ACCURACY: f64 = 1e-10;
 /// of 1 and of r_3 (and a zero).
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct ThreeJoints {
-    kinds: [JointKind; 3],
+    pub kinds: [JointKind; 3],
     /// (cos, sin) of alpha_1, and of theta_1 and theta_2 at coordinate 0.
-    twist1: Angle,
-    zero: [Angle; 2],
-    l1: f64,
+    pub twist1: Angle,
+    pub zero: [Angle; 2],
+    pub l1: f64,
     r1: f64,
     /// The point in frame 1, turned back by theta_2: x, y, and z less a free r_2.
-    u: Quadratic,
-    v: Quadratic,
-    h: Quadratic,
+    pub u: Quadratic,
+    pub v: Quadratic,
+    pub h: Quadratic,
     /// Square of the distance from the origin of frame 1: a form, and a form to be squared.
-    distance2: (Quadratic, Quadratic),
+    pub distance2: (Quadratic, Quadratic),
     point: Point,
 }
 
 /// The place of the point as joint 2 needs it.
-struct Target {
-    p: Vector3<f64>,
+pub(super) struct Target {
+    pub p: Vector3<f64>,
     /// Height above the origin of frame 1 along axis 1, and the square of the distance from it, less
     /// l_1 squared; for a sliding joint 1 x and y in the frame turned by theta_1.
-    height: f64,
-    distance2: f64,
-    x: f64,
-    y: f64,
-}
-
-/// Polynomials of a parameter t of the path of joint 3 that are to 1 : a : b as the path demands.
-struct Path {
-    one: Quadratic,
-    a: Quadratic,
-    b: Quadratic,
+    pub height: f64,
+    pub distance2: f64,
+    pub x: f64,
+    pub y: f64,
 }
 
 /// Where joint 3 may stand: a = cos theta_3 or r_3, b = sin theta_3.
@@ -136,16 +130,30 @@ impl ThreeJoints {
                     continue;
                 }
                 any = true;
-                for j in 0..3 {
-                    (posture.cos[j], posture.sin[j]) = joints.theta[j];
-                    if self.kinds[j] == Prismatic {
-                        posture.r[j] = joints.r[j];
-                    }
-                }
+                self.write(&joints, posture);
                 found(name | k, posture);
             }
         }
-        if any { 0.0 } else { self.point.missing(p) }
+        if any {
+            return 0.0;
+        }
+        let (missing, joints) = self.point.nearest(p);
+        if missing > ACCURACY {
+            return missing;
+        }
+        // At the boundary rounding may hide a root that is there.
+        self.write(&joints, posture);
+        found(0, posture);
+        0.0
+    }
+
+    fn write(&self, joints: &Joints, posture: &mut Posture) {
+        for j in 0..3 {
+            (posture.cos[j], posture.sin[j]) = joints.theta[j];
+            if self.kinds[j] == Prismatic {
+                posture.r[j] = joints.r[j];
+            }
+        }
     }
 
     fn target(&self, p: &Vector3<f64>) -> Target {
@@ -199,78 +207,6 @@ impl ThreeJoints {
         origin
     }
 
-    /// The circle by the tangent of half the angle from `origin`, or the line by r_3.
-    fn path(&self, (c, s): Angle) -> Path {
-        match self.kinds[2] {
-            Revolute => Path { one: [1.0, 0.0, 1.0], a: [c, -2.0 * s, -c], b: [s, 2.0 * c, -s] },
-            Prismatic => Path { one: [1.0, 0.0, 0.0], a: [0.0, 1.0, 0.0], b: [0.0; 3] },
-        }
-    }
-
-    /// What joint 3 must fulfil so that joints 1 and 2 can do the rest.
-    fn equation(&self, target: &Target, path: &Path) -> Polynomial {
-        let on = |f: &Quadratic| -> Quadratic {
-            std::array::from_fn(|k| f[0] * path.one[k] + f[1] * path.a[k] + f[2] * path.b[k])
-        };
-        let minus = |f: f64, p: &Quadratic| -> Quadratic { std::array::from_fn(|k| f * path.one[k] - p[k]) };
-        let (u, v, h) = (on(&self.u), on(&self.v), on(&self.h));
-        let far = self.distance2_on(path);
-        let ((ca, sa), l1) = (self.twist1, self.l1);
-        // (distance from axis 2)^2 = far - h^2.
-        let radius2 = |f: f64| weighted(&[(f, product(&far, &path.one)), (-f, product(&h, &h))]);
-        match (self.kinds[0], self.kinds[1]) {
-            (Revolute, Revolute) => {
-                let (e, z) = (minus(target.distance2, &far), minus(target.height, &h.map(|k| ca * k)));
-                match (l1 == 0.0, sa == 0.0) {
-                    (true, _) => raised(&e),
-                    (false, true) => raised(&z),
-                    (false, false) => {
-                        let squares = [(sa * sa, product(&e, &e)), (4.0 * l1 * l1, product(&z, &z))];
-                        let k = 4.0 * l1 * l1 * sa * sa;
-                        weighted(&[squares[0], squares[1], (-1.0, radius2(k))])
-                    }
-                }
-            }
-            (Prismatic, Revolute) => {
-                let y = minus(target.y, &h.map(|k| -sa * k));
-                if ca == 0.0 {
-                    return raised(&y);
-                }
-                let x2 = (ca * (target.x - l1)).powi(2);
-                let one2 = product(&path.one, &path.one);
-                weighted(&[(x2, one2), (1.0, product(&y, &y)), (-1.0, radius2(ca * ca))])
-            }
-            (Revolute, Prismatic) => {
-                let (x, y) = self.turned(&u, &v);
-                let z = minus(target.height, &y.map(|k| sa * k));
-                if ca == 0.0 {
-                    return raised(&z);
-                }
-                let rest = minus(target.distance2, &x.map(|k| 2.0 * l1 * k));
-                let k = ca * ca;
-                let plane = [(k, product(&x, &x)), (k, product(&y, &y))];
-                weighted(&[plane[0], plane[1], (1.0, product(&z, &z)), (-k, product(&rest, &path.one))])
-            }
-            (Prismatic, Prismatic) => raised(&minus(target.x - l1, &self.turned(&u, &v).0)),
-        }
-    }
-
-    /// The square of the distance of the point from the origin of frame 1, as a polynomial.
-    fn distance2_on(&self, path: &Path) -> Quadratic {
-        let (form, z) = &self.distance2;
-        let square = match self.kinds[2] {
-            Revolute => path.one.map(|k| z[0] * z[0] * k),
-            Prismatic => [z[0] * z[0], 2.0 * z[0] * z[1], z[1] * z[1]],
-        };
-        std::array::from_fn(|k| form[0] * path.one[k] + form[1] * path.a[k] + form[2] * path.b[k] + square[k])
-    }
-
-    /// x and y of the point in frame 1 with a fixed theta_2.
-    fn turned(&self, u: &Quadratic, v: &Quadratic) -> (Quadratic, Quadratic) {
-        let (c, s) = self.zero[1];
-        (combined(c, u, -s, v, 0.0), combined(s, u, c, v, 0.0))
-    }
-
     /// Where joint 2 may stand (theta, r), up to two.
     fn seconds(&self, target: &Target, third: &Third) -> ([(Angle, f64); 2], usize) {
         let at = |f: &Quadratic| f[0] + f[1] * third.a + f[2] * third.b;
@@ -314,19 +250,6 @@ impl ThreeJoints {
         self.point.aim(&target.p, &mut joints);
         joints
     }
-}
-
-/// `f a + g b + constant`.
-fn combined(f: f64, a: &Quadratic, g: f64, b: &Quadratic, constant: f64) -> Quadratic {
-    [f * a[0] + g * b[0] + constant, f * a[1] + g * b[1], f * a[2] + g * b[2]]
-}
-
-fn raised(q: &Quadratic) -> Polynomial {
-    [q[0], q[1], q[2], 0.0, 0.0]
-}
-
-fn weighted(terms: &[(f64, Polynomial)]) -> Polynomial {
-    std::array::from_fn(|k| terms.iter().map(|(w, p)| w * p[k]).sum())
 }
 
 /// The turns of (u, v) to x, to y or to both; what contradicts by rounding is left to the polish.

@@ -95,7 +95,7 @@ impl ThreeParallel {
     /// The branch: bit 0 elbow, bit 1 sign of sin theta_5, bit 2 the arm on the other side of axis 1.
     /// With axis 6 parallel to axis 2, theta_6 is 0 if the arm reaches with it, otherwise such that
     /// the arm is bent half way, and bit 1 is 0. With the wrist centre on axis 1 and no offset from
-    /// it, theta_1 is the first multiple of 45 degrees that has a solution, and bit 2 is 0.
+    /// it, theta_1 is 0 or the first of a scan of the turn that has a solution, and bit 2 is 0.
     ///
     /// Returns how far (m) the wrist centre has to move: to axis 2's fixed distance from axis 1 if no
     /// theta_1 gives that, otherwise in the plane of the arm, for the theta_1 that do. 0: it need not
@@ -133,16 +133,34 @@ impl ThreeParallel {
         posture: &mut Posture,
         found: &mut impl FnMut(u8, &Posture),
     ) -> f64 {
-        let h = std::f64::consts::FRAC_1_SQRT_2;
-        let turns = [(1.0, 0.0), (h, h), (0.0, 1.0), (-h, h), (-1.0, 0.0), (-h, -h), (0.0, -1.0), (h, -h)];
-        let mut missing = f64::INFINITY;
-        for theta in turns {
-            missing = missing.min(self.side(0, theta, p, axes, posture, found));
+        const TURNS: usize = 64;
+        let angle = |turn: f64| (turn.cos(), turn.sin());
+        let mut yaw = |turn: f64| self.side(0, angle(turn), p, axes, posture, found);
+        let mut step = std::f64::consts::TAU / TURNS as f64;
+        let (mut least, mut best) = (f64::INFINITY, 0.0);
+        for k in 0..TURNS {
+            let missing = yaw(k as f64 * step);
             if missing == 0.0 {
                 return 0.0;
             }
+            if missing < least {
+                (least, best) = (missing, k as f64 * step);
+            }
         }
-        if missing.is_finite() { missing } else { 0.0 }
+        // Those in reach may lie between.
+        for _ in 0..30 {
+            step *= 0.5;
+            for turn in [best - step, best + step] {
+                let missing = yaw(turn);
+                if missing == 0.0 {
+                    return 0.0;
+                }
+                if missing < least {
+                    (least, best) = (missing, turn);
+                }
+            }
+        }
+        if least.is_finite() { least } else { 0.0 }
     }
 
     /// All branches of one theta_1; m that the plane arm misses, infinite if axes 4 to 6 cannot turn so.

@@ -13,5 +13,7 @@ mod numeric;
 mod product;
 mod rotations;
 mod six_axes;
+mod six_axes_edges;
+mod six_axes_missing;
 #[path = "../common/ur.rs"]
 mod ur;

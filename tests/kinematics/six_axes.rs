@@ -1,27 +1,26 @@
 //! Closed-form inverse kinematics of six-axis arms against the D-H product of this test, brute force
 //! and counts made with another program.
 
-use crate::common::{data, root};
+use crate::common::root;
 use crate::product::{no_errors, position, rotation, tcp};
-use nalgebra::{Matrix3, Vector3, vector};
+use nalgebra::Vector3;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::array::from_fn;
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::PI;
 use sweetspot::cell::JointKind::{self, Prismatic, Revolute};
 use sweetspot::cell::{Joint, JointVector, Rectangle, Robot};
 use sweetspot::pose::Pose;
 use sweetspot::reach::{SphericalWrist, ThreeParallel};
 use sweetspot::robot::{Chain, Posture};
-use sweetspot::units::wrapped;
 
 /// theta (degrees), r, l (mm), alpha (degrees).
-type Row = (JointKind, [f64; 4]);
+pub type Row = (JointKind, [f64; 4]);
 
-const R: JointKind = Revolute;
-const P: JointKind = Prismatic;
+pub const R: JointKind = Revolute;
+pub const P: JointKind = Prismatic;
 
-fn robot(rows: &[Row]) -> Robot {
+pub fn robot(rows: &[Row]) -> Robot {
     let joint = |(k, &(kind, [theta, r, l, alpha])): (usize, &Row)| {
         let limits = if kind == Revolute { (-PI, PI) } else { (-0.5, 0.8) };
         let (theta, alpha) = (theta.to_radians(), alpha.to_radians());
@@ -33,45 +32,45 @@ fn robot(rows: &[Row]) -> Robot {
     crate::errors::robot(joints, serial, Pose::identity())
 }
 
-fn turning(rows: [[f64; 4]; 6]) -> Robot {
+pub fn turning(rows: [[f64; 4]; 6]) -> Robot {
     robot(&rows.map(|row| (R, row)))
 }
 
-fn from_cell(name: &str) -> Robot {
+pub fn from_cell(name: &str) -> Robot {
     crate::common::load_from(&root().join("tests/data"), name).unwrap_or_else(|f| panic!("{f:#?}")).cell.robot
 }
 
-enum Arm {
-    Wrist(SphericalWrist),
-    Parallel(ThreeParallel),
+pub enum Arm {
+    Wrist(Box<SphericalWrist>),
+    Parallel(Box<ThreeParallel>),
 }
 
 /// What the solver says of one pose.
-struct Answer {
-    missing: f64,
-    found: Vec<(u8, Posture)>,
+pub struct Answer {
+    pub missing: f64,
+    pub found: Vec<(u8, Posture)>,
 }
 
-struct Bench {
-    robot: Robot,
-    chain: Chain,
-    arm: Arm,
+pub struct Bench {
+    pub robot: Robot,
+    pub chain: Chain,
+    pub arm: Arm,
 }
 
 impl Bench {
-    fn wrist(robot: Robot) -> Self {
+    pub fn wrist(robot: Robot) -> Self {
         let chain = Chain::new(&robot);
-        let arm = Arm::Wrist(SphericalWrist::new(&chain).unwrap());
+        let arm = Arm::Wrist(Box::new(SphericalWrist::new(&chain).unwrap()));
         Self { robot, chain, arm }
     }
 
-    fn parallel(robot: Robot) -> Self {
+    pub fn parallel(robot: Robot) -> Self {
         let chain = Chain::new(&robot);
-        let arm = Arm::Parallel(ThreeParallel::new(&chain).unwrap());
+        let arm = Arm::Parallel(Box::new(ThreeParallel::new(&chain).unwrap()));
         Self { robot, chain, arm }
     }
 
-    fn solve(&self, flange: &Pose) -> Answer {
+    pub fn solve(&self, flange: &Pose) -> Answer {
         let mut scratch = self.chain.posture(&JointVector::default());
         let mut found = Vec::new();
         let mut push = |branch: u8, posture: &Posture| found.push((branch, *posture));
@@ -82,17 +81,17 @@ impl Bench {
         Answer { missing, found }
     }
 
-    fn pose(&self, q: &[f64]) -> Pose {
+    pub fn pose(&self, q: &[f64]) -> Pose {
         let t = tcp(&self.robot, q, &no_errors(6), 0.0);
         Pose { rotation: rotation(&t), translation: position(&t) }
     }
 
-    fn random(&self, rng: &mut ChaCha8Rng) -> JointVector {
+    pub fn random(&self, rng: &mut ChaCha8Rng) -> JointVector {
         crate::product::random_joints(&self.robot, rng)
     }
 
     /// Solves the pose of `q`: every answer must hold it. Returns the answers.
-    fn check(&self, q: &JointVector) -> Answer {
+    pub fn check(&self, q: &JointVector) -> Answer {
         let flange = self.pose(q);
         let answer = self.solve(&flange);
         assert!(!answer.found.is_empty() && answer.missing == 0.0, "{q:?}: {} missing", answer.missing);
@@ -107,7 +106,7 @@ impl Bench {
     }
 
     /// Largest difference of a cosine, sine or slide from the nearest answer.
-    fn nearest(&self, q: &JointVector, answer: &Answer) -> f64 {
+    pub fn nearest(&self, q: &JointVector, answer: &Answer) -> f64 {
         let original = self.chain.posture(q);
         let apart = |p: &Posture| {
             let each = |k: usize| {
@@ -137,16 +136,16 @@ impl Bench {
     }
 }
 
-fn puma560() -> Bench {
+pub fn puma560() -> Bench {
     Bench::wrist(from_cell("puma560.toml"))
 }
 
-fn ur5() -> Bench {
+pub fn ur5() -> Bench {
     Bench::parallel(from_cell("ur5.toml"))
 }
 
 /// ABB IRB 140 with an offset shoulder added.
-fn irb140() -> Bench {
+pub fn irb140() -> Bench {
     Bench::wrist(turning([
         [0.0, 352.0, 70.0, -90.0],
         [-90.0, 30.0, 360.0, 0.0],
@@ -158,7 +157,7 @@ fn irb140() -> Bench {
 }
 
 /// The Stanford arm: two turning joints, a slide, a wrist.
-fn stanford() -> Bench {
+pub fn stanford() -> Bench {
     Bench::wrist(robot(&[
         (R, [0.0, 412.0, 0.0, -90.0]),
         (R, [0.0, 154.0, 0.0, 90.0]),
@@ -169,8 +168,8 @@ fn stanford() -> Bench {
     ]))
 }
 
-/// Franka Panda with joint 7 at `locked` degrees: its flange frame after axis 6.
-fn panda() -> Bench {
+/// Franka Panda without joint 7: a spherical shoulder.
+pub fn panda() -> Bench {
     Bench::wrist(turning([
         [0.0, 333.0, 0.0, -90.0],
         [0.0, 0.0, 0.0, 90.0],
@@ -182,7 +181,7 @@ fn panda() -> Bench {
 }
 
 /// Universal Robots' family with every offset that it allows, and its axes 3 and 4 turned over.
-fn offsets() -> Bench {
+pub fn offsets() -> Bench {
     Bench::parallel(turning([
         [10.0, 120.0, 35.0, 70.0],
         [-20.0, 40.0, -425.0, 180.0],
@@ -209,7 +208,7 @@ fn random_row(rng: &mut ChaCha8Rng, kind: JointKind) -> Row {
 }
 
 /// A chain with a spherical wrist of random twists; shoulder of random lengths and twists.
-fn random_chain(rng: &mut ChaCha8Rng, kinds: [JointKind; 3]) -> Vec<Row> {
+pub fn random_chain(rng: &mut ChaCha8Rng, kinds: [JointKind; 3]) -> Vec<Row> {
     let mut rows: Vec<Row> = kinds.iter().chain(&[R; 3]).map(|&kind| random_row(rng, kind)).collect();
     rows[3].1[2] = 0.0;
     rows[4].1[2] = 0.0;
@@ -218,7 +217,7 @@ fn random_chain(rng: &mut ChaCha8Rng, kinds: [JointKind; 3]) -> Vec<Row> {
 }
 
 /// The chain from flange to base, as another robot.
-fn end_for_end(rows: &[Row]) -> Vec<Row> {
+pub fn end_for_end(rows: &[Row]) -> Vec<Row> {
     let twist = |k: usize| 5usize.checked_sub(k + 1).map_or([70.0, 25.0], |i| [-rows[i].1[2], -rows[i].1[3]]);
     let row = |k: usize| {
         let ((kind, [theta, r, ..]), [l, alpha]) = (rows[5 - k], twist(k));
@@ -234,9 +233,30 @@ fn inverse_of_forward_for_general_chains() {
     for k in 0..8 {
         for _ in 0..10 {
             let rows = random_chain(&mut rng, kinds(k));
-            println!("{rows:?}");
             Bench::wrist(robot(&rows)).check_random(1_000, rng.random());
             Bench::wrist(robot(&end_for_end(&rows))).check_random(500, rng.random());
         }
     }
+}
+
+/// Right angles and zeros in every place: the special cases of every first three joints.
+#[test]
+fn inverse_of_forward_for_special_chains() {
+    let mut rng = ChaCha8Rng::seed_from_u64(21);
+    let mut solved = [0; 8];
+    for k in 0..1_600 {
+        let mut rows = random_chain(&mut rng, from_fn(|j| if k >> j & 1 == 1 { P } else { R }));
+        for (_, row) in &mut rows[..3] {
+            row[3] = [0.0, 90.0, -90.0, 180.0, row[3]][rng.random_range(0..5)];
+            for column in [0, 1, 2] {
+                row[column] *= f64::from(rng.random_range(0..2));
+            }
+        }
+        let robot = robot(&rows);
+        if SphericalWrist::new(&Chain::new(&robot)).is_ok() {
+            Bench::wrist(robot).check_random(100, rng.random());
+            solved[k % 8] += 1;
+        }
+    }
+    assert!(solved.iter().all(|n| *n > 30), "{solved:?}");
 }

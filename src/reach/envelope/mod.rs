@@ -1,7 +1,6 @@
 //! The working envelope: where an arm can hold its tool in an attitude, joint limits kept.
 //!
-//! A point belongs to it if [`Inverse::visit`] finds a posture there: map, search and envelope ask the
-//! same judge. Collisions are no matter here. All in the base frame of the robot, m.
+//! A point belongs to it if [`Inverse::reaches`] says so: map, search and envelope ask the same judge. Collisions are no matter here. All in the base frame of the robot, m.
 
 mod outline;
 mod size;
@@ -48,10 +47,7 @@ impl<'a> Envelope<'a> {
 
     /// Whether the TCP can be here, m.
     pub fn has(&self, target: &Vector3<f64>) -> bool {
-        let mut any = false;
-        let mut scratch = self.inverse.scratch();
-        self.inverse.visit(target, &self.approach, &mut scratch, |_, _| any = true);
-        any
+        self.inverse.reaches(target, &self.approach, &mut self.inverse.scratch())
     }
 
     /// A posture there, if there is one.

@@ -1,0 +1,129 @@
+//! Every posture of six-axis arms at 1000 reachable poses (tests/data/b_*), one thread, one number per
+//! 1000 poses: microseconds of an iteration are nanoseconds per pose. The PUMA 560 beside the crate
+//! rs-opw-kinematics in the same run.
+
+#![allow(clippy::expect_used)] // a bench without its data has nothing to measure
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use nalgebra::{Matrix3, Vector3};
+use rs_opw_kinematics::constraints::{BY_PREV, Constraints};
+use rs_opw_kinematics::kinematic_traits::Kinematics;
+use rs_opw_kinematics::kinematics_impl::OPWKinematics;
+use rs_opw_kinematics::parameters::opw_kinematics::Parameters;
+use std::f64::consts::FRAC_PI_2;
+use std::hint::black_box;
+use sweetspot::cell::{self, Robot};
+use sweetspot::pose::Pose;
+use sweetspot::reach::{SphericalWrist, ThreeParallel};
+use sweetspot::robot::{Chain, Posture};
+
+fn folder() -> std::path::PathBuf {
+    std::path::PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data")
+}
+
+fn robot(name: &str) -> Robot {
+    let read = &mut |path: &str| std::fs::read(folder().join(path)).map_err(|e| e.to_string());
+    cell::load(name, read).expect("a cell").cell.robot
+}
+
+fn data(name: &str) -> Vec<f64> {
+    let bytes = std::fs::read(folder().join(name)).expect("reference data");
+    bytes.chunks_exact(8).map(|c| f64::from_le_bytes(c.try_into().expect("8 bytes"))).collect()
+}
+
+fn poses(name: &str) -> Vec<Pose> {
+    let pose = |t: &[f64]| Pose {
+        rotation: Matrix3::new(t[0], t[1], t[2], t[4], t[5], t[6], t[8], t[9], t[10]),
+        translation: Vector3::new(t[3], t[7], t[11]),
+    };
+    data(name).chunks_exact(16).map(pose).collect()
+}
+
+/// Per joint: cosine and sine of the middle of its range, cosine of half its width.
+fn arcs(robot: &Robot) -> [[f64; 3]; 6] {
+    std::array::from_fn(|k| {
+        let joint = &robot.joints[k];
+        let (middle, half) =
+            ((joint.limits.0 + joint.limits.1) / 2.0 + joint.theta, (joint.limits.1 - joint.limits.0) / 2.0);
+        let cosine = if half >= std::f64::consts::PI { -2.0 } else { half.cos() };
+        [middle.cos(), middle.sin(), cosine]
+    })
+}
+
+fn allowed(arcs: &[[f64; 3]; 6], posture: &Posture) -> bool {
+    (0..6).all(|k| posture.cos[k] * arcs[k][0] + posture.sin[k] * arcs[k][1] >= arcs[k][2])
+}
+
+/// What a caller may do with a posture: count it, count it within its limits, form the angles.
+fn ways(
+    c: &mut Criterion,
+    name: &str,
+    robot: &Robot,
+    solve: impl Fn(usize, &mut Posture, &mut dyn FnMut(&Posture)),
+) {
+    let (arcs, mut scratch) = (arcs(robot), Chain::new(robot).posture(&[0.0; cell::MAX_JOINTS]));
+    let mut run = |what: &str, visit: &dyn Fn(&Posture) -> f64| {
+        c.bench_function(&format!("{name}, {what}: 1000 poses"), |b| {
+            b.iter(|| {
+                let mut sum = 0.0;
+                (0..1000)
+                    .for_each(|k| solve(k, &mut scratch, &mut |posture| sum += visit(black_box(posture))));
+                sum
+            })
+        });
+    };
+    run("all", &|_| 1.0);
+    run("within limits", &|posture| f64::from(allowed(&arcs, posture)));
+    run("angles within limits", &|posture| match allowed(&arcs, posture) {
+        true => (0..6).map(|k| posture.sin[k].atan2(posture.cos[k])).sum(),
+        false => 0.0,
+    });
+}
+
+fn puma560(c: &mut Criterion) {
+    let robot = robot("puma560.toml");
+    let (arm, poses) = (SphericalWrist::new(&Chain::new(&robot)).expect("a wrist"), poses("b_puma560_T.bin"));
+    ways(c, "PUMA 560", &robot, |k, scratch, visit| {
+        arm.solve(black_box(&poses[k]), scratch, &mut |_, posture| visit(posture));
+    });
+}
+
+fn ur5(c: &mut Criterion) {
+    let robot = robot("ur5.toml");
+    let (arm, poses) = (ThreeParallel::new(&Chain::new(&robot)).expect("a UR"), poses("b_ur5_T.bin"));
+    ways(c, "UR5", &robot, |k, scratch, visit| {
+        arm.solve(black_box(&poses[k]), scratch, &mut |_, posture| visit(posture));
+    });
+}
+
+/// The same poses by rs-opw-kinematics, made by its own forward kinematics from the same joints.
+fn peer(c: &mut Criterion) {
+    let robot = robot("puma560.toml");
+    let offsets = [0.0, -FRAC_PI_2, FRAC_PI_2, 0.0, 0.0, 0.0];
+    let (a2, b, c1, c2, c3) = (0.0203, -0.15005, 0.67183, 0.4318, 0.4318);
+    let sign_corrections = [1, -1, -1, 1, -1, 1];
+    let parameters = Parameters { a1: 0.0, a2, b, c1, c2, c3, c4: 0.0, offsets, sign_corrections, dof: 6 };
+    let limit = |f: fn(&(f64, f64)) -> f64| std::array::from_fn(|k| f(&robot.joints[k].limits));
+    let limits = Constraints::new(limit(|l| l.0), limit(|l| l.1), BY_PREV);
+    let within = OPWKinematics::new_with_constraints(parameters, limits);
+    let all = OPWKinematics::new(parameters);
+    let (joints, poses) = (data("b_puma560_q.bin"), poses("b_puma560_T.bin"));
+    let targets: Vec<_> =
+        joints.chunks_exact(6).map(|q| all.forward(&q.try_into().expect("6 joints"))).collect();
+    for (pose, target) in poses.iter().zip(&targets) {
+        let there = [target.translation.x, target.translation.y, target.translation.z];
+        assert!((pose.translation - Vector3::from(there)).norm() < 1e-9, "another arm");
+    }
+    for (what, peer) in [("all", &all), ("within limits", &within)] {
+        c.bench_function(&format!("PUMA 560, {what}, rs-opw-kinematics: 1000 poses"), |b| {
+            b.iter(|| targets.iter().map(|t| peer.inverse(black_box(t)).len()).sum::<usize>())
+        });
+    }
+}
+
+criterion_group! {
+    name = inverse;
+    config = Criterion::default().sample_size(50);
+    targets = puma560, peer, ur5
+}
+criterion_main!(inverse);
