@@ -2,21 +2,13 @@
 //! attitudes of an operation, joint limits, and the choice that a redundant arm leaves.
 
 use super::hold::Hold;
-use super::kernel::{Kernel, Locked};
+use super::kernel::Kernel;
 use super::limits::{LimitViolation, Limits};
-use super::numeric::{Goal, Held, Missing};
 use super::planar::{Way, template};
 use crate::cell::{Attitude, JointVector, MAX_JOINTS, tool_columns};
 use crate::pose::Pose;
 use crate::robot::{Chain, Posture};
 use nalgebra::{Matrix3, Vector3};
-
-/// An interval in which a redundant joint might still find a posture is cut into finer and finer parts.
-const ROUNDS: usize = 5;
-const INSIDE: usize = 11;
-
-/// A target nearer to reach than this may be in reach somewhere between, m.
-const GRAZING: f64 = 0.01;
 
 /// An arm made ready.
 #[derive(Debug, Clone)]
@@ -30,10 +22,10 @@ pub struct Inverse {
     /// From the TCP to the last D-H frame.
     to_flange: Pose,
     /// Rows r, a x r, a of the tool in its own frame.
-    tool_rows: Matrix3<f64>,
+    pub(super) tool_rows: Matrix3<f64>,
     /// The elevation that the arm keeps by its build, rad.
     pub(super) kept: Option<f64>,
-    template: Posture,
+    pub(super) template: Posture,
 }
 
 /// An operation's attitudes, ready for this arm over one surface. Kept from layout to layout.
@@ -190,30 +182,29 @@ impl Inverse {
     /// Whether a branch keeps the joint limits, asked until the first is found; a redundant joint stands
     /// at the values tried, not between them.
     pub fn reaches(&self, target: &Vector3<f64>, approach: &Approach, scratch: &mut Posture) -> bool {
-        let mut any = false;
-        let mut judge = |_: u32, posture: &Posture| {
-            any = any || self.excess(posture, target, approach) == 0.0;
-        };
+        let usable = |posture: &Posture| self.excess(posture, target, approach) == 0.0;
         match &self.kernel {
-            Kernel::Pose(_) => (0..approach.hold.columns.len()).any(|k| {
-                let mut found = false;
-                self.solve_one(k, target, approach, scratch, &mut |_, posture: &Posture| {
-                    found = found || self.excess(posture, target, approach) == 0.0;
-                });
-                found
-            }),
-            Kernel::Locked(locked) => locked.values.iter().enumerate().any(|(k, value)| {
-                let mut found = false;
-                self.solve_locked(locked, (k, *value), target, approach, &mut |_, posture: &Posture| {
-                    found = found || self.excess(posture, target, approach) == 0.0;
-                });
-                found
-            }),
             Kernel::Planar(_) => {
-                self.solve(target, approach, scratch, &mut judge);
+                let mut any = false;
+                self.solve(target, approach, scratch, &mut |_, posture: &Posture| {
+                    any = any || usable(posture)
+                });
                 any
             }
+            Kernel::Pose(_) => (0..approach.hold.columns.len()).any(|k| {
+                let mut any = false;
+                let mut judge = |_: u32, posture: &Posture| any = any || usable(posture);
+                self.solve_one(k, target, approach, scratch, &mut judge);
+                any
+            }),
+            Kernel::Locked(locked) => locked.values.iter().enumerate().any(|(k, value)| {
+                let mut any = false;
+                let mut judge = |_: u32, posture: &Posture| any = any || usable(posture);
+                self.solve_locked(locked, (k, *value), target, approach, &mut judge);
+                any
+            }),
             Kernel::Numeric(_) => {
+                let mut any = false;
                 self.converge(target, approach, |_, _| any = true);
                 any
             }
@@ -287,7 +278,7 @@ impl Inverse {
 
     /// What a posture has too much of: joint limits, and attitude that the arm cannot choose.
     #[inline]
-    fn excess(&self, posture: &Posture, target: &Vector3<f64>, approach: &Approach) -> f64 {
+    pub(super) fn excess(&self, posture: &Posture, target: &Vector3<f64>, approach: &Approach) -> f64 {
         let limits = self.limits.as_ref().map_or(0.0, |limits| limits.excess(posture));
         limits + self.off(posture, target, approach)
     }
@@ -345,177 +336,12 @@ impl Inverse {
 
     /// The last D-H frame in frame 0 with the tool at a target in its k-th attitude.
     #[inline]
-    fn flange(&self, k: usize, target: &Vector3<f64>, approach: &Approach) -> Pose {
+    pub(super) fn flange(&self, k: usize, target: &Vector3<f64>, approach: &Approach) -> Pose {
         let rotation = approach.hold.columns_at(k, target) * self.tool_rows;
         let flange = Pose { rotation, translation: *target } * self.to_flange;
         match &self.to_zero {
             Some(to_zero) => *to_zero * flange,
             None => flange,
         }
-    }
-
-    /// All attitudes with the redundant joint at one value, the k-th; returns the metres missing.
-    fn solve_locked(
-        &self,
-        locked: &Locked,
-        (k, value): (usize, f64),
-        target: &Vector3<f64>,
-        approach: &Approach,
-        found: &mut impl FnMut(u32, &Posture),
-    ) -> f64 {
-        let (held, inverse) = locked.at(value);
-        let (mut part, mut posture) = (locked.template, self.template);
-        let mut missing = f64::INFINITY;
-        for a in 0..approach.hold.columns.len() {
-            let flange = locked.rest_of(&self.flange(a, target, approach), &inverse);
-            let by = locked.kernel.solve(&flange, &mut part, &mut |branch, part| {
-                locked.join(part, &held, &mut posture);
-                found((k as u32) << 16 | (a as u32) << 4 | u32::from(branch), &posture);
-            });
-            missing = missing.min(by);
-        }
-        missing
-    }
-
-    /// [`Self::visit`] of a redundant arm: its values in turn; if none has a posture, between them.
-    fn unlock(
-        &self,
-        locked: &Locked,
-        target: &Vector3<f64>,
-        approach: &Approach,
-        mut found: impl FnMut(u32, &Posture),
-    ) -> Gap {
-        let mut gap_at = |k: usize, value: f64| {
-            let (mut limits, mut usable) = (f64::INFINITY, false);
-            let reach = self.solve_locked(locked, (k, value), target, approach, &mut |index, posture| {
-                let excess = self.excess(posture, target, approach);
-                limits = limits.min(excess);
-                if excess == 0.0 {
-                    usable = true;
-                    found(index, posture);
-                }
-            });
-            (Gap { reach, limits: if reach > 0.0 { 0.0 } else { limits } }, usable)
-        };
-        let mut any = false;
-        let gaps: [Gap; Locked::STEPS] = std::array::from_fn(|k| {
-            let (gap, usable) = gap_at(k, locked.values[k]);
-            any |= usable;
-            gap
-        });
-        let least = (0..gaps.len()).fold(0, |least, k| if gaps[k].is_less(&gaps[least]) { k } else { least });
-        if any || gaps[least].reach > locked.near() {
-            return gaps[least];
-        }
-        // Every dip of the gap may hide a posture.
-        let (mut best, last) = (gaps[least], gaps.len() - 1);
-        for k in 0..gaps.len() {
-            let higher = |other: usize| !gaps[other].is_less(&gaps[k]);
-            if (k == 0 || higher(k - 1)) && (k == last || higher(k + 1)) {
-                let (mut lo, mut hi) = (locked.values[k.saturating_sub(1)], locked.values[(k + 1).min(last)]);
-                for _ in 0..ROUNDS {
-                    let (step, mut nearest) = ((hi - lo) / (INSIDE + 1) as f64, (Gap::ALL, lo));
-                    for inner in 1..=INSIDE {
-                        let value = lo + step * inner as f64;
-                        let (gap, usable) = gap_at(gaps.len() + k, value);
-                        if usable {
-                            return gap;
-                        }
-                        nearest = if gap.is_less(&nearest.0) { (gap, value) } else { nearest };
-                    }
-                    best = if nearest.0.is_less(&best) { nearest.0 } else { best };
-                    (lo, hi) = (nearest.1 - step, nearest.1 + step);
-                }
-            }
-        }
-        if best.reach > GRAZING {
-            return best;
-        }
-        // A window too narrow for all that: the numeric way walks along the edge of the reach.
-        for (k, goal) in self.goals(target, approach).iter().enumerate() {
-            if let Some(q) = locked.numeric.one(goal) {
-                let posture = self.chain.posture(&q);
-                if self.excess(&posture, target, approach) == 0.0 {
-                    found(((2 * gaps.len()) << 16 | k) as u32, &posture);
-                    return Gap { reach: 0.0, limits: 0.0 };
-                }
-            }
-        }
-        best
-    }
-}
-
-/// The numeric way: its answers keep the limits themselves.
-impl Inverse {
-    fn converge(
-        &self,
-        target: &Vector3<f64>,
-        approach: &Approach,
-        mut found: impl FnMut(u32, &Posture),
-    ) -> Gap {
-        let mut joints = Vec::new();
-        let mut gap = Gap::ALL;
-        for (k, goal) in self.goals(target, approach).iter().enumerate() {
-            let missed = match self.numeric(goal, &mut joints) {
-                Missing::None => Gap { reach: 0.0, limits: 0.0 },
-                Missing::OutOfReach { by } => Gap { reach: by, limits: 0.0 },
-                Missing::Attitude { by, .. } => Gap { reach: 0.0, limits: by },
-                Missing::NotConverged { position, angle } => Gap { reach: 0.0, limits: position + angle },
-            };
-            gap = if missed.is_less(&gap) { missed } else { gap };
-            for (i, q) in joints.iter().enumerate() {
-                found((k << 8 | i) as u32, &self.chain.posture(q));
-            }
-        }
-        gap
-    }
-
-    fn converged(&self, target: &Vector3<f64>, approach: &Approach) -> Reach {
-        let (mut all, mut joints, mut nearest) = (Vec::new(), Vec::new(), Missing::None);
-        for (k, goal) in self.goals(target, approach).iter().enumerate() {
-            let missed = self.numeric(goal, &mut joints);
-            if matches!(nearest, Missing::None) || matches!(missed, Missing::Attitude { .. }) {
-                nearest = missed;
-            }
-            all.extend(joints.iter().enumerate().map(|(i, q)| Branch {
-                index: (k << 8 | i) as u32,
-                joints: *q,
-                posture: self.chain.posture(q),
-                violation: None,
-                off: 0.0,
-            }));
-        }
-        match nearest {
-            _ if !all.is_empty() => Reach::Branches(all),
-            Missing::None => Reach::OutOfReach { by: 0.0 },
-            Missing::OutOfReach { by } => Reach::OutOfReach { by },
-            Missing::Attitude { by, joint } => Reach::Attitude { by, joint },
-            Missing::NotConverged { position, angle } => Reach::NotConverged { position, angle },
-        }
-    }
-
-    fn numeric(&self, goal: &Goal, joints: &mut Vec<JointVector>) -> Missing {
-        joints.clear();
-        match &self.kernel {
-            Kernel::Numeric(numeric) => numeric.all(goal, joints),
-            _ => Missing::None,
-        }
-    }
-
-    /// What is asked of the TCP: free angles are left to the solver.
-    fn goals(&self, target: &Vector3<f64>, approach: &Approach) -> Vec<Goal> {
-        let hold = &approach.hold;
-        let goal = |attitude| Goal { position: *target, attitude };
-        if hold.spin_is_free && hold.azimuth_is_free {
-            return hold.elevations.iter().map(|e| goal(Held::Elevation(*e))).collect();
-        }
-        // All spins have the same tool axis.
-        let step = if hold.spin_is_free { hold.columns_per_azimuth() } else { 1 };
-        let columns = (0..hold.columns.len()).step_by(step).map(|k| hold.columns_at(k, target));
-        let held = |columns: Matrix3<f64>| match hold.spin_is_free {
-            true => Held::Axis(columns.column(2).into_owned()),
-            false => Held::Rotation(columns * self.tool_rows),
-        };
-        columns.map(|columns| goal(held(columns))).collect()
     }
 }

@@ -25,7 +25,7 @@ pub(super) enum Kernel {
 #[derive(Debug, Clone)]
 pub(super) enum PoseKernel {
     Scara(Scara),
-    SphericalWrist(SphericalWrist),
+    SphericalWrist(Box<SphericalWrist>),
     ThreeParallel(ThreeParallel),
 }
 
@@ -84,7 +84,7 @@ impl PoseKernel {
     /// The closed form of a chain, if there is one that gives its own postures back.
     fn new(chain: &Chain) -> Option<Self> {
         let scara = || Scara::new(chain).ok().map(Self::Scara);
-        let wrist = || SphericalWrist::new(chain).ok().map(Self::SphericalWrist);
+        let wrist = || SphericalWrist::new(chain).ok().map(|arm| Self::SphericalWrist(Box::new(arm)));
         let parallel = || ThreeParallel::new(chain).ok().map(Self::ThreeParallel);
         let found = scara().or_else(wrist).or_else(parallel)?;
         found.is_exact(chain).then_some(found)

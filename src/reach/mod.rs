@@ -2,6 +2,7 @@
 
 mod ability;
 mod anthropomorphic;
+mod converge;
 mod envelope;
 mod hold;
 mod inverse;
@@ -18,6 +19,7 @@ mod spherical_wrist;
 mod subproblems;
 mod three_joints;
 mod three_parallel;
+mod unlock;
 
 pub use envelope::{Envelope, Extent, Fineness, Outline, Region, Size};
 pub use inverse::{Approach, Branch, Gap, Inverse, Reach};

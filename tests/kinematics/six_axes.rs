@@ -3,13 +3,12 @@
 
 use crate::common::root;
 use crate::product::{no_errors, position, rotation, tcp};
-use nalgebra::Vector3;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::array::from_fn;
 use std::f64::consts::PI;
 use sweetspot::cell::JointKind::{self, Prismatic, Revolute};
-use sweetspot::cell::{Joint, JointVector, Rectangle, Robot};
+use sweetspot::cell::{Joint, JointVector, Robot};
 use sweetspot::pose::Pose;
 use sweetspot::reach::{SphericalWrist, ThreeParallel};
 use sweetspot::robot::{Chain, Posture};
