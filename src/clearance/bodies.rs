@@ -4,7 +4,7 @@ use super::decomposition::{Hull, convex};
 use crate::cell::Shape;
 use crate::pose::Pose;
 use nalgebra::Vector3;
-use parry3d::bounding_volume::{Aabb, BoundingVolume};
+use parry3d::bounding_volume::Aabb;
 use parry3d::math as pm;
 use parry3d::query::{DefaultQueryDispatcher, QueryDispatcher};
 use parry3d::shape::{Ball, Shape as ParryShape, SharedShape, TriMesh, TriMeshFlags};
@@ -25,9 +25,22 @@ pub(super) struct Body {
     pub(super) bounds: Aabb,
     /// Of many vertices: its bounds are turned, for to find them anew takes longer.
     pub(super) is_hull: bool,
+    /// Whether `local` is the identity.
+    is_at_origin: bool,
 }
 
 impl Body {
+    /// The same, with the frame in which it was given at `mount`.
+    pub(super) fn mounted(self, mount: &Pose) -> Self {
+        let local = *mount * self.local;
+        Self { is_at_origin: local == Pose::identity(), local, ..self }
+    }
+
+    /// Its pose if that of its carrier is `frame`.
+    pub(super) fn pose_in(&self, frame: &Pose) -> pm::Pose {
+        if self.is_at_origin { parry_pose(frame) } else { parry_pose(&(*frame * self.local)) }
+    }
+
     /// Bounds in another frame.
     pub(super) fn bounds_in(&self, pose: &pm::Pose) -> Aabb {
         if self.is_hull { self.bounds.transform_by(pose) } else { self.shape.compute_aabb(pose) }
@@ -41,15 +54,18 @@ impl Body {
 
 /// Whether two convex solids share a point; `relative`: the pose of `b` in the frame of `a`.
 pub(super) fn touching(a: &Body, relative: &pm::Pose, b: &Body) -> bool {
-    if !b.bounds_in(relative).intersects(&a.bounds) {
-        return false;
-    }
     let swelled = |ball: &Ball, by: f64| Ball::new(ball.radius + by);
-    match (a.shape.as_ball(), &a.unswollen, b.shape.as_ball(), &b.unswollen) {
-        (Some(ball), _, _, Some((shape, by))) => intersecting(&swelled(ball, *by), relative, &**shape),
-        (_, Some((shape, by)), Some(ball), _) => intersecting(&**shape, relative, &swelled(ball, *by)),
-        _ => intersecting(&*a.shape, relative, &*b.shape),
+    if let Some((shape, by)) = &b.unswollen
+        && let Some(ball) = a.shape.as_ball()
+    {
+        return intersecting(&swelled(ball, *by), relative, &**shape);
     }
+    if let Some((shape, by)) = &a.unswollen
+        && let Some(ball) = b.shape.as_ball()
+    {
+        return intersecting(&**shape, relative, &swelled(ball, *by));
+    }
+    intersecting(&*a.shape, relative, &*b.shape)
 }
 
 /// parry answers every pair of the shapes built here; should it not, a collision is the safe answer.
@@ -132,7 +148,8 @@ pub(super) fn part(shape: &Shape) -> Part {
 fn centred(shape: SharedShape, local: Pose) -> Body {
     let bounds = shape.compute_local_aabb();
     let (inside, pieces, unswollen) = (pm::Vector::ZERO, Vec::new(), None);
-    Body { shape, local, inside, pieces, unswollen, bounds, is_hull: false }
+    let is_at_origin = local == Pose::identity();
+    Body { shape, local, inside, pieces, unswollen, bounds, is_hull: false, is_at_origin }
 }
 
 fn ball(centre: &Vector3<f64>, radius: f64) -> Body {

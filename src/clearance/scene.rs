@@ -21,6 +21,7 @@ pub struct Scene {
     checked: Vec<(usize, usize)>,
     parts: Vec<Vec<Part>>,
     base: Pose,
+    base_is_origin: bool,
     floor: f64,
     enabled: bool,
 }
@@ -62,6 +63,7 @@ impl Scene {
             own_pairs,
             parts: cell.equipment.iter().map(parts).collect(),
             base: cell.base.pose(),
+            base_is_origin: cell.base.pose() == Pose::identity(),
             floor: cell.floor,
             enabled: cell.collision,
             links,
@@ -128,10 +130,11 @@ impl Scene {
             return placed.base_hit;
         }
         let there = |link: &&Link| link.frame > 0 && link.is_there(operation);
-        let outside = self.links.iter().filter(there).find_map(|link| {
-            let frame = self.base * frames[link.frame];
-            self.on_floor(link, &frame).or_else(|| self.first_hit(link, &frame, placed))
-        });
+        let outside = self
+            .links
+            .iter()
+            .filter(there)
+            .find_map(|link| self.first_hit(link, &self.in_world(&frames[link.frame]), placed));
         outside.or_else(|| self.own_hit(frames, operation))
     }
 
@@ -145,12 +148,8 @@ impl Scene {
         if let Some((k, b, body)) = placed.suspect
             && self.links[k].is_there(operation)
             && let link = &self.links[k]
-            && let frame = self.base * frames[link.frame]
-            && self.touches(
-                &link.bodies[b],
-                &parry_pose(&(frame * link.bodies[b].local)),
-                &placed.bodies[body],
-            )
+            && let frame = self.in_world(&frames[link.frame])
+            && self.touches(&link.bodies[b], &link.bodies[b].pose_in(&frame), &placed.bodies[body])
         {
             return false;
         }
@@ -164,10 +163,8 @@ impl Scene {
         hit.is_none()
     }
 
-    fn on_floor(&self, link: &Link, frame: &Pose) -> Option<Hit> {
-        let low = |b: &Body| b.shape.compute_aabb(&parry_pose(&(*frame * b.local))).mins.z;
-        let touches = link.bodies.iter().any(|b| low(b) <= self.floor);
-        touches.then_some(Hit { solid: link.id, other: SolidRef::Floor })
+    fn in_world(&self, frame: &Pose) -> Pose {
+        if self.base_is_origin { *frame } else { self.base * *frame }
     }
 
     /// The first contact of the robot with itself.
@@ -180,11 +177,17 @@ impl Scene {
 
     fn first_hit(&self, link: &Link, frame: &Pose, placed: &Placed) -> Option<Hit> {
         link.bodies.iter().find_map(|body| {
-            let pose = parry_pose(&(*frame * body.local));
-            let bounds = body.bounds_in(&pose);
-            let may_touch = |b: &&PlacedBody| Some(b.id.0) != link.spared && b.bounds.intersects(&bounds);
-            let mut near = placed.bodies.iter().filter(may_touch);
-            let found = near.find(|b| self.touches(body, &pose, b) || self.swallows(link, frame, b));
+            let pose = body.pose_in(frame);
+            let bounds = body.shape.compute_aabb(&pose);
+            // The base stands on the floor.
+            if link.frame > 0 && bounds.mins.z <= self.floor {
+                return Some(Hit { solid: link.id, other: SolidRef::Floor });
+            }
+            let mut near = placed.bodies.iter().filter(|b| b.bounds.intersects(&bounds));
+            let found = near.find(|b| {
+                let may_touch = link.spared != Some(b.id.0);
+                may_touch && (self.touches(body, &pose, b) || self.swallows(link, frame, b))
+            });
             found.map(|b| Hit { solid: link.id, other: SolidRef::Equipment(b.id.0, b.id.1) })
         })
     }
@@ -196,7 +199,7 @@ impl Scene {
             Part::Convex(body) | Part::Mesh { body, .. } => body.inside,
             Part::Leg { .. } => pm::Vector::ZERO,
         };
-        shell.holds(&(parry_pose(&(*frame * shell.local)).inverse() * (other.pose * inside)))
+        shell.holds(&(shell.pose_in(frame).inverse() * (other.pose * inside)))
     }
 
     /// Bounds in the frame of the other solid, then the shapes themselves.
