@@ -200,8 +200,8 @@ impl Gauge {
         let largest = self.largest(memory);
         let (linear, corner) = self.linear_corner(&measure, memory);
         let (theory, columns) = (self.theory(), &memory.columns[..n]);
+        let mut values = [0.0; MAX_SOURCES];
         by_model(columns, &linear, self.quadratic(&memory.effects), &largest, corner, |signs| {
-            let mut values = [0.0; MAX_SOURCES];
             self.corner(signs, &mut values);
             if self.alone && measure.is_of_position() {
                 let errors = self.sources.perturbation(&self.chain, &values[..n]);
