@@ -58,7 +58,7 @@ impl Parameter {
     }
 
     /// Place of the first joint frame: before it are the links, the base and the tool.
-    pub fn first_joint(axes: usize) -> usize {
+    pub const fn first_joint(axes: usize) -> usize {
         PER_LINK * axes + 2 * PER_FRAME
     }
 

@@ -23,17 +23,11 @@ pub struct Term {
 impl Term {
     const NONE: Self = Self { g: Vector3::new(0.0, 0.0, 0.0), w: Vector3::new(0.0, 0.0, 0.0) };
 
-    /// The k-th motion, in the order of [`crate::cell::Parameter::of_robot`]; that of dq is the one
-    /// of the D-H coordinate: a turn, for the slide of a prismatic joint is that of dr. `joints`: where
-    /// the joint frames are.
+    /// The k-th motion before those of the joint frames, in the order of [`Parameter::of_robot`]; that of
+    /// dq is the one of the D-H coordinate: a turn, for the slide of a prismatic joint is that of dr.
     #[inline]
-    fn of(frames: &Frames, joints: &[Pose], axes: usize, k: usize) -> Self {
-        let (links, first_joint) = (PER_LINK * axes, Parameter::first_joint(axes));
-        if k >= first_joint {
-            let (joint, component) = ((k - first_joint) / PER_FRAME, (k - first_joint) % PER_FRAME);
-            let frame = frames.links[joint] * joints[joint];
-            return Self::about(frames, &frame, component % 3, component >= 3);
-        }
+    fn of(frames: &Frames, axes: usize, k: usize) -> Self {
+        let links = PER_LINK * axes;
         let (frame, axis, turns) = if k < links {
             let (before, after) = (&frames.links[k / PER_LINK], &frames.links[k / PER_LINK + 1]);
             match k % PER_LINK {
@@ -49,6 +43,15 @@ impl Term {
             (frame, component % 3, component >= 3)
         };
         Self::about(frames, frame, axis, turns)
+    }
+
+    /// The k-th of the joint frames, which stand where `joints` says. Apart, so that the rest stays small
+    /// enough to be inlined.
+    #[inline(never)]
+    fn of_joint(frames: &Frames, joints: &[Pose], k: usize) -> Self {
+        let (joint, component) = (k / PER_FRAME, k % PER_FRAME);
+        let frame = frames.links[joint] * joints[joint];
+        Self::about(frames, &frame, component % 3, component >= 3)
     }
 
     /// A turn about or a slide along an axis of a frame.
@@ -75,22 +78,25 @@ fn outwards(axes: usize, joints: bool) -> impl Iterator<Item = usize> {
 /// Eqs. (7)-(8): the sum of all motions.
 pub fn linear(frames: &Frames, errors: &Perturbation) -> Displacement {
     let axes = errors.links().len();
-    let wrong = errors.sizes().iter().enumerate().filter(|(_, size)| **size != 0.0);
-    wrong.fold(Displacement::NONE, |sum, (k, size)| {
-        let Term { g, w } = Term::of(frames, errors.joint_frames(), axes, k);
-        sum + Displacement { position: g, rotation: w } * *size
-    })
+    let [sizes, of_joints] = errors.sizes();
+    let add = |sum, Term { g, w }: Term, size: f64| sum + Displacement { position: g, rotation: w } * size;
+    let wrong = sizes.iter().enumerate().filter(|(_, size)| **size != 0.0);
+    let sum = wrong.fold(Displacement::NONE, |sum, (k, size)| add(sum, Term::of(frames, axes, k), *size));
+    let wrong = of_joints.iter().enumerate().filter(|(_, size)| **size != 0.0);
+    wrong.fold(sum, |sum, (k, size)| add(sum, Term::of_joint(frames, errors.joint_frames(), k), *size))
 }
 
 /// Linear and quadratic terms: each motion is turned by those before it, and by half of itself.
 pub fn second_order(frames: &Frames, errors: &Perturbation) -> Displacement {
     let axes = errors.links().len();
     let (mut sum, mut turned) = (Displacement::NONE, Vector3::zeros());
-    let joints = errors.joint_frames();
+    let (joints, [sizes, of_joints]) = (errors.joint_frames(), errors.sizes());
     for k in outwards(axes, !joints.is_empty()) {
-        let size = errors.sizes()[k];
+        let of_joint = k.checked_sub(sizes.len());
+        let size = of_joint.map_or_else(|| sizes[k], |k| of_joints[k]);
         if size != 0.0 {
-            let Term { g, w } = Term::of(frames, joints, axes, k);
+            let Term { g, w } =
+                of_joint.map_or_else(|| Term::of(frames, axes, k), |k| Term::of_joint(frames, joints, k));
             let (g, w) = (g * size, w * size);
             sum.position += g + (turned + w / 2.0).cross(&g);
             sum.rotation += w + turned.cross(&w) / 2.0;
@@ -143,7 +149,10 @@ impl Expansion {
     /// Moves to another posture.
     pub fn set(&mut self, frames: &Frames) {
         for &k in &self.wanted {
-            self.terms[k] = Term::of(frames, &self.joint_frames, self.axes, k);
+            self.terms[k] = match k.checked_sub(Parameter::first_joint(self.axes)) {
+                None => Term::of(frames, self.axes, k),
+                Some(k) => Term::of_joint(frames, &self.joint_frames, k),
+            };
         }
     }
 

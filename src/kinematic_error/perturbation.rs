@@ -1,6 +1,6 @@
 //! A signed sample of the errors, made ready for the models.
 
-use crate::cell::{JointKind, MAX_JOINTS, MAX_PARAMETERS, PER_FRAME, PER_LINK, Parameter, SignedErrors};
+use crate::cell::{JointKind, MAX_JOINTS, PER_FRAME, PER_LINK, Parameter, SignedErrors};
 use crate::pose::Pose;
 use crate::robot::Chain;
 
@@ -56,30 +56,33 @@ impl FrameError {
 /// Errors of the joint frames, and where these are: in the D-H frame before their row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointErrors {
+    sizes: [f64; PER_FRAME * MAX_JOINTS],
     pub frames: [Pose; MAX_JOINTS],
     pub errors: [Option<FrameError>; MAX_JOINTS],
 }
 
 impl JointErrors {
-    /// Of six values for every joint; None if nothing is wrong.
-    fn new(chain: &Chain, values: &[f64]) -> Option<Self> {
-        if values.iter().all(|v| *v == 0.0) {
-            return None;
-        }
-        let mut all = Self { frames: [Pose::identity(); MAX_JOINTS], errors: [None; MAX_JOINTS] };
+    /// Of six values for every joint.
+    fn new(chain: &Chain, values: &[f64]) -> Self {
+        let (sizes, frames) = ([0.0; PER_FRAME * MAX_JOINTS], [Pose::identity(); MAX_JOINTS]);
+        let mut all = Self { sizes, frames, errors: [None; MAX_JOINTS] };
+        all.sizes[..values.len()].copy_from_slice(values);
         all.frames.iter_mut().zip(&chain.joint_frames).for_each(|(to, frame)| *to = *frame);
         let values = values.chunks(PER_FRAME);
         all.errors.iter_mut().zip(values).for_each(|(error, values)| *error = FrameError::new(values));
-        Some(all)
+        all
     }
 }
+
+/// Most motions before those of the joint frames, which seldom are wrong: samples are made by the million.
+const MOTIONS: usize = Parameter::first_joint(MAX_JOINTS);
 
 /// One signed sample of the errors, for one chain.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Perturbation {
     links: [LinkError; MAX_JOINTS],
     axes: usize,
-    sizes: [f64; MAX_PARAMETERS],
+    sizes: [f64; MOTIONS],
     pub base: Option<FrameError>,
     pub tool: Option<FrameError>,
     pub joints: Option<JointErrors>,
@@ -90,12 +93,13 @@ impl Perturbation {
         Self::of_values(chain, &errors.values())
     }
 
-    /// Of values in the order of [`Parameter::of_robot`], or of those before the joint frames. The error dq acts on the
-    /// actuators: it reaches the D-H coordinates through the coupling. Does not allocate.
+    /// Of values in the order of [`Parameter::of_robot`], or of those before the joint frames. The error
+    /// dq acts on the actuators: it reaches the D-H coordinates through the coupling. Does not allocate.
     pub fn of_values(chain: &Chain, values: &[f64]) -> Self {
         let axes = chain.axes();
         let mut links = [LinkError::default(); MAX_JOINTS];
-        let mut sizes = [0.0; MAX_PARAMETERS];
+        let mut sizes = [0.0; MOTIONS];
+        let (values, joints) = values.split_at(Parameter::first_joint(axes));
         sizes[..values.len()].copy_from_slice(values);
         for (i, (link, error)) in chain.links.iter().zip(&mut links).enumerate() {
             let own = &values[PER_LINK * i..];
@@ -113,21 +117,22 @@ impl Perturbation {
                 dbeta: Turn::new(own[4]),
             };
         }
-        let frames = &values[PER_LINK * axes..];
-        let (base, frames) = frames.split_at(PER_FRAME);
-        let (tool, joints) = frames.split_at(PER_FRAME);
-        let (base, tool, joints) =
-            (FrameError::new(base), FrameError::new(tool), JointErrors::new(chain, joints));
-        Self { links, axes, sizes, base, tool, joints }
+        let (base, tool) = values[PER_LINK * axes..].split_at(PER_FRAME);
+        let (base, tool) = (FrameError::new(base), FrameError::new(tool));
+        let mut all = Self { links, axes, sizes, base, tool, joints: None };
+        // In place: to move what is not there would cost as much as to move it.
+        if joints.iter().any(|v| *v != 0.0) {
+            all.joints = Some(JointErrors::new(chain, joints));
+        }
+        all
     }
 
     /// Sizes of the motions, in the order of [`Parameter::of_robot`]; those of dq and dr are of the D-H
-    /// coordinates. Where no joint frame is wrong, those before them.
-    pub fn sizes(&self) -> &[f64] {
-        match self.joints {
-            Some(_) => &self.sizes[..Parameter::count(self.axes)],
-            None => &self.sizes[..Parameter::first_joint(self.axes)],
-        }
+    /// coordinates. First all before the joint frames, then those of the joint frames: none if none is
+    /// wrong.
+    pub fn sizes(&self) -> [&[f64]; 2] {
+        let joints = self.joints.as_ref().map_or(&[][..], |joints| &joints.sizes[..PER_FRAME * self.axes]);
+        [&self.sizes[..Parameter::first_joint(self.axes)], joints]
     }
 
     /// Where the joint frames are in the D-H frame before their row; none if none is wrong.

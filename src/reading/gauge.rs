@@ -191,18 +191,17 @@ impl Gauge {
     ) -> WorstCase {
         let measure = self.measure(sense, situation, frames);
         let n = self.sources.list.len();
-        let largest =
-            if self.model == Model::Linear { [[1.0; MAX_SOURCES]; 2] } else { self.largest(memory) };
-        let (linear, corner) = self.linear_corner(&measure, memory);
-        let columns = &memory.columns[..n];
         if self.model == Model::Linear {
+            let (linear, corner) = self.linear_corner(&measure, memory);
             let exact = linear.upper <= linear.value;
             let linear = linear.upper.max(linear.value);
             return WorstCase { linear, exact, by_model: linear, corner };
         }
-        let theory = self.theory();
+        let largest = self.largest(memory);
+        let (linear, corner) = self.linear_corner(&measure, memory);
+        let (theory, columns) = (self.theory(), &memory.columns[..n]);
+        let mut values = [0.0; MAX_SOURCES];
         by_model(columns, &linear, self.quadratic(&memory.effects), &largest, corner, |signs| {
-            let mut values = [0.0; MAX_SOURCES];
             self.corner(signs, &mut values);
             if self.alone && measure.is_of_position() {
                 let errors = self.sources.perturbation(&self.chain, &values[..n]);

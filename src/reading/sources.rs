@@ -2,7 +2,9 @@
 //! tolerance and their spread.
 
 use super::Effects;
-use crate::cell::{Cell, ErrorSet, MAX_PARAMETERS, PER_FRAME, Parameter, Registration, Spread, Tolerance};
+use crate::cell::{
+    Cell, ErrorSet, MAX_JOINTS, MAX_PARAMETERS, PER_FRAME, Parameter, Registration, Spread, Tolerance,
+};
 use crate::kinematic_error::{Expansion, FrameError, Perturbation};
 use crate::pose::Displacement;
 use crate::robot::Chain;
@@ -80,7 +82,15 @@ impl Sources {
 
     /// The robot's part of a sample given as one value per source.
     pub fn perturbation(&self, chain: &Chain, values: &[f64]) -> Perturbation {
-        let mut all = [0.0; MAX_PARAMETERS];
+        // The shorter list is cleared sooner: this is done for every corner that is tried.
+        match self.parameters <= Parameter::first_joint(MAX_JOINTS) {
+            true => self.spread_out(chain, values, &mut [0.0; Parameter::first_joint(MAX_JOINTS)]),
+            false => self.spread_out(chain, values, &mut [0.0; MAX_PARAMETERS]),
+        }
+    }
+
+    /// The same in memory that is all 0.
+    fn spread_out(&self, chain: &Chain, values: &[f64], all: &mut [f64]) -> Perturbation {
         for (source, value) in self.list.iter().zip(values) {
             source.robot.into_iter().for_each(|k| all[k] = *value);
         }
