@@ -13,8 +13,13 @@ pub struct Pose {
 }
 
 impl Pose {
+    pub const IDENTITY: Self = Self {
+        rotation: Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0),
+        translation: Vector3::new(0.0, 0.0, 0.0),
+    };
+
     pub fn identity() -> Self {
-        Self { rotation: Matrix3::identity(), translation: Vector3::zeros() }
+        Self::IDENTITY
     }
 
     /// Translation (m), then roll, pitch, yaw (rad) about the fixed x, y, z axes (the URDF order):

@@ -84,7 +84,12 @@ fn every_robot_loads_without_a_warning_and_has_its_sources() {
 #[test]
 fn flanges_are_where_another_description_has_them() {
     let golden = golden();
-    assert_eq!(golden.as_object().unwrap().keys().cloned().collect::<Vec<_>>(), names("robots"));
+    // That of a URDF has the goldens of its rows.
+    let described = names("robots").into_iter().filter(|name| name != "hitachi_pw10_urdf");
+    assert_eq!(
+        golden.as_object().unwrap().keys().cloned().collect::<Vec<_>>(),
+        described.collect::<Vec<_>>()
+    );
     for (name, poses) in golden.as_object().unwrap() {
         let chain = Chain::new(&robot(name));
         let poses = poses.as_array().unwrap();

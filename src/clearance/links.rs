@@ -3,7 +3,7 @@
 use super::bodies::{Body, body, link_bodies, touching};
 use super::decomposition::{Remember, hulls};
 use super::hit::SolidRef;
-use crate::cell::{Cell, Shape, Solid, extent};
+use crate::cell::{Cell, MAX_JOINTS, Shape, Solid, extent};
 use crate::pose::Pose;
 use nalgebra::Vector3;
 use parry3d::bounding_volume::BoundingVolume;
@@ -134,6 +134,12 @@ fn link(
 }
 
 impl Link {
+    /// The frame that the solid moves with, in the robot base; frame 0 of the chain may stand elsewhere
+    /// on it.
+    pub(super) fn carrier<'f>(&self, frames: &'f [Pose; MAX_JOINTS + 1]) -> &'f Pose {
+        if self.frame == 0 { &Pose::IDENTITY } else { &frames[self.frame] }
+    }
+
     /// Whether the robot has it during an operation (None: with empty hands).
     pub(super) fn is_there(&self, operation: Option<usize>) -> bool {
         self.operation.is_none() || self.operation == operation

@@ -61,7 +61,7 @@ pub(super) fn find(cell: &Cell, links: &[Link]) -> Vec<OwnPair> {
         let frames = chain.frames(&chain.posture(&posture(cell, sample))).links;
         for ((i, j, _), always) in pairs.iter().zip(&mut always).filter(|(_, always)| **always) {
             let (a, b) = (&links[*i], &links[*j]);
-            *always = a.touches(&frames[a.frame], b, &frames[b.frame]);
+            *always = a.touches(a.carrier(&frames), b, b.carrier(&frames));
         }
     }
     for (pair, _) in pairs.iter_mut().zip(always).filter(|(_, always)| *always) {

@@ -171,7 +171,7 @@ impl Scene {
     fn own_hit(&self, frames: &[Pose; MAX_JOINTS + 1], operation: Option<usize>) -> Option<Hit> {
         let pairs = self.checked.iter().map(|&(a, b)| (&self.links[a], &self.links[b]));
         let mut there = pairs.filter(|(a, b)| a.is_there(operation) && b.is_there(operation));
-        let found = there.find(|(a, b)| a.touches(&frames[a.frame], b, &frames[b.frame]));
+        let found = there.find(|(a, b)| a.touches(a.carrier(frames), b, b.carrier(frames)));
         found.map(|(a, b)| Hit { solid: b.id, other: a.id })
     }
 

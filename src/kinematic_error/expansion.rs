@@ -5,12 +5,7 @@ use super::Perturbation;
 use crate::cell::{JointKind, MAX_PARAMETERS, PER_FRAME, PER_LINK, Parameter};
 use crate::pose::{Displacement, Pose};
 use crate::robot::{Chain, Frames};
-use nalgebra::{Matrix3, Vector3};
-
-const BASE: Pose = Pose {
-    rotation: Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0),
-    translation: Vector3::new(0.0, 0.0, 0.0),
-};
+use nalgebra::Vector3;
 
 /// What a unit of one small motion does to the TCP: `g = S p` (m a unit) and the axis `w` of a turn,
 /// zero for a slide.
@@ -39,7 +34,7 @@ impl Term {
             }
         } else {
             let component = (k - links) % PER_FRAME;
-            let frame = if k < links + PER_FRAME { &BASE } else { &frames.tcp };
+            let frame = if k < links + PER_FRAME { &Pose::IDENTITY } else { &frames.tcp };
             (frame, component % 3, component >= 3)
         };
         Self::about(frames, frame, axis, turns)

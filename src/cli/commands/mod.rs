@@ -22,8 +22,8 @@ use crate::layout::{Workcell, evaluate};
 use crate::report;
 use std::path::Path;
 
-/// What to do about a robot without inverse kinematics.
-const UNSOLVED: &str = "this version solves arms with a base yaw and three parallel axes";
+/// What to do about an attitude that the build of the robot does not allow.
+const UNSOLVED: &str = "ask less of the tool, or take another robot: `sweetspot robots` lists some";
 
 /// Says which overlaps no search can cure: nothing that takes part can move.
 fn warn_of_hopeless(workcell: &Workcell) {
@@ -54,7 +54,7 @@ fn workcell(cell: Cell, file: &Path) -> Result<Workcell, Exit> {
 
 fn unsolved(robot: &str, file: &Path, why: &str) -> Exit {
     let file = path_word(file);
-    output::error(&format!("{file}: no inverse kinematics for the robot `{}`: {why}", shown(robot)));
+    output::error(&format!("{file}: the robot `{}` cannot do that: {why}", shown(robot)));
     output::talk(&format!("  help: {UNSOLVED}"));
     Exit::BadInput
 }

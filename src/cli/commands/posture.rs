@@ -1,6 +1,6 @@
 //! `budget` and `explain`: one posture.
 
-use super::{UNSOLVED, suggest, workcell};
+use super::{suggest, workcell};
 use crate::cell::{Cell, JointKind, JointVector, MAX_JOINTS, shown};
 use crate::cli::arguments::{BudgetArguments, ExplainArguments, Overrides};
 use crate::cli::output::{path_word, word};
@@ -55,7 +55,7 @@ pub fn explain(a: &ExplainArguments) -> Result<Exit, Exit> {
         let stance = Stance::of_joints(&cell, ready.as_ref().map_err(String::as_str), k, joints);
         let stance = stance.map_err(|why| {
             output::error(&why);
-            output::talk(&format!("  help: choose another registration; {UNSOLVED}"));
+            output::talk("  help: choose another registration, or another layout");
             Exit::BadInput
         })?;
         return told(a, &Explanation::new(stance));
