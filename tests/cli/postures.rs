@@ -297,7 +297,8 @@ fn joints_of_any_robot_are_explained() {
     assert!(ran.out.contains("do NOT trust the linear model here"), "{}", ran.out);
     assert!(ran.err.contains("warning: do NOT trust the linear model"), "{}", ran.err);
     shop.done(&[&["explain", "cells/ur.toml", "--registration", "best-fit"][..], &joints].concat());
-    let taught = shop.done(&[&["explain", "cells/ur.toml", "--registration", "taught"][..], &joints].concat());
+    let taught =
+        shop.done(&[&["explain", "cells/ur.toml", "--registration", "taught"][..], &joints].concat());
     assert!(taught.out.contains("taken off: the surface frame as taught"), "{}", taught.out);
 }
 
