@@ -13,8 +13,8 @@
 //! dT(q, e) = prod (A_i + dA_i) - T(q)                                 (4)-(6)
 //! ```
 //!
-//! an error of the base, of the tool and of the work's own fixture included,//!
-//! and with the inverse kinematics `Q(x)`, every posture that puts the tool at `x` inside the joint
+//! an error of the base, of the tool, of a joint's frame and of the work's own fixture included, and with
+//! the inverse kinematics `Q(x)`, every posture that holds the tool at `x` as asked inside the joint
 //! limits, we choose the layout `L` (the placement of every movable equipment) and, for every
 //! operation `k`, a node `x_k` of the grid `G_k(L)` on its surface:
 //!
@@ -38,7 +38,7 @@
 //! | [`robot`] | what moves | joint coordinates to frames |
 //! | [`kinematic_error`] | how wrong | frames and a sample of errors to position and rotation error |
 //! | [`reading`] | how bad | frames and a tolerance to worst case, percentiles, yield, budget |
-//! | [`reach`] | can it go | TCP target to all postures, or what is missing |
+//! | [`reach`] | can it go | TCP target and attitude to all postures, or what is missing; envelope |
 //! | [`clearance`] | does it hit | layout and frames to the first contact, or none |
 //! | [`error_map`] | where is it best | surface to the least-error spot, or to the whole map |
 //! | [`layout`] | what is it worth | **[`layout::evaluate`]: layout to evaluation, the seam** |
@@ -59,7 +59,8 @@
 //!   column, what is wrong and what to do.
 //! - [`layout::evaluate`] is pure and total: the same input gives the same bits, and an infeasible
 //!   layout is a value with its reason, never a panic, an `Err`, NaN or infinity.
-//! - Out of reach, joint limit and collision are different answers, naming the joint or the solids.
+//! - Out of reach, joint limit, attitude, not converged and collision are different answers, naming the
+//!   joint or the solids.
 //! - A signed sample of errors is not a tolerance: [`cell::SignedErrors`] and [`cell::Tolerance`] are
 //!   two types.
 //! - Errors are differences: never two nearly equal numbers subtracted.
