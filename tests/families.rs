@@ -33,7 +33,7 @@ fn every_family_is_mapped_and_searched() {
         };
         let movable = cell.equipment.iter().filter(|e| e.surface.is_some() && searched(e)).count();
         assert!(movable >= 2, "{name}: {movable} movable");
-        let mut settings = cell.search.clone();
+        let mut settings = cell.search;
         settings.budget = if family.contains("numeric") { 6 } else { 24 };
         let workcell = Workcell::new(cell).unwrap();
         assert_eq!(workcell.inverse().family(), family, "{name}");

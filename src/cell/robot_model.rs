@@ -147,16 +147,6 @@ impl Robot {
         .collect()
     }
 
-    /// Every joint at 0, or in the middle of its range where that is not allowed.
-    pub fn middle_posture(&self) -> JointVector {
-        let mut q = [0.0; MAX_JOINTS];
-        for (q, joint) in q.iter_mut().zip(&self.joints) {
-            let (low, high) = joint.limits;
-            *q = if low <= 0.0 && 0.0 <= high { 0.0 } else { (low + high) / 2.0 };
-        }
-        q
-    }
-
     /// An upper bound of the distance from the base axis that the TCP can reach, m.
     pub fn reach(&self) -> f64 {
         let upright = self.mount.rotation.m33.abs() > 1.0 - 1e-12;

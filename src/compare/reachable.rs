@@ -112,7 +112,7 @@ pub fn tolerance_of(inverse: &Inverse, step: f64) -> f64 {
 pub struct Sheet<'a> {
     pub robot: &'a Robot,
     pub family: &'static str,
-    /// The TCP with every joint at 0 or in the middle of its range.
+    /// The TCP at home.
     pub pose: Pose,
     /// The envelope at this elevation (rad) of the tool.
     pub elevation: f64,
@@ -132,7 +132,7 @@ impl<'a> Sheet<'a> {
         let work = envelope.work(0, &[], true, step);
         let told = |count: u64| progress(count, work);
         let size = envelope.size(&Fineness { step, tolerance: tolerance_of(&inverse, step), asked: &told });
-        let pose = chain.forward(&chain.posture(&robot.middle_posture()));
+        let pose = chain.forward(&chain.posture(&robot.home));
         Self { robot, family: inverse.family(), pose, elevation, size, step }
     }
 }

@@ -1,7 +1,7 @@
 //! What an arm cannot do by its build.
 
 use super::Inverse;
-use super::kernel::{Kernel, spread};
+use super::kernel::Kernel;
 use crate::cell::{Attitude, Azimuth, Spin};
 use crate::robot::Chain;
 use crate::units::{deg_from_rad, rounded};
@@ -15,7 +15,7 @@ const SAME: f64 = 1e-9;
 /// The elevation of the tool axis (rad) if it is the same in every posture: of a SCARA, of a palletizer.
 pub(super) fn kept_elevation(chain: &Chain) -> Option<f64> {
     let elevation = |k: usize| {
-        let tcp = chain.forward(&chain.posture(&spread(chain, k)));
+        let tcp = chain.forward(&chain.posture(&chain.spread(k)));
         let axis = tcp.rotation * chain.tool_axis;
         axis.z.atan2(axis.x.hypot(axis.y))
     };

@@ -4,7 +4,7 @@ use super::Numeric;
 use super::planar::{PlanarArm, template};
 use super::scara::Scara;
 use super::{SphericalWrist, ThreeParallel};
-use crate::cell::{JointKind, JointVector, MAX_JOINTS};
+use crate::cell::{JointKind, JointVector};
 use crate::pose::Pose;
 use crate::robot::{Chain, Link, Posture};
 
@@ -114,7 +114,7 @@ impl PoseKernel {
     fn is_exact(&self, chain: &Chain) -> bool {
         let mut scratch = template(chain);
         (0..TRIALS).all(|k| {
-            let posture = chain.posture(&spread(chain, k));
+            let posture = chain.posture(&chain.spread(k));
             let wanted = flange_of(chain, &posture);
             let (mut count, mut off) = (0, 0.0);
             self.solve(&wanted, &mut scratch, &mut |_, found| {
@@ -131,25 +131,6 @@ impl PoseKernel {
 /// The last D-H frame in frame 0.
 fn flange_of(chain: &Chain, posture: &Posture) -> Pose {
     chain.mount.inverse() * chain.frames(posture).links[chain.axes()]
-}
-
-/// The k-th point of the Halton sequence between the joint limits.
-pub(super) fn spread(chain: &Chain, k: usize) -> JointVector {
-    const PRIMES: [usize; MAX_JOINTS] = [2, 3, 5, 7, 11, 13, 17, 19];
-    let radical = |base: usize| {
-        let (mut n, mut value, mut digit) = (k + 1, 0.0, 1.0);
-        while n > 0 {
-            digit /= base as f64;
-            value += digit * (n % base) as f64;
-            n /= base;
-        }
-        value
-    };
-    let mut q = [0.0; MAX_JOINTS];
-    for ((q, link), base) in q.iter_mut().zip(&chain.links).zip(PRIMES) {
-        *q = link.limits.0 + (link.limits.1 - link.limits.0) * radical(base);
-    }
-    q
 }
 
 impl Locked {

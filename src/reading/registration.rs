@@ -6,7 +6,7 @@
 //! left, which converges quadratically and keeps the digits of small errors.
 
 use super::{Effects, Sources};
-use crate::cell::{MAX_JOINTS, Model};
+use crate::cell::Model;
 use crate::kinematic_error::{Perturbation, position_error};
 use crate::pose::{Displacement, SmallRotation};
 use crate::robot::{Chain, Frames};
@@ -38,7 +38,7 @@ pub struct BestFit {
 impl BestFit {
     pub fn new(chain: &Chain, sources: &Sources, mean: bool) -> Self {
         let postures: Vec<Frames> =
-            (0..POSTURES).map(|k| chain.frames(&chain.posture(&spread(chain, k)))).collect();
+            (0..POSTURES).map(|k| chain.frames(&chain.posture(&chain.spread(k)))).collect();
         let centre = postures.iter().map(|f| f.tcp.translation).sum::<Vector3<f64>>() / POSTURES as f64;
         let inertia = postures.iter().map(|f| f.tcp.translation - centre).fold(Matrix3::zeros(), |sum, r| {
             sum + Matrix3::identity() * r.norm_squared() - r * r.transpose()
@@ -99,25 +99,6 @@ impl BestFit {
         fitted.mean = fit(&|effects| effects.mean.position);
         fitted
     }
-}
-
-/// The k-th point of the Halton sequence between the joint limits.
-fn spread(chain: &Chain, k: usize) -> [f64; MAX_JOINTS] {
-    const PRIMES: [u32; MAX_JOINTS] = [2, 3, 5, 7, 11, 13, 17, 19];
-    let radical = |base: u32| {
-        let (mut n, mut value, mut digit) = (k as u32 + 1, 0.0, 1.0);
-        while n > 0 {
-            digit /= f64::from(base);
-            value += digit * f64::from(n % base);
-            n /= base;
-        }
-        value
-    };
-    let mut q = [0.0; MAX_JOINTS];
-    for ((q, link), base) in q.iter_mut().zip(&chain.links).zip(PRIMES) {
-        *q = link.limits.0 + (link.limits.1 - link.limits.0) * radical(base);
-    }
-    q
 }
 
 /// A surface frame taught by touching three points: its origin, one on its x axis, one in its plane.

@@ -105,6 +105,25 @@ impl Chain {
         posture
     }
 
+    /// The k-th point of the Halton sequence between the joint limits.
+    pub fn spread(&self, k: usize) -> JointVector {
+        const PRIMES: [usize; MAX_JOINTS] = [2, 3, 5, 7, 11, 13, 17, 19];
+        let radical = |base: usize| {
+            let (mut n, mut value, mut digit) = (k + 1, 0.0, 1.0);
+            while n > 0 {
+                digit /= base as f64;
+                value += digit * (n % base) as f64;
+                n /= base;
+            }
+            value
+        };
+        let mut q = [0.0; MAX_JOINTS];
+        for ((q, link), base) in q.iter_mut().zip(&self.links).zip(PRIMES) {
+            *q = link.limits.0 + (link.limits.1 - link.limits.0) * radical(base);
+        }
+        q
+    }
+
     /// Every frame of the chain at a posture.
     pub fn frames(&self, posture: &Posture) -> Frames {
         let mut frames = Frames::default();

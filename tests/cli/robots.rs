@@ -67,8 +67,8 @@ fn a_robot_is_told_with_its_numbers() {
     let first = &items(field(&by_name, "joints"))[0];
     assert_eq!(number(field(first, "r_mm")), 750.0);
     assert_eq!(numbers(field(first, "limits")), [-150.0, 150.0]);
-    // At zero the upper arm is vertical, forearm and tool horizontal along +y.
-    assert!(near(&numbers(field(&by_name, "zero_position_mm")), &[0.0, 1250.0, 1350.0], 1e-6));
+    // At home the upper arm is vertical, forearm and tool horizontal along +y.
+    assert!(near(&numbers(field(&by_name, "home_position_mm")), &[0.0, 1250.0, 1350.0], 1e-6));
     let words = shop.done(&["robot", "hitachi_pw10"]).out;
     for said in ["D-H rows, standard", "q1 (waist)", "envelope", "a signed sample", "source"] {
         assert!(words.contains(said), "no {said} in {words}");

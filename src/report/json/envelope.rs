@@ -28,6 +28,11 @@ pub fn robots(all: &[(&str, Robot, &str)]) -> Value {
 pub fn robot(sheet: &Sheet<'_>) -> Value {
     let robot = sheet.robot;
     let rows = robot.joints.iter().zip(robot.rows_of_file());
+    let in_unit = |(joint, q): (&Joint, &f64)| match joint.kind {
+        JointKind::Revolute => rounded(deg_from_rad(*q), 9),
+        JointKind::Prismatic => length(mm_from_m(*q)),
+    };
+    let home: Vec<f64> = robot.joints.iter().zip(&robot.home).map(in_unit).collect();
     let axis: [f64; 3] = robot.tool_axis.map(|v| rounded(v, 12)).into();
     let kind = |set: &ErrorSet| if matches!(set, ErrorSet::Signed(_)) { "signed" } else { "tolerance" };
     json!({
@@ -43,7 +48,8 @@ pub fn robot(sheet: &Sheet<'_>) -> Value {
             "axis": axis,
         },
         "reach_mm": length(mm_from_m(robot.reach())),
-        "zero_position_mm": lengths(&sheet.pose.translation),
+        "home": home,
+        "home_position_mm": lengths(&sheet.pose.translation),
         "solids": robot.solids.iter().map(|s| s.solid.name.as_str()).collect::<Vec<_>>(),
         "errors": robot.errors.iter().map(|e| json!({ "name": e.name(), "kind": kind(e) })).collect::<Vec<_>>(),
         "envelope": {

@@ -2,7 +2,7 @@
 
 use super::table::Table;
 use super::{fixed, mm, mm1};
-use crate::cell::{Convention, ErrorSet, JointKind, Robot, shown};
+use crate::cell::{Convention, ErrorSet, Joint, JointKind, Robot, shown};
 use crate::compare::{Reachable, Sheet};
 use crate::reach::Size;
 use crate::units::{deg_from_rad, mm_from_m, percent_from_share, rounded};
@@ -48,7 +48,8 @@ pub fn robot(sheet: &Sheet<'_>) -> String {
     let elevation = fixed(deg_from_rad(axis.z.clamp(-1.0, 1.0).asin()), 1);
     let _ = writeln!(
         out,
-        "at zero     TCP at {} mm, tool axis at {elevation} deg (joints at 0, or in the middle of their range)",
+        "home        joints at ({}), TCP at {} mm, tool axis at {elevation} deg",
+        home(robot),
         triple(&sheet.pose.translation.map(mm_from_m)),
     );
     let _ = writeln!(out, "reach       at most {} mm from the base axis", fixed(mm_from_m(robot.reach()), 0));
@@ -166,4 +167,14 @@ pub fn envelope(envelope: &Reachable<'_>) -> String {
     );
     let _ = writeln!(out, "base frame of the robot; joint limits are kept, collisions not looked at");
     out
+}
+
+/// Joint coordinates at home, deg or mm; a passive joint has none.
+fn home(robot: &Robot) -> String {
+    let value = |(joint, q): (&Joint, &f64)| match joint.kind {
+        JointKind::Revolute => rounded(deg_from_rad(*q), 3).to_string(),
+        JointKind::Prismatic => format!("{} mm", rounded(mm_from_m(*q), 3)),
+    };
+    let active = robot.joints.iter().zip(&robot.home).filter(|(joint, _)| !joint.is_passive());
+    active.map(value).collect::<Vec<_>>().join(", ")
 }
