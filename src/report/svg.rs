@@ -182,11 +182,11 @@ fn draw_nodes(
                 y - 3.5
             ),
             (status, _) => {
-                let dash = if matches!(status, Status::JointLimit { .. }) {
-                    " stroke-dasharray=\"2 1.6\""
-                } else {
-                    ""
-                };
+                let missed = matches!(
+                    status,
+                    Status::JointLimit { .. } | Status::Attitude { .. } | Status::NotConverged { .. }
+                );
+                let dash = if missed { " stroke-dasharray=\"2 1.6\"" } else { "" };
                 writeln!(
                     out,
                     "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4.6\" fill=\"none\" stroke=\"#6e7781\"{dash}><title>{reason}</title></circle>"
