@@ -380,7 +380,7 @@ fn scara_cell() -> Cell {
 #[test]
 fn discarding_early_changes_no_objective() {
     let workcell = Workcell::new(scara_cell()).unwrap();
-    assert!(workcell.inverse().is_dear());
+    assert_ne!(workcell.inverse().cost(), sweetspot::reach::Cost::Low);
     let shell = workcell.inverse().shell(&workcell.cell.operations[0].attitude);
     let mut rng = ChaCha8Rng::seed_from_u64(11);
     let (mut found, mut lost) = (0, 0);

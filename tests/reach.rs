@@ -22,6 +22,11 @@ fn poses(default: usize) -> usize {
     std::env::var("SWEETSPOT_POSES").map_or(default, |n| n.parse().unwrap())
 }
 
+/// All robots, or those whose names hold the text of `SWEETSPOT_ROBOT`.
+fn is_asked(stem: &str) -> bool {
+    std::env::var("SWEETSPOT_ROBOT").map_or(true, |part| stem.contains(&part))
+}
+
 fn random_joints(robot: &Robot, rng: &mut ChaCha8Rng) -> JointVector {
     let mut q = JointVector::default();
     for (q, joint) in q.iter_mut().zip(&robot.joints) {
@@ -96,6 +101,7 @@ struct Tally {
 fn tally(robot: &Robot, poses: usize) -> (Tally, &'static str) {
     let chain = Chain::new(robot);
     let inverse = Inverse::new(&chain);
+    let redundant = inverse.family().contains("joint free");
     let mut rng = ChaCha8Rng::seed_from_u64(41);
     let mut tally = Tally { poses, ..Tally::default() };
     let columns = tool_columns(&chain.tool_axis);
@@ -104,11 +110,7 @@ fn tally(robot: &Robot, poses: usize) -> (Tally, &'static str) {
         let tcp = chain.forward(&chain.posture(&q));
         let attitude = asked(&inverse, attitude_of(&(tcp.rotation * columns)));
         let approach = inverse.approach(&attitude, 0.0);
-        let reach = inverse.branches(&tcp.translation, &approach);
-        let Reach::Branches(branches) = reach else {
-            println!("{}: {q:?} {reach:?}", robot.name);
-            continue;
-        };
+        let Reach::Branches(branches) = inverse.branches(&tcp.translation, &approach) else { continue };
         let usable: Vec<_> = branches.iter().filter(|b| b.is_usable()).collect();
         tally.found += usize::from(!usable.is_empty());
         for b in &usable {
@@ -118,14 +120,15 @@ fn tally(robot: &Robot, poses: usize) -> (Tally, &'static str) {
             tally.worst = tally.worst.max(off(&answer, &tcp, &attitude, &chain.tool_axis));
         }
         // With a redundant joint at its original value.
-        let again = inverse.held_at(&q);
-        let Reach::Branches(branches) = again.branches(&tcp.translation, &approach) else { continue };
-        let nearest = branches.iter().map(|b| apart(robot, &q, &b.joints)).fold(f64::INFINITY, f64::min);
+        let again = redundant.then(|| inverse.held_at(&q).branches(&tcp.translation, &approach));
+        let again = match &again {
+            Some(Reach::Branches(branches)) => branches,
+            Some(_) => continue,
+            None => &branches,
+        };
+        let nearest = again.iter().map(|b| apart(robot, &q, &b.joints)).fold(f64::INFINITY, f64::min);
         // Conditioned by the nearness to a singular posture: its square root of the rounding.
         tally.reached += usize::from(nearest < 1e-5);
-        if nearest >= 1e-5 || usable.is_empty() {
-            println!("{}: {q:?} {nearest:e}, {} usable of {}", robot.name, usable.len(), branches.len());
-        }
     }
     (tally, inverse.family())
 }
@@ -135,9 +138,7 @@ fn poses_of_the_forward_kinematics_are_found_by_the_inverse() {
     println!(
         "robot | inverse kinematics | poses | found | original reached | answers | outside limits | worst (m, rad)"
     );
-    for (stem, robot) in
-        robots().into_iter().filter(|r| std::env::var("ONLY").map_or(true, |o| r.0.contains(&o)))
-    {
+    for (stem, robot) in robots().into_iter().filter(|(stem, _)| is_asked(stem)) {
         let numeric = Inverse::new(&Chain::new(&robot)).family().contains("numeric");
         let (t, family) = tally(&robot, poses(if numeric { 300 } else { 10_000 }));
         println!(

@@ -14,6 +14,8 @@ const MAX_TOML: usize = 4_000_000;
 /// Most bytes of files that other files name, each counted as often as it is named.
 const MAX_NAMED: usize = 100_000_000;
 
+const PACKAGE: &str = "say in which folder the package lies: --package NAME=DIR";
+
 const NAMING: &str = "write its path from the folder of the file that names it";
 
 /// A file as it was read.
@@ -115,6 +117,7 @@ impl<'a> Library<'a> {
     fn unreadable(&mut self, path: &str, at: Option<At>, why: &str) {
         let message = format!("cannot read `{}`: {}", shown(path), shown(why));
         match at {
+            Some(at) if path.starts_with("package://") => self.error(at, message, PACKAGE),
             Some(at) => self.error(at, message, NAMING),
             None => self.faults.push(Fault::of_file(path, message, "check the path of the cell file")),
         }

@@ -48,7 +48,8 @@ pub fn read(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<Robot> {
         Some(node) => read_derived(t, node, arm, lib),
         None => read_rows(t, lib),
     };
-    let home = from.joints.as_deref().and_then(|joints| read_home(t.get("home"), joints, lib));
+    let home = t.get("home");
+    let home = from.joints.as_deref().and_then(|joints| read_home(home, joints, lib));
     let tool = tool_file::read(t, lib);
     let before = lib.errors();
     let n = from.axes.unwrap_or(MAX_JOINTS);

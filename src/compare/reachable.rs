@@ -2,7 +2,7 @@
 
 use crate::cell::{Attitude, Operation, Robot};
 use crate::pose::Pose;
-use crate::reach::{Envelope, Fineness, Inverse, Region, Size};
+use crate::reach::{Cost, Envelope, Fineness, Inverse, Region, Size};
 use crate::robot::Chain;
 use crate::units::m_from_mm;
 use nalgebra::Vector3;
@@ -97,7 +97,12 @@ fn drawn_arm(envelope: &Envelope<'_>, inverse: &Inverse, size: &Size, azimuth: f
 
 /// A step that draws an arm in about a second, m.
 pub fn step_of(robot: &Robot, inverse: &Inverse) -> f64 {
-    let parts = if inverse.is_numeric() { 10.0 } else { 200.0 };
+    let parts = match inverse.cost() {
+        Cost::Low => 200.0,
+        Cost::Middle => 60.0,
+        Cost::High => 20.0,
+        Cost::Numeric => 10.0,
+    };
     let steps = [5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0].map(m_from_mm);
     let wanted = robot.reach() / parts;
     steps.into_iter().find(|step| *step >= wanted).unwrap_or(wanted)
@@ -105,7 +110,10 @@ pub fn step_of(robot: &Robot, inverse: &Inverse) -> f64 {
 
 /// How far a crossing may be off: 0.1 mm where that is cheap.
 pub fn tolerance_of(inverse: &Inverse, step: f64) -> f64 {
-    if inverse.is_numeric() { step / 20.0 } else { m_from_mm(0.1) }
+    match inverse.cost() {
+        Cost::Low | Cost::Middle => m_from_mm(0.1),
+        Cost::High | Cost::Numeric => step / 20.0,
+    }
 }
 
 /// A robot alone.

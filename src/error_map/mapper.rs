@@ -7,7 +7,7 @@ use crate::cell::{Cell, JointVector, Layout, Placement, shown};
 use crate::clearance::{Placed, Scene};
 use crate::kinematic_error::deviation;
 use crate::pose::Displacement;
-use crate::reach::{Approach, Branch, Gap, Inverse, Reach, Shell};
+use crate::reach::{Approach, Branch, Cost, Gap, Inverse, Reach, Shell};
 use crate::reading::{Gauge, Memory, Reference, Situation};
 use crate::robot::{Chain, Frames};
 use nalgebra::Vector3;
@@ -45,7 +45,7 @@ impl Mapper {
         }
         let arm = Arm { chain, inverse };
         let stations: Vec<_> = cell.operations.iter().filter_map(|o| Station::new(cell, o)).collect();
-        let shell = |s: &Station| arm.inverse.is_dear().then(|| arm.inverse.shell(&s.attitude));
+        let shell = |s: &Station| (arm.inverse.cost() != Cost::Low).then(|| arm.inverse.shell(&s.attitude));
         let shells = stations.iter().map(shell).collect();
         Ok(Self { arm, base: cell.base, stations, shells })
     }

@@ -35,7 +35,7 @@ impl Inverse {
         let (mut all, mut joints, mut nearest) = (Vec::new(), Vec::new(), Missing::None);
         for (k, goal) in self.goals(target, approach).iter().enumerate() {
             let missed = self.numeric(goal, &mut joints);
-            if matches!(nearest, Missing::None) || matches!(missed, Missing::Attitude { .. }) {
+            if is_nearer(&missed, &nearest) {
                 nearest = missed;
             }
             all.extend(joints.iter().enumerate().map(|(i, q)| Branch {
@@ -79,4 +79,16 @@ impl Inverse {
         };
         columns.map(|columns| goal(held(columns))).collect()
     }
+}
+
+/// Whether the first says more of how near an answer is: an attitude missed by less, before not
+/// converged, before out of reach by less.
+fn is_nearer(a: &Missing, b: &Missing) -> bool {
+    let key = |missing: &Missing| match missing {
+        Missing::Attitude { by, .. } => (0, *by),
+        Missing::NotConverged { position, angle } => (1, position + angle),
+        Missing::OutOfReach { by } => (2, *by),
+        Missing::None => (3, 0.0),
+    };
+    key(a) < key(b)
 }

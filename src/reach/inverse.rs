@@ -28,6 +28,16 @@ pub struct Inverse {
     pub(super) template: Posture,
 }
 
+/// What a target costs: some ten nanoseconds, a microsecond for every attitude, the same for every value
+/// of a redundant joint, a millisecond.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Cost {
+    Low,
+    Middle,
+    High,
+    Numeric,
+}
+
 /// An operation's attitudes, ready for this arm over one surface. Kept from layout to layout.
 #[derive(Debug, Clone, Default)]
 pub struct Approach {
@@ -123,14 +133,14 @@ impl Inverse {
         self.kept
     }
 
-    /// Whether there is no closed form: a target costs a thousand times as much.
-    pub fn is_numeric(&self) -> bool {
-        matches!(self.kernel, Kernel::Numeric(_))
-    }
-
-    /// Whether a target costs more than the closed form of the planar arm.
-    pub fn is_dear(&self) -> bool {
-        !matches!(self.kernel, Kernel::Planar(_))
+    /// What a target costs.
+    pub fn cost(&self) -> Cost {
+        match &self.kernel {
+            Kernel::Planar(_) => Cost::Low,
+            Kernel::Pose(_) => Cost::Middle,
+            Kernel::Locked(_) => Cost::High,
+            Kernel::Numeric(_) => Cost::Numeric,
+        }
     }
 
     /// The ways to hold the tool over a surface turned by `yaw` (rad) in the base frame.

@@ -22,7 +22,7 @@ mod three_parallel;
 mod unlock;
 
 pub use envelope::{Envelope, Extent, Fineness, Outline, Region, Size};
-pub use inverse::{Approach, Branch, Gap, Inverse, Reach};
+pub use inverse::{Approach, Branch, Cost, Gap, Inverse, Reach};
 pub use limits::LimitViolation;
 pub use numeric::{Goal, Held, Missing, Numeric, jacobian};
 pub use shell::Shell;

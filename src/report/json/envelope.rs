@@ -4,7 +4,6 @@ use super::{length, lengths};
 use crate::cell::{ErrorSet, Joint, JointKind, Robot};
 use crate::compare::{Reachable, Sheet};
 use crate::reach::{Outline, Region, Size};
-use crate::report::text::first_line;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use serde_json::{Value, json};
 
@@ -18,7 +17,7 @@ pub fn robots(all: &[(&str, Robot, &str)]) -> Value {
             "family": family,
             "reach_mm": length(mm_from_m(robot.reach())),
             "error_sets": robot.errors.len(),
-            "source": first_line(robot),
+            "source": robot.source,
         })
     };
     json!({ "schema": "sweetspot/robots/1", "robots": all.iter().map(one).collect::<Vec<_>>() })

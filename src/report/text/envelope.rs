@@ -27,7 +27,7 @@ pub fn robots(all: &[(&str, Robot, &str)]) -> String {
 }
 
 /// The first line of what a robot's file says about its numbers.
-pub fn first_line(robot: &Robot) -> String {
+fn first_line(robot: &Robot) -> String {
     shown(robot.source.trim().lines().next().unwrap_or_default())
 }
 

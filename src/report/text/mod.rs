@@ -12,7 +12,7 @@ mod urdf;
 
 pub use budget::budget;
 pub use compare::{comparison, feasibility};
-pub use envelope::{envelope, envelope_title, first_line, robot, robots};
+pub use envelope::{envelope, envelope_title, robot, robots};
 pub use explain::{explanation, frame_name};
 pub use map::{distrust, maps};
 pub use own_pairs::own_pairs;
