@@ -210,7 +210,7 @@ impl Inverse {
             Kernel::Locked(locked) => locked.values.iter().enumerate().any(|(k, value)| {
                 let mut any = false;
                 let mut judge = |_: u32, posture: &Posture| any = any || usable(posture);
-                self.solve_locked(locked, (k, *value), target, approach, &mut judge);
+                self.solve_locked((locked, locked.quick()), (k, *value), target, approach, &mut judge);
                 any
             }),
             Kernel::Numeric(_) => {
@@ -238,7 +238,13 @@ impl Inverse {
             }
             Kernel::Locked(locked) if ((wanted >> 16) as usize) < locked.values.len() => {
                 let k = (wanted >> 16) as usize;
-                self.solve_locked(locked, (k, locked.values[k]), target, approach, &mut keep);
+                self.solve_locked(
+                    (locked, locked.quick()),
+                    (k, locked.values[k]),
+                    target,
+                    approach,
+                    &mut keep,
+                );
             }
             _ => {
                 self.visit(target, approach, &mut scratch, keep);
@@ -256,7 +262,9 @@ impl Inverse {
             Kernel::Numeric(_) => return self.converged(target, approach),
             Kernel::Locked(locked) => {
                 let each = locked.values.iter().enumerate();
-                let gaps = each.map(|(k, v)| self.solve_locked(locked, (k, *v), target, approach, &mut keep));
+                let gaps = each.map(|(k, v)| {
+                    self.solve_locked((locked, locked.quick()), (k, *v), target, approach, &mut keep)
+                });
                 let by = gaps.fold(f64::INFINITY, f64::min);
                 if all.iter().any(Branch::is_usable) {
                     by

@@ -34,6 +34,8 @@ pub(super) enum PoseKernel {
 #[derive(Debug, Clone)]
 pub(super) struct Locked {
     pub kernel: PoseKernel,
+    /// The same that does not say what is missing, if that is dear.
+    pub hasty: Option<PoseKernel>,
     /// For the edge of the reach.
     pub numeric: Numeric,
     /// The rest's own scratch.
@@ -157,7 +159,18 @@ impl Locked {
         let values = std::array::from_fn(step);
         let (kernel, template) = (PoseKernel::new(&rest)?, template(&rest));
         let numeric = Numeric::new(chain);
-        Some(Self { kernel, numeric, template, link, first, axes: n, values })
+        let hasty = match &kernel {
+            PoseKernel::SphericalWrist(arm) => {
+                arm.hasty().map(|arm| PoseKernel::SphericalWrist(Box::new(arm)))
+            }
+            _ => None,
+        };
+        Some(Self { kernel, hasty, numeric, template, link, first, axes: n, values })
+    }
+
+    /// The kernel that finds what there is at the least cost.
+    pub fn quick(&self) -> &PoseKernel {
+        self.hasty.as_ref().unwrap_or(&self.kernel)
     }
 
     /// Tries the coordinate in `q` alone.

@@ -95,6 +95,16 @@ impl SphericalWrist {
         })
     }
 
+    /// The same arm that does not say what is missing, if that is dear to know; None if it is cheap.
+    pub fn hasty(&self) -> Option<Self> {
+        let mut hasty = self.clone();
+        match &mut hasty.arm {
+            Arm::Any(arm) => arm.hasty = true,
+            Arm::Anthropomorphic(_) => return None,
+        }
+        Some(hasty)
+    }
+
     #[inline]
     fn reach(&self, flange: &Pose, posture: &mut Posture, found: &mut impl FnMut(u8, &Posture)) -> f64 {
         let p = flange.transform(&self.centre);

@@ -20,6 +20,8 @@ const ACCURACY: f64 = 1e-10;
 /// of 1 and of r_3 (and a zero).
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct ThreeJoints {
+    /// Whether what is missing is not worth its cost: a hundred times that of the solutions.
+    pub hasty: bool,
     pub kinds: [JointKind; 3],
     /// (cos, sin) of alpha_1, and of theta_1 and theta_2 at coordinate 0.
     pub twist1: Angle,
@@ -53,6 +55,9 @@ struct Third {
     b: f64,
     rising: bool,
 }
+
+/// What is missing if nobody wants to know, m.
+const UNKNOWN: f64 = 1e-6;
 
 impl ThreeJoints {
     /// `r4`: the point on axis 4, m from the origin of frame 3.
@@ -88,6 +93,7 @@ impl ThreeJoints {
             h,
             distance2: (form, z),
             point: Point { links: *links, r4 },
+            hasty: false,
         };
         arm.check().map(|()| arm)
     }
@@ -136,6 +142,9 @@ impl ThreeJoints {
         }
         if any {
             return 0.0;
+        }
+        if self.hasty {
+            return UNKNOWN;
         }
         let (missing, joints) = self.point.nearest(p);
         if missing > ACCURACY {

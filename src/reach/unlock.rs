@@ -1,7 +1,7 @@
 //! Redundant arms: one joint takes one value after the other, the rest is solved in closed form.
 
 use super::inverse::{Approach, Gap, Inverse};
-use super::kernel::Locked;
+use super::kernel::{Locked, PoseKernel};
 use crate::robot::Posture;
 use nalgebra::Vector3;
 
@@ -16,7 +16,7 @@ impl Inverse {
     /// All attitudes with the redundant joint at one value, the k-th; returns the metres missing.
     pub(super) fn solve_locked(
         &self,
-        locked: &Locked,
+        (locked, kernel): (&Locked, &PoseKernel),
         (k, value): (usize, f64),
         target: &Vector3<f64>,
         approach: &Approach,
@@ -27,7 +27,7 @@ impl Inverse {
         let mut missing = f64::INFINITY;
         for a in 0..approach.hold.columns.len() {
             let flange = locked.rest_of(&self.flange(a, target, approach), &inverse);
-            let by = locked.kernel.solve(&flange, &mut part, &mut |branch, part| {
+            let by = kernel.solve(&flange, &mut part, &mut |branch, part| {
                 locked.join(part, &held, &mut posture);
                 found((k as u32) << 16 | (a as u32) << 4 | u32::from(branch), &posture);
             });
@@ -44,16 +44,37 @@ impl Inverse {
         approach: &Approach,
         mut found: impl FnMut(u32, &Posture),
     ) -> Gap {
+        if locked.hasty.is_some() {
+            let mut any = false;
+            for (k, value) in locked.values.iter().enumerate() {
+                let mut keep = |index: u32, posture: &Posture| {
+                    if self.excess(posture, target, approach) == 0.0 {
+                        any = true;
+                        found(index, posture);
+                    }
+                };
+                self.solve_locked((locked, locked.quick()), (k, *value), target, approach, &mut keep);
+            }
+            if any {
+                return Gap { reach: 0.0, limits: 0.0 };
+            }
+        }
         let mut gap_at = |k: usize, value: f64| {
             let (mut limits, mut usable) = (f64::INFINITY, false);
-            let reach = self.solve_locked(locked, (k, value), target, approach, &mut |index, posture| {
-                let excess = self.excess(posture, target, approach);
-                limits = limits.min(excess);
-                if excess == 0.0 {
-                    usable = true;
-                    found(index, posture);
-                }
-            });
+            let reach = self.solve_locked(
+                (locked, &locked.kernel),
+                (k, value),
+                target,
+                approach,
+                &mut |index, posture| {
+                    let excess = self.excess(posture, target, approach);
+                    limits = limits.min(excess);
+                    if excess == 0.0 {
+                        usable = true;
+                        found(index, posture);
+                    }
+                },
+            );
             (Gap { reach, limits: if reach > 0.0 { 0.0 } else { limits } }, usable)
         };
         let mut any = false;
@@ -70,7 +91,7 @@ impl Inverse {
         let (mut best, last) = (gaps[least], gaps.len() - 1);
         for k in 0..gaps.len() {
             let higher = |other: usize| !gaps[other].is_less(&gaps[k]);
-            if (k == 0 || higher(k - 1)) && (k == last || higher(k + 1)) {
+            if locked.hasty.is_none() && (k == 0 || higher(k - 1)) && (k == last || higher(k + 1)) {
                 let (mut lo, mut hi) = (locked.values[k.saturating_sub(1)], locked.values[(k + 1).min(last)]);
                 for _ in 0..ROUNDS {
                     let (step, mut nearest) = ((hi - lo) / (INSIDE + 1) as f64, (Gap::ALL, lo));
