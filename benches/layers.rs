@@ -139,23 +139,25 @@ fn map(c: &mut Criterion) {
 }
 
 fn collision(c: &mut Criterion) {
-    let cell = shipped("hitachi_cell.toml");
-    let scene = Scene::new(&cell);
+    let mut cell = shipped("hitachi_cell.toml");
     let chain = Chain::new(&cell.robot);
-    let mut placed = Placed::default();
-    scene.place(&layouts(&cell)[0], &mut placed);
-    for set in ["q", "qtask"] {
-        let postures: Vec<_> = data(&format!("c_pw10_{set}.bin"))
-            .chunks_exact(4)
-            .map(|q| chain.posture(&std::array::from_fn(|i| q.get(i).copied().unwrap_or(0.0))))
-            .collect();
-        let mut next = postures.iter().cycle();
-        c.bench_function(&format!("collision: one configuration of {set}"), |b| {
-            b.iter(|| {
-                let frames = chain.frames(next.next().expect("a cycle"));
-                scene.hit(&placed, &frames.links, None)
-            })
-        });
+    for (what, itself) in [("work C", false), ("work C and the robot against itself", true)] {
+        cell.robot.self_collision.checked = itself;
+        let (scene, mut placed) = (Scene::new(&cell), Placed::default());
+        scene.place(&layouts(&cell)[0], &mut placed);
+        for set in ["q", "qtask"] {
+            let postures: Vec<_> = data(&format!("c_pw10_{set}.bin"))
+                .chunks_exact(4)
+                .map(|q| chain.posture(&std::array::from_fn(|i| q.get(i).copied().unwrap_or(0.0))))
+                .collect();
+            let mut next = postures.iter().cycle();
+            c.bench_function(&format!("collision: one configuration of {set}, {what}"), |b| {
+                b.iter(|| {
+                    let frames = chain.frames(next.next().expect("a cycle"));
+                    scene.hit(&placed, &frames.links, None)
+                })
+            });
+        }
     }
 }
 

@@ -64,12 +64,9 @@ impl Attitude {
         self.elevation.cos().abs() < RIGHT_ANGLE
     }
 
-    /// The spins to try, rad.
-    pub fn spins(&self) -> Vec<f64> {
-        match &self.spin {
-            Spin::Free => (0..FREE_STEPS).map(free_step).collect(),
-            Spin::At(spins) => spins.clone(),
-        }
+    /// The spins to try where any will do, rad.
+    pub fn free_spins() -> impl Iterator<Item = f64> {
+        (0..FREE_STEPS).map(free_step)
     }
 
     /// The azimuths to try, rad, from the x axis of the surface or the radial direction.

@@ -32,8 +32,8 @@ pub struct Hold {
 
 impl Hold {
     /// For a surface turned by `yaw` (rad) in the base frame. `kept`: the elevation that the arm keeps
-    /// by its build.
-    pub fn set(&mut self, attitude: &Attitude, yaw: f64, kept: Option<f64>) {
+    /// by its build; `poses`: it takes whole poses.
+    pub fn set(&mut self, attitude: &Attitude, yaw: f64, kept: Option<f64>, poses: bool) {
         self.vertical = attitude.is_vertical();
         self.radial = attitude.azimuth == Azimuth::Radial;
         self.spin_is_free = attitude.spin == Spin::Free;
@@ -52,8 +52,14 @@ impl Hold {
         }
         self.tilts_sideways = attitude.tolerance > 0.0 && kept.is_none();
         self.spins.clear();
-        self.spins.extend(attitude.spins());
+        match &attitude.spin {
+            Spin::Free => self.spins.extend(Attitude::free_spins()),
+            Spin::At(spins) => self.spins.extend_from_slice(spins),
+        }
         self.columns.clear();
+        if !poses {
+            return;
+        }
         for azimuth in attitude.azimuths() {
             for &spin in &self.spins {
                 let azimuth = turned + azimuth;

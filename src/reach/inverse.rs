@@ -152,7 +152,8 @@ impl Inverse {
 
     /// [`Self::approach`] into memory that is kept.
     pub fn set(&self, approach: &mut Approach, attitude: &Attitude, yaw: f64) {
-        approach.hold.set(attitude, yaw, self.kept);
+        let poses = !matches!(self.kernel, Kernel::Planar(_));
+        approach.hold.set(attitude, yaw, self.kept, poses);
         if let Kernel::Planar(arm) = &self.kernel {
             arm.ways(&approach.hold, &mut approach.ways);
         }

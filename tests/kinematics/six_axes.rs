@@ -253,7 +253,8 @@ fn inverse_of_forward_for_special_chains() {
         }
         let robot = robot(&rows);
         if SphericalWrist::new(&Chain::new(&robot)).is_ok() {
-            Bench::wrist(robot).check_random(100, rng.random());
+            // Not drawn from the generator of the chains: which come does not depend on which are taken.
+            Bench::wrist(robot).check_random(100, k as u64);
             solved[k % 8] += 1;
         }
     }

@@ -4,7 +4,7 @@ use super::joints::Joints;
 use crate::cell::JointVector;
 
 /// Starts in a row that bring nothing new end the search.
-const IDLE: usize = 128;
+const IDLE: usize = 256;
 /// Solutions reported at most: a chain of six joints has up to 16.
 const MOST: usize = 16;
 /// Points of a continuum collected to choose from.

@@ -7,7 +7,7 @@ use crate::robot::{Chain, Frames};
 use nalgebra::Vector3;
 
 /// How many there are.
-pub(super) const STARTS: usize = 256;
+pub(super) const STARTS: usize = 384;
 
 /// A posture and where it puts the TCP.
 #[derive(Debug, Clone, PartialEq)]
