@@ -64,7 +64,9 @@ fn portable(name: &str) -> String {
 /// Copies of every file that was read, in their places; the cell file comes first and is renamed.
 fn keep_inputs(folder: &Path, cell_name: &str, sources: &[Source]) -> Result<(), Exit> {
     for (k, source) in sources.iter().enumerate() {
-        let path = folder.join(INPUTS).join(if k == 0 { cell_name } else { &source.path });
+        // A colon is no part of a folder's name everywhere.
+        let place = source.path.replacen("package://", "packages/", 1);
+        let path = folder.join(INPUTS).join(if k == 0 { cell_name } else { &place });
         if let Some(parent) = path.parent() {
             std::fs::create_dir_all(parent).map_err(|e| {
                 output::error(&format!("cannot make the folder {}: {e}", path_word(parent)));
