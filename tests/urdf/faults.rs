@@ -1,7 +1,7 @@
 //! What is said of a URDF that is wrong, odd, or says more than is used.
 
 use crate::product::load;
-use sweetspot::cell::{Fault, Severity};
+use sweetspot::cell::{Fault, Severity, Shape};
 use sweetspot::robot::Chain;
 
 /// Base, two arms and a tool; `$` marks what a test replaces.
@@ -190,6 +190,26 @@ fn rows_and_urdf_exclude_each_other() {
     assert!(faults.len() == 1 && faults[0].message.contains("`urdf` and `coupling` together"), "{faults:#?}");
 }
 
+/// A mesh in mm moves with its link: beside a URDF in robots/ lies equipment/.
+#[test]
+fn collision_meshes_are_read() {
+    let mesh = "<mesh filename=\"../equipment/machine.stl\" scale=\"0.001 0.001 0.001\"/>";
+    let link = format!("<link name=\"upper\"><collision><geometry>{mesh}</geometry></collision></link>");
+    let text = ARM.replace("<link name=\"upper\"/>", &link);
+    let robot = load(&text, 2, "").0.unwrap_or_else(|f| panic!("{f:#?}")).cell.robot;
+    let meshes: Vec<_> = robot
+        .solids
+        .iter()
+        .filter_map(|s| match &s.solid.shape {
+            Shape::Mesh { vertices, triangles, .. } => Some((s.link, vertices, triangles.len())),
+            _ => None,
+        })
+        .collect();
+    let [(link, vertices, triangles)] = meshes[..] else { panic!("{} meshes", meshes.len()) };
+    let size = vertices.iter().map(|v| v.amax()).fold(0.0, f64::max);
+    assert!(link > 0 && (9_000..11_000).contains(&triangles) && size > 0.1 && size < 1.0, "{link} {size}");
+}
+
 #[test]
 fn collision_meshes_are_named_and_their_paths_checked() {
     let mesh = |file: &str| {
@@ -204,8 +224,13 @@ fn collision_meshes_are_named_and_their_paths_checked() {
         ("package://other/a.stl", "package://other/a.stl"),
     ] {
         let faults = faults(&[("<link name=\"upper\"/>", &mesh(file))], "packages = { arm = \"parts/arm\" }");
-        assert!(faults.len() == 1 && !faults[0].is_error(), "{faults:#?}");
-        assert_eq!(faults[0].message, format!("link `upper`: its collision mesh is not used: {shown}"));
+        assert!(faults.len() == 1 && faults[0].is_error() && faults[0].line == 4, "{faults:#?}");
+        assert!(faults[0].message.starts_with(&format!("cannot read `{shown}`")), "{faults:#?}");
+        assert_eq!(
+            faults[0].help.contains("--package NAME=DIR"),
+            shown.starts_with("package"),
+            "{faults:#?}"
+        );
     }
     for file in [
         "../../a.stl",
