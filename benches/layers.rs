@@ -91,7 +91,8 @@ fn readings(c: &mut Criterion) {
     let approach = arm.approach(&Attitude::elevation(-std::f64::consts::FRAC_PI_2), 0.0);
     let target = nalgebra::Vector3::new(0.2, 0.95, 0.7);
     let (mut scratch, mut frames) = (arm.scratch(), robot::Frames::default());
-    let site = Site { equipment: 0, work: Pose::identity(), taught: None };
+    let site =
+        Site { equipment: 0, work: Pose::identity(), world: nalgebra::Matrix3::identity(), taught: None };
     let situation = Situation { site, reference: None };
     for (model, reading) in [(Model::Nonlinear, "signed"), (Model::Linear, "worst case and covariance")] {
         cell.model = model;

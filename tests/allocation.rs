@@ -12,7 +12,8 @@ use sweetspot::reading::{BestFit, Gauge, Reference, Site, Situation, Sources, Ta
 use sweetspot::robot::{Chain, Frames};
 
 fn situations(cell: &Cell, gauge: &Gauge, chain: &Chain) -> Vec<Situation> {
-    let site = || Site { equipment: 0, work: Pose::identity(), taught: None };
+    let site =
+        || Site { equipment: 0, work: Pose::identity(), world: nalgebra::Matrix3::identity(), taught: None };
     let frames =
         |q: [f64; 4]| chain.frames(&chain.posture(&std::array::from_fn(|i| *q.get(i).unwrap_or(&0.0))));
     let postures = [[0.3, 0.2, 0.1, -0.4], [-0.6, 0.1, 0.2, -0.2], [0.4, -0.5, 0.1, 0.3]].map(frames);

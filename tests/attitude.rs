@@ -131,7 +131,7 @@ fn an_arm_that_cannot_turn_its_tool_misses_the_azimuth_by_an_angle() {
     let cell = from_text(&cell.replace("operation.map", &format!("operation.{name}"))).unwrap().cell;
     let workcell = Workcell::new(cell).unwrap();
     let layout = workcell.cell.start();
-    let (at, base) = (layout.placements[0], workcell.cell.base);
+    let (at, base) = (layout.placements[0], layout.base);
     let map = &workcell.maps(&layout)[0];
     let (mut missed, mut kept) = (0, 0);
     for node in &map.nodes {

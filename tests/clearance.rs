@@ -10,7 +10,9 @@ use nalgebra::{Rotation3, Vector3};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
-use sweetspot::cell::{self, Cell, Equipment, Layout, LinkSolid, MAX_JOINTS, Placement, Rectangle, Shape};
+use sweetspot::cell::{
+    self, Cell, Coordinate, Equipment, Layout, LinkSolid, MAX_JOINTS, Placement, Rectangle, Shape,
+};
 use sweetspot::clearance::{Allowed, FloorPlan, Hit, Overlap, Party, Placed, Scene, SolidRef};
 use sweetspot::error_map::{Outcome, Status};
 use sweetspot::layout::{Workcell, evaluate};
@@ -57,6 +59,11 @@ fn hit(cell: &Cell, layout: &Layout, link: &Pose) -> Option<Hit> {
 
 fn at(x: f64, y: f64, z: f64) -> Pose {
     Pose { translation: V::new(x, y, z), ..Pose::identity() }
+}
+
+/// The layout as drawn with the equipment at these places.
+fn laid_out(cell: &Cell, placements: Vec<Placement>) -> Layout {
+    Layout { placements, ..cell.start() }
 }
 
 fn placement(x: f64, y: f64, z: f64, yaw: f64) -> Placement {
@@ -388,12 +395,11 @@ fn solids_agree(link: Kind, part: Kind, rounds: u64) -> usize {
         let rng = &mut rng;
         cell.clearance = [0.0, 0.0, 0.005, 0.08][round as usize % 4];
         cell.floor = if link == Kind::Meshes { -200.0 } else { -4.0 };
-        cell.base = placement(0.3, -0.2, 0.1, 0.7);
+        cell.base = placement(0.3, -0.2, 0.1, 0.7).values().map(Coordinate::Fixed);
         cell.robot.solids[0].solid.shape = random_shape(link, rng);
         cell.equipment[0].solids[0].shape = random_shape(part, rng);
         let place = random_vector(rng, 0.5);
-        let layout =
-            Layout { placements: vec![placement(place.x, place.y, place.z, rng.random_range(-3.2..3.2))] };
+        let layout = laid_out(&cell, vec![placement(place.x, place.y, place.z, rng.random_range(-3.2..3.2))]);
         let standing =
             Solid::of(&cell.equipment[0].solids[0].shape, &layout.placements[0].pose(), cell.floor);
         // Legs reach the floor, far below: approach them sideways, at the height of their tops.
@@ -406,14 +412,14 @@ fn solids_agree(link: Kind, part: Kind, rounds: u64) -> usize {
                 if round % 3 == 0 { V::z() } else { V::new(direction.x, direction.y, 0.0).normalize() };
         }
         let shape = &cell.robot.solids[0].solid.shape;
-        let centred = Solid::of(shape, &(cell.base.pose() * frame), cell.floor);
+        let centred = Solid::of(shape, &(cell.start().base.pose() * frame), cell.floor);
         let start = start - centred.centre();
         let solid = |s: f64| centred.moved(&(start + direction * s));
         let sure = |s: f64| verdict(&solid(s), &standing, cell.clearance);
         let mut ask = |s: f64| {
             let Some(want) = sure(s) else { return };
             let there = Pose {
-                translation: cell.base.pose().rotation.transpose() * (start + direction * s),
+                translation: cell.start().base.pose().rotation.transpose() * (start + direction * s),
                 ..frame
             };
             let got = hit(&cell, &layout, &there);
@@ -488,7 +494,7 @@ fn a_hundred_thousand_pairs_agree_with_closed_forms() {
             cell.clearance = [0.0, 0.01][round % 2];
             cell.robot.solids[0].solid.shape = random_shape(link, &mut rng);
             cell.equipment[0].solids[0].shape = random_shape(part, &mut rng);
-            let layout = Layout { placements: vec![placement(0.1, -0.2, 0.3, rng.random_range(-3.2..3.2))] };
+            let layout = laid_out(&cell, vec![placement(0.1, -0.2, 0.3, rng.random_range(-3.2..3.2))]);
             let standing =
                 Solid::of(&cell.equipment[0].solids[0].shape, &layout.placements[0].pose(), cell.floor);
             let mut frame = Pose { rotation: random_rotation(&mut rng), translation: V::zeros() };
@@ -539,8 +545,8 @@ fn the_robot_against_itself_agrees_with_closed_forms() {
     let count = |(a, b): (Kind, Kind)| {
         let mut rng = ChaCha8Rng::seed_from_u64(5_000 + 10 * a as u64 + b as u64);
         let mut cell = cell(BALL, CUBE, "clearance_mm = 70");
-        let far = Layout { placements: vec![placement(0.0, 0.0, 50.0, 0.0)] };
-        cell.base = placement(0.3, -0.2, 0.1, 0.7);
+        let far = laid_out(&cell, vec![placement(0.0, 0.0, 50.0, 0.0)]);
+        cell.base = placement(0.3, -0.2, 0.1, 0.7).values().map(Coordinate::Fixed);
         let other = cell.robot.solids[0].solid.clone();
         cell.robot.solids.push(LinkSolid { link: 2, solid: other });
         let mut asked = 0;
@@ -580,7 +586,7 @@ fn the_robot_against_itself_agrees_with_closed_forms() {
 fn the_floor_agrees_with_the_lowest_point() {
     let mut rng = ChaCha8Rng::seed_from_u64(7);
     let mut cell = cell(BALL, CUBE, "");
-    let layout = Layout { placements: vec![placement(0.0, 0.0, 50.0, 0.0)] };
+    let layout = laid_out(&cell, vec![placement(0.0, 0.0, 50.0, 0.0)]);
     for round in 0..800 {
         let kind = [Kind::Box, Kind::Sphere, Kind::Capsule, Kind::Cylinder][round % 4];
         cell.clearance = [0.0, 0.03][round / 4 % 2];
@@ -624,19 +630,16 @@ fn a_tool_on_the_floor_is_a_collision_that_names_it() {
 fn the_base_collides_whatever_the_arm_does() {
     let mut cell = cell(BALL, CUBE, "");
     cell.robot.solids[0].link = 0;
-    cell.base = placement(1.0, 2.0, 0.0, 0.5);
+    cell.base = placement(1.0, 2.0, 0.0, 0.5).values().map(Coordinate::Fixed);
     for (x, want) in [(1.119, true), (1.121, false)] {
-        let layout = Layout { placements: vec![placement(x, 2.0, 0.0, 0.0)] };
+        let layout = laid_out(&cell, vec![placement(x, 2.0, 0.0, 0.0)]);
         for z in [0.0, 30.0] {
             assert_eq!(hit(&cell, &layout, &at(0.0, 0.0, z)).is_some(), want, "{x}");
         }
     }
     // It stands on the floor and does not collide with it.
     cell.floor = 0.0;
-    assert_eq!(
-        hit(&cell, &Layout { placements: vec![placement(9.0, 9.0, 0.1, 0.0)] }, &Pose::identity()),
-        None
-    );
+    assert_eq!(hit(&cell, &laid_out(&cell, vec![placement(9.0, 9.0, 0.1, 0.0)]), &Pose::identity()), None);
 }
 
 #[test]
@@ -778,7 +781,7 @@ fn table(z: f64, floor: f64) -> (Cell, Layout) {
     let shipped = shipped("hitachi_cell.toml");
     cell.equipment = vec![shipped.equipment[0].clone()];
     cell.floor = floor;
-    let layout = Layout { placements: vec![placement(0.4, 1.1, z, 0.5)] };
+    let layout = laid_out(&cell, vec![placement(0.4, 1.1, z, 0.5)]);
     (cell, layout)
 }
 
@@ -957,13 +960,13 @@ fn overlaps_agree_with_clipped_polygons() {
     for round in 0..20_000 {
         let rng = &mut rng;
         cell.clearance = [0.0, 0.0, 0.01, 0.3][round % 4];
-        cell.base = random_place(rng);
+        cell.base = random_place(rng).values().map(Coordinate::Fixed);
         cell.robot.footprint = random_rectangle(rng);
         let plan = random_rectangle(rng);
         (cell.keep_out[0].min.x, cell.keep_out[0].max.x) = (plan.centre.0, plan.centre.0 + plan.size.0);
         (cell.keep_out[0].min.y, cell.keep_out[0].max.y) = (plan.centre.1, plan.centre.1 + plan.size.1);
         cell.equipment.iter_mut().for_each(|e| e.footprint = random_rectangle(rng));
-        let layout = Layout { placements: vec![random_place(rng), random_place(rng)] };
+        let layout = laid_out(&cell, vec![random_place(rng), random_place(rng)]);
         let found = overlaps(&cell, &layout);
         let of = |a, b| found.iter().find(|o| (o.a, o.b) == (a, b)).map(|o| o.depth);
         let stands = |k: usize| corners(&cell.equipment[k].footprint, &layout.placements[k]);
@@ -973,7 +976,7 @@ fn overlaps_agree_with_clipped_polygons() {
             size: plan.size,
         };
         let aisle = corners(&keep_out, &placement(0.0, 0.0, 0.0, 0.0));
-        let base = corners(&cell.robot.footprint, &cell.base);
+        let base = corners(&cell.robot.footprint, &layout.base);
         let case = |what: &str| format!("round {round}, {what}");
         fits(of(first, second), &stands(0), &stands(1), cell.clearance, &case("equipment"));
         for k in [0, 1] {
@@ -1011,8 +1014,8 @@ fn overlaps_are_found_and_named() {
         (2.5, 0.0, 0.2, ""),
         (0.0, 3.0, 0.1, ""),
     ] {
-        let layout = Layout { placements: vec![placement(x, y, z, 0.0)] };
         let (on, off) = (cell(true), cell(false));
+        let layout = laid_out(&on, vec![placement(x, y, z, 0.0)]);
         let found = overlaps(&on, &layout);
         let words: Vec<_> = found.iter().map(|o| o.in_words(&on)).collect();
         assert_eq!(words.join("; "), said, "{x} {y} {z}");
@@ -1047,7 +1050,7 @@ fn standing_side_by_side_is_no_overlap() {
             (far, bottom - height / 2, "under the box"),
             (far, bottom + 200 + height / 2, "over the box"),
         ] {
-            let layout = Layout { placements: vec![placement(m(x), 0.0, m(z), 0.0)] };
+            let layout = laid_out(&cell, vec![placement(m(x), 0.0, m(z), 0.0)]);
             let found = overlaps(&cell, &layout);
             assert!(found.is_empty(), "{beside}, {width} {base} {height} {bottom} {far}: {found:?}");
         }
@@ -1071,14 +1074,14 @@ fn legs_stand_in_keep_out_boxes_below_the_table() {
 fn collision_false_switches_all_off() {
     for (collision, want) in [(true, true), (false, false)] {
         let mut cell = cell(BALL, CUBE, &format!("collision = {collision}"));
-        let layout = Layout { placements: vec![placement(0.0, 0.0, -0.5, 0.0)] };
+        let layout = laid_out(&cell, vec![placement(0.0, 0.0, -0.5, 0.0)]);
         cell.floor = 0.0;
         assert_eq!(hit(&cell, &layout, &at(0.0, 0.0, -0.45)).is_some(), want, "equipment");
         assert_eq!(hit(&cell, &layout, &at(5.0, 5.0, -2.0)).is_some(), want, "floor");
         let named: Vec<_> = overlaps(&cell, &layout).iter().map(|o| o.b).collect();
         assert_eq!(named, if want { vec![Party::RobotBase, Party::Floor] } else { vec![] });
         cell.robot.solids[0].link = 0;
-        let layout = Layout { placements: vec![placement(0.0, 0.0, 0.0, 0.0)] };
+        let layout = laid_out(&cell, vec![placement(0.0, 0.0, 0.0, 0.0)]);
         assert_eq!(hit(&cell, &layout, &Pose::identity()).is_some(), want, "base");
     }
 }

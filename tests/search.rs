@@ -6,7 +6,7 @@ mod common;
 use common::{from_text, shipped};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
-use sweetspot::cell::{Cell, Coordinate, Layout, Objective, SearchSettings, Sense, Solver};
+use sweetspot::cell::{Cell, Coordinate, Layout, Objective, Place, SearchSettings, Sense, Solver};
 use sweetspot::error_map::Outcome;
 use sweetspot::layout::{Evaluation, Workcell, evaluate};
 use sweetspot::search::{Ended, SearchRecord, Space, Watch, search};
@@ -238,7 +238,9 @@ fn one_dimension_agrees_with_a_scan_of_every_position() {
     for (grid, sense, low, more, tolerance) in cases {
         let y = format!("x_mm = 20, y_mm = {{ min = {low}, max = {} }}, z_mm = 650, yaw_deg = 3", low + 100);
         let mut cell = one_table(&y, more).cell;
-        (cell.operations[0].grid, cell.operations[0].sense) = (grid, Sense::plain(sense).unwrap());
+        let area = cell.equipment[0].surface.unwrap();
+        cell.operations[0].place = Place::Grid { area, divisions: grid };
+        cell.operations[0].sense = Sense::plain(sense).unwrap();
         let workcell = Workcell::new(cell).unwrap();
         let at = |step: u32| {
             let mut layout = workcell.cell.start();

@@ -1,8 +1,10 @@
 //! The attitude of the tool at an operation.
 
 use super::attitude::{Attitude, Azimuth, Spin};
+use super::coordinate_file;
 use super::document::Library;
 use super::fault::shown;
+use super::layout::Coordinate;
 use super::reader::Table;
 use super::tree::{Node, Value};
 use super::value::{self, Must, plain};
@@ -14,16 +16,22 @@ const MAX_SPINS: usize = 72;
 /// Widest tolerance, degrees.
 const MAX_TOLERANCE: f64 = 45.0;
 
+/// Largest lean of a range past the vertical, degrees.
+const MAX_RANGE: f64 = 135.0;
+
+/// The attitude as drawn, and its angles that were given as numbers: elevation, azimuth, spin.
+type Aim = (Attitude, [Option<Coordinate>; 3]);
+
 /// Reads `bend_deg`, `azimuth_deg`, `spin_deg` and `tolerance_deg` of an operation.
-pub fn read(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<Attitude> {
+pub fn read(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<Aim> {
     let elevation = read_bend(t, lib);
     let azimuth = match t.get("azimuth_deg") {
         Some(node) => read_azimuth(node, lib),
-        None => Some(Azimuth::Free),
+        None => Some((Azimuth::Free, None)),
     };
     let spin = match t.get("spin_deg") {
         Some(node) => read_spin(node, lib),
-        None => Some(Spin::Free),
+        None => Some((Spin::Free, None)),
     };
     let tolerance = t.number_or("tolerance_deg", 0.0, Must::NotBeNegative, lib);
     if let Some(wide) = tolerance.filter(|deg| *deg > MAX_TOLERANCE) {
@@ -36,43 +44,50 @@ pub fn read(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<Attitude> {
         );
     }
     let tolerance = units::rad_from_deg(tolerance?);
-    Some(Attitude { elevation: elevation?, azimuth: azimuth?, spin: spin?, tolerance })
+    let (elevation, (azimuth, of_azimuth), (spin, of_spin)) = (elevation?, azimuth?, spin?);
+    let attitude = Attitude { elevation: elevation.start(), azimuth, spin, tolerance };
+    Some((attitude, [Some(elevation), of_azimuth, of_spin]))
 }
 
 /// Elevation of the tool axis, rad.
-fn read_bend(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<f64> {
-    let bend = t.number("bend_deg", Must::BeFinite, lib)?;
-    if bend.abs() > 90.0 {
-        let message = format!("`bend_deg` must be from -90 to 90, not {}", plain(bend));
+fn read_bend(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<Coordinate> {
+    let node = t.need("bend_deg", format!("add bend_deg = {}", Must::BeFinite.example()))?;
+    let bend = coordinate_file::read(node, "bend_deg", units::rad_from_deg, lib)?;
+    let most = if bend.is_free() { MAX_RANGE } else { 90.0 };
+    let (low, high) = bend.range();
+    let beyond = [low, high].map(units::deg_from_rad).into_iter().find(|deg| deg.abs() > most + 1e-9);
+    if let Some(deg) = beyond {
+        let message =
+            format!("`bend_deg` must be from -{most} to {most}, not {}", plain(units::rounded(deg, 6)));
         let help = "-90 is the tool pointing down, 0 horizontal, 90 up";
-        lib.error(t.get("bend_deg")?.at, message, help);
+        lib.error(node.at, message, help);
     }
-    Some(units::rad_from_deg(bend))
+    Some(bend)
 }
 
-/// An angle in the surface, "radial" or "free".
-fn read_azimuth(node: &Node, lib: &mut Library<'_>) -> Option<Azimuth> {
+/// An angle in the surface or a range of them, "radial" or "free".
+fn read_azimuth(node: &Node, lib: &mut Library<'_>) -> Option<(Azimuth, Option<Coordinate>)> {
     let what = "`azimuth_deg`";
     match &node.value {
-        Value::Text(word) if word == "radial" => Some(Azimuth::Radial),
-        Value::Text(word) if word == "free" => Some(Azimuth::Free),
+        Value::Text(word) if word == "radial" => Some((Azimuth::Radial, None)),
+        Value::Text(word) if word == "free" => Some((Azimuth::Free, None)),
         Value::Text(word) => {
             let message = format!("{what} cannot be \"{}\"", shown(word));
             lib.error(node.at, message, "write an angle in the surface, \"radial\" or \"free\"");
             None
         }
         _ => {
-            let angle = value::number(node, what, Must::BeFinite, lib)?;
-            Some(Azimuth::Surface(units::rad_from_deg(angle)))
+            let angle = coordinate_file::read(node, "azimuth_deg", units::rad_from_deg, lib)?;
+            Some((Azimuth::Surface(angle.start()), Some(angle)))
         }
     }
 }
 
-/// One angle, a list of them, or "free".
-fn read_spin(node: &Node, lib: &mut Library<'_>) -> Option<Spin> {
+/// One angle, a list of them, a range to choose one from, or "free".
+fn read_spin(node: &Node, lib: &mut Library<'_>) -> Option<(Spin, Option<Coordinate>)> {
     let what = "`spin_deg`";
     match &node.value {
-        Value::Text(word) if word == "free" => Some(Spin::Free),
+        Value::Text(word) if word == "free" => Some((Spin::Free, None)),
         Value::Text(word) => {
             let message = format!("{what} cannot be \"{}\"", shown(word));
             lib.error(node.at, message, "write an angle, a list of angles, or \"free\"");
@@ -85,11 +100,11 @@ fn read_spin(node: &Node, lib: &mut Library<'_>) -> Option<Spin> {
         }
         Value::Array(items) => {
             let angles = value::numbers(node, what, items.len(), Must::BeFinite, lib)?;
-            Some(Spin::At(angles.into_iter().map(units::rad_from_deg).collect()))
+            Some((Spin::At(angles.into_iter().map(units::rad_from_deg).collect()), None))
         }
         _ => {
-            let angle = value::number(node, what, Must::BeFinite, lib)?;
-            Some(Spin::At(vec![units::rad_from_deg(angle)]))
+            let angle = coordinate_file::read(node, "spin_deg", units::rad_from_deg, lib)?;
+            Some((Spin::At(vec![angle.start()]), Some(angle)))
         }
     }
 }

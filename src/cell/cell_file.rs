@@ -3,6 +3,7 @@
 use super::choices::*;
 use super::document::Library;
 use super::fault::{did_you_mean, listed, shown};
+use super::layout::Coordinate;
 use super::model::*;
 use super::reader::{Table, read_named};
 use super::robot_model::*;
@@ -23,7 +24,8 @@ pub fn read(stem: &str, root: &Node, lib: &mut Library<'_>) -> Option<Cell> {
         let robot = read_robot(t, lib);
         let errors = read_error_choice(t, lib);
         let question = read_question(t, lib);
-        let equipment = read_equipment(t, lib);
+        let mut equipment = read_equipment(t, lib);
+        equipment_file::tie(t, &mut equipment, lib);
         let keep_out = read_named(t, "keep_out", lib, equipment_file::read_keep_out);
         let senses = sense_file::read_all(t, lib);
         let operations = operation_file::read_all(t, &equipment, &senses, lib);
@@ -87,25 +89,19 @@ fn read_question(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<Question> {
     })
 }
 
-fn read_robot(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<(Robot, Placement)> {
+fn read_robot(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<(Robot, [Coordinate; 4])> {
     let node = t.need("robot", "add robot = { from = \"robots/NAME.toml\" }")?;
     Table::read(node, "`robot`", lib, |t, lib| {
         let base = match t.get("base") {
             Some(node) => read_base(node, lib),
-            None => Some(Placement { x: 0.0, y: 0.0, z: 0.0, yaw: 0.0 }),
+            None => Some([(); 4].map(|()| Coordinate::Fixed(0.0))),
         };
         robot_file::read(t, lib).zip(base)
     })
 }
 
-fn read_base(node: &Node, lib: &mut Library<'_>) -> Option<Placement> {
-    Table::read(node, "`base`", lib, |t, lib| {
-        let x = t.length("x_mm", Must::BeFinite, lib);
-        let y = t.length("y_mm", Must::BeFinite, lib);
-        let z = t.length("z_mm", Must::BeFinite, lib);
-        let yaw = t.number_or("yaw_deg", 0.0, Must::BeFinite, lib);
-        Some(Placement { x: x?, y: y?, z: z?, yaw: units::rad_from_deg(yaw?) })
-    })
+fn read_base(node: &Node, lib: &mut Library<'_>) -> Option<[Coordinate; 4]> {
+    Table::read(node, "`base`", lib, |t, lib| equipment_file::read_coordinates(t, Role::Equipment, lib))
 }
 
 /// `errors = "NAME"`: one of the robot's sets, by the names in its file.
@@ -142,14 +138,26 @@ fn read_equipment(t: &mut Table<'_>, lib: &mut Library<'_>) -> Vec<Equipment> {
 }
 
 fn read_search(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<SearchSettings> {
-    let default =
-        SearchSettings { solver: Solver::CmaEs, objective: Objective::WeightedSum, budget: 20_000, seed: 1 };
+    let default = SearchSettings {
+        solver: Solver::CmaEs,
+        objective: Objective::WeightedSum,
+        indifference: 0.01,
+        budget: 20_000,
+        seed: 1,
+    };
     let Some(node) = t.get("search") else { return Some(default) };
     Table::read(node, "`search`", lib, |t, lib| {
         let solver = t.choice("solver", &Solver::ALL, Solver::name, Some(default.solver), lib);
         let objective = t.choice("objective", &Objective::ALL, Objective::name, Some(default.objective), lib);
+        let indifference = t.number_or("indifference_percent", 1.0, Must::BePositive, lib);
         let budget = t.integer_or("budget", default.budget, (1, 1_000_000_000), lib);
         let seed = t.integer_or("seed", default.seed, (0, u64::MAX), lib);
-        Some(SearchSettings { solver: solver?, objective: objective?, budget: budget?, seed: seed? })
+        Some(SearchSettings {
+            solver: solver?,
+            objective: objective?,
+            indifference: units::share_from_percent(indifference?),
+            budget: budget?,
+            seed: seed?,
+        })
     })
 }

@@ -95,20 +95,68 @@ impl Registration {
     }
 }
 
+/// What of the nodes of an operation counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Over {
+    /// The best node: the operation happens there.
+    Best,
+    /// The operation happens at every node: the worst of them, ...
+    Max,
+    /// ... their mean, ...
+    Mean,
+    /// ... or what 95 % of them do not pass.
+    P95,
+}
+
+impl Over {
+    pub const ALL: [Over; 4] = [Over::Best, Over::Max, Over::Mean, Over::P95];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Over::Best => "best",
+            Over::Max => "max",
+            Over::Mean => "mean",
+            Over::P95 => "p95",
+        }
+    }
+
+    /// Whether every node must be reached.
+    pub fn takes_all(self) -> bool {
+        self != Over::Best
+    }
+
+    /// One number of the values of all nodes.
+    pub fn of(self, values: &mut [f64]) -> f64 {
+        values.sort_by(f64::total_cmp);
+        let count = values.len();
+        match self {
+            Over::Best => values.first().copied().unwrap_or(0.0),
+            Over::Max => values.last().copied().unwrap_or(0.0),
+            Over::Mean => values.iter().sum::<f64>() / count.max(1) as f64,
+            // The least value that at least 95 % of the nodes do not pass.
+            Over::P95 => values[(count * 19).div_ceil(20).max(1) - 1],
+        }
+    }
+}
+
 /// How the errors of several operations make one objective.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Objective {
     WeightedSum,
     WeightedMaximum,
+    /// The operations in the order of the file: a later one counts where those before it are as good.
+    Lexicographic,
 }
 
 impl Objective {
-    pub const ALL: [Objective; 2] = [Objective::WeightedSum, Objective::WeightedMaximum];
+    pub const ALL: [Objective; 3] =
+        [Objective::WeightedSum, Objective::WeightedMaximum, Objective::Lexicographic];
 
     pub fn name(self) -> &'static str {
         match self {
             Objective::WeightedSum => "sum",
             Objective::WeightedMaximum => "max",
+            Objective::Lexicographic => "lexicographic",
         }
     }
 }
@@ -132,10 +180,12 @@ impl Solver {
     }
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SearchSettings {
     pub solver: Solver,
     pub objective: Objective,
+    /// Share by which values may differ and still count as equally good, of the lexicographic objective.
+    pub indifference: f64,
     /// Layout evaluations.
     pub budget: u64,
     pub seed: u64,

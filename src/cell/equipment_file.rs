@@ -1,8 +1,11 @@
 //! Equipment: work surface, solids, floor space and placement.
 
+use super::coordinate_file;
 use super::document::Library;
 use super::error_model::FrameErrors;
+use super::fault::{did_you_mean, listed, shown};
 use super::frame_file;
+use super::layout::Coordinate;
 use super::model::*;
 use super::reader::Table;
 use super::shape::{self, Rectangle};
@@ -29,10 +32,18 @@ pub fn read(name: &str, node: &Node, role: Role, lib: &mut Library<'_>) -> Optio
         let needed: &[_] = if sound { &["footprint", "solid", "surface"] } else { &[] };
         let footprint = solid::read_footprint(t, extent, needed, lib);
         let placement = read_placement(t, role, lib);
+        // Found by its name when all are read.
+        if let Some(node) = t.get("stands_on")
+            && value::text(node, "stands_on", lib).is_some()
+            && role == Role::Obstacle
+        {
+            let help = "make it an [equipment.NAME], or give its place in the world";
+            lib.error(node.at, "an obstacle stands still: it has no `stands_on`".into(), help);
+        }
         let errors = t.get("errors").map(|node| read_errors(node, role, lib));
         let (footprint, placement) = (footprint?, placement?);
         let (name, errors) = (name.to_string(), errors.flatten());
-        Some(Equipment { name, role, surface, footprint, solids, placement, errors })
+        Some(Equipment { name, role, surface, footprint, solids, on: None, placement, errors })
     })
 }
 
@@ -55,19 +66,21 @@ fn top(surface: &Rectangle) -> shape::Extent {
 
 fn read_placement(t: &mut Table<'_>, role: Role, lib: &mut Library<'_>) -> Option<[Coordinate; 4]> {
     let node = t.need("placement", "add placement = { x_mm = 0, y_mm = 1000, z_mm = 600 }")?;
-    Table::read(node, "`placement`", lib, |t, lib| {
-        let x = read_coordinate(t, "x_mm", units::m_from_mm, role, lib);
-        let y = read_coordinate(t, "y_mm", units::m_from_mm, role, lib);
-        let z = read_coordinate(t, "z_mm", units::m_from_mm, role, lib);
-        let yaw = match t.get("yaw_deg") {
-            Some(_) => read_coordinate(t, "yaw_deg", units::rad_from_deg, role, lib),
-            None => Some(Coordinate::Fixed(0.0)),
-        };
-        Some([x?, y?, z?, yaw?])
-    })
+    Table::read(node, "`placement`", lib, |t, lib| read_coordinates(t, role, lib))
 }
 
-/// A number (fixed) or `{ min, max, start }` (a search variable; it starts in the middle by default).
+/// x, y, z, yaw, each fixed or a search variable.
+pub fn read_coordinates(t: &mut Table<'_>, role: Role, lib: &mut Library<'_>) -> Option<[Coordinate; 4]> {
+    let x = read_coordinate(t, "x_mm", units::m_from_mm, role, lib);
+    let y = read_coordinate(t, "y_mm", units::m_from_mm, role, lib);
+    let z = read_coordinate(t, "z_mm", units::m_from_mm, role, lib);
+    let yaw = match t.get("yaw_deg") {
+        Some(_) => read_coordinate(t, "yaw_deg", units::rad_from_deg, role, lib),
+        None => Some(Coordinate::Fixed(0.0)),
+    };
+    Some([x?, y?, z?, yaw?])
+}
+
 fn read_coordinate(
     t: &mut Table<'_>,
     key: &'static str,
@@ -76,34 +89,55 @@ fn read_coordinate(
     lib: &mut Library<'_>,
 ) -> Option<Coordinate> {
     let node = t.need(key, format!("add {key} = 0, or {{ min = -500, max = 500 }} to let it be searched"))?;
-    let is_range = matches!(node.value, Value::Table(_));
-    if is_range && role == Role::Obstacle {
+    let is_free = matches!(node.value, Value::Table(_) | Value::Array(_));
+    if is_free && role == Role::Obstacle {
         let message = format!("`{key}` of an obstacle cannot be a range");
         lib.error(node.at, message, "give it one number, or make it an [equipment.NAME]");
         return None;
     }
-    if !is_range {
-        let fixed = value::number(node, &format!("`{key}`"), Must::BeFinite, lib);
-        return fixed.map(|v| Coordinate::Fixed(si(v)));
-    }
-    Table::read(node, key, lib, |t, lib| {
-        let min = t.number("min", Must::BeFinite, lib);
-        let max = t.number("max", Must::BeFinite, lib);
-        let start = match t.get("start") {
-            Some(node) => value::number(node, "`start`", Must::BeFinite, lib).map(|v| (v, node.at)),
-            None => min.zip(max).map(|(min, max)| ((min + max) / 2.0, t.at)),
-        };
-        let (min, max, (start, start_at)) = (min?, max?, start?);
-        let (low, high) = (plain(min), plain(max));
-        if min >= max {
-            let message = format!("range of `{key}` is empty: min {low} is not below max {high}");
-            lib.error(t.at, message, "give the lower end as min, or write one number to fix it");
-        } else if !(min..=max).contains(&start) {
-            let message = format!("start {} of `{key}` is outside {low} to {high}", plain(start));
-            lib.error(start_at, message, "start inside the range");
+    coordinate_file::read(node, key, si, lib)
+}
+
+/// Finds by their names what stands on what; says what cannot be.
+pub fn tie(root: &mut Table<'_>, all: &mut [Equipment], lib: &mut Library<'_>) {
+    let names: Vec<String> = all.iter().map(|e| e.name.clone()).collect();
+    let groups = ["equipment", "obstacle"].map(|group| root.get(group));
+    let entries = groups.into_iter().flatten().flat_map(|node| node.value.entries());
+    for (name, _, node) in entries {
+        let Some(k) = names.iter().position(|n| n == name) else { continue };
+        let Some(tied) = node.value.get("stands_on") else { continue };
+        let Value::Text(under) = &tied.value else { continue };
+        match names.iter().position(|n| n == under) {
+            Some(found) if found != k => all[k].on = Some(found),
+            Some(_) => lib.error(tied.at, format!("`{}` cannot stand on itself", shown(name)), "remove it"),
+            None if !root.partial => {
+                let others = || names.iter().filter(|n| *n != name).map(String::as_str);
+                let help = match did_you_mean(under, others()) {
+                    Some(near) => format!("did you mean \"{}\"?", shown(near)),
+                    None => format!("there is: {}", listed(others())),
+                };
+                lib.error(tied.at, format!("there is no equipment `{}`", shown(under)), help);
+            }
+            None => {}
         }
-        Some(Coordinate::Range { min: si(min), max: si(max), start: si(start) })
-    })
+        if circular(all, k) {
+            all[k].on = None;
+            let message = format!("`{}` would stand on itself by way of `{}`", shown(name), shown(under));
+            lib.error(tied.at, message, "let one of them stand on the floor");
+        }
+    }
+}
+
+/// Whether the ties from one equipment lead back to it.
+fn circular(all: &[Equipment], k: usize) -> bool {
+    let mut under = all[k].on;
+    while let Some(next) = under {
+        if next == k {
+            return true;
+        }
+        under = all[next].on;
+    }
+    false
 }
 
 /// `[keep_out.NAME]`: low and high corner of a box, world frame.

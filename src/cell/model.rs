@@ -3,31 +3,12 @@
 use super::attitude::Attitude;
 use super::choices::*;
 use super::error_model::{ErrorSet, FrameErrors};
+use super::layout::Coordinate;
 use super::robot_model::Robot;
 use super::sense::{Sense, Unit};
 use super::shape::{Rectangle, Solid};
 use crate::pose::Pose;
-use nalgebra::Vector3;
-
-/// One coordinate of a placement.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Coordinate {
-    Fixed(f64),
-    /// A search variable.
-    Range {
-        min: f64,
-        max: f64,
-        start: f64,
-    },
-}
-
-impl Coordinate {
-    pub fn start(&self) -> f64 {
-        match *self {
-            Coordinate::Fixed(value) | Coordinate::Range { start: value, .. } => value,
-        }
-    }
-}
+use nalgebra::{Matrix3, Vector3};
 
 /// Where an equipment stands: its frame in the world, m and rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,12 +23,39 @@ impl Placement {
     pub fn pose(&self) -> Pose {
         Pose::from_translation_yaw(Vector3::new(self.x, self.y, self.z), self.yaw)
     }
-}
 
-/// One placement per equipment, in the order of [`Cell::equipment`].
-#[derive(Debug, Clone, PartialEq)]
-pub struct Layout {
-    pub placements: Vec<Placement>,
+    /// Turns world axes into this frame.
+    pub fn from_world(&self) -> Matrix3<f64> {
+        let (s, c) = self.yaw.sin_cos();
+        Matrix3::new(c, s, 0.0, -s, c, 0.0, 0.0, 0.0, 1.0)
+    }
+
+    /// x, y, z, yaw.
+    pub fn values(&self) -> [f64; 4] {
+        [self.x, self.y, self.z, self.yaw]
+    }
+
+    pub fn from_values([x, y, z, yaw]: [f64; 4]) -> Self {
+        Self { x, y, z, yaw }
+    }
+
+    /// The placement of something that stands at `own` in this frame.
+    pub fn carrying(&self, own: &Placement) -> Placement {
+        let (s, c) = self.yaw.sin_cos();
+        Placement {
+            x: self.x + c * own.x - s * own.y,
+            y: self.y + s * own.x + c * own.y,
+            z: self.z + own.z,
+            yaw: self.yaw + own.yaw,
+        }
+    }
+
+    /// This placement in the frame of another.
+    pub fn seen_from(&self, other: &Placement) -> Placement {
+        let (dx, dy) = (self.x - other.x, self.y - other.y);
+        let (s, c) = other.yaw.sin_cos();
+        Placement { x: c * dx + s * dy, y: c * dy - s * dx, z: self.z - other.z, yaw: self.yaw - other.yaw }
+    }
 }
 
 /// What an equipment is to the search.
@@ -67,7 +75,9 @@ pub struct Equipment {
     /// Floor space: contains every solid in plan.
     pub footprint: Rectangle,
     pub solids: Vec<Solid>,
-    /// x, y, z, yaw.
+    /// Index of the equipment that it stands on, and moves with.
+    pub on: Option<usize>,
+    /// x, y, z, yaw, in the world or in the frame of what it stands on.
     pub placement: [Coordinate; 4],
     /// Of its placement or fixture.
     pub errors: Option<FrameErrors>,
@@ -94,17 +104,49 @@ pub struct Held {
     pub touches_surface: bool,
 }
 
+/// The nodes of an operation, in the frame of its equipment.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Place {
+    /// Divisions along x and y of a part of the surface: (m + 1)(n + 1) nodes.
+    Grid { area: Rectangle, divisions: (usize, usize) },
+    /// x and y, m.
+    Points(Vec<(f64, f64)>),
+}
+
+impl Place {
+    /// Nodes along x and along y, less one; of points all along x.
+    pub fn divisions(&self) -> (usize, usize) {
+        match self {
+            Place::Grid { divisions, .. } => *divisions,
+            Place::Points(points) => (points.len().max(1) - 1, 0),
+        }
+    }
+
+    /// "grid 10 by 8" or "4 points".
+    pub fn in_words(&self) -> String {
+        match self {
+            Place::Grid { divisions: (m, n), .. } => format!("grid {m} by {n}"),
+            Place::Points(points) => format!("{} points", points.len()),
+        }
+    }
+}
+
 /// A precision operation: somewhere on a surface, the tool at one elevation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Operation {
     pub name: String,
     /// Index of the equipment whose surface carries it.
     pub equipment: usize,
-    /// Divisions along x and y of the surface: (m + 1)(n + 1) nodes.
-    pub grid: (usize, usize),
+    /// Where on the surface.
+    pub place: Place,
+    /// What of its nodes counts.
+    pub over: Over,
     /// TCP above the surface, m.
     pub standoff: f64,
+    /// As drawn.
     pub attitude: Attitude,
+    /// Elevation, azimuth, spin; None: as `attitude` says.
+    pub angles: [Option<Coordinate>; 3],
     pub sense: Sense,
     /// Largest error in the sense (m or rad) with which the operation succeeds.
     pub limit: Option<f64>,
@@ -120,7 +162,8 @@ pub struct Operation {
 
 impl Operation {
     pub fn nodes(&self) -> usize {
-        (self.grid.0 + 1) * (self.grid.1 + 1)
+        let (m, n) = self.place.divisions();
+        (m + 1) * (n + 1)
     }
 }
 
@@ -129,8 +172,8 @@ impl Operation {
 pub struct Cell {
     pub name: String,
     pub robot: Robot,
-    /// Robot base in the world.
-    pub base: Placement,
+    /// Robot base in the world: x, y, z, yaw.
+    pub base: [Coordinate; 4],
     /// Index into [`Robot::errors`].
     pub errors: usize,
     pub model: Model,
@@ -155,15 +198,6 @@ pub struct Cell {
 }
 
 impl Cell {
-    /// The layout as drawn: fixed coordinates and the start of each range.
-    pub fn start(&self) -> Layout {
-        let at = |e: &Equipment| {
-            let [x, y, z, yaw] = e.placement.map(|c| c.start());
-            Placement { x, y, z, yaw }
-        };
-        Layout { placements: self.equipment.iter().map(at).collect() }
-    }
-
     /// The chosen errors of the robot.
     pub fn error_set(&self) -> &ErrorSet {
         &self.robot.errors[self.errors]

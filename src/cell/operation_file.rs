@@ -8,7 +8,7 @@ use super::sense::{Frame, PLAIN, Sense, Unit};
 use super::shape::Rectangle;
 use super::tree::{Entry, Node, Value};
 use super::value::{self, Must, plain};
-use super::{attitude_file, teach_file, tool_file};
+use super::{attitude_file, place_file, teach_file, tool_file};
 use crate::units;
 use std::collections::HashMap;
 
@@ -80,7 +80,7 @@ fn names(node: Option<&Node>) -> Places<'_> {
 fn read(name: &str, node: &Node, around: &Around<'_>, lib: &mut Library<'_>) -> Option<Operation> {
     Table::read(node, "an operation", lib, |t, lib| {
         let on = read_surface_choice(t, around, lib);
-        let grid = read_grid(t, lib);
+        let place = place_file::read(t, on.and_then(|k| around.surface(k)), lib);
         let standoff = t.number_or("standoff_mm", 0.0, Must::NotBeNegative, lib);
         let attitude = attitude_file::read(t, lib);
         let sense = read_sense(t, around, lib);
@@ -98,12 +98,15 @@ fn read(name: &str, node: &Node, around: &Around<'_>, lib: &mut Library<'_>) -> 
             Some(node) => tool_file::read_held(node, lib),
             None => Some(Held::default()),
         };
+        let ((place, over), (attitude, angles)) = (place?, attitude?);
         Some(Operation {
             name: name.to_string(),
             equipment: on?,
-            grid: grid?,
+            place,
+            over,
             standoff: units::m_from_mm(standoff?),
-            attitude: attitude?,
+            attitude,
+            angles,
             sense: sense?,
             limit: limit?,
             relative_to: relative_to?,
@@ -208,6 +211,10 @@ fn read_relative(name: &str, node: &Node, around: &Around<'_>, lib: &mut Library
             let message = format!("`{}` is itself relative to an operation", shown(&other));
             (message, PICKED.to_string())
         }
+        Some(k) if is_everywhere(&around.operations[k].2) => {
+            let message = format!("`{}` happens at every one of its nodes", shown(&other));
+            (message, "name an operation with one spot: over = \"best\"".to_string())
+        }
         Some(k) => return Some(k),
     };
     if found.is_some() || around.complete {
@@ -216,8 +223,16 @@ fn read_relative(name: &str, node: &Node, around: &Around<'_>, lib: &mut Library
     None
 }
 
+/// Whether an operation happens at every node.
+fn is_everywhere(node: &Node) -> bool {
+    match node.value.get("over").map(|over| &over.value) {
+        Some(Value::Text(word)) => word != "best",
+        _ => node.value.get("points_mm").is_some(),
+    }
+}
+
 /// `grid = [m, n]`: divisions along x and y, (m + 1)(n + 1) nodes.
-fn read_grid(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<(usize, usize)> {
+pub fn read_grid(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<(usize, usize)> {
     let node = t.need("grid", "add grid = [10, 8], the divisions along x and y")?;
     let Value::Array(items) = &node.value else {
         let message = format!("`grid` must be a list of 2 whole numbers, not {}", node.value.kind());

@@ -2,14 +2,12 @@
 
 use super::document::Library;
 use super::model::TEACH_HEIGHT;
+use super::place_file::{extent_in_words, is_on};
 use super::shape::Rectangle;
 use super::tree::{Node, Value};
 use super::value::{self, Must, plain};
 use crate::units;
 use nalgebra::Vector2;
-
-/// What rounding may put a point beyond the edge of its surface, m.
-const EDGE: f64 = 1e-9;
 
 /// Reads the points; without the surface not whether they lie on it.
 pub fn read(node: &Node, surface: Option<Rectangle>, lib: &mut Library<'_>) -> Option<[(f64, f64); 3]> {
@@ -47,13 +45,8 @@ fn read_point(
     let what = format!("point {} of `teach_mm`", i + 1);
     let point = value::numbers(node, &what, 2, Must::BeFinite, lib)?;
     let point = Vector2::from_iterator(point).map(units::m_from_mm);
-    let Some(Rectangle { centre, size }) = surface else { return Some(point) };
-    let (dx, dy) = ((point.x - centre.0).abs() - size.0 / 2.0, (point.y - centre.1).abs() - size.1 / 2.0);
-    if dx.max(dy) > EDGE {
-        let end = |centre: f64, half: f64| plain(units::rounded(units::mm_from_m(centre + half), 6));
-        let range = |c: f64, s: f64| format!("{} to {}", end(c, -s / 2.0), end(c, s / 2.0));
-        let (x, y) = (range(centre.0, size.0), range(centre.1, size.1));
-        lib.error(node.at, format!("{what} is not on the surface"), format!("x from {x}, y from {y}"));
+    if let Some(surface) = surface.filter(|s| !is_on(s, (point.x, point.y))) {
+        lib.error(node.at, format!("{what} is not on the surface"), extent_in_words(&surface));
     }
     Some(point)
 }

@@ -125,7 +125,9 @@ impl Stand {
 /// The floor space of a cell, made ready once.
 pub struct FloorPlan {
     equipment: Vec<Stand>,
-    base: Placed,
+    /// What each stands on.
+    on: Vec<Option<usize>>,
+    base: Rectangle,
     keep_out: Vec<(Placed, (f64, f64))>,
     clearance: f64,
     floor: f64,
@@ -146,12 +148,18 @@ impl FloorPlan {
         };
         Self {
             equipment: cell.equipment.iter().map(stand).collect(),
-            base: Placed::new(&cell.robot.footprint, &cell.base),
+            base: cell.robot.footprint,
+            on: cell.equipment.iter().map(|e| e.on).collect(),
             keep_out: cell.keep_out.iter().map(|k| (plan_of(k), (k.min.z, k.max.z))).collect(),
             clearance: cell.clearance,
             floor: cell.floor,
             enabled: cell.collision,
         }
+    }
+
+    /// Whether one equipment stands on another.
+    fn rides(&self, equipment: usize, other: usize) -> bool {
+        self.on[equipment].is_some_and(|under| under == other || self.rides(under, other))
     }
 
     /// Every pair of floor spaces of which the layout may move one, whether it overlaps or not; a
@@ -166,11 +174,12 @@ impl FloorPlan {
                 pairs.push(Separation { a: i, b, direction, depth });
             };
             for (j, (other, there)) in all() {
-                if j > i || other.role == Role::Obstacle {
+                let apart = !self.rides(i, j) && !self.rides(j, i);
+                if apart && (j > i || other.role == Role::Obstacle) {
                     note(Some(j), &Placed::new(&other.footprint, there));
                 }
             }
-            note(None, &self.base);
+            note(None, &Placed::new(&self.base, &layout.base));
             for (keep_out, heights) in &self.keep_out {
                 if stand.meets(at.z, *heights, self.clearance) {
                     note(None, keep_out);
@@ -194,11 +203,13 @@ impl FloorPlan {
             }
         };
         let all = || self.equipment.iter().zip(&layout.placements).enumerate();
+        let base = Placed::new(&self.base, &layout.base);
         for (i, (stand, at)) in all() {
             let party = Party::Equipment(i);
             let here = Placed::new(&stand.footprint, at);
             for (j, (other, there)) in all().skip(i + 1) {
-                if (stand.role, other.role) != (Role::Obstacle, Role::Obstacle) {
+                let both_still = (stand.role, other.role) == (Role::Obstacle, Role::Obstacle);
+                if !both_still && !self.rides(i, j) && !self.rides(j, i) {
                     note(
                         party,
                         Party::Equipment(j),
@@ -206,7 +217,7 @@ impl FloorPlan {
                     );
                 }
             }
-            note(party, Party::RobotBase, depth(&here, &self.base, clearance));
+            note(party, Party::RobotBase, depth(&here, &base, clearance));
             for (k, (box_plan, heights)) in self.keep_out.iter().enumerate() {
                 if stand.meets(at.z, *heights, clearance) {
                     note(party, Party::KeepOut(k), depth(&here, box_plan, clearance));

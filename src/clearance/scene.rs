@@ -20,8 +20,6 @@ pub struct Scene {
     /// Links of the pairs that are checked.
     checked: Vec<(usize, usize)>,
     parts: Vec<Vec<Part>>,
-    base: Pose,
-    base_is_origin: bool,
     floor: f64,
     enabled: bool,
 }
@@ -29,6 +27,8 @@ pub struct Scene {
 /// The equipment solids of one layout; reused from layout to layout.
 #[derive(Default)]
 pub struct Placed {
+    /// The robot base in the world; None: where that is.
+    base: Option<Pose>,
     bodies: Vec<PlacedBody>,
     /// What the base itself touches, whatever the arm does.
     base_hit: Option<Hit>,
@@ -44,6 +44,12 @@ struct PlacedBody {
     local_bounds: Aabb,
     /// A leg of this layout; None: the shape of the scene.
     leg: Option<shape::Cuboid>,
+}
+
+impl Placed {
+    fn in_world(&self, frame: &Pose) -> Pose {
+        self.base.map_or(*frame, |base| base * *frame)
+    }
 }
 
 impl Scene {
@@ -62,8 +68,6 @@ impl Scene {
             checked: checked.filter_map(|p| place(p.a).zip(place(p.b))).collect(),
             own_pairs,
             parts: cell.equipment.iter().map(parts).collect(),
-            base: cell.base.pose(),
-            base_is_origin: cell.base.pose() == Pose::identity(),
             floor: cell.floor,
             enabled: cell.collision,
             links,
@@ -78,6 +82,8 @@ impl Scene {
     /// Poses the equipment of a layout.
     pub fn place(&self, layout: &Layout, placed: &mut Placed) {
         placed.bodies.clear();
+        let base = layout.base.pose();
+        placed.base = (base != Pose::identity()).then_some(base);
         (placed.base_hit, placed.suspect) = (None, None);
         if !self.enabled {
             return;
@@ -88,7 +94,7 @@ impl Scene {
             placed.bodies.extend(bodies);
         }
         for link in self.links.iter().filter(|l| l.frame == 0) {
-            placed.base_hit = placed.base_hit.or_else(|| self.first_hit(link, &self.base, placed));
+            placed.base_hit = placed.base_hit.or_else(|| self.first_hit(link, &base, placed));
         }
     }
 
@@ -134,7 +140,7 @@ impl Scene {
             .links
             .iter()
             .filter(there)
-            .find_map(|link| self.first_hit(link, &self.in_world(&frames[link.frame]), placed));
+            .find_map(|link| self.first_hit(link, &placed.in_world(&frames[link.frame]), placed));
         outside.or_else(|| self.own_hit(frames, operation))
     }
 
@@ -148,7 +154,7 @@ impl Scene {
         if let Some((k, b, body)) = placed.suspect
             && self.links[k].is_there(operation)
             && let link = &self.links[k]
-            && let frame = self.in_world(&frames[link.frame])
+            && let frame = placed.in_world(&frames[link.frame])
             && self.touches(&link.bodies[b], &link.bodies[b].pose_in(&frame), &placed.bodies[body])
         {
             return false;
@@ -161,10 +167,6 @@ impl Scene {
             placed.suspect = link.zip(body).map(|(link, body)| (link, 0, body));
         }
         hit.is_none()
-    }
-
-    fn in_world(&self, frame: &Pose) -> Pose {
-        if self.base_is_origin { *frame } else { self.base * *frame }
     }
 
     /// The first contact of the robot with itself.

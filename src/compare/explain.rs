@@ -161,7 +161,7 @@ fn dh_rows(stance: &Stance<'_>) -> Vec<DhRow> {
 fn sense_rows(stance: &Stance<'_>, error: &Displacement) -> Vec<SenseRow> {
     let Stance { gauge, situation, frames, .. } = stance;
     let axes: &Matrix3<f64> = match gauge.sense.frame {
-        Frame::World => &gauge.world,
+        Frame::World => &situation.site.world,
         Frame::Surface => &situation.site.work.rotation,
         Frame::Tool => &frames.tcp.rotation,
     };

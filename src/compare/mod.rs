@@ -53,9 +53,10 @@ impl<'a> Assessment<'a> {
     /// coarsely.
     pub fn reachable(&self, operation: usize) -> Vec<Vec<(f64, f64)>> {
         let inverse = self.workcell.inverse();
+        let attitude = &self.layout.attitudes[operation];
         let operation = &self.cell.operations[operation];
-        let (at, base) = (&self.layout.placements[operation.equipment], &self.cell.base);
-        let envelope = Envelope::new(inverse, &operation.attitude, at.yaw - base.yaw);
+        let (at, base) = (&self.layout.placements[operation.equipment], &self.layout.base);
+        let envelope = Envelope::new(inverse, attitude, at.yaw - base.yaw);
         let step = 2.0 * step_of(&self.cell.robot, inverse);
         let fine = Fineness { step, tolerance: tolerance_of(inverse, step), asked: &|_| () };
         let plan = envelope.plan(at.z + operation.standoff - base.z, &fine);
@@ -99,6 +100,19 @@ impl<'a> Assessment<'a> {
         self.objective().filter(|_| self.cell.unit() == Unit::Length)
     }
 
+    /// How far an operation is from its limit, if it has a spot and a limit that is not part of its
+    /// quantity.
+    pub fn requirement(&self, operation: usize) -> Option<Requirement> {
+        let limit = self.cell.operations[operation].limit.filter(|_| self.cell.unit() != Unit::Share)?;
+        let value = self.maps[operation].value?;
+        Some(Requirement { limit, margin: limit - value })
+    }
+
+    /// Whether every operation with a limit keeps it.
+    pub fn meets_requirements(&self) -> bool {
+        (0..self.maps.len()).filter_map(|k| self.requirement(k)).all(Requirement::is_met)
+    }
+
     /// Why the layout is not feasible, in words; empty if it is.
     pub fn reasons(&self) -> Vec<String> {
         let overlaps = self.evaluation.overlaps.iter().map(|o| o.in_words(self.cell));
@@ -115,6 +129,20 @@ impl<'a> Assessment<'a> {
             format!("{} at x {:.1}, y {:.1} mm", e.name, mm_from_m(to.x), mm_from_m(to.y))
         });
         Some(format!("nearest without overlap: {}", moved.collect::<Vec<_>>().join("; ")))
+    }
+}
+
+/// The limit of an operation and what is left to it, m or rad.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Requirement {
+    pub limit: f64,
+    /// Negative if the limit is passed.
+    pub margin: f64,
+}
+
+impl Requirement {
+    pub fn is_met(self) -> bool {
+        self.margin >= 0.0
     }
 }
 
@@ -191,13 +219,17 @@ fn same_question(a: &Assessment<'_>, b: &Assessment<'_>) -> Result<(), String> {
         return refuse(format!("one is read {}, the other {}", said(a.cell), said(b.cell)));
     }
     if a.cell.search.objective != b.cell.search.objective {
-        return refuse("one adds the errors of its operations, the other takes the largest".into());
+        let [x, y] = [a, b].map(|a| a.cell.search.objective.name());
+        return refuse(format!("the objective of one is {x}, of the other {y}"));
     }
-    let question = |o: &Operation| (o.sense.clone(), o.grid, o.weight.to_bits(), o.limit.map(f64::to_bits));
+    let question = |o: &Operation| {
+        (o.sense.clone(), o.place.in_words(), o.over, o.weight.to_bits(), o.limit.map(f64::to_bits))
+    };
     for (x, y) in a.cell.operations.iter().zip(&b.cell.operations) {
         if question(x) != question(y) {
             let said = |o: &Operation| {
-                format!("sense {}, grid {} by {}, weight {}", o.sense.name, o.grid.0, o.grid.1, o.weight)
+                let Operation { sense, place, over, weight, .. } = o;
+                format!("sense {}, {} of {}, weight {weight}", sense.name, over.name(), place.in_words())
             };
             return refuse(format!("{} has {} in one, {} in the other", x.name, said(x), said(y)));
         }

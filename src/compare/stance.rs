@@ -1,6 +1,6 @@
 //! One posture of one operation with what its errors depend on: what `budget` and `explain` look at.
 
-use crate::cell::{Cell, JointVector, Layout, Registration, shown};
+use crate::cell::{Cell, JointVector, Layout, Placement, Registration, shown};
 use crate::error_map::{OperationMap, Status};
 use crate::layout::Workcell;
 use crate::reading::{Gauge, Site, Situation};
@@ -28,6 +28,8 @@ pub struct Stance<'a> {
     pub cell: &'a Cell,
     /// Index into [`Cell::operations`].
     pub operation: usize,
+    /// Robot base in the world.
+    pub base: Placement,
     /// (i, j) of the node; None of joints given.
     pub node: Option<(usize, usize)>,
     /// Of the TCP, world, m.
@@ -55,7 +57,7 @@ impl<'a> Stance<'a> {
         let node = match at {
             At::Best => map.best_node().ok_or_else(|| NoStance::Unusable(no_spot(cell, map)))?,
             At::Node(i, j) => {
-                let (m, n) = cell.operations[operation].grid;
+                let (m, n) = cell.operations[operation].place.divisions();
                 let inside = (i <= m && j <= n).then(|| map.nodes.get(j * (m + 1) + i)).flatten();
                 inside.ok_or_else(|| {
                     let range = format!("i goes from 0 to {m}, j from 0 to {n}");
@@ -75,6 +77,7 @@ impl<'a> Stance<'a> {
         Ok(Self {
             cell,
             operation,
+            base: layout.base,
             node: Some((node.i, node.j)),
             position: node.position,
             joints: posture.joints,
@@ -105,11 +108,13 @@ impl<'a> Stance<'a> {
             situation_elsewhere(cell, workcell, operation, &layout)?
         } else {
             let equipment = cell.operations[operation].equipment;
-            let work = cell.base.pose().inverse() * layout.placements[equipment].pose();
-            Situation { site: Site { equipment, work, taught: None }, reference: None }
+            let work = layout.base.pose().inverse() * layout.placements[equipment].pose();
+            let world = layout.base.from_world();
+            Situation { site: Site { equipment, work, world, taught: None }, reference: None }
         };
-        let position = cell.base.pose().transform(&frames.tcp.translation);
-        Ok(Self { cell, operation, node: None, position, joints, gauge, situation, frames })
+        let position = layout.base.pose().transform(&frames.tcp.translation);
+        let base = layout.base;
+        Ok(Self { cell, operation, base, node: None, position, joints, gauge, situation, frames })
     }
 }
 

@@ -1,6 +1,6 @@
 //! The nodes of a work surface.
 
-use crate::cell::{Operation, Placement, Rectangle};
+use crate::cell::{Operation, Place, Placement};
 use nalgebra::Vector3;
 
 /// (m + 1)(n + 1) nodes over a surface, in the frame of its equipment. Node (i, j) runs over x,
@@ -8,34 +8,57 @@ use nalgebra::Vector3;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grid {
     pub divisions: (usize, usize),
-    /// Local x of the columns and y of the rows, m.
+    /// Local x of the columns and y of the rows, m; of points: their least and greatest.
     xs: Vec<f64>,
     ys: Vec<f64>,
+    /// Nodes that were listed one by one (x, y, m); empty: every column with every row.
+    points: Vec<(f64, f64)>,
     standoff: f64,
 }
 
 impl Grid {
-    pub fn new(surface: &Rectangle, operation: &Operation) -> Self {
-        let line = |centre: f64, size: f64, n: usize| {
-            (0..=n).map(|k| centre - size / 2.0 + size * k as f64 / n as f64).collect()
-        };
-        let (m, n) = operation.grid;
-        Self {
-            divisions: (m, n),
-            xs: line(surface.centre.0, surface.size.0, m),
-            ys: line(surface.centre.1, surface.size.1, n),
-            standoff: operation.standoff,
+    pub fn new(operation: &Operation) -> Self {
+        let standoff = operation.standoff;
+        match &operation.place {
+            Place::Grid { area, divisions } => {
+                let line = |centre: f64, size: f64, n: usize| {
+                    (0..=n).map(|k| centre - size / 2.0 + size * k as f64 / n as f64).collect()
+                };
+                let xs = line(area.centre.0, area.size.0, divisions.0);
+                let ys = line(area.centre.1, area.size.1, divisions.1);
+                Self { divisions: *divisions, xs, ys, points: Vec::new(), standoff }
+            }
+            Place::Points(points) => {
+                let ends = |values: &dyn Fn(&(f64, f64)) -> f64| {
+                    let all = points.iter().map(values);
+                    let (low, high) = all.fold((f64::MAX, f64::MIN), |(lo, hi), v| (lo.min(v), hi.max(v)));
+                    vec![low, high]
+                };
+                let (xs, ys) = (ends(&|p| p.0), ends(&|p| p.1));
+                Self { divisions: (points.len().max(1) - 1, 0), xs, ys, points: points.clone(), standoff }
+            }
         }
     }
 
     /// Number of nodes.
     pub fn count(&self) -> usize {
-        self.xs.len() * self.ys.len()
+        (self.divisions.0 + 1) * (self.divisions.1 + 1)
     }
 
     /// Index (i, j) of the k-th node.
     pub fn index(&self, k: usize) -> (usize, usize) {
-        (k % self.xs.len(), k / self.xs.len())
+        (k % (self.divisions.0 + 1), k / (self.divisions.0 + 1))
+    }
+
+    /// Least and greatest x, then y, of the nodes in the frame of the equipment, m.
+    pub fn extent(&self) -> [(f64, f64); 2] {
+        [&self.xs, &self.ys].map(|line| (line[0], line[line.len() - 1]))
+    }
+
+    /// A node in the frame of the equipment, m.
+    pub fn local(&self, node: usize) -> (f64, f64) {
+        let (i, j) = self.index(node);
+        self.points.get(node).copied().unwrap_or_else(|| (self.xs[i], self.ys[j]))
     }
 
     /// The TCP target over a point of the surface (frame of the equipment, m).
@@ -46,8 +69,7 @@ impl Grid {
 
     /// The TCP target of one node.
     pub fn target(&self, at: &Placement, node: usize) -> Vector3<f64> {
-        let (i, j) = self.index(node);
-        self.point(at, (self.xs[i], self.ys[j]))
+        self.point(at, self.local(node))
     }
 
     /// Least and greatest distance of the points over the placed surface from a point (m); the nodes lie
@@ -73,6 +95,12 @@ impl Grid {
     pub fn targets(&self, at: &Placement, mut each: impl FnMut(usize, Vector3<f64>)) {
         let (sin, cos) = at.yaw.sin_cos();
         let z = at.z + self.standoff;
+        for (k, (x, y)) in self.points.iter().enumerate() {
+            each(k, Vector3::new(at.x + cos * x - sin * y, at.y + sin * x + cos * y, z));
+        }
+        if !self.points.is_empty() {
+            return;
+        }
         let mut k = 0;
         for y in &self.ys {
             for x in &self.xs {

@@ -2,8 +2,8 @@
 
 use super::node::{NodeRecord, OperationMap, PostureRecord, Status};
 use super::outcome::{Candidate, Outcome, Spot, Unjudged};
-use super::station::{Arm, Station};
-use crate::cell::{Cell, JointVector, Layout, Placement, shown};
+use super::station::{Arm, Stand, Station};
+use crate::cell::{Cell, Coordinate, JointVector, Layout, Operation, Over, shown};
 use crate::clearance::{Placed, Scene};
 use crate::kinematic_error::deviation;
 use crate::pose::Displacement;
@@ -15,9 +15,8 @@ use std::collections::BinaryHeap;
 
 /// Robot, errors and operations of a cell, made ready for the node loop.
 pub struct Mapper {
-    arm: Arm,
-    base: Placement,
-    stations: Vec<Station>,
+    pub(super) arm: Arm,
+    pub(super) stations: Vec<Station>,
     /// One per operation: what may be reached at all, where asking a node is dear.
     shells: Vec<Option<Shell>>,
 }
@@ -32,6 +31,16 @@ pub struct Scratch {
     memories: Vec<Memory>,
 }
 
+impl Scratch {
+    /// The memory of an operation, and frames.
+    pub(super) fn of(&mut self, mapper: &Mapper, operation: usize) -> (&mut Memory, &mut Frames) {
+        for missing in self.memories.len()..=operation {
+            self.memories.push(mapper.stations[missing].gauge.memory());
+        }
+        (&mut self.memories[operation], &mut self.frames)
+    }
+}
+
 impl Mapper {
     /// # Errors
     /// What an operation asks of the tool and the robot cannot do by its build.
@@ -44,10 +53,15 @@ impl Mapper {
             }
         }
         let arm = Arm { chain, inverse };
-        let stations: Vec<_> = cell.operations.iter().filter_map(|o| Station::new(cell, o)).collect();
-        let shell = |s: &Station| (arm.inverse.cost() != Cost::Low).then(|| arm.inverse.shell(&s.attitude));
-        let shells = stations.iter().map(shell).collect();
-        Ok(Self { arm, base: cell.base, stations, shells })
+        let stations: Vec<_> = cell.operations.iter().map(|o| Station::new(cell, o)).collect();
+        let shell = |o: &Operation| {
+            // An attitude that is searched has a shell for each of its values.
+            let is_fixed = !o.angles.iter().flatten().any(Coordinate::is_free);
+            let pays = arm.inverse.cost() != Cost::Low && is_fixed;
+            pays.then(|| arm.inverse.shell(&o.attitude))
+        };
+        let shells = cell.operations.iter().map(shell).collect();
+        Ok(Self { arm, stations, shells })
     }
 
     pub fn inverse(&self) -> &Inverse {
@@ -56,7 +70,8 @@ impl Mapper {
 
     /// What is missing if no node of an operation can be in reach by the length of the links alone: the
     /// gap of the node nearest to reach, so that it falls into that of the whole loop on the way there.
-    fn beyond_reach(&self, operation: usize, at: &Placement, approach: &mut Approach) -> Option<Gap> {
+    fn beyond_reach(&self, operation: usize, stand: &Stand<'_>, approach: &mut Approach) -> Option<Gap> {
+        let at = &stand.at;
         let (station, shell) = (&self.stations[operation], self.shells[operation].as_ref()?);
         let range = station.grid.distances(at, &shell.centre);
         if shell.gap(range) == 0.0 {
@@ -67,7 +82,7 @@ impl Mapper {
         let order = |a: &usize, b: &usize| distance(a).total_cmp(&distance(b));
         let nodes = 0..station.grid.count();
         let nearest = if outside { nodes.min_by(order) } else { nodes.max_by(order) }?;
-        self.arm.inverse.set(approach, &station.attitude, at.yaw);
+        self.arm.inverse.set(approach, stand.attitude, at.yaw);
         let target = station.grid.target(at, nearest);
         Some(self.arm.inverse.visit(&target, approach, &mut self.arm.inverse.scratch(), |_, _| ()))
     }
@@ -96,15 +111,15 @@ impl Mapper {
         spots: &[Option<Spot>],
     ) -> Result<Situation, Unjudged> {
         let station = &self.stations[operation];
-        let at = |s: &Station| self.in_base(&layout.placements[s.equipment]);
-        let site = station.site(&station.gauge, &at(station), &self.arm, scene, placed)?;
+        let stand = self.stand(operation, layout);
+        let site = station.site(&station.gauge, &stand, &self.arm, scene, placed)?;
         let Some(other) = station.relative_to else { return Ok(Situation { site, reference: None }) };
         let spot = spots.get(other).copied().flatten().ok_or(Unjudged::NoPick)?;
-        let pick = &self.stations[other];
-        let target = pick.grid.target(&at(pick), spot.node);
-        let approach = pick.approach(&self.arm, &at(pick));
+        let (pick, stand) = (&self.stations[other], self.stand(other, layout));
+        let target = pick.grid.target(&stand.at, spot.node);
+        let approach = stand.approach(&self.arm);
         let frames = self.arm.frames(&target, &approach, spot.branch).ok_or(Unjudged::NoPick)?;
-        let site_of_pick = pick.site(&station.gauge, &at(pick), &self.arm, scene, placed)?;
+        let site_of_pick = pick.site(&station.gauge, &stand, &self.arm, scene, placed)?;
         let reference = Reference::new(&station.gauge, site_of_pick, frames);
         Ok(Situation { site, reference: Some(Box::new(reference)) })
     }
@@ -122,22 +137,20 @@ impl Mapper {
         scratch: &mut Scratch,
     ) -> Outcome {
         let station = &self.stations[operation];
-        let at = self.in_base(&layout.placements[station.equipment]);
-        if let Some(gap) = self.beyond_reach(operation, &at, &mut scratch.approach) {
+        let stand = self.stand(operation, layout);
+        if let Some(gap) = self.beyond_reach(operation, &stand, &mut scratch.approach) {
             return Outcome::Unreachable { gap };
         }
         let situation = self.situation(operation, layout, scene, placed, spots);
-        for missing in scratch.memories.len()..=operation {
-            scratch.memories.push(self.stations[missing].gauge.memory());
-        }
+        scratch.of(self, operation);
         let Scratch { candidates, frames, approach, memories } = scratch;
-        self.arm.inverse.set(approach, &station.attitude, at.yaw);
+        self.arm.inverse.set(approach, stand.attitude, stand.at.yaw);
         let memory = &mut memories[operation];
         let mut posture = self.arm.inverse.scratch();
         let mut gap = Gap::ALL;
         candidates.clear();
         let mut reached = false;
-        station.grid.targets(&at, |node, target| {
+        station.grid.targets(&stand.at, |node, target| {
             let missed = self.arm.inverse.visit(&target, approach, &mut posture, |branch, posture| {
                 reached = true;
                 let judged = situation.as_ref().ok().filter(|s| !s.touches(&target));
@@ -200,13 +213,13 @@ impl Mapper {
     ) -> OperationMap {
         let station = &self.stations[operation];
         let situation = self.situation(operation, layout, scene, placed, spots);
-        let at = self.in_base(&layout.placements[station.equipment]);
+        let stand = self.stand(operation, layout);
         let mut memory = station.gauge.memory();
-        let approach = station.approach(&self.arm, &at);
+        let approach = stand.approach(&self.arm);
         let mut nodes = Vec::with_capacity(station.grid.count());
-        station.grid.targets(&at, |k, target| {
+        station.grid.targets(&stand.at, |k, target| {
             let (i, j) = station.grid.index(k);
-            let position = self.base.pose().transform(&target);
+            let position = layout.base.pose().transform(&target);
             let (status, posture) =
                 self.judge(&target, (operation, &approach), &situation, scene, placed, &mut memory);
             nodes.push(NodeRecord { i, j, position, status, posture });
@@ -215,9 +228,9 @@ impl Mapper {
         let usable = |n: &NodeRecord| {
             n.posture.as_ref().filter(|_| n.status == Status::Ok).filter(free).map(|p| p.value)
         };
-        let errors = nodes.iter().enumerate().filter_map(|(k, n)| Some((k, usable(n)?)));
-        let best = errors.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(k, _)| k);
-        OperationMap { operation, senses: station.gauge.reported.clone(), nodes, best }
+        let values: Vec<_> = nodes.iter().enumerate().filter_map(|(k, n)| Some((k, usable(n)?))).collect();
+        let (best, value) = chosen(station.over, &values, nodes.iter().all(|n| n.status == Status::Ok));
+        OperationMap { operation, senses: station.gauge.reported.clone(), nodes, best, value }
     }
 
     fn judge(
@@ -281,7 +294,7 @@ impl Mapper {
         memory: &mut Memory,
     ) -> PostureRecord {
         let judged = station.gauge.judge(situation, frames, memory);
-        let to_world = station.gauge.world.transpose();
+        let to_world = situation.site.world.transpose();
         let world = |d: &Displacement| d.turned(&to_world);
         let off = |model: &Displacement| deviation(&judged.nonlinear.position, &model.position);
         let error = world(&judged.error);
@@ -301,17 +314,25 @@ impl Mapper {
         }
     }
 
-    /// A placement in the frame of the robot base.
-    fn in_base(&self, at: &Placement) -> Placement {
-        let (dx, dy) = (at.x - self.base.x, at.y - self.base.y);
-        let (s, c) = self.base.yaw.sin_cos();
-        Placement {
-            x: c * dx + s * dy,
-            y: c * dy - s * dx,
-            z: at.z - self.base.z,
-            yaw: at.yaw - self.base.yaw,
-        }
+    /// How an operation stands in a layout.
+    pub(super) fn stand<'l>(&self, operation: usize, layout: &'l Layout) -> Stand<'l> {
+        let at = layout.placements[self.stations[operation].equipment].seen_from(&layout.base);
+        Stand { at, attitude: &layout.attitudes[operation], world: layout.base.from_world() }
     }
+}
+
+/// Of the nodes that count, with their values: the node that is shown as the spot, and what the
+/// operation is worth.
+fn chosen(over: Over, values: &[(usize, f64)], all_usable: bool) -> (Option<usize>, Option<f64>) {
+    let by_value = |a: &&(usize, f64), b: &&(usize, f64)| a.1.total_cmp(&b.1);
+    if !over.takes_all() {
+        let best = values.iter().min_by(by_value);
+        return (best.map(|b| b.0), best.map(|b| b.1));
+    }
+    // The first of several that are worst.
+    let worst = values.iter().rev().max_by(by_value).filter(|_| all_usable);
+    let mut all: Vec<f64> = values.iter().map(|v| v.1).collect();
+    (worst.map(|w| w.0), worst.map(|_| over.of(&mut all)))
 }
 
 /// The joint limit that the most nearly allowed branch passes, or the attitude that it misses.

@@ -5,6 +5,7 @@
 //! one by one until a node is free. [`Mapper::map`] is what people ask: every node with its posture
 //! and errors, or the reason why not. Both walk the same branches and judge them alike.
 
+mod every_node;
 mod grid;
 mod mapper;
 mod node;

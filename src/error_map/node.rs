@@ -141,8 +141,11 @@ pub struct OperationMap {
     /// The senses in which every node is reported: the paper's, and the operation's own.
     pub senses: Vec<Sense>,
     pub nodes: Vec<NodeRecord>,
-    /// Index of the usable node with the least value.
+    /// Index of the usable node with the least value; of an operation that happens at every node, of
+    /// the one with the greatest, if all are usable.
     pub best: Option<usize>,
+    /// What the operation is worth: the value of that node, or that of all nodes together.
+    pub value: Option<f64>,
 }
 
 impl OperationMap {
@@ -152,7 +155,7 @@ impl OperationMap {
             matches!(n.status, Status::Ok | Status::Collision { .. } | Status::Unjudged(_))
         };
         self.nodes.iter_mut().filter(blocked).for_each(|n| n.status = Status::Overlap(overlap));
-        self.best = None;
+        (self.best, self.value) = (None, None);
     }
 
     pub fn best_node(&self) -> Option<&NodeRecord> {
@@ -162,7 +165,7 @@ impl OperationMap {
     /// The spot of the operation.
     pub fn spot(&self) -> Option<Spot> {
         let posture = self.best_node()?.posture.as_ref()?;
-        Some(Spot { node: self.best?, branch: posture.branch, value: posture.value })
+        Some(Spot { node: self.best?, branch: posture.branch, value: self.value? })
     }
 
     /// Place of a sense among the reported ones, by its name.

@@ -2,18 +2,18 @@
 
 use super::grid::Grid;
 use super::outcome::Unjudged;
-use crate::cell::{Attitude, Cell, Operation, Placement, Registration, TEACH_HEIGHT};
+use crate::cell::{Attitude, Cell, Operation, Over, Placement, Registration, TEACH_HEIGHT};
 use crate::clearance::{Placed, Scene};
 use crate::reach::{Approach, Inverse};
 use crate::reading::{Gauge, Site, Taught};
 use crate::robot::{Chain, Frames};
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 /// One operation made ready.
 pub struct Station {
     pub equipment: usize,
     pub grid: Grid,
-    pub attitude: Attitude,
+    pub over: Over,
     pub gauge: Gauge,
     pub relative_to: Option<usize>,
     /// Nodes to touch, in the order of trying, for each of three points (if those lie in a line: the
@@ -26,6 +26,22 @@ enum Teach {
     No,
     Nodes([Vec<usize>; 3]),
     Points([(f64, f64); 3]),
+}
+
+/// How an operation stands in one layout.
+pub struct Stand<'l> {
+    /// Its equipment in the base frame.
+    pub at: Placement,
+    pub attitude: &'l Attitude,
+    /// Turns world axes into the base frame.
+    pub world: Matrix3<f64>,
+}
+
+impl Stand<'_> {
+    /// The ways to hold the tool.
+    pub fn approach(&self, arm: &Arm) -> Approach {
+        arm.inverse.approach(self.attitude, self.at.yaw)
+    }
 }
 
 /// The robot's side of a station.
@@ -60,52 +76,46 @@ impl Arm {
 }
 
 impl Station {
-    pub fn new(cell: &Cell, operation: &Operation) -> Option<Self> {
-        let surface = cell.equipment[operation.equipment].surface?;
-        let grid = Grid::new(&surface, operation);
+    pub fn new(cell: &Cell, operation: &Operation) -> Self {
+        let grid = Grid::new(operation);
         let teach = match (cell.registration, operation.teach) {
             (Registration::Taught, Some(points)) => Teach::Points(points),
             (Registration::Taught, None) => Teach::Nodes(from_corners(&grid)),
             _ => Teach::No,
         };
-        Some(Self {
+        Self {
             equipment: operation.equipment,
-            attitude: operation.attitude.clone(),
+            over: operation.over,
             gauge: Gauge::new(cell, operation),
             relative_to: operation.relative_to,
             grid,
             teach,
-        })
+        }
     }
 
-    /// The ways to hold the tool with the surface at `at` (base frame).
-    pub fn approach(&self, arm: &Arm, at: &Placement) -> Approach {
-        arm.inverse.approach(&self.attitude, at.yaw)
-    }
-
-    /// The work with the surface at `at` (base frame), seen by the sources of `gauge`.
+    /// The work as it stands, seen by the sources of `gauge`.
     pub fn site(
         &self,
         gauge: &Gauge,
-        at: &Placement,
+        stand: &Stand<'_>,
         arm: &Arm,
         scene: &Scene,
         placed: &Placed,
     ) -> Result<Site, Unjudged> {
-        let taught = match self.touched(at, arm, scene, placed) {
+        let taught = match self.touched(stand, arm, scene, placed) {
             Some(postures) => {
                 let postures = postures.ok_or(Unjudged::NotTaught)?;
                 Some(Box::new(Taught::new(&arm.chain, &gauge.sources, postures, gauge.takes_mean())))
             }
             None => None,
         };
-        Ok(Site { equipment: self.equipment, work: at.pose(), taught })
+        Ok(Site { equipment: self.equipment, work: stand.at.pose(), world: stand.world, taught })
     }
 
     /// The touching postures; None if nothing is taught, Some(None) if it cannot be.
     fn touched(
         &self,
-        at: &Placement,
+        stand: &Stand<'_>,
         arm: &Arm,
         scene: &Scene,
         placed: &Placed,
@@ -113,7 +123,7 @@ impl Station {
         if matches!(self.teach, Teach::No) {
             return None;
         }
-        let approach = self.approach(arm, at);
+        let (at, approach) = (&stand.at, stand.approach(arm));
         let touch = |target| arm.first_free(&target, &approach, scene, placed);
         let point = |k: usize| match &self.teach {
             Teach::No => None,
@@ -151,12 +161,10 @@ fn widest(all: &[Frames]) -> Option<[Frames; 3]> {
 
 /// Nodes by their distance from the low corner, the corner along x and the corner along y.
 fn from_corners(grid: &Grid) -> [Vec<usize>; 3] {
-    let still = Placement { x: 0.0, y: 0.0, z: 0.0, yaw: 0.0 };
-    let (m, n) = grid.divisions;
-    [0, m, n * (m + 1)].map(|corner| {
-        let from = grid.target(&still, corner);
+    let [(left, right), (low, high)] = grid.extent();
+    [(left, low), (right, low), (left, high)].map(|corner| {
         let mut nodes: Vec<usize> = (0..grid.count()).collect();
-        let distance = |k: &usize| (grid.target(&still, *k) - from).norm();
+        let distance = |k: &usize| (grid.local(*k).0 - corner.0).hypot(grid.local(*k).1 - corner.1);
         nodes.sort_by(|a, b| distance(a).total_cmp(&distance(b)).then(a.cmp(b)));
         nodes
     })

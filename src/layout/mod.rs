@@ -78,6 +78,7 @@ impl Workcell {
         match self.cell.search.objective {
             Objective::WeightedSum => weights.sum(),
             Objective::WeightedMaximum => weights.fold(0.0, f64::max),
+            Objective::Lexicographic => 1.0,
         }
     }
 
@@ -142,7 +143,7 @@ pub fn evaluate_in(workcell: &Workcell, layout: &Layout, workspace: &mut Workspa
     let mut outcomes = Vec::with_capacity(cell.operations.len());
     let mut spots = Vec::with_capacity(cell.operations.len());
     for k in 0..cell.operations.len() {
-        let outcome = mapper.least_error(k, layout, scene, placed, &spots, scratch);
+        let outcome = mapper.outcome(k, layout, scene, placed, &spots, scratch);
         spots.push(if let Outcome::Found(spot) = outcome { Some(spot) } else { None });
         outcomes.push(outcome);
     }
@@ -156,15 +157,42 @@ pub fn evaluate_in(workcell: &Workcell, layout: &Layout, workspace: &mut Workspa
 
 /// The errors of all operations as one number, None if an operation has no spot.
 fn objective(cell: &Cell, outcomes: &[Outcome]) -> Option<f64> {
-    let weighted = cell.operations.iter().zip(outcomes).map(|(operation, outcome)| match outcome {
-        Outcome::Found(spot) => Some(operation.weight * spot.value),
+    let value = |outcome: &Outcome| match outcome {
+        Outcome::Found(spot) => Some(spot.value),
         _ => None,
-    });
-    let errors: Option<Vec<f64>> = weighted.collect();
-    errors.map(|e| match cell.search.objective {
-        Objective::WeightedSum => e.iter().sum(),
-        Objective::WeightedMaximum => e.iter().fold(0.0, |a, b| b.max(a)),
-    })
+    };
+    let values: Option<Vec<f64>> = outcomes.iter().map(value).collect();
+    values.map(|values| combined(cell, &values))
+}
+
+/// The values of all operations (m, rad or shares) as one: the objective of the cell. It falls when any
+/// of them falls, so that the values of bounds make the value of a bound.
+pub fn combined(cell: &Cell, values: &[f64]) -> f64 {
+    let weighted = cell.operations.iter().zip(values).map(|(operation, value)| operation.weight * value);
+    match cell.search.objective {
+        Objective::WeightedSum => weighted.sum(),
+        Objective::WeightedMaximum => weighted.fold(0.0, |a, b| b.max(a)),
+        Objective::Lexicographic => lexicographic(values, cell.search.indifference),
+    }
+}
+
+/// Values that differ by less than this are one step of [`lexicographic`] (m, rad or a share), ...
+const STEP_FROM: f64 = 1e-9;
+/// ... and the value at which a later operation uses up half of a step.
+const HALF_STEP: f64 = 1e-3;
+
+/// The first value, in steps that are `indifference` (a share of it) wide; within a step the second,
+/// in the same way, and so on. A search sees one number, near the first value and rising with each.
+fn lexicographic(values: &[f64], indifference: f64) -> f64 {
+    let [first, later @ ..] = values else { return 0.0 };
+    if later.is_empty() {
+        return *first;
+    }
+    let step = (first / STEP_FROM).max(1.0).ln() / indifference.ln_1p();
+    let edge = |step: f64| STEP_FROM * (1.0 + indifference).powf(step.floor());
+    let (low, high) = (edge(step), edge(step + 1.0));
+    let rest = lexicographic(later, indifference);
+    low + (high - low) * rest / (rest + HALF_STEP)
 }
 
 /// How far an operation is from having a spot, m.

@@ -11,7 +11,7 @@
 //! repeated a few times. Heights and yaws are left alone.
 
 use super::Workcell;
-use crate::cell::{Coordinate, Layout};
+use crate::cell::{Cell, Coordinate, Layout, Slot};
 use crate::clearance::Separation;
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus};
@@ -24,12 +24,22 @@ const SPARE: f64 = 2e-6;
 /// Shifts below this are the solver's rounding, m.
 const STILL: f64 = 1e-7;
 
-/// One coordinate that may move: equipment, 0 for x or 1 for y, range.
+/// One coordinate that may move: equipment, 0 for x or 1 for y, range; its values are in the frame of
+/// what the equipment stands on.
 struct Free {
     equipment: usize,
     axis: usize,
     min: f64,
     max: f64,
+}
+
+impl Free {
+    /// Its direction in plan.
+    fn direction(&self, cell: &Cell, layout: &Layout) -> (f64, f64) {
+        let under = cell.equipment[self.equipment].on;
+        let (sin, cos) = under.map_or(0.0, |under| layout.placements[under].yaw).sin_cos();
+        if self.axis == 0 { (cos, sin) } else { (-sin, cos) }
+    }
 }
 
 /// The layout without overlaps that is nearest to `layout`, as far as a few convex programs find it;
@@ -43,12 +53,15 @@ pub fn separated(workcell: &Workcell, layout: &Layout) -> Option<Layout> {
         if overlaps.is_empty() {
             return Some(moved);
         }
-        let shift = least_shift(&free, &moved, &workcell.plan.separations(&moved))?;
-        for (coordinate, d) in free.iter().zip(shift).filter(|(_, d)| d.abs() > STILL) {
-            let placement = &mut moved.placements[coordinate.equipment];
-            let value = if coordinate.axis == 0 { &mut placement.x } else { &mut placement.y };
-            *value = (*value + d).clamp(coordinate.min, coordinate.max);
-        }
+        let shift = least_shift(&workcell.cell, &free, &moved, &workcell.plan.separations(&moved))?;
+        moved = workcell.cell.layout(|slot, _| {
+            let value = moved.value(&workcell.cell, slot);
+            let shifted = free
+                .iter()
+                .zip(&shift)
+                .find(|(f, d)| slot == Slot::Equipment(f.equipment, f.axis) && d.abs() > STILL);
+            shifted.map_or(value, |(f, d)| (value + d).clamp(f.min, f.max))
+        });
     }
     None
 }
@@ -66,9 +79,9 @@ fn free_coordinates(workcell: &Workcell) -> Vec<Free> {
 }
 
 /// The quadratic program of one round: shifts of the free coordinates, m.
-fn least_shift(free: &[Free], layout: &Layout, pairs: &[Separation]) -> Option<Vec<f64>> {
+fn least_shift(cell: &Cell, free: &[Free], layout: &Layout, pairs: &[Separation]) -> Option<Vec<f64>> {
     let n = free.len();
-    let column = |equipment, axis| free.iter().position(|f| (f.equipment, f.axis) == (equipment, axis));
+    let directions: Vec<_> = free.iter().map(|f| f.direction(cell, layout)).collect();
     // Rows of A d <= b.
     let (mut rows, mut columns, mut values, mut bounds) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     let mut put = |row: usize, k: usize, value: f64| {
@@ -78,15 +91,18 @@ fn least_shift(free: &[Free], layout: &Layout, pairs: &[Separation]) -> Option<V
     };
     for pair in pairs {
         let row = bounds.len();
-        for (axis, n) in [(0, pair.direction.0), (1, pair.direction.1)] {
-            column(pair.a, axis).into_iter().for_each(|k| put(row, k, -n));
-            pair.b.and_then(|b| column(b, axis)).into_iter().for_each(|k| put(row, k, n));
+        for (k, (f, direction)) in free.iter().zip(&directions).enumerate() {
+            let along = pair.direction.0 * direction.0 + pair.direction.1 * direction.1;
+            let moves = |equipment| f64::from(u8::from(cell.rides_on(equipment, f.equipment)));
+            let apart = moves(pair.a) - pair.b.map_or(0.0, moves);
+            if apart != 0.0 && along != 0.0 {
+                put(row, k, -along * apart);
+            }
         }
         bounds.push(-pair.depth - SPARE);
     }
     for (k, f) in free.iter().enumerate() {
-        let at = &layout.placements[f.equipment];
-        let value = if f.axis == 0 { at.x } else { at.y };
+        let value = cell.own_placement(layout, f.equipment).values()[f.axis];
         put(bounds.len(), k, 1.0);
         bounds.push(f.max - value);
         put(bounds.len(), k, -1.0);

@@ -57,7 +57,7 @@ impl Budget {
                     parameter: source.parameter,
                     signed: source.signed,
                     plus_minus: source.plus_minus,
-                    term: gauge.world.transpose() * term.position,
+                    term: situation.site.world.transpose() * term.position,
                     alone: unit[k].norm() * source.plus_minus,
                     of_worst: of(unit[k].dot(&sum) * source.plus_minus * corner[k], sum.norm_squared()),
                     of_variance: of(variances[k], total),

@@ -12,7 +12,7 @@ use crate::cell::{Cell, Model, Operation, Quantity, Reading, Registration, Sense
 use crate::kinematic_error::{Expansion, position_error};
 use crate::pose::Displacement;
 use crate::robot::{Chain, Frames};
-use nalgebra::{Matrix3, Vector6};
+use nalgebra::{Matrix3, Vector3, Vector6};
 
 /// One operation's way to judge a posture.
 #[derive(Debug, Clone)]
@@ -27,8 +27,6 @@ pub struct Gauge {
     pub reading: Reading,
     pub quantity: Quantity,
     pub limit: Option<f64>,
-    /// Turns world axes into the base frame.
-    pub world: Matrix3<f64>,
     /// The signed sample, by the model of the cell.
     signed_values: Vec<f64>,
     signed: Sample,
@@ -71,7 +69,6 @@ impl Gauge {
         let signed_values = sources.signed();
         let theory = Theory { chain: &chain, sources: &sources, best_fit: best_fit.as_ref() };
         let signed = theory.sample(&signed_values, cell.model);
-        let (s, c) = cell.base.yaw.sin_cos();
         let placed = [Some(operation.equipment), other];
         let still = placed.into_iter().flatten().all(|e| cell.equipment[e].errors.is_none());
         let alone = cell.registration == Registration::None && still && other.is_none();
@@ -82,7 +79,6 @@ impl Gauge {
             reading: cell.reading,
             quantity: cell.quantity,
             limit: operation.limit,
-            world: Matrix3::new(c, s, 0.0, -s, c, 0.0, 0.0, 0.0, 1.0),
             chain,
             sources,
             best_fit,
@@ -112,7 +108,7 @@ impl Gauge {
     }
 
     pub fn measure(&self, sense: &Sense, situation: &Situation, frames: &Frames) -> Measure {
-        Measure::new(sense, frames, &self.world, &situation.site.work.rotation)
+        Measure::new(sense, frames, &situation.site.world, &situation.site.work.rotation)
     }
 
     /// What the search makes small: an error (m or rad), or a share of failures.
@@ -120,7 +116,7 @@ impl Gauge {
         match self.reading {
             Reading::Signed if self.alone && self.sense.is_of_position() => {
                 let e = position_error(frames, self.signed.errors(), self.model);
-                self.size_of_position(&e)
+                self.size_of_position(&e, &situation.site.world)
             }
             Reading::Signed => {
                 let error = self.signed_error(situation, frames, memory);
@@ -145,8 +141,8 @@ impl Gauge {
     }
 
     /// Rows of a plain sense on a position error of the base frame.
-    fn size_of_position(&self, e: &nalgebra::Vector3<f64>) -> f64 {
-        let world = self.world.transpose() * e;
+    fn size_of_position(&self, e: &Vector3<f64>, world: &Matrix3<f64>) -> f64 {
+        let world = world.transpose() * e;
         self.sense.rows().iter().map(|row| row.direction.dot(&world).powi(2)).sum::<f64>().sqrt()
     }
 

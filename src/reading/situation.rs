@@ -6,7 +6,7 @@ use crate::cell::Model;
 use crate::kinematic_error::{Expansion, FrameError, Perturbation, pose_error};
 use crate::pose::{Displacement, Pose, SmallRotation};
 use crate::robot::{Chain, Frames};
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 /// The work of one operation under one layout.
 #[derive(Debug, Clone)]
@@ -14,6 +14,8 @@ pub struct Site {
     pub equipment: usize,
     /// The equipment's frame in the base frame.
     pub work: Pose,
+    /// Turns world axes into the base frame.
+    pub world: Matrix3<f64>,
     /// How its frame was taught, if it was.
     pub taught: Option<Box<Taught>>,
 }

@@ -58,10 +58,10 @@ fn draw_equipment(out: &mut String, a: &Assessment<'_>, view: &View) {
     }
     outline(
         &a.cell.robot.footprint,
-        &a.cell.base,
+        &a.layout.base,
         "fill=\"#fde7d3\" stroke=\"#bc4c00\" stroke-width=\"1.4\"",
     );
-    let (x, y) = view.at((a.cell.base.x, a.cell.base.y));
+    let (x, y) = view.at((a.layout.base.x, a.layout.base.y));
     let _ = writeln!(out, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"5\" fill=\"#bc4c00\"/>");
 }
 
@@ -114,7 +114,7 @@ fn draw_names(out: &mut String, a: &Assessment<'_>, view: &View) {
     for (equipment, at) in a.cell.equipment.iter().zip(&a.layout.placements) {
         let corners = corners(&equipment.footprint, at);
         let centre = view.at(middle(corners[0], corners[2]));
-        let edge = equipment.surface.and_then(|_| far_edge(&corners, &a.cell.base)).map(|e| view.at(e));
+        let edge = equipment.surface.and_then(|_| far_edge(&corners, &a.layout.base)).map(|e| view.at(e));
         let (x, y) = edge.unwrap_or(centre);
         let (dx, dy) = (x - centre.0, y - centre.1);
         let away = 16.0 / dx.hypot(dy).max(16.0);
@@ -125,7 +125,7 @@ fn draw_names(out: &mut String, a: &Assessment<'_>, view: &View) {
         };
         name(&equipment.name, (x + dx * away, y + dy * away + 4.0), anchor);
     }
-    let (x, y) = view.at((a.cell.base.x, a.cell.base.y));
+    let (x, y) = view.at((a.layout.base.x, a.layout.base.y));
     name("robot", (x, y + 22.0), "middle");
 }
 

@@ -1,6 +1,6 @@
 //! best.toml: the cell again with its placements fixed, runnable where it lies.
 
-use crate::cell::{Cell, Coordinate, Layout, Unit};
+use crate::cell::{Cell, Layout, Slot, Unit};
 use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg, rounded};
 use std::fmt::Write;
 
@@ -20,33 +20,29 @@ pub fn fixed(from: &str, comment: &str, cell: &Cell, layout: &Layout) -> String 
         cell.quantity.name(),
         cell.registration.name()
     );
-    for (equipment, at) in cell.equipment.iter().zip(&layout.placements) {
-        let values = [at.x, at.y, at.z, at.yaw];
-        let free: Vec<_> =
-            (0..4).filter(|&k| matches!(equipment.placement[k], Coordinate::Range { .. })).collect();
-        if free.is_empty() {
-            continue;
-        }
-        let _ = writeln!(out, "\n[equipment.{}.placement]", quoted(&equipment.name));
-        for k in free {
-            let _ = match k {
-                3 => writeln!(out, "yaw_deg = {}", shortest(values[k], deg_from_rad, rad_from_deg, 4)),
-                _ => writeln!(
-                    out,
-                    "{} = {}",
-                    ["x_mm", "y_mm", "z_mm"][k],
-                    shortest(values[k], mm_from_m, m_from_mm, 3)
-                ),
-            };
+    let free = cell.free();
+    let of = |is: &dyn Fn(Slot) -> bool| {
+        let lines = free.iter().filter(|(slot, _)| is(*slot));
+        lines.map(|(slot, _)| line(*slot, layout.value(cell, *slot))).collect::<String>()
+    };
+    let base = of(&|slot| matches!(slot, Slot::Base(_)));
+    if !base.is_empty() {
+        let _ = write!(out, "\n[robot.base]\n{base}");
+    }
+    for (k, equipment) in cell.equipment.iter().enumerate() {
+        let placement = of(&|slot| matches!(slot, Slot::Equipment(of, _) if of == k));
+        if !placement.is_empty() {
+            let _ = write!(out, "\n[equipment.{}.placement]\n{placement}", quoted(&equipment.name));
         }
     }
-    for operation in &cell.operations {
+    for (k, operation) in cell.operations.iter().enumerate() {
         let _ = writeln!(
             out,
             "\n[operation.{}]\nsense = {}",
             quoted(&operation.name),
             quoted(&operation.sense.name)
         );
+        out.push_str(&of(&|slot| matches!(slot, Slot::Attitude(of, _) if of == k)));
         if let Some(limit) = operation.limit {
             let _ = match operation.sense.unit {
                 Unit::Angle => {
@@ -57,6 +53,19 @@ pub fn fixed(from: &str, comment: &str, cell: &Cell, layout: &Layout) -> String 
         }
     }
     out
+}
+
+/// A free coordinate as the file says it.
+fn line(slot: Slot, value: f64) -> String {
+    let key = match slot {
+        Slot::Base(axis) | Slot::Equipment(_, axis) => ["x_mm", "y_mm", "z_mm", "yaw_deg"][axis],
+        Slot::Attitude(_, angle) => ["bend_deg", "azimuth_deg", "spin_deg"][angle],
+    };
+    let value = match slot.is_angle() {
+        true => shortest(value, deg_from_rad, rad_from_deg, 4),
+        false => shortest(value, mm_from_m, m_from_mm, 3),
+    };
+    format!("{key} = {value}\n")
 }
 
 /// A TOML basic string. Names hold no control characters; quotes and backslashes are escaped.

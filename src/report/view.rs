@@ -17,7 +17,7 @@ pub struct View {
 
 impl View {
     pub fn of(a: &Assessment<'_>) -> Self {
-        let mut points: Vec<(f64, f64)> = corners(&a.cell.robot.footprint, &a.cell.base).to_vec();
+        let mut points: Vec<(f64, f64)> = corners(&a.cell.robot.footprint, &a.layout.base).to_vec();
         for (equipment, at) in a.cell.equipment.iter().zip(&a.layout.placements) {
             points.extend(corners(&equipment.footprint, at));
         }

@@ -44,7 +44,7 @@ pub struct Record {
 /// but argmin's Nelder-Mead panics at one.) The record keeps what was found.
 pub struct Problem<'a> {
     workcell: &'a Workcell,
-    space: &'a Space,
+    space: &'a Space<'a>,
     watch: &'a Watch<'a>,
     budget: u64,
     allowed: u64,
@@ -54,7 +54,7 @@ pub struct Problem<'a> {
 }
 
 impl<'a> Problem<'a> {
-    pub fn new(workcell: &'a Workcell, space: &'a Space, budget: u64, watch: &'a Watch<'a>) -> Self {
+    pub fn new(workcell: &'a Workcell, space: &'a Space<'a>, budget: u64, watch: &'a Watch<'a>) -> Self {
         let record = Mutex::new(Record { point: space.start(), ..Record::default() });
         let annealing = Mutex::new(ChaCha8Rng::seed_from_u64(0));
         Self { workcell, space, watch, budget, allowed: budget, record, annealing }

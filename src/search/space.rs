@@ -1,38 +1,18 @@
-//! The search space: every free coordinate of every placement, scaled to [0, 1].
+//! The search space: every free coordinate of a cell, scaled to [0, 1].
 
-use crate::cell::{Cell, Coordinate, Layout};
+use crate::cell::{Cell, Coordinate, Layout, Slot};
 use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg, rounded};
 
-/// The last of x, y, z, yaw.
-const YAW: usize = 3;
-
-/// One free coordinate: equipment, which of x, y, z, yaw, and its range.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Variable {
-    equipment: usize,
-    axis: usize,
-    min: f64,
-    max: f64,
-}
-
 /// Maps the unit cube to layouts.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Space {
-    variables: Vec<Variable>,
-    start: Layout,
+#[derive(Debug, Clone)]
+pub struct Space<'c> {
+    cell: &'c Cell,
+    variables: Vec<(Slot, &'c Coordinate)>,
 }
 
-impl Space {
-    pub fn new(cell: &Cell) -> Self {
-        let mut variables = Vec::new();
-        for (equipment, e) in cell.equipment.iter().enumerate() {
-            for (axis, coordinate) in e.placement.iter().enumerate() {
-                if let Coordinate::Range { min, max, .. } = *coordinate {
-                    variables.push(Variable { equipment, axis, min, max });
-                }
-            }
-        }
-        Self { variables, start: cell.start() }
+impl<'c> Space<'c> {
+    pub fn new(cell: &'c Cell) -> Self {
+        Self { cell, variables: cell.free() }
     }
 
     pub fn dimensions(&self) -> usize {
@@ -41,37 +21,51 @@ impl Space {
 
     /// The start layout as a point.
     pub fn start(&self) -> Vec<f64> {
-        self.point(&self.start)
+        self.point(&self.cell.start())
     }
 
     /// The point of a layout whose free coordinates lie in their ranges.
     pub fn point(&self, layout: &Layout) -> Vec<f64> {
-        let value = |v: &Variable| {
-            let p = &layout.placements[v.equipment];
-            [p.x, p.y, p.z, p.yaw][v.axis]
-        };
-        self.variables.iter().map(|v| (value(v) - v.min) / (v.max - v.min)).collect()
+        self.variables.iter().map(|(slot, c)| share(c, layout.value(self.cell, *slot))).collect()
     }
 
     /// The layout of a point. Points outside the cube are folded back like in a mirror, so that
     /// every point has a layout. Coordinates are rounded to 1 um and 0.0001 degree: what is
     /// evaluated is exactly what a file can say.
     pub fn layout(&self, point: &[f64]) -> Layout {
-        let mut layout = self.start.clone();
-        for (variable, u) in self.variables.iter().zip(point) {
-            let value = variable.min + mirrored(*u) * (variable.max - variable.min);
-            let rounded = if variable.axis == YAW { to_ten_thousandth_degree(value) } else { to_um(value) };
-            // A range need not end at a round number.
-            let value = rounded.clamp(variable.min, variable.max);
-            let placement = &mut layout.placements[variable.equipment];
-            match variable.axis {
-                0 => placement.x = value,
-                1 => placement.y = value,
-                2 => placement.z = value,
-                _ => placement.yaw = value,
-            }
+        self.cell.layout(|slot, coordinate| {
+            let place = self.variables.iter().position(|(s, _)| *s == slot);
+            place.map_or_else(|| coordinate.start(), |k| value(slot, coordinate, mirrored(point[k])))
+        })
+    }
+}
+
+/// Where in [0, 1] a value of a coordinate is; one of a list in the middle of its share.
+fn share(coordinate: &Coordinate, value: f64) -> f64 {
+    match coordinate {
+        Coordinate::Fixed(_) => 0.0,
+        Coordinate::Range { min, max, .. } => (value - min) / (max - min),
+        Coordinate::List(values) => {
+            let off = |k: &usize| (values[*k] - value).abs();
+            let nearest = (0..values.len()).min_by(|a, b| off(a).total_cmp(&off(b)));
+            (nearest.unwrap_or(0) as f64 + 0.5) / values.len() as f64
         }
-        layout
+    }
+}
+
+fn value(slot: Slot, coordinate: &Coordinate, share: f64) -> f64 {
+    match coordinate {
+        Coordinate::Fixed(value) => *value,
+        Coordinate::Range { min, max, .. } => {
+            let value = min + share * (max - min);
+            let rounded = if slot.is_angle() { to_ten_thousandth_degree(value) } else { to_um(value) };
+            // A range need not end at a round number.
+            rounded.clamp(*min, *max)
+        }
+        Coordinate::List(values) => {
+            let k = (share * values.len() as f64) as usize;
+            values[k.min(values.len() - 1)]
+        }
     }
 }
 

@@ -10,7 +10,7 @@ use serde_json::Value;
 use std::array::from_fn;
 use std::f64::consts::{FRAC_PI_2, PI};
 use sweetspot::cell::{
-    Convention, Joint, JointKind, JointVector, Model, Placement, Rectangle, Robot, SignedErrors,
+    Convention, Coordinate, Joint, JointKind, JointVector, Model, Placement, Rectangle, Robot, SignedErrors,
 };
 use sweetspot::kinematic_error::{Perturbation, pose_error};
 use sweetspot::layout::Workcell;
@@ -265,7 +265,7 @@ fn maps_turn_with_the_base() {
     let (robot, mut start) = (cell.robot.clone(), cell.start());
     start.placements[0].x = 0.15;
     let still = Workcell::new(cell.clone()).unwrap().maps(&start).remove(0);
-    cell.base = Placement { x: 0.1, y: -0.2, z: 0.3, yaw: FRAC_PI_2 };
+    cell.base = Placement { x: 0.1, y: -0.2, z: 0.3, yaw: FRAC_PI_2 }.values().map(Coordinate::Fixed);
     let (mut layout, errors) = (start, signed(&cell).clone());
     let turned = |v: Vector3<f64>| vector![-v.y, v.x, v.z];
     let moved = |v| turned(v) + vector![0.1, -0.2, 0.3];

@@ -27,7 +27,15 @@ pub fn gauge_of(cell: &Cell) -> Gauge {
 
 /// Nothing but the robot: no taught frame, no pick.
 pub fn alone() -> Situation {
-    Situation { site: Site { equipment: 0, work: Pose::identity(), taught: None }, reference: None }
+    Situation {
+        site: Site {
+            equipment: 0,
+            work: Pose::identity(),
+            world: nalgebra::Matrix3::identity(),
+            taught: None,
+        },
+        reference: None,
+    }
 }
 
 /// Revolute and prismatic joints, right angles and all, with a tool.

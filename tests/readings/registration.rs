@@ -58,7 +58,12 @@ fn a_taught_frame_leaves_what_its_rule_leaves() {
             cell.model = model;
             let gauge = gauge_of(&cell);
             let taught = Taught::new(&chain, &gauge.sources, postures, false);
-            let site = Site { equipment: 0, work: Pose::identity(), taught: Some(Box::new(taught)) };
+            let site = Site {
+                equipment: 0,
+                work: Pose::identity(),
+                world: nalgebra::Matrix3::identity(),
+                taught: Some(Box::new(taught)),
+            };
             let situation = Situation { site, reference: None };
             let values = gauge.sources.signed();
             let mut memory = gauge.memory();
@@ -166,7 +171,12 @@ fn relative_error_is_that_of_the_placed_part() {
         let errors = crate::common::signed(&cell).clone();
         let [pick, place] = [0, 1].map(|_| random_joints(&mut rng, &cell.robot));
         let [p, q] = [&pick, &place].map(|q| frames_at(&cell.robot, q));
-        let site = || Site { equipment: 0, work: Pose::identity(), taught: None };
+        let site = || Site {
+            equipment: 0,
+            work: Pose::identity(),
+            world: nalgebra::Matrix3::identity(),
+            taught: None,
+        };
         let reference = Reference::new(&gauge, site(), p);
         let situation = Situation { site: site(), reference: Some(Box::new(reference)) };
         let values = gauge.sources.signed();

@@ -1,6 +1,6 @@
 //! `check`.
 
-use super::{UNSOLVED, is_free, suggest, warn_of_hopeless, workcell};
+use super::{UNSOLVED, suggest, warn_of_hopeless, workcell};
 use crate::cell::{Cell, ErrorSet, Fault, shown};
 use crate::cli::arguments::CheckArguments;
 use crate::cli::output::path_word;
@@ -44,7 +44,7 @@ pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
     output::data(&report::text::derived(&loaded.cell.robot))?;
     let workcell = workcell(loaded.cell, &a.cell)?;
     let cell = &workcell.cell;
-    let free = cell.equipment.iter().flat_map(|e| &e.placement).filter(|c| is_free(c)).count();
+    let free = cell.free().len();
     let nodes: usize = cell.operations.iter().map(|o| o.nodes()).sum();
     output::data(&format!(
         "{}\n{}, {} equipment and obstacles, {} on {nodes} nodes, {}\n{}\n{}\n{}valid{}\n",

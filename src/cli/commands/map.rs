@@ -1,6 +1,6 @@
 //! `map`.
 
-use super::{is_free, suggest, warn_of_distrust, workcell};
+use super::{suggest, warn_of_distrust, workcell};
 use crate::cell::Loaded;
 use crate::cli::arguments::MapArguments;
 use crate::cli::output::path_word;
@@ -44,7 +44,7 @@ pub fn map(a: &MapArguments) -> Result<Exit, Exit> {
     written.iter().for_each(Written::tell);
     warn_of_distrust(&assessment);
     if !a.json {
-        let movable = workcell.cell.equipment.iter().any(|e| e.placement.iter().any(is_free));
+        let movable = !workcell.cell.free().is_empty();
         let next = match (movable, &a.svg) {
             (true, _) => format!("search {}", path_word(&a.cell)),
             (false, None) => format!("map {} --svg map.svg", path_word(&a.cell)),

@@ -15,6 +15,7 @@ pub use readings::readings;
 pub use robots::{envelope, robot, robots};
 
 use crate::cell::{Cell, Coordinate, shown};
+use crate::clearance::Party;
 use crate::cli::output::path_word;
 use crate::cli::{Exit, cache, output};
 use crate::compare::Assessment;
@@ -27,11 +28,17 @@ const UNSOLVED: &str = "ask less of the tool, or take another robot: `sweetspot 
 
 /// Says which overlaps no search can cure: nothing that takes part can move.
 fn warn_of_hopeless(workcell: &Workcell) {
-    let moves = |k: usize| workcell.cell.equipment[k].placement.iter().any(is_free);
+    let cell = &workcell.cell;
+    let moves = |k: usize| {
+        let under = (0..cell.equipment.len()).filter(|&under| cell.rides_on(k, under));
+        under.flat_map(|k| &cell.equipment[k].placement).any(Coordinate::is_free)
+    };
+    let base_moves = cell.base.iter().any(Coordinate::is_free);
     let overlaps = evaluate(workcell, &workcell.cell.start()).overlaps;
-    for overlap in
-        overlaps.iter().filter(|o| !(0..workcell.cell.equipment.len()).any(|k| o.concerns(k) && moves(k)))
-    {
+    for overlap in overlaps.iter().filter(|o| !(0..cell.equipment.len()).any(|k| o.concerns(k) && moves(k))) {
+        if base_moves && overlap.b == Party::RobotBase {
+            continue;
+        }
         let what = overlap.in_words(&workcell.cell);
         output::talk(&format!("warning: {what}, and none of the two can move: no layout is feasible"));
     }
@@ -57,10 +64,6 @@ fn unsolved(robot: &str, file: &Path, why: &str) -> Exit {
     output::error(&format!("{file}: the robot `{}` cannot do that: {why}", shown(robot)));
     output::talk(&format!("  help: {UNSOLVED}"));
     Exit::BadInput
-}
-
-fn is_free(coordinate: &Coordinate) -> bool {
-    matches!(coordinate, Coordinate::Range { .. })
 }
 
 fn suggest(command: &str) {

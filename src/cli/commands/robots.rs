@@ -91,12 +91,13 @@ pub fn envelope(a: &EnvelopeArguments) -> Result<Exit, Exit> {
         (None, []) => 0,
     };
     let operation = &cell.operations[k];
-    let at = cell.start().placements[operation.equipment];
+    let start = cell.start();
+    let at = start.placements[operation.equipment].seen_from(&start.base);
     let mut attitude = operation.attitude.clone();
     attitude.elevation = a.bend.map_or(attitude.elevation, rad_from_deg);
-    let height = at.z + operation.standoff - cell.base.z;
+    let height = at.z + operation.standoff;
     let inverse = Inverse::new(&Chain::new(&cell.robot));
-    drawn(a, &cell.robot, &inverse, (Some(operation), attitude, at.yaw - cell.base.yaw, Some(height)))
+    drawn(a, &cell.robot, &inverse, (Some(operation), attitude, at.yaw, Some(height)))
 }
 
 /// Operation, attitude, yaw of the surface and height that it is about.

@@ -1,7 +1,7 @@
 //! `search --json` and `compare --json`.
 
 use super::map::{counts, guard, monte_carlo};
-use super::{joints, layout, length, lengths};
+use super::{attitudes, base, joints, layout, length, lengths};
 use crate::cell::{Cell, Unit};
 use crate::compare::{Assessment, Comparison};
 use crate::error_map::OperationMap;
@@ -44,12 +44,16 @@ pub fn search(cell: &Cell, record: &SearchRecord, assessed: &Comparison<'_>, sec
         "budget": cell.search.budget,
         "reasons": best.reasons(),
         "layout": layout(cell, &best.layout),
+        "base": base(&best.layout),
+        "attitudes": attitudes(cell, &best.layout),
         "operations": spots(best),
         "start": {
             "objective_mm": start.objective_mm().map(length),
             "objective_value": start.objective().map(length),
             "reasons": start.reasons(),
             "layout": layout(cell, &start.layout),
+            "base": base(&start.layout),
+            "attitudes": attitudes(cell, &start.layout),
             "operations": spots(start),
         },
         "trace": record.trace.iter().map(|(n, e)| json!([n, length(cell.unit().from_si(*e))])).collect::<Vec<_>>(),
@@ -72,6 +76,8 @@ pub fn compare(comparison: &Comparison<'_>) -> Value {
             "change_percent": comparison.change_percent(k, Assessment::objective).map(length),
             "reasons": a.reasons(),
             "layout": layout(a.cell, &a.layout),
+            "base": base(&a.layout),
+            "attitudes": attitudes(a.cell, &a.layout),
             "operations": spots(a),
         })
     });
@@ -96,7 +102,14 @@ fn spots(a: &Assessment<'_>) -> Value {
             "name": operation.name,
             "equipment": a.cell.equipment[operation.equipment].name,
             "sense": operation.sense.name,
-            "value": spot.map(|(_, p)| length(a.cell.unit().from_si(p.value))),
+            "place": operation.place.in_words(),
+            "over": operation.over.name(),
+            "value": map.value.map(|value| length(a.cell.unit().from_si(value))),
+            "requirement": a.requirement(k).map(|r| json!({
+                "limit": length(a.cell.unit().from_si(r.limit)),
+                "margin": length(a.cell.unit().from_si(r.margin)),
+                "met": r.is_met(),
+            })),
             "node": spot.map(|(n, _)| json!([n.i, n.j])),
             "position_mm": spot.map(|(n, _)| lengths(&n.position)),
             "joints_deg": spot.map(|(_, p)| joints(a.cell, &p.joints)),

@@ -15,12 +15,12 @@ pub use map::{MapDocument, map};
 pub use posture::{budget, explain};
 pub use readings::readings;
 
-use crate::cell::{Cell, JointKind, JointVector, Layout, Role};
+use crate::cell::{Cell, JointKind, JointVector, Layout, Placement, Role, Slot};
 use crate::clearance::{Allowed, OwnPair};
 use crate::layout::Workcell;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use nalgebra::Vector3;
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 /// Every pair of solids of the robot: what they are, and why they may touch (null: they may not).
 pub fn own_pairs(workcell: &Workcell) -> Vec<Value> {
@@ -34,14 +34,28 @@ pub fn own_pairs(workcell: &Workcell) -> Vec<Value> {
 /// Placements by the name of the equipment; obstacles are not the layout's to place.
 fn layout(cell: &Cell, layout: &Layout) -> Value {
     let placed = cell.equipment.iter().zip(&layout.placements).filter(|(e, _)| e.role == Role::Equipment);
-    let one = placed.map(|(e, p)| {
-        let mm = |v| length(mm_from_m(v));
-        let at = json!({
-            "x_mm": mm(p.x), "y_mm": mm(p.y), "z_mm": mm(p.z), "yaw_deg": length(deg_from_rad(p.yaw)),
-        });
-        (e.name.clone(), at)
-    });
-    Value::Object(one.collect())
+    Value::Object(placed.map(|(e, at)| (e.name.clone(), placement(at))).collect())
+}
+
+fn placement(at: &Placement) -> Value {
+    let mm = |v| length(mm_from_m(v));
+    json!({ "x_mm": mm(at.x), "y_mm": mm(at.y), "z_mm": mm(at.z), "yaw_deg": length(deg_from_rad(at.yaw)) })
+}
+
+fn base(layout: &Layout) -> Value {
+    placement(&layout.base)
+}
+
+/// The angles that the search may change, by the name of the operation.
+fn attitudes(cell: &Cell, layout: &Layout) -> Value {
+    let mut all = Map::new();
+    for (slot, _) in cell.free() {
+        let Slot::Attitude(k, angle) = slot else { continue };
+        let entry = all.entry(cell.operations[k].name.clone()).or_insert_with(|| json!({}));
+        entry[["bend_deg", "azimuth_deg", "spin_deg"][angle]] =
+            json!(length(deg_from_rad(layout.value(cell, slot))));
+    }
+    Value::Object(all)
 }
 
 fn joints(cell: &Cell, q: &JointVector) -> Vec<f64> {

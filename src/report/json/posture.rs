@@ -60,9 +60,10 @@ pub fn explain(e: &Explanation<'_>) -> Value {
     let stance = &e.stance;
     let mut document = question("sweetspot/explain/1", stance.cell);
     document.extend(place(stance));
-    let base = &stance.cell.base;
-    let tool = stance.gauge.world.transpose() * stance.frames.tcp.rotation * stance.cell.robot.tool_axis;
-    let world = |d: &Displacement| displacement(&d.turned(&stance.gauge.world.transpose()));
+    let base = &stance.base;
+    let tool =
+        stance.situation.site.world.transpose() * stance.frames.tcp.rotation * stance.cell.robot.tool_axis;
+    let world = |d: &Displacement| displacement(&d.turned(&stance.situation.site.world.transpose()));
     let parts = [
         (
             "base",
@@ -189,7 +190,7 @@ fn parameter(e: &Explanation<'_>, line: &Line) -> Value {
             "lever_base_mm": lengths(&m.lever),
         })
     };
-    let term = line.term().turned(&e.stance.gauge.world.transpose());
+    let term = line.term().turned(&e.stance.situation.site.world.transpose());
     json!({
         "parameter": names::parameter(e.stance.cell, line.source.parameter),
         "unit": unit.word(),

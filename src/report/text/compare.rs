@@ -1,8 +1,8 @@
 //! Layouts side by side.
 
 use super::table::Table;
-use super::{STATUSES, USUAL, mm, mm1, value_word};
-use crate::cell::Unit;
+use super::{STATUSES, USUAL, fixed, mm, mm1, value_word};
+use crate::cell::{Coordinate, Slot, Unit};
 use crate::compare::{Assessment, Comparison};
 use crate::units::{deg_from_rad, rounded};
 use std::fmt::Write;
@@ -16,6 +16,7 @@ pub fn comparison(comparison: &Comparison<'_>) -> String {
         placement_rows(&mut table, name, columns);
     }
     if let Some(first) = columns.first() {
+        base_rows(&mut table, columns);
         for k in 0..first.cell.operations.len() {
             operation_rows(&mut table, k, comparison);
         }
@@ -53,6 +54,48 @@ fn placement_rows(table: &mut Table, name: &str, columns: &[Assessment<'_>]) {
     table.labelled("", "yaw deg", cells(|p| rounded(deg_from_rad(p.yaw), 4).to_string()).into_iter());
 }
 
+/// The robot base, if a layout may move it.
+fn base_rows(table: &mut Table, columns: &[Assessment<'_>]) {
+    if !columns.iter().any(|c| c.cell.base.iter().any(Coordinate::is_free)) {
+        return;
+    }
+    let cells = |f: fn(&crate::cell::Placement) -> String| columns.iter().map(move |c| f(&c.layout.base));
+    table.labelled("robot base", "x, y mm", cells(|p| format!("{}, {}", mm(p.x), mm(p.y))));
+    table.labelled("", "z mm", cells(|p| mm(p.z)));
+    table.labelled("", "yaw deg", cells(|p| rounded(deg_from_rad(p.yaw), 4).to_string()));
+}
+
+/// The angles of the tool that a layout may change.
+fn attitude_rows(table: &mut Table, k: usize, columns: &[Assessment<'_>]) {
+    for (angle, word) in ["bend deg", "azimuth deg", "spin deg"].into_iter().enumerate() {
+        let is_free =
+            |c: &Assessment<'_>| c.cell.operations[k].angles[angle].as_ref().is_some_and(Coordinate::is_free);
+        if columns.iter().any(is_free) {
+            let value = |c: &Assessment<'_>| deg_from_rad(c.layout.value(c.cell, Slot::Attitude(k, angle)));
+            table.labelled("", word, columns.iter().map(|c| rounded(value(c), 4).to_string()));
+        }
+    }
+}
+
+/// What counts of an operation that happens at every node, and how far it is from its limit.
+fn worth_rows(table: &mut Table, k: usize, columns: &[Assessment<'_>]) {
+    let (operation, unit) = (&columns[0].cell.operations[k], columns[0].cell.unit());
+    if operation.over.takes_all() {
+        let word = format!("{} of {} {}", operation.over.name(), operation.place.in_words(), unit.word());
+        let value = |a: &Assessment<'_>| a.maps[k].value.map_or("-".into(), |v| fixed(unit.from_si(v), 4));
+        table.labelled("", &word, columns.iter().map(value));
+    }
+    if let Some(limit) = operation.limit.filter(|_| unit != Unit::Share) {
+        let word = format!("limit {} {}", fixed(unit.from_si(limit), 4), unit.word());
+        let told = |a: &Assessment<'_>| match a.requirement(k) {
+            None => "-".into(),
+            Some(r) if r.is_met() => format!("met, {} to spare", fixed(unit.from_si(r.margin), 4)),
+            Some(r) => format!("MISSED by {}", fixed(unit.from_si(-r.margin), 4)),
+        };
+        table.labelled("", &word, columns.iter().map(told));
+    }
+}
+
 fn operation_rows(table: &mut Table, k: usize, comparison: &Comparison<'_>) {
     let columns = &comparison.columns;
     let operation = &columns[0].cell.operations[k];
@@ -69,6 +112,7 @@ fn operation_rows(table: &mut Table, k: usize, comparison: &Comparison<'_>) {
         None => "-".into(),
     };
     table.labelled("", "joints deg", columns.iter().map(joints));
+    attitude_rows(table, k, columns);
     let cell = columns[0].cell;
     let word = if cell.unit() == Unit::Share { "p95" } else { value_word(cell) };
     for sense in &columns[0].maps[k].senses {
@@ -77,6 +121,7 @@ fn operation_rows(table: &mut Table, k: usize, comparison: &Comparison<'_>) {
         let cells = (0..columns.len()).map(|c| with_change(comparison, c, &error));
         table.labelled("", &format!("{word} {} {}{asked}", sense.name, sense.unit.word()), cells);
     }
+    worth_rows(table, k, columns);
     if operation.limit.is_some() {
         let success = |a: &Assessment<'_>| a.spot(k).and_then(|(_, p)| p.success);
         table.labelled("", "yield", (0..columns.len()).map(|c| with_change(comparison, c, &success)));

@@ -18,8 +18,8 @@ pub fn explanation(e: &Explanation<'_>) -> String {
 fn place(e: &Explanation<'_>) -> String {
     let (stance, cell) = (&e.stance, e.stance.cell);
     let mut out = place_words(stance);
-    let base = &cell.base;
-    let tool = stance.gauge.world.transpose() * stance.frames.tcp.rotation * cell.robot.tool_axis;
+    let base = &stance.base;
+    let tool = stance.situation.site.world.transpose() * stance.frames.tcp.rotation * cell.robot.tool_axis;
     let tip = stance.position;
     let _ = writeln!(out, "  TCP, world: {} mm", triple(&tip, 4, mm_from_m));
     let _ = writeln!(
@@ -159,7 +159,7 @@ fn per_unit(g: &Vector3<f64>, unit: Unit) -> Vector3<f64> {
 
 fn models(e: &Explanation<'_>) -> String {
     let judged = &e.judged;
-    let world = |d: &Displacement| d.turned(&e.stance.gauge.world.transpose());
+    let world = |d: &Displacement| d.turned(&e.stance.situation.site.world.transpose());
     let mut table = Table::indented(1);
     table.row(["model", "position mm", "size mm", "rotation deg", "off the nonlinear one"]);
     let mut row = |name: &str, d: &Displacement, off: Option<f64>| {

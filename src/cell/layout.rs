@@ -1,0 +1,157 @@
+//! A layout: a value for everything that the search may change.
+
+use super::attitude::{Attitude, Azimuth, Spin};
+use super::model::{Cell, Placement};
+
+/// One number of a cell file that the search may change.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Coordinate {
+    Fixed(f64),
+    /// A search variable.
+    Range {
+        min: f64,
+        max: f64,
+        start: f64,
+    },
+    /// A search variable that takes one of these values, the first at the start.
+    List(Vec<f64>),
+}
+
+impl Coordinate {
+    pub fn start(&self) -> f64 {
+        match self {
+            Coordinate::Fixed(value) | Coordinate::Range { start: value, .. } => *value,
+            Coordinate::List(values) => values.first().copied().unwrap_or(0.0),
+        }
+    }
+
+    pub fn is_free(&self) -> bool {
+        !matches!(self, Coordinate::Fixed(_))
+    }
+
+    /// Least and greatest value.
+    pub fn range(&self) -> (f64, f64) {
+        match self {
+            Coordinate::Fixed(value) => (*value, *value),
+            Coordinate::Range { min, max, .. } => (*min, *max),
+            Coordinate::List(values) => {
+                values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (lo.min(*v), hi.max(*v)))
+            }
+        }
+    }
+}
+
+/// Which number of a layout a coordinate is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Slot {
+    /// Of the robot base: x, y, z, yaw.
+    Base(usize),
+    /// Of an equipment, by index, in the frame of what it stands on: x, y, z, yaw.
+    Equipment(usize, usize),
+    /// Of the attitude of an operation, by index: elevation, azimuth, spin.
+    Attitude(usize, usize),
+}
+
+impl Slot {
+    /// Whether it is an angle; else a length.
+    pub fn is_angle(self) -> bool {
+        matches!(self, Slot::Base(3) | Slot::Equipment(_, 3) | Slot::Attitude(..))
+    }
+}
+
+/// Robot base, equipment and attitudes of one candidate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Layout {
+    /// Robot base in the world.
+    pub base: Placement,
+    /// One per equipment, in the order of [`Cell::equipment`], in the world.
+    pub placements: Vec<Placement>,
+    /// One per operation, in the order of [`Cell::operations`].
+    pub attitudes: Vec<Attitude>,
+}
+
+impl Layout {
+    pub fn value(&self, cell: &Cell, slot: Slot) -> f64 {
+        match slot {
+            Slot::Base(axis) => self.base.values()[axis],
+            Slot::Equipment(k, axis) => cell.own_placement(self, k).values()[axis],
+            Slot::Attitude(k, angle) => {
+                let attitude = &self.attitudes[k];
+                match (angle, &attitude.azimuth, &attitude.spin) {
+                    (0, ..) => attitude.elevation,
+                    (1, Azimuth::Surface(azimuth), _) => *azimuth,
+                    (2, _, Spin::At(spins)) => spins.first().copied().unwrap_or(0.0),
+                    _ => 0.0,
+                }
+            }
+        }
+    }
+}
+
+impl Cell {
+    /// The layout as drawn: fixed coordinates and the start of each other.
+    pub fn start(&self) -> Layout {
+        self.layout(|_, coordinate| coordinate.start())
+    }
+
+    /// The layout in which every coordinate has the value that `value` says.
+    pub fn layout(&self, mut value: impl FnMut(Slot, &Coordinate) -> f64) -> Layout {
+        let mut four = |slot: &dyn Fn(usize) -> Slot, c: &[Coordinate; 4]| {
+            Placement::from_values([0, 1, 2, 3].map(|axis| value(slot(axis), &c[axis])))
+        };
+        let base = four(&Slot::Base, &self.base);
+        let equipment = self.equipment.iter().enumerate();
+        let own: Vec<_> =
+            equipment.map(|(k, e)| four(&|axis| Slot::Equipment(k, axis), &e.placement)).collect();
+        let attitude = |(k, o): (usize, &super::model::Operation)| {
+            let mut attitude = o.attitude.clone();
+            let [elevation, azimuth, spin] = [0, 1, 2].map(|angle| {
+                let coordinate = o.angles[angle].as_ref()?;
+                Some(value(Slot::Attitude(k, angle), coordinate))
+            });
+            attitude.elevation = elevation.unwrap_or(attitude.elevation);
+            attitude.azimuth = azimuth.map_or(attitude.azimuth, Azimuth::Surface);
+            if let Some(spin) = spin {
+                attitude.spin = Spin::At(vec![spin]);
+            }
+            attitude
+        };
+        let attitudes = self.operations.iter().enumerate().map(attitude).collect();
+        let placements = (0..own.len()).map(|k| self.in_world(&own, k)).collect();
+        Layout { base, placements, attitudes }
+    }
+
+    /// Everything that the search may change.
+    pub fn free(&self) -> Vec<(Slot, &Coordinate)> {
+        let base = self.base.iter().enumerate().map(|(axis, c)| (Slot::Base(axis), c));
+        let equipment = self.equipment.iter().enumerate().flat_map(|(k, e)| {
+            e.placement.iter().enumerate().map(move |(axis, c)| (Slot::Equipment(k, axis), c))
+        });
+        let attitudes = self.operations.iter().enumerate().flat_map(|(k, o)| {
+            let angles = o.angles.iter().enumerate();
+            angles.filter_map(move |(angle, c)| Some((Slot::Attitude(k, angle), c.as_ref()?)))
+        });
+        base.chain(equipment).chain(attitudes).filter(|(_, c)| c.is_free()).collect()
+    }
+
+    /// The placement of an equipment in the frame of what it stands on: as its file says it.
+    pub fn own_placement(&self, layout: &Layout, equipment: usize) -> Placement {
+        let at = layout.placements[equipment];
+        match self.equipment[equipment].on {
+            Some(under) => at.seen_from(&layout.placements[under]),
+            None => at,
+        }
+    }
+
+    /// Whether an equipment moves when another does: it is that, or stands on it.
+    pub fn rides_on(&self, equipment: usize, other: usize) -> bool {
+        equipment == other || self.equipment[equipment].on.is_some_and(|under| self.rides_on(under, other))
+    }
+
+    fn in_world(&self, own: &[Placement], k: usize) -> Placement {
+        match self.equipment[k].on {
+            Some(under) => self.in_world(own, under).carrying(&own[k]),
+            None => own[k],
+        }
+    }
+}

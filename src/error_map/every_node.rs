@@ -1,0 +1,148 @@
+//! An operation that happens at every one of its nodes: all of them must be usable, and their values
+//! make one.
+
+use super::mapper::{Mapper, Scratch};
+use super::outcome::{Candidate, Outcome, Spot, Unjudged};
+use crate::cell::Layout;
+use crate::clearance::{Placed, Scene};
+use crate::reach::{Approach, Gap};
+use crate::reading::Situation;
+use crate::robot::Frames;
+
+/// How far the nodes that cannot be reached are from it.
+#[derive(Default)]
+struct Missing {
+    out_of_reach: usize,
+    reach: f64,
+    beyond_limits: usize,
+    limits: f64,
+}
+
+impl Missing {
+    fn note(&mut self, gap: &Gap) {
+        if gap.reach > 0.0 {
+            self.out_of_reach += 1;
+            self.reach += gap.reach;
+        } else {
+            self.beyond_limits += 1;
+            self.limits += gap.limits;
+        }
+    }
+
+    /// The mean over all nodes: it falls with every node that comes nearer. None if nothing is missing.
+    fn gap(&self, nodes: usize) -> Option<Gap> {
+        if self.out_of_reach > 0 {
+            let reach = (self.reach / nodes as f64).max(f64::MIN_POSITIVE);
+            return Some(Gap { reach, limits: 0.0 });
+        }
+        (self.beyond_limits > 0).then(|| Gap { reach: 0.0, limits: self.limits / nodes as f64 })
+    }
+}
+
+impl Mapper {
+    /// What an operation gets: its least-error spot, or the value of all its nodes; `spots` are those
+    /// of the operations before it.
+    pub fn outcome(
+        &self,
+        operation: usize,
+        layout: &Layout,
+        scene: &Scene,
+        placed: &mut Placed,
+        spots: &[Option<Spot>],
+        scratch: &mut Scratch,
+    ) -> Outcome {
+        if self.stations[operation].over.takes_all() {
+            self.every_node(operation, layout, scene, placed, spots, scratch)
+        } else {
+            self.least_error(operation, layout, scene, placed, spots, scratch)
+        }
+    }
+
+    /// The value of all nodes, and the worst of them as the spot.
+    fn every_node(
+        &self,
+        operation: usize,
+        layout: &Layout,
+        scene: &Scene,
+        placed: &mut Placed,
+        spots: &[Option<Spot>],
+        scratch: &mut Scratch,
+    ) -> Outcome {
+        let situation = self.situation(operation, layout, scene, placed, spots);
+        let candidates = match self.candidates(operation, layout, situation.as_ref().ok(), scratch) {
+            Ok(candidates) => candidates,
+            Err(gap) => return Outcome::Unreachable { gap },
+        };
+        if let Err(why) = situation {
+            return Outcome::Unjudged(why);
+        }
+        let approach = self.stand(operation, layout).approach(&self.arm);
+        let mut frames = Frames::default();
+        let mut values = Vec::new();
+        let mut worst: Option<Spot> = None;
+        for of_node in candidates.chunk_by(|a, b| a.spot.node == b.spot.node) {
+            let free =
+                of_node.iter().find(|c| self.is_free((operation, &approach), c, scene, placed, &mut frames));
+            let Some(free) = free else { return Outcome::AllCollide { nearest: of_node[0].spot } };
+            values.push(free.spot.value);
+            worst = worst.filter(|w| w.value >= free.spot.value).or(Some(free.spot));
+        }
+        match worst {
+            Some(worst) => {
+                let value = self.stations[operation].over.of(&mut values);
+                Outcome::Found(Spot { value, ..worst })
+            }
+            None => Outcome::Unjudged(Unjudged::OnlyTouched),
+        }
+    }
+
+    /// The postures of every node, node by node, each from its least value up; or how much is missing
+    /// to reach them all.
+    fn candidates(
+        &self,
+        operation: usize,
+        layout: &Layout,
+        situation: Option<&Situation>,
+        scratch: &mut Scratch,
+    ) -> Result<Vec<Candidate>, Gap> {
+        let (station, stand) = (&self.stations[operation], self.stand(operation, layout));
+        let (memory, frames) = scratch.of(self, operation);
+        let approach = stand.approach(&self.arm);
+        let mut posture = self.arm.inverse.scratch();
+        let (mut candidates, mut missing) = (Vec::<Candidate>::new(), Missing::default());
+        station.grid.targets(&stand.at, |node, target| {
+            let first = candidates.len();
+            let mut reached = false;
+            let gap = self.arm.inverse.visit(&target, &approach, &mut posture, |branch, posture| {
+                reached = true;
+                if let Some(situation) = situation.filter(|s| !s.touches(&target)) {
+                    self.arm.chain.place(posture, frames);
+                    let value = station.gauge.value(situation, frames, memory);
+                    candidates.push(Candidate { spot: Spot { node, branch, value }, target });
+                }
+            });
+            if !reached {
+                missing.note(&gap);
+            }
+            // A candidate is greater the less its value.
+            candidates[first..].sort_by(|a, b| b.cmp(a));
+        });
+        missing.gap(station.grid.count()).map_or(Ok(candidates), Err)
+    }
+
+    /// Whether the posture of a candidate touches nothing.
+    fn is_free(
+        &self,
+        (operation, approach): (usize, &Approach),
+        candidate: &Candidate,
+        scene: &Scene,
+        placed: &mut Placed,
+        frames: &mut Frames,
+    ) -> bool {
+        let posture = self.arm.inverse.posture(&candidate.target, approach, candidate.spot.branch);
+        posture.is_some_and(|posture| {
+            self.arm.chain.place(&posture, frames);
+            scene.is_free(placed, &frames.links, Some(operation))
+        })
+    }
+}
