@@ -47,9 +47,10 @@ fn bits(evaluation: &Evaluation) -> (Option<u64>, u64) {
 fn lies_in_its_ranges(cell: &Cell, layout: &Layout) {
     for (equipment, p) in cell.equipment.iter().zip(&layout.placements) {
         for (coordinate, value) in equipment.placement.iter().zip([p.x, p.y, p.z, p.yaw]) {
-            let inside = match *coordinate {
+            let inside = match coordinate {
                 Coordinate::Fixed(fixed) => value.to_bits() == fixed.to_bits(),
-                Coordinate::Range { min, max, .. } => (min..=max).contains(&value),
+                Coordinate::Range { min, max, .. } => (*min..=*max).contains(&value),
+                Coordinate::List(values) => values.contains(&value),
             };
             assert!(inside, "{}: {value} in {coordinate:?}", equipment.name);
         }
@@ -66,7 +67,7 @@ fn errors(evaluation: &Evaluation) -> Option<Vec<f64>> {
 }
 
 fn settings(solver: Solver, budget: u64) -> SearchSettings {
-    SearchSettings { solver, objective: Objective::WeightedSum, budget, seed: 1 }
+    SearchSettings { solver, objective: Objective::WeightedSum, indifference: 0.01, budget, seed: 1 }
 }
 
 /// A cell of one table; `placement` and `more` are TOML.
