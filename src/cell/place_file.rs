@@ -27,7 +27,8 @@ pub fn read(t: &mut Table<'_>, surface: Option<Rectangle>, lib: &mut Library<'_>
     if let Some(node) = points {
         let points = read_points(node, surface, lib);
         for key in ["grid", "region"] {
-            if let Some(besides) = t.get(key) {
+            // A grid of the file that this one is made from is replaced by the points.
+            if let Some(besides) = t.get(key).filter(|besides| besides.at.file == node.at.file) {
                 let message = format!("`{key}` besides `points_mm`: the points are the nodes");
                 lib.error(besides.at, message, format!("remove {key}, or points_mm"));
             }
