@@ -6,6 +6,7 @@ use super::station::{Arm, Station};
 use crate::cell::{Cell, JointVector, Layout, Placement, shown};
 use crate::clearance::{Placed, Scene};
 use crate::kinematic_error::deviation;
+use crate::motion::Guard;
 use crate::pose::Displacement;
 use crate::reach::{Approach, Branch, Cost, Gap, Inverse, Reach, Shell};
 use crate::reading::{Gauge, Memory, Reference, Situation};
@@ -15,9 +16,11 @@ use std::collections::BinaryHeap;
 
 /// Robot, errors and operations of a cell, made ready for the node loop.
 pub struct Mapper {
-    arm: Arm,
+    pub(super) arm: Arm,
     base: Placement,
-    stations: Vec<Station>,
+    pub(super) stations: Vec<Station>,
+    /// None: nothing is asked of motion.
+    pub(super) guard: Option<Guard>,
     /// One per operation: what may be reached at all, where asking a node is dear.
     shells: Vec<Option<Shell>>,
 }
@@ -36,7 +39,7 @@ impl Mapper {
     /// # Errors
     /// What an operation asks of the tool and the robot cannot do by its build.
     pub fn new(cell: &Cell) -> Result<Self, String> {
-        let chain = Chain::new(&cell.robot);
+        let chain = Chain::with_margins(&cell.robot, &cell.margins);
         let inverse = Inverse::new(&chain);
         for operation in &cell.operations {
             if let Some(why) = inverse.refusal(&operation.attitude) {
@@ -47,7 +50,7 @@ impl Mapper {
         let stations: Vec<_> = cell.operations.iter().filter_map(|o| Station::new(cell, o)).collect();
         let shell = |s: &Station| (arm.inverse.cost() != Cost::Low).then(|| arm.inverse.shell(&s.attitude));
         let shells = stations.iter().map(shell).collect();
-        Ok(Self { arm, base: cell.base, stations, shells })
+        Ok(Self { arm, base: cell.base, stations, guard: Guard::new(cell), shells })
     }
 
     pub fn inverse(&self) -> &Inverse {
@@ -172,16 +175,25 @@ impl Mapper {
     ) -> Outcome {
         let mut heap = BinaryHeap::from(std::mem::take(candidates));
         let nearest = heap.peek().map(|c| c.spot);
-        let mut found = None;
+        let (mut found, mut refused) = (None, None);
         while let Some(Candidate { spot, target }) = heap.pop() {
             let Some(posture) = self.arm.inverse.posture(&target, approach, spot.branch) else { continue };
             self.arm.chain.place(&posture, frames);
-            if scene.is_free(placed, &frames.links, Some(operation)) {
-                found = Some(spot);
-                break;
+            if !scene.is_free(placed, &frames.links, Some(operation)) {
+                continue;
+            }
+            match self.refusal((operation, approach), (&target, spot.branch), scene, placed) {
+                None => {
+                    found = Some(spot);
+                    break;
+                }
+                Some(refusal) => refused = refused.or(Some((spot, refusal))),
             }
         }
         *candidates = heap.into_vec();
+        if let (None, Some((nearest, refusal))) = (found, refused) {
+            return Outcome::Refused { nearest, refusal };
+        }
         match (found, nearest) {
             (Some(spot), _) => Outcome::Found(spot),
             (None, Some(nearest)) => Outcome::AllCollide { nearest },
@@ -251,23 +263,22 @@ impl Mapper {
             })
             .collect();
         within.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.2.index.cmp(&b.2.index)));
-        let mut first_hit = None;
+        let mut first_trouble = None;
         for (_, frames, branch) in &within {
-            match scene.hit(placed, &frames.links, Some(operation)) {
+            match self.trouble(operation, (frames, &branch.joints), scene, placed) {
                 None => {
                     return (
                         Status::Ok,
                         Some(self.record(station, situation, (target, frames), branch, memory)),
                     );
                 }
-                Some(hit) => first_hit = first_hit.or(Some(hit)),
+                Some(trouble) => first_trouble = first_trouble.or(Some(trouble)),
             }
         }
-        match (first_hit, within.first()) {
-            (Some(hit), Some((_, frames, branch))) => (
-                Status::Collision { hit },
-                Some(self.record(station, situation, (target, frames), branch, memory)),
-            ),
+        match (first_trouble, within.first()) {
+            (Some(trouble), Some((_, frames, branch))) => {
+                (trouble, Some(self.record(station, situation, (target, frames), branch, memory)))
+            }
             _ => (least_violation(&branches), None),
         }
     }
@@ -302,7 +313,7 @@ impl Mapper {
     }
 
     /// A placement in the frame of the robot base.
-    fn in_base(&self, at: &Placement) -> Placement {
+    pub(super) fn in_base(&self, at: &Placement) -> Placement {
         let (dx, dy) = (at.x - self.base.x, at.y - self.base.y);
         let (s, c) = self.base.yaw.sin_cos();
         Placement {

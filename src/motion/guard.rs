@@ -28,13 +28,13 @@ pub enum Refusal {
         measure: f64,
     },
     /// The straight line to the spot, or back from it, is not to be had; metres are those of that line.
-    Approach(Obstacle),
-    Retract(Obstacle),
+    Approach(Hindrance),
+    Retract(Hindrance),
 }
 
 /// What stands in the way.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Obstacle {
+pub enum Hindrance {
     /// `at`: share of the way before it; of a line to a spot, from the spot.
     Hit(PathHit),
     Stopped(Stopped),
@@ -52,6 +52,11 @@ impl Guard {
         Some(Self { chain, reach: cell.robot.reach(), singularity, lengths, transfer: cell.transfer.clone() })
     }
 
+    /// Whether [`Self::admits`] has anything to look at.
+    pub fn asks_postures(&self, operation: usize) -> bool {
+        self.singularity > 0.0 || self.lengths[operation] != (0.0, 0.0)
+    }
+
     /// Whether a posture that touches nothing can be used for an operation, cheap questions first.
     ///
     /// # Errors
@@ -67,24 +72,24 @@ impl Guard {
         let (approach, retract) = self.lengths[operation];
         let load = Load::of(Some(operation));
         // The way to the spot is the way back from it, checked from the spot.
-        let back = |length: f64| -> Result<Option<Obstacle>, Refusal> {
+        let back = |length: f64| -> Result<Option<Hindrance>, Refusal> {
             let knots = match self.back(joints, length) {
                 Ok(knots) => knots,
-                Err(stopped) => return Ok(Some(Obstacle::Stopped(stopped))),
+                Err(stopped) => return Ok(Some(Hindrance::Stopped(stopped))),
             };
             knots[1..].iter().try_for_each(|q| self.regular(q))?;
-            Ok(self.first_hit(scene, placed, &knots, load).map(Obstacle::Hit))
+            Ok(self.first_hit(scene, placed, &knots, load).map(Hindrance::Hit))
         };
         if retract > 0.0
-            && let Some(obstacle) = back(retract)?
+            && let Some(hindrance) = back(retract)?
         {
-            return Err(Refusal::Retract(obstacle));
+            return Err(Refusal::Retract(hindrance));
         }
         // The longer line holds the shorter one.
         if approach > retract
-            && let Some(obstacle) = back(approach)?
+            && let Some(hindrance) = back(approach)?
         {
-            return Err(Refusal::Approach(obstacle));
+            return Err(Refusal::Approach(hindrance));
         }
         Ok(())
     }

@@ -9,8 +9,9 @@ mod line;
 mod measures;
 mod path;
 mod transfer;
+mod words;
 
-pub use guard::{Guard, Obstacle, Refusal};
+pub use guard::{Guard, Hindrance, Refusal};
 pub use line::{DEVIATION, Stopped, straight};
 pub use measures::{Measures, measures, singularity};
 pub use path::{PathHit, RESOLUTION, first_hit};

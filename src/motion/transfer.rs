@@ -1,6 +1,6 @@
 //! The way from one operation to the next.
 
-use super::guard::{Guard, Obstacle};
+use super::guard::{Guard, Hindrance};
 use super::line::straight;
 use crate::cell::{JointKind, JointVector};
 use crate::clearance::{Load, Placed, Scene};
@@ -18,17 +18,6 @@ pub enum Way {
     Via(usize),
     /// Lifted at both ends, and through a posture between.
     LiftVia(usize),
-}
-
-impl Way {
-    pub fn in_words(self) -> String {
-        match self {
-            Self::Direct => "direct".into(),
-            Self::Lift => "lifted".into(),
-            Self::Via(k) => format!("through via {}", k + 1),
-            Self::LiftVia(k) => format!("lifted, through via {}", k + 1),
-        }
-    }
 }
 
 /// An operation at its spot.
@@ -58,12 +47,12 @@ pub struct Transfer {
 pub struct Blocked {
     pub from: usize,
     pub to: usize,
-    pub tries: Vec<(Way, Obstacle)>,
+    pub tries: Vec<(Way, Hindrance)>,
 }
 
 impl Guard {
     /// Whether the moves between operations are checked.
-    pub fn checks_transfers(&self) -> bool {
+    pub fn asks_transfers(&self) -> bool {
         self.transfer.is_some()
     }
 
@@ -123,7 +112,7 @@ impl Guard {
                 }
             };
             match self.first_hit(scene, placed, &path, load) {
-                Some(hit) => tries.push((way, Obstacle::Hit(hit))),
+                Some(hit) => tries.push((way, Hindrance::Hit(hit))),
                 None => {
                     return Ok(Transfer { way, travel: self.travel(&path), path, arrival: to.joints });
                 }
@@ -133,8 +122,8 @@ impl Guard {
     }
 
     /// Where the straight way from a spot ends.
-    fn end_of(&self, stance: &Stance, length: f64) -> Result<JointVector, Obstacle> {
-        let knots = self.back(&stance.joints, length).map_err(Obstacle::Stopped)?;
+    fn end_of(&self, stance: &Stance, length: f64) -> Result<JointVector, Hindrance> {
+        let knots = self.back(&stance.joints, length).map_err(Hindrance::Stopped)?;
         Ok(knots.last().copied().unwrap_or(stance.joints))
     }
 
@@ -148,10 +137,10 @@ impl Guard {
         ways
     }
 
-    fn path(&self, way: Way, start: &JointVector, end: &JointVector) -> Result<Vec<JointVector>, Obstacle> {
+    fn path(&self, way: Way, start: &JointVector, end: &JointVector) -> Result<Vec<JointVector>, Hindrance> {
         let Some(rules) = &self.transfer else { return Ok(vec![*start, *end]) };
         let up = Vector3::z() * rules.lift;
-        let raised = |q: &JointVector| straight(&self.chain, q, &up, self.reach).map_err(Obstacle::Stopped);
+        let raised = |q: &JointVector| straight(&self.chain, q, &up, self.reach).map_err(Hindrance::Stopped);
         let (mut path, last) = match way {
             Way::Direct | Way::Via(_) => (vec![*start], vec![*end]),
             Way::Lift | Way::LiftVia(_) => {
