@@ -40,6 +40,7 @@
 //! | [`reading`] | how bad | frames and a tolerance to worst case, percentiles, yield, budget |
 //! | [`reach`] | can it go | TCP target and attitude to all postures, or what is missing; envelope |
 //! | [`clearance`] | does it hit | layout and frames to the first contact, or none |
+//! | [`motion`] | can it get there | two postures to a free way, or the first contact |
 //! | [`error_map`] | where is it best | surface to the least-error spot, or to the whole map |
 //! | [`layout`] | what is it worth | **[`layout::evaluate`]: layout to evaluation, the seam** |
 //! | [`search`] | choose | cell to the best layout found |
@@ -96,6 +97,7 @@ pub mod compare;
 pub mod error_map;
 pub mod kinematic_error;
 pub mod layout;
+pub mod motion;
 pub mod pose;
 pub mod reach;
 pub mod reading;

@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 /// The modules in the order in which data flows: each uses only those before it.
-const ORDER: [&str; 14] = [
+const ORDER: [&str; 15] = [
     "units",
     "pose",
     "cell",
@@ -18,6 +18,7 @@ const ORDER: [&str; 14] = [
     "reading",
     "reach",
     "clearance",
+    "motion",
     "error_map",
     "layout",
     "search",

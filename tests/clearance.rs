@@ -1152,10 +1152,11 @@ fn agree_on_layouts(cell: Cell) -> [usize; 3] {
                     assert!(gap.reach > 0.0 || gap.limits > 0.0);
                 }
                 Outcome::Unjudged(why) => panic!("{why:?}"),
+                Outcome::Refused { refusal, .. } => panic!("{refusal:?}"),
             }
             let kind = match outcome {
                 Outcome::Found(_) => 0,
-                Outcome::AllCollide { .. } => 1,
+                Outcome::AllCollide { .. } | Outcome::Refused { .. } => 1,
                 Outcome::Unreachable { .. } | Outcome::Unjudged(_) => 2,
             };
             seen[kind] += 1;

@@ -104,7 +104,7 @@ fn work_d_layout_evaluations() {
             .zip(unreachable)
             .map(|(outcome, unreachable)| match outcome {
                 Outcome::Found(spot) => mm_from_m(spot.value),
-                Outcome::AllCollide { .. } => 50.0,
+                Outcome::AllCollide { .. } | Outcome::Refused { .. } => 50.0,
                 Outcome::Unreachable { .. } | Outcome::Unjudged(_) => unreachable,
             })
             .sum();

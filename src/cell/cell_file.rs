@@ -9,7 +9,7 @@ use super::reader::{Table, read_named};
 use super::robot_model::*;
 use super::tree::Node;
 use super::value::{self, Must, is_name, text};
-use super::{equipment_file, operation_file, robot_file, sense_file};
+use super::{constraint_file, equipment_file, operation_file, robot_file, sense_file};
 use crate::units;
 
 /// Reads a whole cell; good only if no fault was recorded. `stem` names it by default.
@@ -32,6 +32,10 @@ pub fn read(stem: &str, root: &Node, lib: &mut Library<'_>) -> Option<Cell> {
         let collision = t.boolean_or("collision", true, lib);
         let clearance = t.number_or("clearance_mm", 0.0, Must::NotBeNegative, lib);
         let floor = t.number_or("floor_mm", 0.0, Must::BeFinite, lib);
+        let built = robot.as_ref().map(|(robot, _)| robot);
+        let margins = constraint_file::read_margins(t.get("margins"), built, lib);
+        let transfer = constraint_file::read_transfer(t.get("transfer"), built, margins, lib);
+        let fence = constraint_file::read_fence(t.get("fence"), lib);
         let search = read_search(t, lib);
         let ((robot, base), question) = (robot?, question?);
         let mut cell = Cell {
@@ -51,6 +55,9 @@ pub fn read(stem: &str, root: &Node, lib: &mut Library<'_>) -> Option<Cell> {
             collision: collision?,
             clearance: units::m_from_mm(clearance?),
             floor: units::m_from_mm(floor?),
+            margins: margins?,
+            transfer: transfer?,
+            fence: fence?,
             search: search?,
         };
         if question.reading.is_none() {

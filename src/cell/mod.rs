@@ -10,6 +10,8 @@ mod attitude;
 mod attitude_file;
 mod cell_file;
 mod choices;
+mod constraint_file;
+mod constraints;
 mod coordinate_file;
 mod covariance_file;
 mod document;
@@ -44,6 +46,7 @@ mod value;
 
 pub use attitude::*;
 pub use choices::*;
+pub use constraints::*;
 pub use document::{ReadFile, Source};
 pub use error_model::*;
 pub use fault::{Fault, Severity, shown};

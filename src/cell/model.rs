@@ -2,6 +2,7 @@
 
 use super::attitude::Attitude;
 use super::choices::*;
+use super::constraints::{Fence, Margins, TransferRules};
 use super::error_model::{ErrorSet, FrameErrors};
 use super::layout::Coordinate;
 use super::robot_model::Robot;
@@ -158,6 +159,9 @@ pub struct Operation {
     pub teach: Option<[(f64, f64); 3]>,
     pub weight: f64,
     pub held: Held,
+    /// Lengths of the straight ways along the tool axis to the spot and back, m; 0: not checked.
+    pub approach: f64,
+    pub retract: f64,
 }
 
 impl Operation {
@@ -194,6 +198,10 @@ pub struct Cell {
     pub clearance: f64,
     /// Height of the floor in the world, m.
     pub floor: f64,
+    pub margins: Margins,
+    /// None: the moves between operations are not checked.
+    pub transfer: Option<TransferRules>,
+    pub fence: Option<Fence>,
     pub search: SearchSettings,
 }
 

@@ -93,6 +93,8 @@ fn read(name: &str, node: &Node, around: &Around<'_>, lib: &mut Library<'_>) -> 
             Some(node) => teach_file::read(node, on.and_then(|k| around.surface(k)), lib).map(Some),
             None => Some(None),
         };
+        let approach = t.number_or("approach_mm", 0.0, Must::NotBeNegative, lib).map(units::m_from_mm);
+        let retract = t.number_or("retract_mm", 0.0, Must::NotBeNegative, lib).map(units::m_from_mm);
         let weight = t.number_or("weight", 1.0, Must::BePositive, lib);
         let held = match t.get("held") {
             Some(node) => tool_file::read_held(node, lib),
@@ -113,6 +115,8 @@ fn read(name: &str, node: &Node, around: &Around<'_>, lib: &mut Library<'_>) -> 
             teach: teach?,
             weight: weight?,
             held: held?,
+            approach: approach?,
+            retract: retract?,
         })
     })
 }

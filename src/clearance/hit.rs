@@ -12,6 +12,8 @@ pub enum SolidRef {
     /// Index into [`Cell::equipment`] and its solids.
     Equipment(usize, usize),
     Floor,
+    /// The wall along this edge of the fence, from its corner of the same number.
+    Fence(usize),
 }
 
 /// A contact: a solid that the robot moves (or its base) and what it touches.
@@ -32,6 +34,7 @@ impl SolidRef {
                 format!("{} ({})", equipment.name, equipment.solids[s].name)
             }
             Self::Floor => "the floor".into(),
+            Self::Fence(edge) => format!("wall {} of the fence", edge + 1),
         }
     }
 }

@@ -166,7 +166,7 @@ impl Link {
     }
 
     /// Whether a point of the other link lies in the closed mesh of this one.
-    fn swallows(&self, frame: &Pose, other: &Link, other_frame: &Pose) -> bool {
+    pub(super) fn swallows(&self, frame: &Pose, other: &Link, other_frame: &Pose) -> bool {
         let Some(shell) = &self.shell else { return false };
         let inside = |b: &Body| {
             let point = b.pose_in(other_frame) * b.inside;

@@ -12,6 +12,8 @@
 
 mod bodies;
 mod decomposition;
+mod distance;
+mod fence;
 mod hit;
 mod links;
 mod own_pairs;
@@ -19,6 +21,7 @@ mod plan;
 mod scene;
 
 pub use decomposition::Remember;
+pub use distance::{ACCURACY, Load, Mover, Nearness, Pair};
 pub use hit::{Hit, SolidRef};
 pub use own_pairs::{Allowed, OwnPair};
 pub use plan::{FloorPlan, Overlap, Party, Separation};

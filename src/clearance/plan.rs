@@ -1,6 +1,7 @@
 //! Floor space in plan: which equipment stands in another, in the robot's base or where it may not.
 
-use crate::cell::{Cell, Equipment, KeepOut, Layout, Placement, Rectangle, Role, Shape, extent};
+use super::fence;
+use crate::cell::{Cell, Equipment, Fence, KeepOut, Layout, Placement, Rectangle, Role, Shape, extent};
 use crate::units::mm_from_m;
 
 /// Who takes part in an overlap.
@@ -12,9 +13,11 @@ pub enum Party {
     /// Index into [`Cell::keep_out`].
     KeepOut(usize),
     Floor,
+    Fence,
 }
 
-/// Two parties share floor space; pulling them apart takes `depth` (m), clearance included.
+/// Two parties share floor space; pulling them apart takes `depth` (m), clearance included. Of the fence:
+/// the first stands outside it by `depth`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Overlap {
     pub a: Party,
@@ -36,9 +39,10 @@ pub struct Separation {
 const TOUCHING: f64 = 1e-9;
 
 impl Overlap {
-    /// Whether this equipment takes part.
+    /// Whether this equipment takes part; a robot that stands outside the fence concerns all.
     pub fn concerns(&self, equipment: usize) -> bool {
-        [self.a, self.b].contains(&Party::Equipment(equipment))
+        let parties = [self.a, self.b];
+        parties.contains(&Party::Equipment(equipment)) || parties == [Party::RobotBase, Party::Fence]
     }
 
     /// In words, with the names of the cell.
@@ -48,8 +52,10 @@ impl Overlap {
             Party::RobotBase => "the robot base".into(),
             Party::KeepOut(k) => format!("keep-out {}", cell.keep_out[k].name),
             Party::Floor => "the floor".into(),
+            Party::Fence => "the fence".into(),
         };
-        format!("{} overlaps {} by {:.1} mm", name(self.a), name(self.b), mm_from_m(self.depth))
+        let verb = if self.b == Party::Fence { "passes" } else { "overlaps" };
+        format!("{} {verb} {} by {:.1} mm", name(self.a), name(self.b), mm_from_m(self.depth))
     }
 }
 
@@ -72,6 +78,13 @@ impl Placed {
             cos,
             sin,
         }
+    }
+
+    fn corners(&self) -> [(f64, f64); 4] {
+        [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)].map(|(i, j)| {
+            let (x, y) = (i * self.half.0, j * self.half.1);
+            (self.centre.0 + self.cos * x - self.sin * y, self.centre.1 + self.sin * x + self.cos * y)
+        })
     }
 
     /// Half the width of the shadow on the unit direction (ux, uy).
@@ -100,6 +113,53 @@ fn best_separated(a: &Placed, b: &Placed, clearance: f64) -> ((f64, f64), f64) {
 /// How deep two rectangles overlap when each keeps `clearance`, or 0.
 fn depth(a: &Placed, b: &Placed, clearance: f64) -> f64 {
     best_separated(a, b, clearance).1.max(0.0)
+}
+
+/// The fence, made ready once.
+struct Bounds {
+    corners: Vec<(f64, f64)>,
+    /// Its edges, as rectangles of no width.
+    edges: Vec<Placed>,
+    is_convex: bool,
+}
+
+impl Bounds {
+    fn new(fence: &Fence) -> Self {
+        let corners = &fence.corners;
+        let edge = |k: usize| {
+            let (a, b) = (corners[k], corners[(k + 1) % corners.len()]);
+            let length = (b.0 - a.0).hypot(b.1 - a.1);
+            let (cos, sin) = ((b.0 - a.0) / length, (b.1 - a.1) / length);
+            Placed { centre: ((a.0 + b.0) / 2.0, (a.1 + b.1) / 2.0), half: (length / 2.0, 0.0), cos, sin }
+        };
+        Self {
+            edges: (0..corners.len()).map(edge).collect(),
+            is_convex: fence::is_convex(corners),
+            corners: corners.clone(),
+        }
+    }
+
+    /// How far a floor space passes the fence (m): its farthest corner outside, or what an edge reaches
+    /// into it; 0 if it stands inside by the clearance.
+    fn passed_by(&self, stand: &Placed, clearance: f64) -> f64 {
+        let outside = stand.corners().map(|corner| match fence::place(&self.corners, corner) {
+            (true, _) => 0.0,
+            (false, by) => by + clearance,
+        });
+        let edges = self.edges.iter().map(|edge| depth(stand, edge, clearance));
+        outside.into_iter().chain(edges).fold(0.0, f64::max)
+    }
+
+    /// The way into a convex fence from each of its edges, and how much of it is missing (m).
+    fn separations(&self, stand: &Placed, clearance: f64) -> impl Iterator<Item = ((f64, f64), f64)> {
+        let edges = if self.is_convex { &self.edges[..] } else { &[] };
+        edges.iter().map(move |edge| {
+            let inwards = (-edge.sin, edge.cos);
+            let apart =
+                (stand.centre.0 - edge.centre.0) * inwards.0 + (stand.centre.1 - edge.centre.1) * inwards.1;
+            (inwards, stand.shadow(inwards) + clearance - apart)
+        })
+    }
 }
 
 /// What the floor plan knows of an equipment.
@@ -131,6 +191,7 @@ pub struct FloorPlan {
     keep_out: Vec<(Placed, (f64, f64))>,
     clearance: f64,
     floor: f64,
+    fence: Option<Bounds>,
     enabled: bool,
 }
 
@@ -153,6 +214,7 @@ impl FloorPlan {
             keep_out: cell.keep_out.iter().map(|k| (plan_of(k), (k.min.z, k.max.z))).collect(),
             clearance: cell.clearance,
             floor: cell.floor,
+            fence: cell.fence.as_ref().map(Bounds::new),
             enabled: cell.collision,
         }
     }
@@ -184,6 +246,10 @@ impl FloorPlan {
                 if stand.meets(at.z, *heights, self.clearance) {
                     note(None, keep_out);
                 }
+            }
+            if let Some(fence) = &self.fence {
+                let sides = fence.separations(&here, self.clearance);
+                pairs.extend(sides.map(|(direction, depth)| Separation { a: i, b: None, direction, depth }));
             }
         }
         pairs
@@ -224,6 +290,12 @@ impl FloorPlan {
                 }
             }
             note(party, Party::Floor, self.floor - (at.z + stand.low));
+            if let Some(fence) = self.fence.as_ref().filter(|_| stand.role == Role::Equipment) {
+                note(party, Party::Fence, fence.passed_by(&here, clearance));
+            }
+        }
+        if let Some(fence) = &self.fence {
+            note(Party::RobotBase, Party::Fence, fence.passed_by(&base, clearance));
         }
     }
 }

@@ -2,6 +2,8 @@
 
 use super::bodies::{Body, Part, intersecting, parry_pose, part, touching};
 use super::decomposition::Remember;
+use super::distance::{self, Mover};
+use super::fence;
 use super::hit::{Hit, SolidRef};
 use super::links::{self, Link};
 use super::own_pairs::{self, OwnPair};
@@ -14,14 +16,18 @@ use parry3d::shape::{self, SharedShape};
 
 /// The solids of a cell, made ready once. Robot solids are swollen by the clearance.
 pub struct Scene {
-    links: Vec<Link>,
+    pub(super) links: Vec<Link>,
+    /// One per link.
+    pub(super) movers: Vec<Mover>,
     /// What of the robot is checked against what, and what may touch.
     own_pairs: Vec<OwnPair>,
     /// Links of the pairs that are checked.
-    checked: Vec<(usize, usize)>,
-    parts: Vec<Vec<Part>>,
-    floor: f64,
-    enabled: bool,
+    pub(super) checked: Vec<(usize, usize)>,
+    /// Of the equipment, and after it of the fence.
+    pub(super) parts: Vec<Vec<Part>>,
+    pub(super) floor: f64,
+    pub(super) clearance: f64,
+    pub(super) enabled: bool,
 }
 
 /// The equipment solids of one layout; reused from layout to layout.
@@ -29,25 +35,25 @@ pub struct Scene {
 pub struct Placed {
     /// The robot base in the world; None: where that is.
     base: Option<Pose>,
-    bodies: Vec<PlacedBody>,
+    pub(super) bodies: Vec<PlacedBody>,
     /// What the base itself touches, whatever the arm does.
-    base_hit: Option<Hit>,
+    pub(super) base_hit: Option<Hit>,
     /// Link, its body and placed body that touched last: the next posture most likely does, too.
     suspect: Option<(usize, usize, usize)>,
 }
 
-struct PlacedBody {
-    id: (usize, usize),
-    pose: pm::Pose,
+pub(super) struct PlacedBody {
+    pub(super) id: (usize, usize),
+    pub(super) pose: pm::Pose,
     bounds: Aabb,
     /// Bounds in the frame of the solid.
-    local_bounds: Aabb,
+    pub(super) local_bounds: Aabb,
     /// A leg of this layout; None: the shape of the scene.
-    leg: Option<shape::Cuboid>,
+    pub(super) leg: Option<shape::Cuboid>,
 }
 
 impl Placed {
-    fn in_world(&self, frame: &Pose) -> Pose {
+    pub(super) fn in_world(&self, frame: &Pose) -> Pose {
         self.base.map_or(*frame, |base| base * *frame)
     }
 }
@@ -67,9 +73,11 @@ impl Scene {
         Self {
             checked: checked.filter_map(|p| place(p.a).zip(place(p.b))).collect(),
             own_pairs,
-            parts: cell.equipment.iter().map(parts).collect(),
+            parts: cell.equipment.iter().map(parts).chain([fence::walls(cell)]).collect(),
             floor: cell.floor,
+            clearance: cell.clearance,
             enabled: cell.collision,
+            movers: distance::movers(&links),
             links,
         }
     }
@@ -88,8 +96,8 @@ impl Scene {
         if !self.enabled {
             return;
         }
-        for (e, (parts, at)) in self.parts.iter().zip(&layout.placements).enumerate() {
-            let frame = at.pose();
+        let frames = layout.placements.iter().map(|at| at.pose()).chain([Pose::identity()]);
+        for (e, (parts, frame)) in self.parts.iter().zip(frames).enumerate() {
             let bodies = parts.iter().enumerate().filter_map(|(s, part)| self.posed((e, s), part, &frame));
             placed.bodies.extend(bodies);
         }
@@ -161,12 +169,17 @@ impl Scene {
         }
         let hit = self.hit(placed, frames, operation);
         placed.suspect = None;
-        if let Some(Hit { solid, other: SolidRef::Equipment(e, s) }) = hit {
+        if let Some(Hit { solid, other }) = hit {
             let link = self.links.iter().position(|l| l.id == solid && l.frame > 0);
-            let body = placed.bodies.iter().position(|b| b.id == (e, s));
+            let body = placed.bodies.iter().position(|b| self.name(b.id) == other);
             placed.suspect = link.zip(body).map(|(link, body)| (link, 0, body));
         }
         hit.is_none()
+    }
+
+    /// What a placed body is: a solid of an equipment, or a wall of the fence.
+    pub(super) fn name(&self, (e, s): (usize, usize)) -> SolidRef {
+        if e + 1 == self.parts.len() { SolidRef::Fence(s) } else { SolidRef::Equipment(e, s) }
     }
 
     /// The first contact of the robot with itself.
@@ -190,12 +203,12 @@ impl Scene {
                 let may_touch = link.spared != Some(b.id.0);
                 may_touch && (self.touches(body, &pose, b) || self.swallows(link, frame, b))
             });
-            found.map(|b| Hit { solid: link.id, other: SolidRef::Equipment(b.id.0, b.id.1) })
+            found.map(|b| Hit { solid: link.id, other: self.name(b.id) })
         })
     }
 
     /// Whether a closed link mesh holds a point of the other solid.
-    fn swallows(&self, link: &Link, frame: &Pose, other: &PlacedBody) -> bool {
+    pub(super) fn swallows(&self, link: &Link, frame: &Pose, other: &PlacedBody) -> bool {
         let Some(shell) = &link.shell else { return false };
         let inside = match &self.parts[other.id.0][other.id.1] {
             Part::Convex(body) | Part::Mesh { body, .. } => body.inside,

@@ -118,7 +118,8 @@ impl<'a> Assessment<'a> {
         let overlaps = self.evaluation.overlaps.iter().map(|o| o.in_words(self.cell));
         let spotless = self.maps.iter().filter(|m| m.best.is_none());
         let spotless = spotless.map(|m| stance::no_usable_node(self.cell, m));
-        overlaps.chain(self.way_out()).chain(spotless).collect()
+        let blocked = self.evaluation.blocked.iter().map(|b| b.in_words(self.cell));
+        overlaps.chain(self.way_out()).chain(spotless).chain(blocked).collect()
     }
 
     /// Where the overlapping equipment could stand instead.

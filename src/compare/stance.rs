@@ -145,7 +145,13 @@ pub fn no_usable_node(cell: &Cell, map: &OperationMap) -> String {
     let name = shown(&cell.operations[map.operation].name);
     let of = |status| map.count(status);
     let (out, limit, hit) = (of("out-of-reach"), of("joint-limit"), of("collision"));
-    let others = [("attitude", "missing the attitude"), ("not-converged", "without answer")];
+    let others = [
+        ("attitude", "missing the attitude"),
+        ("not-converged", "without answer"),
+        ("singular", "nearly singular"),
+        ("approach", "without approach"),
+        ("retract", "without retract"),
+    ];
     let others = others.into_iter().filter(|(status, _)| of(status) > 0);
     let others: String = others.map(|(status, words)| format!(", {} {words}", of(status))).collect();
     let unjudged = map.nodes.iter().find_map(|n| match n.status {

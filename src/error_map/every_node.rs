@@ -81,9 +81,21 @@ impl Mapper {
         let mut values = Vec::new();
         let mut worst: Option<Spot> = None;
         for of_node in candidates.chunk_by(|a, b| a.spot.node == b.spot.node) {
-            let free =
-                of_node.iter().find(|c| self.is_free((operation, &approach), c, scene, placed, &mut frames));
-            let Some(free) = free else { return Outcome::AllCollide { nearest: of_node[0].spot } };
+            let mut refused = None;
+            let free = of_node.iter().find(|c| {
+                let is_free = self.is_free((operation, &approach), c, scene, placed, &mut frames);
+                let posture = (&c.target, c.spot.branch);
+                let refusal = || self.refusal((operation, &approach), posture, scene, placed);
+                let refusal = is_free.then(refusal);
+                refused = refused.or(refusal.flatten());
+                refusal == Some(None)
+            });
+            let nearest = of_node[0].spot;
+            let free = match (free, refused) {
+                (Some(free), _) => free,
+                (None, Some(refusal)) => return Outcome::Refused { nearest, refusal },
+                (None, None) => return Outcome::AllCollide { nearest },
+            };
             values.push(free.spot.value);
             worst = worst.filter(|w| w.value >= free.spot.value).or(Some(free.spot));
         }

@@ -6,6 +6,7 @@ use super::station::{Arm, Stand, Station};
 use crate::cell::{Cell, Coordinate, JointVector, Layout, Operation, Over, shown};
 use crate::clearance::{Placed, Scene};
 use crate::kinematic_error::deviation;
+use crate::motion::Guard;
 use crate::pose::Displacement;
 use crate::reach::{Approach, Branch, Cost, Gap, Inverse, Reach, Shell};
 use crate::reading::{Gauge, Memory, Reference, Situation};
@@ -17,6 +18,8 @@ use std::collections::BinaryHeap;
 pub struct Mapper {
     pub(super) arm: Arm,
     pub(super) stations: Vec<Station>,
+    /// None: nothing is asked of motion.
+    pub(super) guard: Option<Guard>,
     /// One per operation: what may be reached at all, where asking a node is dear.
     shells: Vec<Option<Shell>>,
 }
@@ -45,7 +48,7 @@ impl Mapper {
     /// # Errors
     /// What an operation asks of the tool and the robot cannot do by its build.
     pub fn new(cell: &Cell) -> Result<Self, String> {
-        let chain = Chain::new(&cell.robot);
+        let chain = Chain::with_margins(&cell.robot, &cell.margins);
         let inverse = Inverse::new(&chain);
         for operation in &cell.operations {
             if let Some(why) = inverse.refusal(&operation.attitude) {
@@ -61,7 +64,7 @@ impl Mapper {
             pays.then(|| arm.inverse.shell(&o.attitude))
         };
         let shells = cell.operations.iter().map(shell).collect();
-        Ok(Self { arm, stations, shells })
+        Ok(Self { arm, stations, guard: Guard::new(cell), shells })
     }
 
     pub fn inverse(&self) -> &Inverse {
@@ -185,16 +188,25 @@ impl Mapper {
     ) -> Outcome {
         let mut heap = BinaryHeap::from(std::mem::take(candidates));
         let nearest = heap.peek().map(|c| c.spot);
-        let mut found = None;
+        let (mut found, mut refused) = (None, None);
         while let Some(Candidate { spot, target }) = heap.pop() {
             let Some(posture) = self.arm.inverse.posture(&target, approach, spot.branch) else { continue };
             self.arm.chain.place(&posture, frames);
-            if scene.is_free(placed, &frames.links, Some(operation)) {
-                found = Some(spot);
-                break;
+            if !scene.is_free(placed, &frames.links, Some(operation)) {
+                continue;
+            }
+            match self.refusal((operation, approach), (&target, spot.branch), scene, placed) {
+                None => {
+                    found = Some(spot);
+                    break;
+                }
+                Some(refusal) => refused = refused.or(Some((spot, refusal))),
             }
         }
         *candidates = heap.into_vec();
+        if let (None, Some((nearest, refusal))) = (found, refused) {
+            return Outcome::Refused { nearest, refusal };
+        }
         match (found, nearest) {
             (Some(spot), _) => Outcome::Found(spot),
             (None, Some(nearest)) => Outcome::AllCollide { nearest },
@@ -264,23 +276,22 @@ impl Mapper {
             })
             .collect();
         within.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.2.index.cmp(&b.2.index)));
-        let mut first_hit = None;
+        let mut first_trouble = None;
         for (_, frames, branch) in &within {
-            match scene.hit(placed, &frames.links, Some(operation)) {
+            match self.trouble(operation, (frames, &branch.joints), scene, placed) {
                 None => {
                     return (
                         Status::Ok,
                         Some(self.record(station, situation, (target, frames), branch, memory)),
                     );
                 }
-                Some(hit) => first_hit = first_hit.or(Some(hit)),
+                Some(trouble) => first_trouble = first_trouble.or(Some(trouble)),
             }
         }
-        match (first_hit, within.first()) {
-            (Some(hit), Some((_, frames, branch))) => (
-                Status::Collision { hit },
-                Some(self.record(station, situation, (target, frames), branch, memory)),
-            ),
+        match (first_trouble, within.first()) {
+            (Some(trouble), Some((_, frames, branch))) => {
+                (trouble, Some(self.record(station, situation, (target, frames), branch, memory)))
+            }
             _ => (least_violation(&branches), None),
         }
     }

@@ -11,6 +11,7 @@ mod mapper;
 mod node;
 mod outcome;
 mod station;
+mod way;
 
 pub use mapper::{Mapper, Scratch};
 pub use node::{NodeRecord, OperationMap, PostureRecord, Status};

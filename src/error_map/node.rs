@@ -3,6 +3,7 @@
 use super::outcome::{Spot, Unjudged};
 use crate::cell::{Cell, JointKind, JointVector, Model, Sense, shown};
 use crate::clearance::{Hit, Overlap};
+use crate::motion::Refusal;
 use crate::reach::LimitViolation;
 use crate::reading::Figures;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
@@ -35,6 +36,9 @@ pub enum Status {
     Collision {
         hit: Hit,
     },
+    /// Every posture within the limits touches something or is refused for its motion; why the
+    /// least-error one is.
+    Refused(Refusal),
     /// The equipment that carries the node stands where it cannot.
     Overlap(Overlap),
     /// It can be reached, but its error depends on something that is missing.
@@ -50,6 +54,7 @@ impl Status {
             Status::NotConverged { .. } => "not-converged",
             Status::JointLimit { .. } => "joint-limit",
             Status::Collision { .. } | Status::Overlap(_) => "collision",
+            Status::Refused(refusal) => refusal.name(),
             Status::Unjudged(_) => "unjudged",
         }
     }
@@ -61,13 +66,25 @@ impl Status {
             Status::OutOfReach { by } => format!("out of reach by {:.1} mm", mm_from_m(*by)),
             Status::JointLimit { violation, needs } => {
                 let joint = &cell.robot.joints[violation.joint];
-                let limit = if *needs < joint.limits.0 { joint.limits.0 } else { joint.limits.1 };
+                let limit = if *needs < cell.margins.kept(joint).0 { joint.limits.0 } else { joint.limits.1 };
                 let (needs, limit, unit) = match joint.kind {
                     JointKind::Revolute => (deg_from_rad(*needs), deg_from_rad(limit), "deg"),
                     JointKind::Prismatic => (mm_from_m(*needs), mm_from_m(limit), "mm"),
                 };
                 let name = shown(&joint.name);
-                format!("joint {name} needs {needs:.2} {unit}, its limit is {} {unit}", rounded(limit, 6))
+                let less = match (cell.margins.of(joint), joint.kind) {
+                    (0.0, _) => String::new(),
+                    (margin, JointKind::Revolute) => {
+                        format!(" less a margin of {} {unit}", rounded(deg_from_rad(margin), 6))
+                    }
+                    (margin, JointKind::Prismatic) => {
+                        format!(" less a margin of {} {unit}", rounded(mm_from_m(margin), 6))
+                    }
+                };
+                format!(
+                    "joint {name} needs {needs:.2} {unit}, its limit is {} {unit}{less}",
+                    rounded(limit, 6)
+                )
             }
             Status::Attitude { by, joint } => {
                 let at =
@@ -79,6 +96,7 @@ impl Status {
                 mm_from_m(*position),
                 deg_from_rad(*angle)
             ),
+            Status::Refused(refusal) => refusal.in_words(cell),
             Status::Overlap(overlap) => overlap.in_words(cell),
             Status::Unjudged(why) => why.in_words().into(),
             Status::Collision { hit } => hit.in_words(cell),
@@ -152,7 +170,10 @@ impl OperationMap {
     /// Marks what could be used as blocked: the surface itself stands where it cannot.
     pub fn block(&mut self, overlap: Overlap) {
         let blocked = |n: &&mut NodeRecord| {
-            matches!(n.status, Status::Ok | Status::Collision { .. } | Status::Unjudged(_))
+            matches!(
+                n.status,
+                Status::Ok | Status::Collision { .. } | Status::Refused(_) | Status::Unjudged(_)
+            )
         };
         self.nodes.iter_mut().filter(blocked).for_each(|n| n.status = Status::Overlap(overlap));
         (self.best, self.value) = (None, None);

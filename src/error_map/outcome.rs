@@ -1,5 +1,6 @@
 //! What an operation gets from a layout.
 
+use crate::motion::Refusal;
 use crate::reach::Gap;
 use nalgebra::Vector3;
 use std::cmp::Ordering;
@@ -22,6 +23,11 @@ pub enum Outcome {
     /// Postures within limits exist, all of them touch something; the least-error one of them.
     AllCollide {
         nearest: Spot,
+    },
+    /// Postures touch nothing, but motion refuses them all; the least-error one of them, and why.
+    Refused {
+        nearest: Spot,
+        refusal: Refusal,
     },
     /// No node has a posture within the limits.
     Unreachable {

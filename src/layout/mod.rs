@@ -7,6 +7,7 @@ pub use separate::separated;
 use crate::cell::{Cell, Layout, Objective};
 use crate::clearance::{FloorPlan, Overlap, OwnPair, Placed, Remember, Scene};
 use crate::error_map::{Mapper, OperationMap, Outcome, PostureRecord, Scratch, Unjudged};
+use crate::motion::{Blocked, Transfer};
 use crate::reach::Inverse;
 use crate::reading::{Gauge, Situation};
 use crate::robot::Frames;
@@ -17,6 +18,9 @@ const INFEASIBLE: f64 = 1e3;
 /// What an operation without a spot costs at least (m): being out of reach is worse than passing a
 /// joint limit, which is worse than colliding everywhere.
 const COLLIDES: f64 = 0.5;
+/// Of postures that touch nothing but cannot be used; of ways between spots.
+const REFUSED: f64 = 0.4;
+const BLOCKED: f64 = 0.25;
 const UNJUDGED: f64 = 0.75;
 const PASSES_LIMIT: f64 = 1.0;
 const OUT_OF_REACH: f64 = 2.0;
@@ -35,6 +39,10 @@ pub struct Evaluation {
     pub overlaps: Vec<Overlap>,
     /// One per operation.
     pub outcomes: Vec<Outcome>,
+    /// Between consecutive operations, if the cell asks for them and nothing else is amiss.
+    pub transfers: Vec<Transfer>,
+    /// The first of them that is not to be had.
+    pub blocked: Option<Blocked>,
     /// Weighted values of the operations (m, rad or shares); None if the layout is infeasible.
     pub objective: Option<f64>,
     /// Finite for every layout: the objective, or 1000 times the weights and more, falling towards
@@ -147,12 +155,21 @@ pub fn evaluate_in(workcell: &Workcell, layout: &Layout, workspace: &mut Workspa
         spots.push(if let Outcome::Found(spot) = outcome { Some(spot) } else { None });
         outcomes.push(outcome);
     }
-    let objective = if found.is_empty() { objective(cell, &outcomes) } else { None };
+    let ways =
+        if found.is_empty() { mapper.transfers(layout, scene, placed, &spots) } else { Ok(Vec::new()) };
+    let (transfers, blocked) = match ways {
+        Ok(transfers) => (transfers, None),
+        Err(blocked) => (Vec::new(), Some(blocked)),
+    };
+    let usable = found.is_empty() && blocked.is_none();
+    let objective = if usable { objective(cell, &outcomes) } else { None };
     let cost = objective.unwrap_or_else(|| {
         let apart: f64 = found.iter().map(|o| o.depth).sum();
-        workcell.weight() * (INFEASIBLE + apart + outcomes.iter().map(|o| shortfall(cell, o)).sum::<f64>())
+        let blocked = if blocked.is_some() { BLOCKED } else { 0.0 };
+        let short = outcomes.iter().map(|o| shortfall(cell, o)).sum::<f64>();
+        workcell.weight() * (INFEASIBLE + apart + blocked + short)
     });
-    Evaluation { overlaps: found.clone(), outcomes, objective, cost }
+    Evaluation { overlaps: found.clone(), outcomes, transfers, blocked, objective, cost }
 }
 
 /// The errors of all operations as one number, None if an operation has no spot.
@@ -200,6 +217,7 @@ fn shortfall(cell: &Cell, outcome: &Outcome) -> f64 {
     match outcome {
         Outcome::Found(_) => 0.0,
         Outcome::AllCollide { .. } => COLLIDES,
+        Outcome::Refused { .. } => REFUSED,
         Outcome::Unjudged(_) => UNJUDGED,
         Outcome::Unreachable { gap } if gap.reach > 0.0 => OUT_OF_REACH + gap.reach.min(INFEASIBLE),
         // The excess is a sum of cosines; the reach makes it a length.

@@ -254,6 +254,16 @@ impl Inverse {
         found
     }
 
+    /// One branch that [`Self::visit`] has found, with its joint coordinates.
+    pub fn branch_at(&self, target: &Vector3<f64>, approach: &Approach, wanted: u32) -> Option<Branch> {
+        if let Kernel::Numeric(_) = &self.kernel {
+            let Reach::Branches(all) = self.converged(target, approach) else { return None };
+            return all.into_iter().find(|branch| branch.index == wanted);
+        }
+        let posture = self.posture(target, approach, wanted)?;
+        Some(self.branch(wanted, &posture, target, approach))
+    }
+
     /// Every branch with its joint coordinates, those outside the limits too.
     pub fn branches(&self, target: &Vector3<f64>, approach: &Approach) -> Reach {
         let mut all = Vec::new();

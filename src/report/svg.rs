@@ -175,12 +175,14 @@ fn draw_nodes(
                     node.i, node.j
                 )
             }
-            (Status::Collision { .. } | Status::Overlap(_) | Status::Unjudged(_), _) => writeln!(
-                out,
-                "<path d=\"M{:.1} {:.1}l7 7m0 -7l-7 7\" stroke=\"#cf222e\" stroke-width=\"1.5\" fill=\"none\"><title>{reason}</title></path>",
-                x - 3.5,
-                y - 3.5
-            ),
+            (Status::Collision { .. } | Status::Refused(_) | Status::Overlap(_) | Status::Unjudged(_), _) => {
+                writeln!(
+                    out,
+                    "<path d=\"M{:.1} {:.1}l7 7m0 -7l-7 7\" stroke=\"#cf222e\" stroke-width=\"1.5\" fill=\"none\"><title>{reason}</title></path>",
+                    x - 3.5,
+                    y - 3.5
+                )
+            }
             (status, _) => {
                 let missed = matches!(
                     status,

@@ -1,6 +1,6 @@
 //! The chain of links and its forward kinematics.
 
-use crate::cell::{JointKind, JointVector, MAX_JOINTS, Robot};
+use crate::cell::{JointKind, JointVector, MAX_JOINTS, Margins, Robot};
 use crate::pose::{Pose, exact_sin_cos};
 use nalgebra::{Matrix3, Vector3};
 
@@ -84,6 +84,15 @@ impl Chain {
             turned_tool: robot.tool.rotation != Matrix3::identity(),
             tool_axis: robot.tool_axis,
         }
+    }
+
+    /// The same with the limits that are kept.
+    pub fn with_margins(robot: &Robot, margins: &Margins) -> Self {
+        let mut chain = Self::new(robot);
+        for (link, joint) in chain.links.iter_mut().zip(&robot.joints) {
+            link.limits = margins.kept(joint);
+        }
+        chain
     }
 
     pub fn axes(&self) -> usize {

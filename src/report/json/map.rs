@@ -238,7 +238,7 @@ impl DiscrepancyDocument {
 
 pub(super) fn counts(map: &OperationMap) -> Value {
     let count = |status| map.count(status);
-    json!({
+    let mut counts = json!({
         "ok": count("ok"),
         "out-of-reach": count("out-of-reach"),
         "joint-limit": count("joint-limit"),
@@ -246,7 +246,12 @@ pub(super) fn counts(map: &OperationMap) -> Value {
         "attitude": count("attitude"),
         "not-converged": count("not-converged"),
         "unjudged": count("unjudged"),
-    })
+    });
+    if let Some(object) = counts.as_object_mut() {
+        let asked = ["singular", "approach", "retract"].into_iter().filter(|status| count(status) > 0);
+        asked.for_each(|status| drop(object.insert(status.into(), json!(count(status)))));
+    }
+    counts
 }
 
 fn overlaps(a: &Assessment<'_>) -> Value {

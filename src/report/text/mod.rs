@@ -76,9 +76,12 @@ pub fn value_word(cell: &Cell) -> &'static str {
 const USUAL: [&str; 4] = ["ok", "collision", "joint-limit", "out-of-reach"];
 
 /// What can be the matter with a node, in words.
-const STATUSES: [(&str, &str); 7] = [
+const STATUSES: [(&str, &str); 10] = [
     ("ok", "ok"),
     ("collision", "colliding"),
+    ("singular", "nearly singular"),
+    ("approach", "without approach"),
+    ("retract", "without retract"),
     ("joint-limit", "beyond a joint limit"),
     ("attitude", "where the tool cannot be held so"),
     ("not-converged", "without answer"),

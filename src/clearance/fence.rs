@@ -1,0 +1,55 @@
+//! The fence: a simple polygon within which equipment and robot base stand, and its walls.
+
+use super::bodies::{Part, part};
+use crate::cell::{Cell, Fence, Shape};
+use crate::pose::Pose;
+use nalgebra::Vector3;
+
+/// Thickness of a wall, m: it stands outside the line of the fence.
+const THICKNESS: f64 = 0.01;
+
+/// The walls of a fence with a height, world frame; none of one without.
+pub(super) fn walls(cell: &Cell) -> Vec<Part> {
+    let Some(Fence { corners, height: Some(height) }) = &cell.fence else { return Vec::new() };
+    let n = corners.len();
+    let wall = |k: usize| {
+        let (a, b) = (corners[k], corners[(k + 1) % n]);
+        let (x, y) = (b.0 - a.0, b.1 - a.1);
+        let (length, yaw) = (x.hypot(y), y.atan2(x));
+        // Anticlockwise: outside is to the right.
+        let out = (y / length * THICKNESS / 2.0, -x / length * THICKNESS / 2.0);
+        let middle = ((a.0 + b.0) / 2.0 + out.0, (a.1 + b.1) / 2.0 + out.1);
+        let centre = Vector3::new(middle.0, middle.1, cell.floor + height / 2.0);
+        part(&Shape::Box {
+            pose: Pose::from_translation_yaw(centre, yaw),
+            size: Vector3::new(length, THICKNESS, *height),
+        })
+    };
+    (0..n).map(wall).collect()
+}
+
+/// Whether a point lies in the polygon, and how far from its edge (m).
+pub(super) fn place(corners: &[(f64, f64)], (x, y): (f64, f64)) -> (bool, f64) {
+    let n = corners.len();
+    let (mut inside, mut nearest) = (false, f64::INFINITY);
+    for k in 0..n {
+        let (a, b) = (corners[k], corners[(k + 1) % n]);
+        // A ray along x crosses the edges an odd number of times from within.
+        if (a.1 > y) != (b.1 > y) && x < a.0 + (b.0 - a.0) * (y - a.1) / (b.1 - a.1) {
+            inside = !inside;
+        }
+        let (u, v) = ((b.0 - a.0, b.1 - a.1), (x - a.0, y - a.1));
+        let s = ((u.0 * v.0 + u.1 * v.1) / (u.0 * u.0 + u.1 * u.1)).clamp(0.0, 1.0);
+        nearest = nearest.min((v.0 - s * u.0).hypot(v.1 - s * u.1));
+    }
+    (inside, nearest)
+}
+
+/// Whether every corner turns to the left.
+pub(super) fn is_convex(corners: &[(f64, f64)]) -> bool {
+    let n = corners.len();
+    (0..n).all(|k| {
+        let [a, b, c] = [0, 1, 2].map(|i| corners[(k + i) % n]);
+        (b.0 - a.0) * (c.1 - b.1) - (b.1 - a.1) * (c.0 - b.0) >= 0.0
+    })
+}

@@ -1,0 +1,68 @@
+//! What stands in the way, in the words of the cell.
+
+use super::guard::{Hindrance, Refusal};
+use super::line::Stopped;
+use super::transfer::{Blocked, Way};
+use crate::cell::{Cell, shown};
+use crate::units::{mm_from_m, percent_from_share};
+
+impl Refusal {
+    /// In one word, for tables.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Singular { .. } => "singular",
+            Self::Approach(_) => "approach",
+            Self::Retract(_) => "retract",
+        }
+    }
+
+    pub fn in_words(&self, cell: &Cell) -> String {
+        match self {
+            Self::Singular { measure } => {
+                let margin = cell.margins.singularity;
+                format!("nearly singular: the measure comes down to {measure:.4}, the margin is {margin}")
+            }
+            Self::Approach(what) => format!("approach: {}", what.in_words(cell)),
+            Self::Retract(what) => format!("retract: {}", what.in_words(cell)),
+        }
+    }
+}
+
+impl Hindrance {
+    pub fn in_words(&self, cell: &Cell) -> String {
+        match self {
+            Self::Hit(hit) => {
+                let share = percent_from_share(hit.at);
+                format!("{} after {share:.0} % of the way", hit.hit.in_words(cell))
+            }
+            Self::Stopped(Stopped::Limit { joint, after }) => {
+                let name = shown(&cell.robot.joints[*joint].name);
+                format!("joint {name} comes to its limit after {:.1} mm", mm_from_m(*after))
+            }
+            Self::Stopped(Stopped::Lost { after }) => {
+                format!("the arm cannot follow the line after {:.1} mm", mm_from_m(*after))
+            }
+        }
+    }
+}
+
+impl Way {
+    pub fn in_words(self) -> String {
+        match self {
+            Self::Direct => "direct".into(),
+            Self::Lift => "lifted".into(),
+            Self::Via(k) => format!("through via {}", k + 1),
+            Self::LiftVia(k) => format!("lifted, through via {}", k + 1),
+        }
+    }
+}
+
+impl Blocked {
+    pub fn in_words(&self, cell: &Cell) -> String {
+        let name = |k: usize| shown(&cell.operations[k].name);
+        let tries =
+            self.tries.iter().map(|(way, what)| format!("{}: {}", way.in_words(), what.in_words(cell)));
+        let tries: Vec<_> = tries.collect();
+        format!("no free way from {} to {}: {}", name(self.from), name(self.to), tries.join("; "))
+    }
+}
