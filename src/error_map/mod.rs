@@ -3,8 +3,10 @@
 //!
 //! [`Mapper::least_error`] is what the search asks: candidates in ascending error, collision asked
 //! one by one until a node is free. [`Mapper::map`] is what people ask: every node with its posture
-//! and errors, or the reason why not. Both walk the same branches and judge them alike.
+//! and errors, or the reason why not. Both walk the same branches and judge them alike. [`Probe`] asks
+//! between the nodes.
 
+mod at_point;
 mod every_node;
 mod grid;
 mod mapper;
@@ -12,6 +14,7 @@ mod node;
 mod outcome;
 mod station;
 
+pub use at_point::{Kept, PointSpot, Probe};
 pub use mapper::{Mapper, Scratch};
 pub use node::{NodeRecord, OperationMap, PostureRecord, Status};
 pub use outcome::{Outcome, Spot, Unjudged};

@@ -1,7 +1,7 @@
 //! `search --json` and `compare --json`.
 
 use super::map::{counts, guard, monte_carlo};
-use super::{attitudes, base, joints, layout, length, lengths};
+use super::{attitudes, base, joints, layout, length, lengths, refined};
 use crate::cell::{Cell, Unit};
 use crate::compare::{Assessment, Comparison};
 use crate::error_map::OperationMap;
@@ -113,6 +113,7 @@ fn spots(a: &Assessment<'_>) -> Value {
             "node": spot.map(|(n, _)| json!([n.i, n.j])),
             "position_mm": spot.map(|(n, _)| lengths(&n.position)),
             "joints_deg": spot.map(|(_, p)| joints(a.cell, &p.joints)),
+            "refined": refined(a, k),
             "error_mm": spot.map(|(_, p)| lengths(&p.error)),
             "error_sense_mm": in_sense(Unit::Length),
             "error_sense_deg": in_sense(Unit::Angle),
