@@ -118,6 +118,18 @@ impl<'a> Probe<'a> {
     /// # Errors
     /// Why it cannot be kept.
     pub fn keeping(&mut self, kept: &Kept) -> Result<f64, Status> {
+        let value = self.value(kept)?;
+        match self.scene.hit(self.placed, &self.frames.links, Some(self.operation)) {
+            Some(hit) => Err(Status::Collision { hit }),
+            None => Ok(value),
+        }
+    }
+
+    /// The same, whatever the posture touches.
+    ///
+    /// # Errors
+    /// Why it cannot be kept.
+    pub fn value(&mut self, kept: &Kept) -> Result<f64, Status> {
         let target = self.target(kept.at);
         let inverse = &self.mapper.arm.inverse;
         let posture = match inverse.cost() {
@@ -129,9 +141,6 @@ impl<'a> Probe<'a> {
         };
         let Some(posture) = posture else { return Err(self.lost(&target, kept.branch)) };
         self.mapper.arm.chain.place(&posture, &mut self.frames);
-        if let Some(hit) = self.scene.hit(self.placed, &self.frames.links, Some(self.operation)) {
-            return Err(Status::Collision { hit });
-        }
         let gauge = &self.mapper.stations[self.operation].gauge;
         Ok(gauge.value(&self.situation, &self.frames, &mut self.memory))
     }

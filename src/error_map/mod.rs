@@ -8,6 +8,7 @@
 
 mod at_point;
 mod every_node;
+mod free_spots;
 mod grid;
 mod mapper;
 mod node;

@@ -1,9 +1,14 @@
 //! One candidate: [`evaluate`] a [`Layout`]. The seam that search, what-ifs and reports share.
 
+mod misplacement;
 mod refine;
+mod robust;
 mod separate;
+mod worst;
 
+pub use misplacement::Moves;
 pub use refine::Refined;
+pub use robust::{Corner, Ended, Largest, Lost, Robustness};
 pub use separate::separated;
 
 use crate::cell::{Cell, Layout, Objective};
@@ -28,6 +33,8 @@ pub struct Workcell {
     pub cell: Cell,
     mapper: Mapper,
     plan: FloorPlan,
+    /// What has no overlap here has none wherever it is misplaced; of a robust search alone.
+    wide: Option<FloorPlan>,
     scene: Scene,
 }
 
@@ -37,7 +44,8 @@ pub struct Evaluation {
     pub overlaps: Vec<Overlap>,
     /// One per operation.
     pub outcomes: Vec<Outcome>,
-    /// Weighted values of the operations (m, rad or shares); None if the layout is infeasible.
+    /// Weighted values of the operations (m, rad or shares), of a robust search the worst over the
+    /// placement tolerances; None if the layout is infeasible.
     pub objective: Option<f64>,
     /// Finite for every layout: the objective, or 1000 times the weights and more, falling towards
     /// feasibility.
@@ -66,7 +74,11 @@ impl Workcell {
     pub fn remembering(cell: Cell, remember: &mut Remember<'_>) -> Result<Self, String> {
         let mapper = Mapper::new(&cell)?;
         let (plan, scene) = (FloorPlan::new(&cell), Scene::remembering(&cell, remember));
-        Ok(Self { cell, mapper, plan, scene })
+        let wide = cell.search.robust.then(|| {
+            let clearance = cell.clearance + misplacement::slack(&cell);
+            FloorPlan::new(&Cell { clearance, ..cell.clone() })
+        });
+        Ok(Self { cell, mapper, plan, wide, scene })
     }
 
     /// Every pair of solids of the robot, and why it may touch; none if it is not checked.
@@ -117,12 +129,17 @@ impl Workcell {
         self.scene.place(layout, &mut placed);
         let mut overlaps = Vec::new();
         self.plan.overlaps(layout, &mut overlaps);
+        let hardened = if self.cell.search.robust { evaluate(self, layout).outcomes } else { Vec::new() };
         let mut maps: Vec<OperationMap> = Vec::new();
         for (k, operation) in self.cell.operations.iter().enumerate() {
             let spots: Vec<_> = maps.iter().map(OperationMap::spot).collect();
             let mut map = self.mapper.map(k, layout, &self.scene, &placed, &spots);
             if let Some(overlap) = overlaps.iter().find(|o| o.concerns(operation.equipment)) {
                 map.block(*overlap);
+            }
+            // A robust search chooses otherwise.
+            if let (Some(_), Some(Outcome::Found(spot))) = (map.best, hardened.get(k)) {
+                (map.best, map.value) = (Some(spot.node), Some(spot.value));
             }
             maps.push(map);
         }
@@ -138,7 +155,10 @@ pub fn evaluate(workcell: &Workcell, layout: &Layout) -> Evaluation {
 
 /// [`evaluate`] with memory that is kept from call to call.
 pub fn evaluate_in(workcell: &Workcell, layout: &Layout, workspace: &mut Workspace) -> Evaluation {
-    let Workcell { cell, mapper, plan, scene } = workcell;
+    if workcell.cell.search.robust {
+        return worst::evaluate(workcell, layout, workspace);
+    }
+    let Workcell { cell, mapper, plan, scene, .. } = workcell;
     let Workspace { overlaps: found, placed, scratch } = workspace;
     plan.overlaps(layout, found);
     scene.place(layout, placed);

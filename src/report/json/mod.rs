@@ -8,12 +8,14 @@ mod layouts;
 mod map;
 mod posture;
 mod readings;
+mod robust;
 
 pub use envelope::{envelope, robot, robots};
 pub use layouts::{compare, search};
 pub use map::{MapDocument, map};
 pub use posture::{budget, explain};
 pub use readings::readings;
+pub use robust::robust;
 
 use crate::cell::{Cell, JointKind, JointVector, Layout, Placement, Role, Slot};
 use crate::clearance::{Allowed, OwnPair};

@@ -24,7 +24,12 @@ pub fn comparison(comparison: &Comparison<'_>) -> String {
     }
     let objective = |a: &Assessment<'_>| a.objective();
     let cells = (0..columns.len()).map(|c| with_change(comparison, c, &objective));
-    table.labelled("objective", columns.first().map_or("", |c| c.cell.unit().word()), cells);
+    let robust = columns.iter().any(|c| c.cell.search.robust);
+    table.labelled(
+        if robust { "objective if misplaced" } else { "objective" },
+        columns.first().map_or("", |c| c.cell.unit().word()),
+        cells,
+    );
     let mut out = table.render();
     for column in columns.iter().filter(|c| c.evaluation.objective.is_none()) {
         let _ = write!(out, "\n{}", feasibility(column));
