@@ -4,6 +4,7 @@ use super::choices::*;
 use super::document::Library;
 use super::fault::{did_you_mean, listed, shown};
 use super::layout::Coordinate;
+use super::misplacement_file;
 use super::model::*;
 use super::reader::{Table, read_named};
 use super::robot_model::*;
@@ -32,16 +33,17 @@ pub fn read(stem: &str, root: &Node, lib: &mut Library<'_>) -> Option<Cell> {
         let collision = t.boolean_or("collision", true, lib);
         let clearance = t.number_or("clearance_mm", 0.0, Must::NotBeNegative, lib);
         let floor = t.number_or("floor_mm", 0.0, Must::BeFinite, lib);
-        let built = robot.as_ref().map(|(robot, _)| robot);
+        let built = robot.as_ref().map(|(robot, ..)| robot);
         let margins = constraint_file::read_margins(t.get("margins"), built, lib);
         let transfer = constraint_file::read_transfer(t.get("transfer"), built, margins, lib);
         let fence = constraint_file::read_fence(t.get("fence"), lib);
         let search = read_search(t, lib);
-        let ((robot, base), question) = (robot?, question?);
+        let ((robot, base, base_tolerance), question) = (robot?, question?);
         let mut cell = Cell {
             name: name?,
             robot,
             base,
+            base_tolerance,
             errors: errors?,
             model: question.model,
             reading: question.reading.unwrap_or(Reading::Signed),
@@ -60,6 +62,7 @@ pub fn read(stem: &str, root: &Node, lib: &mut Library<'_>) -> Option<Cell> {
             fence: fence?,
             search: search?,
         };
+        refuse_nothing_to_withstand(t, &cell, lib);
         if question.reading.is_none() {
             cell.reading = cell.default_reading();
         }
@@ -96,15 +99,32 @@ fn read_question(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<Question> {
     })
 }
 
-fn read_robot(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<(Robot, [Coordinate; 4])> {
+type Based = (Robot, [Coordinate; 4], PlacementTolerance);
+
+fn read_robot(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<Based> {
     let node = t.need("robot", "add robot = { from = \"robots/NAME.toml\" }")?;
     Table::read(node, "`robot`", lib, |t, lib| {
         let base = match t.get("base") {
             Some(node) => read_base(node, lib),
             None => Some([(); 4].map(|()| Coordinate::Fixed(0.0))),
         };
-        robot_file::read(t, lib).zip(base)
+        let tolerance = match t.get("base_tolerance") {
+            Some(node) => misplacement_file::read(node, "`base_tolerance`", Role::Equipment, lib),
+            None => Some(PlacementTolerance::default()),
+        };
+        Some((robot_file::read(t, lib)?, base?, tolerance?))
     })
+}
+
+/// A robust search needs something that may be misplaced.
+fn refuse_nothing_to_withstand(t: &mut Table<'_>, cell: &Cell, lib: &mut Library<'_>) {
+    if let Some(node) = t.get("search").and_then(|search| search.value.get("robust"))
+        && cell.search.robust
+        && !cell.has_placement_tolerance()
+    {
+        let help = "add placement_tolerance = { x_mm = 2, y_mm = 2 } to an equipment";
+        lib.error(node.at, "`robust`, but everything is placed exactly".into(), help);
+    }
 }
 
 fn read_base(node: &Node, lib: &mut Library<'_>) -> Option<[Coordinate; 4]> {
@@ -151,6 +171,7 @@ fn read_search(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<SearchSetting
         indifference: 0.01,
         budget: 20_000,
         seed: 1,
+        robust: false,
     };
     let Some(node) = t.get("search") else { return Some(default) };
     Table::read(node, "`search`", lib, |t, lib| {
@@ -159,12 +180,14 @@ fn read_search(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<SearchSetting
         let indifference = t.number_or("indifference_percent", 1.0, Must::BePositive, lib);
         let budget = t.integer_or("budget", default.budget, (1, 1_000_000_000), lib);
         let seed = t.integer_or("seed", default.seed, (0, u64::MAX), lib);
+        let robust = t.boolean_or("robust", false, lib);
         Some(SearchSettings {
             solver: solver?,
             objective: objective?,
             indifference: units::share_from_percent(indifference?),
             budget: budget?,
             seed: seed?,
+            robust: robust?,
         })
     })
 }

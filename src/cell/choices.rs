@@ -189,4 +189,6 @@ pub struct SearchSettings {
     /// Layout evaluations.
     pub budget: u64,
     pub seed: u64,
+    /// Whether the worst over the placement tolerances is made small, not the value as drawn.
+    pub robust: bool,
 }

@@ -6,6 +6,7 @@ use super::error_model::FrameErrors;
 use super::fault::{did_you_mean, listed, shown};
 use super::frame_file;
 use super::layout::Coordinate;
+use super::misplacement_file;
 use super::model::*;
 use super::reader::Table;
 use super::shape::{self, Rectangle};
@@ -41,9 +42,13 @@ pub fn read(name: &str, node: &Node, role: Role, lib: &mut Library<'_>) -> Optio
             lib.error(node.at, "an obstacle stands still: it has no `stands_on`".into(), help);
         }
         let errors = t.get("errors").map(|node| read_errors(node, role, lib));
-        let (footprint, placement) = (footprint?, placement?);
+        let tolerance = match t.get("placement_tolerance") {
+            Some(node) => misplacement_file::read(node, "`placement_tolerance`", role, lib),
+            None => Some(PlacementTolerance::default()),
+        };
+        let (footprint, placement, tolerance) = (footprint?, placement?, tolerance?);
         let (name, errors) = (name.to_string(), errors.flatten());
-        Some(Equipment { name, role, surface, footprint, solids, on: None, placement, errors })
+        Some(Equipment { name, role, surface, footprint, solids, on: None, placement, errors, tolerance })
     })
 }
 

@@ -1,7 +1,7 @@
 //! A layout: a value for everything that the search may change.
 
 use super::attitude::{Attitude, Azimuth, Spin};
-use super::model::{Cell, Placement};
+use super::model::{Cell, Placement, PlacementTolerance};
 
 /// One number of a cell file that the search may change.
 #[derive(Debug, Clone, PartialEq)]
@@ -141,6 +141,47 @@ impl Cell {
             Some(under) => at.seen_from(&layout.placements[under]),
             None => at,
         }
+    }
+
+    /// How exactly the robot base and every equipment is placed: the numbers that may be off (m, rad),
+    /// one group for each body.
+    pub fn placement_tolerances(&self) -> Vec<Vec<(Slot, f64)>> {
+        let off = |t: PlacementTolerance, slot: &dyn Fn(usize) -> Slot| {
+            let axes = t.0.into_iter().enumerate().filter(|(_, half)| *half > 0.0);
+            axes.map(|(axis, half)| (slot(axis), half)).collect::<Vec<_>>()
+        };
+        let base = off(self.base_tolerance, &Slot::Base);
+        let equipment = self.equipment.iter().enumerate();
+        let bodies = equipment.map(|(k, e)| off(e.tolerance, &|axis| Slot::Equipment(k, axis)));
+        std::iter::once(base).chain(bodies).filter(|body| !body.is_empty()).collect()
+    }
+
+    pub fn has_placement_tolerance(&self) -> bool {
+        !self.placement_tolerances().is_empty()
+    }
+
+    /// A layout with some of its numbers off by so much (m, rad).
+    pub fn misplaced(&self, layout: &Layout, moves: &[(Slot, f64)]) -> Layout {
+        let mut moved = layout.clone();
+        let off = |slot: Slot| moves.iter().filter(|(s, _)| *s == slot).map(|(_, by)| by).sum::<f64>();
+        let by = |slot: &dyn Fn(usize) -> Slot| [0, 1, 2, 3].map(|axis| off(slot(axis)));
+        let plus = |at: &Placement, by: [f64; 4]| {
+            let v = at.values();
+            Placement::from_values([0, 1, 2, 3].map(|axis| v[axis] + by[axis]))
+        };
+        moved.base = plus(&layout.base, by(&Slot::Base));
+        // From below upwards what stands on it moves along.
+        let own: Vec<_> = (0..self.equipment.len())
+            .map(|k| plus(&self.own_placement(layout, k), by(&|axis| Slot::Equipment(k, axis))))
+            .collect();
+        let stirred = |k: usize| {
+            (0..own.len())
+                .any(|under| self.rides_on(k, under) && by(&|axis| Slot::Equipment(under, axis)) != [0.0; 4])
+        };
+        for k in (0..own.len()).filter(|k| stirred(*k)) {
+            moved.placements[k] = self.in_world(&own, k);
+        }
+        moved
     }
 
     /// Whether an equipment moves when another does: it is that, or stands on it.

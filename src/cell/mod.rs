@@ -25,6 +25,7 @@ mod layout;
 mod mesh;
 mod mesh_obj;
 mod mesh_stl;
+mod misplacement_file;
 mod model;
 mod operation_file;
 mod place_file;

@@ -59,6 +59,14 @@ impl Placement {
     }
 }
 
+/// How far something may stand from where it is meant to: plus-or-minus x, y, z (m) and yaw (rad), in the
+/// frame in which its placement is given.
+///
+/// Where it ends up is known to those who program the robot, who then work from there; what they do not
+/// know of it belongs to its `errors`.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct PlacementTolerance(pub [f64; 4]);
+
 /// What an equipment is to the search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
@@ -82,6 +90,8 @@ pub struct Equipment {
     pub placement: [Coordinate; 4],
     /// Of its placement or fixture.
     pub errors: Option<FrameErrors>,
+    /// How exactly it is placed.
+    pub tolerance: PlacementTolerance,
 }
 
 /// A box that no equipment may enter, in the world.
@@ -178,6 +188,8 @@ pub struct Cell {
     pub robot: Robot,
     /// Robot base in the world: x, y, z, yaw.
     pub base: [Coordinate; 4],
+    /// How exactly the robot base is placed.
+    pub base_tolerance: PlacementTolerance,
     /// Index into [`Robot::errors`].
     pub errors: usize,
     pub model: Model,

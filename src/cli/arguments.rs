@@ -45,6 +45,9 @@ pub enum Command {
     /// Put every reading and registration of the layout as drawn side by side
     #[command(before_help = "Example: sweetspot readings cells/hitachi_cell.toml --out results/readings")]
     Readings(ReadingsArguments),
+    /// Tell what misplaced equipment does to the layout as drawn, and how much it may be misplaced
+    #[command(before_help = "Example: sweetspot robust cells/hitachi_cell.toml --limit 15")]
+    Robust(RobustArguments),
     /// List the robots that come with the program
     #[command(before_help = "Example: sweetspot robots")]
     Robots(RobotsArguments),
@@ -142,6 +145,9 @@ pub struct SearchArguments {
     /// Layout evaluations
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
     pub budget: Option<u64>,
+    /// Make the worst over the placement tolerances small, not the value as drawn
+    #[arg(long)]
+    pub robust: bool,
     /// Global solver
     #[arg(long, value_parser = PossibleValuesParser::new(Solver::ALL.map(Solver::name)))]
     pub solver: Option<String>,
@@ -230,6 +236,19 @@ pub struct ReadingsArguments {
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Print the readings as JSON on stdout
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Args)]
+pub struct RobustArguments {
+    /// Cell file (TOML)
+    pub cell: PathBuf,
+    #[command(flatten)]
+    pub packages: Packages,
+    #[command(flatten)]
+    pub overrides: Overrides,
+    /// Print the answer as JSON on stdout
     #[arg(long)]
     pub json: bool,
 }

@@ -47,6 +47,7 @@ pub fn run() -> ExitCode {
         Command::Budget(a) => commands::budget(&a),
         Command::Explain(a) => commands::explain(&a),
         Command::Readings(a) => commands::readings(&a),
+        Command::Robust(a) => commands::robust(&a),
         Command::Robots(a) => commands::robots(&a),
         Command::Robot(a) => commands::robot(&a),
         Command::Envelope(a) => commands::envelope(&a),

@@ -20,7 +20,7 @@ pub use stance::{At, NoStance, Stance};
 
 use crate::cell::{Cell, Layout, Operation, Reading, Role, Unit, shown};
 use crate::error_map::{NodeRecord, OperationMap, PostureRecord};
-use crate::layout::{Evaluation, Workcell, evaluate, separated};
+use crate::layout::{Evaluation, Refined, Robustness, Workcell, evaluate, separated};
 use crate::reach::{Envelope, Fineness};
 use crate::reading::{Figures, MonteCarlo, monte_carlo};
 use crate::units::mm_from_m;
@@ -33,6 +33,10 @@ pub struct Assessment<'a> {
     pub layout: Layout,
     pub evaluation: Evaluation,
     pub maps: Vec<OperationMap>,
+    /// The spot of every operation between the nodes, where one is free to choose.
+    pub refined: Vec<Option<Refined>>,
+    /// What misplacement does to every operation, if asked.
+    pub robustness: Vec<Option<Robustness>>,
     /// Of the statistical reading: what samples through the nonlinear model say of each spot.
     pub samples: Vec<Option<MonteCarlo>>,
     /// If equipment overlaps: the nearest layout in which none does.
@@ -44,9 +48,34 @@ impl<'a> Assessment<'a> {
         let evaluation = evaluate(workcell, &layout);
         let maps = workcell.maps(&layout);
         let apart = if evaluation.overlaps.is_empty() { None } else { separated(workcell, &layout) };
+        let refined = workcell.refined(&layout, &maps);
         let samples = (0..maps.len()).map(|k| sampled(workcell, &layout, &maps, k)).collect();
-        let cell = &workcell.cell;
-        Self { label: label.to_string(), cell, workcell, layout, evaluation, maps, samples, apart }
+        let (cell, robustness) = (&workcell.cell, Vec::new());
+        Self {
+            label: label.to_string(),
+            cell,
+            workcell,
+            layout,
+            evaluation,
+            maps,
+            refined,
+            robustness,
+            samples,
+            apart,
+        }
+    }
+
+    /// The same with what misplacement does to it.
+    pub fn misplaced(mut self) -> Self {
+        self.robustness = self.workcell.robustness(&self.layout, &self.maps);
+        self
+    }
+
+    /// Whether it is feasible, and every operation stays so and in its limit wherever the placement
+    /// tolerances let things stand; once [`Self::misplaced`] was asked.
+    pub fn is_robust(&self) -> bool {
+        let holds = |r: &Option<Robustness>| r.as_ref().is_some_and(Robustness::holds);
+        self.evaluation.objective.is_some() && self.robustness.iter().all(holds)
     }
 
     /// What can be reached at the height of an operation's TCP: outlines in the world plan, m. Drawn

@@ -68,44 +68,59 @@ impl Mapper {
         spots: &[Option<Spot>],
         scratch: &mut Scratch,
     ) -> Outcome {
+        match self.every_free(operation, layout, scene, placed, spots, scratch) {
+            Err(outcome) => outcome,
+            Ok(free) => {
+                // The first of several that are worst.
+                let by_value = |a: &&Spot, b: &&Spot| a.value.total_cmp(&b.value);
+                let Some(worst) = free.iter().rev().max_by(by_value) else {
+                    return Outcome::Unjudged(Unjudged::OnlyTouched);
+                };
+                let mut values: Vec<f64> = free.iter().map(|spot| spot.value).collect();
+                let value = self.stations[operation].over.of(&mut values);
+                Outcome::Found(Spot { value, ..*worst })
+            }
+        }
+    }
+
+    /// The least-error free spot of every node, in their order; or why one has none.
+    pub fn every_free(
+        &self,
+        operation: usize,
+        layout: &Layout,
+        scene: &Scene,
+        placed: &mut Placed,
+        spots: &[Option<Spot>],
+        scratch: &mut Scratch,
+    ) -> Result<Vec<Spot>, Outcome> {
         let situation = self.situation(operation, layout, scene, placed, spots);
         let candidates = match self.candidates(operation, layout, situation.as_ref().ok(), scratch) {
             Ok(candidates) => candidates,
-            Err(gap) => return Outcome::Unreachable { gap },
+            Err(gap) => return Err(Outcome::Unreachable { gap }),
         };
         if let Err(why) = situation {
-            return Outcome::Unjudged(why);
+            return Err(Outcome::Unjudged(why));
         }
         let approach = self.stand(operation, layout).approach(&self.arm);
         let mut frames = Frames::default();
-        let mut values = Vec::new();
-        let mut worst: Option<Spot> = None;
+        let mut all = Vec::new();
         for of_node in candidates.chunk_by(|a, b| a.spot.node == b.spot.node) {
             let mut refused = None;
             let free = of_node.iter().find(|c| {
                 let is_free = self.is_free((operation, &approach), c, scene, placed, &mut frames);
                 let posture = (&c.target, c.spot.branch);
-                let refusal = || self.refusal((operation, &approach), posture, scene, placed);
-                let refusal = is_free.then(refusal);
+                let refusal = is_free.then(|| self.refusal((operation, &approach), posture, scene, placed));
                 refused = refused.or(refusal.flatten());
                 refusal == Some(None)
             });
             let nearest = of_node[0].spot;
-            let free = match (free, refused) {
-                (Some(free), _) => free,
-                (None, Some(refusal)) => return Outcome::Refused { nearest, refusal },
-                (None, None) => return Outcome::AllCollide { nearest },
-            };
-            values.push(free.spot.value);
-            worst = worst.filter(|w| w.value >= free.spot.value).or(Some(free.spot));
-        }
-        match worst {
-            Some(worst) => {
-                let value = self.stations[operation].over.of(&mut values);
-                Outcome::Found(Spot { value, ..worst })
+            match (free, refused) {
+                (Some(free), _) => all.push(free.spot),
+                (None, Some(refusal)) => return Err(Outcome::Refused { nearest, refusal }),
+                (None, None) => return Err(Outcome::AllCollide { nearest }),
             }
-            None => Outcome::Unjudged(Unjudged::OnlyTouched),
         }
+        Ok(all)
     }
 
     /// The postures of every node, node by node, each from its least value up; or how much is missing
@@ -143,7 +158,7 @@ impl Mapper {
     }
 
     /// Whether the posture of a candidate touches nothing.
-    fn is_free(
+    pub(super) fn is_free(
         &self,
         (operation, approach): (usize, &Approach),
         candidate: &Candidate,

@@ -1,5 +1,6 @@
 //! From a placed surface to its least-error spot, or to its whole map.
 
+use super::at_point::unreached;
 use super::node::{NodeRecord, OperationMap, PostureRecord, Status};
 use super::outcome::{Candidate, Outcome, Spot, Unjudged};
 use super::station::{Arm, Stand, Station};
@@ -8,7 +9,7 @@ use crate::clearance::{Placed, Scene};
 use crate::kinematic_error::deviation;
 use crate::motion::Guard;
 use crate::pose::Displacement;
-use crate::reach::{Approach, Branch, Cost, Gap, Inverse, Reach, Shell};
+use crate::reach::{Approach, Branch, Cost, Gap, Inverse, Shell};
 use crate::reading::{Gauge, Memory, Reference, Situation};
 use crate::robot::{Chain, Frames};
 use nalgebra::Vector3;
@@ -255,13 +256,9 @@ impl Mapper {
         memory: &mut Memory,
     ) -> (Status, Option<PostureRecord>) {
         let station = &self.stations[operation];
-        let branches = match self.arm.inverse.branches(target, approach) {
-            Reach::OutOfReach { by } => return (Status::OutOfReach { by }, None),
-            Reach::Attitude { by, joint } => return (Status::Attitude { by, joint }, None),
-            Reach::NotConverged { position, angle } => {
-                return (Status::NotConverged { position, angle }, None);
-            }
-            Reach::Branches(branches) => branches,
+        let branches = match unreached(self.arm.inverse.branches(target, approach)) {
+            Ok(branches) => branches,
+            Err(status) => return (status, None),
         };
         let allowed = branches.iter().filter(|b| b.is_usable());
         let situation = match situation {
@@ -347,7 +344,7 @@ fn chosen(over: Over, values: &[(usize, f64)], all_usable: bool) -> (Option<usiz
 }
 
 /// The joint limit that the most nearly allowed branch passes, or the attitude that it misses.
-fn least_violation(branches: &[Branch]) -> Status {
+pub(super) fn least_violation(branches: &[Branch]) -> Status {
     let passed = branches.iter().filter_map(|b| b.violation.map(|v| (v, b.joints[v.joint])));
     let least = passed.min_by(|a, b| a.0.by.total_cmp(&b.0.by));
     let off = branches.iter().filter(|b| b.violation.is_none()).map(|b| b.off).reduce(f64::min);

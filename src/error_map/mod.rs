@@ -3,9 +3,12 @@
 //!
 //! [`Mapper::least_error`] is what the search asks: candidates in ascending error, collision asked
 //! one by one until a node is free. [`Mapper::map`] is what people ask: every node with its posture
-//! and errors, or the reason why not. Both walk the same branches and judge them alike.
+//! and errors, or the reason why not. Both walk the same branches and judge them alike. [`Probe`] asks
+//! between the nodes.
 
+mod at_point;
 mod every_node;
+mod free_spots;
 mod grid;
 mod mapper;
 mod node;
@@ -13,6 +16,7 @@ mod outcome;
 mod station;
 mod way;
 
+pub use at_point::{Kept, PointSpot, Probe};
 pub use mapper::{Mapper, Scratch};
 pub use node::{NodeRecord, OperationMap, PostureRecord, Status};
 pub use outcome::{Outcome, Spot, Unjudged};

@@ -1,12 +1,19 @@
 //! One candidate: [`evaluate`] a [`Layout`]. The seam that search, what-ifs and reports share.
 
+mod misplacement;
+mod refine;
+mod robust;
 mod separate;
+mod worst;
 
+pub use misplacement::Moves;
+pub use refine::Refined;
+pub use robust::{Corner, Ended, Largest, Lost, Robustness};
 pub use separate::separated;
 
 use crate::cell::{Cell, Layout, Objective};
 use crate::clearance::{FloorPlan, Overlap, OwnPair, Placed, Remember, Scene};
-use crate::error_map::{Mapper, OperationMap, Outcome, PostureRecord, Scratch, Unjudged};
+use crate::error_map::{Mapper, OperationMap, Outcome, PostureRecord, Scratch, Spot, Unjudged};
 use crate::motion::{Blocked, Transfer};
 use crate::reach::Inverse;
 use crate::reading::{Gauge, Situation};
@@ -30,6 +37,8 @@ pub struct Workcell {
     pub cell: Cell,
     mapper: Mapper,
     plan: FloorPlan,
+    /// What has no overlap here has none wherever it is misplaced; of a robust search alone.
+    wide: Option<FloorPlan>,
     scene: Scene,
 }
 
@@ -43,7 +52,8 @@ pub struct Evaluation {
     pub transfers: Vec<Transfer>,
     /// The first of them that is not to be had.
     pub blocked: Option<Blocked>,
-    /// Weighted values of the operations (m, rad or shares); None if the layout is infeasible.
+    /// Weighted values of the operations (m, rad or shares), of a robust search the worst over the
+    /// placement tolerances; None if the layout is infeasible.
     pub objective: Option<f64>,
     /// Finite for every layout: the objective, or 1000 times the weights and more, falling towards
     /// feasibility.
@@ -72,7 +82,11 @@ impl Workcell {
     pub fn remembering(cell: Cell, remember: &mut Remember<'_>) -> Result<Self, String> {
         let mapper = Mapper::new(&cell)?;
         let (plan, scene) = (FloorPlan::new(&cell), Scene::remembering(&cell, remember));
-        Ok(Self { cell, mapper, plan, scene })
+        let wide = cell.search.robust.then(|| {
+            let clearance = cell.clearance + misplacement::slack(&cell);
+            FloorPlan::new(&Cell { clearance, ..cell.clone() })
+        });
+        Ok(Self { cell, mapper, plan, wide, scene })
     }
 
     /// Every pair of solids of the robot, and why it may touch; none if it is not checked.
@@ -123,12 +137,17 @@ impl Workcell {
         self.scene.place(layout, &mut placed);
         let mut overlaps = Vec::new();
         self.plan.overlaps(layout, &mut overlaps);
+        let hardened = if self.cell.search.robust { evaluate(self, layout).outcomes } else { Vec::new() };
         let mut maps: Vec<OperationMap> = Vec::new();
         for (k, operation) in self.cell.operations.iter().enumerate() {
             let spots: Vec<_> = maps.iter().map(OperationMap::spot).collect();
             let mut map = self.mapper.map(k, layout, &self.scene, &placed, &spots);
             if let Some(overlap) = overlaps.iter().find(|o| o.concerns(operation.equipment)) {
                 map.block(*overlap);
+            }
+            // A robust search chooses otherwise.
+            if let (Some(_), Some(Outcome::Found(spot))) = (map.best, hardened.get(k)) {
+                (map.best, map.value) = (Some(spot.node), Some(spot.value));
             }
             maps.push(map);
         }
@@ -144,7 +163,10 @@ pub fn evaluate(workcell: &Workcell, layout: &Layout) -> Evaluation {
 
 /// [`evaluate`] with memory that is kept from call to call.
 pub fn evaluate_in(workcell: &Workcell, layout: &Layout, workspace: &mut Workspace) -> Evaluation {
-    let Workcell { cell, mapper, plan, scene } = workcell;
+    if workcell.cell.search.robust {
+        return worst::evaluate(workcell, layout, workspace);
+    }
+    let Workcell { cell, mapper, plan, scene, .. } = workcell;
     let Workspace { overlaps: found, placed, scratch } = workspace;
     plan.overlaps(layout, found);
     scene.place(layout, placed);
@@ -155,12 +177,7 @@ pub fn evaluate_in(workcell: &Workcell, layout: &Layout, workspace: &mut Workspa
         spots.push(if let Outcome::Found(spot) = outcome { Some(spot) } else { None });
         outcomes.push(outcome);
     }
-    let ways =
-        if found.is_empty() { mapper.transfers(layout, scene, placed, &spots) } else { Ok(Vec::new()) };
-    let (transfers, blocked) = match ways {
-        Ok(transfers) => (transfers, None),
-        Err(blocked) => (Vec::new(), Some(blocked)),
-    };
+    let (transfers, blocked) = ways(mapper, found, (layout, scene, placed), &spots);
     let usable = found.is_empty() && blocked.is_none();
     let objective = if usable { objective(cell, &outcomes) } else { None };
     let cost = objective.unwrap_or_else(|| {
@@ -170,6 +187,22 @@ pub fn evaluate_in(workcell: &Workcell, layout: &Layout, workspace: &mut Workspa
         workcell.weight() * (INFEASIBLE + apart + blocked + short)
     });
     Evaluation { overlaps: found.clone(), outcomes, transfers, blocked, objective, cost }
+}
+
+/// The ways between the operations of a layout without overlaps, or the first that is blocked.
+fn ways(
+    mapper: &Mapper,
+    overlaps: &[Overlap],
+    (layout, scene, placed): (&Layout, &Scene, &Placed),
+    spots: &[Option<Spot>],
+) -> (Vec<Transfer>, Option<Blocked>) {
+    if !overlaps.is_empty() {
+        return (Vec::new(), None);
+    }
+    match mapper.transfers(layout, scene, placed, spots) {
+        Ok(transfers) => (transfers, None),
+        Err(blocked) => (Vec::new(), Some(blocked)),
+    }
 }
 
 /// The errors of all operations as one number, None if an operation has no spot.

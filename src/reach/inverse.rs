@@ -264,6 +264,11 @@ impl Inverse {
         Some(self.branch(wanted, &posture, target, approach))
     }
 
+    /// The same of a branch that may have been lost: None if it has no posture, or one that passes a limit.
+    pub fn usable(&self, target: &Vector3<f64>, approach: &Approach, wanted: u32) -> Option<Posture> {
+        self.posture(target, approach, wanted).filter(|p| self.excess(p, target, approach) == 0.0)
+    }
+
     /// Every branch with its joint coordinates, those outside the limits too.
     pub fn branches(&self, target: &Vector3<f64>, approach: &Approach) -> Reach {
         let mut all = Vec::new();

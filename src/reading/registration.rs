@@ -139,7 +139,13 @@ impl Taught {
 
     /// Whether a point is one of those touched.
     pub fn touches(&self, p: &Vector3<f64>) -> bool {
-        self.postures.iter().any(|f| (f.tcp.translation - p).norm() < SAME_POINT)
+        self.distance(p) < SAME_POINT
+    }
+
+    /// Distance of a target from the nearest point touched, m.
+    pub fn distance(&self, p: &Vector3<f64>) -> f64 {
+        let distances = self.postures.iter().map(|f| (f.tcp.translation - p).norm());
+        distances.fold(f64::INFINITY, f64::min)
     }
 
     /// From the origin to the TCP.

@@ -34,6 +34,11 @@ impl Situation {
     pub fn touches(&self, target: &Vector3<f64>) -> bool {
         self.site.taught.as_ref().is_some_and(|taught| taught.touches(target))
     }
+
+    /// Distance of a target (base frame, m) from the nearest point touched; infinite if none was.
+    pub fn from_touched(&self, target: &Vector3<f64>) -> f64 {
+        self.site.taught.as_ref().map_or(f64::INFINITY, |taught| taught.distance(target))
+    }
 }
 
 impl Reference {

@@ -22,6 +22,7 @@ pub fn map(a: &Assessment<'_>) -> Result<Vec<u8>, String> {
             let mut row = vec![inert(&operation.name), inert(equipment)];
             row.extend(node_columns(a.cell, node, map, &senses));
             row.push(if map.best == Some(k) { "1".into() } else { "0".into() });
+            row.extend(refined_columns(a, map.operation, map.best == Some(k)));
             put(&mut writer, &row)?;
         }
     }
@@ -30,6 +31,15 @@ pub fn map(a: &Assessment<'_>) -> Result<Vec<u8>, String> {
 
 fn put(writer: &mut ::csv::Writer<Vec<u8>>, row: &[String]) -> Result<(), String> {
     writer.write_record(row).map_err(|e| e.to_string())
+}
+
+const REFINED: [&str; 4] = ["refined_x_mm", "refined_y_mm", "refined_z_mm", "refined_value"];
+
+/// The spot between the nodes, in the row of the best node.
+fn refined_columns(a: &Assessment<'_>, k: usize, is_best: bool) -> [String; 4] {
+    let Some(refined) = a.refined[k].as_ref().filter(|_| is_best) else { return Default::default() };
+    let [x, y, z] = [0, 1, 2].map(|axis| number(mm_from_m(refined.position[axis])));
+    [x, y, z, number(a.cell.unit().from_si(refined.value))]
 }
 
 /// The readings of all operations, with a header. World frame, mm and degrees.
@@ -140,7 +150,7 @@ fn header(cell: &Cell, senses: &[&Sense]) -> Vec<String> {
         .flat_map(|(figure, _)| senses.iter().map(move |s| format!("{figure}_{}_{}", s.name, s.unit.word())));
     let text = |words: &[&str]| words.iter().map(|w| w.to_string()).collect::<Vec<_>>();
     let row = text(&start).into_iter().chain(joints).chain(text(&end));
-    row.chain(figures).chain(text(&["best"])).collect()
+    row.chain(figures).chain(text(&["best"])).chain(text(&REFINED)).collect()
 }
 
 fn node_columns(cell: &Cell, node: &NodeRecord, map: &OperationMap, senses: &[&Sense]) -> Vec<String> {

@@ -213,6 +213,18 @@ fn draw_spot(out: &mut String, a: &Assessment<'_>, k: usize, map: &OperationMap,
     let Some((node, p)) = a.spot(k) else { return };
     let (x, y) = view.at((node.position.x, node.position.y));
     let operation = &a.cell.operations[map.operation];
+    if let Some(refined) = &a.refined[k] {
+        let (x, y) = view.at((refined.position.x, refined.position.y));
+        let _ = writeln!(
+            out,
+            "<path d=\"M{:.1} {y:.1}l5 5l5 -5l-5 -5z\" fill=\"none\" stroke=\"#bf3989\" stroke-width=\"2\">\
+             <title>{} refined: {:.4} {}</title></path>",
+            x - 5.0,
+            escaped(&operation.name),
+            a.cell.unit().from_si(refined.value),
+            a.cell.unit().word()
+        );
+    }
     let _ = writeln!(
         out,
         "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"9\" fill=\"none\" stroke=\"#bf3989\" stroke-width=\"2.4\"/>\

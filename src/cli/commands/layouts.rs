@@ -24,6 +24,9 @@ pub fn search(a: &SearchArguments) -> Result<Exit, Exit> {
     let settings = &mut loaded.cell.search;
     settings.seed = a.seed.unwrap_or(settings.seed);
     settings.budget = a.budget.unwrap_or(settings.budget);
+    settings.robust |= a.robust;
+    refuse_nothing_to_withstand(&loaded.cell)?;
+    let settings = &mut loaded.cell.search;
     let named = |name: &String| Solver::ALL.into_iter().find(|s| s.name() == name);
     settings.solver = a.solver.as_ref().and_then(named).unwrap_or(settings.solver);
     let workcell = workcell(loaded.cell, &a.cell)?;
@@ -33,8 +36,11 @@ pub fn search(a: &SearchArguments) -> Result<Exit, Exit> {
     let clock = Instant::now();
     let record = run_search(&workcell, a.threads)?;
     let seconds = clock.elapsed().as_secs_f64();
-    let columns = [("start", &record.start), ("best", &record.best)]
+    let [start, best] = [("start", &record.start), ("best", &record.best)]
         .map(|(label, candidate)| Assessment::new(label, &workcell, candidate.layout.clone()));
+    // Else there is nothing to withstand and nothing to keep.
+    let matters = workcell.cell.has_placement_tolerance() || limited.contains(&true);
+    let columns = [start, if matters { best.misplaced() } else { best }];
     let comparison = Comparison { columns: columns.into() };
     let written =
         results::write_search(&folder, &a.cell, &workcell.cell, &loaded.sources, &record, &comparison)?;
@@ -68,6 +74,16 @@ fn refuse_lost_limits(cell: &Cell, limited: &[bool]) -> Result<(), Exit> {
         lost.sense.name
     ));
     output::talk("  help: change sense and limit in a cell file, from = \"...\" cannot take a limit away");
+    Err(Exit::BadInput)
+}
+
+/// As the cell file is asked for `robust = true`.
+fn refuse_nothing_to_withstand(cell: &Cell) -> Result<(), Exit> {
+    if !cell.search.robust || cell.has_placement_tolerance() {
+        return Ok(());
+    }
+    output::error("--robust, but everything is placed exactly");
+    output::talk("  help: add placement_tolerance = { x_mm = 2, y_mm = 2 } to an equipment of the cell file");
     Err(Exit::BadInput)
 }
 
@@ -109,9 +125,10 @@ fn answer(cell: &Cell, record: &SearchRecord, comparison: &Comparison<'_>, secon
         },
     };
     format!(
-        "{}\n\n{}\n{said}\n{} layouts evaluated, {} feasible, in {seconds:.2} s ({}, seed {})\n",
+        "{}\n\n{}\n{}{said}\n{} layouts evaluated, {} feasible, in {seconds:.2} s ({}, seed {})\n",
         report::text::headline(cell),
         report::text::comparison(comparison),
+        comparison.columns.last().map(report::text::robustness).unwrap_or_default(),
         record.evaluations,
         record.feasible,
         cell.search.solver.name(),

@@ -1,7 +1,8 @@
 //! `search --json` and `compare --json`.
 
 use super::map::{counts, guard, monte_carlo};
-use super::{attitudes, base, joints, layout, length, lengths};
+use super::robust::robustness;
+use super::{attitudes, base, joints, layout, length, lengths, refined};
 use crate::cell::{Cell, Unit};
 use crate::compare::{Assessment, Comparison};
 use crate::error_map::OperationMap;
@@ -42,6 +43,7 @@ pub fn search(cell: &Cell, record: &SearchRecord, assessed: &Comparison<'_>, sec
         "solver": cell.search.solver.name(),
         "seed": cell.search.seed,
         "budget": cell.search.budget,
+        "robust": cell.search.robust,
         "reasons": best.reasons(),
         "layout": layout(cell, &best.layout),
         "base": base(&best.layout),
@@ -113,6 +115,8 @@ fn spots(a: &Assessment<'_>) -> Value {
             "node": spot.map(|(n, _)| json!([n.i, n.j])),
             "position_mm": spot.map(|(n, _)| lengths(&n.position)),
             "joints_deg": spot.map(|(_, p)| joints(a.cell, &p.joints)),
+            "refined": refined(a, k),
+            "robustness": robustness(a, k),
             "error_mm": spot.map(|(_, p)| lengths(&p.error)),
             "error_sense_mm": in_sense(Unit::Length),
             "error_sense_deg": in_sense(Unit::Angle),

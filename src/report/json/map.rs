@@ -1,6 +1,6 @@
 //! `map --json`.
 
-use super::{joints, layout, length, lengths};
+use super::{joints, layout, length, lengths, refined};
 use crate::cell::{Cell, Model, Unit};
 use crate::compare::Assessment;
 use crate::error_map::{NodeRecord, OperationMap, PostureRecord};
@@ -45,6 +45,8 @@ struct OperationDocument<'a> {
     monte_carlo: Value,
     nodes: Nodes<'a>,
     best: Option<NodeDocument>,
+    /// The spot between the nodes.
+    refined: Value,
 }
 
 struct Nodes<'a>(&'a Cell, &'a OperationMap);
@@ -134,6 +136,7 @@ fn operation_map<'a>(a: &'a Assessment<'_>, map: &'a OperationMap) -> OperationD
         monte_carlo: monte_carlo(a, map.operation),
         nodes: Nodes(cell, map),
         best: map.best_node().map(|n| NodeDocument::new(cell, map, n)),
+        refined: refined(a, map.operation),
     }
 }
 

@@ -8,17 +8,20 @@ mod layouts;
 mod map;
 mod posture;
 mod readings;
+mod robust;
 
 pub use envelope::{envelope, robot, robots};
 pub use layouts::{compare, search};
 pub use map::{MapDocument, map};
 pub use posture::{budget, explain};
 pub use readings::readings;
+pub use robust::robust;
 
 use crate::cell::{Cell, JointKind, JointVector, Layout, Placement, Role, Slot};
 use crate::clearance::{Allowed, OwnPair};
+use crate::compare::Assessment;
 use crate::layout::Workcell;
-use crate::units::{deg_from_rad, mm_from_m, rounded};
+use crate::units::{deg_from_rad, mm_from_m, percent_from_share, rounded};
 use nalgebra::Vector3;
 use serde_json::{Map, Value, json};
 
@@ -56,6 +59,22 @@ fn attitudes(cell: &Cell, layout: &Layout) -> Value {
             json!(length(deg_from_rad(layout.value(cell, slot))));
     }
     Value::Object(all)
+}
+
+/// The spot between the nodes; null of an operation without a choice of it.
+fn refined(a: &Assessment<'_>, operation: usize) -> Value {
+    let Some(refined) = &a.refined[operation] else { return Value::Null };
+    let unit = a.cell.unit();
+    let on_surface = |(x, y): (f64, f64)| [length(mm_from_m(x)), length(mm_from_m(y))];
+    json!({
+        "position_mm": lengths(&refined.position),
+        "on_surface_mm": on_surface(refined.at),
+        "joints_deg": joints(a.cell, &refined.joints),
+        "value": length(unit.from_si(refined.value)),
+        "node_value": length(unit.from_si(refined.node_value)),
+        "node_on_surface_mm": on_surface(refined.node_at),
+        "gain_percent": length(percent_from_share(refined.gain())),
+    })
 }
 
 fn joints(cell: &Cell, q: &JointVector) -> Vec<f64> {

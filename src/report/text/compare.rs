@@ -1,9 +1,10 @@
 //! Layouts side by side.
 
 use super::table::Table;
-use super::{STATUSES, USUAL, fixed, mm, mm1, value_word};
+use super::{STATUSES, USUAL, fixed, mm, mm1, percent1, value_word};
 use crate::cell::{Coordinate, Slot, Unit};
 use crate::compare::{Assessment, Comparison};
+use crate::layout::Refined;
 use crate::units::{deg_from_rad, rounded};
 use std::fmt::Write;
 
@@ -23,7 +24,12 @@ pub fn comparison(comparison: &Comparison<'_>) -> String {
     }
     let objective = |a: &Assessment<'_>| a.objective();
     let cells = (0..columns.len()).map(|c| with_change(comparison, c, &objective));
-    table.labelled("objective", columns.first().map_or("", |c| c.cell.unit().word()), cells);
+    let robust = columns.iter().any(|c| c.cell.search.robust);
+    table.labelled(
+        if robust { "objective if misplaced" } else { "objective" },
+        columns.first().map_or("", |c| c.cell.unit().word()),
+        cells,
+    );
     let mut out = table.render();
     for column in columns.iter().filter(|c| c.evaluation.objective.is_none()) {
         let _ = write!(out, "\n{}", feasibility(column));
@@ -96,6 +102,25 @@ fn worth_rows(table: &mut Table, k: usize, columns: &[Assessment<'_>]) {
     }
 }
 
+/// The spot between the nodes, where any layout has one.
+fn refined_rows(table: &mut Table, k: usize, columns: &[Assessment<'_>]) {
+    if columns.iter().all(|c| c.refined[k].is_none()) {
+        return;
+    }
+    let cells = |f: &dyn Fn(&Refined) -> String| {
+        let of = |c: &Assessment<'_>| c.refined[k].as_ref().map_or("-".into(), f);
+        columns.iter().map(of).collect::<Vec<_>>()
+    };
+    let position = |r: &Refined| r.position.iter().map(|v| mm1(*v)).collect::<Vec<_>>().join(", ");
+    table.labelled("", "refined x, y, z mm", cells(&position).into_iter());
+    let unit = columns[0].cell.unit();
+    let value = |r: &Refined| {
+        let gain = percent1(r.gain());
+        format!("{} ({gain} less than at the node)", fixed(unit.from_si(r.value), 4))
+    };
+    table.labelled("", &format!("refined {}", unit.word()), cells(&value).into_iter());
+}
+
 fn operation_rows(table: &mut Table, k: usize, comparison: &Comparison<'_>) {
     let columns = &comparison.columns;
     let operation = &columns[0].cell.operations[k];
@@ -104,6 +129,7 @@ fn operation_rows(table: &mut Table, k: usize, comparison: &Comparison<'_>) {
         None => "none".into(),
     };
     table.labelled(&operation.name, "spot x, y, z mm", columns.iter().map(spot));
+    refined_rows(table, k, columns);
     let joints = |a: &Assessment<'_>| match a.spot(k) {
         Some((_, p)) => {
             let q = p.joints.iter().take(a.cell.robot.axes());

@@ -1,6 +1,6 @@
 //! What the maps say, operation by operation.
 
-use super::{STATUSES, feasibility, mm1, percent, value_word};
+use super::{STATUSES, feasibility, mm1, percent, percent1, value_word};
 use crate::cell::{Cell, Model, Unit};
 use crate::compare::Assessment;
 use crate::error_map::{OperationMap, Status};
@@ -38,6 +38,9 @@ fn map_summary(a: &Assessment<'_>, map: &OperationMap) -> String {
             let (word, value) = (value_word(cell), unit.from_si(p.value));
             let _ = write!(out, "\n  least {word} in {sense}: {value:.6} {}", unit.word());
             let _ = write!(out, " at node ({}, {}), x {x} y {y} z {z} mm", node.i, node.j);
+            if let Some(said) = refined_summary(a, map.operation) {
+                let _ = write!(out, "\n  {said}");
+            }
             if let Some(k) = map.sense(sense) {
                 let _ = write!(out, "\n  there {}", risk(&p.figures[k], operation.sense.unit, p.success));
             }
@@ -52,6 +55,17 @@ fn map_summary(a: &Assessment<'_>, map: &OperationMap) -> String {
         let _ = write!(out, "\n  {}", guard_summary(cell, map));
     }
     out
+}
+
+/// The spot between the nodes, and what it gains.
+fn refined_summary(a: &Assessment<'_>, k: usize) -> Option<String> {
+    let (refined, unit) = (a.refined[k].as_ref()?, a.cell.unit());
+    let [x, y, z] = [refined.position.x, refined.position.y, refined.position.z].map(mm1);
+    let (u, v) = (mm1(refined.at.0), mm1(refined.at.1));
+    let (value, word, gain) = (unit.from_si(refined.value), unit.word(), percent1(refined.gain()));
+    Some(format!(
+        "refined between the nodes: {value:.6} {word} ({gain} less) at x {x} y {y} z {z} mm, on the surface x {u} y {v} mm"
+    ))
 }
 
 /// The same errors read in other ways.

@@ -1,0 +1,34 @@
+//! `robust`.
+
+use super::{suggest, workcell};
+use crate::cli::arguments::RobustArguments;
+use crate::cli::output::path_word;
+use crate::cli::overrides::overridden;
+use crate::cli::{Exit, files, output, results};
+use crate::compare::Assessment;
+use crate::report;
+
+/// `sweetspot robust`
+pub fn robust(a: &RobustArguments) -> Result<Exit, Exit> {
+    let cell = overridden(files::load(&a.cell, &a.packages)?, &a.overrides)?.cell;
+    let workcell = workcell(cell, &a.cell)?;
+    let assessment = Assessment::new("start", &workcell, workcell.cell.start()).misplaced();
+    if a.json {
+        output::data(&results::line(&report::json::robust(&assessment))?)?;
+    } else {
+        let headline = report::text::headline(&workcell.cell);
+        let mut said = format!("{headline}\n\n{}", report::text::robustness(&assessment));
+        if assessment.evaluation.objective.is_none() {
+            said.push_str(&report::text::feasibility(&assessment));
+        }
+        output::data(&said)?;
+        let cell = path_word(&a.cell);
+        let searched = !workcell.cell.free().is_empty() && workcell.cell.has_placement_tolerance();
+        suggest(&if searched {
+            format!("search {cell} --robust")
+        } else {
+            format!("map {cell} --svg map.svg")
+        });
+    }
+    Ok(if assessment.is_robust() { Exit::Done } else { Exit::AnswerIsNo })
+}

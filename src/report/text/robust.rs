@@ -1,0 +1,129 @@
+//! What misplacement does to each operation.
+
+use super::{amount, fixed, percent1, value_word};
+use crate::cell::{Cell, Slot, Unit, shown};
+use crate::compare::Assessment;
+use crate::layout::{Corner, Ended, Largest, Lost, Robustness};
+use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg, rounded};
+use std::fmt::Write;
+
+/// Corners told one by one at which an operation is lost.
+const TOLD: usize = 3;
+
+/// What misplacement does to each operation of a layout; empty if it was not asked.
+pub fn robustness(a: &Assessment<'_>) -> String {
+    let mut out = String::new();
+    for (k, robustness) in a.robustness.iter().enumerate() {
+        let operation = &a.cell.operations[k];
+        let surface = shown(&a.cell.equipment[operation.equipment].name);
+        let _ = write!(out, "{} on {surface}, misplaced with spot and branch kept: ", shown(&operation.name));
+        match robustness {
+            None => out.push_str("no usable node\n"),
+            Some(r) => {
+                let word = value_word(a.cell);
+                let _ = writeln!(out, "{word} {} as drawn", amount(a.cell.unit(), r.value));
+                for line in lines(a.cell, k, r) {
+                    let _ = writeln!(out, "  {line}");
+                }
+            }
+        }
+    }
+    out
+}
+
+fn lines(cell: &Cell, k: usize, r: &Robustness) -> Vec<String> {
+    let mut lines = Vec::new();
+    if let Some(worst) = &r.worst {
+        let change = if r.value > 0.0 { (worst.value - r.value) / r.value } else { 0.0 };
+        let sign = if change < 0.0 { "" } else { "+" };
+        lines.push(format!(
+            "placement tolerance: worst {} ({sign}{}) at {}",
+            amount(cell.unit(), worst.value),
+            percent1(change),
+            moves(cell, &worst.moves)
+        ));
+    }
+    for lost in r.lost.iter().take(TOLD) {
+        lines.push(format!("LOST at {}: {}", moves(cell, &lost.moves), lost.status.reason(cell)));
+    }
+    if r.lost.len() > TOLD {
+        lines.push(format!("LOST at {} of {} corners in all", r.lost.len(), r.corners));
+    }
+    lines.push(format!("changes by {}", slopes(cell, r)));
+    let has_limit = cell.operations[k].limit.is_some() && cell.unit() != Unit::Share;
+    let keeps = if has_limit { "its limit, reach and clearance" } else { "reach and clearance" };
+    if let Some(scale) = &r.scale {
+        let at_most = most(scale, |s| format!("{} times its tolerance", fixed(s, 2)));
+        lines.push(format!("keeps {keeps} up to {at_most}{}", because(cell, scale)));
+    }
+    let mm = |v| format!("{} mm in plan", fixed(mm_from_m(v), 2));
+    let deg = |v| format!("{} deg in yaw", fixed(deg_from_rad(v), 3));
+    let on = shown(&cell.equipment[cell.operations[k].equipment].name);
+    for (at_most, largest) in [(most(&r.shift, mm), &r.shift), (most(&r.turn, deg), &r.turn)] {
+        lines.push(format!("{on} may be misplaced by at most {at_most}{}", because(cell, largest)));
+    }
+    lines
+}
+
+fn most(largest: &Largest, said: impl Fn(f64) -> String) -> String {
+    let more = if largest.ended.is_none() { " and more" } else { "" };
+    said(largest.most) + more
+}
+
+/// What ends it.
+fn because(cell: &Cell, largest: &Largest) -> String {
+    match &largest.ended {
+        None => String::new(),
+        Some(Ended::Limit(Corner { moves: at, .. })) => {
+            format!(": then beyond its limit at {}", moves(cell, at))
+        }
+        Some(Ended::Lost(Lost { moves: at, status })) => {
+            format!(": then {} at {}", status.reason(cell), moves(cell, at))
+        }
+    }
+}
+
+/// "worktable x+2 y-2 yaw+0.2", mm and degrees.
+fn moves(cell: &Cell, moves: &[(Slot, f64)]) -> String {
+    let (mut said, mut of) = (String::new(), String::new());
+    for (slot, by) in moves {
+        let body = body(cell, *slot);
+        if body != of {
+            let _ = write!(said, "{}{body}", if of.is_empty() { "" } else { ", " });
+            of = body;
+        }
+        let value = if slot.is_angle() { deg_from_rad(*by) } else { mm_from_m(*by) };
+        let value = rounded(value, 3);
+        let _ = write!(said, " {}{}{value}", axis(*slot), if value < 0.0 { "" } else { "+" });
+    }
+    said
+}
+
+fn body(cell: &Cell, slot: Slot) -> String {
+    match slot {
+        Slot::Equipment(k, _) => shown(&cell.equipment[k].name),
+        _ => "robot base".into(),
+    }
+}
+
+fn axis(slot: Slot) -> &'static str {
+    match slot {
+        Slot::Base(axis) | Slot::Equipment(_, axis) => ["x", "y", "z", "yaw"][axis],
+        Slot::Attitude(..) => "attitude",
+    }
+}
+
+/// The gradient: unit per mm and per degree.
+fn slopes(cell: &Cell, r: &Robustness) -> String {
+    let unit = cell.unit();
+    let one = |(slot, slope): &(Slot, Option<f64>)| {
+        let (per, word) = if slot.is_angle() { (rad_from_deg(1.0), "deg") } else { (m_from_mm(1.0), "mm") };
+        let value = slope.map_or("-".into(), |slope| fixed(unit.from_si(slope * per), 5));
+        let whose = match slot {
+            Slot::Equipment(..) => String::new(),
+            _ => body(cell, *slot) + " ",
+        };
+        format!("{whose}{} {value} {}/{word}", axis(*slot), unit.word())
+    };
+    r.gradient.iter().map(one).collect::<Vec<_>>().join(", ")
+}
