@@ -66,7 +66,7 @@ fn errors(evaluation: &Evaluation) -> Option<Vec<f64>> {
 }
 
 fn settings(solver: Solver, budget: u64) -> SearchSettings {
-    SearchSettings { solver, objective: Objective::WeightedSum, budget, seed: 1 }
+    SearchSettings { solver, objective: Objective::WeightedSum, budget, seed: 1, gap: None, stagnation: None }
 }
 
 /// A cell of one table; `placement` and `more` are TOML.

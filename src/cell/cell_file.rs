@@ -142,14 +142,29 @@ fn read_equipment(t: &mut Table<'_>, lib: &mut Library<'_>) -> Vec<Equipment> {
 }
 
 fn read_search(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<SearchSettings> {
-    let default =
-        SearchSettings { solver: Solver::CmaEs, objective: Objective::WeightedSum, budget: 20_000, seed: 1 };
+    let default = SearchSettings {
+        solver: Solver::CmaEs,
+        objective: Objective::WeightedSum,
+        budget: 20_000,
+        seed: 1,
+        gap: None,
+        stagnation: None,
+    };
     let Some(node) = t.get("search") else { return Some(default) };
     Table::read(node, "`search`", lib, |t, lib| {
         let solver = t.choice("solver", &Solver::ALL, Solver::name, Some(default.solver), lib);
         let objective = t.choice("objective", &Objective::ALL, Objective::name, Some(default.objective), lib);
         let budget = t.integer_or("budget", default.budget, (1, 1_000_000_000), lib);
         let seed = t.integer_or("seed", default.seed, (0, u64::MAX), lib);
-        Some(SearchSettings { solver: solver?, objective: objective?, budget: budget?, seed: seed? })
+        let gap = match t.get("gap") {
+            Some(_) => t.number("gap", Must::NotBeNegative, lib).map(Some),
+            None => Some(None),
+        };
+        let stagnation = match t.get("stagnation") {
+            Some(_) => t.integer_or("stagnation", 1, (1, 1_000_000_000), lib).map(Some),
+            None => Some(None),
+        };
+        let (solver, objective, budget, seed) = (solver?, objective?, budget?, seed?);
+        Some(SearchSettings { solver, objective, budget, seed, gap: gap?, stagnation: stagnation? })
     })
 }

@@ -132,11 +132,15 @@ impl Solver {
     }
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SearchSettings {
     pub solver: Solver,
     pub objective: Objective,
     /// Layout evaluations.
     pub budget: u64,
     pub seed: u64,
+    /// Share above the proven bound at which the best layout is good enough.
+    pub gap: Option<f64>,
+    /// Evaluations without improvement after which the global solver ends.
+    pub stagnation: Option<u64>,
 }
