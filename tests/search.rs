@@ -67,14 +67,7 @@ fn errors(evaluation: &Evaluation) -> Option<Vec<f64>> {
 }
 
 fn settings(solver: Solver, budget: u64) -> SearchSettings {
-    SearchSettings {
-        solver,
-        objective: Objective::WeightedSum,
-        indifference: 0.01,
-        budget,
-        seed: 1,
-        robust: false,
-    }
+    SearchSettings { solver, budget, ..SearchSettings::default() }
 }
 
 /// A cell of one table; `placement` and `more` are TOML.

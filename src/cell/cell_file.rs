@@ -165,14 +165,7 @@ fn read_equipment(t: &mut Table<'_>, lib: &mut Library<'_>) -> Vec<Equipment> {
 }
 
 fn read_search(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<SearchSettings> {
-    let default = SearchSettings {
-        solver: Solver::CmaEs,
-        objective: Objective::WeightedSum,
-        indifference: 0.01,
-        budget: 20_000,
-        seed: 1,
-        robust: false,
-    };
+    let default = SearchSettings::default();
     let Some(node) = t.get("search") else { return Some(default) };
     Table::read(node, "`search`", lib, |t, lib| {
         let solver = t.choice("solver", &Solver::ALL, Solver::name, Some(default.solver), lib);
@@ -181,6 +174,14 @@ fn read_search(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<SearchSetting
         let budget = t.integer_or("budget", default.budget, (1, 1_000_000_000), lib);
         let seed = t.integer_or("seed", default.seed, (0, u64::MAX), lib);
         let robust = t.boolean_or("robust", false, lib);
+        let gap = match t.get("gap") {
+            Some(_) => t.number("gap", Must::NotBeNegative, lib).map(Some),
+            None => Some(None),
+        };
+        let stagnation = match t.get("stagnation") {
+            Some(_) => t.integer_or("stagnation", 1, (1, 1_000_000_000), lib).map(Some),
+            None => Some(None),
+        };
         Some(SearchSettings {
             solver: solver?,
             objective: objective?,
@@ -188,6 +189,8 @@ fn read_search(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<SearchSetting
             budget: budget?,
             seed: seed?,
             robust: robust?,
+            gap: gap?,
+            stagnation: stagnation?,
         })
     })
 }

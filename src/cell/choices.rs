@@ -191,4 +191,23 @@ pub struct SearchSettings {
     pub seed: u64,
     /// Whether the worst over the placement tolerances is made small, not the value as drawn.
     pub robust: bool,
+    /// Share above the proven bound at which the best layout is good enough.
+    pub gap: Option<f64>,
+    /// Evaluations without improvement after which the global solver ends.
+    pub stagnation: Option<u64>,
+}
+
+impl Default for SearchSettings {
+    fn default() -> Self {
+        Self {
+            solver: Solver::CmaEs,
+            objective: Objective::WeightedSum,
+            indifference: 0.01,
+            budget: 20_000,
+            seed: 1,
+            robust: false,
+            gap: None,
+            stagnation: None,
+        }
+    }
 }

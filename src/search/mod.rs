@@ -7,30 +7,23 @@
 //! its best is. Same cell, seed and budget give the same bytes for any number of threads.
 
 mod cma_es;
+mod ledger;
 mod problem;
+mod record;
 mod solvers;
 mod space;
+mod stopping;
 
-pub use problem::{Progress, Watch};
+pub use ledger::{Checkpoint, Unfit};
+pub use problem::{Keep, Progress, Watch};
 pub use space::Space;
+pub use stopping::{Ended, Stopping};
 
 use crate::cell::{Layout, SearchSettings};
 use crate::layout::{Evaluation, Workcell, evaluate};
-use problem::{Problem, Record};
-
-/// Share of the budget kept for the polish.
-const POLISH_SHARE: f64 = 0.1;
-
-/// How a search ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Ended {
-    /// Every evaluation of the budget was used, or the polish had nothing left to gain.
-    Done,
-    /// Somebody asked to stop.
-    Interrupted,
-    /// No placement has a range.
-    NothingToSearch,
-}
+use ledger::Ledger;
+use problem::Problem;
+use record::Record;
 
 /// One layout with its worth.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,6 +43,8 @@ pub struct SearchRecord {
     pub feasible: u64,
     /// Evaluations and objective (m) at each improvement of the best feasible layout.
     pub trace: Vec<(u64, f64)>,
+    /// The bound that was given, m.
+    pub bound: Option<f64>,
     pub ended: Ended,
 }
 
@@ -58,27 +53,62 @@ impl SearchRecord {
     pub fn found(&self) -> bool {
         self.best.evaluation.objective.is_some()
     }
+
+    /// By which share of the bound the best layout lies above it.
+    pub fn gap(&self) -> Option<f64> {
+        let best = self.best.evaluation.objective?;
+        self.bound.filter(|b| *b > 0.0).map(|bound| best / bound - 1.0)
+    }
+}
+
+/// A search as a job: what is known of the answer, where to go on, and who keeps checkpoints.
+pub struct Job<'a> {
+    /// Proven lower bound of the objective, m.
+    pub bound: Option<f64>,
+    /// Where an interrupted search stood; [`Checkpoint::check`] says whether it fits.
+    pub from: Option<&'a Checkpoint>,
+    /// Told the state before the first evaluation, after every generation, and at the end of a
+    /// search that was interrupted.
+    pub keep: Keep<'a>,
 }
 
 /// Searches the layout of a cell.
 pub fn search(workcell: &Workcell, settings: &SearchSettings, watch: &Watch<'_>) -> SearchRecord {
+    search_job(workcell, settings, watch, &Job { bound: None, from: None, keep: &|_| () })
+}
+
+/// Searches the layout of a cell, from a checkpoint if there is one: it ends in the same bits as a
+/// search with the same settings that was never interrupted.
+pub fn search_job(
+    workcell: &Workcell,
+    settings: &SearchSettings,
+    watch: &Watch<'_>,
+    job: &Job<'_>,
+) -> SearchRecord {
     let space = Space::new(&workcell.cell);
     let start = candidate(workcell, workcell.cell.start());
+    let bound = job.bound;
     if space.dimensions() == 0 {
         let feasible = u64::from(start.evaluation.objective.is_some());
         let (best, ended) = (start.clone(), Ended::NothingToSearch);
-        return SearchRecord { start, best, evaluations: 1, feasible, trace: Vec::new(), ended };
+        return SearchRecord { start, best, evaluations: 1, feasible, trace: Vec::new(), bound, ended };
     }
-    let mut problem = Problem::new(workcell, &space, settings.budget, watch);
-    let polish = (settings.budget as f64 * POLISH_SHARE) as u64;
-    problem.allow(settings.budget - polish);
-    // The layout as drawn is the first candidate, so that no answer is worse.
-    problem.try_point(&space.start());
+    let stopping = Stopping::new(settings, bound);
+    let ledger = match job.from {
+        Some(checkpoint) => Ledger::resumed(checkpoint, stopping),
+        None => Ledger::new(space.start(), stopping),
+    };
+    (job.keep)(ledger.checkpoint());
+    let problem = Problem::new(workcell, &space, ledger, watch, job.keep);
     solvers::explore(&problem, settings, space.start());
-    problem.allow(settings.budget);
     solvers::polish(&problem);
-    let ended = if problem.interrupted() { Ended::Interrupted } else { Ended::Done };
-    let mut record = problem.into_record();
+    let stopped = problem.interrupted();
+    let ledger = problem.into_ledger();
+    if stopped {
+        (job.keep)(ledger.checkpoint());
+    }
+    let ended = if stopped { Ended::Interrupted } else { ledger.ended() };
+    let mut record = ledger.record;
     let mut best = candidate(workcell, space.layout(&record.point));
     // Drawn finer than the search rounds, it can still be the better one.
     if start.evaluation.cost < best.evaluation.cost {
@@ -86,7 +116,7 @@ pub fn search(workcell: &Workcell, settings: &SearchSettings, watch: &Watch<'_>)
         record.trace.extend(best.evaluation.objective.map(|e| (record.evaluations, e)));
     }
     let Record { evaluations, feasible, trace, .. } = record;
-    SearchRecord { start, best, evaluations, feasible, trace, ended }
+    SearchRecord { start, best, evaluations, feasible, trace, bound, ended }
 }
 
 fn candidate(workcell: &Workcell, layout: Layout) -> Candidate {

@@ -1,7 +1,9 @@
 //! The optimization problem as argmin sees it, and what was best so far.
 
+use super::ledger::{Checkpoint, Ledger};
+use super::record::{Answer, Record};
 use super::space::Space;
-use crate::cell::Layout;
+use super::stopping::Ended;
 use crate::layout::{Workcell, Workspace, evaluate_in, separated};
 use argmin::core::{CostFunction, Error};
 use argmin::solver::simulatedannealing::Anneal;
@@ -18,6 +20,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 pub struct Progress {
     pub evaluations: u64,
     pub budget: u64,
+    /// How many of the evaluated layouts were feasible.
+    pub feasible: u64,
     /// Objective of the best feasible layout, m.
     pub best: Option<f64>,
 }
@@ -28,16 +32,8 @@ pub struct Watch<'a> {
     pub stop: &'a AtomicBool,
 }
 
-/// What the problem remembers.
-#[derive(Debug, Clone, Default)]
-pub struct Record {
-    pub evaluations: u64,
-    pub feasible: u64,
-    /// The point with the least cost.
-    pub point: Vec<f64>,
-    pub trace: Vec<(u64, f64)>,
-    cost: Option<f64>,
-}
+/// Told the state of the search whenever it has changed, so that it can be kept.
+pub type Keep<'a> = &'a (dyn Fn(&Checkpoint) + Sync);
 
 /// Cost of a point of the unit cube, with a budget. When that is used up every further point costs
 /// minus infinity: the best there can be, at which every argmin solver stops. (An error would, too,
@@ -46,23 +42,27 @@ pub struct Problem<'a> {
     workcell: &'a Workcell,
     space: &'a Space<'a>,
     watch: &'a Watch<'a>,
+    keep: Keep<'a>,
     budget: u64,
-    allowed: u64,
-    record: Mutex<Record>,
+    ledger: Mutex<Ledger>,
+    /// Memory of the threads, kept from call to call.
+    workspaces: Mutex<Vec<Workspace>>,
     /// Random stream of [`Anneal`], which argmin calls without one.
     annealing: Mutex<ChaCha8Rng>,
 }
 
 impl<'a> Problem<'a> {
-    pub fn new(workcell: &'a Workcell, space: &'a Space<'a>, budget: u64, watch: &'a Watch<'a>) -> Self {
-        let record = Mutex::new(Record { point: space.start(), ..Record::default() });
+    pub fn new(
+        workcell: &'a Workcell,
+        space: &'a Space<'a>,
+        ledger: Ledger,
+        watch: &'a Watch<'a>,
+        keep: Keep<'a>,
+    ) -> Self {
+        let budget = ledger.checkpoint().stopping().budget;
         let annealing = Mutex::new(ChaCha8Rng::seed_from_u64(0));
-        Self { workcell, space, watch, budget, allowed: budget, record, annealing }
-    }
-
-    /// Sets up to how many evaluations may be made in all.
-    pub fn allow(&mut self, evaluations: u64) {
-        self.allowed = evaluations;
+        let (ledger, workspaces) = (Mutex::new(ledger), Mutex::default());
+        Self { workcell, space, watch, keep, budget, ledger, workspaces, annealing }
     }
 
     /// Sets the random stream of simulated annealing.
@@ -70,13 +70,45 @@ impl<'a> Problem<'a> {
         *locked(&self.annealing) = rng;
     }
 
+    /// Evaluations still allowed in the run under way.
+    pub fn left(&self) -> u64 {
+        self.left_of(&locked(&self.ledger))
+    }
+
+    fn left_of(&self, ledger: &Ledger) -> u64 {
+        // What is in the journal costs nothing, and without it the record would fall back.
+        let stopped = self.interrupted() && !ledger.knows();
+        let left = ledger.until.saturating_sub(ledger.record.evaluations);
+        if stopped || ledger.met().is_some() { 0 } else { left }
+    }
+
     pub fn interrupted(&self) -> bool {
         self.watch.stop.load(Ordering::Relaxed)
     }
 
-    /// Evaluations still allowed.
-    pub fn left(&self) -> u64 {
-        if self.interrupted() { 0 } else { self.allowed.saturating_sub(locked(&self.record).evaluations) }
+    pub fn run(&self) -> u64 {
+        locked(&self.ledger).run()
+    }
+
+    /// Begins the next run; says whether there is one.
+    pub fn begin_run(&self) -> bool {
+        let mut ledger = locked(&self.ledger);
+        let over = ledger.record.evaluations >= ledger.checkpoint().stopping().exploration();
+        let goes_on = !self.interrupted() && !over && ledger.met().is_none();
+        if goes_on {
+            ledger.begin_run();
+        }
+        goes_on
+    }
+
+    /// Begins the polish; says whether there is one.
+    pub fn begin_polish(&self) -> bool {
+        let mut ledger = locked(&self.ledger);
+        let goes_on = !matches!(ledger.met(), Some(Ended::Gap | Ended::Diverged));
+        if goes_on {
+            ledger.begin_polish();
+        }
+        goes_on
     }
 
     pub fn dimensions(&self) -> usize {
@@ -97,53 +129,65 @@ impl<'a> Problem<'a> {
     }
 
     pub fn best_point(&self) -> Vec<f64> {
-        locked(&self.record).point.clone()
+        locked(&self.ledger).record.point.clone()
     }
 
-    pub fn into_record(self) -> Record {
-        self.record.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner())
+    pub fn into_ledger(self) -> Ledger {
+        self.ledger.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner())
     }
 
     /// Costs of several points, in their order, and the record brought up to date in that order.
     fn costs(&self, points: &[&Vec<f64>]) -> Vec<f64> {
-        let count = self.left().min(points.len() as u64) as usize;
+        // Solvers ask one question at a time, so nobody waits for this lock.
+        let mut ledger = locked(&self.ledger);
+        let count = self.left_of(&ledger).min(points.len() as u64) as usize;
         if count == 0 {
             return vec![f64::NEG_INFINITY; points.len()];
         }
-        let layouts: Vec<Layout> = points[..count].iter().map(|p| self.space.layout(p)).collect();
-        let evaluate = |workspace: &mut Workspace, layout: &Layout| {
-            let e = evaluate_in(self.workcell, layout, workspace);
-            (e.cost, e.objective.is_some())
-        };
-        let values: Vec<(f64, bool)> = match &layouts[..] {
-            [one] => vec![evaluate(&mut Workspace::default(), one)],
-            many => many.par_iter().with_min_len(2).map_init(Workspace::default, evaluate).collect(),
-        };
-        let mut record = locked(&self.record);
-        for (point, (cost, feasible)) in points.iter().zip(&values) {
-            record.note(point, *cost, *feasible);
-        }
-        let best = record.trace.last().map(|t| t.1);
-        (self.watch.progress)(Progress { evaluations: record.evaluations, budget: self.budget, best });
+        let mut answers = ledger.recall(count);
+        answers.extend(self.evaluated(&points[answers.len()..count]));
+        ledger.note(points.iter().copied(), &answers);
+        let Record { evaluations, feasible, .. } = ledger.record;
+        let best = ledger.record.best();
+        (self.watch.progress)(Progress { evaluations, budget: self.budget, feasible, best });
+        (self.keep)(ledger.checkpoint());
         // Solvers see the cost of unit weights: their tolerances are lengths.
         let weight = self.workcell.weight();
-        let mut costs: Vec<f64> = values.into_iter().map(|v| v.0 / weight).collect();
+        let mut costs: Vec<f64> = answers.into_iter().map(|a| a.cost / weight).collect();
         costs.resize(points.len(), f64::NEG_INFINITY);
         costs
     }
+
+    /// Evaluates points, on as many threads as there are.
+    fn evaluated(&self, points: &[&Vec<f64>]) -> Vec<Answer> {
+        let evaluate = |lease: &mut Lease<'_>, point: &&Vec<f64>| {
+            let e = evaluate_in(self.workcell, &self.space.layout(point), &mut lease.workspace);
+            Answer { cost: e.cost, feasible: e.objective.is_some() }
+        };
+        let lease = || Lease::new(&self.workspaces);
+        match points {
+            [one] => vec![evaluate(&mut lease(), one)],
+            many => many.par_iter().with_min_len(2).map_init(lease, evaluate).collect(),
+        }
+    }
 }
 
-impl Record {
-    fn note(&mut self, point: &[f64], cost: f64, feasible: bool) {
-        self.evaluations += 1;
-        self.feasible += u64::from(feasible);
-        if self.cost.is_none_or(|best| cost < best) {
-            self.cost = Some(cost);
-            self.point = point.to_vec();
-            if feasible {
-                self.trace.push((self.evaluations, cost));
-            }
-        }
+/// Memory of a thread while it evaluates.
+struct Lease<'a> {
+    free: &'a Mutex<Vec<Workspace>>,
+    workspace: Workspace,
+}
+
+impl<'a> Lease<'a> {
+    fn new(free: &'a Mutex<Vec<Workspace>>) -> Self {
+        let workspace = locked(free).pop().unwrap_or_default();
+        Self { free, workspace }
+    }
+}
+
+impl Drop for Lease<'_> {
+    fn drop(&mut self) {
+        locked(self.free).push(std::mem::take(&mut self.workspace));
     }
 }
 

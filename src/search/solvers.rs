@@ -29,9 +29,11 @@ type Swarm = PopulationState<Particle<Vec<f64>, f64>, f64>;
 /// Runs the global solver, again and again from other points, until the budget allowed is used up.
 /// The first run starts from the layout as drawn, where the solver has a start.
 pub fn explore(problem: &Problem<'_>, settings: &SearchSettings, start: Vec<f64>) {
-    for run in 0u64.. {
-        if problem.left() == 0 {
-            break;
+    loop {
+        let run = problem.run();
+        if run == 0 {
+            // The layout as drawn is the first candidate, so that no answer is worse.
+            problem.try_point(&start);
         }
         // A random stream for every run: what one run draws does not shift the next.
         let mut rng = ChaCha8Rng::seed_from_u64(settings.seed);
@@ -59,11 +61,17 @@ pub fn explore(problem: &Problem<'_>, settings: &SearchSettings, start: Vec<f64>
                 })
             }
         };
+        if !problem.begin_run() {
+            break;
+        }
     }
 }
 
 /// Nelder-Mead from the best point so far.
 pub fn polish(problem: &Problem<'_>) {
+    if !problem.begin_polish() {
+        return;
+    }
     let best = problem.best_point();
     // Edges point inwards, so that no corner is folded back onto another.
     let corner = |k: usize| {

@@ -8,7 +8,7 @@ use crate::compare::{Assessment, Comparison};
 use crate::error_map::OperationMap;
 use crate::reading::Figures;
 use crate::report::text::value_word;
-use crate::search::{Ended, SearchRecord};
+use crate::search::SearchRecord;
 use crate::units::rounded;
 use serde_json::{Map, Value, json};
 
@@ -16,11 +16,6 @@ use serde_json::{Map, Value, json};
 /// for any number of threads.
 pub fn search(cell: &Cell, record: &SearchRecord, assessed: &Comparison<'_>, seconds: Option<f64>) -> Value {
     let [start, best] = &assessed.columns[..] else { return Value::Null };
-    let ended = match record.ended {
-        Ended::Done => "done",
-        Ended::Interrupted => "interrupted",
-        Ended::NothingToSearch => "nothing-to-search",
-    };
     let mut document = json!({
         "schema": "sweetspot/search/1",
         "status": if record.found() { "found" } else { "none" },
@@ -28,9 +23,11 @@ pub fn search(cell: &Cell, record: &SearchRecord, assessed: &Comparison<'_>, sec
         "objective_value": best.objective().map(length),
         "unit": cell.unit().word(),
         "gain_percent": assessed.change_percent(1, Assessment::objective).map(|c| rounded(-c, 6)),
+        "bound": record.bound.map(|b| length(cell.unit().from_si(b))),
+        "gap_percent": record.gap().map(|g| rounded(g * 100.0, 6)),
         "evaluations": record.evaluations,
         "feasible": record.feasible,
-        "ended": ended,
+        "ended": record.ended.name(),
         "cell": cell.name,
         "robot": cell.robot.name,
         "errors": cell.error_set().name(),
