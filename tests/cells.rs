@@ -376,3 +376,33 @@ fn the_calibrated_arms() {
         assert!(matches!(set(&cell, "placeholder"), ErrorSet::Tolerance(_)));
     }
 }
+
+#[test]
+fn constraints_of_motion_and_the_fence() {
+    let cell = every_key();
+    let picking = cell.operations.iter().find(|o| o.name == "picking").unwrap();
+    assert_eq!((picking.approach, picking.retract), (0.05, 0.0605));
+    assert_eq!((cell.operations[0].approach, cell.operations[0].retract), (0.0, 0.0));
+    let deg = std::f64::consts::PI / 180.0;
+    let margins = cell.margins;
+    assert!((margins.turn - 5.0 * deg).abs() < 1e-15);
+    assert_eq!((margins.slide, margins.singularity), (0.01, 0.02));
+    let rules = cell.transfer.unwrap();
+    assert_eq!((rules.lift, rules.cycle, rules.via.len()), (0.2, true, 2));
+    assert!((rules.via[1][3] - 20.5 * deg).abs() < 1e-15);
+    let fence = cell.fence.unwrap();
+    assert_eq!((fence.corners.len(), fence.corners[2], fence.height), (4, (3.0, 3.5), Some(2.2)));
+    // Absent: nothing is asked. A posture alone is a via, the robot's home if none is given.
+    let plain = shipped("hitachi_cell.toml");
+    assert_eq!((plain.margins.turn, plain.transfer, plain.fence), (0.0, None, None));
+    let base = "from = \"hitachi_cell.toml\"\n[transfer]\n";
+    let rules = |more: &str| from_text(&format!("{base}{more}")).unwrap().cell.transfer;
+    assert_eq!(rules("").unwrap().via, [plain.robot.home]);
+    assert!((rules("via = [0, 0, 0, 45]").unwrap().via[0][3] - 45.0 * deg).abs() < 1e-15);
+    assert_eq!(rules("via = []").unwrap().via.len(), 0);
+    assert_eq!(rules("check = false"), None);
+    // Clockwise corners are turned round.
+    let text = "from = \"hitachi_cell.toml\"\n[fence]\npolygon_mm = [[0, 0], [0, 2000], [3000, 0]]\n";
+    let turned = from_text(text).unwrap().cell.fence.unwrap();
+    assert_eq!(turned.corners, [(3.0, 0.0), (0.0, 2.0), (0.0, 0.0)]);
+}

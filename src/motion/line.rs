@@ -51,7 +51,7 @@ pub fn straight(
         return Ok(knots);
     }
     let pose = |after: f64| Pose { translation: start.translation + way * (after / length), ..start };
-    let (mut after, mut step, mut here) = (0.0, STEPS.0, *from);
+    let (mut after, mut step, mut here) = (0.0, length / (length / STEPS.0).ceil(), *from);
     while after < length {
         let next = if after + step > length - STEPS.1 { length } else { after + step };
         let found = follow(chain, &here, &pose(next), reach);

@@ -31,6 +31,9 @@ pub struct Stance {
 /// A free way from where one operation has retracted to where the next begins its approach.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Transfer {
+    /// Indices of the operations.
+    pub from: usize,
+    pub to: usize,
     pub way: Way,
     /// Joint vectors with straight moves between them; rad, m.
     pub path: Vec<JointVector>,
@@ -114,7 +117,9 @@ impl Guard {
             match self.first_hit(scene, placed, &path, load) {
                 Some(hit) => tries.push((way, Hindrance::Hit(hit))),
                 None => {
-                    return Ok(Transfer { way, travel: self.travel(&path), path, arrival: to.joints });
+                    let (travel, arrival) = (self.travel(&path), to.joints);
+                    let (from, to) = (from.operation, to.operation);
+                    return Ok(Transfer { from, to, way, path, travel, arrival });
                 }
             }
         }

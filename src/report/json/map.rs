@@ -5,6 +5,7 @@ use crate::cell::{Cell, Model, Unit};
 use crate::compare::Assessment;
 use crate::error_map::{NodeRecord, OperationMap, PostureRecord};
 use crate::kinematic_error::discrepancy;
+use crate::motion::Transfer;
 use crate::reading::{Estimate, Figures, MonteCarlo};
 use crate::report::text::value_word;
 use crate::units::{deg_from_rad, percent_from_share};
@@ -25,6 +26,9 @@ pub struct MapDocument<'a> {
     /// What must be said about how the errors are read.
     notes: Vec<String>,
     overlaps: Value,
+    /// Of a cell that asks for them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    transfers: Option<Value>,
     layout: Value,
     operations: Vec<OperationDocument<'a>>,
 }
@@ -113,6 +117,7 @@ pub fn map<'a>(assessment: &'a Assessment<'_>) -> MapDocument<'a> {
         unit: cell.unit().word(),
         notes: crate::report::text::caveats(cell),
         overlaps: overlaps(assessment),
+        transfers: cell.transfer.is_some().then(|| transfers(assessment)),
         layout: layout(cell, &assessment.layout),
         operations: assessment.maps.iter().map(|m| operation_map(assessment, m)).collect(),
     }
@@ -255,6 +260,21 @@ pub(super) fn counts(map: &OperationMap) -> Value {
         asked.for_each(|status| drop(object.insert(status.into(), json!(count(status)))));
     }
     counts
+}
+
+/// The ways between consecutive operations; none if one of them is blocked.
+pub(super) fn transfers(a: &Assessment<'_>) -> Value {
+    let way = |t: &Transfer| {
+        let name = |k: usize| &a.cell.operations[k].name;
+        json!({
+            "from": name(t.from),
+            "to": name(t.to),
+            "way": t.way.in_words(),
+            "travel_deg": length(deg_from_rad(t.travel)),
+            "joints_deg": t.path.iter().map(|q| joints(a.cell, q)).collect::<Vec<_>>(),
+        })
+    };
+    Value::Array(a.evaluation.transfers.iter().map(way).collect())
 }
 
 fn overlaps(a: &Assessment<'_>) -> Value {

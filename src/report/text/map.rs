@@ -6,6 +6,7 @@ use crate::compare::Assessment;
 use crate::error_map::{OperationMap, Status};
 use crate::kinematic_error::{Discrepancy, discrepancy};
 use crate::reading::{Estimate, Figures};
+use crate::units::deg_from_rad;
 use std::fmt::Write;
 
 /// What the map says, operation by operation.
@@ -13,6 +14,11 @@ pub fn maps(a: &Assessment<'_>) -> String {
     let mut out = String::new();
     for map in &a.maps {
         let _ = writeln!(out, "{}", map_summary(a, map));
+    }
+    for t in &a.evaluation.transfers {
+        let [from, to] = [t.from, t.to].map(|k| &a.cell.operations[k].name);
+        let travel = deg_from_rad(t.travel);
+        let _ = writeln!(out, "from {from} to {to}: {}, {travel:.1} deg of joint travel", t.way.in_words());
     }
     if a.evaluation.objective.is_none() {
         out.push_str(&feasibility(a));
