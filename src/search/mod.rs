@@ -6,6 +6,7 @@
 //! decides: the problem keeps the best feasible layout it has ever seen, whatever a solver thinks
 //! its best is. Same cell, seed and budget give the same bytes for any number of threads.
 
+pub mod bound;
 mod cma_es;
 mod ledger;
 mod problem;

@@ -1,0 +1,106 @@
+//! The nonlinear error of a signed sample: the ends of two chains of screws, one less the other.
+//!
+//! Two chains with the same joints differ by one small motion before every axis and one before the end:
+//! `d = sum_k a_k g_k` to first order, whose third derivatives are those of columns; the rest is of second
+//! order in the motions and, in any direction of joint space, bounded by products of their sizes.
+
+use super::coordinates::Coordinates;
+use super::screws::{Placed, Screws, Values, about};
+use super::taylor::{Pieces, Taylor, along, radius, rates};
+use crate::cell::{JointKind, MAX_JOINTS};
+use nalgebra::{Matrix3, Vector3};
+
+#[derive(Debug, Clone)]
+pub(super) struct Difference {
+    pub screws: Screws,
+    /// Angle (rad) and shift (m) of the small motion of every link.
+    turns: [f64; MAX_JOINTS + 1],
+    shifts: [f64; MAX_JOINTS + 1],
+    /// Bounds of what is of second order, m: alone, and per metre of a slide.
+    second: f64,
+    second_per_slide: f64,
+}
+
+impl Difference {
+    pub fn new(nominal: &Screws, screws: Screws, pieces: &Pieces) -> Self {
+        let n = nominal.kinds.len();
+        let (mut turns, mut shifts) = ([0.0; MAX_JOINTS + 1], [0.0; MAX_JOINTS + 1]);
+        let (mut rotation, mut from, mut to) = (Matrix3::identity(), nominal.points[0], nominal.points[0]);
+        for k in 0..=n {
+            let (next, point, moved) = match k == n {
+                true => (rotation, nominal.point, screws.point),
+                false => (least(&nominal.axes[k], &screws.axes[k]), nominal.points[k], screws.points[k]),
+            };
+            turns[k] = angle(&(rotation.transpose() * next));
+            // Where the motions before leave the point, and where it is.
+            shifts[k] = (to + rotation * (point - from) - moved).norm();
+            (rotation, from, to) = (next, point, moved);
+        }
+        let (mut second, mut second_per_slide, mut sum) = (0.0, 0.0, 0.0);
+        for k in 0..=n {
+            sum += turns[k];
+            let lever = pieces.from(k) + shifts[k..=n].iter().sum::<f64>();
+            second += (turns[k] * lever + shifts[k]) * sum;
+            second_per_slide += turns[k] * sum;
+        }
+        Self { screws, turns, shifts, second, second_per_slide }
+    }
+
+    /// Whether the first axis is where it should be, so that all errors turn with it.
+    pub fn keeps_first_axis(&self) -> bool {
+        self.turns[0] < 1e-12 && self.shifts[0] < 1e-12
+    }
+
+    /// Expands `eta . d`.
+    pub fn expand(
+        &self,
+        (nominal, coordinates, pieces): (&Screws, &Coordinates, &Pieces),
+        (at, with): (&Placed, &Placed),
+        eta: &Vector3<f64>,
+        radii: &Values,
+    ) -> Taylor {
+        let (mut gradient, mut hessian) =
+            along(&self.screws, with, &rates(&self.screws, with, Some(&with.point)), eta);
+        let (g, h) = along(nominal, at, &rates(nominal, at, Some(&at.point)), eta);
+        for i in 0..coordinates.count {
+            gradient[i] -= g[i];
+            (0..coordinates.count).for_each(|j| hessian[i][j] -= h[i][j]);
+        }
+        let (gradient, hessian) = coordinates.derivatives(&gradient, &hessian);
+        let value = eta.dot(&(with.point - at.point));
+        Taylor { value, gradient, hessian, rest: eta.norm() * self.rest(coordinates, pieces, radii) }
+    }
+
+    fn rest(&self, coordinates: &Coordinates, pieces: &Pieces, radii: &Values) -> f64 {
+        let first = (0..=coordinates.count).map(|m| {
+            let own = coordinates.turning[m];
+            self.turns[m] * pieces.turned(coordinates, radii, m, own, 3)
+                + self.shifts[m] * radius(radii, own).powi(3)
+        });
+        let turned: f64 = coordinates.angles.iter().zip(radii).map(|(a, r)| a * r).sum();
+        let slid: f64 = radii
+            .iter()
+            .zip(&self.screws.kinds)
+            .filter(|(_, k)| **k == JointKind::Prismatic)
+            .map(|(r, _)| r)
+            .sum();
+        let second = self.second * turned.powi(3) + 3.0 * self.second_per_slide * turned * turned * slid;
+        (first.sum::<f64>() + second) / 6.0
+    }
+}
+
+/// The smallest turn that takes one unit vector to another.
+fn least(from: &Vector3<f64>, to: &Vector3<f64>) -> Matrix3<f64> {
+    let cross = from.cross(to);
+    let sine = cross.norm();
+    if sine == 0.0 {
+        return Matrix3::identity();
+    }
+    about(&(cross / sine), &Vector3::zeros(), sine.atan2(from.dot(to))).rotation
+}
+
+/// Angle of a rotation; good to the last digit where it is small.
+fn angle(r: &Matrix3<f64>) -> f64 {
+    let twice = Vector3::new(r[(2, 1)] - r[(1, 2)], r[(0, 2)] - r[(2, 0)], r[(1, 0)] - r[(0, 1)]);
+    twice.norm().atan2(r.trace() - 1.0)
+}
