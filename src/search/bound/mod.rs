@@ -33,8 +33,8 @@ mod worth;
 pub use region::Region;
 pub use worth::tangent;
 
-use crate::cell::{JointVector, Objective, shown};
-use crate::layout::Workcell;
+use crate::cell::{JointVector, shown};
+use crate::layout::{Workcell, combined};
 use std::sync::atomic::AtomicBool;
 use task::Task;
 
@@ -66,6 +66,7 @@ pub enum WhyNot {
     EquipmentErrors,
     ToolAxes,
     SurfaceAxes,
+    WorldAxes,
     Rotation,
     NotNormal,
     ManyRows,
@@ -83,6 +84,7 @@ impl WhyNot {
             Self::EquipmentErrors => "the signed errors of the equipment may cancel those of the robot",
             Self::ToolAxes => "its sense is in axes of the tool",
             Self::SurfaceAxes => "its sense is in axes of a surface that can be turned",
+            Self::WorldAxes => "its sense is in axes of the world and the robot base can be turned",
             Self::Rotation => "its sense has rotations, which are bounded in the linear model alone",
             Self::NotNormal => "its parameters are not normal",
             Self::ManyRows => "its sense has more than three rows",
@@ -165,12 +167,8 @@ pub fn prove(workcell: &Workcell, options: &ProofOptions, stop: &AtomicBool) -> 
             bound
         })
         .collect();
-    let weighted = operations.iter().zip(&workcell.cell.operations);
-    let values = weighted.map(|(bound, operation)| operation.weight * bound.value.unwrap_or(0.0));
-    let sum = match workcell.cell.search.objective {
-        Objective::WeightedSum => values.sum::<f64>(),
-        Objective::WeightedMaximum => values.fold(0.0, f64::max),
-    };
+    let values: Vec<f64> = operations.iter().map(|bound| bound.value.unwrap_or(0.0)).collect();
+    let sum = combined(&workcell.cell, &values);
     let proven = operations.iter().filter(|o| o.value.is_ok()).count();
     let covers = match proven {
         _ if operations.iter().any(|o| o.value == Err(WhyNot::Infeasible)) => Covers::Infeasible,

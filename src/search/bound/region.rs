@@ -1,6 +1,6 @@
 //! What is left of an operation when it chooses its spot alone: how high, how steep, how far out.
 
-use crate::cell::{Attitude, Cell, Coordinate, Rectangle};
+use crate::cell::{Cell, Coordinate, Operation, Place};
 use nalgebra::Vector3;
 use std::f64::consts::FRAC_PI_2;
 
@@ -23,17 +23,13 @@ impl Region {
     /// The region of an operation in every layout of a cell. `kept`: the elevation that the arm keeps.
     pub fn new(cell: &Cell, operation: usize, kept: Option<f64>) -> Self {
         let asked = &cell.operations[operation];
-        let equipment = &cell.equipment[asked.equipment];
-        let [x, y, z, _] = equipment.placement.map(range);
-        let above = asked.standoff - cell.base.z;
-        let radius = equipment.surface.as_ref().map(|surface| {
-            distances(surface, (x.0 - cell.base.x, x.1 - cell.base.x), (y.0 - cell.base.y, y.1 - cell.base.y))
-        });
+        let stand = Stand::new(cell, asked.equipment);
+        let [low, high] = [stand.z.0, stand.z.1].map(|z| z + asked.standoff);
         Self {
             operation,
-            height: (z.0 + above - SLACK, z.1 + above + SLACK),
-            elevation: kept.is_none().then(|| elevations(&asked.attitude)),
-            radius,
+            height: (low - SLACK, high + SLACK),
+            elevation: kept.is_none().then(|| elevations(asked)),
+            radius: Some(stand.distances(farthest(&asked.place))),
         }
     }
 
@@ -85,26 +81,63 @@ impl Constraint {
     }
 }
 
-fn range(coordinate: Coordinate) -> (f64, f64) {
-    match coordinate {
-        Coordinate::Fixed(value) => (value, value),
-        Coordinate::Range { min, max, .. } => (min, max),
+/// Every elevation that the search may choose, and every tilt within the tolerance.
+fn elevations(asked: &Operation) -> (f64, f64) {
+    let chosen =
+        asked.angles[0].as_ref().map_or((asked.attitude.elevation, asked.attitude.elevation), |c| c.range());
+    let by = asked.attitude.tolerance + SLACK;
+    let (low, high) = (chosen.0 - by, chosen.1 + by);
+    // Past the vertical the tool leans to the other side.
+    let ends = [low, high].map(|e| e.sin().clamp(-1.0, 1.0).asin());
+    let (least, most) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
+    (if low <= -FRAC_PI_2 { -FRAC_PI_2 } else { least }, if high >= FRAC_PI_2 { FRAC_PI_2 } else { most })
+}
+
+/// Farthest node from the origin of the equipment's frame, m.
+fn farthest(place: &Place) -> f64 {
+    match place {
+        Place::Grid { area, .. } => {
+            let corner = |centre: f64, size: f64| centre.abs() + size / 2.0;
+            corner(area.centre.0, area.size.0).hypot(corner(area.centre.1, area.size.1))
+        }
+        Place::Points(points) => points.iter().map(|(x, y)| x.hypot(*y)).fold(0.0, f64::max),
     }
 }
 
-/// Every tilt within the tolerance counts.
-fn elevations(attitude: &Attitude) -> (f64, f64) {
-    let by = attitude.tolerance + SLACK;
-    let around = |e: f64| e.clamp(-FRAC_PI_2, FRAC_PI_2);
-    (around(attitude.elevation - by), around(attitude.elevation + by))
+/// Where the frame of an equipment may be, seen from the robot base.
+struct Stand {
+    x: (f64, f64),
+    y: (f64, f64),
+    z: (f64, f64),
+    /// It is at most so far aside from there: at any yaw of what it stands on.
+    aside: f64,
 }
 
-/// Nearest and farthest that a point of a surface can be from the base axis, whatever its yaw; the
-/// surface's frame lies in a rectangle.
-fn distances(surface: &Rectangle, x: (f64, f64), y: (f64, f64)) -> (f64, f64) {
-    let corner = |centre: f64, size: f64| centre.abs() + size / 2.0;
-    let around = corner(surface.centre.0, surface.size.0).hypot(corner(surface.centre.1, surface.size.1));
-    let near = x.0.max(-x.1).max(0.0).hypot(y.0.max(-y.1).max(0.0));
-    let far = x.0.abs().max(x.1.abs()).hypot(y.0.abs().max(y.1.abs()));
-    ((near - around - SLACK).max(0.0), far + around + SLACK)
+impl Stand {
+    fn new(cell: &Cell, equipment: usize) -> Self {
+        let [x, y, z, _] = cell.equipment[equipment].placement.each_ref().map(Coordinate::range);
+        match cell.equipment[equipment].on {
+            Some(under) => {
+                let below = Self::new(cell, under);
+                let far = |r: (f64, f64)| r.0.abs().max(r.1.abs());
+                let aside = below.aside + far(x).hypot(far(y));
+                Self { z: (below.z.0 + z.0, below.z.1 + z.1), aside, ..below }
+            }
+            None => {
+                let base = cell.base.each_ref().map(Coordinate::range);
+                let seen = |r: (f64, f64), base: (f64, f64)| (r.0 - base.1, r.1 - base.0);
+                Self { x: seen(x, base[0]), y: seen(y, base[1]), z: seen(z, base[2]), aside: 0.0 }
+            }
+        }
+    }
+
+    /// Nearest and farthest that a node can be from the base axis, whatever the yaw; `around`: the
+    /// farthest node from the frame, m.
+    fn distances(&self, around: f64) -> (f64, f64) {
+        let around = around + self.aside;
+        let near = |r: (f64, f64)| r.0.max(-r.1).max(0.0);
+        let far = |r: (f64, f64)| r.0.abs().max(r.1.abs());
+        let (nearest, most) = (near(self.x).hypot(near(self.y)), far(self.x).hypot(far(self.y)));
+        ((nearest - around - SLACK).max(0.0), most + around + SLACK)
+    }
 }

@@ -8,9 +8,7 @@ use super::region::{Constraint, Quantity, Region};
 use super::screws::{Motion, Placed, Screws, Values, motions};
 use super::taylor::{Pieces, Taylor, along, radius, rates};
 use super::worth::Sum;
-use crate::cell::{
-    Cell, Coordinate, Frame, JointKind, JointVector, MAX_JOINTS, Model, Reading, Registration, Row,
-};
+use crate::cell::{Cell, Frame, JointKind, JointVector, MAX_JOINTS, Model, Reading, Registration, Row};
 use crate::layout::Workcell;
 use crate::pose::Pose;
 use crate::reading::{Gauge, Memory, Site, Situation};
@@ -90,7 +88,12 @@ impl<'a> Task<'a> {
         let mut constraints = region.constraints();
         let centred = screws.kinds[0] == JointKind::Revolute && screws.points[0].xy().norm() < SAME;
         constraints.retain(|c| c.of != Quantity::RadiusSquared || !held[0] || centred);
-        let site = Site { equipment: operation.equipment, work: Pose::identity(), taught: None };
+        let site = Site {
+            equipment: operation.equipment,
+            work: Pose::identity(),
+            world: cell.start().base.from_world(),
+            taught: None,
+        };
         let mut task = Self {
             gauge,
             workcell,
@@ -245,16 +248,22 @@ fn rows(cell: &Cell, gauge: &Gauge, operation: usize) -> Result<Vec<Row>, WhyNot
     let turned = |by: &Matrix3<f64>| -> Vec<Row> {
         sense.rows().iter().map(|row| Row { direction: by * row.direction, ..*row }).collect()
     };
-    let world = turned(&gauge.world);
+    let world = turned(&cell.start().base.from_world());
+    let turned_base = cell.base[3].is_free();
     match sense.frame {
-        Frame::World => Ok(world),
+        Frame::World if !turned_base || turns_with_z(&world) => Ok(world),
+        Frame::World => Err(WhyNot::WorldAxes),
         _ if is_isotropic(&world) => Ok(world),
         Frame::Tool => Err(WhyNot::ToolAxes),
         Frame::Surface if turns_with_z(&world) => Ok(world),
         Frame::Surface => {
-            let equipment = &cell.equipment[cell.operations[operation].equipment];
-            let Coordinate::Fixed(yaw) = equipment.placement[3] else { return Err(WhyNot::SurfaceAxes) };
-            let (s, c) = (yaw - cell.base.yaw).sin_cos();
+            let equipment = cell.operations[operation].equipment;
+            let under = (0..cell.equipment.len()).filter(|&under| cell.rides_on(equipment, under));
+            if turned_base || under.clone().any(|k| cell.equipment[k].placement[3].is_free()) {
+                return Err(WhyNot::SurfaceAxes);
+            }
+            let start = cell.start();
+            let (s, c) = (start.placements[equipment].yaw - start.base.yaw).sin_cos();
             Ok(turned(&Matrix3::new(c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0)))
         }
     }
