@@ -1,7 +1,9 @@
 //! One candidate: [`evaluate`] a [`Layout`]. The seam that search, what-ifs and reports share.
 
+mod merits;
 mod separate;
 
+pub use merits::{Merit, merits};
 pub use separate::separated;
 
 use crate::cell::{Cell, Layout, Objective};
