@@ -20,6 +20,9 @@ use parry3d::shape::{Shape, SharedShape};
 /// A distance is never more than this above the true one, m.
 pub const ACCURACY: f64 = 1e-6;
 
+/// To be farther than this from a mesh, m, its bounds are asked alone: triangles within it are many.
+const COARSE: f64 = 0.1;
+
 /// How near the robot is to anything else.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Nearness {
@@ -181,7 +184,21 @@ impl Scene {
     pub fn is_apart(&self, placed: &Placed, frames: &[Pose; MAX_JOINTS + 1], pair: Pair, by: f64) -> bool {
         let clearance = if pair.partner().is_some() { 0.0 } else { self.clearance };
         let wanted = clearance + by + ACCURACY;
+        if let Against::Placed(k) = pair.against
+            && wanted > COARSE
+            && self.is_mesh(&placed.bodies[k])
+        {
+            let (link, other) = (&self.links[pair.mover], &placed.bodies[k]);
+            let frame = self.in_world(link.carrier(frames));
+            let is_near =
+                |b: &Body| near(b, &other.pose.inv_mul(&b.pose_in(&frame)), &other.local_bounds, wanted);
+            return !link.bare.iter().any(is_near);
+        }
         self.gap(placed, frames, pair, wanted) >= wanted
+    }
+
+    fn is_mesh(&self, body: &PlacedBody) -> bool {
+        matches!(self.parts[body.id.0][body.id.1], Part::Mesh { .. })
     }
 
     /// Distance of a pair, at most `max`.

@@ -7,7 +7,7 @@ use crate::cell::{JointVector, Layout};
 use crate::clearance::{Placed, Scene};
 use crate::motion::{Blocked, Guard, Refusal, Stance, Transfer};
 use crate::reach::Approach;
-use crate::robot::Frames;
+use crate::robot::{Chain, Frames};
 use nalgebra::Vector3;
 
 impl Mapper {
@@ -54,14 +54,22 @@ impl Mapper {
         let Some(guard) = self.guard.as_ref().filter(|guard| guard.asks_transfers()) else {
             return Ok(Vec::new());
         };
-        let stance = |(operation, spot): (usize, &Option<Spot>)| {
-            let (spot, stand) = ((*spot)?, self.stand(operation, layout));
-            let approach = stand.approach(&self.arm);
-            let target = self.stations[operation].grid.target(&stand.at, spot.node);
-            let joints = self.arm.inverse.branch_at(&target, &approach, spot.branch)?.joints;
-            Some(Stance { operation, joints })
-        };
+        let stance = |(k, spot): (usize, &Option<Spot>)| self.stance(k, layout, spot.as_ref()?);
         let stances: Option<Vec<_>> = spots.iter().enumerate().map(stance).collect();
         stances.map_or(Ok(Vec::new()), |stances| guard.transfers(scene, placed, &stances))
+    }
+
+    /// The joint coordinates of an operation at its spot.
+    pub fn stance(&self, operation: usize, layout: &Layout, spot: &Spot) -> Option<Stance> {
+        let stand = self.stand(operation, layout);
+        let approach = stand.approach(&self.arm);
+        let target = self.stations[operation].grid.target(&stand.at, spot.node);
+        let joints = self.arm.inverse.branch_at(&target, &approach, spot.branch)?.joints;
+        Some(Stance { operation, joints })
+    }
+
+    /// The arm; its limits are those of the robot less the margins.
+    pub fn chain(&self) -> &Chain {
+        &self.arm.chain
     }
 }
