@@ -95,6 +95,7 @@ pub mod cli;
 pub mod compare;
 pub mod error_map;
 pub mod kinematic_error;
+pub mod lanes;
 pub mod layout;
 pub mod pose;
 pub mod reach;

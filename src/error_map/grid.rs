@@ -38,6 +38,16 @@ impl Grid {
         (k % self.xs.len(), k / self.xs.len())
     }
 
+    /// Local x and y of every node, m.
+    pub fn locals(&self) -> (Vec<f64>, Vec<f64>) {
+        (0..self.count()).map(|k| self.index(k)).map(|(i, j)| (self.xs[i], self.ys[j])).unzip()
+    }
+
+    /// How far the targets are above the surface, m.
+    pub fn standoff(&self) -> f64 {
+        self.standoff
+    }
+
     /// The TCP target over a point of the surface (frame of the equipment, m).
     pub fn point(&self, at: &Placement, (x, y): (f64, f64)) -> Vector3<f64> {
         let (sin, cos) = at.yaw.sin_cos();

@@ -2,6 +2,7 @@
 
 use super::node::{NodeRecord, OperationMap, PostureRecord, Status};
 use super::outcome::{Candidate, Outcome, Spot, Unjudged};
+use super::ranking::{Ranker, Ranking};
 use super::station::{Arm, Station};
 use crate::cell::{Cell, JointVector, Layout, Placement, shown};
 use crate::clearance::{Placed, Scene};
@@ -15,9 +16,11 @@ use std::collections::BinaryHeap;
 
 /// Robot, errors and operations of a cell, made ready for the node loop.
 pub struct Mapper {
-    arm: Arm,
+    pub(super) arm: Arm,
     base: Placement,
-    stations: Vec<Station>,
+    pub(super) stations: Vec<Station>,
+    /// One per operation whose nodes can be ranked.
+    pub(super) rankers: Vec<Option<Ranker>>,
     /// One per operation: what may be reached at all, where asking a node is dear.
     shells: Vec<Option<Shell>>,
 }
@@ -25,11 +28,12 @@ pub struct Mapper {
 /// Memory reused from layout to layout.
 #[derive(Default)]
 pub struct Scratch {
-    candidates: Vec<Candidate>,
-    frames: Frames,
-    approach: Approach,
+    pub(super) candidates: Vec<Candidate>,
+    pub(super) frames: Frames,
+    pub(super) approach: Approach,
     /// One per operation.
-    memories: Vec<Memory>,
+    pub(super) memories: Vec<Memory>,
+    pub(super) ranking: Ranking,
 }
 
 impl Mapper {
@@ -47,7 +51,9 @@ impl Mapper {
         let stations: Vec<_> = cell.operations.iter().filter_map(|o| Station::new(cell, o)).collect();
         let shell = |s: &Station| (arm.inverse.cost() != Cost::Low).then(|| arm.inverse.shell(&s.attitude));
         let shells = stations.iter().map(shell).collect();
-        Ok(Self { arm, base: cell.base, stations, shells })
+        let ranker = |s: &Station| Ranker::new(&arm.chain, &arm.inverse, &s.gauge, &s.grid);
+        let rankers = stations.iter().map(ranker).collect();
+        Ok(Self { arm, base: cell.base, stations, rankers, shells })
     }
 
     pub fn inverse(&self) -> &Inverse {
@@ -130,8 +136,13 @@ impl Mapper {
         for missing in scratch.memories.len()..=operation {
             scratch.memories.push(self.stations[missing].gauge.memory());
         }
-        let Scratch { candidates, frames, approach, memories } = scratch;
-        self.arm.inverse.set(approach, &station.attitude, at.yaw);
+        self.arm.inverse.set(&mut scratch.approach, &station.attitude, at.yaw);
+        if let Ok(situation) = &situation
+            && let Some(outcome) = self.ranked((operation, &at), situation, scene, placed, scratch)
+        {
+            return outcome;
+        }
+        let Scratch { candidates, frames, approach, memories, .. } = scratch;
         let memory = &mut memories[operation];
         let mut posture = self.arm.inverse.scratch();
         let mut gap = Gap::ALL;

@@ -9,6 +9,8 @@ mod grid;
 mod mapper;
 mod node;
 mod outcome;
+mod ranked;
+mod ranking;
 mod station;
 
 pub use mapper::{Mapper, Scratch};

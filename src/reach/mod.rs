@@ -2,11 +2,13 @@
 
 mod ability;
 mod anthropomorphic;
+mod cones;
 mod converge;
 mod envelope;
 mod hold;
 mod inverse;
 mod kernel;
+mod lanes;
 mod limits;
 mod nearest;
 mod numeric;
@@ -23,6 +25,7 @@ mod unlock;
 
 pub use envelope::{Envelope, Extent, Fineness, Outline, Region, Size};
 pub use inverse::{Approach, Branch, Cost, Gap, Inverse, Reach};
+pub use lanes::{Level, PlanarLanes};
 pub use limits::LimitViolation;
 pub use numeric::{Goal, Held, Missing, Numeric, jacobian};
 pub use shell::Shell;
