@@ -4,9 +4,12 @@
 mod common;
 
 use common::{data, shipped};
+use nalgebra::Vector3;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use sweetspot::cell::{Attitude, Cell, ErrorSet, Layout, Parameter, Placement, Sense, SignedErrors};
+use sweetspot::cell::{
+    Attitude, Cell, ErrorSet, Frame, Layout, Parameter, Placement, Row, Sense, SignedErrors, Unit,
+};
 use sweetspot::error_map::Outcome;
 use sweetspot::layout::{Workcell, Workspace, evaluate_in};
 use sweetspot::pose::Pose;
@@ -72,6 +75,14 @@ fn every_layout_of_work_d_is_worth_the_same_ranked_or_judged() {
     }
 }
 
+/// Up to six directions of any length.
+fn weighted(rng: &mut ChaCha8Rng) -> Sense {
+    let direction = |rng: &mut ChaCha8Rng| Vector3::from_fn(|_, _| rng.random_range(-30.0..30.0));
+    let rows: Vec<_> = (0..rng.random_range(1..=6)).map(|_| direction(rng)).collect();
+    let rows: Vec<_> = rows.into_iter().map(|direction| Row { turns: false, direction }).collect();
+    Sense::new("weighted", Frame::World, Vector3::zeros(), Unit::Length, &rows)
+}
+
 /// A cell with another robot, its errors, limits, tool, base, senses, attitudes and grids drawn.
 fn drawn(rng: &mut ChaCha8Rng) -> Cell {
     let shop = ["hitachi_cell.toml", "hitachi_paper.toml", "hitachi_paper_parallelogram.toml"];
@@ -95,7 +106,7 @@ fn drawn(rng: &mut ChaCha8Rng) -> Cell {
         joint.l += if rng.random_range(0..2) == 0 { rng.random_range(-0.1..0.1) } else { 0.0 };
     }
     if rng.random_range(0..3) == 0 {
-        robot.mount = Pose::from_translation_yaw(nalgebra::Vector3::new(0.1, -0.05, 0.2), 0.7);
+        robot.mount = Pose::from_translation_yaw(Vector3::new(0.1, -0.05, 0.2), 0.7);
     }
     let size = [1e-2, 1e-4, 1e-8][rng.random_range(0..3)];
     let joints = rng.random_range(0..3) == 0;
@@ -108,6 +119,9 @@ fn drawn(rng: &mut ChaCha8Rng) -> Cell {
     let senses = ["x", "y", "z", "xy", "xyz"];
     for operation in &mut cell.operations {
         operation.sense = Sense::plain(senses[rng.random_range(0..senses.len())]).unwrap();
+        if rng.random_range(0..4) == 0 {
+            operation.sense = weighted(rng);
+        }
         operation.grid = (rng.random_range(1..12), rng.random_range(1..9));
         let down = rng.random_range(0..2) == 0;
         let elevation = if down { -std::f64::consts::FRAC_PI_2 } else { rng.random_range(-1.5..0.5) };

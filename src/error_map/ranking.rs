@@ -7,7 +7,7 @@
 use super::grid::Grid;
 use crate::cell::{MAX_ROWS, Placement};
 use crate::kinematic_error::WrongChain;
-use crate::lanes::{Arch, CosSin, Lanes, MOST_LANES, Mask, Simd, WithSimd};
+use crate::lanes::{Arch, CosSin, Lanes, MOST_LANES, Simd, WithSimd};
 use crate::pose::Pose;
 use crate::reach::{Approach, Inverse, Level, PlanarLanes};
 use crate::reading::Gauge;
@@ -132,16 +132,30 @@ impl WithSimd for Walk<'_> {
         let (xs, _) = S::as_simd_f64s(&ranker.xs);
         let (ys, _) = S::as_simd_f64s(&ranker.ys);
         let (bounds, _) = S::as_mut_simd_f64s(bounds);
+        // A long direction is a weight: it weighs what rounding makes, too.
+        let sure = SURE * rows.iter().map(|row| row.wanted.norm()).sum::<f64>();
         for ((x, y), bound) in xs.iter().zip(ys).zip(bounds) {
             let (x, y) = (Lanes::new(simd, *x), Lanes::new(simd, *y));
             // In the order of [`Grid::targets`].
             let target = Level { x: x * cos + at.x - y * sin, y: x * sin + at.y + y * cos, z };
-            *bound = ranker.bound(target, rows, approach).get();
+            *bound = ranker.bound(target, rows, sure, approach).get();
         }
     }
 }
 
 impl Ranker {
+    /// The square of the error of the postures. What is no number cannot be ranked: it is judged first.
+    #[inline(always)]
+    fn size2<S: Simd>(&self, turns: &[CosSin<S>; 4], rows: &[Row], wanted: &[Lanes<S>]) -> Lanes<S> {
+        let [x, y, z] = self.chain.tip(turns);
+        let mut size2 = x.like(0.0);
+        for (wanted, row) in wanted.iter().zip(rows) {
+            let part = x * row.built.x + y * row.built.y + z * row.built.z - *wanted;
+            size2 = part.times_plus(part, size2);
+        }
+        size2.is_above(-1.0).choose(size2, x.like(0.0))
+    }
+
     /// A direction, base frame.
     fn row(&self, wanted: &Vector3<f64>) -> Row {
         let Pose { rotation, translation } = &self.chain.base;
@@ -150,25 +164,26 @@ impl Ranker {
 
     /// The least error of the targets over all branches, less what rounding may have added.
     #[inline(always)]
-    fn bound<S: Simd>(&self, target: Level<S>, rows: &[Row], approach: &Approach) -> Lanes<S> {
+    fn bound<S: Simd>(&self, target: Level<S>, rows: &[Row], sure: f64, approach: &Approach) -> Lanes<S> {
         let Level { x, y, z } = target;
         let mut wanted = [x; MAX_ROWS];
         for (wanted, row) in wanted.iter_mut().zip(rows) {
-            let level = row.wanted.z * z - row.offset;
-            *wanted = x * row.wanted.x + y * row.wanted.y + level;
+            *wanted = x * row.wanted.x + y * row.wanted.y + (row.wanted.z * z - row.offset);
         }
+        let targets = self.arm.targets(&target);
         let mut least = x.like(f64::INFINITY);
-        self.arm.visit(target, approach, |turns: &[CosSin<S>; 4], out: Mask<S>| {
-            let [px, py, pz] = self.chain.tip(turns);
-            let mut size2 = x.like(0.0);
-            for (wanted, row) in wanted.iter().zip(rows) {
-                let part = px * row.built.x + py * row.built.y + pz * row.built.z - *wanted;
-                size2 = part.times_plus(part, size2);
+        for way in approach.ways() {
+            for back in [false, true] {
+                let Some(wrist) = self.arm.wrist(&targets, way, back) else { continue };
+                for up in [false, true] {
+                    let (turns, out) = self.arm.branch(&wrist, up);
+                    if !out.is_all() {
+                        let size2 = self.size2(&turns, rows, &wanted);
+                        least = (out | least.is_below(size2)).choose(least, size2);
+                    }
+                }
             }
-            // What is no number cannot be ranked: it is judged first.
-            let size2 = size2.is_above(-1.0).choose(size2, x.like(0.0));
-            least = (out | least.is_below(size2)).choose(least, size2);
-        });
-        least.sqrt() * (1.0 - SURE) - SURE
+        }
+        least.sqrt() * (1.0 - SURE) - sure
     }
 }

@@ -18,9 +18,17 @@ pub struct WrongChain {
     /// `B_0`, base frame.
     pub base: Pose,
     /// `B_1` to `B_(N-1)`.
-    between: Vec<Pose>,
+    between: Vec<Between>,
     /// The TCP behind the last turn.
     tip: Vector3<f64>,
+}
+
+/// A constant motion between two joints.
+#[derive(Debug, Clone, PartialEq)]
+struct Between {
+    pose: Pose,
+    /// It turns about x alone, as most links do: no dtheta, dbeta or error of a joint frame.
+    twists: bool,
 }
 
 impl WrongChain {
@@ -48,24 +56,46 @@ impl WrongChain {
             *b = *b * joint(k + 1);
         }
         let base = framed(&errors.base) * chain.mount * joint(0);
-        Some(Self { base, between: constant, tip: last.translation })
+        let twists = |pose: &Pose| {
+            pose.rotation.column(0) == Vector3::x() && pose.rotation.row(0) == Vector3::x().transpose()
+        };
+        let between = constant.into_iter().map(|pose| Between { twists: twists(&pose), pose }).collect();
+        Some(Self { base, between, tip: last.translation })
     }
 
     /// The TCP in the frame behind [`Self::base`], at cosines and sines of every theta.
     #[inline(always)]
     pub fn tip<S: Simd>(&self, turns: &[CosSin<S>]) -> [Lanes<S>; 3] {
         let any = turns[0].0;
-        let mut p: [Lanes<S>; 3] = std::array::from_fn(|i| any.like(self.tip[i]));
-        for (k, (cos, sin)) in turns.iter().enumerate().rev() {
-            if let Some(Pose { rotation: r, translation: t }) = self.between.get(k) {
-                p = std::array::from_fn(|i| {
-                    let last = p[2].times_plus(any.like(r[(i, 2)]), any.like(t[i]));
-                    p[0].times_plus(any.like(r[(i, 0)]), p[1].times_plus(any.like(r[(i, 1)]), last))
-                });
+        let mut p = [any.like(self.tip.x), any.like(self.tip.y), any.like(self.tip.z)];
+        for k in (0..turns.len()).rev() {
+            if let Some(b) = self.between.get(k) {
+                p = b.moved(&p);
             }
-            p = [*cos * p[0] - *sin * p[1], *sin * p[0] + *cos * p[1], p[2]];
+            let (cos, sin) = turns[k];
+            p = [cos * p[0] - sin * p[1], sin * p[0] + cos * p[1], p[2]];
         }
         p
+    }
+}
+
+impl Between {
+    /// A point moved.
+    #[inline(always)]
+    fn moved<S: Simd>(&self, p: &[Lanes<S>; 3]) -> [Lanes<S>; 3] {
+        let Pose { rotation: r, translation: t } = &self.pose;
+        let [x, y, z] = *p;
+        let y2 = y.times_plus(x.like(r[(1, 1)]), z.times_plus(x.like(r[(1, 2)]), x.like(t.y)));
+        let z2 = y.times_plus(x.like(r[(2, 1)]), z.times_plus(x.like(r[(2, 2)]), x.like(t.z)));
+        if self.twists {
+            return [x + t.x, y2, z2];
+        }
+        let x2 = y.times_plus(x.like(r[(0, 1)]), z.times_plus(x.like(r[(0, 2)]), x.like(t.x)));
+        [
+            x.times_plus(x.like(r[(0, 0)]), x2),
+            x.times_plus(x.like(r[(1, 0)]), y2),
+            x.times_plus(x.like(r[(2, 0)]), z2),
+        ]
     }
 }
 

@@ -47,11 +47,14 @@ impl Cone {
         along.is_below(along.like(self.cos_half - SLACK))
     }
 
-    /// Where a joint behind the first passes its limit.
+    /// Where a joint behind the first passes its limit, and where it is out already.
     #[inline(always)]
-    pub fn any_passed<S: Simd, const N: usize>(cones: &[Cone; N], turns: &[CosSin<S>; N]) -> Mask<S> {
+    pub fn any_passed<S: Simd, const N: usize>(
+        cones: &[Cone; N],
+        turns: &[CosSin<S>; N],
+        mut out: Mask<S>,
+    ) -> Mask<S> {
         let mut own = *turns;
-        let mut out = cones[0].is_passed(turns[0]);
         for i in 1..N {
             for &(j, factor) in &cones[i].factors {
                 let (c, s) = own[j];

@@ -94,6 +94,13 @@ pub enum Reach {
     Branches(Vec<Branch>),
 }
 
+impl Approach {
+    /// The ways to hold the tool of a planar arm.
+    pub fn ways(&self) -> &[Way] {
+        &self.ways
+    }
+}
+
 impl Inverse {
     pub fn new(chain: &Chain) -> Self {
         let limits = Limits::new(chain);

@@ -41,87 +41,97 @@ impl Inverse {
     }
 }
 
+/// Targets in frame 0.
+pub struct Targets<S: Simd> {
+    x: Lanes<S>,
+    y: Lanes<S>,
+    z: Lanes<S>,
+    /// Distance in front of the base axis, in the plane of the arm.
+    along: Lanes<S>,
+    /// 1 / (x^2 + y^2).
+    inverse2: Lanes<S>,
+    /// Nearer to the base axis than the tool can come.
+    beside: Mask<S>,
+}
+
+/// The wrist for one way to hold the tool on one side of the base axis.
+pub struct Wrist<S: Simd> {
+    yaw: CosSin<S>,
+    /// From the shoulder, in the plane of the arm, over the square of its distance.
+    u: Lanes<S>,
+    v: Lanes<S>,
+    k1: Lanes<S>,
+    cos3: Lanes<S>,
+    /// Of the elbow up.
+    sin3: Lanes<S>,
+    phi: (f64, f64),
+    out: Mask<S>,
+}
+
+// No closures here: they would not be compiled for the lanes.
 impl PlanarLanes {
     /// Whether the attitude asks nothing that is judged posture by posture.
     pub fn takes(&self, approach: &Approach) -> bool {
         !approach.hold.is_checked(false)
     }
 
-    /// Calls `found` with the postures of every branch that some lane may have, as cosines and sines of
-    /// the angles theta, and the lanes that surely have no posture there.
     #[inline(always)]
-    pub fn visit<S: Simd>(
-        &self,
-        target: Level<S>,
-        approach: &Approach,
-        mut found: impl FnMut(&[CosSin<S>; AXES], Mask<S>),
-    ) {
-        let arm = &self.arm;
-        let [x, y, z] = self.in_zero(target);
+    pub fn targets<S: Simd>(&self, level: &Level<S>) -> Targets<S> {
+        let [x, y, z] = self.in_zero(level);
         let radius2 = x * x + y * y;
-        let lateral = arm.side * arm.lateral;
+        let lateral = self.arm.lateral;
         let along2 = radius2 - lateral * lateral;
         // On the base axis the yaw is anything: no number, which no test refuses.
         let on_axis = radius2.is_below(radius2.like(1e-24));
         let inverse2 = on_axis.choose(radius2.like(f64::NAN), radius2.reciprocal());
         let beside = (along2 + radius2 * (2.0 * STRETCHED)).is_below(radius2.like(0.0));
-        let along = along2.max(0.0).sqrt();
-        for way in &approach.ways {
-            let v = (z - arm.r1) * arm.side - way.v;
-            for s in [along, -along] {
-                let yaw = [x * s - y * lateral, y * s + x * lateral].map(|c| c * inverse2);
-                let yaw = (yaw[0], yaw[1]);
-                let out = beside | self.cones[0].is_passed(yaw);
-                if !out.is_all() {
-                    self.elbows(way, (s, v), (yaw, out), &mut found);
-                }
-            }
-        }
+        Targets { x, y, z, along: along2.max(0.0).sqrt(), inverse2, beside }
     }
 
-    /// Both elbows of one way and one side of the base axis; the wrist at distance `s` and height `v`.
+    /// None where no lane has a posture.
     #[inline(always)]
-    fn elbows<S: Simd>(
-        &self,
-        way: &Way,
-        (s, v): (Lanes<S>, Lanes<S>),
-        (yaw, out): (CosSin<S>, Mask<S>),
-        found: &mut impl FnMut(&[CosSin<S>; AXES], Mask<S>),
-    ) {
-        let [l1, l2, l3] = self.arm.l;
-        let u = s - l1 - way.u;
+    pub fn wrist<S: Simd>(&self, at: &Targets<S>, way: &Way, back: bool) -> Option<Wrist<S>> {
+        let (arm, [l1, l2, l3]) = (&self.arm, self.arm.l);
+        let (s, lateral) = (if back { -at.along } else { at.along }, arm.side * arm.lateral);
+        let yaw = ((at.x * s - at.y * lateral) * at.inverse2, (at.y * s + at.x * lateral) * at.inverse2);
+        let out = at.beside | self.cones[0].is_passed(yaw);
+        let (u, v) = (s - l1 - way.u, (at.z - arm.r1) * arm.side - way.v);
         let d2 = u * u + v * v;
         let cos3 = (d2 - l2 * l2 - l3 * l3) * (1.0 / (2.0 * l2 * l3));
         let out = out | cos3.is_above(1.0 + 2.0 * STRETCHED) | (-cos3).is_above(1.0 + 2.0 * STRETCHED);
         if out.is_all() {
-            return;
+            return None;
         }
-        let cos3 = cos3.clamp(-1.0, 1.0);
         let (long, short) = (-(d2 - (l2 + l3) * (l2 + l3)), d2 - (l2 - l3) * (l2 - l3));
         let sin3 = (long * short).max(0.0).sqrt() * (1.0 / (2.0 * l2 * l3).abs());
         let inverse2 = d2.reciprocal();
-        let k1 = (d2 + (l2 * l2 - l3 * l3)) * (1.0 / (2.0 * l2)) * inverse2;
-        for sin3 in [-sin3, sin3] {
-            let k2 = sin3 * l3 * inverse2;
-            let two = (k1 * u + k2 * v, k1 * v - k2 * u);
-            let three = (cos3, sin3);
-            let (c23, s23) = (two.0 * cos3 - two.1 * sin3, two.1 * cos3 + two.0 * sin3);
-            let four = (c23 * way.cos_phi + s23 * way.sin_phi, c23 * way.sin_phi - s23 * way.cos_phi);
-            let turns = [yaw, two, three, four];
-            let out = out | Cone::any_passed(&self.cones, &turns);
-            if !out.is_all() {
-                found(&turns, out);
-            }
-        }
+        let k1 = (d2 + (l2 * l2 - l3 * l3)) * (1.0 / (2.0 * l2));
+        let cos3 = cos3.clamp(-1.0, 1.0);
+        let phi = (way.cos_phi, way.sin_phi);
+        Some(Wrist { yaw, u: u * inverse2, v: v * inverse2, k1, cos3, sin3, phi, out })
     }
 
-    /// The targets in frame 0.
+    /// Cosines and sines of the angles theta of one elbow, and where there surely is no such posture.
     #[inline(always)]
-    fn in_zero<S: Simd>(&self, Level { x, y, z }: Level<S>) -> [Lanes<S>; 3] {
-        let z = x.like(z);
-        let Some(Pose { rotation, translation }) = &self.to_zero else { return [x, y, z] };
-        std::array::from_fn(|i| {
-            x * rotation[(i, 0)] + y * rotation[(i, 1)] + z * rotation[(i, 2)] + translation[i]
-        })
+    pub fn branch<S: Simd>(&self, wrist: &Wrist<S>, up: bool) -> ([CosSin<S>; AXES], Mask<S>) {
+        let Wrist { yaw, u, v, k1, cos3, phi, .. } = *wrist;
+        let sin3 = if up { wrist.sin3 } else { -wrist.sin3 };
+        let k2 = sin3 * self.arm.l[2];
+        let two = (k1 * u + k2 * v, k1 * v - k2 * u);
+        let (c23, s23) = (two.0 * cos3 - two.1 * sin3, two.1 * cos3 + two.0 * sin3);
+        let four = (c23 * phi.0 + s23 * phi.1, c23 * phi.1 - s23 * phi.0);
+        let turns = [yaw, two, (cos3, sin3), four];
+        (turns, Cone::any_passed(&self.cones, &turns, wrist.out))
+    }
+
+    #[inline(always)]
+    fn in_zero<S: Simd>(&self, Level { x, y, z }: &Level<S>) -> [Lanes<S>; 3] {
+        let (x, y, z) = (*x, *y, x.like(*z));
+        let Some(Pose { rotation: r, translation: t }) = &self.to_zero else { return [x, y, z] };
+        [
+            x * r[(0, 0)] + y * r[(0, 1)] + z * r[(0, 2)] + t.x,
+            x * r[(1, 0)] + y * r[(1, 1)] + z * r[(1, 2)] + t.y,
+            x * r[(2, 0)] + y * r[(2, 1)] + z * r[(2, 2)] + t.z,
+        ]
     }
 }

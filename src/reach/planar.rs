@@ -50,12 +50,12 @@ struct Roll {
 
 /// How the tool is held in the plane of the arm: one entry per phi.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Way {
-    pub cos_phi: f64,
-    pub sin_phi: f64,
+pub struct Way {
+    pub(super) cos_phi: f64,
+    pub(super) sin_phi: f64,
     /// TCP from the wrist, in the plane.
-    pub u: f64,
-    pub v: f64,
+    pub(super) u: f64,
+    pub(super) v: f64,
     /// Of the elevation; the cosine is negative if the tool points against theta_1.
     cos_elevation: f64,
     sin_elevation: f64,
