@@ -163,12 +163,25 @@ fn collision(c: &mut Criterion) {
 }
 
 /// A thousand layouts an iteration: the mean over the set, free of its order. Without collision the
-/// same work less the solids: what is left is inverse kinematics, limits and errors.
+/// same work less the solids: what is left is inverse kinematics, limits and errors. Judged: every node
+/// one by one, as robots do that are not ranked.
 fn evaluate(c: &mut Criterion) {
-    for (what, collision) in [("evaluate", true), ("evaluate without collision", false)] {
+    let ready = |collision: bool, times: usize| {
         let mut cell = shipped("hitachi_cell.toml");
         cell.collision = collision;
-        let workcell = Workcell::new(cell).expect("the cell");
+        // 99 and 63 nodes, or ten times as many.
+        let grids = if times == 1 { [(10, 8), (20, 2)] } else { [(32, 29), (69, 8)] };
+        cell.operations.iter_mut().zip(grids).for_each(|(o, grid)| o.grid = grid);
+        Workcell::new(cell).expect("the cell")
+    };
+    let cases = [
+        ("evaluate", ready(true, 1)),
+        ("evaluate without collision", ready(false, 1)),
+        ("evaluate without collision, judged", ready(false, 1).unranked()),
+        ("evaluate, 10 times the nodes", ready(true, 10)),
+        ("evaluate without collision, 10 times the nodes", ready(false, 10)),
+    ];
+    for (what, workcell) in cases {
         let layouts = layouts(&workcell.cell);
         let mut workspace = Workspace::default();
         for (name, set) in [("random", &layouts[..1000]), ("plausible", &layouts[1000..])] {

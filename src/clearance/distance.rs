@@ -189,7 +189,7 @@ impl Scene {
             && self.is_mesh(&placed.bodies[k])
         {
             let (link, other) = (&self.links[pair.mover], &placed.bodies[k]);
-            let frame = self.in_world(link.carrier(frames));
+            let frame = placed.in_world(link.carrier(frames));
             let is_near =
                 |b: &Body| near(b, &other.pose.inv_mul(&b.pose_in(&frame)), &other.local_bounds, wanted);
             return !link.bare.iter().any(is_near);

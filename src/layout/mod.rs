@@ -91,6 +91,18 @@ impl Workcell {
         Ok(Self { cell, mapper, plan, wide, scene })
     }
 
+    /// The same cell with every node judged one by one, to compare with: slower, and the same bits.
+    #[must_use]
+    pub fn unranked(mut self) -> Self {
+        self.mapper.forget_ranks();
+        self
+    }
+
+    /// Whether the nodes of every operation are ranked before they are judged.
+    pub fn is_ranked(&self) -> bool {
+        self.mapper.is_ranked()
+    }
+
     /// Every pair of solids of the robot, and why it may touch; none if it is not checked.
     pub fn own_pairs(&self) -> &[OwnPair] {
         self.scene.own_pairs()
