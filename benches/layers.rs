@@ -6,6 +6,7 @@
 #![allow(clippy::expect_used)] // a bench without its data has nothing to measure
 
 use criterion::{Criterion, criterion_group, criterion_main};
+use rayon::prelude::*;
 use std::hint::black_box;
 use sweetspot::cell::{self, Attitude, Cell, ErrorSet, Layout, Model, Placement, Reading, Sense};
 use sweetspot::clearance::{FloorPlan, Placed, Scene};
@@ -178,6 +179,20 @@ fn evaluate(c: &mut Criterion) {
     }
 }
 
+/// The plausible layouts on one thread and on two, in parts that are worth a thread.
+fn threads(c: &mut Criterion) {
+    let workcell = Workcell::new(shipped("hitachi_cell.toml")).expect("the cell");
+    let layouts = &layouts(&workcell.cell)[1000..];
+    for count in [1, 2] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build().expect("threads");
+        c.bench_function(&format!("evaluate: 1000 plausible layouts, threads: {count}"), |b| {
+            let cost = |workspace: &mut Workspace, l: &Layout| evaluate_in(&workcell, l, workspace).cost;
+            let all = || layouts.par_iter().with_min_len(50).map_init(Workspace::default, cost);
+            b.iter(|| pool.install(|| all().collect::<Vec<f64>>()))
+        });
+    }
+}
+
 /// What every layout pays before any node: posing the solids, floor space.
 fn layout(c: &mut Criterion) {
     let cell = shipped("hitachi_cell.toml");
@@ -195,6 +210,6 @@ fn layout(c: &mut Criterion) {
 criterion_group! {
     name = layers;
     config = Criterion::default().sample_size(20);
-    targets = node, readings, map, collision, layout, evaluate
+    targets = node, readings, map, collision, layout, evaluate, threads
 }
 criterion_main!(layers);
