@@ -124,7 +124,7 @@ fn random_cell(seed: u64, rng: &mut ChaCha8Rng) -> Cell {
     let mut cell = shipped("hitachi_cell.toml");
     cell.robot.self_collision.checked = false;
     cell.clearance = [0.0, 0.0, 0.02, 0.1][seed as usize % 4];
-    if seed % 3 != 0 {
+    if !seed.is_multiple_of(3) {
         cell.base = Placement { x: 0.1, y: -0.2, z: 0.15, yaw: 0.4 };
     }
     if seed % 2 == 1 {
