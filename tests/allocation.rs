@@ -70,7 +70,11 @@ fn an_evaluation_asks_for_no_memory_by_node() {
     for ranked in [true, false] {
         let counts = [(3, 2), (40, 30)].map(|grid| {
             let mut cell = shipped("hitachi_cell.toml");
-            cell.operations.iter_mut().for_each(|o| o.grid = grid);
+            for operation in &mut cell.operations {
+                if let sweetspot::cell::Place::Grid { divisions, .. } = &mut operation.place {
+                    *divisions = grid;
+                }
+            }
             let workcell = Workcell::new(cell).unwrap();
             assert!(workcell.is_ranked());
             let workcell = if ranked { workcell } else { workcell.unranked() };
