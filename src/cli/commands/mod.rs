@@ -6,6 +6,7 @@ mod map;
 mod posture;
 mod readings;
 mod robots;
+mod sweep;
 
 pub use check::check;
 pub use layouts::{compare, search};
@@ -13,6 +14,7 @@ pub use map::map;
 pub use posture::{budget, explain};
 pub use readings::readings;
 pub use robots::{envelope, robot, robots};
+pub use sweep::sweep;
 
 use crate::cell::{Cell, Coordinate, shown};
 use crate::cli::output::path_word;

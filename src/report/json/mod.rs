@@ -8,12 +8,14 @@ mod layouts;
 mod map;
 mod posture;
 mod readings;
+mod sweep;
 
 pub use envelope::{envelope, robot, robots};
 pub use layouts::{compare, search};
 pub use map::{MapDocument, map};
 pub use posture::{budget, explain};
 pub use readings::readings;
+pub use sweep::{row, values};
 
 use crate::cell::{Cell, JointKind, JointVector, Layout, Role};
 use crate::clearance::{Allowed, OwnPair};

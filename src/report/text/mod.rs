@@ -7,6 +7,7 @@ mod explain;
 mod map;
 mod own_pairs;
 mod readings;
+mod sweep;
 mod table;
 mod urdf;
 
@@ -17,6 +18,7 @@ pub use explain::{explanation, frame_name};
 pub use map::{distrust, maps};
 pub use own_pairs::own_pairs;
 pub use readings::{findings, readings};
+pub use sweep::sweep;
 pub use urdf::derived;
 
 use crate::cell::{Cell, ErrorSet, Quantity, Reading, Registration, Spread, Unit, shown};
