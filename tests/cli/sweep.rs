@@ -258,8 +258,11 @@ fn every_kind_of_value_can_be_set() {
     let met: Vec<_> = limits.iter().map(|r| r["operations"][0]["limit_met"].clone()).collect();
     assert_eq!(met, [false, true]);
     // Robots against error sets is one command; the error set of the one is not that of the other.
-    let robots =
-        rows(&["robot.from=robots/ur5e.toml,robots/ur10e.toml", "errors=placeholder", "robot.base.z_mm=900"]);
+    let robots = rows(&[
+        "robot.from=robots/ur5e.toml,robots/ur10e.toml",
+        "errors=placeholder",
+        "robot.base={ x_mm = 0, y_mm = 0, z_mm = 900 }",
+    ]);
     let direct = |robot: &str| {
         shop.write(
             "cells/direct.toml",
