@@ -19,10 +19,10 @@ use sweetspot::search::{Space, Watch, search};
 const CELLS: usize = 50;
 
 /// Steps of the enumeration along each of one, two, three free coordinates.
-const STEPS: [usize; 3] = [16_000, 126, 26];
+const STEPS: [usize; 3] = [16_000, 100, 20];
 
 /// Points of the enumeration from which the optimum is refined, and the last step in the unit cube.
-const STARTS: usize = 24;
+const STARTS: usize = 60;
 const FINEST: f64 = 1e-5;
 
 /// What an enumeration found.

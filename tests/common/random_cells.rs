@@ -52,27 +52,24 @@ pub fn random_cell(seed: u64) -> (Arm, String) {
     let (reach, low, high) = match arm {
         Arm::Planar => planar_arm(dice, &mut text),
         Arm::Hitachi => {
-            let errors = dice.of(&["table-2", "table-3", "table-3-tolerance"]);
+            let errors = dice.of(&["table-2", "table-3"]);
             let _ = write!(text, "errors = \"{errors}\"\n[robot]\nfrom = \"robots/hitachi_pw10.toml\"\n");
             (1150, 400, 900)
         }
         Arm::Scara => {
-            text += "errors = \"placeholder\"\nreading = \"worst-case\"\n[robot]\nfrom = \"robots/adept_cobra_s600.toml\"\n";
+            library_arm(dice, &mut text, "adept_cobra_s600", 4);
             (560, 130, 250)
         }
         Arm::SixAxes => {
-            let robot = dice.of(&["ur5e", "kuka_kr6_r900", "abb_irb140"]);
-            let _ = write!(
-                text,
-                "errors = \"placeholder\"\nreading = \"worst-case\"\n[robot]\nfrom = \"robots/{robot}.toml\"\n"
-            );
+            let robot = *dice.of(&["ur5e", "puma560", "abb_irb140"]);
+            library_arm(dice, &mut text, robot, 6);
             (600, 100, 400)
         }
     };
     let around = f64::from(dice.between(-180, 180));
     let free = if arm == Arm::SixAxes { 1 } else { dice.between(1, 3) };
     table(dice, &mut text, "bench", arm, (reach, low, high), around, free);
-    if free < 3 && arm != Arm::SixAxes && dice.chance(0.5) {
+    if free < 3 && arm != Arm::SixAxes && dice.chance(0.8) {
         let other = around + f64::from(dice.between(80, 160));
         table(dice, &mut text, "feeder", arm, (reach, low, high), other, 0);
     }
@@ -117,11 +114,26 @@ fn planar_arm(dice: &mut Dice, text: &mut String) -> (i32, i32, i32) {
          cylinder = {{ a_mm = [-{l4}, 0, 0], b_mm = [-20, 0, 0], radius_mm = 35 }}\n[robot.errors.sample]\n\
          kind = \"signed\"\nsource = \"random\"\n"
     );
-    for (key, most) in [("dq_deg", 3), ("dr_mm", 30), ("dl_mm", 30), ("dalpha_deg", 8)] {
-        let tenths: Vec<f64> = (0..4).map(|_| f64::from(dice.between(-most, most)) / 10.0).collect();
-        let _ = write!(text, "{key} = {tenths:?}\n");
-    }
+    errors(dice, text, 4);
     ((l2 + l3) * 9 / 10, (r - l4 - 300).max(250), r + 50)
+}
+
+/// An arm of the library with a sample of errors of its own.
+fn library_arm(dice: &mut Dice, text: &mut String, robot: &str, axes: usize) {
+    let _ = write!(
+        text,
+        "errors = \"sample\"\n[robot]\nfrom = \"robots/{robot}.toml\"\n[robot.errors.sample]\n\
+         kind = \"signed\"\nsource = \"random\"\n"
+    );
+    errors(dice, text, axes);
+}
+
+/// Of every row, in tenths of mm and hundredths of a degree.
+fn errors(dice: &mut Dice, text: &mut String, axes: usize) {
+    for (key, most, part) in [("dr_mm", 30, 10.0), ("dl_mm", 30, 10.0), ("dalpha_deg", 80, 100.0)] {
+        let values: Vec<f64> = (0..axes).map(|_| f64::from(dice.between(-most, most)) / part).collect();
+        let _ = writeln!(text, "{key} = {values:?}");
+    }
 }
 
 /// A table about `around` degrees off the x axis with an operation; so many of its coordinates are free.
@@ -166,8 +178,9 @@ fn table(
         size[0], size[1]
     );
     let grid = if arm == Arm::SixAxes { [1, 1] } else { [dice.between(1, 5), dice.between(1, 4)] };
-    let spin = if arm == Arm::SixAxes { "azimuth_deg = 0\nspin_deg = [0]\n" } else { "" };
-    let sense = dice.of(&["x", "y", "z", "xy", "xy", "xyz"]);
+    let spin =
+        if matches!(arm, Arm::SixAxes | Arm::Scara) { "azimuth_deg = 0\nspin_deg = [0]\n" } else { "" };
+    let sense = dice.of(&["xy", "xy", "xyz"]);
     let _ = write!(
         text,
         "[operation.{name}-work]\non = \"{name}\"\ngrid = {grid:?}\nstandoff_mm = {}\nbend_deg = -90\n{spin}\
