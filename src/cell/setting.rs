@@ -56,8 +56,8 @@ impl Choices {
     ///
     /// # Errors
     /// What is wrong with it.
-    pub fn parse(text: &str) -> Result<Self, Fault> {
-        let fault = |message: &str, help: &str| Err(of_setting(text, message.to_string(), help));
+    pub fn parse(text: &str) -> Result<Self, Vec<Fault>> {
+        let fault = |message: &str, help: &str| Err(vec![of_setting(text, message.to_string(), help)]);
         if text.chars().any(char::is_control) {
             return fault("it has a line break or another control character", SHAPE);
         }

@@ -1,5 +1,6 @@
 //! The command line.
 
+use super::sweep::SweepArguments;
 use crate::cell::{Model, Quantity, Reading, Registration, Solver};
 use crate::compare::At;
 use clap::builder::PossibleValuesParser;
@@ -157,53 +158,6 @@ pub struct SearchArguments {
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Print the result as JSON on stdout
-    #[arg(long)]
-    pub json: bool,
-}
-
-#[derive(Args)]
-pub struct SweepArguments {
-    /// Cell file (TOML)
-    #[arg(required_unless_present = "resume", conflicts_with = "resume")]
-    pub cell: Option<PathBuf>,
-    #[command(flatten)]
-    pub packages: Packages,
-    /// A key of the cell file and its values: a text may stand without quotes, commas inside brackets
-    /// part nothing; may be given several times
-    #[arg(
-        long = "set",
-        value_name = "PATH=A,B,...",
-        required_unless_present = "resume",
-        conflicts_with = "resume"
-    )]
-    pub sets: Vec<String>,
-    /// Map the layout as drawn instead of searching
-    #[arg(long, conflicts_with = "resume")]
-    pub map: bool,
-    /// Seed of all randomness of every combination [default: that of the cell]
-    #[arg(long, conflicts_with = "resume")]
-    pub seed: Option<u64>,
-    /// Layout evaluations of every combination
-    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000), conflicts_with = "resume")]
-    pub budget: Option<u64>,
-    /// Global solver
-    #[arg(long, value_parser = PossibleValuesParser::new(Solver::ALL.map(Solver::name)), conflicts_with = "resume")]
-    pub solver: Option<String>,
-    /// Combinations worked on at the same time; the result does not depend on it [default: all cores]
-    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub jobs: Option<u16>,
-    /// Write into this folder, new or that of the same sweep, which is then continued
-    /// [default: results/CELL-NNN]
-    #[arg(long, value_name = "DIR", conflicts_with = "resume")]
-    pub out: Option<PathBuf>,
-    /// Continue the sweep of this folder
-    #[arg(long, value_name = "DIR")]
-    pub resume: Option<PathBuf>,
-    /// Work on this combination alone, numbered from 0, and make no table: for array jobs on many
-    /// machines, with --resume at the end
-    #[arg(long, value_name = "INDEX")]
-    pub only: Option<usize>,
-    /// Print the table as JSON on stdout
     #[arg(long)]
     pub json: bool,
 }

@@ -3,7 +3,7 @@
 //! A combination is a function of the plan and its index, and leaves one file that is there whole or
 //! not at all: `NNNN.json`. The table is made from these files alone.
 
-use super::arguments::{Packages, SweepArguments};
+use super::arguments::Packages;
 use super::files::{self, Kept, sha256};
 use super::output::path_word;
 use super::results::pretty;
@@ -11,6 +11,8 @@ use super::{Exit, output};
 use crate::cell::{Choices, Fault, Loaded, Setting, Solver, Source, of_setting, shown};
 use crate::report::json::values;
 use crate::report::sweep::Row;
+use clap::Args;
+use clap::builder::PossibleValuesParser;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -18,6 +20,53 @@ use std::path::{Path, PathBuf};
 const MOST: usize = 10_000;
 
 const PLAN: &str = "plan.json";
+
+#[derive(Args)]
+pub struct SweepArguments {
+    /// Cell file (TOML)
+    #[arg(required_unless_present = "resume", conflicts_with = "resume")]
+    pub cell: Option<PathBuf>,
+    #[command(flatten)]
+    pub packages: Packages,
+    /// A key of the cell file and its values: a text may stand without quotes, commas inside brackets
+    /// part nothing; may be given several times
+    #[arg(
+        long = "set",
+        value_name = "PATH=A,B,...",
+        required_unless_present = "resume",
+        conflicts_with = "resume"
+    )]
+    pub sets: Vec<String>,
+    /// Map the layout as drawn instead of searching
+    #[arg(long, conflicts_with = "resume")]
+    pub map: bool,
+    /// Seed of all randomness of every combination [default: that of the cell]
+    #[arg(long, conflicts_with = "resume")]
+    pub seed: Option<u64>,
+    /// Layout evaluations of every combination
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000), conflicts_with = "resume")]
+    pub budget: Option<u64>,
+    /// Global solver
+    #[arg(long, value_parser = PossibleValuesParser::new(Solver::ALL.map(Solver::name)), conflicts_with = "resume")]
+    pub solver: Option<String>,
+    /// Combinations worked on at the same time; the result does not depend on it [default: all cores]
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub jobs: Option<u16>,
+    /// Write into this folder, new or that of the same sweep, which is then continued
+    /// [default: results/CELL-NNN]
+    #[arg(long, value_name = "DIR", conflicts_with = "resume")]
+    pub out: Option<PathBuf>,
+    /// Continue the sweep of this folder
+    #[arg(long, value_name = "DIR")]
+    pub resume: Option<PathBuf>,
+    /// Work on this combination alone, numbered from 0, and make no table: for array jobs on many
+    /// machines, with --resume at the end
+    #[arg(long, value_name = "INDEX")]
+    pub only: Option<usize>,
+    /// Print the table as JSON on stdout
+    #[arg(long)]
+    pub json: bool,
+}
 
 /// What makes a sweep: the same plan leaves the same files.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -131,7 +180,7 @@ fn read_sets(texts: &[String]) -> Result<Vec<Choices>, Exit> {
     let mut faults = Vec::new();
     for text in texts {
         match Choices::parse(text) {
-            Err(fault) => faults.push(fault),
+            Err(found) => faults.extend(found),
             Ok(set) => {
                 if let Some(other) = sets.iter().find(|other| set.meets(other)) {
                     let message = format!("{} is set already", shown(&other.path));

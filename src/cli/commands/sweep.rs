@@ -2,11 +2,10 @@
 
 use super::{UNSOLVED, stem, suggest};
 use crate::cell::{Fault, Source, shown};
-use crate::cli::arguments::SweepArguments;
 use crate::cli::files::Kept;
 use crate::cli::output::path_word;
 use crate::cli::results::{INPUTS, keep_inputs, line, portable, pretty};
-use crate::cli::sweep::{Plan, number, open, row};
+use crate::cli::sweep::{Plan, SweepArguments, number, open, row};
 use crate::cli::{Exit, cache, files, output};
 use crate::compare::Assessment;
 use crate::layout::{self, Workcell};
