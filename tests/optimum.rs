@@ -1,6 +1,6 @@
 //! Fifty small random cells with their optimum by enumeration: the search finds it, and what it calls
 //! feasible is.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
 #[path = "common/brute.rs"]
 mod brute;

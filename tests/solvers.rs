@@ -6,7 +6,7 @@
 //! ```text
 //! SWEETSPOT_STUDY=full cargo test --release --test solvers -- --nocapture
 //! ```
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
 mod common;
 #[path = "common/random_cells.rs"]

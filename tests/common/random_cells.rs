@@ -47,13 +47,13 @@ pub fn random_cell(seed: u64) -> (Arm, String) {
     let mut text = format!(
         "schema = \"sweetspot/cell/1\"\nunits = {{ length = \"mm\", angle = \"deg\" }}\nname = \"random {seed}\"\n"
     );
-    let _ = write!(text, "clearance_mm = {}\n", dice.of(&[0, 0, 5, 20]));
+    let _ = writeln!(text, "clearance_mm = {}", dice.of(&[0, 0, 5, 20]));
     // Reach with the tool down, mm, and heights of surfaces that the arm can work on.
     let (reach, low, high) = match arm {
         Arm::Planar => planar_arm(dice, &mut text),
         Arm::Hitachi => {
             let errors = dice.of(&["table-2", "table-3"]);
-            let _ = write!(text, "errors = \"{errors}\"\n[robot]\nfrom = \"robots/hitachi_pw10.toml\"\n");
+            let _ = writeln!(text, "errors = \"{errors}\"\n[robot]\nfrom = \"robots/hitachi_pw10.toml\"");
             (1150, 400, 900)
         }
         Arm::Scara => {
