@@ -1,5 +1,6 @@
 //! The command line.
 
+use super::sweep::SweepArguments;
 use crate::cell::{Model, Quantity, Reading, Registration, Solver};
 use crate::compare::At;
 use clap::builder::PossibleValuesParser;
@@ -33,6 +34,11 @@ pub enum Command {
         before_help = "Example: sweetspot search cells/hitachi_cell.toml --seed 2 --out results/second-try"
     )]
     Search(SearchArguments),
+    /// Search or map a cell with every combination of other values for some of its keys
+    #[command(
+        before_help = "Example: sweetspot sweep cells/hitachi_cell.toml --set errors=table-2,table-3 --set equipment.worktable.placement.z_mm=600,700"
+    )]
+    Sweep(SweepArguments),
     /// Put layouts side by side: cell files, best.toml files or folders of a search
     #[command(before_help = "Example: sweetspot compare cells/hitachi_cell.toml results/hitachi_cell-001")]
     Compare(CompareArguments),

@@ -2,10 +2,12 @@
 
 use super::arguments::Packages;
 use super::{Exit, output};
-use crate::cell::{self, Fault, Loaded, LoadedRobot, shown};
+use crate::cell::{self, Fault, Loaded, LoadedRobot, Setting, shown};
 use sha2::{Digest, Sha256};
+use std::collections::HashMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 
 /// Largest file read: a mesh of a million triangles has some 60 MB.
 const MAX_BYTES: u64 = 128 << 20;
@@ -22,7 +24,7 @@ pub fn load(path: &Path, packages: &Packages) -> Result<Loaded, Exit> {
 
 /// A cell file that cannot be read is a matter of I/O, all else of input.
 pub fn exit_of(faults: &[Fault]) -> Exit {
-    let unread = |f: &Fault| f.excerpt.is_empty() && f.message.starts_with("cannot read");
+    let unread = |f: &Fault| f.line > 0 && f.excerpt.is_empty() && f.message.starts_with("cannot read");
     if faults.iter().any(unread) { Exit::Io } else { Exit::BadInput }
 }
 
@@ -31,6 +33,27 @@ pub fn read_cell(path: &Path, packages: &Packages) -> Result<Loaded, Vec<Fault>>
     let (folder, name) = parted(path);
     let mut loaded = cell::load(&name, &mut |inside| read_named(&folder, packages, inside))
         .map_err(|faults| named(path, faults))?;
+    loaded.warnings = named(path, loaded.warnings);
+    Ok(loaded)
+}
+
+/// Files as they were first read: every combination of a sweep sees the same bytes.
+#[derive(Default)]
+pub struct Kept(Mutex<HashMap<String, Result<Vec<u8>, String>>>);
+
+/// Reads a cell with some keys said otherwise, and all it refers to.
+pub fn read_cell_with(
+    path: &Path,
+    packages: &Packages,
+    settings: &[Setting],
+    kept: &Kept,
+) -> Result<Loaded, Vec<Fault>> {
+    let (folder, name) = parted(path);
+    let mut read = |inside: &str| {
+        let mut kept = kept.0.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        kept.entry(inside.to_string()).or_insert_with(|| read_named(&folder, packages, inside)).clone()
+    };
+    let mut loaded = cell::load_with(&name, settings, &mut read).map_err(|faults| named(path, faults))?;
     loaded.warnings = named(path, loaded.warnings);
     Ok(loaded)
 }
@@ -65,7 +88,8 @@ fn parted(path: &Path) -> (PathBuf, String) {
 /// Named as the user names the file, so that an editor can jump there.
 fn named(path: &Path, mut faults: Vec<Fault>) -> Vec<Fault> {
     let prefix = path.parent().unwrap_or(Path::new(""));
-    for fault in &mut faults {
+    // What has no line is no file: a setting.
+    for fault in faults.iter_mut().filter(|f| f.line > 0) {
         fault.file = prefix.join(&fault.file).to_string_lossy().into_owned();
     }
     faults

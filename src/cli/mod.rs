@@ -9,6 +9,7 @@ mod library;
 mod output;
 mod overrides;
 mod results;
+mod sweep;
 
 use arguments::{Arguments, Command};
 use clap::Parser;
@@ -43,6 +44,7 @@ pub fn run() -> ExitCode {
         Command::Check(a) => commands::check(&a),
         Command::Map(a) => commands::map(&a),
         Command::Search(a) => commands::search(&a),
+        Command::Sweep(a) => commands::sweep(&a),
         Command::Compare(a) => commands::compare(&a),
         Command::Budget(a) => commands::budget(&a),
         Command::Explain(a) => commands::explain(&a),

@@ -11,7 +11,7 @@ use serde_json::json;
 use std::path::{Path, PathBuf};
 
 /// Where the inputs are kept, so that the folder can be mailed whole.
-const INPUTS: &str = "inputs";
+pub const INPUTS: &str = "inputs";
 
 /// What was written where.
 pub struct Written {
@@ -57,12 +57,12 @@ pub fn write_search(
 }
 
 /// A name that every file system and every cell file can hold.
-fn portable(name: &str) -> String {
+pub fn portable(name: &str) -> String {
     name.chars().map(|c| if c.is_ascii_alphanumeric() || "._-".contains(c) { c } else { '_' }).collect()
 }
 
 /// Copies of every file that was read, in their places; the cell file comes first and is renamed.
-fn keep_inputs(folder: &Path, cell_name: &str, sources: &[Source]) -> Result<(), Exit> {
+pub fn keep_inputs(folder: &Path, cell_name: &str, sources: &[Source]) -> Result<(), Exit> {
     for (k, source) in sources.iter().enumerate() {
         // A colon is no part of a folder's name everywhere.
         let place = source.path.replacen("package://", "packages/", 1);

@@ -12,4 +12,5 @@ mod postures;
 mod readings;
 mod robots;
 mod shop;
+mod sweep;
 mod urdf;

@@ -7,6 +7,7 @@ mod posture;
 mod readings;
 mod robots;
 mod robust;
+mod sweep;
 
 pub use check::check;
 pub use layouts::{compare, search};
@@ -15,6 +16,7 @@ pub use posture::{budget, explain};
 pub use readings::readings;
 pub use robots::{envelope, robot, robots};
 pub use robust::robust;
+pub use sweep::sweep;
 
 use crate::cell::{Cell, Coordinate, shown};
 use crate::clearance::Party;

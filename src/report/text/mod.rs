@@ -8,6 +8,7 @@ mod map;
 mod own_pairs;
 mod readings;
 mod robust;
+mod sweep;
 mod table;
 mod urdf;
 
@@ -19,6 +20,7 @@ pub use map::{distrust, maps};
 pub use own_pairs::own_pairs;
 pub use readings::{findings, readings};
 pub use robust::robustness;
+pub use sweep::sweep;
 pub use urdf::derived;
 
 use crate::cell::{Cell, ErrorSet, Quantity, Reading, Registration, Spread, Unit, shown};
