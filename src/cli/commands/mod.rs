@@ -6,13 +6,15 @@ mod map;
 mod posture;
 mod readings;
 mod robots;
+mod search;
 
 pub use check::check;
-pub use layouts::{compare, search};
+pub use layouts::compare;
 pub use map::map;
 pub use posture::{budget, explain};
 pub use readings::readings;
 pub use robots::{envelope, robot, robots};
+pub use search::search;
 
 use crate::cell::{Cell, Coordinate, shown};
 use crate::cli::output::path_word;

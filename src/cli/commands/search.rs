@@ -1,0 +1,205 @@
+//! `search`: a job that can be stopped and resumed.
+
+use super::{stem, suggest, warn_of_distrust, warn_of_hopeless, workcell};
+use crate::cell::{Cell, Loaded, Solver, shown};
+use crate::cli::arguments::SearchArguments;
+use crate::cli::checkpoint::{self, Keeper, Kept};
+use crate::cli::output::path_word;
+use crate::cli::overrides::overridden;
+use crate::cli::progress::Reporter;
+use crate::cli::{Exit, files, output, results};
+use crate::compare::{Assessment, Comparison};
+use crate::layout::Workcell;
+use crate::report;
+use crate::search::{self, Ended, Job, Moment, Progress, SearchRecord, Watch};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+/// `sweetspot search`
+pub fn search(a: &SearchArguments) -> Result<Exit, Exit> {
+    let kept = a.resume.as_deref().map(|folder| Kept::read(folder, a)).transpose()?;
+    match kept {
+        Some(kept) => run(&kept.arguments, a, kept.folder.clone(), &kept.command, Some(&kept)),
+        None => run(a, a, PathBuf::new(), &results::typed(), None),
+    }
+}
+
+/// Runs the search that `a` asks for, in the manner of `now`: the arguments at hand.
+fn run(
+    a: &SearchArguments,
+    now: &SearchArguments,
+    folder: PathBuf,
+    command: &[String],
+    kept: Option<&Kept>,
+) -> Result<Exit, Exit> {
+    // clap has seen to it that there is one.
+    let file = a.cell.as_deref().ok_or(Exit::BadInput)?;
+    let Loaded { cell, sources, .. } = asked(a, file)?;
+    let workcell = workcell(cell, file)?;
+    let bound = bound(&workcell);
+    let inputs = checkpoint::inputs(&sources);
+    if let Some(kept) = kept {
+        kept.check(&inputs, &workcell, bound)?;
+    } else {
+        warn_of_hopeless(&workcell);
+    }
+    // Before the work, not after it: an unwritable folder must not cost a search.
+    let folder = if kept.is_some() { folder } else { files::new_folder(a.out.as_deref(), &stem(file))? };
+    let clock = Instant::now();
+    let keeper = Keeper::new(&folder, command, inputs, now.checkpoint);
+    let record = run_search(&workcell, bound, now, &keeper, kept)?;
+    let seconds = clock.elapsed().as_secs_f64();
+    let stopped = matches!(record.ended, Ended::Interrupted | Ended::TimeLimit);
+    let comparison = compared(&workcell, &record);
+    let written =
+        results::write_search(&folder, file, &sources, &record, &comparison, (!stopped).then_some(command))?;
+    if !stopped {
+        keeper.remove()?;
+    }
+    if now.json {
+        let document = report::json::search(&workcell.cell, &record, &comparison, Some(seconds));
+        output::data(&results::line(&document)?)?;
+    } else {
+        output::data(&answer(&workcell.cell, &record, &comparison, seconds))?;
+    }
+    written.tell();
+    comparison.columns.last().into_iter().for_each(warn_of_distrust);
+    if stopped {
+        suggest(&format!("search --resume {}", path_word(&folder)));
+    } else if record.found() && !now.json {
+        suggest(&format!("map {} --svg map.svg", path_word(&folder.join("best.toml"))));
+    }
+    Ok(match (record.ended, record.found()) {
+        (Ended::Interrupted, _) => Exit::Interrupted,
+        (Ended::TimeLimit, _) => Exit::Limit,
+        (_, true) => Exit::Done,
+        (_, false) => Exit::AnswerIsNo,
+    })
+}
+
+/// The cell as the command line asks for it.
+fn asked(a: &SearchArguments, file: &Path) -> Result<Loaded, Exit> {
+    let drawn = files::load(file, &a.packages)?;
+    let limited: Vec<bool> = drawn.cell.operations.iter().map(|o| o.limit.is_some()).collect();
+    let mut loaded = overridden(drawn, &a.overrides)?;
+    refuse_lost_limits(&loaded.cell, &limited)?;
+    let settings = &mut loaded.cell.search;
+    settings.seed = a.seed.unwrap_or(settings.seed);
+    settings.budget = a.rules.budget.unwrap_or(settings.budget);
+    settings.gap = a.rules.gap.or(settings.gap);
+    settings.stagnation = a.rules.stagnation.or(settings.stagnation);
+    let named = |name: &String| Solver::ALL.into_iter().find(|s| s.name() == name);
+    settings.solver = a.solver.as_ref().and_then(named).unwrap_or(settings.solver);
+    Ok(loaded)
+}
+
+/// best.toml takes its limits from the cell file, where those of another unit would be a fault.
+fn refuse_lost_limits(cell: &Cell, limited: &[bool]) -> Result<(), Exit> {
+    let Some((lost, _)) = cell.operations.iter().zip(limited).find(|(o, had)| **had && o.limit.is_none())
+    else {
+        return Ok(());
+    };
+    let (name, word) = (shown(&lost.name), lost.sense.unit.word());
+    output::error(&format!(
+        "the limit of `{name}` is none of the sense {}, which is in {word}",
+        lost.sense.name
+    ));
+    output::talk("  help: change sense and limit in a cell file, from = \"...\" cannot take a limit away");
+    Err(Exit::BadInput)
+}
+
+/// The proven lower bound of the objective, m; None where there is none.
+fn bound(workcell: &Workcell) -> Option<f64> {
+    let bound = None;
+    if bound.is_none() && workcell.cell.search.gap.is_some() {
+        output::talk("note: the gap says nothing: no bound is proven for this cell");
+    }
+    bound
+}
+
+fn compared<'a>(workcell: &'a Workcell, record: &SearchRecord) -> Comparison<'a> {
+    let columns = [("start", &record.start), ("best", &record.best)]
+        .map(|(label, candidate)| Assessment::new(label, workcell, candidate.layout.clone()));
+    Comparison { columns: columns.into() }
+}
+
+fn run_search(
+    workcell: &Workcell,
+    bound: Option<f64>,
+    now: &SearchArguments,
+    keeper: &Keeper,
+    kept: Option<&Kept>,
+) -> Result<SearchRecord, Exit> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let asked = stop.clone();
+    // The second time it ends at once: the last checkpoint stands.
+    let _ = ctrlc::set_handler(move || {
+        if asked.swap(true, Ordering::Relaxed) {
+            std::process::exit(i32::from(Exit::Interrupted as u8));
+        }
+    });
+    let reporter = Reporter::new(now.progress.as_deref(), workcell, bound, kept.map_or(0, Kept::evaluations));
+    let (late, clock) = (AtomicBool::new(false), Instant::now());
+    let progress = |p: Progress| {
+        reporter.tell(p);
+        let over = now.rules.time.is_some_and(|limit| clock.elapsed().as_secs_f64() >= limit);
+        if over && !stop.swap(true, Ordering::Relaxed) {
+            late.store(true, Ordering::Relaxed);
+        }
+    };
+    let keep = |state: &search::Checkpoint, moment: Moment| {
+        if !keeper.keep(state, moment) {
+            stop.store(true, Ordering::Relaxed);
+        }
+    };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(now.threads.map_or(0, usize::from)).build();
+    let pool = pool.map_err(|e| {
+        output::error(&format!("cannot start threads: {e}"));
+        Exit::Io
+    })?;
+    let (watch, from) = (Watch { progress: &progress, stop: &stop }, kept.map(Kept::state));
+    let job = Job { bound, from, keep: &keep };
+    let mut record = pool.install(|| search::search_job(workcell, &workcell.cell.search, &watch, &job));
+    reporter.finish();
+    keeper.verdict(&record)?;
+    if late.into_inner() && record.ended == Ended::Interrupted {
+        record.ended = Ended::TimeLimit;
+    }
+    Ok(record)
+}
+
+fn answer(cell: &Cell, record: &SearchRecord, comparison: &Comparison<'_>, seconds: f64) -> String {
+    let said = match (record.ended, record.found()) {
+        (Ended::NothingToSearch, _) => "nothing to search: every placement is fixed".to_string(),
+        (_, false) => "no feasible layout found; `best` is the nearest to one".to_string(),
+        (_, true) => match comparison.change_percent(1, Assessment::objective) {
+            Some(change) if change > -0.05 => "no better layout than the start was found".to_string(),
+            Some(change) => {
+                let word = report::text::value_word(cell);
+                format!("the best layout has {:.1} % less {word} than the start", -change)
+            }
+            None => "the start layout is not feasible, the best one is".to_string(),
+        },
+    };
+    let unit = cell.unit();
+    let bound = record.bound.zip(record.gap()).map_or(String::new(), |(bound, gap)| {
+        format!(
+            ", {:.3} % above what is proven to be possible ({:.6} {})",
+            gap * 100.0,
+            unit.from_si(bound),
+            unit.word()
+        )
+    });
+    format!(
+        "{}\n\n{}\n{said}{bound}\n{} layouts evaluated, {} feasible, in {seconds:.2} s ({}, seed {}); {}\n",
+        report::text::headline(cell),
+        report::text::comparison(comparison),
+        record.evaluations,
+        record.feasible,
+        cell.search.solver.name(),
+        cell.search.seed,
+        record.ended.in_words(),
+    )
+}
