@@ -58,12 +58,11 @@ fn run(
     if !stopped {
         keeper.remove()?;
     }
-    if now.json {
-        let document = report::json::search(&workcell.cell, &record, &comparison, Some(seconds));
-        output::data(&results::line(&document)?)?;
+    output::data(&if now.json {
+        results::line(&report::json::search(&workcell.cell, &record, &comparison, Some(seconds)))?
     } else {
-        output::data(&answer(&workcell.cell, &record, &comparison, seconds))?;
-    }
+        answer(&workcell.cell, &record, &comparison, seconds)
+    })?;
     written.tell();
     comparison.columns.last().into_iter().for_each(warn_of_distrust);
     if stopped {
@@ -71,12 +70,16 @@ fn run(
     } else if record.found() && !now.json {
         suggest(&format!("map {} --svg map.svg", path_word(&folder.join("best.toml"))));
     }
-    Ok(match (record.ended, record.found()) {
+    Ok(exit(&record))
+}
+
+fn exit(record: &SearchRecord) -> Exit {
+    match (record.ended, record.found()) {
         (Ended::Interrupted, _) => Exit::Interrupted,
         (Ended::TimeLimit, _) => Exit::Limit,
         (_, true) => Exit::Done,
         (_, false) => Exit::AnswerIsNo,
-    })
+    }
 }
 
 /// The cell as the command line asks for it.
@@ -132,14 +135,7 @@ fn run_search(
     keeper: &Keeper,
     kept: Option<&Kept>,
 ) -> Result<SearchRecord, Exit> {
-    let stop = Arc::new(AtomicBool::new(false));
-    let asked = stop.clone();
-    // The second time it ends at once: the last checkpoint stands.
-    let _ = ctrlc::set_handler(move || {
-        if asked.swap(true, Ordering::Relaxed) {
-            std::process::exit(i32::from(Exit::Interrupted as u8));
-        }
-    });
+    let stop = stop_at_signals();
     let reporter = Reporter::new(now.progress.as_deref(), workcell, bound, kept.map_or(0, Kept::evaluations));
     let (late, clock) = (AtomicBool::new(false), Instant::now());
     let progress = |p: Progress| {
@@ -154,11 +150,7 @@ fn run_search(
             stop.store(true, Ordering::Relaxed);
         }
     };
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(now.threads.map_or(0, usize::from)).build();
-    let pool = pool.map_err(|e| {
-        output::error(&format!("cannot start threads: {e}"));
-        Exit::Io
-    })?;
+    let pool = threads(now.threads)?;
     let (watch, from) = (Watch { progress: &progress, stop: &stop }, kept.map(Kept::state));
     let job = Job { bound, from, keep: &keep };
     let mut record = pool.install(|| search::search_job(workcell, &workcell.cell.search, &watch, &job));
@@ -168,6 +160,26 @@ fn run_search(
         record.ended = Ended::TimeLimit;
     }
     Ok(record)
+}
+
+/// Raised at Ctrl-C or SIGTERM; the second time the program ends at once: the last checkpoint stands.
+fn stop_at_signals() -> Arc<AtomicBool> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let asked = stop.clone();
+    let _ = ctrlc::set_handler(move || {
+        if asked.swap(true, Ordering::Relaxed) {
+            std::process::exit(i32::from(Exit::Interrupted as u8));
+        }
+    });
+    stop
+}
+
+fn threads(count: Option<u16>) -> Result<rayon::ThreadPool, Exit> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(count.map_or(0, usize::from)).build();
+    pool.map_err(|e| {
+        output::error(&format!("cannot start threads: {e}"));
+        Exit::Io
+    })
 }
 
 fn answer(cell: &Cell, record: &SearchRecord, comparison: &Comparison<'_>, seconds: f64) -> String {
