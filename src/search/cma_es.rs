@@ -52,7 +52,7 @@ impl CmaEs {
         let mu = lambda / 2;
         let raw = DVector::from_fn(lambda, |i, _| ((lambda as f64 + 1.0) / 2.0).ln() - (i as f64 + 1.0).ln());
         let better = raw.rows(0, mu);
-        let weights = &better / better.sum();
+        let weights = better / better.sum();
         let mu_eff = 1.0 / weights.norm_squared();
         let c_sigma = (mu_eff + 2.0) / (n + mu_eff + 5.0);
         let c_1 = 2.0 / ((n + 1.3).powi(2) + mu_eff);
