@@ -1,6 +1,7 @@
 //! Reading inside the cell's folder, and writing whole files or none.
 
 use super::arguments::Packages;
+use super::checkpoint::CHECKPOINT;
 use super::{Exit, output};
 use crate::cell::{self, Fault, Loaded, LoadedRobot, Setting, shown};
 use sha2::{Digest, Sha256};
@@ -8,6 +9,9 @@ use std::collections::HashMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
+
+/// What the names of unfinished files begin with.
+const UNFINISHED: &str = ".sweetspot-";
 
 /// Largest file read: a mesh of a million triangles has some 60 MB.
 const MAX_BYTES: u64 = 128 << 20;
@@ -140,17 +144,40 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Exit> {
         _ => Path::new("."),
     };
     let write = || -> std::io::Result<()> {
-        let mut file = tempfile::NamedTempFile::new_in(folder)?;
+        let mut file = tempfile::Builder::new().prefix(UNFINISHED).tempfile_in(folder)?;
         file.write_all(bytes)?;
         file.as_file().sync_all()?;
         share(&file)?;
         file.persist(path).map_err(|e| e.error)?;
-        Ok(())
+        sync(folder)
     };
     write().map_err(|e| {
         output::error(&format!("cannot write {}: {}", shown(&path.to_string_lossy()), reason(&e)));
         Exit::Io
     })
+}
+
+/// A name is safe only when its folder is.
+#[cfg(unix)]
+fn sync(folder: &Path) -> std::io::Result<()> {
+    std::fs::File::open(folder)?.sync_all()
+}
+
+#[cfg(not(unix))]
+fn sync(_folder: &Path) -> std::io::Result<()> {
+    Ok(())
+}
+
+/// Removes the files that a killed program left unfinished.
+pub fn sweep(folder: &Path) {
+    for entry in folder.read_dir().into_iter().flatten().flatten() {
+        let path = entry.path();
+        if entry.file_type().is_ok_and(|t| t.is_dir()) {
+            sweep(&path);
+        } else if entry.file_name().to_string_lossy().starts_with(UNFINISHED) {
+            let _ = std::fs::remove_file(path);
+        }
+    }
 }
 
 /// Temporary files are private; results are for all who may read the folder.
@@ -174,14 +201,21 @@ pub fn new_folder(asked: Option<&Path>, stem: &str) -> Result<PathBuf, Exit> {
     };
     if let Some(path) = asked {
         std::fs::create_dir_all(path).map_err(|e| cannot(path, &e))?;
-        let empty = path.read_dir().map_err(|e| cannot(path, &e))?.next().is_none();
-        if !empty {
+        let unfinished = |e: std::fs::DirEntry| e.file_name().to_string_lossy().starts_with(UNFINISHED);
+        let mut entries = path.read_dir().map_err(|e| cannot(path, &e))?;
+        if !entries.all(|e| e.is_ok_and(unfinished)) {
+            if path.join(CHECKPOINT).is_file() {
+                output::error(&format!("{} holds a search that was stopped", output::path_word(path)));
+                output::talk(&format!("  help: sweetspot search --resume {}", output::path_word(path)));
+                return Err(Exit::BadInput);
+            }
             let path = shown(&path.to_string_lossy());
             output::error(&format!(
                 "{path} is not empty; nothing is overwritten: name a new folder with --out"
             ));
             return Err(Exit::BadInput);
         }
+        sweep(path);
         return Ok(path.to_path_buf());
     }
     let results = Path::new("results");

@@ -3,11 +3,13 @@
 
 mod arguments;
 mod cache;
+mod checkpoint;
 mod commands;
 mod files;
 mod library;
 mod output;
 mod overrides;
+mod progress;
 mod results;
 mod sweep;
 
@@ -26,6 +28,8 @@ pub enum Exit {
     BadInput = 2,
     /// A file could not be read or written.
     Io = 3,
+    /// A limit was reached; what is left to do can be resumed.
+    Limit = 4,
     Interrupted = 130,
 }
 

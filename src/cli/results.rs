@@ -6,6 +6,7 @@ use crate::cell::{Cell, Source};
 use crate::compare::{Assessment, Comparison};
 use crate::report;
 use crate::search::SearchRecord;
+use crate::search::bound::Proof;
 use serde::Serialize;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -25,16 +26,18 @@ impl Written {
     }
 }
 
-/// The files of a search. best.toml is left out if no layout is feasible.
+/// The files of a search. best.toml is left out if no layout is feasible, the manifest if there is no
+/// command that makes this folder: the search was interrupted.
 pub fn write_search(
     folder: &Path,
     cell_file: &Path,
-    cell: &Cell,
     sources: &[Source],
-    record: &SearchRecord,
+    (record, proof): (&SearchRecord, &Proof),
     comparison: &Comparison<'_>,
+    command: Option<&[String]>,
 ) -> Result<Written, Exit> {
     let best = &comparison.columns[1];
+    let cell = best.cell;
     let mut outputs = Vec::new();
     if let Some(objective) = best.objective() {
         let name = cell_file.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
@@ -50,10 +53,18 @@ pub fn write_search(
         outputs.push(("best.toml", text.into_bytes()));
         keep_inputs(folder, &kept, sources)?;
     }
-    outputs.push(("search.json", pretty(&report::json::search(cell, record, comparison, None))?));
+    outputs.push(("search.json", pretty(&report::json::search(cell, (record, proof), comparison, None))?));
     outputs.push(("map.csv", csv(best)?));
     outputs.push(("map.svg", report::svg::plan(best).into_bytes()));
-    write(folder, cell, sources, outputs)
+    match command {
+        Some(command) => write(folder, cell, sources, command, outputs),
+        None => write_outputs(folder, &outputs),
+    }
+}
+
+/// The command line as typed.
+pub fn typed() -> Vec<String> {
+    std::env::args_os().skip(1).map(|a| a.to_string_lossy().into_owned()).collect()
 }
 
 /// A name that every file system and every cell file can hold.
@@ -83,6 +94,7 @@ pub fn write(
     folder: &Path,
     cell: &Cell,
     sources: &[Source],
+    command: &[String],
     outputs: Vec<(&str, Vec<u8>)>,
 ) -> Result<Written, Exit> {
     let hashed = |path: &str, bytes: &[u8]| json!({ "path": path, "sha256": files::sha256(bytes) });
@@ -90,19 +102,23 @@ pub fn write(
         "schema": "sweetspot/manifest/1",
         "program": "sweetspot",
         "version": env!("CARGO_PKG_VERSION"),
-        "command": std::env::args_os().skip(1).map(|a| a.to_string_lossy().into_owned()).collect::<Vec<_>>(),
+        "command": command,
         "cell": cell.name,
         "seed": cell.search.seed,
         "inputs": sources.iter().map(|s| hashed(&s.path, &s.bytes)).collect::<Vec<_>>(),
         "outputs": outputs.iter().map(|(name, bytes)| hashed(name, bytes)).collect::<Vec<_>>(),
     });
-    let mut names = Vec::new();
-    for (name, bytes) in &outputs {
-        files::write_whole(&folder.join(name), bytes)?;
-        names.push(name.to_string());
-    }
+    let mut written = write_outputs(folder, &outputs)?;
     files::write_whole(&folder.join("manifest.json"), &pretty(&manifest)?)?;
-    names.push("manifest.json".into());
+    written.names.push("manifest.json".into());
+    Ok(written)
+}
+
+fn write_outputs(folder: &Path, outputs: &[(&str, Vec<u8>)]) -> Result<Written, Exit> {
+    for (name, bytes) in outputs {
+        files::write_whole(&folder.join(name), bytes)?;
+    }
+    let names = outputs.iter().map(|(name, _)| name.to_string()).collect();
     Ok(Written { folder: folder.to_path_buf(), names })
 }
 

@@ -32,8 +32,19 @@ pub struct Watch<'a> {
     pub stop: &'a AtomicBool,
 }
 
-/// Told the state of the search whenever it has changed, so that it can be kept.
-pub type Keep<'a> = &'a (dyn Fn(&Checkpoint) + Sync);
+/// When the state of a search is told.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Moment {
+    /// Before the first evaluation.
+    Begun,
+    /// After every question of a solver.
+    Going,
+    /// At the end of a search that was told to stop.
+    Stopped,
+}
+
+/// Told the state of the search, so that it can be kept.
+pub type Keep<'a> = &'a (dyn Fn(&Checkpoint, Moment) + Sync);
 
 /// Cost of a point of the unit cube, with a budget. When that is used up every further point costs
 /// minus infinity: the best there can be, at which every argmin solver stops. (An error would, too,
@@ -150,7 +161,7 @@ impl<'a> Problem<'a> {
         let Record { evaluations, feasible, .. } = ledger.record;
         let best = ledger.record.best();
         (self.watch.progress)(Progress { evaluations, budget: self.budget, feasible, best });
-        (self.keep)(ledger.checkpoint());
+        (self.keep)(ledger.checkpoint(), Moment::Going);
         // Solvers see the cost of unit weights: their tolerances are lengths.
         let weight = self.workcell.weight();
         let mut costs: Vec<f64> = answers.into_iter().map(|a| a.cost / weight).collect();

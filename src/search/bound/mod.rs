@@ -116,6 +116,18 @@ pub enum Covers {
     Infeasible,
 }
 
+impl Covers {
+    /// The word in documents.
+    pub fn name(self) -> &'static str {
+        match self {
+            Covers::Everything => "everything",
+            Covers::Part => "part",
+            Covers::Nothing => "nothing",
+            Covers::Infeasible => "infeasible",
+        }
+    }
+}
+
 /// What is proven of a cell.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Proof {
