@@ -39,7 +39,8 @@ pub fn search(a: &SearchArguments) -> Result<Exit, Exit> {
     let [start, best] = [("start", &record.start), ("best", &record.best)]
         .map(|(label, candidate)| Assessment::new(label, &workcell, candidate.layout.clone()));
     // Else there is nothing to withstand and nothing to keep.
-    let matters = workcell.cell.has_placement_tolerance() || limited.contains(&true);
+    let is_limited = workcell.cell.operations.iter().any(|o| o.limit.is_some());
+    let matters = workcell.cell.has_placement_tolerance() || is_limited;
     let columns = [start, if matters { best.misplaced() } else { best }];
     let comparison = Comparison { columns: columns.into() };
     let written =
