@@ -11,5 +11,6 @@ mod overrides;
 mod postures;
 mod readings;
 mod robots;
+mod robust;
 mod shop;
 mod urdf;
