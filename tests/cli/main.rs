@@ -12,6 +12,7 @@ mod overrides;
 mod postures;
 mod readings;
 mod robots;
+mod robust;
 mod shop;
 mod sweep;
 mod urdf;
