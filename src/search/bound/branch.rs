@@ -26,6 +26,10 @@ const SHRUNK: f64 = 0.8;
 const PASSES: usize = 8;
 /// Taken off every bound for rounding, m or rad and as a share: the figures are good to 1e-13.
 const ROUNDING: f64 = 1e-11;
+/// A difference that matters to nobody, m or rad.
+const NOTHING: f64 = 1e-9;
+/// Where some posture is worth less than this, 0 is all that can be proven.
+pub(super) const VANISHES: f64 = 1e-6;
 
 /// How a search over boxes ended.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,9 +54,9 @@ struct Part {
 }
 
 impl Ord for Part {
-    /// The least bound is the greatest of the heap.
+    /// The least bound is the greatest of the heap; of equal ones the youngest, for it is the smallest.
     fn cmp(&self, other: &Self) -> Ordering {
-        other.bound.total_cmp(&self.bound).then(other.number.cmp(&self.number))
+        other.bound.total_cmp(&self.bound).then(self.number.cmp(&other.number))
     }
 }
 
@@ -79,7 +83,9 @@ pub(super) fn least(task: &Task<'_>, known: f64, gap: f64, boxes: u64, stop: &At
     let mut found = Found { bound: f64::INFINITY, boxes: 1, best: None, interrupted: false };
     let mut memory = task.memory();
     let mut upper = known;
-    let enough = |upper: f64| upper * (1.0 - gap);
+    let enough = |upper: f64| {
+        (upper * (1.0 - gap)).min(upper - NOTHING).max(if upper < VANISHES { 0.0 } else { f64::MIN_POSITIVE })
+    };
     while let Some(first) = heap.peek() {
         if first.bound >= enough(upper) || found.boxes >= boxes {
             break;
@@ -231,7 +237,8 @@ fn bound(
     let crossed: Vec<&(Constraint, Taylor)> = constraints.iter().filter(crosses).take(4).collect();
     let thin: Vec<&(Constraint, Taylor)> =
         crossed.iter().copied().filter(|(c, t)| c.high - c.low < t.spread(radii)).collect();
-    let mut best = (worth.least(radii, count), worth.clone());
+    // What the cut looks at: with all constraints that are crossed, for their bend must shrink, too.
+    let (mut best, mut judged) = (worth.least(radii, count), worth.clone());
     let sets = if thin.len() == crossed.len() { vec![thin] } else { vec![thin, crossed] };
     for set in sets.iter().filter(|set| !set.is_empty()) {
         let (mut lagrange, mut allowed) = (worth.clone(), 0.0);
@@ -239,12 +246,10 @@ fn bound(
             lagrange.less(*lambda, taylor);
             allowed += (lambda * constraint.low).min(lambda * constraint.high);
         }
-        let least = lagrange.least(radii, count) + allowed;
-        if least > best.0 {
-            best = (least, lagrange);
-        }
+        best = best.max(lagrange.least(radii, count) + allowed);
+        judged = lagrange;
     }
-    (best.0.max(0.0), widest(Some(&best.1), radii, count))
+    (best.max(0.0), widest(Some(&judged), radii, count))
 }
 
 /// Multipliers that leave the least slope over the box, by least squares.
@@ -273,7 +278,10 @@ fn widest(taylor: Option<&Taylor>, radii: &Values, count: usize) -> usize {
             radii[i] * (t.gradient[i].abs() + bent / 2.0 + t.rest / sum.max(f64::MIN_POSITIVE))
         }
     };
-    (0..count).max_by(|&a, &b| weight(a).total_cmp(&weight(b)).then(b.cmp(&a))).unwrap_or(0)
+    let wide = |&a: &usize, &b: &usize| {
+        weight(a).total_cmp(&weight(b)).then(radii[a].total_cmp(&radii[b])).then(b.cmp(&a))
+    };
+    (0..count).max_by(wide).unwrap_or(0)
 }
 
 /// A posture near the centre of a box that keeps limits and constraints, with its value: Newton steps of
