@@ -84,6 +84,21 @@ fn brute(workcell: &Workcell, (low, high): (f64, f64)) -> f64 {
     best.0
 }
 
+/// Whether joint coordinates keep limits, height and elevation and are worth what is said.
+fn is_allowed(workcell: &Workcell, region: &Region, value: f64, q: &[f64; 8]) -> bool {
+    let (gauge, chain) = (workcell.gauge(0), workcell.inverse().chain());
+    let frames = chain.frames(&chain.posture(q));
+    let elevation = (frames.tcp.rotation * chain.tool_axis).z.asin();
+    let (low, high) = region.elevation.unwrap();
+    let site = Site { equipment: region.operation, work: Pose::identity(), taught: None };
+    let again = gauge.value(&Situation { site, reference: None }, &frames, &mut gauge.memory());
+    let within = |x: f64, (low, high): (f64, f64), by: f64| low - by <= x && x <= high + by;
+    chain.links.iter().zip(q).all(|(link, q)| within(*q, link.limits, 3e-6))
+        && within(frames.tcp.translation.z, region.height, 1e-8)
+        && within(elevation, (low, high), 1e-5)
+        && (again - value).abs() < 1e-12
+}
+
 /// Arms of random lengths, offsets, errors, limits, bends, heights, senses and models.
 #[test]
 fn random_planar_arms_by_brute_force() {
@@ -132,13 +147,19 @@ fn random_planar_arms_by_brute_force() {
         let found = &proof_of(&workcell, 50_000).operations[0];
         // Inside of the slack that the region allows.
         let inside = (region.height.0 + 2e-6, (region.height.1 - 2e-6).max(region.height.0 + 2e-6));
-        let brute = brute(&workcell, inside);
+        // The grid may miss a corner of what is allowed; a witness counts if it is what it says.
+        let witness = found.witness.filter(|(value, q)| is_allowed(&workcell, &region, *value, q));
+        let brute = brute(&workcell, inside).min(witness.map_or(f64::INFINITY, |w| w.0));
         match found.value {
             Ok(bound) => {
                 assert!(bound <= brute, "case {case}: {bound} above {brute}");
                 reachable += 1;
                 // What is nearly nothing is known to the slack of the heights.
-                closed += usize::from(bound >= 0.995 * brute - 1e-7);
+                let is_closed = bound >= 0.995 * brute - 1e-7;
+                closed += usize::from(is_closed);
+                if !is_closed {
+                    println!("case {case}: {found:?}, brute force {brute:e}");
+                }
             }
             Err(why) => {
                 assert_eq!(why, WhyNot::Infeasible, "case {case}: brute force finds {brute}");
@@ -332,7 +353,7 @@ fn what_cannot_be_reached_is_infeasible() {
 fn limits_of_no_width() {
     let mut cell = shipped("hitachi_cell.toml");
     cell.operations.truncate(1);
-    let still = [None, Some(rad_from_deg(20.0)), Some(rad_from_deg(-20.0)), None];
+    let still = [None, Some(rad_from_deg(10.0)), Some(rad_from_deg(-22.0)), None];
     for (joint, at) in cell.robot.joints.iter_mut().zip(still) {
         at.into_iter().for_each(|at| joint.limits = (at, at));
     }
@@ -341,7 +362,7 @@ fn limits_of_no_width() {
     let workcell = ready(&cell);
     let (inverse, gauge) = (workcell.inverse(), workcell.gauge(0));
     // With the tool down q4 follows.
-    let q = [0.0, still[1].unwrap(), still[2].unwrap(), -FRAC_PI_2, 0.0, 0.0, 0.0, 0.0];
+    let q = [0.0, still[1].unwrap(), still[2].unwrap(), rad_from_deg(-78.0), 0.0, 0.0, 0.0, 0.0];
     let frames = inverse.chain().frames(&inverse.chain().posture(&q));
     assert!((frames.tcp.rotation * inverse.chain().tool_axis + Vector3::z()).norm() < 1e-12);
     let site = Site { equipment: 0, work: Pose::identity(), taught: None };
