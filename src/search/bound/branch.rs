@@ -26,6 +26,14 @@ const SHRUNK: f64 = 0.8;
 const PASSES: usize = 8;
 /// Taken off every bound for rounding, m or rad and as a share: the figures are good to 1e-13.
 const ROUNDING: f64 = 1e-11;
+/// A side shorter than this is not cut, m or rad.
+const POINT: f64 = 1e-12;
+/// What a posture that is tried may be off its limits and constraints, m or rad.
+const KEPT: f64 = 1e-9;
+/// A difference that matters to nobody, m or rad.
+const NOTHING: f64 = 1e-9;
+/// Where some posture is worth less than this, 0 is all that can be proven.
+pub(super) const VANISHES: f64 = 1e-6;
 
 /// How a search over boxes ended.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,9 +58,9 @@ struct Part {
 }
 
 impl Ord for Part {
-    /// The least bound is the greatest of the heap.
+    /// The least bound is the greatest of the heap; of equal ones the youngest, for it is the smallest.
     fn cmp(&self, other: &Self) -> Ordering {
-        other.bound.total_cmp(&self.bound).then(other.number.cmp(&self.number))
+        other.bound.total_cmp(&self.bound).then(self.number.cmp(&other.number))
     }
 }
 
@@ -79,7 +87,9 @@ pub(super) fn least(task: &Task<'_>, known: f64, gap: f64, boxes: u64, stop: &At
     let mut found = Found { bound: f64::INFINITY, boxes: 1, best: None, interrupted: false };
     let mut memory = task.memory();
     let mut upper = known;
-    let enough = |upper: f64| upper * (1.0 - gap);
+    let enough = |upper: f64| {
+        (upper * (1.0 - gap)).min(upper - NOTHING).max(if upper < VANISHES { 0.0 } else { f64::MIN_POSITIVE })
+    };
     while let Some(first) = heap.peek() {
         if first.bound >= enough(upper) || found.boxes >= boxes {
             break;
@@ -88,7 +98,7 @@ pub(super) fn least(task: &Task<'_>, known: f64, gap: f64, boxes: u64, stop: &At
             found.interrupted = true;
             break;
         }
-        let round: Vec<Part> = std::iter::from_fn(|| heap.pop()).take(ROUND).collect();
+        let mut round: Vec<Part> = std::iter::from_fn(|| heap.pop()).take(ROUND).collect();
         for part in round.iter().take(TRIED) {
             if let Some((value, joints)) = near(task, part, &mut memory)
                 && found.best.is_none_or(|(best, _)| value < best)
@@ -97,6 +107,12 @@ pub(super) fn least(task: &Task<'_>, known: f64, gap: f64, boxes: u64, stop: &At
                 upper = upper.min(value);
             }
         }
+        // A point has no halves.
+        round.retain(|part| {
+            let is_point = part.high[part.cut] - part.low[part.cut] < POINT;
+            found.bound = if is_point { found.bound.min(part.bound) } else { found.bound };
+            !is_point
+        });
         let halves: Vec<[Option<Part>; 2]> = round.par_iter().map(|part| split(task, part)).collect();
         for mut part in halves.into_iter().flatten().flatten() {
             (part.number, found.boxes) = (found.boxes, found.boxes + 1);
@@ -231,7 +247,8 @@ fn bound(
     let crossed: Vec<&(Constraint, Taylor)> = constraints.iter().filter(crosses).take(4).collect();
     let thin: Vec<&(Constraint, Taylor)> =
         crossed.iter().copied().filter(|(c, t)| c.high - c.low < t.spread(radii)).collect();
-    let mut best = (worth.least(radii, count), worth.clone());
+    // What the cut looks at: with all constraints that are crossed, for their bend must shrink, too.
+    let (mut best, mut judged) = (worth.least(radii, count), worth.clone());
     let sets = if thin.len() == crossed.len() { vec![thin] } else { vec![thin, crossed] };
     for set in sets.iter().filter(|set| !set.is_empty()) {
         let (mut lagrange, mut allowed) = (worth.clone(), 0.0);
@@ -239,12 +256,10 @@ fn bound(
             lagrange.less(*lambda, taylor);
             allowed += (lambda * constraint.low).min(lambda * constraint.high);
         }
-        let least = lagrange.least(radii, count) + allowed;
-        if least > best.0 {
-            best = (least, lagrange);
-        }
+        best = best.max(lagrange.least(radii, count) + allowed);
+        judged = lagrange;
     }
-    (best.0.max(0.0), widest(Some(&best.1), radii, count))
+    (best.max(0.0), widest(Some(&judged), radii, count))
 }
 
 /// Multipliers that leave the least slope over the box, by least squares.
@@ -273,22 +288,25 @@ fn widest(taylor: Option<&Taylor>, radii: &Values, count: usize) -> usize {
             radii[i] * (t.gradient[i].abs() + bent / 2.0 + t.rest / sum.max(f64::MIN_POSITIVE))
         }
     };
-    (0..count).max_by(|&a, &b| weight(a).total_cmp(&weight(b)).then(b.cmp(&a))).unwrap_or(0)
+    let wide = |&a: &usize, &b: &usize| {
+        weight(a).total_cmp(&weight(b)).then(radii[a].total_cmp(&radii[b])).then(b.cmp(&a))
+    };
+    (0..count).max_by(wide).unwrap_or(0)
 }
 
 /// A posture near the centre of a box that keeps limits and constraints, with its value: Newton steps of
-/// the least length.
+/// the least length, back into the box. Off by [`KEPT`] counts as kept: the best often stands in a corner
+/// of what is allowed, and no bound rests on it.
 fn near(task: &Task<'_>, part: &Part, memory: &mut crate::reading::Memory) -> Option<(f64, JointVector)> {
     let (mut y, _) = centre(part);
-    let point = [0.0; MAX_JOINTS];
-    for _ in 0..6 {
+    for _ in 0..12 {
         let placed = task.place(&y);
-        let all = task.constraints.iter().map(|c| (*c, task.constraint(c, &placed, &point)));
-        let missed = |c: &Constraint, t: &Taylor| t.value - t.value.clamp(c.low, c.high);
-        let off: Vec<(Constraint, Taylor)> = all.filter(|(c, t)| missed(c, t) != 0.0).take(4).collect();
+        let all = task.constraints.iter().map(|c| (*c, task.constraint(c, &placed, &[0.0; MAX_JOINTS])));
+        let missed = |c: &Constraint, t: &Taylor| (t.value - t.value.clamp(c.low, c.high)).abs();
+        let off: Vec<(Constraint, Taylor)> = all.filter(|(c, t)| missed(c, t) > KEPT).take(4).collect();
         if off.is_empty() {
             let inside = task.coordinates.limits.iter().zip(task.coordinates.actuators(&y));
-            let kept = inside.into_iter().all(|((_, low, high), q)| (*low..=*high).contains(&q));
+            let kept = inside.into_iter().all(|((_, low, high), q)| (low - KEPT..=high + KEPT).contains(&q));
             return kept.then(|| (task.value(&y, memory), task.joints(&y)));
         }
         let (mut normal, mut right) = (Matrix4::identity(), Vector4::zeros());
@@ -297,13 +315,12 @@ fn near(task: &Task<'_>, part: &Part, memory: &mut crate::reading::Memory) -> Op
                 normal[(i, j)] = a.gradient.iter().zip(&b.gradient).map(|(a, b)| a * b).sum();
             }
             normal[(i, i)] += 1e-12;
-            // Into the middle of a thin range, just inside a wide one.
-            let inside = ((c.high - c.low) / 2.0).min(1e-7);
-            right[i] = a.value - a.value.clamp(c.low + inside, c.high - inside);
+            right[i] = a.value - a.value.clamp(c.low, c.high);
         }
         let step = normal.lu().solve(&right)?;
-        for (i, (_, a)) in off.iter().enumerate() {
-            y.iter_mut().zip(&a.gradient).for_each(|(y, g)| *y -= g * step[i]);
+        for (i, y) in y.iter_mut().enumerate() {
+            let by: f64 = off.iter().zip(step.iter()).map(|((_, a), step)| a.gradient[i] * step).sum();
+            *y = (*y - by).clamp(part.low[i], part.high[i]);
         }
     }
     None

@@ -210,7 +210,7 @@ fn of_operation(
         return (none(WhyNot::Infeasible), false);
     };
     // An error that can be nothing has the bound 0, and that is all there is to know.
-    let closed = found.best.is_some_and(|(value, _)| found.bound >= value * (1.0 - 2.0 * options.gap));
+    let closed = found.best.is_some_and(|(value, _)| value < branch::VANISHES);
     let value = if found.bound > 0.0 || closed { Ok(found.bound) } else { Err(WhyNot::Boxes) };
     (OperationBound { value, boxes: found.boxes, witness: found.best }, found.interrupted)
 }
