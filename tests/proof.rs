@@ -49,7 +49,12 @@ fn hitachi_cell_is_closed() {
 fn at(workcell: &Workcell, radius: f64, height: f64) -> f64 {
     let operation = &workcell.cell.operations[0];
     let (inverse, gauge) = (workcell.inverse(), workcell.gauge(0));
-    let site = Site { equipment: operation.equipment, work: Pose::identity(), taught: None };
+    let site = Site {
+        equipment: operation.equipment,
+        work: Pose::identity(),
+        world: nalgebra::Matrix3::identity(),
+        taught: None,
+    };
     let situation = Situation { site, reference: None };
     let approach = inverse.approach(&operation.attitude, 0.0);
     let (mut memory, mut least) = (gauge.memory(), f64::INFINITY);
@@ -90,7 +95,12 @@ fn is_allowed(workcell: &Workcell, region: &Region, value: f64, q: &[f64; 8]) ->
     let frames = chain.frames(&chain.posture(q));
     let elevation = (frames.tcp.rotation * chain.tool_axis).z.asin();
     let (low, high) = region.elevation.unwrap();
-    let site = Site { equipment: region.operation, work: Pose::identity(), taught: None };
+    let site = Site {
+        equipment: region.operation,
+        work: Pose::identity(),
+        world: nalgebra::Matrix3::identity(),
+        taught: None,
+    };
     let again = gauge.value(&Situation { site, reference: None }, &frames, &mut gauge.memory());
     let within = |x: f64, (low, high): (f64, f64), by: f64| low - by <= x && x <= high + by;
     chain.links.iter().zip(q).all(|(link, q)| within(*q, link.limits, 3e-6))
@@ -180,7 +190,12 @@ fn nothing_is_below(name: &str, cell: &Cell, boxes: u64, tries: usize) -> Proof 
         let Ok(bound) = found.value else { continue };
         let (operation, gauge, inverse) = (&cell.operations[k], workcell.gauge(k), workcell.inverse());
         let region = Region::new(cell, k, inverse.kept_elevation());
-        let site = Site { equipment: operation.equipment, work: Pose::identity(), taught: None };
+        let site = Site {
+            equipment: operation.equipment,
+            work: Pose::identity(),
+            world: nalgebra::Matrix3::identity(),
+            taught: None,
+        };
         let situation = Situation { site, reference: None };
         let (mut memory, mut scratch) = (gauge.memory(), inverse.scratch());
         let mut least = f64::INFINITY;
@@ -259,7 +274,7 @@ fn no_posture_is_below_in_any_reading() {
 fn random_layouts_never_beat_the_bound() {
     let mut rng = ChaCha8Rng::seed_from_u64(3);
     for name in ["hitachi_cell", "palletizer_cell", "scara_cell", "five_axis_cell"] {
-        for objective in [Objective::WeightedSum, Objective::WeightedMaximum] {
+        for objective in Objective::ALL {
             let mut cell = shipped(&format!("{name}.toml"));
             cell.search.objective = objective;
             cell.operations[0].weight = 2.0;
@@ -269,6 +284,7 @@ fn random_layouts_never_beat_the_bound() {
             let whole = match objective {
                 Objective::WeightedSum => 2.0 * each[0] + each[1],
                 Objective::WeightedMaximum => (2.0 * each[0]).max(each[1]),
+                Objective::Lexicographic => sweetspot::layout::combined(&cell, &each),
             };
             assert_eq!(proof.bound, Some(whole));
             let mut feasible = 0;
@@ -365,7 +381,8 @@ fn limits_of_no_width() {
     let q = [0.0, still[1].unwrap(), still[2].unwrap(), rad_from_deg(-78.0), 0.0, 0.0, 0.0, 0.0];
     let frames = inverse.chain().frames(&inverse.chain().posture(&q));
     assert!((frames.tcp.rotation * inverse.chain().tool_axis + Vector3::z()).norm() < 1e-12);
-    let site = Site { equipment: 0, work: Pose::identity(), taught: None };
+    let site =
+        Site { equipment: 0, work: Pose::identity(), world: nalgebra::Matrix3::identity(), taught: None };
     let value = gauge.value(&Situation { site, reference: None }, &frames, &mut gauge.memory());
     let bound = proof_of(&workcell, 1000).bound.unwrap();
     assert!(bound <= value && bound > 0.9995 * value, "{bound} {value}");
