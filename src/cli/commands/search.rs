@@ -79,15 +79,17 @@ fn run(
     } else if record.found() && !now.json {
         suggest(&format!("map {} --svg map.svg", path_word(&folder.join("best.toml"))));
     }
-    Ok(exit(&record))
+    let misses = comparison.columns.last().is_some_and(|best| !best.meets_requirements());
+    Ok(exit(&record, misses))
 }
 
-fn exit(record: &SearchRecord) -> Exit {
+/// `misses`: an operation of the best layout passes its limit.
+fn exit(record: &SearchRecord, misses: bool) -> Exit {
     match (record.ended, record.found()) {
         (Ended::Interrupted, _) => Exit::Interrupted,
         (Ended::TimeLimit, _) => Exit::Limit,
-        (_, true) => Exit::Done,
-        (_, false) => Exit::AnswerIsNo,
+        (_, true) if !misses => Exit::Done,
+        _ => Exit::AnswerIsNo,
     }
 }
 
