@@ -49,7 +49,7 @@ fn moved(drawn: &Numbers, moves: &Moves) -> Numbers {
     let mut numbers = *drawn;
     for (slot, by) in moves {
         match *slot {
-            Slot::Base(axis) if axis == 3 => numbers[0][3] += by.to_degrees(),
+            Slot::Base(3) => numbers[0][3] += by.to_degrees(),
             Slot::Base(axis) => numbers[0][axis] += mm_from_m(*by),
             Slot::Equipment(k, 3) => numbers[k + 1][3] += by.to_degrees(),
             Slot::Equipment(k, axis) => numbers[k + 1][axis] += mm_from_m(*by),
@@ -223,18 +223,18 @@ fn the_largest_misplacement_is_that_of_a_scan() {
                 with(r * cos, r * sin, 0.0)
             })
         };
-        let step = r.shift.most / 150.0 + 1e-6;
-        between(r.shift.most, first_failing((0..400).map(|k| f64::from(k) * step), around), step);
-        let step = r.turn.most / 300.0 + 1e-6;
+        let step = r.shift.most / 40.0 + 1e-6;
+        between(r.shift.most, first_failing((0..80).map(|k| f64::from(k) * step), around), step);
+        let step = r.turn.most / 60.0 + 1e-6;
         let both = |turn: f64| with(0.0, 0.0, turn) && with(0.0, 0.0, -turn);
-        between(r.turn.most, first_failing((0..600).map(|k| f64::from(k) * step), both), step);
+        between(r.turn.most, first_failing((0..120).map(|k| f64::from(k) * step), both), step);
         let scale = r.scale.as_ref().unwrap();
-        let step = scale.most / 300.0 + 1e-6;
+        let step = scale.most / 60.0 + 1e-6;
         let signs = || (-1..=1).flat_map(|a| (-1..=1).map(move |b| (f64::from(a), f64::from(b))));
         let boxed =
             |s: f64| signs().all(|(a, b)| with(s * a * m_from_mm(2.0), 0.0, s * b * rad_from_deg(0.2)));
         match scale.ended {
-            Some(_) => between(scale.most, first_failing((0..600).map(|k| f64::from(k) * step), boxed), step),
+            Some(_) => between(scale.most, first_failing((0..120).map(|k| f64::from(k) * step), boxed), step),
             None => assert!(boxed(scale.most)),
         }
         assert_eq!(r.holds(), scale.most >= 1.0, "{more}");
@@ -424,4 +424,17 @@ fn a_robust_search_beats_the_worst_of_the_nominal_layout() {
     let told = robust.robustness(&hardened.layout, &maps)[0].clone().unwrap();
     assert!(told.lost.is_empty() && told.holds());
     assert!((told.worst.unwrap().value.max(told.value) - worst).abs() < 1e-12);
+}
+
+#[test]
+fn tolerances_are_read_in_si() {
+    let text = std::fs::read_to_string(common::root().join("tests/data/every_key.toml")).unwrap();
+    let cell = from_text(&text).unwrap_or_else(|f| panic!("{f:#?}")).cell;
+    let close = |a: [f64; 4], b: [f64; 4]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-15);
+    assert!(close(cell.base_tolerance.0, [0.0005, 0.0, 0.0, std::f64::consts::PI / 3600.0]));
+    assert!(close(cell.equipment[0].tolerance.0, [0.002, 0.003, 0.001, std::f64::consts::PI / 900.0]));
+    assert_eq!(cell.equipment[1].tolerance.0, [0.0; 4]);
+    assert!(cell.search.robust && cell.has_placement_tolerance());
+    // The base in two numbers, the table in four; what is exact is not told.
+    assert_eq!(cell.placement_tolerances().iter().map(Vec::len).collect::<Vec<_>>(), [2, 4]);
 }
