@@ -10,6 +10,7 @@ use super::region::Constraint;
 use super::screws::Values;
 use super::task::Task;
 use super::taylor::Taylor;
+use super::witness::near;
 use crate::cell::{JointVector, MAX_JOINTS};
 use nalgebra::{Matrix4, Vector4};
 use rayon::prelude::*;
@@ -28,8 +29,6 @@ const PASSES: usize = 8;
 const ROUNDING: f64 = 1e-11;
 /// A side shorter than this is not cut, m or rad.
 const POINT: f64 = 1e-12;
-/// What a posture that is tried may be off its limits and constraints, m or rad.
-const KEPT: f64 = 1e-9;
 /// A difference that matters to nobody, m or rad.
 const NOTHING: f64 = 1e-9;
 /// Where some posture is worth less than this, 0 is all that can be proven.
@@ -100,7 +99,7 @@ pub(super) fn least(task: &Task<'_>, known: f64, gap: f64, boxes: u64, stop: &At
         }
         let mut round: Vec<Part> = std::iter::from_fn(|| heap.pop()).take(ROUND).collect();
         for part in round.iter().take(TRIED) {
-            if let Some((value, joints)) = near(task, part, &mut memory)
+            if let Some((value, joints)) = near(task, centre(part).0, (&part.low, &part.high), &mut memory)
                 && found.best.is_none_or(|(best, _)| value < best)
             {
                 found.best = Some((value, joints));
@@ -247,17 +246,22 @@ fn bound(
     let crossed: Vec<&(Constraint, Taylor)> = constraints.iter().filter(crosses).take(4).collect();
     let thin: Vec<&(Constraint, Taylor)> =
         crossed.iter().copied().filter(|(c, t)| c.high - c.low < t.spread(radii)).collect();
-    // What the cut looks at: with all constraints that are crossed, for their bend must shrink, too.
+    // The cut looks at the slopes that thin constraints leave, and at the bend of the others: a wide one
+    // with the slope of the value would hide its own width.
     let (mut best, mut judged) = (worth.least(radii, count), worth.clone());
     let sets = if thin.len() == crossed.len() { vec![thin] } else { vec![thin, crossed] };
-    for set in sets.iter().filter(|set| !set.is_empty()) {
-        let (mut lagrange, mut allowed) = (worth.clone(), 0.0);
+    for (k, set) in sets.iter().enumerate().filter(|(_, set)| !set.is_empty()) {
+        let (mut lagrange, mut allowed, mut bend) = (worth.clone(), 0.0, 0.0);
         for ((constraint, taylor), lambda) in set.iter().zip(multipliers(&worth, set, radii).iter()) {
             lagrange.less(*lambda, taylor);
             allowed += (lambda * constraint.low).min(lambda * constraint.high);
+            bend += lambda.abs() * taylor.bend(radii);
         }
         best = best.max(lagrange.least(radii, count) + allowed);
-        judged = lagrange;
+        match k {
+            0 => judged = lagrange,
+            _ => judged.rest += bend,
+        }
     }
     (best.max(0.0), widest(Some(&judged), radii, count))
 }
@@ -292,36 +296,4 @@ fn widest(taylor: Option<&Taylor>, radii: &Values, count: usize) -> usize {
         weight(a).total_cmp(&weight(b)).then(radii[a].total_cmp(&radii[b])).then(b.cmp(&a))
     };
     (0..count).max_by(wide).unwrap_or(0)
-}
-
-/// A posture near the centre of a box that keeps limits and constraints, with its value: Newton steps of
-/// the least length, back into the box. Off by [`KEPT`] counts as kept: the best often stands in a corner
-/// of what is allowed, and no bound rests on it.
-fn near(task: &Task<'_>, part: &Part, memory: &mut crate::reading::Memory) -> Option<(f64, JointVector)> {
-    let (mut y, _) = centre(part);
-    for _ in 0..12 {
-        let placed = task.place(&y);
-        let all = task.constraints.iter().map(|c| (*c, task.constraint(c, &placed, &[0.0; MAX_JOINTS])));
-        let missed = |c: &Constraint, t: &Taylor| (t.value - t.value.clamp(c.low, c.high)).abs();
-        let off: Vec<(Constraint, Taylor)> = all.filter(|(c, t)| missed(c, t) > KEPT).take(4).collect();
-        if off.is_empty() {
-            let inside = task.coordinates.limits.iter().zip(task.coordinates.actuators(&y));
-            let kept = inside.into_iter().all(|((_, low, high), q)| (low - KEPT..=high + KEPT).contains(&q));
-            return kept.then(|| (task.value(&y, memory), task.joints(&y)));
-        }
-        let (mut normal, mut right) = (Matrix4::identity(), Vector4::zeros());
-        for (i, (c, a)) in off.iter().enumerate() {
-            for (j, (_, b)) in off.iter().enumerate() {
-                normal[(i, j)] = a.gradient.iter().zip(&b.gradient).map(|(a, b)| a * b).sum();
-            }
-            normal[(i, i)] += 1e-12;
-            right[i] = a.value - a.value.clamp(c.low, c.high);
-        }
-        let step = normal.lu().solve(&right)?;
-        for (i, y) in y.iter_mut().enumerate() {
-            let by: f64 = off.iter().zip(step.iter()).map(|((_, a), step)| a.gradient[i] * step).sum();
-            *y = (*y - by).clamp(part.low[i], part.high[i]);
-        }
-    }
-    None
 }

@@ -15,7 +15,7 @@
 //! | `difference`, `columns` | the error of a sample; the sum of linear effects |
 //! | `worth` | a reading, from below |
 //! | `task` | one operation, put together |
-//! | `branch` | boxes |
+//! | `branch`, `witness` | boxes, and postures in them |
 //!
 //! The bound holds of [`crate::layout::evaluate`]: a weighted sum has at least the sum of the bounds, a
 //! weighted maximum the largest of them. An operation that has no bound counts as 0, which none is below.
@@ -28,6 +28,7 @@ mod region;
 mod screws;
 mod task;
 mod taylor;
+mod witness;
 mod worth;
 
 pub use region::Region;
