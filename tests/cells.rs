@@ -299,7 +299,7 @@ fn a_sense_by_its_word() {
 #[test]
 fn limits_picks_and_taught_points() {
     let cell = every_key();
-    let [assembly, picking, glueing] = &cell.operations[..] else { panic!("{:?}", cell.operations) };
+    let [assembly, picking, glueing, ..] = &cell.operations[..] else { panic!("{:?}", cell.operations) };
     assert_eq!((assembly.sense.name.as_str(), assembly.limit), ("slot", Some(0.0005)));
     assert_eq!((picking.sense.name.as_str(), picking.limit), ("xy@surface", Some(0.002)));
     assert_eq!((glueing.limit, glueing.relative_to), (None, Some(0)));
@@ -309,12 +309,31 @@ fn limits_picks_and_taught_points() {
 }
 
 #[test]
+fn variables_places_and_rules_of_the_search() {
+    let cell = every_key();
+    let [.., welding, dotting] = &cell.operations[..] else { panic!("{:?}", cell.operations) };
+    let area = Rectangle { centre: (0.1, 0.05), size: (0.2, 0.1) };
+    assert_eq!((&welding.place, welding.over), (&Place::Grid { area, divisions: (4, 4) }, Over::P95));
+    assert_eq!(dotting.place, Place::Points(vec![(-0.04, 0.0), (0.04, 0.0)]));
+    assert_eq!(dotting.over, Over::Mean);
+    let shelf = cell.equipment.iter().position(|e| e.name == "shelf").unwrap();
+    assert_eq!(cell.equipment[shelf].on.map(|k| cell.equipment[k].name.as_str()), Some("worktable"));
+    let free: Vec<_> = cell.free().into_iter().map(|(slot, _)| slot).collect();
+    let own = [Slot::Base(0), Slot::Base(2), Slot::Equipment(shelf, 0), Slot::Equipment(shelf, 3)];
+    let angles = [Slot::Attitude(3, 0), Slot::Attitude(3, 1), Slot::Attitude(3, 2), Slot::Attitude(4, 0)];
+    assert!(own.iter().chain(&angles).all(|slot| free.contains(slot)), "{free:?}");
+    let SearchSettings { objective, indifference, gap, stagnation, robust, .. } = cell.search;
+    assert_eq!((objective, indifference), (Objective::Lexicographic, 0.005));
+    assert_eq!((gap, stagnation, robust), (Some(0.01), Some(5000), true));
+}
+
+#[test]
 fn what_the_command_line_changes_is_checked_again() {
     let mut cell = every_key();
     assert_eq!(cell.question_faults(), []);
     let about = |cell: &Cell| cell.question_faults().iter().map(|f| f.about).collect::<Vec<_>>();
     cell.quantity = Quantity::Yield;
-    assert_eq!(about(&cell), [About::Operation(2)]);
+    assert_eq!(about(&cell), [2, 3, 4].map(About::Operation));
     cell.reading = Reading::Signed;
     assert_eq!(about(&cell), [About::Reading]);
     // Without the taught frame the table's tolerance counts, too.

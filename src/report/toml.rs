@@ -76,11 +76,14 @@ fn quoted(text: &str) -> String {
     format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
 }
 
+/// What rounding makes of a coordinate that was seen from another equipment and back, m or rad.
+const ROUNDING: f64 = 1e-13;
+
 /// An SI value in the unit of the file: with few digits if they say the same, else with all. TOML
 /// reads it as a float.
 fn shortest(si: f64, to_file: fn(f64) -> f64, from_file: fn(f64) -> f64, digits: i32) -> String {
     let few = rounded(to_file(si), digits);
-    let value = if from_file(few) == si { few } else { to_file(si) };
+    let value = if (from_file(few) - si).abs() <= ROUNDING { few } else { to_file(si) };
     let text = value.to_string();
     if text.contains('.') { text } else { text + ".0" }
 }
