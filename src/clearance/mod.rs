@@ -19,6 +19,7 @@ mod links;
 mod own_pairs;
 mod plan;
 mod scene;
+mod spacing;
 
 pub use decomposition::Remember;
 pub use distance::{ACCURACY, Load, Mover, Nearness, Pair};
@@ -26,3 +27,4 @@ pub use hit::{Hit, SolidRef};
 pub use own_pairs::{Allowed, OwnPair};
 pub use plan::{FloorPlan, Overlap, Party, Separation};
 pub use scene::{Placed, Scene};
+pub use spacing::footprint;

@@ -25,6 +25,8 @@ pub struct Scene {
     pub(super) checked: Vec<(usize, usize)>,
     /// Of the equipment, and after it of the fence.
     pub(super) parts: Vec<Vec<Part>>,
+    /// The frame after the last joint.
+    pub(super) last: usize,
     pub(super) floor: f64,
     pub(super) clearance: f64,
     pub(super) enabled: bool,
@@ -74,6 +76,7 @@ impl Scene {
             checked: checked.filter_map(|p| place(p.a).zip(place(p.b))).collect(),
             own_pairs,
             parts: cell.equipment.iter().map(parts).chain([fence::walls(cell)]).collect(),
+            last: cell.robot.axes(),
             floor: cell.floor,
             clearance: cell.clearance,
             enabled: cell.collision,

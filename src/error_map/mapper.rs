@@ -96,6 +96,10 @@ impl Mapper {
         &self.stations[operation].gauge
     }
 
+    pub fn chain(&self) -> &Chain {
+        &self.arm.chain
+    }
+
     /// The frames at joint coordinates.
     pub fn frames(&self, joints: &JointVector) -> Frames {
         self.arm.chain.frames(&self.arm.chain.posture(joints))

@@ -39,6 +39,19 @@ impl Mapper {
         self.guard.as_ref().and_then(refused).map(Status::Refused)
     }
 
+    /// The joint coordinates at a spot.
+    pub fn joints(&self, operation: usize, layout: &Layout, spot: &Spot) -> Option<JointVector> {
+        let stand = self.stand(operation, layout);
+        let approach = stand.approach(&self.arm);
+        let target = self.stations[operation].grid.target(&stand.at, spot.node);
+        self.arm.inverse.branch_at(&target, &approach, spot.branch).map(|branch| branch.joints)
+    }
+
+    /// Whether the ways between operations are asked for.
+    pub fn asks_transfers(&self) -> bool {
+        self.guard.as_ref().is_some_and(Guard::asks_transfers)
+    }
+
     /// The ways between the operations at their spots; none if the cell does not ask for them or a spot is
     /// missing.
     ///
@@ -55,10 +68,7 @@ impl Mapper {
             return Ok(Vec::new());
         };
         let stance = |(operation, spot): (usize, &Option<Spot>)| {
-            let (spot, stand) = ((*spot)?, self.stand(operation, layout));
-            let approach = stand.approach(&self.arm);
-            let target = self.stations[operation].grid.target(&stand.at, spot.node);
-            let joints = self.arm.inverse.branch_at(&target, &approach, spot.branch)?.joints;
+            let joints = self.joints(operation, layout, &(*spot)?)?;
             Some(Stance { operation, joints })
         };
         let stances: Option<Vec<_>> = spots.iter().enumerate().map(stance).collect();

@@ -1,11 +1,13 @@
 //! One candidate: [`evaluate`] a [`Layout`]. The seam that search, what-ifs and reports share.
 
+mod goals;
 mod misplacement;
 mod refine;
 mod robust;
 mod separate;
 mod worst;
 
+pub use goals::FAR;
 pub use misplacement::Moves;
 pub use refine::Refined;
 pub use robust::{Corner, Ended, Largest, Lost, Robustness};

@@ -1,7 +1,7 @@
 //! `search` and `compare`.
 
 use super::{stem, suggest, warn_of_distrust, warn_of_hopeless, workcell};
-use crate::cell::{Cell, Solver, shown};
+use crate::cell::{Cell, Goal, Goals, SearchSettings, Solver, shown};
 use crate::cli::arguments::{CompareArguments, SearchArguments};
 use crate::cli::output::path_word;
 use crate::cli::overrides::overridden;
@@ -28,6 +28,7 @@ pub fn search(a: &SearchArguments) -> Result<Exit, Exit> {
     refuse_nothing_to_withstand(&loaded.cell)?;
     let settings = &mut loaded.cell.search;
     let named = |name: &String| Solver::ALL.into_iter().find(|s| s.name() == name);
+    take_kept(a, settings)?;
     settings.solver = a.solver.as_ref().and_then(named).unwrap_or(settings.solver);
     let workcell = workcell(loaded.cell, &a.cell)?;
     warn_of_hopeless(&workcell);
@@ -75,6 +76,20 @@ fn refuse_lost_limits(cell: &Cell, limited: &[bool]) -> Result<(), Exit> {
     ));
     output::talk("  help: change sense and limit in a cell file, from = \"...\" cannot take a limit away");
     Err(Exit::BadInput)
+}
+
+/// Goals of a front and how many layouts are kept, as the command line says otherwise.
+fn take_kept(a: &SearchArguments, settings: &mut SearchSettings) -> Result<(), Exit> {
+    settings.keep = a.keep.map_or(settings.keep, |keep| keep as usize);
+    let Some(named) = &a.pareto else { return Ok(()) };
+    let named = named.iter().filter_map(|name| Goal::ALL.into_iter().find(|goal| goal.name() == name));
+    let goals = Goals::of(&named.collect::<Vec<_>>()).filter(|goals| goals.count() > 1);
+    settings.pareto = goals.ok_or_else(|| {
+        output::error("--pareto must name two goals or more, each once");
+        output::talk(&format!("  help: there are {}", Goal::ALL.map(Goal::name).join(", ")));
+        Exit::BadInput
+    })?;
+    Ok(())
 }
 
 /// As the cell file is asked for `robust = true`.
@@ -125,10 +140,12 @@ fn answer(cell: &Cell, record: &SearchRecord, comparison: &Comparison<'_>, secon
         },
     };
     format!(
-        "{}\n\n{}\n{}{said}\n{} layouts evaluated, {} feasible, in {seconds:.2} s ({}, seed {})\n",
+        "{}\n\n{}\n{}{}{}{said}\n{} layouts evaluated, {} feasible, in {seconds:.2} s ({}, seed {})\n",
         report::text::headline(cell),
         report::text::comparison(comparison),
         comparison.columns.last().map(report::text::robustness).unwrap_or_default(),
+        comparison.columns.last().map(report::text::goals_line).unwrap_or_default(),
+        report::text::front(cell, record),
         record.evaluations,
         record.feasible,
         cell.search.solver.name(),
