@@ -6,8 +6,9 @@
 #![allow(clippy::expect_used)] // a bench without its data has nothing to measure
 
 use criterion::{Criterion, criterion_group, criterion_main};
+use rayon::prelude::*;
 use std::hint::black_box;
-use sweetspot::cell::{self, Attitude, Cell, ErrorSet, Layout, Model, Placement, Reading, Sense};
+use sweetspot::cell::{self, Attitude, Cell, ErrorSet, Layout, Model, Place, Placement, Reading, Sense};
 use sweetspot::clearance::{FloorPlan, Placed, Scene};
 use sweetspot::kinematic_error::{Perturbation, position_error};
 use sweetspot::layout::{Workcell, Workspace, evaluate_in};
@@ -163,12 +164,29 @@ fn collision(c: &mut Criterion) {
 }
 
 /// A thousand layouts an iteration: the mean over the set, free of its order. Without collision the
-/// same work less the solids: what is left is inverse kinematics, limits and errors.
+/// same work less the solids: what is left is inverse kinematics, limits and errors. Judged: every node
+/// one by one, as robots do that are not ranked.
 fn evaluate(c: &mut Criterion) {
-    for (what, collision) in [("evaluate", true), ("evaluate without collision", false)] {
+    let ready = |collision: bool, times: usize| {
         let mut cell = shipped("hitachi_cell.toml");
         cell.collision = collision;
-        let workcell = Workcell::new(cell).expect("the cell");
+        // 99 and 63 nodes, or ten times as many.
+        let grids = if times == 1 { [(10, 8), (20, 2)] } else { [(32, 29), (69, 8)] };
+        for (operation, grid) in cell.operations.iter_mut().zip(grids) {
+            if let Place::Grid { divisions, .. } = &mut operation.place {
+                *divisions = grid;
+            }
+        }
+        Workcell::new(cell).expect("the cell")
+    };
+    let cases = [
+        ("evaluate", ready(true, 1)),
+        ("evaluate without collision", ready(false, 1)),
+        ("evaluate without collision, judged", ready(false, 1).unranked()),
+        ("evaluate, 10 times the nodes", ready(true, 10)),
+        ("evaluate without collision, 10 times the nodes", ready(false, 10)),
+    ];
+    for (what, workcell) in cases {
         let layouts = layouts(&workcell.cell);
         let mut workspace = Workspace::default();
         for (name, set) in [("random", &layouts[..1000]), ("plausible", &layouts[1000..])] {
@@ -176,6 +194,20 @@ fn evaluate(c: &mut Criterion) {
                 b.iter(|| set.iter().map(|l| evaluate_in(&workcell, l, &mut workspace).cost).sum::<f64>())
             });
         }
+    }
+}
+
+/// The plausible layouts on one thread and on two, in parts that are worth a thread.
+fn threads(c: &mut Criterion) {
+    let workcell = Workcell::new(shipped("hitachi_cell.toml")).expect("the cell");
+    let layouts = &layouts(&workcell.cell)[1000..];
+    for count in [1, 2] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build().expect("threads");
+        c.bench_function(&format!("evaluate: 1000 plausible layouts, threads: {count}"), |b| {
+            let cost = |workspace: &mut Workspace, l: &Layout| evaluate_in(&workcell, l, workspace).cost;
+            let all = || layouts.par_iter().with_min_len(50).map_init(Workspace::default, cost);
+            b.iter(|| pool.install(|| all().collect::<Vec<f64>>()))
+        });
     }
 }
 
@@ -196,6 +228,6 @@ fn layout(c: &mut Criterion) {
 criterion_group! {
     name = layers;
     config = Criterion::default().sample_size(20);
-    targets = node, readings, map, collision, layout, evaluate
+    targets = node, readings, map, collision, layout, evaluate, threads
 }
 criterion_main!(layers);

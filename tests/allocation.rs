@@ -6,6 +6,7 @@ mod common;
 use allocation_counter::measure;
 use common::shipped;
 use sweetspot::cell::*;
+use sweetspot::layout::{Workcell, Workspace, evaluate_in};
 use sweetspot::pose::Pose;
 use sweetspot::reach::{Goal, Held, Inverse, Numeric, SphericalWrist, ThreeParallel};
 use sweetspot::reading::{BestFit, Gauge, Reference, Site, Situation, Sources, Taught};
@@ -61,6 +62,28 @@ fn the_node_loop_does_not_allocate() {
     assert!(postures > 200);
     // The counter counts.
     assert!(measure(|| drop(BestFit::new(&chain, &Sources::new(&cell, 0, None), true))).count_total > 0);
+}
+
+/// Judged or ranked: ten times the nodes ask for no more memory than few, once it is there.
+#[test]
+fn an_evaluation_asks_for_no_memory_by_node() {
+    for ranked in [true, false] {
+        let counts = [(3, 2), (40, 30)].map(|grid| {
+            let mut cell = shipped("hitachi_cell.toml");
+            for operation in &mut cell.operations {
+                if let sweetspot::cell::Place::Grid { divisions, .. } = &mut operation.place {
+                    *divisions = grid;
+                }
+            }
+            let workcell = Workcell::new(cell).unwrap();
+            assert!(workcell.is_ranked());
+            let workcell = if ranked { workcell } else { workcell.unranked() };
+            let (layout, mut memory) = (workcell.cell.start(), Workspace::default());
+            evaluate_in(&workcell, &layout, &mut memory);
+            measure(|| drop(evaluate_in(&workcell, &layout, &mut memory))).count_total
+        });
+        assert_eq!(counts[0], counts[1], "ranked: {ranked}");
+    }
 }
 
 /// The fast descents live on the stack; only a goal that they all miss asks for memory.

@@ -9,9 +9,10 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 /// The modules in the order in which data flows: each uses only those before it.
-const ORDER: [&str; 15] = [
+const ORDER: [&str; 16] = [
     "units",
     "pose",
+    "lanes",
     "cell",
     "robot",
     "kinematic_error",
@@ -255,6 +256,7 @@ fn every_heavy_crate_has_one_home() {
     let only = |name: &str| BTreeSet::from([name.to_string()]);
     assert_eq!(homes("parry3d"), only("clearance"));
     assert_eq!(homes("argmin"), only("search"));
+    assert_eq!(homes("pulp"), only("lanes"));
     let programs = sources().into_iter().filter(|f| uses_crate(&f.code, "clarabel"));
     let programs: Vec<_> = programs.map(|f| f.path).collect();
     let allowed = |path: &str| path == "layout/separate.rs" || path.starts_with("reach/numeric/");

@@ -10,7 +10,7 @@ use std::sync::atomic::AtomicBool;
 use sweetspot::cell::{Cell, Coordinate, Goal, Goals, Layout, SearchSettings, Solver};
 use sweetspot::layout::{FAR, Workcell, evaluate};
 use sweetspot::search::{
-    Checkpoint, Job, REALLY_DIFFERENT, SearchRecord, Space, Stopping, Unfit, Watch, search_job,
+    Checkpoint, Job, Moment, REALLY_DIFFERENT, SearchRecord, Space, Stopping, Unfit, Watch, search_job,
 };
 
 /// The paper's arm, two tables, a post; every free coordinate is a list of values.
@@ -68,7 +68,7 @@ fn run(
     every: usize,
 ) -> (SearchRecord, Vec<String>) {
     let kept = Mutex::new((0, Vec::new()));
-    let keep = |c: &Checkpoint| {
+    let keep = |c: &Checkpoint, _: Moment| {
         let mut kept = kept.lock().unwrap();
         kept.0 += 1;
         if kept.0 % every == 0 {

@@ -11,7 +11,7 @@ use sweetspot::cell::{Cell, JointVector, MAX_JOINTS, Shape};
 use sweetspot::clearance::{ACCURACY, FloorPlan, Hit, Load, Party, Placed, Scene, SolidRef};
 use sweetspot::compare::Assessment;
 use sweetspot::error_map::{Outcome, Status};
-use sweetspot::layout::{Workcell, evaluate, separated};
+use sweetspot::layout::{Workcell, evaluate, merits, separated};
 use sweetspot::motion::{
     DEVIATION, Guard, Hindrance, RESOLUTION, Refusal, Stance, Stopped, Way, first_hit, measures, singularity,
     straight,
@@ -166,7 +166,7 @@ fn distances_are_those_of_alternating_projections() {
                 let got = scene.distance(&there, &frames, Some(0), 10.0);
                 let off = got.distance - want;
                 // The reference comes from above, and slowly where faces are nearly parallel.
-                assert!(off <= ACCURACY && off >= -1e-5, "{link} {part}: {} for {want}", got.distance);
+                assert!((-1e-5..=ACCURACY).contains(&off), "{link} {part}: {} for {want}", got.distance);
                 let pair = Hit { solid: SolidRef::Robot(0), other: SolidRef::Equipment(0, 0) };
                 assert_eq!(got.pair, Some(pair));
                 worst = worst.max(off.abs());
@@ -191,8 +191,13 @@ const AROUND: &str = "[obstacle.post]\nsolid = [{ name = \"post\", box = { centr
 fn a_free_move_hits_in_no_sample() {
     const SAMPLES: usize = 10_000;
     let mut rng = ChaCha8Rng::seed_from_u64(11);
-    for (robot, errors, moves) in [("hitachi_pw10", "table-2", 50), ("ur5e", "placeholder", 50)] {
-        let cell = cell(robot, errors, "clearance_mm = 5", AROUND);
+    // With a machine that is a mesh; with a round tank; of six axes.
+    for (robot, cell) in [
+        ("hitachi_cell", common::shipped("hitachi_cell.toml")),
+        ("hitachi_pw10", cell("hitachi_pw10", "table-2", "clearance_mm = 5", AROUND)),
+        ("ur5e", cell("ur5e", "placeholder", "clearance_mm = 5", AROUND)),
+    ] {
+        let moves = 50;
         let (scene, chain) = (Scene::new(&cell), Chain::new(&cell.robot));
         let there = placed(&cell, &scene);
         let (mut free, mut blocked, mut early) = (0, 0, 0);
@@ -457,6 +462,17 @@ fn a_post_between_two_spots_is_lifted_over() {
     let (cell, open) = transfers_of(two_tables("", rules));
     assert_eq!(open.transfers.iter().map(|t| t.way).collect::<Vec<_>>(), [Way::Direct]);
     assert!(open.objective.is_some() && is_free(&cell, &open.transfers[0].path));
+    // The column ends 750 - 450 - 150 mm over the floor, which is nearer than the tool and the tables.
+    let workcell = Workcell::new(cell.clone()).unwrap();
+    let worth = merits(&workcell, &cell.start(), &open, 2.0);
+    for merit in worth.iter().map(|m| m.unwrap()) {
+        assert!((merit.clearance.distance - 0.15).abs() < 1e-6, "{merit:?}");
+        let pair = Hit { solid: SolidRef::Robot(1), other: SolidRef::Floor };
+        assert_eq!(merit.clearance.pair, Some(pair));
+        assert!(
+            merit.measures.limits > 0.0 && merit.measures.limits < 1.0 && merit.measures.singularity > 0.0
+        );
+    }
     // The first joint goes farthest, and it alone moves.
     let path = &open.transfers[0].path;
     assert!((open.transfers[0].travel - (path[1][0] - path[0][0]).abs()).abs() < 1e-9);

@@ -8,7 +8,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use sweetspot::cell::{SearchSettings, Solver};
 use sweetspot::layout::Workcell;
-use sweetspot::search::{Checkpoint, Ended, Job, SearchRecord, Stopping, Unfit, Watch, search_job};
+use sweetspot::search::{Checkpoint, Ended, Job, Moment, SearchRecord, Stopping, Unfit, Watch, search_job};
 
 fn workcell() -> Workcell {
     Workcell::new(shipped("hitachi_cell.toml")).unwrap()
@@ -26,7 +26,7 @@ fn run(
     from: Option<&str>,
 ) -> (SearchRecord, Vec<String>) {
     let kept = Mutex::new(Vec::new());
-    let keep = |c: &Checkpoint| kept.lock().unwrap().push(serde_json::to_string(c).unwrap());
+    let keep = |c: &Checkpoint, _: Moment| kept.lock().unwrap().push(serde_json::to_string(c).unwrap());
     let from: Option<Checkpoint> = from.map(|text| serde_json::from_str(text).unwrap());
     let watch = Watch { progress: &|_| (), stop: &AtomicBool::new(false) };
     let record = search_job(workcell, settings, &watch, &Job { bound, from: from.as_ref(), keep: &keep });
@@ -92,7 +92,7 @@ fn a_search_stopped_many_times_ends_in_the_same_bits() {
                 stop.fetch_or(p.evaluations >= round * 377, Ordering::Relaxed);
             };
             let kept = Mutex::new(None);
-            let keep = |c: &Checkpoint| *kept.lock().unwrap() = Some(c.clone());
+            let keep = |c: &Checkpoint, _: Moment| *kept.lock().unwrap() = Some(c.clone());
             let job = Job { bound: None, from: from.as_ref(), keep: &keep };
             let record = search_job(&workcell, &settings, &Watch { progress: &progress, stop: &stop }, &job);
             if record.ended != Ended::Interrupted {

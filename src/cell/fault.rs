@@ -11,7 +11,8 @@ pub enum Severity {
     Warning,
 }
 
-/// One fault of one file: located (line and column from 1), with what is wrong and what to do.
+/// One fault of one file: located (line and column from 1), with what is wrong and what to do. A fault
+/// of a setting has no place: its words stand for the file, line and column are 0.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Fault {
     pub severity: Severity,
@@ -69,7 +70,11 @@ const WIDEST: usize = 100;
 impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let kind = if self.is_error() { "error" } else { "warning" };
-        write!(f, "{}:{}:{}: {kind}: {}", shown(&self.file), self.line, self.column, self.message)?;
+        write!(f, "{}:", shown(&self.file))?;
+        if self.line > 0 {
+            write!(f, "{}:{}:", self.line, self.column)?;
+        }
+        write!(f, " {kind}: {}", self.message)?;
         if !self.excerpt.trim().is_empty() {
             let number = self.line.to_string();
             let caret = " ".repeat(self.caret);

@@ -6,19 +6,22 @@
 
 use super::document::Library;
 use super::fault::shown;
+use super::setting::{self, Setting};
 use super::tree::{At, Entry, Node, Value, laid_over};
 
 /// Longest chain of files.
 const MAX_CHAIN: usize = 16;
 
-/// The tree of a file with every `from` followed, or None with the faults recorded.
-pub fn load(path: &str, lib: &mut Library<'_>) -> Option<Node> {
+/// The tree of a file with every `from` followed and the settings laid over it, or None with the faults
+/// recorded.
+pub fn load(path: &str, settings: &[Setting], lib: &mut Library<'_>) -> Option<Node> {
     let file = lib.text(path, None)?;
     let at = At { file, offset: 0 };
     let mut root = Node { at, value: Value::Table(lib.entries(file)?) };
     let mut chain = vec![path.to_string()];
     lay(&mut root, &mut chain, lib);
     has_schema(&root, at, lib);
+    setting::apply(&mut root, settings, lib);
     let Value::Table(entries) = &mut root.value else { return None };
     for (key, _, node) in entries {
         match (key.as_str(), &mut node.value) {

@@ -37,6 +37,7 @@ mod robot_file;
 mod robot_model;
 mod sense;
 mod sense_file;
+mod setting;
 mod shape;
 mod solid;
 mod teach_file;
@@ -58,6 +59,7 @@ pub use model::*;
 pub use question::{About, QuestionFault};
 pub use robot_model::*;
 pub use sense::*;
+pub use setting::{Choices, Setting, of_setting};
 pub use shape::*;
 
 use document::Library;
@@ -80,8 +82,16 @@ pub struct Loaded {
 /// # Errors
 /// All faults of all files, errors and warnings, in the order of files and lines.
 pub fn load(path: &str, read: &mut ReadFile<'_>) -> Result<Loaded, Vec<Fault>> {
+    load_with(path, &[], read)
+}
+
+/// [`load`] with some keys said otherwise than in the file.
+///
+/// # Errors
+/// As [`load`]; faults of a setting name it instead of a file, at line 0.
+pub fn load_with(path: &str, settings: &[Setting], read: &mut ReadFile<'_>) -> Result<Loaded, Vec<Fault>> {
     let mut lib = Library::new(read);
-    let root = from::load(path, &mut lib);
+    let root = from::load(path, settings, &mut lib);
     let stem = path.strip_suffix(".toml").unwrap_or(path);
     let cell = root.as_ref().and_then(|root| cell_file::read(stem, root, &mut lib));
     if lib.errors() == 0
@@ -90,7 +100,8 @@ pub fn load(path: &str, read: &mut ReadFile<'_>) -> Result<Loaded, Vec<Fault>> {
         question::check(cell, root, &mut lib);
         plausible::warn(cell, root, &mut lib);
     }
-    let faults = sorted(&mut lib);
+    let mut faults = sorted(&mut lib);
+    setting::put_in_words(settings, &mut faults, &mut lib.sources);
     match cell {
         Some(cell) if !faults.iter().any(Fault::is_error) => {
             Ok(Loaded { cell, sources: lib.sources, warnings: faults })
@@ -114,7 +125,7 @@ pub struct LoadedRobot {
 /// As [`load`].
 pub fn load_robot(path: &str, read: &mut ReadFile<'_>) -> Result<LoadedRobot, Vec<Fault>> {
     let mut lib = Library::new(read);
-    let root = from::load(path, &mut lib);
+    let root = from::load(path, &[], &mut lib);
     let robot = root.and_then(|root| Table::read(&root, "a robot", &mut lib, robot_file::read));
     let faults = sorted(&mut lib);
     match robot {
@@ -127,7 +138,7 @@ pub fn load_robot(path: &str, read: &mut ReadFile<'_>) -> Result<LoadedRobot, Ve
 
 /// Whether the file at `path` says, itself or through its `from`, that it is the file of a robot.
 pub fn is_robot(path: &str, read: &mut ReadFile<'_>) -> bool {
-    let root = from::load(path, &mut Library::new(read));
+    let root = from::load(path, &[], &mut Library::new(read));
     let schema = root.as_ref().and_then(|root| root.value.get("schema"));
     schema.is_some_and(|node| matches!(&node.value, Value::Text(word) if word == "sweetspot/robot/1"))
 }

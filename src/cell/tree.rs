@@ -206,6 +206,6 @@ fn merged(own: Node, under: Value) -> Node {
 }
 
 /// A range `{ min, max, start }` is one value: it is replaced, never merged.
-fn is_range(table: &[Entry]) -> bool {
+pub fn is_range(table: &[Entry]) -> bool {
     table.iter().any(|(k, ..)| k == "min" || k == "max")
 }

@@ -184,8 +184,12 @@ fn mesh(vertices: &[Vector3<f64>], triangles: &[[u32; 3]], closed: bool) -> Shar
     built.map_or_else(|_| SharedShape::cuboid(reach.x, reach.y, reach.z), SharedShape::new)
 }
 
-fn vector(v: &Vector3<f64>) -> pm::Vector {
+pub(super) fn vector(v: &Vector3<f64>) -> pm::Vector {
     pm::Vector::new(v.x, v.y, v.z)
+}
+
+pub(super) fn plain(v: pm::Vector) -> Vector3<f64> {
+    Vector3::new(v.x, v.y, v.z)
 }
 
 pub(super) fn parry_pose(pose: &Pose) -> pm::Pose {

@@ -5,20 +5,23 @@
 //! solids the answer is the gap along the direction between the nearest points that parry found, which
 //! both solids leave free: never more than the distance, whatever parry missed.
 
-use super::bodies::{Body, Part};
+use super::bodies::{Body, Part, parry_pose, vector};
 use super::hit::{Hit, SolidRef};
 use super::links::Link;
-use super::scene::{Placed, PlacedBody, Scene};
+use super::scene::{Placed, PlacedBody, Scene, swallows};
 use crate::cell::MAX_JOINTS;
 use crate::pose::Pose;
 use nalgebra::Vector3;
-use parry3d::bounding_volume::BoundingVolume;
+use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::math as pm;
 use parry3d::query::{ClosestPoints, DefaultQueryDispatcher, QueryDispatcher};
-use parry3d::shape::{Shape, SharedShape};
+use parry3d::shape::{Cuboid, Shape, SharedShape};
 
 /// A distance is never more than this above the true one, m.
 pub const ACCURACY: f64 = 1e-6;
+
+/// To be farther than this from a mesh, m, its bounds are asked alone: triangles within it are many.
+const COARSE: f64 = 0.1;
 
 /// How near the robot is to anything else.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -210,7 +213,20 @@ impl Scene {
     pub fn is_apart(&self, placed: &Placed, frames: &[Pose; MAX_JOINTS + 1], pair: Pair, by: f64) -> bool {
         let clearance = if pair.partner().is_some() { 0.0 } else { self.clearance };
         let wanted = clearance + by + ACCURACY;
+        if let Against::Placed(k) = pair.against
+            && wanted > COARSE
+            && self.is_mesh(&placed.bodies[k])
+        {
+            let (link, other) = (&self.links[pair.mover], &placed.bodies[k]);
+            let (frame, pose) = (placed.in_world(link.carrier(frames)), parry_pose(&other.pose));
+            let is_near = |b: &Body| near(b, &pose.inv_mul(&b.pose_in(&frame)), &bounds_of(other), wanted);
+            return !link.bare.iter().any(is_near);
+        }
         self.gap(placed, frames, pair, wanted) >= wanted
+    }
+
+    fn is_mesh(&self, body: &PlacedBody) -> bool {
+        matches!(self.stands[body.id.0].parts[body.id.1], Part::Mesh { .. })
     }
 
     /// Distance of a pair, at most `max`.
@@ -232,32 +248,37 @@ impl Scene {
     }
 
     fn gap_to_placed(&self, link: &Link, frame: &Pose, other: &PlacedBody, max: f64) -> f64 {
-        if self.swallows(link, frame, other) {
+        let (part, pose) = (&self.stands[other.id.0].parts[other.id.1], parry_pose(&other.pose));
+        if swallows(link, frame, part, &pose) {
             return 0.0;
         }
-        let (mut gap, mut leg) = (max, None);
+        let mut gap = max;
         for body in &link.bare {
-            let relative = other.pose.inv_mul(&body.pose_in(frame));
-            if !near(body, &relative, &other.local_bounds, gap) {
+            let relative = pose.inv_mul(&body.pose_in(frame));
+            if !near(body, &relative, &bounds_of(other), gap) {
                 continue;
             }
-            match (&self.parts[other.id.0][other.id.1], &other.leg) {
-                (_, Some(cut)) => {
-                    let leg = leg.get_or_insert_with(|| SharedShape::new(*cut));
-                    gap = gap_of_cores((&**leg, 0.0), &relative, core(body), gap);
+            match part {
+                Part::Leg { .. } => {
+                    let leg = Cuboid::new(vector(&other.bulk.half));
+                    gap = gap_of_cores((&leg, 0.0), &relative, core(body), gap);
                 }
-                (Part::Convex(solid), None) => gap = gap_of_cores(core(solid), &relative, core(body), gap),
-                (Part::Mesh { body: mesh, closed }, None) => {
+                Part::Convex(solid) => gap = gap_of_cores(core(solid), &relative, core(body), gap),
+                Part::Mesh { body: mesh, closed } => {
                     if *closed && mesh.holds(&(relative * body.inside)) {
                         return 0.0;
                     }
                     gap = gap_to_mesh(&*mesh.shape, &relative, body, gap);
                 }
-                (Part::Leg { .. }, None) => {}
             }
         }
         gap
     }
+}
+
+/// Bounds of a placed body in its own frame.
+fn bounds_of(body: &PlacedBody) -> Aabb {
+    Aabb::from_half_extents(vector(&body.bulk.centre), vector(&body.bulk.half))
 }
 
 /// Distance of two solids of the robot, at most `max`.
@@ -280,7 +301,7 @@ fn gap_of_links(link: &Link, other: &Link, frames: &[Pose; MAX_JOINTS + 1], max:
 }
 
 /// Whether the bounds of a body are within `by` of other bounds, in whose frame it is at `relative`.
-fn near(body: &Body, relative: &pm::Pose, bounds: &parry3d::bounding_volume::Aabb, by: f64) -> bool {
+fn near(body: &Body, relative: &pm::Pose, bounds: &Aabb, by: f64) -> bool {
     body.bounds_in(relative).loosened(by).intersects(bounds)
 }
 

@@ -3,9 +3,9 @@
 use super::bodies::{Body, body, link_bodies, touching};
 use super::decomposition::{Remember, hulls};
 use super::hit::SolidRef;
-use crate::cell::{Cell, MAX_JOINTS, Shape, Solid, extent};
+use super::rod::{Rod, segments_apart_squared};
+use crate::cell::{Cell, MAX_JOINTS, Shape, Solid};
 use crate::pose::Pose;
-use nalgebra::Vector3;
 use parry3d::bounding_volume::BoundingVolume;
 
 /// Solids nearer than this touch, m: more than parry's rounding, so that every contact is one.
@@ -26,59 +26,10 @@ pub(super) struct Link {
     pub(super) bare: Vec<Body>,
     /// A closed mesh of several parts, to tell what lies wholly inside.
     pub(super) shell: Option<Body>,
-    /// A capsule in the frame that holds the bare solid.
-    core: Core,
-}
-
-/// All within `radius` of the segment from `a` to `b`, m.
-struct Core {
-    a: Vector3<f64>,
-    b: Vector3<f64>,
-    radius: f64,
-    /// Whether it is the solid and not only holds it.
-    is_solid: bool,
-}
-
-impl Core {
-    /// The core of a shape, with what its bodies are swollen by.
-    fn new(shape: &Shape, mount: &Pose, slack: f64) -> Self {
-        let new = |a: &Vector3<f64>, b: &Vector3<f64>, radius: f64, is_solid| {
-            let (a, b) = (mount.transform(a), mount.transform(b));
-            Self { a, b, radius: radius + slack, is_solid }
-        };
-        match shape {
-            Shape::Sphere { centre, radius } => new(centre, centre, *radius, true),
-            Shape::Capsule { a, b, radius } => new(a, b, *radius, true),
-            other => {
-                // Along the longest side of the bounds, as thick as their diagonal across it.
-                let (low, high) = extent(other);
-                let (middle, half) = ((low + high) / 2.0, (high - low) / 2.0);
-                let mut along = Vector3::zeros();
-                along[half.imax()] = half.max();
-                new(&(middle - along), &(middle + along), (half - along).norm(), false)
-            }
-        }
-    }
-
-    /// Whether two cores (in the poses of their frames) share a point.
-    fn meets(&self, frame: &Pose, other: &Self, other_frame: &Pose) -> bool {
-        let (a, b) = (frame.transform(&self.a), frame.transform(&self.b));
-        let (c, d) = (other_frame.transform(&other.a), other_frame.transform(&other.b));
-        segments_apart_squared(&a, &b, &c, &d) <= (self.radius + other.radius).powi(2)
-    }
-}
-
-/// Squared distance of the segments ab and cd, m2: the nearest points of their lines, held to the
-/// segments in turn (C. Ericson, Real-Time Collision Detection, 2005, section 5.1.9).
-fn segments_apart_squared(a: &Vector3<f64>, b: &Vector3<f64>, c: &Vector3<f64>, d: &Vector3<f64>) -> f64 {
-    let (u, v, w) = (b - a, d - c, a - c);
-    let (uu, vv, uv, uw, vw) = (u.dot(&u), v.dot(&v), u.dot(&v), u.dot(&w), v.dot(&w));
-    let held = |over: f64, under: f64| if under > 0.0 { (over / under).clamp(0.0, 1.0) } else { 0.0 };
-    let s = held(uv * vw - uw * vv, uu * vv - uv * uv);
-    let t = held(uv * s + vw, vv);
-    // With t held at an end, the nearest s changes.
-    let s = held(uv * t - uw, uu);
-    (w + u * s - v * t).norm_squared()
+    /// In the frame, holds the bare solid.
+    pub(super) core: Rod,
+    /// With this radius (m) the core holds every body.
+    reach: f64,
 }
 
 /// Links and tool as the robot has them, then what each operation holds.
@@ -121,6 +72,9 @@ fn link(
     };
     let bare = bodies(TOUCHING);
     let slack = bare.iter().map(|b| b.unswollen.as_ref().map_or(TOUCHING, |(_, by)| *by));
+    let core = Rod::new(&solid.shape, mount, slack.fold(TOUCHING, f64::max));
+    // Points of which parry makes no hull become a ball wherever it lies.
+    let is_held = core.is_solid || bare.iter().all(|b| b.shape.as_ball().is_none());
     Link {
         id,
         frame,
@@ -128,7 +82,8 @@ fn link(
         spared: None,
         bodies: bodies(clearance + TOUCHING),
         shell,
-        core: Core::new(&solid.shape, mount, slack.fold(TOUCHING, f64::max)),
+        reach: if is_held { core.radius + clearance } else { f64::INFINITY },
+        core,
         bare,
     }
 }
@@ -145,11 +100,34 @@ impl Link {
         self.operation.is_none() || self.operation == operation
     }
 
+    /// What holds every body, with the frame at `pose`.
+    pub(super) fn rod(&self, pose: &Pose) -> Rod {
+        Rod { radius: self.reach, ..self.core.at(pose) }
+    }
+
+    /// Height of its lowest point (m), swollen, with the frame at `pose`.
+    pub(super) fn lowest(&self, rod: &Rod, pose: &Pose) -> f64 {
+        if self.core.is_solid {
+            return rod.bounds().0.z;
+        }
+        let low = |b: &Body| b.shape.compute_aabb(&b.pose_in(pose)).mins.z;
+        self.bodies.iter().map(low).fold(f64::INFINITY, f64::min)
+    }
+
     /// Whether two links (in the poses of their frames) touch, the clearance aside.
     pub(super) fn touches(&self, frame: &Pose, other: &Link, other_frame: &Pose) -> bool {
-        if !self.core.meets(frame, &other.core, other_frame) {
-            return false;
-        }
+        self.is_near(&self.rod(frame), other, &other.rod(other_frame))
+            && self.touches_near(frame, other, other_frame)
+    }
+
+    /// Whether the cores of two links (with the rods posed) share a point.
+    pub(super) fn is_near(&self, rod: &Rod, other: &Link, other_rod: &Rod) -> bool {
+        let room = self.core.radius + other.core.radius;
+        segments_apart_squared(&rod.a, &rod.b, &other_rod.a, &other_rod.b) <= room * room
+    }
+
+    /// Whether two links that are near touch.
+    pub(super) fn touches_near(&self, frame: &Pose, other: &Link, other_frame: &Pose) -> bool {
         if self.core.is_solid && other.core.is_solid {
             return true;
         }

@@ -18,6 +18,7 @@ mod hit;
 mod links;
 mod own_pairs;
 mod plan;
+mod rod;
 mod scene;
 mod spacing;
 

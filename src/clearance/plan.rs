@@ -94,25 +94,39 @@ impl Placed {
     }
 }
 
-/// Separating axes of two rectangles: along which unit direction (from `b` to `a`) they are best
-/// apart, and by how much less than `clearance` (negative: more). At corners this asks for a little
-/// more than the clearance, never for less.
-fn best_separated(a: &Placed, b: &Placed, clearance: f64) -> ((f64, f64), f64) {
-    let (dx, dy) = (a.centre.0 - b.centre.0, a.centre.1 - b.centre.1);
-    let axes = [(a.cos, a.sin), (-a.sin, a.cos), (b.cos, b.sin), (-b.sin, b.cos)];
-    let along = |u: (f64, f64)| {
-        let apart = dx * u.0 + dy * u.1;
-        let towards = if apart < 0.0 { (-u.0, -u.1) } else { u };
-        (towards, a.shadow(u) + b.shadow(u) + clearance - apart.abs())
-    };
-    let shallower =
-        |best: ((f64, f64), f64), next: ((f64, f64), f64)| if next.1 < best.1 { next } else { best };
-    axes.into_iter().map(along).fold(((1.0, 0.0), f64::INFINITY), shallower)
+/// Directions of the sides of two rectangles: the separating axes.
+fn axes(a: &Placed, b: &Placed) -> [(f64, f64); 4] {
+    [(a.cos, a.sin), (-a.sin, a.cos), (b.cos, b.sin), (-b.sin, b.cos)]
 }
 
-/// How deep two rectangles overlap when each keeps `clearance`, or 0.
+/// The sense of an axis from `b` to `a`, and by how much less than `clearance` they are apart along it.
+fn along(u: (f64, f64), a: &Placed, b: &Placed, clearance: f64) -> ((f64, f64), f64) {
+    let apart = (a.centre.0 - b.centre.0) * u.0 + (a.centre.1 - b.centre.1) * u.1;
+    let towards = if apart < 0.0 { (-u.0, -u.1) } else { u };
+    (towards, a.shadow(u) + b.shadow(u) + clearance - apart.abs())
+}
+
+/// Along which unit direction (from `b` to `a`) two rectangles are best apart, and by how much less
+/// than `clearance` (negative: more). At corners this asks for a little more than the clearance, never
+/// for less.
+fn best_separated(a: &Placed, b: &Placed, clearance: f64) -> ((f64, f64), f64) {
+    let shallower =
+        |best: ((f64, f64), f64), next: ((f64, f64), f64)| if next.1 < best.1 { next } else { best };
+    let all = axes(a, b).into_iter().map(|u| along(u, a, b, clearance));
+    all.fold(((1.0, 0.0), f64::INFINITY), shallower)
+}
+
+/// How deep two rectangles overlap when each keeps `clearance`, or 0: the first axis along which they
+/// do not settles it.
 pub(super) fn depth(a: &Placed, b: &Placed, clearance: f64) -> f64 {
-    best_separated(a, b, clearance).1.max(0.0)
+    let mut least = f64::INFINITY;
+    for u in axes(a, b) {
+        least = least.min(along(u, a, b, clearance).1);
+        if least <= 0.0 {
+            return 0.0;
+        }
+    }
+    least
 }
 
 /// The fence, made ready once.
@@ -171,9 +185,16 @@ pub(super) struct Stand {
     high: f64,
     /// Legs take the space down to the floor.
     legs: bool,
+    /// Where the cell as drawn has it, as obstacles always stand, and its footprint there.
+    drawn: (Placement, Placed),
 }
 
 impl Stand {
+    /// Its footprint at a placement.
+    fn placed(&self, at: &Placement) -> Placed {
+        if *at == self.drawn.0 { self.drawn.1 } else { Placed::new(&self.footprint, at) }
+    }
+
     /// Whether an equipment placed at height `z` reaches into a box between two heights.
     pub(super) fn meets(&self, z: f64, (bottom, top): (f64, f64), clearance: f64) -> bool {
         let above = !self.legs && z + self.low >= top + clearance - TOUCHING;
@@ -197,7 +218,7 @@ pub struct FloorPlan {
 
 impl FloorPlan {
     pub fn new(cell: &Cell) -> Self {
-        let stand = |e: &Equipment| {
+        let stand = |(e, at): (&Equipment, Placement)| {
             let heights = || e.solids.iter().map(|s| extent(&s.shape)).map(|(lo, hi)| (lo.z, hi.z));
             Stand {
                 footprint: e.footprint,
@@ -205,10 +226,11 @@ impl FloorPlan {
                 low: heights().map(|h| h.0).fold(0.0, f64::min),
                 high: heights().map(|h| h.1).fold(0.0, f64::max),
                 legs: e.solids.iter().any(|s| matches!(s.shape, Shape::Leg { .. })),
+                drawn: (at, Placed::new(&e.footprint, &at)),
             }
         };
         Self {
-            equipment: cell.equipment.iter().map(stand).collect(),
+            equipment: cell.equipment.iter().zip(cell.start().placements).map(stand).collect(),
             base: cell.robot.footprint,
             on: cell.equipment.iter().map(|e| e.on).collect(),
             keep_out: cell.keep_out.iter().map(|k| (plan_of(k), (k.min.z, k.max.z))).collect(),
@@ -230,7 +252,7 @@ impl FloorPlan {
         let mut pairs = Vec::new();
         let all = || self.equipment.iter().zip(&layout.placements).enumerate();
         for (i, (stand, at)) in all().filter(|(_, (stand, _))| stand.role == Role::Equipment) {
-            let here = Placed::new(&stand.footprint, at);
+            let here = stand.placed(at);
             let mut note = |b: Option<usize>, there: &Placed| {
                 let (direction, depth) = best_separated(&here, there, self.clearance);
                 pairs.push(Separation { a: i, b, direction, depth });
@@ -238,7 +260,7 @@ impl FloorPlan {
             for (j, (other, there)) in all() {
                 let apart = !self.rides(i, j) && !self.rides(j, i);
                 if apart && (j > i || other.role == Role::Obstacle) {
-                    note(Some(j), &Placed::new(&other.footprint, there));
+                    note(Some(j), &other.placed(there));
                 }
             }
             note(None, &Placed::new(&self.base, &layout.base));
@@ -272,15 +294,11 @@ impl FloorPlan {
         let base = Placed::new(&self.base, &layout.base);
         for (i, (stand, at)) in all() {
             let party = Party::Equipment(i);
-            let here = Placed::new(&stand.footprint, at);
+            let here = stand.placed(at);
             for (j, (other, there)) in all().skip(i + 1) {
                 let both_still = (stand.role, other.role) == (Role::Obstacle, Role::Obstacle);
                 if !both_still && !self.rides(i, j) && !self.rides(j, i) {
-                    note(
-                        party,
-                        Party::Equipment(j),
-                        depth(&here, &Placed::new(&other.footprint, there), clearance),
-                    );
+                    note(party, Party::Equipment(j), depth(&here, &other.placed(there), clearance));
                 }
             }
             note(party, Party::RobotBase, depth(&here, &base, clearance));

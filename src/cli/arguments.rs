@@ -1,5 +1,6 @@
 //! The command line.
 
+use super::sweep::SweepArguments;
 use crate::cell::{Goal, MOST_KEPT, Model, Quantity, Reading, Registration, Solver};
 use crate::compare::At;
 use clap::builder::PossibleValuesParser;
@@ -33,6 +34,11 @@ pub enum Command {
         before_help = "Example: sweetspot search cells/hitachi_cell.toml --seed 2 --out results/second-try"
     )]
     Search(SearchArguments),
+    /// Search or map a cell with every combination of other values for some of its keys
+    #[command(
+        before_help = "Example: sweetspot sweep cells/hitachi_cell.toml --set errors=table-2,table-3 --set equipment.worktable.placement.z_mm=600,700"
+    )]
+    Sweep(SweepArguments),
     /// Put layouts side by side: cell files, best.toml files or folders of a search
     #[command(before_help = "Example: sweetspot compare cells/hitachi_cell.toml results/hitachi_cell-001")]
     Compare(CompareArguments),
@@ -134,7 +140,8 @@ pub struct MapArguments {
 #[derive(Args)]
 pub struct SearchArguments {
     /// Cell file (TOML)
-    pub cell: PathBuf,
+    #[arg(required_unless_present = "resume")]
+    pub cell: Option<PathBuf>,
     #[command(flatten)]
     pub packages: Packages,
     #[command(flatten)]
@@ -142,9 +149,6 @@ pub struct SearchArguments {
     /// Seed of all randomness; the same seed gives the same bytes
     #[arg(long)]
     pub seed: Option<u64>,
-    /// Layout evaluations
-    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
-    pub budget: Option<u64>,
     /// Make the worst over the placement tolerances small, not the value as drawn
     #[arg(long)]
     pub robust: bool,
@@ -164,15 +168,43 @@ pub struct SearchArguments {
     /// Global solver
     #[arg(long, value_parser = PossibleValuesParser::new(Solver::ALL.map(Solver::name)))]
     pub solver: Option<String>,
+    #[command(flatten)]
+    pub rules: Rules,
     /// Threads; the result does not depend on it [default: all cores]
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
     /// Write the result into this new folder [default: results/CELL-NNN]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Go on with the search that was stopped in this folder
+    #[arg(long, value_name = "DIR", conflicts_with = "out")]
+    pub resume: Option<PathBuf>,
+    /// Seconds between checkpoints; 0: only at the start and when stopped
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, default_value = "5")]
+    pub checkpoint: f64,
+    /// How to tell how far it is on stderr [default: a bar on a terminal, else a line of JSON a second]
+    #[arg(long, value_parser = PossibleValuesParser::new(["bar", "json", "none"]))]
+    pub progress: Option<String>,
     /// Print the result as JSON on stdout
     #[arg(long)]
     pub json: bool,
+}
+
+/// When a search has done enough.
+#[derive(Args)]
+pub struct Rules {
+    /// Layout evaluations
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
+    pub budget: Option<u64>,
+    /// Stop when the best layout is proven to be within this share of the best possible: 0.01 is 1 %
+    #[arg(long, value_name = "SHARE", value_parser = share)]
+    pub gap: Option<f64>,
+    /// Stop searching after so many evaluations without a better layout
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
+    pub stagnation: Option<u64>,
+    /// Stop after this time with a checkpoint, exit code 4
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    pub time: Option<f64>,
 }
 
 #[derive(Args)]
@@ -336,6 +368,16 @@ fn step(text: &str) -> Result<f64, String> {
 fn finite(text: &str) -> Result<f64, String> {
     let number: f64 = text.trim().parse().map_err(|_| "it is not a number".to_string())?;
     if number.is_finite() { Ok(number) } else { Err("it must be finite".into()) }
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let number = finite(text)?;
+    if (0.0..=1e9).contains(&number) { Ok(number) } else { Err("it must be from 0 to 1e9".into()) }
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    let number = finite(text)?;
+    if number >= 0.0 { Ok(number) } else { Err("it must not be negative".into()) }
 }
 
 fn limit(text: &str) -> Result<f64, String> {

@@ -1,11 +1,17 @@
 //! Reading inside the cell's folder, and writing whole files or none.
 
 use super::arguments::Packages;
+use super::checkpoint::CHECKPOINT;
 use super::{Exit, output};
-use crate::cell::{self, Fault, Loaded, LoadedRobot, shown};
+use crate::cell::{self, Fault, Loaded, LoadedRobot, Setting, shown};
 use sha2::{Digest, Sha256};
+use std::collections::HashMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+
+/// What the names of unfinished files begin with.
+const UNFINISHED: &str = ".sweetspot-";
 
 /// Largest file read: a mesh of a million triangles has some 60 MB.
 const MAX_BYTES: u64 = 128 << 20;
@@ -22,7 +28,7 @@ pub fn load(path: &Path, packages: &Packages) -> Result<Loaded, Exit> {
 
 /// A cell file that cannot be read is a matter of I/O, all else of input.
 pub fn exit_of(faults: &[Fault]) -> Exit {
-    let unread = |f: &Fault| f.excerpt.is_empty() && f.message.starts_with("cannot read");
+    let unread = |f: &Fault| f.line > 0 && f.excerpt.is_empty() && f.message.starts_with("cannot read");
     if faults.iter().any(unread) { Exit::Io } else { Exit::BadInput }
 }
 
@@ -31,6 +37,27 @@ pub fn read_cell(path: &Path, packages: &Packages) -> Result<Loaded, Vec<Fault>>
     let (folder, name) = parted(path);
     let mut loaded = cell::load(&name, &mut |inside| read_named(&folder, packages, inside))
         .map_err(|faults| named(path, faults))?;
+    loaded.warnings = named(path, loaded.warnings);
+    Ok(loaded)
+}
+
+/// Files as they were first read: every combination of a sweep sees the same bytes.
+#[derive(Default)]
+pub struct Kept(Mutex<HashMap<String, Result<Vec<u8>, String>>>);
+
+/// Reads a cell with some keys said otherwise, and all it refers to.
+pub fn read_cell_with(
+    path: &Path,
+    packages: &Packages,
+    settings: &[Setting],
+    kept: &Kept,
+) -> Result<Loaded, Vec<Fault>> {
+    let (folder, name) = parted(path);
+    let mut read = |inside: &str| {
+        let mut kept = kept.0.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        kept.entry(inside.to_string()).or_insert_with(|| read_named(&folder, packages, inside)).clone()
+    };
+    let mut loaded = cell::load_with(&name, settings, &mut read).map_err(|faults| named(path, faults))?;
     loaded.warnings = named(path, loaded.warnings);
     Ok(loaded)
 }
@@ -65,7 +92,8 @@ fn parted(path: &Path) -> (PathBuf, String) {
 /// Named as the user names the file, so that an editor can jump there.
 fn named(path: &Path, mut faults: Vec<Fault>) -> Vec<Fault> {
     let prefix = path.parent().unwrap_or(Path::new(""));
-    for fault in &mut faults {
+    // What has no line is no file: a setting.
+    for fault in faults.iter_mut().filter(|f| f.line > 0) {
         fault.file = prefix.join(&fault.file).to_string_lossy().into_owned();
     }
     faults
@@ -116,17 +144,40 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Exit> {
         _ => Path::new("."),
     };
     let write = || -> std::io::Result<()> {
-        let mut file = tempfile::NamedTempFile::new_in(folder)?;
+        let mut file = tempfile::Builder::new().prefix(UNFINISHED).tempfile_in(folder)?;
         file.write_all(bytes)?;
         file.as_file().sync_all()?;
         share(&file)?;
         file.persist(path).map_err(|e| e.error)?;
-        Ok(())
+        sync(folder)
     };
     write().map_err(|e| {
         output::error(&format!("cannot write {}: {}", shown(&path.to_string_lossy()), reason(&e)));
         Exit::Io
     })
+}
+
+/// A name is safe only when its folder is.
+#[cfg(unix)]
+fn sync(folder: &Path) -> std::io::Result<()> {
+    std::fs::File::open(folder)?.sync_all()
+}
+
+#[cfg(not(unix))]
+fn sync(_folder: &Path) -> std::io::Result<()> {
+    Ok(())
+}
+
+/// Removes the files that a killed program left unfinished.
+pub fn sweep(folder: &Path) {
+    for entry in folder.read_dir().into_iter().flatten().flatten() {
+        let path = entry.path();
+        if entry.file_type().is_ok_and(|t| t.is_dir()) {
+            sweep(&path);
+        } else if entry.file_name().to_string_lossy().starts_with(UNFINISHED) {
+            let _ = std::fs::remove_file(path);
+        }
+    }
 }
 
 /// Temporary files are private; results are for all who may read the folder.
@@ -150,14 +201,21 @@ pub fn new_folder(asked: Option<&Path>, stem: &str) -> Result<PathBuf, Exit> {
     };
     if let Some(path) = asked {
         std::fs::create_dir_all(path).map_err(|e| cannot(path, &e))?;
-        let empty = path.read_dir().map_err(|e| cannot(path, &e))?.next().is_none();
-        if !empty {
+        let unfinished = |e: std::fs::DirEntry| e.file_name().to_string_lossy().starts_with(UNFINISHED);
+        let mut entries = path.read_dir().map_err(|e| cannot(path, &e))?;
+        if !entries.all(|e| e.is_ok_and(unfinished)) {
+            if path.join(CHECKPOINT).is_file() {
+                output::error(&format!("{} holds a search that was stopped", output::path_word(path)));
+                output::talk(&format!("  help: sweetspot search --resume {}", output::path_word(path)));
+                return Err(Exit::BadInput);
+            }
             let path = shown(&path.to_string_lossy());
             output::error(&format!(
                 "{path} is not empty; nothing is overwritten: name a new folder with --out"
             ));
             return Err(Exit::BadInput);
         }
+        sweep(path);
         return Ok(path.to_path_buf());
     }
     let results = Path::new("results");

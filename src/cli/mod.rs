@@ -3,12 +3,15 @@
 
 mod arguments;
 mod cache;
+mod checkpoint;
 mod commands;
 mod files;
 mod library;
 mod output;
 mod overrides;
+mod progress;
 mod results;
+mod sweep;
 
 use arguments::{Arguments, Command};
 use clap::Parser;
@@ -25,6 +28,8 @@ pub enum Exit {
     BadInput = 2,
     /// A file could not be read or written.
     Io = 3,
+    /// A limit was reached; what is left to do can be resumed.
+    Limit = 4,
     Interrupted = 130,
 }
 
@@ -43,6 +48,7 @@ pub fn run() -> ExitCode {
         Command::Check(a) => commands::check(&a),
         Command::Map(a) => commands::map(&a),
         Command::Search(a) => commands::search(&a),
+        Command::Sweep(a) => commands::sweep(&a),
         Command::Compare(a) => commands::compare(&a),
         Command::Budget(a) => commands::budget(&a),
         Command::Explain(a) => commands::explain(&a),

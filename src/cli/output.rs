@@ -57,6 +57,15 @@ pub fn points_bar() -> ProgressBar {
     bar
 }
 
+/// A bar for combinations, silent when stderr is no terminal; it shows itself after the first second.
+pub fn combinations_bar() -> ProgressBar {
+    let bar = ProgressBar::hidden();
+    if let Ok(style) = ProgressStyle::with_template("{bar:24} {pos}/{len} combinations, {eta} left") {
+        bar.set_style(style);
+    }
+    bar
+}
+
 /// `count` points more, of so many.
 pub fn advance(bar: &ProgressBar, count: u64, of: u64) {
     if bar.is_hidden() && bar.elapsed().as_secs() >= 1 {

@@ -5,13 +5,14 @@ use super::{Exit, files, output};
 use crate::cell::{Cell, Layout, Source};
 use crate::compare::{Assessment, Comparison};
 use crate::report;
+use crate::search::bound::Proof;
 use crate::search::{Alternative, SearchRecord};
 use serde::Serialize;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
 /// Where the inputs are kept, so that the folder can be mailed whole.
-const INPUTS: &str = "inputs";
+pub const INPUTS: &str = "inputs";
 
 /// What was written where.
 pub struct Written {
@@ -25,16 +26,18 @@ impl Written {
     }
 }
 
-/// The files of a search. best.toml is left out if no layout is feasible.
+/// The files of a search. best.toml is left out if no layout is feasible, the manifest if there is no
+/// command that makes this folder: the search was interrupted.
 pub fn write_search(
     folder: &Path,
     cell_file: &Path,
-    cell: &Cell,
     sources: &[Source],
-    record: &SearchRecord,
+    (record, proof): (&SearchRecord, &Proof),
     comparison: &Comparison<'_>,
+    command: Option<&[String]>,
 ) -> Result<Written, Exit> {
     let best = &comparison.columns[1];
+    let cell = best.cell;
     let mut outputs = Vec::new();
     if let Some(objective) = best.objective() {
         let name = cell_file.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
@@ -53,10 +56,19 @@ pub fn write_search(
         outputs.extend(alternatives(cell, record, fixed)?);
         keep_inputs(folder, &kept, sources)?;
     }
-    outputs.push(("search.json".into(), pretty(&report::json::search(cell, record, comparison, None))?));
+    let document = report::json::search(cell, (record, proof), comparison, None);
+    outputs.push(("search.json".into(), pretty(&document)?));
     outputs.push(("map.csv".into(), csv(best)?));
     outputs.push(("map.svg".into(), report::svg::plan(best).into_bytes()));
-    write(folder, cell, sources, outputs)
+    match command {
+        Some(command) => write(folder, cell, sources, command, outputs),
+        None => write_outputs(folder, &outputs),
+    }
+}
+
+/// The command line as typed.
+pub fn typed() -> Vec<String> {
+    std::env::args_os().skip(1).map(|a| a.to_string_lossy().into_owned()).collect()
 }
 
 /// The layouts beside the best, each as a cell, and all of them as a table and a picture.
@@ -85,12 +97,12 @@ fn alternatives(
 }
 
 /// A name that every file system and every cell file can hold.
-fn portable(name: &str) -> String {
+pub fn portable(name: &str) -> String {
     name.chars().map(|c| if c.is_ascii_alphanumeric() || "._-".contains(c) { c } else { '_' }).collect()
 }
 
 /// Copies of every file that was read, in their places; the cell file comes first and is renamed.
-fn keep_inputs(folder: &Path, cell_name: &str, sources: &[Source]) -> Result<(), Exit> {
+pub fn keep_inputs(folder: &Path, cell_name: &str, sources: &[Source]) -> Result<(), Exit> {
     for (k, source) in sources.iter().enumerate() {
         // A colon is no part of a folder's name everywhere.
         let place = source.path.replacen("package://", "packages/", 1);
@@ -111,6 +123,7 @@ pub fn write<N: AsRef<str>>(
     folder: &Path,
     cell: &Cell,
     sources: &[Source],
+    command: &[String],
     outputs: Vec<(N, Vec<u8>)>,
 ) -> Result<Written, Exit> {
     let hashed = |path: &str, bytes: &[u8]| json!({ "path": path, "sha256": files::sha256(bytes) });
@@ -118,19 +131,23 @@ pub fn write<N: AsRef<str>>(
         "schema": "sweetspot/manifest/1",
         "program": "sweetspot",
         "version": env!("CARGO_PKG_VERSION"),
-        "command": std::env::args_os().skip(1).map(|a| a.to_string_lossy().into_owned()).collect::<Vec<_>>(),
+        "command": command,
         "cell": cell.name,
         "seed": cell.search.seed,
         "inputs": sources.iter().map(|s| hashed(&s.path, &s.bytes)).collect::<Vec<_>>(),
         "outputs": outputs.iter().map(|(name, bytes)| hashed(name.as_ref(), bytes)).collect::<Vec<_>>(),
     });
-    let mut names = Vec::new();
-    for (name, bytes) in &outputs {
-        files::write_whole(&folder.join(name.as_ref()), bytes)?;
-        names.push(name.as_ref().to_string());
-    }
+    let mut written = write_outputs(folder, &outputs)?;
     files::write_whole(&folder.join("manifest.json"), &pretty(&manifest)?)?;
-    names.push("manifest.json".into());
+    written.names.push("manifest.json".into());
+    Ok(written)
+}
+
+fn write_outputs<N: AsRef<str>>(folder: &Path, outputs: &[(N, Vec<u8>)]) -> Result<Written, Exit> {
+    for (name, bytes) in outputs {
+        files::write_whole(&folder.join(name.as_ref()), bytes)?;
+    }
+    let names = outputs.iter().map(|(name, _)| name.as_ref().to_string()).collect();
     Ok(Written { folder: folder.to_path_buf(), names })
 }
 

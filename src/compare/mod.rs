@@ -153,7 +153,11 @@ impl<'a> Assessment<'a> {
         let spotless = self.maps.iter().filter(|m| m.best.is_none());
         let spotless = spotless.map(|m| stance::no_usable_node(self.cell, m));
         let blocked = self.evaluation.blocked.iter().map(|b| b.in_words(self.cell));
-        overlaps.chain(self.way_out()).chain(spotless).chain(blocked).collect()
+        let mut all: Vec<String> = overlaps.chain(self.way_out()).chain(spotless).chain(blocked).collect();
+        if all.is_empty() && self.evaluation.objective.is_none() {
+            all.push("feasible as drawn, but not wherever its placement tolerances let it stand".into());
+        }
+        all
     }
 
     /// Where the overlapping equipment could stand instead.
@@ -256,6 +260,9 @@ fn same_question(a: &Assessment<'_>, b: &Assessment<'_>) -> Result<(), String> {
     if a.cell.search.objective != b.cell.search.objective {
         let [x, y] = [a, b].map(|a| a.cell.search.objective.name());
         return refuse(format!("the objective of one is {x}, of the other {y}"));
+    }
+    if a.cell.search.robust != b.cell.search.robust {
+        return refuse("one is judged as drawn, the other misplaced (robust = true)".into());
     }
     let question = |o: &Operation| {
         (o.sense.clone(), o.place.in_words(), o.over, o.weight.to_bits(), o.limit.map(f64::to_bits))

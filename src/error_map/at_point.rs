@@ -7,7 +7,7 @@ use crate::cell::{JointVector, Layout, Placement};
 use crate::clearance::{Placed, Scene};
 use crate::reach::{Approach, Branch, Cost, Reach};
 use crate::reading::{Memory, Situation};
-use crate::robot::Frames;
+use crate::robot::{Frames, Posture};
 use nalgebra::Vector3;
 
 /// A point of the surface at which the operation can happen.
@@ -121,35 +121,45 @@ impl<'a> Probe<'a> {
     /// # Errors
     /// Why it cannot be kept.
     pub fn keeping(&mut self, kept: &Kept) -> Result<f64, Status> {
-        let value = self.value(kept)?;
+        let target = self.target(kept.at);
+        let inverse = &self.mapper.arm.inverse;
+        let posture = match inverse.cost() {
+            Cost::Numeric => self.branch_near(kept).map(|b| b.posture),
+            _ => inverse.usable(&target, &self.approach, kept.branch),
+        };
+        let Some(posture) = posture else { return Err(self.lost(&target, kept.branch)) };
+        let value = self.value(&posture);
         if let Some(hit) = self.scene.hit(self.placed, &self.frames.links, Some(self.operation)) {
             return Err(Status::Collision { hit });
         }
-        let (of, posture) = ((self.operation, &self.approach), (&self.target(kept.at), kept.branch));
-        match self.mapper.refusal(of, posture, self.scene, self.placed) {
+        let of = (self.operation, &self.approach);
+        match self.mapper.refusal(of, (&target, kept.branch), self.scene, self.placed) {
             Some(refusal) => Err(Status::Refused(refusal)),
             None => Ok(value),
         }
     }
 
-    /// The same, whatever the posture touches.
-    ///
-    /// # Errors
-    /// Why it cannot be kept.
-    pub fn value(&mut self, kept: &Kept) -> Result<f64, Status> {
-        let target = self.target(kept.at);
+    /// The same, whatever it touches and whichever joint limit it passes.
+    pub fn beyond_limits(&mut self, kept: &Kept) -> Option<f64> {
+        let branch = self.branch_near(kept)?;
+        Some(self.value(&branch.posture))
+    }
+
+    fn branch_near(&self, kept: &Kept) -> Option<Branch> {
         let inverse = &self.mapper.arm.inverse;
-        let posture = match inverse.cost() {
-            Cost::Numeric => match inverse.branches(&target, &self.approach) {
-                Reach::Branches(all) => nearest(&all, &kept.joints).map(|b| b.posture),
-                _ => None,
-            },
-            _ => inverse.usable(&target, &self.approach, kept.branch),
+        let Reach::Branches(all) = inverse.branches(&self.target(kept.at), &self.approach) else {
+            return None;
         };
-        let Some(posture) = posture else { return Err(self.lost(&target, kept.branch)) };
-        self.mapper.arm.chain.place(&posture, &mut self.frames);
+        match inverse.cost() {
+            Cost::Numeric => nearest(&all, &kept.joints).copied(),
+            _ => all.into_iter().find(|b| b.index == kept.branch),
+        }
+    }
+
+    fn value(&mut self, posture: &Posture) -> f64 {
+        self.mapper.arm.chain.place(posture, &mut self.frames);
         let gauge = &self.mapper.stations[self.operation].gauge;
-        Ok(gauge.value(&self.situation, &self.frames, &mut self.memory))
+        gauge.value(&self.situation, &self.frames, &mut self.memory)
     }
 
     /// The joints of a branch at a point.

@@ -61,6 +61,16 @@ impl Grid {
         self.points.get(node).copied().unwrap_or_else(|| (self.xs[i], self.ys[j]))
     }
 
+    /// Local x and y of every node, m.
+    pub fn locals(&self) -> (Vec<f64>, Vec<f64>) {
+        (0..self.count()).map(|k| self.local(k)).unzip()
+    }
+
+    /// How far the targets are above the surface, m.
+    pub fn standoff(&self) -> f64 {
+        self.standoff
+    }
+
     /// The TCP target over a point of the surface (frame of the equipment, m).
     pub fn point(&self, at: &Placement, (x, y): (f64, f64)) -> Vector3<f64> {
         let (sin, cos) = at.yaw.sin_cos();

@@ -3,6 +3,7 @@
 use super::at_point::unreached;
 use super::node::{NodeRecord, OperationMap, PostureRecord, Status};
 use super::outcome::{Candidate, Outcome, Spot, Unjudged};
+use super::ranking::{Ranker, Ranking};
 use super::station::{Arm, Stand, Station};
 use crate::cell::{Cell, Coordinate, JointVector, Layout, Operation, Over, shown};
 use crate::clearance::{Placed, Scene};
@@ -21,6 +22,8 @@ pub struct Mapper {
     pub(super) stations: Vec<Station>,
     /// None: nothing is asked of motion.
     pub(super) guard: Option<Guard>,
+    /// One per operation whose nodes can be ranked.
+    pub(super) rankers: Vec<Option<Ranker>>,
     /// One per operation: what may be reached at all, where asking a node is dear.
     shells: Vec<Option<Shell>>,
 }
@@ -28,11 +31,12 @@ pub struct Mapper {
 /// Memory reused from layout to layout.
 #[derive(Default)]
 pub struct Scratch {
-    candidates: Vec<Candidate>,
-    frames: Frames,
-    approach: Approach,
+    pub(super) candidates: Vec<Candidate>,
+    pub(super) frames: Frames,
+    pub(super) approach: Approach,
     /// One per operation.
-    memories: Vec<Memory>,
+    pub(super) memories: Vec<Memory>,
+    pub(super) ranking: Ranking,
 }
 
 impl Scratch {
@@ -65,7 +69,9 @@ impl Mapper {
             pays.then(|| arm.inverse.shell(&o.attitude))
         };
         let shells = cell.operations.iter().map(shell).collect();
-        Ok(Self { arm, stations, guard: Guard::new(cell), shells })
+        let ranker = |s: &Station| Ranker::new(&arm.chain, &arm.inverse, &s.gauge, &s.grid);
+        let rankers = stations.iter().map(ranker).collect();
+        Ok(Self { arm, stations, guard: Guard::new(cell), rankers, shells })
     }
 
     pub fn inverse(&self) -> &Inverse {
@@ -94,10 +100,6 @@ impl Mapper {
     /// How an operation judges postures.
     pub fn gauge(&self, operation: usize) -> &Gauge {
         &self.stations[operation].gauge
-    }
-
-    pub fn chain(&self) -> &Chain {
-        &self.arm.chain
     }
 
     /// The frames at joint coordinates.
@@ -151,8 +153,13 @@ impl Mapper {
         }
         let situation = self.situation(operation, layout, scene, placed, spots);
         scratch.of(self, operation);
-        let Scratch { candidates, frames, approach, memories } = scratch;
-        self.arm.inverse.set(approach, stand.attitude, stand.at.yaw);
+        self.arm.inverse.set(&mut scratch.approach, stand.attitude, stand.at.yaw);
+        if let Ok(situation) = &situation
+            && let Some(outcome) = self.ranked((operation, &stand.at), situation, scene, placed, scratch)
+        {
+            return outcome;
+        }
+        let Scratch { candidates, frames, approach, memories, .. } = scratch;
         let memory = &mut memories[operation];
         let mut posture = self.arm.inverse.scratch();
         let mut gap = Gap::ALL;

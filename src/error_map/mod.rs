@@ -13,6 +13,8 @@ mod grid;
 mod mapper;
 mod node;
 mod outcome;
+mod ranked;
+mod ranking;
 mod station;
 mod way;
 

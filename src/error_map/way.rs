@@ -7,7 +7,7 @@ use crate::cell::{JointVector, Layout};
 use crate::clearance::{Placed, Scene};
 use crate::motion::{Blocked, Guard, Refusal, Stance, Transfer};
 use crate::reach::Approach;
-use crate::robot::Frames;
+use crate::robot::{Chain, Frames};
 use nalgebra::Vector3;
 
 impl Mapper {
@@ -39,14 +39,6 @@ impl Mapper {
         self.guard.as_ref().and_then(refused).map(Status::Refused)
     }
 
-    /// The joint coordinates at a spot.
-    pub fn joints(&self, operation: usize, layout: &Layout, spot: &Spot) -> Option<JointVector> {
-        let stand = self.stand(operation, layout);
-        let approach = stand.approach(&self.arm);
-        let target = self.stations[operation].grid.target(&stand.at, spot.node);
-        self.arm.inverse.branch_at(&target, &approach, spot.branch).map(|branch| branch.joints)
-    }
-
     /// Whether the ways between operations are asked for.
     pub fn asks_transfers(&self) -> bool {
         self.guard.as_ref().is_some_and(Guard::asks_transfers)
@@ -67,11 +59,22 @@ impl Mapper {
         let Some(guard) = self.guard.as_ref().filter(|guard| guard.asks_transfers()) else {
             return Ok(Vec::new());
         };
-        let stance = |(operation, spot): (usize, &Option<Spot>)| {
-            let joints = self.joints(operation, layout, &(*spot)?)?;
-            Some(Stance { operation, joints })
-        };
+        let stance = |(k, spot): (usize, &Option<Spot>)| self.stance(k, layout, spot.as_ref()?);
         let stances: Option<Vec<_>> = spots.iter().enumerate().map(stance).collect();
         stances.map_or(Ok(Vec::new()), |stances| guard.transfers(scene, placed, &stances))
+    }
+
+    /// The joint coordinates of an operation at its spot.
+    pub fn stance(&self, operation: usize, layout: &Layout, spot: &Spot) -> Option<Stance> {
+        let stand = self.stand(operation, layout);
+        let approach = stand.approach(&self.arm);
+        let target = self.stations[operation].grid.target(&stand.at, spot.node);
+        let joints = self.arm.inverse.branch_at(&target, &approach, spot.branch)?.joints;
+        Some(Stance { operation, joints })
+    }
+
+    /// The arm; its limits are those of the robot less the margins.
+    pub fn chain(&self) -> &Chain {
+        &self.arm.chain
     }
 }

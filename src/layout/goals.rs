@@ -54,7 +54,7 @@ impl<'a> Worked<'a> {
         let all: Vec<Option<Spot>> = evaluation.outcomes.iter().map(found).collect();
         let (mut spots, mut postures) = (Vec::new(), Vec::new());
         for (k, spot) in all.iter().enumerate() {
-            let joints = |spot: &Spot| workcell.mapper.joints(k, layout, spot);
+            let joints = |spot: &Spot| Some(workcell.mapper.stance(k, layout, spot)?.joints);
             spots.push(joints(spot.as_ref()?)?);
             if workcell.cell.operations[k].over.takes_all() {
                 let (mut placed, mut scratch) = (Placed::default(), Scratch::default());

@@ -1,6 +1,7 @@
 //! One candidate: [`evaluate`] a [`Layout`]. The seam that search, what-ifs and reports share.
 
 mod goals;
+mod merits;
 mod misplacement;
 mod refine;
 mod robust;
@@ -8,6 +9,7 @@ mod separate;
 mod worst;
 
 pub use goals::FAR;
+pub use merits::{Merit, merits};
 pub use misplacement::Moves;
 pub use refine::Refined;
 pub use robust::{Corner, Ended, Largest, Lost, Robustness};
@@ -89,6 +91,18 @@ impl Workcell {
             FloorPlan::new(&Cell { clearance, ..cell.clone() })
         });
         Ok(Self { cell, mapper, plan, wide, scene })
+    }
+
+    /// The same cell with every node judged one by one, to compare with: slower, and the same bits.
+    #[must_use]
+    pub fn unranked(mut self) -> Self {
+        self.mapper.forget_ranks();
+        self
+    }
+
+    /// Whether the nodes of every operation are ranked before they are judged.
+    pub fn is_ranked(&self) -> bool {
+        self.mapper.is_ranked()
     }
 
     /// Every pair of solids of the robot, and why it may touch; none if it is not checked.

@@ -82,8 +82,8 @@ pub struct Robustness {
     pub worst: Option<Corner>,
     /// Corners at which it is lost.
     pub lost: Vec<Lost>,
-    /// Change of the value per m or rad of its equipment and of what else is in the box; None where the
-    /// posture is lost.
+    /// Change of the value per m or rad of its equipment and of what else is in the box, joint limits
+    /// aside; None at the end of reach.
     pub gradient: Vec<(Slot, Option<f64>)>,
     /// Of the box; None without tolerance.
     pub scale: Option<Largest>,
@@ -212,7 +212,7 @@ impl Holding<'_> {
     fn asked(
         &self,
         layout: &Layout,
-        ask: impl Fn(&mut Probe<'_>, &Kept) -> Result<f64, Status>,
+        mut ask: impl FnMut(&mut Probe<'_>, &Kept) -> Result<f64, Status>,
     ) -> Result<f64, Status> {
         let Workcell { cell, mapper, scene, .. } = self.workcell;
         let mut placed = Placed::default();
@@ -229,8 +229,9 @@ impl Holding<'_> {
         let slope = |slot: Slot| {
             let [high, low] = [STEP, -STEP].map(|by| {
                 let layout = self.workcell.cell.misplaced(self.layout, &[(slot, by)]);
-                // What it touches is no matter of the slope.
-                self.asked(&layout, |probe, kept| probe.value(kept)).ok()
+                // A best spot often stands at a limit: that is no matter of the slope.
+                let missing = Status::OutOfReach { by: 0.0 };
+                self.asked(&layout, |probe, kept| probe.beyond_limits(kept).ok_or(missing)).ok()
             });
             Some((high? - low?) / (2.0 * STEP))
         };

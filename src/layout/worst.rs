@@ -114,27 +114,39 @@ fn hardened(
         let kept: Vec<_> = all.iter().filter_map(|spot| kept(workcell, k, layout, spots, spot)).collect();
         return (first, worst_of(workcell, k, first.value, &kept, &mut probes));
     }
-    let mut best: Option<(f64, Spot)> = None;
-    let (mut lost, mut judged) = (f64::INFINITY, 0);
+    let mut least = Least { best: None, lost: LOST, judged: 0 };
     mapper.free_spots((k, layout), scene, placed, spots, scratch, |spot| {
-        if best.is_some_and(|(worst, _)| spot.value >= worst) {
+        // Nothing is worth less misplaced than as drawn.
+        if least.judged == FEW || least.best.is_some_and(|(worst, _)| spot.value >= worst) {
             return false;
         }
-        if let Some(kept) = kept(workcell, k, layout, spots, &spot) {
-            match worst_of(workcell, k, spot.value, &[kept], &mut probes) {
-                Worst::Value(worst) if best.is_none_or(|(least, _)| worst < least) => {
-                    best = Some((worst, spot));
-                }
-                Worst::Value(_) => {}
-                Worst::Lost(by) => lost = lost.min(by),
-            }
-        }
-        judged += 1;
-        judged < FEW
+        let kept = kept(workcell, k, layout, spots, &spot);
+        least.note(spot, kept.map(|kept| worst_of(workcell, k, spot.value, &[kept], &mut probes)));
+        true
     });
-    match best {
+    match least.best {
         Some((worst, spot)) => (spot, Worst::Value(worst)),
-        None => (first, Worst::Lost(lost.min(LOST))),
+        None => (first, Worst::Lost(least.lost)),
+    }
+}
+
+/// The least worst value so far and its spot; if there is none, how little is missing.
+struct Least {
+    best: Option<(f64, Spot)>,
+    lost: f64,
+    judged: usize,
+}
+
+impl Least {
+    fn note(&mut self, spot: Spot, worst: Option<Worst>) {
+        self.judged += 1;
+        match worst {
+            Some(Worst::Value(worst)) if self.best.is_none_or(|(least, _)| worst < least) => {
+                self.best = Some((worst, spot));
+            }
+            Some(Worst::Lost(by)) => self.lost = self.lost.min(by),
+            _ => {}
+        }
     }
 }
 

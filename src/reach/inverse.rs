@@ -16,9 +16,9 @@ pub struct Inverse {
     pub(super) chain: Chain,
     pub(super) kernel: Kernel,
     /// None of a chain whose limits a posture alone cannot tell: the numeric way keeps them itself.
-    limits: Option<Limits>,
+    pub(super) limits: Option<Limits>,
     /// From the base to frame 0; None if they are one.
-    to_zero: Option<Pose>,
+    pub(super) to_zero: Option<Pose>,
     /// From the TCP to the last D-H frame.
     to_flange: Pose,
     /// Rows r, a x r, a of the tool in its own frame.
@@ -92,6 +92,13 @@ pub enum Reach {
     NotConverged { position: f64, angle: f64 },
     /// Every branch, inside its limits or not.
     Branches(Vec<Branch>),
+}
+
+impl Approach {
+    /// The ways to hold the tool of a planar arm.
+    pub fn ways(&self) -> &[Way] {
+        &self.ways
+    }
 }
 
 impl Inverse {

@@ -21,28 +21,28 @@ pub struct LimitViolation {
 
 /// The allowed range of one actuator.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Range {
-    kind: JointKind,
+pub(super) struct Range {
+    pub kind: JointKind,
     /// Cosine and sine of the D-H offset theta and of the middle of the range.
-    zero: (f64, f64),
+    pub zero: (f64, f64),
     middle: (f64, f64),
     /// Axial offset at coordinate 0, m.
     r: f64,
     /// Of the actuator coordinate, rad or m.
-    centre: f64,
+    pub centre: f64,
     half: f64,
     /// Cosine of the half width of a turning joint (-2: every angle is allowed).
-    cos_half: f64,
+    pub cos_half: f64,
 }
 
 /// The limits of a chain.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Limits {
-    ranges: Vec<Range>,
+    pub(super) ranges: Vec<Range>,
     coupling: Vec<Vec<f64>>,
     /// Below the diagonal: (row, column, factor), where every factor is a whole number between
     /// turning joints.
-    whole: Option<Vec<(usize, usize, i32)>>,
+    pub(super) whole: Option<Vec<(usize, usize, i32)>>,
 }
 
 impl Limits {

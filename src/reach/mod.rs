@@ -2,11 +2,13 @@
 
 mod ability;
 mod anthropomorphic;
+mod cones;
 mod converge;
 mod envelope;
 mod hold;
 mod inverse;
 mod kernel;
+mod lanes;
 mod limits;
 mod nearest;
 mod numeric;
@@ -23,8 +25,10 @@ mod unlock;
 
 pub use envelope::{Envelope, Extent, Fineness, Outline, Region, Size};
 pub use inverse::{Approach, Branch, Cost, Gap, Inverse, Reach};
+pub use lanes::{Level, PlanarLanes, Targets, Wrist};
 pub use limits::LimitViolation;
 pub use numeric::{Goal, Held, Missing, Numeric, jacobian};
+pub use planar::Way;
 pub use shell::Shell;
 pub use spherical_wrist::SphericalWrist;
 pub use three_parallel::ThreeParallel;

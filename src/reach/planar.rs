@@ -17,7 +17,7 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 
 /// Rounding must not lose the stretched arm, nor the one in the vertical plane of the base axis:
 /// cosines up to 1 plus this count as 1.
-const STRETCHED: f64 = 1e-12;
+pub(super) const STRETCHED: f64 = 1e-12;
 
 /// Directions and points off by less than this are where they should be (no unit, m).
 const IN_PLACE: f64 = 1e-9;
@@ -26,11 +26,11 @@ const IN_PLACE: f64 = 1e-9;
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlanarArm {
     /// +1 if alpha_1 is +90 degrees, -1 if it is -90.
-    side: f64,
-    r1: f64,
-    l: [f64; 3],
+    pub(super) side: f64,
+    pub(super) r1: f64,
+    pub(super) l: [f64; 3],
     /// Distance of the tool from the vertical plane through the base axis.
-    lateral: f64,
+    pub(super) lateral: f64,
     /// theta_1 (cos, sin) in the middle of the range of joint 1.
     middle_yaw: (f64, f64),
     /// TCP and direction of the tool axis (cos, sin) in the plane, in the frame turned by theta_4.
@@ -50,12 +50,12 @@ struct Roll {
 
 /// How the tool is held in the plane of the arm: one entry per phi.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Way {
-    cos_phi: f64,
-    sin_phi: f64,
+pub struct Way {
+    pub(super) cos_phi: f64,
+    pub(super) sin_phi: f64,
     /// TCP from the wrist, in the plane.
-    u: f64,
-    v: f64,
+    pub(super) u: f64,
+    pub(super) v: f64,
     /// Of the elevation; the cosine is negative if the tool points against theta_1.
     cos_elevation: f64,
     sin_elevation: f64,

@@ -9,7 +9,7 @@ use super::worst_case::{WorstCase, by_model, farthest};
 use super::zonotope::{Farthest, Scratch};
 use super::{Effects, MAX_SOURCES, Measure};
 use crate::cell::{Cell, Model, Operation, Quantity, Reading, Registration, Sense};
-use crate::kinematic_error::{Expansion, position_error};
+use crate::kinematic_error::{Expansion, Perturbation, position_error};
 use crate::pose::Displacement;
 use crate::robot::{Chain, Frames};
 use nalgebra::{Matrix3, Vector3, Vector6};
@@ -138,6 +138,15 @@ impl Gauge {
                 }
             }
         }
+    }
+
+    /// The sample and the rows of the sense (world frame), where [`Self::value`] is the size of the position
+    /// error of the TCP in them by the nonlinear model, whatever the situation.
+    pub fn plain(&self) -> Option<(&Perturbation, Vec<Vector3<f64>>)> {
+        let signed = self.reading == Reading::Signed && self.model == Model::Nonlinear;
+        let is_plain = signed && self.alone && self.sense.is_of_position();
+        let rows = || self.sense.rows().iter().map(|row| row.direction).collect();
+        is_plain.then(|| (self.signed.errors(), rows()))
     }
 
     /// Rows of a plain sense on a position error of the base frame.

@@ -32,7 +32,7 @@ pub fn map(a: &Assessment<'_>) -> Result<Vec<u8>, String> {
     writer.into_inner().map_err(|e| e.to_string())
 }
 
-fn put(writer: &mut ::csv::Writer<Vec<u8>>, row: &[String]) -> Result<(), String> {
+pub fn put(writer: &mut ::csv::Writer<Vec<u8>>, row: &[String]) -> Result<(), String> {
     writer.write_record(row).map_err(|e| e.to_string())
 }
 
@@ -234,11 +234,11 @@ fn posture_columns(cell: &Cell, p: &PostureRecord, map: &OperationMap, senses: &
     row
 }
 
-fn number(v: f64) -> String {
+pub fn number(v: f64) -> String {
     rounded(v, 9).to_string()
 }
 
 /// Text that a spreadsheet would take for a formula gets a leading apostrophe.
-fn inert(text: &str) -> String {
+pub fn inert(text: &str) -> String {
     if text.starts_with(['=', '+', '-', '@', '\t', '\r']) { format!("'{text}") } else { text.to_string() }
 }

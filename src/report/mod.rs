@@ -9,6 +9,7 @@ pub mod json;
 mod legend;
 mod names;
 pub mod svg;
+pub mod sweep;
 pub mod text;
 pub mod toml;
 pub mod urdf;

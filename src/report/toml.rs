@@ -35,6 +35,9 @@ pub fn fixed(from: &str, comment: &str, cell: &Cell, layout: &Layout) -> String 
             let _ = write!(out, "\n[equipment.{}.placement]\n{placement}", quoted(&equipment.name));
         }
     }
+    if cell.search.robust {
+        out.push_str("\n[search]\nrobust = true\n");
+    }
     for (k, operation) in cell.operations.iter().enumerate() {
         let _ = writeln!(
             out,

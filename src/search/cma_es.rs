@@ -11,8 +11,6 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 
-/// First step size, in units of the search range.
-const SIGMA: f64 = 0.3;
 /// The run has settled when no coordinate moves by more than this (the polish does the rest), ...
 const TOL_X: f64 = 1e-5;
 /// ... when the best costs of many generations differ by no more than this share, ...
@@ -23,7 +21,10 @@ const MAX_CONDITION: f64 = 1e14;
 /// One run from one starting mean.
 pub struct CmaEs {
     rng: ChaCha8Rng,
+    /// Of the better half of a generation: they sum to 1.
     weights: DVector<f64>,
+    /// Of the worse half, all negative: the covariance shrinks where steps were bad (eqs. 49-53).
+    worse: Vec<f64>,
     lambda: usize,
     mu_eff: f64,
     c_sigma: f64,
@@ -44,13 +45,14 @@ pub struct CmaEs {
 }
 
 impl CmaEs {
-    /// Table 1 with positive weights only.
-    pub fn new(mean: Vec<f64>, rng: ChaCha8Rng) -> Self {
+    /// Table 1, with `scale` times its default population, from `mean` with steps of `sigma`.
+    pub fn new(mean: Vec<f64>, sigma: f64, scale: u32, rng: ChaCha8Rng) -> Self {
         let n = mean.len() as f64;
-        let lambda = 4 + (3.0 * n.ln()).floor() as usize;
+        let lambda = (4 + (3.0 * n.ln()).floor() as usize) * scale as usize;
         let mu = lambda / 2;
-        let raw = DVector::from_fn(mu, |i, _| ((lambda as f64 + 1.0) / 2.0).ln() - (i as f64 + 1.0).ln());
-        let weights = &raw / raw.sum();
+        let raw = DVector::from_fn(lambda, |i, _| ((lambda as f64 + 1.0) / 2.0).ln() - (i as f64 + 1.0).ln());
+        let better = raw.rows(0, mu);
+        let weights = better / better.sum();
         let mu_eff = 1.0 / weights.norm_squared();
         let c_sigma = (mu_eff + 2.0) / (n + mu_eff + 5.0);
         let c_1 = 2.0 / ((n + 1.3).powi(2) + mu_eff);
@@ -58,6 +60,7 @@ impl CmaEs {
         let dimensions = mean.len();
         Self {
             rng,
+            worse: negative(raw.rows(mu, lambda - mu).as_slice(), mu_eff, c_1, c_mu, n),
             weights,
             lambda,
             mu_eff,
@@ -68,7 +71,7 @@ impl CmaEs {
             c_mu,
             chi: n.sqrt() * (1.0 - 1.0 / (4.0 * n) + 1.0 / (21.0 * n * n)),
             mean: DVector::from_vec(mean),
-            sigma: SIGMA,
+            sigma,
             covariance: DMatrix::identity(dimensions, dimensions),
             path_sigma: DVector::zeros(dimensions),
             path_c: DVector::zeros(dimensions),
@@ -99,10 +102,16 @@ impl CmaEs {
         let h = if length / warmed < (1.4 + 2.0 / (n + 1.0)) * self.chi { 1.0 } else { 0.0 };
         let gain = h * (self.c_c * (2.0 - self.c_c) * self.mu_eff).sqrt();
         self.path_c = &self.path_c * (1.0 - self.c_c) + &step * gain;
-        let keep = 1.0 - self.c_1 - self.c_mu + (1.0 - h) * self.c_1 * self.c_c * (2.0 - self.c_c);
+        let taken = self.c_1 + self.c_mu * (1.0 + self.worse.iter().sum::<f64>());
+        let keep = 1.0 - taken + (1.0 - h) * self.c_1 * self.c_c * (2.0 - self.c_c);
         let mut covariance = &self.covariance * keep + &self.path_c * self.path_c.transpose() * self.c_1;
         for (y, w) in steps.iter().zip(self.weights.iter()) {
             covariance += y * y.transpose() * (self.c_mu * w);
+        }
+        for (y, w) in steps[self.weights.len()..].iter().zip(&self.worse) {
+            // Made as long as a common step, so that no single bad one can spoil the covariance.
+            let length = (whiten * y).norm_squared().max(f64::MIN_POSITIVE);
+            covariance += y * y.transpose() * (self.c_mu * w * n / length);
         }
         self.covariance = (&covariance + covariance.transpose()) / 2.0;
         // The exponent is bounded: one generation never changes the step by more than e.
@@ -121,6 +130,19 @@ impl CmaEs {
         let sound = least > 0.0 && most / least < MAX_CONDITION && self.sigma.is_finite() && self.sigma < 1e3;
         flat || small || !sound
     }
+}
+
+/// The weights of the worse half, of a size that keeps the covariance positive (eqs. 50-53).
+fn negative(raw: &[f64], mu_eff: f64, c_1: f64, c_mu: f64, n: f64) -> Vec<f64> {
+    // The one in the middle of an odd number may be a rounding above zero.
+    let raw: Vec<f64> = raw.iter().map(|w| w.min(0.0)).collect();
+    let sum: f64 = raw.iter().sum();
+    let effective = sum * sum / raw.iter().map(|w| w * w).sum::<f64>();
+    let most =
+        (1.0 + c_1 / c_mu).min(1.0 + 2.0 * effective / (mu_eff + 2.0)).min((1.0 - c_1 - c_mu) / (n * c_mu));
+    // Few variables leave c_mu nothing: then there is no weight at all.
+    let most = if most.is_finite() { most.max(0.0) } else { 0.0 };
+    raw.iter().map(|w| -most * w / sum).collect()
 }
 
 impl<O> Solver<O, IterState<Vec<f64>, (), (), (), (), f64>> for CmaEs

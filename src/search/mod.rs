@@ -21,7 +21,7 @@ mod stopping;
 
 pub use front::DIFFERENT;
 pub use ledger::{Checkpoint, Unfit};
-pub use problem::{Keep, Progress, Watch};
+pub use problem::{Keep, Moment, Progress, Watch};
 pub use shortlist::REALLY_DIFFERENT;
 pub use space::Space;
 pub use stopping::{Ended, Stopping};
@@ -85,14 +85,12 @@ pub struct Job<'a> {
     pub bound: Option<f64>,
     /// Where an interrupted search stood; [`Checkpoint::check`] says whether it fits.
     pub from: Option<&'a Checkpoint>,
-    /// Told the state before the first evaluation, after every generation, and at the end of a
-    /// search that was interrupted.
     pub keep: Keep<'a>,
 }
 
 /// Searches the layout of a cell.
 pub fn search(workcell: &Workcell, settings: &SearchSettings, watch: &Watch<'_>) -> SearchRecord {
-    search_job(workcell, settings, watch, &Job { bound: None, from: None, keep: &|_| () })
+    search_job(workcell, settings, watch, &Job { bound: None, from: None, keep: &|_, _| () })
 }
 
 /// Searches the layout of a cell, from a checkpoint if there is one: it ends in the same bits as a
@@ -119,7 +117,7 @@ pub fn search_job(
         Some(checkpoint) => Ledger::resumed(checkpoint, stopping),
         None => Ledger::new(space.start(), stopping),
     };
-    (job.keep)(ledger.checkpoint());
+    (job.keep)(ledger.checkpoint(), Moment::Begun);
     let problem = Problem::new(workcell, &space, ledger, watch, job.keep);
     solvers::explore(&problem, settings, space.start());
     solvers::polish(&problem);
@@ -129,7 +127,7 @@ pub fn search_job(
     let stopped = problem.interrupted();
     let ledger = problem.into_ledger();
     if stopped {
-        (job.keep)(ledger.checkpoint());
+        (job.keep)(ledger.checkpoint(), Moment::Stopped);
     }
     let ended = if stopped { Ended::Interrupted } else { ledger.ended() };
     let alternatives = alternatives(workcell, &space, &ledger.record, settings.keep);

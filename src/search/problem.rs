@@ -34,8 +34,19 @@ pub struct Watch<'a> {
     pub stop: &'a AtomicBool,
 }
 
-/// Told the state of the search whenever it has changed, so that it can be kept.
-pub type Keep<'a> = &'a (dyn Fn(&Checkpoint) + Sync);
+/// When the state of a search is told.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Moment {
+    /// Before the first evaluation.
+    Begun,
+    /// After every question of a solver.
+    Going,
+    /// At the end of a search that was told to stop.
+    Stopped,
+}
+
+/// Told the state of the search, so that it can be kept.
+pub type Keep<'a> = &'a (dyn Fn(&Checkpoint, Moment) + Sync);
 
 /// Cost of a point of the unit cube, with a budget. When that is used up every further point costs
 /// minus infinity: the best there can be, at which every argmin solver stops. (An error would, too,
@@ -166,6 +177,11 @@ impl<'a> Problem<'a> {
         locked(&self.ledger).record.point.clone()
     }
 
+    /// Whether the run under way makes something else small than the error.
+    pub fn aims(&self) -> bool {
+        locked(&self.aim).is_some()
+    }
+
     /// The member of the front that is best for the aim of the run under way, as the run began.
     pub fn best_for_aim(&self) -> Option<Vec<f64>> {
         let (ledger, aim) = (locked(&self.ledger), locked(&self.aim));
@@ -192,7 +208,7 @@ impl<'a> Problem<'a> {
         let Record { evaluations, feasible, .. } = ledger.record;
         let best = ledger.record.best();
         (self.watch.progress)(Progress { evaluations, budget: self.budget, feasible, best });
-        (self.keep)(ledger.checkpoint());
+        (self.keep)(ledger.checkpoint(), Moment::Going);
         // Solvers see the cost of unit weights: their tolerances are lengths.
         let weight = self.workcell.weight();
         let aim = locked(&self.aim);

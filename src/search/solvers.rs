@@ -11,6 +11,9 @@ use rand::Rng;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
+/// First steps of CMA-ES, in units of the search range: from the layout as drawn, and from anywhere.
+const SIGMA_DRAWN: f64 = 0.15;
+const SIGMA: f64 = 0.3;
 /// Particles of a swarm, and the generations after which it has settled.
 const PARTICLES: usize = 40;
 const GENERATIONS: u64 = 80;
@@ -46,7 +49,10 @@ pub fn explore(problem: &Problem<'_>, settings: &SearchSettings, start: Vec<f64>
         // However a solver ends, the problem has kept the best.
         let _ended = match settings.solver {
             Solver::CmaEs => {
-                Executor::<_, _, Point>::new(problem, CmaEs::new(from, rng)).timer(false).run().map(drop)
+                // A run for a front is too short for a large population.
+                let (sigma, scale) = restart(if problem.aims() { run.min(1) } else { run });
+                let solver = CmaEs::new(from, sigma, scale, rng);
+                Executor::<_, _, Point>::new(problem, solver).timer(false).run().map(drop)
             }
             Solver::ParticleSwarm => {
                 let bounds = (vec![0.0; from.len()], vec![1.0; from.len()]);
@@ -67,6 +73,17 @@ pub fn explore(problem: &Problem<'_>, settings: &SearchSettings, start: Vec<f64>
         if !problem.begin_run() {
             break;
         }
+    }
+}
+
+/// First step and population (in default ones) of a run of CMA-ES. Near the layout as drawn to begin
+/// with, for somebody has thought about it; then anywhere, with a population that doubles from run to
+/// run as in IPOP-CMA-ES (A. Auger and N. Hansen, "A restart CMA evolution strategy with increasing
+/// population size", CEC 2005) and begins anew after eight times, to keep runs short.
+fn restart(run: u64) -> (f64, u32) {
+    match run.checked_sub(1) {
+        None => (SIGMA_DRAWN, 1),
+        Some(again) => (SIGMA, 1 << (again % 4)),
     }
 }
 

@@ -22,6 +22,8 @@ pub enum Ended {
     Stagnation,
     /// Somebody asked to stop.
     Interrupted,
+    /// The time was over; said by who holds the clock, to a search it is an interruption.
+    TimeLimit,
     /// A checkpoint was not met again: made by another build, or where numbers round otherwise.
     Diverged,
     /// No placement has a range.
@@ -36,6 +38,7 @@ impl Ended {
             Ended::Gap => "gap",
             Ended::Stagnation => "stagnation",
             Ended::Interrupted => "interrupted",
+            Ended::TimeLimit => "time-limit",
             Ended::Diverged => "diverged",
             Ended::NothingToSearch => "nothing-to-search",
         }
@@ -47,6 +50,7 @@ impl Ended {
             Ended::Gap => "it is as near to the bound as asked",
             Ended::Stagnation => "nothing better was found for as long as asked",
             Ended::Interrupted => "interrupted",
+            Ended::TimeLimit => "the time was over",
             Ended::Diverged => "the checkpoint could not be followed",
             Ended::NothingToSearch => "nothing to search: every placement is fixed",
         }

@@ -28,7 +28,7 @@ pub fn map(a: &MapArguments) -> Result<Exit, Exit> {
                 ("map.svg", report::svg::plan(&assessment).into_bytes()),
                 ("discrepancy.svg", report::fig8::chart(&assessment).into_bytes()),
             ];
-            Some(results::write(&folder, &workcell.cell, &sources, files)?)
+            Some(results::write(&folder, &workcell.cell, &sources, &results::typed(), files)?)
         }
         None => None,
     };

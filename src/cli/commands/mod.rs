@@ -7,14 +7,18 @@ mod posture;
 mod readings;
 mod robots;
 mod robust;
+mod search;
+mod sweep;
 
 pub use check::check;
-pub use layouts::{compare, search};
+pub use layouts::compare;
 pub use map::map;
 pub use posture::{budget, explain};
 pub use readings::readings;
 pub use robots::{envelope, robot, robots};
 pub use robust::robust;
+pub use search::search;
+pub use sweep::sweep;
 
 use crate::cell::{Cell, Coordinate, shown};
 use crate::clearance::Party;

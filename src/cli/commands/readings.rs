@@ -28,7 +28,7 @@ pub fn readings(a: &ReadingsArguments) -> Result<Exit, Exit> {
                 Exit::Io
             })?;
             let outputs = vec![("readings.json", results::pretty(&document)?), ("readings.csv", table)];
-            Some(results::write(folder, cell, &loaded.sources, outputs)?)
+            Some(results::write(folder, cell, &loaded.sources, &results::typed(), outputs)?)
         }
         None => None,
     };

@@ -4,18 +4,24 @@ use super::front::{front, of_goals, pareto};
 use super::map::{counts, guard, monte_carlo};
 use super::robust::robustness;
 use super::{attitudes, base, joints, layout, length, lengths, refined};
-use crate::cell::{Cell, Unit};
+use crate::cell::{Cell, Operation, Unit};
 use crate::compare::{Assessment, Comparison};
 use crate::error_map::OperationMap;
 use crate::reading::Figures;
 use crate::report::text::value_word;
 use crate::search::SearchRecord;
+use crate::search::bound::{OperationBound, Proof, WhyNot};
 use crate::units::rounded;
 use serde_json::{Map, Value, json};
 
 /// The document of `search --json`. Without `seconds` it is the file search.json, which is the same
 /// for any number of threads.
-pub fn search(cell: &Cell, record: &SearchRecord, assessed: &Comparison<'_>, seconds: Option<f64>) -> Value {
+pub fn search(
+    cell: &Cell,
+    (record, proof): (&SearchRecord, &Proof),
+    assessed: &Comparison<'_>,
+    seconds: Option<f64>,
+) -> Value {
     let [start, best] = &assessed.columns[..] else { return Value::Null };
     let mut document = json!({
         "schema": "sweetspot/search/1",
@@ -26,6 +32,7 @@ pub fn search(cell: &Cell, record: &SearchRecord, assessed: &Comparison<'_>, sec
         "gain_percent": assessed.change_percent(1, Assessment::objective).map(|c| rounded(-c, 6)),
         "bound": record.bound.map(|b| length(cell.unit().from_si(b))),
         "gap_percent": record.gap().map(|g| rounded(g * 100.0, 6)),
+        "proof": proven(cell, proof),
         "evaluations": record.evaluations,
         "feasible": record.feasible,
         "ended": record.ended.name(),
@@ -66,6 +73,24 @@ pub fn search(cell: &Cell, record: &SearchRecord, assessed: &Comparison<'_>, sec
         object.insert("seconds".into(), json!(rounded(seconds, 3)));
     }
     document
+}
+
+/// What is proven of each operation, or why nothing is.
+fn proven(cell: &Cell, proof: &Proof) -> Value {
+    let operation = |(bound, operation): (&OperationBound, &Operation)| {
+        let unit = operation.sense.unit;
+        json!({
+            "name": operation.name,
+            "bound": bound.value.ok().map(|v| length(unit.from_si(v))),
+            "unit": unit.word(),
+            "why_not": bound.value.err().map(WhyNot::in_words),
+            "boxes": bound.boxes,
+        })
+    };
+    json!({
+        "covers": proof.covers.name(),
+        "operations": proof.operations.iter().zip(&cell.operations).map(operation).collect::<Vec<_>>(),
+    })
 }
 
 /// The document of `compare --json`.

@@ -10,6 +10,7 @@ mod map;
 mod posture;
 mod readings;
 mod robust;
+mod sweep;
 
 pub use envelope::{envelope, robot, robots};
 pub use layouts::{compare, search};
@@ -17,6 +18,7 @@ pub use map::{MapDocument, map};
 pub use posture::{budget, explain};
 pub use readings::readings;
 pub use robust::robust;
+pub use sweep::{row, values};
 
 use crate::cell::{Cell, JointKind, JointVector, Layout, Placement, Role, Slot};
 use crate::clearance::{Allowed, OwnPair};

@@ -114,11 +114,8 @@ fn refined_rows(table: &mut Table, k: usize, columns: &[Assessment<'_>]) {
     let position = |r: &Refined| r.position.iter().map(|v| mm1(*v)).collect::<Vec<_>>().join(", ");
     table.labelled("", "refined x, y, z mm", cells(&position).into_iter());
     let unit = columns[0].cell.unit();
-    let value = |r: &Refined| {
-        let gain = percent1(r.gain());
-        format!("{} ({gain} less than at the node)", fixed(unit.from_si(r.value), 4))
-    };
-    table.labelled("", &format!("refined {}", unit.word()), cells(&value).into_iter());
+    let value = |r: &Refined| format!("{} (-{})", fixed(unit.from_si(r.value), 4), percent1(r.gain()));
+    table.labelled("", &format!("refined {} (from the node)", unit.word()), cells(&value).into_iter());
 }
 
 fn operation_rows(table: &mut Table, k: usize, comparison: &Comparison<'_>) {

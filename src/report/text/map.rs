@@ -42,8 +42,18 @@ fn map_summary(a: &Assessment<'_>, map: &OperationMap) -> String {
         Some((node, p)) => {
             let (x, y, z) = (mm1(node.position.x), mm1(node.position.y), mm1(node.position.z));
             let (word, value) = (value_word(cell), unit.from_si(p.value));
-            let _ = write!(out, "\n  least {word} in {sense}: {value:.6} {}", unit.word());
-            let _ = write!(out, " at node ({}, {}), x {x} y {y} z {z} mm", node.i, node.j);
+            let at = format!("at node ({}, {}), x {x} y {y} z {z} mm", node.i, node.j);
+            let word_of_unit = unit.word();
+            let _ = match map.value.filter(|_| operation.over.takes_all()) {
+                Some(all) => write!(
+                    out,
+                    "\n  {word} in {sense}, {} of {}: {:.6} {word_of_unit}; the worst node {value:.6} {word_of_unit} {at}",
+                    operation.over.name(),
+                    operation.place.in_words(),
+                    unit.from_si(all),
+                ),
+                None => write!(out, "\n  least {word} in {sense}: {value:.6} {word_of_unit} {at}"),
+            };
             if let Some(said) = refined_summary(a, map.operation) {
                 let _ = write!(out, "\n  {said}");
             }

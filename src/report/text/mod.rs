@@ -7,8 +7,10 @@ mod explain;
 mod front;
 mod map;
 mod own_pairs;
+mod proof;
 mod readings;
 mod robust;
+mod sweep;
 mod table;
 mod urdf;
 
@@ -19,8 +21,10 @@ pub use explain::{explanation, frame_name};
 pub use front::{front, goals_line};
 pub use map::{distrust, maps};
 pub use own_pairs::own_pairs;
+pub use proof::proven;
 pub use readings::{findings, readings};
 pub use robust::robustness;
+pub use sweep::sweep;
 pub use urdf::derived;
 
 use crate::cell::{Cell, ErrorSet, Quantity, Reading, Registration, Spread, Unit, shown};

@@ -119,10 +119,8 @@ fn slopes(cell: &Cell, r: &Robustness) -> String {
     let one = |(slot, slope): &(Slot, Option<f64>)| {
         let (per, word) = if slot.is_angle() { (rad_from_deg(1.0), "deg") } else { (m_from_mm(1.0), "mm") };
         let value = slope.map_or("-".into(), |slope| fixed(unit.from_si(slope * per), 5));
-        let whose = match slot {
-            Slot::Equipment(..) => String::new(),
-            _ => body(cell, *slot) + " ",
-        };
+        let alone = r.gradient.iter().all(|(other, _)| body(cell, *other) == body(cell, *slot));
+        let whose = if alone { String::new() } else { body(cell, *slot) + " " };
         format!("{whose}{} {value} {}/{word}", axis(*slot), unit.word())
     };
     r.gradient.iter().map(one).collect::<Vec<_>>().join(", ")

@@ -10,6 +10,7 @@ use super::region::Constraint;
 use super::screws::Values;
 use super::task::Task;
 use super::taylor::Taylor;
+use super::witness::near;
 use crate::cell::{JointVector, MAX_JOINTS};
 use nalgebra::{Matrix4, Vector4};
 use rayon::prelude::*;
@@ -26,6 +27,12 @@ const SHRUNK: f64 = 0.8;
 const PASSES: usize = 8;
 /// Taken off every bound for rounding, m or rad and as a share: the figures are good to 1e-13.
 const ROUNDING: f64 = 1e-11;
+/// A side shorter than this is not cut, m or rad.
+const POINT: f64 = 1e-12;
+/// A difference that matters to nobody, m or rad.
+const NOTHING: f64 = 1e-9;
+/// Where some posture is worth less than this, 0 is all that can be proven.
+pub(super) const VANISHES: f64 = 1e-6;
 
 /// How a search over boxes ended.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,9 +57,9 @@ struct Part {
 }
 
 impl Ord for Part {
-    /// The least bound is the greatest of the heap.
+    /// The least bound is the greatest of the heap; of equal ones the youngest, for it is the smallest.
     fn cmp(&self, other: &Self) -> Ordering {
-        other.bound.total_cmp(&self.bound).then(other.number.cmp(&self.number))
+        other.bound.total_cmp(&self.bound).then(self.number.cmp(&other.number))
     }
 }
 
@@ -79,7 +86,9 @@ pub(super) fn least(task: &Task<'_>, known: f64, gap: f64, boxes: u64, stop: &At
     let mut found = Found { bound: f64::INFINITY, boxes: 1, best: None, interrupted: false };
     let mut memory = task.memory();
     let mut upper = known;
-    let enough = |upper: f64| upper * (1.0 - gap);
+    let enough = |upper: f64| {
+        (upper * (1.0 - gap)).min(upper - NOTHING).max(if upper < VANISHES { 0.0 } else { f64::MIN_POSITIVE })
+    };
     while let Some(first) = heap.peek() {
         if first.bound >= enough(upper) || found.boxes >= boxes {
             break;
@@ -88,15 +97,21 @@ pub(super) fn least(task: &Task<'_>, known: f64, gap: f64, boxes: u64, stop: &At
             found.interrupted = true;
             break;
         }
-        let round: Vec<Part> = std::iter::from_fn(|| heap.pop()).take(ROUND).collect();
+        let mut round: Vec<Part> = std::iter::from_fn(|| heap.pop()).take(ROUND).collect();
         for part in round.iter().take(TRIED) {
-            if let Some((value, joints)) = near(task, part, &mut memory)
+            if let Some((value, joints)) = near(task, centre(part).0, (&part.low, &part.high), &mut memory)
                 && found.best.is_none_or(|(best, _)| value < best)
             {
                 found.best = Some((value, joints));
                 upper = upper.min(value);
             }
         }
+        // A point has no halves.
+        round.retain(|part| {
+            let is_point = part.high[part.cut] - part.low[part.cut] < POINT;
+            found.bound = if is_point { found.bound.min(part.bound) } else { found.bound };
+            !is_point
+        });
         let halves: Vec<[Option<Part>; 2]> = round.par_iter().map(|part| split(task, part)).collect();
         for mut part in halves.into_iter().flatten().flatten() {
             (part.number, found.boxes) = (found.boxes, found.boxes + 1);
@@ -231,20 +246,24 @@ fn bound(
     let crossed: Vec<&(Constraint, Taylor)> = constraints.iter().filter(crosses).take(4).collect();
     let thin: Vec<&(Constraint, Taylor)> =
         crossed.iter().copied().filter(|(c, t)| c.high - c.low < t.spread(radii)).collect();
-    let mut best = (worth.least(radii, count), worth.clone());
+    // The cut looks at the slopes that thin constraints leave, and at the bend of the others: a wide one
+    // with the slope of the value would hide its own width.
+    let (mut best, mut judged) = (worth.least(radii, count), worth.clone());
     let sets = if thin.len() == crossed.len() { vec![thin] } else { vec![thin, crossed] };
-    for set in sets.iter().filter(|set| !set.is_empty()) {
-        let (mut lagrange, mut allowed) = (worth.clone(), 0.0);
+    for (k, set) in sets.iter().enumerate().filter(|(_, set)| !set.is_empty()) {
+        let (mut lagrange, mut allowed, mut bend) = (worth.clone(), 0.0, 0.0);
         for ((constraint, taylor), lambda) in set.iter().zip(multipliers(&worth, set, radii).iter()) {
             lagrange.less(*lambda, taylor);
             allowed += (lambda * constraint.low).min(lambda * constraint.high);
+            bend += lambda.abs() * taylor.bend(radii);
         }
-        let least = lagrange.least(radii, count) + allowed;
-        if least > best.0 {
-            best = (least, lagrange);
+        best = best.max(lagrange.least(radii, count) + allowed);
+        match k {
+            0 => judged = lagrange,
+            _ => judged.rest += bend,
         }
     }
-    (best.0.max(0.0), widest(Some(&best.1), radii, count))
+    (best.max(0.0), widest(Some(&judged), radii, count))
 }
 
 /// Multipliers that leave the least slope over the box, by least squares.
@@ -273,38 +292,8 @@ fn widest(taylor: Option<&Taylor>, radii: &Values, count: usize) -> usize {
             radii[i] * (t.gradient[i].abs() + bent / 2.0 + t.rest / sum.max(f64::MIN_POSITIVE))
         }
     };
-    (0..count).max_by(|&a, &b| weight(a).total_cmp(&weight(b)).then(b.cmp(&a))).unwrap_or(0)
-}
-
-/// A posture near the centre of a box that keeps limits and constraints, with its value: Newton steps of
-/// the least length.
-fn near(task: &Task<'_>, part: &Part, memory: &mut crate::reading::Memory) -> Option<(f64, JointVector)> {
-    let (mut y, _) = centre(part);
-    let point = [0.0; MAX_JOINTS];
-    for _ in 0..6 {
-        let placed = task.place(&y);
-        let all = task.constraints.iter().map(|c| (*c, task.constraint(c, &placed, &point)));
-        let missed = |c: &Constraint, t: &Taylor| t.value - t.value.clamp(c.low, c.high);
-        let off: Vec<(Constraint, Taylor)> = all.filter(|(c, t)| missed(c, t) != 0.0).take(4).collect();
-        if off.is_empty() {
-            let inside = task.coordinates.limits.iter().zip(task.coordinates.actuators(&y));
-            let kept = inside.into_iter().all(|((_, low, high), q)| (*low..=*high).contains(&q));
-            return kept.then(|| (task.value(&y, memory), task.joints(&y)));
-        }
-        let (mut normal, mut right) = (Matrix4::identity(), Vector4::zeros());
-        for (i, (c, a)) in off.iter().enumerate() {
-            for (j, (_, b)) in off.iter().enumerate() {
-                normal[(i, j)] = a.gradient.iter().zip(&b.gradient).map(|(a, b)| a * b).sum();
-            }
-            normal[(i, i)] += 1e-12;
-            // Into the middle of a thin range, just inside a wide one.
-            let inside = ((c.high - c.low) / 2.0).min(1e-7);
-            right[i] = a.value - a.value.clamp(c.low + inside, c.high - inside);
-        }
-        let step = normal.lu().solve(&right)?;
-        for (i, (_, a)) in off.iter().enumerate() {
-            y.iter_mut().zip(&a.gradient).for_each(|(y, g)| *y -= g * step[i]);
-        }
-    }
-    None
+    let wide = |&a: &usize, &b: &usize| {
+        weight(a).total_cmp(&weight(b)).then(radii[a].total_cmp(&radii[b])).then(b.cmp(&a))
+    };
+    (0..count).max_by(wide).unwrap_or(0)
 }

@@ -77,8 +77,8 @@ fn by_theta(
 ) -> (Values, Matrix) {
     let n = screws.kinds.len();
     // F of all links from k on, P of all up to k.
-    (0..n).rev().for_each(|k| f[k] = f[k] + f[k + 1]);
-    (0..n).for_each(|k| p[k + 1] = p[k + 1] + p[k]);
+    (0..n).rev().for_each(|k| f[k] += f[k + 1]);
+    (0..n).for_each(|k| p[k + 1] += p[k]);
     let turns = |i: usize| screws.kinds[i] == JointKind::Revolute;
     let (mut gradient, mut hessian) = ([0.0; MAX_JOINTS], [[0.0; MAX_JOINTS]; MAX_JOINTS]);
     for i in 0..n {

@@ -106,8 +106,8 @@ impl Coordinates {
             rows[i] = row;
             self.limits.push((row, -half[i], half[i]));
         }
-        for i in 0..self.count {
-            let reach: f64 = from_actuators[i].iter().zip(half).map(|(f, h)| f.abs() * h).sum();
+        for (i, row) in from_actuators.iter().enumerate() {
+            let reach: f64 = row.iter().zip(half).map(|(f, h)| f.abs() * h).sum();
             (self.low[i], self.high[i]) = (-reach, reach);
         }
     }
@@ -141,9 +141,9 @@ impl Coordinates {
                 (0..n).for_each(|j| half[k][j] += d * hessian[i.min(j)][i.max(j)]);
             }
         }
-        for j in 0..n {
-            for k in (0..=j).filter(|&k| self.to_theta[j][k] != 0.0) {
-                (0..n).for_each(|i| h[i][k] += self.to_theta[j][k] * half[i][j]);
+        for (i, row) in half.iter().enumerate().take(n) {
+            for (d, value) in self.to_theta.iter().zip(row).take(n) {
+                (0..n).for_each(|k| h[i][k] += d[k] * value);
             }
         }
         (g, h)

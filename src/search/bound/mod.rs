@@ -15,7 +15,7 @@
 //! | `difference`, `columns` | the error of a sample; the sum of linear effects |
 //! | `worth` | a reading, from below |
 //! | `task` | one operation, put together |
-//! | `branch` | boxes |
+//! | `branch`, `witness` | boxes, and postures in them |
 //!
 //! The bound holds of [`crate::layout::evaluate`]: a weighted sum has at least the sum of the bounds, a
 //! weighted maximum the largest of them. An operation that has no bound counts as 0, which none is below.
@@ -28,6 +28,7 @@ mod region;
 mod screws;
 mod task;
 mod taylor;
+mod witness;
 mod worth;
 
 pub use region::Region;
@@ -116,6 +117,18 @@ pub enum Covers {
     Infeasible,
 }
 
+impl Covers {
+    /// The word in documents.
+    pub fn name(self) -> &'static str {
+        match self {
+            Covers::Everything => "everything",
+            Covers::Part => "part",
+            Covers::Nothing => "nothing",
+            Covers::Infeasible => "infeasible",
+        }
+    }
+}
+
 /// What is proven of a cell.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Proof {
@@ -198,7 +211,7 @@ fn of_operation(
         return (none(WhyNot::Infeasible), false);
     };
     // An error that can be nothing has the bound 0, and that is all there is to know.
-    let closed = found.best.is_some_and(|(value, _)| found.bound >= value * (1.0 - 2.0 * options.gap));
+    let closed = found.best.is_some_and(|(value, _)| value < branch::VANISHES);
     let value = if found.bound > 0.0 || closed { Ok(found.bound) } else { Err(WhyNot::Boxes) };
     (OperationBound { value, boxes: found.boxes, witness: found.best }, found.interrupted)
 }

@@ -47,7 +47,9 @@ impl Region {
             all.push(Constraint { of: Quantity::Axis(2), low, high });
         }
         if let Some((low, high)) = self.radius {
-            all.push(Constraint { of: Quantity::RadiusSquared, low: low * low, high: high * high });
+            // On the axis the square is flat: what is no limit must not look like one.
+            let low = if low > 0.0 { low * low } else { -high * high };
+            all.push(Constraint { of: Quantity::RadiusSquared, low, high: high * high });
         }
         all
     }

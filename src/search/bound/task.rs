@@ -87,18 +87,21 @@ impl<'a> Task<'a> {
         let coordinates = Coordinates::new(chain, &screws, &held);
         let mut constraints = region.constraints();
         let centred = screws.kinds[0] == JointKind::Revolute && screws.points[0].xy().norm() < SAME;
-        constraints.retain(|c| c.of != Quantity::RadiusSquared || !held[0] || centred);
         let site = Site {
             equipment: operation.equipment,
             work: Pose::identity(),
             world: cell.start().base.from_world(),
             taught: None,
         };
+        let to_tip = Pieces::new(&screws, &screws.tip, &coordinates);
+        let reach = screws.points[0].norm() + to_tip.from(0);
+        let limits = |c: &Constraint| (centred || !held[0]) && (c.low > 0.0 || c.high < reach * reach);
+        constraints.retain(|c| c.of != Quantity::RadiusSquared || limits(c));
         let mut task = Self {
             gauge,
             workcell,
             situation: Situation { site, reference: None },
-            to_tip: Pieces::new(&screws, &screws.tip, &coordinates),
+            to_tip,
             to_point: Pieces::new(&screws, &screws.point, &coordinates),
             screws,
             coordinates,

@@ -1,0 +1,260 @@
+//! `search`: a job that can be stopped and resumed.
+
+use super::{stem, suggest, warn_of_distrust, warn_of_hopeless, workcell};
+use crate::cell::{Cell, Goal, Goals, Loaded, SearchSettings, Solver, shown};
+use crate::cli::arguments::SearchArguments;
+use crate::cli::checkpoint::{self, Keeper, Kept};
+use crate::cli::output::path_word;
+use crate::cli::overrides::overridden;
+use crate::cli::progress::Reporter;
+use crate::cli::{Exit, files, output, results};
+use crate::compare::{Assessment, Comparison};
+use crate::layout::Workcell;
+use crate::report;
+use crate::search::bound::{Proof, ProofOptions, prove};
+use crate::search::{self, Ended, Job, Moment, Progress, SearchRecord, Watch};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+/// `sweetspot search`
+pub fn search(a: &SearchArguments) -> Result<Exit, Exit> {
+    let kept = a.resume.as_deref().map(|folder| Kept::read(folder, a)).transpose()?;
+    match kept {
+        Some(kept) => run(&kept.arguments, a, kept.folder.clone(), &kept.command, Some(&kept)),
+        None => run(a, a, PathBuf::new(), &results::typed(), None),
+    }
+}
+
+/// Runs the search that `a` asks for, in the manner of `now`: the arguments at hand.
+fn run(
+    a: &SearchArguments,
+    now: &SearchArguments,
+    folder: PathBuf,
+    command: &[String],
+    kept: Option<&Kept>,
+) -> Result<Exit, Exit> {
+    // clap has seen to it that there is one.
+    let file = a.cell.as_deref().ok_or(Exit::BadInput)?;
+    let Loaded { cell, sources, .. } = asked(a, file)?;
+    let workcell = workcell(cell, file)?;
+    let pool = threads(now.threads)?;
+    let proof = pool.install(|| proven(&workcell));
+    let bound = proof.bound;
+    let inputs = checkpoint::inputs(&sources);
+    if let Some(kept) = kept {
+        kept.check(&inputs, &workcell, bound)?;
+    } else {
+        warn_of_hopeless(&workcell);
+    }
+    // Before the work, not after it: an unwritable folder must not cost a search.
+    let folder = if kept.is_some() { folder } else { files::new_folder(a.out.as_deref(), &stem(file))? };
+    let clock = Instant::now();
+    let keeper = Keeper::new(&folder, command, inputs, now.checkpoint);
+    let record = pool.install(|| run_search(&workcell, bound, now, &keeper, kept))?;
+    let seconds = clock.elapsed().as_secs_f64();
+    let stopped = matches!(record.ended, Ended::Interrupted | Ended::TimeLimit);
+    let comparison = compared(&workcell, &record);
+    let written = results::write_search(
+        &folder,
+        file,
+        &sources,
+        (&record, &proof),
+        &comparison,
+        (!stopped).then_some(command),
+    )?;
+    if !stopped {
+        keeper.remove()?;
+    }
+    output::data(&if now.json {
+        results::line(&report::json::search(&workcell.cell, (&record, &proof), &comparison, Some(seconds)))?
+    } else {
+        answer(&workcell, (&record, &proof), &comparison, seconds)
+    })?;
+    written.tell();
+    comparison.columns.last().into_iter().for_each(warn_of_distrust);
+    if stopped {
+        suggest(&format!("search --resume {}", path_word(&folder)));
+    } else if record.found() && !now.json {
+        suggest(&format!("map {} --svg map.svg", path_word(&folder.join("best.toml"))));
+    }
+    let misses = comparison.columns.last().is_some_and(|best| !best.meets_requirements());
+    Ok(exit(&record, misses))
+}
+
+/// `misses`: an operation of the best layout passes its limit.
+fn exit(record: &SearchRecord, misses: bool) -> Exit {
+    match (record.ended, record.found()) {
+        (Ended::Interrupted, _) => Exit::Interrupted,
+        (Ended::TimeLimit, _) => Exit::Limit,
+        (_, true) if !misses => Exit::Done,
+        _ => Exit::AnswerIsNo,
+    }
+}
+
+/// The cell as the command line asks for it.
+fn asked(a: &SearchArguments, file: &Path) -> Result<Loaded, Exit> {
+    let drawn = files::load(file, &a.packages)?;
+    let limited: Vec<bool> = drawn.cell.operations.iter().map(|o| o.limit.is_some()).collect();
+    let mut loaded = overridden(drawn, &a.overrides)?;
+    refuse_lost_limits(&loaded.cell, &limited)?;
+    let settings = &mut loaded.cell.search;
+    settings.seed = a.seed.unwrap_or(settings.seed);
+    settings.budget = a.rules.budget.unwrap_or(settings.budget);
+    settings.robust |= a.robust;
+    settings.gap = a.rules.gap.or(settings.gap);
+    settings.stagnation = a.rules.stagnation.or(settings.stagnation);
+    let named = |name: &String| Solver::ALL.into_iter().find(|s| s.name() == name);
+    take_kept(a, settings)?;
+    settings.solver = a.solver.as_ref().and_then(named).unwrap_or(settings.solver);
+    refuse_nothing_to_withstand(&loaded.cell)?;
+    Ok(loaded)
+}
+
+/// best.toml takes its limits from the cell file, where those of another unit would be a fault.
+fn refuse_lost_limits(cell: &Cell, limited: &[bool]) -> Result<(), Exit> {
+    let Some((lost, _)) = cell.operations.iter().zip(limited).find(|(o, had)| **had && o.limit.is_none())
+    else {
+        return Ok(());
+    };
+    let (name, word) = (shown(&lost.name), lost.sense.unit.word());
+    output::error(&format!(
+        "the limit of `{name}` is none of the sense {}, which is in {word}",
+        lost.sense.name
+    ));
+    output::talk("  help: change sense and limit in a cell file, from = \"...\" cannot take a limit away");
+    Err(Exit::BadInput)
+}
+
+/// Goals of a front and how many layouts are kept, as the command line says otherwise.
+fn take_kept(a: &SearchArguments, settings: &mut SearchSettings) -> Result<(), Exit> {
+    settings.keep = a.keep.map_or(settings.keep, |keep| keep as usize);
+    let Some(named) = &a.pareto else { return Ok(()) };
+    let named = named.iter().filter_map(|name| Goal::ALL.into_iter().find(|goal| goal.name() == name));
+    let goals = Goals::of(&named.collect::<Vec<_>>()).filter(|goals| goals.count() > 1);
+    settings.pareto = goals.ok_or_else(|| {
+        output::error("--pareto must name two goals or more, each once");
+        output::talk(&format!("  help: there are {}", Goal::ALL.map(Goal::name).join(", ")));
+        Exit::BadInput
+    })?;
+    Ok(())
+}
+
+/// As the cell file is asked for `robust = true`.
+fn refuse_nothing_to_withstand(cell: &Cell) -> Result<(), Exit> {
+    if !cell.search.robust || cell.has_placement_tolerance() {
+        return Ok(());
+    }
+    output::error("--robust, but everything is placed exactly");
+    output::talk("  help: add placement_tolerance = { x_mm = 2, y_mm = 2 } to an equipment of the cell file");
+    Err(Exit::BadInput)
+}
+
+/// What is proven of every layout of the cell.
+fn proven(workcell: &Workcell) -> Proof {
+    // It is bounded by its boxes; a bound that hangs on when somebody stops it could not be resumed.
+    let proof = prove(workcell, &ProofOptions::default(), &AtomicBool::new(false));
+    if proof.bound.is_none() && workcell.cell.search.gap.is_some() {
+        output::talk(&format!("note: --gap says nothing: {}", proof.in_words(workcell)));
+    }
+    proof
+}
+
+fn compared<'a>(workcell: &'a Workcell, record: &SearchRecord) -> Comparison<'a> {
+    let [start, best] = [("start", &record.start), ("best", &record.best)]
+        .map(|(label, candidate)| Assessment::new(label, workcell, candidate.layout.clone()));
+    // Else there is nothing to withstand and nothing to keep.
+    let limited = workcell.cell.operations.iter().any(|o| o.limit.is_some());
+    let matters = workcell.cell.has_placement_tolerance() || limited;
+    let columns = [start, if matters { best.misplaced() } else { best }];
+    Comparison { columns: columns.into() }
+}
+
+fn run_search(
+    workcell: &Workcell,
+    bound: Option<f64>,
+    now: &SearchArguments,
+    keeper: &Keeper,
+    kept: Option<&Kept>,
+) -> Result<SearchRecord, Exit> {
+    let stop = stop_at_signals();
+    let reporter = Reporter::new(now.progress.as_deref(), workcell, bound, kept.map_or(0, Kept::evaluations));
+    let (late, clock) = (AtomicBool::new(false), Instant::now());
+    let progress = |p: Progress| {
+        reporter.tell(p);
+        let over = now.rules.time.is_some_and(|limit| clock.elapsed().as_secs_f64() >= limit);
+        if over && !stop.swap(true, Ordering::Relaxed) {
+            late.store(true, Ordering::Relaxed);
+        }
+    };
+    let keep = |state: &search::Checkpoint, moment: Moment| {
+        if !keeper.keep(state, moment) {
+            stop.store(true, Ordering::Relaxed);
+        }
+    };
+    let (watch, from) = (Watch { progress: &progress, stop: &stop }, kept.map(Kept::state));
+    let job = Job { bound, from, keep: &keep };
+    let mut record = search::search_job(workcell, &workcell.cell.search, &watch, &job);
+    reporter.finish();
+    keeper.verdict(&record)?;
+    if late.into_inner() && record.ended == Ended::Interrupted {
+        record.ended = Ended::TimeLimit;
+    }
+    Ok(record)
+}
+
+/// Raised at Ctrl-C or SIGTERM; the second time the program ends at once: the last checkpoint stands.
+fn stop_at_signals() -> Arc<AtomicBool> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let asked = stop.clone();
+    let _ = ctrlc::set_handler(move || {
+        if asked.swap(true, Ordering::Relaxed) {
+            std::process::exit(i32::from(Exit::Interrupted as u8));
+        }
+    });
+    stop
+}
+
+fn threads(count: Option<u16>) -> Result<rayon::ThreadPool, Exit> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(count.map_or(0, usize::from)).build();
+    pool.map_err(|e| {
+        output::error(&format!("cannot start threads: {e}"));
+        Exit::Io
+    })
+}
+
+fn answer(
+    workcell: &Workcell,
+    (record, proof): (&SearchRecord, &Proof),
+    comparison: &Comparison<'_>,
+    seconds: f64,
+) -> String {
+    let cell = &workcell.cell;
+    let said = match (record.ended, record.found()) {
+        (Ended::NothingToSearch, _) => "nothing to search: every placement is fixed".to_string(),
+        (_, false) => "no feasible layout found; `best` is the nearest to one".to_string(),
+        (_, true) => match comparison.change_percent(1, Assessment::objective) {
+            Some(change) if change > -0.05 => "no better layout than the start was found".to_string(),
+            Some(change) => {
+                let word = report::text::value_word(cell);
+                format!("the best layout has {:.1} % less {word} than the start", -change)
+            }
+            None => "the start layout is not feasible, the best one is".to_string(),
+        },
+    };
+    format!(
+        "{}\n\n{}\n{}{}{}{said}\n{}{} layouts evaluated, {} feasible, in {seconds:.2} s ({}, seed {}); {}\n",
+        report::text::headline(cell),
+        report::text::comparison(comparison),
+        comparison.columns.last().map(report::text::robustness).unwrap_or_default(),
+        comparison.columns.last().map(report::text::goals_line).unwrap_or_default(),
+        report::text::front(cell, record),
+        report::text::proven(workcell, record, proof),
+        record.evaluations,
+        record.feasible,
+        cell.search.solver.name(),
+        cell.search.seed,
+        record.ended.in_words(),
+    )
+}

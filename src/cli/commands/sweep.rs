@@ -1,0 +1,230 @@
+//! `sweep`.
+
+use super::{UNSOLVED, stem, suggest};
+use crate::cell::{Fault, Source, shown};
+use crate::cli::files::Kept;
+use crate::cli::output::path_word;
+use crate::cli::results::{INPUTS, keep_inputs, line, portable, pretty};
+use crate::cli::sweep::{Plan, SweepArguments, number, open, row};
+use crate::cli::{Exit, cache, files, output};
+use crate::compare::Assessment;
+use crate::layout::{self, Workcell};
+use crate::report;
+use crate::report::sweep::Row;
+use crate::search::{self, Ended, Watch};
+use rayon::prelude::*;
+use serde_json::json;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
+
+/// A sweep made ready: every combination has been read and checked.
+struct Sweep {
+    plan: Plan,
+    kept: Kept,
+    folder: PathBuf,
+    /// The cell file as it is called among the inputs.
+    cell_name: String,
+    stop: Arc<AtomicBool>,
+}
+
+/// `sweetspot sweep`
+pub fn sweep(a: &SweepArguments) -> Result<Exit, Exit> {
+    let mut plan = Plan::asked(a)?;
+    if let Some(index) = a.only.filter(|index| *index >= plan.combinations()) {
+        output::error(&format!("there is no combination {index}: they are 0 to {}", plan.combinations() - 1));
+        return Err(Exit::BadInput);
+    }
+    let jobs =
+        a.jobs.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from);
+    let kept = Kept::default();
+    let sources = check_all(&mut plan, &kept, jobs)?;
+    let folder = open(&plan, a.resume.as_deref().or(a.out.as_deref()), &stem(&plan.cell))?;
+    let cell_name = portable(&sources.first().map_or(String::new(), |s| s.path.clone()));
+    keep_inputs(&folder, &cell_name, &sources)?;
+    let all = 0..plan.combinations();
+    let asked: Vec<usize> = a.only.map_or(all.clone().collect(), |index| vec![index]);
+    let missing: Vec<usize> = asked.into_iter().filter(|k| row(&folder, *k).is_none()).collect();
+    let sweep = Sweep { plan, kept, folder, cell_name, stop: Arc::new(AtomicBool::new(false)) };
+    run_all(&sweep, &missing, jobs)?;
+    if sweep.stop.load(Ordering::Relaxed) {
+        suggest(&format!("sweep --resume {}", path_word(&sweep.folder)));
+        return Ok(Exit::Interrupted);
+    }
+    if let Some(index) = a.only {
+        output::talk(&format!("wrote {}", path_word(&sweep.folder.join(number(index) + ".json"))));
+        suggest(&format!("sweep --resume {}", path_word(&sweep.folder)));
+        return Ok(Exit::Done);
+    }
+    let rows: Option<Vec<Row>> = all.map(|k| row(&sweep.folder, k)).collect();
+    let rows = rows.ok_or_else(|| {
+        output::error(&format!("{} has changed meanwhile", path_word(&sweep.folder)));
+        Exit::Io
+    })?;
+    finish(&sweep, &rows, a.json)
+}
+
+/// Reads and checks every combination: all faults of all of them, each once.
+fn check_all(plan: &mut Plan, kept: &Kept, jobs: usize) -> Result<Vec<Source>, Exit> {
+    let check = |index: usize| -> Result<(Vec<Source>, Vec<Fault>), Vec<Fault>> {
+        let loaded = plan.load(index, kept)?;
+        match Workcell::remembering(loaded.cell, &mut cache::remember) {
+            Ok(_) => Ok((loaded.sources, loaded.warnings)),
+            Err(why) => Err(vec![Fault::of_file(&path_word(&plan.cell), why, UNSOLVED)]),
+        }
+    };
+    let checked: Vec<_> =
+        pool(jobs)?.install(|| (0..plan.combinations()).into_par_iter().map(check).collect());
+    let (mut all, mut told) = (Vec::new(), Vec::new());
+    for (index, result) in checked.into_iter().enumerate() {
+        let faults = match result {
+            Ok((sources, warnings)) => {
+                plan.took(&mut all, sources);
+                warnings
+            }
+            Err(faults) => faults,
+        };
+        for fault in faults {
+            match told.iter_mut().find(|(known, ..): &&mut (Fault, usize, usize)| *known == fault) {
+                Some((.., count)) => *count += 1,
+                None => told.push((fault, index, 1)),
+            }
+        }
+    }
+    let faults: Vec<Fault> = told.into_iter().map(|t| whose(plan, t)).collect();
+    output::faults(&faults);
+    if faults.iter().any(Fault::is_error) { Err(files::exit_of(&faults)) } else { Ok(all) }
+}
+
+/// A fault with the combinations that have it, if not all do with the setting at fault.
+fn whose(plan: &Plan, (fault, first, count): (Fault, usize, usize)) -> Fault {
+    let settings = plan.settings(first);
+    let own = settings.iter().position(|s| fault.file == format!("--set {}", s.words()));
+    if count * own.map_or(1, |k| plan.sets[k].values.len()) == plan.combinations() {
+        return fault;
+    }
+    let words: Vec<_> = settings.iter().map(|s| shown(&s.words())).collect();
+    let those = format!("in {count} of {} combinations, first {}", plan.combinations(), words.join(" "));
+    let help = if fault.help.is_empty() { those } else { format!("{} ({those})", fault.help) };
+    Fault { help, ..fault }
+}
+
+fn pool(threads: usize) -> Result<rayon::ThreadPool, Exit> {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| {
+        output::error(&format!("cannot start threads: {e}"));
+        Exit::Io
+    })
+}
+
+/// Works on the missing combinations, each on as many threads as there are to spare.
+fn run_all(sweep: &Sweep, missing: &[usize], jobs: usize) -> Result<(), Exit> {
+    let asked = sweep.stop.clone();
+    let _ = ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed));
+    let workers = jobs.min(missing.len()).max(1);
+    let (next, failed, bar) = (AtomicUsize::new(0), Mutex::new(None), output::combinations_bar());
+    let work = |pool: rayon::ThreadPool| {
+        while let Some(&index) = missing.get(next.fetch_add(1, Ordering::Relaxed)) {
+            if sweep.stop.load(Ordering::Relaxed) {
+                break;
+            }
+            if let Err(exit) = pool.install(|| run_one(sweep, index)) {
+                // The others finish what they have begun.
+                next.store(missing.len(), Ordering::Relaxed);
+                *failed.lock().unwrap_or_else(|poisoned| poisoned.into_inner()) = Some(exit);
+            }
+            output::advance(&bar, 1, missing.len() as u64);
+        }
+    };
+    let pools: Vec<_> = (0..workers).map(|_| pool(jobs / workers)).collect::<Result<_, _>>()?;
+    std::thread::scope(|scope| pools.into_iter().for_each(|p| drop(scope.spawn(|| work(p)))));
+    bar.finish_and_clear();
+    failed.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner()).map_or(Ok(()), Err)
+}
+
+/// One combination: a function of plan and index that leaves its files, or none if it is stopped.
+fn run_one(sweep: &Sweep, index: usize) -> Result<(), Exit> {
+    let Sweep { plan, kept, folder, .. } = sweep;
+    let loaded = plan.load(index, kept).map_err(|faults| {
+        output::faults(&faults);
+        Exit::BadInput
+    })?;
+    let workcell = super::workcell(loaded.cell, &plan.cell)?;
+    let (layout, evaluations) = if plan.search {
+        let watch = Watch { progress: &|_| {}, stop: &sweep.stop };
+        let record = search::search(&workcell, &workcell.cell.search, &watch);
+        if record.ended == Ended::Interrupted {
+            return Ok(());
+        }
+        (record.best.layout, (record.evaluations, record.feasible))
+    } else {
+        let start = workcell.cell.start();
+        let feasible = layout::evaluate(&workcell, &start).objective.is_some();
+        (start, (1, u64::from(feasible)))
+    };
+    let assessment = Assessment::new("best", &workcell, layout);
+    let row = report::json::row(&plan.sets, index, &assessment, evaluations);
+    if row.feasible {
+        write_cell(sweep, index, &assessment)?;
+    }
+    files::write_whole(&folder.join(number(index) + ".json"), &pretty(&row)?)
+}
+
+/// NNNN.toml, a cell with the layout fixed, and among the inputs the cell with its settings.
+fn write_cell(sweep: &Sweep, index: usize, a: &Assessment<'_>) -> Result<(), Exit> {
+    let settings = sweep.plan.settings(index);
+    let lines: Vec<_> = settings.iter().map(|s| s.line()).collect();
+    let from = format!("from = \"{}\"\n{}\n", sweep.cell_name, lines.join("\n"));
+    let mut name = format!("set-{}.toml", number(index));
+    while sweep.plan.inputs.iter().any(|input| input.path == name) {
+        name.insert(0, '_');
+    }
+    let inside = format!("{INPUTS}/{name}");
+    files::write_whole(&sweep.folder.join(&inside), from.as_bytes())?;
+    let words: Vec<_> = settings.iter().map(|s| shown(&s.words())).collect();
+    let objective = a.objective().unwrap_or_default();
+    let comment = format!(
+        "{} with {}, sweetspot {}: objective {objective:.6} {}",
+        shown(&a.cell.name),
+        words.join(" "),
+        env!("CARGO_PKG_VERSION"),
+        a.cell.unit().word()
+    );
+    let text = report::toml::fixed(&inside, &comment, a.cell, &a.layout);
+    files::write_whole(&sweep.folder.join(number(index) + ".toml"), text.as_bytes())
+}
+
+/// The table of all rows, in files and on stdout.
+fn finish(sweep: &Sweep, rows: &[Row], as_json: bool) -> Result<Exit, Exit> {
+    let document = report::sweep::json(if sweep.plan.search { "search" } else { "map" }, rows);
+    let csv = report::sweep::csv(rows).map_err(|why| {
+        output::error(&format!("cannot make table.csv: {why}"));
+        Exit::Io
+    })?;
+    write_table(sweep, vec![("table.csv", csv), ("table.json", pretty(&document)?)])?;
+    let text = if as_json { line(&document)? } else { report::text::sweep(rows) };
+    output::data(&text)?;
+    let folder = path_word(&sweep.folder);
+    output::talk(&format!("wrote {folder}: table.csv, table.json, manifest.json, a file per combination"));
+    if let Some(best) = report::sweep::best(rows.iter()).filter(|_| !as_json) {
+        let best = sweep.folder.join(number(best.index) + ".toml");
+        suggest(&format!("map {} --svg map.svg", path_word(&best)));
+    }
+    Ok(if rows.iter().any(|r| r.feasible) { Exit::Done } else { Exit::AnswerIsNo })
+}
+
+/// The tables and, last, the manifest: a folder with one is complete. It does not tell the command, so
+/// that a resumed sweep ends in the same bytes.
+fn write_table(sweep: &Sweep, outputs: Vec<(&str, Vec<u8>)>) -> Result<(), Exit> {
+    let write = |name: &str, bytes: &[u8]| files::write_whole(&sweep.folder.join(name), bytes);
+    outputs.iter().try_for_each(|(name, bytes)| write(name, bytes))?;
+    let hashed = outputs.iter().map(|(name, bytes)| json!({ "path": name, "sha256": files::sha256(bytes) }));
+    let manifest = json!({
+        "schema": "sweetspot/manifest/1",
+        "program": "sweetspot",
+        "version": env!("CARGO_PKG_VERSION"),
+        "plan": "plan.json",
+        "inputs": sweep.plan.inputs,
+        "outputs": hashed.collect::<Vec<_>>(),
+    });
+    write("manifest.json", &pretty(&manifest)?)
+}

@@ -1,0 +1,117 @@
+//! How far a search is: a bar on a terminal, lines of JSON for programs.
+
+use super::output;
+use crate::cell::Unit;
+use crate::layout::Workcell;
+use crate::search::Progress;
+use indicatif::ProgressBar;
+use serde_json::{Value, json};
+use std::io::IsTerminal;
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+/// Time between two lines.
+const PERIOD: Duration = Duration::from_secs(1);
+
+enum Manner {
+    Bar(ProgressBar),
+    Lines,
+    Silent,
+}
+
+/// Tells on stderr how far a search is.
+pub struct Reporter {
+    manner: Manner,
+    unit: Unit,
+    bound: Option<f64>,
+    /// Evaluations that were made before, by the process that was stopped.
+    before: u64,
+    clock: Instant,
+    /// When a line was told last, and what is to be told next.
+    last: Mutex<(Instant, Option<Progress>)>,
+}
+
+impl Reporter {
+    /// In the manner asked for, or that fits what stderr is.
+    pub fn new(manner: Option<&str>, workcell: &Workcell, bound: Option<f64>, before: u64) -> Self {
+        let bar = || Manner::Bar(output::progress_bar(workcell.cell.search.budget));
+        let manner = match manner {
+            Some("bar") => bar(),
+            Some("json") => Manner::Lines,
+            Some(_) => Manner::Silent,
+            None if std::io::stderr().is_terminal() => bar(),
+            None => Manner::Lines,
+        };
+        let clock = Instant::now();
+        let last = Mutex::new((clock, None));
+        Self { manner, unit: workcell.cell.unit(), bound, before, clock, last }
+    }
+
+    pub fn tell(&self, progress: Progress) {
+        match &self.manner {
+            Manner::Bar(bar) => {
+                bar.set_position(progress.evaluations);
+                bar.set_message(self.in_words(progress));
+            }
+            Manner::Lines => {
+                let mut last = self.last.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+                last.1 = Some(progress);
+                if last.0.elapsed() >= PERIOD {
+                    *last = (Instant::now(), None);
+                    output::talk(&self.line(progress).to_string());
+                }
+            }
+            Manner::Silent => {}
+        }
+    }
+
+    /// Tells what has not been told yet.
+    pub fn finish(self) {
+        let last = self.last.lock().map_or(None, |last| last.1);
+        if let Manner::Bar(bar) = &self.manner {
+            bar.finish_and_clear();
+        }
+        if let Some(progress) = last {
+            output::talk(&self.line(progress).to_string());
+        }
+    }
+
+    /// Share of the bound by which the best lies above it.
+    fn gap(&self, p: Progress) -> Option<f64> {
+        let bound = self.bound.filter(|b| *b > 0.0)?;
+        Some(p.best? / bound - 1.0)
+    }
+
+    /// Evaluations per second of this process.
+    fn rate(&self, p: Progress) -> f64 {
+        let own = p.evaluations.saturating_sub(self.before);
+        own as f64 / self.clock.elapsed().as_secs_f64().max(1e-3)
+    }
+
+    fn in_words(&self, p: Progress) -> String {
+        let best = p.best.map_or("none yet".to_string(), |best| {
+            format!("{:.4} {}", self.unit.from_si(best), self.unit.word())
+        });
+        let gap = self.gap(p).map_or(String::new(), |gap| format!(", gap {:.2} %", 100.0 * gap));
+        let share = 100.0 * p.feasible as f64 / p.evaluations.max(1) as f64;
+        format!("{best}{gap}, {share:.0} % feasible, {:.0}/s", self.rate(p))
+    }
+
+    fn line(&self, p: Progress) -> Value {
+        let (rate, value) = (self.rate(p), |v: f64| self.unit.from_si(v));
+        let left = p.budget.saturating_sub(p.evaluations) as f64 / rate;
+        json!({
+            "schema": "sweetspot/progress/1",
+            "evaluations": p.evaluations,
+            "budget": p.budget,
+            "best": p.best.map(value),
+            "bound": self.bound.map(value),
+            "unit": self.unit.word(),
+            "gap": self.gap(p),
+            "feasible_share": p.feasible as f64 / p.evaluations.max(1) as f64,
+            "evaluations_per_second": rate.round(),
+            "seconds": self.clock.elapsed().as_secs_f64(),
+            "seconds_left": if rate > 0.0 { Some(left.round()) } else { None },
+        })
+    }
+}

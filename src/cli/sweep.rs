@@ -1,0 +1,262 @@
+//! What a sweep does, and the folder in which it can be killed and continued.
+//!
+//! A combination is a function of the plan and its index, and leaves one file that is there whole or
+//! not at all: `NNNN.json`. The table is made from these files alone.
+
+use super::arguments::Packages;
+use super::files::{self, Kept, sha256};
+use super::output::path_word;
+use super::results::pretty;
+use super::{Exit, output};
+use crate::cell::{Choices, Fault, Loaded, Setting, Solver, Source, of_setting, shown};
+use crate::report::json::values;
+use crate::report::sweep::Row;
+use clap::Args;
+use clap::builder::PossibleValuesParser;
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+
+/// Most combinations of one sweep.
+const MOST: usize = 10_000;
+
+const PLAN: &str = "plan.json";
+
+#[derive(Args)]
+pub struct SweepArguments {
+    /// Cell file (TOML)
+    #[arg(required_unless_present = "resume", conflicts_with = "resume")]
+    pub cell: Option<PathBuf>,
+    #[command(flatten)]
+    pub packages: Packages,
+    /// A key of the cell file and its values: a text may stand without quotes, commas inside brackets
+    /// part nothing; may be given several times
+    #[arg(
+        long = "set",
+        value_name = "PATH=A,B,...",
+        required_unless_present = "resume",
+        conflicts_with = "resume"
+    )]
+    pub sets: Vec<String>,
+    /// Map the layout as drawn instead of searching
+    #[arg(long, conflicts_with = "resume")]
+    pub map: bool,
+    /// Seed of all randomness of every combination [default: that of the cell]
+    #[arg(long, conflicts_with = "resume")]
+    pub seed: Option<u64>,
+    /// Layout evaluations of every combination
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000), conflicts_with = "resume")]
+    pub budget: Option<u64>,
+    /// Global solver
+    #[arg(long, value_parser = PossibleValuesParser::new(Solver::ALL.map(Solver::name)), conflicts_with = "resume")]
+    pub solver: Option<String>,
+    /// Combinations worked on at the same time; the result does not depend on it [default: all cores]
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub jobs: Option<u16>,
+    /// Write into this folder, new or that of the same sweep, which is then continued
+    /// [default: results/CELL-NNN]
+    #[arg(long, value_name = "DIR", conflicts_with = "resume")]
+    pub out: Option<PathBuf>,
+    /// Continue the sweep of this folder
+    #[arg(long, value_name = "DIR")]
+    pub resume: Option<PathBuf>,
+    /// Work on this combination alone, numbered from 0, and make no table: for array jobs on many
+    /// machines, with --resume at the end
+    #[arg(long, value_name = "INDEX")]
+    pub only: Option<usize>,
+    /// Print the table as JSON on stdout
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// What makes a sweep: the same plan leaves the same files.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Plan {
+    schema: String,
+    version: String,
+    pub cell: PathBuf,
+    packages: Vec<(String, PathBuf)>,
+    /// Whether every combination is searched, or its layout as drawn mapped.
+    pub search: bool,
+    pub sets: Vec<Choices>,
+    seed: Option<u64>,
+    budget: Option<u64>,
+    solver: Option<String>,
+    combinations: usize,
+    /// Every file read by any combination, and its hash; empty until they have been read.
+    pub inputs: Vec<Input>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Input {
+    pub path: String,
+    pub sha256: String,
+}
+
+impl Plan {
+    /// What is asked for on the command line or, of a sweep to be resumed, by its own plan.
+    pub fn asked(a: &SweepArguments) -> Result<Self, Exit> {
+        if let Some(folder) = &a.resume {
+            let plan = read_plan(folder)?.ok_or_else(|| {
+                output::error(&format!("{} has no {PLAN}: it is no folder of a sweep", path_word(folder)));
+                Exit::BadInput
+            })?;
+            return Ok(Self { inputs: Vec::new(), version: env!("CARGO_PKG_VERSION").into(), ..plan });
+        }
+        let sets = read_sets(&a.sets)?;
+        Ok(Self {
+            schema: "sweetspot/sweep-plan/1".into(),
+            version: env!("CARGO_PKG_VERSION").into(),
+            cell: a.cell.clone().unwrap_or_default(),
+            packages: a.packages.folders.clone(),
+            search: !a.map,
+            combinations: count(&sets)?,
+            sets,
+            seed: a.seed,
+            budget: a.budget,
+            solver: a.solver.clone(),
+            inputs: Vec::new(),
+        })
+    }
+
+    pub fn combinations(&self) -> usize {
+        self.combinations
+    }
+
+    /// The settings of a combination.
+    pub fn settings(&self, index: usize) -> Vec<Setting> {
+        let values = values(&self.sets, index).into_iter();
+        let pairs = self.sets.iter().zip(values);
+        pairs.map(|(set, value)| Setting { path: set.path.clone(), value: value.into() }).collect()
+    }
+
+    /// The cell of a combination.
+    pub fn load(&self, index: usize, kept: &Kept) -> Result<Loaded, Vec<Fault>> {
+        let packages = Packages { folders: self.packages.clone() };
+        let mut loaded = files::read_cell_with(&self.cell, &packages, &self.settings(index), kept)?;
+        let search = &mut loaded.cell.search;
+        search.seed = self.seed.unwrap_or(search.seed);
+        search.budget = self.budget.unwrap_or(search.budget);
+        let named = |name: &String| Solver::ALL.into_iter().find(|s| s.name() == name);
+        search.solver = self.solver.as_ref().and_then(named).unwrap_or(search.solver);
+        Ok(loaded)
+    }
+
+    /// Takes the files read by one more combination to the inputs.
+    pub fn took(&mut self, all: &mut Vec<Source>, sources: Vec<Source>) {
+        for source in sources {
+            if !all.iter().any(|s| s.path == source.path) {
+                self.inputs.push(Input { path: source.path.clone(), sha256: sha256(&source.bytes) });
+                all.push(source);
+            }
+        }
+    }
+
+    /// What keeps this plan from continuing another, in words.
+    fn changes(&self, old: &Plan) -> Vec<String> {
+        let mut changed = Vec::new();
+        let mut note = |same: bool, what: &str| {
+            if !same {
+                changed.push(what.to_string());
+            }
+        };
+        note(self.version == old.version && self.schema == old.schema, "the version of the program");
+        note(self.cell.file_name() == old.cell.file_name(), "the cell file");
+        note(self.search == old.search, "search or map");
+        note(self.sets == old.sets, "the sets");
+        note((self.seed, self.budget) == (old.seed, old.budget), "seed or budget");
+        note(self.solver == old.solver, "the solver");
+        let hash =
+            |plan: &Plan, path: &str| plan.inputs.iter().find(|i| i.path == path).map(|i| i.sha256.clone());
+        let own = self.inputs.iter().filter(|i| !old.inputs.iter().any(|o| o.path == i.path));
+        for input in old.inputs.iter().chain(own) {
+            note(hash(self, &input.path) == hash(old, &input.path), &shown(&input.path));
+        }
+        changed
+    }
+}
+
+fn read_sets(texts: &[String]) -> Result<Vec<Choices>, Exit> {
+    let mut sets: Vec<Choices> = Vec::new();
+    let mut faults = Vec::new();
+    for text in texts {
+        match Choices::parse(text) {
+            Err(found) => faults.extend(found),
+            Ok(set) => {
+                if let Some(other) = sets.iter().find(|other| set.meets(other)) {
+                    let message = format!("{} is set already", shown(&other.path));
+                    faults.push(of_setting(text, message, "give all its values in one --set"));
+                }
+                sets.push(set);
+            }
+        }
+    }
+    output::faults(&faults);
+    if faults.is_empty() { Ok(sets) } else { Err(Exit::BadInput) }
+}
+
+fn count(sets: &[Choices]) -> Result<usize, Exit> {
+    let lengths = sets.iter().map(|s| s.values.len());
+    let count = lengths.clone().try_fold(1usize, |n, values| n.checked_mul(values));
+    count.filter(|n| *n <= MOST).ok_or_else(|| {
+        let factors: Vec<_> = lengths.map(|n| n.to_string()).collect();
+        let factors = factors.join(" times ");
+        output::error(&format!("{factors} values make more than {MOST} combinations; nothing was done"));
+        output::talk("  help: set fewer values, or part them into several sweeps");
+        Exit::BadInput
+    })
+}
+
+/// The plan that a folder holds; None if it holds none.
+fn read_plan(folder: &Path) -> Result<Option<Plan>, Exit> {
+    let path = folder.join(PLAN);
+    let bytes = match std::fs::read(&path) {
+        Ok(bytes) => bytes,
+        Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+        Err(e) => {
+            output::error(&format!("cannot read {}: {e}", path_word(&path)));
+            return Err(Exit::Io);
+        }
+    };
+    serde_json::from_slice(&bytes).map(Some).map_err(|e| {
+        output::error(&format!("{} is no plan of a sweep: {e}", path_word(&path)));
+        Exit::BadInput
+    })
+}
+
+/// The folder of a plan: that of the same sweep, or a new one in which the plan now stands.
+pub fn open(plan: &Plan, asked: Option<&Path>, stem: &str) -> Result<PathBuf, Exit> {
+    if let Some(folder) = asked
+        && let Some(old) = read_plan(folder)?
+    {
+        let changed = plan.changes(&old);
+        if changed.is_empty() {
+            return Ok(folder.to_path_buf());
+        }
+        let folder = path_word(folder);
+        output::error(&format!("{folder} is of another sweep; changed since: {}", changed.join(", ")));
+        output::talk("  help: take the changes back, or name a new folder with --out");
+        return Err(Exit::BadInput);
+    }
+    // Jobs of an array may all be about to put the plan there: their unfinished files are no content.
+    let is_started = |folder: &Path| {
+        let names = folder.read_dir().into_iter().flatten().flatten().map(|entry| entry.file_name());
+        names.map(|n| n.to_string_lossy().into_owned()).all(|n| n.starts_with(".tmp") || n == PLAN)
+    };
+    let folder = match asked.filter(|folder| folder.is_dir() && is_started(folder)) {
+        Some(folder) => folder.to_path_buf(),
+        None => files::new_folder(asked, stem)?,
+    };
+    files::write_whole(&folder.join(PLAN), &pretty(plan)?)?;
+    Ok(folder)
+}
+
+/// The name of a combination's files.
+pub fn number(index: usize) -> String {
+    format!("{index:04}")
+}
+
+/// The row of a combination that is finished.
+pub fn row(folder: &Path, index: usize) -> Option<Row> {
+    let bytes = std::fs::read(folder.join(number(index) + ".json")).ok()?;
+    serde_json::from_slice(&bytes).ok().filter(|row: &Row| row.index == index)
+}

@@ -1,0 +1,61 @@
+//! A row of a sweep.
+
+use super::{layout, length, lengths};
+use crate::cell::Choices;
+use crate::compare::Assessment;
+use crate::report::sweep::{Row, Spot};
+use serde_json::{Map, Value};
+
+/// The value of each set in the combination of an index: the last set changes fastest.
+pub fn values(sets: &[Choices], index: usize) -> Vec<&str> {
+    let mut rest = index;
+    let mut values: Vec<&str> = sets
+        .iter()
+        .rev()
+        .map(|set| {
+            let value = &set.values[rest % set.values.len()];
+            rest /= set.values.len();
+            value.as_str()
+        })
+        .collect();
+    values.reverse();
+    values
+}
+
+/// The row of a combination, from the layout that it came to. `evaluations` are all and the feasible.
+pub fn row(sets: &[Choices], index: usize, a: &Assessment<'_>, evaluations: (u64, u64)) -> Row {
+    let paths = sets.iter().map(|s| s.path.clone());
+    let typed = values(sets, index).into_iter();
+    let read = typed.map(|v| serde_json::from_str(v).unwrap_or_else(|_| Value::String(v.into())));
+    let Value::Object(layout) = layout(a.cell, &a.layout) else { return Row::default() };
+    Row {
+        index,
+        set: paths.zip(read).collect::<Map<_, _>>(),
+        feasible: a.evaluation.objective.is_some(),
+        objective: a.objective().map(length),
+        unit: a.cell.unit().word().to_string(),
+        bound: None,
+        gap_percent: None,
+        evaluations: evaluations.0,
+        feasible_evaluations: evaluations.1,
+        operations: (0..a.maps.len()).map(|k| spot(a, k)).collect(),
+        layout,
+        reasons: a.reasons(),
+    }
+}
+
+fn spot(a: &Assessment<'_>, k: usize) -> Spot {
+    let operation = &a.cell.operations[a.maps[k].operation];
+    let (unit, at) = (operation.sense.unit, a.spot(k));
+    let error = a.error_at(k, &operation.sense.name);
+    let limit = operation.limit.map(|limit| unit.from_si(limit));
+    Spot {
+        name: operation.name.clone(),
+        value: at.map(|(_, p)| length(a.cell.unit().from_si(p.value))),
+        position_mm: at.map(|(n, _)| lengths(&n.position)),
+        error: error.map(length),
+        limit: limit.map(length),
+        error_unit: unit.word().to_string(),
+        limit_met: error.zip(limit).map(|(error, limit)| error <= limit),
+    }
+}

@@ -1,0 +1,48 @@
+//! Postures that show how low a value can really be.
+
+use super::region::Constraint;
+use super::screws::Values;
+use super::task::Task;
+use super::taylor::Taylor;
+use crate::cell::{JointVector, MAX_JOINTS};
+use crate::reading::Memory;
+use nalgebra::{Matrix4, Vector4};
+
+/// What a posture that is tried may be off its limits and constraints, m or rad.
+const KEPT: f64 = 1e-9;
+
+/// A posture near the centre of a box that keeps limits and constraints, with its value: Newton steps of
+/// the least length, back into the box. Off by [`KEPT`] counts as kept: the best often stands in a corner
+/// of what is allowed, and no bound rests on it.
+pub(super) fn near(
+    task: &Task<'_>,
+    mut y: Values,
+    (low, high): (&Values, &Values),
+    memory: &mut Memory,
+) -> Option<(f64, JointVector)> {
+    for _ in 0..12 {
+        let placed = task.place(&y);
+        let all = task.constraints.iter().map(|c| (*c, task.constraint(c, &placed, &[0.0; MAX_JOINTS])));
+        let missed = |c: &Constraint, t: &Taylor| (t.value - t.value.clamp(c.low, c.high)).abs();
+        let off: Vec<(Constraint, Taylor)> = all.filter(|(c, t)| missed(c, t) > KEPT).take(4).collect();
+        if off.is_empty() {
+            let inside = task.coordinates.limits.iter().zip(task.coordinates.actuators(&y));
+            let kept = inside.into_iter().all(|((_, low, high), q)| (low - KEPT..=high + KEPT).contains(&q));
+            return kept.then(|| (task.value(&y, memory), task.joints(&y)));
+        }
+        let (mut normal, mut right) = (Matrix4::identity(), Vector4::zeros());
+        for (i, (c, a)) in off.iter().enumerate() {
+            for (j, (_, b)) in off.iter().enumerate() {
+                normal[(i, j)] = a.gradient.iter().zip(&b.gradient).map(|(a, b)| a * b).sum();
+            }
+            normal[(i, i)] += 1e-12;
+            right[i] = a.value - a.value.clamp(c.low, c.high);
+        }
+        let step = normal.lu().solve(&right)?;
+        for (i, y) in y.iter_mut().enumerate() {
+            let by: f64 = off.iter().zip(step.iter()).map(|((_, a), step)| a.gradient[i] * step).sum();
+            *y = (*y - by).clamp(low[i], high[i]);
+        }
+    }
+    None
+}
