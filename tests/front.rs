@@ -93,7 +93,9 @@ fn enumerated(workcell: &Workcell, goals: &Goals) -> Vec<(Layout, Vec<f64>)> {
 
 fn losses(goals: &Goals, values: &[f64]) -> Vec<f64> {
     let smaller = |goal: Goal| matches!(goal, Goal::Error | Goal::Travel | Goal::Footprint);
-    goals.iter().zip(values).map(|(g, v)| if smaller(g) { *v } else { -v }).collect()
+    // Below a nanometre, and the like, lies rounding.
+    let rounded = |v: f64| (v * 1e9).round() / 1e9;
+    goals.iter().zip(values).map(|(g, v)| rounded(if smaller(g) { *v } else { -v })).collect()
 }
 
 fn dominates(a: &[f64], b: &[f64]) -> bool {
@@ -437,7 +439,9 @@ fn the_clearance_is_that_of_many_samples() {
                 let (a, b) = (frame.transform(&a), frame.transform(&b));
                 for k in 0..=4000 {
                     let p = a + (b - a) * f64::from(k) / 4000.0;
-                    nearest = nearest.min(p.z - radius - cell.floor);
+                    if solid.link > 1 {
+                        nearest = nearest.min(p.z - radius - cell.floor);
+                    }
                     for (e, (equipment, at)) in cell.equipment.iter().zip(&layout.placements).enumerate() {
                         if solid.link == cell.robot.axes() && e == operation.equipment {
                             continue;

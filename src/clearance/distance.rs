@@ -169,8 +169,9 @@ impl Scene {
         self.nearest(placed, frames, self.outer(placed, Load::of(operation)), max)
     }
 
-    /// The same while an operation is done on an equipment: what is mounted behind the last joint is near
-    /// that by intent, as near as the standoff says, and is left out against it.
+    /// The same while an operation is done on an equipment, without the pairs of which every layout has the
+    /// same: what is mounted behind the last joint is near that equipment by intent, as near as the standoff
+    /// says; what only the first joint moves, which turns upright or slides along, is near the floor.
     pub fn distance_at_work(
         &self,
         placed: &Placed,
@@ -178,13 +179,14 @@ impl Scene {
         (operation, equipment): (usize, usize),
         max: f64,
     ) -> Nearness {
-        let is_near_by_intent = |pair: &Pair| match pair.against {
+        let is_usual = |pair: &Pair| match pair.against {
+            Against::Floor => self.links[pair.mover].frame <= 1,
             Against::Placed(k) => {
                 self.links[pair.mover].frame == self.last && placed.bodies[k].id.0 == equipment
             }
-            _ => false,
+            Against::Own(_) => false,
         };
-        let pairs = self.outer(placed, Load::of(Some(operation))).filter(|p| !is_near_by_intent(p));
+        let pairs = self.outer(placed, Load::of(Some(operation))).filter(|p| !is_usual(p));
         self.nearest(placed, frames, pairs, max)
     }
 

@@ -27,8 +27,8 @@ impl Workcell {
     /// - error: the objective.
     /// - clearance: the least distance, at most [`FAR`], of the robot with what it holds to anything at
     ///   every node that counts, and in plan of floor spaces. What is mounted behind the last joint is not
-    ///   asked against the equipment it works on (the standoff decides that), nor are floor spaces of which
-    ///   none may move. [`FAR`] if collision is not checked.
+    ///   asked against the equipment it works on (the standoff decides that), nor what only the first joint
+    ///   moves against the floor, nor floor spaces of which none may move. [`FAR`] if collision is not checked.
     /// - joint limits, singularity: the least of [`measures`] at the same nodes, by the limits of the robot,
     ///   margins aside.
     /// - travel: that of the transfers; if they are not checked, of direct moves from spot to spot.

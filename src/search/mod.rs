@@ -5,6 +5,12 @@
 //! budget, a Nelder-Mead polish from the best layout the rest. The solvers propose, `evaluate`
 //! decides: the problem keeps the best feasible layout it has ever seen, whatever a solver thinks
 //! its best is. Same cell, seed and budget give the same bytes for any number of threads.
+//!
+//! Asked for more than one goal, every run of the global solver makes another mixture of them small, and
+//! every feasible layout is offered to a front of those that no other dominates. Asked to keep more than
+//! the best, it offers them to a list of the best that really differ. Both are part of the record, so that
+//! a checkpoint has them; at the end, for a quarter of the budget with the polish, what lies beside their
+//! members is polled.
 
 mod aim;
 pub mod bound;

@@ -7,6 +7,7 @@ use super::space::Space;
 use super::stopping::{Ended, Stopping};
 use crate::cell::Goals;
 use crate::layout::{Workcell, Workspace, evaluate_in, separated};
+use crate::units::rounded;
 use argmin::core::{CostFunction, Error};
 use argmin::solver::simulatedannealing::Anneal;
 use rand::Rng;
@@ -16,6 +17,10 @@ use rayon::prelude::*;
 use std::borrow::Borrow;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Decimals of a loss (m, rad, m2 or shares) that count: what lies below is rounding, and a layout that is
+/// better by that alone is not.
+const LOSS_DIGITS: i32 = 9;
 
 /// How far a search is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -228,7 +233,8 @@ impl<'a> Problem<'a> {
             let e = evaluate_in(self.workcell, &layout, &mut lease.workspace);
             let goals = Some(&self.goals).filter(|goals| !goals.is_empty());
             let values = goals.and_then(|goals| self.workcell.goals(&layout, &e, goals));
-            let losses = self.goals.iter().zip(values.unwrap_or_default()).map(|(g, v)| g.loss(v)).collect();
+            let losses = self.goals.iter().zip(values.unwrap_or_default());
+            let losses = losses.map(|(g, v)| rounded(g.loss(v), LOSS_DIGITS)).collect();
             Answer { cost: e.cost, feasible: e.objective.is_some(), losses }
         };
         let lease = || Lease::new(&self.workspaces);

@@ -62,8 +62,9 @@ fn so_many_are_kept() {
     assert_eq!(shop.read("found/best.toml").len() > 100, shop.path("found/layout-03.toml").exists());
     assert!(!shop.path("found/layout-04.toml").exists() && !shop.path("found/front.svg").exists());
     // Of a front, too; and by the cell file.
-    let cell =
-        shop.text(CELL).replace("[search]\n", "[search]\npareto = [\"error\", \"travel\"]\nkeep = 4\n");
+    let cell = shop
+        .text(CELL)
+        .replace("[search]\n", "[search]\npareto = [\"error\", \"travel\", \"footprint\"]\nkeep = 4\n");
     shop.write("cells/front.toml", &cell);
     let document = shop.json(&["search", "cells/front.toml", "--budget", "1500", "--out", "few"]);
     assert_eq!((items(&document["front"]).len(), &document["keep"]), (4, &Value::from(4)));

@@ -155,8 +155,15 @@ fn refuse_nothing_to_withstand(cell: &Cell) -> Result<(), Exit> {
 fn proven(workcell: &Workcell) -> Proof {
     // It is bounded by its boxes; a bound that hangs on when somebody stops it could not be resumed.
     let proof = prove(workcell, &ProofOptions::default(), &AtomicBool::new(false));
-    if proof.bound.is_none() && workcell.cell.search.gap.is_some() {
-        output::talk(&format!("note: --gap says nothing: {}", proof.in_words(workcell)));
+    let settings = &workcell.cell.search;
+    match settings.gap {
+        Some(_) if !settings.pareto.is_empty() => {
+            output::talk("note: --gap says nothing: it is of the error alone, and a front is more");
+        }
+        Some(_) if proof.bound.is_none() => {
+            output::talk(&format!("note: --gap says nothing: {}", proof.in_words(workcell)));
+        }
+        _ => {}
     }
     proof
 }
