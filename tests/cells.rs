@@ -425,3 +425,12 @@ fn constraints_of_motion_and_the_fence() {
     let turned = from_text(text).unwrap().cell.fence.unwrap();
     assert_eq!(turned.corners, [(3.0, 0.0), (0.0, 2.0), (0.0, 0.0)]);
 }
+
+#[test]
+fn goals_of_a_front_keep_their_order() {
+    let search = every_key().search;
+    assert_eq!(search.pareto.iter().collect::<Vec<_>>(), [Goal::Travel, Goal::Error]);
+    assert_eq!(search.keep, 12);
+    let plain = shipped("hitachi_cell.toml").search;
+    assert!(plain.pareto.is_empty() && plain.keep == 0);
+}

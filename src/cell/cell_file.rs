@@ -3,12 +3,13 @@
 use super::choices::*;
 use super::document::Library;
 use super::fault::{did_you_mean, listed, shown};
+use super::goal::{Goal, Goals, MOST_KEPT};
 use super::layout::Coordinate;
 use super::misplacement_file;
 use super::model::*;
 use super::reader::{Table, read_named};
 use super::robot_model::*;
-use super::tree::Node;
+use super::tree::{Node, Value};
 use super::value::{self, Must, is_name, text};
 use super::{constraint_file, equipment_file, operation_file, robot_file, sense_file};
 use crate::units;
@@ -182,6 +183,8 @@ fn read_search(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<SearchSetting
             Some(_) => t.integer_or("stagnation", 1, (1, 1_000_000_000), lib).map(Some),
             None => Some(None),
         };
+        let (pareto, keep) =
+            (read_pareto(t.get("pareto"), lib), t.integer_or("keep", 0, (1, MOST_KEPT as u64), lib));
         Some(SearchSettings {
             solver: solver?,
             objective: objective?,
@@ -191,6 +194,44 @@ fn read_search(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<SearchSetting
             robust: robust?,
             gap: gap?,
             stagnation: stagnation?,
+            pareto: pareto?,
+            keep: keep? as usize,
         })
     })
+}
+
+/// `pareto = ["error", "clearance"]`: two goals or more.
+fn read_pareto(node: Option<&Node>, lib: &mut Library<'_>) -> Option<Goals> {
+    let Some(node) = node else { return Some(Goals::default()) };
+    let Value::Array(items) = &node.value else {
+        let message = format!("`pareto` must be a list of goals, not {}", node.value.kind());
+        lib.error(node.at, message, "write pareto = [\"error\", \"clearance\"]");
+        return None;
+    };
+    let named = items.iter().map(|item| read_goal(item, lib));
+    let named: Option<Vec<Goal>> = named.collect::<Vec<_>>().into_iter().collect();
+    let named = named?;
+    let goals = Goals::of(&named).filter(|goals| goals.count() > 1);
+    if goals.is_none() {
+        let names = listed(Goal::ALL.map(Goal::name));
+        lib.error(
+            node.at,
+            "`pareto` must name two goals or more, each once".into(),
+            format!("there are: {names}"),
+        );
+    }
+    goals
+}
+
+fn read_goal(node: &Node, lib: &mut Library<'_>) -> Option<Goal> {
+    let word = text(node, "pareto", lib)?;
+    let found = Goal::ALL.into_iter().find(|goal| goal.name() == word);
+    if found.is_none() {
+        let help = match did_you_mean(&word, Goal::ALL.map(Goal::name)) {
+            Some(near) => format!("did you mean \"{near}\"?"),
+            None => format!("there are: {}", listed(Goal::ALL.map(Goal::name))),
+        };
+        lib.error(node.at, format!("\"{}\" is no goal", shown(&word)), help);
+    }
+    found
 }

@@ -1,5 +1,7 @@
 //! What a cell asks for by a word: error model, reading, registration, search.
 
+use super::goal::Goals;
+
 /// How the errors of the parameters make that of the TCP.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Model {
@@ -195,6 +197,10 @@ pub struct SearchSettings {
     pub gap: Option<f64>,
     /// Evaluations without improvement after which the global solver ends.
     pub stagnation: Option<u64>,
+    /// If any: a front of layouts none of which is better than another in all of these.
+    pub pareto: Goals,
+    /// How many of the best layouts that differ are told; 0: the best alone, or the whole front.
+    pub keep: usize,
 }
 
 impl Default for SearchSettings {
@@ -208,6 +214,8 @@ impl Default for SearchSettings {
             robust: false,
             gap: None,
             stagnation: None,
+            pareto: Goals::default(),
+            keep: 0,
         }
     }
 }

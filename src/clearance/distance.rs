@@ -166,11 +166,42 @@ impl Scene {
         operation: Option<usize>,
         max: f64,
     ) -> Nearness {
+        self.nearest(placed, frames, self.outer(placed, Load::of(operation)), max)
+    }
+
+    /// The same while an operation is done on an equipment, without the pairs of which every layout has the
+    /// same: what is mounted behind the last joint is near that equipment by intent, as near as the standoff
+    /// says; what only the first joint moves, which turns upright or slides along, is near the floor.
+    pub fn distance_at_work(
+        &self,
+        placed: &Placed,
+        frames: &[Pose; MAX_JOINTS + 1],
+        (operation, equipment): (usize, usize),
+        max: f64,
+    ) -> Nearness {
+        let is_usual = |pair: &Pair| match pair.against {
+            Against::Floor => self.links[pair.mover].frame <= 1,
+            Against::Placed(k) => {
+                self.links[pair.mover].frame == self.last && placed.bodies[k].id.0 == equipment
+            }
+            Against::Own(_) => false,
+        };
+        let pairs = self.outer(placed, Load::of(Some(operation))).filter(|p| !is_usual(p));
+        self.nearest(placed, frames, pairs, max)
+    }
+
+    fn nearest(
+        &self,
+        placed: &Placed,
+        frames: &[Pose; MAX_JOINTS + 1],
+        pairs: impl Iterator<Item = Pair>,
+        max: f64,
+    ) -> Nearness {
         let mut nearest = Nearness { distance: max, pair: None };
         if !self.enabled {
             return nearest;
         }
-        for pair in self.outer(placed, Load::of(operation)) {
+        for pair in pairs {
             let distance = self.gap(placed, frames, pair, nearest.distance);
             if distance < nearest.distance {
                 nearest = Nearness { distance, pair: Some(self.hit_of(placed, pair)) };

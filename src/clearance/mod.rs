@@ -20,6 +20,7 @@ mod own_pairs;
 mod plan;
 mod rod;
 mod scene;
+mod spacing;
 
 pub use decomposition::Remember;
 pub use distance::{ACCURACY, Load, Mover, Nearness, Pair};
@@ -27,3 +28,4 @@ pub use hit::{Hit, SolidRef};
 pub use own_pairs::{Allowed, OwnPair};
 pub use plan::{FloorPlan, Overlap, Party, Separation};
 pub use scene::{Placed, Scene};
+pub use spacing::footprint;

@@ -61,7 +61,7 @@ impl Overlap {
 
 /// A rectangle placed in plan: centre, half size, directions of its sides.
 #[derive(Clone, Copy)]
-struct Placed {
+pub(super) struct Placed {
     centre: (f64, f64),
     half: (f64, f64),
     cos: f64,
@@ -69,7 +69,7 @@ struct Placed {
 }
 
 impl Placed {
-    fn new(rectangle: &Rectangle, at: &Placement) -> Self {
+    pub(super) fn new(rectangle: &Rectangle, at: &Placement) -> Self {
         let (sin, cos) = at.yaw.sin_cos();
         let (x, y) = rectangle.centre;
         Self {
@@ -80,7 +80,7 @@ impl Placed {
         }
     }
 
-    fn corners(&self) -> [(f64, f64); 4] {
+    pub(super) fn corners(&self) -> [(f64, f64); 4] {
         [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)].map(|(i, j)| {
             let (x, y) = (i * self.half.0, j * self.half.1);
             (self.centre.0 + self.cos * x - self.sin * y, self.centre.1 + self.sin * x + self.cos * y)
@@ -118,7 +118,7 @@ fn best_separated(a: &Placed, b: &Placed, clearance: f64) -> ((f64, f64), f64) {
 
 /// How deep two rectangles overlap when each keeps `clearance`, or 0: the first axis along which they
 /// do not settles it.
-fn depth(a: &Placed, b: &Placed, clearance: f64) -> f64 {
+pub(super) fn depth(a: &Placed, b: &Placed, clearance: f64) -> f64 {
     let mut least = f64::INFINITY;
     for u in axes(a, b) {
         least = least.min(along(u, a, b, clearance).1);
@@ -177,7 +177,7 @@ impl Bounds {
 }
 
 /// What the floor plan knows of an equipment.
-struct Stand {
+pub(super) struct Stand {
     footprint: Rectangle,
     role: Role,
     /// Lowest and highest point of the solids and the surface over the equipment's frame, m.
@@ -196,7 +196,7 @@ impl Stand {
     }
 
     /// Whether an equipment placed at height `z` reaches into a box between two heights.
-    fn meets(&self, z: f64, (bottom, top): (f64, f64), clearance: f64) -> bool {
+    pub(super) fn meets(&self, z: f64, (bottom, top): (f64, f64), clearance: f64) -> bool {
         let above = !self.legs && z + self.low >= top + clearance - TOUCHING;
         let below = z + self.high + clearance <= bottom + TOUCHING;
         !(above || below)
@@ -205,15 +205,15 @@ impl Stand {
 
 /// The floor space of a cell, made ready once.
 pub struct FloorPlan {
-    equipment: Vec<Stand>,
+    pub(super) equipment: Vec<Stand>,
     /// What each stands on.
     on: Vec<Option<usize>>,
     base: Rectangle,
-    keep_out: Vec<(Placed, (f64, f64))>,
+    pub(super) keep_out: Vec<(Placed, (f64, f64))>,
     clearance: f64,
     floor: f64,
     fence: Option<Bounds>,
-    enabled: bool,
+    pub(super) enabled: bool,
 }
 
 impl FloorPlan {
@@ -318,7 +318,7 @@ impl FloorPlan {
     }
 }
 
-fn plan_of(keep_out: &KeepOut) -> Placed {
+pub(super) fn plan_of(keep_out: &KeepOut) -> Placed {
     let (lo, hi) = (keep_out.min, keep_out.max);
     Placed {
         centre: ((lo.x + hi.x) / 2.0, (lo.y + hi.y) / 2.0),

@@ -26,6 +26,8 @@ pub struct Scene {
     pub(super) checked: Vec<(usize, usize)>,
     /// Of the equipment, and after it the walls of the fence.
     pub(super) stands: Vec<Stand>,
+    /// The frame after the last joint.
+    pub(super) last: usize,
     pub(super) floor: f64,
     pub(super) clearance: f64,
     pub(super) enabled: bool,
@@ -149,6 +151,7 @@ impl Scene {
             checked: checked.filter_map(|p| place(p.a).zip(place(p.b))).collect(),
             own_pairs,
             stands: stands.map(|(e, (parts, at))| Stand::new(e, parts, at, cell.floor)).collect(),
+            last: cell.robot.axes(),
             floor: cell.floor,
             clearance: cell.clearance,
             movers: distance::movers(&links),

@@ -1,7 +1,7 @@
 //! The command line.
 
 use super::sweep::SweepArguments;
-use crate::cell::{Model, Quantity, Reading, Registration, Solver};
+use crate::cell::{Goal, MOST_KEPT, Model, Quantity, Reading, Registration, Solver};
 use crate::compare::At;
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand};
@@ -152,6 +152,19 @@ pub struct SearchArguments {
     /// Make the worst over the placement tolerances small, not the value as drawn
     #[arg(long)]
     pub robust: bool,
+    /// Find the layouts none of which is better than another in all of these goals: two or more of error,
+    /// clearance, joint-limits, singularity, travel, footprint
+    #[arg(
+        long,
+        value_name = "GOAL,GOAL,...",
+        value_delimiter = ',',
+        hide_possible_values = true,
+        value_parser = PossibleValuesParser::new(Goal::ALL.map(Goal::name))
+    )]
+    pub pareto: Option<Vec<String>>,
+    /// Tell so many of the best layouts that really differ; with --pareto, of the front
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=MOST_KEPT as u64))]
+    pub keep: Option<u64>,
     /// Global solver
     #[arg(long, value_parser = PossibleValuesParser::new(Solver::ALL.map(Solver::name)))]
     pub solver: Option<String>,

@@ -172,6 +172,7 @@ impl Kept {
             let why = match unfit {
                 Unfit::Dimensions { has, needs } => format!("it has {has} variables, the cell {needs}"),
                 Unfit::Budget { used } => format!("{used} layouts are evaluated, more than --budget"),
+                Unfit::Kept => "it was searched for other goals, or kept another number of layouts".into(),
                 Unfit::Ended(ended) => {
                     format!("with these rules the search would have ended before: {}", ended.in_words())
                 }
@@ -240,6 +241,8 @@ fn refuse_changes(then: &SearchArguments, asked: &SearchArguments) -> Result<(),
             ("registration", o.registration.clone()),
             ("seed", a.seed.map(|seed| seed.to_string())),
             ("solver", a.solver.clone()),
+            ("pareto", a.pareto.as_ref().map(|goals| goals.join(","))),
+            ("keep", a.keep.map(|keep| keep.to_string())),
         ]
     };
     let mut changed = false;

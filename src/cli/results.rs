@@ -2,11 +2,11 @@
 
 use super::output::path_word;
 use super::{Exit, files, output};
-use crate::cell::{Cell, Source};
+use crate::cell::{Cell, Layout, Source};
 use crate::compare::{Assessment, Comparison};
 use crate::report;
-use crate::search::SearchRecord;
 use crate::search::bound::Proof;
+use crate::search::{Alternative, SearchRecord};
 use serde::Serialize;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -42,20 +42,24 @@ pub fn write_search(
     if let Some(objective) = best.objective() {
         let name = cell_file.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
         let kept = portable(&name);
-        let comment = format!(
-            "Best layout of {} found by sweetspot {} (seed {}): objective {objective:.6} {}",
-            crate::cell::shown(&name),
-            env!("CARGO_PKG_VERSION"),
-            cell.search.seed,
-            cell.unit().word()
-        );
-        let text = report::toml::fixed(&format!("{INPUTS}/{kept}"), &comment, cell, &best.layout);
-        outputs.push(("best.toml", text.into_bytes()));
+        let fixed = |which: &str, layout: &Layout, objective: f64| {
+            let comment = format!(
+                "{which} of {} found by sweetspot {} (seed {}): objective {objective:.6} {}",
+                crate::cell::shown(&name),
+                env!("CARGO_PKG_VERSION"),
+                cell.search.seed,
+                cell.unit().word()
+            );
+            report::toml::fixed(&format!("{INPUTS}/{kept}"), &comment, cell, layout).into_bytes()
+        };
+        outputs.push(("best.toml".to_string(), fixed("Best layout", &best.layout, objective)));
+        outputs.extend(alternatives(cell, record, fixed)?);
         keep_inputs(folder, &kept, sources)?;
     }
-    outputs.push(("search.json", pretty(&report::json::search(cell, (record, proof), comparison, None))?));
-    outputs.push(("map.csv", csv(best)?));
-    outputs.push(("map.svg", report::svg::plan(best).into_bytes()));
+    let document = report::json::search(cell, (record, proof), comparison, None);
+    outputs.push(("search.json".into(), pretty(&document)?));
+    outputs.push(("map.csv".into(), csv(best)?));
+    outputs.push(("map.svg".into(), report::svg::plan(best).into_bytes()));
     match command {
         Some(command) => write(folder, cell, sources, command, outputs),
         None => write_outputs(folder, &outputs),
@@ -65,6 +69,31 @@ pub fn write_search(
 /// The command line as typed.
 pub fn typed() -> Vec<String> {
     std::env::args_os().skip(1).map(|a| a.to_string_lossy().into_owned()).collect()
+}
+
+/// The layouts beside the best, each as a cell, and all of them as a table and a picture.
+fn alternatives(
+    cell: &Cell,
+    record: &SearchRecord,
+    fixed: impl Fn(&str, &Layout, f64) -> Vec<u8>,
+) -> Result<Vec<(String, Vec<u8>)>, Exit> {
+    let count = record.alternatives.len();
+    let mut outputs = Vec::new();
+    for (k, Alternative { candidate, .. }) in record.alternatives.iter().enumerate() {
+        let objective = candidate.evaluation.objective.map_or(0.0, |o| cell.unit().from_si(o));
+        let which = format!("Layout {} of {count}", k + 1);
+        outputs.push((report::goals::file_name(k, count), fixed(&which, &candidate.layout, objective)));
+    }
+    if count > 0 {
+        let table = report::csv::front(cell, record).map_err(|why| {
+            output::error(&format!("cannot make front.csv: {why}"));
+            Exit::Io
+        })?;
+        outputs.push(("front.csv".into(), table));
+    }
+    let picture = report::front::picture(cell, record);
+    outputs.extend(picture.map(|picture| ("front.svg".into(), picture.into_bytes())));
+    Ok(outputs)
 }
 
 /// A name that every file system and every cell file can hold.
@@ -90,12 +119,12 @@ pub fn keep_inputs(folder: &Path, cell_name: &str, sources: &[Source]) -> Result
 }
 
 /// Writes files and, last, the manifest: a folder with one is complete.
-pub fn write(
+pub fn write<N: AsRef<str>>(
     folder: &Path,
     cell: &Cell,
     sources: &[Source],
     command: &[String],
-    outputs: Vec<(&str, Vec<u8>)>,
+    outputs: Vec<(N, Vec<u8>)>,
 ) -> Result<Written, Exit> {
     let hashed = |path: &str, bytes: &[u8]| json!({ "path": path, "sha256": files::sha256(bytes) });
     let manifest = json!({
@@ -106,7 +135,7 @@ pub fn write(
         "cell": cell.name,
         "seed": cell.search.seed,
         "inputs": sources.iter().map(|s| hashed(&s.path, &s.bytes)).collect::<Vec<_>>(),
-        "outputs": outputs.iter().map(|(name, bytes)| hashed(name, bytes)).collect::<Vec<_>>(),
+        "outputs": outputs.iter().map(|(name, bytes)| hashed(name.as_ref(), bytes)).collect::<Vec<_>>(),
     });
     let mut written = write_outputs(folder, &outputs)?;
     files::write_whole(&folder.join("manifest.json"), &pretty(&manifest)?)?;
@@ -114,11 +143,11 @@ pub fn write(
     Ok(written)
 }
 
-fn write_outputs(folder: &Path, outputs: &[(&str, Vec<u8>)]) -> Result<Written, Exit> {
+fn write_outputs<N: AsRef<str>>(folder: &Path, outputs: &[(N, Vec<u8>)]) -> Result<Written, Exit> {
     for (name, bytes) in outputs {
-        files::write_whole(&folder.join(name), bytes)?;
+        files::write_whole(&folder.join(name.as_ref()), bytes)?;
     }
-    let names = outputs.iter().map(|(name, _)| name.to_string()).collect();
+    let names = outputs.iter().map(|(name, _)| name.as_ref().to_string()).collect();
     Ok(Written { folder: folder.to_path_buf(), names })
 }
 

@@ -18,7 +18,7 @@ pub use reachable::{Asked, Reachable, Sheet, step_of, tolerance_of};
 pub use readings::{Choice, Readings, Row};
 pub use stance::{At, NoStance, Stance};
 
-use crate::cell::{Cell, Layout, Operation, Reading, Role, Unit, shown};
+use crate::cell::{Cell, Goals, Layout, Operation, Reading, Role, Unit, shown};
 use crate::error_map::{NodeRecord, OperationMap, PostureRecord};
 use crate::layout::{Evaluation, Refined, Robustness, Workcell, evaluate, separated};
 use crate::reach::{Envelope, Fineness};
@@ -117,6 +117,11 @@ impl<'a> Assessment<'a> {
     pub fn first_order_holds(&self, operation: usize) -> Option<bool> {
         let name = &self.cell.operations[operation].sense.name;
         Some(self.samples[operation].as_ref()?.confirms(self.figures(operation, name)?))
+    }
+
+    /// One per [`crate::cell::Goal::ALL`]: m, rad, m2 or shares; None if the layout is not feasible.
+    pub fn goals(&self) -> Option<Vec<f64>> {
+        self.workcell.goals(&self.layout, &self.evaluation, &Goals::all())
     }
 
     /// In mm, degrees or as a share.

@@ -39,6 +39,11 @@ impl Mapper {
         self.guard.as_ref().and_then(refused).map(Status::Refused)
     }
 
+    /// Whether the ways between operations are asked for.
+    pub fn asks_transfers(&self) -> bool {
+        self.guard.as_ref().is_some_and(Guard::asks_transfers)
+    }
+
     /// The ways between the operations at their spots; none if the cell does not ask for them or a spot is
     /// missing.
     ///

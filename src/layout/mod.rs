@@ -1,5 +1,6 @@
 //! One candidate: [`evaluate`] a [`Layout`]. The seam that search, what-ifs and reports share.
 
+mod goals;
 mod merits;
 mod misplacement;
 mod refine;
@@ -7,6 +8,7 @@ mod robust;
 mod separate;
 mod worst;
 
+pub use goals::FAR;
 pub use merits::{Merit, merits};
 pub use misplacement::Moves;
 pub use refine::Refined;

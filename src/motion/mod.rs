@@ -15,4 +15,4 @@ pub use guard::{Guard, Hindrance, Refusal};
 pub use line::{DEVIATION, Stopped, straight};
 pub use measures::{Measures, measures, singularity};
 pub use path::{PathHit, RESOLUTION, first_hit};
-pub use transfer::{Blocked, Stance, Transfer, Way};
+pub use transfer::{Blocked, Stance, Transfer, Way, direct_travel};

@@ -4,6 +4,7 @@ use super::guard::{Guard, Hindrance};
 use super::line::straight;
 use crate::cell::{JointKind, JointVector};
 use crate::clearance::{Load, Placed, Scene};
+use crate::robot::Chain;
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 
@@ -74,7 +75,7 @@ impl Guard {
         let (Some(rules), Some(first)) = (&self.transfer, stances.first()) else { return Ok(found) };
         let mut here = *first;
         for stance in &stances[1..] {
-            let next = Stance { joints: self.nearest_turns(&here.joints, &stance.joints), ..*stance };
+            let next = Stance { joints: nearest_turns(&self.chain, &here.joints, &stance.joints), ..*stance };
             found.push(self.transfer(scene, placed, &here, &next)?);
             here = next;
         }
@@ -117,7 +118,7 @@ impl Guard {
             match self.first_hit(scene, placed, &path, load) {
                 Some(hit) => tries.push((way, Hindrance::Hit(hit))),
                 None => {
-                    let (travel, arrival) = (self.travel(&path), to.joints);
+                    let (travel, arrival) = (travel(&self.chain, &path, self.reach), to.joints);
                     let (from, to) = (from.operation, to.operation);
                     return Ok(Transfer { from, to, way, path, travel, arrival });
                 }
@@ -160,39 +161,48 @@ impl Guard {
         path.extend(last);
         Ok(path)
     }
+}
 
-    /// See [`Transfer::travel`].
-    fn travel(&self, path: &[JointVector]) -> f64 {
-        let farthest = |ends: &[JointVector]| {
-            let each = self.chain.links.iter().zip(ends[0].iter().zip(&ends[1])).map(|(link, (a, b))| {
-                match link.kind {
-                    JointKind::Revolute => (b - a).abs(),
-                    JointKind::Prismatic => (b - a).abs() / self.reach,
-                }
+/// See [`Transfer::travel`]; `reach`: a length of the size of the arm, m.
+fn travel(chain: &Chain, path: &[JointVector], reach: f64) -> f64 {
+    let farthest = |ends: &[JointVector]| {
+        let each =
+            chain.links.iter().zip(ends[0].iter().zip(&ends[1])).map(|(link, (a, b))| match link.kind {
+                JointKind::Revolute => (b - a).abs(),
+                JointKind::Prismatic => (b - a).abs() / reach,
             });
-            each.fold(0.0, f64::max)
-        };
-        path.windows(2).map(farthest).sum()
-    }
+        each.fold(0.0, f64::max)
+    };
+    path.windows(2).map(farthest).sum()
+}
 
-    /// The same posture with every joint in the turn nearest to where it comes from, inside its limits.
-    fn nearest_turns(&self, from: &JointVector, to: &JointVector) -> JointVector {
-        let mut near = *to;
-        for j in 0..self.chain.axes() {
-            let link = &self.chain.links[j];
-            // What it turns by whole factors comes back to the same angle.
-            let comes_back = |i: usize| match self.chain.links[i].kind {
-                JointKind::Revolute => self.chain.coupling[i][j].fract() == 0.0,
-                JointKind::Prismatic => self.chain.coupling[i][j] == 0.0,
-            };
-            if link.kind == JointKind::Prismatic || !(j + 1..self.chain.axes()).all(comes_back) {
-                continue;
-            }
-            let turned = to[j] + TAU * ((from[j] - to[j]) / TAU).round();
-            if (link.limits.0..=link.limits.1).contains(&turned) {
-                near[j] = turned;
-            }
-        }
-        near
+/// The travel of direct moves from posture to posture, see [`Transfer::travel`], every joint in the turn
+/// nearest to where it comes from.
+pub fn direct_travel(chain: &Chain, stops: &[JointVector], reach: f64) -> f64 {
+    let mut path: Vec<JointVector> = Vec::with_capacity(stops.len());
+    for stop in stops {
+        path.push(path.last().map_or(*stop, |here| nearest_turns(chain, here, stop)));
     }
+    travel(chain, &path, reach)
+}
+
+/// The same posture with every joint in the turn nearest to where it comes from, inside its limits.
+fn nearest_turns(chain: &Chain, from: &JointVector, to: &JointVector) -> JointVector {
+    let mut near = *to;
+    for j in 0..chain.axes() {
+        let link = &chain.links[j];
+        // What it turns by whole factors comes back to the same angle.
+        let comes_back = |i: usize| match chain.links[i].kind {
+            JointKind::Revolute => chain.coupling[i][j].fract() == 0.0,
+            JointKind::Prismatic => chain.coupling[i][j] == 0.0,
+        };
+        if link.kind == JointKind::Prismatic || !(j + 1..chain.axes()).all(comes_back) {
+            continue;
+        }
+        let turned = to[j] + TAU * ((from[j] - to[j]) / TAU).round();
+        if (link.limits.0..=link.limits.1).contains(&turned) {
+            near[j] = turned;
+        }
+    }
+    near
 }

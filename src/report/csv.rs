@@ -1,10 +1,13 @@
 //! map.csv: one row per node. readings.csv: one row per operation and reading.
+//! front.csv: one row per layout.
 
-use crate::cell::{Cell, JointKind, Sense, Unit};
+use super::goals;
+use crate::cell::{Cell, Goal, JointKind, Sense, Slot, Unit};
 use crate::compare::{Assessment, Readings, Row};
 use crate::error_map::{NodeRecord, OperationMap, PostureRecord};
 use crate::kinematic_error::discrepancy;
 use crate::reading::Figures;
+use crate::search::SearchRecord;
 use crate::units::{deg_from_rad, mm_from_m, percent_from_share, rounded};
 
 /// The maps of all operations, with a header. World frame, mm and degrees.
@@ -31,6 +34,42 @@ pub fn map(a: &Assessment<'_>) -> Result<Vec<u8>, String> {
 
 pub fn put(writer: &mut ::csv::Writer<Vec<u8>>, row: &[String]) -> Result<(), String> {
     writer.write_record(row).map_err(|e| e.to_string())
+}
+
+/// The layouts beside the best of a search, with a header: goals, then free coordinates (mm, degrees).
+///
+/// # Errors
+/// Those of the csv writer, which writes to memory here.
+pub fn front(cell: &Cell, record: &SearchRecord) -> Result<Vec<u8>, String> {
+    let mut writer = ::csv::Writer::from_writer(Vec::new());
+    let free = cell.free();
+    let mut header = vec!["layout".to_string()];
+    header.extend(Goal::ALL.map(|goal| goals::key(goal).to_string()));
+    header.extend(free.iter().map(|(slot, _)| inert(&variable(cell, *slot))));
+    put(&mut writer, &header)?;
+    for (k, alternative) in record.alternatives.iter().enumerate() {
+        let mut row = vec![(k + 1).to_string()];
+        let values = Goal::ALL.into_iter().zip(&alternative.goals);
+        row.extend(values.map(|(goal, si)| number(goals::value(cell, goal, *si))));
+        row.extend(free.iter().map(|(slot, _)| {
+            let value = alternative.candidate.layout.value(cell, *slot);
+            number(if slot.is_angle() { deg_from_rad(value) } else { mm_from_m(value) })
+        }));
+        put(&mut writer, &row)?;
+    }
+    writer.into_inner().map_err(|e| e.to_string())
+}
+
+/// "table x_mm", as the cell file says it.
+fn variable(cell: &Cell, slot: Slot) -> String {
+    let placement = ["x_mm", "y_mm", "z_mm", "yaw_deg"];
+    match slot {
+        Slot::Base(axis) => format!("base {}", placement[axis]),
+        Slot::Equipment(k, axis) => format!("{} {}", cell.equipment[k].name, placement[axis]),
+        Slot::Attitude(k, angle) => {
+            format!("{} {}", cell.operations[k].name, ["bend_deg", "azimuth_deg", "spin_deg"][angle])
+        }
+    }
 }
 
 const REFINED: [&str; 4] = ["refined_x_mm", "refined_y_mm", "refined_z_mm", "refined_value"];

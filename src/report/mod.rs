@@ -3,6 +3,8 @@
 pub mod csv;
 pub mod envelope;
 pub mod fig8;
+pub mod front;
+pub mod goals;
 pub mod json;
 mod legend;
 mod names;

@@ -5,12 +5,18 @@
 //! began, and the answers since. Continuing starts that run again, answers its first questions from
 //! the journal, and goes on.
 
+use super::aim::Aim;
+use super::front::Front;
 use super::record::{Answer, Record};
+use super::space::Space;
 use super::stopping::{Ended, Stopping};
 use serde::{Deserialize, Serialize};
 
 /// Evaluations of one run at most: bounds the journal to some hundred kilobytes.
 const RUN: u64 = 20_000;
+
+/// Evaluations per dimension, and one more, of one run for a front: many aims, none of them perfectly met.
+const RUN_FOR_FRONT: u64 = 100;
 
 /// Offset and prime of the 64-bit FNV-1a hash (G. Fowler, L. C. Noll, K.-P. Vo).
 const FNV: (u64, u64) = (0xcbf2_9ce4_8422_2325, 0x0000_0100_0000_01b3);
@@ -37,6 +43,8 @@ pub enum Unfit {
     Dimensions { has: usize, needs: usize },
     /// It has more evaluations than the new budget.
     Budget { used: u64 },
+    /// It looked for other goals, or kept another number of layouts.
+    Kept,
     /// Under the new rules the search would have ended before.
     Ended(Ended),
 }
@@ -45,6 +53,11 @@ impl Checkpoint {
     /// Evaluations that need not be made again.
     pub fn evaluations(&self) -> u64 {
         self.record.evaluations + (self.explored.len() + self.polished.len()) as u64
+    }
+
+    /// As it stood when the run under way began.
+    pub fn front(&self) -> Option<&Front> {
+        self.record.front.as_ref()
     }
 
     pub fn stopping(&self) -> &Stopping {
@@ -58,6 +71,9 @@ impl Checkpoint {
         let has = self.record.point.len();
         if has != dimensions {
             return Err(Unfit::Dimensions { has, needs: dimensions });
+        }
+        if (stopping.pareto, stopping.keep) != (self.stopping.pareto, self.stopping.keep) {
+            return Err(Unfit::Kept);
         }
         if self.evaluations() > stopping.budget {
             return Err(Unfit::Budget { used: self.evaluations() });
@@ -91,7 +107,7 @@ pub struct Ledger {
 
 impl Ledger {
     pub fn new(point: Vec<f64>, stopping: Stopping) -> Self {
-        let record = Record::new(point);
+        let record = Record::new(point, &stopping);
         let (explored, polished, asked) = (Vec::new(), Vec::new(), [FNV.0; 2]);
         Self::open(Checkpoint { stopping, run: 0, record, explored, polished, asked })
     }
@@ -145,10 +161,32 @@ impl Ledger {
         self.allow();
     }
 
+    /// What the polish has left may be used.
+    pub fn begin_poll(&mut self) {
+        self.until = self.checkpoint.stopping.budget.min(self.until + RUN);
+    }
+
     fn allow(&mut self) {
         let stopping = &self.checkpoint.stopping;
-        let most = if self.phase == Phase::Explore { stopping.exploration() } else { stopping.budget };
-        self.until = most.min(self.record.evaluations + RUN);
+        let most = match self.phase {
+            Phase::Explore => stopping.exploration(),
+            // An exploration that ended early leaves more.
+            Phase::Polish if stopping.keeps_more() => self.record.evaluations + stopping.polish(),
+            Phase::Polish => stopping.budget,
+        };
+        let run = match self.aim() {
+            Some(_) => RUN_FOR_FRONT * (self.record.point.len() as u64 + 1),
+            None => RUN,
+        };
+        self.until = most.min(self.record.evaluations + run);
+    }
+
+    /// What the run under way makes small instead of the error, told by the record as it stood when the
+    /// run began; None: the error.
+    pub fn aim(&self) -> Option<Aim> {
+        let Checkpoint { run, record, .. } = &self.checkpoint;
+        let front = record.front.as_ref().filter(|_| self.phase == Phase::Explore)?;
+        Some(Aim::new(front, *run))
     }
 
     /// The rule of stopping that the record meets, if any.
@@ -183,14 +221,19 @@ impl Ledger {
 
     /// The next answers of the journal, at most so many.
     pub fn recall(&self, count: usize) -> Vec<Answer> {
-        self.answers()[self.told..].iter().take(count).copied().collect()
+        self.answers()[self.told..].iter().take(count).cloned().collect()
     }
 
     /// Takes the answers to these points into the record, and into the journal those that are new.
-    pub fn note<'p>(&mut self, points: impl Iterator<Item = &'p Vec<f64>>, answers: &[Answer]) {
+    pub fn note<'p>(
+        &mut self,
+        space: &Space<'_>,
+        points: impl Iterator<Item = &'p Vec<f64>>,
+        answers: &[Answer],
+    ) {
         let phase = self.phase as usize;
         for (point, answer) in points.zip(answers) {
-            self.record.note(point, *answer);
+            self.record.note(space, point, answer);
             let bits = point.iter().flat_map(|u| u.to_bits().to_le_bytes());
             self.hash = bits.fold(self.hash, |h, byte| (h ^ u64::from(byte)).wrapping_mul(FNV.1));
             self.told += 1;
@@ -204,7 +247,7 @@ impl Ledger {
             }
             let Checkpoint { explored, polished, asked, .. } = &mut self.checkpoint;
             let journal = if self.phase == Phase::Explore { explored } else { polished };
-            journal.push(*answer);
+            journal.push(answer.clone());
             asked[phase] = self.hash;
         }
         self.record.pause();

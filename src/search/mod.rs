@@ -5,22 +5,34 @@
 //! budget, a Nelder-Mead polish from the best layout the rest. The solvers propose, `evaluate`
 //! decides: the problem keeps the best feasible layout it has ever seen, whatever a solver thinks
 //! its best is. Same cell, seed and budget give the same bytes for any number of threads.
+//!
+//! Asked for more than one goal, every run of the global solver makes another mixture of them small, and
+//! every feasible layout is offered to a front of those that no other dominates. Asked to keep more than
+//! the best, it offers them to a list of the best that really differ. Both are part of the record, so that
+//! a checkpoint has them; at the end, for a quarter of the budget with the polish, what lies beside their
+//! members is polled.
 
+mod aim;
 pub mod bound;
 mod cma_es;
+mod front;
 mod ledger;
+mod poll;
 mod problem;
 mod record;
+mod shortlist;
 mod solvers;
 mod space;
 mod stopping;
 
+pub use front::DIFFERENT;
 pub use ledger::{Checkpoint, Unfit};
 pub use problem::{Keep, Moment, Progress, Watch};
+pub use shortlist::REALLY_DIFFERENT;
 pub use space::Space;
 pub use stopping::{Ended, Stopping};
 
-use crate::cell::{Layout, SearchSettings};
+use crate::cell::{Goals, Layout, SearchSettings};
 use crate::layout::{Evaluation, Workcell, evaluate};
 use ledger::Ledger;
 use problem::Problem;
@@ -31,6 +43,14 @@ use record::Record;
 pub struct Candidate {
     pub layout: Layout,
     pub evaluation: Evaluation,
+}
+
+/// A layout that is told beside the best one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Alternative {
+    pub candidate: Candidate,
+    /// One per [`crate::cell::Goal::ALL`]: m, rad, m2 or shares.
+    pub goals: Vec<f64>,
 }
 
 /// The result of a search.
@@ -47,6 +67,9 @@ pub struct SearchRecord {
     /// The bound that was given, m.
     pub bound: Option<f64>,
     pub ended: Ended,
+    /// The front, from the least of its first goal up; or the best layouts that really differ, best
+    /// first. Empty if neither was asked.
+    pub alternatives: Vec<Alternative>,
 }
 
 impl SearchRecord {
@@ -89,8 +112,11 @@ pub fn search_job(
     let bound = job.bound;
     if space.dimensions() == 0 {
         let feasible = u64::from(start.evaluation.objective.is_some());
-        let (best, ended) = (start.clone(), Ended::NothingToSearch);
-        return SearchRecord { start, best, evaluations: 1, feasible, trace: Vec::new(), bound, ended };
+        let (best, ended, trace) = (start.clone(), Ended::NothingToSearch, Vec::new());
+        let asked = settings.keep > 0 || !settings.pareto.is_empty();
+        let all = asked.then(|| alternative(workcell, start.layout.clone())).flatten();
+        let alternatives = all.into_iter().collect();
+        return SearchRecord { start, best, evaluations: 1, feasible, trace, bound, ended, alternatives };
     }
     let stopping = Stopping::new(settings, bound);
     let ledger = match job.from {
@@ -101,12 +127,16 @@ pub fn search_job(
     let problem = Problem::new(workcell, &space, ledger, watch, job.keep);
     solvers::explore(&problem, settings, space.start());
     solvers::polish(&problem);
+    if problem.begin_poll() {
+        poll::poll(&problem);
+    }
     let stopped = problem.interrupted();
     let ledger = problem.into_ledger();
     if stopped {
         (job.keep)(ledger.checkpoint(), Moment::Stopped);
     }
     let ended = if stopped { Ended::Interrupted } else { ledger.ended() };
+    let alternatives = alternatives(workcell, &space, &ledger.record, settings.keep);
     let mut record = ledger.record;
     let mut best = candidate(workcell, space.layout(&record.point));
     // Drawn finer than the search rounds, it can still be the better one.
@@ -115,9 +145,24 @@ pub fn search_job(
         record.trace.extend(best.evaluation.objective.map(|e| (record.evaluations, e)));
     }
     let Record { evaluations, feasible, trace, .. } = record;
-    SearchRecord { start, best, evaluations, feasible, trace, bound, ended }
+    SearchRecord { start, best, evaluations, feasible, trace, bound, ended, alternatives }
 }
 
 fn candidate(workcell: &Workcell, layout: Layout) -> Candidate {
     Candidate { evaluation: evaluate(workcell, &layout), layout }
+}
+
+fn alternative(workcell: &Workcell, layout: Layout) -> Option<Alternative> {
+    let candidate = candidate(workcell, layout);
+    let goals = workcell.goals(&candidate.layout, &candidate.evaluation, &Goals::all())?;
+    Some(Alternative { candidate, goals })
+}
+
+/// What the record has kept beside the best.
+fn alternatives(workcell: &Workcell, space: &Space<'_>, record: &Record, keep: usize) -> Vec<Alternative> {
+    let most = if keep > 0 { keep } else { usize::MAX };
+    let front = record.front.iter().flat_map(|front| front.spread(most)).map(|member| &member.point);
+    let shortlist = record.shortlist.iter().flat_map(|shortlist| shortlist.best());
+    let points: Vec<&Vec<f64>> = front.chain(shortlist).collect();
+    points.into_iter().filter_map(|point| alternative(workcell, space.layout(point))).collect()
 }

@@ -1,10 +1,13 @@
 //! The optimization problem as argmin sees it, and what was best so far.
 
-use super::ledger::{Checkpoint, Ledger};
+use super::aim::Aim;
+use super::ledger::{Checkpoint, Ledger, Phase};
 use super::record::{Answer, Record};
 use super::space::Space;
-use super::stopping::Ended;
+use super::stopping::{Ended, Stopping};
+use crate::cell::Goals;
 use crate::layout::{Workcell, Workspace, evaluate_in, separated};
+use crate::units::rounded;
 use argmin::core::{CostFunction, Error};
 use argmin::solver::simulatedannealing::Anneal;
 use rand::Rng;
@@ -14,6 +17,10 @@ use rayon::prelude::*;
 use std::borrow::Borrow;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Decimals of a loss (m, rad, m2 or shares) that count: what lies below is rounding, and a layout that is
+/// better by that alone is not.
+const LOSS_DIGITS: i32 = 9;
 
 /// How far a search is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,7 +62,10 @@ pub struct Problem<'a> {
     watch: &'a Watch<'a>,
     keep: Keep<'a>,
     budget: u64,
+    goals: Goals,
     ledger: Mutex<Ledger>,
+    /// What the run under way makes small; None: the error.
+    aim: Mutex<Option<Aim>>,
     /// Memory of the threads, kept from call to call.
     workspaces: Mutex<Vec<Workspace>>,
     /// Random stream of [`Anneal`], which argmin calls without one.
@@ -70,10 +80,11 @@ impl<'a> Problem<'a> {
         watch: &'a Watch<'a>,
         keep: Keep<'a>,
     ) -> Self {
-        let budget = ledger.checkpoint().stopping().budget;
+        let Stopping { budget, pareto: goals, .. } = *ledger.checkpoint().stopping();
+        let aim = Mutex::new(ledger.aim());
         let annealing = Mutex::new(ChaCha8Rng::seed_from_u64(0));
         let (ledger, workspaces) = (Mutex::new(ledger), Mutex::default());
-        Self { workcell, space, watch, keep, budget, ledger, workspaces, annealing }
+        Self { workcell, space, watch, keep, budget, goals, ledger, aim, workspaces, annealing }
     }
 
     /// Sets the random stream of simulated annealing.
@@ -108,6 +119,7 @@ impl<'a> Problem<'a> {
         let goes_on = !self.interrupted() && !over && ledger.met().is_none();
         if goes_on {
             ledger.begin_run();
+            *locked(&self.aim) = ledger.aim();
         }
         goes_on
     }
@@ -118,8 +130,31 @@ impl<'a> Problem<'a> {
         let goes_on = !matches!(ledger.met(), Some(Ended::Gap | Ended::Diverged));
         if goes_on {
             ledger.begin_polish();
+            *locked(&self.aim) = None;
         }
         goes_on
+    }
+
+    /// Begins to ask round the layouts that are kept besides the best; says whether there are any.
+    pub fn begin_poll(&self) -> bool {
+        let mut ledger = locked(&self.ledger);
+        let goes_on = ledger.phase == Phase::Polish && ledger.checkpoint().stopping().keeps_more();
+        if goes_on {
+            ledger.begin_poll();
+        }
+        goes_on
+    }
+
+    /// The points of the layouts that are kept besides the best.
+    pub fn kept_points(&self) -> Vec<Vec<f64>> {
+        let ledger = locked(&self.ledger);
+        let front = ledger.record.front.iter().flat_map(|front| front.members()).map(|m| &m.point);
+        let shortlist = ledger.record.shortlist.iter().flat_map(|shortlist| shortlist.best());
+        front.chain(shortlist).cloned().collect()
+    }
+
+    pub fn space(&self) -> &Space<'a> {
+        self.space
     }
 
     pub fn dimensions(&self) -> usize {
@@ -129,6 +164,10 @@ impl<'a> Problem<'a> {
     /// Evaluates one point for the record.
     pub fn try_point(&self, point: &Vec<f64>) {
         self.costs(&[point]);
+    }
+
+    pub fn try_points(&self, points: &[Vec<f64>]) {
+        self.costs(&points.iter().collect::<Vec<_>>());
     }
 
     /// The nearest point without overlaps, or the point itself if none is found.
@@ -141,6 +180,19 @@ impl<'a> Problem<'a> {
 
     pub fn best_point(&self) -> Vec<f64> {
         locked(&self.ledger).record.point.clone()
+    }
+
+    /// Whether the run under way makes something else small than the error.
+    pub fn aims(&self) -> bool {
+        locked(&self.aim).is_some()
+    }
+
+    /// The member of the front that is best for the aim of the run under way, as the run began.
+    pub fn best_for_aim(&self) -> Option<Vec<f64>> {
+        let (ledger, aim) = (locked(&self.ledger), locked(&self.aim));
+        let (front, aim) = (ledger.checkpoint().front()?, aim.as_ref()?);
+        let costs = front.members().iter().map(|m| (aim.cost(&m.losses), m));
+        costs.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, m)| m.point.clone())
     }
 
     pub fn into_ledger(self) -> Ledger {
@@ -157,14 +209,19 @@ impl<'a> Problem<'a> {
         }
         let mut answers = ledger.recall(count);
         answers.extend(self.evaluated(&points[answers.len()..count]));
-        ledger.note(points.iter().copied(), &answers);
+        ledger.note(self.space, points.iter().copied(), &answers);
         let Record { evaluations, feasible, .. } = ledger.record;
         let best = ledger.record.best();
         (self.watch.progress)(Progress { evaluations, budget: self.budget, feasible, best });
         (self.keep)(ledger.checkpoint(), Moment::Going);
         // Solvers see the cost of unit weights: their tolerances are lengths.
         let weight = self.workcell.weight();
-        let mut costs: Vec<f64> = answers.into_iter().map(|a| a.cost / weight).collect();
+        let aim = locked(&self.aim);
+        let cost = |a: &Answer| match &*aim {
+            Some(aim) if !a.losses.is_empty() => aim.cost(&a.losses),
+            _ => a.cost / weight,
+        };
+        let mut costs: Vec<f64> = answers.iter().map(cost).collect();
         costs.resize(points.len(), f64::NEG_INFINITY);
         costs
     }
@@ -172,8 +229,13 @@ impl<'a> Problem<'a> {
     /// Evaluates points, on as many threads as there are.
     fn evaluated(&self, points: &[&Vec<f64>]) -> Vec<Answer> {
         let evaluate = |lease: &mut Lease<'_>, point: &&Vec<f64>| {
-            let e = evaluate_in(self.workcell, &self.space.layout(point), &mut lease.workspace);
-            Answer { cost: e.cost, feasible: e.objective.is_some() }
+            let layout = self.space.layout(point);
+            let e = evaluate_in(self.workcell, &layout, &mut lease.workspace);
+            let goals = Some(&self.goals).filter(|goals| !goals.is_empty());
+            let values = goals.and_then(|goals| self.workcell.goals(&layout, &e, goals));
+            let losses = self.goals.iter().zip(values.unwrap_or_default());
+            let losses = losses.map(|(g, v)| rounded(g.loss(v), LOSS_DIGITS)).collect();
+            Answer { cost: e.cost, feasible: e.objective.is_some(), losses }
         };
         let lease = || Lease::new(&self.workspaces);
         match points {

@@ -42,11 +42,15 @@ pub fn explore(problem: &Problem<'_>, settings: &SearchSettings, start: Vec<f64>
         let mut rng = ChaCha8Rng::seed_from_u64(settings.seed);
         rng.set_stream(run);
         let random = |rng: &mut ChaCha8Rng| (0..problem.dimensions()).map(|_| rng.random()).collect();
-        let from = problem.separated(if run == 0 { start.clone() } else { random(&mut rng) });
+        // Every other run for a front goes on from what is best for its aim so far.
+        let known = if run % 2 == 1 { problem.best_for_aim() } else { None };
+        let from = if run == 0 { start.clone() } else { known.unwrap_or_else(|| random(&mut rng)) };
+        let from = problem.separated(from);
         // However a solver ends, the problem has kept the best.
         let _ended = match settings.solver {
             Solver::CmaEs => {
-                let (sigma, scale) = restart(run);
+                // A run for a front is too short for a large population.
+                let (sigma, scale) = restart(if problem.aims() { run.min(1) } else { run });
                 let solver = CmaEs::new(from, sigma, scale, rng);
                 Executor::<_, _, Point>::new(problem, solver).timer(false).run().map(drop)
             }

@@ -1,5 +1,6 @@
 //! The search space: every free coordinate of a cell, scaled to [0, 1].
 
+use super::poll::Change;
 use crate::cell::{Cell, Coordinate, Layout, Slot};
 use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg, rounded};
 
@@ -29,6 +30,54 @@ impl<'c> Space<'c> {
         self.variables.iter().map(|(slot, c)| share(c, layout.value(self.cell, *slot))).collect()
     }
 
+    /// The point within the cube that has the same layout: on what coordinates are rounded to, in the
+    /// middle of the share of a listed value.
+    pub fn settled(&self, point: &[f64]) -> Vec<f64> {
+        let shares = self.variables.iter().zip(point);
+        shares.map(|((slot, c), u)| share(c, value(*slot, c, mirrored(*u)))).collect()
+    }
+
+    /// The points that are changed so far within the cube.
+    pub fn neighbours(&self, point: &[f64], change: Change) -> Vec<Vec<f64>> {
+        match change {
+            Change::List => self.other_values(point, 0),
+            Change::Lists => {
+                let first = self.other_values(point, 0);
+                let place = |p: &[f64]| p.iter().zip(point).position(|(a, b)| a != b).unwrap_or(0);
+                first.iter().flat_map(|p| self.other_values(p, place(p) + 1)).collect()
+            }
+            Change::Range(step) => {
+                let ranges = self.variables.iter().enumerate();
+                let ranges = ranges.filter(|(_, (_, c))| matches!(c, Coordinate::Range { .. }));
+                let both = ranges.flat_map(|(k, _)| [(k, point[k] - step), (k, point[k] + step)]);
+                both.filter(|(_, u)| (0.0..=1.0).contains(u)).map(|(k, u)| with(point, k, u)).collect()
+            }
+        }
+    }
+
+    /// The points in which one list from a variable on has another value.
+    fn other_values(&self, point: &[f64], from: usize) -> Vec<Vec<f64>> {
+        let beside = |k: usize| {
+            let others = middles(self.variables[k].1).into_iter().filter(move |u| *u != point[k]);
+            others.map(move |u| with(point, k, u))
+        };
+        (from..point.len()).flat_map(beside).collect()
+    }
+
+    /// One point for every layout, if there are at most so many: if every variable is a list.
+    pub fn every_point(&self, most: u64) -> Option<Vec<Vec<f64>>> {
+        let lists: Vec<Vec<f64>> = self.variables.iter().map(|(_, c)| middles(c)).collect();
+        let count = lists.iter().try_fold(1u64, |count, list| count.checked_mul(list.len() as u64))?;
+        if count == 0 || count > most {
+            return None;
+        }
+        let mut all = vec![Vec::new()];
+        for list in &lists {
+            all = all.iter().flat_map(|p| list.iter().map(|u| [&p[..], &[*u]].concat())).collect();
+        }
+        Some(all)
+    }
+
     /// The layout of a point. Points outside the cube are folded back like in a mirror, so that
     /// every point has a layout. Coordinates are rounded to 1 um and 0.0001 degree: what is
     /// evaluated is exactly what a file can say.
@@ -40,6 +89,23 @@ impl<'c> Space<'c> {
     }
 }
 
+fn with(point: &[f64], k: usize, u: f64) -> Vec<f64> {
+    let mut moved = point.to_vec();
+    moved[k] = u;
+    moved
+}
+
+/// Where in [0, 1] the values of a list are; none of a range.
+fn middles(coordinate: &Coordinate) -> Vec<f64> {
+    let Coordinate::List(values) = coordinate else { return Vec::new() };
+    (0..values.len()).map(|k| middle(k, values.len())).collect()
+}
+
+/// The middle of the share of a listed value.
+fn middle(k: usize, count: usize) -> f64 {
+    (k as f64 + 0.5) / count as f64
+}
+
 /// Where in [0, 1] a value of a coordinate is; one of a list in the middle of its share.
 fn share(coordinate: &Coordinate, value: f64) -> f64 {
     match coordinate {
@@ -48,7 +114,7 @@ fn share(coordinate: &Coordinate, value: f64) -> f64 {
         Coordinate::List(values) => {
             let off = |k: &usize| (values[*k] - value).abs();
             let nearest = (0..values.len()).min_by(|a, b| off(a).total_cmp(&off(b)));
-            (nearest.unwrap_or(0) as f64 + 0.5) / values.len() as f64
+            middle(nearest.unwrap_or(0), values.len())
         }
     }
 }

@@ -2,11 +2,14 @@
 //! the same evaluation on any machine and after any interruption.
 
 use super::record::Record;
-use crate::cell::SearchSettings;
+use crate::cell::{Goals, SearchSettings};
 use serde::{Deserialize, Serialize};
 
-/// Share of the budget kept for the polish.
+/// Share of the budget kept for the polish; with a front or a shortlist, whose members are polled after
+/// it, that and the part of it that the polish may take.
 const POLISH_SHARE: f64 = 0.1;
+const POLL_SHARE: f64 = 0.25;
+const POLISH_PART: f64 = 0.3;
 
 /// How a search ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -66,20 +69,42 @@ pub struct Stopping {
     /// The global solver ends after so many evaluations without an improvement by more than 1e-6 of
     /// the objective; the polish follows.
     pub stagnation: Option<u64>,
+    /// If any, the search is for a front in these goals: the gap, which is of the error alone, does not
+    /// end it, and an improvement is a new member of the front.
+    #[serde(default)]
+    pub pareto: Goals,
+    /// How many layouts are kept; 0: the best alone, or the whole front.
+    #[serde(default)]
+    pub keep: usize,
 }
 
 impl Stopping {
     pub fn new(settings: &SearchSettings, bound: Option<f64>) -> Self {
-        let SearchSettings { budget, gap, stagnation, .. } = *settings;
-        Self { budget, gap, bound, stagnation }
+        let SearchSettings { budget, gap, stagnation, pareto, keep, .. } = *settings;
+        Self { budget, gap, bound, stagnation, pareto, keep }
     }
 
     /// Evaluations that leave the polish its share.
     pub fn exploration(&self) -> u64 {
-        self.budget - (self.budget as f64 * POLISH_SHARE) as u64
+        let share = if self.keeps_more() { POLL_SHARE } else { POLISH_SHARE };
+        self.budget - (self.budget as f64 * share) as u64
+    }
+
+    /// Evaluations of the polish, at most.
+    pub fn polish(&self) -> u64 {
+        let rest = self.budget - self.exploration();
+        if self.keeps_more() { (rest as f64 * POLISH_PART) as u64 } else { rest }
+    }
+
+    /// Whether other layouts than the best are kept.
+    pub fn keeps_more(&self) -> bool {
+        self.keep > 0 || !self.pareto.is_empty()
     }
 
     pub fn closed(&self, record: &Record) -> bool {
+        if !self.pareto.is_empty() {
+            return false;
+        }
         let enough = self.gap.zip(self.bound).map(|(gap, bound)| bound + gap * bound.abs());
         enough.zip(record.best()).is_some_and(|(enough, best)| best <= enough)
     }

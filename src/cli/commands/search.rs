@@ -1,7 +1,7 @@
 //! `search`: a job that can be stopped and resumed.
 
 use super::{stem, suggest, warn_of_distrust, warn_of_hopeless, workcell};
-use crate::cell::{Cell, Loaded, Solver, shown};
+use crate::cell::{Cell, Goal, Goals, Loaded, SearchSettings, Solver, shown};
 use crate::cli::arguments::SearchArguments;
 use crate::cli::checkpoint::{self, Keeper, Kept};
 use crate::cli::output::path_word;
@@ -106,6 +106,7 @@ fn asked(a: &SearchArguments, file: &Path) -> Result<Loaded, Exit> {
     settings.gap = a.rules.gap.or(settings.gap);
     settings.stagnation = a.rules.stagnation.or(settings.stagnation);
     let named = |name: &String| Solver::ALL.into_iter().find(|s| s.name() == name);
+    take_kept(a, settings)?;
     settings.solver = a.solver.as_ref().and_then(named).unwrap_or(settings.solver);
     refuse_nothing_to_withstand(&loaded.cell)?;
     Ok(loaded)
@@ -126,6 +127,20 @@ fn refuse_lost_limits(cell: &Cell, limited: &[bool]) -> Result<(), Exit> {
     Err(Exit::BadInput)
 }
 
+/// Goals of a front and how many layouts are kept, as the command line says otherwise.
+fn take_kept(a: &SearchArguments, settings: &mut SearchSettings) -> Result<(), Exit> {
+    settings.keep = a.keep.map_or(settings.keep, |keep| keep as usize);
+    let Some(named) = &a.pareto else { return Ok(()) };
+    let named = named.iter().filter_map(|name| Goal::ALL.into_iter().find(|goal| goal.name() == name));
+    let goals = Goals::of(&named.collect::<Vec<_>>()).filter(|goals| goals.count() > 1);
+    settings.pareto = goals.ok_or_else(|| {
+        output::error("--pareto must name two goals or more, each once");
+        output::talk(&format!("  help: there are {}", Goal::ALL.map(Goal::name).join(", ")));
+        Exit::BadInput
+    })?;
+    Ok(())
+}
+
 /// As the cell file is asked for `robust = true`.
 fn refuse_nothing_to_withstand(cell: &Cell) -> Result<(), Exit> {
     if !cell.search.robust || cell.has_placement_tolerance() {
@@ -140,8 +155,15 @@ fn refuse_nothing_to_withstand(cell: &Cell) -> Result<(), Exit> {
 fn proven(workcell: &Workcell) -> Proof {
     // It is bounded by its boxes; a bound that hangs on when somebody stops it could not be resumed.
     let proof = prove(workcell, &ProofOptions::default(), &AtomicBool::new(false));
-    if proof.bound.is_none() && workcell.cell.search.gap.is_some() {
-        output::talk(&format!("note: --gap says nothing: {}", proof.in_words(workcell)));
+    let settings = &workcell.cell.search;
+    match settings.gap {
+        Some(_) if !settings.pareto.is_empty() => {
+            output::talk("note: --gap says nothing: it is of the error alone, and a front is more");
+        }
+        Some(_) if proof.bound.is_none() => {
+            output::talk(&format!("note: --gap says nothing: {}", proof.in_words(workcell)));
+        }
+        _ => {}
     }
     proof
 }
@@ -229,10 +251,12 @@ fn answer(
         },
     };
     format!(
-        "{}\n\n{}\n{}{said}\n{}{} layouts evaluated, {} feasible, in {seconds:.2} s ({}, seed {}); {}\n",
+        "{}\n\n{}\n{}{}{}{said}\n{}{} layouts evaluated, {} feasible, in {seconds:.2} s ({}, seed {}); {}\n",
         report::text::headline(cell),
         report::text::comparison(comparison),
         comparison.columns.last().map(report::text::robustness).unwrap_or_default(),
+        comparison.columns.last().map(report::text::goals_line).unwrap_or_default(),
+        report::text::front(cell, record),
         report::text::proven(workcell, record, proof),
         record.evaluations,
         record.feasible,

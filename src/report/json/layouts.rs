@@ -1,5 +1,6 @@
 //! `search --json` and `compare --json`.
 
+use super::front::{front, of_goals, pareto};
 use super::map::{counts, guard, monte_carlo};
 use super::robust::robustness;
 use super::{attitudes, base, joints, layout, length, lengths, refined};
@@ -48,7 +49,10 @@ pub fn search(
         "seed": cell.search.seed,
         "budget": cell.search.budget,
         "robust": cell.search.robust,
+        "pareto": pareto(cell),
+        "keep": Some(cell.search.keep).filter(|keep| *keep > 0),
         "reasons": best.reasons(),
+        "goals": of_goals(cell, best.goals().as_deref()),
         "layout": layout(cell, &best.layout),
         "base": base(&best.layout),
         "attitudes": attitudes(cell, &best.layout),
@@ -62,6 +66,7 @@ pub fn search(
             "attitudes": attitudes(cell, &start.layout),
             "operations": spots(start),
         },
+        "front": front(cell, record),
         "trace": record.trace.iter().map(|(n, e)| json!([n, length(cell.unit().from_si(*e))])).collect::<Vec<_>>(),
     });
     if let (Some(seconds), Some(object)) = (seconds, document.as_object_mut()) {

@@ -4,6 +4,7 @@
 //! coordinates. What has no value is null, never left out.
 
 mod envelope;
+mod front;
 mod layouts;
 mod map;
 mod posture;

@@ -1,0 +1,99 @@
+//! One number of many goals: what a run of a search for a front makes small.
+//!
+//! The augmented weighted Chebyshev distance from the best that has been seen of each goal,
+//!
+//! ```text
+//! s = max_i w_i g_i + rho sum_i g_i,     g_i = (loss_i - least_i) / (greatest_i - least_i),
+//! ```
+//!
+//! reaches points of a front that no weighted sum does, where it is not convex (A. P. Wierzbicki, "The use
+//! of reference objectives in multiobjective optimization", 1980; R. E. Steuer, E.-U. Choo, Mathematical
+//! Programming 26 (1983) 326-344). The first runs aim at one goal each, those after at weights that fill
+//! the simplex evenly.
+
+use super::front::{Front, Span};
+
+/// rho: so that of two layouts with the same maximum the better one wins.
+const AUGMENT: f64 = 1e-3;
+
+/// The cost of a run spans about so much, as errors in m do: the temperatures of annealing are of that
+/// size.
+const SCALE: f64 = 0.02;
+
+/// Below the cost of every infeasible layout.
+const MOST: f64 = 100.0;
+
+/// Bases of the Halton sequence: one less than goals at most.
+const PRIMES: [u64; 5] = [2, 3, 5, 7, 11];
+
+/// What a run aims at.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Aim {
+    weights: Vec<f64>,
+    /// None while nothing is known.
+    spans: Option<Vec<Span>>,
+}
+
+impl Aim {
+    /// The aim of a run that begins with this front.
+    pub fn new(front: &Front, run: u64) -> Self {
+        Self { weights: weights(front.goals().count(), run), spans: front.spans() }
+    }
+
+    pub fn cost(&self, losses: &[f64]) -> f64 {
+        let share = |k: usize| self.spans.as_ref().map_or(losses[k], |spans| spans[k].share(losses[k]));
+        let weighted = self.weights.iter().enumerate().filter(|(_, w)| **w > 0.0);
+        let farthest = weighted.map(|(k, w)| w * share(k)).fold(f64::NEG_INFINITY, f64::max);
+        let sum: f64 = (0..losses.len()).map(share).sum();
+        // Losses of different units do not add up before their spans are known.
+        let augment = if self.spans.is_some() { AUGMENT * sum } else { 0.0 };
+        (SCALE * (farthest + augment)).min(MOST)
+    }
+}
+
+/// Weights of a run, of sum 1: all on one goal in the first runs; then the gaps between the sorted
+/// coordinates of a Halton point, which are even on the simplex (L. Devroye, Non-Uniform Random Variate
+/// Generation, 1986, section V.2).
+fn weights(goals: usize, run: u64) -> Vec<f64> {
+    if run < goals as u64 {
+        return (0..goals as u64).map(|k| if k == run { 1.0 } else { 0.0 }).collect();
+    }
+    let number = run + 1 - goals as u64;
+    let mut cuts: Vec<f64> = PRIMES.iter().take(goals - 1).map(|p| radical_inverse(number, *p)).collect();
+    cuts.extend([0.0, 1.0]);
+    cuts.sort_by(f64::total_cmp);
+    cuts.windows(2).map(|pair| pair[1] - pair[0]).collect()
+}
+
+/// The digits of a number behind the point, in reverse.
+fn radical_inverse(mut number: u64, base: u64) -> f64 {
+    let (mut value, mut place) = (0.0, 1.0 / base as f64);
+    while number > 0 {
+        value += (number % base) as f64 * place;
+        number /= base;
+        place /= base as f64;
+    }
+    value
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn weights_lie_on_the_simplex_and_fill_it() {
+        for goals in 2..=6 {
+            let all: Vec<_> = (0..600).map(|run| weights(goals, run)).collect();
+            for w in &all {
+                assert!((w.iter().sum::<f64>() - 1.0).abs() < 1e-12 && w.iter().all(|w| *w >= 0.0), "{w:?}");
+            }
+            // The mean of each weight on the simplex is one over their number.
+            for k in 0..goals {
+                let mean = all[goals..].iter().map(|w| w[k]).sum::<f64>() / (600 - goals) as f64;
+                assert!((mean - 1.0 / goals as f64).abs() < 0.02, "{goals} goals: {mean}");
+            }
+        }
+        assert_eq!(weights(2, 0), [1.0, 0.0]);
+        assert_eq!([2, 3, 4].map(|run| weights(2, run)[0]), [0.5, 0.25, 0.75]);
+    }
+}
