@@ -19,7 +19,7 @@ const MAX_TOLERANCE: f64 = 45.0;
 /// Largest lean of a range past the vertical, degrees.
 const MAX_RANGE: f64 = 135.0;
 
-/// The attitude as drawn, and its angles that were given as numbers: elevation, azimuth, spin.
+/// The attitude as drawn, and its angles that may be searched: elevation, azimuth, spin.
 type Aim = (Attitude, [Option<Coordinate>; 3]);
 
 /// Reads `bend_deg`, `azimuth_deg`, `spin_deg` and `tolerance_deg` of an operation.
@@ -46,7 +46,8 @@ pub fn read(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<Aim> {
     let tolerance = units::rad_from_deg(tolerance?);
     let (elevation, (azimuth, of_azimuth), (spin, of_spin)) = (elevation?, azimuth?, spin?);
     let attitude = Attitude { elevation: elevation.start(), azimuth, spin, tolerance };
-    Some((attitude, [Some(elevation), of_azimuth, of_spin]))
+    // What is fixed stands in the attitude.
+    Some((attitude, [Some(elevation), of_azimuth, of_spin].map(|c| c.filter(Coordinate::is_free))))
 }
 
 /// Elevation of the tool axis, rad.

@@ -156,7 +156,7 @@ pub struct Operation {
     pub standoff: f64,
     /// As drawn.
     pub attitude: Attitude,
-    /// Elevation, azimuth, spin; None: as `attitude` says.
+    /// Those of elevation, azimuth and spin that may be searched; None: as `attitude` says.
     pub angles: [Option<Coordinate>; 3],
     pub sense: Sense,
     /// Largest error in the sense (m or rad) with which the operation succeeds.

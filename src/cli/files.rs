@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 /// What the names of unfinished files begin with.
-const UNFINISHED: &str = ".sweetspot-";
+pub const UNFINISHED: &str = ".sweetspot-";
 
 /// Largest file read: a mesh of a million triangles has some 60 MB.
 const MAX_BYTES: u64 = 128 << 20;

@@ -240,7 +240,7 @@ pub fn open(plan: &Plan, asked: Option<&Path>, stem: &str) -> Result<PathBuf, Ex
     // Jobs of an array may all be about to put the plan there: their unfinished files are no content.
     let is_started = |folder: &Path| {
         let names = folder.read_dir().into_iter().flatten().flatten().map(|entry| entry.file_name());
-        names.map(|n| n.to_string_lossy().into_owned()).all(|n| n.starts_with(".tmp") || n == PLAN)
+        names.map(|n| n.to_string_lossy().into_owned()).all(|n| n.starts_with(files::UNFINISHED) || n == PLAN)
     };
     let folder = match asked.filter(|folder| folder.is_dir() && is_started(folder)) {
         Some(folder) => folder.to_path_buf(),

@@ -1,8 +1,9 @@
 //! One operation in one layout, asked at any point of its surface, between the nodes too.
 
-use super::mapper::{Mapper, least_violation};
+use super::mapper::Mapper;
 use super::node::Status;
 use super::outcome::{Spot, Unjudged};
+use super::whole_map::least_violation;
 use crate::cell::{JointVector, Layout, Placement};
 use crate::clearance::{Placed, Scene};
 use crate::reach::{Approach, Branch, Cost, Reach};

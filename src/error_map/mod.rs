@@ -17,6 +17,7 @@ mod ranked;
 mod ranking;
 mod station;
 mod way;
+mod whole_map;
 
 pub use at_point::{Kept, PointSpot, Probe};
 pub use mapper::{Mapper, Scratch};

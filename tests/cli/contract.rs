@@ -856,7 +856,7 @@ fn compare_refuses_what_answers_another_question() {
         ("sense", "sense xy", "sense z"),
         ("grid", "grid 10 by 8", "grid 10 by 9"),
         ("weight", "weight 1", "weight 2"),
-        ("objective", "adds", "largest"),
+        ("objective", "is sum", "other max"),
         ("operation", "picking", "packing"),
     ];
     for (name, one, other) in why {

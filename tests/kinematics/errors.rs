@@ -266,7 +266,8 @@ fn maps_turn_with_the_base() {
     start.placements[0].x = 0.15;
     let still = Workcell::new(cell.clone()).unwrap().maps(&start).remove(0);
     cell.base = Placement { x: 0.1, y: -0.2, z: 0.3, yaw: FRAC_PI_2 }.values().map(Coordinate::Fixed);
-    let (mut layout, errors) = (start, signed(&cell).clone());
+    let base = cell.start().base;
+    let (mut layout, errors) = (sweetspot::cell::Layout { base, ..start }, signed(&cell).clone());
     let turned = |v: Vector3<f64>| vector![-v.y, v.x, v.z];
     let moved = |v| turned(v) + vector![0.1, -0.2, 0.3];
     let Placement { x, y, z, .. } = layout.placements[0];

@@ -57,6 +57,8 @@ pub fn sweep(a: &SweepArguments) -> Result<Exit, Exit> {
         suggest(&format!("sweep --resume {}", path_word(&sweep.folder)));
         return Ok(Exit::Done);
     }
+    // Every combination is there, so no job writes here any more: what is unfinished was killed.
+    files::sweep(&sweep.folder);
     let rows: Option<Vec<Row>> = all.map(|k| row(&sweep.folder, k)).collect();
     let rows = rows.ok_or_else(|| {
         output::error(&format!("{} has changed meanwhile", path_word(&sweep.folder)));

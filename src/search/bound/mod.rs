@@ -34,7 +34,7 @@ mod worth;
 pub use region::Region;
 pub use worth::tangent;
 
-use crate::cell::{JointVector, shown};
+use crate::cell::{JointVector, Quantity, Reading, shown};
 use crate::layout::{Workcell, combined};
 use std::sync::atomic::AtomicBool;
 use task::Task;
@@ -157,9 +157,16 @@ impl Proof {
                 Some(format!("{}: {why}", shown(&operation.name)))
             })
             .collect();
-        let relaxed = "each operation alone at the best spot of any layout, collisions and overlaps left out";
+        let mut relaxed =
+            "each operation alone at the best spot of any layout, collisions and overlaps left out"
+                .to_string();
+        let percentiles = [Quantity::P95, Quantity::P99].contains(&workcell.cell.quantity);
+        if workcell.cell.reading == Reading::Statistical && percentiles {
+            relaxed +=
+                "; that squares of percentiles are convex in the covariance is assumed: tried, not proven";
+        }
         match self.covers {
-            Covers::Everything => relaxed.to_string(),
+            Covers::Everything => relaxed,
             Covers::Part => format!("{relaxed}; counted as 0: {}", missing.join("; ")),
             Covers::Nothing => format!("no bound: {}", missing.join("; ")),
             Covers::Infeasible => format!("no layout is feasible: {}", missing.join("; ")),
