@@ -9,7 +9,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use sweetspot::cell::{Cell, Coordinate, Layout, Objective, Place, SearchSettings, Sense, Solver};
 use sweetspot::error_map::Outcome;
 use sweetspot::layout::{Evaluation, Workcell, evaluate};
-use sweetspot::search::{Ended, SearchRecord, Space, Watch, search};
+use sweetspot::search::bound::{ProofOptions, prove};
+use sweetspot::search::{Ended, Job, SearchRecord, Space, Watch, search, search_job};
 use sweetspot::units::{m_from_mm, mm_from_m};
 
 fn run(workcell: &Workcell, settings: SearchSettings) -> SearchRecord {
@@ -84,6 +85,8 @@ fn one_table(placement: &str, more: &str) -> Workcell {
 
 /// The bound is proven: the least error of either operation anywhere on the floor.
 const BOUND_MM: f64 = 20.429669;
+/// The best layout reaches it: work D of the peers.
+const OPTIMUM_MM: f64 = 20.42967;
 
 #[test]
 fn ten_seeds_come_within_a_hundredth_of_the_proven_bound() {
@@ -98,13 +101,19 @@ fn ten_seeds_come_within_a_hundredth_of_the_proven_bound() {
     }
 }
 
-/// pycma, the peer, gets there with 10 of 10 seeds.
+/// pycma, the peer, gets there with 10 of 10 seeds. The gap is to what this program proves itself.
 #[test]
 fn thirty_seeds_come_within_a_thousandth_of_the_bound_in_2000_evaluations() {
     let workcell = Workcell::new(shipped("hitachi_cell.toml")).unwrap();
+    let bound = prove(&workcell, &ProofOptions::default(), &AtomicBool::new(false)).bound;
     let missed = (1..=30).filter(|&seed| {
-        let record = run(&workcell, SearchSettings { seed, ..settings(Solver::CmaEs, 2000) });
-        mm_from_m(record.best.evaluation.objective.unwrap()) > BOUND_MM * 1.001
+        let settings = SearchSettings { seed, budget: 2000, ..workcell.cell.search };
+        let watch = Watch { progress: &|_| {}, stop: &AtomicBool::new(false) };
+        let job = Job { bound, from: None, keep: &|_, _| () };
+        let record = search_job(&workcell, &settings, &watch, &job);
+        check(&workcell, &settings, &record);
+        let objective = mm_from_m(record.best.evaluation.objective.unwrap());
+        objective > OPTIMUM_MM * 1.001 || record.gap().is_none_or(|gap| gap > 0.001)
     });
     assert_eq!(missed.collect::<Vec<_>>(), [0; 0]);
 }

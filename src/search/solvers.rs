@@ -14,6 +14,8 @@ use rand_chacha::ChaCha8Rng;
 /// First steps of CMA-ES, in units of the search range: from the layout as drawn, and from anywhere.
 const SIGMA_DRAWN: f64 = 0.15;
 const SIGMA: f64 = 0.3;
+/// Of so many restarts one is global; the others, which are shorter, are local.
+const LOCAL: u64 = 3;
 /// Particles of a swarm, and the generations after which it has settled.
 const PARTICLES: usize = 40;
 const GENERATIONS: u64 = 80;
@@ -50,7 +52,8 @@ pub fn explore(problem: &Problem<'_>, settings: &SearchSettings, start: Vec<f64>
         let _ended = match settings.solver {
             Solver::CmaEs => {
                 // A run for a front is too short for a large population.
-                let (sigma, scale) = restart(if problem.aims() { run.min(1) } else { run });
+                let number = if problem.aims() { run.min(1) } else { run };
+                let (sigma, scale) = restart(number, &mut rng);
                 let solver = CmaEs::new(from, sigma, scale, rng);
                 Executor::<_, _, Point>::new(problem, solver).timer(false).run().map(drop)
             }
@@ -77,13 +80,15 @@ pub fn explore(problem: &Problem<'_>, settings: &SearchSettings, start: Vec<f64>
 }
 
 /// First step and population (in default ones) of a run of CMA-ES. Near the layout as drawn to begin
-/// with, for somebody has thought about it; then anywhere, with a population that doubles from run to
-/// run as in IPOP-CMA-ES (A. Auger and N. Hansen, "A restart CMA evolution strategy with increasing
-/// population size", CEC 2005) and begins anew after eight times, to keep runs short.
-fn restart(run: u64) -> (f64, u32) {
+/// with, for somebody has thought about it; then anywhere in two ways, as in BIPOP-CMA-ES (N. Hansen,
+/// "Benchmarking a BI-population CMA-ES on the BBOB-2009 function testbed", GECCO 2009). Long steps and a
+/// population that doubles up to eight times see the large valleys; a short first step stays on its own
+/// side of what is in the way, where a small island of feasible layouts can be the best.
+fn restart(run: u64, rng: &mut ChaCha8Rng) -> (f64, u32) {
     match run.checked_sub(1) {
         None => (SIGMA_DRAWN, 1),
-        Some(again) => (SIGMA, 1 << (again % 4)),
+        Some(again) if again % LOCAL == 0 => (SIGMA, 1 << (again / LOCAL % 4)),
+        Some(_) => (SIGMA * 10f64.powf(-2.0 * rng.random::<f64>()), 1),
     }
 }
 

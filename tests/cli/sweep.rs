@@ -43,6 +43,11 @@ fn a_row_is_the_search_of_that_cell() {
         assert_eq!(row["objective"], found["objective_mm"], "row {index}");
         assert_eq!(row["layout"], found["layout"], "row {index}");
         assert_eq!(row["evaluations"], found["evaluations"]);
+        // The proof of the row is that of the search, and no objective lies below it.
+        assert_eq!([&row["bound"], &row["gap_percent"]], [&found["bound"], &found["gap_percent"]]);
+        let (bound, objective) = (number(&row["bound"]), number(&row["objective"]));
+        assert!(0.0 < bound && bound <= objective, "row {index}: {bound} {objective}");
+        assert!((number(&row["gap_percent"]) - 100.0 * (objective / bound - 1.0)).abs() < 1e-4, "{row}");
         for (spot, other) in items(&row["operations"]).iter().zip(items(&found["operations"])) {
             assert_eq!(spot["position_mm"], other["position_mm"]);
             assert_eq!(spot["value"], other["value"]);
@@ -63,6 +68,7 @@ fn a_row_is_the_search_of_that_cell() {
     let second: Vec<&str> = csv.lines().nth(3).unwrap().split(',').collect();
     assert_eq!(second[column("errors")], "table-3");
     assert_eq!(second[column("objective")].parse::<f64>().unwrap(), objectives[2]);
+    assert_eq!(second[column("bound")].parse::<f64>().unwrap(), number(&items(&table["rows"])[2]["bound"]));
     assert_eq!(csv.lines().count(), 5);
 }
 

@@ -8,10 +8,11 @@ use crate::cli::results::{INPUTS, keep_inputs, line, portable, pretty};
 use crate::cli::sweep::{Plan, SweepArguments, number, open, row};
 use crate::cli::{Exit, cache, files, output};
 use crate::compare::Assessment;
-use crate::layout::{self, Workcell};
+use crate::layout::Workcell;
 use crate::report;
 use crate::report::sweep::Row;
-use crate::search::{self, Ended, Watch};
+use crate::search::bound::{ProofOptions, prove};
+use crate::search::{self, Ended, Job, SearchRecord, Watch};
 use rayon::prelude::*;
 use serde_json::json;
 use std::path::PathBuf;
@@ -151,24 +152,29 @@ fn run_one(sweep: &Sweep, index: usize) -> Result<(), Exit> {
         Exit::BadInput
     })?;
     let workcell = super::workcell(loaded.cell, &plan.cell)?;
-    let (layout, evaluations) = if plan.search {
-        let watch = Watch { progress: &|_| {}, stop: &sweep.stop };
-        let record = search::search(&workcell, &workcell.cell.search, &watch);
-        if record.ended == Ended::Interrupted {
-            return Ok(());
-        }
-        (record.best.layout, (record.evaluations, record.feasible))
+    let record = if plan.search {
+        let Some(record) = searched(&workcell, &sweep.stop) else { return Ok(()) };
+        Some(record)
     } else {
-        let start = workcell.cell.start();
-        let feasible = layout::evaluate(&workcell, &start).objective.is_some();
-        (start, (1, u64::from(feasible)))
+        None
     };
+    let layout = record.as_ref().map_or_else(|| workcell.cell.start(), |r| r.best.layout.clone());
     let assessment = Assessment::new("best", &workcell, layout);
-    let row = report::json::row(&plan.sets, index, &assessment, evaluations);
+    let row = report::json::row(&plan.sets, index, &assessment, record.as_ref());
     if row.feasible {
         write_cell(sweep, index, &assessment)?;
     }
     files::write_whole(&folder.join(number(index) + ".json"), &pretty(&row)?)
+}
+
+/// As `search` does: the bound first, which may end the search. None if it is stopped.
+fn searched(workcell: &Workcell, stop: &AtomicBool) -> Option<SearchRecord> {
+    let proof = prove(workcell, &ProofOptions::default(), stop);
+    let job = Job { bound: proof.bound, from: None, keep: &|_, _| () };
+    let watch = Watch { progress: &|_| {}, stop };
+    let record = search::search_job(workcell, &workcell.cell.search, &watch, &job);
+    // Half a proof would leave another bound in the row.
+    (!proof.interrupted && record.ended != Ended::Interrupted).then_some(record)
 }
 
 /// NNNN.toml, a cell with the layout fixed, and among the inputs the cell with its settings.

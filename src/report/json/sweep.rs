@@ -4,6 +4,8 @@ use super::{layout, length, lengths};
 use crate::cell::Choices;
 use crate::compare::Assessment;
 use crate::report::sweep::{Row, Spot};
+use crate::search::SearchRecord;
+use crate::units::rounded;
 use serde_json::{Map, Value};
 
 /// The value of each set in the combination of an index: the last set changes fastest.
@@ -22,22 +24,23 @@ pub fn values(sets: &[Choices], index: usize) -> Vec<&str> {
     values
 }
 
-/// The row of a combination, from the layout that it came to. `evaluations` are all and the feasible.
-pub fn row(sets: &[Choices], index: usize, a: &Assessment<'_>, evaluations: (u64, u64)) -> Row {
+/// The row of a combination, from the layout that it came to; `record`: of its search, none of a map.
+pub fn row(sets: &[Choices], index: usize, a: &Assessment<'_>, record: Option<&SearchRecord>) -> Row {
     let paths = sets.iter().map(|s| s.path.clone());
     let typed = values(sets, index).into_iter();
     let read = typed.map(|v| serde_json::from_str(v).unwrap_or_else(|_| Value::String(v.into())));
     let Value::Object(layout) = layout(a.cell, &a.layout) else { return Row::default() };
+    let feasible = a.evaluation.objective.is_some();
     Row {
         index,
         set: paths.zip(read).collect::<Map<_, _>>(),
-        feasible: a.evaluation.objective.is_some(),
+        feasible,
         objective: a.objective().map(length),
         unit: a.cell.unit().word().to_string(),
-        bound: None,
-        gap_percent: None,
-        evaluations: evaluations.0,
-        feasible_evaluations: evaluations.1,
+        bound: record.and_then(|r| r.bound).map(|b| length(a.cell.unit().from_si(b))),
+        gap_percent: record.and_then(SearchRecord::gap).map(|g| rounded(g * 100.0, 6)),
+        evaluations: record.map_or(1, |r| r.evaluations),
+        feasible_evaluations: record.map_or(u64::from(feasible), |r| r.feasible),
         operations: (0..a.maps.len()).map(|k| spot(a, k)).collect(),
         layout,
         reasons: a.reasons(),
