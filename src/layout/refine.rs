@@ -4,13 +4,15 @@
 //! edge of the usable area is met at one angle only; the best that gains is taken, and if none does the
 //! distance is halved, from half the spacing of the nodes down to a micrometre (compass search: Kolda,
 //! Lewis and Torczon, SIAM Review 45 (2003) 385-482). Nothing but gains is taken, so the spot is never
-//! worse than the node. Every point is judged as a node is. The other operations stay at their nodes:
+//! worse than the node. The posture is kept on the
+//! way, and every one of the point where it ends is judged, as at a node: if another is better there, it
+//! goes on with that. The other operations stay at their nodes:
 //! what is relative to a pick is relative to the pick's node.
 
 use super::Workcell;
 use crate::cell::{JointVector, Layout, Place, Rectangle};
 use crate::clearance::Placed;
-use crate::error_map::{OperationMap, PointSpot, Probe, Status};
+use crate::error_map::{Kept, OperationMap, PointSpot, Probe, Status};
 use nalgebra::Vector3;
 
 /// Nodes from which the search starts, at most.
@@ -24,6 +26,8 @@ const GOLDEN: f64 = 2.399_963_229_728_653;
 const FINEST: f64 = 1e-6;
 /// Gains below this share are rounding.
 const GAIN: f64 = 1e-9;
+/// Postures tried one after the other from one start.
+const POSTURES: usize = 4;
 /// Polls of one search at most: some hundred are usual.
 const POLLS: usize = 1000;
 
@@ -85,13 +89,24 @@ impl Workcell {
         let mut best = PointSpot { at: node_at, branch: node.branch, value: node.value };
         for start in starts(map) {
             let at = self.mapper.local(map.operation, start);
-            let Ok(from) = probe.best(at) else { continue };
+            let Ok(mut from) = probe.best(at) else { continue };
             let step = spacing.0.max(spacing.1) / 2.0;
-            let found = descend(from, area, step, |at| {
-                Some(at).filter(|at| probe.from_touched(*at) >= apart).and_then(|at| probe.best(at).ok())
-            });
-            if found.value < best.value {
-                best = found;
+            for _ in 0..POSTURES {
+                let Some(joints) = probe.joints(from.at, from.branch) else { break };
+                let branch = from.branch;
+                let found = descend(from, area, step, |at| {
+                    let is_apart = probe.from_touched(at) >= apart;
+                    let value =
+                        is_apart.then(|| probe.keeping(&Kept { at, branch, joints }).ok()).flatten()?;
+                    Some(PointSpot { at, branch, value })
+                });
+                if found.value < best.value {
+                    best = found;
+                }
+                match probe.best(found.at) {
+                    Ok(other) if other.value < found.value * (1.0 - GAIN) => from = other,
+                    _ => break,
+                }
             }
         }
         let PointSpot { at, branch, value } = best;
