@@ -343,8 +343,8 @@ fn what_the_command_line_changes_is_checked_again() {
     cell.operations[1].sense = cell.sense("screw").unwrap();
     assert_eq!(about(&cell), [About::Sense(1)]);
     cell.reading = Reading::Statistical;
-    assert_eq!(about(&cell), [About::Operation(2)]);
-    cell.operations[2].limit = Some(0.001);
+    assert_eq!(about(&cell), [2, 3, 4].map(About::Operation));
+    cell.operations[2..].iter_mut().for_each(|o| o.limit = Some(0.001));
     assert_eq!(cell.question_faults(), []);
 }
 

@@ -16,8 +16,8 @@ const MAX_SPINS: usize = 72;
 /// Widest tolerance, degrees.
 const MAX_TOLERANCE: f64 = 45.0;
 
-/// Largest lean of a range past the vertical, degrees.
-const MAX_RANGE: f64 = 135.0;
+/// Steepest elevation, degrees: past the vertical the tool leans back.
+const MAX_BEND: f64 = 135.0;
 
 /// The attitude as drawn, and its angles that may be searched: elevation, azimuth, spin.
 type Aim = (Attitude, [Option<Coordinate>; 3]);
@@ -54,13 +54,14 @@ pub fn read(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<Aim> {
 fn read_bend(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<Coordinate> {
     let node = t.need("bend_deg", format!("add bend_deg = {}", Must::BeFinite.example()))?;
     let bend = coordinate_file::read(node, "bend_deg", units::rad_from_deg, lib)?;
-    let most = if bend.is_free() { MAX_RANGE } else { 90.0 };
     let (low, high) = bend.range();
-    let beyond = [low, high].map(units::deg_from_rad).into_iter().find(|deg| deg.abs() > most + 1e-9);
+    let beyond = [low, high].map(units::deg_from_rad).into_iter().find(|deg| deg.abs() > MAX_BEND + 1e-9);
     if let Some(deg) = beyond {
-        let message =
-            format!("`bend_deg` must be from -{most} to {most}, not {}", plain(units::rounded(deg, 6)));
-        let help = "-90 is the tool pointing down, 0 horizontal, 90 up";
+        let message = format!(
+            "`bend_deg` must be from -{MAX_BEND} to {MAX_BEND}, not {}",
+            plain(units::rounded(deg, 6))
+        );
+        let help = "-90 is the tool pointing down, 0 horizontal, 90 up, -100 down and back by 10";
         lib.error(node.at, message, help);
     }
     Some(bend)

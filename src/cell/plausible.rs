@@ -4,12 +4,16 @@
 use super::document::Library;
 use super::error_model::{ErrorSet, Parameter, Tolerance};
 use super::fault::Severity;
+use super::layout::Coordinate;
 use super::model::{Cell, Equipment, Role};
 use super::shape::{Shape, extent_of};
 use super::tree::{At, Node};
 use crate::units::{mm_from_m, rounded};
 
 const FACTOR: f64 = 20.0;
+
+/// What stands on a surface may be so far off it, m.
+const STANDS: f64 = 1e-6;
 
 /// No link is made as true as this share of the reach.
 const LEAST: f64 = 1e-6;
@@ -30,6 +34,7 @@ pub fn warn(cell: &Cell, root: &Node, lib: &mut Library<'_>) {
     if let ErrorSet::Tolerance(set) = cell.error_set() {
         warn_of_tolerance(set, cell.robot.axes(), reach, place_of(root, "errors"), lib);
     }
+    warn_of_stands(cell, root, lib);
     let standing = standing(cell, root);
     if let [first, _, ..] = &standing[..]
         && let Some(all) = side(first)
@@ -84,6 +89,37 @@ fn side(size: f64, reach: f64) -> Option<&'static str> {
         Some("less than a twentieth of")
     } else {
         None
+    }
+}
+
+/// Warns of equipment that stands in what it stands on, or beside it, in the cell as drawn.
+fn warn_of_stands(cell: &Cell, root: &Node, lib: &mut Library<'_>) {
+    for e in &cell.equipment {
+        let Some(under) = e.on.map(|k| &cell.equipment[k]) else { continue };
+        let at = root.value.get("equipment").map_or(root.at, |node| place_of(node, &e.name));
+        let [x, y, z, _] = e.placement.each_ref().map(Coordinate::start);
+        let low = extent_of(e.solids.iter().map(|s| &s.shape)).map_or(0.0, |(low, _)| low.z);
+        if z + low < -STANDS {
+            let by = millimetres(-(z + low));
+            let message = format!("`{}` reaches {by} mm below the surface of `{}`", e.name, under.name);
+            lib.fault(
+                at,
+                Severity::Warning,
+                message,
+                "its z_mm is the height of its frame above that surface",
+            );
+        }
+        let top = under.surface.unwrap_or(under.footprint);
+        let beside = |v: f64, centre: f64, size: f64| (v - centre).abs() > size / 2.0 + STANDS;
+        if beside(x, top.centre.0, top.size.0) || beside(y, top.centre.1, top.size.1) {
+            let message = format!("`{}` stands beside `{}`, not on it", e.name, under.name);
+            lib.fault(
+                at,
+                Severity::Warning,
+                message,
+                "its x_mm and y_mm are in the frame of what it stands on",
+            );
+        }
     }
 }
 

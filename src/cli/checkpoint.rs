@@ -241,6 +241,7 @@ fn refuse_changes(then: &SearchArguments, asked: &SearchArguments) -> Result<(),
             ("registration", o.registration.clone()),
             ("seed", a.seed.map(|seed| seed.to_string())),
             ("solver", a.solver.clone()),
+            ("robust", a.robust.then(|| "given".to_string())),
             ("pareto", a.pareto.as_ref().map(|goals| goals.join(","))),
             ("keep", a.keep.map(|keep| keep.to_string())),
         ]
@@ -248,7 +249,7 @@ fn refuse_changes(then: &SearchArguments, asked: &SearchArguments) -> Result<(),
     let mut changed = false;
     for ((name, was), (_, is)) in options(then).into_iter().zip(options(asked)) {
         if is.is_some() && is != was {
-            let word = |value: Option<String>| value.map_or("none".into(), |v| output::word(&v));
+            let word = |value: Option<String>| value.map_or("not given".into(), |v| output::word(&v));
             output::error(&format!("--{name} was {} when the search began, not {}", word(was), word(is)));
             changed = true;
         }

@@ -165,7 +165,8 @@ impl<'a> Assessment<'a> {
         let apart = self.apart.as_ref()?;
         let moves = self.cell.equipment.iter().zip(self.layout.placements.iter().zip(&apart.placements));
         let moved = moves.filter(|(_, (from, to))| from != to).map(|(e, (_, to))| {
-            format!("{} at x {:.1}, y {:.1} mm", e.name, mm_from_m(to.x), mm_from_m(to.y))
+            let world = if e.on.is_some() { " (world)" } else { "" };
+            format!("{} at x {:.1}, y {:.1} mm{world}", e.name, mm_from_m(to.x), mm_from_m(to.y))
         });
         Some(format!("nearest without overlap: {}", moved.collect::<Vec<_>>().join("; ")))
     }

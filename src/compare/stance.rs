@@ -142,7 +142,17 @@ fn situation_elsewhere(
 
 /// Why a map has no best node.
 pub fn no_usable_node(cell: &Cell, map: &OperationMap) -> String {
-    let name = shown(&cell.operations[map.operation].name);
+    let operation = &cell.operations[map.operation];
+    let name = shown(&operation.name);
+    let first = map.nodes.iter().find(|n| n.status != Status::Ok).filter(|_| operation.over.takes_all());
+    if let Some(node) = first {
+        let (failing, all) = (map.nodes.len() - map.count("ok"), map.nodes.len());
+        let why = node.status.reason(cell);
+        return format!(
+            "{name} happens at all of its {all} nodes, and {failing} cannot be used; the first is ({}, {}): {why}",
+            node.i, node.j
+        );
+    }
     let of = |status| map.count(status);
     let (out, limit, hit) = (of("out-of-reach"), of("joint-limit"), of("collision"));
     let others = [

@@ -50,6 +50,11 @@ impl Grid {
         (k % (self.divisions.0 + 1), k / (self.divisions.0 + 1))
     }
 
+    /// Whether its nodes were listed one by one.
+    pub fn is_listed(&self) -> bool {
+        !self.points.is_empty()
+    }
+
     /// Least and greatest x, then y, of the nodes in the frame of the equipment, m.
     pub fn extent(&self) -> [(f64, f64); 2] {
         [&self.xs, &self.ys].map(|line| (line[0], line[line.len() - 1]))

@@ -1,6 +1,6 @@
 //! Postures and layouts asked for their motion: margins, approach and retract, ways between operations.
 
-use super::mapper::Mapper;
+use super::mapper::{Mapper, Scratch};
 use super::node::Status;
 use super::outcome::Spot;
 use crate::cell::{JointVector, Layout};
@@ -44,7 +44,7 @@ impl Mapper {
         self.guard.as_ref().is_some_and(Guard::asks_transfers)
     }
 
-    /// The ways between the operations at their spots; none if the cell does not ask for them or a spot is
+    /// The ways between the operations, at their spots and from point to point of one at many points; none if the cell does not ask for them or a spot is
     /// missing.
     ///
     /// # Errors
@@ -59,9 +59,28 @@ impl Mapper {
         let Some(guard) = self.guard.as_ref().filter(|guard| guard.asks_transfers()) else {
             return Ok(Vec::new());
         };
-        let stance = |(k, spot): (usize, &Option<Spot>)| self.stance(k, layout, spot.as_ref()?);
-        let stances: Option<Vec<_>> = spots.iter().enumerate().map(stance).collect();
-        stances.map_or(Ok(Vec::new()), |stances| guard.transfers(scene, placed, &stances))
+        let stances: Option<Vec<Vec<Stance>>> =
+            (0..spots.len()).map(|k| self.stances(k, layout, scene, spots)).collect();
+        stances.map_or(Ok(Vec::new()), |stances| guard.transfers(scene, placed, &stances.concat()))
+    }
+
+    /// The postures of an operation in their order: at its spot, or at every one of its points. Of a region
+    /// that at the worst node: no order is given to the others.
+    fn stances(
+        &self,
+        operation: usize,
+        layout: &Layout,
+        scene: &Scene,
+        spots: &[Option<Spot>],
+    ) -> Option<Vec<Stance>> {
+        let (station, spot) = (&self.stations[operation], spots[operation]?);
+        if !station.over.takes_all() || !station.grid.is_listed() {
+            return Some(vec![self.stance(operation, layout, &spot)?]);
+        }
+        let (mut placed, mut scratch) = (Placed::default(), Scratch::default());
+        scene.place(layout, &mut placed);
+        let all = self.every_free(operation, layout, scene, &mut placed, spots, &mut scratch).ok()?;
+        all.iter().map(|spot| self.stance(operation, layout, spot)).collect()
     }
 
     /// The joint coordinates of an operation at its spot.

@@ -15,7 +15,7 @@ pub use refine::Refined;
 pub use robust::{Corner, Ended, Largest, Lost, Robustness};
 pub use separate::separated;
 
-use crate::cell::{Cell, Layout, Objective};
+use crate::cell::{Cell, Layout, Objective, Unit};
 use crate::clearance::{FloorPlan, Overlap, OwnPair, Placed, Remember, Scene};
 use crate::error_map::{Mapper, OperationMap, Outcome, PostureRecord, Scratch, Spot, Unjudged};
 use crate::motion::{Blocked, Transfer};
@@ -26,6 +26,9 @@ use crate::robot::Frames;
 /// Added to the cost of every infeasible layout, times the weights: more than any weighted error in
 /// m, so that no infeasible layout ever ranks before a feasible one.
 const INFEASIBLE: f64 = 1e3;
+/// The same for a layout that misses a limit: worse than every layout that keeps its limits, better than
+/// every infeasible one.
+const MISSES: f64 = 1e2;
 /// What an operation without a spot costs at least (m): being out of reach is worse than passing a
 /// joint limit, which is worse than colliding everywhere.
 const COLLIDES: f64 = 0.5;
@@ -59,9 +62,16 @@ pub struct Evaluation {
     /// Weighted values of the operations (m, rad or shares), of a robust search the worst over the
     /// placement tolerances; None if the layout is infeasible.
     pub objective: Option<f64>,
-    /// Finite for every layout: the objective, or 1000 times the weights and more, falling towards
-    /// feasibility.
+    /// Finite for every layout: the objective; if a limit is missed, 100 times the weights and more; if
+    /// the layout is infeasible, 1000 times and more, falling towards feasibility.
     pub cost: f64,
+}
+
+impl Evaluation {
+    /// Whether the layout is feasible and keeps every limit: what a search looks for.
+    pub fn is_accepted(&self) -> bool {
+        self.objective == Some(self.cost)
+    }
 }
 
 /// Memory reused from layout to layout by one thread.
@@ -117,6 +127,17 @@ impl Workcell {
             Objective::WeightedSum => weights.sum(),
             Objective::WeightedMaximum => weights.fold(0.0, f64::max),
             Objective::Lexicographic => 1.0,
+        }
+    }
+
+    /// What a feasible layout costs with these values of its operations: its objective, or more than that
+    /// of any layout that keeps its limits.
+    fn priced(&self, objective: f64, values: &[f64]) -> f64 {
+        let limited = self.cell.operations.iter().zip(values).filter(|_| self.cell.unit() != Unit::Share);
+        let excess = limited.filter_map(|(o, value)| o.limit.map(|limit| (value - limit).max(0.0)));
+        match excess.sum::<f64>() {
+            excess if excess > 0.0 => self.weight() * (MISSES + excess),
+            _ => objective,
         }
     }
 
@@ -196,7 +217,8 @@ pub fn evaluate_in(workcell: &Workcell, layout: &Layout, workspace: &mut Workspa
     let (transfers, blocked) = ways(mapper, found, (layout, scene, placed), &spots);
     let usable = found.is_empty() && blocked.is_none();
     let objective = if usable { objective(cell, &outcomes) } else { None };
-    let cost = objective.unwrap_or_else(|| {
+    let cost = objective.map(|objective| workcell.priced(objective, &values(&outcomes)));
+    let cost = cost.unwrap_or_else(|| {
         let apart: f64 = found.iter().map(|o| o.depth).sum();
         let blocked = if blocked.is_some() { BLOCKED } else { 0.0 };
         let short = outcomes.iter().map(|o| shortfall(cell, o)).sum::<f64>();
@@ -223,12 +245,14 @@ fn ways(
 
 /// The errors of all operations as one number, None if an operation has no spot.
 fn objective(cell: &Cell, outcomes: &[Outcome]) -> Option<f64> {
-    let value = |outcome: &Outcome| match outcome {
-        Outcome::Found(spot) => Some(spot.value),
-        _ => None,
-    };
-    let values: Option<Vec<f64>> = outcomes.iter().map(value).collect();
-    values.map(|values| combined(cell, &values))
+    let values = values(outcomes);
+    (values.len() == outcomes.len()).then(|| combined(cell, &values))
+}
+
+/// Of the operations that have a spot.
+fn values(outcomes: &[Outcome]) -> Vec<f64> {
+    let value = |outcome: &Outcome| if let Outcome::Found(spot) = outcome { Some(spot.value) } else { None };
+    outcomes.iter().filter_map(value).collect()
 }
 
 /// The values of all operations (m, rad or shares) as one: the objective of the cell. It falls when any

@@ -51,7 +51,8 @@ pub(super) fn evaluate(workcell: &Workcell, layout: &Layout, workspace: &mut Wor
     let apart = overlap_depth(workcell, layout, workspace).max(overlaps.iter().map(|o| o.depth).sum());
     let stands = apart == 0.0 && blocked.is_none() && values.len() == outcomes.len();
     let objective = stands.then(|| combined(cell, &values));
-    let cost = objective.unwrap_or_else(|| {
+    let cost = objective.map(|objective| workcell.priced(objective, &values));
+    let cost = cost.unwrap_or_else(|| {
         let shortfalls: f64 = outcomes.iter().map(|o| shortfall(cell, o)).sum();
         let blocked = if blocked.is_some() { BLOCKED } else { 0.0 };
         workcell.weight() * (INFEASIBLE + apart + blocked + shortfalls + missing)

@@ -48,7 +48,7 @@ pub(super) fn draw_legend(
     text(MARGIN, top + 68.0, &format!("arrows: error in x and y, {enlarged} times enlarged"));
     text(MARGIN + 330.0, top + 10.0, "out of reach");
     text(MARGIN + 330.0, top + 30.0, "joint limit, attitude");
-    text(MARGIN + 330.0, top + 50.0, "collides");
+    text(MARGIN + 330.0, top + 50.0, "collides, or no way in");
     text(MARGIN + 330.0, top + 70.0, "spot chosen");
     text(MARGIN + 330.0, top + 90.0, "reach at this height");
     let x = MARGIN + 315.0;

@@ -235,7 +235,7 @@ impl<'a> Problem<'a> {
             let values = goals.and_then(|goals| self.workcell.goals(&layout, &e, goals));
             let losses = self.goals.iter().zip(values.unwrap_or_default());
             let losses = losses.map(|(g, v)| rounded(g.loss(v), LOSS_DIGITS)).collect();
-            Answer { cost: e.cost, feasible: e.objective.is_some(), losses }
+            Answer { cost: e.cost, feasible: e.is_accepted(), losses }
         };
         let lease = || Lease::new(&self.workspaces);
         match points {

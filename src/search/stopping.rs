@@ -46,7 +46,7 @@ impl Ended {
 
     pub fn in_words(self) -> &'static str {
         match self {
-            Ended::Done => "the budget is used",
+            Ended::Done => "the budget is used, or the polish had nothing left to gain",
             Ended::Gap => "it is as near to the bound as asked",
             Ended::Stagnation => "nothing better was found for as long as asked",
             Ended::Interrupted => "interrupted",

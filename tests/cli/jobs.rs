@@ -242,7 +242,10 @@ fn progress_is_lines_of_json_where_no_terminal_is() {
     let share = found["feasible"].as_f64().unwrap() / 800.0;
     assert!((number(&last["feasible_share"]) - share).abs() < 1e-12, "{last}");
     assert!((number(&last["best"]) - number(&found["objective_mm"])).abs() < 1e-6, "{last}");
-    assert_eq!((text(&last["unit"]), &last["bound"]), ("mm", &found["bound"]));
+    assert_eq!(text(&last["unit"]), "mm");
+    // A file rounds a bound down.
+    let rounded = number(&last["bound"]) - number(&found["bound"]);
+    assert!((0.0..1e-8).contains(&rounded), "{last}");
     let gap = number(&last["best"]) / number(&last["bound"]) - 1.0;
     assert!((number(&last["gap"]) - gap).abs() < 1e-12 && gap > 0.0, "{last}");
     assert!(lines(&["--out", "b", "--progress", "none"]).is_empty());

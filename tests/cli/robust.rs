@@ -15,7 +15,7 @@ fn robust_tells_worst_corner_slopes_and_room() {
     for words in [
         "placement tolerance: worst ",
         "changes by x ",
-        " times its tolerance",
+        " times the tolerances",
         "may be misplaced by at most ",
     ] {
         assert_eq!(told.out.matches(words).count() % 2, 0, "{}", told.out);

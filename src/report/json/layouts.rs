@@ -30,7 +30,7 @@ pub fn search(
         "objective_value": best.objective().map(length),
         "unit": cell.unit().word(),
         "gain_percent": assessed.change_percent(1, Assessment::objective).map(|c| rounded(-c, 6)),
-        "bound": record.bound.map(|b| length(cell.unit().from_si(b))),
+        "bound": record.bound.map(|b| rounded_down(cell.unit().from_si(b))),
         "gap_percent": record.gap().map(|g| rounded(g * 100.0, 6)),
         "proof": proven(cell, proof),
         "evaluations": record.evaluations,
@@ -75,13 +75,18 @@ pub fn search(
     document
 }
 
+/// A bound as it is written: never above what is proven.
+fn rounded_down(v: f64) -> f64 {
+    (v * 1e9).floor() / 1e9
+}
+
 /// What is proven of each operation, or why nothing is.
 fn proven(cell: &Cell, proof: &Proof) -> Value {
     let operation = |(bound, operation): (&OperationBound, &Operation)| {
         let unit = operation.sense.unit;
         json!({
             "name": operation.name,
-            "bound": bound.value.ok().map(|v| length(unit.from_si(v))),
+            "bound": bound.value.ok().map(|v| rounded_down(unit.from_si(v))),
             "unit": unit.word(),
             "why_not": bound.value.err().map(WhyNot::in_words),
             "boxes": bound.boxes,

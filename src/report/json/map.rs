@@ -26,6 +26,8 @@ pub struct MapDocument<'a> {
     /// What must be said about how the errors are read.
     notes: Vec<String>,
     overlaps: Value,
+    /// Why the layout is not feasible.
+    reasons: Vec<String>,
     /// Of a cell that asks for them.
     #[serde(skip_serializing_if = "Option::is_none")]
     transfers: Option<Value>,
@@ -44,6 +46,11 @@ struct OperationDocument<'a> {
     quantity: &'static str,
     registration: &'static str,
     limit: Option<f64>,
+    /// What is left to the limit; negative: it is missed.
+    margin: Option<f64>,
+    over: &'static str,
+    /// What the operation is worth: at its best node, or over all nodes.
+    value: Option<f64>,
     counts: Value,
     guard: Value,
     monte_carlo: Value,
@@ -117,6 +124,7 @@ pub fn map<'a>(assessment: &'a Assessment<'_>) -> MapDocument<'a> {
         unit: cell.unit().word(),
         notes: crate::report::text::caveats(cell),
         overlaps: overlaps(assessment),
+        reasons: assessment.reasons(),
         transfers: cell.transfer.is_some().then(|| transfers(assessment)),
         layout: layout(cell, &assessment.layout),
         operations: assessment.maps.iter().map(|m| operation_map(assessment, m)).collect(),
@@ -136,6 +144,9 @@ fn operation_map<'a>(a: &'a Assessment<'_>, map: &'a OperationMap) -> OperationD
         quantity: value_word(cell),
         registration: cell.registration.name(),
         limit: operation.limit.map(|l| length(operation.sense.unit.from_si(l))),
+        margin: a.requirement(map.operation).map(|r| length(cell.unit().from_si(r.margin))),
+        over: operation.over.name(),
+        value: map.value.map(|v| length(cell.unit().from_si(v))),
         counts: counts(map),
         guard: guard(cell, map),
         monte_carlo: monte_carlo(a, map.operation),

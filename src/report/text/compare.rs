@@ -3,7 +3,7 @@
 use super::table::Table;
 use super::{STATUSES, USUAL, fixed, mm, mm1, percent1, value_word};
 use crate::cell::{Coordinate, Slot, Unit};
-use crate::compare::{Assessment, Comparison};
+use crate::compare::{Assessment, Comparison, Requirement};
 use crate::layout::Refined;
 use crate::units::{deg_from_rad, rounded};
 use std::fmt::Write;
@@ -55,7 +55,9 @@ fn placement_rows(table: &mut Table, name: &str, columns: &[Assessment<'_>]) {
     let cells = |f: fn(&crate::cell::Placement) -> String| {
         columns.iter().map(move |c| of(c).map_or("-".into(), |p| f(&p))).collect::<Vec<_>>()
     };
-    table.labelled(name, "x, y mm", cells(|p| format!("{}, {}", mm(p.x), mm(p.y))).into_iter());
+    let tied = columns.iter().any(|c| c.cell.equipment.iter().any(|e| e.name == name && e.on.is_some()));
+    let word = if tied { "x, y mm (world)" } else { "x, y mm" };
+    table.labelled(name, word, cells(|p| format!("{}, {}", mm(p.x), mm(p.y))).into_iter());
     table.labelled("", "z mm", cells(|p| mm(p.z)).into_iter());
     table.labelled("", "yaw deg", cells(|p| rounded(deg_from_rad(p.yaw), 4).to_string()).into_iter());
 }
@@ -93,12 +95,18 @@ fn worth_rows(table: &mut Table, k: usize, columns: &[Assessment<'_>]) {
     }
     if let Some(limit) = operation.limit.filter(|_| unit != Unit::Share) {
         let word = format!("limit {} {}", fixed(unit.from_si(limit), 4), unit.word());
-        let told = |a: &Assessment<'_>| match a.requirement(k) {
-            None => "-".into(),
-            Some(r) if r.is_met() => format!("met, {} to spare", fixed(unit.from_si(r.margin), 4)),
-            Some(r) => format!("MISSED by {}", fixed(unit.from_si(-r.margin), 4)),
-        };
+        let told = |a: &Assessment<'_>| a.requirement(k).map_or("-".into(), |r| margin(a, r));
         table.labelled("", &word, columns.iter().map(told));
+    }
+}
+
+/// How far a value is from its limit.
+pub fn margin(a: &Assessment<'_>, r: Requirement) -> String {
+    let unit = a.cell.unit();
+    if r.is_met() {
+        format!("met, {} to spare", fixed(unit.from_si(r.margin), 4))
+    } else {
+        format!("MISSED by {}", fixed(unit.from_si(-r.margin), 4))
     }
 }
 

@@ -1,5 +1,6 @@
 //! What the maps say, operation by operation.
 
+use super::compare::margin;
 use super::{STATUSES, feasibility, mm1, percent, percent1, value_word};
 use crate::cell::{Cell, Model, Unit};
 use crate::compare::Assessment;
@@ -24,6 +25,12 @@ pub fn maps(a: &Assessment<'_>) -> String {
         out.push_str(&feasibility(a));
     }
     out
+}
+
+/// The limit of an operation, met or missed.
+fn limit_in_words(a: &Assessment<'_>, operation: usize) -> Option<String> {
+    let (r, unit) = (a.requirement(operation)?, a.cell.unit());
+    Some(format!("limit {:.4} {}: {}", unit.from_si(r.limit), unit.word(), margin(a, r)))
 }
 
 fn map_summary(a: &Assessment<'_>, map: &OperationMap) -> String {
@@ -54,6 +61,9 @@ fn map_summary(a: &Assessment<'_>, map: &OperationMap) -> String {
                 ),
                 None => write!(out, "\n  least {word} in {sense}: {value:.6} {word_of_unit} {at}"),
             };
+            if let Some(said) = limit_in_words(a, map.operation) {
+                let _ = write!(out, "\n  {said}");
+            }
             if let Some(said) = refined_summary(a, map.operation) {
                 let _ = write!(out, "\n  {said}");
             }

@@ -21,11 +21,11 @@ pub fn proven(workcell: &Workcell, record: &SearchRecord, proof: &Proof) -> Stri
         let _ = write!(out, "; the best found lies {gap} above that");
     }
     let _ = writeln!(out, "\n  bounded is {covers}");
-    for (bound, operation) in
-        proof.operations.iter().zip(&cell.operations).filter(|_| cell.operations.len() > 1)
-    {
+    for (bound, operation) in proof.operations.iter().zip(&cell.operations) {
         if let Ok(value) = bound.value {
-            let _ = writeln!(out, "  {}: at least {}", shown(&operation.name), down(value));
+            let limit = operation.limit.filter(|limit| *limit < value);
+            let never = limit.map_or("", |_| "; no layout of these ranges keeps its limit");
+            let _ = writeln!(out, "  {}: at least {}{never}", shown(&operation.name), down(value));
         }
     }
     out

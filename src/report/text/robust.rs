@@ -53,7 +53,7 @@ fn lines(cell: &Cell, k: usize, r: &Robustness) -> Vec<String> {
     let has_limit = cell.operations[k].limit.is_some() && cell.unit() != Unit::Share;
     let keeps = if has_limit { "its limit, reach and clearance" } else { "reach and clearance" };
     if let Some(scale) = &r.scale {
-        let at_most = most(scale, |s| format!("{} times its tolerance", fixed(s, 2)));
+        let at_most = most(scale, |s| format!("{} times the tolerances", fixed(s, 2)));
         lines.push(format!("keeps {keeps} up to {at_most}{}", because(cell, scale)));
     }
     let mm = |v| format!("{} mm in plan", fixed(mm_from_m(v), 2));
