@@ -443,7 +443,7 @@ const CHEAP: [&str; 3] = ["hitachi_cell", "hitachi_paper", "palletizer_cell"];
 /// in results/proof/README.md:
 ///
 /// ```text
-/// SWEETSPOT_FIGURES=1 cargo test --release --test proof figures -- --nocapture
+/// SWEETSPOT_FIGURES=1 cargo test --test proof figures -- --nocapture
 /// ```
 #[test]
 fn figures_of_cells() {
@@ -494,8 +494,9 @@ fn figures(name: &str, whole: bool) -> String {
 const FIGURES: &str = "# How good is the best layout found?\n\n\
     The proven bound of every cell in cells/, and the best layout of one search with the budget and seed of\n\
     that cell. The gap is how much better a layout could be, as a share of the best. Boxes are those of each\n\
-    operation, of 100000 at most; seconds are of the proof alone. Where a bound covers a part, operations\n\
-    that have none count as 0: `sweetspot search` says which and why. Made by\n\n\
-    \u{20}   SWEETSPOT_FIGURES=1 cargo test --release --test proof figures -- --nocapture\n\n\
+    operation, which end soon after 100000; seconds are of the proof alone, on 2 cores that others used too.\n\
+    Where a bound covers a part, operations that have none count as 0; of an arm with seven axes there may be\n\
+    none above 0: `sweetspot search` says which and why. Made by\n\n\
+    \u{20}   SWEETSPOT_FIGURES=1 cargo test --test proof figures -- --nocapture\n\n\
     | cell | bound | covers | best found | evaluations | gap | boxes | seconds |\n\
     |---|---|---|---|---|---|---|---|\n";
