@@ -14,6 +14,7 @@ use sweetspot::cell::{Cell, Coordinate, Layout, Slot};
 use sweetspot::error_map::{Outcome, Status};
 use sweetspot::layout::{Workcell, evaluate};
 use sweetspot::report;
+use sweetspot::search::bound::{ProofOptions, prove};
 use sweetspot::search::{Watch, search};
 
 /// The paper's arm with one table and one obstacle; `base`, `table` and `operation` are TOML.
@@ -120,6 +121,11 @@ fn a_list_is_searched_to_the_best_of_its_values() {
         assert!(values.contains(&record.best.layout.value(&workcell.cell, *slot)), "{slot:?}");
     }
     assert_eq!(record.best.evaluation.objective, Some(best), "of 225 layouts");
+    // The bound is that of the heights listed, not of all between them.
+    let bound = |workcell: &Workcell| prove(workcell, &ProofOptions::default(), &stop).bound.unwrap();
+    let between = table.replace("[500, 600, 700]", "{ min = 500, max = 700 }");
+    let (listed, between) = (bound(&workcell), bound(&Workcell::new(cell("", &between, GRID)).unwrap()));
+    assert!(between <= listed && listed <= best, "{between} {listed} {best}");
 }
 
 const FIXTURE: &str = "[equipment.fixture]\nstands_on = \"table\"\nsurface = { size_mm = [100, 100] }\n\

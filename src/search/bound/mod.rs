@@ -181,8 +181,8 @@ pub fn prove(workcell: &Workcell, options: &ProofOptions, stop: &AtomicBool) -> 
     let operations: Vec<OperationBound> = (0..workcell.cell.operations.len())
         .map(|k| {
             let known = options.known.as_ref().and_then(|values| values.get(k).copied());
-            let region = Region::new(&workcell.cell, k, workcell.inverse().kept_elevation());
-            let (bound, stopped) = of_operation(workcell, &region, known, options, stop);
+            let regions = Region::all(&workcell.cell, k, workcell.inverse().kept_elevation());
+            let (bound, stopped) = of_regions(workcell, &regions, known, options, stop);
             interrupted |= stopped;
             bound
         })
@@ -198,6 +198,34 @@ pub fn prove(workcell: &Workcell, options: &ProofOptions, stop: &AtomicBool) -> 
     };
     let bound = matches!(covers, Covers::Everything | Covers::Part).then_some(sum);
     Proof { bound, operations, covers, interrupted }
+}
+
+/// One operation over several regions: the least of them.
+fn of_regions(
+    workcell: &Workcell,
+    regions: &[Region],
+    known: Option<f64>,
+    options: &ProofOptions,
+    stop: &AtomicBool,
+) -> (OperationBound, bool) {
+    let (mut all, mut interrupted) =
+        (OperationBound { value: Err(WhyNot::Infeasible), boxes: 0, witness: None }, false);
+    for region in regions {
+        let best = all.witness.map(|w| w.0).into_iter().chain(known).reduce(f64::min);
+        let (one, stopped) = of_operation(workcell, region, best, options, stop);
+        interrupted |= stopped;
+        all.boxes += one.boxes;
+        let by_value = |a: &(f64, JointVector), b: &(f64, JointVector)| a.0.total_cmp(&b.0);
+        all.witness = all.witness.into_iter().chain(one.witness).min_by(by_value);
+        all.value = match (all.value, one.value) {
+            (Ok(a), Ok(b)) => Ok(a.min(b)),
+            // A region without a posture takes nothing from the others; one without a bound takes all.
+            (a, Err(WhyNot::Infeasible)) => a,
+            (Err(WhyNot::Infeasible), b) => b,
+            (Err(why), _) | (_, Err(why)) => Err(why),
+        };
+    }
+    (all, interrupted)
 }
 
 /// One operation over a region; `known`: a value that it has in some layout.

@@ -20,6 +20,20 @@ pub struct Region {
 }
 
 impl Region {
+    /// The regions of an operation: one for each allowed height of its equipment, if those are listed.
+    pub fn all(cell: &Cell, operation: usize, kept: Option<f64>) -> Vec<Self> {
+        let equipment = cell.operations[operation].equipment;
+        let Coordinate::List(heights) = &cell.equipment[equipment].placement[2] else {
+            return vec![Self::new(cell, operation, kept)];
+        };
+        let mut one = cell.clone();
+        let at = |height: &f64| {
+            one.equipment[equipment].placement[2] = Coordinate::Fixed(*height);
+            Self::new(&one, operation, kept)
+        };
+        heights.iter().map(at).collect()
+    }
+
     /// The region of an operation in every layout of a cell. `kept`: the elevation that the arm keeps.
     pub fn new(cell: &Cell, operation: usize, kept: Option<f64>) -> Self {
         let asked = &cell.operations[operation];
