@@ -1,7 +1,6 @@
 //! One candidate: [`evaluate`] a [`Layout`]. The seam that search, what-ifs and reports share.
 
 mod goals;
-mod merits;
 mod misplacement;
 mod refine;
 mod robust;
@@ -9,7 +8,6 @@ mod separate;
 mod worst;
 
 pub use goals::FAR;
-pub use merits::{Merit, merits};
 pub use misplacement::Moves;
 pub use refine::Refined;
 pub use robust::{Corner, Ended, Largest, Lost, Robustness};
