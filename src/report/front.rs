@@ -10,8 +10,8 @@ use std::fmt::Write;
 const WIDTH: f64 = 640.0;
 const HEIGHT: f64 = 440.0;
 /// Left, top, right and bottom of the plot.
-const PLOT: (f64, f64, f64, f64) = (90.0, 50.0, 610.0, 380.0);
-const TICKS: usize = 4;
+const PLOT: (f64, f64, f64, f64) = (90.0, 64.0, 610.0, 380.0);
+const TICKS: f64 = 5.0;
 
 /// One axis: a goal, its values in the unit of reports, and what they span.
 struct Axis {
@@ -36,8 +36,14 @@ impl Axis {
         (value - self.low) / (self.high - self.low)
     }
 
+    /// Round numbers, about [`TICKS`] of them.
     fn ticks(&self) -> impl Iterator<Item = f64> + '_ {
-        (0..=TICKS).map(|k| self.low + (self.high - self.low) * k as f64 / TICKS as f64)
+        let apart = (self.high - self.low) / TICKS;
+        let decade = 10f64.powf(apart.log10().floor());
+        let step =
+            [1.0, 2.0, 5.0, 10.0].map(|s| s * decade).into_iter().find(|s| *s >= apart).unwrap_or(apart);
+        let first = (self.low / step).ceil() as i64;
+        (first..).map(move |k| rounded(k as f64 * step, 9)).take_while(|v| *v <= self.high)
     }
 }
 
@@ -64,16 +70,17 @@ pub fn picture(cell: &Cell, record: &SearchRecord) -> Option<String> {
     );
     draw_axes(&mut out, cell, &x, &y);
     for (k, (a, b)) in x.values.iter().zip(&y.values).enumerate() {
-        let (px, py) = at(x.share(*a), y.share(*b));
+        let ((px, py), number) = (at(x.share(*a), y.share(*b)), k + 1);
         let _ = writeln!(
             out,
-            "<circle cx=\"{px:.1}\" cy=\"{py:.1}\" r=\"4\" fill=\"#0969da\"><title>layout {}: {} {}, {} {}\
-             </title></circle>",
-            k + 1,
+            "<circle cx=\"{px:.1}\" cy=\"{py:.1}\" r=\"4\" fill=\"#0969da\"><title>layout {number}: {} {}, {} {}\
+             </title></circle>\n<text x=\"{:.1}\" y=\"{:.1}\" font-size=\"11\">{number}</text>",
             goals::head(cell, x.goal),
             rounded(*a, 4),
             goals::head(cell, y.goal),
-            rounded(*b, 4)
+            rounded(*b, 4),
+            px + 7.0,
+            py - 5.0
         );
     }
     out.push_str("</svg>\n");
@@ -103,7 +110,7 @@ fn draw_axes(out: &mut String, cell: &Cell, x: &Axis, y: &Axis) {
             out,
             "<text x=\"{px:.1}\" y=\"{:.1}\" text-anchor=\"middle\" font-size=\"11\">{}</text>",
             py + 18.0,
-            rounded(value, 3)
+            value
         );
     }
     for value in y.ticks() {
@@ -113,7 +120,7 @@ fn draw_axes(out: &mut String, cell: &Cell, x: &Axis, y: &Axis) {
             "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\" font-size=\"11\">{}</text>",
             px - 6.0,
             py + 4.0,
-            rounded(value, 3)
+            value
         );
     }
 }
