@@ -250,7 +250,11 @@ fn refuse_changes(then: &SearchArguments, asked: &SearchArguments) -> Result<(),
     for ((name, was), (_, is)) in options(then).into_iter().zip(options(asked)) {
         if is.is_some() && is != was {
             let word = |value: Option<String>| value.map_or("not given".into(), |v| output::word(&v));
-            output::error(&format!("--{name} was {} when the search began, not {}", word(was), word(is)));
+            output::error(&format!(
+                "--{name} was {} when the search began, now it is {}",
+                word(was),
+                word(is)
+            ));
             changed = true;
         }
     }

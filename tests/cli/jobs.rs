@@ -111,9 +111,9 @@ fn what_has_changed_is_refused_and_named() {
         assert_eq!(shop.read("found/checkpoint.jsonl"), checkpoint, "{args:?}");
     };
     refused(&["--seed", "3"], "--seed was 2");
-    refused(&["--solver", "particle-swarm"], "--solver was none");
-    refused(&["--sense", "xyz"], "--sense was none");
-    refused(&["--limit", "30"], "--limit was none");
+    refused(&["--solver", "particle-swarm"], "--solver was not given");
+    refused(&["--sense", "xyz"], "--sense was not given");
+    refused(&["--limit", "30"], "--limit was not given");
     refused(&["--budget", "1"], "more than --budget");
     refused(&["cells/scara_cell.toml"], "scara_cell.toml is read now");
     for input in [

@@ -3,7 +3,7 @@
 use super::front::{front, of_goals, pareto};
 use super::map::{counts, guard, monte_carlo};
 use super::robust::robustness;
-use super::{attitudes, base, joints, layout, length, lengths, refined};
+use super::{attitudes, base, joints, layout, length, lengths, refined, rounded_down};
 use crate::cell::{Cell, Operation, Unit};
 use crate::compare::{Assessment, Comparison};
 use crate::error_map::OperationMap;
@@ -73,11 +73,6 @@ pub fn search(
         object.insert("seconds".into(), json!(rounded(seconds, 3)));
     }
     document
-}
-
-/// A bound as it is written: never above what is proven.
-fn rounded_down(v: f64) -> f64 {
-    (v * 1e9).floor() / 1e9
 }
 
 /// What is proven of each operation, or why nothing is.

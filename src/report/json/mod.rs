@@ -95,3 +95,8 @@ fn lengths(v: &Vector3<f64>) -> [f64; 3] {
 fn length(mm: f64) -> f64 {
     rounded(mm, 9)
 }
+
+/// A bound as it is written: never above what is proven.
+fn rounded_down(v: f64) -> f64 {
+    (v * 1e9).floor() / 1e9
+}

@@ -1,6 +1,6 @@
 //! A row of a sweep.
 
-use super::{layout, length, lengths};
+use super::{layout, length, lengths, rounded_down};
 use crate::cell::Choices;
 use crate::compare::Assessment;
 use crate::report::sweep::{Row, Spot};
@@ -37,7 +37,7 @@ pub fn row(sets: &[Choices], index: usize, a: &Assessment<'_>, record: Option<&S
         feasible,
         objective: a.objective().map(length),
         unit: a.cell.unit().word().to_string(),
-        bound: record.and_then(|r| r.bound).map(|b| length(a.cell.unit().from_si(b))),
+        bound: record.and_then(|r| r.bound).map(|b| rounded_down(a.cell.unit().from_si(b))),
         gap_percent: record.and_then(SearchRecord::gap).map(|g| rounded(g * 100.0, 6)),
         evaluations: record.map_or(1, |r| r.evaluations),
         feasible_evaluations: record.map_or(u64::from(feasible), |r| r.feasible),
