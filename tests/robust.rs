@@ -217,14 +217,18 @@ fn the_largest_misplacement_is_that_of_a_scan() {
         let between = |most: f64, first: f64, step: f64| {
             assert!(most < first && most >= first - step, "{more}: {most}, the scan says {first}");
         };
+        // In three times the directions that were looked at: what is told holds between those, too, and is
+        // no more than the share of that and a step too careful.
         let around = |r: f64| {
-            (0..16).all(|k| {
-                let (sin, cos) = (std::f64::consts::TAU * f64::from(k) / 16.0).sin_cos();
+            (0..48).all(|k| {
+                let (sin, cos) = (std::f64::consts::TAU * f64::from(k) / 48.0).sin_cos();
                 with(r * cos, r * sin, 0.0)
             })
         };
-        let step = r.shift.most / 40.0 + 1e-6;
-        between(r.shift.most, first_failing((0..80).map(|k| f64::from(k) * step), around), step);
+        let step = r.shift.most / 200.0 + 1e-6;
+        let near = (0..60).map(|k| 0.9 * r.shift.most + f64::from(k) * step);
+        let scales = [0.25, 0.5, 0.75].map(|s| s * r.shift.most).into_iter().chain(near);
+        between(r.shift.most, first_failing(scales, around), 0.025 * r.shift.most + step);
         let step = r.turn.most / 60.0 + 1e-6;
         let both = |turn: f64| with(0.0, 0.0, turn) && with(0.0, 0.0, -turn);
         between(r.turn.most, first_failing((0..120).map(|k| f64::from(k) * step), both), step);
