@@ -45,6 +45,7 @@
 //! | [`layout`] | what is it worth | **[`layout::evaluate`]: layout to evaluation, the seam** |
 //! | [`search`] | choose | cell to the best layout found |
 //! | [`compare`] | what if | layouts side by side |
+//! | [`drawing`] | show it | an assessment to solids, arrows, envelope, motion |
 //! | [`report`] | say it | records to JSON, CSV, SVG, TOML, text |
 //! | [`cli`] | edge | arguments, files, progress, exit codes |
 //!
@@ -97,6 +98,7 @@ pub mod cell;
 pub mod clearance;
 pub mod cli;
 pub mod compare;
+pub mod drawing;
 pub mod error_map;
 pub mod kinematic_error;
 pub mod lanes;

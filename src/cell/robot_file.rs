@@ -55,6 +55,7 @@ pub fn read(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<Robot> {
     let n = from.axes.unwrap_or(MAX_JOINTS);
     let mut solids = joined(drawn, read_solids(t, n, lib));
     let tip = origin.as_ref().map_or(Pose::identity(), |origin| origin.tip);
+    let own_solids = solids.len();
     tool_file::mount(&tool, (n, &tip), &mut solids, lib);
     let base = solids.iter().filter(|s| s.link == 0).map(|s| &s.solid.shape);
     let needed: &[_] = if is_read && lib.errors() == before { &["footprint"] } else { &[] };
@@ -79,6 +80,7 @@ pub fn read(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<Robot> {
         home: home?,
         tool: tip * tool,
         tool_axis,
+        tool_solids: solids.len() - own_solids,
         solids,
         self_collision: self_collision?,
         footprint,

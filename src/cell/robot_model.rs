@@ -108,6 +108,8 @@ pub struct Robot {
     pub tool_axis: Vector3<f64>,
     /// Those of the tool come last: they move with the mechanical interface, the last frame.
     pub solids: Vec<LinkSolid>,
+    /// How many of them are the tool's.
+    pub tool_solids: usize,
     pub self_collision: SelfCollision,
     /// Floor space of the base, in its frame.
     pub footprint: Rectangle,

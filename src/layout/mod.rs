@@ -13,13 +13,14 @@ pub use refine::Refined;
 pub use robust::{Corner, Ended, Largest, Lost, Robustness};
 pub use separate::separated;
 
-use crate::cell::{Cell, Layout, Objective, Unit};
+use crate::cell::{Cell, Layout, Model, Objective, Quantity, Reading, Unit};
 use crate::clearance::{FloorPlan, Overlap, OwnPair, Placed, Remember, Scene};
 use crate::error_map::{Mapper, OperationMap, Outcome, PostureRecord, Scratch, Spot, Unjudged};
 use crate::motion::{Blocked, Transfer};
 use crate::reach::Inverse;
 use crate::reading::{Gauge, Situation};
 use crate::robot::Frames;
+use std::sync::Arc;
 
 /// Added to the cost of every infeasible layout, times the weights: more than any weighted error in
 /// m, so that no infeasible layout ever ranks before a feasible one.
@@ -41,10 +42,10 @@ const OUT_OF_REACH: f64 = 2.0;
 pub struct Workcell {
     pub cell: Cell,
     mapper: Mapper,
-    plan: FloorPlan,
+    plan: Arc<FloorPlan>,
     /// What has no overlap here has none wherever it is misplaced; of a robust search alone.
-    wide: Option<FloorPlan>,
-    scene: Scene,
+    wide: Option<Arc<FloorPlan>>,
+    scene: Arc<Scene>,
 }
 
 /// What a layout is worth. A value for every layout: an infeasible one says why.
@@ -93,12 +94,23 @@ impl Workcell {
     /// Why the robot cannot be used.
     pub fn remembering(cell: Cell, remember: &mut Remember<'_>) -> Result<Self, String> {
         let mapper = Mapper::new(&cell)?;
-        let (plan, scene) = (FloorPlan::new(&cell), Scene::remembering(&cell, remember));
+        let plan = Arc::new(FloorPlan::new(&cell));
+        let scene = Arc::new(Scene::remembering(&cell, remember));
         let wide = cell.search.robust.then(|| {
             let clearance = cell.clearance + misplacement::slack(&cell);
-            FloorPlan::new(&Cell { clearance, ..cell.clone() })
+            Arc::new(FloorPlan::new(&Cell { clearance, ..cell.clone() }))
         });
         Ok(Self { cell, mapper, plan, wide, scene })
+    }
+
+    /// The same cell with its errors modelled and read otherwise; the solids are shared.
+    ///
+    /// # Errors
+    /// Why the robot cannot be used.
+    pub fn read_otherwise(&self, model: Model, reading: Reading, quantity: Quantity) -> Result<Self, String> {
+        let cell = Cell { model, reading, quantity, ..self.cell.clone() };
+        let mapper = Mapper::new(&cell)?;
+        Ok(Self { cell, mapper, plan: self.plan.clone(), wide: self.wide.clone(), scene: self.scene.clone() })
     }
 
     /// The same cell with every node judged one by one, to compare with: slower, and the same bits.

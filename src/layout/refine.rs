@@ -66,7 +66,7 @@ impl Workcell {
             if operation.over.takes_all() {
                 return None;
             }
-            let station = (&self.mapper, &self.scene, &placed);
+            let station = (&self.mapper, &*self.scene, &placed);
             let probe = Probe::new(station, map.operation, layout, &spots).ok()?;
             self.refine(map, probe, area, *divisions)
         };

@@ -158,7 +158,7 @@ fn kept(workcell: &Workcell, k: usize, layout: &Layout, spots: &[Option<Spot>], 
     if workcell.inverse().cost() == Cost::Numeric {
         let mut placed = Placed::default();
         workcell.scene.place(layout, &mut placed);
-        let station = (&workcell.mapper, &workcell.scene, &placed);
+        let station = (&workcell.mapper, &*workcell.scene, &placed);
         joints = Probe::new(station, k, layout, spots).ok()?.joints(at, spot.branch)?;
     }
     Some(Kept { at, branch: spot.branch, joints })

@@ -1,0 +1,142 @@
+//! The robot on its way: home, from spot to spot, home again.
+
+use crate::cell::{JointKind, JointVector};
+use crate::compare::Assessment;
+use crate::pose::Pose;
+use crate::robot::Chain;
+
+/// Joints turn so fast in the picture, rad/s; a slide by the arm's reach counts as 1 rad.
+const SPEED: f64 = 0.8;
+/// How long the robot rests at a spot, s.
+const REST: f64 = 0.6;
+/// Between pictures, s.
+const TICK: f64 = 0.05;
+/// No move takes longer, s.
+const LONGEST: f64 = 6.0;
+
+/// Where the robot halts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stop {
+    /// None: home.
+    pub operation: Option<usize>,
+    pub joints: JointVector,
+    /// From when it rests there, s.
+    pub time: f64,
+}
+
+/// A motion in joint coordinates with the frames of every moment.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Movement {
+    pub stops: Vec<Stop>,
+    /// s, rising.
+    pub times: Vec<f64>,
+    /// Of each time: which operation's part is held, if one is.
+    pub holding: Vec<Option<usize>>,
+    /// Of each time: the frames 0 (base) to N of the chain, and last the TCP; world.
+    pub frames: Vec<Vec<Pose>>,
+    /// Whether the ways between the spots were checked for collision.
+    pub is_checked: bool,
+}
+
+impl Movement {
+    /// Over the spots of a layout in the order of the operations; those without a spot are left out.
+    pub fn new(a: &Assessment<'_>) -> Self {
+        let chain = Chain::new(&a.cell.robot);
+        let base = a.layout.base.pose();
+        let is_checked = !a.evaluation.transfers.is_empty();
+        let mut way =
+            Way { chain: &chain, base, reach: a.cell.robot.reach(), movement: Self::empty(is_checked) };
+        way.halt(None, &a.cell.robot.home);
+        for k in 0..a.maps.len() {
+            let Some((_, posture)) = a.spot(k) else { continue };
+            let transfer = a.evaluation.transfers.iter().find(|t| t.to == k && t.from < k);
+            let path = transfer.map_or(&[][..], |t| &t.path);
+            let joints = transfer.map_or(posture.joints, |t| t.arrival);
+            way.go(path.iter().chain([&joints]), k.checked_sub(1));
+            way.halt(Some(k), &joints);
+        }
+        if way.movement.stops.len() > 1 {
+            way.go([&a.cell.robot.home].into_iter(), None);
+            way.halt(None, &a.cell.robot.home);
+        }
+        way.movement
+    }
+
+    fn empty(is_checked: bool) -> Self {
+        Self { stops: Vec::new(), times: Vec::new(), holding: Vec::new(), frames: Vec::new(), is_checked }
+    }
+
+    /// The frames at home.
+    pub fn home(&self) -> &[Pose] {
+        self.frames.first().map_or(&[], Vec::as_slice)
+    }
+
+    /// The frames at the spot of an operation, if it has one.
+    pub fn at(&self, operation: usize) -> Option<&[Pose]> {
+        let stop = self.stops.iter().find(|s| s.operation == Some(operation))?;
+        let k = self.times.iter().position(|t| *t >= stop.time)?;
+        self.frames.get(k).map(Vec::as_slice)
+    }
+
+    /// From the first to the last moment, s.
+    pub fn duration(&self) -> f64 {
+        self.times.last().copied().unwrap_or(0.0)
+    }
+}
+
+/// A movement while it is made.
+struct Way<'a> {
+    chain: &'a Chain,
+    base: Pose,
+    reach: f64,
+    movement: Movement,
+}
+
+impl Way<'_> {
+    fn halt(&mut self, operation: Option<usize>, joints: &JointVector) {
+        let time = self.movement.times.last().map_or(0.0, |t| t + TICK);
+        self.movement.stops.push(Stop { operation, joints: *joints, time });
+        self.show(time, joints, operation);
+        self.show(time + REST, joints, operation);
+    }
+
+    /// Straight moves in joint coordinates from where the robot halts, each starting and stopping softly.
+    fn go<'j>(&mut self, knots: impl Iterator<Item = &'j JointVector>, holding: Option<usize>) {
+        let Some(mut from) = self.movement.stops.last().map(|s| s.joints) else { return };
+        for to in knots {
+            let start = self.movement.times.last().copied().unwrap_or(0.0);
+            let duration = (self.way(&from, to) / SPEED).min(LONGEST);
+            let ticks = (duration / TICK).ceil() as usize;
+            for k in 1..=ticks {
+                let share = k as f64 / ticks as f64;
+                let eased = share * share * (3.0 - 2.0 * share);
+                let mut joints = from;
+                joints.iter_mut().zip(to).for_each(|(q, to)| *q += eased * (to - *q));
+                self.show(start + k as f64 * TICK, &joints, holding);
+            }
+            from = *to;
+        }
+    }
+
+    /// How far the joint goes that goes farthest, rad.
+    fn way(&self, from: &JointVector, to: &JointVector) -> f64 {
+        let links = self.chain.links.iter().zip(from.iter().zip(to));
+        let gone = links.map(|(link, (a, b))| match link.kind {
+            JointKind::Revolute => (b - a).abs(),
+            JointKind::Prismatic => (b - a).abs() / self.reach,
+        });
+        gone.fold(0.0, f64::max)
+    }
+
+    fn show(&mut self, time: f64, joints: &JointVector, holding: Option<usize>) {
+        let frames = self.chain.frames(&self.chain.posture(joints));
+        let links = frames.links[..=self.chain.axes()].iter().enumerate();
+        // Frame 0 of the chain may stand on a mount; solids of link 0 are drawn in the base.
+        let mut world: Vec<Pose> =
+            links.map(|(k, link)| if k == 0 { self.base } else { self.base * *link }).collect();
+        world.push(self.base * frames.tcp);
+        self.movement.times.push(time);
+        self.movement.holding.push(holding);
+        self.movement.frames.push(world);
+    }
+}

@@ -1,0 +1,185 @@
+//! The solids of a layout as parts, each on what carries it.
+
+use super::mesh::Mesh;
+use crate::cell::{Cell, Equipment, Fence, Role, Shape, Solid};
+use crate::compare::Assessment;
+use crate::pose::Pose;
+use crate::robot::Chain;
+use nalgebra::Vector3;
+
+/// What a part belongs to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Kind {
+    Robot,
+    Tool,
+    Held,
+    Equipment,
+    Obstacle,
+    Fence,
+    KeepOut,
+}
+
+impl Kind {
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Robot => "robot",
+            Self::Tool => "tool",
+            Self::Held => "held",
+            Self::Equipment => "equipment",
+            Self::Obstacle => "obstacle",
+            Self::Fence => "fence",
+            Self::KeepOut => "keep-out",
+        }
+    }
+}
+
+/// What a part moves with.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Carrier {
+    /// Stands there, in the world.
+    World(Pose),
+    /// 0: the robot base, k: the frame after row k of the chain.
+    Link(usize),
+}
+
+/// A solid as it looks.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Part {
+    pub name: String,
+    /// Name of the robot, equipment, operation, ...
+    pub owner: String,
+    pub kind: Kind,
+    pub carrier: Carrier,
+    /// Index of the equipment that it is part of.
+    pub equipment: Option<usize>,
+    /// Seen at this operation alone.
+    pub operation: Option<usize>,
+    /// In the frame of the carrier, m.
+    pub mesh: Mesh,
+}
+
+/// Radius of the bars drawn for links without solids, as a share of the reach.
+const BAR: f64 = 0.018;
+/// Thickness of a wall of the fence, m.
+const WALL: f64 = 0.01;
+
+/// Everything that a layout shows.
+pub fn parts(a: &Assessment<'_>) -> Vec<Part> {
+    let cell = a.cell;
+    let mut parts = robot(cell);
+    for (k, operation) in cell.operations.iter().enumerate() {
+        parts.extend(operation.held.solids.iter().map(|solid| Part {
+            name: solid.name.clone(),
+            owner: operation.name.clone(),
+            kind: Kind::Held,
+            carrier: Carrier::Link(cell.robot.axes()),
+            equipment: None,
+            operation: Some(k),
+            mesh: Mesh::of(&solid.shape, 0.0).seen_from(&cell.robot.tool),
+        }));
+    }
+    for (k, (equipment, at)) in cell.equipment.iter().zip(&a.layout.placements).enumerate() {
+        let floor = cell.floor - at.z;
+        parts.extend(stand(equipment, k, at.pose(), floor));
+    }
+    parts.extend(fence(cell));
+    parts.extend(cell.keep_out.iter().map(|space| {
+        let pose = Pose { translation: (space.min + space.max) / 2.0, ..Pose::IDENTITY };
+        fixed(&space.name, Kind::KeepOut, &Shape::Box { pose, size: space.max - space.min })
+    }));
+    parts
+}
+
+fn robot(cell: &Cell) -> Vec<Part> {
+    let robot = &cell.robot;
+    let part = |link: usize, name: &str, kind: Kind, mesh: Mesh| Part {
+        name: name.to_string(),
+        owner: robot.name.clone(),
+        kind,
+        carrier: Carrier::Link(link),
+        equipment: None,
+        operation: None,
+        mesh,
+    };
+    let tools = robot.solids.len() - robot.tool_solids;
+    let solids = robot.solids.iter().enumerate().map(|(k, s)| {
+        let kind = if k < tools { Kind::Robot } else { Kind::Tool };
+        part(s.link, &s.solid.name, kind, Mesh::of(&s.solid.shape, 0.0))
+    });
+    let mut parts: Vec<Part> = solids.collect();
+    if tools == 0 {
+        let bars = skeleton(&Chain::new(robot), robot.reach() * BAR);
+        parts
+            .extend(bars.into_iter().map(|(link, shape)| {
+                part(link, &format!("link {link}"), Kind::Robot, Mesh::of(&shape, 0.0))
+            }));
+    }
+    parts
+}
+
+/// Bars along the rows of a chain, each with the frame that it moves with: of a robot without solids.
+fn skeleton(chain: &Chain, radius: f64) -> Vec<(usize, Shape)> {
+    let mut bars = Vec::new();
+    let mut bar = |link: usize, a: Vector3<f64>, b: Vector3<f64>| {
+        if (b - a).norm() > radius {
+            bars.push((link, Shape::Capsule { a, b, radius }));
+        }
+    };
+    bar(0, Vector3::zeros(), chain.mount.translation);
+    for (i, link) in chain.links.iter().enumerate() {
+        // Row i before its twist: along z by r, then along x by l.
+        let back = |p: Vector3<f64>| {
+            let (sin, cos) = (link.sin_alpha, link.cos_alpha);
+            Vector3::new(p.x, cos * p.y + sin * p.z, cos * p.z - sin * p.y)
+        };
+        let elbow = back(Vector3::new(-link.l, 0.0, 0.0));
+        bar(i + 1, Vector3::zeros(), elbow);
+        bar(i + 1, elbow, back(Vector3::new(-link.l, 0.0, -link.r)));
+    }
+    bar(chain.axes(), Vector3::zeros(), chain.tool.translation);
+    bars
+}
+
+fn stand(equipment: &Equipment, index: usize, pose: Pose, floor: f64) -> Vec<Part> {
+    let kind = match equipment.role {
+        Role::Equipment => Kind::Equipment,
+        Role::Obstacle => Kind::Obstacle,
+    };
+    let part = |solid: &Solid| Part {
+        name: solid.name.clone(),
+        owner: equipment.name.clone(),
+        kind,
+        carrier: Carrier::World(pose),
+        equipment: Some(index),
+        operation: None,
+        mesh: Mesh::of(&solid.shape, floor),
+    };
+    equipment.solids.iter().map(part).collect()
+}
+
+/// The walls of a fence; of one without a height a low kerb.
+fn fence(cell: &Cell) -> Vec<Part> {
+    let Some(Fence { corners, height }) = &cell.fence else { return Vec::new() };
+    let height = height.unwrap_or(WALL);
+    let wall = |k: usize| {
+        let (a, b) = (corners[k], corners[(k + 1) % corners.len()]);
+        let (x, y) = (b.0 - a.0, b.1 - a.1);
+        let middle = Vector3::new((a.0 + b.0) / 2.0, (a.1 + b.1) / 2.0, cell.floor + height / 2.0);
+        let pose = Pose::from_translation_yaw(middle, y.atan2(x));
+        let size = Vector3::new(x.hypot(y), WALL, height);
+        fixed(&format!("fence {}", k + 1), Kind::Fence, &Shape::Box { pose, size })
+    };
+    (0..corners.len()).map(wall).collect()
+}
+
+fn fixed(name: &str, kind: Kind, shape: &Shape) -> Part {
+    Part {
+        name: name.to_string(),
+        owner: kind.name().to_string(),
+        kind,
+        carrier: Carrier::World(Pose::IDENTITY),
+        equipment: None,
+        operation: None,
+        mesh: Mesh::of(shape, 0.0),
+    }
+}
