@@ -5,6 +5,7 @@
 //! [`Readings`] at one layout in every reading.
 
 mod budget;
+mod difference;
 mod explain;
 mod motion;
 mod reachable;
@@ -12,6 +13,7 @@ mod readings;
 mod stance;
 
 pub use budget::{Account, Tighter};
+pub use difference::{Difference, NodePair};
 pub use explain::{DhRow, Explanation, Line, SenseRow};
 pub use motion::{Motion, Place};
 pub use reachable::{Asked, Reachable, Sheet, step_of, tolerance_of};
