@@ -3,17 +3,18 @@
 use super::{stem, suggest, workcell};
 use crate::cell::shown;
 use crate::cli::arguments::CompareArguments;
+use crate::cli::output::path_word;
 use crate::cli::overrides::overridden;
 use crate::cli::{Exit, files, output, results};
 use crate::compare::{Assessment, Comparison};
 use crate::report;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// `sweetspot compare`
 pub fn compare(a: &CompareArguments) -> Result<Exit, Exit> {
     let mut cells = Vec::new();
     for path in &a.layouts {
-        let file = if path.is_dir() { path.join("best.toml") } else { path.clone() };
+        let file = if path.is_dir() { best_of(path)? } else { path.clone() };
         let label = if path.is_dir() { stem(path) } else { label_of(&file) };
         cells.push((
             label,
@@ -32,6 +33,18 @@ pub fn compare(a: &CompareArguments) -> Result<Exit, Exit> {
         suggest("search CELL, or map CELL --svg map.svg for a picture of one of them");
     }
     Ok(Exit::Done)
+}
+
+/// The best layout of the search that wrote a folder.
+fn best_of(folder: &Path) -> Result<PathBuf, Exit> {
+    let best = folder.join("best.toml");
+    if best.is_file() || !folder.join("search.json").is_file() {
+        return Ok(best);
+    }
+    let word = path_word(folder);
+    output::error(&format!("the search in {word} found no feasible layout: there is none to compare"));
+    output::talk(&format!("  help: sweetspot report {word} -o report.html tells what was in the way"));
+    Err(Exit::BadInput)
 }
 
 /// Folders tell results apart better than their files, which are all best.toml.
