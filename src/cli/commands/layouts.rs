@@ -7,6 +7,7 @@ use crate::cli::output::path_word;
 use crate::cli::overrides::overridden;
 use crate::cli::{Exit, files, output, results};
 use crate::compare::{Assessment, Comparison};
+use crate::layout::Workcell;
 use crate::report;
 use std::path::{Path, PathBuf};
 
@@ -21,6 +22,7 @@ pub fn compare(a: &CompareArguments) -> Result<Exit, Exit> {
             workcell(overridden(files::load(&file, &a.packages)?, &a.overrides)?.cell, &file)?,
         ));
     }
+    name_apart(&mut cells, &a.layouts);
     let columns = cells.iter().map(|(label, w)| Assessment::new(label, w, w.cell.start())).collect();
     let comparison = Comparison::new(columns).map_err(|why| {
         output::error(&why);
@@ -33,6 +35,16 @@ pub fn compare(a: &CompareArguments) -> Result<Exit, Exit> {
         suggest("search CELL, or map CELL --svg map.svg for a picture of one of them");
     }
     Ok(Exit::Done)
+}
+
+/// Layouts of one name are told apart by their paths.
+fn name_apart(cells: &mut [(String, Workcell)], paths: &[PathBuf]) {
+    let labels: Vec<String> = cells.iter().map(|(label, _)| label.clone()).collect();
+    for ((label, _), path) in cells.iter_mut().zip(paths) {
+        if labels.iter().filter(|l| *l == label).count() > 1 {
+            *label = shown(&path.to_string_lossy());
+        }
+    }
 }
 
 /// The best layout of the search that wrote a folder.

@@ -10,6 +10,15 @@ use std::fmt::Write;
 
 /// Layouts side by side.
 pub fn comparison(comparison: &Comparison<'_>) -> String {
+    let mut out = comparison_table(comparison).render();
+    for column in comparison.columns.iter().filter(|c| c.evaluation.objective.is_none()) {
+        let _ = write!(out, "\n{}", feasibility(column));
+    }
+    out
+}
+
+/// The rows of [`comparison`]: group, label, one cell for each layout; the first row names them.
+pub fn comparison_table(comparison: &Comparison<'_>) -> Table {
     let mut table = Table::new(2);
     let columns = &comparison.columns;
     table.labelled("", "", columns.iter().map(|c| c.label.clone()));
@@ -30,11 +39,7 @@ pub fn comparison(comparison: &Comparison<'_>) -> String {
         columns.first().map_or("", |c| c.cell.unit().word()),
         cells,
     );
-    let mut out = table.render();
-    for column in columns.iter().filter(|c| c.evaluation.objective.is_none()) {
-        let _ = write!(out, "\n{}", feasibility(column));
-    }
-    out
+    table
 }
 
 /// The objective of a layout, or line by line why it has none.

@@ -11,11 +11,11 @@ mod proof;
 mod readings;
 mod robust;
 mod sweep;
-mod table;
+pub mod table;
 mod urdf;
 
 pub use budget::budget;
-pub use compare::{comparison, feasibility};
+pub use compare::{comparison, comparison_table, feasibility};
 pub use envelope::{envelope, envelope_title, robot, robots};
 pub use explain::{explanation, frame_name};
 pub use front::{front, goals_line};

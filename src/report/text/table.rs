@@ -28,6 +28,11 @@ impl Table {
         self.row([group.to_string(), label.to_string()].into_iter().chain(cells));
     }
 
+    /// As they were added, to be shown otherwise.
+    pub fn rows(&self) -> &[Vec<String>] {
+        &self.rows
+    }
+
     pub fn render(&self) -> String {
         let columns = self.rows.iter().map(Vec::len).max().unwrap_or(0);
         let cell_width = |row: &Vec<String>, k: usize| row.get(k).map_or(0, |c| c.chars().count());
