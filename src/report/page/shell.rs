@@ -1,0 +1,59 @@
+//! Sections into markup, and what makes the markup safe.
+
+use super::assets;
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use minijinja::value::Serde;
+use minijinja::{AutoEscape, Environment};
+use serde::Serialize;
+use sha2::{Digest, Sha256};
+
+/// Renders a template of HTML: every value in it is escaped unless the template says that it is markup.
+///
+/// # Errors
+/// What the template asks for and is not there.
+pub fn rendered(template: &str, page: &impl Serialize) -> Result<String, String> {
+    let mut environment = Environment::new();
+    environment.set_auto_escape_callback(|_| AutoEscape::Html);
+    environment.set_undefined_behavior(minijinja::UndefinedBehavior::Strict);
+    environment.render_str(template, Serde(page)).map_err(|e| format!("{e:#}"))
+}
+
+/// Nothing is fetched, nothing is sent, and of all scripts and styles only ours, by their hashes, are used
+/// (W3C, Content Security Policy Level 3).
+pub fn policy(script: &str, style: &str) -> String {
+    format!(
+        "default-src 'none'; script-src '{}'; style-src '{}'; img-src data:; base-uri 'none'; form-action 'none'",
+        source(script),
+        source(style)
+    )
+}
+
+/// The hash of an inline element as a policy names it.
+fn source(text: &str) -> String {
+    format!("sha256-{}", STANDARD.encode(Sha256::digest(text.as_bytes())))
+}
+
+/// JSON that may stand inside of a script element: no `<` and no `&` in any text of it.
+pub fn inert_json(json: &str) -> String {
+    let pairs = [
+        ('<', "\\u003c"),
+        ('>', "\\u003e"),
+        ('&', "\\u0026"),
+        ('\u{2028}', "\\u2028"),
+        ('\u{2029}', "\\u2029"),
+    ];
+    pairs.iter().fold(json.to_string(), |text, (from, to)| text.replace(*from, to))
+}
+
+/// A picture with the names of its parts made its own: two pictures in one page may not share them.
+pub fn scoped(svg: &str, number: usize) -> String {
+    svg.replace(" id=\"", &format!(" id=\"p{number}-"))
+        .replace("url(#", &format!("url(#p{number}-"))
+        .replace("href=\"#", &format!("href=\"#p{number}-"))
+}
+
+/// Script of the page.
+pub fn script() -> String {
+    assets::SCRIPT.to_string()
+}
