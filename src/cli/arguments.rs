@@ -1,5 +1,6 @@
 //! The command line.
 
+use super::commands::ReportArguments;
 use super::sweep::SweepArguments;
 use crate::cell::{Goal, MOST_KEPT, Model, Quantity, Reading, Registration, Solver};
 use crate::compare::At;
@@ -63,6 +64,9 @@ pub enum Command {
     /// Draw and measure where a robot can hold its tool: section, plan, volume
     #[command(before_help = "Example: sweetspot envelope hitachi_pw10 --svg envelope.svg")]
     Envelope(EnvelopeArguments),
+    /// Make one page that shows it all: verdict, view, maps, tables; of a layout, or of what a search found
+    #[command(before_help = "Example: sweetspot report results/hitachi_cell-001 -o report.html")]
+    Report(ReportArguments),
 }
 
 /// Where the packages lie whose files a URDF names.

@@ -186,6 +186,17 @@ impl Kept {
     }
 }
 
+/// The command and the inputs with which the search of a folder began.
+pub fn begun(folder: &Path) -> Result<(Vec<String>, Vec<Input>), Exit> {
+    let path = folder.join(CHECKPOINT);
+    let bytes = std::fs::read(&path).map_err(|e| {
+        output::error(&format!("cannot read {}: {e}", path_word(&path)));
+        Exit::Io
+    })?;
+    let content = understood(&bytes).map_err(|(line, why)| refused(&path, line, &why))?;
+    Ok((content.command, content.inputs))
+}
+
 fn refused(path: &Path, line: usize, why: &str) -> Exit {
     output::error(&format!("{}:{line}: {why}", path_word(path)));
     output::talk("  help: it cannot be resumed: start again in another folder with --out");

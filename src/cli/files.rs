@@ -112,7 +112,7 @@ fn read_named(folder: &Path, packages: &Packages, name: &str) -> Result<Vec<u8>,
 }
 
 /// Reads a file that must lie in `folder`, that of `whose`, symbolic links followed.
-fn read_inside(folder: &Path, inside: &str, whose: &str) -> Result<Vec<u8>, String> {
+pub fn read_inside(folder: &Path, inside: &str, whose: &str) -> Result<Vec<u8>, String> {
     let path = folder.join(inside);
     let real = path.canonicalize().map_err(|e| reason(&e))?;
     let home = folder.canonicalize().map_err(|e| reason(&e))?;

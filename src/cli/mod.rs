@@ -6,6 +6,7 @@ mod cache;
 mod checkpoint;
 mod commands;
 mod files;
+mod found;
 mod library;
 mod output;
 mod overrides;
@@ -57,6 +58,7 @@ pub fn run() -> ExitCode {
         Command::Robots(a) => commands::robots(&a),
         Command::Robot(a) => commands::robot(&a),
         Command::Envelope(a) => commands::envelope(&a),
+        Command::Report(a) => commands::report(&a),
     };
     code(exit.unwrap_or_else(|exit| exit))
 }

@@ -39,9 +39,10 @@ pub fn write_search(
     let best = &comparison.columns[1];
     let cell = best.cell;
     let mut outputs = Vec::new();
+    let name = cell_file.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    let kept = portable(&name);
+    keep_inputs(folder, &kept, sources)?;
     if let Some(objective) = best.objective() {
-        let name = cell_file.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-        let kept = portable(&name);
         let fixed = |which: &str, layout: &Layout, objective: f64| {
             let comment = format!(
                 "{which} of {} found by sweetspot {} (seed {}): objective {objective:.6} {}",
@@ -54,7 +55,6 @@ pub fn write_search(
         };
         outputs.push(("best.toml".to_string(), fixed("Best layout", &best.layout, objective)));
         outputs.extend(alternatives(cell, record, fixed)?);
-        keep_inputs(folder, &kept, sources)?;
     }
     let document = report::json::search(cell, (record, proof), comparison, None);
     outputs.push(("search.json".into(), pretty(&document)?));

@@ -5,6 +5,7 @@ mod layouts;
 mod map;
 mod posture;
 mod readings;
+mod report;
 mod robots;
 mod robust;
 mod search;
@@ -15,9 +16,10 @@ pub use layouts::compare;
 pub use map::map;
 pub use posture::{budget, explain};
 pub use readings::readings;
+pub use report::{ReportArguments, report};
 pub use robots::{envelope, robot, robots};
 pub use robust::robust;
-pub use search::search;
+pub use search::{asked, search};
 pub use sweep::sweep;
 
 use crate::cell::{Cell, Coordinate, shown};
@@ -26,7 +28,7 @@ use crate::cli::output::path_word;
 use crate::cli::{Exit, cache, output};
 use crate::compare::Assessment;
 use crate::layout::{Workcell, evaluate};
-use crate::report;
+use crate::report::text;
 use std::path::Path;
 
 /// What to do about an attitude that the build of the robot does not allow.
@@ -53,7 +55,7 @@ fn warn_of_hopeless(workcell: &Workcell) {
 /// Says where the chosen model is not to be trusted.
 fn warn_of_distrust(assessment: &Assessment<'_>) {
     for map in &assessment.maps {
-        if let Some(said) = report::text::distrust(assessment.cell, map) {
+        if let Some(said) = text::distrust(assessment.cell, map) {
             let name = shown(&assessment.cell.operations[map.operation].name);
             output::talk(&format!("warning: {name}: {said}"));
         }

@@ -77,7 +77,7 @@ fn run(
     if stopped {
         suggest(&format!("search --resume {}", path_word(&folder)));
     } else if record.found() && !now.json {
-        suggest(&format!("map {} --svg map.svg", path_word(&folder.join("best.toml"))));
+        suggest(&format!("report {}", path_word(&folder)));
     }
     let misses = comparison.columns.last().is_some_and(|best| !best.meets_requirements());
     Ok(exit(&record, misses))
@@ -94,7 +94,7 @@ fn exit(record: &SearchRecord, misses: bool) -> Exit {
 }
 
 /// The cell as the command line asks for it.
-fn asked(a: &SearchArguments, file: &Path) -> Result<Loaded, Exit> {
+pub fn asked(a: &SearchArguments, file: &Path) -> Result<Loaded, Exit> {
     let drawn = files::load(file, &a.packages)?;
     let limited: Vec<bool> = drawn.cell.operations.iter().map(|o| o.limit.is_some()).collect();
     let mut loaded = overridden(drawn, &a.overrides)?;

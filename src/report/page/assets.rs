@@ -1,4 +1,10 @@
-//! The texts that run in the browser. All of them are ours: no library, no request.
+//! The texts that run in the browser, and what they are set in. All of them are ours: no library, no
+//! request.
+
+/// The page with the sections of a report.
+pub const REPORT: &str = include_str!("report.html");
+pub const STYLE: &str = include_str!("report.css");
+pub const SCRIPT: &str = include_str!("report.js");
 
 /// The viewer: defines `sweetspotViewer(host, document, options)` on the window and nothing else there.
 pub const VIEWER_JS: &str = concat!(

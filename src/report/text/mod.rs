@@ -23,7 +23,7 @@ pub use map::{distrust, maps};
 pub use own_pairs::own_pairs;
 pub use proof::proven;
 pub use readings::{findings, readings};
-pub use robust::robustness;
+pub use robust::{robust_lines, robustness};
 pub use sweep::sweep;
 pub use urdf::derived;
 

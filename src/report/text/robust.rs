@@ -22,7 +22,7 @@ pub fn robustness(a: &Assessment<'_>) -> String {
             Some(r) => {
                 let word = value_word(a.cell);
                 let _ = writeln!(out, "{word} {} as drawn", amount(a.cell.unit(), r.value));
-                for line in lines(a.cell, k, r) {
+                for line in robust_lines(a.cell, k, r) {
                     let _ = writeln!(out, "  {line}");
                 }
             }
@@ -31,7 +31,8 @@ pub fn robustness(a: &Assessment<'_>) -> String {
     out
 }
 
-fn lines(cell: &Cell, k: usize, r: &Robustness) -> Vec<String> {
+/// What misplacement does to one operation, line by line.
+pub fn robust_lines(cell: &Cell, k: usize, r: &Robustness) -> Vec<String> {
     let mut lines = Vec::new();
     if let Some(worst) = &r.worst {
         let change = if r.value > 0.0 { (worst.value - r.value) / r.value } else { 0.0 };

@@ -1,0 +1,185 @@
+//! `report`.
+
+use super::{suggest, warn_of_distrust, workcell};
+use crate::cell::{Fault, Loaded, Source};
+use crate::cli::arguments::{Overrides, Packages};
+use crate::cli::found::{self, Folder};
+use crate::cli::output::path_word;
+use crate::cli::overrides::{again, overridden};
+use crate::cli::{Exit, files, output, results};
+use crate::compare::Assessment;
+use crate::drawing::{Detail, Drawing};
+use crate::report::page::{self, Manifest, Report, Subject};
+use clap::Args;
+use std::path::{Path, PathBuf};
+
+/// A page is not larger than this, bytes.
+const LARGEST: usize = 8 << 20;
+
+#[derive(Args)]
+pub struct ReportArguments {
+    /// Cell file (TOML), or the folder of a search
+    #[arg(value_name = "RESULT|CELL")]
+    pub of: PathBuf,
+    #[command(flatten)]
+    pub packages: Packages,
+    #[command(flatten)]
+    pub overrides: Overrides,
+    /// Write the page here; a page that is there is replaced
+    #[arg(short, long, value_name = "FILE", default_value = "report.html")]
+    pub out: PathBuf,
+    /// Print the verdict as JSON on stdout
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `sweetspot report`
+pub fn report(a: &ReportArguments) -> Result<Exit, Exit> {
+    refuse_other_files(&a.out)?;
+    let read = if a.of.is_dir() { of_folder(a)? } else { of_cell(a)? };
+    let workcell = workcell(read.loaded.cell, &read.file)?;
+    let start = Assessment::new("start", &workcell, workcell.cell.start());
+    let best = read.best.map(|layout| judged(Assessment::new("best", &workcell, layout)));
+    let start = if best.is_some() { start } else { judged(start) };
+    let warnings = read.loaded.warnings.iter().map(warning).collect();
+    let subject = Subject { start, best, found: read.found, manifest: read.manifest, warnings };
+    if a.of.is_dir() {
+        refuse_other_numbers(&a.of, &subject)?;
+    }
+    let report = small_enough(&subject)?;
+    files::write_whole(&a.out, report.html.as_bytes())?;
+    tell(a, &read.file, &subject, &report)?;
+    Ok(if report.verdict.answer == "yes" { Exit::Done } else { Exit::AnswerIsNo })
+}
+
+/// What is reported, before it is assessed.
+struct Read {
+    loaded: Loaded,
+    file: PathBuf,
+    best: Option<crate::cell::Layout>,
+    found: Option<page::Found>,
+    manifest: Manifest,
+}
+
+fn of_folder(a: &ReportArguments) -> Result<Read, Exit> {
+    if !again(&a.overrides).is_empty() {
+        output::error("the search has answered one question: it cannot be reported as the answer to another");
+        let best = path_word(&a.of.join("best.toml"));
+        output::talk(&format!("  help: sweetspot report {best}{}", again(&a.overrides)));
+        return Err(Exit::BadInput);
+    }
+    let Folder { loaded, file, best, found, mut manifest } = found::read(&a.of, &a.packages)?;
+    manifest.seed = found.seed;
+    Ok(Read { loaded, file, best, found: Some(found), manifest })
+}
+
+fn of_cell(a: &ReportArguments) -> Result<Read, Exit> {
+    let loaded = overridden(files::load(&a.of, &a.packages)?, &a.overrides)?;
+    let hashed = |s: &Source| (s.path.clone(), files::sha256(&s.bytes));
+    let manifest = Manifest {
+        command: results::typed(),
+        version: env!("CARGO_PKG_VERSION").into(),
+        seed: loaded.cell.search.seed,
+        inputs: loaded.sources.iter().map(hashed).collect(),
+        outputs: Vec::new(),
+        csv: format!("the map.csv of sweetspot map {}{} --out DIR", path_word(&a.of), again(&a.overrides)),
+        source: a.of.to_string_lossy().into_owned(),
+        is_complete: true,
+    };
+    Ok(Read { loaded, file: a.of.clone(), best: None, found: None, manifest })
+}
+
+/// As a search judges its best layout: misplaced, where that says something.
+fn judged(a: Assessment<'_>) -> Assessment<'_> {
+    let limited = a.cell.operations.iter().any(|o| o.limit.is_some());
+    if a.cell.has_placement_tolerance() || limited { a.misplaced() } else { a }
+}
+
+fn warning(fault: &Fault) -> String {
+    format!("{}:{}: {}", fault.file, fault.line, fault.message)
+}
+
+/// Only a page is replaced: a cell file that stands there by mistake is not.
+fn refuse_other_files(out: &Path) -> Result<(), Exit> {
+    let is_page =
+        out.extension().is_some_and(|e| e.eq_ignore_ascii_case("html") || e.eq_ignore_ascii_case("htm"));
+    if is_page {
+        return Ok(());
+    }
+    output::error(&format!("{}: a report is a page, its name ends in .html", path_word(out)));
+    Err(Exit::BadInput)
+}
+
+/// The numbers of search.json are those that its layouts have.
+fn refuse_other_numbers(folder: &Path, subject: &Subject<'_>) -> Result<(), Exit> {
+    let Some(found) = &subject.found else { return Ok(()) };
+    let best = subject.best.as_ref().and_then(Assessment::objective);
+    let pairs = [
+        ("best", found.objective_value, best),
+        ("start", found.start.objective_value, subject.start.objective()),
+    ];
+    for (which, says, is) in pairs {
+        let same = match (says, is) {
+            // What another machine rounds otherwise is the same layout.
+            (Some(says), Some(is)) => (says - is).abs() <= 1e-6 * says.abs().max(1e-3),
+            (says, is) => says.is_none() == is.is_none(),
+        };
+        if !same {
+            let word = |v: Option<f64>| v.map_or("none".into(), |v| format!("{v:.9}"));
+            let why = format!(
+                "the objective of the {which} layout is {} there, {} by this program",
+                word(says),
+                word(is)
+            );
+            return Err(found::refused(folder, "search.json", &why));
+        }
+    }
+    Ok(())
+}
+
+/// The report with as much to see as it may hold.
+fn small_enough(subject: &Subject<'_>) -> Result<Report, Exit> {
+    let plain = Detail { nodes: 400, ..Detail::PLAIN };
+    let details = [Detail::FULL, Detail { lenses: false, ..Detail::FULL }, plain];
+    let mut last = None;
+    for (k, detail) in details.into_iter().enumerate() {
+        let drawings = subject.layouts().map(|a| Drawing::new(a, &detail)).collect::<Result<Vec<_>, _>>();
+        let made = drawings.and_then(|drawings| page::report(subject, &drawings)).map_err(|why| {
+            output::error(&format!("cannot make the report: {why}"));
+            Exit::Io
+        })?;
+        let fits = made.html.len() <= LARGEST;
+        last = Some(made);
+        if fits {
+            if k > 0 {
+                output::talk("note: the view shows less, so that the page stays below 8 MB");
+            }
+            break;
+        }
+    }
+    last.ok_or(Exit::Io)
+}
+
+fn tell(a: &ReportArguments, file: &Path, subject: &Subject<'_>, report: &Report) -> Result<(), Exit> {
+    let verdict = &report.verdict;
+    if a.json {
+        output::data(&results::line(verdict)?)?;
+    } else {
+        let facts = verdict.facts.iter().map(|f| format!("  {}: {} ({})\n", f.label, f.text, f.note));
+        let reasons = verdict.reasons.iter().map(|r| format!("  {}\n", crate::cell::shown(r)));
+        let rest: String = facts.chain(reasons).collect();
+        output::data(&format!("{}\n{rest}", verdict.headline))?;
+    }
+    output::talk(&format!("wrote {} ({} kB)", path_word(&a.out), report.html.len().div_ceil(1 << 10)));
+    warn_of_distrust(subject.shown());
+    if !a.json {
+        let of = path_word(&a.of);
+        let movable = !subject.cell().free().is_empty();
+        suggest(&match (&subject.found, movable) {
+            (Some(_), _) => format!("compare {} {of}", path_word(file)),
+            (None, true) => format!("search {of}"),
+            (None, false) => format!("map {of} --svg map.svg"),
+        });
+    }
+    Ok(())
+}

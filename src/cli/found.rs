@@ -1,0 +1,139 @@
+//! The folder of a search read again: every file of it, checked against the hashes of its manifest.
+
+use super::arguments::{Arguments, Command, Packages, SearchArguments};
+use super::output::path_word;
+use super::results::{INPUTS, portable};
+use super::{Exit, checkpoint, files, output};
+use crate::cell::{Layout, Loaded, shown};
+use crate::report::page::{Found, Manifest};
+use clap::Parser;
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
+
+/// What a search has left.
+pub struct Folder {
+    /// The cell as the search was asked for it.
+    pub loaded: Loaded,
+    /// The cell file inside the folder.
+    pub file: PathBuf,
+    /// Of best.toml; None if no layout is feasible.
+    pub best: Option<Layout>,
+    pub found: Found,
+    pub manifest: Manifest,
+}
+
+#[derive(Deserialize)]
+struct ManifestFile {
+    version: String,
+    command: Vec<String>,
+    seed: u64,
+    inputs: Vec<Hashed>,
+    outputs: Vec<Hashed>,
+}
+
+#[derive(Deserialize)]
+struct Hashed {
+    path: String,
+    sha256: String,
+}
+
+/// Reads the folder of a search; says what is wrong with it.
+pub fn read(folder: &Path, packages: &Packages) -> Result<Folder, Exit> {
+    let manifest = manifest(folder)?;
+    let arguments = arguments(folder, &manifest.command)?;
+    for (place, hash) in places(&manifest.inputs).chain(manifest.outputs.iter().cloned()) {
+        check(folder, &place, &hash)?;
+    }
+    let name = manifest.inputs.first().map(|(path, _)| portable(path)).ok_or(Exit::BadInput)?;
+    let file = folder.join(INPUTS).join(name);
+    let packages = kept_packages(folder, packages);
+    let loaded = super::commands::asked(&SearchArguments { packages: packages.clone(), ..arguments }, &file)?;
+    let found: Found = serde_json::from_slice(&bytes(folder, "search.json")?)
+        .map_err(|e| refused(folder, "search.json", &format!("it is not that of a search: {e}")))?;
+    let best = match found.objective_value {
+        Some(_) => Some(files::load(&folder.join("best.toml"), &packages)?.cell.start()),
+        None => None,
+    };
+    let best = best.map(|layout| fitting(folder, layout, &loaded)).transpose()?;
+    Ok(Folder { loaded, file, best, found, manifest })
+}
+
+/// A layout of as many things as the cell has.
+fn fitting(folder: &Path, layout: Layout, loaded: &Loaded) -> Result<Layout, Exit> {
+    let start = loaded.cell.start();
+    let sizes = |l: &Layout| (l.placements.len(), l.attitudes.len());
+    match sizes(&layout) == sizes(&start) {
+        true => Ok(layout),
+        false => Err(refused(folder, "best.toml", "it is of another cell than the files in inputs/")),
+    }
+}
+
+/// From manifest.json; of a search that was stopped, from its checkpoint.
+fn manifest(folder: &Path) -> Result<Manifest, Exit> {
+    let name = "manifest.json";
+    let pairs = |files: Vec<Hashed>| files.into_iter().map(|f| (f.path, f.sha256)).collect();
+    let (source, csv) = (folder.to_string_lossy().into_owned(), "map.csv beside search.json".to_string());
+    if folder.join(name).is_file() {
+        let ManifestFile { version, command, seed, inputs, outputs } =
+            serde_json::from_slice(&bytes(folder, name)?)
+                .map_err(|e| refused(folder, name, &format!("it is not that of a search: {e}")))?;
+        let (inputs, outputs) = (pairs(inputs), pairs(outputs));
+        return Ok(Manifest { command, version, seed, inputs, outputs, csv, source, is_complete: true });
+    }
+    if !folder.join(checkpoint::CHECKPOINT).is_file() {
+        output::error(&format!("{} holds no manifest.json and no checkpoint", path_word(folder)));
+        output::talk("  help: name a cell file, or a folder that sweetspot search has written");
+        return Err(Exit::BadInput);
+    }
+    let (command, inputs) = checkpoint::begun(folder)?;
+    let (version, seed) = (env!("CARGO_PKG_VERSION").into(), 0);
+    Ok(Manifest { command, version, seed, inputs, outputs: Vec::new(), csv, source, is_complete: false })
+}
+
+/// The search that the command asks for.
+fn arguments(folder: &Path, command: &[String]) -> Result<SearchArguments, Exit> {
+    let words = std::iter::once("sweetspot").chain(command.iter().map(String::as_str));
+    match Arguments::try_parse_from(words) {
+        Ok(Arguments { command: Command::Search(arguments) }) => Ok(arguments),
+        _ => Err(refused(folder, "manifest.json", "its command is no search")),
+    }
+}
+
+/// Where the inputs lie in the folder, with their hashes.
+fn places(inputs: &[(String, String)]) -> impl Iterator<Item = (String, String)> {
+    inputs.iter().enumerate().map(|(k, (path, hash))| {
+        let place = path.replacen("package://", "packages/", 1);
+        (format!("{INPUTS}/{}", if k == 0 { portable(&place) } else { place }), hash.clone())
+    })
+}
+
+fn check(folder: &Path, place: &str, hash: &str) -> Result<(), Exit> {
+    if files::sha256(&bytes(folder, place)?) == hash {
+        return Ok(());
+    }
+    Err(refused(folder, place, "it is not as the search wrote it: its hash is not that of the manifest"))
+}
+
+fn bytes(folder: &Path, place: &str) -> Result<Vec<u8>, Exit> {
+    files::read_inside(folder, place, "the search")
+        .map_err(|why| refused(folder, place, &format!("it cannot be read: {why}")))
+}
+
+/// Says which file of the folder cannot be trusted.
+pub fn refused(folder: &Path, place: &str, why: &str) -> Exit {
+    output::error(&format!("{}: {}", path_word(&folder.join(place)), shown(why)));
+    output::talk("  help: search again; or report the cell file alone");
+    Exit::BadInput
+}
+
+/// The packages of a URDF are kept with the inputs.
+fn kept_packages(folder: &Path, packages: &Packages) -> Packages {
+    let mut all = packages.clone();
+    for entry in folder.join(INPUTS).join("packages").read_dir().into_iter().flatten().flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        if !all.folders.iter().any(|(given, _)| *given == name) {
+            all.folders.push((name, entry.path()));
+        }
+    }
+    all
+}

@@ -1,0 +1,144 @@
+//! What the numbers rest on, and where they come from.
+
+use super::content::{Section, Table};
+use super::subject::{Manifest, Subject};
+use super::verdict::reading_in_words;
+use crate::cell::{Cell, Distribution, ErrorSet, Registration, Tolerance, shown};
+use crate::report::text::{caveats, distrust, value_word};
+use crate::units::{mm_from_m, percent_from_share, rounded};
+
+/// What was assumed, warnings included.
+pub fn section(subject: &Subject<'_>) -> Section {
+    let cell = subject.cell();
+    let mut rows = vec![
+        said("Reading", format!("{}: {}", value_word(cell), reading_in_words(cell))),
+        said("Registration", registration(cell).into()),
+        said("Errors", errors(cell)),
+        said("Model", format!("{} model of the error; {}", cell.model.name(), trust(subject))),
+        said("Collision", collision(cell)),
+        said("Motion", motion(cell).into()),
+        said("Placement", placement(cell).into()),
+    ];
+    rows.extend(caveats(cell).into_iter().map(|note| said("Note", note)));
+    rows.extend(subject.warnings.iter().map(|warning| said("Warning", shown(warning))));
+    if !subject.manifest.is_complete {
+        rows.push(said(
+            "Warning",
+            "the search was stopped before its end: this is what it had found by then".into(),
+        ));
+    }
+    let mut section = Section::new("assumptions", "Assumptions and warnings", Vec::new());
+    section.tables.push(Table::new("", &["what", "said"], rows));
+    section
+}
+
+fn said(what: &str, text: String) -> Vec<String> {
+    vec![what.to_string(), text]
+}
+
+fn registration(cell: &Cell) -> &'static str {
+    match cell.registration {
+        Registration::None => "nothing has been measured with the robot itself: its errors count in full",
+        Registration::BestFit => {
+            "the base frame of the robot is fitted to measured points: what a frame can cancel is gone"
+        }
+        Registration::Taught => {
+            "the frame of every surface is taught with the robot: what the three points cancel is gone"
+        }
+    }
+}
+
+fn errors(cell: &Cell) -> String {
+    let name = shown(cell.error_set().name());
+    let placeholder = match name.contains("placeholder") {
+        true => ": a PLACEHOLDER of a plausible size; put measured or agreed tolerances in its place",
+        false => "",
+    };
+    match cell.error_set() {
+        ErrorSet::Signed(_) => format!("{name}, one signed sample{placeholder}"),
+        ErrorSet::Tolerance(t) => format!("{name}, tolerances, {}{placeholder}", distributions(t)),
+    }
+}
+
+fn distributions(tolerance: &Tolerance) -> String {
+    let is_used =
+        |d: &Distribution| tolerance.spreads.iter().any(|s| s.plus_minus > 0.0 && s.distribution == *d);
+    let names: Vec<_> = Distribution::ALL.into_iter().filter(is_used).map(Distribution::name).collect();
+    match &tolerance.covariance {
+        Some(_) => "some of them by a covariance".to_string(),
+        None => names.join(" and "),
+    }
+}
+
+fn trust(subject: &Subject<'_>) -> String {
+    let a = subject.shown();
+    let distrusted = a.maps.iter().filter_map(|map| {
+        let name = shown(&a.cell.operations[map.operation].name);
+        Some(format!("{name}: {}", distrust(a.cell, map)?))
+    });
+    let distrusted: Vec<String> = distrusted.collect();
+    let guard = rounded(percent_from_share(a.cell.guard), 3);
+    match distrusted.is_empty() {
+        true => format!("it is within {guard} % of the nonlinear one at every node and can be trusted"),
+        false => distrusted.join("; "),
+    }
+}
+
+fn collision(cell: &Cell) -> String {
+    if !cell.collision {
+        return "NOT checked".into();
+    }
+    match cell.clearance {
+        c if c > 0.0 => format!("checked with a clearance of {} mm", rounded(mm_from_m(c), 3)),
+        _ => "checked; touching counts as collision".into(),
+    }
+}
+
+fn motion(cell: &Cell) -> &'static str {
+    match cell.transfer {
+        Some(_) => "the ways between the operations are checked for collision",
+        None => "only the postures at the nodes are checked, NOT the ways between them",
+    }
+}
+
+fn placement(cell: &Cell) -> &'static str {
+    match (cell.has_placement_tolerance(), cell.search.robust) {
+        (true, true) => "judged at the worst misplacement within the placement tolerances",
+        (true, false) => "judged as drawn; what its placement tolerances do is told under misplacement",
+        (false, _) => "everything stands exactly where it is drawn",
+    }
+}
+
+/// Where the numbers come from.
+pub fn manifest(subject: &Subject<'_>) -> Section {
+    let Manifest { command, version, seed, inputs, outputs, source, .. } = &subject.manifest;
+    let command: Vec<String> = command.iter().map(|word| shown(word)).collect();
+    let mut rows = vec![
+        said("Reported", shown(source)),
+        said("Command", format!("sweetspot {}", command.join(" "))),
+        said("Program", format!("sweetspot {}", shown(version))),
+        said("Seed", seed.to_string()),
+    ];
+    if let Some(found) = &subject.found {
+        let search = format!(
+            "{}: {} layouts evaluated of at most {}, {} of them feasible; ended: {}",
+            shown(&found.solver),
+            found.evaluations,
+            found.budget,
+            found.feasible,
+            shown(&found.ended)
+        );
+        rows.push(said("Search", search));
+    }
+    let hashes = |files: &[(String, String)]| files.iter().map(|(p, h)| vec![shown(p), shown(h)]).collect();
+    let mut section = Section::new("manifest", "Where the numbers come from", Vec::new());
+    section.tables.push(Table::new("", &["what", "said"], rows));
+    section.tables.push(Table::new("Files read", &["file", "SHA-256"], hashes(inputs)));
+    if !outputs.is_empty() {
+        let checked = "Each file of the folder has been read and agrees with its hash.";
+        section.tables.push(
+            Table::new("Files of the search", &["file", "SHA-256"], hashes(outputs)).with_note(checked),
+        );
+    }
+    section
+}

@@ -1,0 +1,87 @@
+//! What a page is made of.
+
+use serde::Serialize;
+
+/// A part of the page with a heading of its own.
+#[derive(Debug, Clone, Serialize)]
+pub struct Section {
+    /// Where a link to it leads.
+    pub id: &'static str,
+    pub title: String,
+    /// Paragraphs.
+    pub text: Vec<String>,
+    pub figures: Vec<Figure>,
+    pub tables: Vec<Table>,
+}
+
+impl Section {
+    pub fn new(id: &'static str, title: &str, text: Vec<String>) -> Self {
+        Self { id, title: title.to_string(), text, figures: Vec::new(), tables: Vec::new() }
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.figures.is_empty() && self.tables.is_empty()
+    }
+}
+
+/// A picture with what it shows.
+#[derive(Debug, Clone, Serialize)]
+pub struct Figure {
+    pub title: String,
+    pub caption: String,
+    /// Markup: names in it are escaped already.
+    pub svg: String,
+}
+
+impl Figure {
+    pub fn new(title: impl Into<String>, caption: impl Into<String>, svg: String) -> Self {
+        Self { title: title.into(), caption: caption.into(), svg }
+    }
+}
+
+/// Rows of text below a head.
+#[derive(Debug, Clone, Serialize)]
+pub struct Table {
+    pub title: String,
+    pub head: Vec<String>,
+    pub rows: Vec<Vec<String>>,
+    /// Said below it.
+    pub note: String,
+    /// One per column: set to the right.
+    pub is_number: Vec<bool>,
+    /// Shown only when asked for.
+    pub is_folded: bool,
+}
+
+impl Table {
+    pub fn new(title: impl Into<String>, head: &[&str], rows: Vec<Vec<String>>) -> Self {
+        let head: Vec<String> = head.iter().map(|word| word.to_string()).collect();
+        let is_number = (0..head.len()).map(|k| is_number(&rows, k)).collect();
+        Self { title: title.into(), head, rows, note: String::new(), is_number, is_folded: false }
+    }
+
+    pub fn with_note(mut self, note: impl Into<String>) -> Self {
+        self.note = note.into();
+        self
+    }
+
+    pub fn folded(mut self) -> Self {
+        self.is_folded = true;
+        self
+    }
+}
+
+/// What stands where there is no value.
+pub const NOTHING: &str = "–";
+
+/// Whether a column holds numbers, with a unit or without, and nothing else.
+fn is_number(rows: &[Vec<String>], column: usize) -> bool {
+    let starts = |text: &str| text.trim_start_matches(['+', '-']).starts_with(|c: char| c.is_ascii_digit());
+    let mut cells = rows.iter().filter_map(|row| row.get(column)).filter(|c| !c.is_empty() && *c != NOTHING);
+    let mut some = false;
+    let all = cells.all(|text| {
+        some = true;
+        starts(text) && text.split(' ').count() <= 2
+    });
+    some && all
+}

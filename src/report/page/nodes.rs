@@ -1,0 +1,91 @@
+//! Every node in numbers.
+
+use super::content::{NOTHING, Section, Table};
+use super::places::mm;
+use super::subject::Subject;
+use crate::cell::{Unit, shown};
+use crate::compare::Assessment;
+use crate::error_map::{NodeRecord, OperationMap, PostureRecord, Status};
+use crate::report::text::value_word;
+use crate::units::{mm_from_m, percent_from_share, rounded};
+
+/// Rows of all tables together; beyond, only the best nodes are told.
+const MOST: usize = 2000;
+/// Of them so many.
+const BEST: usize = 200;
+
+/// One table per operation, of the layout that is recommended.
+pub fn section(subject: &Subject<'_>) -> Section {
+    let a = subject.shown();
+    let which = if subject.best.is_some() { "the best layout" } else { "the layout as drawn" };
+    let text = vec![format!(
+        "The nodes of {which}. Positions and errors in world axes; joints, every reading and the nodes of the \
+         rest are in {}.",
+        shown(&subject.manifest.csv)
+    )];
+    let mut section = Section::new("nodes", "Every node", text);
+    let all: usize = a.maps.iter().map(|m| m.nodes.len()).sum();
+    section.tables = a.maps.iter().map(|map| table(a, map, all > MOST, &subject.manifest.csv)).collect();
+    section
+}
+
+fn table(a: &Assessment<'_>, map: &OperationMap, is_long: bool, csv: &str) -> Table {
+    let operation = &a.cell.operations[map.operation];
+    let (unit, name) = (a.cell.unit(), shown(&operation.name));
+    let value = format!("{} in {} {}", value_word(a.cell), shown(&operation.sense.name), told_unit(unit));
+    let head = [
+        "i",
+        "j",
+        "x mm",
+        "y mm",
+        "z mm",
+        value.as_str(),
+        "error x mm",
+        "error y mm",
+        "error z mm",
+        "what of it",
+    ];
+    let mut nodes: Vec<&NodeRecord> = map.nodes.iter().collect();
+    if is_long {
+        let value = |n: &NodeRecord| posture(n).map_or(f64::INFINITY, |p| p.value);
+        nodes.sort_by(|a, b| value(a).total_cmp(&value(b)));
+        nodes.truncate(BEST);
+    }
+    let rows: Vec<_> = nodes.iter().map(|n| row(a, n)).collect();
+    let table = Table::new(format!("{name}: {} nodes", map.nodes.len()), &head, rows).folded();
+    match is_long {
+        true => {
+            table.with_note(format!("The best {BEST} of {}; all are in {}.", map.nodes.len(), shown(csv)))
+        }
+        false => table,
+    }
+}
+
+fn told_unit(unit: Unit) -> &'static str {
+    if unit == Unit::Share { "%" } else { unit.word() }
+}
+
+fn posture(node: &NodeRecord) -> Option<&PostureRecord> {
+    node.posture.as_ref().filter(|_| node.status == Status::Ok)
+}
+
+fn row(a: &Assessment<'_>, node: &NodeRecord) -> Vec<String> {
+    let mut row = vec![node.i.to_string(), node.j.to_string()];
+    row.extend([0, 1, 2].map(|axis| mm(node.position[axis])));
+    match posture(node) {
+        Some(p) => {
+            let value = match a.cell.unit() {
+                Unit::Share => percent_from_share(p.value),
+                unit => unit.from_si(p.value),
+            };
+            row.push(format!("{:.4}", rounded(value, 4)));
+            row.extend([0, 1, 2].map(|axis| format!("{:.4}", rounded(mm_from_m(p.error[axis]), 4))));
+            row.push("usable".into());
+        }
+        None => {
+            row.extend(std::iter::repeat_n(NOTHING.to_string(), 4));
+            row.push(node.status.reason(a.cell));
+        }
+    }
+    row
+}

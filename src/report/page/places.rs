@@ -1,0 +1,156 @@
+//! Placements as numbers to set out with a tape, and the joints at each spot.
+
+use super::content::{NOTHING, Section, Table};
+use super::subject::Subject;
+use crate::cell::{Equipment, Joint, JointKind, Placement, Rectangle, Role, shown};
+use crate::compare::Assessment;
+use crate::report::view::corners;
+use crate::units::{deg_from_rad, mm_from_m, rounded};
+
+/// Where everything stands.
+pub fn section(subject: &Subject<'_>) -> Section {
+    let text = vec![
+        "Corners are those of the floor outline (of what has a work surface: of that surface, too), counted \
+         counterclockwise from the one at the least x and y of the equipment's own axes. World: the axes of the \
+         cell file. From the base: measured along the axes of the robot base, from its origin. Tape: level \
+         distance from the axis of the base to the corner."
+            .to_string(),
+    ];
+    let mut section = Section::new("placements", "Where everything stands", text);
+    for a in subject.layouts() {
+        section.tables.push(frames(a));
+        section.tables.push(outlines(a));
+    }
+    section
+}
+
+/// The joints of the robot at home and at the spots.
+pub fn joints(subject: &Subject<'_>) -> Section {
+    let text = vec!["Joint coordinates as the controller of the robot file counts them.".to_string()];
+    let mut section = Section::new("joints", "Joints at the spots", text);
+    section.tables = subject.layouts().map(joint_table).collect();
+    section
+}
+
+pub fn mm(m: f64) -> String {
+    format!("{:.1}", rounded(mm_from_m(m), 1))
+}
+
+pub fn deg(rad: f64) -> String {
+    format!("{:.3}", rounded(deg_from_rad(rad), 3))
+}
+
+/// Start and best are told apart by their tables' titles.
+pub fn titled(a: &Assessment<'_>, what: &str) -> String {
+    match a.label.as_str() {
+        "best" => format!("Best layout: {what}"),
+        _ => format!("Layout as drawn: {what}"),
+    }
+}
+
+fn frames(a: &Assessment<'_>) -> Table {
+    let row = |name: String, kind: &str, at: &Placement, floor: f64| {
+        let own = at.seen_from(&a.layout.base);
+        let yaw = |yaw: f64| deg(crate::units::wrapped(yaw));
+        vec![
+            name,
+            kind.to_string(),
+            mm(at.x),
+            mm(at.y),
+            yaw(at.yaw),
+            mm(at.z - floor),
+            mm(own.x),
+            mm(own.y),
+            mm(own.z),
+            yaw(own.yaw),
+        ]
+    };
+    let floor = a.cell.floor;
+    let base = row("robot base".into(), "robot", &a.layout.base, floor);
+    let placed = a.cell.equipment.iter().zip(&a.layout.placements);
+    let others = placed.map(|(e, at)| row(shown(&e.name), kind(e), at, floor));
+    Table::new(
+        titled(a, "origins"),
+        &[
+            "what", "kind", "x mm", "y mm", "yaw deg", "height above floor mm", "x from base mm", "y from base mm",
+            "z from base mm", "yaw from base deg",
+        ],
+        std::iter::once(base).chain(others).collect(),
+    )
+    .with_note("The origin of what has a work surface lies in that surface: its height is the height of the table top.")
+}
+
+fn kind(equipment: &Equipment) -> &'static str {
+    match equipment.role {
+        Role::Equipment => "equipment",
+        Role::Obstacle => "obstacle",
+    }
+}
+
+fn outlines(a: &Assessment<'_>) -> Table {
+    let mut rows = Vec::new();
+    for (equipment, at) in a.cell.equipment.iter().zip(&a.layout.placements) {
+        rows.extend(corner_rows(a, &shown(&equipment.name), "floor outline", &equipment.footprint, at));
+        if let Some(surface) = equipment.surface.filter(|s| differ(s, &equipment.footprint)) {
+            rows.extend(corner_rows(a, &shown(&equipment.name), "work surface", &surface, at));
+        }
+    }
+    rows.extend(corner_rows(a, "robot", "floor outline", &a.cell.robot.footprint, &a.layout.base));
+    Table::new(
+        titled(a, "corners"),
+        &["what", "outline", "corner", "x mm", "y mm", "x from base mm", "y from base mm", "tape mm"],
+        rows,
+    )
+}
+
+/// Whether two outlines are told apart at 0.1 mm.
+fn differ(a: &Rectangle, b: &Rectangle) -> bool {
+    let numbers = |r: &Rectangle| [r.centre.0, r.centre.1, r.size.0, r.size.1];
+    numbers(a).iter().zip(numbers(b)).any(|(a, b)| mm(*a) != mm(b))
+}
+
+fn corner_rows(
+    a: &Assessment<'_>,
+    name: &str,
+    outline: &str,
+    r: &Rectangle,
+    at: &Placement,
+) -> Vec<Vec<String>> {
+    let row = |(k, (x, y)): (usize, (f64, f64))| {
+        let own = Placement { x, y, z: 0.0, yaw: 0.0 }.seen_from(&a.layout.base);
+        let first = |text: &str| if k == 0 { text.to_string() } else { String::new() };
+        vec![
+            first(name),
+            first(outline),
+            (k + 1).to_string(),
+            mm(x),
+            mm(y),
+            mm(own.x),
+            mm(own.y),
+            mm(own.x.hypot(own.y)),
+        ]
+    };
+    corners(r, at).into_iter().enumerate().map(row).collect()
+}
+
+fn joint_table(a: &Assessment<'_>) -> Table {
+    let mut head = vec!["joint".to_string(), "unit".into(), "home".into()];
+    head.extend(a.cell.operations.iter().map(|o| shown(&o.name)));
+    head.extend(["least".to_string(), "most".into()]);
+    let row = |(k, joint): (usize, &Joint)| {
+        let told = |value: f64| match joint.kind {
+            JointKind::Revolute => deg(value),
+            JointKind::Prismatic => format!("{:.3}", rounded(mm_from_m(value), 3)),
+        };
+        let unit = if joint.kind == JointKind::Revolute { "deg" } else { "mm" };
+        let mut row =
+            vec![format!("q{} {}", k + 1, shown(&joint.name)), unit.into(), told(a.cell.robot.home[k])];
+        let at_spot = |o: usize| a.spot(o).map_or(NOTHING.into(), |(_, p)| told(p.joints[k]));
+        row.extend((0..a.maps.len()).map(at_spot));
+        row.extend([told(joint.limits.0), told(joint.limits.1)]);
+        row
+    };
+    let rows = a.cell.robot.joints.iter().enumerate().map(row).collect();
+    let words: Vec<&str> = head.iter().map(String::as_str).collect();
+    Table::new(titled(a, "joints"), &words, rows)
+}

@@ -1,0 +1,99 @@
+//! The spots under every reading, and what became of the nodes.
+
+use super::content::{Section, Table};
+use super::places::titled;
+use super::subject::Subject;
+use crate::cell::{ErrorSet, Sense, shown};
+use crate::compare::Assessment;
+use crate::reading::Figures;
+use crate::units::rounded;
+
+/// What each spot is under each reading.
+pub fn section(subject: &Subject<'_>) -> Section {
+    let text = vec![
+        "The same spots, read in every way: the one signed sample, the worst case of the tolerance box, and \
+         statistics over arms built to the tolerances. The row in which the operation is asked is marked."
+            .to_string(),
+    ];
+    let mut section = Section::new("readings", "The spots under every reading", text);
+    for a in subject.layouts() {
+        section.tables.push(figures(a));
+        section.tables.push(counts(a));
+    }
+    section
+}
+
+/// What is told of a sense.
+const COLUMNS: [fn(&Figures) -> f64; 6] =
+    [|f| f.error, |f| f.worst, |f| f.rms, |f| f.mean, |f| f.p95, |f| f.p99];
+
+fn figures(a: &Assessment<'_>) -> Table {
+    let sample = match a.cell.error_set() {
+        ErrorSet::Signed(_) => "signed sample",
+        ErrorSet::Tolerance(_) => "worst corner",
+    };
+    let mut rows = Vec::new();
+    for (k, map) in a.maps.iter().enumerate() {
+        let operation = &a.cell.operations[map.operation];
+        for sense in &map.senses {
+            let Some(f) = a.figures(k, &sense.name) else { continue };
+            let asked = if sense.name == operation.sense.name { "asked" } else { "" };
+            let mut row =
+                vec![shown(&operation.name), shown(&sense.name), asked.into(), sense.unit.word().into()];
+            row.extend(COLUMNS.map(|figure| number(sense, figure(f))));
+            rows.push(row);
+        }
+    }
+    let head = ["operation", "sense", "", "unit", sample, "worst case", "rms", "mean", "p95", "p99"];
+    Table::new(titled(a, "errors at the spots"), &head, rows).with_note(spread(a))
+}
+
+fn number(sense: &Sense, si: f64) -> String {
+    format!("{:.4}", rounded(sense.unit.from_si(si), 4))
+}
+
+/// What the samples say of the first-order figures, if they were asked.
+fn spread(a: &Assessment<'_>) -> String {
+    let said = (0..a.maps.len()).filter_map(|k| {
+        let samples = a.samples[k].as_ref()?;
+        let (name, unit) = (shown(&a.cell.operations[k].name), a.cell.operations[k].sense.unit);
+        let holds = match a.first_order_holds(k)? {
+            true => "the first-order figures hold",
+            false => "the first-order figures do NOT hold, trust the samples",
+        };
+        let [p95, low, high] = [samples.p95.value, samples.p95.low, samples.p95.high].map(|v| unit.from_si(v));
+        Some(format!(
+            "{name}: {} samples of the nonlinear model give p95 {p95:.4} {} ({low:.4} to {high:.4}): {holds}.",
+            samples.samples,
+            unit.word()
+        ))
+    });
+    said.collect::<Vec<_>>().join(" ")
+}
+
+/// What can be the matter with a node, and how it is told.
+const STATUSES: [(&str, &str); 10] = [
+    ("ok", "usable"),
+    ("out-of-reach", "out of reach"),
+    ("joint-limit", "beyond a joint limit"),
+    ("collision", "colliding"),
+    ("attitude", "tool cannot be held so"),
+    ("singular", "nearly singular"),
+    ("approach", "no approach"),
+    ("retract", "no retract"),
+    ("not-converged", "no answer"),
+    ("unjudged", "cannot be judged"),
+];
+
+fn counts(a: &Assessment<'_>) -> Table {
+    let told = |status: &str| a.maps.iter().any(|m| m.count(status) > 0);
+    let statuses: Vec<_> = STATUSES.into_iter().filter(|(status, _)| told(status)).collect();
+    let mut head = vec!["operation", "nodes"];
+    head.extend(statuses.iter().map(|(_, words)| *words));
+    let row = |map: &crate::error_map::OperationMap| {
+        let mut row = vec![shown(&a.cell.operations[map.operation].name), map.nodes.len().to_string()];
+        row.extend(statuses.iter().map(|(status, _)| map.count(status).to_string()));
+        row
+    };
+    Table::new(titled(a, "nodes"), &head, a.maps.iter().map(row).collect())
+}

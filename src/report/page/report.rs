@@ -1,0 +1,65 @@
+//! The report, put together.
+
+use super::content::{Figure, Section};
+use super::subject::Subject;
+use super::verdict::Verdict;
+use super::{assets, assumptions, figures, nodes, places, readings, shell};
+use crate::cell::shown;
+use crate::drawing::Drawing;
+use crate::report::text::headline;
+use serde::Serialize;
+
+/// A page of HTML with the verdict that it tells.
+pub struct Report {
+    pub html: String,
+    pub verdict: Verdict,
+}
+
+/// What the template is filled with.
+#[derive(Serialize)]
+struct Page<'a> {
+    title: String,
+    question: String,
+    policy: String,
+    style: &'a str,
+    script: &'a str,
+    verdict: &'a Verdict,
+    still: Vec<Figure>,
+    /// JSON for the viewer.
+    drawings: String,
+    sections: Vec<Section>,
+    version: &'static str,
+}
+
+/// The page. `drawings` are those of the layouts, the one as drawn first.
+///
+/// # Errors
+/// What cannot be rendered.
+pub fn report(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Result<Report, String> {
+    let verdict = Verdict::new(subject);
+    let (script, style) = (shell::script(assets::SCRIPT), shell::style(assets::STYLE));
+    let mut sections = figures::sections(subject);
+    sections.push(places::section(subject));
+    sections.push(places::joints(subject));
+    sections.push(readings::section(subject));
+    sections.push(nodes::section(subject));
+    sections.push(assumptions::section(subject));
+    sections.push(assumptions::manifest(subject));
+    let mut still = vec![figures::still(subject.shown())];
+    let pictures = still.iter_mut().chain(sections.iter_mut().flat_map(|s| &mut s.figures));
+    pictures.enumerate().for_each(|(k, figure)| figure.svg = shell::scoped(&figure.svg, k));
+    let page = Page {
+        title: shown(&subject.cell().name),
+        question: headline(subject.cell()),
+        policy: shell::policy(&script, &style),
+        style: &style,
+        script: &script,
+        verdict: &verdict,
+        still,
+        drawings: super::script_json(&crate::report::json::drawings(drawings)),
+        sections,
+        version: env!("CARGO_PKG_VERSION"),
+    };
+    let html = shell::rendered(assets::REPORT, &page)?;
+    Ok(Report { html, verdict })
+}

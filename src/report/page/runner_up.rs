@@ -1,0 +1,75 @@
+//! What comes next after the answer: another layout, or another spot in the same one.
+
+use super::subject::Subject;
+use super::verdict::quantity;
+use crate::cell::shown;
+use crate::compare::Assessment;
+use crate::error_map::{NodeRecord, PostureRecord, Status};
+use crate::units::{percent_from_share, rounded};
+use serde::Serialize;
+
+/// The next best answer.
+#[derive(Debug, Clone, Serialize)]
+pub struct RunnerUp {
+    /// "layout" or "node".
+    pub kind: &'static str,
+    /// In the unit of the verdict.
+    pub value: f64,
+    pub text: String,
+    pub note: String,
+}
+
+/// The next layout that the search kept; of a search that kept none, and of a layout as drawn, the
+/// operation's next best node that costs least.
+pub fn runner_up(subject: &Subject<'_>) -> Option<RunnerUp> {
+    let shown_layout = subject.shown();
+    shown_layout.evaluation.objective?;
+    next_layout(subject).or_else(|| next_node(shown_layout))
+}
+
+fn next_layout(subject: &Subject<'_>) -> Option<RunnerUp> {
+    let found = subject.found.as_ref()?;
+    let unit = subject.cell().unit();
+    let valued = found.others().filter_map(|other| Some((other, other.objective_value?)));
+    let (next, value) = valued.min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let kept = match &found.pareto {
+        Some(goals) => format!("the least error of the other layouts of the front in {}", goals.join(", ")),
+        None => "the next of the layouts that the search kept and that really differ".to_string(),
+    };
+    let text = super::verdict::told(unit, value);
+    Some(RunnerUp { kind: "layout", value, text, note: format!("{}: {kept}", next.file) })
+}
+
+type Posed<'m> = (&'m NodeRecord, &'m PostureRecord);
+
+fn next_node(a: &Assessment<'_>) -> Option<RunnerUp> {
+    let unit = a.cell.unit();
+    let choices = (0..a.maps.len()).filter(|k| !a.cell.operations[*k].over.takes_all());
+    let seconds = choices.filter_map(|k| Some((k, second(a, k)?, a.maps[k].value?)));
+    let (k, (node, posture), best) =
+        seconds.min_by(|(_, a, x), (_, b, y)| (a.1.value - x).total_cmp(&(b.1.value - y)))?;
+    let more = if best > 0.0 {
+        let percent = rounded(percent_from_share(posture.value / best - 1.0), 1);
+        format!(", {percent:.1} % more")
+    } else {
+        String::new()
+    };
+    let name = shown(&a.cell.operations[k].name);
+    let note = format!(
+        "the next best spot in the same layout: {name} at node ({}, {}) instead of its own, {}{more}; no other layout was kept",
+        node.i,
+        node.j,
+        quantity(unit, best)
+    );
+    let value = rounded(unit.from_si(posture.value), 9);
+    Some(RunnerUp { kind: "node", value, text: quantity(unit, posture.value), note })
+}
+
+/// The usable node with the least value but that of the spot.
+fn second<'m>(a: &'m Assessment<'_>, k: usize) -> Option<Posed<'m>> {
+    let map = &a.maps[k];
+    let usable =
+        map.nodes.iter().enumerate().filter(|(at, n)| Some(*at) != map.best && n.status == Status::Ok);
+    let posed = usable.filter_map(|(_, n)| Some((n, n.posture.as_ref()?))).filter(|(_, p)| !p.touched);
+    posed.min_by(|a, b| a.1.value.total_cmp(&b.1.value))
+}

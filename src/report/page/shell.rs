@@ -1,0 +1,52 @@
+//! Sections into markup, and what makes the markup safe.
+
+use super::assets;
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use minijinja::value::Serde;
+use minijinja::{AutoEscape, Environment};
+use serde::Serialize;
+use sha2::{Digest, Sha256};
+
+/// Renders a template of HTML: every value in it is escaped unless the template says that it is markup.
+///
+/// # Errors
+/// What the template asks for and is not there.
+pub fn rendered(template: &str, page: &impl Serialize) -> Result<String, String> {
+    let mut environment = Environment::new();
+    environment.set_auto_escape_callback(|_| AutoEscape::Html);
+    environment.set_undefined_behavior(minijinja::UndefinedBehavior::Strict);
+    environment.render_str(template, Serde(page)).map_err(|e| format!("{e:#}"))
+}
+
+/// Nothing is fetched, nothing is sent, and of all scripts and styles only ours, by their hashes, are used
+/// (W3C, Content Security Policy Level 3).
+pub fn policy(script: &str, style: &str) -> String {
+    format!(
+        "default-src 'none'; script-src '{}'; style-src '{}'; img-src data:; base-uri 'none'; form-action 'none'",
+        source(script),
+        source(style)
+    )
+}
+
+/// The hash of an inline element as a policy names it.
+fn source(text: &str) -> String {
+    format!("sha256-{}", STANDARD.encode(Sha256::digest(text.as_bytes())))
+}
+
+/// A picture with the names of its parts made its own: two pictures in one page may not share them.
+pub fn scoped(svg: &str, number: usize) -> String {
+    svg.replace(" id=\"", &format!(" id=\"p{number}-"))
+        .replace("url(#", &format!("url(#p{number}-"))
+        .replace("href=\"#", &format!("href=\"#p{number}-"))
+}
+
+/// Script of a page: the viewer, then what is the page's own.
+pub fn script(own: &str) -> String {
+    format!("{}{own}", assets::VIEWER_JS)
+}
+
+/// Style of a page.
+pub fn style(own: &str) -> String {
+    format!("{}{own}", assets::VIEWER_CSS)
+}

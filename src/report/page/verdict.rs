@@ -1,0 +1,330 @@
+//! The answer, before anything else.
+
+use super::content::NOTHING;
+use super::runner_up::{RunnerUp, runner_up};
+use super::subject::{Found, Subject};
+use crate::cell::{Cell, Objective, Unit, shown};
+use crate::compare::Assessment;
+use crate::report::text::value_word;
+use crate::units::{mm_from_m, percent_from_share, rounded};
+use serde::Serialize;
+
+/// The verdict, as the page shows it and `report --json` prints it. Lengths in mm, angles in degrees,
+/// rounded to 1e-9 as in search.json.
+#[derive(Debug, Clone, Serialize)]
+pub struct Verdict {
+    pub schema: &'static str,
+    /// "search" or "layout".
+    pub of: &'static str,
+    pub cell: String,
+    pub robot: String,
+    pub answer: &'static str,
+    pub headline: String,
+    pub feasible: bool,
+    /// Null of a layout as drawn, else how the search ended.
+    pub ended: Option<String>,
+    pub unit: &'static str,
+    /// How the errors are read: error, worst case, p95 ...
+    pub quantity: &'static str,
+    pub objective: &'static str,
+    pub objective_value: Option<f64>,
+    pub start_value: Option<f64>,
+    pub gain_percent: Option<f64>,
+    pub bound: Option<f64>,
+    pub gap_percent: Option<f64>,
+    /// "met", "missed" or "none".
+    pub requirement: &'static str,
+    pub runner_up: Option<RunnerUp>,
+    pub facts: Vec<Fact>,
+    pub operations: Vec<Spot>,
+    /// Why the answer is no.
+    pub reasons: Vec<String>,
+}
+
+/// One number of the answer in words.
+#[derive(Debug, Clone, Serialize)]
+pub struct Fact {
+    pub label: &'static str,
+    /// The number, as precise as it is known.
+    pub value: Option<f64>,
+    pub text: String,
+    pub note: String,
+    /// "good", "bad" or "plain".
+    pub mood: &'static str,
+}
+
+/// Where an operation happens.
+#[derive(Debug, Clone, Serialize)]
+pub struct Spot {
+    pub name: String,
+    pub equipment: String,
+    pub sense: String,
+    pub node: Option<[usize; 2]>,
+    pub position_mm: Option<[f64; 3]>,
+    pub value: Option<f64>,
+    pub limit: Option<f64>,
+    /// What is left to the limit; negative: it is missed.
+    pub margin: Option<f64>,
+    /// All of it in one sentence.
+    pub text: String,
+}
+
+/// An SI value with its unit as people read it, a share in percent.
+pub fn quantity(unit: Unit, si: f64) -> String {
+    told(unit, unit.from_si(si))
+}
+
+/// The same of a value in its unit.
+pub fn told(unit: Unit, value: f64) -> String {
+    match unit {
+        Unit::Share => format!("{:.4} %", rounded(percent_from_share(value), 4)),
+        _ => format!("{:.3} {}", rounded(value, 3), unit.word()),
+    }
+}
+
+fn nine(value: f64) -> f64 {
+    rounded(value, 9)
+}
+
+impl Verdict {
+    pub fn new(subject: &Subject<'_>) -> Self {
+        let (a, cell, found) = (subject.shown(), subject.cell(), subject.found.as_ref());
+        let is_found = a.evaluation.objective.is_some() && (found.is_none() || subject.best.is_some());
+        let missed = is_found && !a.meets_requirements();
+        let limited = (0..a.maps.len()).any(|k| a.requirement(k).is_some());
+        let requirement = match (limited, missed) {
+            (false, _) => "none",
+            (true, true) => "missed",
+            (true, false) => "met",
+        };
+        let mut verdict = Self {
+            schema: "sweetspot/report/1",
+            of: if found.is_some() { "search" } else { "layout" },
+            cell: cell.name.clone(),
+            robot: cell.robot.name.clone(),
+            answer: if is_found && !missed { "yes" } else { "no" },
+            headline: String::new(),
+            feasible: is_found,
+            ended: found.map(|f| f.ended.clone()),
+            unit: cell.unit().word(),
+            quantity: value_word(cell),
+            objective: cell.search.objective.name(),
+            objective_value: a.objective().filter(|_| is_found).map(nine),
+            start_value: subject.start.objective().map(nine),
+            gain_percent: found.and_then(|f| f.gain_percent),
+            bound: found.and_then(|f| f.bound),
+            gap_percent: found.and_then(|f| f.gap_percent),
+            requirement,
+            runner_up: runner_up(subject).filter(|_| is_found),
+            facts: Vec::new(),
+            operations: if is_found { (0..a.maps.len()).map(|k| spot(a, k)).collect() } else { Vec::new() },
+            reasons: reasons(subject, is_found),
+        };
+        verdict.facts = facts(&verdict, subject);
+        verdict.headline = headline(&verdict, cell.unit());
+        verdict
+    }
+}
+
+/// Why nothing can be recommended.
+fn reasons(subject: &Subject<'_>, is_found: bool) -> Vec<String> {
+    match (&subject.found, is_found) {
+        (_, true) => Vec::new(),
+        (Some(found), false) => found.reasons.iter().map(|r| shown(r)).collect(),
+        (None, false) => subject.start.reasons(),
+    }
+}
+
+fn headline(v: &Verdict, unit: Unit) -> String {
+    let Some(value) = v.objective_value else {
+        return match v.of {
+            "search" => "No: the search has found no layout that works".into(),
+            _ => "No: the layout as drawn does not work".into(),
+        };
+    };
+    let (what, value) = (v.quantity, told(unit, value));
+    let answer = match v.requirement {
+        "met" => "Yes, every requirement is met: ",
+        "missed" => "No, a requirement is missed: ",
+        _ => "",
+    };
+    let said = match (v.of, v.gain_percent) {
+        ("search", Some(gain)) if gain > 0.05 => {
+            format!("the best layout found has {value} {what}, {gain:.1} % less than as drawn")
+        }
+        ("search", Some(_)) => format!("no layout was found that beats the one as drawn: {value} {what}"),
+        ("search", None) => format!("the best layout found has {value} {what}; as drawn nothing works"),
+        _ => format!("the layout as drawn has {value} {what}"),
+    };
+    capital(&(answer.to_string() + &said))
+}
+
+fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map(|first| first.to_uppercase().chain(letters).collect()).unwrap_or_default()
+}
+
+fn facts(v: &Verdict, subject: &Subject<'_>) -> Vec<Fact> {
+    let (a, cell) = (subject.shown(), subject.cell());
+    let mut facts = Vec::new();
+    if let Some(value) = v.objective_value {
+        let text = told(cell.unit(), value);
+        let note = format!("{}; {}", summed(cell), reading_in_words(cell));
+        facts.push(Fact { label: "Error", value: Some(value), text, note, mood: "plain" });
+        facts.push(requirement(a));
+    }
+    if let Some(found) = &subject.found {
+        if v.feasible {
+            facts.push(gain(v, cell.unit()));
+        }
+        facts.push(gap(found, v, cell.unit()));
+    }
+    if let Some(next) = &v.runner_up {
+        let RunnerUp { value, text, note, .. } = next.clone();
+        facts.push(Fact { label: "Runner-up", value: Some(value), text, note, mood: "plain" });
+    }
+    facts
+}
+
+/// What the objective adds up.
+fn summed(cell: &Cell) -> String {
+    let senses = cell.operations.iter().map(|o| format!("{} in {}", shown(&o.name), shown(&o.sense.name)));
+    let names: Vec<String> = senses.collect();
+    let weighted = cell.operations.iter().any(|o| o.weight != 1.0);
+    let how = match (names.len(), cell.search.objective) {
+        (1, _) => "",
+        (_, Objective::WeightedSum) if weighted => "weighted sum of ",
+        (_, Objective::WeightedSum) => "sum of ",
+        (_, Objective::WeightedMaximum) if weighted => "weighted greatest of ",
+        (_, Objective::WeightedMaximum) => "greatest of ",
+        (_, Objective::Lexicographic) => "the first that counts of ",
+    };
+    let misplaced = if cell.search.robust { ", at the worst misplacement" } else { "" };
+    format!("{how}{}{misplaced}", names.join(" and "))
+}
+
+/// What a number of this reading means.
+pub fn reading_in_words(cell: &Cell) -> String {
+    let set = shown(cell.error_set().name());
+    match value_word(cell) {
+        "error" => format!("of the one arm whose link errors are those of {set}"),
+        "worst case" => format!("the worst that any arm within the tolerances {set} can have"),
+        "p95" => format!("95 of 100 arms built to the tolerances {set} stay below it"),
+        "p99" => format!("99 of 100 arms built to the tolerances {set} stay below it"),
+        "share of failures" => format!("so many of the arms built to the tolerances {set} pass the limit"),
+        word => format!("the {word} over the arms built to the tolerances {set}"),
+    }
+}
+
+fn requirement(a: &Assessment<'_>) -> Fact {
+    let unit = a.cell.unit();
+    let all = (0..a.maps.len()).filter_map(|k| Some((k, a.requirement(k)?)));
+    let tightest = all.min_by(|(_, x), (_, y)| x.margin.total_cmp(&y.margin));
+    let Some((k, r)) = tightest else {
+        let note = "no operation of the cell has a limit that its error could pass".to_string();
+        return Fact { label: "Requirement", value: None, text: "none".into(), note, mood: "plain" };
+    };
+    let (name, limit) = (shown(&a.cell.operations[k].name), quantity(unit, r.limit));
+    let margin = quantity(unit, r.margin.abs());
+    let (text, note, mood) = match r.is_met() {
+        true => ("met", format!("{name} keeps its limit of {limit} with {margin} to spare"), "good"),
+        false => ("missed", format!("{name} passes its limit of {limit} by {margin}"), "bad"),
+    };
+    Fact { label: "Requirement", value: Some(nine(unit.from_si(r.margin))), text: text.into(), note, mood }
+}
+
+fn gain(v: &Verdict, unit: Unit) -> Fact {
+    let (text, note, mood) = match (v.gain_percent, v.start_value) {
+        (Some(gain), Some(start)) => {
+            let mood = if gain > 0.05 { "good" } else { "plain" };
+            (
+                format!("{gain:.1} %"),
+                format!("less than the layout as drawn, which has {}", told(unit, start)),
+                mood,
+            )
+        }
+        _ => (
+            NOTHING.into(),
+            "the layout as drawn does not work, so that there is nothing to gain on".into(),
+            "plain",
+        ),
+    };
+    Fact { label: "Gain", value: v.gain_percent, text, note, mood }
+}
+
+/// How much better any layout could be at most.
+fn gap(found: &Found, v: &Verdict, unit: Unit) -> Fact {
+    // Rounded down: what is written is proven, too.
+    let down = |value: f64| match unit {
+        Unit::Share => format!("{:.4} %", (percent_from_share(value) * 1e4).floor() / 1e4),
+        _ => format!("{:.3} {}", (value * 1e3).floor() / 1e3, unit.word()),
+    };
+    let covers = match found.proof.covers.as_str() {
+        "part" => format!("; counted as 0: {}", unproven(found)),
+        _ => String::new(),
+    };
+    let (text, note) = match (found.gap_percent, found.bound) {
+        (Some(gap), Some(bound)) => (
+            // Rounded up, for the same reason.
+            if gap <= 0.0 { "0 %".into() } else { format!("{} %", up(gap)) },
+            format!("it is proven that no layout of these ranges has less than {}{covers}", down(bound)),
+        ),
+        (None, Some(bound)) => (
+            "none".into(),
+            format!("it is proven that no layout of these ranges has less than {}{covers}", down(bound)),
+        ),
+        _ if found.proof.covers == "infeasible" => {
+            ("no layout".into(), format!("it is proven that no layout works: {}", unproven(found)))
+        }
+        _ => ("none".into(), format!("nothing is proven: {}", unproven(found))),
+    };
+    Fact { label: "Proven gap", value: v.gap_percent, text, note, mood: "plain" }
+}
+
+/// A percentage that is never told smaller than it is.
+fn up(percent: f64) -> f64 {
+    let digits = if percent < 0.1 { 1e4 } else { 1e1 };
+    (percent * digits).ceil() / digits
+}
+
+fn unproven(found: &Found) -> String {
+    let why =
+        |p: &super::subject::ProofOf| Some(format!("{}: {}", shown(&p.name), shown(p.why_not.as_ref()?)));
+    found.proof.operations.iter().filter_map(why).collect::<Vec<_>>().join("; ")
+}
+
+fn spot(a: &Assessment<'_>, k: usize) -> Spot {
+    let (cell, map, unit) = (a.cell, &a.maps[k], a.cell.unit());
+    let operation = &cell.operations[map.operation];
+    let equipment = &cell.equipment[operation.equipment].name;
+    let node = a.spot(k).map(|(node, _)| node);
+    let requirement = a.requirement(k);
+    Spot {
+        name: operation.name.clone(),
+        equipment: equipment.clone(),
+        sense: operation.sense.name.clone(),
+        node: node.map(|n| [n.i, n.j]),
+        position_mm: node.map(|n| n.position.map(|v| nine(mm_from_m(v))).into()),
+        value: map.value.map(|v| nine(unit.from_si(v))),
+        limit: requirement.map(|r| nine(unit.from_si(r.limit))),
+        margin: requirement.map(|r| nine(unit.from_si(r.margin))),
+        text: sentence(a, k),
+    }
+}
+
+fn sentence(a: &Assessment<'_>, k: usize) -> String {
+    let (map, unit) = (&a.maps[k], a.cell.unit());
+    let operation = &a.cell.operations[map.operation];
+    let on = shown(&a.cell.equipment[operation.equipment].name);
+    let (Some((node, _)), Some(value)) = (a.spot(k), map.value) else {
+        return format!("{} has no spot on {on}", shown(&operation.name));
+    };
+    let [x, y, z] = [0, 1, 2].map(|axis| format!("{:.1}", rounded(mm_from_m(node.position[axis]), 1)));
+    let said =
+        format!("{} {} in {}", quantity(unit, value), value_word(a.cell), shown(&operation.sense.name));
+    let at = format!("node ({}, {}), tool at x {x}, y {y}, z {z} mm", node.i, node.j);
+    match operation.over.takes_all() {
+        true => format!("all over {on}: {} {said}; the worst is {at}", operation.over.name()),
+        false => format!("on {on} at {at}: {said}"),
+    }
+}
