@@ -1,19 +1,9 @@
 //! The legend of the map picture: colour scale, signs, scale bar.
 
+use super::colours::viridis_hex;
 use super::view::{LEGEND, MARGIN, View, escaped};
 use crate::compare::Assessment;
 use std::fmt::Write;
-
-/// Least and greatest colour: viridis (M. Bigot, S. van der Walt and N. Smith; CC0) at equal steps,
-/// even in lightness and safe for colour-blind readers.
-const COLOURS: [(f64, f64, f64); 6] = [
-    (68.0, 1.0, 84.0),
-    (65.0, 68.0, 135.0),
-    (42.0, 120.0, 142.0),
-    (34.0, 168.0, 132.0),
-    (122.0, 209.0, 81.0),
-    (253.0, 231.0, 37.0),
-];
 
 /// How far the arm reaches: a thin line.
 pub(super) const ENVELOPE_STYLE: &str = "stroke=\"#0969a8\" stroke-width=\"1.2\" stroke-dasharray=\"7 3\"";
@@ -28,7 +18,7 @@ pub(super) fn draw_legend(
     let (_, height) = view.size();
     let top = height - LEGEND - 2.0;
     for k in 0..60 {
-        let fill = colour(f64::from(k) / 59.0);
+        let fill = viridis_hex(f64::from(k) / 59.0);
         let _ = writeln!(
             out,
             "<rect x=\"{:.1}\" y=\"{:.1}\" width=\"4.2\" height=\"12\" fill=\"{fill}\"/>",
@@ -87,13 +77,4 @@ fn draw_scale_bar(out: &mut String, view: &View, top: f64) {
         x - 3.0,
         top + 4.0
     );
-}
-
-/// A colour of the scale, 0 to 1.
-pub(super) fn colour(t: f64) -> String {
-    let t = t.clamp(0.0, 1.0) * (COLOURS.len() - 1) as f64;
-    let k = (t.floor() as usize).min(COLOURS.len() - 2);
-    let (a, b, f) = (COLOURS[k], COLOURS[k + 1], t - k as f64);
-    let mix = |a: f64, b: f64| (a + (b - a) * f).round() as u8;
-    format!("#{:02x}{:02x}{:02x}", mix(a.0, b.0), mix(a.1, b.1), mix(a.2, b.2))
 }

@@ -1,8 +1,9 @@
 //! The error map as a picture: the cell in plan, nodes coloured by error, arrows for the error in
 //! the plane, circles round nodes that cannot be reached (the paper's Figs. 4 to 7 in plan).
 
+use super::colours::viridis_hex;
 use super::envelope::path;
-use super::legend::{ENVELOPE_STYLE, colour, draw_legend};
+use super::legend::{ENVELOPE_STYLE, draw_legend};
 use super::view::{MARGIN, View, corners, escaped};
 use crate::cell::{Placement, Rectangle, Role};
 use crate::compare::Assessment;
@@ -165,7 +166,7 @@ fn draw_nodes(
         let _ = match (&node.status, &node.posture) {
             (Status::Ok, Some(p)) => {
                 let value = a.cell.unit().from_si(p.value);
-                let fill = colour((value - range.0) / (range.1 - range.0).max(f64::MIN_POSITIVE));
+                let fill = viridis_hex((value - range.0) / (range.1 - range.0).max(f64::MIN_POSITIVE));
                 let arrow =
                     arrow((x, y), (p.error.x * enlarged * view.scale, -p.error.y * enlarged * view.scale));
                 writeln!(

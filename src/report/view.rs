@@ -56,9 +56,12 @@ pub fn corners(rectangle: &Rectangle, at: &Placement) -> [(f64, f64); 4] {
     })
 }
 
-/// Text made safe for markup.
+/// Text made safe for markup; what XML has no place for is shown as unknown.
 pub fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;")
+    let is_bad =
+        |c: char| c.is_control() && !matches!(c, '\t' | '\n' | '\r') || matches!(c, '\u{fffe}' | '\u{ffff}');
+    text.replace(is_bad, "\u{fffd}")
+        .replace('&', "&amp;")
         .replace('<', "&lt;")
         .replace('>', "&gt;")
         .replace('"', "&quot;")
