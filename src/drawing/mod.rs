@@ -3,6 +3,7 @@
 //! A [`Drawing`] is plain data made once from an [`Assessment`]; every picture, page and CAD file is
 //! rendered from it, so that all of them show the same.
 
+mod arrows;
 mod envelope;
 mod field;
 mod mesh;
@@ -11,6 +12,7 @@ mod parts;
 #[cfg(test)]
 mod tests;
 
+pub use arrows::{Arrow, Component};
 pub use envelope::{Rings, rings};
 pub use field::{Field, Lens, Node, Take, lenses};
 pub use mesh::Mesh;
