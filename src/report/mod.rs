@@ -11,6 +11,7 @@ pub mod json;
 mod legend;
 mod names;
 pub mod page;
+pub mod raster;
 pub mod svg;
 pub mod sweep;
 pub mod text;

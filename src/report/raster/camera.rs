@@ -1,0 +1,140 @@
+//! Where the picture is taken from: world (m) to picture (px).
+
+use nalgebra::{Point2, Vector3};
+
+/// From where one looks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum View {
+    /// From above and aside, from where the work lies in front of the robot.
+    #[default]
+    Iso,
+    Top,
+    /// Along y.
+    Front,
+    /// Against x.
+    Side,
+}
+
+impl View {
+    pub const ALL: [Self; 4] = [Self::Iso, Self::Top, Self::Front, Self::Side];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Iso => "iso",
+            Self::Top => "top",
+            Self::Front => "front",
+            Self::Side => "side",
+        }
+    }
+
+    /// Directions in the world of the picture's right and up, and towards the eye. `work` is where the work
+    /// lies, seen from the robot.
+    fn axes(self, work: &Vector3<f64>) -> [Vector3<f64>; 3] {
+        let (x, y, z) = (Vector3::x(), Vector3::y(), Vector3::z());
+        match self {
+            Self::Top => [x, y, z],
+            Self::Front => [x, z, -y],
+            Self::Side => [y, z, x],
+            Self::Iso => {
+                // Of the four corners of a cube that one can look from, that over the work.
+                let right = |p: f64| if p < -1e-9 { -1.0 } else { 1.0 };
+                let back = Vector3::new(right(work.x), if work.y > 1e-9 { 1.0 } else { -1.0 }, 1.0);
+                let back = back.normalize();
+                let right = z.cross(&back).normalize();
+                [right, back.cross(&right), back]
+            }
+        }
+    }
+}
+
+/// A place in the picture, px to the right and down; its nearness orders what lies behind each other and
+/// is linear over every plane.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Seen {
+    pub at: Point2<f64>,
+    pub near: f64,
+}
+
+/// The part of the picture that shows the world, px.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Frame {
+    pub left: f64,
+    pub top: f64,
+    pub width: f64,
+    pub height: f64,
+}
+
+/// A camera that holds what it shows inside its frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Camera {
+    pub right: Vector3<f64>,
+    pub up: Vector3<f64>,
+    /// Towards the eye.
+    pub back: Vector3<f64>,
+    centre: Vector3<f64>,
+    /// Of the eye from the centre, m; None: infinitely far, parallel lines stay parallel.
+    distance: Option<f64>,
+    /// px per m at the centre.
+    pub scale: f64,
+    shift: (f64, f64),
+}
+
+/// The eye is so many radii of the scene away.
+const AWAY: f64 = 4.2;
+
+impl Camera {
+    /// Shows all `points` in the frame; `radius` (m) round their middle holds all that is drawn.
+    pub fn fitted(
+        view: View,
+        perspective: bool,
+        work: &Vector3<f64>,
+        points: &[Vector3<f64>],
+        frame: &Frame,
+    ) -> Self {
+        let [right, up, back] = view.axes(work);
+        let bounds = points.iter().map(|p| (*p, *p)).reduce(|(lo, hi), (p, q)| (lo.inf(&p), hi.sup(&q)));
+        let (low, high) = bounds.unwrap_or((Vector3::repeat(-1.0), Vector3::repeat(1.0)));
+        let centre = (low + high) / 2.0;
+        let radius = ((high - low).norm() / 2.0).max(1e-3);
+        let distance = perspective.then_some(radius * AWAY);
+        let mut camera = Self { right, up, back, centre, distance, scale: 1.0, shift: (0.0, 0.0) };
+        let seen = points.iter().map(|p| camera.seen(p).at).map(|p| (p, p));
+        let (a, b) = seen.reduce(|(a, b), (p, q)| (a.inf(&p), b.sup(&q))).unwrap_or_default();
+        let size = (b - a).map(|side| side.max(1e-6));
+        camera.scale = (frame.width / size.x).min(frame.height / size.y);
+        let middle = |lo: f64, hi: f64| (lo + hi) / 2.0 * camera.scale;
+        camera.shift = (
+            frame.left + frame.width / 2.0 - middle(a.x, b.x),
+            frame.top + frame.height / 2.0 - middle(a.y, b.y),
+        );
+        camera
+    }
+
+    pub fn seen(&self, p: &Vector3<f64>) -> Seen {
+        let from = p - self.centre;
+        let (x, y, z) = (from.dot(&self.right), from.dot(&self.up), from.dot(&self.back));
+        let (grown, near) = match self.distance {
+            // Over a plane 1 / distance is linear in the picture, the distance itself is not.
+            Some(d) => {
+                let away = (d - z).max(1e-3 * d);
+                (d / away, d / away)
+            }
+            None => (1.0, z),
+        };
+        let scale = self.scale * grown;
+        Seen { at: Point2::new(self.shift.0 + x * scale, self.shift.1 - y * scale), near }
+    }
+
+    /// Unit vector from a point to the eye.
+    pub fn to_eye(&self, p: &Vector3<f64>) -> Vector3<f64> {
+        match self.distance {
+            Some(d) => (self.centre + self.back * d - p).try_normalize(1e-12).unwrap_or(self.back),
+            None => self.back,
+        }
+    }
+
+    /// A point that lies `lift` (m) before `p`, at the same place of the picture.
+    pub fn before(&self, p: &Vector3<f64>, lift: f64) -> Vector3<f64> {
+        p + self.to_eye(p) * lift
+    }
+}

@@ -1,0 +1,111 @@
+//! Triangles and lines to samples, the nearest winning.
+
+use super::camera::Seen;
+use nalgebra::{Point2, Vector2};
+
+/// Corners lie on a grid of so many parts of a sample: whole numbers decide exactly who covers a sample.
+const PARTS: f64 = 256.0;
+const PART: i64 = 256;
+/// What lies farther out than this is not drawn, samples.
+const FARTHEST: f64 = 1e5;
+
+/// Samples row by row from the top left, each with what is nearest there.
+pub struct Canvas<T> {
+    pub width: usize,
+    pub height: usize,
+    pub near: Vec<f32>,
+    pub value: Vec<T>,
+}
+
+impl<T: Copy> Canvas<T> {
+    pub fn new(width: usize, height: usize, value: T) -> Self {
+        Self { width, height, near: vec![f32::MIN; width * height], value: vec![value; width * height] }
+    }
+
+    /// Paints a triangle where it is nearest: `paint` is given the shares of the corners. Triangles that
+    /// share an edge leave no gap and share no sample. What is not `solid` hides nothing behind it.
+    pub fn fill(&mut self, corners: &[Seen; 3], solid: bool, mut paint: impl FnMut(&mut T, [f32; 3])) {
+        if corners.iter().any(|c| !c.near.is_finite() || !(c.at.coords.amax() < FARTHEST)) {
+            return;
+        }
+        let p = corners.map(|c| [(c.at.x * PARTS).round() as i64, (c.at.y * PARTS).round() as i64]);
+        let area = cross(p[0], p[1], p[2]);
+        if area == 0 {
+            return;
+        }
+        let sign = area.signum();
+        let edges = [Edge::new(p[1], p[2], sign), Edge::new(p[2], p[0], sign), Edge::new(p[0], p[1], sign)];
+        let (lows, highs) = (least(&p, 0), least(&p, 1));
+        let (columns, rows) = (range(lows, self.width), range(highs, self.height));
+        let full = (area * sign) as f32;
+        let near = corners.map(|c| c.near as f32);
+        for row in rows {
+            let mut inside = edges.each_ref().map(|e| e.at(columns.start as i64, row as i64));
+            for column in columns.clone() {
+                if inside.iter().zip(&edges).all(|(v, e)| *v >= e.least) {
+                    let share = inside.map(|v| v as f32 / full);
+                    let here = near[0] * share[0] + near[1] * share[1] + near[2] * share[2];
+                    let k = row * self.width + column;
+                    if here > self.near[k] {
+                        paint(&mut self.value[k], share);
+                        if solid {
+                            self.near[k] = here;
+                        }
+                    }
+                }
+                inside.iter_mut().zip(&edges).for_each(|(v, e)| *v += e.step);
+            }
+        }
+    }
+
+    /// A line of a width, samples.
+    pub fn stroke(&mut self, a: &Seen, b: &Seen, width: f64, mut paint: impl FnMut(&mut T)) {
+        let along = (b.at - a.at).try_normalize(1e-9).unwrap_or_else(Vector2::x);
+        let (side, end) = (Vector2::new(-along.y, along.x) * (width / 2.0), along * (width / 4.0));
+        let corner = |s: &Seen, off: Vector2<f64>| Seen { at: Point2::from(s.at.coords + off), near: s.near };
+        let quad =
+            [corner(a, -end - side), corner(b, end - side), corner(b, end + side), corner(a, -end + side)];
+        self.fill(&[quad[0], quad[1], quad[2]], true, |v, _| paint(v));
+        self.fill(&[quad[0], quad[2], quad[3]], true, |v, _| paint(v));
+    }
+}
+
+/// Twice the area of a triangle, in parts of samples squared.
+fn cross(a: [i64; 2], b: [i64; 2], c: [i64; 2]) -> i64 {
+    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+}
+
+fn least(p: &[[i64; 2]; 3], axis: usize) -> (i64, i64) {
+    let all = p.map(|p| p[axis]);
+    (all.into_iter().fold(i64::MAX, i64::min), all.into_iter().fold(i64::MIN, i64::max))
+}
+
+/// The samples whose middle lies between two coordinates.
+fn range((low, high): (i64, i64), count: usize) -> std::ops::Range<usize> {
+    let first = (low - PART / 2).div_euclid(PART).max(0);
+    let last = (high - PART / 2).div_euclid(PART) + 1;
+    first as usize..last.clamp(first, count.max(first as usize) as i64) as usize
+}
+
+/// A side of a triangle: its value at a sample grows inwards.
+struct Edge {
+    from: [i64; 2],
+    along: [i64; 2],
+    /// From a sample to the next to the right.
+    step: i64,
+    /// What a sample must have: on the line itself it belongs to one of both sides alone.
+    least: i64,
+}
+
+impl Edge {
+    fn new(a: [i64; 2], b: [i64; 2], sign: i64) -> Self {
+        let along = [(b[0] - a[0]) * sign, (b[1] - a[1]) * sign];
+        let owns = along[1] < 0 || along[1] == 0 && along[0] > 0;
+        Self { from: a, along, step: -along[1] * PART, least: if owns { 0 } else { 1 } }
+    }
+
+    fn at(&self, column: i64, row: i64) -> i64 {
+        let (x, y) = (column * PART + PART / 2, row * PART + PART / 2);
+        self.along[0] * (y - self.from[1]) - self.along[1] * (x - self.from[0])
+    }
+}

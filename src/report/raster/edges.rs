@@ -1,0 +1,53 @@
+//! The edges of a body that a draughtsman would draw: sharp ones, open ones, and the outline.
+
+use super::camera::Camera;
+use super::scene::Body;
+use nalgebra::Vector3;
+use std::collections::HashMap;
+
+/// A side of triangles: its ends, the corners made of them, and what the triangles beside it look like.
+struct Side {
+    ends: [Vector3<f64>; 2],
+    corners: [u32; 2],
+    faces_eye: bool,
+    count: usize,
+    is_drawn: bool,
+}
+
+pub fn of(body: &Body, camera: &Camera) -> Vec<[Vector3<f64>; 2]> {
+    let mesh = &body.mesh;
+    let places = places(&mesh.positions);
+    let mut index: HashMap<[u32; 2], usize> = HashMap::new();
+    let mut sides: Vec<Side> = Vec::new();
+    for t in &mesh.triangles {
+        let [a, b, c] = t.map(|i| mesh.positions[i as usize]);
+        let faces_eye = (b - a).cross(&(c - a)).dot(&camera.to_eye(&a)) > 0.0;
+        for (i, j) in [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])] {
+            // Neighbours run along their common side in opposite directions.
+            let (i, j) = if places[i as usize] < places[j as usize] { (i, j) } else { (j, i) };
+            let key = [places[i as usize], places[j as usize]];
+            let ends = [mesh.positions[i as usize], mesh.positions[j as usize]];
+            let at = *index.entry(key).or_insert_with(|| {
+                sides.push(Side { ends, corners: [i, j], faces_eye, count: 0, is_drawn: false });
+                sides.len() - 1
+            });
+            let side = &mut sides[at];
+            side.count += 1;
+            // Where normals differ on both ends the mesh is sharp.
+            let is_sharp = side.corners[0] != i && side.corners[1] != j;
+            side.is_drawn |= (is_sharp && (faces_eye || side.faces_eye)) || side.faces_eye != faces_eye;
+        }
+    }
+    sides.into_iter().filter(|s| s.is_drawn || s.count == 1).map(|s| s.ends).collect()
+}
+
+/// The number of the place of each corner: corners of different normals may share one.
+fn places(positions: &[Vector3<f64>]) -> Vec<u32> {
+    let mut known: HashMap<[u64; 3], u32> = HashMap::new();
+    let key = |p: &Vector3<f64>| [p.x, p.y, p.z].map(f64::to_bits);
+    let mut number = |p: &Vector3<f64>| {
+        let next = known.len() as u32;
+        *known.entry(key(p)).or_insert(next)
+    };
+    positions.iter().map(&mut number).collect()
+}

@@ -1,0 +1,108 @@
+//! The floor: a plate with a grid, darker under what stands on it or near above it.
+
+use super::camera::Seen;
+use super::canvas::Canvas;
+use super::palette::{Colour, Palette, mixed};
+use super::scene::{Body, Line, Scene};
+use crate::drawing::Mesh;
+use nalgebra::{Point2, Vector3};
+
+/// Fields of the floor along each side.
+const FIELDS: usize = 160;
+/// From this height (m) on little is darkened.
+const NEAR: f64 = 0.35;
+/// Lines of the grid, m.
+const GRID: f64 = 0.5;
+
+/// Lays the floor under all that is in the scene.
+pub fn lay(scene: &mut Scene, palette: &Palette, height: f64) {
+    let points: Vec<Vector3<f64>> = scene.bodies.iter().flat_map(|b| &b.mesh.positions).copied().collect();
+    let bounds = points.iter().map(|p| (*p, *p)).reduce(|(lo, hi), (p, q)| (lo.inf(&p), hi.sup(&q)));
+    let Some((low, high)) = bounds else { return };
+    let margin = 0.15;
+    let [low, high] = [
+        [low.x, low.y].map(|v| ((v - margin) / GRID).floor() * GRID),
+        [high.x, high.y].map(|v| ((v + margin) / GRID).ceil() * GRID),
+    ];
+    let dark = shade(scene, low, high, height);
+    let at = |i: usize, j: usize| {
+        let along = |axis: usize, k: usize| low[axis] + (high[axis] - low[axis]) * k as f64 / FIELDS as f64;
+        Vector3::new(along(0, i), along(1, j), height)
+    };
+    let across = FIELDS + 1;
+    let positions: Vec<_> = (0..across * across).map(|k| at(k % across, k / across)).collect();
+    let painted = dark.iter().map(|d| mixed(palette.floor, shadow(palette), *d)).collect();
+    let quads = (0..FIELDS * FIELDS).map(|k| ((k / FIELDS) * across + k % FIELDS) as u32);
+    let wide = across as u32;
+    let triangles = quads.flat_map(|a| [[a, a + 1, a + wide + 1], [a, a + wide + 1, a + wide]]).collect();
+    let normals = vec![Vector3::z(); positions.len()];
+    let mesh = Mesh { positions, normals, triangles };
+    let body = Body { is_lit: false, has_edges: false, painted, ..Body::solid(mesh, palette.floor, 1.0) };
+    scene.bodies.insert(0, body);
+    add_grid(scene, palette.grid, low, high, height);
+}
+
+fn shadow(palette: &Palette) -> Colour {
+    mixed(palette.floor, [0.02, 0.03, 0.05], 0.55)
+}
+
+fn add_grid(scene: &mut Scene, colour: Colour, low: [f64; 2], high: [f64; 2], height: f64) {
+    let lift = 0.0;
+    for axis in 0..2 {
+        let count = ((high[axis] - low[axis]) / GRID).round() as usize;
+        for k in 0..=count.min(400) {
+            let value = low[axis] + k as f64 * GRID;
+            // A line is cut to pieces, for a camera near it.
+            let end = |v: f64| {
+                if axis == 0 { Vector3::new(value, v, height) } else { Vector3::new(v, value, height) }
+            };
+            let points = vec![end(low[1 - axis]), end(high[1 - axis])];
+            let line = Line { points, closed: false, dashed: false, colour, width: 0.7, lift: lift + 0.0005 };
+            scene.lines.insert(0, line);
+        }
+    }
+}
+
+/// How much of the light from above is missing on the corners of the fields, 0 to 1, blurred.
+fn shade(scene: &Scene, low: [f64; 2], high: [f64; 2], floor: f64) -> Vec<f32> {
+    let across = FIELDS + 1;
+    let mut lowest = Canvas::new(across, across, ());
+    let scale = |axis: usize| FIELDS as f64 / (high[axis] - low[axis]).max(1e-9);
+    let (sx, sy) = (scale(0), scale(1));
+    for body in scene.bodies.iter().filter(|b| b.opacity >= 1.0 && b.is_lit) {
+        let seen = |p: &Vector3<f64>| Seen {
+            at: Point2::new((p.x - low[0]) * sx + 0.5, (p.y - low[1]) * sy + 0.5),
+            near: floor - p.z,
+        };
+        for t in &body.mesh.triangles {
+            let corners = t.map(|i| seen(&body.mesh.positions[i as usize]));
+            lowest.fill(&corners, true, |_, _| ());
+        }
+    }
+    let share = |near: f32| {
+        if near == f32::MIN { 0.0 } else { 1.0 / (1.0 + (f64::from(-near).max(0.0) / NEAR).powi(2)) }
+    };
+    let mut dark: Vec<f32> = lowest.near.iter().map(|n| share(*n) as f32).collect();
+    for _ in 0..3 {
+        dark = blurred(&dark, across, 1);
+        dark = blurred(&dark, across, across);
+    }
+    dark
+}
+
+/// The mean of each value and its neighbours along one direction of a square.
+fn blurred(values: &[f32], across: usize, step: usize) -> Vec<f32> {
+    const REACH: isize = 2;
+    let place = |k: usize| if step == 1 { k % across } else { k / across };
+    let mean = |k: usize| {
+        let sum: f32 = (-REACH..=REACH)
+            .filter_map(|d| {
+                let there = place(k) as isize + d;
+                let inside = (0..across as isize).contains(&there);
+                inside.then(|| values[(k as isize + d * step as isize) as usize])
+            })
+            .sum();
+        sum / (2 * REACH + 1) as f32
+    };
+    (0..values.len()).map(mean).collect()
+}

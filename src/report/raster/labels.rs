@@ -1,0 +1,106 @@
+//! Names and values beside things, where they cover the least.
+
+use super::font;
+use super::ink::Sheet;
+use super::scene::{Label, Side};
+use super::{Shot, Staged};
+use crate::cell::shown;
+use crate::report::raster::camera::Frame;
+use nalgebra::Vector2;
+use std::f64::consts::TAU;
+
+/// A label with its place in the picture, px.
+pub struct Placed {
+    pub text: String,
+    /// Left end of the baseline.
+    pub at: Vector2<f64>,
+    /// From a spot to its label.
+    pub leader: Option<[Vector2<f64>; 2]>,
+    low: Vector2<f64>,
+    high: Vector2<f64>,
+}
+
+pub fn write(sheet: &mut Sheet, stage: &Staged, shot: &Shot) {
+    let (unit, palette) = (shot.capital(), &stage.palette);
+    let all = placed(stage, shot);
+    for leader in all.iter().filter_map(|l| l.leader) {
+        sheet.line(&leader, 0.34 * unit, palette.paper);
+        sheet.line(&leader, 0.16 * unit, palette.spot);
+    }
+    for label in &all {
+        let colour = if label.leader.is_some() { palette.spot } else { palette.text };
+        sheet.rimmed(&label.text, label.at, unit, colour, palette.paper);
+    }
+}
+
+/// Spots first: they lead.
+pub fn placed(stage: &Staged, shot: &Shot) -> Vec<Placed> {
+    let place = |p: &nalgebra::Vector3<f64>| stage.camera.seen(p).at.coords;
+    let taken: Vec<Vector2<f64>> = stage.scene.titles.iter().map(|(p, _)| place(p)).collect();
+    let mut all: Vec<Placed> = Vec::new();
+    let (spots, names): (Vec<&Label>, Vec<&Label>) =
+        stage.scene.labels.iter().partition(|l| l.side == Side::Spot);
+    for label in spots.into_iter().chain(names) {
+        let choices = choices(label, stage, shot);
+        let cost = |p: &Placed| cost(p, &all, &taken, &shot.frame());
+        let best = choices.into_iter().map(|p| (cost(&p), p)).min_by(|a, b| a.0.total_cmp(&b.0));
+        all.extend(best.map(|(_, p)| p));
+    }
+    all
+}
+
+/// Where a label may stand, the best place first.
+fn choices(label: &Label, stage: &Staged, shot: &Shot) -> Vec<Placed> {
+    let unit = shot.capital();
+    let text: String = shown(&label.text);
+    let half = font::width(&text, unit) / 2.0;
+    let top = label.points.iter().map(|p| p.z).fold(f64::MIN, f64::max);
+    let upper = label.points.iter().filter(|p| p.z > top - 0.05).map(|p| stage.camera.seen(p).at.coords);
+    let mut upper: Vec<Vector2<f64>> = upper.collect();
+    upper.sort_by(|a, b| a.y.total_cmp(&b.y));
+    let (Some(first), Some(last)) = (upper.first().copied(), upper.last().copied()) else {
+        return Vec::new();
+    };
+    let placed = |centre: Vector2<f64>, leader: Option<[Vector2<f64>; 2]>| Placed {
+        text: text.clone(),
+        at: Vector2::new(centre.x - half, centre.y + unit / 2.0),
+        leader,
+        low: centre - Vector2::new(half + 0.5 * unit, unit),
+        high: centre + Vector2::new(half + 0.5 * unit, unit),
+    };
+    match label.side {
+        Side::Above => {
+            let mean = upper.iter().sum::<Vector2<f64>>() / upper.len() as f64;
+            let steps = (0..5).map(|k| Vector2::new(mean.x, first.y - (1.3 + 1.6 * f64::from(k)) * unit));
+            steps.map(|c| placed(c, None)).collect()
+        }
+        Side::Below => {
+            let next = upper.iter().rev().nth(1).copied().unwrap_or(last);
+            let middle = (last + next) / 2.0;
+            let steps = (0..6).map(|k| middle + Vector2::new(0.0, (3.2 + 1.6 * f64::from(k)) * unit));
+            steps.map(|c| placed(c, None)).collect()
+        }
+        Side::Spot => {
+            let around = (0..64).map(|k| {
+                let (sin, cos) = (TAU * (f64::from(k % 16) + 0.5) / 16.0).sin_cos();
+                let far = (6.0 + 5.0 * f64::from(k / 16)) * unit;
+                let centre = first + Vector2::new(cos * (far + half), -sin * far);
+                let end = Vector2::new(centre.x - (half + 0.4 * unit) * cos.signum(), centre.y);
+                placed(centre, Some([first + (end - first).normalize() * 1.2 * unit, end]))
+            });
+            around.collect()
+        }
+    }
+}
+
+/// Nodes and labels that it covers, and how far it is out of the frame.
+fn cost(p: &Placed, all: &[Placed], taken: &[Vector2<f64>], frame: &Frame) -> f64 {
+    let inside = |q: &&Vector2<f64>| (0..2).all(|k| p.low[k] < q[k] && q[k] < p.high[k]);
+    let nodes = taken.iter().filter(inside).count() as f64;
+    let meets = |o: &&Placed| (0..2).all(|k| p.low[k] < o.high[k] && o.low[k] < p.high[k]);
+    let labels = all.iter().filter(meets).count() as f64;
+    let out = (frame.left - p.low.x).max(p.high.x - frame.left - frame.width).max(0.0)
+        + (frame.top - p.low.y).max(p.high.y - frame.top - frame.height).max(0.0);
+    let long = p.leader.map_or(p.low.y - p.at.y, |[a, b]| (b - a).norm());
+    nodes * 40.0 + labels * 1000.0 + out * 10.0 + long * 0.25
+}

@@ -1,0 +1,105 @@
+//! The error map in the scene: arrows, nodes, circles, crosses, the spot.
+
+use super::Shot;
+use super::palette::{Colour, Palette, scale as colour_of};
+use super::scale::{Scale, best, value};
+use super::scene::{Body, Label, Line, Scene, Side};
+use crate::drawing::{Drawing, Field, Mesh, Node};
+use nalgebra::Vector3;
+use std::f64::consts::TAU;
+
+/// Of a spot's ring.
+const CORNERS: usize = 48;
+
+pub fn add(scene: &mut Scene, drawing: &Drawing<'_>, shot: &Shot, palette: &Palette, scale: &Scale) {
+    for (k, field) in drawing.fields.iter().enumerate() {
+        if shot.operation.is_some_and(|o| o != field.operation) {
+            continue;
+        }
+        let radius = field.radius();
+        for (n, node) in field.nodes.iter().enumerate() {
+            let said = match value(field, shot, n).filter(|_| node.is_ok()) {
+                Some(v) => {
+                    scene.bodies.push(disc(node, 0.32 * radius, colour_of(scale.share(v)), scene.size));
+                    scale.said(v)
+                }
+                None => {
+                    let circle = field.circle(n);
+                    cannot(scene, node, &circle, palette);
+                    node.reason.clone()
+                }
+            };
+            scene.titles.push((node.position, format!("({}, {}): {said}", node.i, node.j)));
+        }
+        for arrow in shot.show.arrows(drawing, k, shot.take) {
+            let colour = value(field, shot, arrow.node).map_or(palette.ring, |v| colour_of(scale.share(v)));
+            let lift = 0.001 * scene.size;
+            scene.bodies.push(Body { lift, ..Body::solid(arrow.mesh(), colour, 1.0) });
+        }
+        add_spot(scene, drawing, field, shot, palette, scale);
+    }
+}
+
+/// A circle, dashed where the arm comes near but cannot hold the tool so, or a cross where something is
+/// in the way.
+fn cannot(scene: &mut Scene, node: &Node, circle: &[Vector3<f64>], palette: &Palette) {
+    let lift = 0.004 * scene.size;
+    let line = |points: Vec<Vector3<f64>>, closed: bool, dashed: bool, colour: Colour| Line {
+        points,
+        closed,
+        dashed,
+        colour,
+        width: 1.4,
+        lift,
+    };
+    match node.status {
+        "out-of-reach" => scene.lines.push(line(circle.to_vec(), true, false, palette.ring)),
+        "joint-limit" | "attitude" | "not-converged" => {
+            scene.lines.push(line(circle.to_vec(), true, true, palette.ring));
+        }
+        _ => {
+            let eighth = circle.len() / 8;
+            for k in [eighth, 3 * eighth] {
+                let ends = vec![circle[k], circle[(k + circle.len() / 2) % circle.len()]];
+                scene.lines.push(line(ends, false, false, palette.cross));
+            }
+        }
+    }
+}
+
+/// A dot that lies on the surface.
+fn disc(node: &Node, radius: f64, colour: Colour, size: f64) -> Body {
+    const SIDES: u32 = 12;
+    let rim = (0..SIDES).map(|k| {
+        let (sin, cos) = (TAU * f64::from(k) / f64::from(SIDES)).sin_cos();
+        node.position + Vector3::new(radius * cos, radius * sin, 0.0)
+    });
+    let positions: Vec<_> = std::iter::once(node.position).chain(rim).collect();
+    let normals = vec![Vector3::z(); positions.len()];
+    let triangles = (0..SIDES).map(|k| [0, 1 + k, 1 + (k + 1) % SIDES]).collect();
+    let mesh = Mesh { positions, normals, triangles };
+    Body { is_lit: false, has_edges: false, lift: 0.003 * size, ..Body::solid(mesh, colour, 1.0) }
+}
+
+fn add_spot(
+    scene: &mut Scene,
+    drawing: &Drawing<'_>,
+    field: &Field,
+    shot: &Shot,
+    palette: &Palette,
+    scale: &Scale,
+) {
+    let Some(node) = best(field, shot) else { return };
+    let at = field.nodes[node].position;
+    let radius = 1.9 * field.radius();
+    let ring = (0..CORNERS).map(|k| {
+        let (sin, cos) = (TAU * k as f64 / CORNERS as f64).sin_cos();
+        at + Vector3::new(radius * cos, radius * sin, 0.0)
+    });
+    let (points, lift) = (ring.collect(), 0.02 * scene.size);
+    let (closed, dashed, colour) = (true, false, palette.spot);
+    scene.lines.push(Line { points, closed, dashed, colour, width: 3.2, lift });
+    let said = value(field, shot, node).map_or(String::new(), |v| format!(": {}", scale.said(v)));
+    let name = &drawing.cell.operations[field.operation].name;
+    scene.labels.push(Label { text: format!("{name}{said}"), points: vec![at], side: Side::Spot });
+}

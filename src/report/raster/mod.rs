@@ -1,0 +1,238 @@
+//! The 3-D view as a picture without a browser: PNG by a rasteriser of our own, SVG with hidden lines.
+//!
+//! A [`Drawing`] becomes a [`scene`](Scene) of bodies, lines and labels in the world; a [`Camera`] is fitted
+//! to it; both formats show that scene. Nothing here depends on fonts, drivers or chance: the same drawing
+//! gives the same bytes.
+
+mod camera;
+mod canvas;
+mod edges;
+mod floor;
+mod font;
+mod ink;
+mod isometric;
+mod labels;
+mod marks;
+mod palette;
+mod scale;
+mod scene;
+mod strip;
+#[cfg(test)]
+mod tests;
+mod trace;
+
+pub use camera::View;
+pub use isometric::isometric;
+pub use scale::Show;
+
+use crate::drawing::Drawing;
+use camera::{Camera, Frame};
+use canvas::Canvas;
+use ink::Sheet;
+use nalgebra::Vector3;
+use palette::{Light, Palette, bytes, lit, mixed};
+use scale::Scale;
+use scene::{Body, Scene};
+
+/// What is shown and how.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shot {
+    /// The field of this operation alone, the robot at its spot; None: all fields, the robot at home.
+    pub operation: Option<usize>,
+    /// px
+    pub width: usize,
+    pub height: usize,
+    pub view: View,
+    /// Near things larger; else parallel lines stay parallel.
+    pub perspective: bool,
+    pub show: Show,
+    /// Index into [`Drawing::lenses`].
+    pub take: usize,
+    /// Name of the sense that colours are of; None: of the operation's own, or of the axis shown.
+    pub sense: Option<String>,
+    pub envelope: bool,
+    /// Names of the equipment and values of the spots.
+    pub labels: bool,
+    /// Title above and legend below.
+    pub legend: bool,
+    pub dark: bool,
+}
+
+impl Default for Shot {
+    fn default() -> Self {
+        Self {
+            operation: None,
+            width: 1600,
+            height: 1000,
+            view: View::Iso,
+            perspective: true,
+            show: Show::Resultant,
+            take: 0,
+            sense: None,
+            envelope: false,
+            labels: true,
+            legend: true,
+            dark: false,
+        }
+    }
+}
+
+/// Widest and highest picture, px.
+const MOST: usize = 6000;
+/// Samples of a pixel along each side.
+const FINE: usize = 3;
+
+impl Shot {
+    /// # Errors
+    /// What of it cannot be drawn.
+    fn check(&self, drawing: &Drawing<'_>) -> Result<(), String> {
+        if !(64..=MOST).contains(&self.width) || !(64..=MOST).contains(&self.height) {
+            return Err(format!(
+                "a picture has 64 to {MOST} px a side, not {} by {}",
+                self.width, self.height
+            ));
+        }
+        if self.take >= drawing.lenses.len() {
+            return Err(format!("there are {} takes, none numbered {}", drawing.lenses.len(), self.take));
+        }
+        match self.operation {
+            Some(k) if k >= drawing.cell.operations.len() => Err(format!("there is no operation {k}")),
+            _ => Ok(()),
+        }
+    }
+
+    /// Height of capitals, px.
+    fn capital(&self) -> f64 {
+        ((self.width as f64).min(1.6 * self.height as f64) / 125.0).clamp(7.0, 22.0)
+    }
+
+    /// Where the world is shown, px.
+    fn frame(&self) -> Frame {
+        let (width, height, unit) = (self.width as f64, self.height as f64, self.capital());
+        let side = 2.2 * unit;
+        let (above, below) = if self.legend { (5.2 * unit, strip::HEIGHT * unit) } else { (side, side) };
+        let height = (height - above - below).max(height / 4.0);
+        Frame { left: side, top: above, width: width - 2.0 * side, height }
+    }
+}
+
+/// A scene and the camera that is fitted to it.
+struct Staged {
+    scene: Scene,
+    camera: Camera,
+    palette: Palette,
+    scale: Scale,
+}
+
+fn staged(drawing: &Drawing<'_>, shot: &Shot) -> Result<Staged, String> {
+    shot.check(drawing)?;
+    let palette = Palette::of(shot.dark);
+    let scale = Scale::of(drawing, shot);
+    let mut scene = Scene::of(drawing, shot, &palette, &scale);
+    let shown = drawing.fields.iter().filter(|f| shot.operation.is_none_or(|o| o == f.operation));
+    let nodes: Vec<Vector3<f64>> = shown.flat_map(|f| f.nodes.iter().map(|n| n.position)).collect();
+    let mean = nodes.iter().sum::<Vector3<f64>>() / nodes.len().max(1) as f64;
+    let work = if nodes.is_empty() { Vector3::new(0.0, -1.0, 0.0) } else { mean - drawing.base.translation };
+    let camera = Camera::fitted(shot.view, shot.perspective, &work, &scene.points(), &shot.frame());
+    floor::lay(&mut scene, &palette, drawing.floor);
+    Ok(Staged { scene, camera, palette, scale })
+}
+
+/// The picture as PNG, 8 bits for each of red, green and blue.
+///
+/// # Errors
+/// A size that no picture has, a take or an operation that is not there.
+pub fn png(drawing: &Drawing<'_>, shot: &Shot) -> Result<Vec<u8>, String> {
+    let stage = staged(drawing, shot)?;
+    let mut sheet = Sheet::of(&rendered(&stage, shot), FINE);
+    if shot.labels {
+        labels::write(&mut sheet, &stage, shot);
+    }
+    if shot.legend {
+        strip::write(&mut sheet, drawing, &stage, shot);
+    }
+    encoded(&sheet)
+}
+
+fn rendered(stage: &Staged, shot: &Shot) -> Canvas<[u8; 3]> {
+    let (width, height) = (shot.width * FINE, shot.height * FINE);
+    let mut canvas = Canvas::new(width, height, bytes(stage.palette.paper));
+    let light = Light::of(&stage.camera);
+    let (solid, clear): (Vec<&Body>, Vec<&Body>) = stage.scene.bodies.iter().partition(|b| b.opacity >= 1.0);
+    solid.iter().for_each(|body| paint(&mut canvas, body, &stage.camera, &light));
+    let pixel = shot.capital() / 10.0 * FINE as f64;
+    let edges = stage.scene.bodies.iter().filter(|b| b.has_edges).flat_map(|body| {
+        let colour = stage.palette.edge(body.colour);
+        edges::of(body, &stage.camera).into_iter().map(move |line| (line, colour))
+    });
+    let lift = stage.scene.size * 0.002;
+    for ([a, b], colour) in edges {
+        let [a, b] = [a, b].map(|p| sampled(&stage.camera, &stage.camera.before(&p, lift)));
+        canvas.stroke(&a, &b, 0.9 * pixel, |v| *v = bytes(colour));
+    }
+    for line in &stage.scene.lines {
+        for [a, b] in line.spans() {
+            let [a, b] = [a, b].map(|p| sampled(&stage.camera, &stage.camera.before(&p, line.lift)));
+            canvas.stroke(&a, &b, line.width * pixel, |v| *v = bytes(line.colour));
+        }
+    }
+    paint_clear(&mut canvas, &clear, &stage.camera, &light);
+    canvas
+}
+
+fn sampled(camera: &Camera, p: &Vector3<f64>) -> camera::Seen {
+    let seen = camera.seen(p);
+    camera::Seen { at: seen.at * FINE as f64, ..seen }
+}
+
+/// The colours at the corners of a body, blended between them.
+fn paint(canvas: &mut Canvas<[u8; 3]>, body: &Body, camera: &Camera, light: &Light) {
+    let corners: Vec<camera::Seen> =
+        body.mesh.positions.iter().map(|p| sampled(camera, &camera.before(p, body.lift))).collect();
+    let colours: Vec<palette::Colour> = body.colours(light);
+    for t in &body.mesh.triangles {
+        let t = t.map(|i| i as usize);
+        let [a, b, c] = t.map(|i| colours[i]);
+        canvas.fill(&t.map(|i| corners[i]), true, |v, s| {
+            *v = bytes(std::array::from_fn(|k| a[k] * s[0] + b[k] * s[1] + c[k] * s[2]));
+        });
+    }
+}
+
+/// What can be seen through, the farthest first.
+fn paint_clear(canvas: &mut Canvas<[u8; 3]>, bodies: &[&Body], camera: &Camera, light: &Light) {
+    let mut faces = Vec::new();
+    for body in bodies {
+        let colours = body.colours(light);
+        for t in &body.mesh.triangles {
+            let t = t.map(|i| i as usize);
+            let corners = t.map(|i| sampled(camera, &body.mesh.positions[i]));
+            let near: f64 = corners.iter().map(|c| c.near).sum();
+            faces.push((near, corners, colours[t[0]], body.opacity));
+        }
+    }
+    faces.sort_by(|a, b| a.0.total_cmp(&b.0));
+    for (_, corners, colour, opacity) in faces {
+        canvas.fill(&corners, false, |v, _| {
+            let behind = v.map(|c| f32::from(c) / 255.0);
+            *v = bytes(mixed(behind, lit(colour, 1.0), opacity));
+        });
+    }
+}
+
+fn encoded(sheet: &Sheet) -> Result<Vec<u8>, String> {
+    let (width, height) = (sheet.width as u32, sheet.height as u32);
+    let mut out = Vec::new();
+    let mut encoder = png::Encoder::new(&mut out, width, height);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::High);
+    let write = |encoder: png::Encoder<'_, &mut Vec<u8>>| -> Result<(), png::EncodingError> {
+        let data: Vec<u8> = sheet.pixels.iter().flat_map(|p| bytes(*p)).collect();
+        let mut writer = encoder.write_header()?;
+        writer.write_image_data(&data)?;
+        writer.finish()
+    };
+    write(encoder).map_err(|e| format!("cannot make PNG: {e}"))?;
+    Ok(out)
+}

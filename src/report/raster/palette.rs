@@ -1,0 +1,102 @@
+//! Colours and light.
+
+use super::camera::Camera;
+use crate::drawing::Kind;
+use crate::report::legend;
+use nalgebra::Vector3;
+
+/// Red, green, blue, 0 to 1.
+pub type Colour = [f32; 3];
+
+/// What everything but the errors is drawn in.
+pub struct Palette {
+    pub paper: Colour,
+    pub floor: Colour,
+    pub grid: Colour,
+    pub text: Colour,
+    pub faint: Colour,
+    pub ring: Colour,
+    pub cross: Colour,
+    pub spot: Colour,
+    pub envelope: Colour,
+    is_dark: bool,
+}
+
+impl Palette {
+    pub fn of(is_dark: bool) -> Self {
+        let [paper, floor, grid, text, faint, ring, cross, spot, envelope] = if is_dark {
+            [0x12161b, 0x20262d, 0x323a44, 0xe8ecf0, 0xa3adb8, 0xaab4be, 0xff7b72, 0xff6ac1, 0x58b4f0]
+        } else {
+            [0xffffff, 0xeef0f2, 0xd9dde2, 0x1b1f24, 0x57606a, 0x57606a, 0xcf222e, 0xc2187f, 0x0969a8]
+        }
+        .map(rgb);
+        Self { paper, floor, grid, text, faint, ring, cross, spot, envelope, is_dark }
+    }
+
+    /// Of a solid, and how much of what lies behind it it hides.
+    pub fn of_kind(&self, kind: Kind) -> (Colour, f32) {
+        let (light, dark, opacity) = match kind {
+            Kind::Robot => (0xf0a04b, 0xd9853a, 1.0),
+            Kind::Tool => (0x6b7683, 0x8a95a1, 1.0),
+            Kind::Held => (0x56b4e9, 0x56b4e9, 1.0),
+            Kind::Equipment => (0xdde3ea, 0x5a6673, 1.0),
+            Kind::Obstacle => (0xb4bcc6, 0x47515c, 1.0),
+            Kind::Fence => (0xe69f00, 0xe69f00, 0.13),
+            Kind::KeepOut => (0xd55e00, 0xff8f4a, 0.22),
+        };
+        (rgb(if self.is_dark { dark } else { light }), opacity)
+    }
+
+    /// Of the edges of a solid.
+    pub fn edge(&self, colour: Colour) -> Colour {
+        mixed(colour, [0.0, 0.0, 0.05], if self.is_dark { 0.62 } else { 0.58 })
+    }
+}
+
+pub fn rgb(code: u32) -> Colour {
+    [16, 8, 0].map(|shift| (code >> shift & 0xff) as f32 / 255.0)
+}
+
+/// A colour of the scale of errors, 0 to 1.
+pub fn scale(share: f64) -> Colour {
+    let code = legend::colour(share);
+    rgb(u32::from_str_radix(code.trim_start_matches('#'), 16).unwrap_or(0))
+}
+
+/// From `a` to `b` by a share.
+pub fn mixed(a: Colour, b: Colour, share: f32) -> Colour {
+    std::array::from_fn(|k| a[k] + (b[k] - a[k]) * share)
+}
+
+pub fn bytes(colour: Colour) -> [u8; 3] {
+    colour.map(|c| (c.clamp(0.0, 1.0) * 255.0).round() as u8)
+}
+
+pub fn hex(colour: Colour) -> String {
+    let [r, g, b] = bytes(colour);
+    format!("#{r:02x}{g:02x}{b:02x}")
+}
+
+/// Two lamps that move with the eye, and light from all sides: Lambert's cosine law.
+pub struct Light {
+    key: Vector3<f64>,
+    fill: Vector3<f64>,
+}
+
+impl Light {
+    pub fn of(camera: &Camera) -> Self {
+        let towards =
+            |r: f64, u: f64, b: f64| (camera.right * r + camera.up * u + camera.back * b).normalize();
+        Self { key: towards(-0.55, 0.75, 0.45), fill: towards(0.85, 0.1, 0.4) }
+    }
+
+    /// How bright a surface with this normal is.
+    pub fn on(&self, normal: &Vector3<f64>) -> f32 {
+        let (key, fill) = (normal.dot(&self.key).max(0.0), normal.dot(&self.fill).max(0.0));
+        (0.50 + 0.50 * key + 0.16 * fill) as f32
+    }
+}
+
+pub fn lit(colour: Colour, brightness: f32) -> Colour {
+    colour.map(|c| (c * brightness).min(1.0))
+}

@@ -1,0 +1,116 @@
+//! What the colours and the arrows say.
+
+use super::Shot;
+use crate::cell::{Quantity, Reading, Unit};
+use crate::drawing::{Arrow, Component, Drawing, Field};
+
+/// What of the errors is drawn as arrows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Show {
+    /// No error map at all.
+    Nothing,
+    X,
+    Y,
+    Z,
+    /// The error in x and y together.
+    InPlane,
+    #[default]
+    Resultant,
+}
+
+impl Show {
+    /// The sense in which its size is reported.
+    pub fn sense(self) -> Option<&'static str> {
+        match self {
+            Self::Nothing => None,
+            Self::X => Some("x"),
+            Self::Y => Some("y"),
+            Self::Z => Some("z"),
+            Self::InPlane => Some("xy"),
+            Self::Resultant => Some("xyz"),
+        }
+    }
+
+    /// The errors of a field as arrows.
+    pub fn arrows(self, drawing: &Drawing<'_>, field: usize, take: usize) -> Vec<Arrow> {
+        let component = match self {
+            Self::Nothing => return Vec::new(),
+            Self::X => Component::X,
+            Self::Y => Component::Y,
+            Self::Z => Component::Z,
+            Self::InPlane | Self::Resultant => Component::Resultant,
+        };
+        let mut arrows = drawing.arrows(field, take, component);
+        if self == Self::InPlane {
+            for arrow in &mut arrows {
+                let long = (arrow.tip - arrow.tail).norm();
+                arrow.tip.z = arrow.tail.z;
+                arrow.head *= (arrow.tip - arrow.tail).norm() / long.max(1e-12);
+            }
+            arrows.retain(|a| a.head > 0.0);
+        }
+        arrows
+    }
+}
+
+/// One scale of colour for every field that is shown.
+pub struct Scale {
+    /// Names of the senses that colours are of.
+    pub senses: Vec<String>,
+    /// Least and greatest value, m, rad or share; None if there is none.
+    pub range: Option<(f64, f64)>,
+    pub unit: Unit,
+}
+
+impl Scale {
+    pub fn of(drawing: &Drawing<'_>, shot: &Shot) -> Self {
+        let shown = || drawing.fields.iter().filter(|f| shot.operation.is_none_or(|o| o == f.operation));
+        let (mut senses, mut unit) = (Vec::new(), Unit::Length);
+        for field in shown() {
+            let sense = &field.senses[sense(field, shot)];
+            unit = sense.unit;
+            if !senses.contains(&sense.name) {
+                senses.push(sense.name.clone());
+            }
+        }
+        let lens = drawing.lenses[shot.take];
+        if lens.reading == Reading::Statistical && lens.quantity == Quantity::Yield {
+            unit = Unit::Share;
+        }
+        let ranges = shown().filter_map(|f| f.range(shot.take, sense(f, shot)));
+        let range = ranges.reduce(|(lo, hi), (a, b)| (lo.min(a), hi.max(b)));
+        Self { senses, range, unit }
+    }
+
+    /// Where a value lies between the least and the greatest.
+    pub fn share(&self, value: f64) -> f64 {
+        let (low, high) = self.range.unwrap_or((0.0, 1.0));
+        if high > low { (value - low) / (high - low) } else { 0.5 }
+    }
+
+    /// A value with its unit.
+    pub fn said(&self, value: f64) -> String {
+        format!("{:.3} {}", self.unit.from_si(value), self.unit.word())
+    }
+}
+
+/// Index of the sense that the colours of a field are of.
+pub fn sense(field: &Field, shot: &Shot) -> usize {
+    let named = |name: &str| field.senses.iter().position(|s| s.name == name);
+    shot.sense.as_deref().and_then(named).unwrap_or(field.sense)
+}
+
+/// What the reading says of a node in that sense.
+pub fn value(field: &Field, shot: &Shot, node: usize) -> Option<f64> {
+    *field.takes.get(shot.take)?.values[sense(field, shot)].get(node)?
+}
+
+/// The node that is best in the sense that is shown: the spot of the operation in its own, else the
+/// usable node of least value.
+pub fn best(field: &Field, shot: &Shot) -> Option<usize> {
+    if sense(field, shot) == field.sense {
+        return field.takes.get(shot.take)?.best;
+    }
+    let all = field.usable().filter_map(|k| Some((k, value(field, shot, k)?)));
+    all.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(k, _)| k)
+}

@@ -1,0 +1,181 @@
+//! What stands in the picture, world, m.
+
+use super::Shot;
+use super::marks;
+use super::palette::{Colour, Light, Palette, lit};
+use super::scale::{Scale, Show};
+use crate::cell::Role;
+use crate::drawing::{Drawing, Kind, Mesh};
+use crate::pose::Pose;
+use nalgebra::Vector3;
+
+/// A surface.
+pub struct Body {
+    pub mesh: Mesh,
+    pub colour: Colour,
+    /// Of corners that have one of their own.
+    pub painted: Vec<Colour>,
+    pub opacity: f32,
+    /// Signs look the same from all sides.
+    pub is_lit: bool,
+    pub has_edges: bool,
+    /// Drawn so far before where it is, m.
+    pub lift: f64,
+}
+
+impl Body {
+    /// The colour of each corner.
+    pub fn colours(&self, light: &Light) -> Vec<Colour> {
+        match (self.is_lit, self.painted.is_empty()) {
+            (true, _) => self.mesh.normals.iter().map(|n| lit(self.colour, light.on(n))).collect(),
+            (false, false) => self.painted.clone(),
+            (false, true) => vec![self.colour; self.mesh.positions.len()],
+        }
+    }
+}
+
+/// A line through points.
+pub struct Line {
+    pub points: Vec<Vector3<f64>>,
+    pub closed: bool,
+    /// Every second part is left out.
+    pub dashed: bool,
+    pub colour: Colour,
+    /// In tenths of the height of capitals.
+    pub width: f64,
+    pub lift: f64,
+}
+
+impl Line {
+    /// The parts that are drawn.
+    pub fn spans(&self) -> impl Iterator<Item = [Vector3<f64>; 2]> {
+        let count = if self.closed { self.points.len() } else { self.points.len().saturating_sub(1) };
+        let kept = (0..count).filter(|k| !self.dashed || k % 4 < 2);
+        kept.map(|k| [self.points[k], self.points[(k + 1) % self.points.len()]])
+    }
+}
+
+/// Where the text of a label goes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    Above,
+    /// Below the nearest of the points.
+    Below,
+    /// The value at a spot, with a line that leads to it.
+    Spot,
+}
+
+/// A text beside a thing.
+pub struct Label {
+    pub text: String,
+    /// Of the thing.
+    pub points: Vec<Vector3<f64>>,
+    pub side: Side,
+}
+
+pub struct Scene {
+    pub bodies: Vec<Body>,
+    pub lines: Vec<Line>,
+    pub labels: Vec<Label>,
+    /// What a pointer on a node is told.
+    pub titles: Vec<(Vector3<f64>, String)>,
+    /// Diagonal of all bodies, m.
+    pub size: f64,
+}
+
+impl Scene {
+    pub fn of(drawing: &Drawing<'_>, shot: &Shot, palette: &Palette, scale: &Scale) -> Self {
+        let at = shot.operation.and_then(|k| drawing.movement.at(k));
+        let frames = at.unwrap_or(drawing.movement.home());
+        let mut scene =
+            Self { bodies: Vec::new(), lines: Vec::new(), labels: Vec::new(), titles: Vec::new(), size: 1.0 };
+        for (part, pose) in drawing.posed(shot.operation, frames) {
+            let (colour, opacity) = palette.of_kind(part.kind);
+            let mesh = part.mesh.seen_from(&pose);
+            scene.bodies.push(Body::solid(mesh, colour, opacity));
+        }
+        let points = scene.points();
+        let bounds = points.iter().map(|p| (*p, *p)).reduce(|(lo, hi), (p, q)| (lo.inf(&p), hi.sup(&q)));
+        scene.size = bounds.map_or(1.0, |(lo, hi)| (hi - lo).norm()).max(0.1);
+        if shot.envelope {
+            scene.add_envelopes(drawing, shot, palette);
+        }
+        if shot.show != Show::Nothing {
+            marks::add(&mut scene, drawing, shot, palette, scale);
+        }
+        scene.add_names(drawing, frames);
+        scene
+    }
+
+    /// Everything that the picture must hold.
+    pub fn points(&self) -> Vec<Vector3<f64>> {
+        let bodies = self.bodies.iter().flat_map(|b| &b.mesh.positions);
+        bodies.chain(self.lines.iter().flat_map(|l| &l.points)).copied().collect()
+    }
+
+    fn add_envelopes(&mut self, drawing: &Drawing<'_>, shot: &Shot, palette: &Palette) {
+        let all = drawing.envelopes.iter().zip(&drawing.fields);
+        // Operations of one attitude share an envelope.
+        let mut drawn: Vec<&Vec<Vector3<f64>>> = Vec::new();
+        for (rings, _) in all.filter(|(_, f)| shot.operation.is_none_or(|o| o == f.operation)) {
+            let sets = [(&rings.at_work, 1.7), (&rings.around, 0.9)];
+            for (ring, width) in sets.into_iter().flat_map(|(set, w)| set.iter().map(move |r| (r, w))) {
+                if drawn.contains(&ring) {
+                    continue;
+                }
+                drawn.push(ring);
+                self.lines.push(Line {
+                    points: ring.clone(),
+                    closed: true,
+                    dashed: false,
+                    colour: palette.envelope,
+                    width,
+                    lift: self.size * 0.002,
+                });
+            }
+        }
+    }
+
+    fn add_names(&mut self, drawing: &Drawing<'_>, frames: &[Pose]) {
+        for (k, equipment) in drawing.cell.equipment.iter().enumerate() {
+            let parts = drawing.posed(None, frames).filter(|(part, _)| part.equipment == Some(k));
+            let points: Vec<_> = parts.filter_map(|(part, pose)| Some(corners(&part.mesh, &pose)?)).collect();
+            let points: Vec<Vector3<f64>> = points.into_iter().flatten().collect();
+            let side = match (equipment.role, equipment.surface.is_some()) {
+                (Role::Equipment, true) => Side::Below,
+                _ => Side::Above,
+            };
+            if !points.is_empty() {
+                self.labels.push(Label { text: equipment.name.clone(), points, side });
+            }
+        }
+        let is_keep_out = |kind| kind == Kind::KeepOut;
+        for (part, pose) in drawing.posed(None, frames).filter(|(part, _)| is_keep_out(part.kind)) {
+            let points = corners(&part.mesh, &pose).map_or(Vec::new(), |c| c.to_vec());
+            self.labels.push(Label { text: part.name.clone(), points, side: Side::Above });
+        }
+    }
+}
+
+impl Body {
+    pub fn solid(mesh: Mesh, colour: Colour, opacity: f32) -> Self {
+        Self {
+            mesh,
+            colour,
+            painted: Vec::new(),
+            opacity,
+            is_lit: opacity >= 1.0,
+            has_edges: true,
+            lift: 0.0,
+        }
+    }
+}
+
+/// Of the box round a mesh, in the world.
+fn corners(mesh: &Mesh, pose: &Pose) -> Option<[Vector3<f64>; 8]> {
+    let (low, high) = mesh.extent()?;
+    Some(std::array::from_fn(|k| {
+        let side = |axis: usize| if k >> axis & 1 == 1 { high[axis] } else { low[axis] };
+        pose.transform(&Vector3::new(side(0), side(1), side(2)))
+    }))
+}
