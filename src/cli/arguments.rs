@@ -1,5 +1,6 @@
 //! The command line.
 
+use super::commands::ViewArguments;
 use super::sweep::SweepArguments;
 use crate::cell::{Goal, MOST_KEPT, Model, Quantity, Reading, Registration, Solver};
 use crate::compare::At;
@@ -63,6 +64,9 @@ pub enum Command {
     /// Draw and measure where a robot can hold its tool: section, plan, volume
     #[command(before_help = "Example: sweetspot envelope hitachi_pw10 --svg envelope.svg")]
     Envelope(EnvelopeArguments),
+    /// Play what-if with a layout in the browser: a page that this machine alone can see
+    #[command(before_help = "Example: sweetspot view cells/hitachi_cell.toml --open")]
+    View(ViewArguments),
 }
 
 /// Where the packages lie whose files a URDF names.

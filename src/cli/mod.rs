@@ -12,6 +12,7 @@ mod overrides;
 mod progress;
 mod results;
 mod sweep;
+mod view;
 
 use arguments::{Arguments, Command};
 use clap::Parser;
@@ -57,6 +58,7 @@ pub fn run() -> ExitCode {
         Command::Robots(a) => commands::robots(&a),
         Command::Robot(a) => commands::robot(&a),
         Command::Envelope(a) => commands::envelope(&a),
+        Command::View(a) => commands::view(&a),
     };
     code(exit.unwrap_or_else(|exit| exit))
 }

@@ -8,6 +8,7 @@ pub mod goals;
 pub mod json;
 mod legend;
 mod names;
+pub mod page;
 pub mod svg;
 pub mod sweep;
 pub mod text;

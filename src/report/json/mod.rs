@@ -6,6 +6,7 @@
 mod envelope;
 mod front;
 mod layouts;
+mod live;
 mod map;
 mod posture;
 mod readings;
@@ -14,6 +15,7 @@ mod sweep;
 
 pub use envelope::{envelope, robot, robots};
 pub use layouts::{compare, search};
+pub use live::{answer, coordinate_name, form, lens_list, numbers};
 pub use map::{MapDocument, map};
 pub use posture::{budget, explain};
 pub use readings::readings;

@@ -1,0 +1,6 @@
+//! Pages for the browser.
+
+mod assets;
+mod live;
+
+pub use live::live;
