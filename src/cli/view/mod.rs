@@ -71,7 +71,14 @@ impl View {
         let cell = workcell.cell.clone();
         let session = Session::new(Values::start(&cell), Question::of(&cell));
         let workcells = Workcells::new(workcell);
-        Self { workcells, cell, origin, session: Mutex::new(session), job: Mutex::new(None), saving: Mutex::new(()) }
+        Self {
+            workcells,
+            cell,
+            origin,
+            session: Mutex::new(session),
+            job: Mutex::new(None),
+            saving: Mutex::new(()),
+        }
     }
 
     /// Everything that a page needs to begin.

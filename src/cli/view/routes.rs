@@ -21,7 +21,8 @@ pub fn answer(view: &View, door: &Door, mut request: Request) {
         },
     };
     // What is left of a body would be read first.
-    let is_read = is_read && (*request.method() == Method::Post || request.body_length().is_none_or(|n| n == 0));
+    let is_read =
+        is_read && (*request.method() == Method::Post || request.body_length().is_none_or(|n| n == 0));
     door::send(request, &answer, is_read);
 }
 
@@ -109,9 +110,12 @@ fn save(view: &View, asked: &Value) -> Answer {
             output::talk(&format!("wrote {path}"));
             Answer::json(200, &json!({ "saved": path }))
         }
-        Err(Unsaved::Taken) => Answer::json(409, &json!({
-            "error": format!("there is a file `{}` already", shown(name.trim())), "taken": true
-        })),
+        Err(Unsaved::Taken) => Answer::json(
+            409,
+            &json!({
+                "error": format!("there is a file `{}` already", shown(name.trim())), "taken": true
+            }),
+        ),
         Err(Unsaved::Refused(why)) => Answer::refused(400, &why),
         Err(Unsaved::Io) => Answer::refused(500, "it cannot be written: the terminal says why"),
     }

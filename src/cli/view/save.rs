@@ -34,7 +34,9 @@ pub fn file_name(asked: &str) -> Result<String, String> {
         return Err("give the file a name".into());
     }
     if !stem.chars().all(is_plain) || stem.starts_with(['.', '-', ' ']) || stem.ends_with(['.', ' ']) {
-        return Err("a name has letters, digits, - and _ and begins with a letter or digit: no folders".into());
+        return Err(
+            "a name has letters, digits, - and _ and begins with a letter or digit: no folders".into()
+        );
     }
     let first = stem.split('.').next().unwrap_or(stem).trim_end().to_ascii_uppercase();
     let port = first.strip_prefix("COM").or_else(|| first.strip_prefix("LPT"));
@@ -78,7 +80,9 @@ impl Origin {
         if let Ok(real) = path.canonicalize()
             && self.sources.iter().any(|s| s.canonicalize().is_ok_and(|s| s == real))
         {
-            return Err(Unsaved::Refused(format!("`{name}` is what this layout is made from: take another name")));
+            return Err(Unsaved::Refused(format!(
+                "`{name}` is what this layout is made from: take another name"
+            )));
         }
         if path.symlink_metadata().is_ok_and(|m| !m.is_file()) {
             return Err(Unsaved::Refused(format!("`{name}` is there and is no file")));
@@ -101,7 +105,8 @@ impl Origin {
         match files::read_cell_with(path, &self.packages, &[], &kept) {
             Ok(_) => Ok(()),
             Err(faults) => {
-                let first = faults.iter().find(|f| f.is_error()).map(|f| format!("{}; {}", f.message, f.help));
+                let first =
+                    faults.iter().find(|f| f.is_error()).map(|f| format!("{}; {}", f.message, f.help));
                 Err(Unsaved::Refused(format!("no file can say that: {}", first.unwrap_or_default())))
             }
         }

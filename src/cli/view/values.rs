@@ -99,7 +99,8 @@ impl Values {
             let number = number.as_f64().filter(|v| v.is_finite());
             let number = number.ok_or_else(|| format!("{key} of {owner} must be a number"))?;
             let coordinate = coordinate(cell, slot).ok_or("there is no such number")?;
-            self.si[place] = allowed(coordinate, slot, number).map_err(|why| format!("{key} of {owner} {why}"))?;
+            self.si[place] =
+                allowed(coordinate, slot, number).map_err(|why| format!("{key} of {owner} {why}"))?;
         }
         Ok(())
     }
@@ -149,7 +150,8 @@ fn slot_of(cell: &Cell, group: &str, name: &str) -> Result<Box<dyn Fn(usize) -> 
             Ok(Box::new(move |axis| Slot::Equipment(k, axis)))
         }
         "attitude" => {
-            let k = cell.operations.iter().position(|o| o.name == name).ok_or_else(|| unknown("operation"))?;
+            let k =
+                cell.operations.iter().position(|o| o.name == name).ok_or_else(|| unknown("operation"))?;
             Ok(Box::new(move |angle| Slot::Attitude(k, angle)))
         }
         _ => Err(format!("`{}` is none of robot_base, equipment, attitude", shown(group))),
@@ -203,8 +205,7 @@ fn allowed(coordinate: &Coordinate, slot: Slot, number: f64) -> Result<f64, Stri
         }
         _ => {
             let farthest = if slot.is_angle() { FARTHEST.1 } else { FARTHEST.0 };
-            let (min, max) =
-                if coordinate.is_free() { coordinate.range() } else { (-farthest, farthest) };
+            let (min, max) = if coordinate.is_free() { coordinate.range() } else { (-farthest, farthest) };
             if (min..=max).contains(&si) {
                 Ok(si)
             } else if same(min) || same(max) {

@@ -86,7 +86,9 @@ fn groups(cell: &Cell) -> Value {
             groups.push(json!({ "group": "attitude", "name": operation.name, "numbers": numbers }));
         }
     }
-    groups.push(json!({ "group": "robot_base", "name": "robot base", "numbers": four(&Slot::Base, &cell.base) }));
+    groups.push(
+        json!({ "group": "robot_base", "name": "robot base", "numbers": four(&Slot::Base, &cell.base) }),
+    );
     Value::Array(groups)
 }
 
