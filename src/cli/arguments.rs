@@ -1,6 +1,7 @@
 //! The command line.
 
 use super::commands::ReportArguments;
+use super::commands::ViewArguments;
 use super::sweep::SweepArguments;
 use crate::cell::{Goal, MOST_KEPT, Model, Quantity, Reading, Registration, Solver};
 use crate::compare::At;
@@ -67,6 +68,9 @@ pub enum Command {
     /// Make one page that shows it all: verdict, view, maps, tables; of a layout, or of what a search found
     #[command(before_help = "Example: sweetspot report results/hitachi_cell-001 -o report.html")]
     Report(ReportArguments),
+    /// Play what-if with a layout in the browser: a page that this machine alone can see
+    #[command(before_help = "Example: sweetspot view cells/hitachi_cell.toml --open")]
+    View(ViewArguments),
 }
 
 /// Where the packages lie whose files a URDF names.

@@ -45,6 +45,13 @@ pub fn read_cell(path: &Path, packages: &Packages) -> Result<Loaded, Vec<Fault>>
 #[derive(Default)]
 pub struct Kept(Mutex<HashMap<String, Result<Vec<u8>, String>>>);
 
+impl Kept {
+    /// A file that is not there yet.
+    pub fn with(name: &str, bytes: &[u8]) -> Self {
+        Self(Mutex::new(HashMap::from([(name.to_string(), Ok(bytes.to_vec()))])))
+    }
+}
+
 /// Reads a cell with some keys said otherwise, and all it refers to.
 pub fn read_cell_with(
     path: &Path,

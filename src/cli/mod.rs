@@ -13,6 +13,7 @@ mod overrides;
 mod progress;
 mod results;
 mod sweep;
+mod view;
 
 use arguments::{Arguments, Command};
 use clap::Parser;
@@ -59,6 +60,7 @@ pub fn run() -> ExitCode {
         Command::Robot(a) => commands::robot(&a),
         Command::Envelope(a) => commands::envelope(&a),
         Command::Report(a) => commands::report(&a),
+        Command::View(a) => commands::view(&a),
     };
     code(exit.unwrap_or_else(|exit| exit))
 }

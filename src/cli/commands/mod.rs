@@ -10,6 +10,7 @@ mod robots;
 mod robust;
 mod search;
 mod sweep;
+mod view;
 
 pub use check::check;
 pub use layouts::compare;
@@ -21,6 +22,7 @@ pub use robots::{envelope, robot, robots};
 pub use robust::robust;
 pub use search::{asked, search};
 pub use sweep::sweep;
+pub use view::{ViewArguments, view};
 
 use crate::cell::{Cell, Coordinate, shown};
 use crate::clearance::Party;

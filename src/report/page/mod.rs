@@ -1,5 +1,5 @@
-//! What runs in the browser: the report, one page of HTML that needs nothing else, not even a network,
-//! and the 3-D viewer in it.
+//! What runs in the browser: the report, one page of HTML that needs nothing else, not even a network, the
+//! 3-D viewer in it, and the live page of `view`.
 //!
 //! A [`Subject`] is what is reported; the sections of the page are plain data made from it, and one
 //! template puts them into markup. Script and style are inside and named by their hashes in the
@@ -9,6 +9,7 @@ pub mod assets;
 mod assumptions;
 mod content;
 mod figures;
+mod live;
 mod nodes;
 mod places;
 mod readings;
@@ -21,6 +22,7 @@ mod tests;
 mod verdict;
 
 pub use content::{Figure, Section, Table};
+pub use live::live;
 pub use report::{Report, report};
 pub use subject::{Alternative, Found, Manifest, Proof, ProofOf, StartFound, Subject};
 pub use verdict::{Fact, Spot, Verdict};

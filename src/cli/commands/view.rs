@@ -1,0 +1,103 @@
+//! `view`.
+
+use super::{suggest, warn_of_hopeless, workcell};
+use crate::cell::{Cell, Loaded};
+use crate::cli::arguments::{Overrides, Packages};
+use crate::cli::output::path_word;
+use crate::cli::overrides::overridden;
+use crate::cli::view::{Door, Origin, View, secret, serve, widened};
+use crate::cli::{Exit, files, output};
+use clap::Args;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use tiny_http::Server;
+
+#[derive(Args)]
+pub struct ViewArguments {
+    /// Cell file (TOML), or a folder that a search has written
+    #[arg(value_name = "CELL|RESULT")]
+    pub of: PathBuf,
+    #[command(flatten)]
+    pub packages: Packages,
+    #[command(flatten)]
+    pub overrides: Overrides,
+    /// Listen on this port of 127.0.0.1 [default: one that is free]
+    #[arg(long, default_value_t = 0, hide_default_value = true)]
+    pub port: u16,
+    /// Open the page in the browser
+    #[arg(long)]
+    pub open: bool,
+}
+
+/// `sweetspot view`. Ends at Ctrl-C with 0: nothing that was asked for is left undone.
+pub fn view(a: &ViewArguments) -> Result<Exit, Exit> {
+    let file = if a.of.is_dir() { a.of.join("best.toml") } else { a.of.clone() };
+    let Loaded { cell, sources, .. } = overridden(files::load(&file, &a.packages)?, &a.overrides)?;
+    let folder = file.parent().unwrap_or(Path::new(""));
+    let sources: Vec<PathBuf> = sources.iter().map(|s| folder.join(&s.path)).collect();
+    let cell = if a.of.is_dir() { searched(cell, &sources, &a.packages) } else { cell };
+    let workcell = workcell(cell, &file)?;
+    warn_of_hopeless(&workcell);
+    let view = View::new(workcell, Origin { file: file.clone(), packages: a.packages.clone(), sources });
+    let server = Server::http(("127.0.0.1", a.port)).map_err(|e| {
+        output::error(&format!("cannot listen on port {} of 127.0.0.1: {e}", a.port));
+        Exit::Io
+    })?;
+    let port = server.server_addr().to_ip().map_or(a.port, |address| address.port());
+    let door = Door::new(secret().map_err(failed)?, port);
+    let server = Arc::new(server);
+    let over = end_at_signals(&server);
+    output::data(&format!("{}\n", door.url()))?;
+    output::talk("the page is at this address until you press Ctrl-C here");
+    if a.open {
+        open(&door.url());
+    }
+    serve(view, &server, door, &over).map_err(failed)?;
+    suggest(&format!("check {}", path_word(&file)));
+    Ok(Exit::Done)
+}
+
+fn failed(why: String) -> Exit {
+    output::error(&why);
+    Exit::Io
+}
+
+/// The cell of a result with the ranges that were searched, so that it can be searched again.
+fn searched(cell: Cell, sources: &[PathBuf], packages: &Packages) -> Cell {
+    // best.toml comes first, then the cell file that it is from.
+    let wide = sources.get(1).and_then(|file| files::read_cell(file, packages).ok());
+    match wide {
+        Some(wide) => widened(cell, &wide.cell),
+        None => cell,
+    }
+}
+
+/// Raised at Ctrl-C or SIGTERM; the server then stops waiting.
+fn end_at_signals(server: &Arc<Server>) -> Arc<AtomicBool> {
+    let over = Arc::new(AtomicBool::new(false));
+    let (asked, server) = (over.clone(), server.clone());
+    let _ = ctrlc::set_handler(move || {
+        asked.store(true, Ordering::Relaxed);
+        server.unblock();
+    });
+    over
+}
+
+/// Asks the desktop to open the page; without one the address is there to be copied.
+fn open(url: &str) {
+    let mut command = if cfg!(target_os = "macos") {
+        Command::new("open")
+    } else if cfg!(windows) {
+        let mut command = Command::new("cmd");
+        command.args(["/C", "start", ""]);
+        command
+    } else {
+        Command::new("xdg-open")
+    };
+    let spawned = command.arg(url).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).spawn();
+    if spawned.is_err() {
+        output::talk("note: no browser could be opened: copy the address");
+    }
+}

@@ -1,0 +1,257 @@
+//! `view`: a page on this machine alone, to play what-if with a layout.
+//!
+//! The session lives here and not in the page: the steps taken, the question asked, a search under way.
+//! A page that is closed ends nothing, one that is opened again goes on where it was, and several show the
+//! same. What a layout is worth is what [`crate::layout::evaluate`] and the maps say, as everywhere.
+
+mod door;
+mod job;
+mod question;
+mod routes;
+mod save;
+mod session;
+mod values;
+
+pub use door::{Door, secret};
+pub use save::Origin;
+pub use values::widened;
+
+use crate::cell::{Layout, Model, Reading};
+use crate::compare::Assessment;
+use crate::layout::{Workcell, evaluate, separated};
+use crate::report::json;
+use job::Job;
+use question::{Question, Workcells};
+use serde_json::{Value, json};
+use session::Session;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard};
+use tiny_http::Server;
+use values::Values;
+
+/// Budget of a search from the page, evaluations.
+const BUDGETS: std::ops::RangeInclusive<u64> = 1..=1_000_000_000;
+
+/// A cell with everything that its pages share.
+pub struct View {
+    workcells: Workcells,
+    /// The cell as it is asked from the start.
+    cell: crate::cell::Cell,
+    origin: Origin,
+    session: Mutex<Session>,
+    job: Mutex<Option<Job>>,
+    saving: Mutex<()>,
+}
+
+/// A lock that no panic of another thread takes away.
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
+}
+
+/// Answers until `over` says so and the server is unblocked.
+///
+/// # Errors
+/// Why the server cannot go on.
+pub fn serve(view: View, server: &Server, door: Door, over: &AtomicBool) -> Result<(), String> {
+    let shared = Arc::new((view, door));
+    loop {
+        let request = match server.recv() {
+            Ok(request) => request,
+            Err(_) if over.load(Ordering::Relaxed) => return Ok(()),
+            Err(e) => return Err(e.to_string()),
+        };
+        let shared = shared.clone();
+        // One that sends its body slowly holds up nobody else; without a thread it is answered 500.
+        let _ = std::thread::Builder::new().spawn(move || routes::answer(&shared.0, &shared.1, request));
+    }
+}
+
+impl View {
+    pub fn new(workcell: Workcell, origin: Origin) -> Self {
+        let cell = workcell.cell.clone();
+        let session = Session::new(Values::start(&cell), Question::of(&cell));
+        let workcells = Workcells::new(workcell);
+        Self {
+            workcells,
+            cell,
+            origin,
+            session: Mutex::new(session),
+            job: Mutex::new(None),
+            saving: Mutex::new(()),
+        }
+    }
+
+    /// Everything that a page needs to begin.
+    fn state(&self) -> Result<Value, String> {
+        let mut state = json::form(&self.cell);
+        state["file"] = json!(crate::cell::shown(&self.origin.file.to_string_lossy()));
+        state["now"] = self.now()?;
+        Ok(state)
+    }
+
+    /// The step that is shown, with its worth and that of the step before.
+    fn now(&self) -> Result<Value, String> {
+        let (question, values, before, mut document) = {
+            let session = locked(&self.session);
+            let (undo, redo) = session.depth();
+            let Question { sense, model, reading } = &session.question;
+            let document = json!({
+                "revision": session.revision,
+                "undo": undo,
+                "redo": redo,
+                "what": session.now().what,
+                "question": { "sense": sense, "model": model.name(), "reading": reading.name() },
+            });
+            let before = session.before().map(|step| step.values.clone());
+            (session.question.clone(), session.now().values.clone(), before, document)
+        };
+        let workcell = self.workcells.ask(&question)?;
+        let cell = &workcell.cell;
+        let layout = values.layout(cell);
+        let before = before.map(|values| evaluate(&workcell, &values.layout(cell)));
+        let before = before.map(|e| e.objective.map(|o| cell.unit().from_si(o)));
+        document["numbers"] = json::numbers(cell, &layout);
+        document["lenses"] = json::lens_list(cell);
+        document["before"] = json!(before);
+        document["answer"] = json::answer(&assessed(&workcell, layout, true));
+        Ok(document)
+    }
+
+    /// What a layout would be worth: while it is dragged.
+    fn attempt(&self, asked: &Value) -> Result<Value, String> {
+        let (question, values) = {
+            let session = locked(&self.session);
+            (session.question.clone(), session.now().values.changed(&self.cell, asked)?)
+        };
+        let workcell = self.workcells.ask(&question)?;
+        let layout = values.layout(&workcell.cell);
+        Ok(json!({
+            "numbers": json::numbers(&workcell.cell, &layout),
+            "answer": json::answer(&assessed(&workcell, layout, false)),
+        }))
+    }
+
+    fn change(&self, asked: &Value) -> Result<(), String> {
+        let mut session = locked(&self.session);
+        let values = session.now().values.changed(&self.cell, asked)?;
+        let what = values.difference(&session.now().values, &self.cell);
+        session.step(values, what);
+        Ok(())
+    }
+
+    fn reset(&self) {
+        let mut session = locked(&self.session);
+        let start = session.start().clone();
+        session.step(start, "back to the layout as drawn".into());
+    }
+
+    fn ask(&self, asked: &Value) -> Result<(), String> {
+        let word = |key: &str| asked.get(key).and_then(Value::as_str);
+        let model = Model::ALL.into_iter().find(|m| Some(m.name()) == word("model"));
+        let reading = Reading::ALL.into_iter().find(|r| Some(r.name()) == word("reading"));
+        let sense = match asked.get("sense") {
+            None | Some(Value::Null) => None,
+            Some(Value::String(word)) => Some(word.clone()),
+            Some(_) => return Err("`sense` must be a word".into()),
+        };
+        let question = Question {
+            sense,
+            model: model.ok_or("there is no such model")?,
+            reading: reading.ok_or("there is no such reading")?,
+        };
+        self.workcells.ask(&question)?;
+        locked(&self.session).ask(question);
+        Ok(())
+    }
+
+    /// How far the arm reaches at the height of every operation: outlines in the plan, mm.
+    fn reach(&self) -> Result<Value, String> {
+        let (workcell, layout) = self.shown()?;
+        let a = assessed(&workcell, layout, false);
+        let mm = |v: f64| crate::units::rounded(crate::units::mm_from_m(v), 1);
+        let outline = |o: &Vec<(f64, f64)>| o.iter().map(|(x, y)| [mm(*x), mm(*y)]).collect::<Vec<_>>();
+        let of = |k: usize| a.reachable(k).iter().map(outline).collect::<Vec<_>>();
+        Ok(json!({ "outlines": (0..a.maps.len()).map(of).collect::<Vec<_>>() }))
+    }
+
+    /// The workcell that is asked and the layout that is shown.
+    fn shown(&self) -> Result<(Arc<Workcell>, Layout), String> {
+        let (question, values) = {
+            let session = locked(&self.session);
+            (session.question.clone(), session.now().values.clone())
+        };
+        let workcell = self.workcells.ask(&question)?;
+        let layout = values.layout(&workcell.cell);
+        Ok((workcell, layout))
+    }
+
+    /// Begins a search from the layout that is shown, as it is asked now.
+    fn search(&self, asked: &Value) -> Result<(), String> {
+        let whole = |key: &str| match asked.get(key) {
+            None | Some(Value::Null) => Ok(None),
+            Some(v) => v.as_u64().map(Some).ok_or_else(|| format!("`{key}` must be a whole number")),
+        };
+        let (budget, seed) = (whole("budget")?, whole("seed")?);
+        let (question, values) = {
+            let session = locked(&self.session);
+            (session.question.clone(), session.now().values.clone())
+        };
+        let mut cell = values.starting(&self.workcells.ask(&question)?.cell, false);
+        if cell.free().is_empty() {
+            return Err("nothing to search: every placement is fixed in the file".into());
+        }
+        cell.search.seed = seed.unwrap_or(cell.search.seed);
+        cell.search.budget = budget.unwrap_or(cell.search.budget);
+        if !BUDGETS.contains(&cell.search.budget) {
+            return Err(format!("the budget must be from {} to {}", BUDGETS.start(), BUDGETS.end()));
+        }
+        let mut job = locked(&self.job);
+        if job.as_ref().is_some_and(Job::is_running) {
+            return Err("a search is under way: stop it first".into());
+        }
+        *job = Some(Job::start(cell)?);
+        Ok(())
+    }
+
+    fn stop(&self) {
+        if let Some(job) = &*locked(&self.job) {
+            job.stop();
+        }
+    }
+
+    /// Takes the layout that the search has found.
+    fn accept(&self) -> Result<(), String> {
+        let best = locked(&self.job).as_ref().and_then(Job::best);
+        let best = best.ok_or("no search has found a layout yet")?;
+        let mut session = locked(&self.session);
+        session.step(Values::of(&self.cell, &best), "the layout that the search found".into());
+        Ok(())
+    }
+
+    /// What may change without the page.
+    fn pulse(&self) -> Value {
+        let search = locked(&self.job).as_ref().map(Job::document);
+        json!({ "revision": locked(&self.session).revision, "search": search })
+    }
+}
+
+/// What the page shows of a layout, and no more: spots at nodes, no samples, no misplacement.
+fn assessed<'a>(workcell: &'a Workcell, layout: Layout, is_settled: bool) -> Assessment<'a> {
+    let evaluation = evaluate(workcell, &layout);
+    let maps = workcell.maps(&layout);
+    let overlaps = is_settled && !evaluation.overlaps.is_empty();
+    let apart = if overlaps { separated(workcell, &layout) } else { None };
+    let operations = maps.len();
+    Assessment {
+        label: "view".into(),
+        cell: &workcell.cell,
+        workcell,
+        layout,
+        evaluation,
+        maps,
+        refined: vec![None; operations],
+        robustness: Vec::new(),
+        samples: (0..operations).map(|_| None).collect(),
+        apart,
+    }
+}

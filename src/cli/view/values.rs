@@ -1,0 +1,246 @@
+//! The numbers of a layout as the page names them: `equipment.NAME.x_mm`, `robot_base.yaw_deg`,
+//! `attitude.OPERATION.bend_deg`.
+
+use crate::cell::{Cell, Coordinate, Layout, Role, Slot, shown};
+use crate::report::json::coordinate_name;
+use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg, rounded};
+use serde_json::Value;
+
+/// How far a number that is fixed in the file may be taken for a what-if, m and rad.
+const FARTHEST: (f64, f64) = (100.0, std::f64::consts::TAU);
+/// Digits of mm and degrees within which a number is the end of its range.
+const DIGITS: i32 = 9;
+
+/// Every number of a layout, in the order of [`Cell::layout`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Values {
+    slots: Vec<Slot>,
+    /// m or rad.
+    pub si: Vec<f64>,
+}
+
+impl Values {
+    pub fn of(cell: &Cell, layout: &Layout) -> Self {
+        let mut slots = Vec::new();
+        cell.layout(|slot, coordinate| {
+            slots.push(slot);
+            coordinate.start()
+        });
+        let si = slots.iter().map(|slot| layout.value(cell, *slot)).collect();
+        Self { slots, si }
+    }
+
+    /// Those of the cell as drawn, to the last bit.
+    pub fn start(cell: &Cell) -> Self {
+        let mut values = Self { slots: Vec::new(), si: Vec::new() };
+        cell.layout(|slot, coordinate| {
+            values.slots.push(slot);
+            values.si.push(coordinate.start());
+            coordinate.start()
+        });
+        values
+    }
+
+    pub fn layout(&self, cell: &Cell) -> Layout {
+        cell.layout(|slot, coordinate| self.get(slot).unwrap_or_else(|| coordinate.start()))
+    }
+
+    fn get(&self, slot: Slot) -> Option<f64> {
+        self.slots.iter().position(|s| *s == slot).map(|k| self.si[k])
+    }
+
+    /// The cell that starts here; what is fixed in its file and stands elsewhere is free from there on if
+    /// `frees`, so that a file says it.
+    pub fn starting(&self, cell: &Cell, frees: bool) -> Cell {
+        let mut cell = cell.clone();
+        for (slot, value) in self.slots.iter().zip(&self.si) {
+            if let Some(coordinate) = coordinate_mut(&mut cell, *slot) {
+                *coordinate = starting(coordinate, *value, frees);
+            }
+        }
+        cell
+    }
+
+    /// With the numbers that a request names.
+    ///
+    /// # Errors
+    /// What cannot be done, in words for the page.
+    pub fn changed(&self, cell: &Cell, asked: &Value) -> Result<Self, String> {
+        let mut values = self.clone();
+        let groups = asked.as_object().ok_or("the numbers must be an object")?;
+        for (group, entry) in groups {
+            let entries = entry.as_object().ok_or_else(|| format!("`{}` must be an object", shown(group)))?;
+            if group == "robot_base" {
+                values.take(cell, "the robot base", &Slot::Base, entries)?;
+                continue;
+            }
+            for (name, numbers) in entries {
+                let slot = slot_of(cell, group, name)?;
+                let numbers =
+                    numbers.as_object().ok_or_else(|| format!("`{}` must be an object", shown(name)))?;
+                values.take(cell, &shown(name), &slot, numbers)?;
+            }
+        }
+        Ok(values)
+    }
+
+    fn take(
+        &mut self,
+        cell: &Cell,
+        owner: &str,
+        slot: &dyn Fn(usize) -> Slot,
+        numbers: &serde_json::Map<String, Value>,
+    ) -> Result<(), String> {
+        for (key, number) in numbers {
+            let named = (0..4).map(slot).filter(|s| !matches!(s, Slot::Attitude(_, 3)));
+            let place = named.filter(|s| coordinate_name(*s) == key).find_map(|s| self.place(s));
+            let place = place.ok_or_else(|| format!("{owner} has no `{}` to change", shown(key)))?;
+            let slot = self.slots[place];
+            let number = number.as_f64().filter(|v| v.is_finite());
+            let number = number.ok_or_else(|| format!("{key} of {owner} must be a number"))?;
+            let coordinate = coordinate(cell, slot).ok_or("there is no such number")?;
+            self.si[place] =
+                allowed(coordinate, slot, number).map_err(|why| format!("{key} of {owner} {why}"))?;
+        }
+        Ok(())
+    }
+
+    fn place(&self, slot: Slot) -> Option<usize> {
+        self.slots.iter().position(|s| *s == slot)
+    }
+
+    /// What is different from before, in words.
+    pub fn difference(&self, before: &Self, cell: &Cell) -> String {
+        let pairs = self.slots.iter().zip(self.si.iter().zip(&before.si));
+        let moved: Vec<String> = pairs
+            .filter(|(_, (now, was))| now != was)
+            .map(|(slot, (now, was))| {
+                let [was, now] = [was, now].map(|v| rounded(in_file(*slot, *v), 3));
+                let (name, unit) = coordinate_name(*slot).split_once('_').unwrap_or_default();
+                format!("{} {name} {was} to {now} {unit}", owner(cell, *slot))
+            })
+            .collect();
+        match &moved[..] {
+            [] => "nothing changed".into(),
+            [first, second, third, _, ..] => {
+                format!("{first}, {second}, {third} and {} more", moved.len() - 3)
+            }
+            few => few.join(", "),
+        }
+    }
+}
+
+fn owner(cell: &Cell, slot: Slot) -> String {
+    match slot {
+        Slot::Base(_) => "robot base".into(),
+        Slot::Equipment(k, _) => shown(&cell.equipment[k].name),
+        Slot::Attitude(k, _) => shown(&cell.operations[k].name),
+    }
+}
+
+/// The numbers of a placement or attitude that a request names.
+fn slot_of(cell: &Cell, group: &str, name: &str) -> Result<Box<dyn Fn(usize) -> Slot>, String> {
+    let unknown = |what: &str| format!("the cell has no {what} `{}`", shown(name));
+    match group {
+        "equipment" => {
+            let k = cell.equipment.iter().position(|e| e.name == name).ok_or_else(|| unknown("equipment"))?;
+            if cell.equipment[k].role == Role::Obstacle {
+                return Err(format!("`{}` is an obstacle: it stands where it is", shown(name)));
+            }
+            Ok(Box::new(move |axis| Slot::Equipment(k, axis)))
+        }
+        "attitude" => {
+            let k =
+                cell.operations.iter().position(|o| o.name == name).ok_or_else(|| unknown("operation"))?;
+            Ok(Box::new(move |angle| Slot::Attitude(k, angle)))
+        }
+        _ => Err(format!("`{}` is none of robot_base, equipment, attitude", shown(group))),
+    }
+}
+
+pub fn coordinate(cell: &Cell, slot: Slot) -> Option<&Coordinate> {
+    match slot {
+        Slot::Base(axis) => cell.base.get(axis),
+        Slot::Equipment(k, axis) => cell.equipment.get(k)?.placement.get(axis),
+        Slot::Attitude(k, angle) => cell.operations.get(k)?.angles.get(angle)?.as_ref(),
+    }
+}
+
+pub fn coordinate_mut(cell: &mut Cell, slot: Slot) -> Option<&mut Coordinate> {
+    match slot {
+        Slot::Base(axis) => cell.base.get_mut(axis),
+        Slot::Equipment(k, axis) => cell.equipment.get_mut(k)?.placement.get_mut(axis),
+        Slot::Attitude(k, angle) => cell.operations.get_mut(k)?.angles.get_mut(angle)?.as_mut(),
+    }
+}
+
+fn starting(coordinate: &Coordinate, value: f64, frees: bool) -> Coordinate {
+    match coordinate {
+        Coordinate::Fixed(was) if frees && *was != value => {
+            Coordinate::Range { min: was.min(value), max: was.max(value), start: value }
+        }
+        Coordinate::Fixed(_) => Coordinate::Fixed(value),
+        Coordinate::Range { min, max, .. } => Coordinate::Range { min: *min, max: *max, start: value },
+        Coordinate::List(values) => {
+            let others = values.iter().copied().filter(|v| *v != value);
+            Coordinate::List(std::iter::once(value).chain(others).collect())
+        }
+    }
+}
+
+/// In mm or degrees.
+fn in_file(slot: Slot, si: f64) -> f64 {
+    if slot.is_angle() { deg_from_rad(si) } else { mm_from_m(si) }
+}
+
+/// A number of the page (mm or degrees) in SI, if the coordinate may take it.
+fn allowed(coordinate: &Coordinate, slot: Slot, number: f64) -> Result<f64, String> {
+    let si = if slot.is_angle() { rad_from_deg(number) } else { m_from_mm(number) };
+    let same = |v: f64| rounded(in_file(slot, v), DIGITS) == rounded(number, DIGITS);
+    let said = |v: f64| rounded(in_file(slot, v), 3);
+    match coordinate {
+        Coordinate::List(values) => {
+            let listed = || values.iter().map(|v| said(*v).to_string()).collect::<Vec<_>>().join(", ");
+            values.iter().copied().find(|v| same(*v)).ok_or_else(|| format!("must be one of {}", listed()))
+        }
+        _ => {
+            let farthest = if slot.is_angle() { FARTHEST.1 } else { FARTHEST.0 };
+            let (min, max) = if coordinate.is_free() { coordinate.range() } else { (-farthest, farthest) };
+            if (min..=max).contains(&si) {
+                Ok(si)
+            } else if same(min) || same(max) {
+                Ok(si.clamp(min, max))
+            } else {
+                Err(format!("must be from {} to {}", said(min), said(max)))
+            }
+        }
+    }
+}
+
+/// Takes the ranges of `wide` for what is fixed within them: the layout of a result in the cell that was
+/// searched.
+pub fn widened(mut cell: Cell, wide: &Cell) -> Cell {
+    let same = |a: &Cell, b: &Cell| {
+        a.equipment.iter().map(|e| &e.name).eq(b.equipment.iter().map(|e| &e.name))
+            && a.operations.iter().map(|o| &o.name).eq(b.operations.iter().map(|o| &o.name))
+    };
+    if !same(&cell, wide) {
+        return cell;
+    }
+    let start = Values::start(wide);
+    for slot in start.slots {
+        let (Some(range), Some(own)) = (coordinate(wide, slot), coordinate_mut(&mut cell, slot)) else {
+            continue;
+        };
+        let value = own.start();
+        let (low, high) = range.range();
+        let is_within = match range {
+            Coordinate::List(values) => values.contains(&value),
+            _ => (low..=high).contains(&value),
+        };
+        if range.is_free() && !own.is_free() && is_within {
+            *own = starting(range, value, false);
+        }
+    }
+    cell
+}
