@@ -2,7 +2,7 @@
 
 use super::camera::Camera;
 use crate::drawing::Kind;
-use crate::report::legend;
+use crate::report::colours;
 use nalgebra::Vector3;
 
 /// Red, green, blue, 0 to 1.
@@ -59,8 +59,7 @@ pub fn rgb(code: u32) -> Colour {
 
 /// A colour of the scale of errors, 0 to 1.
 pub fn scale(share: f64) -> Colour {
-    let code = legend::colour(share);
-    rgb(u32::from_str_radix(code.trim_start_matches('#'), 16).unwrap_or(0))
+    colours::viridis(share).map(|c| f32::from(c) / 255.0)
 }
 
 /// From `a` to `b` by a share.
