@@ -1,10 +1,10 @@
-//! The report: one page of HTML that needs nothing else, not even a network.
+//! The report: one page of HTML that needs nothing else, not even a network; and what runs in the browser.
 //!
 //! A [`Subject`] is what is reported; the sections of the page are plain data made from it, and one
 //! template puts them into markup. Script and style are inside and named by their hashes in the
 //! Content-Security-Policy, so that nothing else runs, whatever a name in a file says.
 
-mod assets;
+pub mod assets;
 mod assumptions;
 mod content;
 mod figures;
@@ -15,9 +15,27 @@ mod report;
 mod runner_up;
 mod shell;
 mod subject;
+#[cfg(test)]
+mod tests;
 mod verdict;
 
 pub use content::{Figure, Section, Table};
 pub use report::{Report, report};
+pub use runner_up::RunnerUp;
 pub use subject::{Alternative, Found, Manifest, Proof, ProofOf, StartFound, Subject};
 pub use verdict::{Fact, Spot, Verdict};
+
+use serde_json::Value;
+
+/// JSON that is safe inside `<script type="application/json">`: no text in it can end the element or
+/// begin a comment.
+pub fn script_json(value: &Value) -> String {
+    let mut safe = String::new();
+    for c in value.to_string().chars() {
+        match c {
+            '<' | '>' | '&' | '\u{2028}' | '\u{2029}' => safe.push_str(&format!("\\u{:04x}", c as u32)),
+            _ => safe.push(c),
+        }
+    }
+    safe
+}

@@ -1,6 +1,5 @@
 //! Sections into markup, and what makes the markup safe.
 
-use super::assets;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use minijinja::value::Serde;
@@ -34,26 +33,9 @@ fn source(text: &str) -> String {
     format!("sha256-{}", STANDARD.encode(Sha256::digest(text.as_bytes())))
 }
 
-/// JSON that may stand inside of a script element: no `<` and no `&` in any text of it.
-pub fn inert_json(json: &str) -> String {
-    let pairs = [
-        ('<', "\\u003c"),
-        ('>', "\\u003e"),
-        ('&', "\\u0026"),
-        ('\u{2028}', "\\u2028"),
-        ('\u{2029}', "\\u2029"),
-    ];
-    pairs.iter().fold(json.to_string(), |text, (from, to)| text.replace(*from, to))
-}
-
 /// A picture with the names of its parts made its own: two pictures in one page may not share them.
 pub fn scoped(svg: &str, number: usize) -> String {
     svg.replace(" id=\"", &format!(" id=\"p{number}-"))
         .replace("url(#", &format!("url(#p{number}-"))
         .replace("href=\"#", &format!("href=\"#p{number}-"))
-}
-
-/// Script of the page.
-pub fn script() -> String {
-    assets::SCRIPT.to_string()
 }
