@@ -1,10 +1,4 @@
-//! The texts that run in the browser, and what they are set in. All of them are ours: no library, no
-//! request.
-
-/// The page with the sections of a report.
-pub const REPORT: &str = include_str!("report.html");
-pub const STYLE: &str = include_str!("report.css");
-pub const SCRIPT: &str = include_str!("report.js");
+//! The texts that run in the browser. All of them are ours: no library, no request.
 
 /// The viewer: defines `sweetspotViewer(host, document, options)` on the window and nothing else there.
 pub const VIEWER_JS: &str = concat!(
@@ -39,3 +33,7 @@ pub const LIVE_JS: &str = concat!(
     include_str!("live/page.js"),
     "})();\n"
 );
+/// The report: its template, its style after that of the viewer, its script after the viewer.
+pub const REPORT_HTML: &str = include_str!("report.html");
+pub const REPORT_CSS: &str = concat!(include_str!("viewer/viewer.css"), include_str!("report.css"));
+pub const REPORT_JS: &str = include_str!("report.js");

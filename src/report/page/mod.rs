@@ -24,6 +24,7 @@ mod verdict;
 pub use content::{Figure, Section, Table};
 pub use live::live;
 pub use report::{Report, report};
+pub use runner_up::RunnerUp;
 pub use subject::{Alternative, Found, Manifest, Proof, ProofOf, StartFound, Subject};
 pub use verdict::{Fact, Spot, Verdict};
 

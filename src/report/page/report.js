@@ -3,16 +3,12 @@
 (function () {
   "use strict";
   var host = document.getElementById("viewer");
-  var still = document.getElementById("still");
-  if (typeof sweetspotViewer === "function") {
-    host.hidden = false;
-    try {
-      sweetspotViewer(host, JSON.parse(document.getElementById("drawings").textContent), {});
-      still.classList.add("only-print");
-    } catch (e) {
-      // No WebGL: the picture stays.
-      host.hidden = true;
-    }
+  try {
+    var shown = JSON.parse(document.getElementById("drawings").textContent);
+    // The layout that is recommended comes last.
+    sweetspotViewer(host, shown, { drawing: shown.drawings.length - 1 });
+  } catch (e) {
+    // No WebGL: the picture stays.
   }
   var folded = [];
   window.addEventListener("beforeprint", function () {

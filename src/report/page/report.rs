@@ -3,7 +3,7 @@
 use super::content::{Figure, Section};
 use super::subject::Subject;
 use super::verdict::Verdict;
-use super::{assets, assumptions, figures, nodes, places, readings, shell};
+use super::{assets, assumptions, figures, nodes, places, readings, script_json, shell};
 use crate::cell::shown;
 use crate::drawing::Drawing;
 use crate::report::text::headline;
@@ -37,7 +37,7 @@ struct Page<'a> {
 /// What cannot be rendered.
 pub fn report(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Result<Report, String> {
     let verdict = Verdict::new(subject);
-    let (script, style) = (shell::script(assets::SCRIPT), shell::style(assets::STYLE));
+    let (script, style) = (assets::VIEWER_JS.to_string() + assets::REPORT_JS, assets::REPORT_CSS);
     let mut sections = figures::sections(subject);
     sections.push(places::section(subject));
     sections.push(places::joints(subject));
@@ -56,10 +56,10 @@ pub fn report(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Result<Report,
         script: &script,
         verdict: &verdict,
         still,
-        drawings: super::script_json(&crate::report::json::drawings(drawings)),
+        drawings: script_json(&crate::report::json::drawings(drawings)),
         sections,
         version: env!("CARGO_PKG_VERSION"),
     };
-    let html = shell::rendered(assets::REPORT, &page)?;
+    let html = shell::rendered(assets::REPORT_HTML, &page)?;
     Ok(Report { html, verdict })
 }

@@ -62,7 +62,8 @@ fn next_node(a: &Assessment<'_>) -> Option<RunnerUp> {
         quantity(unit, best)
     );
     let value = rounded(unit.from_si(posture.value), 9);
-    Some(RunnerUp { kind: "node", value, text: quantity(unit, posture.value), note })
+    let text = format!("{} at {name}", quantity(unit, posture.value));
+    Some(RunnerUp { kind: "node", value, text, note })
 }
 
 /// The usable node with the least value but that of the spot.

@@ -1,6 +1,5 @@
 //! Sections into markup, and what makes the markup safe.
 
-use super::assets;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use minijinja::value::Serde;
@@ -39,14 +38,4 @@ pub fn scoped(svg: &str, number: usize) -> String {
     svg.replace(" id=\"", &format!(" id=\"p{number}-"))
         .replace("url(#", &format!("url(#p{number}-"))
         .replace("href=\"#", &format!("href=\"#p{number}-"))
-}
-
-/// Script of a page: the viewer, then what is the page's own.
-pub fn script(own: &str) -> String {
-    format!("{}{own}", assets::VIEWER_JS)
-}
-
-/// Style of a page.
-pub fn style(own: &str) -> String {
-    format!("{}{own}", assets::VIEWER_CSS)
 }
