@@ -50,7 +50,7 @@ function readModel(written, known) {
   if (written.schema !== "sweetspot/drawing/1") throw new Error(`not a drawing: ${written.schema}`);
   const meshes = written.meshes.map((m) => readMesh(m, known));
   const drawings = written.drawings.map((d) => readDrawing(d, meshes));
-  return { meshes, drawings, ...wholeExtent(drawings) };
+  return { meshes, drawings, ...wholeExtent(drawings), points: drawings.flatMap(pointsOf) };
 }
 
 function readDrawing(d, meshes) {
@@ -99,6 +99,16 @@ function wholeExtent(drawings) {
     for (const f of d.fields) for (let k = 0; k < f.count; k++) take(nodeAt(f, k));
   }
   return { low, high };
+}
+
+/** What must be in the picture: corners of everything that stands and moves, nodes. */
+function pointsOf(d) {
+  const frames = framesAt(d.movement, timeOf(d, null));
+  const corners = d.parts.flatMap((p) => [0, 1, 2, 3, 4, 5, 6, 7].map((c) => {
+    const corner = [0, 1, 2].map((a) => ((c >> a) & 1 ? p.mesh.high[a] : p.mesh.low[a]));
+    return moved(p.at || frames[p.link] || d.base, corner);
+  }));
+  return corners.concat(d.fields.flatMap((f) => Array.from({ length: f.count }, (_, k) => nodeAt(f, k))));
 }
 
 /** Which take of a field answers a lens of another drawing; -1 if none does. */
