@@ -41,10 +41,7 @@ pub fn number(node: &roxmltree::Node<'_, '_>, attribute: &str) -> f64 {
 /// Looks at a chart as a page and as a file would: well formed, no style, no id, no script, nothing but
 /// numbers in geometry, every text inside the picture. Kept under a name if asked.
 pub fn check(name: &str, svg: &str) {
-    if let Some(folder) = std::env::var_os("SWEETSPOT_CHARTS") {
-        std::fs::create_dir_all(&folder).unwrap();
-        std::fs::write(std::path::Path::new(&folder).join(format!("{name}.svg")), svg).unwrap();
-    }
+    keep(name, svg);
     let document = roxmltree::Document::parse(svg).unwrap_or_else(|e| panic!("{name}: {e}\n{svg}"));
     let root = document.root_element();
     assert_eq!((root.tag_name().name(), root.attribute("role")), ("svg", Some("img")), "{name}");
@@ -65,13 +62,21 @@ pub fn check(name: &str, svg: &str) {
             );
         }
     }
-    inside(name, &root);
+    inside(name, &root, 720.0);
+}
+
+/// To be looked at, if asked.
+pub fn keep(name: &str, svg: &str) {
+    if let Some(folder) = std::env::var_os("SWEETSPOT_CHARTS") {
+        std::fs::create_dir_all(&folder).unwrap();
+        std::fs::write(std::path::Path::new(&folder).join(format!("{name}.svg")), svg).unwrap();
+    }
 }
 
 /// No text begins or ends outside, by a narrower measure of letters than the charts take.
-fn inside(name: &str, root: &roxmltree::Node<'_, '_>) {
+pub fn inside(name: &str, root: &roxmltree::Node<'_, '_>, width: f64) {
     let size: Vec<f64> = root.attribute("viewBox").unwrap().split(' ').map(|v| v.parse().unwrap()).collect();
-    assert_eq!(size[2], 720.0);
+    assert_eq!(size[2], width);
     for text in root.descendants().filter(|n| n.tag_name().name() == "text") {
         let said = text.text().unwrap_or_default();
         let font = text.attribute("font-size").map_or(13.0, |v| v.parse().unwrap());
@@ -84,7 +89,7 @@ fn inside(name: &str, root: &roxmltree::Node<'_, '_>) {
             Some("middle") => x - wide / 2.0,
             _ => x,
         };
-        assert!(left >= 0.0 && left + wide <= 720.0, "{name}: {said:?} from {left} to {}", left + wide);
+        assert!(left >= 0.0 && left + wide <= width, "{name}: {said:?} from {left} to {}", left + wide);
         assert!(y >= 8.0 && y <= size[3], "{name}: {said:?} at {y} of {}", size[3]);
     }
 }

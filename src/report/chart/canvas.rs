@@ -10,6 +10,8 @@ pub const EDGE: f64 = 16.0;
 /// Sizes of text, px.
 pub const HEAD: f64 = 16.0;
 pub const BODY: f64 = 13.0;
+/// Bold letters are so much wider.
+const BOLD: f64 = 1.14;
 pub const SMALL: f64 = 12.0;
 
 /// What something is painted with: a colour on white paper, one on black, and the class that says which.
@@ -73,6 +75,15 @@ impl Ink {
         format!("class=\"fill-{class}\" fill=\"{light}\"")
     }
 
+    /// Attributes of a text with a halo of paper.
+    fn haloed(self) -> String {
+        let ((class, light, _), (paper, white, _)) = (self.told(), Ink::Paper.told());
+        format!(
+            "class=\"fill-{class} line-{paper}\" fill=\"{light}\" stroke=\"{white}\" stroke-width=\"3.5\" \
+             stroke-linejoin=\"round\" paint-order=\"stroke\""
+        )
+    }
+
     /// Attributes of a line so many px wide.
     pub fn line(self, width: f64) -> String {
         let (class, light, _) = self.told();
@@ -117,6 +128,7 @@ pub struct Entry {
 pub struct Canvas {
     name: String,
     body: String,
+    width: f64,
     /// Below what has been drawn so far, px.
     pub y: f64,
 }
@@ -124,9 +136,14 @@ pub struct Canvas {
 impl Canvas {
     /// With a heading, and lines under it.
     pub fn new(heading: &str, under: &[String]) -> Self {
-        let mut canvas = Self { name: heading.to_string(), body: String::new(), y: EDGE };
-        let room = WIDTH - 2.0 * EDGE;
-        for line in words::wrapped(heading, HEAD, room, 3) {
+        Self::wide(heading, under, WIDTH)
+    }
+
+    /// The same so many px wide.
+    pub fn wide(heading: &str, under: &[String], width: f64) -> Self {
+        let mut canvas = Self { name: heading.to_string(), body: String::new(), width, y: EDGE };
+        let room = width - 2.0 * EDGE;
+        for line in words::wrapped(heading, BOLD * HEAD, room, 3) {
             canvas.y += 18.0;
             let (y, fill) = (canvas.y - 3.0, Ink::Text.fill());
             canvas.put(&format!(
@@ -146,7 +163,7 @@ impl Canvas {
 
     /// A line of faint text, broken if need be.
     pub fn paragraph(&mut self, said: &str) {
-        for line in words::wrapped(said, BODY, WIDTH - 2.0 * EDGE, 4) {
+        for line in words::wrapped(said, BODY, self.width - 2.0 * EDGE, 4) {
             self.y += 17.0;
             self.text((EDGE, self.y), Anchor::Start, Ink::Faint, &line);
         }
@@ -163,12 +180,9 @@ impl Canvas {
 
     /// A text that stands on a picture: with a halo of paper.
     pub fn label(&mut self, (x, y): (f64, f64), anchor: Anchor, ink: Ink, said: &str) {
-        let (fill, anchor, said) = (ink.fill(), anchor.word(), escaped(said));
-        let halo = Ink::Paper.line(3.5);
-        let at = format!("x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\" font-size=\"{SMALL}\"");
-        // Two texts, for each has a class of its own.
+        let (paint, anchor, said) = (ink.haloed(), anchor.word(), escaped(said));
         self.put(&format!(
-            "<text {at} {halo} stroke-linejoin=\"round\" aria-hidden=\"true\">{said}</text><text {at} {fill}>{said}</text>"
+            "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\" font-size=\"{SMALL}\" {paint}>{said}</text>"
         ));
     }
 
@@ -182,9 +196,9 @@ impl Canvas {
     pub fn legend(&mut self, entries: &[Entry]) {
         let (mut x, mut is_open) = (EDGE, false);
         for Entry { mark, said } in entries {
-            let said = words::shortened(said, BODY, WIDTH - 2.0 * EDGE - 32.0);
+            let said = words::shortened(said, BODY, self.width - 2.0 * EDGE - 32.0);
             let wide = 32.0 + words::width(&said, BODY) + 14.0;
-            if !is_open || x + wide > WIDTH - EDGE + 14.0 {
+            if !is_open || x + wide > self.width - EDGE + 14.0 {
                 (x, is_open) = (EDGE, true);
                 self.y += 22.0;
             }
@@ -197,8 +211,9 @@ impl Canvas {
 
     pub fn finish(self) -> String {
         let (height, name, paper) = (self.y + EDGE, escaped(&self.name), Ink::Paper.fill());
+        let width = self.width;
         format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {height:.0}\" width=\"{WIDTH}\" \
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.0} {height:.0}\" width=\"{width:.0}\" \
              height=\"{height:.0}\" role=\"img\" aria-label=\"{name}\" font-family=\"system-ui, sans-serif\" \
              font-size=\"{BODY}\">\n<title>{name}</title>\n<rect width=\"100%\" height=\"100%\" {paper}/>\n{}</svg>\n",
             self.body

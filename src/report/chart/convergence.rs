@@ -107,7 +107,10 @@ fn marks(canvas: &mut Canvas, course: &Course<'_>, x: &Scale, y: &Scale) {
         let (px, py) = (x.px.1, y.at(unit.from_si(best)));
         let fill = Ink::Blue.fill();
         canvas.put(&format!("<circle cx=\"{px:.1}\" cy=\"{py:.1}\" r=\"5\" {fill}/>"));
-        canvas.label((px - 10.0, py - 8.0), Anchor::End, Ink::Text, &format!("best {}", said(best)));
+        // The line comes down from above: below it, unless the bound is there.
+        let bound = course.bound.map_or(y.px.0, |b| y.at(unit.from_si(b)));
+        let away = if bound - py > 22.0 { 17.0 } else { -8.0 };
+        canvas.label((px - 10.0, py + away), Anchor::End, Ink::Text, &format!("best {}", said(best)));
     }
     if let (Some(best), Some(bound)) = (course.best(), course.bound) {
         let (upper, lower) = (y.at(unit.from_si(best)), y.at(unit.from_si(bound)));

@@ -46,9 +46,9 @@ pub fn heat_map(drawing: &Drawing<'_>, field: usize, take: usize, sense: usize, 
     map.draw_nodes(&mut canvas, &surface, &points);
     map.draw_spots(&mut canvas, &place, &mut taken);
     map.draw_lines(&mut canvas, &surface, &mut taken);
-    let foot = map.draw_bar(&mut canvas, (x.px.1 + 26.0, top));
-    map.draw_way_to_robot(&mut canvas, (x.px.1 + 50.0, foot + 34.0), drawing);
-    canvas.y = canvas.y.max(foot + 84.0);
+    let foot = map.draw_bar(&mut canvas, (x.px.1 + 26.0, top), (bottom - top - 60.0).clamp(110.0, 220.0));
+    map.draw_way_to_robot(&mut canvas, (x.px.1 + 60.0, foot + 34.0), drawing);
+    canvas.y = canvas.y.max(foot + 86.0);
     canvas.legend(&map.legend());
     canvas.finish()
 }
@@ -130,7 +130,7 @@ impl<'a> Map<'a> {
         let mut said = vec![format!("{} of {} nodes are usable{spans}", usable.count(), self.values.len())];
         if self.field.every > 1 {
             let every = self.field.every;
-            said.push(format!("drawn thinner than mapped: every {every}. node in both directions"));
+            said.push(format!("drawn thinner than mapped: one node of {every} along both axes"));
         }
         if !self.levels().is_empty() {
             let step = words::number(self.step, self.step);
@@ -265,7 +265,7 @@ impl<'a> Map<'a> {
     }
 
     /// The colours and their values; where it ends below.
-    fn draw_bar(&self, canvas: &mut Canvas, (left, top): (f64, f64)) -> f64 {
+    fn draw_bar(&self, canvas: &mut Canvas, (left, top): (f64, f64), tall: f64) -> f64 {
         let (low, high) = self.range;
         let word = self.unit.word();
         if high <= low {
@@ -274,7 +274,7 @@ impl<'a> Map<'a> {
             canvas.text((left + 23.0, top + 13.0), Anchor::Start, Ink::Text, &words::figure(low));
             return top + 16.0;
         }
-        let bar = Scale::linear(low, high, (top + 200.0, top));
+        let bar = Scale::linear(low, high, (top + tall, top));
         let bands = self.bands();
         let upper = bands.iter().skip(1).map(|b| b.0).chain([high]);
         for ((edge, colour), upper) in bands.iter().zip(upper) {
@@ -283,14 +283,19 @@ impl<'a> Map<'a> {
             let tall = from - to + 0.4;
             canvas.put(&format!("<path d=\"M{left:.1} {from:.1}h16v{:.1}h-16z\" fill=\"{colour}\"/>", -tall));
         }
+        let mut free = f64::INFINITY;
         for level in self.levels() {
             let y = bar.at(level);
             canvas.path(&format!("M{left:.1} {y:.1}h20"), &Ink::Text.line(1.0));
             let said = words::number(level, self.step);
+            if y > free {
+                continue;
+            }
+            free = y - 14.0;
             canvas.text((left + 24.0, y + 4.5), Anchor::Start, Ink::Text, &said);
         }
         canvas.text((left, top - 10.0), Anchor::Start, Ink::Text, word);
-        top + 200.0
+        top + tall
     }
 
     fn draw_way_to_robot(&self, canvas: &mut Canvas, (x, y): (f64, f64), drawing: &Drawing<'_>) {
@@ -306,7 +311,7 @@ impl<'a> Map<'a> {
             canvas.path(&(shaft + &path([barb(1.0), tip, barb(-1.0)].into_iter(), "")), &Ink::Text.line(1.8));
         }
         canvas.text((x, y + 34.0), Anchor::Middle, Ink::Text, "robot base");
-        let said = format!("{} mm away", words::number(far, 1.0));
+        let said = format!("{} mm", words::number(far, 1.0));
         canvas.text((x, y + 50.0), Anchor::Middle, Ink::Faint, &said);
     }
 

@@ -7,18 +7,29 @@
 //! of them can stand in one page.
 
 mod axes;
-mod canvas;
-pub mod convergence;
-pub mod heat_map;
+pub(super) mod canvas;
+mod convergence;
+mod discrepancy;
+mod heat_map;
+mod histogram;
 mod iso;
-mod labels;
-pub mod signs;
-pub mod tornado;
-mod words;
+pub(super) mod labels;
+mod layout;
+mod misplacement;
+mod outline;
+mod pareto;
+pub(super) mod signs;
+mod tornado;
+pub(super) mod words;
 
 pub use canvas::{Ink, dark_rules};
-pub use convergence::convergence;
+pub use convergence::{Course, convergence};
+pub use discrepancy::discrepancy;
 pub use heat_map::heat_map;
+pub use histogram::histogram;
+pub use layout::{layout_plan, layout_section};
+pub use misplacement::misplacement;
+pub use pareto::pareto;
 pub use tornado::tornado;
 
 /// Every chart is drawn for so many px; it is to be scaled to what the page has.

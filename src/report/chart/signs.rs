@@ -15,11 +15,6 @@ pub const TROUBLES: [(&str, &str); 9] = [
     ("unjudged", "cannot be judged"),
 ];
 
-/// What a legend says of a status.
-pub fn words(status: &str) -> &'static str {
-    TROUBLES.iter().find(|(name, _)| *name == status).map_or("usable", |(_, words)| words)
-}
-
 /// The sign of an unusable node round a point, about `2 r` wide.
 pub fn sign(status: &str, at: (f64, f64), r: f64) -> String {
     let faint = Ink::Faint.line(1.3);
