@@ -89,11 +89,17 @@ fn draw_scale_bar(out: &mut String, view: &View, top: f64) {
     );
 }
 
-/// A colour of the scale, 0 to 1.
+/// A colour of the scale, 0 to 1, as markup says it.
 pub(super) fn colour(t: f64) -> String {
+    let [r, g, b] = rgb(t).map(|c| c.round() as u8);
+    format!("#{r:02x}{g:02x}{b:02x}")
+}
+
+/// A colour of the scale, 0 to 1: red, green and blue (sRGB), 0 to 255.
+pub(super) fn rgb(t: f64) -> [f64; 3] {
     let t = t.clamp(0.0, 1.0) * (COLOURS.len() - 1) as f64;
     let k = (t.floor() as usize).min(COLOURS.len() - 2);
     let (a, b, f) = (COLOURS[k], COLOURS[k + 1], t - k as f64);
-    let mix = |a: f64, b: f64| (a + (b - a) * f).round() as u8;
-    format!("#{:02x}{:02x}{:02x}", mix(a.0, b.0), mix(a.1, b.1), mix(a.2, b.2))
+    let mix = |a: f64, b: f64| a + (b - a) * f;
+    [mix(a.0, b.0), mix(a.1, b.1), mix(a.2, b.2)]
 }

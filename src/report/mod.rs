@@ -1,13 +1,18 @@
 //! Records to bytes: pure renderers, one per format.
 
 pub mod csv;
+pub mod dxf;
 pub mod envelope;
 pub mod fig8;
 pub mod front;
+pub mod glb;
 pub mod goals;
 pub mod json;
 mod legend;
 mod names;
+pub mod parquet;
+pub mod raster;
+pub mod sheet;
 pub mod svg;
 pub mod sweep;
 pub mod text;
