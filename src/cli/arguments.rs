@@ -1,5 +1,6 @@
 //! The command line.
 
+use super::commands::ExportArguments;
 use super::commands::ReportArguments;
 use super::commands::ViewArguments;
 use super::sweep::SweepArguments;
@@ -56,6 +57,9 @@ pub enum Command {
     /// Tell what misplaced equipment does to the layout as drawn, and how much it may be misplaced
     #[command(before_help = "Example: sweetspot robust cells/hitachi_cell.toml --limit 15")]
     Robust(RobustArguments),
+    /// Write a layout for other programs: CAD, 3-D scene, drawing to scale, tables, picture
+    #[command(before_help = "Example: sweetspot export results/hitachi_cell-001 --to dxf -o layout.dxf")]
+    Export(ExportArguments),
     /// List the robots that come with the program
     #[command(before_help = "Example: sweetspot robots")]
     Robots(RobotsArguments),

@@ -58,6 +58,7 @@ pub fn run() -> ExitCode {
         Command::Robust(a) => commands::robust(&a),
         Command::Robots(a) => commands::robots(&a),
         Command::Robot(a) => commands::robot(&a),
+        Command::Export(a) => commands::export(&a),
         Command::Envelope(a) => commands::envelope(&a),
         Command::Report(a) => commands::report(&a),
         Command::View(a) => commands::view(&a),

@@ -19,7 +19,7 @@ pub use mesh::Mesh;
 pub use movement::{Movement, Stop};
 pub use parts::{Carrier, Kind, Part};
 
-use crate::cell::Cell;
+use crate::cell::{Cell, Layout};
 use crate::compare::Assessment;
 use crate::pose::Pose;
 use nalgebra::Vector3;
@@ -29,6 +29,7 @@ pub struct Drawing<'a> {
     pub cell: &'a Cell,
     /// What it is called among others: start, best.
     pub name: String,
+    pub layout: Layout,
     /// Robot base in the world.
     pub base: Pose,
     /// Height of the floor, m.
@@ -72,6 +73,7 @@ impl<'a> Drawing<'a> {
         Ok(Self {
             cell: a.cell,
             name: a.label.clone(),
+            layout: a.layout.clone(),
             base: a.layout.base.pose(),
             floor: a.cell.floor,
             parts: parts::parts(a),

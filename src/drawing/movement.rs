@@ -78,6 +78,11 @@ impl Movement {
         self.frames.get(k).map(Vec::as_slice)
     }
 
+    /// The frames at the spot of an operation; at home if None, or if it has no spot.
+    pub fn frames(&self, operation: Option<usize>) -> &[Pose] {
+        operation.and_then(|k| self.at(k)).unwrap_or(self.home())
+    }
+
     /// From the first to the last moment, s.
     pub fn duration(&self) -> f64 {
         self.times.last().copied().unwrap_or(0.0)

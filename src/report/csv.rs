@@ -16,20 +16,40 @@ use crate::units::{deg_from_rad, mm_from_m, percent_from_share, rounded};
 /// Those of the csv writer, which writes to memory here.
 pub fn map(a: &Assessment<'_>) -> Result<Vec<u8>, String> {
     let mut writer = ::csv::Writer::from_writer(Vec::new());
+    put(&mut writer, &columns(a))?;
+    rows(a, |mut row| {
+        TEXTS.iter().for_each(|&k| row[k] = inert(&row[k]));
+        put(&mut writer, &row)
+    })?;
+    writer.into_inner().map_err(|e| e.to_string())
+}
+
+/// The columns of the map whose texts come from files: operation, equipment, reason.
+const TEXTS: [usize; 3] = [0, 1, 8];
+
+/// The header of the map.
+pub(super) fn columns(a: &Assessment<'_>) -> Vec<String> {
+    header(a.cell, &senses(a))
+}
+
+/// The rows of the map, one by one, their texts as they are.
+pub(super) fn rows(
+    a: &Assessment<'_>,
+    mut take: impl FnMut(Vec<String>) -> Result<(), String>,
+) -> Result<(), String> {
     let senses = senses(a);
-    put(&mut writer, &header(a.cell, &senses))?;
     for map in &a.maps {
         let operation = &a.cell.operations[map.operation];
         let equipment = &a.cell.equipment[operation.equipment].name;
         for (k, node) in map.nodes.iter().enumerate() {
-            let mut row = vec![inert(&operation.name), inert(equipment)];
+            let mut row = vec![operation.name.clone(), equipment.clone()];
             row.extend(node_columns(a.cell, node, map, &senses));
             row.push(if map.best == Some(k) { "1".into() } else { "0".into() });
             row.extend(refined_columns(a, map.operation, map.best == Some(k)));
-            put(&mut writer, &row)?;
+            take(row)?;
         }
     }
-    writer.into_inner().map_err(|e| e.to_string())
+    Ok(())
 }
 
 pub fn put(writer: &mut ::csv::Writer<Vec<u8>>, row: &[String]) -> Result<(), String> {
@@ -196,7 +216,7 @@ fn node_columns(cell: &Cell, node: &NodeRecord, map: &OperationMap, senses: &[&S
     let mut row = vec![node.i.to_string(), node.j.to_string()];
     row.extend(node.position.iter().map(|&v| number(mm_from_m(v))));
     row.push(node.status.name().to_string());
-    row.push(inert(&node.status.reason(cell)));
+    row.push(node.status.reason(cell));
     match &node.posture {
         Some(posture) => row.extend(posture_columns(cell, posture, map, senses)),
         None => {

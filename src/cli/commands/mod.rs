@@ -1,6 +1,7 @@
 //! One function per command: read, ask the library, print, suggest the next.
 
 mod check;
+mod export;
 mod layouts;
 mod map;
 mod posture;
@@ -13,6 +14,7 @@ mod sweep;
 mod view;
 
 pub use check::check;
+pub use export::{ExportArguments, export};
 pub use layouts::compare;
 pub use map::map;
 pub use posture::{budget, explain};

@@ -1,0 +1,459 @@
+//! A DXF file of release 2000 (AC1015): group codes, tables, blocks, objects.
+//!
+//! Written by hand after Autodesk's DXF reference: every table, record, block and entity has a handle
+//! of its own and names its owner, which the dxf crate cannot say. Lengths in m come in, mm go out.
+
+use super::text::safe;
+use crate::units::{mm_from_m, rounded};
+use nalgebra::Vector3;
+use std::fmt::{Display, Write};
+
+/// Lines of group code and value.
+#[derive(Default)]
+struct Codes(String);
+
+impl Codes {
+    fn put(&mut self, code: u16, value: impl Display) {
+        // Writing to a String cannot fail.
+        let _ = write!(self.0, "{code:>3}\r\n{value}\r\n");
+    }
+
+    fn real(&mut self, code: u16, value: f64) {
+        self.put(code, format_args!("{:?}", rounded(value, 6)));
+    }
+
+    /// A length, m.
+    fn length(&mut self, code: u16, m: f64) {
+        self.real(code, mm_from_m(m));
+    }
+
+    fn point(&mut self, code: u16, p: &Vector3<f64>) {
+        (0..3).for_each(|k| self.length(code + 10 * k as u16, p[k]));
+    }
+
+    fn handle(&mut self, code: u16, handle: u64) {
+        self.put(code, format_args!("{handle:X}"));
+    }
+}
+
+/// A layer: its name and its colour of the AutoCAD index.
+pub type Layer = (&'static str, u16);
+
+/// Model space, paper space or the block of a dimension.
+struct Space {
+    name: String,
+    /// Handles of its record, of the beginning and of the end of its block.
+    record: u64,
+    begin: u64,
+    end: u64,
+    content: Codes,
+}
+
+impl Space {
+    /// Beginning or end of its block.
+    fn edge(&self, out: &mut Codes, kind: &str, handle: u64, subclass: &str) {
+        out.put(0, kind);
+        out.handle(5, handle);
+        out.handle(330, self.record);
+        out.put(100, "AcDbEntity");
+        out.put(8, "0");
+        out.put(100, subclass);
+    }
+}
+
+/// Handles of the tables, in the order in which they stand, and of the dictionaries.
+const TABLES: [(&str, u64); 9] = [
+    ("VPORT", 1),
+    ("LTYPE", 2),
+    ("LAYER", 3),
+    ("STYLE", 4),
+    ("VIEW", 5),
+    ("UCS", 6),
+    ("APPID", 7),
+    ("DIMSTYLE", 8),
+    ("BLOCK_RECORD", 9),
+];
+const ROOT: u64 = 0xA;
+const GROUPS: u64 = 0xB;
+/// The first of all others.
+const FIRST: u64 = 0x10;
+
+/// The style of dimensions.
+const STYLE: &str = "MM";
+
+/// A drawing being written; entities go to the model.
+pub struct File {
+    next: u64,
+    spaces: Vec<Space>,
+    /// Which of the spaces entities go to.
+    space: usize,
+    /// Height of texts, m.
+    pub height: f64,
+    low: Vector3<f64>,
+    high: Vector3<f64>,
+}
+
+impl File {
+    pub fn new(height: f64) -> Self {
+        let (low, high) = (Vector3::repeat(f64::MAX), Vector3::repeat(f64::MIN));
+        let mut file = Self { next: FIRST, spaces: Vec::new(), space: 0, height, low, high };
+        file.add_space("*Model_Space".into());
+        file.add_space("*Paper_Space".into());
+        file
+    }
+
+    fn handle(&mut self) -> u64 {
+        self.next += 1;
+        self.next - 1
+    }
+
+    fn add_space(&mut self, name: String) {
+        let [record, begin, end] = [0; 3].map(|_| self.handle());
+        self.spaces.push(Space { name, record, begin, end, content: Codes::default() });
+    }
+
+    /// Begins an entity.
+    fn entity(&mut self, kind: &str, layer: &str) -> &mut Codes {
+        let handle = self.handle();
+        let Space { record, content, .. } = &mut self.spaces[self.space];
+        content.put(0, kind);
+        content.handle(5, handle);
+        content.handle(330, *record);
+        content.put(100, "AcDbEntity");
+        content.put(8, layer);
+        content
+    }
+
+    fn seen(&mut self, p: &Vector3<f64>) {
+        (self.low, self.high) = (self.low.inf(p), self.high.sup(p));
+    }
+
+    pub fn line(&mut self, layer: &str, a: &Vector3<f64>, b: &Vector3<f64>) {
+        let out = self.entity("LINE", layer);
+        out.put(100, "AcDbLine");
+        out.point(10, a);
+        out.point(11, b);
+        [a, b].into_iter().for_each(|p| self.seen(p));
+    }
+
+    pub fn circle(&mut self, layer: &str, centre: &Vector3<f64>, radius: f64) {
+        let out = self.entity("CIRCLE", layer);
+        out.put(100, "AcDbCircle");
+        out.point(10, centre);
+        out.length(40, radius);
+        let half = Vector3::new(radius, radius, 0.0);
+        [centre - half, centre + half].iter().for_each(|p| self.seen(p));
+    }
+
+    /// A triangle; of its edges (from each corner to the next) some are not to be seen.
+    pub fn face(&mut self, layer: &str, corners: &[Vector3<f64>; 3], hidden: [bool; 3]) {
+        let out = self.entity("3DFACE", layer);
+        out.put(100, "AcDbFace");
+        // The fourth corner is the third again, and the edge between them is none.
+        for (k, corner) in [0, 1, 2, 2].into_iter().enumerate() {
+            out.point(10 + k as u16, &corners[corner]);
+        }
+        let flags = [(hidden[0], 1), (hidden[1], 2), (true, 4), (hidden[2], 8)];
+        out.put(70, flags.iter().filter(|(is, _)| *is).map(|(_, bit)| bit).sum::<u16>());
+        corners.iter().for_each(|p| self.seen(p));
+    }
+
+    /// A closed level outline at a height, world plan, m.
+    pub fn outline(&mut self, layer: &str, points: &[(f64, f64)], z: f64) {
+        let out = self.entity("LWPOLYLINE", layer);
+        out.put(100, "AcDbPolyline");
+        out.put(90, points.len());
+        out.put(70, 1);
+        out.length(38, z);
+        for (x, y) in points {
+            out.length(10, *x);
+            out.length(20, *y);
+        }
+        points.iter().for_each(|(x, y)| self.seen(&Vector3::new(*x, *y, z)));
+    }
+
+    /// A closed line in space.
+    pub fn ring(&mut self, layer: &str, points: &[Vector3<f64>]) {
+        let out = self.entity("POLYLINE", layer);
+        out.put(100, "AcDb3dPolyline");
+        out.put(66, 1);
+        out.point(10, &Vector3::zeros());
+        out.put(70, 9);
+        for p in points {
+            let out = self.entity("VERTEX", layer);
+            out.put(100, "AcDbVertex");
+            out.put(100, "AcDb3dPolylineVertex");
+            out.point(10, p);
+            out.put(70, 32);
+            self.seen(p);
+        }
+        self.entity("SEQEND", layer);
+    }
+
+    /// Text from `at` on or, if centred, above its middle; turned by `angle`, rad.
+    pub fn text(&mut self, layer: &str, at: &Vector3<f64>, text: &str, (angle, centred): (f64, bool)) {
+        let (height, text) = (self.height, safe(text));
+        let out = self.entity("TEXT", layer);
+        out.put(100, "AcDbText");
+        out.point(10, at);
+        out.length(40, height);
+        out.put(1, text);
+        out.real(50, crate::units::deg_from_rad(angle));
+        if centred {
+            out.put(72, 1);
+            out.point(11, at);
+        }
+        out.put(100, "AcDbText");
+        self.seen(at);
+    }
+
+    /// The distance from `a` to `b` along x or (`upright`) y, its line through `through`: a dimension that
+    /// AutoCAD keeps up to date, with a block of how it looks, as other programs want it.
+    pub fn dimension(
+        &mut self,
+        layer: &str,
+        [a, b]: [&Vector3<f64>; 2],
+        through: &Vector3<f64>,
+        upright: bool,
+    ) {
+        let foot = |p: &Vector3<f64>| match upright {
+            true => Vector3::new(through.x, p.y, p.z),
+            false => Vector3::new(p.x, through.y, p.z),
+        };
+        let [from, to] = [foot(a), foot(b)];
+        let (size, angle) = ((to - from).norm(), if upright { std::f64::consts::FRAC_PI_2 } else { 0.0 });
+        let across = if upright { -Vector3::x() } else { Vector3::y() };
+        let middle = (from + to) / 2.0 + across * (0.4 * self.height);
+        let name = format!("*D{}", self.spaces.len() - 1);
+        self.add_space(name.clone());
+        self.space = self.spaces.len() - 1;
+        self.line(layer, a, &from);
+        self.line(layer, b, &to);
+        self.line(layer, &from, &to);
+        let along = (to - from).try_normalize(1e-9).unwrap_or_else(Vector3::x) * self.height;
+        for (tip, along) in [(from, along), (to, -along)] {
+            let side = across * (0.2 * self.height);
+            self.face(layer, &[tip, tip + along + side, tip + along - side], [false; 3]);
+        }
+        self.text(layer, &middle, &rounded(mm_from_m(size), 1).to_string(), (angle, true));
+        self.space = 0;
+        let out = self.entity("DIMENSION", layer);
+        out.put(100, "AcDbDimension");
+        out.put(2, name);
+        out.point(10, &to);
+        out.point(11, &middle);
+        // Rotated, and its block is of no other.
+        out.put(70, 32);
+        out.put(71, 5);
+        out.length(42, size);
+        out.put(1, "");
+        out.put(3, STYLE);
+        out.put(100, "AcDbAlignedDimension");
+        out.point(13, a);
+        out.point(14, b);
+        out.real(50, crate::units::deg_from_rad(angle));
+        out.put(100, "AcDbRotatedDimension");
+    }
+
+    /// The whole file.
+    pub fn bytes(mut self, layers: &[Layer]) -> Vec<u8> {
+        let mut body = Codes::default();
+        self.tables(&mut body, layers);
+        self.blocks(&mut body);
+        section(&mut body, "ENTITIES", |out| out.0.push_str(&self.spaces[0].content.0));
+        section(&mut body, "OBJECTS", |out| {
+            out.put(0, "DICTIONARY");
+            out.handle(5, ROOT);
+            out.put(330, 0);
+            out.put(100, "AcDbDictionary");
+            out.put(281, 1);
+            out.put(3, "ACAD_GROUP");
+            out.handle(350, GROUPS);
+            out.put(0, "DICTIONARY");
+            out.handle(5, GROUPS);
+            out.handle(330, ROOT);
+            out.put(100, "AcDbDictionary");
+            out.put(281, 1);
+        });
+        body.put(0, "EOF");
+        let mut head = Codes::default();
+        section(&mut head, "HEADER", |out| self.header(out));
+        (head.0 + &body.0).into_bytes()
+    }
+
+    /// No date and no identity: the same drawing is the same file.
+    fn header(&self, out: &mut Codes) {
+        let name = |out: &mut Codes, name: &str| out.put(9, name);
+        name(out, "$ACADVER");
+        out.put(1, "AC1015");
+        name(out, "$DWGCODEPAGE");
+        out.put(3, "ANSI_1252");
+        name(out, "$HANDSEED");
+        out.handle(5, self.next);
+        // Millimetres, and decimal.
+        for (what, value) in [("$INSUNITS", 4), ("$MEASUREMENT", 1), ("$LUNITS", 2), ("$LUPREC", 1)] {
+            name(out, what);
+            out.put(70, value);
+        }
+        for (what, p) in [("$EXTMIN", &self.low), ("$EXTMAX", &self.high)] {
+            name(out, what);
+            out.point(10, p);
+        }
+        name(out, "$DIMSTYLE");
+        out.put(2, STYLE);
+        name(out, "$CLAYER");
+        out.put(8, "0");
+    }
+
+    fn tables(&mut self, body: &mut Codes, layers: &[Layer]) {
+        section(body, "TABLES", |out| {
+            for (table, owner) in TABLES {
+                let records = self.records(table, owner, layers);
+                out.put(0, "TABLE");
+                out.put(2, table);
+                out.handle(5, owner);
+                out.put(330, 0);
+                out.put(100, "AcDbSymbolTable");
+                out.put(70, records.len());
+                if table == "DIMSTYLE" {
+                    out.put(100, "AcDbDimStyleTable");
+                    out.put(71, records.len());
+                }
+                records.iter().for_each(|r| out.0.push_str(&r.0));
+                out.put(0, "ENDTAB");
+            }
+        });
+    }
+
+    fn records(&mut self, table: &str, owner: u64, layers: &[Layer]) -> Vec<Codes> {
+        match table {
+            "VPORT" => vec![self.view_port(owner)],
+            "LTYPE" => ["ByBlock", "ByLayer", "Continuous"].map(|n| self.line_type(owner, n)).into(),
+            "LAYER" => {
+                let layers = [("0", 7)].into_iter().chain(layers.iter().copied());
+                layers.map(|layer| self.layer(owner, layer)).collect()
+            }
+            "STYLE" => vec![self.text_style(owner)],
+            "APPID" => vec![self.record(table, owner, "AcDbRegAppTableRecord", "ACAD")],
+            "DIMSTYLE" => vec![self.dimension_style(owner)],
+            "BLOCK_RECORD" => {
+                let record = |space: &Space| {
+                    let subclass = "AcDbBlockTableRecord";
+                    let mut out = begun(table, (5, space.record), owner, subclass, &space.name);
+                    out.handle(340, 0);
+                    out
+                };
+                self.spaces.iter().map(record).collect()
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    fn record(&mut self, table: &str, owner: u64, subclass: &str, name: &str) -> Codes {
+        let handle = self.handle();
+        let mut out = begun(table, (5, handle), owner, subclass, name);
+        out.put(70, 0);
+        out
+    }
+
+    /// From above, all of it to be seen.
+    fn view_port(&mut self, owner: u64) -> Codes {
+        let (middle, size) = ((self.low + self.high) / 2.0, self.high - self.low);
+        let mut out = self.record("VPORT", owner, "AcDbViewportTableRecord", "*Active");
+        let mut pair = |code: u16, x: f64, y: f64| {
+            out.real(code, x);
+            out.real(code + 10, y);
+        };
+        pair(10, 0.0, 0.0);
+        pair(11, 1.0, 1.0);
+        pair(12, mm_from_m(middle.x), mm_from_m(middle.y));
+        pair(13, 0.0, 0.0);
+        pair(14, 10.0, 10.0);
+        pair(15, 10.0, 10.0);
+        out.point(16, &Vector3::new(0.0, 0.0, 1.0));
+        out.point(17, &Vector3::zeros());
+        out.length(40, 1.1 * size.y.max(size.x / 1.6));
+        out.real(41, 1.6);
+        out.real(42, 50.0);
+        out
+    }
+
+    fn line_type(&mut self, owner: u64, name: &str) -> Codes {
+        let mut out = self.record("LTYPE", owner, "AcDbLinetypeTableRecord", name);
+        out.put(3, "");
+        out.put(72, 65);
+        out.put(73, 0);
+        out.real(40, 0.0);
+        out
+    }
+
+    fn layer(&mut self, owner: u64, (name, colour): Layer) -> Codes {
+        let mut out = self.record("LAYER", owner, "AcDbLayerTableRecord", name);
+        out.put(62, colour);
+        out.put(6, "Continuous");
+        out
+    }
+
+    fn text_style(&mut self, owner: u64) -> Codes {
+        let mut out = self.record("STYLE", owner, "AcDbTextStyleTableRecord", "Standard");
+        out.real(40, 0.0);
+        out.real(41, 1.0);
+        out.real(50, 0.0);
+        out.put(71, 0);
+        out.length(42, self.height);
+        out.put(3, "txt");
+        out.put(4, "");
+        out
+    }
+
+    /// Numbers in mm with a decimal above their lines.
+    fn dimension_style(&mut self, owner: u64) -> Codes {
+        let handle = self.handle();
+        let mut out = begun("DIMSTYLE", (105, handle), owner, "AcDbDimStyleTableRecord", STYLE);
+        out.put(70, 0);
+        for (code, share) in [(41, 1.0), (42, 0.3), (44, 0.3), (140, 1.0), (147, 0.3)] {
+            out.length(code, share * self.height);
+        }
+        for (code, value) in [(73, 0), (74, 0), (77, 1), (78, 8), (271, 1), (277, 2)] {
+            out.put(code, value);
+        }
+        out
+    }
+
+    fn blocks(&self, body: &mut Codes) {
+        section(body, "BLOCKS", |out| {
+            for (k, space) in self.spaces.iter().enumerate() {
+                space.edge(out, "BLOCK", space.begin, "AcDbBlockBegin");
+                out.put(2, &space.name);
+                // Of a dimension: without a name of its own.
+                out.put(70, u8::from(k > 1));
+                out.point(10, &Vector3::zeros());
+                out.put(3, &space.name);
+                out.put(1, "");
+                if k > 1 {
+                    out.0.push_str(&space.content.0);
+                }
+                space.edge(out, "ENDBLK", space.end, "AcDbBlockEnd");
+            }
+        });
+    }
+}
+
+fn section(out: &mut Codes, name: &str, content: impl FnOnce(&mut Codes)) {
+    out.put(0, "SECTION");
+    out.put(2, name);
+    content(out);
+    out.put(0, "ENDSEC");
+}
+
+/// A record of a table begun: its handle under the code that its table has for it, owner, name.
+fn begun(table: &str, (code, handle): (u16, u64), owner: u64, subclass: &str, name: &str) -> Codes {
+    let mut out = Codes::default();
+    out.put(0, table);
+    out.handle(code, handle);
+    out.handle(330, owner);
+    out.put(100, "AcDbSymbolTableRecord");
+    out.put(100, subclass);
+    out.put(2, name);
+    out
+}

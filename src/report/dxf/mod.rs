@@ -1,0 +1,218 @@
+//! A drawing for CAD: DXF of release 2000 in mm, z up, every kind of thing on a layer of its own.
+
+mod file;
+mod text;
+
+use super::view::corners;
+use crate::cell::Role;
+use crate::drawing::{Component, Drawing, Field, Kind, Mesh};
+use crate::pose::Pose;
+use crate::units::{deg_from_rad, mm_from_m, rounded};
+use file::{File, Layer};
+use nalgebra::Vector3;
+use std::collections::HashMap;
+
+const ROBOT: &str = "ROBOT";
+const EQUIPMENT: &str = "EQUIPMENT";
+const ENVELOPE: &str = "ENVELOPE";
+const SPOT: &str = "SPOT";
+const DIMENSIONS: &str = "DIMENSIONS";
+const TEXT: &str = "TEXT";
+
+/// Colours with a contrast of 3 and more both on white and on AutoCAD's black; 7 is black on white and
+/// white on black.
+const LAYERS: [Layer; 15] = [
+    (ROBOT, 32),
+    (ENVELOPE, 134),
+    (EQUIPMENT, 8),
+    ("OBSTACLES", 252),
+    ("FENCE", 252),
+    ("KEEP_OUT", 1),
+    ("NODES_OK", 94),
+    ("NODES_OUT", 1),
+    ("ARROWS_X", 12),
+    ("ARROWS_Y", 94),
+    ("ARROWS_Z", 150),
+    ("ARROWS_R", 7),
+    (SPOT, 6),
+    (DIMENSIONS, 7),
+    (TEXT, 7),
+];
+
+/// Cosine of the angle between faces that make one plane: the edge between them is not drawn.
+const PLANE: f64 = 1.0 - 1e-9;
+/// Height of a text as a share of the cell's longer side, and what it is at least, m.
+const HEIGHT: (f64, f64) = (1.0 / 90.0, 0.015);
+/// Of the axes drawn at the frame of an equipment, m.
+const AXIS: f64 = 0.1;
+
+/// The whole drawing with the robot at the spot of an operation, or at home. The errors are those of the
+/// cell's own model and reading. Layers without anything on them are left out.
+pub fn dxf(drawing: &Drawing<'_>, operation: Option<usize>) -> Vec<u8> {
+    let (low, high) = drawing.extent();
+    let side = (high - low).x.max((high - low).y);
+    let mut file = File::new((side * HEIGHT.0).max(HEIGHT.1));
+    for (part, pose) in drawing.posed(operation, drawing.movement.frames(operation)) {
+        solid(&mut file, layer_of(part.kind), &part.mesh, &pose);
+    }
+    outlines(&mut file, drawing);
+    for ring in drawing.envelopes.iter().flat_map(|rings| rings.at_work.iter().chain(&rings.around)) {
+        file.ring(ENVELOPE, ring);
+    }
+    for k in 0..drawing.fields.len() {
+        nodes(&mut file, &drawing.fields[k]);
+        arrows(&mut file, drawing, k);
+        spot(&mut file, drawing, &drawing.fields[k]);
+    }
+    dimensions(&mut file, drawing, &low);
+    titles(&mut file, drawing, &high, operation);
+    file.bytes(&used(drawing))
+}
+
+/// Every layer but those of things that the cell has none of.
+fn used(drawing: &Drawing<'_>) -> Vec<Layer> {
+    let has = |kind: Kind| drawing.parts.iter().any(|p| p.kind == kind);
+    let idle = |name: &str| match name {
+        "OBSTACLES" => !has(Kind::Obstacle),
+        "FENCE" => !has(Kind::Fence),
+        "KEEP_OUT" => !has(Kind::KeepOut),
+        _ => false,
+    };
+    LAYERS.into_iter().filter(|(name, _)| !idle(name)).collect()
+}
+
+fn layer_of(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Robot | Kind::Tool | Kind::Held => ROBOT,
+        Kind::Equipment => EQUIPMENT,
+        Kind::Obstacle => "OBSTACLES",
+        Kind::Fence => "FENCE",
+        Kind::KeepOut => "KEEP_OUT",
+    }
+}
+
+/// Its triangles; edges inside a plane are not to be seen.
+fn solid(file: &mut File, layer: &str, mesh: &Mesh, pose: &Pose) {
+    let placed: Vec<Vector3<f64>> = mesh.positions.iter().map(|p| pose.transform(p)).collect();
+    let normal = |t: &[u32; 3]| {
+        let [a, b, c] = t.map(|i| placed[i as usize]);
+        (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_default()
+    };
+    let edge = |t: &[u32; 3], k: usize| {
+        let (a, b) = (t[k], t[(k + 1) % 3]);
+        (a.min(b), a.max(b))
+    };
+    let mut beside: HashMap<(u32, u32), Vec<Vector3<f64>>> = HashMap::new();
+    for t in &mesh.triangles {
+        (0..3).for_each(|k| beside.entry(edge(t, k)).or_default().push(normal(t)));
+    }
+    for t in &mesh.triangles {
+        let hidden = [0, 1, 2].map(|k| matches!(&beside[&edge(t, k)][..], [a, b] if a.dot(b) > PLANE));
+        file.face(layer, &t.map(|i| placed[i as usize]), hidden);
+    }
+}
+
+/// Floor space in plan, and the frame of every equipment.
+fn outlines(file: &mut File, drawing: &Drawing<'_>) {
+    let (cell, layout) = (drawing.cell, &drawing.layout);
+    file.outline(ROBOT, &corners(&cell.robot.footprint, &layout.base), drawing.floor);
+    for (equipment, at) in cell.equipment.iter().zip(&layout.placements) {
+        let layer = if equipment.role == Role::Equipment { EQUIPMENT } else { "OBSTACLES" };
+        file.outline(layer, &corners(&equipment.footprint, at), drawing.floor);
+        let (pose, height) = (at.pose(), file.height);
+        for axis in [Vector3::x(), Vector3::y()] {
+            file.line(layer, &pose.translation, &pose.transform(&(axis * AXIS)));
+        }
+        let beside = pose.translation + Vector3::new(0.5 * height, 0.5 * height, 0.0);
+        file.text(TEXT, &beside, &equipment.name, (0.0, false));
+    }
+    let below = Vector3::new(layout.base.x, layout.base.y - 2.0 * file.height, drawing.floor);
+    file.text(TEXT, &below, &cell.robot.name, (0.0, true));
+}
+
+fn nodes(file: &mut File, field: &Field) {
+    for node in &field.nodes {
+        // Small where arrows begin.
+        let (layer, radius) = match node.is_ok() {
+            true => ("NODES_OK", field.radius() / 4.0),
+            false => ("NODES_OUT", field.radius()),
+        };
+        file.circle(layer, &node.position, radius);
+    }
+}
+
+fn arrows(file: &mut File, drawing: &Drawing<'_>, field: usize) {
+    let layers = ["ARROWS_X", "ARROWS_Y", "ARROWS_Z", "ARROWS_R"];
+    for (component, layer) in Component::ALL.into_iter().zip(layers) {
+        for arrow in drawing.arrows(field, 0, component) {
+            file.line(layer, &arrow.tail, &arrow.tip);
+            arrow.barbs().iter().for_each(|end| file.line(layer, &arrow.tip, end));
+        }
+    }
+}
+
+fn spot(file: &mut File, drawing: &Drawing<'_>, field: &Field) {
+    let Some(at) = field.spot else { return };
+    let radius = 1.4 * field.radius();
+    file.circle(SPOT, &at, radius);
+    for axis in [Vector3::x(), Vector3::y()] {
+        file.line(SPOT, &(at - axis * (1.5 * radius)), &(at + axis * (1.5 * radius)));
+    }
+    if let Some(refined) = field.refined {
+        file.circle(SPOT, &refined, 0.4 * radius);
+    }
+    let operation = &drawing.cell.operations[field.operation];
+    let value = field.best.and_then(|k| field.takes[0].values[field.sense][k]);
+    let unit = operation.sense.unit;
+    let value = value.map_or(String::new(), |v| {
+        format!(", {} {} {}", operation.sense.name, rounded(unit.from_si(v), 3), unit.word())
+    });
+    let beside = at + Vector3::new(1.6 * radius, 0.4 * radius, 0.0);
+    let position = at.map(|v| rounded(mm_from_m(v), 1));
+    let said = format!("{}{value} at {}, {}, {}", operation.name, position.x, position.y, position.z);
+    file.text(SPOT, &beside, &said, (0.0, false));
+}
+
+/// From the robot base to the frame of every equipment along x and y, below and left of all.
+fn dimensions(file: &mut File, drawing: &Drawing<'_>, low: &Vector3<f64>) {
+    let base = Vector3::new(drawing.base.translation.x, drawing.base.translation.y, drawing.floor);
+    let all = drawing.cell.equipment.iter().zip(&drawing.layout.placements);
+    for (k, (equipment, at)) in all.filter(|(e, _)| e.role == Role::Equipment).enumerate() {
+        let to = Vector3::new(at.x, at.y, drawing.floor);
+        let away = file.height * (5.0 + 3.0 * k as f64);
+        let corner = low - Vector3::new(away, away, 0.0);
+        file.dimension(DIMENSIONS, [&base, &to], &corner, false);
+        file.dimension(DIMENSIONS, [&base, &to], &corner, true);
+        let said = format!(
+            "{}: {} above the base, yaw {} deg",
+            equipment.name,
+            rounded(mm_from_m(at.z - drawing.base.translation.z), 1),
+            rounded(deg_from_rad(at.yaw), 3)
+        );
+        let beside = Vector3::new(base.x.max(to.x) + 2.0 * file.height, corner.y, drawing.floor);
+        file.text(DIMENSIONS, &beside, &said, (0.0, false));
+    }
+}
+
+/// What the drawing says of itself, above all else.
+fn titles(file: &mut File, drawing: &Drawing<'_>, high: &Vector3<f64>, operation: Option<usize>) {
+    let cell = drawing.cell;
+    let stands = operation.map_or("at home".into(), |k| format!("at {}", cell.operations[k].name));
+    let lines = [
+        format!("{} ({})", cell.name, drawing.name),
+        super::text::headline(cell),
+        format!("robot {stands}; mm, z up; sweetspot {}", env!("CARGO_PKG_VERSION")),
+        format!(
+            "arrows: {}, {} times enlarged{}",
+            drawing.lenses[0].reading_word(),
+            rounded(drawing.exaggeration(0), 6),
+            if drawing.lenses[0].is_signed() { "" } else { ", plus or minus" }
+        ),
+        "large circles: nodes that cannot be used".to_string(),
+    ];
+    let left = drawing.extent().0.x;
+    for (k, line) in lines.iter().rev().enumerate() {
+        let y = high.y + file.height * (5.0 + 1.7 * k as f64);
+        file.text(TEXT, &Vector3::new(left, y, drawing.floor), line, (0.0, false));
+    }
+}

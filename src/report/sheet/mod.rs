@@ -1,0 +1,252 @@
+//! The cell as a drawing on paper: plan and front to scale, with dimensions and a title block.
+//!
+//! Sizes in the picture are mm on paper: A4 or A3 landscape (ISO 216), a scale of ISO 5455, lines 0.35 and
+//! 0.18 mm wide (ISO 128), nothing to be scaled when it is printed.
+
+mod dimensions;
+mod silhouette;
+mod title;
+
+use super::view::{corners, escaped};
+use crate::drawing::{Component, Drawing, Field, Kind};
+use crate::units::mm_from_m;
+use nalgebra::{Vector2, Vector3};
+use silhouette::{ABOVE, Eye, FRONT, Silhouette, silhouette};
+use std::fmt::Write;
+
+/// ISO 5455: 1 to so many.
+const SCALES: [f64; 13] = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1e3, 2e3, 5e3, 1e4];
+/// Name, width and height.
+const PAPERS: [(&str, f64, f64); 2] = [("A4", 297.0, 210.0), ("A3", 420.0, 297.0)];
+/// Round the frame, and inside it round the views.
+const MARGIN: f64 = 8.0;
+const INSIDE: f64 = 6.0;
+const HEADING: f64 = 8.0;
+const GAP: f64 = 14.0;
+/// Title block.
+const TITLE: f64 = 30.0;
+
+/// A solid as a view shows it.
+struct Shown {
+    kind: Kind,
+    silhouette: Silhouette,
+}
+
+/// A view: the world in m, right and up, to the paper in mm.
+pub struct View {
+    low: Vector2<f64>,
+    high: Vector2<f64>,
+    /// Where its left lower corner lies on the paper.
+    left: f64,
+    bottom: f64,
+    /// 1 to so many.
+    ratio: f64,
+}
+
+impl View {
+    fn at(&self, p: &Vector2<f64>) -> (f64, f64) {
+        let [u, v] = [p.x - self.low.x, p.y - self.low.y].map(|m| mm_from_m(m) / self.ratio);
+        (self.left + u, self.bottom - v)
+    }
+
+    fn plan(&self, p: &Vector3<f64>) -> (f64, f64) {
+        self.at(&p.xy())
+    }
+
+    fn size(&self) -> (f64, f64) {
+        size(&self.low, &self.high, self.ratio)
+    }
+}
+
+fn size(low: &Vector2<f64>, high: &Vector2<f64>, ratio: f64) -> (f64, f64) {
+    let size = (high - low).map(|m| mm_from_m(m) / ratio);
+    (size.x, size.y)
+}
+
+/// The sheet with the robot at the spot of an operation, or at home. The errors are those of the cell's own
+/// model and reading.
+pub fn sheet(drawing: &Drawing<'_>, operation: Option<usize>) -> String {
+    let views = [ABOVE, FRONT].map(|eye| seen(drawing, operation, &eye));
+    let bounds = [0, 1].map(|k| bounds(drawing, &views[k], k == 0));
+    let rows = title::rows(drawing);
+    let (paper, ratio) = fitting(&bounds, rows);
+    let (name, width, height) = paper;
+    let away = dimensions::room(drawing);
+    let [plan, front] = bounds;
+    let bottom = height - MARGIN - TITLE - INSIDE;
+    let plan = View { low: plan.0, high: plan.1, left: MARGIN + INSIDE + away, bottom: bottom - away, ratio };
+    let left = plan.left + plan.size().0 + GAP;
+    let top = MARGIN + INSIDE + HEADING;
+    let front =
+        View { low: front.0, high: front.1, left, bottom: top + size(&front.0, &front.1, ratio).1, ratio };
+    let mut out = String::new();
+    // Writing to a String cannot fail; the results here are dropped for that reason.
+    let _ = writeln!(
+        out,
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}mm\" height=\"{height}mm\" \
+         viewBox=\"0 0 {width} {height}\" font-family=\"system-ui, sans-serif\" font-size=\"2.6\" fill=\"#000000\" \
+         stroke-linejoin=\"round\">\n<title>{}</title>\n<rect width=\"{width}\" height=\"{height}\" fill=\"#ffffff\"/>",
+        escaped(&drawing.cell.name)
+    );
+    heading(&mut out, (plan.left, plan.bottom - plan.size().1), "plan");
+    heading(&mut out, (front.left, front.bottom - front.size().1), "front, seen against y");
+    let [above, before] = views;
+    draw(&mut out, &plan, above);
+    draw(&mut out, &front, before);
+    floor(&mut out, drawing, &front);
+    for (k, field) in drawing.fields.iter().enumerate() {
+        map(&mut out, drawing, &plan, (k, field));
+    }
+    (0..drawing.fields.len()).for_each(|k| spot(&mut out, drawing, [&plan, &front], &drawing.fields[k]));
+    dimensions::draw(&mut out, drawing, &plan);
+    title::list(&mut out, drawing, (front.left, front.bottom + 2.0 * INSIDE));
+    title::block(&mut out, drawing, (name, width, height), (ratio, operation));
+    out.push_str("</svg>\n");
+    out
+}
+
+/// The solids of a view from far to near.
+fn seen(drawing: &Drawing<'_>, operation: Option<usize>, eye: &Eye) -> Vec<Shown> {
+    let parts = drawing.posed(operation, drawing.movement.frames(operation));
+    let mut all: Vec<Shown> = parts
+        .map(|(part, pose)| Shown { kind: part.kind, silhouette: silhouette(&part.mesh, &pose, eye) })
+        .collect();
+    all.sort_by(|a, b| a.silhouette.depth.total_cmp(&b.silhouette.depth));
+    all
+}
+
+/// Low and high corner of a view; the plan shows floor space, too.
+fn bounds(drawing: &Drawing<'_>, view: &[Shown], is_plan: bool) -> (Vector2<f64>, Vector2<f64>) {
+    let mut points: Vec<Vector2<f64>> =
+        view.iter().flat_map(|s| s.silhouette.loops.iter().flatten()).copied().collect();
+    let (cell, layout) = (drawing.cell, &drawing.layout);
+    if is_plan {
+        let stands = cell.equipment.iter().map(|e| &e.footprint).zip(&layout.placements);
+        let all = stands.chain([(&cell.robot.footprint, &layout.base)]);
+        points.extend(all.flat_map(|(f, at)| corners(f, at)).map(|(x, y)| Vector2::new(x, y)));
+    } else {
+        points.push(Vector2::new(layout.base.x, drawing.floor));
+    }
+    let pairs = points.iter().map(|p| (*p, *p));
+    pairs.reduce(|(lo, hi), (p, q)| (lo.inf(&p), hi.sup(&q))).unwrap_or_default()
+}
+
+/// The largest scale that fits the larger paper, and the smallest paper that holds it.
+fn fitting(
+    [plan, front]: &[(Vector2<f64>, Vector2<f64>); 2],
+    (rows, away): (usize, f64),
+) -> ((&'static str, f64, f64), f64) {
+    let fits = |(_, width, height): &(&str, f64, f64), ratio: f64| {
+        let (plan, front) = (size(&plan.0, &plan.1, ratio), size(&front.0, &front.1, ratio));
+        let list = 2.0 * INSIDE + title::LINE * rows as f64;
+        let inside = 2.0 * (MARGIN + INSIDE);
+        let tall = (plan.1 + away).max(front.1 + list);
+        away + plan.0 + GAP + front.0.max(title::LIST) <= width - inside
+            && HEADING + tall <= height - inside - TITLE
+    };
+    let last = SCALES.len() - 1;
+    let scale = SCALES.into_iter().find(|ratio| fits(&PAPERS[1], *ratio)).unwrap_or(SCALES[last]);
+    (PAPERS.into_iter().find(|paper| fits(paper, scale)).unwrap_or(PAPERS[1]), scale)
+}
+
+fn heading(out: &mut String, (left, top): (f64, f64), text: &str) {
+    let _ = writeln!(
+        out,
+        "<text x=\"{left:.2}\" y=\"{:.2}\" font-size=\"3.5\" font-weight=\"600\">{text}</text>",
+        top - 3.0
+    );
+}
+
+/// Fill and line of what is drawn.
+fn style(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Robot => "fill=\"#fde7d3\" stroke=\"#8a3800\"",
+        Kind::Tool => "fill=\"#f3c9a5\" stroke=\"#8a3800\"",
+        Kind::Held => "fill=\"#cdeee2\" stroke=\"#00543d\"",
+        Kind::Equipment => "fill=\"#f4f6f8\" stroke=\"#000000\"",
+        Kind::Obstacle => "fill=\"#d9dde2\" stroke=\"#000000\"",
+        Kind::Fence => "fill=\"none\" stroke=\"#000000\" stroke-dasharray=\"3 1\"",
+        Kind::KeepOut => "fill=\"none\" stroke=\"#b00020\" stroke-dasharray=\"1.5 1\"",
+    }
+}
+
+fn draw(out: &mut String, view: &View, solids: Vec<Shown>) {
+    for Shown { kind, silhouette } in solids {
+        let outline: String =
+            silhouette.loops.iter().map(|ring| path(ring.iter().map(|p| view.at(p)), "Z")).collect();
+        let edges: String =
+            silhouette.edges.iter().map(|edge| path(edge.iter().map(|p| view.at(p)), "")).collect();
+        let _ = writeln!(
+            out,
+            "<g {}><path d=\"{outline}\" stroke-width=\"0.35\"/><path d=\"{edges}\" stroke-width=\"0.18\"/></g>",
+            style(kind)
+        );
+    }
+}
+
+/// Through points in mm on paper.
+fn path(points: impl Iterator<Item = (f64, f64)>, end: &str) -> String {
+    let words: Vec<String> = points.map(|(x, y)| format!("{x:.2} {y:.2}")).collect();
+    format!("M{}{end}", words.join("L"))
+}
+
+fn floor(out: &mut String, drawing: &Drawing<'_>, front: &View) {
+    let [(left, y), (right, _)] =
+        [front.low.x, front.high.x].map(|x| front.at(&Vector2::new(x, drawing.floor)));
+    let _ =
+        writeln!(out, "<path d=\"M{left:.2} {y:.2}H{right:.2}\" stroke=\"#000000\" stroke-width=\"0.5\"/>");
+}
+
+/// Reach, nodes and errors of an operation in plan.
+fn map(out: &mut String, drawing: &Drawing<'_>, view: &View, (k, field): (usize, &Field)) {
+    let (x, y, (width, height)) = (view.left, view.bottom, view.size());
+    let reach = drawing.envelopes.get(k).map_or(&[][..], |rings| &rings.at_work);
+    let ring = |r: &Vec<Vector3<f64>>| path(r.iter().map(|p| view.plan(p)), "Z");
+    let _ = writeln!(
+        out,
+        "<clipPath id=\"view{k}\"><rect x=\"{x:.2}\" y=\"{:.2}\" width=\"{width:.2}\" height=\"{height:.2}\"/></clipPath>\
+         <path d=\"{}\" clip-path=\"url(#view{k})\" fill=\"none\" stroke=\"#0969a8\" stroke-width=\"0.18\" \
+         stroke-dasharray=\"2.5 1\"/>",
+        y - height,
+        reach.iter().map(ring).collect::<String>()
+    );
+    let radius = (mm_from_m(field.radius()) / view.ratio).clamp(0.4, 1.2);
+    let mut circles = [String::new(), String::new()];
+    for node in &field.nodes {
+        let (x, y) = view.plan(&node.position);
+        let r = if node.is_ok() { 0.25 } else { radius };
+        let _ =
+            write!(circles[usize::from(node.is_ok())], "<circle cx=\"{x:.2}\" cy=\"{y:.2}\" r=\"{r:.2}\"/>");
+    }
+    let mut lines = String::new();
+    for arrow in drawing.arrows(k, 0, Component::Resultant) {
+        let [a, b, ..] = arrow.barbs();
+        lines += &path([arrow.tail, arrow.tip].iter().map(|p| view.plan(p)), "");
+        lines += &path([a, arrow.tip, b].iter().map(|p| view.plan(p)), "");
+    }
+    let [out_of_reach, usable] = circles;
+    let _ = writeln!(
+        out,
+        "<g fill=\"none\" stroke=\"#57606a\" stroke-width=\"0.18\">{out_of_reach}</g><g>{usable}</g>\
+         <path d=\"{lines}\" fill=\"none\" stroke=\"#00543d\" stroke-width=\"0.18\"/>"
+    );
+}
+
+/// The spot of an operation in both views.
+fn spot(out: &mut String, drawing: &Drawing<'_>, [plan, front]: [&View; 2], field: &Field) {
+    let Some(at) = field.spot else { return };
+    let name = escaped(&drawing.cell.operations[field.operation].name);
+    for (x, y) in [plan.plan(&at), front.at(&at.xz())] {
+        let _ = writeln!(
+            out,
+            "<path d=\"M{:.2} {y:.2}h6M{x:.2} {:.2}v6\" stroke=\"#99286e\" stroke-width=\"0.25\"/>\
+             <circle cx=\"{x:.2}\" cy=\"{y:.2}\" r=\"1.8\" fill=\"none\" stroke=\"#99286e\" stroke-width=\"0.5\"/>\
+             <text x=\"{:.2}\" y=\"{:.2}\" fill=\"#99286e\" font-weight=\"600\" stroke=\"#ffffff\" stroke-width=\"0.8\" \
+             paint-order=\"stroke\">{name}</text>",
+            x - 3.0,
+            y - 3.0,
+            x + 2.6,
+            y - 1.6
+        );
+    }
+}

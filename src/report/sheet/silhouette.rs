@@ -1,0 +1,121 @@
+//! What of a solid is seen from one direction: its outline and its sharp edges.
+
+use crate::drawing::Mesh;
+use crate::pose::Pose;
+use nalgebra::{Vector2, Vector3};
+use std::collections::BTreeMap;
+
+/// From where a view looks: to the right, up, and towards the eye; world, right-handed.
+pub type Eye = [Vector3<f64>; 3];
+
+/// From above, and from the front: against y.
+pub const ABOVE: Eye =
+    [Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 1.0, 0.0), Vector3::new(0.0, 0.0, 1.0)];
+pub const FRONT: Eye =
+    [Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 0.0, 1.0), Vector3::new(0.0, -1.0, 0.0)];
+
+/// Faces seen at less than this share of their area are seen edge-on.
+const EDGE_ON: f64 = 1e-6;
+/// Cosine of the angle between faces (60 degrees) from which the edge between them is drawn.
+const SHARP: f64 = 0.5;
+
+/// A solid in a view, m: right and up.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Silhouette {
+    /// Closed; filled by the nonzero rule they are what the solid covers.
+    pub loops: Vec<Vec<Vector2<f64>>>,
+    /// Sharp edges inside.
+    pub edges: Vec<[Vector2<f64>; 2]>,
+    /// Its middle, towards the eye: what is nearer is drawn later.
+    pub depth: f64,
+}
+
+/// The outline of the faces that look at the eye: their edges without a neighbour that looks there, too.
+pub fn silhouette(mesh: &Mesh, pose: &Pose, [right, up, eye]: &Eye) -> Silhouette {
+    let placed: Vec<Vector3<f64>> = mesh.positions.iter().map(|p| pose.transform(p)).collect();
+    let joined = joined(&mesh.positions);
+    let flat = |i: usize| Vector2::new(placed[i].dot(right), placed[i].dot(up));
+    // Directed edges of the faces seen, with the normals of these.
+    let mut seen: BTreeMap<(usize, usize), Vector3<f64>> = BTreeMap::new();
+    for t in &mesh.triangles {
+        let [a, b, c] = t.map(|i| joined[i as usize]);
+        let area = (placed[b] - placed[a]).cross(&(placed[c] - placed[a]));
+        if area.dot(eye) > EDGE_ON * area.norm() {
+            seen.extend([(a, b), (b, c), (c, a)].map(|edge| (edge, area.normalize())));
+        }
+    }
+    let back = |&(a, b): &(usize, usize)| seen.get(&(b, a));
+    let sharp = seen.iter().filter(|((a, b), n)| a < b && back(&(*a, *b)).is_some_and(|o| o.dot(n) < SHARP));
+    let edges = sharp.map(|((a, b), _)| [flat(*a), flat(*b)]).collect();
+    let open: Vec<(usize, usize)> = seen.keys().filter(|edge| back(edge).is_none()).copied().collect();
+    let loops = chained(&open).iter().map(|ring| ring.iter().map(|&i| flat(i)).collect()).collect();
+    let sum: f64 = placed.iter().map(|p| p.dot(eye)).sum();
+    Silhouette { loops, edges, depth: sum / placed.len().max(1) as f64 }
+}
+
+/// Of every corner the first one at the same place: a mesh has one for each of its normals.
+fn joined(positions: &[Vector3<f64>]) -> Vec<usize> {
+    let mut first: BTreeMap<[u64; 3], usize> = BTreeMap::new();
+    let key = |p: &Vector3<f64>| [p.x, p.y, p.z].map(|v| (v + 0.0).to_bits());
+    positions.iter().enumerate().map(|(k, p)| *first.entry(key(p)).or_insert(k)).collect()
+}
+
+/// Directed edges joined to closed rings.
+fn chained(edges: &[(usize, usize)]) -> Vec<Vec<usize>> {
+    let mut from: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    edges.iter().for_each(|(a, b)| from.entry(*a).or_default().push(*b));
+    let mut rings = Vec::new();
+    for &(start, _) in edges {
+        let mut ring = Vec::new();
+        let mut at = start;
+        while let Some(next) = from.get_mut(&at).and_then(Vec::pop) {
+            ring.push(at);
+            at = next;
+        }
+        if ring.len() > 2 {
+            rings.push(ring);
+        }
+    }
+    rings
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+    use super::*;
+    use crate::cell::Shape;
+
+    fn area(s: &Silhouette) -> f64 {
+        let ring = |r: &Vec<Vector2<f64>>| -> f64 {
+            (0..r.len()).map(|k| r[k].perp(&r[(k + 1) % r.len()]) / 2.0).sum()
+        };
+        s.loops.iter().map(ring).sum()
+    }
+
+    #[test]
+    fn a_box_and_a_bar_cover_what_they_should() {
+        let size = Vector3::new(0.6, 0.4, 0.3);
+        let solid = Shape::Box { pose: Pose::IDENTITY, size };
+        let mesh = Mesh::of(&solid, 0.0);
+        let at = Pose::from_translation_yaw(Vector3::new(1.0, 2.0, 3.0), 0.5);
+        let above = silhouette(&mesh, &at, &ABOVE);
+        assert_eq!(above.loops.len(), 1);
+        assert!((area(&above) - 0.24).abs() < 1e-12 && above.edges.is_empty());
+        assert!((above.depth - 3.0).abs() < 1e-12);
+        // Turned, the front shows two sides and the edge between them.
+        let front = silhouette(&mesh, &at, &FRONT);
+        let wide = 0.6 * 0.5f64.cos() + 0.4 * 0.5f64.sin();
+        assert!((area(&front) - wide * 0.3).abs() < 1e-12, "{}", area(&front));
+        assert_eq!(front.edges.len(), 1);
+        let [a, b] = front.edges[0];
+        assert!((a.x - b.x).abs() < 1e-12 && ((a.y - b.y).abs() - 0.3).abs() < 1e-12);
+        // A bar along x: from above a rectangle, from aside a disc.
+        let (a, b) = (Vector3::zeros(), Vector3::new(0.5, 0.0, 0.0));
+        let bar = Mesh::of(&Shape::Cylinder { a, b, radius: 0.1 }, 0.0);
+        let above = silhouette(&bar, &Pose::IDENTITY, &ABOVE);
+        assert!((area(&above) / 0.1 - 1.0).abs() < 0.01, "{}", area(&above));
+        let disc = silhouette(&bar, &Pose::IDENTITY, &[-Vector3::y(), Vector3::z(), -Vector3::x()]);
+        assert!((area(&disc) / (std::f64::consts::PI * 0.01) - 1.0).abs() < 0.01);
+    }
+}

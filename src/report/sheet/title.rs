@@ -1,0 +1,151 @@
+//! Title block, list of what stands where, scale bar.
+
+use super::dimensions::{marks, room};
+use super::{MARGIN, TITLE, escaped};
+use crate::drawing::Drawing;
+use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rounded};
+use std::fmt::Write;
+
+/// Height of a line and width of the list, mm on paper.
+pub const LINE: f64 = 4.2;
+pub const LIST: f64 = 122.0;
+/// Most characters of a name there.
+const NAME: usize = 24;
+
+/// Lines of the list, and the room that dimensions need.
+pub fn rows(drawing: &Drawing<'_>) -> (usize, f64) {
+    (marks(drawing).len() + drawing.fields.len() + 3, room(drawing))
+}
+
+fn short(name: &str) -> String {
+    let cut: String = name.chars().take(NAME).collect();
+    escaped(&if cut.len() < name.len() { cut + "..." } else { cut })
+}
+
+fn mm(m: f64) -> f64 {
+    rounded(mm_from_m(m), 1)
+}
+
+/// Corners and frames of the equipment from the robot base, spots in the world.
+pub fn list(out: &mut String, drawing: &Drawing<'_>, (left, top): (f64, f64)) {
+    let base = &drawing.layout.base;
+    let mut y = top;
+    let mut row = |cells: [String; 6], weight: &str| {
+        let at = [0.0, 44.0, 60.0, 76.0, 92.0, 108.0];
+        for (k, (cell, x)) in cells.iter().zip(at).enumerate() {
+            let (x, anchor) = if k == 0 { (left, "start") } else { (left + x + 12.0, "end") };
+            let _ = writeln!(
+                out,
+                "<text x=\"{x:.2}\" y=\"{y:.2}\" text-anchor=\"{anchor}\" font-weight=\"{weight}\">{cell}</text>"
+            );
+        }
+        y += LINE;
+    };
+    let words = |words: [&str; 6]| words.map(str::to_string);
+    row(words(["from the robot base, mm", "corner x", "corner y", "frame x", "frame y", "height"]), "600");
+    for (letter, k, corner) in marks(drawing) {
+        let at = &drawing.layout.placements[k];
+        let numbers =
+            [corner.x - base.x, corner.y - base.y, at.x - base.x, at.y - base.y, at.z - drawing.floor];
+        let [a, b, c, d, e] = numbers.map(|m| mm(m).to_string());
+        let yaw = rounded(deg_from_rad(at.yaw), 2);
+        let name = format!("{letter} {}, yaw {yaw}\u{b0}", short(&drawing.cell.equipment[k].name));
+        row([name, a, b, c, d, e], "400");
+    }
+    row(words(["spot, world, mm", "x", "y", "z", "", "error"]), "600");
+    for field in &drawing.fields {
+        let operation = &drawing.cell.operations[field.operation];
+        let name = short(&operation.name);
+        let value = field.best.and_then(|k| field.takes[0].values[field.sense][k]);
+        let unit = operation.sense.unit;
+        let value = value.map(|v| format!("{} {}", rounded(unit.from_si(v), 3), unit.word()));
+        let cells = match field.spot {
+            Some(p) => {
+                let [x, y, z] = [p.x, p.y, p.z].map(|m| mm(m).to_string());
+                [name, x, y, z, String::new(), value.unwrap_or_default()]
+            }
+            None => {
+                [name, "no usable node".into(), String::new(), String::new(), String::new(), String::new()]
+            }
+        };
+        row(cells, "400");
+    }
+}
+
+/// Frame of the sheet, title block with scale bar and axes.
+pub fn block(
+    out: &mut String,
+    drawing: &Drawing<'_>,
+    (paper, width, height): (&str, f64, f64),
+    (ratio, operation): (f64, Option<usize>),
+) {
+    let (cell, top) = (drawing.cell, height - MARGIN - TITLE);
+    let _ = writeln!(
+        out,
+        "<rect x=\"{MARGIN}\" y=\"{MARGIN}\" width=\"{}\" height=\"{}\" fill=\"none\" stroke=\"#000000\" \
+         stroke-width=\"0.5\"/><path d=\"M{MARGIN} {top}H{}\" stroke=\"#000000\" stroke-width=\"0.35\"/>",
+        width - 2.0 * MARGIN,
+        height - 2.0 * MARGIN,
+        width - MARGIN
+    );
+    let stands = operation.map_or("home".into(), |k| short(&cell.operations[k].name));
+    let arrows = format!(
+        "arrows: {} error, {} times enlarged{}",
+        drawing.lenses.first().map_or("", |l| l.reading_word()),
+        rounded(drawing.exaggeration(0), 6),
+        if drawing.lenses.first().is_some_and(|l| l.is_signed()) { "" } else { ", plus or minus" }
+    );
+    let mut senses: Vec<&str> = cell.operations.iter().map(|o| o.sense.name.as_str()).collect();
+    senses.dedup();
+    let left = [
+        (4.2, format!("{} ({})", escaped(&cell.name), escaped(&drawing.name))),
+        (2.6, escaped(&crate::report::text::headline(cell))),
+        (2.6, format!("sense {}; {arrows}", escaped(&senses.join(", ")))),
+        (2.6, format!("robot at {stands}; circles: nodes that cannot be used; dashed: reach at this height")),
+    ];
+    let right = [
+        (4.2, format!("scale 1:{ratio}")),
+        (2.6, format!("{paper}, dimensions in mm")),
+        (2.6, "world axes as shown".into()),
+        (2.6, format!("sweetspot {}", env!("CARGO_PKG_VERSION"))),
+    ];
+    let column = width - MARGIN - 62.0;
+    let _ =
+        writeln!(out, "<path d=\"M{column:.2} {top}v{TITLE}\" stroke=\"#000000\" stroke-width=\"0.35\"/>");
+    for (x, lines) in [(MARGIN + 4.0, left), (column + 4.0, right)] {
+        for (k, (size, line)) in lines.iter().enumerate() {
+            let _ = writeln!(
+                out,
+                "<text x=\"{x:.2}\" y=\"{:.2}\" font-size=\"{size}\" font-weight=\"{}\">{line}</text>",
+                top + 6.6 + 6.0 * k as f64,
+                if k == 0 { 600 } else { 400 }
+            );
+        }
+    }
+    bar(out, (column - 66.0, top + TITLE / 2.0), ratio);
+}
+
+/// A length of 20 to 50 mm on paper and how much it is, with the axes of the plan.
+fn bar(out: &mut String, (x, y): (f64, f64), ratio: f64) {
+    // 1, 2 or 5 times a power of ten.
+    let raw = 40.0 * ratio;
+    let digit = 10f64.powi(raw.log10().floor() as i32);
+    let length = [5.0, 2.0, 1.0].into_iter().map(|n| n * digit).find(|l| *l <= raw * 1.0001).unwrap_or(digit);
+    let wide = mm_from_m(m_from_mm(length)) / ratio;
+    let _ = writeln!(
+        out,
+        "<g fill=\"none\" stroke=\"#000000\" stroke-width=\"0.35\"><path d=\"M{x:.2} {0:.2}v3m0 -1.5h{wide:.2}m0 -1.5v3\"/>\
+         <path d=\"M{1:.2} {2:.2}h9l-2 -0.8m2 0.8l-2 0.8M{1:.2} {2:.2}v-9l-0.8 2m0.8 -2l0.8 2\"/></g>\
+         <text x=\"{3:.2}\" y=\"{4:.2}\" text-anchor=\"middle\">{length} mm</text>\
+         <text x=\"{5:.2}\" y=\"{6:.2}\">x</text><text x=\"{7:.2}\" y=\"{8:.2}\" text-anchor=\"middle\">y</text>",
+        y - 1.5,
+        x - 16.0,
+        y + 5.0,
+        x + wide / 2.0,
+        y + 5.0,
+        x - 6.0,
+        y + 5.8,
+        x - 16.0,
+        y - 5.0
+    );
+}
