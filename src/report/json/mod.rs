@@ -3,6 +3,7 @@
 //! Lengths in mm, angles in degrees, rounded to 1e-9; world frame; joints in the robot's own
 //! coordinates. What has no value is null, never left out.
 
+mod drawing;
 mod envelope;
 mod front;
 mod layouts;
@@ -13,6 +14,7 @@ mod readings;
 mod robust;
 mod sweep;
 
+pub use drawing::drawings;
 pub use envelope::{envelope, robot, robots};
 pub use layouts::{compare, search};
 pub use live::{answer, coordinate_name, form, lens_list, numbers};

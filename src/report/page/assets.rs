@@ -1,5 +1,23 @@
 //! The texts that run in the browser. All of them are ours: no library, no request.
 
+/// The viewer: defines `sweetspotViewer(host, document, options)` on the window and nothing else there.
+pub const VIEWER_JS: &str = concat!(
+    "\"use strict\";\n(() => {\n",
+    include_str!("viewer/maths.js"),
+    include_str!("viewer/shaders.js"),
+    include_str!("viewer/draw.js"),
+    include_str!("viewer/model.js"),
+    include_str!("viewer/glyphs.js"),
+    include_str!("viewer/labels.js"),
+    include_str!("viewer/legend.js"),
+    include_str!("viewer/controls.js"),
+    include_str!("viewer/hand.js"),
+    include_str!("viewer/viewer.js"),
+    "})();\n"
+);
+
+pub const VIEWER_CSS: &str = include_str!("viewer/viewer.css");
+
 pub const LIVE_HTML: &str = include_str!("live/page.html");
 pub const LIVE_CSS: &str = include_str!("live/page.css");
 

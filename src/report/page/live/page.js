@@ -13,13 +13,17 @@ async function attempt(numbers) {
     const [asked, own] = [waiting, serial];
     waiting = null;
     try {
-      const { answer, numbers } = await ask("try", asked);
+      // Only where it is dragged is the map of the 3-D view followed, too.
+      const { answer, numbers, drawing } = await ask(solid && solid.held ? "try-drawing" : "try", asked);
       // Dropped in the meantime: that answer counts.
       if (own === serial) {
         plan.draw(answer);
         form.show(numbers);
         verdict(answer, null);
-        if (solid) solid.hint(answer);
+        if (drawing) {
+          solid.replace(drawing);
+          if (solid.held) solid.move(solid.held.index, solid.held.now);
+        }
       }
     } catch (e) {
       if (own === serial) fault(e.message);
@@ -56,16 +60,27 @@ function show(answer) {
   $("redo").disabled = answer.redo === 0;
   $("depth").textContent = answer.undo ? `${answer.undo} step${answer.undo > 1 ? "s" : ""}` : "as drawn";
   asked(answer);
+  refresh();
   // What takes longer comes when the hand rests.
   clearTimeout(slow);
-  slow = setTimeout(behind, 120);
-  if (solid) solid.hint(answer.answer);
+  slow = setTimeout(behind, 150);
+}
+
+// The 3-D view follows the plan.
+async function refresh() {
+  if (!solid) return;
+  const own = revision;
+  try {
+    const written = await ask("drawing");
+    if (own === revision && !solid.held) solid.replace(written);
+  } catch (e) {
+    fault(e.message);
+  }
 }
 
 async function behind() {
   const own = revision;
   try {
-    if (solid) await solid.refresh();
     const { outlines } = await ask("reach");
     if (own === revision) plan.reached(outlines);
   } catch (e) {

@@ -159,7 +159,8 @@ class Plan {
     const unit = this.unit || 1;
     // The name stands beside the work surface, which is full of nodes.
     const away = piece.piece.surface ? Math.abs(piece.piece.footprint[3]) / 2 + 18 * unit : 0;
-    const names = [[0, -1], [0, 1], [1, 0], [-1, 0]].map((side) => {
+    // Not where the handle is.
+    const names = [[0, -1], [1, 0], [-1, 0]].map((side) => {
       const far = side[0] ? piece.piece.footprint[2] / 2 + 26 * unit : away;
       const [dx, dy] = turned([side[0] * far, side[1] * far], at[3]);
       return [at[0] + x + dx, at[1] + y + dy];

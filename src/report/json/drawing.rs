@@ -1,0 +1,276 @@
+//! What the 3-D viewer reads: everything there is to see of one or several layouts.
+//!
+//! Numbers by the thousand are base64 of little-endian f32 or u32; where there is none, NaN. World
+//! frame, mm and degrees. A pose is 12 numbers: the three columns of its rotation, then its origin.
+
+use super::{length, lengths};
+use crate::cell::{Cell, Equipment, JointKind, Rectangle, Role, Sense};
+use crate::drawing::{Carrier, Drawing, Field, Lens, Mesh, Movement, Node, Part, Rings, Stop, Take};
+use crate::pose::Pose;
+use crate::units::{deg_from_rad, mm_from_m, rounded};
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use nalgebra::Vector3;
+use serde_json::{Value, json};
+use std::collections::HashMap;
+
+/// Pictures of the movement closer than this are left out, s: the viewer interpolates.
+const TICK: f64 = 0.099;
+/// A line of the envelope is drawn this exactly, m.
+const STRAIGHT: f64 = 0.001;
+
+/// The document of the viewer: the drawings in the order given, each mesh once.
+pub fn drawings(drawings: &[Drawing<'_>]) -> Value {
+    let mut meshes = Meshes::default();
+    let all: Vec<Value> = drawings.iter().map(|d| drawing(d, &mut meshes)).collect();
+    json!({
+        "schema": "sweetspot/drawing/1",
+        "units": { "length": "mm", "angle": "deg" },
+        "meshes": meshes.written,
+        "drawings": all,
+    })
+}
+
+/// Meshes by content.
+#[derive(Default)]
+struct Meshes {
+    places: HashMap<String, usize>,
+    written: Vec<Value>,
+}
+
+impl Meshes {
+    fn index(&mut self, mesh: &Mesh) -> usize {
+        let written = json!({
+            "positions": floats(mesh.positions.iter().flat_map(millimetres)),
+            "normals": floats(mesh.normals.iter().flat_map(|n| [n.x, n.y, n.z])),
+            "indices": base64(mesh.triangles.iter().flatten().flat_map(|i| i.to_le_bytes())),
+        });
+        let next = self.written.len();
+        let index = *self.places.entry(written.to_string()).or_insert(next);
+        if index == next {
+            self.written.push(written);
+        }
+        index
+    }
+}
+
+fn drawing(d: &Drawing<'_>, meshes: &mut Meshes) -> Value {
+    let cell = d.cell;
+    let (low, high) = d.extent();
+    let unit = |kind: JointKind| if kind == JointKind::Revolute { "deg" } else { "mm" };
+    let joints = cell.robot.joints.iter().map(|j| json!({ "name": j.name, "unit": unit(j.kind) }));
+    let parts: Vec<Value> = d.parts.iter().map(|p| part(p, meshes)).collect();
+    let equipment = cell.equipment.iter().enumerate().map(|(k, e)| self::equipment(e, pose_of(d, k)));
+    json!({
+        "name": d.name,
+        "cell": cell.name,
+        "robot": cell.robot.name,
+        "base": pose(&d.base),
+        "floor_mm": length(mm_from_m(d.floor)),
+        "extent_mm": [lengths(&low), lengths(&high)],
+        "joints": joints.collect::<Vec<_>>(),
+        "equipment": equipment.collect::<Vec<_>>(),
+        "operations": operations(cell),
+        "parts": parts,
+        "lenses": d.lenses.iter().map(lens).collect::<Vec<_>>(),
+        "fields": d.fields.iter().map(|f| field(f, cell)).collect::<Vec<_>>(),
+        "envelopes": d.envelopes.iter().map(envelope).collect::<Vec<_>>(),
+        "movement": movement(&d.movement, cell),
+    })
+}
+
+/// Where an equipment stands, told by its solids; None if it has none.
+fn pose_of(d: &Drawing<'_>, equipment: usize) -> Option<Pose> {
+    let own = d.parts.iter().filter(|p| p.equipment == Some(equipment));
+    own.map(|p| d.pose_of(p, d.movement.home())).next()
+}
+
+fn equipment(e: &Equipment, at: Option<Pose>) -> Value {
+    json!({
+        "name": e.name,
+        "obstacle": e.role == Role::Obstacle,
+        "on": e.on,
+        "at": at.map(|at| pose(&at)),
+        "surface": e.surface.as_ref().map(rectangle),
+        "footprint": rectangle(&e.footprint),
+    })
+}
+
+fn rectangle(r: &Rectangle) -> Value {
+    let mm = |(x, y): (f64, f64)| [x, y].map(|v| length(mm_from_m(v)));
+    json!({ "centre_mm": mm(r.centre), "size_mm": mm(r.size) })
+}
+
+fn operations(cell: &Cell) -> Vec<Value> {
+    let one = cell.operations.iter().map(|o| {
+        json!({
+            "name": o.name,
+            "equipment": o.equipment,
+            "sense": o.sense.name,
+            "standoff_mm": length(mm_from_m(o.standoff)),
+            "limit": o.limit.map(|limit| length(o.sense.unit.from_si(limit))),
+        })
+    });
+    one.collect()
+}
+
+fn part(part: &Part, meshes: &mut Meshes) -> Value {
+    let (link, at) = match part.carrier {
+        Carrier::Link(k) => (Some(k), None),
+        Carrier::World(at) => (None, Some(pose(&at))),
+    };
+    json!({
+        "name": part.name,
+        "owner": part.owner,
+        "kind": part.kind.name(),
+        "link": link,
+        "at": at,
+        "equipment": part.equipment,
+        "operation": part.operation,
+        "mesh": meshes.index(&part.mesh),
+    })
+}
+
+fn lens(lens: &Lens) -> Value {
+    json!({
+        "model": lens.model.name(),
+        "reading": lens.reading_word(),
+        "signed": lens.is_signed(),
+    })
+}
+
+fn field(f: &Field, cell: &Cell) -> Value {
+    let sense = |s: &Sense| json!({ "name": s.name, "unit": s.unit.word() });
+    json!({
+        "operation": f.operation,
+        "equipment": cell.operations[f.operation].equipment,
+        "senses": f.senses.iter().map(sense).collect::<Vec<_>>(),
+        "sense": f.sense,
+        "size": [f.size.0, f.size.1],
+        "every": f.every,
+        "nodes": f.nodes.iter().map(|n| [n.i, n.j]).collect::<Vec<_>>(),
+        "positions": floats(f.nodes.iter().flat_map(|n| millimetres(&n.position))),
+        "status": f.nodes.iter().map(|n| n.status).collect::<Vec<_>>(),
+        "reason": f.nodes.iter().map(|n| n.reason.as_str()).collect::<Vec<_>>(),
+        "joints": f.nodes.iter().map(|n| joints(n, cell)).collect::<Vec<_>>(),
+        "best": f.best,
+        "spot_mm": f.spot.as_ref().map(lengths),
+        "refined_mm": f.refined.as_ref().map(lengths),
+        "takes": f.takes.iter().map(|t| take(t, &f.senses)).collect::<Vec<_>>(),
+    })
+}
+
+fn joints(node: &Node, cell: &Cell) -> Option<Vec<f64>> {
+    let all = node.joints.as_ref().map(|q| super::joints(cell, q));
+    all.map(|all| all.into_iter().map(|q| rounded(q, 2)).collect())
+}
+
+fn take(take: &Take, senses: &[Sense]) -> Value {
+    let none = Vector3::repeat(f64::NAN);
+    let values =
+        take.values.iter().zip(senses).map(|(values, sense)| {
+            floats(values.iter().map(|v| v.map_or(f64::NAN, |v| sense.unit.from_si(v))))
+        });
+    json!({
+        "lens": take.lens,
+        "error": floats(take.error.iter().flat_map(|e| millimetres(e.as_ref().unwrap_or(&none)))),
+        "values": values.collect::<Vec<_>>(),
+        "best": take.best,
+    })
+}
+
+fn envelope(rings: &Rings) -> Value {
+    let ring = |ring: &Vec<Vector3<f64>>| floats(thinned(ring).iter().flat_map(|p| millimetres(p)));
+    json!({
+        "at_work": rings.at_work.iter().map(ring).collect::<Vec<_>>(),
+        "around": rings.around.iter().map(ring).collect::<Vec<_>>(),
+    })
+}
+
+/// A closed line without the points that are within [`STRAIGHT`] of the line through those kept
+/// (Ramer 1972; Douglas and Peucker 1973).
+fn thinned(ring: &[Vector3<f64>]) -> Vec<&Vector3<f64>> {
+    let mut kept = vec![false; ring.len()];
+    let mut spans = vec![(0, ring.len())];
+    kept.iter_mut().take(1).for_each(|first| *first = true);
+    while let Some((a, b)) = spans.pop() {
+        // The last point is joined to the first.
+        let (from, to) = match (ring.get(a), ring.get(b % ring.len().max(1))) {
+            (Some(from), Some(to)) => (from, to),
+            _ => continue,
+        };
+        let along = to - from;
+        let off = |p: &Vector3<f64>| {
+            let share = along.dot(&(p - from)) / along.norm_squared().max(f64::MIN_POSITIVE);
+            (p - from - along * share.clamp(0.0, 1.0)).norm()
+        };
+        let far = (a + 1..b).map(|k| (k, off(&ring[k]))).max_by(|x, y| x.1.total_cmp(&y.1));
+        if let Some((k, _)) = far.filter(|(_, off)| *off > STRAIGHT) {
+            kept[k] = true;
+            spans.extend([(a, k), (k, b)]);
+        }
+    }
+    ring.iter().zip(kept).filter(|(_, kept)| *kept).map(|(p, _)| p).collect()
+}
+
+fn movement(m: &Movement, cell: &Cell) -> Value {
+    let kept = kept(m);
+    let stop = |s: &Stop| {
+        json!({
+            "operation": s.operation,
+            "name": s.operation.map_or("home", |k| &cell.operations[k].name),
+            "joints": cell.robot.joints.iter().zip(&s.joints).map(|(j, q)| match j.kind {
+                JointKind::Revolute => rounded(deg_from_rad(*q), 2),
+                JointKind::Prismatic => rounded(mm_from_m(*q), 2),
+            }).collect::<Vec<_>>(),
+            "time_s": rounded(s.time, 6),
+        })
+    };
+    json!({
+        "checked": m.is_checked,
+        "stops": m.stops.iter().map(stop).collect::<Vec<_>>(),
+        "times_s": kept.iter().map(|&k| rounded(m.times[k], 6)).collect::<Vec<_>>(),
+        "holding": kept.iter().map(|&k| m.holding[k]).collect::<Vec<_>>(),
+        "links": m.home().len(),
+        "frames": floats(kept.iter().flat_map(|&k| m.frames[k].iter().flat_map(twelve))),
+    })
+}
+
+/// The moments that are shown: every stop, the last, and between them no closer than [`TICK`].
+fn kept(m: &Movement) -> Vec<usize> {
+    let mut kept: Vec<usize> = Vec::new();
+    for (k, t) in m.times.iter().enumerate() {
+        let is_stop = m.stops.iter().any(|s| s.time == *t) || k + 1 == m.times.len();
+        let far = kept.last().is_none_or(|&last| t - m.times[last] > TICK);
+        // A rest begins and ends with the picture of its stop.
+        let rests = k > 0 && m.stops.iter().any(|s| s.time == m.times[k - 1]);
+        if is_stop || far || rests {
+            kept.push(k);
+        }
+    }
+    kept
+}
+
+fn twelve(at: &Pose) -> [f64; 12] {
+    let mut numbers = [0.0; 12];
+    // Column by column.
+    numbers[..9].copy_from_slice(at.rotation.as_slice());
+    numbers[9..].copy_from_slice(&millimetres(&at.translation));
+    numbers
+}
+
+fn pose(at: &Pose) -> [f64; 12] {
+    twelve(at).map(|v| rounded(v, 9))
+}
+
+fn millimetres(p: &Vector3<f64>) -> [f64; 3] {
+    [p.x, p.y, p.z].map(mm_from_m)
+}
+
+fn floats(values: impl Iterator<Item = f64>) -> String {
+    base64(values.flat_map(|v| (v as f32).to_le_bytes()))
+}
+
+fn base64(bytes: impl Iterator<Item = u8>) -> String {
+    STANDARD.encode(bytes.collect::<Vec<u8>>())
+}
