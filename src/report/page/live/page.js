@@ -1,7 +1,9 @@
 // The page: what was answered last, and everything that asks anew.
 let cell, plan, form, now, revision = 0, solid = null;
-// When each change of the layout was asked for and drawn, ms: read by tests/browser/view.mjs.
-const drawn = [];
+// How long each change took from the request to the drawn map, ms, and where in the 3-D view an equipment
+// is: for tests/browser/view.mjs.
+const drawn = (window.sweetspotDrawn = []);
+window.sweetspotSpot = (name) => solid.spot(cell.equipment.findIndex((e) => e.name === name));
 
 // While something is dragged one request is under way; of those that wait the last is sent.
 let trying = false, waiting = null, serial = 0;
@@ -129,7 +131,7 @@ function asked({ question, lenses }) {
   fill("model", [...new Set(lenses.map((l) => l.model))].map((m) => [m, m]), question.model);
 }
 
-function ask_otherwise() {
+function askOtherwise() {
   change("question", { sense: $("sense").value || null, reading: $("reading").value, model: $("model").value });
 }
 
@@ -177,7 +179,7 @@ async function begin() {
   $("undo").onclick = () => change("undo", {});
   $("redo").onclick = () => change("redo", {});
   $("reset").onclick = () => change("reset", {});
-  for (const id of ["sense", "reading", "model"]) $(id).onchange = ask_otherwise;
+  for (const id of ["sense", "reading", "model"]) $(id).onchange = askOtherwise;
   document.addEventListener("keydown", (e) => {
     if (!(e.ctrlKey || e.metaKey) || e.target.matches("input")) return;
     const back = e.key === "z" && !e.shiftKey;

@@ -10,6 +10,8 @@ class Solid {
   constructor(written) {
     this.viewer = sweetspotViewer($("viewer"), written, { controls: true });
     this.held = null;
+    // What is asked is chosen at the top of the page; there is more for who looks for it.
+    for (const details of $("viewer").querySelectorAll("details")) details.open = false;
     const host = $("viewer");
     host.addEventListener("pointerdown", (e) => this.grip(e), true);
     host.addEventListener("pointermove", (e) => this.drag(e));
@@ -56,6 +58,13 @@ class Solid {
   // Where a piece stands, before the map is there.
   move(index, [x_mm, y_mm, z_mm, yaw_deg]) {
     this.viewer.movePart(index, { x_mm, y_mm, z_mm, yaw_deg });
+  }
+
+  // Where in the picture the middle of an equipment is, px.
+  spot(index) {
+    const [x, y, z] = plan.pieces[index].at;
+    const p = this.viewer.project(x, y, z);
+    return [p.x, p.y];
   }
 
   replace(written) {
