@@ -17,3 +17,4 @@ mod robust;
 mod shop;
 mod sweep;
 mod urdf;
+mod view;

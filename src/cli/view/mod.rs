@@ -18,6 +18,7 @@ pub use values::widened;
 
 use crate::cell::{Layout, Model, Reading};
 use crate::compare::Assessment;
+use crate::drawing::{Detail, Drawing};
 use crate::layout::{Workcell, evaluate, separated};
 use crate::report::json;
 use job::Job;
@@ -31,6 +32,9 @@ use values::Values;
 
 /// Budget of a search from the page, evaluations.
 const BUDGETS: std::ops::RangeInclusive<u64> = 1..=1_000_000_000;
+
+/// What of a layout is drawn: one lens, no envelope, few enough nodes to follow the hand.
+const DETAIL: Detail = Detail { lenses: false, envelopes: false, nodes: 1500 };
 
 /// A cell with everything that its pages share.
 pub struct View {
@@ -117,18 +121,25 @@ impl View {
         Ok(document)
     }
 
-    /// What a layout would be worth: while it is dragged.
-    fn attempt(&self, asked: &Value) -> Result<Value, String> {
+    /// What a layout would be worth: while it is dragged, in the 3-D view if `draws`.
+    fn attempt(&self, asked: &Value, draws: bool) -> Result<Value, String> {
         let (question, values) = {
             let session = locked(&self.session);
             (session.question.clone(), session.now().values.changed(&self.cell, asked)?)
         };
         let workcell = self.workcells.ask(&question)?;
-        let layout = values.layout(&workcell.cell);
+        let assessment = assessed(&workcell, values.layout(&workcell.cell), false);
         Ok(json!({
-            "numbers": json::numbers(&workcell.cell, &layout),
-            "answer": json::answer(&assessed(&workcell, layout, false)),
+            "numbers": json::numbers(&workcell.cell, &assessment.layout),
+            "answer": json::answer(&assessment),
+            "drawing": if draws { drawn(&assessment)? } else { Value::Null },
         }))
+    }
+
+    /// What the 3-D view shows.
+    fn drawing(&self) -> Result<Value, String> {
+        let (workcell, layout) = self.shown()?;
+        drawn(&assessed(&workcell, layout, false))
     }
 
     fn change(&self, asked: &Value) -> Result<(), String> {
@@ -233,6 +244,10 @@ impl View {
         let search = locked(&self.job).as_ref().map(Job::document);
         json!({ "revision": locked(&self.session).revision, "search": search })
     }
+}
+
+fn drawn(a: &Assessment<'_>) -> Result<Value, String> {
+    Ok(json::drawings(&[Drawing::new(a, &DETAIL)?]))
 }
 
 /// What the page shows of a layout, and no more: spots at nodes, no samples, no misplacement.

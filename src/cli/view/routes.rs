@@ -32,6 +32,7 @@ fn got(view: &View, inside: &str) -> Answer {
         "state" => view.state(),
         "now" => view.now(),
         "reach" => view.reach(),
+        "drawing" => view.drawing(),
         "pulse" => Ok(view.pulse()),
         _ => return Answer::refused(404, "there is nothing here"),
     };
@@ -62,7 +63,7 @@ fn posted(view: &View, inside: &str, body: &[u8]) -> Answer {
         Err(e) => return Answer::refused(400, &format!("the request is no JSON: {e}")),
     };
     let done = match inside {
-        "try" => return said(view.attempt(&asked)),
+        "try" | "try-drawing" => return said(view.attempt(&asked, inside != "try")),
         "save" => return save(view, &asked),
         "search" => view.search(&asked),
         "stop" => {

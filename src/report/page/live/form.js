@@ -10,8 +10,9 @@ class Form {
   // `typed(numbers, row)`: a number was typed.
   constructor(host, groups, typed) {
     this.rows = [];
+    const free = (group) => group.numbers.some((n) => n.free);
     for (const group of groups) {
-      const quiet = !group.numbers.some((n) => n.free);
+      const quiet = groups.some(free) ? !free(group) : group.group === "robot_base";
       const card = make(quiet ? "details" : "section", { className: "card" });
       card.append(quiet ? make("summary", {}, group.name) : make("h2", {}, group.name));
       for (const number of group.numbers) card.append(this.row(group, number, typed));

@@ -43,17 +43,13 @@
     }
     if (this.cell.fence) lines += `<polygon class="fence" points="${this.cell.fence.map(([a, b]) => `${a},${-b}`).join(" ")}"/>`;
     // Numbers alone come here: no text of the cell is ever read as markup.
-    this.layers[0].innerHTML = lines + `<g id="reach"></g>`;
-    this.reached(this.outlines);
+    this.layers[0].innerHTML = lines;
   }
 
   // How far the arm reaches at the height of the work.
   reached(outlines) {
-    this.outlines = outlines;
-    const place = this.layers[0].querySelector("#reach");
-    if (!place || !outlines) return;
     const paths = new Set(outlines.map((of) => of.map((o) => `M${o.map(([x, y]) => `${x} ${-y}`).join("L")}Z`).join("")));
-    place.innerHTML = [...paths].filter(Boolean).map((d) => `<path class="reach" d="${d}"/>`).join("");
+    this.layers[2].innerHTML = [...paths].filter(Boolean).map((d) => `<path class="reach" d="${d}"/>`).join("");
   }
 
   // Draws an answer: where things stand, and the map.
@@ -73,7 +69,7 @@
     const raw = longest > 0 ? (34 * this.unit) / longest : 1;
     const digit = 10 ** Math.floor(Math.log10(raw));
     const enlarged = Math.max(Math.floor(raw / digit), 1) * digit;
-    this.layers[2].innerHTML = answer.operations.map((o) => this.nodes(o, low, high, enlarged)).join("");
+    this.layers[3].innerHTML = answer.operations.map((o) => this.nodes(o, low, high, enlarged)).join("");
     this.legend(low, high, enlarged);
   }
 

@@ -1,7 +1,9 @@
 // The page: what was answered last, and everything that asks anew.
 let cell, plan, form, now, revision = 0, solid = null;
-// When each change of the layout was asked for and drawn, ms: read by tests/browser/view.mjs.
-const drawn = [];
+// How long each change took from the request to the drawn map, ms, and where in the 3-D view an equipment
+// is: for tests/browser/view.mjs.
+const drawn = (window.sweetspotDrawn = []);
+window.sweetspotSpot = (name) => solid.spot(cell.equipment.findIndex((e) => e.name === name));
 
 // While something is dragged one request is under way; of those that wait the last is sent.
 let trying = false, waiting = null, serial = 0;
@@ -13,13 +15,17 @@ async function attempt(numbers) {
     const [asked, own] = [waiting, serial];
     waiting = null;
     try {
-      const { answer, numbers } = await ask("try", asked);
+      // Only where it is dragged is the map of the 3-D view followed, too.
+      const { answer, numbers, drawing } = await ask(solid && solid.held ? "try-drawing" : "try", asked);
       // Dropped in the meantime: that answer counts.
       if (own === serial) {
         plan.draw(answer);
         form.show(numbers);
         verdict(answer, null);
-        if (solid) solid.hint(answer);
+        if (drawing) {
+          solid.replace(drawing);
+          if (solid.held) solid.move(solid.held.index, solid.held.now);
+        }
       }
     } catch (e) {
       if (own === serial) fault(e.message);
@@ -56,16 +62,27 @@ function show(answer) {
   $("redo").disabled = answer.redo === 0;
   $("depth").textContent = answer.undo ? `${answer.undo} step${answer.undo > 1 ? "s" : ""}` : "as drawn";
   asked(answer);
+  refresh();
   // What takes longer comes when the hand rests.
   clearTimeout(slow);
-  slow = setTimeout(behind, 120);
-  if (solid) solid.hint(answer.answer);
+  slow = setTimeout(behind, 150);
+}
+
+// The 3-D view follows the plan.
+async function refresh() {
+  if (!solid) return;
+  const own = revision;
+  try {
+    const written = await ask("drawing");
+    if (own === revision && !solid.held) solid.replace(written);
+  } catch (e) {
+    fault(e.message);
+  }
 }
 
 async function behind() {
   const own = revision;
   try {
-    if (solid) await solid.refresh();
     const { outlines } = await ask("reach");
     if (own === revision) plan.reached(outlines);
   } catch (e) {
@@ -114,7 +131,7 @@ function asked({ question, lenses }) {
   fill("model", [...new Set(lenses.map((l) => l.model))].map((m) => [m, m]), question.model);
 }
 
-function ask_otherwise() {
+function askOtherwise() {
   change("question", { sense: $("sense").value || null, reading: $("reading").value, model: $("model").value });
 }
 
@@ -162,7 +179,7 @@ async function begin() {
   $("undo").onclick = () => change("undo", {});
   $("redo").onclick = () => change("redo", {});
   $("reset").onclick = () => change("reset", {});
-  for (const id of ["sense", "reading", "model"]) $(id).onchange = ask_otherwise;
+  for (const id of ["sense", "reading", "model"]) $(id).onchange = askOtherwise;
   document.addEventListener("keydown", (e) => {
     if (!(e.ctrlKey || e.metaKey) || e.target.matches("input")) return;
     const back = e.key === "z" && !e.shiftKey;

@@ -31,7 +31,7 @@ class Plan {
   // `moved(index, world, settled)`: an equipment (-1: the robot base) was taken to a placement in the world.
   constructor(element, cell, moved) {
     Object.assign(this, { element, cell, moved, held: null, pieces: [], answer: null });
-    this.layers = ["floor", "stands", "nodes", "hands"].map((name) => {
+    this.layers = ["floor", "stands", "reaches", "nodes", "hands"].map((name) => {
       const group = svg("g", { class: name });
       element.append(group);
       return group;
@@ -57,7 +57,7 @@ class Plan {
     text.textContent = piece.name;
     hand.append(text);
     this.layers[1].append(group);
-    this.layers[3].append(hand);
+    this.layers[4].append(hand);
     const all = { group, hand, text, piece, top: cy + h / 2, turn: null };
     if (!movable) return all;
     group.setAttribute("tabindex", "0");
@@ -159,7 +159,8 @@ class Plan {
     const unit = this.unit || 1;
     // The name stands beside the work surface, which is full of nodes.
     const away = piece.piece.surface ? Math.abs(piece.piece.footprint[3]) / 2 + 18 * unit : 0;
-    const names = [[0, -1], [0, 1], [1, 0], [-1, 0]].map((side) => {
+    // Not where the handle is.
+    const names = [[0, -1], [1, 0], [-1, 0]].map((side) => {
       const far = side[0] ? piece.piece.footprint[2] / 2 + 26 * unit : away;
       const [dx, dy] = turned([side[0] * far, side[1] * far], at[3]);
       return [at[0] + x + dx, at[1] + y + dy];

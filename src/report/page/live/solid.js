@@ -1,4 +1,73 @@
-// The 3-D view beside the plan, once the viewer is there.
+// The 3-D view beside the plan: equipment is dragged there, too.
 async function beginSolid() {
-  if (typeof sweetspotViewer !== "function") return;
+  if (!sweetspotViewer.supported()) return;
+  $("solid").hidden = false;
+  document.querySelector("main").classList.add("both");
+  solid = new Solid(await ask("drawing"));
+}
+
+class Solid {
+  constructor(written) {
+    this.viewer = sweetspotViewer($("viewer"), written, { controls: true });
+    this.held = null;
+    // What is asked is chosen at the top of the page; there is more for who looks for it.
+    for (const details of $("viewer").querySelectorAll("details")) details.open = false;
+    const host = $("viewer");
+    host.addEventListener("pointerdown", (e) => this.grip(e), true);
+    host.addEventListener("pointermove", (e) => this.drag(e));
+    for (const end of ["pointerup", "pointercancel"]) host.addEventListener(end, (e) => this.drop(e));
+  }
+
+  at(e) {
+    const box = this.viewer.canvas.getBoundingClientRect();
+    return [e.clientX - box.left, e.clientY - box.top];
+  }
+
+  grip(e) {
+    if (!$("grab").checked || e.button !== 0 || e.shiftKey || e.target !== this.viewer.canvas || !now) return;
+    const hit = this.viewer.pickEquipment(...this.at(e));
+    if (!hit) return;
+    const start = this.viewer.pickFloor(...this.at(e), hit.at[2]);
+    if (!start) return;
+    // The viewer leaves alone what is taken.
+    e.preventDefault();
+    const from = plan.pieces[hit.equipment].at.slice();
+    this.held = { index: hit.equipment, z: hit.at[2], start, from, now: from, pointer: e.pointerId };
+    plan.held = { index: hit.equipment, from, now: from, at: [0, 0], pointer: null };
+    $("viewer").setPointerCapture(e.pointerId);
+  }
+
+  drag(e) {
+    if (!this.held || e.pointerId !== this.held.pointer) return;
+    const { index, from, start, z } = this.held;
+    const to = this.viewer.pickFloor(...this.at(e), z);
+    if (!to) return;
+    const wanted = [Math.round(from[0] + to.x - start.x), Math.round(from[1] + to.y - start.y), from[2], from[3]];
+    this.held.now = moved(index, wanted, false);
+    plan.show(index, this.held.now);
+  }
+
+  drop(e) {
+    if (!this.held || e.pointerId !== this.held.pointer) return;
+    const { index, from, now: there } = this.held;
+    this.held = plan.held = null;
+    if (e.type === "pointerup" && there.some((v, k) => v !== from[k])) moved(index, there, true);
+    else show(now);
+  }
+
+  // Where a piece stands, before the map is there.
+  move(index, [x_mm, y_mm, z_mm, yaw_deg]) {
+    this.viewer.movePart(index, { x_mm, y_mm, z_mm, yaw_deg });
+  }
+
+  // Where in the picture the middle of an equipment is, px.
+  spot(index) {
+    const [x, y, z] = plan.pieces[index].at;
+    const p = this.viewer.project(x, y, z);
+    return [p.x, p.y];
+  }
+
+  replace(written) {
+    this.viewer.replace(written);
+  }
 }
