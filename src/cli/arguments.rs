@@ -1,5 +1,6 @@
 //! The command line.
 
+use super::commands::SchemaArguments;
 use super::sweep::SweepArguments;
 use crate::cell::{Goal, MOST_KEPT, Model, Quantity, Reading, Registration, Solver};
 use crate::compare::At;
@@ -63,6 +64,9 @@ pub enum Command {
     /// Draw and measure where a robot can hold its tool: section, plan, volume
     #[command(before_help = "Example: sweetspot envelope hitachi_pw10 --svg envelope.svg")]
     Envelope(EnvelopeArguments),
+    /// Print the JSON Schema of a kind of file, or write all of them for editors
+    #[command(before_help = "Example: sweetspot schema --out schemas")]
+    Schema(SchemaArguments),
 }
 
 /// Where the packages lie whose files a URDF names.

@@ -57,6 +57,7 @@ pub fn run() -> ExitCode {
         Command::Robots(a) => commands::robots(&a),
         Command::Robot(a) => commands::robot(&a),
         Command::Envelope(a) => commands::envelope(&a),
+        Command::Schema(a) => commands::schema(&a),
     };
     code(exit.unwrap_or_else(|exit| exit))
 }

@@ -7,6 +7,7 @@ mod posture;
 mod readings;
 mod robots;
 mod robust;
+mod schema;
 mod search;
 mod sweep;
 
@@ -17,6 +18,7 @@ pub use posture::{budget, explain};
 pub use readings::readings;
 pub use robots::{envelope, robot, robots};
 pub use robust::robust;
+pub use schema::{SchemaArguments, schema};
 pub use search::search;
 pub use sweep::sweep;
 
