@@ -11,13 +11,13 @@ use super::value::{self, Must, plain};
 use crate::units;
 
 /// Most spins of one operation.
-const MAX_SPINS: usize = 72;
+pub const MAX_SPINS: usize = 72;
 
 /// Widest tolerance, degrees.
-const MAX_TOLERANCE: f64 = 45.0;
+pub const MAX_TOLERANCE: f64 = 45.0;
 
 /// Steepest elevation, degrees: past the vertical the tool leans back.
-const MAX_BEND: f64 = 135.0;
+pub const MAX_BEND: f64 = 135.0;
 
 /// The attitude as drawn, and its angles that may be searched: elevation, azimuth, spin.
 type Aim = (Attitude, [Option<Coordinate>; 3]);

@@ -7,7 +7,7 @@ use super::tree::{Node, Value};
 use super::value::{self, Must, plain};
 
 /// Most values of one list.
-const MAX_VALUES: usize = 1000;
+pub const MAX_VALUES: usize = 1000;
 
 /// A number (fixed), `{ min, max, start }` (a search variable; it starts in the middle by default) or a
 /// list of the values allowed (it starts at the first).

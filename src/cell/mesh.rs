@@ -14,6 +14,9 @@ use std::collections::HashMap;
 /// Most triangles of one mesh.
 pub const MAX_TRIANGLES: usize = 200_000;
 
+/// What a unit of a mesh file may be.
+pub const UNITS: [&str; 3] = ["mm", "m", "inch"];
+
 /// Farthest believable coordinate, m.
 const MAX_COORDINATE: f64 = 1e4;
 
@@ -37,7 +40,7 @@ pub fn too_many() -> String {
 /// Reads `mesh = { file, units, centre_mm, rpy_deg }`; `file` is relative to the naming file.
 pub fn read(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<Shape> {
     let pose = t.pose("centre_mm", lib);
-    let scale = t.choice("units", &["mm", "m", "inch"], |u| u, None, lib).map(|u| match u {
+    let scale = t.choice("units", &UNITS, |u| u, None, lib).map(|u| match u {
         "mm" => 1e-3,
         "inch" => 0.0254,
         _ => 1.0,

@@ -10,6 +10,13 @@ use crate::pose::Pose;
 use crate::units;
 use nalgebra::Vector3;
 
+#[cfg(test)]
+thread_local! {
+    /// Every key that was asked for in this thread, by what the table is called: the schema is held to it.
+    pub static ASKED: std::cell::RefCell<std::collections::BTreeMap<String, std::collections::BTreeSet<&'static str>>> =
+        const { std::cell::RefCell::new(std::collections::BTreeMap::new()) };
+}
+
 /// A table being read. Keys that are missing, and keys that nobody asked for, are reported at the end
 /// of [`Table::read`]: only then is it known which of them is a misspelling of which.
 pub struct Table<'n> {
@@ -42,6 +49,8 @@ impl<'n> Table<'n> {
         let partial = node.value.is_partial();
         let mut table = Self { at: node.at, entries, asked: Vec::new(), missing: Vec::new(), partial };
         let result = read(&mut table, lib);
+        #[cfg(test)]
+        ASKED.with_borrow_mut(|all| all.entry(what.to_string()).or_default().extend(&table.asked));
         table.finish(lib);
         result
     }

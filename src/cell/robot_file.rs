@@ -20,7 +20,7 @@ use std::collections::HashSet;
 const RADIANS: f64 = 7.0;
 
 /// A passive joint turns with others, by the coupling alone.
-const KINDS: [&str; 3] = ["revolute", "prismatic", "passive"];
+pub const KINDS: [&str; 3] = ["revolute", "prismatic", "passive"];
 
 const STANDARD: Option<Convention> = Some(Convention::Standard);
 

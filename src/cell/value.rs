@@ -5,13 +5,13 @@ use super::fault::{did_you_mean, shown};
 use super::tree::{At, Node, Value};
 
 /// Largest length (mm) or angle (degrees) that any file can mean.
-const LARGEST: f64 = 1e7;
+pub const LARGEST: f64 = 1e7;
 
 /// Smallest size or weight that any file can mean.
-const SMALLEST: f64 = 1e-6;
+pub const SMALLEST: f64 = 1e-6;
 
 /// Longest name, characters.
-const LONGEST_NAME: usize = 60;
+pub const LONGEST_NAME: usize = 60;
 
 /// What a number must be besides finite.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,8 +1,6 @@
 //! The command line.
 
-use super::commands::ExportArguments;
-use super::commands::ReportArguments;
-use super::commands::ViewArguments;
+use super::commands::{ExportArguments, ReportArguments, SchemaArguments, ViewArguments};
 use super::sweep::SweepArguments;
 use crate::cell::{Goal, MOST_KEPT, Model, Quantity, Reading, Registration, Solver};
 use crate::compare::At;
@@ -75,6 +73,9 @@ pub enum Command {
     /// Play what-if with a layout in the browser: a page that this machine alone can see
     #[command(before_help = "Example: sweetspot view cells/hitachi_cell.toml --open")]
     View(ViewArguments),
+    /// Print the JSON Schema of a kind of file, or write all of them for editors
+    #[command(before_help = "Example: sweetspot schema --out schemas")]
+    Schema(SchemaArguments),
 }
 
 /// Where the packages lie whose files a URDF names.

@@ -199,6 +199,14 @@ fn share(_file: &tempfile::NamedTempFile) -> std::io::Result<()> {
     Ok(())
 }
 
+/// Makes a folder, unless it is there.
+pub fn make_folder(path: &Path) -> Result<(), Exit> {
+    std::fs::create_dir_all(path).map_err(|e| {
+        output::error(&format!("cannot make the folder {}: {}", shown(&path.to_string_lossy()), reason(&e)));
+        Exit::Io
+    })
+}
+
 /// Makes the folder for results: the one asked for, which must be new or empty, or the first free
 /// `results/STEM-NNN`.
 pub fn new_folder(asked: Option<&Path>, stem: &str) -> Result<PathBuf, Exit> {

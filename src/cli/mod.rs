@@ -62,6 +62,7 @@ pub fn run() -> ExitCode {
         Command::Envelope(a) => commands::envelope(&a),
         Command::Report(a) => commands::report(&a),
         Command::View(a) => commands::view(&a),
+        Command::Schema(a) => commands::schema(&a),
     };
     code(exit.unwrap_or_else(|exit| exit))
 }

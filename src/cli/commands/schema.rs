@@ -1,0 +1,58 @@
+//! `schema`.
+
+use super::suggest;
+use crate::cell::{self, FileKind};
+use crate::cli::output::path_word;
+use crate::cli::{Exit, files, output, results};
+use clap::Args;
+use clap::builder::PossibleValuesParser;
+use std::path::PathBuf;
+
+#[derive(Args)]
+pub struct SchemaArguments {
+    /// Kind of file
+    #[arg(
+        value_name = "KIND",
+        default_value = FileKind::Cell.name(),
+        value_parser = PossibleValuesParser::new(FileKind::ALL.map(FileKind::name)),
+        conflicts_with = "out"
+    )]
+    pub kind: String,
+    /// Write all of them into this folder: cell.schema.json and so on; those of another version are replaced
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+/// `sweetspot schema`
+pub fn schema(a: &SchemaArguments) -> Result<Exit, Exit> {
+    let Some(folder) = &a.out else {
+        let kind = FileKind::ALL.into_iter().find(|kind| kind.name() == a.kind).unwrap_or(FileKind::Cell);
+        output::data(&text(kind)?)?;
+        suggest("schema --out schemas");
+        return Ok(Exit::Done);
+    };
+    files::make_folder(folder)?;
+    for (name, text) in all()? {
+        files::write_whole(&folder.join(name), text.as_bytes())?;
+    }
+    let first = path_word(&folder.join(file_name(FileKind::Cell)));
+    output::talk(&format!("wrote {} schemas into {}", FileKind::ALL.len(), path_word(folder)));
+    output::talk(&format!(
+        "an editor reads them when a file begins with its path from there: #:schema ./{first}"
+    ));
+    suggest("init");
+    Ok(Exit::Done)
+}
+
+/// Name and text of every schema.
+pub fn all() -> Result<Vec<(String, String)>, Exit> {
+    FileKind::ALL.into_iter().map(|kind| Ok((file_name(kind), text(kind)?))).collect()
+}
+
+fn file_name(kind: FileKind) -> String {
+    format!("{}.schema.json", kind.name())
+}
+
+fn text(kind: FileKind) -> Result<String, Exit> {
+    results::pretty(&cell::schema(kind)).map(|bytes| String::from_utf8_lossy(&bytes).into_owned())
+}
