@@ -119,15 +119,12 @@ function roomOf(view, k) {
   for (const part of view.drawing.parts) {
     if (part.equipment !== k) continue;
     const at = view.poseOf(part);
-    const { low, high } = part.mesh;
-    for (let c = 0; c < 27; c++) {
-      // Corners, middles of edges and faces.
-      const share = [c % 3, Math.floor(c / 3) % 3, Math.floor(c / 9)].map((n) => n / 2);
-      const p = seenAt(view, moved(at, share.map((s, a) => mix(low[a], high[a], s))));
+    for (const point of part.mesh.marks) {
+      const p = seenAt(view, moved(at, point));
       if (!p.visible) return null;
       xs.push(p.x);
       ys.push(p.y);
-      if (share.some((s) => s === 0.5)) anchors.push([p.x, p.y]);
+      anchors.push([p.x, p.y]);
     }
   }
   if (!xs.length) return null;

@@ -13,7 +13,7 @@ function featureEdges(positions, indices) {
   }
   // Of a finely modelled surface the long edges only: the short ones would blacken it.
   const { low, high } = extentOf(positions);
-  const least = seen.size > 6000 ? size(minus(high, low)) * 0.03 : 0;
+  const least = seen.size > 6000 ? size(minus(high, low)) * 0.12 : 0;
   const [lines, drawn] = [[], new Set()];
   for (const pair of seen.values()) {
     if (!pair) continue;
@@ -43,7 +43,20 @@ function readMesh(written, known) {
   if (known.has(key)) return known.get(key);
   const [positions, normals] = [floats(written.positions), floats(written.normals)];
   const indices = integers(written.indices);
-  return { key, positions, normals, indices, edges: featureEdges(positions, indices), ...extentOf(positions) };
+  const mesh = { key, positions, normals, indices, edges: featureEdges(positions, indices), ...extentOf(positions) };
+  return { ...mesh, marks: marksOf(mesh) };
+}
+
+/** A few points on a mesh to which a line may lead: middles of faces spread over it, and corners. */
+function marksOf({ positions, indices }) {
+  const corner = (k) => [positions[3 * indices[k]], positions[3 * indices[k] + 1], positions[3 * indices[k] + 2]];
+  const step = 3 * Math.ceil(indices.length / 3 / 24);
+  const marks = [];
+  for (let k = 0; k + 2 < indices.length; k += step) {
+    const [a, b, c] = [corner(k), corner(k + 1), corner(k + 2)];
+    marks.push(a, times(add(a, c), 0.5), times(add(b, c), 0.5));
+  }
+  return marks;
 }
 
 function readModel(written, known) {
@@ -138,15 +151,16 @@ function rangeOf(model, lens, sense, wordOfUnit) {
   return low <= high ? { low, high } : null;
 }
 
-/** The longest position error over all drawings under a lens, mm. */
-function longestError(model, lens) {
+/** The longest of the arrows wanted over all drawings under a lens, mm of error. */
+function longestError(model, lens, arrows) {
+  const axis = "xyz".indexOf(arrows);
   let longest = 0;
   for (const d of model.drawings) {
     const at = lensIn(d, lens);
     for (const f of at < 0 ? [] : d.fields) {
       for (let k = 0; k < f.count; k++) {
-        const e = resultant(f, at, k, lens.signed);
-        if (e) longest = Math.max(longest, size(e));
+        const e = (arrows.length > 1 ? resultant : components)(f, at, k, lens.signed);
+        if (e) longest = Math.max(longest, axis < 0 ? size(e) : Math.abs(e[axis]));
       }
     }
   }

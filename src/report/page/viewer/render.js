@@ -10,7 +10,7 @@ const LOOKS = {
   dark: {
     robot: "#f08a35", foot: "#6a737e", tool: "#3d444d", held: "#58a6ff", equipment: "#87919d", obstacle: "#5d6671",
     fence: "#e3b341", "keep-out": "#ff6b61", edge: "#05080c", ground: "#1b222b", line: "#8b97a5", paper: "#12171d",
-    envelope: "#58b0f0", net: "#c2ccd6", ghost: "#b794f6", shade: 0.6, edgeAlpha: 0.85, lineAlpha: 0.30,
+    envelope: "#58b0f0", net: "#c2ccd6", ghost: "#b794f6", shade: 0.45, edgeAlpha: 0.85, lineAlpha: 0.30,
   },
 };
 
@@ -149,7 +149,7 @@ function drawEdges(view, part, shared, strength) {
   const looks = LOOKS[view.theme];
   const colour = [...hex(looks.edge), looks.edgeAlpha * strength];
   drawInstances(view.card, "line", onCard(view, part.mesh).edges,
-    { ...shared, model: view.poseOf(part), colour, width: 1.1 * view.ratio, pull: 0.0003 });
+    { ...shared, model: view.poseOf(part), colour, width: 1.1 * view.ratio, pull: 0.00008 });
 }
 
 /** Of a solid that one sees through only what is nearest. */

@@ -58,7 +58,10 @@ function sweetspotViewer(host, written, options = {}) {
     const extent = size(minus(model.high, model.low));
     const spacing = Math.min(...d.fields.map((f) => f.spacing), extent / 8);
     view.spacing = spacing;
-    view.times = roundDown(clamp(spacing * 2.4, extent * 0.05, extent * 0.13) / (longestError(model, lens) || 1));
+    // Arrows to both sides need more room.
+    const far = lens.signed || state.arrows.length === 1 ? 2.4 : state.arrows === "components" ? 1.2 : 2;
+    const longest = longestError(model, lens, state.arrows) || 1;
+    view.times = roundDown(clamp(spacing * far, extent * 0.02 * far, extent * 0.13) / longest);
     const margin = Math.max(300, extent * 0.1);
     const out = (v, up) => (up ? Math.ceil((v + margin) / 500) : Math.floor((v - margin) / 500)) * 500;
     view.floorBounds = [out(model.low[0]), out(model.low[1]), out(model.high[0], true), out(model.high[1], true)];
@@ -185,7 +188,7 @@ function sweetspotViewer(host, written, options = {}) {
     if (view.playing) {
       const { times_s: moments } = view.drawing.movement;
       const end = moments[moments.length - 1];
-      view.state.time = Math.min(view.state.time + Math.min((now - lastTick) / 1000, 0.2), end);
+      view.state.time = Math.min(view.state.time + Math.min((now - lastTick) / 1000, 0.4), end);
       lastTick = now;
       if (view.state.time >= end) view.playing = false;
       tell("time", view.state.time);
