@@ -67,7 +67,7 @@ fn draw_equipment(canvas: &mut Canvas, a: &Assessment<'_>, view: &View) {
 }
 
 /// How far the arm reaches at the height of each operation, cut off at the frame of the drawing; the
-/// operations whose line is drawn.
+/// operations of each line drawn.
 fn draw_envelopes(canvas: &mut Canvas, a: &Assessment<'_>, view: &View) -> Vec<String> {
     let (x, y, width, height) = view.frame();
     canvas.put(&format!(
@@ -77,18 +77,22 @@ fn draw_envelopes(canvas: &mut Canvas, a: &Assessment<'_>, view: &View) -> Vec<S
     for k in 0..a.maps.len() {
         let outlines = a.reachable(k);
         let d: String = outlines.iter().map(|o| path(o.iter().map(|p| view.at(*p)), "Z")).collect();
+        let name = &a.cell.operations[a.maps[k].operation].name;
         // Operations of one height and attitude share an outline.
-        if !d.is_empty() && !drawn.iter().any(|(other, _)| *other == d) {
-            let name = a.cell.operations[a.maps[k].operation].name.clone();
-            canvas.put(&format!(
-                "<path d=\"{d}\" clip-path=\"url(#plan)\" {}><title>reach at the height of {}</title></path>",
-                reach_line(drawn.len()),
-                escaped(&name)
-            ));
-            drawn.push((d, name));
+        match drawn.iter_mut().find(|(other, _)| *other == d) {
+            Some((_, names)) => *names = format!("{names}, {name}"),
+            None if d.is_empty() => {}
+            None => drawn.push((d, name.clone())),
         }
     }
-    drawn.into_iter().map(|(_, name)| name).collect()
+    for (k, (d, names)) in drawn.iter().enumerate() {
+        canvas.put(&format!(
+            "<path d=\"{d}\" clip-path=\"url(#plan)\" {}><title>reach at the height of {}</title></path>",
+            reach_line(k),
+            escaped(names)
+        ));
+    }
+    drawn.into_iter().map(|(_, names)| names).collect()
 }
 
 fn middle(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
@@ -151,9 +155,13 @@ fn enlargement(a: &Assessment<'_>, view: &View) -> f64 {
     (raw / digit).floor().max(1.0) * digit
 }
 
+fn is_kept(node: &NodeRecord, every: usize) -> bool {
+    node.i.is_multiple_of(every) && node.j.is_multiple_of(every)
+}
+
 /// Every so many nodes of a map are drawn along both axes.
 fn thinning(map: &OperationMap) -> usize {
-    let kept = |every: usize| map.nodes.iter().filter(|n| n.i % every == 0 && n.j % every == 0).count();
+    let kept = |every: usize| map.nodes.iter().filter(|n| is_kept(n, every)).count();
     (1..).find(|every| kept(*every) <= MOST).unwrap_or(1)
 }
 
@@ -161,7 +169,7 @@ fn draw_nodes(canvas: &mut Canvas, a: &Assessment<'_>, map: &OperationMap, view:
     let (unit, every) = (a.cell.unit(), thinning(map));
     let (low, high) = shown.range;
     let stretch = shown.enlarged * view.scale;
-    for node in map.nodes.iter().filter(|n| n.i % every == 0 && n.j % every == 0) {
+    for node in map.nodes.iter().filter(|n| is_kept(n, every)) {
         let (x, y) = view.at((node.position.x, node.position.y));
         let at = format!("({}, {})", node.i, node.j);
         match (&node.status, &node.posture) {

@@ -48,7 +48,11 @@ pub fn check(name: &str, svg: &str) {
     assert!(root.attribute("aria-label").is_some_and(|said| !said.is_empty()));
     let title = root.children().find(|n| n.has_tag_name(("http://www.w3.org/2000/svg", "title")));
     assert!(title.is_some_and(|t| t.text().is_some()), "{name} has no title");
+    let dark = sweetspot::report::chart::dark_rules(".dark");
     for node in root.descendants().filter(|n| n.is_element()) {
+        // A page can repaint every class.
+        let classes = node.attribute("class").unwrap_or_default().split_whitespace();
+        classes.for_each(|class| assert!(dark.contains(&format!(".dark .{class}{{")), "{name}: {class}"));
         let tag = node.tag_name().name();
         let known = ["svg", "title", "rect", "path", "circle", "text", "g"];
         assert!(known.contains(&tag), "{name}: <{tag}>");
@@ -69,6 +73,8 @@ pub fn check(name: &str, svg: &str) {
 pub fn keep(name: &str, svg: &str) {
     if let Some(folder) = std::env::var_os("SWEETSPOT_CHARTS") {
         std::fs::create_dir_all(&folder).unwrap();
+        let dark = sweetspot::report::chart::dark_rules("svg");
+        std::fs::write(std::path::Path::new(&folder).join("dark.css"), dark).unwrap();
         std::fs::write(std::path::Path::new(&folder).join(format!("{name}.svg")), svg).unwrap();
     }
 }

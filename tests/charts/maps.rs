@@ -12,7 +12,7 @@ fn the_shipped_cells_have_heat_maps() {
     for name in ["hitachi_cell", "hitachi_paper", "drilling_cell", "scara_cell"] {
         let workcell = workcell(&format!("{name}.toml"));
         let a = start(&workcell);
-        let detail = Detail { lenses: name == "hitachi_paper", envelopes: false, nodes: 4000 };
+        let detail = Detail { lenses: false, envelopes: false, nodes: 4000 };
         let drawing = Drawing::new(&a, &detail).unwrap();
         for (k, field) in drawing.fields.iter().enumerate() {
             check(&format!("plan-{name}-{k}"), &layout_plan(&a, &drawing, k));
@@ -101,6 +101,8 @@ fn few_nodes_and_constant_fields_are_drawn() {
         field.takes[0].values[sense].iter_mut().for_each(|v| *v = v.map(|_| 0.004));
     });
     assert!(!flat.contains("iso-lines every"));
+    let other = draw("other", &|field| field.takes[0].best = field.usable().last());
+    assert!(texts(&other).contains(&"spot in this reading".to_string()));
     // Points: all along the first axis.
     let dots = draw("points", &|field| field.size = (field.nodes.len(), 1));
     assert!(dots.matches("<circle").count() >= usable.len());

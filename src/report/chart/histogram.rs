@@ -2,7 +2,7 @@
 
 use super::axes::{self, Scale};
 use super::canvas::{Anchor, Canvas, EDGE, Entry, Ink, SMALL};
-use super::{WIDTH, labels, words};
+use super::{WIDTH, words};
 use crate::cell::Cell;
 use crate::compare::Distribution;
 use crate::units::percent_from_share;
@@ -83,25 +83,31 @@ fn names(marks: &[&Mark], x: &Scale, word: &str) -> Vec<Name> {
         (said, px, left, left + wide)
     });
     let placed: Vec<_> = placed.collect();
-    // With its line: names beside it keep away from that, too.
-    let spans: Vec<_> = placed.iter().map(|(_, px, l, r)| (l.min(*px) - 4.0, r.max(*px) + 4.0)).collect();
-    let mut rows = labels::rows(&spans);
-    // A line goes down from its row: it must not cross a name that stands lower.
-    lift(&placed.iter().map(|p| (p.1, p.2, p.3)).collect::<Vec<_>>(), &mut rows);
+    let rows = rows(&placed.iter().map(|p| (p.1, p.2, p.3)).collect::<Vec<_>>());
     placed.into_iter().zip(rows).map(|((said, _, x, _), row)| Name { said, x, row }).collect()
 }
 
-/// Raises names until none is crossed by the line of a higher one; lines, left and right ends, px.
-fn lift(marks: &[(f64, f64, f64)], rows: &mut [usize]) {
+/// Rows for names beside their lines (px of the line, left and right end of the name), counted upwards. A
+/// line comes down from its row, so that a name that it would cross stands higher; and no two names
+/// share a place.
+fn rows(marks: &[(f64, f64, f64)]) -> Vec<usize> {
+    let mut rows = vec![0; marks.len()];
+    let crosses =
+        |other: usize, k: usize| marks[other].0 > marks[k].1 - 3.0 && marks[other].0 < marks[k].2 + 3.0;
+    let touches =
+        |k: usize, other: usize| marks[k].1 < marks[other].2 + 6.0 && marks[other].1 < marks[k].2 + 6.0;
+    let pairs = || (0..marks.len()).flat_map(|k| (0..marks.len()).map(move |other| (k, other)));
     for _ in 0..marks.len() * marks.len() {
-        let pair = |k: usize| (0..marks.len()).map(move |other| (k, other));
-        let crossed = (0..marks.len()).flat_map(pair).find(|&(k, other)| {
-            let ((_, left, right), line) = (marks[k], marks[other].0);
-            k != other && rows[other] > rows[k] && line > left - 2.0 && line < right + 2.0
-        });
-        let Some((k, _)) = crossed else { return };
-        rows[k] = rows.iter().max().map_or(0, |most| most + 1);
+        for (k, other) in pairs().filter(|(k, other)| k != other) {
+            // Of two lines that each would cross the other's name the left one gives way.
+            let is_below = crosses(other, k) && (k < other || !crosses(k, other));
+            if is_below && rows[k] <= rows[other] || rows[k] == rows[other] && k < other && touches(k, other)
+            {
+                rows[k] = rows[other] + 1;
+            }
+        }
     }
+    rows
 }
 
 fn bars(canvas: &mut Canvas, d: &Distribution, x: &Scale, y: &Scale, share: &dyn Fn(u32) -> f64) {
@@ -144,5 +150,21 @@ fn legend(d: &Distribution) -> Vec<Entry> {
     match d.limit {
         Some(_) => vec![entry(Ink::Blue, "within the requirement"), entry(Ink::Vermilion, "beyond it")],
         None => vec![entry(Ink::Blue, "samples")],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::rows;
+
+    #[test]
+    fn no_line_crosses_a_name_to_its_left_and_no_name_covers_another() {
+        // Names right of their lines, so near that each is crossed by the next; the last stands alone.
+        let marks: Vec<(f64, f64, f64)> =
+            [100.0, 140.0, 150.0, 400.0].iter().map(|x| (*x, x + 5.0, x + 80.0)).collect();
+        assert_eq!(rows(&marks), [2, 1, 0, 0]);
+        // The last one's name is left of its line, over the name before it.
+        assert_eq!(rows(&[(100.0, 105.0, 180.0), (240.0, 160.0, 235.0)]), [1, 0]);
+        assert!(rows(&[]).is_empty());
     }
 }

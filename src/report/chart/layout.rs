@@ -82,12 +82,15 @@ fn height_of(a: &Assessment<'_>, operation: usize) -> f64 {
     a.layout.placements[operation.equipment].z + operation.standoff
 }
 
+/// From the world, m, to the picture, mm.
+type Seen = Box<dyn Fn(&Vector3<f64>) -> Point>;
+
 /// One side from which the layout is seen.
 struct View<'a> {
     drawing: &'a Drawing<'a>,
     operation: usize,
     /// A point of the world in mm of the picture.
-    seen: Box<dyn Fn(&Vector3<f64>) -> Point + 'a>,
+    seen: Seen,
     /// What lies higher is drawn later.
     depth: fn(&Vector3<f64>) -> f64,
     envelope: Vec<Vec<Point>>,
@@ -151,8 +154,10 @@ impl View<'_> {
     }
 
     fn bounds(&self, shapes: &[Shape<'_>]) -> ([f64; 2], [f64; 2]) {
-        let points =
-            shapes.iter().flat_map(|s| s.polygons.iter().flatten()).chain(self.envelope.iter().flatten());
+        // From the side a fence is a line on the floor, or a wall that has no end.
+        let counts = |s: &&Shape<'_>| self.levels.is_empty() || s.part.kind != Kind::Fence;
+        let standing = shapes.iter().filter(counts).flat_map(|s| s.polygons.iter().flatten());
+        let points = standing.chain(self.envelope.iter().flatten());
         let base = (self.seen)(&self.drawing.base.translation);
         let start = ([base.0, base.1], [base.0, base.1]);
         let (low, high) = points
@@ -202,10 +207,18 @@ impl View<'_> {
                 None => owners.push((name, points.collect())),
             }
         }
-        for (name, points) in owners {
-            let ends = points.iter().fold((f64::MAX, f64::MAX, f64::MIN, f64::MIN), |e, p| {
+        let ends = |points: &[Point]| {
+            points.iter().fold((f64::MAX, f64::MAX, f64::MIN, f64::MIN), |e, p| {
                 (e.0.min(p.0), e.1.min(p.1), e.2.max(p.0), e.3.max(p.1))
-            });
+            })
+        };
+        // The smallest first: it has the least choice.
+        let mut owners: Vec<_> = owners.into_iter().map(|(name, points)| (name, ends(&points))).collect();
+        owners.sort_by(|(_, a), (_, b)| {
+            let area = |e: &(f64, f64, f64, f64)| (e.2 - e.0) * (e.3 - e.1);
+            area(a).total_cmp(&area(b))
+        });
+        for (name, ends) in owners {
             let said = words::shortened(name, SMALL, 170.0);
             let half = words::width(&said, SMALL) / 2.0;
             let x = ((ends.0 + ends.2) / 2.0).clamp(half + 4.0, WIDTH - half - 4.0);
