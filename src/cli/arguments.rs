@@ -1,5 +1,6 @@
 //! The command line.
 
+use super::commands::figures::FiguresArguments;
 use super::sweep::SweepArguments;
 use crate::cell::{Goal, MOST_KEPT, Model, Quantity, Reading, Registration, Solver};
 use crate::compare::At;
@@ -63,6 +64,9 @@ pub enum Command {
     /// Draw and measure where a robot can hold its tool: section, plan, volume
     #[command(before_help = "Example: sweetspot envelope hitachi_pw10 --svg envelope.svg")]
     Envelope(EnvelopeArguments),
+    /// Draw the figures of the seed paper for cells of your own, as pictures
+    #[command(before_help = "Example: sweetspot figures cells/hitachi_paper.toml --out figures")]
+    Figures(FiguresArguments),
 }
 
 /// Where the packages lie whose files a URDF names.

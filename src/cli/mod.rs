@@ -57,6 +57,7 @@ pub fn run() -> ExitCode {
         Command::Robots(a) => commands::robots(&a),
         Command::Robot(a) => commands::robot(&a),
         Command::Envelope(a) => commands::envelope(&a),
+        Command::Figures(a) => commands::figures(&a),
     };
     code(exit.unwrap_or_else(|exit| exit))
 }

@@ -3,6 +3,7 @@
 pub mod csv;
 pub mod envelope;
 pub mod fig8;
+pub mod figures;
 pub mod front;
 pub mod goals;
 pub mod json;

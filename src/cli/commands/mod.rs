@@ -1,6 +1,7 @@
 //! One function per command: read, ask the library, print, suggest the next.
 
 mod check;
+pub mod figures;
 mod layouts;
 mod map;
 mod posture;
@@ -11,6 +12,7 @@ mod search;
 mod sweep;
 
 pub use check::check;
+pub use figures::figures;
 pub use layouts::compare;
 pub use map::map;
 pub use posture::{budget, explain};

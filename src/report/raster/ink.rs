@@ -45,10 +45,10 @@ impl Sheet {
     }
 
     /// A rectangle from corner to corner, px.
-    pub fn rectangle(&mut self, low: Vector2<f64>, high: Vector2<f64>, colour: Colour, opacity: f64) {
+    pub fn rectangle(&mut self, low: Vector2<f64>, high: Vector2<f64>, colour: Colour) {
         self.cover(low, high, 1.0, colour, |p| {
             let inside = |k: usize| (p[k] - low[k] + 0.5).min(high[k] - p[k] + 0.5).clamp(0.0, 1.0);
-            opacity * inside(0) * inside(1)
+            inside(0) * inside(1)
         });
     }
 
