@@ -50,8 +50,8 @@ pub fn of(body: &Body, camera: &Camera) -> Vec<[Vector3<f64>; 2]> {
             side.is_outline |= side.faces_eye != faces_eye;
         }
     }
-    // A scanned surface is sharp all over.
-    let sharp = sides.iter().filter(|s| s.is_sharp).count() < MOST;
+    // A scanned surface is sharp all over, and an arrow is too thin for more than its outline.
+    let sharp = !body.is_sign && sides.iter().filter(|s| s.is_sharp).count() < MOST;
     let is_drawn = |s: &Side| s.is_outline || s.count == 1 || s.is_sharp && sharp;
     sides.into_iter().filter(is_drawn).map(|s| s.ends).collect()
 }

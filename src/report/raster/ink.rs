@@ -95,7 +95,7 @@ fn weight(capital: f64) -> f64 {
 }
 
 /// Of a point from a line between two.
-fn distance(p: Vector2<f64>, a: Vector2<f64>, b: Vector2<f64>) -> f64 {
+pub fn distance(p: Vector2<f64>, a: Vector2<f64>, b: Vector2<f64>) -> f64 {
     let along = b - a;
     let share = ((p - a).dot(&along) / along.norm_squared().max(1e-12)).clamp(0.0, 1.0);
     (p - a - along * share).norm()

@@ -161,15 +161,15 @@ fn rendered(stage: &Staged, shot: &Shot) -> Canvas<[u8; 3]> {
     let (solid, clear): (Vec<&Body>, Vec<&Body>) = stage.scene.bodies.iter().partition(|b| b.opacity >= 1.0);
     solid.iter().for_each(|body| paint(&mut canvas, body, &stage.camera, &light));
     let pixel = shot.capital() / 10.0 * FINE as f64;
-    let edges = stage.scene.bodies.iter().filter(|b| b.has_edges).flat_map(|body| {
-        let palette = &stage.palette;
-        let colour = if body.is_sign { palette.rim(body.colour) } else { palette.edge(body.colour) };
-        edges::of(body, &stage.camera).into_iter().map(move |line| (line, colour))
-    });
     let lift = stage.scene.size * 0.002;
-    for ([a, b], colour) in edges {
-        let [a, b] = [a, b].map(|p| sampled(&stage.camera, &stage.camera.before(&p, lift)));
-        canvas.stroke(&a, &b, 0.9 * pixel, |v| *v = bytes(colour));
+    for body in stage.scene.bodies.iter().filter(|b| b.has_edges) {
+        let palette = &stage.palette;
+        let (colour, width) =
+            if body.is_sign { (palette.rim(body.colour), 0.5) } else { (palette.edge(body.colour), 0.9) };
+        for line in edges::of(body, &stage.camera) {
+            let [a, b] = line.map(|p| sampled(&stage.camera, &stage.camera.before(&p, lift)));
+            canvas.stroke(&a, &b, width * pixel, |v| *v = bytes(colour));
+        }
     }
     for line in &stage.scene.lines {
         for [a, b] in line.spans() {

@@ -54,7 +54,7 @@ impl Palette {
 
     /// Of the rim of an arrow: away from the ground.
     pub fn rim(&self, colour: Colour) -> Colour {
-        if self.is_dark { mixed(colour, [1.0; 3], 0.4) } else { mixed(colour, [0.0; 3], 0.45) }
+        if self.is_dark { mixed(colour, [1.0; 3], 0.4) } else { mixed(colour, [0.0; 3], 0.35) }
     }
 }
 

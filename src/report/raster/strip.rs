@@ -126,6 +126,10 @@ pub fn items(drawing: &Drawing<'_>, stage: &Staged, shot: &Shot) -> Vec<Item> {
     let words = Words::of(drawing, stage, shot);
     let top = shot.height as f64 / unit - HEIGHT;
     let at = |x: f64, y: f64| Vector2::new(x * unit, y * unit);
+    // Letters do not shrink with a small picture, the space between the columns does.
+    let narrow = (shot.width as f64 / unit / 125.0).min(1.0);
+    let [first, second, third] = [COLUMNS[0], COLUMNS[1] * narrow, COLUMNS[2] * narrow];
+    let (bar, wide) = (BAR * narrow, WIDE * narrow);
     let text = |s: &str, x: f64, y: f64| Item::Text(s.to_string(), at(x, y), unit, palette.text);
     let (width, line) = (shot.width as f64 / unit, vec![at(0.0, top), at(shot.width as f64 / unit, top)]);
     let mut items = vec![
@@ -136,28 +140,28 @@ pub fn items(drawing: &Drawing<'_>, stage: &Staged, shot: &Shot) -> Vec<Item> {
     ];
     if let Some([what, least, most]) = &words.colours {
         let width = font::width(most, 1.0);
-        items.push(text(what, COLUMNS[0], top + 2.0));
-        items.push(text(least, COLUMNS[0], top + 6.4));
-        items.push(text(most, COLUMNS[0] + BAR - width, top + 6.4));
+        items.push(text(what, first, top + 2.0));
+        items.push(text(least, first, top + 6.4));
+        items.push(text(most, first + bar - width, top + 6.4));
         const STEPS: u32 = 64;
         items.extend((0..STEPS).map(|k| {
-            let x = |k: u32| COLUMNS[0] + BAR * f64::from(k) / f64::from(STEPS);
+            let x = |k: u32| first + bar * f64::from(k) / f64::from(STEPS);
             let colour = colour_of(f64::from(k) / f64::from(STEPS - 1));
             Item::Area(at(x(k), top + 3.1), at(x(k + 1), top + 4.5), colour)
         }));
     }
     if let Some((length, said)) = &words.arrows {
-        items.push(text(said, COLUMNS[1], top + 2.0));
-        let (left, right) = (COLUMNS[1], COLUMNS[1] + length * stage.camera.scale / unit);
+        items.push(text(said, second, top + 2.0));
+        let (left, right) = (second, second + length * stage.camera.scale / unit);
         let lines = [[(left, 3.8), (right, 3.8)], [(left, 3.2), (left, 4.4)], [(right, 3.2), (right, 4.4)]];
         let line = |l: [(f64, f64); 2]| {
             Item::Line(l.map(|(x, y)| at(x, top + y)).to_vec(), 0.18 * unit, palette.text)
         };
         items.extend(lines.map(line));
     }
-    let column = if words.colours.is_some() { COLUMNS[2] } else { COLUMNS[0] };
+    let column = if words.colours.is_some() { third } else { first };
     for (k, sign) in words.signs.iter().enumerate() {
-        let (column, y) = (column + WIDE * (k / 3) as f64, top + 1.9 + 1.9 * (k % 3) as f64);
+        let (column, y) = (column + wide * (k / 3) as f64, top + 1.9 + 1.9 * (k % 3) as f64);
         items.extend(sign_items(*sign, at(column + 0.8, y), unit, palette));
         items.push(text(sign.word(), column + 3.0, y + 0.5));
     }
