@@ -1,6 +1,6 @@
 //! The command line.
 
-use super::commands::{ExportArguments, ReportArguments, SchemaArguments, ViewArguments};
+use super::commands::{ExportArguments, FiguresArguments, ReportArguments, SchemaArguments, ViewArguments};
 use super::sweep::SweepArguments;
 use crate::cell::{Goal, MOST_KEPT, Model, Quantity, Reading, Registration, Solver};
 use crate::compare::At;
@@ -76,6 +76,9 @@ pub enum Command {
     /// Print the JSON Schema of a kind of file, or write all of them for editors
     #[command(before_help = "Example: sweetspot schema --out schemas")]
     Schema(SchemaArguments),
+    /// Draw the figures of the seed paper for cells of your own, as pictures
+    #[command(before_help = "Example: sweetspot figures cells/hitachi_paper.toml --out figures")]
+    Figures(FiguresArguments),
 }
 
 /// Where the packages lie whose files a URDF names.

@@ -63,6 +63,7 @@ pub fn run() -> ExitCode {
         Command::Report(a) => commands::report(&a),
         Command::View(a) => commands::view(&a),
         Command::Schema(a) => commands::schema(&a),
+        Command::Figures(a) => commands::figures(&a),
     };
     code(exit.unwrap_or_else(|exit| exit))
 }

@@ -6,6 +6,7 @@ pub mod csv;
 pub mod dxf;
 pub mod envelope;
 pub mod fig8;
+pub mod figures;
 pub mod front;
 pub mod glb;
 pub mod goals;

@@ -2,6 +2,7 @@
 
 mod check;
 mod export;
+mod figures;
 mod layouts;
 mod map;
 mod posture;
@@ -16,6 +17,7 @@ mod view;
 
 pub use check::check;
 pub use export::{ExportArguments, export};
+pub use figures::{FiguresArguments, figures};
 pub use layouts::compare;
 pub use map::map;
 pub use posture::{budget, explain};

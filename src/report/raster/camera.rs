@@ -29,17 +29,17 @@ impl View {
 
     /// Directions in the world of the picture's right and up, and towards the eye. `work` is where the work
     /// lies, seen from the robot.
-    fn axes(self, work: &Vector3<f64>) -> [Vector3<f64>; 3] {
+    fn axes(self, perspective: bool, work: &Vector3<f64>) -> [Vector3<f64>; 3] {
         let (x, y, z) = (Vector3::x(), Vector3::y(), Vector3::z());
         match self {
             Self::Top => [x, y, z],
             Self::Front => [x, z, -y],
             Self::Side => [y, z, x],
             Self::Iso => {
-                // Of the four corners of a cube that one can look from, that over the work.
-                let right = |p: f64| if p < -1e-9 { -1.0 } else { 1.0 };
-                let back = Vector3::new(right(work.x), if work.y > 1e-9 { 1.0 } else { -1.0 }, 1.0);
-                let back = back.normalize();
+                // Of the four upper corners of a cube that over the work; nearer ones from a little higher.
+                let x = if work.x < -1e-9 { -1.0 } else { 1.0 };
+                let y = if work.y > 1e-9 { 1.0 } else { -1.0 };
+                let back = Vector3::new(x, y, if perspective { 1.2 } else { 1.0 }).normalize();
                 let right = z.cross(&back).normalize();
                 [right, back.cross(&right), back]
             }
@@ -83,7 +83,7 @@ pub struct Camera {
 const AWAY: f64 = 4.2;
 
 impl Camera {
-    /// Shows all `points` in the frame; `radius` (m) round their middle holds all that is drawn.
+    /// Shows all `points` in the frame.
     pub fn fitted(
         view: View,
         perspective: bool,
@@ -91,7 +91,7 @@ impl Camera {
         points: &[Vector3<f64>],
         frame: &Frame,
     ) -> Self {
-        let [right, up, back] = view.axes(work);
+        let [right, up, back] = view.axes(perspective, work);
         let bounds = points.iter().map(|p| (*p, *p)).reduce(|(lo, hi), (p, q)| (lo.inf(&p), hi.sup(&q)));
         let (low, high) = bounds.unwrap_or((Vector3::repeat(-1.0), Vector3::repeat(1.0)));
         let centre = (low + high) / 2.0;

@@ -11,8 +11,12 @@ struct Side {
     corners: [u32; 2],
     faces_eye: bool,
     count: usize,
-    is_drawn: bool,
+    is_outline: bool,
+    is_sharp: bool,
 }
+
+/// So many sharp edges are noise.
+const MOST: usize = 400;
 
 pub fn of(body: &Body, camera: &Camera) -> Vec<[Vector3<f64>; 2]> {
     let mesh = &body.mesh;
@@ -28,17 +32,28 @@ pub fn of(body: &Body, camera: &Camera) -> Vec<[Vector3<f64>; 2]> {
             let key = [places[i as usize], places[j as usize]];
             let ends = [mesh.positions[i as usize], mesh.positions[j as usize]];
             let at = *index.entry(key).or_insert_with(|| {
-                sides.push(Side { ends, corners: [i, j], faces_eye, count: 0, is_drawn: false });
+                sides.push(Side {
+                    ends,
+                    corners: [i, j],
+                    faces_eye,
+                    count: 0,
+                    is_outline: false,
+                    is_sharp: false,
+                });
                 sides.len() - 1
             });
             let side = &mut sides[at];
             side.count += 1;
             // Where normals differ on both ends the mesh is sharp.
-            let is_sharp = side.corners[0] != i && side.corners[1] != j;
-            side.is_drawn |= (is_sharp && (faces_eye || side.faces_eye)) || side.faces_eye != faces_eye;
+            let differ = side.corners[0] != i && side.corners[1] != j;
+            side.is_sharp |= differ && (faces_eye || side.faces_eye);
+            side.is_outline |= side.faces_eye != faces_eye;
         }
     }
-    sides.into_iter().filter(|s| s.is_drawn || s.count == 1).map(|s| s.ends).collect()
+    // A scanned surface is sharp all over, and an arrow is too thin for more than its outline.
+    let sharp = !body.is_sign && sides.iter().filter(|s| s.is_sharp).count() < MOST;
+    let is_drawn = |s: &Side| s.is_outline || s.count == 1 || s.is_sharp && sharp;
+    sides.into_iter().filter(is_drawn).map(|s| s.ends).collect()
 }
 
 /// The number of the place of each corner: corners of different normals may share one.

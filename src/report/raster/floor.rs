@@ -31,13 +31,19 @@ pub fn lay(scene: &mut Scene, palette: &Palette, height: f64) {
     };
     let across = FIELDS + 1;
     let positions: Vec<_> = (0..across * across).map(|k| at(k % across, k / across)).collect();
-    let painted = dark.iter().map(|d| mixed(palette.floor, shadow(palette), *d)).collect();
+    let shares = dark.iter().map(|d| 1.0 - d).collect();
     let quads = (0..FIELDS * FIELDS).map(|k| ((k / FIELDS) * across + k % FIELDS) as u32);
     let wide = across as u32;
     let triangles = quads.flat_map(|a| [[a, a + 1, a + wide + 1], [a, a + wide + 1, a + wide]]).collect();
     let normals = vec![Vector3::z(); positions.len()];
     let mesh = Mesh { positions, normals, triangles };
-    let body = Body { is_lit: false, has_edges: false, painted, ..Body::solid(mesh, palette.floor, 1.0) };
+    let body = Body {
+        is_lit: false,
+        has_edges: false,
+        shares,
+        dark: shadow(palette),
+        ..Body::solid(mesh, palette.floor, 1.0)
+    };
     scene.bodies.insert(0, body);
     add_grid(scene, palette.grid, low, high, height);
 }
@@ -69,7 +75,7 @@ fn shade(scene: &Scene, low: [f64; 2], high: [f64; 2], floor: f64) -> Vec<f32> {
     let mut lowest = Canvas::new(across, across, ());
     let scale = |axis: usize| FIELDS as f64 / (high[axis] - low[axis]).max(1e-9);
     let (sx, sy) = (scale(0), scale(1));
-    for body in scene.bodies.iter().filter(|b| b.opacity >= 1.0 && b.is_lit) {
+    for body in scene.bodies.iter().filter(|b| b.opacity >= 1.0 && !b.is_sign) {
         let seen = |p: &Vector3<f64>| Seen {
             at: Point2::new((p.x - low[0]) * sx + 0.5, (p.y - low[1]) * sy + 0.5),
             near: floor - p.z,

@@ -45,10 +45,10 @@ impl Sheet {
     }
 
     /// A rectangle from corner to corner, px.
-    pub fn rectangle(&mut self, low: Vector2<f64>, high: Vector2<f64>, colour: Colour, opacity: f64) {
+    pub fn rectangle(&mut self, low: Vector2<f64>, high: Vector2<f64>, colour: Colour) {
         self.cover(low, high, 1.0, colour, |p| {
             let inside = |k: usize| (p[k] - low[k] + 0.5).min(high[k] - p[k] + 0.5).clamp(0.0, 1.0);
-            opacity * inside(0) * inside(1)
+            inside(0) * inside(1)
         });
     }
 
@@ -95,7 +95,7 @@ fn weight(capital: f64) -> f64 {
 }
 
 /// Of a point from a line between two.
-fn distance(p: Vector2<f64>, a: Vector2<f64>, b: Vector2<f64>) -> f64 {
+pub fn distance(p: Vector2<f64>, a: Vector2<f64>, b: Vector2<f64>) -> f64 {
     let along = b - a;
     let share = ((p - a).dot(&along) / along.norm_squared().max(1e-12)).clamp(0.0, 1.0);
     (p - a - along * share).norm()

@@ -1,7 +1,7 @@
 //! Names and values beside things, where they cover the least.
 
 use super::font;
-use super::ink::Sheet;
+use super::ink::{Sheet, distance};
 use super::scene::{Label, Side};
 use super::{Shot, Staged};
 use crate::cell::shown;
@@ -36,7 +36,9 @@ pub fn write(sheet: &mut Sheet, stage: &Staged, shot: &Shot) {
 /// Spots first: they lead.
 pub fn placed(stage: &Staged, shot: &Shot) -> Vec<Placed> {
     let place = |p: &nalgebra::Vector3<f64>| stage.camera.seen(p).at.coords;
-    let taken: Vec<Vector2<f64>> = stage.scene.titles.iter().map(|(p, _)| place(p)).collect();
+    let mut taken: Vec<Vector2<f64>> = stage.scene.nodes.iter().map(|n| place(&n.at)).collect();
+    let round = stage.scene.bodies.iter().filter(|b| b.is_lit && !b.is_sign && b.mesh.positions.len() > 40);
+    taken.extend(round.flat_map(|b| b.mesh.positions.iter().step_by(23).map(place)));
     let mut all: Vec<Placed> = Vec::new();
     let (spots, names): (Vec<&Label>, Vec<&Label>) =
         stage.scene.labels.iter().partition(|l| l.side == Side::Spot);
@@ -102,5 +104,7 @@ fn cost(p: &Placed, all: &[Placed], taken: &[Vector2<f64>], frame: &Frame) -> f6
     let out = (frame.left - p.low.x).max(p.high.x - frame.left - frame.width).max(0.0)
         + (frame.top - p.low.y).max(p.high.y - frame.top - frame.height).max(0.0);
     let long = p.leader.map_or(p.low.y - p.at.y, |[a, b]| (b - a).norm());
-    nodes * 40.0 + labels * 1000.0 + out * 10.0 + long * 0.25
+    let crossed =
+        p.leader.map_or(0, |[a, b]| taken.iter().filter(|q| distance(**q, a, b) < p.high.y - p.at.y).count());
+    nodes * 30.0 + crossed as f64 * 25.0 + labels * 1000.0 + out * 10.0 + long * 0.25
 }

@@ -3,8 +3,8 @@
 use super::Shot;
 use super::palette::{Colour, Palette, scale as colour_of};
 use super::scale::{Scale, best, value};
-use super::scene::{Body, Label, Line, Scene, Side};
-use crate::drawing::{Drawing, Field, Mesh, Node};
+use super::scene::{Body, Label, Line, Mark, Scene, Side};
+use crate::drawing::{Arrow, Drawing, Field, Mesh, Node};
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 
@@ -18,23 +18,29 @@ pub fn add(scene: &mut Scene, drawing: &Drawing<'_>, shot: &Shot, palette: &Pale
         }
         let radius = field.radius();
         for (n, node) in field.nodes.iter().enumerate() {
-            let said = match value(field, shot, n).filter(|_| node.is_ok()) {
-                Some(v) => {
-                    scene.bodies.push(disc(node, 0.32 * radius, colour_of(scale.share(v)), scene.size));
-                    scale.said(v)
-                }
-                None => {
-                    let circle = field.circle(n);
-                    cannot(scene, node, &circle, palette);
-                    node.reason.clone()
-                }
-            };
-            scene.titles.push((node.position, format!("({}, {}): {said}", node.i, node.j)));
+            let usable = value(field, shot, n).filter(|_| node.is_ok());
+            let colour = usable.map(|v| colour_of(scale.share(v)));
+            let said = usable.map_or(node.reason.clone(), |v| scale.said(v));
+            match colour {
+                Some(colour) => scene.bodies.push(disc(node, 0.32 * radius, colour, scene.size)),
+                None => cannot(scene, node, &field.circle(n), palette),
+            }
+            let title = format!("({}, {}): {said}", node.i, node.j);
+            scene.nodes.push(Mark { at: node.position, colour, title });
         }
         for arrow in shot.show.arrows(drawing, k, shot.take) {
             let colour = value(field, shot, arrow.node).map_or(palette.ring, |v| colour_of(scale.share(v)));
             let lift = 0.001 * scene.size;
-            scene.bodies.push(Body { lift, ..Body::solid(arrow.mesh(), colour, 1.0) });
+            // Wider than the solid of a CAD file, to be seen from afar.
+            let long = (arrow.tip - arrow.tail).norm();
+            let wide = Arrow { head: (1.9 * arrow.head).min(0.5 * long), ..arrow };
+            scene.bodies.push(Body {
+                lift,
+                is_lit: false,
+                is_sign: true,
+                ..Body::solid(wide.mesh(), colour, 1.0)
+            });
+            scene.arrows.push((arrow, colour));
         }
         add_spot(scene, drawing, field, shot, palette, scale);
     }
@@ -78,7 +84,13 @@ fn disc(node: &Node, radius: f64, colour: Colour, size: f64) -> Body {
     let normals = vec![Vector3::z(); positions.len()];
     let triangles = (0..SIDES).map(|k| [0, 1 + k, 1 + (k + 1) % SIDES]).collect();
     let mesh = Mesh { positions, normals, triangles };
-    Body { is_lit: false, has_edges: false, lift: 0.003 * size, ..Body::solid(mesh, colour, 1.0) }
+    Body {
+        is_lit: false,
+        is_sign: true,
+        has_edges: false,
+        lift: 0.003 * size,
+        ..Body::solid(mesh, colour, 1.0)
+    }
 }
 
 fn add_spot(

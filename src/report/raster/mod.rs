@@ -30,7 +30,7 @@ use camera::{Camera, Frame};
 use canvas::Canvas;
 use ink::Sheet;
 use nalgebra::Vector3;
-use palette::{Light, Palette, bytes, lit, mixed};
+use palette::{Light, Palette, bytes, mixed};
 use scale::Scale;
 use scene::{Body, Scene};
 
@@ -149,7 +149,7 @@ pub fn png(drawing: &Drawing<'_>, shot: &Shot) -> Result<Vec<u8>, String> {
         labels::write(&mut sheet, &stage, shot);
     }
     if shot.legend {
-        strip::write(&mut sheet, drawing, &stage, shot);
+        strip::write(&mut sheet, &strip::items(drawing, &stage, shot));
     }
     encoded(&sheet)
 }
@@ -161,14 +161,15 @@ fn rendered(stage: &Staged, shot: &Shot) -> Canvas<[u8; 3]> {
     let (solid, clear): (Vec<&Body>, Vec<&Body>) = stage.scene.bodies.iter().partition(|b| b.opacity >= 1.0);
     solid.iter().for_each(|body| paint(&mut canvas, body, &stage.camera, &light));
     let pixel = shot.capital() / 10.0 * FINE as f64;
-    let edges = stage.scene.bodies.iter().filter(|b| b.has_edges).flat_map(|body| {
-        let colour = stage.palette.edge(body.colour);
-        edges::of(body, &stage.camera).into_iter().map(move |line| (line, colour))
-    });
     let lift = stage.scene.size * 0.002;
-    for ([a, b], colour) in edges {
-        let [a, b] = [a, b].map(|p| sampled(&stage.camera, &stage.camera.before(&p, lift)));
-        canvas.stroke(&a, &b, 0.9 * pixel, |v| *v = bytes(colour));
+    for body in stage.scene.bodies.iter().filter(|b| b.has_edges) {
+        let palette = &stage.palette;
+        let (colour, width) =
+            if body.is_sign { (palette.rim(body.colour), 0.5) } else { (palette.edge(body.colour), 0.9) };
+        for line in edges::of(body, &stage.camera) {
+            let [a, b] = line.map(|p| sampled(&stage.camera, &stage.camera.before(&p, lift)));
+            canvas.stroke(&a, &b, width * pixel, |v| *v = bytes(colour));
+        }
     }
     for line in &stage.scene.lines {
         for [a, b] in line.spans() {
@@ -176,7 +177,7 @@ fn rendered(stage: &Staged, shot: &Shot) -> Canvas<[u8; 3]> {
             canvas.stroke(&a, &b, line.width * pixel, |v| *v = bytes(line.colour));
         }
     }
-    paint_clear(&mut canvas, &clear, &stage.camera, &light);
+    paint_clear(&mut canvas, &clear, &stage.camera);
     canvas
 }
 
@@ -189,33 +190,32 @@ fn sampled(camera: &Camera, p: &Vector3<f64>) -> camera::Seen {
 fn paint(canvas: &mut Canvas<[u8; 3]>, body: &Body, camera: &Camera, light: &Light) {
     let corners: Vec<camera::Seen> =
         body.mesh.positions.iter().map(|p| sampled(camera, &camera.before(p, body.lift))).collect();
-    let colours: Vec<palette::Colour> = body.colours(light);
+    let tones = body.tones(light);
     for t in &body.mesh.triangles {
         let t = t.map(|i| i as usize);
-        let [a, b, c] = t.map(|i| colours[i]);
+        let [a, b, c] = t.map(|i| tones[i]);
         canvas.fill(&t.map(|i| corners[i]), true, |v, s| {
-            *v = bytes(std::array::from_fn(|k| a[k] * s[0] + b[k] * s[1] + c[k] * s[2]));
+            *v = bytes(body.toned(a * s[0] + b * s[1] + c * s[2]));
         });
     }
 }
 
 /// What can be seen through, the farthest first.
-fn paint_clear(canvas: &mut Canvas<[u8; 3]>, bodies: &[&Body], camera: &Camera, light: &Light) {
+fn paint_clear(canvas: &mut Canvas<[u8; 3]>, bodies: &[&Body], camera: &Camera) {
     let mut faces = Vec::new();
     for body in bodies {
-        let colours = body.colours(light);
         for t in &body.mesh.triangles {
             let t = t.map(|i| i as usize);
             let corners = t.map(|i| sampled(camera, &body.mesh.positions[i]));
             let near: f64 = corners.iter().map(|c| c.near).sum();
-            faces.push((near, corners, colours[t[0]], body.opacity));
+            faces.push((near, corners, body.colour, body.opacity));
         }
     }
     faces.sort_by(|a, b| a.0.total_cmp(&b.0));
     for (_, corners, colour, opacity) in faces {
         canvas.fill(&corners, false, |v, _| {
             let behind = v.map(|c| f32::from(c) / 255.0);
-            *v = bytes(mixed(behind, lit(colour, 1.0), opacity));
+            *v = bytes(mixed(behind, colour, opacity));
         });
     }
 }

@@ -39,8 +39,8 @@ impl Palette {
             Kind::Robot => (0xf0a04b, 0xd9853a, 1.0),
             Kind::Tool => (0x6b7683, 0x8a95a1, 1.0),
             Kind::Held => (0x56b4e9, 0x56b4e9, 1.0),
-            Kind::Equipment => (0xdde3ea, 0x5a6673, 1.0),
-            Kind::Obstacle => (0xb4bcc6, 0x47515c, 1.0),
+            Kind::Equipment => (0xc6ced8, 0x56626f, 1.0),
+            Kind::Obstacle => (0x98a2ae, 0x434c57, 1.0),
             Kind::Fence => (0xe69f00, 0xe69f00, 0.13),
             Kind::KeepOut => (0xd55e00, 0xff8f4a, 0.22),
         };
@@ -50,6 +50,11 @@ impl Palette {
     /// Of the edges of a solid.
     pub fn edge(&self, colour: Colour) -> Colour {
         mixed(colour, [0.0, 0.0, 0.05], if self.is_dark { 0.62 } else { 0.58 })
+    }
+
+    /// Of the rim of an arrow: away from the ground.
+    pub fn rim(&self, colour: Colour) -> Colour {
+        if self.is_dark { mixed(colour, [1.0; 3], 0.4) } else { mixed(colour, [0.0; 3], 0.35) }
     }
 }
 
@@ -92,7 +97,7 @@ impl Light {
     /// How bright a surface with this normal is.
     pub fn on(&self, normal: &Vector3<f64>) -> f32 {
         let (key, fill) = (normal.dot(&self.key).max(0.0), normal.dot(&self.fill).max(0.0));
-        (0.50 + 0.50 * key + 0.16 * fill) as f32
+        (0.56 + 0.46 * key + 0.16 * fill) as f32
     }
 }
 

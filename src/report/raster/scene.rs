@@ -2,10 +2,10 @@
 
 use super::Shot;
 use super::marks;
-use super::palette::{Colour, Light, Palette, lit};
+use super::palette::{Colour, Light, Palette, lit, mixed};
 use super::scale::{Scale, Show};
 use crate::cell::Role;
-use crate::drawing::{Drawing, Kind, Mesh};
+use crate::drawing::{Arrow, Drawing, Kind, Mesh};
 use crate::pose::Pose;
 use nalgebra::Vector3;
 
@@ -13,24 +13,31 @@ use nalgebra::Vector3;
 pub struct Body {
     pub mesh: Mesh,
     pub colour: Colour,
-    /// Of corners that have one of their own.
-    pub painted: Vec<Colour>,
+    /// What is not lit by lamps goes from `dark` to its colour by these shares of its corners; empty: 1.
+    pub dark: Colour,
+    pub shares: Vec<f32>,
     pub opacity: f32,
     /// Signs look the same from all sides.
     pub is_lit: bool,
+    /// An arrow or a node: a drawing of lines shows it in its own way.
+    pub is_sign: bool,
     pub has_edges: bool,
     /// Drawn so far before where it is, m.
     pub lift: f64,
 }
 
 impl Body {
-    /// The colour of each corner.
-    pub fn colours(&self, light: &Light) -> Vec<Colour> {
-        match (self.is_lit, self.painted.is_empty()) {
-            (true, _) => self.mesh.normals.iter().map(|n| lit(self.colour, light.on(n))).collect(),
-            (false, false) => self.painted.clone(),
-            (false, true) => vec![self.colour; self.mesh.positions.len()],
+    /// How bright each corner is.
+    pub fn tones(&self, light: &Light) -> Vec<f32> {
+        match (self.is_lit, self.shares.is_empty()) {
+            (true, _) => self.mesh.normals.iter().map(|n| light.on(n)).collect(),
+            (false, false) => self.shares.clone(),
+            (false, true) => vec![1.0; self.mesh.positions.len()],
         }
+    }
+
+    pub fn toned(&self, tone: f32) -> Colour {
+        if self.is_lit { lit(self.colour, tone) } else { mixed(self.dark, self.colour, tone) }
     }
 }
 
@@ -73,12 +80,21 @@ pub struct Label {
     pub side: Side,
 }
 
+/// A node of an error map.
+pub struct Mark {
+    pub at: Vector3<f64>,
+    /// Where it can be used.
+    pub colour: Option<Colour>,
+    /// What a pointer on it is told.
+    pub title: String,
+}
+
 pub struct Scene {
     pub bodies: Vec<Body>,
     pub lines: Vec<Line>,
     pub labels: Vec<Label>,
-    /// What a pointer on a node is told.
-    pub titles: Vec<(Vector3<f64>, String)>,
+    pub nodes: Vec<Mark>,
+    pub arrows: Vec<(Arrow, Colour)>,
     /// Diagonal of all bodies, m.
     pub size: f64,
 }
@@ -87,8 +103,14 @@ impl Scene {
     pub fn of(drawing: &Drawing<'_>, shot: &Shot, palette: &Palette, scale: &Scale) -> Self {
         let at = shot.operation.and_then(|k| drawing.movement.at(k));
         let frames = at.unwrap_or(drawing.movement.home());
-        let mut scene =
-            Self { bodies: Vec::new(), lines: Vec::new(), labels: Vec::new(), titles: Vec::new(), size: 1.0 };
+        let mut scene = Self {
+            bodies: Vec::new(),
+            lines: Vec::new(),
+            labels: Vec::new(),
+            nodes: Vec::new(),
+            arrows: Vec::new(),
+            size: 1.0,
+        };
         for (part, pose) in drawing.posed(shot.operation, frames) {
             let (colour, opacity) = palette.of_kind(part.kind);
             let mesh = part.mesh.seen_from(&pose);
@@ -118,8 +140,10 @@ impl Scene {
         // Operations of one attitude share an envelope.
         let mut drawn: Vec<&Vec<Vector3<f64>>> = Vec::new();
         for (rings, _) in all.filter(|(_, f)| shot.operation.is_none_or(|o| o == f.operation)) {
-            let sets = [(&rings.at_work, 1.7), (&rings.around, 0.9)];
-            for (ring, width) in sets.into_iter().flat_map(|(set, w)| set.iter().map(move |r| (r, w))) {
+            let pale = mixed(palette.envelope, palette.paper, 0.4);
+            let sets = [(&rings.at_work, 2.0, palette.envelope), (&rings.around, 0.9, pale)];
+            let each = sets.into_iter().flat_map(|(set, w, c)| set.iter().map(move |r| (r, w, c)));
+            for (ring, width, colour) in each {
                 if drawn.contains(&ring) {
                     continue;
                 }
@@ -128,7 +152,7 @@ impl Scene {
                     points: ring.clone(),
                     closed: true,
                     dashed: false,
-                    colour: palette.envelope,
+                    colour,
                     width,
                     lift: self.size * 0.002,
                 });
@@ -162,9 +186,11 @@ impl Body {
         Self {
             mesh,
             colour,
-            painted: Vec::new(),
+            dark: colour,
+            shares: Vec::new(),
             opacity,
             is_lit: opacity >= 1.0,
+            is_sign: false,
             has_edges: true,
             lift: 0.0,
         }

@@ -1,17 +1,22 @@
 //! Title and legend of a picture: what is shown, what colours, arrows and signs mean.
 
 use super::ink::Sheet;
-use super::palette::{Palette, scale as colour_of};
+use super::palette::{Colour, Palette, hex, scale as colour_of};
 use super::scale::Show;
-use super::{Shot, Staged};
+use super::{Shot, Staged, font};
 use crate::cell::{Unit, shown};
 use crate::drawing::Drawing;
+use crate::report::view::escaped;
 use crate::units::{m_from_mm, mm_from_m};
 use nalgebra::Vector2;
 use std::f64::consts::TAU;
+use std::fmt::Write;
 
 /// Height of the legend in heights of capitals.
 pub const HEIGHT: f64 = 8.6;
+
+/// Size of the letters of a browser for capitals of height 1.
+pub const TEXT: f64 = 1.38;
 
 /// A sign and what it means.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -102,72 +107,132 @@ fn round_number(most: f64) -> f64 {
 }
 
 /// Places of the columns of the legend, in heights of capitals.
-pub const COLUMNS: [f64; 3] = [2.2, 41.0, 81.0];
-pub const BAR: f64 = 32.0;
+pub const COLUMNS: [f64; 3] = [2.2, 38.5, 78.0];
+/// Of the signs, three below each other.
+const WIDE: f64 = 21.5;
+pub const BAR: f64 = 31.0;
 
-pub fn write(sheet: &mut Sheet, drawing: &Drawing<'_>, stage: &Staged, shot: &Shot) {
+/// A thing of the legend, px.
+pub enum Item {
+    /// With the height of its capitals.
+    Text(String, Vector2<f64>, f64, Colour),
+    Line(Vec<Vector2<f64>>, f64, Colour),
+    Area(Vector2<f64>, Vector2<f64>, Colour),
+}
+
+/// Title and legend.
+pub fn items(drawing: &Drawing<'_>, stage: &Staged, shot: &Shot) -> Vec<Item> {
     let (unit, palette) = (shot.capital(), &stage.palette);
     let words = Words::of(drawing, stage, shot);
     let top = shot.height as f64 / unit - HEIGHT;
     let at = |x: f64, y: f64| Vector2::new(x * unit, y * unit);
-    sheet.text(&words.title, at(2.2, 2.9), 1.35 * unit, palette.text);
-    sheet.text(&words.line, at(2.2, 4.9), unit, palette.faint);
+    // Letters do not shrink with a small picture, the space between the columns does.
+    let narrow = (shot.width as f64 / unit / 125.0).min(1.0);
+    let [first, second, third] = [COLUMNS[0], COLUMNS[1] * narrow, COLUMNS[2] * narrow];
+    let (bar, wide) = (BAR * narrow, WIDE * narrow);
+    let text = |s: &str, x: f64, y: f64| Item::Text(s.to_string(), at(x, y), unit, palette.text);
+    let (width, line) = (shot.width as f64 / unit, vec![at(0.0, top), at(shot.width as f64 / unit, top)]);
+    let mut items = vec![
+        Item::Area(at(0.0, top), at(width, top + HEIGHT), palette.paper),
+        Item::Line(line, 0.1 * unit, palette.grid),
+        Item::Text(words.title, at(2.2, 2.9), 1.35 * unit, palette.text),
+        Item::Text(words.line, at(2.2, 4.9), unit, palette.faint),
+    ];
     if let Some([what, least, most]) = &words.colours {
-        sheet.text(what, at(COLUMNS[0], top + 2.0), unit, palette.text);
-        const STEPS: u32 = 128;
-        for k in 0..STEPS {
-            let x = |k: u32| COLUMNS[0] + BAR * f64::from(k) / f64::from(STEPS);
+        let width = font::width(most, 1.0);
+        items.push(text(what, first, top + 2.0));
+        items.push(text(least, first, top + 6.4));
+        items.push(text(most, first + bar - width, top + 6.4));
+        const STEPS: u32 = 64;
+        items.extend((0..STEPS).map(|k| {
+            let x = |k: u32| first + bar * f64::from(k) / f64::from(STEPS);
             let colour = colour_of(f64::from(k) / f64::from(STEPS - 1));
-            sheet.rectangle(at(x(k), top + 3.1), at(x(k + 1), top + 4.5), colour, 1.0);
-        }
-        sheet.text(least, at(COLUMNS[0], top + 6.4), unit, palette.text);
-        let width = super::font::width(most, 1.0);
-        sheet.text(most, at(COLUMNS[0] + BAR - width, top + 6.4), unit, palette.text);
+            Item::Area(at(x(k), top + 3.1), at(x(k + 1), top + 4.5), colour)
+        }));
     }
     if let Some((length, said)) = &words.arrows {
-        sheet.text(said, at(COLUMNS[1], top + 2.0), unit, palette.text);
-        let right = COLUMNS[1] + length * stage.camera.scale / unit;
-        for line in [
-            [(COLUMNS[1], 3.8), (right, 3.8)],
-            [(COLUMNS[1], 3.2), (COLUMNS[1], 4.4)],
-            [(right, 3.2), (right, 4.4)],
-        ] {
-            let points = line.map(|(x, y)| at(x, top + y));
-            sheet.line(&points, 0.18 * unit, palette.text);
-        }
+        items.push(text(said, second, top + 2.0));
+        let (left, right) = (second, second + length * stage.camera.scale / unit);
+        let lines = [[(left, 3.8), (right, 3.8)], [(left, 3.2), (left, 4.4)], [(right, 3.2), (right, 4.4)]];
+        let line = |l: [(f64, f64); 2]| {
+            Item::Line(l.map(|(x, y)| at(x, top + y)).to_vec(), 0.18 * unit, palette.text)
+        };
+        items.extend(lines.map(line));
     }
-    let column = if words.colours.is_some() { COLUMNS[2] } else { COLUMNS[0] };
+    let column = if words.colours.is_some() { third } else { first };
     for (k, sign) in words.signs.iter().enumerate() {
-        let y = top + 1.5 + 1.75 * k as f64;
-        draw_sign(sheet, *sign, at(column + 0.8, y), unit, palette);
-        sheet.text(sign.word(), at(column + 3.0, y + 0.5), unit, palette.text);
+        let (column, y) = (column + wide * (k / 3) as f64, top + 1.9 + 1.9 * (k % 3) as f64);
+        items.extend(sign_items(*sign, at(column + 0.8, y), unit, palette));
+        items.push(text(sign.word(), column + 3.0, y + 0.5));
     }
+    items
 }
 
-fn draw_sign(sheet: &mut Sheet, sign: Sign, at: Vector2<f64>, unit: f64, palette: &Palette) {
+fn sign_items(sign: Sign, at: Vector2<f64>, unit: f64, palette: &Palette) -> Vec<Item> {
     let ring = |radius: f64, from: f64, to: f64| -> Vec<Vector2<f64>> {
         let angle = |k: usize| from + (to - from) * k as f64 / 24.0;
         (0..=24).map(|k| at + Vector2::new(angle(k).cos(), angle(k).sin()) * radius * unit).collect()
     };
     let thin = 0.14 * unit;
+    let line = |a: Vector2<f64>, colour: Colour| Item::Line(vec![at - a, at + a], thin, colour);
     match sign {
-        Sign::OutOfReach => sheet.line(&ring(0.65, 0.0, TAU), thin, palette.ring),
+        Sign::OutOfReach => vec![Item::Line(ring(0.65, 0.0, TAU), thin, palette.ring)],
         Sign::Limit => {
-            for k in 0..6 {
-                let from = TAU * f64::from(k) / 6.0;
-                sheet.line(&ring(0.65, from, from + TAU / 12.0), thin, palette.ring);
-            }
+            let from = (0..6).map(|k| TAU * f64::from(k) / 6.0);
+            from.map(|a| Item::Line(ring(0.65, a, a + TAU / 12.0), thin, palette.ring)).collect()
         }
         Sign::Collides => {
-            let side = Vector2::new(0.5, 0.5) * unit;
-            let other = Vector2::new(0.5, -0.5) * unit;
-            sheet.line(&[at - side, at + side], thin, palette.cross);
-            sheet.line(&[at - other, at + other], thin, palette.cross);
+            [-0.5, 0.5].map(|y| line(Vector2::new(0.5, y) * unit, palette.cross)).into_iter().collect()
         }
-        Sign::Spot => sheet.line(&ring(0.75, 0.0, TAU), 0.3 * unit, palette.spot),
-        Sign::Envelope => {
-            let half = Vector2::new(unit, 0.0);
-            sheet.line(&[at - half, at + half], thin, palette.envelope);
+        Sign::Spot => vec![Item::Line(ring(0.75, 0.0, TAU), 0.3 * unit, palette.spot)],
+        Sign::Envelope => vec![line(Vector2::new(unit, 0.0), palette.envelope)],
+    }
+}
+
+pub fn write(sheet: &mut Sheet, items: &[Item]) {
+    for item in items {
+        match item {
+            Item::Text(text, at, capital, colour) => sheet.text(text, *at, *capital, *colour),
+            Item::Line(points, width, colour) => sheet.line(points, *width, *colour),
+            Item::Area(low, high, colour) => {
+                sheet.rectangle(low.map(f64::round), high.map(f64::round), *colour)
+            }
         }
+    }
+}
+
+/// The same as SVG.
+pub fn draw(out: &mut String, items: &[Item]) {
+    for item in items {
+        // Writing to a String cannot fail.
+        let _ = match item {
+            Item::Text(text, at, capital, colour) => writeln!(
+                out,
+                "<text x=\"{:.1}\" y=\"{:.1}\" font-size=\"{:.1}\" fill=\"{}\">{}</text>",
+                at.x,
+                at.y,
+                capital * TEXT,
+                hex(*colour),
+                escaped(text)
+            ),
+            Item::Line(points, width, colour) => {
+                let points: Vec<String> = points.iter().map(|p| format!("{:.1},{:.1}", p.x, p.y)).collect();
+                let (points, stroke) = (points.join(" "), hex(*colour));
+                writeln!(
+                    out,
+                    "<polyline points=\"{points}\" fill=\"none\" stroke=\"{stroke}\" stroke-width=\"{width:.2}\"/>"
+                )
+            }
+            Item::Area(low, high, colour) => {
+                let ([x, y], size, fill) = ([low.x, low.y], high - low, hex(*colour));
+                // A little wider, so that no line of the ground shows between two.
+                writeln!(
+                    out,
+                    "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"{fill}\"/>",
+                    size.x + 0.4,
+                    size.y
+                )
+            }
+        };
     }
 }

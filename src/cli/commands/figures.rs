@@ -1,0 +1,74 @@
+//! `figures`.
+
+use super::{stem, suggest, workcell};
+use crate::cell::Source;
+use crate::cli::arguments::{Overrides, Packages};
+use crate::cli::output::{path_word, word};
+use crate::cli::overrides::overridden;
+use crate::cli::{Exit, files, output, results};
+use crate::compare::Assessment;
+use crate::report::figures::{Figure, Format, figures as drawn, readme};
+use clap::Args;
+use std::path::{Path, PathBuf};
+
+#[derive(Args)]
+pub struct FiguresArguments {
+    /// Cell files, or folders that a search has written
+    #[arg(required = true, value_name = "CELL|RESULT")]
+    pub cells: Vec<PathBuf>,
+    #[command(flatten)]
+    pub packages: Packages,
+    #[command(flatten)]
+    pub overrides: Overrides,
+    /// Write the pictures, README.md and manifest.json into this new folder
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Width of the pictures, px
+    #[arg(long, value_name = "PX", value_parser = clap::value_parser!(u16).range(400..=4000), default_value = "1600")]
+    pub width: u16,
+    /// Draw on a dark background
+    #[arg(long)]
+    pub dark: bool,
+}
+
+/// `sweetspot figures`
+pub fn figures(a: &FiguresArguments) -> Result<Exit, Exit> {
+    let format = Format { width: usize::from(a.width), dark: a.dark };
+    let mut loaded = Vec::new();
+    for path in &a.cells {
+        let file = if path.is_dir() { path.join("best.toml") } else { path.clone() };
+        let it = overridden(files::load(&file, &a.packages)?, &a.overrides)?;
+        loaded.push((results::portable(&stem(path)), it.sources, workcell(it.cell, &file)?));
+    }
+    let (mut chapters, mut sources): (Vec<(String, Vec<Figure>)>, Vec<Source>) = (Vec::new(), Vec::new());
+    for (k, (stem, read, workcell)) in loaded.iter().enumerate() {
+        let prefix = match loaded.iter().filter(|(other, ..)| other == stem).count() {
+            _ if loaded.len() == 1 => String::new(),
+            1 => format!("{stem}-"),
+            _ => format!("{stem}-{}-", k + 1),
+        };
+        let assessment = Assessment::new("start", workcell, workcell.cell.start());
+        let figures = drawn(&assessment, &prefix, format).map_err(|why| {
+            output::error(&why);
+            Exit::BadInput
+        })?;
+        chapters.push((workcell.cell.name.clone(), figures));
+        let is_new = |s: &&Source| !sources.iter().any(|o| o.path == s.path && o.bytes == s.bytes);
+        let new: Vec<Source> = read.iter().filter(is_new).cloned().collect();
+        sources.extend(new);
+    }
+    let Some((_, _, first)) = loaded.first() else { return Err(Exit::BadInput) };
+    let folder = files::new_folder(Some(&a.out), "")?;
+    let command: Vec<String> = results::typed().iter().map(|w| word(w)).collect();
+    let text = readme(&chapters, &command.join(" "));
+    let pictures = chapters.into_iter().flat_map(|(_, figures)| figures).map(|f| (f.name, f.bytes));
+    let mut outputs: Vec<(String, Vec<u8>)> = pictures.collect();
+    outputs.push(("README.md".into(), text.into_bytes()));
+    results::write(&folder, &first.cell, &sources, &results::typed(), outputs)?.tell();
+    suggest(&next(&a.cells[0]));
+    Ok(Exit::Done)
+}
+
+fn next(cell: &Path) -> String {
+    format!("map {} for the numbers", path_word(cell))
+}

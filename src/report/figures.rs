@@ -1,0 +1,201 @@
+//! The figures of the seed paper for any cell: pictures, and what to see in them.
+
+use super::raster::{Shot, Show, png};
+use super::view::escaped;
+use super::{fig8, text};
+use crate::cell::{Quantity, Reading, shown};
+use crate::compare::Assessment;
+use crate::drawing::{Detail, Drawing};
+use crate::error_map::{OperationMap, Status};
+use crate::kinematic_error::{Discrepancy, discrepancy};
+use crate::units::{mm_from_m, rounded};
+use std::fmt::Write;
+
+/// A picture with its words.
+pub struct Figure {
+    /// Of the file.
+    pub name: String,
+    /// Of which figure of the paper it is the counterpart.
+    pub of: &'static str,
+    /// What the paper shows there.
+    pub paper: &'static str,
+    /// What is to be seen here.
+    pub ours: String,
+    pub bytes: Vec<u8>,
+}
+
+/// Size and background of the pictures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Format {
+    /// px; the height is five eighths of it.
+    pub width: usize,
+    pub dark: bool,
+}
+
+/// Name, figure of the paper, what is drawn, and what the paper shows.
+type Map = (&'static str, &'static str, Show, &'static str);
+const COMPONENT: &str = "One component of the error at every node of the worktop as an arrow; circles on the \
+                         nodes that the robot cannot reach.";
+const MAPS: [Map; 5] = [
+    ("04-x", "Fig. 4", Show::X, COMPONENT),
+    ("04-y", "Fig. 4", Show::Y, COMPONENT),
+    ("04-z", "Fig. 4", Show::Z, COMPONENT),
+    ("05-resultant", "Fig. 5", Show::Resultant, "The resultant of the three components at every node."),
+    (
+        "06-in-plane",
+        "Fig. 6",
+        Show::InPlane,
+        "The error in the sense that the operation cares about: in x and y for an assembly, where z does not \
+         matter while parts mate. The node with the least is where to operate.",
+    ),
+];
+
+/// All of them; the maps are those of the first operation, or of all together. `prefix` starts every name.
+///
+/// # Errors
+/// What cannot be drawn.
+pub fn figures(a: &Assessment<'_>, prefix: &str, format: Format) -> Result<Vec<Figure>, String> {
+    let drawing = Drawing::new(a, &Detail::PLAIN)?;
+    let shot =
+        Shot { width: format.width, height: format.width * 5 / 8, dark: format.dark, ..Shot::default() };
+    let mut all = vec![Figure {
+        name: format!("{prefix}01-cell.png"),
+        of: "Fig. 1",
+        paper: "The model of the robot with its working envelope.",
+        ours: cell_words(a),
+        bytes: png(&drawing, &Shot { show: Show::Nothing, envelope: true, ..shot.clone() })?,
+    }];
+    for (name, of, show, paper) in MAPS {
+        let Some(map) = a.maps.first() else { break };
+        let sense = show.sense().map(str::to_string);
+        let shot = Shot { operation: Some(map.operation), show, sense, ..shot.clone() };
+        let (name, ours) = (format!("{prefix}{name}.png"), map_words(a, map, show.sense().unwrap_or("xyz")));
+        all.push(Figure { name, of, paper, ours, bytes: png(&drawing, &shot)? });
+    }
+    if a.maps.len() > 1 {
+        let own: Vec<String> =
+            a.maps.iter().map(|m| map_words(a, m, &a.cell.operations[m.operation].sense.name)).collect();
+        all.push(Figure {
+            name: format!("{prefix}07-all.png"),
+            of: "Fig. 7",
+            paper: "Error maps on a worktable and on a conveyor in one cell.",
+            ours: own.join(" "),
+            bytes: png(&drawing, &shot)?,
+        });
+    }
+    all.push(Figure {
+        name: format!("{prefix}08-discrepancy.svg"),
+        of: "Fig. 8",
+        paper: "How far the linearized model is from the nonlinear one, eq. (9), node by node. The paper's \
+                claim: nowhere above 1 %.",
+        ours: a.maps.iter().map(|m| discrepancy_words(a, m)).collect::<Vec<_>>().join(" "),
+        bytes: fig8::chart(a).into_bytes(),
+    });
+    Ok(all)
+}
+
+/// A name from a file in Markdown.
+fn marked(name: &str) -> String {
+    let special = |c: char| "\\`*_{}[]()#|!~".contains(c);
+    escaped(&shown(name)).chars().flat_map(|c| special(c).then_some('\\').into_iter().chain([c])).collect()
+}
+
+fn cell_words(a: &Assessment<'_>) -> String {
+    let names: Vec<String> = a.cell.equipment.iter().map(|e| marked(&e.name)).collect();
+    let reach = rounded(mm_from_m(a.cell.robot.reach()), 0);
+    format!(
+        "{} (reach {reach} mm from its base) at home with {}. Lines: where the arm reaches with the tool held as in \
+         the operations, joint limits kept, level by level and in the upright plane of the arm; the stronger line at \
+         the height of the work.",
+        marked(&a.cell.robot.name),
+        names.join(", ")
+    )
+}
+
+fn map_words(a: &Assessment<'_>, map: &OperationMap, sense: &str) -> String {
+    let operation = marked(&a.cell.operations[map.operation].name);
+    let count = |status: &str| map.count(status);
+    let (ok, all) = (count("ok"), map.nodes.len());
+    let mut others: Vec<String> = Vec::new();
+    for name in map.nodes.iter().map(|n| n.status.name()) {
+        let said = format!("{} {name}", count(name));
+        if name != "ok" && !others.contains(&said) {
+            others.push(said);
+        }
+    }
+    let mut words = format!("{operation}: {ok} of {all} nodes can be used");
+    if !others.is_empty() {
+        let _ = write!(words, " ({})", others.join(", "));
+    }
+    if let Some((low, high, node)) = range(a, map, sense) {
+        let unit = a.cell.unit().word();
+        let at = &map.nodes[node];
+        let [x, y] = [at.position.x, at.position.y].map(|v| rounded(mm_from_m(v), 1));
+        let word = text::value_word(a.cell);
+        let _ = write!(
+            words,
+            "; {word} in {} from {low:.3} {unit} at node ({}, {}), where x = {x} mm and y = {y} mm, to {high:.3} {unit}",
+            marked(sense),
+            at.i,
+            at.j
+        );
+    }
+    words + "."
+}
+
+/// Least and greatest value, in its unit, and the node of the least.
+fn range(a: &Assessment<'_>, map: &OperationMap, sense: &str) -> Option<(f64, f64, usize)> {
+    let sense = map.sense(sense)?;
+    let unit = match (a.cell.reading, a.cell.quantity) {
+        (Reading::Statistical, Quantity::Yield) => a.cell.unit(),
+        _ => map.senses[sense].unit,
+    };
+    let usable = map.nodes.iter().enumerate().filter(|(_, n)| n.status == Status::Ok);
+    let values = usable.filter_map(|(k, n)| {
+        let figures = &n.posture.as_ref()?.figures[sense];
+        Some((k, unit.from_si(figures.in_reading(a.cell.reading, a.cell.quantity))))
+    });
+    let values: Vec<(usize, f64)> = values.collect();
+    let (node, low) = values.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1))?;
+    Some((low, values.iter().map(|v| v.1).fold(low, f64::max), node))
+}
+
+fn discrepancy_words(a: &Assessment<'_>, map: &OperationMap) -> String {
+    let usable = map.nodes.iter().filter(|n| n.status == Status::Ok).filter_map(|n| n.posture.as_ref());
+    let all: Vec<Discrepancy> = usable.map(|p| discrepancy(&p.nonlinear, &p.linear)).collect();
+    let said = |name: &str, value: fn(&Discrepancy) -> Option<f64>| {
+        let values: Vec<f64> = all.iter().filter_map(value).collect();
+        let most = values.iter().copied().fold(0.0, f64::max);
+        let above = values.iter().filter(|v| **v > 1.0).count();
+        let nodes = if above == 0 { String::new() } else { format!(" (above 1 % at {above})") };
+        format!("{name} {most:.3} %{nodes}")
+    };
+    let senses =
+        [said("resultant", |d| d.resultant), said("x", |d| d.x), said("y", |d| d.y), said("z", |d| d.z)];
+    let operation = marked(&a.cell.operations[map.operation].name);
+    format!("{operation}, over {} nodes, largest: {}.", all.len(), senses.join(", "))
+}
+
+/// What the folder holds, as Markdown: one chapter for each cell with its figures.
+pub fn readme(chapters: &[(String, Vec<Figure>)], command: &str) -> String {
+    let mut out = String::from(
+        "# The figures of the seed paper, drawn anew\n\nMade by one command (into a new folder; nothing is \
+         overwritten):\n\n",
+    );
+    // Writing to a String cannot fail; the results below are dropped for that reason.
+    let _ = writeln!(out, "    sweetspot {command}\n");
+    out.push_str(
+        "Arrows are the errors, enlarged as each picture says; their colour is the size of what is shown. Where \
+         errors have no sign there are two arrows, either way. The spot in each picture is the best in the sense of \
+         that picture.\n",
+    );
+    for (name, figures) in chapters {
+        let _ = writeln!(out, "\n## {}", marked(name));
+        for f in figures {
+            let of = f.of;
+            let _ = writeln!(out, "\n### {of}: {}\n\n![{of}]({})\n", f.name, f.name);
+            let _ = writeln!(out, "- The paper: {}\n- Here: {}", f.paper, f.ours);
+        }
+    }
+    out
+}
