@@ -3,7 +3,7 @@
 use super::content::{Figure, NOTHING, Section, Table};
 use super::places::titled;
 use super::subject::{Alternative, Found, Subject};
-use super::verdict::{quantity, told};
+use super::verdict::{down, quantity};
 use crate::cell::{Goal, shown};
 use crate::compare::{Account, Asked, Assessment, At, Reachable, Stance};
 use crate::reading::Share;
@@ -130,10 +130,13 @@ fn convergence(subject: &Subject<'_>) -> Section {
         found.feasible,
         bound_in_words(found, subject)
     ));
-    let row = |(n, value): &(u64, f64)| vec![n.to_string(), told(unit, *value)];
+    let row = |(n, value): &(u64, f64)| vec![n.to_string(), format!("{:.6}", rounded(*value, 6))];
     let rows: Vec<_> = found.trace.iter().map(row).collect();
     if !rows.is_empty() {
-        section.tables.push(Table::new("Improvements", &["evaluations", "best so far"], rows).folded());
+        section.tables.push(
+            Table::new("Improvements", &["evaluations", &format!("best so far {}", unit.word())], rows)
+                .folded(),
+        );
     }
     section
 }
@@ -141,7 +144,7 @@ fn convergence(subject: &Subject<'_>) -> Section {
 fn bound_in_words(found: &Found, subject: &Subject<'_>) -> String {
     let unit = subject.cell().unit();
     match found.bound {
-        Some(bound) => format!("The proven bound lies at {}.", told(unit, bound)),
+        Some(bound) => format!("It is proven that none of them has less than {}.", down(unit, bound)),
         None => "There is no proven bound.".into(),
     }
 }

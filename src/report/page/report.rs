@@ -4,7 +4,7 @@ use super::content::{Figure, Section};
 use super::subject::Subject;
 use super::verdict::Verdict;
 use super::{assets, assumptions, figures, nodes, places, readings, script_json, shell};
-use crate::cell::shown;
+use crate::cell::{Cell, shown};
 use crate::drawing::Drawing;
 use crate::report::text::headline;
 use serde::Serialize;
@@ -50,7 +50,7 @@ pub fn report(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Result<Report,
     pictures.enumerate().for_each(|(k, figure)| figure.svg = shell::scoped(&figure.svg, k));
     let page = Page {
         title: shown(&subject.cell().name),
-        question: headline(subject.cell()),
+        question: question(subject.cell()),
         policy: shell::policy(&script, style),
         style,
         script: &script,
@@ -62,4 +62,10 @@ pub fn report(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Result<Report,
     };
     let html = shell::rendered(assets::REPORT_HTML, &page)?;
     Ok(Report { html, verdict })
+}
+
+/// What is asked, without the name of the cell, which stands above it.
+fn question(cell: &Cell) -> String {
+    let line = headline(cell);
+    line.strip_prefix(&format!("{}: ", cell.name)).map(str::to_string).unwrap_or(line)
 }

@@ -1,5 +1,6 @@
 //! What is reported: a layout as drawn, or what a search found.
 
+use super::content::Table;
 use crate::cell::Cell;
 use crate::compare::Assessment;
 use serde::Deserialize;
@@ -27,6 +28,12 @@ impl<'a> Subject<'a> {
     /// Every layout, the one as drawn first.
     pub fn layouts(&self) -> impl Iterator<Item = &Assessment<'a>> {
         std::iter::once(&self.start).chain(&self.best)
+    }
+
+    /// A table of each layout, the recommended one first; the other is shown when asked for.
+    pub fn tables(&self, of: impl Fn(&Assessment<'a>) -> Vec<Table>) -> Vec<Table> {
+        let other = self.best.as_ref().map_or(Vec::new(), |_| of(&self.start));
+        of(self.shown()).into_iter().chain(other.into_iter().map(Table::folded)).collect()
     }
 
     pub fn cell(&self) -> &'a Cell {
