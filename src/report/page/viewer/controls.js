@@ -73,9 +73,10 @@ function showControls(controls, view) {
   const own = indexed(drawing.operations);
   fields.operation.fill(own.length > 1 ? [["", "all"], ...own] : own, state.operation === null ? (own.length > 1 ? "" : "0") : String(state.operation));
   const senses = [...new Set(shownFields(drawing, state.operation).flatMap((f) => f.senses.map((s) => s.name)))];
-  // A sense may be called anything: its value is marked.
-  fields.sense.fill([["", `own (${senseWords({ ...view, state: { ...state, sense: null } })})`], ...senses.map((s) => [`=${s}`, s])],
-    state.sense === null ? "" : `=${state.sense}`);
+  // A sense may be called anything: its value is marked. What all operations ask for is not told twice.
+  const asked = senseWords({ ...view, state: { ...state, sense: null } });
+  fields.sense.fill([["", `own (${asked})`], ...senses.filter((s) => s !== asked).map((s) => [`=${s}`, s])],
+    state.sense === null || state.sense === asked ? "" : `=${state.sense}`);
   const lens = drawing.lenses[Math.max(view.lens, 0)];
   const words = (key) => [...new Set(drawing.lenses.map((l) => l[key]))].map((w) => [w, w]);
   fields.reading.fill(words("reading"), lens.reading);

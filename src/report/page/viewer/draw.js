@@ -131,8 +131,8 @@ function vertexArray(card, program, wanted) {
 
 function uploadMesh(card, mesh) {
   const { gl } = card;
-  const positions = card.fixed(mesh.positions);
-  const wanted = { position: [positions, 3], normal: [card.fixed(mesh.normals), 3] };
+  const [positions, normals] = [card.fixed(mesh.positions), card.fixed(mesh.normals)];
+  const wanted = { position: [positions, 3], normal: [normals, 3] };
   const index = gl.createBuffer();
   const [array, shade] = ["solid", "shadow"].map((program) => {
     const made = vertexArray(card, program, wanted);
@@ -143,7 +143,8 @@ function uploadMesh(card, mesh) {
   });
   gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, index);
   gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, mesh.indices, gl.STATIC_DRAW);
-  return { array, shade, count: mesh.indices.length, edges: uploadLines(card, null, mesh.edges) };
+  const edges = uploadLines(card, null, mesh.edges);
+  return { array, shade, count: mesh.indices.length, edges, buffers: [positions, normals, index, edges.buffer] };
 }
 
 /** A batch of instances that is filled anew whenever what it shows changes. */
@@ -197,4 +198,10 @@ function drawFloor(card, values) {
   use(card, "floor", values);
   card.gl.bindVertexArray(card.floor);
   card.gl.drawArrays(card.gl.TRIANGLE_STRIP, 0, 4);
+}
+
+function dropMesh(card, made) {
+  card.gl.deleteVertexArray(made.array);
+  card.gl.deleteVertexArray(made.shade);
+  made.buffers.forEach((b) => card.gl.deleteBuffer(b));
 }

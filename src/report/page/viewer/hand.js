@@ -45,7 +45,10 @@ function makeHand(view, canvas, options) {
   canvas.addEventListener("contextmenu", (event) => event.preventDefault());
   canvas.addEventListener("blur", () => (taken = false));
   canvas.addEventListener("wheel", (event) => {
-    if (!taken && options.wheel !== "always" && !event.ctrlKey) return;
+    if (!taken && options.wheel !== "always" && !event.ctrlKey) {
+      view.hint("click the picture, then the wheel zooms");
+      return;
+    }
     event.preventDefault();
     const lines = event.deltaMode === 1 ? 16 : 1;
     view.zoom(Math.exp(clamp(event.deltaY * lines, -200, 200) * 0.0016), spot(event));
@@ -67,7 +70,7 @@ function nodeNear(view, at, reach) {
   let best = null;
   for (const field of shownFields(view.drawing, view.state.operation)) {
     for (let k = 0; k < field.count; k++) {
-      const p = view.project(...placeOf(view, field, nodeAt(field, k)));
+      const p = seenAt(view, placeOf(view, field, nodeAt(field, k)));
       const far = Math.hypot(p.x - at[0], p.y - at[1]);
       if (p.visible && far < reach && (!best || far < best.far)) best = { field, k, far, x: p.x, y: p.y };
     }
@@ -106,12 +109,14 @@ function makeTip(stage) {
   return box;
 }
 
-function showTip(box, view, found) {
+function showTip(box, view) {
+  const { found } = view;
   box.hidden = !found;
   if (!found) return;
+  const at = seenAt(view, placeOf(view, found.field, nodeAt(found.field, found.k)));
   box.replaceChildren(...nodeWords(view, found).map((line) => element("div", { textContent: line })));
   const [w, h] = [box.offsetWidth, box.offsetHeight];
-  const x = found.x + 16 + w > view.width ? found.x - 16 - w : found.x + 16;
-  const y = clamp(found.y - h / 2, 4, Math.max(view.height - h - 4, 4));
+  const x = at.x + 16 + w > view.width ? at.x - 16 - w : at.x + 16;
+  const y = clamp(at.y - h / 2, 4, Math.max(view.height - h - 4, 4));
   box.style.transform = `translate(${Math.max(x, 4).toFixed(0)}px, ${y.toFixed(0)}px)`;
 }

@@ -13,7 +13,7 @@ function featureEdges(positions, indices) {
   }
   // Of a finely modelled surface the long edges only: the short ones would blacken it.
   const { low, high } = extentOf(positions);
-  const least = seen.size > 6000 ? size(minus(high, low)) * 0.03 : 0;
+  const least = seen.size > 6000 ? size(minus(high, low)) * 0.12 : 0;
   const [lines, drawn] = [[], new Set()];
   for (const pair of seen.values()) {
     if (!pair) continue;
@@ -43,14 +43,27 @@ function readMesh(written, known) {
   if (known.has(key)) return known.get(key);
   const [positions, normals] = [floats(written.positions), floats(written.normals)];
   const indices = integers(written.indices);
-  return { key, positions, normals, indices, edges: featureEdges(positions, indices), ...extentOf(positions) };
+  const mesh = { key, positions, normals, indices, edges: featureEdges(positions, indices), ...extentOf(positions) };
+  return { ...mesh, marks: marksOf(mesh) };
+}
+
+/** A few points on a mesh to which a line may lead: middles of faces spread over it, and corners. */
+function marksOf({ positions, indices }) {
+  const corner = (k) => [positions[3 * indices[k]], positions[3 * indices[k] + 1], positions[3 * indices[k] + 2]];
+  const step = 3 * Math.ceil(indices.length / 3 / 24);
+  const marks = [];
+  for (let k = 0; k + 2 < indices.length; k += step) {
+    const [a, b, c] = [corner(k), corner(k + 1), corner(k + 2)];
+    marks.push(a, times(add(a, c), 0.5), times(add(b, c), 0.5));
+  }
+  return marks;
 }
 
 function readModel(written, known) {
   if (written.schema !== "sweetspot/drawing/1") throw new Error(`not a drawing: ${written.schema}`);
   const meshes = written.meshes.map((m) => readMesh(m, known));
   const drawings = written.drawings.map((d) => readDrawing(d, meshes));
-  return { meshes, drawings, ...wholeExtent(drawings) };
+  return { meshes, drawings, ...wholeExtent(drawings), points: drawings.flatMap(pointsOf) };
 }
 
 function readDrawing(d, meshes) {
@@ -101,6 +114,16 @@ function wholeExtent(drawings) {
   return { low, high };
 }
 
+/** What must be in the picture: corners of everything that stands and moves, nodes. */
+function pointsOf(d) {
+  const frames = framesAt(d.movement, timeOf(d, null));
+  const corners = d.parts.flatMap((p) => [0, 1, 2, 3, 4, 5, 6, 7].map((c) => {
+    const corner = [0, 1, 2].map((a) => ((c >> a) & 1 ? p.mesh.high[a] : p.mesh.low[a]));
+    return moved(p.at || frames[p.link] || d.base, corner);
+  }));
+  return corners.concat(d.fields.flatMap((f) => Array.from({ length: f.count }, (_, k) => nodeAt(f, k))));
+}
+
 /** Which take of a field answers a lens of another drawing; -1 if none does. */
 const lensIn = (drawing, lens) =>
   drawing.lenses.findIndex((l) => l.model === lens.model && l.reading === lens.reading);
@@ -128,15 +151,16 @@ function rangeOf(model, lens, sense, wordOfUnit) {
   return low <= high ? { low, high } : null;
 }
 
-/** The longest position error over all drawings under a lens, mm. */
-function longestError(model, lens) {
+/** The longest of the arrows wanted over all drawings under a lens, mm of error. */
+function longestError(model, lens, arrows) {
+  const axis = "xyz".indexOf(arrows);
   let longest = 0;
   for (const d of model.drawings) {
     const at = lensIn(d, lens);
     for (const f of at < 0 ? [] : d.fields) {
       for (let k = 0; k < f.count; k++) {
-        const e = resultant(f, at, k, lens.signed);
-        if (e) longest = Math.max(longest, size(e));
+        const e = (arrows.length > 1 ? resultant : components)(f, at, k, lens.signed);
+        if (e) longest = Math.max(longest, axis < 0 ? size(e) : Math.abs(e[axis]));
       }
     }
   }

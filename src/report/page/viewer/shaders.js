@@ -5,7 +5,8 @@ in vec3 position;
 in vec3 normal;
 uniform mat4 model, camera;
 uniform vec2 viewport;
-uniform float grow;
+uniform float grow, parallelView;
+uniform vec3 eye;
 out vec3 place;
 out vec3 facing;
 void main() {
@@ -16,7 +17,10 @@ void main() {
   if (grow > 0.0) {
     vec2 away = (camera * vec4(facing, 0.0)).xy * viewport;
     float far = length(away);
-    if (far > 1e-6) gl_Position.xy += away / far * grow * 2.0 / viewport * gl_Position.w;
+    // Faces seen from the front stay: moved about they would turn over.
+    float front = abs(dot(normalize(facing), normalize(eye - place * (1.0 - parallelView))));
+    float share = 1.0 - smoothstep(0.6, 0.9, front);
+    if (far > 1e-6) gl_Position.xy += away / far * grow * share * 2.0 / viewport * gl_Position.w;
   }
 }`;
 
