@@ -1,10 +1,11 @@
 //! What if: layouts side by side.
 //!
 //! An [`Assessment`] is everything known of one layout; a [`Comparison`] is several of them that
-//! answer the same question. [`Account`] (budget) and [`Explanation`] look at one posture,
+//! answer the same question. [`Account`] (budget), [`Explanation`] and [`Distribution`] look at one posture,
 //! [`Readings`] at one layout in every reading.
 
 mod budget;
+mod distribution;
 mod explain;
 mod motion;
 mod reachable;
@@ -12,6 +13,7 @@ mod readings;
 mod stance;
 
 pub use budget::{Account, Tighter};
+pub use distribution::Distribution;
 pub use explain::{DhRow, Explanation, Line, SenseRow};
 pub use motion::{Motion, Place};
 pub use reachable::{Asked, Reachable, Sheet, step_of, tolerance_of};

@@ -32,7 +32,7 @@ pub use effects::Effects;
 pub use figures::{Figures, Judgement};
 pub use gauge::{Gauge, Memory};
 pub use measure::Measure;
-pub use monte_carlo::{Estimate, MonteCarlo, monte_carlo};
+pub use monte_carlo::{Estimate, Histogram, MonteCarlo, monte_carlo};
 pub use registration::{BestFit, Taught};
 pub use situation::{Reference, Sample, Site, Situation, Theory};
 pub use sources::{MAX_SOURCES, Source, Sources};

@@ -21,6 +21,9 @@ const STUDENT: f64 = 2.039_513_446;
 /// The first-order figure holds if it is within the interval, or this near as a share.
 pub const NEAR: f64 = 0.01;
 
+/// Parts of a [`Histogram`].
+const PARTS: usize = 72;
+
 /// A figure with its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate {
@@ -48,6 +51,33 @@ pub struct MonteCarlo {
     pub success: Option<Estimate>,
     /// Share of samples that exceed the p95 asked about.
     pub above: Estimate,
+    pub histogram: Histogram,
+}
+
+/// How many samples fall into equal parts of what they span, m or rad.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Histogram {
+    pub low: f64,
+    pub high: f64,
+    pub counts: Vec<u32>,
+}
+
+impl Histogram {
+    /// Of sorted values.
+    fn of(sorted: &[f64]) -> Self {
+        let (low, high) = (sorted.first().copied().unwrap_or(0.0), sorted.last().copied().unwrap_or(0.0));
+        let mut counts = vec![0; PARTS];
+        for value in sorted {
+            let share = if high > low { (value - low) / (high - low) } else { 0.0 };
+            counts[((share * PARTS as f64) as usize).min(PARTS - 1)] += 1;
+        }
+        Self { low, high, counts }
+    }
+
+    /// Width of a part.
+    pub fn width(&self) -> f64 {
+        (self.high - self.low) / self.counts.len().max(1) as f64
+    }
 }
 
 impl MonteCarlo {
@@ -110,6 +140,7 @@ pub fn monte_carlo(
         p99: estimate(&|s| percentile(s, 0.99)),
         success: gauge.limit.map(|limit| estimate(&|s| share(s, limit))),
         above: estimate(&|s| 1.0 - share(s, p95)),
+        histogram: Histogram::of(&all),
     }
 }
 

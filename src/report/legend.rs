@@ -1,99 +1,106 @@
-//! The legend of the map picture: colour scale, signs, scale bar.
+//! The legend of the map picture: colour scale, exactly the signs that are there, scale bar.
 
-use super::view::{LEGEND, MARGIN, View, escaped};
+use super::chart::Ink;
+use super::chart::canvas::{Anchor, BODY, Canvas, Entry};
+use super::chart::{signs, words};
+use super::colours::viridis_hex;
+use super::view::{MARGIN, View};
 use crate::compare::Assessment;
-use std::fmt::Write;
+use crate::units::{m_from_mm, mm_from_m, rounded};
 
-/// Least and greatest colour: viridis (M. Bigot, S. van der Walt and N. Smith; CC0) at equal steps,
-/// even in lightness and safe for colour-blind readers.
-const COLOURS: [(f64, f64, f64); 6] = [
-    (68.0, 1.0, 84.0),
-    (65.0, 68.0, 135.0),
-    (42.0, 120.0, 142.0),
-    (34.0, 168.0, 132.0),
-    (122.0, 209.0, 81.0),
-    (253.0, 231.0, 37.0),
-];
+/// Lines of the reach of operations at different heights, in turn.
+const REACH: [(Ink, &str); 4] =
+    [(Ink::Blue, "7 3"), (Ink::Green, "2 3"), (Ink::Purple, "12 3 2 3"), (Ink::Orange, "14 5")];
 
-/// How far the arm reaches: a thin line.
-pub(super) const ENVELOPE_STYLE: &str = "stroke=\"#0969a8\" stroke-width=\"1.2\" stroke-dasharray=\"7 3\"";
+/// How far the arm reaches: the look of the k-th line.
+pub(super) fn reach_line(k: usize) -> String {
+    let (ink, dash) = REACH[k % REACH.len()];
+    format!("{} stroke-dasharray=\"{dash}\"", ink.line(1.4))
+}
 
-pub(super) fn draw_legend(
-    out: &mut String,
-    a: &Assessment<'_>,
-    view: &View,
-    range: (f64, f64),
-    enlarged: f64,
-) {
-    let (_, height) = view.size();
-    let top = height - LEGEND - 2.0;
-    for k in 0..60 {
-        let fill = colour(f64::from(k) / 59.0);
-        let _ = writeln!(
-            out,
-            "<rect x=\"{:.1}\" y=\"{:.1}\" width=\"4.2\" height=\"12\" fill=\"{fill}\"/>",
-            MARGIN + 4.0 * f64::from(k),
-            top + 18.0
-        );
+pub(super) fn fence_line() -> String {
+    Ink::Text.line(2.2)
+}
+
+pub(super) fn keep_out_line() -> String {
+    format!("{} stroke-dasharray=\"6 4\"", Ink::Vermilion.line(1.6))
+}
+
+/// What the map shows beside its nodes.
+pub(super) struct Shown {
+    /// The colour scale in the unit of the cell.
+    pub range: (f64, f64),
+    /// Arrows are so many times longer than what they show.
+    pub enlarged: f64,
+    /// The operations whose reach is drawn.
+    pub reach: Vec<String>,
+    /// So many nodes were mapped for one that is drawn, along both axes.
+    pub every: usize,
+}
+
+pub(super) fn draw_legend(canvas: &mut Canvas, a: &Assessment<'_>, view: &View, shown: &Shown) {
+    draw_scale_bar(canvas, view);
+    draw_colours(canvas, a, shown);
+    canvas.paragraph(&format!("arrows: error in x and y, {} times enlarged", shown.enlarged));
+    if shown.every > 1 {
+        canvas.paragraph(&format!(
+            "drawn thinner than mapped: one node of {} along both axes; spots come from all of them",
+            shown.every
+        ));
     }
+    let entry =
+        |is_there: bool, mark: String, said: &str| is_there.then(|| Entry { mark, said: said.to_string() });
+    let line = |paint: &str| format!("<path d=\"M-12 0H12\" {paint}/>");
+    let has_spot = (0..a.maps.len()).any(|k| a.spot(k).is_some());
+    let has_refined = (0..a.maps.len()).any(|k| a.spot(k).is_some() && a.refined[k].is_some());
+    let mut entries = vec![
+        entry(has_spot, signs::spot((0.0, 0.0)), "spot chosen"),
+        entry(has_refined, signs::refined((0.0, 0.0)), "spot between the nodes"),
+        entry(a.cell.fence.is_some(), line(&fence_line()), "fence"),
+        entry(!a.cell.keep_out.is_empty(), line(&keep_out_line()), "keep-out"),
+    ];
+    for (k, name) in shown.reach.iter().enumerate() {
+        entries.push(entry(true, line(&reach_line(k)), &format!("reach at the height of {name}")));
+    }
+    let nodes = a.maps.iter().flat_map(|m| &m.nodes).map(|n| n.status.name());
+    let all: Vec<Entry> = entries.into_iter().flatten().chain(signs::entries(nodes)).collect();
+    canvas.legend(&all);
+}
+
+fn draw_colours(canvas: &mut Canvas, a: &Assessment<'_>, shown: &Shown) {
     let mut senses: Vec<_> = a.cell.operations.iter().map(|o| o.sense.name.as_str()).collect();
     senses.dedup();
     let unit = a.cell.unit().word();
-    let mut text = |x: f64, y: f64, what: &str| {
-        let _ = writeln!(out, "<text x=\"{x:.1}\" y=\"{y:.1}\">{}</text>", escaped(what));
-    };
-    text(MARGIN, top + 10.0, &format!("{} in {}", super::text::value_word(a.cell), senses.join(", ")));
-    text(MARGIN, top + 46.0, &format!("{:.2} {unit}", range.0));
-    text(MARGIN + 190.0, top + 46.0, &format!("{:.2} {unit}", range.1));
-    text(MARGIN, top + 68.0, &format!("arrows: error in x and y, {enlarged} times enlarged"));
-    text(MARGIN + 330.0, top + 10.0, "out of reach");
-    text(MARGIN + 330.0, top + 30.0, "joint limit, attitude");
-    text(MARGIN + 330.0, top + 50.0, "collides, or no way in");
-    text(MARGIN + 330.0, top + 70.0, "spot chosen");
-    text(MARGIN + 330.0, top + 90.0, "reach at this height");
-    let x = MARGIN + 315.0;
-    let _ = writeln!(
-        out,
-        "<circle cx=\"{x}\" cy=\"{0:.1}\" r=\"4.6\" fill=\"none\" stroke=\"#6e7781\"/>\
-         <circle cx=\"{x}\" cy=\"{1:.1}\" r=\"4.6\" fill=\"none\" stroke=\"#6e7781\" stroke-dasharray=\"2 1.6\"/>\
-         <path d=\"M{2:.1} {3:.1}l7 7m0 -7l-7 7\" stroke=\"#cf222e\" stroke-width=\"1.5\" fill=\"none\"/>\
-         <circle cx=\"{x}\" cy=\"{4:.1}\" r=\"7\" fill=\"none\" stroke=\"#bf3989\" stroke-width=\"2.4\"/>\
-         <path d=\"M{5:.1} {6:.1}h20\" {ENVELOPE_STYLE}/>",
-        top + 6.0,
-        top + 26.0,
-        x - 3.5,
-        top + 42.0,
-        top + 66.0,
-        x - 10.0,
-        top + 86.0
-    );
-    draw_scale_bar(out, view, top);
+    canvas.paragraph(&format!("{} in {}", super::text::value_word(a.cell), senses.join(", ")));
+    let [low, high] = [shown.range.0, shown.range.1].map(|v| format!("{} {unit}", words::figure(v)));
+    let (y, left) = (canvas.y + 20.0, MARGIN + words::width(&low, BODY) + 6.0);
+    canvas.text((MARGIN, y), Anchor::Start, Ink::Text, &low);
+    for k in 0..60 {
+        let (x, fill) = (left + 4.0 * f64::from(k), viridis_hex(f64::from(k) / 59.0));
+        canvas.put(&format!(
+            "<rect x=\"{x:.1}\" y=\"{:.1}\" width=\"4.4\" height=\"12\" fill=\"{fill}\"/>",
+            y - 11.0
+        ));
+    }
+    canvas.text((left + 252.0, y), Anchor::Start, Ink::Text, &high);
+    canvas.y = y + 4.0;
 }
 
-/// Half a metre, and the directions of the world axes.
-fn draw_scale_bar(out: &mut String, view: &View, top: f64) {
-    let (x, y, length) = (MARGIN + 520.0, top + 70.0, 0.5 * view.scale);
-    let _ = writeln!(
-        out,
-        "<path d=\"M{x:.1} {0:.1}v8m0 -4h{length:.1}m0 -4v8\" stroke=\"#1b1f24\" fill=\"none\"/>\
-         <text x=\"{1:.1}\" y=\"{0:.1}\" text-anchor=\"middle\">500 mm</text>\
-         <path d=\"M{x:.1} {2:.1}h26m-5 -3l5 3l-5 3M{x:.1} {2:.1}v-26m-3 5l3 -5l3 5\" stroke=\"#1b1f24\" fill=\"none\"/>\
-         <text x=\"{3:.1}\" y=\"{4:.1}\">x</text><text x=\"{5:.1}\" y=\"{6:.1}\">y</text>",
-        y - 4.0,
-        x + length / 2.0,
-        top + 34.0,
-        x + 30.0,
-        top + 38.0,
-        x - 3.0,
-        top + 4.0
+/// A round length near a sixth of the picture, and the directions of the world axes.
+fn draw_scale_bar(canvas: &mut Canvas, view: &View) {
+    let (left, top, width, height) = view.frame();
+    let steps = [50.0, 100.0, 200.0, 500.0, 1_000.0, 2_000.0, 5_000.0, 10_000.0].map(m_from_mm);
+    let length = steps.into_iter().rev().find(|s| s * view.scale <= 160.0).unwrap_or(steps[0]);
+    let (x, y, px) = (left + 10.0, top + height + 26.0, length * view.scale);
+    canvas.path(&format!("M{x:.1} {:.1}v8m0 -4h{px:.1}m0 -4v8", y - 4.0), &Ink::Text.line(1.2));
+    let said = format!("{} mm", rounded(mm_from_m(length), 0));
+    canvas.text((x + px + 8.0, y + 4.5), Anchor::Start, Ink::Text, &said);
+    let x = left + width.min(view.width() - 2.0 * MARGIN) - 60.0;
+    canvas.path(
+        &format!("M{x:.1} {0:.1}h26m-5 -3l5 3l-5 3M{x:.1} {0:.1}v-26m-3 5l3 -5l3 5", y + 8.0),
+        &Ink::Text.line(1.2),
     );
-}
-
-/// A colour of the scale, 0 to 1.
-pub(super) fn colour(t: f64) -> String {
-    let t = t.clamp(0.0, 1.0) * (COLOURS.len() - 1) as f64;
-    let k = (t.floor() as usize).min(COLOURS.len() - 2);
-    let (a, b, f) = (COLOURS[k], COLOURS[k + 1], t - k as f64);
-    let mix = |a: f64, b: f64| (a + (b - a) * f).round() as u8;
-    format!("#{:02x}{:02x}{:02x}", mix(a.0, b.0), mix(a.1, b.1), mix(a.2, b.2))
+    canvas.text((x + 30.0, y + 12.0), Anchor::Start, Ink::Text, "x");
+    canvas.text((x - 12.0, y - 10.0), Anchor::Start, Ink::Text, "y");
+    canvas.y = y + 12.0;
 }

@@ -1,5 +1,7 @@
 //! Records to bytes: pure renderers, one per format.
 
+pub mod chart;
+pub mod colours;
 pub mod csv;
 pub mod envelope;
 pub mod fig8;

@@ -1,92 +1,98 @@
 //! The error map as a picture: the cell in plan, nodes coloured by error, arrows for the error in
-//! the plane, circles round nodes that cannot be reached (the paper's Figs. 4 to 7 in plan).
+//! the plane, a sign on every node that cannot be used (the paper's Figs. 4 to 7 in plan).
 
-use super::envelope::path;
-use super::legend::{ENVELOPE_STYLE, colour, draw_legend};
-use super::view::{MARGIN, View, corners, escaped};
-use crate::cell::{Placement, Rectangle, Role};
+use super::chart::Ink;
+use super::chart::canvas::{Anchor, Canvas, SMALL, path};
+use super::chart::labels::Taken;
+use super::chart::{signs, words};
+use super::colours::viridis_hex;
+use super::legend::{Shown, draw_legend, fence_line, keep_out_line, reach_line};
+use super::view::{View, corners, escaped};
+use crate::cell::{Placement, Role};
 use crate::compare::Assessment;
 use crate::error_map::{NodeRecord, OperationMap, PostureRecord, Status};
-use std::fmt::Write;
+
+/// Of a map with more nodes not all are drawn: a picture is no table.
+const MOST: usize = 4000;
 
 /// The picture of a layout with all its maps.
 pub fn plan(a: &Assessment<'_>) -> String {
-    let view = View::of(a);
-    let (width, height) = view.size();
-    let mut out = String::new();
-    // Writing to a String cannot fail; the results below are dropped for that reason.
-    let _ = writeln!(
-        out,
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.0} {height:.0}\" width=\"{width:.0}\" \
-         height=\"{height:.0}\" font-family=\"system-ui, sans-serif\" font-size=\"13\" fill=\"#1b1f24\">"
-    );
-    let _ = writeln!(out, "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>");
-    let title = super::text::headline(a.cell);
-    let _ = writeln!(
-        out,
-        "<title>{0}</title>\n<text x=\"{MARGIN}\" y=\"{1}\" font-size=\"17\" font-weight=\"600\">{0}</text>",
-        escaped(&title),
-        MARGIN + 14.0
-    );
-    draw_equipment(&mut out, a, &view);
-    draw_envelopes(&mut out, a, &view);
-    let range = error_range(a);
-    let enlarged = enlargement(a, &view);
+    let mut view = View::of(a);
+    let mut canvas = Canvas::wide(&super::text::headline(a.cell), &[], view.width());
+    view.top = canvas.y + 6.0;
+    draw_equipment(&mut canvas, a, &view);
+    let reach = draw_envelopes(&mut canvas, a, &view);
+    let every = a.maps.iter().map(thinning).max().unwrap_or(1);
+    let shown = Shown { range: error_range(a), enlarged: enlargement(a, &view), reach, every };
     for map in &a.maps {
-        draw_nodes(&mut out, a, map, &view, range, enlarged);
+        draw_nodes(&mut canvas, a, map, &view, &shown);
     }
+    let mut taken = Taken::default();
     for (k, map) in a.maps.iter().enumerate() {
-        draw_spot(&mut out, a, k, map, &view);
+        draw_spot(&mut canvas, a, k, map, &view, &mut taken);
     }
-    draw_names(&mut out, a, &view);
-    draw_legend(&mut out, a, &view, range, enlarged);
-    out.push_str("</svg>\n");
-    out
+    draw_names(&mut canvas, a, &view, &mut taken);
+    let (_, top, _, height) = view.frame();
+    canvas.y = top + height;
+    draw_legend(&mut canvas, a, &view, &shown);
+    canvas.finish()
 }
 
-fn draw_equipment(out: &mut String, a: &Assessment<'_>, view: &View) {
-    let mut outline = |rectangle: &Rectangle, at: &Placement, style: &str| {
-        let points = corners(rectangle, at).map(|p| view.at(p)).map(|(x, y)| format!("{x:.1},{y:.1}"));
-        let _ = writeln!(out, "<polygon points=\"{}\" {style}/>", points.join(" "));
+fn draw_equipment(canvas: &mut Canvas, a: &Assessment<'_>, view: &View) {
+    let mut outline = |points: &[(f64, f64)], fill: &str, line: &str| {
+        let d = path(points.iter().map(|p| view.at(*p)), "Z");
+        canvas.path(&d, fill);
+        canvas.path(&d, line);
     };
     for (equipment, at) in a.cell.equipment.iter().zip(&a.layout.placements) {
-        let style = match equipment.role {
-            Role::Equipment => "fill=\"#eef2f6\" stroke=\"#57606a\" stroke-width=\"1.4\"",
-            Role::Obstacle => "fill=\"#c9ced6\" stroke=\"#57606a\" stroke-width=\"1\"",
+        let fill = match equipment.role {
+            Role::Equipment => Ink::Ground.fill(),
+            Role::Obstacle => Ink::Grid.fill(),
         };
-        outline(&equipment.footprint, at, style);
+        outline(&corners(&equipment.footprint, at), &fill, &Ink::Faint.line(1.4));
     }
-    outline(
-        &a.cell.robot.footprint,
-        &a.layout.base,
-        "fill=\"#fde7d3\" stroke=\"#bc4c00\" stroke-width=\"1.4\"",
-    );
+    let robot = corners(&a.cell.robot.footprint, &a.layout.base);
+    let pale = format!("{} fill-opacity=\"0.35\"", Ink::Orange.fill());
+    outline(&robot, &pale, &Ink::Orange.line(1.4));
+    for space in &a.cell.keep_out {
+        let (low, high) = (space.min, space.max);
+        let points = [(low.x, low.y), (high.x, low.y), (high.x, high.y), (low.x, high.y)];
+        outline(&points, "fill=\"none\"", &keep_out_line());
+    }
+    if let Some(fence) = &a.cell.fence {
+        outline(&fence.corners, "fill=\"none\"", &fence_line());
+    }
     let (x, y) = view.at((a.layout.base.x, a.layout.base.y));
-    let _ = writeln!(out, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"5\" fill=\"#bc4c00\"/>");
+    canvas.put(&format!("<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"5\" {}/>", Ink::Vermilion.fill()));
 }
 
-/// How far the arm reaches at the height of each operation, cut off at the frame of the drawing.
-fn draw_envelopes(out: &mut String, a: &Assessment<'_>, view: &View) {
+/// How far the arm reaches at the height of each operation, cut off at the frame of the drawing; the
+/// operations of each line drawn.
+fn draw_envelopes(canvas: &mut Canvas, a: &Assessment<'_>, view: &View) -> Vec<String> {
     let (x, y, width, height) = view.frame();
-    let _ = writeln!(
-        out,
+    canvas.put(&format!(
         "<clipPath id=\"plan\"><rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{width:.1}\" height=\"{height:.1}\"/></clipPath>"
-    );
-    let mut drawn: Vec<String> = Vec::new();
+    ));
+    let mut drawn: Vec<(String, String)> = Vec::new();
     for k in 0..a.maps.len() {
         let outlines = a.reachable(k);
-        let path: String = outlines.iter().map(|o| path(o.iter().map(|p| view.at(*p)), "Z")).collect();
+        let d: String = outlines.iter().map(|o| path(o.iter().map(|p| view.at(*p)), "Z")).collect();
+        let name = &a.cell.operations[a.maps[k].operation].name;
         // Operations of one height and attitude share an outline.
-        if !path.is_empty() && !drawn.contains(&path) {
-            let _ = writeln!(
-                out,
-                "<path d=\"{path}\" clip-path=\"url(#plan)\" fill=\"none\" {ENVELOPE_STYLE}><title>reach at the \
-                 height of {}</title></path>",
-                escaped(&a.cell.operations[a.maps[k].operation].name)
-            );
-            drawn.push(path);
+        match drawn.iter_mut().find(|(other, _)| *other == d) {
+            Some((_, names)) => *names = format!("{names}, {name}"),
+            None if d.is_empty() => {}
+            None => drawn.push((d, name.clone())),
         }
     }
+    for (k, (d, names)) in drawn.iter().enumerate() {
+        canvas.put(&format!(
+            "<path d=\"{d}\" clip-path=\"url(#plan)\" {}><title>reach at the height of {}</title></path>",
+            reach_line(k),
+            escaped(names)
+        ));
+    }
+    drawn.into_iter().map(|(_, names)| names).collect()
 }
 
 fn middle(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
@@ -102,15 +108,9 @@ fn far_edge(corners: &[(f64, f64); 4], base: &Placement) -> Option<(f64, f64)> {
 }
 
 /// Names last, with a halo, so that nothing covers them.
-fn draw_names(out: &mut String, a: &Assessment<'_>, view: &View) {
-    let mut name = |text: &str, (x, y): (f64, f64), anchor: &str| {
-        let _ = writeln!(
-            out,
-            "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\" font-weight=\"600\" stroke=\"#ffffff\" \
-             stroke-width=\"3\" paint-order=\"stroke\">{}</text>",
-            escaped(text)
-        );
-    };
+fn draw_names(canvas: &mut Canvas, a: &Assessment<'_>, view: &View, taken: &mut Taken) {
+    let (x, y) = view.at((a.layout.base.x, a.layout.base.y));
+    draw_name(canvas, view, "robot", (x, y + 22.0), taken);
     for (equipment, at) in a.cell.equipment.iter().zip(&a.layout.placements) {
         let corners = corners(&equipment.footprint, at);
         let centre = view.at(middle(corners[0], corners[2]));
@@ -118,15 +118,20 @@ fn draw_names(out: &mut String, a: &Assessment<'_>, view: &View) {
         let (x, y) = edge.unwrap_or(centre);
         let (dx, dy) = (x - centre.0, y - centre.1);
         let away = 16.0 / dx.hypot(dy).max(16.0);
-        let anchor = match dx * away {
-            side if side > 6.0 => "start",
-            side if side < -6.0 => "end",
-            _ => "middle",
-        };
-        name(&equipment.name, (x + dx * away, y + dy * away + 4.0), anchor);
+        let half = words::width(&equipment.name, SMALL) / 2.0;
+        let side = (dx * away / 6.0).clamp(-1.0, 1.0);
+        draw_name(canvas, view, &equipment.name, (x + dx * away + side * half, y + dy * away + 4.0), taken);
     }
-    let (x, y) = view.at((a.layout.base.x, a.layout.base.y));
-    name("robot", (x, y + 22.0), "middle");
+}
+
+/// A name round a point, moved so that it is inside the picture and, if there is room, over no other.
+fn draw_name(canvas: &mut Canvas, view: &View, name: &str, (x, y): (f64, f64), taken: &mut Taken) {
+    let said = words::shortened(name, SMALL, view.width() - 16.0);
+    let half = words::width(&said, SMALL) / 2.0;
+    let x = x.clamp(half + 6.0, view.width() - half - 6.0);
+    let tries = [0.0, 15.0, -15.0, 30.0, -30.0].map(|dy| y + dy);
+    let free = tries.into_iter().find(|y| taken.take([x - half, y - 11.0, x + half, y + 3.0]));
+    canvas.label((x, free.unwrap_or(y)), Anchor::Middle, Ink::Text, &said);
 }
 
 fn usable(map: &OperationMap) -> impl Iterator<Item = (&NodeRecord, &PostureRecord)> {
@@ -150,49 +155,38 @@ fn enlargement(a: &Assessment<'_>, view: &View) -> f64 {
     (raw / digit).floor().max(1.0) * digit
 }
 
-fn draw_nodes(
-    out: &mut String,
-    a: &Assessment<'_>,
-    map: &OperationMap,
-    view: &View,
-    range: (f64, f64),
-    enlarged: f64,
-) {
-    let unit = a.cell.unit().word();
-    for node in &map.nodes {
+fn is_kept(node: &NodeRecord, every: usize) -> bool {
+    node.i.is_multiple_of(every) && node.j.is_multiple_of(every)
+}
+
+/// Every so many nodes of a map are drawn along both axes.
+fn thinning(map: &OperationMap) -> usize {
+    let kept = |every: usize| map.nodes.iter().filter(|n| is_kept(n, every)).count();
+    (1..).find(|every| kept(*every) <= MOST).unwrap_or(1)
+}
+
+fn draw_nodes(canvas: &mut Canvas, a: &Assessment<'_>, map: &OperationMap, view: &View, shown: &Shown) {
+    let (unit, every) = (a.cell.unit(), thinning(map));
+    let (low, high) = shown.range;
+    let stretch = shown.enlarged * view.scale;
+    for node in map.nodes.iter().filter(|n| is_kept(n, every)) {
         let (x, y) = view.at((node.position.x, node.position.y));
-        let reason = escaped(&node.status.reason(a.cell));
-        let _ = match (&node.status, &node.posture) {
+        let at = format!("({}, {})", node.i, node.j);
+        match (&node.status, &node.posture) {
             (Status::Ok, Some(p)) => {
-                let value = a.cell.unit().from_si(p.value);
-                let fill = colour((value - range.0) / (range.1 - range.0).max(f64::MIN_POSITIVE));
-                let arrow =
-                    arrow((x, y), (p.error.x * enlarged * view.scale, -p.error.y * enlarged * view.scale));
-                writeln!(
-                    out,
-                    "<g stroke=\"{fill}\"><title>({}, {}): {value:.4} {unit}</title><path d=\"{arrow}\" fill=\"none\" \
+                let value = unit.from_si(p.value);
+                let fill = viridis_hex((value - low) / (high - low).max(f64::MIN_POSITIVE));
+                let arrow = arrow((x, y), (p.error.x * stretch, -p.error.y * stretch));
+                canvas.put(&format!(
+                    "<g stroke=\"{fill}\"><title>{at}: {value:.4} {}</title><path d=\"{arrow}\" fill=\"none\" \
                      stroke-width=\"1.5\"/><circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3.6\" fill=\"{fill}\"/></g>",
-                    node.i, node.j
-                )
-            }
-            (Status::Collision { .. } | Status::Refused(_) | Status::Overlap(_) | Status::Unjudged(_), _) => {
-                writeln!(
-                    out,
-                    "<path d=\"M{:.1} {:.1}l7 7m0 -7l-7 7\" stroke=\"#cf222e\" stroke-width=\"1.5\" fill=\"none\"><title>{reason}</title></path>",
-                    x - 3.5,
-                    y - 3.5
-                )
+                    unit.word()
+                ));
             }
             (status, _) => {
-                let missed = matches!(
-                    status,
-                    Status::JointLimit { .. } | Status::Attitude { .. } | Status::NotConverged { .. }
-                );
-                let dash = if missed { " stroke-dasharray=\"2 1.6\"" } else { "" };
-                writeln!(
-                    out,
-                    "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4.6\" fill=\"none\" stroke=\"#6e7781\"{dash}><title>{reason}</title></circle>"
-                )
+                let reason = escaped(&status.reason(a.cell));
+                let sign = signs::sign(status.name(), (x, y), 4.4);
+                canvas.put(&format!("<g><title>{at}: {reason}</title>{sign}</g>"));
             }
         };
     }
@@ -209,31 +203,30 @@ fn arrow((x, y): (f64, f64), (dx, dy): (f64, f64)) -> String {
     format!("M{x:.1} {y:.1}l{dx:.1} {dy:.1}l{ax:.1} {ay:.1}m{:.1} {:.1}l{bx:.1} {by:.1}", -ax, -ay)
 }
 
-fn draw_spot(out: &mut String, a: &Assessment<'_>, k: usize, map: &OperationMap, view: &View) {
+fn draw_spot(
+    canvas: &mut Canvas,
+    a: &Assessment<'_>,
+    k: usize,
+    map: &OperationMap,
+    view: &View,
+    taken: &mut Taken,
+) {
     let Some((node, p)) = a.spot(k) else { return };
     let (x, y) = view.at((node.position.x, node.position.y));
-    let operation = &a.cell.operations[map.operation];
+    let (unit, name) = (a.cell.unit(), &a.cell.operations[map.operation].name);
     if let Some(refined) = &a.refined[k] {
-        let (x, y) = view.at((refined.position.x, refined.position.y));
-        let _ = writeln!(
-            out,
-            "<path d=\"M{:.1} {y:.1}l5 5l5 -5l-5 -5z\" fill=\"none\" stroke=\"#bf3989\" stroke-width=\"2\">\
-             <title>{} refined: {:.4} {}</title></path>",
-            x - 5.0,
-            escaped(&operation.name),
-            a.cell.unit().from_si(refined.value),
-            a.cell.unit().word()
-        );
+        let sign = signs::refined(view.at((refined.position.x, refined.position.y)));
+        let value = unit.from_si(refined.value);
+        let name = escaped(name);
+        canvas.put(&format!("<g><title>{name} refined: {value:.4} {}</title>{sign}</g>", unit.word()));
     }
-    let _ = writeln!(
-        out,
-        "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"9\" fill=\"none\" stroke=\"#bf3989\" stroke-width=\"2.4\"/>\
-         <text x=\"{:.1}\" y=\"{:.1}\" fill=\"#99286e\" font-weight=\"600\" stroke=\"#ffffff\" stroke-width=\"3.5\" \
-         paint-order=\"stroke\">{}: {:.3} {}</text>",
-        x + 13.0,
-        y - 9.0,
-        escaped(&operation.name),
-        a.cell.unit().from_si(p.value),
-        a.cell.unit().word()
-    );
+    canvas.put(&signs::spot((x, y)));
+    taken.keep([x - 10.0, y - 10.0, x + 10.0, y + 10.0]);
+    let value = format!(": {:.3} {}", unit.from_si(p.value), unit.word());
+    let room = view.width() - 40.0 - words::width(&value, SMALL);
+    let said = words::shortened(name, SMALL, room) + &value;
+    // Beside the spot, on the side where it fits.
+    let half = words::width(&said, SMALL) / 2.0 + 13.0;
+    let side = if x + 2.0 * half < view.width() { half } else { -half };
+    draw_name(canvas, view, &said, (x + side, y - 9.0), taken);
 }

@@ -6,13 +6,18 @@ use crate::compare::Assessment;
 /// Longer side of the drawing area and the space round it, in px.
 const SIDE: f64 = 820.0;
 pub const MARGIN: f64 = 24.0;
-pub const LEGEND: f64 = 118.0;
+/// However narrow the cell, heading and legend need their width.
+const LEAST: f64 = 740.0;
+/// Round everything, m.
+const ROUND: f64 = 0.25;
 
 /// World plan (m) to picture (px), y upwards.
 pub struct View {
     low: (f64, f64),
     high: (f64, f64),
     pub scale: f64,
+    /// Where the drawing begins below the heading, px.
+    pub top: f64,
 }
 
 impl View {
@@ -21,29 +26,29 @@ impl View {
         for (equipment, at) in a.cell.equipment.iter().zip(&a.layout.placements) {
             points.extend(corners(&equipment.footprint, at));
         }
+        points.extend(a.cell.fence.iter().flat_map(|f| &f.corners));
+        points.extend(a.cell.keep_out.iter().flat_map(|k| [(k.min.x, k.min.y), (k.max.x, k.max.y)]));
         let fold = |pick: fn(&(f64, f64)) -> f64, start: f64, f: fn(f64, f64) -> f64| {
             points.iter().map(pick).fold(start, f)
         };
-        let margin = 0.25;
-        let low = (fold(|p| p.0, f64::MAX, f64::min) - margin, fold(|p| p.1, f64::MAX, f64::min) - margin);
-        let high = (fold(|p| p.0, f64::MIN, f64::max) + margin, fold(|p| p.1, f64::MIN, f64::max) + margin);
-        Self { low, high, scale: SIDE / (high.0 - low.0).max(high.1 - low.1) }
+        let low = (fold(|p| p.0, f64::MAX, f64::min) - ROUND, fold(|p| p.1, f64::MAX, f64::min) - ROUND);
+        let high = (fold(|p| p.0, f64::MIN, f64::max) + ROUND, fold(|p| p.1, f64::MIN, f64::max) + ROUND);
+        Self { low, high, scale: SIDE / (high.0 - low.0).max(high.1 - low.1), top: 0.0 }
     }
 
     pub fn at(&self, (x, y): (f64, f64)) -> (f64, f64) {
-        (MARGIN + (x - self.low.0) * self.scale, MARGIN + 44.0 + (self.high.1 - y) * self.scale)
+        (MARGIN + (x - self.low.0) * self.scale, self.top + (self.high.1 - y) * self.scale)
     }
 
-    /// The drawing without title and legend: left, top, width, height.
+    /// The drawing without heading and legend: left, top, width, height.
     pub fn frame(&self) -> (f64, f64, f64, f64) {
         let (left, top) = self.at((self.low.0, self.high.1));
         (left, top, (self.high.0 - self.low.0) * self.scale, (self.high.1 - self.low.1) * self.scale)
     }
 
-    pub fn size(&self) -> (f64, f64) {
-        let (w, h) = ((self.high.0 - self.low.0) * self.scale, (self.high.1 - self.low.1) * self.scale);
-        // The legend needs its width, however narrow the cell.
-        ((w + 2.0 * MARGIN).max(740.0), h + 2.0 * MARGIN + 44.0 + LEGEND)
+    /// Of the whole picture.
+    pub fn width(&self) -> f64 {
+        ((self.high.0 - self.low.0) * self.scale + 2.0 * MARGIN).max(LEAST)
     }
 }
 
@@ -56,9 +61,12 @@ pub fn corners(rectangle: &Rectangle, at: &Placement) -> [(f64, f64); 4] {
     })
 }
 
-/// Text made safe for markup.
+/// Text made safe for markup; what XML has no place for is shown as unknown.
 pub fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;")
+    let is_bad =
+        |c: char| c.is_control() && !matches!(c, '\t' | '\n' | '\r') || matches!(c, '\u{fffe}' | '\u{ffff}');
+    text.replace(is_bad, "\u{fffd}")
+        .replace('&', "&amp;")
         .replace('<', "&lt;")
         .replace('>', "&gt;")
         .replace('"', "&quot;")

@@ -1,0 +1,75 @@
+//! How the error spreads at a spot, whatever the reading under which it was chosen.
+
+use super::{Assessment, SAMPLES};
+use crate::cell::{Cell, Model, Quantity, Reading, Unit};
+use crate::error_map::PostureRecord;
+use crate::kinematic_error::NOTHING;
+use crate::layout::Workcell;
+use crate::reading::{Figures, MonteCarlo, monte_carlo};
+
+/// Samples of the error's size in the operation's sense at its spot, m or rad.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Distribution {
+    pub operation: usize,
+    pub unit: Unit,
+    /// Through the nonlinear model.
+    pub samples: MonteCarlo,
+    /// To first order, and the worst case.
+    pub figures: Figures,
+    /// Of the signed sample by the model of the cell, if there is one.
+    pub signed: Option<f64>,
+    pub limit: Option<f64>,
+}
+
+impl Distribution {
+    /// # Errors
+    /// Why there is nothing to sample.
+    pub fn at_spot(a: &Assessment<'_>, operation: usize) -> Result<Self, String> {
+        let cell = a.cell;
+        let (_, posture) = a.spot(operation).ok_or("the operation has no usable node")?;
+        let judged = |model, reading| judged(a, operation, posture, (model, reading));
+        let (read, figures) = judged(cell.model, Reading::Statistical)?;
+        if figures.p99 <= NOTHING {
+            return Err(
+                "no error spreads here: everything is known exactly, or measured and taken off".into()
+            );
+        }
+        let kept = a.samples[operation].clone();
+        let samples = kept.map_or_else(|| sampled(a, &read, operation, posture, figures.p95), Ok)?;
+        let signed = judged(cell.model, Reading::Signed).ok().map(|(_, figures)| figures.error);
+        let of = &cell.operations[operation];
+        Ok(Self { operation, unit: of.sense.unit, samples, figures, signed, limit: of.limit })
+    }
+}
+
+/// The cell read otherwise, and the figures of a posture there.
+fn judged(
+    a: &Assessment<'_>,
+    operation: usize,
+    posture: &PostureRecord,
+    (model, reading): (Model, Reading),
+) -> Result<(Workcell, Figures), String> {
+    let cell = Cell { model, reading, quantity: Quantity::P95, ..a.cell.clone() };
+    if let Some(fault) = cell.question_faults().first() {
+        return Err(fault.message.clone());
+    }
+    let read = a.workcell.read_otherwise(model, reading, Quantity::P95)?;
+    let posed = read.posed(&a.layout, &a.maps, operation, posture);
+    let (situation, frames) = posed.map_err(|why| why.in_words().to_string())?;
+    let gauge = read.gauge(operation);
+    let figures = gauge.judge(&situation, &frames, &mut gauge.memory()).figures[gauge.own()];
+    Ok((read, figures))
+}
+
+fn sampled(
+    a: &Assessment<'_>,
+    read: &Workcell,
+    operation: usize,
+    posture: &PostureRecord,
+    p95: f64,
+) -> Result<MonteCarlo, String> {
+    let posed = read.posed(&a.layout, &a.maps, operation, posture);
+    let (situation, frames) = posed.map_err(|why| why.in_words().to_string())?;
+    let gauge = read.gauge(operation);
+    Ok(monte_carlo(gauge, &situation, &frames, SAMPLES, a.cell.search.seed, p95))
+}

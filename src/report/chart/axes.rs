@@ -1,0 +1,143 @@
+//! Axes: values to px, round ticks, gridlines.
+
+use super::canvas::{Anchor, Canvas, Ink, SMALL};
+use super::words;
+
+/// One axis: what it spans and where that lies in the picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scale {
+    pub low: f64,
+    pub high: f64,
+    /// px of `low` and of `high`.
+    pub px: (f64, f64),
+    is_log: bool,
+}
+
+impl Scale {
+    /// From `low` to `high`; a span of nothing is made one.
+    pub fn linear(low: f64, high: f64, px: (f64, f64)) -> Self {
+        let (low, high) = if low.is_finite() && high.is_finite() { (low, high) } else { (0.0, 1.0) };
+        let pad = if high > low { 0.0 } else { low.abs().max(1e-9) * 0.5 };
+        Self { low: low - pad, high: high + pad, px, is_log: false }
+    }
+
+    /// The same by powers of ten; both ends above 0.
+    pub fn log(low: f64, high: f64, px: (f64, f64)) -> Self {
+        let low = if low > 0.0 && low.is_finite() { low } else { 1e-12 };
+        let high = if high > low { high } else { low * 10.0 };
+        Self { low, high, px, is_log: true }
+    }
+
+    /// Values beyond the ends are set at the ends.
+    pub fn at(&self, value: f64) -> f64 {
+        let value = if value.is_nan() { self.low } else { value.clamp(self.low, self.high) };
+        let share = match self.is_log {
+            true => (value / self.low).ln() / (self.high / self.low).ln(),
+            false => (value - self.low) / (self.high - self.low),
+        };
+        self.px.0 + share * (self.px.1 - self.px.0)
+    }
+
+    /// Round numbers with their names, about so many.
+    pub fn ticks(&self, about: f64) -> Vec<(f64, String)> {
+        if self.is_log {
+            return self.decades();
+        }
+        let step = step(self.high - self.low, about);
+        round_numbers(self.low, self.high, step).map(|v| (v, words::number(v, step))).collect()
+    }
+
+    /// Powers of ten; between the ends of less than three of them also 2 and 5 times each.
+    fn decades(&self) -> Vec<(f64, String)> {
+        let few = (self.high / self.low).log10() < 3.0;
+        let parts = if few { &[1.0, 2.0, 5.0][..] } else { &[1.0] };
+        let (first, last) = (self.low.log10().floor() as i32, self.high.log10().ceil() as i32);
+        let all = (first..=last).flat_map(|k| parts.iter().map(move |p| (k, p * 10f64.powi(k))));
+        let inside = |v: f64| v >= self.low * (1.0 - 1e-9) && v <= self.high * (1.0 + 1e-9);
+        all.filter(|(_, v)| inside(*v)).map(|(k, v)| (v, words::number(v, 10f64.powi(k)))).collect()
+    }
+}
+
+/// 1, 2 or 5 times a power of ten: about so many steps in a span.
+pub fn step(span: f64, about: f64) -> f64 {
+    let apart = (span / about).max(f64::MIN_POSITIVE);
+    let decade = 10f64.powf(apart.log10().floor());
+    [1.0, 2.0, 5.0].map(|s| s * decade).into_iter().find(|s| *s >= apart * 0.999).unwrap_or(10.0 * decade)
+}
+
+/// Multiples of a step from `low` to `high`.
+pub fn round_numbers(low: f64, high: f64, step: f64) -> impl Iterator<Item = f64> {
+    let slack = step * 1e-6;
+    let (first, last) = (((low - slack) / step).ceil(), ((high + slack) / step).floor());
+    let count = (last - first).clamp(-1.0, 1e4) + 1.0;
+    (0..count as usize).map(move |k| (first + k as f64) * step)
+}
+
+/// Gridlines, numbers and names of a plot; x to the right, y up.
+pub fn draw(canvas: &mut Canvas, x: &Scale, y: &Scale, names: (&str, &str)) {
+    across(canvas, x, y, names.0);
+    upwards(canvas, x, y, names.1);
+    let ((left, right), (bottom, top)) = (x.px, y.px);
+    canvas.path(&format!("M{left:.1} {top:.1}V{bottom:.1}H{right:.1}"), &Ink::Axis.line(1.0));
+    canvas.y = canvas.y.max(bottom + if names.0.is_empty() { 22.0 } else { 40.0 });
+}
+
+/// Of the axis to the right.
+pub fn across(canvas: &mut Canvas, x: &Scale, y: &Scale, name: &str) {
+    let ((left, right), (bottom, top)) = (x.px, y.px);
+    let mut free = f64::MIN;
+    for (value, said) in x.ticks(((right - left) / 80.0).max(2.0)) {
+        let px = x.at(value);
+        canvas.path(&format!("M{px:.1} {top:.1}V{bottom:.1}"), &Ink::Grid.line(1.0));
+        let half = words::width(&said, SMALL) / 2.0;
+        if px - half > free {
+            canvas.text((px, bottom + 17.0), Anchor::Middle, Ink::Faint, &said);
+            free = px + half + 4.0;
+        }
+    }
+    let name = words::shortened(name, SMALL + 1.0, right - 20.0);
+    canvas.text((right, bottom + 36.0), Anchor::End, Ink::Text, &name);
+}
+
+/// Of the axis up.
+pub fn upwards(canvas: &mut Canvas, x: &Scale, y: &Scale, name: &str) {
+    let ((left, right), (bottom, top)) = (x.px, y.px);
+    for (value, said) in y.ticks(((bottom - top) / 52.0).max(2.0)) {
+        let py = y.at(value);
+        canvas.path(&format!("M{left:.1} {py:.1}H{right:.1}"), &Ink::Grid.line(1.0));
+        canvas.text((left - 7.0, py + 4.5), Anchor::End, Ink::Faint, &said);
+    }
+    let name = words::shortened(name, SMALL + 1.0, right - 20.0);
+    canvas.text((16.0, top - 10.0), Anchor::Start, Ink::Text, &name);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_are_round_and_inside() {
+        for (low, high) in [(0.0, 1.0), (-3.7, 12.4), (3.1e-6, 9.9e-6), (1234.5, 99999.0), (5.0, 5.0)] {
+            let scale = Scale::linear(low, high, (0.0, 100.0));
+            let ticks = scale.ticks(5.0);
+            assert!((2..=11).contains(&ticks.len()), "{low} {high}: {ticks:?}");
+            assert!(ticks.iter().all(|(v, _)| (0.0..=100.0).contains(&scale.at(*v))));
+            let mut said: Vec<_> = ticks.iter().map(|t| t.1.clone()).collect();
+            said.dedup();
+            assert_eq!(said.len(), ticks.len(), "{said:?}");
+        }
+        let scale = Scale::log(1.0, 20_000.0, (0.0, 400.0));
+        let said: Vec<_> = scale.ticks(5.0).into_iter().map(|t| t.1).collect();
+        assert_eq!(said, ["1", "10", "100", "1000", "10000"]);
+        assert!((scale.at(100.0) - 400.0 * 2.0 / 20_000f64.log10()).abs() < 1e-9);
+    }
+
+    #[test]
+    fn nothing_is_off_the_axis() {
+        for scale in [Scale::linear(f64::NAN, 1.0, (0.0, 9.0)), Scale::log(0.0, 0.0, (0.0, 9.0))] {
+            for v in [-1.0, 0.0, 0.5, 1e300] {
+                assert!((0.0..=9.0).contains(&scale.at(v)), "{scale:?} {v}");
+            }
+        }
+    }
+}

@@ -1,0 +1,240 @@
+//! A picture while it is drawn: heading, shapes, texts, legend.
+
+use super::{WIDTH, words};
+use crate::report::colours;
+use crate::report::view::escaped;
+use std::fmt::Write;
+
+/// Left and right of everything, px.
+pub const EDGE: f64 = 16.0;
+/// Sizes of text, px.
+pub const HEAD: f64 = 16.0;
+pub const BODY: f64 = 13.0;
+/// Bold letters are so much wider.
+const BOLD: f64 = 1.14;
+pub const SMALL: f64 = 12.0;
+
+/// What something is painted with: a colour on white paper, one on black, and the class that says which.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ink {
+    Paper,
+    Text,
+    Faint,
+    Axis,
+    Grid,
+    Ground,
+    Blue,
+    Orange,
+    Green,
+    Vermilion,
+    Purple,
+    Sky,
+    /// The spot chosen.
+    Spot,
+}
+
+impl Ink {
+    pub const ALL: [Ink; 13] = [
+        Ink::Paper,
+        Ink::Text,
+        Ink::Faint,
+        Ink::Axis,
+        Ink::Grid,
+        Ink::Ground,
+        Ink::Blue,
+        Ink::Orange,
+        Ink::Green,
+        Ink::Vermilion,
+        Ink::Purple,
+        Ink::Sky,
+        Ink::Spot,
+    ];
+
+    /// Class, colour on white, colour on black.
+    const fn told(self) -> (&'static str, &'static str, &'static str) {
+        match self {
+            Ink::Paper => ("paper", "#ffffff", "#14181d"),
+            Ink::Text => ("text", "#1b1f24", "#e6e9ed"),
+            Ink::Faint => ("faint", "#57606a", "#a3adb8"),
+            Ink::Axis => ("axis", "#8c959f", "#6b7682"),
+            Ink::Grid => ("grid", "#e4e8ec", "#2b323a"),
+            Ink::Ground => ("ground", "#eef2f6", "#232a32"),
+            Ink::Blue => ("blue", colours::BLUE, "#4ba3d9"),
+            Ink::Orange => ("orange", colours::ORANGE, colours::ORANGE),
+            Ink::Green => ("green", colours::GREEN, "#2fc49a"),
+            Ink::Vermilion => ("vermilion", colours::VERMILION, "#f07f2e"),
+            Ink::Purple => ("purple", colours::PURPLE, "#dd9cc1"),
+            Ink::Sky => ("sky", colours::SKY, colours::SKY),
+            Ink::Spot => ("spot", "#bf3989", "#f27ac0"),
+        }
+    }
+
+    /// Attributes of what is filled.
+    pub fn fill(self) -> String {
+        let (class, light, _) = self.told();
+        format!("class=\"fill-{class}\" fill=\"{light}\"")
+    }
+
+    /// Attributes of a text with a halo of paper.
+    fn haloed(self) -> String {
+        let ((class, light, _), (paper, white, _)) = (self.told(), Ink::Paper.told());
+        format!(
+            "class=\"fill-{class} line-{paper}\" fill=\"{light}\" stroke=\"{white}\" stroke-width=\"3.5\" \
+             stroke-linejoin=\"round\" paint-order=\"stroke\""
+        )
+    }
+
+    /// Attributes of a line so many px wide.
+    pub fn line(self, width: f64) -> String {
+        let (class, light, _) = self.told();
+        format!("class=\"line-{class}\" fill=\"none\" stroke=\"{light}\" stroke-width=\"{width}\"")
+    }
+}
+
+/// Rules of a style sheet for charts on a dark page, each under `scope`, such as `.dark`.
+pub fn dark_rules(scope: &str) -> String {
+    Ink::ALL.iter().fold(String::new(), |mut out, ink| {
+        let (class, _, dark) = ink.told();
+        // Writing to a String cannot fail.
+        let _ = writeln!(out, "{scope} .fill-{class}{{fill:{dark}}}{scope} .line-{class}{{stroke:{dark}}}");
+        out
+    })
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Anchor {
+    Start,
+    Middle,
+    End,
+}
+
+impl Anchor {
+    pub fn word(self) -> &'static str {
+        match self {
+            Anchor::Start => "start",
+            Anchor::Middle => "middle",
+            Anchor::End => "end",
+        }
+    }
+}
+
+/// An entry of a legend: a mark drawn round the origin, at most 24 px wide, and what it says.
+pub struct Entry {
+    pub mark: String,
+    pub said: String,
+}
+
+/// One picture.
+pub struct Canvas {
+    name: String,
+    body: String,
+    width: f64,
+    /// Below what has been drawn so far, px.
+    pub y: f64,
+}
+
+impl Canvas {
+    /// With a heading, and lines under it.
+    pub fn new(heading: &str, under: &[String]) -> Self {
+        Self::wide(heading, under, WIDTH)
+    }
+
+    /// The same so many px wide.
+    pub fn wide(heading: &str, under: &[String], width: f64) -> Self {
+        let mut canvas = Self { name: heading.to_string(), body: String::new(), width, y: EDGE };
+        let room = width - 2.0 * EDGE;
+        for line in words::wrapped(heading, BOLD * HEAD, room, 3) {
+            canvas.y += 18.0;
+            let (y, fill) = (canvas.y - 3.0, Ink::Text.fill());
+            canvas.put(&format!(
+                "<text x=\"{EDGE}\" y=\"{y}\" font-size=\"{HEAD}\" font-weight=\"600\" {fill}>{}</text>",
+                escaped(&line)
+            ));
+        }
+        under.iter().for_each(|said| canvas.paragraph(said));
+        canvas.y += 10.0;
+        canvas
+    }
+
+    pub fn put(&mut self, markup: &str) {
+        self.body.push_str(markup);
+        self.body.push('\n');
+    }
+
+    /// A line of faint text, broken if need be.
+    pub fn paragraph(&mut self, said: &str) {
+        for line in words::wrapped(said, BODY, self.width - 2.0 * EDGE, 4) {
+            self.y += 17.0;
+            self.text((EDGE, self.y), Anchor::Start, Ink::Faint, &line);
+        }
+    }
+
+    /// A text on its base line; what hides it is cut out round it.
+    pub fn text(&mut self, (x, y): (f64, f64), anchor: Anchor, ink: Ink, said: &str) {
+        let (fill, anchor) = (ink.fill(), anchor.word());
+        self.put(&format!(
+            "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\" {fill}>{}</text>",
+            escaped(said)
+        ));
+    }
+
+    /// A text that stands on a picture: with a halo of paper.
+    pub fn label(&mut self, (x, y): (f64, f64), anchor: Anchor, ink: Ink, said: &str) {
+        let (paint, anchor, said) = (ink.haloed(), anchor.word(), escaped(said));
+        self.put(&format!(
+            "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\" font-size=\"{SMALL}\" {paint}>{said}</text>"
+        ));
+    }
+
+    pub fn path(&mut self, d: &str, paint: &str) {
+        if !d.is_empty() {
+            self.put(&format!("<path d=\"{d}\" {paint}/>"));
+        }
+    }
+
+    /// Entries side by side, in as many rows as they need.
+    pub fn legend(&mut self, entries: &[Entry]) {
+        let (mut x, mut is_open) = (EDGE, false);
+        for Entry { mark, said } in entries {
+            let said = words::shortened(said, BODY, self.width - 2.0 * EDGE - 32.0);
+            let wide = 32.0 + words::width(&said, BODY) + 14.0;
+            if !is_open || x + wide > self.width - EDGE + 14.0 {
+                (x, is_open) = (EDGE, true);
+                self.y += 22.0;
+            }
+            let y = self.y;
+            self.put(&format!("<g transform=\"translate({:.1} {:.1})\">{mark}</g>", x + 12.0, y - 4.5));
+            self.text((x + 30.0, y), Anchor::Start, Ink::Text, &said);
+            x += wide;
+        }
+    }
+
+    pub fn finish(self) -> String {
+        let (height, name, paper) = (self.y + EDGE, escaped(&self.name), Ink::Paper.fill());
+        let width = self.width;
+        format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.0} {height:.0}\" width=\"{width:.0}\" \
+             height=\"{height:.0}\" role=\"img\" aria-label=\"{name}\" font-family=\"system-ui, sans-serif\" \
+             font-size=\"{BODY}\">\n<title>{name}</title>\n<rect width=\"100%\" height=\"100%\" {paper}/>\n{}</svg>\n",
+            self.body
+        )
+    }
+}
+
+/// A path through points in px, `end` "Z" to close it.
+pub fn path(points: impl Iterator<Item = (f64, f64)>, end: &str) -> String {
+    let mut d = String::new();
+    for (k, (x, y)) in points.enumerate() {
+        // Writing to a String cannot fail.
+        let _ = write!(d, "{}{} {}", if k == 0 { 'M' } else { 'L' }, short(x), short(y));
+    }
+    if !d.is_empty() {
+        d.push_str(end);
+    }
+    d
+}
+
+/// A coordinate in px with at most one decimal.
+pub fn short(v: f64) -> String {
+    crate::units::rounded(v, 1).to_string()
+}

@@ -1,0 +1,353 @@
+//! The error over a work surface: coloured bands, iso-lines with their values, signs where nothing works.
+
+use super::axes::{self, Scale, round_numbers, step};
+use super::canvas::{Anchor, Canvas, EDGE, Entry, Ink, SMALL, path};
+use super::iso::{Point, Surface};
+use super::labels::Taken;
+use super::{WIDTH, signs, words};
+use crate::cell::Unit;
+use crate::drawing::{Carrier, Drawing, Field, Take};
+use crate::pose::Pose;
+use crate::report::colours::viridis_hex;
+use crate::report::view::escaped;
+use crate::units::mm_from_m;
+use nalgebra::Vector3;
+
+/// Room for the plot, px: its left and right end, and its greatest height.
+const PLOT: (f64, f64, f64) = (62.0, WIDTH - EDGE - 112.0, 470.0);
+/// So many bands of colour from iso-line to iso-line.
+const BANDS: f64 = 4.0;
+/// What is drawn spans at least so much, mm.
+const LEAST: f64 = 100.0;
+/// Of fields with more nodes no node tells its value.
+const TOLD: usize = 400;
+
+/// One field in one take (index into [`Field::takes`]) and sense (index into [`Field::senses`]), coloured
+/// from the first to the second value of `range` (m or rad), which several maps may share. Axes are those
+/// of the surface that carries the nodes.
+pub fn heat_map(drawing: &Drawing<'_>, field: usize, take: usize, sense: usize, range: (f64, f64)) -> String {
+    let field = &drawing.fields[field];
+    let map = Map::new(drawing, field, &field.takes[take], sense, range);
+    let mut canvas = Canvas::new(&map.heading(), &map.remarks());
+    let ((left, right, most), size) = (PLOT, [map.high[0] - map.low[0], map.high[1] - map.low[1]]);
+    let px = ((right - left) / size[0]).min(most / size[1]);
+    let top = canvas.y + 26.0;
+    let bottom = top + size[1] * px;
+    let x = Scale::linear(map.low[0], map.high[0], (left, left + size[0] * px));
+    let y = Scale::linear(map.low[1], map.high[1], (bottom, top));
+    let place = |p: &Point| (x.at(p.0), y.at(p.1));
+    let of = map.of.as_str();
+    axes::draw(&mut canvas, &x, &y, (&format!("x of {of} / mm"), &format!("y of {of} / mm")));
+    map.draw_ground(&mut canvas, &place);
+    let points: Vec<Point> = map.points.iter().map(place).collect();
+    let surface = Surface::new(field.size, &points, &map.values);
+    map.draw_bands(&mut canvas, &surface);
+    let mut taken = Taken::default();
+    map.draw_nodes(&mut canvas, &surface, &points);
+    map.draw_spots(&mut canvas, &place, &mut taken);
+    map.draw_lines(&mut canvas, &surface, &mut taken);
+    let foot = map.draw_bar(&mut canvas, (x.px.1 + 26.0, top), (bottom - top - 60.0).clamp(110.0, 220.0));
+    map.draw_way_to_robot(&mut canvas, (x.px.1 + 60.0, foot + 34.0), drawing);
+    canvas.y = canvas.y.max(foot + 86.0);
+    canvas.legend(&map.legend());
+    canvas.finish()
+}
+
+/// What is drawn, in mm of the surface frame and in the unit of the sense.
+struct Map<'a> {
+    drawing: &'a Drawing<'a>,
+    field: &'a Field,
+    take: &'a Take,
+    sense: usize,
+    unit: Unit,
+    /// The frame of the surface in the world, and whose it is.
+    frame: Pose,
+    of: String,
+    points: Vec<Point>,
+    values: Vec<Option<f64>>,
+    /// Corners of the surface; empty if its frame is not known.
+    ground: Vec<Point>,
+    low: [f64; 2],
+    high: [f64; 2],
+    range: (f64, f64),
+    /// From iso-line to iso-line.
+    step: f64,
+}
+
+impl<'a> Map<'a> {
+    fn new(
+        drawing: &'a Drawing<'a>,
+        field: &'a Field,
+        take: &'a Take,
+        sense: usize,
+        range: (f64, f64),
+    ) -> Self {
+        let cell = drawing.cell;
+        let equipment = cell.operations[field.operation].equipment;
+        let stands = drawing.parts.iter().find(|p| p.equipment == Some(equipment));
+        let frame = stands.and_then(|p| if let Carrier::World(pose) = p.carrier { Some(pose) } else { None });
+        let surface = cell.equipment[equipment].surface.filter(|_| frame.is_some());
+        let of = if frame.is_some() { cell.equipment[equipment].name.clone() } else { "the world".into() };
+        let frame = frame.unwrap_or(Pose::IDENTITY);
+        let unit = field.senses[sense].unit;
+        let usable = |(node, value): (&crate::drawing::Node, &Option<f64>)| value.filter(|_| node.is_ok());
+        let values = field.nodes.iter().zip(&take.values[sense]).map(usable);
+        let values: Vec<_> = values.map(|v| v.map(|v| unit.from_si(v))).collect();
+        let points: Vec<Point> = field.nodes.iter().map(|n| in_mm(&frame, &n.position)).collect();
+        let ground: Vec<Point> = surface.map_or(Vec::new(), |r| {
+            let corner = |(u, v): (f64, f64)| (r.centre.0 + u * r.size.0, r.centre.1 + v * r.size.1);
+            let corners = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)].map(corner);
+            corners.map(|(x, y)| (mm_from_m(x), mm_from_m(y))).to_vec()
+        });
+        let (low, high) = bounds(points.iter().chain(&ground));
+        let (least, most) = (unit.from_si(range.0), unit.from_si(range.1));
+        // What differs by rounding alone is one value.
+        let range = if most - least > 1e-9 * most.abs() { (least, most) } else { (least, least) };
+        let step = step(range.1 - range.0, 8.0);
+        Self { drawing, field, take, sense, unit, frame, of, points, values, ground, low, high, range, step }
+    }
+
+    fn heading(&self) -> String {
+        let cell = self.drawing.cell;
+        let lens = self.drawing.lenses[self.take.lens];
+        let name = &cell.operations[self.field.operation].name;
+        format!(
+            "{name}: {} in {}, {} model ({})",
+            lens.reading_word(),
+            self.field.senses[self.sense].name,
+            lens.model.name(),
+            self.drawing.name
+        )
+    }
+
+    fn remarks(&self) -> Vec<String> {
+        let word = self.unit.word();
+        let usable = self.values.iter().flatten();
+        let range = usable.clone().map(|v| (*v, *v)).reduce(|(l, h), (a, b)| (l.min(a), h.max(b)));
+        let spans = range.map_or(String::new(), |(low, high)| {
+            format!(": {} to {} {word}", words::figure(low), words::figure(high))
+        });
+        let mut said = vec![format!("{} of {} nodes are usable{spans}", usable.count(), self.values.len())];
+        if self.field.every > 1 {
+            let every = self.field.every;
+            said.push(format!("drawn thinner than mapped: one node of {every} along both axes"));
+        }
+        if !self.levels().is_empty() {
+            let step = words::number(self.step, self.step);
+            said.push(format!(
+                "iso-lines every {step} {word}; between nodes linear, the middle of four has their mean"
+            ));
+        }
+        said
+    }
+
+    /// Values of the iso-lines.
+    fn levels(&self) -> Vec<f64> {
+        let (low, high) = self.range;
+        if high > low { round_numbers(low, high, self.step).collect() } else { Vec::new() }
+    }
+
+    /// The lower edges of the bands, and their colours.
+    fn bands(&self) -> Vec<(f64, String)> {
+        let (low, high) = self.range;
+        let apart = self.step / BANDS;
+        let mut edges = vec![low];
+        if high > low {
+            edges.extend(round_numbers(low, high, apart).filter(|e| *e > low && *e < high));
+        }
+        let upper = edges.iter().skip(1).copied().chain([high]);
+        let share = |v: f64| if high > low { (v - low) / (high - low).max(f64::MIN_POSITIVE) } else { 0.5 };
+        let colours: Vec<_> =
+            edges.iter().zip(upper).map(|(a, b)| viridis_hex(share((a + b) / 2.0))).collect();
+        edges.into_iter().zip(colours).collect()
+    }
+
+    fn colour(&self, value: f64) -> String {
+        let bands = self.bands();
+        let below = bands.iter().rev().find(|(edge, _)| value >= *edge).or(bands.first());
+        below.map_or_else(|| viridis_hex(0.5), |(_, colour)| colour.clone())
+    }
+
+    fn draw_ground(&self, canvas: &mut Canvas, place: &impl Fn(&Point) -> (f64, f64)) {
+        let outline = path(self.ground.iter().map(place), "Z");
+        canvas.path(&outline, &Ink::Ground.fill());
+        canvas.path(&outline, &Ink::Axis.line(1.2));
+    }
+
+    /// From the lowest band up, each over those below it, so that no seam shows.
+    fn draw_bands(&self, canvas: &mut Canvas, surface: &Surface) {
+        let Some((least, most)) = surface.range() else { return };
+        let bands = self.bands();
+        let first = bands.iter().rposition(|(edge, _)| *edge <= least).unwrap_or(0);
+        for (k, (edge, colour)) in bands.iter().enumerate().skip(first) {
+            if *edge > most {
+                break;
+            }
+            let level = if k == first { f64::NEG_INFINITY } else { *edge };
+            let d: String = surface.above(level).iter().map(|p| path(p.iter().copied(), "Z")).collect();
+            canvas.path(&d, &format!("fill=\"{colour}\""));
+        }
+    }
+
+    fn draw_lines(&self, canvas: &mut Canvas, surface: &Surface, taken: &mut Taken) {
+        for level in self.levels() {
+            let lines = surface.lines(level);
+            let d: String = lines.iter().map(|l| path(l.iter().copied(), "")).collect();
+            canvas.path(&d, "fill=\"none\" stroke=\"#1b1f24\" stroke-width=\"1\" stroke-opacity=\"0.75\"");
+            let said = words::number(level, self.step);
+            let half = words::width(&said, SMALL) / 2.0 + 2.0;
+            let length = |l: &&Vec<Point>| l.windows(2).map(|w| distance(w[0], w[1])).sum::<f64>();
+            let Some(longest) = lines.iter().max_by(|a, b| length(a).total_cmp(&length(b))) else { continue };
+            if length(&longest) < 2.5 * half {
+                continue;
+            }
+            let tries = [4, 3, 5, 2, 6, 1, 7].map(|k| longest[longest.len() * k / 8]);
+            let free = tries.into_iter().find(|(x, y)| taken.take([x - half, y - 7.0, x + half, y + 7.0]));
+            if let Some((x, y)) = free {
+                canvas.label((x, y + 4.3), Anchor::Middle, Ink::Text, &said);
+            }
+        }
+    }
+
+    fn draw_nodes(&self, canvas: &mut Canvas, surface: &Surface, points: &[Point]) {
+        let near = points.windows(2).map(|w| distance(w[0], w[1])).filter(|d| *d > 0.0);
+        let r = (near.fold(f64::MAX, f64::min) * 0.32).clamp(1.5, 5.0);
+        for (k, node) in self.field.nodes.iter().enumerate() {
+            let (x, y) = points[k];
+            let title = |said: String| match points.len() <= TOLD {
+                true => format!("<title>({}, {}): {}</title>", node.i, node.j, escaped(&said)),
+                false => String::new(),
+            };
+            match self.values[k] {
+                None => {
+                    let sign = signs::sign(node.status, (x, y), r);
+                    canvas.put(&format!("<g>{}{sign}</g>", title(node.reason.clone())));
+                }
+                Some(value) => {
+                    let said = title(format!("{} {}", words::figure(value), self.unit.word()));
+                    let colour = self.colour(value);
+                    let look = match surface.covers(k) {
+                        // No node is drawn where it would only be dust.
+                        true if r < 2.0 => continue,
+                        true => "r=\"1.6\" fill=\"#ffffff\" fill-opacity=\"0.8\"".to_string(),
+                        false => format!("r=\"{:.1}\" fill=\"{colour}\" stroke=\"#57606a\"", r.max(4.0)),
+                    };
+                    canvas.put(&format!("<circle cx=\"{x:.1}\" cy=\"{y:.1}\" {look}>{said}</circle>"));
+                }
+            }
+        }
+    }
+
+    fn draw_spots(&self, canvas: &mut Canvas, place: &impl Fn(&Point) -> (f64, f64), taken: &mut Taken) {
+        let at = |p: &Vector3<f64>| place(&in_mm(&self.frame, p));
+        if let Some(k) = self.other_spot() {
+            canvas.put(&signs::other_spot(place(&self.points[k])));
+        }
+        if let Some(p) = &self.field.refined {
+            canvas.put(&signs::refined(at(p)));
+        }
+        let Some((x, y)) = self.field.spot.as_ref().map(at) else { return };
+        canvas.put(&signs::spot((x, y)));
+        taken.keep([x - 10.0, y - 10.0, x + 10.0, y + 10.0]);
+        let Some(value) = self.field.best.and_then(|k| self.values[k]) else { return };
+        let said = format!("{} {}", words::figure(value), self.unit.word());
+        let wide = words::width(&said, SMALL);
+        let (dx, anchor) =
+            if x + wide + 14.0 < PLOT.1 { (13.0, Anchor::Start) } else { (-13.0, Anchor::End) };
+        let left = if dx > 0.0 { x + dx } else { x + dx - wide };
+        taken.keep([left, y - 9.0, left + wide, y + 8.0]);
+        canvas.label((x + dx, y + 4.3), anchor, Ink::Spot, &said);
+    }
+
+    /// The spot under this lens where it is not the one chosen.
+    fn other_spot(&self) -> Option<usize> {
+        self.take.best.filter(|k| Some(*k) != self.field.best)
+    }
+
+    /// The colours and their values; where it ends below.
+    fn draw_bar(&self, canvas: &mut Canvas, (left, top): (f64, f64), tall: f64) -> f64 {
+        let (low, high) = self.range;
+        let word = self.unit.word();
+        if high <= low {
+            let colour = viridis_hex(0.5);
+            canvas.put(&format!("<path d=\"M{left:.1} {top:.1}h16v16h-16z\" fill=\"{colour}\"/>"));
+            canvas.text((left + 23.0, top + 13.0), Anchor::Start, Ink::Text, &words::figure(low));
+            return top + 16.0;
+        }
+        let bar = Scale::linear(low, high, (top + tall, top));
+        let bands = self.bands();
+        let upper = bands.iter().skip(1).map(|b| b.0).chain([high]);
+        for ((edge, colour), upper) in bands.iter().zip(upper) {
+            let (from, to) = (bar.at(*edge), bar.at(upper));
+            // A hair taller, so that no gap shows between two of them.
+            let tall = from - to + 0.4;
+            canvas.put(&format!("<path d=\"M{left:.1} {from:.1}h16v{:.1}h-16z\" fill=\"{colour}\"/>", -tall));
+        }
+        let mut free = f64::INFINITY;
+        for level in self.levels() {
+            let y = bar.at(level);
+            canvas.path(&format!("M{left:.1} {y:.1}h20"), &Ink::Text.line(1.0));
+            let said = words::number(level, self.step);
+            if y > free {
+                continue;
+            }
+            free = y - 14.0;
+            canvas.text((left + 24.0, y + 4.5), Anchor::Start, Ink::Text, &said);
+        }
+        canvas.text((left, top - 10.0), Anchor::Start, Ink::Text, word);
+        top + tall
+    }
+
+    fn draw_way_to_robot(&self, canvas: &mut Canvas, (x, y): (f64, f64), drawing: &Drawing<'_>) {
+        let base = in_mm(&self.frame, &drawing.base.translation);
+        let middle = ((self.low[0] + self.high[0]) / 2.0, (self.low[1] + self.high[1]) / 2.0);
+        let (dx, dy) = (base.0 - middle.0, middle.1 - base.1);
+        let far = dx.hypot(dy);
+        if far > 1.0 {
+            let (ux, uy) = (dx / far, dy / far);
+            let tip = (x + 18.0 * ux, y + 18.0 * uy);
+            let barb = |side: f64| (tip.0 - 8.0 * ux - side * 5.0 * uy, tip.1 - 8.0 * uy + side * 5.0 * ux);
+            let shaft = path([(x - 18.0 * ux, y - 18.0 * uy), tip].into_iter(), "");
+            canvas.path(&(shaft + &path([barb(1.0), tip, barb(-1.0)].into_iter(), "")), &Ink::Text.line(1.8));
+        }
+        canvas.text((x, y + 34.0), Anchor::Middle, Ink::Text, "robot base");
+        let said = format!("{} mm", words::number(far, 1.0));
+        canvas.text((x, y + 50.0), Anchor::Middle, Ink::Faint, &said);
+    }
+
+    fn legend(&self) -> Vec<Entry> {
+        let origin = (0.0, 0.0);
+        let entry = |is_there: bool, mark: String, said: &str| {
+            is_there.then(|| Entry { mark, said: said.to_string() })
+        };
+        let all = self.drawing.cell.operations[self.field.operation].over.takes_all();
+        let spot = if all { "the worst node, which counts" } else { "spot chosen" };
+        let spots = [
+            entry(self.field.spot.is_some(), signs::spot(origin), spot),
+            entry(self.field.refined.is_some(), signs::refined(origin), "spot between the nodes"),
+            entry(self.other_spot().is_some(), signs::other_spot(origin), "spot in this reading"),
+        ];
+        let unusable = self.field.nodes.iter().filter(|n| !n.is_ok()).map(|n| n.status);
+        spots.into_iter().flatten().chain(signs::entries(unusable)).collect()
+    }
+}
+
+fn distance(a: Point, b: Point) -> f64 {
+    (a.0 - b.0).hypot(a.1 - b.1)
+}
+
+/// A point of the world in a frame seen from above, mm.
+fn in_mm(frame: &Pose, p: &Vector3<f64>) -> Point {
+    let p = frame.inverse().transform(p);
+    (mm_from_m(p.x), mm_from_m(p.y))
+}
+
+/// Low and high corner with a margin, mm.
+fn bounds<'p>(points: impl Iterator<Item = &'p Point>) -> ([f64; 2], [f64; 2]) {
+    let corners = points.map(|p| ([p.0, p.1], [p.0, p.1]));
+    let both = corners
+        .reduce(|(lo, hi), (a, b)| ([lo[0].min(a[0]), lo[1].min(a[1])], [hi[0].max(b[0]), hi[1].max(b[1])]));
+    let (low, high) = both.unwrap_or(([0.0; 2], [0.0; 2]));
+    let span = (high[0] - low[0]).max(high[1] - low[1]).max(LEAST);
+    (low.map(|v| v - 0.06 * span), high.map(|v| v + 0.06 * span))
+}

@@ -1,0 +1,256 @@
+//! Iso-lines and the areas above them, on a grid with holes.
+//!
+//! A cell with four values is four triangles round its middle, which has their mean: the bilinear value
+//! there. Within a triangle the field is linear, so that a level crosses it in one straight line, and a
+//! saddle is settled by its middle. A cell with three values is one triangle, with fewer it is nothing.
+
+use std::collections::BTreeMap;
+
+pub type Point = (f64, f64);
+
+/// Values on a grid, and their triangles.
+pub struct Surface {
+    points: Vec<Point>,
+    values: Vec<f64>,
+    cells: Vec<Cell>,
+}
+
+/// A cell of the grid: its row, its corners in turn, and its middle if it has four.
+struct Cell {
+    row: usize,
+    corners: Vec<usize>,
+    middle: Option<usize>,
+}
+
+impl Surface {
+    /// `size`: nodes along the first and second axis, row by row along the first.
+    pub fn new(size: (usize, usize), points: &[Point], values: &[Option<f64>]) -> Self {
+        let (m, n) = size;
+        let mut surface = Self {
+            points: points.to_vec(),
+            values: values.iter().map(|v| v.unwrap_or(0.0)).collect(),
+            cells: Vec::new(),
+        };
+        if points.len() != m * n || values.len() != m * n {
+            return surface;
+        }
+        for row in 0..n.saturating_sub(1) {
+            for i in 0..m.saturating_sub(1) {
+                let first = row * m + i;
+                let corners = [first, first + 1, first + m + 1, first + m];
+                let corners: Vec<usize> = corners.into_iter().filter(|k| values[*k].is_some()).collect();
+                surface.add(row, corners);
+            }
+        }
+        surface
+    }
+
+    fn add(&mut self, row: usize, corners: Vec<usize>) {
+        if corners.len() < 3 {
+            return;
+        }
+        let middle = (corners.len() == 4).then(|| {
+            let sum = |f: &dyn Fn(usize) -> f64| corners.iter().map(|&k| f(k)).sum::<f64>() / 4.0;
+            let (x, y, v) =
+                (sum(&|k| self.points[k].0), sum(&|k| self.points[k].1), sum(&|k| self.values[k]));
+            self.points.push((x, y));
+            self.values.push(v);
+            self.points.len() - 1
+        });
+        self.cells.push(Cell { row, corners, middle });
+    }
+
+    /// Nodes that are a corner of an area.
+    pub fn covers(&self, node: usize) -> bool {
+        self.cells.iter().any(|cell| cell.corners.contains(&node))
+    }
+
+    /// Least and greatest value; None if there is no area.
+    pub fn range(&self) -> Option<(f64, f64)> {
+        let values = self.cells.iter().flat_map(|c| &c.corners).map(|&k| (self.values[k], self.values[k]));
+        values.reduce(|(lo, hi), (a, b)| (lo.min(a), hi.max(b)))
+    }
+
+    /// Where the field is at least a level: polygons that share edges at most, all turning one way.
+    pub fn above(&self, level: f64) -> Vec<Vec<Point>> {
+        let mut polygons: Vec<Vec<Point>> = Vec::new();
+        // The cell before, if it is whole and its row goes on: they are drawn as one.
+        let mut before: Option<&Cell> = None;
+        for cell in &self.cells {
+            let is_whole = cell.middle.is_some() && cell.corners.iter().all(|&k| self.values[k] >= level);
+            let joins = before.is_some_and(|b| b.row == cell.row && b.corners[1] == cell.corners[0]);
+            match polygons.last_mut().filter(|_| is_whole && joins) {
+                Some(last) => {
+                    (last[1], last[2]) = (self.points[cell.corners[1]], self.points[cell.corners[2]])
+                }
+                None if is_whole => polygons.push(cell.corners.iter().map(|&k| self.points[k]).collect()),
+                None => {
+                    let parts = triangles(cell).into_iter().map(|t| self.part_above(&t, level));
+                    polygons.extend(parts.filter(|p| p.len() > 2));
+                }
+            }
+            before = is_whole.then_some(cell);
+        }
+        polygons
+    }
+
+    fn part_above(&self, triangle: &[usize; 3], level: f64) -> Vec<Point> {
+        let mut part = Vec::new();
+        for k in 0..3 {
+            let (a, b) = (triangle[k], triangle[(k + 1) % 3]);
+            if self.values[a] >= level {
+                part.push(self.points[a]);
+            }
+            if (self.values[a] >= level) != (self.values[b] >= level) {
+                part.push(self.crossing(a.min(b), a.max(b), level));
+            }
+        }
+        part
+    }
+
+    /// Where an edge has the value of a level that lies between its ends.
+    fn crossing(&self, a: usize, b: usize, level: f64) -> Point {
+        let t = (level - self.values[a]) / (self.values[b] - self.values[a]);
+        let ((ax, ay), (bx, by)) = (self.points[a], self.points[b]);
+        (ax + t * (bx - ax), ay + t * (by - ay))
+    }
+
+    /// The lines along which the field has a value.
+    pub fn lines(&self, level: f64) -> Vec<Vec<Point>> {
+        let is_in = |k: usize| self.values[k] >= level;
+        // A triangle is crossed at two of its edges or at none; an edge by two triangles at most.
+        let mut next: BTreeMap<(usize, usize), Vec<(usize, usize)>> = BTreeMap::new();
+        for triangle in self.cells.iter().flat_map(triangles) {
+            let edges = [0, 1, 2].map(|k| (triangle[k], triangle[(k + 1) % 3]));
+            let cut: Vec<_> = edges.into_iter().filter(|(a, b)| is_in(*a) != is_in(*b)).collect();
+            if let [p, q] = cut[..] {
+                let [p, q] = [p, q].map(|(a, b)| (a.min(b), a.max(b)));
+                next.entry(p).or_default().push(q);
+                next.entry(q).or_default().push(p);
+            }
+        }
+        let mut lines = Vec::new();
+        // Open lines from one of their ends, then what is left: closed ones.
+        let ends: Vec<_> = next.iter().filter(|(_, n)| n.len() == 1).map(|(e, _)| *e).collect();
+        let all: Vec<_> = next.keys().copied().collect();
+        for start in ends.into_iter().chain(all) {
+            let line = walk(&mut next, start);
+            if line.len() > 1 {
+                lines.push(line.into_iter().map(|(a, b)| self.crossing(a, b, level)).collect());
+            }
+        }
+        lines
+    }
+}
+
+/// From an edge to the next until none is left, taking what is walked.
+fn walk(
+    next: &mut BTreeMap<(usize, usize), Vec<(usize, usize)>>,
+    start: (usize, usize),
+) -> Vec<(usize, usize)> {
+    let (mut line, mut at) = (vec![start], start);
+    while let Some(to) = next.get_mut(&at).and_then(Vec::pop) {
+        if let Some(back) = next.get_mut(&to) {
+            let place = back.iter().position(|b| *b == at);
+            place.map(|k| back.swap_remove(k));
+        }
+        line.push(to);
+        at = to;
+    }
+    line
+}
+
+fn triangles(cell: &Cell) -> Vec<[usize; 3]> {
+    let c = &cell.corners;
+    match cell.middle {
+        Some(middle) => (0..4).map(|k| [c[k], c[(k + 1) % 4], middle]).collect(),
+        None => vec![[c[0], c[1], c[2]]],
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    fn grid(size: (usize, usize), f: impl Fn(f64, f64) -> Option<f64>) -> Surface {
+        let points: Vec<Point> =
+            (0..size.0 * size.1).map(|k| ((k % size.0) as f64, (k / size.0) as f64)).collect();
+        let values: Vec<_> = points.iter().map(|p| f(p.0, p.1)).collect();
+        Surface::new(size, &points, &values)
+    }
+
+    fn area(polygon: &[Point]) -> f64 {
+        let next = polygon.iter().cycle().skip(1);
+        polygon.iter().zip(next).map(|(a, b)| a.0 * b.1 - a.1 * b.0).sum::<f64>() / 2.0
+    }
+
+    #[test]
+    fn the_lines_of_a_plane_are_straight_and_have_its_value() {
+        let f = |x: f64, y: f64| 2.0 * x - 3.0 * y + 1.0;
+        let surface = grid((7, 5), |x, y| Some(f(x, y)));
+        for level in [-7.3, -2.0, 0.0, 1.0, 4.77] {
+            let lines = surface.lines(level);
+            assert_eq!(lines.len(), 1, "{level}");
+            assert!(lines[0].iter().all(|p| (f(p.0, p.1) - level).abs() < 1e-12));
+            // From edge to edge of the grid.
+            for end in [lines[0][0], *lines[0].last().unwrap()] {
+                assert!([end.0, end.0 - 6.0, end.1, end.1 - 4.0].iter().any(|d| d.abs() < 1e-12), "{end:?}");
+            }
+        }
+    }
+
+    /// Bilinear on the edges of the cells, where the value on the line is known otherwise.
+    #[test]
+    fn on_the_edges_of_the_grid_a_line_has_the_value_of_both_neighbours_in_proportion() {
+        let f = |x: f64, y: f64| (0.9 * x).sin() + (0.7 * y).cos() * 1.3;
+        let surface = grid((9, 8), |x, y| Some(f(x, y)));
+        let mut seen = 0;
+        for level in [-0.8, -0.1, 0.2, 0.9, 1.6] {
+            for (x, y) in surface.lines(level).concat() {
+                let value = match (x.fract() == 0.0, y.fract() == 0.0) {
+                    (_, true) => f(x.floor(), y) * (1.0 - x.fract()) + f(x.floor() + 1.0, y) * x.fract(),
+                    (true, _) => f(x, y.floor()) * (1.0 - y.fract()) + f(x, y.floor() + 1.0) * y.fract(),
+                    _ => continue,
+                };
+                assert!((value - level).abs() < 1e-12, "({x}, {y}): {value}, not {level}");
+                seen += 1;
+            }
+        }
+        assert!(seen > 50, "{seen}");
+    }
+
+    #[test]
+    fn a_round_hill_has_one_closed_line_and_its_area() {
+        let surface = grid((41, 41), |x, y| Some(-((x - 20.0).hypot(y - 20.0))));
+        let lines = surface.lines(-12.5);
+        assert_eq!(lines.len(), 1);
+        assert_eq!(lines[0][0], *lines[0].last().unwrap());
+        let above: f64 = surface.above(-12.5).iter().map(|p| area(p)).sum();
+        let round = std::f64::consts::PI * 12.5 * 12.5;
+        assert!((above / round - 1.0).abs() < 0.01, "{above} {round}");
+        assert!((area(&lines[0]).abs() / above - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_saddle_is_settled_by_its_middle() {
+        let high = grid((2, 2), |x, y| Some(if x == y { 3.0 } else { 0.0 }));
+        // The middle has 1.5: below it the high corners are joined, above they are apart.
+        let areas = |level| high.above(level).iter().map(|p| area(p)).sum::<f64>();
+        assert_eq!((high.lines(1.0).len(), high.lines(2.0).len()), (2, 2));
+        assert!(areas(1.0) > 0.5 && areas(2.0) < 0.5 && areas(-1.0) == 1.0);
+    }
+
+    #[test]
+    fn holes_single_rows_and_nothing_are_no_trouble() {
+        let hole = grid((3, 3), |x, y| (x + y > 0.0).then_some(x));
+        let whole: f64 = hole.above(f64::NEG_INFINITY).iter().map(|p| area(p)).sum();
+        assert!((whole - 3.5).abs() < 1e-12 && hole.covers(1) && !hole.covers(0));
+        for (size, filled) in [((5, 1), true), ((1, 1), true), ((0, 0), true), ((4, 4), false)] {
+            let none = grid(size, |x, _| filled.then_some(x));
+            assert!(none.above(0.0).is_empty() && none.lines(0.5).is_empty() && none.range().is_none());
+        }
+        let flat = grid((4, 4), |_, _| Some(2.0));
+        assert!(flat.lines(2.0).is_empty() && flat.range() == Some((2.0, 2.0)));
+    }
+}

@@ -1,0 +1,36 @@
+//! The charts of a report: each a pure function from records to one `<svg>` that stands alone as a file
+//! and inline in a page.
+//!
+//! A chart has no style element and no style attribute, which a content security policy would forbid:
+//! colours are presentation attributes, and beside each stands a class (`fill-blue`, `line-grid`) by which
+//! the style sheet of a page repaints it, as [`dark_rules`] does. It has no ids either, so that any number
+//! of them can stand in one page.
+
+mod axes;
+pub(super) mod canvas;
+mod convergence;
+mod discrepancy;
+mod heat_map;
+mod histogram;
+mod iso;
+pub(super) mod labels;
+mod layout;
+mod misplacement;
+mod outline;
+mod pareto;
+pub(super) mod signs;
+mod tornado;
+pub(super) mod words;
+
+pub use canvas::{Ink, dark_rules};
+pub use convergence::{Course, convergence};
+pub use discrepancy::discrepancy;
+pub use heat_map::heat_map;
+pub use histogram::histogram;
+pub use layout::{layout_plan, layout_section};
+pub use misplacement::misplacement;
+pub use pareto::pareto;
+pub use tornado::tornado;
+
+/// Every chart is drawn for so many px; it is to be scaled to what the page has.
+pub const WIDTH: f64 = 720.0;

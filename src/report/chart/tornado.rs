@@ -1,0 +1,119 @@
+//! The error budget of a spot: which parameter to tighten first.
+
+use super::axes::{self, Scale};
+use super::canvas::{Anchor, BODY, Canvas, EDGE, Ink};
+use super::{WIDTH, words};
+use crate::cell::Reading;
+use crate::compare::Account;
+use crate::reading::Share;
+use crate::report::names;
+use crate::units::{percent_from_share, rounded};
+
+/// Bars drawn one by one; the others are told together.
+const BARS: usize = 16;
+const ROW: f64 = 24.0;
+
+/// Each parameter's share of the worst case, or of the variance in the statistical reading, the largest
+/// first, and what half its tolerance would gain.
+pub fn tornado(a: &Account<'_>) -> String {
+    let cell = a.stance.cell;
+    let of = share_of(a);
+    let what = if a.stance.gauge.reading == Reading::Statistical { "variance" } else { "worst case" };
+    let name = &cell.operations[a.stance.operation].name;
+    let shares: Vec<&Share> = a.budget.shares.iter().filter(|s| of(s).abs() > 1e-6).collect();
+    let mut canvas = Canvas::new(
+        &format!("{name}: share of the {what} in {}", a.stance.gauge.sense.name),
+        &under(a, shares.len()),
+    );
+    if shares.is_empty() {
+        return canvas.finish();
+    }
+    let mut rows: Vec<(String, f64, String)> = shares.iter().take(BARS).map(|s| row(a, s, of(s))).collect();
+    if shares.len() > BARS {
+        let rest: f64 = shares[BARS..].iter().map(|s| of(s)).sum();
+        rows.push((format!("{} others", shares.len() - BARS), rest, String::new()));
+    }
+    let wide = rows.iter().map(|r| words::width(&r.0, BODY)).fold(60.0, f64::max).min(250.0);
+    let most = rows.iter().map(|r| r.1).fold(0.0, f64::max);
+    let least = rows.iter().map(|r| r.1).fold(0.0, f64::min);
+    let top = canvas.y + 6.0;
+    let bottom = top + ROW * rows.len() as f64 + 4.0;
+    let said = rows.iter().map(|r| words::width(&r.2, BODY)).fold(0.0, f64::max).min(230.0);
+    let right = WIDTH - EDGE - 62.0 - said;
+    let x = Scale::linear(percent_from_share(least), percent_from_share(most), (EDGE + wide + 12.0, right));
+    let y = Scale::linear(0.0, 1.0, (bottom, top));
+    axes::across(&mut canvas, &x, &y, &format!("share of the {what} / %"));
+    for (k, row) in rows.iter().enumerate() {
+        bar(&mut canvas, &x, row, top + ROW * k as f64, wide);
+    }
+    canvas.path(&format!("M{0:.1} {top:.1}V{bottom:.1}", x.at(0.0)), &Ink::Axis.line(1.0));
+    canvas.y = bottom + 40.0;
+    gains(a).iter().for_each(|said| canvas.paragraph(said));
+    canvas.finish()
+}
+
+/// Which share counts.
+fn share_of(a: &Account<'_>) -> fn(&Share) -> f64 {
+    match a.stance.gauge.reading {
+        Reading::Statistical => |s| s.of_variance,
+        _ => |s| s.of_worst,
+    }
+}
+
+fn under(a: &Account<'_>, count: usize) -> Vec<String> {
+    let unit = a.unit();
+    let word = unit.word();
+    if count == 0 {
+        return vec!["no parameter has an effect here".to_string()];
+    }
+    vec![format!(
+        "{count} parameters have an effect; together {} {word}, shares to first order",
+        words::figure(unit.from_si(a.figure))
+    )]
+}
+
+/// Name with tolerance, share, what halving gains.
+fn row(a: &Account<'_>, share: &Share, part: f64) -> (String, f64, String) {
+    let cell = a.stance.cell;
+    let unit = names::unit(cell, share.parameter);
+    let tolerance = rounded(unit.from_si(share.plus_minus), 4);
+    let name = format!("{} \u{b1}{tolerance} {}", names::parameter(cell, share.parameter), unit.word());
+    let alone = a.tighter.iter().find(|t| t.parameters[..] == [share.parameter]);
+    let gain = alone.map(|t| format!("half of it: \u{2212}{}", percent(a.cut(t)))).unwrap_or_default();
+    (name, part, gain)
+}
+
+fn percent(share: f64) -> String {
+    format!("{:.1} %", rounded(percent_from_share(share), 1))
+}
+
+fn bar(canvas: &mut Canvas, x: &Scale, (name, part, gain): &(String, f64, String), top: f64, wide: f64) {
+    let (from, to) = (x.at(0.0), x.at(percent_from_share(*part)));
+    let (left, length) = (from.min(to), (to - from).abs());
+    let is_rest = name.ends_with(" others") && gain.is_empty();
+    let fill = if is_rest { Ink::Axis } else { Ink::Blue }.fill();
+    canvas.put(&format!(
+        "<rect x=\"{left:.2}\" y=\"{:.1}\" width=\"{length:.2}\" height=\"{:.1}\" {fill}/>",
+        top + 4.0,
+        ROW - 8.0
+    ));
+    let base = top + ROW / 2.0 + 4.5;
+    let name = words::shortened(name, BODY, wide);
+    canvas.text((EDGE + wide, base), Anchor::End, Ink::Text, &name);
+    canvas.text((from.max(to) + 7.0, base), Anchor::Start, Ink::Text, &percent(*part));
+    canvas.text((WIDTH - EDGE, base), Anchor::End, Ink::Faint, gain);
+}
+
+/// What all the halvings together gain.
+fn gains(a: &Account<'_>) -> Vec<String> {
+    let Some(all) = a.tighter.iter().find(|t| t.parameters.len() > 1) else { return Vec::new() };
+    let (unit, cell) = (a.unit(), a.stance.cell);
+    let names: Vec<String> = all.parameters.iter().map(|p| names::parameter(cell, *p)).collect();
+    let [from, to] = [a.figure, all.figure].map(|v| words::figure(unit.from_si(v)));
+    vec![format!(
+        "half the tolerances of {} together: from {from} to {to} {} (\u{2212}{})",
+        names.join(", "),
+        unit.word(),
+        percent(a.cut(all))
+    )]
+}

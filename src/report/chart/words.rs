@@ -1,0 +1,120 @@
+//! How wide words are, and how they are made to fit.
+
+/// Width of a text in px, a little too much rather than too little: no font is known here. Wide
+/// characters (Chinese, Japanese, Korean, pictures) count double.
+pub fn width(text: &str, size: f64) -> f64 {
+    text.chars().map(|c| ems(c) * size).sum()
+}
+
+fn ems(c: char) -> f64 {
+    match c {
+        'i' | 'j' | 'l' | 'I' | '.' | ',' | ':' | ';' | '\'' | '|' | '!' => 0.34,
+        ' ' | 't' | 'f' | 'r' | '(' | ')' | '[' | ']' | '/' | '-' => 0.42,
+        'm' | 'w' | 'M' | 'W' | '%' | '@' => 0.95,
+        'A'..='Z' => 0.72,
+        _ if is_wide(c) => 1.16,
+        _ => 0.6,
+    }
+}
+
+fn is_wide(c: char) -> bool {
+    matches!(u32::from(c),
+        0x1100..=0x115f | 0x2e80..=0xa4cf | 0xac00..=0xd7a3 | 0xf900..=0xfaff | 0xfe30..=0xfe6f
+        | 0xff00..=0xff60 | 0xffe0..=0xffe6 | 0x1f300..=0x1faff | 0x20000..=0x3fffd)
+}
+
+/// Cut with an ellipsis to what fits.
+pub fn shortened(text: &str, size: f64, room: f64) -> String {
+    if width(text, size) <= room {
+        return text.to_string();
+    }
+    let mut kept = String::new();
+    let mut used = size;
+    for c in text.chars() {
+        used += ems(c) * size;
+        if used > room {
+            break;
+        }
+        kept.push(c);
+    }
+    kept.trim_end().to_string() + "\u{2026}"
+}
+
+/// Broken into lines at spaces, in a word only if it is longer than a line; the last of `most` lines is
+/// cut.
+pub fn wrapped(text: &str, size: f64, room: f64, most: usize) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    let mut rest = text.trim();
+    while !rest.is_empty() {
+        if lines.len() + 1 == most {
+            lines.push(shortened(rest, size, room));
+            break;
+        }
+        let end = line_end(rest, size, room);
+        lines.push(rest[..end].trim_end().to_string());
+        rest = rest[end..].trim_start();
+    }
+    lines
+}
+
+/// Where the first line ends: a byte index, after at least one character.
+fn line_end(text: &str, size: f64, room: f64) -> usize {
+    let (mut used, mut space) = (0.0, None);
+    for (at, c) in text.char_indices() {
+        used += ems(c) * size;
+        if used > room && at > 0 {
+            return space.unwrap_or(at);
+        }
+        if c == ' ' || is_wide(c) {
+            space = Some(at + c.len_utf8());
+        }
+    }
+    text.len()
+}
+
+/// So many decimals that steps of this size differ; of the very large and very small a power of ten.
+pub fn number(value: f64, step: f64) -> String {
+    if value == 0.0 || value.abs() < step * 1e-6 {
+        return "0".into();
+    }
+    let digits = if step > 0.0 { (-(step.log10() + 1e-9).floor()).max(0.0) } else { 3.0 };
+    if digits > 6.0 || value.abs() >= 1e7 {
+        return format!("{value:.1e}");
+    }
+    format!("{:.*}", digits as usize, crate::units::rounded(value, digits as i32))
+}
+
+/// Four leading digits.
+pub fn figure(value: f64) -> String {
+    let size = value.abs();
+    if size == 0.0 || !size.is_finite() {
+        return "0".into();
+    }
+    number(value, 10f64.powf(size.log10().floor() - 3.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_line_is_wider_than_its_room_and_nothing_is_lost() {
+        let text = "a rather long name of a workcell 溶接ロボットと作業台の配置 Donaudampfschiffahrtsgesellschaftskapitaen end";
+        for room in [60.0, 130.0, 400.0] {
+            let lines = wrapped(text, 13.0, room, 99);
+            assert!(lines.iter().all(|l| width(l, 13.0) <= room), "{lines:?}");
+            let joined: String = lines.concat().replace(' ', "");
+            assert_eq!(joined, text.replace(' ', ""));
+        }
+        let cut = wrapped(text, 13.0, 130.0, 2);
+        assert!(cut.len() == 2 && cut[1].ends_with('\u{2026}') && width(&cut[1], 13.0) <= 130.0);
+        assert_eq!(shortened("short", 13.0, 100.0), "short");
+        assert!(width("配置", 13.0) > 1.9 * width("ab", 13.0));
+    }
+
+    #[test]
+    fn numbers_have_the_digits_of_their_step() {
+        assert_eq!([number(0.25, 0.05), number(-0.0, 0.1), number(1500.0, 500.0)], ["0.25", "0", "1500"]);
+        assert_eq!([figure(3.7685694), figure(0.001234567), figure(0.0)], ["3.769", "0.001235", "0"]);
+    }
+}

@@ -1,0 +1,52 @@
+//! Colours that colour-blind readers tell apart, and grey printers, too.
+
+/// Least and greatest: viridis (M. Bigot, S. van der Walt and N. Smith; CC0) at equal steps, even in
+/// lightness.
+const VIRIDIS: [[f64; 3]; 6] = [
+    [68.0, 1.0, 84.0],
+    [65.0, 68.0, 135.0],
+    [42.0, 120.0, 142.0],
+    [34.0, 168.0, 132.0],
+    [122.0, 209.0, 81.0],
+    [253.0, 231.0, 37.0],
+];
+
+/// Okabe and Ito's set of 2008.
+pub const BLUE: &str = "#0072b2";
+pub const ORANGE: &str = "#e69f00";
+pub const GREEN: &str = "#009e73";
+pub const VERMILION: &str = "#d55e00";
+pub const PURPLE: &str = "#cc79a7";
+pub const SKY: &str = "#56b4e9";
+
+/// Red, green and blue (0 to 255) of viridis at a share from 0 to 1.
+pub fn viridis(share: f64) -> [u8; 3] {
+    let last = VIRIDIS.len() - 1;
+    let t = if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) } * last as f64;
+    let k = (t.floor() as usize).min(last - 1);
+    let (a, b, f) = (VIRIDIS[k], VIRIDIS[k + 1], t - k as f64);
+    [0, 1, 2].map(|c| (a[c] + (b[c] - a[c]) * f).round() as u8)
+}
+
+/// The same as markup says it.
+pub fn viridis_hex(share: f64) -> String {
+    let [r, g, b] = viridis(share);
+    format!("#{r:02x}{g:02x}{b:02x}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Grey printers: lighter and lighter (luma of Rec. 709).
+    #[test]
+    fn viridis_grows_lighter() {
+        let luma = |[r, g, b]: [u8; 3]| 0.2126 * f64::from(r) + 0.7152 * f64::from(g) + 0.0722 * f64::from(b);
+        let all: Vec<f64> = (0..=50).map(|k| luma(viridis(f64::from(k) / 50.0))).collect();
+        assert!(all.windows(2).all(|w| w[0] < w[1]), "{all:?}");
+        assert_eq!(
+            (viridis_hex(-1.0), viridis_hex(2.0), viridis_hex(f64::NAN)),
+            ("#440154".into(), "#fde725".into(), "#440154".into())
+        );
+    }
+}
