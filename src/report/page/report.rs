@@ -6,6 +6,7 @@ use super::verdict::Verdict;
 use super::{assets, assumptions, figures, nodes, places, readings, script_json, shell};
 use crate::cell::{Cell, shown};
 use crate::drawing::Drawing;
+use crate::report::chart;
 use crate::report::text::headline;
 use serde::Serialize;
 
@@ -37,8 +38,8 @@ struct Page<'a> {
 /// What cannot be rendered.
 pub fn report(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Result<Report, String> {
     let verdict = Verdict::new(subject);
-    let (script, style) = (assets::VIEWER_JS.to_string() + assets::REPORT_JS, assets::REPORT_CSS);
-    let mut sections = figures::sections(subject);
+    let (script, style) = (assets::VIEWER_JS.to_string() + assets::REPORT_JS, style());
+    let mut sections = figures::sections(subject, drawings);
     sections.push(places::section(subject));
     sections.push(places::joints(subject));
     sections.push(readings::section(subject));
@@ -51,8 +52,8 @@ pub fn report(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Result<Report,
     let page = Page {
         title: shown(&subject.cell().name),
         question: question(subject.cell()),
-        policy: shell::policy(&script, style),
-        style,
+        policy: shell::policy(&script, &style),
+        style: &style,
         script: &script,
         verdict: &verdict,
         still,
@@ -68,4 +69,10 @@ pub fn report(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Result<Report,
 fn question(cell: &Cell) -> String {
     let line = headline(cell);
     line.strip_prefix(&format!("{}: ", cell.name)).map(str::to_string).unwrap_or(line)
+}
+
+/// On a dark screen charts are dark, too; on paper never.
+fn style() -> String {
+    let dark = chart::dark_rules(".plate");
+    format!("{}\n@media screen and (prefers-color-scheme: dark) {{\n{dark}}}\n", assets::REPORT_CSS)
 }

@@ -1,10 +1,20 @@
 //! What is reported: a layout as drawn, or what a search found.
 
 use super::content::Table;
-use crate::cell::Cell;
+use crate::cell::{Cell, Unit};
 use crate::compare::Assessment;
+use crate::units::{m_from_mm, rad_from_deg};
 use serde::Deserialize;
 use serde_json::{Map, Value};
+
+/// A value of a document in SI.
+pub fn si(unit: Unit, value: f64) -> f64 {
+    match unit {
+        Unit::Length => m_from_mm(value),
+        Unit::Angle => rad_from_deg(value),
+        Unit::Share => value,
+    }
+}
 
 /// Everything that a report is made from.
 pub struct Subject<'a> {
