@@ -1,8 +1,10 @@
 //! Goals in the units of reports.
 
-use crate::cell::{Cell, Goal, Goals};
+use crate::cell::{Cell, Goal, Goals, Unit};
 use crate::search::SearchRecord;
-use crate::units::{deg_from_rad, mm_from_m, percent_from_share};
+use crate::units::{
+    deg_from_rad, m_from_mm, mm_from_m, percent_from_share, rad_from_deg, share_from_percent,
+};
 
 /// The value of a goal (SI) in the unit of [`word`].
 pub fn value(cell: &Cell, goal: Goal, si: f64) -> f64 {
@@ -12,6 +14,18 @@ pub fn value(cell: &Cell, goal: Goal, si: f64) -> f64 {
         Goal::JointLimits => percent_from_share(si),
         Goal::Travel => deg_from_rad(si),
         Goal::Singularity | Goal::Footprint => si,
+    }
+}
+
+/// The same backwards.
+pub fn si(cell: &Cell, goal: Goal, value: f64) -> f64 {
+    match goal {
+        Goal::Error if cell.unit() == Unit::Angle => rad_from_deg(value),
+        Goal::Error if cell.unit() == Unit::Share => value,
+        Goal::Error | Goal::Clearance => m_from_mm(value),
+        Goal::JointLimits => share_from_percent(value),
+        Goal::Travel => rad_from_deg(value),
+        Goal::Singularity | Goal::Footprint => value,
     }
 }
 

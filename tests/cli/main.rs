@@ -12,6 +12,7 @@ mod jobs;
 mod overrides;
 mod postures;
 mod readings;
+mod report;
 mod robots;
 mod robust;
 mod shop;

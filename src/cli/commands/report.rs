@@ -39,8 +39,8 @@ pub fn report(a: &ReportArguments) -> Result<Exit, Exit> {
     let read = if a.of.is_dir() { of_folder(a)? } else { of_cell(a)? };
     let workcell = workcell(read.loaded.cell, &read.file)?;
     let start = Assessment::new("start", &workcell, workcell.cell.start());
-    let best = read.best.map(|layout| judged(Assessment::new("best", &workcell, layout)));
-    let start = if best.is_some() { start } else { judged(start) };
+    let best = read.best.map(|layout| Assessment::new("best", &workcell, layout).misplaced());
+    let start = if best.is_some() { start } else { start.misplaced() };
     let warnings = read.loaded.warnings.iter().map(warning).collect();
     let subject = Subject { start, best, found: read.found, manifest: read.manifest, warnings };
     if a.of.is_dir() {
@@ -87,12 +87,6 @@ fn of_cell(a: &ReportArguments) -> Result<Read, Exit> {
         is_complete: true,
     };
     Ok(Read { loaded, file: a.of.clone(), best: None, found: None, manifest })
-}
-
-/// As a search judges its best layout: misplaced, where that says something.
-fn judged(a: Assessment<'_>) -> Assessment<'_> {
-    let limited = a.cell.operations.iter().any(|o| o.limit.is_some());
-    if a.cell.has_placement_tolerance() || limited { a.misplaced() } else { a }
 }
 
 fn warning(fault: &Fault) -> String {

@@ -2,21 +2,26 @@
 
 use super::content::{Figure, NOTHING, Section, Table};
 use super::places::titled;
-use super::subject::{Alternative, Found, Subject};
-use super::verdict::{quantity, told};
+use super::subject::{Alternative, Found, Subject, si};
+use super::verdict::{down, quantity};
 use crate::cell::{Goal, shown};
-use crate::compare::{Account, Asked, Assessment, At, Reachable, Stance};
+use crate::compare::{Account, Assessment, At, Distribution, Stance};
+use crate::drawing::Drawing;
 use crate::reading::Share;
-use crate::report::{envelope, fig8, goals, names, svg, text};
+use crate::report::chart::{self, Course};
+use crate::report::{goals, names, svg, text};
+use crate::search::{self, Candidate, Ended, SearchRecord};
 use crate::units::{percent_from_share, rounded};
 
-/// All of them in the order of the page; those with nothing to show are left out.
-pub fn sections(subject: &Subject<'_>) -> Vec<Section> {
+/// All of them in the order of the page; those with nothing to show are left out. `drawings` are those of
+/// [`Subject::layouts`].
+pub fn sections(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Vec<Section> {
     let all = [
-        map(subject),
-        envelopes(subject),
+        map(subject, drawings),
+        envelopes(subject, drawings),
         budget(subject),
         discrepancies(subject),
+        distributions(subject),
         convergence(subject),
         pareto(subject),
         misplacement(subject),
@@ -33,34 +38,43 @@ pub fn still(a: &Assessment<'_>) -> Figure {
     )
 }
 
-fn map(subject: &Subject<'_>) -> Section {
-    let text = "Every node of the work surfaces: colour and arrow tell the error there, rings the nodes that \
-                cannot be reached, crosses those that collide. Point at a node for its value or its reason.";
+fn map(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Section {
+    let text = "The error over every work surface as the cell asks for it, with lines of equal error: one scale \
+                of colours for all of these maps. Point at a node for its value, or for the reason why it cannot \
+                be used.";
     let mut section = Section::new("map", "Error map", vec![text.into()]);
-    let caption = "Nodes coloured by their error, arrows enlarged as said in the legend.";
-    section.figures =
-        subject.layouts().map(|a| Figure::new(titled(a, "error map"), caption, svg::plan(a))).collect();
+    let ranges = drawings.iter().flat_map(|d| &d.fields).filter_map(|field| field.range(0, field.sense));
+    let Some(range) = ranges.reduce(|(lo, hi), (a, b)| (lo.min(a), hi.max(b))) else { return section };
+    // The layout that is recommended is looked at first.
+    for (a, drawing) in subject.layouts().zip(drawings).collect::<Vec<_>>().into_iter().rev() {
+        for (k, field) in drawing.fields.iter().enumerate() {
+            let caption = match field.every {
+                1 => String::new(),
+                every => format!("Only every node number {every} in both directions is drawn."),
+            };
+            let title = titled(a, &shown(&a.cell.operations[field.operation].name));
+            section.figures.push(Figure::new(
+                title,
+                caption,
+                chart::heat_map(drawing, k, 0, field.sense, range),
+            ));
+        }
+    }
     section
 }
 
-/// Operations of one height and attitude share a picture.
-fn envelopes(subject: &Subject<'_>) -> Section {
-    let a = subject.shown();
-    let text = "Where the arm can hold its tool as the operation asks, joint limits kept: a section through the \
-                base axis and a plan at the height of the operation, in the frame of the robot base.";
+fn envelopes(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Section {
+    let (a, Some(drawing)) = (subject.shown(), drawings.last()) else {
+        return Section::new("envelope", "Working envelope", Vec::new());
+    };
+    let text = "Where the arm can hold its tool as the operation asks, joint limits kept, with the equipment drawn \
+                in: from above at the height of the operation, and from the side.";
     let mut section = Section::new("envelope", "Working envelope", vec![text.into()]);
     for (k, operation) in a.cell.operations.iter().enumerate() {
-        let (at, base) = (&a.layout.placements[operation.equipment], &a.layout.base);
-        let asked = Asked {
-            operation: Some(operation),
-            attitude: a.layout.attitudes[k].clone(),
-            yaw: at.yaw - base.yaw,
-            heights: vec![at.z + operation.standoff - base.z],
-            step: None,
-        };
-        let reachable = Reachable::new(&a.cell.robot, a.workcell.inverse(), asked, &|_, _| ());
-        let title = titled(a, &format!("envelope at the height of {}", shown(&operation.name)));
-        section.figures.push(Figure::new(title, "", envelope::picture(&reachable)));
+        let name = shown(&operation.name);
+        let figure = |what: &str, svg| Figure::new(titled(a, &format!("{name}, {what}")), "", svg);
+        section.figures.push(figure("from above", chart::layout_plan(a, drawing, k)));
+        section.figures.push(figure("from the side", chart::layout_section(a, drawing, k)));
     }
     section
 }
@@ -73,12 +87,17 @@ fn budget(subject: &Subject<'_>) -> Section {
     let text = "Which parameter of the arm adds how much at the spot: the first lines are the ones to tighten. \
                 Shares of the worst case and of the variance add up to 100 % each.";
     let mut section = Section::new("budget", "Error budget", vec![text.into()]);
-    section.tables = (0..a.maps.len()).filter_map(|k| budget_table(a, k)).collect();
+    for k in 0..a.maps.len() {
+        let Ok(stance) = Stance::at(a.workcell, &a.layout, &a.maps, k, At::Best) else { continue };
+        let account = Account::new(stance);
+        let title = titled(a, &shown(&a.cell.operations[k].name));
+        section.figures.push(Figure::new(title, "", chart::tornado(&account)));
+        section.tables.push(budget_table(a, k, &account).folded());
+    }
     section
 }
 
-fn budget_table(a: &Assessment<'_>, k: usize) -> Option<Table> {
-    let account = Account::new(Stance::at(a.workcell, &a.layout, &a.maps, k, At::Best).ok()?);
+fn budget_table(a: &Assessment<'_>, k: usize, account: &Account<'_>) -> Table {
     let unit = account.stance.gauge.sense.unit;
     let row = |share: &Share| {
         let own = names::unit(a.cell, share.parameter);
@@ -107,7 +126,7 @@ fn budget_table(a: &Assessment<'_>, k: usize) -> Option<Table> {
         )
     });
     let name = shown(&a.cell.operations[k].name);
-    Some(Table::new(titled(a, &name), &head, rows).with_note(more + &cut))
+    Table::new(titled(a, &name), &head, rows).with_note(more + &cut)
 }
 
 fn discrepancies(subject: &Subject<'_>) -> Section {
@@ -115,7 +134,23 @@ fn discrepancies(subject: &Subject<'_>) -> Section {
     let text = "How far the linear model of the error is from the nonlinear one, node by node: the claim of the \
                 seed paper is less than 1 % (its Fig. 8).";
     let mut section = Section::new("discrepancy", "Linear against nonlinear model", vec![text.into()]);
-    section.figures.push(Figure::new(titled(a, "discrepancy"), "", fig8::chart(a)));
+    section.figures.push(Figure::new(titled(a, "discrepancy"), "", chart::discrepancy(a)));
+    section
+}
+
+/// How far arms built to the tolerances differ.
+fn distributions(subject: &Subject<'_>) -> Section {
+    let a = subject.shown();
+    let text = "Arms drawn at random within their tolerances, each through the nonlinear model: how often which \
+                error comes out at the spot.";
+    let mut section = Section::new("distribution", "Distribution at the spots", vec![text.into()]);
+    for k in 0..a.maps.len() {
+        let name = shown(&a.cell.operations[k].name);
+        match Distribution::at_spot(a, k) {
+            Ok(d) => section.figures.push(Figure::new(titled(a, &name), "", chart::histogram(a.cell, &d))),
+            Err(why) => section.text.push(format!("{name}: {why}.")),
+        }
+    }
     section
 }
 
@@ -130,10 +165,17 @@ fn convergence(subject: &Subject<'_>) -> Section {
         found.feasible,
         bound_in_words(found, subject)
     ));
-    let row = |(n, value): &(u64, f64)| vec![n.to_string(), told(unit, *value)];
+    let row = |(n, value): &(u64, f64)| vec![n.to_string(), format!("{:.6}", rounded(*value, 6))];
     let rows: Vec<_> = found.trace.iter().map(row).collect();
     if !rows.is_empty() {
-        section.tables.push(Table::new("Improvements", &["evaluations", "best so far"], rows).folded());
+        let trace: Vec<(u64, f64)> = found.trace.iter().map(|(n, value)| (*n, si(unit, *value))).collect();
+        let (start, bound) = (subject.start.evaluation.objective, found.bound.map(|b| si(unit, b)));
+        let course = Course { trace: &trace, evaluations: found.evaluations, start, bound, unit };
+        section.figures.push(Figure::new("Convergence", "", chart::convergence(&course)));
+        section.tables.push(
+            Table::new("Improvements", &["evaluations", &format!("best so far {}", unit.word())], rows)
+                .folded(),
+        );
     }
     section
 }
@@ -141,7 +183,7 @@ fn convergence(subject: &Subject<'_>) -> Section {
 fn bound_in_words(found: &Found, subject: &Subject<'_>) -> String {
     let unit = subject.cell().unit();
     match found.bound {
-        Some(bound) => format!("The proven bound lies at {}.", told(unit, bound)),
+        Some(bound) => format!("It is proven that none of them has less than {}.", down(unit, bound)),
         None => "There is no proven bound.".into(),
     }
 }
@@ -169,7 +211,31 @@ fn pareto(subject: &Subject<'_>) -> Section {
         std::iter::once(shown(&a.file)).chain(Goal::ALL.map(told)).collect()
     };
     section.tables.push(Table::new("", &head, all.iter().map(row).collect()));
+    let picture = chart::pareto(subject.cell(), &record(subject, found));
+    section.figures.extend(picture.map(|svg| Figure::new("Front", "Numbers are those of the files.", svg)));
     section
+}
+
+/// The search again as far as its front is drawn.
+fn record(subject: &Subject<'_>, found: &Found) -> SearchRecord {
+    let cell = subject.cell();
+    let candidate =
+        |a: &Assessment<'_>| Candidate { layout: a.layout.clone(), evaluation: a.evaluation.clone() };
+    let of = |a: &Alternative| {
+        let value = |goal: Goal| a.goals.get(goals::key(goal)).and_then(|v| v.as_f64()).unwrap_or_default();
+        let goals = Goal::ALL.map(|goal| goals::si(cell, goal, value(goal))).to_vec();
+        search::Alternative { candidate: candidate(subject.shown()), goals }
+    };
+    SearchRecord {
+        start: candidate(&subject.start),
+        best: candidate(subject.shown()),
+        evaluations: found.evaluations,
+        feasible: found.feasible,
+        trace: Vec::new(),
+        bound: None,
+        ended: Ended::Done,
+        alternatives: found.front.iter().flatten().map(of).collect(),
+    }
 }
 
 /// What misplaced equipment does to the spots.
@@ -180,6 +246,8 @@ fn misplacement(subject: &Subject<'_>) -> Section {
     let mut section = Section::new("misplacement", "Sensitivity to misplacement", vec![text.into()]);
     let rows = (0..a.maps.len()).flat_map(|k| {
         let Some(Some(r)) = a.robustness.get(k) else { return Vec::new() };
+        let title = titled(a, &shown(&a.cell.operations[k].name));
+        section.figures.push(Figure::new(title, "", chart::misplacement(a.cell, k, r)));
         let name = shown(&a.cell.operations[k].name);
         text::robust_lines(a.cell, k, r).into_iter().map(|line| vec![name.clone(), line]).collect()
     });

@@ -17,10 +17,7 @@ pub fn section(subject: &Subject<'_>) -> Section {
             .to_string(),
     ];
     let mut section = Section::new("placements", "Where everything stands", text);
-    for a in subject.layouts() {
-        section.tables.push(frames(a));
-        section.tables.push(outlines(a));
-    }
+    section.tables = subject.tables(|a| vec![frames(a), outlines(a)]);
     section
 }
 
@@ -28,7 +25,7 @@ pub fn section(subject: &Subject<'_>) -> Section {
 pub fn joints(subject: &Subject<'_>) -> Section {
     let text = vec!["Joint coordinates as the controller of the robot file counts them.".to_string()];
     let mut section = Section::new("joints", "Joints at the spots", text);
-    section.tables = subject.layouts().map(joint_table).collect();
+    section.tables = subject.tables(|a| vec![joint_table(a)]);
     section
 }
 
@@ -49,12 +46,11 @@ pub fn titled(a: &Assessment<'_>, what: &str) -> String {
 }
 
 fn frames(a: &Assessment<'_>) -> Table {
-    let row = |name: String, kind: &str, at: &Placement, floor: f64| {
+    let row = |name: String, at: &Placement, floor: f64| {
         let own = at.seen_from(&a.layout.base);
         let yaw = |yaw: f64| deg(crate::units::wrapped(yaw));
         vec![
             name,
-            kind.to_string(),
             mm(at.x),
             mm(at.y),
             yaw(at.yaw),
@@ -66,13 +62,13 @@ fn frames(a: &Assessment<'_>) -> Table {
         ]
     };
     let floor = a.cell.floor;
-    let base = row("robot base".into(), "robot", &a.layout.base, floor);
+    let base = row("robot base".into(), &a.layout.base, floor);
     let placed = a.cell.equipment.iter().zip(&a.layout.placements);
-    let others = placed.map(|(e, at)| row(shown(&e.name), kind(e), at, floor));
+    let others = placed.map(|(e, at)| row(named(e), at, floor));
     Table::new(
         titled(a, "origins"),
         &[
-            "what", "kind", "x mm", "y mm", "yaw deg", "height above floor mm", "x from base mm", "y from base mm",
+            "what", "x mm", "y mm", "yaw deg", "height above floor mm", "x from base mm", "y from base mm",
             "z from base mm", "yaw from base deg",
         ],
         std::iter::once(base).chain(others).collect(),
@@ -80,10 +76,10 @@ fn frames(a: &Assessment<'_>) -> Table {
     .with_note("The origin of what has a work surface lies in that surface: its height is the height of the table top.")
 }
 
-fn kind(equipment: &Equipment) -> &'static str {
+fn named(equipment: &Equipment) -> String {
     match equipment.role {
-        Role::Equipment => "equipment",
-        Role::Obstacle => "obstacle",
+        Role::Equipment => shown(&equipment.name),
+        Role::Obstacle => format!("{} (obstacle)", shown(&equipment.name)),
     }
 }
 
@@ -143,8 +139,7 @@ fn joint_table(a: &Assessment<'_>) -> Table {
             JointKind::Prismatic => format!("{:.3}", rounded(mm_from_m(value), 3)),
         };
         let unit = if joint.kind == JointKind::Revolute { "deg" } else { "mm" };
-        let mut row =
-            vec![format!("q{} {}", k + 1, shown(&joint.name)), unit.into(), told(a.cell.robot.home[k])];
+        let mut row = vec![shown(&joint.name), unit.into(), told(a.cell.robot.home[k])];
         let at_spot = |o: usize| a.spot(o).map_or(NOTHING.into(), |(_, p)| told(p.joints[k]));
         row.extend((0..a.maps.len()).map(at_spot));
         row.extend([told(joint.limits.0), told(joint.limits.1)]);

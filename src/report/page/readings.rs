@@ -16,10 +16,7 @@ pub fn section(subject: &Subject<'_>) -> Section {
             .to_string(),
     ];
     let mut section = Section::new("readings", "The spots under every reading", text);
-    for a in subject.layouts() {
-        section.tables.push(figures(a));
-        section.tables.push(counts(a));
-    }
+    section.tables = subject.tables(|a| vec![figures(a), counts(a)]);
     section
 }
 

@@ -4,8 +4,9 @@ use super::content::{Figure, Section};
 use super::subject::Subject;
 use super::verdict::Verdict;
 use super::{assets, assumptions, figures, nodes, places, readings, script_json, shell};
-use crate::cell::shown;
+use crate::cell::{Cell, shown};
 use crate::drawing::Drawing;
+use crate::report::chart;
 use crate::report::text::headline;
 use serde::Serialize;
 
@@ -37,8 +38,8 @@ struct Page<'a> {
 /// What cannot be rendered.
 pub fn report(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Result<Report, String> {
     let verdict = Verdict::new(subject);
-    let (script, style) = (assets::VIEWER_JS.to_string() + assets::REPORT_JS, assets::REPORT_CSS);
-    let mut sections = figures::sections(subject);
+    let (script, style) = (assets::VIEWER_JS.to_string() + assets::REPORT_JS, style());
+    let mut sections = figures::sections(subject, drawings);
     sections.push(places::section(subject));
     sections.push(places::joints(subject));
     sections.push(readings::section(subject));
@@ -50,7 +51,7 @@ pub fn report(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Result<Report,
     pictures.enumerate().for_each(|(k, figure)| figure.svg = shell::scoped(&figure.svg, k));
     let page = Page {
         title: shown(&subject.cell().name),
-        question: headline(subject.cell()),
+        question: question(subject.cell()),
         policy: shell::policy(&script, &style),
         style: &style,
         script: &script,
@@ -62,4 +63,16 @@ pub fn report(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Result<Report,
     };
     let html = shell::rendered(assets::REPORT_HTML, &page)?;
     Ok(Report { html, verdict })
+}
+
+/// What is asked, without the name of the cell, which stands above it.
+fn question(cell: &Cell) -> String {
+    let line = headline(cell);
+    line.strip_prefix(&format!("{}: ", cell.name)).map(str::to_string).unwrap_or(line)
+}
+
+/// On a dark screen charts are dark, too; on paper never.
+fn style() -> String {
+    let dark = chart::dark_rules(".plate");
+    format!("{}\n@media screen and (prefers-color-scheme: dark) {{\n{dark}}}\n", assets::REPORT_CSS)
 }

@@ -56,13 +56,13 @@ fn next_node(a: &Assessment<'_>) -> Option<RunnerUp> {
     };
     let name = shown(&a.cell.operations[k].name);
     let note = format!(
-        "the next best spot in the same layout: {name} at node ({}, {}) instead of its own, {}{more}; no other layout was kept",
+        "the next best spot in the same layout, of {name} alone: node ({}, {}) instead of {}{more}; no other layout was kept",
         node.i,
         node.j,
         quantity(unit, best)
     );
     let value = rounded(unit.from_si(posture.value), 9);
-    let text = format!("{} at {name}", quantity(unit, posture.value));
+    let text = quantity(unit, posture.value);
     Some(RunnerUp { kind: "node", value, text, note })
 }
 

@@ -14,6 +14,7 @@ use sha2::{Digest, Sha256};
 pub fn rendered(template: &str, page: &impl Serialize) -> Result<String, String> {
     let mut environment = Environment::new();
     environment.set_auto_escape_callback(|_| AutoEscape::Html);
+    environment.add_filter("tied", tied);
     environment.set_undefined_behavior(minijinja::UndefinedBehavior::Strict);
     environment.render_str(template, Serde(page)).map_err(|e| format!("{e:#}"))
 }
@@ -39,3 +40,19 @@ pub fn scoped(svg: &str, number: usize) -> String {
         .replace("url(#", &format!("url(#p{number}-"))
         .replace("href=\"#", &format!("href=\"#p{number}-"))
 }
+
+/// A unit stays on the line of its number: a space between them that does not break.
+fn tied(text: String) -> String {
+    let mut out = String::with_capacity(text.len());
+    for (k, word) in text.split(' ').enumerate() {
+        let is_unit = UNITS.contains(&word.trim_end_matches([',', ';', ':', '.', ')']));
+        let after_number = out.ends_with(|c: char| c.is_ascii_digit());
+        if k > 0 {
+            out.push(if is_unit && after_number { '\u{a0}' } else { ' ' });
+        }
+        out.push_str(word);
+    }
+    out
+}
+
+const UNITS: [&str; 4] = ["mm", "deg", "%", "m2"];

@@ -1,9 +1,20 @@
 //! What is reported: a layout as drawn, or what a search found.
 
-use crate::cell::Cell;
+use super::content::Table;
+use crate::cell::{Cell, Unit};
 use crate::compare::Assessment;
+use crate::units::{m_from_mm, rad_from_deg};
 use serde::Deserialize;
 use serde_json::{Map, Value};
+
+/// A value of a document in SI.
+pub fn si(unit: Unit, value: f64) -> f64 {
+    match unit {
+        Unit::Length => m_from_mm(value),
+        Unit::Angle => rad_from_deg(value),
+        Unit::Share => value,
+    }
+}
 
 /// Everything that a report is made from.
 pub struct Subject<'a> {
@@ -27,6 +38,12 @@ impl<'a> Subject<'a> {
     /// Every layout, the one as drawn first.
     pub fn layouts(&self) -> impl Iterator<Item = &Assessment<'a>> {
         std::iter::once(&self.start).chain(&self.best)
+    }
+
+    /// A table of each layout, the recommended one first; the other is shown when asked for.
+    pub fn tables(&self, of: impl Fn(&Assessment<'a>) -> Vec<Table>) -> Vec<Table> {
+        let other = self.best.as_ref().map_or(Vec::new(), |_| of(&self.start));
+        of(self.shown()).into_iter().chain(other.into_iter().map(Table::folded)).collect()
     }
 
     pub fn cell(&self) -> &'a Cell {

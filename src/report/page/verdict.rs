@@ -82,6 +82,14 @@ pub fn told(unit: Unit, value: f64) -> String {
     }
 }
 
+/// A bound in its unit, rounded down: what is written is proven, too.
+pub fn down(unit: Unit, bound: f64) -> String {
+    match unit {
+        Unit::Share => format!("{:.4} %", (percent_from_share(bound) * 1e4).floor() / 1e4),
+        _ => format!("{:.4} {}", (bound * 1e4).floor() / 1e4, unit.word()),
+    }
+}
+
 fn nine(value: f64) -> f64 {
     rounded(value, 9)
 }
@@ -254,11 +262,6 @@ fn gain(v: &Verdict, unit: Unit) -> Fact {
 
 /// How much better any layout could be at most.
 fn gap(found: &Found, v: &Verdict, unit: Unit) -> Fact {
-    // Rounded down: what is written is proven, too.
-    let down = |value: f64| match unit {
-        Unit::Share => format!("{:.4} %", (percent_from_share(value) * 1e4).floor() / 1e4),
-        _ => format!("{:.3} {}", (value * 1e3).floor() / 1e3, unit.word()),
-    };
     let covers = match found.proof.covers.as_str() {
         "part" => format!("; counted as 0: {}", unproven(found)),
         _ => String::new(),
@@ -267,11 +270,17 @@ fn gap(found: &Found, v: &Verdict, unit: Unit) -> Fact {
         (Some(gap), Some(bound)) => (
             // Rounded up, for the same reason.
             if gap <= 0.0 { "0 %".into() } else { format!("{} %", up(gap)) },
-            format!("it is proven that no layout of these ranges has less than {}{covers}", down(bound)),
+            format!(
+                "it is proven that no layout of these ranges has less than {}{covers}",
+                down(unit, bound)
+            ),
         ),
         (None, Some(bound)) => (
             "none".into(),
-            format!("it is proven that no layout of these ranges has less than {}{covers}", down(bound)),
+            format!(
+                "it is proven that no layout of these ranges has less than {}{covers}",
+                down(unit, bound)
+            ),
         ),
         _ if found.proof.covers == "infeasible" => {
             ("no layout".into(), format!("it is proven that no layout works: {}", unproven(found)))
