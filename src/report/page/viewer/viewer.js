@@ -15,7 +15,8 @@ function sweetspotViewer(host, written, options = {}) {
   const canvas = element("canvas", { tabIndex: 0, role: "img" });
   stage.append(canvas);
   root.append(stage);
-  for (const old of host.children) old.hidden = true;
+  const kept = [...host.children].filter((child) => !child.hidden);
+  for (const old of kept) old.hidden = true;
   host.append(root);
 
   const view = {
@@ -102,6 +103,7 @@ function sweetspotViewer(host, written, options = {}) {
 
   // ---- camera
   function setCamera(wanted, quietly) {
+    if (!view.camera) return;
     flight = null;
     view.camera = { ...view.camera, ...wanted };
     view.camera.elevation = clamp(view.camera.elevation, -0.25, Math.PI / 2);
@@ -124,6 +126,7 @@ function sweetspotViewer(host, written, options = {}) {
     setCamera({ distance, target: add(view.camera.target, towards) });
   };
   view.look = (name) => {
+    if (!view.camera) return;
     const goal = fitted(view, name === "reset" ? "iso" : name);
     const still = matchMedia("(prefers-reduced-motion: reduce)").matches || goal.parallel !== view.camera.parallel;
     if (still) return setCamera(goal);
@@ -268,15 +271,15 @@ function sweetspotViewer(host, written, options = {}) {
 
   const api = {
     show, replace, movePart, setCamera, canvas,
-    pickFloor: (px, py, z = view.drawing.floor_mm) => floorUnder(view, px, py, z),
-    pickEquipment: (px, py, obstacles = false) => equipmentUnder(view, px, py, obstacles),
+    pickFloor: (px, py, z = view.drawing.floor_mm) => view.optics && floorUnder(view, px, py, z),
+    pickEquipment: (px, py, obstacles = false) => view.optics && equipmentUnder(view, px, py, obstacles),
     state: () => ({ ...view.state }),
     camera: () => ({ ...view.camera, target: [...view.camera.target] }),
     on: (event, f) => {
       listeners.set(event, [...(listeners.get(event) || []), f]);
       return api;
     },
-    project: (x, y, z) => seenAt(view, [x, y, z]),
+    project: (x, y, z) => view.optics && seenAt(view, [x, y, z]),
     look: (name) => view.look(name),
     play: (on = true) => view.play(on),
     supported: () => true,
@@ -295,7 +298,14 @@ function sweetspotViewer(host, written, options = {}) {
     timeline = makeTimeline(view, root, show);
     stage.after(timeline.box);
   }
-  setUpCard(view, canvas);
+  try {
+    setUpCard(view, canvas);
+  } catch (fault) {
+    console.warn(fault);
+    root.remove();
+    for (const old of kept) old.hidden = false;
+    return unsupported();
+  }
   makeHand(view, canvas, options);
   canvas.addEventListener("webglcontextlost", (event) => event.preventDefault());
   canvas.addEventListener("webglcontextrestored", () => {
