@@ -188,19 +188,22 @@ function floorNumbers(view) {
     const room = Math.hypot(a.x - b.x, a.y - b.y) / Math.max(high - low, 1);
     const step = [500, 1000, 2000, 5000, 10000].find((s) => s * room > 46);
     if (!step) return;
+    let last = null;
     const inwards = seenAt(view, times(add([x0, y0, z], [x1, y1, z]), 0.5));
     for (let v = Math.ceil(low / step) * step; v <= high; v += step) {
       const p = seenAt(view, point(v));
       const away = [p.x - inwards.x, p.y - inwards.y];
       const far = Math.hypot(...away) || 1;
-      const number = String(v).replace("-", "\u2212");
-      const text = v + step > high ? `${word} ${number} mm` : number;
+      const text = String(v).replace("-", "\u2212");
       const [px, py] = [p.x + (away[0] / far) * 16, p.y + (away[1] / far) * 12];
       const w = textWidth(text, 10) - 14;
       if (p.visible && px > w / 2 && px < view.width - w / 2 && py > 6 && py < view.height - 6) {
-        out.push({ text, kind: "tick", x: px - w / 2, y: py - 7 });
+        last = { text, kind: "tick", x: px - w / 2, y: py - 7 };
+        out.push(last);
       }
     }
+    // The last to be seen says of what.
+    if (last) last.text = `${word} ${last.text} mm`;
   };
   along(x0, x1, (v) => [v, y, z], "x");
   along(y0, y1, (v) => [x, v, z], "y");
