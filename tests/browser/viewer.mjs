@@ -200,6 +200,39 @@ async function tryLoss(page) {
   check(changed(before, await seen(page)) < 200, "after a loss of the graphics card the picture is as before");
 }
 
+/** Of a page that shows its viewer as `viewer`: what a page that drags equipment asks of it. */
+async function tryDragging(page) {
+  if (!(await page.evaluate(() => !!globalThis.viewer && !!document.getElementById("document")))) return;
+  const told = await page.evaluate(() => {
+    const read = () => JSON.parse(document.getElementById("document").textContent);
+    const { equipment } = read().drawings[viewer.state().drawing];
+    const index = equipment.findIndex((e) => !e.obstacle && e.at);
+    const [x, y, z] = equipment[index].at.slice(9);
+    const p = viewer.project(x, y, z);
+    const back = viewer.pickFloor(p.x, p.y, z);
+    const heard = [];
+    viewer.on("state", (s) => heard.push(s));
+    const was = viewer.camera();
+    viewer.setCamera({ azimuth: was.azimuth + 0.3 });
+    const now = viewer.camera();
+    viewer.setCamera(was);
+    viewer.show({ arrows: "none" }).show({ arrows: "resultant" });
+    return { index, x, y, z, off: Math.hypot(back.x - x, back.y - y), hit: viewer.pickEquipment(p.x, p.y, true), turned: now.azimuth - was.azimuth, heard: heard.length };
+  });
+  check(told.off < 0.5, `a point of the picture is found again on the floor (${told.off.toExponential(1)} mm)`);
+  check(told.hit && told.hit.equipment !== null, "equipment is found under the pointer");
+  check(Math.abs(told.turned - 0.3) < 1e-9 && told.heard === 2, "camera and state are told");
+  await settled(page);
+  const before = await seen(page);
+  await page.evaluate(({ index, x, y, z }) => viewer.movePart(index, { x_mm: x + 150, y_mm: y + 150, z_mm: z, yaw_deg: 20 }), told);
+  await settled(page);
+  const during = await seen(page);
+  check(changed(before, during) > 100, "equipment moves while it is dragged");
+  await page.evaluate(() => viewer.replace(JSON.parse(document.getElementById("document").textContent)));
+  await settled(page);
+  check(changed(before, await seen(page)) < 30, "a new document puts it where it is");
+}
+
 async function shoot(browser, url, folder) {
   mkdirSync(folder, { recursive: true });
   const name = basename(url).replace(/\.html?$/, "");
@@ -236,6 +269,7 @@ await trySwitches(page);
 await tryViews(page);
 await tryHand(page);
 await tryTime(page);
+await tryDragging(page);
 await tryLoss(page);
 // A picture is read back only here: what the browser says of that is no fault of the page.
 const wrong = said.filter((line) => !/GPU stall due to ReadPixels/.test(line));

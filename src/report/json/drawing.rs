@@ -17,7 +17,7 @@ use std::collections::HashMap;
 /// Pictures of the movement closer than this are left out, s: the viewer interpolates.
 const TICK: f64 = 0.099;
 /// A line of the envelope is drawn this exactly, m.
-const STRAIGHT: f64 = 0.001;
+const STRAIGHT: f64 = 1e-3;
 
 /// The document of the viewer: the drawings in the order given, each mesh once.
 pub fn drawings(drawings: &[Drawing<'_>]) -> Value {

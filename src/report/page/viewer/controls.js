@@ -112,12 +112,16 @@ function showTimeline(line, view, show) {
   if (line.of !== movement) {
     line.of = movement;
     line.slider.max = String(end);
-    line.ticks.replaceChildren(...movement.stops.map((stop) => {
+    const shares = movement.stops.map((stop) => clamp(stop.time_s / (end || 1), 0, 1));
+    line.ticks.replaceChildren(...movement.stops.map((stop, n) => {
       const tick = button(short(stop.name), () => {
         view.play(false);
         show({ time: stop.time_s + (stop.operation === null ? 0 : 0.3) });
       });
-      const share = clamp(stop.time_s / (end || 1), 0, 1);
+      const share = shares[n];
+      const room = Math.min(...shares.filter((_, k) => k !== n).map((s) => Math.abs(s - share)));
+      tick.style.maxWidth = `${(100 * room).toFixed(1)}%`;
+      tick.title = stop.name;
       tick.style.left = `${(100 * share).toFixed(2)}%`;
       tick.style.transform = `translateX(${(-100 * share).toFixed(1)}%)`;
       return tick;
@@ -127,4 +131,5 @@ function showTimeline(line, view, show) {
   line.play.textContent = view.playing ? "Pause" : "Play";
   const words = `${view.state.time.toFixed(1)} s of ${end.toFixed(1)} s`;
   line.clock.textContent = movement.checked ? words : `${words}, ways not checked`;
+  line.clock.title = movement.checked ? "" : "The ways between the spots were not checked for collision (a cell with [transfer] has them checked).";
 }

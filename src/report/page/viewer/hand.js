@@ -41,7 +41,8 @@ function makeHand(view, canvas, options) {
   };
   canvas.addEventListener("pointerup", up);
   canvas.addEventListener("pointercancel", up);
-  canvas.addEventListener("pointerleave", () => view.hover(null, 0));
+  // A finger leaves with every tap: what it asked for stays.
+  canvas.addEventListener("pointerleave", (event) => event.pointerType !== "touch" && view.hover(null, 0));
   canvas.addEventListener("contextmenu", (event) => event.preventDefault());
   canvas.addEventListener("blur", () => (taken = false));
   canvas.addEventListener("wheel", (event) => {

@@ -93,13 +93,15 @@ function labelBoxes(view) {
       [[1, -1], [-1, -1], [1, 1], [-1, 1], [0, -1.3], [0, 1.3]].map(([x, y]) => [at.x + x * (w / 2 + 12 * f), at.y + y * (8 + 15 * f), f]));
     boxes.push({ key: `o${field.operation}`, text, kind: "spot", must: true, w, h, places, anchors: [[at.x, at.y]] });
   }
-  const rooms = drawing.equipment.map((_, k) => roomOf(view, k));
-  drawing.equipment.forEach((e, k) => {
-    const w = textWidth(short(e.name), 12);
+  const named = drawing.equipment.map((e, k) => ({ name: e.name, parts: drawing.parts.filter((p) => p.equipment === k) }));
+  for (const part of drawing.parts) if (part.kind === "keep-out") named.push({ name: part.name, parts: [part] });
+  const rooms = named.map(({ parts }) => roomOf(view, parts));
+  named.forEach(({ name }, k) => {
+    const w = textWidth(short(name), 12);
     if (!rooms[k]) return;
     const inOther = ([x, y]) => rooms.filter((r, n) => r && n !== k && x > r.left && x < r.right && y > r.top && y < r.bottom).length;
     const places = rooms[k].places.map((p) => [...p, 4 * inOther(p)]);
-    boxes.push({ key: `e${k}`, text: short(e.name), kind: "name", w, h: 18, places, anchors: rooms[k].anchors });
+    boxes.push({ key: `e${k}`, text: short(name), kind: "name", w, h: 18, places, anchors: rooms[k].anchors });
   });
   return boxes;
 }
@@ -113,11 +115,10 @@ function spotValue(view, field) {
   return best === null ? "" : `${figure(take.values[s][best])} ${field.senses[s].unit}`;
 }
 
-/** The outline of an equipment on the screen, places round it for its name, and what a line may lead to. */
-function roomOf(view, k) {
+/** The outline of parts on the screen, places round it for a name, and what a line may lead to. */
+function roomOf(view, parts) {
   const [xs, ys, anchors] = [[], [], []];
-  for (const part of view.drawing.parts) {
-    if (part.equipment !== k) continue;
+  for (const part of parts) {
     const at = view.poseOf(part);
     for (const point of part.mesh.marks) {
       const p = seenAt(view, moved(at, point));
@@ -187,19 +188,22 @@ function floorNumbers(view) {
     const room = Math.hypot(a.x - b.x, a.y - b.y) / Math.max(high - low, 1);
     const step = [500, 1000, 2000, 5000, 10000].find((s) => s * room > 46);
     if (!step) return;
+    let last = null;
     const inwards = seenAt(view, times(add([x0, y0, z], [x1, y1, z]), 0.5));
     for (let v = Math.ceil(low / step) * step; v <= high; v += step) {
       const p = seenAt(view, point(v));
       const away = [p.x - inwards.x, p.y - inwards.y];
       const far = Math.hypot(...away) || 1;
-      const number = String(v).replace("-", "\u2212");
-      const text = v + step > high ? `${word} ${number} mm` : number;
+      const text = String(v).replace("-", "\u2212");
       const [px, py] = [p.x + (away[0] / far) * 16, p.y + (away[1] / far) * 12];
       const w = textWidth(text, 10) - 14;
       if (p.visible && px > w / 2 && px < view.width - w / 2 && py > 6 && py < view.height - 6) {
-        out.push({ text, kind: "tick", x: px - w / 2, y: py - 7 });
+        last = { text, kind: "tick", x: px - w / 2, y: py - 7 };
+        out.push(last);
       }
     }
+    // The last to be seen says of what.
+    if (last) last.text = `${word} ${last.text} mm`;
   };
   along(x0, x1, (v) => [v, y, z], "x");
   along(y0, y1, (v) => [x, v, z], "y");

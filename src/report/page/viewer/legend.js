@@ -20,8 +20,9 @@ const ICONS = {
   diamond: () => icon(drawn("path", { d: "M10 2.5l7.5 7.5l-7.5 7.5l-7.5 -7.5z", class: "ss-pink" })),
   envelope: () => icon(drawn("path", { d: "M1 13q9 -13 18 0", class: "ss-blue" })),
   around: () => icon(drawn("path", { d: "M1 13q9 -13 18 0", class: "ss-blue ss-faint" })),
-  axes: () => icon(drawn("path", { d: "M4 16h13", class: "ss-x" }), drawn("path", { d: "M4 16l8 -6", class: "ss-y" }),
-    drawn("path", { d: "M4 16v-13", class: "ss-z" })),
+  fence: () => icon(drawn("rect", { x: 2, y: 4, width: 16, height: 12, class: "ss-fence" })),
+  "keep-out": () => icon(drawn("rect", { x: 2, y: 4, width: 16, height: 12, class: "ss-keep-out" })),
+  ghost: () => icon(drawn("rect", { x: 2.5, y: 4.5, width: 15, height: 11, class: "ss-ghost" })),
 };
 
 const WORDS = {
@@ -33,6 +34,9 @@ const WORDS = {
   diamond: "spot between the nodes",
   envelope: "reach at the height of the work",
   around: "reach elsewhere",
+  fence: "fence",
+  "keep-out": "to be kept free",
+  ghost: "equipment in the other layout",
 };
 
 function makeLegend(host) {
@@ -111,6 +115,8 @@ function signKey(view) {
   if (fields.some((f) => spotOf(view, f))) seen.add("spot");
   if (view.lens === 0 && fields.some((f) => f.refined_mm)) seen.add("diamond");
   if (view.state.envelope && view.drawing.envelopes.length) seen.add("envelope").add("around");
+  for (const part of view.drawing.parts) if (part.kind === "fence" || part.kind === "keep-out") seen.add(part.kind);
+  if (view.scale.other) seen.add("ghost");
   const items = Object.keys(WORDS).filter((sign) => seen.has(sign));
   return element("ul", { class: "ss-signs" }, ...items.map((sign) =>
     element("li", {}, ICONS[sign](), element("span", { textContent: WORDS[sign] }))));

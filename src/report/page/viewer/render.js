@@ -116,13 +116,14 @@ function drawPicture(view, width, height) {
   drawFloor(card, { ...shared, bounds: view.floorBounds, height: view.drawing.floor_mm, dark: looks.shade,
     line: [...hex(looks.line), looks.lineAlpha], ground: [...hex(looks.ground), 0.9] });
   drawMap(view, shared, looks);
+  drawGhost(view, shared, looks);
+  drawSigns(view, shared, looks);
+  // Last what one sees through: signs behind it stay bright.
   for (const part of parts) {
     const seen = seenAs(view, part);
     if (seen === "clear") drawGlass(view, part, shared, 0.22);
     if (seen === "space") drawGlass(view, part, shared, part.kind === "fence" ? 0.1 : 0.13);
   }
-  drawGhost(view, shared, looks);
-  drawSigns(view, shared, looks);
 }
 
 function drawSolid(view, part, shared, alpha) {

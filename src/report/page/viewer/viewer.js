@@ -8,6 +8,15 @@ function supported() {
   }
 }
 
+/**
+ * Shows a document (sweetspot/drawing/1) in a host element, whose own content stays where there is no WebGL.
+ *
+ * Options: every key of the state to begin with; controls: false for the bare picture; wheel: "always" to zoom
+ * without a click before. The state: drawing, operation, compareTo (indices; null: all, none), lens (index), sense
+ * (name; null: each operation's own), arrows (none, x, y, z, components, resultant), envelope (true, false), robot and
+ * solids (solid, clear, none), time (s). Events: camera, pick (node under the pointer, or null), time, state.
+ * The height of the picture is the CSS variable --ss-height.
+ */
 function sweetspotViewer(host, written, options = {}) {
   if (!supported()) return unsupported();
   const root = element("div", { class: "ss-viewer" });
@@ -15,19 +24,20 @@ function sweetspotViewer(host, written, options = {}) {
   const canvas = element("canvas", { tabIndex: 0, role: "img" });
   stage.append(canvas);
   root.append(stage);
-  for (const old of host.children) old.hidden = true;
+  const kept = [...host.children].filter((child) => !child.hidden);
+  for (const old of kept) old.hidden = true;
   host.append(root);
 
   const view = {
     model: readModel(written, new Map()), drawing: null, lens: 0, times: 1, scale: { ranges: {} }, theme: "light",
-    shifts: new Map(), ratio: 1, card: null, shadowKey: "", found: null, width: 1, height: 1, optics: null, camera: null, playing: false, floorBounds: [0, 0, 1, 1],
+    shifts: new Map(), ratio: 1, coarse: 1, card: null, shadowKey: "", found: null, width: 1, height: 1, optics: null, camera: null, playing: false, floorBounds: [0, 0, 1, 1],
     state: { drawing: 0, operation: null, lens: 0, sense: null, arrows: "resultant", envelope: false,
       solids: "solid", robot: "solid", time: 0, compareTo: null },
   };
   const listeners = new Map();
   const dirty = { data: true, queued: false };
   let [tip, labels, legend, controls, timeline] = [];
-  let [lastTick, flight, keyPx] = [0, null, 0];
+  let [lastTick, flight, keyPx, lastFrame, slow, fine] = [0, null, 0, 0, 0, 0];
 
   const tell = (event, what) => (listeners.get(event) || []).forEach((f) => f(what));
   const ask = (data) => {
@@ -102,6 +112,7 @@ function sweetspotViewer(host, written, options = {}) {
 
   // ---- camera
   function setCamera(wanted, quietly) {
+    if (!view.camera) return;
     flight = null;
     view.camera = { ...view.camera, ...wanted };
     view.camera.elevation = clamp(view.camera.elevation, -0.25, Math.PI / 2);
@@ -124,6 +135,7 @@ function sweetspotViewer(host, written, options = {}) {
     setCamera({ distance, target: add(view.camera.target, towards) });
   };
   view.look = (name) => {
+    if (!view.camera) return;
     const goal = fitted(view, name === "reset" ? "iso" : name);
     const still = matchMedia("(prefers-reduced-motion: reduce)").matches || goal.parallel !== view.camera.parallel;
     if (still) return setCamera(goal);
@@ -185,6 +197,7 @@ function sweetspotViewer(host, written, options = {}) {
   // ---- when
   function tick(now) {
     dirty.queued = false;
+    keepUp(now);
     if (view.playing) {
       const { times_s: moments } = view.drawing.movement;
       const end = moments[moments.length - 1];
@@ -205,6 +218,29 @@ function sweetspotViewer(host, written, options = {}) {
     }
     render();
     if (view.playing || flight) ask(false);
+  }
+
+  /** Where drawing is slow (no graphics card), it is coarser while things move, and fine again at rest. */
+  function keepUp(now) {
+    const gap = now - lastFrame;
+    lastFrame = now;
+    slow = gap > 400 ? slow : clamp(slow + (gap > 60 ? 1 : -1), 0, 4);
+    if (slow < 3 && view.coarse === 1) return;
+    fit(slow < 1 ? 1 : 0.55);
+    clearTimeout(fine);
+    fine = setTimeout(() => {
+      slow = 2;
+      fit(1);
+      render();
+    }, 260);
+  }
+
+  function fit(coarse) {
+    view.coarse = coarse;
+    view.ratio = Math.min(devicePixelRatio || 1, 3) * coarse;
+    const [w, h] = [Math.round(view.width * view.ratio), Math.round(view.height * view.ratio)];
+    if (canvas.width !== w) canvas.width = w;
+    if (canvas.height !== h) canvas.height = h;
   }
 
   function render() {
@@ -230,13 +266,12 @@ function sweetspotViewer(host, written, options = {}) {
 
   function resize() {
     const box = stage.getBoundingClientRect();
-    view.ratio = Math.min(devicePixelRatio || 1, 3);
     const [w, h] = [Math.round(box.width), Math.round(box.height)];
     if (w < 2 || h < 2) return;
     const first = view.width < 2;
     const shape = view.width / view.height;
     [view.width, view.height] = [w, h];
-    [canvas.width, canvas.height] = [Math.round(w * view.ratio), Math.round(h * view.ratio)];
+    fit(1);
     if (first) view.camera = fitted(view, "iso");
     // In a narrower picture the same width of the cell is kept.
     else if (w / h < shape && shape < 1.2) view.camera.distance *= shape / (w / h);
@@ -268,15 +303,15 @@ function sweetspotViewer(host, written, options = {}) {
 
   const api = {
     show, replace, movePart, setCamera, canvas,
-    pickFloor: (px, py, z = view.drawing.floor_mm) => floorUnder(view, px, py, z),
-    pickEquipment: (px, py, obstacles = false) => equipmentUnder(view, px, py, obstacles),
+    pickFloor: (px, py, z = view.drawing.floor_mm) => view.optics && floorUnder(view, px, py, z),
+    pickEquipment: (px, py, obstacles = false) => view.optics && equipmentUnder(view, px, py, obstacles),
     state: () => ({ ...view.state }),
     camera: () => ({ ...view.camera, target: [...view.camera.target] }),
     on: (event, f) => {
       listeners.set(event, [...(listeners.get(event) || []), f]);
       return api;
     },
-    project: (x, y, z) => seenAt(view, [x, y, z]),
+    project: (x, y, z) => view.optics && seenAt(view, [x, y, z]),
     look: (name) => view.look(name),
     play: (on = true) => view.play(on),
     supported: () => true,
@@ -295,7 +330,14 @@ function sweetspotViewer(host, written, options = {}) {
     timeline = makeTimeline(view, root, show);
     stage.after(timeline.box);
   }
-  setUpCard(view, canvas);
+  try {
+    setUpCard(view, canvas);
+  } catch (fault) {
+    console.warn(fault);
+    root.remove();
+    for (const old of kept) old.hidden = false;
+    return unsupported();
+  }
   makeHand(view, canvas, options);
   canvas.addEventListener("webglcontextlost", (event) => event.preventDefault());
   canvas.addEventListener("webglcontextrestored", () => {
