@@ -144,7 +144,7 @@ fn the_spot_is_where_the_axes_say() {
 /// only some.
 #[test]
 fn the_map_of_a_cell_shows_all_there_is() {
-    for name in ["hitachi_cell", "drilling_cell", "scara_cell"] {
+    for name in ["hitachi_cell", "drilling_cell"] {
         let workcell = workcell(&format!("{name}.toml"));
         let a = start(&workcell);
         let svg = report::svg::plan(&a);

@@ -1,22 +1,20 @@
 //! The error over a work surface: coloured bands, iso-lines with their values, signs where nothing works.
 
-use super::axes::{self, Scale, round_numbers, step};
+use super::axes::{self, Scale};
 use super::canvas::{Anchor, Canvas, EDGE, Entry, Ink, SMALL, path};
+use super::colour_scale::ColourScale;
 use super::iso::{Point, Surface};
 use super::labels::Taken;
 use super::{WIDTH, signs, words};
 use crate::cell::Unit;
 use crate::drawing::{Carrier, Drawing, Field, Take};
 use crate::pose::Pose;
-use crate::report::colours::viridis_hex;
 use crate::report::view::escaped;
 use crate::units::mm_from_m;
 use nalgebra::Vector3;
 
 /// Room for the plot, px: its left and right end, and its greatest height.
 const PLOT: (f64, f64, f64) = (62.0, WIDTH - EDGE - 112.0, 470.0);
-/// So many bands of colour from iso-line to iso-line.
-const BANDS: f64 = 4.0;
 /// What is drawn spans at least so much, mm.
 const LEAST: f64 = 100.0;
 /// Of fields with more nodes no node tells its value.
@@ -46,7 +44,12 @@ pub fn heat_map(drawing: &Drawing<'_>, field: usize, take: usize, sense: usize, 
     map.draw_nodes(&mut canvas, &surface, &points);
     map.draw_spots(&mut canvas, &place, &mut taken);
     map.draw_lines(&mut canvas, &surface, &mut taken);
-    let foot = map.draw_bar(&mut canvas, (x.px.1 + 26.0, top), (bottom - top - 60.0).clamp(110.0, 220.0));
+    let foot = map.scale.draw_bar(
+        &mut canvas,
+        map.unit.word(),
+        (x.px.1 + 26.0, top),
+        (bottom - top - 60.0).clamp(110.0, 220.0),
+    );
     map.draw_way_to_robot(&mut canvas, (x.px.1 + 60.0, foot + 34.0), drawing);
     canvas.y = canvas.y.max(foot + 86.0);
     canvas.legend(&map.legend());
@@ -69,9 +72,7 @@ struct Map<'a> {
     ground: Vec<Point>,
     low: [f64; 2],
     high: [f64; 2],
-    range: (f64, f64),
-    /// From iso-line to iso-line.
-    step: f64,
+    scale: ColourScale,
 }
 
 impl<'a> Map<'a> {
@@ -100,11 +101,8 @@ impl<'a> Map<'a> {
             corners.map(|(x, y)| (mm_from_m(x), mm_from_m(y))).to_vec()
         });
         let (low, high) = bounds(points.iter().chain(&ground));
-        let (least, most) = (unit.from_si(range.0), unit.from_si(range.1));
-        // What differs by rounding alone is one value.
-        let range = if most - least > 1e-9 * most.abs() { (least, most) } else { (least, least) };
-        let step = step(range.1 - range.0, 8.0);
-        Self { drawing, field, take, sense, unit, frame, of, points, values, ground, low, high, range, step }
+        let scale = ColourScale::new(unit.from_si(range.0), unit.from_si(range.1));
+        Self { drawing, field, take, sense, unit, frame, of, points, values, ground, low, high, scale }
     }
 
     fn heading(&self) -> String {
@@ -132,40 +130,13 @@ impl<'a> Map<'a> {
             let every = self.field.every;
             said.push(format!("drawn thinner than mapped: one node of {every} along both axes"));
         }
-        if !self.levels().is_empty() {
-            let step = words::number(self.step, self.step);
+        if !self.scale.levels().is_empty() {
+            let step = words::number(self.scale.step, self.scale.step);
             said.push(format!(
                 "iso-lines every {step} {word}; between nodes linear, the middle of four has their mean"
             ));
         }
         said
-    }
-
-    /// Values of the iso-lines.
-    fn levels(&self) -> Vec<f64> {
-        let (low, high) = self.range;
-        if high > low { round_numbers(low, high, self.step).collect() } else { Vec::new() }
-    }
-
-    /// The lower edges of the bands, and their colours.
-    fn bands(&self) -> Vec<(f64, String)> {
-        let (low, high) = self.range;
-        let apart = self.step / BANDS;
-        let mut edges = vec![low];
-        if high > low {
-            edges.extend(round_numbers(low, high, apart).filter(|e| *e > low && *e < high));
-        }
-        let upper = edges.iter().skip(1).copied().chain([high]);
-        let share = |v: f64| if high > low { (v - low) / (high - low).max(f64::MIN_POSITIVE) } else { 0.5 };
-        let colours: Vec<_> =
-            edges.iter().zip(upper).map(|(a, b)| viridis_hex(share((a + b) / 2.0))).collect();
-        edges.into_iter().zip(colours).collect()
-    }
-
-    fn colour(&self, value: f64) -> String {
-        let bands = self.bands();
-        let below = bands.iter().rev().find(|(edge, _)| value >= *edge).or(bands.first());
-        below.map_or_else(|| viridis_hex(0.5), |(_, colour)| colour.clone())
     }
 
     fn draw_ground(&self, canvas: &mut Canvas, place: &impl Fn(&Point) -> (f64, f64)) {
@@ -177,7 +148,7 @@ impl<'a> Map<'a> {
     /// From the lowest band up, each over those below it, so that no seam shows.
     fn draw_bands(&self, canvas: &mut Canvas, surface: &Surface) {
         let Some((least, most)) = surface.range() else { return };
-        let bands = self.bands();
+        let bands = self.scale.bands();
         let first = bands.iter().rposition(|(edge, _)| *edge <= least).unwrap_or(0);
         for (k, (edge, colour)) in bands.iter().enumerate().skip(first) {
             if *edge > most {
@@ -190,11 +161,11 @@ impl<'a> Map<'a> {
     }
 
     fn draw_lines(&self, canvas: &mut Canvas, surface: &Surface, taken: &mut Taken) {
-        for level in self.levels() {
+        for level in self.scale.levels() {
             let lines = surface.lines(level);
             let d: String = lines.iter().map(|l| path(l.iter().copied(), "")).collect();
             canvas.path(&d, "fill=\"none\" stroke=\"#1b1f24\" stroke-width=\"1\" stroke-opacity=\"0.75\"");
-            let said = words::number(level, self.step);
+            let said = words::number(level, self.scale.step);
             let half = words::width(&said, SMALL) / 2.0 + 2.0;
             let length = |l: &&Vec<Point>| l.windows(2).map(|w| distance(w[0], w[1])).sum::<f64>();
             let Some(longest) = lines.iter().max_by(|a, b| length(a).total_cmp(&length(b))) else { continue };
@@ -225,7 +196,7 @@ impl<'a> Map<'a> {
                 }
                 Some(value) => {
                     let said = title(format!("{} {}", words::figure(value), self.unit.word()));
-                    let colour = self.colour(value);
+                    let colour = self.scale.colour(value);
                     let look = match surface.covers(k) {
                         // No node is drawn where it would only be dust.
                         true if r < 2.0 => continue,
@@ -262,40 +233,6 @@ impl<'a> Map<'a> {
     /// The spot under this lens where it is not the one chosen.
     fn other_spot(&self) -> Option<usize> {
         self.take.best.filter(|k| Some(*k) != self.field.best)
-    }
-
-    /// The colours and their values; where it ends below.
-    fn draw_bar(&self, canvas: &mut Canvas, (left, top): (f64, f64), tall: f64) -> f64 {
-        let (low, high) = self.range;
-        let word = self.unit.word();
-        if high <= low {
-            let colour = viridis_hex(0.5);
-            canvas.put(&format!("<path d=\"M{left:.1} {top:.1}h16v16h-16z\" fill=\"{colour}\"/>"));
-            canvas.text((left + 23.0, top + 13.0), Anchor::Start, Ink::Text, &words::figure(low));
-            return top + 16.0;
-        }
-        let bar = Scale::linear(low, high, (top + tall, top));
-        let bands = self.bands();
-        let upper = bands.iter().skip(1).map(|b| b.0).chain([high]);
-        for ((edge, colour), upper) in bands.iter().zip(upper) {
-            let (from, to) = (bar.at(*edge), bar.at(upper));
-            // A hair taller, so that no gap shows between two of them.
-            let tall = from - to + 0.4;
-            canvas.put(&format!("<path d=\"M{left:.1} {from:.1}h16v{:.1}h-16z\" fill=\"{colour}\"/>", -tall));
-        }
-        let mut free = f64::INFINITY;
-        for level in self.levels() {
-            let y = bar.at(level);
-            canvas.path(&format!("M{left:.1} {y:.1}h20"), &Ink::Text.line(1.0));
-            let said = words::number(level, self.step);
-            if y > free {
-                continue;
-            }
-            free = y - 14.0;
-            canvas.text((left + 24.0, y + 4.5), Anchor::Start, Ink::Text, &said);
-        }
-        canvas.text((left, top - 10.0), Anchor::Start, Ink::Text, word);
-        top + tall
     }
 
     fn draw_way_to_robot(&self, canvas: &mut Canvas, (x, y): (f64, f64), drawing: &Drawing<'_>) {

@@ -8,6 +8,7 @@
 
 mod axes;
 pub(super) mod canvas;
+mod colour_scale;
 mod convergence;
 mod discrepancy;
 mod heat_map;

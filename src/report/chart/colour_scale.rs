@@ -1,0 +1,105 @@
+//! Values to bands of colour, and the bar that tells them.
+
+use super::axes::{Scale, round_numbers, step};
+use super::canvas::{Anchor, Canvas, Ink};
+use super::words;
+use crate::report::colours::viridis_hex;
+
+/// So many bands of colour from iso-line to iso-line.
+const BANDS: f64 = 4.0;
+
+/// What the colours span, in the unit of the chart.
+pub struct ColourScale {
+    low: f64,
+    high: f64,
+    /// From iso-line to iso-line.
+    pub step: f64,
+}
+
+impl ColourScale {
+    /// What differs by rounding alone is one value.
+    pub fn new(low: f64, high: f64) -> Self {
+        let high = if high - low > 1e-9 * high.abs() { high } else { low };
+        Self { low, high, step: step(high - low, 8.0) }
+    }
+
+    /// Values of the iso-lines.
+    pub fn levels(&self) -> Vec<f64> {
+        let Self { low, high, .. } = *self;
+        if high > low { round_numbers(low, high, self.step).collect() } else { Vec::new() }
+    }
+
+    /// The lower edges of the bands, and their colours.
+    pub fn bands(&self) -> Vec<(f64, String)> {
+        let Self { low, high, .. } = *self;
+        let apart = self.step / BANDS;
+        let mut edges = vec![low];
+        if high > low {
+            edges.extend(round_numbers(low, high, apart).filter(|e| *e > low && *e < high));
+        }
+        let upper = edges.iter().skip(1).copied().chain([high]);
+        let share = |v: f64| if high > low { (v - low) / (high - low).max(f64::MIN_POSITIVE) } else { 0.5 };
+        let colours: Vec<_> =
+            edges.iter().zip(upper).map(|(a, b)| viridis_hex(share((a + b) / 2.0))).collect();
+        edges.into_iter().zip(colours).collect()
+    }
+
+    pub fn colour(&self, value: f64) -> String {
+        let bands = self.bands();
+        let below = bands.iter().rev().find(|(edge, _)| value >= *edge).or(bands.first());
+        below.map_or_else(|| viridis_hex(0.5), |(_, colour)| colour.clone())
+    }
+
+    /// The colours and their values; where it ends below.
+    pub fn draw_bar(&self, canvas: &mut Canvas, word: &str, (left, top): (f64, f64), tall: f64) -> f64 {
+        let Self { low, high, .. } = *self;
+        if high <= low {
+            let colour = viridis_hex(0.5);
+            canvas.put(&format!("<path d=\"M{left:.1} {top:.1}h16v16h-16z\" fill=\"{colour}\"/>"));
+            canvas.text((left + 23.0, top + 13.0), Anchor::Start, Ink::Text, &words::figure(low));
+            return top + 16.0;
+        }
+        let bar = Scale::linear(low, high, (top + tall, top));
+        let bands = self.bands();
+        let upper = bands.iter().skip(1).map(|b| b.0).chain([high]);
+        for ((edge, colour), upper) in bands.iter().zip(upper) {
+            let (from, to) = (bar.at(*edge), bar.at(upper));
+            // A hair taller, so that no gap shows between two of them.
+            let tall = from - to + 0.4;
+            canvas.put(&format!("<path d=\"M{left:.1} {from:.1}h16v{:.1}h-16z\" fill=\"{colour}\"/>", -tall));
+        }
+        let mut free = f64::INFINITY;
+        for level in self.levels() {
+            let y = bar.at(level);
+            canvas.path(&format!("M{left:.1} {y:.1}h20"), &Ink::Text.line(1.0));
+            let said = words::number(level, self.step);
+            if y > free {
+                continue;
+            }
+            free = y - 14.0;
+            canvas.text((left + 24.0, y + 4.5), Anchor::Start, Ink::Text, &said);
+        }
+        canvas.text((left, top - 10.0), Anchor::Start, Ink::Text, word);
+        top + tall
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bands_end_at_the_iso_lines_and_grow_lighter() {
+        let scale = ColourScale::new(3.77, 5.0);
+        let edges: Vec<f64> = scale.bands().iter().map(|b| b.0).collect();
+        assert!(edges[0] == 3.77 && edges.windows(2).all(|w| w[0] < w[1]) && edges.last() < Some(&5.0));
+        for level in scale.levels().iter().filter(|l| **l < 5.0) {
+            assert!(edges.iter().any(|e| (e - level).abs() < 1e-9), "{level} in {edges:?}");
+        }
+        // Beyond the ends the colours of the ends, which several maps on one scale need.
+        let colours: Vec<String> = [-9.0, 3.78, 4.97, 99.0].iter().map(|v| scale.colour(*v)).collect();
+        assert!(colours[0] == colours[1] && colours[2] == colours[3] && colours[1] != colours[2]);
+        let flat = ColourScale::new(2.0, 2.0 + 1e-13);
+        assert!(flat.levels().is_empty() && flat.bands().len() == 1);
+    }
+}
