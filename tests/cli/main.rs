@@ -7,6 +7,7 @@ mod cache;
 #[path = "../common/mod.rs"]
 mod common;
 mod contract;
+mod figures;
 mod front;
 mod jobs;
 mod overrides;

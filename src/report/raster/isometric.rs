@@ -211,7 +211,7 @@ fn draw_nodes(out: &mut String, stage: &Staged, seeing: &Seeing<'_>, pixel: f64)
             "<circle cx=\"{:.1}\" cy=\"{:.1}\" r=\"{radius:.1}\" fill=\"{fill}\"{opacity}><title>{}</title></circle>",
             at.x,
             at.y,
-            escaped(&mark.title)
+            escaped(&mark.title.replace(char::is_control, " "))
         );
     }
     let near = |a: &Vector3<f64>| seeing.camera.seen(a).near;
