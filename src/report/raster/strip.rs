@@ -34,7 +34,7 @@ impl Sign {
             Self::OutOfReach => "out of reach",
             Self::Limit => "joint limit, attitude",
             Self::Collides => "collides, no way in",
-            Self::Spot => "spot chosen",
+            Self::Spot => "best spot",
             Self::Envelope => "reach of the arm",
         }
     }
