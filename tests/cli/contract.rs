@@ -250,6 +250,7 @@ fn help_of_every_command_begins_with_an_example() {
         &["robots", "--help"],
         &["robot", "-h"],
         &["envelope", "--help"],
+        &["figures", "-h"],
     ] {
         let ran = shop.done(args);
         let first = ran.out.lines().next().unwrap();

@@ -8,6 +8,7 @@ mod cache;
 mod common;
 mod contract;
 mod export;
+mod figures;
 mod front;
 mod jobs;
 mod overrides;

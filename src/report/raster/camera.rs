@@ -116,7 +116,7 @@ impl Camera {
         let (grown, near) = match self.distance {
             // Over a plane 1 / distance is linear in the picture, the distance itself is not.
             Some(d) => {
-                let away = (d - z).max(1e-3 * d);
+                let away = (d - z).max(0.01 * d);
                 (d / away, d / away)
             }
             None => (1.0, z),

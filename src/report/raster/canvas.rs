@@ -25,7 +25,8 @@ impl<T: Copy> Canvas<T> {
     /// Paints a triangle where it is nearest: `paint` is given the shares of the corners. Triangles that
     /// share an edge leave no gap and share no sample. What is not `solid` hides nothing behind it.
     pub fn fill(&mut self, corners: &[Seen; 3], solid: bool, mut paint: impl FnMut(&mut T, [f32; 3])) {
-        if corners.iter().any(|c| !c.near.is_finite() || !(c.at.coords.amax() < FARTHEST)) {
+        let is_drawn = |c: &Seen| c.near.is_finite() && c.at.coords.iter().all(|v| v.abs() < FARTHEST);
+        if !corners.iter().all(is_drawn) {
             return;
         }
         let p = corners.map(|c| [(c.at.x * PARTS).round() as i64, (c.at.y * PARTS).round() as i64]);

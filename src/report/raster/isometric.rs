@@ -194,7 +194,7 @@ fn draw_clear(out: &mut String, stage: &Staged, canvas: &Canvas<u32>) {
     }
 }
 
-/// Nodes and arrows, the farthest first.
+/// Nodes, and on them the arrows, the farthest first.
 fn draw_nodes(out: &mut String, stage: &Staged, seeing: &Seeing<'_>, pixel: f64) {
     let lift = stage.scene.size * 0.006;
     for mark in &stage.scene.nodes {
@@ -211,9 +211,13 @@ fn draw_nodes(out: &mut String, stage: &Staged, seeing: &Seeing<'_>, pixel: f64)
             "<circle cx=\"{:.1}\" cy=\"{:.1}\" r=\"{radius:.1}\" fill=\"{fill}\"{opacity}><title>{}</title></circle>",
             at.x,
             at.y,
-            escaped(&mark.title)
+            escaped(&mark.title.replace(char::is_control, " "))
         );
     }
+    draw_arrows(out, stage, seeing, (lift, pixel));
+}
+
+fn draw_arrows(out: &mut String, stage: &Staged, seeing: &Seeing<'_>, (lift, pixel): (f64, f64)) {
     let near = |a: &Vector3<f64>| seeing.camera.seen(a).near;
     let mut arrows: Vec<_> = stage.scene.arrows.iter().collect();
     arrows.sort_by(|a, b| near(&a.0.tail).total_cmp(&near(&b.0.tail)));

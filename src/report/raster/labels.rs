@@ -87,7 +87,11 @@ fn choices(label: &Label, stage: &Staged, shot: &Shot) -> Vec<Placed> {
                 let (sin, cos) = (TAU * (f64::from(k % 16) + 0.5) / 16.0).sin_cos();
                 let far = (6.0 + 5.0 * f64::from(k / 16)) * unit;
                 let centre = first + Vector2::new(cos * (far + half), -sin * far);
-                let end = Vector2::new(centre.x - (half + 0.4 * unit) * cos.signum(), centre.y);
+                let end = if cos.abs() < 0.5 {
+                    centre + Vector2::new(0.0, 1.1 * unit * sin.signum())
+                } else {
+                    centre - Vector2::new((half + 0.5 * unit) * cos.signum(), 0.0)
+                };
                 placed(centre, Some([first + (end - first).normalize() * 1.2 * unit, end]))
             });
             around.collect()

@@ -30,7 +30,7 @@ pub fn add(scene: &mut Scene, drawing: &Drawing<'_>, shot: &Shot, palette: &Pale
         }
         for arrow in shot.show.arrows(drawing, k, shot.take) {
             let colour = value(field, shot, arrow.node).map_or(palette.ring, |v| colour_of(scale.share(v)));
-            let lift = 0.001 * scene.size;
+            let lift = 0.0009 * scene.size;
             // Wider than the solid of a CAD file, to be seen from afar.
             let long = (arrow.tip - arrow.tail).norm();
             let wide = Arrow { head: (1.9 * arrow.head).min(0.5 * long), ..arrow };

@@ -163,7 +163,7 @@ impl Scene {
     fn add_names(&mut self, drawing: &Drawing<'_>, frames: &[Pose]) {
         for (k, equipment) in drawing.cell.equipment.iter().enumerate() {
             let parts = drawing.posed(None, frames).filter(|(part, _)| part.equipment == Some(k));
-            let points: Vec<_> = parts.filter_map(|(part, pose)| Some(corners(&part.mesh, &pose)?)).collect();
+            let points: Vec<_> = parts.filter_map(|(part, pose)| corners(&part.mesh, &pose)).collect();
             let points: Vec<Vector3<f64>> = points.into_iter().flatten().collect();
             let side = match (equipment.role, equipment.surface.is_some()) {
                 (Role::Equipment, true) => Side::Below,

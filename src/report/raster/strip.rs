@@ -34,7 +34,7 @@ impl Sign {
             Self::OutOfReach => "out of reach",
             Self::Limit => "joint limit, attitude",
             Self::Collides => "collides, no way in",
-            Self::Spot => "spot chosen",
+            Self::Spot => "best spot",
             Self::Envelope => "reach of the arm",
         }
     }
@@ -57,15 +57,19 @@ impl Words {
         let is_map = shot.show != Show::Nothing;
         let model = format!(
             ", errors {}, {} model, {}",
-            cell.error_set().name(),
+            shown(cell.error_set().name()),
             lens.model.name(),
             lens.reading_word()
         );
-        let line = format!("{}{}", cell.robot.name, if is_map { model.as_str() } else { "" });
+        let line = format!("{}{}", shown(&cell.robot.name), if is_map { model.as_str() } else { "" });
         let scale = &stage.scale;
         let colours = scale.range.filter(|_| is_map).map(|(low, high)| {
             let what = if scale.unit == Unit::Share { "share of failures" } else { "error" };
-            [format!("{what} in {}", scale.senses.join(", ")), scale.said(low), scale.said(high)]
+            [
+                format!("{what} in {}", scale.senses.iter().map(|s| shown(s)).collect::<Vec<_>>().join(", ")),
+                scale.said(low),
+                scale.said(high),
+            ]
         });
         let enlarged = drawing.exaggeration(shot.take);
         let error = round_number(16.0 * shot.capital() / (stage.camera.scale * enlarged));
@@ -76,7 +80,7 @@ impl Words {
         };
         let arrows = (is_map && colours.is_some())
             .then(|| (error * enlarged, format!("{what}, arrows {enlarged} x; bar {} mm", mm_from_m(error))));
-        Self { title: shown(&cell.name), line: shown(&line), colours, arrows, signs: signs(drawing, shot) }
+        Self { title: shown(&cell.name), line, colours, arrows, signs: signs(drawing, shot) }
     }
 }
 

@@ -84,17 +84,19 @@ fn area(ring: &[Point]) -> f64 {
         / 2.0
 }
 
-/// Fewer points (Douglas and Peucker 1973), a ring cut in two where it is farthest from its first point.
+/// Fewer points (Douglas and Peucker 1973), a ring cut in two at its least point, which is a corner of it, and
+/// where it is farthest from that.
 fn simplified(ring: &[Point], tolerance: f64) -> Vec<Point> {
+    let Some(start) = (0..ring.len()).min_by_key(|k| ring[*k]) else { return Vec::new() };
+    let ring: Vec<Point> = ring[start..].iter().chain(&ring[..=start]).copied().collect();
     let away = |k: &usize| {
         let (p, q) = (ring[*k], ring[0]);
         i64::from(p[0] - q[0]).pow(2) + i64::from(p[1] - q[1]).pow(2)
     };
-    let Some(far) = (0..ring.len()).max_by_key(away) else { return Vec::new() };
-    let second: Vec<Point> = ring[far..].iter().chain(&ring[..1]).copied().collect();
+    let far = (0..ring.len()).max_by_key(away).unwrap_or(0);
     let mut kept = thinned(&ring[..=far], tolerance);
     kept.pop();
-    kept.extend(thinned(&second, tolerance));
+    kept.extend(thinned(&ring[far..], tolerance));
     kept.pop();
     kept
 }
