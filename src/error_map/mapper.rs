@@ -92,6 +92,11 @@ impl Mapper {
         Some(self.arm.inverse.visit(&target, approach, &mut self.arm.inverse.scratch(), |_, _| ()))
     }
 
+    /// From now on maps tell of the own sense of their operation alone.
+    pub fn report_own_senses(&mut self) {
+        self.stations.iter_mut().for_each(|station| station.gauge.report_own_sense());
+    }
+
     /// How an operation judges postures.
     pub fn gauge(&self, operation: usize) -> &Gauge {
         &self.stations[operation].gauge

@@ -120,6 +120,13 @@ impl Workcell {
         self
     }
 
+    /// The same cell whose maps tell of the own sense of every operation alone: several times faster.
+    #[must_use]
+    pub fn in_own_senses(mut self) -> Self {
+        self.mapper.report_own_senses();
+        self
+    }
+
     /// Whether the nodes of every operation are ranked before they are judged.
     pub fn is_ranked(&self) -> bool {
         self.mapper.is_ranked()

@@ -314,6 +314,11 @@ impl Gauge {
         Judgement { value, error, nonlinear, linear, second_order, figures, success }
     }
 
+    /// From now on postures are judged in the operation's own sense alone: several times faster.
+    pub fn report_own_sense(&mut self) {
+        self.reported = vec![self.sense.clone()];
+    }
+
     /// Place of the operation's sense among the reported ones.
     pub fn own(&self) -> usize {
         self.reported.iter().position(|s| *s == self.sense).unwrap_or(0)

@@ -126,15 +126,15 @@ fn answered(stream: &mut TcpStream) -> Answered {
 /// Somewhere else than drawn, with numbers that no rounding favours.
 fn elsewhere() -> Value {
     json!({ "equipment": {
-        "worktable": { "x_mm": 151.3, "y_mm": 1012.7, "z_mm": 640, "yaw_deg": 4.3 },
-        "conveyor": { "x_mm": 1003.1, "yaw_deg": 76.9 },
+        "worktable": { "x_mm": 287.3, "y_mm": 1003.7, "z_mm": 612.5, "yaw_deg": 11.3 },
+        "conveyor": { "x_mm": 1003.1, "yaw_deg": 78.9 },
     } })
 }
 
 /// The same as a cell file.
-const ELSEWHERE: &str = "from = \"hitachi_cell.toml\"\n[equipment.worktable.placement]\nx_mm = 151.3\n\
-     y_mm = 1012.7\nz_mm = 640\nyaw_deg = 4.3\n[equipment.conveyor.placement]\nx_mm = 1003.1\ny_mm = -400\n\
-     yaw_deg = 76.9\n";
+const ELSEWHERE: &str = "from = \"hitachi_cell.toml\"\n[equipment.worktable.placement]\nx_mm = 287.3\n\
+     y_mm = 1003.7\nz_mm = 612.5\nyaw_deg = 11.3\n[equipment.conveyor.placement]\nx_mm = 1003.1\ny_mm = -400\n\
+     yaw_deg = 78.9\n";
 
 #[test]
 fn nobody_else_comes_in() {
@@ -432,12 +432,12 @@ fn a_search_from_here_is_that_of_search() {
     let from = format!(
         "from = \"hitachi_cell.toml\"\n[equipment.worktable.placement]\nx_mm = {}\ny_mm = {}\nz_mm = {}\nyaw_deg = {}\n\
          [equipment.conveyor.placement]\nx_mm = {}\nyaw_deg = {}\n",
-        range(-1800.0, 1800.0, 151.3),
-        range(-1800.0, 1800.0, 1012.7),
-        range(300.0, 900.0, 640.0),
-        range(-90.0, 90.0, 4.3),
+        range(-1800.0, 1800.0, 287.3),
+        range(-1800.0, 1800.0, 1003.7),
+        range(300.0, 900.0, 612.5),
+        range(-90.0, 90.0, 11.3),
         range(-2000.0, 2000.0, 1003.1),
-        range(-90.0, 90.0, 76.9),
+        range(-90.0, 90.0, 78.9),
     );
     shop.write("cells/from_here.toml", &from);
     let args = ["search", "cells/from_here.toml", "--budget", "600", "--seed", "7", "--out", "found"];

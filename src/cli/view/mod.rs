@@ -21,6 +21,7 @@ use crate::compare::Assessment;
 use crate::drawing::{Detail, Drawing};
 use crate::layout::{Workcell, evaluate, separated};
 use crate::report::json;
+use crate::units::{mm_from_m, rounded};
 use job::Job;
 use question::{Question, Workcells};
 use serde_json::{Value, json};
@@ -30,6 +31,8 @@ use std::sync::{Arc, Mutex, MutexGuard};
 use tiny_http::Server;
 use values::Values;
 
+/// Decimals of what is told, as in every document.
+const DIGITS: i32 = 9;
 /// Budget of a search from the page, evaluations.
 const BUDGETS: std::ops::RangeInclusive<u64> = 1..=1_000_000_000;
 
@@ -113,7 +116,7 @@ impl View {
         let cell = &workcell.cell;
         let layout = values.layout(cell);
         let before = before.map(|values| evaluate(&workcell, &values.layout(cell)));
-        let before = before.map(|e| e.objective.map(|o| cell.unit().from_si(o)));
+        let before = before.map(|e| e.objective.map(|o| rounded(cell.unit().from_si(o), DIGITS)));
         document["numbers"] = json::numbers(cell, &layout);
         document["lenses"] = json::lens_list(cell);
         document["before"] = json!(before);
@@ -179,7 +182,7 @@ impl View {
     fn reach(&self) -> Result<Value, String> {
         let (workcell, layout) = self.shown()?;
         let a = assessed(&workcell, layout, false);
-        let mm = |v: f64| crate::units::rounded(crate::units::mm_from_m(v), 1);
+        let mm = |v: f64| rounded(mm_from_m(v), 1);
         let outline = |o: &Vec<(f64, f64)>| o.iter().map(|(x, y)| [mm(*x), mm(*y)]).collect::<Vec<_>>();
         let of = |k: usize| a.reachable(k).iter().map(outline).collect::<Vec<_>>();
         Ok(json!({ "outlines": (0..a.maps.len()).map(of).collect::<Vec<_>>() }))

@@ -58,7 +58,7 @@ pub struct Workcells {
 impl Workcells {
     pub fn new(own: Workcell) -> Self {
         let cell = own.cell.clone();
-        Self { ready: Mutex::new(vec![(Question::of(&cell), Arc::new(own))]), cell }
+        Self { ready: Mutex::new(vec![(Question::of(&cell), Arc::new(own.in_own_senses()))]), cell }
     }
 
     /// # Errors
@@ -75,7 +75,7 @@ impl Workcells {
             Some((_, w)) => w.read_otherwise(cell.model, cell.reading, cell.quantity),
             None => Workcell::remembering(cell, &mut cache::remember),
         };
-        let workcell = Arc::new(workcell?);
+        let workcell = Arc::new(workcell?.in_own_senses());
         if ready.len() >= MOST {
             ready.remove(1);
         }

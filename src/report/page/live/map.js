@@ -66,7 +66,7 @@
     const all = answer.operations.flatMap((o) => o.nodes.value.filter((v) => v !== null));
     const [low, high] = [all.reduce((a, b) => Math.min(a, b), Infinity), all.reduce((a, b) => Math.max(a, b), -Infinity)];
     const longest = Math.max(0, ...answer.operations.map((o) => o.nodes.error.reduce((a, e) => (e ? Math.max(a, Math.hypot(e[0], e[1])) : a), 0)));
-    const raw = longest > 0 ? (34 * this.unit) / longest : 1;
+    const raw = longest > 0 ? Math.min(34 * this.unit, 1.6 * Math.min(...answer.operations.map(spacing))) / longest : 1;
     const digit = 10 ** Math.floor(Math.log10(raw));
     const enlarged = Math.max(Math.floor(raw / digit), 1) * digit;
     this.layers[3].innerHTML = answer.operations.map((o) => this.nodes(o, low, high, enlarged)).join("");
@@ -77,8 +77,10 @@
     return k === under || (this.cell.equipment[k].on !== null && this.rides(this.cell.equipment[k].on, under));
   }
 
-  nodes({ nodes, best }, low, high, enlarged) {
-    const u = this.unit;
+  nodes(operation, low, high, enlarged) {
+    const { nodes, best } = operation;
+    // Signs of a fixed size, but no larger than the nodes are apart.
+    const u = Math.min(this.unit, spacing(operation) / 11);
     const width = high - low || 1;
     let out = "";
     nodes.at.forEach(([x, y], k) => {
@@ -101,7 +103,7 @@
       }
     });
     const place = best ? nodes.ij.findIndex(([i, j]) => i === best[0] && j === best[1]) : -1;
-    if (place >= 0) out += `<circle class="best" cx="${nodes.at[place][0]}" cy="${-nodes.at[place][1]}" r="${9 * u}"/>`;
+    if (place >= 0) out += `<circle class="best" cx="${nodes.at[place][0]}" cy="${-nodes.at[place][1]}" r="${9 * this.unit}"/>`;
     return out;
   }
 

@@ -27,6 +27,12 @@ const carried = (own, base) => {
   return [base[0] + x, base[1] + y, base[2] + own[2], base[3] + own[3]];
 };
 
+// How far the nodes of an operation are apart, mm.
+const spacing = ({ nodes: { at } }) => {
+  const apart = at.slice(1, 60).map((p, k) => Math.hypot(p[0] - at[k][0], p[1] - at[k][1]));
+  return Math.min(...apart.filter((d) => d > 0), 1000);
+};
+
 class Plan {
   // `moved(index, world, settled)`: an equipment (-1: the robot base) was taken to a placement in the world.
   constructor(element, cell, moved) {
