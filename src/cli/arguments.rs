@@ -1,6 +1,6 @@
 //! The command line.
 
-use super::commands::SchemaArguments;
+use super::commands::{InitArguments, SchemaArguments};
 use super::sweep::SweepArguments;
 use crate::cell::{Goal, MOST_KEPT, Model, Quantity, Reading, Registration, Solver};
 use crate::compare::At;
@@ -67,6 +67,9 @@ pub enum Command {
     /// Print the JSON Schema of a kind of file, or write all of them for editors
     #[command(before_help = "Example: sweetspot schema --out schemas")]
     Schema(SchemaArguments),
+    /// Write a first cell round a robot of the library, commented and ready to run
+    #[command(before_help = "Example: sweetspot init hitachi")]
+    Init(InitArguments),
 }
 
 /// Where the packages lie whose files a URDF names.

@@ -6,6 +6,7 @@ mod cache;
 mod checkpoint;
 mod commands;
 mod files;
+mod init;
 mod library;
 mod output;
 mod overrides;
@@ -58,6 +59,7 @@ pub fn run() -> ExitCode {
         Command::Robot(a) => commands::robot(&a),
         Command::Envelope(a) => commands::envelope(&a),
         Command::Schema(a) => commands::schema(&a),
+        Command::Init(a) => commands::init(&a),
     };
     code(exit.unwrap_or_else(|exit| exit))
 }

@@ -1,6 +1,7 @@
 //! One function per command: read, ask the library, print, suggest the next.
 
 mod check;
+mod init;
 mod layouts;
 mod map;
 mod posture;
@@ -12,6 +13,7 @@ mod search;
 mod sweep;
 
 pub use check::check;
+pub use init::{InitArguments, init};
 pub use layouts::compare;
 pub use map::map;
 pub use posture::{budget, explain};
