@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::root;
+use common::{document, root};
 use jsonschema::Validator;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -12,29 +12,6 @@ use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::Path;
 use sweetspot::cell::{self, Fault, FileKind, schema};
-use toml::de::{DeTable, DeValue};
-
-/// TOML as JSON: a date is a text there, and what is no finite number nothing.
-fn document(text: &str) -> Option<Value> {
-    fn value(v: &DeValue<'_>) -> Value {
-        match v {
-            DeValue::String(s) => json!(s),
-            DeValue::Integer(i) => match i64::from_str_radix(i.as_str(), i.radix()) {
-                Ok(n) => json!(n),
-                Err(_) => json!(i.as_str().parse::<f64>().unwrap()),
-            },
-            DeValue::Float(f) => json!(f.as_str().parse::<f64>().unwrap()),
-            DeValue::Boolean(b) => json!(b),
-            DeValue::Datetime(d) => json!(d.to_string()),
-            DeValue::Array(items) => items.iter().map(|v| value(v.get_ref())).collect(),
-            DeValue::Table(t) => table(t),
-        }
-    }
-    fn table(t: &DeTable<'_>) -> Value {
-        Value::Object(t.iter().map(|(k, v)| (k.get_ref().to_string(), value(v.get_ref()))).collect())
-    }
-    DeTable::parse(text).ok().map(|t| table(t.get_ref()))
-}
 
 fn validator(kind: FileKind) -> Validator {
     let schema = schema(kind);

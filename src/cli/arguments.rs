@@ -1,6 +1,8 @@
 //! The command line.
 
-use super::commands::{ExportArguments, FiguresArguments, ReportArguments, SchemaArguments, ViewArguments};
+use super::commands::{
+    ExportArguments, FiguresArguments, InitArguments, ReportArguments, SchemaArguments, ViewArguments,
+};
 use super::sweep::SweepArguments;
 use crate::cell::{Goal, MOST_KEPT, Model, Quantity, Reading, Registration, Solver};
 use crate::compare::At;
@@ -79,6 +81,9 @@ pub enum Command {
     /// Draw the figures of the seed paper for cells of your own, as pictures
     #[command(before_help = "Example: sweetspot figures cells/hitachi_paper.toml --out figures")]
     Figures(FiguresArguments),
+    /// Write a first cell round a robot of the library, commented and ready to run
+    #[command(before_help = "Example: sweetspot init hitachi")]
+    Init(InitArguments),
 }
 
 /// Where the packages lie whose files a URDF names.

@@ -1,4 +1,4 @@
-//! The robots that come with the program, built in so that they are known anywhere.
+//! The robots, and some equipment, that come with the program, built in so that they are known anywhere.
 
 use crate::cell::{self, LoadedRobot, ReadFile};
 
@@ -25,6 +25,29 @@ pub const ROBOTS: [(&str, &str); 16] = [
 /// What they name.
 const URDFS: [(&str, &str); 1] =
     [("hitachi_pw10.urdf", include_str!("../../cells/robots/hitachi_pw10.urdf"))];
+
+/// Name and text of the equipment that first cells are made of.
+const EQUIPMENT: [(&str, &str); 5] = [
+    ("bench", include_str!("../../cells/equipment/bench.toml")),
+    ("conveyor", include_str!("../../cells/equipment/conveyor.toml")),
+    ("feeder", include_str!("../../cells/equipment/feeder.toml")),
+    ("pallet", include_str!("../../cells/equipment/pallet.toml")),
+    ("worktable", include_str!("../../cells/equipment/worktable.toml")),
+];
+
+/// The text of a file of cells/robots or cells/equipment by its path in cells/.
+pub fn file(path: &str) -> Option<&'static str> {
+    let (folder, name) = path.split_once('/')?;
+    let stem = name.strip_suffix(".toml");
+    match (folder, stem) {
+        ("robots", Some(stem)) => text(stem),
+        ("robots", None) => URDFS.iter().find(|(known, _)| *known == name).map(|(_, text)| *text),
+        ("equipment", stem) => {
+            EQUIPMENT.iter().find(|(known, _)| Some(*known) == stem).map(|(_, text)| *text)
+        }
+        _ => None,
+    }
+}
 
 /// The text of a robot file by its name.
 pub fn text(name: &str) -> Option<&'static str> {

@@ -7,6 +7,7 @@ mod checkpoint;
 mod commands;
 mod files;
 mod found;
+mod init;
 mod library;
 mod output;
 mod overrides;
@@ -64,6 +65,7 @@ pub fn run() -> ExitCode {
         Command::View(a) => commands::view(&a),
         Command::Schema(a) => commands::schema(&a),
         Command::Figures(a) => commands::figures(&a),
+        Command::Init(a) => commands::init(&a),
     };
     code(exit.unwrap_or_else(|exit| exit))
 }

@@ -1,8 +1,10 @@
 //! Shared by the tests: shipped cells read from disk, reference data.
 #![allow(dead_code, clippy::unwrap_used, clippy::panic)] // every test file uses a part of it
 
+use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use sweetspot::cell::{self, Cell, ErrorSet, Fault, Loaded, Robot, SignedErrors};
+use toml::de::{DeTable, DeValue};
 
 pub fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
@@ -72,4 +74,26 @@ pub fn robots() -> Vec<(String, Robot)> {
         (stem, cell.robot)
     };
     stems.into_iter().map(robot).collect()
+}
+
+/// TOML as JSON: a date is a text there, and what is no finite number nothing.
+pub fn document(text: &str) -> Option<Value> {
+    fn value(v: &DeValue<'_>) -> Value {
+        match v {
+            DeValue::String(s) => json!(s),
+            DeValue::Integer(i) => match i64::from_str_radix(i.as_str(), i.radix()) {
+                Ok(n) => json!(n),
+                Err(_) => json!(i.as_str().parse::<f64>().unwrap()),
+            },
+            DeValue::Float(f) => json!(f.as_str().parse::<f64>().unwrap()),
+            DeValue::Boolean(b) => json!(b),
+            DeValue::Datetime(d) => json!(d.to_string()),
+            DeValue::Array(items) => items.iter().map(|v| value(v.get_ref())).collect(),
+            DeValue::Table(t) => table(t),
+        }
+    }
+    fn table(t: &DeTable<'_>) -> Value {
+        Value::Object(t.iter().map(|(k, v)| (k.get_ref().to_string(), value(v.get_ref()))).collect())
+    }
+    DeTable::parse(text).ok().map(|t| table(t.get_ref()))
 }

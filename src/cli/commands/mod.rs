@@ -3,6 +3,7 @@
 mod check;
 mod export;
 mod figures;
+mod init;
 mod layouts;
 mod map;
 mod posture;
@@ -18,6 +19,7 @@ mod view;
 pub use check::check;
 pub use export::{ExportArguments, export};
 pub use figures::{FiguresArguments, figures};
+pub use init::{InitArguments, init};
 pub use layouts::compare;
 pub use map::map;
 pub use posture::{budget, explain};
