@@ -251,6 +251,7 @@ fn help_of_every_command_begins_with_an_example() {
         &["robot", "-h"],
         &["envelope", "--help"],
         &["figures", "-h"],
+        &["report", "--help"],
     ] {
         let ran = shop.done(args);
         let first = ran.out.lines().next().unwrap();
@@ -265,9 +266,10 @@ fn help_of_every_command_begins_with_an_example() {
 #[test]
 fn the_examples_of_the_help_run() {
     let shop = Shop::new();
-    for command in
-        ["check", "map", "search", "compare", "budget", "explain", "readings", "robots", "robot", "envelope"]
-    {
+    for command in [
+        "check", "map", "search", "compare", "report", "budget", "explain", "readings", "robots", "robot",
+        "envelope",
+    ] {
         let help = shop.done(&[command, "--help"]);
         let example = help.out.lines().next().unwrap().trim_start_matches("Example: sweetspot ");
         let mut args: Vec<&str> = example.split(' ').collect();

@@ -126,7 +126,7 @@ fn budget_table(a: &Assessment<'_>, k: usize, account: &Account<'_>) -> Table {
         )
     });
     let name = shown(&a.cell.operations[k].name);
-    Table::new(titled(a, &name), &head, rows).with_note(more + &cut)
+    Table::new(titled(a, &format!("{name} in numbers")), &head, rows).with_note(more + &cut)
 }
 
 fn discrepancies(subject: &Subject<'_>) -> Section {
