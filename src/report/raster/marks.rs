@@ -33,7 +33,7 @@ pub fn add(scene: &mut Scene, drawing: &Drawing<'_>, shot: &Shot, palette: &Pale
             let lift = 0.0009 * scene.size;
             // Wider than the solid of a CAD file, to be seen from afar.
             let long = (arrow.tip - arrow.tail).norm();
-            let wide = Arrow { head: (1.9 * arrow.head).min(0.5 * long), ..arrow };
+            let wide = Arrow { head: (1.9 * arrow.head).min(0.018 * scene.size).min(0.5 * long), ..arrow };
             scene.bodies.push(Body {
                 lift,
                 is_lit: false,

@@ -64,7 +64,11 @@ impl Words {
         let line = format!("{}{}", shown(&cell.robot.name), if is_map { model.as_str() } else { "" });
         let scale = &stage.scale;
         let colours = scale.range.filter(|_| is_map).map(|(low, high)| {
-            let what = if scale.unit == Unit::Share { "share of failures" } else { "error" };
+            let what = match (scale.unit, lens.is_signed()) {
+                (Unit::Share, _) => "share of failures",
+                (_, true) => "error",
+                (_, false) => lens.reading_word(),
+            };
             [
                 format!("{what} in {}", scale.senses.iter().map(|s| shown(s)).collect::<Vec<_>>().join(", ")),
                 scale.said(low),
@@ -151,7 +155,8 @@ pub fn items(drawing: &Drawing<'_>, stage: &Staged, shot: &Shot) -> Vec<Item> {
         items.extend((0..STEPS).map(|k| {
             let x = |k: u32| first + bar * f64::from(k) / f64::from(STEPS);
             let colour = colour_of(f64::from(k) / f64::from(STEPS - 1));
-            Item::Area(at(x(k), top + 3.1), at(x(k + 1), top + 4.5), colour)
+            // Each to the end, so that nothing shows between two.
+            Item::Area(at(x(k), top + 3.1), at(x(STEPS), top + 4.5), colour)
         }));
     }
     if let Some((length, said)) = &words.arrows {
@@ -229,12 +234,10 @@ pub fn draw(out: &mut String, items: &[Item]) {
             }
             Item::Area(low, high, colour) => {
                 let ([x, y], size, fill) = ([low.x, low.y], high - low, hex(*colour));
-                // A little wider, so that no line of the ground shows between two.
                 writeln!(
                     out,
                     "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"{fill}\"/>",
-                    size.x + 0.4,
-                    size.y
+                    size.x, size.y
                 )
             }
         };
