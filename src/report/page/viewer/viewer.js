@@ -101,6 +101,7 @@ function sweetspotViewer(host, written, options = {}) {
     const timeOnly = Object.keys(wanted).every((key) => key === "time");
     if (!timeOnly) settle();
     if (changed && wanted.time === undefined && !view.playing) state.time = timeOf(view.drawing, state.operation);
+    state.time = clamp(Number(state.time) || 0, 0, view.drawing.movement.times_s.at(-1) || 0);
     if (state.time !== before.time) tell("time", state.time);
     if (!timeOnly) {
       view.found = null;
