@@ -50,9 +50,11 @@ function arrange(labels, boxes, points, width, height) {
   for (const box of boxes) {
     let best = null;
     box.places.forEach(([x, y, own = 0], k) => {
-      const at = { x: x - box.w / 2, y: y - box.h / 2, w: box.w, h: box.h };
-      const outside = at.x < 2 || at.y < 2 || at.x + at.w > width - 2 || at.y + at.h > height - 2;
-      let cost = k * 0.4 + own + (outside ? 60 : 0) - (labels.places.get(box.key) === k ? 2.5 : 0);
+      const [wx, wy] = [x - box.w / 2, y - box.h / 2];
+      const inside = (v, room) => clamp(v, 3, Math.max(room - 3, 3));
+      const at = { x: inside(wx, width - box.w), y: inside(wy, height - box.h), w: box.w, h: box.h };
+      const pushed = Math.hypot(at.x - wx, at.y - wy);
+      let cost = k * 0.4 + own + pushed * 0.1 - (labels.places.get(box.key) === k ? 2.5 : 0);
       for (const other of taken) cost += overlap(at, other) > 0 ? 30 : 0;
       for (const [px, py, weight] of points) {
         if (px > at.x - 5 && px < at.x + at.w + 5 && py > at.y - 5 && py < at.y + at.h + 5) cost += weight;
@@ -88,7 +90,7 @@ function labelBoxes(view) {
     if (!spot || !at.visible) continue;
     const name = drawing.operations[field.operation].name;
     const text = `${short(name)}  ${spotValue(view, field)}`;
-    const [w, h] = [textWidth(text, 13), 24];
+    const [w, h] = [textWidth(text, 15) + 4, 24]; // it is bold
     const places = [1, 2.2, 3.6, 5.4, 7.5].flatMap((f) =>
       [[1, -1], [-1, -1], [1, 1], [-1, 1], [0, -1.3], [0, 1.3]].map(([x, y]) => [at.x + x * (w / 2 + 12 * f), at.y + y * (8 + 15 * f), f]));
     boxes.push({ key: `o${field.operation}`, text, kind: "spot", must: true, w, h, places, anchors: [[at.x, at.y]] });

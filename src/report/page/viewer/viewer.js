@@ -101,6 +101,7 @@ function sweetspotViewer(host, written, options = {}) {
     const timeOnly = Object.keys(wanted).every((key) => key === "time");
     if (!timeOnly) settle();
     if (changed && wanted.time === undefined && !view.playing) state.time = timeOf(view.drawing, state.operation);
+    state.time = clamp(Number(state.time) || 0, 0, view.drawing.movement.times_s.at(-1) || 0);
     if (state.time !== before.time) tell("time", state.time);
     if (!timeOnly) {
       view.found = null;
@@ -288,15 +289,18 @@ function sweetspotViewer(host, written, options = {}) {
 
   function replace(next) {
     const known = new Map(view.model.meshes.map((m) => [m.key, m]));
-    const play = view.playing;
+    const { time } = view.state;
+    const halt = view.drawing.movement.stops.find((s) => time >= s.time_s && time <= s.time_s + 0.65);
     view.model = readModel(next, known);
     const kept = new Set(view.model.meshes);
     for (const mesh of known.values()) if (!kept.has(mesh) && mesh.card) dropMesh(view.card, mesh.card);
     view.shifts.clear();
     [view.found, view.shadowKey] = [null, ""];
     settle();
-    const end = view.drawing.movement.times_s.at(-1) || 0;
-    view.state.time = play ? Math.min(view.state.time, end) : timeOf(view.drawing, view.state.operation);
+    // A robot that rests at a spot rests at that spot still, wherever it is now.
+    const { stops, times_s: moments } = view.drawing.movement;
+    const again = halt && stops.find((s) => s.operation === halt.operation && (halt.operation !== null || s.time_s >= halt.time_s));
+    view.state.time = again ? again.time_s + time - halt.time_s : Math.min(time, moments.at(-1) || 0);
     ask(true);
     return api;
   }
