@@ -68,6 +68,7 @@ fn robot(name: &str, rows: impl Fn(&str) -> Vec<f64>) -> Robot {
         tool: Pose::identity(),
         tool_axis: Vector3::z(),
         solids: vec![],
+        tool_solids: 0,
         self_collision: Default::default(),
         footprint: Rectangle { centre: (0.0, 0.0), size: (0.4, 0.4) },
         errors: vec![],
