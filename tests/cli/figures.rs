@@ -32,5 +32,5 @@ fn the_figures_of_the_paper_are_drawn_by_one_command() {
     // One operation: no figure of all of them.
     assert!(!folder.join("07-all.png").exists());
     // Nothing is overwritten.
-    assert_eq!(shop.run(&["figures", PAPER, "--out", "pictures"]).code, 2);
+    assert_eq!(shop.run(&["figures", PAPER, "--out", "pictures"]).code, Some(2));
 }
