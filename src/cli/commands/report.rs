@@ -160,7 +160,7 @@ fn tell(a: &ReportArguments, file: &Path, subject: &Subject<'_>, report: &Report
         output::data(&results::line(verdict)?)?;
     } else {
         let facts = verdict.facts.iter().map(|f| format!("  {}: {} ({})\n", f.label, f.text, f.note));
-        let reasons = verdict.reasons.iter().map(|r| format!("  {}\n", crate::cell::shown(r)));
+        let reasons = verdict.reasons.iter().map(|r| format!("  {r}\n"));
         let rest: String = facts.chain(reasons).collect();
         output::data(&format!("{}\n{rest}", verdict.headline))?;
     }
@@ -170,7 +170,8 @@ fn tell(a: &ReportArguments, file: &Path, subject: &Subject<'_>, report: &Report
         let of = path_word(&a.of);
         let movable = !subject.cell().free().is_empty();
         suggest(&match (&subject.found, movable) {
-            (Some(_), _) => format!("compare {} {of}", path_word(file)),
+            (Some(_), _) if subject.best.is_some() => format!("compare {} {of}", path_word(file)),
+            (Some(_), _) => format!("map {} --svg map.svg", path_word(file)),
             (None, true) => format!("search {of}"),
             (None, false) => format!("map {of} --svg map.svg"),
         });

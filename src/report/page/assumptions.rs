@@ -1,6 +1,6 @@
 //! What the numbers rest on, and where they come from.
 
-use super::content::{Section, Table};
+use super::content::{Section, Table, plain};
 use super::subject::{Manifest, Subject};
 use super::verdict::reading_in_words;
 use crate::cell::{Cell, Distribution, ErrorSet, Registration, Tolerance, shown};
@@ -20,7 +20,7 @@ pub fn section(subject: &Subject<'_>) -> Section {
         said("Placement", placement(cell).into()),
     ];
     rows.extend(caveats(cell).into_iter().map(|note| said("Note", note)));
-    rows.extend(subject.warnings.iter().map(|warning| said("Warning", shown(warning))));
+    rows.extend(subject.warnings.iter().map(|warning| said("Warning", plain(warning))));
     if !subject.manifest.is_complete {
         rows.push(said(
             "Warning",
@@ -112,9 +112,9 @@ fn placement(cell: &Cell) -> &'static str {
 /// Where the numbers come from.
 pub fn manifest(subject: &Subject<'_>) -> Section {
     let Manifest { command, version, seed, inputs, outputs, source, .. } = &subject.manifest;
-    let command: Vec<String> = command.iter().map(|word| shown(word)).collect();
+    let command: Vec<String> = command.iter().map(|word| plain(word)).collect();
     let mut rows = vec![
-        said("Reported", shown(source)),
+        said("Reported", plain(source)),
         said("Command", format!("sweetspot {}", command.join(" "))),
         said("Program", format!("sweetspot {}", shown(version))),
         said("Seed", seed.to_string()),
@@ -130,7 +130,7 @@ pub fn manifest(subject: &Subject<'_>) -> Section {
         );
         rows.push(said("Search", search));
     }
-    let hashes = |files: &[(String, String)]| files.iter().map(|(p, h)| vec![shown(p), shown(h)]).collect();
+    let hashes = |files: &[(String, String)]| files.iter().map(|(p, h)| vec![plain(p), plain(h)]).collect();
     let mut section = Section::new("manifest", "Where the numbers come from", Vec::new());
     section.tables.push(Table::new("", &["what", "said"], rows));
     section.tables.push(Table::new("Files read", &["file", "SHA-256"], hashes(inputs)));

@@ -85,3 +85,12 @@ fn is_number(rows: &[Vec<String>], column: usize) -> bool {
     });
     some && all
 }
+
+/// A text of any length without what a terminal or a browser would not show.
+pub fn plain(text: &str) -> String {
+    let hides = |c: char| {
+        c.is_control()
+            || matches!(c, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{2069}' | '\u{feff}')
+    };
+    text.chars().map(|c| if hides(c) { ' ' } else { c }).collect()
+}

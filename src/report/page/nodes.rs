@@ -1,6 +1,6 @@
 //! Every node in numbers.
 
-use super::content::{NOTHING, Section, Table};
+use super::content::{NOTHING, Section, Table, plain};
 use super::places::mm;
 use super::subject::Subject;
 use crate::cell::{Unit, shown};
@@ -21,7 +21,7 @@ pub fn section(subject: &Subject<'_>) -> Section {
     let text = vec![format!(
         "The nodes of {which}. Positions and errors in world axes; joints, every reading and the nodes of the \
          rest are in {}.",
-        shown(&subject.manifest.csv)
+        plain(&subject.manifest.csv)
     )];
     let mut section = Section::new("nodes", "Every node", text);
     let all: usize = a.maps.iter().map(|m| m.nodes.len()).sum();
@@ -55,7 +55,7 @@ fn table(a: &Assessment<'_>, map: &OperationMap, is_long: bool, csv: &str) -> Ta
     let table = Table::new(format!("{name}: {} nodes", map.nodes.len()), &head, rows).folded();
     match is_long {
         true => {
-            table.with_note(format!("The best {BEST} of {}; all are in {}.", map.nodes.len(), shown(csv)))
+            table.with_note(format!("The best {BEST} of {}; all are in {}.", map.nodes.len(), plain(csv)))
         }
         false => table,
     }

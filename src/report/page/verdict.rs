@@ -1,6 +1,6 @@
 //! The answer, before anything else.
 
-use super::content::NOTHING;
+use super::content::{NOTHING, plain};
 use super::runner_up::{RunnerUp, runner_up};
 use super::subject::{Found, Subject};
 use crate::cell::{Cell, Objective, Unit, shown};
@@ -138,7 +138,7 @@ impl Verdict {
 fn reasons(subject: &Subject<'_>, is_found: bool) -> Vec<String> {
     match (&subject.found, is_found) {
         (_, true) => Vec::new(),
-        (Some(found), false) => found.reasons.iter().map(|r| shown(r)).collect(),
+        (Some(found), false) => found.reasons.iter().map(|r| plain(r)).collect(),
         (None, false) => subject.start.reasons(),
     }
 }
@@ -298,7 +298,7 @@ fn up(percent: f64) -> f64 {
 
 fn unproven(found: &Found) -> String {
     let why =
-        |p: &super::subject::ProofOf| Some(format!("{}: {}", shown(&p.name), shown(p.why_not.as_ref()?)));
+        |p: &super::subject::ProofOf| Some(format!("{}: {}", shown(&p.name), plain(p.why_not.as_ref()?)));
     found.proof.operations.iter().filter_map(why).collect::<Vec<_>>().join("; ")
 }
 
