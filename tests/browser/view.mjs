@@ -60,7 +60,9 @@ async function open(cell, options = {}) {
   const url = await new Promise((done) => child.stdout.once("data", (line) => done(String(line).trim())));
   const page = await browser.newPage({ viewport: { width: 1600, height: 1000 }, ...options });
   const said = [];
-  page.on("console", (m) => ["error", "warning"].includes(m.type()) && said.push(`${m.type()}: ${m.text()}`));
+  // What the page is refused it is refused on purpose here.
+  const refused = (text) => /status of (400|409)/.test(text);
+  page.on("console", (m) => ["error", "warning"].includes(m.type()) && !refused(m.text()) && said.push(`${m.type()}: ${m.text()}`));
   page.on("pageerror", (e) => said.push(`error: ${e.message}`));
   page.on("dialog", (d) => (said.push(`dialog: ${d.message()}`), d.dismiss()));
   page.on("request", (r) => r.url().startsWith(url) || r.url().startsWith("data:") || said.push(`request: ${r.url()}`));
