@@ -177,7 +177,7 @@ fn field(a: &Assessment<'_>, k: usize, detail: &Detail) -> Field {
 }
 
 fn is_kept(n: &NodeRecord, every: usize) -> bool {
-    n.i % every == 0 && n.j % every == 0
+    n.i.is_multiple_of(every) && n.j.is_multiple_of(every)
 }
 
 /// What collides has a posture, too, and is not to be read as usable.
