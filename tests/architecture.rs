@@ -60,7 +60,8 @@ fn collect(folder: &Path, prefix: &str, files: &mut Vec<File>) {
         let path = format!("{prefix}{}", entry.file_name().to_string_lossy());
         if entry.path().is_dir() {
             collect(&entry.path(), &format!("{path}/"), files);
-        } else if path.ends_with(".rs") {
+        } else if path.ends_with(".rs") && !path.ends_with("/tests.rs") {
+            // A file of tests of its own is as much code as a `#[cfg(test)]` module: none.
             let text = std::fs::read_to_string(entry.path()).unwrap();
             files.push(File { path, code: without_tests(&code_of(&text)) });
         }

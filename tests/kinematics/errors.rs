@@ -20,7 +20,7 @@ use sweetspot::robot::Chain;
 /// A robot of these rows; the limits play no part.
 pub fn robot(joints: Vec<Joint>, coupling: Vec<Vec<f64>>, tool: Pose) -> Robot {
     let (footprint, text) = (Rectangle { centre: (0.0, 0.0), size: (1.0, 1.0) }, || "test".to_string());
-    let (tool_axis, solids, errors) = (Vector3::x(), vec![], vec![]);
+    let (tool_axis, solids, tool_solids, errors) = (Vector3::x(), vec![], 0, vec![]);
     let (convention, mount) = (Convention::Standard, Pose::identity());
     Robot {
         home: [0.0; sweetspot::cell::MAX_JOINTS],
@@ -35,6 +35,7 @@ pub fn robot(joints: Vec<Joint>, coupling: Vec<Vec<f64>>, tool: Pose) -> Robot {
         tool,
         tool_axis,
         solids,
+        tool_solids,
         footprint,
         errors,
         urdf: None,

@@ -3,10 +3,10 @@
 mod file;
 mod text;
 
-use super::view::corners;
 use crate::cell::Role;
 use crate::drawing::{Component, Drawing, Field, Kind, Mesh};
 use crate::pose::Pose;
+use crate::report::view::corners;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use file::{File, Layer};
 use nalgebra::Vector3;
@@ -200,7 +200,7 @@ fn titles(file: &mut File, drawing: &Drawing<'_>, high: &Vector3<f64>, operation
     let stands = operation.map_or("at home".into(), |k| format!("at {}", cell.operations[k].name));
     let lines = [
         format!("{} ({})", cell.name, drawing.name),
-        super::text::headline(cell),
+        crate::report::text::headline(cell),
         format!("robot {stands}; mm, z up; sweetspot {}", env!("CARGO_PKG_VERSION")),
         format!(
             "arrows: {}, {} times enlarged{}",

@@ -3,10 +3,10 @@
 
 mod file;
 
-use super::colours::viridis;
 use crate::cell::Shape;
 use crate::drawing::{Carrier, Component, Drawing, Field, Kind, Mesh, Part};
 use crate::pose::Pose;
+use crate::report::colours::viridis;
 use crate::units::rounded;
 use file::{File, Surface, quaternion};
 use gltf_json::animation::Property;

@@ -7,8 +7,8 @@ mod dimensions;
 mod silhouette;
 mod title;
 
-use super::view::{corners, escaped};
 use crate::drawing::{Component, Drawing, Field, Kind};
+use crate::report::view::{corners, escaped};
 use crate::units::mm_from_m;
 use nalgebra::{Vector2, Vector3};
 use silhouette::{ABOVE, Eye, FRONT, Silhouette, silhouette};
