@@ -37,7 +37,7 @@ const fn stand(file: &'static str, (x, y, z): (i32, i32, i32), yaw: i32, within:
 }
 
 impl Stand {
-    const fn from_to(mut self, low: i32, high: i32) -> Self {
+    const fn ranging(mut self, low: i32, high: i32) -> Self {
         self.heights = Some((low, high));
         self
     }
@@ -52,7 +52,7 @@ const fn sketch([name, about, robot, errors]: About, pedestal: i32, work: Stand,
 
 /// The paper's arm, in its three files.
 const fn hitachi(name: &'static str, about: &'static str, robot: &'static str) -> Sketch {
-    let table = stand("worktable", (300, 1000, 600), 10, 1800).from_to(300, 900);
+    let table = stand("worktable", (300, 1000, 600), 10, 1800).ranging(300, 900);
     sketch(
         [name, about, robot, "table-3-tolerance"],
         0,
@@ -63,7 +63,7 @@ const fn hitachi(name: &'static str, about: &'static str, robot: &'static str) -
 
 /// A large arm of Universal Robots.
 const fn large_ur(name: &'static str, about: &'static str) -> Sketch {
-    let table = stand("worktable", (0, 850, 750), 0, 1300).from_to(500, 1000);
+    let table = stand("worktable", (0, 850, 750), 0, 1300).ranging(500, 1000);
     sketch([name, about, name, "placeholder"], 700, table, stand("conveyor", (950, -650, 700), 90, 1500))
 }
 
@@ -74,12 +74,12 @@ const fn small(
     (z, low, high): (i32, i32, i32),
     within: i32,
 ) -> Sketch {
-    let bench = stand("bench", (0, far, z), 0, within).from_to(low, high);
+    let bench = stand("bench", (0, far, z), 0, within).ranging(low, high);
     sketch([name, about, robot, "placeholder"], pedestal, bench, stand("feeder", (far, -100, z), 90, within))
 }
 
-/// Every robot of the library has one.
-pub const SKETCHES: [Sketch; 16] = [
+/// One for every robot of the library.
+pub const SKETCHES: [Sketch; ROBOTS.len()] = [
     hitachi("hitachi", "the 4-axis arm of the paper, worktable and conveyor", "hitachi_pw10"),
     large_ur("ur10e", "six axes of Universal Robots, worktable and conveyor"),
     Sketch {
@@ -87,7 +87,7 @@ pub const SKETCHES: [Sketch; 16] = [
         ..sketch(
             ["scara", "a SCARA (Adept Cobra s600), bench and feeder", "adept_cobra_s600", "placeholder"],
             700,
-            stand("bench", (0, 450, 880), 0, 500).from_to(830, 1000),
+            stand("bench", (0, 450, 880), 0, 500).ranging(830, 1000),
             stand("feeder", (420, 0, 900), 90, 600),
         )
     },
@@ -129,7 +129,7 @@ pub const SKETCHES: [Sketch; 16] = [
             "placeholder",
         ],
         700,
-        stand("worktable", (0, 750, 750), 0, 1200).from_to(500, 1000),
+        stand("worktable", (0, 750, 750), 0, 1200).ranging(500, 1000),
         stand("feeder", (750, -200, 750), 90, 1200),
     ),
     hitachi(
@@ -148,7 +148,7 @@ pub const SKETCHES: [Sketch; 16] = [
                 "placeholder",
             ],
             700,
-            stand("bench", (0, 300, 650), 0, 500).from_to(600, 800),
+            stand("bench", (0, 300, 650), 0, 500).ranging(600, 800),
             stand("feeder", (0, -220, 700), 0, 600),
         )
     },
@@ -163,7 +163,7 @@ pub const SKETCHES: [Sketch; 16] = [
         ..sketch(
             ["track", "a PUMA 560 on a floor track, bench and feeder", "puma560_on_track", "placeholder"],
             0,
-            stand("bench", (550, 700, 800), 0, 1400).from_to(600, 1000),
+            stand("bench", (550, 700, 800), 0, 1400).ranging(600, 1000),
             stand("feeder", (-500, 0, 750), 90, 1400),
         )
     },
@@ -181,9 +181,6 @@ pub const SKETCHES: [Sketch; 16] = [
         900,
     ),
 ];
-
-// A robot without a first cell does not compile.
-const _: () = assert!(SKETCHES.len() == ROBOTS.len());
 
 /// The sketch of a short name, or of a robot of the library.
 pub fn find(name: &str) -> Option<&'static Sketch> {
