@@ -43,7 +43,9 @@ pub enum Command {
     )]
     Sweep(SweepArguments),
     /// Put layouts side by side: cell files, best.toml files or folders of a search
-    #[command(before_help = "Example: sweetspot compare cells/hitachi_cell.toml results/hitachi_cell-001")]
+    #[command(
+        before_help = "Example: sweetspot compare cells/hitachi_cell.toml results/hitachi_cell-001 -o compare.html"
+    )]
     Compare(CompareArguments),
     /// Tell at a spot of the layout as drawn which tolerance to tighten first
     #[command(before_help = "Example: sweetspot budget cells/hitachi_cell.toml --operation assembly")]
@@ -237,6 +239,9 @@ pub struct CompareArguments {
     pub packages: Packages,
     #[command(flatten)]
     pub overrides: Overrides,
+    /// Write a page that shows them side by side here; a page that is there is replaced
+    #[arg(short, long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
     /// Print the comparison as JSON on stdout
     #[arg(long)]
     pub json: bool,

@@ -133,7 +133,7 @@ fn rendered(a: &Assessment<'_>, format: Format, operation: Option<usize>) -> Res
         Format::Glb => report::glb::glb(&drawing()?, operation).map_err(cannot),
         Format::Svg => Ok(report::sheet::sheet(&drawing()?, operation).into_bytes()),
         Format::Png => {
-            let shot = Shot { operation, width: PNG.0, height: PNG.1, ..Shot::default() };
+            let shot = Shot { stance: operation, width: PNG.0, height: PNG.1, ..Shot::default() };
             report::raster::png(&drawing()?, &shot).map_err(cannot)
         }
     }

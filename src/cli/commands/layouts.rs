@@ -1,14 +1,16 @@
 //! `compare`.
 
-use super::{stem, suggest, workcell};
+use super::{stem, suggest, within_size, workcell};
 use crate::cell::shown;
 use crate::cli::arguments::CompareArguments;
 use crate::cli::output::path_word;
 use crate::cli::overrides::overridden;
 use crate::cli::{Exit, files, output, results};
 use crate::compare::{Assessment, Comparison};
+use crate::drawing::Drawing;
 use crate::layout::Workcell;
 use crate::report;
+use crate::units::share_from_percent;
 use std::path::{Path, PathBuf};
 
 /// `sweetspot compare`
@@ -28,13 +30,43 @@ pub fn compare(a: &CompareArguments) -> Result<Exit, Exit> {
         output::error(&why);
         Exit::BadInput
     })?;
+    if let Some(out) = &a.out {
+        let html = page(&comparison, &a.layouts)?;
+        files::write_whole(out, html.as_bytes())?;
+        output::talk(&format!("wrote {} ({} kB)", path_word(out), html.len().div_ceil(1 << 10)));
+    }
     if a.json {
         output::data(&results::line(&report::json::compare(&comparison))?)?;
     } else {
         output::data(&report::text::comparison(&comparison))?;
+        for sentence in comparison.in_words() {
+            output::data(&format!("{sentence}\n"))?;
+        }
+        if a.out.is_none() {
+            let all: Vec<_> = a.layouts.iter().map(|p| path_word(p)).collect();
+            suggest(&format!("compare {} -o compare.html", all.join(" ")));
+            return Ok(Exit::Done);
+        }
         suggest("search CELL, or map CELL --svg map.svg for a picture of one of them");
     }
     Ok(Exit::Done)
+}
+
+/// The page, with as much detail as fits.
+fn page(comparison: &Comparison<'_>, paths: &[PathBuf]) -> Result<String, Exit> {
+    let gaps: Vec<Option<f64>> = paths.iter().map(|p| gap_of(p)).collect();
+    within_size(|detail| {
+        let drawings =
+            comparison.columns.iter().map(|a| Drawing::new(a, detail)).collect::<Result<Vec<_>, _>>()?;
+        report::page::compare(comparison, &drawings, &gaps)
+    })
+}
+
+/// What the search that wrote a folder has proven, as a share.
+fn gap_of(folder: &Path) -> Option<f64> {
+    let text = std::fs::read(folder.join("search.json")).ok()?;
+    let document: serde_json::Value = serde_json::from_slice(&text).ok()?;
+    document.get("gap_percent")?.as_f64().map(share_from_percent)
 }
 
 /// Layouts of one name are told apart by their paths.

@@ -37,6 +37,7 @@ use crate::clearance::Party;
 use crate::cli::output::path_word;
 use crate::cli::{Exit, cache, output};
 use crate::compare::Assessment;
+use crate::drawing::Detail;
 use crate::layout::{Workcell, evaluate};
 use crate::report::text;
 use std::path::Path;
@@ -82,6 +83,29 @@ fn unsolved(robot: &str, file: &Path, why: &str) -> Exit {
     output::error(&format!("{file}: the robot `{}` cannot do that: {why}", shown(robot)));
     output::talk(&format!("  help: {UNSOLVED}"));
     Exit::BadInput
+}
+
+/// A page is not larger than this, bytes.
+const LARGEST_PAGE: usize = 8 << 20;
+
+/// The page with the most detail that fits.
+fn within_size(mut page: impl FnMut(&Detail) -> Result<String, String>) -> Result<String, Exit> {
+    let plain = Detail { nodes: 400, ..Detail::PLAIN };
+    let mut html = String::new();
+    for (k, detail) in [Detail::FULL, Detail { lenses: false, ..Detail::FULL }, plain].iter().enumerate() {
+        html = page(detail).map_err(|why| {
+            output::error(&format!("cannot make the page: {why}"));
+            Exit::Io
+        })?;
+        if html.len() <= LARGEST_PAGE {
+            if k > 0 {
+                output::talk("note: the view shows less, so that the page stays below 8 MB");
+            }
+            return Ok(html);
+        }
+    }
+    output::talk(&format!("warning: the page has {} MB: coarser meshes would help", html.len() >> 20));
+    Ok(html)
 }
 
 fn suggest(command: &str) {

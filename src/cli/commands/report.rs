@@ -1,6 +1,6 @@
 //! `report`.
 
-use super::{suggest, warn_of_distrust, workcell};
+use super::{suggest, warn_of_distrust, within_size, workcell};
 use crate::cell::{Fault, Loaded, Source};
 use crate::cli::arguments::{Overrides, Packages};
 use crate::cli::found::{self, Folder};
@@ -8,13 +8,10 @@ use crate::cli::output::path_word;
 use crate::cli::overrides::{again, overridden};
 use crate::cli::{Exit, files, output, results};
 use crate::compare::Assessment;
-use crate::drawing::{Detail, Drawing};
+use crate::drawing::Drawing;
 use crate::report::page::{self, Manifest, Report, Subject};
 use clap::Args;
 use std::path::{Path, PathBuf};
-
-/// A page is not larger than this, bytes.
-const LARGEST: usize = 8 << 20;
 
 #[derive(Args)]
 pub struct ReportArguments {
@@ -46,7 +43,15 @@ pub fn report(a: &ReportArguments) -> Result<Exit, Exit> {
     if a.of.is_dir() {
         refuse_other_numbers(&a.of, &subject)?;
     }
-    let report = small_enough(&subject)?;
+    let mut verdict = None;
+    let html = within_size(|detail| {
+        let drawings = subject.layouts().map(|a| Drawing::new(a, detail)).collect::<Result<Vec<_>, _>>()?;
+        let Report { html, verdict: told } = page::report(&subject, &drawings)?;
+        verdict = Some(told);
+        Ok(html)
+    })?;
+    let Some(verdict) = verdict else { return Err(Exit::Io) };
+    let report = Report { html, verdict };
     files::write_whole(&a.out, report.html.as_bytes())?;
     tell(a, &read.file, &subject, &report)?;
     Ok(if report.verdict.answer == "yes" { Exit::Done } else { Exit::AnswerIsNo })
@@ -129,29 +134,6 @@ fn refuse_other_numbers(folder: &Path, subject: &Subject<'_>) -> Result<(), Exit
         }
     }
     Ok(())
-}
-
-/// The report with as much to see as it may hold.
-fn small_enough(subject: &Subject<'_>) -> Result<Report, Exit> {
-    let plain = Detail { nodes: 400, ..Detail::PLAIN };
-    let details = [Detail::FULL, Detail { lenses: false, ..Detail::FULL }, plain];
-    let mut last = None;
-    for (k, detail) in details.into_iter().enumerate() {
-        let drawings = subject.layouts().map(|a| Drawing::new(a, &detail)).collect::<Result<Vec<_>, _>>();
-        let made = drawings.and_then(|drawings| page::report(subject, &drawings)).map_err(|why| {
-            output::error(&format!("cannot make the report: {why}"));
-            Exit::Io
-        })?;
-        let fits = made.html.len() <= LARGEST;
-        last = Some(made);
-        if fits {
-            if k > 0 {
-                output::talk("note: the view shows less, so that the page stays below 8 MB");
-            }
-            break;
-        }
-    }
-    last.ok_or(Exit::Io)
 }
 
 fn tell(a: &ReportArguments, file: &Path, subject: &Subject<'_>, report: &Report) -> Result<(), Exit> {

@@ -10,6 +10,7 @@ mod axes;
 pub(super) mod canvas;
 mod colour_scale;
 mod convergence;
+mod difference;
 mod discrepancy;
 mod heat_map;
 mod histogram;
@@ -25,6 +26,7 @@ pub(super) mod words;
 
 pub use canvas::{Ink, dark_rules};
 pub use convergence::{Course, convergence};
+pub use difference::difference;
 pub use discrepancy::discrepancy;
 pub use heat_map::heat_map;
 pub use histogram::histogram;

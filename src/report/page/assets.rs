@@ -35,7 +35,15 @@ pub const LIVE_JS: &str = concat!(
     include_str!("live/page.js"),
     "})();\n"
 );
+/// The sections of a page: paragraphs, figures, tables.
+pub const SECTIONS_HTML: &str = include_str!("sections.html");
+
 /// The report: its template, its style after that of the viewer, its script after the viewer.
 pub const REPORT_HTML: &str = include_str!("report.html");
 pub const REPORT_CSS: &str = concat!(include_str!("viewer/viewer.css"), include_str!("report.css"));
 pub const REPORT_JS: &str = include_str!("report.js");
+
+/// Layouts side by side; in the style of the report.
+pub const COMPARE_HTML: &str = include_str!("compare.html");
+pub const COMPARE_CSS: &str = include_str!("compare.css");
+pub const COMPARE_JS: &str = include_str!("compare.js");

@@ -9,7 +9,8 @@ use crate::compare::{Account, Assessment, At, Distribution, Stance};
 use crate::drawing::Drawing;
 use crate::reading::Share;
 use crate::report::chart::{self, Course};
-use crate::report::{goals, names, svg, text};
+use crate::report::raster::{self, Shot};
+use crate::report::{goals, names, text};
 use crate::search::{self, Candidate, Ended, SearchRecord};
 use crate::units::{percent_from_share, rounded};
 
@@ -29,13 +30,18 @@ pub fn sections(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Vec<Section>
     all.into_iter().filter(|section| !section.is_empty()).collect()
 }
 
-/// The picture that stands in for the 3-D view: in print, and without WebGL.
-pub fn still(a: &Assessment<'_>) -> Figure {
-    Figure::new(
-        titled(a, "plan"),
-        "World plan, x to the right; the ring marks the chosen spot.",
-        svg::plan(a),
-    )
+/// The picture that stands in for the 3-D view, in print and without WebGL: of the layout that is
+/// recommended, which is the last.
+///
+/// # Errors
+/// What cannot be drawn.
+pub fn still(a: &Assessment<'_>, drawings: &[Drawing<'_>]) -> Result<Vec<Figure>, String> {
+    let Some(drawing) = drawings.last() else { return Ok(Vec::new()) };
+    let stance = (0..a.maps.len()).find(|k| a.spot(*k).is_some());
+    let svg = raster::isometric(drawing, &Shot { stance, width: 1200, height: 800, ..Shot::default() })?;
+    let caption = "Arrows are the errors, enlarged as said; rings are nodes out of reach, the large ring marks the \
+                   chosen spot.";
+    Ok(vec![Figure::new(titled(a, "the cell"), caption, svg)])
 }
 
 fn map(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Section {

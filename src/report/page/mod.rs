@@ -7,6 +7,7 @@
 
 pub mod assets;
 mod assumptions;
+mod compare;
 mod content;
 mod figures;
 mod live;
@@ -19,6 +20,7 @@ mod shell;
 mod subject;
 mod verdict;
 
+pub use compare::compare;
 pub use content::{Figure, Section, Table};
 pub use live::live;
 pub use report::{Report, report};

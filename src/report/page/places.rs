@@ -9,6 +9,19 @@ use crate::units::{deg_from_rad, mm_from_m, rounded};
 
 /// Where everything stands.
 pub fn section(subject: &Subject<'_>) -> Section {
+    let mut section = empty();
+    section.tables = subject.tables(|a| vec![frames(a), outlines(a)]);
+    section
+}
+
+/// The same of layouts side by side, folded.
+pub fn of_columns(columns: &[Assessment<'_>]) -> Section {
+    let mut section = empty();
+    section.tables = columns.iter().flat_map(|a| [frames(a).folded(), outlines(a).folded()]).collect();
+    section
+}
+
+fn empty() -> Section {
     let text = vec![
         "Corners are those of the floor outline (of what has a work surface: of that surface, too), counted \
          counterclockwise from the one at the least x and y of the equipment's own axes. World: the axes of the \
@@ -16,9 +29,7 @@ pub fn section(subject: &Subject<'_>) -> Section {
          distance from the axis of the base to the corner."
             .to_string(),
     ];
-    let mut section = Section::new("placements", "Where everything stands", text);
-    section.tables = subject.tables(|a| vec![frames(a), outlines(a)]);
-    section
+    Section::new("placements", "Where everything stands", text)
 }
 
 /// The joints of the robot at home and at the spots.
@@ -41,7 +52,8 @@ pub fn deg(rad: f64) -> String {
 pub fn titled(a: &Assessment<'_>, what: &str) -> String {
     match a.label.as_str() {
         "best" => format!("Best layout: {what}"),
-        _ => format!("Layout as drawn: {what}"),
+        "start" => format!("Layout as drawn: {what}"),
+        label => format!("{}: {what}", shown(label)),
     }
 }
 

@@ -46,7 +46,7 @@ pub fn report(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Result<Report,
     sections.push(nodes::section(subject));
     sections.push(assumptions::section(subject));
     sections.push(assumptions::manifest(subject));
-    let mut still = vec![figures::still(subject.shown())];
+    let mut still = figures::still(subject.shown(), drawings)?;
     let pictures = still.iter_mut().chain(sections.iter_mut().flat_map(|s| &mut s.figures));
     pictures.enumerate().for_each(|(k, figure)| figure.svg = shell::scoped(&figure.svg, k));
     let page = Page {
@@ -72,7 +72,7 @@ fn question(cell: &Cell) -> String {
 }
 
 /// On a dark screen charts are dark, too; on paper never.
-fn style() -> String {
+pub fn style() -> String {
     let dark = chart::dark_rules(".plate");
     format!("{}\n@media screen and (prefers-color-scheme: dark) {{\n{dark}}}\n", assets::REPORT_CSS)
 }

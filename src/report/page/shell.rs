@@ -1,5 +1,6 @@
 //! Sections into markup, and what makes the markup safe.
 
+use super::assets::SECTIONS_HTML;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use minijinja::value::Serde;
@@ -16,6 +17,7 @@ pub fn rendered(template: &str, page: &impl Serialize) -> Result<String, String>
     environment.set_auto_escape_callback(|_| AutoEscape::Html);
     environment.add_filter("tied", tied);
     environment.set_undefined_behavior(minijinja::UndefinedBehavior::Strict);
+    environment.add_template("sections.html", SECTIONS_HTML).map_err(|e| format!("{e:#}"))?;
     environment.render_str(template, Serde(page)).map_err(|e| format!("{e:#}"))
 }
 

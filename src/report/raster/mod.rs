@@ -39,6 +39,8 @@ use scene::{Body, Scene};
 pub struct Shot {
     /// The field of this operation alone, the robot at its spot; None: all fields, the robot at home.
     pub operation: Option<usize>,
+    /// Where the robot stands if `operation` says nothing: at the spot of this one.
+    pub stance: Option<usize>,
     /// px
     pub width: usize,
     pub height: usize,
@@ -62,6 +64,7 @@ impl Default for Shot {
     fn default() -> Self {
         Self {
             operation: None,
+            stance: None,
             width: 1600,
             height: 1000,
             view: View::Iso,

@@ -101,7 +101,8 @@ pub struct Scene {
 
 impl Scene {
     pub fn of(drawing: &Drawing<'_>, shot: &Shot, palette: &Palette, scale: &Scale) -> Self {
-        let at = shot.operation.and_then(|k| drawing.movement.at(k));
+        let stance = shot.operation.or(shot.stance);
+        let at = stance.and_then(|k| drawing.movement.at(k));
         let frames = at.unwrap_or(drawing.movement.home());
         let mut scene = Self {
             bodies: Vec::new(),
@@ -111,7 +112,7 @@ impl Scene {
             arrows: Vec::new(),
             size: 1.0,
         };
-        for (part, pose) in drawing.posed(shot.operation, frames) {
+        for (part, pose) in drawing.posed(stance, frames) {
             let (colour, opacity) = palette.of_kind(part.kind);
             let mesh = part.mesh.seen_from(&pose);
             scene.bodies.push(Body::solid(mesh, colour, opacity));

@@ -1,0 +1,161 @@
+//! Two layouts node by node on one map: where the other is better, and where worse.
+
+use super::axes::{self, Scale};
+use super::canvas::{Anchor, Canvas, EDGE, Entry, Ink, SMALL};
+use super::{WIDTH, words};
+use crate::cell::{Cell, Unit};
+use crate::compare::{Difference, NodePair};
+use crate::report::view::escaped;
+use crate::units::mm_from_m;
+
+/// Left and right end of the plot and its greatest height, px.
+const PLOT: (f64, f64, f64) = (62.0, WIDTH - EDGE - 112.0, 420.0);
+/// Best, equal and worst: blue to orange, told apart by colour-blind readers as well.
+const BETTER: [f64; 3] = [0.0, 90.0, 160.0];
+const EQUAL: [f64; 3] = [240.0, 240.0, 236.0];
+const WORSE: [f64; 3] = [190.0, 75.0, 0.0];
+/// In the bar.
+const STEPS: usize = 24;
+
+/// The nodes of an operation in the frame of its equipment, coloured by what the layout `names.1` has less
+/// (blue) or more (orange) than `names.0`; `most` (m, rad or a share) is the end of the scale.
+pub fn difference(cell: &Cell, d: &Difference, names: (&str, &str), most: f64) -> String {
+    let (operation, unit) = (&cell.operations[d.operation], cell.unit());
+    let heading = format!("{}: {} against {} in {}", operation.name, names.1, names.0, operation.sense.name);
+    let mut canvas = Canvas::new(&heading, &remarks(d, names));
+    let (low, high) = bounds(&d.pairs);
+    let size = [high[0] - low[0], high[1] - low[1]];
+    let px = ((PLOT.1 - PLOT.0) / size[0]).min(PLOT.2 / size[1]);
+    let top = canvas.y + 26.0;
+    let x = Scale::linear(low[0], high[0], (PLOT.0, PLOT.0 + size[0] * px));
+    let y = Scale::linear(low[1], high[1], (top + size[1] * px, top));
+    let of = &cell.equipment[operation.equipment].name;
+    axes::draw(&mut canvas, &x, &y, (&format!("x of {of} / mm"), &format!("y of {of} / mm")));
+    let r = (0.42 * apart(&d.pairs) * px).clamp(2.5, 16.0);
+    for pair in &d.pairs {
+        let at = (x.at(mm_from_m(pair.at.0)), y.at(mm_from_m(pair.at.1)));
+        let (mark, said) = (mark(pair, most, at, r), told(pair, unit));
+        canvas.put(&format!("<g><title>({}, {}): {}</title>{mark}</g>", pair.i, pair.j, escaped(&said)));
+    }
+    let foot = draw_bar(&mut canvas, unit, most, (x.px.1 + 26.0, top));
+    canvas.y = canvas.y.max(foot);
+    canvas.legend(&legend(d, names));
+    canvas.finish()
+}
+
+fn remarks(d: &Difference, names: (&str, &str)) -> Vec<String> {
+    let ((better, worse), (gained, lost)) = (d.better_and_worse(), d.gained_and_lost());
+    let (a, b) = names;
+    let mut said =
+        vec![format!("of the nodes that both can use, {b} is better at {better} and worse at {worse}")];
+    if gained + lost > 0 {
+        said.push(format!("{gained} nodes only {b} can use, {lost} only {a}"));
+    }
+    said
+}
+
+fn mark(pair: &NodePair, most: f64, (x, y): (f64, f64), r: f64) -> String {
+    let s = 0.6 * r;
+    match (pair.difference(), pair.first, pair.other) {
+        (Some(by), ..) => {
+            let fill = colour(by / most.max(f64::MIN_POSITIVE));
+            format!(
+                "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{r:.1}\" fill=\"{fill}\" stroke=\"#57606a\" stroke-width=\"0.6\"/>"
+            )
+        }
+        (None, None, Some(_)) => {
+            let line = Ink::Blue.line(2.0);
+            format!(
+                "<path d=\"M{:.1} {y:.1}h{:.1}M{x:.1} {:.1}v{:.1}\" {line}/>",
+                x - s,
+                2.0 * s,
+                y - s,
+                2.0 * s
+            )
+        }
+        (None, Some(_), None) => {
+            let line = Ink::Vermilion.line(2.0);
+            format!("<path d=\"M{:.1} {y:.1}h{:.1}\" {line}/>", x - s, 2.0 * s)
+        }
+        _ => format!("<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{s:.1}\" {}/>", Ink::Grid.line(1.6)),
+    }
+}
+
+fn told(pair: &NodePair, unit: Unit) -> String {
+    let value = |v: Option<f64>| {
+        v.map_or("not usable".to_string(), |v| format!("{} {}", words::figure(unit.from_si(v)), unit.word()))
+    };
+    let by = pair.difference().map(|d| format!(", {:+.4} {}", unit.from_si(d), unit.word()));
+    format!("{} against {}{}", value(pair.other), value(pair.first), by.unwrap_or_default())
+}
+
+/// From -1 (better) over 0 to 1 (worse).
+fn colour(share: f64) -> String {
+    let t = share.clamp(-1.0, 1.0);
+    let end = if t < 0.0 { BETTER } else { WORSE };
+    let [r, g, b] = [0, 1, 2].map(|c| (EQUAL[c] + (end[c] - EQUAL[c]) * t.abs()).round() as u8);
+    format!("#{r:02x}{g:02x}{b:02x}")
+}
+
+/// Worse above, better below; where it ends.
+fn draw_bar(canvas: &mut Canvas, unit: Unit, most: f64, (left, top): (f64, f64)) -> f64 {
+    let tall = 8.0 * STEPS as f64;
+    for k in 0..STEPS {
+        let share = 1.0 - 2.0 * (k as f64 + 0.5) / STEPS as f64;
+        let y = top + 8.0 * k as f64;
+        canvas.path(&format!("M{left:.1} {y:.1}h16v8.3h-16z"), &format!("fill=\"{}\"", colour(share)));
+    }
+    let most = words::figure(unit.from_si(most));
+    let mut say = |y: f64, ink: Ink, said: &str| canvas.text((left + 22.0, y), Anchor::Start, ink, said);
+    say(top + 10.0, Ink::Text, &format!("+{most}"));
+    say(top + 26.0, Ink::Faint, "worse");
+    say(top + tall / 2.0 + 4.5, Ink::Text, &format!("0 {}", unit.word()));
+    say(top + tall - 14.0, Ink::Faint, "better");
+    say(top + tall + 2.0, Ink::Text, &format!("-{most}"));
+    top + tall + SMALL
+}
+
+fn legend(d: &Difference, names: (&str, &str)) -> Vec<Entry> {
+    let pair = |first, other| NodePair { i: 0, j: 0, at: (0.0, 0.0), first, other };
+    let all = [
+        (pair(None, Some(0.0)), format!("only {} can use it", names.1)),
+        (pair(Some(0.0), None), format!("only {} can use it", names.0)),
+        (pair(None, None), "neither can use it".to_string()),
+    ];
+    let is_there = |kind: &NodePair| {
+        let same = |p: &NodePair| {
+            (p.first.is_some(), p.other.is_some()) == (kind.first.is_some(), kind.other.is_some())
+        };
+        d.pairs.iter().any(same)
+    };
+    let there = all.into_iter().filter(|(kind, _)| is_there(kind));
+    there.map(|(kind, said)| Entry { mark: mark(&kind, 1.0, (0.0, 0.0), 8.0), said }).collect()
+}
+
+/// Low and high corner of the nodes with a margin, mm.
+fn bounds(pairs: &[NodePair]) -> ([f64; 2], [f64; 2]) {
+    let points = pairs.iter().map(|p| [mm_from_m(p.at.0), mm_from_m(p.at.1)]).map(|p| (p, p));
+    let both = points
+        .reduce(|(lo, hi), (a, b)| ([lo[0].min(a[0]), lo[1].min(a[1])], [hi[0].max(b[0]), hi[1].max(b[1])]));
+    let (low, high) = both.unwrap_or(([0.0; 2], [0.0; 2]));
+    let margin = 0.06 * (high[0] - low[0]).max(high[1] - low[1]).max(100.0);
+    (low.map(|v| v - margin), high.map(|v| v + margin))
+}
+
+/// Between neighbours, mm.
+fn apart(pairs: &[NodePair]) -> f64 {
+    let steps = pairs.windows(2).map(|w| (w[0].at.0 - w[1].at.0).hypot(w[0].at.1 - w[1].at.1));
+    let least = steps.filter(|d| *d > 0.0).fold(f64::MAX, f64::min);
+    if least < f64::MAX { mm_from_m(least) } else { mm_from_m(0.1) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blue_is_better_and_orange_worse() {
+        assert_eq!((colour(-1.0).as_str(), colour(1.0).as_str()), ("#005aa0", "#be4b00"));
+        assert_eq!((colour(0.0), colour(-7.0)), ("#f0f0ec".to_string(), colour(-1.0)));
+    }
+}

@@ -1,0 +1,152 @@
+//! Layouts side by side, as a page.
+
+use super::content::{Figure, NOTHING, Section, Table};
+use super::{assets, places, script_json, shell};
+use crate::cell::{Goal, Goals, shown};
+use crate::compare::{Assessment, Comparison};
+use crate::drawing::Drawing;
+use crate::report::raster::{self, Shot};
+use crate::report::{chart, goals, text};
+use crate::units::{percent_from_share, rounded};
+use serde::Serialize;
+
+/// What the template is filled with.
+#[derive(Serialize)]
+struct Page<'a> {
+    title: String,
+    question: String,
+    answer: String,
+    sentences: Vec<String>,
+    policy: String,
+    style: &'a str,
+    script: &'a str,
+    /// One for each layout.
+    stills: Vec<Figure>,
+    /// JSON for the viewers.
+    drawings: String,
+    sections: Vec<Section>,
+    version: &'static str,
+}
+
+/// The page. `drawings` and `gaps` (proven, as shares) are those of the columns.
+///
+/// # Errors
+/// What cannot be rendered.
+pub fn compare(
+    comparison: &Comparison<'_>,
+    drawings: &[Drawing<'_>],
+    gaps: &[Option<f64>],
+) -> Result<String, String> {
+    let Some(first) = comparison.columns.first() else { return Err("there is nothing to compare".into()) };
+    let (script, css) = (assets::VIEWER_JS.to_string() + assets::COMPARE_JS, super::report::style());
+    let style = css + assets::COMPARE_CSS;
+    let mut stills = Vec::new();
+    for (a, drawing) in comparison.columns.iter().zip(drawings) {
+        let stance = (0..a.maps.len()).find(|k| a.spot(*k).is_some());
+        let shot = Shot { stance, width: 900, height: 640, ..Shot::default() };
+        let svg = raster::isometric(drawing, &shot)?;
+        stills.push(Figure::new(shown(&drawing.name), "", svg));
+    }
+    let mut sections = differences(comparison);
+    sections.push(side_by_side(comparison, gaps));
+    sections.push(places::of_columns(&comparison.columns));
+    let pictures = stills.iter_mut().chain(sections.iter_mut().flat_map(|s| &mut s.figures));
+    pictures.enumerate().for_each(|(k, figure)| figure.svg = shell::scoped(&figure.svg, k));
+    let names: Vec<String> = comparison.columns.iter().map(|c| shown(&c.label)).collect();
+    let page = Page {
+        title: names.join(" and "),
+        question: text::headline(first.cell),
+        answer: answer(comparison),
+        sentences: comparison.in_words(),
+        policy: shell::policy(&script, &style),
+        style: &style,
+        script: &script,
+        stills,
+        drawings: script_json(&crate::report::json::drawings(drawings)),
+        sections,
+        version: env!("CARGO_PKG_VERSION"),
+    };
+    shell::rendered(assets::COMPARE_HTML, &page)
+}
+
+/// Which layout has the least objective.
+fn answer(comparison: &Comparison<'_>) -> String {
+    let told = |a: &Assessment<'_>| Some((a.objective()?, shown(&a.label), a.cell.unit().word()));
+    let mut all: Vec<_> = comparison.columns.iter().filter_map(told).collect();
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    match &all[..] {
+        [] => "None of these layouts is feasible".into(),
+        [(value, name, unit)] => format!("Only {name} is feasible: {value:.3} {unit}"),
+        [(value, name, unit), (next, other, _), ..] => {
+            if *next - *value <= 1e-9 * next.abs() {
+                return format!("{name} and {other} are equally good: {value:.3} {unit}");
+            }
+            format!("{name} is best with {value:.3} {unit}, then {other} with {next:.3} {unit}")
+        }
+    }
+}
+
+/// Node by node against the first layout, all on one scale.
+fn differences(comparison: &Comparison<'_>) -> Vec<Section> {
+    let Some((first, others)) = comparison.columns.split_first() else { return Vec::new() };
+    let text = format!(
+        "Every node against {}: blue where the other layout is better, orange where it is worse. Point at a node \
+         for both values.",
+        shown(&first.label)
+    );
+    let mut section = Section::new("differences", "Node by node", vec![text]);
+    let all: Vec<_> = (1..comparison.columns.len()).map(|k| comparison.differences(k)).collect();
+    let most = all.iter().flatten().flatten().map(|d| d.largest()).fold(0.0, f64::max);
+    for (other, found) in others.iter().zip(&all) {
+        match found {
+            Err(why) => section.text.push(format!("No map of differences: {}.", shown(why))),
+            Ok(found) => section.figures.extend(found.iter().map(|d| {
+                let names = (first.label.as_str(), other.label.as_str());
+                let name = shown(&first.cell.operations[d.operation].name);
+                let title = format!("{name}: {} against {}", shown(names.1), shown(names.0));
+                Figure::new(title, "", chart::difference(first.cell, d, names, most))
+            })),
+        }
+    }
+    vec![section]
+}
+
+/// The table of the text, and what the page knows beside it.
+fn side_by_side(comparison: &Comparison<'_>, gaps: &[Option<f64>]) -> Section {
+    let text = vec![
+        "Lengths in mm, angles in degrees; in brackets the change from the first layout. Clearance is the least \
+         distance of the robot, with what it holds, to anything at the spots."
+            .to_string(),
+    ];
+    let mut section = Section::new("table", "In numbers", text);
+    let table = text::comparison_table(comparison);
+    let Some((head, rows)) = table.rows().split_first() else { return section };
+    let mut rows = rows.to_vec();
+    let mut row = |label: &str, cell: &dyn Fn(usize) -> String| {
+        let cells = (0..comparison.columns.len()).map(cell);
+        rows.push([label.to_string(), String::new()].into_iter().chain(cells).collect());
+    };
+    let requirement = |k: usize| match &comparison.columns[k] {
+        a if (0..a.maps.len()).all(|o| a.requirement(o).is_none()) => "none".to_string(),
+        a if a.meets_requirements() => "met".to_string(),
+        _ => "MISSED".to_string(),
+    };
+    row("requirement", &requirement);
+    let clearance = |k: usize| {
+        let a = &comparison.columns[k];
+        let all = a.workcell.goals(&a.layout, &a.evaluation, &Goals::of(&[Goal::Clearance])?);
+        let value = all.and_then(|all| all.first().map(|si| goals::value(a.cell, Goal::Clearance, *si)));
+        Some(value.map_or(NOTHING.to_string(), |v| format!("{:.1}", rounded(v, 1))))
+    };
+    row("clearance mm", &|k| clearance(k).unwrap_or(NOTHING.into()));
+    let gap = |k: usize| {
+        let gap = gaps.get(k).copied().flatten();
+        gap.map_or(NOTHING.to_string(), |g| format!("{:.4} %", rounded(percent_from_share(g), 4)))
+    };
+    row("proven gap", &gap);
+    let head: Vec<&str> = head.iter().map(String::as_str).collect();
+    let mut table = Table::new("", &head, rows);
+    table.is_number = (0..head.len()).map(|k| k > 1).collect();
+    section.tables.push(table);
+    section
+}
