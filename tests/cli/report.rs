@@ -322,12 +322,13 @@ fn hostile_names_are_only_shown() {
     assert!([Some(0), Some(1)].contains(&ran.code), "{}", ran.err);
     let html = shop.text("report.html");
     assert_sound(&html);
-    for raw in
-        ["<script>alert", "<img", "<svg onload", "<b>x", "</style><", "' onmouseover='", "\u{1b}", "1337"]
-    {
+    for raw in ["<script>alert", "<img", "<svg onload", "<b>x", "</style><", "\u{1b}", "1337"] {
         assert!(!html.contains(raw), "{raw}");
         assert!(!ran.out.contains('\u{1b}') && !ran.err.contains('\u{1b}'));
     }
+    // In JSON a quote is a quote; in markup it would end a value.
+    let markup = html.replacen(between(&html, "id=\"drawings\">", "</script>"), "", 1);
+    assert!(!markup.contains("' onmouseover='"));
     // They are shown, though.
     for shown in ["&lt;script&gt;alert(1)", "{{ 7 * 191 }}{% raw %}", "&amp;lt;b&amp;gt;"] {
         assert!(html.contains(shown), "{shown}");
