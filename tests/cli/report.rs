@@ -163,7 +163,8 @@ fn a_folder_that_was_tampered_with_is_refused() {
         shop.write(path, &shop.text(path).replacen("alpha", "alpha ", 1));
     };
     let lost = |shop: &Shop| std::fs::remove_file(shop.path("found/map.csv")).unwrap();
-    let cases: [(&str, &dyn Fn(&Shop)); 4] = [
+    type Tamper<'t> = &'t dyn Fn(&Shop);
+    let cases: [(&str, Tamper); 4] = [
         ("best.toml", &best),
         ("search.json", &search),
         ("robots/hitachi_pw10.toml", &input),
