@@ -5,6 +5,7 @@ use crate::cell::{Cell, Layout};
 use crate::cli::cache;
 use crate::layout::{Workcell, evaluate};
 use crate::search::{self, Ended, Progress, Watch};
+use crate::units::percent_from_share;
 use serde_json::{Value, json};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
@@ -78,7 +79,7 @@ impl Job {
             Some(Ok(found)) => found.objective,
             _ => progress.best.map(|b| unit.from_si(b)),
         };
-        let gain = start.zip(best).filter(|(s, _)| *s > 0.0).map(|(s, b)| 100.0 * (s - b) / s);
+        let gain = start.zip(best).filter(|(s, _)| *s > 0.0).map(|(s, b)| percent_from_share((s - b) / s));
         let (ended, fault) = match found {
             Some(Ok(found)) => (Some(found.ended.in_words()), None),
             Some(Err(why)) => (None, Some(why.as_str())),
