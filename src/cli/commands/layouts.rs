@@ -69,13 +69,17 @@ fn gap_of(folder: &Path) -> Option<f64> {
     document.get("gap_percent")?.as_f64().map(share_from_percent)
 }
 
-/// Layouts of one name are told apart by their paths.
+/// Layouts of one name are told apart by their paths, as far as these differ.
 fn name_apart(cells: &mut [(String, Workcell)], paths: &[PathBuf]) {
     let labels: Vec<String> = cells.iter().map(|(label, _)| label.clone()).collect();
-    for ((label, _), path) in cells.iter_mut().zip(paths) {
-        if labels.iter().filter(|l| *l == label).count() > 1 {
-            *label = shown(&path.to_string_lossy());
-        }
+    let is_twin = |label: &String| labels.iter().filter(|l| *l == label).count() > 1;
+    let twins: Vec<&PathBuf> = labels.iter().zip(paths).filter(|(l, _)| is_twin(l)).map(|(_, p)| p).collect();
+    let Some(first) = twins.first() else { return };
+    let parents = first.ancestors().skip(1);
+    let common = parents.into_iter().find(|folder| twins.iter().all(|p| p.starts_with(folder)));
+    for ((label, _), path) in cells.iter_mut().zip(paths).filter(|((label, _), _)| is_twin(label)) {
+        let own = common.and_then(|common| path.strip_prefix(common).ok()).unwrap_or(path);
+        *label = shown(&own.to_string_lossy());
     }
 }
 
