@@ -30,9 +30,14 @@ async function attempt(numbers) {
     } catch (e) {
       if (own === serial) fault(e.message);
     }
+    // No faster than it can be seen: pictures that queue up hold up the drop.
+    await new Promise(painted);
   }
   trying = false;
 }
+
+// After what is drawn now is seen.
+const painted = (then) => requestAnimationFrame(() => setTimeout(then));
 
 async function change(what, body, entry) {
   const began = performance.now();
@@ -43,7 +48,7 @@ async function change(what, body, entry) {
     fault("");
     if (own !== serial) return;
     show(answer);
-    requestAnimationFrame(() => setTimeout(() => drawn.push(performance.now() - began)));
+    painted(() => drawn.push(performance.now() - began));
   } catch (e) {
     if (entry) form.refuse(entry, e.message);
     else fault(e.message);
@@ -62,7 +67,8 @@ function show(answer) {
   $("redo").disabled = answer.redo === 0;
   $("depth").textContent = answer.undo ? `${answer.undo} step${answer.undo > 1 ? "s" : ""}` : "as drawn";
   asked(answer);
-  refresh();
+  // The map first: where no graphics card helps, the 3-D view holds up everything after it.
+  painted(refresh);
   // What takes longer comes when the hand rests.
   clearTimeout(slow);
   slow = setTimeout(behind, 150);
@@ -160,7 +166,7 @@ function numbersOf(index, world) {
 
 function moved(index, world, settled) {
   const { numbers, world: there, moves } = numbersOf(index, world);
-  if (solid) solid.move(index, there);
+  if (solid && (solid.held || solid.quick)) solid.move(index, there);
   if (settled) {
     if (moves) change("layout", numbers);
     else if (now) show(now);

@@ -6,10 +6,14 @@ async function beginSolid() {
   solid = new Solid(await ask("drawing"));
 }
 
+// ms for a picture.
+const QUICK = 40;
+
 class Solid {
   constructor(written) {
     this.viewer = sweetspotViewer($("viewer"), written, { controls: true });
-    this.held = null;
+    [this.held, this.quick, this.written] = [null, false, written];
+    painted(() => painted(() => this.pace()));
     // What is asked is chosen at the top of the page; there is more for who looks for it.
     for (const details of $("viewer").querySelectorAll("details")) details.open = false;
     const host = $("viewer");
@@ -65,6 +69,19 @@ class Solid {
     const [x, y, z] = plan.pieces[index].at;
     const p = this.viewer.project(x, y, z);
     return [p.x, p.y];
+  }
+
+  // Whether it is drawn fast enough to follow a hand in the plan: by a graphics card it is.
+  pace() {
+    const began = performance.now();
+    this.replace(this.written);
+    painted(() => {
+      const gl = this.viewer.canvas.getContext("webgl2");
+      // Waits until the picture is there.
+      gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+      this.quick = performance.now() - began < QUICK;
+      this.written = null;
+    });
   }
 
   replace(written) {
