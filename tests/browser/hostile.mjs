@@ -1,7 +1,7 @@
 // 500 names that try to be markup, scripts, formulas, control codes or templates, through every page
 // and file that shows names. See README.md for how to run it.
 import { createRequire } from "node:module";
-import { execFileSync, spawnSync } from "node:child_process";
+import { spawnSync } from "node:child_process";
 import { mkdtempSync, writeFileSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
@@ -55,7 +55,7 @@ function cell() {
   for (let k = 0; next + 2 <= names.length; k++) {
     lines.push(`[obstacle.${name()}]`,
       `solid = [{ name = ${name()}, box = { centre_mm = [0, 0, 0], size_mm = [20, 20, 20] } }]`,
-      `placement = { x_mm = ${-2000 + 100 * (k % 20)}, y_mm = ${-2500 + 100 * Math.floor(k / 20)}, z_mm = 0 }`);
+      `placement = { x_mm = ${-2000 + 100 * (k % 20)}, y_mm = ${-2500 + 100 * Math.floor(k / 20)}, z_mm = 20 }`);
   }
   if (next !== names.length) throw new Error(`${next} names used`);
   return lines.join("\n") + "\n";
@@ -65,7 +65,11 @@ const folder = mkdtempSync(join(tmpdir(), "sweetspot-hostile-"));
 const at = (file) => join(folder, file);
 const failures = [];
 const check = (good, what) => { if (!good) failures.push(what); };
-const sweetspot = (...args) => execFileSync(program, args, { cwd: folder, stdio: ["ignore", "pipe", "pipe"], maxBuffer: 1 << 28 });
+const sweetspot = (...args) => {
+  const ran = spawnSync(program, args, { cwd: folder, maxBuffer: 1 << 28 });
+  check(ran.status === 0, `${args.join(" ")} ended with ${ran.status}: ${ran.stderr}`);
+  return ran.stdout;
+};
 try {
   writeFileSync(at("cell.toml"), cell());
   writeFileSync(at("robot.toml"), readFileSync(robot));
