@@ -110,5 +110,5 @@ fn cost(p: &Placed, all: &[Placed], taken: &[Vector2<f64>], frame: &Frame) -> f6
     let long = p.leader.map_or(p.low.y - p.at.y, |[a, b]| (b - a).norm());
     let crossed =
         p.leader.map_or(0, |[a, b]| taken.iter().filter(|q| distance(**q, a, b) < p.high.y - p.at.y).count());
-    nodes * 30.0 + crossed as f64 * 25.0 + labels * 1000.0 + out * 10.0 + long * 0.25
+    nodes * 30.0 + crossed as f64 * 25.0 + labels * 900.0 + out * 10.0 + long * 0.25
 }

@@ -1,6 +1,6 @@
 //! The 3-D view as a picture without a browser: PNG by a rasteriser of our own, SVG with hidden lines.
 //!
-//! A [`Drawing`] becomes a [`scene`](Scene) of bodies, lines and labels in the world; a [`Camera`] is fitted
+//! A [`Drawing`] becomes a scene of bodies, lines and labels in the world; a camera is fitted
 //! to it; both formats show that scene. Nothing here depends on fonts, drivers or chance: the same drawing
 //! gives the same bytes.
 
