@@ -344,3 +344,51 @@ fn a_search_ends_by_naming_the_report() {
     assert!(ran.err.contains("next: sweetspot report found"), "{}", ran.err);
     assert!(Path::new(&shop.path("found/manifest.json")).is_file());
 }
+
+#[test]
+fn layouts_side_by_side_say_which_is_better() {
+    let shop = shop();
+    let ran = shop.run(&["compare", "cells/small.toml", "found", "-o", "two.html", "--json"]);
+    assert_eq!(ran.code, Some(0), "{}", ran.err);
+    let document = ran.document();
+    let [start, best] = items(&document["layouts"]) else { panic!("{document}") };
+    let html = shop.text("two.html");
+    assert_sound(&html);
+    let value = |layout: &Value, k: usize| number(&items(&layout["operations"])[k]["value"]);
+    for k in 0..2 {
+        let (x, y) = (value(start, k), value(best, k));
+        let verb = if y < x { "better" } else { "worse" };
+        let by = match x.max(y) / x.min(y) {
+            ratio if ratio < 1.005 => continue,
+            ratio if ratio < 1.1 => format!("{:.1} % {verb}", 100.0 * (x - y).abs() / x),
+            ratio => format!("{ratio:.1} times {verb}"),
+        };
+        // A unit is tied to its number.
+        assert!(html.replace('\u{a0}', " ").contains(&by), "no {by}");
+    }
+    let search = shop.document("found/search.json");
+    let gap = format!("{:.4} %", number(&search["gap_percent"]));
+    assert!(html.contains(&gap), "no {gap}");
+    let drawings: Value = serde_json::from_str(between(&html, "id=\"drawings\">", "</script>")).unwrap();
+    assert_eq!(items(&drawings["drawings"]).len(), 2);
+    // Every node has a mark with both values.
+    let nodes = 5 * 4 + 7 * 2;
+    let marks = html.matches(" against ").count();
+    assert!(marks >= nodes, "{marks} of {nodes}");
+}
+
+#[test]
+fn layouts_that_answer_another_question_make_no_page() {
+    let shop = shop();
+    for (other, said) in
+        [("cells/hitachi_cell.toml", "grid 10 by 8"), ("cells/scara_cell.toml", "is read signed")]
+    {
+        let ran = shop.run(&["compare", "cells/small.toml", other, "-o", "two.html"]);
+        assert_eq!(ran.code, Some(2), "{}", ran.err);
+        assert!(ran.err.contains("cannot be compared") && ran.err.contains(said), "{}", ran.err);
+        assert!(!shop.path("two.html").exists());
+    }
+    let ran = shop.run(&["compare", "cells/small.toml", "found", "-o", "cells/small.toml"]);
+    assert_eq!(ran.code, Some(2), "{}", ran.err);
+    assert_eq!(shop.text("cells/small.toml"), SMALL);
+}

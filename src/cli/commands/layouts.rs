@@ -1,6 +1,6 @@
 //! `compare`.
 
-use super::{stem, suggest, within_size, workcell};
+use super::{refuse_other_pages, stem, suggest, within_size, workcell};
 use crate::cell::shown;
 use crate::cli::arguments::CompareArguments;
 use crate::cli::output::path_word;
@@ -15,6 +15,7 @@ use std::path::{Path, PathBuf};
 
 /// `sweetspot compare`
 pub fn compare(a: &CompareArguments) -> Result<Exit, Exit> {
+    a.out.as_deref().map_or(Ok(()), refuse_other_pages)?;
     let mut cells = Vec::new();
     for path in &a.layouts {
         let file = if path.is_dir() { best_of(path)? } else { path.clone() };

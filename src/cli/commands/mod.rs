@@ -85,6 +85,17 @@ fn unsolved(robot: &str, file: &Path, why: &str) -> Exit {
     Exit::BadInput
 }
 
+/// Only a page is replaced: a cell file that stands there by mistake is not.
+fn refuse_other_pages(out: &Path) -> Result<(), Exit> {
+    let is_page =
+        out.extension().is_some_and(|e| e.eq_ignore_ascii_case("html") || e.eq_ignore_ascii_case("htm"));
+    if is_page {
+        return Ok(());
+    }
+    output::error(&format!("{}: a report is a page, its name ends in .html", path_word(out)));
+    Err(Exit::BadInput)
+}
+
 /// A page is not larger than this, bytes.
 const LARGEST_PAGE: usize = 8 << 20;
 

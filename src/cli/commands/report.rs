@@ -1,6 +1,6 @@
 //! `report`.
 
-use super::{suggest, warn_of_distrust, within_size, workcell};
+use super::{refuse_other_pages, suggest, warn_of_distrust, within_size, workcell};
 use crate::cell::{Fault, Loaded, Source};
 use crate::cli::arguments::{Overrides, Packages};
 use crate::cli::found::{self, Folder};
@@ -32,7 +32,7 @@ pub struct ReportArguments {
 
 /// `sweetspot report`
 pub fn report(a: &ReportArguments) -> Result<Exit, Exit> {
-    refuse_other_files(&a.out)?;
+    refuse_other_pages(&a.out)?;
     let read = if a.of.is_dir() { of_folder(a)? } else { of_cell(a)? };
     let workcell = workcell(read.loaded.cell, &read.file)?;
     let start = Assessment::new("start", &workcell, workcell.cell.start());
@@ -96,17 +96,6 @@ fn of_cell(a: &ReportArguments) -> Result<Read, Exit> {
 
 fn warning(fault: &Fault) -> String {
     format!("{}:{}: {}", fault.file, fault.line, fault.message)
-}
-
-/// Only a page is replaced: a cell file that stands there by mistake is not.
-fn refuse_other_files(out: &Path) -> Result<(), Exit> {
-    let is_page =
-        out.extension().is_some_and(|e| e.eq_ignore_ascii_case("html") || e.eq_ignore_ascii_case("htm"));
-    if is_page {
-        return Ok(());
-    }
-    output::error(&format!("{}: a report is a page, its name ends in .html", path_word(out)));
-    Err(Exit::BadInput)
 }
 
 /// The numbers of search.json are those that its layouts have.
