@@ -12,13 +12,18 @@ const QUICK = 40;
 class Solid {
   constructor(written) {
     this.viewer = sweetspotViewer($("viewer"), written, { controls: true });
-    [this.held, this.quick, this.written] = [null, false, written];
+    [this.held, this.quick, this.written, this.looked] = [null, false, written, false];
+    this.copy = make("canvas", {});
+    Object.assign(this.copy.style, { position: "absolute", inset: 0, width: "100%", height: "100%", pointerEvents: "none", display: "none" });
+    this.viewer.canvas.after(this.copy);
     painted(() => painted(() => this.pace()));
     // What is asked is chosen at the top of the page; there is more for who looks for it.
     for (const details of $("viewer").querySelectorAll("details")) details.open = false;
     const host = $("viewer");
     host.addEventListener("pointerdown", (e) => this.grip(e), true);
     host.addEventListener("pointermove", (e) => this.drag(e));
+    for (const begin of ["pointerenter", "focusin"]) host.addEventListener(begin, () => this.wake());
+    for (const end of ["pointerleave", "focusout"]) host.addEventListener(end, () => this.rest());
     for (const end of ["pointerup", "pointercancel"]) host.addEventListener(end, (e) => this.drop(e));
   }
 
@@ -81,10 +86,30 @@ class Solid {
       gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
       this.quick = performance.now() - began < QUICK;
       this.written = null;
+      if (!this.looked) this.rest();
     });
   }
 
   replace(written) {
     this.viewer.replace(written);
+    if (!this.quick && !this.looked) painted(() => painted(() => this.looked || this.rest()));
+  }
+
+  // Without a graphics card a live picture slows whatever else the page draws: while nobody is at it, a
+  // copy stands in for it.
+  rest() {
+    this.looked = false;
+    const { canvas } = this.viewer;
+    if (this.quick || this.held || !canvas.width) return;
+    [this.copy.width, this.copy.height] = [canvas.width, canvas.height];
+    this.copy.getContext("2d", { willReadFrequently: true }).drawImage(canvas, 0, 0);
+    this.copy.style.display = "block";
+    canvas.style.visibility = "hidden";
+  }
+
+  wake() {
+    this.looked = true;
+    this.copy.style.display = "none";
+    this.viewer.canvas.style.visibility = "";
   }
 }
