@@ -41,9 +41,7 @@ struct Hashed {
 pub fn read(folder: &Path, packages: &Packages) -> Result<Folder, Exit> {
     let manifest = manifest(folder)?;
     let arguments = arguments(folder, &manifest.command)?;
-    for (place, hash) in places(&manifest.inputs).chain(manifest.outputs.iter().cloned()) {
-        check(folder, &place, &hash)?;
-    }
+    untouched(folder, &manifest)?;
     let name = manifest.inputs.first().map(|(path, _)| portable(path)).ok_or(Exit::BadInput)?;
     let file = folder.join(INPUTS).join(name);
     let packages = kept_packages(folder, packages);
@@ -56,6 +54,19 @@ pub fn read(folder: &Path, packages: &Packages) -> Result<Folder, Exit> {
     };
     let best = best.map(|layout| fitting(folder, layout, &loaded)).transpose()?;
     Ok(Folder { loaded, file, best, found, manifest })
+}
+
+/// best.toml of the folder of a search, and that nothing in the folder was changed since.
+pub fn best_of(folder: &Path) -> Result<PathBuf, Exit> {
+    untouched(folder, &manifest(folder)?)?;
+    let best = folder.join("best.toml");
+    if best.is_file() {
+        return Ok(best);
+    }
+    let word = path_word(folder);
+    output::error(&format!("the search in {word} has found no feasible layout: there is none to show"));
+    output::talk(&format!("  help: sweetspot report {word} tells what was in the way"));
+    Err(Exit::BadInput)
 }
 
 /// A layout of as many things as the cell has.
@@ -97,6 +108,12 @@ fn arguments(folder: &Path, command: &[String]) -> Result<SearchArguments, Exit>
         Ok(Arguments { command: Command::Search(arguments) }) => Ok(arguments),
         _ => Err(refused(folder, "manifest.json", "its command is no search")),
     }
+}
+
+/// Every file is as the search wrote it.
+fn untouched(folder: &Path, manifest: &Manifest) -> Result<(), Exit> {
+    let mut all = places(&manifest.inputs).chain(manifest.outputs.iter().cloned());
+    all.try_for_each(|(place, hash)| check(folder, &place, &hash))
 }
 
 /// Where the inputs lie in the folder, with their hashes.

@@ -84,7 +84,7 @@ try {
   check(!/[\u0000-\u0008\u000b-\u001f\u007f]/.test(said), "control characters on the terminal");
   sweetspot("report", "cell.toml", "-o", "report.html");
   sweetspot("compare", "cell.toml", "cell.toml", "-o", "compare.html");
-  for (const to of ["dxf", "glb", "svg", "csv", "json", "png"]) sweetspot("export", "cell.toml", "--to", to, "-o", `out.${to}`);
+  for (const to of ["dxf", "glb", "svg", "csv", "json", "parquet", "png"]) sweetspot("export", "cell.toml", "--to", to, "-o", `out.${to}`);
   const csv = readFileSync(at("out.csv"), "utf8");
   // A cell that begins with one of these is run by a spreadsheet.
   check(!/(^|,)"?[=+@\t\r]/m.test(csv), "a formula in the CSV");

@@ -127,20 +127,25 @@ fn bad_cell_is_2_with_every_fault_and_its_place() {
 #[test]
 fn missing_cell_file_is_3() {
     let shop = Shop::new();
-    std::fs::create_dir(shop.path("empty")).unwrap();
     for args in [
         &["check", "nowhere.toml"][..],
         &["check", "nowhere.toml", "--json"],
         &["map", "cells/nowhere.toml"],
         &["search", "nowhere/cell.toml"],
         &["compare", CELL, "nowhere.toml"],
-        &["compare", "empty"],
         &["budget", "nowhere.toml"],
         &["explain", "nowhere.toml"],
         &["readings", "nowhere.toml"],
     ] {
         let ran = shop.run(args);
         assert_eq!(ran.code, Some(3), "{args:?}: {}", ran.err);
+    }
+    // A folder that is there and holds no search can be read: it is the wrong one.
+    std::fs::create_dir(shop.path("empty")).unwrap();
+    for args in [["compare", "empty"], ["report", "empty"], ["view", "empty"]] {
+        let ran = shop.run(&args);
+        assert_eq!(ran.code, Some(2), "{args:?}: {}", ran.err);
+        assert!(ran.err.contains("that sweetspot search has written"), "{}", ran.err);
     }
     let ran = shop.run(&["map", "cells/nowhere.toml"]);
     assert!(ran.err.contains("cells/nowhere.toml") && ran.err.contains("no such file"), "{}", ran.err);

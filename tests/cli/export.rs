@@ -324,7 +324,7 @@ fn a_folder_is_exported_by_its_best_or_its_start_layout() {
     assert_eq!(shop.document("worst.json")["operations"][0]["reading"], "worst-case");
     std::fs::create_dir(shop.path("empty")).unwrap();
     for (args, said) in [
-        (&["export", "empty", "--to", "dxf"][..], "no best.toml"),
+        (&["export", "empty", "--to", "dxf"][..], "holds no manifest.json"),
         (&["export", CELL, "--to", "dxf", "--start"], "--start is of a folder"),
         (&["export", CELL, "--to", "dwg"], "invalid value 'dwg'"),
         (&["export", CELL], "--to <FORMAT>"),
@@ -391,4 +391,12 @@ fn hostile_names_are_text_in_every_format() {
     assert!(first[0].starts_with("'=cmd") && first[1].starts_with("'=cmd"), "{first:?}");
     let (scene, _) = glb(&shop.read("hostile.glb"));
     assert!(items(&scene["nodes"]).iter().any(|n| n["name"].as_str().is_some_and(|n| n.starts_with("=cmd"))));
+}
+
+#[test]
+fn a_name_that_ends_in_another_format_is_refused() {
+    let shop = Shop::new();
+    let ran = shop.run(&["export", "cells/hitachi_paper.toml", "--to", "png", "-o", "a.dxf"]);
+    assert_eq!(ran.code, Some(2), "{}", ran.err);
+    assert!(ran.err.contains(".png") && !shop.path("a.dxf").exists(), "{}", ran.err);
 }

@@ -5,7 +5,7 @@ use crate::cell::{Loaded, shown};
 use crate::cli::arguments::{Overrides, Packages};
 use crate::cli::output::path_word;
 use crate::cli::overrides::{self, overridden};
-use crate::cli::{Exit, files, output, results};
+use crate::cli::{Exit, files, found, output, results};
 use crate::compare::Assessment;
 use crate::drawing::{Detail, Drawing};
 use crate::report;
@@ -60,6 +60,7 @@ pub struct ExportArguments {
 
 /// `sweetspot export`
 pub fn export(a: &ExportArguments) -> Result<Exit, Exit> {
+    a.out.as_deref().map_or(Ok(()), |out| refuse_other_ending(out, a.to))?;
     let file = cell_file(&a.of, a.start)?;
     let Loaded { cell, .. } = overridden(files::load(&file, &a.packages)?, &a.overrides)?;
     let workcell = workcell(cell, &file)?;
@@ -76,6 +77,17 @@ pub fn export(a: &ExportArguments) -> Result<Exit, Exit> {
     Ok(Exit::Done)
 }
 
+/// A picture under the name of a drawing would only puzzle the program that opens it.
+fn refuse_other_ending(out: &Path, format: Format) -> Result<(), Exit> {
+    let given = out.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    let others = Format::value_variants().iter().filter(|f| **f != format);
+    if others.into_iter().all(|f| extension(*f) != given) {
+        return Ok(());
+    }
+    output::error(&format!("{}: what --to {} writes ends in .{1}", path_word(out), extension(format)));
+    Err(Exit::BadInput)
+}
+
 /// Of a folder its best layout, or the cell that the search began with.
 fn cell_file(of: &Path, start: bool) -> Result<PathBuf, Exit> {
     if !of.is_dir() {
@@ -85,11 +97,7 @@ fn cell_file(of: &Path, start: bool) -> Result<PathBuf, Exit> {
         }
         return Ok(of.to_path_buf());
     }
-    let best = of.join("best.toml");
-    if !best.is_file() {
-        output::error(&format!("{} holds no best.toml: no layout was found there", path_word(of)));
-        return Err(Exit::BadInput);
-    }
+    let best = found::best_of(of)?;
     if !start {
         return Ok(best);
     }

@@ -5,7 +5,7 @@ use crate::cell::Source;
 use crate::cli::arguments::{Overrides, Packages};
 use crate::cli::output::{path_word, word};
 use crate::cli::overrides::overridden;
-use crate::cli::{Exit, files, output, results};
+use crate::cli::{Exit, files, found, output, results};
 use crate::compare::Assessment;
 use crate::report::figures::{Figure, Format, figures as drawn, readme};
 use clap::Args;
@@ -36,7 +36,7 @@ pub fn figures(a: &FiguresArguments) -> Result<Exit, Exit> {
     let format = Format { width: usize::from(a.width), dark: a.dark };
     let mut loaded = Vec::new();
     for path in &a.cells {
-        let file = if path.is_dir() { path.join("best.toml") } else { path.clone() };
+        let file = if path.is_dir() { found::best_of(path)? } else { path.clone() };
         let it = overridden(files::load(&file, &a.packages)?, &a.overrides)?;
         loaded.push((results::portable(&stem(path)), it.sources, workcell(it.cell, &file)?));
     }
@@ -69,6 +69,6 @@ pub fn figures(a: &FiguresArguments) -> Result<Exit, Exit> {
     Ok(Exit::Done)
 }
 
-fn next(cell: &Path) -> String {
-    format!("map {} for the numbers", path_word(cell))
+fn next(of: &Path) -> String {
+    format!("report {}", path_word(of))
 }

@@ -5,12 +5,12 @@ use crate::cell::shown;
 use crate::cli::arguments::CompareArguments;
 use crate::cli::output::path_word;
 use crate::cli::overrides::overridden;
-use crate::cli::{Exit, files, output, results};
+use crate::cli::{Exit, files, found, output, results};
 use crate::compare::{Assessment, Comparison};
 use crate::drawing::Drawing;
 use crate::layout::Workcell;
 use crate::report;
-use crate::units::share_from_percent;
+use crate::report::page::Told;
 use std::path::{Path, PathBuf};
 
 /// `sweetspot compare`
@@ -18,7 +18,7 @@ pub fn compare(a: &CompareArguments) -> Result<Exit, Exit> {
     a.out.as_deref().map_or(Ok(()), refuse_other_pages)?;
     let mut cells = Vec::new();
     for path in &a.layouts {
-        let file = if path.is_dir() { best_of(path)? } else { path.clone() };
+        let file = if path.is_dir() { found::best_of(path)? } else { path.clone() };
         let label = if path.is_dir() { stem(path) } else { label_of(&file) };
         cells.push((
             label,
@@ -48,26 +48,29 @@ pub fn compare(a: &CompareArguments) -> Result<Exit, Exit> {
             suggest(&format!("compare {} -o compare.html", all.join(" ")));
             return Ok(Exit::Done);
         }
-        suggest("search CELL, or map CELL --svg map.svg for a picture of one of them");
+        suggest(&format!("report {}", a.layouts.last().map_or("CELL".into(), |p| path_word(p))));
     }
     Ok(Exit::Done)
 }
 
 /// The page, with as much detail as fits.
 fn page(comparison: &Comparison<'_>, paths: &[PathBuf]) -> Result<String, Exit> {
-    let gaps: Vec<Option<f64>> = paths.iter().map(|p| gap_of(p)).collect();
+    let told: Vec<Told> = paths.iter().map(|p| told(p)).collect();
     within_size(|detail| {
         let drawings =
             comparison.columns.iter().map(|a| Drawing::new(a, detail)).collect::<Result<Vec<_>, _>>()?;
-        report::page::compare(comparison, &drawings, &gaps)
+        report::page::compare(comparison, &drawings, &told)
     })
 }
 
-/// What the search that wrote a folder has proven, as a share.
-fn gap_of(folder: &Path) -> Option<f64> {
-    let text = std::fs::read(folder.join("search.json")).ok()?;
-    let document: serde_json::Value = serde_json::from_slice(&text).ok()?;
-    document.get("gap_percent")?.as_f64().map(share_from_percent)
+/// What the search that wrote a folder says of its best layout.
+fn told(folder: &Path) -> Told {
+    let text = std::fs::read(folder.join("search.json")).unwrap_or_default();
+    let document: serde_json::Value = serde_json::from_slice(&text).unwrap_or_default();
+    Told {
+        gap_percent: document["gap_percent"].as_f64(),
+        clearance_mm: document["goals"]["clearance_mm"].as_f64(),
+    }
 }
 
 /// Layouts of one name are told apart by their paths, as far as these differ.
@@ -82,18 +85,6 @@ fn name_apart(cells: &mut [(String, Workcell)], paths: &[PathBuf]) {
         let own = common.and_then(|common| path.strip_prefix(common).ok()).unwrap_or(path);
         *label = shown(&own.to_string_lossy());
     }
-}
-
-/// The best layout of the search that wrote a folder.
-fn best_of(folder: &Path) -> Result<PathBuf, Exit> {
-    let best = folder.join("best.toml");
-    if best.is_file() || !folder.join("search.json").is_file() {
-        return Ok(best);
-    }
-    let word = path_word(folder);
-    output::error(&format!("the search in {word} found no feasible layout: there is none to compare"));
-    output::talk(&format!("  help: sweetspot report {word} -o report.html tells what was in the way"));
-    Err(Exit::BadInput)
 }
 
 /// Folders tell results apart better than their files, which are all best.toml.

@@ -135,13 +135,18 @@ fn tell(a: &ReportArguments, file: &Path, subject: &Subject<'_>, report: &Report
         let rest: String = facts.chain(reasons).collect();
         output::data(&format!("{}\n{rest}", verdict.headline))?;
     }
+    if verdict.ended.as_deref().is_some_and(|ended| ["interrupted", "time-limit"].contains(&ended)) {
+        output::talk("note: the search was stopped before its end: a better layout may be found by going on");
+    }
     output::talk(&format!("wrote {} ({} kB)", path_word(&a.out), report.html.len().div_ceil(1 << 10)));
     warn_of_distrust(subject.shown());
     if !a.json {
         let of = path_word(&a.of);
         let movable = !subject.cell().free().is_empty();
         suggest(&match (&subject.found, movable) {
-            (Some(_), _) if subject.best.is_some() => format!("compare {} {of}", path_word(file)),
+            (Some(_), _) if subject.best.is_some() => {
+                format!("compare {} {of} -o compare.html", path_word(file))
+            }
             (Some(_), _) => format!("map {} --svg map.svg", path_word(file)),
             (None, true) => format!("search {of}"),
             (None, false) => format!("map {of} --svg map.svg"),

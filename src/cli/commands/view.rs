@@ -6,7 +6,7 @@ use crate::cli::arguments::{Overrides, Packages};
 use crate::cli::output::path_word;
 use crate::cli::overrides::overridden;
 use crate::cli::view::{Door, Origin, View, secret, serve, widened};
-use crate::cli::{Exit, files, output};
+use crate::cli::{Exit, files, found, output};
 use clap::Args;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -33,7 +33,7 @@ pub struct ViewArguments {
 
 /// `sweetspot view`. Ends at Ctrl-C with 0: nothing that was asked for is left undone.
 pub fn view(a: &ViewArguments) -> Result<Exit, Exit> {
-    let file = if a.of.is_dir() { a.of.join("best.toml") } else { a.of.clone() };
+    let file = if a.of.is_dir() { found::best_of(&a.of)? } else { a.of.clone() };
     let Loaded { cell, sources, .. } = overridden(files::load(&file, &a.packages)?, &a.overrides)?;
     let folder = file.parent().unwrap_or(Path::new(""));
     let sources: Vec<PathBuf> = sources.iter().map(|s| folder.join(&s.path)).collect();

@@ -134,7 +134,7 @@ fn told(course: &Course<'_>) -> Vec<String> {
     let mut told = vec![format!("best {} after {count} layouts{}", said(best), gain.unwrap_or_default())];
     told.push(match course.bound {
         Some(bound) if bound > 0.0 => format!(
-            "proven: no layout has less than {}; the best lies {:.2} % above that",
+            "proven: no layout has less than {}; the best lies {:.4} % above that",
             said(bound),
             percent_from_share(best / bound - 1.0)
         ),

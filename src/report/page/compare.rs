@@ -1,14 +1,23 @@
 //! Layouts side by side, as a page.
 
 use super::content::{Figure, NOTHING, Section, Table};
+use super::verdict::up;
 use super::{assets, places, script_json, shell};
 use crate::cell::{Goal, Goals, shown};
 use crate::compare::{Assessment, Comparison};
 use crate::drawing::Drawing;
 use crate::report::raster::{self, Shot};
 use crate::report::{chart, goals, text};
-use crate::units::{percent_from_share, rounded};
+use crate::units::rounded;
 use serde::Serialize;
+
+/// What the search that found a layout says of it, if one did.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Told {
+    pub gap_percent: Option<f64>,
+    /// That of the layout alone leaves out what none of its fixed equipment can change.
+    pub clearance_mm: Option<f64>,
+}
 
 /// What the template is filled with.
 #[derive(Serialize)]
@@ -28,14 +37,14 @@ struct Page<'a> {
     version: &'static str,
 }
 
-/// The page. `drawings` and `gaps` (proven, as shares) are those of the columns.
+/// The page. `drawings` and `told` are those of the columns.
 ///
 /// # Errors
 /// What cannot be rendered.
 pub fn compare(
     comparison: &Comparison<'_>,
     drawings: &[Drawing<'_>],
-    gaps: &[Option<f64>],
+    told: &[Told],
 ) -> Result<String, String> {
     let Some(first) = comparison.columns.first() else { return Err("there is nothing to compare".into()) };
     let (script, css) = (assets::VIEWER_JS.to_string() + assets::COMPARE_JS, super::report::style());
@@ -48,7 +57,7 @@ pub fn compare(
         stills.push(Figure::new(shown(&drawing.name), "", svg));
     }
     let mut sections = differences(comparison);
-    sections.push(side_by_side(comparison, gaps));
+    sections.push(side_by_side(comparison, told));
     sections.push(places::of_columns(&comparison.columns));
     let pictures = stills.iter_mut().chain(sections.iter_mut().flat_map(|s| &mut s.figures));
     pictures.enumerate().for_each(|(k, figure)| figure.svg = shell::scoped(&figure.svg, k));
@@ -112,7 +121,7 @@ fn differences(comparison: &Comparison<'_>) -> Vec<Section> {
 }
 
 /// The table of the text, and what the page knows beside it.
-fn side_by_side(comparison: &Comparison<'_>, gaps: &[Option<f64>]) -> Section {
+fn side_by_side(comparison: &Comparison<'_>, told: &[Told]) -> Section {
     let text = vec![
         "Lengths in mm, angles in degrees; in brackets the change from the first layout. Clearance is the least \
          distance of the robot, with what it holds, to anything at the spots."
@@ -132,21 +141,23 @@ fn side_by_side(comparison: &Comparison<'_>, gaps: &[Option<f64>]) -> Section {
         _ => "MISSED".to_string(),
     };
     row("requirement", &requirement);
+    let told = |k: usize| told.get(k).copied().unwrap_or_default();
     let clearance = |k: usize| {
-        let a = &comparison.columns[k];
-        let all = a.workcell.goals(&a.layout, &a.evaluation, &Goals::of(&[Goal::Clearance])?);
-        let value = all.and_then(|all| all.first().map(|si| goals::value(a.cell, Goal::Clearance, *si)));
-        Some(value.map_or(NOTHING.to_string(), |v| format!("{:.1}", rounded(v, 1))))
+        let value = told(k).clearance_mm.or_else(|| clearance(&comparison.columns[k]));
+        value.map_or(NOTHING.to_string(), |v| format!("{:.1}", rounded(v, 1)))
     };
-    row("clearance mm", &|k| clearance(k).unwrap_or(NOTHING.into()));
-    let gap = |k: usize| {
-        let gap = gaps.get(k).copied().flatten();
-        gap.map_or(NOTHING.to_string(), |g| format!("{:.4} %", rounded(percent_from_share(g), 4)))
-    };
+    row("clearance mm", &clearance);
+    let gap = |k: usize| told(k).gap_percent.map_or(NOTHING.to_string(), |g| format!("{} %", up(g)));
     row("proven gap", &gap);
     let head: Vec<&str> = head.iter().map(String::as_str).collect();
     let mut table = Table::new("", &head, rows);
     table.is_number = (0..head.len()).map(|k| k > 1).collect();
     section.tables.push(table);
     section
+}
+
+/// Least distance of the robot to anything, mm.
+fn clearance(a: &Assessment<'_>) -> Option<f64> {
+    let all = a.workcell.goals(&a.layout, &a.evaluation, &Goals::of(&[Goal::Clearance])?)?;
+    Some(goals::value(a.cell, Goal::Clearance, *all.first()?))
 }

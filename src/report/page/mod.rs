@@ -20,7 +20,7 @@ mod shell;
 mod subject;
 mod verdict;
 
-pub use compare::compare;
+pub use compare::{Told, compare};
 pub use content::{Figure, Section, Table};
 pub use live::live;
 pub use report::{Report, report};

@@ -291,7 +291,7 @@ fn gap(found: &Found, v: &Verdict, unit: Unit) -> Fact {
 }
 
 /// A percentage that is never told smaller than it is.
-fn up(percent: f64) -> f64 {
+pub fn up(percent: f64) -> f64 {
     let digits = if percent < 0.1 { 1e4 } else { 1e1 };
     (percent * digits).ceil() / digits
 }
