@@ -5,7 +5,8 @@ use super::verdict::quantity;
 use crate::cell::shown;
 use crate::compare::Assessment;
 use crate::error_map::{NodeRecord, PostureRecord, Status};
-use crate::units::{percent_from_share, rounded};
+use crate::layout::combined;
+use crate::units::rounded;
 use serde::Serialize;
 
 /// The next best answer.
@@ -48,22 +49,19 @@ fn next_node(a: &Assessment<'_>) -> Option<RunnerUp> {
     let seconds = choices.filter_map(|k| Some((k, second(a, k)?, a.maps[k].value?)));
     let (k, (node, posture), best) =
         seconds.min_by(|(_, a, x), (_, b, y)| (a.1.value - x).total_cmp(&(b.1.value - y)))?;
-    let more = if best > 0.0 {
-        let percent = rounded(percent_from_share(posture.value / best - 1.0), 1);
-        format!(", {percent:.1} % more")
-    } else {
-        String::new()
-    };
+    // As the objective counts it: with every other operation where it is.
+    let all = (0..a.maps.len()).map(|o| if o == k { Some(posture.value) } else { a.maps[o].value });
+    let total = combined(a.cell, &all.collect::<Option<Vec<f64>>>()?);
     let name = shown(&a.cell.operations[k].name);
     let note = format!(
-        "the next best spot in the same layout, of {name} alone: node ({}, {}) instead of {}{more}; no other layout was kept",
+        "the next best spot in the same layout: {name} at node ({}, {}) with {} instead of {}; no other layout was kept",
         node.i,
         node.j,
+        quantity(unit, posture.value),
         quantity(unit, best)
     );
-    let value = rounded(unit.from_si(posture.value), 9);
-    let text = quantity(unit, posture.value);
-    Some(RunnerUp { kind: "node", value, text, note })
+    let value = rounded(unit.from_si(total), 9);
+    Some(RunnerUp { kind: "node", value, text: quantity(unit, total), note })
 }
 
 /// The usable node with the least value but that of the spot.
