@@ -178,7 +178,7 @@ async function plays() {
 
 /** Drags the worktable in the 3-D view. */
 async function solid(page) {
-  const canvas = page.locator(".ss-stage canvas");
+  const canvas = page.locator(".ss-stage canvas[role=img]");
   check((await canvas.count()) === 1, "there is a 3-D view");
   const before = await number(page, "equipment/worktable/x_mm");
   const at = await page.evaluate(() => window.sweetspotSpot("worktable"));

@@ -133,11 +133,14 @@ fn told(course: &Course<'_>) -> Vec<String> {
         .map(|start| format!(", {:.1} % less than the start", percent_from_share(1.0 - best / start)));
     let mut told = vec![format!("best {} after {count} layouts{}", said(best), gain.unwrap_or_default())];
     told.push(match course.bound {
-        Some(bound) if bound > 0.0 => format!(
-            "proven: no layout has less than {}; the best lies {:.4} % above that",
-            said(bound),
-            percent_from_share(best / bound - 1.0)
-        ),
+        Some(bound) if bound > 0.0 => {
+            let gap = percent_from_share(best / bound - 1.0);
+            let digits = if gap < 0.1 { 4 } else { 2 };
+            format!(
+                "proven: no layout has less than {}; the best lies {gap:.digits$} % above that",
+                said(bound)
+            )
+        }
         _ => "no bound was proven: how much better a layout could be is not known".to_string(),
     });
     told
