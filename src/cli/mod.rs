@@ -14,6 +14,7 @@ mod overrides;
 mod progress;
 mod results;
 mod sweep;
+mod typed;
 mod view;
 
 use arguments::{Arguments, Command};

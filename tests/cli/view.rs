@@ -387,7 +387,7 @@ fn a_name_is_no_way_out_of_the_folder() {
         "..",
         "../x",
         "..\\x",
-        "/tmp/x",
+        "/x",
         "/x.toml",
         "a/b",
         "a\\b",
