@@ -10,7 +10,8 @@ use common::{load_from, root};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
-use sweetspot::cell::{self, Fault, Loaded};
+use sweetspot::files;
+use sweetspot::files::{Fault, Loaded};
 
 /// The first line and the help of a fault as it is shown.
 fn told(fault: &Fault) -> Vec<String> {
@@ -60,7 +61,7 @@ fn every_broken_file_is_told_what_is_wrong() {
 /// A cell of files in memory, with the shipped ones beside them.
 fn load_parts(files: &BTreeMap<String, String>, path: &str) -> Result<Loaded, Vec<Fault>> {
     let cells = root().join("cells");
-    cell::load(path, &mut |path: &str| match files.get(path) {
+    files::load(path, &mut |path: &str| match files.get(path) {
         Some(text) => Ok(text.clone().into_bytes()),
         None => std::fs::read(cells.join(path)).map_err(|_| "no such file".to_string()),
     })

@@ -11,12 +11,13 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use sweetspot::cell::{
-    self, Cell, Coordinate, Equipment, Layout, LinkSolid, MAX_JOINTS, Placement, Rectangle, Shape,
+    Cell, Coordinate, Equipment, Layout, LinkSolid, MAX_JOINTS, Placement, Rectangle, Shape,
 };
 use sweetspot::clearance::{Allowed, FloorPlan, Hit, Overlap, Party, Placed, Scene, SolidRef};
 use sweetspot::error_map::{Outcome, Status};
 use sweetspot::layout::{Workcell, evaluate};
 use sweetspot::pose::Pose;
+use sweetspot::{cell, files};
 
 type V = Vector3<f64>;
 type Frames = [Pose; MAX_JOINTS + 1];
@@ -658,7 +659,7 @@ fn clearance_of_the_file_shifts_the_verdict() {
 /// A cell with a mesh for its part, read from memory.
 fn mesh_cell(link: &str, obj: &str) -> Cell {
     let text = cell_text(link, "mesh = { file = \"part.obj\", units = \"mm\", centre_mm = [0, 0, 0] }", "");
-    let loaded = cell::load("test.toml", &mut |path: &str| match path {
+    let loaded = files::load("test.toml", &mut |path: &str| match path {
         "test.toml" => Ok(text.clone().into_bytes()),
         "part.obj" => Ok(obj.as_bytes().to_vec()),
         _ => std::fs::read(root().join("cells").join(path)).map_err(|e| e.to_string()),

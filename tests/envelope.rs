@@ -8,11 +8,12 @@ use nalgebra::{Vector3, vector};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::{FRAC_PI_2, PI};
-use sweetspot::cell::{self, Attitude, Azimuth, Cell, Placement, Robot, Spin};
+use sweetspot::cell::{Attitude, Azimuth, Cell, Placement, Robot, Spin};
 use sweetspot::error_map::Outcome;
 use sweetspot::layout::{Workcell, evaluate};
 use sweetspot::reach::{Branch, Envelope, Fineness, Inverse, Reach, Region, Size};
 use sweetspot::robot::Chain;
+use sweetspot::{cell, files};
 
 const DOWN: f64 = -FRAC_PI_2;
 
@@ -24,7 +25,7 @@ fn robot(rows: &[Row], axis: [f64; 3]) -> Robot {
 }
 
 fn read(text: &str) -> Robot {
-    let loaded = cell::load_robot("arm.toml", &mut |_| Ok(text.as_bytes().to_vec()));
+    let loaded = files::load_robot("arm.toml", &mut |_| Ok(text.as_bytes().to_vec()));
     loaded.unwrap_or_else(|f| panic!("{f:#?}")).robot
 }
 

@@ -8,8 +8,9 @@ use common::{from_text, root};
 use nalgebra::{Matrix3, Vector3};
 use serde_json::Value;
 use std::path::Path;
-use sweetspot::cell::{ErrorSet, JointVector, Loaded, Robot, Shape};
+use sweetspot::cell::{ErrorSet, JointVector, Robot, Shape};
 use sweetspot::clearance::{FloorPlan, Placed, Scene};
+use sweetspot::files::Loaded;
 use sweetspot::robot::Chain;
 
 /// Names of the files in a folder below cells, without `.toml`.
@@ -131,7 +132,7 @@ fn home_is_zero_or_else_the_middle() {
     let read = &mut |path: &str| {
         Ok(if path == "robot.toml" { text.clone().into_bytes() } else { cell.as_bytes().to_vec() })
     };
-    let home = sweetspot::cell::load("cell.toml", read).unwrap_or_else(|f| panic!("{f:#?}")).cell.robot.home;
+    let home = sweetspot::files::load("cell.toml", read).unwrap_or_else(|f| panic!("{f:#?}")).cell.robot.home;
     let middle = (304.8 + 1270.0) / 2e3;
     assert!((home[2] - middle).abs() < 1e-12 && home[0] == 0.0 && home[4] == 0.0, "{home:?}");
 }

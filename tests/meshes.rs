@@ -9,7 +9,9 @@ use nalgebra::Vector3;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeSet;
-use sweetspot::cell::{self, Fault, Loaded, Shape};
+use sweetspot::cell::Shape;
+use sweetspot::files;
+use sweetspot::files::{Fault, Loaded};
 
 type V = Vector3<f64>;
 type Mesh = (Vec<[f32; 3]>, Vec<[usize; 3]>);
@@ -21,7 +23,7 @@ fn load(name: &str, units: &str, bytes: &[u8]) -> (Result<Loaded, Vec<Fault>>, B
          solid = [{{ name = \"body\", mesh = {{ file = \"{name}\", units = \"{units}\", centre_mm = [0, 0, 0] }} }}]\n"
     );
     let mut opened = BTreeSet::new();
-    let loaded = cell::load("cell.toml", &mut |path: &str| {
+    let loaded = files::load("cell.toml", &mut |path: &str| {
         opened.insert(path.to_string());
         match path {
             "cell.toml" => Ok(text.clone().into_bytes()),

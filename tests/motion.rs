@@ -7,9 +7,9 @@ use common::from_text;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use sweetspot::assess::Assessment;
 use sweetspot::cell::{Cell, JointVector, MAX_JOINTS, Shape};
 use sweetspot::clearance::{ACCURACY, FloorPlan, Hit, Load, Party, Placed, Scene, SolidRef};
-use sweetspot::compare::Assessment;
 use sweetspot::error_map::{Outcome, Status};
 use sweetspot::layout::{Workcell, evaluate, separated};
 use sweetspot::motion::{

@@ -8,8 +8,10 @@ use nalgebra::Vector3;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
-use sweetspot::cell::{self, Cell, Fault, MAX_JOINTS, Placement, Shape};
+use sweetspot::cell::{Cell, MAX_JOINTS, Placement, Shape};
 use sweetspot::clearance::{Allowed, Hit, Placed, Remember, Scene, SolidRef};
+use sweetspot::files;
+use sweetspot::files::Fault;
 use sweetspot::layout::Workcell;
 use sweetspot::pose::Pose;
 
@@ -19,7 +21,7 @@ type Frames = [Pose; MAX_JOINTS + 1];
 /// A cell of files in memory, with the shipped ones beside them.
 fn load(files: &[(&str, &str)]) -> Result<Cell, Vec<Fault>> {
     let files: BTreeMap<_, _> = files.iter().copied().collect();
-    let loaded = cell::load("cell.toml", &mut |path: &str| match files.get(path) {
+    let loaded = files::load("cell.toml", &mut |path: &str| match files.get(path) {
         Some(text) => Ok(text.as_bytes().to_vec()),
         None => std::fs::read(root().join("cells").join(path)).map_err(|_| "no such file".to_string()),
     });

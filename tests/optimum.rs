@@ -12,10 +12,10 @@ use common::from_text;
 use random_cells::{Arm, random_cell};
 use rayon::prelude::*;
 use std::sync::atomic::AtomicBool;
+use sweetspot::assess::Assessment;
 use sweetspot::cell::Coordinate;
-use sweetspot::compare::Assessment;
 use sweetspot::layout::{Workcell, Workspace, evaluate, evaluate_in};
-use sweetspot::search::bound::{Covers, ProofOptions, prove};
+use sweetspot::proof::{Covers, ProofOptions, prove};
 use sweetspot::search::{Space, Watch, search};
 
 const CELLS: usize = 50;

@@ -18,9 +18,9 @@ use sweetspot::cell::{
 };
 use sweetspot::layout::{Workcell, evaluate};
 use sweetspot::pose::Pose;
+use sweetspot::proof::{Covers, Proof, ProofOptions, Region, WhyNot, prove, tangent};
 use sweetspot::reading::norm::Norm;
 use sweetspot::reading::{Site, Situation};
-use sweetspot::search::bound::{Covers, Proof, ProofOptions, Region, WhyNot, prove, tangent};
 use sweetspot::search::{Space, Watch, search};
 use sweetspot::units::{mm_from_m, rad_from_deg};
 

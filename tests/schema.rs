@@ -11,7 +11,8 @@ use rand_chacha::ChaCha8Rng;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::Path;
-use sweetspot::cell::{self, Fault, FileKind, schema};
+use sweetspot::files;
+use sweetspot::files::{Fault, FileKind, schema};
 
 fn validator(kind: FileKind) -> Validator {
     let schema = schema(kind);
@@ -235,9 +236,9 @@ fn read(kind: &str, path: &str, text: &str) -> Result<(), Vec<Fault>> {
         _ => std::fs::read(root().join("cells").join(asked)).map_err(|_| "no such file".to_string()),
     };
     match kind {
-        "cell" => cell::load(path, &mut file).map(drop),
-        "robot" => cell::load_robot(path, &mut file).map(drop),
-        _ => cell::load("round.toml", &mut file).map(drop),
+        "cell" => files::load(path, &mut file).map(drop),
+        "robot" => files::load_robot(path, &mut file).map(drop),
+        _ => files::load("round.toml", &mut file).map(drop),
     }
 }
 

@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use sweetspot::cell::{Cell, Coordinate, Layout, Objective, Place, SearchSettings, Sense, Solver};
 use sweetspot::error_map::Outcome;
 use sweetspot::layout::{Evaluation, Workcell, evaluate};
-use sweetspot::search::bound::{ProofOptions, prove};
+use sweetspot::proof::{ProofOptions, prove};
 use sweetspot::search::{Ended, Job, SearchRecord, Space, Watch, search, search_job};
 use sweetspot::units::{m_from_mm, mm_from_m};
 

@@ -13,8 +13,8 @@ use std::sync::atomic::AtomicBool;
 use sweetspot::cell::{Cell, Coordinate, Layout, Slot};
 use sweetspot::error_map::{Outcome, Status};
 use sweetspot::layout::{Workcell, evaluate};
+use sweetspot::proof::{ProofOptions, prove};
 use sweetspot::report;
-use sweetspot::search::bound::{ProofOptions, prove};
 use sweetspot::search::{Watch, search};
 
 /// The paper's arm with one table and one obstacle; `base`, `table` and `operation` are TOML.
@@ -309,7 +309,7 @@ fn what_was_found_can_be_written_and_read() {
         _ => std::fs::read(common::root().join("cells").join(path)).map_err(|e| e.to_string()),
     };
     let again =
-        sweetspot::cell::load("best.toml", &mut read).unwrap_or_else(|f| panic!("{f:#?}\n{text}")).cell;
+        sweetspot::files::load("best.toml", &mut read).unwrap_or_else(|f| panic!("{f:#?}\n{text}")).cell;
     assert!(again.free().is_empty(), "everything is fixed");
     let layout = again.start();
     assert_eq!(layout, record.best.layout, "{text}");

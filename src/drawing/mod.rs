@@ -17,8 +17,8 @@ pub use mesh::Mesh;
 pub use movement::{Movement, Stop};
 pub use parts::{Carrier, Kind, Part};
 
+use crate::assess::Assessment;
 use crate::cell::{Cell, Layout};
-use crate::compare::Assessment;
 use crate::pose::Pose;
 use nalgebra::Vector3;
 
@@ -123,7 +123,7 @@ mod tests {
     fn workcell(name: &str) -> Workcell {
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/cells/");
         let mut read = |path: &str| std::fs::read(format!("{folder}{path}")).map_err(|e| e.to_string());
-        Workcell::new(crate::cell::load(name, &mut read).unwrap().cell).unwrap()
+        Workcell::new(crate::files::load(name, &mut read).unwrap().cell).unwrap()
     }
 
     #[test]

@@ -13,7 +13,6 @@
 //! members is polled.
 
 mod aim;
-pub mod bound;
 mod cma_es;
 mod front;
 mod ledger;

@@ -9,8 +9,8 @@ mod common;
 mod maps;
 mod plots;
 
+use sweetspot::assess::Assessment;
 use sweetspot::cell::Cell;
-use sweetspot::compare::Assessment;
 use sweetspot::layout::Workcell;
 
 /// The names that are made hostile.

@@ -1,7 +1,7 @@
 //! Heat maps and drawings of a layout.
 
 use crate::{check, number, renamed, start, workcell};
-use sweetspot::compare::Assessment;
+use sweetspot::assess::Assessment;
 use sweetspot::drawing::{Detail, Drawing};
 use sweetspot::layout::Workcell;
 use sweetspot::report;

@@ -1,8 +1,8 @@
 //! Plots of budgets and searches.
 
 use crate::{check, number, start, workcell};
+use sweetspot::assess::{Account, Assessment, At, Distribution, Stance};
 use sweetspot::cell::{Reading, Unit};
-use sweetspot::compare::{Account, Assessment, At, Distribution, Stance};
 use sweetspot::layout::Workcell;
 use sweetspot::report::chart::{Course, convergence, discrepancy, histogram, misplacement, pareto, tornado};
 use sweetspot::search;

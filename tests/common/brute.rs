@@ -3,9 +3,9 @@
 #![allow(dead_code)]
 
 use nalgebra::{Matrix4, Vector3, Vector4};
+use sweetspot::assess::Assessment;
 use sweetspot::cell::{Cell, JointKind, Layout, Placement, Rectangle, Role, Shape};
 use sweetspot::cell::{ErrorSet, SignedErrors};
-use sweetspot::compare::Assessment;
 use sweetspot::pose::Pose;
 
 type Frame = Matrix4<f64>;

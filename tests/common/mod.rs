@@ -3,7 +3,9 @@
 
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
-use sweetspot::cell::{self, Cell, ErrorSet, Fault, Loaded, Robot, SignedErrors};
+use sweetspot::cell::{Cell, ErrorSet, Robot, SignedErrors};
+use sweetspot::files;
+use sweetspot::files::{Fault, Loaded};
 use toml::de::{DeTable, DeValue};
 
 pub fn root() -> PathBuf {
@@ -13,7 +15,7 @@ pub fn root() -> PathBuf {
 /// Loads a cell file from a folder, with shipped robots and equipment beside it.
 pub fn load_from(folder: &Path, name: &str) -> Result<Loaded, Vec<Fault>> {
     let cells = root().join("cells");
-    cell::load(name, &mut |path: &str| {
+    files::load(name, &mut |path: &str| {
         let here = folder.join(path);
         let file = if here.exists() { here } else { cells.join(path) };
         std::fs::read(file).map_err(|_| "no such file".to_string())
@@ -35,7 +37,7 @@ pub fn signed(cell: &Cell) -> &SignedErrors {
 /// A cell from text, with shipped robots and equipment.
 pub fn from_text(text: &str) -> Result<Loaded, Vec<Fault>> {
     let cells = root().join("cells");
-    cell::load("test.toml", &mut |path: &str| {
+    files::load("test.toml", &mut |path: &str| {
         if path == "test.toml" {
             return Ok(text.as_bytes().to_vec());
         }

@@ -1,7 +1,8 @@
 //! What is said of a URDF that is wrong, odd, or says more than is used.
 
 use crate::product::load;
-use sweetspot::cell::{Fault, Severity, Shape};
+use sweetspot::cell::Shape;
+use sweetspot::files::{Fault, Severity};
 use sweetspot::robot::Chain;
 
 /// Base, two arms and a tool; `$` marks what a test replaces.

@@ -4,7 +4,7 @@
 use crate::common::root;
 use crate::product::load;
 use std::collections::BTreeMap;
-use sweetspot::cell::Fault;
+use sweetspot::files::Fault;
 
 /// Everything a URDF can have.
 fn good() -> String {
@@ -202,7 +202,7 @@ fn hostile_files_are_told_what_is_wrong() {
 #[test]
 fn what_cannot_be_read_is_told_where_it_is_named() {
     let robot = "from = \"hitachi_paper.toml\"\n[robot]\nurdf = \"a.urdf\"\n";
-    let faults = sweetspot::cell::load("cell.toml", &mut |path: &str| match path {
+    let faults = sweetspot::files::load("cell.toml", &mut |path: &str| match path {
         "cell.toml" => Ok(robot.into()),
         "a.urdf" => Ok(vec![0xff, 0xfe, 0x3c]),
         _ => std::fs::read(root().join("cells").join(path)).map_err(|e| e.to_string()),

@@ -2,7 +2,8 @@
 
 use crate::common::root;
 use nalgebra::{Isometry3, Translation3, Unit, UnitQuaternion, Vector3};
-use sweetspot::cell::{self, Fault, Loaded};
+use sweetspot::files;
+use sweetspot::files::{Fault, Loaded};
 use sweetspot::pose::Pose;
 
 pub struct Joint {
@@ -70,7 +71,7 @@ pub fn load(urdf: &str, axes: usize, lines: &str) -> (Result<Loaded, Vec<Fault>>
          dr_mm = {zeros}\ndl_mm = {zeros}\ndalpha_deg = {zeros}\n"
     );
     let mut paths = Vec::new();
-    let result = cell::load("cell.toml", &mut |path: &str| {
+    let result = files::load("cell.toml", &mut |path: &str| {
         paths.push(path.to_string());
         match path {
             "cell.toml" => Ok("from = \"hitachi_paper.toml\"\n[robot]\nfrom = \"arm.toml\"\n".into()),

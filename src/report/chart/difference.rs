@@ -1,10 +1,12 @@
 //! Two layouts node by node on one map: where the other is better, and where worse.
 
-use super::axes::{self, Scale};
+use super::axes;
+
+use super::axes::Scale;
 use super::canvas::{Anchor, Canvas, EDGE, Entry, Ink, SMALL};
 use super::{WIDTH, words};
+use crate::assess::{Difference, NodePair};
 use crate::cell::{Cell, Unit};
-use crate::compare::{Difference, NodePair};
 use crate::report::view::escaped;
 use crate::units::mm_from_m;
 

@@ -1,10 +1,12 @@
 //! How the error spreads at a spot, with the figures that are read from it.
 
-use super::axes::{self, Scale};
+use super::axes;
+
+use super::axes::Scale;
 use super::canvas::{Anchor, Canvas, EDGE, Entry, Ink, SMALL};
 use super::{WIDTH, words};
+use crate::assess::Distribution;
 use crate::cell::Cell;
-use crate::compare::Distribution;
 use crate::units::percent_from_share;
 
 const HEIGHT: f64 = 250.0;

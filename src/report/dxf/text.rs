@@ -1,6 +1,6 @@
 //! Text that a DXF file can hold.
 
-use crate::cell::shown;
+use crate::files::shown;
 
 /// Text of one line without anything that a CAD program reads as a command: no control characters, no
 /// `%%` and `^` codes, no backslashes; what is not ASCII as `\U+` and its number.

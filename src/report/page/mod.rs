@@ -47,8 +47,8 @@ pub fn script_json(value: &Value) -> String {
 #[allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 mod tests {
     use super::*;
+    use crate::assess::Assessment;
     use crate::cell::Reading;
-    use crate::compare::Assessment;
     use crate::drawing::{Carrier, Detail, Drawing};
     use crate::layout::Workcell;
     use crate::report::json;
@@ -60,7 +60,7 @@ mod tests {
     fn workcell(name: &str) -> Workcell {
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/cells/");
         let mut read = |path: &str| std::fs::read(format!("{folder}{path}")).map_err(|e| e.to_string());
-        Workcell::new(crate::cell::load(name, &mut read).unwrap().cell).unwrap()
+        Workcell::new(crate::files::load(name, &mut read).unwrap().cell).unwrap()
     }
 
     fn floats(value: &Value) -> Vec<f64> {

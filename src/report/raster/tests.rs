@@ -2,7 +2,7 @@
 
 use super::camera::Seen;
 use super::*;
-use crate::compare::Assessment;
+use crate::assess::Assessment;
 use crate::drawing::{Detail, Mesh};
 use crate::layout::Workcell;
 use nalgebra::Point2;
@@ -10,7 +10,7 @@ use nalgebra::Point2;
 fn loaded(name: &str) -> crate::cell::Cell {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/cells/");
     let mut read = |path: &str| std::fs::read(format!("{folder}{path}")).map_err(|e| e.to_string());
-    crate::cell::load(name, &mut read).unwrap().cell
+    crate::files::load(name, &mut read).unwrap().cell
 }
 
 fn drawn<T>(cell: crate::cell::Cell, look: impl FnOnce(&Drawing<'_>) -> T) -> T {
