@@ -58,6 +58,8 @@ pub use goal::*;
 pub use layout::*;
 pub use model::*;
 pub use question::{About, QuestionFault};
+#[doc(hidden)]
+pub use reader::keys_asked_by; // for tests/it/schema_keys.rs
 pub use robot_model::*;
 pub use schema::{FileKind, schema};
 pub use sense::*;
