@@ -16,6 +16,8 @@ mod urdf;
 
 pub use fault::{Fault, Severity, shown};
 pub use schema::{FileKind, schema};
+#[doc(hidden)] // open for tests/it
+pub use toml::reader::keys_asked_by;
 pub use toml::{Choices, ReadFile, Setting, Source, of_setting};
 
 use crate::cell::*;

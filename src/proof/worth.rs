@@ -13,7 +13,7 @@
 //!
 //! For the mean of |e| that is the tangent of a convex function of the effects. For the percentiles it
 //! says that their squares are convex in the covariance of up to three rows: no proof is known to us,
-//! tests/proof.rs tries it of 95 % and 99 %, and [`super::Proof::in_words`] says that it was assumed.
+//! tests/it/proof.rs tries it of 95 % and 99 %, and [`super::Proof::in_words`] says that it was assumed.
 
 use super::WhyNot;
 use super::columns::Effect;

@@ -23,6 +23,8 @@ pub use inverse::{Approach, Branch, Cost, Gap, Inverse, Reach};
 pub use lanes::{Level, PlanarLanes, Targets, Wrist};
 pub use limits::LimitViolation;
 pub use numeric::{Goal, Held, Missing, Numeric, jacobian};
+#[doc(hidden)] // open for tests/it
+pub use numeric::{least_turn, rotation_vector};
 pub use shell::Shell;
 
 use ability::kept_elevation;

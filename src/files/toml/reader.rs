@@ -10,12 +10,22 @@ use crate::files::fault::{did_you_mean, listed, shown};
 use crate::pose::Pose;
 use crate::units;
 use nalgebra::Vector3;
+use std::cell::RefCell;
+use std::collections::{BTreeMap, BTreeSet};
 
-#[cfg(test)]
+/// Keys that readers asked for, by the name of their table.
+pub type AskedKeys = BTreeMap<String, BTreeSet<&'static str>>;
+
 thread_local! {
-    /// Every key that was asked for in this thread, by what the table is called: the schema is held to it.
-    pub static ASKED: std::cell::RefCell<std::collections::BTreeMap<String, std::collections::BTreeSet<&'static str>>> =
-        const { std::cell::RefCell::new(std::collections::BTreeMap::new()) };
+    static ASKED: RefCell<Option<AskedKeys>> = const { RefCell::new(None) };
+}
+
+/// Returns the keys that `read` asks for in this thread. The test of the schema compares them with its keys;
+/// no message lists more than 20 keys of a table, so that no other way shows them all.
+pub fn keys_asked_by(read: impl FnOnce()) -> AskedKeys {
+    ASKED.set(Some(AskedKeys::new()));
+    read();
+    ASKED.take().unwrap_or_default()
 }
 
 /// A table being read. Keys that are missing, and keys that nobody asked for, are reported at the end
@@ -50,8 +60,11 @@ impl<'n> Table<'n> {
         let partial = node.value.is_partial();
         let mut table = Self { at: node.at, entries, asked: Vec::new(), missing: Vec::new(), partial };
         let result = read(&mut table, lib);
-        #[cfg(test)]
-        ASKED.with_borrow_mut(|all| all.entry(what.to_string()).or_default().extend(&table.asked));
+        ASKED.with_borrow_mut(|all| {
+            if let Some(all) = all {
+                all.entry(what.to_string()).or_default().extend(&table.asked);
+            }
+        });
         table.finish(lib);
         result
     }
