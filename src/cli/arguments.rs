@@ -6,7 +6,7 @@ use super::commands::{
 use super::sweep::SweepArguments;
 use super::typed::{at, bend, finite, limit, package, seconds, share, step};
 use crate::assess::At;
-use crate::cell::{Goal, MOST_KEPT, Model, Quantity, Reading, Registration, Solver};
+use crate::cell::{Goal, MAX_KEPT, Model, Quantity, Reading, Registration, Solver};
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
@@ -187,7 +187,7 @@ pub struct SearchArguments {
     )]
     pub pareto: Option<Vec<String>>,
     /// Tell so many of the best layouts that really differ; with --pareto, of the front
-    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=MOST_KEPT as u64))]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=MAX_KEPT as u64))]
     pub keep: Option<u64>,
     /// Global solver
     #[arg(long, value_parser = PossibleValuesParser::new(Solver::ALL.map(Solver::name)))]
