@@ -51,7 +51,7 @@
 //! | [`report`] | say it | records to JSON, CSV, SVG, TOML, text |
 //! | [`cli`] | edge | arguments, files, progress, exit codes |
 //!
-//! Below them all, [`lanes`] does the same arithmetic for several nodes at once, to rank them: the code for
+//! Below them all, [`geometry`] knows the plane, and [`lanes`] does the same arithmetic for several nodes at once, to rank them: the code for
 //! one node judges.
 //!
 //! `evaluate` takes a [`layout::Workcell`], a cell made ready (chain, inverse kinematics, parry
@@ -78,7 +78,7 @@
 //! # Example
 //!
 //! ```
-//! use sweetspot::{files, layout};
+//! use sweetspot::{error_map, files, layout};
 //!
 //! // The core reads through a function: here from the shipped cells.
 //! let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/cells/");
@@ -92,7 +92,7 @@
 //! assert!((least_mm - 3.768569).abs() < 1e-6);
 //!
 //! let map = &workcell.maps(&start)[0];
-//! assert_eq!((map.count("ok"), map.nodes.len()), (80, 99));
+//! assert_eq!((map.count(error_map::NodeSign::Usable), map.nodes.len()), (80, 99));
 //! # Ok::<(), String>(())
 //! ```
 
@@ -103,6 +103,7 @@ pub mod cli;
 pub mod drawing;
 pub mod error_map;
 pub mod files;
+pub mod geometry;
 pub mod kinematic_error;
 pub mod lanes;
 pub mod layout;
