@@ -119,7 +119,7 @@ fn long_chains_of_from_are_refused() {
 }
 
 #[test]
-fn a_large_file_named_many_times_is_read_once_or_refused() {
+fn files_that_add_up_to_more_than_100_mb_are_refused() {
     let part = "schema = \"sweetspot/equipment/1\"\n".to_string() + &"# much\n".repeat(500_000);
     let named = |i| format!("[obstacle.o{i}]\nfrom = \"part.toml\"\n");
     let cell = BASE.to_string() + &(0..1000).map(named).collect::<String>();

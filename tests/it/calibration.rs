@@ -91,7 +91,7 @@ fn errors_of_both_calibrated_arms_match_the_recorded_values() {
 
 /// What tells a user that the linear model must not be read.
 #[test]
-fn the_parallel_axis_guard_fires_at_nearly_every_pose() {
+fn the_guard_rejects_the_linear_model_at_nearly_every_pose() {
     for (name, least) in [("ur10", 0.999), ("ur10e", 0.9999)] {
         let errors = errors(&Arm::new(name));
         let fires = |(_, nonlinear, linear): &&(JointVector, Displacement, Displacement)| {

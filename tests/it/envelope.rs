@@ -353,7 +353,7 @@ fn the_reach_shell_contains_every_tcp() {
 
 /// What lies outside says so, and how far at least.
 #[test]
-fn the_reach_shell_never_overestimates_the_distance() {
+fn the_reach_shell_gives_the_distance_outside() {
     let arm = inverse(&planar(WHOLE));
     let shell = arm.shell(&Attitude::elevation(DOWN));
     assert!((shell.centre - vector![0.0, 0.0, 0.5]).norm() < 1e-12, "{shell:?}");

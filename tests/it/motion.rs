@@ -229,7 +229,7 @@ fn a_free_move_collides_in_no_sample() {
 }
 
 #[test]
-fn zero_moves_and_moves_of_the_base_joint_are_checked() {
+fn a_zero_move_hits_only_what_stands_in_the_way() {
     let cell = cell("hitachi_pw10", "table-2", "", "");
     let (scene, chain) = (Scene::new(&cell), Chain::new(&cell.robot));
     let there = placed(&cell, &scene);

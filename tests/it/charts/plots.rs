@@ -85,7 +85,7 @@ fn tornado_bars_are_as_long_as_the_shares_they_show() {
 }
 
 #[test]
-fn a_signed_set_has_no_histogram() {
+fn a_set_without_errors_has_no_histogram() {
     let mut workcell = workcell("hitachi_paper.toml");
     for set in &mut workcell.cell.robot.errors {
         if let sweetspot::cell::ErrorSet::Signed(s) = set {

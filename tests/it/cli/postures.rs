@@ -125,7 +125,7 @@ fn a_taught_point_has_no_error_left() {
 }
 
 #[test]
-fn budget_and_explain_refuse_nodes_without_a_posture() {
+fn budget_and_explain_refuse_bad_nodes() {
     let shop = Shop::new();
     let one = ["--operation", "assembly"];
     for command in ["budget", "explain"] {
@@ -181,7 +181,7 @@ fn a_colliding_node_exits_1_and_names_what_it_touches() {
 }
 
 #[test]
-fn explain_works_from_another_folder() {
+fn commands_work_from_another_folder() {
     let shop = Shop::new();
     std::fs::create_dir(shop.path("elsewhere")).unwrap();
     let cell = format!("../{CELL}");

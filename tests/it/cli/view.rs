@@ -480,7 +480,7 @@ fn the_page_answers_during_a_search_and_can_stop_it() {
 }
 
 #[test]
-fn view_continues_a_search_from_a_result() {
+fn view_offers_a_search_from_a_result() {
     let shop = Shop::new();
     shop.done(&["search", CELL, "--budget", "300", "--out", "found"]);
     let view = Viewer::of(&shop, &["found"]);

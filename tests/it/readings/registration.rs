@@ -241,7 +241,7 @@ fn fixture_errors_match_hand_calculation() {
 /// A surface of which no three points can be touched has no taught frame, and the layout no value;
 /// what cannot be picked cannot be placed.
 #[test]
-fn a_registration_without_its_data_states_what_is_missing() {
+fn a_frame_that_cannot_be_taught_is_reported() {
     let mut cell = shipped("hitachi_paper.toml");
     cell.registration = Registration::Taught;
     let workcell = Workcell::new(cell.clone()).unwrap();

@@ -117,7 +117,7 @@ fn the_distributions_of_the_parameters_matter() {
 
 /// One uniform parameter is no normal: the samples say that the first-order figures do not hold.
 #[test]
-fn the_verdict_can_be_negative() {
+fn monte_carlo_can_refute_the_first_order_figures() {
     let mut rng = ChaCha8Rng::seed_from_u64(63);
     let robot = random_robot(&mut rng, 4);
     let mut tolerance = random_tolerance(&mut rng, 4, 1, (1e-3, 1e-3), &[Distribution::Uniform]);
