@@ -5,7 +5,7 @@ use super::length;
 use crate::assess::Assessment;
 use crate::cell::{Cell, Coordinate, Layout, PLAIN, Placement, Rectangle, Role, Slot};
 use crate::drawing::lenses;
-use crate::error_map::{OperationMap, Status};
+use crate::error_map::OperationMap;
 use crate::report::text::value_word;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use serde_json::{Map, Value, json};
