@@ -3,7 +3,7 @@
 //! Each file in tests/broken starts with what must be said about it, all of it:
 //! `#! FILE:LINE:COLUMN: error: MESSAGE` and `#!   help: HELP`.
 
-use crate::common::{load_from, root};
+use crate::common::{cases, load_from, root};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
@@ -257,7 +257,7 @@ fn mutated_files_never_panic() {
     check(load_parts(&shipped, "hitachi_cell.toml"), &shipped, "the shipped cell");
     let mut rng = ChaCha8Rng::seed_from_u64(1998);
     for (path, cell) in files {
-        for i in 0..2000 {
+        for i in 0..cases(300, 2000) {
             let mut text = shipped[path].clone();
             for _ in 0..rng.random_range(1..=3) {
                 text = mutated(&text, &mut rng);

@@ -17,6 +17,16 @@ pub fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
 }
 
+/// Returns how many cases a random sweep runs: `default`, or `full` with `SWEETSPOT_TEST_CASES=full` in the
+/// environment. The full sweeps take minutes; the short ones still fail when their subject is broken.
+pub fn cases(default: usize, full: usize) -> usize {
+    match std::env::var("SWEETSPOT_TEST_CASES") {
+        Ok(word) if word == "full" => full,
+        Ok(word) => panic!("SWEETSPOT_TEST_CASES is {word:?}: write full, or leave it out"),
+        Err(_) => default,
+    }
+}
+
 /// Loads a cell file from a folder, with shipped robots and equipment beside it.
 pub fn load_from(folder: &Path, name: &str) -> Result<Loaded, Vec<Fault>> {
     let cells = root().join("cells");

@@ -1,6 +1,7 @@
 //! First and second derivatives of the pose against hyper-dual numbers through the D-H product, and
 //! the second-order model that is made of them.
 
+use crate::common::cases;
 use crate::kinematics::errors::{predicted, random_errors, random_robot};
 use crate::kinematics::product::{product, random_joints};
 use nalgebra::{Matrix3, Matrix4, Vector3, vector};
@@ -100,7 +101,7 @@ fn worst(robot: &Robot, q: &JointVector, expansion: &mut Expansion) -> (f64, f64
 /// To 1e-13 (m or rad, per m or rad of each parameter) for chains of a few metres; 4e-15 are seen.
 #[test]
 fn every_derivative_agrees_with_dual_numbers() {
-    let robots = 8 * 48;
+    let robots = 8 * cases(12, 48);
     let off = (0..robots).into_par_iter().map(|k| {
         let mut rng = ChaCha8Rng::seed_from_u64(100 + k as u64);
         let (n, round) = (1 + k % 8, k / 8);

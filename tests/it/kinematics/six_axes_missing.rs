@@ -1,5 +1,6 @@
 //! How far out of reach a pose of a six-axis arm is, against brute force.
 
+use crate::common::cases;
 use crate::kinematics::six_axes::*;
 use crate::kinematics::six_axes_edges::centred;
 use nalgebra::{Matrix3, Vector3, vector};
@@ -57,7 +58,7 @@ fn the_reach_gap_is_the_least_distance() {
     benches.push(Bench::wrist(general));
     for bench in &benches {
         let (mut out, mut within) = (0, 0);
-        while out < 60 {
+        while out < cases(15, 60) {
             let mut side = || rng.random_range(-1.3..1.3);
             let p = vector![side(), side(), side()];
             // Near the base axis, too.

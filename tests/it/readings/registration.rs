@@ -1,7 +1,7 @@
 //! What a taught frame, a fitted base and a pick take off, against what must vanish and against
 //! other ways to compute it.
 
-use crate::common::shipped;
+use crate::common::{cases, shipped};
 use crate::readings::bench::*;
 use nalgebra::{Matrix3, Matrix4, Rotation3, Vector3};
 use rand::{Rng, SeedableRng};
@@ -84,7 +84,7 @@ fn a_taught_frame_leaves_the_error_of_its_rule() {
 #[test]
 fn rigid_errors_cancel_in_a_relative_error() {
     let mut rng = ChaCha8Rng::seed_from_u64(52);
-    for _ in 0..20 {
+    for _ in 0..cases(2, 20) {
         let mut cell = all_wrong(&mut rng);
         let n = cell.robot.axes();
         if let ErrorSet::Signed(e) = &mut cell.robot.errors[0] {
