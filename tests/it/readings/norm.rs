@@ -5,6 +5,7 @@
 //! one by `erf`; far from zero in space by 120 points of Gauss and Legendre a side; means as `quad` of
 //! `1 - P`. Eigenvalues are squares of `sd`.
 
+use crate::common::cases;
 use nalgebra::{Matrix6, Vector6};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -542,7 +543,7 @@ fn the_figures_of_the_norm_are_continuous_in_the_mean() {
 #[test]
 fn the_figures_of_the_norm_are_finite_and_ordered() {
     let mut rng = ChaCha8Rng::seed_from_u64(5);
-    for round in 0..100_000 {
+    for round in 0..cases(10_000, 100_000) {
         let m = rng.random_range(1..=6);
         let count = rng.random_range(0..8);
         let size = |rng: &mut ChaCha8Rng| match rng.random_range(0..4) {
