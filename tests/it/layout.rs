@@ -1,4 +1,4 @@
-//! The nearest layout without overlaps, against brute force.
+//! Tests the nearest layout without overlaps against brute force.
 
 use crate::common::{cases, from_text};
 use rand::{Rng, SeedableRng};
@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use sweetspot::cell::{Cell, Layout};
 use sweetspot::layout::{Workcell, evaluate, separated};
 
-/// A table that may go anywhere within 2 m, and a fixed block.
+/// Returns a table that may stand anywhere within 2 m, and a fixed block.
 fn block_and_table() -> Cell {
     let text = r#"
         schema = "sweetspot/cell/1"
@@ -35,7 +35,7 @@ fn overlapping(workcell: &Workcell, layout: &Layout) -> bool {
     !evaluate(workcell, layout).overlaps.is_empty()
 }
 
-/// The shortest shift out of the overlap, by walking outwards in every direction.
+/// Returns the shortest shift out of the overlap, walking outwards in every direction.
 fn brute_force(workcell: &Workcell, layout: &Layout) -> f64 {
     let free_at = |angle: f64, distance: f64| {
         let mut moved = layout.clone();

@@ -1,4 +1,4 @@
-//! First-order statistics with second-order mean against samples of the nonlinear model.
+//! Tests first-order statistics with a second-order mean against Monte Carlo with the nonlinear model.
 
 use crate::common::{cases, shipped};
 use crate::readings::bench::*;
@@ -11,7 +11,7 @@ use sweetspot::units::rad_from_deg;
 /// Samples of each posture.
 const SAMPLES: usize = 1 << 20;
 
-/// Five robots: the paper's, two of six axes, random ones of seven and of five with slides.
+/// Returns five robots: the paper's, two of six axes, random ones of seven and of five with slides.
 fn robots(rng: &mut ChaCha8Rng) -> Vec<Robot> {
     let paper = shipped("hitachi_paper.toml").robot;
     let mut seven = random_robot(rng, 7);
@@ -19,7 +19,7 @@ fn robots(rng: &mut ChaCha8Rng) -> Vec<Robot> {
     vec![paper, robot_from("puma560"), robot_from("ur5"), seven, random_robot(rng, 5)]
 }
 
-/// Both ways to look at one posture: computed and sampled.
+/// Returns the computed and the sampled figures of one posture.
 fn both(cell: &Cell, q: &JointVector, seed: u64) -> (Figures, f64, MonteCarlo) {
     let gauge = gauge_of(cell);
     let frames = frames_at(&cell.robot, q);
