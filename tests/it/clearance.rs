@@ -394,13 +394,13 @@ fn box_mesh(pose: Pose, size: &V) -> Shape {
 
 /// Compares one link solid with one equipment solid `rounds` times: once anywhere, and twice along a random
 /// line at the last certain contact and the first certain gap. Returns the number of verdicts.
-fn solids_agree(link: ShapeKind, part: ShapeKind, rounds: u64) -> usize {
+fn solids_agree(link: ShapeKind, part: ShapeKind, rounds: usize) -> usize {
     let mut rng = ChaCha8Rng::seed_from_u64(1000 * link as u64 + part as u64);
     let mut cell = cell(BALL, CUBE, "");
     let mut asked = 0;
     for round in 0..rounds {
         let rng = &mut rng;
-        cell.clearance = [0.0, 0.0, 0.005, 0.08][round as usize % 4];
+        cell.clearance = [0.0, 0.0, 0.005, 0.08][round % 4];
         cell.floor = if link == ShapeKind::Meshes { -200.0 } else { -4.0 };
         cell.base = placement(0.3, -0.2, 0.1, 0.7).values().map(Coordinate::Fixed);
         cell.robot.solids[0].solid.shape = random_shape(link, rng);
