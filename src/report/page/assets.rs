@@ -1,19 +1,28 @@
 //! The texts that run in the browser. All of them are ours: no library, no request.
 
-/// The viewer: defines `sweetspotViewer(host, document, options)` on the window and nothing else there.
+/// Script of the 3-D viewer. It defines `sweetspotViewer(host, document, options)` and no other global name.
 pub const VIEWER_JS: &str = concat!(
     "\"use strict\";\n(() => {\n",
     include_str!("viewer/maths.js"),
+    include_str!("viewer/format.js"),
+    include_str!("viewer/elements.js"),
+    include_str!("viewer/node_signs.js"),
     include_str!("viewer/shaders.js"),
-    include_str!("viewer/draw.js"),
+    include_str!("viewer/webgl.js"),
     include_str!("viewer/model.js"),
+    include_str!("viewer/values.js"),
     include_str!("viewer/camera.js"),
+    include_str!("viewer/picking.js"),
     include_str!("viewer/glyphs.js"),
     include_str!("viewer/render.js"),
     include_str!("viewer/labels.js"),
+    include_str!("viewer/axes.js"),
     include_str!("viewer/legend.js"),
+    include_str!("viewer/tip.js"),
     include_str!("viewer/controls.js"),
-    include_str!("viewer/hand.js"),
+    include_str!("viewer/timeline.js"),
+    include_str!("viewer/pointer.js"),
+    include_str!("viewer/scales.js"),
     include_str!("viewer/viewer.js"),
     "})();\n"
 );
@@ -23,18 +32,22 @@ pub const VIEWER_CSS: &str = include_str!("viewer/viewer.css");
 pub const LIVE_HTML: &str = include_str!("live/page.html");
 pub const LIVE_CSS: &str = include_str!("live/page.css");
 
-/// The page of `view`, after the viewer.
+/// Script of the page of `view`. It comes after [`VIEWER_JS`].
 pub const LIVE_JS: &str = concat!(
     "\"use strict\";\n(() => {\n",
-    include_str!("live/ask.js"),
+    include_str!("live/server.js"),
+    include_str!("live/geometry.js"),
     include_str!("live/plan.js"),
-    include_str!("live/map.js"),
+    include_str!("live/plan_frame.js"),
+    include_str!("live/plan_map.js"),
     include_str!("live/form.js"),
+    include_str!("live/verdict.js"),
     include_str!("live/search.js"),
-    include_str!("live/solid.js"),
+    include_str!("live/view_3d.js"),
     include_str!("live/page.js"),
     "})();\n"
 );
+
 /// The sections of a page: paragraphs, figures, tables.
 pub const SECTIONS_HTML: &str = include_str!("sections.html");
 
