@@ -12,10 +12,11 @@ use rs_opw_kinematics::kinematics_impl::OPWKinematics;
 use rs_opw_kinematics::parameters::opw_kinematics::Parameters;
 use std::f64::consts::FRAC_PI_2;
 use std::hint::black_box;
-use sweetspot::cell::{self, Robot};
+use sweetspot::cell::Robot;
 use sweetspot::pose::Pose;
 use sweetspot::reach::{SphericalWrist, ThreeParallel};
 use sweetspot::robot::{Chain, Posture};
+use sweetspot::{cell, files};
 
 fn folder() -> std::path::PathBuf {
     std::path::PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data")
@@ -23,7 +24,7 @@ fn folder() -> std::path::PathBuf {
 
 fn robot(name: &str) -> Robot {
     let read = &mut |path: &str| std::fs::read(folder().join(path)).map_err(|e| e.to_string());
-    cell::load(name, read).expect("a cell").cell.robot
+    files::load(name, read).expect("a cell").cell.robot
 }
 
 fn data(name: &str) -> Vec<f64> {

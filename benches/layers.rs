@@ -8,14 +8,16 @@
 use criterion::{Criterion, criterion_group, criterion_main};
 use rayon::prelude::*;
 use std::hint::black_box;
-use sweetspot::cell::{self, Attitude, Cell, ErrorSet, Layout, Model, Place, Placement, Reading, Sense};
+use sweetspot::cell::{Attitude, Cell, ErrorSet, Layout, Model, Place, Placement, Reading, Sense};
 use sweetspot::clearance::{FloorPlan, Placed, Scene};
 use sweetspot::kinematic_error::{Perturbation, position_error};
 use sweetspot::layout::{Workcell, Workspace, evaluate_in};
 use sweetspot::pose::Pose;
 use sweetspot::reach::Inverse;
 use sweetspot::reading::{Gauge, Site, Situation};
-use sweetspot::robot::{self, Chain};
+use sweetspot::robot;
+use sweetspot::robot::Chain;
+use sweetspot::{cell, files};
 
 fn folder() -> std::path::PathBuf {
     std::path::PathBuf::from(env!("CARGO_MANIFEST_DIR"))
@@ -23,7 +25,7 @@ fn folder() -> std::path::PathBuf {
 
 fn shipped(name: &str) -> Cell {
     let read = &mut |path: &str| std::fs::read(folder().join("cells").join(path)).map_err(|e| e.to_string());
-    cell::load(name, read).expect("a shipped cell").cell
+    files::load(name, read).expect("a shipped cell").cell
 }
 
 fn data(name: &str) -> Vec<f64> {

@@ -6,7 +6,7 @@
 use criterion::{Criterion, criterion_group, criterion_main};
 use nalgebra::Matrix4;
 use std::hint::black_box;
-use sweetspot::cell;
+use sweetspot::files;
 use sweetspot::reach::{Goal, Held, Numeric};
 use sweetspot::robot::Chain;
 
@@ -17,7 +17,7 @@ fn file(name: &str) -> Vec<u8> {
 
 fn chain(name: &str) -> Chain {
     let text = String::from_utf8(file(&format!("{name}.toml"))).expect("text");
-    let loaded = cell::load("cell.toml", &mut |_: &str| Ok(text.clone().into_bytes())).expect("a robot");
+    let loaded = files::load("cell.toml", &mut |_: &str| Ok(text.clone().into_bytes())).expect("a robot");
     Chain::new(&loaded.cell.robot)
 }
 

@@ -34,7 +34,8 @@
 //!
 //! | module | question | what goes in and out |
 //! |---|---|---|
-//! | [`cell`] | what exists | TOML files to a validated [`cell::Cell`] |
+//! | [`cell`] | what exists | the model: plain data, valid by construction |
+//! | [`files`] | what is written | TOML, URDF and mesh files to a validated [`cell::Cell`], and their schema |
 //! | [`robot`] | what moves | joint coordinates to frames |
 //! | [`kinematic_error`] | how wrong | frames and a sample of errors to position and rotation error |
 //! | [`reading`] | how bad | frames and a tolerance to worst case, percentiles, yield, budget |
@@ -44,7 +45,8 @@
 //! | [`error_map`] | where is it best | surface to the least-error spot, or to the whole map |
 //! | [`layout`] | what is it worth | **[`layout::evaluate`]: layout to evaluation, the seam** |
 //! | [`search`] | choose | cell to the best layout found |
-//! | [`compare`] | what if | layouts side by side |
+//! | [`proof`] | what is possible | cell to a lower bound that no layout beats |
+//! | [`assess`] | what is known | everything known of one layout; layouts side by side |
 //! | [`drawing`] | show it | an assessment to solids, arrows, envelope, motion |
 //! | [`report`] | say it | records to JSON, CSV, SVG, TOML, text |
 //! | [`cli`] | edge | arguments, files, progress, exit codes |
@@ -76,12 +78,12 @@
 //! # Example
 //!
 //! ```
-//! use sweetspot::{cell, layout};
+//! use sweetspot::{files, layout};
 //!
 //! // The core reads through a function: here from the shipped cells.
 //! let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/cells/");
 //! let mut read = |path: &str| std::fs::read(format!("{folder}{path}")).map_err(|e| e.to_string());
-//! let loaded = cell::load("hitachi_paper.toml", &mut read).map_err(|faults| format!("{faults:?}"))?;
+//! let loaded = files::load("hitachi_paper.toml", &mut read).map_err(|faults| format!("{faults:?}"))?;
 //!
 //! let workcell = layout::Workcell::new(loaded.cell)?;
 //! let start = workcell.cell.start();
@@ -94,17 +96,19 @@
 //! # Ok::<(), String>(())
 //! ```
 
+pub mod assess;
 pub mod cell;
 pub mod clearance;
 pub mod cli;
-pub mod compare;
 pub mod drawing;
 pub mod error_map;
+pub mod files;
 pub mod kinematic_error;
 pub mod lanes;
 pub mod layout;
 pub mod motion;
 pub mod pose;
+pub mod proof;
 pub mod reach;
 pub mod reading;
 pub mod report;

@@ -1,6 +1,7 @@
 //! The node loop asks for no memory, whatever the reading.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+#[path = "it/common/mod.rs"]
 mod common;
 
 use allocation_counter::measure;

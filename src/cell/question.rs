@@ -3,11 +3,9 @@
 //! The command line changes these after loading, so the rules are here once for both.
 
 use super::choices::{Reading, Registration};
-use super::document::Library;
 use super::error_model::{ErrorSet, FrameErrors};
 use super::model::*;
 use super::sense::Unit;
-use super::tree::Node;
 
 /// What a fault of the question is about.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -79,22 +77,4 @@ impl Cell {
         let of_equipment = equipment.map(|(_, e)| format!("the errors of `{}` are", e.name));
         robot.map(|set| format!("`{}` is", set.name())).into_iter().chain(of_equipment).collect()
     }
-}
-
-/// Records what keeps the question of a cell file from having an answer.
-pub fn check(cell: &Cell, root: &Node, lib: &mut Library<'_>) {
-    for fault in cell.question_faults() {
-        let at = match fault.about {
-            About::Reading => {
-                ["reading", "errors"].into_iter().find_map(|key| root.value.get(key)).map(|n| n.at)
-            }
-            About::Operation(k) => operation(cell, root, k).map(|node| node.at),
-            About::Sense(k) => operation(cell, root, k).and_then(|o| o.value.get("sense")).map(|n| n.at),
-        };
-        lib.error(at.unwrap_or(root.at), fault.message, fault.help);
-    }
-}
-
-fn operation<'n>(cell: &Cell, root: &'n Node, k: usize) -> Option<&'n Node> {
-    root.value.get("operation")?.value.get(&cell.operations[k].name)
 }

@@ -2,11 +2,14 @@
 
 use super::bodies::{Body, Part, intersecting, parry_pose, part, plain, touching, vector};
 use super::decomposition::Remember;
-use super::distance::{self, Mover};
+use super::distance;
+use super::distance::Mover;
 use super::fence;
 use super::hit::{Hit, SolidRef};
-use super::links::{self, Link};
-use super::own_pairs::{self, OwnPair};
+use super::links;
+use super::links::Link;
+use super::own_pairs;
+use super::own_pairs::OwnPair;
 use super::rod::{Bulk, Rod, UNSURE, Verdict, overlapping};
 use crate::cell::{Cell, Equipment, Layout, MAX_JOINTS, Placement};
 use crate::pose::Pose;

@@ -5,8 +5,8 @@ use super::commands::{
 };
 use super::sweep::SweepArguments;
 use super::typed::{at, bend, finite, limit, package, seconds, share, step};
+use crate::assess::At;
 use crate::cell::{Goal, MOST_KEPT, Model, Quantity, Reading, Registration, Solver};
-use crate::compare::At;
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;

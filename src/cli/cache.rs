@@ -3,7 +3,7 @@
 //! In the folder that `SWEETSPOT_CACHE` names (`off`: nowhere), else in the user's cache folder. A
 //! folder that cannot be written is no fault: it is computed again.
 
-use super::files::sha256;
+use super::loading::sha256;
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 

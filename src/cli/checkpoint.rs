@@ -5,10 +5,11 @@
 
 use super::arguments::{Arguments, Command, SearchArguments};
 use super::output::path_word;
-use super::{Exit, files, output};
-use crate::cell::{Source, shown};
+use super::{Exit, loading, output};
+use crate::files::{Source, shown};
 use crate::layout::Workcell;
-use crate::search::{self, Ended, Moment, SearchRecord, Space, Stopping, Unfit};
+use crate::search;
+use crate::search::{Ended, Moment, SearchRecord, Space, Stopping, Unfit};
 use clap::Parser;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -32,7 +33,7 @@ struct Header {
 pub type Input = (String, String);
 
 pub fn inputs(sources: &[Source]) -> Vec<Input> {
-    sources.iter().map(|s| (s.path.clone(), files::sha256(&s.bytes))).collect()
+    sources.iter().map(|s| (s.path.clone(), loading::sha256(&s.bytes))).collect()
 }
 
 #[derive(Serialize, Deserialize)]
@@ -73,8 +74,8 @@ impl Keeper {
         let content = Content { command: self.command.clone(), inputs: self.inputs.clone(), state };
         let content = super::results::line(&content)?;
         let version = env!("CARGO_PKG_VERSION").into();
-        let header = Header { schema: SCHEMA.into(), version, sha256: files::sha256(content.as_bytes()) };
-        files::write_whole(&self.path, (super::results::line(&header)? + &content).as_bytes())
+        let header = Header { schema: SCHEMA.into(), version, sha256: loading::sha256(content.as_bytes()) };
+        loading::write_whole(&self.path, (super::results::line(&header)? + &content).as_bytes())
     }
 
     /// Says what keeps the search from having a result.
@@ -144,7 +145,7 @@ impl Kept {
         };
         refuse_changes(&arguments, asked)?;
         let command = taken_up(&mut arguments, asked, content.command.clone());
-        files::sweep(folder);
+        loading::sweep(folder);
         Ok(Self { folder: folder.to_path_buf(), command, arguments, content })
     }
 
@@ -216,7 +217,7 @@ fn understood(bytes: &[u8]) -> Result<Content<search::Checkpoint>, (usize, Strin
         let (theirs, ours) = (shown(&header.version), env!("CARGO_PKG_VERSION"));
         return Err((1, format!("it was written by sweetspot {theirs}, this is {ours}: steps may differ")));
     }
-    if files::sha256(second) != header.sha256 {
+    if loading::sha256(second) != header.sha256 {
         return Err((2, "the checkpoint is damaged: its hash is not the one in line 1".into()));
     }
     serde_json::from_slice(second).map_err(|e| (2, format!("the checkpoint cannot be read: {e}")))

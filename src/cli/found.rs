@@ -3,8 +3,9 @@
 use super::arguments::{Arguments, Command, Packages, SearchArguments};
 use super::output::path_word;
 use super::results::{INPUTS, portable};
-use super::{Exit, checkpoint, files, output};
-use crate::cell::{Layout, Loaded, shown};
+use super::{Exit, checkpoint, loading, output};
+use crate::cell::Layout;
+use crate::files::{Loaded, shown};
 use crate::report::page::{Found, Manifest};
 use clap::Parser;
 use serde::Deserialize;
@@ -49,7 +50,7 @@ pub fn read(folder: &Path, packages: &Packages) -> Result<Folder, Exit> {
     let found: Found = serde_json::from_slice(&bytes(folder, "search.json")?)
         .map_err(|e| refused(folder, "search.json", &format!("it is not that of a search: {e}")))?;
     let best = match found.objective_value {
-        Some(_) => Some(files::load(&folder.join("best.toml"), &packages)?.cell.start()),
+        Some(_) => Some(loading::load(&folder.join("best.toml"), &packages)?.cell.start()),
         None => None,
     };
     let best = best.map(|layout| fitting(folder, layout, &loaded)).transpose()?;
@@ -125,14 +126,14 @@ fn places(inputs: &[(String, String)]) -> impl Iterator<Item = (String, String)>
 }
 
 fn check(folder: &Path, place: &str, hash: &str) -> Result<(), Exit> {
-    if files::sha256(&bytes(folder, place)?) == hash {
+    if loading::sha256(&bytes(folder, place)?) == hash {
         return Ok(());
     }
     Err(refused(folder, place, "it is not as the search wrote it: its hash is not that of the manifest"))
 }
 
 fn bytes(folder: &Path, place: &str) -> Result<Vec<u8>, Exit> {
-    files::read_inside(folder, place, "the search")
+    loading::read_inside(folder, place, "the search")
         .map_err(|why| refused(folder, place, &format!("it cannot be read: {why}")))
 }
 

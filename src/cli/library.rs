@@ -1,6 +1,8 @@
 //! The robots, and some equipment, that come with the program, built in so that they are known anywhere.
 
-use crate::cell::{self, LoadedRobot, ReadFile};
+use crate::files;
+
+use crate::files::{LoadedRobot, ReadFile};
 
 /// Name and text of every file of cells/robots, in the order of names.
 pub const ROBOTS: [(&str, &str); 16] = [
@@ -55,12 +57,12 @@ pub fn text(name: &str) -> Option<&'static str> {
 }
 
 /// A robot of the library by its name.
-pub fn robot(name: &str) -> Option<Result<LoadedRobot, Vec<cell::Fault>>> {
+pub fn robot(name: &str) -> Option<Result<LoadedRobot, Vec<files::Fault>>> {
     text(name)?;
     let read: &mut ReadFile<'_> = &mut |path: &str| {
         let urdf = || URDFS.iter().find(|(known, _)| *known == path).map(|(_, text)| *text);
         let text = path.strip_suffix(".toml").and_then(text).or_else(urdf);
         text.map(|text| text.as_bytes().to_vec()).ok_or_else(|| "the library has no such file".to_string())
     };
-    Some(cell::load_robot(&format!("{name}.toml"), read))
+    Some(files::load_robot(&format!("{name}.toml"), read))
 }

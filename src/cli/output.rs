@@ -1,7 +1,7 @@
 //! Data on stdout, talk on stderr.
 
 use super::Exit;
-use crate::cell::{Fault, shown};
+use crate::files::{Fault, shown};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::Write;
 use std::path::Path;

@@ -2,10 +2,9 @@
 
 use super::arguments::{Choice, Overrides};
 use super::{Exit, output};
-use crate::cell::fault::did_you_mean;
-use crate::cell::{
-    Cell, Loaded, Model, Operation, PLAIN, Quantity, Reading, Registration, Sense, Unit, shown,
-};
+use crate::cell::{Cell, Model, Operation, PLAIN, Quantity, Reading, Registration, Sense, Unit};
+use crate::files::fault::did_you_mean;
+use crate::files::{Loaded, shown};
 use crate::report;
 use crate::units;
 

@@ -1,11 +1,12 @@
 //! The folder that a search or a map leaves: its files, the inputs they came from, the manifest.
 
 use super::output::path_word;
-use super::{Exit, files, output};
-use crate::cell::{Cell, Layout, Source};
-use crate::compare::{Assessment, Comparison};
+use super::{Exit, loading, output};
+use crate::assess::{Assessment, Comparison};
+use crate::cell::{Cell, Layout};
+use crate::files::Source;
+use crate::proof::Proof;
 use crate::report;
-use crate::search::bound::Proof;
 use crate::search::{Alternative, SearchRecord};
 use serde::Serialize;
 use serde_json::json;
@@ -46,7 +47,7 @@ pub fn write_search(
         let fixed = |which: &str, layout: &Layout, objective: f64| {
             let comment = format!(
                 "{which} of {} found by sweetspot {} (seed {}): objective {objective:.6} {}",
-                crate::cell::shown(&name),
+                crate::files::shown(&name),
                 env!("CARGO_PKG_VERSION"),
                 cell.search.seed,
                 cell.unit().word()
@@ -113,7 +114,7 @@ pub fn keep_inputs(folder: &Path, cell_name: &str, sources: &[Source]) -> Result
                 Exit::Io
             })?;
         }
-        files::write_whole(&path, &source.bytes)?;
+        loading::write_whole(&path, &source.bytes)?;
     }
     Ok(())
 }
@@ -126,7 +127,7 @@ pub fn write<N: AsRef<str>>(
     command: &[String],
     outputs: Vec<(N, Vec<u8>)>,
 ) -> Result<Written, Exit> {
-    let hashed = |path: &str, bytes: &[u8]| json!({ "path": path, "sha256": files::sha256(bytes) });
+    let hashed = |path: &str, bytes: &[u8]| json!({ "path": path, "sha256": loading::sha256(bytes) });
     let manifest = json!({
         "schema": "sweetspot/manifest/1",
         "program": "sweetspot",
@@ -138,14 +139,14 @@ pub fn write<N: AsRef<str>>(
         "outputs": outputs.iter().map(|(name, bytes)| hashed(name.as_ref(), bytes)).collect::<Vec<_>>(),
     });
     let mut written = write_outputs(folder, &outputs)?;
-    files::write_whole(&folder.join("manifest.json"), &pretty(&manifest)?)?;
+    loading::write_whole(&folder.join("manifest.json"), &pretty(&manifest)?)?;
     written.names.push("manifest.json".into());
     Ok(written)
 }
 
 fn write_outputs<N: AsRef<str>>(folder: &Path, outputs: &[(N, Vec<u8>)]) -> Result<Written, Exit> {
     for (name, bytes) in outputs {
-        files::write_whole(&folder.join(name.as_ref()), bytes)?;
+        loading::write_whole(&folder.join(name.as_ref()), bytes)?;
     }
     let names = outputs.iter().map(|(name, _)| name.as_ref().to_string()).collect();
     Ok(Written { folder: folder.to_path_buf(), names })

@@ -4,11 +4,13 @@
 //! not at all: `NNNN.json`. The table is made from these files alone.
 
 use super::arguments::Packages;
-use super::files::{self, Kept, sha256};
+use super::loading;
+use super::loading::{Kept, sha256};
 use super::output::path_word;
 use super::results::pretty;
 use super::{Exit, output};
-use crate::cell::{Choices, Fault, Loaded, Setting, Solver, Source, of_setting, shown};
+use crate::cell::Solver;
+use crate::files::{Choices, Fault, Loaded, Setting, Source, of_setting, shown};
 use crate::report::json::values;
 use crate::report::sweep::Row;
 use clap::Args;
@@ -132,7 +134,7 @@ impl Plan {
     /// The cell of a combination.
     pub fn load(&self, index: usize, kept: &Kept) -> Result<Loaded, Vec<Fault>> {
         let packages = Packages { folders: self.packages.clone() };
-        let mut loaded = files::read_cell_with(&self.cell, &packages, &self.settings(index), kept)?;
+        let mut loaded = loading::read_cell_with(&self.cell, &packages, &self.settings(index), kept)?;
         let search = &mut loaded.cell.search;
         search.seed = self.seed.unwrap_or(search.seed);
         search.budget = self.budget.unwrap_or(search.budget);
@@ -240,13 +242,15 @@ pub fn open(plan: &Plan, asked: Option<&Path>, stem: &str) -> Result<PathBuf, Ex
     // Jobs of an array may all be about to put the plan there: their unfinished files are no content.
     let is_started = |folder: &Path| {
         let names = folder.read_dir().into_iter().flatten().flatten().map(|entry| entry.file_name());
-        names.map(|n| n.to_string_lossy().into_owned()).all(|n| n.starts_with(files::UNFINISHED) || n == PLAN)
+        names
+            .map(|n| n.to_string_lossy().into_owned())
+            .all(|n| n.starts_with(loading::UNFINISHED) || n == PLAN)
     };
     let folder = match asked.filter(|folder| folder.is_dir() && is_started(folder)) {
         Some(folder) => folder.to_path_buf(),
-        None => files::new_folder(asked, stem)?,
+        None => loading::new_folder(asked, stem)?,
     };
-    files::write_whole(&folder.join(PLAN), &pretty(plan)?)?;
+    loading::write_whole(&folder.join(PLAN), &pretty(plan)?)?;
     Ok(folder)
 }
 

@@ -1,6 +1,6 @@
 //! What is typed behind an option, read: a value, or what to write instead.
 
-use crate::compare::At;
+use crate::assess::At;
 use std::path::PathBuf;
 
 pub fn package(text: &str) -> Result<(String, PathBuf), String> {

@@ -1,6 +1,6 @@
 //! The working envelope as rings: level cuts at several heights, and the upright section.
 
-use crate::compare::{Assessment, step_of, tolerance_of};
+use crate::assess::{Assessment, step_of, tolerance_of};
 use crate::reach::{Envelope, Fineness, Region};
 use nalgebra::Vector3;
 

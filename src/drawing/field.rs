@@ -1,8 +1,8 @@
 //! The error maps as they are drawn: every node under every model and reading.
 
 use super::Detail;
+use crate::assess::Assessment;
 use crate::cell::{Cell, JointVector, Model, Quantity, Reading, Sense};
-use crate::compare::Assessment;
 use crate::error_map::{NodeRecord, OperationMap, PostureRecord, Status};
 use nalgebra::Vector3;
 

@@ -1,7 +1,7 @@
 //! The robot on its way: home, from spot to spot, home again.
 
+use crate::assess::Assessment;
 use crate::cell::{JointKind, JointVector};
-use crate::compare::Assessment;
 use crate::pose::Pose;
 use crate::robot::Chain;
 

@@ -1,8 +1,8 @@
 //! The solids of a layout as parts, each on what carries it.
 
 use super::mesh::Mesh;
+use crate::assess::Assessment;
 use crate::cell::{Cell, Equipment, Fence, Role, Shape, Solid};
-use crate::compare::Assessment;
 use crate::pose::Pose;
 use crate::robot::Chain;
 use nalgebra::Vector3;

@@ -3,8 +3,9 @@
 use super::outcome::{Candidate, Outcome, Spot, Unjudged};
 use super::ranking::{Ranker, Ranking};
 use super::station::{Arm, Stand, Station};
-use crate::cell::{Cell, Coordinate, JointVector, Layout, Operation, shown};
+use crate::cell::{Cell, Coordinate, JointVector, Layout, Operation};
 use crate::clearance::{Placed, Scene};
+use crate::files::shown;
 use crate::motion::Guard;
 use crate::reach::{Approach, Cost, Gap, Inverse, Shell};
 use crate::reading::{Gauge, Memory, Reference, Situation};

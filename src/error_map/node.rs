@@ -1,8 +1,9 @@
 //! What the map says of a node.
 
 use super::outcome::{Spot, Unjudged};
-use crate::cell::{Cell, JointKind, JointVector, Model, Sense, shown};
+use crate::cell::{Cell, JointKind, JointVector, Model, Sense};
 use crate::clearance::{Hit, Overlap};
+use crate::files::shown;
 use crate::motion::Refusal;
 use crate::reach::LimitViolation;
 use crate::reading::Figures;

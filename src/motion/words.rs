@@ -3,7 +3,8 @@
 use super::guard::{Hindrance, Refusal};
 use super::line::Stopped;
 use super::transfer::{Blocked, Way};
-use crate::cell::{Cell, shown};
+use crate::cell::Cell;
+use crate::files::shown;
 use crate::units::{mm_from_m, percent_from_share};
 
 impl Refusal {

@@ -1,10 +1,10 @@
 //! Inverse kinematics of any chain: the closed form of its family, or else the numeric one; with all
 //! attitudes of an operation, joint limits, and the choice that a redundant arm leaves.
 
+use super::closed_form::planar::{Way, template};
 use super::hold::Hold;
 use super::kernel::Kernel;
 use super::limits::{LimitViolation, Limits};
-use super::planar::{Way, template};
 use crate::cell::{Attitude, JointVector, MAX_JOINTS, tool_columns};
 use crate::pose::Pose;
 use crate::robot::{Chain, Posture};

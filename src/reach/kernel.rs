@@ -1,8 +1,8 @@
 //! The closed form of a chain's family, found by trying; redundant arms with one joint held.
 
 use super::Numeric;
-use super::planar::{PlanarArm, template};
-use super::scara::Scara;
+use super::closed_form::planar::{PlanarArm, template};
+use super::closed_form::scara::Scara;
 use super::{SphericalWrist, ThreeParallel};
 use crate::cell::{JointKind, JointVector};
 use crate::pose::Pose;

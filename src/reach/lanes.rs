@@ -1,14 +1,14 @@
 //! The planar arm of four axes for many nodes at once: every branch, and whether it passes a joint limit.
 //!
-//! The same formulas in the same order as [`super::planar`] where a rounding error could grow (the
+//! The same formulas in the same order as [`super::closed_form::planar`] where a rounding error could grow (the
 //! stretched arm, the tool above the base axis); limits are a little wider. So no branch is missed
 //! that [`Inverse::visit`] finds, and the few that it refuses are refused there.
 
 use super::Inverse;
+use super::closed_form::planar::{PlanarArm, STRETCHED, Way};
 use super::cones::Cone;
 use super::inverse::Approach;
 use super::kernel::Kernel;
-use super::planar::{PlanarArm, STRETCHED, Way};
 use crate::lanes::{CosSin, Lanes, Mask, Simd};
 use crate::pose::Pose;
 

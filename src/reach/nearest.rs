@@ -1,6 +1,6 @@
 //! The point that three joints move: Newton's method that brings it to a target, or as near as it goes.
 
-use super::subproblems::Angle;
+use super::closed_form::subproblems::Angle;
 use crate::cell::JointKind::{Prismatic, Revolute};
 use crate::robot::Link;
 use nalgebra::{Matrix3, Vector3};

@@ -33,20 +33,3 @@ pub fn viridis_hex(share: f64) -> String {
     let [r, g, b] = viridis(share);
     format!("#{r:02x}{g:02x}{b:02x}")
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Grey printers: lighter and lighter (luma of Rec. 709).
-    #[test]
-    fn viridis_grows_lighter() {
-        let luma = |[r, g, b]: [u8; 3]| 0.2126 * f64::from(r) + 0.7152 * f64::from(g) + 0.0722 * f64::from(b);
-        let all: Vec<f64> = (0..=50).map(|k| luma(viridis(f64::from(k) / 50.0))).collect();
-        assert!(all.windows(2).all(|w| w[0] < w[1]), "{all:?}");
-        assert_eq!(
-            (viridis_hex(-1.0), viridis_hex(2.0), viridis_hex(f64::NAN)),
-            ("#440154".into(), "#fde725".into(), "#440154".into())
-        );
-    }
-}

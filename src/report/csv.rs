@@ -2,8 +2,8 @@
 //! front.csv: one row per layout.
 
 use super::goals;
+use crate::assess::{Assessment, Readings, Row};
 use crate::cell::{Cell, Goal, JointKind, Sense, Slot, Unit};
-use crate::compare::{Assessment, Readings, Row};
 use crate::error_map::{NodeRecord, OperationMap, PostureRecord};
 use crate::kinematic_error::discrepancy;
 use crate::reading::Figures;

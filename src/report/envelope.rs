@@ -1,7 +1,7 @@
 //! The working envelope as a picture: section and plan side by side at one scale.
 
 use super::view::escaped;
-use crate::compare::Reachable;
+use crate::assess::Reachable;
 use crate::reach::{Extent, Region};
 use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rounded};
 use std::fmt::Write;

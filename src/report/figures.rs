@@ -3,10 +3,11 @@
 use super::raster::{Shot, Show, png};
 use super::view::escaped;
 use super::{fig8, text};
-use crate::cell::{Quantity, Reading, shown};
-use crate::compare::Assessment;
+use crate::assess::Assessment;
+use crate::cell::{Quantity, Reading};
 use crate::drawing::{Detail, Drawing};
 use crate::error_map::{OperationMap, Status};
+use crate::files::shown;
 use crate::kinematic_error::{Discrepancy, discrepancy};
 use crate::units::{mm_from_m, rounded};
 use std::fmt::Write;

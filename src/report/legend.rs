@@ -5,7 +5,7 @@ use super::chart::canvas::{Anchor, BODY, Canvas, Entry};
 use super::chart::{signs, words};
 use super::colours::viridis_hex;
 use super::view::{MARGIN, View};
-use crate::compare::Assessment;
+use crate::assess::Assessment;
 use crate::units::{m_from_mm, mm_from_m, rounded};
 
 /// Lines of the reach of operations at different heights, in turn.

@@ -1,6 +1,8 @@
 //! What parameters are called, and in which unit they are told.
 
-use crate::cell::{Cell, Convention, JointKind, Parameter, Unit, shown};
+use crate::cell::{Cell, Convention, JointKind, Parameter, Unit};
+
+use crate::files::shown;
 
 /// dq1, dalpha3, base rx, tool z, joint2 y, worktable rz: joints by their numbers from 1.
 pub fn parameter(cell: &Cell, parameter: Parameter) -> String {

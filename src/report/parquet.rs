@@ -1,7 +1,7 @@
 //! The rows of map.csv with typed columns: Apache Parquet, for data frames.
 
 use super::csv;
-use crate::compare::Assessment;
+use crate::assess::Assessment;
 use parquet::basic::{Compression, ConvertedType, Repetition, Type as Physical};
 use parquet::column::writer::ColumnWriter;
 use parquet::data_type::ByteArray;

@@ -8,8 +8,8 @@ use super::chart::{signs, words};
 use super::colours::viridis_hex;
 use super::legend::{Shown, draw_legend, fence_line, keep_out_line, reach_line};
 use super::view::{View, corners, escaped};
+use crate::assess::Assessment;
 use crate::cell::{Placement, Role};
-use crate::compare::Assessment;
 use crate::error_map::{NodeRecord, OperationMap, PostureRecord, Status};
 
 /// Of a map with more nodes not all are drawn: a picture is no table.

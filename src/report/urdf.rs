@@ -1,6 +1,8 @@
 //! What was made of a URDF, as JSON.
 
-use crate::cell::{Robot, shown};
+use crate::cell::Robot;
+
+use crate::files::shown;
 use crate::pose::Pose;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use nalgebra::{Rotation3, Vector3};

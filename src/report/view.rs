@@ -1,7 +1,7 @@
 //! What every drawing shares: world plan to picture, safe text.
 
+use crate::assess::Assessment;
 use crate::cell::{Placement, Rectangle};
-use crate::compare::Assessment;
 
 /// Longer side of the drawing area and the space round it, in px.
 const SIDE: f64 = 820.0;

@@ -54,7 +54,7 @@ impl Aim {
 /// Weights of a run, of sum 1: all on one goal in the first runs; then the gaps between the sorted
 /// coordinates of a Halton point, which are even on the simplex (L. Devroye, Non-Uniform Random Variate
 /// Generation, 1986, section V.2).
-fn weights(goals: usize, run: u64) -> Vec<f64> {
+pub fn weights(goals: usize, run: u64) -> Vec<f64> {
     if run < goals as u64 {
         return (0..goals as u64).map(|k| if k == run { 1.0 } else { 0.0 }).collect();
     }
@@ -74,26 +74,4 @@ fn radical_inverse(mut number: u64, base: u64) -> f64 {
         place /= base as f64;
     }
     value
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn weights_lie_on_the_simplex_and_fill_it() {
-        for goals in 2..=6 {
-            let all: Vec<_> = (0..600).map(|run| weights(goals, run)).collect();
-            for w in &all {
-                assert!((w.iter().sum::<f64>() - 1.0).abs() < 1e-12 && w.iter().all(|w| *w >= 0.0), "{w:?}");
-            }
-            // The mean of each weight on the simplex is one over their number.
-            for k in 0..goals {
-                let mean = all[goals..].iter().map(|w| w[k]).sum::<f64>() / (600 - goals) as f64;
-                assert!((mean - 1.0 / goals as f64).abs() < 0.02, "{goals} goals: {mean}");
-            }
-        }
-        assert_eq!(weights(2, 0), [1.0, 0.0]);
-        assert_eq!([2, 3, 4].map(|run| weights(2, run)[0]), [0.5, 0.25, 0.75]);
-    }
 }

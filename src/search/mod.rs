@@ -12,8 +12,8 @@
 //! a checkpoint has them; at the end, for a quarter of the budget with the polish, what lies beside their
 //! members is polled.
 
-mod aim;
-pub mod bound;
+#[doc(hidden)] // open for tests/it
+pub mod aim;
 mod cma_es;
 mod front;
 mod ledger;

@@ -1,11 +1,12 @@
 //! `check`.
 
 use super::{UNSOLVED, suggest, warn_of_hopeless, workcell};
-use crate::cell::{Cell, ErrorSet, Fault, shown};
+use crate::assess::Assessment;
+use crate::cell::{Cell, ErrorSet};
 use crate::cli::arguments::CheckArguments;
 use crate::cli::output::path_word;
-use crate::cli::{Exit, cache, files, output};
-use crate::compare::Assessment;
+use crate::cli::{Exit, cache, loading, output};
+use crate::files::{Fault, shown};
 use crate::layout::Workcell;
 use crate::report;
 use serde_json::json;
@@ -14,7 +15,7 @@ use serde_json::json;
 pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
     if a.json {
         let (mut pairs, mut urdf) = (Vec::new(), None);
-        let (exit, faults) = match files::read_cell(&a.cell, &a.packages) {
+        let (exit, faults) = match loading::read_cell(&a.cell, &a.packages) {
             Ok(loaded) => {
                 urdf = loaded.cell.robot.urdf.is_some().then(|| report::urdf::derived(&loaded.cell.robot));
                 match Workcell::remembering(loaded.cell, &mut cache::remember) {
@@ -28,7 +29,7 @@ pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
                     }
                 }
             }
-            Err(faults) => (files::exit_of(&faults), faults),
+            Err(faults) => (loading::exit_of(&faults), faults),
         };
         let valid = exit == Exit::Done;
         let mut document = json!({ "schema": "sweetspot/check/1", "valid": valid, "faults": faults, "self_collision": pairs });
@@ -38,7 +39,7 @@ pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
         output::data(&format!("{document}\n"))?;
         return Ok(exit);
     }
-    let loaded = files::load(&a.cell, &a.packages)?;
+    let loaded = loading::load(&a.cell, &a.packages)?;
     let warnings = loaded.warnings.len();
     // Also of a robot that cannot be solved: its rows tell why.
     output::data(&report::text::derived(&loaded.cell.robot))?;

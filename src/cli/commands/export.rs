@@ -1,13 +1,14 @@
 //! `export`.
 
 use super::{stem, suggest, warn_of_distrust, workcell};
-use crate::cell::{Loaded, shown};
+use crate::assess::Assessment;
 use crate::cli::arguments::{Overrides, Packages};
 use crate::cli::output::path_word;
-use crate::cli::overrides::{self, overridden};
-use crate::cli::{Exit, files, found, output, results};
-use crate::compare::Assessment;
+use crate::cli::overrides;
+use crate::cli::overrides::overridden;
+use crate::cli::{Exit, found, loading, output, results};
 use crate::drawing::{Detail, Drawing};
+use crate::files::{Loaded, shown};
 use crate::report;
 use crate::report::raster::Shot;
 use clap::{Args, ValueEnum};
@@ -62,14 +63,14 @@ pub struct ExportArguments {
 pub fn export(a: &ExportArguments) -> Result<Exit, Exit> {
     a.out.as_deref().map_or(Ok(()), |out| refuse_other_ending(out, a.to))?;
     let file = cell_file(&a.of, a.start)?;
-    let Loaded { cell, .. } = overridden(files::load(&file, &a.packages)?, &a.overrides)?;
+    let Loaded { cell, .. } = overridden(loading::load(&file, &a.packages)?, &a.overrides)?;
     let workcell = workcell(cell, &file)?;
     let label = if a.of.is_dir() && !a.start { "best layout" } else { "layout as drawn" };
     let assessment = Assessment::new(label, &workcell, workcell.cell.start());
     let operation = posture(&assessment, a.posture.as_deref())?;
     let bytes = rendered(&assessment, a.to, operation)?;
     let out = a.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}.{}", stem(&a.of), extension(a.to))));
-    files::write_whole(&out, &bytes)?;
+    loading::write_whole(&out, &bytes)?;
     output::talk(&format!("wrote {}: {} kB", path_word(&out), bytes.len().div_ceil(1 << 10)));
     warn_of_distrust(&assessment);
     let next = if a.to == Format::Glb { Format::Dxf } else { Format::Glb };

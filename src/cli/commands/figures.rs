@@ -1,12 +1,12 @@
 //! `figures`.
 
 use super::{stem, suggest, workcell};
-use crate::cell::Source;
+use crate::assess::Assessment;
 use crate::cli::arguments::{Overrides, Packages};
 use crate::cli::output::{path_word, word};
 use crate::cli::overrides::overridden;
-use crate::cli::{Exit, files, found, output, results};
-use crate::compare::Assessment;
+use crate::cli::{Exit, found, loading, output, results};
+use crate::files::Source;
 use crate::report::figures::{Figure, Format, figures as drawn, readme};
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -37,7 +37,7 @@ pub fn figures(a: &FiguresArguments) -> Result<Exit, Exit> {
     let mut loaded = Vec::new();
     for path in &a.cells {
         let file = if path.is_dir() { found::best_of(path)? } else { path.clone() };
-        let it = overridden(files::load(&file, &a.packages)?, &a.overrides)?;
+        let it = overridden(loading::load(&file, &a.packages)?, &a.overrides)?;
         loaded.push((results::portable(&stem(path)), it.sources, workcell(it.cell, &file)?));
     }
     let (mut chapters, mut sources): (Vec<(String, Vec<Figure>)>, Vec<Source>) = (Vec::new(), Vec::new());
@@ -58,7 +58,7 @@ pub fn figures(a: &FiguresArguments) -> Result<Exit, Exit> {
         sources.extend(new);
     }
     let Some((_, _, first)) = loaded.first() else { return Err(Exit::BadInput) };
-    let folder = files::new_folder(Some(&a.out), "")?;
+    let folder = loading::new_folder(Some(&a.out), "")?;
     let command: Vec<String> = results::typed().iter().map(|w| word(w)).collect();
     let text = readme(&chapters, &command.join(" "));
     let pictures = chapters.into_iter().flat_map(|(_, figures)| figures).map(|f| (f.name, f.bytes));

@@ -1,10 +1,11 @@
 //! `init`.
 
 use super::{schema, suggest};
-use crate::cell::{self, shown};
 use crate::cli::init::{SKETCHES, Sketch, find};
 use crate::cli::output::{path_word, word};
-use crate::cli::{Exit, files, library, output, overrides};
+use crate::cli::{Exit, library, loading, output, overrides};
+use crate::files;
+use crate::files::shown;
 use clap::Args;
 use std::path::{Path, PathBuf};
 
@@ -37,17 +38,17 @@ pub fn init(a: &InitArguments) -> Result<Exit, Exit> {
     };
     // Read as it will be read: what it takes in is what is written, and a slip is told here.
     let text = sketch.text();
-    let read: &mut cell::ReadFile<'_> = &mut |path: &str| match path {
+    let read: &mut files::ReadFile<'_> = &mut |path: &str| match path {
         CELL => Ok(text.clone().into_bytes()),
         _ => {
             library::file(path).map(|text| text.as_bytes().to_vec()).ok_or_else(|| "no such file".to_string())
         }
     };
-    let loaded = cell::load(CELL, read).map_err(|faults| {
+    let loaded = files::load(CELL, read).map_err(|faults| {
         output::faults(&faults);
         Exit::BadInput
     })?;
-    let folder = files::new_folder(Some(a.out.as_deref().unwrap_or(Path::new(name))), "")?;
+    let folder = loading::new_folder(Some(a.out.as_deref().unwrap_or(Path::new(name))), "")?;
     let sources = loaded.sources.into_iter().map(|source| (source.path, source.bytes));
     let schemas =
         schema::all()?.into_iter().map(|(name, text)| (format!("schemas/{name}"), text.into_bytes()));
@@ -56,8 +57,8 @@ pub fn init(a: &InitArguments) -> Result<Exit, Exit> {
     all.rotate_left(1);
     for (path, bytes) in &all {
         let path = folder.join(path);
-        path.parent().map_or(Ok(()), files::make_folder)?;
-        files::write_whole(&path, bytes)?;
+        path.parent().map_or(Ok(()), loading::make_folder)?;
+        loading::write_whole(&path, bytes)?;
     }
     tell(&folder, sketch, all.len());
     Ok(Exit::Done)

@@ -1,13 +1,13 @@
 //! `compare`.
 
 use super::{refuse_other_pages, stem, suggest, within_size, workcell};
-use crate::cell::shown;
+use crate::assess::{Assessment, Comparison};
 use crate::cli::arguments::CompareArguments;
 use crate::cli::output::path_word;
 use crate::cli::overrides::overridden;
-use crate::cli::{Exit, files, found, output, results};
-use crate::compare::{Assessment, Comparison};
+use crate::cli::{Exit, found, loading, output, results};
 use crate::drawing::Drawing;
+use crate::files::shown;
 use crate::layout::Workcell;
 use crate::report;
 use crate::report::page::Told;
@@ -22,7 +22,7 @@ pub fn compare(a: &CompareArguments) -> Result<Exit, Exit> {
         let label = if path.is_dir() { stem(path) } else { label_of(&file) };
         cells.push((
             label,
-            workcell(overridden(files::load(&file, &a.packages)?, &a.overrides)?.cell, &file)?,
+            workcell(overridden(loading::load(&file, &a.packages)?, &a.overrides)?.cell, &file)?,
         ));
     }
     name_apart(&mut cells, &a.layouts);
@@ -33,7 +33,7 @@ pub fn compare(a: &CompareArguments) -> Result<Exit, Exit> {
     })?;
     if let Some(out) = &a.out {
         let html = page(&comparison, &a.layouts)?;
-        files::write_whole(out, html.as_bytes())?;
+        loading::write_whole(out, html.as_bytes())?;
         output::talk(&format!("wrote {} ({} kB)", path_word(out), html.len().div_ceil(1 << 10)));
     }
     if a.json {

@@ -1,27 +1,28 @@
 //! `map`.
 
 use super::{suggest, warn_of_distrust, workcell};
-use crate::cell::Loaded;
+use crate::assess::Assessment;
 use crate::cli::arguments::MapArguments;
 use crate::cli::output::path_word;
 use crate::cli::overrides::overridden;
-use crate::cli::results::{self, Written};
-use crate::cli::{Exit, files, output};
-use crate::compare::Assessment;
+use crate::cli::results;
+use crate::cli::results::Written;
+use crate::cli::{Exit, loading, output};
+use crate::files::Loaded;
 use crate::report;
 
 /// `sweetspot map`
 pub fn map(a: &MapArguments) -> Result<Exit, Exit> {
-    let Loaded { cell, sources, .. } = overridden(files::load(&a.cell, &a.packages)?, &a.overrides)?;
+    let Loaded { cell, sources, .. } = overridden(loading::load(&a.cell, &a.packages)?, &a.overrides)?;
     let workcell = workcell(cell, &a.cell)?;
     let assessment = Assessment::new("start", &workcell, workcell.cell.start());
     let document = report::json::map(&assessment);
     if let Some(path) = &a.svg {
-        files::write_whole(path, report::svg::plan(&assessment).as_bytes())?;
+        loading::write_whole(path, report::svg::plan(&assessment).as_bytes())?;
     }
     let written = match &a.out {
         Some(folder) => {
-            let folder = files::new_folder(Some(folder), "")?;
+            let folder = loading::new_folder(Some(folder), "")?;
             let files = vec![
                 ("map.json", results::pretty(&document)?),
                 ("map.csv", results::csv(&assessment)?),

@@ -32,12 +32,14 @@ pub use search::{asked, search};
 pub use sweep::sweep;
 pub use view::{ViewArguments, view};
 
-use crate::cell::{Cell, Coordinate, shown};
+use crate::cell::{Cell, Coordinate};
+
+use crate::assess::Assessment;
 use crate::clearance::Party;
 use crate::cli::output::path_word;
 use crate::cli::{Exit, cache, output};
-use crate::compare::Assessment;
 use crate::drawing::Detail;
+use crate::files::shown;
 use crate::layout::{Workcell, evaluate};
 use crate::report::text;
 use std::path::Path;

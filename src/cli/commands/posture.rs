@@ -1,19 +1,21 @@
 //! `budget` and `explain`: one posture.
 
 use super::{suggest, workcell};
-use crate::cell::{Cell, JointKind, JointVector, MAX_JOINTS, shown};
+use crate::assess::{Account, At, Explanation, NoStance, Stance};
+use crate::cell::{Cell, JointKind, JointVector, MAX_JOINTS};
 use crate::cli::arguments::{BudgetArguments, ExplainArguments, Overrides};
 use crate::cli::output::{path_word, word};
-use crate::cli::overrides::{self, overridden};
-use crate::cli::{Exit, cache, files, output, results};
-use crate::compare::{Account, At, Explanation, NoStance, Stance};
+use crate::cli::overrides;
+use crate::cli::overrides::overridden;
+use crate::cli::{Exit, cache, loading, output, results};
+use crate::files::shown;
 use crate::layout::Workcell;
 use crate::report;
 use crate::units::{m_from_mm, rad_from_deg};
 
 /// `sweetspot budget`
 pub fn budget(a: &BudgetArguments) -> Result<Exit, Exit> {
-    let loaded = overridden(files::load(&a.cell, &a.packages)?, &a.overrides)?;
+    let loaded = overridden(loading::load(&a.cell, &a.packages)?, &a.overrides)?;
     let workcell = workcell(loaded.cell, &a.cell)?;
     let cell = &workcell.cell;
     let operations = match one_operation(cell, a.operation.as_deref(), a.at)? {
@@ -40,7 +42,7 @@ pub fn budget(a: &BudgetArguments) -> Result<Exit, Exit> {
 
 /// `sweetspot explain`
 pub fn explain(a: &ExplainArguments) -> Result<Exit, Exit> {
-    let loaded = overridden(files::load(&a.cell, &a.packages)?, &a.overrides)?;
+    let loaded = overridden(loading::load(&a.cell, &a.packages)?, &a.overrides)?;
     let k = match one_operation(&loaded.cell, a.operation.as_deref(), a.at)? {
         Some(k) => k,
         None => {

@@ -1,22 +1,23 @@
 //! `readings`.
 
 use super::{suggest, unsolved, workcell};
+use crate::assess::Readings;
 use crate::cli::arguments::ReadingsArguments;
 use crate::cli::output::path_word;
 use crate::cli::overrides::chosen;
-use crate::cli::results::{self, Written};
-use crate::cli::{Exit, files, output};
-use crate::compare::Readings;
+use crate::cli::results;
+use crate::cli::results::Written;
+use crate::cli::{Exit, loading, output};
 use crate::report;
 
 /// `sweetspot readings`
 pub fn readings(a: &ReadingsArguments) -> Result<Exit, Exit> {
-    let loaded = chosen(files::load(&a.cell, &a.packages)?, &a.choice)?;
+    let loaded = chosen(loading::load(&a.cell, &a.packages)?, &a.choice)?;
     let cell = &loaded.cell;
     workcell(cell.clone(), &a.cell)?;
     // Before the work, not after it.
     let folder = match &a.out {
-        Some(folder) => Some(files::new_folder(Some(folder), "")?),
+        Some(folder) => Some(loading::new_folder(Some(folder), "")?),
         None => None,
     };
     let readings = Readings::new(cell).map_err(|why| unsolved(&cell.robot.name, &a.cell, &why))?;

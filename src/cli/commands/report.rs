@@ -1,15 +1,17 @@
 //! `report`.
 
 use super::{refuse_other_pages, suggest, warn_of_distrust, within_size, workcell};
-use crate::cell::{Fault, Loaded, Source};
+use crate::assess::Assessment;
 use crate::cli::arguments::{Overrides, Packages};
-use crate::cli::found::{self, Folder};
+use crate::cli::found;
+use crate::cli::found::Folder;
 use crate::cli::output::path_word;
 use crate::cli::overrides::{again, overridden};
-use crate::cli::{Exit, files, output, results};
-use crate::compare::Assessment;
+use crate::cli::{Exit, loading, output, results};
 use crate::drawing::Drawing;
-use crate::report::page::{self, Manifest, Report, Subject};
+use crate::files::{Fault, Loaded, Source};
+use crate::report::page;
+use crate::report::page::{Manifest, Report, Subject};
 use clap::Args;
 use std::path::{Path, PathBuf};
 
@@ -52,7 +54,7 @@ pub fn report(a: &ReportArguments) -> Result<Exit, Exit> {
     })?;
     let Some(verdict) = verdict else { return Err(Exit::Io) };
     let report = Report { html, verdict };
-    files::write_whole(&a.out, report.html.as_bytes())?;
+    loading::write_whole(&a.out, report.html.as_bytes())?;
     tell(a, &read.file, &subject, &report)?;
     Ok(if report.verdict.answer == "yes" { Exit::Done } else { Exit::AnswerIsNo })
 }
@@ -79,8 +81,8 @@ fn of_folder(a: &ReportArguments) -> Result<Read, Exit> {
 }
 
 fn of_cell(a: &ReportArguments) -> Result<Read, Exit> {
-    let loaded = overridden(files::load(&a.of, &a.packages)?, &a.overrides)?;
-    let hashed = |s: &Source| (s.path.clone(), files::sha256(&s.bytes));
+    let loaded = overridden(loading::load(&a.of, &a.packages)?, &a.overrides)?;
+    let hashed = |s: &Source| (s.path.clone(), loading::sha256(&s.bytes));
     let manifest = Manifest {
         command: results::typed(),
         version: env!("CARGO_PKG_VERSION").into(),

@@ -1,11 +1,12 @@
 //! `robots`, `robot` and `envelope`: a robot, of the library or of a file.
 
 use super::{suggest, unsolved};
-use crate::cell::{Attitude, LoadedRobot, Operation, Robot, shown};
+use crate::assess::{Asked, Reachable, Sheet};
+use crate::cell::{Attitude, Operation, Robot};
 use crate::cli::arguments::{EnvelopeArguments, Packages, RobotArguments, RobotsArguments};
 use crate::cli::output::{path_word, word};
-use crate::cli::{Exit, files, library, output, overrides, results};
-use crate::compare::{Asked, Reachable, Sheet};
+use crate::cli::{Exit, library, loading, output, overrides, results};
+use crate::files::{LoadedRobot, shown};
 use crate::reach::Inverse;
 use crate::report;
 use crate::robot::Chain;
@@ -77,7 +78,7 @@ pub fn envelope(a: &EnvelopeArguments) -> Result<Exit, Exit> {
         let attitude = Attitude::elevation(a.bend.map_or(down, rad_from_deg));
         return drawn(a, &robot, &inverse, (None, attitude, 0.0, None));
     }
-    let cell = files::load(&a.of, &a.packages)?.cell;
+    let cell = loading::load(&a.of, &a.packages)?.cell;
     let k = match (&a.operation, &cell.operations[..]) {
         (Some(name), _) => overrides::operation(&cell, name)?,
         (None, [first, others @ ..]) => {
@@ -123,7 +124,7 @@ fn drawn(a: &EnvelopeArguments, robot: &Robot, inverse: &Inverse, about: About<'
     let envelope = Reachable::new(robot, inverse, asked, &|count, of| output::advance(&bar, count, of));
     bar.finish_and_clear();
     if let Some(path) = &a.svg {
-        files::write_whole(path, report::envelope::picture(&envelope).as_bytes())?;
+        loading::write_whole(path, report::envelope::picture(&envelope).as_bytes())?;
     }
     if a.json {
         output::data(&results::line(&report::json::envelope(&envelope))?)?;
@@ -151,7 +152,7 @@ fn drawn(a: &EnvelopeArguments, robot: &Robot, inverse: &Inverse, about: About<'
 /// only be meant as a name.
 fn is_robot(given: &Path, packages: &Packages) -> bool {
     let name = given.to_string_lossy();
-    library::text(&name).is_some() || is_bare(given) || files::is_robot(given, packages)
+    library::text(&name).is_some() || is_bare(given) || loading::is_robot(given, packages)
 }
 
 /// A word that is no path.
@@ -172,7 +173,7 @@ fn read(given: &Path, packages: &Packages) -> Result<LoadedRobot, Exit> {
         output::talk(&format!("  help: a file of your own is named with its ending: {}.toml", word(&name)));
         return Err(exit);
     }
-    files::load_robot(given, packages)
+    loading::load_robot(given, packages)
 }
 
 fn of_library(name: &str) -> Result<LoadedRobot, Exit> {

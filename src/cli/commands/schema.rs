@@ -1,9 +1,10 @@
 //! `schema`.
 
 use super::suggest;
-use crate::cell::{self, FileKind};
 use crate::cli::output::path_word;
-use crate::cli::{Exit, files, output, results};
+use crate::cli::{Exit, loading, output, results};
+use crate::files;
+use crate::files::FileKind;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use std::path::PathBuf;
@@ -31,9 +32,9 @@ pub fn schema(a: &SchemaArguments) -> Result<Exit, Exit> {
         suggest("schema --out schemas");
         return Ok(Exit::Done);
     };
-    files::make_folder(folder)?;
+    loading::make_folder(folder)?;
     for (name, text) in all()? {
-        files::write_whole(&folder.join(name), text.as_bytes())?;
+        loading::write_whole(&folder.join(name), text.as_bytes())?;
     }
     let first = path_word(&folder.join(file_name(FileKind::Cell)));
     output::talk(&format!("wrote {} schemas into {}", FileKind::ALL.len(), path_word(folder)));
@@ -54,5 +55,5 @@ fn file_name(kind: FileKind) -> String {
 }
 
 fn text(kind: FileKind) -> Result<String, Exit> {
-    results::pretty(&cell::schema(kind)).map(|bytes| String::from_utf8_lossy(&bytes).into_owned())
+    results::pretty(&files::schema(kind)).map(|bytes| String::from_utf8_lossy(&bytes).into_owned())
 }

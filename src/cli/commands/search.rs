@@ -1,18 +1,21 @@
 //! `search`: a job that can be stopped and resumed.
 
 use super::{stem, suggest, warn_of_distrust, warn_of_hopeless, workcell};
-use crate::cell::{Cell, Goal, Goals, Loaded, SearchSettings, Solver, shown};
+use crate::assess::{Assessment, Comparison};
+use crate::cell::{Cell, Goal, Goals, SearchSettings, Solver};
 use crate::cli::arguments::SearchArguments;
-use crate::cli::checkpoint::{self, Keeper, Kept};
+use crate::cli::checkpoint;
+use crate::cli::checkpoint::{Keeper, Kept};
 use crate::cli::output::path_word;
 use crate::cli::overrides::overridden;
 use crate::cli::progress::Reporter;
-use crate::cli::{Exit, files, output, results};
-use crate::compare::{Assessment, Comparison};
+use crate::cli::{Exit, loading, output, results};
+use crate::files::{Loaded, shown};
 use crate::layout::Workcell;
+use crate::proof::{Proof, ProofOptions, prove};
 use crate::report;
-use crate::search::bound::{Proof, ProofOptions, prove};
-use crate::search::{self, Ended, Job, Moment, Progress, SearchRecord, Watch};
+use crate::search;
+use crate::search::{Ended, Job, Moment, Progress, SearchRecord, Watch};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -49,7 +52,7 @@ fn run(
         warn_of_hopeless(&workcell);
     }
     // Before the work, not after it: an unwritable folder must not cost a search.
-    let folder = if kept.is_some() { folder } else { files::new_folder(a.out.as_deref(), &stem(file))? };
+    let folder = if kept.is_some() { folder } else { loading::new_folder(a.out.as_deref(), &stem(file))? };
     let clock = Instant::now();
     let keeper = Keeper::new(&folder, command, inputs, now.checkpoint);
     let record = pool.install(|| run_search(&workcell, bound, now, &keeper, kept))?;
@@ -95,7 +98,7 @@ fn exit(record: &SearchRecord, misses: bool) -> Exit {
 
 /// The cell as the command line asks for it.
 pub fn asked(a: &SearchArguments, file: &Path) -> Result<Loaded, Exit> {
-    let drawn = files::load(file, &a.packages)?;
+    let drawn = loading::load(file, &a.packages)?;
     let limited: Vec<bool> = drawn.cell.operations.iter().map(|o| o.limit.is_some()).collect();
     let mut loaded = overridden(drawn, &a.overrides)?;
     refuse_lost_limits(&loaded.cell, &limited)?;

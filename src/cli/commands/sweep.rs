@@ -1,18 +1,19 @@
 //! `sweep`.
 
 use super::{UNSOLVED, stem, suggest};
-use crate::cell::{Fault, Source, shown};
-use crate::cli::files::Kept;
+use crate::assess::Assessment;
+use crate::cli::loading::Kept;
 use crate::cli::output::path_word;
 use crate::cli::results::{INPUTS, keep_inputs, line, portable, pretty};
 use crate::cli::sweep::{Plan, SweepArguments, number, open, row};
-use crate::cli::{Exit, cache, files, output};
-use crate::compare::Assessment;
+use crate::cli::{Exit, cache, loading, output};
+use crate::files::{Fault, Source, shown};
 use crate::layout::Workcell;
+use crate::proof::{ProofOptions, prove};
 use crate::report;
 use crate::report::sweep::Row;
-use crate::search::bound::{ProofOptions, prove};
-use crate::search::{self, Ended, Job, SearchRecord, Watch};
+use crate::search;
+use crate::search::{Ended, Job, SearchRecord, Watch};
 use rayon::prelude::*;
 use serde_json::json;
 use std::path::PathBuf;
@@ -58,7 +59,7 @@ pub fn sweep(a: &SweepArguments) -> Result<Exit, Exit> {
         return Ok(Exit::Done);
     }
     // Every combination is there, so no job writes here any more: what is unfinished was killed.
-    files::sweep(&sweep.folder);
+    loading::sweep(&sweep.folder);
     let rows: Option<Vec<Row>> = all.map(|k| row(&sweep.folder, k)).collect();
     let rows = rows.ok_or_else(|| {
         output::error(&format!("{} has changed meanwhile", path_word(&sweep.folder)));
@@ -96,7 +97,7 @@ fn check_all(plan: &mut Plan, kept: &Kept, jobs: usize) -> Result<Vec<Source>, E
     }
     let faults: Vec<Fault> = told.into_iter().map(|t| whose(plan, t)).collect();
     output::faults(&faults);
-    if faults.iter().any(Fault::is_error) { Err(files::exit_of(&faults)) } else { Ok(all) }
+    if faults.iter().any(Fault::is_error) { Err(loading::exit_of(&faults)) } else { Ok(all) }
 }
 
 /// A fault with the combinations that have it, if not all do with the setting at fault.
@@ -164,7 +165,7 @@ fn run_one(sweep: &Sweep, index: usize) -> Result<(), Exit> {
     if row.feasible {
         write_cell(sweep, index, &assessment)?;
     }
-    files::write_whole(&folder.join(number(index) + ".json"), &pretty(&row)?)
+    loading::write_whole(&folder.join(number(index) + ".json"), &pretty(&row)?)
 }
 
 /// As `search` does: the bound first, which may end the search. None if it is stopped.
@@ -187,7 +188,7 @@ fn write_cell(sweep: &Sweep, index: usize, a: &Assessment<'_>) -> Result<(), Exi
         name.insert(0, '_');
     }
     let inside = format!("{INPUTS}/{name}");
-    files::write_whole(&sweep.folder.join(&inside), from.as_bytes())?;
+    loading::write_whole(&sweep.folder.join(&inside), from.as_bytes())?;
     let words: Vec<_> = settings.iter().map(|s| shown(&s.words())).collect();
     let objective = a.objective().unwrap_or_default();
     let comment = format!(
@@ -198,7 +199,7 @@ fn write_cell(sweep: &Sweep, index: usize, a: &Assessment<'_>) -> Result<(), Exi
         a.cell.unit().word()
     );
     let text = report::toml::fixed(&inside, &comment, a.cell, &a.layout);
-    files::write_whole(&sweep.folder.join(number(index) + ".toml"), text.as_bytes())
+    loading::write_whole(&sweep.folder.join(number(index) + ".toml"), text.as_bytes())
 }
 
 /// The table of all rows, in files and on stdout.
@@ -223,9 +224,10 @@ fn finish(sweep: &Sweep, rows: &[Row], as_json: bool) -> Result<Exit, Exit> {
 /// The tables and, last, the manifest: a folder with one is complete. It does not tell the command, so
 /// that a resumed sweep ends in the same bytes.
 fn write_table(sweep: &Sweep, outputs: Vec<(&str, Vec<u8>)>) -> Result<(), Exit> {
-    let write = |name: &str, bytes: &[u8]| files::write_whole(&sweep.folder.join(name), bytes);
+    let write = |name: &str, bytes: &[u8]| loading::write_whole(&sweep.folder.join(name), bytes);
     outputs.iter().try_for_each(|(name, bytes)| write(name, bytes))?;
-    let hashed = outputs.iter().map(|(name, bytes)| json!({ "path": name, "sha256": files::sha256(bytes) }));
+    let hashed =
+        outputs.iter().map(|(name, bytes)| json!({ "path": name, "sha256": loading::sha256(bytes) }));
     let manifest = json!({
         "schema": "sweetspot/manifest/1",
         "program": "sweetspot",

@@ -1,12 +1,13 @@
 //! `view`.
 
 use super::{suggest, warn_of_hopeless, workcell};
-use crate::cell::{Cell, Loaded};
+use crate::cell::Cell;
 use crate::cli::arguments::{Overrides, Packages};
 use crate::cli::output::path_word;
 use crate::cli::overrides::overridden;
 use crate::cli::view::{Door, Origin, View, secret, serve, widened};
-use crate::cli::{Exit, files, found, output};
+use crate::cli::{Exit, found, loading, output};
+use crate::files::Loaded;
 use clap::Args;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -34,7 +35,7 @@ pub struct ViewArguments {
 /// `sweetspot view`. Ends at Ctrl-C with 0: nothing that was asked for is left undone.
 pub fn view(a: &ViewArguments) -> Result<Exit, Exit> {
     let file = if a.of.is_dir() { found::best_of(&a.of)? } else { a.of.clone() };
-    let Loaded { cell, sources, .. } = overridden(files::load(&file, &a.packages)?, &a.overrides)?;
+    let Loaded { cell, sources, .. } = overridden(loading::load(&file, &a.packages)?, &a.overrides)?;
     let folder = file.parent().unwrap_or(Path::new(""));
     let sources: Vec<PathBuf> = sources.iter().map(|s| folder.join(&s.path)).collect();
     let cell = if a.of.is_dir() { searched(cell, &sources, &a.packages) } else { cell };
@@ -67,7 +68,7 @@ fn failed(why: String) -> Exit {
 /// The cell of a result with the ranges that were searched, so that it can be searched again.
 fn searched(cell: Cell, sources: &[PathBuf], packages: &Packages) -> Cell {
     // best.toml comes first, then the cell file that it is from.
-    let wide = sources.get(1).and_then(|file| files::read_cell(file, packages).ok());
+    let wide = sources.get(1).and_then(|file| loading::read_cell(file, packages).ok());
     match wide {
         Some(wide) => widened(cell, &wide.cell),
         None => cell,

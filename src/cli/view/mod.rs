@@ -16,8 +16,8 @@ pub use door::{Door, secret};
 pub use save::Origin;
 pub use values::widened;
 
+use crate::assess::Assessment;
 use crate::cell::{Layout, Model, Reading};
-use crate::compare::Assessment;
 use crate::drawing::{Detail, Drawing};
 use crate::layout::{Workcell, evaluate, separated};
 use crate::report::json;
@@ -91,7 +91,7 @@ impl View {
     /// Everything that a page needs to begin.
     fn state(&self) -> Result<Value, String> {
         let mut state = json::form(&self.cell);
-        state["file"] = json!(crate::cell::shown(&self.origin.file.to_string_lossy()));
+        state["file"] = json!(crate::files::shown(&self.origin.file.to_string_lossy()));
         state["now"] = self.now()?;
         Ok(state)
     }

@@ -1,11 +1,12 @@
 //! What can be asked of the page's address.
 
 use super::View;
-use super::door::{self, Answer, Door};
+use super::door;
+use super::door::{Answer, Door};
 use super::locked;
 use super::save::Unsaved;
-use crate::cell::shown;
 use crate::cli::output;
+use crate::files::shown;
 use crate::report;
 use serde_json::{Value, json};
 use tiny_http::{Method, Request};

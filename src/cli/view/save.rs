@@ -1,9 +1,11 @@
 //! The layout on the page as a cell file beside the one that is shown.
 
 use super::values::Values;
-use crate::cell::{Cell, shown};
+use crate::cell::Cell;
 use crate::cli::arguments::Packages;
-use crate::cli::files::{self, Kept};
+use crate::cli::loading;
+use crate::cli::loading::Kept;
+use crate::files::shown;
 use crate::report;
 use std::path::{Path, PathBuf};
 
@@ -95,14 +97,14 @@ impl Origin {
         let cell = values.starting(cell, true);
         let text = report::toml::fixed(&from, &comment, &cell, &values.layout(&cell));
         self.check(&path, &name, &text)?;
-        files::write_whole(&path, text.as_bytes()).map_err(|_| Unsaved::Io)?;
+        loading::write_whole(&path, text.as_bytes()).map_err(|_| Unsaved::Io)?;
         Ok(path)
     }
 
     /// Reads it before it is there: nothing is written that is no cell.
     fn check(&self, path: &Path, name: &str, text: &str) -> Result<(), Unsaved> {
         let kept = Kept::with(name, text.as_bytes());
-        match files::read_cell_with(path, &self.packages, &[], &kept) {
+        match loading::read_cell_with(path, &self.packages, &[], &kept) {
             Ok(_) => Ok(()),
             Err(faults) => {
                 let first =

@@ -1,7 +1,9 @@
 //! The numbers of a layout as the page names them: `equipment.NAME.x_mm`, `robot_base.yaw_deg`,
 //! `attitude.OPERATION.bend_deg`.
 
-use crate::cell::{Cell, Coordinate, Layout, Role, Slot, shown};
+use crate::cell::{Cell, Coordinate, Layout, Role, Slot};
+
+use crate::files::shown;
 use crate::report::json::coordinate_name;
 use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg, rounded};
 use serde_json::Value;

@@ -155,7 +155,7 @@ fn finite(v: &Vector3<f64>) -> bool {
 }
 
 /// The shortest turn of one unit vector to another, a rotation vector (rad).
-fn least_turn(from: &Vector3<f64>, to: &Vector3<f64>) -> Vector3<f64> {
+pub fn least_turn(from: &Vector3<f64>, to: &Vector3<f64>) -> Vector3<f64> {
     let (cross, cosine) = (from.cross(to), from.dot(to));
     let sine = cross.norm();
     if sine > 1e-150 {
@@ -170,7 +170,7 @@ fn least_turn(from: &Vector3<f64>, to: &Vector3<f64>) -> Vector3<f64> {
 }
 
 /// The logarithm of a rotation matrix: the rotation vector of at most pi.
-fn rotation_vector(m: &Matrix3<f64>) -> Vector3<f64> {
+pub fn rotation_vector(m: &Matrix3<f64>) -> Vector3<f64> {
     let v = vector![m.m32 - m.m23, m.m13 - m.m31, m.m21 - m.m12] / 2.0;
     let (sine, cosine) = (v.norm(), (m.trace() - 1.0) / 2.0);
     let angle = sine.atan2(cosine);
@@ -182,40 +182,4 @@ fn rotation_vector(m: &Matrix3<f64>) -> Vector3<f64> {
     let square = (m + m.transpose()) / 2.0 - Matrix3::from_diagonal_element(cosine);
     let axis = square.column(square.diagonal().imax()).normalize();
     if axis.dot(&v) < 0.0 { axis * -angle } else { axis * angle }
-}
-
-#[cfg(test)]
-#[allow(clippy::unwrap_used)]
-mod tests {
-    use super::*;
-    use nalgebra::Rotation3;
-    use std::f64::consts::PI;
-
-    #[test]
-    fn the_logarithm_undoes_the_exponential_at_every_angle() {
-        let axes = [vector![1.0, 0.0, 0.0], vector![0.6, 0.0, -0.8], vector![-2.0, 3.0, 6.0] / 7.0];
-        for (axis, angle) in axes
-            .iter()
-            .flat_map(|a| [0.0, 1e-200, 1e-12, 1e-8, 1e-3, 1.0, 3.0, PI - 1e-3, PI - 1e-8].map(|x| (a, x)))
-        {
-            let m = Rotation3::new(axis * angle).into_inner();
-            let off = (rotation_vector(&m) - axis * angle).norm();
-            assert!(off <= 1e-15 + 4e-16 * angle, "{angle} about {axis:?}: {off:e}");
-        }
-        for axis in axes {
-            let half = 2.0 * axis * axis.transpose() - Matrix3::identity();
-            let got = rotation_vector(&half);
-            assert!((got.norm() - PI).abs() < 1e-15 && got.cross(&axis).norm() < 1e-14, "{got:?}");
-        }
-    }
-
-    #[test]
-    fn the_least_turn_carries_one_vector_onto_the_other() {
-        let from = vector![0.6, 0.0, -0.8];
-        for to in [from, -from, vector![0.0, 1.0, 0.0], vector![0.6, 1e-9, -0.8].normalize()] {
-            let turn = least_turn(&from, &to);
-            assert!((Rotation3::new(turn) * from - to).norm() < 2e-16 * 4.0);
-            assert!((turn.norm() - from.angle(&to)).abs() < 2e-8, "{turn:?}");
-        }
-    }
 }

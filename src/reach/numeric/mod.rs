@@ -19,7 +19,7 @@ mod settle;
 mod starts;
 mod step;
 
-pub use goal::{Goal, Held};
+pub use goal::{Goal, Held, least_turn, rotation_vector};
 pub use jacobian::jacobian;
 pub use missing::Missing;
 

@@ -110,34 +110,3 @@ pub fn upwards(canvas: &mut Canvas, x: &Scale, y: &Scale, name: &str) {
     let name = words::shortened(name, SMALL + 1.0, right - 20.0);
     canvas.text((16.0, top - 10.0), Anchor::Start, Ink::Text, &name);
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn ticks_are_round_and_inside() {
-        for (low, high) in [(0.0, 1.0), (-3.7, 12.4), (3.1e-6, 9.9e-6), (1234.5, 99999.0), (5.0, 5.0)] {
-            let scale = Scale::linear(low, high, (0.0, 100.0));
-            let ticks = scale.ticks(5.0);
-            assert!((2..=11).contains(&ticks.len()), "{low} {high}: {ticks:?}");
-            assert!(ticks.iter().all(|(v, _)| (0.0..=100.0).contains(&scale.at(*v))));
-            let mut said: Vec<_> = ticks.iter().map(|t| t.1.clone()).collect();
-            said.dedup();
-            assert_eq!(said.len(), ticks.len(), "{said:?}");
-        }
-        let scale = Scale::log(1.0, 20_000.0, (0.0, 400.0));
-        let said: Vec<_> = scale.ticks(5.0).into_iter().map(|t| t.1).collect();
-        assert_eq!(said, ["1", "10", "100", "1000", "10000"]);
-        assert!((scale.at(100.0) - 400.0 * 2.0 / 20_000f64.log10()).abs() < 1e-9);
-    }
-
-    #[test]
-    fn nothing_is_off_the_axis() {
-        for scale in [Scale::linear(f64::NAN, 1.0, (0.0, 9.0)), Scale::log(0.0, 0.0, (0.0, 9.0))] {
-            for v in [-1.0, 0.0, 0.5, 1e300] {
-                assert!((0.0..=9.0).contains(&scale.at(v)), "{scale:?} {v}");
-            }
-        }
-    }
-}

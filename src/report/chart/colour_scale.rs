@@ -83,23 +83,3 @@ impl ColourScale {
         top + tall
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn bands_end_at_the_iso_lines_and_grow_lighter() {
-        let scale = ColourScale::new(3.77, 5.0);
-        let edges: Vec<f64> = scale.bands().iter().map(|b| b.0).collect();
-        assert!(edges[0] == 3.77 && edges.windows(2).all(|w| w[0] < w[1]) && edges.last() < Some(&5.0));
-        for level in scale.levels().iter().filter(|l| **l < 5.0) {
-            assert!(edges.iter().any(|e| (e - level).abs() < 1e-9), "{level} in {edges:?}");
-        }
-        // Beyond the ends the colours of the ends, which several maps on one scale need.
-        let colours: Vec<String> = [-9.0, 3.78, 4.97, 99.0].iter().map(|v| scale.colour(*v)).collect();
-        assert!(colours[0] == colours[1] && colours[2] == colours[3] && colours[1] != colours[2]);
-        let flat = ColourScale::new(2.0, 2.0 + 1e-13);
-        assert!(flat.levels().is_empty() && flat.bands().len() == 1);
-    }
-}

@@ -1,6 +1,8 @@
 //! How a search came to its answer, and how far below it anything better is ruled out.
 
-use super::axes::{self, Scale};
+use super::axes;
+
+use super::axes::Scale;
 use super::canvas::{Anchor, Canvas, EDGE, Entry, Ink, path};
 use super::{WIDTH, words};
 use crate::cell::Unit;

@@ -1,10 +1,12 @@
 //! Two layouts node by node on one map: where the other is better, and where worse.
 
-use super::axes::{self, Scale};
+use super::axes;
+
+use super::axes::Scale;
 use super::canvas::{Anchor, Canvas, EDGE, Entry, Ink, SMALL};
 use super::{WIDTH, words};
+use crate::assess::{Difference, NodePair};
 use crate::cell::{Cell, Unit};
-use crate::compare::{Difference, NodePair};
 use crate::report::view::escaped;
 use crate::units::mm_from_m;
 
@@ -90,7 +92,7 @@ fn told(pair: &NodePair, unit: Unit) -> String {
 }
 
 /// From -1 (better) over 0 to 1 (worse).
-fn colour(share: f64) -> String {
+pub fn colour(share: f64) -> String {
     let t = share.clamp(-1.0, 1.0);
     let end = if t < 0.0 { BETTER } else { WORSE };
     let [r, g, b] = [0, 1, 2].map(|c| (EQUAL[c] + (end[c] - EQUAL[c]) * t.abs()).round() as u8);
@@ -147,15 +149,4 @@ fn apart(pairs: &[NodePair]) -> f64 {
     let steps = pairs.windows(2).map(|w| (w[0].at.0 - w[1].at.0).hypot(w[0].at.1 - w[1].at.1));
     let least = steps.filter(|d| *d > 0.0).fold(f64::MAX, f64::min);
     if least < f64::MAX { mm_from_m(least) } else { mm_from_m(0.1) }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn blue_is_better_and_orange_worse() {
-        assert_eq!((colour(-1.0).as_str(), colour(1.0).as_str()), ("#005aa0", "#be4b00"));
-        assert_eq!((colour(0.0), colour(-7.0)), ("#f0f0ec".to_string(), colour(-1.0)));
-    }
 }

@@ -1,9 +1,10 @@
 //! The paper's Fig. 8: discrepancy between the linearized and the nonlinear model, node by node.
 
 use super::WIDTH;
-use super::axes::{self, Scale};
+use super::axes;
+use super::axes::Scale;
 use super::canvas::{Anchor, Canvas, EDGE, Entry, Ink, path};
-use crate::compare::Assessment;
+use crate::assess::Assessment;
 use crate::error_map::{OperationMap, Status};
 use crate::kinematic_error::{Discrepancy, discrepancy as between};
 

@@ -1,6 +1,8 @@
 //! The error over a work surface: coloured bands, iso-lines with their values, signs where nothing works.
 
-use super::axes::{self, Scale};
+use super::axes;
+
+use super::axes::Scale;
 use super::canvas::{Anchor, Canvas, EDGE, Entry, Ink, SMALL, path};
 use super::colour_scale::ColourScale;
 use super::iso::{Point, Surface};

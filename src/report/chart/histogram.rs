@@ -1,10 +1,12 @@
 //! How the error spreads at a spot, with the figures that are read from it.
 
-use super::axes::{self, Scale};
+use super::axes;
+
+use super::axes::Scale;
 use super::canvas::{Anchor, Canvas, EDGE, Entry, Ink, SMALL};
 use super::{WIDTH, words};
+use crate::assess::Distribution;
 use crate::cell::Cell;
-use crate::compare::Distribution;
 use crate::units::percent_from_share;
 
 const HEIGHT: f64 = 250.0;
@@ -90,7 +92,7 @@ fn names(marks: &[&Mark], x: &Scale, word: &str) -> Vec<Name> {
 /// Rows for names beside their lines (px of the line, left and right end of the name), counted upwards. A
 /// line comes down from its row, so that a name that it would cross stands higher; and no two names
 /// share a place.
-fn rows(marks: &[(f64, f64, f64)]) -> Vec<usize> {
+pub fn rows(marks: &[(f64, f64, f64)]) -> Vec<usize> {
     let mut rows = vec![0; marks.len()];
     let crosses =
         |other: usize, k: usize| marks[other].0 > marks[k].1 - 3.0 && marks[other].0 < marks[k].2 + 3.0;
@@ -150,21 +152,5 @@ fn legend(d: &Distribution) -> Vec<Entry> {
     match d.limit {
         Some(_) => vec![entry(Ink::Blue, "within the requirement"), entry(Ink::Vermilion, "beyond it")],
         None => vec![entry(Ink::Blue, "samples")],
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::rows;
-
-    #[test]
-    fn no_line_crosses_a_name_to_its_left_and_no_name_covers_another() {
-        // Names right of their lines, so near that each is crossed by the next; the last stands alone.
-        let marks: Vec<(f64, f64, f64)> =
-            [100.0, 140.0, 150.0, 400.0].iter().map(|x| (*x, x + 5.0, x + 80.0)).collect();
-        assert_eq!(rows(&marks), [2, 1, 0, 0]);
-        // The last one's name is left of its line, over the name before it.
-        assert_eq!(rows(&[(100.0, 105.0, 180.0), (240.0, 160.0, 235.0)]), [1, 0]);
-        assert!(rows(&[]).is_empty());
     }
 }

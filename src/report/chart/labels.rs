@@ -19,15 +19,3 @@ impl Taken {
         self.0.push(place);
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::Taken;
-
-    #[test]
-    fn a_place_is_taken_once() {
-        let mut taken = Taken::default();
-        assert!(taken.take([0.0, 0.0, 5.0, 2.0]) && taken.take([5.0, 0.0, 9.0, 2.0]));
-        assert!(!taken.take([4.0, 1.0, 6.0, 3.0]) && taken.take([4.0, 2.0, 6.0, 3.0]));
-    }
-}

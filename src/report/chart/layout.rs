@@ -1,12 +1,14 @@
 //! The working envelope with everything that stands in it: in plan and in upright section.
 
-use super::axes::{self, Scale};
+use super::axes;
+
+use super::axes::Scale;
 use super::canvas::{Anchor, Canvas, EDGE, Entry, Ink, SMALL, path};
 use super::iso::Point;
 use super::labels::Taken;
 use super::outline::{drawn, silhouette};
 use super::{WIDTH, signs, words};
-use crate::compare::{Assessment, step_of, tolerance_of};
+use crate::assess::{Assessment, step_of, tolerance_of};
 use crate::drawing::{Drawing, Kind, Part};
 use crate::reach::{Envelope, Fineness};
 use crate::units::{deg_from_rad, mm_from_m, rounded};

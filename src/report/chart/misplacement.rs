@@ -1,7 +1,9 @@
 //! What misplacement does to an operation: how its value changes with every coordinate, and how far it
 //! may go.
 
-use super::axes::{self, Scale};
+use super::axes;
+
+use super::axes::Scale;
 use super::canvas::{Anchor, BODY, Canvas, EDGE, Ink};
 use super::{WIDTH, words};
 use crate::cell::{Cell, Slot, Unit};

@@ -6,23 +6,31 @@
 //! the style sheet of a page repaints it, as [`dark_rules`] does. It has no ids either, so that any number
 //! of them can stand in one page.
 
-mod axes;
+#[doc(hidden)] // open for tests/it
+pub mod axes;
 pub(super) mod canvas;
-mod colour_scale;
+#[doc(hidden)] // open for tests/it
+pub mod colour_scale;
 mod convergence;
-mod difference;
+#[doc(hidden)] // open for tests/it
+pub mod difference;
 mod discrepancy;
 mod heat_map;
-mod histogram;
-mod iso;
-pub(super) mod labels;
+#[doc(hidden)] // open for tests/it
+pub mod histogram;
+#[doc(hidden)] // open for tests/it
+pub mod iso;
+#[doc(hidden)] // open for tests/it
+pub mod labels;
 mod layout;
 mod misplacement;
-mod outline;
+#[doc(hidden)] // open for tests/it
+pub mod outline;
 mod pareto;
 pub(super) mod signs;
 mod tornado;
-pub(super) mod words;
+#[doc(hidden)] // open for tests/it
+pub mod words;
 
 pub use canvas::{Ink, dark_rules};
 pub use convergence::{Course, convergence};

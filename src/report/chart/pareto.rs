@@ -1,6 +1,8 @@
 //! Layouts of a front by two of their goals.
 
-use super::axes::{self, Scale};
+use super::axes;
+
+use super::axes::Scale;
 use super::canvas::{Anchor, Canvas, EDGE, Ink, SMALL};
 use super::labels::Taken;
 use super::{WIDTH, words};

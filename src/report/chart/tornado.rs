@@ -1,10 +1,12 @@
 //! The error budget of a spot: which parameter to tighten first.
 
-use super::axes::{self, Scale};
+use super::axes;
+
+use super::axes::Scale;
 use super::canvas::{Anchor, BODY, Canvas, EDGE, Ink};
 use super::{WIDTH, words};
+use crate::assess::Account;
 use crate::cell::Reading;
-use crate::compare::Account;
 use crate::reading::Share;
 use crate::report::names;
 use crate::units::{percent_from_share, rounded};

@@ -92,29 +92,3 @@ pub fn figure(value: f64) -> String {
     }
     number(value, 10f64.powf(size.log10().floor() - 3.0))
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn no_line_is_wider_than_its_room_and_nothing_is_lost() {
-        let text = "a rather long name of a workcell 溶接ロボットと作業台の配置 Donaudampfschiffahrtsgesellschaftskapitaen end";
-        for room in [60.0, 130.0, 400.0] {
-            let lines = wrapped(text, 13.0, room, 99);
-            assert!(lines.iter().all(|l| width(l, 13.0) <= room), "{lines:?}");
-            let joined: String = lines.concat().replace(' ', "");
-            assert_eq!(joined, text.replace(' ', ""));
-        }
-        let cut = wrapped(text, 13.0, 130.0, 2);
-        assert!(cut.len() == 2 && cut[1].ends_with('\u{2026}') && width(&cut[1], 13.0) <= 130.0);
-        assert_eq!(shortened("short", 13.0, 100.0), "short");
-        assert!(width("配置", 13.0) > 1.9 * width("ab", 13.0));
-    }
-
-    #[test]
-    fn numbers_have_the_digits_of_their_step() {
-        assert_eq!([number(0.25, 0.05), number(-0.0, 0.1), number(1500.0, 500.0)], ["0.25", "0", "1500"]);
-        assert_eq!([figure(3.7685694), figure(0.001234567), figure(0.0)], ["3.769", "0.001235", "0"]);
-    }
-}

@@ -1,7 +1,8 @@
 //! A drawing for CAD: DXF of release 2000 in mm, z up, every kind of thing on a layer of its own.
 
 mod file;
-mod text;
+#[doc(hidden)] // open for tests/it
+pub mod text;
 
 use crate::cell::Role;
 use crate::drawing::{Component, Drawing, Field, Kind, Mesh};

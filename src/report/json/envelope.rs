@@ -1,8 +1,8 @@
 //! `robots --json`, `robot --json` and `envelope --json`.
 
 use super::{length, lengths};
+use crate::assess::{Reachable, Sheet};
 use crate::cell::{ErrorSet, Joint, JointKind, Robot};
-use crate::compare::{Reachable, Sheet};
 use crate::reach::{Outline, Region, Size};
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use serde_json::{Value, json};

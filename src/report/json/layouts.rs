@@ -4,13 +4,13 @@ use super::front::{front, of_goals, pareto};
 use super::map::{counts, guard, monte_carlo};
 use super::robust::robustness;
 use super::{attitudes, base, joints, layout, length, lengths, refined, rounded_down};
+use crate::assess::{Assessment, Comparison};
 use crate::cell::{Cell, Operation, Unit};
-use crate::compare::{Assessment, Comparison};
 use crate::error_map::OperationMap;
+use crate::proof::{OperationBound, Proof, WhyNot};
 use crate::reading::Figures;
 use crate::report::text::value_word;
 use crate::search::SearchRecord;
-use crate::search::bound::{OperationBound, Proof, WhyNot};
 use crate::units::rounded;
 use serde_json::{Map, Value, json};
 

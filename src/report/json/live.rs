@@ -2,8 +2,8 @@
 //! can be.
 
 use super::length;
+use crate::assess::Assessment;
 use crate::cell::{Cell, Coordinate, Layout, PLAIN, Placement, Rectangle, Role, Slot};
-use crate::compare::Assessment;
 use crate::drawing::lenses;
 use crate::error_map::{OperationMap, Status};
 use crate::report::text::value_word;

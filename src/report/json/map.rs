@@ -1,8 +1,8 @@
 //! `map --json`.
 
 use super::{joints, layout, length, lengths, refined};
+use crate::assess::Assessment;
 use crate::cell::{Cell, Model, Unit};
-use crate::compare::Assessment;
 use crate::error_map::{NodeRecord, OperationMap, PostureRecord};
 use crate::kinematic_error::discrepancy;
 use crate::motion::Transfer;

@@ -24,9 +24,9 @@ pub use readings::readings;
 pub use robust::robust;
 pub use sweep::{row, values};
 
+use crate::assess::Assessment;
 use crate::cell::{Cell, JointKind, JointVector, Layout, Placement, Role, Slot};
 use crate::clearance::{Allowed, OwnPair};
-use crate::compare::Assessment;
 use crate::layout::Workcell;
 use crate::units::{deg_from_rad, mm_from_m, percent_from_share, rounded};
 use nalgebra::Vector3;

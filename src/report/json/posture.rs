@@ -1,8 +1,8 @@
 //! `budget --json` and `explain --json`: one posture.
 
 use super::{joints, length, lengths};
+use crate::assess::{Account, DhRow, Explanation, Line, Motion, Place, Stance, Tighter};
 use crate::cell::{Cell, JointKind, Unit};
-use crate::compare::{Account, DhRow, Explanation, Line, Motion, Place, Stance, Tighter};
 use crate::pose::{Displacement, Pose};
 use crate::reading::{Figures, Judgement, Share, WorstCase};
 use crate::report::names;

@@ -1,7 +1,7 @@
 //! `readings --json`.
 
 use super::{length, lengths};
-use crate::compare::{Choice, Readings, Row};
+use crate::assess::{Choice, Readings, Row};
 use crate::report::text::findings;
 use crate::units::mm_from_m;
 use serde_json::{Value, json};

@@ -1,8 +1,8 @@
 //! `robust --json`, and `robustness` of each operation in `search --json`.
 
 use super::{base, layout, length, refined};
+use crate::assess::Assessment;
 use crate::cell::{Cell, Slot};
-use crate::compare::Assessment;
 use crate::layout::{Corner, Ended, Largest, Lost, Robustness};
 use crate::report::text::value_word;
 use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg};

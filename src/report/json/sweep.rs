@@ -1,8 +1,8 @@
 //! A row of a sweep.
 
 use super::{layout, length, lengths, rounded_down};
-use crate::cell::Choices;
-use crate::compare::Assessment;
+use crate::assess::Assessment;
+use crate::files::Choices;
 use crate::report::sweep::{Row, Spot};
 use crate::search::SearchRecord;
 use crate::units::rounded;

@@ -3,7 +3,8 @@
 use super::content::{Section, Table, plain};
 use super::subject::{Manifest, Subject};
 use super::verdict::reading_in_words;
-use crate::cell::{Cell, Distribution, ErrorSet, Registration, Tolerance, shown};
+use crate::cell::{Cell, Distribution, ErrorSet, Registration, Tolerance};
+use crate::files::shown;
 use crate::report::text::{caveats, distrust, value_word};
 use crate::units::{mm_from_m, percent_from_share, rounded};
 

@@ -3,10 +3,12 @@
 use super::content::{Figure, NOTHING, Section, Table};
 use super::verdict::up;
 use super::{assets, places, script_json, shell};
-use crate::cell::{Goal, Goals, shown};
-use crate::compare::{Assessment, Comparison};
+use crate::assess::{Assessment, Comparison};
+use crate::cell::{Goal, Goals};
 use crate::drawing::Drawing;
-use crate::report::raster::{self, Shot};
+use crate::files::shown;
+use crate::report::raster;
+use crate::report::raster::Shot;
 use crate::report::{chart, goals, text};
 use crate::units::rounded;
 use serde::Serialize;

@@ -4,14 +4,18 @@ use super::content::{Figure, NOTHING, Section, Table};
 use super::places::titled;
 use super::subject::{Alternative, Found, Subject, si};
 use super::verdict::{down, quantity};
-use crate::cell::{Goal, shown};
-use crate::compare::{Account, Assessment, At, Distribution, Stance};
+use crate::assess::{Account, Assessment, At, Distribution, Stance};
+use crate::cell::Goal;
 use crate::drawing::Drawing;
+use crate::files::shown;
 use crate::reading::Share;
-use crate::report::chart::{self, Course};
-use crate::report::raster::{self, Shot};
+use crate::report::chart;
+use crate::report::chart::Course;
+use crate::report::raster;
+use crate::report::raster::Shot;
 use crate::report::{goals, names, text};
-use crate::search::{self, Candidate, Ended, SearchRecord};
+use crate::search;
+use crate::search::{Candidate, Ended, SearchRecord};
 use crate::units::{percent_from_share, rounded};
 
 /// All of them in the order of the page; those with nothing to show are left out. `drawings` are those of

@@ -3,9 +3,10 @@
 use super::content::{NOTHING, Section, Table, plain};
 use super::places::mm;
 use super::subject::Subject;
-use crate::cell::{Unit, shown};
-use crate::compare::Assessment;
+use crate::assess::Assessment;
+use crate::cell::Unit;
 use crate::error_map::{NodeRecord, OperationMap, PostureRecord, Status};
+use crate::files::shown;
 use crate::report::text::value_word;
 use crate::units::{mm_from_m, percent_from_share, rounded};
 

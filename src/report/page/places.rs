@@ -2,8 +2,9 @@
 
 use super::content::{NOTHING, Section, Table};
 use super::subject::Subject;
-use crate::cell::{Equipment, Joint, JointKind, Placement, Rectangle, Role, shown};
-use crate::compare::Assessment;
+use crate::assess::Assessment;
+use crate::cell::{Equipment, Joint, JointKind, Placement, Rectangle, Role};
+use crate::files::shown;
 use crate::report::view::corners;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 

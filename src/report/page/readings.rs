@@ -3,8 +3,9 @@
 use super::content::{Section, Table};
 use super::places::titled;
 use super::subject::Subject;
-use crate::cell::{ErrorSet, Sense, shown};
-use crate::compare::Assessment;
+use crate::assess::Assessment;
+use crate::cell::{ErrorSet, Sense};
+use crate::files::shown;
 use crate::reading::Figures;
 use crate::units::rounded;
 

@@ -2,9 +2,9 @@
 
 use super::subject::Subject;
 use super::verdict::quantity;
-use crate::cell::shown;
-use crate::compare::Assessment;
+use crate::assess::Assessment;
 use crate::error_map::{NodeRecord, PostureRecord, Status};
+use crate::files::shown;
 use crate::layout::combined;
 use crate::units::rounded;
 use serde::Serialize;

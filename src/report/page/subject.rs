@@ -1,8 +1,8 @@
 //! What is reported: a layout as drawn, or what a search found.
 
 use super::content::Table;
+use crate::assess::Assessment;
 use crate::cell::{Cell, Unit};
-use crate::compare::Assessment;
 use crate::units::{m_from_mm, rad_from_deg};
 use serde::Deserialize;
 use serde_json::{Map, Value};

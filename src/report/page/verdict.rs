@@ -3,8 +3,9 @@
 use super::content::{NOTHING, plain};
 use super::runner_up::{RunnerUp, runner_up};
 use super::subject::{Found, Subject};
-use crate::cell::{Cell, Objective, Unit, shown};
-use crate::compare::Assessment;
+use crate::assess::Assessment;
+use crate::cell::{Cell, Objective, Unit};
+use crate::files::shown;
 use crate::report::text::value_word;
 use crate::units::{mm_from_m, percent_from_share, rounded};
 use serde::Serialize;

@@ -4,7 +4,7 @@ use super::font;
 use super::ink::{Sheet, distance};
 use super::scene::{Label, Side};
 use super::{Shot, Staged};
-use crate::cell::shown;
+use crate::files::shown;
 use crate::report::raster::camera::Frame;
 use nalgebra::Vector2;
 use std::f64::consts::TAU;

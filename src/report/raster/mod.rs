@@ -4,11 +4,14 @@
 //! to it; both formats show that scene. Nothing here depends on fonts, drivers or chance: the same drawing
 //! gives the same bytes.
 
-mod camera;
-mod canvas;
+#[doc(hidden)] // open for tests/it
+pub mod camera;
+#[doc(hidden)] // open for tests/it
+pub mod canvas;
 mod edges;
 mod floor;
-mod font;
+#[doc(hidden)] // open for tests/it
+pub mod font;
 mod ink;
 mod isometric;
 mod labels;
@@ -17,9 +20,8 @@ mod palette;
 mod scale;
 mod scene;
 mod strip;
-#[cfg(test)]
-mod tests;
-mod trace;
+#[doc(hidden)] // open for tests/it
+pub mod trace;
 
 pub use camera::View;
 pub use isometric::isometric;

@@ -4,7 +4,8 @@
 //! 0.18 mm wide (ISO 128), nothing to be scaled when it is printed.
 
 mod dimensions;
-mod silhouette;
+#[doc(hidden)] // open for tests/it
+pub mod silhouette;
 mod title;
 
 use crate::drawing::{Component, Drawing, Field, Kind};

@@ -2,8 +2,8 @@
 
 use super::table::Table;
 use super::{amount, fixed, percent1, place_words};
+use crate::assess::{Account, Tighter};
 use crate::cell::{Reading, Unit};
-use crate::compare::{Account, Tighter};
 use crate::kinematic_error::NOTHING;
 use crate::reading::{Figures, Share};
 use crate::report::names;

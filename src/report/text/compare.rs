@@ -2,8 +2,8 @@
 
 use super::table::Table;
 use super::{STATUSES, USUAL, fixed, mm, mm1, percent1, value_word};
+use crate::assess::{Assessment, Comparison, Requirement};
 use crate::cell::{Coordinate, Slot, Unit};
-use crate::compare::{Assessment, Comparison, Requirement};
 use crate::layout::Refined;
 use crate::units::{deg_from_rad, rounded};
 use std::fmt::Write;

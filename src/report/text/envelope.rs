@@ -2,8 +2,9 @@
 
 use super::table::Table;
 use super::{fixed, mm, mm1};
-use crate::cell::{Convention, ErrorSet, Joint, JointKind, Robot, shown};
-use crate::compare::{Reachable, Sheet};
+use crate::assess::{Reachable, Sheet};
+use crate::cell::{Convention, ErrorSet, Joint, JointKind, Robot};
+use crate::files::shown;
 use crate::reach::Size;
 use crate::units::{deg_from_rad, mm_from_m, percent_from_share, rounded};
 use nalgebra::Vector3;

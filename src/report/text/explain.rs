@@ -2,8 +2,8 @@
 
 use super::table::Table;
 use super::{fixed, percent, place_words, value_word};
+use crate::assess::{Explanation, Line, Motion, Place};
 use crate::cell::{Frame, JointKind, Reading, Registration, Unit};
-use crate::compare::{Explanation, Line, Motion, Place};
 use crate::pose::Displacement;
 use crate::report::names;
 use crate::units::{deg_from_rad, mm_from_m, rad_from_deg, rounded};

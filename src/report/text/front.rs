@@ -2,8 +2,8 @@
 
 use super::fixed;
 use super::table::Table;
+use crate::assess::Assessment;
 use crate::cell::{Cell, Goal};
-use crate::compare::Assessment;
 use crate::report::goals;
 use crate::search::SearchRecord;
 

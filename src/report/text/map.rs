@@ -2,8 +2,8 @@
 
 use super::compare::margin;
 use super::{STATUSES, feasibility, mm1, percent, percent1, value_word};
+use crate::assess::Assessment;
 use crate::cell::{Cell, Model, Unit};
-use crate::compare::Assessment;
 use crate::error_map::{OperationMap, Status};
 use crate::kinematic_error::{Discrepancy, discrepancy};
 use crate::reading::{Estimate, Figures};

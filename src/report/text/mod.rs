@@ -27,8 +27,10 @@ pub use robust::{robust_lines, robustness};
 pub use sweep::sweep;
 pub use urdf::derived;
 
-use crate::cell::{Cell, ErrorSet, Quantity, Reading, Registration, Spread, Unit, shown};
-use crate::compare::Stance;
+use crate::cell::{Cell, ErrorSet, Quantity, Reading, Registration, Spread, Unit};
+
+use crate::assess::Stance;
+use crate::files::shown;
 use crate::units::{mm_from_m, percent_from_share, rounded};
 
 /// Cell, robot, error set and model in one line.

@@ -1,7 +1,7 @@
 //! Which solids of the robot are checked against each other, in words.
 
-use crate::cell::shown;
 use crate::clearance::{Allowed, OwnPair};
+use crate::files::shown;
 use crate::layout::Workcell;
 
 /// One line: how many pairs are checked, and which may touch; those that the drawing implies only

@@ -1,10 +1,10 @@
 //! How good the best layout can be at all.
 
 use super::percent1;
-use crate::cell::shown;
+use crate::files::shown;
 use crate::layout::Workcell;
+use crate::proof::Proof;
 use crate::search::SearchRecord;
-use crate::search::bound::Proof;
 use std::fmt::Write;
 
 /// The bound, how far the best layout lies above it, and what it covers.

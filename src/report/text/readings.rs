@@ -2,8 +2,9 @@
 
 use super::table::Table;
 use super::{amount, fixed, mm1, percent1};
-use crate::cell::{ErrorSet, Registration, shown};
-use crate::compare::{Readings, Row};
+use crate::assess::{Readings, Row};
+use crate::cell::{ErrorSet, Registration};
+use crate::files::shown;
 use crate::kinematic_error::NOTHING;
 use std::fmt::Write;
 
@@ -50,7 +51,7 @@ fn table(rows: &[Row]) -> String {
     for row in rows {
         let value = |v: f64| amount(row.unit, v);
         let choice = row.choice.as_ref().ok();
-        let place = |c: &crate::compare::Choice| {
+        let place = |c: &crate::assess::Choice| {
             let p = c.position;
             format!("{}, {}, {}", mm1(p.x), mm1(p.y), mm1(p.z))
         };

@@ -1,8 +1,9 @@
 //! What misplacement does to each operation.
 
 use super::{amount, fixed, percent1, value_word};
-use crate::cell::{Cell, Slot, Unit, shown};
-use crate::compare::Assessment;
+use crate::assess::Assessment;
+use crate::cell::{Cell, Slot, Unit};
+use crate::files::shown;
 use crate::layout::{Corner, Ended, Largest, Lost, Robustness};
 use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg, rounded};
 use std::fmt::Write;

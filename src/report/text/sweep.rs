@@ -1,7 +1,7 @@
 //! The table of a sweep.
 
 use super::table::Table;
-use crate::cell::shown;
+use crate::files::shown;
 use crate::report::sweep::{Row, Spot, best, groups, word};
 use std::fmt::Write;
 

@@ -1,7 +1,8 @@
 //! What was made of a URDF.
 
 use super::table::Table;
-use crate::cell::{JointKind, Robot, UrdfOrigin, shown};
+use crate::cell::{JointKind, Robot, UrdfOrigin};
+use crate::files::shown;
 use crate::pose::Pose;
 use crate::report::urdf::roll_pitch_yaw;
 use crate::units::{deg_from_rad, mm_from_m, rounded};

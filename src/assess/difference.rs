@@ -1,0 +1,134 @@
+//! Two layouts node by node, and in words which is better.
+
+use super::{Assessment, Comparison};
+use crate::cell::Unit;
+use crate::error_map::{NodeRecord, OperationMap, Status};
+use crate::files::shown;
+
+/// Values nearer than this share are called equal.
+const EQUAL: f64 = 0.005;
+
+/// One node of an operation in two layouts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NodePair {
+    pub i: usize,
+    pub j: usize,
+    /// In the frame of the equipment, m.
+    pub at: (f64, f64),
+    /// What the reading makes small (m, rad or a share) in the first and in the other layout; None where
+    /// the node cannot be used.
+    pub first: Option<f64>,
+    pub other: Option<f64>,
+}
+
+impl NodePair {
+    /// Other less first: negative where the other layout is better.
+    pub fn difference(&self) -> Option<f64> {
+        Some(self.other? - self.first?)
+    }
+}
+
+/// An operation in two layouts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Difference {
+    pub operation: usize,
+    pub pairs: Vec<NodePair>,
+}
+
+impl Difference {
+    /// Nodes that both can use: how many are better and worse in the other layout.
+    pub fn better_and_worse(&self) -> (usize, usize) {
+        let all = || self.pairs.iter().filter_map(NodePair::difference);
+        (all().filter(|d| *d < 0.0).count(), all().filter(|d| *d > 0.0).count())
+    }
+
+    /// Nodes that only the other layout can use, and that only the first can.
+    pub fn gained_and_lost(&self) -> (usize, usize) {
+        let count = |gained: bool| {
+            let one = |p: &&NodePair| p.other.is_some() == gained && p.first.is_some() != gained;
+            self.pairs.iter().filter(one).count()
+        };
+        (count(true), count(false))
+    }
+
+    /// The largest size of a difference: the scale of a picture.
+    pub fn largest(&self) -> f64 {
+        self.pairs.iter().filter_map(NodePair::difference).fold(0.0, |most, d| most.max(d.abs()))
+    }
+}
+
+impl Comparison<'_> {
+    /// Every operation of a column against the first column, node by node.
+    ///
+    /// # Errors
+    /// Why the nodes are not the same places of the surface.
+    pub fn differences(&self, column: usize) -> Result<Vec<Difference>, String> {
+        let (first, other) = (&self.columns[0], &self.columns[column]);
+        let maps = first.maps.iter().zip(&other.maps).enumerate();
+        maps.map(|(k, (a, b))| {
+            if first.cell.operations[k].place != other.cell.operations[k].place {
+                return Err(format!(
+                    "{}: the nodes lie at other places of the surface in {} than in {}",
+                    shown(&first.cell.operations[k].name),
+                    shown(&other.label),
+                    shown(&first.label)
+                ));
+            }
+            let pairs = a.nodes.iter().zip(&b.nodes).map(|(x, y)| pair(first, a, x, y));
+            Ok(Difference { operation: a.operation, pairs: pairs.collect() })
+        })
+        .collect()
+    }
+
+    /// Which layout is better in what, a sentence for each operation of each column but the first.
+    pub fn in_words(&self) -> Vec<String> {
+        let Some((first, others)) = self.columns.split_first() else { return Vec::new() };
+        let all = others
+            .iter()
+            .flat_map(|other| (0..first.maps.len()).map(move |operation| sentence(first, other, operation)));
+        all.collect()
+    }
+}
+
+fn pair(first: &Assessment<'_>, map: &OperationMap, x: &NodeRecord, y: &NodeRecord) -> NodePair {
+    let at = &first.layout.placements[first.cell.operations[map.operation].equipment];
+    let place = at.pose().inverse().transform(&x.position);
+    NodePair { i: x.i, j: x.j, at: (place.x, place.y), first: value(x), other: value(y) }
+}
+
+/// Of a node that can be used.
+fn value(node: &NodeRecord) -> Option<f64> {
+    node.posture.as_ref().filter(|_| node.status == Status::Ok).map(|p| p.value)
+}
+
+fn sentence(first: &Assessment<'_>, other: &Assessment<'_>, k: usize) -> String {
+    let operation = &first.cell.operations[k];
+    let (a, b, name) = (shown(&first.label), shown(&other.label), shown(&operation.name));
+    let (x, y) = match (first.maps[k].value, other.maps[k].value) {
+        (Some(x), Some(y)) => (x, y),
+        (Some(_), None) => return format!("{b} has no spot for {name}, {a} has one"),
+        (None, Some(_)) => return format!("{b} has a spot for {name}, {a} has none"),
+        (None, None) => return format!("neither {a} nor {b} has a spot for {name}"),
+    };
+    let unit = first.cell.unit();
+    let figures = {
+        let [x, y] = [x, y].map(|v| unit.from_si(v));
+        format!("{y:.3} against {x:.3} {}", unit.word())
+    };
+    let what = match unit {
+        Unit::Share => "share of failures".to_string(),
+        _ => shown(&operation.sense.name),
+    };
+    let (less, more) = (x.min(y), x.max(y));
+    if more - less <= EQUAL * more {
+        return format!("{name}: {b} is as good as {a} in {what} ({figures})");
+    }
+    let verb = if y < x { "better" } else { "worse" };
+    let by = match more / less {
+        ratio if ratio < 1.1 => format!("{:.1} % ", 100.0 * (more - less) / x),
+        ratio if ratio < 100.0 => format!("{ratio:.1} times "),
+        // Of next to nothing there is no sensible multiple.
+        _ => String::new(),
+    };
+    format!("{name}: {b} is {by}{verb} than {a} in {what} ({figures})")
+}

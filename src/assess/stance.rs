@@ -1,0 +1,184 @@
+//! One posture of one operation with what its errors depend on: what `budget` and `explain` look at.
+
+use crate::cell::{Cell, JointVector, Layout, Placement, Registration};
+
+use crate::error_map::{OperationMap, Status};
+use crate::files::shown;
+use crate::layout::Workcell;
+use crate::reading::{Gauge, Site, Situation};
+use crate::robot::Frames;
+use nalgebra::Vector3;
+
+/// Which node of the grid.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum At {
+    Best,
+    Node(usize, usize),
+}
+
+/// Why there is no posture to look at.
+#[derive(Debug, Clone, PartialEq)]
+pub enum NoStance {
+    /// The question is wrong: the grid has no such node.
+    Outside(String),
+    /// The answer is no: the node cannot be used.
+    Unusable(String),
+}
+
+/// A posture of an operation.
+pub struct Stance<'a> {
+    pub cell: &'a Cell,
+    /// Index into [`Cell::operations`].
+    pub operation: usize,
+    /// Robot base in the world.
+    pub base: Placement,
+    /// (i, j) of the node; None of joints given.
+    pub node: Option<(usize, usize)>,
+    /// Of the TCP, world, m.
+    pub position: Vector3<f64>,
+    pub joints: JointVector,
+    pub gauge: Gauge,
+    pub situation: Situation,
+    pub frames: Frames,
+}
+
+impl<'a> Stance<'a> {
+    /// At a node of the map of an operation.
+    ///
+    /// # Errors
+    /// Why the node cannot be looked at.
+    pub fn at(
+        workcell: &'a Workcell,
+        layout: &Layout,
+        maps: &[OperationMap],
+        operation: usize,
+        at: At,
+    ) -> Result<Self, NoStance> {
+        let cell = &workcell.cell;
+        let (map, name) = (&maps[operation], shown(&cell.operations[operation].name));
+        let node = match at {
+            At::Best => map.best_node().ok_or_else(|| NoStance::Unusable(no_spot(cell, map)))?,
+            At::Node(i, j) => {
+                let (m, n) = cell.operations[operation].place.divisions();
+                let inside = (i <= m && j <= n).then(|| map.nodes.get(j * (m + 1) + i)).flatten();
+                inside.ok_or_else(|| {
+                    let range = format!("i goes from 0 to {m}, j from 0 to {n}");
+                    NoStance::Outside(format!("the grid of {name} has no node ({i}, {j}): {range}"))
+                })?
+            }
+        };
+        let unusable = |why: &str| {
+            NoStance::Unusable(format!("node ({}, {}) of {name} cannot be used: {why}", node.i, node.j))
+        };
+        let posture = match (&node.posture, node.status) {
+            (Some(posture), Status::Ok) => posture,
+            _ => return Err(unusable(&node.status.reason(cell))),
+        };
+        let posed = workcell.posed(layout, maps, operation, posture);
+        let (situation, frames) = posed.map_err(|why| unusable(why.in_words()))?;
+        Ok(Self {
+            cell,
+            operation,
+            base: layout.base,
+            node: Some((node.i, node.j)),
+            position: node.position,
+            joints: posture.joints,
+            gauge: workcell.gauge(operation).clone(),
+            situation,
+            frames,
+        })
+    }
+
+    /// At joint coordinates, at the layout as drawn. `workcell` is why there is none, if so: of a
+    /// robot without inverse kinematics only frames that nobody teaches are known.
+    ///
+    /// # Errors
+    /// What the errors depend on and cannot be found.
+    pub fn of_joints(
+        cell: &'a Cell,
+        workcell: Result<&Workcell, &str>,
+        operation: usize,
+        joints: JointVector,
+    ) -> Result<Self, String> {
+        let gauge = Gauge::new(cell, &cell.operations[operation]);
+        let chain = gauge.theory().chain;
+        let frames = chain.frames(&chain.posture(&joints));
+        let layout = cell.start();
+        let depends =
+            cell.registration == Registration::Taught || cell.operations[operation].relative_to.is_some();
+        let situation = if depends {
+            situation_elsewhere(cell, workcell, operation, &layout)?
+        } else {
+            let equipment = cell.operations[operation].equipment;
+            let work = layout.base.pose().inverse() * layout.placements[equipment].pose();
+            let world = layout.base.from_world();
+            Situation { site: Site { equipment, work, world, taught: None }, reference: None }
+        };
+        let position = layout.base.pose().transform(&frames.tcp.translation);
+        let base = layout.base;
+        Ok(Self { cell, operation, base, node: None, position, joints, gauge, situation, frames })
+    }
+}
+
+/// What the errors of an operation depend on besides the posture, from other postures.
+fn situation_elsewhere(
+    cell: &Cell,
+    workcell: Result<&Workcell, &str>,
+    operation: usize,
+    layout: &Layout,
+) -> Result<Situation, String> {
+    let name = shown(&cell.operations[operation].name);
+    let what = match cell.registration {
+        Registration::Taught => "a taught frame",
+        _ => "a placed part's pick",
+    };
+    let workcell =
+        workcell.map_err(|why| format!("{what} needs the inverse kinematics of the robot: {why}"))?;
+    let maps = workcell.maps(layout);
+    let Some(any) = maps[operation].nodes.iter().find_map(|n| n.posture.as_ref()) else {
+        return Err(no_usable_node(cell, &maps[operation]));
+    };
+    let posed = workcell.posed(layout, &maps, operation, any);
+    posed.map(|(situation, _)| situation).map_err(|why| format!("{name}: {}", why.in_words()))
+}
+
+/// Why a map has no best node.
+pub fn no_usable_node(cell: &Cell, map: &OperationMap) -> String {
+    let operation = &cell.operations[map.operation];
+    let name = shown(&operation.name);
+    let first = map.nodes.iter().find(|n| n.status != Status::Ok).filter(|_| operation.over.takes_all());
+    if let Some(node) = first {
+        let (failing, all) = (map.nodes.len() - map.count("ok"), map.nodes.len());
+        let why = node.status.reason(cell);
+        return format!(
+            "{name} happens at all of its {all} nodes, and {failing} cannot be used; the first is ({}, {}): {why}",
+            node.i, node.j
+        );
+    }
+    let of = |status| map.count(status);
+    let (out, limit, hit) = (of("out-of-reach"), of("joint-limit"), of("collision"));
+    let others = [
+        ("attitude", "missing the attitude"),
+        ("not-converged", "without answer"),
+        ("singular", "nearly singular"),
+        ("approach", "without approach"),
+        ("retract", "without retract"),
+    ];
+    let others = others.into_iter().filter(|(status, _)| of(status) > 0);
+    let others: String = others.map(|(status, words)| format!(", {} {words}", of(status))).collect();
+    let unjudged = map.nodes.iter().find_map(|n| match n.status {
+        Status::Unjudged(why) => Some(format!("; {}", why.in_words())),
+        _ => None,
+    });
+    format!(
+        "{name} has no usable node: {out} out of reach, {limit} beyond a joint limit, {hit} colliding{others}{}",
+        unjudged.unwrap_or_default()
+    )
+}
+
+/// The same, with the overlap that blocks its equipment.
+pub fn no_spot(cell: &Cell, map: &OperationMap) -> String {
+    let blocked = map.nodes.iter().find(|n| matches!(n.status, Status::Overlap(_)));
+    let overlap = blocked.map_or(String::new(), |n| format!("; {}", n.status.reason(cell)));
+    no_usable_node(cell, map) + &overlap
+}

@@ -1,0 +1,254 @@
+//! Reading inside the cell's folder, and writing whole files or none.
+
+use super::arguments::Packages;
+use super::checkpoint::CHECKPOINT;
+use super::{Exit, output};
+use crate::files;
+use crate::files::{Fault, Loaded, LoadedRobot, Setting, shown};
+use sha2::{Digest, Sha256};
+use std::collections::HashMap;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+
+/// What the names of unfinished files begin with.
+pub const UNFINISHED: &str = ".sweetspot-";
+
+/// Largest file read: a mesh of a million triangles has some 60 MB.
+const MAX_BYTES: u64 = 128 << 20;
+
+/// Reads a cell and all it refers to; faults and warnings go to stderr.
+pub fn load(path: &Path, packages: &Packages) -> Result<Loaded, Exit> {
+    let loaded = read_cell(path, packages).map_err(|faults| {
+        output::faults(&faults);
+        exit_of(&faults)
+    })?;
+    output::faults(&loaded.warnings);
+    Ok(loaded)
+}
+
+/// A cell file that cannot be read is a matter of I/O, all else of input.
+pub fn exit_of(faults: &[Fault]) -> Exit {
+    let unread = |f: &Fault| f.line > 0 && f.excerpt.is_empty() && f.message.starts_with("cannot read");
+    if faults.iter().any(unread) { Exit::Io } else { Exit::BadInput }
+}
+
+/// Reads a cell and all it refers to.
+pub fn read_cell(path: &Path, packages: &Packages) -> Result<Loaded, Vec<Fault>> {
+    let (folder, name) = parted(path);
+    let mut loaded = files::load(&name, &mut |inside| read_named(&folder, packages, inside))
+        .map_err(|faults| named(path, faults))?;
+    loaded.warnings = named(path, loaded.warnings);
+    Ok(loaded)
+}
+
+/// Files as they were first read: every combination of a sweep sees the same bytes.
+#[derive(Default)]
+pub struct Kept(Mutex<HashMap<String, Result<Vec<u8>, String>>>);
+
+impl Kept {
+    /// A file that is not there yet.
+    pub fn with(name: &str, bytes: &[u8]) -> Self {
+        Self(Mutex::new(HashMap::from([(name.to_string(), Ok(bytes.to_vec()))])))
+    }
+}
+
+/// Reads a cell with some keys said otherwise, and all it refers to.
+pub fn read_cell_with(
+    path: &Path,
+    packages: &Packages,
+    settings: &[Setting],
+    kept: &Kept,
+) -> Result<Loaded, Vec<Fault>> {
+    let (folder, name) = parted(path);
+    let mut read = |inside: &str| {
+        let mut kept = kept.0.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        kept.entry(inside.to_string()).or_insert_with(|| read_named(&folder, packages, inside)).clone()
+    };
+    let mut loaded = files::load_with(&name, settings, &mut read).map_err(|faults| named(path, faults))?;
+    loaded.warnings = named(path, loaded.warnings);
+    Ok(loaded)
+}
+
+/// Reads a robot and all it refers to; faults and warnings go to stderr.
+pub fn load_robot(path: &Path, packages: &Packages) -> Result<LoadedRobot, Exit> {
+    let (folder, name) = parted(path);
+    let loaded =
+        files::load_robot(&name, &mut |inside| read_named(&folder, packages, inside)).map_err(|faults| {
+            output::faults(&named(path, faults.clone()));
+            exit_of(&faults)
+        })?;
+    output::faults(&named(path, loaded.warnings.clone()));
+    Ok(loaded)
+}
+
+/// Whether it is the file of a robot.
+pub fn is_robot(path: &Path, packages: &Packages) -> bool {
+    let (folder, name) = parted(path);
+    files::is_robot(&name, &mut |inside| read_named(&folder, packages, inside))
+}
+
+/// The folder of a file, and its name there.
+fn parted(path: &Path) -> (PathBuf, String) {
+    let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => (parent.to_path_buf(), name),
+        _ => (PathBuf::from("."), name),
+    }
+}
+
+/// Named as the user names the file, so that an editor can jump there.
+fn named(path: &Path, mut faults: Vec<Fault>) -> Vec<Fault> {
+    let prefix = path.parent().unwrap_or(Path::new(""));
+    // What has no line is no file: a setting.
+    for fault in faults.iter_mut().filter(|f| f.line > 0) {
+        fault.file = prefix.join(&fault.file).to_string_lossy().into_owned();
+    }
+    faults
+}
+
+/// Reads `package://NAME/PATH` in the folder of that package, all else in that of the cell.
+fn read_named(folder: &Path, packages: &Packages, name: &str) -> Result<Vec<u8>, String> {
+    let Some((package, inside)) = name.strip_prefix("package://").and_then(|rest| rest.split_once('/'))
+    else {
+        return read_inside(folder, name, "the cell file");
+    };
+    match packages.folders.iter().find(|(name, _)| name == package) {
+        Some((_, folder)) => read_inside(folder, inside, "its package"),
+        None => Err(format!("say where the package lies: --package {package}=DIR")),
+    }
+}
+
+/// Reads a file that must lie in `folder`, that of `whose`, symbolic links followed.
+pub fn read_inside(folder: &Path, inside: &str, whose: &str) -> Result<Vec<u8>, String> {
+    let path = folder.join(inside);
+    let real = path.canonicalize().map_err(|e| reason(&e))?;
+    let home = folder.canonicalize().map_err(|e| reason(&e))?;
+    if !real.starts_with(&home) {
+        return Err(format!("it leads out of the folder of {whose}"));
+    }
+    let about = real.metadata().map_err(|e| reason(&e))?;
+    if !about.is_file() {
+        return Err("it is not a file".into());
+    }
+    if about.len() > MAX_BYTES {
+        return Err(format!("it has {} MB, more than {} MB", about.len() >> 20, MAX_BYTES >> 20));
+    }
+    std::fs::read(&real).map_err(|e| reason(&e))
+}
+
+fn reason(e: &std::io::Error) -> String {
+    match e.kind() {
+        std::io::ErrorKind::NotFound => "no such file".into(),
+        std::io::ErrorKind::PermissionDenied => "permission denied".into(),
+        _ => e.to_string(),
+    }
+}
+
+/// Writes a file whole or not at all: a temporary file in the same folder, synced, renamed.
+pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Exit> {
+    let folder = match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    let write = || -> std::io::Result<()> {
+        let mut file = tempfile::Builder::new().prefix(UNFINISHED).tempfile_in(folder)?;
+        file.write_all(bytes)?;
+        file.as_file().sync_all()?;
+        share(&file)?;
+        file.persist(path).map_err(|e| e.error)?;
+        sync(folder)
+    };
+    write().map_err(|e| {
+        output::error(&format!("cannot write {}: {}", shown(&path.to_string_lossy()), reason(&e)));
+        Exit::Io
+    })
+}
+
+/// A name is safe only when its folder is.
+#[cfg(unix)]
+fn sync(folder: &Path) -> std::io::Result<()> {
+    std::fs::File::open(folder)?.sync_all()
+}
+
+#[cfg(not(unix))]
+fn sync(_folder: &Path) -> std::io::Result<()> {
+    Ok(())
+}
+
+/// Removes the files that a killed program left unfinished.
+pub fn sweep(folder: &Path) {
+    for entry in folder.read_dir().into_iter().flatten().flatten() {
+        let path = entry.path();
+        if entry.file_type().is_ok_and(|t| t.is_dir()) {
+            sweep(&path);
+        } else if entry.file_name().to_string_lossy().starts_with(UNFINISHED) {
+            let _ = std::fs::remove_file(path);
+        }
+    }
+}
+
+/// Temporary files are private; results are for all who may read the folder.
+#[cfg(unix)]
+fn share(file: &tempfile::NamedTempFile) -> std::io::Result<()> {
+    use std::os::unix::fs::PermissionsExt;
+    file.as_file().set_permissions(std::fs::Permissions::from_mode(0o644))
+}
+
+#[cfg(not(unix))]
+fn share(_file: &tempfile::NamedTempFile) -> std::io::Result<()> {
+    Ok(())
+}
+
+/// Makes a folder, unless it is there.
+pub fn make_folder(path: &Path) -> Result<(), Exit> {
+    std::fs::create_dir_all(path).map_err(|e| {
+        output::error(&format!("cannot make the folder {}: {}", shown(&path.to_string_lossy()), reason(&e)));
+        Exit::Io
+    })
+}
+
+/// Makes the folder for results: the one asked for, which must be new or empty, or the first free
+/// `results/STEM-NNN`.
+pub fn new_folder(asked: Option<&Path>, stem: &str) -> Result<PathBuf, Exit> {
+    let cannot = |path: &Path, e: &std::io::Error| {
+        output::error(&format!("cannot make the folder {}: {}", shown(&path.to_string_lossy()), reason(e)));
+        Exit::Io
+    };
+    if let Some(path) = asked {
+        std::fs::create_dir_all(path).map_err(|e| cannot(path, &e))?;
+        let unfinished = |e: std::fs::DirEntry| e.file_name().to_string_lossy().starts_with(UNFINISHED);
+        let mut entries = path.read_dir().map_err(|e| cannot(path, &e))?;
+        if !entries.all(|e| e.is_ok_and(unfinished)) {
+            if path.join(CHECKPOINT).is_file() {
+                output::error(&format!("{} holds a search that was stopped", output::path_word(path)));
+                output::talk(&format!("  help: sweetspot search --resume {}", output::path_word(path)));
+                return Err(Exit::BadInput);
+            }
+            let path = shown(&path.to_string_lossy());
+            output::error(&format!(
+                "{path} is not empty; nothing is overwritten: name a new folder with --out"
+            ));
+            return Err(Exit::BadInput);
+        }
+        sweep(path);
+        return Ok(path.to_path_buf());
+    }
+    let results = Path::new("results");
+    std::fs::create_dir_all(results).map_err(|e| cannot(results, &e))?;
+    for number in 1..1000 {
+        let path = results.join(format!("{stem}-{number:03}"));
+        match std::fs::create_dir(&path) {
+            Ok(()) => return Ok(path),
+            Err(e) if e.kind() == std::io::ErrorKind::AlreadyExists => {}
+            Err(e) => return Err(cannot(&path, &e)),
+        }
+    }
+    output::error(&format!("results/{stem}-001 to -999 are all taken: name a folder with --out"));
+    Err(Exit::BadInput)
+}
+
+/// SHA-256 in hexadecimal, as `sha256sum` prints it.
+pub fn sha256(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect()
+}

@@ -1,0 +1,245 @@
+//! The covariance of a calibration: normal parameters that vary together.
+
+use super::rows::Arm;
+use crate::cell::*;
+use crate::files::fault::{did_you_mean, listed, shown};
+use crate::files::toml::document::Library;
+use crate::files::toml::reader::Table;
+use crate::files::toml::tree::{At, Node, Value};
+use crate::files::toml::value;
+use crate::files::toml::value::{Must, plain};
+use crate::units;
+use nalgebra::DMatrix;
+
+/// Relative rounding that a symmetric, semidefinite matrix in a file may have.
+const ROUNDING: f64 = 1e-9;
+
+const KNOWN: &str = "dq, dr, dl, dalpha or dbeta and a joint (dl2), or base, tool or a joint and x, y, z, rx, ry or rz (joint2 x)";
+
+/// Reads `covariance`; `values`: the plus-or-minus of all parameters, of which those here have none.
+pub fn read(
+    node: &Node,
+    arm: Arm<'_>,
+    values: Option<&SignedErrors>,
+    lib: &mut Library<'_>,
+) -> Option<Covariance> {
+    Table::read(node, "`covariance`", lib, |t, lib| {
+        let names = t.need("parameters", "add parameters = [\"dq1\", \"dl2\"], what the rows belong to");
+        let rows = t.need("matrix", "add matrix = [[...], ...], a row for each of `parameters`");
+        let items = names.and_then(|names| items_of(names, arm, lib))?;
+        let places = read_parameters(items, arm, lib);
+        let matrix = rows.and_then(|rows| Matrix::read(rows, items.len(), lib));
+        if let (Some(places), Some(values)) = (&places, values) {
+            spread_once(places, items, values, lib);
+        }
+        let matrix = matrix?;
+        matrix.check(&items.iter().map(name_of).collect::<Vec<_>>(), lib)?;
+        let places = places?;
+        let lengths: Vec<_> = Parameter::of_robot(arm.axes).map(|p| is_length(p, arm)).collect();
+        let si = |k: usize, v| if lengths[places[k]] { units::m_from_mm(v) } else { units::rad_from_deg(v) };
+        let product = |i: usize, j: usize| si(i, si(j, matrix.at(i, j)));
+        let half = |i: usize, j: usize| (product(i, j) + product(j, i)) / 2.0;
+        let matrix = DMatrix::from_fn(places.len(), places.len(), |i, j| half(i.min(j), i.max(j)));
+        Some(Covariance { parameters: places, matrix })
+    })
+}
+
+/// Whether a file gives the parameter in mm.
+fn is_length(parameter: Parameter, arm: Arm<'_>) -> bool {
+    match parameter {
+        Parameter::Dq(i) => arm.slides(i),
+        Parameter::Dr(_) | Parameter::Dl(_) => true,
+        Parameter::Dalpha(_) | Parameter::Dbeta(_) => false,
+        Parameter::Base(c) | Parameter::Tool(c) => c < PER_FRAME / 2,
+        Parameter::Joint(_, c) | Parameter::Equipment(_, c) => c < PER_FRAME / 2,
+    }
+}
+
+/// The names in `parameters`, as many as can be.
+fn items_of<'n>(node: &'n Node, arm: Arm<'_>, lib: &mut Library<'_>) -> Option<&'n [Node]> {
+    let most = Parameter::count(arm.axes);
+    let given = match &node.value {
+        Value::Array(items) if (1..=most).contains(&items.len()) => return Some(items),
+        Value::Array(items) => items.len().to_string(),
+        other => other.kind().to_string(),
+    };
+    let message = format!("`parameters` must be a list of 1 to {most} names, not {given}");
+    lib.error(node.at, message, "write for example parameters = [\"dq1\", \"dl2\", \"base x\"]");
+    None
+}
+
+/// A name as given, for messages.
+fn name_of(item: &Node) -> String {
+    match &item.value {
+        Value::Text(name) => shown(name),
+        other => other.kind().to_string(),
+    }
+}
+
+/// Places in the order of [`Parameter::of_robot`].
+fn read_parameters(items: &[Node], arm: Arm<'_>, lib: &mut Library<'_>) -> Option<Vec<usize>> {
+    let mut names: Vec<_> = Parameter::of_robot(arm.axes).map(Parameter::name).collect();
+    arm.in_order(&mut names);
+    arm.unused().into_iter().flatten().for_each(|place| names[place].clear());
+    let mut places: Vec<Option<usize>> = Vec::new();
+    for item in items {
+        let place = read_parameter(item, &names, arm, lib);
+        if let Some(place) = place.filter(|_| places.contains(&place)) {
+            let message = format!("`{}` is given twice", names[place]);
+            lib.error(item.at, message, "remove one of the two, with its row and column");
+        }
+        places.push(place);
+    }
+    places.into_iter().collect()
+}
+
+fn read_parameter(item: &Node, names: &[String], arm: Arm<'_>, lib: &mut Library<'_>) -> Option<usize> {
+    let Value::Text(name) = &item.value else {
+        let message = format!("`parameters` must be a list of names, not with {}", item.value.kind());
+        lib.error(item.at, message, KNOWN);
+        return None;
+    };
+    let found = names.iter().position(|n| n == name).filter(|_| !name.is_empty());
+    if found.is_none() {
+        lib.error(item.at, format!("there is no parameter `{}`", shown(name)), nearest(name, names, arm));
+    }
+    found
+}
+
+/// What may have been meant by an unknown name.
+fn nearest(name: &str, names: &[String], arm: Arm<'_>) -> String {
+    if let Some(first) = of_joint(name, 1).filter(|first| names.contains(first)) {
+        let last = of_joint(name, arm.axes).unwrap_or_default();
+        return format!("the robot has joints 1 to {}: {first} to {last}", arm.axes);
+    }
+    match did_you_mean(name, names.iter().map(String::as_str).filter(|n| !n.is_empty())) {
+        Some(near) => format!("did you mean \"{near}\"?"),
+        None => KNOWN.into(),
+    }
+}
+
+/// The same parameter of another joint: the number in its name replaced.
+fn of_joint(name: &str, number: usize) -> Option<String> {
+    let (before, rest) = name.split_at(name.find(|c: char| c.is_ascii_digit())?);
+    Some(format!("{before}{number}{}", rest.trim_start_matches(|c: char| c.is_ascii_digit())))
+}
+
+/// A parameter spreads by the covariance or by its plus-or-minus.
+fn spread_once(places: &[usize], items: &[Node], values: &SignedErrors, lib: &mut Library<'_>) {
+    let values = values.values();
+    for item in places.iter().zip(items).filter(|(place, _)| values[**place] != 0.0).map(|(_, item)| item) {
+        let name = name_of(item);
+        let message = format!("`{name}` has a plus-or-minus besides its covariance");
+        let help =
+            format!("write 0 as the plus-or-minus of {name}: its spread is on the diagonal of `matrix`");
+        lib.error(item.at, message, help);
+    }
+}
+
+/// The matrix as the file gives it, with the place of every entry.
+struct Matrix<'n> {
+    node: &'n Node,
+    rows: Vec<Vec<f64>>,
+}
+
+impl<'n> Matrix<'n> {
+    fn read(node: &'n Node, n: usize, lib: &mut Library<'_>) -> Option<Self> {
+        let rows = match &node.value {
+            Value::Array(rows) if rows.len() == n => rows,
+            other => {
+                let given = match other {
+                    Value::Array(rows) => rows.len().to_string(),
+                    other => other.kind().to_string(),
+                };
+                let message = format!("`matrix` must be a list of {n} rows, not {given}");
+                lib.error(node.at, message, "write a row for each of `parameters`, in their order");
+                return None;
+            }
+        };
+        let read = |(i, row): (usize, &Node)| {
+            value::numbers(row, &format!("row {} of `matrix`", i + 1), n, Must::BeFinite, lib)
+        };
+        let rows: Vec<_> = rows.iter().enumerate().map(read).collect();
+        Some(Self { node, rows: rows.into_iter().collect::<Option<_>>()? })
+    }
+
+    fn at(&self, i: usize, j: usize) -> f64 {
+        self.rows[i][j]
+    }
+
+    fn place(&self, i: usize, j: usize) -> At {
+        let item = |node: &'n Node, k: usize| match &node.value {
+            Value::Array(items) => items.get(k),
+            _ => None,
+        };
+        item(self.node, i).and_then(|row| item(row, j)).map_or(self.node.at, |entry| entry.at)
+    }
+
+    /// Symmetric, no correlation beyond 1, positive semidefinite; None with the faults recorded.
+    fn check(&self, names: &[String], lib: &mut Library<'_>) -> Option<()> {
+        let before = lib.errors();
+        for i in 0..names.len() {
+            self.check_variance(i, &names[i], lib);
+            (0..i).for_each(|j| self.check_pair(i, j, names, lib));
+        }
+        (lib.errors() == before).then_some(())?;
+        self.check_definite(names, lib)
+    }
+
+    fn check_variance(&self, i: usize, name: &str, lib: &mut Library<'_>) {
+        if self.at(i, i) < 0.0 {
+            let variance = plain(self.at(i, i));
+            let message = format!("the variance of `{name}` must not be negative, not {variance}");
+            lib.error(self.place(i, i), message, "write the square of its standard deviation");
+        }
+    }
+
+    /// The entry left of the diagonal, and its counterpart.
+    fn check_pair(&self, i: usize, j: usize, names: &[String], lib: &mut Library<'_>) {
+        let (a, b) = (self.at(i, j), self.at(j, i));
+        let (of, and) = (&names[i], &names[j]);
+        let deviations = self.at(i, i).max(0.0).sqrt() * self.at(j, j).max(0.0).sqrt();
+        if (a - b).abs() > ROUNDING * a.abs().max(b.abs()) {
+            let message = format!(
+                "`matrix` is not symmetric: {} here, {} as number {} of row {}",
+                plain(a),
+                plain(b),
+                i + 1,
+                j + 1
+            );
+            let help = format!("write the covariance of {of} and {and} alike in both places");
+            lib.error(self.place(i, j), message, help);
+        } else if a.abs() > deviations * (1.0 + ROUNDING) {
+            let message = format!("{of} and {and} cannot vary together by {}", plain(a));
+            let help = format!(
+                "at most {}, the product of their standard deviations: are the units those of the file?",
+                plain(deviations)
+            );
+            lib.error(self.place(i, j), message, help);
+        }
+    }
+
+    /// No sum of the parameters has a negative variance. Judged by the correlations, which have no unit.
+    fn check_definite(&self, names: &[String], lib: &mut Library<'_>) -> Option<()> {
+        let n = names.len();
+        let deviation = |k: usize| if self.at(k, k) > 0.0 { self.at(k, k).sqrt() } else { 1.0 };
+        let scaled = |i: usize, j: usize| self.at(i, j) / deviation(i) / deviation(j);
+        let eigen = DMatrix::from_fn(n, n, |i, j| scaled(i.max(j), i.min(j))).symmetric_eigen();
+        let values = eigen.eigenvalues.iter().copied().enumerate();
+        let (least, value) = values.min_by(|a, b| a.1.total_cmp(&b.1))?;
+        if value >= -ROUNDING * eigen.eigenvalues.max() {
+            return Some(());
+        }
+        let mut weights: Vec<_> =
+            eigen.eigenvectors.column(least).iter().map(|v| v.abs()).enumerate().collect();
+        weights.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let first = weights.iter().take(3).map(|(k, _)| names[*k].as_str());
+        let message = format!(
+            "`matrix` is no covariance: its correlations have the eigenvalue {}",
+            plain(units::rounded(value, 9))
+        );
+        let help = format!("none may be negative: write all digits, and look at {} first", listed(first));
+        lib.error(self.node.at, message, help);
+        None
+    }
+}

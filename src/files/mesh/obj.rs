@@ -1,0 +1,85 @@
+//! Wavefront OBJ: vertices and faces of its text.
+
+use super::{BEYOND, MAX_TRIANGLES, Triangles, Vertices, Wrong, is_beyond, too_many};
+use crate::files::fault::shown;
+use nalgebra::Vector3;
+
+/// Vertices (scaled to m) and triangles of an OBJ text.
+pub fn parse(text: &str, scale: f64) -> Result<(Vertices, Triangles), Wrong> {
+    let options = tobj::LoadOptions {
+        triangulate: true,
+        ignore_points: true,
+        ignore_lines: true,
+        ..Default::default()
+    };
+    let geometry = geometry_of(text)?;
+    let mut rest = geometry.as_bytes();
+    let loaded = tobj::load_obj_buf(&mut rest, &options, |_| Ok(Default::default()));
+    let read = geometry.len() - rest.len();
+    let (models, _) = loaded.map_err(|e| explained(e, &geometry, read))?;
+    let mut vertices = Vec::new();
+    let mut triangles = Vec::new();
+    for model in &models {
+        let first = vertices.len() as u32;
+        vertices.extend(model.mesh.positions.chunks_exact(3).map(|v| Vector3::new(v[0], v[1], v[2]) * scale));
+        triangles
+            .extend(model.mesh.indices.chunks_exact(3).map(|t| [first + t[0], first + t[1], first + t[2]]));
+    }
+    let beyond = |c: f64| is_beyond(c * scale);
+    if vertices.iter().any(|v: &Vector3<f64>| v.iter().any(|c| is_beyond(*c))) {
+        return Err((line_with(&geometry, "v", |c| c.parse().is_ok_and(beyond)), BEYOND.into()));
+    }
+    Ok((vertices, triangles))
+}
+
+/// The vertices and faces of an OBJ text, line by line: nothing else of it is used, and indices of
+/// texture and normals can make the reader overflow.
+fn geometry_of(text: &str) -> Result<String, Wrong> {
+    let mut geometry = String::with_capacity(text.len());
+    let (mut vertices, mut corners) = (0, 0);
+    for line in text.lines() {
+        let mut words = line.split_whitespace().take_while(|w| !w.starts_with('#'));
+        let kind = words.next().filter(|w| ["v", "f"].contains(w));
+        geometry.push_str(kind.unwrap_or(""));
+        let used = words.take(match kind {
+            Some("v") => 3,
+            Some(_) => usize::MAX,
+            None => 0,
+        });
+        for word in used {
+            corners += usize::from(kind == Some("f"));
+            let index = word.split('/').next().filter(|w| !w.is_empty());
+            geometry.push(' ');
+            geometry.push_str(index.unwrap_or("?"));
+        }
+        geometry.push('\n');
+        vertices += usize::from(kind == Some("v"));
+        // Before the reader asks for memory.
+        if vertices.max(corners) > 3 * MAX_TRIANGLES {
+            return Err((None, too_many()));
+        }
+    }
+    Ok(geometry)
+}
+
+/// The reader's error in words, and its line: the last one `read`, but faces are followed at the end.
+fn explained(e: tobj::LoadError, geometry: &str, read: usize) -> Wrong {
+    let last = geometry[..read].lines().count().checked_sub(1);
+    match e {
+        tobj::LoadError::PositionParseError => (last, "a vertex needs three numbers".into()),
+        tobj::LoadError::FaceParseError => (last, "a face needs the whole numbers of its vertices".into()),
+        tobj::LoadError::FaceVertexOutOfBounds => {
+            let count = geometry.lines().filter(|l| l.starts_with('v')).count() as u64;
+            let is_none = |i: i64| i == 0 || i.unsigned_abs() > count;
+            let line = line_with(geometry, "f", |i| i.parse().is_ok_and(is_none));
+            (line, format!("a face with a vertex that is not there (the file has {count})"))
+        }
+        other => (None, shown(&other.to_string())),
+    }
+}
+
+/// The first line of a kind of which a word after the first is `wrong`.
+fn line_with(geometry: &str, kind: &str, wrong: impl Fn(&str) -> bool) -> Option<usize> {
+    let has = |line: &str| line.starts_with(kind) && line.split(' ').skip(1).any(&wrong);
+    geometry.lines().position(has)
+}

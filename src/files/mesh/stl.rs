@@ -1,0 +1,115 @@
+//! STL, binary and text: loose triangles with corners in single precision (at 3 m to 0.2 um). The
+//! normals are not used: the order of the corners says which side is outside.
+
+use super::{BEYOND, MAX_TRIANGLES, Triangles, Vertices, Wrong, is_beyond, too_many};
+use crate::files::fault::shown;
+use nalgebra::Vector3;
+use std::io::Cursor;
+
+/// Bytes before the triangles of a binary file (80 of a title, 4 of their count), and of each.
+const HEADER: usize = 84;
+const TRIANGLE: usize = 50;
+
+/// Vertices (scaled to m), three for each triangle, of an STL file.
+pub fn parse(bytes: &[u8], scale: f64) -> Result<(Vertices, Triangles), Wrong> {
+    let promised = bytes.get(80..HEADER).and_then(|b| b.try_into().ok()).map(u32::from_le_bytes);
+    let promised = promised.map(|count| count as usize);
+    // A binary title may start like a text, so the size is asked first.
+    if promised.is_some_and(|n| n.checked_mul(TRIANGLE).is_some_and(|size| HEADER + size == bytes.len())) {
+        return triangles_of(binary(bytes)?, scale, |k| (None, format!(", in triangle {}", k + 1)));
+    }
+    let start = bytes.trim_ascii_start();
+    if start.get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid")) {
+        let text = plain(bytes)?;
+        let line = |k: usize| (facet_line(&text, k), String::new());
+        return triangles_of(text.clone().into_bytes(), scale, line);
+    }
+    let has = bytes.len().saturating_sub(HEADER) / TRIANGLE;
+    Err((
+        None,
+        match promised {
+            Some(n) => format!("its header promises {n} triangles, the file has room for {has}"),
+            None => format!("{} bytes are no STL file", bytes.len()),
+        },
+    ))
+}
+
+/// The file with a blank title, which cannot be taken for a text.
+fn binary(bytes: &[u8]) -> Result<Vec<u8>, Wrong> {
+    if bytes.len() > HEADER + TRIANGLE * MAX_TRIANGLES {
+        return Err((None, too_many()));
+    }
+    let mut blank = bytes.to_vec();
+    blank.iter_mut().take(80).for_each(|b| *b = 0);
+    Ok(blank)
+}
+
+/// The triangles of a file made plain; `place` says where its triangle k is.
+fn triangles_of(
+    file: Vec<u8>,
+    scale: f64,
+    place: impl Fn(usize) -> (Option<usize>, String),
+) -> Result<(Vertices, Triangles), Wrong> {
+    let mut file = Cursor::new(file);
+    let refused = |e: std::io::Error| shown(&e.to_string());
+    let reader = stl_io::create_stl_reader(&mut file).map_err(|e| (None, refused(e)))?;
+    let mut vertices: Vertices = Vec::new();
+    let mut triangles = Vec::new();
+    for (k, triangle) in reader.enumerate() {
+        let wrong = |why: &str| {
+            let (line, which) = place(k);
+            (line, format!("{why}{which}"))
+        };
+        let triangle =
+            triangle.map_err(|e| wrong(&format!("a facet that is no three points: {}", refused(e))))?;
+        let corners = triangle.vertices.map(|c| Vector3::from(c.0).cast::<f64>() * scale);
+        if corners.iter().any(|c| c.iter().any(|c| is_beyond(*c))) {
+            return Err(wrong(BEYOND));
+        }
+        let first = vertices.len() as u32;
+        vertices.extend(corners);
+        triangles.push([first, first + 1, first + 2]);
+    }
+    Ok((vertices, triangles))
+}
+
+/// The text line by line in the words that the reader knows: lower case, one solid for all, no title,
+/// no normals (some exporters write `nan` there), short lines.
+fn plain(bytes: &[u8]) -> Result<String, Wrong> {
+    let mut text = String::with_capacity(bytes.len());
+    let (mut facets, mut last) = (0, None);
+    for (k, line) in bytes.split(|b| *b == b'\n').enumerate() {
+        let mut words = line.split(u8::is_ascii_whitespace).filter(|w| !w.is_empty());
+        let first = words.next().unwrap_or_default().to_ascii_lowercase();
+        text.push_str(if k == 0 { "solid " } else { "" });
+        match &first[..] {
+            b"facet" => {
+                facets += 1;
+                text.push_str("facet normal 0 0 0");
+            }
+            b"solid" | b"endsolid" => {}
+            other => {
+                for word in std::iter::once(other).chain(words.take(4)) {
+                    let word = std::str::from_utf8(word).map_err(|_| (Some(k), "no text".to_string()))?;
+                    text.extend(word.chars().map(|c| c.to_ascii_lowercase()).chain([' ']));
+                }
+            }
+        }
+        text.push('\n');
+        if facets > MAX_TRIANGLES {
+            return Err((None, too_many()));
+        }
+        last = if first.is_empty() { last } else { Some(first) };
+    }
+    if last.as_deref() != Some(b"endsolid") {
+        return Err((None, "it is cut off: the last line is no `endsolid`".into()));
+    }
+    text.push_str("endsolid\n");
+    Ok(text)
+}
+
+/// The line of the facet k, from 0.
+fn facet_line(text: &str, k: usize) -> Option<usize> {
+    let facets = text.lines().enumerate().filter(|(_, line)| line.starts_with("facet"));
+    facets.map(|(line, _)| line).nth(k)
+}

@@ -1,0 +1,161 @@
+//! Warnings about sizes that are probably in a wrong unit: 20 times the reach, or a twentieth of it;
+//! tolerances a twentieth of it, or a millionth.
+
+use super::fault::Severity;
+use super::toml::document::Library;
+use super::toml::tree::{At, Node};
+use crate::cell::Coordinate;
+use crate::cell::{Cell, Equipment, Role};
+use crate::cell::{ErrorSet, Parameter, Tolerance};
+use crate::cell::{Shape, extent_of};
+use crate::units::{mm_from_m, rounded};
+
+const FACTOR: f64 = 20.0;
+
+/// What stands on a surface may be so far off it, m.
+const STANDS: f64 = 1e-6;
+
+/// No link is made as true as this share of the reach.
+const LEAST: f64 = 1e-6;
+
+/// Something with a size, m.
+struct Thing {
+    what: String,
+    at: At,
+    size: f64,
+}
+
+/// Compares everything that stands in the cell, and the links, with the reach of the robot.
+pub fn warn(cell: &Cell, root: &Node, lib: &mut Library<'_>) {
+    let reach = cell.robot.reach();
+    let side = |thing: &Thing| side(thing.size, reach);
+    let reach_mm = millimetres(reach);
+    let robot = place_of(root, "robot");
+    if let ErrorSet::Tolerance(set) = cell.error_set() {
+        warn_of_tolerance(set, cell.robot.axes(), reach, place_of(root, "errors"), lib);
+    }
+    warn_of_stands(cell, root, lib);
+    let standing = standing(cell, root);
+    if let [first, _, ..] = &standing[..]
+        && let Some(all) = side(first)
+        && standing.iter().all(|thing| side(thing) == Some(all))
+    {
+        let message = format!("everything in the cell measures {all} the reach of the robot ({reach_mm} mm)");
+        lib.fault(robot, Severity::Warning, message, "are the lengths of the robot really in mm?");
+        return;
+    }
+    let sizes = cell.robot.solids.iter().map(|s| extent_size([&s.solid.shape]));
+    let what = "the largest solid of the robot".to_string();
+    let links = sizes.reduce(f64::max).map(|size| Thing { what, at: robot, size });
+    for thing in standing.iter().chain(&links) {
+        let Some(side) = side(thing) else { continue };
+        let size = millimetres(thing.size);
+        let message =
+            format!("{} measures {size} mm, {side} the reach of the robot ({reach_mm} mm)", thing.what);
+        lib.fault(
+            thing.at,
+            Severity::Warning,
+            message,
+            "are all lengths, and those of the robot, really in mm?",
+        );
+    }
+}
+
+/// Offsets, common normals and slides of joint frames: angles look alike in degrees and radians.
+fn warn_of_tolerance(set: &Tolerance, axes: usize, reach: f64, at: At, lib: &mut Library<'_>) {
+    let varies_alone = |k: &usize| !set.covariance.iter().any(|c| c.parameters.contains(k));
+    let is_length =
+        |p: &Parameter| matches!(p, Parameter::Dr(_) | Parameter::Dl(_) | Parameter::Joint(_, 0..3));
+    let lengths = Parameter::of_robot(axes).enumerate().filter(|(k, p)| is_length(p) && varies_alone(k));
+    let largest = lengths.map(|(k, _)| set.spreads[k].plus_minus).fold(0.0, f64::max);
+    let share = if largest > reach / FACTOR {
+        "more than a twentieth"
+    } else if largest > 0.0 && largest < reach * LEAST {
+        "less than a millionth"
+    } else {
+        return;
+    };
+    let message = format!(
+        "the largest of dr_mm, dl_mm and the joints' position_mm of `{}` is {share} of the reach",
+        set.name
+    );
+    lib.fault(at, Severity::Warning, message, "are its lengths really in mm?");
+}
+
+fn side(size: f64, reach: f64) -> Option<&'static str> {
+    if size > FACTOR * reach {
+        Some("more than 20 times")
+    } else if size < reach / FACTOR {
+        Some("less than a twentieth of")
+    } else {
+        None
+    }
+}
+
+/// Warns of equipment that stands in what it stands on, or beside it, in the cell as drawn.
+fn warn_of_stands(cell: &Cell, root: &Node, lib: &mut Library<'_>) {
+    for e in &cell.equipment {
+        let Some(under) = e.on.map(|k| &cell.equipment[k]) else { continue };
+        let at = root.value.get("equipment").map_or(root.at, |node| place_of(node, &e.name));
+        let [x, y, z, _] = e.placement.each_ref().map(Coordinate::start);
+        let low = extent_of(e.solids.iter().map(|s| &s.shape)).map_or(0.0, |(low, _)| low.z);
+        if z + low < -STANDS {
+            let by = millimetres(-(z + low));
+            let message = format!("`{}` reaches {by} mm below the surface of `{}`", e.name, under.name);
+            lib.fault(
+                at,
+                Severity::Warning,
+                message,
+                "its z_mm is the height of its frame above that surface",
+            );
+        }
+        let top = under.surface.unwrap_or(under.footprint);
+        let beside = |v: f64, centre: f64, size: f64| (v - centre).abs() > size / 2.0 + STANDS;
+        if beside(x, top.centre.0, top.size.0) || beside(y, top.centre.1, top.size.1) {
+            let message = format!("`{}` stands beside `{}`, not on it", e.name, under.name);
+            lib.fault(
+                at,
+                Severity::Warning,
+                message,
+                "its x_mm and y_mm are in the frame of what it stands on",
+            );
+        }
+    }
+}
+
+/// Equipment, obstacles and keep-out boxes.
+fn standing(cell: &Cell, root: &Node) -> Vec<Thing> {
+    let at = |group: &str, name: &str| root.value.get(group).map(|node| place_of(node, name));
+    let equipment = cell.equipment.iter().map(|e| {
+        let group = if e.role == Role::Equipment { "equipment" } else { "obstacle" };
+        Thing {
+            what: format!("`{}`", e.name),
+            at: at(group, &e.name).unwrap_or(root.at),
+            size: equipment_size(e),
+        }
+    });
+    let keep_out = cell.keep_out.iter().map(|k| Thing {
+        what: format!("keep-out box `{}`", k.name),
+        at: at("keep_out", &k.name).unwrap_or(root.at),
+        size: (k.max - k.min).max(),
+    });
+    equipment.chain(keep_out).collect()
+}
+
+fn place_of(table: &Node, key: &str) -> At {
+    table.value.entries().iter().find(|(k, ..)| k == key).map_or(table.at, |(_, at, _)| *at)
+}
+
+fn millimetres(m: f64) -> f64 {
+    rounded(mm_from_m(m), 1)
+}
+
+fn equipment_size(e: &Equipment) -> f64 {
+    let drawn = extent_size(e.solids.iter().map(|s| &s.shape));
+    let surface = e.surface.map_or(0.0, |s| s.size.0.max(s.size.1));
+    drawn.max(surface).max(e.footprint.size.0).max(e.footprint.size.1)
+}
+
+fn extent_size<'s>(shapes: impl IntoIterator<Item = &'s Shape>) -> f64 {
+    extent_of(shapes).map_or(0.0, |(lo, hi)| (hi - lo).max())
+}

@@ -1,0 +1,23 @@
+//! Faults of the question that a cell file asks, each at the key that it is about.
+
+use super::toml::document::Library;
+use super::toml::tree::Node;
+use crate::cell::{About, Cell};
+
+/// Records what keeps the question of a cell file from having an answer.
+pub fn check(cell: &Cell, root: &Node, lib: &mut Library<'_>) {
+    for fault in cell.question_faults() {
+        let at = match fault.about {
+            About::Reading => {
+                ["reading", "errors"].into_iter().find_map(|key| root.value.get(key)).map(|n| n.at)
+            }
+            About::Operation(k) => operation(cell, root, k).map(|node| node.at),
+            About::Sense(k) => operation(cell, root, k).and_then(|o| o.value.get("sense")).map(|n| n.at),
+        };
+        lib.error(at.unwrap_or(root.at), fault.message, fault.help);
+    }
+}
+
+fn operation<'n>(cell: &Cell, root: &'n Node, k: usize) -> Option<&'n Node> {
+    root.value.get("operation")?.value.get(&cell.operations[k].name)
+}

@@ -1,0 +1,175 @@
+//! All files of a cell as they are read, and the faults found in them.
+
+use super::tree::{At, Entry, parse};
+use crate::files::fault::{Fault, Severity, shown};
+use std::cmp::Ordering;
+use std::collections::HashMap;
+
+/// Most errors, and most warnings, that are worth listing.
+const MAX_FAULTS: usize = 500;
+
+/// Longest TOML file, bytes.
+const MAX_TOML: usize = 4_000_000;
+
+/// Most bytes of files that other files name, each counted as often as it is named.
+const MAX_NAMED: usize = 100_000_000;
+
+const PACKAGE: &str = "say in which folder the package lies: --package NAME=DIR";
+
+const NAMING: &str = "write its path from the folder of the file that names it";
+
+/// A file as it was read.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Source {
+    /// Relative to the folder of the cell file, with forward slashes.
+    pub path: String,
+    pub bytes: Vec<u8>,
+}
+
+impl Source {
+    /// The text of the file; empty if it is none (a binary mesh).
+    pub fn text(&self) -> &str {
+        std::str::from_utf8(&self.bytes).unwrap_or("")
+    }
+}
+
+/// Gives the bytes of the file at a path relative to the cell's folder, or says why not.
+/// The path has been normalized and does not leave that folder; `package://NAME/PATH` is a file of a
+/// package named in a URDF robot, of which the cell does not say where it lies.
+pub type ReadFile<'a> = dyn FnMut(&str) -> Result<Vec<u8>, String> + 'a;
+
+/// All files read so far and all faults found so far.
+pub struct Library<'a> {
+    read: &'a mut ReadFile<'a>,
+    pub sources: Vec<Source>,
+    pub faults: Vec<Fault>,
+    parsed: HashMap<usize, Option<Vec<Entry>>>,
+    /// Bytes of the files named so far.
+    named: usize,
+}
+
+impl<'a> Library<'a> {
+    pub fn new(read: &'a mut ReadFile<'a>) -> Self {
+        Self { read, sources: Vec::new(), faults: Vec::new(), parsed: HashMap::new(), named: 0 }
+    }
+
+    /// Records a fault at a place.
+    pub fn fault(&mut self, at: At, severity: Severity, message: String, help: impl Into<String>) {
+        let listed = self.faults.iter().filter(|f| f.severity == severity).count();
+        let (message, help) = match listed.cmp(&MAX_FAULTS) {
+            Ordering::Less => (message, help.into()),
+            Ordering::Equal => {
+                (format!("more than {MAX_FAULTS} faults"), "mend the listed ones first".into())
+            }
+            Ordering::Greater => return,
+        };
+        let source = &self.sources[at.file];
+        let fault = Fault::in_text(&source.path, source.text(), at.offset, message, help);
+        self.faults.push(Fault { severity, ..fault });
+    }
+
+    pub fn error(&mut self, at: At, message: String, help: impl Into<String>) {
+        self.fault(at, Severity::Error, message, help);
+    }
+
+    /// How many errors were found so far.
+    pub fn errors(&self) -> usize {
+        self.faults.iter().filter(|f| f.is_error()).count()
+    }
+
+    /// The index among the sources of a file of text.
+    pub fn text(&mut self, path: &str, at: Option<At>) -> Option<usize> {
+        let file = self.file(path, at)?;
+        if std::str::from_utf8(&self.sources[file].bytes).is_ok() {
+            return Some(file);
+        }
+        self.unreadable(path, at, "it is not UTF-8 text");
+        None
+    }
+
+    /// The index among the sources of a file named at `at` (the cell file: nowhere).
+    pub fn file(&mut self, path: &str, at: Option<At>) -> Option<usize> {
+        let file = match self.sources.iter().position(|s| s.path == path) {
+            Some(known) => known,
+            None => self.read_new(path, at)?,
+        };
+        self.named = self.named.saturating_add(self.sources[file].bytes.len());
+        if let Some(at) = at.filter(|_| self.named > MAX_NAMED) {
+            let most = MAX_NAMED / 1_000_000;
+            let message = format!("the files named up to here add up to more than {most} MB");
+            self.error(at, message, "simplify the meshes, or name fewer files");
+            return None;
+        }
+        Some(file)
+    }
+
+    fn read_new(&mut self, path: &str, at: Option<At>) -> Option<usize> {
+        match (self.read)(path) {
+            Ok(bytes) => {
+                self.sources.push(Source { path: path.to_string(), bytes });
+                return Some(self.sources.len() - 1);
+            }
+            Err(why) => self.unreadable(path, at, &why),
+        }
+        None
+    }
+
+    fn unreadable(&mut self, path: &str, at: Option<At>, why: &str) {
+        let message = format!("cannot read `{}`: {}", shown(path), shown(why));
+        match at {
+            Some(at) if path.starts_with("package://") => self.error(at, message, PACKAGE),
+            Some(at) => self.error(at, message, NAMING),
+            None => self.faults.push(Fault::of_file(path, message, "check the path of the cell file")),
+        }
+    }
+
+    /// The entries at the top of a file, parsed once, or None with the faults recorded once.
+    pub fn entries(&mut self, file: usize) -> Option<Vec<Entry>> {
+        if let Some(known) = self.parsed.get(&file) {
+            return known.clone();
+        }
+        let text = self.sources[file].text();
+        let parsed = if text.len() > MAX_TOML {
+            let message = format!("{} MB of text", text.len() / 1_000_000);
+            let help = "a file of this kind has at most 4 MB: put shapes that large into a mesh";
+            Err(vec![(0, message, help)])
+        } else {
+            parse(file, text)
+        };
+        let entries = parsed.map_err(|faults| {
+            for (offset, message, help) in faults {
+                self.error(At { file, offset }, message, help);
+            }
+        });
+        self.parsed.insert(file, entries.ok());
+        self.parsed.get(&file).cloned().flatten()
+    }
+
+    /// A path named in the file at `at`, made relative to the cell's folder; a fault if it leaves it.
+    pub fn relative(&mut self, name: &str, at: At) -> Option<String> {
+        let naming = &self.sources[at.file].path;
+        let mut parts: Vec<&str> = naming.split('/').collect();
+        parts.pop();
+        let mut leaves = false;
+        for part in name.split('/') {
+            match part {
+                "" | "." => {}
+                ".." => leaves |= parts.pop().is_none(),
+                _ => parts.push(part),
+            }
+        }
+        let (wrong, help) = if name.contains('\\') {
+            ("has a backslash", "write / between folders")
+        } else if name.starts_with('/') || name.contains(':') {
+            ("is an absolute path", NAMING)
+        } else if leaves {
+            ("leaves the folder of the cell file", "put the file beside the cell file or below it")
+        } else if parts.is_empty() || name.ends_with('/') || name.contains('\0') {
+            ("is no file", NAMING)
+        } else {
+            return Some(parts.join("/"));
+        };
+        self.error(at, format!("`{}` {wrong}", shown(name)), help);
+        None
+    }
+}

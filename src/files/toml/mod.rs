@@ -1,0 +1,11 @@
+//! TOML documents as located trees: parsing, `from`, settings laid over a file, readers of tables and values.
+
+pub mod document;
+pub mod from;
+pub mod reader;
+pub mod setting;
+pub mod tree;
+pub mod value;
+
+pub use document::{ReadFile, Source};
+pub use setting::{Choices, Setting, of_setting};

@@ -1,0 +1,214 @@
+//! TOML text to a tree of located nodes.
+//!
+//! serde stops at the first fault and forgets where a value stood, so the tree keeps the place of
+//! every value and [`super::reader`] reads it.
+
+use std::collections::HashMap;
+use std::ops::Range;
+use toml::Spanned;
+use toml::de::{DeString, DeTable, DeValue};
+
+/// Deepest nesting: recursion over the tree is safe below it.
+const MAX_NESTING: usize = 32;
+
+const TOO_DEEP: (&str, &str) = ("nested too deep", "no key of a cell file stands that deep");
+
+/// Most slips of syntax that are looked at.
+const MAX_SLIPS: usize = 5_000;
+
+/// What to do about a key given twice.
+const TWICE: &str = "remove or rename one of the two";
+
+/// A place in one of the sources: index of the file, byte offset.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct At {
+    pub file: usize,
+    pub offset: usize,
+}
+
+#[derive(Debug, Clone)]
+pub struct Node {
+    pub at: At,
+    pub value: Value,
+}
+
+/// Key, place of the key, value.
+pub type Entry = (String, At, Node);
+
+#[derive(Debug, Clone)]
+pub enum Value {
+    Text(String),
+    Integer(i128),
+    Float(f64),
+    Boolean(bool),
+    Datetime,
+    Array(Vec<Node>),
+    /// In the order of the file.
+    Table(Vec<Entry>),
+    /// Lost, with its fault recorded. As the `from` of a table: any key may have been in there.
+    Unread,
+}
+
+impl Value {
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Value::Text(_) => "a text",
+            Value::Integer(_) | Value::Float(_) => "a number",
+            Value::Boolean(_) => "true or false",
+            Value::Datetime => "a date",
+            Value::Array(_) => "a list",
+            Value::Table(_) => "a table",
+            Value::Unread => "unread",
+        }
+    }
+
+    /// The entries of a table; none of anything else.
+    pub fn entries(&self) -> &[Entry] {
+        match self {
+            Value::Table(entries) => entries,
+            _ => &[],
+        }
+    }
+
+    pub fn get(&self, key: &str) -> Option<&Node> {
+        self.entries().iter().find(|(k, ..)| k == key).map(|(.., node)| node)
+    }
+
+    /// Whether keys of this table may have been lost.
+    pub fn is_partial(&self) -> bool {
+        self.get("from").is_some_and(|n| matches!(n.value, Value::Unread))
+    }
+}
+
+/// Parses the text of a file: its entries, or what is wrong and at which bytes.
+pub fn parse(file: usize, text: &str) -> Result<Vec<Entry>, Vec<Wrong>> {
+    let (table, errors) = DeTable::parse_recoverable(text);
+    let worth = errors.iter().take(MAX_SLIPS);
+    let mut faults: Vec<_> = worth.map(|e| explained(text, e.message(), e.span())).collect();
+    let mut reader = Reader { file, too_deep: None };
+    let entries = reader.entries(table.get_ref(), 0);
+    faults.extend(reader.too_deep.map(|offset| (offset, TOO_DEEP.0.into(), TOO_DEEP.1)));
+    if faults.is_empty() { Ok(entries) } else { Err(one_each(text, faults)) }
+}
+
+/// What the parser said, in words for someone who has never heard of a literal string.
+fn explained(text: &str, message: &str, span: Option<Range<usize>>) -> Wrong {
+    let span = span.unwrap_or(0..0);
+    let given = text.get(span.clone()).unwrap_or("");
+    let key = crate::files::shown(given.trim_matches(['"', '\'']));
+    let (what, help) = if message == "duplicate key" {
+        (format!("`{key}` is given twice"), TWICE)
+    } else if message.starts_with("string values must be quoted") && given.is_empty() {
+        ("a value is missing".into(), "write one after the =")
+    } else if message.starts_with("string values must be quoted") {
+        (
+            format!("`{key}` is no value"),
+            "quote a text; write a number without unit, with a point; put commas between numbers",
+        )
+    } else if message.contains("recursion") {
+        (TOO_DEEP.0.into(), TOO_DEEP.1)
+    } else {
+        (
+            format!("not TOML: {}", crate::files::shown(message)),
+            "mend the line; https://toml.io shows the syntax",
+        )
+    };
+    (span.start, what, help)
+}
+
+type Wrong = (usize, String, &'static str);
+
+/// The first fault of each line, and of a table given twice only that it is: the parser stumbles
+/// several times over one slip.
+fn one_each(text: &str, mut faults: Vec<Wrong>) -> Vec<Wrong> {
+    faults.sort_by_key(|f| f.0);
+    let bytes = text.as_bytes();
+    // End of the line of the last fault, and the same if that is in a table given twice.
+    let mut end: Option<usize> = None;
+    let mut repeated: Option<usize> = None;
+    faults.retain(|(offset, _, help)| {
+        let offset = *offset.min(&bytes.len());
+        if end.is_some_and(|end| offset <= end) {
+            return false;
+        }
+        let start = bytes[..offset].iter().rposition(|b| *b == b'\n').map_or(0, |i| i + 1);
+        let line_end = bytes[offset..].iter().position(|b| *b == b'\n').map_or(bytes.len(), |i| offset + i);
+        let is_header = bytes[start..].starts_with(b"[");
+        let inside = repeated.is_some_and(|from| !bytes[from..offset].windows(2).any(|w| w == b"\n["));
+        end = Some(line_end);
+        repeated = ((is_header || inside) && *help == TWICE).then_some(line_end);
+        is_header || !inside || *help != TWICE
+    });
+    faults
+}
+
+struct Reader {
+    file: usize,
+    too_deep: Option<usize>,
+}
+
+impl Reader {
+    fn entries(&mut self, table: &DeTable<'_>, depth: usize) -> Vec<Entry> {
+        table.iter().map(|(key, value)| self.entry(key, value, depth)).collect()
+    }
+
+    fn entry(&mut self, key: &Spanned<DeString<'_>>, value: &Spanned<DeValue<'_>>, depth: usize) -> Entry {
+        let at = At { file: self.file, offset: key.span().start };
+        let mut node = self.node(value, depth);
+        // A table under a header has its place there; the key is the better one to show.
+        if matches!(node.value, Value::Table(_)) {
+            node.at = at;
+        }
+        (key.get_ref().to_string(), at, node)
+    }
+
+    fn node(&mut self, value: &Spanned<DeValue<'_>>, depth: usize) -> Node {
+        let at = At { file: self.file, offset: value.span().start };
+        if depth >= MAX_NESTING {
+            self.too_deep.get_or_insert(at.offset);
+            return Node { at, value: Value::Unread };
+        }
+        let value = match value.get_ref() {
+            DeValue::String(s) => Value::Text(s.to_string()),
+            DeValue::Integer(i) => match i128::from_str_radix(i.as_str(), i.radix()) {
+                Ok(n) => Value::Integer(n),
+                Err(_) => Value::Float(i.as_str().parse().unwrap_or(f64::INFINITY)),
+            },
+            DeValue::Float(f) => Value::Float(f.as_str().parse().unwrap_or(f64::NAN)),
+            DeValue::Boolean(b) => Value::Boolean(*b),
+            DeValue::Datetime(_) => Value::Datetime,
+            DeValue::Array(items) => Value::Array(items.iter().map(|n| self.node(n, depth + 1)).collect()),
+            DeValue::Table(table) => Value::Table(self.entries(table, depth + 1)),
+        };
+        Node { at, value }
+    }
+}
+
+/// `own` over `under`: own keys win, tables in both are merged, lists are replaced whole.
+pub fn laid_over(own: Vec<Entry>, mut under: Vec<Entry>) -> Vec<Entry> {
+    let known: HashMap<String, usize> = under.iter().enumerate().map(|(i, e)| (e.0.clone(), i)).collect();
+    for (key, at, node) in own {
+        match known.get(&key).and_then(|&i| under.get_mut(i)) {
+            Some(entry) => {
+                let lower = std::mem::replace(&mut entry.2.value, Value::Unread);
+                (entry.1, entry.2) = (at, merged(node, lower));
+            }
+            None => under.push((key, at, node)),
+        }
+    }
+    under
+}
+
+fn merged(own: Node, under: Value) -> Node {
+    match (own.value, under) {
+        (Value::Table(a), Value::Table(b)) if !is_range(&b) => {
+            Node { at: own.at, value: Value::Table(laid_over(a, b)) }
+        }
+        (value, _) => Node { at: own.at, value },
+    }
+}
+
+/// A range `{ min, max, start }` is one value: it is replaced, never merged.
+pub fn is_range(table: &[Entry]) -> bool {
+    table.iter().any(|(k, ..)| k == "min" || k == "max")
+}

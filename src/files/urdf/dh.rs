@@ -1,0 +1,293 @@
+//! From the lines of the joint axes to standard Denavit-Hartenberg rows (Denavit and Hartenberg 1955).
+//!
+//! At coordinate 0 axis k is a line; row k leads from a frame with its z on axis k to one with its z
+//! on axis k + 1 and its x on their common normal. Where that leaves a choice:
+//!
+//! - frame 0 has its origin on axis 1 nearest to that of the base, and its x nearest to that of the
+//!   base (to y if axis 1 lies along x);
+//! - parallel axes: r = 0; the same line twice: theta = 0 and l = 0, too;
+//! - the sense of x: a row turns it by less than a right angle, so that l may be negative as in many
+//!   data sheets; at a right angle l > 0, and between axes that meet theta = +90 degrees;
+//! - the last row leads to the z axis of the tip link, at its origin if parallel to the last axis. If
+//!   the two are almost but not quite parallel it is empty, and the pose of the tip holds all.
+
+use crate::cell::JointKind;
+use crate::pose::Pose;
+use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// A moving joint: its frame at coordinate 0 in that of the joint before it, its unit axis in its own.
+pub struct Axis {
+    pub kind: JointKind,
+    pub origin: Pose,
+    pub direction: Vector3<f64>,
+}
+
+/// One row, rad and m, as in [`crate::cell::Joint`].
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Row {
+    pub theta: f64,
+    pub r: f64,
+    pub l: f64,
+    pub alpha: f64,
+}
+
+pub struct Derived {
+    /// Base link to frame 0.
+    pub mount: Pose,
+    pub rows: Vec<Row>,
+    /// Last frame to tip link.
+    pub tip: Pose,
+    /// Frames 0 to n in the base link at coordinates 0.
+    pub frames: Vec<Pose>,
+    /// Frame of joint k in frame k - 1.
+    pub joint_frames: Vec<Pose>,
+    /// Largest distance between the tip link by the rows and by the URDF (m, with 1 m for a rad).
+    pub gap: f64,
+}
+
+/// Rows are true to the URDF if they miss it by less, m.
+pub const TRUE: f64 = 1e-12;
+
+/// Angles (rad) and lengths (m) so near to a multiple of a right angle, or to 0, may be it.
+const NEAR: f64 = 1e-9;
+
+/// Shortest common normal that gives a direction, m.
+const SHORTEST: f64 = 1e-13;
+
+/// Two axes are parallel within these angles, rad: the first that gives true rows is taken.
+const PARALLEL: [f64; 9] = [1e-14, 1e-13, 1e-12, 1e-11, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6];
+
+/// Least sine of the angle between last axis and tip z of which a row is made.
+const SLANTED: f64 = 0.01;
+
+/// Postures at which rows and URDF are compared.
+const POSTURES: usize = 24;
+
+/// The rows of a chain; `flange` is the tip link in the frame of the last joint.
+pub fn derive(axes: &[Axis], flange: &Pose) -> Derived {
+    let model = Model { axes, flange };
+    let mut best: Option<Derived> = None;
+    for parallel in PARALLEL {
+        let derived = model.rows(parallel);
+        let better = best.as_ref().is_none_or(|b| derived.gap < b.gap);
+        let done = derived.gap < TRUE;
+        best = if better { Some(derived) } else { best };
+        if done {
+            break;
+        }
+    }
+    model.rounded(best.unwrap_or_else(|| model.rows(NEAR)))
+}
+
+/// Angle between two axes by their directions, folded to [0, pi/2], rad.
+pub fn angle(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
+    a.cross(b).norm().atan2(a.dot(b).abs())
+}
+
+/// Directions of the axes in the base link at coordinates 0.
+pub fn directions(axes: &[Axis]) -> Vec<Vector3<f64>> {
+    joint_poses(axes).iter().zip(axes).map(|(pose, axis)| pose.rotation * axis.direction).collect()
+}
+
+/// Frames of the joints in the base link at coordinates 0.
+pub fn joint_poses(axes: &[Axis]) -> Vec<Pose> {
+    let step = |t: &mut Pose, axis: &Axis| {
+        *t = *t * axis.origin;
+        Some(*t)
+    };
+    axes.iter().scan(Pose::identity(), step).collect()
+}
+
+struct Model<'a> {
+    axes: &'a [Axis],
+    flange: &'a Pose,
+}
+
+impl Model<'_> {
+    fn rows(&self, parallel: f64) -> Derived {
+        let poses = joint_poses(self.axes);
+        let directions = directions(self.axes);
+        let mount = first_frame(&directions[0], &poses[0].translation);
+        let mut frame = mount;
+        let mut rows = Vec::new();
+        for k in 0..self.axes.len() {
+            let local = frame.inverse();
+            let row = match poses.get(k + 1) {
+                Some(next) => between(
+                    &(local.rotation * directions[k + 1]),
+                    &local.transform(&next.translation),
+                    parallel,
+                ),
+                None => last(&(local * self.tip())),
+            };
+            frame = frame * pose_of(&row, 0.0, 0.0);
+            rows.push(row);
+        }
+        self.derived(mount, rows)
+    }
+
+    /// The tip link in the base link at coordinates 0.
+    fn tip(&self) -> Pose {
+        joint_poses(self.axes).last().map_or(*self.flange, |last| *last * *self.flange)
+    }
+
+    /// What follows from mount and rows.
+    fn derived(&self, mount: Pose, rows: Vec<Row>) -> Derived {
+        let mut frames = vec![mount];
+        for row in &rows {
+            frames.push(frames[frames.len() - 1] * pose_of(row, 0.0, 0.0));
+        }
+        let tip = tidy(frames[frames.len() - 1].inverse() * self.tip());
+        let inside = |(frame, joint): (&Pose, Pose)| tidy(frame.inverse() * joint);
+        let joint_frames = frames.iter().zip(joint_poses(self.axes)).map(inside).collect();
+        let mut derived = Derived { mount, rows, tip, frames, joint_frames, gap: 0.0 };
+        derived.gap = self.gap(&derived);
+        derived
+    }
+
+    /// Makes 0 and right angles exact where the rows stay as true as they are.
+    fn rounded(&self, derived: Derived) -> Derived {
+        let mut best = self.derived(tidy(derived.mount), derived.rows);
+        for k in 0..best.rows.len() {
+            let numbers: [fn(&mut Row); 4] = [
+                |row| row.theta = right_angle(row.theta),
+                |row| row.r = zero(row.r),
+                |row| row.l = zero(row.l),
+                |row| row.alpha = right_angle(row.alpha),
+            ];
+            for round in numbers {
+                let mut rows = best.rows.clone();
+                round(&mut rows[k]);
+                if rows[k] != best.rows[k] {
+                    let tried = self.derived(best.mount, rows);
+                    best = if tried.gap < TRUE.max(best.gap) { tried } else { best };
+                }
+            }
+        }
+        best
+    }
+
+    fn gap(&self, derived: &Derived) -> f64 {
+        let gaps = (0..POSTURES).map(|i| {
+            let (mut urdf, mut rows) = (Pose::identity(), derived.mount);
+            for (k, (axis, row)) in self.axes.iter().zip(&derived.rows).enumerate() {
+                let q = coordinate(i, k) * if axis.kind == JointKind::Revolute { PI } else { 1.0 };
+                urdf = urdf * axis.origin * moved(axis, q);
+                rows = rows
+                    * match axis.kind {
+                        JointKind::Revolute => pose_of(row, q, 0.0),
+                        JointKind::Prismatic => pose_of(row, 0.0, q),
+                    };
+            }
+            let (urdf, rows) = (urdf * *self.flange, rows * derived.tip);
+            let turn = (urdf.rotation - rows.rotation).norm();
+            (urdf.translation - rows.translation).norm().max(turn)
+        });
+        // A NaN would be no gap to `max`.
+        gaps.fold(0.0, |most, gap| if gap > most || gap.is_nan() { gap } else { most })
+    }
+}
+
+/// Coordinate k of posture i in [-1, 1]: multiples of square roots spread evenly (Weyl 1916).
+fn coordinate(i: usize, k: usize) -> f64 {
+    const PRIMES: [f64; 8] = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0];
+    2.0 * ((i + 1) as f64 * PRIMES[k % 8].sqrt()).fract() - 1.0
+}
+
+/// The motion of a joint in its own frame.
+fn moved(axis: &Axis, q: f64) -> Pose {
+    match axis.kind {
+        JointKind::Revolute => {
+            let turn = Rotation3::from_axis_angle(&Unit::new_unchecked(axis.direction), q);
+            Pose { rotation: turn.into_inner(), translation: Vector3::zeros() }
+        }
+        JointKind::Prismatic => Pose { translation: axis.direction * q, ..Pose::identity() },
+    }
+}
+
+/// `Rz(theta + turn) Tz(r + slide) Tx(l) Rx(alpha)`.
+fn pose_of(row: &Row, turn: f64, slide: f64) -> Pose {
+    let (s, c) = (row.theta + turn).sin_cos();
+    let (sa, ca) = exact(row.alpha);
+    let rotation = Matrix3::new(c, -s * ca, s * sa, s, c * ca, -c * sa, 0.0, sa, ca);
+    Pose { rotation, translation: Vector3::new(row.l * c, row.l * s, row.r + slide) }
+}
+
+/// Sine and cosine as the chain takes them: exact at right angles.
+fn exact(angle: f64) -> (f64, f64) {
+    let zero = |v: f64| if v.abs() < 1e-15 { 0.0 } else { v };
+    (zero(angle.sin()), zero(angle.cos()))
+}
+
+fn first_frame(z: &Vector3<f64>, point: &Vector3<f64>) -> Pose {
+    let towards = if z.x.abs() > 0.9 { Vector3::y() } else { Vector3::x() };
+    let x = (towards - z * z.dot(&towards)).normalize();
+    Pose { rotation: Matrix3::from_columns(&[x, z.cross(&x), *z]), translation: point - z * z.dot(point) }
+}
+
+/// The row to an axis through `p` along the unit vector `d`, both in the frame before the row.
+fn between(d: &Vector3<f64>, p: &Vector3<f64>, parallel: f64) -> Row {
+    let s = d.x.hypot(d.y);
+    if s <= parallel {
+        let (x, y) = (p.x - d.x * p.z / d.z, p.y - d.y * p.z / d.z);
+        return beside(d.z, (x, y), 0.0, (1.0, 0.0));
+    }
+    let normal = Vector3::new(-d.y / s, d.x / s, 0.0);
+    // Along z to the foot of the common normal.
+    let r = p.cross(d).dot(&normal) / s;
+    in_sense(r, p.dot(&normal), s.atan2(d.z), (normal.x, normal.y))
+}
+
+/// The row to an axis parallel to z, `r` up and at `(x, y)`; `along` is the x axis if it is z itself.
+fn beside(up: f64, (x, y): (f64, f64), r: f64, along: (f64, f64)) -> Row {
+    let alpha = if up < 0.0 { PI } else { 0.0 };
+    let l = x.hypot(y);
+    if l <= SHORTEST {
+        return Row { theta: along.1.atan2(along.0), r, l: 0.0, alpha };
+    }
+    in_sense(r, l, alpha, (x / l, y / l))
+}
+
+/// Of the two senses of the x axis the one that the head of this file tells.
+fn in_sense(r: f64, l: f64, alpha: f64, (x, y): (f64, f64)) -> Row {
+    let square = x.abs() <= NEAR;
+    let turn_round = if !square {
+        x < 0.0
+    } else if l.abs() > NEAR {
+        l < 0.0
+    } else {
+        y < 0.0
+    };
+    let (l, alpha, x, y) = if turn_round { (-l, -alpha, -x, -y) } else { (l, alpha, x, y) };
+    Row { theta: y.atan2(x), r, l, alpha: if alpha == -PI { PI } else { alpha } }
+}
+
+/// The row after the last axis; `tip` is the tip link in the frame before it.
+fn last(tip: &Pose) -> Row {
+    let (x, d, p) = (tip.rotation.column(0), tip.rotation.column(2).into_owned(), tip.translation);
+    let s = d.x.hypot(d.y);
+    if s <= NEAR {
+        beside(d.z, (p.x, p.y), p.z, (x[0], x[1]))
+    } else if s < SLANTED {
+        Row::default()
+    } else {
+        between(&d, &p, 0.0)
+    }
+}
+
+/// Entries of a pose that are 0, 1 or -1 but for rounding.
+fn tidy(pose: Pose) -> Pose {
+    let near = |v: f64| if (v - v.round()).abs() < 1e-14 { v.round() + 0.0 } else { v };
+    let zero = |v: f64| if v.abs() < 1e-14 { 0.0 } else { v };
+    Pose { rotation: pose.rotation.map(near), translation: pose.translation.map(zero) }
+}
+
+fn right_angle(angle: f64) -> f64 {
+    let exact = (angle / FRAC_PI_2).round() * FRAC_PI_2 + 0.0;
+    if (angle - exact).abs() < NEAR { exact } else { angle }
+}
+
+fn zero(length: f64) -> f64 {
+    if length.abs() < NEAR { 0.0 } else { length }
+}

@@ -1,0 +1,52 @@
+//! Faults found while the text of the file is borrowed; the library gets them afterwards.
+
+use crate::files::fault::Severity;
+use crate::files::toml::document::Library;
+use crate::files::toml::tree::At;
+
+/// Most faults kept; the library lists fewer.
+const MOST: usize = 600;
+
+pub struct Wrong {
+    at: At,
+    message: String,
+    help: String,
+}
+
+pub struct Faults {
+    /// Index of the URDF among the sources.
+    file: usize,
+    found: Vec<Wrong>,
+}
+
+impl Faults {
+    pub fn new(file: usize) -> Self {
+        Self { file, found: Vec::new() }
+    }
+
+    pub fn at(&self, offset: usize) -> At {
+        At { file: self.file, offset }
+    }
+
+    pub fn wrong(&self, offset: usize, message: String, help: impl Into<String>) -> Wrong {
+        Wrong { at: self.at(offset), message, help: help.into() }
+    }
+
+    pub fn error(&mut self, at: At, message: String, help: impl Into<String>) {
+        self.push(Wrong { at, message, help: help.into() });
+    }
+
+    pub fn push(&mut self, wrong: Wrong) {
+        if self.found.len() < MOST {
+            self.found.push(wrong);
+        }
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.found.is_empty()
+    }
+
+    pub fn tell(self, lib: &mut Library<'_>) {
+        self.found.into_iter().for_each(|w| lib.fault(w.at, Severity::Error, w.message, w.help));
+    }
+}

@@ -1,0 +1,103 @@
+//! Robots from URDF files (the XML of ROS): a chain of links to standard D-H rows and solids.
+//!
+//! Of the file are used the links and joints from `base_link` to `tip_link` with what is fixed to
+//! them, and of those the joints and the collision shapes. All else is counted and told once. Lengths
+//! are in m and angles in rad, as in the format.
+
+mod dh;
+mod fault_list;
+mod model;
+mod motion;
+mod packages;
+mod parse;
+mod scan;
+mod solids;
+mod tree;
+mod xml;
+
+use super::fault::{Severity, shown};
+use super::toml::document::Library;
+use super::toml::reader::Table;
+use super::toml::tree::{At, Node};
+use super::toml::value;
+use crate::cell::*;
+use crate::pose::Pose;
+use fault_list::Faults;
+use model::{Named, Urdf};
+use motion::Motion;
+use packages::Packages;
+use tree::Tree;
+
+/// What a URDF gives of a robot.
+pub struct Arm {
+    /// The name in the file, if it can be one.
+    pub name: Option<String>,
+    /// Base link to D-H frame 0.
+    pub mount: Pose,
+    pub joints: Vec<Joint>,
+    pub coupling: Vec<Vec<f64>>,
+    pub solids: Vec<LinkSolid>,
+    pub joint_frames: Vec<Pose>,
+    pub origin: UrdfOrigin,
+}
+
+/// Reads the URDF that a robot names in `urdf`, and the keys that belong to it.
+pub fn read(t: &mut Table<'_>, node: &Node, lib: &mut Library<'_>) -> Option<Arm> {
+    let packages = Packages::read(t, lib);
+    let base = asked(t, "base_link", lib);
+    let tip = asked(t, "tip_link", lib);
+    let named = Named { name: value::text(node, "urdf", lib)?, at: node.at };
+    let path = packages.path(&named, lib)?;
+    let file = lib.text(&path, Some(node.at))?;
+    let mut faults = Faults::new(file);
+    let urdf = parse::parse(lib.sources[file].text(), &mut faults).filter(|_| faults.is_empty());
+    faults.tell(lib);
+    let urdf = urdf?;
+    let tree = Tree::new(&urdf, lib)?;
+    let end = |name: Option<Named>, lib: &mut Library<'_>| name.map(|name| tree.link(&name, lib));
+    let (base, tip) = (end(base, lib), end(tip, lib));
+    let way = tree.way(base, tip, node.at, lib)?;
+    let motion = motion::read(&urdf, &way, lib)?;
+    let derived = dh::derive(&motion.axes, &motion.flange);
+    motion::warn_of_slants(&urdf, &way, &motion, &derived, lib);
+    let carried = solids::carried(&urdf, &tree, &way, lib);
+    let solids = solids::read(&urdf, &carried, &derived, &packages, lib);
+    let ignored = solids::ignored(&urdf, &carried, &motion);
+    tell_ignored(&ignored, urdf.at, lib);
+    let link = |l: usize| urdf.links[l].name.name.clone();
+    let (base_link, tip_link) = (link(way.base), link(way.tip));
+    let origin = UrdfOrigin { file: path, base_link, tip_link, tip: derived.tip, ignored };
+    Some(arm(&urdf, motion, derived, solids, origin))
+}
+
+fn arm(urdf: &Urdf, motion: Motion, derived: dh::Derived, solids: Vec<LinkSolid>, origin: UrdfOrigin) -> Arm {
+    let kinds = motion.axes.iter().map(|axis| axis.kind);
+    let coupling = motion.movers.iter().map(|m| m.coupling.clone()).collect();
+    let joints = motion.movers.into_iter().zip(kinds).zip(&derived.rows).map(|((mover, kind), row)| {
+        let (turn, slide) = match kind {
+            JointKind::Revolute => (mover.offset, 0.0),
+            JointKind::Prismatic => (0.0, mover.offset),
+        };
+        let (theta, r) = (row.theta + turn, row.r + slide);
+        Joint { name: mover.name, kind, theta, r, l: row.l, alpha: row.alpha, limits: mover.limits }
+    });
+    let (name, joints) = (urdf.name.clone(), joints.collect());
+    let (mount, joint_frames) = (derived.mount, derived.joint_frames);
+    Arm { name, mount, joints, coupling, solids, joint_frames, origin }
+}
+
+/// A link named in the robot file.
+fn asked(t: &mut Table<'_>, key: &'static str, lib: &mut Library<'_>) -> Option<Named> {
+    let node = t.get(key)?;
+    value::text(node, key, lib).map(|name| Named { name, at: node.at })
+}
+
+fn tell_ignored(ignored: &[(String, usize)], at: At, lib: &mut Library<'_>) {
+    if ignored.is_empty() {
+        return;
+    }
+    let counts: Vec<_> = ignored.iter().map(|(what, n)| format!("{n} {}", shown(what))).collect();
+    let message = format!("not used of this URDF: {}", counts.join(", "));
+    let help = "only joints and collision shapes of the chain from base to tip link count";
+    lib.fault(at, Severity::Warning, message, help);
+}

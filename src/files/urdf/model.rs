@@ -1,0 +1,103 @@
+//! What a URDF says, m and rad, before anything is made of it.
+
+use crate::files::toml::tree::At;
+use crate::pose::Pose;
+use nalgebra::Vector3;
+use std::collections::BTreeMap;
+
+/// A word of the file and its place.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Named {
+    pub name: String,
+    pub at: At,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct Urdf {
+    pub at: At,
+    pub name: Option<String>,
+    pub links: Vec<UrdfLink>,
+    pub joints: Vec<UrdfJoint>,
+    /// How many elements of each name are not used.
+    pub ignored: BTreeMap<String, usize>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct UrdfLink {
+    pub name: Named,
+    pub collisions: Vec<Collision>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct Collision {
+    pub at: At,
+    /// In the frame of its link.
+    pub pose: Pose,
+    pub geometry: Geometry,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub enum Geometry {
+    /// Full edge lengths.
+    Box(Vector3<f64>),
+    /// Centred, along z.
+    Cylinder {
+        radius: f64,
+        length: f64,
+    },
+    Sphere(f64),
+    Mesh {
+        file: Named,
+        scale: Vector3<f64>,
+    },
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    Revolute,
+    Continuous,
+    Prismatic,
+    Fixed,
+    Floating,
+    Planar,
+}
+
+impl Kind {
+    pub const ALL: [Self; 6] =
+        [Self::Revolute, Self::Continuous, Self::Prismatic, Self::Fixed, Self::Floating, Self::Planar];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Revolute => "revolute",
+            Self::Continuous => "continuous",
+            Self::Prismatic => "prismatic",
+            Self::Fixed => "fixed",
+            Self::Floating => "floating",
+            Self::Planar => "planar",
+        }
+    }
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct UrdfJoint {
+    pub name: Named,
+    pub kind: Kind,
+    pub parent: Named,
+    pub child: Named,
+    /// Frame of the parent link to that of the joint at coordinate 0.
+    pub origin: Pose,
+    pub origin_at: At,
+    /// Unit vector in the frame of the joint.
+    pub axis: Vector3<f64>,
+    /// Those that are written, with the place of `<limit>`.
+    pub limits: Option<(f64, f64, At)>,
+    pub mimic: Option<Mimic>,
+}
+
+/// Coordinate = `multiplier` * that of `joint` + `offset`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mimic {
+    pub joint: Named,
+    pub multiplier: f64,
+    pub offset: f64,
+}

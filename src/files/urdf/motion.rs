@@ -1,0 +1,238 @@
+//! The joints on the way from base to tip: which move, within what limits, and what follows what.
+
+use super::dh;
+
+use super::dh::Axis;
+use super::model::*;
+use super::tree::Way;
+use crate::cell::{JointKind, MAX_JOINTS};
+use crate::files::fault::{Severity, shown};
+use crate::files::toml::document::Library;
+use crate::files::toml::value;
+use crate::pose::Pose;
+use std::f64::consts::TAU;
+
+/// Longer than any arm, m: the file is probably in mm.
+pub const TOO_LONG: f64 = 20.0;
+
+/// Limits of more turns are probably in degrees, rad; and what no joint can mean.
+const MANY_TURNS: f64 = 4.0 * TAU;
+const TOO_MANY_TURNS: f64 = 1e3;
+
+/// Axes nearer to parallel or to a right angle than this (rad) may be meant to be it.
+const NEARLY: f64 = 1e-3;
+
+/// A joint that moves, with what the rows do not hold.
+pub struct Mover {
+    pub name: String,
+    pub limits: (f64, f64),
+    /// Its coordinate where all actuators are at 0 (rad or m): the offset of a mimic joint.
+    pub offset: f64,
+    /// Its row of the coupling.
+    pub coupling: Vec<f64>,
+}
+
+pub struct Motion {
+    pub axes: Vec<Axis>,
+    pub movers: Vec<Mover>,
+    /// Tip link in the frame of the last moving joint.
+    pub flange: Pose,
+}
+
+/// Every fault of the chain; good only if none was recorded.
+pub fn read(urdf: &Urdf, way: &Way, lib: &mut Library<'_>) -> Option<Motion> {
+    let before = lib.errors();
+    let joints: Vec<_> = way.joints.iter().map(|&j| &urdf.joints[j]).collect();
+    joints.iter().for_each(|joint| refuse_length(joint, lib));
+    let moving: Vec<_> = joints.iter().copied().filter(|j| j.kind != Kind::Fixed).collect();
+    refuse_count(urdf, &moving, lib);
+    let mut movers: Vec<Mover> = Vec::new();
+    for (i, joint) in moving.iter().enumerate().take(MAX_JOINTS) {
+        let mover = read_mover(i, joint, &moving, &movers, lib);
+        movers.push(mover.unwrap_or_else(|| Mover::alone(i, moving.len(), String::new(), (0.0, 0.0))));
+    }
+    if lib.errors() > before {
+        return None;
+    }
+    let mut at = Pose::identity();
+    let mut axes = Vec::new();
+    for joint in joints {
+        at = at * joint.origin;
+        let kind = match joint.kind {
+            Kind::Fixed => continue,
+            Kind::Prismatic => JointKind::Prismatic,
+            _ => JointKind::Revolute,
+        };
+        axes.push(Axis { kind, origin: std::mem::replace(&mut at, Pose::identity()), direction: joint.axis });
+    }
+    Some(Motion { axes, movers, flange: at })
+}
+
+impl Mover {
+    fn alone(i: usize, n: usize, name: String, limits: (f64, f64)) -> Self {
+        let coupling = (0..n).map(|j| f64::from(u8::from(i == j))).collect();
+        Self { name, limits, offset: 0.0, coupling }
+    }
+}
+
+fn refuse_length(joint: &UrdfJoint, lib: &mut Library<'_>) {
+    let longest = joint.origin.translation.amax();
+    if longest > TOO_LONG {
+        let message = format!("the origin of joint `{}` is {longest} m away", shown(&joint.name.name));
+        lib.error(joint.origin_at, message, "lengths of a URDF are in m: is it in mm?");
+    }
+}
+
+fn refuse_count(urdf: &Urdf, moving: &[&UrdfJoint], lib: &mut Library<'_>) {
+    if moving.iter().all(|j| j.mimic.is_some()) || moving.len() > MAX_JOINTS {
+        let at = moving.get(MAX_JOINTS).map_or(urdf.at, |j| j.name.at);
+        let own = moving.iter().filter(|j| j.mimic.is_none()).count();
+        let message = if moving.len() > MAX_JOINTS {
+            format!("{} joints move between base and tip link, at most {MAX_JOINTS} may", moving.len())
+        } else {
+            format!("{own} joints move of their own between base and tip link")
+        };
+        lib.error(at, message, "choose the chain of the arm with base_link and tip_link");
+    }
+}
+
+fn read_mover(
+    i: usize,
+    joint: &UrdfJoint,
+    moving: &[&UrdfJoint],
+    before: &[Mover],
+    lib: &mut Library<'_>,
+) -> Option<Mover> {
+    let name = value::checked_name(&joint.name.name, joint.name.at, lib);
+    if matches!(joint.kind, Kind::Floating | Kind::Planar) {
+        let message = format!("joint `{}` is {}", shown(&joint.name.name), joint.kind.name());
+        lib.error(
+            joint.name.at,
+            message,
+            "only revolute, continuous, prismatic and fixed joints can be read",
+        );
+        return None;
+    }
+    if let Some(mimic) = &joint.mimic {
+        return read_mimic(i, joint, mimic, moving, before, lib);
+    }
+    let limits = read_limits(joint, lib);
+    Some(Mover::alone(i, moving.len(), name?, limits?))
+}
+
+fn read_limits(joint: &UrdfJoint, lib: &mut Library<'_>) -> Option<(f64, f64)> {
+    let name = shown(&joint.name.name);
+    if joint.kind == Kind::Continuous {
+        let message = format!("the continuous joint `{name}` is taken with limits of -360 and 360 degrees");
+        let help = "make it revolute with limits, if its cables end sooner";
+        lib.fault(joint.name.at, Severity::Warning, message, help);
+        return Some((-TAU, TAU));
+    }
+    let Some((lower, upper, at)) = joint.limits else {
+        let message = format!("joint `{name}` has no limits");
+        let help =
+            "add <limit lower=\"...\" upper=\"...\"/>: others take what is missing as 0 to 0, no travel";
+        lib.error(joint.name.at, message, help);
+        return None;
+    };
+    let farthest = lower.abs().max(upper.abs());
+    let (most, unit) = match joint.kind {
+        Kind::Prismatic => (TOO_LONG, "m: are they in mm?"),
+        _ => (TOO_MANY_TURNS, "rad: are they in degrees?"),
+    };
+    if lower > upper {
+        let message = format!("the limits of joint `{name}` are reversed: {lower} is above {upper}");
+        lib.error(at, message, "exchange lower and upper");
+    } else if lower == upper {
+        let message = format!("the limits of joint `{name}` leave no travel: both are {lower}");
+        lib.error(at, message, "make it fixed, or write the limits");
+    } else if farthest > most {
+        let message = format!("a limit of joint `{name}` is {farthest}");
+        lib.error(at, message, format!("limits of a URDF are in {unit}"));
+    } else if joint.kind == Kind::Revolute && farthest > MANY_TURNS {
+        let message = format!("joint `{name}` turns by up to {farthest} rad, more than four turns");
+        lib.fault(at, Severity::Warning, message, "limits of a URDF are in rad: are these in degrees?");
+    }
+    Some((lower, upper))
+}
+
+/// A mimic joint follows one before it on the chain: a row of the coupling and an offset.
+fn read_mimic(
+    i: usize,
+    joint: &UrdfJoint,
+    mimic: &Mimic,
+    moving: &[&UrdfJoint],
+    before: &[Mover],
+    lib: &mut Library<'_>,
+) -> Option<Mover> {
+    let name = shown(&joint.name.name);
+    let followed = before.len().min(i);
+    let Some(j) = moving[..followed].iter().position(|other| other.name.name == mimic.joint.name) else {
+        let message = format!("joint `{name}` mimics `{}`, no joint before it", shown(&mimic.joint.name));
+        let help = "a joint can follow one that stands before it on the way from base to tip link";
+        lib.error(mimic.joint.at, message, help);
+        return None;
+    };
+    let other = &before[j];
+    let mut mover = Mover::alone(i, moving.len(), joint.name.name.clone(), (0.0, 0.0));
+    mover.offset = mimic.multiplier * other.offset + mimic.offset;
+    for k in (0..=j).filter(|&k| k < j || moving[j].mimic.is_none()) {
+        mover.coupling[k] = mimic.multiplier * other.coupling[k];
+    }
+    if mover.coupling[..i].iter().all(|&c| c == 0.0) {
+        let message = format!("nothing moves the mimic joint `{name}`: its multiplier is 0");
+        lib.error(mimic.joint.at, message, "make it fixed");
+        return None;
+    }
+    warn_beyond(joint, &mover, before, lib);
+    Some(mover)
+}
+
+/// The limits of a mimic joint hold nothing back: those that it follows must.
+fn warn_beyond(joint: &UrdfJoint, mover: &Mover, before: &[Mover], lib: &mut Library<'_>) {
+    let Some((lower, upper, at)) = joint.limits else { return };
+    let (mut low, mut high) = (mover.offset, mover.offset);
+    for (c, other) in mover.coupling.iter().zip(before) {
+        let ends = (c * other.limits.0, c * other.limits.1);
+        (low, high) = (low + ends.0.min(ends.1), high + ends.0.max(ends.1));
+    }
+    if low < lower - 1e-9 || high > upper + 1e-9 {
+        let name = shown(&joint.name.name);
+        let message =
+            format!("the mimic joint `{name}` is led from {low:.4} to {high:.4}, beyond its limits");
+        lib.fault(at, Severity::Warning, message, "narrow the limits of the joint that it follows");
+    }
+}
+
+/// Says where axes are parallel or square but for a little, and where that costs truth.
+pub fn warn_of_slants(urdf: &Urdf, way: &Way, motion: &Motion, derived: &dh::Derived, lib: &mut Library<'_>) {
+    let moving = way.joints.iter().map(|&j| &urdf.joints[j]).filter(|j| j.kind != Kind::Fixed);
+    let moving: Vec<_> = moving.collect();
+    for (k, pair) in dh::directions(&motion.axes).windows(2).enumerate() {
+        let angle = dh::angle(&pair[0], &pair[1]);
+        let off = angle.min(std::f64::consts::FRAC_PI_2 - angle);
+        if off <= dh::TRUE || off >= NEARLY {
+            continue;
+        }
+        let names = (shown(&motion.movers[k].name), shown(&motion.movers[k + 1].name));
+        let (what, so) = if angle < NEARLY {
+            let away = derived.rows[k].r.abs().max(derived.rows.get(k + 1).map_or(0.0, |row| row.r.abs()));
+            (
+                "parallel",
+                format!("; their rows lead {away:.3} m along the axes, where row errors mean little"),
+            )
+        } else {
+            ("at right angles", String::new())
+        };
+        let message =
+            format!("the axes of `{}` and `{}` are {what} but for {off:.1e} rad{so}", names.0, names.1);
+        let help = "if they are meant to be, write the angles with all digits: 1.5707963267948966";
+        lib.fault(moving[k + 1].origin_at, Severity::Warning, message, help);
+    }
+    if derived.gap >= dh::TRUE || derived.gap.is_nan() {
+        let message =
+            format!("no D-H rows are true to this URDF: they miss it by up to {:.1e} m", derived.gap);
+        let help = "axes that are almost parallel are why: write the angles with all digits";
+        lib.fault(urdf.at, Severity::Warning, message, help);
+    }
+}

@@ -1,0 +1,71 @@
+//! `package://NAME/PATH`: where the packages of ROS lie.
+
+use super::model::Named;
+use crate::files::fault::shown;
+use crate::files::toml::document::Library;
+use crate::files::toml::reader::Table;
+use crate::files::toml::tree::Value;
+use crate::files::toml::value;
+
+const SCHEME: &str = "package://";
+
+/// Folders of packages, inside the folder of the cell.
+pub struct Packages(Vec<(String, String)>);
+
+impl Packages {
+    /// `packages = { NAME = "FOLDER" }` of a robot, relative to the naming file.
+    pub fn read(t: &mut Table<'_>, lib: &mut Library<'_>) -> Self {
+        let Some(node) = t.get("packages") else { return Self(Vec::new()) };
+        if !matches!(node.value, Value::Table(_)) {
+            let message = format!("`packages` must be a table, not {}", node.value.kind());
+            lib.error(node.at, message, "write packages = { NAME = \"FOLDER\" }");
+        }
+        let read = |(name, _, node): &(String, _, crate::files::toml::tree::Node)| {
+            let folder = value::text(node, "packages", lib)?;
+            Some((name.clone(), lib.relative(folder.trim_end_matches('/'), node.at)?))
+        };
+        Self(node.value.entries().iter().filter_map(read).collect())
+    }
+
+    /// The path of a file that a URDF names: relative to the folder of the cell, or
+    /// `package://NAME/PATH` of a package whose folder the file does not give.
+    pub fn path(&self, file: &Named, lib: &mut Library<'_>) -> Option<String> {
+        let naming =
+            lib.sources[file.at.file].path.strip_prefix(SCHEME).and_then(|path| path.rsplit_once('/'));
+        let whole = match (file.name.strip_prefix(SCHEME), naming) {
+            (Some(rest), _) => rest.to_string(),
+            // Beside a URDF that lies in a package itself.
+            (None, Some((folder, _))) if !file.name.starts_with('/') => format!("{folder}/{}", file.name),
+            _ => return lib.relative(&file.name, file.at),
+        };
+        let inside = whole.split_once('/').and_then(|(name, path)| Some((name, normal(path)?)));
+        let Some((name, path)) = inside.filter(|(name, _)| is_package(name)) else {
+            let message = format!("`{}` is no file of a package", shown(&file.name));
+            lib.error(file.at, message, "write package://NAME/PATH, with a path that stays in the package");
+            return None;
+        };
+        Some(match self.0.iter().find(|(n, _)| n == name) {
+            Some((_, folder)) => format!("{folder}/{path}"),
+            None => format!("{SCHEME}{name}/{path}"),
+        })
+    }
+}
+
+/// Letters, digits, `_` and `-`: no way out of a folder.
+fn is_package(name: &str) -> bool {
+    !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-')
+}
+
+/// A path without `.` and `..`; none if it leaves its folder or is no file.
+fn normal(path: &str) -> Option<String> {
+    let mut parts: Vec<&str> = Vec::new();
+    for part in path.split('/') {
+        match part {
+            "" | "." => {}
+            ".." => drop(parts.pop()?),
+            _ => parts.push(part),
+        }
+    }
+    let odd = path.starts_with('/') || path.ends_with('/') || path.contains(['\\', ':', '\0']);
+    (!odd && !parts.is_empty()).then(|| parts.join("/"))
+}

@@ -1,0 +1,126 @@
+//! Collision shapes of the links that the chain carries, in its D-H frames.
+
+use super::dh::Derived;
+use super::model::*;
+use super::motion::{Motion, TOO_LONG};
+use super::packages::Packages;
+use super::tree::{Tree, Way};
+use crate::cell::LinkSolid;
+use crate::cell::{Shape, Solid};
+use crate::files::fault::shown;
+use crate::files::mesh;
+use crate::files::toml::document::Library;
+use crate::files::toml::value;
+use crate::pose::Pose;
+use nalgebra::Vector3;
+
+/// A link that moves with a D-H frame.
+pub struct Carried {
+    link: usize,
+    /// How many joints move it.
+    frame: usize,
+    /// In the base link at coordinates 0.
+    pose: Pose,
+}
+
+/// The links on the way and those fixed to them.
+pub fn carried(urdf: &Urdf, tree: &Tree<'_>, way: &Way, lib: &mut Library<'_>) -> Vec<Carried> {
+    let mut open = vec![Carried { link: way.base, frame: 0, pose: Pose::identity() }];
+    let mut all = Vec::new();
+    while let Some(at) = open.pop() {
+        for &j in &tree.below[at.link] {
+            let joint = &urdf.joints[j];
+            let moves = joint.kind != Kind::Fixed;
+            if moves && !way.joints.contains(&j) {
+                continue;
+            }
+            let Some(link) = tree.link(&joint.child, lib) else { continue };
+            let frame = at.frame + usize::from(moves);
+            open.push(Carried { link, frame, pose: at.pose * joint.origin });
+        }
+        all.push(at);
+    }
+    all.sort_by_key(|c| (c.frame, c.link));
+    all
+}
+
+/// Their solids, named after their links.
+pub fn read(
+    urdf: &Urdf,
+    carried: &[Carried],
+    derived: &Derived,
+    packages: &Packages,
+    lib: &mut Library<'_>,
+) -> Vec<LinkSolid> {
+    let mut solids = Vec::new();
+    for c in carried {
+        let link = &urdf.links[c.link];
+        let Some(name) = value::checked_name(&link.name.name, link.name.at, lib) else { continue };
+        // Solids of link 0 are in the base, those of the others in their D-H frame.
+        let frame = if c.frame == 0 { Pose::identity() } else { derived.frames[c.frame].inverse() };
+        let frame = frame * c.pose;
+        for (k, collision) in link.collisions.iter().enumerate() {
+            let pose = frame * collision.pose;
+            let Some(shape) = shape(&name, collision, pose, packages, lib) else { continue };
+            let name = if k == 0 { name.clone() } else { format!("{name} #{}", k + 1) };
+            solids.push(LinkSolid { link: c.frame, solid: Solid { name, shape } });
+        }
+    }
+    solids
+}
+
+fn shape(
+    link: &str,
+    collision: &Collision,
+    pose: Pose,
+    packages: &Packages,
+    lib: &mut Library<'_>,
+) -> Option<Shape> {
+    let size = match &collision.geometry {
+        Geometry::Box(size) => size.amax(),
+        Geometry::Cylinder { radius, length } => radius.max(*length),
+        Geometry::Sphere(radius) => *radius,
+        Geometry::Mesh { .. } => 0.0,
+    };
+    if size.max(collision.pose.translation.amax()) > TOO_LONG {
+        let message = format!("a collision shape of link `{}` is larger than {TOO_LONG} m", shown(link));
+        lib.error(collision.at, message, "lengths of a URDF are in m: is it in mm?");
+        return None;
+    }
+    Some(match &collision.geometry {
+        Geometry::Box(size) => Shape::Box { pose, size: *size },
+        Geometry::Sphere(radius) => Shape::Sphere { centre: pose.translation, radius: *radius },
+        Geometry::Cylinder { radius, length } => {
+            let end = |half: f64| pose.transform(&Vector3::new(0.0, 0.0, half));
+            Shape::Cylinder { a: end(-length / 2.0), b: end(length / 2.0), radius: *radius }
+        }
+        Geometry::Mesh { file, scale } => return read_mesh(file, scale, &pose, packages, lib),
+    })
+}
+
+/// A collision mesh, `scale` of its coordinates to m.
+fn read_mesh(
+    file: &Named,
+    scale: &Vector3<f64>,
+    pose: &Pose,
+    packages: &Packages,
+    lib: &mut Library<'_>,
+) -> Option<Shape> {
+    let path = packages.path(file, lib)?;
+    if scale.iter().any(|s| *s == 0.0) {
+        lib.error(file.at, "a mesh scaled by 0 is flat".into(), "give it a scale, 0.001 for a mesh in mm");
+        return None;
+    }
+    mesh::is_mesh(&file.name, file.at, lib).then_some(())?;
+    mesh::load(&path, file.at, scale, *pose, lib)
+}
+
+/// Counts what lies off the chain among what is not used.
+pub fn ignored(urdf: &Urdf, carried: &[Carried], motion: &Motion) -> Vec<(String, usize)> {
+    let links = urdf.links.len() - carried.len();
+    let fixed = carried.len().saturating_sub(motion.axes.len() + 1);
+    let joints = urdf.joints.len().saturating_sub(motion.axes.len() + fixed);
+    let off = [("links off the chain", links), ("joints off the chain", joints)];
+    let off = off.into_iter().filter(|(_, n)| *n > 0).map(|(what, n)| (what.to_string(), n));
+    off.chain(urdf.ignored.iter().map(|(what, n)| (what.clone(), *n))).collect()
+}

@@ -1,0 +1,141 @@
+//! The tree of links, and the way through it from base to tip.
+
+use super::model::*;
+use crate::files::fault::{did_you_mean, listed, shown};
+use crate::files::toml::document::Library;
+use crate::files::toml::tree::At;
+use std::collections::HashMap;
+
+/// Indices into the links and joints of a URDF.
+pub struct Tree<'u> {
+    urdf: &'u Urdf,
+    links: HashMap<&'u str, usize>,
+    /// The joint of which a link is the child.
+    above: Vec<Option<usize>>,
+    /// The joints of which it is the parent.
+    pub below: Vec<Vec<usize>>,
+}
+
+/// From base to tip.
+pub struct Way {
+    pub base: usize,
+    pub tip: usize,
+    pub joints: Vec<usize>,
+}
+
+impl<'u> Tree<'u> {
+    /// None with faults recorded if it is no tree: unknown links, two parents, circles.
+    pub fn new(urdf: &'u Urdf, lib: &mut Library<'_>) -> Option<Self> {
+        let links: HashMap<_, _> = urdf.links.iter().enumerate().map(|(i, l)| (&*l.name.name, i)).collect();
+        let none = vec![None; urdf.links.len()];
+        let mut tree = Self { urdf, links, above: none, below: vec![Vec::new(); urdf.links.len()] };
+        let before = lib.errors();
+        if urdf.links.is_empty() {
+            lib.error(urdf.at, "the robot has no link".into(), "add its <link> and <joint> elements");
+        }
+        for (j, joint) in urdf.joints.iter().enumerate() {
+            let (parent, child) = (tree.link(&joint.parent, lib), tree.link(&joint.child, lib));
+            let (Some(parent), Some(child)) = (parent, child) else { continue };
+            tree.below[parent].push(j);
+            if let Some(other) = tree.above[child].replace(j) {
+                let names = (shown(&joint.child.name), shown(&urdf.joints[other].name.name));
+                let message = format!("link `{}` is already the child of joint `{}`", names.0, names.1);
+                lib.error(joint.child.at, message, "a link hangs on one joint: a closed loop cannot be read");
+            }
+        }
+        if lib.errors() == before {
+            tree.refuse_circles(lib);
+        }
+        (lib.errors() == before).then_some(tree)
+    }
+
+    /// The link of a name, or a fault.
+    pub fn link(&self, name: &Named, lib: &mut Library<'_>) -> Option<usize> {
+        let found = self.links.get(&*name.name).copied();
+        if found.is_none() {
+            let names = || self.urdf.links.iter().map(|l| &*l.name.name);
+            let help = match did_you_mean(&name.name, names()) {
+                Some(near) => format!("did you mean `{}`?", shown(near)),
+                None => format!("the links are: {}", listed(names())),
+            };
+            lib.error(name.at, format!("there is no link `{}`", shown(&name.name)), help);
+        }
+        found
+    }
+
+    fn parent(&self, link: usize) -> Option<usize> {
+        let joint = self.above[link]?;
+        self.links.get(&*self.urdf.joints[joint].parent.name).copied()
+    }
+
+    /// Every circle once: each link is walked up from, links seen before need no second walk.
+    fn refuse_circles(&self, lib: &mut Library<'_>) {
+        let mut walk = vec![0; self.above.len()];
+        for start in 0..self.above.len() {
+            let mut link = Some(start);
+            while let Some(l) = link.filter(|&l| walk[l] == 0) {
+                walk[l] = start + 1;
+                link = self.parent(l);
+            }
+            let Some(again) = link.filter(|&l| walk[l] == start + 1) else { continue };
+            let Some(joint) = self.above[again].map(|j| &self.urdf.joints[j]) else { continue };
+            let message = format!("link `{}` hangs on itself", shown(&joint.child.name));
+            lib.error(joint.name.at, message, "follow its joints upwards and cut the circle");
+        }
+    }
+
+    /// The way from the base link (none: the root) to the tip link (none: the only leaf below it); `at`
+    /// is where the file was named.
+    pub fn way(
+        &self,
+        base: Option<Option<usize>>,
+        tip: Option<Option<usize>>,
+        at: At,
+        lib: &mut Library<'_>,
+    ) -> Option<Way> {
+        let base = base.unwrap_or_else(|| self.root(at, lib));
+        let tip = tip.unwrap_or_else(|| self.leaf(base?, at, lib));
+        let (base, tip) = (base?, tip?);
+        let mut joints = Vec::new();
+        let mut link = tip;
+        while link != base {
+            let (Some(joint), Some(parent)) = (self.above[link], self.parent(link)) else {
+                let name = |l: usize| shown(&self.urdf.links[l].name.name);
+                let message = format!("tip_link `{}` does not hang on base_link `{}`", name(tip), name(base));
+                lib.error(at, message, "name two links of one chain, the base first");
+                return None;
+            };
+            joints.push(joint);
+            link = parent;
+        }
+        joints.reverse();
+        Some(Way { base, tip, joints })
+    }
+
+    fn root(&self, at: At, lib: &mut Library<'_>) -> Option<usize> {
+        let roots: Vec<_> = (0..self.above.len()).filter(|&l| self.above[l].is_none()).collect();
+        self.single(&roots, "links that hang on nothing", "base_link", at, lib)
+    }
+
+    fn leaf(&self, base: usize, at: At, lib: &mut Library<'_>) -> Option<usize> {
+        let (mut open, mut leaves) = (vec![base], Vec::new());
+        while let Some(link) = open.pop() {
+            let children = self.below[link].iter();
+            open.extend(children.rev().filter_map(|&j| self.links.get(&*self.urdf.joints[j].child.name)));
+            if self.below[link].is_empty() {
+                leaves.push(link);
+            }
+        }
+        self.single(&leaves, "links at the end of a chain", "tip_link", at, lib)
+    }
+
+    fn single(&self, found: &[usize], what: &str, key: &str, at: At, lib: &mut Library<'_>) -> Option<usize> {
+        if let [one] = found {
+            return Some(*one);
+        }
+        let names = listed(found.iter().map(|&l| &*self.urdf.links[l].name.name));
+        let message = format!("the URDF has {} {what}", found.len());
+        lib.error(at, message, format!("say which with {key} = \"...\": {names}"));
+        None
+    }
+}

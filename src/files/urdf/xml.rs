@@ -1,0 +1,102 @@
+//! Attributes of XML elements as names and numbers, with their places.
+
+use super::fault_list::Faults;
+use super::model::Named;
+use crate::files::fault::{did_you_mean, listed, shown};
+use crate::files::toml::tree::At;
+use crate::pose::Pose;
+use nalgebra::Vector3;
+use roxmltree::Node;
+
+/// Largest number that any URDF can mean.
+const LARGEST: f64 = 1e7;
+
+const NO_MEASURE: &str = "write plain numbers, with blanks between them: nan and inf are no measures";
+
+/// The place of an attribute's value.
+pub fn place(e: Node<'_, '_>, name: &str, faults: &Faults) -> At {
+    let found = e.attributes().find(|a| a.name() == name).map(|a| a.range_value().start);
+    faults.at(found.unwrap_or(e.range().start))
+}
+
+/// The text of an attribute that must be there.
+pub fn text(e: Node<'_, '_>, name: &str, faults: &mut Faults) -> Option<Named> {
+    let at = place(e, name, faults);
+    let Some(value) = e.attribute(name).filter(|v| !v.is_empty()) else {
+        let message = format!("<{}> has no `{name}`", shown(e.tag_name().name()));
+        faults.error(at, message, format!("add {name}=\"...\""));
+        return None;
+    };
+    Some(Named { name: value.to_string(), at })
+}
+
+/// The numbers of an attribute; `default` if it is missing, and none of none.
+pub fn numbers<const N: usize>(
+    e: Node<'_, '_>,
+    name: &str,
+    default: Option<[f64; N]>,
+    faults: &mut Faults,
+) -> Option<[f64; N]> {
+    let Some(value) = e.attribute(name) else {
+        if default.is_none() {
+            text(e, name, faults);
+        }
+        return default;
+    };
+    let at = place(e, name, faults);
+    let mut all = [0.0; N];
+    let words: Vec<_> = value.split_ascii_whitespace().take(N + 1).collect();
+    if words.len() != N {
+        let wanted = if N == 1 { "one number".to_string() } else { format!("{N} numbers") };
+        let message = format!("`{name}` must be {wanted}, not \"{}\"", shown(value));
+        faults.error(at, message, NO_MEASURE);
+        return None;
+    }
+    for (number, word) in all.iter_mut().zip(words) {
+        match word.parse::<f64>() {
+            Ok(v) if v.abs() <= LARGEST => *number = v,
+            Ok(_) => {
+                let message = format!("`{name}` must be finite, from -1e7 to 1e7, not {}", shown(word));
+                faults.error(at, message, NO_MEASURE);
+                return None;
+            }
+            Err(_) => {
+                faults.error(at, format!("`{}` in `{name}` is no number", shown(word)), NO_MEASURE);
+                return None;
+            }
+        }
+    }
+    Some(all)
+}
+
+/// The only child of a name; a fault if there are several.
+pub fn only<'a, 'i>(e: Node<'a, 'i>, name: &str, faults: &mut Faults) -> Option<Node<'a, 'i>> {
+    let mut all = e.children().filter(|c| c.has_tag_name(name));
+    let first = all.next();
+    if let Some(second) = all.next() {
+        let message = format!("a second <{name}> in <{}>", shown(e.tag_name().name()));
+        faults.error(faults.at(second.range().start), message, "remove one of the two");
+    }
+    first
+}
+
+/// Refuses attributes that are not known: a misspelt one would count as 0.
+pub fn refuse_unknown(e: Node<'_, '_>, known: &[&'static str], faults: &mut Faults) {
+    for a in e.attributes().filter(|a| a.namespace().is_none() && !known.contains(&a.name())) {
+        let help = match did_you_mean(a.name(), known.iter().copied()) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => format!("known here: {}", listed(known.iter().copied())),
+        };
+        let message = format!("unknown attribute `{}` of <{}>", shown(a.name()), shown(e.tag_name().name()));
+        faults.error(faults.at(a.range().start), message, help);
+    }
+}
+
+/// `<origin xyz rpy>` (m, rad) of an element; identity without one.
+pub fn origin(e: Node<'_, '_>, faults: &mut Faults) -> Option<Pose> {
+    let Some(origin) = only(e, "origin", faults) else { return Some(Pose::identity()) };
+    refuse_unknown(origin, &["xyz", "rpy"], faults);
+    let xyz = numbers(origin, "xyz", Some([0.0; 3]), faults);
+    let rpy = numbers(origin, "rpy", Some([0.0; 3]), faults);
+    Some(Pose::from_translation_rpy(Vector3::from(xyz?), Vector3::from(rpy?)))
+}

@@ -1,0 +1,106 @@
+//! The first three joints of the usual industrial arm in closed form: a yaw, then two parallel axes
+//! perpendicular to it, with offsets (Brandstoetter et al. 2014).
+
+use super::subproblems::{ALIGNED, Angle, BOUNDARY, TwoLinks, difference};
+use crate::cell::JointKind;
+use crate::robot::{Link, Posture};
+use nalgebra::Vector3;
+
+/// The arm up to the wrist centre; lengths in m.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::reach) struct Anthropomorphic {
+    /// sin alpha_1 and cos alpha_2, each 1 or -1.
+    side: f64,
+    flip: f64,
+    r1: f64,
+    l1: f64,
+    /// y of the wrist centre in the frame turned by theta_1.
+    lateral: f64,
+    links: TwoLinks,
+    /// Direction of the wrist centre from axis 3 in the frame turned by theta_3.
+    forearm: Angle,
+}
+
+impl Anthropomorphic {
+    /// `tip`: the wrist centre in the frame turned by theta_3 (m). None if the arm is another.
+    pub fn new([a, b, c]: &[Link; 3], tip: &Vector3<f64>) -> Option<Self> {
+        let turning = [a, b, c].iter().all(|l| l.kind == JointKind::Revolute);
+        let forearm = tip.x.hypot(tip.y);
+        let lengths = b.l.abs() > 1e-6 && forearm > 1e-6;
+        if !turning || !lengths || a.cos_alpha.abs() > 1e-15 || b.sin_alpha.abs() > 1e-15 {
+            return None;
+        }
+        let (side, flip) = (a.sin_alpha.signum(), b.cos_alpha.signum());
+        Some(Self {
+            side,
+            flip,
+            r1: a.r,
+            l1: a.l,
+            lateral: -side * (b.r + flip * tip.z),
+            links: TwoLinks::new(b.l, forearm),
+            forearm: (tip.x / forearm, flip * tip.y / forearm),
+        })
+    }
+
+    /// Writes theta_1 to theta_3 that put the wrist centre at `p` (m), for every branch: bit 0 elbow,
+    /// bit 1 the arm leans back over its base. On axis 1 any theta_1 does: it is 0. Returns the
+    /// distance to the nearest point in reach, m.
+    #[inline]
+    pub fn solve(
+        &self,
+        p: &Vector3<f64>,
+        posture: &mut Posture,
+        found: &mut impl FnMut(u8, &mut Posture),
+    ) -> f64 {
+        let radius2 = p.x * p.x + p.y * p.y;
+        let along2 = radius2 - self.lateral * self.lateral;
+        let on_axis = radius2 < ALIGNED * ALIGNED;
+        let mut any = false;
+        if along2 >= 0.0 || self.lateral.abs() - radius2.sqrt() < BOUNDARY {
+            let along2 = along2.max(0.0);
+            let per = 1.0 / (radius2 * (along2 + self.lateral * self.lateral)).sqrt();
+            let along = along2.sqrt();
+            for (back, s) in [(0, along), (2, -along)] {
+                let elbows = self.links.solve(s - self.l1, self.side * (p.z - self.r1));
+                let (false, Ok(elbows)) = (on_axis && back > 0, elbows) else { continue };
+                any = true;
+                (posture.cos[0], posture.sin[0]) = match on_axis {
+                    true => (1.0, 0.0),
+                    false => ((p.x * s + p.y * self.lateral) * per, (p.y * s - p.x * self.lateral) * per),
+                };
+                for (elbow, (second, third)) in (0..).zip(elbows) {
+                    let third = difference(third, self.forearm);
+                    (posture.cos[1], posture.sin[1]) = second;
+                    (posture.cos[2], posture.sin[2]) = (third.0, self.flip * third.1);
+                    found(back | elbow, posture);
+                }
+            }
+        }
+        if any { 0.0 } else { self.missing(radius2.sqrt(), self.side * (p.z - self.r1)) }
+    }
+
+    /// Distance from the target at (radius, height) to the ring that the arm reaches. Nearest point
+    /// of the arm's plane and best yaw in turn: each step shortens the distance.
+    fn missing(&self, radius: f64, height: f64) -> f64 {
+        let (least, most) = self.links.range();
+        let mut missing = f64::INFINITY;
+        for start in [radius, -radius] {
+            let (mut s, mut by) = (start, f64::INFINITY);
+            for _ in 0..100 {
+                let turned = if s == 0.0 { 0.0 } else { radius * s / s.hypot(self.lateral) };
+                let x = turned - self.l1;
+                let d = x.hypot(height);
+                let (x, y) = if d > 0.0 { (x / d, height / d) } else { (1.0, 0.0) };
+                let reached = d.clamp(least, most);
+                let (next, up) = (self.l1 + x * reached, y * reached);
+                by = (next.hypot(self.lateral) - radius).hypot(up - height);
+                if (next - s).abs() < 1e-11 {
+                    break;
+                }
+                s = next;
+            }
+            missing = missing.min(by);
+        }
+        missing
+    }
+}

@@ -1,0 +1,11 @@
+//! Closed-form inverse kinematics, one file per family of arms or per mathematical tool.
+
+pub(in crate::reach) mod anthropomorphic;
+pub(in crate::reach) mod pieper;
+pub(in crate::reach) mod planar;
+pub(in crate::reach) mod quartic;
+pub(in crate::reach) mod scara;
+pub(in crate::reach) mod spherical_wrist;
+pub(in crate::reach) mod subproblems;
+pub(in crate::reach) mod three_joints;
+pub(in crate::reach) mod three_parallel;

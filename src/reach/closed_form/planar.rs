@@ -1,0 +1,282 @@
+//! The paper's arm in closed form: a base yaw, then three parallel axes that move the tool in a
+//! vertical plane, then perhaps a roll about the tool axis. Palletizers are of this kind: their third
+//! parallel axis is passive.
+//!
+//! With `s` the signed distance in that plane (front > 0, back < 0) and phi the angle of the last
+//! parallel link, the wrist lies at `u = s - l_1 - U(phi)`, `v = z - r_1 - V(phi)`; the law of cosines
+//! gives two elbows, and theta_4 = phi - theta_2 - theta_3. The tool bending angle (elevation) leaves
+//! two phi, pointing away from the base axis or towards it; they are one if the tool is vertical. So
+//! a target has up to 2 x 2 x 2 branches. Only square roots are taken: no angle is formed until a
+//! branch is reported.
+
+use crate::cell::{JointKind, MAX_JOINTS, tool_columns};
+use crate::pose::exact_sin_cos;
+use crate::reach::hold::Hold;
+use crate::robot::{Chain, Link, Posture};
+use nalgebra::{Matrix3, Rotation3, Vector3};
+
+/// Rounding must not lose the stretched arm, nor the one in the vertical plane of the base axis:
+/// cosines up to 1 plus this count as 1.
+pub(in crate::reach) const STRETCHED: f64 = 1e-12;
+
+/// Directions and points off by less than this are where they should be (no unit, m).
+const IN_PLACE: f64 = 1e-9;
+
+/// The arm; lengths in m.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlanarArm {
+    /// +1 if alpha_1 is +90 degrees, -1 if it is -90.
+    pub(in crate::reach) side: f64,
+    pub(in crate::reach) r1: f64,
+    pub(in crate::reach) l: [f64; 3],
+    /// Distance of the tool from the vertical plane through the base axis.
+    pub(in crate::reach) lateral: f64,
+    /// theta_1 (cos, sin) in the middle of the range of joint 1.
+    middle_yaw: (f64, f64),
+    /// TCP and direction of the tool axis (cos, sin) in the plane, in the frame turned by theta_4.
+    tool: (f64, f64),
+    axis: (f64, f64),
+    roll: Option<Roll>,
+}
+
+/// The last axis of a five-axis arm.
+#[derive(Debug, Clone, PartialEq)]
+struct Roll {
+    /// Cosine and sine of alpha_4.
+    twist: (f64, f64),
+    /// The reference axis of the tool at theta_5 = 0, in frame 4.
+    reference: (f64, f64),
+}
+
+/// How the tool is held in the plane of the arm: one entry per phi.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Way {
+    pub(in crate::reach) cos_phi: f64,
+    pub(in crate::reach) sin_phi: f64,
+    /// TCP from the wrist, in the plane.
+    pub(in crate::reach) u: f64,
+    pub(in crate::reach) v: f64,
+    /// Of the elevation; the cosine is negative if the tool points against theta_1.
+    cos_elevation: f64,
+    sin_elevation: f64,
+}
+
+impl PlanarArm {
+    /// Recognizes the arm in a chain.
+    ///
+    /// # Errors
+    /// Why the chain is not of this family.
+    pub fn new(chain: &Chain) -> Result<Self, String> {
+        let [a, b, c, d, ref rest @ ..] = chain.links[..] else {
+            return Err(format!("it has {} axes, not 4 or 5", chain.axes()));
+        };
+        if rest.len() > 1 {
+            return Err(format!("it has {} axes, not 4 or 5", chain.axes()));
+        }
+        if chain.links.iter().any(|l| l.kind != JointKind::Revolute) {
+            return Err("it has a prismatic joint".into());
+        }
+        if a.cos_alpha.abs() > 1e-12 {
+            return Err("the second axis is not perpendicular to the first (alpha_1 is not +-90)".into());
+        }
+        if [b, c].iter().any(|l| l.sin_alpha.abs() > 1e-12 || l.cos_alpha < 0.0) {
+            return Err("axes 2, 3 and 4 are not parallel (alpha_2 and alpha_3 are not 0)".into());
+        }
+        if b.l.abs() < 1e-6 || c.l.abs() < 1e-6 {
+            return Err("an arm link has no length (l_2 or l_3 is 0)".into());
+        }
+        if (chain.mount.rotation.column(2) - Vector3::z()).norm() > IN_PLACE {
+            return Err("its first axis is not vertical".into());
+        }
+        let (tip, axis, roll) = match rest {
+            [e] => {
+                let (tip, axis, reference) = rolled(chain, e)?;
+                (tip, axis, Some(Roll { twist: (d.cos_alpha, d.sin_alpha), reference }))
+            }
+            _ => (chain.tool.translation, chain.tool.rotation * chain.tool_axis, None),
+        };
+        let turned = |v: &Vector3<f64>| {
+            Vector3::new(v.x, d.cos_alpha * v.y - d.sin_alpha * v.z, d.sin_alpha * v.y + d.cos_alpha * v.z)
+        };
+        let (axis, tip) = (turned(&axis), turned(&tip) + Vector3::new(d.l, 0.0, d.r));
+        if axis.z.abs() > IN_PLACE {
+            return Err("the tool axis does not lie in the plane of the arm".into());
+        }
+        let middle_yaw = (a.theta + (a.limits.0 + a.limits.1) / 2.0).sin_cos();
+        Ok(Self {
+            side: a.sin_alpha.signum(),
+            r1: a.r,
+            l: [a.l, b.l, c.l],
+            lateral: b.r + c.r + tip.z,
+            middle_yaw: (middle_yaw.1, middle_yaw.0),
+            tool: (tip.x, tip.y),
+            axis: (axis.x, axis.y),
+            roll,
+        })
+    }
+
+    /// Whether the arm chooses the spin of its tool.
+    pub fn rolls(&self) -> bool {
+        self.roll.is_some()
+    }
+
+    /// The ways to hold the tool at the elevations of `hold`.
+    pub(in crate::reach) fn ways(&self, hold: &Hold, ways: &mut Vec<Way>) {
+        ways.clear();
+        for &elevation in &hold.elevations {
+            let (sin, cos) = exact_sin_cos(elevation);
+            ways.push(self.way(cos, sin));
+            if cos.abs() >= 1e-12 {
+                ways.push(self.way(-cos, sin));
+            }
+        }
+    }
+
+    fn way(&self, cos_elevation: f64, sin_elevation: f64) -> Way {
+        let (ax, ay) = self.axis;
+        // psi is the angle of the tool axis, phi = psi - atan2(ay, ax) that of the last link.
+        let (cos_psi, sin_psi) = (cos_elevation, self.side * sin_elevation);
+        let (cos_phi, sin_phi) = (cos_psi * ax + sin_psi * ay, sin_psi * ax - cos_psi * ay);
+        let (x, y) = self.tool;
+        let (u, v) = (x * cos_phi - y * sin_phi, x * sin_phi + y * cos_phi);
+        Way { cos_phi, sin_phi, u, v, cos_elevation, sin_elevation }
+    }
+
+    /// Calls `found` with every branch, inside the joint limits or not: bit 0: elbow, bit 1: the arm
+    /// leans back over the base, bit 2: the tool points against theta_1 (and not along it), above
+    /// the tilts, above them the spins. `target`: the TCP in frame 0, m. Returns how many metres the
+    /// nearest branch misses (0: there is one).
+    #[inline]
+    pub(in crate::reach) fn solve(
+        &self,
+        target: &Vector3<f64>,
+        (hold, ways): (&Hold, &[Way]),
+        posture: &mut Posture,
+        found: &mut impl FnMut(u32, &Posture),
+    ) -> f64 {
+        let lateral = self.side * self.lateral;
+        let radius2 = target.x * target.x + target.y * target.y;
+        let along2 = radius2 - lateral * lateral;
+        if along2 < -STRETCHED * radius2 {
+            return lateral.abs() - radius2.sqrt();
+        }
+        let along = along2.max(0.0).sqrt();
+        let [l1, l2, l3] = self.l;
+        let mut missing = f64::INFINITY;
+        for (w, way) in ways.iter().enumerate() {
+            let v = self.side * (target.z - self.r1) - way.v;
+            for (back, s) in [(0, along), (2, -along)] {
+                let u = s - l1 - way.u;
+                let d2 = u * u + v * v;
+                let cos3 = (d2 - l2 * l2 - l3 * l3) / (2.0 * l2 * l3);
+                if cos3.abs() > 1.0 + STRETCHED {
+                    let d = d2.sqrt();
+                    missing = missing.min((d - (l2.abs() + l3.abs())).max((l2.abs() - l3.abs()).abs() - d));
+                    continue;
+                }
+                missing = 0.0;
+                let cos3 = cos3.clamp(-1.0, 1.0);
+                // Heron's form, and k1 likewise: a folded arm of equal links keeps its digits.
+                let (long, short) = ((l2 + l3) * (l2 + l3) - d2, d2 - (l2 - l3) * (l2 - l3));
+                let sin3 = (long * short).max(0.0).sqrt() / (2.0 * l2 * l3).abs();
+                let k1 = (d2 + l2 * l2 - l3 * l3) / (2.0 * l2);
+                (posture.cos[0], posture.sin[0]) = self.base_yaw(target, s, lateral, radius2);
+                for (elbow, sin3) in [(0, -sin3), (1, sin3)] {
+                    let k2 = l3 * sin3;
+                    let (cos2, sin2) =
+                        if d2 > 0.0 { ((k1 * u + k2 * v) / d2, (k1 * v - k2 * u) / d2) } else { (1.0, 0.0) };
+                    let (c23, s23) = (cos2 * cos3 - sin2 * sin3, sin2 * cos3 + cos2 * sin3);
+                    (posture.cos[1], posture.sin[1]) = (cos2, sin2);
+                    (posture.cos[2], posture.sin[2]) = (cos3, sin3);
+                    posture.cos[3] = way.cos_phi * c23 + way.sin_phi * s23;
+                    posture.sin[3] = way.sin_phi * c23 - way.cos_phi * s23;
+                    let index = (w as u32) << 2 | back | elbow;
+                    match &self.roll {
+                        None => found(index, posture),
+                        Some(roll) => self.spin(roll, (target, hold), way, posture, |k, posture| {
+                            found(k << 6 | index, posture);
+                        }),
+                    }
+                }
+            }
+        }
+        missing.max(0.0)
+    }
+
+    /// Turns the last axis so that the tool has each spin of `hold`.
+    fn spin(
+        &self,
+        roll: &Roll,
+        (target, hold): (&Vector3<f64>, &Hold),
+        way: &Way,
+        posture: &mut Posture,
+        mut found: impl FnMut(u32, &Posture),
+    ) {
+        let (c1, s1) = (posture.cos[0], posture.sin[0]);
+        // Frame 4, by `Rz(theta_1) Rx(alpha_1) Rz(phi) Rx(alpha_4)`.
+        let (along, up, across) =
+            (Vector3::new(c1, s1, 0.0), Vector3::z() * self.side, Vector3::new(s1, -c1, 0.0) * self.side);
+        let x4 = along * way.cos_phi + up * way.sin_phi;
+        let y4 = (up * way.cos_phi - along * way.sin_phi) * roll.twist.0 + across * roll.twist.1;
+        let (heading, cos_elevation) = match hold.vertical {
+            true => (hold.zero_heading(target), 0.0),
+            false => {
+                let side = way.cos_elevation.signum();
+                ((side * c1, side * s1), way.cos_elevation.abs())
+            }
+        };
+        let h = Vector3::new(heading.0, heading.1, 0.0);
+        let (upright, sideways) =
+            (Vector3::z() * cos_elevation - h * way.sin_elevation, h.cross(&Vector3::z()));
+        let (a, b) = roll.reference;
+        for (k, &spin) in hold.spins.iter().enumerate() {
+            let (sin, cos) = exact_sin_cos(spin);
+            let wanted = upright * cos + sideways * sin;
+            let (x, y) = (wanted.dot(&x4), wanted.dot(&y4));
+            // A tool tilted from the vertical sees the wanted direction foreshortened.
+            let length = if hold.tolerance > 0.0 { x.hypot(y).max(f64::MIN_POSITIVE) } else { 1.0 };
+            let (x, y) = (x / length, y / length);
+            (posture.cos[4], posture.sin[4]) = (x * a + y * b, y * a - x * b);
+            found(k as u32, posture);
+        }
+    }
+
+    /// Cosine and sine of theta_1 that turns (s, -lateral) to the target. On the base axis every
+    /// yaw does; the middle of the range is taken.
+    #[inline]
+    fn base_yaw(&self, target: &Vector3<f64>, s: f64, lateral: f64, radius2: f64) -> (f64, f64) {
+        if radius2 < 1e-24 {
+            return self.middle_yaw;
+        }
+        ((target.x * s - target.y * lateral) / radius2, (target.y * s + target.x * lateral) / radius2)
+    }
+}
+
+type Rolled = (Vector3<f64>, Vector3<f64>, (f64, f64));
+
+/// TCP, tool axis and reference axis in frame 4 of an arm that ends with a roll about its tool axis.
+fn rolled(chain: &Chain, last: &Link) -> Result<Rolled, String> {
+    let twist = Rotation3::from_matrix_unchecked(Matrix3::new(
+        1.0,
+        0.0,
+        0.0, //
+        0.0,
+        last.cos_alpha,
+        -last.sin_alpha, //
+        0.0,
+        last.sin_alpha,
+        last.cos_alpha,
+    ));
+    let tip = twist * chain.tool.translation + Vector3::new(last.l, 0.0, last.r);
+    let columns = twist * chain.tool.rotation * tool_columns(&chain.tool_axis);
+    let (axis, reference) = (columns.column(2).into_owned(), columns.column(0).into_owned());
+    if axis.xy().norm() > IN_PLACE || tip.xy().norm() > IN_PLACE {
+        return Err("the last axis is not the tool axis through the TCP".into());
+    }
+    Ok((Vector3::new(0.0, 0.0, tip.z), axis, (reference.x, reference.y)))
+}
+
+/// Ready to be written by [`PlanarArm::solve`] and its like: it carries the fixed axial offsets.
+pub(in crate::reach) fn template(chain: &Chain) -> Posture {
+    chain.posture(&[0.0; MAX_JOINTS])
+}

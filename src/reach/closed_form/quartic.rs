@@ -1,0 +1,119 @@
+//! Real roots of polynomials up to the fourth degree.
+
+/// Coefficients of 1, x, ..., x^4.
+pub(in crate::reach) type Polynomial = [f64; 5];
+
+/// Coefficients of 1, x, x^2.
+pub(in crate::reach) type Quadratic = [f64; 3];
+
+/// A value below this share of the sum of its terms counts as a root that only touches zero.
+const TOUCHES: f64 = 1e-7;
+
+/// Up to four numbers in ascending order.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::reach) struct Roots {
+    x: [f64; 4],
+    count: usize,
+}
+
+impl Roots {
+    pub fn all(&self) -> &[f64] {
+        &self.x[..self.count]
+    }
+
+    fn push(&mut self, x: f64) {
+        if self.count < 4 {
+            self.x[self.count] = x;
+            self.count += 1;
+        }
+    }
+}
+
+/// The product of two quadratics.
+pub(in crate::reach) fn product(a: &Quadratic, b: &Quadratic) -> Polynomial {
+    let mut p = [0.0; 5];
+    for (i, a) in a.iter().enumerate() {
+        for (j, b) in b.iter().enumerate() {
+            p[i + j] += a * b;
+        }
+    }
+    p
+}
+
+/// The value of a polynomial at `x`.
+pub(in crate::reach) fn value(p: &Polynomial, x: f64) -> f64 {
+    p.iter().rev().fold(0.0, |sum, c| sum * x + c)
+}
+
+fn derivative(p: &Polynomial) -> Polynomial {
+    [p[1], 2.0 * p[2], 3.0 * p[3], 4.0 * p[4], 0.0]
+}
+
+/// The real roots, a multiple one once. Between neighbouring roots of its derivative a polynomial is
+/// monotonic: each of its own is bracketed by those, and no root is lost to cancellation.
+pub(in crate::reach) fn real_roots(p: &Polynomial) -> Roots {
+    let largest = p.iter().fold(0.0f64, |m, c| m.max(c.abs()));
+    let degree = (1..5).rev().find(|&k| p[k].abs() > 1e-14 * largest).unwrap_or(0);
+    let mut derivatives = [*p; 4];
+    for k in 1..4 {
+        derivatives[k] = derivative(&derivatives[k - 1]);
+    }
+    let mut roots = Roots { x: [0.0; 4], count: 0 };
+    for k in 1..=degree {
+        let mut p = derivatives[degree - k];
+        p[k + 1..].fill(0.0);
+        roots = between(&p, p[k], &roots);
+    }
+    roots
+}
+
+/// The roots of `p`, given those of its derivative.
+fn between(p: &Polynomial, leading: f64, critical: &Roots) -> Roots {
+    // Cauchy's bound.
+    let bound = 1.0 + p.iter().fold(0.0f64, |m, c| m.max((c / leading).abs()));
+    let mut roots = Roots { x: [0.0; 4], count: 0 };
+    let mut crossed = false;
+    let mut lo = -bound;
+    for k in 0..=critical.count {
+        let hi = critical.all().get(k).copied().unwrap_or(bound);
+        let crosses = value(p, lo) * value(p, hi) < 0.0;
+        if k > 0 && !crossed && !crosses && touches(p, lo) {
+            roots.push(lo);
+        }
+        if crosses {
+            roots.push(bracketed(p, lo, hi));
+        }
+        (crossed, lo) = (crosses, hi);
+    }
+    roots
+}
+
+fn touches(p: &Polynomial, x: f64) -> bool {
+    let terms = p.iter().rev().fold(0.0, |sum, c| sum * x.abs() + c.abs());
+    value(p, x).abs() <= TOUCHES * terms
+}
+
+/// Newton's method, kept inside the bracket by bisection.
+fn bracketed(p: &Polynomial, mut lo: f64, mut hi: f64) -> f64 {
+    let slope = derivative(p);
+    let rising = value(p, hi) > 0.0;
+    let mut x = 0.5 * (lo + hi);
+    for _ in 0..100 {
+        let f = value(p, x);
+        if f == 0.0 {
+            return x;
+        }
+        if (f > 0.0) == rising {
+            hi = x
+        } else {
+            lo = x
+        }
+        let newton = x - f / value(&slope, x);
+        let next = if newton > lo && newton < hi { newton } else { 0.5 * (lo + hi) };
+        if (next - x).abs() <= 1e-15 * x.abs().max(1e-3) {
+            return next;
+        }
+        x = next;
+    }
+    x
+}

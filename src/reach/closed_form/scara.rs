@@ -1,0 +1,134 @@
+//! The SCARA in closed form: three turning axes and one sliding axis, all parallel, in any order.
+//!
+//! Seen along the axes the chain is a polygon of four vectors, `p = L_0 + L_1 + L_2 + L_3`, each
+//! turned by the turning joints before it. The attitude of the flange gives the direction of L_3; the
+//! law of cosines the two elbows of L_1 and L_2; the slide makes the height. Complex numbers stand for
+//! plane vectors.
+
+use crate::cell::JointKind;
+use crate::pose::Pose;
+use crate::robot::{Chain, Posture};
+use nalgebra::{Complex, ComplexField};
+
+type Plane = Complex<f64>;
+
+/// Cosines up to 1 plus this are those of a stretched arm.
+const STRETCHED: f64 = 1e-12;
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scara {
+    /// Indices of the turning rows, and of the sliding one.
+    turning: [usize; 3],
+    sliding: usize,
+    /// +1 or -1 before each turning row: whether its axis points as that of frame 0; the same of the
+    /// sliding row and of the flange.
+    senses: [f64; 3],
+    sliding_sense: f64,
+    flange_sense: f64,
+    /// The polygon as if every turning joint stood at theta = 0, and the flange's x axis there.
+    sides: [Plane; 4],
+    flange: Plane,
+    /// Height of the flange at r = 0 of the sliding row, m.
+    height: f64,
+}
+
+impl Scara {
+    /// Recognizes the arm in a chain.
+    ///
+    /// # Errors
+    /// Why the chain is not of this family.
+    pub fn new(chain: &Chain) -> Result<Self, String> {
+        let kinds: Vec<_> = chain.links.iter().map(|l| l.kind).collect();
+        let of = |kind| (0..kinds.len()).filter(|&i| kinds[i] == kind).collect::<Vec<_>>();
+        let (turning, sliding) = (of(JointKind::Revolute), of(JointKind::Prismatic));
+        let ([a, b, c], [sliding]) = (&turning[..], &sliding[..]) else {
+            return Err("it has not three turning axes and a sliding one".into());
+        };
+        // The twist of the last row turns the flange alone.
+        if chain.links.iter().any(|l| l.sin_alpha != 0.0) {
+            return Err("its axes are not all parallel".into());
+        }
+        let mut arm = Self {
+            turning: [*a, *b, *c],
+            sliding: *sliding,
+            senses: [1.0; 3],
+            sliding_sense: 1.0,
+            flange_sense: 1.0,
+            sides: [Plane::new(0.0, 0.0); 4],
+            flange: Plane::new(1.0, 0.0),
+            height: 0.0,
+        };
+        arm.measure(chain);
+        if arm.sides[1].norm() < 1e-6 || arm.sides[2].norm() < 1e-6 {
+            return Err("an arm link has no length".into());
+        }
+        Ok(arm)
+    }
+
+    /// Walks along the chain with every turning joint at theta = 0.
+    fn measure(&mut self, chain: &Chain) {
+        let (mut sense, mut direction, mut side) = (1.0, Plane::new(1.0, 0.0), 0);
+        for (i, link) in chain.links.iter().enumerate() {
+            match link.kind {
+                JointKind::Revolute => {
+                    self.senses[side] = sense;
+                    side += 1;
+                    self.height += sense * link.r;
+                }
+                JointKind::Prismatic => {
+                    debug_assert!(i == self.sliding);
+                    self.sliding_sense = sense;
+                    direction *= Plane::new(link.theta.cos(), sense * link.theta.sin());
+                }
+            }
+            self.sides[side] += direction * link.l;
+            sense *= link.cos_alpha;
+        }
+        (self.flange, self.flange_sense) = (direction, sense);
+    }
+
+    /// Calls `found` with both elbows that put the last frame at `flange` (in frame 0, its z axis
+    /// parallel to that of frame 0). Returns how many metres are missing (0: there is a solution).
+    pub(in crate::reach) fn solve(
+        &self,
+        flange: &Pose,
+        posture: &mut Posture,
+        found: &mut impl FnMut(u8, &Posture),
+    ) -> f64 {
+        let x = flange.rotation.column(0);
+        // The turn of L_3 by all three joints.
+        let whole = Plane::new(x[0], x[1]) * self.flange.conj();
+        let p = Plane::new(flange.translation.x, flange.translation.y);
+        let reach = p - self.sides[0] - self.sides[3] * whole;
+        let (l1, l2) = (self.sides[1].norm(), self.sides[2].norm());
+        let d2 = reach.norm_sqr();
+        let cos = (d2 - l1 * l1 - l2 * l2) / (2.0 * l1 * l2);
+        if cos.abs() > 1.0 + STRETCHED {
+            return (d2.sqrt() - l1 - l2).max((l1 - l2).abs() - d2.sqrt());
+        }
+        // Heron's form: a stretched arm keeps its digits.
+        let (long, short) = ((l1 + l2) * (l1 + l2) - d2, d2 - (l1 - l2) * (l1 - l2));
+        let sin = (long * short).max(0.0).sqrt() / (2.0 * l1 * l2);
+        posture.r[self.sliding] = (flange.translation.z - self.height) * self.sliding_sense;
+        let (u1, u2) = (self.sides[1] / l1, self.sides[2] / l2);
+        for (elbow, sin) in [(0, sin), (1, -sin)] {
+            let bend = Plane::new(cos.clamp(-1.0, 1.0), sin);
+            // L_1 + L_2 = turn u1 (l1 + l2 bend)
+            let span = u1 * (bend * l2 + l1);
+            let turn1 = if d2 > 0.0 { reach * span.conj() / d2 } else { Plane::new(1.0, 0.0) };
+            let turn2 = bend * u1 * u2.conj();
+            let turn3 = whole * (turn1 * turn2).conj();
+            for (k, turn) in [turn1, turn2, turn3].into_iter().enumerate() {
+                let row = self.turning[k];
+                (posture.cos[row], posture.sin[row]) = (turn.real(), self.senses[k] * turn.imaginary());
+            }
+            found(elbow, posture);
+        }
+        0.0
+    }
+
+    /// Whether the z axis of a flange pose is that of the arm.
+    pub(in crate::reach) fn can_hold(&self, flange: &Pose) -> bool {
+        (flange.rotation[(2, 2)] - self.flange_sense).abs() < 1e-12
+    }
+}

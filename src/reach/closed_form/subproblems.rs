@@ -1,0 +1,115 @@
+//! The geometric subproblems that the six-axis solvers share. Every angle is a pair (cosine, sine),
+//! and every root is taken so that the result fits the pose to rounding even where it is double.
+
+use nalgebra::{Matrix3, Vector3};
+
+/// Rounding must not lose the boundary: cosines up to 1 plus this count as 1.
+pub(in crate::reach) const BOUNDARY: f64 = 1e-12;
+
+/// Sines below this carry no direction: the axes they separate count as one.
+pub(in crate::reach) const ALIGNED: f64 = 1e-12;
+
+/// (cosine, sine) of an angle.
+pub(in crate::reach) type Angle = (f64, f64);
+
+/// `b - a` as angles.
+#[inline]
+pub(in crate::reach) fn difference(b: Angle, a: Angle) -> Angle {
+    (b.0 * a.0 + b.1 * a.1, b.1 * a.0 - b.0 * a.1)
+}
+
+/// Two links of a plane: `a` at the angle t, `b` at t + s; lengths in m, of either sign.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::reach) struct TwoLinks {
+    a: f64,
+    b: f64,
+    per_twice_a: f64,
+    per_twice_ab: f64,
+}
+
+impl TwoLinks {
+    pub fn new(a: f64, b: f64) -> Self {
+        Self { a, b, per_twice_a: 0.5 / a, per_twice_ab: 0.5 / (a * b) }
+    }
+
+    /// The distances that the tip can have from the first axis, m.
+    pub fn range(&self) -> (f64, f64) {
+        ((self.a.abs() - self.b.abs()).abs(), self.a.abs() + self.b.abs())
+    }
+
+    /// (t, s) for both elbows (first sin s <= 0, then >= 0) with the tip at (u, v), m; or how many m
+    /// it is out of reach. A tip on the first axis leaves t free: it is 0.
+    #[inline]
+    pub fn solve(&self, u: f64, v: f64) -> Result<[(Angle, Angle); 2], f64> {
+        let (a, b) = (self.a, self.b);
+        let d2 = u * u + v * v;
+        let cos = (d2 - a * a - b * b) * self.per_twice_ab;
+        if cos.abs() > 1.0 + BOUNDARY {
+            let (least, most) = self.range();
+            return Err((d2.sqrt() - most).max(least - d2.sqrt()));
+        }
+        let cos = cos.clamp(-1.0, 1.0);
+        // Heron's form keeps the digits of a nearly straight or folded pair.
+        let heron = ((a + b) * (a + b) - d2) * (d2 - (a - b) * (a - b));
+        let sin = heron.max(0.0).sqrt() * self.per_twice_ab.abs();
+        let (along, across, per) = ((d2 + a * a - b * b) * self.per_twice_a, b * sin, 1.0 / d2);
+        let first = |k: f64| match d2 > 0.0 {
+            true => ((along * u + k * v) * per, (along * v - k * u) * per),
+            false => (1.0, 0.0),
+        };
+        Ok([(first(-across), (cos, -sin)), (first(across), (cos, sin))])
+    }
+}
+
+/// The middle one of three axes that are twisted by `first` and `second` against each other: how far
+/// it is turned if the third makes a given angle with the first (IK-Geo, subproblem 4).
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::reach) struct Twists {
+    pub first: Angle,
+    pub second: Angle,
+    per_sines: f64,
+    /// 1 - and 1 + the cosine of first + second, likewise of first - second.
+    sum: (f64, f64),
+    apart: (f64, f64),
+}
+
+impl Twists {
+    /// Two twists, neither of them a multiple of pi.
+    pub fn new(first: Angle, second: Angle) -> Self {
+        let ((ca, sa), (cb, sb)) = (first, second);
+        let (sum, apart) = (ca * cb - sa * sb, ca * cb + sa * sb);
+        let sides = |cosine: f64| (1.0 - cosine, 1.0 + cosine);
+        Self { first, second, per_sines: 1.0 / (sa * sb), sum: sides(sum), apart: sides(apart) }
+    }
+
+    /// (cosine, sine >= 0) of the turn, from the cosine between the outer axes and the square of their
+    /// sine; None if the twists do not allow it.
+    #[inline]
+    pub fn turn(&self, cosine: f64, sine2: f64) -> Option<Angle> {
+        let cos = (self.first.0 * self.second.0 - cosine) * self.per_sines;
+        if cos.abs() > 1.0 + BOUNDARY {
+            return None;
+        }
+        // 1 - |cosine| from the sine: nearly parallel outer axes keep their digits.
+        let near = sine2 / (1.0 + cosine.abs());
+        let product = match cosine > 0.0 {
+            true => (self.sum.0 - near) * (near - self.apart.0),
+            false => (near - self.sum.1) * (self.apart.1 - near),
+        };
+        Some((cos.clamp(-1.0, 1.0), product.max(0.0).sqrt() * self.per_sines.abs()))
+    }
+}
+
+/// A vector before the turns of one D-H row, in the frame after them: `Rx(-alpha) Rz(-theta) v`.
+#[inline]
+pub(in crate::reach) fn turned_back(v: &Vector3<f64>, theta: Angle, alpha: Angle) -> Vector3<f64> {
+    let (x, y) = (theta.0 * v.x + theta.1 * v.y, theta.0 * v.y - theta.1 * v.x);
+    Vector3::new(x, alpha.0 * y + alpha.1 * v.z, alpha.0 * v.z - alpha.1 * y)
+}
+
+/// The x, y and z axes of `rotation * Rx(-alpha)`: those of the last frame before its twist.
+#[inline]
+pub(in crate::reach) fn before_twist(rotation: &Matrix3<f64>, alpha: Angle) -> [Vector3<f64>; 3] {
+    let (x, y, z) = (rotation.column(0), rotation.column(1), rotation.column(2));
+    [x.into_owned(), y * alpha.0 - z * alpha.1, y * alpha.1 + z * alpha.0]
+}

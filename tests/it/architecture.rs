@@ -1,0 +1,245 @@
+//! The house rules of src, read from its text. They say what is absent, which no other test sees.
+//!
+//! Comments and texts are no code: they are left out before looking.
+
+pub mod sources;
+
+use sources::{File, paths_from, sources, uses_crate, with_words};
+use std::collections::BTreeSet;
+
+/// The modules in the order in which data flows: each uses only those before it.
+const ORDER: [&str; 19] = [
+    "units",
+    "pose",
+    "lanes",
+    "cell",
+    "files",
+    "robot",
+    "kinematic_error",
+    "reading",
+    "reach",
+    "clearance",
+    "motion",
+    "error_map",
+    "layout",
+    "search",
+    "proof",
+    "assess",
+    "drawing",
+    "report",
+    "cli",
+];
+
+/// The library is compiled once, for the program and its tests alike.
+#[test]
+fn src_holds_no_tests() {
+    let holds = |f: &&File| ["cfg(test)", "cfg!(test)", "#[test]"].iter().any(|word| f.text.contains(word));
+    let found: Vec<_> = sources().iter().filter(holds).map(|f| f.path.clone()).collect();
+    assert!(found.is_empty(), "tests belong in tests/it: {found:?}");
+}
+
+#[test]
+fn the_core_does_no_io() {
+    let outside = ["fs", "env", "io", "net", "process", "thread"];
+    for file in sources().iter().filter(|f| !f.is_edge()) {
+        for path in paths_from(&file.code, "std::") {
+            // A cursor over bytes in memory, which the reader of STL asks for, is no IO.
+            let cursor = file.path == "files/mesh/stl.rs" && path == "io" && !file.code.contains("File");
+            assert!(cursor || !outside.contains(&path.as_str()), "src/{} uses std::{path}", file.path);
+        }
+    }
+    let words = ["println!", "print!", "dbg!", "Instant", "SystemTime", "stdout", "stderr", "stdin"];
+    let found = with_words(&words, File::is_edge);
+    assert!(found.is_empty(), "outside cli: {found:#?}");
+    // What is built in is no IO, but for the version nothing needs it.
+    let built_in = with_words(&["include_str!", "include_bytes!", "option_env!"], |f| {
+        // The robots that come with the program; what runs in the browser.
+        ["cli/library.rs", "report/page/assets.rs"].contains(&f.path.as_str())
+    });
+    assert!(built_in.is_empty(), "{built_in:#?}");
+}
+
+#[test]
+fn every_heavy_crate_has_one_home() {
+    let homes = |name: &str| -> BTreeSet<String> {
+        let files = sources();
+        let users = files.iter().filter(|f| uses_crate(&f.code, name));
+        users.map(|f| f.module().to_string()).collect()
+    };
+    let only = |name: &str| BTreeSet::from([name.to_string()]);
+    assert_eq!(homes("parry3d"), only("clearance"));
+    assert_eq!(homes("argmin"), only("search"));
+    assert_eq!(homes("pulp"), only("lanes"));
+    let programs = sources().into_iter().filter(|f| uses_crate(&f.code, "clarabel"));
+    let programs: Vec<_> = programs.map(|f| f.path).collect();
+    let allowed = |path: &str| path == "layout/separate.rs" || path.starts_with("reach/numeric/");
+    assert!(programs.iter().all(|path| allowed(path)), "clarabel is used in {programs:?}");
+    for (name, home) in
+        [("clap", "cli"), ("indicatif", "cli"), ("ctrlc", "cli"), ("tiny_http", "cli"), ("tempfile", "cli")]
+    {
+        assert_eq!(homes(name), only(home), "{name}");
+    }
+    for name in ["minijinja", "base64", "gltf_json"] {
+        assert_eq!(homes(name), only("report"), "{name}");
+    }
+    // Of files that are read and written, and of what a page may run.
+    assert_eq!(homes("sha2"), BTreeSet::from(["cli", "report"].map(String::from)));
+    for (name, home) in
+        [("toml", "files"), ("tobj", "files"), ("stl_io", "files"), ("roxmltree", "files"), ("csv", "report")]
+    {
+        let users: Vec<_> = sources().into_iter().filter(|f| f.code.contains(&format!("{name}::"))).collect();
+        // `report::toml` and `report::csv` are modules of ours.
+        let foreign =
+            users.iter().filter(|f| f.module() != home && !f.code.contains(&format!("report::{name}::")));
+        assert_eq!(foreign.map(|f| f.path.clone()).collect::<Vec<_>>(), [""; 0], "{name} outside {home}");
+    }
+}
+
+#[test]
+fn no_heavy_crate_shows_in_a_public_signature() {
+    // Methods of a foreign trait are not `pub`; what is must speak in our own words.
+    let foreign = ["pm::", "parry3d::", "argmin::", "clarabel::", "SharedShape", "TriMesh", "Aabb"];
+    for file in sources() {
+        let lines = file.code.lines().filter(|l| l.trim_start().starts_with("pub "));
+        for line in lines.filter(|l| !l.trim_start().starts_with("pub use")) {
+            assert!(!foreign.iter().any(|f| line.contains(f)), "src/{}: {line}", file.path);
+        }
+    }
+}
+
+#[test]
+fn a_module_uses_only_those_above_it() {
+    let rank = |module: &str| ORDER.iter().position(|m| *m == module);
+    let mut uses = 0;
+    for file in sources() {
+        let module = file.module();
+        if ["lib", "main"].contains(&module) {
+            continue;
+        }
+        let own = rank(module).unwrap_or_else(|| panic!("src/{} has no place in the order", file.path));
+        let mut used = paths_from(&file.code, "crate::");
+        // The way out of a module: `super` of the file that a module begins with.
+        let is_root = !file.path.contains('/') || file.path == format!("{module}/mod.rs");
+        if is_root {
+            used.extend(paths_from(&file.code, "super::"));
+        }
+        assert!(!file.code.contains("super::super"), "src/{}: say crate:: instead", file.path);
+        for name in used {
+            let other = rank(&name).unwrap_or_else(|| panic!("src/{} uses crate::{name}", file.path));
+            assert!(other <= own, "src/{} uses {name}, which comes after {module}", file.path);
+            uses += 1;
+        }
+    }
+    assert!(uses > 80, "only {uses} uses seen");
+}
+
+#[test]
+fn lib_rs_names_every_module_and_holds_no_logic() {
+    let lib = sources().into_iter().find(|f| f.path == "lib.rs").unwrap();
+    let modules: BTreeSet<String> = paths_from(&lib.code, "pub mod ").into_iter().collect();
+    assert_eq!(modules, ORDER.iter().map(|m| m.to_string()).collect());
+    assert!(!lib.code.contains("fn "), "logic in lib.rs");
+}
+
+#[test]
+fn no_unsafe_code() {
+    let found: Vec<_> =
+        sources().into_iter().filter(|f| uses_crate(&f.code, "unsafe")).map(|f| f.path).collect();
+    assert!(found.is_empty(), "{found:?}");
+    let manifest = std::fs::read_to_string(crate::common::root().join("Cargo.toml")).unwrap();
+    assert!(manifest.contains("unsafe_code = \"forbid\""));
+}
+
+/// The core is total: a value or a reason, never a panic.
+#[test]
+fn nothing_panics_on_purpose() {
+    let words = [
+        ".unwrap()",
+        ".expect(",
+        ".unwrap_err()",
+        ".expect_err(",
+        "panic!",
+        "todo!",
+        "unimplemented!",
+        "unreachable!",
+        ".unwrap_unchecked(",
+    ];
+    let found = with_words(&words, |_| false);
+    assert!(found.is_empty(), "{found:#?}");
+    // An assertion is for the debug build alone.
+    let asserts = with_words(&["assert!(", "assert_eq!(", "assert_ne!("], |_| false);
+    let hard: Vec<_> = asserts.iter().filter(|l| !l.contains("debug_assert")).collect();
+    assert!(hard.is_empty(), "{hard:#?}");
+}
+
+/// Only units.rs knows how many millimetres a metre has.
+///
+/// Allowed exception: `files/mesh/mod.rs`, where a mesh file names one of several units and a table gives
+/// the metres in each.
+#[test]
+fn only_units_converts() {
+    let words = ["to_radians", "to_degrees", "180.0", "0.001", "57.29", "0.01745"];
+    let factors = ["1000.0", "1000.", "1_000.0", "1e3", "1e-3", "1.0e3", "1.0e-3"];
+    let times = |line: &str| {
+        let scaled =
+            |op: &str, f: &str| line.contains(&format!("{op} {f}")) || line.contains(&format!("{f} {op}"));
+        factors.iter().any(|f| ["*", "/", "*=", "/="].iter().any(|op| scaled(op, f)))
+    };
+    let mut found = with_words(&words, |f| f.path == "units.rs");
+    for file in sources().iter().filter(|f| f.path != "units.rs") {
+        let lines = file.code.lines().filter(|l| times(l));
+        found.extend(lines.map(|l| format!("src/{}: {}", file.path, l.trim())));
+    }
+    assert!(found.is_empty(), "{found:#?}");
+    // The exception is as small as it is said to be.
+    let inches = with_words(&["0.0254", "25.4"], |_| false);
+    assert!(inches.len() == 1 && inches[0].starts_with("src/files/mesh/mod.rs:"), "{inches:#?}");
+    // And units.rs is where the conversions are.
+    let units = sources().into_iter().find(|f| f.path == "units.rs").unwrap();
+    assert!(["to_radians", "to_degrees", "/ 1000.0", "* 1000.0"].iter().all(|w| units.code.contains(w)));
+}
+
+/// Chance comes from the seed and time from nowhere: no generator that seeds itself, no map in an
+/// order of its own that is walked.
+#[test]
+fn nothing_depends_on_chance() {
+    let found =
+        with_words(&["thread_rng", "from_entropy", "from_os_rng", "rand::rng()", "RandomState"], |_| false);
+    assert!(found.is_empty(), "{found:#?}");
+}
+
+#[test]
+fn the_fixed_packages_are_named() {
+    let manifest = std::fs::read_to_string(crate::common::root().join("Cargo.toml")).unwrap();
+    let section = manifest.split("[dependencies]").nth(1).unwrap().split("\n[").next().unwrap();
+    let package = |line: &str| {
+        let (key, value) = line.split_once('=')?;
+        let renamed = value.split_once("package = \"").and_then(|(_, rest)| rest.split('"').next());
+        Some(renamed.unwrap_or(key.trim()).to_string())
+    };
+    let lines = section.lines().filter(|l| !l.starts_with('#'));
+    let packages: Vec<String> = lines.filter_map(package).collect();
+    for wanted in ["nalgebra", "argmin", "rayon", "serde"] {
+        assert!(packages.iter().any(|p| p == wanted), "{wanted} is not a dependency");
+    }
+    // parry3d in single or double precision.
+    assert!(packages.iter().any(|p| p == "parry3d" || p == "parry3d-f64"), "parry3d is not a dependency");
+}
+
+#[test]
+fn the_top_level_is_as_agreed() {
+    let folders = ["src", "cells", "tests", "benches", "results", "docs", "python", "target"];
+    let files = ["Cargo.toml", "Cargo.lock", "README.md", "CHANGELOG.md", "CONTRIBUTING.md", "rustfmt.toml"];
+    for entry in std::fs::read_dir(crate::common::root()).unwrap() {
+        let entry = entry.unwrap();
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let known = match entry.path().is_dir() {
+            true => folders.contains(&name.as_str()),
+            false => files.contains(&name.as_str()) || name.starts_with("LICENSE"),
+        };
+        assert!(known || name.starts_with('.'), "{name} has no place at the top level");
+    }
+    for needed in ["Cargo.toml", "Cargo.lock", "src", "cells", "tests", "benches"] {
+        assert!(crate::common::root().join(needed).exists(), "{needed} is missing");
+    }
+}

@@ -1,0 +1,196 @@
+//! Reads the source files as text, and finds in them code, paths and words.
+
+use std::path::Path;
+
+/// A source file of src.
+pub struct File {
+    /// Below src, with forward slashes.
+    pub path: String,
+    pub text: String,
+    /// The text with comments and the insides of texts blanked.
+    pub code: String,
+}
+
+impl File {
+    /// The module at the top that it belongs to: `cell` for cell/mesh.rs, `compare` for compare.rs.
+    pub fn module(&self) -> &str {
+        self.path.split('/').next().unwrap().trim_end_matches(".rs")
+    }
+
+    /// Only here may the outside world be touched.
+    pub fn is_edge(&self) -> bool {
+        ["cli", "main"].contains(&self.module())
+    }
+}
+
+/// Returns every source file of src.
+pub fn sources() -> Vec<File> {
+    let mut files = Vec::new();
+    collect(&crate::common::root().join("src"), "", &mut files);
+    assert!(files.len() > 40, "only {} files found", files.len());
+    files
+}
+
+fn collect(folder: &Path, prefix: &str, files: &mut Vec<File>) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let entry = entry.unwrap();
+        let path = format!("{prefix}{}", entry.file_name().to_string_lossy());
+        if entry.path().is_dir() {
+            collect(&entry.path(), &format!("{path}/"), files);
+        } else if path.ends_with(".rs") {
+            let text = std::fs::read_to_string(entry.path()).unwrap();
+            files.push(File { path, code: code_of(&text), text });
+        }
+    }
+}
+
+/// The text with comments and the insides of texts blanked; lines stay lines.
+fn code_of(text: &str) -> String {
+    let chars: Vec<char> = text.chars().collect();
+    let mut code = String::with_capacity(text.len());
+    let mut k = 0;
+    while k < chars.len() {
+        let end = end_of_no_code(&chars, k);
+        if end > k {
+            code.push_str(if chars[k] == '/' { " " } else { "\"\"" });
+            code.extend(chars[k..end].iter().filter(|&&c| c == '\n'));
+            k = end;
+        } else {
+            code.push(chars[k]);
+            k += 1;
+        }
+    }
+    code
+}
+
+/// Where a comment, text or character that starts at `k` ends; `k` itself if none does.
+fn end_of_no_code(chars: &[char], k: usize) -> usize {
+    let starts = |word: &str| word.chars().enumerate().all(|(i, c)| chars.get(k + i) == Some(&c));
+    let in_name = k > 0 && (chars[k - 1].is_alphanumeric() || chars[k - 1] == '_');
+    if starts("//") {
+        return (k..chars.len()).find(|&i| chars[i] == '\n').unwrap_or(chars.len());
+    }
+    if starts("/*") {
+        return end_of_block(chars, k);
+    }
+    if chars[k] == '"' {
+        return end_of_text(chars, k + 1);
+    }
+    if chars[k] == 'r' && !in_name && (starts("r\"") || starts("r#")) {
+        let hashes = chars[k + 1..].iter().take_while(|&&c| c == '#').count();
+        let open = k + 1 + hashes;
+        if chars.get(open) == Some(&'"') {
+            let closes = |&i: &usize| chars[i] == '"' && (1..=hashes).all(|h| chars.get(i + h) == Some(&'#'));
+            return (open + 1..chars.len()).find(closes).map_or(chars.len(), |i| i + 1 + hashes);
+        }
+    }
+    if chars[k] == '\'' {
+        // A character, not a lifetime: 'x' or an escape.
+        if chars.get(k + 1) == Some(&'\\') {
+            return (k + 3..chars.len()).find(|&i| chars[i] == '\'').map_or(chars.len(), |i| i + 1);
+        }
+        if chars.get(k + 2) == Some(&'\'') {
+            return k + 3;
+        }
+    }
+    k
+}
+
+fn end_of_text(chars: &[char], mut k: usize) -> usize {
+    while k < chars.len() && chars[k] != '"' {
+        k += if chars[k] == '\\' { 2 } else { 1 };
+    }
+    k + 1
+}
+
+/// Block comments nest.
+fn end_of_block(chars: &[char], mut k: usize) -> usize {
+    let mut depth = 0;
+    while k < chars.len() {
+        match (chars[k], chars.get(k + 1)) {
+            ('/', Some('*')) => (depth, k) = (depth + 1, k + 2),
+            ('*', Some('/')) => (depth, k) = (depth - 1, k + 2),
+            _ => k += 1,
+        }
+        if depth == 0 {
+            break;
+        }
+    }
+    k
+}
+
+/// The names of a path in code, as `std::fs` or `{self, fs}` after `std::`, spread out.
+pub fn paths_from(code: &str, root: &str) -> Vec<String> {
+    heads_at(code, root).into_iter().map(|(name, _)| name).collect()
+}
+
+/// Returns the names of [`paths_from`], each with its line.
+pub fn heads_at(code: &str, root: &str) -> Vec<(String, usize)> {
+    let starts = code.match_indices(root).filter(|(at, _)| {
+        let before = code[..*at].chars().next_back();
+        !before.is_some_and(|c| c.is_alphanumeric() || c == '_' || c == ':')
+    });
+    let names = |(at, _): (usize, &str)| {
+        let line = code[..at].matches('\n').count() + 1;
+        heads(&code[at + root.len()..]).into_iter().map(move |name| (name, line))
+    };
+    starts.flat_map(names).collect()
+}
+
+/// The first names after `root::`: one, or all of a group in braces.
+fn heads(rest: &str) -> Vec<String> {
+    let name = |s: &str| s.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>();
+    let rest = rest.trim_start();
+    let Some(group) = rest.strip_prefix('{') else { return vec![name(rest)] };
+    let (mut depth, mut names, mut item) = (0, Vec::new(), String::new());
+    for c in group.chars() {
+        match c {
+            '{' => depth += 1,
+            '}' if depth == 0 => break,
+            '}' => depth -= 1,
+            ',' if depth == 0 => names.push(name(std::mem::take(&mut item).trim())),
+            _ => {}
+        }
+        if c != ',' || depth > 0 {
+            item.push(c);
+        }
+    }
+    names.push(name(item.trim()));
+    names.retain(|n| !n.is_empty());
+    names
+}
+
+/// Files (not allowed) whose code has one of the words.
+pub fn with_words(words: &[&str], allowed: impl Fn(&File) -> bool) -> Vec<String> {
+    let has = |f: &File| {
+        let lines = f.code.lines().enumerate();
+        let found = lines.filter(|(_, l)| words.iter().any(|w| l.contains(w)));
+        found.map(|(k, l)| format!("src/{}:{}: {}", f.path, k + 1, l.trim())).collect::<Vec<_>>()
+    };
+    sources().iter().filter(|f| !allowed(f)).flat_map(has).collect()
+}
+
+/// Whole words only: `parry3d` is not in `parry3d_like`.
+pub fn uses_crate(code: &str, name: &str) -> bool {
+    let word = |c: Option<char>| c.is_some_and(|c| c.is_alphanumeric() || c == '_');
+    code.match_indices(name)
+        .any(|(at, _)| !word(code[..at].chars().next_back()) && !word(code[at + name.len()..].chars().next()))
+}
+
+#[test]
+fn the_reader_of_code_sees_code_alone() {
+    let text = "use a; // std::fs\n/* .unwrap() /* nested */ panic! */ let x = \"std::fs \\\" // no\";\n\
+                let r = r#\"unsafe \" {\"#; let c = '\"'; fn f<'a>(s: &'a str) {} // 'x\nlet d = '\\'';\n\
+                let std = std::io::stdin();";
+    let code = code_of(text);
+    for absent in ["std::fs", "unwrap", "panic", "nested", "unsafe", "no"] {
+        assert!(!code.contains(absent), "{absent} in {code}");
+    }
+    for there in ["use a;", "fn f<'a>(s: &'a str)", "let d = ", "std::io::stdin"] {
+        assert!(code.contains(there), "{there} not in {code}");
+    }
+    assert_eq!(code_of(text).lines().count(), text.lines().count());
+    let code = "use std::{fmt, io::{self, Read}, fs};\nmystd::env; let x = std::time::Instant::now();";
+    assert_eq!(paths_from(code, "std::"), ["fmt", "io", "fs", "time"]);
+    assert!(uses_crate("use parry3d::x", "parry3d") && !uses_crate("my_parry3d", "parry3d"));
+}

@@ -1,0 +1,194 @@
+//! Heat maps and drawings of a layout.
+
+use super::{check, number, renamed, start};
+use crate::common::workcell;
+use sweetspot::assess::Assessment;
+use sweetspot::drawing::{Detail, Drawing};
+use sweetspot::layout::Workcell;
+use sweetspot::report;
+use sweetspot::report::chart::{heat_map, layout_plan, layout_section};
+
+#[test]
+fn the_shipped_cells_have_heat_maps() {
+    for name in ["hitachi_cell", "hitachi_paper", "drilling_cell", "scara_cell"] {
+        let workcell = workcell(&format!("{name}.toml"));
+        let a = start(&workcell);
+        let detail = Detail { lenses: false, envelopes: false, nodes: 4000 };
+        let drawing = Drawing::new(&a, &detail).unwrap();
+        for (k, field) in drawing.fields.iter().enumerate() {
+            check(&format!("plan-{name}-{k}"), &layout_plan(&a, &drawing, k));
+            check(&format!("section-{name}-{k}"), &layout_section(&a, &drawing, k));
+            for take in 0..field.takes.len() {
+                let range = field.range(take, field.sense).unwrap();
+                check(&format!("heat-{name}-{k}-{take}"), &heat_map(&drawing, k, take, field.sense, range));
+            }
+        }
+    }
+}
+
+#[test]
+fn a_heat_map_says_names_as_they_are() {
+    let workcell = Workcell::new(renamed(workcell("hitachi_cell.toml").cell)).unwrap();
+    let a = start(&workcell);
+    let drawing = Drawing::new(&a, &Detail { lenses: false, envelopes: false, nodes: 30 }).unwrap();
+    for k in 0..drawing.fields.len() {
+        let sense = drawing.fields[k].sense;
+        check(&format!("plan-hostile-{k}"), &layout_plan(&a, &drawing, k));
+        check(&format!("section-hostile-{k}"), &layout_section(&a, &drawing, k));
+        check(&format!("heat-hostile-{k}"), &heat_map(&drawing, k, 0, sense, (0.0, 0.01)));
+    }
+}
+
+/// Texts of a picture.
+fn texts(svg: &str) -> Vec<String> {
+    let document = roxmltree::Document::parse(svg).unwrap();
+    let all = document.descendants().filter(|n| n.tag_name().name() == "text");
+    all.filter_map(|n| n.text().map(str::to_string)).collect()
+}
+
+#[test]
+fn a_legend_lists_exactly_the_troubles_there_are() {
+    let said = [
+        ("out-of-reach", "out of reach"),
+        ("joint-limit", "beyond a joint limit"),
+        ("collision", "collides"),
+    ];
+    let workcell = workcell("hitachi_cell.toml");
+    let a = start(&workcell);
+    let drawing = Drawing::new(&a, &Detail { lenses: false, envelopes: false, nodes: 4000 }).unwrap();
+    for (k, map) in a.maps.iter().enumerate() {
+        let svg = heat_map(&drawing, k, 0, drawing.fields[k].sense, (0.01, 0.02));
+        let told = texts(&svg);
+        let mut counted = map.count("ok");
+        for (status, words) in said {
+            let wanted = format!("{words} ({})", map.count(status));
+            assert_eq!(told.contains(&wanted), map.count(status) > 0, "{wanted}: {told:?}");
+            counted += map.count(status);
+        }
+        assert_eq!(counted, map.nodes.len(), "another status has no words here");
+        // A title for every node, in the words of the map.
+        assert_eq!(svg.matches("<title>(").count(), map.nodes.len());
+    }
+}
+
+/// Grids without areas, fields without a span, nothing usable: a picture all the same.
+#[test]
+fn few_nodes_and_constant_fields_are_drawn() {
+    let workcell = workcell("hitachi_paper.toml");
+    let a = start(&workcell);
+    let detail = Detail { lenses: false, envelopes: false, nodes: 4000 };
+    let (sense, full) = {
+        let drawing = Drawing::new(&a, &detail).unwrap();
+        (drawing.fields[0].sense, drawing.fields[0].clone())
+    };
+    let usable: Vec<usize> = full.usable().collect();
+    let draw = |name: &str, change: &dyn Fn(&mut sweetspot::drawing::Field)| {
+        let mut drawing = Drawing::new(&a, &detail).unwrap();
+        change(&mut drawing.fields[0]);
+        let range = drawing.fields[0].range(0, sense).unwrap_or((0.0, 0.0));
+        let svg = heat_map(&drawing, 0, 0, sense, range);
+        check(&format!("heat-odd-{name}"), &svg);
+        svg
+    };
+    for keep in [0, 1, 2] {
+        draw(&format!("{keep}"), &|field| {
+            for k in usable.iter().skip(keep) {
+                field.nodes[*k].status = "attitude";
+            }
+            (field.best, field.spot, field.refined) = (None, None, None);
+        });
+    }
+    let flat = draw("constant", &|field| {
+        field.takes[0].values[sense].iter_mut().for_each(|v| *v = v.map(|_| 0.004));
+    });
+    assert!(!flat.contains("iso-lines every"));
+    let other = draw("other", &|field| field.takes[0].best = field.usable().last());
+    assert!(texts(&other).contains(&"spot in this reading".to_string()));
+    // Points: all along the first axis.
+    let dots = draw("points", &|field| field.size = (field.nodes.len(), 1));
+    assert!(dots.matches("<circle").count() >= usable.len());
+    let row = draw("row", &|field| {
+        field.nodes.truncate(11);
+        field.takes[0].values[sense].truncate(11);
+        field.size = (11, 1);
+        (field.best, field.takes[0].best, field.spot, field.refined) = (None, None, None, None);
+    });
+    check("heat-odd-row", &row);
+}
+
+/// The spot stands in the picture where its millimetres say, by the numbers of the axes.
+#[test]
+fn the_spot_is_where_the_axes_say() {
+    let workcell = workcell("hitachi_paper.toml");
+    let a = start(&workcell);
+    let drawing = Drawing::new(&a, &Detail { lenses: false, envelopes: false, nodes: 4000 }).unwrap();
+    let svg = heat_map(&drawing, 0, 0, drawing.fields[0].sense, (0.003, 0.006));
+    let document = roxmltree::Document::parse(&svg).unwrap();
+    let all = || document.descendants().filter(|n| n.tag_name().name() == "text");
+    // Numbers along the foot, each under its gridline.
+    let ticks: Vec<(f64, f64)> = all()
+        .filter(|n| n.attribute("text-anchor") == Some("middle"))
+        .filter_map(|n| Some((n.text()?.parse().ok()?, number(&n, "x"))))
+        .filter(|(value, _): &(f64, f64)| value.abs() >= 500.0)
+        .collect();
+    let (first, last) = (ticks[0], ticks[ticks.len() - 1]);
+    assert!(ticks.len() >= 2 && last.0 > first.0, "{ticks:?}");
+    let ring = document.descendants().filter(|n| n.tag_name().name() == "circle");
+    let ring = ring.filter(|n| n.attribute("r") == Some("8.0")).map(|n| number(&n, "cx")).next().unwrap();
+    let at = first.0 + (ring - first.1) * (last.0 - first.0) / (last.1 - first.1);
+    let spot = a.spot(0).unwrap().0;
+    let own = a.layout.placements[0].pose().inverse().transform(&spot.position);
+    assert!((at - sweetspot::units::mm_from_m(own.x)).abs() < 1.0, "{at} {own}");
+}
+
+/// The whole cell: every sign its own, the fence and the keep-outs there, no text cut, and of many nodes
+/// only some.
+#[test]
+fn the_map_of_a_cell_shows_all_there_is() {
+    for name in ["hitachi_cell", "drilling_cell"] {
+        let workcell = workcell(&format!("{name}.toml"));
+        let a = start(&workcell);
+        let svg = report::svg::plan(&a);
+        keep(&format!("map-{name}"), &svg);
+        let told = texts(&svg);
+        assert_eq!(told.contains(&"fence".to_string()), a.cell.fence.is_some());
+        let refined = a.refined.iter().any(Option::is_some);
+        assert_eq!(told.contains(&"spot between the nodes".to_string()), refined);
+        let count = |status: &str| a.maps.iter().map(|m| m.count(status)).sum::<usize>();
+        for (status, words) in
+            [("collision", "collides"), ("retract", "no way out"), ("attitude", "attitude")]
+        {
+            assert_eq!(told.iter().any(|t| t.starts_with(words)), count(status) > 0, "{name}: {status}");
+        }
+        assert_eq!(svg.matches("<title>(").count(), a.maps.iter().map(|m| m.nodes.len()).sum::<usize>());
+    }
+}
+
+#[test]
+fn a_map_of_many_nodes_is_thinned_and_says_so() {
+    let workcell = workcell("hitachi_paper.toml");
+    let mut a: Assessment<'_> = start(&workcell);
+    let few = a.maps[0].nodes.clone();
+    a.maps[0].nodes = (0..100_000)
+        .map(|k| sweetspot::error_map::NodeRecord { i: k % 400, j: k / 400, ..few[k % few.len()].clone() })
+        .collect();
+    let svg = report::svg::plan(&a);
+    let drawn = svg.matches("<title>(").count();
+    assert!((1000..=4000).contains(&drawn) && svg.len() < 2_000_000, "{drawn} nodes, {} bytes", svg.len());
+    assert!(texts(&svg).iter().any(|t| t.contains("one node of 5 along both axes")), "{drawn}");
+}
+
+#[test]
+fn the_names_of_a_map_are_not_cut_at_the_edge() {
+    let workcell = Workcell::new(renamed(workcell("hitachi_cell.toml").cell)).unwrap();
+    let svg = report::svg::plan(&start(&workcell));
+    keep("map-hostile", &svg);
+    let document = roxmltree::Document::parse(&svg).unwrap();
+    let width: f64 = document.root_element().attribute("width").unwrap().parse().unwrap();
+    crate::charts::inside("map-hostile", &document.root_element(), width);
+}
+
+fn keep(name: &str, svg: &str) {
+    crate::charts::keep(name, svg);
+    roxmltree::Document::parse(svg).unwrap();
+}

@@ -1,0 +1,93 @@
+//! The charts of a report: well formed, true to their records, and never without answer.
+//!
+//! With SWEETSPOT_CHARTS set to a folder the charts of the tests are written there.
+
+mod iso;
+mod maps;
+mod outline;
+mod plots;
+mod scales;
+mod texts;
+
+use sweetspot::assess::Assessment;
+use sweetspot::cell::Cell;
+use sweetspot::layout::Workcell;
+
+/// The names that are made hostile.
+pub const HOSTILE: &str = "<script>alert('x')</script> & \"quoted\" ]]> \u{1} 溶接作業台";
+
+pub fn start(workcell: &Workcell) -> Assessment<'_> {
+    Assessment::new("start", workcell, workcell.cell.start())
+}
+
+/// Every name a hostile one.
+pub fn renamed(mut cell: Cell) -> Cell {
+    cell.name = HOSTILE.into();
+    cell.robot.name = HOSTILE.into();
+    cell.equipment.iter_mut().for_each(|e| e.name = format!("{HOSTILE} {}", e.name));
+    cell.operations.iter_mut().for_each(|o| o.name = format!("{HOSTILE} {}", o.name));
+    cell
+}
+
+/// A number of an element.
+pub fn number(node: &roxmltree::Node<'_, '_>, attribute: &str) -> f64 {
+    node.attribute(attribute).unwrap().parse().unwrap()
+}
+
+/// Looks at a chart as a page and as a file would: well formed, no style, no id, no script, nothing but
+/// numbers in geometry, every text inside the picture. Kept under a name if asked.
+pub fn check(name: &str, svg: &str) {
+    keep(name, svg);
+    let document = roxmltree::Document::parse(svg).unwrap_or_else(|e| panic!("{name}: {e}\n{svg}"));
+    let root = document.root_element();
+    assert_eq!((root.tag_name().name(), root.attribute("role")), ("svg", Some("img")), "{name}");
+    assert!(root.attribute("aria-label").is_some_and(|said| !said.is_empty()));
+    let title = root.children().find(|n| n.has_tag_name(("http://www.w3.org/2000/svg", "title")));
+    assert!(title.is_some_and(|t| t.text().is_some()), "{name} has no title");
+    let dark = sweetspot::report::chart::dark_rules(".dark");
+    for node in root.descendants().filter(|n| n.is_element()) {
+        // A page can repaint every class.
+        let classes = node.attribute("class").unwrap_or_default().split_whitespace();
+        classes.for_each(|class| assert!(dark.contains(&format!(".dark .{class}{{")), "{name}: {class}"));
+        let tag = node.tag_name().name();
+        let known = ["svg", "title", "rect", "path", "circle", "text", "g"];
+        assert!(known.contains(&tag), "{name}: <{tag}>");
+        for attribute in node.attributes() {
+            let (key, value) = (attribute.name(), attribute.value());
+            assert!(!key.starts_with("on") && !["style", "id", "href"].contains(&key), "{name}: {key}");
+            let is_geometry = !["aria-label", "class", "font-family"].contains(&key);
+            assert!(
+                !is_geometry || !value.contains("NaN") && !value.contains("inf"),
+                "{name}: {key}={value}"
+            );
+        }
+    }
+    inside(name, &root, 720.0);
+}
+
+/// Keeps a chart and the style sheet of dark pages.
+pub fn keep(name: &str, svg: &str) {
+    crate::common::keep_to_look_at("dark.css", &sweetspot::report::chart::dark_rules("svg"));
+    crate::common::keep_to_look_at(&format!("{name}.svg"), svg);
+}
+
+/// No text begins or ends outside, by a narrower measure of letters than the charts take.
+pub fn inside(name: &str, root: &roxmltree::Node<'_, '_>, width: f64) {
+    let size: Vec<f64> = root.attribute("viewBox").unwrap().split(' ').map(|v| v.parse().unwrap()).collect();
+    assert_eq!(size[2], width);
+    for text in root.descendants().filter(|n| n.tag_name().name() == "text") {
+        let said = text.text().unwrap_or_default();
+        let font = text.attribute("font-size").map_or(13.0, |v| v.parse().unwrap());
+        let wide: f64 = said.chars().map(|c| if (c as u32) > 0x2e80 { 1.0 } else { 0.5 } * font).sum();
+        let shifted = text.ancestors().any(|n| n.attribute("transform").is_some());
+        assert!(font >= 11.0 && !shifted, "{name}: {said}");
+        let (x, y) = (number(&text, "x"), number(&text, "y"));
+        let left = match text.attribute("text-anchor") {
+            Some("end") => x - wide,
+            Some("middle") => x - wide / 2.0,
+            _ => x,
+        };
+        assert!(left >= 0.0 && left + wide <= width, "{name}: {said:?} from {left} to {}", left + wide);
+        assert!(y >= 8.0 && y <= size[3], "{name}: {said:?} at {y} of {}", size[3]);
+    }
+}

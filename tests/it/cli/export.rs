@@ -1,0 +1,402 @@
+//! `export`: every format through the binary, read again by hand.
+
+use crate::cli::shop::{numbers as numbers_of, *};
+use serde_json::Value;
+use std::collections::BTreeMap;
+
+const FORMATS: [&str; 6] = ["dxf", "glb", "svg", "csv", "json", "parquet"];
+
+/// A name that would be a command to a spreadsheet, a CAD program and a browser, as a TOML text; control
+/// characters are no part of a name, as the cell's reader says.
+const HOSTILE: &str = "=cmd|'/C c'!A0<script>x()</script>%%c^J\\\\U+0041\\\"&\u{fc}";
+
+/// Group codes and values of an ASCII DXF.
+fn pairs(dxf: &str) -> Vec<(u16, &str)> {
+    let lines: Vec<&str> = dxf.split("\r\n").collect();
+    assert_eq!(lines.len() % 2, 1, "an odd line");
+    lines.chunks_exact(2).map(|l| (l[0].trim().parse().unwrap(), l[1])).collect()
+}
+
+/// Entities of the model: kind and values by group code, the first of each.
+fn entities(dxf: &str) -> Vec<(String, BTreeMap<u16, String>)> {
+    let pairs = pairs(dxf);
+    let start = pairs.iter().position(|p| *p == (2, "ENTITIES")).unwrap();
+    let end = start + pairs[start..].iter().position(|p| *p == (0, "ENDSEC")).unwrap();
+    let mut all: Vec<(String, BTreeMap<u16, String>)> = Vec::new();
+    for (code, value) in &pairs[start + 1..end] {
+        match all.last_mut() {
+            _ if *code == 0 => all.push((value.to_string(), BTreeMap::new())),
+            Some((_, entity)) => drop(entity.entry(*code).or_insert_with(|| value.to_string())),
+            None => panic!("{code} {value} before any entity"),
+        }
+    }
+    all
+}
+
+fn point(entity: &BTreeMap<u16, String>, code: u16) -> [f64; 3] {
+    [0, 10, 20].map(|axis| entity[&(code + axis)].parse().unwrap())
+}
+
+fn on<'e>(
+    all: &'e [(String, BTreeMap<u16, String>)],
+    kind: &str,
+    layer: &str,
+) -> Vec<&'e BTreeMap<u16, String>> {
+    all.iter().filter(|(k, e)| k == kind && e[&8] == layer).map(|(_, e)| e).collect()
+}
+
+#[test]
+fn a_dxf_shows_what_the_map_says() {
+    let shop = Shop::new();
+    let ran = shop.done(&["export", CELL, "--to", "dxf"]);
+    assert_eq!(ran.out, "");
+    assert!(ran.err.contains("wrote hitachi_cell.dxf") && ran.err.contains("next: sweetspot export"));
+    let dxf = shop.text("hitachi_cell.dxf");
+    let map = shop.json(&["map", CELL]);
+    let all = entities(&dxf);
+    let nodes: Vec<&Value> = items(&map["operations"]).iter().flat_map(|o| items(&o["nodes"])).collect();
+    let (ok, out): (Vec<&Value>, Vec<&Value>) = nodes.iter().partition(|n| n["status"] == "ok");
+    for (layer, nodes) in [("NODES_OK", &ok), ("NODES_OUT", &out)] {
+        let circles = on(&all, "CIRCLE", layer);
+        assert_eq!(circles.len(), nodes.len(), "{layer}");
+        for (circle, node) in circles.iter().zip(nodes.iter()) {
+            assert!(near(&point(circle, 10), &numbers(&node["position_mm"]), 1e-5), "{layer}");
+        }
+    }
+    // One exaggeration for all, said in a text.
+    let texts = on(&all, "TEXT", "TEXT");
+    let said = texts.iter().find_map(|t| t[&1].strip_prefix("arrows: signed sample, ")).unwrap();
+    let enlarged: f64 = said.split(' ').next().unwrap().parse().unwrap();
+    for (axis, layer) in ["ARROWS_X", "ARROWS_Y", "ARROWS_Z", "ARROWS_R"].into_iter().enumerate() {
+        let lines = on(&all, "LINE", layer);
+        // Shaft and four lines of a head.
+        assert_eq!(lines.len(), 5 * ok.len(), "{layer}");
+        for (arrow, node) in lines.chunks(5).zip(&ok) {
+            let (tail, tip) = (point(arrow[0], 10), point(arrow[0], 11));
+            let error = numbers(&node["error_mm"]);
+            assert!(near(&tail, &numbers(&node["position_mm"]), 1e-5));
+            for k in 0..3 {
+                let shown = if axis == 3 || axis == k { error[k] * enlarged } else { 0.0 };
+                assert!((tip[k] - tail[k] - shown).abs() < 1e-4, "{layer} {tip:?} {tail:?} {error:?}");
+            }
+            assert!(arrow[1..].iter().all(|barb| point(barb, 10) == tip));
+        }
+    }
+    // Dimensions say where the frames stand; the base is the origin of this cell.
+    let mut measured: Vec<f64> =
+        on(&all, "DIMENSION", "DIMENSIONS").iter().map(|d| d[&42].parse().unwrap()).collect();
+    let mut stands: Vec<f64> = ["worktable", "conveyor"]
+        .iter()
+        .flat_map(|name| ["x_mm", "y_mm"].map(|key| number(&map["layout"][*name][key]).abs()))
+        .collect();
+    [&mut measured, &mut stands].into_iter().for_each(|v| v.sort_by(f64::total_cmp));
+    assert!(near(&measured, &stands, 1e-5), "{measured:?} {stands:?}");
+    // Millimetres; every handle once; no entity on a layer that is not there.
+    let pairs = pairs(&dxf);
+    let units = pairs.iter().position(|p| *p == (9, "$INSUNITS")).unwrap();
+    assert_eq!(pairs[units + 1], (70, "4"));
+    let handles: Vec<&str> = pairs.iter().filter(|(c, _)| [5, 105].contains(c)).map(|(_, v)| *v).collect();
+    let mut once = handles.clone();
+    once.sort();
+    once.dedup();
+    assert_eq!(once.len(), handles.len());
+    for (_, entity) in &all {
+        assert!(pairs.windows(2).any(|w| w[0] == (100, "AcDbLayerTableRecord") && w[1] == (2, &entity[&8])));
+    }
+}
+
+/// Header, JSON and numbers of a binary glTF.
+fn glb(bytes: &[u8]) -> (Value, Vec<u8>) {
+    let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()) as usize;
+    assert_eq!((&bytes[..4], word(4), word(8)), (&b"glTF"[..], 2, bytes.len()));
+    let json = word(12);
+    assert_eq!((&bytes[16..20], json % 4), (&b"JSON"[..], 0));
+    let numbers = 20 + json;
+    assert_eq!(&bytes[numbers + 4..numbers + 8], b"BIN\0");
+    assert_eq!(numbers + 8 + word(numbers), bytes.len());
+    (serde_json::from_slice(&bytes[20..numbers]).unwrap(), bytes[numbers + 8..].to_vec())
+}
+
+/// The numbers of an accessor, each vector of its components.
+fn read(document: &Value, numbers: &[u8], accessor: &Value) -> Vec<Vec<f64>> {
+    let accessor = &document["accessors"][accessor.as_u64().unwrap() as usize];
+    let view = &document["bufferViews"][accessor["bufferView"].as_u64().unwrap() as usize];
+    let start = view["byteOffset"].as_u64().unwrap_or(0) as usize;
+    let bytes = &numbers[start..start + view["byteLength"].as_u64().unwrap() as usize];
+    let width = match text(&accessor["type"]) {
+        "SCALAR" => 1,
+        "VEC3" => 3,
+        "VEC4" => 4,
+        other => panic!("{other}"),
+    };
+    let word = |c: &[u8]| match accessor["componentType"].as_u64().unwrap() {
+        5126 => f64::from(f32::from_le_bytes(c.try_into().unwrap())),
+        5125 => f64::from(u32::from_le_bytes(c.try_into().unwrap())),
+        other => panic!("{other}"),
+    };
+    let all: Vec<f64> = bytes.chunks(4).map(word).collect();
+    assert_eq!(all.len(), width * accessor["count"].as_u64().unwrap() as usize);
+    all.chunks(width).map(<[f64]>::to_vec).collect()
+}
+
+fn turned(q: &[f64], p: [f64; 3]) -> [f64; 3] {
+    // p + 2 u x (u x p + w p)
+    let cross = |a: [f64; 3], b: [f64; 3]| {
+        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    };
+    let u = [q[0], q[1], q[2]];
+    let inner = cross(u, p);
+    let outer = cross(u, [0, 1, 2].map(|k| inner[k] + q[3] * p[k]));
+    [0, 1, 2].map(|k| p[k] + 2.0 * outer[k])
+}
+
+#[test]
+fn a_glb_is_sound_and_its_robot_goes_to_the_spots() {
+    let shop = Shop::new();
+    shop.done(&["export", CELL, "--to", "glb", "--posture", "picking", "-o", "cell.glb"]);
+    let map = shop.json(&["map", CELL]);
+    let (document, numbers) = glb(&shop.read("cell.glb"));
+    for mesh in items(&document["meshes"]) {
+        for primitive in items(&mesh["primitives"]) {
+            let positions = read(&document, &numbers, &primitive["attributes"]["POSITION"]);
+            let indices = read(&document, &numbers, &primitive["indices"]);
+            assert!(indices.iter().all(|i| (i[0] as usize) < positions.len()));
+            if primitive["mode"] == Value::Null || primitive["mode"] == 4 {
+                let normals = read(&document, &numbers, &primitive["attributes"]["NORMAL"]);
+                assert_eq!((normals.len(), indices.len() % 3), (positions.len(), 0));
+                let norm = |n: &Vec<f64>| n.iter().map(|c| c * c).sum::<f64>().sqrt();
+                assert!(normals.iter().all(|n| (norm(n) - 1.0).abs() < 1e-5));
+            }
+        }
+    }
+    let nodes = items(&document["nodes"]);
+    let index =
+        |name: &str| nodes.iter().position(|n| n["name"] == name).unwrap_or_else(|| panic!("no {name}"));
+    // The first node makes y of z; then the table stands where the map says.
+    let top = &nodes[document["scenes"][0]["nodes"][0].as_u64().unwrap() as usize];
+    let up = turned(&numbers_of(&top["rotation"]), [0.0, 0.0, 1.0]);
+    assert!(near(&up, &[0.0, 1.0, 0.0], 1e-6), "{up:?}");
+    let table = &nodes[index("worktable")];
+    let place = ["x_mm", "y_mm", "z_mm"].map(|key| number(&map["layout"]["worktable"][key]) / 1000.0);
+    assert!(near(&numbers_of(&table["translation"]), &place, 1e-6));
+    let yaw = number(&map["layout"]["worktable"]["yaw_deg"]).to_radians();
+    let along = turned(&numbers_of(&table["rotation"]), [1.0, 0.0, 0.0]);
+    assert!(near(&along, &[yaw.cos(), yaw.sin(), 0.0], 1e-6));
+    // As drawn the TCP is at the spot asked for; moving it passes every spot and ends where it began.
+    let spot = |k: usize| {
+        numbers_of(&map["operations"][k]["best"]["position_mm"])
+            .iter()
+            .map(|v| v / 1000.0)
+            .collect::<Vec<_>>()
+    };
+    let tcp = index("tcp");
+    assert!(near(&numbers_of(&nodes[tcp]["translation"]), &spot(1), 1e-6));
+    let animation = &document["animations"][0];
+    let channel = |node: usize, path: &str| {
+        let of = |c: &&Value| c["target"]["node"] == node && c["target"]["path"] == path;
+        let channel = items(&animation["channels"]).iter().find(of).unwrap();
+        &animation["samplers"][channel["sampler"].as_u64().unwrap() as usize]
+    };
+    let way = read(&document, &numbers, &channel(tcp, "translation")["output"]);
+    let times = read(&document, &numbers, &channel(tcp, "translation")["input"]);
+    assert!(times.windows(2).all(|t| t[0] < t[1]) && times.len() == way.len());
+    for k in 0..2 {
+        assert!(way.iter().any(|p| near(p, &spot(k), 1e-6)), "never at the spot of operation {k}");
+    }
+    assert_eq!(way.first(), way.last());
+    let joints = numbers_of(&map["operations"][0]["best"]["joints_deg"]).len();
+    for link in (1..=joints).map(|k| index(&format!("link {k}"))) {
+        let turns = read(&document, &numbers, &channel(link, "rotation")["output"]);
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        assert!(turns.iter().all(|q| (dot(q, q) - 1.0).abs() < 1e-5));
+        assert!(turns.windows(2).all(|q| dot(&q[0], &q[1]) > 0.9), "a leap of link {link}");
+    }
+    // At home it stands elsewhere.
+    shop.done(&["export", CELL, "--to", "glb", "--posture", "home", "-o", "home.glb"]);
+    let (home, _) = glb(&shop.read("home.glb"));
+    let at_home = numbers_of(&home["nodes"][tcp]["translation"]);
+    assert!(near(&at_home, way.first().unwrap(), 1e-6) && !near(&at_home, &spot(1), 0.01));
+}
+
+#[test]
+fn a_drawing_to_scale_is_as_large_as_it_says() {
+    let shop = Shop::new();
+    shop.done(&["export", CELL, "--to", "svg", "-o", "sheet.svg"]);
+    let svg = shop.text("sheet.svg");
+    let document = roxmltree::Document::parse(&svg).unwrap();
+    let root = document.root_element();
+    assert_eq!((root.attribute("width"), root.attribute("height")), (Some("420mm"), Some("297mm")));
+    assert_eq!(root.attribute("viewBox"), Some("0 0 420 297"));
+    let texts: Vec<String> = document
+        .descendants()
+        .filter(|n| n.has_tag_name("text"))
+        .filter_map(|n| n.text())
+        .map(str::to_string)
+        .collect();
+    let ratio: f64 = texts.iter().find_map(|t| t.strip_prefix("scale 1:")).unwrap().parse().unwrap();
+    assert!([1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0].contains(&ratio));
+    // Both spots are marked in plan as far apart as the map says, divided by the scale.
+    let circles: Vec<_> = document.descendants().filter(|n| n.attribute("r") == Some("1.8")).collect();
+    let at = |k: usize| ["cx", "cy"].map(|a| circles[k].attribute(a).unwrap().parse::<f64>().unwrap());
+    assert_eq!(circles.len(), 4); // plan and front of each
+    let map = shop.json(&["map", CELL]);
+    let spot = |k: usize| numbers(&map["operations"][k]["best"]["position_mm"]);
+    let (a, b) = (spot(0), spot(1));
+    let [plan, front] = [0, 1].map(|view| {
+        let (from, to) = (at(view), at(2 + view));
+        [to[0] - from[0], from[1] - to[1]]
+    });
+    assert!(near(&plan, &[(b[0] - a[0]) / ratio, (b[1] - a[1]) / ratio], 0.02), "{plan:?}");
+    assert!(near(&front, &[(b[0] - a[0]) / ratio, (b[2] - a[2]) / ratio], 0.02), "{front:?}");
+    for circle in &circles {
+        let [x, y] = ["cx", "cy"].map(|a| circle.attribute(a).unwrap().parse::<f64>().unwrap());
+        assert!((8.0..412.0).contains(&x) && (8.0..259.0).contains(&y), "outside the frame: {x} {y}");
+    }
+}
+
+#[test]
+fn tables_and_documents_are_those_of_map() {
+    let shop = Shop::new();
+    shop.done(&["map", PAPER, "--out", "map"]);
+    for (format, file) in [("csv", "map/map.csv"), ("json", "map/map.json")] {
+        shop.done(&["export", PAPER, "--to", format]);
+        assert_eq!(shop.read(&format!("hitachi_paper.{format}")), shop.read(file), "{format}");
+    }
+    shop.done(&["export", PAPER, "--to", "parquet"]);
+    let bytes = shop.read("hitachi_paper.parquet");
+    assert!(bytes.starts_with(b"PAR1") && bytes.ends_with(b"PAR1"));
+    use parquet::file::reader::{FileReader, SerializedFileReader};
+    use parquet::record::{Field, RowAccessor};
+    let file =
+        SerializedFileReader::new(std::fs::File::open(shop.path("hitachi_paper.parquet")).unwrap()).unwrap();
+    let table = shop.text("map/map.csv");
+    let mut table = csv::Reader::from_reader(table.as_bytes());
+    let names = table.headers().unwrap().clone();
+    let rows: Vec<csv::StringRecord> = table.records().map(Result::unwrap).collect();
+    assert_eq!(file.metadata().file_metadata().num_rows() as usize, rows.len());
+    let mut nulls = 0;
+    for (row, expected) in file.get_row_iter(None).unwrap().zip(&rows) {
+        let row = row.unwrap();
+        assert_eq!(row.get_column_iter().count(), names.len());
+        for (k, (name, field)) in row.get_column_iter().enumerate() {
+            assert_eq!(name, &names[k]);
+            match field {
+                Field::Str(text) => assert_eq!(text, &expected[k]),
+                Field::Null => {
+                    nulls += 1;
+                    assert_eq!(&expected[k], "", "{name}");
+                }
+                Field::Bool(is) => assert_eq!(if *is { "1" } else { "0" }, &expected[k]),
+                Field::Int(n) => assert_eq!(n.to_string(), expected[k]),
+                Field::Double(v) => assert_eq!(*v, expected[k].parse::<f64>().unwrap(), "{name}"),
+                other => panic!("{name}: {other:?}"),
+            }
+        }
+        assert!(row.get_int(2).unwrap() <= 10);
+    }
+    assert!(nulls > 100);
+}
+
+#[test]
+fn the_same_layout_makes_the_same_bytes() {
+    let shop = Shop::new();
+    for format in FORMATS {
+        for name in ["a", "b"] {
+            shop.done(&["export", PAPER, "--to", format, "-o", &format!("{name}.{format}")]);
+        }
+        assert_eq!(shop.read(&format!("a.{format}")), shop.read(&format!("b.{format}")), "{format}");
+    }
+}
+
+#[test]
+fn a_folder_is_exported_by_its_best_or_its_start_layout() {
+    let shop = Shop::new();
+    shop.done(&["search", CELL, "--budget", "300", "--out", "found"]);
+    for (args, of) in [(&[][..], "found/best.toml"), (&["--start"][..], CELL)] {
+        shop.done(&[&["export", "found", "--to", "csv", "-o", "export.csv"], args].concat());
+        shop.done(&["export", of, "--to", "csv", "-o", "direct.csv"]);
+        assert_eq!(shop.read("export.csv"), shop.read("direct.csv"), "{of}");
+    }
+    shop.done(&["export", "found", "--to", "json"]);
+    assert!(shop.path("found.json").exists());
+    // What was said otherwise on the command line holds.
+    shop.done(&["export", "found", "--to", "json", "--reading", "worst-case", "-o", "worst.json"]);
+    assert_eq!(shop.document("worst.json")["operations"][0]["reading"], "worst-case");
+    std::fs::create_dir(shop.path("empty")).unwrap();
+    for (args, said) in [
+        (&["export", "empty", "--to", "dxf"][..], "holds no manifest.json"),
+        (&["export", CELL, "--to", "dxf", "--start"], "--start is of a folder"),
+        (&["export", CELL, "--to", "dwg"], "invalid value 'dwg'"),
+        (&["export", CELL], "--to <FORMAT>"),
+        (&["export", CELL, "--to", "dxf", "--posture", "assembyl"], "did you mean assembly?"),
+    ] {
+        let ran = shop.run(args);
+        assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{args:?}: {}", ran.err);
+        assert!(ran.err.contains(said), "{args:?}: {}", ran.err);
+    }
+    assert!(!shop.path("empty.dxf").exists() && !shop.path("hitachi_cell.dxf").exists());
+    assert_eq!(shop.run(&["export", "nowhere.toml", "--to", "dxf"]).code, Some(3));
+}
+
+#[test]
+fn what_cannot_be_written_leaves_what_was_there() {
+    let shop = Shop::new();
+    for out in ["no/such/folder/cell.dxf", "cells"] {
+        let ran = shop.run(&["export", PAPER, "--to", "dxf", "-o", out]);
+        assert_eq!(ran.code, Some(3), "{out}: {}", ran.err);
+        assert!(ran.err.contains("cannot write"), "{}", ran.err);
+    }
+    // A spot that is not there is asked for: the answer is no, and the old file stays.
+    shop.write("cells/far.toml", BEYOND_REACH);
+    shop.write("far.glb", "old");
+    let ran =
+        shop.run(&["export", "cells/far.toml", "--to", "glb", "-o", "far.glb", "--posture", "assembly"]);
+    assert_eq!(ran.code, Some(1), "{}", ran.err);
+    assert_eq!(shop.text("far.glb"), "old");
+    let left: Vec<String> = shop.files(".").into_iter().filter(|f| f.contains(".sweetspot-")).collect();
+    assert!(left.is_empty(), "{left:?}");
+    // Without one asked for it is drawn at home, in every format.
+    for format in FORMATS {
+        shop.done(&["export", "cells/far.toml", "--to", format, "-o", &format!("far.{format}")]);
+    }
+}
+
+#[test]
+fn hostile_names_are_text_in_every_format() {
+    let shop = Shop::new();
+    let cell = shop.text(PAPER);
+    let cell = cell
+        .replace("name = \"Paper, section 4.3\"", &format!("name = \"{HOSTILE}\""))
+        .replace("[operation.mapping]", &format!("[operation.\"{HOSTILE}\"]"))
+        .replace("[equipment.worktable]", &format!("[equipment.\"{HOSTILE}\"]"))
+        .replace("on = \"worktable\"", &format!("on = \"{HOSTILE}\""));
+    shop.write("cells/hostile.toml", &cell);
+    for format in FORMATS {
+        shop.done(&["export", "cells/hostile.toml", "--to", format]);
+    }
+    let dxf = shop.text("hostile.dxf");
+    let values: Vec<(u16, &str)> = pairs(&dxf);
+    assert_eq!(values.iter().filter(|p| **p == (0, "EOF")).count(), 1);
+    for (code, value) in &values {
+        assert!(value.bytes().all(|b| (b' '..=b'~').contains(&b)), "{code} {value}");
+        assert!(!value.contains("%%") && !value.contains("^J"), "{code} {value}");
+    }
+    assert!(values.iter().any(|(c, v)| *c == 1 && v.contains("<script>")), "no name at all");
+    let svg = shop.text("hostile.svg");
+    let document = roxmltree::Document::parse(&svg).unwrap();
+    assert!(!document.descendants().any(|n| n.has_tag_name("script")));
+    assert!(svg.contains("&lt;script&gt;"));
+    let csv = shop.text("hostile.csv");
+    let first = csv::Reader::from_reader(csv.as_bytes()).records().next().unwrap().unwrap();
+    assert!(first[0].starts_with("'=cmd") && first[1].starts_with("'=cmd"), "{first:?}");
+    let (scene, _) = glb(&shop.read("hostile.glb"));
+    assert!(items(&scene["nodes"]).iter().any(|n| n["name"].as_str().is_some_and(|n| n.starts_with("=cmd"))));
+}
+
+#[test]
+fn a_name_that_ends_in_another_format_is_refused() {
+    let shop = Shop::new();
+    let ran = shop.run(&["export", "cells/hitachi_paper.toml", "--to", "png", "-o", "a.dxf"]);
+    assert_eq!(ran.code, Some(2), "{}", ran.err);
+    assert!(ran.err.contains(".png") && !shop.path("a.dxf").exists(), "{}", ran.err);
+}

@@ -1,0 +1,98 @@
+//! `search --pareto` and `search --keep`: files, documents, refusals.
+
+use crate::cli::shop::*;
+use serde_json::Value;
+
+const PARETO: [&str; 4] = ["--pareto", "error,clearance,footprint", "--budget", "1500"];
+
+#[test]
+fn a_front_is_told_written_and_loads() {
+    let shop = Shop::new();
+    let document = shop.json(&[&["search", CELL, "--out", "found"][..], &PARETO].concat());
+    assert_eq!(document["pareto"], serde_json::json!(["error", "clearance", "footprint"]));
+    assert_eq!(document["keep"], Value::Null);
+    let front = items(&document["front"]);
+    assert!(front.len() > 3, "{} layouts", front.len());
+    let mut named = vec!["front.csv", "front.svg", "best.toml", "search.json", "manifest.json"];
+    named.extend(front.iter().map(|l| text(&l["file"])));
+    shop.has("found", &named);
+    let table = shop.text("found/front.csv");
+    assert_eq!(table.lines().count(), front.len() + 1);
+    assert!(
+        table.starts_with(
+            "layout,error,clearance_mm,joint_limits_percent,singularity,travel_deg,footprint_m2,"
+        )
+    );
+    assert_eq!(shop.text("found/front.svg").matches("<circle").count(), front.len());
+    // None is as good as another in every goal.
+    let losses = |l: &Value| {
+        let goal = |key: &str| number(&l["goals"][key]);
+        [goal("error"), -goal("clearance_mm"), goal("footprint_m2")]
+    };
+    for (k, a) in front.iter().enumerate() {
+        for b in front.iter().enumerate().filter(|(j, _)| *j != k).map(|(_, b)| b) {
+            let (a, b) = (losses(a), losses(b));
+            assert!(a.iter().zip(b).any(|(a, b)| *a < b), "{a:?} {b:?}");
+        }
+    }
+    // Each is a cell of that objective.
+    for layout in [&front[0], &front[front.len() - 1]] {
+        let file = format!("found/{}", text(&layout["file"]));
+        let compared = shop.json(&["compare", &file]);
+        let objective = number(&compared["layouts"][0]["objective"]);
+        assert!((objective - number(&layout["objective_value"])).abs() < 1e-6, "{file}: {objective}");
+    }
+    let plain = shop.done(&[&["search", CELL, "--out", "again"][..], &PARETO].concat());
+    assert!(plain.out.contains("layouts in error, clearance, footprint:\n"), "{}", plain.out);
+    assert!(plain.out.contains("best layout: clearance "), "{}", plain.out);
+    assert_eq!(shop.read("found/front.csv"), shop.read("again/front.csv"));
+    assert_eq!(shop.read("found/search.json"), shop.read("again/search.json"));
+}
+
+#[test]
+fn so_many_are_kept() {
+    let shop = Shop::new();
+    let document =
+        shop.json(&["search", CELL, "--budget", "1500", "--keep", "3", "--threads", "1", "--out", "found"]);
+    let kept = items(&document["front"]);
+    let objectives: Vec<f64> = kept.iter().map(|l| number(&l["objective_value"])).collect();
+    assert_eq!(objectives.len(), 3);
+    assert!(objectives.windows(2).all(|w| w[0] <= w[1]), "{objectives:?}");
+    assert_eq!(objectives[0], number(&document["objective_value"]));
+    assert_eq!(shop.read("found/best.toml").len() > 100, shop.path("found/layout-03.toml").exists());
+    assert!(!shop.path("found/layout-04.toml").exists() && !shop.path("found/front.svg").exists());
+    // Of a front, too; and by the cell file.
+    let cell = shop
+        .text(CELL)
+        .replace("[search]\n", "[search]\npareto = [\"error\", \"travel\", \"footprint\"]\nkeep = 4\n");
+    shop.write("cells/front.toml", &cell);
+    let document = shop.json(&["search", "cells/front.toml", "--budget", "1500", "--out", "few"]);
+    assert_eq!((items(&document["front"]).len(), &document["keep"]), (4, &Value::from(4)));
+    assert!(shop.path("few/front.svg").exists());
+    // Without either nothing of it is there.
+    let document = shop.json(&["search", CELL, "--budget", "300", "--out", "none"]);
+    assert_eq!(
+        (&document["front"], &document["pareto"], &document["keep"]),
+        (&Value::Null, &Value::Null, &Value::Null)
+    );
+    assert!(number(&document["goals"]["footprint_m2"]) > 1.0);
+    assert!(!shop.path("none/front.csv").exists() && !shop.path("none/layout-01.toml").exists());
+}
+
+#[test]
+fn what_cannot_be_a_front_is_refused() {
+    let shop = Shop::new();
+    for (wrong, said) in [
+        ("--pareto=error", "two goals or more"),
+        ("--pareto=error,error", "two goals or more"),
+        ("--pareto=error,cost", "invalid value 'cost'"),
+        ("--pareto=error,clearence", "'clearance'"),
+        ("--keep=0", "0"),
+        ("--keep=101", "101"),
+    ] {
+        let ran = shop.run(&["search", CELL, wrong]);
+        assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{wrong}: {}", ran.err);
+        assert!(ran.err.contains(said), "{wrong}: {}", ran.err);
+    }
+    assert!(!shop.path("results").exists(), "a refused search left a folder");
+}

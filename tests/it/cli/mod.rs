@@ -1,0 +1,22 @@
+//! The command as scripts and people meet it: exit codes, streams, files, the JSON contract.
+//!
+//! Every test runs the real binary in a folder of its own.
+
+mod cache;
+mod contract;
+mod export;
+mod figures;
+mod front;
+mod init;
+mod jobs;
+mod overrides;
+mod postures;
+mod readings;
+mod report;
+mod robots;
+mod robust;
+mod schema;
+mod shop;
+mod sweep;
+mod urdf;
+mod view;

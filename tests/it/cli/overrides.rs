@@ -1,0 +1,259 @@
+//! What the command line overrides.
+
+use crate::cli::shop::*;
+use serde_json::Value;
+
+#[test]
+fn overrides_of_the_map_take_effect() {
+    let shop = Shop::new();
+    let ok = |map: &Value| -> Vec<Value> {
+        let nodes = items(&map["operations"][0]["nodes"]);
+        nodes.iter().filter(|n| n["status"] == "ok").cloned().collect()
+    };
+    let drawn = shop.json(&["map", PAPER]);
+    let other = shop.json(&["map", PAPER, "--errors", "table-2"]);
+    assert_eq!(other["operations"][0]["errors"], "table-2");
+    assert_ne!(ok(&other)[0]["error_mm"], ok(&drawn)[0]["error_mm"]);
+    let linear = shop.json(&["map", PAPER, "--model", "linear"]);
+    assert_eq!(linear["operations"][0]["model"], "linear");
+    for (node, same) in ok(&linear).iter().zip(ok(&drawn)) {
+        assert_eq!(node["error_mm"], node["linear_error_mm"]);
+        assert_eq!(node["linear_error_mm"], same["linear_error_mm"]);
+    }
+    type Size = fn(&[f64]) -> f64;
+    let of: [(&str, Size); 5] = [
+        ("x", |e| e[0].abs()),
+        ("y", |e| e[1].abs()),
+        ("z", |e| e[2].abs()),
+        ("xy", |e| e[0].hypot(e[1])),
+        ("xyz", |e| e[0].hypot(e[1]).hypot(e[2])),
+    ];
+    for (sense, size) in of {
+        let map = shop.json(&["map", PAPER, "--sense", sense]);
+        assert_eq!(map["operations"][0]["sense"], sense);
+        for node in ok(&map) {
+            let e = numbers(&node["error_mm"]);
+            assert!((size(&e) - number(&node["error_sense_mm"])).abs() < 1e-8, "{sense}: {node}");
+        }
+    }
+}
+
+#[test]
+fn overrides_of_the_search_take_effect_and_survive() {
+    let shop = Shop::new();
+    let args = ["--sense", "z", "--errors", "table-3", "--model", "linear", "--seed", "9", "--budget", "700"];
+    shop.done(&[&["search", CELL, "--out", "found"], &args[..]].concat());
+    let found = shop.document("found/search.json");
+    let said = [("errors", "table-3"), ("model", "linear"), ("solver", "cma-es")];
+    said.iter().for_each(|(key, want)| assert_eq!(text(&found[key]), *want));
+    assert_eq!((&found["seed"], &found["budget"]), (&9.into(), &700.into()));
+    assert!(number(&found["evaluations"]) <= 700.0);
+    let map = shop.json(&["map", "found/best.toml"]);
+    for operation in items(&map["operations"]) {
+        let kept = ["sense", "errors", "model"].map(|key| text(&operation[key]));
+        assert_eq!(kept, ["z", "table-3", "linear"]);
+    }
+    let [map, compare, search] = objectives(&shop, "found");
+    assert_eq!([map, compare], [search, search]);
+}
+
+#[test]
+fn every_solver_finds_a_layout() {
+    let shop = Shop::new();
+    for solver in ["cma-es", "particle-swarm", "simulated-annealing"] {
+        let found = shop.json(&["search", CELL, "--solver", solver, "--budget", "3000", "--out", solver]);
+        assert_eq!((&found["solver"], &found["status"]), (&solver.into(), &"found".into()));
+        assert!(number(&found["objective_mm"]) < number(&found["start"]["objective_mm"]), "{solver}");
+    }
+    let layouts: Vec<_> = ["cma-es", "particle-swarm", "simulated-annealing"]
+        .map(|solver| shop.document(&format!("{solver}/search.json"))["layout"].to_string())
+        .into();
+    assert!(layouts[0] != layouts[1] && layouts[1] != layouts[2], "--solver changes nothing");
+}
+
+// --- readings, limits and senses ----------------------------------------------------------------
+
+/// The same numbers as plus-or-minus, with a sense and a robot for the tests below.
+const TOLERANCE: &str = "from = \"hitachi_paper.toml\"\nerrors = \"table-3-tolerance\"\n\
+                         reading = \"statistical\"\n[sense.shear]\nframe = \"surface\"\n\
+                         direction = [1, 1, 0]\n";
+
+#[test]
+fn figures_of_the_map_are_in_order() {
+    let shop = Shop::new();
+    for (cell, flags) in [
+        (CELL, &[][..]),
+        (PAPER, &["--reading", "statistical"]),
+        (CELL, &["--reading", "worst-case", "--registration", "best-fit", "--model", "second-order"]),
+    ] {
+        let map = shop.json(&[&["map", cell], flags].concat());
+        for operation in items(&map["operations"]) {
+            for node in items(&operation["nodes"]).iter().filter(|n| n["status"] == "ok") {
+                let of = |key: &str, sense: &str| number(&node[key][sense]);
+                for sense in ["x", "y", "z", "xy", "xyz"] {
+                    assert!(of("p99_mm", sense) >= of("p95_mm", sense), "{sense}: {node}");
+                    assert!(of("p95_mm", sense) >= of("rms_mm", sense), "{sense}: {node}");
+                    assert!(of("rms_mm", sense) >= of("mean_mm", sense), "{sense}: {node}");
+                }
+                if operation["reading"] == "signed" {
+                    // The sample is one corner of the box.
+                    let e = numbers(&node["error_mm"]);
+                    let size = e[0].hypot(e[1]).hypot(e[2]);
+                    assert!(of("worst_mm", "xyz") >= size - 1e-8, "{node}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_quantity_alone_takes_the_statistical_reading() {
+    let shop = Shop::new();
+    let map = shop.json(&["map", PAPER, "--quantity", "rms"]);
+    let operation = &map["operations"][0];
+    assert_eq!((text(&operation["reading"]), text(&operation["quantity"])), ("statistical", "rms"));
+    assert_eq!(operation["best"]["value"], operation["best"]["rms_mm"]["xyz"]);
+    let worst = shop.done(&["map", PAPER, "--quantity", "rms", "--reading", "worst-case", "--json"]);
+    assert!(worst.err.contains("--quantity says nothing"), "{}", worst.err);
+    assert_eq!(worst.document()["operations"][0]["reading"], "worst-case");
+}
+
+#[test]
+fn a_tolerance_is_read_as_worst_case_unless_asked() {
+    let shop = Shop::new();
+    for command in ["map", "budget", "explain", "compare"] {
+        let ran = shop.done(&[command, PAPER, "--errors", "table-3-tolerance"]);
+        assert!(
+            ran.err.contains("note: table-3-tolerance is a tolerance: read as worst-case"),
+            "{}",
+            ran.err
+        );
+        assert!(!ran.out.contains("note:"), "{}", ran.out);
+    }
+    let map = shop.json(&["map", PAPER, "--errors", "table-3-tolerance"]);
+    assert_eq!(map["operations"][0]["reading"], "worst-case");
+    // The magnitudes are those of table-3, read alike.
+    let signed = shop.json(&["map", PAPER, "--reading", "worst-case"]);
+    assert_eq!(map["objective_mm"], signed["objective_mm"]);
+    let other = shop.done(&["map", PAPER, "--errors", "table-3-tolerance", "--reading", "statistical"]);
+    assert!(!other.err.contains("read as worst-case"), "{}", other.err);
+    for command in ["map", "search", "compare", "budget", "explain"] {
+        let args = [command, PAPER, "--errors", "table-3-tolerance", "--reading", "signed"];
+        let ran = shop.run(&args);
+        assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{command}");
+        assert!(ran.err.contains("no sample to read signed"), "{}", ran.err);
+        assert!(ran.err.contains("help: choose the reading worst-case or statistical"), "{}", ran.err);
+    }
+}
+
+#[test]
+fn a_yield_needs_a_limit() {
+    let shop = Shop::new();
+    for command in ["map", "search", "compare", "budget", "explain"] {
+        let ran = shop.run(&[command, CELL, "--quantity", "yield"]);
+        assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{command}");
+        assert!(ran.err.contains("`assembly` has no limit"), "{}", ran.err);
+        assert!(ran.err.contains("help: add limit_mm"), "{}", ran.err);
+    }
+    assert!(!shop.path("results").exists());
+    let map = shop.json(&["map", CELL, "--quantity", "yield", "--limit", "5"]);
+    assert_eq!((text(&map["unit"]), &map["objective_mm"]), ("share", &Value::Null));
+    for operation in items(&map["operations"]) {
+        assert_eq!(number(&operation["limit"]), 5.0);
+        let best = &operation["best"];
+        assert!((1.0 - number(&best["yield"]) - number(&best["value"])).abs() < 1e-8, "{best}");
+        assert!((0.0..1.0).contains(&number(&best["value"])));
+    }
+    // A rotation's limit is in degrees.
+    let turn = shop.json(&["map", CELL, "--quantity", "yield", "--sense", "rotation", "--limit", "1"]);
+    assert_eq!(number(&turn["operations"][0]["limit"]), 1.0);
+    assert!((0.0..1.0).contains(&number(&turn["operations"][0]["best"]["yield"])));
+}
+
+#[test]
+fn bad_limits_and_senses_are_2() {
+    let shop = Shop::new();
+    for limit in ["-1", "0", "nan", "inf", "-inf", "five", ""] {
+        for command in ["map", "search", "compare", "budget", "explain", "readings"] {
+            let ran = shop.run(&[command, CELL, "--limit", limit]);
+            assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{command} {limit}: {}", ran.err);
+            assert!(ran.err.contains("--limit"), "{command} {limit}: {}", ran.err);
+        }
+    }
+    for command in ["map", "search", "compare", "budget", "explain", "readings"] {
+        let ran = shop.run(&[command, CELL, "--sense", "xzy"]);
+        assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{command}");
+        assert!(ran.err.contains("no sense `xzy`; did you mean xyz?"), "{}", ran.err);
+    }
+}
+
+#[test]
+fn best_toml_carries_how_the_errors_are_read() {
+    let shop = Shop::new();
+    shop.write("cells/tolerance.toml", TOLERANCE);
+    let keys = ["reading", "quantity", "registration", "sense", "limit", "errors", "model"];
+    let asked = |document: &Value| keys.map(|key| document["operations"][0][key].clone());
+    for (k, (cell, flags)) in [
+        (PAPER, &["--quantity", "yield", "--limit", "4.25", "--registration", "best-fit"][..]),
+        (PAPER, &["--sense", "rotation@tool", "--reading", "worst-case"]),
+        (PAPER, &["--sense", "rx", "--limit", "1.5", "--quantity", "p99"]),
+        ("cells/tolerance.toml", &["--sense", "shear", "--quantity", "mean"]),
+        (PAPER, &["--errors", "table-3-tolerance", "--registration", "taught"]),
+    ]
+    .iter()
+    .enumerate()
+    {
+        let folder = format!("found-{k}");
+        shop.done(&[&["search", cell, "--out", &folder][..], flags].concat());
+        let best = shop.json(&["map", &format!("{folder}/best.toml")]);
+        let drawn = shop.json(&[&["map", cell][..], flags].concat());
+        // The paper's table is fixed: the best layout is the one drawn.
+        assert_eq!(asked(&best), asked(&drawn), "{flags:?}");
+        assert_eq!(best["objective"], drawn["objective"], "{flags:?}");
+    }
+}
+
+/// `from` cannot take a limit away, so that best.toml could not say what was searched.
+#[test]
+fn a_search_refuses_to_lose_a_limit() {
+    let shop = Shop::new();
+    shop.write("cells/limited.toml", "from = \"hitachi_paper.toml\"\n[operation.mapping]\nlimit_mm = 4\n");
+    shop.done(&["map", "cells/limited.toml", "--sense", "rx"]);
+    let ran = shop.run(&["search", "cells/limited.toml", "--sense", "rx"]);
+    assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""));
+    assert!(ran.err.contains("`mapping`") && ran.err.contains("rx"), "{}", ran.err);
+    assert!(!shop.path("results").exists());
+    shop.done(&["search", "cells/limited.toml", "--sense", "x"]);
+}
+
+#[test]
+fn a_model_that_cannot_be_trusted_is_said_on_both_streams() {
+    let shop = Shop::new();
+    let ran = shop.done(&["map", CELL, "--model", "linear"]);
+    assert!(ran.out.contains("do NOT trust the linear model at 51 of 51 nodes"), "{}", ran.out);
+    assert!(ran.err.contains("warning: assembly: do NOT trust the linear model"), "{}", ran.err);
+    let json = shop.done(&["map", CELL, "--model", "linear", "--json"]);
+    assert!(json.err.contains("warning: picking: do NOT trust"), "{}", json.err);
+    assert_eq!(json.document()["operations"][0]["guard"]["trusted"], false);
+    for model in ["nonlinear", "second-order"] {
+        assert!(!shop.done(&["map", CELL, "--model", model]).err.contains("warning"));
+    }
+}
+
+#[test]
+fn check_says_how_the_errors_are_read() {
+    let shop = Shop::new();
+    shop.write("cells/tolerance.toml", TOLERANCE);
+    let signed = shop.done(&["check", PAPER]);
+    assert!(
+        signed.out.contains("3 error sets; table-3 is a signed sample, read as signed"),
+        "{}",
+        signed.out
+    );
+    let tolerance = shop.done(&["check", "cells/tolerance.toml"]);
+    assert!(
+        tolerance.out.contains("table-3-tolerance is a tolerance, read as statistical"),
+        "{}",
+        tolerance.out
+    );
+}

@@ -1,0 +1,100 @@
+//! `robust`, and `search --robust`.
+
+use crate::cli::shop::*;
+
+/// The shipped cell with a table and a conveyor that are not placed exactly.
+const LOOSE: &str = "from = \"hitachi_cell.toml\"\n[equipment.worktable]\n\
+                     placement_tolerance = { x_mm = 2, y_mm = 2, z_mm = 1, yaw_deg = 0.2 }\n\
+                     [equipment.conveyor]\nplacement_tolerance = { x_mm = 3 }\n";
+
+#[test]
+fn robust_tells_worst_corner_slopes_and_room() {
+    let shop = Shop::new();
+    shop.write("cells/loose.toml", LOOSE);
+    let told = shop.done(&["robust", "cells/loose.toml", "--limit", "14"]);
+    for words in [
+        "placement tolerance: worst ",
+        "changes by x ",
+        " times the tolerances",
+        "may be misplaced by at most ",
+    ] {
+        assert_eq!(told.out.matches(words).count() % 2, 0, "{}", told.out);
+        assert!(told.out.contains(words), "{}", told.out);
+    }
+    assert!(told.err.contains("next: sweetspot search cells/loose.toml --robust"), "{}", told.err);
+    let document = shop.json(&["robust", "cells/loose.toml", "--limit", "14"]);
+    assert_eq!((text(&document["schema"]), &document["holds"]), ("sweetspot/robust/1", &true.into()));
+    for operation in items(&document["operations"]) {
+        let r = field(operation, "robustness");
+        let worst = number(&r["worst"]["value"]);
+        assert!(worst > number(&r["value"]) && worst < 14.0, "{r}");
+        assert!(
+            number(&r["largest_times_tolerance"]["most"]) > 1.0
+                && number(&r["largest_in_plan_mm"]["most"]) > 3.0
+        );
+        for key in ["lost", "gradient", "largest_yaw_deg", "corners", "tolerance", "holds"] {
+            field(r, key);
+        }
+    }
+    // Beyond the limit inside the tolerance, or as drawn: the answer is no.
+    for limit in ["13.01", "5"] {
+        let no = shop.run(&["robust", "cells/loose.toml", "--limit", limit]);
+        assert_eq!(no.code, Some(1), "{limit}: {}", no.out);
+    }
+}
+
+#[test]
+fn a_robust_search_holds_where_the_nominal_one_does_not() {
+    let shop = Shop::new();
+    shop.write("cells/loose.toml", LOOSE);
+    let search =
+        |flags: &[&str]| shop.json(&[&["search", "cells/loose.toml", "--budget", "1500"], flags].concat());
+    let nominal = search(&["--out", "nominal"]);
+    let robust = search(&["--out", "robust", "--robust"]);
+    let holds = |document: &serde_json::Value| {
+        items(&document["operations"]).iter().all(|o| o["robustness"]["holds"] == true)
+    };
+    assert!(holds(&robust) && !holds(&nominal));
+    assert!(number(&robust["objective_mm"]) > number(&nominal["objective_mm"]));
+    let worst = items(&robust["operations"])
+        .iter()
+        .map(|o| number(&o["robustness"]["worst"]["value"]).max(number(&o["value"])));
+    assert!((worst.sum::<f64>() - number(&robust["objective_mm"])).abs() < 1e-6);
+    // best.toml says the same, robust as it is.
+    let [map, compare, search] = objectives(&shop, "robust");
+    assert_eq!([map, compare], [search, search]);
+    assert_eq!(shop.run(&["robust", "robust/best.toml"]).code, Some(0));
+    assert_eq!(shop.run(&["robust", "nominal/best.toml"]).code, Some(1));
+    assert_eq!(shop.run(&["compare", "nominal", "robust"]).code, Some(2));
+}
+
+#[test]
+fn nothing_to_withstand_is_refused() {
+    let shop = Shop::new();
+    let ran = shop.run(&["search", CELL, "--robust"]);
+    assert_eq!(ran.code, Some(2));
+    assert!(ran.err.contains("everything is placed exactly") && ran.err.contains("help: "), "{}", ran.err);
+    // How much it may be misplaced is told all the same.
+    let told = shop.done(&["robust", CELL]);
+    assert!(
+        told.out.contains("may be misplaced by at most") && !told.out.contains("tolerance: worst"),
+        "{}",
+        told.out
+    );
+}
+
+#[test]
+fn the_refined_spot_is_in_every_report() {
+    let shop = Shop::new();
+    let document = shop.json(&["map", PAPER, "--out", "mapped"]);
+    let operation = &document["operations"][0];
+    let refined = field(operation, "refined");
+    assert!(number(&refined["value"]) < number(&operation["best"]["value"]));
+    assert_eq!(number(&refined["node_value"]), number(&operation["best"]["value"]));
+    assert!(shop.done(&["map", PAPER]).out.contains("refined between the nodes"));
+    let csv = shop.text("mapped/map.csv");
+    let given: Vec<f64> = csv.lines().skip(1).filter_map(|l| l.rsplit(',').next()?.parse().ok()).collect();
+    assert_eq!(given.len(), 1, "only the best node has one");
+    assert!((given[0] - number(&refined["value"])).abs() < 1e-9);
+    assert!(shop.text("mapped/map.svg").contains(" refined: "));
+}

@@ -1,0 +1,71 @@
+//! `schema`: what it prints is what lies in cells/schemas, where every shipped file looks for it.
+
+use crate::cli::shop::*;
+use crate::common::root;
+
+const KINDS: [&str; 4] = ["cell", "robot", "equipment", "tool"];
+
+#[test]
+fn the_committed_schemas_are_those_that_are_printed() {
+    let shop = Shop::new();
+    for kind in KINDS {
+        let committed = shop.text(&format!("cells/schemas/{kind}.schema.json"));
+        let ran = shop.done(&["schema", kind]);
+        assert!(ran.out == committed, "run: sweetspot schema --out cells/schemas ({kind} differs)");
+        assert_eq!(ran.err, "next: sweetspot schema --out schemas\n");
+    }
+    assert_eq!(shop.done(&["schema"]).out, shop.text("cells/schemas/cell.schema.json"));
+}
+
+#[test]
+fn all_are_written_into_a_folder_and_written_again() {
+    let shop = Shop::new();
+    shop.done(&["schema", "--out", "mine/schemas"]);
+    shop.write("mine/schemas/robot.schema.json", "of another version");
+    let ran = shop.done(&["schema", "--out", "mine/schemas"]);
+    assert!(
+        ran.out.is_empty() && ran.err.contains("#:schema ./mine/schemas/cell.schema.json"),
+        "{}",
+        ran.err
+    );
+    assert_eq!(shop.files("mine/schemas").len(), 4);
+    for kind in KINDS {
+        let name = format!("schemas/{kind}.schema.json");
+        assert_eq!(shop.read(&format!("mine/{name}")), shop.read(&format!("cells/{name}")), "{kind}");
+    }
+}
+
+#[test]
+fn bad_usage_is_told() {
+    let shop = Shop::new();
+    for args in [&["schema", "cells"][..], &["schema", "robot", "--out", "x"], &["schema", "--out"]] {
+        assert_eq!(shop.run(args).code, Some(2), "{args:?}");
+    }
+    shop.write("file", "");
+    assert_eq!(shop.run(&["schema", "--out", "file/schemas"]).code, Some(3));
+    assert!(shop.done(&["schema", "--help"]).out.starts_with("Example: sweetspot schema "));
+}
+
+/// The first line of every shipped file names the schema of its kind by a path that leads there.
+#[test]
+fn every_shipped_file_names_its_schema() {
+    let mut count = 0;
+    for folder in ["cells", "cells/robots", "cells/equipment"] {
+        for entry in std::fs::read_dir(root().join(folder)).unwrap() {
+            let path = entry.unwrap().path();
+            if path.extension().is_none_or(|ending| ending != "toml") {
+                continue;
+            }
+            let text = std::fs::read_to_string(&path).unwrap();
+            let named = text.lines().next().unwrap().strip_prefix("#:schema ");
+            let named = named.unwrap_or_else(|| panic!("{} names no schema", path.display()));
+            assert!(path.parent().unwrap().join(named).is_file(), "{}: {named}", path.display());
+            let kind =
+                KINDS.into_iter().find(|kind| text.contains(&format!("\nschema = \"sweetspot/{kind}/1\"")));
+            let kind = kind.unwrap_or(if folder == "cells" { "cell" } else { "robot" });
+            assert!(named.ends_with(&format!("/{kind}.schema.json")), "{}: {named}", path.display());
+            count += 1;
+        }
+    }
+    assert!(count >= 42, "{count} files");
+}

@@ -1,0 +1,519 @@
+//! `view` as a browser and as a stranger meet it: addresses, requests, files, a search.
+
+use crate::cli::shop::*;
+use serde_json::{Value, json};
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+use std::path::PathBuf;
+use std::process::{Child, Stdio};
+use std::time::Duration;
+
+/// A running `view`; it ends with the test.
+struct Viewer {
+    child: Child,
+    port: u16,
+    token: String,
+    talk: PathBuf,
+}
+
+impl Drop for Viewer {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+        let talk = std::fs::read_to_string(&self.talk).unwrap_or_default();
+        assert!(std::thread::panicking() || !talk.contains("panicked"), "{talk}");
+    }
+}
+
+/// What was answered.
+struct Answered {
+    status: u16,
+    head: String,
+    body: String,
+}
+
+impl Answered {
+    fn json(&self) -> Value {
+        serde_json::from_str(&self.body).unwrap_or_else(|e| panic!("{e}: {}", self.body))
+    }
+}
+
+impl Viewer {
+    fn of(shop: &Shop, args: &[&str]) -> Self {
+        let mut command = shop.command(&[&["view"], args].concat());
+        let talk = shop.path(".talk");
+        let said = std::fs::File::create(&talk).unwrap();
+        let mut child = command.stdout(Stdio::piped()).stderr(said).spawn().unwrap();
+        let mut line = String::new();
+        BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
+        let inside = line.trim().strip_prefix("http://127.0.0.1:").unwrap_or_else(|| panic!("{line}"));
+        let (port, token) = inside.split_once('/').unwrap();
+        let token = token.strip_suffix('/').unwrap().to_string();
+        assert!(token.len() == 32 && token.bytes().all(|b| b.is_ascii_hexdigit()), "{token}");
+        Self { child, port: port.parse().unwrap(), token, talk }
+    }
+
+    fn stream(&self) -> TcpStream {
+        let stream = TcpStream::connect(("127.0.0.1", self.port)).unwrap();
+        // A hang is a failure, not a wait.
+        stream.set_read_timeout(Some(Duration::from_secs(120))).unwrap();
+        stream
+    }
+
+    /// Sends bytes as they are.
+    fn raw(&self, bytes: &str) -> Answered {
+        let mut stream = self.stream();
+        stream.write_all(bytes.as_bytes()).unwrap();
+        answered(&mut stream)
+    }
+
+    fn get(&self, what: &str) -> Answered {
+        let Self { port, token, .. } = self;
+        self.raw(&format!(
+            "GET /{token}/{what} HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nConnection: close\r\n\r\n"
+        ))
+    }
+
+    fn post(&self, what: &str, body: &str) -> Answered {
+        let origin = format!("http://127.0.0.1:{}", self.port);
+        self.raw(&self.posting(what, body, &format!("127.0.0.1:{}", self.port), &origin))
+    }
+
+    fn posting(&self, what: &str, body: &str, host: &str, origin: &str) -> String {
+        format!(
+            "POST /{}/{what} HTTP/1.1\r\nHost: {host}\r\nOrigin: {origin}\r\nContent-Length: {}\r\n\
+             Connection: close\r\n\r\n{body}",
+            self.token,
+            body.len()
+        )
+    }
+
+    /// Posts and insists on success.
+    fn done(&self, what: &str, body: &Value) -> Value {
+        let answered = self.post(what, &body.to_string());
+        assert_eq!(answered.status, 200, "{what}: {}", answered.body);
+        answered.json()
+    }
+
+    /// Posts and insists on a refusal; returns what the page is told.
+    fn refused(&self, what: &str, body: &str) -> String {
+        let answered = self.post(what, body);
+        assert_eq!(answered.status, 400, "{what} {body}: {}", answered.body);
+        text(&answered.json()["error"]).to_string()
+    }
+}
+
+fn answered(stream: &mut TcpStream) -> Answered {
+    let mut reader = BufReader::new(stream);
+    let (mut head, mut length) = (String::new(), None);
+    loop {
+        let mut line = String::new();
+        reader.read_line(&mut line).unwrap();
+        if let Some(value) = line.to_ascii_lowercase().strip_prefix("content-length:") {
+            length = Some(value.trim().parse::<usize>().unwrap());
+        }
+        if line.trim().is_empty() {
+            break;
+        }
+        head += &line;
+    }
+    let mut body = vec![0; length.unwrap_or_else(|| panic!("no length: {head}"))];
+    reader.read_exact(&mut body).unwrap();
+    let status = head.split(' ').nth(1).unwrap_or_else(|| panic!("{head}")).parse().unwrap();
+    Answered { status, head, body: String::from_utf8(body).unwrap() }
+}
+
+/// Somewhere else than drawn, with numbers that no rounding favours.
+fn elsewhere() -> Value {
+    json!({ "equipment": {
+        "worktable": { "x_mm": 287.3, "y_mm": 1003.7, "z_mm": 612.5, "yaw_deg": 11.3 },
+        "conveyor": { "x_mm": 1003.1, "yaw_deg": 78.9 },
+    } })
+}
+
+/// The same as a cell file.
+const ELSEWHERE: &str = "from = \"hitachi_cell.toml\"\n[equipment.worktable.placement]\nx_mm = 287.3\n\
+     y_mm = 1003.7\nz_mm = 612.5\nyaw_deg = 11.3\n[equipment.conveyor.placement]\nx_mm = 1003.1\ny_mm = -400\n\
+     yaw_deg = 78.9\n";
+
+#[test]
+fn nobody_else_comes_in() {
+    let shop = Shop::new();
+    let view = Viewer::of(&shop, &[CELL]);
+    let Viewer { port, token, .. } = &view;
+    let ours = format!("127.0.0.1:{port}");
+    let origin = format!("http://{ours}");
+    let get = |path: &str, host: &str| {
+        view.raw(&format!("GET {path} HTTP/1.1\r\n{host}Connection: close\r\n\r\n")).status
+    };
+    let host = format!("Host: {ours}\r\n");
+    assert_eq!(get(&format!("/{token}/"), &host), 200);
+    assert_eq!(get(&format!("/{token}/"), &format!("Host: localhost:{port}\r\n")), 200);
+    // Without the token there is nothing, whatever else is right.
+    let wrong = token.chars().rev().collect::<String>();
+    let short = &token[..31];
+    for path in ["/", "/state", "//", &format!("/{wrong}/"), &format!("/{short}/state"), &format!("/{token}")]
+    {
+        assert_eq!(get(path, &host), 404, "{path}");
+    }
+    // A name that somebody else's page has.
+    for host in [
+        "Host: evil.example\r\n".into(),
+        format!("Host: evil.example:{port}\r\n"),
+        "Host: 127.0.0.1\r\n".into(),
+        String::new(),
+        format!("{host}Host: evil.example\r\n"),
+    ] {
+        assert_eq!(get(&format!("/{token}/state"), &host), 403, "{host}");
+    }
+    // What changes something comes from our page.
+    let post = |host: &str, origin: &str| view.raw(&view.posting("undo", "{}", host, origin)).status;
+    assert_eq!(post(&ours, &origin), 200);
+    for other in ["null", "http://evil.example", "https://127.0.0.1", &format!("{origin}.evil.example")] {
+        assert_eq!(post(&ours, other), 403, "{other}");
+    }
+    assert_eq!(post("evil.example", &origin), 403);
+    let unsaid =
+        format!("POST /{token}/undo HTTP/1.1\r\n{host}Content-Length: 2\r\nConnection: close\r\n\r\n{{}}");
+    assert_eq!(view.raw(&unsaid).status, 403);
+    assert_eq!(view.raw(&unsaid.replace("POST", "PUT")).status, 405);
+}
+
+#[test]
+fn the_page_may_load_nothing() {
+    let shop = Shop::new();
+    let view = Viewer::of(&shop, &[CELL]);
+    let [one, other] = [view.get(""), view.get("")];
+    let nonce = |a: &Answered| {
+        let after = a.head.split_once("'nonce-").unwrap_or_else(|| panic!("{}", a.head)).1.to_string();
+        after.split_once('\'').unwrap().0.to_string()
+    };
+    assert_ne!(nonce(&one), nonce(&other));
+    for wanted in [
+        "default-src 'none'",
+        "connect-src 'self'",
+        "frame-ancestors 'none'",
+        "nosniff",
+        "no-referrer",
+        "no-store",
+    ] {
+        assert!(one.head.contains(wanted), "{wanted}: {}", one.head);
+    }
+    assert!(!one.head.contains("unsafe"), "{}", one.head);
+    // Every script and style has the mark, and nothing is fetched from elsewhere.
+    let marked = format!("nonce=\"{}\"", nonce(&one));
+    for tag in ["<script", "<style"] {
+        for (at, _) in one.body.match_indices(tag) {
+            assert!(one.body[at..].starts_with(&format!("{tag} {marked}")), "{}", &one.body[at..at + 80]);
+        }
+    }
+    assert!(!one.body.contains("src=") && !one.body.contains("{{"), "something is left");
+}
+
+#[test]
+fn a_layout_is_worth_what_map_says() {
+    let shop = Shop::new();
+    shop.write("cells/elsewhere.toml", ELSEWHERE);
+    let view = Viewer::of(&shop, &[CELL]);
+    let drawn = shop.json(&["map", CELL]);
+    let now = &view.get("state").json()["now"];
+    assert_eq!(now["answer"]["objective"], drawn["objective"]);
+    for (question, args) in [
+        (json!({ "sense": null, "model": "nonlinear", "reading": "signed" }), vec![]),
+        (
+            json!({ "sense": "xyz", "model": "linear", "reading": "signed" }),
+            vec!["--sense", "xyz", "--model", "linear"],
+        ),
+        (
+            json!({ "sense": "z", "model": "nonlinear", "reading": "worst-case" }),
+            vec!["--sense", "z", "--reading", "worst-case"],
+        ),
+    ] {
+        view.done("question", &question);
+        let tried = view.done("try", &elsewhere());
+        let map = shop.json(&[&["map", "cells/elsewhere.toml"], &args[..]].concat());
+        assert_eq!(tried["answer"]["objective"], map["objective"], "{question}");
+        assert!(tried["answer"]["objective"].is_number());
+        for (mine, theirs) in items(&tried["answer"]["operations"]).iter().zip(items(&map["operations"])) {
+            assert_eq!(mine["counts"], theirs["counts"]);
+            let best = field(theirs, "best");
+            assert_eq!(mine["best"], json!([best["i"], best["j"]]));
+            let values = items(&mine["nodes"]["value"]).iter().zip(items(&theirs["nodes"]));
+            for (value, node) in values.filter(|(_, node)| node["status"] == "ok") {
+                assert!((number(value) - number(&node["value"])).abs() <= 1e-6, "{value} {node}");
+            }
+        }
+    }
+    // A try changes nothing; what is fixed in the file can be tried, too.
+    assert_eq!(view.get("state").json()["now"]["undo"], 0);
+    shop.write("cells/up.toml", "from = \"hitachi_cell.toml\"\n[equipment.conveyor.placement]\nz_mm = 555\n");
+    view.done("question", &json!({ "sense": null, "model": "nonlinear", "reading": "signed" }));
+    let up = view.done("try", &json!({ "equipment": { "conveyor": { "z_mm": 555 } } }));
+    assert_eq!(up["answer"]["objective"], shop.json(&["map", "cells/up.toml"])["objective"]);
+    assert_ne!(up["answer"]["objective"], drawn["objective"]);
+}
+
+#[test]
+fn steps_are_undone_and_redone_and_a_page_goes_on_where_it_was() {
+    let shop = Shop::new();
+    let view = Viewer::of(&shop, &[CELL]);
+    let objective = |now: &Value| now["answer"]["objective"].clone();
+    let start = view.get("state").json()["now"].clone();
+    let one = view.done("layout", &json!({ "equipment": { "worktable": { "y_mm": 950 } } }));
+    let two = view.done("layout", &elsewhere());
+    assert_eq!((&two["undo"], &two["redo"], &two["before"]), (&json!(2), &json!(0), &objective(&one)));
+    assert!(text(&one["what"]).contains("worktable y 1000 to 950 mm"), "{}", one["what"]);
+    let all = [objective(&start), objective(&one), objective(&two)];
+    assert!(all[0] != all[1] && all[1] != all[2]);
+    // A reload asks for the state: it is that of the server.
+    let again = view.get("state").json()["now"].clone();
+    assert_eq!(again, two);
+    let back = view.done("undo", &json!({}));
+    assert_eq!((objective(&back), &back["redo"]), (all[1].clone(), &json!(1)));
+    view.done("undo", &json!({}));
+    let most = view.done("undo", &json!({}));
+    assert_eq!(
+        (&most["numbers"], objective(&most), &most["undo"]),
+        (&start["numbers"], all[0].clone(), &json!(0))
+    );
+    view.done("redo", &json!({}));
+    assert_eq!(view.done("redo", &json!({}))["numbers"], two["numbers"]);
+    // Back to the start is a step like others; a new step forgets what was undone.
+    let reset = view.done("reset", &json!({}));
+    assert_eq!((objective(&reset), &reset["undo"]), (all[0].clone(), &json!(3)));
+    view.done("undo", &json!({}));
+    let new = view.done("layout", &json!({ "equipment": { "worktable": { "y_mm": 990 } } }));
+    assert_eq!((&new["undo"], &new["redo"]), (&json!(3), &json!(0)));
+}
+
+#[test]
+fn nonsense_is_refused_in_words() {
+    let shop = Shop::new();
+    let view = Viewer::of(&shop, &[CELL]);
+    let worktable = |number: &str| format!("{{\"equipment\":{{\"worktable\":{{\"x_mm\":{number}}}}}}}");
+    for what in ["try", "layout"] {
+        for (body, word) in [
+            (worktable("NaN"), "no JSON"),
+            (worktable("1e999"), "no JSON"),
+            (worktable("null"), "must be a number"),
+            (worktable("\"5\""), "must be a number"),
+            (worktable("1800.01"), "must be from -1800 to 1800"),
+            (worktable("-1e9"), "must be from -1800 to 1800"),
+            ("{\"equipment\":{\"nobody\":{\"x_mm\":1}}}".into(), "no equipment `nobody`"),
+            ("{\"equipment\":{\"post\":{\"x_mm\":1}}}".into(), "obstacle"),
+            ("{\"equipment\":{\"worktable\":{\"q_mm\":1}}}".into(), "no `q_mm`"),
+            ("{\"attitude\":{\"assembly\":{\"bend_deg\":1}}}".into(), "no `bend_deg`"),
+            ("{\"robot_base\":{\"x_mm\":1e8}}".into(), "must be from"),
+            ("{\"equipment\":[1]}".into(), "must be an object"),
+            ("{\"robots\":{\"x\":{}}}".into(), "none of"),
+            ("[]".into(), "must be an object"),
+            ("{".into(), "no JSON"),
+            ("".into(), "no JSON"),
+            ("[".repeat(60_000), "no JSON"),
+        ] {
+            let said = view.refused(what, &body);
+            assert!(said.contains(word), "{body:.80}: {said}");
+        }
+    }
+    let large = format!("{{\"x\":\"{}\"}}", "y".repeat(70_000));
+    assert!(view.refused("layout", &large).contains("more than"));
+    for body in [
+        "{}",
+        "{\"model\":\"nonlinear\"}",
+        "{\"model\":\"nonlinear\",\"reading\":\"signed\",\"sense\":\"q\"}",
+    ] {
+        view.refused("question", body);
+    }
+    for body in ["{\"budget\":0}", "{\"budget\":1.5}", "{\"seed\":-1}", "{\"budget\":\"9\"}"] {
+        view.refused("search", body);
+    }
+    view.refused("accept", "{}");
+    let Viewer { port, token, .. } = &view;
+    // No length, and a body that never comes: answered, and nobody else waits for it.
+    let head = format!(
+        "POST /{token}/layout HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nOrigin: http://127.0.0.1:{port}\r\n"
+    );
+    assert_eq!(view.raw(&format!("{head}Connection: close\r\n\r\n")).status, 400);
+    let mut slow = view.stream();
+    slow.write_all(format!("{head}Content-Length: 5000\r\n\r\n{{").as_bytes()).unwrap();
+    assert_eq!(view.raw(&format!("{head}Content-Length: 9000000000\r\n\r\n{{")).status, 400);
+    assert_eq!(view.get("state").status, 200);
+    // After all that the layout is as drawn.
+    assert_eq!(view.get("state").json()["now"]["undo"], 0);
+}
+
+#[test]
+fn a_saved_layout_is_a_cell() {
+    let shop = Shop::new();
+    let view = Viewer::of(&shop, &[CELL]);
+    view.done("layout", &elsewhere());
+    // Fixed in the file: it must be in the one that is saved, too.
+    view.done(
+        "layout",
+        &json!({ "equipment": { "conveyor": { "z_mm": 590.25 } }, "robot_base": { "z_mm": 1.5 } }),
+    );
+    let now =
+        view.done("question", &json!({ "sense": "xyz", "model": "second-order", "reading": "worst-case" }));
+    let saved = view.done("save", &json!({ "name": "by_hand" }));
+    assert_eq!(saved["saved"], "cells/by_hand.toml");
+    shop.done(&["check", "cells/by_hand.toml"]);
+    let map = shop.json(&["map", "cells/by_hand.toml"]);
+    assert_eq!(map["objective"], now["answer"]["objective"]);
+    assert!(map["objective"].is_number());
+    assert_eq!(map["operations"][0]["sense"], "xyz");
+    // Never over another file without being asked twice, and never over what it is made from.
+    let before = shop.read("cells/by_hand.toml");
+    view.done("undo", &json!({}));
+    let taken = view.post("save", "{\"name\":\"by_hand.toml\"}");
+    assert_eq!((taken.status, &taken.json()["taken"]), (409, &json!(true)));
+    assert_eq!(shop.read("cells/by_hand.toml"), before);
+    view.done("save", &json!({ "name": "by_hand", "overwrite": true }));
+    assert_ne!(shop.read("cells/by_hand.toml"), before);
+    let own = shop.read(CELL);
+    let said = view.refused("save", "{\"name\":\"hitachi_cell\",\"overwrite\":true}");
+    assert!(said.contains("made from"), "{said}");
+    assert_eq!(shop.read(CELL), own);
+}
+
+#[test]
+fn a_name_is_no_way_out_of_the_folder() {
+    let shop = Shop::new();
+    let view = Viewer::of(&shop, &[CELL]);
+    let before = shop.files("");
+    for name in [
+        "",
+        " ",
+        ".toml",
+        "..",
+        "../x",
+        "..\\x",
+        "/x",
+        "/x.toml",
+        "a/b",
+        "a\\b",
+        "C:\\x",
+        "c:x",
+        "CON",
+        "con.toml",
+        "nul.x",
+        "COM1",
+        "lpt9.toml",
+        "aux ",
+        ".hidden",
+        "-rf",
+        "x\u{0}y",
+        "x\ny",
+        "\u{202e}x",
+        "x:stream",
+        "~",
+        "*",
+        "$x",
+        &"n".repeat(200),
+    ] {
+        let body = json!({ "name": name, "overwrite": true }).to_string();
+        view.refused("save", &body);
+    }
+    view.refused("save", "{\"name\":5}");
+    view.refused("save", "{}");
+    assert_eq!(shop.files(""), before);
+}
+
+#[test]
+fn a_search_from_here_is_that_of_search() {
+    let shop = Shop::new();
+    let view = Viewer::of(&shop, &[CELL]);
+    let now = view.done("layout", &elsewhere());
+    let began = view.done("search", &json!({ "budget": 600, "seed": 7 }));
+    assert_eq!(began["search"]["budget"], 600);
+    let search = ended(&view);
+    assert!((number(&search["start"]) - number(&now["answer"]["objective"])).abs() < 1e-9, "{search}");
+    // The same from a file that starts there.
+    let range = |min: f64, max: f64, start: f64| format!("{{ min = {min}, max = {max}, start = {start} }}");
+    let from = format!(
+        "from = \"hitachi_cell.toml\"\n[equipment.worktable.placement]\nx_mm = {}\ny_mm = {}\nz_mm = {}\nyaw_deg = {}\n\
+         [equipment.conveyor.placement]\nx_mm = {}\nyaw_deg = {}\n",
+        range(-1800.0, 1800.0, 287.3),
+        range(-1800.0, 1800.0, 1003.7),
+        range(300.0, 900.0, 612.5),
+        range(-90.0, 90.0, 11.3),
+        range(-2000.0, 2000.0, 1003.1),
+        range(-90.0, 90.0, 78.9),
+    );
+    shop.write("cells/from_here.toml", &from);
+    let args = ["search", "cells/from_here.toml", "--budget", "600", "--seed", "7", "--out", "found"];
+    let found = shop.json(&args);
+    let best = number(&found["objective_mm"]);
+    assert!((number(&search["best"]) - best).abs() < 1e-9, "{search} {best}");
+    assert!(number(&search["gain_percent"]) > 0.0, "{search}");
+    // Its layout is a step that can be undone.
+    let accepted = view.done("accept", &json!({}));
+    assert!((number(&accepted["answer"]["objective"]) - best).abs() < 1e-9);
+    assert_eq!(accepted["numbers"]["equipment"]["worktable"], found["layout"]["worktable"]);
+    assert_eq!(view.done("undo", &json!({}))["numbers"], now["numbers"]);
+}
+
+/// The search of a page when it is over.
+fn ended(view: &Viewer) -> Value {
+    for _ in 0..2400 {
+        let search = view.get("pulse").json()["search"].clone();
+        if search["running"] == false {
+            return search;
+        }
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    panic!("the search does not end");
+}
+
+#[test]
+fn a_search_is_stopped_and_the_page_lives_on_meanwhile() {
+    let shop = Shop::new();
+    let view = Viewer::of(&shop, &[CELL]);
+    view.done("search", &json!({ "budget": 100_000_000, "seed": 1 }));
+    assert!(view.refused("search", "{\"budget\":5}").contains("under way"));
+    let tried = view.done("try", &elsewhere());
+    assert!(tried["answer"]["objective"].is_number());
+    view.refused("accept", "{}");
+    view.done("stop", &json!({}));
+    let search = ended(&view);
+    assert!(text(&search["ended"]).contains("interrupted"), "{search}");
+    assert!(number(&search["evaluations"]) < 1e8);
+}
+
+#[test]
+fn a_result_can_be_searched_on() {
+    let shop = Shop::new();
+    shop.done(&["search", CELL, "--budget", "300", "--out", "found"]);
+    let view = Viewer::of(&shop, &["found"]);
+    let state = view.get("state").json();
+    assert_eq!(state["can_search"], true);
+    assert_eq!(state["now"]["answer"]["objective"], shop.json(&["map", "found/best.toml"])["objective"]);
+    let x = &items(&state["form"])[0]["numbers"][0];
+    assert_eq!((&x["min"], &x["max"], &x["free"]), (&json!(-1800.0), &json!(1800.0), &json!(true)));
+    view.done("layout", &json!({ "equipment": { "worktable": { "x_mm": 200 } } }));
+    assert_eq!(view.done("save", &json!({ "name": "other" }))["saved"], "found/other.toml");
+    let now = view.get("state").json()["now"]["answer"]["objective"].clone();
+    assert_eq!(shop.json(&["map", "found/other.toml"])["objective"], now);
+}
+
+#[test]
+fn a_port_that_is_taken_and_a_cell_that_is_none_end_at_once() {
+    let shop = Shop::new();
+    let view = Viewer::of(&shop, &[CELL]);
+    let ran = shop.run(&["view", CELL, "--port", &view.port.to_string()]);
+    assert_eq!((ran.code, ran.out.as_str()), (Some(3), ""), "{}", ran.err);
+    assert_eq!(shop.run(&["view", "cells/nothing.toml"]).code, Some(3));
+    shop.write("cells/bad.toml", "schema = 5\n");
+    assert_eq!(shop.run(&["view", "cells/bad.toml"]).code, Some(2));
+}
+
+/// Ctrl-C is how it ends: nothing is left undone.
+#[cfg(unix)]
+#[test]
+fn it_ends_at_a_signal_with_0() {
+    let shop = Shop::new();
+    let mut view = Viewer::of(&shop, &[CELL]);
+    view.done("search", &json!({ "budget": 100_000_000 }));
+    let kill = std::process::Command::new("kill").args(["-INT", &view.child.id().to_string()]).status();
+    assert!(kill.unwrap().success());
+    assert_eq!(view.child.wait().unwrap().code(), Some(0));
+}

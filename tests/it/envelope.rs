@@ -1,0 +1,423 @@
+//! The working envelope against geometry, against the inverse kinematics and against counting.
+
+use crate::common::{root, shipped};
+use nalgebra::{Vector3, vector};
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use std::f64::consts::{FRAC_PI_2, PI};
+use sweetspot::cell::{Attitude, Azimuth, Cell, Placement, Robot, Spin};
+use sweetspot::error_map::Outcome;
+use sweetspot::layout::{Workcell, evaluate};
+use sweetspot::reach::{Branch, Envelope, Fineness, Inverse, Reach, Region, Size};
+use sweetspot::robot::Chain;
+use sweetspot::{cell, files};
+
+const DOWN: f64 = -FRAC_PI_2;
+
+/// A row of a D-H table: kind, offset, r, l, alpha, limits (mm, degrees).
+type Row = (&'static str, f64, f64, f64, f64, [f64; 2]);
+
+fn robot(rows: &[Row], axis: [f64; 3]) -> Robot {
+    read(&text_of(rows, axis))
+}
+
+fn read(text: &str) -> Robot {
+    let loaded = files::load_robot("arm.toml", &mut |_| Ok(text.as_bytes().to_vec()));
+    loaded.unwrap_or_else(|f| panic!("{f:#?}")).robot
+}
+
+fn text_of(rows: &[Row], axis: [f64; 3]) -> String {
+    let mut text =
+        "schema = \"sweetspot/robot/1\"\nunits = { length = \"mm\", angle = \"deg\" }\nname = \"arm\"\n\
+        source = \"a test\"\nfootprint = { size_mm = [100, 100] }\n"
+            .to_string();
+    for (i, (kind, offset, r, l, alpha, [low, high])) in rows.iter().enumerate() {
+        let (zero, unit) = if *kind == "prismatic" { ("theta", "mm") } else { ("q_offset", "deg") };
+        text += &format!(
+            "[[joint]]\nname = \"q{i}\"\nkind = \"{kind}\"\n{zero}_deg = {offset}\nr_mm = {r}\nl_mm = {l}\n\
+             alpha_deg = {alpha}\nlimits_{unit} = [{low}, {high}]\n"
+        );
+    }
+    let some = vec![0.2; rows.len()];
+    text += &format!(
+        "[tool]\nposition_mm = [0, 0, 0]\naxis = {axis:?}\n[errors.some]\nkind = \"signed\"\n\
+         source = \"a test\"\ndr_mm = {some:?}\ndl_mm = {some:?}\ndalpha_deg = {some:?}\n"
+    );
+    text
+}
+
+const WHOLE: [f64; 2] = [-180.0, 180.0];
+const TURN: &str = "revolute";
+
+/// Links of 600, 400 and 200 mm on a post of 700 mm, the tool along the last.
+fn planar(first: [f64; 2]) -> Robot {
+    let rows = [
+        (TURN, 0.0, 700.0, 0.0, 90.0, first),
+        (TURN, 0.0, 0.0, 600.0, 0.0, WHOLE),
+        (TURN, 0.0, 0.0, 400.0, 0.0, WHOLE),
+        (TURN, 0.0, 0.0, 200.0, 0.0, WHOLE),
+    ];
+    robot(&rows, [1.0, 0.0, 0.0])
+}
+
+/// Links of 400 and 300 mm, the slide up to 200 mm down, the tool pointing down.
+fn scara(first: [f64; 2], second: [f64; 2]) -> Robot {
+    let rows = [
+        (TURN, 0.0, 800.0, 400.0, 0.0, first),
+        (TURN, 0.0, 0.0, 300.0, 180.0, second),
+        ("prismatic", 0.0, 100.0, 0.0, 0.0, [0.0, 200.0]),
+        (TURN, 0.0, 0.0, 0.0, 0.0, [-360.0, 360.0]),
+    ];
+    robot(&rows, [0.0, 0.0, 1.0])
+}
+
+/// The SCARA on a track of 1 000 mm along y, its post 800 mm high; modified rows.
+fn on_track() -> Robot {
+    let rows = [
+        ("prismatic", 0.0, 0.0, 0.0, -90.0, [-500.0, 500.0]),
+        (TURN, 0.0, 800.0, 0.0, 90.0, WHOLE),
+        (TURN, 0.0, 0.0, 400.0, 0.0, WHOLE),
+        ("prismatic", 0.0, 100.0, 300.0, 180.0, [0.0, 200.0]),
+        (TURN, 0.0, 0.0, 0.0, 0.0, [-360.0, 360.0]),
+    ];
+    read(&format!("convention = \"modified\"\n{}", text_of(&rows, [0.0, 0.0, 1.0])))
+}
+
+fn fine(step: f64) -> Fineness<'static> {
+    Fineness { step, tolerance: 1e-5, asked: &|_| () }
+}
+
+fn inverse(robot: &Robot) -> Inverse {
+    Inverse::new(&Chain::new(robot))
+}
+
+fn near(a: f64, b: f64, share: f64) -> bool {
+    (a - b).abs() <= share * b.abs()
+}
+
+/// Shoelace formula, even-odd: what a point of the region would say of itself.
+fn holds(region: &Region, p: [f64; 2]) -> bool {
+    let mut inside = false;
+    for outline in &region.outlines {
+        let next = outline.points.iter().cycle().skip(1);
+        for (a, b) in outline.points.iter().zip(next) {
+            if (a[1] > p[1]) != (b[1] > p[1]) && p[0] < a[0] + (p[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0]) {
+                inside = !inside;
+            }
+        }
+    }
+    inside
+}
+
+/// Round the shoulder, 200 mm lower for the tool that hangs down, from 200 to 1 000 mm.
+#[test]
+fn the_planar_arm_has_its_annulus() {
+    let arm = inverse(&planar(WHOLE));
+    let envelope = Envelope::new(&arm, &Attitude::elevation(DOWN), 0.0);
+    let section = envelope.section(0.3, &fine(0.01));
+    assert_eq!(section.outlines.iter().map(|o| o.is_hole()).collect::<Vec<_>>(), [false, true]);
+    assert!(near(section.area(), PI * (1.0 - 0.04), 2e-4), "{}", section.area());
+    for [r, z] in section.points() {
+        let from = r.hypot(z - 0.5);
+        assert!((from - 1.0).abs() < 2e-5 || (from - 0.2).abs() < 2e-5, "({r}, {z}): {from}");
+    }
+    // A plan cuts the two spheres: 0.1 m above their middle.
+    let plan = envelope.plan(0.6, &fine(0.01));
+    assert!(near(plan.area(), PI * (0.99 - 0.03), 3e-4), "{}", plan.area());
+    assert!(envelope.plan(1.6, &fine(0.01)).is_empty());
+
+    assert!(envelope.is_symmetric());
+    let Size { volume, error, extent, symmetric } = envelope.size(&fine(0.01));
+    let exact = 4.0 / 3.0 * PI * (1.0 - 0.008);
+    assert!(symmetric && (volume - exact).abs() < error && near(volume, exact, 1e-3), "{volume} {error}");
+    let extent = extent.unwrap();
+    let want = [0.0, 1.0, -0.5, 1.5];
+    let got = [extent.radius.0, extent.radius.1, extent.height.0, extent.height.1];
+    assert!(got.iter().zip(want).all(|(a, b)| (a - b).abs() < 1e-4), "{extent:?}");
+    assert!((extent.widest - 0.5).abs() <= extent.within);
+}
+
+/// The tool at 30 degrees, outward or inward: the union of two discs less that of their holes.
+#[test]
+fn a_slanted_tool_gives_two_annuli() {
+    let arm = inverse(&planar(WHOLE));
+    let elevation = -PI / 6.0;
+    let envelope = Envelope::new(&arm, &Attitude::elevation(elevation), 0.0);
+    let section = envelope.section(0.0, &fine(0.02));
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    for _ in 0..20_000 {
+        let (r, z) = (rng.random_range(-1.3..1.3), rng.random_range(-0.6..2.0));
+        let wrists = [1.0, -1.0]
+            .map(|s: f64| f64::hypot(r - s * 0.2 * elevation.cos(), z - 0.7 - 0.2 * elevation.sin()));
+        let reached = wrists.iter().any(|d| (0.2..=1.0).contains(d));
+        let edge = wrists.iter().any(|d| (d - 1.0).abs() < 0.005 || (d - 0.2).abs() < 0.005);
+        assert!(edge || holds(&section, [r, z]) == reached, "({r}, {z})");
+    }
+}
+
+/// Joint 1 within +-90 degrees of x: an arm of whole turns leans back, so that all of the circle is
+/// reached; one that only reaches forward leaves a wedge.
+#[test]
+fn the_limits_of_joint_1_cut_a_wedge() {
+    let mut robot = planar([-60.0, 75.0]);
+    // The upper arm may not lean back.
+    robot.joints[1].limits = (-0.2, FRAC_PI_2 - 0.5);
+    let arm = inverse(&robot);
+    let envelope = Envelope::new(&arm, &Attitude::elevation(DOWN), 0.0);
+    let plan = envelope.plan(0.7, &fine(0.01));
+    assert!(!plan.is_empty());
+    for [x, y] in plan.points() {
+        let azimuth = y.atan2(x).to_degrees();
+        // The crossing is refined along one axis: near the base that is a wide angle.
+        let slack = (2e-5_f64 / x.hypot(y)).to_degrees() + 1e-9;
+        assert!(azimuth > -60.0 - slack && azimuth < 75.0 + slack, "({x}, {y}): {azimuth}");
+    }
+    // The volume by angles is that of the plans one over the other.
+    let Size { volume, error, symmetric, .. } = envelope.size(&fine(0.01));
+    let heights = (0..180).map(|k| -0.6 + 0.0125 * (f64::from(k) + 0.5));
+    let stacked: f64 = heights.map(|z| 0.0125 * envelope.plan(z, &fine(0.02)).area()).sum();
+    assert!(symmetric && (volume - stacked).abs() < error + 2e-3 * stacked, "{volume} {error} {stacked}");
+}
+
+/// Where both elbows are allowed the area is that of the ring; with joint 2 on one side only and
+/// joint 1 within a range of width w, the ring between the radii of both ends of joint 2 has w / 2
+/// (R^2 - r^2): the arm sweeps it as a rigid shape.
+#[test]
+fn the_scara_has_its_area() {
+    let (l1, l2) = (0.4_f64, 0.3_f64);
+    let radius2 = |q2: f64| l1 * l1 + l2 * l2 + 2.0 * l1 * l2 * q2.cos();
+    let (w, ends) = (200.0_f64, [20.0_f64, 140.0]);
+    let arm = inverse(&scara([-100.0, 100.0], ends));
+    assert!(arm.family().starts_with("SCARA"), "{}", arm.family());
+    let envelope = Envelope::new(&arm, &Attitude::elevation(DOWN), 0.0);
+    let exact = w.to_radians() / 2.0 * (radius2(ends[0].to_radians()) - radius2(ends[1].to_radians()));
+    // The flange hangs 100 to 300 mm below 800 mm.
+    let plan = envelope.plan(0.6, &fine(0.005));
+    assert!(near(plan.area(), exact, 1e-3), "{} {exact}", plan.area());
+    assert!(envelope.plan(0.75, &fine(0.02)).is_empty() && envelope.plan(0.45, &fine(0.02)).is_empty());
+
+    // Joint 1 makes no whole turns and the spin is tried in steps from x: counted in x, y, z.
+    assert!(!envelope.is_symmetric());
+    let counted = envelope.size(&fine(0.04));
+    let volume = exact * 0.2;
+    assert!(!counted.symmetric && near(counted.volume, volume, 0.03), "{counted:?}");
+    let radial = Attitude { azimuth: Azimuth::Radial, ..Attitude::elevation(DOWN) };
+    let envelope = Envelope::new(&arm, &radial, 0.0);
+    let turned = envelope.size(&fine(0.005));
+    assert!(turned.symmetric && near(turned.volume, volume, 0.01), "{turned:?} {volume}");
+    let extent = turned.extent.unwrap();
+    let want = [radius2(ends[1].to_radians()).sqrt(), radius2(ends[0].to_radians()).sqrt(), 0.5, 0.7];
+    let got = [extent.radius.0, extent.radius.1, extent.height.0, extent.height.1];
+    assert!(got.iter().zip(want).all(|(a, b)| (a - b).abs() < extent.within), "{extent:?} {want:?}");
+}
+
+/// Just inside every crossing a branch keeps all limits, just outside none does.
+#[test]
+fn every_crossing_of_the_hitachi_is_one() {
+    for name in ["hitachi_paper.toml", "hitachi_paper_parallelogram.toml"] {
+        let robot = shipped(name).robot;
+        let arm = inverse(&robot);
+        let attitude = Attitude::elevation(DOWN);
+        let envelope = Envelope::new(&arm, &attitude, 0.0);
+        let approach = arm.approach(&attitude, 0.0);
+        let usable = |target: &Vector3<f64>| match arm.branches(target, &approach) {
+            Reach::Branches(all) => all.iter().any(Branch::is_usable),
+            _ => false,
+        };
+        let azimuth = envelope.middle();
+        assert!((azimuth - FRAC_PI_2).abs() < 1e-12);
+        let place = |[r, z]: [f64; 2]| vector![0.0, r, z];
+        let (step, tolerance) = (0.02, 1e-5);
+        let section = envelope.section(azimuth, &fine(step));
+        let mut count = 0;
+        for p in section.points() {
+            // The crossing lies on a line of the lattice: that is where it was refined.
+            let line = |v: f64| ((v / step - 0.5).round() - (v / step - 0.5)).abs() < 1e-9;
+            let axis = if line(p[0]) { 1 } else { 0 };
+            assert!(line(p[1 - axis]), "{p:?} lies on no line");
+            let moved = [1.0, -1.0].map(|s| {
+                let mut to = p;
+                to[axis] += s * tolerance;
+                usable(&place(to))
+            });
+            assert!(moved[0] != moved[1], "{name} {p:?}: {moved:?}");
+            count += 1;
+        }
+        assert!(count > 100, "{count}");
+        let by_polygon = (0..4000).filter(|k| {
+            let p = [-1.7 + 0.00085 * f64::from(*k), 0.4 + 0.3 * f64::from(*k % 7)];
+            holds(&section, p) != usable(&place(p))
+        });
+        // Between the lines of the lattice corners are cut.
+        assert!(by_polygon.count() < 40);
+    }
+}
+
+/// Seeded random points in a box, counted.
+fn monte_carlo(envelope: &Envelope<'_>, low: [f64; 3], high: [f64; 3], n: u32) -> (f64, f64) {
+    let mut rng = ChaCha8Rng::seed_from_u64(7);
+    let hits = (0..n).filter(|_| {
+        let p: [f64; 3] = std::array::from_fn(|k| rng.random_range(low[k]..high[k]));
+        envelope.has(&Vector3::from(p))
+    });
+    let share = hits.count() as f64 / f64::from(n);
+    let all: f64 = (0..3).map(|k| high[k] - low[k]).product();
+    (all * share, all * (share * (1.0 - share) / f64::from(n)).sqrt())
+}
+
+#[test]
+fn the_volume_is_what_counting_finds() {
+    let hitachi = shipped("hitachi_paper.toml").robot;
+    let arm = inverse(&hitachi);
+    let attitudes = [
+        Attitude::elevation(DOWN),
+        Attitude::elevation(-0.6),
+        Attitude { azimuth: Azimuth::Radial, ..Attitude::elevation(0.0) },
+    ];
+    for attitude in attitudes {
+        let envelope = Envelope::new(&arm, &attitude, 0.0);
+        let size = envelope.size(&fine(0.01));
+        let (counted, deviation) = monte_carlo(&envelope, [-2.0, -2.0, -1.2], [2.0, 2.0, 2.7], 400_000);
+        let off = (size.volume - counted).abs();
+        assert!(size.symmetric && off < size.error + 3.0 * deviation, "{size:?} {counted} {deviation}");
+    }
+}
+
+/// The disc of the SCARA (radius 700 mm) drawn 1 m along y; the hole round its post is passed over.
+#[test]
+fn a_track_draws_the_plan_along() {
+    let arm = inverse(&on_track());
+    // Every spin is as good as any.
+    let attitude = Attitude { spin: Spin::At(vec![0.0]), ..Attitude::elevation(DOWN) };
+    let envelope = Envelope::new(&arm, &attitude, 0.0);
+    // Every target costs 25 times as much here.
+    let coarse = |step: f64| Fineness { step, tolerance: 2e-3, asked: &|_| () };
+    let plan = envelope.plan(0.6, &coarse(0.08));
+    let exact = PI * 0.49 + 1.4;
+    assert!(near(plan.area(), exact, 0.02), "{} {exact}, {}", plan.area(), arm.family());
+    let Size { volume, error, symmetric, extent } = envelope.size(&coarse(0.1));
+    let exact = 0.2 * exact;
+    assert!(
+        !symmetric && (volume - exact).abs() < error + 0.02 * exact,
+        "{volume} {error} {exact} {extent:?}"
+    );
+    let extent = extent.unwrap();
+    assert!((extent.radius.1 - 1.2).abs() < extent.within, "{extent:?}");
+}
+
+/// Whatever a posture inside the limits reaches lies in the shell.
+#[test]
+fn the_shell_holds_every_tcp() {
+    let data = |name: &str| {
+        let folder = root().join("tests/data");
+        crate::common::load_from(&folder, name).unwrap_or_else(|f| panic!("{f:#?}")).cell.robot
+    };
+    let mut tilted = data("puma560.toml");
+    tilted.tool.translation = vector![0.05, -0.02, 0.15];
+    tilted.tool_axis = vector![0.6, 0.0, 0.8];
+    let robots = [
+        shipped("hitachi_paper.toml").robot,
+        planar([-60.0, 75.0]),
+        scara([-100.0, 100.0], [20.0, 140.0]),
+        on_track(),
+        data("ur5.toml"),
+        data("puma560.toml"),
+        tilted,
+    ];
+    let mut rng = ChaCha8Rng::seed_from_u64(3);
+    let mut tightest = Vec::new();
+    for robot in &robots {
+        let chain = Chain::new(robot);
+        let arm = Inverse::new(&chain);
+        let (mut far, mut close): (f64, f64) = (0.0, f64::INFINITY);
+        for _ in 0..100_000 {
+            let mut q = [0.0; cell::MAX_JOINTS];
+            for (q, joint) in q.iter_mut().zip(&robot.joints) {
+                *q = rng.random_range(joint.limits.0..=joint.limits.1);
+            }
+            let tcp = chain.forward(&chain.posture(&q));
+            let axis = tcp.rotation * chain.tool_axis;
+            let attitude = Attitude::elevation(axis.z.atan2(axis.x.hypot(axis.y)));
+            let shell = arm.shell(&attitude);
+            let from = (tcp.translation - shell.centre).norm();
+            assert!(shell.gap((from, from)) == 0.0, "{} {q:?}: {from} {shell:?}", robot.name);
+            far = far.max(from / shell.outer);
+            close = close.min((from - shell.inner) / shell.outer);
+        }
+        tightest.push((far, close));
+    }
+    // And it is not much larger than it must be.
+    assert!(tightest.iter().all(|(far, _)| *far > 0.6), "{tightest:?}");
+    assert!(tightest[0].1 < 0.35, "{tightest:?}");
+}
+
+/// What lies outside says so, and how far at least.
+#[test]
+fn the_shell_says_how_far() {
+    let arm = inverse(&planar(WHOLE));
+    let shell = arm.shell(&Attitude::elevation(DOWN));
+    assert!((shell.centre - vector![0.0, 0.0, 0.5]).norm() < 1e-12, "{shell:?}");
+    assert!((shell.outer - 1.0).abs() < 2e-6 && (shell.inner - 0.2).abs() < 2e-6, "{shell:?}");
+    assert!((shell.gap((1.5, 2.0)) - 0.5).abs() < 2e-6);
+    assert!((shell.gap((0.0, 0.15)) - 0.05).abs() < 2e-6);
+    assert_eq!(shell.gap((0.0, 3.0)), 0.0);
+}
+
+/// One operation on the worktable of the shipped cell, by the SCARA: a dear arm, whose unreachable
+/// layouts are seen before the node loop.
+fn scara_cell() -> Cell {
+    let mut cell = shipped("hitachi_cell.toml");
+    cell.robot = scara([-100.0, 100.0], [20.0, 140.0]);
+    (cell.errors, cell.collision) = (0, false);
+    cell.operations.truncate(1);
+    cell
+}
+
+/// The map walks every node of every layout: nothing that it finds was discarded, and what is found is
+/// the same to the last bit.
+#[test]
+fn discarding_early_changes_no_objective() {
+    let workcell = Workcell::new(scara_cell()).unwrap();
+    assert_ne!(workcell.inverse().cost(), sweetspot::reach::Cost::Low);
+    let shell = workcell.inverse().shell(&workcell.cell.operations[0].attitude);
+    let mut rng = ChaCha8Rng::seed_from_u64(11);
+    let (mut found, mut lost) = (0, 0);
+    for _ in 0..1000 {
+        let mut layout = workcell.cell.start();
+        let mut about = |size: f64| rng.random_range(-size..size);
+        layout.placements[0] =
+            Placement { x: about(1.8), y: about(1.8), z: 0.5 + about(0.4), yaw: about(PI) };
+        let evaluation = evaluate(&workcell, &layout);
+        let map = &workcell.maps(&layout)[0];
+        match (evaluation.outcomes[0], map.spot()) {
+            (Outcome::Found(spot), Some(of_map)) => {
+                assert_eq!(spot.value.to_bits(), of_map.value.to_bits());
+                found += 1;
+            }
+            (Outcome::Unreachable { gap }, None) => {
+                assert!(gap.reach > 0.0 || gap.limits > 0.0, "{gap:?}");
+                let near = map.nodes.iter().map(|n| (n.position - shell.centre).norm());
+                let discarded = near.fold(f64::INFINITY, f64::min) > shell.outer;
+                lost += usize::from(discarded);
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+    assert!(found > 50 && lost > 50, "{found} found, {lost} discarded");
+}
+
+/// Farther away costs more, across the edge of the shell, too: the search feels its way back.
+#[test]
+fn the_cost_grows_with_the_distance() {
+    let workcell = Workcell::new(scara_cell()).unwrap();
+    let mut before = 0.0;
+    for k in 0..60 {
+        let mut layout = workcell.cell.start();
+        layout.placements[0] = Placement { x: 1.2 + 0.05 * f64::from(k), y: 0.1, z: 0.5, yaw: 0.3 };
+        let evaluation = evaluate(&workcell, &layout);
+        let Outcome::Unreachable { gap } = evaluation.outcomes[0] else { continue };
+        assert!(gap.reach > 0.0 && evaluation.cost > before, "{k}: {gap:?} {before}");
+        before = evaluation.cost;
+    }
+    assert!(before > 0.0);
+}

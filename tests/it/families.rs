@@ -1,0 +1,74 @@
+//! One shipped cell for each kinematic family: its map has usable nodes, its search finds a layout that
+//! is no worse than the one drawn, and what it reports is what `evaluate` says.
+
+use crate::common::shipped;
+use std::sync::atomic::AtomicBool;
+use sweetspot::cell::{Coordinate, Shape};
+use sweetspot::error_map::Status;
+use sweetspot::layout::{Workcell, evaluate};
+use sweetspot::search::{Watch, search};
+
+/// Cells and how their arms are solved.
+const FAMILIES: [(&str, &str); 9] = [
+    ("hitachi", "base yaw and three parallel axes (closed form)"),
+    ("palletizer", "base yaw, three parallel axes, roll (closed form)"),
+    ("five_axis", "base yaw, three parallel axes, roll (closed form)"),
+    ("scara", "SCARA (closed form)"),
+    ("wrist", "six axes with three that meet in a point (closed form)"),
+    ("ur", "six axes with three parallel ones (closed form)"),
+    ("panda", "spherical joint, last joint free (closed form)"),
+    ("track", "spherical wrist, first joint free (closed form)"),
+    ("offset_wrist", "general chain (numeric)"),
+];
+
+#[test]
+fn every_family_is_mapped_and_searched() {
+    for (name, family) in FAMILIES {
+        let cell = shipped(&format!("{name}_cell.toml"));
+        let searched = |e: &sweetspot::cell::Equipment| {
+            e.placement.iter().any(|c| matches!(c, Coordinate::Range { .. }))
+        };
+        let movable = cell.equipment.iter().filter(|e| e.surface.is_some() && searched(e)).count();
+        assert!(movable >= 2, "{name}: {movable} movable");
+        let mut settings = cell.search;
+        settings.budget = if family.contains("numeric") { 6 } else { 24 };
+        let workcell = Workcell::new(cell).unwrap();
+        assert_eq!(workcell.inverse().family(), family, "{name}");
+        let start = evaluate(&workcell, &workcell.cell.start());
+        for (map, outcome) in workcell.maps(&workcell.cell.start()).iter().zip(&start.outcomes) {
+            assert!(map.count("ok") >= 5, "{name}: {} nodes", map.count("ok"));
+            let spot = map.spot().unwrap();
+            assert_eq!(*outcome, sweetspot::error_map::Outcome::Found(spot), "{name}");
+            for node in map.nodes.iter().filter(|n| n.status == Status::Ok) {
+                let posture = node.posture.as_ref().unwrap();
+                let inside = workcell.cell.robot.joints.iter().zip(posture.joints);
+                for (joint, q) in inside {
+                    assert!(q > joint.limits.0 - 1e-5 && q < joint.limits.1 + 1e-5, "{name}: {}", joint.name);
+                }
+            }
+        }
+        let (stop, progress) = (AtomicBool::new(false), |_| {});
+        let record = search(&workcell, &settings, &Watch { progress: &progress, stop: &stop });
+        let best = evaluate(&workcell, &record.best.layout);
+        assert_eq!(best, record.best.evaluation, "{name}");
+        assert!(best.objective.unwrap() <= start.objective.unwrap(), "{name}");
+    }
+}
+
+/// A six-axis cell stands beside a mesh of about 10 000 triangles, and the arm can hit it.
+#[test]
+fn six_axes_beside_ten_thousand_triangles() {
+    let mut cell = shipped("wrist_cell.toml");
+    let solids = cell.equipment.iter().flat_map(|e| &e.solids);
+    let triangles: usize =
+        solids.map(|s| if let Shape::Mesh { triangles, .. } = &s.shape { triangles.len() } else { 0 }).sum();
+    assert!((9_000..11_000).contains(&triangles), "{triangles} triangles");
+    let machine = cell.equipment.iter().position(|e| e.name == "machine").unwrap();
+    // Over the table: what was free is in the way.
+    let at = cell.start().placements[0];
+    cell.equipment[machine].placement = [at.x, at.y - 0.15, at.z + 0.15, 0.0].map(Coordinate::Fixed);
+    let workcell = Workcell::new(cell).unwrap();
+    let map = &workcell.maps(&workcell.cell.start())[0];
+    let words: Vec<String> = map.nodes.iter().map(|n| n.status.reason(&workcell.cell)).collect();
+    assert!(words.iter().any(|w| w.contains("machine")), "{words:#?}");
+}

@@ -1,0 +1,14 @@
+//! Forward and inverse kinematics and the error models against a D-H product written here, its
+//! derivatives by dual numbers, references in 60 digits and cases done by hand.
+
+mod derivatives;
+mod errors;
+mod identification;
+mod inverse;
+mod modified;
+mod numeric;
+pub mod product;
+mod rotations;
+mod six_axes;
+mod six_axes_edges;
+mod six_axes_missing;

@@ -1,0 +1,90 @@
+//! The nearest layout without overlaps, against brute force.
+
+use crate::common::from_text;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use sweetspot::cell::{Cell, Layout};
+use sweetspot::layout::{Workcell, evaluate, separated};
+
+/// A table that may go anywhere within 2 m, and a fixed block.
+fn block_and_table() -> Cell {
+    let text = r#"
+        schema = "sweetspot/cell/1"
+        units = { length = "mm", angle = "deg" }
+        errors = "table-3"
+        clearance_mm = 20
+        [robot]
+        from = "robots/hitachi_pw10.toml"
+        base = { x_mm = 8000, y_mm = 8000, z_mm = 0 }
+        [equipment.table]
+        surface = { size_mm = [800, 500] }
+        placement = { x_mm = { min = -2000, max = 2000 }, y_mm = { min = -2000, max = 2000 }, z_mm = 700, yaw_deg = { min = -90, max = 90 } }
+        [obstacle.block]
+        footprint = { size_mm = [600, 400] }
+        placement = { x_mm = 100, y_mm = -50, z_mm = 0, yaw_deg = 35 }
+        [operation.any]
+        on = "table"
+        grid = [1, 1]
+        bend_deg = -90
+        sense = "xyz"
+    "#;
+    from_text(text).unwrap_or_else(|f| panic!("{f:#?}")).cell
+}
+
+fn overlapping(workcell: &Workcell, layout: &Layout) -> bool {
+    !evaluate(workcell, layout).overlaps.is_empty()
+}
+
+/// The shortest shift out of the overlap, by walking outwards in every direction.
+fn brute_force(workcell: &Workcell, layout: &Layout) -> f64 {
+    let free_at = |angle: f64, distance: f64| {
+        let mut moved = layout.clone();
+        moved.placements[0].x += distance * angle.cos();
+        moved.placements[0].y += distance * angle.sin();
+        !overlapping(workcell, &moved)
+    };
+    let directions = (0..720).map(|k| f64::from(k) * std::f64::consts::TAU / 720.0);
+    let shortest = directions.map(|angle| {
+        let distances = (0..2000).map(|k| f64::from(k) * 1e-3);
+        distances.into_iter().find(|d| free_at(angle, *d)).unwrap_or(f64::INFINITY)
+    });
+    shortest.fold(f64::INFINITY, f64::min)
+}
+
+#[test]
+fn separated_is_the_nearest_layout_without_overlap() {
+    let workcell = Workcell::new(block_and_table()).unwrap();
+    let mut rng = ChaCha8Rng::seed_from_u64(7);
+    let mut overlapped = 0;
+    while overlapped < 20 {
+        let mut layout = workcell.cell.start();
+        layout.placements[0].x = rng.random_range(-0.6..0.6);
+        layout.placements[0].y = rng.random_range(-0.6..0.6);
+        layout.placements[0].yaw = rng.random_range(-1.5..1.5);
+        if !overlapping(&workcell, &layout) {
+            continue;
+        }
+        overlapped += 1;
+        let apart = separated(&workcell, &layout).expect("there is room");
+        assert!(!overlapping(&workcell, &apart));
+        let (a, b) = (layout.placements[0], apart.placements[0]);
+        let shift = (a.x - b.x).hypot(a.y - b.y);
+        // Brute force looks every millimetre and every half degree.
+        assert!(shift <= brute_force(&workcell, &layout) + 1e-5, "shift {shift}");
+    }
+}
+
+#[test]
+fn a_layout_without_overlap_stays_and_a_fixed_one_has_no_way_out() {
+    let workcell = Workcell::new(block_and_table()).unwrap();
+    let mut layout = workcell.cell.start();
+    layout.placements[0].x = 1.5;
+    assert_eq!(separated(&workcell, &layout), Some(layout));
+
+    let mut cell = block_and_table();
+    let start = cell.start().placements[0];
+    cell.equipment[0].placement = [0.0, 0.0, start.z, 0.0].map(sweetspot::cell::Coordinate::Fixed);
+    let workcell = Workcell::new(cell).unwrap();
+    assert!(overlapping(&workcell, &workcell.cell.start()));
+    assert_eq!(separated(&workcell, &workcell.cell.start()), None);
+}

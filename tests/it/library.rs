@@ -1,0 +1,194 @@
+//! The robot library: every file in cells/robots loads, says where its numbers are from, and puts the
+//! flange where a second description of the same robot has it (tests/data/robots.py).
+
+use crate::common::{from_text, root};
+use nalgebra::{Matrix3, Vector3};
+use serde_json::Value;
+use std::path::Path;
+use sweetspot::cell::{ErrorSet, JointVector, Robot, Shape};
+use sweetspot::clearance::{FloorPlan, Placed, Scene};
+use sweetspot::files::Loaded;
+use sweetspot::robot::Chain;
+
+/// Names of the files in a folder below cells, without `.toml`.
+fn names(folder: &str) -> Vec<String> {
+    let entries = std::fs::read_dir(root().join("cells").join(folder)).unwrap();
+    let paths = entries.map(|e| e.unwrap().path()).filter(|p| p.extension().is_some_and(|e| e == "toml"));
+    let stem = |p: &Path| p.file_stem().unwrap().to_str().unwrap().to_string();
+    let mut names: Vec<_> = paths.map(|p| stem(&p)).collect();
+    names.sort();
+    names
+}
+
+/// A robot file in the smallest cell that uses one of its error sets.
+fn load(name: &str, set: &str, more: &str) -> Loaded {
+    let text = format!(
+        r#"
+        schema = "sweetspot/cell/1"
+        units = {{ length = "mm", angle = "deg" }}
+        errors = "{set}"
+        [robot]
+        from = "robots/{name}.toml"
+        {more}
+        [equipment.table]
+        surface = {{ size_mm = [400, 400] }}
+        placement = {{ x_mm = 400, y_mm = 400, z_mm = 300 }}
+        [operation.map]
+        on = "table"
+        grid = [1, 1]
+        bend_deg = -90
+        sense = "xyz""#
+    );
+    from_text(&text).unwrap_or_else(|faults| panic!("{name}: {faults:#?}"))
+}
+
+fn set_of(name: &str) -> &'static str {
+    if name.starts_with("hitachi") { "table-2" } else { "placeholder" }
+}
+
+fn robot(name: &str) -> Robot {
+    load(name, set_of(name), "").cell.robot
+}
+
+fn golden() -> Value {
+    serde_json::from_str(&std::fs::read_to_string(root().join("tests/data/robots.json")).unwrap()).unwrap()
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    value.as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect()
+}
+
+fn joints(pose: &Value) -> JointVector {
+    let q = numbers(&pose["q"]);
+    std::array::from_fn(|i| q.get(i).copied().unwrap_or(0.0))
+}
+
+#[test]
+fn every_robot_loads_without_a_warning_and_has_its_sources() {
+    let names = names("robots");
+    assert!(names.len() >= 12, "{names:?}");
+    for name in &names {
+        let loaded = load(name, set_of(name), "");
+        assert!(loaded.warnings.is_empty(), "{name}: {:#?}", loaded.warnings);
+        let robot = loaded.cell.robot;
+        assert!(robot.source.len() > 80, "{name}: {}", robot.source);
+        assert!(!robot.solids.is_empty(), "{name} has no solids");
+        assert!(robot.solids.iter().any(|s| s.link == 0), "{name} has no base");
+        let tolerance = |set: &ErrorSet| matches!(set, ErrorSet::Tolerance(_));
+        assert!(robot.errors.iter().any(tolerance), "{name} has no tolerances");
+    }
+}
+
+#[test]
+fn flanges_are_where_another_description_has_them() {
+    let golden = golden();
+    // That of a URDF has the goldens of its rows.
+    let described = names("robots").into_iter().filter(|name| name != "hitachi_pw10_urdf");
+    assert_eq!(
+        golden.as_object().unwrap().keys().cloned().collect::<Vec<_>>(),
+        described.collect::<Vec<_>>()
+    );
+    for (name, poses) in golden.as_object().unwrap() {
+        let chain = Chain::new(&robot(name));
+        let poses = poses.as_array().unwrap();
+        assert_eq!(poses.len(), 21, "{name}");
+        for pose in poses {
+            let q = joints(pose);
+            let tcp = chain.forward(&chain.posture(&q));
+            let off = (tcp.translation - Vector3::from_vec(numbers(&pose["p"]))).norm();
+            let askew = (tcp.rotation - Matrix3::from_row_slice(&numbers(&pose["r"]))).norm();
+            assert!(off < 1e-9 && askew < 1e-9, "{name} at {q:?}: {off:e} m, {askew:e}");
+        }
+    }
+}
+
+/// The first pose of the golden file is `home`: what the reader makes of it.
+#[test]
+fn home_is_read_in_the_units_of_the_joints() {
+    for (name, poses) in golden().as_object().unwrap() {
+        let (home, want) = (robot(name).home, joints(&poses[0]));
+        for (got, want) in home.iter().zip(want) {
+            assert!((got - want).abs() < 1e-12, "{name}: {home:?}");
+        }
+    }
+}
+
+/// A passive joint has no home of its own; without the key an arm rests at 0, or else in the middle.
+#[test]
+fn home_is_zero_or_else_the_middle() {
+    let stanford = std::fs::read_to_string(root().join("cells/robots/stanford_arm.toml")).unwrap();
+    assert!(stanford.contains("limits_mm = [304.8, 1270]"), "the test needs a range without 0");
+    let text = stanford.lines().filter(|line| !line.starts_with("home")).collect::<Vec<_>>().join("\n");
+    let cell = r#"
+        schema = "sweetspot/cell/1"
+        units = { length = "mm", angle = "deg" }
+        errors = "placeholder"
+        robot = { from = "robot.toml" }
+        equipment.table = { surface = { size_mm = [9, 9] }, placement = { x_mm = 400, y_mm = 0, z_mm = 0 } }
+        operation.map = { on = "table", grid = [1, 1], bend_deg = -90, sense = "xyz" }"#;
+    let read = &mut |path: &str| {
+        Ok(if path == "robot.toml" { text.clone().into_bytes() } else { cell.as_bytes().to_vec() })
+    };
+    let home = sweetspot::files::load("cell.toml", read).unwrap_or_else(|f| panic!("{f:#?}")).cell.robot.home;
+    let middle = (304.8 + 1270.0) / 2e3;
+    assert!((home[2] - middle).abs() < 1e-12 && home[0] == 0.0 && home[4] == 0.0, "{home:?}");
+}
+
+/// What is drawn at the origin of link k of modified rows is at the k-th joint origin of the URDF.
+#[test]
+fn solids_of_modified_rows_are_in_the_frames_of_the_file() {
+    let ball = |k| {
+        format!(
+            "[[robot.solid]]\nname = \"{k}\"\nlink = {k}\nsphere = {{ centre_mm = [0, 0, 0], radius_mm = 9 }}\n"
+        )
+    };
+    // Row 7 of the file ends 107 mm further, at the flange.
+    let more: String = (1..=6).map(ball).collect();
+    let robot = load("franka_panda", "placeholder", &more).cell.robot;
+    let chain = Chain::new(&robot);
+    for pose in golden()["franka_panda"].as_array().unwrap() {
+        let frames = chain.frames(&chain.posture(&joints(pose)));
+        assert_eq!(robot.solids.len(), 6);
+        for link in &robot.solids {
+            let Shape::Sphere { centre, .. } = link.solid.shape else { panic!("no sphere") };
+            let want = Vector3::from_vec(numbers(&pose["frames"][link.link - 1]));
+            let off = (frames.links[link.link].transform(&centre) - want).norm();
+            assert!(off < 1e-9, "link {}: {off:e} m", link.link);
+        }
+    }
+}
+
+/// A track counts: its first axis lies, and its travel is reach.
+#[test]
+fn no_flange_is_farther_from_the_base_axis_than_the_reach() {
+    for (name, poses) in golden().as_object().unwrap() {
+        let reach = robot(name).reach();
+        let flange = |pose: &Value| numbers(&pose["p"])[0].hypot(numbers(&pose["p"])[1]);
+        let farthest = poses.as_array().unwrap().iter().map(flange).fold(0.0, f64::max);
+        assert!(farthest <= reach, "{name}: {farthest} m, reach {reach} m");
+    }
+    let (track, arm) = (robot("puma560_on_track").reach(), robot("puma560").reach());
+    assert!(track >= arm + 1.0, "{track} m, and {arm} m without the metre of travel");
+}
+
+/// The cells of the kinematic families, one each.
+const FAMILIES: [&str; 8] =
+    ["five_axis", "offset_wrist", "palletizer", "panda", "scara", "track", "ur", "wrist"];
+
+#[test]
+fn cells_of_the_families_start_apart_and_with_the_arm_at_rest() {
+    for family in FAMILIES {
+        let name = format!("{family}_cell.toml");
+        let loaded =
+            crate::common::load_from(&root().join("cells"), &name).unwrap_or_else(|f| panic!("{f:#?}"));
+        assert!(loaded.warnings.is_empty(), "{name}: {:#?}", loaded.warnings);
+        let (cell, start) = (&loaded.cell, loaded.cell.start());
+        let mut overlaps = Vec::new();
+        FloorPlan::new(cell).overlaps(&start, &mut overlaps);
+        assert!(overlaps.is_empty(), "{name}: {overlaps:?}");
+        let (scene, mut placed, chain) = (Scene::new(cell), Placed::default(), Chain::new(&cell.robot));
+        scene.place(&start, &mut placed);
+        let frames = chain.frames(&chain.posture(&cell.robot.home));
+        assert_eq!(scene.hit(&placed, &frames.links, None), None, "{name} at home");
+    }
+}

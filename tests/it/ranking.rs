@@ -1,0 +1,160 @@
+//! The ranked node loop of planar arms against the one that judges every node: the same bits.
+
+use crate::common::{data, shipped};
+use nalgebra::Vector3;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use sweetspot::cell::{
+    Attitude, Cell, Coordinate, ErrorSet, Frame, Layout, Parameter, Place, Placement, Row, Sense,
+    SignedErrors, Unit,
+};
+use sweetspot::error_map::Outcome;
+use sweetspot::layout::{Workcell, Workspace, evaluate_in};
+use sweetspot::pose::Pose;
+
+/// The cell as it is searched, and with every node judged one by one.
+struct Pair {
+    ranked: Workcell,
+    judged: Workcell,
+    memory: [Workspace; 2],
+}
+
+impl Pair {
+    fn new(cell: &Cell) -> Result<Self, String> {
+        let judged = Workcell::new(cell.clone())?.unranked();
+        Ok(Self { ranked: Workcell::new(cell.clone())?, judged, memory: Default::default() })
+    }
+
+    /// How many operations agreed: found, all collide, out of reach.
+    fn compare(&mut self, layout: &Layout) -> [usize; 3] {
+        let got = evaluate_in(&self.ranked, layout, &mut self.memory[0]);
+        let want = evaluate_in(&self.judged, layout, &mut self.memory[1]);
+        assert_eq!((&got, got.cost.to_bits()), (&want, want.cost.to_bits()), "{layout:?}");
+        let mut counts = [0; 3];
+        for (got, want) in got.outcomes.iter().zip(&want.outcomes) {
+            let key = |outcome: &Outcome| match outcome {
+                Outcome::Found(spot) => (0, spot.value.to_bits()),
+                Outcome::AllCollide { nearest } => (1, nearest.value.to_bits()),
+                Outcome::Unreachable { gap } => (2, gap.reach.to_bits() ^ gap.limits.to_bits()),
+                Outcome::Unjudged(_) | Outcome::Refused { .. } => panic!("{outcome:?}"),
+            };
+            assert_eq!(key(got), key(want), "{layout:?}");
+            counts[key(got).0] += 1;
+        }
+        counts
+    }
+}
+
+fn placed(x: f64, y: f64, z: f64, yaw_deg: f64) -> Placement {
+    Placement { x, y, z, yaw: yaw_deg.to_radians() }
+}
+
+fn sum(a: [usize; 3], b: [usize; 3]) -> [usize; 3] {
+    std::array::from_fn(|k| a[k] + b[k])
+}
+
+/// Work D: 1000 random and 1000 plausible layouts.
+#[test]
+fn every_layout_of_work_d_is_worth_the_same_ranked_or_judged() {
+    for collision in [true, false] {
+        let mut cell = shipped("hitachi_cell.toml");
+        cell.collision = collision;
+        let mut pair = Pair::new(&cell).unwrap();
+        let mut counts = [0; 3];
+        for x in data("d_layouts.bin").chunks_exact(7) {
+            let mut layout = cell.start();
+            layout.placements[0] = placed(x[0] * 1e-3, x[1] * 1e-3, x[3] * 1e-3, x[2]);
+            layout.placements[1] = placed(x[4] * 1e-3, x[5] * 1e-3, 0.6, x[6]);
+            counts = sum(counts, pair.compare(&layout));
+        }
+        let [found, collide, unreachable] = counts;
+        assert!(found > 1000 && unreachable > 300, "{counts:?}");
+        assert_eq!(collide > 10, collision, "{counts:?}");
+    }
+}
+
+/// Up to six directions of any length.
+fn weighted(rng: &mut ChaCha8Rng) -> Sense {
+    let direction = |rng: &mut ChaCha8Rng| Vector3::from_fn(|_, _| rng.random_range(-30.0..30.0));
+    let rows: Vec<_> = (0..rng.random_range(1..=6)).map(|_| direction(rng)).collect();
+    let rows: Vec<_> = rows.into_iter().map(|direction| Row { turns: false, direction }).collect();
+    Sense::new("weighted", Frame::World, Vector3::zeros(), Unit::Length, &rows)
+}
+
+/// A cell with another robot, its errors, limits, tool, base, senses, attitudes and grids drawn.
+fn drawn(rng: &mut ChaCha8Rng) -> Cell {
+    let shop = ["hitachi_cell.toml", "hitachi_paper.toml", "hitachi_paper_parallelogram.toml"];
+    let mut cell = shipped(shop[rng.random_range(0..shop.len())]);
+    cell.collision = rng.random_range(0..4) == 0;
+    if rng.random_range(0..2) == 0 {
+        let at = |rng: &mut ChaCha8Rng| rng.random_range(-0.3..0.3);
+        let yaw = rng.random_range(-3.0..3.0);
+        cell.base = [at(rng), at(rng), at(rng), yaw].map(Coordinate::Fixed);
+    }
+    let robot = &mut cell.robot;
+    let axes = robot.joints.len();
+    for (k, joint) in robot.joints.iter_mut().enumerate() {
+        let width = joint.limits.1 - joint.limits.0;
+        joint.limits.0 -= rng.random_range(-0.2..0.5) * width;
+        joint.limits.1 += rng.random_range(-0.2..0.5) * width;
+        joint.theta += rng.random_range(-0.5..0.5);
+        if k == 0 && rng.random_range(0..2) == 0 {
+            joint.alpha = -joint.alpha;
+        }
+        joint.r += if rng.random_range(0..2) == 0 { rng.random_range(-0.05..0.05) } else { 0.0 };
+        joint.l += if rng.random_range(0..2) == 0 { rng.random_range(-0.1..0.1) } else { 0.0 };
+    }
+    if rng.random_range(0..3) == 0 {
+        robot.mount = Pose::from_translation_yaw(Vector3::new(0.1, -0.05, 0.2), 0.7);
+    }
+    let size = [1e-2, 1e-4, 1e-8][rng.random_range(0..3)];
+    let joints = rng.random_range(0..3) == 0;
+    let value = |p: Parameter| match p {
+        Parameter::Joint(..) if !joints => 0.0,
+        _ => rng.random_range(-size..size),
+    };
+    let values: Vec<f64> = Parameter::of_robot(axes).map(value).collect();
+    cell.robot.errors[cell.errors] = ErrorSet::Signed(SignedErrors::of_values("drawn".into(), axes, &values));
+    let senses = ["x", "y", "z", "xy", "xyz"];
+    for operation in &mut cell.operations {
+        operation.sense = Sense::plain(senses[rng.random_range(0..senses.len())]).unwrap();
+        if rng.random_range(0..4) == 0 {
+            operation.sense = weighted(rng);
+        }
+        if let Place::Grid { divisions, .. } = &mut operation.place {
+            *divisions = (rng.random_range(1..12), rng.random_range(1..9));
+        }
+        let down = rng.random_range(0..2) == 0;
+        let elevation = if down { -std::f64::consts::FRAC_PI_2 } else { rng.random_range(-1.5..0.5) };
+        operation.attitude = Attitude::elevation(elevation);
+        operation.attitude.tolerance = if rng.random_range(0..3) == 0 { 0.1 } else { 0.0 };
+    }
+    cell
+}
+
+#[test]
+fn every_drawn_cell_is_worth_the_same_ranked_or_judged() {
+    let mut rng = ChaCha8Rng::seed_from_u64(5);
+    let mut counts = [0; 3];
+    let mut ranked = 0;
+    for _ in 0..300 {
+        let cell = drawn(&mut rng);
+        let Ok(mut pair) = Pair::new(&cell) else { continue };
+        ranked += usize::from(pair.ranked.is_ranked());
+        for _ in 0..20 {
+            let mut layout = cell.start();
+            for at in &mut layout.placements {
+                at.x += rng.random_range(-0.5..0.5);
+                at.y += rng.random_range(-0.5..0.5);
+                at.yaw += rng.random_range(-3.0..3.0);
+                // A surface through the base axis, and turned by nothing: nodes that are equal.
+                if rng.random_range(0..6) == 0 {
+                    (at.x, at.y, at.yaw) = (0.0, 0.0, 0.0);
+                }
+            }
+            counts = sum(counts, pair.compare(&layout));
+        }
+    }
+    assert!(ranked > 200, "{ranked}");
+    assert!(counts.iter().all(|c| *c > 50), "{counts:?}");
+}

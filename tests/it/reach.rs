@@ -1,0 +1,149 @@
+//! Inverse kinematics of every robot of the library: poses made by the forward kinematics are found
+//! again. With `SWEETSPOT_POSES=100000` (and `--release`) this is the study of results/inverse.
+
+use crate::common::robots;
+use nalgebra::{Matrix3, Vector3};
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use std::f64::consts::TAU;
+use sweetspot::cell::{Attitude, Azimuth, JointKind, JointVector, Robot, Spin, held, tool_columns};
+use sweetspot::pose::Pose;
+use sweetspot::reach::{Inverse, Reach};
+use sweetspot::robot::Chain;
+use sweetspot::units::wrapped;
+
+/// m, rad
+const ROUND_TRIP: f64 = 1e-9;
+
+fn poses(default: usize) -> usize {
+    std::env::var("SWEETSPOT_POSES").map_or(default, |n| n.parse().unwrap())
+}
+
+/// All robots, or those whose names hold the text of `SWEETSPOT_ROBOT`.
+fn is_asked(stem: &str) -> bool {
+    std::env::var("SWEETSPOT_ROBOT").map_or(true, |part| stem.contains(&part))
+}
+
+fn random_joints(robot: &Robot, rng: &mut ChaCha8Rng) -> JointVector {
+    let mut q = JointVector::default();
+    for (q, joint) in q.iter_mut().zip(&robot.joints) {
+        let (lo, hi) = joint.limits;
+        *q = if lo < hi { rng.random_range(lo..hi) } else { lo };
+    }
+    q
+}
+
+/// The attitude that a TCP has.
+fn attitude_of(columns: &Matrix3<f64>) -> Attitude {
+    let [r, d] = [0, 2].map(|k| columns.column(k).into_owned());
+    let elevation = d.z.atan2(d.x.hypot(d.y));
+    let vertical = elevation.cos().abs() < 1e-12;
+    let azimuth = if vertical { 0.0 } else { d.y.atan2(d.x) };
+    let plain = held(elevation, azimuth, 0.0);
+    let spin = plain.column(1).dot(&r).atan2(plain.column(0).dot(&r));
+    Attitude { elevation, azimuth: Azimuth::Surface(azimuth), spin: Spin::At(vec![spin]), tolerance: 0.0 }
+}
+
+/// What the arm cannot choose is left free.
+fn asked(inverse: &Inverse, attitude: Attitude) -> Attitude {
+    let free_azimuth = Attitude { azimuth: Azimuth::Free, ..attitude.clone() };
+    let free = Attitude { spin: Spin::Free, ..free_azimuth.clone() };
+    let able = [attitude, free_azimuth, free].into_iter().find(|a| inverse.refusal(a).is_none());
+    able.unwrap()
+}
+
+/// Turn from one attitude to another, rad.
+fn turn(a: &Matrix3<f64>, b: &Matrix3<f64>) -> f64 {
+    let off = (a - b).norm() / 2f64.sqrt();
+    2.0 * (off / 2.0).min(1.0).asin()
+}
+
+/// How far an answer is from a TCP in what was asked: m, rad.
+fn off(answer: &Pose, wanted: &Pose, attitude: &Attitude, axis: &Vector3<f64>) -> f64 {
+    let position = (answer.translation - wanted.translation).norm();
+    let [a, b] = [answer, wanted].map(|p| p.rotation * axis);
+    let angle = match (&attitude.azimuth, &attitude.spin) {
+        (Azimuth::Surface(_), Spin::At(_)) => turn(&answer.rotation, &wanted.rotation),
+        (Azimuth::Surface(_), Spin::Free) => (a - b).norm(),
+        _ => (a.z.atan2(a.x.hypot(a.y)) - b.z.atan2(b.x.hypot(b.y))).abs(),
+    };
+    position.max(angle)
+}
+
+fn outside(robot: &Robot, q: &JointVector) -> f64 {
+    let by = robot.joints.iter().zip(q).map(|(j, q)| (j.limits.0 - q).max(q - j.limits.1));
+    by.fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// Largest difference of joints, rad or m; whole turns do not count where the limits leave a choice.
+fn apart(robot: &Robot, a: &JointVector, b: &JointVector) -> f64 {
+    let each = robot.joints.iter().zip(a.iter().zip(b)).map(|(joint, (a, b))| {
+        let turns = joint.kind == JointKind::Revolute && joint.limits.1 - joint.limits.0 > TAU;
+        if turns { wrapped(a - b).abs() } else { (a - b).abs() }
+    });
+    each.fold(0.0, f64::max)
+}
+
+/// What 10^5 poses showed.
+#[derive(Default)]
+struct Tally {
+    poses: usize,
+    found: usize,
+    reached: usize,
+    answers: usize,
+    outside: usize,
+    worst: f64,
+}
+
+fn tally(robot: &Robot, poses: usize) -> (Tally, &'static str) {
+    let chain = Chain::new(robot);
+    let inverse = Inverse::new(&chain);
+    let redundant = inverse.family().contains("joint free");
+    let mut rng = ChaCha8Rng::seed_from_u64(41);
+    let mut tally = Tally { poses, ..Tally::default() };
+    let columns = tool_columns(&chain.tool_axis);
+    for _ in 0..poses {
+        let q = random_joints(robot, &mut rng);
+        let tcp = chain.forward(&chain.posture(&q));
+        let attitude = asked(&inverse, attitude_of(&(tcp.rotation * columns)));
+        let approach = inverse.approach(&attitude, 0.0);
+        let Reach::Branches(branches) = inverse.branches(&tcp.translation, &approach) else { continue };
+        let usable: Vec<_> = branches.iter().filter(|b| b.is_usable()).collect();
+        tally.found += usize::from(!usable.is_empty());
+        for b in &usable {
+            tally.answers += 1;
+            tally.outside += usize::from(outside(robot, &b.joints) > 1e-6);
+            let answer = chain.forward(&chain.posture(&b.joints));
+            tally.worst = tally.worst.max(off(&answer, &tcp, &attitude, &chain.tool_axis));
+        }
+        // With a redundant joint at its original value.
+        let again = redundant.then(|| inverse.held_at(&q).branches(&tcp.translation, &approach));
+        let again = match &again {
+            Some(Reach::Branches(branches)) => branches,
+            Some(_) => continue,
+            None => &branches,
+        };
+        let nearest = again.iter().map(|b| apart(robot, &q, &b.joints)).fold(f64::INFINITY, f64::min);
+        // Conditioned by the nearness to a singular posture: its square root of the rounding.
+        tally.reached += usize::from(nearest < 1e-5);
+    }
+    (tally, inverse.family())
+}
+
+#[test]
+fn poses_of_the_forward_kinematics_are_found_by_the_inverse() {
+    println!(
+        "robot | inverse kinematics | poses | found | original reached | answers | outside limits | worst (m, rad)"
+    );
+    for (stem, robot) in robots().into_iter().filter(|(stem, _)| is_asked(stem)) {
+        let numeric = Inverse::new(&Chain::new(&robot)).family().contains("numeric");
+        let (t, family) = tally(&robot, poses(if numeric { 300 } else { 10_000 }));
+        println!(
+            "{stem} | {family} | {} | {} | {} | {} | {} | {:.1e}",
+            t.poses, t.found, t.reached, t.answers, t.outside, t.worst
+        );
+        let least = if numeric { (t.poses as f64 * 0.999).floor() as usize } else { t.poses };
+        assert!(t.found >= least && t.reached >= least, "{stem}: {} found, {} reached", t.found, t.reached);
+        assert!(t.outside == 0 && t.worst < ROUND_TRIP, "{stem}: {} outside, {:e} off", t.outside, t.worst);
+    }
+}

@@ -1,0 +1,259 @@
+//! What a taught frame, a fitted base and a pick take off, against what must vanish and against
+//! other ways to compute it.
+
+use crate::common::shipped;
+use crate::readings::bench::*;
+use nalgebra::{Matrix3, Matrix4, Rotation3, Vector3};
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use std::f64::consts::FRAC_PI_2;
+use sweetspot::cell::*;
+use sweetspot::kinematic_error::{Perturbation, position_error};
+use sweetspot::layout::{Workcell, evaluate};
+use sweetspot::pose::Pose;
+use sweetspot::reading::{BestFit, Reference, Site, Situation, Sources, Taught};
+use sweetspot::robot::Chain;
+
+/// Everything of the paper's robot is wrong, the frames too.
+fn all_wrong(rng: &mut ChaCha8Rng) -> Cell {
+    let mut cell = shipped("hitachi_paper.toml");
+    let n = cell.robot.axes();
+    let mut some = |bound: f64| (0..n).map(|_| rng.random_range(-bound..bound)).collect::<Vec<f64>>();
+    let (dq, dr, dl, dalpha, dbeta) = (some(5e-3), some(2e-3), some(2e-3), some(5e-3), some(5e-3));
+    let mut frame = || std::array::from_fn(|k| rng.random_range(-1.0..1.0) * if k < 3 { 2e-3 } else { 4e-3 });
+    let (base, tool) = (frame(), frame());
+    let mut quarter = || frame().map(|v: f64| v / 4.0);
+    let joints = (0..n).map(|_| quarter()).collect();
+    let fixture = frame();
+    let signed = SignedErrors { name: "all".into(), dq, dr, dl, dalpha, dbeta, base, tool, joints };
+    (cell.robot.errors, cell.errors) = (vec![ErrorSet::Signed(signed)], 0);
+    cell.equipment[0].errors = Some(FrameErrors::Signed(fixture));
+    cell
+}
+
+fn reachable(rng: &mut ChaCha8Rng, robot: &Robot) -> sweetspot::robot::Frames {
+    frames_at(robot, &random_joints(rng, robot))
+}
+
+/// Three postures, a taught frame, and the error left at each of them: nothing at the origin, only
+/// along the line at the second, only in the plane at the third.
+#[test]
+fn a_taught_frame_leaves_what_its_rule_leaves() {
+    let mut rng = ChaCha8Rng::seed_from_u64(51);
+    for _ in 0..50 {
+        let mut cell = all_wrong(&mut rng);
+        cell.registration = Registration::Taught;
+        let chain = Chain::new(&cell.robot);
+        // A triangle that someone would teach.
+        let mut postures = [0, 1, 2].map(|_| reachable(&mut rng, &cell.robot));
+        let height = |p: &[sweetspot::robot::Frames; 3]| {
+            let [a, b, c] = [0, 1, 2].map(|k| p[k].tcp.translation);
+            (b - a).cross(&(c - a)).norm() / (b - a).norm().max((c - a).norm()).max((c - b).norm())
+        };
+        while height(&postures) < 0.1 {
+            postures[2] = reachable(&mut rng, &cell.robot);
+            postures[1] = reachable(&mut rng, &cell.robot);
+        }
+        for model in Model::ALL {
+            cell.model = model;
+            let gauge = gauge_of(&cell);
+            let taught = Taught::new(&chain, &gauge.sources, postures, false);
+            let site = Site {
+                equipment: 0,
+                work: Pose::identity(),
+                world: nalgebra::Matrix3::identity(),
+                taught: Some(Box::new(taught)),
+            };
+            let situation = Situation { site, reference: None };
+            let values = gauge.sources.signed();
+            let mut memory = gauge.memory();
+            let [a, b, c] =
+                postures.map(|f| gauge.error_of(&values, &situation, &f, model, &mut memory).position);
+            let [o, p, q] = postures.map(|f| f.tcp.translation);
+            let (x, normal) = ((p - o).normalize(), (p - o).cross(&(q - o)).normalize());
+            assert!(a.norm() < 1e-14, "{model:?}: {a}");
+            assert!((b - x * b.dot(&x)).norm() < 1e-12, "{model:?}: {b}");
+            assert!(c.dot(&normal).abs() < 1e-12, "{model:?}: {c}");
+            assert!(b.norm() > 1e-7 && c.norm() > 1e-7);
+        }
+    }
+}
+
+/// Errors of the base and of the fixture move everything alike: a taught frame knows nothing of
+/// them, and a fitted base nothing of the base.
+#[test]
+fn rigid_errors_cancel() {
+    let mut rng = ChaCha8Rng::seed_from_u64(52);
+    for _ in 0..20 {
+        let mut cell = all_wrong(&mut rng);
+        let n = cell.robot.axes();
+        if let ErrorSet::Signed(e) = &mut cell.robot.errors[0] {
+            let zeros = || vec![0.0; n];
+            (e.dq, e.dr, e.dl, e.dalpha, e.dbeta, e.tool) =
+                (zeros(), zeros(), zeros(), zeros(), zeros(), [0.0; 6]);
+            e.joints.fill([0.0; 6]);
+        }
+        for (registration, fixture) in [(Registration::Taught, true), (Registration::BestFit, false)] {
+            cell.registration = registration;
+            if !fixture {
+                cell.equipment[0].errors = None;
+            }
+            let start = cell.start();
+            for model in Model::ALL {
+                cell.model = model;
+                let workcell = Workcell::new(cell.clone()).unwrap();
+                let map = workcell.maps(&start).remove(0);
+                assert!(map.count("ok") > 70);
+                for p in map.nodes.iter().filter_map(|n| n.posture.as_ref()) {
+                    let bound = if model == Model::SecondOrder { 1e-6 } else { 1e-12 };
+                    assert!(p.error.norm() < bound, "{registration:?} {model:?}: {}", p.error);
+                    let most = p.figures.iter().map(|f| f.worst_linear.max(f.p95)).fold(0.0, f64::max);
+                    // The mean of the second order is left: registration is of the first.
+                    assert!(most < 1e-4, "{registration:?} {model:?}: {most}");
+                }
+            }
+        }
+    }
+}
+
+/// The fitted base against Kabsch's method (singular value decomposition) over the same postures.
+#[test]
+fn best_fit_is_that_of_kabsch() {
+    let mut rng = ChaCha8Rng::seed_from_u64(53);
+    for _ in 0..20 {
+        let cell = all_wrong(&mut rng);
+        let chain = Chain::new(&cell.robot);
+        let sources = Sources::new(&cell, 0, None);
+        let fit = BestFit::new(&chain, &sources, false);
+        let errors = Perturbation::new(&chain, crate::common::signed(&cell));
+        let motion = fit.motion(&errors, Model::Nonlinear);
+        let nominal: Vec<Vector3<f64>> = fit.postures().iter().map(|f| f.tcp.translation).collect();
+        let moved: Vec<Vector3<f64>> = fit
+            .postures()
+            .iter()
+            .map(|f| f.tcp.translation + position_error(f, &errors, Model::Nonlinear))
+            .collect();
+        let mean = |points: &[Vector3<f64>]| points.iter().sum::<Vector3<f64>>() / points.len() as f64;
+        let (from, to) = (mean(&nominal), mean(&moved));
+        let h = nominal
+            .iter()
+            .zip(&moved)
+            .fold(Matrix3::zeros(), |h, (a, b)| h + (b - to) * (a - from).transpose());
+        let svd = h.svd(true, true);
+        let (u, vt) = (svd.u.unwrap(), svd.v_t.unwrap());
+        let sign = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, (u * vt).determinant()));
+        let rotation = u * sign * vt;
+        let at = |p: &Vector3<f64>| to + rotation * (p - from);
+        for frames in fit.postures() {
+            let p = frames.tcp.translation;
+            let ours = p + motion.at(&fit.arm(frames)).position;
+            assert!((ours - at(&p)).norm() < 1e-12, "{}", (ours - at(&p)).norm());
+        }
+        assert!((Rotation3::new(motion.rotation).into_inner() - rotation).norm() < 1e-12);
+    }
+}
+
+fn homogeneous(pose: &Pose) -> Matrix4<f64> {
+    let mut t = pose.rotation.to_homogeneous();
+    t.fixed_view_mut::<3, 1>(0, 3).copy_from(&pose.translation);
+    t
+}
+
+/// Pick and place by products of 4 x 4 matrices: the part is gripped where the pick is wrong, and
+/// the gripper is wrong again where it is placed.
+#[test]
+fn relative_error_is_that_of_the_placed_part() {
+    let mut rng = ChaCha8Rng::seed_from_u64(54);
+    for _ in 0..50 {
+        let mut cell = all_wrong(&mut rng);
+        cell.equipment[0].errors = None;
+        let gauge = gauge_of(&cell);
+        let errors = crate::common::signed(&cell).clone();
+        let [pick, place] = [0, 1].map(|_| random_joints(&mut rng, &cell.robot));
+        let [p, q] = [&pick, &place].map(|q| frames_at(&cell.robot, q));
+        let site = || Site {
+            equipment: 0,
+            work: Pose::identity(),
+            world: nalgebra::Matrix3::identity(),
+            taught: None,
+        };
+        let reference = Reference::new(&gauge, site(), p);
+        let situation = Situation { site: site(), reference: Some(Box::new(reference)) };
+        let values = gauge.sources.signed();
+        let mut memory = gauge.memory();
+        let got = gauge.error_of(&values, &situation, &q, Model::Nonlinear, &mut memory);
+        // T2' (T1'^-1 T1) is where the part is, T2 where it should be.
+        let [t1, t2] = [&p, &q].map(|f| homogeneous(&f.tcp));
+        let [wrong1, wrong2] =
+            [&pick, &place].map(|q| crate::kinematics::product::tcp(&cell.robot, q, &errors, 1.0));
+        let part = wrong2 * wrong1.try_inverse().unwrap() * t1;
+        let position = (part - t2).fixed_view::<3, 1>(0, 3).into_owned();
+        let turn = (part * t2.try_inverse().unwrap()).fixed_view::<3, 3>(0, 0).into_owned();
+        assert!((got.position - position).norm() < 1e-12, "{}", got.position - position);
+        assert!((Rotation3::new(got.rotation).into_inner() - turn).norm() < 1e-12);
+        // To first order the same, and nothing at the same posture.
+        let linear = gauge.error_of(&values, &situation, &q, Model::Linear, &mut memory);
+        let off = (linear.position - position).norm();
+        assert!(off < 5e-4, "{off}");
+        let same = gauge.error_of(&values, &situation, &p, Model::Nonlinear, &mut memory);
+        assert!(same.position.norm() < 1e-13 && same.rotation.norm() < 1e-13);
+    }
+}
+
+/// A fixture moved on purpose: the error is seen from the moved work.
+#[test]
+fn fixture_errors_by_hand() {
+    let mut cell = shipped("hitachi_paper.toml");
+    let n = cell.robot.axes();
+    let none = || vec![0.0; n];
+    let signed = SignedErrors {
+        name: "none".into(),
+        dq: none(),
+        dr: none(),
+        dl: none(),
+        dalpha: none(),
+        dbeta: none(),
+        base: [0.0; 6],
+        tool: [0.0; 6],
+        joints: vec![[0.0; 6]; n],
+    };
+    (cell.robot.errors, cell.errors) = (vec![ErrorSet::Signed(signed)], 0);
+    cell.equipment[0].placement[3] = Coordinate::Fixed(FRAC_PI_2);
+    // 1 mm along its x, which is the world's y, and a turn about its z.
+    let mut fixture = [0.0; 6];
+    (fixture[0], fixture[5]) = (1e-3, 2e-3);
+    cell.equipment[0].errors = Some(FrameErrors::Signed(fixture));
+    cell.model = Model::Linear;
+    let start = cell.start();
+    let workcell = Workcell::new(cell).unwrap();
+    for node in &workcell.maps(&start).remove(0).nodes {
+        let Some(p) = &node.posture else { continue };
+        let at = node.position - Vector3::new(0.0, 1.25, 1.35);
+        let work = Vector3::new(0.0, 1e-3, 0.0) + Vector3::new(0.0, 0.0, 2e-3).cross(&at);
+        assert!((p.error + work).norm() < 1e-15, "{} {}", p.error, work);
+        assert!((p.rotation + Vector3::new(0.0, 0.0, 2e-3)).norm() < 1e-15);
+        // As tolerances: the two add up.
+        let worst = p.figures[4].worst_linear;
+        assert!((worst - work.norm().max((work - Vector3::new(0.0, 2e-3, 0.0)).norm())).abs() < 1e-14);
+    }
+}
+
+/// A surface of which no three points can be touched has no taught frame, and the layout no value;
+/// what cannot be picked cannot be placed.
+#[test]
+fn what_is_missing_is_said() {
+    let mut cell = shipped("hitachi_paper.toml");
+    cell.registration = Registration::Taught;
+    let workcell = Workcell::new(cell.clone()).unwrap();
+    assert!(evaluate(&workcell, &cell.start()).objective.is_some());
+    cell.operations[0].teach = Some([(-0.7, -0.3), (0.7, -0.3), (0.7, 0.3)]);
+    let workcell = Workcell::new(cell.clone()).unwrap();
+    let start = cell.start();
+    let missed = evaluate(&workcell, &start);
+    assert!(missed.objective.is_none() && missed.cost.is_finite());
+    let map = workcell.maps(&start).remove(0);
+    assert_eq!((map.count("ok"), map.count("unjudged")), (0, 80));
+    let said =
+        map.nodes.iter().find(|n| n.status.name() == "unjudged").unwrap().status.reason(&workcell.cell);
+    assert!(said.contains("cannot be taught"), "{said}");
+}

@@ -1,0 +1,76 @@
+//! First-order statistics with second-order mean against samples of the nonlinear model.
+
+use crate::common::shipped;
+use crate::readings::bench::*;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use sweetspot::cell::*;
+use sweetspot::reading::{Figures, MonteCarlo, monte_carlo};
+use sweetspot::units::rad_from_deg;
+
+/// Samples of each posture.
+const SAMPLES: usize = 1 << 20;
+
+/// Five robots: the paper's, two of six axes, random ones of seven and of five with slides.
+fn robots(rng: &mut ChaCha8Rng) -> Vec<Robot> {
+    let paper = shipped("hitachi_paper.toml").robot;
+    let mut seven = random_robot(rng, 7);
+    seven.joints.iter_mut().for_each(|j| j.kind = JointKind::Revolute);
+    vec![paper, robot_from("puma560"), robot_from("ur5"), seven, random_robot(rng, 5)]
+}
+
+/// Both ways to look at one posture: computed and sampled.
+fn both(cell: &Cell, q: &JointVector, seed: u64) -> (Figures, f64, MonteCarlo) {
+    let gauge = gauge_of(cell);
+    let frames = frames_at(&cell.robot, q);
+    let mut memory = gauge.memory();
+    let judged = gauge.judge(&alone(), &frames, &mut memory);
+    let figures = judged.figures[gauge.own()];
+    let sampled = monte_carlo(&gauge, &alone(), &frames, SAMPLES, seed, figures.p95);
+    (figures, judged.success.unwrap(), sampled)
+}
+
+#[test]
+fn percentiles_and_yields_of_five_robots_at_twenty_postures() {
+    let mut rng = ChaCha8Rng::seed_from_u64(41);
+    let (mut inside, mut all) = (0, 0);
+    for robot in robots(&mut rng) {
+        for k in 0..20 {
+            // Sizes of good arms: 0.2 mm and 0.03 degrees at three sigma.
+            let sizes = (2e-4, rad_from_deg(0.03));
+            let wrong = 3 * robot.axes() + k % 4;
+            let tolerance = random_tolerance(&mut rng, robot.axes(), wrong, sizes, &[Distribution::Normal]);
+            let sense = Sense::plain(["xyz", "xy", "z", "xyz@tool"][k % 4]).unwrap();
+            let mut cell = cell_of(robot.clone(), tolerance, sense);
+            (cell.reading, cell.model) = (Reading::Statistical, Model::Nonlinear);
+            let q = random_joints(&mut rng, &cell.robot);
+            cell.operations[0].limit = Some(1.0);
+            let typical = gauge_of(&cell);
+            let frames = frames_at(&cell.robot, &q);
+            let judged = typical.judge(&alone(), &frames, &mut typical.memory());
+            cell.operations[0].limit = Some(judged.figures[typical.own()].rms * 1.3);
+            let (first, success, sampled) = both(&cell, &q, k as u64);
+            let what = format!("{} posture {k}: {first:?} {success} {sampled:?}", cell.robot.name);
+            // A 95 % interval covers what it says, by the nonlinear model.
+            assert!((0.045..=0.055).contains(&sampled.above.value), "{what}");
+            let pairs = [
+                (sampled.rms, first.rms),
+                (sampled.mean, first.mean),
+                (sampled.p95, first.p95),
+                (sampled.p99, first.p99),
+                (sampled.success.unwrap(), success),
+            ];
+            for (interval, figure) in pairs {
+                // Plain sampling would know a figure to about 0.1 %; quasi-random points know it better
+                // than the theory's third order.
+                let slack = 5e-4 * interval.value;
+                let within = (interval.low..=interval.high).contains(&figure);
+                let half = (interval.high - interval.low) / 2.0;
+                assert!((figure - interval.value).abs() <= 2.0 * half + slack, "{what}");
+                (inside, all) = (inside + usize::from(within), all + 1);
+            }
+            assert!(sampled.confirms(&first), "{what}");
+        }
+    }
+    assert!(inside * 100 >= all * 85, "{inside} of {all} inside");
+}

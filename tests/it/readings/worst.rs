@@ -1,0 +1,166 @@
+//! The worst case through the whole pipeline, against every corner of the tolerance box.
+
+use crate::common::shipped;
+use crate::kinematics::product::{no_errors, tcp};
+use crate::readings::bench::*;
+use nalgebra::{Matrix3, Vector3};
+use num_dual::Dual64;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use sweetspot::cell::*;
+use sweetspot::kinematic_error::{Perturbation, position_error};
+use sweetspot::robot::Chain;
+use sweetspot::units::mm_from_m;
+
+/// A sample in which one parameter alone is wrong by 1.
+pub fn unit(axes: usize, parameter: Parameter) -> SignedErrors {
+    let mut e = no_errors(axes);
+    match parameter {
+        Parameter::Dq(i) => e.dq[i] = 1.0,
+        Parameter::Dr(i) => e.dr[i] = 1.0,
+        Parameter::Dl(i) => e.dl[i] = 1.0,
+        Parameter::Dalpha(i) => e.dalpha[i] = 1.0,
+        Parameter::Dbeta(i) => e.dbeta[i] = 1.0,
+        Parameter::Base(c) => e.base[c] = 1.0,
+        Parameter::Tool(c) => e.tool[c] = 1.0,
+        Parameter::Joint(i, c) => e.joints[i][c] = 1.0,
+        Parameter::Equipment(..) => panic!("not of a robot"),
+    }
+    e
+}
+
+/// What each tolerance does to the TCP: derivative of the D-H product by dual numbers.
+pub fn columns(robot: &Robot, q: &JointVector, tolerance: &Tolerance) -> Vec<Vector3<f64>> {
+    let wrong = Parameter::of_robot(robot.axes()).zip(&tolerance.spreads);
+    wrong
+        .filter(|(_, spread)| spread.plus_minus > 0.0)
+        .map(|(parameter, spread)| {
+            let t = tcp(robot, q, &unit(robot.axes(), parameter), Dual64::new(0.0, 1.0));
+            Vector3::from_fn(|row, _| t[(row, 3)].eps) * spread.plus_minus
+        })
+        .collect()
+}
+
+/// The largest size over all corners, one flip after another (Gray code).
+fn brute(columns: &[Vector3<f64>], keep: &Matrix3<f64>) -> f64 {
+    let kept: Vec<Vector3<f64>> = columns.iter().map(|c| keep * c).collect();
+    let mut signs = vec![1.0; kept.len()];
+    let mut sum: Vector3<f64> = kept.iter().sum();
+    let mut most = sum.norm();
+    for k in 1u64..1 << kept.len().saturating_sub(1) {
+        let flip = k.trailing_zeros() as usize;
+        signs[flip] = -signs[flip];
+        sum += kept[flip] * (2.0 * signs[flip]);
+        most = most.max(sum.norm());
+    }
+    most
+}
+
+#[test]
+fn every_corner_of_200_random_chains() {
+    let mut rng = ChaCha8Rng::seed_from_u64(31);
+    let axes_of =
+        [("x", [1, 0, 0]), ("y", [0, 1, 0]), ("z", [0, 0, 1]), ("xy", [1, 1, 0]), ("xyz", [1, 1, 1])];
+    for k in 0..200 {
+        let axes = 1 + k % 8;
+        let robot = random_robot(&mut rng, axes);
+        // All of 2^16 corners for some, fewer for the rest.
+        let wrong = if k % 20 == 0 { 16 } else { rng.random_range(1..=12) };
+        let tolerance = random_tolerance(&mut rng, axes, wrong, (2e-3, 2e-2), &[Distribution::Normal]);
+        let q = random_joints(&mut rng, &robot);
+        let (frames, columns) = (frames_at(&robot, &q), columns(&robot, &q, &tolerance));
+        for (name, kept) in axes_of {
+            let cell = cell_of(robot.clone(), tolerance.clone(), Sense::plain(name).unwrap());
+            let gauge = gauge_of(&cell);
+            let mut memory = gauge.memory();
+            gauge.prepare(&alone(), &frames, &mut memory);
+            let worst = gauge.worst(&gauge.sense, &alone(), &frames, &mut memory);
+            let keep = Matrix3::from_diagonal(&Vector3::from(kept.map(f64::from)));
+            let want = brute(&columns, &keep);
+            let scale = columns.iter().map(|c| c.norm()).sum::<f64>();
+            assert!(worst.exact);
+            assert!(
+                (worst.linear - want).abs() <= 1e-12 * want.max(1e-3 * scale),
+                "{k} {name}: {} {want}",
+                worst.linear
+            );
+            // The corner attains it.
+            let at: Vector3<f64> = columns.iter().zip(&worst.corner).map(|(c, s)| keep * c * *s).sum();
+            assert!((at.norm() - want).abs() <= 1e-12 * scale, "{k} {name}: corner {} {want}", at.norm());
+        }
+    }
+}
+
+/// The paper's Table 3 as tolerances at its initial position: figures worked out without this crate.
+#[test]
+fn table_3_at_the_initial_position() {
+    let mut cell = shipped("hitachi_paper.toml");
+    (cell.reading, cell.model) = (Reading::WorstCase, Model::Linear);
+    let frames = frames_at(&cell.robot, &[0.0; MAX_JOINTS]);
+    let worst = [("xyz", 15.21437), ("x", 14.781), ("y", 3.0), ("z", 2.0)];
+    let rss = [("x", 8.558761), ("y", 1.732051), ("z", 2f64.sqrt())];
+    let judge = |name: &str, cell: &mut Cell| {
+        cell.operations[0].sense = Sense::plain(name).unwrap();
+        let gauge = gauge_of(cell);
+        let mut memory = gauge.memory();
+        gauge.prepare(&alone(), &frames, &mut memory);
+        let worst = gauge.worst(&gauge.sense, &alone(), &frames, &mut memory).linear;
+        // The root of the sum of squares of the tolerances: three times the RMS of 3 sigma.
+        (mm_from_m(worst), 3.0 * mm_from_m(gauge.norm(&gauge.sense, &alone(), &frames, &mut memory).rms()))
+    };
+    for (name, want) in worst {
+        let digits = if name == "x" { 5e-4 } else { 5e-6 };
+        let (got, _) = judge(name, &mut cell);
+        assert!((got - want).abs() <= digits, "{name}: {got} instead of {want}");
+    }
+    for (name, want) in rss {
+        let (_, got) = judge(name, &mut cell);
+        assert!((got - want).abs() <= 5e-7, "{name}: {got} instead of {want}");
+    }
+}
+
+const SENSES: [(&str, [f64; 3]); 5] = [
+    ("xyz", [1.0, 1.0, 1.0]),
+    ("xy", [1.0, 1.0, 0.0]),
+    ("x", [1.0, 0.0, 0.0]),
+    ("y", [0.0, 1.0, 0.0]),
+    ("z", [0.0, 0.0, 1.0]),
+];
+
+/// By the nonlinear model no corner is worse than the one found by more than the polish can miss;
+/// with tolerances of the paper it misses nothing.
+#[test]
+fn nonlinear_worst_case_against_every_corner() {
+    let mut rng = ChaCha8Rng::seed_from_u64(32);
+    let mut cell = shipped("hitachi_paper.toml");
+    (cell.reading, cell.model) = (Reading::WorstCase, Model::Nonlinear);
+    for k in 0..300 {
+        // Tables 2 and 3; the plane has corners that tie in the linear model.
+        let (sense, kept) = SENSES[k / 2 % 5];
+        (cell.errors, cell.operations[0].sense) = (k % 2, Sense::plain(sense).unwrap());
+        let gauge = gauge_of(&cell);
+        let chain = Chain::new(&cell.robot);
+        let (n, mut memory) = (gauge.sources.list.len(), gauge.memory());
+        assert!(n == 11 || n == 12);
+        let frames = frames_at(&cell.robot, &random_joints(&mut rng, &cell.robot));
+        gauge.prepare(&alone(), &frames, &mut memory);
+        let worst = gauge.worst(&gauge.sense, &alone(), &frames, &mut memory);
+        let error = |bits: u32| {
+            let values: Vec<f64> = gauge
+                .sources
+                .list
+                .iter()
+                .enumerate()
+                .map(|(k, s)| if bits >> k & 1 == 1 { s.plus_minus } else { -s.plus_minus })
+                .collect();
+            let all: Perturbation = gauge.sources.perturbation(&chain, &values);
+            let e = position_error(&frames, &all, Model::Nonlinear);
+            let [x, y, z] = kept;
+            Vector3::new(e.x * x, e.y * y, e.z * z).norm()
+        };
+        let want = (0..1 << n).map(error).fold(0.0, f64::max);
+        assert!((worst.by_model - want).abs() <= 1e-12 * want, "{} instead of {want}", worst.by_model);
+        // Along one axis products of errors can matter more than single ones.
+        assert!((worst.linear - want).abs() < if sense == "xyz" { 0.02 } else { 0.2 } * want, "{sense}");
+    }
+}

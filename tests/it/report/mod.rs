@@ -1,0 +1,7 @@
+//! The formats of a report, each by itself.
+
+mod colours;
+mod dxf;
+mod page;
+mod raster;
+mod sheet;

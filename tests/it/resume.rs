@@ -1,0 +1,207 @@
+//! A search that was stopped anywhere and goes on ends in the bits of one that never was.
+
+use crate::common::shipped;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+use sweetspot::cell::{SearchSettings, Solver};
+use sweetspot::layout::Workcell;
+use sweetspot::search::{Checkpoint, Ended, Job, Moment, SearchRecord, Stopping, Unfit, Watch, search_job};
+
+fn workcell() -> Workcell {
+    Workcell::new(shipped("hitachi_cell.toml")).unwrap()
+}
+
+fn settings(solver: Solver, budget: u64) -> SearchSettings {
+    SearchSettings { solver, budget, seed: 3, ..shipped("hitachi_cell.toml").search }
+}
+
+/// Runs to the end, from a checkpoint if there is one; every checkpoint on the way as text.
+fn run(
+    workcell: &Workcell,
+    settings: &SearchSettings,
+    bound: Option<f64>,
+    from: Option<&str>,
+) -> (SearchRecord, Vec<String>) {
+    let kept = Mutex::new(Vec::new());
+    let keep = |c: &Checkpoint, _: Moment| kept.lock().unwrap().push(serde_json::to_string(c).unwrap());
+    let from: Option<Checkpoint> = from.map(|text| serde_json::from_str(text).unwrap());
+    let watch = Watch { progress: &|_| (), stop: &AtomicBool::new(false) };
+    let record = search_job(workcell, settings, &watch, &Job { bound, from: from.as_ref(), keep: &keep });
+    (record, kept.into_inner().unwrap())
+}
+
+/// What two records must share, floats as bits.
+fn bits(record: &SearchRecord) -> (u64, u64, Vec<(u64, u64)>, String, Ended) {
+    let trace = record.trace.iter().map(|(n, e)| (*n, e.to_bits())).collect();
+    let best = format!("{:?} {}", record.best, record.best.evaluation.cost.to_bits());
+    (record.evaluations, record.feasible, trace, best, record.ended)
+}
+
+fn checkpoint(text: &str) -> Checkpoint {
+    serde_json::from_str(text).unwrap()
+}
+
+#[test]
+fn every_checkpoint_leads_to_the_same_bits() {
+    let workcell = workcell();
+    for solver in Solver::ALL {
+        let settings = settings(solver, 260);
+        let (whole, kept) = run(&workcell, &settings, None, None);
+        assert!(kept.len() > 6, "{}: {} checkpoints", solver.name(), kept.len());
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
+        for (k, text) in kept.iter().enumerate() {
+            let again = || run(&workcell, &settings, None, Some(text));
+            let (record, after) = if k % 2 == 0 { again() } else { pool.install(again) };
+            assert_eq!(bits(&record), bits(&whole), "{} from checkpoint {k}", solver.name());
+            // What comes after is what came after, too, so it may be killed again.
+            assert_eq!(after.last(), kept.last(), "{} from checkpoint {k}", solver.name());
+        }
+    }
+}
+
+/// Over restarts and the polish of a longer search.
+#[test]
+fn checkpoints_of_any_run_lead_to_the_same_bits() {
+    let workcell = workcell();
+    for solver in Solver::ALL {
+        let settings = settings(solver, 9_000);
+        let (whole, kept) = run(&workcell, &settings, None, None);
+        let runs = |text: &str| serde_json::from_str::<serde_json::Value>(text).unwrap()["run"].as_u64();
+        assert!(runs(kept.last().unwrap()) > Some(0), "{}: no restart", solver.name());
+        for text in kept.iter().step_by(kept.len() / 6).chain(kept.last()) {
+            let (record, _) = run(&workcell, &settings, None, Some(text));
+            assert_eq!(bits(&record), bits(&whole), "{}", solver.name());
+        }
+    }
+}
+
+/// Stopped by the flag instead: again and again, each time after some hundred more.
+#[test]
+fn a_search_stopped_many_times_ends_in_the_same_bits() {
+    let workcell = workcell();
+    for solver in Solver::ALL {
+        let settings = settings(solver, 3_000);
+        let (whole, _) = run(&workcell, &settings, None, None);
+        let mut from: Option<Checkpoint> = None;
+        for round in 1.. {
+            let stop = AtomicBool::new(false);
+            let progress = |p: sweetspot::search::Progress| {
+                stop.fetch_or(p.evaluations >= round * 377, Ordering::Relaxed);
+            };
+            let kept = Mutex::new(None);
+            let keep = |c: &Checkpoint, _: Moment| *kept.lock().unwrap() = Some(c.clone());
+            let job = Job { bound: None, from: from.as_ref(), keep: &keep };
+            let record = search_job(&workcell, &settings, &Watch { progress: &progress, stop: &stop }, &job);
+            if record.ended != Ended::Interrupted {
+                assert_eq!(bits(&record), bits(&whole), "{}", solver.name());
+                assert!(round > 5, "{}: it was hardly stopped", solver.name());
+                break;
+            }
+            let now = kept.into_inner().unwrap().unwrap();
+            // The record that is told is the one that is kept.
+            assert_eq!(now.evaluations(), record.evaluations, "{}", solver.name());
+            assert!(record.evaluations < round * 377 + 100, "{}", solver.name());
+            from = Some(now);
+        }
+    }
+}
+
+/// A checkpoint under a larger budget or other rules gives what a search under these would have.
+#[test]
+fn other_rules_may_be_taken_up_on_the_way() {
+    let workcell = workcell();
+    for solver in Solver::ALL {
+        let first = settings(solver, 700);
+        let (_, kept) = run(&workcell, &first, None, None);
+        for next in [
+            SearchSettings { budget: 1_500, ..first },
+            SearchSettings { budget: 701, ..first },
+            SearchSettings { stagnation: Some(150), ..first },
+            SearchSettings { gap: Some(0.05), budget: 2_000, ..first },
+        ] {
+            let bound = next.gap.map(|_| 0.020429669);
+            let (whole, _) = run(&workcell, &next, bound, None);
+            let rules = Stopping::new(&next, bound);
+            for text in kept.iter().step_by(1 + kept.len() / 8).chain(kept.last()) {
+                match checkpoint(text).check(7, &rules) {
+                    Ok(()) => {
+                        let (record, after) = run(&workcell, &next, bound, Some(text));
+                        assert_eq!(bits(&record), bits(&whole), "{} {next:?}", solver.name());
+                        // And that one may be killed again.
+                        let (record, _) =
+                            run(&workcell, &next, bound, after.get(after.len() / 2).map(|t| &**t));
+                        assert_eq!(bits(&record), bits(&whole), "{} {next:?}", solver.name());
+                    }
+                    // Rightly refused: the whole search ended earlier.
+                    Err(why) => assert!(
+                        matches!(why, Unfit::Ended(_)) && whole.evaluations < checkpoint(text).evaluations(),
+                        "{why:?}"
+                    ),
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_checkpoint_of_another_search_is_refused() {
+    let workcell = workcell();
+    let settings = settings(Solver::CmaEs, 400);
+    let (_, kept) = run(&workcell, &settings, None, None);
+    let last = checkpoint(kept.last().unwrap());
+    let rules = Stopping::new(&settings, None);
+    assert_eq!(last.check(7, &rules), Ok(()));
+    assert_eq!(last.check(6, &rules), Err(Unfit::Dimensions { has: 7, needs: 6 }));
+    let used = last.evaluations();
+    let small = Stopping { budget: used - 1, ..rules };
+    assert_eq!(last.check(7, &small), Err(Unfit::Budget { used }));
+    assert_eq!(last.check(7, &Stopping { budget: used, ..rules }), Ok(()));
+    // Another seed asks other points: the journal does not answer them.
+    let other = SearchSettings { seed: 4, ..settings };
+    let (record, _) = run(&workcell, &other, None, kept.last().map(|t| &**t));
+    assert_eq!(record.ended, Ended::Diverged);
+    // One bit of one point.
+    let middle: Vec<&str> = kept[kept.len() / 2].split("\"asked\":[").collect();
+    let (hash, rest) = middle[1].split_once(',').unwrap();
+    let changed = format!("{}\"asked\":[{},{rest}", middle[0], hash.parse::<u64>().unwrap() ^ 1);
+    assert_eq!(run(&workcell, &settings, None, Some(&changed)).0.ended, Ended::Diverged);
+}
+
+#[test]
+fn the_gap_ends_a_search() {
+    let workcell = workcell();
+    let settings = SearchSettings { gap: Some(0.01), ..settings(Solver::CmaEs, 20_000) };
+    let bound = 0.020429669;
+    let (record, _) = run(&workcell, &settings, Some(bound), None);
+    assert_eq!(record.ended, Ended::Gap);
+    let best = record.best.evaluation.objective.unwrap();
+    assert!(best <= bound * 1.01 && record.evaluations < 5_000, "{best} {}", record.evaluations);
+    assert_eq!(record.gap(), Some(best / bound - 1.0));
+    // Before the last generation the gap was wider.
+    let before = record.trace.iter().rev().find(|(n, _)| *n + 20 < record.evaluations).unwrap();
+    assert!(before.1 > bound * 1.01, "{before:?}");
+    // Without a bound it goes on.
+    let (record, _) = run(&workcell, &SearchSettings { budget: 6_000, ..settings }, None, None);
+    assert_eq!((record.ended, record.gap()), (Ended::Done, None));
+}
+
+#[test]
+fn stagnation_ends_a_search() {
+    let workcell = workcell();
+    for solver in Solver::ALL {
+        let settings = SearchSettings { stagnation: Some(800), ..settings(solver, 100_000) };
+        let (record, _) = run(&workcell, &settings, None, None);
+        assert_eq!(record.ended, Ended::Stagnation, "{}", solver.name());
+        assert!(record.evaluations < 60_000, "{}: {}", solver.name(), record.evaluations);
+        // The trace shows a pause of that length, between improvements worth the name.
+        let mut steps = vec![record.trace[0]];
+        for &(n, e) in &record.trace {
+            if e < steps[steps.len() - 1].1 * (1.0 - 1e-6) {
+                steps.push((n, e));
+            }
+        }
+        let ends = steps.iter().skip(1).map(|s| s.0).chain([record.evaluations]);
+        let longest = steps.iter().zip(ends).map(|(s, end)| end - s.0).max().unwrap();
+        assert!(longest >= 800, "{}: {longest}", solver.name());
+    }
+}
