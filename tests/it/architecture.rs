@@ -8,9 +8,10 @@ use sources::{File, paths_from, sources, uses_crate, with_words};
 use std::collections::BTreeSet;
 
 /// The modules in the order in which data flows: each uses only those before it.
-const ORDER: [&str; 19] = [
+const ORDER: [&str; 20] = [
     "units",
     "pose",
+    "low_discrepancy",
     "lanes",
     "cell",
     "files",
