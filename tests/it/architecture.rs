@@ -1,13 +1,13 @@
-//! The house rules of src, read from its text. They say what is absent, which no other test sees.
+//! Holds the house rules of src, read from its text. A rule states what is absent, which no other test sees.
 //!
-//! Comments and texts are no code: they are left out before looking.
+//! Comments and strings are blanked before looking.
 
 pub mod sources;
 
 use sources::{File, paths_from, sources, uses_crate, with_words};
 use std::collections::BTreeSet;
 
-/// The modules in the order in which data flows: each uses only those before it.
+/// Modules in the order in which data flows: each uses only those before it.
 const ORDER: [&str; 20] = [
     "units",
     "pose",
@@ -31,7 +31,7 @@ const ORDER: [&str; 20] = [
     "cli",
 ];
 
-/// The library is compiled once, for the program and its tests alike.
+/// The library is compiled once, for the program and for its tests.
 #[test]
 fn src_holds_no_tests() {
     let holds = |f: &&File| ["cfg(test)", "cfg!(test)", "#[test]"].iter().any(|word| f.text.contains(word));
@@ -143,7 +143,7 @@ fn lib_rs_names_every_module_and_holds_no_logic() {
 }
 
 #[test]
-fn no_unsafe_code() {
+fn src_has_no_unsafe_code() {
     let found: Vec<_> =
         sources().into_iter().filter(|f| uses_crate(&f.code, "unsafe")).map(|f| f.path).collect();
     assert!(found.is_empty(), "{found:?}");
@@ -151,7 +151,7 @@ fn no_unsafe_code() {
     assert!(manifest.contains("unsafe_code = \"forbid\""));
 }
 
-/// The core is total: a value or a reason, never a panic.
+/// The core is total: it returns a value or a reason and never panics.
 #[test]
 fn nothing_panics_on_purpose() {
     let words = [
@@ -173,12 +173,12 @@ fn nothing_panics_on_purpose() {
     assert!(hard.is_empty(), "{hard:#?}");
 }
 
-/// Only units.rs knows how many millimetres a metre has.
+/// units.rs alone knows how many millimetres a metre has.
 ///
-/// Allowed exception: `files/mesh/mod.rs`, where a mesh file names one of several units and a table gives
-/// the metres in each.
+/// One exception is allowed: `files/mesh/mod.rs`, where a mesh file names one of several units and a table
+/// gives the metres in each.
 #[test]
-fn only_units_converts() {
+fn only_units_rs_converts_units() {
     let words = ["to_radians", "to_degrees", "180.0", "0.001", "57.29", "0.01745"];
     let factors = ["1000.0", "1000.", "1_000.0", "1e3", "1e-3", "1.0e3", "1.0e-3"];
     let times = |line: &str| {
@@ -200,17 +200,17 @@ fn only_units_converts() {
     assert!(["to_radians", "to_degrees", "/ 1000.0", "* 1000.0"].iter().all(|w| units.code.contains(w)));
 }
 
-/// Chance comes from the seed and time from nowhere: no generator that seeds itself, no map in an
-/// order of its own that is walked.
+/// Randomness comes from the seed alone: no generator seeds itself, and no map is walked in an order of its
+/// own.
 #[test]
-fn nothing_depends_on_chance() {
+fn nothing_depends_on_an_unseeded_random_source() {
     let found =
         with_words(&["thread_rng", "from_entropy", "from_os_rng", "rand::rng()", "RandomState"], |_| false);
     assert!(found.is_empty(), "{found:#?}");
 }
 
 #[test]
-fn the_fixed_packages_are_named() {
+fn the_agreed_packages_are_dependencies() {
     let manifest = std::fs::read_to_string(crate::common::root().join("Cargo.toml")).unwrap();
     let section = manifest.split("[dependencies]").nth(1).unwrap().split("\n[").next().unwrap();
     let package = |line: &str| {
@@ -228,7 +228,7 @@ fn the_fixed_packages_are_named() {
 }
 
 #[test]
-fn the_top_level_is_as_agreed() {
+fn the_top_level_holds_only_the_agreed_entries() {
     let folders = ["src", "cells", "tests", "benches", "results", "docs", "python", "target"];
     let files = ["Cargo.toml", "Cargo.lock", "README.md", "CHANGELOG.md", "CONTRIBUTING.md", "rustfmt.toml"];
     for entry in std::fs::read_dir(crate::common::root()).unwrap() {

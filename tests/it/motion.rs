@@ -1,4 +1,4 @@
-//! Moves, lines, transfers, margins and the fence against dense sampling and closed forms.
+//! Tests moves, lines, transfers, margins and the fence against dense sampling and closed forms.
 
 use crate::common::from_text;
 use nalgebra::{Matrix3, Rotation3, Vector3};
@@ -24,7 +24,7 @@ fn load(text: &str) -> Cell {
     from_text(text).unwrap_or_else(|f| panic!("{f:#?}")).cell
 }
 
-/// A cell round a robot of the library; `more` adds tables, `head` plain keys.
+/// Returns a cell round a robot of the library; `more` adds tables, `head` plain keys.
 fn cell(robot: &str, errors: &str, head: &str, more: &str) -> Cell {
     load(&format!(
         "schema = \"sweetspot/cell/1\"\nunits = {{ length = \"mm\", angle = \"deg\" }}\nerrors = \"{errors}\"\n{head}\n\
@@ -60,13 +60,13 @@ fn links(chain: &Chain, q: &JointVector) -> Frames {
 
 // --- distances -----------------------------------------------------------------------------------
 
-/// A solid as a core (point, segment or box) in the world, with a radius round it.
-enum Round {
+/// Solid as a core (point, segment or box) in the world with a radius round it.
+enum RoundedSolid {
     Bar(V, V, f64),
     Box(Pose, V),
 }
 
-impl Round {
+impl RoundedSolid {
     fn of(shape: &Shape, frame: &Pose) -> Self {
         match shape {
             Shape::Sphere { centre, radius } => {
@@ -78,7 +78,7 @@ impl Round {
         }
     }
 
-    /// The nearest point of the core.
+    /// Returns the nearest point of the core.
     fn nearest(&self, p: &V) -> V {
         match self {
             Self::Bar(a, b, _) => {
@@ -97,7 +97,7 @@ impl Round {
         if let Self::Bar(.., r) = self { *r } else { 0.0 }
     }
 
-    /// Alternating projections between convex sets come as near as the sets are (Cheney and Goldstein).
+    /// Returns the distance of two convex sets by alternating projections (Cheney and Goldstein).
     fn distance(&self, other: &Self) -> f64 {
         let mut best = f64::INFINITY;
         for start in [V::zeros(), V::new(3.0, 0.0, 0.0), V::new(0.0, 0.0, 5.0)] {
@@ -136,7 +136,7 @@ fn random_pose(rng: &mut ChaCha8Rng, centre: V, size: f64) -> Pose {
 }
 
 #[test]
-fn distances_are_those_of_alternating_projections() {
+fn distances_agree_with_alternating_projections() {
     let shapes = [
         "sphere = { centre_mm = [10, 0, 20], radius_mm = 35 }",
         "capsule = { a_mm = [-150, 0, 10], b_mm = [100, 40, 0], radius_mm = 30 }",
@@ -154,12 +154,13 @@ fn distances_are_those_of_alternating_projections() {
             else {
                 panic!()
             };
-            let body = Round::of(&cell.equipment[0].solids[0].shape, &cell.start().placements[0].pose());
+            let body =
+                RoundedSolid::of(&cell.equipment[0].solids[0].shape, &cell.start().placements[0].pose());
             for _ in 0..150 {
                 let pose = random_pose(&mut rng, V::new(0.1, 0.9, 0.7), 0.6);
                 let mut frames = [Pose::identity(); MAX_JOINTS + 1];
                 frames[4] = pose;
-                let want = Round::of(&cell.robot.solids[0].solid.shape, &pose).distance(&body);
+                let want = RoundedSolid::of(&cell.robot.solids[0].solid.shape, &pose).distance(&body);
                 let got = scene.distance(&there, &frames, Some(0), 10.0);
                 let off = got.distance - want;
                 // The reference comes from above, and slowly where faces are nearly parallel.
@@ -185,7 +186,7 @@ const AROUND: &str = "[obstacle.post]\nsolid = [{ name = \"post\", box = { centr
      placement = { x_mm = -700, y_mm = 500, z_mm = 0 }\n";
 
 #[test]
-fn a_free_move_hits_in_no_sample() {
+fn a_free_move_collides_in_no_sample() {
     const SAMPLES: usize = 10_000;
     let mut rng = ChaCha8Rng::seed_from_u64(11);
     // With a machine that is a mesh; with a round tank; of six axes.
@@ -229,7 +230,7 @@ fn a_free_move_hits_in_no_sample() {
 }
 
 #[test]
-fn moves_of_nothing_and_of_the_base() {
+fn a_zero_move_hits_only_what_stands_in_the_way() {
     let cell = cell("hitachi_pw10", "table-2", "", "");
     let (scene, chain) = (Scene::new(&cell), Chain::new(&cell.robot));
     let there = placed(&cell, &scene);
@@ -308,7 +309,7 @@ fn straight_lines_are_straight_and_hold_the_tool() {
 }
 
 #[test]
-fn a_line_that_leaves_the_reach_stops() {
+fn a_line_that_leaves_the_reach_is_refused() {
     let cell = cell("ur5e", "placeholder", "", "");
     let chain = Chain::new(&cell.robot);
     let from = [0.3, -1.2, 1.4, -1.8, -1.57, 0.2, 0.0, 0.0];
@@ -321,7 +322,8 @@ fn a_line_that_leaves_the_reach_stops() {
 
 // --- measures ------------------------------------------------------------------------------------
 
-/// Jacobian by central differences, lengths in reaches; the smallest singular value from eigenvalues.
+/// Returns the smallest singular value of a Jacobian from central differences, lengths in reaches, by
+/// eigenvalues.
 fn smallest_by_differences(chain: &Chain, q: &JointVector, reach: f64) -> f64 {
     let n = chain.axes();
     let step = 1e-5;
@@ -370,7 +372,7 @@ fn the_singularity_measure_is_the_smallest_singular_value() {
 }
 
 #[test]
-fn the_limit_measure_is_one_in_the_middle_and_zero_at_the_limit() {
+fn the_joint_limit_measure_is_one_in_the_middle_and_zero_at_the_limit() {
     let cell = cell("hitachi_pw10", "table-2", "", "");
     let chain = Chain::new(&cell.robot);
     let mut q = [0.0; MAX_JOINTS];
@@ -419,7 +421,7 @@ fn a_posture_exactly_at_the_margin_is_used_and_one_beyond_it_is_not() {
 
 // --- ways ----------------------------------------------------------------------------------------
 
-/// Two tables to the left and right of the arm, and something between.
+/// Returns a cell with two tables to the left and right of the arm, and something between.
 fn two_tables(between: &str, transfer: &str) -> Cell {
     load(&format!(
         "schema = \"sweetspot/cell/1\"\nunits = {{ length = \"mm\", angle = \"deg\" }}\nerrors = \"table-2\"\n\
@@ -439,7 +441,7 @@ const POST: &str = "[obstacle.post]\nsolid = [{ name = \"post\", box = { centre_
 const WALL: &str = "[obstacle.wall]\nsolid = [{ name = \"wall\", box = { centre_mm = [0, 0, 2000], size_mm = [20, 2000, 4000] } }]\n\
      placement = { x_mm = 0, y_mm = 1300, z_mm = 0 }\n";
 
-/// No sample of a way touches anything.
+/// Says whether no sample of a path touches anything.
 fn is_free(cell: &Cell, path: &[JointVector]) -> bool {
     let (scene, chain) = (Scene::new(cell), Chain::new(&cell.robot));
     let there = placed(cell, &scene);
@@ -455,7 +457,7 @@ fn transfers_of(cell: Cell) -> (Cell, sweetspot::layout::Evaluation) {
 }
 
 #[test]
-fn a_post_between_two_spots_is_lifted_over() {
+fn a_transfer_lifts_over_a_post_between_two_spots() {
     let rules = "transfer = { lift_mm = 300, via = [] }";
     let (cell, open) = transfers_of(two_tables("", rules));
     assert_eq!(open.transfers.iter().map(|t| t.way).collect::<Vec<_>>(), [TransferRoute::Direct]);
@@ -501,7 +503,7 @@ fn a_post_between_two_spots_is_lifted_over() {
 }
 
 #[test]
-fn a_wall_between_blocks_every_way() {
+fn a_wall_between_two_spots_blocks_every_transfer() {
     let cell = two_tables(WALL, "transfer = { lift_mm = 300, via = [[0, 0, 0, 0], [0, -40, 0, 0]] }");
     let workcell = Workcell::new(cell).unwrap();
     let start = workcell.cell.start();
@@ -534,7 +536,7 @@ fn a_wall_between_blocks_every_way() {
 }
 
 #[test]
-fn the_nearest_turn_is_taken_and_a_cycle_does_not_wind_up() {
+fn a_cycle_takes_the_nearest_turn_and_does_not_wind_up() {
     let cell = cell("ur5e", "placeholder", "transfer = { via = [], cycle = true }\ncollision = false", "");
     let (guard, scene) = (Guard::new(&cell).unwrap(), Scene::new(&cell));
     let there = placed(&cell, &scene);
@@ -551,7 +553,7 @@ fn the_nearest_turn_is_taken_and_a_cycle_does_not_wind_up() {
 
 // --- approach and retract ------------------------------------------------------------------------
 
-/// A lid with a square hole over the table; the part at the tip is 100 mm wide.
+/// Returns a cell with a square hole in a lid over the table. The part at the tip is 100 mm wide.
 fn lidded(hole: f64, lengths: &str) -> Cell {
     let (side, at) = (400.0, hole / 2.0 + 200.0);
     let slab = |name: &str, x: f64, y: f64, sx: f64, sy: f64| {
@@ -575,7 +577,7 @@ fn lidded(hole: f64, lengths: &str) -> Cell {
 }
 
 #[test]
-fn a_hole_narrower_than_what_is_held_blocks_approach_and_retract() {
+fn a_hole_narrower_than_the_held_part_blocks_approach_and_retract() {
     for (lengths, hole, want) in [
         ("", 90.0, "ok"),
         ("approach_mm = 50\nretract_mm = 50", 90.0, "ok"),
@@ -641,7 +643,7 @@ fn fenced(polygon: &str, more: &str) -> Cell {
 
 const L_SHAPE: &str = "[[-1500, -900], [1700, -900], [1700, 900], [400, 900], [400, 2300], [-1500, 2300]]";
 
-/// By the winding number.
+/// Says whether a point is inside a polygon, by the winding number.
 fn inside(corners: &[(f64, f64)], (x, y): (f64, f64)) -> bool {
     let n = corners.len();
     let angle: f64 = (0..n)
@@ -655,7 +657,7 @@ fn inside(corners: &[(f64, f64)], (x, y): (f64, f64)) -> bool {
 }
 
 #[test]
-fn the_fence_holds_what_lies_in_it_with_every_point() {
+fn the_fence_contains_a_solid_with_all_its_points() {
     // Either way round, and a spike that goes right through the table.
     let turned = "[[-1500, 2300], [400, 2300], [400, 900], [1700, 900], [1700, -900], [-1500, -900]]";
     let spike =
@@ -766,7 +768,7 @@ fn a_table_is_pulled_back_into_a_convex_fence() {
 }
 
 #[test]
-fn the_walls_of_a_fence_are_solid() {
+fn fence_walls_are_solid() {
     let polygon = "[[-1500, -800], [1500, -800], [1500, 1150], [-1500, 1150]]\nheight_mm = 2500";
     let open = load(&cell_text_of("[[-1500, -800], [1500, -800], [1500, 1150], [-1500, 1150]]"));
     let walled = load(&cell_text_of(polygon));

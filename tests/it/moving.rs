@@ -1,4 +1,4 @@
-//! What moves with the robot: tools from files, held parts, link meshes, and the robot against itself.
+//! Tests what moves with the robot: tools from files, held parts, link meshes, and the robot against itself.
 
 use crate::common::{root, shipped};
 use nalgebra::Vector3;
@@ -15,7 +15,7 @@ use sweetspot::pose::Pose;
 type V = Vector3<f64>;
 type Frames = [Pose; MAX_JOINTS + 1];
 
-/// A cell of files in memory, with the shipped ones beside them.
+/// Loads a cell from files in memory, with the shipped files beside them.
 fn load(files: &[(&str, &str)]) -> Result<Cell, Vec<Fault>> {
     let files: BTreeMap<_, _> = files.iter().copied().collect();
     let loaded = files::load("cell.toml", &mut |path: &str| match files.get(path) {
@@ -43,7 +43,7 @@ fn hit(cell: &Cell, frames: &Frames, operation: Option<usize>) -> Option<String>
     hit.map(|h| h.in_words(cell))
 }
 
-/// All frames far up and apart but the last.
+/// Returns frames far up and apart, but for the last.
 fn lifted(last: Pose) -> Frames {
     let mut frames: Frames = std::array::from_fn(|k| at(0.0, 0.0, 90.0 + 10.0 * k as f64));
     (frames[0], frames[4]) = (Pose::identity(), last);
@@ -61,7 +61,7 @@ const GRIPPER: &str = "schema = \"sweetspot/tool/1\"\nunits = { length = \"mm\",
     solid = [{ name = \"jaws\", box = { centre_mm = [0, 0, 75], size_mm = [40, 40, 150] } }]\n";
 
 #[test]
-fn a_tool_file_takes_the_place_of_the_tool_of_the_robot() {
+fn a_tool_file_replaces_the_tool_of_the_robot() {
     let cell = "from = \"hitachi_paper.toml\"\n[robot]\ntool = { from = \"gripper.toml\" }\n";
     let robot = sound(&[("cell.toml", cell), ("gripper.toml", GRIPPER)]).robot;
     assert_eq!(robot.tool.translation, V::new(0.0, 0.0, 0.15));
@@ -96,7 +96,7 @@ fn wrong_tools_are_refused() {
 }
 
 #[test]
-fn held_parts_collide_for_their_operation_alone() {
+fn held_parts_collide_only_in_their_operation() {
     let text = |more: &str| {
         format!(
             "from = \"hitachi_cell.toml\"\n[operation.picking]\n\
@@ -144,7 +144,7 @@ fn held_parts_collide_for_their_operation_alone() {
 // --- the robot against itself -------------------------------------------------------------------
 
 #[test]
-fn a_self_hit_names_both_and_can_be_allowed() {
+fn a_self_collision_names_both_links_and_can_be_allowed() {
     let folded = lifted(at(0.0, 0.1, 0.2));
     let cell = shipped("hitachi_cell.toml");
     assert_eq!(hit(&cell, &folded, None).as_deref(), Some("tool touches base"));
@@ -173,9 +173,9 @@ fn wrong_lists_of_pairs_are_refused() {
     assert!(said("\"no\"").contains("must be a table"));
 }
 
-/// Solids that are drawn overlapping in every posture are allowed; one that moves away is not.
+/// Links drawn overlapping in every posture are allowed. A link that moves away is not.
 #[test]
-fn what_touches_in_every_posture_is_allowed() {
+fn links_that_touch_in_every_posture_are_allowed() {
     let mut cell = shipped("hitachi_cell.toml");
     // A ball of 3 m round the base holds the forearm wherever it is; one of 0.5 m does not.
     for (radius, want) in [(3.0, Some(Allowed::AlwaysTouch)), (0.5, None)] {
@@ -191,7 +191,7 @@ fn what_touches_in_every_posture_is_allowed() {
 
 // --- link meshes --------------------------------------------------------------------------------
 
-/// An L of two bars, 400 mm long and 100 mm thick, closed; m. Corners of the outline, bottom and top.
+/// Returns a closed L of two bars, 400 mm long and 100 mm thick (m): corners of the outline, bottom and top.
 fn angle_mesh() -> (Vec<V>, Vec<[u32; 3]>) {
     let outline = [(0.0, 0.0), (0.4, 0.0), (0.4, 0.1), (0.1, 0.1), (0.1, 0.4), (0.0, 0.4)];
     let level = |z: f64| outline.map(|(x, y)| V::new(x, y, z));
@@ -206,7 +206,7 @@ fn angle_mesh() -> (Vec<V>, Vec<[u32; 3]>) {
     ([level(0.0), level(0.1)].concat(), triangles)
 }
 
-/// The cell with the angle on its last link, alone, and a ball or box that can be put anywhere.
+/// Returns a cell with the angle alone on its last link, and a ball or box that can be put anywhere.
 fn with_angle(part: &str) -> Cell {
     let text = format!(
         "from = \"hitachi_paper.toml\"\ncollision = true\nfloor_mm = -100000\n[robot]\n\
@@ -222,7 +222,7 @@ fn with_angle(part: &str) -> Cell {
 
 const POINT: &str = "sphere = { centre_mm = [0, 0, 0], radius_mm = 0.001 }";
 
-/// Whether the angle touches the probe at a point of its file.
+/// Says whether the angle touches the probe at a point of its file.
 fn touches(cell: &Cell, point: &V, remember: &mut Remember<'_>) -> bool {
     let Shape::Mesh { pose, .. } = &cell.robot.solids[0].solid.shape else { panic!("no mesh") };
     let frame = Pose::from_translation_rpy(V::new(0.2, -0.1, 0.7), V::new(0.4, -0.5, 0.6));
@@ -237,9 +237,10 @@ fn touches(cell: &Cell, point: &V, remember: &mut Remember<'_>) -> bool {
     hit.is_some()
 }
 
-/// Never smaller than the mesh, whatever division was kept; and two bars, not one lump.
+/// The collision shape is never smaller than the mesh, whatever decomposition was cached, and it has two
+/// bars.
 #[test]
-fn a_link_mesh_collides_wherever_its_surface_is() {
+fn a_link_mesh_collides_on_its_whole_surface() {
     let cell = with_angle(POINT);
     let (vertices, triangles) = angle_mesh();
     let mut rng = ChaCha8Rng::seed_from_u64(9);
@@ -273,9 +274,9 @@ fn a_link_mesh_collides_wherever_its_surface_is() {
     }
 }
 
-/// A division is asked for once for a mesh, and depends on its content alone.
+/// The decomposition of a mesh is computed once and depends on its content alone.
 #[test]
-fn the_division_is_remembered_by_content() {
+fn the_convex_decomposition_is_cached_by_content() {
     let mut cell = with_angle(POINT);
     let keys = |cell: &Cell| {
         let mut keys = Vec::new();

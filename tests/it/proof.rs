@@ -1,7 +1,7 @@
-//! The lower bound of the objective against brute force, known optima, random postures and layouts.
+//! Tests the lower bound of the objective against brute force, known optima, random postures and layouts.
 //!
-//! Brute force and postures come from the inverse kinematics and the gauge, of which the proof uses
-//! neither: it knows axes in space alone.
+//! Brute force and postures use the inverse kinematics and the gauge. The proof uses neither: it only knows
+//! axes in space.
 
 use crate::common::{root, shipped};
 use nalgebra::{Matrix3, Vector3, Vector6};
@@ -29,11 +29,11 @@ fn ready(cell: &Cell) -> Workcell {
     Workcell::new(cell.clone()).unwrap()
 }
 
-/// Brute force and search agree on it: tests/it/bound.rs.
+/// Lower bound of hitachi_cell, on which brute force and search agree: tests/it/bound.rs.
 const HITACHI_MM: f64 = 20.429670;
 
 #[test]
-fn hitachi_cell_is_closed() {
+fn the_bound_of_hitachi_cell_closes_its_gap() {
     let proof = proof_of(&ready(&shipped("hitachi_cell.toml")), 10_000);
     let bound = mm_from_m(proof.bound.unwrap());
     assert!((0.999 * HITACHI_MM..=HITACHI_MM).contains(&bound), "{bound}");
@@ -42,7 +42,8 @@ fn hitachi_cell_is_closed() {
     assert!(boxes < 1000, "{boxes}");
 }
 
-/// The least value of the first operation with the TCP at a radius and height (m) by inverse kinematics.
+/// Returns the least value of the first operation with the TCP at a radius and height (m) by inverse
+/// kinematics.
 fn at(workcell: &Workcell, radius: f64, height: f64) -> f64 {
     let operation = &workcell.cell.operations[0];
     let (inverse, gauge) = (workcell.inverse(), workcell.gauge(0));
@@ -62,7 +63,7 @@ fn at(workcell: &Workcell, radius: f64, height: f64) -> f64 {
     least
 }
 
-/// A scan over radius and height, then finer and finer grids round the best: an upper bound of the least.
+/// Returns an upper bound of the least value by a scan over radius and height, then finer and finer grids.
 fn brute(workcell: &Workcell, (low, high): (f64, f64)) -> f64 {
     let reach = workcell.cell.robot.reach();
     let heights = if high - low < 1e-5 { 1 } else { 61 };
@@ -86,7 +87,7 @@ fn brute(workcell: &Workcell, (low, high): (f64, f64)) -> f64 {
     best.0
 }
 
-/// Whether joint coordinates keep limits, height and elevation and are worth what is said.
+/// Says whether joint coordinates keep limits, height and elevation and have the stated value.
 fn is_allowed(workcell: &Workcell, region: &Region, value: f64, q: &[f64; 8]) -> bool {
     let (gauge, chain) = (workcell.gauge(0), workcell.inverse().chain());
     let frames = chain.frames(&chain.posture(q));
@@ -106,9 +107,9 @@ fn is_allowed(workcell: &Workcell, region: &Region, value: f64, q: &[f64; 8]) ->
         && (again - value).abs() < 1e-12
 }
 
-/// Arms of random lengths, offsets, errors, limits, bends, heights, senses and models.
+/// Arms have random lengths, offsets, errors, limits, bends, heights, senses and models.
 #[test]
-fn random_planar_arms_by_brute_force() {
+fn the_bound_of_random_planar_arms_agrees_with_brute_force() {
     let mut rng = ChaCha8Rng::seed_from_u64(7);
     let (mut closed, mut reachable) = (0, 0);
     for case in 0..40 {
@@ -178,7 +179,7 @@ fn random_planar_arms_by_brute_force() {
     assert!(reachable >= 20 && closed == reachable, "{closed} of {reachable} are closed");
 }
 
-/// Random postures that an operation could have in some layout are never below its bound.
+/// Checks that random postures which an operation could have in some layout are never below its bound.
 fn nothing_is_below(name: &str, cell: &Cell, boxes: u64, tries: usize) -> Proof {
     let workcell = ready(cell);
     let proof = proof_of(&workcell, boxes);
@@ -215,7 +216,7 @@ fn nothing_is_below(name: &str, cell: &Cell, boxes: u64, tries: usize) -> Proof 
 }
 
 #[test]
-fn no_posture_of_a_shipped_cell_is_below() {
+fn no_posture_of_a_shipped_cell_is_below_the_bound() {
     for name in ["hitachi_paper", "palletizer_cell", "scara_cell", "five_axis_cell", "wrist_cell", "ur_cell"]
     {
         let proof = nothing_is_below(name, &shipped(&format!("{name}.toml")), 5_000, 1_000);
@@ -228,9 +229,9 @@ fn no_posture_of_a_shipped_cell_is_below() {
     }
 }
 
-/// Every reading, model, quantity and sense that has a bound, on arms of three families.
+/// Every reading, model, quantity and sense with a bound is tried on arms of three families.
 #[test]
-fn no_posture_is_below_in_any_reading() {
+fn no_random_posture_is_below_the_bound_in_any_reading() {
     let readings = [
         (Reading::Signed, Quantity::Rms),
         (Reading::WorstCase, Quantity::Rms),
@@ -297,9 +298,9 @@ fn random_layouts_never_beat_the_bound() {
     }
 }
 
-/// The tangent that stands for a percentile: below it everywhere, and not far below where it touches.
+/// The tangent that replaces a percentile lies below it everywhere, and close to it where it touches.
 #[test]
-fn the_tangent_is_below_the_percentile() {
+fn the_tangent_bound_is_below_the_percentile() {
     let mut rng = ChaCha8Rng::seed_from_u64(5);
     let mut covariance = |rows: usize| {
         let thin: f64 = rng.random_range(0.0..1.0);
@@ -337,7 +338,7 @@ fn the_tangent_is_below_the_percentile() {
 }
 
 #[test]
-fn without_errors_the_bound_is_nothing() {
+fn the_bound_without_errors_is_zero() {
     let mut cell = shipped("hitachi_cell.toml");
     let axes = cell.robot.axes();
     let none = vec![0.0; sweetspot::cell::Parameter::count(axes)];
@@ -347,7 +348,7 @@ fn without_errors_the_bound_is_nothing() {
 }
 
 #[test]
-fn what_cannot_be_reached_is_infeasible() {
+fn an_unreachable_operation_is_proved_infeasible() {
     let mut cell = shipped("hitachi_cell.toml");
     cell.operations[0].standoff = 5.0;
     let workcell = ready(&cell);
@@ -361,9 +362,9 @@ fn what_cannot_be_reached_is_infeasible() {
     );
 }
 
-/// Two joints that stand still leave one posture and its mirror images.
+/// Two joints of fixed angle leave one posture and its mirror images.
 #[test]
-fn limits_of_no_width() {
+fn the_bound_holds_for_joint_limits_of_no_width() {
     let mut cell = shipped("hitachi_cell.toml");
     cell.operations.truncate(1);
     let still = [None, Some(rad_from_deg(10.0)), Some(rad_from_deg(-22.0)), None];
@@ -390,7 +391,7 @@ fn limits_of_no_width() {
 }
 
 #[test]
-fn what_has_no_bound_says_why() {
+fn a_cell_without_a_bound_states_the_reason() {
     let proof = |change: &dyn Fn(&mut Cell)| {
         let mut cell = shipped("hitachi_cell.toml");
         change(&mut cell);
@@ -417,9 +418,9 @@ fn what_has_no_bound_says_why() {
     assert_eq!(share.operations[0].value, Err(WhyNot::Share));
 }
 
-/// One thread or two, the same bytes; stopped at once, what is said still holds.
+/// One thread and two give the same bytes. A stopped proof still holds.
 #[test]
-fn threads_and_stops() {
+fn the_proof_does_not_depend_on_threads_and_can_be_stopped() {
     let workcell = ready(&shipped("five_axis_cell.toml"));
     let [one, two] = [1, 2].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -437,17 +438,17 @@ fn threads_and_stops() {
     );
 }
 
-/// Cells that are proven and searched in a moment; those of the figures are all that there are.
+/// Cells that are proved and searched in a moment. The figures take all cells.
 const CHEAP: [&str; 3] = ["hitachi_cell", "hitachi_paper", "palletizer_cell"];
 
-/// No layout that a search finds lies below the bound, nor does the one drawn. The figures of all cells
-/// in results/proof/README.md:
+/// Neither the start layout nor any layout found by a search lies below the bound. Figures of all cells for
+/// results/proof/README.md:
 ///
 /// ```text
 /// SWEETSPOT_FIGURES=1 cargo test --test it proof::figures -- --nocapture
 /// ```
 #[test]
-fn figures_of_cells() {
+fn the_proof_figures_of_the_cells_are_regenerated() {
     let all = std::env::var("SWEETSPOT_FIGURES").is_ok();
     let names = if all { shipped_cells() } else { CHEAP.map(String::from).into() };
     let rows: Vec<String> = names.iter().map(|name| figures(name, all)).collect();
@@ -468,7 +469,7 @@ fn shipped_cells() -> Vec<String> {
     names
 }
 
-/// A row of the table: with the whole effort of the command, or with little.
+/// Returns a row of the table, with the effort of the command if `whole`, or with little.
 fn figures(name: &str, whole: bool) -> String {
     let workcell = ready(&shipped(&format!("{name}.toml")));
     let unit = workcell.cell.unit();

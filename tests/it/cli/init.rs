@@ -1,11 +1,11 @@
-//! `init`: every first cell runs as it was written.
+//! Tests `init`: every generated cell runs as written.
 
-use crate::cli::shop::*;
+use crate::cli::sandbox::*;
 use crate::common::document;
 use serde_json::Value;
 
-/// Names and robots, as `init` lists them.
-fn listed(shop: &Shop) -> Vec<(String, String)> {
+/// Returns the names and robots that `init` lists.
+fn listed(shop: &Sandbox) -> Vec<(String, String)> {
     let out = shop.done(&["init"]).out;
     let words = |line: &str| {
         let mut words = line.split_whitespace().map(str::to_string);
@@ -14,15 +14,15 @@ fn listed(shop: &Shop) -> Vec<(String, String)> {
     out.lines().map(words).collect()
 }
 
-/// What a `next:` line says to type.
-fn next(ran: &Ran) -> Vec<String> {
+/// Returns the command of a `next:` line.
+fn next(ran: &RunOutput) -> Vec<String> {
     let line = ran.err.lines().find_map(|line| line.strip_prefix("next: sweetspot ")).expect("no next");
     line.split(' ').map(str::to_string).collect()
 }
 
 #[test]
-fn the_first_error_map_takes_two_commands_that_lead_to_each_other() {
-    let shop = Shop::new();
+fn init_leads_to_the_first_error_map_in_two_commands() {
+    let shop = Sandbox::new();
     let mut args = vec!["init".to_string()];
     for expected in ["init hitachi", "map hitachi/cell.toml --svg map.svg", "search hitachi/cell.toml"] {
         let ran = shop.done(&args.iter().map(String::as_str).collect::<Vec<_>>());
@@ -33,8 +33,8 @@ fn the_first_error_map_takes_two_commands_that_lead_to_each_other() {
 }
 
 #[test]
-fn every_robot_of_the_library_has_a_first_cell() {
-    let shop = Shop::new();
+fn every_library_robot_has_a_generated_cell() {
+    let shop = Sandbox::new();
     let mut robots: Vec<_> = listed(&shop).into_iter().map(|(_, robot)| robot).collect();
     robots.sort();
     let library = shop.json(&["robots"]);
@@ -46,7 +46,7 @@ fn every_robot_of_the_library_has_a_first_cell() {
     assert_eq!(robots, files.collect::<Vec<_>>());
 }
 
-/// Reaches most of both surfaces, and both operations have a spot.
+/// Checks that a map reaches most of both surfaces and that both operations have a spot.
 fn maps_well(map: &Value, name: &str) {
     for operation in items(&map["operations"]) {
         let nodes = items(&operation["nodes"]);
@@ -57,8 +57,8 @@ fn maps_well(map: &Value, name: &str) {
 }
 
 #[test]
-fn every_first_cell_checks_and_maps() {
-    let shop = Shop::new();
+fn every_generated_cell_passes_check_and_map() {
+    let shop = Sandbox::new();
     for (name, robot) in listed(&shop) {
         let ran = shop.done(&["init", &name]);
         assert!(ran.out.is_empty(), "{}", ran.out);
@@ -88,8 +88,8 @@ fn every_first_cell_checks_and_maps() {
 }
 
 #[test]
-fn first_cells_search_to_a_feasible_layout() {
-    let shop = Shop::new();
+fn generated_cells_search_to_a_feasible_layout() {
+    let shop = Sandbox::new();
     for name in ["hitachi", "ur10e", "scara", "palletizer"] {
         shop.done(&["init", name]);
         let found = shop.json(&[
@@ -106,8 +106,8 @@ fn first_cells_search_to_a_feasible_layout() {
 }
 
 #[test]
-fn a_robot_of_the_library_and_another_folder_are_taken() {
-    let shop = Shop::new();
+fn init_accepts_a_library_robot_and_another_folder() {
+    let shop = Sandbox::new();
     let ran = shop.done(&["init", "adept_cobra_s600", "--out", "my shop/cell 1"]);
     assert_eq!(next(&ran).join(" "), "map 'my shop/cell 1/cell.toml' --svg map.svg");
     shop.done(&["init", "scara"]);
@@ -120,8 +120,8 @@ fn a_robot_of_the_library_and_another_folder_are_taken() {
 }
 
 #[test]
-fn nothing_is_overwritten_and_slips_are_told() {
-    let shop = Shop::new();
+fn init_overwrites_nothing_and_reports_misspellings() {
+    let shop = Sandbox::new();
     shop.done(&["init", "scara"]);
     shop.write("scara/cell.toml", "mine");
     let again = shop.run(&["init", "scara"]);
