@@ -1,25 +1,32 @@
 //! Reading inside the cell's folder, and writing whole files or none.
 
-use super::arguments::Packages;
-use super::checkpoint::CHECKPOINT;
+use super::packages::Packages;
 use super::{Exit, output};
 use crate::files;
-use crate::files::{Fault, Loaded, LoadedRobot, Setting, shown};
+use crate::files::{Fault, FaultKind, Loaded, LoadedRobot, Setting, shown};
 use sha2::{Digest, Sha256};
 use std::collections::HashMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-/// What the names of unfinished files begin with.
+/// Prefix of the names of unfinished files.
 pub const UNFINISHED: &str = ".sweetspot-";
+
+/// Name of the checkpoint in the folder of a search.
+pub const CHECKPOINT: &str = "checkpoint.jsonl";
 
 /// Largest file read: a mesh of a million triangles has some 60 MB.
 const MAX_BYTES: u64 = 128 << 20;
 
 /// Reads a cell and all it refers to; faults and warnings go to stderr.
 pub fn load(path: &Path, packages: &Packages) -> Result<Loaded, Exit> {
-    let loaded = read_cell(path, packages).map_err(|faults| {
+    load_with(path, packages, &[])
+}
+
+/// Loads a cell as [`load`] does, with some keys stated on the command line.
+pub fn load_with(path: &Path, packages: &Packages, settings: &[Setting]) -> Result<Loaded, Exit> {
+    let loaded = read_cell_with(path, packages, settings, &Kept::default()).map_err(|faults| {
         output::faults(&faults);
         exit_of(&faults)
     })?;
@@ -29,17 +36,13 @@ pub fn load(path: &Path, packages: &Packages) -> Result<Loaded, Exit> {
 
 /// A cell file that cannot be read is a matter of I/O, all else of input.
 pub fn exit_of(faults: &[Fault]) -> Exit {
-    let unread = |f: &Fault| f.line > 0 && f.excerpt.is_empty() && f.message.starts_with("cannot read");
-    if faults.iter().any(unread) { Exit::Io } else { Exit::BadInput }
+    let is_unreadable = faults.iter().any(|fault| fault.kind == FaultKind::Unreadable);
+    if is_unreadable { Exit::Io } else { Exit::BadInput }
 }
 
 /// Reads a cell and all it refers to.
 pub fn read_cell(path: &Path, packages: &Packages) -> Result<Loaded, Vec<Fault>> {
-    let (folder, name) = parted(path);
-    let mut loaded = files::load(&name, &mut |inside| read_named(&folder, packages, inside))
-        .map_err(|faults| named(path, faults))?;
-    loaded.warnings = named(path, loaded.warnings);
-    Ok(loaded)
+    read_cell_with(path, packages, &[], &Kept::default())
 }
 
 /// Files as they were first read: every combination of a sweep sees the same bytes.

@@ -2,19 +2,20 @@
 //! the clock or the terminal.
 
 mod arguments;
+mod asked;
 mod cache;
 mod checkpoint;
 mod commands;
+mod first_cells;
 mod found;
-mod init;
 mod library;
 mod loading;
+mod lookup;
 mod output;
-mod overrides;
+mod packages;
 mod progress;
 mod results;
 mod sweep;
-mod typed;
 mod view;
 
 use arguments::{Arguments, Command};

@@ -2,40 +2,22 @@
 
 use super::{suggest, warn_of_hopeless, workcell};
 use crate::cell::Cell;
-use crate::cli::arguments::{Overrides, Packages};
+use crate::cli::arguments::ViewArguments;
+use crate::cli::packages::Packages;
 use crate::cli::output::path_word;
-use crate::cli::overrides::overridden;
-use crate::cli::view::{Door, Origin, View, secret, serve, widened};
-use crate::cli::{Exit, found, loading, output};
+use crate::cli::view::{AccessControl, Origin, View, secret, serve, widened};
+use crate::cli::{Exit, asked, found, loading, output};
 use crate::files::Loaded;
-use clap::Args;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use tiny_http::Server;
 
-#[derive(Args)]
-pub struct ViewArguments {
-    /// Cell file (TOML), or a folder that a search has written
-    #[arg(value_name = "CELL|RESULT")]
-    pub of: PathBuf,
-    #[command(flatten)]
-    pub packages: Packages,
-    #[command(flatten)]
-    pub overrides: Overrides,
-    /// Listen on this port of 127.0.0.1 [default: one that is free]
-    #[arg(long, default_value_t = 0, hide_default_value = true)]
-    pub port: u16,
-    /// Open the page in the browser
-    #[arg(long)]
-    pub open: bool,
-}
-
 /// `sweetspot view`. Ends at Ctrl-C with 0: nothing that was asked for is left undone.
 pub fn view(a: &ViewArguments) -> Result<Exit, Exit> {
     let file = if a.of.is_dir() { found::best_of(&a.of)? } else { a.of.clone() };
-    let Loaded { cell, sources, .. } = overridden(loading::load(&file, &a.packages)?, &a.overrides)?;
+    let Loaded { cell, sources, .. } = asked::load(&file, &a.packages, &a.question)?;
     let folder = file.parent().unwrap_or(Path::new(""));
     let sources: Vec<PathBuf> = sources.iter().map(|s| folder.join(&s.path)).collect();
     let cell = if a.of.is_dir() { searched(cell, &sources, &a.packages) } else { cell };
@@ -47,15 +29,15 @@ pub fn view(a: &ViewArguments) -> Result<Exit, Exit> {
         Exit::Io
     })?;
     let port = server.server_addr().to_ip().map_or(a.port, |address| address.port());
-    let door = Door::new(secret().map_err(failed)?, port);
+    let access = AccessControl::new(secret().map_err(failed)?, port);
     let server = Arc::new(server);
     let over = end_at_signals(&server);
-    output::data(&format!("{}\n", door.url()))?;
+    output::data(&format!("{}\n", access.url()))?;
     output::talk("the page is at this address until you press Ctrl-C here");
     if a.open {
-        open(&door.url());
+        open(&access.url());
     }
-    serve(view, &server, door, &over).map_err(failed)?;
+    serve(view, &server, access, &over).map_err(failed)?;
     suggest(&format!("check {}", path_word(&file)));
     Ok(Exit::Done)
 }

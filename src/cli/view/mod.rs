@@ -4,7 +4,7 @@
 //! A page that is closed ends nothing, one that is opened again goes on where it was, and several show the
 //! same. What a layout is worth is what [`crate::layout::evaluate`] and the maps say, as everywhere.
 
-mod door;
+mod access_control;
 mod job;
 mod question;
 mod routes;
@@ -12,7 +12,7 @@ mod save;
 mod session;
 mod values;
 
-pub use door::{Door, secret};
+pub use access_control::{AccessControl, secret};
 pub use save::Origin;
 pub use values::widened;
 
@@ -23,13 +23,13 @@ use crate::layout::{Workcell, evaluate, separated};
 use crate::report::json;
 use crate::units::{mm_from_m, rounded};
 use job::Job;
-use question::{Question, Workcells};
+use question::{PageQuestion, Workcells};
 use serde_json::{Value, json};
 use session::Session;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard};
 use tiny_http::Server;
-use values::Values;
+use values::LayoutValues;
 
 /// Decimals of what is told, as in every document.
 const DIGITS: i32 = 9;
@@ -59,8 +59,8 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 ///
 /// # Errors
 /// Why the server cannot go on.
-pub fn serve(view: View, server: &Server, door: Door, over: &AtomicBool) -> Result<(), String> {
-    let shared = Arc::new((view, door));
+pub fn serve(view: View, server: &Server, access: AccessControl, over: &AtomicBool) -> Result<(), String> {
+    let shared = Arc::new((view, access));
     loop {
         let request = match server.recv() {
             Ok(request) => request,
@@ -76,7 +76,7 @@ pub fn serve(view: View, server: &Server, door: Door, over: &AtomicBool) -> Resu
 impl View {
     pub fn new(workcell: Workcell, origin: Origin) -> Self {
         let cell = workcell.cell.clone();
-        let session = Session::new(Values::start(&cell), Question::of(&cell));
+        let session = Session::new(LayoutValues::start(&cell), PageQuestion::of(&cell));
         let workcells = Workcells::new(workcell);
         Self {
             workcells,
@@ -101,7 +101,7 @@ impl View {
         let (question, values, before, mut document) = {
             let session = locked(&self.session);
             let (undo, redo) = session.depth();
-            let Question { sense, model, reading } = &session.question;
+            let PageQuestion { sense, model, reading } = &session.question;
             let document = json!({
                 "revision": session.revision,
                 "undo": undo,
@@ -168,7 +168,7 @@ impl View {
             Some(Value::String(word)) => Some(word.clone()),
             Some(_) => return Err("`sense` must be a word".into()),
         };
-        let question = Question {
+        let question = PageQuestion {
             sense,
             model: model.ok_or("there is no such model")?,
             reading: reading.ok_or("there is no such reading")?,
@@ -238,7 +238,7 @@ impl View {
         let best = locked(&self.job).as_ref().and_then(Job::best);
         let best = best.ok_or("no search has found a layout yet")?;
         let mut session = locked(&self.session);
-        session.step(Values::of(&self.cell, &best), "the layout that the search found".into());
+        session.step(LayoutValues::of(&self.cell, &best), "the layout that the search found".into());
         Ok(())
     }
 

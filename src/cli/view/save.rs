@@ -1,8 +1,8 @@
 //! The layout on the page as a cell file beside the one that is shown.
 
-use super::values::Values;
+use super::values::LayoutValues;
 use crate::cell::Cell;
-use crate::cli::arguments::Packages;
+use crate::cli::packages::Packages;
 use crate::cli::loading;
 use crate::cli::loading::Kept;
 use crate::files::shown;
@@ -74,7 +74,7 @@ impl Origin {
         asked: &str,
         overwrite: bool,
         cell: &Cell,
-        values: &Values,
+        values: &LayoutValues,
     ) -> Result<PathBuf, Unsaved> {
         let name = file_name(asked).map_err(Unsaved::Refused)?;
         let path = self.folder().join(&name);
