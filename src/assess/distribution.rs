@@ -1,7 +1,7 @@
 //! How the error spreads at a spot, whatever the reading under which it was chosen.
 
 use super::{Assessment, SAMPLES};
-use crate::cell::{Cell, Interpretation, Model, Quantity, Reading, Unit};
+use crate::cell::{Interpretation, Model, Quantity, Reading, Unit};
 use crate::error_map::PostureRecord;
 use crate::kinematic_error::NOTHING;
 use crate::layout::Workcell;

@@ -6,7 +6,7 @@
 use super::choices::{Model, Quantity, Reading, Registration};
 use super::error_model::{ErrorSet, FrameErrors};
 use super::model::*;
-use super::sense::{Sense, Unit};
+use super::sense::Sense;
 
 /// Interpretation of the errors of a cell: how they are modelled, read, registered and measured.
 #[derive(Debug, Clone, PartialEq)]

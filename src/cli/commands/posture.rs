@@ -5,7 +5,7 @@ use crate::assess::{Account, At, Explanation, NoStance, Stance};
 use crate::cell::{Cell, JointKind, JointVector, MAX_JOINTS};
 use crate::cli::arguments::{BudgetArguments, ExplainArguments, QuestionFlags};
 use crate::cli::output::{path_word, word};
-use crate::cli::{Exit, asked, cache, loading, lookup, output, results};
+use crate::cli::{Exit, asked, cache, lookup, output, results};
 use crate::files::shown;
 use crate::layout::Workcell;
 use crate::report;

@@ -4,7 +4,7 @@ use super::{suggest, workcell};
 use crate::assess::Assessment;
 use crate::cli::arguments::RobustArguments;
 use crate::cli::output::path_word;
-use crate::cli::{Exit, asked, loading, output, results};
+use crate::cli::{Exit, asked, output, results};
 use crate::report;
 
 /// `sweetspot robust`

@@ -14,7 +14,7 @@ use crate::proof::{Proof, ProofOptions, prove};
 use crate::report;
 use crate::search;
 use crate::search::{Ended, Job, Moment, Progress, SearchRecord, Watch};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;

@@ -5,7 +5,7 @@ use crate::cell::Cell;
 use crate::cli::arguments::ViewArguments;
 use crate::cli::packages::Packages;
 use crate::cli::output::path_word;
-use crate::cli::view::{AccessControl, Origin, View, secret, serve, widened};
+use crate::cli::view::{AccessControl, LiveView, Origin, secret, serve, widened};
 use crate::cli::{Exit, asked, found, loading, output};
 use crate::files::Loaded;
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use tiny_http::Server;
 
-/// `sweetspot view`. Ends at Ctrl-C with 0: nothing that was asked for is left undone.
+/// `sweetspot view`. Ctrl-C is its regular end, with exit code 0.
 pub fn view(a: &ViewArguments) -> Result<Exit, Exit> {
     let file = if a.of.is_dir() { found::best_of(&a.of)? } else { a.of.clone() };
     let Loaded { cell, sources, .. } = asked::load(&file, &a.packages, &a.question)?;
@@ -23,9 +23,9 @@ pub fn view(a: &ViewArguments) -> Result<Exit, Exit> {
     let cell = if a.of.is_dir() { searched(cell, &sources, &a.packages) } else { cell };
     let workcell = workcell(cell, &file)?;
     warn_of_hopeless(&workcell);
-    let view = View::new(workcell, Origin { file: file.clone(), packages: a.packages.clone(), sources });
+    let view = LiveView::new(workcell, Origin { file: file.clone(), packages: a.packages.clone(), sources });
     let server = Server::http(("127.0.0.1", a.port)).map_err(|e| {
-        output::error(&format!("cannot listen on port {} of 127.0.0.1: {e}", a.port));
+        output::error(&format!("cannot listen on 127.0.0.1:{}: {e}", a.port));
         Exit::Io
     })?;
     let port = server.server_addr().to_ip().map_or(a.port, |address| address.port());
@@ -33,7 +33,7 @@ pub fn view(a: &ViewArguments) -> Result<Exit, Exit> {
     let server = Arc::new(server);
     let over = end_at_signals(&server);
     output::data(&format!("{}\n", access.url()))?;
-    output::talk("the page is at this address until you press Ctrl-C here");
+    output::talk("open this address in a browser on this machine; press Ctrl-C here to stop");
     if a.open {
         open(&access.url());
     }
@@ -47,9 +47,9 @@ fn failed(why: String) -> Exit {
     Exit::Io
 }
 
-/// The cell of a result with the ranges that were searched, so that it can be searched again.
+/// Returns the cell of a result with the ranges that were searched, so that it can be searched again.
 fn searched(cell: Cell, sources: &[PathBuf], packages: &Packages) -> Cell {
-    // best.toml comes first, then the cell file that it is from.
+    // The first source is best.toml, the second the cell file that it is made from.
     let wide = sources.get(1).and_then(|file| loading::read_cell(file, packages).ok());
     match wide {
         Some(wide) => widened(cell, &wide.cell),
@@ -57,7 +57,7 @@ fn searched(cell: Cell, sources: &[PathBuf], packages: &Packages) -> Cell {
     }
 }
 
-/// Raised at Ctrl-C or SIGTERM; the server then stops waiting.
+/// Returns a flag that Ctrl-C or SIGTERM raises; the server then stops waiting.
 fn end_at_signals(server: &Arc<Server>) -> Arc<AtomicBool> {
     let over = Arc::new(AtomicBool::new(false));
     let (asked, server) = (over.clone(), server.clone());
@@ -68,7 +68,7 @@ fn end_at_signals(server: &Arc<Server>) -> Arc<AtomicBool> {
     over
 }
 
-/// Asks the desktop to open the page; without one the address is there to be copied.
+/// Asks the desktop to open the page.
 fn open(url: &str) {
     let mut command = if cfg!(target_os = "macos") {
         Command::new("open")
@@ -81,6 +81,6 @@ fn open(url: &str) {
     };
     let spawned = command.arg(url).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).spawn();
     if spawned.is_err() {
-        output::talk("note: no browser could be opened: copy the address");
+        output::talk("note: no browser could be started: copy the address into one");
     }
 }

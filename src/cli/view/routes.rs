@@ -1,6 +1,6 @@
 //! Routes of the local server: what each path answers.
 
-use super::View;
+use super::LiveView;
 use super::access_control;
 use super::access_control::{AccessControl, HttpResponse};
 use super::locked;
@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 use tiny_http::{Method, Request};
 
 /// Answers one request.
-pub fn answer(view: &View, access: &AccessControl, mut request: Request) {
+pub fn answer(view: &LiveView, access: &AccessControl, mut request: Request) {
     let (answer, is_read) = match access.admit(&request) {
         Err(refusal) => (refusal, false),
         Ok(inside) if *request.method() == Method::Get => (got(view, &inside), true),
@@ -27,7 +27,7 @@ pub fn answer(view: &View, access: &AccessControl, mut request: Request) {
     access_control::send(request, &answer, is_read);
 }
 
-fn got(view: &View, inside: &str) -> HttpResponse {
+fn got(view: &LiveView, inside: &str) -> HttpResponse {
     let document = match inside {
         "" => return page(),
         "state" => view.state(),
@@ -58,7 +58,7 @@ fn said(document: Result<Value, String>) -> HttpResponse {
     }
 }
 
-fn posted(view: &View, inside: &str, body: &[u8]) -> HttpResponse {
+fn posted(view: &LiveView, inside: &str, body: &[u8]) -> HttpResponse {
     let asked: Value = match serde_json::from_slice(body) {
         Ok(asked) => asked,
         Err(e) => return HttpResponse::refused(400, &format!("the request is not JSON: {e}")),
@@ -91,7 +91,7 @@ fn posted(view: &View, inside: &str, body: &[u8]) -> HttpResponse {
     }
 }
 
-fn save(view: &View, asked: &Value) -> HttpResponse {
+fn save(view: &LiveView, asked: &Value) -> HttpResponse {
     let Some(name) = asked.get("name").and_then(Value::as_str) else {
         return HttpResponse::refused(400, "`name` must be a string");
     };
