@@ -5,7 +5,7 @@
 
 use super::arguments::{SweepArguments, common_settings};
 use super::loading;
-use super::loading::{Kept, sha256};
+use super::loading::{FileSnapshot, sha256};
 use super::output::path_word;
 use super::packages::Packages;
 use super::results::pretty;
@@ -83,7 +83,7 @@ impl Plan {
     }
 
     /// The cell of a combination.
-    pub fn load(&self, index: usize, kept: &Kept) -> Result<Loaded, Vec<Fault>> {
+    pub fn load(&self, index: usize, kept: &FileSnapshot) -> Result<Loaded, Vec<Fault>> {
         let packages = Packages { folders: self.packages.clone() };
         let mut settings = self.settings(index);
         settings.extend(common_settings(self.seed, self.budget, self.solver.as_ref()));

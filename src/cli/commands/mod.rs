@@ -1,4 +1,4 @@
-//! One function per command: read, ask the library, print, suggest the next.
+//! One function per command: it reads, asks the library, prints, and suggests the next command.
 
 mod check;
 mod export;
@@ -14,6 +14,10 @@ mod robust;
 mod schema;
 mod search;
 mod sweep;
+#[cfg(feature = "view")]
+mod view;
+#[cfg(not(feature = "view"))]
+#[path = "without_view.rs"]
 mod view;
 
 pub use check::check;

@@ -4,7 +4,7 @@ use super::values::LayoutValues;
 use crate::cell::Cell;
 use crate::cli::packages::Packages;
 use crate::cli::loading;
-use crate::cli::loading::Kept;
+use crate::cli::loading::FileSnapshot;
 use crate::files::shown;
 use crate::report;
 use std::path::{Path, PathBuf};
@@ -103,7 +103,7 @@ impl Origin {
 
     /// Validates the text before it is written, so that every saved file is a valid cell.
     fn check(&self, path: &Path, name: &str, text: &str) -> Result<(), Unsaved> {
-        let kept = Kept::with(name, text.as_bytes());
+        let kept = FileSnapshot::with(name, text.as_bytes());
         match loading::read_cell_with(path, &self.packages, &[], &kept) {
             Ok(_) => Ok(()),
             Err(faults) => {
