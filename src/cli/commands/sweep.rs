@@ -2,10 +2,10 @@
 
 use super::{UNSOLVED, stem, suggest};
 use crate::assess::Assessment;
+use crate::cli::arguments::SweepArguments;
 use crate::cli::loading::FileSnapshot;
 use crate::cli::output::path_word;
 use crate::cli::results::{INPUTS, keep_inputs, line, portable, pretty};
-use crate::cli::arguments::SweepArguments;
 use crate::cli::sweep::{Plan, number, open, row};
 use crate::cli::{Exit, cache, loading, output};
 use crate::files::{Fault, Source, shown};

@@ -1,7 +1,7 @@
 //! Layouts side by side.
 
 use super::table::TextTable;
-use super::{STATUSES, ALWAYS_COUNTED, fixed, mm, mm1, percent1, value_word};
+use super::{ALWAYS_COUNTED, STATUSES, fixed, mm, mm1, percent1, value_word};
 use crate::assess::{Assessment, Comparison, Requirement};
 use crate::cell::{Coordinate, Slot, Unit};
 use crate::layout::Refined;

@@ -19,8 +19,10 @@ pub fn robots(all: &[(&str, Robot, &str)]) -> String {
         let sets = robot.errors.len().to_string();
         table.row([stem.to_string(), shown(&robot.name), family.to_string(), axes, reach, sets]);
     }
-    let mut out =
-        format!("{}reach: largest distance from the base axis with any tool orientation\n\nsources\n", table.render());
+    let mut out = format!(
+        "{}reach: largest distance from the base axis with any tool orientation\n\nsources\n",
+        table.render()
+    );
     for (stem, robot, _) in all {
         let _ = writeln!(out, "  {stem}: {}", first_line(robot));
     }
@@ -160,13 +162,20 @@ pub fn envelope(envelope: &Reachable<'_>) -> String {
     let _ = write!(out, "{}", table.render());
     let share = percent_from_share(size_of.error / size_of.volume.max(f64::MIN_POSITIVE));
     let _ = writeln!(out, "size: {}", size(size_of));
-    let how = if size_of.symmetric { "computed from the section by symmetry about the base axis" } else { "sampled in x, y and z" };
+    let how = if size_of.symmetric {
+        "computed from the section by symmetry about the base axis"
+    } else {
+        "sampled in x, y and z"
+    };
     let _ = writeln!(
         out,
         "{how}; +- is the change from twice the step ({share:.1} %); step {} mm: narrower gaps may be missed",
         mm(envelope.step)
     );
-    let _ = writeln!(out, "in the base frame of the robot; joint limits are respected, collisions are not checked");
+    let _ = writeln!(
+        out,
+        "in the base frame of the robot; joint limits are respected, collisions are not checked"
+    );
     out
 }
 

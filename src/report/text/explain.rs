@@ -186,8 +186,12 @@ fn models(e: &Explanation<'_>) -> String {
     let guard = percent(e.stance.cell.guard);
     let _ = match e.trusted() {
         true if e.off() == 0.0 => writeln!(out, "  the {model} model is exact"),
-        true => writeln!(out, "  the {model} model can be trusted here: its error is within the guard of {guard}"),
-        false => writeln!(out, "  do NOT trust the {model} model here: its error exceeds the guard of {guard}"),
+        true => {
+            writeln!(out, "  the {model} model can be trusted here: its error is within the guard of {guard}")
+        }
+        false => {
+            writeln!(out, "  do NOT trust the {model} model here: its error exceeds the guard of {guard}")
+        }
     };
     if e.takes_off() {
         let _ = writeln!(out, "  subtracted: {}", taken_words(e));

@@ -34,7 +34,10 @@ pub fn front(cell: &Cell, record: &SearchRecord) -> String {
     for (k, alternative) in record.alternatives.iter().take(MAX_ROWS_SHOWN).enumerate() {
         table.row([(k + 1).to_string()].into_iter().chain(cells(cell, &alternative.goals)));
     }
-    let more =
-        if count > MAX_ROWS_SHOWN { format!("and {} more: see front.csv\n", count - MAX_ROWS_SHOWN) } else { String::new() };
+    let more = if count > MAX_ROWS_SHOWN {
+        format!("and {} more: see front.csv\n", count - MAX_ROWS_SHOWN)
+    } else {
+        String::new()
+    };
     format!("{}:\n{}{more}", goals::in_words(&cell.search.pareto, record), table.render())
 }

@@ -345,7 +345,11 @@ fn a_printed_explanation_has_every_step() {
         assert!(ran.out.contains(step), "{step}: {}", ran.out);
     }
     assert!(ran.out.contains("turn about x of frame 1") && ran.out.contains("slide along z of frame 0"));
-    assert!(ran.err.contains("note: showing assembly; choose another with --operation: picking"), "{}", ran.err);
+    assert!(
+        ran.err.contains("note: showing assembly; choose another with --operation: picking"),
+        "{}",
+        ran.err
+    );
     assert!(ran.err.contains("next: sweetspot budget"), "{}", ran.err);
     let taken = shop.done(&["explain", CELL, "--registration", "best-fit"]);
     assert!(taken.out.contains("subtracted: the best-fitted base frame"), "{}", taken.out);
