@@ -13,12 +13,12 @@ pub use refine::Refined;
 pub use robust::{Corner, Ended, Largest, Lost, Robustness};
 pub use separate::separated;
 
-use crate::cell::{Cell, Layout, Model, Objective, Quantity, Reading, Unit};
-use crate::clearance::{FloorPlan, Overlap, OwnPair, Placed, Remember, Scene};
+use crate::cell::{Cell, Interpretation, Layout, Objective, QuestionFault, Unit};
+use crate::clearance::{FloorPlan, Overlap, PlacedSolids, Remember, Scene, SelfCollisionPair};
 use crate::error_map::{Mapper, OperationMap, Outcome, PostureRecord, Scratch, Spot, Unjudged};
 use crate::motion::{Blocked, Transfer};
 use crate::reach::Inverse;
-use crate::reading::{Gauge, Situation};
+use crate::reading::{ErrorEvaluator, WorkContext};
 use crate::robot::Frames;
 use std::sync::Arc;
 
@@ -77,7 +77,7 @@ impl Evaluation {
 #[derive(Default)]
 pub struct Workspace {
     overlaps: Vec<Overlap>,
-    placed: Placed,
+    placed: PlacedSolids,
     scratch: Scratch,
 }
 
@@ -103,12 +103,24 @@ impl Workcell {
         Ok(Self { cell, mapper, plan, wide, scene })
     }
 
-    /// The same cell with its errors modelled and read otherwise; the solids are shared.
+    /// Returns this workcell under another interpretation of its errors; the solids are shared.
     ///
     /// # Errors
-    /// Why the robot cannot be used.
-    pub fn read_otherwise(&self, model: Model, reading: Reading, quantity: Quantity) -> Result<Self, String> {
-        let cell = Cell { model, reading, quantity, ..self.cell.clone() };
+    /// Why the question has no answer, or why the robot cannot be used.
+    pub fn interpreted(&self, interpretation: &Interpretation) -> Result<Self, String> {
+        self.sharing(self.cell.asked(interpretation).map_err(|faults| first_of(&faults))?)
+    }
+
+    /// Returns this workcell under another interpretation, in which each operation is judged alone.
+    ///
+    /// # Errors
+    /// As [`Workcell::interpreted`]; units that cannot be added up are no fault.
+    pub fn interpreted_apart(&self, interpretation: &Interpretation) -> Result<Self, String> {
+        self.sharing(self.cell.asked_apart(interpretation).map_err(|faults| first_of(&faults))?)
+    }
+
+    /// Returns a workcell of the same solids and placements as this one.
+    fn sharing(&self, cell: Cell) -> Result<Self, String> {
         let mapper = Mapper::new(&cell)?;
         Ok(Self { cell, mapper, plan: self.plan.clone(), wide: self.wide.clone(), scene: self.scene.clone() })
     }
@@ -133,8 +145,8 @@ impl Workcell {
     }
 
     /// Every pair of solids of the robot, and why it may touch; none if it is not checked.
-    pub fn own_pairs(&self) -> &[OwnPair] {
-        self.scene.own_pairs()
+    pub fn self_collision_pairs(&self) -> &[SelfCollisionPair] {
+        self.scene.self_collision_pairs()
     }
 
     /// What the weights multiply errors by in the objective: their sum, or the largest of them.
@@ -163,7 +175,7 @@ impl Workcell {
     }
 
     /// How an operation judges postures.
-    pub fn gauge(&self, operation: usize) -> &Gauge {
+    pub fn gauge(&self, operation: usize) -> &ErrorEvaluator {
         self.mapper.gauge(operation)
     }
 
@@ -177,8 +189,8 @@ impl Workcell {
         maps: &[OperationMap],
         operation: usize,
         posture: &PostureRecord,
-    ) -> Result<(Situation, Frames), Unjudged> {
-        let mut placed = Placed::default();
+    ) -> Result<(WorkContext, Frames), Unjudged> {
+        let mut placed = PlacedSolids::default();
         self.scene.place(layout, &mut placed);
         let spots: Vec<_> = maps.iter().map(OperationMap::spot).collect();
         let situation = self.mapper.situation(operation, layout, &self.scene, &placed, &spots)?;
@@ -187,7 +199,7 @@ impl Workcell {
 
     /// The error map of every operation. Nodes on equipment that overlaps something are blocked.
     pub fn maps(&self, layout: &Layout) -> Vec<OperationMap> {
-        let mut placed = Placed::default();
+        let mut placed = PlacedSolids::default();
         self.scene.place(layout, &mut placed);
         let mut overlaps = Vec::new();
         self.plan.overlaps(layout, &mut overlaps);
@@ -244,11 +256,16 @@ pub fn evaluate_in(workcell: &Workcell, layout: &Layout, workspace: &mut Workspa
     Evaluation { overlaps: found.clone(), outcomes, transfers, blocked, objective, cost }
 }
 
+/// Returns the first fault in one line.
+fn first_of(faults: &[QuestionFault]) -> String {
+    faults.first().map_or(String::new(), |fault| format!("{}; {}", fault.message, fault.help))
+}
+
 /// The ways between the operations of a layout without overlaps, or the first that is blocked.
 fn ways(
     mapper: &Mapper,
     overlaps: &[Overlap],
-    (layout, scene, placed): (&Layout, &Scene, &Placed),
+    (layout, scene, placed): (&Layout, &Scene, &PlacedSolids),
     spots: &[Option<Spot>],
 ) -> (Vec<Transfer>, Option<Blocked>) {
     if !overlaps.is_empty() {

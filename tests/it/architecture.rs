@@ -12,6 +12,7 @@ const ORDER: [&str; 20] = [
     "units",
     "geometry",
     "pose",
+    "low_discrepancy",
     "lanes",
     "cell",
     "files",

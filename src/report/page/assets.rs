@@ -28,6 +28,7 @@ const VIEWER_PARTS: &str = concat!(
     include_str!("viewer/viewer.js"),
 );
 
+#[cfg(feature = "view")]
 const LIVE_PARTS: &str = concat!(
     include_str!("live/server.js"),
     include_str!("live/geometry.js"),
@@ -43,7 +44,9 @@ const LIVE_PARTS: &str = concat!(
 
 pub const VIEWER_CSS: &str = include_str!("viewer/viewer.css");
 
+#[cfg(feature = "view")]
 pub const LIVE_HTML: &str = include_str!("live/page.html");
+#[cfg(feature = "view")]
 pub const LIVE_CSS: &str = include_str!("live/page.css");
 
 /// The sections of a page: paragraphs, figures, tables.
@@ -67,6 +70,7 @@ pub fn viewer_js() -> String {
 }
 
 /// Returns the script of the live page. It comes after that of the viewer.
+#[cfg(feature = "view")]
 pub fn live_js() -> String {
     format!("\"use strict\";\n(() => {{\n{LIVE_PARTS}}})();\n")
 }
