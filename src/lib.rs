@@ -51,9 +51,6 @@
 //! | [`report`] | say it | records to JSON, CSV, SVG, TOML, text |
 //! | [`cli`] | edge | arguments, files, progress, exit codes |
 //!
-//! Below them all, [`lanes`] does the same arithmetic for several nodes at once, to rank them: the code for
-//! one node judges.
-//!
 //! `evaluate` takes a [`layout::Workcell`], a cell made ready (chain, inverse kinematics, parry
 //! shapes), and not the bare cell: a search prepares once and asks hundreds of thousands of times.
 //!
@@ -104,7 +101,6 @@ pub mod drawing;
 pub mod error_map;
 pub mod files;
 pub mod kinematic_error;
-pub mod lanes;
 pub mod layout;
 pub mod motion;
 pub mod pose;

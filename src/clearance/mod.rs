@@ -27,5 +27,5 @@ pub use distance::{ACCURACY, Load, Mover, Nearness, Pair};
 pub use hit::{Hit, SolidRef};
 pub use own_pairs::{Allowed, OwnPair};
 pub use plan::{FloorPlan, Overlap, Party, Separation};
-pub use scene::{Placed, Scene};
+pub use scene::{ContactMemory, Placed, Scene};
 pub use spacing::footprint;

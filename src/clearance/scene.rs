@@ -52,9 +52,15 @@ pub struct Placed {
     pub(super) bodies: Vec<PlacedBody>,
     /// What the base itself touches, whatever the arm does.
     pub(super) base_hit: Option<Hit>,
-    /// Link and placed body that touched last: the next posture most likely does, too.
+}
+
+/// Memory that speeds up [`Scene::is_free`] over a series of postures. It changes no verdict, so one memory
+/// serves any layout.
+#[derive(Default)]
+pub struct ContactMemory {
+    /// Link and placed body that touched last: the next posture most likely touches there, too.
     suspect: Option<(usize, usize)>,
-    /// One per link, of the last posture.
+    /// Bounding capsules of the links at the last posture.
     rods: Vec<Rod>,
 }
 
@@ -173,7 +179,7 @@ impl Scene {
         placed.bodies.clear();
         let base = layout.base.pose();
         placed.base = (base != Pose::identity()).then_some(base);
-        (placed.base_hit, placed.suspect) = (None, None);
+        placed.base_hit = None;
         if !self.enabled {
             return;
         }
@@ -204,23 +210,30 @@ impl Scene {
         outside.map(|(_, (hit, _))| hit).or_else(|| self.own_hit(frames, &rods, operation))
     }
 
-    /// Whether [`Self::hit`] finds nothing, asked faster for one posture after another.
-    pub fn is_free(&self, placed: &mut Placed, frames: &Links, operation: Option<usize>) -> bool {
+    /// Returns whether [`Self::hit`] finds no contact; faster for a series of postures.
+    pub fn is_free(
+        &self,
+        placed: &Placed,
+        frames: &Links,
+        operation: Option<usize>,
+        memory: &mut ContactMemory,
+    ) -> bool {
         if !self.enabled || placed.base_hit.is_some() {
             return placed.base_hit.is_none();
         }
-        let Placed { base, bodies, suspect, rods, .. } = placed;
-        let stance = Stance { frames, base: base.as_ref() };
+        let stance = Stance { frames, base: placed.base.as_ref() };
+        let ContactMemory { suspect, rods } = memory;
         if let Some((k, body)) = *suspect
-            && let link = &self.links[k]
+            && let (Some(link), Some(body)) = (self.links.get(k), placed.bodies.get(body))
             && link.is_there(operation)
-            && self.touches(link, &stance.rod(link), stance, &bodies[body])
+            && link.spared != Some(body.id.0)
+            && self.touches(link, &stance.rod(link), stance, body)
         {
             return false;
         }
         rods.clear();
         rods.extend(self.links.iter().map(|l| stance.rod(l)));
-        let outside = self.outside_hit(bodies, stance, rods, operation);
+        let outside = self.outside_hit(&placed.bodies, stance, rods, operation);
         *suspect = outside.and_then(|(k, (_, body))| Some((k, body?)));
         outside.is_none() && self.own_hit(frames, rods, operation).is_none()
     }

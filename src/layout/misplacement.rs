@@ -13,7 +13,7 @@ type Signs = Vec<i8>;
 
 /// Which points of a box.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Points {
+pub enum BoxPoints {
     Corners,
     /// Corners, and the middle of every edge and of every face.
     Surface,
@@ -21,13 +21,13 @@ pub enum Points {
 
 /// What may be misplaced of what an operation depends on: the robot base, its equipment and what that
 /// stands on, and the same of the pick that it is relative to; and the other bodies.
-pub struct Boxes {
+pub struct ToleranceBoxes {
     /// One group for each body.
     pub own: Vec<Moves>,
     pub others: Vec<Moves>,
 }
 
-impl Boxes {
+impl ToleranceBoxes {
     pub fn of(cell: &Cell, operation: usize) -> Self {
         let operation = &cell.operations[operation];
         let pick = operation.relative_to.map(|pick| cell.operations[pick].equipment);
@@ -42,7 +42,7 @@ impl Boxes {
 
     /// The points to look at with the box scaled: those of all bodies of the operation at once, or one by
     /// one if they are many; then those of every other body, which may get in the way.
-    pub fn moves(&self, scale: f64, points: Points) -> Vec<Moves> {
+    pub fn moves(&self, scale: f64, points: BoxPoints) -> Vec<Moves> {
         let own: Moves = self.own.concat();
         let mut all = match own.len() {
             0..=WHOLE => points_of(&own, scale, points),
@@ -59,11 +59,11 @@ impl Boxes {
 }
 
 /// Points of one box; none of a box without dimensions.
-pub fn points_of(axes: &[(Slot, f64)], scale: f64, points: Points) -> Vec<Moves> {
+pub fn points_of(axes: &[(Slot, f64)], scale: f64, points: BoxPoints) -> Vec<Moves> {
     let n = axes.len();
     let wanted = |signs: &Signs| {
         let middles = signs.iter().filter(|s| **s == 0).count();
-        middles < n && (middles == 0 || points == Points::Surface && (middles == 1 || middles == n - 1))
+        middles < n && (middles == 0 || points == BoxPoints::Surface && (middles == 1 || middles == n - 1))
     };
     let patterns = (0..3usize.pow(n as u32))
         .map(|pattern| (0..n).map(|k| [1, -1, 0][pattern / 3usize.pow(k as u32) % 3]).collect::<Signs>());
@@ -78,10 +78,10 @@ pub fn in_plan(cell: &Cell) -> Vec<Moves> {
     let bodies = cell.placement_tolerances();
     let flat: Vec<Moves> =
         bodies.iter().map(|b| b.iter().filter(|(slot, _)| !is_height(*slot)).copied().collect()).collect();
-    let alone = bodies.iter().flat_map(|body| points_of(body, 1.0, Points::Corners));
+    let alone = bodies.iter().flat_map(|body| points_of(body, 1.0, BoxPoints::Corners));
     let pairs = flat.iter().enumerate().flat_map(|(k, a)| flat[k + 1..].iter().map(move |b| (a, b)));
     let both = pairs.filter(|(a, b)| !a.is_empty() && !b.is_empty());
-    alone.chain(both.flat_map(|(a, b)| points_of(&[&a[..], b].concat(), 1.0, Points::Corners))).collect()
+    alone.chain(both.flat_map(|(a, b)| points_of(&[&a[..], b].concat(), 1.0, BoxPoints::Corners))).collect()
 }
 
 fn farthest(r: &Rectangle) -> f64 {

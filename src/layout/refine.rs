@@ -9,10 +9,9 @@
 //! goes on with that. The other operations stay at their nodes:
 //! what is relative to a pick is relative to the pick's node.
 
-use super::Workcell;
+use super::workcell::Workcell;
 use crate::cell::{JointVector, Layout, Place, Rectangle};
-use crate::clearance::Placed;
-use crate::error_map::{Kept, OperationMap, PointSpot, Probe, Status};
+use crate::error_map::{HeldPosture, OperationMap, PointSpot, Probe, Status};
 use nalgebra::Vector3;
 
 /// Nodes from which the search starts, at most.
@@ -57,8 +56,7 @@ impl Refined {
 impl Workcell {
     /// The refined spot of every operation; None of one that has no spot, or none to choose.
     pub fn refined(&self, layout: &Layout, maps: &[OperationMap]) -> Vec<Option<Refined>> {
-        let mut placed = Placed::default();
-        self.scene.place(layout, &mut placed);
+        let placed = self.placed(layout);
         let spots: Vec<_> = maps.iter().map(OperationMap::spot).collect();
         let refine = |map: &OperationMap| {
             let operation = &self.cell.operations[map.operation];
@@ -66,8 +64,7 @@ impl Workcell {
             if operation.over.takes_all() {
                 return None;
             }
-            let station = (&self.mapper, &*self.scene, &placed);
-            let probe = Probe::new(station, map.operation, layout, &spots).ok()?;
+            let probe = Probe::new(&placed, map.operation, &spots).ok()?;
             self.refine(map, probe, area, *divisions)
         };
         maps.iter().map(refine).collect()
@@ -81,14 +78,14 @@ impl Workcell {
         divisions: (usize, usize),
     ) -> Option<Refined> {
         let node = map.spot()?;
-        let node_at = self.mapper.local(map.operation, node.node);
+        let node_at = self.mapper.grid(map.operation).local(node.node);
         let spacing = (area.size.0 / divisions.0 as f64, area.size.1 / divisions.1 as f64);
         // What is left at a point that was touched is nothing by the rule of its frame, and little beside
         // it: that says nothing of the surface.
         let apart = probe.from_touched(node_at).min(spacing.0.min(spacing.1)) - FINEST;
         let mut best = PointSpot { at: node_at, branch: node.branch, value: node.value };
         for start in starts(map) {
-            let at = self.mapper.local(map.operation, start);
+            let at = self.mapper.grid(map.operation).local(start);
             let Ok(mut from) = probe.best(at) else { continue };
             let step = spacing.0.max(spacing.1) / 2.0;
             for _ in 0..POSTURES {
@@ -96,8 +93,9 @@ impl Workcell {
                 let branch = from.branch;
                 let found = descend(from, area, step, |at| {
                     let is_apart = probe.from_touched(at) >= apart;
-                    let value =
-                        is_apart.then(|| probe.keeping(&Kept { at, branch, joints }).ok()).flatten()?;
+                    let value = is_apart
+                        .then(|| probe.holding(&HeldPosture { at, branch, joints }).ok())
+                        .flatten()?;
                     Some(PointSpot { at, branch, value })
                 });
                 if found.value < best.value {

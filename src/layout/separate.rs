@@ -10,7 +10,7 @@
 //! which clarabel solves in some tens of microseconds. The new layout has new best axes, so it is
 //! repeated a few times. Heights and yaws are left alone.
 
-use super::Workcell;
+use super::workcell::Workcell;
 use crate::cell::{Cell, Coordinate, Layout, Slot};
 use crate::clearance::Separation;
 use clarabel::algebra::CscMatrix;

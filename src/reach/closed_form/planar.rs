@@ -51,11 +51,11 @@ struct Roll {
 /// How the tool is held in the plane of the arm: one entry per phi.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Way {
-    pub(in crate::reach) cos_phi: f64,
-    pub(in crate::reach) sin_phi: f64,
+    pub cos_phi: f64,
+    pub sin_phi: f64,
     /// TCP from the wrist, in the plane.
-    pub(in crate::reach) u: f64,
-    pub(in crate::reach) v: f64,
+    pub u: f64,
+    pub v: f64,
     /// Of the elevation; the cosine is negative if the tool points against theta_1.
     cos_elevation: f64,
     sin_elevation: f64,

@@ -16,12 +16,11 @@
 //!   or both turns, at scales that grow by [`STRIDE`] until one fails; then halved between. Something
 //!   that fails between two scales and holds again at the next would be missed.
 
-use super::Workcell;
-use super::misplacement::{Boxes, Moves, Points};
-use super::worst::is_between_solids;
+use super::misplaced_overlaps::is_between_solids;
+use super::misplacement::{BoxPoints, Moves, ToleranceBoxes};
+use super::workcell::Workcell;
 use crate::cell::{Layout, Slot, Unit};
-use crate::clearance::Placed;
-use crate::error_map::{Kept, OperationMap, Probe, Spot, Status};
+use crate::error_map::{HeldPosture, OperationMap, Probe, Spot, Status};
 use crate::units::rad_from_deg;
 
 /// Half the distance of the central differences, m and rad.
@@ -57,7 +56,7 @@ pub struct Lost {
 
 /// Why a misplacement cannot be larger.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Ended {
+pub enum MisplacementEnd {
     Lost(Lost),
     /// It passes the limit.
     Limit(Corner),
@@ -69,7 +68,7 @@ pub struct Largest {
     /// Times the tolerance, m or rad.
     pub most: f64,
     /// What happens beyond; None: nothing, as far as it was looked.
-    pub ended: Option<Ended>,
+    pub ended: Option<MisplacementEnd>,
 }
 
 /// What misplacement does to one operation.
@@ -110,7 +109,7 @@ struct Holding<'a> {
     workcell: &'a Workcell,
     layout: &'a Layout,
     operation: usize,
-    kept: Vec<Kept>,
+    kept: Vec<HeldPosture>,
     /// Of all operations.
     spots: Vec<Option<Spot>>,
     limit: Option<f64>,
@@ -127,8 +126,8 @@ impl Workcell {
             let nodes = map.nodes.iter().enumerate().filter(|(k, _)| all || map.best == Some(*k));
             let kept = nodes.filter_map(|(k, node)| {
                 let posture = node.posture.as_ref()?;
-                let at = self.mapper.local(map.operation, k);
-                Some(Kept { at, branch: posture.branch, joints: posture.joints })
+                let at = self.mapper.grid(map.operation).local(k);
+                Some(HeldPosture { at, branch: posture.branch, joints: posture.joints })
             });
             let limit = operation.limit.filter(|_| self.cell.unit() != Unit::Share);
             let (kept, spots) = (kept.collect(), spots.clone());
@@ -141,10 +140,10 @@ impl Workcell {
 
 impl Holding<'_> {
     fn robustness(&self, value: f64) -> Robustness {
-        let boxes = Boxes::of(&self.workcell.cell, self.operation);
+        let boxes = ToleranceBoxes::of(&self.workcell.cell, self.operation);
         let tolerance: Moves = boxes.own.concat();
         let gradient = self.gradient(&tolerance);
-        let mut corners = boxes.moves(1.0, Points::Corners);
+        let mut corners = boxes.moves(1.0, BoxPoints::Corners);
         let uphill = uphill(&tolerance, &gradient);
         corners.extend((!boxes.is_whole()).then(|| uphill.clone()));
         let (mut worst, mut lost) = (None::<Corner>, Vec::new());
@@ -159,7 +158,7 @@ impl Holding<'_> {
         }
         let scale = (!corners.is_empty()).then(|| {
             largest(SCALES, |scale| {
-                let mut moves = boxes.moves(scale, Points::Surface);
+                let mut moves = boxes.moves(scale, BoxPoints::Surface);
                 let scaled = uphill.iter().map(|(slot, by)| (*slot, scale * by)).collect();
                 moves.extend((!boxes.is_whole()).then_some(scaled));
                 self.first_end(&moves)
@@ -192,13 +191,13 @@ impl Holding<'_> {
     }
 
     /// The first misplacement that loses the posture or passes the limit.
-    fn first_end(&self, all: &[Moves]) -> Option<Ended> {
+    fn first_end(&self, all: &[Moves]) -> Option<MisplacementEnd> {
         all.iter().find_map(|moves| match self.value(moves) {
-            Err(status) => Some(Ended::Lost(Lost { moves: moves.clone(), status })),
+            Err(status) => Some(MisplacementEnd::Lost(Lost { moves: moves.clone(), status })),
             Ok(value) => self
                 .limit
                 .filter(|limit| value > *limit)
-                .map(|_| Ended::Limit(Corner { moves: moves.clone(), value })),
+                .map(|_| MisplacementEnd::Limit(Corner { moves: moves.clone(), value })),
         })
     }
 
@@ -210,21 +209,18 @@ impl Holding<'_> {
         if let Some(overlap) = overlaps.into_iter().find(is_between_solids) {
             return Err(Status::Overlap(overlap));
         }
-        self.asked(&layout, |probe, kept| probe.keeping(kept))
+        self.asked(&layout, |probe, kept| probe.holding(kept))
     }
 
     fn asked(
         &self,
         layout: &Layout,
-        mut ask: impl FnMut(&mut Probe<'_>, &Kept) -> Result<f64, Status>,
+        mut ask: impl FnMut(&mut Probe<'_>, &HeldPosture) -> Result<f64, Status>,
     ) -> Result<f64, Status> {
-        let Workcell { cell, mapper, scene, .. } = self.workcell;
-        let mut placed = Placed::default();
-        scene.place(layout, &mut placed);
-        let probe = Probe::new((mapper, scene, &placed), self.operation, layout, &self.spots);
-        let mut probe = probe.map_err(Status::Unjudged)?;
+        let placed = self.workcell.placed(layout);
+        let mut probe = Probe::new(&placed, self.operation, &self.spots).map_err(Status::Unjudged)?;
         let values: Result<Vec<f64>, Status> = self.kept.iter().map(|kept| ask(&mut probe, kept)).collect();
-        Ok(cell.operations[self.operation].over.of(&mut values?))
+        Ok(self.workcell.cell.operations[self.operation].over.of(&mut values?))
     }
 
     fn gradient(&self, tolerance: &[(Slot, f64)]) -> Vec<(Slot, Option<f64>)> {
@@ -250,7 +246,7 @@ fn uphill(tolerance: &[(Slot, f64)], gradient: &[(Slot, Option<f64>)]) -> Moves 
 }
 
 /// The largest scale that nothing ends; from `far` on it is not looked.
-fn largest(far: f64, ends: impl Fn(f64) -> Option<Ended>) -> Largest {
+fn largest(far: f64, ends: impl Fn(f64) -> Option<MisplacementEnd>) -> Largest {
     if let Some(ended) = ends(0.0) {
         return Largest { most: 0.0, ended: Some(ended) };
     }

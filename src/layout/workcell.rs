@@ -1,0 +1,92 @@
+//! A cell prepared for evaluation: chain, inverse kinematics, errors, solids.
+
+use super::misplacement;
+use crate::cell::{Cell, Layout, Model, Quantity, Reading};
+use crate::clearance::{FloorPlan, OwnPair, Remember, Scene};
+use crate::error_map::{Mapper, PlacedLayout};
+use crate::reach::Inverse;
+use crate::reading::Gauge;
+use std::sync::Arc;
+
+/// A cell prepared for evaluation: chain, inverse kinematics, errors, solids.
+pub struct Workcell {
+    pub cell: Cell,
+    pub(super) mapper: Mapper,
+    pub(super) plan: Arc<FloorPlan>,
+    /// Floor plan with the largest misplacement as extra clearance: a layout without overlap here has none
+    /// wherever it is misplaced. Only a robust search has one.
+    pub(super) wide: Option<Arc<FloorPlan>>,
+}
+
+impl Workcell {
+    /// Prepares a cell.
+    ///
+    /// # Errors
+    /// The robot cannot do what the cell asks of it.
+    pub fn new(cell: Cell) -> Result<Self, String> {
+        Self::remembering(cell, &mut |_, compute| compute())
+    }
+
+    /// Prepares a cell with a cache for the convex decomposition of link meshes.
+    ///
+    /// # Errors
+    /// The robot cannot do what the cell asks of it.
+    pub fn remembering(cell: Cell, remember: &mut Remember<'_>) -> Result<Self, String> {
+        let mapper = Mapper::new(&cell, Arc::new(Scene::remembering(&cell, remember)))?;
+        let plan = Arc::new(FloorPlan::new(&cell));
+        let wide = cell.search.robust.then(|| {
+            let clearance = cell.clearance + misplacement::slack(&cell);
+            Arc::new(FloorPlan::new(&Cell { clearance, ..cell.clone() }))
+        });
+        Ok(Self { cell, mapper, plan, wide })
+    }
+
+    /// Prepares the same cell with another error model and reading; the solids are shared.
+    ///
+    /// # Errors
+    /// The robot cannot do what the cell asks of it.
+    pub fn read_otherwise(&self, model: Model, reading: Reading, quantity: Quantity) -> Result<Self, String> {
+        let cell = Cell { model, reading, quantity, ..self.cell.clone() };
+        let mapper = Mapper::new(&cell, self.mapper.scene().clone())?;
+        Ok(Self { cell, mapper, plan: self.plan.clone(), wide: self.wide.clone() })
+    }
+
+    /// Turns the ranking of nodes off: every node is judged, which is slower and gives the same bits.
+    #[must_use]
+    pub fn unranked(mut self) -> Self {
+        self.mapper.forget_ranks();
+        self
+    }
+
+    /// Limits the maps to the own sense of each operation, which is several times faster.
+    #[must_use]
+    pub fn in_own_senses(mut self) -> Self {
+        self.mapper.report_own_senses();
+        self
+    }
+
+    /// Returns whether the nodes of every operation are ranked before they are judged.
+    pub fn is_ranked(&self) -> bool {
+        self.mapper.is_ranked()
+    }
+
+    /// Returns every pair of robot solids, and why it may touch; none if self-collision is not checked.
+    pub fn own_pairs(&self) -> &[OwnPair] {
+        self.mapper.scene().own_pairs()
+    }
+
+    /// Returns the inverse kinematics of the arm.
+    pub fn inverse(&self) -> &Inverse {
+        self.mapper.inverse()
+    }
+
+    /// Returns the error evaluator of an operation.
+    pub fn gauge(&self, operation: usize) -> &Gauge {
+        self.mapper.gauge(operation)
+    }
+
+    /// Poses the solids of a layout.
+    pub(super) fn placed<'a>(&'a self, layout: &'a Layout) -> PlacedLayout<'a> {
+        PlacedLayout::new(&self.mapper, layout)
+    }
+}
