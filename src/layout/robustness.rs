@@ -1,20 +1,19 @@
-//! What misplacement does to a layout: equipment is never placed exactly.
+//! Tolerance analysis of a layout: what misplaced equipment does to every operation.
 //!
-//! For each operation the point of the surface and the posture's branch are kept, while the robot base,
-//! the equipment that carries it, what that stands on, and those of the pick it is relative to move inside
-//! their placement tolerances. What the program does not know of the place is no matter of this: that
-//! belongs to the `errors` of the equipment. So misplacement counts through the posture, in every
-//! registration; of taught frames the touching postures move, too.
+//! The point of the surface and the branch of the posture are held. The bodies that move inside their
+//! placement tolerances are the robot base, the equipment that carries the point, what that stands on, and
+//! the same of the pick that the operation is relative to. The controller knows where they are: errors that
+//! it does not know are the `errors` of the equipment. So misplacement acts through the posture, in every
+//! registration. For a taught frame the touching postures move, too.
 //!
-//! - The worst corner: all corners of the box of up to 8 dimensions; of a larger one the corners of each
-//!   body's own box with the others as drawn, and the corner that is worst to first order. A corner at
-//!   which the posture is lost, collides, or equipment overlaps says so. So does one of another body that
-//!   gets in the way.
-//! - The gradient, by central differences.
-//! - The largest misplacement that keeps value and limit: a share of the box, a distance in plan and a yaw.
-//!   Checked are all corners and the middles of all edges and faces of the box, or 16 directions in plan,
-//!   or both turns, at scales that grow by [`STRIDE`] until one fails; then halved between. Something
-//!   that fails between two scales and holds again at the next would be missed.
+//! - Worst corner: all corners of the box of tolerances, up to 8 dimensions. For a larger box the corners of
+//!   each body with the others as drawn, and the corner that is worst to first order. A corner that loses the
+//!   posture, collides or makes floor spaces overlap says so, also for another body that gets in the way.
+//! - Gradient: central differences.
+//! - Largest misplacement that keeps value and limit: a share of the box, a distance in plan and a yaw.
+//!   Checked are the corners and the middles of all edges and faces of the box, or 16 directions in plan, or
+//!   both turns. The scale grows by [`STRIDE`] until a check fails, then bisection follows. A failure between
+//!   two scales that is over at the next one is missed.
 
 use super::misplaced_overlaps::is_between_solids;
 use super::misplacement::{BoxPoints, Moves, ToleranceBoxes};
@@ -23,122 +22,124 @@ use crate::cell::{Layout, Slot, Unit};
 use crate::error_map::{HeldPosture, OperationMap, Probe, Spot, Status};
 use crate::units::rad_from_deg;
 
-/// Half the distance of the central differences, m and rad.
-const STEP: f64 = 1e-4;
-/// How far it is looked: times the tolerance, m, degrees.
-const SCALES: f64 = 100.0;
-const FAR: f64 = 0.25;
-const TURN: f64 = 30.0;
-/// From one scale to the next, and the number of scales: the first is 1/7500 of the last.
+/// Half the step of the central differences, m and rad.
+const HALF_STEP: f64 = 1e-4;
+/// Largest multiple of the box that is checked.
+const MAX_SCALE: f64 = 100.0;
+/// Largest displacement in plan that is checked, m.
+const MAX_SHIFT: f64 = 0.25;
+/// Largest yaw that is checked, degrees.
+const MAX_TURN_DEG: f64 = 30.0;
+/// Ratio of one scale to the one before it.
 const STRIDE: f64 = 1.6;
-const STRIDES: i32 = 19;
-/// Halvings between the last scale that holds and the first that does not.
-const HALVINGS: usize = 26;
-/// Directions of a displacement in plan.
+/// Number of steps from the first scale to the last: the first is 1/7500 of the last.
+const SCALE_STEPS: i32 = 19;
+/// Bisection steps between the last scale that holds and the first that fails.
+const BISECTIONS: usize = 26;
+/// Number of directions of a displacement in plan.
 const DIRECTIONS: usize = 16;
-/// Of what was found in these directions so much is sure: between two of them a straight edge of what is
-/// allowed comes nearer by the cosine of half their angle.
-const BETWEEN: f64 = 0.98; // cos(11.25 deg) = 0.9808
+/// Share of the displacement found that holds in every direction: between two checked directions a straight
+/// edge of the allowed region comes nearer by the cosine of half their angle.
+const SURE_SHARE: f64 = 0.98; // cos(11.25 deg) = 0.9808
 
-/// A misplacement and the value there (m, rad or a share).
+/// A misplacement, and the value of the operation there (m, rad or a share).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Corner {
     pub moves: Moves,
     pub value: f64,
 }
 
-/// A misplacement at which the operation cannot go on as it is, and why.
+/// A misplacement at which the held posture cannot be used, and why.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lost {
     pub moves: Moves,
     pub status: Status,
 }
 
-/// Why a misplacement cannot be larger.
+/// Reason why a misplacement cannot be larger.
 #[derive(Debug, Clone, PartialEq)]
 pub enum MisplacementEnd {
     Lost(Lost),
-    /// It passes the limit.
+    /// The value passes the limit of the operation.
     Limit(Corner),
 }
 
 /// The largest misplacement that keeps reach, clearance and limit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Largest {
-    /// Times the tolerance, m or rad.
+    /// Multiple of the tolerance, or m, or rad.
     pub most: f64,
-    /// What happens beyond; None: nothing, as far as it was looked.
+    /// What happens beyond it; None if nothing does up to the largest misplacement checked.
     pub ended: Option<MisplacementEnd>,
 }
 
-/// What misplacement does to one operation.
+/// Tolerance analysis of one operation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Robustness {
-    /// As drawn, m, rad or a share.
+    /// Value as drawn, m, rad or a share.
     pub value: f64,
-    /// The box: what may be misplaced by how much (m, rad); empty: nothing.
+    /// The box of tolerances: what may be misplaced by how much (m, rad); empty if nothing may.
     pub tolerance: Moves,
-    /// Corners looked at.
+    /// Number of corners checked.
     pub corners: usize,
-    /// The corner with the greatest value; None without tolerance, or if all are lost.
+    /// The corner with the greatest value; None without tolerance, or if every corner is lost.
     pub worst: Option<Corner>,
-    /// Corners at which it is lost.
+    /// Corners that lose the posture.
     pub lost: Vec<Lost>,
-    /// Change of the value per m or rad of its equipment and of what else is in the box, joint limits
+    /// Change of the value per m or rad, for the equipment and everything else in the box, joint limits
     /// aside; None at the end of reach.
     pub gradient: Vec<(Slot, Option<f64>)>,
-    /// Of the box; None without tolerance.
+    /// Largest multiple of the box; None without tolerance.
     pub scale: Option<Largest>,
-    /// Of its equipment in plan, m, in the worst direction.
+    /// Largest displacement of the equipment in plan, in the worst direction, m.
     pub shift: Largest,
-    /// Of its equipment about the vertical, rad, the worse way.
+    /// Largest turn of the equipment about the vertical, the worse way, rad.
     pub turn: Largest,
 }
 
 impl Robustness {
-    /// Whether the operation keeps reach, clearance and limit wherever the tolerance lets things stand.
+    /// Returns whether the operation keeps reach, clearance and limit everywhere inside the tolerances.
     pub fn holds(&self) -> bool {
         let scale = self.scale.as_ref().is_none_or(|scale| scale.most >= 1.0);
-        // Without tolerance: as drawn.
+        // Without tolerance only the layout as drawn counts.
         self.lost.is_empty() && scale && self.shift.most > 0.0
     }
 }
 
-/// One operation with what it keeps.
-struct Holding<'a> {
+/// One operation with the postures that it holds while the layout moves.
+struct HeldOperation<'a> {
     workcell: &'a Workcell,
     layout: &'a Layout,
     operation: usize,
-    kept: Vec<HeldPosture>,
-    /// Of all operations.
+    held: Vec<HeldPosture>,
+    /// Spots of all operations.
     spots: Vec<Option<Spot>>,
     limit: Option<f64>,
 }
 
 impl Workcell {
-    /// What misplacement does to every operation; None of one without spot. `maps` are those of the
-    /// layout.
+    /// Analyses every operation of a layout with these maps; None for one without a spot.
     pub fn robustness(&self, layout: &Layout, maps: &[OperationMap]) -> Vec<Option<Robustness>> {
         let spots: Vec<_> = maps.iter().map(OperationMap::spot).collect();
         let all = maps.iter().map(|map| {
             let operation = &self.cell.operations[map.operation];
             let all = operation.over.takes_all();
             let nodes = map.nodes.iter().enumerate().filter(|(k, _)| all || map.best == Some(*k));
-            let kept = nodes.filter_map(|(k, node)| {
+            let held = nodes.filter_map(|(k, node)| {
                 let posture = node.posture.as_ref()?;
                 let at = self.mapper.grid(map.operation).local(k);
                 Some(HeldPosture { at, branch: posture.branch, joints: posture.joints })
             });
             let limit = operation.limit.filter(|_| self.cell.unit() != Unit::Share);
-            let (kept, spots) = (kept.collect(), spots.clone());
-            let holding = Holding { workcell: self, layout, operation: map.operation, kept, spots, limit };
-            map.value.map(|value| holding.robustness(value))
+            let (held, spots) = (held.collect(), spots.clone());
+            let held = HeldOperation { workcell: self, layout, operation: map.operation, held, spots, limit };
+            map.value.map(|value| held.robustness(value))
         });
         all.collect()
     }
 }
 
-impl Holding<'_> {
+impl HeldOperation<'_> {
     fn robustness(&self, value: f64) -> Robustness {
         let boxes = ToleranceBoxes::of(&self.workcell.cell, self.operation);
         let tolerance: Moves = boxes.own.concat();
@@ -157,7 +158,7 @@ impl Holding<'_> {
             }
         }
         let scale = (!corners.is_empty()).then(|| {
-            largest(SCALES, |scale| {
+            largest(MAX_SCALE, |scale| {
                 let mut moves = boxes.moves(scale, BoxPoints::Surface);
                 let scaled = uphill.iter().map(|(slot, by)| (*slot, scale * by)).collect();
                 moves.extend((!boxes.is_whole()).then_some(scaled));
@@ -174,23 +175,23 @@ impl Holding<'_> {
     }
 
     fn shift(&self) -> Largest {
-        let found = largest(FAR, |distance| {
+        let found = largest(MAX_SHIFT, |distance| {
             let moves = (0..DIRECTIONS).map(|k| {
                 let (sin, cos) = (std::f64::consts::TAU * k as f64 / DIRECTIONS as f64).sin_cos();
                 vec![(self.equipment(0), distance * cos), (self.equipment(1), distance * sin)]
             });
             self.first_end(&moves.collect::<Vec<_>>())
         });
-        Largest { most: found.most * BETWEEN, ..found }
+        Largest { most: found.most * SURE_SHARE, ..found }
     }
 
     fn turn(&self) -> Largest {
-        largest(rad_from_deg(TURN), |turn| {
+        largest(rad_from_deg(MAX_TURN_DEG), |turn| {
             self.first_end(&[turn, -turn].map(|turn| vec![(self.equipment(3), turn)]))
         })
     }
 
-    /// The first misplacement that loses the posture or passes the limit.
+    /// Returns the first misplacement that loses the posture or passes the limit.
     fn first_end(&self, all: &[Moves]) -> Option<MisplacementEnd> {
         all.iter().find_map(|moves| match self.value(moves) {
             Err(status) => Some(MisplacementEnd::Lost(Lost { moves: moves.clone(), status })),
@@ -201,7 +202,7 @@ impl Holding<'_> {
         })
     }
 
-    /// The value when misplaced, or why there is none.
+    /// Computes the value at a misplacement, or why there is none.
     fn value(&self, moves: &[(Slot, f64)]) -> Result<f64, Status> {
         let layout = self.workcell.cell.misplaced(self.layout, moves);
         let mut overlaps = Vec::new();
@@ -209,7 +210,7 @@ impl Holding<'_> {
         if let Some(overlap) = overlaps.into_iter().find(is_between_solids) {
             return Err(Status::Overlap(overlap));
         }
-        self.asked(&layout, |probe, kept| probe.holding(kept))
+        self.asked(&layout, |probe, held| probe.holding(held))
     }
 
     fn asked(
@@ -219,7 +220,7 @@ impl Holding<'_> {
     ) -> Result<f64, Status> {
         let placed = self.workcell.placed(layout);
         let mut probe = Probe::new(&placed, self.operation, &self.spots).map_err(Status::Unjudged)?;
-        let values: Result<Vec<f64>, Status> = self.kept.iter().map(|kept| ask(&mut probe, kept)).collect();
+        let values: Result<Vec<f64>, Status> = self.held.iter().map(|held| ask(&mut probe, held)).collect();
         Ok(self.workcell.cell.operations[self.operation].over.of(&mut values?))
     }
 
@@ -227,32 +228,32 @@ impl Holding<'_> {
         let own = (0..4).map(|axis| self.equipment(axis));
         let others = tolerance.iter().map(|(slot, _)| *slot).filter(|slot| !own.clone().any(|o| o == *slot));
         let slope = |slot: Slot| {
-            let [high, low] = [STEP, -STEP].map(|by| {
+            let [high, low] = [HALF_STEP, -HALF_STEP].map(|by| {
                 let layout = self.workcell.cell.misplaced(self.layout, &[(slot, by)]);
-                // A best spot often stands at a limit: that is no matter of the slope.
+                // The best spot is often at a joint limit, which must not stop the slope.
                 let missing = Status::OutOfReach { by: 0.0 };
-                self.asked(&layout, |probe, kept| probe.beyond_limits(kept).ok_or(missing)).ok()
+                self.asked(&layout, |probe, held| probe.beyond_limits(held).ok_or(missing)).ok()
             });
-            Some((high? - low?) / (2.0 * STEP))
+            Some((high? - low?) / (2.0 * HALF_STEP))
         };
         own.clone().chain(others).map(|slot| (slot, slope(slot))).collect()
     }
 }
 
-/// The corner of a box that is worst to first order.
+/// Returns the corner of a box that is worst to first order.
 fn uphill(tolerance: &[(Slot, f64)], gradient: &[(Slot, Option<f64>)]) -> Moves {
     let slope = |slot: Slot| gradient.iter().find(|(s, _)| *s == slot).and_then(|(_, g)| *g).unwrap_or(0.0);
     tolerance.iter().map(|(slot, half)| (*slot, half.copysign(slope(*slot)))).collect()
 }
 
-/// The largest scale that nothing ends; from `far` on it is not looked.
-fn largest(far: f64, ends: impl Fn(f64) -> Option<MisplacementEnd>) -> Largest {
+/// Finds the largest scale up to `max` at which nothing ends.
+fn largest(max: f64, ends: impl Fn(f64) -> Option<MisplacementEnd>) -> Largest {
     if let Some(ended) = ends(0.0) {
         return Largest { most: 0.0, ended: Some(ended) };
     }
     let (mut most, mut first) = (0.0, None);
-    for stride in (0..=STRIDES).rev() {
-        let scale = far / STRIDE.powi(stride);
+    for stride in (0..=SCALE_STEPS).rev() {
+        let scale = max / STRIDE.powi(stride);
         match ends(scale) {
             Some(ended) => {
                 first = Some((scale, ended));
@@ -262,7 +263,7 @@ fn largest(far: f64, ends: impl Fn(f64) -> Option<MisplacementEnd>) -> Largest {
         }
     }
     let Some((mut beyond, mut ended)) = first else { return Largest { most, ended: None } };
-    for _ in 0..HALVINGS {
+    for _ in 0..BISECTIONS {
         let middle = (most + beyond) / 2.0;
         match ends(middle) {
             Some(sooner) => (beyond, ended) = (middle, sooner),
