@@ -50,7 +50,7 @@ pub struct VisitedNode {
     pub node: usize,
     /// TCP target, base frame, m.
     pub target: Vector3<f64>,
-    /// What is missing to reach the node; None if a posture within the joint limits reaches it.
+    /// Gap to the reach of the node; None if a posture within the joint limits reaches it.
     pub missed: Option<Gap>,
 }
 

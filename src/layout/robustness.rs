@@ -22,8 +22,8 @@ use crate::cell::{Layout, Slot, Unit};
 use crate::error_map::{HeldPosture, OperationMap, Probe, Spot, Status};
 use crate::units::rad_from_deg;
 
-/// Half the step of the central differences, m and rad.
-const HALF_STEP: f64 = 1e-4;
+/// Half the distance of the two points of a central difference, m and rad.
+const DIFFERENCE_STEP: f64 = 1e-4;
 /// Largest multiple of the box that is checked.
 const MAX_SCALE: f64 = 100.0;
 /// Largest displacement in plan that is checked, m.
@@ -228,13 +228,13 @@ impl HeldOperation<'_> {
         let own = (0..4).map(|axis| self.equipment(axis));
         let others = tolerance.iter().map(|(slot, _)| *slot).filter(|slot| !own.clone().any(|o| o == *slot));
         let slope = |slot: Slot| {
-            let [high, low] = [HALF_STEP, -HALF_STEP].map(|by| {
+            let [high, low] = [DIFFERENCE_STEP, -DIFFERENCE_STEP].map(|by| {
                 let layout = self.workcell.cell.misplaced(self.layout, &[(slot, by)]);
                 // The best spot is often at a joint limit, which must not stop the slope.
                 let missing = Status::OutOfReach { by: 0.0 };
                 self.asked(&layout, |probe, held| probe.beyond_limits(held).ok_or(missing)).ok()
             });
-            Some((high? - low?) / (2.0 * HALF_STEP))
+            Some((high? - low?) / (2.0 * DIFFERENCE_STEP))
         };
         own.clone().chain(others).map(|slot| (slot, slope(slot))).collect()
     }
