@@ -107,6 +107,7 @@ pub mod error_map;
 pub mod files;
 pub mod kinematic_error;
 pub mod layout;
+pub mod low_discrepancy;
 pub mod motion;
 pub mod pose;
 pub mod proof;

@@ -107,7 +107,7 @@ impl PlacedLayout<'_> {
         if let Some(gap) = nodes.unreached.gap(query.setup.grid.count()) {
             return Err(Outcome::Unreachable { gap });
         }
-        if let Err(why) = query.situation {
+        if let Err(why) = query.context {
             return Err(Outcome::Unjudged(why));
         }
         let mut all = Vec::new();

@@ -8,7 +8,7 @@ use super::outcome::{Outcome, Spot, Unjudged};
 use super::placed_layout::{PlacedLayout, PlacedSurface};
 use super::walk::{OperationQuery, PostureVisitor, VisitedNode};
 use super::workspace::{MapperWorkspace, PostureMemory, WalkMemory};
-use crate::reach::{Approach, Gap};
+use crate::reach::{Gap, ToolAttitudes};
 use std::collections::BinaryHeap;
 
 /// Collects the candidates of all nodes, and the least gap of the nodes that are out of reach.
@@ -42,33 +42,33 @@ impl PlacedLayout<'_> {
         workspace: &mut MapperWorkspace,
     ) -> Outcome {
         let surface = self.surface(operation);
-        if let Some(gap) = self.beyond_reach(&surface, &mut workspace.approach) {
+        if let Some(gap) = self.beyond_reach(&surface, &mut workspace.attitudes) {
             return Outcome::Unreachable { gap };
         }
-        let approach = std::mem::take(&mut workspace.approach);
-        let query = OperationQuery::reusing(self, &surface, spots, approach);
+        let attitudes = std::mem::take(&mut workspace.attitudes);
+        let query = OperationQuery::reusing(self, &surface, spots, attitudes);
         let mut memory = workspace.of(self.mapper, operation);
         let outcome = query.ranked(&mut memory).unwrap_or_else(|| query.judged(&mut memory));
-        workspace.approach = query.approach;
+        workspace.attitudes = query.attitudes;
         outcome
     }
 
     /// Returns what is missing if the link lengths alone rule out every node; None otherwise.
     ///
     /// The gap is that of the node nearest to reach, so that it joins the gap of the walk without a step.
-    fn beyond_reach(&self, surface: &PlacedSurface<'_>, approach: &mut Approach) -> Option<Gap> {
+    fn beyond_reach(&self, surface: &PlacedSurface<'_>, attitudes: &mut ToolAttitudes) -> Option<Gap> {
         let shell = self.mapper.shells[surface.operation].as_ref()?;
         let (grid, inverse) = (self.mapper.grid(surface.operation), self.mapper.inverse());
         let range = grid.distances(&surface.at, &shell.centre);
-        if shell.gap(range) == 0.0 {
+        if shell.gap(range.0, range.1) == 0.0 {
             return None;
         }
         let distance = |node: &usize| (self.target(surface, *node) - shell.centre).norm();
         let order = |a: &usize, b: &usize| distance(a).total_cmp(&distance(b));
         let (nodes, is_outside) = (0..grid.count(), range.0 > shell.outer);
         let nearest = if is_outside { nodes.min_by(order) } else { nodes.max_by(order) }?;
-        inverse.set(approach, surface.attitude, surface.at.yaw);
-        Some(inverse.visit(&self.target(surface, nearest), approach, &mut inverse.scratch(), |_, _| ()))
+        inverse.set_attitudes(attitudes, surface.attitude, surface.at.yaw);
+        Some(inverse.visit(&self.target(surface, nearest), attitudes, &mut inverse.scratch(), |_, _| ()))
     }
 }
 
@@ -80,7 +80,7 @@ impl OperationQuery<'_> {
         let mut all = AllCandidates { candidates, is_reached: false, gap: Gap::ALL };
         self.walk(postures, &mut all);
         let AllCandidates { is_reached, gap, .. } = all;
-        match &self.situation {
+        match &self.context {
             _ if !is_reached => return Outcome::Unreachable { gap },
             Err(why) => return Outcome::Unjudged(*why),
             Ok(_) => {}
@@ -95,12 +95,12 @@ impl OperationQuery<'_> {
     /// nodes cannot be ranked or none can be reached.
     fn ranked(&self, memory: &mut WalkMemory<'_>) -> Option<Outcome> {
         let ranker = self.placed.mapper.rankers[self.operation].as_ref()?;
-        let situation = self.situation.as_ref().ok()?;
-        if !ranker.takes(&self.approach) {
+        let context = self.context.as_ref().ok()?;
+        if !ranker.takes(&self.attitudes) {
             return None;
         }
         let WalkMemory { candidates, ranking, postures } = memory;
-        ranker.rank(&self.at, &situation.site.world, &self.approach, ranking);
+        ranker.rank(&self.at, &context.site.world, &self.attitudes, ranking);
         candidates.clear();
         let mut heap = BinaryHeap::from(std::mem::take(*candidates));
         let found = self.first_free(postures, |memory| {

@@ -9,7 +9,7 @@ use super::workspace::PostureMemory;
 use crate::cell::Over;
 use crate::kinematic_error::deviation;
 use crate::pose::Displacement;
-use crate::reading::Situation;
+use crate::reading::WorkContext;
 
 /// Records every node of a walk.
 #[derive(Default)]
@@ -51,7 +51,7 @@ impl PlacedLayout<'_> {
         let values: Vec<_> = nodes.iter().enumerate().filter_map(|(k, n)| Some((k, usable(n)?))).collect();
         let all_usable = nodes.iter().all(|n| n.status == Status::Ok);
         let (best, value) = chosen(query.setup.over, &values, all_usable);
-        OperationMap { operation, senses: query.setup.gauge.reported.clone(), nodes, best, value }
+        OperationMap { operation, senses: query.setup.evaluator.reported.clone(), nodes, best, value }
     }
 }
 
@@ -63,10 +63,10 @@ impl OperationQuery<'_> {
         candidates: &[PostureCandidate],
         memory: &mut PostureMemory,
     ) -> (Status, Option<PostureRecord>) {
-        let situation = match (&self.situation, node.missed) {
+        let context = match (&self.context, node.missed) {
             (_, Some(_)) => return (self.why_unreached(&node.target, |_| true), None),
             (Err(why), None) => return (Status::Unjudged(*why), None),
-            (Ok(situation), None) => situation,
+            (Ok(context), None) => context,
         };
         let mut next = candidates.iter().copied();
         let found = self.first_free(memory, |_| next.next());
@@ -74,21 +74,21 @@ impl OperationQuery<'_> {
             Some(free) => (Status::Ok, Some(free)),
             None => (self.why_none(&node.target, &found, memory), found.nearest),
         };
-        (status, shown.and_then(|candidate| self.record(situation, &candidate, memory)))
+        (status, shown.and_then(|candidate| self.record(context, &candidate, memory)))
     }
 
     /// Records the posture of a candidate with its errors by every model and in every reported sense.
     fn record(
         &self,
-        situation: &Situation,
+        context: &WorkContext,
         candidate: &PostureCandidate,
         memory: &mut PostureMemory,
     ) -> Option<PostureRecord> {
         let (arm, PostureMemory { reading, frames, .. }) = (&self.placed.mapper.arm, memory);
-        let branch = arm.inverse.branch_at(&candidate.target, &self.approach, candidate.spot.branch)?;
+        let branch = arm.inverse.branch_at(&candidate.target, &self.attitudes, candidate.spot.branch)?;
         arm.chain.place(&branch.posture, frames);
-        let judged = self.setup.gauge.judge(situation, frames, reading);
-        let to_world = situation.site.world.transpose();
+        let judged = self.setup.evaluator.judge(context, frames, reading);
+        let to_world = context.site.world.transpose();
         let world = |d: &Displacement| d.turned(&to_world);
         let off = |model: &Displacement| deviation(&judged.nonlinear.position, &model.position);
         let error = world(&judged.error);
@@ -101,7 +101,7 @@ impl OperationQuery<'_> {
             linear: world(&judged.linear).position,
             linear_off: off(&judged.linear),
             second_order_off: off(&judged.second_order),
-            touched: situation.touches(&candidate.target),
+            touched: context.touches(&candidate.target),
             value: judged.value,
             figures: judged.figures,
             success: judged.success,

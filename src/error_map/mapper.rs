@@ -8,7 +8,7 @@ use crate::clearance::Scene;
 use crate::files::shown;
 use crate::motion::Guard;
 use crate::reach::{Cost, Inverse, Shell};
-use crate::reading::Gauge;
+use crate::reading::ErrorEvaluator;
 use crate::robot::{Chain, Frames};
 use std::sync::Arc;
 
@@ -47,7 +47,7 @@ impl Mapper {
         let arm = ArmKinematics { chain, inverse };
         let setups: Vec<_> = cell.operations.iter().map(|o| OperationSetup::new(cell, o)).collect();
         let shells = cell.operations.iter().map(|operation| shell(&arm.inverse, operation)).collect();
-        let rankers = setups.iter().map(|s| Ranker::new(&arm.inverse, &s.gauge, &s.grid)).collect();
+        let rankers = setups.iter().map(|s| Ranker::new(&arm.inverse, &s.evaluator, &s.grid)).collect();
         Ok(Self { arm, scene, setups, guard: Guard::new(cell), rankers, shells })
     }
 
@@ -72,8 +72,8 @@ impl Mapper {
     }
 
     /// Returns the error evaluator of an operation.
-    pub fn gauge(&self, operation: usize) -> &Gauge {
-        &self.setups[operation].gauge
+    pub fn evaluator(&self, operation: usize) -> &ErrorEvaluator {
+        &self.setups[operation].evaluator
     }
 
     /// Returns the nodes of an operation.
@@ -83,7 +83,7 @@ impl Mapper {
 
     /// Limits the maps to the own sense of each operation.
     pub fn report_own_senses(&mut self) {
-        self.setups.iter_mut().for_each(|setup| setup.gauge.report_own_sense());
+        self.setups.iter_mut().for_each(|setup| setup.evaluator.report_own_sense());
     }
 
     /// Turns the ranking of nodes off, so that every node is judged.

@@ -4,7 +4,7 @@ use super::outcome::{Spot, Unjudged};
 use crate::cell::{Cell, JointKind, JointVector, Model, Sense};
 use crate::clearance::{Hit, Overlap};
 use crate::files::shown;
-use crate::motion::Refusal;
+use crate::motion::PostureRefusal;
 use crate::reach::LimitViolation;
 use crate::reading::Figures;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
@@ -39,7 +39,7 @@ pub enum Status {
     },
     /// Every posture within the limits collides or is refused by the rules of motion; this is the refusal of
     /// the least-error one.
-    Refused(Refusal),
+    Refused(PostureRefusal),
     /// The equipment that carries the node overlaps something.
     Overlap(Overlap),
     /// The node can be reached, but its error depends on something that is missing.

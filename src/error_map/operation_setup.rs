@@ -2,7 +2,7 @@
 
 use super::grid::Grid;
 use crate::cell::{Cell, Operation, Over, Registration};
-use crate::reading::Gauge;
+use crate::reading::ErrorEvaluator;
 
 /// Everything about one operation that no layout changes.
 pub struct OperationSetup {
@@ -11,7 +11,7 @@ pub struct OperationSetup {
     pub grid: Grid,
     /// How the values of the nodes make the value of the operation.
     pub over: Over,
-    pub gauge: Gauge,
+    pub evaluator: ErrorEvaluator,
     /// Index of the pick that this operation places relative to.
     pub relative_to: Option<usize>,
     pub teach: TeachPoints,
@@ -39,7 +39,7 @@ impl OperationSetup {
         Self {
             equipment: operation.equipment,
             over: operation.over,
-            gauge: Gauge::new(cell, operation),
+            evaluator: ErrorEvaluator::new(cell, operation),
             relative_to: operation.relative_to,
             grid,
             teach,

@@ -1,6 +1,6 @@
 //! The result of one operation in one layout: its spot, or why it has none.
 
-use crate::motion::Refusal;
+use crate::motion::PostureRefusal;
 use crate::reach::Gap;
 
 /// The node and posture chosen for an operation.
@@ -26,7 +26,7 @@ pub enum Outcome {
     /// the reason.
     Refused {
         nearest: Spot,
-        refusal: Refusal,
+        refusal: PostureRefusal,
     },
     /// No node has a posture within the joint limits.
     Unreachable {

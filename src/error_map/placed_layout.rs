@@ -3,9 +3,9 @@
 use super::mapper::Mapper;
 use super::outcome::Spot;
 use crate::cell::{Attitude, JointVector, Layout, Placement};
-use crate::clearance::Placed;
-use crate::motion::Stance;
-use crate::reach::Approach;
+use crate::clearance::PlacedSolids;
+use crate::motion::OperationPosture;
+use crate::reach::ToolAttitudes;
 use nalgebra::{Matrix3, Vector3};
 
 /// A layout of a cell with its solids posed.
@@ -14,7 +14,7 @@ use nalgebra::{Matrix3, Vector3};
 pub struct PlacedLayout<'a> {
     pub(super) mapper: &'a Mapper,
     pub(super) layout: &'a Layout,
-    pub(super) solids: Placed,
+    pub(super) solids: PlacedSolids,
 }
 
 /// The surface of one operation in one layout, robot base frame.
@@ -30,11 +30,11 @@ pub struct PlacedSurface<'a> {
 impl<'a> PlacedLayout<'a> {
     /// Poses the solids of a layout.
     pub fn new(mapper: &'a Mapper, layout: &'a Layout) -> Self {
-        Self::reusing(mapper, layout, Placed::default())
+        Self::reusing(mapper, layout, PlacedSolids::default())
     }
 
     /// Poses the solids of a layout in memory that held those of another.
-    pub fn reusing(mapper: &'a Mapper, layout: &'a Layout, mut solids: Placed) -> Self {
+    pub fn reusing(mapper: &'a Mapper, layout: &'a Layout, mut solids: PlacedSolids) -> Self {
         mapper.scene.place(layout, &mut solids);
         Self { mapper, layout, solids }
     }
@@ -45,7 +45,7 @@ impl<'a> PlacedLayout<'a> {
     }
 
     /// Gives the memory of the solids back for the next layout.
-    pub fn into_solids(self) -> Placed {
+    pub fn into_solids(self) -> PlacedSolids {
         self.solids
     }
 
@@ -58,25 +58,24 @@ impl<'a> PlacedLayout<'a> {
     }
 
     /// Solves the joint coordinates of an operation at its spot.
-    pub fn stance(&self, operation: usize, spot: &Spot) -> Option<Stance> {
+    pub fn operation_posture(&self, operation: usize, spot: &Spot) -> Option<OperationPosture> {
         let surface = self.surface(operation);
-        let (target, approach) = (self.target(&surface, spot.node), self.approach(&surface));
-        let joints = self.mapper.arm.inverse.branch_at(&target, &approach, spot.branch)?.joints;
-        Some(Stance { operation, joints })
+        let (target, attitudes) = (self.target(&surface, spot.node), self.attitudes(&surface));
+        let joints = self.mapper.arm.inverse.branch_at(&target, &attitudes, spot.branch)?.joints;
+        Some(OperationPosture { operation, joints })
     }
 
     /// Measures how far the robot is from everything it must not touch while it works at `joints`, m.
     ///
     /// Distances above `max` count as `max`.
     pub fn distance_at_work(&self, operation: usize, joints: &JointVector, max: f64) -> f64 {
-        let work = (operation, self.mapper.setups[operation].equipment);
-        let frames = self.mapper.frames(joints);
-        self.mapper.scene.distance_at_work(&self.solids, &frames.links, work, max).distance
+        let (frames, equipment) = (self.mapper.frames(joints), self.mapper.setups[operation].equipment);
+        self.mapper.scene.distance_at_work(&self.solids, &frames.links, operation, equipment, max).distance
     }
 
     /// Prepares the attitudes of an operation for its surface.
-    pub(super) fn approach(&self, surface: &PlacedSurface<'_>) -> Approach {
-        self.mapper.arm.inverse.approach(surface.attitude, surface.at.yaw)
+    pub(super) fn attitudes(&self, surface: &PlacedSurface<'_>) -> ToolAttitudes {
+        self.mapper.arm.inverse.tool_attitudes(surface.attitude, surface.at.yaw)
     }
 
     /// Returns the TCP target of a node, base frame, m.

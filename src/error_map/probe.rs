@@ -8,7 +8,7 @@ use super::walk::OperationQuery;
 use super::workspace::PostureMemory;
 use crate::cell::JointVector;
 use crate::reach::{Branch, Cost, Reach};
-use crate::reading::Situation;
+use crate::reading::WorkContext;
 use crate::robot::Posture;
 use nalgebra::Vector3;
 
@@ -50,7 +50,7 @@ impl<'a> Probe<'a> {
         spots: &[Option<Spot>],
     ) -> Result<Self, Unjudged> {
         let query = OperationQuery::new(placed, operation, spots);
-        if let Err(why) = query.situation {
+        if let Err(why) = query.context {
             return Err(why);
         }
         Ok(Self { query, memory: PostureMemory::new(placed.mapper, operation), candidates: Vec::new() })
@@ -66,13 +66,13 @@ impl<'a> Probe<'a> {
         self.query.placed.layout.base.pose().transform(&self.target(at))
     }
 
-    fn situation(&self) -> Result<&Situation, Status> {
-        self.query.situation.as_ref().map_err(|why| Status::Unjudged(*why))
+    fn context(&self) -> Result<&WorkContext, Status> {
+        self.query.context.as_ref().map_err(|why| Status::Unjudged(*why))
     }
 
     /// Returns the distance from the nearest point touched to teach the frame, m; infinite without any.
     pub fn from_touched(&self, at: (f64, f64)) -> f64 {
-        self.situation().map_or(f64::INFINITY, |situation| situation.from_touched(&self.target(at)))
+        self.context().map_or(f64::INFINITY, |context| context.from_touched(&self.target(at)))
     }
 
     /// Finds the least-error usable posture at a point, judged as at a node.
@@ -81,7 +81,7 @@ impl<'a> Probe<'a> {
     /// The point cannot be used; the status says why.
     pub fn best(&mut self, at: (f64, f64)) -> Result<PointSpot, Status> {
         let target = self.target(at);
-        if self.situation()?.touches(&target) {
+        if self.context()?.touches(&target) {
             return Err(Status::Unjudged(Unjudged::OnlyTouched));
         }
         let Self { query, memory, candidates } = self;
@@ -110,7 +110,7 @@ impl<'a> Probe<'a> {
         let inverse = &self.query.placed.mapper.arm.inverse;
         let posture = match inverse.cost() {
             Cost::Numeric => self.branch_near(held).map(|b| b.posture),
-            _ => inverse.usable(&target, &self.query.approach, held.branch),
+            _ => inverse.usable(&target, &self.query.attitudes, held.branch),
         };
         let Some(posture) = posture else {
             return Err(self.query.why_unreached(&target, |branch| branch.index == held.branch));
@@ -131,7 +131,7 @@ impl<'a> Probe<'a> {
     /// Finds the branch of a held posture, inside its joint limits or not.
     fn branch_near(&self, held: &HeldPosture) -> Option<Branch> {
         let inverse = &self.query.placed.mapper.arm.inverse;
-        let Reach::Branches(all) = inverse.branches(&self.target(held.at), &self.query.approach) else {
+        let Reach::Branches(all) = inverse.branches(&self.target(held.at), &self.query.attitudes) else {
             return None;
         };
         match inverse.cost() {
@@ -142,15 +142,15 @@ impl<'a> Probe<'a> {
 
     fn value(&mut self, posture: &Posture) -> Result<f64, Status> {
         let Self { query, memory: PostureMemory { frames, reading, .. }, .. } = self;
-        let situation = query.situation.as_ref().map_err(|why| Status::Unjudged(*why))?;
+        let context = query.context.as_ref().map_err(|why| Status::Unjudged(*why))?;
         query.placed.mapper.arm.chain.place(posture, frames);
-        Ok(query.setup.gauge.value(situation, frames, reading))
+        Ok(query.setup.evaluator.value(context, frames, reading))
     }
 
     /// Solves the joint coordinates of a branch at a point.
     pub fn joints(&self, at: (f64, f64), branch: u32) -> Option<JointVector> {
         let inverse = &self.query.placed.mapper.arm.inverse;
-        let Reach::Branches(all) = inverse.branches(&self.target(at), &self.query.approach) else {
+        let Reach::Branches(all) = inverse.branches(&self.target(at), &self.query.attitudes) else {
             return None;
         };
         all.iter().find(|b| b.index == branch).map(|b| b.joints)

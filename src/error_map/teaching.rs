@@ -4,29 +4,29 @@ use super::operation_setup::TeachPoints;
 use super::outcome::Unjudged;
 use super::placed_layout::{PlacedLayout, PlacedSurface};
 use crate::cell::TEACH_HEIGHT;
-use crate::reading::{Gauge, Site, Taught};
+use crate::reading::{ErrorEvaluator, Taught, WorkFrame};
 use crate::robot::Frames;
 use nalgebra::Vector3;
 
-/// Returns the frame of the work at a surface, taught if the cell asks for it, for the error sources of `gauge`.
+/// Returns the frame of the work at a surface, taught if the cell asks for it, for the error sources of `evaluator`.
 ///
 /// # Errors
 /// The robot cannot touch three points that span the frame.
-pub fn work_site(
+pub fn work_frame(
     placed: &PlacedLayout<'_>,
-    gauge: &Gauge,
+    evaluator: &ErrorEvaluator,
     surface: &PlacedSurface<'_>,
-) -> Result<Site, Unjudged> {
+) -> Result<WorkFrame, Unjudged> {
     let setup = &placed.mapper.setups[surface.operation];
     let taught = match &setup.teach {
         TeachPoints::None => None,
         points => {
             let postures = touching_postures(placed, surface, points).ok_or(Unjudged::NotTaught)?;
             let chain = placed.mapper.chain();
-            Some(Box::new(Taught::new(chain, &gauge.sources, postures, gauge.takes_mean())))
+            Some(Box::new(Taught::new(chain, &evaluator.sources, postures, evaluator.takes_mean())))
         }
     };
-    Ok(Site { equipment: setup.equipment, work: surface.at.pose(), world: surface.world, taught })
+    Ok(WorkFrame { equipment: setup.equipment, work: surface.at.pose(), world: surface.world, taught })
 }
 
 /// Finds the postures that touch the three points. Nodes in one line give way to the widest triangle of all
@@ -37,10 +37,10 @@ fn touching_postures(
     points: &TeachPoints,
 ) -> Option<[Frames; 3]> {
     let (grid, at) = (&placed.mapper.setups[surface.operation].grid, &surface.at);
-    let approach = placed.approach(surface);
+    let attitudes = placed.attitudes(surface);
     let touch = |target: Vector3<f64>| {
         let (arm, scene, mut found) = (&placed.mapper.arm, &placed.mapper.scene, None);
-        arm.inverse.visit(&target, &approach, &mut arm.inverse.scratch(), |_, posture| {
+        arm.inverse.visit(&target, &attitudes, &mut arm.inverse.scratch(), |_, posture| {
             if found.is_none() {
                 let frames = arm.chain.frames(posture);
                 found = scene.hit(&placed.solids, &frames.links, None).is_none().then_some(frames);

@@ -13,9 +13,9 @@ use super::outcome::{Outcome, Spot, Unjudged};
 use super::placed_layout::{PlacedLayout, PlacedSurface};
 use super::workspace::PostureMemory;
 use crate::cell::Placement;
-use crate::motion::Refusal;
-use crate::reach::{Approach, Branch, Gap, Reach};
-use crate::reading::Situation;
+use crate::motion::PostureRefusal;
+use crate::reach::{Branch, Gap, Reach, ToolAttitudes};
+use crate::reading::WorkContext;
 use nalgebra::Vector3;
 
 /// One operation in one placed layout, ready to judge postures.
@@ -26,9 +26,9 @@ pub struct OperationQuery<'a> {
     /// Frame of the equipment in the robot base frame.
     pub at: Placement,
     /// Attitudes of the tool over the surface.
-    pub approach: Approach,
+    pub attitudes: ToolAttitudes,
     /// What the errors depend on besides the posture, or why they cannot be computed.
-    pub situation: Result<Situation, Unjudged>,
+    pub context: Result<WorkContext, Unjudged>,
 }
 
 /// Receives the postures of a walk.
@@ -62,7 +62,7 @@ pub struct FirstFree {
     /// The first candidate of all.
     pub nearest: Option<PostureCandidate>,
     /// The first collision-free candidate that the rules of motion refuse, and why.
-    pub refused: Option<(Spot, Refusal)>,
+    pub refused: Option<(Spot, PostureRefusal)>,
 }
 
 impl PostureVisitor for Vec<PostureCandidate> {
@@ -91,7 +91,7 @@ impl FirstFree {
 impl<'a> OperationQuery<'a> {
     /// Prepares an operation; `spots` are those of the operations before it.
     pub fn new(placed: &'a PlacedLayout<'a>, operation: usize, spots: &[Option<Spot>]) -> Self {
-        Self::reusing(placed, &placed.surface(operation), spots, Approach::default())
+        Self::reusing(placed, &placed.surface(operation), spots, ToolAttitudes::default())
     }
 
     /// Prepares the operation of a surface in memory that held other attitudes.
@@ -99,12 +99,12 @@ impl<'a> OperationQuery<'a> {
         placed: &'a PlacedLayout<'a>,
         surface: &PlacedSurface<'_>,
         spots: &[Option<Spot>],
-        mut approach: Approach,
+        mut attitudes: ToolAttitudes,
     ) -> Self {
         let (mapper, operation, at) = (placed.mapper, surface.operation, surface.at);
-        mapper.arm.inverse.set(&mut approach, surface.attitude, at.yaw);
-        let situation = placed.situation(operation, spots);
-        Self { placed, setup: &mapper.setups[operation], operation, at, approach, situation }
+        mapper.arm.inverse.set_attitudes(&mut attitudes, surface.attitude, at.yaw);
+        let context = placed.work_context(operation, spots);
+        Self { placed, setup: &mapper.setups[operation], operation, at, attitudes, context }
     }
 
     /// Visits every node in its order.
@@ -124,14 +124,14 @@ impl<'a> OperationQuery<'a> {
     ) {
         let arm = &self.placed.mapper.arm;
         let PostureMemory { reading, frames, posture, .. } = memory;
-        let situation = self.situation.as_ref().ok();
-        let situation = situation.filter(|s| V::JUDGES_TOUCHED || !s.touches(&target));
+        let context = self.context.as_ref().ok();
+        let context = context.filter(|s| V::JUDGES_TOUCHED || !s.touches(&target));
         let mut reached = false;
-        let gap = arm.inverse.visit(&target, &self.approach, posture, |branch, posture| {
+        let gap = arm.inverse.visit(&target, &self.attitudes, posture, |branch, posture| {
             reached = true;
-            if let Some(situation) = situation {
+            if let Some(context) = context {
                 arm.chain.place(posture, frames);
-                let value = self.setup.gauge.value(situation, frames, reading);
+                let value = self.setup.evaluator.value(context, frames, reading);
                 visitor.candidate(PostureCandidate { spot: Spot { node, branch, value }, target });
             }
         });
@@ -169,7 +169,7 @@ impl<'a> OperationQuery<'a> {
     fn is_free(&self, candidate: &PostureCandidate, memory: &mut PostureMemory) -> bool {
         let PostureMemory { frames, contacts, .. } = memory;
         let PlacedLayout { mapper, solids, .. } = self.placed;
-        let posture = mapper.arm.inverse.posture(&candidate.target, &self.approach, candidate.spot.branch);
+        let posture = mapper.arm.inverse.posture(&candidate.target, &self.attitudes, candidate.spot.branch);
         posture.is_some_and(|posture| {
             mapper.arm.chain.place(&posture, frames);
             mapper.scene.is_free(solids, &frames.links, Some(self.operation), contacts)
@@ -177,10 +177,10 @@ impl<'a> OperationQuery<'a> {
     }
 
     /// Returns why the rules of motion refuse a collision-free posture; None if they allow it.
-    fn refusal(&self, target: &Vector3<f64>, branch: u32) -> Option<Refusal> {
+    fn refusal(&self, target: &Vector3<f64>, branch: u32) -> Option<PostureRefusal> {
         let PlacedLayout { mapper, solids, .. } = self.placed;
         let guard = mapper.guard.as_ref().filter(|guard| guard.asks_postures(self.operation))?;
-        let joints = mapper.arm.inverse.branch_at(target, &self.approach, branch)?.joints;
+        let joints = mapper.arm.inverse.branch_at(target, &self.attitudes, branch)?.joints;
         guard.admits(&mapper.scene, solids, self.operation, &joints).err()
     }
 
@@ -199,7 +199,7 @@ impl<'a> OperationQuery<'a> {
             if let Some((_, refusal)) = found.refused.filter(|(refused, _)| refused.branch == spot.branch) {
                 return Some(Status::Refused(refusal));
             }
-            let posture = arm.inverse.posture(target, &self.approach, spot.branch)?;
+            let posture = arm.inverse.posture(target, &self.attitudes, spot.branch)?;
             arm.chain.place(&posture, &mut memory.frames);
             self.trouble(target, spot.branch, memory)
         });
@@ -208,7 +208,7 @@ impl<'a> OperationQuery<'a> {
 
     /// Returns why no branch that `counts` keeps the joint limits at a target.
     pub fn why_unreached(&self, target: &Vector3<f64>, counts: impl Fn(&Branch) -> bool) -> Status {
-        match self.placed.mapper.arm.inverse.branches(target, &self.approach) {
+        match self.placed.mapper.arm.inverse.branches(target, &self.attitudes) {
             Reach::OutOfReach { by } => Status::OutOfReach { by },
             Reach::Attitude { by, joint } => Status::Attitude { by, joint },
             Reach::NotConverged { position, angle } => Status::NotConverged { position, angle },

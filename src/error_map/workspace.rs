@@ -1,26 +1,26 @@
-//! Memory that one thread keeps from layout to layout, so that the node loop does not allocate.
+//! EvaluatorScratch that one thread keeps from layout to layout, so that the node loop does not allocate.
 
 use super::candidate::PostureCandidate;
 use super::mapper::Mapper;
 use super::simd::Ranking;
 use crate::clearance::ContactMemory;
-use crate::reach::Approach;
-use crate::reading::Memory;
+use crate::reach::ToolAttitudes;
+use crate::reading::EvaluatorScratch;
 use crate::robot::{Frames, Posture};
 
-/// Memory of the search for spots, kept from layout to layout.
+/// EvaluatorScratch of the search for spots, kept from layout to layout.
 #[derive(Default)]
 pub struct MapperWorkspace {
     pub(super) candidates: Vec<PostureCandidate>,
-    pub(super) approach: Approach,
+    pub(super) attitudes: ToolAttitudes,
     pub(super) ranking: Ranking,
     /// One per operation.
     postures: Vec<PostureMemory>,
 }
 
-/// Memory for judging the postures of one operation.
+/// EvaluatorScratch for judging the postures of one operation.
 pub struct PostureMemory {
-    pub reading: Memory,
+    pub reading: EvaluatorScratch,
     pub frames: Frames,
     pub contacts: ContactMemory,
     /// The posture that inverse kinematics writes to.
@@ -31,7 +31,7 @@ impl PostureMemory {
     /// Creates the memory of one operation.
     pub fn new(mapper: &Mapper, operation: usize) -> Self {
         Self {
-            reading: mapper.gauge(operation).memory(),
+            reading: mapper.evaluator(operation).memory(),
             frames: Frames::default(),
             contacts: ContactMemory::default(),
             posture: mapper.inverse().scratch(),

@@ -5,7 +5,7 @@ use super::objective::combined;
 use super::spot_choice::{SpotQuery, SpotValue};
 use super::workcell::Workcell;
 use crate::cell::{Cell, Layout};
-use crate::clearance::{Overlap, Placed};
+use crate::clearance::{Overlap, PlacedSolids};
 use crate::error_map::{MapperWorkspace, Outcome, PlacedLayout, Spot};
 use crate::motion::{Blocked, Transfer};
 
@@ -48,11 +48,11 @@ impl Evaluation {
     }
 }
 
-/// Memory that one thread reuses from layout to layout.
+/// EvaluatorScratch that one thread reuses from layout to layout.
 #[derive(Default)]
 pub struct Workspace {
     overlaps: Vec<Overlap>,
-    solids: Placed,
+    solids: PlacedSolids,
     mapper: MapperWorkspace,
 }
 

@@ -57,7 +57,7 @@ impl<'a> WorkingPostures<'a> {
         let (placed, mut memory) = (workcell.placed(layout), MapperWorkspace::default());
         let (mut spots, mut postures) = (Vec::new(), Vec::new());
         for (k, spot) in all.iter().enumerate() {
-            let joints = |spot: &Spot| Some(placed.stance(k, spot)?.joints);
+            let joints = |spot: &Spot| Some(placed.operation_posture(k, spot)?.joints);
             spots.push(joints(spot.as_ref()?)?);
             if workcell.cell.operations[k].over.takes_all() {
                 let every = placed.every_free(k, &all, &mut memory).ok()?;

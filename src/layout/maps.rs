@@ -4,7 +4,7 @@ use super::spot_choice::SpotQuery;
 use super::workcell::Workcell;
 use crate::cell::Layout;
 use crate::error_map::{MapperWorkspace, OperationMap, Outcome, PostureRecord, Spot, Unjudged};
-use crate::reading::Situation;
+use crate::reading::WorkContext;
 use crate::robot::Frames;
 
 impl Workcell {
@@ -41,9 +41,9 @@ impl Workcell {
         maps: &[OperationMap],
         operation: usize,
         posture: &PostureRecord,
-    ) -> Result<(Situation, Frames), Unjudged> {
+    ) -> Result<(WorkContext, Frames), Unjudged> {
         let spots: Vec<_> = maps.iter().map(OperationMap::spot).collect();
-        let situation = self.placed(layout).situation(operation, &spots)?;
-        Ok((situation, self.mapper.frames(&posture.joints)))
+        let context = self.placed(layout).work_context(operation, &spots)?;
+        Ok((context, self.mapper.frames(&posture.joints)))
     }
 }

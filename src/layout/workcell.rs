@@ -2,10 +2,10 @@
 
 use super::misplacement;
 use crate::cell::{Cell, Layout, Model, Quantity, Reading};
-use crate::clearance::{FloorPlan, OwnPair, Remember, Scene};
+use crate::clearance::{FloorPlan, Remember, Scene, SelfCollisionPair};
 use crate::error_map::{Mapper, PlacedLayout};
 use crate::reach::Inverse;
-use crate::reading::Gauge;
+use crate::reading::ErrorEvaluator;
 use std::sync::Arc;
 
 /// A cell prepared for evaluation: chain, inverse kinematics, errors, solids.
@@ -71,8 +71,8 @@ impl Workcell {
     }
 
     /// Returns every pair of robot solids, and why it may touch; none if self-collision is not checked.
-    pub fn own_pairs(&self) -> &[OwnPair] {
-        self.mapper.scene().own_pairs()
+    pub fn self_collision_pairs(&self) -> &[SelfCollisionPair] {
+        self.mapper.scene().self_collision_pairs()
     }
 
     /// Returns the inverse kinematics of the arm.
@@ -81,8 +81,8 @@ impl Workcell {
     }
 
     /// Returns the error evaluator of an operation.
-    pub fn gauge(&self, operation: usize) -> &Gauge {
-        self.mapper.gauge(operation)
+    pub fn evaluator(&self, operation: usize) -> &ErrorEvaluator {
+        self.mapper.evaluator(operation)
     }
 
     /// Poses the solids of a layout.

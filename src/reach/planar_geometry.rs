@@ -2,9 +2,9 @@
 
 use super::Inverse;
 use super::closed_form::planar;
-use super::inverse::Approach;
-use super::kernel::Kernel;
 use super::limit_cones::LimitCone;
+use super::solver::Solver;
+use super::tool_attitudes::ToolAttitudes;
 use crate::pose::Pose;
 
 /// Geometry and joint limits of a planar arm with four axes.
@@ -35,7 +35,7 @@ impl Inverse {
     /// Returns the geometry of a planar arm with four axes; None for other arms, and where sines and cosines
     /// do not decide the joint limits.
     pub fn planar_geometry(&self) -> Option<PlanarGeometry> {
-        let Kernel::Planar(arm) = &self.kernel else { return None };
+        let Solver::Planar(arm) = &self.solver else { return None };
         let cones = self.limits.as_ref()?.cones()?.try_into().ok()?;
         let to_zero = self.to_zero;
         let planar::PlanarArm { side, r1, l, lateral, .. } = *arm;
@@ -43,9 +43,9 @@ impl Inverse {
     }
 }
 
-impl Approach {
-    /// Returns whether the attitude asks for something that must be judged posture by posture.
+impl ToolAttitudes {
+    /// Returns whether an attitude asks for something that must be judged posture by posture.
     pub fn is_judged_by_posture(&self) -> bool {
-        self.hold.is_checked(false)
+        self.set.is_checked(false)
     }
 }

@@ -1,4 +1,4 @@
-//! What moves with the robot: tools from files, held parts, link meshes, and the robot against itself.
+//! Tests what moves with the robot: tools from files, held parts, link meshes, and the robot against itself.
 
 use crate::common::{root, shipped};
 use nalgebra::Vector3;
@@ -6,7 +6,7 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
 use sweetspot::cell::{Cell, MAX_JOINTS, Placement, Shape};
-use sweetspot::clearance::{Allowed, ContactMemory, Hit, Placed, Remember, Scene, SolidRef};
+use sweetspot::clearance::{Allowed, ContactMemory, Hit, PlacedSolids, Remember, Scene, SolidRef};
 use sweetspot::files;
 use sweetspot::files::Fault;
 use sweetspot::layout::Workcell;
@@ -15,7 +15,7 @@ use sweetspot::pose::Pose;
 type V = Vector3<f64>;
 type Frames = [Pose; MAX_JOINTS + 1];
 
-/// A cell of files in memory, with the shipped ones beside them.
+/// Loads a cell from files in memory, with the shipped files beside them.
 fn load(files: &[(&str, &str)]) -> Result<Cell, Vec<Fault>> {
     let files: BTreeMap<_, _> = files.iter().copied().collect();
     let loaded = files::load("cell.toml", &mut |path: &str| match files.get(path) {
@@ -35,7 +35,7 @@ fn refused(text: &str) -> Vec<String> {
 
 fn hit(cell: &Cell, frames: &Frames, operation: Option<usize>) -> Option<String> {
     let scene = Scene::new(cell);
-    let mut placed = Placed::default();
+    let mut placed = PlacedSolids::default();
     scene.place(&cell.start(), &mut placed);
     let hit = scene.hit(&placed, frames, operation);
     let mut memory = ContactMemory::default();
@@ -45,7 +45,7 @@ fn hit(cell: &Cell, frames: &Frames, operation: Option<usize>) -> Option<String>
     hit.map(|h| h.in_words(cell))
 }
 
-/// All frames far up and apart but the last.
+/// Returns frames far up and apart, but for the last.
 fn lifted(last: Pose) -> Frames {
     let mut frames: Frames = std::array::from_fn(|k| at(0.0, 0.0, 90.0 + 10.0 * k as f64));
     (frames[0], frames[4]) = (Pose::identity(), last);
@@ -158,7 +158,7 @@ fn a_self_collision_names_both_links_and_can_be_allowed() {
         assert_eq!(hit(&cell, &folded, None), None, "{text}");
         let scene = Scene::new(&cell);
         let pair = (SolidRef::Robot(0), SolidRef::Robot(5));
-        let found = scene.own_pairs().iter().find(|p| (p.a, p.b) == pair);
+        let found = scene.self_collision_pairs().iter().find(|p| (p.a, p.b) == pair);
         assert_eq!(found.and_then(|p| p.allowed), allowed, "{text}");
     }
 }
@@ -175,7 +175,7 @@ fn wrong_lists_of_pairs_are_refused() {
     assert!(said("\"no\"").contains("must be a table"));
 }
 
-/// Solids that are drawn overlapping in every posture are allowed; one that moves away is not.
+/// Links drawn overlapping in every posture are allowed. A link that moves away is not.
 #[test]
 fn links_that_touch_in_every_posture_are_allowed() {
     let mut cell = shipped("hitachi_cell.toml");
@@ -183,14 +183,17 @@ fn links_that_touch_in_every_posture_are_allowed() {
     for (radius, want) in [(3.0, Some(Allowed::AlwaysTouch)), (0.5, None)] {
         cell.robot.solids[0].solid.shape = Shape::Sphere { centre: V::zeros(), radius };
         let scene = Scene::new(&cell);
-        let found = scene.own_pairs().iter().find(|p| (p.a, p.b) == (SolidRef::Robot(0), SolidRef::Robot(4)));
+        let found = scene
+            .self_collision_pairs()
+            .iter()
+            .find(|p| (p.a, p.b) == (SolidRef::Robot(0), SolidRef::Robot(4)));
         assert_eq!(found.unwrap().allowed, want);
     }
 }
 
 // --- link meshes --------------------------------------------------------------------------------
 
-/// An L of two bars, 400 mm long and 100 mm thick, closed; m. Corners of the outline, bottom and top.
+/// Returns a closed L of two bars, 400 mm long and 100 mm thick (m): corners of the outline, bottom and top.
 fn angle_mesh() -> (Vec<V>, Vec<[u32; 3]>) {
     let outline = [(0.0, 0.0), (0.4, 0.0), (0.4, 0.1), (0.1, 0.1), (0.1, 0.4), (0.0, 0.4)];
     let level = |z: f64| outline.map(|(x, y)| V::new(x, y, z));
@@ -205,7 +208,7 @@ fn angle_mesh() -> (Vec<V>, Vec<[u32; 3]>) {
     ([level(0.0), level(0.1)].concat(), triangles)
 }
 
-/// The cell with the angle on its last link, alone, and a ball or box that can be put anywhere.
+/// Returns a cell with the angle alone on its last link, and a ball or box that can be put anywhere.
 fn with_angle(part: &str) -> Cell {
     let text = format!(
         "from = \"hitachi_paper.toml\"\ncollision = true\nfloor_mm = -100000\n[robot]\n\
@@ -221,7 +224,7 @@ fn with_angle(part: &str) -> Cell {
 
 const POINT: &str = "sphere = { centre_mm = [0, 0, 0], radius_mm = 0.001 }";
 
-/// Whether the angle touches the probe at a point of its file.
+/// Says whether the angle touches the probe at a point of its file.
 fn touches(cell: &Cell, point: &V, remember: &mut Remember<'_>) -> bool {
     let Shape::Mesh { pose, .. } = &cell.robot.solids[0].solid.shape else { panic!("no mesh") };
     let frame = Pose::from_translation_rpy(V::new(0.2, -0.1, 0.7), V::new(0.4, -0.5, 0.6));
@@ -229,14 +232,15 @@ fn touches(cell: &Cell, point: &V, remember: &mut Remember<'_>) -> bool {
     let mut layout = cell.start();
     *layout.placements.last_mut().unwrap() = Placement { x: p.x, y: p.y, z: p.z, yaw: 0.0 };
     let scene = Scene::remembering(cell, remember);
-    let mut placed = Placed::default();
+    let mut placed = PlacedSolids::default();
     scene.place(&layout, &mut placed);
     let hit = scene.hit(&placed, &lifted(frame), None);
     assert!(hit.is_none_or(|h| h.solid == SolidRef::Robot(0) && h != Hit { other: SolidRef::Floor, ..h }));
     hit.is_some()
 }
 
-/// Never smaller than the mesh, whatever division was kept; and two bars, not one lump.
+/// The collision shape is never smaller than the mesh, whatever decomposition was cached, and it has two
+/// bars.
 #[test]
 fn a_link_mesh_collides_on_its_whole_surface() {
     let cell = with_angle(POINT);
@@ -272,7 +276,7 @@ fn a_link_mesh_collides_on_its_whole_surface() {
     }
 }
 
-/// A division is asked for once for a mesh, and depends on its content alone.
+/// The decomposition of a mesh is computed once and depends on its content alone.
 #[test]
 fn the_convex_decomposition_is_cached_by_content() {
     let mut cell = with_angle(POINT);

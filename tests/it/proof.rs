@@ -1,7 +1,7 @@
-//! The lower bound of the objective against brute force, known optima, random postures and layouts.
+//! Tests the lower bound of the objective against brute force, known optima, random postures and layouts.
 //!
-//! Brute force and postures come from the inverse kinematics and the gauge, of which the proof uses
-//! neither: it knows axes in space alone.
+//! Brute force and postures use the inverse kinematics and the gauge. The proof uses neither: it only knows
+//! axes in space.
 
 use crate::common::{root, shipped};
 use nalgebra::{Matrix3, Vector3, Vector6};
@@ -16,8 +16,8 @@ use sweetspot::cell::{
 use sweetspot::layout::{Workcell, evaluate};
 use sweetspot::pose::Pose;
 use sweetspot::proof::{Covers, Proof, ProofOptions, Region, WhyNot, prove, tangent};
-use sweetspot::reading::norm::Norm;
-use sweetspot::reading::{Site, Situation};
+use sweetspot::reading::norm::NormDistribution;
+use sweetspot::reading::{WorkContext, WorkFrame};
 use sweetspot::search::{Space, Watch, search};
 use sweetspot::units::{mm_from_m, rad_from_deg};
 
@@ -29,7 +29,7 @@ fn ready(cell: &Cell) -> Workcell {
     Workcell::new(cell.clone()).unwrap()
 }
 
-/// Brute force and search agree on it: tests/it/bound.rs.
+/// Lower bound of hitachi_cell, on which brute force and search agree: tests/it/bound.rs.
 const HITACHI_MM: f64 = 20.429670;
 
 #[test]
@@ -42,18 +42,19 @@ fn the_bound_of_hitachi_cell_closes_its_gap() {
     assert!(boxes < 1000, "{boxes}");
 }
 
-/// The least value of the first operation with the TCP at a radius and height (m) by inverse kinematics.
+/// Returns the least value of the first operation with the TCP at a radius and height (m) by inverse
+/// kinematics.
 fn at(workcell: &Workcell, radius: f64, height: f64) -> f64 {
     let operation = &workcell.cell.operations[0];
     let (inverse, gauge) = (workcell.inverse(), workcell.gauge(0));
-    let site = Site {
+    let site = WorkFrame {
         equipment: operation.equipment,
         work: Pose::identity(),
         world: nalgebra::Matrix3::identity(),
         taught: None,
     };
-    let situation = Situation { site, reference: None };
-    let approach = inverse.approach(&operation.attitude, 0.0);
+    let situation = WorkContext { site, reference: None };
+    let approach = inverse.tool_attitudes(&operation.attitude, 0.0);
     let (mut memory, mut least) = (gauge.memory(), f64::INFINITY);
     inverse.visit(&Vector3::new(radius, 0.0, height), &approach, &mut inverse.scratch(), |_, posture| {
         let value = gauge.value(&situation, &inverse.chain().frames(posture), &mut memory);
@@ -62,7 +63,7 @@ fn at(workcell: &Workcell, radius: f64, height: f64) -> f64 {
     least
 }
 
-/// A scan over radius and height, then finer and finer grids round the best: an upper bound of the least.
+/// Returns an upper bound of the least value by a scan over radius and height, then finer and finer grids.
 fn brute(workcell: &Workcell, (low, high): (f64, f64)) -> f64 {
     let reach = workcell.cell.robot.reach();
     let heights = if high - low < 1e-5 { 1 } else { 61 };
@@ -86,19 +87,19 @@ fn brute(workcell: &Workcell, (low, high): (f64, f64)) -> f64 {
     best.0
 }
 
-/// Whether joint coordinates keep limits, height and elevation and are worth what is said.
+/// Says whether joint coordinates keep limits, height and elevation and have the stated value.
 fn is_allowed(workcell: &Workcell, region: &Region, value: f64, q: &[f64; 8]) -> bool {
     let (gauge, chain) = (workcell.gauge(0), workcell.inverse().chain());
     let frames = chain.frames(&chain.posture(q));
     let elevation = (frames.tcp.rotation * chain.tool_axis).z.asin();
     let (low, high) = region.elevation.unwrap();
-    let site = Site {
+    let site = WorkFrame {
         equipment: region.operation,
         work: Pose::identity(),
         world: nalgebra::Matrix3::identity(),
         taught: None,
     };
-    let again = gauge.value(&Situation { site, reference: None }, &frames, &mut gauge.memory());
+    let again = gauge.value(&WorkContext { site, reference: None }, &frames, &mut gauge.memory());
     let within = |x: f64, (low, high): (f64, f64), by: f64| low - by <= x && x <= high + by;
     chain.links.iter().zip(q).all(|(link, q)| within(*q, link.limits, 3e-6))
         && within(frames.tcp.translation.z, region.height, 1e-8)
@@ -106,7 +107,7 @@ fn is_allowed(workcell: &Workcell, region: &Region, value: f64, q: &[f64; 8]) ->
         && (again - value).abs() < 1e-12
 }
 
-/// Arms of random lengths, offsets, errors, limits, bends, heights, senses and models.
+/// Arms have random lengths, offsets, errors, limits, bends, heights, senses and models.
 #[test]
 fn the_bound_of_random_planar_arms_agrees_with_brute_force() {
     let mut rng = ChaCha8Rng::seed_from_u64(7);
@@ -178,7 +179,7 @@ fn the_bound_of_random_planar_arms_agrees_with_brute_force() {
     assert!(reachable >= 20 && closed == reachable, "{closed} of {reachable} are closed");
 }
 
-/// Random postures that an operation could have in some layout are never below its bound.
+/// Checks that random postures which an operation could have in some layout are never below its bound.
 fn nothing_is_below(name: &str, cell: &Cell, boxes: u64, tries: usize) -> Proof {
     let workcell = ready(cell);
     let proof = proof_of(&workcell, boxes);
@@ -186,18 +187,18 @@ fn nothing_is_below(name: &str, cell: &Cell, boxes: u64, tries: usize) -> Proof 
     for (k, found) in proof.operations.iter().enumerate() {
         let Ok(bound) = found.value else { continue };
         let (operation, gauge, inverse) = (&cell.operations[k], workcell.gauge(k), workcell.inverse());
-        let region = Region::new(cell, k, inverse.kept_elevation());
-        let site = Site {
+        let region = Region::new(cell, k, inverse.fixed_elevation());
+        let site = WorkFrame {
             equipment: operation.equipment,
             work: Pose::identity(),
             world: nalgebra::Matrix3::identity(),
             taught: None,
         };
-        let situation = Situation { site, reference: None };
+        let situation = WorkContext { site, reference: None };
         let (mut memory, mut scratch) = (gauge.memory(), inverse.scratch());
         let mut least = f64::INFINITY;
         for _ in 0..tries {
-            let approach = inverse.approach(&operation.attitude, rng.random_range(-PI..PI));
+            let approach = inverse.tool_attitudes(&operation.attitude, rng.random_range(-PI..PI));
             let (reach, turn) = (cell.robot.reach(), rng.random_range(-PI..PI));
             let (low, high) = region.radius.unwrap_or((0.0, reach));
             let radius = rng.random_range(low..high.min(reach).max(low + 1e-9));
@@ -228,7 +229,7 @@ fn no_posture_of_a_shipped_cell_is_below_the_bound() {
     }
 }
 
-/// Every reading, model, quantity and sense that has a bound, on arms of three families.
+/// Every reading, model, quantity and sense with a bound is tried on arms of three families.
 #[test]
 fn no_random_posture_is_below_the_bound_in_any_reading() {
     let readings = [
@@ -297,7 +298,7 @@ fn random_layouts_never_beat_the_bound() {
     }
 }
 
-/// The tangent that stands for a percentile: below it everywhere, and not far below where it touches.
+/// The tangent that replaces a percentile lies below it everywhere, and close to it where it touches.
 #[test]
 fn the_tangent_bound_is_below_the_percentile() {
     let mut rng = ChaCha8Rng::seed_from_u64(5);
@@ -317,7 +318,7 @@ fn the_tangent_bound_is_below_the_percentile() {
             let v = eigen.eigenvectors.column(k) * eigen.eigenvalues[k].max(0.0).sqrt();
             Vector6::new(v[0], v[1], v[2], 0.0, 0.0, 0.0)
         };
-        Norm::new(rows, &[column(0), column(1), column(2)], &[], &Vector6::zeros()).quantile(p)
+        NormDistribution::new(rows, &[column(0), column(1), column(2)], &[], &Vector6::zeros()).quantile(p)
     };
     for rows in 1..=3 {
         for (quantity, p) in [(Quantity::P95, 0.95), (Quantity::P99, 0.99)] {
@@ -361,7 +362,7 @@ fn an_unreachable_operation_is_proved_infeasible() {
     );
 }
 
-/// Two joints that stand still leave one posture and its mirror images.
+/// Two joints of fixed angle leave one posture and its mirror images.
 #[test]
 fn the_bound_holds_for_joint_limits_of_no_width() {
     let mut cell = shipped("hitachi_cell.toml");
@@ -378,9 +379,13 @@ fn the_bound_holds_for_joint_limits_of_no_width() {
     let q = [0.0, still[1].unwrap(), still[2].unwrap(), rad_from_deg(-78.0), 0.0, 0.0, 0.0, 0.0];
     let frames = inverse.chain().frames(&inverse.chain().posture(&q));
     assert!((frames.tcp.rotation * inverse.chain().tool_axis + Vector3::z()).norm() < 1e-12);
-    let site =
-        Site { equipment: 0, work: Pose::identity(), world: nalgebra::Matrix3::identity(), taught: None };
-    let value = gauge.value(&Situation { site, reference: None }, &frames, &mut gauge.memory());
+    let site = WorkFrame {
+        equipment: 0,
+        work: Pose::identity(),
+        world: nalgebra::Matrix3::identity(),
+        taught: None,
+    };
+    let value = gauge.value(&WorkContext { site, reference: None }, &frames, &mut gauge.memory());
     let bound = proof_of(&workcell, 1000).bound.unwrap();
     assert!(bound <= value && bound > 0.9995 * value, "{bound} {value}");
 }
@@ -413,7 +418,7 @@ fn a_cell_without_a_bound_states_the_reason() {
     assert_eq!(share.operations[0].value, Err(WhyNot::Share));
 }
 
-/// One thread or two, the same bytes; stopped at once, what is said still holds.
+/// One thread and two give the same bytes. A stopped proof still holds.
 #[test]
 fn the_proof_does_not_depend_on_threads_and_can_be_stopped() {
     let workcell = ready(&shipped("five_axis_cell.toml"));
@@ -433,11 +438,11 @@ fn the_proof_does_not_depend_on_threads_and_can_be_stopped() {
     );
 }
 
-/// Cells that are proven and searched in a moment; those of the figures are all that there are.
+/// Cells that are proved and searched in a moment. The figures take all cells.
 const CHEAP: [&str; 3] = ["hitachi_cell", "hitachi_paper", "palletizer_cell"];
 
-/// No layout that a search finds lies below the bound, nor does the one drawn. The figures of all cells
-/// in results/proof/README.md:
+/// Neither the start layout nor any layout found by a search lies below the bound. Figures of all cells for
+/// results/proof/README.md:
 ///
 /// ```text
 /// SWEETSPOT_FIGURES=1 cargo test --test it proof::figures -- --nocapture
@@ -464,7 +469,7 @@ fn shipped_cells() -> Vec<String> {
     names
 }
 
-/// A row of the table: with the whole effort of the command, or with little.
+/// Returns a row of the table, with the effort of the command if `whole`, or with little.
 fn figures(name: &str, whole: bool) -> String {
     let workcell = ready(&shipped(&format!("{name}.toml")));
     let unit = workcell.cell.unit();

@@ -8,7 +8,7 @@
 use super::lanes::{CosSin, Lanes, Mask};
 use super::limits::{any_passed, is_passed};
 use crate::pose::Pose;
-use crate::reach::{Inverse, PlanarGeometry, Way};
+use crate::reach::{Inverse, PlanarAttitude, PlanarGeometry};
 use pulp::Simd;
 
 const STRETCHED: f64 = PlanarGeometry::STRETCHED;
@@ -78,12 +78,17 @@ impl PlanarLanes {
 
     /// Places the wrist; None if no lane has a posture.
     #[inline(always)]
-    pub fn wrist<S: Simd>(&self, at: &TargetLanes<S>, way: &Way, back: bool) -> Option<WristLanes<S>> {
+    pub fn wrist<S: Simd>(
+        &self,
+        at: &TargetLanes<S>,
+        attitude: &PlanarAttitude,
+        back: bool,
+    ) -> Option<WristLanes<S>> {
         let (arm, [l1, l2, l3]) = (&self.arm, self.arm.l);
         let (s, lateral) = (if back { -at.along } else { at.along }, arm.side * arm.lateral);
         let yaw = ((at.x * s - at.y * lateral) * at.inverse2, (at.y * s + at.x * lateral) * at.inverse2);
         let out = at.beside | is_passed(&arm.cones[0], yaw);
-        let (u, v) = (s - l1 - way.u, (at.z - arm.r1) * arm.side - way.v);
+        let (u, v) = (s - l1 - attitude.u, (at.z - arm.r1) * arm.side - attitude.v);
         let d2 = u * u + v * v;
         let cos3 = (d2 - l2 * l2 - l3 * l3) * (1.0 / (2.0 * l2 * l3));
         let out = out | cos3.is_above(1.0 + 2.0 * STRETCHED) | (-cos3).is_above(1.0 + 2.0 * STRETCHED);
@@ -95,7 +100,7 @@ impl PlanarLanes {
         let inverse2 = d2.reciprocal();
         let k1 = (d2 + (l2 * l2 - l3 * l3)) * (1.0 / (2.0 * l2));
         let cos3 = cos3.clamp(-1.0, 1.0);
-        let phi = (way.cos_phi, way.sin_phi);
+        let phi = (attitude.cos_phi, attitude.sin_phi);
         Some(WristLanes { yaw, u: u * inverse2, v: v * inverse2, k1, cos3, sin3, phi, out })
     }
 

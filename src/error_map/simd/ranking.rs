@@ -1,6 +1,6 @@
 //! Lower bounds of the error at the nodes of a surface, and the nodes in their order.
 //!
-//! A bound is below the value of [`Gauge::value`] by no more than [`BOUND_MARGIN`] allows. The code for one
+//! A bound is below the value of [`ErrorEvaluator::value`] by no more than [`BOUND_MARGIN`] allows. The code for one
 //! node judges nodes in this order until the least value is below all bounds that are left. So the spot is
 //! the same, to the bit, as if every node had been judged.
 
@@ -10,8 +10,8 @@ use super::planar_arm::{Level, PlanarLanes};
 use crate::cell::{MAX_ROWS, Placement};
 use crate::error_map::grid::Grid;
 use crate::pose::Pose;
-use crate::reach::{Approach, Inverse};
-use crate::reading::Gauge;
+use crate::reach::{Inverse, ToolAttitudes};
+use crate::reading::ErrorEvaluator;
 use nalgebra::{Matrix3, Vector3};
 use pulp::{Arch, Simd, WithSimd};
 
@@ -58,8 +58,8 @@ pub struct Ranking {
 
 impl Ranker {
     /// Prepares an operation; None if its arm, reading, model or sense cannot be ranked.
-    pub fn new(inverse: &Inverse, gauge: &Gauge, grid: &Grid) -> Option<Self> {
-        let (errors, rows) = gauge.plain()?;
+    pub fn new(inverse: &Inverse, evaluator: &ErrorEvaluator, grid: &Grid) -> Option<Self> {
+        let (errors, rows) = evaluator.plain()?;
         if rows.is_empty() {
             return None;
         }
@@ -73,18 +73,24 @@ impl Ranker {
     }
 
     /// Returns whether the attitudes of an operation can be ranked.
-    pub fn takes(&self, approach: &Approach) -> bool {
-        !approach.is_judged_by_posture()
+    pub fn takes(&self, attitudes: &ToolAttitudes) -> bool {
+        !attitudes.is_judged_by_posture()
     }
 
     /// Ranks the nodes of a surface placed at `at` (base frame); `world` turns world axes into the base frame.
-    pub fn rank(&self, at: &Placement, world: &Matrix3<f64>, approach: &Approach, ranking: &mut Ranking) {
+    pub fn rank(
+        &self,
+        at: &Placement,
+        world: &Matrix3<f64>,
+        attitudes: &ToolAttitudes,
+        ranking: &mut Ranking,
+    ) {
         let Ranking { bounds, groups } = ranking;
         bounds.resize(self.xs.len(), f64::INFINITY);
         let (sin, cos) = at.yaw.sin_cos();
         let row = |k: usize| self.row(&(world * self.rows[k.min(self.rows.len() - 1)]));
         let rows = &std::array::from_fn::<_, MAX_ROWS, _>(row)[..self.rows.len()];
-        Arch::new().dispatch(RankingPass { ranker: self, at, turn: (cos, sin), approach, rows, bounds });
+        Arch::new().dispatch(RankingPass { ranker: self, at, turn: (cos, sin), attitudes, rows, bounds });
         bounds[self.count..].fill(f64::INFINITY);
         groups.clear();
         groups.extend(bounds.chunks(GROUP).map(least));
@@ -119,7 +125,7 @@ struct RankingPass<'a> {
     at: &'a Placement,
     /// Cosine and sine of the yaw.
     turn: (f64, f64),
-    approach: &'a Approach,
+    attitudes: &'a ToolAttitudes,
     rows: &'a [RankingRow],
     bounds: &'a mut [f64],
 }
@@ -129,7 +135,7 @@ impl WithSimd for RankingPass<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { ranker, at, turn: (cos, sin), approach, rows, bounds } = self;
+        let Self { ranker, at, turn: (cos, sin), attitudes, rows, bounds } = self;
         let z = at.z + ranker.standoff;
         let (xs, _) = S::as_simd_f64s(&ranker.xs);
         let (ys, _) = S::as_simd_f64s(&ranker.ys);
@@ -140,7 +146,7 @@ impl WithSimd for RankingPass<'_> {
             let (x, y) = (Lanes::new(simd, *x), Lanes::new(simd, *y));
             // The order of operations is that of [`Grid::targets`].
             let target = Level { x: x * cos + at.x - y * sin, y: x * sin + at.y + y * cos, z };
-            *bound = ranker.bound(target, rows, margin, approach).get();
+            *bound = ranker.bound(target, rows, margin, attitudes).get();
         }
     }
 }
@@ -171,7 +177,7 @@ impl Ranker {
         target: Level<S>,
         rows: &[RankingRow],
         margin: f64,
-        approach: &Approach,
+        attitudes: &ToolAttitudes,
     ) -> Lanes<S> {
         let Level { x, y, z } = target;
         let mut wanted = [x; MAX_ROWS];
@@ -180,9 +186,9 @@ impl Ranker {
         }
         let targets = self.arm.targets(&target);
         let mut least = x.like(f64::INFINITY);
-        for way in approach.ways() {
+        for attitude in attitudes.planar() {
             for back in [false, true] {
-                let Some(wrist) = self.arm.wrist(&targets, way, back) else { continue };
+                let Some(wrist) = self.arm.wrist(&targets, attitude, back) else { continue };
                 for up in [false, true] {
                     let (turns, out) = self.arm.branch(&wrist, up);
                     if !out.is_all() {

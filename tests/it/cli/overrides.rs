@@ -1,11 +1,11 @@
-//! What the command line overrides.
+//! Tests options that override keys of the cell file.
 
-use crate::cli::shop::*;
+use crate::cli::sandbox::*;
 use serde_json::Value;
 
 #[test]
 fn overrides_of_the_map_take_effect() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let ok = |map: &Value| -> Vec<Value> {
         let nodes = items(&map["operations"][0]["nodes"]);
         nodes.iter().filter(|n| n["status"] == "ok").cloned().collect()
@@ -40,7 +40,7 @@ fn overrides_of_the_map_take_effect() {
 
 #[test]
 fn overrides_of_the_search_take_effect_and_survive() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let args = ["--sense", "z", "--errors", "table-3", "--model", "linear", "--seed", "9", "--budget", "700"];
     shop.done(&[&["search", CELL, "--out", "found"], &args[..]].concat());
     let found = shop.document("found/search.json");
@@ -59,7 +59,7 @@ fn overrides_of_the_search_take_effect_and_survive() {
 
 #[test]
 fn every_solver_finds_a_layout() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     for solver in ["cma-es", "particle-swarm", "simulated-annealing"] {
         let found = shop.json(&["search", CELL, "--solver", solver, "--budget", "3000", "--out", solver]);
         assert_eq!((&found["solver"], &found["status"]), (&solver.into(), &"found".into()));
@@ -73,14 +73,14 @@ fn every_solver_finds_a_layout() {
 
 // --- readings, limits and senses ----------------------------------------------------------------
 
-/// The same numbers as plus-or-minus, with a sense and a robot for the tests below.
+/// Cell with the same numbers as plus-or-minus values, and with a sense and a robot for the tests below.
 const TOLERANCE: &str = "from = \"hitachi_paper.toml\"\nerrors = \"table-3-tolerance\"\n\
                          reading = \"statistical\"\n[sense.shear]\nframe = \"surface\"\n\
                          direction = [1, 1, 0]\n";
 
 #[test]
 fn statistical_figures_of_a_map_are_ordered() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     for (cell, flags) in [
         (CELL, &[][..]),
         (PAPER, &["--reading", "statistical"]),
@@ -108,7 +108,7 @@ fn statistical_figures_of_a_map_are_ordered() {
 
 #[test]
 fn a_quantity_option_selects_the_statistical_reading() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let map = shop.json(&["map", PAPER, "--quantity", "rms"]);
     let operation = &map["operations"][0];
     assert_eq!((text(&operation["reading"]), text(&operation["quantity"])), ("statistical", "rms"));
@@ -120,7 +120,7 @@ fn a_quantity_option_selects_the_statistical_reading() {
 
 #[test]
 fn a_tolerance_set_is_read_as_worst_case_unless_requested() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     for command in ["map", "budget", "explain", "compare"] {
         let ran = shop.done(&[command, PAPER, "--errors", "table-3-tolerance"]);
         assert!(
@@ -148,7 +148,7 @@ fn a_tolerance_set_is_read_as_worst_case_unless_requested() {
 
 #[test]
 fn the_yield_quantity_needs_a_limit() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     for command in ["map", "search", "compare", "budget", "explain"] {
         let ran = shop.run(&[command, CELL, "--quantity", "yield"]);
         assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{command}");
@@ -172,7 +172,7 @@ fn the_yield_quantity_needs_a_limit() {
 
 #[test]
 fn bad_limits_and_senses_exit_2() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     for limit in ["-1", "0", "nan", "inf", "-inf", "five", ""] {
         for command in ["map", "search", "compare", "budget", "explain", "readings"] {
             let ran = shop.run(&[command, CELL, "--limit", limit]);
@@ -189,7 +189,7 @@ fn bad_limits_and_senses_exit_2() {
 
 #[test]
 fn best_toml_carries_how_the_errors_are_read() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     shop.write("cells/tolerance.toml", TOLERANCE);
     let keys = ["reading", "quantity", "registration", "sense", "limit", "errors", "model"];
     let asked = |document: &Value| keys.map(|key| document["operations"][0][key].clone());
@@ -213,10 +213,10 @@ fn best_toml_carries_how_the_errors_are_read() {
     }
 }
 
-/// `from` cannot take a limit away, so that best.toml could not say what was searched.
+/// `from` cannot remove a limit, so best.toml could not record such a search.
 #[test]
 fn a_search_refuses_options_that_drop_a_limit() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     shop.write("cells/limited.toml", "from = \"hitachi_paper.toml\"\n[operation.mapping]\nlimit_mm = 4\n");
     shop.done(&["map", "cells/limited.toml", "--sense", "rx"]);
     let ran = shop.run(&["search", "cells/limited.toml", "--sense", "rx"]);
@@ -228,7 +228,7 @@ fn a_search_refuses_options_that_drop_a_limit() {
 
 #[test]
 fn an_untrustworthy_error_model_is_reported_on_both_streams() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let ran = shop.done(&["map", CELL, "--model", "linear"]);
     assert!(ran.out.contains("do NOT trust the linear model at 51 of 51 nodes"), "{}", ran.out);
     assert!(ran.err.contains("warning: assembly: do NOT trust the linear model"), "{}", ran.err);
@@ -242,7 +242,7 @@ fn an_untrustworthy_error_model_is_reported_on_both_streams() {
 
 #[test]
 fn check_states_how_the_errors_are_read() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     shop.write("cells/tolerance.toml", TOLERANCE);
     let signed = shop.done(&["check", PAPER]);
     assert!(
