@@ -1,7 +1,7 @@
 //! A cell prepared for evaluation: chain, inverse kinematics, errors, solids.
 
 use super::misplacement;
-use crate::cell::{Cell, Layout, Model, Quantity, Reading};
+use crate::cell::{Cell, Interpretation, Layout, QuestionFault};
 use crate::clearance::{FloorPlan, Remember, Scene, SelfCollisionPair};
 use crate::error_map::{Mapper, PlacedLayout};
 use crate::reach::Inverse;
@@ -41,12 +41,24 @@ impl Workcell {
         Ok(Self { cell, mapper, plan, wide })
     }
 
-    /// Prepares the same cell with another error model and reading; the solids are shared.
+    /// Returns this workcell under another interpretation of its errors; the solids are shared.
     ///
     /// # Errors
-    /// The robot cannot do what the cell asks of it.
-    pub fn read_otherwise(&self, model: Model, reading: Reading, quantity: Quantity) -> Result<Self, String> {
-        let cell = Cell { model, reading, quantity, ..self.cell.clone() };
+    /// The question has no answer, or the robot cannot do what the cell asks of it.
+    pub fn interpreted(&self, interpretation: &Interpretation) -> Result<Self, String> {
+        self.sharing(self.cell.asked(interpretation).map_err(|faults| first_of(&faults))?)
+    }
+
+    /// Returns this workcell under another interpretation, in which each operation is judged alone.
+    ///
+    /// # Errors
+    /// The errors of [`Workcell::interpreted`]; units that cannot be added up are no fault.
+    pub fn interpreted_apart(&self, interpretation: &Interpretation) -> Result<Self, String> {
+        self.sharing(self.cell.asked_apart(interpretation).map_err(|faults| first_of(&faults))?)
+    }
+
+    /// Returns a workcell of the same solids and placements as this one.
+    fn sharing(&self, cell: Cell) -> Result<Self, String> {
         let mapper = Mapper::new(&cell, self.mapper.scene().clone())?;
         Ok(Self { cell, mapper, plan: self.plan.clone(), wide: self.wide.clone() })
     }
@@ -89,4 +101,9 @@ impl Workcell {
     pub(super) fn placed<'a>(&'a self, layout: &'a Layout) -> PlacedLayout<'a> {
         PlacedLayout::new(&self.mapper, layout)
     }
+}
+
+/// Returns the first fault in one line.
+fn first_of(faults: &[QuestionFault]) -> String {
+    faults.first().map_or(String::new(), |fault| format!("{}; {}", fault.message, fault.help))
 }

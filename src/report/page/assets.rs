@@ -20,10 +20,13 @@ pub const VIEWER_JS: &str = concat!(
 
 pub const VIEWER_CSS: &str = include_str!("viewer/viewer.css");
 
+#[cfg(feature = "view")]
 pub const LIVE_HTML: &str = include_str!("live/page.html");
+#[cfg(feature = "view")]
 pub const LIVE_CSS: &str = include_str!("live/page.css");
 
 /// The page of `view`, after the viewer.
+#[cfg(feature = "view")]
 pub const LIVE_JS: &str = concat!(
     "\"use strict\";\n(() => {\n",
     include_str!("live/ask.js"),

@@ -100,7 +100,9 @@ fn an_unknown_error_set_exits_2_with_a_suggestion() {
     for command in ["map", "search", "compare", "budget", "explain", "readings"] {
         let ran = shop.run(&[command, PAPER, "--errors", "table-33"]);
         assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{command}");
-        assert!(ran.err.contains("did you mean table-3?"), "{}", ran.err);
+        assert!(ran.err.contains("--errors table-33: error: the robot has no error set"), "{}", ran.err);
+        assert!(ran.err.contains("did you mean \"table-3\"?"), "{}", ran.err);
+        let ran = shop.run(&[command, PAPER, "--errors", "nobody's"]);
         assert!(ran.err.contains("table-2, table-3"), "{}", ran.err);
     }
     assert!(!shop.path("results").exists());

@@ -325,7 +325,7 @@ fn a_folder_is_exported_by_its_best_or_its_start_layout() {
     std::fs::create_dir(shop.path("empty")).unwrap();
     for (args, said) in [
         (&["export", "empty", "--to", "dxf"][..], "holds no manifest.json"),
-        (&["export", CELL, "--to", "dxf", "--start"], "--start is of a folder"),
+        (&["export", CELL, "--to", "dxf", "--start"], "--start needs a result folder"),
         (&["export", CELL, "--to", "dwg"], "invalid value 'dwg'"),
         (&["export", CELL], "--to <FORMAT>"),
         (&["export", CELL, "--to", "dxf", "--posture", "assembyl"], "did you mean assembly?"),

@@ -114,7 +114,7 @@ fn a_quantity_option_selects_the_statistical_reading() {
     assert_eq!((text(&operation["reading"]), text(&operation["quantity"])), ("statistical", "rms"));
     assert_eq!(operation["best"]["value"], operation["best"]["rms_mm"]["xyz"]);
     let worst = shop.done(&["map", PAPER, "--quantity", "rms", "--reading", "worst-case", "--json"]);
-    assert!(worst.err.contains("--quantity says nothing"), "{}", worst.err);
+    assert!(worst.err.contains("--quantity is ignored"), "{}", worst.err);
     assert_eq!(worst.document()["operations"][0]["reading"], "worst-case");
 }
 
@@ -173,7 +173,7 @@ fn the_yield_quantity_needs_a_limit() {
 #[test]
 fn bad_limits_and_senses_exit_2() {
     let shop = Sandbox::new();
-    for limit in ["-1", "0", "nan", "inf", "-inf", "five", ""] {
+    for limit in ["-1", "0", "nan", "inf", "-inf", "five", "", "1e-320", "1e8"] {
         for command in ["map", "search", "compare", "budget", "explain", "readings"] {
             let ran = shop.run(&[command, CELL, "--limit", limit]);
             assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{command} {limit}: {}", ran.err);
@@ -183,7 +183,8 @@ fn bad_limits_and_senses_exit_2() {
     for command in ["map", "search", "compare", "budget", "explain", "readings"] {
         let ran = shop.run(&[command, CELL, "--sense", "xzy"]);
         assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{command}");
-        assert!(ran.err.contains("no sense `xzy`; did you mean xyz?"), "{}", ran.err);
+        assert!(ran.err.contains("--sense xzy: error: `sense` cannot be \"xzy\""), "{}", ran.err);
+        assert!(ran.err.contains("did you mean \"xyz\"?"), "{}", ran.err);
     }
 }
 
@@ -256,4 +257,30 @@ fn check_states_how_the_errors_are_read() {
         "{}",
         tolerance.out
     );
+}
+
+#[test]
+fn set_changes_any_key_of_the_cell_and_flags_go_through_the_same_validation() {
+    let shop = Sandbox::new();
+    for command in ["map", "compare", "budget", "explain", "readings", "robust"] {
+        let set = "--set=equipment.worktable.placement.z_mm=5000";
+        let ran = shop.run(&[command, CELL, set]);
+        assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{command}: {}", ran.err);
+        assert!(ran.err.contains("--set equipment.worktable.placement.z_mm=5000: error: "), "{}", ran.err);
+        let same = shop.run(&[command, CELL, "--limit", "1e-320"]);
+        assert!(same.err.contains("--limit 1e-320: error: `limit_mm` must be at least 1e-6"), "{}", same.err);
+        let both = shop.run(&[command, CELL, "--set", "errors=table-2", "--errors", "table-3"]);
+        assert!(both.err.contains("`errors` is given twice"), "{}", both.err);
+        let many = shop.run(&[command, CELL, "--set", "errors=table-2,table-3"]);
+        assert!(many.err.contains("sweetspot sweep"), "{}", many.err);
+    }
+    // A setting, a flag and the file say the same thing alike.
+    let set = shop.json(&["map", PAPER, "--set", "errors=table-2", "--set", "operation.mapping.sense=z"]);
+    assert_eq!(set, shop.json(&["map", PAPER, "--errors", "table-2", "--sense", "z"]));
+    shop.write(
+        "cells/same.toml",
+        "from = \"hitachi_paper.toml\"\nname = \"hitachi_paper\"\nerrors = \"table-2\"\n[operation.mapping]\nsense = \"z\"\n",
+    );
+    let file = shop.json(&["map", "cells/same.toml"]);
+    assert_eq!(set["operations"], file["operations"]);
 }

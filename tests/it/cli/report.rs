@@ -205,7 +205,7 @@ fn a_folder_whose_numbers_do_not_come_out_again_is_refused() {
     );
     let ran = shop.run(&["report", "found"]);
     assert_eq!(ran.code, Some(2), "{}", ran.err);
-    assert!(ran.err.contains("search.json: the objective of the best layout is"), "{}", ran.err);
+    assert!(ran.err.contains("search.json: it gives the objective of the best layout as"), "{}", ran.err);
 }
 
 #[test]
@@ -215,8 +215,8 @@ fn a_folder_without_a_search_result_is_refused() {
     for (args, said) in [
         (&["report", "mapped"][..], "its command is no search"),
         (&["report", "cells"], "holds no manifest.json and no checkpoint"),
-        (&["report", "found", "--sense", "xyz"], "has answered one question"),
-        (&["report", "cells/small.toml", "-o", "page.txt"], "its name ends in .html"),
+        (&["report", "found", "--sense", "xyz"], "flags cannot change the question"),
+        (&["report", "cells/small.toml", "-o", "page.txt"], "must end in .html"),
     ] {
         let ran = shop.run(args);
         assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{args:?}: {}", ran.err);

@@ -293,23 +293,23 @@ fn view_refuses_invalid_requests_with_a_message() {
     let worktable = |number: &str| format!("{{\"equipment\":{{\"worktable\":{{\"x_mm\":{number}}}}}}}");
     for what in ["try", "layout"] {
         for (body, word) in [
-            (worktable("NaN"), "no JSON"),
-            (worktable("1e999"), "no JSON"),
+            (worktable("NaN"), "not JSON"),
+            (worktable("1e999"), "not JSON"),
             (worktable("null"), "must be a number"),
             (worktable("\"5\""), "must be a number"),
             (worktable("1800.01"), "must be from -1800 to 1800"),
             (worktable("-1e9"), "must be from -1800 to 1800"),
             ("{\"equipment\":{\"nobody\":{\"x_mm\":1}}}".into(), "no equipment `nobody`"),
             ("{\"equipment\":{\"post\":{\"x_mm\":1}}}".into(), "obstacle"),
-            ("{\"equipment\":{\"worktable\":{\"q_mm\":1}}}".into(), "no `q_mm`"),
-            ("{\"attitude\":{\"assembly\":{\"bend_deg\":1}}}".into(), "no `bend_deg`"),
+            ("{\"equipment\":{\"worktable\":{\"q_mm\":1}}}".into(), "no coordinate `q_mm`"),
+            ("{\"attitude\":{\"assembly\":{\"bend_deg\":1}}}".into(), "no coordinate `bend_deg`"),
             ("{\"robot_base\":{\"x_mm\":1e8}}".into(), "must be from"),
             ("{\"equipment\":[1]}".into(), "must be an object"),
-            ("{\"robots\":{\"x\":{}}}".into(), "none of"),
+            ("{\"robots\":{\"x\":{}}}".into(), "not one of"),
             ("[]".into(), "must be an object"),
-            ("{".into(), "no JSON"),
-            ("".into(), "no JSON"),
-            ("[".repeat(60_000), "no JSON"),
+            ("{".into(), "not JSON"),
+            ("".into(), "not JSON"),
+            ("[".repeat(60_000), "not JSON"),
         ] {
             let said = view.refused(what, &body);
             assert!(said.contains(word), "{body:.80}: {said}");
