@@ -17,7 +17,10 @@ const NODE_SIGNS = {
   unjudged: { mark: "bar", text: "not evaluated" },
 };
 
-/** Marks of the spots, which are no status of a node. @type {Record<"spot" | "refined", NodeSign>} */
+/**
+ * Marks of the spots, which are no status of a node.
+ * @type {Record<"spot" | "refined", NodeSign>}
+ */
 const SPOT_SIGNS = {
   spot: { mark: "spot", text: "chosen spot" },
   refined: { mark: "diamond", text: "spot between the nodes" },
@@ -48,7 +51,10 @@ const MARKS = {
 /** Marks in the order of their codes in the shader. */
 const MARK_NAMES = /** @type {Mark[]} */ (Object.keys(MARKS));
 
-/** Code of a mark in the shader. @param {Mark} mark */
+/**
+ * Code of a mark in the shader.
+ * @param {Mark} mark
+ */
 const markCode = (mark) => MARK_NAMES.indexOf(mark);
 
 /** The same codes for the shader. */
@@ -65,5 +71,8 @@ const TONES = {
   pink: { light: colourOf("#bf3989"), dark: colourOf("#ff7ac2") },
 };
 
-/** Class of a mark in the style sheet: its tone, and whether its line is dashed. @param {Mark} mark */
+/**
+ * Class of a mark in the style sheet: its tone, and whether its line is dashed.
+ * @param {Mark} mark
+ */
 const markClass = (mark) => `ss-${MARKS[mark].tone}${mark === "dashed" ? " ss-dashed" : ""}`;
