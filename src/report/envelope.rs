@@ -2,7 +2,7 @@
 
 use super::view::escaped;
 use crate::assess::Reachable;
-use crate::reach::{Extent, Region};
+use crate::reach::{EnvelopeExtent, EnvelopeSection};
 use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rounded};
 use std::fmt::Write;
 
@@ -42,7 +42,7 @@ impl Panel {
 
 /// Section and first plan.
 pub fn picture(e: &Reachable<'_>) -> String {
-    let empty = Region::default();
+    let empty = EnvelopeSection::default();
     let (height, plan) = e.plans.first().map_or((0.0, &empty), |(z, plan)| (*z, plan));
     let (sin, cos) = e.azimuth.sin_cos();
     let arm: Vec<_> = e.arm.iter().map(|p| [p.x * cos + p.y * sin, p.z]).collect();
@@ -72,7 +72,7 @@ pub fn picture(e: &Reachable<'_>) -> String {
 }
 
 /// What a panel shows, with a margin, from one line of its grid to another.
-fn bounds(region: &Region, arm: &[[f64; 2]]) -> ([f64; 2], [f64; 2]) {
+fn bounds(region: &EnvelopeSection, arm: &[[f64; 2]]) -> ([f64; 2], [f64; 2]) {
     let points = || region.points().chain(arm.iter().copied()).chain([[0.0, 0.0]]);
     let (mut low, mut high) = ([0.0; 2], [0.0; 2]);
     for k in 0..2 {
@@ -149,7 +149,7 @@ fn spacing(scale: f64) -> f64 {
     steps.into_iter().find(|s| s * scale >= 56.0).unwrap_or(steps[8])
 }
 
-fn shape(out: &mut String, panel: &Panel, region: &Region) {
+fn shape(out: &mut String, panel: &Panel, region: &EnvelopeSection) {
     let path: String =
         region.outlines.iter().map(|o| path(o.points.iter().map(|p| panel.at(*p)), "Z")).collect();
     if !path.is_empty() {
@@ -216,7 +216,7 @@ fn line_of_arm(out: &mut String, panel: &Panel, arm: &[[f64; 2]]) {
 fn foot(out: &mut String, e: &Reachable<'_>) {
     let said = match &e.size.extent {
         None => "nothing was found to be reachable with the tool held like this".to_string(),
-        Some(Extent { radius, height, .. }) => {
+        Some(EnvelopeExtent { radius, height, .. }) => {
             let mm = |m: f64| rounded(mm_from_m(m), 0);
             format!(
                 "{:.3} m\u{b3}; {} to {} mm from the base axis, {} to {} mm high; joint limits kept, collisions not \

@@ -37,10 +37,13 @@ pub const VIEWER_JS: &str = concat!(
 
 pub const VIEWER_CSS: &str = include_str!("viewer/viewer.css");
 
+#[cfg(feature = "view")]
 pub const LIVE_HTML: &str = include_str!("live/page.html");
+#[cfg(feature = "view")]
 pub const LIVE_CSS: &str = include_str!("live/page.css");
 
 /// Script of the page of `view`. It comes after [`VIEWER_JS`].
+#[cfg(feature = "view")]
 pub const LIVE_JS: &str = concat!(
     "\"use strict\";\n(() => {\n",
     include_str!("live/server.js"),

@@ -1,4 +1,4 @@
-//! Heat maps and drawings of a layout.
+//! Tests heat maps and drawings of a layout.
 
 use super::{check, number, renamed, start};
 use crate::common::workcell;
@@ -27,7 +27,7 @@ fn the_shipped_cells_have_heat_maps() {
 }
 
 #[test]
-fn a_heat_map_says_names_as_they_are() {
+fn a_heat_map_shows_hostile_names_as_text() {
     let workcell = Workcell::new(renamed(workcell("hitachi_cell.toml").cell)).unwrap();
     let a = start(&workcell);
     let drawing = Drawing::new(&a, &Detail { lenses: false, envelopes: false, nodes: 30 }).unwrap();
@@ -39,7 +39,7 @@ fn a_heat_map_says_names_as_they_are() {
     }
 }
 
-/// Texts of a picture.
+/// Returns the texts of a picture.
 fn texts(svg: &str) -> Vec<String> {
     let document = roxmltree::Document::parse(svg).unwrap();
     let all = document.descendants().filter(|n| n.tag_name().name() == "text");
@@ -47,7 +47,7 @@ fn texts(svg: &str) -> Vec<String> {
 }
 
 #[test]
-fn a_legend_lists_exactly_the_troubles_there_are() {
+fn a_legend_lists_exactly_the_node_signs_in_the_map() {
     let said = [
         ("out-of-reach", "out of reach"),
         ("joint-limit", "beyond a joint limit"),
@@ -66,14 +66,14 @@ fn a_legend_lists_exactly_the_troubles_there_are() {
             counted += map.count(status);
         }
         assert_eq!(counted, map.nodes.len(), "another status has no words here");
-        // A title for every node, in the words of the map.
+        // Every node has a title in the words of the map.
         assert_eq!(svg.matches("<title>(").count(), map.nodes.len());
     }
 }
 
-/// Grids without areas, fields without a span, nothing usable: a picture all the same.
+/// Grids without area, constant fields and maps without a usable node still give a picture.
 #[test]
-fn few_nodes_and_constant_fields_are_drawn() {
+fn maps_of_few_nodes_or_constant_values_are_drawn() {
     let workcell = workcell("hitachi_paper.toml");
     let a = start(&workcell);
     let detail = Detail { lenses: false, envelopes: false, nodes: 4000 };
@@ -104,7 +104,7 @@ fn few_nodes_and_constant_fields_are_drawn() {
     assert!(!flat.contains("iso-lines every"));
     let other = draw("other", &|field| field.takes[0].best = field.usable().last());
     assert!(texts(&other).contains(&"spot in this reading".to_string()));
-    // Points: all along the first axis.
+    // The nodes are points along the first axis.
     let dots = draw("points", &|field| field.size = (field.nodes.len(), 1));
     assert!(dots.matches("<circle").count() >= usable.len());
     let row = draw("row", &|field| {
@@ -116,16 +116,16 @@ fn few_nodes_and_constant_fields_are_drawn() {
     check("heat-odd-row", &row);
 }
 
-/// The spot stands in the picture where its millimetres say, by the numbers of the axes.
+/// The axis numbers place the spot where its millimetres say.
 #[test]
-fn the_spot_is_where_the_axes_say() {
+fn the_spot_is_drawn_where_the_axes_place_it() {
     let workcell = workcell("hitachi_paper.toml");
     let a = start(&workcell);
     let drawing = Drawing::new(&a, &Detail { lenses: false, envelopes: false, nodes: 4000 }).unwrap();
     let svg = heat_map(&drawing, 0, 0, drawing.fields[0].sense, (0.003, 0.006));
     let document = roxmltree::Document::parse(&svg).unwrap();
     let all = || document.descendants().filter(|n| n.tag_name().name() == "text");
-    // Numbers along the foot, each under its gridline.
+    // Numbers stand along the foot, each under its gridline.
     let ticks: Vec<(f64, f64)> = all()
         .filter(|n| n.attribute("text-anchor") == Some("middle"))
         .filter_map(|n| Some((n.text()?.parse().ok()?, number(&n, "x"))))
@@ -141,10 +141,9 @@ fn the_spot_is_where_the_axes_say() {
     assert!((at - sweetspot::units::mm_from_m(own.x)).abs() < 1.0, "{at} {own}");
 }
 
-/// The whole cell: every sign its own, the fence and the keep-outs there, no text cut, and of many nodes
-/// only some.
+/// The map shows every node sign, the fence and the keep-out boxes, cuts no text and thins many nodes.
 #[test]
-fn the_map_of_a_cell_shows_all_there_is() {
+fn the_heat_map_of_a_cell_shows_every_node() {
     for name in ["hitachi_cell", "drilling_cell"] {
         let workcell = workcell(&format!("{name}.toml"));
         let a = start(&workcell);

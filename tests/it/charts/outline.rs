@@ -1,4 +1,4 @@
-//! Silhouettes of solids in the plans.
+//! Tests outlines of solids in the plans.
 
 use nalgebra::Vector3;
 use sweetspot::cell::Shape;
@@ -13,7 +13,7 @@ fn area(polygon: &[Point]) -> f64 {
 }
 
 #[test]
-fn a_box_and_a_ball_cover_what_they_should() {
+fn the_outlines_of_a_box_and_a_ball_have_the_right_area() {
     let pose = Pose::from_translation_yaw(Vector3::new(1.0, 2.0, 3.0), 0.4);
     let cube = Mesh::of(&Shape::Box { pose, size: Vector3::new(2.0, 3.0, 4.0) }, 0.0);
     let plan = silhouette(&cube, |p| (p.x, p.y));
@@ -26,9 +26,9 @@ fn a_box_and_a_ball_cover_what_they_should() {
     assert!((disc / std::f64::consts::PI - 1.0).abs() < 0.01, "{disc}");
 }
 
-/// Two boxes as one mesh: the gap between them is seen.
+/// Two boxes in one mesh show the gap between them.
 #[test]
-fn what_is_not_convex_keeps_its_gaps() {
+fn the_outline_of_a_concave_solid_keeps_its_gaps() {
     let cube = |x: f64| {
         let pose = Pose { translation: Vector3::new(x, 0.0, 0.0), ..Pose::IDENTITY };
         Mesh::of(&Shape::Box { pose, size: Vector3::repeat(1.0) }, 0.0)
@@ -40,13 +40,13 @@ fn what_is_not_convex_keeps_its_gaps() {
     both.triangles.extend(other.triangles.iter().map(|t| t.map(|k| k + shift)));
     let plan = silhouette(&both, |p| (p.x, p.y));
     assert!(plan.len() > 1 && plan.iter().all(|t| area(t) > 0.0));
-    // Seen from above each face counts twice, top and bottom.
+    // Seen from above, each face counts twice: top and bottom.
     assert!((plan.iter().map(|t| area(t)).sum::<f64>() - 4.0).abs() < 1e-12);
     assert!(plan.concat().iter().all(|p| p.0 <= 0.5 || p.0 >= 2.5));
 }
 
 #[test]
-fn a_hull_of_little_is_little() {
+fn the_convex_hull_of_few_points_has_few_points() {
     assert_eq!(hull(vec![(1.0, 2.0), (1.0, 2.0)]), [(1.0, 2.0)]);
     assert!(hull(Vec::new()).is_empty());
 }
