@@ -2,9 +2,9 @@
 //! it costs to have chosen by the signed sample.
 
 use super::stance::no_spot;
-use crate::cell::{About, Cell, Quantity, Reading, Registration, Unit};
+use crate::cell::{About, Cell, Interpretation, Quantity, Reading, Registration, Unit};
 use crate::error_map::OperationMap;
-use crate::kinematic_error::NOTHING;
+use crate::kinematic_error::NEGLIGIBLE;
 use crate::layout::Workcell;
 use nalgebra::Vector3;
 
@@ -52,7 +52,7 @@ impl Row {
 
     /// How many times the least value the signed choice has.
     pub fn ratio(&self) -> Option<f64> {
-        let value = self.value().filter(|v| *v > NOTHING)?;
+        let value = self.value().filter(|v| *v > NEGLIGIBLE)?;
         Some(self.at_signed? / value).filter(|r| r.is_finite())
     }
 }
@@ -67,14 +67,15 @@ impl<'a> Readings<'a> {
     /// # Errors
     /// Why the robot cannot be used.
     pub fn new(cell: &'a Cell) -> Result<Self, String> {
+        let own = Workcell::new(cell.clone())?;
         let mut operations = vec![Vec::new(); cell.operations.len()];
         // By reading, of no registration: the first one.
         let mut unregistered: Vec<(Reading, Quantity, Maps)> = Vec::new();
         for registration in Registration::ALL {
             let mut signed: Option<Maps> = None;
-            for variant in variants(cell, registration) {
-                let (reading, quantity) = (variant.reading, variant.quantity);
-                let workcell = Workcell::new(variant)?;
+            for interpretation in answerable(cell, registration) {
+                let (reading, quantity) = (interpretation.reading, interpretation.quantity);
+                let workcell = own.interpreted_apart(&interpretation)?;
                 let maps = workcell.maps(&cell.start());
                 let by_signed = if reading == Reading::Signed { Some(&maps) } else { signed.as_ref() };
                 let same = |(r, q, _): &&(Reading, Quantity, Maps)| (*r, *q) == (reading, quantity);
@@ -119,17 +120,18 @@ impl<'a> Readings<'a> {
 /// One map per operation.
 type Maps = Vec<OperationMap>;
 
-/// The cell in every reading that has an answer, the signed one first.
-fn variants(cell: &Cell, registration: Registration) -> Vec<Cell> {
+/// Returns every reading in which a cell has an answer under a registration, the signed one first.
+fn answerable(cell: &Cell, registration: Registration) -> Vec<Interpretation> {
     let kinds = [
         (Reading::Signed, cell.quantity),
         (Reading::WorstCase, cell.quantity),
         (Reading::Statistical, Quantity::P95),
         (Reading::Statistical, Quantity::Yield),
     ];
-    let read = |(reading, quantity)| Cell { reading, quantity, registration, ..cell.clone() };
-    // Nothing is added up here: senses of two units are none of its faults.
-    let answers = |c: &Cell| c.question_faults().iter().all(|f| matches!(f.about, About::Sense(_)));
+    let read =
+        |(reading, quantity)| Interpretation { reading, quantity, registration, ..cell.interpretation() };
+    // Each operation has a table of its own: senses in different units are not added up.
+    let answers = |i: &Interpretation| cell.faults_of(i).iter().all(|f| matches!(f.about, About::Sense(_)));
     kinds.into_iter().map(read).filter(answers).collect()
 }
 
@@ -166,6 +168,6 @@ fn value_at_choice(workcell: &Workcell, maps: &Maps, chosen: &Maps, k: usize) ->
         return Some(own.value);
     }
     let (situation, frames) = workcell.posed(&workcell.cell.start(), chosen, k, posture).ok()?;
-    let gauge = workcell.gauge(k);
+    let gauge = workcell.evaluator(k);
     Some(gauge.value(&situation, &frames, &mut gauge.memory()))
 }

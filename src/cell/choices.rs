@@ -204,6 +204,9 @@ pub struct SearchSettings {
 }
 
 impl SearchSettings {
+    /// Budgets that a search may have, layout evaluations.
+    pub const BUDGETS: std::ops::RangeInclusive<u64> = 1..=1_000_000_000;
+
     /// Settings of a cell that says nothing.
     pub const DEFAULT: Self = Self {
         solver: Solver::CmaEs,

@@ -2,8 +2,8 @@
 
 use super::Detail;
 use crate::assess::Assessment;
-use crate::cell::{Cell, JointVector, Model, Quantity, Reading, Sense};
-use crate::error_map::{NodeRecord, OperationMap, PostureRecord, Status};
+use crate::cell::{Cell, Interpretation, JointVector, Model, Quantity, Reading, Sense};
+use crate::error_map::{NodeRecord, NodeSign, OperationMap, PostureRecord};
 use nalgebra::Vector3;
 
 /// A model and a reading under which errors are seen.
@@ -19,6 +19,12 @@ impl Lens {
     /// As the cell asks.
     pub fn of(cell: &Cell) -> Self {
         Self { model: cell.model, reading: cell.reading, quantity: cell.quantity }
+    }
+
+    /// Returns how the errors of a cell are interpreted under this lens.
+    pub fn interpretation(&self, cell: &Cell) -> Interpretation {
+        let Self { model, reading, quantity } = *self;
+        Interpretation { model, reading, quantity, ..cell.interpretation() }
     }
 
     /// Whether errors have a sign under it; else they are plus or minus.
@@ -46,10 +52,7 @@ pub fn lenses(cell: &Cell) -> Vec<Lens> {
     let readings = [own.reading].into_iter().chain(Reading::ALL.into_iter().filter(|r| *r != own.reading));
     let readings: Vec<Reading> = readings.collect();
     let all = models.flat_map(|model| readings.iter().map(move |&reading| Lens { model, reading, quantity }));
-    let answers = |lens: &Lens| {
-        let Lens { model, reading, quantity } = *lens;
-        Cell { model, reading, quantity, ..cell.clone() }.question_faults().is_empty()
-    };
+    let answers = |lens: &Lens| cell.faults_of(&lens.interpretation(cell)).is_empty();
     let mut lenses = vec![own];
     let is_other = |lens: &Lens| (lens.reading, lens.model) != (own.reading, own.model);
     lenses.extend(all.filter(is_other).filter(answers));
@@ -63,8 +66,7 @@ pub struct Node {
     pub j: usize,
     /// TCP, world, m.
     pub position: Vector3<f64>,
-    /// As [`Status::name`].
-    pub status: &'static str,
+    pub sign: NodeSign,
     /// Why it cannot be used, in words; empty if it can.
     pub reason: String,
     pub joints: Option<JointVector>,
@@ -72,7 +74,7 @@ pub struct Node {
 
 impl Node {
     pub fn is_ok(&self) -> bool {
-        self.status == "ok"
+        self.sign.is_usable()
     }
 }
 
@@ -136,7 +138,7 @@ pub(super) fn fields(a: &Assessment<'_>, detail: &Detail) -> Result<(Vec<Lens>, 
             fields.iter_mut().zip(&a.maps).for_each(|(f, map)| f.takes.push(take(f, map, l, a.cell)));
             continue;
         }
-        let workcell = a.workcell.read_otherwise(lens.model, lens.reading, lens.quantity)?;
+        let workcell = a.workcell.interpreted(&lens.interpretation(a.cell))?;
         let maps = workcell.maps(&a.layout);
         fields.iter_mut().zip(&maps).for_each(|(f, map)| f.takes.push(take(f, map, l, &workcell.cell)));
     }
@@ -157,7 +159,7 @@ fn field(a: &Assessment<'_>, k: usize, detail: &Detail) -> Field {
         i: n.i,
         j: n.j,
         position: n.position,
-        status: n.status.name(),
+        sign: n.status.sign(),
         reason: n.status.reason(a.cell),
         joints: n.posture.as_ref().map(|p| p.joints),
     };
@@ -180,21 +182,16 @@ fn is_kept(n: &NodeRecord, every: usize) -> bool {
     n.i.is_multiple_of(every) && n.j.is_multiple_of(every)
 }
 
-/// What collides has a posture, too, and is not to be read as usable.
-fn posture(n: &NodeRecord) -> Option<&PostureRecord> {
-    n.posture.as_ref().filter(|_| n.status == Status::Ok)
-}
-
 fn take(field: &Field, map: &OperationMap, lens: usize, cell: &Cell) -> Take {
     let kept: Vec<&NodeRecord> = map.nodes.iter().filter(|n| is_kept(n, field.every)).collect();
     let values = (0..field.senses.len()).map(|s| {
         let value = |p: &PostureRecord| p.figures[s].in_reading(cell.reading, cell.quantity);
-        kept.iter().map(|n| posture(n).map(value)).collect()
+        kept.iter().map(|n| n.usable_posture().map(value)).collect()
     });
     let best = map.best_node().and_then(|best| kept.iter().position(|n| (n.i, n.j) == (best.i, best.j)));
     Take {
         lens,
-        error: kept.iter().map(|n| posture(n).map(|p| p.error)).collect(),
+        error: kept.iter().map(|n| n.usable_posture().map(|p| p.error)).collect(),
         values: values.collect(),
         best,
     }

@@ -1,17 +1,18 @@
-//! The house rules of src, read from its text. They say what is absent, which no other test sees.
+//! Holds the house rules of src, read from its text. A rule states what is absent, which no other test sees.
 //!
-//! Comments and texts are no code: they are left out before looking.
+//! Comments and strings are blanked before looking.
 
 pub mod sources;
 
 use sources::{File, paths_from, sources, uses_crate, with_words};
 use std::collections::BTreeSet;
 
-/// The modules in the order in which data flows: each uses only those before it.
-const ORDER: [&str; 19] = [
+/// Modules in the order in which data flows: each uses only those before it.
+const ORDER: [&str; 20] = [
     "units",
+    "geometry",
     "pose",
-    "lanes",
+    "low_discrepancy",
     "cell",
     "files",
     "robot",
@@ -30,7 +31,7 @@ const ORDER: [&str; 19] = [
     "cli",
 ];
 
-/// The library is compiled once, for the program and its tests alike.
+/// The library is compiled once, for the program and for its tests.
 #[test]
 fn src_holds_no_tests() {
     let holds = |f: &&File| ["cfg(test)", "cfg!(test)", "#[test]"].iter().any(|word| f.text.contains(word));
@@ -43,7 +44,7 @@ fn the_core_does_no_io() {
     let outside = ["fs", "env", "io", "net", "process", "thread"];
     for file in sources().iter().filter(|f| !f.is_edge()) {
         for path in paths_from(&file.code, "std::") {
-            // A cursor over bytes in memory, which the reader of STL asks for, is no IO.
+            // The reader of STL needs a cursor over bytes in memory, which is no IO.
             let cursor = file.path == "files/mesh/stl.rs" && path == "io" && !file.code.contains("File");
             assert!(cursor || !outside.contains(&path.as_str()), "src/{} uses std::{path}", file.path);
         }
@@ -51,9 +52,9 @@ fn the_core_does_no_io() {
     let words = ["println!", "print!", "dbg!", "Instant", "SystemTime", "stdout", "stderr", "stdin"];
     let found = with_words(&words, File::is_edge);
     assert!(found.is_empty(), "outside cli: {found:#?}");
-    // What is built in is no IO, but for the version nothing needs it.
+    // Built-in files are no IO, but only the version and these two need them.
     let built_in = with_words(&["include_str!", "include_bytes!", "option_env!"], |f| {
-        // The robots that come with the program; what runs in the browser.
+        // The robots that come with the program, and the assets of the browser.
         ["cli/library.rs", "report/page/assets.rs"].contains(&f.path.as_str())
     });
     assert!(built_in.is_empty(), "{built_in:#?}");
@@ -69,7 +70,7 @@ fn every_heavy_crate_has_one_home() {
     let only = |name: &str| BTreeSet::from([name.to_string()]);
     assert_eq!(homes("parry3d"), only("clearance"));
     assert_eq!(homes("argmin"), only("search"));
-    assert_eq!(homes("pulp"), only("lanes"));
+    assert_eq!(homes("pulp"), only("error_map"));
     let programs = sources().into_iter().filter(|f| uses_crate(&f.code, "clarabel"));
     let programs: Vec<_> = programs.map(|f| f.path).collect();
     let allowed = |path: &str| path == "layout/separate.rs" || path.starts_with("reach/numeric/");
@@ -82,13 +83,13 @@ fn every_heavy_crate_has_one_home() {
     for name in ["minijinja", "base64", "gltf_json"] {
         assert_eq!(homes(name), only("report"), "{name}");
     }
-    // Of files that are read and written, and of what a page may run.
+    // Hashes of the files that are read and written, and of what a page may run.
     assert_eq!(homes("sha2"), BTreeSet::from(["cli", "report"].map(String::from)));
     for (name, home) in
         [("toml", "files"), ("tobj", "files"), ("stl_io", "files"), ("roxmltree", "files"), ("csv", "report")]
     {
         let users: Vec<_> = sources().into_iter().filter(|f| f.code.contains(&format!("{name}::"))).collect();
-        // `report::toml` and `report::csv` are modules of ours.
+        // `report::toml` and `report::csv` are modules of this crate.
         let foreign =
             users.iter().filter(|f| f.module() != home && !f.code.contains(&format!("report::{name}::")));
         assert_eq!(foreign.map(|f| f.path.clone()).collect::<Vec<_>>(), [""; 0], "{name} outside {home}");
@@ -97,7 +98,7 @@ fn every_heavy_crate_has_one_home() {
 
 #[test]
 fn no_heavy_crate_shows_in_a_public_signature() {
-    // Methods of a foreign trait are not `pub`; what is must speak in our own words.
+    // Methods of a foreign trait are not `pub`. Public ones use types of this crate.
     let foreign = ["pm::", "parry3d::", "argmin::", "clarabel::", "SharedShape", "TriMesh", "Aabb"];
     for file in sources() {
         let lines = file.code.lines().filter(|l| l.trim_start().starts_with("pub "));
@@ -118,7 +119,7 @@ fn a_module_uses_only_those_above_it() {
         }
         let own = rank(module).unwrap_or_else(|| panic!("src/{} has no place in the order", file.path));
         let mut used = paths_from(&file.code, "crate::");
-        // The way out of a module: `super` of the file that a module begins with.
+        // `super` of the file that a module begins with leads out of the module.
         let is_root = !file.path.contains('/') || file.path == format!("{module}/mod.rs");
         if is_root {
             used.extend(paths_from(&file.code, "super::"));
@@ -142,7 +143,7 @@ fn lib_rs_names_every_module_and_holds_no_logic() {
 }
 
 #[test]
-fn no_unsafe_code() {
+fn src_has_no_unsafe_code() {
     let found: Vec<_> =
         sources().into_iter().filter(|f| uses_crate(&f.code, "unsafe")).map(|f| f.path).collect();
     assert!(found.is_empty(), "{found:?}");
@@ -150,7 +151,7 @@ fn no_unsafe_code() {
     assert!(manifest.contains("unsafe_code = \"forbid\""));
 }
 
-/// The core is total: a value or a reason, never a panic.
+/// The core is total: it returns a value or a reason and never panics.
 #[test]
 fn nothing_panics_on_purpose() {
     let words = [
@@ -166,18 +167,18 @@ fn nothing_panics_on_purpose() {
     ];
     let found = with_words(&words, |_| false);
     assert!(found.is_empty(), "{found:#?}");
-    // An assertion is for the debug build alone.
+    // Assertions belong in the debug build alone.
     let asserts = with_words(&["assert!(", "assert_eq!(", "assert_ne!("], |_| false);
     let hard: Vec<_> = asserts.iter().filter(|l| !l.contains("debug_assert")).collect();
     assert!(hard.is_empty(), "{hard:#?}");
 }
 
-/// Only units.rs knows how many millimetres a metre has.
+/// units.rs alone knows how many millimetres a metre has.
 ///
-/// Allowed exception: `files/mesh/mod.rs`, where a mesh file names one of several units and a table gives
-/// the metres in each.
+/// One exception is allowed: `files/mesh/mod.rs`, where a mesh file names one of several units and a table
+/// gives the metres in each.
 #[test]
-fn only_units_converts() {
+fn only_units_rs_converts_units() {
     let words = ["to_radians", "to_degrees", "180.0", "0.001", "57.29", "0.01745"];
     let factors = ["1000.0", "1000.", "1_000.0", "1e3", "1e-3", "1.0e3", "1.0e-3"];
     let times = |line: &str| {
@@ -191,25 +192,25 @@ fn only_units_converts() {
         found.extend(lines.map(|l| format!("src/{}: {}", file.path, l.trim())));
     }
     assert!(found.is_empty(), "{found:#?}");
-    // The exception is as small as it is said to be.
+    // The exception is no larger than stated.
     let inches = with_words(&["0.0254", "25.4"], |_| false);
     assert!(inches.len() == 1 && inches[0].starts_with("src/files/mesh/mod.rs:"), "{inches:#?}");
-    // And units.rs is where the conversions are.
+    // The conversions are in units.rs.
     let units = sources().into_iter().find(|f| f.path == "units.rs").unwrap();
     assert!(["to_radians", "to_degrees", "/ 1000.0", "* 1000.0"].iter().all(|w| units.code.contains(w)));
 }
 
-/// Chance comes from the seed and time from nowhere: no generator that seeds itself, no map in an
-/// order of its own that is walked.
+/// Randomness comes from the seed alone: no generator seeds itself, and no map is walked in an order of its
+/// own.
 #[test]
-fn nothing_depends_on_chance() {
+fn nothing_depends_on_an_unseeded_random_source() {
     let found =
         with_words(&["thread_rng", "from_entropy", "from_os_rng", "rand::rng()", "RandomState"], |_| false);
     assert!(found.is_empty(), "{found:#?}");
 }
 
 #[test]
-fn the_fixed_packages_are_named() {
+fn the_agreed_packages_are_dependencies() {
     let manifest = std::fs::read_to_string(crate::common::root().join("Cargo.toml")).unwrap();
     let section = manifest.split("[dependencies]").nth(1).unwrap().split("\n[").next().unwrap();
     let package = |line: &str| {
@@ -227,7 +228,7 @@ fn the_fixed_packages_are_named() {
 }
 
 #[test]
-fn the_top_level_is_as_agreed() {
+fn the_top_level_holds_only_the_agreed_entries() {
     let folders = ["src", "cells", "tests", "benches", "results", "docs", "python", "target"];
     let files = ["Cargo.toml", "Cargo.lock", "README.md", "CHANGELOG.md", "CONTRIBUTING.md", "rustfmt.toml"];
     for entry in std::fs::read_dir(crate::common::root()).unwrap() {

@@ -1,4 +1,4 @@
-//! How the tool is held: elevation, azimuth, spin and tolerance, seen in the postures that come out.
+//! Tests how the tool is held: elevation, azimuth, spin and tolerance, seen in the resulting postures.
 
 use crate::common::{from_text, robots};
 use nalgebra::Vector3;
@@ -13,8 +13,8 @@ fn robot(stem: &str) -> Robot {
     robots().into_iter().find(|(name, _)| name == stem).unwrap().1
 }
 
-/// Elevation, azimuth and spin of a tool by its axis and its reference axis (TCP z and x here): the
-/// spin is measured from the upright direction, by spherical trigonometry and not by frames.
+/// Returns elevation, azimuth and spin of a tool from its axis and its reference axis (TCP z and x here). The
+/// spin is measured from the upright direction by spherical trigonometry, without frames.
 fn angles(d: &Vector3<f64>, r: &Vector3<f64>) -> (f64, f64, f64) {
     let elevation = d.z.clamp(-1.0, 1.0).asin();
     let azimuth = d.y.atan2(d.x);
@@ -23,12 +23,12 @@ fn angles(d: &Vector3<f64>, r: &Vector3<f64>) -> (f64, f64, f64) {
     (elevation, azimuth, r.dot(&level).atan2(r.z / elevation.cos()))
 }
 
-/// Every usable posture at some targets round the arm; the tool axis and reference axis of each.
+/// Returns the tool axis and reference axis of every usable posture at some targets round the arm.
 fn held(robot: &Robot, attitude: &Attitude, yaw: f64) -> Vec<(Vector3<f64>, Vector3<f64>, Vector3<f64>)> {
     let chain = Chain::new(robot);
     let inverse = Inverse::new(&chain);
     assert_eq!(inverse.refusal(attitude), None);
-    let approach = inverse.approach(attitude, yaw);
+    let approach = inverse.tool_attitudes(attitude, yaw);
     let mut all = Vec::new();
     for k in 0..60 {
         let (angle, radius) = (f64::from(k) * 0.7, 0.35 + 0.005 * f64::from(k));
@@ -49,7 +49,7 @@ fn attitude(elevation: f64, azimuth: Azimuth, spins: &[f64], tolerance: f64) -> 
 }
 
 #[test]
-fn six_axes_hold_the_tool_as_asked() {
+fn six_axis_arms_hold_the_requested_tool_orientation() {
     let robot = robot("abb_irb140");
     let spins = [0.4, 2.0];
     for (d, r) in
@@ -80,7 +80,7 @@ fn spins_of_a_vertical_tool_count_from_the_azimuth() {
             continue;
         }
         for (_, d, r) in held(&robot, &attitude(down, Azimuth::Surface(0.5), &[0.25], 0.0), 0.3) {
-            // Seen from above the tool turns the other way: its axis points down.
+            // The axis points down, so the tool turns the other way seen from above.
             let along = Vector3::new(f64::cos(0.8 - 0.25), f64::sin(0.8 - 0.25), 0.0);
             assert!((d + Vector3::z()).norm() < 1e-9 && (r - along).norm() < 1e-8, "{stem}: {d:?} {r:?}");
         }
@@ -88,7 +88,7 @@ fn spins_of_a_vertical_tool_count_from_the_azimuth() {
 }
 
 #[test]
-fn a_tolerance_tilts_the_tool_so_far_and_no_farther() {
+fn an_attitude_tolerance_tilts_the_tool_up_to_its_limit() {
     let robot = robot("abb_irb140");
     let wanted = Vector3::new(f64::cos(-0.9) * f64::cos(0.8), f64::cos(-0.9) * f64::sin(0.8), f64::sin(-0.9));
     let tilts = held(&robot, &attitude(-0.9, Azimuth::Surface(0.5), &[0.0], 0.1), 0.3);
@@ -100,7 +100,7 @@ fn a_tolerance_tilts_the_tool_so_far_and_no_farther() {
 }
 
 #[test]
-fn what_an_arm_cannot_do_is_refused_with_the_reason() {
+fn an_orientation_beyond_the_arm_is_refused_with_the_reason() {
     let told = |stem: &str, attitude: Attitude| Inverse::new(&Chain::new(&robot(stem))).refusal(&attitude);
     let level = || Attitude::elevation(0.0);
     for stem in ["adept_cobra_s600", "abb_irb460"] {
@@ -119,10 +119,10 @@ fn what_an_arm_cannot_do_is_refused_with_the_reason() {
     assert_eq!(told("ur10", Attitude { azimuth: Azimuth::Surface(0.1), ..spun }), None);
 }
 
-/// The arm of the paper heads where its base turns: with an azimuth asked for, nodes beside it miss the
-/// attitude by the angle that is left.
+/// The arm of the paper points where its base turns. With a requested azimuth, nodes beside it miss the
+/// orientation by the remaining angle.
 #[test]
-fn an_arm_that_cannot_turn_its_tool_misses_the_azimuth_by_an_angle() {
+fn an_arm_that_cannot_turn_its_tool_reports_the_missing_azimuth_angle() {
     let cell = "from = \"hitachi_paper.toml\"\n[operation.map]\nbend_deg = -45\nazimuth_deg = 90\ntolerance_deg = 10\n";
     let name = crate::common::shipped("hitachi_paper.toml").operations[0].name.clone();
     let cell = from_text(&cell.replace("operation.map", &format!("operation.{name}"))).unwrap().cell;
@@ -134,7 +134,7 @@ fn an_arm_that_cannot_turn_its_tool_misses_the_azimuth_by_an_angle() {
     for node in &map.nodes {
         let p = node.position - Vector3::new(base.x, base.y, base.z);
         let off = wrapped(p.y.atan2(p.x) - at.yaw - std::f64::consts::FRAC_PI_2).abs();
-        // Outward or inward.
+        // The tool points outward or inward.
         let off = off.min(std::f64::consts::PI - off) - 10f64.to_radians();
         match node.status {
             Status::Attitude { by, .. } => {

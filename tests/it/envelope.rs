@@ -1,4 +1,4 @@
-//! The working envelope against geometry, against the inverse kinematics and against counting.
+//! Tests the working envelope against geometry, the inverse kinematics and Monte Carlo.
 
 use crate::common::{root, shipped};
 use nalgebra::{Vector3, vector};
@@ -8,13 +8,13 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use sweetspot::cell::{Attitude, Azimuth, Cell, Placement, Robot, Spin};
 use sweetspot::error_map::Outcome;
 use sweetspot::layout::{Workcell, evaluate};
-use sweetspot::reach::{Branch, Envelope, Fineness, Inverse, Reach, Region, Size};
+use sweetspot::reach::{Branch, Envelope, EnvelopeSection, Fineness, Inverse, Reach, Size};
 use sweetspot::robot::Chain;
 use sweetspot::{cell, files};
 
 const DOWN: f64 = -FRAC_PI_2;
 
-/// A row of a D-H table: kind, offset, r, l, alpha, limits (mm, degrees).
+/// Row of a D-H table: kind, offset, r, l, alpha, limits (mm, degrees).
 type Row = (&'static str, f64, f64, f64, f64, [f64; 2]);
 
 fn robot(rows: &[Row], axis: [f64; 3]) -> Robot {
@@ -49,7 +49,7 @@ fn text_of(rows: &[Row], axis: [f64; 3]) -> String {
 const WHOLE: [f64; 2] = [-180.0, 180.0];
 const TURN: &str = "revolute";
 
-/// Links of 600, 400 and 200 mm on a post of 700 mm, the tool along the last.
+/// Returns an arm with links of 600, 400 and 200 mm on a post of 700 mm and the tool along the last link.
 fn planar(first: [f64; 2]) -> Robot {
     let rows = [
         (TURN, 0.0, 700.0, 0.0, 90.0, first),
@@ -60,7 +60,7 @@ fn planar(first: [f64; 2]) -> Robot {
     robot(&rows, [1.0, 0.0, 0.0])
 }
 
-/// Links of 400 and 300 mm, the slide up to 200 mm down, the tool pointing down.
+/// Returns a SCARA with links of 400 and 300 mm, a slide up to 200 mm down, and the tool pointing down.
 fn scara(first: [f64; 2], second: [f64; 2]) -> Robot {
     let rows = [
         (TURN, 0.0, 800.0, 400.0, 0.0, first),
@@ -71,7 +71,7 @@ fn scara(first: [f64; 2], second: [f64; 2]) -> Robot {
     robot(&rows, [0.0, 0.0, 1.0])
 }
 
-/// The SCARA on a track of 1 000 mm along y, its post 800 mm high; modified rows.
+/// Returns the SCARA on a track of 1 000 mm along y with its post 800 mm high, in modified rows.
 fn on_track() -> Robot {
     let rows = [
         ("prismatic", 0.0, 0.0, 0.0, -90.0, [-500.0, 500.0]),
@@ -95,8 +95,8 @@ fn near(a: f64, b: f64, share: f64) -> bool {
     (a - b).abs() <= share * b.abs()
 }
 
-/// Shoelace formula, even-odd: what a point of the region would say of itself.
-fn holds(region: &Region, p: [f64; 2]) -> bool {
+/// Says whether a region holds a point, by the even-odd rule.
+fn holds(region: &EnvelopeSection, p: [f64; 2]) -> bool {
     let mut inside = false;
     for outline in &region.outlines {
         let next = outline.points.iter().cycle().skip(1);
@@ -109,9 +109,9 @@ fn holds(region: &Region, p: [f64; 2]) -> bool {
     inside
 }
 
-/// Round the shoulder, 200 mm lower for the tool that hangs down, from 200 to 1 000 mm.
+/// The annulus lies round the shoulder, 200 mm lower for the hanging tool, from 200 to 1 000 mm.
 #[test]
-fn the_planar_arm_has_its_annulus() {
+fn the_envelope_of_a_planar_arm_is_its_annulus() {
     let arm = inverse(&planar(WHOLE));
     let envelope = Envelope::new(&arm, &Attitude::elevation(DOWN), 0.0);
     let section = envelope.section(0.3, &fine(0.01));
@@ -121,7 +121,7 @@ fn the_planar_arm_has_its_annulus() {
         let from = r.hypot(z - 0.5);
         assert!((from - 1.0).abs() < 2e-5 || (from - 0.2).abs() < 2e-5, "({r}, {z}): {from}");
     }
-    // A plan cuts the two spheres: 0.1 m above their middle.
+    // The plan cuts the two spheres 0.1 m above their centre.
     let plan = envelope.plan(0.6, &fine(0.01));
     assert!(near(plan.area(), PI * (0.99 - 0.03), 3e-4), "{}", plan.area());
     assert!(envelope.plan(1.6, &fine(0.01)).is_empty());
@@ -137,9 +137,9 @@ fn the_planar_arm_has_its_annulus() {
     assert!((extent.widest - 0.5).abs() <= extent.within);
 }
 
-/// The tool at 30 degrees, outward or inward: the union of two discs less that of their holes.
+/// The tool at 30 degrees points outward or inward: the envelope is the union of two annuli.
 #[test]
-fn a_slanted_tool_gives_two_annuli() {
+fn a_slanted_tool_has_two_annular_envelopes() {
     let arm = inverse(&planar(WHOLE));
     let elevation = -PI / 6.0;
     let envelope = Envelope::new(&arm, &Attitude::elevation(elevation), 0.0);
@@ -155,12 +155,12 @@ fn a_slanted_tool_gives_two_annuli() {
     }
 }
 
-/// Joint 1 within +-90 degrees of x: an arm of whole turns leans back, so that all of the circle is
-/// reached; one that only reaches forward leaves a wedge.
+/// Joint 1 keeps within +-90 degrees of x. An arm of whole turns leans back and reaches the whole circle; one
+/// that only reaches forward leaves a wedge.
 #[test]
-fn the_limits_of_joint_1_cut_a_wedge() {
+fn the_limits_of_joint_1_cut_a_wedge_from_the_envelope() {
     let mut robot = planar([-60.0, 75.0]);
-    // The upper arm may not lean back.
+    // The upper arm must not lean back.
     robot.joints[1].limits = (-0.2, FRAC_PI_2 - 0.5);
     let arm = inverse(&robot);
     let envelope = Envelope::new(&arm, &Attitude::elevation(DOWN), 0.0);
@@ -168,22 +168,21 @@ fn the_limits_of_joint_1_cut_a_wedge() {
     assert!(!plan.is_empty());
     for [x, y] in plan.points() {
         let azimuth = y.atan2(x).to_degrees();
-        // The crossing is refined along one axis: near the base that is a wide angle.
+        // The crossing is refined along one axis, which is a wide angle near the base.
         let slack = (2e-5_f64 / x.hypot(y)).to_degrees() + 1e-9;
         assert!(azimuth > -60.0 - slack && azimuth < 75.0 + slack, "({x}, {y}): {azimuth}");
     }
-    // The volume by angles is that of the plans one over the other.
+    // The volume by angles equals that of stacked plans.
     let Size { volume, error, symmetric, .. } = envelope.size(&fine(0.01));
     let heights = (0..180).map(|k| -0.6 + 0.0125 * (f64::from(k) + 0.5));
     let stacked: f64 = heights.map(|z| 0.0125 * envelope.plan(z, &fine(0.02)).area()).sum();
     assert!(symmetric && (volume - stacked).abs() < error + 2e-3 * stacked, "{volume} {error} {stacked}");
 }
 
-/// Where both elbows are allowed the area is that of the ring; with joint 2 on one side only and
-/// joint 1 within a range of width w, the ring between the radii of both ends of joint 2 has w / 2
-/// (R^2 - r^2): the arm sweeps it as a rigid shape.
+/// With both elbows the area is that of the annulus. With joint 2 on one side only and joint 1 in a range of
+/// width w, the arm sweeps w / 2 (R^2 - r^2) as a rigid shape, between the radii of both ends of joint 2.
 #[test]
-fn the_scara_has_its_area() {
+fn the_envelope_of_a_scara_has_its_area() {
     let (l1, l2) = (0.4_f64, 0.3_f64);
     let radius2 = |q2: f64| l1 * l1 + l2 * l2 + 2.0 * l1 * l2 * q2.cos();
     let (w, ends) = (200.0_f64, [20.0_f64, 140.0]);
@@ -191,12 +190,13 @@ fn the_scara_has_its_area() {
     assert!(arm.family().starts_with("SCARA"), "{}", arm.family());
     let envelope = Envelope::new(&arm, &Attitude::elevation(DOWN), 0.0);
     let exact = w.to_radians() / 2.0 * (radius2(ends[0].to_radians()) - radius2(ends[1].to_radians()));
-    // The flange hangs 100 to 300 mm below 800 mm.
+    // The flange is 100 to 300 mm below 800 mm.
     let plan = envelope.plan(0.6, &fine(0.005));
     assert!(near(plan.area(), exact, 1e-3), "{} {exact}", plan.area());
     assert!(envelope.plan(0.75, &fine(0.02)).is_empty() && envelope.plan(0.45, &fine(0.02)).is_empty());
 
-    // Joint 1 makes no whole turns and the spin is tried in steps from x: counted in x, y, z.
+    // Joint 1 makes no whole turn and the spin is tried in steps from x, so the envelope is counted in x, y,
+    // z.
     assert!(!envelope.is_symmetric());
     let counted = envelope.size(&fine(0.04));
     let volume = exact * 0.2;
@@ -211,15 +211,15 @@ fn the_scara_has_its_area() {
     assert!(got.iter().zip(want).all(|(a, b)| (a - b).abs() < extent.within), "{extent:?} {want:?}");
 }
 
-/// Just inside every crossing a branch keeps all limits, just outside none does.
+/// Just inside every crossing a branch keeps all limits, and just outside none does.
 #[test]
-fn every_crossing_of_the_hitachi_is_one() {
+fn every_boundary_crossing_of_the_hitachi_is_real() {
     for name in ["hitachi_paper.toml", "hitachi_paper_parallelogram.toml"] {
         let robot = shipped(name).robot;
         let arm = inverse(&robot);
         let attitude = Attitude::elevation(DOWN);
         let envelope = Envelope::new(&arm, &attitude, 0.0);
-        let approach = arm.approach(&attitude, 0.0);
+        let approach = arm.tool_attitudes(&attitude, 0.0);
         let usable = |target: &Vector3<f64>| match arm.branches(target, &approach) {
             Reach::Branches(all) => all.iter().any(Branch::is_usable),
             _ => false,
@@ -231,7 +231,7 @@ fn every_crossing_of_the_hitachi_is_one() {
         let section = envelope.section(azimuth, &fine(step));
         let mut count = 0;
         for p in section.points() {
-            // The crossing lies on a line of the lattice: that is where it was refined.
+            // The crossing lies on a grid line, along which it was refined.
             let line = |v: f64| ((v / step - 0.5).round() - (v / step - 0.5)).abs() < 1e-9;
             let axis = if line(p[0]) { 1 } else { 0 };
             assert!(line(p[1 - axis]), "{p:?} lies on no line");
@@ -248,12 +248,12 @@ fn every_crossing_of_the_hitachi_is_one() {
             let p = [-1.7 + 0.00085 * f64::from(*k), 0.4 + 0.3 * f64::from(*k % 7)];
             holds(&section, p) != usable(&place(p))
         });
-        // Between the lines of the lattice corners are cut.
+        // Corners between the grid lines are cut.
         assert!(by_polygon.count() < 40);
     }
 }
 
-/// Seeded random points in a box, counted.
+/// Counts seeded random points of a box that lie in the envelope.
 fn monte_carlo(envelope: &Envelope<'_>, low: [f64; 3], high: [f64; 3], n: u32) -> (f64, f64) {
     let mut rng = ChaCha8Rng::seed_from_u64(7);
     let hits = (0..n).filter(|_| {
@@ -266,7 +266,7 @@ fn monte_carlo(envelope: &Envelope<'_>, low: [f64; 3], high: [f64; 3], n: u32) -
 }
 
 #[test]
-fn the_volume_is_what_counting_finds() {
+fn the_envelope_volume_agrees_with_monte_carlo() {
     let hitachi = shipped("hitachi_paper.toml").robot;
     let arm = inverse(&hitachi);
     let attitudes = [
@@ -283,11 +283,12 @@ fn the_volume_is_what_counting_finds() {
     }
 }
 
-/// The disc of the SCARA (radius 700 mm) drawn 1 m along y; the hole round its post is passed over.
+/// The envelope is the disc of the SCARA (radius 700 mm) swept 1 m along y. The sweep fills the hole round
+/// its post.
 #[test]
-fn a_track_draws_the_plan_along() {
+fn a_track_lengthens_the_envelope() {
     let arm = inverse(&on_track());
-    // Every spin is as good as any.
+    // Any spin will do.
     let attitude = Attitude { spin: Spin::At(vec![0.0]), ..Attitude::elevation(DOWN) };
     let envelope = Envelope::new(&arm, &attitude, 0.0);
     // Every target costs 25 times as much here.
@@ -305,9 +306,9 @@ fn a_track_draws_the_plan_along() {
     assert!((extent.radius.1 - 1.2).abs() < extent.within, "{extent:?}");
 }
 
-/// Whatever a posture inside the limits reaches lies in the shell.
+/// Every TCP that a posture inside the limits reaches lies in the shell.
 #[test]
-fn the_shell_holds_every_tcp() {
+fn the_reach_shell_contains_every_tcp() {
     let data = |name: &str| {
         let folder = root().join("tests/data");
         crate::common::load_from(&folder, name).unwrap_or_else(|f| panic!("{f:#?}")).cell.robot
@@ -340,31 +341,31 @@ fn the_shell_holds_every_tcp() {
             let attitude = Attitude::elevation(axis.z.atan2(axis.x.hypot(axis.y)));
             let shell = arm.shell(&attitude);
             let from = (tcp.translation - shell.centre).norm();
-            assert!(shell.gap((from, from)) == 0.0, "{} {q:?}: {from} {shell:?}", robot.name);
+            assert!(shell.gap(from, from) == 0.0, "{} {q:?}: {from} {shell:?}", robot.name);
             far = far.max(from / shell.outer);
             close = close.min((from - shell.inner) / shell.outer);
         }
         tightest.push((far, close));
     }
-    // And it is not much larger than it must be.
+    // The shell is not much larger than necessary.
     assert!(tightest.iter().all(|(far, _)| *far > 0.6), "{tightest:?}");
     assert!(tightest[0].1 < 0.35, "{tightest:?}");
 }
 
-/// What lies outside says so, and how far at least.
+/// The shell gives a lower bound of the distance to a target outside.
 #[test]
-fn the_shell_says_how_far() {
+fn the_reach_shell_gives_the_distance_outside() {
     let arm = inverse(&planar(WHOLE));
     let shell = arm.shell(&Attitude::elevation(DOWN));
     assert!((shell.centre - vector![0.0, 0.0, 0.5]).norm() < 1e-12, "{shell:?}");
     assert!((shell.outer - 1.0).abs() < 2e-6 && (shell.inner - 0.2).abs() < 2e-6, "{shell:?}");
-    assert!((shell.gap((1.5, 2.0)) - 0.5).abs() < 2e-6);
-    assert!((shell.gap((0.0, 0.15)) - 0.05).abs() < 2e-6);
-    assert_eq!(shell.gap((0.0, 3.0)), 0.0);
+    assert!((shell.gap(1.5, 2.0) - 0.5).abs() < 2e-6);
+    assert!((shell.gap(0.0, 0.15) - 0.05).abs() < 2e-6);
+    assert_eq!(shell.gap(0.0, 3.0), 0.0);
 }
 
-/// One operation on the worktable of the shipped cell, by the SCARA: a dear arm, whose unreachable
-/// layouts are seen before the node loop.
+/// Returns the worktable operation of the shipped cell with a SCARA, an expensive arm whose unreachable
+/// layouts are found before the node loop.
 fn scara_cell() -> Cell {
     let mut cell = shipped("hitachi_cell.toml");
     cell.robot = scara([-100.0, 100.0], [20.0, 140.0]);
@@ -373,10 +374,10 @@ fn scara_cell() -> Cell {
     cell
 }
 
-/// The map walks every node of every layout: nothing that it finds was discarded, and what is found is
-/// the same to the last bit.
+/// The map visits every node of every layout: nothing that it finds was discarded, and all values are equal
+/// to the bit.
 #[test]
-fn discarding_early_changes_no_objective() {
+fn the_reach_shell_changes_no_objective() {
     let workcell = Workcell::new(scara_cell()).unwrap();
     assert_ne!(workcell.inverse().cost(), sweetspot::reach::Cost::Low);
     let shell = workcell.inverse().shell(&workcell.cell.operations[0].attitude);
@@ -406,9 +407,10 @@ fn discarding_early_changes_no_objective() {
     assert!(found > 50 && lost > 50, "{found} found, {lost} discarded");
 }
 
-/// Farther away costs more, across the edge of the shell, too: the search feels its way back.
+/// A target farther away costs more, also across the edge of the shell, so that the search finds its way
+/// back.
 #[test]
-fn the_cost_grows_with_the_distance() {
+fn the_penalty_grows_with_the_distance() {
     let workcell = Workcell::new(scara_cell()).unwrap();
     let mut before = 0.0;
     for k in 0..60 {

@@ -1,14 +1,14 @@
-//! One shipped cell for each kinematic family: its map has usable nodes, its search finds a layout that
-//! is no worse than the one drawn, and what it reports is what `evaluate` says.
+//! Tests one shipped cell per kinematic family: its map has usable nodes, its search finds a layout no worse
+//! than the start, and `evaluate` confirms the result.
 
 use crate::common::shipped;
 use std::sync::atomic::AtomicBool;
 use sweetspot::cell::{Coordinate, Shape};
-use sweetspot::error_map::Status;
+use sweetspot::error_map::{NodeSign, Status};
 use sweetspot::layout::{Workcell, evaluate};
 use sweetspot::search::{Watch, search};
 
-/// Cells and how their arms are solved.
+/// Cells, and the method that solves their arms.
 const FAMILIES: [(&str, &str); 9] = [
     ("hitachi", "base yaw and three parallel axes (closed form)"),
     ("palletizer", "base yaw, three parallel axes, roll (closed form)"),
@@ -22,7 +22,7 @@ const FAMILIES: [(&str, &str); 9] = [
 ];
 
 #[test]
-fn every_family_is_mapped_and_searched() {
+fn every_robot_family_is_mapped_and_searched() {
     for (name, family) in FAMILIES {
         let cell = shipped(&format!("{name}_cell.toml"));
         let searched = |e: &sweetspot::cell::Equipment| {
@@ -36,7 +36,7 @@ fn every_family_is_mapped_and_searched() {
         assert_eq!(workcell.inverse().family(), family, "{name}");
         let start = evaluate(&workcell, &workcell.cell.start());
         for (map, outcome) in workcell.maps(&workcell.cell.start()).iter().zip(&start.outcomes) {
-            assert!(map.count("ok") >= 5, "{name}: {} nodes", map.count("ok"));
+            assert!(map.count(NodeSign::Usable) >= 5, "{name}: {} nodes", map.count(NodeSign::Usable));
             let spot = map.spot().unwrap();
             assert_eq!(*outcome, sweetspot::error_map::Outcome::Found(spot), "{name}");
             for node in map.nodes.iter().filter(|n| n.status == Status::Ok) {
@@ -55,16 +55,16 @@ fn every_family_is_mapped_and_searched() {
     }
 }
 
-/// A six-axis cell stands beside a mesh of about 10 000 triangles, and the arm can hit it.
+/// A six-axis cell stands beside a mesh of about 10 000 triangles, which the arm can hit.
 #[test]
-fn six_axes_beside_ten_thousand_triangles() {
+fn a_six_axis_cell_beside_ten_thousand_triangles_is_searched() {
     let mut cell = shipped("wrist_cell.toml");
     let solids = cell.equipment.iter().flat_map(|e| &e.solids);
     let triangles: usize =
         solids.map(|s| if let Shape::Mesh { triangles, .. } = &s.shape { triangles.len() } else { 0 }).sum();
     assert!((9_000..11_000).contains(&triangles), "{triangles} triangles");
     let machine = cell.equipment.iter().position(|e| e.name == "machine").unwrap();
-    // Over the table: what was free is in the way.
+    // The machine moves over the table and blocks free postures.
     let at = cell.start().placements[0];
     cell.equipment[machine].placement = [at.x, at.y - 0.15, at.z + 0.15, 0.0].map(Coordinate::Fixed);
     let workcell = Workcell::new(cell).unwrap();

@@ -1,17 +1,18 @@
-//! More than one goal: the measures against independent ones, the front and the shortlist against whole
-//! enumerations, checkpoints of both.
+//! Tests searches with several goals: goals against independent measures, front and shortlist against
+//! enumeration, and checkpoints of both.
 
 use crate::common::{from_text, shipped};
 use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
 use sweetspot::cell::{Cell, Coordinate, Goal, Goals, Layout, SearchSettings, Solver};
-use sweetspot::layout::{FAR, Workcell, evaluate};
+use sweetspot::layout::{MAX_CLEARANCE, Workcell, evaluate};
 use sweetspot::search::aim::weights;
 use sweetspot::search::{
     Checkpoint, Job, Moment, REALLY_DIFFERENT, SearchRecord, Space, Stopping, Unfit, Watch, search_job,
 };
 
-/// The paper's arm, two tables, a post; every free coordinate is a list of values.
+/// Returns a cell of the paper's arm, two tables and a post, in which every free coordinate is a list of
+/// values.
 fn listed_cell(work: &str, more: &str) -> Cell {
     let text = format!(
         "schema = \"sweetspot/cell/1\"\nunits = {{ length = \"mm\", angle = \"deg\" }}\nerrors = \"table-2\"\n\
@@ -33,7 +34,7 @@ fn listed_cell(work: &str, more: &str) -> Cell {
 const LISTS: &str = "x_mm = [0, -100, 100, 200, 300], y_mm = [1000, 700, 800, 900, 1100], z_mm = [600, 500], \
                      yaw_deg = [0, 30, 60]";
 
-/// Every layout of a cell whose free coordinates are lists.
+/// Returns every layout of a cell whose free coordinates are lists.
 fn every_layout(cell: &Cell) -> Vec<Layout> {
     let free = cell.free();
     let lists: Vec<&Vec<f64>> = free
@@ -80,7 +81,7 @@ fn run(
     (record, kept.into_inner().unwrap().1)
 }
 
-/// What is made small of every feasible layout.
+/// Returns the losses of every feasible layout, one per goal.
 fn enumerated(workcell: &Workcell, goals: &Goals) -> Vec<(Layout, Vec<f64>)> {
     let of = |layout: Layout| {
         let values = workcell.goals(&layout, &evaluate(workcell, &layout), goals)?;
@@ -91,7 +92,7 @@ fn enumerated(workcell: &Workcell, goals: &Goals) -> Vec<(Layout, Vec<f64>)> {
 
 fn losses(goals: &Goals, values: &[f64]) -> Vec<f64> {
     let smaller = |goal: Goal| matches!(goal, Goal::Error | Goal::Travel | Goal::Footprint);
-    // Below a nanometre, and the like, lies rounding.
+    // Values below a nanometre are rounding.
     let rounded = |v: f64| (v * 1e9).round() / 1e9;
     goals.iter().zip(values).map(|(g, v)| rounded(if smaller(g) { *v } else { -v })).collect()
 }
@@ -100,8 +101,8 @@ fn dominates(a: &[f64], b: &[f64]) -> bool {
     a.iter().zip(b).all(|(a, b)| a <= b) && a != b
 }
 
-/// The volume between points and a corner that is worse than all of them, by cells of the grid that their
-/// coordinates make.
+/// Returns the hypervolume between points and a corner worse than all of them, summed over the grid cells
+/// that their coordinates make.
 fn hypervolume(points: &[Vec<f64>], worst: &[f64]) -> f64 {
     let axes: Vec<Vec<f64>> = (0..worst.len())
         .map(|k| {
@@ -128,7 +129,7 @@ fn hypervolume(points: &[Vec<f64>], worst: &[f64]) -> f64 {
     volume
 }
 
-/// Losses as shares of what the enumeration spans.
+/// Scales losses to the range of the enumeration.
 fn scaled(all: &[Vec<f64>]) -> impl Fn(&Vec<f64>) -> Vec<f64> {
     let least: Vec<f64> =
         (0..all[0].len()).map(|k| all.iter().map(|a| a[k]).fold(f64::INFINITY, f64::min)).collect();
@@ -140,7 +141,7 @@ fn scaled(all: &[Vec<f64>]) -> impl Fn(&Vec<f64>) -> Vec<f64> {
 }
 
 #[test]
-fn the_front_is_that_of_the_enumeration() {
+fn the_front_agrees_with_enumeration() {
     let workcell = Workcell::new(listed_cell(LISTS, "")).unwrap();
     for named in [
         &[Goal::Error, Goal::Clearance][..],
@@ -177,7 +178,7 @@ fn the_front_is_that_of_the_enumeration() {
             assert!(!losses_of.iter().any(|a| dominates(a, f)), "{named:?}: {f:?} is dominated");
         }
         assert!(share >= 0.99, "{named:?}: {share}");
-        // No layout twice, and in order of the first goal.
+        // No layout occurs twice, and the order is that of the first goal.
         for (k, a) in record.alternatives.iter().enumerate() {
             let twin = record.alternatives[..k].iter().any(|b| a.candidate.layout == b.candidate.layout);
             assert!(!twin, "{named:?}: layout {k} comes twice");
@@ -186,9 +187,9 @@ fn the_front_is_that_of_the_enumeration() {
     }
 }
 
-/// With a budget that does not reach every layout, the front still covers nearly all.
+/// A budget too small for every layout still covers nearly all of the front.
 #[test]
-fn a_small_budget_covers_nearly_all_of_the_front() {
+fn a_small_budget_covers_most_of_the_front() {
     let workcell = Workcell::new(listed_cell(LISTS, "")).unwrap();
     let goals = goals(&[Goal::Error, Goal::Clearance, Goal::Travel]);
     let all: Vec<Vec<f64>> = enumerated(&workcell, &goals).into_iter().map(|(_, l)| l).collect();
@@ -210,10 +211,10 @@ fn a_small_budget_covers_nearly_all_of_the_front() {
     }
 }
 
-/// Distances of listed values count as shares of their number, all more than a twentieth here: any other
-/// layout really differs.
+/// Distances of listed values count as shares of their number, here all above a twentieth: every other layout
+/// differs enough.
 #[test]
-fn the_shortlist_is_that_of_the_enumeration() {
+fn the_shortlist_agrees_with_enumeration() {
     let workcell = Workcell::new(listed_cell(LISTS, "")).unwrap();
     let mut all: Vec<f64> = every_layout(&workcell.cell)
         .iter()
@@ -230,10 +231,10 @@ fn the_shortlist_is_that_of_the_enumeration() {
     }
 }
 
-/// Of ranges: every layout of the shortlist differs from the others by more than it says, they come best
-/// first, and none is worse than the enumeration of a grid by the same greedy rule.
+/// Every layout of a shortlist over ranges differs from the others by more than the stated distance. They
+/// come best first, and none is worse than the greedy choice from an enumerated grid.
 #[test]
-fn a_shortlist_of_ranges_really_differs() {
+fn a_shortlist_of_ranges_differs_by_the_least_distance() {
     let workcell = Workcell::new(listed_cell(
         "x_mm = { min = -200, max = 400, start = 0 }, y_mm = { min = 650, max = 1150, start = 900 }, z_mm = 600",
         "",
@@ -251,7 +252,7 @@ fn a_shortlist_of_ranges_really_differs() {
     let kept: Vec<f64> =
         record.alternatives.iter().map(|a| a.candidate.evaluation.objective.unwrap()).collect();
     assert!(kept.windows(2).all(|w| w[0] <= w[1]), "{kept:?}");
-    // The greedy rule over a grid of 41 by 41 and the listed values.
+    // The reference is the greedy rule over a grid of 41 by 41 and the listed values.
     let mut grid = Vec::new();
     for i in 0..41 * 41 {
         for (fx, fy) in [(0, 0), (1, 0), (2, 0), (0, 1), (1, 1), (2, 1)] {
@@ -276,12 +277,12 @@ fn a_shortlist_of_ranges_really_differs() {
 
 fn bits(record: &SearchRecord) -> String {
     let SearchRecord { best, evaluations, feasible, trace, ended, alternatives, .. } = record;
-    // Debug prints floats so that they come back to the bit.
+    // Debug prints floats so that they read back to the bit.
     format!("{best:?} {evaluations} {feasible} {trace:?} {ended:?} {alternatives:?}")
 }
 
 #[test]
-fn every_checkpoint_of_a_front_leads_to_the_same_bits() {
+fn every_checkpoint_of_a_front_resumes_to_the_same_bits() {
     let workcell = Workcell::new(shipped("hitachi_cell.toml")).unwrap();
     let own = workcell.cell.search;
     let pareto = goals(&[Goal::Error, Goal::Clearance, Goal::Travel]);
@@ -310,7 +311,7 @@ fn every_checkpoint_of_a_front_leads_to_the_same_bits() {
     }
 }
 
-/// Corners of the floor spaces of robot base and equipment, world plan, m.
+/// Returns the corners of the floor spaces of robot base and equipment, in the world, m.
 fn floor_corners(cell: &Cell, layout: &Layout) -> Vec<Vec<[f64; 2]>> {
     let corners = |r: &sweetspot::cell::Rectangle, at: &sweetspot::cell::Placement| {
         let (x, y) = (r.size.0 / 2.0, r.size.1 / 2.0);
@@ -328,7 +329,7 @@ fn floor_corners(cell: &Cell, layout: &Layout) -> Vec<Vec<[f64; 2]>> {
     all
 }
 
-/// Area of the convex hull: gift wrapping, then the shoelace formula.
+/// Returns the area of the convex hull by gift wrapping and the shoelace formula.
 fn hull_area(points: &[[f64; 2]]) -> f64 {
     let turn =
         |a: [f64; 2], b: [f64; 2], c: [f64; 2]| (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
@@ -355,13 +356,13 @@ fn hull_area(points: &[[f64; 2]]) -> f64 {
 }
 
 #[test]
-fn the_footprint_is_that_of_a_hull_wrapped_by_hand() {
+fn the_footprint_goal_agrees_with_a_gift_wrapped_hull() {
     let workcell = Workcell::new(listed_cell(LISTS, "")).unwrap();
     let all = enumerated(&workcell, &goals(&[Goal::Footprint]));
     assert!(all.len() > 500);
     for (layout, value) in all {
         let corners = floor_corners(&workcell.cell, &layout);
-        // The post, an obstacle, takes no floor of its own.
+        // The post is an obstacle without floor space.
         let posts = workcell.cell.equipment.iter().position(|e| e.name == "post").unwrap();
         let points: Vec<_> =
             corners.iter().enumerate().filter(|(k, _)| *k != posts).flat_map(|(_, c)| c.clone()).collect();
@@ -372,7 +373,7 @@ fn the_footprint_is_that_of_a_hull_wrapped_by_hand() {
 
 /// No joint of this arm turns far enough to have a choice of turns.
 #[test]
-fn travel_limits_and_error_are_those_of_the_maps() {
+fn the_travel_limit_and_error_goals_agree_with_the_maps() {
     let workcell = Workcell::new(listed_cell(LISTS, "")).unwrap();
     let named = goals(&[Goal::Travel, Goal::JointLimits, Goal::Error]);
     let joints = &workcell.cell.robot.joints;
@@ -400,16 +401,16 @@ fn travel_limits_and_error_are_those_of_the_maps() {
     }
 }
 
-/// Distance of a point from a box of a solid, m.
+/// Returns the distance of a point from a box, m.
 fn to_box(p: nalgebra::Vector3<f64>, pose: &sweetspot::pose::Pose, size: nalgebra::Vector3<f64>) -> f64 {
     let local = pose.rotation.transpose() * (p - pose.translation);
     (0..3).map(|k| (local[k].abs() - size[k] / 2.0).max(0.0).powi(2)).sum::<f64>().sqrt()
 }
 
-/// The robot by thousands of points along its capsules, the floor spaces by points along their edges: the
-/// nearest sample is never nearer than what is said, and hardly farther.
+/// The reference samples thousands of points along the capsules of the robot and the edges of floor spaces.
+/// The nearest sample is never nearer than the stated clearance, and hardly farther.
 #[test]
-fn the_clearance_is_that_of_many_samples() {
+fn the_clearance_goal_agrees_with_dense_sampling() {
     use sweetspot::cell::Shape;
     let workcell = Workcell::new(listed_cell(LISTS, "")).unwrap();
     let cell = &workcell.cell;
@@ -419,7 +420,7 @@ fn the_clearance_is_that_of_many_samples() {
         else {
             continue;
         };
-        let mut nearest = FAR;
+        let mut nearest = MAX_CLEARANCE;
         let maps = workcell.maps(layout);
         let chain = sweetspot::robot::Chain::new(&cell.robot);
         for (operation, map) in cell.operations.iter().zip(&maps) {
@@ -448,7 +449,7 @@ fn the_clearance_is_that_of_many_samples() {
         }
         let robot = nearest;
         let spaces = floor_corners(cell, layout);
-        // The last two are post and base, of which neither moves.
+        // The last two are post and base, which do not move.
         for (i, a) in spaces.iter().enumerate().take(spaces.len() - 2) {
             for b in &spaces[i + 1..] {
                 for (from, to) in [(a, b), (b, a)] {
@@ -468,7 +469,7 @@ fn the_clearance_is_that_of_many_samples() {
         let off = nearest - got[0];
         assert!((-1e-5..2e-3).contains(&off), "said {}, sampled {nearest} (robot {robot})", got[0]);
         match () {
-            () if got[0] == FAR => {}
+            () if got[0] == MAX_CLEARANCE => {}
             () if nearest < robot => in_plan += 1,
             () => by_robot += 1,
         }
@@ -477,7 +478,7 @@ fn the_clearance_is_that_of_many_samples() {
 }
 
 #[test]
-fn weights_lie_on_the_simplex_and_fill_it() {
+fn goal_weights_fill_the_simplex_evenly() {
     for goals in 2..=6 {
         let all: Vec<_> = (0..600).map(|run| weights(goals, run)).collect();
         for w in &all {

@@ -1,16 +1,16 @@
-//! The robot library: every file in cells/robots loads, says where its numbers are from, and puts the
-//! flange where a second description of the same robot has it (tests/data/robots.py).
+//! Tests the robot library: every file in cells/robots loads, cites its source, and puts the flange where a
+//! second description of the same robot has it (tests/data/robots.py).
 
 use crate::common::{from_text, root};
 use nalgebra::{Matrix3, Vector3};
 use serde_json::Value;
 use std::path::Path;
 use sweetspot::cell::{ErrorSet, JointVector, Robot, Shape};
-use sweetspot::clearance::{FloorPlan, Placed, Scene};
+use sweetspot::clearance::{FloorPlan, PlacedSolids, Scene};
 use sweetspot::files::Loaded;
 use sweetspot::robot::Chain;
 
-/// Names of the files in a folder below cells, without `.toml`.
+/// Returns the names of the files in a folder below cells, without `.toml`.
 fn names(folder: &str) -> Vec<String> {
     let entries = std::fs::read_dir(root().join("cells").join(folder)).unwrap();
     let paths = entries.map(|e| e.unwrap().path()).filter(|p| p.extension().is_some_and(|e| e == "toml"));
@@ -20,7 +20,7 @@ fn names(folder: &str) -> Vec<String> {
     names
 }
 
-/// A robot file in the smallest cell that uses one of its error sets.
+/// Loads a robot file in the smallest cell that uses one of its error sets.
 fn load(name: &str, set: &str, more: &str) -> Loaded {
     let text = format!(
         r#"
@@ -80,9 +80,9 @@ fn every_robot_loads_without_a_warning_and_has_its_sources() {
 }
 
 #[test]
-fn flanges_are_where_another_description_has_them() {
+fn flanges_agree_with_an_independent_description() {
     let golden = golden();
-    // That of a URDF has the goldens of its rows.
+    // A robot from a URDF has the golden poses of its rows.
     let described = names("robots").into_iter().filter(|name| name != "hitachi_pw10_urdf");
     assert_eq!(
         golden.as_object().unwrap().keys().cloned().collect::<Vec<_>>(),
@@ -102,7 +102,7 @@ fn flanges_are_where_another_description_has_them() {
     }
 }
 
-/// The first pose of the golden file is `home`: what the reader makes of it.
+/// The first pose of the golden file is `home` in the units of the reader.
 #[test]
 fn home_is_read_in_the_units_of_the_joints() {
     for (name, poses) in golden().as_object().unwrap() {
@@ -113,9 +113,10 @@ fn home_is_read_in_the_units_of_the_joints() {
     }
 }
 
-/// A passive joint has no home of its own; without the key an arm rests at 0, or else in the middle.
+/// A passive joint has no home of its own. Without the key an arm rests at 0, or else in the middle of its
+/// limits.
 #[test]
-fn home_is_zero_or_else_the_middle() {
+fn the_default_home_is_zero_or_the_middle_of_the_limits() {
     let stanford = std::fs::read_to_string(root().join("cells/robots/stanford_arm.toml")).unwrap();
     assert!(stanford.contains("limits_mm = [304.8, 1270]"), "the test needs a range without 0");
     let text = stanford.lines().filter(|line| !line.starts_with("home")).collect::<Vec<_>>().join("\n");
@@ -134,9 +135,9 @@ fn home_is_zero_or_else_the_middle() {
     assert!((home[2] - middle).abs() < 1e-12 && home[0] == 0.0 && home[4] == 0.0, "{home:?}");
 }
 
-/// What is drawn at the origin of link k of modified rows is at the k-th joint origin of the URDF.
+/// A solid at the origin of link k of modified rows lies at the k-th joint origin of the URDF.
 #[test]
-fn solids_of_modified_rows_are_in_the_frames_of_the_file() {
+fn solids_of_modified_dh_rows_are_in_the_frames_of_the_file() {
     let ball = |k| {
         format!(
             "[[robot.solid]]\nname = \"{k}\"\nlink = {k}\nsphere = {{ centre_mm = [0, 0, 0], radius_mm = 9 }}\n"
@@ -158,7 +159,7 @@ fn solids_of_modified_rows_are_in_the_frames_of_the_file() {
     }
 }
 
-/// A track counts: its first axis lies, and its travel is reach.
+/// A track counts as reach: its first axis is horizontal.
 #[test]
 fn no_flange_is_farther_from_the_base_axis_than_the_reach() {
     for (name, poses) in golden().as_object().unwrap() {
@@ -171,12 +172,12 @@ fn no_flange_is_farther_from_the_base_axis_than_the_reach() {
     assert!(track >= arm + 1.0, "{track} m, and {arm} m without the metre of travel");
 }
 
-/// The cells of the kinematic families, one each.
+/// Cells of the kinematic families, one each.
 const FAMILIES: [&str; 8] =
     ["five_axis", "offset_wrist", "palletizer", "panda", "scara", "track", "ur", "wrist"];
 
 #[test]
-fn cells_of_the_families_start_apart_and_with_the_arm_at_rest() {
+fn cells_of_the_families_start_without_overlap_and_collision() {
     for family in FAMILIES {
         let name = format!("{family}_cell.toml");
         let loaded =
@@ -186,7 +187,7 @@ fn cells_of_the_families_start_apart_and_with_the_arm_at_rest() {
         let mut overlaps = Vec::new();
         FloorPlan::new(cell).overlaps(&start, &mut overlaps);
         assert!(overlaps.is_empty(), "{name}: {overlaps:?}");
-        let (scene, mut placed, chain) = (Scene::new(cell), Placed::default(), Chain::new(&cell.robot));
+        let (scene, mut placed, chain) = (Scene::new(cell), PlacedSolids::default(), Chain::new(&cell.robot));
         scene.place(&start, &mut placed);
         let frames = chain.frames(&chain.posture(&cell.robot.home));
         assert_eq!(scene.hit(&placed, &frames.links, None), None, "{name} at home");

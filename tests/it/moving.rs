@@ -1,4 +1,4 @@
-//! What moves with the robot: tools from files, held parts, link meshes, and the robot against itself.
+//! Tests what moves with the robot: tools from files, held parts, link meshes, and the robot against itself.
 
 use crate::common::{root, shipped};
 use nalgebra::Vector3;
@@ -6,7 +6,8 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
 use sweetspot::cell::{Cell, MAX_JOINTS, Placement, Shape};
-use sweetspot::clearance::{Allowed, Hit, Placed, Remember, Scene, SolidRef};
+use sweetspot::clearance::{Allowed, ContactMemory, Hit, PlacedSolids, Remember, Scene, SolidRef};
+use sweetspot::error_map::NodeSign;
 use sweetspot::files;
 use sweetspot::files::Fault;
 use sweetspot::layout::Workcell;
@@ -15,7 +16,7 @@ use sweetspot::pose::Pose;
 type V = Vector3<f64>;
 type Frames = [Pose; MAX_JOINTS + 1];
 
-/// A cell of files in memory, with the shipped ones beside them.
+/// Loads a cell from files in memory, with the shipped files beside them.
 fn load(files: &[(&str, &str)]) -> Result<Cell, Vec<Fault>> {
     let files: BTreeMap<_, _> = files.iter().copied().collect();
     let loaded = files::load("cell.toml", &mut |path: &str| match files.get(path) {
@@ -35,15 +36,17 @@ fn refused(text: &str) -> Vec<String> {
 
 fn hit(cell: &Cell, frames: &Frames, operation: Option<usize>) -> Option<String> {
     let scene = Scene::new(cell);
-    let mut placed = Placed::default();
+    let mut placed = PlacedSolids::default();
     scene.place(&cell.start(), &mut placed);
     let hit = scene.hit(&placed, frames, operation);
-    assert_eq!(scene.is_free(&mut placed, frames, operation), hit.is_none());
-    assert_eq!(scene.is_free(&mut placed, frames, operation), hit.is_none());
+    let mut memory = ContactMemory::default();
+    for _ in 0..2 {
+        assert_eq!(scene.is_free(&placed, frames, operation, &mut memory), hit.is_none());
+    }
     hit.map(|h| h.in_words(cell))
 }
 
-/// All frames far up and apart but the last.
+/// Returns frames far up and apart, but for the last.
 fn lifted(last: Pose) -> Frames {
     let mut frames: Frames = std::array::from_fn(|k| at(0.0, 0.0, 90.0 + 10.0 * k as f64));
     (frames[0], frames[4]) = (Pose::identity(), last);
@@ -61,18 +64,18 @@ const GRIPPER: &str = "schema = \"sweetspot/tool/1\"\nunits = { length = \"mm\",
     solid = [{ name = \"jaws\", box = { centre_mm = [0, 0, 75], size_mm = [40, 40, 150] } }]\n";
 
 #[test]
-fn a_tool_file_takes_the_place_of_the_tool_of_the_robot() {
+fn a_tool_file_replaces_the_tool_of_the_robot() {
     let cell = "from = \"hitachi_paper.toml\"\n[robot]\ntool = { from = \"gripper.toml\" }\n";
     let robot = sound(&[("cell.toml", cell), ("gripper.toml", GRIPPER)]).robot;
     assert_eq!(robot.tool.translation, V::new(0.0, 0.0, 0.15));
     assert_eq!(robot.tool_axis, V::z());
     let last = robot.solids.last().unwrap();
     assert_eq!((last.link, &last.solid.name[..]), (4, "jaws"));
-    // Keys beside `from` win over its file; nothing comes from the robot's own tool.
+    // Keys beside `from` override its file, and nothing comes from the robot's own tool.
     let turned = "from = \"hitachi_paper.toml\"\n[robot.tool]\nfrom = \"gripper.toml\"\naxis = [0, 1, 0]\n";
     let robot = sound(&[("cell.toml", turned), ("gripper.toml", GRIPPER)]).robot;
     assert_eq!((robot.tool_axis, robot.tool.translation.z), (V::y(), 0.15));
-    // A robot file may name one, too, from its own folder.
+    // A robot file may name a tool from its own folder, too.
     let with = std::fs::read_to_string(root().join("cells/robots/hitachi_pw10.toml")).unwrap();
     let with =
         with.replace("[tool]\nposition_mm = [0, 0, 0]\naxis = [1, 0, 0]", "[tool]\nfrom = \"../g.toml\"");
@@ -96,7 +99,7 @@ fn wrong_tools_are_refused() {
 }
 
 #[test]
-fn held_parts_collide_for_their_operation_alone() {
+fn held_parts_collide_only_in_their_operation() {
     let text = |more: &str| {
         format!(
             "from = \"hitachi_cell.toml\"\n[operation.picking]\n\
@@ -109,8 +112,8 @@ fn held_parts_collide_for_their_operation_alone() {
         (&cell.operations[picking].name[..], cell.operations[picking].held.solids.len()),
         ("picking", 1)
     );
-    // The tool points down: z of the TCP, which the part follows, is horizontal; 140 mm beside the
-    // table's edge is free for the tool and not for the part.
+    // The tool points down, so z of the TCP, which the part follows, is horizontal. 140 mm beside the table's
+    // edge is free for the tool but not for the part.
     let down = Pose::from_translation_rpy(V::zeros(), V::new(0.0, std::f64::consts::FRAC_PI_2, 0.0));
     let table = cell.start().placements[0];
     let place = |dx: f64, z: f64| {
@@ -124,17 +127,17 @@ fn held_parts_collide_for_their_operation_alone() {
         Some("crate touches worktable (slab)")
     );
     assert_eq!(hit(&cell, &place(0.40, 0.58), Some(picking)), None);
-    // Over the conveyor, lying on it: only the equipment of the operation is spared, and only if so said.
+    // The part lies on the conveyor: only the equipment of the operation is exempt, and only on request.
     let belt = cell.start().placements[1];
     let lying = lifted(Pose { translation: V::new(belt.x, belt.y, 0.70), ..down });
     assert_eq!(hit(&cell, &lying, Some(picking)).as_deref(), Some("crate touches conveyor (belt)"));
     let spared = sound(&[("cell.toml", &text(", touches_surface = true"))]);
     assert_eq!(hit(&spared, &lying, Some(picking)), None);
     assert!(hit(&spared, &place(0.12, 0.58), Some(picking)).is_some());
-    // The part is part of the map of its own operation alone.
+    // The part exists only in the map of its own operation.
     let count = |cell: &Cell| {
         let workcell = Workcell::new(cell.clone()).unwrap();
-        workcell.maps(&cell.start()).iter().map(|m| m.count("ok")).collect::<Vec<_>>()
+        workcell.maps(&cell.start()).iter().map(|m| m.count(NodeSign::Usable)).collect::<Vec<_>>()
     };
     let (without, with) = (count(&shipped("hitachi_cell.toml")), count(&cell));
     assert_eq!(without[assembly], with[assembly]);
@@ -144,7 +147,7 @@ fn held_parts_collide_for_their_operation_alone() {
 // --- the robot against itself -------------------------------------------------------------------
 
 #[test]
-fn a_self_hit_names_both_and_can_be_allowed() {
+fn a_self_collision_names_both_links_and_can_be_allowed() {
     let folded = lifted(at(0.0, 0.1, 0.2));
     let cell = shipped("hitachi_cell.toml");
     assert_eq!(hit(&cell, &folded, None).as_deref(), Some("tool touches base"));
@@ -156,7 +159,7 @@ fn a_self_hit_names_both_and_can_be_allowed() {
         assert_eq!(hit(&cell, &folded, None), None, "{text}");
         let scene = Scene::new(&cell);
         let pair = (SolidRef::Robot(0), SolidRef::Robot(5));
-        let found = scene.own_pairs().iter().find(|p| (p.a, p.b) == pair);
+        let found = scene.self_collision_pairs().iter().find(|p| (p.a, p.b) == pair);
         assert_eq!(found.and_then(|p| p.allowed), allowed, "{text}");
     }
 }
@@ -173,22 +176,25 @@ fn wrong_lists_of_pairs_are_refused() {
     assert!(said("\"no\"").contains("must be a table"));
 }
 
-/// Solids that are drawn overlapping in every posture are allowed; one that moves away is not.
+/// Links drawn overlapping in every posture are allowed. A link that moves away is not.
 #[test]
-fn what_touches_in_every_posture_is_allowed() {
+fn links_that_touch_in_every_posture_are_allowed() {
     let mut cell = shipped("hitachi_cell.toml");
-    // A ball of 3 m round the base holds the forearm wherever it is; one of 0.5 m does not.
+    // A ball of 3 m round the base always contains the forearm. One of 0.5 m does not.
     for (radius, want) in [(3.0, Some(Allowed::AlwaysTouch)), (0.5, None)] {
         cell.robot.solids[0].solid.shape = Shape::Sphere { centre: V::zeros(), radius };
         let scene = Scene::new(&cell);
-        let found = scene.own_pairs().iter().find(|p| (p.a, p.b) == (SolidRef::Robot(0), SolidRef::Robot(4)));
+        let found = scene
+            .self_collision_pairs()
+            .iter()
+            .find(|p| (p.a, p.b) == (SolidRef::Robot(0), SolidRef::Robot(4)));
         assert_eq!(found.unwrap().allowed, want);
     }
 }
 
 // --- link meshes --------------------------------------------------------------------------------
 
-/// An L of two bars, 400 mm long and 100 mm thick, closed; m. Corners of the outline, bottom and top.
+/// Returns a closed L of two bars, 400 mm long and 100 mm thick (m): corners of the outline, bottom and top.
 fn angle_mesh() -> (Vec<V>, Vec<[u32; 3]>) {
     let outline = [(0.0, 0.0), (0.4, 0.0), (0.4, 0.1), (0.1, 0.1), (0.1, 0.4), (0.0, 0.4)];
     let level = |z: f64| outline.map(|(x, y)| V::new(x, y, z));
@@ -203,7 +209,7 @@ fn angle_mesh() -> (Vec<V>, Vec<[u32; 3]>) {
     ([level(0.0), level(0.1)].concat(), triangles)
 }
 
-/// The cell with the angle on its last link, alone, and a ball or box that can be put anywhere.
+/// Returns a cell with the angle alone on its last link, and a ball or box that can be put anywhere.
 fn with_angle(part: &str) -> Cell {
     let text = format!(
         "from = \"hitachi_paper.toml\"\ncollision = true\nfloor_mm = -100000\n[robot]\n\
@@ -219,7 +225,7 @@ fn with_angle(part: &str) -> Cell {
 
 const POINT: &str = "sphere = { centre_mm = [0, 0, 0], radius_mm = 0.001 }";
 
-/// Whether the angle touches the probe at a point of its file.
+/// Says whether the angle touches the probe at a point of its file.
 fn touches(cell: &Cell, point: &V, remember: &mut Remember<'_>) -> bool {
     let Shape::Mesh { pose, .. } = &cell.robot.solids[0].solid.shape else { panic!("no mesh") };
     let frame = Pose::from_translation_rpy(V::new(0.2, -0.1, 0.7), V::new(0.4, -0.5, 0.6));
@@ -227,16 +233,17 @@ fn touches(cell: &Cell, point: &V, remember: &mut Remember<'_>) -> bool {
     let mut layout = cell.start();
     *layout.placements.last_mut().unwrap() = Placement { x: p.x, y: p.y, z: p.z, yaw: 0.0 };
     let scene = Scene::remembering(cell, remember);
-    let mut placed = Placed::default();
+    let mut placed = PlacedSolids::default();
     scene.place(&layout, &mut placed);
     let hit = scene.hit(&placed, &lifted(frame), None);
     assert!(hit.is_none_or(|h| h.solid == SolidRef::Robot(0) && h != Hit { other: SolidRef::Floor, ..h }));
     hit.is_some()
 }
 
-/// Never smaller than the mesh, whatever division was kept; and two bars, not one lump.
+/// The collision shape is never smaller than the mesh, whatever decomposition was cached, and it has two
+/// bars.
 #[test]
-fn a_link_mesh_collides_wherever_its_surface_is() {
+fn a_link_mesh_collides_on_its_whole_surface() {
     let cell = with_angle(POINT);
     let (vertices, triangles) = angle_mesh();
     let mut rng = ChaCha8Rng::seed_from_u64(9);
@@ -270,9 +277,9 @@ fn a_link_mesh_collides_wherever_its_surface_is() {
     }
 }
 
-/// A division is asked for once for a mesh, and depends on its content alone.
+/// The decomposition of a mesh is computed once and depends on its content alone.
 #[test]
-fn the_division_is_remembered_by_content() {
+fn the_convex_decomposition_is_cached_by_content() {
     let mut cell = with_angle(POINT);
     let keys = |cell: &Cell| {
         let mut keys = Vec::new();

@@ -1,16 +1,17 @@
-//! The seed paper's robot and its comparison of the models (section 4.3) against figures worked out
+//! Tests the seed paper's robot and its comparison of the models (section 4.3) against values computed
 //! without this crate.
 
 use crate::common::shipped;
 use nalgebra::Vector3;
 use sweetspot::cell::{ErrorSet, MAX_JOINTS, Model};
+use sweetspot::error_map::NodeSign;
 use sweetspot::kinematic_error::{Discrepancy, Perturbation, discrepancy, position_error};
 use sweetspot::layout::Workcell;
 use sweetspot::robot::Chain;
 use sweetspot::units::mm_from_m;
 
 #[test]
-fn initial_position_of_the_end_effector() {
+fn the_initial_position_of_the_end_effector_matches_the_paper() {
     for name in ["hitachi_paper.toml", "hitachi_paper_parallelogram.toml"] {
         let chain = Chain::new(&shipped(name).robot);
         let pose = chain.forward(&chain.posture(&[0.0; MAX_JOINTS]));
@@ -19,9 +20,9 @@ fn initial_position_of_the_end_effector() {
     }
 }
 
-/// x, y, z and resultant in mm, to six decimals; some were cut, not rounded.
+/// The values are x, y, z and resultant in mm to six decimals. Some were cut, not rounded.
 #[test]
-fn errors_at_the_initial_position() {
+fn the_errors_at_the_initial_position_match_the_paper() {
     let figures = [
         ("table-3", Model::Nonlinear, [1.689215, 2.993310, 1.999417, 3.976307]),
         ("table-3", Model::Linear, [1.691003, 3.0, 2.0, 3.982397]),
@@ -42,7 +43,7 @@ fn errors_at_the_initial_position() {
     }
 }
 
-/// What eq. (9) says over the nodes that the robot reaches.
+/// Discrepancy of eq. (9) over the nodes that the robot reaches.
 struct Comparison {
     reached: usize,
     /// Largest discrepancies, percent, printed to three decimals.
@@ -51,13 +52,13 @@ struct Comparison {
     z: f64,
 }
 
-/// The paper's claim of at most 1 % holds for the resultant, and for y and z; not for x, which
+/// Checks the paper's claim of at most 1 %. It holds for the resultant, y and z, but not for x, which
 /// vanishes along a line across the table.
 fn check_comparison(name: &str, want: &Comparison) {
     let cell = shipped(name);
     let start = cell.start();
     let map = Workcell::new(cell).unwrap().maps(&start).remove(0);
-    assert_eq!((map.nodes.len(), map.count("ok")), (99, want.reached), "{name}");
+    assert_eq!((map.nodes.len(), map.count(NodeSign::Usable)), (99, want.reached), "{name}");
     let errors: Vec<_> = map.nodes.iter().filter_map(|n| n.posture.as_ref()).collect();
     let compared: Vec<_> = errors.iter().map(|e| discrepancy(&e.nonlinear, &e.linear)).collect();
     let largest = |of: fn(&Discrepancy) -> Option<f64>| compared.iter().filter_map(of).fold(0.0, f64::max);
@@ -72,7 +73,7 @@ fn check_comparison(name: &str, want: &Comparison) {
 }
 
 #[test]
-fn models_compared_over_the_table() {
+fn the_discrepancy_of_the_models_over_the_table_matches_the_paper() {
     check_comparison("hitachi_paper.toml", &Comparison { reached: 80, resultant: 0.190, y: 0.355, z: 0.317 });
     check_comparison(
         "hitachi_paper_parallelogram.toml",

@@ -1,9 +1,9 @@
-//! Reference values made with other libraries: see tests/data/README.md.
+//! Tests reference values made with other libraries: see tests/data/README.md.
 
 use crate::common::{data, from_text, root, shipped};
 use nalgebra::Vector3;
 use sweetspot::cell::{Cell, Layout, MAX_JOINTS, Model, Placement};
-use sweetspot::clearance::{Placed, Scene};
+use sweetspot::clearance::{PlacedSolids, Scene};
 use sweetspot::error_map::Outcome;
 use sweetspot::kinematic_error::{Perturbation, pose_error};
 use sweetspot::layout::{Workcell, evaluate};
@@ -14,7 +14,7 @@ fn joints(q: &[f64]) -> [f64; MAX_JOINTS] {
     std::array::from_fn(|i| q.get(i).copied().unwrap_or(0.0))
 }
 
-/// Work A: errors of 100 configurations by the nonlinear and the linearized model.
+/// Compares peer set A: errors of 100 configurations by the nonlinear and the linearized model.
 fn errors_agree(robot_cell: &Cell, name: &str) {
     let chain = Chain::new(&robot_cell.robot);
     let errors = Perturbation::new(&chain, crate::common::signed(robot_cell));
@@ -42,7 +42,7 @@ fn errors_agree(robot_cell: &Cell, name: &str) {
 }
 
 #[test]
-fn work_a_errors_of_hitachi_puma_and_ur5() {
+fn the_errors_of_peer_set_a_agree() {
     errors_agree(&shipped("hitachi_cell.toml"), "pw10");
     for name in ["puma560", "ur5"] {
         let text = std::fs::read_to_string(root().join(format!("tests/data/{name}.toml"))).unwrap();
@@ -51,9 +51,9 @@ fn work_a_errors_of_hitachi_puma_and_ur5() {
     }
 }
 
-/// Work C: 4 000 configurations against the cell at one layout. The reference has no floor.
+/// Peer set C has 4 000 configurations against the cell at one layout, without a floor.
 #[test]
-fn work_c_collision_flags() {
+fn the_collision_flags_of_peer_set_c_agree() {
     let mut cell = shipped("hitachi_cell.toml");
     let place = |x: f64, y: f64, z: f64, yaw: f64| Placement {
         x: x / 1e3,
@@ -64,8 +64,8 @@ fn work_c_collision_flags() {
     let mut layout = cell.start();
     layout.placements[0] = place(300.0, 1000.0, 600.0, 10.0);
     layout.placements[1] = place(1000.0, -400.0, 600.0, 80.0);
-    // Legs end at the floor, so it cannot just be lowered: solids are placed first.
-    let mut placed = Placed::default();
+    // Legs end at the floor, so the floor cannot simply be lowered: solids are placed first.
+    let mut placed = PlacedSolids::default();
     Scene::new(&cell).place(&layout, &mut placed);
     cell.floor = -100.0;
     let scene = Scene::new(&cell);
@@ -82,9 +82,9 @@ fn work_c_collision_flags() {
     }
 }
 
-/// Work D: f(x) of 2 000 layouts, put together from our evaluation by the rules of that work.
+/// Peer set D has f(x) of 2 000 layouts, computed here from our evaluation by its rules.
 #[test]
-fn work_d_layout_evaluations() {
+fn the_layout_evaluations_of_peer_set_d_agree() {
     let workcell = Workcell::new(shipped("hitachi_cell.toml")).unwrap();
     let (layouts, reference) = (data("d_layouts.bin"), data("d_ref.bin"));
     let mut worst: f64 = 0.0;

@@ -1,7 +1,7 @@
-//! The lower bound of the objective against brute force, known optima, random postures and layouts.
+//! Tests the lower bound of the objective against brute force, known optima, random postures and layouts.
 //!
-//! Brute force and postures come from the inverse kinematics and the gauge, of which the proof uses
-//! neither: it knows axes in space alone.
+//! Brute force and postures use the inverse kinematics and the gauge. The proof uses neither: it only knows
+//! axes in space.
 
 use crate::common::{root, shipped};
 use nalgebra::{Matrix3, Vector3, Vector6};
@@ -16,8 +16,8 @@ use sweetspot::cell::{
 use sweetspot::layout::{Workcell, evaluate};
 use sweetspot::pose::Pose;
 use sweetspot::proof::{Covers, Proof, ProofOptions, Region, WhyNot, prove, tangent};
-use sweetspot::reading::norm::Norm;
-use sweetspot::reading::{Site, Situation};
+use sweetspot::reading::norm::NormDistribution;
+use sweetspot::reading::{WorkContext, WorkFrame};
 use sweetspot::search::{Space, Watch, search};
 use sweetspot::units::{mm_from_m, rad_from_deg};
 
@@ -29,11 +29,11 @@ fn ready(cell: &Cell) -> Workcell {
     Workcell::new(cell.clone()).unwrap()
 }
 
-/// Brute force and search agree on it: tests/it/bound.rs.
+/// Lower bound of hitachi_cell, on which brute force and search agree: tests/it/bound.rs.
 const HITACHI_MM: f64 = 20.429670;
 
 #[test]
-fn hitachi_cell_is_closed() {
+fn the_bound_of_hitachi_cell_closes_its_gap() {
     let proof = proof_of(&ready(&shipped("hitachi_cell.toml")), 10_000);
     let bound = mm_from_m(proof.bound.unwrap());
     assert!((0.999 * HITACHI_MM..=HITACHI_MM).contains(&bound), "{bound}");
@@ -42,18 +42,19 @@ fn hitachi_cell_is_closed() {
     assert!(boxes < 1000, "{boxes}");
 }
 
-/// The least value of the first operation with the TCP at a radius and height (m) by inverse kinematics.
+/// Returns the least value of the first operation with the TCP at a radius and height (m) by inverse
+/// kinematics.
 fn at(workcell: &Workcell, radius: f64, height: f64) -> f64 {
     let operation = &workcell.cell.operations[0];
-    let (inverse, gauge) = (workcell.inverse(), workcell.gauge(0));
-    let site = Site {
+    let (inverse, gauge) = (workcell.inverse(), workcell.evaluator(0));
+    let site = WorkFrame {
         equipment: operation.equipment,
         work: Pose::identity(),
         world: nalgebra::Matrix3::identity(),
         taught: None,
     };
-    let situation = Situation { site, reference: None };
-    let approach = inverse.approach(&operation.attitude, 0.0);
+    let situation = WorkContext { site, reference: None };
+    let approach = inverse.tool_attitudes(&operation.attitude, 0.0);
     let (mut memory, mut least) = (gauge.memory(), f64::INFINITY);
     inverse.visit(&Vector3::new(radius, 0.0, height), &approach, &mut inverse.scratch(), |_, posture| {
         let value = gauge.value(&situation, &inverse.chain().frames(posture), &mut memory);
@@ -62,7 +63,7 @@ fn at(workcell: &Workcell, radius: f64, height: f64) -> f64 {
     least
 }
 
-/// A scan over radius and height, then finer and finer grids round the best: an upper bound of the least.
+/// Returns an upper bound of the least value by a scan over radius and height, then finer and finer grids.
 fn brute(workcell: &Workcell, (low, high): (f64, f64)) -> f64 {
     let reach = workcell.cell.robot.reach();
     let heights = if high - low < 1e-5 { 1 } else { 61 };
@@ -86,19 +87,19 @@ fn brute(workcell: &Workcell, (low, high): (f64, f64)) -> f64 {
     best.0
 }
 
-/// Whether joint coordinates keep limits, height and elevation and are worth what is said.
+/// Says whether joint coordinates keep limits, height and elevation and have the stated value.
 fn is_allowed(workcell: &Workcell, region: &Region, value: f64, q: &[f64; 8]) -> bool {
-    let (gauge, chain) = (workcell.gauge(0), workcell.inverse().chain());
+    let (gauge, chain) = (workcell.evaluator(0), workcell.inverse().chain());
     let frames = chain.frames(&chain.posture(q));
     let elevation = (frames.tcp.rotation * chain.tool_axis).z.asin();
     let (low, high) = region.elevation.unwrap();
-    let site = Site {
+    let site = WorkFrame {
         equipment: region.operation,
         work: Pose::identity(),
         world: nalgebra::Matrix3::identity(),
         taught: None,
     };
-    let again = gauge.value(&Situation { site, reference: None }, &frames, &mut gauge.memory());
+    let again = gauge.value(&WorkContext { site, reference: None }, &frames, &mut gauge.memory());
     let within = |x: f64, (low, high): (f64, f64), by: f64| low - by <= x && x <= high + by;
     chain.links.iter().zip(q).all(|(link, q)| within(*q, link.limits, 3e-6))
         && within(frames.tcp.translation.z, region.height, 1e-8)
@@ -106,9 +107,9 @@ fn is_allowed(workcell: &Workcell, region: &Region, value: f64, q: &[f64; 8]) ->
         && (again - value).abs() < 1e-12
 }
 
-/// Arms of random lengths, offsets, errors, limits, bends, heights, senses and models.
+/// Arms have random lengths, offsets, errors, limits, bends, heights, senses and models.
 #[test]
-fn random_planar_arms_by_brute_force() {
+fn the_bound_of_random_planar_arms_agrees_with_brute_force() {
     let mut rng = ChaCha8Rng::seed_from_u64(7);
     let (mut closed, mut reachable) = (0, 0);
     for case in 0..40 {
@@ -152,16 +153,16 @@ fn random_planar_arms_by_brute_force() {
         let region = Region::new(&cell, 0, None);
         let workcell = ready(&cell);
         let found = &proof_of(&workcell, 50_000).operations[0];
-        // Inside of the slack that the region allows.
+        // The heights exclude the slack of the region.
         let inside = (region.height.0 + 2e-6, (region.height.1 - 2e-6).max(region.height.0 + 2e-6));
-        // The grid may miss a corner of what is allowed; a witness counts if it is what it says.
+        // The grid may miss a corner of the region. A witness counts if its value is confirmed.
         let witness = found.witness.filter(|(value, q)| is_allowed(&workcell, &region, *value, q));
         let brute = brute(&workcell, inside).min(witness.map_or(f64::INFINITY, |w| w.0));
         match found.value {
             Ok(bound) => {
                 assert!(bound <= brute, "case {case}: {bound} above {brute}");
                 reachable += 1;
-                // What is nearly nothing is known to the slack of the heights.
+                // A value near zero is known to the slack of the heights.
                 let is_closed = bound >= 0.995 * brute - 1e-7;
                 closed += usize::from(is_closed);
                 if !is_closed {
@@ -178,26 +179,26 @@ fn random_planar_arms_by_brute_force() {
     assert!(reachable >= 20 && closed == reachable, "{closed} of {reachable} are closed");
 }
 
-/// Random postures that an operation could have in some layout are never below its bound.
+/// Checks that random postures which an operation could have in some layout are never below its bound.
 fn nothing_is_below(name: &str, cell: &Cell, boxes: u64, tries: usize) -> Proof {
     let workcell = ready(cell);
     let proof = proof_of(&workcell, boxes);
     let mut rng = ChaCha8Rng::seed_from_u64(11);
     for (k, found) in proof.operations.iter().enumerate() {
         let Ok(bound) = found.value else { continue };
-        let (operation, gauge, inverse) = (&cell.operations[k], workcell.gauge(k), workcell.inverse());
-        let region = Region::new(cell, k, inverse.kept_elevation());
-        let site = Site {
+        let (operation, gauge, inverse) = (&cell.operations[k], workcell.evaluator(k), workcell.inverse());
+        let region = Region::new(cell, k, inverse.fixed_elevation());
+        let site = WorkFrame {
             equipment: operation.equipment,
             work: Pose::identity(),
             world: nalgebra::Matrix3::identity(),
             taught: None,
         };
-        let situation = Situation { site, reference: None };
+        let situation = WorkContext { site, reference: None };
         let (mut memory, mut scratch) = (gauge.memory(), inverse.scratch());
         let mut least = f64::INFINITY;
         for _ in 0..tries {
-            let approach = inverse.approach(&operation.attitude, rng.random_range(-PI..PI));
+            let approach = inverse.tool_attitudes(&operation.attitude, rng.random_range(-PI..PI));
             let (reach, turn) = (cell.robot.reach(), rng.random_range(-PI..PI));
             let (low, high) = region.radius.unwrap_or((0.0, reach));
             let radius = rng.random_range(low..high.min(reach).max(low + 1e-9));
@@ -215,22 +216,22 @@ fn nothing_is_below(name: &str, cell: &Cell, boxes: u64, tries: usize) -> Proof 
 }
 
 #[test]
-fn no_posture_of_a_shipped_cell_is_below() {
+fn no_posture_of_a_shipped_cell_is_below_the_bound() {
     for name in ["hitachi_paper", "palletizer_cell", "scara_cell", "five_axis_cell", "wrist_cell", "ur_cell"]
     {
         let proof = nothing_is_below(name, &shipped(&format!("{name}.toml")), 5_000, 1_000);
         let small = !["wrist_cell", "ur_cell"].contains(&name);
         assert!(!small || proof.bound.unwrap() > 0.0, "{name}");
     }
-    // Too many joints for so few boxes: what is said must still hold.
+    // So many joints need more boxes, but the bound must still hold.
     for name in ["offset_wrist_cell", "panda_cell", "track_cell"] {
         nothing_is_below(name, &shipped(&format!("{name}.toml")), 2_000, 30);
     }
 }
 
-/// Every reading, model, quantity and sense that has a bound, on arms of three families.
+/// Every reading, model, quantity and sense with a bound is tried on arms of three families.
 #[test]
-fn no_posture_is_below_in_any_reading() {
+fn no_random_posture_is_below_the_bound_in_any_reading() {
     let readings = [
         (Reading::Signed, Quantity::Rms),
         (Reading::WorstCase, Quantity::Rms),
@@ -297,9 +298,9 @@ fn random_layouts_never_beat_the_bound() {
     }
 }
 
-/// The tangent that stands for a percentile: below it everywhere, and not far below where it touches.
+/// The tangent that replaces a percentile lies below it everywhere, and close to it where it touches.
 #[test]
-fn the_tangent_is_below_the_percentile() {
+fn the_tangent_bound_is_below_the_percentile() {
     let mut rng = ChaCha8Rng::seed_from_u64(5);
     let mut covariance = |rows: usize| {
         let thin: f64 = rng.random_range(0.0..1.0);
@@ -317,7 +318,7 @@ fn the_tangent_is_below_the_percentile() {
             let v = eigen.eigenvectors.column(k) * eigen.eigenvalues[k].max(0.0).sqrt();
             Vector6::new(v[0], v[1], v[2], 0.0, 0.0, 0.0)
         };
-        Norm::new(rows, &[column(0), column(1), column(2)], &[], &Vector6::zeros()).quantile(p)
+        NormDistribution::new(rows, &[column(0), column(1), column(2)], &[], &Vector6::zeros()).quantile(p)
     };
     for rows in 1..=3 {
         for (quantity, p) in [(Quantity::P95, 0.95), (Quantity::P99, 0.99)] {
@@ -337,7 +338,7 @@ fn the_tangent_is_below_the_percentile() {
 }
 
 #[test]
-fn without_errors_the_bound_is_nothing() {
+fn the_bound_without_errors_is_zero() {
     let mut cell = shipped("hitachi_cell.toml");
     let axes = cell.robot.axes();
     let none = vec![0.0; sweetspot::cell::Parameter::count(axes)];
@@ -347,7 +348,7 @@ fn without_errors_the_bound_is_nothing() {
 }
 
 #[test]
-fn what_cannot_be_reached_is_infeasible() {
+fn an_unreachable_operation_is_proved_infeasible() {
     let mut cell = shipped("hitachi_cell.toml");
     cell.operations[0].standoff = 5.0;
     let workcell = ready(&cell);
@@ -361,9 +362,9 @@ fn what_cannot_be_reached_is_infeasible() {
     );
 }
 
-/// Two joints that stand still leave one posture and its mirror images.
+/// Two joints of fixed angle leave one posture and its mirror images.
 #[test]
-fn limits_of_no_width() {
+fn the_bound_holds_for_joint_limits_of_no_width() {
     let mut cell = shipped("hitachi_cell.toml");
     cell.operations.truncate(1);
     let still = [None, Some(rad_from_deg(10.0)), Some(rad_from_deg(-22.0)), None];
@@ -373,20 +374,24 @@ fn limits_of_no_width() {
     let table = &mut cell.equipment[cell.operations[0].equipment].placement;
     table[2] = Coordinate::Range { min: -1.0, max: 2.0, start: 0.0 };
     let workcell = ready(&cell);
-    let (inverse, gauge) = (workcell.inverse(), workcell.gauge(0));
+    let (inverse, gauge) = (workcell.inverse(), workcell.evaluator(0));
     // With the tool down q4 follows.
     let q = [0.0, still[1].unwrap(), still[2].unwrap(), rad_from_deg(-78.0), 0.0, 0.0, 0.0, 0.0];
     let frames = inverse.chain().frames(&inverse.chain().posture(&q));
     assert!((frames.tcp.rotation * inverse.chain().tool_axis + Vector3::z()).norm() < 1e-12);
-    let site =
-        Site { equipment: 0, work: Pose::identity(), world: nalgebra::Matrix3::identity(), taught: None };
-    let value = gauge.value(&Situation { site, reference: None }, &frames, &mut gauge.memory());
+    let site = WorkFrame {
+        equipment: 0,
+        work: Pose::identity(),
+        world: nalgebra::Matrix3::identity(),
+        taught: None,
+    };
+    let value = gauge.value(&WorkContext { site, reference: None }, &frames, &mut gauge.memory());
     let bound = proof_of(&workcell, 1000).bound.unwrap();
     assert!(bound <= value && bound > 0.9995 * value, "{bound} {value}");
 }
 
 #[test]
-fn what_has_no_bound_says_why() {
+fn a_cell_without_a_bound_states_the_reason() {
     let proof = |change: &dyn Fn(&mut Cell)| {
         let mut cell = shipped("hitachi_cell.toml");
         change(&mut cell);
@@ -413,9 +418,9 @@ fn what_has_no_bound_says_why() {
     assert_eq!(share.operations[0].value, Err(WhyNot::Share));
 }
 
-/// One thread or two, the same bytes; stopped at once, what is said still holds.
+/// One thread and two give the same bytes. A stopped proof still holds.
 #[test]
-fn threads_and_stops() {
+fn the_proof_does_not_depend_on_threads_and_can_be_stopped() {
     let workcell = ready(&shipped("five_axis_cell.toml"));
     let [one, two] = [1, 2].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -424,7 +429,7 @@ fn threads_and_stops() {
     assert_eq!(one, two);
     let stopped = prove(&workcell, &ProofOptions::default(), &AtomicBool::new(true));
     assert!(stopped.interrupted && stopped.bound.is_none_or(|bound| bound <= one.bound.unwrap()));
-    // A value that is known from a layout saves boxes and leaves the bound where it was.
+    // A value known from a layout saves boxes and does not change the bound.
     let known = one.operations.iter().map(|o| o.witness.unwrap().0).collect();
     let options = ProofOptions { known: Some(known), ..ProofOptions::default() };
     let told = prove(&workcell, &options, &AtomicBool::new(false));
@@ -433,17 +438,17 @@ fn threads_and_stops() {
     );
 }
 
-/// Cells that are proven and searched in a moment; those of the figures are all that there are.
+/// Cells that are proved and searched in a moment. The figures take all cells.
 const CHEAP: [&str; 3] = ["hitachi_cell", "hitachi_paper", "palletizer_cell"];
 
-/// No layout that a search finds lies below the bound, nor does the one drawn. The figures of all cells
-/// in results/proof/README.md:
+/// Neither the start layout nor any layout found by a search lies below the bound. Figures of all cells for
+/// results/proof/README.md:
 ///
 /// ```text
 /// SWEETSPOT_FIGURES=1 cargo test --test it proof::figures -- --nocapture
 /// ```
 #[test]
-fn figures_of_cells() {
+fn the_proof_figures_of_the_cells_are_regenerated() {
     let all = std::env::var("SWEETSPOT_FIGURES").is_ok();
     let names = if all { shipped_cells() } else { CHEAP.map(String::from).into() };
     let rows: Vec<String> = names.iter().map(|name| figures(name, all)).collect();
@@ -464,7 +469,7 @@ fn shipped_cells() -> Vec<String> {
     names
 }
 
-/// A row of the table: with the whole effort of the command, or with little.
+/// Returns a row of the table, with the effort of the command if `whole`, or with little.
 fn figures(name: &str, whole: bool) -> String {
     let workcell = ready(&shipped(&format!("{name}.toml")));
     let unit = workcell.cell.unit();

@@ -1,4 +1,4 @@
-//! A search that was stopped anywhere and goes on ends in the bits of one that never was.
+//! Tests that a search stopped anywhere and resumed gives the bits of an uninterrupted one.
 
 use crate::common::shipped;
 use std::sync::Mutex;
@@ -15,7 +15,7 @@ fn settings(solver: Solver, budget: u64) -> SearchSettings {
     SearchSettings { solver, budget, seed: 3, ..shipped("hitachi_cell.toml").search }
 }
 
-/// Runs to the end, from a checkpoint if there is one; every checkpoint on the way as text.
+/// Runs to the end, from a checkpoint if there is one. Returns every checkpoint on the way as text.
 fn run(
     workcell: &Workcell,
     settings: &SearchSettings,
@@ -30,7 +30,7 @@ fn run(
     (record, kept.into_inner().unwrap())
 }
 
-/// What two records must share, floats as bits.
+/// Returns what two records must share, floats as bits.
 fn bits(record: &SearchRecord) -> (u64, u64, Vec<(u64, u64)>, String, Ended) {
     let trace = record.trace.iter().map(|(n, e)| (*n, e.to_bits())).collect();
     let best = format!("{:?} {}", record.best, record.best.evaluation.cost.to_bits());
@@ -42,7 +42,7 @@ fn checkpoint(text: &str) -> Checkpoint {
 }
 
 #[test]
-fn every_checkpoint_leads_to_the_same_bits() {
+fn every_checkpoint_resumes_to_the_same_bits() {
     let workcell = workcell();
     for solver in Solver::ALL {
         let settings = settings(solver, 260);
@@ -53,15 +53,15 @@ fn every_checkpoint_leads_to_the_same_bits() {
             let again = || run(&workcell, &settings, None, Some(text));
             let (record, after) = if k % 2 == 0 { again() } else { pool.install(again) };
             assert_eq!(bits(&record), bits(&whole), "{} from checkpoint {k}", solver.name());
-            // What comes after is what came after, too, so it may be killed again.
+            // The following checkpoints are equal, too, so the search may be killed again.
             assert_eq!(after.last(), kept.last(), "{} from checkpoint {k}", solver.name());
         }
     }
 }
 
-/// Over restarts and the polish of a longer search.
+/// Checkpoints span restarts and the polish of a longer search.
 #[test]
-fn checkpoints_of_any_run_lead_to_the_same_bits() {
+fn checkpoints_of_any_run_resume_to_the_same_bits() {
     let workcell = workcell();
     for solver in Solver::ALL {
         let settings = settings(solver, 9_000);
@@ -75,7 +75,7 @@ fn checkpoints_of_any_run_lead_to_the_same_bits() {
     }
 }
 
-/// Stopped by the flag instead: again and again, each time after some hundred more.
+/// The stop flag interrupts again and again, each time after some hundred evaluations more.
 #[test]
 fn a_search_stopped_many_times_ends_in_the_same_bits() {
     let workcell = workcell();
@@ -98,7 +98,7 @@ fn a_search_stopped_many_times_ends_in_the_same_bits() {
                 break;
             }
             let now = kept.into_inner().unwrap().unwrap();
-            // The record that is told is the one that is kept.
+            // The reported record is the one in the checkpoint.
             assert_eq!(now.evaluations(), record.evaluations, "{}", solver.name());
             assert!(record.evaluations < round * 377 + 100, "{}", solver.name());
             from = Some(now);
@@ -106,9 +106,9 @@ fn a_search_stopped_many_times_ends_in_the_same_bits() {
     }
 }
 
-/// A checkpoint under a larger budget or other rules gives what a search under these would have.
+/// A checkpoint resumed under a larger budget or other rules gives the search under these rules.
 #[test]
-fn other_rules_may_be_taken_up_on_the_way() {
+fn stopping_rules_may_change_on_resume() {
     let workcell = workcell();
     for solver in Solver::ALL {
         let first = settings(solver, 700);
@@ -127,12 +127,12 @@ fn other_rules_may_be_taken_up_on_the_way() {
                     Ok(()) => {
                         let (record, after) = run(&workcell, &next, bound, Some(text));
                         assert_eq!(bits(&record), bits(&whole), "{} {next:?}", solver.name());
-                        // And that one may be killed again.
+                        // The resumed search may be killed again.
                         let (record, _) =
                             run(&workcell, &next, bound, after.get(after.len() / 2).map(|t| &**t));
                         assert_eq!(bits(&record), bits(&whole), "{} {next:?}", solver.name());
                     }
-                    // Rightly refused: the whole search ended earlier.
+                    // The refusal is right: the whole search ended earlier.
                     Err(why) => assert!(
                         matches!(why, Unfit::Ended(_)) && whole.evaluations < checkpoint(text).evaluations(),
                         "{why:?}"
@@ -156,11 +156,11 @@ fn a_checkpoint_of_another_search_is_refused() {
     let small = Stopping { budget: used - 1, ..rules };
     assert_eq!(last.check(7, &small), Err(Unfit::Budget { used }));
     assert_eq!(last.check(7, &Stopping { budget: used, ..rules }), Ok(()));
-    // Another seed asks other points: the journal does not answer them.
+    // Another seed evaluates other points, so the journal does not match.
     let other = SearchSettings { seed: 4, ..settings };
     let (record, _) = run(&workcell, &other, None, kept.last().map(|t| &**t));
     assert_eq!(record.ended, Ended::Diverged);
-    // One bit of one point.
+    // One bit of one point is changed.
     let middle: Vec<&str> = kept[kept.len() / 2].split("\"asked\":[").collect();
     let (hash, rest) = middle[1].split_once(',').unwrap();
     let changed = format!("{}\"asked\":[{},{rest}", middle[0], hash.parse::<u64>().unwrap() ^ 1);
@@ -168,7 +168,7 @@ fn a_checkpoint_of_another_search_is_refused() {
 }
 
 #[test]
-fn the_gap_ends_a_search() {
+fn a_reached_gap_ends_a_search() {
     let workcell = workcell();
     let settings = SearchSettings { gap: Some(0.01), ..settings(Solver::CmaEs, 20_000) };
     let bound = 0.020429669;
@@ -180,7 +180,7 @@ fn the_gap_ends_a_search() {
     // Before the last generation the gap was wider.
     let before = record.trace.iter().rev().find(|(n, _)| *n + 20 < record.evaluations).unwrap();
     assert!(before.1 > bound * 1.01, "{before:?}");
-    // Without a bound it goes on.
+    // Without a bound the search goes on.
     let (record, _) = run(&workcell, &SearchSettings { budget: 6_000, ..settings }, None, None);
     assert_eq!((record.ended, record.gap()), (Ended::Done, None));
 }
@@ -193,7 +193,7 @@ fn stagnation_ends_a_search() {
         let (record, _) = run(&workcell, &settings, None, None);
         assert_eq!(record.ended, Ended::Stagnation, "{}", solver.name());
         assert!(record.evaluations < 60_000, "{}: {}", solver.name(), record.evaluations);
-        // The trace shows a pause of that length, between improvements worth the name.
+        // The trace shows a pause of that length between improvements.
         let mut steps = vec![record.trace[0]];
         for &(n, e) in &record.trace {
             if e < steps[steps.len() - 1].1 * (1.0 - 1e-6) {

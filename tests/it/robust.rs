@@ -1,20 +1,20 @@
-//! The refined spot and what misplacement does to a layout, against cells with moved numbers, finer
+//! Tests the refined spot and the effect of misplacement on a layout, against cells with moved numbers, finer
 //! grids and scans.
 
 use crate::common::{from_text, shipped};
 use std::sync::atomic::AtomicBool;
 use sweetspot::cell::{Cell, Layout, Slot};
 use sweetspot::error_map::{OperationMap, Outcome, Status};
-use sweetspot::layout::{Ended, Moves, Workcell, evaluate};
+use sweetspot::layout::{MisplacementEnd, Moves, Workcell, evaluate};
 use sweetspot::search::{Watch, search};
 use sweetspot::units::{m_from_mm, mm_from_m, rad_from_deg};
 
-/// Own placements, mm and degrees, of the robot base, a plinth and a table on it.
+/// Placements (mm, degrees) of the robot base, a plinth and a table on it.
 type Numbers = [[f64; 4]; 3];
 
 const DRAWN: Numbers = [[0.0; 4], [0.0, 1000.0, 400.0, 5.0], [30.0, -20.0, 200.0, -8.0]];
 
-/// What may be misplaced, and by how much.
+/// Coordinates that may be misplaced, and by how much.
 const LOOSE: [(usize, usize, f64); 5] = [(0, 0, 1.5), (1, 0, 2.0), (1, 3, 0.2), (2, 1, 3.0), (2, 2, 1.0)];
 
 fn stacked(numbers: &Numbers, more: &str, of_operation: &str) -> Cell {
@@ -41,7 +41,7 @@ fn stacked(numbers: &Numbers, more: &str, of_operation: &str) -> Cell {
     from_text(&text).unwrap_or_else(|f| panic!("{f:#?}")).cell
 }
 
-/// The file numbers of a misplacement.
+/// Returns the file numbers of a misplaced layout.
 fn moved(drawn: &Numbers, moves: &Moves) -> Numbers {
     let mut numbers = *drawn;
     for (slot, by) in moves {
@@ -56,14 +56,14 @@ fn moved(drawn: &Numbers, moves: &Moves) -> Numbers {
     numbers
 }
 
-/// The value of a node with its branch, as the map of a cell file says; None if it is lost.
+/// Returns the value of a node with its branch from the map of a cell file, or None if it is lost.
 fn node_value(map: &OperationMap, node: usize, branch: u32) -> Option<f64> {
     let node = &map.nodes[node];
     let posture = node.posture.as_ref().filter(|p| node.status == Status::Ok && p.branch == branch)?;
     Some(posture.value)
 }
 
-/// All corners of LOOSE, in any order.
+/// Returns all corners of LOOSE, in any order.
 fn corners(drawn: &Numbers) -> Vec<Numbers> {
     let corner = |pattern: usize| {
         let mut numbers = *drawn;
@@ -75,19 +75,19 @@ fn corners(drawn: &Numbers) -> Vec<Numbers> {
     (0..1 << LOOSE.len()).map(corner).collect()
 }
 
-/// What moves the equipment of the first operation to half a millimetre short of where it is lost.
+/// Returns moves of the equipment of the first operation to half a millimetre before its spot is lost.
 fn short_of(workcell: &Workcell) -> Moves {
     let layout = workcell.cell.start();
     let r = workcell.robustness(&layout, &workcell.maps(&layout))[0].clone().expect("a spot");
-    let Some(Ended::Lost(lost)) = r.shift.ended else { panic!("{:?}", r.shift) };
+    let Some(MisplacementEnd::Lost(lost)) = r.shift.ended else { panic!("{:?}", r.shift) };
     let share = (r.shift.most - 5e-4) / r.shift.most;
     lost.moves.iter().map(|(slot, by)| (*slot, by * share)).collect()
 }
 
 #[test]
-fn corners_are_those_of_cell_files_with_moved_numbers() {
+fn misplacement_corners_agree_with_moved_cell_files() {
     let mut lost_somewhere = 0;
-    // Moved to half a millimetre short of where the spot is lost.
+    // The equipment stands half a millimetre before the place where the spot is lost.
     let short = short_of(&Workcell::new(stacked(&DRAWN, "", "grid = [10, 5]")).unwrap());
     let near = moved(&DRAWN, &short);
     for (drawn, more, operation) in [
@@ -124,7 +124,7 @@ fn corners_are_those_of_cell_files_with_moved_numbers() {
         match (&robustness.worst, worst) {
             (Some(told), Some(worst)) => {
                 assert!((told.value - worst).abs() < 1e-9 * worst, "{more}: {} {worst}", told.value);
-                // The corner told is where it is so.
+                // The reported corner has the reported value.
                 let there = value_in(&moved(drawn, &told.moves)).unwrap();
                 assert!((told.value - there).abs() < 1e-9 * worst, "{more}: {} {there}", told.value);
                 assert!(told.value > robustness.value, "{more}");
@@ -141,12 +141,12 @@ fn corners_are_those_of_cell_files_with_moved_numbers() {
 }
 
 #[test]
-fn the_gradient_is_that_of_richardson() {
+fn the_gradient_agrees_with_richardson_extrapolation() {
     let operation = "points_mm = [[100, -100]]";
     let workcell = Workcell::new(stacked(&DRAWN, "", operation)).unwrap();
     let layout = workcell.cell.start();
     let robustness = workcell.robustness(&layout, &workcell.maps(&layout))[0].clone().unwrap();
-    // Its own four numbers, and those of the base and the plinth that may be off.
+    // The gradient has the equipment's own four numbers and those of base and plinth with a tolerance.
     assert_eq!(robustness.gradient.len(), 4 + 3);
     let mut steep = 0;
     for (slot, slope) in &robustness.gradient {
@@ -163,7 +163,8 @@ fn the_gradient_is_that_of_richardson() {
     assert!(steep >= 4, "too flat to tell anything");
 }
 
-/// One table before the robot of the paper; `more` is said of the operation, `tolerance` of the table.
+/// Returns a cell of one table before the paper's robot; `more` belongs to the operation, `tolerance` to the
+/// table.
 fn one_table(placement: &str, tolerance: &str, more: &str) -> Workcell {
     let text = format!(
         "schema = \"sweetspot/cell/1\"\nunits = {{ length = \"mm\", angle = \"deg\" }}\nerrors = \"table-2\"\n\
@@ -176,8 +177,8 @@ fn one_table(placement: &str, tolerance: &str, more: &str) -> Workcell {
 
 const THERE: &str = "x_mm = 0, y_mm = 1000, z_mm = 600, yaw_deg = 10";
 
-/// The operation of a layout at its drawn node and branch, asked by the map; None if lost or beyond the
-/// limit.
+/// Returns the operation of a layout at its drawn node and branch by the map, or None if it is lost or beyond
+/// the limit.
 fn keeps(workcell: &Workcell, layout: &Layout, (node, branch): (usize, u32)) -> bool {
     let value = node_value(&workcell.maps(layout)[0], node, branch);
     let overlaps = !evaluate(workcell, layout).overlaps.is_empty();
@@ -185,13 +186,13 @@ fn keeps(workcell: &Workcell, layout: &Layout, (node, branch): (usize, u32)) -> 
     !overlaps && value.is_some_and(|v| v <= limit)
 }
 
-/// The first of many scales at which one of the layouts does not keep it.
+/// Returns the first of many scales at which one of the layouts does not keep the operation.
 fn first_failing(scales: impl Iterator<Item = f64>, keeps: impl Fn(f64) -> bool) -> f64 {
     scales.into_iter().find(|s| !keeps(*s)).expect("it fails somewhere")
 }
 
 #[test]
-fn the_largest_misplacement_is_that_of_a_scan() {
+fn the_largest_misplacement_agrees_with_a_scan() {
     let tolerance = "placement_tolerance = { x_mm = 2, yaw_deg = 0.2 }";
     let mut limited = 0;
     for (more, share) in
@@ -214,8 +215,8 @@ fn the_largest_misplacement_is_that_of_a_scan() {
         let between = |most: f64, first: f64, step: f64| {
             assert!(most < first && most >= first - step, "{more}: {most}, the scan says {first}");
         };
-        // In three times the directions that were looked at: what is told holds between those, too, and is
-        // no more than the share of that and a step too careful.
+        // In three times as many directions the result holds between the tried ones, too, and is no more
+        // cautious than their spacing and a step.
         let around = |r: f64| {
             (0..48).all(|k| {
                 let (sin, cos) = (std::f64::consts::TAU * f64::from(k) / 48.0).sin_cos();
@@ -239,18 +240,18 @@ fn the_largest_misplacement_is_that_of_a_scan() {
             None => assert!(boxed(scale.most)),
         }
         assert_eq!(r.holds(), scale.most >= 1.0, "{more}");
-        limited += usize::from(matches!(r.shift.ended, Some(Ended::Limit(_))));
+        limited += usize::from(matches!(r.shift.ended, Some(MisplacementEnd::Limit(_))));
     }
     assert!(limited > 0, "no limit was ever met");
 }
 
 #[test]
-fn a_requirement_missed_as_drawn_leaves_no_room() {
+fn a_requirement_missed_at_the_nominal_layout_allows_no_misplacement() {
     let workcell = one_table(THERE, "", "points_mm = [[100, -100]]\nlimit_mm = 5");
     let layout = workcell.cell.start();
     let r = workcell.robustness(&layout, &workcell.maps(&layout))[0].clone().unwrap();
     assert_eq!((r.shift.most, r.turn.most, r.scale, r.worst), (0.0, 0.0, None, None));
-    assert!(matches!(r.shift.ended, Some(Ended::Limit(_))));
+    assert!(matches!(r.shift.ended, Some(MisplacementEnd::Limit(_))));
 }
 
 #[test]
@@ -280,9 +281,9 @@ fn the_refined_spot_is_as_good_as_a_fine_grid() {
         let fine = with("grid = [60, 40]");
         let least = fine.maps(&layout)[0].value.unwrap();
         assert!(refined.value <= least * (1.0 + 1e-9), "{placement}: {} {least}", refined.value);
-        // A grid of some centimetres cannot be much worse than what lies between.
+        // A grid of some centimetres cannot be much worse than the points between its nodes.
         assert!(refined.value > least * 0.97, "{placement}: {} {least}", refined.value);
-        // A node just there says the same.
+        // A node exactly there has the same value.
         let (x, y) = (mm_from_m(refined.at.0), mm_from_m(refined.at.1));
         let there = with(&format!("points_mm = [[{x:?}, {y:?}]]\nover = \"best\""));
         let map = &there.maps(&layout)[0];
@@ -310,7 +311,7 @@ fn the_refined_spot_of_shipped_cells_is_no_worse_and_keeps_off_touched_points() 
         for (map, refined) in maps.iter().zip(workcell.refined(&layout, &maps)) {
             let refined = refined.expect("a spot");
             assert!(refined.value <= map.value.unwrap() && refined.gain() >= 0.0, "{name}");
-            // Beside a point that was touched the error is nothing by the rule of its frame.
+            // Beside a taught point the rule of its frame removes the error.
             let touched = map.nodes.iter().filter(|n| n.posture.as_ref().is_some_and(|p| p.touched));
             let least = touched.map(|n| (n.position - refined.position).norm()).fold(f64::INFINITY, f64::min);
             assert!(least > 0.05, "{name}: {least}");
@@ -319,7 +320,7 @@ fn the_refined_spot_of_shipped_cells_is_no_worse_and_keeps_off_touched_points() 
     }
 }
 
-/// The same cell, asked for its worst over the placement tolerances.
+/// Returns the same cell, evaluated at its worst over the placement tolerances.
 fn robust(workcell: &Workcell) -> Workcell {
     let mut cell = workcell.cell.clone();
     cell.search.robust = true;
@@ -329,7 +330,7 @@ fn robust(workcell: &Workcell) -> Workcell {
 const LOOSE_TABLE: &str = "placement_tolerance = { x_mm = 2, y_mm = 2, z_mm = 1, yaw_deg = 0.2 }";
 
 #[test]
-fn robust_evaluation_is_the_least_worst_of_all_nodes() {
+fn the_robust_evaluation_is_the_least_worst_case_of_all_nodes() {
     let mut chosen_otherwise = 0;
     let tables = [(0.0, 1000.0, 10.0), (200.0, 1050.0, -15.0), (-300.0, 900.0, 30.0)];
     for ((x, y, yaw), near) in tables.into_iter().flat_map(|t| [(t, false), (t, true)]) {
@@ -373,16 +374,16 @@ fn robust_evaluation_is_the_least_worst_of_all_nodes() {
 }
 
 #[test]
-fn tolerances_do_not_change_what_is_not_robust() {
+fn placement_tolerances_do_not_change_a_nominal_evaluation() {
     let [exact, loose] = ["", LOOSE_TABLE].map(|tolerance| one_table(THERE, tolerance, "grid = [10, 8]"));
     let layout = exact.cell.start();
     assert_eq!(evaluate(&exact, &layout), evaluate(&loose, &layout));
-    // And nothing is worth less misplaced than as drawn.
+    // No value improves under misplacement.
     assert!(evaluate(&robust(&loose), &layout).cost > evaluate(&loose, &layout).cost);
 }
 
 #[test]
-fn what_may_overlap_is_no_robust_layout() {
+fn a_layout_that_may_overlap_is_not_robust() {
     let block = |x: f64| {
         format!(
             "grid = [10, 8]\n[obstacle.block]\nfootprint = {{ size_mm = [200, 900] }}\n\
@@ -396,14 +397,14 @@ fn what_may_overlap_is_no_robust_layout() {
         let layout = workcell.cell.start();
         assert!(evaluate(&workcell, &layout).objective.is_some());
         let evaluation = evaluate(&robust(&workcell), &layout);
-        // Turned by 0.2 degrees about its middle, the corner of the table is 1.2 mm farther out.
+        // Turned by 0.2 degrees about its centre, the table's corner is 1.2 mm farther out.
         assert_eq!(evaluation.objective.is_some(), feasible, "{gap}");
         assert!(evaluation.cost.is_finite() && (evaluation.cost < 1000.0) == feasible);
     }
 }
 
 #[test]
-fn a_robust_search_beats_the_worst_of_the_nominal_layout() {
+fn a_robust_search_beats_the_worst_case_of_the_nominal_layout() {
     let placement = "x_mm = { min = -400, max = 400 }, y_mm = { min = 800, max = 1300 }, z_mm = { min = 500, max = 800 }, \
                      yaw_deg = { min = -20, max = 20 }";
     let nominal = one_table(placement, LOOSE_TABLE, "grid = [6, 4]");
@@ -419,7 +420,7 @@ fn a_robust_search_beats_the_worst_of_the_nominal_layout() {
     let as_drawn = evaluate(&robust, &drawn.layout);
     assert!(hardened.evaluation.cost < as_drawn.cost, "{} {}", hardened.evaluation.cost, as_drawn.cost);
     let worst = hardened.evaluation.objective.expect("feasible");
-    // As drawn it cannot be better than the nominal layout, by much.
+    // A cell with tolerances cannot be better than the nominal layout, by a margin.
     assert!(worst > drawn.evaluation.objective.unwrap());
     let maps = robust.maps(&hardened.layout);
     let told = robust.robustness(&hardened.layout, &maps)[0].clone().unwrap();
@@ -428,7 +429,7 @@ fn a_robust_search_beats_the_worst_of_the_nominal_layout() {
 }
 
 #[test]
-fn tolerances_are_read_in_si() {
+fn placement_tolerances_are_read_in_si_units() {
     let text = std::fs::read_to_string(crate::common::root().join("tests/data/every_key.toml")).unwrap();
     let cell = from_text(&text).unwrap_or_else(|f| panic!("{f:#?}")).cell;
     let close = |a: [f64; 4], b: [f64; 4]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-15);
@@ -436,6 +437,6 @@ fn tolerances_are_read_in_si() {
     assert!(close(cell.equipment[0].tolerance.0, [0.002, 0.003, 0.001, std::f64::consts::PI / 900.0]));
     assert_eq!(cell.equipment[1].tolerance.0, [0.0; 4]);
     assert!(cell.search.robust && cell.has_placement_tolerance());
-    // The base in two numbers, the table in four; what is exact is not told.
+    // The base has two tolerances, the table four. Exact coordinates are not listed.
     assert_eq!(cell.placement_tolerances().iter().map(Vec::len).collect::<Vec<_>>(), [2, 4]);
 }

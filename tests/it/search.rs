@@ -1,4 +1,4 @@
-//! The search against what is known of its answers: a proven bound, whole scans, small dimensions.
+//! Tests the search against known answers: a proven bound, complete scans, small dimensions.
 
 use crate::common::{from_text, shipped};
 use rayon::prelude::*;
@@ -17,11 +17,11 @@ fn run(workcell: &Workcell, settings: SearchSettings) -> SearchRecord {
     record
 }
 
-/// What holds for every search.
+/// Checks what holds for every search.
 fn check(workcell: &Workcell, settings: &SearchSettings, record: &SearchRecord) {
     assert!(record.evaluations <= settings.budget.max(1), "{} evaluations", record.evaluations);
     assert!(record.feasible <= record.evaluations);
-    // What is reported is what `evaluate` says, to the bit.
+    // Reported values equal those of `evaluate`, to the bit.
     for candidate in [&record.start, &record.best] {
         let again = evaluate(workcell, &candidate.layout);
         assert_eq!(bits(&again), bits(&candidate.evaluation));
@@ -41,7 +41,7 @@ fn bits(evaluation: &Evaluation) -> (Option<u64>, u64) {
     (evaluation.objective.map(f64::to_bits), evaluation.cost.to_bits())
 }
 
-/// Free coordinates between the ends of their ranges, fixed ones untouched.
+/// Checks that free coordinates lie in their ranges and fixed ones are untouched.
 fn lies_in_its_ranges(cell: &Cell, layout: &Layout) {
     for (equipment, p) in cell.equipment.iter().zip(&layout.placements) {
         for (coordinate, value) in equipment.placement.iter().zip([p.x, p.y, p.z, p.yaw]) {
@@ -55,7 +55,7 @@ fn lies_in_its_ranges(cell: &Cell, layout: &Layout) {
     }
 }
 
-/// Error at its spot of every operation, m; None if one has none.
+/// Returns the error at the spot of every operation (m), or None if one has none.
 fn errors(evaluation: &Evaluation) -> Option<Vec<f64>> {
     let of = |o: &Outcome| match o {
         Outcome::Found(spot) => Some(spot.value),
@@ -68,7 +68,7 @@ fn settings(solver: Solver, budget: u64) -> SearchSettings {
     SearchSettings { solver, budget, ..SearchSettings::default() }
 }
 
-/// A cell of one table; `placement` and `more` are TOML.
+/// Returns a cell of one table; `placement` and `more` are TOML.
 fn one_table(placement: &str, more: &str) -> Workcell {
     let text = format!(
         "schema = \"sweetspot/cell/1\"\nunits = {{ length = \"mm\", angle = \"deg\" }}\nerrors = \"table-2\"\n\
@@ -80,9 +80,9 @@ fn one_table(placement: &str, more: &str) -> Workcell {
     Workcell::new(from_text(&text).unwrap_or_else(|f| panic!("{f:#?}")).cell).unwrap()
 }
 
-/// The bound is proven: the least error of either operation anywhere on the floor.
+/// Proven bound: the least error of both operations anywhere on the floor.
 const BOUND_MM: f64 = 20.429669;
-/// The best layout reaches it: work D of the peers.
+/// Objective of the best layout by peer set D, which reaches the bound.
 const OPTIMUM_MM: f64 = 20.42967;
 
 #[test]
@@ -98,7 +98,7 @@ fn ten_seeds_come_within_a_hundredth_of_the_proven_bound() {
     }
 }
 
-/// pycma, the peer, gets there with 10 of 10 seeds. The gap is to what this program proves itself.
+/// pycma, the peer, succeeds with 10 of 10 seeds. The gap is to the bound proved by this program.
 #[test]
 fn thirty_seeds_come_within_a_thousandth_of_the_bound_in_2000_evaluations() {
     let workcell = Workcell::new(shipped("hitachi_cell.toml")).unwrap();
@@ -126,7 +126,7 @@ fn every_solver_gets_near_the_bound() {
 }
 
 #[test]
-fn same_seed_same_record_for_any_number_of_threads() {
+fn one_seed_gives_the_same_record_for_any_number_of_threads() {
     let workcell = Workcell::new(shipped("hitachi_cell.toml")).unwrap();
     for solver in Solver::ALL {
         let with = |threads: usize, seed: u64| {
@@ -141,9 +141,9 @@ fn same_seed_same_record_for_any_number_of_threads() {
     }
 }
 
-/// The search stops where it is told to, with what it has.
+/// The search stops when asked, with the best layout so far.
 #[test]
-fn the_stop_flag_interrupts() {
+fn the_stop_flag_interrupts_a_search() {
     let workcell = Workcell::new(shipped("hitachi_cell.toml")).unwrap();
     for solver in Solver::ALL {
         for after in [0, 1, 500] {
@@ -176,7 +176,7 @@ fn progress_counts_up_to_the_budget() {
 
 /// The smallest budgets end every solver, and the polish, anywhere.
 #[test]
-fn any_budget_is_kept() {
+fn a_search_keeps_any_budget() {
     let workcell = Workcell::new(shipped("hitachi_cell.toml")).unwrap();
     for solver in Solver::ALL {
         for budget in (1..=60).chain([79, 80, 81, 99, 120, 399, 400, 401]) {
@@ -186,9 +186,9 @@ fn any_budget_is_kept() {
     }
 }
 
-/// The layout as drawn is a candidate, too: no answer may be worse.
+/// The start layout is a candidate, so no answer may be worse.
 #[test]
-fn the_answer_is_never_worse_than_the_layout_as_drawn() {
+fn a_search_is_never_worse_than_the_start_layout() {
     let workcell = Workcell::new(shipped("hitachi_cell.toml")).unwrap();
     for solver in Solver::ALL {
         for budget in [100, 150, 300, 1000] {
@@ -197,7 +197,7 @@ fn the_answer_is_never_worse_than_the_layout_as_drawn() {
             assert!(best <= start, "{} {budget}: {best} after {start}", solver.name());
         }
     }
-    // Nor where the layout is drawn finer than the search rounds, whichever way it rounds.
+    // The start layout may be finer than the rounding of the search, in either direction.
     for fine in [-4e-7, 4e-7] {
         let mut cell = workcell.cell.clone();
         let Coordinate::Range { start, .. } = &mut cell.equipment[0].placement[1] else { panic!("fixed") };
@@ -209,7 +209,7 @@ fn the_answer_is_never_worse_than_the_layout_as_drawn() {
 }
 
 #[test]
-fn one_free_variable_is_searched_by_every_solver() {
+fn every_solver_searches_one_free_coordinate() {
     for (free, fixed) in [
         ("y_mm = { min = -1500, max = 1500 }", "x_mm = 0, z_mm = 650"),
         ("yaw_deg = { min = -180, max = 180 }", "x_mm = 0, y_mm = 900, z_mm = 650"),
@@ -226,7 +226,7 @@ fn one_free_variable_is_searched_by_every_solver() {
 }
 
 #[test]
-fn no_free_variable_leaves_nothing_to_search() {
+fn a_cell_without_free_coordinates_is_evaluated_once() {
     for (y, found) in [(900, true), (9000, false)] {
         let workcell = one_table(&format!("x_mm = 0, y_mm = {y}, z_mm = 650"), "");
         for solver in Solver::ALL {
@@ -238,18 +238,18 @@ fn no_free_variable_leaves_nothing_to_search() {
     }
 }
 
-/// Only the table's y is free, over 100 mm: at steps of 1 um every position there is can be tried.
+/// Only the table's y is free, over 100 mm: steps of 1 um enumerate every position.
 #[test]
 fn one_dimension_agrees_with_a_scan_of_every_position() {
     let post = "[obstacle.post]\nsolid = [{ name = \"post\", box = { centre_mm = [0, 0, 600], \
                 size_mm = [100, 100, 1200] } }]\nplacement = { x_mm = 0, y_mm = 420, z_mm = 0 }\n";
-    // Grid, sense, start of the range, what stands in the way, and how far off the scan (mm).
+    // A case has grid, sense, start of the range, obstacles, and the allowed excess over the scan (mm).
     let cases = [
         ((10, 8), "z", 700, "", 1e-6),
-        // The optimum lies at the edge of what is feasible.
+        // The optimum lies at the border of feasibility.
         ((1, 1), "xy", 650, "", 1e-6),
-        // Many equal teeth, each with its optimum at a joint limit: which is the least is decided by
-        // rounding, and 1 um away the error is 1e-5 mm greater.
+        // The optimum of each of many equal teeth lies at a joint limit. Rounding decides which is the least,
+        // and 1 um away the error is 1e-5 mm greater.
         ((10, 8), "xy", 850, "", 1.1e-5),
         ((10, 8), "xy", 900, post, 1.1e-5),
     ];
@@ -277,9 +277,9 @@ fn one_dimension_agrees_with_a_scan_of_every_position() {
     }
 }
 
-/// Ranges need not end at a multiple of what placements are rounded to.
+/// Ranges need not end at a multiple of the rounding of placements.
 #[test]
-fn rounding_stays_inside_narrow_ranges() {
+fn rounded_coordinates_stay_inside_narrow_ranges() {
     for placement in [
         "x_mm = { min = 20.0004, max = 20.0014 }, y_mm = 900, z_mm = 650",
         "x_mm = 0, y_mm = { min = 900.00049, max = 901.00051 }, z_mm = 650",
@@ -295,9 +295,9 @@ fn rounding_stays_inside_narrow_ranges() {
     }
 }
 
-/// Points outside the cube are folded back; the point of a layout is where it came from.
+/// Points outside the cube are folded back. The point of a layout leads back to it.
 #[test]
-fn every_point_has_a_layout() {
+fn every_point_of_the_search_space_has_a_layout() {
     let workcell = Workcell::new(shipped("hitachi_cell.toml")).unwrap();
     let space = Space::new(&workcell.cell);
     assert_eq!(space.dimensions(), 7);
@@ -330,21 +330,21 @@ fn weights_and_the_maximum_make_the_objective() {
         assert!((got - want).abs() <= 1e-15, "{objective} {a} {b}: {got} instead of {want}");
         e
     });
-    // Who asks for the least maximum gets none greater than who asks for the least sum.
+    // The least maximum is no greater than the maximum at the least sum.
     let greatest = |e: &[f64]| e[0].max(e[1]);
     assert!(greatest(&best[2]) <= greatest(&best[0]) + 1e-5, "{best:?}");
-    // Who weighs the first operation three and four times gets it at its best.
+    // Weighting the first operation three and four times brings it to its best.
     assert!(best[3][0] <= best[0][0] + 1e-5 && best[1][0] <= best[0][0] + 1e-5, "{best:?}");
 }
 
-/// What is worth less than the least feasible layout is no layout at all.
+/// A value below the least feasible one belongs to no layout.
 #[test]
 fn an_infeasible_layout_never_ranks_before_a_feasible_one() {
     let workcell = Workcell::new(shipped("hitachi_cell.toml")).unwrap();
     let space = Space::new(&workcell.cell);
     let (mut feasible, mut infeasible) = (f64::MIN, f64::MAX);
     for k in 0..3000u32 {
-        // A lattice of irrational steps.
+        // The points form a lattice of irrational steps.
         let steps = [0.7548, 0.5698, 0.4301, 0.3247, 0.2451, 0.1851, 0.1397];
         let point: Vec<f64> = steps.iter().map(|s| (f64::from(k) * s).fract()).collect();
         let evaluation = evaluate(&workcell, &space.layout(&point));
@@ -366,7 +366,7 @@ fn an_infeasible_layout_never_ranks_before_a_feasible_one() {
 
 /// Weights scale the objective, not the quality of the answer.
 #[test]
-fn any_weights_find_the_same_layout() {
+fn scaled_weights_find_the_same_layout() {
     for weight in [1e6, 1e-6] {
         let mut cell = shipped("hitachi_cell.toml");
         cell.operations.iter_mut().for_each(|o| o.weight = weight);

@@ -1,5 +1,5 @@
-//! What the search may change besides placements: the robot base, the tool's attitude, lists of allowed
-//! values, equipment that stands on equipment; and operations that happen at more than one spot.
+//! Tests free coordinates besides placements: the robot base, the tool's orientation, lists of allowed
+//! values, equipment on equipment; and operations at more than one spot.
 
 use crate::common::from_text;
 use rand::Rng;
@@ -14,7 +14,7 @@ use sweetspot::proof::{ProofOptions, prove};
 use sweetspot::report;
 use sweetspot::search::{Watch, search};
 
-/// The paper's arm with one table and one obstacle; `base`, `table` and `operation` are TOML.
+/// Returns the paper's arm with one table and one obstacle; `base`, `table` and `operation` are TOML.
 fn text(base: &str, table: &str, operation: &str) -> String {
     format!(
         "schema = \"sweetspot/cell/1\"\nunits = {{ length = \"mm\", angle = \"deg\" }}\nerrors = \"table-2\"\n\
@@ -39,9 +39,9 @@ fn value(workcell: &Workcell, layout: &Layout) -> Option<f64> {
     evaluate(workcell, layout).objective
 }
 
-/// Moving the robot is moving everything else the other way.
+/// Moving the robot equals moving everything else the other way.
 #[test]
-fn a_base_that_moves_is_a_cell_that_moves_the_other_way() {
+fn moving_the_base_equals_moving_the_cell_the_other_way() {
     let range = "{ min = -500, max = 500, start = 0 }";
     let base = format!(
         "base = {{ x_mm = {range}, y_mm = {range}, z_mm = {range}, yaw_deg = {{ min = -180, max = 180 }} }}"
@@ -66,7 +66,7 @@ fn a_base_that_moves_is_a_cell_that_moves_the_other_way() {
             *at = before.seen_from(&layout.base);
         }
         let [moved, still] = [&layout, &opposite].map(|l| evaluate(&workcell, l));
-        // The floor stays where it is: heights of the base may let the arm meet it, or a leg grow.
+        // The floor stays where it is, so a raised base may let the arm meet it, or a leg grow.
         if let (Some(a), Some(b)) = (moved.objective, still.objective) {
             feasible += 1;
             assert!((a - b).abs() <= 1e-12 + 1e-9 * b, "{a} for {b}");
@@ -87,7 +87,7 @@ fn a_base_that_moves_is_a_cell_that_moves_the_other_way() {
 }
 
 #[test]
-fn a_list_is_searched_to_the_best_of_its_values() {
+fn a_search_finds_the_best_of_listed_values() {
     let table = "placement = { x_mm = [-400, -200, 0, 200, 400], y_mm = [800, 900, 1000, 1100, 1200], \
                  z_mm = [500, 600, 700], yaw_deg = [0, 30, 90] }";
     let workcell = Workcell::new(cell("", table, GRID)).unwrap();
@@ -118,7 +118,7 @@ fn a_list_is_searched_to_the_best_of_its_values() {
         assert!(values.contains(&record.best.layout.value(&workcell.cell, *slot)), "{slot:?}");
     }
     assert_eq!(record.best.evaluation.objective, Some(best), "of 225 layouts");
-    // The bound is that of the heights listed, not of all between them.
+    // The bound holds for the listed heights, not for all between them.
     let bound = |workcell: &Workcell| prove(workcell, &ProofOptions::default(), &stop).bound.unwrap();
     let between = table.replace("[500, 600, 700]", "{ min = 500, max = 700 }");
     let (listed, between) = (bound(&workcell), bound(&Workcell::new(cell("", &between, GRID)).unwrap()));
@@ -129,7 +129,7 @@ const FIXTURE: &str = "[equipment.fixture]\nstands_on = \"table\"\nsurface = { s
      solid = [{ name = \"block\", box = { centre_mm = [0, 0, -20], size_mm = [120, 120, 40] } }]\n\
      placement = { x_mm = 100, y_mm = -50, z_mm = 40.5, yaw_deg = 20 }\n";
 
-/// On a table that moves, and alone at the place where that puts it.
+/// Equipment on a moving table equals equipment that stands alone at the resulting place.
 #[test]
 fn equipment_on_a_table_moves_with_it() {
     let on = GRID.to_string() + "\n" + FIXTURE;
@@ -149,7 +149,7 @@ fn equipment_on_a_table_moves_with_it() {
     for y in [0.9, 1.0, 1.05] {
         let layout = tied.cell.layout(|slot, c| if let Slot::Equipment(0, 1) = slot { y } else { c.start() });
         let fixture = layout.placements[1];
-        // By hand: the table is turned by 10 degrees.
+        // The expected place is computed by hand: the table is turned by 10 degrees.
         let (s, c) = 10f64.to_radians().sin_cos();
         let by_hand = [0.1 * c + 0.05 * s, y + 0.1 * s - 0.05 * c, 0.6405, 30f64.to_radians()];
         for (is, want) in fixture.values().iter().zip(by_hand) {
@@ -162,7 +162,7 @@ fn equipment_on_a_table_moves_with_it() {
         let evaluation = evaluate(&tied, &layout);
         assert!(evaluation.overlaps.is_empty(), "{:?}", evaluation.overlaps);
         assert!(evaluation.objective.is_some(), "{:?}", evaluation.outcomes);
-        // Alone, the same places make the same map, but for the overlap in plan.
+        // Equipment alone at the same places gives the same map, but for the overlap in plan.
         let at = by_hand.map(|v| v * 1000.0);
         let at = format!("x_mm = {}, y_mm = {}, z_mm = {}, yaw_deg = 30", at[0], at[1], at[2]);
         let alone = Workcell::new(text(false, &at)).unwrap();
@@ -192,9 +192,9 @@ fn ties_that_cannot_be_are_refused() {
     assert!(unknown.iter().any(|m| m.contains("no equipment `worktabel`")), "{unknown:?}");
 }
 
-/// A range of the bend is a cell with that bend.
+/// A cell with a range of the bend equals a cell with that bend.
 #[test]
-fn an_attitude_within_a_range_is_that_attitude() {
+fn an_orientation_from_a_range_equals_the_fixed_orientation() {
     let ranged = GRID.replace("-90", "{ min = -100, max = -60, start = -90 }");
     let workcell = Workcell::new(cell("", TABLE, &ranged)).unwrap();
     for bend in [-90.0, -85.0, -70.0, -60.0] {
@@ -221,7 +221,7 @@ fn an_attitude_within_a_range_is_that_attitude() {
     assert!((record.best.layout.attitudes[0].elevation + FRAC_PI_2).abs() > 0.01, "the bend was not used");
 }
 
-/// Max, mean and p95 of points against operations at one point each.
+/// Max, mean and p95 over points agree with operations at one point each.
 #[test]
 fn every_point_counts() {
     let points = [(-200.0, -100.0), (-200.0, 100.0), (0.0, 0.0), (150.0, -150.0), (200.0, 100.0)];
@@ -244,9 +244,9 @@ fn every_point_counts() {
     close(one(&points, "p95"), each.iter().copied().fold(0.0, f64::max));
 }
 
-/// A region is the grid over that part of the surface; one node that cannot be used makes none of it.
+/// A region is the grid over a part of the surface. One unusable node makes the operation infeasible.
 #[test]
-fn every_node_of_a_region_counts() {
+fn every_node_of_a_region_is_evaluated() {
     let region = |over: &str, size: f64| {
         let operation = format!(
             "grid = [7, 5]\nregion = {{ centre_mm = [50, 20], size_mm = [{size}, 200] }}\nbend_deg = -90\nover = \"{over}\""
@@ -277,7 +277,7 @@ fn every_node_of_a_region_counts() {
     assert!(value(&best, &layout).is_some());
 }
 
-/// best.toml says every kind of variable, and reads back to the same bits.
+/// best.toml records every kind of free coordinate and reads back to the same bits.
 #[test]
 fn what_was_found_can_be_written_and_read() {
     let base = "base = { x_mm = [0, 50], y_mm = { min = -100, max = 100 }, z_mm = 0, yaw_deg = { min = -20, max = 20 } }";
@@ -291,7 +291,7 @@ fn what_was_found_can_be_written_and_read() {
     let settings = sweetspot::cell::SearchSettings { budget: 300, ..workcell.cell.search };
     let record = search(&workcell, &settings, &watch);
     let text = report::toml::fixed("whole.toml", "found", &workcell.cell, &record.best.layout);
-    // Every free coordinate has become a number; the rest is as it was.
+    // Every free coordinate has become a number, and the other keys are unchanged.
     for key in [
         "[robot.base]",
         "[equipment.\"table\".placement]",

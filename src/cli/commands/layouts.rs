@@ -4,8 +4,7 @@ use super::{refuse_other_pages, stem, suggest, within_size, workcell};
 use crate::assess::{Assessment, Comparison};
 use crate::cli::arguments::CompareArguments;
 use crate::cli::output::path_word;
-use crate::cli::overrides::overridden;
-use crate::cli::{Exit, found, loading, output, results};
+use crate::cli::{Exit, asked, found, loading, output, results};
 use crate::drawing::Drawing;
 use crate::files::shown;
 use crate::layout::Workcell;
@@ -20,10 +19,7 @@ pub fn compare(a: &CompareArguments) -> Result<Exit, Exit> {
     for path in &a.layouts {
         let file = if path.is_dir() { found::best_of(path)? } else { path.clone() };
         let label = if path.is_dir() { stem(path) } else { label_of(&file) };
-        cells.push((
-            label,
-            workcell(overridden(loading::load(&file, &a.packages)?, &a.overrides)?.cell, &file)?,
-        ));
+        cells.push((label, workcell(asked::load(&file, &a.packages, &a.question)?.cell, &file)?));
     }
     name_apart(&mut cells, &a.layouts);
     let columns = cells.iter().map(|(label, w)| Assessment::new(label, w, w.cell.start())).collect();

@@ -4,21 +4,20 @@ use super::{suggest, warn_of_distrust, workcell};
 use crate::assess::Assessment;
 use crate::cli::arguments::MapArguments;
 use crate::cli::output::path_word;
-use crate::cli::overrides::overridden;
 use crate::cli::results;
 use crate::cli::results::Written;
-use crate::cli::{Exit, loading, output};
+use crate::cli::{Exit, asked, loading, output};
 use crate::files::Loaded;
 use crate::report;
 
 /// `sweetspot map`
 pub fn map(a: &MapArguments) -> Result<Exit, Exit> {
-    let Loaded { cell, sources, .. } = overridden(loading::load(&a.cell, &a.packages)?, &a.overrides)?;
+    let Loaded { cell, sources, .. } = asked::load(&a.cell, &a.packages, &a.question)?;
     let workcell = workcell(cell, &a.cell)?;
     let assessment = Assessment::new("start", &workcell, workcell.cell.start());
     let document = report::json::map(&assessment);
     if let Some(path) = &a.svg {
-        loading::write_whole(path, report::svg::plan(&assessment).as_bytes())?;
+        loading::write_whole(path, report::chart::error_map(&assessment).as_bytes())?;
     }
     let written = match &a.out {
         Some(folder) => {
@@ -26,7 +25,7 @@ pub fn map(a: &MapArguments) -> Result<Exit, Exit> {
             let files = vec![
                 ("map.json", results::pretty(&document)?),
                 ("map.csv", results::csv(&assessment)?),
-                ("map.svg", report::svg::plan(&assessment).into_bytes()),
+                ("map.svg", report::chart::error_map(&assessment).into_bytes()),
                 ("discrepancy.svg", report::fig8::chart(&assessment).into_bytes()),
             ];
             Some(results::write(&folder, &workcell.cell, &sources, &results::typed(), files)?)

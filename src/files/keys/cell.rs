@@ -26,23 +26,22 @@ words!(
 
 const DEFAULT_SEARCH: SearchSettings = SearchSettings::DEFAULT;
 
-/// Most layouts that a search may evaluate.
-const MAX_BUDGET: u64 = 1_000_000_000;
-
 key_table! {
     search, "search settings", "How the layout is searched.", {
         SOLVER = word::<Solver>("solver", "Global solver.").default(Literal::Word(DEFAULT_SEARCH.solver.name()));
         OBJECTIVE = word::<Objective>("objective", "How the weighted errors of the operations make one number.").default(Literal::Word(DEFAULT_SEARCH.objective.name()));
         INDIFFERENCE = number("indifference_percent", NumberRange::Positive, "Values that differ by less count as equally good; for the lexicographic objective.").default(Literal::Number(1.0));
-        BUDGET = Key::new("budget", Kind::Whole(1, MAX_BUDGET), "Number of layouts to evaluate.").default(Literal::Whole(DEFAULT_SEARCH.budget));
+        BUDGET = Key::new("budget", BUDGETS, "Number of layouts to evaluate.").default(Literal::Whole(DEFAULT_SEARCH.budget));
         SEED = Key::new("seed", Kind::Whole(0, u64::MAX), "Seed of the random numbers: the same seed gives the same bytes.").default(Literal::Whole(DEFAULT_SEARCH.seed));
         ROBUST = boolean("robust", DEFAULT_SEARCH.robust, "Minimize the worst value over the placement tolerances, not the value as drawn.");
         GAP = number("gap", NumberRange::NotNegative, "Stop when the best layout is so near the proven bound, as a share: 0.01 is 1 %.").example("0.01");
-        STAGNATION = Key::new("stagnation", Kind::Whole(1, MAX_BUDGET), "Stop after so many layouts without improvement.").example("5000");
+        STAGNATION = Key::new("stagnation", BUDGETS, "Stop after so many layouts without improvement.").example("5000");
         PARETO = Key::new("pareto", Kind::Checked(&GOALS, unique), "Find the layouts none of which is better than another in all of these goals.").example("[\"error\", \"clearance\"]");
         KEEP = Key::new("keep", Kind::Whole(1, MAX_KEPT as u64), "Number of the best layouts to report, which differ from each other.").example("5");
     }
 }
+
+const BUDGETS: Kind = Kind::Whole(*SearchSettings::BUDGETS.start(), *SearchSettings::BUDGETS.end());
 
 const GOALS: Kind = Kind::List(&Kind::word::<Goal>(), (2, Goal::ALL.len()), "goals");
 

@@ -153,6 +153,12 @@ fn read_limit(t: &mut Table, sense: Option<&Sense>) -> Option<Option<f64>> {
     let mut limit = Some(None);
     for (key, unit) in [(operation::LIMIT_MM, Unit::Length), (operation::LIMIT_DEG, Unit::Angle)] {
         let Some(node) = t.get(&key) else { continue };
+        // A flag speaks of every operation at once: a limit in the other unit does not apply to this one.
+        let sense_node = t.get(&operation::SENSE);
+        let by_flag = t.lib.is_flag(node.at) || sense_node.is_some_and(|sense| t.lib.is_flag(sense.at));
+        if by_flag && sense.is_some_and(|sense| sense.unit != unit) {
+            continue;
+        }
         let value = t.number(&key);
         if let Some(sense) = sense.filter(|sense| sense.unit != unit) {
             let word = sense.unit.word();

@@ -1,4 +1,4 @@
-//! What a person reads in the terminal.
+//! Text for the terminal.
 
 mod budget;
 mod compare;
@@ -6,10 +6,10 @@ mod envelope;
 mod explain;
 mod front;
 mod map;
-mod own_pairs;
 mod proof;
 mod readings;
 mod robust;
+mod self_collision_pairs;
 mod sweep;
 pub mod table;
 mod urdf;
@@ -20,20 +20,21 @@ pub use envelope::{envelope, envelope_title, robot, robots};
 pub use explain::{explanation, frame_name};
 pub use front::{front, goals_line};
 pub use map::{distrust, maps};
-pub use own_pairs::own_pairs;
 pub use proof::proven;
 pub use readings::{findings, readings};
 pub use robust::{robust_lines, robustness};
+pub use self_collision_pairs::self_collision_pairs;
 pub use sweep::sweep;
 pub use urdf::derived;
 
 use crate::cell::{Cell, ErrorSet, Quantity, Reading, Registration, Spread, Unit};
+use crate::error_map::NodeSign;
 
 use crate::assess::Stance;
 use crate::files::shown;
 use crate::units::{mm_from_m, percent_from_share, rounded};
 
-/// Cell, robot, error set and model in one line.
+/// Returns cell, robot, error set and model in one line.
 pub fn question(cell: &Cell) -> String {
     format!(
         "{}: {}, errors {}, {} model",
@@ -44,7 +45,7 @@ pub fn question(cell: &Cell) -> String {
     )
 }
 
-/// The same with reading and registration.
+/// Returns cell, robot, error set, model, reading and registration in one line.
 pub fn headline(cell: &Cell) -> String {
     let reading = match cell.reading {
         Reading::Signed => String::new(),
@@ -58,13 +59,13 @@ pub fn headline(cell: &Cell) -> String {
     format!("{}{reading}{registration}", question(cell))
 }
 
-/// What must be said about how the errors are read; empty if nothing.
+/// Returns what a user must know about how the errors are read.
 pub fn caveats(cell: &Cell) -> Vec<String> {
     let mut said = Vec::new();
     let signed = matches!(cell.error_set(), ErrorSet::Signed(_));
     if signed && cell.reading != Reading::Signed {
         said.push(format!(
-            "{} is a signed sample: its magnitudes are read as plus-or-minus ({} sigma of a normal)",
+            "{} is a signed sample: its magnitudes are read as plus-or-minus tolerances ({} sigma of a normal distribution)",
             cell.error_set().name(),
             Spread::SIGMAS
         ));
@@ -72,7 +73,7 @@ pub fn caveats(cell: &Cell) -> Vec<String> {
     said
 }
 
-/// What the numbers of a map are: "error", "worst case", "p95" ...
+/// Returns the name of the quantity in a map: "error", "worst case", "p95" ...
 pub fn value_word(cell: &Cell) -> &'static str {
     match (cell.reading, cell.quantity) {
         (Reading::Signed, _) => "error",
@@ -82,47 +83,36 @@ pub fn value_word(cell: &Cell) -> &'static str {
     }
 }
 
-/// Told even if there are none.
-const USUAL: [&str; 4] = ["ok", "collision", "joint-limit", "out-of-reach"];
+/// Signs of nodes that are counted even if there are none.
+const ALWAYS_COUNTED: [NodeSign; 4] =
+    [NodeSign::Usable, NodeSign::Collision, NodeSign::JointLimit, NodeSign::OutOfReach];
 
-/// What can be the matter with a node, in words.
-const STATUSES: [(&str, &str); 10] = [
-    ("ok", "ok"),
-    ("collision", "colliding"),
-    ("singular", "nearly singular"),
-    ("approach", "without approach"),
-    ("retract", "without retract"),
-    ("joint-limit", "beyond a joint limit"),
-    ("attitude", "where the tool cannot be held so"),
-    ("not-converged", "without answer"),
-    ("out-of-reach", "out of reach"),
-    ("unjudged", "that cannot be judged"),
-];
-
+/// Returns a length in mm, rounded to 1 um.
 fn mm(m: f64) -> String {
     rounded(mm_from_m(m), 3).to_string()
 }
 
+/// Returns a length in mm with one decimal.
 fn mm1(m: f64) -> String {
     format!("{:.1}", rounded(mm_from_m(m), 1))
 }
 
-/// A share as percent.
+/// Returns a share as percent with up to three decimals.
 fn percent(share: f64) -> String {
     format!("{} %", rounded(percent_from_share(share), 3))
 }
 
-/// The same in sentences and columns of shares.
+/// Returns a share as percent with one decimal.
 fn percent1(share: f64) -> String {
     format!("{} %", fixed(percent_from_share(share), 1))
 }
 
-/// With so many decimals, never the negative zero.
+/// Returns a number with a fixed count of decimals, never as negative zero.
 fn fixed(value: f64, digits: usize) -> String {
     format!("{:.digits$}", rounded(value, digits as i32))
 }
 
-/// A value with its unit, a share in percent.
+/// Returns a value with its unit, a share in percent.
 fn amount(unit: Unit, si: f64) -> String {
     match unit {
         Unit::Share => format!("{} %", fixed(percent_from_share(si), 4)),
@@ -130,7 +120,7 @@ fn amount(unit: Unit, si: f64) -> String {
     }
 }
 
-/// Operation, surface, node and position in one line.
+/// Returns operation, surface, node and position in one line.
 fn place_words(stance: &Stance<'_>) -> String {
     let operation = &stance.cell.operations[stance.operation];
     let surface = shown(&stance.cell.equipment[operation.equipment].name);
@@ -142,7 +132,7 @@ fn place_words(stance: &Stance<'_>) -> String {
     format!("{} on {surface}: {at}, x {x} y {y} z {z} mm\n", shown(&operation.name))
 }
 
-/// What tightening a tolerance makes smaller, with its article.
+/// Returns the quantity that tightening a tolerance reduces, with its article.
 fn tightened_word(stance: &Stance<'_>) -> &'static str {
     match (stance.gauge.reading, stance.gauge.quantity) {
         (Reading::Statistical, Quantity::Yield) => "the share of failures",

@@ -1,15 +1,15 @@
 //! The table of a sweep.
 
-use super::table::Table;
+use super::table::TextTable;
 use crate::files::shown;
 use crate::report::sweep::{Row, Spot, best, groups, word};
 use std::fmt::Write;
 
-/// Every row with the best marked, then the best of every value.
+/// Returns the table of all rows with the best marked, then the best of every value.
 pub fn sweep(rows: &[Row]) -> String {
     let Some(first) = rows.first() else { return String::new() };
     let best = best(rows.iter()).map(|r| r.index);
-    let mut table = Table::new(2 + first.set.len());
+    let mut table = TextTable::new(2 + first.set.len());
     let mut head = vec![String::new(), "#".into()];
     head.extend(first.set.keys().map(|path| shown(path)));
     head.push("objective".into());
@@ -47,9 +47,9 @@ fn operation(spot: &Spot) -> String {
     }
 }
 
-/// A line for every value of every set.
+/// Returns one line for every value of every set.
 fn summary(rows: &[Row]) -> String {
-    let mut table = Table::new(2);
+    let mut table = TextTable::new(2);
     table.row(["set", "value", "best", "#", "feasible"]);
     for group in groups(rows) {
         let best = group.best.map_or("-".into(), objective);

@@ -1,6 +1,7 @@
-//! Iso-lines of a surface over a grid.
+//! Tests iso-lines of a surface over a grid.
 
-use sweetspot::report::chart::iso::{Point, Surface};
+use sweetspot::geometry::PlanePoint as Point;
+use sweetspot::report::chart::iso::Surface;
 
 fn grid(size: (usize, usize), f: impl Fn(f64, f64) -> Option<f64>) -> Surface {
     let points: Vec<Point> =
@@ -15,23 +16,23 @@ fn area(polygon: &[Point]) -> f64 {
 }
 
 #[test]
-fn the_lines_of_a_plane_are_straight_and_have_its_value() {
+fn iso_lines_of_a_plane_are_straight_and_have_their_value() {
     let f = |x: f64, y: f64| 2.0 * x - 3.0 * y + 1.0;
     let surface = grid((7, 5), |x, y| Some(f(x, y)));
     for level in [-7.3, -2.0, 0.0, 1.0, 4.77] {
         let lines = surface.lines(level);
         assert_eq!(lines.len(), 1, "{level}");
         assert!(lines[0].iter().all(|p| (f(p.0, p.1) - level).abs() < 1e-12));
-        // From edge to edge of the grid.
+        // The line runs from edge to edge of the grid.
         for end in [lines[0][0], *lines[0].last().unwrap()] {
             assert!([end.0, end.0 - 6.0, end.1, end.1 - 4.0].iter().any(|d| d.abs() < 1e-12), "{end:?}");
         }
     }
 }
 
-/// Bilinear on the edges of the cells, where the value on the line is known otherwise.
+/// Values on the edges of a grid cell are known by linear interpolation.
 #[test]
-fn on_the_edges_of_the_grid_a_line_has_the_value_of_both_neighbours_in_proportion() {
+fn an_iso_line_crosses_grid_edges_by_linear_interpolation() {
     let f = |x: f64, y: f64| (0.9 * x).sin() + (0.7 * y).cos() * 1.3;
     let surface = grid((9, 8), |x, y| Some(f(x, y)));
     let mut seen = 0;
@@ -50,7 +51,7 @@ fn on_the_edges_of_the_grid_a_line_has_the_value_of_both_neighbours_in_proportio
 }
 
 #[test]
-fn a_round_hill_has_one_closed_line_and_its_area() {
+fn a_round_hill_has_one_closed_iso_line_of_the_right_area() {
     let surface = grid((41, 41), |x, y| Some(-((x - 20.0).hypot(y - 20.0))));
     let lines = surface.lines(-12.5);
     assert_eq!(lines.len(), 1);
@@ -62,16 +63,16 @@ fn a_round_hill_has_one_closed_line_and_its_area() {
 }
 
 #[test]
-fn a_saddle_is_settled_by_its_middle() {
+fn a_saddle_is_resolved_by_its_centre_value() {
     let high = grid((2, 2), |x, y| Some(if x == y { 3.0 } else { 0.0 }));
-    // The middle has 1.5: below it the high corners are joined, above they are apart.
+    // The centre has 1.5: below it the high corners are joined, above it they are apart.
     let areas = |level| high.above(level).iter().map(|p| area(p)).sum::<f64>();
     assert_eq!((high.lines(1.0).len(), high.lines(2.0).len()), (2, 2));
     assert!(areas(1.0) > 0.5 && areas(2.0) < 0.5 && areas(-1.0) == 1.0);
 }
 
 #[test]
-fn holes_single_rows_and_nothing_are_no_trouble() {
+fn holes_single_rows_and_empty_grids_are_handled() {
     let hole = grid((3, 3), |x, y| (x + y > 0.0).then_some(x));
     let whole: f64 = hole.above(f64::NEG_INFINITY).iter().map(|p| area(p)).sum();
     assert!((whole - 3.5).abs() < 1e-12 && hole.covers(1) && !hole.covers(0));

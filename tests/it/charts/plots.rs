@@ -1,4 +1,4 @@
-//! Plots of budgets and searches.
+//! Tests plots of budgets and searches.
 
 use super::{check, number, start};
 use crate::common::workcell;
@@ -8,7 +8,7 @@ use sweetspot::layout::Workcell;
 use sweetspot::report::chart::{Course, convergence, discrepancy, histogram, misplacement, pareto, tornado};
 use sweetspot::search;
 
-/// The bars of the budget at a spot are as long as its shares.
+/// Checks that the bars of the budget at a spot are as long as its shares.
 fn budget(name: &str, workcell: &Workcell, a: &Assessment<'_>) {
     let stance = Stance::at(workcell, &a.layout, &a.maps, 0, At::Best).unwrap_or_else(|e| panic!("{e:?}"));
     let account = Account::new(stance);
@@ -28,7 +28,7 @@ fn budget(name: &str, workcell: &Workcell, a: &Assessment<'_>) {
 }
 
 #[test]
-fn a_course_is_drawn_with_its_bound_or_without() {
+fn a_convergence_chart_is_drawn_with_and_without_a_bound() {
     let trace = [(3, 0.0061), (17, 0.0052), (140, 0.0041), (2900, 0.00383)];
     let full = Course {
         trace: &trace,
@@ -50,7 +50,7 @@ fn a_course_is_drawn_with_its_bound_or_without() {
 }
 
 #[test]
-fn the_bars_at_a_spot_are_as_long_as_what_they_show() {
+fn tornado_bars_are_as_long_as_the_shares_they_show() {
     for name in ["hitachi_paper", "scara_cell"] {
         let mut cell = workcell(&format!("{name}.toml")).cell;
         let limit = if name == "scara_cell" { Some(0.0003) } else { cell.operations[0].limit };
@@ -72,7 +72,7 @@ fn the_bars_at_a_spot_are_as_long_as_what_they_show() {
         for ((_, height), count) in bars.iter().zip(&counts) {
             assert!((height - tallest * f64::from(*count) / most).abs() < 0.02);
         }
-        // The histogram says the same as the percentile made of the sorted samples.
+        // The histogram agrees with the percentile of the sorted samples.
         let h = &d.samples.histogram;
         let below = ((d.samples.p95.value - h.low) / h.width()).floor() as usize;
         let share =
@@ -85,7 +85,7 @@ fn the_bars_at_a_spot_are_as_long_as_what_they_show() {
 }
 
 #[test]
-fn what_does_not_spread_has_no_distribution() {
+fn a_set_without_errors_has_no_histogram() {
     let mut workcell = workcell("hitachi_paper.toml");
     for set in &mut workcell.cell.robot.errors {
         if let sweetspot::cell::ErrorSet::Signed(s) = set {
@@ -98,7 +98,7 @@ fn what_does_not_spread_has_no_distribution() {
     let a = start(&workcell);
     let why = Distribution::at_spot(&a, 0).unwrap_err();
     assert!(why.contains("no error spreads"), "{why}");
-    // Nothing to draw is said, too.
+    // A budget without anything to draw states the reason.
     let stance = Stance::at(&workcell, &a.layout, &a.maps, 0, At::Best).unwrap_or_else(|e| panic!("{e:?}"));
     let svg = tornado(&Account::new(stance));
     check("tornado-none", &svg);
@@ -107,7 +107,7 @@ fn what_does_not_spread_has_no_distribution() {
 }
 
 #[test]
-fn misplacement_is_drawn_as_it_was_found() {
+fn the_misplacement_chart_shows_the_allowed_misplacement() {
     for name in ["hitachi_cell"] {
         let workcell = crate::common::workcell(&format!("{name}.toml"));
         let a = start(&workcell).misplaced();
@@ -125,7 +125,7 @@ fn misplacement_is_drawn_as_it_was_found() {
                 .filter_map(|(slot, g)| Some((g.as_ref()?.abs(), slot.is_angle())))
                 .collect();
             assert_eq!(widths.len(), slopes.len());
-            // Bars of lengths among themselves: px per m/m.
+            // The lengths of bars are compared among themselves, px per m/m.
             let lengths = || widths.iter().zip(&slopes).filter(|(_, s)| !s.1);
             let px: f64 = lengths().map(|(w, _)| w).sum::<f64>() / lengths().map(|(_, s)| s.0).sum::<f64>();
             for (width, (slope, _)) in lengths() {
@@ -136,7 +136,7 @@ fn misplacement_is_drawn_as_it_was_found() {
 }
 
 #[test]
-fn a_front_has_a_point_for_each_layout() {
+fn a_pareto_chart_has_one_point_per_layout() {
     let mut cell = workcell("hitachi_cell.toml").cell;
     cell.search.pareto = sweetspot::cell::Goals::of(&[
         sweetspot::cell::Goal::Error,

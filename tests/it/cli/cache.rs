@@ -1,14 +1,14 @@
-//! Convex parts kept between runs: used, mended when damaged, done without.
+//! Tests convex parts cached between runs: used, repaired when damaged, and done without.
 
-use crate::cli::shop::{CELL, Shop, ran};
+use crate::cli::sandbox::{CELL, Sandbox, ran};
 
-/// An angle of two bars on the forearm.
+/// Angle of two bars on the forearm.
 const ANGLE: &str = "from = \"hitachi_cell.toml\"\n[robot]\n\
     solid = [{ name = \"angle\", link = 3, mesh = { file = \"equipment/machine.stl\", units = \"mm\", centre_mm = [0, 0, 0] } }]\n";
 
 #[test]
 fn the_cache_changes_nothing_but_the_time() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     shop.write("cells/angle.toml", ANGLE);
     let map = |cache: &str| {
         let mut command = shop.command(&["map", "cells/angle.toml", "--json"]);
@@ -23,7 +23,7 @@ fn the_cache_changes_nothing_but_the_time() {
     assert_eq!(files.len(), 1);
     let path = format!("kept/{}", files[0]);
     let kept = shop.read(&path);
-    // Damaged in every way, it is computed again and mended.
+    // A damaged entry is computed again and repaired.
     let longer = [&kept[..], b"x"].concat();
     let mut changed = kept.clone();
     changed[100] ^= 1;
@@ -32,7 +32,7 @@ fn the_cache_changes_nothing_but_the_time() {
         assert_eq!(map("kept"), without);
         assert_eq!(shop.read(&path), kept, "not mended");
     }
-    // A folder that cannot be made, and no mesh of a link: nothing is kept.
+    // Without a usable folder, or without a link mesh, nothing is cached.
     assert_eq!(map("cells/angle.toml/below"), without);
     let mut command = shop.command(&["check", CELL]);
     assert_eq!(ran(command.env("SWEETSPOT_CACHE", "other").output().unwrap()).code, Some(0));

@@ -1,23 +1,23 @@
-//! `export`: every format through the binary, read again by hand.
+//! Tests `export`: every format comes from the binary and is read again by hand.
 
-use crate::cli::shop::{numbers as numbers_of, *};
+use crate::cli::sandbox::{numbers as numbers_of, *};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
 const FORMATS: [&str; 6] = ["dxf", "glb", "svg", "csv", "json", "parquet"];
 
-/// A name that would be a command to a spreadsheet, a CAD program and a browser, as a TOML text; control
-/// characters are no part of a name, as the cell's reader says.
+/// Name that would be a command to a spreadsheet, a CAD program and a browser, as a TOML string. The reader
+/// of cells refuses control characters in names.
 const HOSTILE: &str = "=cmd|'/C c'!A0<script>x()</script>%%c^J\\\\U+0041\\\"&\u{fc}";
 
-/// Group codes and values of an ASCII DXF.
+/// Returns the group codes and values of an ASCII DXF.
 fn pairs(dxf: &str) -> Vec<(u16, &str)> {
     let lines: Vec<&str> = dxf.split("\r\n").collect();
     assert_eq!(lines.len() % 2, 1, "an odd line");
     lines.chunks_exact(2).map(|l| (l[0].trim().parse().unwrap(), l[1])).collect()
 }
 
-/// Entities of the model: kind and values by group code, the first of each.
+/// Returns the entities of the model: kind, and the first value of each group code.
 fn entities(dxf: &str) -> Vec<(String, BTreeMap<u16, String>)> {
     let pairs = pairs(dxf);
     let start = pairs.iter().position(|p| *p == (2, "ENTITIES")).unwrap();
@@ -46,8 +46,8 @@ fn on<'e>(
 }
 
 #[test]
-fn a_dxf_shows_what_the_map_says() {
-    let shop = Shop::new();
+fn a_dxf_shows_the_values_of_the_map() {
+    let shop = Sandbox::new();
     let ran = shop.done(&["export", CELL, "--to", "dxf"]);
     assert_eq!(ran.out, "");
     assert!(ran.err.contains("wrote hitachi_cell.dxf") && ran.err.contains("next: sweetspot export"));
@@ -63,13 +63,13 @@ fn a_dxf_shows_what_the_map_says() {
             assert!(near(&point(circle, 10), &numbers(&node["position_mm"]), 1e-5), "{layer}");
         }
     }
-    // One exaggeration for all, said in a text.
+    // One exaggeration holds for all arrows and is given in a text.
     let texts = on(&all, "TEXT", "TEXT");
     let said = texts.iter().find_map(|t| t[&1].strip_prefix("arrows: signed sample, ")).unwrap();
     let enlarged: f64 = said.split(' ').next().unwrap().parse().unwrap();
     for (axis, layer) in ["ARROWS_X", "ARROWS_Y", "ARROWS_Z", "ARROWS_R"].into_iter().enumerate() {
         let lines = on(&all, "LINE", layer);
-        // Shaft and four lines of a head.
+        // An arrow has a shaft and four lines as its head.
         assert_eq!(lines.len(), 5 * ok.len(), "{layer}");
         for (arrow, node) in lines.chunks(5).zip(&ok) {
             let (tail, tip) = (point(arrow[0], 10), point(arrow[0], 11));
@@ -82,7 +82,7 @@ fn a_dxf_shows_what_the_map_says() {
             assert!(arrow[1..].iter().all(|barb| point(barb, 10) == tip));
         }
     }
-    // Dimensions say where the frames stand; the base is the origin of this cell.
+    // Dimensions give the places of the frames. The base is the origin of this cell.
     let mut measured: Vec<f64> =
         on(&all, "DIMENSION", "DIMENSIONS").iter().map(|d| d[&42].parse().unwrap()).collect();
     let mut stands: Vec<f64> = ["worktable", "conveyor"]
@@ -91,7 +91,7 @@ fn a_dxf_shows_what_the_map_says() {
         .collect();
     [&mut measured, &mut stands].into_iter().for_each(|v| v.sort_by(f64::total_cmp));
     assert!(near(&measured, &stands, 1e-5), "{measured:?} {stands:?}");
-    // Millimetres; every handle once; no entity on a layer that is not there.
+    // Units are millimetres, every handle occurs once, and every entity lies on an existing layer.
     let pairs = pairs(&dxf);
     let units = pairs.iter().position(|p| *p == (9, "$INSUNITS")).unwrap();
     assert_eq!(pairs[units + 1], (70, "4"));
@@ -105,7 +105,7 @@ fn a_dxf_shows_what_the_map_says() {
     }
 }
 
-/// Header, JSON and numbers of a binary glTF.
+/// Returns header, JSON and numbers of a binary glTF.
 fn glb(bytes: &[u8]) -> (Value, Vec<u8>) {
     let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()) as usize;
     assert_eq!((&bytes[..4], word(4), word(8)), (&b"glTF"[..], 2, bytes.len()));
@@ -117,7 +117,7 @@ fn glb(bytes: &[u8]) -> (Value, Vec<u8>) {
     (serde_json::from_slice(&bytes[20..numbers]).unwrap(), bytes[numbers + 8..].to_vec())
 }
 
-/// The numbers of an accessor, each vector of its components.
+/// Returns the numbers of an accessor, a list per vector.
 fn read(document: &Value, numbers: &[u8], accessor: &Value) -> Vec<Vec<f64>> {
     let accessor = &document["accessors"][accessor.as_u64().unwrap() as usize];
     let view = &document["bufferViews"][accessor["bufferView"].as_u64().unwrap() as usize];
@@ -151,8 +151,8 @@ fn turned(q: &[f64], p: [f64; 3]) -> [f64; 3] {
 }
 
 #[test]
-fn a_glb_is_sound_and_its_robot_goes_to_the_spots() {
-    let shop = Shop::new();
+fn a_glb_is_valid_and_its_robot_moves_to_the_spots() {
+    let shop = Sandbox::new();
     shop.done(&["export", CELL, "--to", "glb", "--posture", "picking", "-o", "cell.glb"]);
     let map = shop.json(&["map", CELL]);
     let (document, numbers) = glb(&shop.read("cell.glb"));
@@ -172,7 +172,7 @@ fn a_glb_is_sound_and_its_robot_goes_to_the_spots() {
     let nodes = items(&document["nodes"]);
     let index =
         |name: &str| nodes.iter().position(|n| n["name"] == name).unwrap_or_else(|| panic!("no {name}"));
-    // The first node makes y of z; then the table stands where the map says.
+    // The first node turns z into y. The table then stands where the map places it.
     let top = &nodes[document["scenes"][0]["nodes"][0].as_u64().unwrap() as usize];
     let up = turned(&numbers_of(&top["rotation"]), [0.0, 0.0, 1.0]);
     assert!(near(&up, &[0.0, 1.0, 0.0], 1e-6), "{up:?}");
@@ -182,7 +182,7 @@ fn a_glb_is_sound_and_its_robot_goes_to_the_spots() {
     let yaw = number(&map["layout"]["worktable"]["yaw_deg"]).to_radians();
     let along = turned(&numbers_of(&table["rotation"]), [1.0, 0.0, 0.0]);
     assert!(near(&along, &[yaw.cos(), yaw.sin(), 0.0], 1e-6));
-    // As drawn the TCP is at the spot asked for; moving it passes every spot and ends where it began.
+    // The drawn TCP is at the requested spot. The animation passes every spot and ends at its start.
     let spot = |k: usize| {
         numbers_of(&map["operations"][k]["best"]["position_mm"])
             .iter()
@@ -211,7 +211,7 @@ fn a_glb_is_sound_and_its_robot_goes_to_the_spots() {
         assert!(turns.iter().all(|q| (dot(q, q) - 1.0).abs() < 1e-5));
         assert!(turns.windows(2).all(|q| dot(&q[0], &q[1]) > 0.9), "a leap of link {link}");
     }
-    // At home it stands elsewhere.
+    // At home the TCP is elsewhere.
     shop.done(&["export", CELL, "--to", "glb", "--posture", "home", "-o", "home.glb"]);
     let (home, _) = glb(&shop.read("home.glb"));
     let at_home = numbers_of(&home["nodes"][tcp]["translation"]);
@@ -219,8 +219,8 @@ fn a_glb_is_sound_and_its_robot_goes_to_the_spots() {
 }
 
 #[test]
-fn a_drawing_to_scale_is_as_large_as_it_says() {
-    let shop = Shop::new();
+fn a_drawing_to_scale_has_the_size_of_its_scale() {
+    let shop = Sandbox::new();
     shop.done(&["export", CELL, "--to", "svg", "-o", "sheet.svg"]);
     let svg = shop.text("sheet.svg");
     let document = roxmltree::Document::parse(&svg).unwrap();
@@ -235,7 +235,7 @@ fn a_drawing_to_scale_is_as_large_as_it_says() {
         .collect();
     let ratio: f64 = texts.iter().find_map(|t| t.strip_prefix("scale 1:")).unwrap().parse().unwrap();
     assert!([1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0].contains(&ratio));
-    // Both spots are marked in plan as far apart as the map says, divided by the scale.
+    // The plan marks both spots at their distance in the map, divided by the scale.
     let circles: Vec<_> = document.descendants().filter(|n| n.attribute("r") == Some("1.8")).collect();
     let at = |k: usize| ["cx", "cy"].map(|a| circles[k].attribute(a).unwrap().parse::<f64>().unwrap());
     assert_eq!(circles.len(), 4); // plan and front of each
@@ -255,8 +255,8 @@ fn a_drawing_to_scale_is_as_large_as_it_says() {
 }
 
 #[test]
-fn tables_and_documents_are_those_of_map() {
-    let shop = Shop::new();
+fn exported_tables_and_documents_equal_those_of_map() {
+    let shop = Sandbox::new();
     shop.done(&["map", PAPER, "--out", "map"]);
     for (format, file) in [("csv", "map/map.csv"), ("json", "map/map.json")] {
         shop.done(&["export", PAPER, "--to", format]);
@@ -298,8 +298,8 @@ fn tables_and_documents_are_those_of_map() {
 }
 
 #[test]
-fn the_same_layout_makes_the_same_bytes() {
-    let shop = Shop::new();
+fn one_layout_exports_to_the_same_bytes() {
+    let shop = Sandbox::new();
     for format in FORMATS {
         for name in ["a", "b"] {
             shop.done(&["export", PAPER, "--to", format, "-o", &format!("{name}.{format}")]);
@@ -310,7 +310,7 @@ fn the_same_layout_makes_the_same_bytes() {
 
 #[test]
 fn a_folder_is_exported_by_its_best_or_its_start_layout() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     shop.done(&["search", CELL, "--budget", "300", "--out", "found"]);
     for (args, of) in [(&[][..], "found/best.toml"), (&["--start"][..], CELL)] {
         shop.done(&[&["export", "found", "--to", "csv", "-o", "export.csv"], args].concat());
@@ -319,13 +319,13 @@ fn a_folder_is_exported_by_its_best_or_its_start_layout() {
     }
     shop.done(&["export", "found", "--to", "json"]);
     assert!(shop.path("found.json").exists());
-    // What was said otherwise on the command line holds.
+    // Options of the command line take effect.
     shop.done(&["export", "found", "--to", "json", "--reading", "worst-case", "-o", "worst.json"]);
     assert_eq!(shop.document("worst.json")["operations"][0]["reading"], "worst-case");
     std::fs::create_dir(shop.path("empty")).unwrap();
     for (args, said) in [
         (&["export", "empty", "--to", "dxf"][..], "holds no manifest.json"),
-        (&["export", CELL, "--to", "dxf", "--start"], "--start is of a folder"),
+        (&["export", CELL, "--to", "dxf", "--start"], "--start needs a result folder"),
         (&["export", CELL, "--to", "dwg"], "invalid value 'dwg'"),
         (&["export", CELL], "--to <FORMAT>"),
         (&["export", CELL, "--to", "dxf", "--posture", "assembyl"], "did you mean assembly?"),
@@ -339,14 +339,14 @@ fn a_folder_is_exported_by_its_best_or_its_start_layout() {
 }
 
 #[test]
-fn what_cannot_be_written_leaves_what_was_there() {
-    let shop = Shop::new();
+fn a_failed_export_leaves_existing_files_untouched() {
+    let shop = Sandbox::new();
     for out in ["no/such/folder/cell.dxf", "cells"] {
         let ran = shop.run(&["export", PAPER, "--to", "dxf", "-o", out]);
         assert_eq!(ran.code, Some(3), "{out}: {}", ran.err);
         assert!(ran.err.contains("cannot write"), "{}", ran.err);
     }
-    // A spot that is not there is asked for: the answer is no, and the old file stays.
+    // A missing spot is refused, and the old file stays.
     shop.write("cells/far.toml", BEYOND_REACH);
     shop.write("far.glb", "old");
     let ran =
@@ -355,7 +355,7 @@ fn what_cannot_be_written_leaves_what_was_there() {
     assert_eq!(shop.text("far.glb"), "old");
     let left: Vec<String> = shop.files(".").into_iter().filter(|f| f.contains(".sweetspot-")).collect();
     assert!(left.is_empty(), "{left:?}");
-    // Without one asked for it is drawn at home, in every format.
+    // Without a requested spot the robot is drawn at home, in every format.
     for format in FORMATS {
         shop.done(&["export", "cells/far.toml", "--to", format, "-o", &format!("far.{format}")]);
     }
@@ -363,7 +363,7 @@ fn what_cannot_be_written_leaves_what_was_there() {
 
 #[test]
 fn hostile_names_are_text_in_every_format() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let cell = shop.text(PAPER);
     let cell = cell
         .replace("name = \"Paper, section 4.3\"", &format!("name = \"{HOSTILE}\""))
@@ -394,8 +394,8 @@ fn hostile_names_are_text_in_every_format() {
 }
 
 #[test]
-fn a_name_that_ends_in_another_format_is_refused() {
-    let shop = Shop::new();
+fn an_output_name_of_another_format_is_refused() {
+    let shop = Sandbox::new();
     let ran = shop.run(&["export", "cells/hitachi_paper.toml", "--to", "png", "-o", "a.dxf"]);
     assert_eq!(ran.code, Some(2), "{}", ran.err);
     assert!(ran.err.contains(".png") && !shop.path("a.dxf").exists(), "{}", ran.err);

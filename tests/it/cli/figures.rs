@@ -1,11 +1,11 @@
-//! `figures`.
+//! Tests `figures`.
 
-use crate::cli::shop::*;
+use crate::cli::sandbox::*;
 
-/// The figures of the paper's case, and what the paper and `results/discrepancy` say of it.
+/// The figures of the paper's cell state what the paper and `results/discrepancy` state.
 #[test]
-fn the_figures_of_the_paper_are_drawn_by_one_command() {
-    let shop = Shop::new();
+fn one_command_draws_the_figures_of_the_paper() {
+    let shop = Sandbox::new();
     shop.done(&["figures", PAPER, "--out", "pictures", "--width", "400"]);
     let folder = shop.path("pictures");
     let names = ["01-cell", "04-x", "04-y", "04-z", "05-resultant", "06-in-plane"];
@@ -29,8 +29,8 @@ fn the_figures_of_the_paper_are_drawn_by_one_command() {
     }
     names.iter().for_each(|name| assert!(text.contains(&format!("({name}.png)")), "{name}"));
     assert!(folder.join("08-discrepancy.svg").is_file() && folder.join("manifest.json").is_file());
-    // One operation: no figure of all of them.
+    // A cell of one operation has no figure of all operations.
     assert!(!folder.join("07-all.png").exists());
-    // Nothing is overwritten.
+    // Existing files are not overwritten.
     assert_eq!(shop.run(&["figures", PAPER, "--out", "pictures"]).code, Some(2));
 }

@@ -1,13 +1,13 @@
-//! `search --pareto` and `search --keep`: files, documents, refusals.
+//! Tests `search --pareto` and `search --keep`: files, documents, refusals.
 
-use crate::cli::shop::*;
+use crate::cli::sandbox::*;
 use serde_json::Value;
 
 const PARETO: [&str; 4] = ["--pareto", "error,clearance,footprint", "--budget", "1500"];
 
 #[test]
-fn a_front_is_told_written_and_loads() {
-    let shop = Shop::new();
+fn a_pareto_front_is_printed_written_and_loaded_again() {
+    let shop = Sandbox::new();
     let document = shop.json(&[&["search", CELL, "--out", "found"][..], &PARETO].concat());
     assert_eq!(document["pareto"], serde_json::json!(["error", "clearance", "footprint"]));
     assert_eq!(document["keep"], Value::Null);
@@ -24,7 +24,7 @@ fn a_front_is_told_written_and_loads() {
         )
     );
     assert_eq!(shop.text("found/front.svg").matches("<circle").count(), front.len());
-    // None is as good as another in every goal.
+    // No layout is as good as another in every goal.
     let losses = |l: &Value| {
         let goal = |key: &str| number(&l["goals"][key]);
         [goal("error"), -goal("clearance_mm"), goal("footprint_m2")]
@@ -35,7 +35,7 @@ fn a_front_is_told_written_and_loads() {
             assert!(a.iter().zip(b).any(|(a, b)| *a < b), "{a:?} {b:?}");
         }
     }
-    // Each is a cell of that objective.
+    // Each layout is a cell of that objective.
     for layout in [&front[0], &front[front.len() - 1]] {
         let file = format!("found/{}", text(&layout["file"]));
         let compared = shop.json(&["compare", &file]);
@@ -50,8 +50,8 @@ fn a_front_is_told_written_and_loads() {
 }
 
 #[test]
-fn so_many_are_kept() {
-    let shop = Shop::new();
+fn the_requested_number_of_layouts_is_kept() {
+    let shop = Sandbox::new();
     let document =
         shop.json(&["search", CELL, "--budget", "1500", "--keep", "3", "--threads", "1", "--out", "found"]);
     let kept = items(&document["front"]);
@@ -61,7 +61,7 @@ fn so_many_are_kept() {
     assert_eq!(objectives[0], number(&document["objective_value"]));
     assert_eq!(shop.read("found/best.toml").len() > 100, shop.path("found/layout-03.toml").exists());
     assert!(!shop.path("found/layout-04.toml").exists() && !shop.path("found/front.svg").exists());
-    // Of a front, too; and by the cell file.
+    // A front can be kept, too, and the cell file can request it.
     let cell = shop
         .text(CELL)
         .replace("[search]\n", "[search]\npareto = [\"error\", \"travel\", \"footprint\"]\nkeep = 4\n");
@@ -69,7 +69,7 @@ fn so_many_are_kept() {
     let document = shop.json(&["search", "cells/front.toml", "--budget", "1500", "--out", "few"]);
     assert_eq!((items(&document["front"]).len(), &document["keep"]), (4, &Value::from(4)));
     assert!(shop.path("few/front.svg").exists());
-    // Without either nothing of it is there.
+    // Without either option the document has none of it.
     let document = shop.json(&["search", CELL, "--budget", "300", "--out", "none"]);
     assert_eq!(
         (&document["front"], &document["pareto"], &document["keep"]),
@@ -80,8 +80,8 @@ fn so_many_are_kept() {
 }
 
 #[test]
-fn what_cannot_be_a_front_is_refused() {
-    let shop = Shop::new();
+fn invalid_pareto_goals_are_refused() {
+    let shop = Sandbox::new();
     for (wrong, said) in [
         ("--pareto=error", "two goals or more"),
         ("--pareto=error,error", "two goals or more"),

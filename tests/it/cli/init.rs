@@ -1,11 +1,11 @@
-//! `init`: every first cell runs as it was written.
+//! Tests `init`: every generated cell runs as written.
 
-use crate::cli::shop::*;
+use crate::cli::sandbox::*;
 use crate::common::document;
 use serde_json::Value;
 
-/// Names and robots, as `init` lists them.
-fn listed(shop: &Shop) -> Vec<(String, String)> {
+/// Returns the names and robots that `init` lists.
+fn listed(shop: &Sandbox) -> Vec<(String, String)> {
     let out = shop.done(&["init"]).out;
     let words = |line: &str| {
         let mut words = line.split_whitespace().map(str::to_string);
@@ -14,15 +14,15 @@ fn listed(shop: &Shop) -> Vec<(String, String)> {
     out.lines().map(words).collect()
 }
 
-/// What a `next:` line says to type.
-fn next(ran: &Ran) -> Vec<String> {
+/// Returns the command of a `next:` line.
+fn next(ran: &RunOutput) -> Vec<String> {
     let line = ran.err.lines().find_map(|line| line.strip_prefix("next: sweetspot ")).expect("no next");
     line.split(' ').map(str::to_string).collect()
 }
 
 #[test]
-fn the_first_error_map_takes_two_commands_that_lead_to_each_other() {
-    let shop = Shop::new();
+fn init_leads_to_the_first_error_map_in_two_commands() {
+    let shop = Sandbox::new();
     let mut args = vec!["init".to_string()];
     for expected in ["init hitachi", "map hitachi/cell.toml --svg map.svg", "search hitachi/cell.toml"] {
         let ran = shop.done(&args.iter().map(String::as_str).collect::<Vec<_>>());
@@ -33,8 +33,8 @@ fn the_first_error_map_takes_two_commands_that_lead_to_each_other() {
 }
 
 #[test]
-fn every_robot_of_the_library_has_a_first_cell() {
-    let shop = Shop::new();
+fn every_library_robot_has_a_generated_cell() {
+    let shop = Sandbox::new();
     let mut robots: Vec<_> = listed(&shop).into_iter().map(|(_, robot)| robot).collect();
     robots.sort();
     let library = shop.json(&["robots"]);
@@ -46,7 +46,7 @@ fn every_robot_of_the_library_has_a_first_cell() {
     assert_eq!(robots, files.collect::<Vec<_>>());
 }
 
-/// Reaches most of both surfaces, and both operations have a spot.
+/// Checks that a map reaches most of both surfaces and that both operations have a spot.
 fn maps_well(map: &Value, name: &str) {
     for operation in items(&map["operations"]) {
         let nodes = items(&operation["nodes"]);
@@ -57,17 +57,17 @@ fn maps_well(map: &Value, name: &str) {
 }
 
 #[test]
-fn every_first_cell_checks_and_maps() {
-    let shop = Shop::new();
+fn every_generated_cell_passes_check_and_map() {
+    let shop = Sandbox::new();
     for (name, robot) in listed(&shop) {
         let ran = shop.done(&["init", &name]);
         assert!(ran.out.is_empty(), "{}", ran.out);
         let cell = format!("{name}/cell.toml");
         let check = shop.json(&["check", &cell]);
-        // A URDF says what of it is not used.
+        // A URDF reports its unused elements.
         assert!(items(&check["faults"]).is_empty() || robot.ends_with("urdf"), "{check}");
         let drawn = shop.text(&cell);
-        // Every node of these takes a while where nothing is optimized.
+        // Each node of these takes long without optimization.
         if ["crx10ia", "panda", "track"].contains(&name.as_str()) {
             shop.write(
                 &cell,
@@ -80,7 +80,7 @@ fn every_first_cell_checks_and_maps() {
         let told: Vec<_> =
             jsonschema::draft7::new(&schema).unwrap().iter_errors(&cell).map(|e| e.to_string()).collect();
         assert!(told.is_empty(), "{name}: {told:?}");
-        // What it names is what lies beside the shipped cells, too.
+        // The named files equal those beside the shipped cells.
         for file in shop.files(&name).iter().filter(|file| *file != "cell.toml") {
             assert_eq!(shop.read(&format!("{name}/{file}")), shop.read(&format!("cells/{file}")), "{file}");
         }
@@ -88,8 +88,8 @@ fn every_first_cell_checks_and_maps() {
 }
 
 #[test]
-fn first_cells_search_to_a_feasible_layout() {
-    let shop = Shop::new();
+fn generated_cells_search_to_a_feasible_layout() {
+    let shop = Sandbox::new();
     for name in ["hitachi", "ur10e", "scara", "palletizer"] {
         shop.done(&["init", name]);
         let found = shop.json(&[
@@ -106,13 +106,13 @@ fn first_cells_search_to_a_feasible_layout() {
 }
 
 #[test]
-fn a_robot_of_the_library_and_another_folder_are_taken() {
-    let shop = Shop::new();
+fn init_accepts_a_library_robot_and_another_folder() {
+    let shop = Sandbox::new();
     let ran = shop.done(&["init", "adept_cobra_s600", "--out", "my shop/cell 1"]);
     assert_eq!(next(&ran).join(" "), "map 'my shop/cell 1/cell.toml' --svg map.svg");
     shop.done(&["init", "scara"]);
     assert_eq!(shop.read("my shop/cell 1/cell.toml"), shop.read("scara/cell.toml"));
-    // What the robot's file is made from comes with it.
+    // The files that the robot's file refers to come with it.
     shop.done(&["init", "hitachi-parallelogram", "--out", "p"]);
     shop.has("p/robots", &["hitachi_pw10.toml", "hitachi_pw10_parallelogram.toml"]);
     shop.done(&["init", "hitachi-urdf", "--out", "u"]);
@@ -120,8 +120,8 @@ fn a_robot_of_the_library_and_another_folder_are_taken() {
 }
 
 #[test]
-fn nothing_is_overwritten_and_slips_are_told() {
-    let shop = Shop::new();
+fn init_overwrites_nothing_and_reports_misspellings() {
+    let shop = Sandbox::new();
     shop.done(&["init", "scara"]);
     shop.write("scara/cell.toml", "mine");
     let again = shop.run(&["init", "scara"]);

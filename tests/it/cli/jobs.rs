@@ -1,19 +1,19 @@
-//! A search as a job: killed, interrupted, out of time or disk, and resumed.
+//! Tests a search as a job: killed, interrupted, out of time or disk, and resumed.
 
-use crate::cli::shop::*;
+use crate::cli::sandbox::*;
 use serde_json::Value;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-/// Some seconds of work in pieces: kills fall into all of it.
+/// Budget of a search that takes some seconds, so that kills hit every part of it.
 const BUDGET: &str = "12000";
 
-/// Every file of a folder with its bytes.
-fn content(shop: &Shop, folder: &str) -> Vec<(String, Vec<u8>)> {
+/// Returns every file of a folder with its bytes.
+fn content(shop: &Sandbox, folder: &str) -> Vec<(String, Vec<u8>)> {
     shop.files(folder).into_iter().map(|f| (f.clone(), shop.read(&format!("{folder}/{f}")))).collect()
 }
 
-fn assert_same(shop: &Shop, whole: &Shop) {
+fn assert_same(shop: &Sandbox, whole: &Sandbox) {
     let (a, b) = (content(shop, "found"), content(whole, "found"));
     let names = |c: &[(String, Vec<u8>)]| c.iter().map(|f| f.0.clone()).collect::<Vec<_>>();
     assert_eq!(names(&a), names(&b));
@@ -22,22 +22,22 @@ fn assert_same(shop: &Shop, whole: &Shop) {
     }
 }
 
-/// kill -9 at random moments of a real process, each resumed until it ends: the same bytes.
-/// SWEETSPOT_KILLS says how many moments.
+/// kill -9 hits a real process at random moments. Resumed until it ends, it gives the same bytes.
+/// SWEETSPOT_KILLS sets the number of kills.
 #[test]
-fn a_killed_search_ends_in_the_same_bytes() {
+fn a_killed_and_resumed_search_ends_in_the_same_bytes() {
     let kills: u32 = std::env::var("SWEETSPOT_KILLS").ok().and_then(|n| n.parse().ok()).unwrap_or(12);
     let args =
         ["search", CELL, "--budget", BUDGET, "--out", "found", "--checkpoint", "0.02", "--threads", "2"];
-    let whole = Shop::new();
+    let whole = Sandbox::new();
     let clock = std::time::Instant::now();
     whole.done(&args);
     let length = clock.elapsed();
-    // A generator of its own (Knuth's MMIX), so that every machine kills at the same shares.
+    // A generator of its own (Knuth's MMIX) makes every machine kill at the same shares.
     let mut seed = 20_261_121u64;
     let mut killed = 0;
     while killed < kills {
-        let shop = Shop::new();
+        let shop = Sandbox::new();
         loop {
             seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             let share = (seed >> 33) as f64 / f64::from(1u32 << 31);
@@ -53,7 +53,7 @@ fn a_killed_search_ends_in_the_same_bytes() {
                 break;
             }
             killed += 1;
-            // The manifest may be there already when it is killed at the very end.
+            // A run killed at the very end may have written the manifest.
             if shop.path("found/manifest.json").is_file() && !shop.path("found/checkpoint.jsonl").is_file() {
                 break;
             }
@@ -62,9 +62,9 @@ fn a_killed_search_ends_in_the_same_bytes() {
     }
 }
 
-/// A folder with a search that ran out of time.
-fn stopped() -> Shop {
-    let shop = Shop::new();
+/// Returns a folder with a search that ran out of time.
+fn stopped() -> Sandbox {
+    let shop = Sandbox::new();
     let args =
         ["search", CELL, "--budget", "1000000", "--time", "0.3", "--out", "found", "--seed", "2", "--json"];
     let ran = shop.run(&args);
@@ -72,25 +72,25 @@ fn stopped() -> Shop {
     assert_eq!((&ran.document()["ended"], &ran.document()["seed"]), (&"time-limit".into(), &2.into()));
     assert!(ran.err.contains("next: sweetspot search --resume found"), "{}", ran.err);
     shop.has("found", &["checkpoint.jsonl", "best.toml", "search.json"]);
-    // Whatever was found so far can be used, but the folder is not complete.
+    // The layouts found so far are usable, but the folder is incomplete.
     assert!(!shop.files("found").contains(&"manifest.json".to_string()));
     shop.done(&["map", "found/best.toml"]);
     shop
 }
 
 #[test]
-fn a_time_limit_is_4_and_a_larger_budget_is_taken_up() {
+fn a_time_limit_exits_4_and_a_larger_budget_resumes() {
     let shop = stopped();
     let ran = shop.run(&["search", "--resume", "found", "--time", "0.3"]);
     assert_eq!(ran.code, Some(4), "{}", ran.err);
-    // Another budget, larger than what is used: as if it had been asked for from the start.
+    // A larger budget gives the result of a search with that budget from the start.
     let used = shop.document("found/search.json")["evaluations"].as_u64().unwrap();
     let budget = &*(used + used / 4).to_string();
     shop.done(&["search", "--resume", "found", "--budget", budget]);
     let manifest = shop.document("found/manifest.json");
     let command: Vec<_> = items(&manifest["command"]).iter().map(text).collect();
     assert!(command.ends_with(&["--budget", budget]) && !command.contains(&"1000000"), "{command:?}");
-    let whole = Shop::new();
+    let whole = Sandbox::new();
     whole.done(&["search", CELL, "--budget", budget, "--out", "found", "--seed", "2"]);
     for name in ["best.toml", "search.json", "map.csv", "map.svg"] {
         assert_eq!(shop.read(&format!("found/{name}")), whole.read(&format!("found/{name}")), "{name}");
@@ -101,7 +101,7 @@ fn a_time_limit_is_4_and_a_larger_budget_is_taken_up() {
 }
 
 #[test]
-fn what_has_changed_is_refused_and_named() {
+fn a_changed_input_is_refused_and_named() {
     let shop = stopped();
     let checkpoint = shop.read("found/checkpoint.jsonl");
     let refused = |args: &[&str], said: &str| {
@@ -127,11 +127,11 @@ fn what_has_changed_is_refused_and_named() {
         refused(&[], &format!("{} has changed", input.trim_start_matches("cells/")));
         shop.write(input, &was);
     }
-    // A new search does not take the folder, and says how to go on.
+    // A new search refuses the folder and states how to continue.
     let ran = shop.run(&["search", CELL, "--out", "found"]);
     assert_eq!(ran.code, Some(2));
     assert!(ran.err.contains("search --resume found"), "{}", ran.err);
-    // Said again as it was, it goes on.
+    // The same command with --resume continues.
     let same = ["search", CELL, "--seed", "2", "--resume", "found", "--time", "0.1"];
     assert_eq!(shop.run(&same).code, Some(4));
 }
@@ -161,7 +161,7 @@ fn a_damaged_checkpoint_is_refused() {
     let version = format!("\"version\":\"{}\"", env!("CARGO_PKG_VERSION"));
     refused(other.replacen(&version, "\"version\":\"0.0.9\"", 1).as_bytes(), "0.0.9");
     refused(other.replacen("checkpoint/1", "checkpoint/9", 1).as_bytes(), "checkpoint/9");
-    // Well hashed, but of nothing.
+    // The hash is right, but the content is not.
     let sealed = |content: &str| {
         let hash = sha256(content.as_bytes());
         format!("{{\"schema\":\"sweetspot/checkpoint/1\",{version},\"sha256\":\"{hash}\"}}\n{content}")
@@ -173,12 +173,12 @@ fn a_damaged_checkpoint_is_refused() {
     assert_eq!(shop.run(&["search", "--resume", "found", "--time", "0.1"]).code, Some(4));
 }
 
-/// The first signal stops with a checkpoint, SIGTERM as well.
+/// The first signal, SIGTERM as well, stops the search with a checkpoint.
 #[cfg(unix)]
 #[test]
-fn a_signal_is_130_with_a_checkpoint() {
+fn a_signal_exits_130_and_leaves_a_checkpoint() {
     for signal in ["-INT", "-TERM"] {
-        let shop = Shop::new();
+        let shop = Sandbox::new();
         let args = ["search", CELL, "--budget", "1000000000", "--out", "found", "--checkpoint", "0"];
         let child = shop.command(&args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         for _ in 0..600 {
@@ -193,20 +193,21 @@ fn a_signal_is_130_with_a_checkpoint() {
         assert_eq!(ran.code, Some(130), "{signal}: {}", ran.err);
         assert_eq!(shop.document("found/search.json")["ended"], "interrupted");
         let used = shop.document("found/search.json")["evaluations"].as_u64().unwrap();
-        // Some of the budget is kept for the polish.
+        // The search keeps a part of the budget for the polish.
         let budget = (used + used / 4).to_string();
         shop.done(&["search", "--resume", "found", "--budget", &budget]);
-        let whole = Shop::new();
+        let whole = Sandbox::new();
         whole.done(&["search", CELL, "--budget", &budget, "--out", "found"]);
         assert_eq!(shop.text("found/search.json"), whole.text("found/search.json"), "{signal}");
     }
 }
 
-/// No room for a larger checkpoint: 3, the one before it stands, and with room again it goes on.
+/// Without room for a larger checkpoint the search exits 3 and keeps the one before. With room again it
+/// continues.
 #[cfg(unix)]
 #[test]
-fn a_full_disk_is_3_and_keeps_the_last_checkpoint() {
-    let shop = Shop::new();
+fn a_full_disk_exits_3_and_keeps_the_last_checkpoint() {
+    let shop = Sandbox::new();
     let line = format!(
         "trap '' XFSZ; ulimit -f 12; exec {} search {CELL} --budget {BUDGET} --out found --checkpoint 0.001",
         env!("CARGO_BIN_EXE_sweetspot")
@@ -219,7 +220,7 @@ fn a_full_disk_is_3_and_keeps_the_last_checkpoint() {
     assert!(full.err.contains("cannot write") && full.err.contains("--resume found"), "{}", full.err);
     assert_eq!(shop.files("found"), ["checkpoint.jsonl"]);
     shop.done(&["search", "--resume", "found"]);
-    let whole = Shop::new();
+    let whole = Sandbox::new();
     whole.done(&["search", CELL, "--budget", BUDGET, "--out", "found"]);
     for name in ["best.toml", "search.json", "map.csv", "map.svg"] {
         assert_eq!(shop.read(&format!("found/{name}")), whole.read(&format!("found/{name}")), "{name}");
@@ -227,8 +228,8 @@ fn a_full_disk_is_3_and_keeps_the_last_checkpoint() {
 }
 
 #[test]
-fn progress_is_lines_of_json_where_no_terminal_is() {
-    let shop = Shop::new();
+fn progress_is_written_as_json_lines_without_a_terminal() {
+    let shop = Sandbox::new();
     let lines = |more: &[&str]| -> Vec<Value> {
         let args = [&["search", CELL, "--budget", "800"], more].concat();
         let ran = shop.done(&args);
@@ -243,7 +244,7 @@ fn progress_is_lines_of_json_where_no_terminal_is() {
     assert!((number(&last["feasible_share"]) - share).abs() < 1e-12, "{last}");
     assert!((number(&last["best"]) - number(&found["objective_mm"])).abs() < 1e-6, "{last}");
     assert_eq!(text(&last["unit"]), "mm");
-    // A file rounds a bound down.
+    // The file rounds a bound down.
     let rounded = number(&last["bound"]) - number(&found["bound"]);
     assert!((0.0..1e-8).contains(&rounded), "{last}");
     let gap = number(&last["best"]) / number(&last["bound"]) - 1.0;
@@ -253,12 +254,12 @@ fn progress_is_lines_of_json_where_no_terminal_is() {
 }
 
 #[test]
-fn rules_of_stopping_are_told() {
-    let shop = Shop::new();
+fn the_stopping_rule_that_ended_a_search_is_reported() {
+    let shop = Sandbox::new();
     let found = shop.json(&["search", CELL, "--budget", "50000", "--stagnation", "600", "--out", "a"]);
     assert_eq!(found["ended"], "stagnation");
     assert!(found["evaluations"].as_u64().unwrap() < 20_000, "{}", found["evaluations"]);
-    // In the cell file as well.
+    // The cell file may set the rule, too.
     let cell = shop.text(CELL).replace("seed = 1", "seed = 1\nstagnation = 600");
     shop.write("cells/still.toml", &cell);
     let same = shop.json(&["search", "cells/still.toml", "--budget", "50000", "--out", "b"]);

@@ -1,22 +1,22 @@
-//! `report`: the page, what it says, and what it refuses.
+//! Tests `report`: the page, its statements, and its refusals.
 
-use crate::cli::shop::*;
+use crate::cli::sandbox::*;
 use base64::Engine;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 use std::path::Path;
 use std::sync::OnceLock;
 
-/// A folder with a search in `found`, made once: its cell is small, and three layouts are kept.
-fn shop() -> Shop {
-    static FOUND: OnceLock<Shop> = OnceLock::new();
+/// Returns a folder with a search in `found`, made once. Its cell is small, and three layouts are kept.
+fn shop() -> Sandbox {
+    static FOUND: OnceLock<Sandbox> = OnceLock::new();
     let made = FOUND.get_or_init(|| {
-        let shop = Shop::new();
+        let shop = Sandbox::new();
         shop.write("cells/small.toml", SMALL);
         shop.done(&["search", "cells/small.toml", "--budget", "300", "--keep", "3", "--out", "found"]);
         shop
     });
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     shop.write("cells/small.toml", SMALL);
     copy_folder(&made.path("found"), &shop.path("found"));
     shop
@@ -25,19 +25,19 @@ fn shop() -> Shop {
 const SMALL: &str = "from = \"hitachi_cell.toml\"\n[operation.assembly]\ngrid = [4, 3]\n\
                      [operation.picking]\ngrid = [6, 1]\n";
 
-/// The text between the first `from` and the `to` after it.
+/// Returns the text between the first `from` and the `to` after it.
 fn between<'t>(text: &'t str, from: &str, to: &str) -> &'t str {
     let start = text.find(from).unwrap_or_else(|| panic!("no {from}")) + from.len();
     let length = text[start..].find(to).unwrap_or_else(|| panic!("no {to} after {from}"));
     &text[start..start + length]
 }
 
-/// What the policy must name for this text to be used.
+/// Returns the hash by which a content security policy allows this text.
 fn hash(text: &str) -> String {
     format!("'sha256-{}'", base64::engine::general_purpose::STANDARD.encode(Sha256::digest(text.as_bytes())))
 }
 
-/// A page as a browser takes it: its policy is the hashes of what is in it, and nothing asks a network.
+/// Checks a page as a browser does: its policy holds the hashes of its contents, and nothing uses a network.
 fn assert_sound(html: &str) {
     assert!(html.len() < 8 << 20, "{} bytes", html.len());
     let policy = between(html, "Content-Security-Policy\" content=\"", "\">");
@@ -51,15 +51,15 @@ fn assert_sound(html: &str) {
     );
     let count = |word: &str| html.matches(word).count();
     assert_eq!((count("<style"), count("</style")), (1, 1));
-    // Of the elements, one runs and one is JSON.
+    // One script element runs, and one holds JSON.
     let body = html.replacen(between(html, "<script>", "</script>"), "", 1);
     assert_eq!((body.matches("<script").count(), body.matches("</script").count()), (2, 2));
     let json: Value = serde_json::from_str(between(html, "id=\"drawings\">", "</script>")).unwrap();
     assert_eq!(json["schema"], "sweetspot/drawing/1");
-    // Outside of script, style and data there is no way to run or to fetch anything.
+    // Outside of script, style and data nothing can run or fetch.
     let markup = body.replacen(between(&body, "id=\"drawings\">", "</script>"), "", 1);
     let markup = markup.replacen(between(&markup, "<style>", "</style>"), "", 1);
-    // Names are text: of a tag only what is outside of its quoted values can be an attribute.
+    // Names are text: only the parts of a tag outside of quoted values can be attributes.
     let tags = markup.split('<').skip(1).map(|part| part.split('>').next().unwrap_or_default());
     let bare: String = tags.map(|tag| tag.split('"').step_by(2).collect::<String>() + "\n").collect();
     for word in [" style=", " on", " src="] {
@@ -77,7 +77,7 @@ fn assert_sound(html: &str) {
     );
 }
 
-/// The numbers that the page gives for machines, by the label of their fact.
+/// Returns the numbers that the page holds for programs, by the label of their fact.
 fn facts(html: &str) -> Vec<(String, f64)> {
     let list = between(html, "<dl class=\"facts\">", "</dl>");
     let fact = |part: &str| {
@@ -89,7 +89,7 @@ fn facts(html: &str) -> Vec<(String, f64)> {
 }
 
 #[test]
-fn the_verdict_of_a_search_is_what_the_search_found() {
+fn the_verdict_of_a_report_agrees_with_the_search() {
     let shop = shop();
     let ran = shop.run(&["report", "found", "-o", "page.html", "--json"]);
     assert_eq!(ran.code, Some(0), "{}", ran.err);
@@ -122,20 +122,20 @@ fn the_verdict_of_a_search_is_what_the_search_found() {
     assert_eq!(of("Proven gap"), number(&search["gap_percent"]));
     assert_eq!(of("Runner-up"), least);
     assert_corners(&html, &search["layout"]["worktable"]);
-    // A page may be replaced, what is no page not.
+    // A page may be replaced. Another file may not.
     shop.done(&["report", "found", "-o", "page.html"]);
     let ran = shop.run(&["report", "found", "-o", "cells/small.toml"]);
     assert_eq!(ran.code, Some(2), "{}", ran.err);
     assert_eq!(shop.text("cells/small.toml"), SMALL);
 }
 
-/// The four corners that a fitter sets out span the table where search.json places it.
+/// Checks that the four corners for the fitter span the table where search.json places it.
 fn assert_corners(html: &str, at: &Value) {
     let table = between(html, "Best layout: corners", "</table>");
     let rows: Vec<Vec<f64>> =
         table.split("<tr>").skip_while(|row| !row.contains(">worktable<")).take(4).map(cells).collect();
     let mean = |k: usize| rows.iter().map(|row| row[k]).sum::<f64>() / 4.0;
-    // Corner, world x and y, from the base x and y, tape.
+    // The columns are corner, world x and y, x and y from the base, tape.
     assert!((mean(1) - number(&at["x_mm"])).abs() < 0.1, "{rows:?}");
     assert!((mean(2) - number(&at["y_mm"])).abs() < 0.1, "{rows:?}");
     let yaw = (rows[1][2] - rows[0][2]).atan2(rows[1][1] - rows[0][1]).to_degrees();
@@ -145,7 +145,7 @@ fn assert_corners(html: &str, at: &Value) {
     }
 }
 
-/// The numbers of a row of a table.
+/// Returns the numbers of a table row.
 fn cells(row: &str) -> Vec<f64> {
     let texts = row.split("<td").skip(1).map(|cell| between(cell, ">", "</td>"));
     texts.filter_map(|text| text.parse().ok()).collect()
@@ -153,18 +153,18 @@ fn cells(row: &str) -> Vec<f64> {
 
 #[test]
 fn a_folder_that_was_tampered_with_is_refused() {
-    let best = |shop: &Shop| shop.write("found/best.toml", &(shop.text("found/best.toml") + "# a note\n"));
-    let search = |shop: &Shop| {
+    let best = |shop: &Sandbox| shop.write("found/best.toml", &(shop.text("found/best.toml") + "# a note\n"));
+    let search = |shop: &Sandbox| {
         let text = shop.text("found/search.json").replacen("\"gain_percent\": ", "\"gain_percent\": 9", 1);
         shop.write("found/search.json", &text);
     };
-    let input = |shop: &Shop| {
+    let input = |shop: &Sandbox| {
         let path = "found/inputs/robots/hitachi_pw10.toml";
         shop.write(path, &shop.text(path).replacen("alpha", "alpha ", 1));
     };
-    let lost = |shop: &Shop| std::fs::remove_file(shop.path("found/map.csv")).unwrap();
-    type Tamper<'t> = &'t dyn Fn(&Shop);
-    let cases: [(&str, Tamper<'_>); 4] = [
+    let lost = |shop: &Sandbox| std::fs::remove_file(shop.path("found/map.csv")).unwrap();
+    type Tampering<'t> = &'t dyn Fn(&Sandbox);
+    let cases: [(&str, Tampering<'_>); 4] = [
         ("best.toml", &best),
         ("search.json", &search),
         ("robots/hitachi_pw10.toml", &input),
@@ -176,7 +176,7 @@ fn a_folder_that_was_tampered_with_is_refused() {
         let ran = shop.run(&["report", "found"]);
         assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{named}: {}", ran.err);
         assert!(ran.err.contains(&format!("{named}: it")), "{named}: {}", ran.err);
-        // Whatever shows the folder refuses it.
+        // Every command that shows the folder refuses it.
         for args in [
             ["compare", "cells/small.toml", "found"],
             ["export", "found", "--to=csv"],
@@ -189,9 +189,9 @@ fn a_folder_that_was_tampered_with_is_refused() {
     }
 }
 
-/// Hashes that were made to fit do not help: the numbers are found again.
+/// Forged hashes do not help: the numbers are computed again.
 #[test]
-fn numbers_that_the_layouts_do_not_have_are_refused() {
+fn a_folder_whose_numbers_do_not_come_out_again_is_refused() {
     let shop = shop();
     let (text, is) =
         (shop.text("found/search.json"), shop.document("found/search.json")["objective_value"].clone());
@@ -205,18 +205,18 @@ fn numbers_that_the_layouts_do_not_have_are_refused() {
     );
     let ran = shop.run(&["report", "found"]);
     assert_eq!(ran.code, Some(2), "{}", ran.err);
-    assert!(ran.err.contains("search.json: the objective of the best layout is"), "{}", ran.err);
+    assert!(ran.err.contains("search.json: it gives the objective of the best layout as"), "{}", ran.err);
 }
 
 #[test]
-fn what_is_no_result_of_a_search_is_refused() {
+fn a_folder_without_a_search_result_is_refused() {
     let shop = shop();
     shop.done(&["map", PAPER, "--out", "mapped"]);
     for (args, said) in [
         (&["report", "mapped"][..], "its command is no search"),
         (&["report", "cells"], "holds no manifest.json and no checkpoint"),
-        (&["report", "found", "--sense", "xyz"], "has answered one question"),
-        (&["report", "cells/small.toml", "-o", "page.txt"], "its name ends in .html"),
+        (&["report", "found", "--sense", "xyz"], "flags cannot change the question"),
+        (&["report", "cells/small.toml", "-o", "page.txt"], "must end in .html"),
     ] {
         let ran = shop.run(args);
         assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{args:?}: {}", ran.err);
@@ -226,8 +226,8 @@ fn what_is_no_result_of_a_search_is_refused() {
 }
 
 #[test]
-fn a_layout_as_drawn_is_judged_by_its_limit() {
-    let shop = Shop::new();
+fn the_start_layout_is_judged_by_its_limit() {
+    let shop = Sandbox::new();
     let map = shop.json(&["map", PAPER]);
     let least = number(&map["objective_mm"]);
     let cases = [(least + 0.25, 0, "met", 0.25), (least - 0.25, 1, "missed", -0.25)];
@@ -243,7 +243,7 @@ fn a_layout_as_drawn_is_judged_by_its_limit() {
             json!([map["operations"][0]["best"]["i"], map["operations"][0]["best"]["j"]])
         );
     }
-    // Without a limit nothing is missed, and the next best node is the runner-up.
+    // Without a limit there is no shortfall, and the next best node is the runner-up.
     let verdict = shop.json(&["report", PAPER]);
     assert_eq!((&verdict["requirement"], &verdict["gap_percent"]), (&json!("none"), &Value::Null));
     let mut values: Vec<f64> = items(&map["operations"][0]["nodes"])
@@ -260,8 +260,8 @@ fn a_layout_as_drawn_is_judged_by_its_limit() {
 }
 
 #[test]
-fn a_search_without_a_layout_says_no_and_why() {
-    let shop = Shop::new();
+fn a_search_without_a_layout_reports_no_and_the_reason() {
+    let shop = Sandbox::new();
     shop.write("cells/far.toml", BEYOND_REACH);
     assert_eq!(shop.run(&["search", "cells/far.toml", "--budget", "60", "--out", "found"]).code, Some(1));
     let ran = shop.run(&["report", "found", "--json"]);
@@ -277,8 +277,8 @@ fn a_search_without_a_layout_says_no_and_why() {
 }
 
 #[test]
-fn a_search_that_was_stopped_is_reported_as_one() {
-    let shop = Shop::new();
+fn a_stopped_search_is_reported_as_stopped() {
+    let shop = Sandbox::new();
     shop.write("cells/small.toml", SMALL);
     let args = ["search", "cells/small.toml", "--budget", "1000000", "--time", "0.3", "--out", "found"];
     assert_eq!(shop.run(&args).code, Some(4));
@@ -286,10 +286,10 @@ fn a_search_that_was_stopped_is_reported_as_one() {
     assert!([Some(0), Some(1)].contains(&ran.code), "{}", ran.err);
     assert_eq!(ran.document()["ended"], "time-limit");
     assert_eq!(ran.document()["objective_value"], shop.document("found/search.json")["objective_value"]);
-    assert!(shop.text("report.html").contains("The search was stopped before its end"));
+    assert!(shop.text("report.html").contains("The search was stopped early"));
 }
 
-/// Names that would be markup, script, template or terminal if they were let.
+/// Names that would be markup, script, template or terminal codes if they were not escaped.
 const HOSTILE: [&str; 8] = [
     "<script>alert(1)</script>",
     "</script><img src=x onerror=alert(2)>",
@@ -302,8 +302,8 @@ const HOSTILE: [&str; 8] = [
 ];
 
 #[test]
-fn hostile_names_are_only_shown() {
-    let shop = Shop::new();
+fn hostile_names_are_shown_as_text_in_the_report() {
+    let shop = Sandbox::new();
     let quoted = |name: &str| format!("\"{}\"", name.replace('"', "\\\""));
     let [cell, table, operation, solid, obstacle, keep_out, sense, other] = HOSTILE;
     let text = format!(
@@ -327,7 +327,7 @@ fn hostile_names_are_only_shown() {
         other = quoted(other),
     );
     shop.write("cells/hostile.toml", &text);
-    // A word of the command is shown, too.
+    // A word of the command line is shown, too.
     let ran = shop.run(&["report", "cells/hostile.toml", "--package", "\u{1b}[31mred</script>=."]);
     assert!([Some(0), Some(1)].contains(&ran.code), "{}", ran.err);
     let html = shop.text("report.html");
@@ -336,10 +336,10 @@ fn hostile_names_are_only_shown() {
         assert!(!html.contains(raw), "{raw}");
         assert!(!ran.out.contains('\u{1b}') && !ran.err.contains('\u{1b}'));
     }
-    // In JSON a quote is a quote; in markup it would end a value.
+    // A quote is harmless in JSON but would end a value in markup.
     let markup = html.replacen(between(&html, "id=\"drawings\">", "</script>"), "", 1);
     assert!(!markup.contains("' onmouseover='"));
-    // They are shown, though.
+    // The page still shows them.
     for shown in ["&lt;script&gt;alert(1)", "{{ 7919 * 7927 }}{% raw %}", "&amp;lt;b&amp;gt;"] {
         assert!(html.contains(shown), "{shown}");
     }
@@ -347,7 +347,7 @@ fn hostile_names_are_only_shown() {
 
 #[test]
 fn a_search_ends_by_naming_the_report() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     shop.write("cells/small.toml", SMALL);
     let ran = shop.done(&["search", "cells/small.toml", "--budget", "20", "--out", "found"]);
     assert!(ran.err.contains("next: sweetspot report found"), "{}", ran.err);
@@ -355,7 +355,7 @@ fn a_search_ends_by_naming_the_report() {
 }
 
 #[test]
-fn layouts_side_by_side_say_which_is_better() {
+fn a_comparison_page_names_the_better_layout() {
     let shop = shop();
     let ran = shop.run(&["compare", "cells/small.toml", "found", "-o", "two.html", "--json"]);
     assert_eq!(ran.code, Some(0), "{}", ran.err);
@@ -376,7 +376,7 @@ fn layouts_side_by_side_say_which_is_better() {
         assert!(html.replace('\u{a0}', " ").contains(&by), "no {by}");
     }
     let search = shop.document("found/search.json");
-    // Rounded up: what is proven is no less.
+    // The gap is rounded up, so that no less is claimed than proven.
     let gap = number(&search["gap_percent"]);
     let digits = if gap < 0.1 { 1e4 } else { 1e1 };
     let gap = format!("{} %", (gap * digits).ceil() / digits);
@@ -390,7 +390,7 @@ fn layouts_side_by_side_say_which_is_better() {
 }
 
 #[test]
-fn layouts_that_answer_another_question_make_no_page() {
+fn layouts_of_another_question_make_no_page() {
     let shop = shop();
     for (other, said) in
         [("cells/hitachi_cell.toml", "grid 10 by 8"), ("cells/scara_cell.toml", "is read signed")]

@@ -1,15 +1,15 @@
-//! `robust`, and `search --robust`.
+//! Tests `robust` and `search --robust`.
 
-use crate::cli::shop::*;
+use crate::cli::sandbox::*;
 
-/// The shipped cell with a table and a conveyor that are not placed exactly.
+/// Shipped cell with placement tolerances of a table and a conveyor.
 const LOOSE: &str = "from = \"hitachi_cell.toml\"\n[equipment.worktable]\n\
                      placement_tolerance = { x_mm = 2, y_mm = 2, z_mm = 1, yaw_deg = 0.2 }\n\
                      [equipment.conveyor]\nplacement_tolerance = { x_mm = 3 }\n";
 
 #[test]
-fn robust_tells_worst_corner_slopes_and_room() {
-    let shop = Shop::new();
+fn robust_reports_worst_corner_slopes_and_allowed_misplacement() {
+    let shop = Sandbox::new();
     shop.write("cells/loose.toml", LOOSE);
     let told = shop.done(&["robust", "cells/loose.toml", "--limit", "14"]);
     for words in [
@@ -36,7 +36,7 @@ fn robust_tells_worst_corner_slopes_and_room() {
             field(r, key);
         }
     }
-    // Beyond the limit inside the tolerance, or as drawn: the answer is no.
+    // Beyond the limit within the tolerance, or at the nominal layout, the answer is no.
     for limit in ["13.01", "5"] {
         let no = shop.run(&["robust", "cells/loose.toml", "--limit", limit]);
         assert_eq!(no.code, Some(1), "{limit}: {}", no.out);
@@ -44,8 +44,8 @@ fn robust_tells_worst_corner_slopes_and_room() {
 }
 
 #[test]
-fn a_robust_search_holds_where_the_nominal_one_does_not() {
-    let shop = Shop::new();
+fn a_robust_search_holds_where_the_nominal_search_fails() {
+    let shop = Sandbox::new();
     shop.write("cells/loose.toml", LOOSE);
     let search =
         |flags: &[&str]| shop.json(&[&["search", "cells/loose.toml", "--budget", "1500"], flags].concat());
@@ -60,7 +60,7 @@ fn a_robust_search_holds_where_the_nominal_one_does_not() {
         .iter()
         .map(|o| number(&o["robustness"]["worst"]["value"]).max(number(&o["value"])));
     assert!((worst.sum::<f64>() - number(&robust["objective_mm"])).abs() < 1e-6);
-    // best.toml says the same, robust as it is.
+    // best.toml of a robust search has the same value.
     let [map, compare, search] = objectives(&shop, "robust");
     assert_eq!([map, compare], [search, search]);
     assert_eq!(shop.run(&["robust", "robust/best.toml"]).code, Some(0));
@@ -69,12 +69,12 @@ fn a_robust_search_holds_where_the_nominal_one_does_not() {
 }
 
 #[test]
-fn nothing_to_withstand_is_refused() {
-    let shop = Shop::new();
+fn a_robust_search_without_placement_tolerances_is_refused() {
+    let shop = Sandbox::new();
     let ran = shop.run(&["search", CELL, "--robust"]);
     assert_eq!(ran.code, Some(2));
     assert!(ran.err.contains("everything is placed exactly") && ran.err.contains("help: "), "{}", ran.err);
-    // How much it may be misplaced is told all the same.
+    // The allowed misplacement is reported all the same.
     let told = shop.done(&["robust", CELL]);
     assert!(
         told.out.contains("may be misplaced by at most") && !told.out.contains("tolerance: worst"),
@@ -85,7 +85,7 @@ fn nothing_to_withstand_is_refused() {
 
 #[test]
 fn the_refined_spot_is_in_every_report() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let document = shop.json(&["map", PAPER, "--out", "mapped"]);
     let operation = &document["operations"][0];
     let refined = field(operation, "refined");

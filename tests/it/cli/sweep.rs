@@ -1,6 +1,6 @@
-//! Sweeps: what a row says, what is refused, and that a killed sweep ends as if nothing had been.
+//! Tests sweeps: their rows, their refusals, and that a killed sweep ends as an undisturbed one.
 
-use crate::cli::shop::*;
+use crate::cli::sandbox::*;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -16,16 +16,16 @@ fn sweep<'a>(out: &'a str, more: &[&'a str]) -> Vec<&'a str> {
     [&["sweep", CELL][..], &SETS, &["--budget", "400", "--out", out], more].concat()
 }
 
-/// Every file of a folder with its bytes.
-fn bytes(shop: &Shop, folder: &str) -> BTreeMap<String, Vec<u8>> {
+/// Returns every file of a folder with its bytes.
+fn bytes(shop: &Sandbox, folder: &str) -> BTreeMap<String, Vec<u8>> {
     let files = shop.files(folder).into_iter().filter(|f| !f.starts_with(".tmp"));
     files.map(|f| (f.clone(), shop.read(&format!("{folder}/{f}")))).collect()
 }
 
-/// A row is what `search` says of a cell file that says the same, and its own cell maps to it.
+/// A row equals `search` of a cell file with the same settings, and the cell of the row maps to it.
 #[test]
-fn a_row_is_the_search_of_that_cell() {
-    let shop = Shop::new();
+fn a_sweep_row_equals_the_search_of_that_cell() {
+    let shop = Sandbox::new();
     let table = shop.done(&sweep("swept", &["--json"])).document();
     assert_eq!((&table["schema"], &table["combinations"]), (&"sweetspot/sweep/1".into(), &4.into()));
     for (index, row) in items(&table["rows"]).iter().enumerate() {
@@ -42,7 +42,7 @@ fn a_row_is_the_search_of_that_cell() {
         assert_eq!(row["objective"], found["objective_mm"], "row {index}");
         assert_eq!(row["layout"], found["layout"], "row {index}");
         assert_eq!(row["evaluations"], found["evaluations"]);
-        // The proof of the row is that of the search, and no objective lies below it.
+        // The row has the proof of the search, and no objective lies below it.
         assert_eq!([&row["bound"], &row["gap_percent"]], [&found["bound"], &found["gap_percent"]]);
         let (bound, objective) = (number(&row["bound"]), number(&row["objective"]));
         assert!(0.0 < bound && bound <= objective, "row {index}: {bound} {objective}");
@@ -54,7 +54,7 @@ fn a_row_is_the_search_of_that_cell() {
         let mapped = shop.json(&["map", &format!("swept/{index:04}.toml")]);
         assert_eq!(mapped["objective_mm"], row["objective"], "the cell of row {index}");
     }
-    // The best is the least, and every value has its own.
+    // The best row is the least, and every value has its own best row.
     let objectives: Vec<f64> = items(&table["rows"]).iter().map(|r| number(&r["objective"])).collect();
     let least = |of: &[usize]| *of.iter().min_by(|a, b| objectives[**a].total_cmp(&objectives[**b])).unwrap();
     assert_eq!(table["best"], least(&[0, 1, 2, 3]));
@@ -72,14 +72,14 @@ fn a_row_is_the_search_of_that_cell() {
 }
 
 #[test]
-fn any_number_of_jobs_and_any_death_end_in_the_same_bytes() {
-    let shop = Shop::new();
+fn any_number_of_jobs_and_any_kill_end_in_the_same_bytes() {
+    let shop = Sandbox::new();
     shop.done(&sweep("whole", &["--jobs", "1"]));
     let whole = bytes(&shop, "whole");
     shop.has("whole", &["plan.json", "0000.json", "0003.json", "table.csv", "table.json", "manifest.json"]);
     shop.done(&sweep("four", &["--jobs", "4"]));
     assert!(bytes(&shop, "four") == whole, "four jobs");
-    // Killed at any moment, and once more; resumed in both ways.
+    // Sweeps are killed at any moment, twice, and resumed in both ways.
     for (k, wait) in [30, 60, 90, 120, 160, 200, 250, 300].into_iter().enumerate() {
         let out = format!("killed-{k}");
         for wait in [wait, wait / 2] {
@@ -96,24 +96,24 @@ fn any_number_of_jobs_and_any_death_end_in_the_same_bytes() {
 }
 
 #[test]
-fn a_finished_combination_is_not_worked_on_again() {
-    let shop = Shop::new();
+fn a_finished_combination_is_not_searched_again() {
+    let shop = Sandbox::new();
     shop.done(&sweep("swept", &[]));
-    // A mark that nobody would compute.
+    // The mark is a value that no run computes.
     let marked = shop.text("swept/0001.json").replace("\"evaluations\": 400", "\"evaluations\": 7");
     shop.write("swept/0001.json", &marked);
     std::fs::remove_file(shop.path("swept/0002.json")).unwrap();
     let table = shop.json(&["sweep", "--resume", "swept"]);
     let evaluations: Vec<_> = items(&table["rows"]).iter().map(|r| r["evaluations"].clone()).collect();
     assert_eq!(evaluations, [400, 7, 400, 400]);
-    // Half a file is none.
+    // Half a file is not accepted.
     shop.write("swept/0001.json", &marked[..marked.len() / 2]);
     assert_eq!(shop.json(&["sweep", "--resume", "swept"])["rows"][1]["evaluations"], 400);
 }
 
 #[test]
-fn single_combinations_make_the_same_sweep() {
-    let shop = Shop::new();
+fn single_combinations_merge_into_the_same_sweep() {
+    let shop = Sandbox::new();
     shop.done(&sweep("whole", &[]));
     for index in ["2", "0", "3", "1"] {
         shop.done(&sweep("parts", &["--only", index]));
@@ -127,8 +127,8 @@ fn single_combinations_make_the_same_sweep() {
 }
 
 #[test]
-fn a_changed_sweep_is_not_resumed_and_says_what_changed() {
-    let shop = Shop::new();
+fn a_changed_sweep_is_not_resumed_and_names_the_change() {
+    let shop = Sandbox::new();
     shop.done(&sweep("swept", &[]));
     let before = bytes(&shop, "swept");
     for (more, named) in [
@@ -149,7 +149,7 @@ fn a_changed_sweep_is_not_resumed_and_says_what_changed() {
         assert!(ran.err.contains("changed since: robots/hitachi_pw10.toml\n"), "{}", ran.err);
     }
     assert!(bytes(&shop, "swept") == before, "a refused sweep wrote something");
-    // Nor is a folder of something else taken.
+    // A folder of something else is refused.
     shop.write("cells/plan.json", "{}");
     for (args, said) in [
         (sweep("cells/robots", &[]), "is not empty"),
@@ -162,10 +162,11 @@ fn a_changed_sweep_is_not_resumed_and_says_what_changed() {
     }
 }
 
-/// All faults of all combinations before the first runs, each once, in the words of the argument.
+/// All faults of all combinations are reported before the first runs, each once, with the words of the
+/// argument.
 #[test]
-fn faults_point_at_the_set() {
-    let shop = Shop::new();
+fn faults_of_a_sweep_name_the_setting() {
+    let shop = Sandbox::new();
     let cases: [(&[&str], &[&str]); 14] = [
         (&["errors=tabel-3,table-2"], &["--set errors=tabel-3: error: ", "did you mean \"table-3\"?\n"]),
         (
@@ -206,7 +207,7 @@ fn faults_point_at_the_set() {
     let ran = shop.run(&["sweep", CELL, "--set", &set("clearance_mm"), "--set", &set("search.seed")]);
     assert_eq!(ran.code, Some(2));
     assert!(ran.err.contains("101 times 101 values make more than 10000 combinations"), "{}", ran.err);
-    // A fault of some combinations says of which.
+    // A fault of some combinations names them.
     let sets = ["--set", "errors=table-2", "--set", "robot.from=robots/hitachi_pw10.toml,robots/ur5e.toml"];
     let ran = shop.run(&[&["sweep", CELL, "--out", "swept"][..], &sets].concat());
     assert!(
@@ -220,10 +221,10 @@ fn faults_point_at_the_set() {
     assert!(!shop.path("swept").exists() && !shop.path("results").exists(), "something was written");
 }
 
-/// What can be set: lists, tables, names in quotes, what the file does not say, another robot.
+/// Lists, tables, quoted names, keys that the file does not have, and another robot can be set.
 #[test]
 fn every_kind_of_value_can_be_set() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     shop.write(
         "cells/quoted.toml",
         "from = \"hitachi_paper.toml\"\n[equipment.\"side, table\"]\nfrom = \"equipment/bench.toml\"\n\
@@ -258,11 +259,11 @@ fn every_kind_of_value_can_be_set() {
     assert_eq!(grids[0]["set"]["operation.mapping.grid"], serde_json::json!([10, 8]));
     assert!(number(&grids[1]["objective"]) <= number(&grids[0]["objective"]));
     assert!((number(&grids[0]["objective"]) - 3.768569).abs() < 1e-6, "{}", grids[0]);
-    // Limits beside and beyond the error, 3.77 mm.
+    // The limits lie beside and beyond the error, 3.77 mm.
     let limits = rows(&["operation.mapping.limit_mm=3.7,3.8"]);
     let met: Vec<_> = limits.iter().map(|r| r["operations"][0]["limit_met"].clone()).collect();
     assert_eq!(met, [false, true]);
-    // Robots against error sets is one command; the error set of the one is not that of the other.
+    // One command runs robots against error sets, whose names differ from robot to robot.
     let robots = rows(&[
         "robot.from=robots/ur5e.toml,robots/ur10e.toml",
         "errors=placeholder",
@@ -284,8 +285,8 @@ fn every_kind_of_value_can_be_set() {
 }
 
 #[test]
-fn no_feasible_combination_is_1_and_some_are_0() {
-    let shop = Shop::new();
+fn a_sweep_exits_1_only_if_no_combination_is_feasible() {
+    let shop = Sandbox::new();
     let args = |z: &'static str, out: &'static str| {
         vec!["sweep", CELL, "--map", "--set", z, "--set", "operation.picking.limit_mm=1", "--out", out]
     };

@@ -1,6 +1,6 @@
-//! `view` as a browser and as a stranger meet it: addresses, requests, files, a search.
+//! Tests `view` as a browser and as a stranger use it: addresses, requests, files, a search.
 
-use crate::cli::shop::*;
+use crate::cli::sandbox::*;
 use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use std::process::{Child, Stdio};
 use std::time::Duration;
 
-/// A running `view`; it ends with the test.
+/// Running `view` that ends with the test.
 struct Viewer {
     child: Child,
     port: u16,
@@ -25,21 +25,21 @@ impl Drop for Viewer {
     }
 }
 
-/// What was answered.
-struct Answered {
+/// Answer to a request.
+struct HttpAnswer {
     status: u16,
     head: String,
     body: String,
 }
 
-impl Answered {
+impl HttpAnswer {
     fn json(&self) -> Value {
         serde_json::from_str(&self.body).unwrap_or_else(|e| panic!("{e}: {}", self.body))
     }
 }
 
 impl Viewer {
-    fn of(shop: &Shop, args: &[&str]) -> Self {
+    fn of(shop: &Sandbox, args: &[&str]) -> Self {
         let mut command = shop.command(&[&["view"], args].concat());
         let talk = shop.path(".talk");
         let said = std::fs::File::create(&talk).unwrap();
@@ -60,21 +60,21 @@ impl Viewer {
         stream
     }
 
-    /// Sends bytes as they are.
-    fn raw(&self, bytes: &str) -> Answered {
+    /// Sends bytes unchanged.
+    fn raw(&self, bytes: &str) -> HttpAnswer {
         let mut stream = self.stream();
         stream.write_all(bytes.as_bytes()).unwrap();
         answered(&mut stream)
     }
 
-    fn get(&self, what: &str) -> Answered {
+    fn get(&self, what: &str) -> HttpAnswer {
         let Self { port, token, .. } = self;
         self.raw(&format!(
             "GET /{token}/{what} HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nConnection: close\r\n\r\n"
         ))
     }
 
-    fn post(&self, what: &str, body: &str) -> Answered {
+    fn post(&self, what: &str, body: &str) -> HttpAnswer {
         let origin = format!("http://127.0.0.1:{}", self.port);
         self.raw(&self.posting(what, body, &format!("127.0.0.1:{}", self.port), &origin))
     }
@@ -95,7 +95,7 @@ impl Viewer {
         answered.json()
     }
 
-    /// Posts and insists on a refusal; returns what the page is told.
+    /// Posts, insists on a refusal and returns the message for the page.
     fn refused(&self, what: &str, body: &str) -> String {
         let answered = self.post(what, body);
         assert_eq!(answered.status, 400, "{what} {body}: {}", answered.body);
@@ -103,7 +103,7 @@ impl Viewer {
     }
 }
 
-fn answered(stream: &mut TcpStream) -> Answered {
+fn answered(stream: &mut TcpStream) -> HttpAnswer {
     let mut reader = BufReader::new(stream);
     let (mut head, mut length) = (String::new(), None);
     loop {
@@ -120,10 +120,10 @@ fn answered(stream: &mut TcpStream) -> Answered {
     let mut body = vec![0; length.unwrap_or_else(|| panic!("no length: {head}"))];
     reader.read_exact(&mut body).unwrap();
     let status = head.split(' ').nth(1).unwrap_or_else(|| panic!("{head}")).parse().unwrap();
-    Answered { status, head, body: String::from_utf8(body).unwrap() }
+    HttpAnswer { status, head, body: String::from_utf8(body).unwrap() }
 }
 
-/// Somewhere else than drawn, with numbers that no rounding favours.
+/// Returns a layout other than the start, with numbers that no rounding favours.
 fn elsewhere() -> Value {
     json!({ "equipment": {
         "worktable": { "x_mm": 287.3, "y_mm": 1003.7, "z_mm": 612.5, "yaw_deg": 11.3 },
@@ -131,14 +131,14 @@ fn elsewhere() -> Value {
     } })
 }
 
-/// The same as a cell file.
+/// Cell file with the layout of [`elsewhere`].
 const ELSEWHERE: &str = "from = \"hitachi_cell.toml\"\n[equipment.worktable.placement]\nx_mm = 287.3\n\
      y_mm = 1003.7\nz_mm = 612.5\nyaw_deg = 11.3\n[equipment.conveyor.placement]\nx_mm = 1003.1\ny_mm = -400\n\
      yaw_deg = 78.9\n";
 
 #[test]
-fn nobody_else_comes_in() {
-    let shop = Shop::new();
+fn view_refuses_requests_without_its_secret_host_and_origin() {
+    let shop = Sandbox::new();
     let view = Viewer::of(&shop, &[CELL]);
     let Viewer { port, token, .. } = &view;
     let ours = format!("127.0.0.1:{port}");
@@ -149,14 +149,14 @@ fn nobody_else_comes_in() {
     let host = format!("Host: {ours}\r\n");
     assert_eq!(get(&format!("/{token}/"), &host), 200);
     assert_eq!(get(&format!("/{token}/"), &format!("Host: localhost:{port}\r\n")), 200);
-    // Without the token there is nothing, whatever else is right.
+    // Without the token every request is refused, whatever else is right.
     let wrong = token.chars().rev().collect::<String>();
     let short = &token[..31];
     for path in ["/", "/state", "//", &format!("/{wrong}/"), &format!("/{short}/state"), &format!("/{token}")]
     {
         assert_eq!(get(path, &host), 404, "{path}");
     }
-    // A name that somebody else's page has.
+    // These are hosts of other people's pages.
     for host in [
         "Host: evil.example\r\n".into(),
         format!("Host: evil.example:{port}\r\n"),
@@ -166,7 +166,7 @@ fn nobody_else_comes_in() {
     ] {
         assert_eq!(get(&format!("/{token}/state"), &host), 403, "{host}");
     }
-    // What changes something comes from our page.
+    // Requests that change something must come from our page.
     let post = |host: &str, origin: &str| view.raw(&view.posting("undo", "{}", host, origin)).status;
     assert_eq!(post(&ours, &origin), 200);
     for other in ["null", "http://evil.example", "https://127.0.0.1", &format!("{origin}.evil.example")] {
@@ -180,11 +180,11 @@ fn nobody_else_comes_in() {
 }
 
 #[test]
-fn the_page_may_load_nothing() {
-    let shop = Shop::new();
+fn the_page_of_view_may_load_nothing() {
+    let shop = Sandbox::new();
     let view = Viewer::of(&shop, &[CELL]);
     let [one, other] = [view.get(""), view.get("")];
-    let nonce = |a: &Answered| {
+    let nonce = |a: &HttpAnswer| {
         let after = a.head.split_once("'nonce-").unwrap_or_else(|| panic!("{}", a.head)).1.to_string();
         after.split_once('\'').unwrap().0.to_string()
     };
@@ -200,7 +200,7 @@ fn the_page_may_load_nothing() {
         assert!(one.head.contains(wanted), "{wanted}: {}", one.head);
     }
     assert!(!one.head.contains("unsafe"), "{}", one.head);
-    // Every script and style has the mark, and nothing is fetched from elsewhere.
+    // Every script and style has the nonce, and nothing is fetched from elsewhere.
     let marked = format!("nonce=\"{}\"", nonce(&one));
     for tag in ["<script", "<style"] {
         for (at, _) in one.body.match_indices(tag) {
@@ -211,8 +211,8 @@ fn the_page_may_load_nothing() {
 }
 
 #[test]
-fn a_layout_is_worth_what_map_says() {
-    let shop = Shop::new();
+fn the_value_of_a_layout_in_view_agrees_with_map() {
+    let shop = Sandbox::new();
     shop.write("cells/elsewhere.toml", ELSEWHERE);
     let view = Viewer::of(&shop, &[CELL]);
     let drawn = shop.json(&["map", CELL]);
@@ -244,7 +244,7 @@ fn a_layout_is_worth_what_map_says() {
             }
         }
     }
-    // A try changes nothing; what is fixed in the file can be tried, too.
+    // A try changes nothing. Coordinates fixed in the file can be tried, too.
     assert_eq!(view.get("state").json()["now"]["undo"], 0);
     shop.write("cells/up.toml", "from = \"hitachi_cell.toml\"\n[equipment.conveyor.placement]\nz_mm = 555\n");
     view.done("question", &json!({ "sense": null, "model": "nonlinear", "reading": "signed" }));
@@ -254,8 +254,8 @@ fn a_layout_is_worth_what_map_says() {
 }
 
 #[test]
-fn steps_are_undone_and_redone_and_a_page_goes_on_where_it_was() {
-    let shop = Shop::new();
+fn view_undoes_redoes_and_restores_a_page() {
+    let shop = Sandbox::new();
     let view = Viewer::of(&shop, &[CELL]);
     let objective = |now: &Value| now["answer"]["objective"].clone();
     let start = view.get("state").json()["now"].clone();
@@ -265,7 +265,7 @@ fn steps_are_undone_and_redone_and_a_page_goes_on_where_it_was() {
     assert!(text(&one["what"]).contains("worktable y 1000 to 950 mm"), "{}", one["what"]);
     let all = [objective(&start), objective(&one), objective(&two)];
     assert!(all[0] != all[1] && all[1] != all[2]);
-    // A reload asks for the state: it is that of the server.
+    // A reload asks for the state of the server.
     let again = view.get("state").json()["now"].clone();
     assert_eq!(again, two);
     let back = view.done("undo", &json!({}));
@@ -278,7 +278,7 @@ fn steps_are_undone_and_redone_and_a_page_goes_on_where_it_was() {
     );
     view.done("redo", &json!({}));
     assert_eq!(view.done("redo", &json!({}))["numbers"], two["numbers"]);
-    // Back to the start is a step like others; a new step forgets what was undone.
+    // A reset is a step like others. A new step forgets undone ones.
     let reset = view.done("reset", &json!({}));
     assert_eq!((objective(&reset), &reset["undo"]), (all[0].clone(), &json!(3)));
     view.done("undo", &json!({}));
@@ -287,29 +287,29 @@ fn steps_are_undone_and_redone_and_a_page_goes_on_where_it_was() {
 }
 
 #[test]
-fn nonsense_is_refused_in_words() {
-    let shop = Shop::new();
+fn view_refuses_invalid_requests_with_a_message() {
+    let shop = Sandbox::new();
     let view = Viewer::of(&shop, &[CELL]);
     let worktable = |number: &str| format!("{{\"equipment\":{{\"worktable\":{{\"x_mm\":{number}}}}}}}");
     for what in ["try", "layout"] {
         for (body, word) in [
-            (worktable("NaN"), "no JSON"),
-            (worktable("1e999"), "no JSON"),
+            (worktable("NaN"), "not JSON"),
+            (worktable("1e999"), "not JSON"),
             (worktable("null"), "must be a number"),
             (worktable("\"5\""), "must be a number"),
             (worktable("1800.01"), "must be from -1800 to 1800"),
             (worktable("-1e9"), "must be from -1800 to 1800"),
             ("{\"equipment\":{\"nobody\":{\"x_mm\":1}}}".into(), "no equipment `nobody`"),
             ("{\"equipment\":{\"post\":{\"x_mm\":1}}}".into(), "obstacle"),
-            ("{\"equipment\":{\"worktable\":{\"q_mm\":1}}}".into(), "no `q_mm`"),
-            ("{\"attitude\":{\"assembly\":{\"bend_deg\":1}}}".into(), "no `bend_deg`"),
+            ("{\"equipment\":{\"worktable\":{\"q_mm\":1}}}".into(), "no coordinate `q_mm`"),
+            ("{\"attitude\":{\"assembly\":{\"bend_deg\":1}}}".into(), "no coordinate `bend_deg`"),
             ("{\"robot_base\":{\"x_mm\":1e8}}".into(), "must be from"),
             ("{\"equipment\":[1]}".into(), "must be an object"),
-            ("{\"robots\":{\"x\":{}}}".into(), "none of"),
+            ("{\"robots\":{\"x\":{}}}".into(), "not one of"),
             ("[]".into(), "must be an object"),
-            ("{".into(), "no JSON"),
-            ("".into(), "no JSON"),
-            ("[".repeat(60_000), "no JSON"),
+            ("{".into(), "not JSON"),
+            ("".into(), "not JSON"),
+            ("[".repeat(60_000), "not JSON"),
         ] {
             let said = view.refused(what, &body);
             assert!(said.contains(word), "{body:.80}: {said}");
@@ -329,7 +329,7 @@ fn nonsense_is_refused_in_words() {
     }
     view.refused("accept", "{}");
     let Viewer { port, token, .. } = &view;
-    // No length, and a body that never comes: answered, and nobody else waits for it.
+    // A request without a length or with a missing body is answered, and nobody else waits for it.
     let head = format!(
         "POST /{token}/layout HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nOrigin: http://127.0.0.1:{port}\r\n"
     );
@@ -338,16 +338,16 @@ fn nonsense_is_refused_in_words() {
     slow.write_all(format!("{head}Content-Length: 5000\r\n\r\n{{").as_bytes()).unwrap();
     assert_eq!(view.raw(&format!("{head}Content-Length: 9000000000\r\n\r\n{{")).status, 400);
     assert_eq!(view.get("state").status, 200);
-    // After all that the layout is as drawn.
+    // After all that the layout is the start layout.
     assert_eq!(view.get("state").json()["now"]["undo"], 0);
 }
 
 #[test]
-fn a_saved_layout_is_a_cell() {
-    let shop = Shop::new();
+fn a_saved_layout_is_a_loadable_cell() {
+    let shop = Sandbox::new();
     let view = Viewer::of(&shop, &[CELL]);
     view.done("layout", &elsewhere());
-    // Fixed in the file: it must be in the one that is saved, too.
+    // A coordinate fixed in the file is in the saved file, too.
     view.done(
         "layout",
         &json!({ "equipment": { "conveyor": { "z_mm": 590.25 } }, "robot_base": { "z_mm": 1.5 } }),
@@ -361,7 +361,7 @@ fn a_saved_layout_is_a_cell() {
     assert_eq!(map["objective"], now["answer"]["objective"]);
     assert!(map["objective"].is_number());
     assert_eq!(map["operations"][0]["sense"], "xyz");
-    // Never over another file without being asked twice, and never over what it is made from.
+    // Another file is only replaced on a second request, and the source of the layout never.
     let before = shop.read("cells/by_hand.toml");
     view.done("undo", &json!({}));
     let taken = view.post("save", "{\"name\":\"by_hand.toml\"}");
@@ -376,8 +376,8 @@ fn a_saved_layout_is_a_cell() {
 }
 
 #[test]
-fn a_name_is_no_way_out_of_the_folder() {
-    let shop = Shop::new();
+fn a_save_name_cannot_leave_the_folder() {
+    let shop = Sandbox::new();
     let view = Viewer::of(&shop, &[CELL]);
     let before = shop.files("");
     for name in [
@@ -419,15 +419,15 @@ fn a_name_is_no_way_out_of_the_folder() {
 }
 
 #[test]
-fn a_search_from_here_is_that_of_search() {
-    let shop = Shop::new();
+fn a_search_in_view_equals_the_search_command() {
+    let shop = Sandbox::new();
     let view = Viewer::of(&shop, &[CELL]);
     let now = view.done("layout", &elsewhere());
     let began = view.done("search", &json!({ "budget": 600, "seed": 7 }));
     assert_eq!(began["search"]["budget"], 600);
     let search = ended(&view);
     assert!((number(&search["start"]) - number(&now["answer"]["objective"])).abs() < 1e-9, "{search}");
-    // The same from a file that starts there.
+    // A file that starts there gives the same search.
     let range = |min: f64, max: f64, start: f64| format!("{{ min = {min}, max = {max}, start = {start} }}");
     let from = format!(
         "from = \"hitachi_cell.toml\"\n[equipment.worktable.placement]\nx_mm = {}\ny_mm = {}\nz_mm = {}\nyaw_deg = {}\n\
@@ -445,14 +445,14 @@ fn a_search_from_here_is_that_of_search() {
     let best = number(&found["objective_mm"]);
     assert!((number(&search["best"]) - best).abs() < 1e-9, "{search} {best}");
     assert!(number(&search["gain_percent"]) > 0.0, "{search}");
-    // Its layout is a step that can be undone.
+    // Accepting its layout is a step that can be undone.
     let accepted = view.done("accept", &json!({}));
     assert!((number(&accepted["answer"]["objective"]) - best).abs() < 1e-9);
     assert_eq!(accepted["numbers"]["equipment"]["worktable"], found["layout"]["worktable"]);
     assert_eq!(view.done("undo", &json!({}))["numbers"], now["numbers"]);
 }
 
-/// The search of a page when it is over.
+/// Returns the search of a page when it is over.
 fn ended(view: &Viewer) -> Value {
     for _ in 0..2400 {
         let search = view.get("pulse").json()["search"].clone();
@@ -465,8 +465,8 @@ fn ended(view: &Viewer) -> Value {
 }
 
 #[test]
-fn a_search_is_stopped_and_the_page_lives_on_meanwhile() {
-    let shop = Shop::new();
+fn the_page_answers_during_a_search_and_can_stop_it() {
+    let shop = Sandbox::new();
     let view = Viewer::of(&shop, &[CELL]);
     view.done("search", &json!({ "budget": 100_000_000, "seed": 1 }));
     assert!(view.refused("search", "{\"budget\":5}").contains("under way"));
@@ -480,8 +480,8 @@ fn a_search_is_stopped_and_the_page_lives_on_meanwhile() {
 }
 
 #[test]
-fn a_result_can_be_searched_on() {
-    let shop = Shop::new();
+fn view_offers_a_search_from_a_result() {
+    let shop = Sandbox::new();
     shop.done(&["search", CELL, "--budget", "300", "--out", "found"]);
     let view = Viewer::of(&shop, &["found"]);
     let state = view.get("state").json();
@@ -496,8 +496,8 @@ fn a_result_can_be_searched_on() {
 }
 
 #[test]
-fn a_port_that_is_taken_and_a_cell_that_is_none_end_at_once() {
-    let shop = Shop::new();
+fn view_ends_at_once_on_a_taken_port_or_a_bad_cell() {
+    let shop = Sandbox::new();
     let view = Viewer::of(&shop, &[CELL]);
     let ran = shop.run(&["view", CELL, "--port", &view.port.to_string()]);
     assert_eq!((ran.code, ran.out.as_str()), (Some(3), ""), "{}", ran.err);
@@ -506,11 +506,11 @@ fn a_port_that_is_taken_and_a_cell_that_is_none_end_at_once() {
     assert_eq!(shop.run(&["view", "cells/bad.toml"]).code, Some(2));
 }
 
-/// Ctrl-C is how it ends: nothing is left undone.
+/// Ctrl-C is the normal end of `view`, so it exits 0.
 #[cfg(unix)]
 #[test]
-fn it_ends_at_a_signal_with_0() {
-    let shop = Shop::new();
+fn view_exits_0_on_a_signal() {
+    let shop = Sandbox::new();
     let mut view = Viewer::of(&shop, &[CELL]);
     view.done("search", &json!({ "budget": 100_000_000 }));
     let kill = std::process::Command::new("kill").args(["-INT", &view.child.id().to_string()]).status();

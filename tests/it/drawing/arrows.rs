@@ -1,20 +1,20 @@
-//! Error arrows of a drawing.
+//! Tests the error arrows of a drawing.
 
 use crate::common::workcell;
 use nalgebra::Vector3;
 use sweetspot::assess::Assessment;
 use sweetspot::cell::Reading;
 use sweetspot::drawing::Detail;
-use sweetspot::drawing::arrows::round_down;
+use sweetspot::drawing::round_numbers::{HALF_DIGITS, round_down};
 use sweetspot::drawing::{Arrow, Component, Drawing};
 
 #[test]
-fn arrows_are_the_errors_enlarged() {
+fn arrows_are_the_exaggerated_errors() {
     let workcell = workcell("hitachi_paper.toml");
     let a = Assessment::new("start", &workcell, workcell.cell.start());
     let detail = Detail { lenses: false, envelopes: false, nodes: usize::MAX };
     let drawing = Drawing::new(&a, &detail).unwrap();
-    // Ten by eight divisions of a table of 1500 by 700 mm, by its file.
+    // The file has ten by eight divisions of a table of 1500 by 700 mm.
     assert!((drawing.fields[0].spacing() - 0.7 / 8.0).abs() < 1e-12);
     let enlarged = drawing.exaggeration(0);
     let errors = || a.maps[0].nodes.iter().filter(|n| n.status.name() == "ok");
@@ -40,7 +40,7 @@ fn arrows_are_the_errors_enlarged() {
 }
 
 #[test]
-fn errors_without_a_sign_go_both_ways() {
+fn unsigned_errors_have_arrows_both_ways() {
     let workcell = workcell("hitachi_paper.toml");
     let a = Assessment::new("start", &workcell, workcell.cell.start());
     let detail = Detail { lenses: true, envelopes: false, nodes: usize::MAX };
@@ -60,21 +60,22 @@ fn errors_without_a_sign_go_both_ways() {
 }
 
 #[test]
-fn an_exaggeration_is_easily_said() {
+fn an_arrow_exaggeration_is_a_round_number() {
     let cases = [(37.4, 35.0), (3.99, 3.5), (1.0, 1.0), (1e3, 1e3), (999.0, 950.0), (0.27, 0.25)];
     for (raw, said) in cases {
-        assert!((round_down(raw) / said - 1.0f64).abs() < 1e-12, "{raw}: {}", round_down(raw));
+        let round = round_down(raw, HALF_DIGITS);
+        assert!((round / said - 1.0f64).abs() < 1e-12, "{raw}: {round}");
     }
 }
 
 #[test]
-fn a_solid_arrow_is_closed_and_a_head_is_seen_from_two_sides() {
+fn a_solid_arrow_is_closed_and_its_barbs_are_perpendicular() {
     for tip in [Vector3::new(0.3, -0.4, 0.0), Vector3::new(0.0, 0.0, -0.5), Vector3::new(0.1, 0.2, 0.3)] {
         let arrow = Arrow { node: 0, tail: Vector3::new(1.0, 2.0, 3.0), tip, head: 0.04 };
         let mesh = arrow.mesh();
         let p = |i: u32| mesh.positions[i as usize] - arrow.tail;
         let volume: f64 = mesh.triangles.iter().map(|[a, b, c]| p(*a).dot(&p(*b).cross(&p(*c)))).sum();
-        // Prism and pyramid on regular hexagons: 3 sqrt(3) / 2 r^2, times height, a third of it.
+        // Prism and pyramid stand on regular hexagons of area 3 sqrt(3) / 2 r^2.
         let hexagon = |r: f64| 1.5 * 3f64.sqrt() * r * r;
         let shaft = (arrow.tip - arrow.tail).norm() - arrow.head;
         let exact = hexagon(arrow.head * 0.12) * shaft + hexagon(arrow.head * 0.35) * arrow.head / 3.0;

@@ -1,4 +1,4 @@
-//! Solids as triangle meshes.
+//! Tests solids as triangle meshes.
 
 use nalgebra::Vector3;
 use std::f64::consts::PI;
@@ -6,14 +6,14 @@ use sweetspot::cell::Shape;
 use sweetspot::drawing::Mesh;
 use sweetspot::pose::Pose;
 
-/// Volume that a closed surface holds by the divergence theorem: wrong if a face looks inwards.
+/// Returns the volume of a closed surface by the divergence theorem, which is wrong if a face looks inwards.
 fn volume(mesh: &Mesh) -> f64 {
     let p = |i: u32| mesh.positions[i as usize];
     mesh.triangles.iter().map(|[a, b, c]| p(*a).dot(&p(*b).cross(&p(*c))) / 6.0).sum()
 }
 
 #[test]
-fn every_solid_is_closed_and_looks_outwards() {
+fn every_solid_mesh_is_closed_and_faces_outwards() {
     let tilted = Pose::from_translation_rpy(Vector3::new(0.3, -0.2, 0.9), Vector3::new(0.4, -0.7, 1.1));
     let (a, b) = (Vector3::new(0.1, 0.2, 0.3), Vector3::new(-0.4, 0.6, 0.9));
     let (length, r): (f64, f64) = ((b - a).norm(), 0.15);
@@ -27,7 +27,7 @@ fn every_solid_is_closed_and_looks_outwards() {
     for (shape, exact) in solids {
         let mesh = Mesh::of(&shape, -0.8);
         let share = volume(&mesh) / exact;
-        // Of polygons for circles a little is missing.
+        // Polygons in place of circles lose a little volume.
         assert!((0.975..1.0 + 1e-9).contains(&share), "{shape:?}: {share}");
         let extent = mesh.extent().map(|(lo, hi)| (hi - lo).amax());
         assert!(extent.is_some_and(|e| e > 0.1));
@@ -40,7 +40,7 @@ fn every_solid_is_closed_and_looks_outwards() {
 }
 
 #[test]
-fn a_box_is_sharp_and_a_ball_is_soft() {
+fn a_box_has_sharp_and_a_ball_smooth_normals() {
     let cube = Mesh::of(&Shape::Box { pose: Pose::IDENTITY, size: Vector3::repeat(1.0) }, 0.0);
     assert_eq!((cube.positions.len(), cube.triangles.len()), (24, 12));
     let ball = Mesh::of(&Shape::Sphere { centre: Vector3::zeros(), radius: 2.0 }, 0.0);

@@ -1,4 +1,4 @@
-//! The drawing of an assessed layout.
+//! Tests the drawing of an assessed layout.
 
 mod arrows;
 mod mesh;
@@ -8,7 +8,7 @@ use sweetspot::assess::Assessment;
 use sweetspot::drawing::{Detail, Drawing, Kind};
 
 #[test]
-fn a_drawing_shows_what_the_assessment_says() {
+fn a_drawing_shows_the_values_of_the_assessment() {
     let workcell = workcell("hitachi_paper.toml");
     let a = Assessment::new("start", &workcell, workcell.cell.start());
     let drawing = Drawing::new(&a, &Detail::FULL).unwrap();
@@ -16,7 +16,7 @@ fn a_drawing_shows_what_the_assessment_says() {
     assert_eq!((field.nodes.len(), field.size, field.usable().count()), (99, (11, 9), 80));
     assert_eq!(drawing.lenses.len(), field.takes.len());
     assert_eq!(drawing.lenses.len(), 9, "{:?}", drawing.lenses);
-    // The first lens is the cell's own.
+    // The first lens belongs to the cell.
     let own = field.range(0, field.sense).unwrap().0;
     assert!((own - a.maps[0].value.unwrap()).abs() < 1e-15);
     // The worst case is never less than the signed sample, node by node.
@@ -44,7 +44,7 @@ fn the_robot_moves_from_home_to_its_spots_and_back() {
         let tcp = movement.at(k).unwrap().last().unwrap();
         assert!((tcp.translation - node.position).norm() < 1e-9);
     }
-    // No joint frame leaps from one picture to the next.
+    // No joint frame jumps from one picture to the next.
     for pair in movement.frames.windows(2) {
         let far = pair[0].iter().zip(&pair[1]).map(|(a, b)| (a.translation - b.translation).norm());
         assert!(far.fold(0.0, f64::max) < 0.25);
@@ -64,9 +64,9 @@ fn a_large_map_is_thinned_and_keeps_its_spot() {
     }
 }
 
-/// The bars of a robot without solids join the origins of its frames.
+/// Bars join the origins of the frames of a robot without solids.
 #[test]
-fn every_robot_is_to_be_seen() {
+fn every_robot_without_solids_is_drawn_as_bars() {
     for name in ["ur_cell.toml", "panda_cell.toml", "scara_cell.toml", "track_cell.toml"] {
         let mut workcell = workcell(name);
         let (solids, tools) = (workcell.cell.robot.solids.len(), workcell.cell.robot.tool_solids);

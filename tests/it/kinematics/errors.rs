@@ -1,4 +1,4 @@
-//! Both error models: derivative, reference in 60 digits, special sizes, signs by hand, base.
+//! Tests both error models: derivatives, a reference in 60 digits, extreme sizes, signs by hand, the base.
 
 use crate::common::{root, shipped, signed};
 use crate::kinematics::product::{no_errors, position, random_joints, rotation, tcp};
@@ -17,7 +17,7 @@ use sweetspot::layout::Workcell;
 use sweetspot::pose::{Displacement, Pose};
 use sweetspot::robot::Chain;
 
-/// A robot of these rows; the limits play no part.
+/// Returns a robot of these rows. Its limits play no part.
 pub fn robot(joints: Vec<Joint>, coupling: Vec<Vec<f64>>, tool: Pose) -> Robot {
     let (footprint, text) = (Rectangle { centre: (0.0, 0.0), size: (1.0, 1.0) }, || "test".to_string());
     let (tool_axis, solids, tool_solids, errors) = (Vector3::x(), vec![], 0, vec![]);
@@ -46,7 +46,8 @@ pub fn joint(kind: JointKind, theta: f64, r: f64, l: f64, alpha: f64) -> Joint {
     Joint { name: "q".into(), kind, theta, r, l, alpha, limits: (-PI, PI) }
 }
 
-/// Couplings, prismatic joints, right angles and all; `flat`: every angle 0, all axes parallel.
+/// Returns a random robot with couplings, prismatic joints and right angles; `flat` sets every angle to 0 and
+/// all axes parallel.
 pub fn random_robot(rng: &mut ChaCha8Rng, n: usize, flat: bool) -> Robot {
     let joints = (0..n).map(|_| {
         let kind = if rng.random_bool(0.25) { JointKind::Prismatic } else { JointKind::Revolute };
@@ -105,7 +106,7 @@ fn assert_close(got: Vector3<f64>, want: Vector3<f64>, relative: f64, what: &str
 }
 
 #[test]
-fn linearized_model_is_the_derivative() {
+fn the_linearized_model_is_the_derivative() {
     let mut rng = ChaCha8Rng::seed_from_u64(5);
     for k in 0..1_000 {
         let (n, flat) = (1 + k % 8, k % 10 == 9);
@@ -122,10 +123,10 @@ fn linearized_model_is_the_derivative() {
     }
 }
 
-/// tests/data/nonlinear_mpmath.py wrote the reference: errors up to 1 mm and 0.5 degrees, a
-/// thousandth and a millionth of that.
+/// tests/data/nonlinear_mpmath.py wrote the reference for errors up to 1 mm and 0.5 degrees, a thousandth and
+/// a millionth of that.
 #[test]
-fn nonlinear_model_keeps_its_digits_down_to_nanometres() {
+fn the_nonlinear_model_keeps_its_digits_down_to_nanometres() {
     let text = std::fs::read_to_string(root().join("tests/data/nonlinear_mpmath.json")).unwrap();
     let chains: Vec<Value> = serde_json::from_str(&text).unwrap();
     let numbers = |v: &Value| -> Vec<f64> {
@@ -162,7 +163,7 @@ fn nonlinear_model_keeps_its_digits_down_to_nanometres() {
 }
 
 #[test]
-fn no_error_gives_exactly_zero() {
+fn zero_errors_give_exactly_zero() {
     let mut rng = ChaCha8Rng::seed_from_u64(6);
     for (n, model) in (1..=8).flat_map(|n| Model::ALL.map(|m| (n, m))) {
         let robot = random_robot(&mut rng, n, false);
@@ -187,15 +188,15 @@ fn tiny_twists_keep_their_digits() {
         for model in Model::ALL {
             let e = predicted(&whole, &q, &errors, model);
             assert_close(e.rotation, turn, 1e-14, "rotation");
-            // The nonlinear model bends the arc: half the angle of it.
+            // The nonlinear model bends the arc by half its angle.
             assert_close(e.position, turn.cross(&arm), 1e-13 + size, "position");
         }
     }
 }
 
-/// Up to and past half a turn the rotation vector is that of the product, the short way round.
+/// The rotation vector equals that of the product up to and past half a turn, the shorter way round.
 #[test]
-fn large_twists_give_the_rotation_of_the_product() {
+fn large_twists_give_the_rotation_of_the_matrix_product() {
     let mut rng = ChaCha8Rng::seed_from_u64(8);
     for k in 0..200 {
         let robot = random_robot(&mut rng, 5, false);
@@ -209,11 +210,11 @@ fn large_twists_give_the_rotation_of_the_product() {
     }
 }
 
-/// One joint at 90 degrees, so that its link points along y; r = 0.2, l = 0.5, alpha = 90 degrees.
-/// Rx(90) puts the tool offset (0.1, 0.2, 0.3) at (0.1, -0.3, 0.2); with l and r it is at
-/// (0.6, -0.3, 0.4), which Rz(90) turns to (0.3, 0.6, 0.4).
+/// One joint at 90 degrees points its link along y, with r = 0.2, l = 0.5, alpha = 90 degrees. Rx(90) puts
+/// the tool offset (0.1, 0.2, 0.3) at (0.1, -0.3, 0.2). With l and r it lies at (0.6, -0.3, 0.4), which
+/// Rz(90) turns to (0.3, 0.6, 0.4).
 #[test]
-fn signs_by_hand() {
+fn error_signs_match_hand_calculation() {
     let tool = Pose::from_translation_rpy(vector![0.1, 0.2, 0.3], Vector3::zeros());
     let link = |kind| robot(vec![joint(kind, 0.0, 0.2, 0.5, FRAC_PI_2)], vec![vec![1.0]], tool);
     let (revolute, none) = (link(JointKind::Revolute), || no_errors(1));
@@ -231,7 +232,7 @@ fn signs_by_hand() {
     let dq = |x| SignedErrors { dq: vec![x], ..none() };
     let dalpha = |x| SignedErrors { dalpha: vec![x], ..none() };
     for model in Model::ALL {
-        // dl: along the link. dr: along the joint axis, as the slide of a prismatic joint.
+        // dl acts along the link, dr along the joint axis, like the slide of a prismatic joint.
         check(
             &revolute,
             &SignedErrors { dl: vec![0.001], ..none() },
@@ -259,9 +260,9 @@ fn signs_by_hand() {
     check(&revolute, &dalpha(h), h, Model::Nonlinear, vector![-0.1, 0.0, -0.5], vector![0.0, h, 0.0]);
 }
 
-/// The whole cell moved and turned by 90 degrees: (x, y) becomes (-y, x), in errors as in places.
+/// The whole cell is moved and turned by 90 degrees: (x, y) becomes (-y, x), in errors and in places.
 #[test]
-fn maps_turn_with_the_base() {
+fn error_maps_turn_with_the_base() {
     let mut cell = shipped("hitachi_paper.toml");
     let (robot, mut start) = (cell.robot.clone(), cell.start());
     start.placements[0].x = 0.15;

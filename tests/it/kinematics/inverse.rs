@@ -1,4 +1,4 @@
-//! The inverse of the forward kinematics, for the paper's robot and its relatives.
+//! Tests the inverse of the forward kinematics for the paper's robot and similar arms.
 
 use crate::common::{from_text, shipped};
 use crate::kinematics::product::{no_errors, position, random_joints, rotation, tcp};
@@ -12,7 +12,7 @@ use sweetspot::reach::{Inverse, Reach};
 use sweetspot::robot::Chain;
 use sweetspot::units::wrapped;
 
-/// TCP and elevation of the tool axis, base frame.
+/// Returns TCP and elevation of the tool axis in the base frame.
 fn held(robot: &Robot, q: &[f64]) -> (Vector3<f64>, f64) {
     let t = tcp(robot, q, &no_errors(robot.axes()), 0.0);
     (position(&t), elevation(&(rotation(&t) * robot.tool_axis)))
@@ -22,24 +22,24 @@ fn elevation(axis: &Vector3<f64>) -> f64 {
     axis.z.atan2(axis.x.hypot(axis.y))
 }
 
-/// How far each joint is outside its limits; negative inside.
+/// Returns how far each joint is outside its limits; negative inside.
 fn outside(robot: &Robot, q: &JointVector) -> Vec<f64> {
     robot.joints.iter().zip(q).map(|(j, q)| (j.limits.0 - q).max(q - j.limits.1)).collect()
 }
 
-/// Largest difference of joints; turns count unless the limits leave a choice of them.
+/// Returns the largest difference of joints. Whole turns do not count where the limits leave a choice.
 fn apart(robot: &Robot, a: &JointVector, b: &JointVector) -> f64 {
     let turns = |j: &Joint| j.limits.1 - j.limits.0 > TAU;
     let each = robot.joints.iter().zip(a.iter().zip(b));
     each.map(|(j, (a, b))| if turns(j) { wrapped(a - b).abs() } else { (a - b).abs() }).fold(0.0, f64::max)
 }
 
-/// Every branch holds the tool as `q` does, the limits are judged rightly, by both ways in, and `q`
-/// itself, known to be allowed, is among the branches.
+/// Checks that every branch holds the tool as `q` does, that both entry points judge the limits alike and
+/// rightly, and that `q`, known to be allowed, is among the branches.
 fn check_inverse(robot: &Robot, q: &JointVector, tolerance: f64) {
     let (chain, (target, bend)) = (Chain::new(robot), held(robot, q));
     let arm = Inverse::new(&chain);
-    let approach = arm.approach(&Attitude::elevation(bend), 0.0);
+    let approach = arm.tool_attitudes(&Attitude::elevation(bend), 0.0);
     let Reach::Branches(branches) = arm.branches(&target, &approach) else { panic!("{q:?} out of reach") };
     for b in &branches {
         let (p, e) = held(robot, &b.joints);
@@ -64,32 +64,32 @@ fn check_inverse(robot: &Robot, q: &JointVector, tolerance: f64) {
 fn check_inverse_at_random(robot: &Robot, configurations: usize) {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     for _ in 0..configurations {
-        // Conditioned by the sine of joint 3, 2e-4 at the worst here: five digits to spare.
+        // The sine of joint 3, 2e-4 at worst here, conditions the result and leaves five digits.
         check_inverse(robot, &random_joints(robot, &mut rng), 1e-9);
     }
 }
 
 #[test]
-fn inverse_of_forward_for_the_robot_of_the_paper() {
+fn the_inverse_recovers_postures_of_the_robot_of_the_paper() {
     check_inverse_at_random(&shipped("hitachi_paper.toml").robot, 10_000);
     check_inverse_at_random(&shipped("hitachi_paper_parallelogram.toml").robot, 10_000);
 }
 
-/// q_offset, r, l, alpha (deg, mm) of an arm with every offset its family can have.
+/// Rows (q_offset, r, l, alpha; deg, mm) of an arm with every offset that its family allows.
 const OFFSETS: [[f64; 4]; 4] = [
     [20.0, 700.0, 150.0, 90.0],
     [30.0, 120.0, 600.0, 0.0],
     [0.0, -80.0, 500.0, 0.0],
     [-40.0, 45.0, 300.0, 0.0],
 ];
-/// The same without.
+/// Rows of an arm without offsets.
 const PLAIN: [[f64; 4]; 4] =
     [[0.0, 700.0, 0.0, 90.0], [0.0, 0.0, 600.0, 0.0], [0.0, 0.0, 500.0, 0.0], [0.0, 0.0, 300.0, 0.0]];
 const TOOL: &str = "tool = { position_mm = [30, 70, -110], axis = [1, 0, 0] }";
 const AT_FLANGE: &str = "tool = { position_mm = [0, 0, 0], axis = [1, 0, 0] }";
 const SERIAL: &str = "[[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]";
 
-/// A robot read from text; `limits` (deg) are those of every joint.
+/// Returns a robot read from text; `limits` (deg) hold for every joint.
 fn arm(rows: [[f64; 4]; 4], limits: [f64; 2], coupling: &str, tool: &str) -> Robot {
     let row = |(i, [q, r, l, a]): (usize, &[f64; 4])| {
         format!(
@@ -123,7 +123,7 @@ fn arm(rows: [[f64; 4]; 4], limits: [f64; 2], coupling: &str, tool: &str) -> Rob
 }
 
 #[test]
-fn inverse_of_forward_for_its_relatives() {
+fn the_inverse_recovers_postures_of_arms_like_the_paper() {
     let with = |joint: usize, column: usize, value: f64| {
         let mut rows = OFFSETS;
         rows[joint][column] = value;
@@ -143,7 +143,7 @@ fn inverse_of_forward_for_its_relatives() {
         arm(with(3, 3, 90.0), turn, SERIAL, across),
         arm(OFFSETS, [-400.0, 300.0], SERIAL, TOOL),
         arm(OFFSETS, [-400.0, 300.0], whole, TOOL),
-        // Through 180 degrees, where atan2 jumps.
+        // The limits include 180 degrees, where atan2 jumps.
         arm(OFFSETS, [100.0, 260.0], SERIAL, TOOL),
         arm(OFFSETS, [100.0, 260.0], whole, TOOL),
         arm(OFFSETS, [-70.0, 110.0], fraction, TOOL),
@@ -154,10 +154,10 @@ fn inverse_of_forward_for_its_relatives() {
 }
 
 #[test]
-fn inverse_at_limits() {
+fn the_inverse_finds_postures_at_the_joint_limits() {
     let paper = ["hitachi_paper.toml", "hitachi_paper_parallelogram.toml"].map(|name| shipped(name).robot);
     for robot in paper.into_iter().chain([arm(OFFSETS, [100.0, 260.0], SERIAL, TOOL)]) {
-        // Every joint at its lower limit, between, or at its upper limit.
+        // Every joint is at its lower limit, between, or at its upper limit.
         for k in 0..3usize.pow(4) {
             let choice = |i, (lo, hi): (f64, f64)| [lo, 0.6 * lo + 0.4 * hi, hi][k / 3usize.pow(i) % 3];
             let q = from_fn(|i| robot.joints.get(i).map_or(0.0, |j| choice(i as u32, j.limits)));
@@ -166,9 +166,9 @@ fn inverse_at_limits() {
     }
 }
 
-/// Search and map must judge alike within the rounding of a limit, too.
+/// Search and map judge alike within the rounding of a limit.
 #[test]
-fn both_ways_in_agree_at_the_tolerance_of_a_limit() {
+fn map_and_search_agree_at_the_tolerance_of_a_limit() {
     let mut rng = ChaCha8Rng::seed_from_u64(2);
     let robot = shipped("hitachi_paper.toml").robot;
     let (chain, half) = (Chain::new(&robot), |(lo, hi): (f64, f64)| (hi - lo) / 2.0);
@@ -179,7 +179,7 @@ fn both_ways_in_agree_at_the_tolerance_of_a_limit() {
         // A limit counts as kept up to 1e-12 in the cosine of the angle from its middle.
         q[joint] = limits.1 + 1e-12 * rng.random_range(0.999..1.001) / half(limits).sin();
         let (target, bend) = held(&robot, &q);
-        let approach = arm.approach(&Attitude::elevation(bend), 0.0);
+        let approach = arm.tool_attitudes(&Attitude::elevation(bend), 0.0);
         let Reach::Branches(branches) = arm.branches(&target, &approach) else {
             panic!("{q:?} out of reach")
         };
@@ -190,9 +190,9 @@ fn both_ways_in_agree_at_the_tolerance_of_a_limit() {
     }
 }
 
-/// Arm stretched, tool vertical: joints are found to the root of the rounding only.
+/// With a stretched arm or a vertical tool, joints are found to the square root of the rounding only.
 #[test]
-fn inverse_of_singular_postures() {
+fn the_inverse_handles_singular_postures() {
     let robot = arm(OFFSETS, [-180.0, 180.0], SERIAL, AT_FLANGE);
     let mut rng = ChaCha8Rng::seed_from_u64(3);
     for _ in 0..1_000 {
@@ -206,7 +206,7 @@ fn inverse_of_singular_postures() {
 }
 
 #[test]
-fn arm_straight_up_beside_its_base_axis_is_in_reach() {
+fn an_arm_straight_up_beside_its_base_axis_is_in_reach() {
     let mut rows = OFFSETS;
     (rows[0][2], rows[1][0], rows[3][0]) = (0.0, 90.0, 0.0);
     let robot = arm(rows, [-180.0, 180.0], SERIAL, AT_FLANGE);
@@ -218,7 +218,7 @@ fn arm_straight_up_beside_its_base_axis_is_in_reach() {
 }
 
 #[test]
-fn folded_arm_of_equal_links_holds_the_tool() {
+fn a_folded_arm_of_equal_links_holds_the_tool() {
     let mut rows = PLAIN;
     rows[2][2] = rows[1][2];
     let robot = arm(rows, [-180.0, 180.0], SERIAL, TOOL);
@@ -227,29 +227,29 @@ fn folded_arm_of_equal_links_holds_the_tool() {
         for _ in 0..100 {
             let mut q = random_joints(&robot, &mut rng);
             q[2] = PI - fold;
-            // The upper arm may point anywhere: only the tool is compared.
+            // The upper arm may point anywhere, so only the tool is compared.
             check_inverse(&robot, &q, f64::INFINITY);
         }
     }
 }
 
 #[test]
-fn base_yaw_on_the_base_axis_keeps_its_limits() {
+fn the_base_yaw_keeps_its_limits_on_the_base_axis() {
     for (offset, limits) in [(0.0, (-60.0, 60.0)), (90.0, (-60.0, 60.0)), (45.0, (100.0, 260.0))] {
         let mut robot = arm(PLAIN, [-180.0, 180.0], SERIAL, AT_FLANGE);
         robot.joints[0].theta = f64::to_radians(offset);
         robot.joints[0].limits = (f64::to_radians(limits.0), f64::to_radians(limits.1));
         let arm = Inverse::new(&Chain::new(&robot));
-        let approach = arm.approach(&Attitude::elevation(0.0), 0.0);
+        let approach = arm.tool_attitudes(&Attitude::elevation(0.0), 0.0);
         let Reach::Branches(branches) = arm.branches(&vector![0.0, 0.0, 1.4], &approach) else { panic!() };
         assert!(branches.iter().all(|b| b.violation.is_none()), "{branches:?}");
     }
 }
 
-/// Joint 2 has two turns to choose from, and they differ by half a turn of joint 3: a posture alone
-/// does not tell its limits, so the numeric way is taken.
+/// Joint 2 has two turns to choose from, which differ by half a turn of joint 3. A posture alone does not
+/// decide its limits, so the numeric solver is used.
 #[test]
-fn a_fractional_gear_on_a_joint_of_several_turns_is_solved_on_the_actuators() {
+fn a_fractional_gear_over_several_turns_is_solved_on_the_actuators() {
     let gear = "[[1, 0, 0, 0], [0, 1, 0, 0], [0, -0.5, 1, 0], [0, 0, 0, 1]]";
     let mut robot = arm(OFFSETS, [-400.0, 300.0], gear, TOOL);
     robot.joints[2].limits = (-0.7, 0.7);
@@ -257,7 +257,7 @@ fn a_fractional_gear_on_a_joint_of_several_turns_is_solved_on_the_actuators() {
     let mut rng = ChaCha8Rng::seed_from_u64(5);
     for _ in 0..100 {
         let (target, bend) = held(&robot, &random_joints(&robot, &mut rng));
-        let approach = inverse.approach(&Attitude::elevation(bend), 0.0);
+        let approach = inverse.tool_attitudes(&Attitude::elevation(bend), 0.0);
         let Reach::Branches(branches) = inverse.branches(&target, &approach) else {
             panic!("{target:?} {bend}")
         };

@@ -1,5 +1,5 @@
-//! The numeric inverse kinematics: poses made by the D-H product here are found again, reasons are
-//! those that geometry gives.
+//! Tests the numeric inverse kinematics: it finds poses made by the D-H product here, and its reasons agree
+//! with geometry.
 
 use crate::common::{data, from_text, root, shipped};
 use crate::kinematics::errors::{joint, random_robot, robot};
@@ -13,17 +13,17 @@ use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 use sweetspot::cell::{Attitude, JointKind, JointVector, MAX_JOINTS, Parameter, Robot};
 use sweetspot::pose::Pose;
-use sweetspot::reach::{Goal, Held, Inverse, Missing, Numeric, Reach, jacobian};
+use sweetspot::reach::{AttitudeGoal, Inverse, Numeric, Reach, Shortfall, TcpGoal, jacobian};
 use sweetspot::robot::Chain;
 use sweetspot::units::wrapped;
 
 const TURN: JointKind = JointKind::Revolute;
 const SLIDE: JointKind = JointKind::Prismatic;
 
-/// Kind, r, l, alpha in degrees, limits in rad or m.
+/// Row of an arm: kind, r, l, alpha in degrees, limits in rad or m.
 type Row = (JointKind, f64, f64, f64, (f64, f64));
 
-/// Not coupled.
+/// Returns a robot of these rows without coupling.
 fn serial(rows: &[Row], tool: Pose) -> Robot {
     let joints = rows.iter().map(|&(kind, r, l, alpha, limits)| {
         let mut row = joint(kind, 0.0, r, l, alpha.to_radians());
@@ -52,8 +52,8 @@ fn five_axes() -> Robot {
     serial(&rows, tool)
 }
 
-/// Franka Emika Panda: the maker's rows are the modified ones (a and alpha before the joint), moved
-/// here to the joint before.
+/// Returns the Franka Emika Panda. The maker's rows are the modified ones (a and alpha before the joint),
+/// moved here to the joint before.
 fn panda() -> Robot {
     let rows = [
         (TURN, 0.333, 0.0, -90.0, (-2.8973, 2.8973)),
@@ -77,7 +77,7 @@ fn scara(last: f64) -> Robot {
     serial(&rows, Pose::identity())
 }
 
-/// `arm` on slides across each other.
+/// Returns `arm` on slides across each other.
 fn on_slides(slides: usize, arm: &Robot) -> Robot {
     let rows = [(SLIDE, 0.0, 0.0, 90.0, (-1.0, 1.5)), (SLIDE, 0.2, 0.1, -90.0, (0.0, 0.8))];
     let mut robot = serial(&rows[..slides], arm.tool);
@@ -105,35 +105,37 @@ fn fk(robot: &Robot, q: &JointVector) -> Matrix4<f64> {
     tcp(robot, q, &no_errors(robot.axes()), 0.0)
 }
 
-/// The goal at `q`, with all of the attitude asked or a part of it.
-fn goal_at(robot: &Robot, q: &JointVector, rows: usize) -> Goal {
+/// Returns the goal at `q` with all of the orientation or a part of it.
+fn goal_at(robot: &Robot, q: &JointVector, rows: usize) -> TcpGoal {
     let t = fk(robot, q);
     let axis = rotation(&t) * robot.tool_axis;
     let attitude = match rows {
-        3 => Held::Any,
-        4 => Held::Elevation(axis.z.atan2(axis.x.hypot(axis.y))),
-        5 => Held::Axis(axis),
-        _ => Held::Rotation(rotation(&t)),
+        3 => AttitudeGoal::Any,
+        4 => AttitudeGoal::Elevation(axis.z.atan2(axis.x.hypot(axis.y))),
+        5 => AttitudeGoal::Axis(axis),
+        _ => AttitudeGoal::Rotation(rotation(&t)),
     };
-    Goal { position: position(&t), attitude }
+    TcpGoal { position: position(&t), attitude }
 }
 
-/// Distance (m) and angle (rad) of a posture from a goal.
-fn off(robot: &Robot, q: &JointVector, goal: &Goal) -> (f64, f64) {
+/// Returns distance (m) and angle (rad) of a posture from a goal.
+fn off(robot: &Robot, q: &JointVector, goal: &TcpGoal) -> (f64, f64) {
     let t = fk(robot, q);
     let axis = rotation(&t) * robot.tool_axis;
-    // The chord instead of the arc cosine, which has no digits at 0.
+    // The chord replaces the arc cosine, which has no digits at 0.
     let between = |a: Vector3<f64>, b: Vector3<f64>| 2.0 * ((a - b).norm() / 2.0).min(1.0).asin();
     let angle = match goal.attitude {
-        Held::Any => 0.0,
-        Held::Elevation(angle) => (axis.z.atan2(axis.x.hypot(axis.y)) - angle).abs(),
-        Held::Axis(wanted) => between(axis, wanted),
-        Held::Rotation(wanted) => 2.0 * ((rotation(&t) - wanted).norm() / 8f64.sqrt()).min(1.0).asin(),
+        AttitudeGoal::Any => 0.0,
+        AttitudeGoal::Elevation(angle) => (axis.z.atan2(axis.x.hypot(axis.y)) - angle).abs(),
+        AttitudeGoal::Axis(wanted) => between(axis, wanted),
+        AttitudeGoal::Rotation(wanted) => {
+            2.0 * ((rotation(&t) - wanted).norm() / 8f64.sqrt()).min(1.0).asin()
+        }
     };
     ((position(&t) - goal.position).norm(), angle)
 }
 
-fn check(robot: &Robot, q: &JointVector, goal: &Goal) {
+fn check(robot: &Robot, q: &JointVector, goal: &TcpGoal) {
     let (distance, angle) = off(robot, q, goal);
     assert!(distance < 1e-9 && angle < 1e-9, "{}: {distance:e} m, {angle:e} rad at {q:?}", robot.name);
     for (j, q) in robot.joints.iter().zip(q) {
@@ -142,11 +144,11 @@ fn check(robot: &Robot, q: &JointVector, goal: &Goal) {
     assert!(q[robot.axes()..].iter().all(|q| *q == 0.0), "{q:?}");
 }
 
-/// How many of `count` poses made inside the limits are not found; what is found is right.
+/// Returns how many of `count` poses made inside the limits are not found. Every solution found is checked.
 fn missed(robot: &Robot, rows: usize, count: usize) -> usize {
     let (solver, mut rng) = (Numeric::new(&Chain::new(robot)), ChaCha8Rng::seed_from_u64(7));
     let goals: Vec<_> = (0..count).map(|_| goal_at(robot, &random_joints(robot, &mut rng), rows)).collect();
-    let miss = |goal: &Goal| match solver.one(goal) {
+    let miss = |goal: &TcpGoal| match solver.one(goal) {
         Some(q) => {
             check(robot, &q, goal);
             0
@@ -157,7 +159,7 @@ fn missed(robot: &Robot, rows: usize, count: usize) -> usize {
 }
 
 #[test]
-fn poses_of_every_robot_are_found() {
+fn poses_of_every_robot_are_solved_numerically() {
     for (name, robot) in robots() {
         let missed = missed(&robot, 6, 10_000);
         println!("{name}: {missed} missed");
@@ -166,7 +168,7 @@ fn poses_of_every_robot_are_found() {
 }
 
 #[test]
-fn a_goal_that_asks_less_of_the_attitude_is_found() {
+fn a_goal_with_a_free_orientation_is_found() {
     for ((name, robot), rows) in robots().into_iter().flat_map(|r| [3, 4, 5].map(|rows| (r.clone(), rows))) {
         let missed = missed(&robot, rows, 2_000);
         println!("{name}, {rows} rows: {missed} missed");
@@ -174,9 +176,9 @@ fn a_goal_that_asks_less_of_the_attitude_is_found() {
     }
 }
 
-/// Couplings by fractions, slides and turns in any order: whatever a file may hold.
+/// Fractional couplings, slides and turns come in any order, as a file may hold them.
 #[test]
-fn poses_of_random_chains_are_found() {
+fn poses_of_random_chains_are_solved_numerically() {
     let mut rng = ChaCha8Rng::seed_from_u64(11);
     let robots: Vec<_> = (0..300).map(|k| random_robot(&mut rng, 3 + k % 6, k % 10 == 0)).collect();
     let missed: usize = robots.iter().map(|robot| missed(robot, 6, 40)).sum();
@@ -184,22 +186,22 @@ fn poses_of_random_chains_are_found() {
     assert!(missed <= 12, "{missed} of 12000 missed");
 }
 
-/// Work B: poses and the mean count of solutions by a closed form, both made elsewhere.
+/// Another program made the poses of peer set B and their mean number of closed-form solutions.
 #[test]
-fn work_b_one_and_all() {
+fn one_and_all_solutions_of_peer_set_b_are_found() {
     for (name, mean) in [("puma560", 3.702), ("ur5", 7.120)] {
         let robot = catalogue(name);
         let solver = Numeric::new(&Chain::new(&robot));
         let poses = data(&format!("b_{name}_T.bin"));
         let goals = poses.par_chunks_exact(16).map(|t| {
             let t = Matrix4::from_row_slice(t);
-            Goal { position: position(&t), attitude: Held::Rotation(rotation(&t)) }
+            TcpGoal { position: position(&t), attitude: AttitudeGoal::Rotation(rotation(&t)) }
         });
         let counts: Vec<usize> = goals
             .map(|goal| {
                 check(&robot, &solver.one(&goal).unwrap(), &goal);
                 let mut all = Vec::new();
-                assert_eq!(solver.all(&goal, &mut all), Missing::None);
+                assert_eq!(solver.all(&goal, &mut all), Shortfall::None);
                 all.iter().for_each(|q| check(&robot, q, &goal));
                 all.len()
             })
@@ -211,23 +213,23 @@ fn work_b_one_and_all() {
     }
 }
 
-/// The paper's arm has a closed form: the same postures.
+/// The paper's arm has a closed form with the same postures.
 #[test]
-fn all_are_those_of_the_closed_form() {
+fn all_numeric_solutions_agree_with_the_closed_form() {
     let robot = shipped("hitachi_paper.toml").robot;
     let chain = Chain::new(&robot);
     let (solver, arm) = (Numeric::new(&chain), Inverse::new(&chain));
     let (mut rng, mut out, mut branches, mut lost) = (ChaCha8Rng::seed_from_u64(3), Vec::new(), 0, 0);
     for _ in 0..500 {
         let goal = goal_at(&robot, &random_joints(&robot, &mut rng), 4);
-        let Held::Elevation(bend) = goal.attitude else { panic!() };
+        let AttitudeGoal::Elevation(bend) = goal.attitude else { panic!() };
         let Reach::Branches(closed) =
-            arm.branches(&goal.position, &arm.approach(&Attitude::elevation(bend), 0.0))
+            arm.branches(&goal.position, &arm.tool_attitudes(&Attitude::elevation(bend), 0.0))
         else {
             panic!()
         };
         let closed: Vec<_> = closed.iter().filter(|b| b.violation.is_none()).map(|b| b.joints).collect();
-        assert_eq!(solver.all(&goal, &mut out), Missing::None);
+        assert_eq!(solver.all(&goal, &mut out), Shortfall::None);
         let same =
             |a: &JointVector, b: &JointVector| a.iter().zip(b).all(|(a, b)| wrapped(a - b).abs() < 1e-5);
         assert!(out.iter().all(|q| closed.iter().any(|c| same(q, c))), "{out:?} {closed:?}");
@@ -239,7 +241,7 @@ fn all_are_those_of_the_closed_form() {
 }
 
 #[test]
-fn the_jacobian_is_the_derivative() {
+fn the_jacobian_agrees_with_dual_numbers() {
     let mut rng = ChaCha8Rng::seed_from_u64(5);
     for k in 0..200 {
         let robot = random_robot(&mut rng, 3 + k % 6, k % 10 == 0);
@@ -260,72 +262,72 @@ fn the_jacobian_is_the_derivative() {
     }
 }
 
-/// A planar arm of turning joints in the xy plane.
+/// Returns a planar arm of revolute joints in the xy plane.
 fn planar(links: &[f64], limits: &[(f64, f64)]) -> Robot {
     let rows: Vec<_> = links.iter().zip(limits).map(|(l, limits)| (TURN, 0.0, *l, 0.0, *limits)).collect();
     serial(&rows, Pose::identity())
 }
 
-fn reason(robot: &Robot, goal: &Goal) -> Missing {
+fn reason(robot: &Robot, goal: &TcpGoal) -> Shortfall {
     let solver = Numeric::new(&Chain::new(robot));
     let mut out = vec![[0.0; MAX_JOINTS]];
     let missing = solver.all(goal, &mut out);
-    assert_eq!(out.is_empty(), missing != Missing::None);
-    assert_eq!(solver.one(goal).is_some(), missing == Missing::None);
+    assert_eq!(out.is_empty(), missing != Shortfall::None);
+    assert_eq!(solver.one(goal).is_some(), missing == Shortfall::None);
     missing
 }
 
 #[test]
-fn out_of_reach_tells_the_distance() {
+fn an_unreachable_goal_reports_the_distance() {
     let free = [(-3.2, 3.2); 3];
     let (long, short) = (planar(&[0.5, 0.4, 0.3], &free), planar(&[1.0, 0.3, 0.2], &free));
     let still = planar(&[0.5, 0.4, 0.3], &[(-FRAC_PI_2, FRAC_PI_2), (-1e-12, 1e-12), (-1e-12, 1e-12)]);
     let cases = [
-        // Stretched, and the plane below.
+        // The first pose is stretched, the next below the plane.
         (&long, vector![2.0, 0.0, 0.0], 0.8),
         (&long, vector![-1.2, -0.9, 0.0], 0.3),
         (&long, vector![1.2, 0.9, 0.4], 0.5),
         (&long, vector![0.3, 0.2, -0.07], 0.07),
         (&long, vector![0.0, 1.2 + 2e-6, 0.0], 2e-6),
-        // The hole in the middle.
+        // The target lies in the central hole.
         (&short, vector![0.0, 0.0, 0.0], 0.5),
         (&short, vector![0.0, 0.4, 0.0], 0.1),
-        // A rod that turns by a right angle to each side: behind it, its ends are the nearest.
+        // The rod turns by a right angle to each side, so its ends are nearest to a point behind it.
         (&still, vector![-0.5, 0.0, 0.0], 1.3),
         (&still, vector![-0.5, -1.2, 0.0], 0.5),
         (&long, vector![1e9, 0.0, 0.0], 1e9 - 1.2),
     ];
     for (robot, position, want) in cases {
-        for attitude in [Held::Any, Held::Rotation(Matrix3::identity())] {
-            let Missing::OutOfReach { by } = reason(robot, &Goal { position, attitude }) else {
-                panic!("{position:?}: {:?}", reason(robot, &Goal { position, attitude }))
+        for attitude in [AttitudeGoal::Any, AttitudeGoal::Rotation(Matrix3::identity())] {
+            let Shortfall::OutOfReach { by } = reason(robot, &TcpGoal { position, attitude }) else {
+                panic!("{position:?}: {:?}", reason(robot, &TcpGoal { position, attitude }))
             };
             assert!((by - want).abs() < 1e-9 + want * 1e-15, "{position:?}: {by} instead of {want}");
         }
     }
 }
 
-/// The wrist of a SCARA has to turn by the rest that its two elbows leave; less limits.
+/// The wrist of a SCARA must turn by the rest that its two elbows leave, and its limits forbid that.
 #[test]
-fn a_limit_that_forbids_the_attitude_is_named() {
+fn a_joint_limit_that_forbids_the_orientation_is_named() {
     let (limit, mut rng, mut told) = (0.2, ChaCha8Rng::seed_from_u64(9), 0);
     let robot = scara(limit);
     for _ in 0..200 {
         let mut q = random_joints(&robot, &mut rng);
-        // Of both elbows neither near its limits.
+        // Neither elbow is near its limits.
         q[0] *= 0.3;
         q[1] = (0.5 + 1.2 * rng.random::<f64>()) * q[1].signum();
         q[3] = rng.random_range(-PI..PI);
         let goal = goal_at(&robot, &q, 6);
-        // The other elbow: the triangle of the two links mirrored at the line to the wrist.
+        // The other elbow mirrors the triangle of the two links at the line to the wrist.
         let (l1, l2) = (0.35, 0.3);
         let line = (l2 * q[1].sin()).atan2(l1 + l2 * q[1].cos());
         let other = [q[0] + 2.0 * line, -q[1]];
         let left = |q0: f64, q1: f64| (wrapped(q[0] + q[1] + q[3] - q0 - q1).abs() - limit).max(0.0);
         let want = left(q[0], q[1]).min(left(other[0], other[1]));
         match reason(&robot, &goal) {
-            Missing::None => assert_eq!(want, 0.0),
-            Missing::Attitude { by, joint } => {
+            Shortfall::None => assert_eq!(want, 0.0),
+            Shortfall::Attitude { by, joint } => {
                 told += 1;
                 assert_eq!(joint, Some(3));
                 assert!((by - want).abs() < 1e-5, "{by} instead of {want}");
@@ -338,23 +340,23 @@ fn a_limit_that_forbids_the_attitude_is_named() {
 
 /// The paper's arm holds its tool in the vertical plane through its base axis.
 #[test]
-fn an_attitude_that_the_geometry_forbids_names_no_joint() {
+fn an_orientation_that_the_geometry_forbids_names_no_joint() {
     let robot = shipped("hitachi_paper.toml").robot;
     for tilt in [0.1, 0.4, 0.9] {
         let goal = goal_at(&robot, &[0.2, 0.3, -0.4, 0.2, 0.0, 0.0, 0.0, 0.0], 5);
-        let Held::Axis(axis) = goal.attitude else { panic!() };
+        let AttitudeGoal::Axis(axis) = goal.attitude else { panic!() };
         let across = Vector3::z().cross(&vector![goal.position.x, goal.position.y, 0.0]).normalize();
         assert!(axis.dot(&across).abs() < 1e-12);
-        let tilted = Held::Axis(axis * f64::cos(tilt) + across * f64::sin(tilt));
-        match reason(&robot, &Goal { attitude: tilted, ..goal }) {
-            Missing::Attitude { by, joint: None } => assert!((by - tilt).abs() < 1e-5, "{by} for {tilt}"),
+        let tilted = AttitudeGoal::Axis(axis * f64::cos(tilt) + across * f64::sin(tilt));
+        match reason(&robot, &TcpGoal { attitude: tilted, ..goal }) {
+            Shortfall::Attitude { by, joint: None } => assert!((by - tilt).abs() < 1e-5, "{by} for {tilt}"),
             other => panic!("{other:?}"),
         }
     }
 }
 
 #[test]
-fn the_same_question_has_the_same_bits() {
+fn numeric_solutions_are_deterministic() {
     let mut rng = ChaCha8Rng::seed_from_u64(13);
     for (_, robot) in robots() {
         let (chain, q) = (Chain::new(&robot), random_joints(&robot, &mut rng));
@@ -364,7 +366,7 @@ fn the_same_question_has_the_same_bits() {
             let goal = goal_at(&robot, &q, rows);
             first.all(&goal, &mut a);
             let one = first.one(&goal);
-            // Whatever was asked before.
+            // Earlier questions must not matter.
             second.all(&other, &mut b);
             second.all(&goal, &mut b);
             assert_eq!((a, one), (b, second.one(&goal)));
@@ -372,15 +374,15 @@ fn the_same_question_has_the_same_bits() {
     }
 }
 
-/// One robot of seven axes reaches a pose in a continuum of ways.
+/// A robot of seven axes reaches a pose in a continuum of postures.
 #[test]
-fn a_continuum_is_spread() {
+fn a_continuum_of_solutions_is_sampled_evenly() {
     let (robot, mut rng, mut out) = (panda(), ChaCha8Rng::seed_from_u64(17), Vec::new());
     let solver = Numeric::new(&Chain::new(&robot));
     let mut count = 0;
     for _ in 0..50 {
         let goal = goal_at(&robot, &random_joints(&robot, &mut rng), 6);
-        assert_eq!(solver.all(&goal, &mut out), Missing::None);
+        assert_eq!(solver.all(&goal, &mut out), Shortfall::None);
         assert!(out.is_sorted_by(|a, b| a.partial_cmp(b).unwrap().is_lt()) && out.len() <= 16);
         for (i, q) in out.iter().enumerate() {
             check(&robot, q, &goal);
@@ -394,23 +396,23 @@ fn a_continuum_is_spread() {
 }
 
 #[test]
-fn tools_held_nearly_upright_and_half_turns_are_found() {
+fn nearly_vertical_tools_and_half_turns_are_solved() {
     let (robot, solver) = (catalogue("ur5"), Numeric::new(&Chain::new(&catalogue("ur5"))));
     for rest in [0.0, 1e-10, 1e-9, 1e-8, 1e-7, 1e-5, 1e-3, 0.1] {
         for sign in [1.0, -1.0] {
             let (position, elevation) = (vector![0.4, 0.2, 0.3], sign * (FRAC_PI_2 - rest));
-            let goal = Goal { position, attitude: Held::Elevation(elevation) };
+            let goal = TcpGoal { position, attitude: AttitudeGoal::Elevation(elevation) };
             let q = solver.one(&goal).unwrap_or_else(|| panic!("{rest:e}"));
             check(&robot, &q, &goal);
         }
     }
-    // From a posture to one turned by half a turn or nearly, and not at all.
+    // The start is turned by half a turn, nearly half, or not at all.
     let q = [0.3, -1.2, 1.4, -0.5, 0.9, 0.2, 0.0, 0.0];
     for angle in [0.0, 1e-12, 1e-8, PI - 1e-8, PI, -PI] {
         for axis in [Vector3::x_axis(), Vector3::y_axis(), Vector3::z_axis()] {
             let t = fk(&robot, &q);
             let turned = Rotation3::from_axis_angle(&axis, angle).into_inner() * rotation(&t);
-            let goal = Goal { position: position(&t), attitude: Held::Rotation(turned) };
+            let goal = TcpGoal { position: position(&t), attitude: AttitudeGoal::Rotation(turned) };
             if let Some(found) = solver.from(&goal, &q) {
                 check(&robot, &found, &goal);
             } else {
@@ -420,9 +422,9 @@ fn tools_held_nearly_upright_and_half_turns_are_found() {
     }
 }
 
-/// From a start near a solution the way leads to that one.
+/// A start near a solution leads to that solution.
 #[test]
-fn a_start_leads_to_the_solution_beside_it() {
+fn a_start_leads_to_the_nearest_solution() {
     let (robot, mut rng) = (catalogue("ur5"), ChaCha8Rng::seed_from_u64(19));
     let solver = Numeric::new(&Chain::new(&robot));
     let mut beside = 0;
@@ -440,33 +442,36 @@ fn a_start_leads_to_the_solution_beside_it() {
 }
 
 #[test]
-fn nothing_finite_or_not_breaks_it() {
+fn no_input_breaks_numeric_inverse_kinematics() {
     let rows = [(TURN, 0.0, 0.0, 0.0, (-1.0, 1.0)); 4];
     let nothing = serial(&rows, Pose::identity());
     let slides = serial(&[(SLIDE, 0.0, 0.0, 0.0, (0.0, 1.0)); 3], Pose::identity());
     let one = planar(&[0.5], &[(-1.0, 1.0)]);
     let attitudes = [
-        Held::Any,
-        Held::Elevation(-0.3),
-        Held::Elevation(1e9),
-        Held::Axis(Vector3::zeros()),
-        Held::Axis(-Vector3::x()),
-        Held::Rotation(Matrix3::identity()),
-        Held::Rotation(Matrix3::zeros()),
-        Held::Rotation(Rotation3::from_euler_angles(PI, 0.0, 0.3).into_inner()),
+        AttitudeGoal::Any,
+        AttitudeGoal::Elevation(-0.3),
+        AttitudeGoal::Elevation(1e9),
+        AttitudeGoal::Axis(Vector3::zeros()),
+        AttitudeGoal::Axis(-Vector3::x()),
+        AttitudeGoal::Rotation(Matrix3::identity()),
+        AttitudeGoal::Rotation(Matrix3::zeros()),
+        AttitudeGoal::Rotation(Rotation3::from_euler_angles(PI, 0.0, 0.3).into_inner()),
     ];
     for robot in [&nothing, &slides, &one, &panda()] {
         for at in [0.0, 0.3, 1e9, 1e160, 1e300, -f64::MAX, f64::NAN, f64::INFINITY] {
             for attitude in attitudes {
-                let goal = Goal { position: vector![at, 0.0, 0.0], attitude };
+                let goal = TcpGoal { position: vector![at, 0.0, 0.0], attitude };
                 let left = match reason(robot, &goal) {
-                    Missing::None => vec![],
-                    Missing::OutOfReach { by } | Missing::Attitude { by, .. } => vec![by],
-                    Missing::NotConverged { position, angle } => vec![position, angle],
+                    Shortfall::None => vec![],
+                    Shortfall::OutOfReach { by } | Shortfall::Attitude { by, .. } => vec![by],
+                    Shortfall::NotConverged { position, angle } => vec![position, angle],
                 };
                 assert!(left.iter().all(|x| *x >= 0.0), "{} {goal:?}: {left:?}", robot.name);
             }
         }
     }
-    assert_eq!(reason(&nothing, &Goal { position: Vector3::zeros(), attitude: Held::Any }), Missing::None);
+    assert_eq!(
+        reason(&nothing, &TcpGoal { position: Vector3::zeros(), attitude: AttitudeGoal::Any }),
+        Shortfall::None
+    );
 }

@@ -1,4 +1,4 @@
-//! Small motions: exponential, logarithm and their laws from 1e-300 rad to half a turn.
+//! Tests small motions: exponential, logarithm and their laws from 1e-300 rad to half a turn.
 
 use nalgebra::{Matrix3, Matrix4, Rotation3, UnitQuaternion, Vector3, vector};
 use rand::{Rng, SeedableRng};
@@ -18,27 +18,27 @@ fn within(rng: &mut ChaCha8Rng, bound: f64) -> Vector3<f64> {
     Vector3::from_fn(|_, _| rng.random_range(-bound..bound))
 }
 
-/// Rodrigues with the versine from the half angle: `(R - 1) p` to full relative accuracy.
+/// Returns `(R - 1) p` to full relative accuracy by Rodrigues' formula with the versine of the half angle.
 fn rodrigues(axis: &Vector3<f64>, angle: f64, p: &Vector3<f64>) -> Vector3<f64> {
     let across = axis.cross(p);
     across * angle.sin() + axis.cross(&across) * (2.0 * (angle / 2.0).sin().powi(2))
 }
 
 fn assert_near(got: Vector3<f64>, want: Vector3<f64>, tolerance: f64, what: &str) {
-    // NaN fails.
+    // NaN fails the comparison.
     let holds = got.iter().zip(&want).all(|(g, w)| (g - w).abs() <= tolerance);
     assert!(holds, "{what}: {got:?} instead of {want:?}, tolerance {tolerance:e}");
 }
 
 #[test]
-fn logarithm_undoes_the_exponential() {
+fn the_rotation_logarithm_undoes_the_exponential() {
     let mut rng = ChaCha8Rng::seed_from_u64(20);
     for (angle, _) in ANGLES.into_iter().flat_map(|a| (0..200).map(move |k| (a, k))) {
         let axis = unit(&mut rng);
         let vector = axis * angle;
         for rotation in [SmallRotation::of(&vector), SmallRotation::about(&axis, angle)] {
             let back = rotation.vector();
-            // Half a turn is half a turn back, too.
+            // Half a turn may come back as half a turn the other way.
             let back = if angle == PI && back.dot(&vector) < 0.0 { -back } else { back };
             assert_near(back, vector, 1e-15 * angle, "log exp");
         }
@@ -48,7 +48,7 @@ fn logarithm_undoes_the_exponential() {
 }
 
 #[test]
-fn past_half_a_turn_the_short_way_round() {
+fn rotations_past_half_a_turn_take_the_shorter_way() {
     let mut rng = ChaCha8Rng::seed_from_u64(21);
     for beyond in [1e-12, 1e-8, 1e-4, 1.0, 3.0, PI] {
         for _ in 0..100 {
@@ -60,19 +60,19 @@ fn past_half_a_turn_the_short_way_round() {
 }
 
 #[test]
-fn points_move_as_rodrigues_and_nalgebra_say() {
+fn points_move_by_rodrigues_formula() {
     let mut rng = ChaCha8Rng::seed_from_u64(22);
     for (angle, _) in ANGLES.into_iter().flat_map(|a| (0..200).map(move |k| (a, k))) {
         let (axis, arm) = (unit(&mut rng), within(&mut rng, 1.0));
         let moved = SmallRotation::of(&(axis * angle)).moved(&arm);
-        // 1e-15 of the way, at a chord of up to 2 |arm|.
+        // The tolerance is 1e-15 of the way, at a chord of up to 2 |arm|.
         assert_near(moved, rodrigues(&axis, angle, &arm), 2e-15 * angle.min(2.0), "moved");
         let turned = Rotation3::new(axis * angle) * arm;
         assert_near(moved + arm, turned, 2e-15, "against nalgebra");
     }
 }
 
-/// log(exp(a) exp(b)) with 60 digits (mpmath, quaternions), a and b as the f64 they are.
+/// Values of log(exp(a) exp(b)) with 60 digits (mpmath, quaternions), for a and b as stored in f64.
 #[allow(clippy::approx_constant)] // near to half a turn on purpose
 const PRODUCTS: [([f64; 3], [f64; 3], [f64; 3]); 12] = [
     ([1e-300, 0.0, 0.0], [0.0, 2e-300, 0.0], [1e-300, 2e-300, 0.0]),
@@ -110,7 +110,7 @@ const PRODUCTS: [([f64; 3], [f64; 3], [f64; 3]); 12] = [
 ];
 
 #[test]
-fn products_of_rotations_as_in_60_digits() {
+fn composed_rotations_agree_with_60_digits() {
     for (a, b, want) in PRODUCTS {
         let [a, b, want] = [a, b, want].map(Vector3::from);
         let got = SmallRotation::of(&a).after(&SmallRotation::of(&b)).vector();
@@ -118,12 +118,13 @@ fn products_of_rotations_as_in_60_digits() {
     }
 }
 
-/// Any two: finite, at most half a turn, and the rotation of nalgebra's quaternions.
+/// The product of any two rotations is finite, at most half a turn, and equal to that of nalgebra's
+/// quaternions.
 #[test]
-fn no_product_is_nan() {
+fn no_composed_rotation_is_nan() {
     let mut rng = ChaCha8Rng::seed_from_u64(23);
     for (a, b) in ANGLES.into_iter().flat_map(|a| ANGLES.map(|b| (a, b))) {
-        // About the same axis (they add up, or undo each other) and about any two.
+        // The axes are equal (rotations add or cancel) or arbitrary.
         let axis = unit(&mut rng);
         for (a, b) in [(axis * a, axis * b), (axis * a, axis * -b), (axis * a, unit(&mut rng) * b)] {
             let product = SmallRotation::of(&a).after(&SmallRotation::of(&b));
@@ -165,7 +166,7 @@ fn displacements_compose_as_matrices() {
     }
 }
 
-/// Nanometres and nanoradians keep their digits: no number of order 1 takes part.
+/// Nanometres and nanoradians keep their digits, since no number of order 1 takes part.
 #[test]
 fn small_displacements_keep_their_digits() {
     let mut rng = ChaCha8Rng::seed_from_u64(25);
@@ -179,7 +180,7 @@ fn small_displacements_keep_their_digits() {
         let swept = rodrigues(&(b.rotation / angle), angle, &arm);
         assert_near(b.at(&arm).position, b.position + swept, 2e-15 * size, "at");
         assert_near(b.at(&arm).at(&-arm).position, b.position, 2e-15 * size, "there and back");
-        // Baker, Campbell, Hausdorff: what is left is of third order.
+        // By Baker, Campbell and Hausdorff the remainder is of third order.
         let want = a.rotation + b.rotation + b.rotation.cross(&a.rotation) / 2.0;
         let tolerance = (1e-15 + size * size) * size;
         assert_near(a.then(&b).rotation, want, tolerance, "rotation");
@@ -189,7 +190,7 @@ fn small_displacements_keep_their_digits() {
 }
 
 #[test]
-fn the_logarithm_undoes_the_exponential_at_every_angle() {
+fn the_matrix_logarithm_undoes_the_exponential_at_every_angle() {
     let axes = [vector![1.0, 0.0, 0.0], vector![0.6, 0.0, -0.8], vector![-2.0, 3.0, 6.0] / 7.0];
     for (axis, angle) in axes
         .iter()
@@ -207,7 +208,7 @@ fn the_logarithm_undoes_the_exponential_at_every_angle() {
 }
 
 #[test]
-fn the_least_turn_carries_one_vector_onto_the_other() {
+fn the_shortest_rotation_carries_one_vector_onto_the_other() {
     let from = vector![0.6, 0.0, -0.8];
     for to in [from, -from, vector![0.0, 1.0, 0.0], vector![0.6, 1e-9, -0.8].normalize()] {
         let turn = least_turn(&from, &to);

@@ -1,5 +1,6 @@
-//! How far out of reach a pose of a six-axis arm is, against brute force.
+//! Tests how far out of reach a pose of a six-axis arm is, against brute force.
 
+use crate::common::cases;
 use crate::kinematics::six_axes::*;
 use crate::kinematics::six_axes_edges::centred;
 use nalgebra::{Matrix3, Vector3, vector};
@@ -13,9 +14,9 @@ fn random_rotation(rng: &mut ChaCha8Rng) -> Matrix3<f64> {
     Pose::from_translation_rpy(Vector3::zeros(), vector![angle(), angle() / 2.0, angle()]).rotation
 }
 
-/// Least distance of the wrist centre (frame 4) from `p` by brute force: joints 2 and 3 on a grid, the
-/// best of it refined by ever smaller steps, joint 1 at its best.
-fn brute(bench: &Bench, p: &Vector3<f64>) -> f64 {
+/// Returns the least distance of the wrist centre (frame 4) from `p` by brute force: joints 2 and 3 on a
+/// grid, the best points refined by ever smaller steps, joint 1 at its best.
+fn brute(bench: &InverseBench, p: &Vector3<f64>) -> f64 {
     let distance = |a: f64, b: f64| {
         let c = bench.chain.frames(&bench.chain.posture(&[0.0, a, b, 0.0, 0.0, 0.0, 0.0, 0.0])).links[4]
             .translation;
@@ -42,7 +43,7 @@ fn brute(bench: &Bench, p: &Vector3<f64>) -> f64 {
 }
 
 #[test]
-fn missing_is_the_least_distance() {
+fn the_reach_gap_is_the_least_distance() {
     let mut rng = ChaCha8Rng::seed_from_u64(5);
     let mut general = turning([
         [0.0, 100.0, 90.0, 50.0],
@@ -52,15 +53,15 @@ fn missing_is_the_least_distance() {
         [0.0, 0.0, 0.0, -90.0],
         [0.0, 80.0, 0.0, 0.0],
     ]);
-    let mut benches = vec![puma560(), irb140(), centred(), Bench::wrist(general.clone())];
+    let mut benches = vec![puma560(), irb140(), centred(), InverseBench::wrist(general.clone())];
     general.joints[0].l = 0.0;
-    benches.push(Bench::wrist(general));
+    benches.push(InverseBench::wrist(general));
     for bench in &benches {
         let (mut out, mut within) = (0, 0);
-        while out < 60 {
+        while out < cases(15, 60) {
             let mut side = || rng.random_range(-1.3..1.3);
             let p = vector![side(), side(), side()];
-            // Near the base axis, too.
+            // Some targets are near the base axis.
             let p = if out % 3 == 0 { vector![0.1 * p.x, 0.1 * p.y, p.z] } else { p };
             let rotation = random_rotation(&mut rng);
             let r6 = bench.robot.joints[5].r;
@@ -79,10 +80,10 @@ fn missing_is_the_least_distance() {
     }
 }
 
-/// Too near to the base axis, it is the way out; beyond the arm's reach, some move of the flange by as
-/// much is enough, and none by a tenth of it.
+/// Near the base axis the gap is the way out. Beyond the reach, some move of the flange by the gap is enough,
+/// and none by a tenth of it.
 #[test]
-fn missing_of_three_parallel_axes() {
+fn the_reach_gap_of_three_parallel_axes_is_the_least_distance() {
     let mut rng = ChaCha8Rng::seed_from_u64(6);
     let bench = ur5();
     for _ in 0..1_000 {
@@ -90,7 +91,7 @@ fn missing_of_three_parallel_axes() {
             (random_rotation(&mut rng), rng.random_range(0.0..0.109), rng.random_range(-PI..PI));
         let centre = vector![radius * turn.cos(), radius * turn.sin(), rng.random_range(-1.0..1.0)];
         let translation = centre + rotation.column(2) * 0.0823;
-        // 109.15 mm between axes 1 and 5: the wrist centre keeps this distance along axis 2.
+        // Axes 1 and 5 are 109.15 mm apart, and the wrist centre keeps this distance along axis 2.
         let answer = bench.solve(&Pose { rotation, translation });
         assert!(answer.found.is_empty() && (answer.missing - (0.10915 - radius)).abs() < 1e-12);
     }
@@ -106,7 +107,7 @@ fn missing_of_three_parallel_axes() {
             }
             let reaches = |size: f64| {
                 (0..4_000).any(|k| {
-                    // Directions all over the sphere.
+                    // The directions cover the sphere evenly.
                     let (z, turn) = (1.0 - (2.0 * k as f64 + 1.0) / 4_000.0, 2.399963229728653 * k as f64);
                     let r = (1.0 - z * z).sqrt();
                     let translation = p + vector![r * turn.cos(), r * turn.sin(), z] * size;

@@ -1,6 +1,6 @@
-//! The worst case through the whole pipeline, against every corner of the tolerance box.
+//! Tests the worst case through the whole pipeline against every corner of the tolerance box.
 
-use crate::common::shipped;
+use crate::common::{cases, shipped};
 use crate::kinematics::product::{no_errors, tcp};
 use crate::readings::bench::*;
 use nalgebra::{Matrix3, Vector3};
@@ -12,7 +12,7 @@ use sweetspot::kinematic_error::{Perturbation, position_error};
 use sweetspot::robot::Chain;
 use sweetspot::units::mm_from_m;
 
-/// A sample in which one parameter alone is wrong by 1.
+/// Returns a sample in which one parameter alone is wrong by 1.
 pub fn unit(axes: usize, parameter: Parameter) -> SignedErrors {
     let mut e = no_errors(axes);
     match parameter {
@@ -29,7 +29,7 @@ pub fn unit(axes: usize, parameter: Parameter) -> SignedErrors {
     e
 }
 
-/// What each tolerance does to the TCP: derivative of the D-H product by dual numbers.
+/// Returns the effect of each tolerance on the TCP: the derivative of the D-H product by dual numbers.
 pub fn columns(robot: &Robot, q: &JointVector, tolerance: &Tolerance) -> Vec<Vector3<f64>> {
     let wrong = Parameter::of_robot(robot.axes()).zip(&tolerance.spreads);
     wrong
@@ -41,7 +41,7 @@ pub fn columns(robot: &Robot, q: &JointVector, tolerance: &Tolerance) -> Vec<Vec
         .collect()
 }
 
-/// The largest size over all corners, one flip after another (Gray code).
+/// Returns the largest size over all corners, one flip after another (Gray code).
 fn brute(columns: &[Vector3<f64>], keep: &Matrix3<f64>) -> f64 {
     let kept: Vec<Vector3<f64>> = columns.iter().map(|c| keep * c).collect();
     let mut signs = vec![1.0; kept.len()];
@@ -57,14 +57,14 @@ fn brute(columns: &[Vector3<f64>], keep: &Matrix3<f64>) -> f64 {
 }
 
 #[test]
-fn every_corner_of_200_random_chains() {
+fn the_worst_case_of_random_chains_agrees_with_every_corner() {
     let mut rng = ChaCha8Rng::seed_from_u64(31);
     let axes_of =
         [("x", [1, 0, 0]), ("y", [0, 1, 0]), ("z", [0, 0, 1]), ("xy", [1, 1, 0]), ("xyz", [1, 1, 1])];
     for k in 0..200 {
         let axes = 1 + k % 8;
         let robot = random_robot(&mut rng, axes);
-        // All of 2^16 corners for some, fewer for the rest.
+        // Some cases have all 2^16 corners, the others fewer.
         let wrong = if k % 20 == 0 { 16 } else { rng.random_range(1..=12) };
         let tolerance = random_tolerance(&mut rng, axes, wrong, (2e-3, 2e-2), &[Distribution::Normal]);
         let q = random_joints(&mut rng, &robot);
@@ -91,9 +91,9 @@ fn every_corner_of_200_random_chains() {
     }
 }
 
-/// The paper's Table 3 as tolerances at its initial position: figures worked out without this crate.
+/// The paper's Table 3, read as tolerances at its initial position, was computed without this crate.
 #[test]
-fn table_3_at_the_initial_position() {
+fn the_worst_case_of_table_3_at_the_initial_position_is_exact() {
     let mut cell = shipped("hitachi_paper.toml");
     (cell.reading, cell.model) = (Reading::WorstCase, Model::Linear);
     let frames = frames_at(&cell.robot, &[0.0; MAX_JOINTS]);
@@ -105,7 +105,7 @@ fn table_3_at_the_initial_position() {
         let mut memory = gauge.memory();
         gauge.prepare(&alone(), &frames, &mut memory);
         let worst = gauge.worst(&gauge.sense, &alone(), &frames, &mut memory).linear;
-        // The root of the sum of squares of the tolerances: three times the RMS of 3 sigma.
+        // The RSS of the tolerances is three times the RMS at 3 sigma.
         (mm_from_m(worst), 3.0 * mm_from_m(gauge.norm(&gauge.sense, &alone(), &frames, &mut memory).rms()))
     };
     for (name, want) in worst {
@@ -127,15 +127,15 @@ const SENSES: [(&str, [f64; 3]); 5] = [
     ("z", [0.0, 0.0, 1.0]),
 ];
 
-/// By the nonlinear model no corner is worse than the one found by more than the polish can miss;
-/// with tolerances of the paper it misses nothing.
+/// No corner exceeds the nonlinear worst case by more than the polish can miss. With tolerances of the paper
+/// it misses nothing.
 #[test]
-fn nonlinear_worst_case_against_every_corner() {
+fn the_nonlinear_worst_case_agrees_with_every_corner() {
     let mut rng = ChaCha8Rng::seed_from_u64(32);
     let mut cell = shipped("hitachi_paper.toml");
     (cell.reading, cell.model) = (Reading::WorstCase, Model::Nonlinear);
-    for k in 0..300 {
-        // Tables 2 and 3; the plane has corners that tie in the linear model.
+    for k in 0..cases(40, 300) {
+        // The error sets are Tables 2 and 3. In the plane, corners tie in the linear model.
         let (sense, kept) = SENSES[k / 2 % 5];
         (cell.errors, cell.operations[0].sense) = (k % 2, Sense::plain(sense).unwrap());
         let gauge = gauge_of(&cell);
@@ -160,7 +160,7 @@ fn nonlinear_worst_case_against_every_corner() {
         };
         let want = (0..1 << n).map(error).fold(0.0, f64::max);
         assert!((worst.by_model - want).abs() <= 1e-12 * want, "{} instead of {want}", worst.by_model);
-        // Along one axis products of errors can matter more than single ones.
+        // Along one axis, products of errors can matter more than single errors.
         assert!((worst.linear - want).abs() < if sense == "xyz" { 0.02 } else { 0.2 } * want, "{sense}");
     }
 }

@@ -1,4 +1,4 @@
-//! The farthest vertex of a zonotope against all corners, and the methods against each other.
+//! Tests the farthest vertex of a zonotope against all corners, and the methods against each other.
 
 use nalgebra::{Rotation2, Rotation3, SVector, Vector2, Vector3, Vector6};
 use rand::seq::SliceRandom;
@@ -9,7 +9,7 @@ use sweetspot::reading::zonotope::*;
 
 type Set<const M: usize> = Vec<SVector<f64, M>>;
 
-/// All corners in Gray order, the sum anew at every 64th.
+/// Returns the farthest of all corners in Gray order, with a fresh sum at every 64th.
 fn brute<const M: usize>(set: &Set<M>) -> f64 {
     let mut best = 0.0;
     let mut sum = SVector::<f64, M>::zeros();
@@ -27,8 +27,8 @@ fn brute<const M: usize>(set: &Set<M>) -> f64 {
     best.sqrt()
 }
 
-/// Runs the solver of this dimension with signs that are one longer and full of rubbish.
-fn solve<const M: usize>(set: &Set<M>, scratch: &mut Scratch) -> (Farthest, Vec<f64>) {
+/// Runs the solver of this dimension with a sign buffer that is too long and filled with garbage.
+fn solve<const M: usize>(set: &Set<M>, scratch: &mut ZonotopeScratch) -> (Farthest, Vec<f64>) {
     let n = set.len();
     let mut signs = vec![7.0; n + 1];
     let found = match M {
@@ -41,7 +41,7 @@ fn solve<const M: usize>(set: &Set<M>, scratch: &mut Scratch) -> (Farthest, Vec<
     (found, signs)
 }
 
-/// Cut or filled up with zeros.
+/// Returns generators cut, or filled up with zeros.
 fn resized<const M: usize, const K: usize>(set: &Set<M>) -> Set<K> {
     set.iter().map(|g| SVector::from_fn(|d, _| if d < M { g[d] } else { 0.0 })).collect()
 }
@@ -50,8 +50,8 @@ fn assert_close(a: f64, b: f64, tolerance: f64, what: &str) {
     assert!((a - b).abs() <= tolerance * b.abs(), "{what}: {a:e} instead of {b:e}");
 }
 
-/// Everything promised of a result but that it is the farthest.
-fn check_promises<const M: usize>(set: &Set<M>, scratch: &mut Scratch, what: &str) -> Farthest {
+/// Checks every promise about a result but that it is the farthest.
+fn check_promises<const M: usize>(set: &Set<M>, scratch: &mut ZonotopeScratch, what: &str) -> Farthest {
     let (found, signs) = solve(set, scratch);
     assert!(found.value.is_finite() && found.upper >= found.value, "{what}: {found:?}");
     let zero = SVector::<f64, M>::zeros();
@@ -64,11 +64,15 @@ fn check_promises<const M: usize>(set: &Set<M>, scratch: &mut Scratch, what: &st
     assert_eq!(first.unwrap_or(1.0), 1.0, "{what}: overall sign");
     let sum: SVector<f64, M> = set.iter().zip(&signs).map(|(g, s)| g * *s).sum();
     assert_close(found.value, sum.norm(), 1e-15 * set.len() as f64, &format!("{what}: value at the corner"));
-    assert_eq!((found, signs), solve(set, &mut Scratch::default()), "{what}: again with fresh memory");
+    assert_eq!(
+        (found, signs),
+        solve(set, &mut ZonotopeScratch::default()),
+        "{what}: again with fresh memory"
+    );
     found
 }
 
-fn check<const M: usize>(set: &Set<M>, scratch: &mut Scratch, rng: &mut ChaCha8Rng, what: &str) {
+fn check<const M: usize>(set: &Set<M>, scratch: &mut ZonotopeScratch, rng: &mut ChaCha8Rng, what: &str) {
     let what = &format!("{what} of {} in {M}-D", set.len());
     let found = check_promises(set, scratch, what);
     assert_close(found.value, brute(set), 1e-12, what);
@@ -88,19 +92,19 @@ fn spoil<const M: usize>(set: &mut Set<M>, rng: &mut ChaCha8Rng, by: f64) {
     }
 }
 
-/// Sums of a few directions: rank below the dimension, in general position otherwise.
+/// Returns sums of a few directions: the rank is below the dimension, the position general otherwise.
 fn of_rank<const M: usize>(rng: &mut ChaCha8Rng, n: usize, rank: usize) -> Set<M> {
     let basis = random::<M>(rng, rank);
     (0..n).map(|_| basis.iter().map(|b| b * rng.random_range(-1.0..1.0)).sum()).collect()
 }
 
-/// Copies of a few directions, turned round or not, of any length.
+/// Returns copies of a few directions of any length and either sign.
 fn bundles<const M: usize>(rng: &mut ChaCha8Rng, n: usize, directions: usize) -> Set<M> {
     let basis = random::<M>(rng, directions);
     (0..n).map(|k| basis[k % directions] * rng.random_range(-2.0..2.0)).collect()
 }
 
-/// One kind of set after another, `n` generators each.
+/// Returns one kind of set after another, `n` generators each.
 fn families<const M: usize>(rng: &mut ChaCha8Rng, n: usize) -> Vec<(&'static str, Set<M>)> {
     let mut sets = vec![("general", random(rng, n)), ("collinear", bundles(rng, n, 1))];
     sets.push(("two directions", bundles(rng, n, 2)));
@@ -129,7 +133,7 @@ fn families<const M: usize>(rng: &mut ChaCha8Rng, n: usize) -> Vec<(&'static str
     sets.push(("equal length", random::<M>(rng, n).iter().map(|g| g.normalize()).collect()));
     let cube = |k: usize| SVector::from_fn(|d, _| f64::from(d == k % M));
     sets.push(("cube", (0..n).map(cube).collect()));
-    // On a grid, where every sum is exact and ties abound: edges of cube, octahedron and the like.
+    // Grid vectors make every sum exact and ties frequent: edges of cube, octahedron and others.
     let step = |rng: &mut ChaCha8Rng| f64::from(rng.random_range(-1..=1));
     sets.push(("grid", (0..n).map(|_| SVector::from_fn(|_, _| step(rng))).collect()));
     sets
@@ -137,8 +141,8 @@ fn families<const M: usize>(rng: &mut ChaCha8Rng, n: usize) -> Vec<(&'static str
 
 fn all_families<const M: usize>(seed: u64) {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let mut scratch = Scratch::default();
-    // In 3-D the walk begins at 12.
+    let mut scratch = ZonotopeScratch::default();
+    // The walk in 3-D begins at 12 generators.
     for n in (0..=14).chain([12, 13, 14].into_iter().cycle().take(60)) {
         for (what, set) in families::<M>(&mut rng, n) {
             check(&set, &mut scratch, &mut rng, what);
@@ -147,29 +151,29 @@ fn all_families<const M: usize>(seed: u64) {
 }
 
 #[test]
-fn in_a_line_every_effect_adds_up() {
+fn collinear_generators_add_up() {
     all_families::<1>(1);
 }
 
 #[test]
-fn in_a_plane_as_all_corners() {
+fn planar_zonotopes_agree_with_all_corners() {
     all_families::<2>(2);
 }
 
 #[test]
-fn in_space_as_all_corners() {
+fn spatial_zonotopes_agree_with_all_corners() {
     all_families::<3>(3);
 }
 
 #[test]
-fn in_six_dimensions_as_all_corners() {
+fn six_dimensional_zonotopes_agree_with_all_corners() {
     all_families::<6>(6);
 }
 
 #[test]
-fn many_random_sets_as_all_corners() {
+fn random_zonotopes_agree_with_all_corners() {
     let mut rng = ChaCha8Rng::seed_from_u64(7);
-    let mut scratch = Scratch::default();
+    let mut scratch = ZonotopeScratch::default();
     for k in 0..2000 {
         let n = 1 + k % 12;
         check(&random::<2>(&mut rng, n), &mut scratch, &mut rng, "general");
@@ -179,9 +183,9 @@ fn many_random_sets_as_all_corners() {
 }
 
 #[test]
-fn sixteen_generators_as_all_corners() {
+fn sixteen_generators_agree_with_all_corners() {
     let mut rng = ChaCha8Rng::seed_from_u64(16);
-    let mut scratch = Scratch::default();
+    let mut scratch = ZonotopeScratch::default();
     for _ in 0..20 {
         check(&random::<2>(&mut rng, 16), &mut scratch, &mut rng, "general");
         check(&random::<3>(&mut rng, 16), &mut scratch, &mut rng, "general");
@@ -190,11 +194,11 @@ fn sixteen_generators_as_all_corners() {
     }
 }
 
-/// A planar arm: effects in a plane, and effects along its normal, at any attitude in space.
+/// A planar arm has effects in a plane and along its normal, at any orientation in space.
 #[test]
-fn a_perpendicular_generator_splits_off() {
+fn a_perpendicular_generator_adds_as_pythagoras() {
     let mut rng = ChaCha8Rng::seed_from_u64(8);
-    let mut scratch = Scratch::default();
+    let mut scratch = ZonotopeScratch::default();
     for k in 0..600 {
         let (n, normals) = (2 + k % 13, k % 3);
         let turn = Rotation3::from_euler_angles(0.3 * k as f64, 0.7 * k as f64, 0.1);
@@ -212,12 +216,12 @@ fn a_perpendicular_generator_splits_off() {
 }
 
 #[test]
-fn known_by_hand() {
-    let mut scratch = Scratch::default();
+fn simple_zonotopes_match_hand_calculation() {
+    let mut scratch = ZonotopeScratch::default();
     let mut signs = [0.0; 12];
     let found = farthest_1(&[0.0, -3.0, 2.0, -0.5], &mut signs);
     assert_eq!((found.value, &signs[..4]), (5.5, &[1.0, 1.0, -1.0, 1.0][..]));
-    // Twelve edges of the unit cube, four each way: the corner (4, 4, 4).
+    // Twelve edges of the unit cube, four each way, reach the corner (4, 4, 4).
     let cube: Vec<_> = (0..12).map(|k| Vector3::ith(k % 3, if k < 6 { -1.0 } else { 1.0 })).collect();
     assert_close(farthest_3(&cube, &mut scratch, &mut signs).value, 48f64.sqrt(), 1e-15, "cube");
     // Six directions of the edges of an octahedron: the sum with all signs is a corner of the
@@ -225,24 +229,24 @@ fn known_by_hand() {
     let ends = [(0, 1, 1.0), (0, 1, -1.0), (0, 2, 1.0), (0, 2, -1.0), (1, 2, 1.0), (1, 2, -1.0)];
     let edges = ends.map(|(a, b, s)| Vector3::ith(a, 1.0) + Vector3::ith(b, s));
     assert_close(farthest_3(&edges, &mut scratch, &mut signs).value, 20f64.sqrt(), 1e-15, "octahedron");
-    // A regular 16-gon of side 2: its circumscribed circle.
+    // The farthest vertex of a regular 16-gon of side 2 lies on its circumscribed circle.
     let sides: Vec<_> = (0..8).map(|k| Rotation2::new(f64::from(k) * PI / 8.0) * Vector2::x()).collect();
     let radius = 1.0 / (PI / 16.0).sin();
     assert_close(farthest_2(&sides, &mut scratch, &mut signs).value, radius, 1e-15, "16-gon");
     assert_eq!(farthest_6(&[], &mut scratch, &mut []).upper, 0.0);
 }
 
-/// Too many for all corners: three ways to the same answer.
+/// Sets with too many corners to enumerate: three methods agree.
 #[test]
-fn many_generators_agree_between_methods() {
+fn both_methods_agree_on_many_generators() {
     let mut rng = ChaCha8Rng::seed_from_u64(9);
-    let mut scratch = Scratch::default();
+    let mut scratch = ZonotopeScratch::default();
     for n in [20, 25, 26, 31, 40, 50, MAX_GENERATORS] {
         let flat = random::<2>(&mut rng, n);
         let found = check_promises(&flat, &mut scratch, "2-D").value;
         let lifted: Set<3> = flat.iter().map(|g| Vector3::new(g.x, 0.6 * g.y, 0.8 * g.y)).collect();
         assert_close(check_promises(&lifted, &mut scratch, "lifted").value, found, 1e-12, "2-D in 3-D");
-        // Off the plane by less than shows, but enough not to split.
+        // The bend is too small to see, but large enough to prevent the split.
         let bent: Set<3> = lifted.iter().map(|g| g + Vector3::x() * rng.random_range(0.0..1e-13)).collect();
         assert_close(check_promises(&bent, &mut scratch, "bent").value, found, 1e-12, "2-D nearly in 3-D");
         let solid = random::<3>(&mut rng, n);
@@ -253,11 +257,11 @@ fn many_generators_agree_between_methods() {
     }
 }
 
-/// Thirty generators, a full robot: exact, and no corner of many random ones climbs higher.
+/// Thirty generators of a full robot are solved exactly: no corner of many random ones is farther.
 #[test]
-fn six_dimensions_of_a_robot_are_exact() {
+fn six_dimensional_zonotopes_of_a_robot_are_exact() {
     let mut rng = ChaCha8Rng::seed_from_u64(10);
-    let mut scratch = Scratch::default();
+    let mut scratch = ZonotopeScratch::default();
     for _ in 0..10 {
         let set = random::<6>(&mut rng, 30);
         let found = check_promises(&set, &mut scratch, "robot");
@@ -273,10 +277,10 @@ fn six_dimensions_of_a_robot_are_exact() {
     }
 }
 
-/// Nonsense in, nonsense out, but no panic.
+/// Invalid numbers give invalid results, but no panic.
 #[test]
-fn total_on_what_is_no_number() {
-    let mut scratch = Scratch::default();
+fn the_worst_case_handles_nan_and_infinity() {
+    let mut scratch = ZonotopeScratch::default();
     let mut signs = [0.0; MAX_GENERATORS];
     let mut rng = ChaCha8Rng::seed_from_u64(11);
     for bad in [f64::NAN, f64::INFINITY, f64::MAX, 1e-300] {

@@ -1,7 +1,8 @@
-//! The formats of a report, each by itself.
+//! Tests the formats of a report, each by itself.
 
 mod colours;
 mod dxf;
 mod page;
 mod raster;
 mod sheet;
+mod signs;

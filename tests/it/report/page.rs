@@ -1,4 +1,4 @@
-//! The document of the viewer and what stands in a page as it is.
+//! Tests the document of the viewer and the assets of the pages.
 
 use crate::common::{keep_to_look_at, workcell};
 use base64::Engine;
@@ -16,14 +16,14 @@ fn floats(value: &Value) -> Vec<f64> {
     bytes.chunks_exact(4).map(|b| f64::from(f32::from_le_bytes(b.try_into().unwrap()))).collect()
 }
 
-/// Equal but for the rounding to f32, mm.
+/// Checks that two lengths (mm) are equal but for the rounding to f32.
 fn same(a: f64, b: f64) {
     assert!((a - b).abs() <= 1e-3 || a.is_nan() && b.is_nan(), "{a} and {b}");
 }
 
-/// A page that shows a document and nothing else, for a look and for tests/browser/viewer.mjs.
+/// Returns a page that shows a document and nothing else, for people and for tests/browser/viewer.mjs.
 fn page(document: &Value) -> String {
-    let (css, js) = (assets::VIEWER_CSS, assets::VIEWER_JS);
+    let (css, js) = (assets::VIEWER_CSS, assets::viewer_js());
     let policy = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'";
     format!(
         "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><title>viewer</title>\n\
@@ -38,7 +38,7 @@ fn page(document: &Value) -> String {
 }
 
 #[test]
-fn the_document_says_what_the_drawing_does() {
+fn the_drawing_document_agrees_with_the_drawing() {
     let workcell = workcell("hitachi_cell.toml");
     let start = Assessment::new("start", &workcell, workcell.cell.start());
     let mut other = workcell.cell.start();
@@ -57,7 +57,7 @@ fn the_document_says_what_the_drawing_does() {
         check_fields(drawing, written);
         check_movement(drawing, written);
     }
-    // What both show is written once.
+    // Meshes that both drawings show are written once.
     let meshes = document["meshes"].as_array().unwrap().len();
     assert!(meshes <= drawings[0].parts.len() + 1, "{meshes}");
 }
@@ -102,7 +102,7 @@ fn check_fields(drawing: &Drawing<'_>, written: &Value) {
         assert_eq!(positions.len(), 3 * field.nodes.len());
         for (k, node) in field.nodes.iter().enumerate() {
             same(positions[3 * k + 2], mm_from_m(node.position.z));
-            assert_eq!(written["status"][k], node.status);
+            assert_eq!(written["status"][k], node.sign.name());
             assert_eq!(written["reason"][k], node.reason);
         }
         for (take, written) in field.takes.iter().zip(written["takes"].as_array().unwrap()) {
@@ -143,20 +143,20 @@ fn check_movement(drawing: &Drawing<'_>, written: &Value) {
 }
 
 #[test]
-fn a_table_of_99_nodes_seen_in_nine_ways_is_small() {
+fn the_document_of_99_nodes_under_nine_lenses_is_small() {
     let workcell = workcell("hitachi_paper.toml");
     let a = Assessment::new("start", &workcell, workcell.cell.start());
     let drawing = Drawing::new(&a, &Detail::FULL).unwrap();
     assert_eq!((drawing.fields[0].nodes.len(), drawing.lenses.len()), (99, 9));
     let document = report::json::drawings(&[drawing]);
     keep_to_look_at("sweetspot-viewer-paper.html", &page(&document));
-    // Of two layouts: they share their meshes at best, and nothing else.
+    // Two layouts share their meshes at best, and nothing else.
     let bytes = document.to_string().len() + document["drawings"][0].to_string().len();
     assert!(bytes < 500_000, "{bytes} bytes");
 }
 
 #[test]
-fn no_name_gets_out_of_its_script() {
+fn no_name_can_leave_its_script_element() {
     let name = "</script><script>alert(1)</script><!-- & \u{2028}\u{2029} \" \\ ";
     let value = json!({ name: [name] });
     let text = script_json(&value);
@@ -164,10 +164,10 @@ fn no_name_gets_out_of_its_script() {
     assert_eq!(serde_json::from_str::<Value>(&text).unwrap(), value);
 }
 
-/// What is put into a page as it is must not end its own element, nor ask for anything.
+/// An asset must not end its own element, nor request anything.
 #[test]
-fn the_assets_stay_in_their_elements_and_ask_for_nothing() {
-    for text in [assets::VIEWER_JS, assets::VIEWER_CSS] {
+fn the_page_assets_stay_in_their_elements_and_request_nothing() {
+    for text in [assets::viewer_js(), assets::VIEWER_CSS.to_string()] {
         for word in [
             "</",
             "<!--",

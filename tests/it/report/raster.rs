@@ -1,4 +1,4 @@
-//! The pictures: triangles, cameras, letters, and what they show.
+//! Tests the pictures: triangles, cameras, letters, and their contents.
 
 use crate::common::shipped as loaded;
 use nalgebra::{Point2, Vector3};
@@ -21,7 +21,7 @@ fn small() -> Shot {
     Shot { width: 200, height: 140, operation: Some(0), ..Shot::default() }
 }
 
-/// Width, height and pixels.
+/// Returns width, height and pixels.
 fn decoded(bytes: &[u8]) -> (u32, u32, Vec<u8>) {
     let mut reader = ::png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
     let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
@@ -34,14 +34,15 @@ fn seen(x: f64, y: f64, near: f64) -> Seen {
 }
 
 #[test]
-fn a_triangle_covers_the_samples_whose_middles_it_holds() {
-    // Half of a square of 8 by 8: of row k the middles left of 8 - k - 1/2, on the line itself one of both.
+fn a_triangle_covers_the_pixels_whose_centres_it_contains() {
+    // The triangle is half of a square of 8 by 8: row k has the centres left of 8 - k - 1/2. Centres on the
+    // line belong to one half.
     let mut canvas = Canvas::new(10, 10, 0u32);
     let (a, b, c, d) = (seen(0.0, 0.0, 1.0), seen(8.0, 0.0, 1.0), seen(0.0, 8.0, 1.0), seen(8.0, 8.0, 1.0));
     canvas.fill(&[a, b, c], false, |v, _| *v += 1);
     let first: u32 = canvas.value.iter().sum();
     assert!(first == 28 || first == 36, "{first}");
-    // The other half, wound the other way round: together each sample of the square once.
+    // The other half has the opposite orientation. Together they cover each pixel of the square once.
     canvas.fill(&[b, c, d], false, |v, _| *v += 1);
     for (k, count) in canvas.value.iter().enumerate() {
         assert_eq!(*count, u32::from(k % 10 < 8 && k / 10 < 8), "sample {k}");
@@ -49,7 +50,7 @@ fn a_triangle_covers_the_samples_whose_middles_it_holds() {
 }
 
 #[test]
-fn a_fan_leaves_no_gap_and_covers_nothing_twice() {
+fn a_triangle_fan_leaves_no_gap_and_no_overlap() {
     let mut canvas = Canvas::new(64, 64, 0u32);
     let rim = |k: usize| {
         let (sin, cos) = (std::f64::consts::TAU * k as f64 / 37.0).sin_cos();
@@ -65,10 +66,10 @@ fn a_fan_leaves_no_gap_and_covers_nothing_twice() {
 }
 
 #[test]
-fn the_nearer_of_two_planes_wins_whatever_the_order() {
+fn the_nearer_of_two_planes_wins_in_any_order() {
     let plane =
         |near: [f64; 3]| [seen(0.0, 0.0, near[0]), seen(20.0, 0.0, near[1]), seen(0.0, 20.0, near[2])];
-    // They cross where x = 10: left of it the first is nearer.
+    // The planes cross at x = 10: left of it the first is nearer.
     let (flat, tilted) = (plane([0.5; 3]), plane([0.0, 1.0, 0.0]));
     for order in [[0, 1], [1, 0]] {
         let mut canvas = Canvas::new(20, 20, 9usize);
@@ -82,7 +83,7 @@ fn the_nearer_of_two_planes_wins_whatever_the_order() {
 }
 
 #[test]
-fn a_ball_is_seen_as_a_disc_where_it_is() {
+fn a_ball_is_rendered_as_a_disc_at_its_place() {
     let centre = Vector3::new(0.4, -0.3, 0.8);
     let radius = 0.25;
     let ball = Mesh::of(&sweetspot::cell::Shape::Sphere { centre, radius }, 0.0);
@@ -107,7 +108,7 @@ fn a_ball_is_seen_as_a_disc_where_it_is() {
 }
 
 #[test]
-fn a_camera_holds_what_it_shows_and_knows_what_is_near() {
+fn a_camera_frames_its_points_and_orders_them_by_depth() {
     let corner = |k: usize| [k & 1, k >> 1 & 1, k >> 2].map(|b| b as f64 * 2.0 - 0.7);
     let points: Vec<Vector3<f64>> = (0..8).map(|k| Vector3::from(corner(k))).collect();
     let frame = Frame { left: 30.0, top: 40.0, width: 300.0, height: 200.0 };
@@ -132,7 +133,7 @@ fn every_printable_character_has_a_glyph_of_its_own() {
     for (k, glyph) in glyphs.iter().enumerate().skip(1) {
         assert!(!glyph.is_empty() && *glyph != unknown, "{}", k + 32);
         let other = (0..k).find(|o| glyphs[*o] == *glyph);
-        // A capital i, a bar and a small l are lines, yet not the same ones.
+        // A capital i, a bar and a small l are lines, but different ones.
         assert_eq!(other, None, "{} and {:?}", k + 32, other.map(|o| o + 32));
         let ink = glyph.iter().flatten();
         assert!(
@@ -157,7 +158,7 @@ fn a_text_is_as_wide_as_its_ink() {
 }
 
 #[test]
-fn a_picture_has_the_size_asked_and_the_same_bytes_twice() {
+fn a_picture_has_the_requested_size_and_is_deterministic() {
     drawn(loaded("hitachi_paper.toml"), |drawing| {
         let bytes = png(drawing, &small()).unwrap();
         assert_eq!(bytes, png(drawing, &small()).unwrap());
@@ -165,7 +166,7 @@ fn a_picture_has_the_size_asked_and_the_same_bytes_twice() {
         assert_eq!((width, height, pixels.len()), (200, 140, 200 * 140 * 3));
         let colours: std::collections::BTreeSet<_> = pixels.chunks(3).collect();
         assert!(colours.len() > 200, "{}", colours.len());
-        // Every choice is to be seen.
+        // Every option changes the picture.
         let others = [
             Shot { operation: None, ..small() },
             Shot { view: View::Top, ..small() },
@@ -184,7 +185,7 @@ fn a_picture_has_the_size_asked_and_the_same_bytes_twice() {
 }
 
 #[test]
-fn what_cannot_be_drawn_is_said() {
+fn an_impossible_picture_is_an_error() {
     drawn(loaded("hitachi_paper.toml"), |drawing| {
         for bad in [
             Shot { width: 0, ..small() },
@@ -198,7 +199,7 @@ fn what_cannot_be_drawn_is_said() {
 }
 
 #[test]
-fn an_svg_is_markup_whatever_the_names() {
+fn an_svg_is_well_formed_whatever_the_names() {
     let evil = "<script>alert(1)</script>\" onload='x' & \u{1b}[31m";
     let mut cell = loaded("hitachi_cell.toml");
     cell.name = evil.into();
@@ -215,7 +216,7 @@ fn an_svg_is_markup_whatever_the_names() {
         let attributes = || all().flat_map(|n| n.attributes());
         assert!(!attributes().any(|a| a.name().starts_with("on") || a.name() == "style"));
         assert!(!svg.contains('\u{1b}'));
-        // Every node that is seen has a title: its value, or why it has none.
+        // Every visible node has a title: its value, or the reason for having none.
         let fields = drawing.fields.iter().flat_map(|f| &f.nodes).count();
         let titles = all().filter(|n| n.has_tag_name("title")).count() - 1;
         assert!(titles > fields / 2 && titles <= fields, "{titles} of {fields}");
@@ -223,9 +224,9 @@ fn an_svg_is_markup_whatever_the_names() {
     });
 }
 
-/// A table out of reach, and a cell in which nothing is mapped.
+/// A table out of reach and a cell without operations are drawn.
 #[test]
-fn what_has_no_error_is_drawn_all_the_same() {
+fn a_drawing_without_errors_is_rendered() {
     let mut cell = loaded("hitachi_paper.toml");
     cell.equipment[0].placement[0] = sweetspot::cell::Coordinate::Fixed(9.0);
     drawn(cell, |drawing| {
@@ -243,8 +244,8 @@ fn what_has_no_error_is_drawn_all_the_same() {
 }
 
 #[test]
-fn areas_are_traced_as_they_are() {
-    // An area of 9 by 6 with a hole of 3 by 2, and a spot too small to be kept.
+fn contour_tracing_keeps_areas_and_holes() {
+    // The area is 9 by 6 with a hole of 3 by 2, beside a spot too small to keep.
     let mut values = vec![0u32; 20 * 12];
     for (x, y) in (3..12).flat_map(|x| (2..8).map(move |y| (x, y))) {
         values[y * 20 + x] = u32::from(!((5..8).contains(&x) && (4..6).contains(&y))) * 7;

@@ -1,11 +1,11 @@
-//! What is said of a URDF that is wrong, odd, or says more than is used.
+//! Tests the messages about a URDF that is wrong, unusual, or has unused elements.
 
 use crate::urdf::product::load;
 use sweetspot::cell::Shape;
 use sweetspot::files::{Fault, Severity};
 use sweetspot::robot::Chain;
 
-/// Base, two arms and a tool; `$` marks what a test replaces.
+/// URDF of a base, two arms and a tool; `$` marks what a test replaces.
 const ARM: &str = r#"<robot name="arm">
 <link name="base"/>
 <joint name="j1" type="revolute"><parent link="base"/><child link="upper"/><origin xyz="0 0 0.5"/><axis xyz="0 0 1"/><limit lower="-1" upper="2"/></joint>
@@ -16,7 +16,7 @@ const ARM: &str = r#"<robot name="arm">
 <link name="tool"/>
 </robot>"#;
 
-/// The faults of the arm with replacements, of the file itself alone.
+/// Returns the faults of the URDF itself after replacements.
 fn faults(replace: &[(&str, &str)], lines: &str) -> Vec<Fault> {
     let mut text = ARM.to_string();
     for (what, with) in replace {
@@ -29,7 +29,7 @@ fn faults(replace: &[(&str, &str)], lines: &str) -> Vec<Fault> {
     }
 }
 
-/// Asserts one error at a line, where `word` starts, with its words.
+/// Asserts one error with its words, at a line where `word` starts.
 fn one(replace: &[(&str, &str)], (line, word): (usize, &str), message: &str, help: &str) {
     let faults = faults(replace, "");
     let [fault] = &faults[..] else { panic!("{faults:#?}") };
@@ -41,12 +41,12 @@ fn one(replace: &[(&str, &str)], (line, word): (usize, &str), message: &str, hel
 }
 
 #[test]
-fn the_arm_itself_is_valid() {
+fn the_unchanged_urdf_is_valid() {
     assert_eq!(faults(&[], ""), []);
 }
 
 #[test]
-fn limits() {
+fn joint_limits_of_a_urdf_are_checked() {
     let limit = r#"<limit lower="-1" upper="2"/>"#;
     one(&[(limit, "")], (3, "j1\""), "`j1` has no limits", "0 to 0");
     one(&[(limit, "<limit effort=\"1\"/>")], (3, "j1\""), "`j1` has no limits", "0 to 0");
@@ -60,7 +60,7 @@ fn limits() {
 }
 
 #[test]
-fn the_tree() {
+fn the_tree_of_a_urdf_is_checked() {
     one(
         &[("<child link=\"lower\"", "<child link=\"lowr\"")],
         (5, "lowr"),
@@ -98,7 +98,7 @@ fn the_tree() {
 }
 
 #[test]
-fn joints_that_cannot_be_read() {
+fn unreadable_joints_are_refused() {
     for kind in ["floating", "planar"] {
         one(
             &[("\"revolute\"", &format!("\"{kind}\""))],
@@ -126,7 +126,7 @@ fn joints_that_cannot_be_read() {
 
 /// Faults do not hide each other.
 #[test]
-fn all_at_once() {
+fn every_urdf_fault_is_reported_at_once() {
     let all = faults(
         &[
             ("xyz=\"0 0 0.5\"", "xyz=\"0 0\""),
@@ -147,7 +147,7 @@ fn a_mimic_joint_follows_one_before_it() {
     let robot = load(&text, 2, "").0.unwrap().cell.robot;
     assert_eq!(robot.coupling, [[1.0, 0.0], [-0.5, 1.0]]);
     assert!(robot.joints[1].is_passive());
-    // At actuators 0 the second joint is where the URDF has it at 0.25: the tip sinks.
+    // At actuators 0 the second joint is where the URDF has it at 0.25, so the tip sinks.
     let chain = Chain::new(&robot);
     let mut q = [0.0; 8];
     for (first, bend) in [(0.0, 0.25), (1.0, -0.25)] {
@@ -160,7 +160,7 @@ fn a_mimic_joint_follows_one_before_it() {
 }
 
 #[test]
-fn what_is_not_used_is_told_once() {
+fn unused_urdf_elements_are_reported_once() {
     let more = "<visual/><visual/><inertial/></link>\n<gazebo/><transmission/><link name=\"off\"/>\n\
                 <joint name=\"o\" type=\"floating\"><parent link=\"base\"/><child link=\"off\"/></joint>";
     let faults =
@@ -171,9 +171,9 @@ fn what_is_not_used_is_told_once() {
     assert_eq!((faults[0].message.as_str(), faults[0].severity), (told, Severity::Warning));
 }
 
-/// 1.5707 is not a right angle, and 1e-5 rad are not 0: the rows follow the file, and it is said.
+/// 1.5707 is not a right angle, and 1e-5 rad are not 0: the rows follow the file, with a warning.
 #[test]
-fn almost_parallel_and_almost_square_axes() {
+fn almost_parallel_and_perpendicular_axes_are_derived() {
     let parallel = [("<axis xyz=\"0 1 0\"", "<axis xyz=\"0 1e-5 1\"")];
     let faults_of = |replace: &[(&str, &str)]| faults(replace, "");
     let told = faults_of(&parallel);
@@ -191,7 +191,7 @@ fn rows_and_urdf_exclude_each_other() {
     assert!(faults.len() == 1 && faults[0].message.contains("`urdf` and `coupling` together"), "{faults:#?}");
 }
 
-/// A mesh in mm moves with its link: beside a URDF in robots/ lies equipment/.
+/// A mesh in mm moves with its link. A URDF in robots/ finds equipment/ beside its folder.
 #[test]
 fn collision_meshes_are_read() {
     let mesh = "<mesh filename=\"../equipment/machine.stl\" scale=\"0.001 0.001 0.001\"/>";

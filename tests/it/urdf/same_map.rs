@@ -1,4 +1,4 @@
-//! The shipped robot from its URDF and from its D-H rows: the same rows, the same maps.
+//! Tests the shipped robot from its URDF and from its D-H rows: rows and maps are equal.
 
 use crate::common::{load_from, root, shipped};
 use sweetspot::cell::Cell;
@@ -6,7 +6,7 @@ use sweetspot::error_map::OperationMap;
 use sweetspot::layout::Workcell;
 use sweetspot::pose::Pose;
 
-/// In the paper's own layout and errors, too.
+/// Returns both cells with the paper's layout and errors.
 fn on_paper() -> [Cell; 2] {
     let written = shipped("hitachi_paper.toml");
     let mut derived = written.clone();
@@ -16,7 +16,7 @@ fn on_paper() -> [Cell; 2] {
 }
 
 #[test]
-fn the_derived_rows_are_the_written_ones() {
+fn derived_dh_rows_equal_the_written_ones() {
     let loaded = load_from(&root().join("cells"), "hitachi_urdf.toml").unwrap();
     assert_eq!(loaded.warnings, []);
     let (derived, written) = (loaded.cell.robot, shipped("hitachi_cell.toml").robot);
@@ -31,7 +31,7 @@ fn the_derived_rows_are_the_written_ones() {
 }
 
 #[test]
-fn the_same_map_from_urdf_and_rows() {
+fn urdf_and_dh_rows_give_the_same_map() {
     let in_cell = [shipped("hitachi_cell.toml"), shipped("hitachi_urdf.toml")];
     let mut judged = 0;
     for cells in [in_cell, on_paper()] {
@@ -41,7 +41,7 @@ fn the_same_map_from_urdf_and_rows() {
         });
         for (a, b) in maps[0].iter().zip(&maps[1]) {
             assert_eq!((a.nodes.len(), a.best.is_some()), (b.nodes.len(), b.best.is_some()));
-            // Mirrored nodes are worth the same: not which one is best, but what it is worth.
+            // Mirrored nodes have equal values, so only the value of the best node is compared.
             let worth =
                 |map: &OperationMap| map.best.and_then(|k| Some(map.nodes[k].posture.as_ref()?.value));
             let off = worth(a).zip(worth(b)).map_or(0.0, |(a, b)| (a - b).abs());
