@@ -83,7 +83,7 @@ fn answerable(cell: &Cell) -> Result<(), Exit> {
 }
 
 fn say_caveats(cell: &Cell) {
-    for said in report::text::caveats(cell) {
+    for said in record::caveats(cell) {
         output::talk(&format!("note: {said}"));
     }
 }

@@ -40,6 +40,8 @@ use crate::files::shown;
 use crate::layout::{Workcell, combined};
 use std::sync::atomic::AtomicBool;
 use task::Task;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 /// How hard to try.
 #[derive(Debug, Clone, PartialEq)]
@@ -109,7 +111,8 @@ pub struct OperationBound {
 }
 
 /// What of the objective a bound covers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum Covers {
     Everything,
     /// Some operations count as 0.

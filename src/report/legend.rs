@@ -71,7 +71,7 @@ fn draw_colours(canvas: &mut Canvas, a: &Assessment<'_>, shown: &Shown) {
     let mut senses: Vec<_> = a.cell.operations.iter().map(|o| o.sense.name.as_str()).collect();
     senses.dedup();
     let unit = a.cell.unit().word();
-    canvas.paragraph(&format!("{} in {}", super::text::value_word(a.cell), senses.join(", ")));
+    canvas.paragraph(&format!("{} in {}", crate::record::value_word(a.cell), senses.join(", ")));
     let [low, high] = [shown.range.0, shown.range.1].map(|v| format!("{} {unit}", words::figure(v)));
     let (y, left) = (canvas.y + 20.0, MARGIN + words::width(&low, BODY) + 6.0);
     canvas.text((MARGIN, y), Anchor::Start, Ink::Text, &low);

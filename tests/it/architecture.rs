@@ -8,7 +8,7 @@ use sources::{File, paths_from, sources, uses_crate, with_words};
 use std::collections::BTreeSet;
 
 /// The modules in the order in which data flows: each uses only those before it.
-const ORDER: [&str; 19] = [
+const ORDER: [&str; 20] = [
     "units",
     "pose",
     "lanes",
@@ -25,6 +25,7 @@ const ORDER: [&str; 19] = [
     "search",
     "proof",
     "assess",
+    "record",
     "drawing",
     "report",
     "cli",

@@ -9,6 +9,7 @@ use crate::cli::overrides::overridden;
 use crate::cli::{Exit, found, loading, output, results};
 use crate::drawing::{Detail, Drawing};
 use crate::files::{Loaded, shown};
+use crate::record::MapDocument;
 use crate::report;
 use crate::report::raster::Shot;
 use clap::{Args, ValueEnum};
@@ -135,8 +136,8 @@ fn rendered(a: &Assessment<'_>, format: Format, operation: Option<usize>) -> Res
     };
     let drawing = || Drawing::new(a, &Detail::PLAIN).map_err(cannot);
     match format {
-        Format::Csv => results::csv(a),
-        Format::Json => results::pretty(&report::json::map(a)),
+        Format::Csv => results::csv(&MapDocument::new(a)),
+        Format::Json => results::pretty(&MapDocument::new(a)),
         Format::Parquet => report::parquet::map(a).map_err(cannot),
         Format::Dxf => Ok(report::dxf::dxf(&drawing()?, operation)),
         Format::Glb => report::glb::glb(&drawing()?, operation).map_err(cannot),

@@ -9,6 +9,7 @@ use crate::cli::{Exit, found, loading, output, results};
 use crate::drawing::Drawing;
 use crate::files::shown;
 use crate::layout::Workcell;
+use crate::record::ComparisonDocument;
 use crate::report;
 use crate::report::page::Told;
 use std::path::{Path, PathBuf};
@@ -37,7 +38,7 @@ pub fn compare(a: &CompareArguments) -> Result<Exit, Exit> {
         output::talk(&format!("wrote {} ({} kB)", path_word(out), html.len().div_ceil(1 << 10)));
     }
     if a.json {
-        output::data(&results::line(&report::json::compare(&comparison))?)?;
+        output::data(&results::line(&ComparisonDocument::new(&comparison))?)?;
     } else {
         output::data(&report::text::comparison(&comparison))?;
         for sentence in comparison.in_words() {

@@ -9,6 +9,7 @@ use crate::cli::results;
 use crate::cli::results::Written;
 use crate::cli::{Exit, loading, output};
 use crate::files::Loaded;
+use crate::record::MapDocument;
 use crate::report;
 
 /// `sweetspot map`
@@ -16,7 +17,7 @@ pub fn map(a: &MapArguments) -> Result<Exit, Exit> {
     let Loaded { cell, sources, .. } = overridden(loading::load(&a.cell, &a.packages)?, &a.overrides)?;
     let workcell = workcell(cell, &a.cell)?;
     let assessment = Assessment::new("start", &workcell, workcell.cell.start());
-    let document = report::json::map(&assessment);
+    let document = MapDocument::new(&assessment);
     if let Some(path) = &a.svg {
         loading::write_whole(path, report::svg::plan(&assessment).as_bytes())?;
     }
@@ -25,7 +26,7 @@ pub fn map(a: &MapArguments) -> Result<Exit, Exit> {
             let folder = loading::new_folder(Some(folder), "")?;
             let files = vec![
                 ("map.json", results::pretty(&document)?),
-                ("map.csv", results::csv(&assessment)?),
+                ("map.csv", results::csv(&document)?),
                 ("map.svg", report::svg::plan(&assessment).into_bytes()),
                 ("discrepancy.svg", report::fig8::chart(&assessment).into_bytes()),
             ];

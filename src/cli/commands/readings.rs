@@ -8,6 +8,7 @@ use crate::cli::overrides::chosen;
 use crate::cli::results;
 use crate::cli::results::Written;
 use crate::cli::{Exit, loading, output};
+use crate::record::ReadingsDocument;
 use crate::report;
 
 /// `sweetspot readings`
@@ -21,10 +22,10 @@ pub fn readings(a: &ReadingsArguments) -> Result<Exit, Exit> {
         None => None,
     };
     let readings = Readings::new(cell).map_err(|why| unsolved(&cell.robot.name, &a.cell, &why))?;
-    let document = report::json::readings(&readings);
+    let document = ReadingsDocument::new(&readings, report::text::findings(&readings));
     let written = match &folder {
         Some(folder) => {
-            let table = report::csv::readings(&readings).map_err(|why| {
+            let table = report::csv::readings(&document).map_err(|why| {
                 output::error(&format!("cannot make readings.csv: {why}"));
                 Exit::Io
             })?;

@@ -10,8 +10,10 @@ use crate::cli::overrides::{again, overridden};
 use crate::cli::{Exit, loading, output, results};
 use crate::drawing::Drawing;
 use crate::files::{Fault, Loaded, Source};
+use crate::record::SearchResult;
 use crate::report::page;
 use crate::report::page::{Manifest, Report, Subject};
+use crate::search::Ended;
 use clap::Args;
 use std::path::{Path, PathBuf};
 
@@ -64,7 +66,7 @@ struct Read {
     loaded: Loaded,
     file: PathBuf,
     best: Option<crate::cell::Layout>,
-    found: Option<page::Found>,
+    found: Option<SearchResult>,
     manifest: Manifest,
 }
 
@@ -137,7 +139,7 @@ fn tell(a: &ReportArguments, file: &Path, subject: &Subject<'_>, report: &Report
         let rest: String = facts.chain(reasons).collect();
         output::data(&format!("{}\n{rest}", verdict.headline))?;
     }
-    if verdict.ended.as_deref().is_some_and(|ended| ["interrupted", "time-limit"].contains(&ended)) {
+    if verdict.ended.is_some_and(|ended| matches!(ended, Ended::Interrupted | Ended::TimeLimit)) {
         output::talk("note: the search was stopped before its end: a better layout may be found by going on");
     }
     output::talk(&format!("wrote {} ({} kB)", path_word(&a.out), report.html.len().div_ceil(1 << 10)));

@@ -6,6 +6,7 @@ use crate::cli::arguments::RobustArguments;
 use crate::cli::output::path_word;
 use crate::cli::overrides::overridden;
 use crate::cli::{Exit, loading, output, results};
+use crate::record::RobustDocument;
 use crate::report;
 
 /// `sweetspot robust`
@@ -14,7 +15,7 @@ pub fn robust(a: &RobustArguments) -> Result<Exit, Exit> {
     let workcell = workcell(cell, &a.cell)?;
     let assessment = Assessment::new("start", &workcell, workcell.cell.start()).misplaced();
     if a.json {
-        output::data(&results::line(&report::json::robust(&assessment))?)?;
+        output::data(&results::line(&RobustDocument::new(&assessment))?)?;
     } else {
         let headline = report::text::headline(&workcell.cell);
         let mut said = format!("{headline}\n\n{}", report::text::robustness(&assessment));

@@ -6,6 +6,7 @@
 use super::document::{Library, Source};
 use super::tree::{Entry, Node, Value, is_range, parse};
 use crate::files::fault::{Fault, did_you_mean, listed, shown};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Stands for the settings among the sources; no file can have this name.
@@ -17,7 +18,7 @@ const NAMED: [&str; 5] = ["equipment", "obstacle", "keep_out", "operation", "sen
 const SHAPE: &str = "write --set PATH=VALUE or PATH=VALUE,VALUE,..., for example clearance_mm=0,10";
 
 /// One key of a cell said otherwise.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Setting {
     /// Dotted, as in TOML: `equipment.worktable.placement.z_mm`.
     pub path: String,
@@ -45,7 +46,7 @@ impl Setting {
 }
 
 /// A key of a cell, and every value that it is to have in turn.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Choices {
     pub path: String,
     pub values: Vec<String>,

@@ -25,7 +25,7 @@ pub use content::{Figure, Section, Table};
 pub use live::live;
 pub use report::{Report, report};
 pub use runner_up::RunnerUp;
-pub use subject::{Alternative, Found, Manifest, Proof, ProofOf, StartFound, Subject};
+pub use subject::{Manifest, Subject};
 pub use verdict::{Fact, Spot, Verdict};
 
 use serde_json::Value;

@@ -2,11 +2,13 @@
 
 use super::content::{NOTHING, plain};
 use super::runner_up::{RunnerUp, runner_up};
-use super::subject::{Found, Subject};
+use super::subject::Subject;
 use crate::assess::Assessment;
 use crate::cell::{Cell, Objective, Unit};
 use crate::files::shown;
-use crate::report::text::value_word;
+use crate::proof::Covers;
+use crate::record::{ProvenOperation, SearchResult, value_word};
+use crate::search::Ended;
 use crate::units::{mm_from_m, percent_from_share, rounded};
 use serde::Serialize;
 
@@ -23,7 +25,7 @@ pub struct Verdict {
     pub headline: String,
     pub feasible: bool,
     /// Null of a layout as drawn, else how the search ended.
-    pub ended: Option<String>,
+    pub ended: Option<Ended>,
     pub unit: &'static str,
     /// How the errors are read: error, worst case, p95 ...
     pub quantity: &'static str,
@@ -114,7 +116,7 @@ impl Verdict {
             answer: if is_found && !missed { "yes" } else { "no" },
             headline: String::new(),
             feasible: is_found,
-            ended: found.map(|f| f.ended.clone()),
+            ended: found.map(|f| f.ended),
             unit: cell.unit().word(),
             quantity: value_word(cell),
             objective: cell.search.objective.name(),
@@ -262,9 +264,9 @@ fn gain(v: &Verdict, unit: Unit) -> Fact {
 }
 
 /// How much better any layout could be at most.
-fn gap(found: &Found, v: &Verdict, unit: Unit) -> Fact {
-    let covers = match found.proof.covers.as_str() {
-        "part" => format!("; counted as 0: {}", unproven(found)),
+fn gap(found: &SearchResult, v: &Verdict, unit: Unit) -> Fact {
+    let covers = match found.proof.covers {
+        Covers::Part => format!("; counted as 0: {}", unproven(found)),
         _ => String::new(),
     };
     let (text, note) = match (found.gap_percent, found.bound) {
@@ -283,7 +285,7 @@ fn gap(found: &Found, v: &Verdict, unit: Unit) -> Fact {
                 down(unit, bound)
             ),
         ),
-        _ if found.proof.covers == "infeasible" => {
+        _ if found.proof.covers == Covers::Infeasible => {
             ("no layout".into(), format!("it is proven that no layout works: {}", unproven(found)))
         }
         _ => ("none".into(), format!("nothing is proven: {}", unproven(found))),
@@ -297,9 +299,8 @@ pub fn up(percent: f64) -> f64 {
     (percent * digits).ceil() / digits
 }
 
-fn unproven(found: &Found) -> String {
-    let why =
-        |p: &super::subject::ProofOf| Some(format!("{}: {}", shown(&p.name), plain(p.why_not.as_ref()?)));
+fn unproven(found: &SearchResult) -> String {
+    let why = |p: &ProvenOperation| Some(format!("{}: {}", shown(&p.name), plain(p.why_not.as_ref()?)));
     found.proof.operations.iter().filter_map(why).collect::<Vec<_>>().join("; ")
 }
 

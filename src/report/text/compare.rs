@@ -1,7 +1,8 @@
 //! Layouts side by side.
 
 use super::table::Table;
-use super::{STATUSES, USUAL, fixed, mm, mm1, percent1, value_word};
+use super::{STATUSES, USUAL, fixed, mm, mm1, percent1};
+use crate::record::value_word;
 use crate::assess::{Assessment, Comparison, Requirement};
 use crate::cell::{Coordinate, Slot, Unit};
 use crate::layout::Refined;

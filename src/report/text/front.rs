@@ -4,7 +4,7 @@ use super::fixed;
 use super::table::Table;
 use crate::assess::Assessment;
 use crate::cell::{Cell, Goal};
-use crate::report::goals;
+use crate::record::goals;
 use crate::search::SearchRecord;
 
 /// Rows told in the terminal; front.csv has all.

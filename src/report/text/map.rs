@@ -1,7 +1,8 @@
 //! What the maps say, operation by operation.
 
 use super::compare::margin;
-use super::{STATUSES, feasibility, mm1, percent, percent1, value_word};
+use super::{STATUSES, feasibility, mm1, percent, percent1};
+use crate::record::value_word;
 use crate::assess::Assessment;
 use crate::cell::{Cell, Model, Unit};
 use crate::error_map::{OperationMap, Status};

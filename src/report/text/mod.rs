@@ -17,7 +17,7 @@ mod urdf;
 pub use budget::budget;
 pub use compare::{comparison, comparison_table, feasibility};
 pub use envelope::{envelope, envelope_title, robot, robots};
-pub use explain::{explanation, frame_name};
+pub use explain::explanation;
 pub use front::{front, goals_line};
 pub use map::{distrust, maps};
 pub use own_pairs::own_pairs;
@@ -27,7 +27,7 @@ pub use robust::{robust_lines, robustness};
 pub use sweep::sweep;
 pub use urdf::derived;
 
-use crate::cell::{Cell, ErrorSet, Quantity, Reading, Registration, Spread, Unit};
+use crate::cell::{Cell, Quantity, Reading, Registration, Unit};
 
 use crate::assess::Stance;
 use crate::files::shown;
@@ -56,30 +56,6 @@ pub fn headline(cell: &Cell) -> String {
         Registration::Taught => ", surface frames taught".into(),
     };
     format!("{}{reading}{registration}", question(cell))
-}
-
-/// What must be said about how the errors are read; empty if nothing.
-pub fn caveats(cell: &Cell) -> Vec<String> {
-    let mut said = Vec::new();
-    let signed = matches!(cell.error_set(), ErrorSet::Signed(_));
-    if signed && cell.reading != Reading::Signed {
-        said.push(format!(
-            "{} is a signed sample: its magnitudes are read as plus-or-minus ({} sigma of a normal)",
-            cell.error_set().name(),
-            Spread::SIGMAS
-        ));
-    }
-    said
-}
-
-/// What the numbers of a map are: "error", "worst case", "p95" ...
-pub fn value_word(cell: &Cell) -> &'static str {
-    match (cell.reading, cell.quantity) {
-        (Reading::Signed, _) => "error",
-        (Reading::WorstCase, _) => "worst case",
-        (Reading::Statistical, Quantity::Yield) => "share of failures",
-        (Reading::Statistical, quantity) => quantity.name(),
-    }
 }
 
 /// Told even if there are none.

@@ -1,6 +1,7 @@
 //! What misplacement does to each operation.
 
-use super::{amount, fixed, percent1, value_word};
+use super::{amount, fixed, percent1};
+use crate::record::value_word;
 use crate::assess::Assessment;
 use crate::cell::{Cell, Slot, Unit};
 use crate::files::shown;
