@@ -1,11 +1,13 @@
-//! Where in a robot workcell should a precision operation happen, and where must worktable and
-//! conveyor stand so that it can?
+//! sweetspot finds where in a robot workcell a precision operation should happen, and where worktable and
+//! conveyor must stand so that it can.
 //!
 //! # The problem
 //!
-//! A robot is built with small errors `e` in its link parameters, so its end effector is not where
-//! its controller thinks. With the Denavit-Hartenberg link of eq. (1) of the seed paper (a 1990s
-//! *kinematic error mapping and layout facility*) and the fifth parameter of its section 2.3,
+//! A robot is built with small errors `e` in its link parameters, so its end effector is not where its
+//! controller believes. This project grew from a 1990s journal paper on a *kinematic error mapping and layout
+//! facility* (AutoCAD and AutoLISP, Hitachi PW 10-II); its author, title and year are not known to us, and the
+//! documentation calls it the seed paper. The link matrix of its eq. (1), after Denavit and Hartenberg, with the
+//! fifth parameter of Hayati (section 2.3) is
 //!
 //! ```text
 //! A_i  = Rz(q_i) Tz(r_i) Tx(l_i) Rx(alpha_i) [Ry(beta_i)]             (1)
@@ -13,20 +15,19 @@
 //! dT(q, e) = prod (A_i + dA_i) - T(q)                                 (4)-(6)
 //! ```
 //!
-//! an error of the base, of the tool, of a joint's frame and of the work's own fixture included, and with
-//! the inverse kinematics `Q(x)`, every posture that holds the tool at `x` as asked inside the joint
-//! limits, we choose the layout `L` (the placement of every movable equipment) and, for every
-//! operation `k`, a node `x_k` of the grid `G_k(L)` on its surface:
+//! Errors of the base, of the tool, of joint frames and of the fixture enter the product in the same way. The
+//! inverse kinematics `Q(x)` is the set of all postures that hold the tool at `x` as asked, inside the joint
+//! limits. We choose the layout `L`, which places every movable equipment, and for every operation `k` a node
+//! `x_k` of the grid `G_k(L)` on its surface:
 //!
 //! ```text
 //! minimize over L:   sum_k w_k  min { R |dT(q, e)|_k :  x in G_k(L),  q in Q(x),  q hits nothing }
 //! such that          equipment, robot base, obstacles and keep-out boxes share no floor space.
 //! ```
 //!
-//! `|.|_k` is the sense that operation `k` cares about: x, y, z, xy (parts that mate in the plane),
-//! xyz, a direction, plane or rotation in world, surface or tool axes, at a point off the TCP. `R` is
-//! how the errors are read: one signed sample, the worst corner of a tolerance box, or a statistic of
-//! random variables ([`reading`]).
+//! The sense `|.|_k` is what operation `k` cares about: x, y, z, xy (parts that mate in the plane), xyz, a
+//! direction, plane or rotation in world, surface or tool axes, at a point off the TCP. The reading `R` interprets
+//! the errors: as one signed sample, as a tolerance box (worst case), or as random variables ([`reading`]).
 //!
 //! # The flow
 //!
@@ -39,42 +40,44 @@
 //! | [`robot`] | what moves | joint coordinates to frames |
 //! | [`kinematic_error`] | how wrong | frames and a sample of errors to position and rotation error |
 //! | [`reading`] | how bad | frames and a tolerance to worst case, percentiles, yield, budget |
-//! | [`reach`] | can it go | TCP target and attitude to all postures, or what is missing; envelope |
+//! | [`reach`] | can it go | TCP target and orientation to all postures, or what is missing; working envelope |
 //! | [`clearance`] | does it hit | layout and frames to the first contact, or none |
-//! | [`motion`] | can it get there | two postures to a free way, or the first contact |
-//! | [`error_map`] | where is it best | surface to the least-error spot, or to the whole map |
+//! | [`motion`] | can it get there | two postures to a collision-free motion, or the first contact |
+//! | [`error_map`] | where is it best | surface to the spot of least error, or to the whole map |
 //! | [`layout`] | what is it worth | **[`layout::evaluate`]: layout to evaluation, the seam** |
 //! | [`search`] | choose | cell to the best layout found |
 //! | [`proof`] | what is possible | cell to a lower bound that no layout beats |
-//! | [`assess`] | what is known | everything known of one layout; layouts side by side |
+//! | [`assess`] | what is known | layout to everything known of it; layouts side by side |
 //! | [`record`] | what is written down | assessments to typed documents: JSON, CSV, Parquet, schemas |
 //! | [`drawing`] | show it | an assessment to solids, arrows, envelope, motion |
 //! | [`report`] | say it | records to JSON, CSV, SVG, TOML, text |
 //! | [`cli`] | edge | arguments, files, progress, exit codes |
 //!
-//! Below them all, [`lanes`] does the same arithmetic for several nodes at once, to rank them: the code for
-//! one node judges.
+//! Below them all, [`units`] converts and [`pose`] holds rigid transforms. `lanes` does the arithmetic of several
+//! nodes at once: it ranks them, and the code for one node judges.
 //!
-//! `evaluate` takes a [`layout::Workcell`], a cell made ready (chain, inverse kinematics, parry
-//! shapes), and not the bare cell: a search prepares once and asks hundreds of thousands of times.
+//! `evaluate` takes a [`layout::Workcell`], a cell made ready (chain, inverse kinematics, parry shapes), and not the
+//! bare cell: a search prepares once and evaluates hundreds of thousands of times.
 //!
 //! # What holds everywhere
 //!
-//! - SI inside: m, rad, f64. Millimetres and degrees live in files and reports, where every name
-//!   carries its unit; [`units`] alone converts.
-//! - The core does no IO: only [`cli`] touches files, clock and terminal.
-//! - A [`cell::Cell`] is valid by construction; faults come all at once, each with file, line,
-//!   column, what is wrong and what to do.
-//! - [`layout::evaluate`] is pure and total: the same input gives the same bits, and an infeasible
-//!   layout is a value with its reason, never a panic, an `Err`, NaN or infinity.
-//! - Out of reach, joint limit, attitude, not converged and collision are different answers, naming the
-//!   joint or the solids.
-//! - A signed sample of errors is not a tolerance: [`cell::SignedErrors`] and [`cell::Tolerance`] are
-//!   two types.
-//! - Errors are differences: never two nearly equal numbers subtracted.
-//! - Deterministic: an explicit seed, a random stream per restart, results in order. One thread or
-//!   sixteen give the same bytes.
+//! - SI inside: m, rad, f64. Millimetres and degrees live in files and reports, where every name carries its unit;
+//!   [`units`] alone converts.
+//! - The core does no input or output: only [`cli`] touches files, clock and terminal.
+//! - A [`cell::Cell`] is valid by construction. Faults come all at once, each with file, line, column, what is wrong
+//!   and what to do.
+//! - [`layout::evaluate`] is pure and total: the same input gives the same bits. An infeasible layout is a value with
+//!   its reason, never a panic, an `Err`, NaN or infinity.
+//! - Out of reach, joint limit, orientation, not converged and collision are different answers, each naming the joint
+//!   or the solids.
+//! - A signed sample of errors is not a tolerance: [`cell::SignedErrors`] and [`cell::Tolerance`] are two types.
+//! - Errors are computed as differences; two nearly equal numbers are never subtracted.
+//! - Results are deterministic: an explicit seed, a random stream per restart, results in order. One thread or sixteen
+//!   give the same bytes.
 //! - The optimizer proposes, `evaluate` decides.
+//!
+//! CONTRIBUTING.md has a glossary, says how to add a robot, an error source, a sense, a family of inverse kinematics or
+//! an exporter, and how we write.
 //!
 //! # Example
 //!

@@ -67,7 +67,7 @@ fn the_node_loop_does_not_allocate() {
 
 /// Judged or ranked: ten times the nodes ask for no more memory than few, once it is there.
 #[test]
-fn an_evaluation_asks_for_no_memory_by_node() {
+fn an_evaluation_does_not_allocate_per_node() {
     for ranked in [true, false] {
         let counts = [(3, 2), (40, 30)].map(|grid| {
             let mut cell = shipped("hitachi_cell.toml");

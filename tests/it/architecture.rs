@@ -143,7 +143,7 @@ fn lib_rs_names_every_module_and_holds_no_logic() {
 }
 
 #[test]
-fn no_unsafe_code() {
+fn src_has_no_unsafe_code() {
     let found: Vec<_> =
         sources().into_iter().filter(|f| uses_crate(&f.code, "unsafe")).map(|f| f.path).collect();
     assert!(found.is_empty(), "{found:?}");
@@ -178,7 +178,7 @@ fn nothing_panics_on_purpose() {
 /// Allowed exception: `files/mesh/mod.rs`, where a mesh file names one of several units and a table gives
 /// the metres in each.
 #[test]
-fn only_units_converts() {
+fn only_units_rs_converts_units() {
     let words = ["to_radians", "to_degrees", "180.0", "0.001", "57.29", "0.01745"];
     let factors = ["1000.0", "1000.", "1_000.0", "1e3", "1e-3", "1.0e3", "1.0e-3"];
     let times = |line: &str| {
@@ -203,14 +203,14 @@ fn only_units_converts() {
 /// Chance comes from the seed and time from nowhere: no generator that seeds itself, no map in an
 /// order of its own that is walked.
 #[test]
-fn nothing_depends_on_chance() {
+fn nothing_depends_on_an_unseeded_random_source() {
     let found =
         with_words(&["thread_rng", "from_entropy", "from_os_rng", "rand::rng()", "RandomState"], |_| false);
     assert!(found.is_empty(), "{found:#?}");
 }
 
 #[test]
-fn the_fixed_packages_are_named() {
+fn the_agreed_packages_are_dependencies() {
     let manifest = std::fs::read_to_string(crate::common::root().join("Cargo.toml")).unwrap();
     let section = manifest.split("[dependencies]").nth(1).unwrap().split("\n[").next().unwrap();
     let package = |line: &str| {
@@ -228,7 +228,7 @@ fn the_fixed_packages_are_named() {
 }
 
 #[test]
-fn the_top_level_is_as_agreed() {
+fn the_top_level_holds_only_the_agreed_entries() {
     let folders = ["src", "cells", "tests", "benches", "results", "docs", "python", "target"];
     let files = ["Cargo.toml", "Cargo.lock", "README.md", "CHANGELOG.md", "CONTRIBUTING.md", "rustfmt.toml"];
     for entry in std::fs::read_dir(crate::common::root()).unwrap() {

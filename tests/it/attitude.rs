@@ -49,7 +49,7 @@ fn attitude(elevation: f64, azimuth: Azimuth, spins: &[f64], tolerance: f64) -> 
 }
 
 #[test]
-fn six_axes_hold_the_tool_as_asked() {
+fn six_axis_arms_hold_the_requested_tool_orientation() {
     let robot = robot("abb_irb140");
     let spins = [0.4, 2.0];
     for (d, r) in
@@ -88,7 +88,7 @@ fn spins_of_a_vertical_tool_count_from_the_azimuth() {
 }
 
 #[test]
-fn a_tolerance_tilts_the_tool_so_far_and_no_farther() {
+fn an_attitude_tolerance_tilts_the_tool_up_to_its_limit() {
     let robot = robot("abb_irb140");
     let wanted = Vector3::new(f64::cos(-0.9) * f64::cos(0.8), f64::cos(-0.9) * f64::sin(0.8), f64::sin(-0.9));
     let tilts = held(&robot, &attitude(-0.9, Azimuth::Surface(0.5), &[0.0], 0.1), 0.3);
@@ -100,7 +100,7 @@ fn a_tolerance_tilts_the_tool_so_far_and_no_farther() {
 }
 
 #[test]
-fn what_an_arm_cannot_do_is_refused_with_the_reason() {
+fn an_orientation_beyond_the_arm_is_refused_with_the_reason() {
     let told = |stem: &str, attitude: Attitude| Inverse::new(&Chain::new(&robot(stem))).refusal(&attitude);
     let level = || Attitude::elevation(0.0);
     for stem in ["adept_cobra_s600", "abb_irb460"] {
@@ -122,7 +122,7 @@ fn what_an_arm_cannot_do_is_refused_with_the_reason() {
 /// The arm of the paper heads where its base turns: with an azimuth asked for, nodes beside it miss the
 /// attitude by the angle that is left.
 #[test]
-fn an_arm_that_cannot_turn_its_tool_misses_the_azimuth_by_an_angle() {
+fn an_arm_that_cannot_turn_its_tool_reports_the_missing_azimuth_angle() {
     let cell = "from = \"hitachi_paper.toml\"\n[operation.map]\nbend_deg = -45\nazimuth_deg = 90\ntolerance_deg = 10\n";
     let name = crate::common::shipped("hitachi_paper.toml").operations[0].name.clone();
     let cell = from_text(&cell.replace("operation.map", &format!("operation.{name}"))).unwrap().cell;

@@ -57,7 +57,7 @@ impl Errors {
 }
 
 #[test]
-fn the_bound_of_hitachi_cell() {
+fn the_lower_bound_of_hitachi_cell_matches_brute_force() {
     let cell = shipped("hitachi_cell.toml");
     let chain = Chain::new(&cell.robot);
     let errors = Perturbation::new(&chain, crate::common::signed(&cell));

@@ -29,7 +29,7 @@ fn broken_files() -> Vec<(String, String)> {
 }
 
 #[test]
-fn every_broken_file_is_told_what_is_wrong() {
+fn every_broken_file_gets_its_expected_messages() {
     let files = broken_files();
     assert!(files.len() >= 40, "{} files", files.len());
     let mut known: BTreeMap<Vec<String>, String> = BTreeMap::new();
@@ -96,7 +96,7 @@ fn only_error(text: &str) -> String {
 const BASE: &str = "from = \"hitachi_cell.toml\"\n";
 
 #[test]
-fn the_nearest_from_wins() {
+fn the_nearest_from_key_wins() {
     let other = "from = \"hitachi_paper_parallelogram.toml\"\n[robot]\nfrom = \"robots/hitachi_pw10.toml\"\n";
     let robot = load_text(other).unwrap().cell.robot;
     assert_eq!(robot.coupling[2], [0.0, 0.0, 1.0, 0.0]);
@@ -104,7 +104,7 @@ fn the_nearest_from_wins() {
 }
 
 #[test]
-fn long_chains_of_files() {
+fn long_chains_of_from_are_refused() {
     for (length, fits) in [(13, true), (15, false), (5000, false)] {
         let link = |i| format!("from = \"{}.toml\"\n", i + 1);
         let mut files: BTreeMap<_, _> = (0..length).map(|i| (format!("{i}.toml"), link(i))).collect();
@@ -119,7 +119,7 @@ fn long_chains_of_files() {
 }
 
 #[test]
-fn files_that_name_a_large_file_often() {
+fn files_that_add_up_to_more_than_100_mb_are_refused() {
     let part = "schema = \"sweetspot/equipment/1\"\n".to_string() + &"# much\n".repeat(500_000);
     let named = |i| format!("[obstacle.o{i}]\nfrom = \"part.toml\"\n");
     let cell = BASE.to_string() + &(0..1000).map(named).collect::<String>();
@@ -129,7 +129,7 @@ fn files_that_name_a_large_file_often() {
 }
 
 #[test]
-fn nesting_is_bounded() {
+fn deep_nesting_is_refused() {
     let n = 20_000;
     let arrays = only_error(&format!("a = {}{}", "[".repeat(n), "]".repeat(n)));
     assert!(arrays.starts_with("cell.toml:1:37: error: nested too deep\n"), "{arrays}");
@@ -144,7 +144,7 @@ fn nesting_is_bounded() {
 }
 
 #[test]
-fn hostile_texts_are_refused_soon() {
+fn hostile_texts_are_refused_quickly() {
     let megabyte = |t: &str| t.repeat(1_000_000 / t.len());
     let many = |line: fn(usize) -> String| BASE.to_string() + &(0..20_000).map(line).collect::<String>();
     let texts = [

@@ -34,7 +34,7 @@ fn errors(arm: &Arm) -> Vec<(JointVector, Displacement, Displacement)> {
 }
 
 #[test]
-fn flange_of_the_nominal_arm_is_where_the_controller_says() {
+fn the_nominal_flange_is_where_the_controller_reports_it() {
     let arm = Arm::new("ur10");
     let chain = Chain::new(&arm.robot);
     for (q, p) in &arm.golden {
@@ -47,7 +47,7 @@ fn flange_of_the_nominal_arm_is_where_the_controller_says() {
 
 /// 303 m and -310 m on the way to 2 mm: 1e-12 m is the rounding of the product itself.
 #[test]
-fn error_is_the_difference_of_two_products() {
+fn the_pose_error_is_the_difference_of_two_products() {
     for name in ["ur10", "ur10e"] {
         let arm = Arm::new(name);
         for (q, error, _) in errors(&arm).iter().take(2_000) {
@@ -66,7 +66,7 @@ fn assert_within(got: f64, want: f64, share: f64, what: &str) {
 }
 
 #[test]
-fn errors_of_both_arms_are_as_large_as_computed_before() {
+fn errors_of_both_calibrated_arms_match_the_recorded_values() {
     for name in ["ur10", "ur10e"] {
         let arm = Arm::new(name);
         let errors = errors(&arm);
@@ -91,7 +91,7 @@ fn errors_of_both_arms_are_as_large_as_computed_before() {
 
 /// What tells a user that the linear model must not be read.
 #[test]
-fn guard_fires_at_nearly_every_pose() {
+fn the_guard_rejects_the_linear_model_at_nearly_every_pose() {
     for (name, least) in [("ur10", 0.999), ("ur10e", 0.9999)] {
         let errors = errors(&Arm::new(name));
         let fires = |(_, nonlinear, linear): &&(JointVector, Displacement, Displacement)| {
@@ -125,7 +125,7 @@ fn shipped(name: &str) -> Robot {
 }
 
 #[test]
-fn shipped_arms_have_these_rows_and_errors() {
+fn shipped_arms_have_the_rows_and_errors_of_the_calibration_file() {
     for name in ["ur10", "ur10e"] {
         let (robot, arm) = (shipped(name), Arm::new(name));
         let near = |a: f64, b: f64, what: &str| {

@@ -37,7 +37,7 @@ fn all_close(a: &[f64], b: &[f64]) -> bool {
 }
 
 #[test]
-fn a_cell_that_says_nothing_has_the_defaults() {
+fn a_cell_without_optional_keys_has_the_defaults() {
     let cell = shipped("hitachi_cell.toml");
     let asked = (cell.reading, cell.quantity, cell.registration, cell.guard);
     assert_eq!(asked, (Reading::Signed, Quantity::P95, Registration::None, 0.01));
@@ -51,7 +51,7 @@ fn a_cell_that_says_nothing_has_the_defaults() {
 }
 
 #[test]
-fn a_tolerance_is_read_at_its_worst_by_default() {
+fn a_tolerance_set_is_read_as_worst_case_by_default() {
     assert_eq!(with("errors = \"table-3\"").reading, Reading::Signed);
     assert_eq!(with("errors = \"table-3-tolerance\"").reading, Reading::WorstCase);
     let table = "[equipment.worktable.errors]\nkind = \"tolerance\"\nposition_mm = [1, 1, 1]";
@@ -61,7 +61,7 @@ fn a_tolerance_is_read_at_its_worst_by_default() {
 }
 
 #[test]
-fn a_signed_set() {
+fn a_signed_error_set_is_read_in_si_units() {
     let cell = every_key();
     let ErrorSet::Signed(sample) = set(&cell, "sample") else { panic!("a tolerance") };
     assert!(all_close(&sample.dq, &[0.1 * DEG, 0.0, -0.1 * DEG, 0.0]));
@@ -81,7 +81,7 @@ fn a_signed_set() {
 }
 
 #[test]
-fn a_set_of_joint_frames_alone() {
+fn an_error_set_may_hold_joint_frames_only() {
     use Distribution::{Normal, Triangular, Uniform};
     let cell = every_key();
     let ErrorSet::Tolerance(set) = set(&cell, "joints-alone") else { panic!("a sample") };
@@ -102,7 +102,7 @@ fn a_set_of_joint_frames_alone() {
 }
 
 #[test]
-fn one_distribution_for_all() {
+fn one_distribution_can_hold_for_all_rows() {
     let cell = every_key();
     let ErrorSet::Tolerance(bounds) = set(&cell, "bounds") else { panic!("a sample") };
     assert_eq!(bounds.spreads.len(), Parameter::count(4));
@@ -115,7 +115,7 @@ fn one_distribution_for_all() {
 }
 
 #[test]
-fn a_distribution_for_each_row() {
+fn each_row_can_have_its_own_distribution() {
     use Distribution::{Normal, Triangular, Uniform};
     let cell = every_key();
     let ErrorSet::Tolerance(set) = cell.error_set() else { panic!("a sample") };
@@ -130,7 +130,7 @@ fn a_distribution_for_each_row() {
 }
 
 #[test]
-fn a_covariance_is_in_the_units_of_the_file() {
+fn a_covariance_is_converted_from_the_units_of_the_file() {
     let cell = every_key();
     let ErrorSet::Tolerance(set) = cell.error_set() else { panic!("a sample") };
     let covariance = set.covariance.as_ref().unwrap();
@@ -156,7 +156,7 @@ fn a_covariance_is_in_the_units_of_the_file() {
 }
 
 #[test]
-fn a_singular_covariance_is_one() {
+fn a_singular_covariance_is_accepted() {
     let set = "[robot.errors.x]\nkind = \"tolerance\"\nsource = \"\"\ndr_mm = [0, 0, 0, 0]\ndl_mm = [0, 0, 0, 0]\n\
         dalpha_deg = [0, 0, 0, 0]\n";
     let ones = "covariance = { parameters = [\"dl1\", \"dq1\", \"dl3\"], matrix = [[1, 1, 0], [1, 1, 0], [0, 0, 0]] }";
@@ -174,7 +174,7 @@ fn a_singular_covariance_is_one() {
 }
 
 #[test]
-fn a_sliding_joint_varies_in_mm() {
+fn a_prismatic_joint_has_its_errors_in_mm() {
     let robot = r#"schema = "sweetspot/cell/1"
 units = { length = "mm", angle = "deg" }
 errors = "slides"
@@ -223,7 +223,7 @@ limit_deg = 0.5
 }
 
 #[test]
-fn errors_of_equipment() {
+fn equipment_errors_are_read_in_si_units() {
     let cell = every_key();
     let errors = |name: &str| cell.equipment.iter().find(|e| e.name == name).unwrap().errors;
     assert_eq!(errors("conveyor"), Some(FrameErrors::Signed([-0.001, 0.0, 0.0, 0.0, 0.0, 0.0])));
@@ -260,7 +260,7 @@ fn the_plane_of_a_sense_is_orthonormal() {
 }
 
 #[test]
-fn rotations_become_lengths() {
+fn a_lever_turns_rotations_into_lengths() {
     let cell = every_key();
     let screw = cell.sense("screw").unwrap();
     assert_eq!((screw.frame, screw.unit), (Frame::Surface, Unit::Angle));
@@ -283,7 +283,7 @@ fn rotations_become_lengths() {
 }
 
 #[test]
-fn a_sense_by_its_word() {
+fn a_plain_sense_is_found_by_its_word() {
     let cell = every_key();
     assert_eq!(cell.senses.iter().map(|s| s.name.as_str()).collect::<Vec<_>>(), ["slot", "screw", "lid"]);
     for word in PLAIN.iter().flat_map(|p| ["", "@world", "@surface", "@tool"].map(|f| format!("{p}{f}"))) {
@@ -295,7 +295,7 @@ fn a_sense_by_its_word() {
 }
 
 #[test]
-fn limits_picks_and_taught_points() {
+fn limits_relative_operations_and_taught_points_are_read() {
     let cell = every_key();
     let [assembly, picking, glueing, ..] = &cell.operations[..] else { panic!("{:?}", cell.operations) };
     assert_eq!((assembly.sense.name.as_str(), assembly.limit), ("slot", Some(0.0005)));
@@ -307,7 +307,7 @@ fn limits_picks_and_taught_points() {
 }
 
 #[test]
-fn variables_places_and_rules_of_the_search() {
+fn free_coordinates_places_and_stopping_rules_are_read() {
     let cell = every_key();
     let [.., welding, dotting] = &cell.operations[..] else { panic!("{:?}", cell.operations) };
     let area = Rectangle { centre: (0.1, 0.05), size: (0.2, 0.1) };
@@ -326,7 +326,7 @@ fn variables_places_and_rules_of_the_search() {
 }
 
 #[test]
-fn what_the_command_line_changes_is_checked_again() {
+fn changes_from_the_command_line_are_validated_again() {
     let mut cell = every_key();
     assert_eq!(cell.question_faults(), []);
     let about = |cell: &Cell| cell.question_faults().iter().map(|f| f.about).collect::<Vec<_>>();
@@ -347,14 +347,14 @@ fn what_the_command_line_changes_is_checked_again() {
 }
 
 #[test]
-fn senses_of_two_units_where_none_is_added() {
+fn senses_of_two_units_are_allowed_where_none_is_added() {
     let more = "reading = \"statistical\"\nquantity = \"yield\"\n[operation.assembly]\nlimit_mm = 1\n\
         [operation.picking]\nsense = \"rotation\"\nlimit_deg = 1\n";
     assert_eq!(with(more).unit(), Unit::Share);
 }
 
 #[test]
-fn table_3_as_a_tolerance() {
+fn table_3_of_the_paper_is_read_as_a_tolerance_set() {
     let cell = shipped("hitachi_cell.toml");
     let (ErrorSet::Signed(sample), ErrorSet::Tolerance(tolerance)) =
         (set(&cell, "table-3"), set(&cell, "table-3-tolerance"))
@@ -367,7 +367,7 @@ fn table_3_as_a_tolerance() {
 
 /// The published m and rad, written in mm and degrees in the robot files; their huge offsets are no fault.
 #[test]
-fn the_calibrated_arms() {
+fn the_calibrated_arms_have_signed_error_sets() {
     for (file, first_theta, second_d, reach) in [
         ("ur10", -7.290070070824746e-05, 1.4442162376284788, 1.5560),
         ("ur10e", 1.59613525316931737e-07, 303.469135666158195, 1.5953),
@@ -395,7 +395,7 @@ fn the_calibrated_arms() {
 }
 
 #[test]
-fn constraints_of_motion_and_the_fence() {
+fn motion_constraints_and_the_fence_are_read_in_si_units() {
     let cell = every_key();
     let picking = cell.operations.iter().find(|o| o.name == "picking").unwrap();
     assert_eq!((picking.approach, picking.retract), (0.05, 0.0605));
@@ -425,7 +425,7 @@ fn constraints_of_motion_and_the_fence() {
 }
 
 #[test]
-fn goals_of_a_front_keep_their_order() {
+fn pareto_goals_keep_their_order() {
     let search = every_key().search;
     assert_eq!(search.pareto.iter().collect::<Vec<_>>(), [Goal::Travel, Goal::Error]);
     assert_eq!(search.keep, 12);

@@ -314,7 +314,7 @@ fn verdict(a: &Solid, b: &Solid, clearance: f64) -> Option<bool> {
 
 /// The oracle itself, where the answers are known by hand.
 #[test]
-fn the_oracle_knows_simple_distances() {
+fn the_reference_distances_are_right_for_simple_solids() {
     let cube = Solid::Box { pose: Pose::identity(), half: V::repeat(0.5) };
     let turned =
         Pose::from_translation_rpy(V::new(2.0, 0.0, 0.0), V::new(0.0, 0.0, std::f64::consts::FRAC_PI_4));
@@ -536,7 +536,7 @@ fn a_hundred_thousand_pairs_agree_with_closed_forms() {
 
 /// Two solids of links that are no neighbours, the clearance aside.
 #[test]
-fn the_robot_against_itself_agrees_with_closed_forms() {
+fn self_collisions_agree_with_closed_forms() {
     use Kind::*;
     let movable = [Box, Sphere, Capsule, Cylinder, Mesh, Meshes];
     let pairs: Vec<_> = movable.iter().flat_map(|&a| movable.map(|b| (a, b))).collect();
@@ -581,7 +581,7 @@ fn the_robot_against_itself_agrees_with_closed_forms() {
 
 /// The floor is asked of every link solid but those of the base, clearance included.
 #[test]
-fn the_floor_agrees_with_the_lowest_point() {
+fn floor_collisions_agree_with_the_lowest_point() {
     let mut rng = ChaCha8Rng::seed_from_u64(7);
     let mut cell = cell(BALL, CUBE, "");
     let layout = laid_out(&cell, vec![placement(0.0, 0.0, 50.0, 0.0)]);
@@ -625,7 +625,7 @@ fn a_tool_on_the_floor_is_a_collision_that_names_it() {
 
 /// The solids of the base stand still: what they touch is touched whatever the arm does.
 #[test]
-fn the_base_collides_whatever_the_arm_does() {
+fn base_collisions_do_not_depend_on_the_posture() {
     let mut cell = cell(BALL, CUBE, "");
     cell.robot.solids[0].link = 0;
     cell.base = placement(1.0, 2.0, 0.0, 0.5).values().map(Coordinate::Fixed);
@@ -641,7 +641,7 @@ fn the_base_collides_whatever_the_arm_does() {
 }
 
 #[test]
-fn clearance_of_the_file_shifts_the_verdict() {
+fn the_clearance_key_shifts_the_collision_verdict() {
     for (clearance, touching) in [(0.0, 0.12), (25.0, 0.145), (0.001, 0.120001)] {
         let cell = cell(BALL, CUBE, &format!("clearance_mm = {clearance}"));
         let layout = cell.start();
@@ -689,7 +689,7 @@ const SMALL_LINKS: [&str; 4] = [
 ];
 
 #[test]
-fn inside_a_closed_mesh_is_a_collision() {
+fn a_solid_inside_a_closed_mesh_collides_with_it() {
     for link in SMALL_LINKS {
         // A mesh turned inside out is the same solid.
         for turned in [false, true] {
@@ -715,7 +715,7 @@ fn an_open_mesh_is_only_its_surface() {
 }
 
 #[test]
-fn inside_a_big_box_or_round_a_small_one_is_a_collision() {
+fn a_solid_inside_another_collides_with_it() {
     let big = "box = { centre_mm = [0, 0, 0], size_mm = [3000, 3000, 3000] }";
     let small = "box = { centre_mm = [0, 0, 0], size_mm = [5, 5, 5] }";
     for (link, part) in [(BALL, big), (small, big), (big, small), (big, CUBE)] {
@@ -730,7 +730,7 @@ fn inside_a_big_box_or_round_a_small_one_is_a_collision() {
 /// The shipped ring is not convex: in its hole is outside. Oracle: how often the surface winds round
 /// the point, a sum of solid angles (van Oosterom and Strackee).
 #[test]
-fn inside_a_ring_agrees_with_the_winding_number() {
+fn inside_tests_of_a_ring_agree_with_the_winding_number() {
     let obj = std::fs::read_to_string(root().join("cells/equipment/machine.obj")).unwrap();
     let mut cell = mesh_cell(BALL, &obj);
     // Too small to touch the surface by chance.
@@ -822,7 +822,7 @@ fn legs_reach_from_the_table_down_to_the_floor() {
 
 /// A table as low as its slab is thick has no legs left; lower ones stand in the floor.
 #[test]
-fn a_table_that_low_has_no_legs() {
+fn a_table_near_the_floor_has_no_legs() {
     let (cell, layout) = table(0.05, 0.0);
     assert!(overlaps(&cell, &layout).is_empty());
     let frame = layout.placements[0].pose();
@@ -832,7 +832,7 @@ fn a_table_that_low_has_no_legs() {
 }
 
 #[test]
-fn a_table_sunk_into_the_floor_overlaps_it_legs_or_not() {
+fn a_table_sunk_into_the_floor_overlaps_it_with_or_without_legs() {
     for z in [0.03, -0.2, -2.0] {
         let (cell, layout) = table(z, 0.0);
         let found = overlaps(&cell, &layout);
@@ -1027,7 +1027,7 @@ fn overlaps_are_found_and_named() {
 
 /// Things side by side, by whole millimetres: rounding must not make touching an overlap.
 #[test]
-fn standing_side_by_side_is_no_overlap() {
+fn equipment_side_by_side_does_not_overlap() {
     let more = "[keep_out.aisle]\nmin_mm = [0, 0, 0]\nmax_mm = [1, 1, 1]\n";
     let mut cell = from_text(&(cell_text(BALL, CUBE, "clearance_mm = 0\n") + more)).unwrap().cell;
     let m = |mm: i32| f64::from(mm) / 1000.0;
@@ -1057,7 +1057,7 @@ fn standing_side_by_side_is_no_overlap() {
 
 /// Above the box a table with legs still needs the floor space below it.
 #[test]
-fn legs_stand_in_keep_out_boxes_below_the_table() {
+fn table_legs_overlap_keep_out_boxes_below_the_table() {
     let (mut cell, layout) = table(0.9, 0.0);
     let corner = |z: f64| V::new(0.3, 1.0, z);
     let low =
@@ -1069,7 +1069,7 @@ fn legs_stand_in_keep_out_boxes_below_the_table() {
 }
 
 #[test]
-fn collision_false_switches_all_off() {
+fn collision_false_switches_every_check_off() {
     for (collision, want) in [(true, true), (false, false)] {
         let mut cell = cell(BALL, CUBE, &format!("collision = {collision}"));
         let layout = laid_out(&cell, vec![placement(0.0, 0.0, -0.5, 0.0)]);
@@ -1099,7 +1099,7 @@ fn layouts(cell: &Cell) -> Vec<Layout> {
 }
 
 #[test]
-fn evaluate_and_maps_agree() {
+fn evaluate_and_maps_agree_on_every_outcome() {
     let shipped = shipped("hitachi_cell.toml");
     let seen = agree_on_layouts(shipped.clone());
     assert!(seen.iter().all(|&n| n > 0), "not every outcome was seen: {seen:?}");
@@ -1188,7 +1188,7 @@ fn blocked_where_it_overlaps(workcell: &Workcell, layout: &Layout) {
 /// A tool that ends at the TCP touches the surface at a stand-off of 0: at every node, not at those
 /// where rounding says so.
 #[test]
-fn contact_at_every_node_is_a_collision_at_every_node() {
+fn contact_at_every_node_is_reported_at_every_node() {
     let mut cell = crate::common::shipped("hitachi_cell.toml");
     cell.operations.iter_mut().for_each(|o| o.standoff = 0.0);
     let workcell = Workcell::new(cell).unwrap();

@@ -29,7 +29,7 @@ fn nodes_are_paired_by_their_place_on_the_surface() {
 }
 
 #[test]
-fn words_say_how_many_times_better() {
+fn a_comparison_states_how_many_times_better() {
     let workcell = workcell("hitachi_paper.toml");
     let column = |name: &str, value: Option<f64>| {
         let mut a = Assessment::new(name, &workcell, workcell.cell.start());

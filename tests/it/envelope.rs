@@ -111,7 +111,7 @@ fn holds(region: &Region, p: [f64; 2]) -> bool {
 
 /// Round the shoulder, 200 mm lower for the tool that hangs down, from 200 to 1 000 mm.
 #[test]
-fn the_planar_arm_has_its_annulus() {
+fn the_envelope_of_a_planar_arm_is_its_annulus() {
     let arm = inverse(&planar(WHOLE));
     let envelope = Envelope::new(&arm, &Attitude::elevation(DOWN), 0.0);
     let section = envelope.section(0.3, &fine(0.01));
@@ -139,7 +139,7 @@ fn the_planar_arm_has_its_annulus() {
 
 /// The tool at 30 degrees, outward or inward: the union of two discs less that of their holes.
 #[test]
-fn a_slanted_tool_gives_two_annuli() {
+fn a_slanted_tool_has_two_annular_envelopes() {
     let arm = inverse(&planar(WHOLE));
     let elevation = -PI / 6.0;
     let envelope = Envelope::new(&arm, &Attitude::elevation(elevation), 0.0);
@@ -158,7 +158,7 @@ fn a_slanted_tool_gives_two_annuli() {
 /// Joint 1 within +-90 degrees of x: an arm of whole turns leans back, so that all of the circle is
 /// reached; one that only reaches forward leaves a wedge.
 #[test]
-fn the_limits_of_joint_1_cut_a_wedge() {
+fn the_limits_of_joint_1_cut_a_wedge_from_the_envelope() {
     let mut robot = planar([-60.0, 75.0]);
     // The upper arm may not lean back.
     robot.joints[1].limits = (-0.2, FRAC_PI_2 - 0.5);
@@ -183,7 +183,7 @@ fn the_limits_of_joint_1_cut_a_wedge() {
 /// joint 1 within a range of width w, the ring between the radii of both ends of joint 2 has w / 2
 /// (R^2 - r^2): the arm sweeps it as a rigid shape.
 #[test]
-fn the_scara_has_its_area() {
+fn the_envelope_of_a_scara_has_its_area() {
     let (l1, l2) = (0.4_f64, 0.3_f64);
     let radius2 = |q2: f64| l1 * l1 + l2 * l2 + 2.0 * l1 * l2 * q2.cos();
     let (w, ends) = (200.0_f64, [20.0_f64, 140.0]);
@@ -213,7 +213,7 @@ fn the_scara_has_its_area() {
 
 /// Just inside every crossing a branch keeps all limits, just outside none does.
 #[test]
-fn every_crossing_of_the_hitachi_is_one() {
+fn every_boundary_crossing_of_the_hitachi_is_real() {
     for name in ["hitachi_paper.toml", "hitachi_paper_parallelogram.toml"] {
         let robot = shipped(name).robot;
         let arm = inverse(&robot);
@@ -266,7 +266,7 @@ fn monte_carlo(envelope: &Envelope<'_>, low: [f64; 3], high: [f64; 3], n: u32) -
 }
 
 #[test]
-fn the_volume_is_what_counting_finds() {
+fn the_envelope_volume_agrees_with_monte_carlo() {
     let hitachi = shipped("hitachi_paper.toml").robot;
     let arm = inverse(&hitachi);
     let attitudes = [
@@ -285,7 +285,7 @@ fn the_volume_is_what_counting_finds() {
 
 /// The disc of the SCARA (radius 700 mm) drawn 1 m along y; the hole round its post is passed over.
 #[test]
-fn a_track_draws_the_plan_along() {
+fn a_track_lengthens_the_envelope() {
     let arm = inverse(&on_track());
     // Every spin is as good as any.
     let attitude = Attitude { spin: Spin::At(vec![0.0]), ..Attitude::elevation(DOWN) };
@@ -307,7 +307,7 @@ fn a_track_draws_the_plan_along() {
 
 /// Whatever a posture inside the limits reaches lies in the shell.
 #[test]
-fn the_shell_holds_every_tcp() {
+fn the_reach_shell_contains_every_tcp() {
     let data = |name: &str| {
         let folder = root().join("tests/data");
         crate::common::load_from(&folder, name).unwrap_or_else(|f| panic!("{f:#?}")).cell.robot
@@ -353,7 +353,7 @@ fn the_shell_holds_every_tcp() {
 
 /// What lies outside says so, and how far at least.
 #[test]
-fn the_shell_says_how_far() {
+fn the_reach_shell_gives_the_distance_outside() {
     let arm = inverse(&planar(WHOLE));
     let shell = arm.shell(&Attitude::elevation(DOWN));
     assert!((shell.centre - vector![0.0, 0.0, 0.5]).norm() < 1e-12, "{shell:?}");
@@ -376,7 +376,7 @@ fn scara_cell() -> Cell {
 /// The map walks every node of every layout: nothing that it finds was discarded, and what is found is
 /// the same to the last bit.
 #[test]
-fn discarding_early_changes_no_objective() {
+fn the_reach_shell_changes_no_objective() {
     let workcell = Workcell::new(scara_cell()).unwrap();
     assert_ne!(workcell.inverse().cost(), sweetspot::reach::Cost::Low);
     let shell = workcell.inverse().shell(&workcell.cell.operations[0].attitude);
@@ -408,7 +408,7 @@ fn discarding_early_changes_no_objective() {
 
 /// Farther away costs more, across the edge of the shell, too: the search feels its way back.
 #[test]
-fn the_cost_grows_with_the_distance() {
+fn the_penalty_grows_with_the_distance() {
     let workcell = Workcell::new(scara_cell()).unwrap();
     let mut before = 0.0;
     for k in 0..60 {

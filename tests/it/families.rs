@@ -22,7 +22,7 @@ const FAMILIES: [(&str, &str); 9] = [
 ];
 
 #[test]
-fn every_family_is_mapped_and_searched() {
+fn every_robot_family_is_mapped_and_searched() {
     for (name, family) in FAMILIES {
         let cell = shipped(&format!("{name}_cell.toml"));
         let searched = |e: &sweetspot::cell::Equipment| {
@@ -57,7 +57,7 @@ fn every_family_is_mapped_and_searched() {
 
 /// A six-axis cell stands beside a mesh of about 10 000 triangles, and the arm can hit it.
 #[test]
-fn six_axes_beside_ten_thousand_triangles() {
+fn a_six_axis_cell_beside_ten_thousand_triangles_is_searched() {
     let mut cell = shipped("wrist_cell.toml");
     let solids = cell.equipment.iter().flat_map(|e| &e.solids);
     let triangles: usize =

@@ -140,7 +140,7 @@ fn scaled(all: &[Vec<f64>]) -> impl Fn(&Vec<f64>) -> Vec<f64> {
 }
 
 #[test]
-fn the_front_is_that_of_the_enumeration() {
+fn the_front_agrees_with_enumeration() {
     let workcell = Workcell::new(listed_cell(LISTS, "")).unwrap();
     for named in [
         &[Goal::Error, Goal::Clearance][..],
@@ -188,7 +188,7 @@ fn the_front_is_that_of_the_enumeration() {
 
 /// With a budget that does not reach every layout, the front still covers nearly all.
 #[test]
-fn a_small_budget_covers_nearly_all_of_the_front() {
+fn a_small_budget_covers_most_of_the_front() {
     let workcell = Workcell::new(listed_cell(LISTS, "")).unwrap();
     let goals = goals(&[Goal::Error, Goal::Clearance, Goal::Travel]);
     let all: Vec<Vec<f64>> = enumerated(&workcell, &goals).into_iter().map(|(_, l)| l).collect();
@@ -213,7 +213,7 @@ fn a_small_budget_covers_nearly_all_of_the_front() {
 /// Distances of listed values count as shares of their number, all more than a twentieth here: any other
 /// layout really differs.
 #[test]
-fn the_shortlist_is_that_of_the_enumeration() {
+fn the_shortlist_agrees_with_enumeration() {
     let workcell = Workcell::new(listed_cell(LISTS, "")).unwrap();
     let mut all: Vec<f64> = every_layout(&workcell.cell)
         .iter()
@@ -233,7 +233,7 @@ fn the_shortlist_is_that_of_the_enumeration() {
 /// Of ranges: every layout of the shortlist differs from the others by more than it says, they come best
 /// first, and none is worse than the enumeration of a grid by the same greedy rule.
 #[test]
-fn a_shortlist_of_ranges_really_differs() {
+fn a_shortlist_of_ranges_differs_by_the_least_distance() {
     let workcell = Workcell::new(listed_cell(
         "x_mm = { min = -200, max = 400, start = 0 }, y_mm = { min = 650, max = 1150, start = 900 }, z_mm = 600",
         "",
@@ -281,7 +281,7 @@ fn bits(record: &SearchRecord) -> String {
 }
 
 #[test]
-fn every_checkpoint_of_a_front_leads_to_the_same_bits() {
+fn every_checkpoint_of_a_front_resumes_to_the_same_bits() {
     let workcell = Workcell::new(shipped("hitachi_cell.toml")).unwrap();
     let own = workcell.cell.search;
     let pareto = goals(&[Goal::Error, Goal::Clearance, Goal::Travel]);
@@ -355,7 +355,7 @@ fn hull_area(points: &[[f64; 2]]) -> f64 {
 }
 
 #[test]
-fn the_footprint_is_that_of_a_hull_wrapped_by_hand() {
+fn the_footprint_goal_agrees_with_a_gift_wrapped_hull() {
     let workcell = Workcell::new(listed_cell(LISTS, "")).unwrap();
     let all = enumerated(&workcell, &goals(&[Goal::Footprint]));
     assert!(all.len() > 500);
@@ -372,7 +372,7 @@ fn the_footprint_is_that_of_a_hull_wrapped_by_hand() {
 
 /// No joint of this arm turns far enough to have a choice of turns.
 #[test]
-fn travel_limits_and_error_are_those_of_the_maps() {
+fn the_travel_limit_and_error_goals_agree_with_the_maps() {
     let workcell = Workcell::new(listed_cell(LISTS, "")).unwrap();
     let named = goals(&[Goal::Travel, Goal::JointLimits, Goal::Error]);
     let joints = &workcell.cell.robot.joints;
@@ -409,7 +409,7 @@ fn to_box(p: nalgebra::Vector3<f64>, pose: &sweetspot::pose::Pose, size: nalgebr
 /// The robot by thousands of points along its capsules, the floor spaces by points along their edges: the
 /// nearest sample is never nearer than what is said, and hardly farther.
 #[test]
-fn the_clearance_is_that_of_many_samples() {
+fn the_clearance_goal_agrees_with_dense_sampling() {
     use sweetspot::cell::Shape;
     let workcell = Workcell::new(listed_cell(LISTS, "")).unwrap();
     let cell = &workcell.cell;
@@ -477,7 +477,7 @@ fn the_clearance_is_that_of_many_samples() {
 }
 
 #[test]
-fn weights_lie_on_the_simplex_and_fill_it() {
+fn goal_weights_fill_the_simplex_evenly() {
     for goals in 2..=6 {
         let all: Vec<_> = (0..600).map(|run| weights(goals, run)).collect();
         for w in &all {

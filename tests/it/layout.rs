@@ -52,7 +52,7 @@ fn brute_force(workcell: &Workcell, layout: &Layout) -> f64 {
 }
 
 #[test]
-fn separated_is_the_nearest_layout_without_overlap() {
+fn separation_finds_the_nearest_layout_without_overlap() {
     let workcell = Workcell::new(block_and_table()).unwrap();
     let mut rng = ChaCha8Rng::seed_from_u64(7);
     let mut overlapped = 0;
@@ -75,7 +75,7 @@ fn separated_is_the_nearest_layout_without_overlap() {
 }
 
 #[test]
-fn a_layout_without_overlap_stays_and_a_fixed_one_has_no_way_out() {
+fn a_layout_without_overlap_stays_and_a_fixed_overlap_cannot_be_resolved() {
     let workcell = Workcell::new(block_and_table()).unwrap();
     let mut layout = workcell.cell.start();
     layout.placements[0].x = 1.5;

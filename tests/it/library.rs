@@ -80,7 +80,7 @@ fn every_robot_loads_without_a_warning_and_has_its_sources() {
 }
 
 #[test]
-fn flanges_are_where_another_description_has_them() {
+fn flanges_agree_with_an_independent_description() {
     let golden = golden();
     // That of a URDF has the goldens of its rows.
     let described = names("robots").into_iter().filter(|name| name != "hitachi_pw10_urdf");
@@ -115,7 +115,7 @@ fn home_is_read_in_the_units_of_the_joints() {
 
 /// A passive joint has no home of its own; without the key an arm rests at 0, or else in the middle.
 #[test]
-fn home_is_zero_or_else_the_middle() {
+fn the_default_home_is_zero_or_the_middle_of_the_limits() {
     let stanford = std::fs::read_to_string(root().join("cells/robots/stanford_arm.toml")).unwrap();
     assert!(stanford.contains("limits_mm = [304.8, 1270]"), "the test needs a range without 0");
     let text = stanford.lines().filter(|line| !line.starts_with("home")).collect::<Vec<_>>().join("\n");
@@ -136,7 +136,7 @@ fn home_is_zero_or_else_the_middle() {
 
 /// What is drawn at the origin of link k of modified rows is at the k-th joint origin of the URDF.
 #[test]
-fn solids_of_modified_rows_are_in_the_frames_of_the_file() {
+fn solids_of_modified_dh_rows_are_in_the_frames_of_the_file() {
     let ball = |k| {
         format!(
             "[[robot.solid]]\nname = \"{k}\"\nlink = {k}\nsphere = {{ centre_mm = [0, 0, 0], radius_mm = 9 }}\n"
@@ -176,7 +176,7 @@ const FAMILIES: [&str; 8] =
     ["five_axis", "offset_wrist", "palletizer", "panda", "scara", "track", "ur", "wrist"];
 
 #[test]
-fn cells_of_the_families_start_apart_and_with_the_arm_at_rest() {
+fn cells_of_the_families_start_without_overlap_and_collision() {
     for family in FAMILIES {
         let name = format!("{family}_cell.toml");
         let loaded =

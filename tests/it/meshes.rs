@@ -91,7 +91,7 @@ fn text_stl((vertices, triangles): &Mesh) -> Vec<u8> {
 }
 
 #[test]
-fn the_same_mesh_in_every_kind_of_file() {
+fn one_mesh_is_equal_in_every_file_format() {
     let mesh = cube(0.0, 250.0);
     let want = read("part.obj", "mm", &obj(&mesh));
     assert!(want.2 && want.3.is_empty() && want.0.len() == 8 && want.1.len() == 12);
@@ -120,14 +120,14 @@ fn the_same_mesh_in_every_kind_of_file() {
 
 /// Several solids in one text are all read, none is dropped.
 #[test]
-fn every_solid_of_a_text_is_read() {
+fn every_solid_of_a_mesh_text_is_read() {
     let two = [text_stl(&cube(0.0, 100.0)), text_stl(&cube(200.0, 300.0))].concat();
     let (vertices, triangles, closed, _) = read("part.stl", "mm", &two);
     assert_eq!((vertices.len(), triangles.len(), closed), (16, 24, true));
 }
 
 #[test]
-fn open_and_hollow_meshes_are_told() {
+fn open_and_hollow_meshes_are_reported() {
     let (solid, inner) = (cube(0.0, 300.0), cube(100.0, 200.0));
     let mut open = solid.clone();
     open.1.pop();
@@ -368,7 +368,7 @@ fn hostile_meshes_are_refused_with_a_place_and_little_memory() {
 
 /// Sound meshes of the largest size keep to it, too.
 #[test]
-fn the_largest_meshes_take_little_memory() {
+fn the_largest_meshes_need_little_memory() {
     let mut rng = ChaCha8Rng::seed_from_u64(5);
     let n = 199_999;
     // No two corners alike: the most vertices that so many triangles can have.

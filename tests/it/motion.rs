@@ -136,7 +136,7 @@ fn random_pose(rng: &mut ChaCha8Rng, centre: V, size: f64) -> Pose {
 }
 
 #[test]
-fn distances_are_those_of_alternating_projections() {
+fn distances_agree_with_alternating_projections() {
     let shapes = [
         "sphere = { centre_mm = [10, 0, 20], radius_mm = 35 }",
         "capsule = { a_mm = [-150, 0, 10], b_mm = [100, 40, 0], radius_mm = 30 }",
@@ -185,7 +185,7 @@ const AROUND: &str = "[obstacle.post]\nsolid = [{ name = \"post\", box = { centr
      placement = { x_mm = -700, y_mm = 500, z_mm = 0 }\n";
 
 #[test]
-fn a_free_move_hits_in_no_sample() {
+fn a_free_move_collides_in_no_sample() {
     const SAMPLES: usize = 10_000;
     let mut rng = ChaCha8Rng::seed_from_u64(11);
     // With a machine that is a mesh; with a round tank; of six axes.
@@ -229,7 +229,7 @@ fn a_free_move_hits_in_no_sample() {
 }
 
 #[test]
-fn moves_of_nothing_and_of_the_base() {
+fn a_zero_move_hits_only_what_stands_in_the_way() {
     let cell = cell("hitachi_pw10", "table-2", "", "");
     let (scene, chain) = (Scene::new(&cell), Chain::new(&cell.robot));
     let there = placed(&cell, &scene);
@@ -307,7 +307,7 @@ fn straight_lines_are_straight_and_hold_the_tool() {
 }
 
 #[test]
-fn a_line_that_leaves_the_reach_stops() {
+fn a_line_that_leaves_the_reach_is_refused() {
     let cell = cell("ur5e", "placeholder", "", "");
     let chain = Chain::new(&cell.robot);
     let from = [0.3, -1.2, 1.4, -1.8, -1.57, 0.2, 0.0, 0.0];
@@ -369,7 +369,7 @@ fn the_singularity_measure_is_the_smallest_singular_value() {
 }
 
 #[test]
-fn the_limit_measure_is_one_in_the_middle_and_zero_at_the_limit() {
+fn the_joint_limit_measure_is_one_in_the_middle_and_zero_at_the_limit() {
     let cell = cell("hitachi_pw10", "table-2", "", "");
     let chain = Chain::new(&cell.robot);
     let mut q = [0.0; MAX_JOINTS];
@@ -454,7 +454,7 @@ fn transfers_of(cell: Cell) -> (Cell, sweetspot::layout::Evaluation) {
 }
 
 #[test]
-fn a_post_between_two_spots_is_lifted_over() {
+fn a_transfer_lifts_over_a_post_between_two_spots() {
     let rules = "transfer = { lift_mm = 300, via = [] }";
     let (cell, open) = transfers_of(two_tables("", rules));
     assert_eq!(open.transfers.iter().map(|t| t.way).collect::<Vec<_>>(), [Way::Direct]);
@@ -497,7 +497,7 @@ fn a_post_between_two_spots_is_lifted_over() {
 }
 
 #[test]
-fn a_wall_between_blocks_every_way() {
+fn a_wall_between_two_spots_blocks_every_transfer() {
     let cell = two_tables(WALL, "transfer = { lift_mm = 300, via = [[0, 0, 0, 0], [0, -40, 0, 0]] }");
     let workcell = Workcell::new(cell).unwrap();
     let start = workcell.cell.start();
@@ -517,7 +517,7 @@ fn a_wall_between_blocks_every_way() {
 }
 
 #[test]
-fn the_nearest_turn_is_taken_and_a_cycle_does_not_wind_up() {
+fn a_cycle_takes_the_nearest_turn_and_does_not_wind_up() {
     let cell = cell("ur5e", "placeholder", "transfer = { via = [], cycle = true }\ncollision = false", "");
     let (guard, scene) = (Guard::new(&cell).unwrap(), Scene::new(&cell));
     let there = placed(&cell, &scene);
@@ -558,7 +558,7 @@ fn lidded(hole: f64, lengths: &str) -> Cell {
 }
 
 #[test]
-fn a_hole_narrower_than_what_is_held_blocks_approach_and_retract() {
+fn a_hole_narrower_than_the_held_part_blocks_approach_and_retract() {
     for (lengths, hole, want) in [
         ("", 90.0, "ok"),
         ("approach_mm = 50\nretract_mm = 50", 90.0, "ok"),
@@ -637,7 +637,7 @@ fn inside(corners: &[(f64, f64)], (x, y): (f64, f64)) -> bool {
 }
 
 #[test]
-fn the_fence_holds_what_lies_in_it_with_every_point() {
+fn the_fence_contains_a_solid_with_all_its_points() {
     // Either way round, and a spike that goes right through the table.
     let turned = "[[-1500, 2300], [400, 2300], [400, 900], [1700, 900], [1700, -900], [-1500, -900]]";
     let spike =
@@ -748,7 +748,7 @@ fn a_table_is_pulled_back_into_a_convex_fence() {
 }
 
 #[test]
-fn the_walls_of_a_fence_are_solid() {
+fn fence_walls_are_solid() {
     let polygon = "[[-1500, -800], [1500, -800], [1500, 1150], [-1500, 1150]]\nheight_mm = 2500";
     let open = load(&cell_text_of("[[-1500, -800], [1500, -800], [1500, 1150], [-1500, 1150]]"));
     let walled = load(&cell_text_of(polygon));

@@ -61,7 +61,7 @@ const GRIPPER: &str = "schema = \"sweetspot/tool/1\"\nunits = { length = \"mm\",
     solid = [{ name = \"jaws\", box = { centre_mm = [0, 0, 75], size_mm = [40, 40, 150] } }]\n";
 
 #[test]
-fn a_tool_file_takes_the_place_of_the_tool_of_the_robot() {
+fn a_tool_file_replaces_the_tool_of_the_robot() {
     let cell = "from = \"hitachi_paper.toml\"\n[robot]\ntool = { from = \"gripper.toml\" }\n";
     let robot = sound(&[("cell.toml", cell), ("gripper.toml", GRIPPER)]).robot;
     assert_eq!(robot.tool.translation, V::new(0.0, 0.0, 0.15));
@@ -96,7 +96,7 @@ fn wrong_tools_are_refused() {
 }
 
 #[test]
-fn held_parts_collide_for_their_operation_alone() {
+fn held_parts_collide_only_in_their_operation() {
     let text = |more: &str| {
         format!(
             "from = \"hitachi_cell.toml\"\n[operation.picking]\n\
@@ -144,7 +144,7 @@ fn held_parts_collide_for_their_operation_alone() {
 // --- the robot against itself -------------------------------------------------------------------
 
 #[test]
-fn a_self_hit_names_both_and_can_be_allowed() {
+fn a_self_collision_names_both_links_and_can_be_allowed() {
     let folded = lifted(at(0.0, 0.1, 0.2));
     let cell = shipped("hitachi_cell.toml");
     assert_eq!(hit(&cell, &folded, None).as_deref(), Some("tool touches base"));
@@ -175,7 +175,7 @@ fn wrong_lists_of_pairs_are_refused() {
 
 /// Solids that are drawn overlapping in every posture are allowed; one that moves away is not.
 #[test]
-fn what_touches_in_every_posture_is_allowed() {
+fn links_that_touch_in_every_posture_are_allowed() {
     let mut cell = shipped("hitachi_cell.toml");
     // A ball of 3 m round the base holds the forearm wherever it is; one of 0.5 m does not.
     for (radius, want) in [(3.0, Some(Allowed::AlwaysTouch)), (0.5, None)] {
@@ -236,7 +236,7 @@ fn touches(cell: &Cell, point: &V, remember: &mut Remember<'_>) -> bool {
 
 /// Never smaller than the mesh, whatever division was kept; and two bars, not one lump.
 #[test]
-fn a_link_mesh_collides_wherever_its_surface_is() {
+fn a_link_mesh_collides_on_its_whole_surface() {
     let cell = with_angle(POINT);
     let (vertices, triangles) = angle_mesh();
     let mut rng = ChaCha8Rng::seed_from_u64(9);
@@ -272,7 +272,7 @@ fn a_link_mesh_collides_wherever_its_surface_is() {
 
 /// A division is asked for once for a mesh, and depends on its content alone.
 #[test]
-fn the_division_is_remembered_by_content() {
+fn the_convex_decomposition_is_cached_by_content() {
     let mut cell = with_angle(POINT);
     let keys = |cell: &Cell| {
         let mut keys = Vec::new();

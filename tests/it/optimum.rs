@@ -159,7 +159,7 @@ fn the_search_finds_the_optimum_of_fifty_random_cells() {
 
 /// Of a finite number of layouts the search finds the least, to the bit.
 #[test]
-fn the_search_finds_the_optimum_of_lists() {
+fn the_search_finds_the_optimum_of_listed_values() {
     let mut counts = [13, 7, 31, 4, 19].into_iter().cycle();
     let cells = (2000..).map(|seed| {
         let (arm, text) = random_cell(seed);

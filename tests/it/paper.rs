@@ -10,7 +10,7 @@ use sweetspot::robot::Chain;
 use sweetspot::units::mm_from_m;
 
 #[test]
-fn initial_position_of_the_end_effector() {
+fn the_initial_position_of_the_end_effector_matches_the_paper() {
     for name in ["hitachi_paper.toml", "hitachi_paper_parallelogram.toml"] {
         let chain = Chain::new(&shipped(name).robot);
         let pose = chain.forward(&chain.posture(&[0.0; MAX_JOINTS]));
@@ -21,7 +21,7 @@ fn initial_position_of_the_end_effector() {
 
 /// x, y, z and resultant in mm, to six decimals; some were cut, not rounded.
 #[test]
-fn errors_at_the_initial_position() {
+fn the_errors_at_the_initial_position_match_the_paper() {
     let figures = [
         ("table-3", Model::Nonlinear, [1.689215, 2.993310, 1.999417, 3.976307]),
         ("table-3", Model::Linear, [1.691003, 3.0, 2.0, 3.982397]),
@@ -72,7 +72,7 @@ fn check_comparison(name: &str, want: &Comparison) {
 }
 
 #[test]
-fn models_compared_over_the_table() {
+fn the_discrepancy_of_the_models_over_the_table_matches_the_paper() {
     check_comparison("hitachi_paper.toml", &Comparison { reached: 80, resultant: 0.190, y: 0.355, z: 0.317 });
     check_comparison(
         "hitachi_paper_parallelogram.toml",

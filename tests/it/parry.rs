@@ -180,7 +180,7 @@ fn random_cells_agree_with_parry_alone() {
 /// The postures of work C, with the robot turned so that its capsules pass the mesh ever so closely:
 /// bisected between a verdict and the other, where culls would go wrong first.
 #[test]
-fn the_last_free_posture_is_the_same() {
+fn the_last_free_posture_agrees_with_parry() {
     let mut cell = shipped("hitachi_cell.toml");
     cell.robot.self_collision.checked = false;
     let (scene, mut placed, chain) = (Scene::new(&cell), Placed::default(), Chain::new(&cell.robot));

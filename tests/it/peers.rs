@@ -42,7 +42,7 @@ fn errors_agree(robot_cell: &Cell, name: &str) {
 }
 
 #[test]
-fn work_a_errors_of_hitachi_puma_and_ur5() {
+fn the_errors_of_peer_set_a_agree() {
     errors_agree(&shipped("hitachi_cell.toml"), "pw10");
     for name in ["puma560", "ur5"] {
         let text = std::fs::read_to_string(root().join(format!("tests/data/{name}.toml"))).unwrap();
@@ -53,7 +53,7 @@ fn work_a_errors_of_hitachi_puma_and_ur5() {
 
 /// Work C: 4 000 configurations against the cell at one layout. The reference has no floor.
 #[test]
-fn work_c_collision_flags() {
+fn the_collision_flags_of_peer_set_c_agree() {
     let mut cell = shipped("hitachi_cell.toml");
     let place = |x: f64, y: f64, z: f64, yaw: f64| Placement {
         x: x / 1e3,
@@ -84,7 +84,7 @@ fn work_c_collision_flags() {
 
 /// Work D: f(x) of 2 000 layouts, put together from our evaluation by the rules of that work.
 #[test]
-fn work_d_layout_evaluations() {
+fn the_layout_evaluations_of_peer_set_d_agree() {
     let workcell = Workcell::new(shipped("hitachi_cell.toml")).unwrap();
     let (layouts, reference) = (data("d_layouts.bin"), data("d_ref.bin"));
     let mut worst: f64 = 0.0;

@@ -33,7 +33,7 @@ fn ready(cell: &Cell) -> Workcell {
 const HITACHI_MM: f64 = 20.429670;
 
 #[test]
-fn hitachi_cell_is_closed() {
+fn the_bound_of_hitachi_cell_closes_its_gap() {
     let proof = proof_of(&ready(&shipped("hitachi_cell.toml")), 10_000);
     let bound = mm_from_m(proof.bound.unwrap());
     assert!((0.999 * HITACHI_MM..=HITACHI_MM).contains(&bound), "{bound}");
@@ -108,7 +108,7 @@ fn is_allowed(workcell: &Workcell, region: &Region, value: f64, q: &[f64; 8]) ->
 
 /// Arms of random lengths, offsets, errors, limits, bends, heights, senses and models.
 #[test]
-fn random_planar_arms_by_brute_force() {
+fn the_bound_of_random_planar_arms_agrees_with_brute_force() {
     let mut rng = ChaCha8Rng::seed_from_u64(7);
     let (mut closed, mut reachable) = (0, 0);
     for case in 0..40 {
@@ -215,7 +215,7 @@ fn nothing_is_below(name: &str, cell: &Cell, boxes: u64, tries: usize) -> Proof 
 }
 
 #[test]
-fn no_posture_of_a_shipped_cell_is_below() {
+fn no_posture_of_a_shipped_cell_is_below_the_bound() {
     for name in ["hitachi_paper", "palletizer_cell", "scara_cell", "five_axis_cell", "wrist_cell", "ur_cell"]
     {
         let proof = nothing_is_below(name, &shipped(&format!("{name}.toml")), 5_000, 1_000);
@@ -230,7 +230,7 @@ fn no_posture_of_a_shipped_cell_is_below() {
 
 /// Every reading, model, quantity and sense that has a bound, on arms of three families.
 #[test]
-fn no_posture_is_below_in_any_reading() {
+fn no_random_posture_is_below_the_bound_in_any_reading() {
     let readings = [
         (Reading::Signed, Quantity::Rms),
         (Reading::WorstCase, Quantity::Rms),
@@ -299,7 +299,7 @@ fn random_layouts_never_beat_the_bound() {
 
 /// The tangent that stands for a percentile: below it everywhere, and not far below where it touches.
 #[test]
-fn the_tangent_is_below_the_percentile() {
+fn the_tangent_bound_is_below_the_percentile() {
     let mut rng = ChaCha8Rng::seed_from_u64(5);
     let mut covariance = |rows: usize| {
         let thin: f64 = rng.random_range(0.0..1.0);
@@ -337,7 +337,7 @@ fn the_tangent_is_below_the_percentile() {
 }
 
 #[test]
-fn without_errors_the_bound_is_nothing() {
+fn the_bound_without_errors_is_zero() {
     let mut cell = shipped("hitachi_cell.toml");
     let axes = cell.robot.axes();
     let none = vec![0.0; sweetspot::cell::Parameter::count(axes)];
@@ -347,7 +347,7 @@ fn without_errors_the_bound_is_nothing() {
 }
 
 #[test]
-fn what_cannot_be_reached_is_infeasible() {
+fn an_unreachable_operation_is_proved_infeasible() {
     let mut cell = shipped("hitachi_cell.toml");
     cell.operations[0].standoff = 5.0;
     let workcell = ready(&cell);
@@ -363,7 +363,7 @@ fn what_cannot_be_reached_is_infeasible() {
 
 /// Two joints that stand still leave one posture and its mirror images.
 #[test]
-fn limits_of_no_width() {
+fn the_bound_holds_for_joint_limits_of_no_width() {
     let mut cell = shipped("hitachi_cell.toml");
     cell.operations.truncate(1);
     let still = [None, Some(rad_from_deg(10.0)), Some(rad_from_deg(-22.0)), None];
@@ -386,7 +386,7 @@ fn limits_of_no_width() {
 }
 
 #[test]
-fn what_has_no_bound_says_why() {
+fn a_cell_without_a_bound_states_the_reason() {
     let proof = |change: &dyn Fn(&mut Cell)| {
         let mut cell = shipped("hitachi_cell.toml");
         change(&mut cell);
@@ -415,7 +415,7 @@ fn what_has_no_bound_says_why() {
 
 /// One thread or two, the same bytes; stopped at once, what is said still holds.
 #[test]
-fn threads_and_stops() {
+fn the_proof_does_not_depend_on_threads_and_can_be_stopped() {
     let workcell = ready(&shipped("five_axis_cell.toml"));
     let [one, two] = [1, 2].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -443,7 +443,7 @@ const CHEAP: [&str; 3] = ["hitachi_cell", "hitachi_paper", "palletizer_cell"];
 /// SWEETSPOT_FIGURES=1 cargo test --test it proof::figures -- --nocapture
 /// ```
 #[test]
-fn figures_of_cells() {
+fn the_proof_figures_of_the_cells_are_regenerated() {
     let all = std::env::var("SWEETSPOT_FIGURES").is_ok();
     let names = if all { shipped_cells() } else { CHEAP.map(String::from).into() };
     let rows: Vec<String> = names.iter().map(|name| figures(name, all)).collect();

@@ -55,7 +55,7 @@ fn sum(a: [usize; 3], b: [usize; 3]) -> [usize; 3] {
 
 /// Work D: 1000 random and 1000 plausible layouts.
 #[test]
-fn every_layout_of_work_d_is_worth_the_same_ranked_or_judged() {
+fn ranking_does_not_change_the_layouts_of_peer_set_d() {
     for collision in [true, false] {
         let mut cell = shipped("hitachi_cell.toml");
         cell.collision = collision;
@@ -133,7 +133,7 @@ fn drawn(rng: &mut ChaCha8Rng) -> Cell {
 }
 
 #[test]
-fn every_drawn_cell_is_worth_the_same_ranked_or_judged() {
+fn ranking_does_not_change_the_value_of_random_cells() {
     let mut rng = ChaCha8Rng::seed_from_u64(5);
     let mut counts = [0; 3];
     let mut ranked = 0;

@@ -131,7 +131,7 @@ fn tally(robot: &Robot, poses: usize) -> (Tally, &'static str) {
 }
 
 #[test]
-fn poses_of_the_forward_kinematics_are_found_by_the_inverse() {
+fn the_inverse_finds_poses_of_the_forward_kinematics() {
     println!(
         "robot | inverse kinematics | poses | found | original reached | answers | outside limits | worst (m, rad)"
     );

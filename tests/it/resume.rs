@@ -42,7 +42,7 @@ fn checkpoint(text: &str) -> Checkpoint {
 }
 
 #[test]
-fn every_checkpoint_leads_to_the_same_bits() {
+fn every_checkpoint_resumes_to_the_same_bits() {
     let workcell = workcell();
     for solver in Solver::ALL {
         let settings = settings(solver, 260);
@@ -61,7 +61,7 @@ fn every_checkpoint_leads_to_the_same_bits() {
 
 /// Over restarts and the polish of a longer search.
 #[test]
-fn checkpoints_of_any_run_lead_to_the_same_bits() {
+fn checkpoints_of_any_run_resume_to_the_same_bits() {
     let workcell = workcell();
     for solver in Solver::ALL {
         let settings = settings(solver, 9_000);
@@ -108,7 +108,7 @@ fn a_search_stopped_many_times_ends_in_the_same_bits() {
 
 /// A checkpoint under a larger budget or other rules gives what a search under these would have.
 #[test]
-fn other_rules_may_be_taken_up_on_the_way() {
+fn stopping_rules_may_change_on_resume() {
     let workcell = workcell();
     for solver in Solver::ALL {
         let first = settings(solver, 700);
@@ -168,7 +168,7 @@ fn a_checkpoint_of_another_search_is_refused() {
 }
 
 #[test]
-fn the_gap_ends_a_search() {
+fn a_reached_gap_ends_a_search() {
     let workcell = workcell();
     let settings = SearchSettings { gap: Some(0.01), ..settings(Solver::CmaEs, 20_000) };
     let bound = 0.020429669;

@@ -85,7 +85,7 @@ fn short_of(workcell: &Workcell) -> Moves {
 }
 
 #[test]
-fn corners_are_those_of_cell_files_with_moved_numbers() {
+fn misplacement_corners_agree_with_moved_cell_files() {
     let mut lost_somewhere = 0;
     // Moved to half a millimetre short of where the spot is lost.
     let short = short_of(&Workcell::new(stacked(&DRAWN, "", "grid = [10, 5]")).unwrap());
@@ -141,7 +141,7 @@ fn corners_are_those_of_cell_files_with_moved_numbers() {
 }
 
 #[test]
-fn the_gradient_is_that_of_richardson() {
+fn the_gradient_agrees_with_richardson_extrapolation() {
     let operation = "points_mm = [[100, -100]]";
     let workcell = Workcell::new(stacked(&DRAWN, "", operation)).unwrap();
     let layout = workcell.cell.start();
@@ -191,7 +191,7 @@ fn first_failing(scales: impl Iterator<Item = f64>, keeps: impl Fn(f64) -> bool)
 }
 
 #[test]
-fn the_largest_misplacement_is_that_of_a_scan() {
+fn the_largest_misplacement_agrees_with_a_scan() {
     let tolerance = "placement_tolerance = { x_mm = 2, yaw_deg = 0.2 }";
     let mut limited = 0;
     for (more, share) in
@@ -245,7 +245,7 @@ fn the_largest_misplacement_is_that_of_a_scan() {
 }
 
 #[test]
-fn a_requirement_missed_as_drawn_leaves_no_room() {
+fn a_requirement_missed_at_the_nominal_layout_allows_no_misplacement() {
     let workcell = one_table(THERE, "", "points_mm = [[100, -100]]\nlimit_mm = 5");
     let layout = workcell.cell.start();
     let r = workcell.robustness(&layout, &workcell.maps(&layout))[0].clone().unwrap();
@@ -329,7 +329,7 @@ fn robust(workcell: &Workcell) -> Workcell {
 const LOOSE_TABLE: &str = "placement_tolerance = { x_mm = 2, y_mm = 2, z_mm = 1, yaw_deg = 0.2 }";
 
 #[test]
-fn robust_evaluation_is_the_least_worst_of_all_nodes() {
+fn the_robust_evaluation_is_the_least_worst_case_of_all_nodes() {
     let mut chosen_otherwise = 0;
     let tables = [(0.0, 1000.0, 10.0), (200.0, 1050.0, -15.0), (-300.0, 900.0, 30.0)];
     for ((x, y, yaw), near) in tables.into_iter().flat_map(|t| [(t, false), (t, true)]) {
@@ -373,7 +373,7 @@ fn robust_evaluation_is_the_least_worst_of_all_nodes() {
 }
 
 #[test]
-fn tolerances_do_not_change_what_is_not_robust() {
+fn placement_tolerances_do_not_change_a_nominal_evaluation() {
     let [exact, loose] = ["", LOOSE_TABLE].map(|tolerance| one_table(THERE, tolerance, "grid = [10, 8]"));
     let layout = exact.cell.start();
     assert_eq!(evaluate(&exact, &layout), evaluate(&loose, &layout));
@@ -382,7 +382,7 @@ fn tolerances_do_not_change_what_is_not_robust() {
 }
 
 #[test]
-fn what_may_overlap_is_no_robust_layout() {
+fn a_layout_that_may_overlap_is_not_robust() {
     let block = |x: f64| {
         format!(
             "grid = [10, 8]\n[obstacle.block]\nfootprint = {{ size_mm = [200, 900] }}\n\
@@ -403,7 +403,7 @@ fn what_may_overlap_is_no_robust_layout() {
 }
 
 #[test]
-fn a_robust_search_beats_the_worst_of_the_nominal_layout() {
+fn a_robust_search_beats_the_worst_case_of_the_nominal_layout() {
     let placement = "x_mm = { min = -400, max = 400 }, y_mm = { min = 800, max = 1300 }, z_mm = { min = 500, max = 800 }, \
                      yaw_deg = { min = -20, max = 20 }";
     let nominal = one_table(placement, LOOSE_TABLE, "grid = [6, 4]");
@@ -428,7 +428,7 @@ fn a_robust_search_beats_the_worst_of_the_nominal_layout() {
 }
 
 #[test]
-fn tolerances_are_read_in_si() {
+fn placement_tolerances_are_read_in_si_units() {
     let text = std::fs::read_to_string(crate::common::root().join("tests/data/every_key.toml")).unwrap();
     let cell = from_text(&text).unwrap_or_else(|f| panic!("{f:#?}")).cell;
     let close = |a: [f64; 4], b: [f64; 4]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-15);

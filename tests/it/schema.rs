@@ -59,7 +59,7 @@ fn shipped() -> Vec<(String, String, String)> {
 }
 
 #[test]
-fn every_shipped_file_validates() {
+fn every_shipped_file_validates_against_its_schema() {
     let (validators, shipped) = (validators(), shipped());
     for (path, text, kind) in &shipped {
         let told = told(&validators[kind.as_str()], &document(text).unwrap());
@@ -75,7 +75,7 @@ fn every_shipped_file_validates() {
 
 /// A schema of one kind refuses the files of another.
 #[test]
-fn kinds_are_told_apart() {
+fn the_schemas_distinguish_the_file_kinds() {
     let validators = validators();
     for (path, text, kind) in shipped().iter().filter(|(_, text, _)| text.contains("\nschema = ")) {
         for (other, validator) in &validators {
@@ -114,7 +114,7 @@ const BEYOND: [(&str, &str); 6] = [
 
 /// All others of tests/broken are refused, for their structure.
 #[test]
-fn broken_files_are_refused() {
+fn the_schema_refuses_broken_files() {
     let validator = validator(FileKind::Cell);
     let mut beyond: Vec<String> =
         BEYOND.iter().flat_map(|(_, names)| names.split(' ')).map(|name| format!("{name}.toml")).collect();

@@ -103,7 +103,7 @@ fn asked() -> Keys {
 }
 
 #[test]
-fn the_schema_knows_the_keys_that_the_reader_knows() {
+fn the_schema_has_the_keys_of_the_reader() {
     let (schema, asked) = (schema(FileKind::Cell), asked());
     let mut count = 0;
     for (what, paths) in TABLES {

@@ -126,7 +126,7 @@ fn every_solver_gets_near_the_bound() {
 }
 
 #[test]
-fn same_seed_same_record_for_any_number_of_threads() {
+fn one_seed_gives_the_same_record_for_any_number_of_threads() {
     let workcell = Workcell::new(shipped("hitachi_cell.toml")).unwrap();
     for solver in Solver::ALL {
         let with = |threads: usize, seed: u64| {
@@ -143,7 +143,7 @@ fn same_seed_same_record_for_any_number_of_threads() {
 
 /// The search stops where it is told to, with what it has.
 #[test]
-fn the_stop_flag_interrupts() {
+fn the_stop_flag_interrupts_a_search() {
     let workcell = Workcell::new(shipped("hitachi_cell.toml")).unwrap();
     for solver in Solver::ALL {
         for after in [0, 1, 500] {
@@ -176,7 +176,7 @@ fn progress_counts_up_to_the_budget() {
 
 /// The smallest budgets end every solver, and the polish, anywhere.
 #[test]
-fn any_budget_is_kept() {
+fn a_search_keeps_any_budget() {
     let workcell = Workcell::new(shipped("hitachi_cell.toml")).unwrap();
     for solver in Solver::ALL {
         for budget in (1..=60).chain([79, 80, 81, 99, 120, 399, 400, 401]) {
@@ -188,7 +188,7 @@ fn any_budget_is_kept() {
 
 /// The layout as drawn is a candidate, too: no answer may be worse.
 #[test]
-fn the_answer_is_never_worse_than_the_layout_as_drawn() {
+fn a_search_is_never_worse_than_the_start_layout() {
     let workcell = Workcell::new(shipped("hitachi_cell.toml")).unwrap();
     for solver in Solver::ALL {
         for budget in [100, 150, 300, 1000] {
@@ -209,7 +209,7 @@ fn the_answer_is_never_worse_than_the_layout_as_drawn() {
 }
 
 #[test]
-fn one_free_variable_is_searched_by_every_solver() {
+fn every_solver_searches_one_free_coordinate() {
     for (free, fixed) in [
         ("y_mm = { min = -1500, max = 1500 }", "x_mm = 0, z_mm = 650"),
         ("yaw_deg = { min = -180, max = 180 }", "x_mm = 0, y_mm = 900, z_mm = 650"),
@@ -226,7 +226,7 @@ fn one_free_variable_is_searched_by_every_solver() {
 }
 
 #[test]
-fn no_free_variable_leaves_nothing_to_search() {
+fn a_cell_without_free_coordinates_is_evaluated_once() {
     for (y, found) in [(900, true), (9000, false)] {
         let workcell = one_table(&format!("x_mm = 0, y_mm = {y}, z_mm = 650"), "");
         for solver in Solver::ALL {
@@ -279,7 +279,7 @@ fn one_dimension_agrees_with_a_scan_of_every_position() {
 
 /// Ranges need not end at a multiple of what placements are rounded to.
 #[test]
-fn rounding_stays_inside_narrow_ranges() {
+fn rounded_coordinates_stay_inside_narrow_ranges() {
     for placement in [
         "x_mm = { min = 20.0004, max = 20.0014 }, y_mm = 900, z_mm = 650",
         "x_mm = 0, y_mm = { min = 900.00049, max = 901.00051 }, z_mm = 650",
@@ -297,7 +297,7 @@ fn rounding_stays_inside_narrow_ranges() {
 
 /// Points outside the cube are folded back; the point of a layout is where it came from.
 #[test]
-fn every_point_has_a_layout() {
+fn every_point_of_the_search_space_has_a_layout() {
     let workcell = Workcell::new(shipped("hitachi_cell.toml")).unwrap();
     let space = Space::new(&workcell.cell);
     assert_eq!(space.dimensions(), 7);
@@ -366,7 +366,7 @@ fn an_infeasible_layout_never_ranks_before_a_feasible_one() {
 
 /// Weights scale the objective, not the quality of the answer.
 #[test]
-fn any_weights_find_the_same_layout() {
+fn scaled_weights_find_the_same_layout() {
     for weight in [1e6, 1e-6] {
         let mut cell = shipped("hitachi_cell.toml");
         cell.operations.iter_mut().for_each(|o| o.weight = weight);

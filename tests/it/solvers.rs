@@ -135,7 +135,7 @@ const README: &str = "# Which solver\n\n\
     nothing to search, hitachi_urdf is the same arm again).\n\n";
 
 #[test]
-fn the_default_solver_is_the_one_to_take() {
+fn the_study_recommends_the_default_solver() {
     let is_full = std::env::var("SWEETSPOT_STUDY").is_ok_and(|s| s == "full");
     let study = match is_full {
         true => Study { shipped: SHIPPED.len(), random: 20, seeds: 30, budget: 20_000 },

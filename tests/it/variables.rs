@@ -41,7 +41,7 @@ fn value(workcell: &Workcell, layout: &Layout) -> Option<f64> {
 
 /// Moving the robot is moving everything else the other way.
 #[test]
-fn a_base_that_moves_is_a_cell_that_moves_the_other_way() {
+fn moving_the_base_equals_moving_the_cell_the_other_way() {
     let range = "{ min = -500, max = 500, start = 0 }";
     let base = format!(
         "base = {{ x_mm = {range}, y_mm = {range}, z_mm = {range}, yaw_deg = {{ min = -180, max = 180 }} }}"
@@ -87,7 +87,7 @@ fn a_base_that_moves_is_a_cell_that_moves_the_other_way() {
 }
 
 #[test]
-fn a_list_is_searched_to_the_best_of_its_values() {
+fn a_search_finds_the_best_of_listed_values() {
     let table = "placement = { x_mm = [-400, -200, 0, 200, 400], y_mm = [800, 900, 1000, 1100, 1200], \
                  z_mm = [500, 600, 700], yaw_deg = [0, 30, 90] }";
     let workcell = Workcell::new(cell("", table, GRID)).unwrap();
@@ -194,7 +194,7 @@ fn ties_that_cannot_be_are_refused() {
 
 /// A range of the bend is a cell with that bend.
 #[test]
-fn an_attitude_within_a_range_is_that_attitude() {
+fn an_orientation_from_a_range_equals_the_fixed_orientation() {
     let ranged = GRID.replace("-90", "{ min = -100, max = -60, start = -90 }");
     let workcell = Workcell::new(cell("", TABLE, &ranged)).unwrap();
     for bend in [-90.0, -85.0, -70.0, -60.0] {
@@ -246,7 +246,7 @@ fn every_point_counts() {
 
 /// A region is the grid over that part of the surface; one node that cannot be used makes none of it.
 #[test]
-fn every_node_of_a_region_counts() {
+fn every_node_of_a_region_is_evaluated() {
     let region = |over: &str, size: f64| {
         let operation = format!(
             "grid = [7, 5]\nregion = {{ centre_mm = [50, 20], size_mm = [{size}, 200] }}\nbend_deg = -90\nover = \"{over}\""

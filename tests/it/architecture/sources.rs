@@ -178,7 +178,7 @@ pub fn uses_crate(code: &str, name: &str) -> bool {
 }
 
 #[test]
-fn the_reader_of_code_sees_code_alone() {
+fn code_is_read_without_comments_and_strings() {
     let text = "use a; // std::fs\n/* .unwrap() /* nested */ panic! */ let x = \"std::fs \\\" // no\";\n\
                 let r = r#\"unsafe \" {\"#; let c = '\"'; fn f<'a>(s: &'a str) {} // 'x\nlet d = '\\'';\n\
                 let std = std::io::stdin();";

@@ -15,7 +15,7 @@ fn area(polygon: &[Point]) -> f64 {
 }
 
 #[test]
-fn the_lines_of_a_plane_are_straight_and_have_its_value() {
+fn iso_lines_of_a_plane_are_straight_and_have_their_value() {
     let f = |x: f64, y: f64| 2.0 * x - 3.0 * y + 1.0;
     let surface = grid((7, 5), |x, y| Some(f(x, y)));
     for level in [-7.3, -2.0, 0.0, 1.0, 4.77] {
@@ -31,7 +31,7 @@ fn the_lines_of_a_plane_are_straight_and_have_its_value() {
 
 /// Bilinear on the edges of the cells, where the value on the line is known otherwise.
 #[test]
-fn on_the_edges_of_the_grid_a_line_has_the_value_of_both_neighbours_in_proportion() {
+fn an_iso_line_crosses_grid_edges_by_linear_interpolation() {
     let f = |x: f64, y: f64| (0.9 * x).sin() + (0.7 * y).cos() * 1.3;
     let surface = grid((9, 8), |x, y| Some(f(x, y)));
     let mut seen = 0;
@@ -50,7 +50,7 @@ fn on_the_edges_of_the_grid_a_line_has_the_value_of_both_neighbours_in_proportio
 }
 
 #[test]
-fn a_round_hill_has_one_closed_line_and_its_area() {
+fn a_round_hill_has_one_closed_iso_line_of_the_right_area() {
     let surface = grid((41, 41), |x, y| Some(-((x - 20.0).hypot(y - 20.0))));
     let lines = surface.lines(-12.5);
     assert_eq!(lines.len(), 1);
@@ -62,7 +62,7 @@ fn a_round_hill_has_one_closed_line_and_its_area() {
 }
 
 #[test]
-fn a_saddle_is_settled_by_its_middle() {
+fn a_saddle_is_resolved_by_its_centre_value() {
     let high = grid((2, 2), |x, y| Some(if x == y { 3.0 } else { 0.0 }));
     // The middle has 1.5: below it the high corners are joined, above they are apart.
     let areas = |level| high.above(level).iter().map(|p| area(p)).sum::<f64>();
@@ -71,7 +71,7 @@ fn a_saddle_is_settled_by_its_middle() {
 }
 
 #[test]
-fn holes_single_rows_and_nothing_are_no_trouble() {
+fn holes_single_rows_and_empty_grids_are_handled() {
     let hole = grid((3, 3), |x, y| (x + y > 0.0).then_some(x));
     let whole: f64 = hole.above(f64::NEG_INFINITY).iter().map(|p| area(p)).sum();
     assert!((whole - 3.5).abs() < 1e-12 && hole.covers(1) && !hole.covers(0));

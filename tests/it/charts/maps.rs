@@ -27,7 +27,7 @@ fn the_shipped_cells_have_heat_maps() {
 }
 
 #[test]
-fn a_heat_map_says_names_as_they_are() {
+fn a_heat_map_shows_hostile_names_as_text() {
     let workcell = Workcell::new(renamed(workcell("hitachi_cell.toml").cell)).unwrap();
     let a = start(&workcell);
     let drawing = Drawing::new(&a, &Detail { lenses: false, envelopes: false, nodes: 30 }).unwrap();
@@ -47,7 +47,7 @@ fn texts(svg: &str) -> Vec<String> {
 }
 
 #[test]
-fn a_legend_lists_exactly_the_troubles_there_are() {
+fn a_legend_lists_exactly_the_node_signs_in_the_map() {
     let said = [
         ("out-of-reach", "out of reach"),
         ("joint-limit", "beyond a joint limit"),
@@ -73,7 +73,7 @@ fn a_legend_lists_exactly_the_troubles_there_are() {
 
 /// Grids without areas, fields without a span, nothing usable: a picture all the same.
 #[test]
-fn few_nodes_and_constant_fields_are_drawn() {
+fn maps_of_few_nodes_or_constant_values_are_drawn() {
     let workcell = workcell("hitachi_paper.toml");
     let a = start(&workcell);
     let detail = Detail { lenses: false, envelopes: false, nodes: 4000 };
@@ -118,7 +118,7 @@ fn few_nodes_and_constant_fields_are_drawn() {
 
 /// The spot stands in the picture where its millimetres say, by the numbers of the axes.
 #[test]
-fn the_spot_is_where_the_axes_say() {
+fn the_spot_is_drawn_where_the_axes_place_it() {
     let workcell = workcell("hitachi_paper.toml");
     let a = start(&workcell);
     let drawing = Drawing::new(&a, &Detail { lenses: false, envelopes: false, nodes: 4000 }).unwrap();
@@ -144,7 +144,7 @@ fn the_spot_is_where_the_axes_say() {
 /// The whole cell: every sign its own, the fence and the keep-outs there, no text cut, and of many nodes
 /// only some.
 #[test]
-fn the_map_of_a_cell_shows_all_there_is() {
+fn the_heat_map_of_a_cell_shows_every_node() {
     for name in ["hitachi_cell", "drilling_cell"] {
         let workcell = workcell(&format!("{name}.toml"));
         let a = start(&workcell);

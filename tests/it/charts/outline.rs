@@ -13,7 +13,7 @@ fn area(polygon: &[Point]) -> f64 {
 }
 
 #[test]
-fn a_box_and_a_ball_cover_what_they_should() {
+fn the_outlines_of_a_box_and_a_ball_have_the_right_area() {
     let pose = Pose::from_translation_yaw(Vector3::new(1.0, 2.0, 3.0), 0.4);
     let cube = Mesh::of(&Shape::Box { pose, size: Vector3::new(2.0, 3.0, 4.0) }, 0.0);
     let plan = silhouette(&cube, |p| (p.x, p.y));
@@ -28,7 +28,7 @@ fn a_box_and_a_ball_cover_what_they_should() {
 
 /// Two boxes as one mesh: the gap between them is seen.
 #[test]
-fn what_is_not_convex_keeps_its_gaps() {
+fn the_outline_of_a_concave_solid_keeps_its_gaps() {
     let cube = |x: f64| {
         let pose = Pose { translation: Vector3::new(x, 0.0, 0.0), ..Pose::IDENTITY };
         Mesh::of(&Shape::Box { pose, size: Vector3::repeat(1.0) }, 0.0)
@@ -46,7 +46,7 @@ fn what_is_not_convex_keeps_its_gaps() {
 }
 
 #[test]
-fn a_hull_of_little_is_little() {
+fn the_convex_hull_of_few_points_has_few_points() {
     assert_eq!(hull(vec![(1.0, 2.0), (1.0, 2.0)]), [(1.0, 2.0)]);
     assert!(hull(Vec::new()).is_empty());
 }

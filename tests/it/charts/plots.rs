@@ -28,7 +28,7 @@ fn budget(name: &str, workcell: &Workcell, a: &Assessment<'_>) {
 }
 
 #[test]
-fn a_course_is_drawn_with_its_bound_or_without() {
+fn a_convergence_chart_is_drawn_with_and_without_a_bound() {
     let trace = [(3, 0.0061), (17, 0.0052), (140, 0.0041), (2900, 0.00383)];
     let full = Course {
         trace: &trace,
@@ -50,7 +50,7 @@ fn a_course_is_drawn_with_its_bound_or_without() {
 }
 
 #[test]
-fn the_bars_at_a_spot_are_as_long_as_what_they_show() {
+fn tornado_bars_are_as_long_as_the_shares_they_show() {
     for name in ["hitachi_paper", "scara_cell"] {
         let mut cell = workcell(&format!("{name}.toml")).cell;
         let limit = if name == "scara_cell" { Some(0.0003) } else { cell.operations[0].limit };
@@ -85,7 +85,7 @@ fn the_bars_at_a_spot_are_as_long_as_what_they_show() {
 }
 
 #[test]
-fn what_does_not_spread_has_no_distribution() {
+fn a_set_without_errors_has_no_histogram() {
     let mut workcell = workcell("hitachi_paper.toml");
     for set in &mut workcell.cell.robot.errors {
         if let sweetspot::cell::ErrorSet::Signed(s) = set {
@@ -107,7 +107,7 @@ fn what_does_not_spread_has_no_distribution() {
 }
 
 #[test]
-fn misplacement_is_drawn_as_it_was_found() {
+fn the_misplacement_chart_shows_the_allowed_misplacement() {
     for name in ["hitachi_cell"] {
         let workcell = crate::common::workcell(&format!("{name}.toml"));
         let a = start(&workcell).misplaced();
@@ -136,7 +136,7 @@ fn misplacement_is_drawn_as_it_was_found() {
 }
 
 #[test]
-fn a_front_has_a_point_for_each_layout() {
+fn a_pareto_chart_has_one_point_per_layout() {
     let mut cell = workcell("hitachi_cell.toml").cell;
     cell.search.pareto = sweetspot::cell::Goals::of(&[
         sweetspot::cell::Goal::Error,

@@ -5,7 +5,7 @@ use sweetspot::report::chart::colour_scale::ColourScale;
 use sweetspot::report::chart::difference::colour;
 
 #[test]
-fn bands_end_at_the_iso_lines_and_grow_lighter() {
+fn colour_bands_end_at_iso_lines_and_grow_lighter() {
     let scale = ColourScale::new(3.77, 5.0);
     let edges: Vec<f64> = scale.bands().iter().map(|b| b.0).collect();
     assert!(edges[0] == 3.77 && edges.windows(2).all(|w| w[0] < w[1]) && edges.last() < Some(&5.0));
@@ -20,7 +20,7 @@ fn bands_end_at_the_iso_lines_and_grow_lighter() {
 }
 
 #[test]
-fn ticks_are_round_and_inside() {
+fn axis_ticks_are_round_numbers_inside_the_range() {
     for (low, high) in [(0.0, 1.0), (-3.7, 12.4), (3.1e-6, 9.9e-6), (1234.5, 99999.0), (5.0, 5.0)] {
         let scale = Scale::linear(low, high, (0.0, 100.0));
         let ticks = scale.ticks(5.0);
@@ -37,7 +37,7 @@ fn ticks_are_round_and_inside() {
 }
 
 #[test]
-fn nothing_is_off_the_axis() {
+fn every_value_is_placed_on_the_axis() {
     for scale in [Scale::linear(f64::NAN, 1.0, (0.0, 9.0)), Scale::log(0.0, 0.0, (0.0, 9.0))] {
         for v in [-1.0, 0.0, 0.5, 1e300] {
             assert!((0.0..=9.0).contains(&scale.at(v)), "{scale:?} {v}");
@@ -46,7 +46,7 @@ fn nothing_is_off_the_axis() {
 }
 
 #[test]
-fn blue_is_better_and_orange_worse() {
+fn the_difference_scale_runs_from_blue_to_orange() {
     assert_eq!((colour(-1.0).as_str(), colour(1.0).as_str()), ("#005aa0", "#be4b00"));
     assert_eq!((colour(0.0), colour(-7.0)), ("#f0f0ec".to_string(), colour(-1.0)));
 }

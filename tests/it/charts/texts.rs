@@ -5,7 +5,7 @@ use sweetspot::report::chart::labels::Taken;
 use sweetspot::report::chart::words::{figure, number, shortened, width, wrapped};
 
 #[test]
-fn no_line_is_wider_than_its_room_and_nothing_is_lost() {
+fn wrapped_lines_fit_their_room_and_lose_no_text() {
     let text = "a rather long name of a workcell 溶接ロボットと作業台の配置 Donaudampfschiffahrtsgesellschaftskapitaen end";
     for room in [60.0, 130.0, 400.0] {
         let lines = wrapped(text, 13.0, room, 99);
@@ -26,7 +26,7 @@ fn numbers_have_the_digits_of_their_step() {
 }
 
 #[test]
-fn no_line_crosses_a_name_to_its_left_and_no_name_covers_another() {
+fn histogram_labels_cover_neither_lines_nor_labels() {
     // Names right of their lines, so near that each is crossed by the next; the last stands alone.
     let marks: Vec<(f64, f64, f64)> =
         [100.0, 140.0, 150.0, 400.0].iter().map(|x| (*x, x + 5.0, x + 80.0)).collect();
@@ -37,7 +37,7 @@ fn no_line_crosses_a_name_to_its_left_and_no_name_covers_another() {
 }
 
 #[test]
-fn a_place_is_taken_once() {
+fn a_label_place_is_taken_only_once() {
     let mut taken = Taken::default();
     assert!(taken.take([0.0, 0.0, 5.0, 2.0]) && taken.take([5.0, 0.0, 9.0, 2.0]));
     assert!(!taken.take([4.0, 1.0, 6.0, 3.0]) && taken.take([4.0, 2.0, 6.0, 3.0]));

@@ -8,7 +8,7 @@ use std::process::{Command, Stdio};
 // --- exit codes and streams ---------------------------------------------------------------------
 
 #[test]
-fn done_is_0_with_data_on_stdout_and_talk_on_stderr() {
+fn success_exits_0_with_data_on_stdout_and_notes_on_stderr() {
     let shop = Shop::new();
     let search = ["search", CELL, "--budget", "2000", "--out", "found"];
     for args in [
@@ -31,7 +31,7 @@ fn done_is_0_with_data_on_stdout_and_talk_on_stderr() {
 }
 
 #[test]
-fn with_json_stdout_is_one_document_and_nothing_else() {
+fn json_output_is_exactly_one_document() {
     let shop = Shop::new();
     let search = ["search", CELL, "--budget", "500", "--out", "found", "--json"];
     for (args, schema) in [
@@ -53,7 +53,7 @@ fn with_json_stdout_is_one_document_and_nothing_else() {
 }
 
 #[test]
-fn no_feasible_layout_is_1_and_leaves_no_best_toml() {
+fn no_feasible_layout_exits_1_and_writes_no_best_toml() {
     let shop = Shop::new();
     shop.write("cells/far.toml", BEYOND_REACH);
     let ran = shop.run(&["search", "cells/far.toml", "--budget", "300", "--out", "far", "--json"]);
@@ -70,7 +70,7 @@ fn no_feasible_layout_is_1_and_leaves_no_best_toml() {
 }
 
 #[test]
-fn bad_usage_is_2() {
+fn bad_usage_exits_2() {
     let shop = Shop::new();
     for args in [
         &[][..],
@@ -95,7 +95,7 @@ fn bad_usage_is_2() {
 }
 
 #[test]
-fn unknown_error_set_is_2_with_a_suggestion() {
+fn an_unknown_error_set_exits_2_with_a_suggestion() {
     let shop = Shop::new();
     for command in ["map", "search", "compare", "budget", "explain", "readings"] {
         let ran = shop.run(&[command, PAPER, "--errors", "table-33"]);
@@ -107,7 +107,7 @@ fn unknown_error_set_is_2_with_a_suggestion() {
 }
 
 #[test]
-fn bad_cell_is_2_with_every_fault_and_its_place() {
+fn a_bad_cell_exits_2_with_every_fault_and_its_place() {
     let shop = Shop::new();
     let bad =
         shop.text(CELL).replace("bend_deg = -90 #", "bent_deg = -90 #").replace("seed = 1", "seed = -1");
@@ -125,7 +125,7 @@ fn bad_cell_is_2_with_every_fault_and_its_place() {
 }
 
 #[test]
-fn missing_cell_file_is_3() {
+fn a_missing_cell_file_exits_3() {
     let shop = Shop::new();
     for args in [
         &["check", "nowhere.toml"][..],
@@ -161,7 +161,7 @@ fn missing_cell_file_is_3() {
 
 /// Root may write anywhere, so what cannot be written has a file for a parent.
 #[test]
-fn unwritable_output_is_3() {
+fn an_unwritable_output_exits_3() {
     let shop = Shop::new();
     shop.write("file", "a file, not a folder");
     for args in [
@@ -183,7 +183,7 @@ fn unwritable_output_is_3() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn full_stdout_is_3() {
+fn a_full_stdout_exits_3() {
     let shop = Shop::new();
     let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
     let ran = ran(shop.command(&["map", PAPER, "--json"]).stdout(full).output().unwrap());
@@ -193,7 +193,7 @@ fn full_stdout_is_3() {
 
 /// `sweetspot ... | head`: a reader that has gone is no fault and no panic.
 #[test]
-fn closed_stdout_is_quiet() {
+fn a_closed_stdout_ends_the_run_quietly() {
     let shop = Shop::new();
     for args in [
         &["map", CELL, "--json"][..],
@@ -215,7 +215,7 @@ fn closed_stdout_is_quiet() {
 /// Ctrl-C ends a search early, with what was found so far.
 #[cfg(unix)]
 #[test]
-fn an_interrupt_is_130_and_keeps_the_best() {
+fn an_interrupt_exits_130_and_keeps_the_best_layout() {
     let shop = Shop::new();
     let args = ["search", CELL, "--budget", "1000000000", "--out", "found", "--json"];
     let child = shop.command(&args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
@@ -309,7 +309,7 @@ fn check_node(node: &Value) {
 }
 
 #[test]
-fn map_json_holds_the_contract() {
+fn map_json_has_every_documented_field() {
     let shop = Shop::new();
     for cell in [PAPER, CELL] {
         let map = shop.json(&["map", cell]);
@@ -334,7 +334,7 @@ fn map_json_holds_the_contract() {
 }
 
 #[test]
-fn map_json_of_the_paper_has_its_numbers() {
+fn map_json_of_the_paper_cell_has_the_numbers_of_the_paper() {
     let map = Shop::new().json(&["map", PAPER]);
     let operation = &map["operations"][0];
     assert_eq!(items(&map["operations"]).len(), 1);
@@ -364,7 +364,7 @@ fn map_json_of_the_paper_has_its_numbers() {
 }
 
 #[test]
-fn a_reason_names_what_touches_what() {
+fn a_collision_reason_names_both_solids() {
     let map = Shop::new().json(&["map", CELL]);
     let nodes = items(&map["operations"][0]["nodes"]);
     let hits: Vec<_> = nodes.iter().filter(|n| n["status"] == "collision").collect();
@@ -377,7 +377,7 @@ fn a_reason_names_what_touches_what() {
 }
 
 #[test]
-fn search_json_holds_the_contract() {
+fn search_json_has_every_documented_field() {
     let shop = Shop::new();
     let found = shop.json(&["search", CELL, "--budget", "2000", "--out", "found"]);
     assert_eq!((&found["schema"], &found["status"]), (&"sweetspot/search/1".into(), &"found".into()));
@@ -440,7 +440,7 @@ fn best_toml_gives_the_objective_of_search_json() {
 
 /// A search can go on from a best.toml: its folder holds inputs with inputs.
 #[test]
-fn best_toml_of_a_best_toml_runs() {
+fn best_toml_made_from_a_best_toml_runs() {
     let shop = Shop::new();
     shop.done(&["search", CELL, "--budget", "500", "--out", "first"]);
     shop.done(&["search", "first/best.toml", "--out", "second"]);
@@ -451,7 +451,7 @@ fn best_toml_of_a_best_toml_runs() {
 
 /// What is drawn finer than the search rounds must stay as drawn.
 #[test]
-fn best_toml_keeps_what_is_drawn_to_the_last_digit() {
+fn best_toml_keeps_fixed_coordinates_to_the_last_digit() {
     let shop = Shop::new();
     let fine = shop
         .text(CELL)
@@ -492,7 +492,7 @@ fn best_toml_runs_whatever_the_cell_file_is_called() {
 /// A path need not be UTF-8; a search must not end in a panic after all its work.
 #[cfg(target_os = "linux")]
 #[test]
-fn paths_need_not_be_utf8() {
+fn paths_may_be_other_than_utf8() {
     use std::ffi::OsStr;
     use std::os::unix::ffi::OsStrExt;
     let shop = Shop::new();
@@ -510,7 +510,7 @@ fn paths_need_not_be_utf8() {
 }
 
 #[test]
-fn default_folders_count_up() {
+fn default_result_folders_are_numbered() {
     let shop = Shop::new();
     for _ in 0..2 {
         shop.done(&["search", PAPER]);
@@ -553,7 +553,7 @@ fn a_folder_with_something_in_it_is_refused() {
 }
 
 #[test]
-fn the_manifest_tells_the_truth() {
+fn the_manifest_records_inputs_version_and_seed() {
     let shop = Shop::new();
     let args = ["search", CELL, "--budget", "500", "--seed", "7", "--out", "found"];
     shop.done(&args);
@@ -590,7 +590,7 @@ fn the_manifest_tells_the_truth() {
 }
 
 #[test]
-fn same_bytes_for_any_threads_and_the_same_seed() {
+fn one_seed_gives_the_same_bytes_for_any_number_of_threads() {
     let shop = Shop::new();
     let search = |folder: &str, more: &[&str]| {
         shop.done(&[&["search", CELL, "--budget", "2000", "--out", folder], more].concat());
@@ -679,7 +679,7 @@ fn is_formula(text: &str) -> bool {
 }
 
 #[test]
-fn hostile_names_come_through_as_text() {
+fn hostile_names_are_printed_as_text() {
     let shop = Shop::new();
     shop.write("cells/free.toml", &hostile_cell(false));
     shop.write("cells/crowded.toml", &hostile_cell(true));
@@ -802,7 +802,7 @@ fn resolved(text: &str) -> String {
 
 #[cfg(unix)]
 #[test]
-fn a_link_out_of_the_cell_folder_is_refused() {
+fn a_symbolic_link_out_of_the_cell_folder_is_refused() {
     use std::os::unix::fs::symlink;
     let shop = Shop::new();
     let outside = Shop::new();
@@ -833,7 +833,7 @@ fn a_link_out_of_the_cell_folder_is_refused() {
 }
 
 #[test]
-fn files_that_are_no_text_are_refused() {
+fn binary_files_are_refused() {
     let shop = Shop::new();
     std::fs::write(shop.path("cells/bytes.toml"), b"name = \"\xff\xfe\"").unwrap();
     std::fs::create_dir(shop.path("cells/folder.toml")).unwrap();
@@ -848,7 +848,7 @@ fn files_that_are_no_text_are_refused() {
 // --- compare ------------------------------------------------------------------------------------
 
 #[test]
-fn compare_refuses_what_answers_another_question() {
+fn compare_refuses_layouts_of_another_question() {
     let shop = Shop::new();
     let variant = |name: &str, from: &str, to: &str| {
         let cell = shop.text(CELL);

@@ -46,7 +46,7 @@ fn on<'e>(
 }
 
 #[test]
-fn a_dxf_shows_what_the_map_says() {
+fn a_dxf_shows_the_values_of_the_map() {
     let shop = Shop::new();
     let ran = shop.done(&["export", CELL, "--to", "dxf"]);
     assert_eq!(ran.out, "");
@@ -151,7 +151,7 @@ fn turned(q: &[f64], p: [f64; 3]) -> [f64; 3] {
 }
 
 #[test]
-fn a_glb_is_sound_and_its_robot_goes_to_the_spots() {
+fn a_glb_is_valid_and_its_robot_moves_to_the_spots() {
     let shop = Shop::new();
     shop.done(&["export", CELL, "--to", "glb", "--posture", "picking", "-o", "cell.glb"]);
     let map = shop.json(&["map", CELL]);
@@ -219,7 +219,7 @@ fn a_glb_is_sound_and_its_robot_goes_to_the_spots() {
 }
 
 #[test]
-fn a_drawing_to_scale_is_as_large_as_it_says() {
+fn a_drawing_to_scale_has_the_size_of_its_scale() {
     let shop = Shop::new();
     shop.done(&["export", CELL, "--to", "svg", "-o", "sheet.svg"]);
     let svg = shop.text("sheet.svg");
@@ -255,7 +255,7 @@ fn a_drawing_to_scale_is_as_large_as_it_says() {
 }
 
 #[test]
-fn tables_and_documents_are_those_of_map() {
+fn exported_tables_and_documents_equal_those_of_map() {
     let shop = Shop::new();
     shop.done(&["map", PAPER, "--out", "map"]);
     for (format, file) in [("csv", "map/map.csv"), ("json", "map/map.json")] {
@@ -298,7 +298,7 @@ fn tables_and_documents_are_those_of_map() {
 }
 
 #[test]
-fn the_same_layout_makes_the_same_bytes() {
+fn one_layout_exports_to_the_same_bytes() {
     let shop = Shop::new();
     for format in FORMATS {
         for name in ["a", "b"] {
@@ -339,7 +339,7 @@ fn a_folder_is_exported_by_its_best_or_its_start_layout() {
 }
 
 #[test]
-fn what_cannot_be_written_leaves_what_was_there() {
+fn a_failed_export_leaves_existing_files_untouched() {
     let shop = Shop::new();
     for out in ["no/such/folder/cell.dxf", "cells"] {
         let ran = shop.run(&["export", PAPER, "--to", "dxf", "-o", out]);
@@ -394,7 +394,7 @@ fn hostile_names_are_text_in_every_format() {
 }
 
 #[test]
-fn a_name_that_ends_in_another_format_is_refused() {
+fn an_output_name_of_another_format_is_refused() {
     let shop = Shop::new();
     let ran = shop.run(&["export", "cells/hitachi_paper.toml", "--to", "png", "-o", "a.dxf"]);
     assert_eq!(ran.code, Some(2), "{}", ran.err);

@@ -4,7 +4,7 @@ use crate::cli::shop::*;
 
 /// The figures of the paper's case, and what the paper and `results/discrepancy` say of it.
 #[test]
-fn the_figures_of_the_paper_are_drawn_by_one_command() {
+fn one_command_draws_the_figures_of_the_paper() {
     let shop = Shop::new();
     shop.done(&["figures", PAPER, "--out", "pictures", "--width", "400"]);
     let folder = shop.path("pictures");

@@ -6,7 +6,7 @@ use serde_json::Value;
 const PARETO: [&str; 4] = ["--pareto", "error,clearance,footprint", "--budget", "1500"];
 
 #[test]
-fn a_front_is_told_written_and_loads() {
+fn a_pareto_front_is_printed_written_and_loaded_again() {
     let shop = Shop::new();
     let document = shop.json(&[&["search", CELL, "--out", "found"][..], &PARETO].concat());
     assert_eq!(document["pareto"], serde_json::json!(["error", "clearance", "footprint"]));
@@ -50,7 +50,7 @@ fn a_front_is_told_written_and_loads() {
 }
 
 #[test]
-fn so_many_are_kept() {
+fn the_requested_number_of_layouts_is_kept() {
     let shop = Shop::new();
     let document =
         shop.json(&["search", CELL, "--budget", "1500", "--keep", "3", "--threads", "1", "--out", "found"]);
@@ -80,7 +80,7 @@ fn so_many_are_kept() {
 }
 
 #[test]
-fn what_cannot_be_a_front_is_refused() {
+fn invalid_pareto_goals_are_refused() {
     let shop = Shop::new();
     for (wrong, said) in [
         ("--pareto=error", "two goals or more"),

@@ -21,7 +21,7 @@ fn next(ran: &Ran) -> Vec<String> {
 }
 
 #[test]
-fn the_first_error_map_takes_two_commands_that_lead_to_each_other() {
+fn init_leads_to_the_first_error_map_in_two_commands() {
     let shop = Shop::new();
     let mut args = vec!["init".to_string()];
     for expected in ["init hitachi", "map hitachi/cell.toml --svg map.svg", "search hitachi/cell.toml"] {
@@ -33,7 +33,7 @@ fn the_first_error_map_takes_two_commands_that_lead_to_each_other() {
 }
 
 #[test]
-fn every_robot_of_the_library_has_a_first_cell() {
+fn every_library_robot_has_a_generated_cell() {
     let shop = Shop::new();
     let mut robots: Vec<_> = listed(&shop).into_iter().map(|(_, robot)| robot).collect();
     robots.sort();
@@ -57,7 +57,7 @@ fn maps_well(map: &Value, name: &str) {
 }
 
 #[test]
-fn every_first_cell_checks_and_maps() {
+fn every_generated_cell_passes_check_and_map() {
     let shop = Shop::new();
     for (name, robot) in listed(&shop) {
         let ran = shop.done(&["init", &name]);
@@ -88,7 +88,7 @@ fn every_first_cell_checks_and_maps() {
 }
 
 #[test]
-fn first_cells_search_to_a_feasible_layout() {
+fn generated_cells_search_to_a_feasible_layout() {
     let shop = Shop::new();
     for name in ["hitachi", "ur10e", "scara", "palletizer"] {
         shop.done(&["init", name]);
@@ -106,7 +106,7 @@ fn first_cells_search_to_a_feasible_layout() {
 }
 
 #[test]
-fn a_robot_of_the_library_and_another_folder_are_taken() {
+fn init_accepts_a_library_robot_and_another_folder() {
     let shop = Shop::new();
     let ran = shop.done(&["init", "adept_cobra_s600", "--out", "my shop/cell 1"]);
     assert_eq!(next(&ran).join(" "), "map 'my shop/cell 1/cell.toml' --svg map.svg");
@@ -120,7 +120,7 @@ fn a_robot_of_the_library_and_another_folder_are_taken() {
 }
 
 #[test]
-fn nothing_is_overwritten_and_slips_are_told() {
+fn init_overwrites_nothing_and_reports_misspellings() {
     let shop = Shop::new();
     shop.done(&["init", "scara"]);
     shop.write("scara/cell.toml", "mine");

@@ -25,7 +25,7 @@ fn assert_same(shop: &Shop, whole: &Shop) {
 /// kill -9 at random moments of a real process, each resumed until it ends: the same bytes.
 /// SWEETSPOT_KILLS says how many moments.
 #[test]
-fn a_killed_search_ends_in_the_same_bytes() {
+fn a_killed_and_resumed_search_ends_in_the_same_bytes() {
     let kills: u32 = std::env::var("SWEETSPOT_KILLS").ok().and_then(|n| n.parse().ok()).unwrap_or(12);
     let args =
         ["search", CELL, "--budget", BUDGET, "--out", "found", "--checkpoint", "0.02", "--threads", "2"];
@@ -79,7 +79,7 @@ fn stopped() -> Shop {
 }
 
 #[test]
-fn a_time_limit_is_4_and_a_larger_budget_is_taken_up() {
+fn a_time_limit_exits_4_and_a_larger_budget_resumes() {
     let shop = stopped();
     let ran = shop.run(&["search", "--resume", "found", "--time", "0.3"]);
     assert_eq!(ran.code, Some(4), "{}", ran.err);
@@ -101,7 +101,7 @@ fn a_time_limit_is_4_and_a_larger_budget_is_taken_up() {
 }
 
 #[test]
-fn what_has_changed_is_refused_and_named() {
+fn a_changed_input_is_refused_and_named() {
     let shop = stopped();
     let checkpoint = shop.read("found/checkpoint.jsonl");
     let refused = |args: &[&str], said: &str| {
@@ -176,7 +176,7 @@ fn a_damaged_checkpoint_is_refused() {
 /// The first signal stops with a checkpoint, SIGTERM as well.
 #[cfg(unix)]
 #[test]
-fn a_signal_is_130_with_a_checkpoint() {
+fn a_signal_exits_130_and_leaves_a_checkpoint() {
     for signal in ["-INT", "-TERM"] {
         let shop = Shop::new();
         let args = ["search", CELL, "--budget", "1000000000", "--out", "found", "--checkpoint", "0"];
@@ -205,7 +205,7 @@ fn a_signal_is_130_with_a_checkpoint() {
 /// No room for a larger checkpoint: 3, the one before it stands, and with room again it goes on.
 #[cfg(unix)]
 #[test]
-fn a_full_disk_is_3_and_keeps_the_last_checkpoint() {
+fn a_full_disk_exits_3_and_keeps_the_last_checkpoint() {
     let shop = Shop::new();
     let line = format!(
         "trap '' XFSZ; ulimit -f 12; exec {} search {CELL} --budget {BUDGET} --out found --checkpoint 0.001",
@@ -227,7 +227,7 @@ fn a_full_disk_is_3_and_keeps_the_last_checkpoint() {
 }
 
 #[test]
-fn progress_is_lines_of_json_where_no_terminal_is() {
+fn progress_is_written_as_json_lines_without_a_terminal() {
     let shop = Shop::new();
     let lines = |more: &[&str]| -> Vec<Value> {
         let args = [&["search", CELL, "--budget", "800"], more].concat();
@@ -253,7 +253,7 @@ fn progress_is_lines_of_json_where_no_terminal_is() {
 }
 
 #[test]
-fn rules_of_stopping_are_told() {
+fn the_stopping_rule_that_ended_a_search_is_reported() {
     let shop = Shop::new();
     let found = shop.json(&["search", CELL, "--budget", "50000", "--stagnation", "600", "--out", "a"]);
     assert_eq!(found["ended"], "stagnation");

@@ -79,7 +79,7 @@ const TOLERANCE: &str = "from = \"hitachi_paper.toml\"\nerrors = \"table-3-toler
                          direction = [1, 1, 0]\n";
 
 #[test]
-fn figures_of_the_map_are_in_order() {
+fn statistical_figures_of_a_map_are_ordered() {
     let shop = Shop::new();
     for (cell, flags) in [
         (CELL, &[][..]),
@@ -107,7 +107,7 @@ fn figures_of_the_map_are_in_order() {
 }
 
 #[test]
-fn a_quantity_alone_takes_the_statistical_reading() {
+fn a_quantity_option_selects_the_statistical_reading() {
     let shop = Shop::new();
     let map = shop.json(&["map", PAPER, "--quantity", "rms"]);
     let operation = &map["operations"][0];
@@ -119,7 +119,7 @@ fn a_quantity_alone_takes_the_statistical_reading() {
 }
 
 #[test]
-fn a_tolerance_is_read_as_worst_case_unless_asked() {
+fn a_tolerance_set_is_read_as_worst_case_unless_requested() {
     let shop = Shop::new();
     for command in ["map", "budget", "explain", "compare"] {
         let ran = shop.done(&[command, PAPER, "--errors", "table-3-tolerance"]);
@@ -147,7 +147,7 @@ fn a_tolerance_is_read_as_worst_case_unless_asked() {
 }
 
 #[test]
-fn a_yield_needs_a_limit() {
+fn the_yield_quantity_needs_a_limit() {
     let shop = Shop::new();
     for command in ["map", "search", "compare", "budget", "explain"] {
         let ran = shop.run(&[command, CELL, "--quantity", "yield"]);
@@ -171,7 +171,7 @@ fn a_yield_needs_a_limit() {
 }
 
 #[test]
-fn bad_limits_and_senses_are_2() {
+fn bad_limits_and_senses_exit_2() {
     let shop = Shop::new();
     for limit in ["-1", "0", "nan", "inf", "-inf", "five", ""] {
         for command in ["map", "search", "compare", "budget", "explain", "readings"] {
@@ -215,7 +215,7 @@ fn best_toml_carries_how_the_errors_are_read() {
 
 /// `from` cannot take a limit away, so that best.toml could not say what was searched.
 #[test]
-fn a_search_refuses_to_lose_a_limit() {
+fn a_search_refuses_options_that_drop_a_limit() {
     let shop = Shop::new();
     shop.write("cells/limited.toml", "from = \"hitachi_paper.toml\"\n[operation.mapping]\nlimit_mm = 4\n");
     shop.done(&["map", "cells/limited.toml", "--sense", "rx"]);
@@ -227,7 +227,7 @@ fn a_search_refuses_to_lose_a_limit() {
 }
 
 #[test]
-fn a_model_that_cannot_be_trusted_is_said_on_both_streams() {
+fn an_untrustworthy_error_model_is_reported_on_both_streams() {
     let shop = Shop::new();
     let ran = shop.done(&["map", CELL, "--model", "linear"]);
     assert!(ran.out.contains("do NOT trust the linear model at 51 of 51 nodes"), "{}", ran.out);
@@ -241,7 +241,7 @@ fn a_model_that_cannot_be_trusted_is_said_on_both_streams() {
 }
 
 #[test]
-fn check_says_how_the_errors_are_read() {
+fn check_states_how_the_errors_are_read() {
     let shop = Shop::new();
     shop.write("cells/tolerance.toml", TOLERANCE);
     let signed = shop.done(&["check", PAPER]);

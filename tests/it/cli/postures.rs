@@ -23,7 +23,7 @@ fn size(v: &[f64]) -> f64 {
 // --- budget -------------------------------------------------------------------------------------
 
 #[test]
-fn shares_of_the_budget_add_up() {
+fn the_shares_of_a_budget_add_up_to_its_total() {
     let shop = Shop::new();
     for flags in [
         &[][..],
@@ -62,7 +62,7 @@ fn shares_of_the_budget_add_up() {
 /// Half a tolerance cuts the linear worst case by at most half its share, and nearly that if the
 /// share is small.
 #[test]
-fn what_tightening_gains_follows_the_shares() {
+fn the_gain_of_tightening_follows_the_shares() {
     let shop = Shop::new();
     let document = shop.json(&["budget", CELL, "--reading", "worst-case", "--model", "linear"]);
     for operation in items(&document["operations"]) {
@@ -95,7 +95,7 @@ fn the_budget_of_a_signed_set_adds_up_to_its_linear_error() {
 }
 
 #[test]
-fn the_budget_names_what_to_tighten() {
+fn the_budget_names_the_source_to_tighten_first() {
     let shop = Shop::new();
     let ran = shop.done(&["budget", CELL, "--operation", "picking"]);
     assert!(ran.out.contains("picking on conveyor: node ("), "{}", ran.out);
@@ -112,7 +112,7 @@ fn the_budget_names_what_to_tighten() {
 }
 
 #[test]
-fn nothing_is_left_at_a_taught_point() {
+fn a_taught_point_has_no_error_left() {
     let shop = Shop::new();
     let taught = ["--registration", "taught", "--reading", "worst-case"];
     let at = ["--operation", "assembly", "--at", "0,2"];
@@ -125,7 +125,7 @@ fn nothing_is_left_at_a_taught_point() {
 }
 
 #[test]
-fn budget_and_explain_refuse_what_cannot_be_looked_at() {
+fn budget_and_explain_refuse_bad_nodes() {
     let shop = Shop::new();
     let one = ["--operation", "assembly"];
     for command in ["budget", "explain"] {
@@ -169,7 +169,7 @@ fn budget_and_explain_refuse_what_cannot_be_looked_at() {
 }
 
 #[test]
-fn a_colliding_node_is_1_with_what_it_touches() {
+fn a_colliding_node_exits_1_and_names_what_it_touches() {
     let shop = Shop::new();
     let map = shop.json(&["map", CELL]);
     let nodes = items(&map["operations"][0]["nodes"]);
@@ -181,7 +181,7 @@ fn a_colliding_node_is_1_with_what_it_touches() {
 }
 
 #[test]
-fn it_works_from_another_folder() {
+fn commands_work_from_another_folder() {
     let shop = Shop::new();
     std::fs::create_dir(shop.path("elsewhere")).unwrap();
     let cell = format!("../{CELL}");
@@ -228,7 +228,7 @@ fn check_explanation(e: &Value) {
 }
 
 #[test]
-fn the_numbers_of_an_explanation_follow_from_each_other() {
+fn the_numbers_of_an_explanation_are_consistent() {
     let shop = Shop::new();
     for (cell, flags) in [
         (CELL, &[][..]),
@@ -259,7 +259,7 @@ fn the_numbers_of_an_explanation_follow_from_each_other() {
 }
 
 #[test]
-fn an_explanation_is_what_map_says() {
+fn an_explanation_agrees_with_map() {
     let shop = Shop::new();
     for flags in [&[][..], &["--reading", "worst-case", "--registration", "best-fit"], &["--quantity", "p95"]]
     {
@@ -284,7 +284,7 @@ fn an_explanation_is_what_map_says() {
 }
 
 #[test]
-fn joints_of_any_robot_are_explained() {
+fn explain_accepts_joints_of_any_robot() {
     let shop = Shop::new();
     shop.write("cells/ur.toml", UR10);
     let joints = ["--joints", "10,-80,70,-60,-90,20"];
@@ -303,7 +303,7 @@ fn joints_of_any_robot_are_explained() {
 }
 
 #[test]
-fn bad_joints_are_2_and_joints_beyond_limits_are_said() {
+fn bad_joints_exit_2_and_joints_beyond_limits_are_reported() {
     let shop = Shop::new();
     for (joints, why) in [
         ("1,2,3", "--joints has 3 numbers, the robot has 4 joints"),
@@ -330,7 +330,7 @@ fn bad_joints_are_2_and_joints_beyond_limits_are_said() {
 }
 
 #[test]
-fn an_explanation_in_words_has_every_step() {
+fn a_printed_explanation_has_every_step() {
     let shop = Shop::new();
     let ran = shop.done(&["explain", CELL]);
     for step in [

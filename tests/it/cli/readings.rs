@@ -8,7 +8,7 @@ fn rows(operation: &Value) -> &[Value] {
 }
 
 #[test]
-fn no_reading_has_less_than_its_own_best() {
+fn each_reading_has_its_least_error_at_its_own_best_layout() {
     let shop = Shop::new();
     for (cell, flags) in [(PAPER, &[][..]), (CELL, &["--limit", "6"]), (CELL, &["--errors", "table-3"])] {
         let document = shop.json(&[&["readings", cell], flags].concat());
@@ -55,7 +55,7 @@ fn no_reading_has_less_than_its_own_best() {
 }
 
 #[test]
-fn the_rows_are_what_map_says() {
+fn the_rows_of_readings_agree_with_map() {
     let shop = Shop::new();
     let document = shop.json(&["readings", CELL]);
     for (reading, registration) in
@@ -72,7 +72,7 @@ fn the_rows_are_what_map_says() {
 }
 
 #[test]
-fn a_tolerance_has_no_signed_rows() {
+fn readings_of_a_tolerance_set_have_no_signed_rows() {
     let shop = Shop::new();
     let ran = shop.done(&["readings", PAPER, "--errors", "table-3-tolerance"]);
     assert!(ran.out.contains("is a tolerance: there is no signed sample"), "{}", ran.out);
@@ -85,7 +85,7 @@ fn a_tolerance_has_no_signed_rows() {
 }
 
 #[test]
-fn its_folder_is_complete() {
+fn the_folder_of_readings_is_complete() {
     let shop = Shop::new();
     let document = shop.json(&["readings", CELL, "--out", "read"]);
     assert_eq!(shop.files("read"), ["manifest.json", "readings.csv", "readings.json"]);
@@ -115,7 +115,7 @@ fn its_folder_is_complete() {
 }
 
 #[test]
-fn nothing_found_is_1() {
+fn readings_without_a_layout_exit_1() {
     let shop = Shop::new();
     let far = "from = \"hitachi_paper.toml\"\n[equipment.worktable.placement]\nx_mm = 6000\n";
     shop.write("cells/far.toml", far);

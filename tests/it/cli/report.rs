@@ -89,7 +89,7 @@ fn facts(html: &str) -> Vec<(String, f64)> {
 }
 
 #[test]
-fn the_verdict_of_a_search_is_what_the_search_found() {
+fn the_verdict_of_a_report_agrees_with_the_search() {
     let shop = shop();
     let ran = shop.run(&["report", "found", "-o", "page.html", "--json"]);
     assert_eq!(ran.code, Some(0), "{}", ran.err);
@@ -191,7 +191,7 @@ fn a_folder_that_was_tampered_with_is_refused() {
 
 /// Hashes that were made to fit do not help: the numbers are found again.
 #[test]
-fn numbers_that_the_layouts_do_not_have_are_refused() {
+fn a_folder_whose_numbers_do_not_come_out_again_is_refused() {
     let shop = shop();
     let (text, is) =
         (shop.text("found/search.json"), shop.document("found/search.json")["objective_value"].clone());
@@ -209,7 +209,7 @@ fn numbers_that_the_layouts_do_not_have_are_refused() {
 }
 
 #[test]
-fn what_is_no_result_of_a_search_is_refused() {
+fn a_folder_without_a_search_result_is_refused() {
     let shop = shop();
     shop.done(&["map", PAPER, "--out", "mapped"]);
     for (args, said) in [
@@ -226,7 +226,7 @@ fn what_is_no_result_of_a_search_is_refused() {
 }
 
 #[test]
-fn a_layout_as_drawn_is_judged_by_its_limit() {
+fn the_start_layout_is_judged_by_its_limit() {
     let shop = Shop::new();
     let map = shop.json(&["map", PAPER]);
     let least = number(&map["objective_mm"]);
@@ -260,7 +260,7 @@ fn a_layout_as_drawn_is_judged_by_its_limit() {
 }
 
 #[test]
-fn a_search_without_a_layout_says_no_and_why() {
+fn a_search_without_a_layout_reports_no_and_the_reason() {
     let shop = Shop::new();
     shop.write("cells/far.toml", BEYOND_REACH);
     assert_eq!(shop.run(&["search", "cells/far.toml", "--budget", "60", "--out", "found"]).code, Some(1));
@@ -277,7 +277,7 @@ fn a_search_without_a_layout_says_no_and_why() {
 }
 
 #[test]
-fn a_search_that_was_stopped_is_reported_as_one() {
+fn a_stopped_search_is_reported_as_stopped() {
     let shop = Shop::new();
     shop.write("cells/small.toml", SMALL);
     let args = ["search", "cells/small.toml", "--budget", "1000000", "--time", "0.3", "--out", "found"];
@@ -302,7 +302,7 @@ const HOSTILE: [&str; 8] = [
 ];
 
 #[test]
-fn hostile_names_are_only_shown() {
+fn hostile_names_are_shown_as_text_in_the_report() {
     let shop = Shop::new();
     let quoted = |name: &str| format!("\"{}\"", name.replace('"', "\\\""));
     let [cell, table, operation, solid, obstacle, keep_out, sense, other] = HOSTILE;
@@ -355,7 +355,7 @@ fn a_search_ends_by_naming_the_report() {
 }
 
 #[test]
-fn layouts_side_by_side_say_which_is_better() {
+fn a_comparison_page_names_the_better_layout() {
     let shop = shop();
     let ran = shop.run(&["compare", "cells/small.toml", "found", "-o", "two.html", "--json"]);
     assert_eq!(ran.code, Some(0), "{}", ran.err);
@@ -390,7 +390,7 @@ fn layouts_side_by_side_say_which_is_better() {
 }
 
 #[test]
-fn layouts_that_answer_another_question_make_no_page() {
+fn layouts_of_another_question_make_no_page() {
     let shop = shop();
     for (other, said) in
         [("cells/hitachi_cell.toml", "grid 10 by 8"), ("cells/scara_cell.toml", "is read signed")]

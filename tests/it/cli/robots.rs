@@ -9,7 +9,7 @@ fn listed(shop: &Shop) -> Vec<String> {
 }
 
 #[test]
-fn the_library_is_the_folder() {
+fn the_built_in_library_equals_the_robots_folder() {
     let shop = Shop::new();
     let folder = crate::common::root().join("cells/robots");
     let mut files: Vec<String> = std::fs::read_dir(&folder)
@@ -28,7 +28,7 @@ fn the_library_is_the_folder() {
 
 /// Known wherever one is: no file of the folder is needed.
 #[test]
-fn the_library_needs_no_files() {
+fn the_built_in_library_needs_no_files() {
     let shop = Shop::new();
     let elsewhere = tempfile::tempdir().unwrap();
     let mut command = shop.command(&["robot", "hitachi_pw10_parallelogram", "--json"]);
@@ -40,7 +40,7 @@ fn the_library_needs_no_files() {
 }
 
 #[test]
-fn an_unknown_robot_is_2_with_a_suggestion() {
+fn an_unknown_robot_exits_2_with_a_suggestion() {
     let shop = Shop::new();
     for args in [["robot", "hitachi_pw1O"], ["envelope", "hitachi_pw1O"]] {
         let ran = shop.run(&args);
@@ -58,7 +58,7 @@ fn an_unknown_robot_is_2_with_a_suggestion() {
 }
 
 #[test]
-fn a_robot_is_told_with_its_numbers() {
+fn a_library_robot_is_printed_with_its_numbers() {
     let shop = Shop::new();
     let by_name = shop.json(&["robot", "hitachi_pw10"]);
     assert_eq!(by_name, shop.json(&["robot", "cells/robots/hitachi_pw10.toml"]));
@@ -76,7 +76,7 @@ fn a_robot_is_told_with_its_numbers() {
 
 /// As marked by its file: rows that begin with the common normal.
 #[test]
-fn modified_rows_are_told_as_they_are_written() {
+fn modified_dh_rows_are_printed_as_they_are_written() {
     let shop = Shop::new();
     let rows = [(11.0, 0.0), (500.0, -90.0), (400.0, 0.0)];
     let mut file =
@@ -105,7 +105,7 @@ fn area(outline: &Value, [u, v]: [&str; 2]) -> f64 {
 }
 
 #[test]
-fn envelope_json_holds_the_contract() {
+fn envelope_json_has_every_documented_field() {
     let shop = Shop::new();
     let args = ["envelope", "hitachi_pw10", "--height", "700", "--height", "1000", "--step", "20"];
     let document = shop.json(&args);
@@ -137,7 +137,7 @@ fn envelope_json_holds_the_contract() {
 }
 
 #[test]
-fn the_envelope_of_a_cell_is_that_of_its_operation() {
+fn the_envelope_of_a_cell_holds_the_tool_of_its_operation() {
     let shop = Shop::new();
     let args = ["envelope", CELL, "--operation", "assembly", "--svg", "e.svg"];
     let document = shop.json(&args);

@@ -8,7 +8,7 @@ const LOOSE: &str = "from = \"hitachi_cell.toml\"\n[equipment.worktable]\n\
                      [equipment.conveyor]\nplacement_tolerance = { x_mm = 3 }\n";
 
 #[test]
-fn robust_tells_worst_corner_slopes_and_room() {
+fn robust_reports_worst_corner_slopes_and_allowed_misplacement() {
     let shop = Shop::new();
     shop.write("cells/loose.toml", LOOSE);
     let told = shop.done(&["robust", "cells/loose.toml", "--limit", "14"]);
@@ -44,7 +44,7 @@ fn robust_tells_worst_corner_slopes_and_room() {
 }
 
 #[test]
-fn a_robust_search_holds_where_the_nominal_one_does_not() {
+fn a_robust_search_holds_where_the_nominal_search_fails() {
     let shop = Shop::new();
     shop.write("cells/loose.toml", LOOSE);
     let search =
@@ -69,7 +69,7 @@ fn a_robust_search_holds_where_the_nominal_one_does_not() {
 }
 
 #[test]
-fn nothing_to_withstand_is_refused() {
+fn a_robust_search_without_placement_tolerances_is_refused() {
     let shop = Shop::new();
     let ran = shop.run(&["search", CELL, "--robust"]);
     assert_eq!(ran.code, Some(2));

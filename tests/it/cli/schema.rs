@@ -6,7 +6,7 @@ use crate::common::root;
 const KINDS: [&str; 4] = ["cell", "robot", "equipment", "tool"];
 
 #[test]
-fn the_committed_schemas_are_those_that_are_printed() {
+fn the_committed_schemas_equal_the_printed_ones() {
     let shop = Shop::new();
     for kind in KINDS {
         let committed = shop.text(&format!("cells/schemas/{kind}.schema.json"));
@@ -18,7 +18,7 @@ fn the_committed_schemas_are_those_that_are_printed() {
 }
 
 #[test]
-fn all_are_written_into_a_folder_and_written_again() {
+fn all_schemas_are_written_into_a_folder_and_rewritten() {
     let shop = Shop::new();
     shop.done(&["schema", "--out", "mine/schemas"]);
     shop.write("mine/schemas/robot.schema.json", "of another version");
@@ -36,7 +36,7 @@ fn all_are_written_into_a_folder_and_written_again() {
 }
 
 #[test]
-fn bad_usage_is_told() {
+fn bad_usage_of_schema_is_reported() {
     let shop = Shop::new();
     for args in [&["schema", "cells"][..], &["schema", "robot", "--out", "x"], &["schema", "--out"]] {
         assert_eq!(shop.run(args).code, Some(2), "{args:?}");

@@ -24,7 +24,7 @@ fn bytes(shop: &Shop, folder: &str) -> BTreeMap<String, Vec<u8>> {
 
 /// A row is what `search` says of a cell file that says the same, and its own cell maps to it.
 #[test]
-fn a_row_is_the_search_of_that_cell() {
+fn a_sweep_row_equals_the_search_of_that_cell() {
     let shop = Shop::new();
     let table = shop.done(&sweep("swept", &["--json"])).document();
     assert_eq!((&table["schema"], &table["combinations"]), (&"sweetspot/sweep/1".into(), &4.into()));
@@ -72,7 +72,7 @@ fn a_row_is_the_search_of_that_cell() {
 }
 
 #[test]
-fn any_number_of_jobs_and_any_death_end_in_the_same_bytes() {
+fn any_number_of_jobs_and_any_kill_end_in_the_same_bytes() {
     let shop = Shop::new();
     shop.done(&sweep("whole", &["--jobs", "1"]));
     let whole = bytes(&shop, "whole");
@@ -96,7 +96,7 @@ fn any_number_of_jobs_and_any_death_end_in_the_same_bytes() {
 }
 
 #[test]
-fn a_finished_combination_is_not_worked_on_again() {
+fn a_finished_combination_is_not_searched_again() {
     let shop = Shop::new();
     shop.done(&sweep("swept", &[]));
     // A mark that nobody would compute.
@@ -112,7 +112,7 @@ fn a_finished_combination_is_not_worked_on_again() {
 }
 
 #[test]
-fn single_combinations_make_the_same_sweep() {
+fn single_combinations_merge_into_the_same_sweep() {
     let shop = Shop::new();
     shop.done(&sweep("whole", &[]));
     for index in ["2", "0", "3", "1"] {
@@ -127,7 +127,7 @@ fn single_combinations_make_the_same_sweep() {
 }
 
 #[test]
-fn a_changed_sweep_is_not_resumed_and_says_what_changed() {
+fn a_changed_sweep_is_not_resumed_and_names_the_change() {
     let shop = Shop::new();
     shop.done(&sweep("swept", &[]));
     let before = bytes(&shop, "swept");
@@ -164,7 +164,7 @@ fn a_changed_sweep_is_not_resumed_and_says_what_changed() {
 
 /// All faults of all combinations before the first runs, each once, in the words of the argument.
 #[test]
-fn faults_point_at_the_set() {
+fn faults_of_a_sweep_name_the_setting() {
     let shop = Shop::new();
     let cases: [(&[&str], &[&str]); 14] = [
         (&["errors=tabel-3,table-2"], &["--set errors=tabel-3: error: ", "did you mean \"table-3\"?\n"]),
@@ -284,7 +284,7 @@ fn every_kind_of_value_can_be_set() {
 }
 
 #[test]
-fn no_feasible_combination_is_1_and_some_are_0() {
+fn a_sweep_exits_1_only_if_no_combination_is_feasible() {
     let shop = Shop::new();
     let args = |z: &'static str, out: &'static str| {
         vec!["sweep", CELL, "--map", "--set", z, "--set", "operation.picking.limit_mm=1", "--out", out]

@@ -31,7 +31,7 @@ fn check_shows_the_derived_rows() {
 }
 
 #[test]
-fn an_arm_that_cannot_be_solved_shows_its_rows() {
+fn an_arm_without_inverse_kinematics_shows_its_rows() {
     let shop = Shop::new();
     let urdf = std::fs::read_to_string(root().join("tests/data/ur5.urdf")).unwrap();
     shop.write("cells/ur5.urdf", &urdf.replace("</robot>", "<gazebo/></robot>"));
@@ -54,7 +54,7 @@ fn an_arm_that_cannot_be_solved_shows_its_rows() {
 }
 
 #[test]
-fn packages_lie_where_the_command_line_says() {
+fn packages_are_found_where_the_command_line_says() {
     let shop = Shop::new();
     with_package(&shop);
     let named = ["--package", "pw10=ros/pw10"];
@@ -71,7 +71,7 @@ fn packages_lie_where_the_command_line_says() {
 
 #[cfg(unix)]
 #[test]
-fn a_link_does_not_lead_out_of_a_package() {
+fn a_symbolic_link_out_of_a_package_is_refused() {
     let shop = Shop::new();
     with_package(&shop);
     let (inside, outside) = (shop.path("ros/pw10/urdf/arm.urdf"), shop.path("ros/arm.urdf"));

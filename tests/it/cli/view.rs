@@ -137,7 +137,7 @@ const ELSEWHERE: &str = "from = \"hitachi_cell.toml\"\n[equipment.worktable.plac
      yaw_deg = 78.9\n";
 
 #[test]
-fn nobody_else_comes_in() {
+fn view_refuses_requests_without_its_secret_host_and_origin() {
     let shop = Shop::new();
     let view = Viewer::of(&shop, &[CELL]);
     let Viewer { port, token, .. } = &view;
@@ -180,7 +180,7 @@ fn nobody_else_comes_in() {
 }
 
 #[test]
-fn the_page_may_load_nothing() {
+fn the_page_of_view_may_load_nothing() {
     let shop = Shop::new();
     let view = Viewer::of(&shop, &[CELL]);
     let [one, other] = [view.get(""), view.get("")];
@@ -211,7 +211,7 @@ fn the_page_may_load_nothing() {
 }
 
 #[test]
-fn a_layout_is_worth_what_map_says() {
+fn the_value_of_a_layout_in_view_agrees_with_map() {
     let shop = Shop::new();
     shop.write("cells/elsewhere.toml", ELSEWHERE);
     let view = Viewer::of(&shop, &[CELL]);
@@ -254,7 +254,7 @@ fn a_layout_is_worth_what_map_says() {
 }
 
 #[test]
-fn steps_are_undone_and_redone_and_a_page_goes_on_where_it_was() {
+fn view_undoes_redoes_and_restores_a_page() {
     let shop = Shop::new();
     let view = Viewer::of(&shop, &[CELL]);
     let objective = |now: &Value| now["answer"]["objective"].clone();
@@ -287,7 +287,7 @@ fn steps_are_undone_and_redone_and_a_page_goes_on_where_it_was() {
 }
 
 #[test]
-fn nonsense_is_refused_in_words() {
+fn view_refuses_invalid_requests_with_a_message() {
     let shop = Shop::new();
     let view = Viewer::of(&shop, &[CELL]);
     let worktable = |number: &str| format!("{{\"equipment\":{{\"worktable\":{{\"x_mm\":{number}}}}}}}");
@@ -343,7 +343,7 @@ fn nonsense_is_refused_in_words() {
 }
 
 #[test]
-fn a_saved_layout_is_a_cell() {
+fn a_saved_layout_is_a_loadable_cell() {
     let shop = Shop::new();
     let view = Viewer::of(&shop, &[CELL]);
     view.done("layout", &elsewhere());
@@ -376,7 +376,7 @@ fn a_saved_layout_is_a_cell() {
 }
 
 #[test]
-fn a_name_is_no_way_out_of_the_folder() {
+fn a_save_name_cannot_leave_the_folder() {
     let shop = Shop::new();
     let view = Viewer::of(&shop, &[CELL]);
     let before = shop.files("");
@@ -419,7 +419,7 @@ fn a_name_is_no_way_out_of_the_folder() {
 }
 
 #[test]
-fn a_search_from_here_is_that_of_search() {
+fn a_search_in_view_equals_the_search_command() {
     let shop = Shop::new();
     let view = Viewer::of(&shop, &[CELL]);
     let now = view.done("layout", &elsewhere());
@@ -465,7 +465,7 @@ fn ended(view: &Viewer) -> Value {
 }
 
 #[test]
-fn a_search_is_stopped_and_the_page_lives_on_meanwhile() {
+fn the_page_answers_during_a_search_and_can_stop_it() {
     let shop = Shop::new();
     let view = Viewer::of(&shop, &[CELL]);
     view.done("search", &json!({ "budget": 100_000_000, "seed": 1 }));
@@ -480,7 +480,7 @@ fn a_search_is_stopped_and_the_page_lives_on_meanwhile() {
 }
 
 #[test]
-fn a_result_can_be_searched_on() {
+fn view_offers_a_search_from_a_result() {
     let shop = Shop::new();
     shop.done(&["search", CELL, "--budget", "300", "--out", "found"]);
     let view = Viewer::of(&shop, &["found"]);
@@ -496,7 +496,7 @@ fn a_result_can_be_searched_on() {
 }
 
 #[test]
-fn a_port_that_is_taken_and_a_cell_that_is_none_end_at_once() {
+fn view_ends_at_once_on_a_taken_port_or_a_bad_cell() {
     let shop = Shop::new();
     let view = Viewer::of(&shop, &[CELL]);
     let ran = shop.run(&["view", CELL, "--port", &view.port.to_string()]);
@@ -509,7 +509,7 @@ fn a_port_that_is_taken_and_a_cell_that_is_none_end_at_once() {
 /// Ctrl-C is how it ends: nothing is left undone.
 #[cfg(unix)]
 #[test]
-fn it_ends_at_a_signal_with_0() {
+fn view_exits_0_on_a_signal() {
     let shop = Shop::new();
     let mut view = Viewer::of(&shop, &[CELL]);
     view.done("search", &json!({ "budget": 100_000_000 }));

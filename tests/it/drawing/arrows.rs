@@ -9,7 +9,7 @@ use sweetspot::drawing::arrows::round_down;
 use sweetspot::drawing::{Arrow, Component, Drawing};
 
 #[test]
-fn arrows_are_the_errors_enlarged() {
+fn arrows_are_the_exaggerated_errors() {
     let workcell = workcell("hitachi_paper.toml");
     let a = Assessment::new("start", &workcell, workcell.cell.start());
     let detail = Detail { lenses: false, envelopes: false, nodes: usize::MAX };
@@ -40,7 +40,7 @@ fn arrows_are_the_errors_enlarged() {
 }
 
 #[test]
-fn errors_without_a_sign_go_both_ways() {
+fn unsigned_errors_have_arrows_both_ways() {
     let workcell = workcell("hitachi_paper.toml");
     let a = Assessment::new("start", &workcell, workcell.cell.start());
     let detail = Detail { lenses: true, envelopes: false, nodes: usize::MAX };
@@ -60,7 +60,7 @@ fn errors_without_a_sign_go_both_ways() {
 }
 
 #[test]
-fn an_exaggeration_is_easily_said() {
+fn an_arrow_exaggeration_is_a_round_number() {
     let cases = [(37.4, 35.0), (3.99, 3.5), (1.0, 1.0), (1e3, 1e3), (999.0, 950.0), (0.27, 0.25)];
     for (raw, said) in cases {
         assert!((round_down(raw) / said - 1.0f64).abs() < 1e-12, "{raw}: {}", round_down(raw));
@@ -68,7 +68,7 @@ fn an_exaggeration_is_easily_said() {
 }
 
 #[test]
-fn a_solid_arrow_is_closed_and_a_head_is_seen_from_two_sides() {
+fn a_solid_arrow_is_closed_and_its_barbs_are_perpendicular() {
     for tip in [Vector3::new(0.3, -0.4, 0.0), Vector3::new(0.0, 0.0, -0.5), Vector3::new(0.1, 0.2, 0.3)] {
         let arrow = Arrow { node: 0, tail: Vector3::new(1.0, 2.0, 3.0), tip, head: 0.04 };
         let mesh = arrow.mesh();

@@ -13,7 +13,7 @@ fn volume(mesh: &Mesh) -> f64 {
 }
 
 #[test]
-fn every_solid_is_closed_and_looks_outwards() {
+fn every_solid_mesh_is_closed_and_faces_outwards() {
     let tilted = Pose::from_translation_rpy(Vector3::new(0.3, -0.2, 0.9), Vector3::new(0.4, -0.7, 1.1));
     let (a, b) = (Vector3::new(0.1, 0.2, 0.3), Vector3::new(-0.4, 0.6, 0.9));
     let (length, r): (f64, f64) = ((b - a).norm(), 0.15);
@@ -40,7 +40,7 @@ fn every_solid_is_closed_and_looks_outwards() {
 }
 
 #[test]
-fn a_box_is_sharp_and_a_ball_is_soft() {
+fn a_box_has_sharp_and_a_ball_smooth_normals() {
     let cube = Mesh::of(&Shape::Box { pose: Pose::IDENTITY, size: Vector3::repeat(1.0) }, 0.0);
     assert_eq!((cube.positions.len(), cube.triangles.len()), (24, 12));
     let ball = Mesh::of(&Shape::Sphere { centre: Vector3::zeros(), radius: 2.0 }, 0.0);

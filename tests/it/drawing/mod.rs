@@ -8,7 +8,7 @@ use sweetspot::assess::Assessment;
 use sweetspot::drawing::{Detail, Drawing, Kind};
 
 #[test]
-fn a_drawing_shows_what_the_assessment_says() {
+fn a_drawing_shows_the_values_of_the_assessment() {
     let workcell = workcell("hitachi_paper.toml");
     let a = Assessment::new("start", &workcell, workcell.cell.start());
     let drawing = Drawing::new(&a, &Detail::FULL).unwrap();
@@ -66,7 +66,7 @@ fn a_large_map_is_thinned_and_keeps_its_spot() {
 
 /// The bars of a robot without solids join the origins of its frames.
 #[test]
-fn every_robot_is_to_be_seen() {
+fn every_robot_without_solids_is_drawn_as_bars() {
     for name in ["ur_cell.toml", "panda_cell.toml", "scara_cell.toml", "track_cell.toml"] {
         let mut workcell = workcell(name);
         let (solids, tools) = (workcell.cell.robot.solids.len(), workcell.cell.robot.tool_solids);

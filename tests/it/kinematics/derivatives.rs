@@ -99,7 +99,7 @@ fn worst(robot: &Robot, q: &JointVector, expansion: &mut Expansion) -> (f64, f64
 
 /// To 1e-13 (m or rad, per m or rad of each parameter) for chains of a few metres; 4e-15 are seen.
 #[test]
-fn every_derivative_is_that_of_the_product() {
+fn every_derivative_agrees_with_dual_numbers() {
     let robots = 8 * 48;
     let off = (0..robots).into_par_iter().map(|k| {
         let mut rng = ChaCha8Rng::seed_from_u64(100 + k as u64);
@@ -121,7 +121,7 @@ fn every_derivative_is_that_of_the_product() {
 
 /// An expansion of some parameters knows them as that of all does, through the coupling, too.
 #[test]
-fn some_parameters_are_as_among_all() {
+fn derivatives_of_some_parameters_equal_those_among_all() {
     let mut rng = ChaCha8Rng::seed_from_u64(12);
     for k in 0..80 {
         let (robot, q) = posed(&mut rng, 1 + k % 8, Case::Random);
@@ -143,7 +143,7 @@ fn values(errors: &SignedErrors, size: f64) -> Vec<f64> {
 
 /// Every parameter wrong, those of the base and of the tool, too.
 #[test]
-fn second_order_model_is_its_derivatives() {
+fn the_second_order_model_agrees_with_its_derivatives() {
     let mut rng = ChaCha8Rng::seed_from_u64(9);
     for k in 0..240 {
         let n = 1 + k % 8;
@@ -166,7 +166,7 @@ fn second_order_model_is_its_derivatives() {
 
 /// Half the errors, an eighth of what the second-order model leaves; a quarter for the linear one.
 #[test]
-fn models_converge_with_their_order() {
+fn error_models_converge_with_their_order() {
     let mut rng = ChaCha8Rng::seed_from_u64(10);
     for k in 0..240 {
         let n = 1 + k % 8;
@@ -193,7 +193,7 @@ fn models_converge_with_their_order() {
 
 /// Rz(a) Tx(l): p = l (cos a, sin a, 0), by hand.
 #[test]
-fn second_derivatives_of_one_link_by_hand() {
+fn second_derivatives_of_one_link_match_hand_calculation() {
     let mut rng = ChaCha8Rng::seed_from_u64(11);
     let (mut robot, _) = posed(&mut rng, 1, Case::Stretched);
     robot.joints[0].kind = sweetspot::cell::JointKind::Revolute;

@@ -105,7 +105,7 @@ fn assert_close(got: Vector3<f64>, want: Vector3<f64>, relative: f64, what: &str
 }
 
 #[test]
-fn linearized_model_is_the_derivative() {
+fn the_linearized_model_is_the_derivative() {
     let mut rng = ChaCha8Rng::seed_from_u64(5);
     for k in 0..1_000 {
         let (n, flat) = (1 + k % 8, k % 10 == 9);
@@ -125,7 +125,7 @@ fn linearized_model_is_the_derivative() {
 /// tests/data/nonlinear_mpmath.py wrote the reference: errors up to 1 mm and 0.5 degrees, a
 /// thousandth and a millionth of that.
 #[test]
-fn nonlinear_model_keeps_its_digits_down_to_nanometres() {
+fn the_nonlinear_model_keeps_its_digits_down_to_nanometres() {
     let text = std::fs::read_to_string(root().join("tests/data/nonlinear_mpmath.json")).unwrap();
     let chains: Vec<Value> = serde_json::from_str(&text).unwrap();
     let numbers = |v: &Value| -> Vec<f64> {
@@ -162,7 +162,7 @@ fn nonlinear_model_keeps_its_digits_down_to_nanometres() {
 }
 
 #[test]
-fn no_error_gives_exactly_zero() {
+fn zero_errors_give_exactly_zero() {
     let mut rng = ChaCha8Rng::seed_from_u64(6);
     for (n, model) in (1..=8).flat_map(|n| Model::ALL.map(|m| (n, m))) {
         let robot = random_robot(&mut rng, n, false);
@@ -195,7 +195,7 @@ fn tiny_twists_keep_their_digits() {
 
 /// Up to and past half a turn the rotation vector is that of the product, the short way round.
 #[test]
-fn large_twists_give_the_rotation_of_the_product() {
+fn large_twists_give_the_rotation_of_the_matrix_product() {
     let mut rng = ChaCha8Rng::seed_from_u64(8);
     for k in 0..200 {
         let robot = random_robot(&mut rng, 5, false);
@@ -213,7 +213,7 @@ fn large_twists_give_the_rotation_of_the_product() {
 /// Rx(90) puts the tool offset (0.1, 0.2, 0.3) at (0.1, -0.3, 0.2); with l and r it is at
 /// (0.6, -0.3, 0.4), which Rz(90) turns to (0.3, 0.6, 0.4).
 #[test]
-fn signs_by_hand() {
+fn error_signs_match_hand_calculation() {
     let tool = Pose::from_translation_rpy(vector![0.1, 0.2, 0.3], Vector3::zeros());
     let link = |kind| robot(vec![joint(kind, 0.0, 0.2, 0.5, FRAC_PI_2)], vec![vec![1.0]], tool);
     let (revolute, none) = (link(JointKind::Revolute), || no_errors(1));
@@ -261,7 +261,7 @@ fn signs_by_hand() {
 
 /// The whole cell moved and turned by 90 degrees: (x, y) becomes (-y, x), in errors as in places.
 #[test]
-fn maps_turn_with_the_base() {
+fn error_maps_turn_with_the_base() {
     let mut cell = shipped("hitachi_paper.toml");
     let (robot, mut start) = (cell.robot.clone(), cell.start());
     start.placements[0].x = 0.15;

@@ -94,7 +94,7 @@ fn near_to_parallel_four_parameters_grow_with_the_square_of_one_over_the_angle()
 
 /// By dual numbers through the D-H product, and by the eigenvalues of `J^T J`; at another length.
 #[test]
-fn condition_is_that_of_the_product() {
+fn the_identification_condition_agrees_with_the_matrix_product() {
     for (name, robot) in arms() {
         let length = 2.0 * LENGTH;
         let parameters = identifiable(&Chain::new(&robot), FiveParameter);
@@ -142,7 +142,7 @@ fn links(robot: &Robot, of: impl Fn(&Parameter) -> bool) -> Vec<Parameter> {
 /// What five parameters leave out is in what they hold: 4 n of n turning joints, and the sixth motion
 /// of the last link is the tool's.
 #[test]
-fn five_parameters_are_complete_and_minimal() {
+fn five_parameters_per_link_are_complete_and_minimal() {
     for (name, robot) in arms() {
         let five = identifiable(&Chain::new(&robot), FiveParameter);
         let last = robot.axes() - 1;
@@ -155,7 +155,7 @@ fn five_parameters_are_complete_and_minimal() {
 /// No axes parallel, but couplings and sliding joints, one beside another, too: the set holds as many
 /// parameters as are independent.
 #[test]
-fn sliding_joints_have_no_parameter_twice() {
+fn prismatic_joints_have_no_redundant_parameter() {
     let mut rng = ChaCha8Rng::seed_from_u64(31);
     for k in 0..160 {
         let mut robot = random_robot(&mut rng, 1 + k % 8, false);
@@ -172,7 +172,7 @@ fn sliding_joints_have_no_parameter_twice() {
 
 /// Sliding joints between parallel axes, and two that cross.
 #[test]
-fn sliding_joints_beside_parallel_axes_have_five_parameters() {
+fn prismatic_joints_beside_parallel_axes_have_five_parameters() {
     let slide =
         |r: f64, alpha: f64| Joint { limits: (0.1, 0.4), ..joint(JointKind::Prismatic, 0.0, r, 0.0, alpha) };
     let turn = |r: f64, l: f64, alpha: f64| joint(JointKind::Revolute, 0.0, r, l, alpha);
@@ -200,7 +200,7 @@ fn sliding_joints_beside_parallel_axes_have_five_parameters() {
 }
 
 #[test]
-fn too_few_postures_are_singular() {
+fn too_few_postures_make_identification_singular() {
     let robot = Arm::new("ur10").robot;
     let (chain, all) = (Chain::new(&robot), postures(&robot));
     // 24 parameters, six rows a posture; and a posture repeated says nothing new.

@@ -70,7 +70,7 @@ fn check_inverse_at_random(robot: &Robot, configurations: usize) {
 }
 
 #[test]
-fn inverse_of_forward_for_the_robot_of_the_paper() {
+fn the_inverse_recovers_postures_of_the_robot_of_the_paper() {
     check_inverse_at_random(&shipped("hitachi_paper.toml").robot, 10_000);
     check_inverse_at_random(&shipped("hitachi_paper_parallelogram.toml").robot, 10_000);
 }
@@ -123,7 +123,7 @@ fn arm(rows: [[f64; 4]; 4], limits: [f64; 2], coupling: &str, tool: &str) -> Rob
 }
 
 #[test]
-fn inverse_of_forward_for_its_relatives() {
+fn the_inverse_recovers_postures_of_arms_like_the_paper() {
     let with = |joint: usize, column: usize, value: f64| {
         let mut rows = OFFSETS;
         rows[joint][column] = value;
@@ -154,7 +154,7 @@ fn inverse_of_forward_for_its_relatives() {
 }
 
 #[test]
-fn inverse_at_limits() {
+fn the_inverse_finds_postures_at_the_joint_limits() {
     let paper = ["hitachi_paper.toml", "hitachi_paper_parallelogram.toml"].map(|name| shipped(name).robot);
     for robot in paper.into_iter().chain([arm(OFFSETS, [100.0, 260.0], SERIAL, TOOL)]) {
         // Every joint at its lower limit, between, or at its upper limit.
@@ -168,7 +168,7 @@ fn inverse_at_limits() {
 
 /// Search and map must judge alike within the rounding of a limit, too.
 #[test]
-fn both_ways_in_agree_at_the_tolerance_of_a_limit() {
+fn map_and_search_agree_at_the_tolerance_of_a_limit() {
     let mut rng = ChaCha8Rng::seed_from_u64(2);
     let robot = shipped("hitachi_paper.toml").robot;
     let (chain, half) = (Chain::new(&robot), |(lo, hi): (f64, f64)| (hi - lo) / 2.0);
@@ -192,7 +192,7 @@ fn both_ways_in_agree_at_the_tolerance_of_a_limit() {
 
 /// Arm stretched, tool vertical: joints are found to the root of the rounding only.
 #[test]
-fn inverse_of_singular_postures() {
+fn the_inverse_handles_singular_postures() {
     let robot = arm(OFFSETS, [-180.0, 180.0], SERIAL, AT_FLANGE);
     let mut rng = ChaCha8Rng::seed_from_u64(3);
     for _ in 0..1_000 {
@@ -206,7 +206,7 @@ fn inverse_of_singular_postures() {
 }
 
 #[test]
-fn arm_straight_up_beside_its_base_axis_is_in_reach() {
+fn an_arm_straight_up_beside_its_base_axis_is_in_reach() {
     let mut rows = OFFSETS;
     (rows[0][2], rows[1][0], rows[3][0]) = (0.0, 90.0, 0.0);
     let robot = arm(rows, [-180.0, 180.0], SERIAL, AT_FLANGE);
@@ -218,7 +218,7 @@ fn arm_straight_up_beside_its_base_axis_is_in_reach() {
 }
 
 #[test]
-fn folded_arm_of_equal_links_holds_the_tool() {
+fn a_folded_arm_of_equal_links_holds_the_tool() {
     let mut rows = PLAIN;
     rows[2][2] = rows[1][2];
     let robot = arm(rows, [-180.0, 180.0], SERIAL, TOOL);
@@ -234,7 +234,7 @@ fn folded_arm_of_equal_links_holds_the_tool() {
 }
 
 #[test]
-fn base_yaw_on_the_base_axis_keeps_its_limits() {
+fn the_base_yaw_keeps_its_limits_on_the_base_axis() {
     for (offset, limits) in [(0.0, (-60.0, 60.0)), (90.0, (-60.0, 60.0)), (45.0, (100.0, 260.0))] {
         let mut robot = arm(PLAIN, [-180.0, 180.0], SERIAL, AT_FLANGE);
         robot.joints[0].theta = f64::to_radians(offset);
@@ -249,7 +249,7 @@ fn base_yaw_on_the_base_axis_keeps_its_limits() {
 /// Joint 2 has two turns to choose from, and they differ by half a turn of joint 3: a posture alone
 /// does not tell its limits, so the numeric way is taken.
 #[test]
-fn a_fractional_gear_on_a_joint_of_several_turns_is_solved_on_the_actuators() {
+fn a_fractional_gear_over_several_turns_is_solved_on_the_actuators() {
     let gear = "[[1, 0, 0, 0], [0, 1, 0, 0], [0, -0.5, 1, 0], [0, 0, 0, 1]]";
     let mut robot = arm(OFFSETS, [-400.0, 300.0], gear, TOOL);
     robot.joints[2].limits = (-0.7, 0.7);

@@ -101,7 +101,7 @@ impl Chain {
 }
 
 #[test]
-fn errors_of_modified_rows_are_those_of_their_product() {
+fn errors_of_modified_dh_rows_agree_with_the_matrix_product() {
     let mut rng = ChaCha8Rng::seed_from_u64(71);
     for k in 0..200 {
         let chain = Chain::random(&mut rng, 1 + k % 8);

@@ -157,7 +157,7 @@ fn missed(robot: &Robot, rows: usize, count: usize) -> usize {
 }
 
 #[test]
-fn poses_of_every_robot_are_found() {
+fn poses_of_every_robot_are_solved_numerically() {
     for (name, robot) in robots() {
         let missed = missed(&robot, 6, 10_000);
         println!("{name}: {missed} missed");
@@ -166,7 +166,7 @@ fn poses_of_every_robot_are_found() {
 }
 
 #[test]
-fn a_goal_that_asks_less_of_the_attitude_is_found() {
+fn a_goal_with_a_free_orientation_is_found() {
     for ((name, robot), rows) in robots().into_iter().flat_map(|r| [3, 4, 5].map(|rows| (r.clone(), rows))) {
         let missed = missed(&robot, rows, 2_000);
         println!("{name}, {rows} rows: {missed} missed");
@@ -176,7 +176,7 @@ fn a_goal_that_asks_less_of_the_attitude_is_found() {
 
 /// Couplings by fractions, slides and turns in any order: whatever a file may hold.
 #[test]
-fn poses_of_random_chains_are_found() {
+fn poses_of_random_chains_are_solved_numerically() {
     let mut rng = ChaCha8Rng::seed_from_u64(11);
     let robots: Vec<_> = (0..300).map(|k| random_robot(&mut rng, 3 + k % 6, k % 10 == 0)).collect();
     let missed: usize = robots.iter().map(|robot| missed(robot, 6, 40)).sum();
@@ -186,7 +186,7 @@ fn poses_of_random_chains_are_found() {
 
 /// Work B: poses and the mean count of solutions by a closed form, both made elsewhere.
 #[test]
-fn work_b_one_and_all() {
+fn one_and_all_solutions_of_peer_set_b_are_found() {
     for (name, mean) in [("puma560", 3.702), ("ur5", 7.120)] {
         let robot = catalogue(name);
         let solver = Numeric::new(&Chain::new(&robot));
@@ -213,7 +213,7 @@ fn work_b_one_and_all() {
 
 /// The paper's arm has a closed form: the same postures.
 #[test]
-fn all_are_those_of_the_closed_form() {
+fn all_numeric_solutions_agree_with_the_closed_form() {
     let robot = shipped("hitachi_paper.toml").robot;
     let chain = Chain::new(&robot);
     let (solver, arm) = (Numeric::new(&chain), Inverse::new(&chain));
@@ -239,7 +239,7 @@ fn all_are_those_of_the_closed_form() {
 }
 
 #[test]
-fn the_jacobian_is_the_derivative() {
+fn the_jacobian_agrees_with_dual_numbers() {
     let mut rng = ChaCha8Rng::seed_from_u64(5);
     for k in 0..200 {
         let robot = random_robot(&mut rng, 3 + k % 6, k % 10 == 0);
@@ -276,7 +276,7 @@ fn reason(robot: &Robot, goal: &Goal) -> Missing {
 }
 
 #[test]
-fn out_of_reach_tells_the_distance() {
+fn an_unreachable_goal_reports_the_distance() {
     let free = [(-3.2, 3.2); 3];
     let (long, short) = (planar(&[0.5, 0.4, 0.3], &free), planar(&[1.0, 0.3, 0.2], &free));
     let still = planar(&[0.5, 0.4, 0.3], &[(-FRAC_PI_2, FRAC_PI_2), (-1e-12, 1e-12), (-1e-12, 1e-12)]);
@@ -307,7 +307,7 @@ fn out_of_reach_tells_the_distance() {
 
 /// The wrist of a SCARA has to turn by the rest that its two elbows leave; less limits.
 #[test]
-fn a_limit_that_forbids_the_attitude_is_named() {
+fn a_joint_limit_that_forbids_the_orientation_is_named() {
     let (limit, mut rng, mut told) = (0.2, ChaCha8Rng::seed_from_u64(9), 0);
     let robot = scara(limit);
     for _ in 0..200 {
@@ -338,7 +338,7 @@ fn a_limit_that_forbids_the_attitude_is_named() {
 
 /// The paper's arm holds its tool in the vertical plane through its base axis.
 #[test]
-fn an_attitude_that_the_geometry_forbids_names_no_joint() {
+fn an_orientation_that_the_geometry_forbids_names_no_joint() {
     let robot = shipped("hitachi_paper.toml").robot;
     for tilt in [0.1, 0.4, 0.9] {
         let goal = goal_at(&robot, &[0.2, 0.3, -0.4, 0.2, 0.0, 0.0, 0.0, 0.0], 5);
@@ -354,7 +354,7 @@ fn an_attitude_that_the_geometry_forbids_names_no_joint() {
 }
 
 #[test]
-fn the_same_question_has_the_same_bits() {
+fn numeric_solutions_are_deterministic() {
     let mut rng = ChaCha8Rng::seed_from_u64(13);
     for (_, robot) in robots() {
         let (chain, q) = (Chain::new(&robot), random_joints(&robot, &mut rng));
@@ -374,7 +374,7 @@ fn the_same_question_has_the_same_bits() {
 
 /// One robot of seven axes reaches a pose in a continuum of ways.
 #[test]
-fn a_continuum_is_spread() {
+fn a_continuum_of_solutions_is_sampled_evenly() {
     let (robot, mut rng, mut out) = (panda(), ChaCha8Rng::seed_from_u64(17), Vec::new());
     let solver = Numeric::new(&Chain::new(&robot));
     let mut count = 0;
@@ -394,7 +394,7 @@ fn a_continuum_is_spread() {
 }
 
 #[test]
-fn tools_held_nearly_upright_and_half_turns_are_found() {
+fn nearly_vertical_tools_and_half_turns_are_solved() {
     let (robot, solver) = (catalogue("ur5"), Numeric::new(&Chain::new(&catalogue("ur5"))));
     for rest in [0.0, 1e-10, 1e-9, 1e-8, 1e-7, 1e-5, 1e-3, 0.1] {
         for sign in [1.0, -1.0] {
@@ -422,7 +422,7 @@ fn tools_held_nearly_upright_and_half_turns_are_found() {
 
 /// From a start near a solution the way leads to that one.
 #[test]
-fn a_start_leads_to_the_solution_beside_it() {
+fn a_start_leads_to_the_nearest_solution() {
     let (robot, mut rng) = (catalogue("ur5"), ChaCha8Rng::seed_from_u64(19));
     let solver = Numeric::new(&Chain::new(&robot));
     let mut beside = 0;
@@ -440,7 +440,7 @@ fn a_start_leads_to_the_solution_beside_it() {
 }
 
 #[test]
-fn nothing_finite_or_not_breaks_it() {
+fn no_input_breaks_numeric_inverse_kinematics() {
     let rows = [(TURN, 0.0, 0.0, 0.0, (-1.0, 1.0)); 4];
     let nothing = serial(&rows, Pose::identity());
     let slides = serial(&[(SLIDE, 0.0, 0.0, 0.0, (0.0, 1.0)); 3], Pose::identity());

@@ -31,7 +31,7 @@ fn assert_near(got: Vector3<f64>, want: Vector3<f64>, tolerance: f64, what: &str
 }
 
 #[test]
-fn logarithm_undoes_the_exponential() {
+fn the_rotation_logarithm_undoes_the_exponential() {
     let mut rng = ChaCha8Rng::seed_from_u64(20);
     for (angle, _) in ANGLES.into_iter().flat_map(|a| (0..200).map(move |k| (a, k))) {
         let axis = unit(&mut rng);
@@ -48,7 +48,7 @@ fn logarithm_undoes_the_exponential() {
 }
 
 #[test]
-fn past_half_a_turn_the_short_way_round() {
+fn rotations_past_half_a_turn_take_the_shorter_way() {
     let mut rng = ChaCha8Rng::seed_from_u64(21);
     for beyond in [1e-12, 1e-8, 1e-4, 1.0, 3.0, PI] {
         for _ in 0..100 {
@@ -60,7 +60,7 @@ fn past_half_a_turn_the_short_way_round() {
 }
 
 #[test]
-fn points_move_as_rodrigues_and_nalgebra_say() {
+fn points_move_by_rodrigues_formula() {
     let mut rng = ChaCha8Rng::seed_from_u64(22);
     for (angle, _) in ANGLES.into_iter().flat_map(|a| (0..200).map(move |k| (a, k))) {
         let (axis, arm) = (unit(&mut rng), within(&mut rng, 1.0));
@@ -110,7 +110,7 @@ const PRODUCTS: [([f64; 3], [f64; 3], [f64; 3]); 12] = [
 ];
 
 #[test]
-fn products_of_rotations_as_in_60_digits() {
+fn composed_rotations_agree_with_60_digits() {
     for (a, b, want) in PRODUCTS {
         let [a, b, want] = [a, b, want].map(Vector3::from);
         let got = SmallRotation::of(&a).after(&SmallRotation::of(&b)).vector();
@@ -120,7 +120,7 @@ fn products_of_rotations_as_in_60_digits() {
 
 /// Any two: finite, at most half a turn, and the rotation of nalgebra's quaternions.
 #[test]
-fn no_product_is_nan() {
+fn no_composed_rotation_is_nan() {
     let mut rng = ChaCha8Rng::seed_from_u64(23);
     for (a, b) in ANGLES.into_iter().flat_map(|a| ANGLES.map(|b| (a, b))) {
         // About the same axis (they add up, or undo each other) and about any two.
@@ -189,7 +189,7 @@ fn small_displacements_keep_their_digits() {
 }
 
 #[test]
-fn the_logarithm_undoes_the_exponential_at_every_angle() {
+fn the_matrix_logarithm_undoes_the_exponential_at_every_angle() {
     let axes = [vector![1.0, 0.0, 0.0], vector![0.6, 0.0, -0.8], vector![-2.0, 3.0, 6.0] / 7.0];
     for (axis, angle) in axes
         .iter()
@@ -207,7 +207,7 @@ fn the_logarithm_undoes_the_exponential_at_every_angle() {
 }
 
 #[test]
-fn the_least_turn_carries_one_vector_onto_the_other() {
+fn the_shortest_rotation_carries_one_vector_onto_the_other() {
     let from = vector![0.6, 0.0, -0.8];
     for to in [from, -from, vector![0.0, 1.0, 0.0], vector![0.6, 1e-9, -0.8].normalize()] {
         let turn = least_turn(&from, &to);

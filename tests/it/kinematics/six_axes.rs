@@ -192,7 +192,7 @@ pub fn offsets() -> Bench {
 }
 
 #[test]
-fn inverse_of_forward_for_named_arms() {
+fn the_inverse_recovers_postures_of_named_arms() {
     for (k, bench) in [puma560(), irb140(), ur5()].iter().enumerate() {
         bench.check_random(100_000, k as u64);
     }
@@ -226,7 +226,7 @@ pub fn end_for_end(rows: &[Row]) -> Vec<Row> {
 }
 
 #[test]
-fn inverse_of_forward_for_general_chains() {
+fn the_inverse_recovers_postures_of_general_chains() {
     let mut rng = ChaCha8Rng::seed_from_u64(20);
     let kinds = |k: usize| from_fn(|j| if k >> j & 1 == 1 { P } else { R });
     for k in 0..8 {
@@ -240,7 +240,7 @@ fn inverse_of_forward_for_general_chains() {
 
 /// Right angles and zeros in every place: the special cases of every first three joints.
 #[test]
-fn inverse_of_forward_for_special_chains() {
+fn the_inverse_recovers_postures_of_special_chains() {
     let mut rng = ChaCha8Rng::seed_from_u64(21);
     let mut solved = [0; 8];
     for k in 0..1_600 {

@@ -84,7 +84,7 @@ fn singular_wrists_have_a_representative() {
 }
 
 #[test]
-fn wrist_centre_on_the_base_axis_or_as_near_as_it_gets() {
+fn wrist_centres_on_or_next_to_the_base_axis_are_solved() {
     let mut rng = ChaCha8Rng::seed_from_u64(2);
     for (bench, frame) in [(puma560(), 4), (irb140(), 4), (centred(), 4), (ur5(), 5), (offsets(), 5)] {
         let mut checked = 0;
@@ -185,7 +185,7 @@ fn reference(name: &str) -> Vec<Pose> {
 }
 
 #[test]
-fn counts_inside_the_limits_are_those_of_the_reference() {
+fn solution_counts_inside_the_limits_match_the_reference() {
     for (bench, name, mean) in [(puma560(), "puma560", 3.702), (ur5(), "ur5", 7.120)] {
         let joints = data(&format!("b_{name}_q.bin"));
         let (mut count, mut solved) = (0, 0);
@@ -208,7 +208,7 @@ fn counts_inside_the_limits_are_those_of_the_reference() {
 }
 
 #[test]
-fn a_number_names_one_family_of_postures() {
+fn a_branch_number_names_one_family_of_postures() {
     // Sides of the arm: wrist flipped, elbow, leaning back, from the joints themselves.
     let sides = |bench: &Bench, q: &JointVector, frame: usize, elbow: f64| {
         let frames = bench.chain.frames(&bench.chain.posture(q));
@@ -239,7 +239,7 @@ fn a_number_names_one_family_of_postures() {
 }
 
 #[test]
-fn what_is_not_of_the_family_is_refused_with_its_reason() {
+fn a_chain_outside_the_family_is_refused_with_the_reason() {
     let wrist = |bench: Bench| SphericalWrist::new(&bench.chain).map(|_| ()).unwrap_err();
     let parallel = |edit: fn(&mut sweetspot::cell::Robot)| {
         let mut robot = ur5().robot;

@@ -42,7 +42,7 @@ fn brute(bench: &Bench, p: &Vector3<f64>) -> f64 {
 }
 
 #[test]
-fn missing_is_the_least_distance() {
+fn the_reach_gap_is_the_least_distance() {
     let mut rng = ChaCha8Rng::seed_from_u64(5);
     let mut general = turning([
         [0.0, 100.0, 90.0, 50.0],
@@ -82,7 +82,7 @@ fn missing_is_the_least_distance() {
 /// Too near to the base axis, it is the way out; beyond the arm's reach, some move of the flange by as
 /// much is enough, and none by a tenth of it.
 #[test]
-fn missing_of_three_parallel_axes() {
+fn the_reach_gap_of_three_parallel_axes_is_the_least_distance() {
     let mut rng = ChaCha8Rng::seed_from_u64(6);
     let bench = ur5();
     for _ in 0..1_000 {

@@ -50,7 +50,7 @@ fn density(x: f64) -> f64 {
 }
 
 #[test]
-fn one_component_is_the_folded_normal() {
+fn the_norm_of_one_component_is_the_folded_normal() {
     let plain = diagonal(&[1.0], &[]);
     // mpmath: sqrt(2) erfinv(p)
     close(plain.quantile(0.5), 0.674489750196082, 1e-10);
@@ -67,7 +67,7 @@ fn one_component_is_the_folded_normal() {
 }
 
 #[test]
-fn two_and_three_and_six_alike_are_rayleigh_and_maxwell_and_chi() {
+fn equal_components_give_rayleigh_maxwell_and_chi() {
     for c in [0.01, 0.3, 1.0, 2.0, 3.5] {
         let (u, e) = (0.5 * c * c, (-0.5_f64 * c * c).exp());
         near(diagonal(&[1.0; 2], &[]).cdf(c), -(-u).exp_m1(), 1e-10);
@@ -284,7 +284,7 @@ const TABLE: &[Case] = &[
 ];
 
 #[test]
-fn cdf_is_that_of_the_table() {
+fn the_cdf_of_the_norm_agrees_with_the_table() {
     for (sd, mu, values) in TABLE {
         let norm = diagonal(sd, mu);
         for &(c, p) in *values {
@@ -298,7 +298,7 @@ fn cdf_is_that_of_the_table() {
 }
 
 #[test]
-fn mean_is_that_of_the_table() {
+fn the_mean_of_the_norm_agrees_with_the_table() {
     let table: [(&[f64], &[f64], f64); 7] = [
         (&[1.0], &[0.0], 0.79788456080287),
         (&[1.0], &[0.5], 0.89559311480261),
@@ -323,7 +323,7 @@ fn random(rng: &mut ChaCha8Rng, m: usize, count: usize) -> Vec<Vector6<f64>> {
 }
 
 #[test]
-fn quantile_inverts_cdf() {
+fn the_quantile_inverts_the_cdf() {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     for round in 0..3000 {
         let m = 1 + round % 6;
@@ -340,7 +340,7 @@ fn quantile_inverts_cdf() {
 }
 
 #[test]
-fn the_bound_is_the_quantile_where_one_direction_varies() {
+fn the_quantile_bound_is_exact_where_one_direction_varies() {
     let norm = Norm::new(3, &[vector(&[1.0, 2.0, 2.0]), vector(&[-2.0, -4.0, -4.0])], &[], &vector(&[]));
     close(norm.quantile_bound(0.95), norm.quantile(0.95), 1e-7);
     close(norm.quantile(0.95), 1.95996398454005 * 45.0_f64.sqrt(), 1e-10);
@@ -349,7 +349,7 @@ fn the_bound_is_the_quantile_where_one_direction_varies() {
 }
 
 #[test]
-fn units_and_axes_do_not_matter() {
+fn the_figures_of_the_norm_do_not_depend_on_units_and_axes() {
     let mut rng = ChaCha8Rng::seed_from_u64(2);
     for m in 1..=6 {
         let columns = random(&mut rng, m, 8);
@@ -378,7 +378,7 @@ fn units_and_axes_do_not_matter() {
 /// With one component the correction is Edgeworth's: densities times Hermite polynomials. A sum of
 /// uniform parameters has the sixth cumulant `100/21 gamma_k^2 g_k^6`.
 #[test]
-fn kurtosis_of_one_component_is_edgeworths_series() {
+fn the_kurtosis_of_one_component_follows_edgeworths_series() {
     let columns = [vector(&[0.6]), vector(&[0.64]), vector(&[0.48])];
     let four = -1.2 * 0.6_f64.powi(4) - 0.6 * 0.48_f64.powi(4);
     let six = 100.0 / 21.0 * (1.44 * 0.6_f64.powi(6) + 0.36 * 0.48_f64.powi(6));
@@ -408,7 +408,7 @@ fn kurtosis_of_one_component_is_edgeworths_series() {
 /// A parameter that is normal with variance 1 - a, 1, 1 + a in one, four, one of six cases has the
 /// fourth cumulant a^2, no sixth, eighth or tenth, and its exact distribution is a mean of three.
 #[test]
-fn kurtosis_of_several_components_is_that_of_a_mixture() {
+fn the_kurtosis_of_several_components_follows_a_mixture() {
     let mut rng = ChaCha8Rng::seed_from_u64(3);
     for round in 0..60 {
         let m = 2 + round % 5;
@@ -467,7 +467,7 @@ fn three_uniform_parameters_are_nearly_exact() {
 }
 
 #[test]
-fn ten_uniform_parameters_are_those_of_chance() {
+fn ten_uniform_parameters_agree_with_monte_carlo() {
     let mut rng = ChaCha8Rng::seed_from_u64(4);
     let columns = random(&mut rng, 3, 10);
     let mean = vector(&[0.2, -0.3, 0.1]);
@@ -494,7 +494,7 @@ fn ten_uniform_parameters_are_those_of_chance() {
 }
 
 #[test]
-fn without_covariance_the_mean_is_all() {
+fn the_norm_without_covariance_is_the_mean() {
     for columns in [vec![], vec![vector(&[0.0; 6]); 5]] {
         let norm = Norm::new(3, &columns, &[], &vector(&[3.0, 0.0, 4.0]));
         for value in [norm.rms(), norm.mean(), norm.quantile(0.01), norm.quantile(0.99)] {
@@ -510,7 +510,7 @@ fn without_covariance_the_mean_is_all() {
 
 /// Far from zero |e| is normal about `|mu| + sd^2 (m - 1)/(2 |mu|)`, up to terms of third order.
 #[test]
-fn far_from_zero_the_norm_is_normal() {
+fn the_norm_far_from_zero_is_normal() {
     for sd in [1e-4, 1e-6, 1e-8] {
         let norm = diagonal(&[sd; 3], &[6.0, 0.0, -8.0]);
         for (p, z) in
@@ -526,7 +526,7 @@ fn far_from_zero_the_norm_is_normal() {
 
 /// The parabola hands over to the hyperbola somewhere: nothing shows.
 #[test]
-fn nothing_jumps_as_the_mean_grows() {
+fn the_figures_of_the_norm_are_continuous_in_the_mean() {
     for m in 1..=6 {
         let sd: Vec<f64> = (0..m).map(|i| [1.0, 0.5, 0.1, 0.7, 0.02, 0.3][i]).collect();
         let at = |t: f64| diagonal(&sd, &sd.iter().map(|s| s * t).collect::<Vec<_>>());
@@ -540,7 +540,7 @@ fn nothing_jumps_as_the_mean_grows() {
 }
 
 #[test]
-fn everything_is_finite_and_in_order() {
+fn the_figures_of_the_norm_are_finite_and_ordered() {
     let mut rng = ChaCha8Rng::seed_from_u64(5);
     for round in 0..100_000 {
         let m = rng.random_range(1..=6);

@@ -38,7 +38,7 @@ fn reachable(rng: &mut ChaCha8Rng, robot: &Robot) -> sweetspot::robot::Frames {
 /// Three postures, a taught frame, and the error left at each of them: nothing at the origin, only
 /// along the line at the second, only in the plane at the third.
 #[test]
-fn a_taught_frame_leaves_what_its_rule_leaves() {
+fn a_taught_frame_leaves_the_error_of_its_rule() {
     let mut rng = ChaCha8Rng::seed_from_u64(51);
     for _ in 0..50 {
         let mut cell = all_wrong(&mut rng);
@@ -82,7 +82,7 @@ fn a_taught_frame_leaves_what_its_rule_leaves() {
 /// Errors of the base and of the fixture move everything alike: a taught frame knows nothing of
 /// them, and a fitted base nothing of the base.
 #[test]
-fn rigid_errors_cancel() {
+fn rigid_errors_cancel_in_a_relative_error() {
     let mut rng = ChaCha8Rng::seed_from_u64(52);
     for _ in 0..20 {
         let mut cell = all_wrong(&mut rng);
@@ -118,7 +118,7 @@ fn rigid_errors_cancel() {
 
 /// The fitted base against Kabsch's method (singular value decomposition) over the same postures.
 #[test]
-fn best_fit_is_that_of_kabsch() {
+fn the_best_fit_agrees_with_kabsch() {
     let mut rng = ChaCha8Rng::seed_from_u64(53);
     for _ in 0..20 {
         let cell = all_wrong(&mut rng);
@@ -162,7 +162,7 @@ fn homogeneous(pose: &Pose) -> Matrix4<f64> {
 /// Pick and place by products of 4 x 4 matrices: the part is gripped where the pick is wrong, and
 /// the gripper is wrong again where it is placed.
 #[test]
-fn relative_error_is_that_of_the_placed_part() {
+fn the_relative_error_is_the_error_of_the_placed_part() {
     let mut rng = ChaCha8Rng::seed_from_u64(54);
     for _ in 0..50 {
         let mut cell = all_wrong(&mut rng);
@@ -202,7 +202,7 @@ fn relative_error_is_that_of_the_placed_part() {
 
 /// A fixture moved on purpose: the error is seen from the moved work.
 #[test]
-fn fixture_errors_by_hand() {
+fn fixture_errors_match_hand_calculation() {
     let mut cell = shipped("hitachi_paper.toml");
     let n = cell.robot.axes();
     let none = || vec![0.0; n];
@@ -241,7 +241,7 @@ fn fixture_errors_by_hand() {
 /// A surface of which no three points can be touched has no taught frame, and the layout no value;
 /// what cannot be picked cannot be placed.
 #[test]
-fn what_is_missing_is_said() {
+fn a_frame_that_cannot_be_taught_is_reported() {
     let mut cell = shipped("hitachi_paper.toml");
     cell.registration = Registration::Taught;
     let workcell = Workcell::new(cell.clone()).unwrap();

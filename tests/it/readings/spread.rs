@@ -30,7 +30,7 @@ fn correlated(rng: &mut ChaCha8Rng, robot: &Robot, tolerance: &mut Tolerance) ->
 
 /// Covariance of the position error, `G C G^T` with columns from dual numbers.
 #[test]
-fn a_covariance_is_carried_to_the_tool() {
+fn a_covariance_is_propagated_to_the_tool() {
     let mut rng = ChaCha8Rng::seed_from_u64(61);
     for k in 0..100 {
         let axes = 3 + k % 5;
@@ -86,7 +86,7 @@ fn a_covariance_is_carried_to_the_tool() {
 /// covariance misses; as long as none of them makes a quarter of the variance, for that one alone is
 /// the shape then (the verdict says so: see below).
 #[test]
-fn shapes_of_the_parameters_count() {
+fn the_distributions_of_the_parameters_matter() {
     let mut rng = ChaCha8Rng::seed_from_u64(62);
     let shapes = [Distribution::Uniform, Distribution::Triangular, Distribution::Normal];
     let mut judged = 0;
@@ -117,7 +117,7 @@ fn shapes_of_the_parameters_count() {
 
 /// One uniform parameter is no normal: the samples say that the first-order figures do not hold.
 #[test]
-fn the_verdict_can_be_no() {
+fn monte_carlo_can_refute_the_first_order_figures() {
     let mut rng = ChaCha8Rng::seed_from_u64(63);
     let robot = random_robot(&mut rng, 4);
     let mut tolerance = random_tolerance(&mut rng, 4, 1, (1e-3, 1e-3), &[Distribution::Uniform]);
@@ -136,7 +136,7 @@ fn the_verdict_can_be_no() {
 
 /// The parts of the linear worst case are those of its corner, and the terms add up to the error.
 #[test]
-fn the_budget_adds_up() {
+fn the_error_budget_adds_up() {
     let mut rng = ChaCha8Rng::seed_from_u64(64);
     for k in 0..60 {
         let axes = 2 + k % 6;

@@ -57,7 +57,7 @@ fn brute(columns: &[Vector3<f64>], keep: &Matrix3<f64>) -> f64 {
 }
 
 #[test]
-fn every_corner_of_200_random_chains() {
+fn the_worst_case_of_random_chains_agrees_with_every_corner() {
     let mut rng = ChaCha8Rng::seed_from_u64(31);
     let axes_of =
         [("x", [1, 0, 0]), ("y", [0, 1, 0]), ("z", [0, 0, 1]), ("xy", [1, 1, 0]), ("xyz", [1, 1, 1])];
@@ -93,7 +93,7 @@ fn every_corner_of_200_random_chains() {
 
 /// The paper's Table 3 as tolerances at its initial position: figures worked out without this crate.
 #[test]
-fn table_3_at_the_initial_position() {
+fn the_worst_case_of_table_3_at_the_initial_position_is_exact() {
     let mut cell = shipped("hitachi_paper.toml");
     (cell.reading, cell.model) = (Reading::WorstCase, Model::Linear);
     let frames = frames_at(&cell.robot, &[0.0; MAX_JOINTS]);
@@ -130,7 +130,7 @@ const SENSES: [(&str, [f64; 3]); 5] = [
 /// By the nonlinear model no corner is worse than the one found by more than the polish can miss;
 /// with tolerances of the paper it misses nothing.
 #[test]
-fn nonlinear_worst_case_against_every_corner() {
+fn the_nonlinear_worst_case_agrees_with_every_corner() {
     let mut rng = ChaCha8Rng::seed_from_u64(32);
     let mut cell = shipped("hitachi_paper.toml");
     (cell.reading, cell.model) = (Reading::WorstCase, Model::Nonlinear);

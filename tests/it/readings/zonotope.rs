@@ -147,27 +147,27 @@ fn all_families<const M: usize>(seed: u64) {
 }
 
 #[test]
-fn in_a_line_every_effect_adds_up() {
+fn collinear_generators_add_up() {
     all_families::<1>(1);
 }
 
 #[test]
-fn in_a_plane_as_all_corners() {
+fn planar_zonotopes_agree_with_all_corners() {
     all_families::<2>(2);
 }
 
 #[test]
-fn in_space_as_all_corners() {
+fn spatial_zonotopes_agree_with_all_corners() {
     all_families::<3>(3);
 }
 
 #[test]
-fn in_six_dimensions_as_all_corners() {
+fn six_dimensional_zonotopes_agree_with_all_corners() {
     all_families::<6>(6);
 }
 
 #[test]
-fn many_random_sets_as_all_corners() {
+fn random_zonotopes_agree_with_all_corners() {
     let mut rng = ChaCha8Rng::seed_from_u64(7);
     let mut scratch = Scratch::default();
     for k in 0..2000 {
@@ -179,7 +179,7 @@ fn many_random_sets_as_all_corners() {
 }
 
 #[test]
-fn sixteen_generators_as_all_corners() {
+fn sixteen_generators_agree_with_all_corners() {
     let mut rng = ChaCha8Rng::seed_from_u64(16);
     let mut scratch = Scratch::default();
     for _ in 0..20 {
@@ -192,7 +192,7 @@ fn sixteen_generators_as_all_corners() {
 
 /// A planar arm: effects in a plane, and effects along its normal, at any attitude in space.
 #[test]
-fn a_perpendicular_generator_splits_off() {
+fn a_perpendicular_generator_adds_as_pythagoras() {
     let mut rng = ChaCha8Rng::seed_from_u64(8);
     let mut scratch = Scratch::default();
     for k in 0..600 {
@@ -212,7 +212,7 @@ fn a_perpendicular_generator_splits_off() {
 }
 
 #[test]
-fn known_by_hand() {
+fn simple_zonotopes_match_hand_calculation() {
     let mut scratch = Scratch::default();
     let mut signs = [0.0; 12];
     let found = farthest_1(&[0.0, -3.0, 2.0, -0.5], &mut signs);
@@ -234,7 +234,7 @@ fn known_by_hand() {
 
 /// Too many for all corners: three ways to the same answer.
 #[test]
-fn many_generators_agree_between_methods() {
+fn both_methods_agree_on_many_generators() {
     let mut rng = ChaCha8Rng::seed_from_u64(9);
     let mut scratch = Scratch::default();
     for n in [20, 25, 26, 31, 40, 50, MAX_GENERATORS] {
@@ -255,7 +255,7 @@ fn many_generators_agree_between_methods() {
 
 /// Thirty generators, a full robot: exact, and no corner of many random ones climbs higher.
 #[test]
-fn six_dimensions_of_a_robot_are_exact() {
+fn six_dimensional_zonotopes_of_a_robot_are_exact() {
     let mut rng = ChaCha8Rng::seed_from_u64(10);
     let mut scratch = Scratch::default();
     for _ in 0..10 {
@@ -275,7 +275,7 @@ fn six_dimensions_of_a_robot_are_exact() {
 
 /// Nonsense in, nonsense out, but no panic.
 #[test]
-fn total_on_what_is_no_number() {
+fn the_worst_case_handles_nan_and_infinity() {
     let mut scratch = Scratch::default();
     let mut signs = [0.0; MAX_GENERATORS];
     let mut rng = ChaCha8Rng::seed_from_u64(11);

@@ -4,7 +4,7 @@ use sweetspot::report::colours::{viridis, viridis_hex};
 
 /// Grey printers: lighter and lighter (luma of Rec. 709).
 #[test]
-fn viridis_grows_lighter() {
+fn the_viridis_palette_grows_lighter() {
     let luma = |[r, g, b]: [u8; 3]| 0.2126 * f64::from(r) + 0.7152 * f64::from(g) + 0.0722 * f64::from(b);
     let all: Vec<f64> = (0..=50).map(|k| luma(viridis(f64::from(k) / 50.0))).collect();
     assert!(all.windows(2).all(|w| w[0] < w[1]), "{all:?}");

@@ -3,7 +3,7 @@
 use sweetspot::report::dxf::text::safe;
 
 #[test]
-fn nothing_in_a_name_is_a_command() {
+fn no_name_in_a_dxf_is_a_command() {
     let cases = [
         ("table", "table"),
         ("a\r\n  0\r\nEOF", "a/r/n  0/r/nEOF"),

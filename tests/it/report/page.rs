@@ -38,7 +38,7 @@ fn page(document: &Value) -> String {
 }
 
 #[test]
-fn the_document_says_what_the_drawing_does() {
+fn the_drawing_document_agrees_with_the_drawing() {
     let workcell = workcell("hitachi_cell.toml");
     let start = Assessment::new("start", &workcell, workcell.cell.start());
     let mut other = workcell.cell.start();
@@ -143,7 +143,7 @@ fn check_movement(drawing: &Drawing<'_>, written: &Value) {
 }
 
 #[test]
-fn a_table_of_99_nodes_seen_in_nine_ways_is_small() {
+fn the_document_of_99_nodes_under_nine_lenses_is_small() {
     let workcell = workcell("hitachi_paper.toml");
     let a = Assessment::new("start", &workcell, workcell.cell.start());
     let drawing = Drawing::new(&a, &Detail::FULL).unwrap();
@@ -156,7 +156,7 @@ fn a_table_of_99_nodes_seen_in_nine_ways_is_small() {
 }
 
 #[test]
-fn no_name_gets_out_of_its_script() {
+fn no_name_can_leave_its_script_element() {
     let name = "</script><script>alert(1)</script><!-- & \u{2028}\u{2029} \" \\ ";
     let value = json!({ name: [name] });
     let text = script_json(&value);
@@ -166,7 +166,7 @@ fn no_name_gets_out_of_its_script() {
 
 /// What is put into a page as it is must not end its own element, nor ask for anything.
 #[test]
-fn the_assets_stay_in_their_elements_and_ask_for_nothing() {
+fn the_page_assets_stay_in_their_elements_and_request_nothing() {
     for text in [assets::VIEWER_JS, assets::VIEWER_CSS] {
         for word in [
             "</",

@@ -34,7 +34,7 @@ fn seen(x: f64, y: f64, near: f64) -> Seen {
 }
 
 #[test]
-fn a_triangle_covers_the_samples_whose_middles_it_holds() {
+fn a_triangle_covers_the_pixels_whose_centres_it_contains() {
     // Half of a square of 8 by 8: of row k the middles left of 8 - k - 1/2, on the line itself one of both.
     let mut canvas = Canvas::new(10, 10, 0u32);
     let (a, b, c, d) = (seen(0.0, 0.0, 1.0), seen(8.0, 0.0, 1.0), seen(0.0, 8.0, 1.0), seen(8.0, 8.0, 1.0));
@@ -49,7 +49,7 @@ fn a_triangle_covers_the_samples_whose_middles_it_holds() {
 }
 
 #[test]
-fn a_fan_leaves_no_gap_and_covers_nothing_twice() {
+fn a_triangle_fan_leaves_no_gap_and_no_overlap() {
     let mut canvas = Canvas::new(64, 64, 0u32);
     let rim = |k: usize| {
         let (sin, cos) = (std::f64::consts::TAU * k as f64 / 37.0).sin_cos();
@@ -65,7 +65,7 @@ fn a_fan_leaves_no_gap_and_covers_nothing_twice() {
 }
 
 #[test]
-fn the_nearer_of_two_planes_wins_whatever_the_order() {
+fn the_nearer_of_two_planes_wins_in_any_order() {
     let plane =
         |near: [f64; 3]| [seen(0.0, 0.0, near[0]), seen(20.0, 0.0, near[1]), seen(0.0, 20.0, near[2])];
     // They cross where x = 10: left of it the first is nearer.
@@ -82,7 +82,7 @@ fn the_nearer_of_two_planes_wins_whatever_the_order() {
 }
 
 #[test]
-fn a_ball_is_seen_as_a_disc_where_it_is() {
+fn a_ball_is_rendered_as_a_disc_at_its_place() {
     let centre = Vector3::new(0.4, -0.3, 0.8);
     let radius = 0.25;
     let ball = Mesh::of(&sweetspot::cell::Shape::Sphere { centre, radius }, 0.0);
@@ -107,7 +107,7 @@ fn a_ball_is_seen_as_a_disc_where_it_is() {
 }
 
 #[test]
-fn a_camera_holds_what_it_shows_and_knows_what_is_near() {
+fn a_camera_frames_its_points_and_orders_them_by_depth() {
     let corner = |k: usize| [k & 1, k >> 1 & 1, k >> 2].map(|b| b as f64 * 2.0 - 0.7);
     let points: Vec<Vector3<f64>> = (0..8).map(|k| Vector3::from(corner(k))).collect();
     let frame = Frame { left: 30.0, top: 40.0, width: 300.0, height: 200.0 };
@@ -157,7 +157,7 @@ fn a_text_is_as_wide_as_its_ink() {
 }
 
 #[test]
-fn a_picture_has_the_size_asked_and_the_same_bytes_twice() {
+fn a_picture_has_the_requested_size_and_is_deterministic() {
     drawn(loaded("hitachi_paper.toml"), |drawing| {
         let bytes = png(drawing, &small()).unwrap();
         assert_eq!(bytes, png(drawing, &small()).unwrap());
@@ -184,7 +184,7 @@ fn a_picture_has_the_size_asked_and_the_same_bytes_twice() {
 }
 
 #[test]
-fn what_cannot_be_drawn_is_said() {
+fn an_impossible_picture_is_an_error() {
     drawn(loaded("hitachi_paper.toml"), |drawing| {
         for bad in [
             Shot { width: 0, ..small() },
@@ -198,7 +198,7 @@ fn what_cannot_be_drawn_is_said() {
 }
 
 #[test]
-fn an_svg_is_markup_whatever_the_names() {
+fn an_svg_is_well_formed_whatever_the_names() {
     let evil = "<script>alert(1)</script>\" onload='x' & \u{1b}[31m";
     let mut cell = loaded("hitachi_cell.toml");
     cell.name = evil.into();
@@ -225,7 +225,7 @@ fn an_svg_is_markup_whatever_the_names() {
 
 /// A table out of reach, and a cell in which nothing is mapped.
 #[test]
-fn what_has_no_error_is_drawn_all_the_same() {
+fn a_drawing_without_errors_is_rendered() {
     let mut cell = loaded("hitachi_paper.toml");
     cell.equipment[0].placement[0] = sweetspot::cell::Coordinate::Fixed(9.0);
     drawn(cell, |drawing| {
@@ -243,7 +243,7 @@ fn what_has_no_error_is_drawn_all_the_same() {
 }
 
 #[test]
-fn areas_are_traced_as_they_are() {
+fn contour_tracing_keeps_areas_and_holes() {
     // An area of 9 by 6 with a hole of 3 by 2, and a spot too small to be kept.
     let mut values = vec![0u32; 20 * 12];
     for (x, y) in (3..12).flat_map(|x| (2..8).map(move |y| (x, y))) {

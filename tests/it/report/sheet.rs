@@ -13,7 +13,7 @@ fn area(s: &Silhouette) -> f64 {
 }
 
 #[test]
-fn a_box_and_a_bar_cover_what_they_should() {
+fn the_silhouettes_of_a_box_and_a_bar_have_the_right_area() {
     let size = Vector3::new(0.6, 0.4, 0.3);
     let solid = Shape::Box { pose: Pose::IDENTITY, size };
     let mesh = Mesh::of(&solid, 0.0);

@@ -110,7 +110,7 @@ fn random_joint(rng: &mut ChaCha8Rng, fixed: f64, before: &mut Vector3<f64>) -> 
 }
 
 #[test]
-fn catalogue_robots_move_as_their_urdf() {
+fn catalogue_robots_move_like_their_urdf() {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     for (name, axes) in [("pw10.urdf", 4), ("puma560.urdf", 6), ("ur5.urdf", 6)] {
         let text = shipped(name);
@@ -122,7 +122,7 @@ fn catalogue_robots_move_as_their_urdf() {
 
 /// The URDFs were written from catalogue rows: these come back, with their signs.
 #[test]
-fn catalogue_rows_come_back() {
+fn dh_rows_of_catalogue_robots_survive_urdf() {
     for (name, axes) in [("puma560", 6), ("ur5", 6)] {
         let robot = robot_of(&shipped(&format!("{name}.urdf")), axes);
         let written = crate::common::load_from(&root().join("tests/data"), &format!("{name}.toml")).unwrap();
@@ -135,7 +135,7 @@ fn catalogue_rows_come_back() {
 }
 
 #[test]
-fn random_chains_move_as_their_urdf() {
+fn random_chains_move_like_their_urdf() {
     let mut rng = ChaCha8Rng::seed_from_u64(2);
     let mut parallel = 0;
     for round in 0..300 {

@@ -41,12 +41,12 @@ fn one(replace: &[(&str, &str)], (line, word): (usize, &str), message: &str, hel
 }
 
 #[test]
-fn the_arm_itself_is_valid() {
+fn the_unchanged_urdf_is_valid() {
     assert_eq!(faults(&[], ""), []);
 }
 
 #[test]
-fn limits() {
+fn joint_limits_of_a_urdf_are_checked() {
     let limit = r#"<limit lower="-1" upper="2"/>"#;
     one(&[(limit, "")], (3, "j1\""), "`j1` has no limits", "0 to 0");
     one(&[(limit, "<limit effort=\"1\"/>")], (3, "j1\""), "`j1` has no limits", "0 to 0");
@@ -60,7 +60,7 @@ fn limits() {
 }
 
 #[test]
-fn the_tree() {
+fn the_tree_of_a_urdf_is_checked() {
     one(
         &[("<child link=\"lower\"", "<child link=\"lowr\"")],
         (5, "lowr"),
@@ -98,7 +98,7 @@ fn the_tree() {
 }
 
 #[test]
-fn joints_that_cannot_be_read() {
+fn unreadable_joints_are_refused() {
     for kind in ["floating", "planar"] {
         one(
             &[("\"revolute\"", &format!("\"{kind}\""))],
@@ -126,7 +126,7 @@ fn joints_that_cannot_be_read() {
 
 /// Faults do not hide each other.
 #[test]
-fn all_at_once() {
+fn every_urdf_fault_is_reported_at_once() {
     let all = faults(
         &[
             ("xyz=\"0 0 0.5\"", "xyz=\"0 0\""),
@@ -160,7 +160,7 @@ fn a_mimic_joint_follows_one_before_it() {
 }
 
 #[test]
-fn what_is_not_used_is_told_once() {
+fn unused_urdf_elements_are_reported_once() {
     let more = "<visual/><visual/><inertial/></link>\n<gazebo/><transmission/><link name=\"off\"/>\n\
                 <joint name=\"o\" type=\"floating\"><parent link=\"base\"/><child link=\"off\"/></joint>";
     let faults =
@@ -173,7 +173,7 @@ fn what_is_not_used_is_told_once() {
 
 /// 1.5707 is not a right angle, and 1e-5 rad are not 0: the rows follow the file, and it is said.
 #[test]
-fn almost_parallel_and_almost_square_axes() {
+fn almost_parallel_and_perpendicular_axes_are_derived() {
     let parallel = [("<axis xyz=\"0 1 0\"", "<axis xyz=\"0 1e-5 1\"")];
     let faults_of = |replace: &[(&str, &str)]| faults(replace, "");
     let told = faults_of(&parallel);

@@ -37,14 +37,14 @@ fn tame(what: &str, urdf: &str) -> (bool, Vec<Fault>) {
 }
 
 #[test]
-fn the_good_one_is_taken() {
+fn the_valid_urdf_is_accepted() {
     let (taken, faults) = tame("good", &good());
     assert!(taken && faults.is_empty(), "{faults:#?}");
 }
 
 /// A file that ends somewhere is no XML, until nothing but the end is missing.
 #[test]
-fn truncated_files_are_refused() {
+fn truncated_urdf_files_are_refused() {
     let good = good();
     let mut files = 0;
     for cut in (0..good.trim_end().len()).step_by(41) {
@@ -57,7 +57,7 @@ fn truncated_files_are_refused() {
 
 /// Any byte lost, doubled or changed: whatever comes out, it holds.
 #[test]
-fn scratched_files_are_tame() {
+fn mutated_urdf_files_never_panic() {
     let good = good();
     let mut refused = 0;
     for (k, at) in (0..good.len()).step_by(29).enumerate() {
@@ -187,7 +187,7 @@ fn hostile() -> BTreeMap<&'static str, (String, &'static str)> {
 }
 
 #[test]
-fn hostile_files_are_told_what_is_wrong() {
+fn hostile_urdf_files_are_refused_with_the_reason() {
     let cases = hostile();
     assert!(cases.len() > 50);
     for (what, (text, told)) in cases {
@@ -200,7 +200,7 @@ fn hostile_files_are_told_what_is_wrong() {
 
 /// A reader that gives no text (other encodings, missing) is told at the line that names the file.
 #[test]
-fn what_cannot_be_read_is_told_where_it_is_named() {
+fn unreadable_files_are_reported_where_they_are_named() {
     let robot = "from = \"hitachi_paper.toml\"\n[robot]\nurdf = \"a.urdf\"\n";
     let faults = sweetspot::files::load("cell.toml", &mut |path: &str| match path {
         "cell.toml" => Ok(robot.into()),

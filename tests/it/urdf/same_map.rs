@@ -16,7 +16,7 @@ fn on_paper() -> [Cell; 2] {
 }
 
 #[test]
-fn the_derived_rows_are_the_written_ones() {
+fn derived_dh_rows_equal_the_written_ones() {
     let loaded = load_from(&root().join("cells"), "hitachi_urdf.toml").unwrap();
     assert_eq!(loaded.warnings, []);
     let (derived, written) = (loaded.cell.robot, shipped("hitachi_cell.toml").robot);
@@ -31,7 +31,7 @@ fn the_derived_rows_are_the_written_ones() {
 }
 
 #[test]
-fn the_same_map_from_urdf_and_rows() {
+fn urdf_and_dh_rows_give_the_same_map() {
     let in_cell = [shipped("hitachi_cell.toml"), shipped("hitachi_urdf.toml")];
     let mut judged = 0;
     for cells in [in_cell, on_paper()] {
