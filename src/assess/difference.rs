@@ -98,7 +98,7 @@ fn pair(first: &Assessment<'_>, map: &OperationMap, x: &NodeRecord, y: &NodeReco
 
 /// Of a node that can be used.
 fn value(node: &NodeRecord) -> Option<f64> {
-    node.posture.as_ref().filter(|_| node.status == Status::Ok).map(|p| p.value)
+    node.usable_posture().map(|p| p.value)
 }
 
 fn sentence(first: &Assessment<'_>, other: &Assessment<'_>, k: usize) -> String {

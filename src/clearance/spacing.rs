@@ -3,9 +3,7 @@
 use super::fence;
 use super::plan::{FloorPlan, Placed, depth};
 use crate::cell::{Cell, Coordinate, Layout, Role};
-
-/// A point in plan, m.
-type Point = (f64, f64);
+use crate::geometry::{PlanePoint, convex_hull, polygon_area};
 
 impl FloorPlan {
     /// Least distance in plan of floor spaces that may not overlap, at most `max` (m); 0 if they do. Of
@@ -69,8 +67,8 @@ fn within(cell: &Cell, stand: &Placed, max: f64) -> f64 {
 }
 
 /// Distance of the edges of two polygons that do not cross: at a corner of either.
-fn boundaries_apart(a: &[Point], b: &[Point]) -> f64 {
-    let from = |points: &[Point], polygon: &[Point]| {
+fn boundaries_apart(a: &[PlanePoint], b: &[PlanePoint]) -> f64 {
+    let from = |points: &[PlanePoint], polygon: &[PlanePoint]| {
         points.iter().map(|p| fence::place(polygon, *p).1).fold(f64::INFINITY, f64::min)
     };
     from(a, b).min(from(b, a))
@@ -81,34 +79,6 @@ pub fn footprint(cell: &Cell, layout: &Layout) -> f64 {
     let placed = cell.equipment.iter().zip(&layout.placements).filter(|(e, _)| e.role == Role::Equipment);
     let equipment = placed.map(|(e, at)| Placed::new(&e.footprint, at));
     let base = Placed::new(&cell.robot.footprint, &layout.base);
-    let corners: Vec<Point> = equipment.chain([base]).flat_map(|p| p.corners()).collect();
-    area(&hull(corners))
-}
-
-/// Corners of the convex hull, anticlockwise: the monotone chain (A. M. Andrew, Information Processing
-/// Letters 9 (1979) 216-219).
-fn hull(mut points: Vec<Point>) -> Vec<Point> {
-    points.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
-    let half = |points: &mut dyn Iterator<Item = &Point>| {
-        let mut chain: Vec<Point> = Vec::new();
-        for p in points {
-            while let [.., a, b] = chain[..]
-                && (b.0 - a.0) * (p.1 - a.1) - (b.1 - a.1) * (p.0 - a.0) <= 0.0
-            {
-                chain.pop();
-            }
-            chain.push(*p);
-        }
-        // The last is the first of the other half.
-        chain.pop();
-        chain
-    };
-    let mut all = half(&mut points.iter());
-    all.extend(half(&mut points.iter().rev()));
-    all
-}
-
-fn area(corners: &[Point]) -> f64 {
-    let next = corners.iter().cycle().skip(1);
-    corners.iter().zip(next).map(|(a, b)| a.0 * b.1 - a.1 * b.0).sum::<f64>() / 2.0
+    let corners: Vec<PlanePoint> = equipment.chain([base]).flat_map(|p| p.corners()).collect();
+    polygon_area(&convex_hull(corners))
 }

@@ -60,7 +60,7 @@ pub fn write_search(
     let document = SearchResult::of_comparison(record, proof, comparison);
     outputs.push(("search.json".into(), pretty(&document)?));
     outputs.push(("map.csv".into(), csv(&MapDocument::new(best))?));
-    outputs.push(("map.svg".into(), report::svg::plan(best).into_bytes()));
+    outputs.push(("map.svg".into(), report::chart::error_map(best).into_bytes()));
     match command {
         Some(command) => write(folder, cell, sources, command, outputs),
         None => write_outputs(folder, &outputs),

@@ -7,7 +7,7 @@ use super::refined::RefinedEntry;
 use super::words::{VALUE_WORDS, caveats, value_word};
 use crate::assess::Assessment;
 use crate::cell::{Cell, JointKind, Model, Over, Reading, Registration, Sense, Unit};
-use crate::error_map::OperationMap;
+use crate::error_map::{NodeSign, OperationMap};
 use crate::motion::Transfer;
 use crate::reading::{Estimate, MonteCarlo};
 use schemars::JsonSchema;
@@ -179,18 +179,18 @@ pub struct StatusCounts {
 
 impl StatusCounts {
     pub fn new(map: &OperationMap) -> Self {
-        let asked = |status| Some(map.count(status)).filter(|count| *count > 0);
+        let asked = |sign| Some(map.count(sign)).filter(|count| *count > 0);
         Self {
-            ok: map.count("ok"),
-            out_of_reach: map.count("out-of-reach"),
-            joint_limit: map.count("joint-limit"),
-            collision: map.count("collision"),
-            attitude: map.count("attitude"),
-            not_converged: map.count("not-converged"),
-            unjudged: map.count("unjudged"),
-            singular: asked("singular"),
-            approach: asked("approach"),
-            retract: asked("retract"),
+            ok: map.count(NodeSign::Usable),
+            out_of_reach: map.count(NodeSign::OutOfReach),
+            joint_limit: map.count(NodeSign::JointLimit),
+            collision: map.count(NodeSign::Collision),
+            attitude: map.count(NodeSign::Attitude),
+            not_converged: map.count(NodeSign::NotConverged),
+            unjudged: map.count(NodeSign::Unjudged),
+            singular: asked(NodeSign::Singular),
+            approach: asked(NodeSign::ApproachBlocked),
+            retract: asked(NodeSign::RetractBlocked),
         }
     }
 }

@@ -1,12 +1,12 @@
 //! The document of `robust --json`, and the robustness of each operation in the result of a search.
 
-use super::node::NodeStatus;
 use super::numbers::{degrees, in_unit, millimetres, nine_digits};
 use super::placement::{ByName, PlacementEntry, placements};
 use super::refined::RefinedEntry;
 use super::words::{VALUE_WORDS, value_word};
 use crate::assess::Assessment;
 use crate::cell::{Cell, Slot, Unit};
+use crate::error_map::NodeSign;
 use crate::layout::{Corner, Ended, Largest, Lost, Robustness};
 use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg};
 use schemars::JsonSchema;
@@ -107,7 +107,7 @@ pub struct CornerEntry {
 #[serde(deny_unknown_fields)]
 pub struct LostEntry {
     pub moves: Moves,
-    pub status: NodeStatus,
+    pub status: NodeSign,
     pub reason: String,
 }
 
@@ -205,7 +205,7 @@ fn corner(cell: &Cell, corner: &Corner) -> CornerEntry {
 }
 
 fn lost(cell: &Cell, lost: &Lost) -> LostEntry {
-    let (status, reason) = (NodeStatus::from(&lost.status), lost.status.reason(cell));
+    let (status, reason) = (lost.status.sign(), lost.status.reason(cell));
     LostEntry { moves: moves(cell, &lost.moves), status, reason }
 }
 

@@ -44,7 +44,7 @@ pub use misplacement::{
     CornerEntry, EndedEntry, LargestEntry, LostEntry, MisplacedOperation, MoveEntry, RobustDocument,
     RobustnessEntry, SlopeEntry, coordinate_name,
 };
-pub use node::{DiscrepancyEntry, MapNode, MapNodes, NodeStatus};
+pub use node::{DiscrepancyEntry, MapNode, MapNodes};
 pub use node_table::{ColumnKind, NodeTable, TableColumn, TableValue};
 pub use placement::{AttitudeEntry, ByName, PlacementEntry};
 pub use readings::{OperationReadings, ReadingEntry, ReadingsDocument, RegretEntry};

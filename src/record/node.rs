@@ -3,74 +3,12 @@
 use super::numbers::{degrees, in_unit, joints, nine_digits, percent, position_mm};
 use super::placement::ByName;
 use crate::cell::{Cell, Unit};
-use crate::error_map::{NodeRecord, OperationMap, PostureRecord, Status};
+use crate::error_map::{NodeRecord, NodeSign, OperationMap, PostureRecord};
 use crate::kinematic_error::discrepancy;
-use crate::motion::Refusal;
 use crate::reading::Figures;
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::borrow::Cow;
-
-/// Whether a node can be used, and what is in the way if not.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum NodeStatus {
-    /// The node can be used.
-    Ok,
-    /// No posture reaches the node.
-    OutOfReach,
-    /// Every posture passes a joint limit.
-    JointLimit,
-    /// Every posture within the joint limits touches something.
-    Collision,
-    /// The tool cannot be held as asked there.
-    Attitude,
-    /// The numeric inverse kinematics has found no posture and ruled none out.
-    NotConverged,
-    /// Every free posture is nearly singular.
-    Singular,
-    /// The straight approach to the node is not free.
-    Approach,
-    /// The straight retreat from the node is not free.
-    Retract,
-    /// The node can be reached, but its error depends on something that is missing.
-    Unjudged,
-}
-
-impl NodeStatus {
-    /// Returns the word in documents.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Ok => "ok",
-            Self::OutOfReach => "out-of-reach",
-            Self::JointLimit => "joint-limit",
-            Self::Collision => "collision",
-            Self::Attitude => "attitude",
-            Self::NotConverged => "not-converged",
-            Self::Singular => "singular",
-            Self::Approach => "approach",
-            Self::Retract => "retract",
-            Self::Unjudged => "unjudged",
-        }
-    }
-}
-
-impl From<&Status> for NodeStatus {
-    fn from(status: &Status) -> Self {
-        match status {
-            Status::Ok => Self::Ok,
-            Status::OutOfReach { .. } => Self::OutOfReach,
-            Status::Attitude { .. } => Self::Attitude,
-            Status::NotConverged { .. } => Self::NotConverged,
-            Status::JointLimit { .. } => Self::JointLimit,
-            Status::Collision { .. } | Status::Overlap(_) => Self::Collision,
-            Status::Refused(Refusal::Singular { .. }) => Self::Singular,
-            Status::Refused(Refusal::Approach(_)) => Self::Approach,
-            Status::Refused(Refusal::Retract(_)) => Self::Retract,
-            Status::Unjudged(_) => Self::Unjudged,
-        }
-    }
-}
 
 /// Values by the name of their sense.
 pub type BySense = ByName<f64>;
@@ -85,7 +23,7 @@ pub struct MapNode {
     pub j: usize,
     /// Target of the TCP.
     pub position_mm: [f64; 3],
-    pub status: NodeStatus,
+    pub status: NodeSign,
     /// Why the node cannot be used; empty if it can.
     pub reason: String,
     /// Coordinates of the joints: degrees, or mm of a joint that slides.
@@ -156,7 +94,7 @@ impl MapNode {
             i: n.i,
             j: n.j,
             position_mm: position_mm(&n.position),
-            status: NodeStatus::from(&n.status),
+            status: n.status.sign(),
             reason: n.status.reason(cell),
             joints_deg: p.map(|p| joints(cell, &p.joints)),
             error_mm: p.map(|p| position_mm(&p.error)),

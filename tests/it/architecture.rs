@@ -10,6 +10,7 @@ use std::collections::BTreeSet;
 /// The modules in the order in which data flows: each uses only those before it.
 const ORDER: [&str; 20] = [
     "units",
+    "geometry",
     "pose",
     "lanes",
     "cell",

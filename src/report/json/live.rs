@@ -160,7 +160,7 @@ fn nodes(cell: &Cell, map: &OperationMap) -> Value {
         at.push(node.position.map(|v| rounded(mm_from_m(v), 1)));
         status.push(node.status.name());
         ij.push([node.i, node.j]);
-        let posture = node.posture.as_ref().filter(|_| node.status == Status::Ok);
+        let posture = node.usable_posture();
         values.push(posture.map(|p| rounded(cell.unit().from_si(p.value), 6)));
         errors.push(posture.map(|p| p.error.map(|v| rounded(mm_from_m(v), SEEN))));
         let count = reasons.len();

@@ -1,8 +1,12 @@
-//! The texts that run in the browser. All of them are ours: no library, no request.
+//! Scripts, styles and templates of the pages. All of them are ours: no library, no request.
 
-/// The viewer: defines `sweetspotViewer(host, document, options)` on the window and nothing else there.
-pub const VIEWER_JS: &str = concat!(
-    "\"use strict\";\n(() => {\n",
+use crate::drawing::{GlyphRing, node_glyph};
+use crate::error_map::NodeSign;
+use serde_json::{Map, Value, json};
+
+const GLYPH_PATH_JS: &str = include_str!("glyph_path.js");
+
+const VIEWER_PARTS: &str = concat!(
     include_str!("viewer/maths.js"),
     include_str!("viewer/shaders.js"),
     include_str!("viewer/draw.js"),
@@ -15,17 +19,9 @@ pub const VIEWER_JS: &str = concat!(
     include_str!("viewer/controls.js"),
     include_str!("viewer/hand.js"),
     include_str!("viewer/viewer.js"),
-    "})();\n"
 );
 
-pub const VIEWER_CSS: &str = include_str!("viewer/viewer.css");
-
-pub const LIVE_HTML: &str = include_str!("live/page.html");
-pub const LIVE_CSS: &str = include_str!("live/page.css");
-
-/// The page of `view`, after the viewer.
-pub const LIVE_JS: &str = concat!(
-    "\"use strict\";\n(() => {\n",
+const LIVE_PARTS: &str = concat!(
     include_str!("live/ask.js"),
     include_str!("live/plan.js"),
     include_str!("live/map.js"),
@@ -33,8 +29,46 @@ pub const LIVE_JS: &str = concat!(
     include_str!("live/search.js"),
     include_str!("live/solid.js"),
     include_str!("live/page.js"),
-    "})();\n"
 );
+
+/// Returns the viewer: it defines `sweetspotViewer(host, document, options)` on the window and nothing else.
+pub fn viewer_js() -> String {
+    script(VIEWER_PARTS)
+}
+
+/// Returns the script of the live page, which runs after the viewer.
+pub fn live_js() -> String {
+    script(LIVE_PARTS)
+}
+
+/// Returns a script in a scope of its own, after the table of node signs.
+fn script(parts: &str) -> String {
+    let table = node_signs();
+    format!("\"use strict\";\n(() => {{\nconst NODE_SIGNS = {table};\n{GLYPH_PATH_JS}{parts}}})();\n")
+}
+
+/// Returns the signs of nodes as the scripts know them: by the name in documents, the label and the glyph.
+pub fn node_signs() -> Value {
+    let glyph = |sign| {
+        node_glyph(sign).map(|glyph| {
+            let ring = match glyph.ring {
+                GlyphRing::None => "none",
+                GlyphRing::Full => "full",
+                GlyphRing::Dashed => "dashed",
+            };
+            json!({ "ring": ring, "strokes": glyph.strokes, "tone": glyph.tone.name() })
+        })
+    };
+    let entry =
+        |sign: NodeSign| (sign.name().to_string(), json!({ "label": sign.label(), "glyph": glyph(sign) }));
+    Value::Object(NodeSign::ALL.into_iter().map(entry).collect::<Map<_, _>>())
+}
+
+pub const VIEWER_CSS: &str = include_str!("viewer/viewer.css");
+
+pub const LIVE_HTML: &str = include_str!("live/page.html");
+pub const LIVE_CSS: &str = include_str!("live/page.css");
+
 /// The sections of a page: paragraphs, figures, tables.
 pub const SECTIONS_HTML: &str = include_str!("sections.html");
 

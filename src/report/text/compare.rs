@@ -1,10 +1,11 @@
 //! Layouts side by side.
 
 use super::table::Table;
-use super::{STATUSES, USUAL, fixed, mm, mm1, percent1};
+use super::{USUAL, fixed, mm, mm1, percent1};
 use crate::record::value_word;
 use crate::assess::{Assessment, Comparison, Requirement};
 use crate::cell::{Coordinate, Slot, Unit};
+use crate::error_map::NodeSign;
 use crate::layout::Refined;
 use crate::units::{deg_from_rad, rounded};
 use std::fmt::Write;
@@ -163,14 +164,14 @@ fn operation_rows(table: &mut Table, k: usize, comparison: &Comparison<'_>) {
         let success = |a: &Assessment<'_>| a.spot(k).and_then(|(_, p)| p.success);
         table.labelled("", "yield", (0..columns.len()).map(|c| with_change(comparison, c, &success)));
     }
-    for (status, words) in STATUSES {
-        if !USUAL.contains(&status) && columns.iter().all(|c| c.maps[k].count(status) == 0) {
+    for sign in NodeSign::ALL {
+        if !USUAL.contains(&sign) && columns.iter().all(|c| c.maps[k].count(sign) == 0) {
             continue;
         }
         table.labelled(
             "",
-            &format!("nodes {words}"),
-            columns.iter().map(|c| c.maps[k].count(status).to_string()),
+            &format!("nodes {}", sign.label()),
+            columns.iter().map(|c| c.maps[k].count(sign).to_string()),
         );
     }
 }

@@ -28,6 +28,7 @@ pub use sweep::sweep;
 pub use urdf::derived;
 
 use crate::cell::{Cell, Quantity, Reading, Registration, Unit};
+use crate::error_map::NodeSign;
 
 use crate::assess::Stance;
 use crate::files::shown;
@@ -58,22 +59,9 @@ pub fn headline(cell: &Cell) -> String {
     format!("{}{reading}{registration}", question(cell))
 }
 
-/// Told even if there are none.
-const USUAL: [&str; 4] = ["ok", "collision", "joint-limit", "out-of-reach"];
-
-/// What can be the matter with a node, in words.
-const STATUSES: [(&str, &str); 10] = [
-    ("ok", "ok"),
-    ("collision", "colliding"),
-    ("singular", "nearly singular"),
-    ("approach", "without approach"),
-    ("retract", "without retract"),
-    ("joint-limit", "beyond a joint limit"),
-    ("attitude", "where the tool cannot be held so"),
-    ("not-converged", "without answer"),
-    ("out-of-reach", "out of reach"),
-    ("unjudged", "that cannot be judged"),
-];
+/// Signs whose number of nodes is told even if there are none.
+const USUAL: [NodeSign; 4] =
+    [NodeSign::Usable, NodeSign::Collision, NodeSign::JointLimit, NodeSign::OutOfReach];
 
 fn mm(m: f64) -> String {
     rounded(mm_from_m(m), 3).to_string()

@@ -94,13 +94,7 @@
         const n = (v) => v.toFixed(1);
         out += `<path class="arrow" stroke="${fill}" d="M${at}l${n(ex)} ${n(ey)}l${n(ax)} ${n(ay)}m${n(-ax)} ${n(-ay)}l${n(bx)} ${n(by)}"/>`;
         out += `<circle class="dot" cx="${x}" cy="${-y}" r="${3.6 * u}" fill="${fill}"/>`;
-      } else if (["out-of-reach", "joint-limit", "attitude", "not-converged"].includes(nodes.status[k])) {
-        const kind = nodes.status[k] === "out-of-reach" ? "out" : "lim";
-        out += `<circle class="${kind}" cx="${x}" cy="${-y}" r="${4.4 * u}"/>`;
-      } else {
-        const s = 3.5 * u;
-        out += `<path class="hit" d="M${x - s} ${-y - s}l${2 * s} ${2 * s}m0 ${-2 * s}l${-2 * s} ${2 * s}"/>`;
-      }
+      } else out += glyphMarkup(nodes.status[k], x, -y, 4.4 * u);
     });
     const place = best ? nodes.ij.findIndex(([i, j]) => i === best[0] && j === best[1]) : -1;
     if (place >= 0) out += `<circle class="best" cx="${nodes.at[place][0]}" cy="${-nodes.at[place][1]}" r="${9 * this.unit}"/>`;
@@ -113,22 +107,18 @@
     if (!this.scale) {
       const bar = svg("svg", { width: 120, height: 12 });
       for (let k = 0; k < 40; k++) bar.append(svg("rect", { x: k * 3, y: 0, width: 3.2, height: 12, fill: colour(k / 39) }));
-      const sign = (inner) => {
-        const box = svg("svg", { width: 16, height: 14, viewBox: "-8 -7 16 14" });
-        box.innerHTML = inner;
-        return box;
-      };
-      const item = (mark, text) => make("span", {}, mark, ` ${text}`);
       this.scale = make("span");
       this.arrows = make("span");
+      this.signs = make("span", { className: "signs" });
       const colours = make("span", {}, bar, " ", this.scale);
       key.append(colours, this.arrows,
-        item(sign('<circle class="out" r="4.4"/>'), "out of reach"),
-        item(sign('<circle class="lim" r="4.4"/>'), "joint limit, attitude"),
-        item(sign('<path class="hit" d="M-3.5-3.5l7 7m0-7l-7 7"/>'), "collides, or cannot be used"),
-        item(sign('<circle class="best" r="5.5" stroke-width="2"/>'), "spot"),
-        item(sign('<path class="reach" d="M-8 0H8"/>'), "reach"));
+        this.signs,
+        legendItem('<circle class="best" r="5.5" stroke-width="2"/>', "spot"),
+        legendItem('<path class="reach" d="M-8 0H8"/>', "reach"));
     }
+    const seen = new Set(this.answer.operations.flatMap((o) => o.nodes.status));
+    const signs = Object.keys(NODE_SIGNS).filter((name) => seen.has(name) && NODE_SIGNS[name].glyph);
+    this.signs.replaceChildren(...signs.map((name) => legendItem(glyphMarkup(name, 0, 0, 4.4), NODE_SIGNS[name].label)));
     this.scale.textContent = low <= high ? `${error(low)} to ${error(high)} ${unit}` : "no node can be used";
     this.arrows.textContent = low <= high ? `arrows: error in x and y, ${+enlarged.toPrecision(2)} times` : "";
   }

@@ -27,6 +27,18 @@ const carried = (own, base) => {
   return [base[0] + x, base[1] + y, base[2] + own[2], base[3] + own[3]];
 };
 
+// Sign of a node that cannot be used, as SVG.
+const glyphMarkup = (status, x, y, r) => {
+  const { glyph } = NODE_SIGNS[status];
+  return glyph ? `<path class="sign ${glyph.tone} ${glyph.ring}" d="${glyphPath(glyph, x, y, r)}"/>` : "";
+};
+// Entry of the legend: markup of a sign round the origin, and its label.
+const legendItem = (markup, label) => {
+  const box = svg("svg", { width: 16, height: 14, viewBox: "-8 -7 16 14" });
+  box.innerHTML = markup;
+  return make("span", {}, box, ` ${label}`);
+};
+
 // How far the nodes of an operation are apart, mm.
 const spacing = ({ nodes: { at } }) => {
   const apart = at.slice(1, 60).map((p, k) => Math.hypot(p[0] - at[k][0], p[1] - at[k][1]));

@@ -1,16 +1,14 @@
 // Signs and arrows of the error map as instances for the graphics card.
 
-const SIGN = { dot: 0, ring: 1, dashed: 2, cross: 3, spot: 4, diamond: 5 };
-const GREY = { light: hex("#5b6570"), dark: hex("#9aa4af") };
-const RED = { light: hex("#cf222e"), dark: hex("#ff6b61") };
+// Numbers of the signs in GLYPH_FRAGMENT: three of its own, then those of NODE_SIGNS.
+const SIGN = { dot: 0, spot: 1, diamond: 2 };
+Object.keys(NODE_SIGNS).forEach((name, k) => { SIGN[name] = FIRST_NODE_SIGN + k; });
+const TONES = {
+  quiet: { light: hex("#5b6570"), dark: hex("#9aa4af") },
+  warning: { light: hex("#b86e00"), dark: hex("#f0b429") },
+  alarm: { light: hex("#cf222e"), dark: hex("#ff6b61") },
+};
 const SPOT = { light: hex("#bf3989"), dark: hex("#ff7ac2") };
-
-/** As in the map of `sweetspot map`: what the tool cannot get to, cannot be held at, must not touch. */
-function signOf(status) {
-  if (status === "ok") return "dot";
-  if (status === "out-of-reach") return "ring";
-  return ["joint-limit", "attitude", "not-converged"].includes(status) ? "dashed" : "cross";
-}
 
 /** Which fields are shown: all, or that of one operation. */
 const shownFields = (drawing, operation) =>
@@ -54,11 +52,9 @@ function glyphInstances(view) {
   for (const field of shownFields(drawing, state.operation)) {
     for (let k = 0; k < field.count; k++) {
       const p = placeOf(view, field, nodeAt(field, k));
-      const sign = signOf(field.status[k]);
-      if (sign === "dot") {
-        const colour = colourAt(view, field, k);
-        push(p, colour || GREY[theme], 1, "dot", 0.8);
-      } else push(p, sign === "cross" ? RED[theme] : GREY[theme], 1, sign, sign === "cross" ? 1 : 1.15);
+      const { glyph } = NODE_SIGNS[field.status[k]];
+      if (glyph) push(p, TONES[glyph.tone][theme], 1, field.status[k], 1.15);
+      else push(p, colourAt(view, field, k) || TONES.quiet[theme], 1, "dot", 0.8);
     }
   }
   return new Float32Array(out);

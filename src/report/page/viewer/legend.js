@@ -12,10 +12,6 @@ function drawn(name, attributes, ...children) {
 const icon = (...children) => drawn("svg", { viewBox: "0 0 20 20", width: "18", height: "18", "aria-hidden": "true" }, ...children);
 
 const ICONS = {
-  ring: () => icon(drawn("circle", { cx: 10, cy: 10, r: 6.5, class: "ss-grey" })),
-  dashed: () => icon(drawn("circle", { cx: 10, cy: 10, r: 6.5, class: "ss-grey", "stroke-dasharray": "3.4 3.4" })),
-  cross: () => icon(drawn("path", { d: "M5 5l10 10M15 5l-10 10", class: "ss-red" })),
-  dot: () => icon(drawn("circle", { cx: 10, cy: 10, r: 4.5, class: "ss-dot" })),
   spot: () => icon(drawn("circle", { cx: 10, cy: 10, r: 7, class: "ss-pink" })),
   diamond: () => icon(drawn("path", { d: "M10 2.5l7.5 7.5l-7.5 7.5l-7.5 -7.5z", class: "ss-pink" })),
   envelope: () => icon(drawn("path", { d: "M1 13q9 -13 18 0", class: "ss-blue" })),
@@ -26,10 +22,6 @@ const ICONS = {
 };
 
 const WORDS = {
-  dot: "usable node",
-  ring: "out of reach",
-  dashed: "joint limit or attitude",
-  cross: "collides, or no way in",
   spot: "chosen spot",
   diamond: "spot between the nodes",
   envelope: "reach at the height of the work",
@@ -38,6 +30,13 @@ const WORDS = {
   "keep-out": "to be kept free",
   ghost: "equipment in the other layout",
 };
+
+for (const [name, { label, glyph }] of Object.entries(NODE_SIGNS)) {
+  WORDS[name] = label;
+  ICONS[name] = () => icon(glyph
+    ? drawn("path", { d: glyphPath(glyph, 10, 10, 7), class: `ss-${glyph.tone}`, "stroke-dasharray": glyph.ring === "dashed" ? "3.4 3.4" : "none" })
+    : drawn("circle", { cx: 10, cy: 10, r: 4.5, class: "ss-dot" }));
+}
 
 function makeLegend(host) {
   const box = element("div", { class: "ss-legend" });
@@ -111,13 +110,14 @@ const figureOf = (value) => String(Number(value.toPrecision(2)));
 /** Only signs that are to be seen. */
 function signKey(view) {
   const fields = shownFields(view.drawing, view.state.operation);
-  const seen = new Set(fields.flatMap((f) => f.status.map(signOf)));
+  const seen = new Set(fields.flatMap((f) => f.status));
   if (fields.some((f) => spotOf(view, f))) seen.add("spot");
   if (view.lens === 0 && fields.some((f) => f.refined_mm)) seen.add("diamond");
   if (view.state.envelope && view.drawing.envelopes.length) seen.add("envelope").add("around");
   for (const part of view.drawing.parts) if (part.kind === "fence" || part.kind === "keep-out") seen.add(part.kind);
   if (view.scale.other) seen.add("ghost");
-  const items = Object.keys(WORDS).filter((sign) => seen.has(sign));
+  const order = [...Object.keys(NODE_SIGNS), ...Object.keys(WORDS).filter((sign) => !(sign in NODE_SIGNS))];
+  const items = order.filter((sign) => seen.has(sign));
   return element("ul", { class: "ss-signs" }, ...items.map((sign) =>
     element("li", {}, ICONS[sign](), element("span", { textContent: WORDS[sign] }))));
 }
