@@ -1,7 +1,7 @@
 //! How the error spreads at a spot, whatever the reading under which it was chosen.
 
 use super::{Assessment, SAMPLES};
-use crate::cell::{Cell, Model, Quantity, Reading, Unit};
+use crate::cell::{Interpretation, Model, Quantity, Reading, Unit};
 use crate::error_map::PostureRecord;
 use crate::kinematic_error::NOTHING;
 use crate::layout::Workcell;
@@ -49,11 +49,12 @@ fn judged(
     posture: &PostureRecord,
     (model, reading): (Model, Reading),
 ) -> Result<(Workcell, Figures), String> {
-    let cell = Cell { model, reading, quantity: Quantity::P95, ..a.cell.clone() };
-    if let Some(fault) = cell.question_faults().first() {
+    let interpretation =
+        Interpretation { model, reading, quantity: Quantity::P95, ..a.cell.interpretation() };
+    if let Some(fault) = a.cell.faults_of(&interpretation).first() {
         return Err(fault.message.clone());
     }
-    let read = a.workcell.read_otherwise(model, reading, Quantity::P95)?;
+    let read = a.workcell.interpreted(&interpretation)?;
     let posed = read.posed(&a.layout, &a.maps, operation, posture);
     let (situation, frames) = posed.map_err(|why| why.in_words().to_string())?;
     let gauge = read.gauge(operation);

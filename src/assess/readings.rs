@@ -2,7 +2,7 @@
 //! it costs to have chosen by the signed sample.
 
 use super::stance::no_spot;
-use crate::cell::{About, Cell, Quantity, Reading, Registration, Unit};
+use crate::cell::{About, Cell, Interpretation, Quantity, Reading, Registration, Unit};
 use crate::error_map::OperationMap;
 use crate::kinematic_error::NOTHING;
 use crate::layout::Workcell;
@@ -67,14 +67,15 @@ impl<'a> Readings<'a> {
     /// # Errors
     /// Why the robot cannot be used.
     pub fn new(cell: &'a Cell) -> Result<Self, String> {
+        let own = Workcell::new(cell.clone())?;
         let mut operations = vec![Vec::new(); cell.operations.len()];
         // By reading, of no registration: the first one.
         let mut unregistered: Vec<(Reading, Quantity, Maps)> = Vec::new();
         for registration in Registration::ALL {
             let mut signed: Option<Maps> = None;
-            for variant in variants(cell, registration) {
-                let (reading, quantity) = (variant.reading, variant.quantity);
-                let workcell = Workcell::new(variant)?;
+            for interpretation in answerable(cell, registration) {
+                let (reading, quantity) = (interpretation.reading, interpretation.quantity);
+                let workcell = own.interpreted_apart(&interpretation)?;
                 let maps = workcell.maps(&cell.start());
                 let by_signed = if reading == Reading::Signed { Some(&maps) } else { signed.as_ref() };
                 let same = |(r, q, _): &&(Reading, Quantity, Maps)| (*r, *q) == (reading, quantity);
@@ -119,17 +120,17 @@ impl<'a> Readings<'a> {
 /// One map per operation.
 type Maps = Vec<OperationMap>;
 
-/// The cell in every reading that has an answer, the signed one first.
-fn variants(cell: &Cell, registration: Registration) -> Vec<Cell> {
+/// Returns every reading in which a cell has an answer under a registration, the signed one first.
+fn answerable(cell: &Cell, registration: Registration) -> Vec<Interpretation> {
     let kinds = [
         (Reading::Signed, cell.quantity),
         (Reading::WorstCase, cell.quantity),
         (Reading::Statistical, Quantity::P95),
         (Reading::Statistical, Quantity::Yield),
     ];
-    let read = |(reading, quantity)| Cell { reading, quantity, registration, ..cell.clone() };
-    // Nothing is added up here: senses of two units are none of its faults.
-    let answers = |c: &Cell| c.question_faults().iter().all(|f| matches!(f.about, About::Sense(_)));
+    let read = |(reading, quantity)| Interpretation { reading, quantity, registration, ..cell.interpretation() };
+    // Each operation has a table of its own: senses in different units are not added up.
+    let answers = |i: &Interpretation| cell.faults_of(i).iter().all(|f| matches!(f.about, About::Sense(_)));
     kinds.into_iter().map(read).filter(answers).collect()
 }
 

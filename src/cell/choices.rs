@@ -214,6 +214,11 @@ pub struct SearchSettings {
     pub keep: usize,
 }
 
+impl SearchSettings {
+    /// Budgets that a search may have, layout evaluations.
+    pub const BUDGETS: std::ops::RangeInclusive<u64> = 1..=1_000_000_000;
+}
+
 impl Default for SearchSettings {
     fn default() -> Self {
         Self {

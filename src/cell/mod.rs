@@ -22,7 +22,7 @@ pub use error_model::*;
 pub use goal::*;
 pub use layout::*;
 pub use model::*;
-pub use question::{About, QuestionFault};
+pub use question::{About, Interpretation, QuestionFault};
 pub use robot_model::*;
 pub use sense::*;
 pub use shape::*;

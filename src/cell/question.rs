@@ -1,22 +1,35 @@
-//! What a cell asks must have an answer: errors, reading, quantity, senses and limits together.
+//! The question that is asked of a cell: error model, reading, quantity, registration and sense together.
 //!
-//! The command line changes these after loading, so the rules are here once for both.
+//! A cell file, a flag, the page of `view` and every table of readings ask through [`Cell::asked`] or end in
+//! [`Cell::question_faults`], so the rules are here once.
 
-use super::choices::{Reading, Registration};
+use super::choices::{Model, Quantity, Reading, Registration};
 use super::error_model::{ErrorSet, FrameErrors};
 use super::model::*;
-use super::sense::Unit;
+use super::sense::Sense;
 
-/// What a fault of the question is about.
+/// Interpretation of the errors of a cell: how they are modelled, read, registered and measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Interpretation {
+    pub model: Model,
+    pub reading: Reading,
+    /// Quantity of the statistical reading that is minimized.
+    pub quantity: Quantity,
+    pub registration: Registration,
+    /// Sense in which every operation is measured; None: each in its own.
+    pub sense: Option<Sense>,
+}
+
+/// Key of the question that a fault is about.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum About {
     Reading,
-    /// An operation by index, and its sense.
+    /// An operation by its index.
     Operation(usize),
     Sense(usize),
 }
 
-/// Why a cell cannot be judged as asked, and what to do.
+/// Reason why a cell cannot be judged as asked, and what to do.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct QuestionFault {
     pub about: About,
@@ -24,50 +37,121 @@ pub struct QuestionFault {
     pub help: String,
 }
 
-impl Cell {
-    /// How the errors are read if nobody says: a sample as one, anything with a tolerance at its worst.
-    pub fn default_reading(&self) -> Reading {
-        if self.tolerances().is_empty() { Reading::Signed } else { Reading::WorstCase }
+impl Interpretation {
+    /// Returns the sense of an operation under this interpretation.
+    fn sense_of<'s>(&'s self, operation: &'s Operation) -> &'s Sense {
+        self.sense.as_ref().unwrap_or(&operation.sense)
     }
 
-    /// Everything that keeps the question from having an answer; none of a cell as it was loaded.
+    /// Returns the limit of an operation under this interpretation; one in another unit does not apply.
+    fn limit_of(&self, operation: &Operation) -> Option<f64> {
+        operation.limit.filter(|_| operation.sense.unit == self.sense_of(operation).unit)
+    }
+
+    /// Returns whether the objective adds up shares of failures.
+    fn is_yield(&self) -> bool {
+        (self.reading, self.quantity) == (Reading::Statistical, Quantity::Yield)
+    }
+}
+
+impl Cell {
+    /// Returns the reading that applies if none is stated: signed for a sample, worst case for any tolerance.
+    pub fn default_reading(&self) -> Reading {
+        if self.tolerances(self.registration).is_empty() { Reading::Signed } else { Reading::WorstCase }
+    }
+
+    /// Returns how the errors of this cell are interpreted.
+    pub fn interpretation(&self) -> Interpretation {
+        Interpretation {
+            model: self.model,
+            reading: self.reading,
+            quantity: self.quantity,
+            registration: self.registration,
+            sense: None,
+        }
+    }
+
+    /// Returns this cell under another interpretation of its errors.
+    ///
+    /// # Errors
+    /// Every fault that keeps the question from having an answer.
+    pub fn asked(&self, interpretation: &Interpretation) -> Result<Cell, Vec<QuestionFault>> {
+        self.asked_but_for(interpretation, |_| false)
+    }
+
+    /// Returns this cell under another interpretation, where each operation is judged alone: values in
+    /// different units are not added up, so they are no fault.
+    ///
+    /// # Errors
+    /// Every other fault that keeps the question from having an answer.
+    pub fn asked_apart(&self, interpretation: &Interpretation) -> Result<Cell, Vec<QuestionFault>> {
+        self.asked_but_for(interpretation, |fault| matches!(fault.about, About::Sense(_)))
+    }
+
+    fn asked_but_for(
+        &self,
+        interpretation: &Interpretation,
+        ignored: impl Fn(&QuestionFault) -> bool,
+    ) -> Result<Cell, Vec<QuestionFault>> {
+        let mut faults = self.faults_of(interpretation);
+        faults.retain(|fault| !ignored(fault));
+        if !faults.is_empty() {
+            return Err(faults);
+        }
+        let Interpretation { model, reading, quantity, registration, sense } = interpretation.clone();
+        let mut cell = Cell { model, reading, quantity, registration, ..self.clone() };
+        if let Some(sense) = sense {
+            for operation in &mut cell.operations {
+                operation.limit = interpretation.limit_of(operation);
+                operation.sense = sense.clone();
+            }
+        }
+        Ok(cell)
+    }
+
+    /// Returns every fault that keeps the question of this cell from having an answer; none of a cell as loaded.
     pub fn question_faults(&self) -> Vec<QuestionFault> {
+        self.faults_of(&self.interpretation())
+    }
+
+    /// Returns every fault that keeps this cell from having an answer under an interpretation.
+    pub fn faults_of(&self, interpretation: &Interpretation) -> Vec<QuestionFault> {
         let fault = |about, message, help: &str| QuestionFault { about, message, help: help.to_string() };
         let mut faults = Vec::new();
-        if self.reading == Reading::Signed {
+        if interpretation.reading == Reading::Signed {
             let help = "choose the reading worst-case or statistical";
             let told =
                 |what| fault(About::Reading, format!("{what} a tolerance: no sample to read signed"), help);
-            faults.extend(self.tolerances().into_iter().map(told));
+            faults.extend(self.tolerances(interpretation.registration).into_iter().map(told));
         }
-        if self.unit() == Unit::Share {
-            for (k, operation) in self.operations.iter().enumerate().filter(|(_, o)| o.limit.is_none()) {
+        if interpretation.is_yield() {
+            let unlimited = |o: &Operation| interpretation.limit_of(o).is_none();
+            for (k, operation) in self.operations.iter().enumerate().filter(|(_, o)| unlimited(o)) {
                 let message =
                     format!("`{}` has no limit: its yield is the share of errors within one", operation.name);
-                let help =
-                    format!("add limit_{}, the largest error that it tolerates", operation.sense.unit.word());
+                let word = interpretation.sense_of(operation).unit.word();
+                let help = format!("add limit_{word}, the largest error that it tolerates");
                 faults.push(fault(About::Operation(k), message, &help));
             }
             return faults;
         }
         let Some(first) = self.operations.first() else { return faults };
-        let differs = |o: &Operation| o.sense.unit != first.sense.unit;
-        for (k, other) in self.operations.iter().enumerate().filter(|(_, o)| differs(o)) {
-            let [a, b] =
-                [first, other].map(|o| format!("`{}` is measured in {}", o.name, o.sense.unit.word()));
+        let unit = |o: &Operation| interpretation.sense_of(o).unit;
+        for (k, other) in self.operations.iter().enumerate().filter(|(_, o)| unit(o) != unit(first)) {
+            let [a, b] = [first, other].map(|o| format!("`{}` is measured in {}", o.name, unit(o).word()));
             let help = "choose senses of one unit, or the statistical reading and the quantity yield";
             faults.push(fault(About::Sense(k), format!("{b}, {a}: they cannot be added"), help));
         }
         faults
     }
 
-    /// What of the errors that count is a tolerance, with its verb.
-    fn tolerances(&self) -> Vec<String> {
+    /// Returns the errors that count and are tolerances, each with its verb.
+    fn tolerances(&self, registration: Registration) -> Vec<String> {
         let robot = self.robot.errors.get(self.errors);
         let robot = robot.filter(|set| matches!(set, ErrorSet::Tolerance(_)));
         // A taught frame moves with its equipment.
         let is_used = |k: usize| {
-            self.registration != Registration::Taught && self.operations.iter().any(|o| o.equipment == k)
+            registration != Registration::Taught && self.operations.iter().any(|o| o.equipment == k)
         };
         let equipment = self
             .equipment

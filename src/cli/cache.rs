@@ -1,19 +1,19 @@
-//! What takes long to compute, kept between runs: convex parts of link meshes.
+//! Cache of results that take long to compute: the convex decompositions of link meshes.
 //!
-//! In the folder that `SWEETSPOT_CACHE` names (`off`: nowhere), else in the user's cache folder. A
-//! folder that cannot be written is no fault: it is computed again.
+//! It is the folder that the environment variable `SWEETSPOT_CACHE` names (`off`: no cache), otherwise the
+//! cache folder of the user. If it cannot be written, the results are computed again.
 
 use super::loading::sha256;
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
-/// Largest file kept, bytes.
+/// Largest cached file, bytes.
 const MAX_BYTES: u64 = 1 << 20;
 
 /// Length of a hash in hexadecimal.
 const HASH: usize = 64;
 
-/// The bytes kept under a key, or those that `compute` makes, which are then kept.
+/// Returns the bytes cached under a key, or computes and caches them.
 pub fn remember(key: &[u8], compute: &dyn Fn() -> Vec<u8>) -> Vec<u8> {
     let Some(folder) = folder() else { return compute() };
     let path = folder.join(sha256(key));
@@ -36,7 +36,7 @@ fn folder() -> Option<PathBuf> {
     }
 }
 
-/// The content of a file whose hash in front is right.
+/// Returns the content of a cached file if the hash in front of it is right.
 fn read(path: &Path) -> Option<Vec<u8>> {
     let mut bytes = Vec::new();
     std::fs::File::open(path).ok()?.take(MAX_BYTES).read_to_end(&mut bytes).ok()?;
@@ -44,7 +44,7 @@ fn read(path: &Path) -> Option<Vec<u8>> {
     (sha256(&content).as_bytes() == &bytes[..HASH]).then_some(content)
 }
 
-/// Writes it whole or not at all.
+/// Writes a cached file as a whole or not at all.
 fn write(folder: &Path, path: &Path, content: &[u8]) -> std::io::Result<()> {
     std::fs::create_dir_all(folder)?;
     let mut file = tempfile::NamedTempFile::new_in(folder)?;

@@ -4,6 +4,7 @@
 //! inputs and the state. A file whose hash is wrong is never trusted.
 
 use super::arguments::{Arguments, Command, SearchArguments};
+use super::loading::CHECKPOINT;
 use super::output::path_word;
 use super::{Exit, loading, output};
 use crate::files::{Source, shown};
@@ -15,9 +16,6 @@ use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
-
-/// Its name in the folder of the search.
-pub const CHECKPOINT: &str = "checkpoint.jsonl";
 
 const SCHEMA: &str = "sweetspot/checkpoint/1";
 
@@ -242,7 +240,7 @@ fn changes(then: &[Input], now: &[Input]) -> Vec<String> {
 /// Options say the same as when the search began, or nothing.
 fn refuse_changes(then: &SearchArguments, asked: &SearchArguments) -> Result<(), Exit> {
     let options = |a: &SearchArguments| {
-        let (o, c) = (&a.overrides, &a.overrides.choice);
+        let (o, c) = (&a.question, &a.question.errors);
         [
             ("errors", c.errors.clone()),
             ("model", c.model.clone()),

@@ -1,9 +1,10 @@
 //! The folder of a search read again: every file of it, checked against the hashes of its manifest.
 
-use super::arguments::{Arguments, Command, Packages, SearchArguments};
+use super::arguments::{Arguments, Command, SearchArguments};
 use super::output::path_word;
+use super::packages::Packages;
 use super::results::{INPUTS, portable};
-use super::{Exit, checkpoint, loading, output};
+use super::{Exit, asked, checkpoint, loading, output};
 use crate::cell::Layout;
 use crate::files::{Loaded, shown};
 use crate::record::{HashedFile, ManifestDocument, SearchResult};
@@ -31,7 +32,7 @@ pub fn read(folder: &Path, packages: &Packages) -> Result<Folder, Exit> {
     let name = manifest.inputs.first().map(|(path, _)| portable(path)).ok_or(Exit::BadInput)?;
     let file = folder.join(INPUTS).join(name);
     let packages = kept_packages(folder, packages);
-    let loaded = super::commands::asked(&SearchArguments { packages: packages.clone(), ..arguments }, &file)?;
+    let loaded = asked::load_for_search(&SearchArguments { packages: packages.clone(), ..arguments }, &file)?;
     let found: SearchResult = serde_json::from_slice(&bytes(folder, "search.json")?)
         .map_err(|e| refused(folder, "search.json", &format!("it is not that of a search: {e}")))?;
     let best = match found.objective_value {
@@ -80,7 +81,7 @@ fn manifest(folder: &Path) -> Result<Manifest, Exit> {
         let (inputs, outputs) = (pairs(inputs), pairs(outputs));
         return Ok(Manifest { command, version, seed, inputs, outputs, csv, source, is_complete: true });
     }
-    if !folder.join(checkpoint::CHECKPOINT).is_file() {
+    if !folder.join(loading::CHECKPOINT).is_file() {
         output::error(&format!("{} holds no manifest.json and no checkpoint", path_word(folder)));
         output::talk("  help: name a cell file, or a folder that sweetspot search has written");
         return Err(Exit::BadInput);

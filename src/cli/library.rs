@@ -1,10 +1,9 @@
-//! The robots, and some equipment, that come with the program, built in so that they are known anywhere.
+//! Built-in robots and equipment: the files of cells/robots and some of cells/equipment, embedded in the program.
 
 use crate::files;
-
 use crate::files::{LoadedRobot, ReadFile};
 
-/// Name and text of every file of cells/robots, in the order of names.
+/// Name and text of every robot file in cells/robots, sorted by name.
 pub const ROBOTS: [(&str, &str); 16] = [
     ("abb_irb140", include_str!("../../cells/robots/abb_irb140.toml")),
     ("abb_irb460", include_str!("../../cells/robots/abb_irb460.toml")),
@@ -24,11 +23,11 @@ pub const ROBOTS: [(&str, &str); 16] = [
     ("ur5e", include_str!("../../cells/robots/ur5e.toml")),
 ];
 
-/// What they name.
+/// Name and text of the URDF files that the robots refer to.
 const URDFS: [(&str, &str); 1] =
     [("hitachi_pw10.urdf", include_str!("../../cells/robots/hitachi_pw10.urdf"))];
 
-/// Name and text of the equipment that first cells are made of.
+/// Name and text of the equipment of the first cells.
 const EQUIPMENT: [(&str, &str); 5] = [
     ("bench", include_str!("../../cells/equipment/bench.toml")),
     ("conveyor", include_str!("../../cells/equipment/conveyor.toml")),
@@ -37,7 +36,7 @@ const EQUIPMENT: [(&str, &str); 5] = [
     ("worktable", include_str!("../../cells/equipment/worktable.toml")),
 ];
 
-/// The text of a file of cells/robots or cells/equipment by its path in cells/.
+/// Returns the text of a file by its path in cells/.
 pub fn file(path: &str) -> Option<&'static str> {
     let (folder, name) = path.split_once('/')?;
     let stem = name.strip_suffix(".toml");
@@ -51,18 +50,18 @@ pub fn file(path: &str) -> Option<&'static str> {
     }
 }
 
-/// The text of a robot file by its name.
+/// Returns the text of a robot file by its name.
 pub fn text(name: &str) -> Option<&'static str> {
     ROBOTS.iter().find(|(known, _)| *known == name).map(|(_, text)| *text)
 }
 
-/// A robot of the library by its name.
+/// Reads a built-in robot by its name.
 pub fn robot(name: &str) -> Option<Result<LoadedRobot, Vec<files::Fault>>> {
     text(name)?;
     let read: &mut ReadFile<'_> = &mut |path: &str| {
         let urdf = || URDFS.iter().find(|(known, _)| *known == path).map(|(_, text)| *text);
         let text = path.strip_suffix(".toml").and_then(text).or_else(urdf);
-        text.map(|text| text.as_bytes().to_vec()).ok_or_else(|| "the library has no such file".to_string())
+        text.map(|text| text.as_bytes().to_vec()).ok_or_else(|| "it is not built in".to_string())
     };
     Some(files::load_robot(&format!("{name}.toml"), read))
 }

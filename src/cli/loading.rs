@@ -1,25 +1,32 @@
-//! Reading inside the cell's folder, and writing whole files or none.
+//! Reading inside the folder of the cell, and writing files as a whole or not at all.
 
-use super::arguments::Packages;
-use super::checkpoint::CHECKPOINT;
+use super::packages::Packages;
 use super::{Exit, output};
 use crate::files;
-use crate::files::{Fault, Loaded, LoadedRobot, Setting, shown};
+use crate::files::{Fault, FaultKind, Loaded, LoadedRobot, Setting, shown};
 use sha2::{Digest, Sha256};
 use std::collections::HashMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-/// What the names of unfinished files begin with.
+/// Prefix of the names of unfinished files.
 pub const UNFINISHED: &str = ".sweetspot-";
 
-/// Largest file read: a mesh of a million triangles has some 60 MB.
+/// Name of the checkpoint in the folder of a search.
+pub const CHECKPOINT: &str = "checkpoint.jsonl";
+
+/// Largest file that is read, bytes; a mesh of a million triangles has about 60 MB.
 const MAX_BYTES: u64 = 128 << 20;
 
-/// Reads a cell and all it refers to; faults and warnings go to stderr.
+/// Reads a cell and everything it refers to, and prints faults and warnings.
 pub fn load(path: &Path, packages: &Packages) -> Result<Loaded, Exit> {
-    let loaded = read_cell(path, packages).map_err(|faults| {
+    load_with(path, packages, &[])
+}
+
+/// Loads a cell as [`load`] does, with some keys stated on the command line.
+pub fn load_with(path: &Path, packages: &Packages, settings: &[Setting]) -> Result<Loaded, Exit> {
+    let loaded = read_cell_with(path, packages, settings, &FileSnapshot::default()).map_err(|faults| {
         output::faults(&faults);
         exit_of(&faults)
     })?;
@@ -27,38 +34,34 @@ pub fn load(path: &Path, packages: &Packages) -> Result<Loaded, Exit> {
     Ok(loaded)
 }
 
-/// A cell file that cannot be read is a matter of I/O, all else of input.
+/// Returns the exit code of faults: a cell file that cannot be read is an I/O error, all others are bad input.
 pub fn exit_of(faults: &[Fault]) -> Exit {
-    let unread = |f: &Fault| f.line > 0 && f.excerpt.is_empty() && f.message.starts_with("cannot read");
-    if faults.iter().any(unread) { Exit::Io } else { Exit::BadInput }
+    let is_unreadable = faults.iter().any(|fault| fault.kind == FaultKind::Unreadable);
+    if is_unreadable { Exit::Io } else { Exit::BadInput }
 }
 
-/// Reads a cell and all it refers to.
+/// Reads a cell and everything it refers to.
 pub fn read_cell(path: &Path, packages: &Packages) -> Result<Loaded, Vec<Fault>> {
-    let (folder, name) = parted(path);
-    let mut loaded = files::load(&name, &mut |inside| read_named(&folder, packages, inside))
-        .map_err(|faults| named(path, faults))?;
-    loaded.warnings = named(path, loaded.warnings);
-    Ok(loaded)
+    read_cell_with(path, packages, &[], &FileSnapshot::default())
 }
 
-/// Files as they were first read: every combination of a sweep sees the same bytes.
+/// Files as they were first read, so that every combination of a sweep sees the same bytes.
 #[derive(Default)]
-pub struct Kept(Mutex<HashMap<String, Result<Vec<u8>, String>>>);
+pub struct FileSnapshot(Mutex<HashMap<String, Result<Vec<u8>, String>>>);
 
-impl Kept {
-    /// A file that is not there yet.
+impl FileSnapshot {
+    /// Adds a file that is not written yet.
     pub fn with(name: &str, bytes: &[u8]) -> Self {
         Self(Mutex::new(HashMap::from([(name.to_string(), Ok(bytes.to_vec()))])))
     }
 }
 
-/// Reads a cell with some keys said otherwise, and all it refers to.
+/// Reads a cell with some keys stated on the command line, and everything it refers to.
 pub fn read_cell_with(
     path: &Path,
     packages: &Packages,
     settings: &[Setting],
-    kept: &Kept,
+    kept: &FileSnapshot,
 ) -> Result<Loaded, Vec<Fault>> {
     let (folder, name) = parted(path);
     let mut read = |inside: &str| {
@@ -70,7 +73,7 @@ pub fn read_cell_with(
     Ok(loaded)
 }
 
-/// Reads a robot and all it refers to; faults and warnings go to stderr.
+/// Reads a robot and everything it refers to, and prints faults and warnings.
 pub fn load_robot(path: &Path, packages: &Packages) -> Result<LoadedRobot, Exit> {
     let (folder, name) = parted(path);
     let loaded =
@@ -82,13 +85,13 @@ pub fn load_robot(path: &Path, packages: &Packages) -> Result<LoadedRobot, Exit>
     Ok(loaded)
 }
 
-/// Whether it is the file of a robot.
+/// Returns whether a file is that of a robot.
 pub fn is_robot(path: &Path, packages: &Packages) -> bool {
     let (folder, name) = parted(path);
     files::is_robot(&name, &mut |inside| read_named(&folder, packages, inside))
 }
 
-/// The folder of a file, and its name there.
+/// Returns the folder of a file, and its name there.
 fn parted(path: &Path) -> (PathBuf, String) {
     let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     match path.parent() {
@@ -97,17 +100,17 @@ fn parted(path: &Path) -> (PathBuf, String) {
     }
 }
 
-/// Named as the user names the file, so that an editor can jump there.
+/// Names the files of faults as the user does, so that an editor can jump there.
 fn named(path: &Path, mut faults: Vec<Fault>) -> Vec<Fault> {
     let prefix = path.parent().unwrap_or(Path::new(""));
-    // What has no line is no file: a setting.
+    // A fault without a line is in a setting, not in a file.
     for fault in faults.iter_mut().filter(|f| f.line > 0) {
         fault.file = prefix.join(&fault.file).to_string_lossy().into_owned();
     }
     faults
 }
 
-/// Reads `package://NAME/PATH` in the folder of that package, all else in that of the cell.
+/// Reads `package://NAME/PATH` in the folder of that package, and any other file in the folder of the cell.
 fn read_named(folder: &Path, packages: &Packages, name: &str) -> Result<Vec<u8>, String> {
     let Some((package, inside)) = name.strip_prefix("package://").and_then(|rest| rest.split_once('/'))
     else {
@@ -115,11 +118,11 @@ fn read_named(folder: &Path, packages: &Packages, name: &str) -> Result<Vec<u8>,
     };
     match packages.folders.iter().find(|(name, _)| name == package) {
         Some((_, folder)) => read_inside(folder, inside, "its package"),
-        None => Err(format!("say where the package lies: --package {package}=DIR")),
+        None => Err(format!("the folder of the package is unknown: add --package {package}=DIR")),
     }
 }
 
-/// Reads a file that must lie in `folder`, that of `whose`, symbolic links followed.
+/// Reads a file that must be inside `folder`, which belongs to `whose`; symbolic links are followed.
 pub fn read_inside(folder: &Path, inside: &str, whose: &str) -> Result<Vec<u8>, String> {
     let path = folder.join(inside);
     let real = path.canonicalize().map_err(|e| reason(&e))?;
@@ -145,7 +148,7 @@ fn reason(e: &std::io::Error) -> String {
     }
 }
 
-/// Writes a file whole or not at all: a temporary file in the same folder, synced, renamed.
+/// Writes a file as a whole or not at all: to a temporary file in the same folder, synced, then renamed.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Exit> {
     let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
@@ -165,7 +168,7 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Exit> {
     })
 }
 
-/// A name is safe only when its folder is.
+/// Syncs a folder: a renamed file is safe on the disk only when its folder is.
 #[cfg(unix)]
 fn sync(folder: &Path) -> std::io::Result<()> {
     std::fs::File::open(folder)?.sync_all()
@@ -176,7 +179,7 @@ fn sync(_folder: &Path) -> std::io::Result<()> {
     Ok(())
 }
 
-/// Removes the files that a killed program left unfinished.
+/// Removes the unfinished files of a process that was killed.
 pub fn sweep(folder: &Path) {
     for entry in folder.read_dir().into_iter().flatten().flatten() {
         let path = entry.path();
@@ -188,7 +191,7 @@ pub fn sweep(folder: &Path) {
     }
 }
 
-/// Temporary files are private; results are for all who may read the folder.
+/// Makes a temporary file, which is private, readable for everyone who may read the folder.
 #[cfg(unix)]
 fn share(file: &tempfile::NamedTempFile) -> std::io::Result<()> {
     use std::os::unix::fs::PermissionsExt;
@@ -200,19 +203,19 @@ fn share(_file: &tempfile::NamedTempFile) -> std::io::Result<()> {
     Ok(())
 }
 
-/// Makes a folder, unless it is there.
+/// Makes a folder unless it exists.
 pub fn make_folder(path: &Path) -> Result<(), Exit> {
     std::fs::create_dir_all(path).map_err(|e| {
-        output::error(&format!("cannot make the folder {}: {}", shown(&path.to_string_lossy()), reason(&e)));
+        output::error(&format!("cannot create the folder {}: {}", shown(&path.to_string_lossy()), reason(&e)));
         Exit::Io
     })
 }
 
-/// Makes the folder for results: the one asked for, which must be new or empty, or the first free
+/// Makes a result folder: the one asked for, which must be new or empty, or the first free
 /// `results/STEM-NNN`.
 pub fn new_folder(asked: Option<&Path>, stem: &str) -> Result<PathBuf, Exit> {
     let cannot = |path: &Path, e: &std::io::Error| {
-        output::error(&format!("cannot make the folder {}: {}", shown(&path.to_string_lossy()), reason(e)));
+        output::error(&format!("cannot create the folder {}: {}", shown(&path.to_string_lossy()), reason(e)));
         Exit::Io
     };
     if let Some(path) = asked {
@@ -221,13 +224,13 @@ pub fn new_folder(asked: Option<&Path>, stem: &str) -> Result<PathBuf, Exit> {
         let mut entries = path.read_dir().map_err(|e| cannot(path, &e))?;
         if !entries.all(|e| e.is_ok_and(unfinished)) {
             if path.join(CHECKPOINT).is_file() {
-                output::error(&format!("{} holds a search that was stopped", output::path_word(path)));
-                output::talk(&format!("  help: sweetspot search --resume {}", output::path_word(path)));
+                output::error(&format!("{} holds a stopped search", output::path_word(path)));
+                output::talk(&format!("  help: resume it with sweetspot search --resume {}", output::path_word(path)));
                 return Err(Exit::BadInput);
             }
             let path = shown(&path.to_string_lossy());
             output::error(&format!(
-                "{path} is not empty; nothing is overwritten: name a new folder with --out"
+                "{path} is not empty, and nothing is overwritten; choose a new folder with --out"
             ));
             return Err(Exit::BadInput);
         }
@@ -244,11 +247,11 @@ pub fn new_folder(asked: Option<&Path>, stem: &str) -> Result<PathBuf, Exit> {
             Err(e) => return Err(cannot(&path, &e)),
         }
     }
-    output::error(&format!("results/{stem}-001 to -999 are all taken: name a folder with --out"));
+    output::error(&format!("results/{stem}-001 to -999 all exist; choose a folder with --out"));
     Err(Exit::BadInput)
 }
 
-/// SHA-256 in hexadecimal, as `sha256sum` prints it.
+/// Returns the SHA-256 hash in hexadecimal, as `sha256sum` prints it.
 pub fn sha256(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect()
 }

@@ -1,20 +1,23 @@
-//! The edge: arguments, files, progress, exit codes. The only part that touches the file system,
-//! the clock or the terminal.
+//! The command-line interface: arguments, files, progress, exit codes.
+//!
+//! It is the only part that touches the file system, the clock or the terminal.
 
 mod arguments;
+mod asked;
 mod cache;
 mod checkpoint;
 mod commands;
+mod first_cells;
 mod found;
-mod init;
 mod library;
 mod loading;
+mod lookup;
 mod output;
-mod overrides;
+mod packages;
 mod progress;
 mod results;
 mod sweep;
-mod typed;
+#[cfg(feature = "view")]
 mod view;
 
 use arguments::{Arguments, Command};
@@ -22,28 +25,30 @@ use clap::Parser;
 use clap::error::ErrorKind;
 use std::process::ExitCode;
 
-/// How a command ended; the numbers are the contract with scripts.
+/// Exit code of a command; the numbers are the contract with scripts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Exit {
+    /// It succeeded.
     Done = 0,
-    /// It ran and the answer is no: no feasible layout.
+    /// It ran, and the answer is no: no feasible layout, or a limit is exceeded.
     AnswerIsNo = 1,
-    /// Bad usage or bad input.
+    /// The usage or the input is invalid.
     BadInput = 2,
     /// A file could not be read or written.
     Io = 3,
-    /// A limit was reached; what is left to do can be resumed.
+    /// A time limit was reached; the command can be resumed.
     Limit = 4,
+    /// Ctrl-C or SIGTERM stopped it; the command can be resumed.
     Interrupted = 130,
 }
 
-/// Runs the command line and says how it ended.
+/// Runs the command line and returns its exit code.
 pub fn run() -> ExitCode {
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
         Err(e) => {
             let asked = matches!(e.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion);
-            // clap prints help to stdout and faults to stderr; a closed pipe is no fault.
+            // clap prints help to stdout and errors to stderr; a closed pipe is no error.
             let _ = e.print();
             return code(if asked { Exit::Done } else { Exit::BadInput });
         }

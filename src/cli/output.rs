@@ -1,4 +1,4 @@
-//! Data on stdout, talk on stderr.
+//! Output: data on stdout, messages on stderr.
 
 use super::Exit;
 use crate::files::{Fault, shown};
@@ -6,7 +6,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::Write;
 use std::path::Path;
 
-/// Writes data to stdout. A reader that has gone (`| head`) is no fault.
+/// Writes data to stdout. A closed pipe (`| head`) is no error.
 pub fn data(text: &str) -> Result<(), Exit> {
     let mut out = std::io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
@@ -18,16 +18,17 @@ pub fn data(text: &str) -> Result<(), Exit> {
     }
 }
 
-/// A line of talk.
+/// Prints a line on stderr.
 pub fn talk(text: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{text}");
 }
 
+/// Prints an error on stderr.
 pub fn error(text: &str) {
     talk(&format!("error: {text}"));
 }
 
-/// Faults of files, and how many there are.
+/// Prints the faults of files, and how many there are.
 pub fn faults(faults: &[Fault]) {
     for fault in faults {
         talk(&format!("{fault}\n"));
@@ -38,7 +39,7 @@ pub fn faults(faults: &[Fault]) {
     }
 }
 
-/// A bar on stderr, silent when that is no terminal.
+/// Returns a progress bar of layouts on stderr, hidden if that is no terminal.
 pub fn progress_bar(length: u64) -> ProgressBar {
     let bar = ProgressBar::new(length);
     if let Ok(style) = ProgressStyle::with_template("{bar:24} {pos}/{len} layouts, {eta} left, best {msg}") {
@@ -48,7 +49,7 @@ pub fn progress_bar(length: u64) -> ProgressBar {
     bar
 }
 
-/// A bar for points asked, silent when stderr is no terminal; it shows itself after the first second.
+/// Returns a progress bar of sample points, hidden if stderr is no terminal; it appears after one second.
 pub fn points_bar() -> ProgressBar {
     let bar = ProgressBar::hidden();
     if let Ok(style) = ProgressStyle::with_template("{bar:24} {percent} %, {eta} left") {
@@ -57,7 +58,7 @@ pub fn points_bar() -> ProgressBar {
     bar
 }
 
-/// A bar for combinations, silent when stderr is no terminal; it shows itself after the first second.
+/// Returns a progress bar of combinations, hidden if stderr is no terminal; it appears after one second.
 pub fn combinations_bar() -> ProgressBar {
     let bar = ProgressBar::hidden();
     if let Ok(style) = ProgressStyle::with_template("{bar:24} {pos}/{len} combinations, {eta} left") {
@@ -66,7 +67,7 @@ pub fn combinations_bar() -> ProgressBar {
     bar
 }
 
-/// `count` points more, of so many.
+/// Advances a bar of length `of` by `count`.
 pub fn advance(bar: &ProgressBar, count: u64, of: u64) {
     if bar.is_hidden() && bar.elapsed().as_secs() >= 1 {
         bar.set_draw_target(ProgressDrawTarget::stderr());
@@ -75,12 +76,12 @@ pub fn advance(bar: &ProgressBar, count: u64, of: u64) {
     bar.inc(count);
 }
 
-/// A path as one would type it.
+/// Returns a path as one would type it in a shell.
 pub fn path_word(path: &Path) -> String {
     word(&path.to_string_lossy())
 }
 
-/// A word as one would type it in a shell.
+/// Returns a word as one would type it in a shell, quoted if necessary.
 pub fn word(text: &str) -> String {
     let text = shown(text);
     let plain = |c: char| c.is_alphanumeric() || "-_./,:@+=%~\\".contains(c);

@@ -10,50 +10,52 @@ use std::io::IsTerminal;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-/// Time between two lines.
+/// Time between two lines of progress.
 const PERIOD: Duration = Duration::from_secs(1);
 
-enum Manner {
+/// Form of the progress report.
+enum ProgressForm {
     Bar(ProgressBar),
     Lines,
     Silent,
 }
 
-/// Tells on stderr how far a search is.
+/// Reports the progress of a search on stderr.
 pub struct Reporter {
-    manner: Manner,
+    manner: ProgressForm,
     unit: Unit,
     bound: Option<f64>,
-    /// Evaluations that were made before, by the process that was stopped.
+    /// Evaluations of the process that was stopped before.
     before: u64,
     clock: Instant,
-    /// When a line was told last, and what is to be told next.
+    /// Time of the last line, and the progress that no line has reported yet.
     last: Mutex<(Instant, Option<Progress>)>,
 }
 
 impl Reporter {
-    /// In the manner asked for, or that fits what stderr is.
+    /// Reports in the form asked for, or by default a bar on a terminal and lines of JSON elsewhere.
     pub fn new(manner: Option<&str>, workcell: &Workcell, bound: Option<f64>, before: u64) -> Self {
-        let bar = || Manner::Bar(output::progress_bar(workcell.cell.search.budget));
+        let bar = || ProgressForm::Bar(output::progress_bar(workcell.cell.search.budget));
         let manner = match manner {
             Some("bar") => bar(),
-            Some("json") => Manner::Lines,
-            Some(_) => Manner::Silent,
+            Some("json") => ProgressForm::Lines,
+            Some(_) => ProgressForm::Silent,
             None if std::io::stderr().is_terminal() => bar(),
-            None => Manner::Lines,
+            None => ProgressForm::Lines,
         };
         let clock = Instant::now();
         let last = Mutex::new((clock, None));
         Self { manner, unit: workcell.cell.unit(), bound, before, clock, last }
     }
 
+    /// Reports progress.
     pub fn tell(&self, progress: Progress) {
         match &self.manner {
-            Manner::Bar(bar) => {
+            ProgressForm::Bar(bar) => {
                 bar.set_position(progress.evaluations);
                 bar.set_message(self.in_words(progress));
             }
-            Manner::Lines => {
+            ProgressForm::Lines => {
                 let mut last = self.last.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
                 last.1 = Some(progress);
                 if last.0.elapsed() >= PERIOD {
@@ -61,14 +63,14 @@ impl Reporter {
                     output::talk(&self.line(progress).to_string());
                 }
             }
-            Manner::Silent => {}
+            ProgressForm::Silent => {}
         }
     }
 
-    /// Tells what has not been told yet.
+    /// Ends the report with the last progress.
     pub fn finish(self) {
         let last = self.last.lock().map_or(None, |last| last.1);
-        if let Manner::Bar(bar) = &self.manner {
+        if let ProgressForm::Bar(bar) = &self.manner {
             bar.finish_and_clear();
         }
         if let Some(progress) = last {
@@ -76,13 +78,13 @@ impl Reporter {
         }
     }
 
-    /// Share of the bound by which the best lies above it.
+    /// Returns the gap: by which share of the lower bound the best layout lies above it.
     fn gap(&self, p: Progress) -> Option<f64> {
         let bound = self.bound.filter(|b| *b > 0.0)?;
         Some(p.best? / bound - 1.0)
     }
 
-    /// Evaluations per second of this process.
+    /// Returns the evaluations per second of this process.
     fn rate(&self, p: Progress) -> f64 {
         let own = p.evaluations.saturating_sub(self.before);
         own as f64 / self.clock.elapsed().as_secs_f64().max(1e-3)

@@ -3,70 +3,22 @@
 //! A combination is a function of the plan and its index, and leaves one file that is there whole or
 //! not at all: `NNNN.json`. The table is made from these files alone.
 
-use super::arguments::Packages;
+use super::arguments::{SweepArguments, common_settings};
 use super::loading;
-use super::loading::Kept;
+use super::loading::FileSnapshot;
 use super::output::path_word;
+use super::packages::Packages;
 use super::results::{hashed, pretty};
 use super::{Exit, output};
 use crate::cell::Solver;
 use crate::files::{Choices, Fault, Loaded, Source, of_setting, shown};
 use crate::record::{SWEEP_PLAN_SCHEMA, SweepPlan, SweepRow};
-use clap::Args;
-use clap::builder::PossibleValuesParser;
 use std::path::{Path, PathBuf};
 
 /// Largest number of combinations of one sweep.
 const MAX_COMBINATIONS: usize = 10_000;
 
 const PLAN: &str = "plan.json";
-
-#[derive(Args)]
-pub struct SweepArguments {
-    /// Cell file (TOML)
-    #[arg(required_unless_present = "resume", conflicts_with = "resume")]
-    pub cell: Option<PathBuf>,
-    #[command(flatten)]
-    pub packages: Packages,
-    /// A key of the cell file and its values: a text may stand without quotes, commas inside brackets
-    /// part nothing; may be given several times
-    #[arg(
-        long = "set",
-        value_name = "PATH=A,B,...",
-        required_unless_present = "resume",
-        conflicts_with = "resume"
-    )]
-    pub sets: Vec<String>,
-    /// Map the layout as drawn instead of searching
-    #[arg(long, conflicts_with = "resume")]
-    pub map: bool,
-    /// Seed of all randomness of every combination [default: that of the cell]
-    #[arg(long, conflicts_with = "resume")]
-    pub seed: Option<u64>,
-    /// Layout evaluations of every combination
-    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000), conflicts_with = "resume")]
-    pub budget: Option<u64>,
-    /// Global solver
-    #[arg(long, value_parser = PossibleValuesParser::new(Solver::ALL.map(Solver::name)), conflicts_with = "resume")]
-    pub solver: Option<String>,
-    /// Combinations worked on at the same time; the result does not depend on it [default: all cores]
-    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub jobs: Option<u16>,
-    /// Write into this folder, new or that of the same sweep, which is then continued
-    /// [default: results/CELL-NNN]
-    #[arg(long, value_name = "DIR", conflicts_with = "resume")]
-    pub out: Option<PathBuf>,
-    /// Continue the sweep of this folder
-    #[arg(long, value_name = "DIR")]
-    pub resume: Option<PathBuf>,
-    /// Work on this combination alone, numbered from 0, and make no table: for array jobs on many
-    /// machines, with --resume at the end
-    #[arg(long, value_name = "INDEX")]
-    pub only: Option<usize>,
-    /// Print the table as JSON on stdout
-    #[arg(long)]
-    pub json: bool,
-}
 
 /// Returns the plan that the command line asks for or, of a sweep to be resumed, the plan of its folder.
 pub fn asked_plan(a: &SweepArguments) -> Result<SweepPlan, Exit> {
@@ -96,14 +48,12 @@ pub fn asked_plan(a: &SweepArguments) -> Result<SweepPlan, Exit> {
 }
 
 /// Reads the cell of a combination.
-pub fn load(plan: &SweepPlan, index: usize, kept: &Kept) -> Result<Loaded, Vec<Fault>> {
+pub fn load(plan: &SweepPlan, index: usize, kept: &FileSnapshot) -> Result<Loaded, Vec<Fault>> {
     let packages = Packages { folders: plan.packages.clone() };
-    let mut loaded = loading::read_cell_with(&plan.cell, &packages, &plan.settings(index), kept)?;
-    let search = &mut loaded.cell.search;
-    search.seed = plan.seed.unwrap_or(search.seed);
-    search.budget = plan.budget.unwrap_or(search.budget);
-    search.solver = plan.solver.unwrap_or(search.solver);
-    Ok(loaded)
+    let mut settings = plan.settings(index);
+    let solver = plan.solver.map(|solver| solver.name().to_string());
+    settings.extend(common_settings(plan.seed, plan.budget, solver.as_ref()));
+    loading::read_cell_with(&plan.cell, &packages, &settings, kept)
 }
 
 /// Adds the files read by one more combination to the inputs of the plan.

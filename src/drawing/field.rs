@@ -2,7 +2,7 @@
 
 use super::Detail;
 use crate::assess::Assessment;
-use crate::cell::{Cell, JointVector, Model, Quantity, Reading, Sense};
+use crate::cell::{Cell, Interpretation, JointVector, Model, Quantity, Reading, Sense};
 use crate::error_map::{NodeRecord, NodeSign, OperationMap, PostureRecord, Status};
 use nalgebra::Vector3;
 
@@ -19,6 +19,12 @@ impl Lens {
     /// As the cell asks.
     pub fn of(cell: &Cell) -> Self {
         Self { model: cell.model, reading: cell.reading, quantity: cell.quantity }
+    }
+
+    /// Returns how the errors of a cell are interpreted under this lens.
+    pub fn interpretation(&self, cell: &Cell) -> Interpretation {
+        let Self { model, reading, quantity } = *self;
+        Interpretation { model, reading, quantity, ..cell.interpretation() }
     }
 
     /// Whether errors have a sign under it; else they are plus or minus.
@@ -47,8 +53,7 @@ pub fn lenses(cell: &Cell) -> Vec<Lens> {
     let readings: Vec<Reading> = readings.collect();
     let all = models.flat_map(|model| readings.iter().map(move |&reading| Lens { model, reading, quantity }));
     let answers = |lens: &Lens| {
-        let Lens { model, reading, quantity } = *lens;
-        Cell { model, reading, quantity, ..cell.clone() }.question_faults().is_empty()
+        cell.faults_of(&lens.interpretation(cell)).is_empty()
     };
     let mut lenses = vec![own];
     let is_other = |lens: &Lens| (lens.reading, lens.model) != (own.reading, own.model);
@@ -135,7 +140,7 @@ pub(super) fn fields(a: &Assessment<'_>, detail: &Detail) -> Result<(Vec<Lens>, 
             fields.iter_mut().zip(&a.maps).for_each(|(f, map)| f.takes.push(take(f, map, l, a.cell)));
             continue;
         }
-        let workcell = a.workcell.read_otherwise(lens.model, lens.reading, lens.quantity)?;
+        let workcell = a.workcell.interpreted(&lens.interpretation(a.cell))?;
         let maps = workcell.maps(&a.layout);
         fields.iter_mut().zip(&maps).for_each(|(f, map)| f.takes.push(take(f, map, l, &workcell.cell)));
     }

@@ -12,6 +12,16 @@ pub enum Severity {
     Warning,
 }
 
+/// Kind of a fault, which decides the exit code.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum FaultKind {
+    /// The file was read; its content is wrong.
+    #[default]
+    Content,
+    /// The cell or robot file itself cannot be read.
+    Unreadable,
+}
+
 /// One fault of one file: located (line and column from 1), with what is wrong and what to do. A fault
 /// of a setting has no place: its words stand for the file, line and column are 0.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -22,6 +32,8 @@ pub struct Fault {
     pub column: usize,
     pub message: String,
     pub help: String,
+    #[serde(skip)]
+    pub kind: FaultKind,
     /// The line of the file, for the reader: of a long line the part round the fault.
     #[serde(skip)]
     pub excerpt: String,
@@ -35,6 +47,7 @@ impl Fault {
     pub fn of_file(file: &str, message: impl Into<String>, help: impl Into<String>) -> Self {
         Self {
             severity: Severity::Error,
+            kind: FaultKind::Content,
             file: file.to_string(),
             line: 1,
             column: 1,
@@ -43,6 +56,11 @@ impl Fault {
             excerpt: String::new(),
             caret: 0,
         }
+    }
+
+    /// Returns the fault of a cell or robot file that cannot be read.
+    pub fn unreadable(file: &str, message: impl Into<String>, help: impl Into<String>) -> Self {
+        Self { kind: FaultKind::Unreadable, ..Self::of_file(file, message, help) }
     }
 
     /// An error at a byte offset of the text of a file.

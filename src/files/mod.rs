@@ -14,11 +14,11 @@ mod schema;
 mod toml;
 mod urdf;
 
-pub use fault::{Fault, Severity, shown};
+pub use fault::{Fault, FaultKind, Severity, shown};
 pub use schema::{FileKind, schema};
 #[doc(hidden)] // open for tests/it
 pub use toml::reader::keys_asked_by;
-pub use toml::{Choices, ReadFile, Setting, Source, of_setting};
+pub use toml::{Choices, ReadFile, Setting, Source, of_setting, toml_string};
 
 use crate::cell::*;
 use keys::{cell as cell_file, robot as robot_file};
@@ -35,6 +35,8 @@ pub struct Loaded {
     /// Every file read, the cell file first, in the order of reading.
     pub sources: Vec<Source>,
     pub warnings: Vec<Fault>,
+    /// Whether nobody states the reading, so that it follows from the errors.
+    pub follows_errors: bool,
 }
 
 /// Reads the cell file at `path` (relative to its own folder, so just its name) and every file it
@@ -46,10 +48,10 @@ pub fn load(path: &str, read: &mut ReadFile<'_>) -> Result<Loaded, Vec<Fault>> {
     load_with(path, &[], read)
 }
 
-/// [`load`] with some keys said otherwise than in the file.
+/// Reads a cell as [`load`] does, with some keys stated on the command line instead of in the file.
 ///
 /// # Errors
-/// As [`load`]; faults of a setting name it instead of a file, at line 0.
+/// As [`load`]; faults of a setting name its flag instead of a file, at line 0.
 pub fn load_with(path: &str, settings: &[Setting], read: &mut ReadFile<'_>) -> Result<Loaded, Vec<Fault>> {
     let mut lib = Library::new(read);
     let root = from::load(path, settings, &mut lib);
@@ -61,11 +63,12 @@ pub fn load_with(path: &str, settings: &[Setting], read: &mut ReadFile<'_>) -> R
         question::check(cell, root, &mut lib);
         plausible::warn(cell, root, &mut lib);
     }
+    let follows_errors = root.is_some_and(|root| root.value.get("reading").is_none());
     let mut faults = sorted(&mut lib);
     setting::put_in_words(settings, &mut faults, &mut lib.sources);
     match cell {
         Some(cell) if !faults.iter().any(Fault::is_error) => {
-            Ok(Loaded { cell, sources: lib.sources, warnings: faults })
+            Ok(Loaded { cell, sources: lib.sources, warnings: faults, follows_errors })
         }
         _ => Err(faults),
     }

@@ -11,7 +11,10 @@ pub fn check(cell: &Cell, root: &Node, lib: &mut Library<'_>) {
             About::Reading => {
                 ["reading", "errors"].into_iter().find_map(|key| root.value.get(key)).map(|n| n.at)
             }
-            About::Operation(k) => operation(cell, root, k).map(|node| node.at),
+            About::Operation(k) => {
+                let flag = root.value.get("quantity").map(|node| node.at).filter(|at| lib.is_flag(*at));
+                flag.or_else(|| operation(cell, root, k).map(|node| node.at))
+            }
             About::Sense(k) => operation(cell, root, k).and_then(|o| o.value.get("sense")).map(|n| n.at),
         };
         lib.error(at.unwrap_or(root.at), fault.message, fault.help);

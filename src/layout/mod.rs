@@ -13,7 +13,7 @@ pub use refine::Refined;
 pub use robust::{Corner, Ended, Largest, Lost, Robustness};
 pub use separate::separated;
 
-use crate::cell::{Cell, Layout, Model, Objective, Quantity, Reading, Unit};
+use crate::cell::{Cell, Interpretation, Layout, Objective, QuestionFault, Unit};
 use crate::clearance::{FloorPlan, Overlap, OwnPair, Placed, Remember, Scene};
 use crate::error_map::{Mapper, OperationMap, Outcome, PostureRecord, Scratch, Spot, Unjudged};
 use crate::motion::{Blocked, Transfer};
@@ -103,12 +103,24 @@ impl Workcell {
         Ok(Self { cell, mapper, plan, wide, scene })
     }
 
-    /// The same cell with its errors modelled and read otherwise; the solids are shared.
+    /// Returns this workcell under another interpretation of its errors; the solids are shared.
     ///
     /// # Errors
-    /// Why the robot cannot be used.
-    pub fn read_otherwise(&self, model: Model, reading: Reading, quantity: Quantity) -> Result<Self, String> {
-        let cell = Cell { model, reading, quantity, ..self.cell.clone() };
+    /// Why the question has no answer, or why the robot cannot be used.
+    pub fn interpreted(&self, interpretation: &Interpretation) -> Result<Self, String> {
+        self.sharing(self.cell.asked(interpretation).map_err(|faults| first_of(&faults))?)
+    }
+
+    /// Returns this workcell under another interpretation, in which each operation is judged alone.
+    ///
+    /// # Errors
+    /// As [`Workcell::interpreted`]; units that cannot be added up are no fault.
+    pub fn interpreted_apart(&self, interpretation: &Interpretation) -> Result<Self, String> {
+        self.sharing(self.cell.asked_apart(interpretation).map_err(|faults| first_of(&faults))?)
+    }
+
+    /// Returns a workcell of the same solids and placements as this one.
+    fn sharing(&self, cell: Cell) -> Result<Self, String> {
         let mapper = Mapper::new(&cell)?;
         Ok(Self { cell, mapper, plan: self.plan.clone(), wide: self.wide.clone(), scene: self.scene.clone() })
     }
@@ -242,6 +254,11 @@ pub fn evaluate_in(workcell: &Workcell, layout: &Layout, workspace: &mut Workspa
         workcell.weight() * (INFEASIBLE + apart + blocked + short)
     });
     Evaluation { overlaps: found.clone(), outcomes, transfers, blocked, objective, cost }
+}
+
+/// Returns the first fault in one line.
+fn first_of(faults: &[QuestionFault]) -> String {
+    faults.first().map_or(String::new(), |fault| format!("{}; {}", fault.message, fault.help))
 }
 
 /// The ways between the operations of a layout without overlaps, or the first that is blocked.

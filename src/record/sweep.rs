@@ -62,7 +62,7 @@ impl SweepPlan {
     /// Returns the settings of a combination.
     pub fn settings(&self, index: usize) -> Vec<Setting> {
         let pairs = self.sets.iter().zip(combination(&self.sets, index));
-        pairs.map(|(set, value)| Setting { path: set.path.clone(), value: value.into() }).collect()
+        pairs.map(|(set, value)| Setting::new(set.path.clone(), value)).collect()
     }
 }
 

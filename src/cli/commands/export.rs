@@ -2,99 +2,55 @@
 
 use super::{stem, suggest, warn_of_distrust, workcell};
 use crate::assess::Assessment;
-use crate::cli::arguments::{Overrides, Packages};
+use crate::cli::arguments::{ExportArguments, ExportFormat};
 use crate::cli::output::path_word;
-use crate::cli::overrides;
-use crate::cli::overrides::overridden;
-use crate::cli::{Exit, found, loading, output, results};
+use crate::cli::{Exit, asked, found, loading, lookup, output, results};
 use crate::drawing::{Detail, Drawing};
 use crate::files::{Loaded, shown};
 use crate::record::MapDocument;
 use crate::report;
 use crate::report::raster::Shot;
-use clap::{Args, ValueEnum};
+use clap::ValueEnum;
 use std::path::{Path, PathBuf};
 
-/// Of a picture, px.
-const PNG: (usize, usize) = (1600, 1000);
-
-/// What an export can be.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Format {
-    /// CAD drawing in mm: solids, envelope, arrows, dimensions on layers
-    Dxf,
-    /// 3-D scene in m with the robot's motion
-    Glb,
-    /// Drawing to scale on paper: plan and elevation
-    Svg,
-    /// Table of all nodes
-    Csv,
-    /// The map as a document
-    Json,
-    /// The table of all nodes with typed columns
-    Parquet,
-    /// Picture of the cell
-    Png,
-}
-
-#[derive(Args)]
-pub struct ExportArguments {
-    /// Cell file (TOML), or a folder that a search has written: its best layout
-    #[arg(value_name = "RESULT|CELL")]
-    pub of: PathBuf,
-    /// What to write
-    #[arg(long, value_name = "FORMAT")]
-    pub to: Format,
-    /// Write into this file [default: the name of the cell file or folder, in this folder]
-    #[arg(short, long, value_name = "FILE")]
-    pub out: Option<PathBuf>,
-    /// Of a folder: the layout from which the search started, instead of the best
-    #[arg(long)]
-    pub start: bool,
-    /// Where the robot stands: at the spot of this operation, or at home [default: at the first spot]
-    #[arg(long, value_name = "OPERATION|home")]
-    pub posture: Option<String>,
-    #[command(flatten)]
-    pub packages: Packages,
-    #[command(flatten)]
-    pub overrides: Overrides,
-}
+/// Size of a picture, px.
+const PNG_SIZE: (usize, usize) = (1600, 1000);
 
 /// `sweetspot export`
 pub fn export(a: &ExportArguments) -> Result<Exit, Exit> {
     a.out.as_deref().map_or(Ok(()), |out| refuse_other_ending(out, a.to))?;
     let file = cell_file(&a.of, a.start)?;
-    let Loaded { cell, .. } = overridden(loading::load(&file, &a.packages)?, &a.overrides)?;
+    let Loaded { cell, .. } = asked::load(&file, &a.packages, &a.question)?;
     let workcell = workcell(cell, &file)?;
     let label = if a.of.is_dir() && !a.start { "best layout" } else { "layout as drawn" };
     let assessment = Assessment::new(label, &workcell, workcell.cell.start());
     let operation = posture(&assessment, a.posture.as_deref())?;
     let bytes = rendered(&assessment, a.to, operation)?;
-    let out = a.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}.{}", stem(&a.of), extension(a.to))));
+    let out = a.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}.{}", stem(&a.of), a.to.extension())));
     loading::write_whole(&out, &bytes)?;
     output::talk(&format!("wrote {}: {} kB", path_word(&out), bytes.len().div_ceil(1 << 10)));
     warn_of_distrust(&assessment);
-    let next = if a.to == Format::Glb { Format::Dxf } else { Format::Glb };
-    suggest(&format!("export {} --to {}", path_word(&a.of), extension(next)));
+    let next = if a.to == ExportFormat::Glb { ExportFormat::Dxf } else { ExportFormat::Glb };
+    suggest(&format!("export {} --to {}", path_word(&a.of), next.extension()));
     Ok(Exit::Done)
 }
 
-/// A picture under the name of a drawing would only puzzle the program that opens it.
-fn refuse_other_ending(out: &Path, format: Format) -> Result<(), Exit> {
+/// Refuses a file name with the extension of another format: the program that opens it would be misled.
+fn refuse_other_ending(out: &Path, format: ExportFormat) -> Result<(), Exit> {
     let given = out.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
-    let others = Format::value_variants().iter().filter(|f| **f != format);
-    if others.into_iter().all(|f| extension(*f) != given) {
+    let others = ExportFormat::value_variants().iter().filter(|f| **f != format);
+    if others.into_iter().all(|f| f.extension() != given) {
         return Ok(());
     }
-    output::error(&format!("{}: what --to {} writes ends in .{1}", path_word(out), extension(format)));
+    output::error(&format!("{}: the file name of --to {} must end in .{1}", path_word(out), format.extension()));
     Err(Exit::BadInput)
 }
 
-/// Of a folder its best layout, or the cell that the search began with.
+/// Returns the best layout of a result folder, or with `start` the cell that the search began with.
 fn cell_file(of: &Path, start: bool) -> Result<PathBuf, Exit> {
     if !of.is_dir() {
         if start {
-            output::error(&format!("--start is of a folder, and {} is none", path_word(of)));
+            output::error(&format!("--start needs a result folder, and {} is a file", path_word(of)));
             return Err(Exit::BadInput);
         }
         return Ok(of.to_path_buf());
@@ -108,20 +64,21 @@ fn cell_file(of: &Path, start: bool) -> Result<PathBuf, Exit> {
     let from = text.lines().find_map(|line| line.strip_prefix("from = \"")?.strip_suffix('"'));
     let start = from.map(|inside| of.join(inside)).filter(|path| path.starts_with(of.join(results::INPUTS)));
     start.ok_or_else(|| {
-        output::error(&format!("{} does not say what it started from", path_word(&best)));
+        output::error(&format!("{} does not name the cell file it was made from", path_word(&best)));
         Exit::BadInput
     })
 }
 
-/// The operation at whose spot the robot stands; None: at home.
+/// Returns the operation at whose spot the robot is shown; None: at home.
 fn posture(a: &Assessment<'_>, asked: Option<&str>) -> Result<Option<usize>, Exit> {
     match asked {
         None => Ok((0..a.maps.len()).find(|k| a.spot(*k).is_some())),
         Some("home") => Ok(None),
         Some(name) => {
-            let operation = overrides::operation(a.cell, name)?;
+            let operation = lookup::operation(a.cell, name)?;
             if a.spot(operation).is_none() {
-                output::error(&format!("{} has no spot in this layout: --posture home", shown(name)));
+                output::error(&format!("operation {} has no spot in this layout", shown(name)));
+                output::talk("  help: show the robot at home with --posture home");
                 return Err(Exit::AnswerIsNo);
             }
             Ok(Some(operation))
@@ -129,34 +86,22 @@ fn posture(a: &Assessment<'_>, asked: Option<&str>) -> Result<Option<usize>, Exi
     }
 }
 
-fn rendered(a: &Assessment<'_>, format: Format, operation: Option<usize>) -> Result<Vec<u8>, Exit> {
+fn rendered(a: &Assessment<'_>, format: ExportFormat, operation: Option<usize>) -> Result<Vec<u8>, Exit> {
     let cannot = |why: String| {
-        output::error(&format!("cannot make {}: {}", extension(format), shown(&why)));
+        output::error(&format!("cannot export {}: {}", format.extension(), shown(&why)));
         Exit::BadInput
     };
     let drawing = || Drawing::new(a, &Detail::PLAIN).map_err(cannot);
     match format {
-        Format::Csv => results::csv(&MapDocument::new(a)),
-        Format::Json => results::pretty(&MapDocument::new(a)),
-        Format::Parquet => report::parquet::map(a).map_err(cannot),
-        Format::Dxf => Ok(report::dxf::dxf(&drawing()?, operation)),
-        Format::Glb => report::glb::glb(&drawing()?, operation).map_err(cannot),
-        Format::Svg => Ok(report::sheet::sheet(&drawing()?, operation).into_bytes()),
-        Format::Png => {
-            let shot = Shot { stance: operation, width: PNG.0, height: PNG.1, ..Shot::default() };
+        ExportFormat::Csv => results::csv(&MapDocument::new(a)),
+        ExportFormat::Json => results::pretty(&MapDocument::new(a)),
+        ExportFormat::Parquet => report::parquet::map(a).map_err(cannot),
+        ExportFormat::Dxf => Ok(report::dxf::dxf(&drawing()?, operation)),
+        ExportFormat::Glb => report::glb::glb(&drawing()?, operation).map_err(cannot),
+        ExportFormat::Svg => Ok(report::sheet::sheet(&drawing()?, operation).into_bytes()),
+        ExportFormat::Png => {
+            let shot = Shot { stance: operation, width: PNG_SIZE.0, height: PNG_SIZE.1, ..Shot::default() };
             report::raster::png(&drawing()?, &shot).map_err(cannot)
         }
-    }
-}
-
-fn extension(format: Format) -> &'static str {
-    match format {
-        Format::Dxf => "dxf",
-        Format::Glb => "glb",
-        Format::Svg => "svg",
-        Format::Csv => "csv",
-        Format::Json => "json",
-        Format::Parquet => "parquet",
-        Format::Png => "png",
     }
 }

@@ -2,34 +2,12 @@
 
 use super::{stem, suggest, workcell};
 use crate::assess::Assessment;
-use crate::cli::arguments::{Overrides, Packages};
+use crate::cli::arguments::FiguresArguments;
 use crate::cli::output::{path_word, word};
-use crate::cli::overrides::overridden;
-use crate::cli::{Exit, found, loading, output, results};
+use crate::cli::{Exit, asked, found, loading, output, results};
 use crate::files::Source;
 use crate::report::figures::{Figure, Format, figures as drawn, readme};
-use clap::Args;
-use std::path::{Path, PathBuf};
-
-#[derive(Args)]
-pub struct FiguresArguments {
-    /// Cell files, or folders that a search has written
-    #[arg(required = true, value_name = "CELL|RESULT")]
-    pub cells: Vec<PathBuf>,
-    #[command(flatten)]
-    pub packages: Packages,
-    #[command(flatten)]
-    pub overrides: Overrides,
-    /// Write the pictures, README.md and manifest.json into this new folder
-    #[arg(long, value_name = "DIR")]
-    pub out: PathBuf,
-    /// Width of the pictures, px
-    #[arg(long, value_name = "PX", value_parser = clap::value_parser!(u16).range(400..=4000), default_value = "1600")]
-    pub width: u16,
-    /// Draw on a dark background
-    #[arg(long)]
-    pub dark: bool,
-}
+use std::path::Path;
 
 /// `sweetspot figures`
 pub fn figures(a: &FiguresArguments) -> Result<Exit, Exit> {
@@ -37,7 +15,7 @@ pub fn figures(a: &FiguresArguments) -> Result<Exit, Exit> {
     let mut loaded = Vec::new();
     for path in &a.cells {
         let file = if path.is_dir() { found::best_of(path)? } else { path.clone() };
-        let it = overridden(loading::load(&file, &a.packages)?, &a.overrides)?;
+        let it = asked::load(&file, &a.packages, &a.question)?;
         loaded.push((results::portable(&stem(path)), it.sources, workcell(it.cell, &file)?));
     }
     let (mut chapters, mut sources): (Vec<(String, Vec<Figure>)>, Vec<Source>) = (Vec::new(), Vec::new());

@@ -1,25 +1,16 @@
 //! `init`.
 
 use super::{schema, suggest};
-use crate::cli::init::{SKETCHES, Sketch, find};
+use crate::cli::first_cells::{SKETCHES, Sketch, find};
 use crate::cli::output::{path_word, word};
-use crate::cli::{Exit, library, loading, output, overrides};
+use crate::cli::{Exit, library, loading, lookup, output};
 use crate::files;
 use crate::files::shown;
-use clap::Args;
-use std::path::{Path, PathBuf};
+use crate::cli::arguments::InitArguments;
+use std::path::Path;
 
-/// The file that commands are given.
+/// Name of the cell file that is written.
 const CELL: &str = "cell.toml";
-
-#[derive(Args)]
-pub struct InitArguments {
-    /// Which: one of the list, or a robot of the library [default: list them]
-    pub name: Option<String>,
-    /// Write into this folder, new or empty [default: one of that name]
-    #[arg(long, value_name = "DIR", requires = "name")]
-    pub out: Option<PathBuf>,
-}
 
 /// `sweetspot init`
 pub fn init(a: &InitArguments) -> Result<Exit, Exit> {
@@ -30,18 +21,18 @@ pub fn init(a: &InitArguments) -> Result<Exit, Exit> {
     };
     let Some(sketch) = find(name) else {
         let names = SKETCHES.iter().flat_map(|s| [s.name, s.robot]);
-        let exit = overrides::unknown(&format!("there is no first cell `{}`", shown(name)), name, names);
+        let exit = lookup::unknown(&format!("unknown first cell `{}`", shown(name)), name, names);
         output::talk(
-            "  help: sweetspot init lists them; copy a cell and change its robot for one of your own",
+            "  help: list them with sweetspot init; for a robot of your own, write a cell and change its robot",
         );
         return Err(exit);
     };
-    // Read as it will be read: what it takes in is what is written, and a slip is told here.
+    // Reading the cell finds every file that belongs beside it, and validates it.
     let text = sketch.text();
     let read: &mut files::ReadFile<'_> = &mut |path: &str| match path {
         CELL => Ok(text.clone().into_bytes()),
         _ => {
-            library::file(path).map(|text| text.as_bytes().to_vec()).ok_or_else(|| "no such file".to_string())
+            library::file(path).map(|text| text.as_bytes().to_vec()).ok_or_else(|| "not found".to_string())
         }
     };
     let loaded = files::load(CELL, read).map_err(|faults| {
@@ -52,7 +43,7 @@ pub fn init(a: &InitArguments) -> Result<Exit, Exit> {
     let sources = loaded.sources.into_iter().map(|source| (source.path, source.bytes));
     let schemas =
         schema::all()?.into_iter().map(|(name, text)| (format!("schemas/{name}"), text.into_bytes()));
-    // The cell last: where it stands, all that it needs stands.
+    // The cell file comes last: once it is there, everything it needs is there.
     let mut all: Vec<_> = sources.chain(schemas).collect();
     all.rotate_left(1);
     for (path, bytes) in &all {
@@ -67,7 +58,7 @@ pub fn init(a: &InitArguments) -> Result<Exit, Exit> {
 fn tell(folder: &Path, sketch: &Sketch, count: usize) {
     let cell = path_word(&folder.join(CELL));
     output::talk(&format!("wrote {cell}: {}", sketch.about));
-    output::talk(&format!("with robot, equipment and schemas beside it: {count} files, yours to change"));
+    output::talk(&format!("robot, equipment and schemas are beside it: {count} files in all, to be edited"));
     suggest(&format!("map {cell} --svg map.svg"));
 }
 

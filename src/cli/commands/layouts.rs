@@ -4,8 +4,7 @@ use super::{refuse_other_pages, stem, suggest, within_size, workcell};
 use crate::assess::{Assessment, Comparison};
 use crate::cli::arguments::CompareArguments;
 use crate::cli::output::path_word;
-use crate::cli::overrides::overridden;
-use crate::cli::{Exit, found, loading, output, results};
+use crate::cli::{Exit, asked, found, loading, output, results};
 use crate::drawing::Drawing;
 use crate::files::shown;
 use crate::layout::Workcell;
@@ -23,7 +22,7 @@ pub fn compare(a: &CompareArguments) -> Result<Exit, Exit> {
         let label = if path.is_dir() { stem(path) } else { label_of(&file) };
         cells.push((
             label,
-            workcell(overridden(loading::load(&file, &a.packages)?, &a.overrides)?.cell, &file)?,
+            workcell(asked::load(&file, &a.packages, &a.question)?.cell, &file)?,
         ));
     }
     name_apart(&mut cells, &a.layouts);

@@ -4,17 +4,16 @@ use super::{suggest, warn_of_distrust, workcell};
 use crate::assess::Assessment;
 use crate::cli::arguments::MapArguments;
 use crate::cli::output::path_word;
-use crate::cli::overrides::overridden;
 use crate::cli::results;
 use crate::cli::results::Written;
-use crate::cli::{Exit, loading, output};
+use crate::cli::{Exit, asked, loading, output};
 use crate::files::Loaded;
 use crate::record::MapDocument;
 use crate::report;
 
 /// `sweetspot map`
 pub fn map(a: &MapArguments) -> Result<Exit, Exit> {
-    let Loaded { cell, sources, .. } = overridden(loading::load(&a.cell, &a.packages)?, &a.overrides)?;
+    let Loaded { cell, sources, .. } = asked::load(&a.cell, &a.packages, &a.question)?;
     let workcell = workcell(cell, &a.cell)?;
     let assessment = Assessment::new("start", &workcell, workcell.cell.start());
     let document = MapDocument::new(&assessment);

@@ -1,4 +1,4 @@
-//! One function per command: read, ask the library, print, suggest the next.
+//! One function per command: it reads, asks the library, prints, and suggests the next command.
 
 mod check;
 mod export;
@@ -14,26 +14,29 @@ mod robust;
 mod schema;
 mod search;
 mod sweep;
+#[cfg(feature = "view")]
+mod view;
+#[cfg(not(feature = "view"))]
+#[path = "without_view.rs"]
 mod view;
 
 pub use check::check;
-pub use export::{ExportArguments, export};
-pub use figures::{FiguresArguments, figures};
-pub use init::{InitArguments, init};
+pub use export::export;
+pub use figures::figures;
+pub use init::init;
 pub use layouts::compare;
 pub use map::map;
 pub use posture::{budget, explain};
 pub use readings::readings;
-pub use report::{ReportArguments, report};
+pub use report::report;
 pub use robots::{envelope, robot, robots};
 pub use robust::robust;
-pub use schema::{SchemaArguments, schema};
-pub use search::{asked, search};
+pub use schema::schema;
+pub use search::search;
 pub use sweep::sweep;
-pub use view::{ViewArguments, view};
+pub use view::view;
 
 use crate::cell::{Cell, Coordinate};
-
 use crate::assess::Assessment;
 use crate::clearance::Party;
 use crate::cli::output::path_word;
@@ -44,10 +47,10 @@ use crate::layout::{Workcell, evaluate};
 use crate::report::text;
 use std::path::Path;
 
-/// What to do about an attitude that the build of the robot does not allow.
-const UNSOLVED: &str = "ask less of the tool, or take another robot: `sweetspot robots` lists some";
+/// Help for a tool orientation that the kinematics of the robot does not allow.
+const UNSOLVED: &str = "relax the orientation of the tool, or use another robot: see `sweetspot robots`";
 
-/// Says which overlaps no search can cure: nothing that takes part can move.
+/// Warns of overlaps that no search can resolve, because neither body can move.
 fn warn_of_hopeless(workcell: &Workcell) {
     let cell = &workcell.cell;
     let moves = |k: usize| {
@@ -61,11 +64,11 @@ fn warn_of_hopeless(workcell: &Workcell) {
             continue;
         }
         let what = overlap.in_words(&workcell.cell);
-        output::talk(&format!("warning: {what}, and none of the two can move: no layout is feasible"));
+        output::talk(&format!("warning: {what}, and neither can move: no layout is feasible"));
     }
 }
 
-/// Says where the chosen model is not to be trusted.
+/// Warns where the chosen error model cannot be trusted.
 fn warn_of_distrust(assessment: &Assessment<'_>) {
     for map in &assessment.maps {
         if let Some(said) = text::distrust(assessment.cell, map) {
@@ -82,42 +85,42 @@ fn workcell(cell: Cell, file: &Path) -> Result<Workcell, Exit> {
 
 fn unsolved(robot: &str, file: &Path, why: &str) -> Exit {
     let file = path_word(file);
-    output::error(&format!("{file}: the robot `{}` cannot do that: {why}", shown(robot)));
+    output::error(&format!("{file}: the robot `{}` cannot do this: {why}", shown(robot)));
     output::talk(&format!("  help: {UNSOLVED}"));
     Exit::BadInput
 }
 
-/// Only a page is replaced: a cell file that stands there by mistake is not.
+/// Refuses a file name without .html, so that a mistyped name does not overwrite a cell file.
 fn refuse_other_pages(out: &Path) -> Result<(), Exit> {
     let is_page =
         out.extension().is_some_and(|e| e.eq_ignore_ascii_case("html") || e.eq_ignore_ascii_case("htm"));
     if is_page {
         return Ok(());
     }
-    output::error(&format!("{}: a report is a page, its name ends in .html", path_word(out)));
+    output::error(&format!("{}: the name of an HTML page must end in .html", path_word(out)));
     Err(Exit::BadInput)
 }
 
-/// A page is not larger than this, bytes.
-const LARGEST_PAGE: usize = 8 << 20;
+/// Largest page, bytes.
+const MAX_PAGE_BYTES: usize = 8 << 20;
 
-/// The page with the most detail that fits.
+/// Returns the page with the most detail that fits.
 fn within_size(mut page: impl FnMut(&Detail) -> Result<String, String>) -> Result<String, Exit> {
     let plain = Detail { nodes: 400, ..Detail::PLAIN };
     let mut html = String::new();
     for (k, detail) in [Detail::FULL, Detail { lenses: false, ..Detail::FULL }, plain].iter().enumerate() {
         html = page(detail).map_err(|why| {
-            output::error(&format!("cannot make the page: {why}"));
+            output::error(&format!("cannot render the page: {why}"));
             Exit::Io
         })?;
-        if html.len() <= LARGEST_PAGE {
+        if html.len() <= MAX_PAGE_BYTES {
             if k > 0 {
-                output::talk("note: the view shows less, so that the page stays below 8 MB");
+                output::talk("note: the 3-D view shows less detail, to keep the page below 8 MB");
             }
             return Ok(html);
         }
     }
-    output::talk(&format!("warning: the page has {} MB: coarser meshes would help", html.len() >> 20));
+    output::talk(&format!("warning: the page has {} MB; use coarser meshes to make it smaller", html.len() >> 20));
     Ok(html)
 }
 

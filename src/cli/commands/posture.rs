@@ -1,13 +1,11 @@
-//! `budget` and `explain`: one posture.
+//! `budget` and `explain`: the errors of one posture.
 
 use super::{suggest, workcell};
 use crate::assess::{Account, At, Explanation, NoStance, Stance};
 use crate::cell::{Cell, JointKind, JointVector, MAX_JOINTS};
-use crate::cli::arguments::{BudgetArguments, ExplainArguments, Overrides};
+use crate::cli::arguments::{BudgetArguments, ExplainArguments, QuestionFlags};
 use crate::cli::output::{path_word, word};
-use crate::cli::overrides;
-use crate::cli::overrides::overridden;
-use crate::cli::{Exit, cache, loading, output, results};
+use crate::cli::{Exit, asked, cache, lookup, output, results};
 use crate::files::shown;
 use crate::layout::Workcell;
 use crate::record::{BudgetDocument, ExplanationDocument};
@@ -16,7 +14,7 @@ use crate::units::{m_from_mm, rad_from_deg};
 
 /// `sweetspot budget`
 pub fn budget(a: &BudgetArguments) -> Result<Exit, Exit> {
-    let loaded = overridden(loading::load(&a.cell, &a.packages)?, &a.overrides)?;
+    let loaded = asked::load(&a.cell, &a.packages, &a.question)?;
     let workcell = workcell(loaded.cell, &a.cell)?;
     let cell = &workcell.cell;
     let operations = match one_operation(cell, a.operation.as_deref(), a.at)? {
@@ -35,7 +33,7 @@ pub fn budget(a: &BudgetArguments) -> Result<Exit, Exit> {
         let budgets: Vec<String> = accounts.iter().map(report::text::budget).collect();
         output::data(&format!("{}\n{}", report::text::headline(cell), budgets.join("\n")))?;
         let first = accounts.first().map(|account| &cell.operations[account.stance.operation].name);
-        let same = asked_again(first.map(String::as_str), a.at, &a.overrides);
+        let same = asked_again(first.map(String::as_str), a.at, &a.question);
         suggest(&format!("explain {}{same}", path_word(&a.cell)));
     }
     Ok(Exit::Done)
@@ -43,7 +41,7 @@ pub fn budget(a: &BudgetArguments) -> Result<Exit, Exit> {
 
 /// `sweetspot explain`
 pub fn explain(a: &ExplainArguments) -> Result<Exit, Exit> {
-    let loaded = overridden(loading::load(&a.cell, &a.packages)?, &a.overrides)?;
+    let loaded = asked::load(&a.cell, &a.packages, &a.question)?;
     let k = match one_operation(&loaded.cell, a.operation.as_deref(), a.at)? {
         Some(k) => k,
         None => {
@@ -58,7 +56,7 @@ pub fn explain(a: &ExplainArguments) -> Result<Exit, Exit> {
         let stance = Stance::of_joints(&cell, ready.as_ref().map_err(String::as_str), k, joints);
         let stance = stance.map_err(|why| {
             output::error(&why);
-            output::talk("  help: choose another registration, or another layout");
+            output::talk("  help: choose another registration or another layout");
             Exit::BadInput
         })?;
         return told(a, &Explanation::new(stance));
@@ -73,12 +71,12 @@ fn told(a: &ExplainArguments, explanation: &Explanation<'_>) -> Result<Exit, Exi
     let cell = explanation.stance.cell;
     for (row, joint) in explanation.rows.iter().zip(&cell.robot.joints) {
         if !row.allowed {
-            output::talk(&format!("note: joint {} is beyond its limits", shown(&joint.name)));
+            output::talk(&format!("note: joint {} is outside its limits", shown(&joint.name)));
         }
     }
     if !explanation.trusted() {
         let model = cell.model.name();
-        output::talk(&format!("warning: do NOT trust the {model} model at this posture"));
+        output::talk(&format!("warning: the {model} model cannot be trusted at this posture"));
     }
     if a.json {
         output::data(&results::line(&ExplanationDocument::new(explanation))?)?;
@@ -91,36 +89,36 @@ fn told(a: &ExplainArguments, explanation: &Explanation<'_>) -> Result<Exit, Exi
     match &a.joints {
         Some(joints) => {
             let joints: Vec<String> = joints.iter().map(f64::to_string).collect();
-            let asked = overrides::again(&a.overrides);
+            let asked = a.question.words();
             let name = word(name);
             let same = format!("--operation {name} --joints={}{asked}", joints.join(","));
             suggest(&format!("explain {file} {same} --json"));
         }
-        None => suggest(&format!("budget {file}{}", asked_again(Some(name), a.at, &a.overrides))),
+        None => suggest(&format!("budget {file}{}", asked_again(Some(name), a.at, &a.question))),
     }
     Ok(Exit::Done)
 }
 
-/// The operation that was named, or the only one; a node is one of an operation's own.
+/// Returns the operation that was named, or the only one; None: all of them.
 fn one_operation(cell: &Cell, name: Option<&str>, at: At) -> Result<Option<usize>, Exit> {
     match (name, at) {
-        (Some(name), _) => overrides::operation(cell, name).map(Some),
+        (Some(name), _) => lookup::operation(cell, name).map(Some),
         (None, _) if cell.operations.len() == 1 => Ok(Some(0)),
         (None, At::Best) => Ok(None),
         (None, At::Node(..)) => {
             let names: Vec<String> = cell.operations.iter().map(|o| shown(&o.name)).collect();
-            output::error("--at names a node of one operation, and the cell has several");
-            output::talk(&format!("  help: add --operation with one of: {}", names.join(", ")));
+            output::error("--at is ambiguous: the cell has several operations");
+            output::talk(&format!("  help: add --operation and one of: {}", names.join(", ")));
             Err(Exit::BadInput)
         }
     }
 }
 
-/// Which operations are not explained.
+/// Prints which operations are not explained.
 fn say_others(cell: &Cell) {
     let names: Vec<String> = cell.operations.iter().map(|o| shown(&o.name)).collect();
     if let [first, others @ ..] = &names[..] {
-        output::talk(&format!("note: this is {first}; with --operation also: {}", others.join(", ")));
+        output::talk(&format!("note: showing {first}; choose another with --operation: {}", others.join(", ")));
     }
 }
 
@@ -137,11 +135,11 @@ fn refused(why: NoStance) -> Exit {
     }
 }
 
-/// Joints as given, in degrees or mm, in SI.
+/// Converts joint values from degrees or mm to SI.
 fn joints(cell: &Cell, given: &[f64]) -> Result<JointVector, Exit> {
     if given.len() != cell.robot.axes() {
         let (has, axes) = (given.len(), cell.robot.axes());
-        output::error(&format!("--joints has {has} numbers, the robot has {axes} joints"));
+        output::error(&format!("--joints has {has} values, but the robot has {axes} joints"));
         return Err(Exit::BadInput);
     }
     let mut joints = [0.0; MAX_JOINTS];
@@ -151,12 +149,12 @@ fn joints(cell: &Cell, given: &[f64]) -> Result<JointVector, Exit> {
     Ok(joints)
 }
 
-/// The same question, for another command.
-fn asked_again(operation: Option<&str>, at: At, asked: &Overrides) -> String {
+/// Returns operation, node and flags as one would type them for another command.
+fn asked_again(operation: Option<&str>, at: At, flags: &QuestionFlags) -> String {
     let operation = operation.map_or(String::new(), |name| format!(" --operation {}", word(name)));
     let at = match at {
         At::Best => String::new(),
         At::Node(i, j) => format!(" --at {i},{j}"),
     };
-    operation + &at + &overrides::again(asked)
+    operation + &at + &flags.words()
 }

@@ -4,19 +4,18 @@ use super::{suggest, unsolved, workcell};
 use crate::assess::Readings;
 use crate::cli::arguments::ReadingsArguments;
 use crate::cli::output::path_word;
-use crate::cli::overrides::chosen;
 use crate::cli::results;
 use crate::cli::results::Written;
-use crate::cli::{Exit, loading, output};
+use crate::cli::{Exit, asked, loading, output};
 use crate::record::ReadingsDocument;
 use crate::report;
 
 /// `sweetspot readings`
 pub fn readings(a: &ReadingsArguments) -> Result<Exit, Exit> {
-    let loaded = chosen(loading::load(&a.cell, &a.packages)?, &a.choice)?;
+    let loaded = asked::load_for_readings(&a.cell, &a.packages, &a.errors)?;
     let cell = &loaded.cell;
     workcell(cell.clone(), &a.cell)?;
-    // Before the work, not after it.
+    // A folder that cannot be made must not cost the work.
     let folder = match &a.out {
         Some(folder) => Some(loading::new_folder(Some(folder), "")?),
         None => None,
@@ -26,7 +25,7 @@ pub fn readings(a: &ReadingsArguments) -> Result<Exit, Exit> {
     let written = match &folder {
         Some(folder) => {
             let table = report::csv::readings(&document).map_err(|why| {
-                output::error(&format!("cannot make readings.csv: {why}"));
+                output::error(&format!("cannot write readings.csv: {why}"));
                 Exit::Io
             })?;
             let outputs = vec![("readings.json", results::pretty(&document)?), ("readings.csv", table)];

@@ -2,37 +2,18 @@
 
 use super::{refuse_other_pages, suggest, warn_of_distrust, within_size, workcell};
 use crate::assess::Assessment;
-use crate::cli::arguments::{Overrides, Packages};
+use crate::cli::arguments::ReportArguments;
 use crate::cli::found;
 use crate::cli::found::Folder;
 use crate::cli::output::path_word;
-use crate::cli::overrides::{again, overridden};
-use crate::cli::{Exit, loading, output, results};
+use crate::cli::{Exit, asked, loading, output, results};
 use crate::drawing::Drawing;
 use crate::files::{Fault, Loaded, Source};
 use crate::record::SearchResult;
 use crate::report::page;
 use crate::report::page::{Manifest, Report, Subject};
 use crate::search::Ended;
-use clap::Args;
 use std::path::{Path, PathBuf};
-
-#[derive(Args)]
-pub struct ReportArguments {
-    /// Cell file (TOML), or the folder of a search
-    #[arg(value_name = "RESULT|CELL")]
-    pub of: PathBuf,
-    #[command(flatten)]
-    pub packages: Packages,
-    #[command(flatten)]
-    pub overrides: Overrides,
-    /// Write the page here; a page that is there is replaced
-    #[arg(short, long, value_name = "FILE", default_value = "report.html")]
-    pub out: PathBuf,
-    /// Print the verdict as JSON on stdout
-    #[arg(long)]
-    pub json: bool,
-}
 
 /// `sweetspot report`
 pub fn report(a: &ReportArguments) -> Result<Exit, Exit> {
@@ -61,8 +42,8 @@ pub fn report(a: &ReportArguments) -> Result<Exit, Exit> {
     Ok(if report.verdict.answer == "yes" { Exit::Done } else { Exit::AnswerIsNo })
 }
 
-/// What is reported, before it is assessed.
-struct Read {
+/// Subject of a report as read, before it is assessed.
+struct ReportSource {
     loaded: Loaded,
     file: PathBuf,
     best: Option<crate::cell::Layout>,
@@ -70,20 +51,20 @@ struct Read {
     manifest: Manifest,
 }
 
-fn of_folder(a: &ReportArguments) -> Result<Read, Exit> {
-    if !again(&a.overrides).is_empty() {
-        output::error("the search has answered one question: it cannot be reported as the answer to another");
+fn of_folder(a: &ReportArguments) -> Result<ReportSource, Exit> {
+    if !a.question.words().is_empty() {
+        output::error("flags cannot change the question of a finished search");
         let best = path_word(&a.of.join("best.toml"));
-        output::talk(&format!("  help: sweetspot report {best}{}", again(&a.overrides)));
+        output::talk(&format!("  help: report its best layout: sweetspot report {best}{}", a.question.words()));
         return Err(Exit::BadInput);
     }
     let Folder { loaded, file, best, found, mut manifest } = found::read(&a.of, &a.packages)?;
     manifest.seed = found.seed;
-    Ok(Read { loaded, file, best, found: Some(found), manifest })
+    Ok(ReportSource { loaded, file, best, found: Some(found), manifest })
 }
 
-fn of_cell(a: &ReportArguments) -> Result<Read, Exit> {
-    let loaded = overridden(loading::load(&a.of, &a.packages)?, &a.overrides)?;
+fn of_cell(a: &ReportArguments) -> Result<ReportSource, Exit> {
+    let loaded = asked::load(&a.of, &a.packages, &a.question)?;
     let hashed = |s: &Source| (s.path.clone(), loading::sha256(&s.bytes));
     let manifest = Manifest {
         command: results::typed(),
@@ -91,18 +72,18 @@ fn of_cell(a: &ReportArguments) -> Result<Read, Exit> {
         seed: loaded.cell.search.seed,
         inputs: loaded.sources.iter().map(hashed).collect(),
         outputs: Vec::new(),
-        csv: format!("the map.csv of sweetspot map {}{} --out DIR", path_word(&a.of), again(&a.overrides)),
+        csv: format!("the map.csv of sweetspot map {}{} --out DIR", path_word(&a.of), a.question.words()),
         source: a.of.to_string_lossy().into_owned(),
         is_complete: true,
     };
-    Ok(Read { loaded, file: a.of.clone(), best: None, found: None, manifest })
+    Ok(ReportSource { loaded, file: a.of.clone(), best: None, found: None, manifest })
 }
 
 fn warning(fault: &Fault) -> String {
     format!("{}:{}: {}", fault.file, fault.line, fault.message)
 }
 
-/// The numbers of search.json are those that its layouts have.
+/// Refuses a search.json whose numbers are not those of its layouts.
 fn refuse_other_numbers(folder: &Path, subject: &Subject<'_>) -> Result<(), Exit> {
     let Some(found) = &subject.found else { return Ok(()) };
     let best = subject.best.as_ref().and_then(Assessment::objective);
@@ -112,14 +93,14 @@ fn refuse_other_numbers(folder: &Path, subject: &Subject<'_>) -> Result<(), Exit
     ];
     for (which, says, is) in pairs {
         let same = match (says, is) {
-            // What another machine rounds otherwise is the same layout.
+            // Another machine may round differently.
             (Some(says), Some(is)) => (says - is).abs() <= 1e-6 * says.abs().max(1e-3),
             (says, is) => says.is_none() == is.is_none(),
         };
         if !same {
             let word = |v: Option<f64>| v.map_or("none".into(), |v| format!("{v:.9}"));
             let why = format!(
-                "the objective of the {which} layout is {} there, {} by this program",
+                "it gives the objective of the {which} layout as {}, but this program computes {}",
                 word(says),
                 word(is)
             );
@@ -140,7 +121,7 @@ fn tell(a: &ReportArguments, file: &Path, subject: &Subject<'_>, report: &Report
         output::data(&format!("{}\n{rest}", verdict.headline))?;
     }
     if verdict.ended.is_some_and(|ended| matches!(ended, Ended::Interrupted | Ended::TimeLimit)) {
-        output::talk("note: the search was stopped before its end: a better layout may be found by going on");
+        output::talk("note: the search was stopped early: resume it to look for a better layout");
     }
     output::talk(&format!("wrote {} ({} kB)", path_word(&a.out), report.html.len().div_ceil(1 << 10)));
     warn_of_distrust(subject.shown());

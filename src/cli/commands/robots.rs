@@ -1,11 +1,12 @@
-//! `robots`, `robot` and `envelope`: a robot, of the library or of a file.
+//! `robots`, `robot` and `envelope`: built-in robots and robot files.
 
 use super::{suggest, unsolved};
 use crate::assess::{Asked, Reachable, Sheet};
 use crate::cell::{Attitude, Operation, Robot};
-use crate::cli::arguments::{EnvelopeArguments, Packages, RobotArguments, RobotsArguments};
+use crate::cli::arguments::{EnvelopeArguments, RobotArguments, RobotsArguments};
 use crate::cli::output::{path_word, word};
-use crate::cli::{Exit, library, loading, output, overrides, results};
+use crate::cli::packages::Packages;
+use crate::cli::{Exit, library, loading, lookup, output, results};
 use crate::files::{LoadedRobot, shown};
 use crate::reach::Inverse;
 use crate::record::{EnvelopeDocument, RobotSheetDocument, RobotsDocument};
@@ -14,8 +15,8 @@ use crate::robot::Chain;
 use crate::units::{m_from_mm, rad_from_deg};
 use std::path::Path;
 
-/// Most points of one envelope: minutes of a closed form.
-const MOST_POINTS: u64 = 300_000_000;
+/// Most sample points of one envelope: minutes with closed-form inverse kinematics.
+const MAX_POINTS: u64 = 300_000_000;
 
 /// `sweetspot robots`
 pub fn robots(a: &RobotsArguments) -> Result<Exit, Exit> {
@@ -69,8 +70,8 @@ fn print_file(robot: &Path, packages: &Packages) -> Result<Exit, Exit> {
 pub fn envelope(a: &EnvelopeArguments) -> Result<Exit, Exit> {
     if is_robot(&a.of, &a.packages) {
         if a.operation.is_some() {
-            output::error("--operation is of a cell, and this is a robot");
-            output::talk("  help: say how the tool is held with --bend DEG");
+            output::error("--operation needs a cell file, and this is a robot");
+            output::talk("  help: state the elevation of the tool with --bend DEG");
             return Err(Exit::BadInput);
         }
         let robot = read(&a.of, &a.packages)?.robot;
@@ -81,12 +82,12 @@ pub fn envelope(a: &EnvelopeArguments) -> Result<Exit, Exit> {
     }
     let cell = loading::load(&a.of, &a.packages)?.cell;
     let k = match (&a.operation, &cell.operations[..]) {
-        (Some(name), _) => overrides::operation(&cell, name)?,
+        (Some(name), _) => lookup::operation(&cell, name)?,
         (None, [first, others @ ..]) => {
             let others: Vec<String> = others.iter().map(|o| shown(&o.name)).collect();
             if !others.is_empty() {
                 let (first, others) = (shown(&first.name), others.join(", "));
-                output::talk(&format!("note: this is {first}; with --operation also: {others}"));
+                output::talk(&format!("note: showing {first}; choose another with --operation: {others}"));
             }
             0
         }
@@ -102,10 +103,10 @@ pub fn envelope(a: &EnvelopeArguments) -> Result<Exit, Exit> {
     drawn(a, &cell.robot, &inverse, (Some(operation), attitude, at.yaw, Some(height)))
 }
 
-/// Operation, attitude, yaw of the surface and height that it is about.
-type About<'a> = (Option<&'a Operation>, Attitude, f64, Option<f64>);
+/// Operation, orientation of the tool, yaw of the surface and height of an envelope.
+type EnvelopeSubject<'a> = (Option<&'a Operation>, Attitude, f64, Option<f64>);
 
-fn drawn(a: &EnvelopeArguments, robot: &Robot, inverse: &Inverse, about: About<'_>) -> Result<Exit, Exit> {
+fn drawn(a: &EnvelopeArguments, robot: &Robot, inverse: &Inverse, about: EnvelopeSubject<'_>) -> Result<Exit, Exit> {
     let (operation, attitude, yaw, height) = about;
     if let Some(why) = inverse.refusal(&attitude) {
         return Err(unsolved(&robot.name, &a.of, &why));
@@ -116,9 +117,9 @@ fn drawn(a: &EnvelopeArguments, robot: &Robot, inverse: &Inverse, about: About<'
     }
     let asked = Asked { operation, attitude, yaw, heights, step: a.step.map(m_from_mm) };
     let work = asked.work(robot, inverse);
-    if work > MOST_POINTS {
-        output::error(&format!("this takes {work} points, more than {MOST_POINTS}"));
-        output::talk("  help: take a larger --step, or fewer heights");
+    if work > MAX_POINTS {
+        output::error(&format!("the envelope takes {work} sample points, more than {MAX_POINTS}"));
+        output::talk("  help: use a larger --step or fewer --height");
         return Err(Exit::BadInput);
     }
     let bar = output::points_bar();
@@ -136,7 +137,7 @@ fn drawn(a: &EnvelopeArguments, robot: &Robot, inverse: &Inverse, about: About<'
         output::talk(&format!("wrote {}", path_word(path)));
     }
     if envelope.size.extent.is_none() {
-        output::talk("warning: nothing was found to be reachable with the tool held like this");
+        output::talk("warning: the robot reaches no point with the tool at this elevation");
     }
     if !a.json {
         let next = match (operation, &a.svg) {
@@ -149,19 +150,18 @@ fn drawn(a: &EnvelopeArguments, robot: &Robot, inverse: &Inverse, about: About<'
     Ok(Exit::Done)
 }
 
-/// Whether a word names a robot of the library, or the file of a robot; what is no file at all can
-/// only be meant as a name.
+/// Returns whether the argument means a robot: a built-in one, the file of one, or a word that is no path.
 fn is_robot(given: &Path, packages: &Packages) -> bool {
     let name = given.to_string_lossy();
     library::text(&name).is_some() || is_bare(given) || loading::is_robot(given, packages)
 }
 
-/// A word that is no path.
+/// Returns whether the argument is a word and no path.
 fn is_bare(given: &Path) -> bool {
     given.extension().is_none() && given.components().count() == 1 && !given.exists()
 }
 
-/// A robot of the library by its name, or of a file.
+/// Reads a built-in robot by its name, or the file of a robot.
 fn read(given: &Path, packages: &Packages) -> Result<LoadedRobot, Exit> {
     let name = given.to_string_lossy();
     if library::text(&name).is_some() {
@@ -169,9 +169,9 @@ fn read(given: &Path, packages: &Packages) -> Result<LoadedRobot, Exit> {
     }
     if is_bare(given) {
         let names = library::ROBOTS.iter().map(|(name, _)| *name);
-        let what = format!("the library has no robot `{}`", shown(&name));
-        let exit = overrides::unknown(&what, &name, names);
-        output::talk(&format!("  help: a file of your own is named with its ending: {}.toml", word(&name)));
+        let what = format!("unknown robot `{}`", shown(&name));
+        let exit = lookup::unknown(&what, &name, names);
+        output::talk(&format!("  help: to read a file of your own, write its extension: {}.toml", word(&name)));
         return Err(exit);
     }
     loading::load_robot(given, packages)

@@ -4,14 +4,13 @@ use super::{suggest, workcell};
 use crate::assess::Assessment;
 use crate::cli::arguments::RobustArguments;
 use crate::cli::output::path_word;
-use crate::cli::overrides::overridden;
-use crate::cli::{Exit, loading, output, results};
+use crate::cli::{Exit, asked, output, results};
 use crate::record::RobustDocument;
 use crate::report;
 
 /// `sweetspot robust`
 pub fn robust(a: &RobustArguments) -> Result<Exit, Exit> {
-    let cell = overridden(loading::load(&a.cell, &a.packages)?, &a.overrides)?.cell;
+    let cell = asked::load(&a.cell, &a.packages, &a.question)?.cell;
     let workcell = workcell(cell, &a.cell)?;
     let assessment = Assessment::new("start", &workcell, workcell.cell.start()).misplaced();
     if a.json {

@@ -1,28 +1,11 @@
 //! `schema`.
 
 use super::suggest;
+use crate::cli::arguments::SchemaArguments;
 use crate::cli::output::path_word;
 use crate::cli::{Exit, loading, output, results};
 use crate::files;
 use crate::files::FileKind;
-use clap::Args;
-use clap::builder::PossibleValuesParser;
-use std::path::PathBuf;
-
-#[derive(Args)]
-pub struct SchemaArguments {
-    /// Kind of file
-    #[arg(
-        value_name = "KIND",
-        default_value = FileKind::Cell.name(),
-        value_parser = PossibleValuesParser::new(FileKind::ALL.map(FileKind::name)),
-        conflicts_with = "out"
-    )]
-    pub kind: String,
-    /// Write all of them into this folder: cell.schema.json and so on; those of another version are replaced
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
-}
 
 /// `sweetspot schema`
 pub fn schema(a: &SchemaArguments) -> Result<Exit, Exit> {

@@ -2,22 +2,20 @@
 
 use super::{stem, suggest, warn_of_distrust, warn_of_hopeless, workcell};
 use crate::assess::{Assessment, Comparison};
-use crate::cell::{Cell, Goal, Goals, SearchSettings, Solver};
 use crate::cli::arguments::SearchArguments;
 use crate::cli::checkpoint;
 use crate::cli::checkpoint::{Keeper, Kept};
 use crate::cli::output::path_word;
-use crate::cli::overrides::overridden;
 use crate::cli::progress::Reporter;
-use crate::cli::{Exit, loading, output, results};
-use crate::files::{Loaded, shown};
+use crate::cli::{Exit, asked, loading, output, results};
+use crate::files::Loaded;
 use crate::layout::Workcell;
 use crate::proof::{Proof, ProofOptions, prove};
 use crate::record::SearchResult;
 use crate::report;
 use crate::search;
 use crate::search::{Ended, Job, Moment, Progress, SearchRecord, Watch};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -31,7 +29,7 @@ pub fn search(a: &SearchArguments) -> Result<Exit, Exit> {
     }
 }
 
-/// Runs the search that `a` asks for, in the manner of `now`: the arguments at hand.
+/// Runs the search that `a` asks for; threads, time limit and output follow `now`, the arguments at hand.
 fn run(
     a: &SearchArguments,
     now: &SearchArguments,
@@ -41,7 +39,7 @@ fn run(
 ) -> Result<Exit, Exit> {
     // clap has seen to it that there is one.
     let file = a.cell.as_deref().ok_or(Exit::BadInput)?;
-    let Loaded { cell, sources, .. } = asked(a, file)?;
+    let Loaded { cell, sources, .. } = asked::load_for_search(a, file)?;
     let workcell = workcell(cell, file)?;
     let pool = threads(now.threads)?;
     let proof = pool.install(|| proven(&workcell));
@@ -52,7 +50,7 @@ fn run(
     } else {
         warn_of_hopeless(&workcell);
     }
-    // Before the work, not after it: an unwritable folder must not cost a search.
+    // A folder that cannot be made must not cost a search.
     let folder = if kept.is_some() { folder } else { loading::new_folder(a.out.as_deref(), &stem(file))? };
     let clock = Instant::now();
     let keeper = Keeper::new(&folder, command, inputs, now.checkpoint);
@@ -87,7 +85,7 @@ fn run(
     Ok(exit(&record, misses))
 }
 
-/// `misses`: an operation of the best layout passes its limit.
+/// Returns the exit code; `misses`: an operation of the best layout exceeds its limit.
 fn exit(record: &SearchRecord, misses: bool) -> Exit {
     match (record.ended, record.found()) {
         (Ended::Interrupted, _) => Exit::Interrupted,
@@ -97,75 +95,18 @@ fn exit(record: &SearchRecord, misses: bool) -> Exit {
     }
 }
 
-/// The cell as the command line asks for it.
-pub fn asked(a: &SearchArguments, file: &Path) -> Result<Loaded, Exit> {
-    let drawn = loading::load(file, &a.packages)?;
-    let limited: Vec<bool> = drawn.cell.operations.iter().map(|o| o.limit.is_some()).collect();
-    let mut loaded = overridden(drawn, &a.overrides)?;
-    refuse_lost_limits(&loaded.cell, &limited)?;
-    let settings = &mut loaded.cell.search;
-    settings.seed = a.seed.unwrap_or(settings.seed);
-    settings.budget = a.rules.budget.unwrap_or(settings.budget);
-    settings.robust |= a.robust;
-    settings.gap = a.rules.gap.or(settings.gap);
-    settings.stagnation = a.rules.stagnation.or(settings.stagnation);
-    let named = |name: &String| Solver::ALL.into_iter().find(|s| s.name() == name);
-    take_kept(a, settings)?;
-    settings.solver = a.solver.as_ref().and_then(named).unwrap_or(settings.solver);
-    refuse_nothing_to_withstand(&loaded.cell)?;
-    Ok(loaded)
-}
-
-/// best.toml takes its limits from the cell file, where those of another unit would be a fault.
-fn refuse_lost_limits(cell: &Cell, limited: &[bool]) -> Result<(), Exit> {
-    let Some((lost, _)) = cell.operations.iter().zip(limited).find(|(o, had)| **had && o.limit.is_none())
-    else {
-        return Ok(());
-    };
-    let (name, word) = (shown(&lost.name), lost.sense.unit.word());
-    output::error(&format!(
-        "the limit of `{name}` is none of the sense {}, which is in {word}",
-        lost.sense.name
-    ));
-    output::talk("  help: change sense and limit in a cell file, from = \"...\" cannot take a limit away");
-    Err(Exit::BadInput)
-}
-
-/// Goals of a front and how many layouts are kept, as the command line says otherwise.
-fn take_kept(a: &SearchArguments, settings: &mut SearchSettings) -> Result<(), Exit> {
-    settings.keep = a.keep.map_or(settings.keep, |keep| keep as usize);
-    let Some(named) = &a.pareto else { return Ok(()) };
-    let named = named.iter().filter_map(|name| Goal::ALL.into_iter().find(|goal| goal.name() == name));
-    let goals = Goals::of(&named.collect::<Vec<_>>()).filter(|goals| goals.count() > 1);
-    settings.pareto = goals.ok_or_else(|| {
-        output::error("--pareto must name two goals or more, each once");
-        output::talk(&format!("  help: there are {}", Goal::ALL.map(Goal::name).join(", ")));
-        Exit::BadInput
-    })?;
-    Ok(())
-}
-
-/// As the cell file is asked for `robust = true`.
-fn refuse_nothing_to_withstand(cell: &Cell) -> Result<(), Exit> {
-    if !cell.search.robust || cell.has_placement_tolerance() {
-        return Ok(());
-    }
-    output::error("--robust, but everything is placed exactly");
-    output::talk("  help: add placement_tolerance = { x_mm = 2, y_mm = 2 } to an equipment of the cell file");
-    Err(Exit::BadInput)
-}
-
-/// What is proven of every layout of the cell.
+/// Proves a lower bound of the objective of every layout of the cell.
 fn proven(workcell: &Workcell) -> Proof {
-    // It is bounded by its boxes; a bound that hangs on when somebody stops it could not be resumed.
+    // Its effort is bounded by its number of boxes. A bound that depends on when somebody presses Ctrl-C could
+    // not be resumed.
     let proof = prove(workcell, &ProofOptions::default(), &AtomicBool::new(false));
     let settings = &workcell.cell.search;
     match settings.gap {
         Some(_) if !settings.pareto.is_empty() => {
-            output::talk("note: --gap says nothing: it is of the error alone, and a front is more");
+            output::talk("note: --gap is ignored: a Pareto search has no single bound");
         }
         Some(_) if proof.bound.is_none() => {
-            output::talk(&format!("note: --gap says nothing: {}", proof.in_words(workcell)));
+            output::talk(&format!("note: --gap is ignored: {}", proof.in_words(workcell)));
         }
         _ => {}
     }
@@ -175,7 +116,7 @@ fn proven(workcell: &Workcell) -> Proof {
 fn compared<'a>(workcell: &'a Workcell, record: &SearchRecord) -> Comparison<'a> {
     let [start, best] = [("start", &record.start), ("best", &record.best)]
         .map(|(label, candidate)| Assessment::new(label, workcell, candidate.layout.clone()));
-    // Else there is nothing to withstand and nothing to keep.
+    // Without tolerance and limit there is nothing that misplacement could break.
     let limited = workcell.cell.operations.iter().any(|o| o.limit.is_some());
     let matters = workcell.cell.has_placement_tolerance() || limited;
     let columns = [start, if matters { best.misplaced() } else { best }];
@@ -215,7 +156,8 @@ fn run_search(
     Ok(record)
 }
 
-/// Raised at Ctrl-C or SIGTERM; the second time the program ends at once: the last checkpoint stands.
+/// Returns a flag that Ctrl-C or SIGTERM raises. The second time the program ends at once; the last
+/// checkpoint remains.
 fn stop_at_signals() -> Arc<AtomicBool> {
     let stop = Arc::new(AtomicBool::new(false));
     let asked = stop.clone();
@@ -244,14 +186,14 @@ fn answer(
     let cell = &workcell.cell;
     let said = match (record.ended, record.found()) {
         (Ended::NothingToSearch, _) => "nothing to search: every placement is fixed".to_string(),
-        (_, false) => "no feasible layout found; `best` is the nearest to one".to_string(),
+        (_, false) => "no feasible layout found; `best` is the closest to feasible".to_string(),
         (_, true) => match comparison.change_percent(1, Assessment::objective) {
-            Some(change) if change > -0.05 => "no better layout than the start was found".to_string(),
+            Some(change) if change > -0.05 => "no layout better than the start was found".to_string(),
             Some(change) => {
                 let word = record::value_word(cell);
                 format!("the best layout has {:.1} % less {word} than the start", -change)
             }
-            None => "the start layout is not feasible, the best one is".to_string(),
+            None => "the start layout is infeasible, the best layout is feasible".to_string(),
         },
     };
     format!(

@@ -2,10 +2,11 @@
 
 use super::{UNSOLVED, stem, suggest};
 use crate::assess::Assessment;
-use crate::cli::loading::Kept;
+use crate::cli::loading::FileSnapshot;
 use crate::cli::output::path_word;
+use crate::cli::arguments::SweepArguments;
 use crate::cli::results::{INPUTS, hashed, keep_inputs, line, portable, pretty};
-use crate::cli::sweep::{SweepArguments, add_inputs, asked_plan, load, number, open, row};
+use crate::cli::sweep::{add_inputs, asked_plan, load, number, open, row};
 use crate::cli::{Exit, cache, loading, output};
 use crate::files::{Fault, Source, shown};
 use crate::layout::Workcell;
@@ -22,7 +23,7 @@ use std::sync::{Arc, Mutex};
 /// A sweep made ready: every combination has been read and checked.
 struct Sweep {
     plan: SweepPlan,
-    kept: Kept,
+    kept: FileSnapshot,
     folder: PathBuf,
     /// The cell file as it is called among the inputs.
     cell_name: String,
@@ -38,7 +39,7 @@ pub fn sweep(a: &SweepArguments) -> Result<Exit, Exit> {
     }
     let jobs =
         a.jobs.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from);
-    let kept = Kept::default();
+    let kept = FileSnapshot::default();
     let sources = check_all(&mut plan, &kept, jobs)?;
     let folder = open(&plan, a.resume.as_deref().or(a.out.as_deref()), &stem(&plan.cell))?;
     let cell_name = portable(&sources.first().map_or(String::new(), |s| s.path.clone()));
@@ -68,7 +69,7 @@ pub fn sweep(a: &SweepArguments) -> Result<Exit, Exit> {
 }
 
 /// Reads and checks every combination: all faults of all of them, each once.
-fn check_all(plan: &mut SweepPlan, kept: &Kept, jobs: usize) -> Result<Vec<Source>, Exit> {
+fn check_all(plan: &mut SweepPlan, kept: &FileSnapshot, jobs: usize) -> Result<Vec<Source>, Exit> {
     let check = |index: usize| -> Result<(Vec<Source>, Vec<Fault>), Vec<Fault>> {
         let loaded = load(plan, index, kept)?;
         match Workcell::remembering(loaded.cell, &mut cache::remember) {

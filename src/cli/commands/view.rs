@@ -2,60 +2,42 @@
 
 use super::{suggest, warn_of_hopeless, workcell};
 use crate::cell::Cell;
-use crate::cli::arguments::{Overrides, Packages};
+use crate::cli::arguments::ViewArguments;
+use crate::cli::packages::Packages;
 use crate::cli::output::path_word;
-use crate::cli::overrides::overridden;
-use crate::cli::view::{Door, Origin, View, secret, serve, widened};
-use crate::cli::{Exit, found, loading, output};
+use crate::cli::view::{AccessControl, LiveView, Origin, secret, serve, widened};
+use crate::cli::{Exit, asked, found, loading, output};
 use crate::files::Loaded;
-use clap::Args;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use tiny_http::Server;
 
-#[derive(Args)]
-pub struct ViewArguments {
-    /// Cell file (TOML), or a folder that a search has written
-    #[arg(value_name = "CELL|RESULT")]
-    pub of: PathBuf,
-    #[command(flatten)]
-    pub packages: Packages,
-    #[command(flatten)]
-    pub overrides: Overrides,
-    /// Listen on this port of 127.0.0.1 [default: one that is free]
-    #[arg(long, default_value_t = 0, hide_default_value = true)]
-    pub port: u16,
-    /// Open the page in the browser
-    #[arg(long)]
-    pub open: bool,
-}
-
-/// `sweetspot view`. Ends at Ctrl-C with 0: nothing that was asked for is left undone.
+/// `sweetspot view`. Ctrl-C is its regular end, with exit code 0.
 pub fn view(a: &ViewArguments) -> Result<Exit, Exit> {
     let file = if a.of.is_dir() { found::best_of(&a.of)? } else { a.of.clone() };
-    let Loaded { cell, sources, .. } = overridden(loading::load(&file, &a.packages)?, &a.overrides)?;
+    let Loaded { cell, sources, .. } = asked::load(&file, &a.packages, &a.question)?;
     let folder = file.parent().unwrap_or(Path::new(""));
     let sources: Vec<PathBuf> = sources.iter().map(|s| folder.join(&s.path)).collect();
     let cell = if a.of.is_dir() { searched(cell, &sources, &a.packages) } else { cell };
     let workcell = workcell(cell, &file)?;
     warn_of_hopeless(&workcell);
-    let view = View::new(workcell, Origin { file: file.clone(), packages: a.packages.clone(), sources });
+    let view = LiveView::new(workcell, Origin { file: file.clone(), packages: a.packages.clone(), sources });
     let server = Server::http(("127.0.0.1", a.port)).map_err(|e| {
-        output::error(&format!("cannot listen on port {} of 127.0.0.1: {e}", a.port));
+        output::error(&format!("cannot listen on 127.0.0.1:{}: {e}", a.port));
         Exit::Io
     })?;
     let port = server.server_addr().to_ip().map_or(a.port, |address| address.port());
-    let door = Door::new(secret().map_err(failed)?, port);
+    let access = AccessControl::new(secret().map_err(failed)?, port);
     let server = Arc::new(server);
     let over = end_at_signals(&server);
-    output::data(&format!("{}\n", door.url()))?;
-    output::talk("the page is at this address until you press Ctrl-C here");
+    output::data(&format!("{}\n", access.url()))?;
+    output::talk("open this address in a browser on this machine; press Ctrl-C here to stop");
     if a.open {
-        open(&door.url());
+        open(&access.url());
     }
-    serve(view, &server, door, &over).map_err(failed)?;
+    serve(view, &server, access, &over).map_err(failed)?;
     suggest(&format!("check {}", path_word(&file)));
     Ok(Exit::Done)
 }
@@ -65,9 +47,9 @@ fn failed(why: String) -> Exit {
     Exit::Io
 }
 
-/// The cell of a result with the ranges that were searched, so that it can be searched again.
+/// Returns the cell of a result with the ranges that were searched, so that it can be searched again.
 fn searched(cell: Cell, sources: &[PathBuf], packages: &Packages) -> Cell {
-    // best.toml comes first, then the cell file that it is from.
+    // The first source is best.toml, the second the cell file that it is made from.
     let wide = sources.get(1).and_then(|file| loading::read_cell(file, packages).ok());
     match wide {
         Some(wide) => widened(cell, &wide.cell),
@@ -75,7 +57,7 @@ fn searched(cell: Cell, sources: &[PathBuf], packages: &Packages) -> Cell {
     }
 }
 
-/// Raised at Ctrl-C or SIGTERM; the server then stops waiting.
+/// Returns a flag that Ctrl-C or SIGTERM raises; the server then stops waiting.
 fn end_at_signals(server: &Arc<Server>) -> Arc<AtomicBool> {
     let over = Arc::new(AtomicBool::new(false));
     let (asked, server) = (over.clone(), server.clone());
@@ -86,7 +68,7 @@ fn end_at_signals(server: &Arc<Server>) -> Arc<AtomicBool> {
     over
 }
 
-/// Asks the desktop to open the page; without one the address is there to be copied.
+/// Asks the desktop to open the page.
 fn open(url: &str) {
     let mut command = if cfg!(target_os = "macos") {
         Command::new("open")
@@ -99,6 +81,6 @@ fn open(url: &str) {
     };
     let spawned = command.arg(url).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).spawn();
     if spawned.is_err() {
-        output::talk("note: no browser could be opened: copy the address");
+        output::talk("note: no browser could be started: copy the address into one");
     }
 }

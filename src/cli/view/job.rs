@@ -1,4 +1,4 @@
-//! A search from the layout on the page, in a thread of its own.
+//! A search from the layout on the page, in its own thread.
 
 use super::locked;
 use crate::cell::{Cell, Layout};
@@ -13,38 +13,41 @@ use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::Instant;
 
-/// How far a search is, and what it has found.
-struct Board {
+/// State of a search that its thread shares with the pages.
+struct SearchState {
     progress: Progress,
-    /// Objective of the layout it started from, mm, degrees or a share.
+    /// Objective of the start layout, mm, degrees or a share.
     start: Option<f64>,
-    found: Option<Result<Found, String>>,
+    found: Option<Result<LiveResult, String>>,
     seconds: f64,
 }
 
+/// Result of a search from the page.
 #[derive(Clone)]
-pub struct Found {
-    /// None if the best layout is not feasible.
+pub struct LiveResult {
+    /// Best layout; None if it is not feasible.
     pub layout: Option<Layout>,
     objective: Option<f64>,
     ended: Ended,
 }
 
-/// A search under way or ended.
-pub struct Job {
-    board: Arc<Mutex<Board>>,
+/// A search that runs or has ended.
+pub struct SearchThread {
+    board: Arc<Mutex<SearchState>>,
     stop: Arc<AtomicBool>,
     thread: JoinHandle<()>,
     cell: Cell,
     clock: Instant,
 }
 
-impl Job {
+impl SearchThread {
+    /// Starts a search.
+    ///
     /// # Errors
-    /// That no thread could be started.
+    /// Why no thread could be started.
     pub fn start(cell: Cell) -> Result<Self, String> {
         let progress = Progress { evaluations: 0, budget: cell.search.budget, feasible: 0, best: None };
-        let board = Arc::new(Mutex::new(Board { progress, start: None, found: None, seconds: 0.0 }));
+        let board = Arc::new(Mutex::new(SearchState { progress, start: None, found: None, seconds: 0.0 }));
         let stop = Arc::new(AtomicBool::new(false));
         let (clock, asked) = (Instant::now(), (cell.clone(), board.clone(), stop.clone()));
         let run = move || {
@@ -58,23 +61,25 @@ impl Job {
         Ok(Self { board, stop, thread, cell, clock })
     }
 
+    /// Returns whether the search still runs.
     pub fn is_running(&self) -> bool {
         !self.thread.is_finished() && locked(&self.board).found.is_none()
     }
 
+    /// Asks the search to stop.
     pub fn stop(&self) {
         self.stop.store(true, Ordering::Relaxed);
     }
 
-    /// The best layout, once there is one.
+    /// Returns the best layout, once the search has ended with a feasible one.
     pub fn best(&self) -> Option<Layout> {
         locked(&self.board).found.clone()?.ok()?.layout
     }
 
-    /// For the page: lengths in mm, angles in degrees.
+    /// Returns progress and result for the page, lengths in mm and angles in degrees.
     pub fn document(&self) -> Value {
         let running = self.is_running();
-        let Board { progress, start, found, seconds } = &*locked(&self.board);
+        let SearchState { progress, start, found, seconds } = &*locked(&self.board);
         let unit = self.cell.unit();
         let best = match found {
             Some(Ok(found)) => found.objective,
@@ -85,7 +90,7 @@ impl Job {
             Some(Ok(found)) => (Some(found.ended.in_words()), None),
             Some(Err(why)) => (None, Some(why.as_str())),
             None if running => (None, None),
-            None => (None, Some("the search came to no end")),
+            None => (None, Some("the search failed")),
         };
         json!({
             "running": running,
@@ -100,13 +105,13 @@ impl Job {
             "seconds": if running { self.clock.elapsed().as_secs_f64() } else { *seconds },
             "ended": ended,
             "fault": fault,
-            "acceptable": matches!(found, Some(Ok(Found { layout: Some(_), .. }))),
+            "acceptable": matches!(found, Some(Ok(LiveResult { layout: Some(_), .. }))),
         })
     }
 }
 
-fn run(cell: Cell, board: &Mutex<Board>, stop: &AtomicBool) -> Result<Found, String> {
-    // A core is left to the page.
+fn run(cell: Cell, board: &Mutex<SearchState>, stop: &AtomicBool) -> Result<LiveResult, String> {
+    // One core stays free for the page.
     let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
     let threads = rayon::ThreadPoolBuilder::new().num_threads(cores.saturating_sub(1).max(1)).build();
     let threads = threads.map_err(|e| format!("cannot start threads: {e}"))?;
@@ -120,5 +125,5 @@ fn run(cell: Cell, board: &Mutex<Board>, stop: &AtomicBool) -> Result<Found, Str
     let objective = record.best.evaluation.objective.map(|v| unit.from_si(v));
     let layout = record.found().then(|| record.best.layout.clone());
     locked(board).progress.evaluations = record.evaluations;
-    Ok(Found { layout, objective, ended: record.ended })
+    Ok(LiveResult { layout, objective, ended: record.ended })
 }

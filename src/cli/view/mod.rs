@@ -1,10 +1,10 @@
-//! `view`: a page on this machine alone, to play what-if with a layout.
+//! `view`: a local web server with a page for editing a layout.
 //!
-//! The session lives here and not in the page: the steps taken, the question asked, a search under way.
-//! A page that is closed ends nothing, one that is opened again goes on where it was, and several show the
-//! same. What a layout is worth is what [`crate::layout::evaluate`] and the maps say, as everywhere.
+//! The session lives in the server and not in the page: the undo history, the question asked, a running
+//! search. Closing a page ends nothing, a page opened again continues, and several pages show the same.
+//! Every number comes from [`crate::layout::evaluate`] and the maps, as everywhere.
 
-mod door;
+mod access_control;
 mod job;
 mod question;
 mod routes;
@@ -12,55 +12,52 @@ mod save;
 mod session;
 mod values;
 
-pub use door::{Door, secret};
+pub use access_control::{AccessControl, secret};
 pub use save::Origin;
 pub use values::widened;
 
 use crate::assess::Assessment;
-use crate::cell::{Layout, Model, Reading};
+use crate::cell::{Layout, Model, Reading, SearchSettings};
 use crate::drawing::{Detail, Drawing};
 use crate::layout::{Workcell, evaluate, separated};
 use crate::report::json;
 use crate::units::{mm_from_m, rounded};
-use job::Job;
-use question::{Question, Workcells};
+use job::SearchThread;
+use question::{PageQuestion, Workcells};
 use serde_json::{Value, json};
 use session::Session;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard};
 use tiny_http::Server;
-use values::Values;
+use values::LayoutValues;
 
-/// Decimals of what is told, as in every document.
+/// Decimals of numbers in documents.
 const DIGITS: i32 = 9;
-/// Budget of a search from the page, evaluations.
-const BUDGETS: std::ops::RangeInclusive<u64> = 1..=1_000_000_000;
-
-/// What of a layout is drawn: one lens, no envelope, few enough nodes to follow the hand.
+/// Detail of drawings: one lens, no envelope, few enough nodes to follow the mouse.
 const DETAIL: Detail = Detail { lenses: false, envelopes: false, nodes: 1500 };
 
 /// A cell with everything that its pages share.
-pub struct View {
+pub struct LiveView {
     workcells: Workcells,
-    /// The cell as it is asked from the start.
+    /// Cell as the cell file asks it.
     cell: crate::cell::Cell,
     origin: Origin,
     session: Mutex<Session>,
-    job: Mutex<Option<Job>>,
+    job: Mutex<Option<SearchThread>>,
     saving: Mutex<()>,
 }
 
-/// A lock that no panic of another thread takes away.
+/// Locks a mutex even if another thread panicked while it held the lock.
 fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
 }
 
-/// Answers until `over` says so and the server is unblocked.
+/// Answers requests until `over` is raised and the server is unblocked.
 ///
 /// # Errors
-/// Why the server cannot go on.
-pub fn serve(view: View, server: &Server, door: Door, over: &AtomicBool) -> Result<(), String> {
-    let shared = Arc::new((view, door));
+/// Why the server cannot continue.
+pub fn serve(view: LiveView, server: &Server, access: AccessControl, over: &AtomicBool) -> Result<(), String> {
+    let shared = Arc::new((view, access));
     loop {
         let request = match server.recv() {
             Ok(request) => request,
@@ -68,15 +65,16 @@ pub fn serve(view: View, server: &Server, door: Door, over: &AtomicBool) -> Resu
             Err(e) => return Err(e.to_string()),
         };
         let shared = shared.clone();
-        // One that sends its body slowly holds up nobody else; without a thread it is answered 500.
+        // A request that sends its body slowly delays no other; if no thread starts, it is answered 500.
         let _ = std::thread::Builder::new().spawn(move || routes::answer(&shared.0, &shared.1, request));
     }
 }
 
-impl View {
+impl LiveView {
+    /// Starts a session at the layout as drawn.
     pub fn new(workcell: Workcell, origin: Origin) -> Self {
         let cell = workcell.cell.clone();
-        let session = Session::new(Values::start(&cell), Question::of(&cell));
+        let session = Session::new(LayoutValues::start(&cell), PageQuestion::of(&cell));
         let workcells = Workcells::new(workcell);
         Self {
             workcells,
@@ -88,7 +86,7 @@ impl View {
         }
     }
 
-    /// Everything that a page needs to begin.
+    /// Returns everything that a page needs to begin.
     fn state(&self) -> Result<Value, String> {
         let mut state = json::form(&self.cell);
         state["file"] = json!(crate::files::shown(&self.origin.file.to_string_lossy()));
@@ -96,12 +94,12 @@ impl View {
         Ok(state)
     }
 
-    /// The step that is shown, with its worth and that of the step before.
+    /// Returns the step that is shown, with its value and that of the step before.
     fn now(&self) -> Result<Value, String> {
         let (question, values, before, mut document) = {
             let session = locked(&self.session);
             let (undo, redo) = session.depth();
-            let Question { sense, model, reading } = &session.question;
+            let PageQuestion { sense, model, reading } = &session.question;
             let document = json!({
                 "revision": session.revision,
                 "undo": undo,
@@ -124,7 +122,7 @@ impl View {
         Ok(document)
     }
 
-    /// What a layout would be worth: while it is dragged, in the 3-D view if `draws`.
+    /// Evaluates a layout while it is dragged; with `draws`, also draws it for the 3-D view.
     fn attempt(&self, asked: &Value, draws: bool) -> Result<Value, String> {
         let (question, values) = {
             let session = locked(&self.session);
@@ -139,12 +137,13 @@ impl View {
         }))
     }
 
-    /// What the 3-D view shows.
+    /// Returns the drawing of the 3-D view.
     fn drawing(&self) -> Result<Value, String> {
         let (workcell, layout) = self.shown()?;
         drawn(&assessed(&workcell, layout, false))
     }
 
+    /// Takes the coordinates of a request as a new step.
     fn change(&self, asked: &Value) -> Result<(), String> {
         let mut session = locked(&self.session);
         let values = session.now().values.changed(&self.cell, asked)?;
@@ -153,12 +152,14 @@ impl View {
         Ok(())
     }
 
+    /// Returns to the layout as drawn, as a new step.
     fn reset(&self) {
         let mut session = locked(&self.session);
         let start = session.start().clone();
         session.step(start, "back to the layout as drawn".into());
     }
 
+    /// Changes the question.
     fn ask(&self, asked: &Value) -> Result<(), String> {
         let word = |key: &str| asked.get(key).and_then(Value::as_str);
         let model = Model::ALL.into_iter().find(|m| Some(m.name()) == word("model"));
@@ -166,19 +167,19 @@ impl View {
         let sense = match asked.get("sense") {
             None | Some(Value::Null) => None,
             Some(Value::String(word)) => Some(word.clone()),
-            Some(_) => return Err("`sense` must be a word".into()),
+            Some(_) => return Err("`sense` must be a string or null".into()),
         };
-        let question = Question {
+        let question = PageQuestion {
             sense,
-            model: model.ok_or("there is no such model")?,
-            reading: reading.ok_or("there is no such reading")?,
+            model: model.ok_or("unknown `model`")?,
+            reading: reading.ok_or("unknown `reading`")?,
         };
         self.workcells.ask(&question)?;
         locked(&self.session).ask(question);
         Ok(())
     }
 
-    /// How far the arm reaches at the height of every operation: outlines in the plan, mm.
+    /// Returns the outlines of the reachable region at the height of every operation, in plan, mm.
     fn reach(&self) -> Result<Value, String> {
         let (workcell, layout) = self.shown()?;
         let a = assessed(&workcell, layout, false);
@@ -188,7 +189,7 @@ impl View {
         Ok(json!({ "outlines": (0..a.maps.len()).map(of).collect::<Vec<_>>() }))
     }
 
-    /// The workcell that is asked and the layout that is shown.
+    /// Returns the workcell of the question and the layout that is shown.
     fn shown(&self) -> Result<(Arc<Workcell>, Layout), String> {
         let (question, values) = {
             let session = locked(&self.session);
@@ -199,7 +200,7 @@ impl View {
         Ok((workcell, layout))
     }
 
-    /// Begins a search from the layout that is shown, as it is asked now.
+    /// Starts a search from the layout that is shown, under the question asked now.
     fn search(&self, asked: &Value) -> Result<(), String> {
         let whole = |key: &str| match asked.get(key) {
             None | Some(Value::Null) => Ok(None),
@@ -216,35 +217,37 @@ impl View {
         }
         cell.search.seed = seed.unwrap_or(cell.search.seed);
         cell.search.budget = budget.unwrap_or(cell.search.budget);
-        if !BUDGETS.contains(&cell.search.budget) {
-            return Err(format!("the budget must be from {} to {}", BUDGETS.start(), BUDGETS.end()));
+        let budgets = SearchSettings::BUDGETS;
+        if !budgets.contains(&cell.search.budget) {
+            return Err(format!("the budget must be from {} to {}", budgets.start(), budgets.end()));
         }
         let mut job = locked(&self.job);
-        if job.as_ref().is_some_and(Job::is_running) {
-            return Err("a search is under way: stop it first".into());
+        if job.as_ref().is_some_and(SearchThread::is_running) {
+            return Err("a search is already running: stop it first".into());
         }
-        *job = Some(Job::start(cell)?);
+        *job = Some(SearchThread::start(cell)?);
         Ok(())
     }
 
+    /// Stops the running search.
     fn stop(&self) {
         if let Some(job) = &*locked(&self.job) {
             job.stop();
         }
     }
 
-    /// Takes the layout that the search has found.
+    /// Takes the best layout of the search as a new step.
     fn accept(&self) -> Result<(), String> {
-        let best = locked(&self.job).as_ref().and_then(Job::best);
-        let best = best.ok_or("no search has found a layout yet")?;
+        let best = locked(&self.job).as_ref().and_then(SearchThread::best);
+        let best = best.ok_or("no search has found a feasible layout yet")?;
         let mut session = locked(&self.session);
-        session.step(Values::of(&self.cell, &best), "the layout that the search found".into());
+        session.step(LayoutValues::of(&self.cell, &best), "the layout that the search found".into());
         Ok(())
     }
 
-    /// What may change without the page.
+    /// Returns what may change without a request of the page.
     fn pulse(&self) -> Value {
-        let search = locked(&self.job).as_ref().map(Job::document);
+        let search = locked(&self.job).as_ref().map(SearchThread::document);
         json!({ "revision": locked(&self.session).revision, "search": search })
     }
 }
@@ -253,7 +256,7 @@ fn drawn(a: &Assessment<'_>) -> Result<Value, String> {
     Ok(json::drawings(&[Drawing::new(a, &DETAIL)?]))
 }
 
-/// What the page shows of a layout, and no more: spots at nodes, no samples, no misplacement.
+/// Assesses a layout for the page: spots at nodes only, no Monte Carlo samples, no misplacement.
 fn assessed<'a>(workcell: &'a Workcell, layout: Layout, is_settled: bool) -> Assessment<'a> {
     let evaluation = evaluate(workcell, &layout);
     let maps = workcell.maps(&layout);

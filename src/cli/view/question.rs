@@ -1,82 +1,67 @@
-//! What is asked of the layout on the page: sense, model, reading; one workcell for each.
+//! The question that the page asks of the layout: sense, model, reading; one workcell for each.
 
-use crate::cell::{Cell, Model, Quantity, Reading};
-use crate::cli::cache;
+use crate::cell::{Cell, Interpretation, Model, Quantity, Reading};
 use crate::layout::Workcell;
 use std::sync::{Arc, Mutex};
 
-/// Workcells kept at most: a page can ask in some 27 senses under nine lenses.
-const MOST: usize = 300;
+/// Most workcells kept: a page can ask in about 27 senses under nine lenses.
+const MAX_WORKCELLS: usize = 300;
 
-/// As the page asks.
+/// Question that the page asks.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Question {
-    /// None: each operation in its own sense.
+pub struct PageQuestion {
+    /// Sense by its name; None: each operation in its own.
     pub sense: Option<String>,
     pub model: Model,
     pub reading: Reading,
 }
 
-impl Question {
-    /// As the cell asks.
+impl PageQuestion {
+    /// Returns the question that the cell file asks.
     pub fn of(cell: &Cell) -> Self {
         Self { sense: None, model: cell.model, reading: cell.reading }
     }
 
-    /// The cell asked so.
+    /// Returns the interpretation of the errors of a cell that this question asks for.
     ///
     /// # Errors
-    /// Why that has no answer.
-    fn asked_of(&self, cell: &Cell) -> Result<Cell, String> {
-        let mut cell = cell.clone();
-        if let Some(word) = &self.sense {
-            let sense = cell.sense(word).ok_or("there is no such sense")?;
-            for operation in &mut cell.operations {
-                // A limit of the other unit says nothing here.
-                operation.limit = operation.limit.filter(|_| operation.sense.unit == sense.unit);
-                operation.sense = sense.clone();
-            }
-        }
-        if self.reading == Reading::Statistical && cell.reading != Reading::Statistical {
-            // As a drawing shows it.
-            cell.quantity = Quantity::P95;
-        }
-        (cell.model, cell.reading) = (self.model, self.reading);
-        match cell.question_faults().first() {
-            Some(fault) => Err(format!("{}; {}", fault.message, fault.help)),
-            None => Ok(cell),
-        }
+    /// That the cell has no such sense.
+    fn interpretation(&self, cell: &Cell) -> Result<Interpretation, String> {
+        let named = |word: &String| cell.sense(word).ok_or_else(|| format!("unknown sense `{word}`"));
+        let sense = self.sense.as_ref().map(named).transpose()?;
+        let (model, reading) = (self.model, self.reading);
+        // A drawing shows the 95th percentile where the cell states no quantity.
+        let becomes_random = reading == Reading::Statistical && cell.reading != Reading::Statistical;
+        let quantity = if becomes_random { Quantity::P95 } else { cell.quantity };
+        Ok(Interpretation { model, reading, quantity, sense, ..cell.interpretation() })
     }
 }
 
-/// The cell made ready for every question asked so far.
+/// Workcells made ready for every question asked so far, that of the cell file first.
 pub struct Workcells {
-    cell: Cell,
-    ready: Mutex<Vec<(Question, Arc<Workcell>)>>,
+    own: Arc<Workcell>,
+    ready: Mutex<Vec<(PageQuestion, Arc<Workcell>)>>,
 }
 
 impl Workcells {
+    /// Keeps the workcell of the question that the cell file asks.
     pub fn new(own: Workcell) -> Self {
-        let cell = own.cell.clone();
-        Self { ready: Mutex::new(vec![(Question::of(&cell), Arc::new(own.in_own_senses()))]), cell }
+        let own = Arc::new(own.in_own_senses());
+        Self { ready: Mutex::new(vec![(PageQuestion::of(&own.cell), own.clone())]), own }
     }
 
+    /// Returns the workcell of a question.
+    ///
     /// # Errors
     /// Why the question has no answer.
-    pub fn ask(&self, question: &Question) -> Result<Arc<Workcell>, String> {
+    pub fn ask(&self, question: &PageQuestion) -> Result<Arc<Workcell>, String> {
         let mut ready = super::locked(&self.ready);
-        if let Some((_, workcell)) = ready.iter().find(|(q, _)| q == question) {
+        if let Some((_, workcell)) = ready.iter().find(|(known, _)| known == question) {
             return Ok(workcell.clone());
         }
-        let cell = question.asked_of(&self.cell)?;
-        let same_sense = ready.iter().find(|(q, _)| q.sense == question.sense);
-        let workcell = match same_sense {
-            // It shares the solids.
-            Some((_, w)) => w.read_otherwise(cell.model, cell.reading, cell.quantity),
-            None => Workcell::remembering(cell, &mut cache::remember),
-        };
-        let workcell = Arc::new(workcell?.in_own_senses());
-        if ready.len() >= MOST {
+        let workcell = self.own.interpreted(&question.interpretation(&self.own.cell)?)?;
+        let workcell = Arc::new(workcell.in_own_senses());
+        if ready.len() >= MAX_WORKCELLS {
             ready.remove(1);
         }
         ready.push((question.clone(), workcell.clone()));

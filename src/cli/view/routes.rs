@@ -1,8 +1,8 @@
-//! What can be asked of the page's address.
+//! Routes of the local server: what each path answers.
 
-use super::View;
-use super::door;
-use super::door::{Answer, Door};
+use super::LiveView;
+use super::access_control;
+use super::access_control::{AccessControl, HttpResponse};
 use super::locked;
 use super::save::Unsaved;
 use crate::cli::output;
@@ -12,22 +12,22 @@ use serde_json::{Value, json};
 use tiny_http::{Method, Request};
 
 /// Answers one request.
-pub fn answer(view: &View, door: &Door, mut request: Request) {
-    let (answer, is_read) = match door.admit(&request) {
+pub fn answer(view: &LiveView, access: &AccessControl, mut request: Request) {
+    let (answer, is_read) = match access.admit(&request) {
         Err(refusal) => (refusal, false),
         Ok(inside) if *request.method() == Method::Get => (got(view, &inside), true),
-        Ok(inside) => match door::body(&mut request) {
+        Ok(inside) => match access_control::body(&mut request) {
             Err(refusal) => (refusal, false),
             Ok(body) => (posted(view, &inside, &body), true),
         },
     };
-    // What is left of a body would be read first.
+    // tiny_http would first read the rest of a body.
     let is_read =
         is_read && (*request.method() == Method::Post || request.body_length().is_none_or(|n| n == 0));
-    door::send(request, &answer, is_read);
+    access_control::send(request, &answer, is_read);
 }
 
-fn got(view: &View, inside: &str) -> Answer {
+fn got(view: &LiveView, inside: &str) -> HttpResponse {
     let document = match inside {
         "" => return page(),
         "state" => view.state(),
@@ -35,33 +35,33 @@ fn got(view: &View, inside: &str) -> Answer {
         "reach" => view.reach(),
         "drawing" => view.drawing(),
         "pulse" => Ok(view.pulse()),
-        _ => return Answer::refused(404, "there is nothing here"),
+        _ => return HttpResponse::refused(404, "not found"),
     };
     said(document)
 }
 
-/// A page with marks that its scripts and styles alone have.
-fn page() -> Answer {
-    match door::secret() {
+/// Returns the page; its scripts and styles carry a nonce that no other has.
+fn page() -> HttpResponse {
+    match access_control::secret() {
         Ok(nonce) => {
             let body = report::page::live(&nonce).into_bytes();
-            Answer { status: 200, kind: "text/html", body, nonce: Some(nonce) }
+            HttpResponse { status: 200, kind: "text/html", body, nonce: Some(nonce) }
         }
-        Err(why) => Answer::refused(500, &why),
+        Err(why) => HttpResponse::refused(500, &why),
     }
 }
 
-fn said(document: Result<Value, String>) -> Answer {
+fn said(document: Result<Value, String>) -> HttpResponse {
     match document {
-        Ok(document) => Answer::json(200, &document),
-        Err(why) => Answer::refused(400, &why),
+        Ok(document) => HttpResponse::json(200, &document),
+        Err(why) => HttpResponse::refused(400, &why),
     }
 }
 
-fn posted(view: &View, inside: &str, body: &[u8]) -> Answer {
+fn posted(view: &LiveView, inside: &str, body: &[u8]) -> HttpResponse {
     let asked: Value = match serde_json::from_slice(body) {
         Ok(asked) => asked,
-        Err(e) => return Answer::refused(400, &format!("the request is no JSON: {e}")),
+        Err(e) => return HttpResponse::refused(400, &format!("the request is not JSON: {e}")),
     };
     let done = match inside {
         "try" | "try-drawing" => return said(view.attempt(&asked, inside != "try")),
@@ -82,18 +82,18 @@ fn posted(view: &View, inside: &str, body: &[u8]) -> Answer {
             view.reset();
             Ok(())
         }
-        _ => return Answer::refused(404, "there is nothing here"),
+        _ => return HttpResponse::refused(404, "not found"),
     };
     match (done, inside) {
-        (Err(why), _) => Answer::refused(400, &why),
-        (Ok(()), "search" | "stop") => Answer::json(200, &view.pulse()),
+        (Err(why), _) => HttpResponse::refused(400, &why),
+        (Ok(()), "search" | "stop") => HttpResponse::json(200, &view.pulse()),
         (Ok(()), _) => said(view.now()),
     }
 }
 
-fn save(view: &View, asked: &Value) -> Answer {
+fn save(view: &LiveView, asked: &Value) -> HttpResponse {
     let Some(name) = asked.get("name").and_then(Value::as_str) else {
-        return Answer::refused(400, "`name` must be a word");
+        return HttpResponse::refused(400, "`name` must be a string");
     };
     let overwrite = asked.get("overwrite").and_then(Value::as_bool).unwrap_or(false);
     let (question, values) = {
@@ -102,23 +102,23 @@ fn save(view: &View, asked: &Value) -> Answer {
     };
     let workcell = match view.workcells.ask(&question) {
         Ok(workcell) => workcell,
-        Err(why) => return Answer::refused(400, &why),
+        Err(why) => return HttpResponse::refused(400, &why),
     };
-    // One at a time: what is not there when it is looked for is not there when it is written.
+    // One at a time, so that a file does not appear between the check and the write.
     let _one = locked(&view.saving);
     match view.origin.save(name, overwrite, &workcell.cell, &values) {
         Ok(path) => {
             let path = output::path_word(&path);
             output::talk(&format!("wrote {path}"));
-            Answer::json(200, &json!({ "saved": path }))
+            HttpResponse::json(200, &json!({ "saved": path }))
         }
-        Err(Unsaved::Taken) => Answer::json(
+        Err(Unsaved::Taken) => HttpResponse::json(
             409,
             &json!({
-                "error": format!("there is a file `{}` already", shown(name.trim())), "taken": true
+                "error": format!("the file `{}` already exists", shown(name.trim())), "taken": true
             }),
         ),
-        Err(Unsaved::Refused(why)) => Answer::refused(400, &why),
-        Err(Unsaved::Io) => Answer::refused(500, "it cannot be written: the terminal says why"),
+        Err(Unsaved::Refused(why)) => HttpResponse::refused(400, &why),
+        Err(Unsaved::Io) => HttpResponse::refused(500, "the file cannot be written: see the terminal"),
     }
 }

@@ -1,57 +1,61 @@
-//! What the pages share: the steps taken, which of them is shown, and how the errors are read.
+//! State that all open pages share: the undo history, the step shown, and the question asked.
 
-use super::question::Question;
-use super::values::Values;
+use super::question::PageQuestion;
+use super::values::LayoutValues;
 
-/// Steps kept; the start always is.
-const MOST: usize = 1000;
+/// Most steps kept; the start is always kept.
+const MAX_STEPS: usize = 1000;
 
-/// One state of the layout.
+/// One state of the layout in the undo history.
 pub struct Step {
-    pub values: Values,
-    /// What was done to come here.
+    pub values: LayoutValues,
+    /// Change that led here, in words.
     pub what: String,
 }
 
+/// Undo history and question of one `view`.
 pub struct Session {
-    /// Counts every change, so that a page sees that another has made one.
+    /// Count of changes, by which a page sees that another page made one.
     pub revision: u64,
-    pub question: Question,
+    pub question: PageQuestion,
     steps: Vec<Step>,
     at: usize,
 }
 
 impl Session {
-    pub fn new(start: Values, question: Question) -> Self {
+    /// Starts a history at a layout.
+    pub fn new(start: LayoutValues, question: PageQuestion) -> Self {
         let steps = vec![Step { values: start, what: "the layout as drawn".into() }];
         Self { revision: 1, question, steps, at: 0 }
     }
 
+    /// Returns the step that is shown.
     pub fn now(&self) -> &Step {
         &self.steps[self.at]
     }
 
-    /// The step before the one that is shown.
+    /// Returns the step before the one that is shown.
     pub fn before(&self) -> Option<&Step> {
         self.at.checked_sub(1).map(|k| &self.steps[k])
     }
 
-    pub fn start(&self) -> &Values {
+    /// Returns the numbers of the first step.
+    pub fn start(&self) -> &LayoutValues {
         &self.steps[0].values
     }
 
-    /// How many steps can be undone and redone.
+    /// Returns how many steps can be undone and redone.
     pub fn depth(&self) -> (usize, usize) {
         (self.at, self.steps.len() - 1 - self.at)
     }
 
-    /// A new step after the one that is shown; what was undone is gone. Nothing if it changes nothing.
-    pub fn step(&mut self, values: Values, what: String) {
+    /// Adds a step after the one that is shown and drops the undone ones; does nothing if nothing changes.
+    pub fn step(&mut self, values: LayoutValues, what: String) {
         if self.now().values == values {
             return;
         }
         self.steps.truncate(self.at + 1);
-        if self.steps.len() >= MOST {
+        if self.steps.len() >= MAX_STEPS {
             self.steps.remove(1);
         }
         self.steps.push(Step { values, what });
@@ -59,7 +63,7 @@ impl Session {
         self.revision += 1;
     }
 
-    /// Goes a step back or forth, if there is one.
+    /// Goes one step back or forward, if there is one.
     pub fn travel(&mut self, back: bool) {
         let to = if back { self.at.checked_sub(1) } else { Some(self.at + 1) };
         if let Some(to) = to.filter(|to| *to < self.steps.len()) {
@@ -68,7 +72,8 @@ impl Session {
         }
     }
 
-    pub fn ask(&mut self, question: Question) {
+    /// Changes the question.
+    pub fn ask(&mut self, question: PageQuestion) {
         if self.question != question {
             self.question = question;
             self.revision += 1;

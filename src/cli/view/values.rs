@@ -1,4 +1,4 @@
-//! The numbers of a layout as the page names them: `equipment.NAME.x_mm`, `robot_base.yaw_deg`,
+//! Coordinates of a layout under the names that the page uses: `equipment.NAME.x_mm`, `robot_base.yaw_deg`,
 //! `attitude.OPERATION.bend_deg`.
 
 use crate::cell::{Cell, Coordinate, Layout, Role, Slot};
@@ -8,20 +8,21 @@ use crate::record::coordinate_name;
 use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg, rounded};
 use serde_json::Value;
 
-/// How far a number that is fixed in the file may be taken for a what-if, m and rad.
-const FARTHEST: (f64, f64) = (100.0, std::f64::consts::TAU);
-/// Digits of mm and degrees within which a number is the end of its range.
+/// Largest magnitude of a coordinate that is fixed in the file, m and rad.
+const MAX_FREE: (f64, f64) = (100.0, std::f64::consts::TAU);
+/// Digits of mm and degrees to which a number may equal the end of its range.
 const DIGITS: i32 = 9;
 
-/// Every number of a layout, in the order of [`Cell::layout`].
+/// Every coordinate of a layout, in the order of [`Cell::layout`].
 #[derive(Debug, Clone, PartialEq)]
-pub struct Values {
+pub struct LayoutValues {
     slots: Vec<Slot>,
-    /// m or rad.
+    /// Coordinates, m or rad.
     pub si: Vec<f64>,
 }
 
-impl Values {
+impl LayoutValues {
+    /// Returns the coordinates of a layout.
     pub fn of(cell: &Cell, layout: &Layout) -> Self {
         let mut slots = Vec::new();
         cell.layout(|slot, coordinate| {
@@ -32,7 +33,7 @@ impl Values {
         Self { slots, si }
     }
 
-    /// Those of the cell as drawn, to the last bit.
+    /// Returns the coordinates of the layout as drawn, to the last bit.
     pub fn start(cell: &Cell) -> Self {
         let mut values = Self { slots: Vec::new(), si: Vec::new() };
         cell.layout(|slot, coordinate| {
@@ -43,6 +44,7 @@ impl Values {
         values
     }
 
+    /// Returns the layout of these coordinates.
     pub fn layout(&self, cell: &Cell) -> Layout {
         cell.layout(|slot, coordinate| self.get(slot).unwrap_or_else(|| coordinate.start()))
     }
@@ -51,8 +53,8 @@ impl Values {
         self.slots.iter().position(|s| *s == slot).map(|k| self.si[k])
     }
 
-    /// The cell that starts here; what is fixed in its file and stands elsewhere is free from there on if
-    /// `frees`, so that a file says it.
+    /// Returns the cell with this layout as its start. With `frees`, a coordinate that is fixed in the file and
+    /// was changed becomes a range, so that a file can state it.
     pub fn starting(&self, cell: &Cell, frees: bool) -> Cell {
         let mut cell = cell.clone();
         for (slot, value) in self.slots.iter().zip(&self.si) {
@@ -63,10 +65,10 @@ impl Values {
         cell
     }
 
-    /// With the numbers that a request names.
+    /// Returns these coordinates with those changed that a request names.
     ///
     /// # Errors
-    /// What cannot be done, in words for the page.
+    /// Why the request is refused, in words for the page.
     pub fn changed(&self, cell: &Cell, asked: &Value) -> Result<Self, String> {
         let mut values = self.clone();
         let groups = asked.as_object().ok_or("the numbers must be an object")?;
@@ -96,11 +98,11 @@ impl Values {
         for (key, number) in numbers {
             let named = (0..4).map(slot).filter(|s| !matches!(s, Slot::Attitude(_, 3)));
             let place = named.filter(|s| coordinate_name(*s) == key).find_map(|s| self.place(s));
-            let place = place.ok_or_else(|| format!("{owner} has no `{}` to change", shown(key)))?;
+            let place = place.ok_or_else(|| format!("{owner} has no coordinate `{}` that can be changed", shown(key)))?;
             let slot = self.slots[place];
             let number = number.as_f64().filter(|v| v.is_finite());
             let number = number.ok_or_else(|| format!("{key} of {owner} must be a number"))?;
-            let coordinate = coordinate(cell, slot).ok_or("there is no such number")?;
+            let coordinate = coordinate(cell, slot).ok_or("unknown coordinate")?;
             self.si[place] =
                 allowed(coordinate, slot, number).map_err(|why| format!("{key} of {owner} {why}"))?;
         }
@@ -111,7 +113,7 @@ impl Values {
         self.slots.iter().position(|s| *s == slot)
     }
 
-    /// What is different from before, in words.
+    /// Returns the change from another layout, in words.
     pub fn difference(&self, before: &Self, cell: &Cell) -> String {
         let pairs = self.slots.iter().zip(self.si.iter().zip(&before.si));
         let moved: Vec<String> = pairs
@@ -140,14 +142,14 @@ fn owner(cell: &Cell, slot: Slot) -> String {
     }
 }
 
-/// The numbers of a placement or attitude that a request names.
+/// Returns the coordinates of a placement or of a tool orientation that a request names.
 fn slot_of(cell: &Cell, group: &str, name: &str) -> Result<Box<dyn Fn(usize) -> Slot>, String> {
     let unknown = |what: &str| format!("the cell has no {what} `{}`", shown(name));
     match group {
         "equipment" => {
             let k = cell.equipment.iter().position(|e| e.name == name).ok_or_else(|| unknown("equipment"))?;
             if cell.equipment[k].role == Role::Obstacle {
-                return Err(format!("`{}` is an obstacle: it stands where it is", shown(name)));
+                return Err(format!("`{}` is an obstacle, which cannot be moved", shown(name)));
             }
             Ok(Box::new(move |axis| Slot::Equipment(k, axis)))
         }
@@ -156,10 +158,11 @@ fn slot_of(cell: &Cell, group: &str, name: &str) -> Result<Box<dyn Fn(usize) -> 
                 cell.operations.iter().position(|o| o.name == name).ok_or_else(|| unknown("operation"))?;
             Ok(Box::new(move |angle| Slot::Attitude(k, angle)))
         }
-        _ => Err(format!("`{}` is none of robot_base, equipment, attitude", shown(group))),
+        _ => Err(format!("`{}` is not one of robot_base, equipment, attitude", shown(group))),
     }
 }
 
+/// Returns the coordinate of a slot.
 pub fn coordinate(cell: &Cell, slot: Slot) -> Option<&Coordinate> {
     match slot {
         Slot::Base(axis) => cell.base.get(axis),
@@ -168,6 +171,7 @@ pub fn coordinate(cell: &Cell, slot: Slot) -> Option<&Coordinate> {
     }
 }
 
+/// Returns the coordinate of a slot, to be changed.
 pub fn coordinate_mut(cell: &mut Cell, slot: Slot) -> Option<&mut Coordinate> {
     match slot {
         Slot::Base(axis) => cell.base.get_mut(axis),
@@ -176,6 +180,7 @@ pub fn coordinate_mut(cell: &mut Cell, slot: Slot) -> Option<&mut Coordinate> {
     }
 }
 
+/// Returns a coordinate that starts at a value.
 fn starting(coordinate: &Coordinate, value: f64, frees: bool) -> Coordinate {
     match coordinate {
         Coordinate::Fixed(was) if frees && *was != value => {
@@ -190,12 +195,12 @@ fn starting(coordinate: &Coordinate, value: f64, frees: bool) -> Coordinate {
     }
 }
 
-/// In mm or degrees.
+/// Converts a coordinate to mm or degrees.
 fn in_file(slot: Slot, si: f64) -> f64 {
     if slot.is_angle() { deg_from_rad(si) } else { mm_from_m(si) }
 }
 
-/// A number of the page (mm or degrees) in SI, if the coordinate may take it.
+/// Converts a number of the page (mm or degrees) to SI, if the coordinate allows it.
 fn allowed(coordinate: &Coordinate, slot: Slot, number: f64) -> Result<f64, String> {
     let si = if slot.is_angle() { rad_from_deg(number) } else { m_from_mm(number) };
     let same = |v: f64| rounded(in_file(slot, v), DIGITS) == rounded(number, DIGITS);
@@ -206,7 +211,7 @@ fn allowed(coordinate: &Coordinate, slot: Slot, number: f64) -> Result<f64, Stri
             values.iter().copied().find(|v| same(*v)).ok_or_else(|| format!("must be one of {}", listed()))
         }
         _ => {
-            let farthest = if slot.is_angle() { FARTHEST.1 } else { FARTHEST.0 };
+            let farthest = if slot.is_angle() { MAX_FREE.1 } else { MAX_FREE.0 };
             let (min, max) = if coordinate.is_free() { coordinate.range() } else { (-farthest, farthest) };
             if (min..=max).contains(&si) {
                 Ok(si)
@@ -219,8 +224,7 @@ fn allowed(coordinate: &Coordinate, slot: Slot, number: f64) -> Result<f64, Stri
     }
 }
 
-/// Takes the ranges of `wide` for what is fixed within them: the layout of a result in the cell that was
-/// searched.
+/// Returns a result with the ranges of the cell that was searched, so that it can be searched again.
 pub fn widened(mut cell: Cell, wide: &Cell) -> Cell {
     let same = |a: &Cell, b: &Cell| {
         a.equipment.iter().map(|e| &e.name).eq(b.equipment.iter().map(|e| &e.name))
@@ -229,7 +233,7 @@ pub fn widened(mut cell: Cell, wide: &Cell) -> Cell {
     if !same(&cell, wide) {
         return cell;
     }
-    let start = Values::start(wide);
+    let start = LayoutValues::start(wide);
     for slot in start.slots {
         let (Some(range), Some(own)) = (coordinate(wide, slot), coordinate_mut(&mut cell, slot)) else {
             continue;

@@ -179,6 +179,11 @@ fn read_limit(t: &mut Table<'_>, sense: Option<&Sense>, lib: &mut Library<'_>) -
     let lengths: (_, _, fn(f64) -> f64) = ("limit_mm", Unit::Length, units::m_from_mm);
     for (key, unit, si) in [lengths, ("limit_deg", Unit::Angle, units::rad_from_deg)] {
         let Some(node) = t.get(key) else { continue };
+        // A flag speaks of every operation at once: a limit in the other unit does not apply to this one.
+        let by_flag = lib.is_flag(node.at) || t.get("sense").is_some_and(|sense| lib.is_flag(sense.at));
+        if by_flag && sense.is_some_and(|sense| sense.unit != unit) {
+            continue;
+        }
         let value = value::number(node, &format!("`{key}`"), Must::BePositive, lib);
         if let Some(sense) = sense.filter(|sense| sense.unit != unit) {
             let word = sense.unit.word();

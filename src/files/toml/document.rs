@@ -43,6 +43,8 @@ pub struct Library<'a> {
     read: &'a mut ReadFile<'a>,
     pub sources: Vec<Source>,
     pub faults: Vec<Fault>,
+    /// Source of the settings by its index, and whether each of its lines comes from a flag.
+    pub flags: Option<(usize, Vec<bool>)>,
     parsed: HashMap<usize, Option<Vec<Entry>>>,
     /// Bytes of the files named so far.
     named: usize,
@@ -50,7 +52,21 @@ pub struct Library<'a> {
 
 impl<'a> Library<'a> {
     pub fn new(read: &'a mut ReadFile<'a>) -> Self {
-        Self { read, sources: Vec::new(), faults: Vec::new(), parsed: HashMap::new(), named: 0 }
+        Self {
+            read,
+            sources: Vec::new(),
+            faults: Vec::new(),
+            flags: None,
+            parsed: HashMap::new(),
+            named: 0,
+        }
+    }
+
+    /// Returns whether a flag of the command line states what stands at a place.
+    pub fn is_flag(&self, at: At) -> bool {
+        let Some((file, flags)) = self.flags.as_ref().filter(|(file, _)| *file == at.file) else { return false };
+        let before = self.sources[*file].bytes.iter().take(at.offset);
+        flags.get(before.filter(|b| **b == b'\n').count()).copied().unwrap_or(false)
     }
 
     /// Records a fault at a place.
@@ -119,7 +135,7 @@ impl<'a> Library<'a> {
         match at {
             Some(at) if path.starts_with("package://") => self.error(at, message, PACKAGE),
             Some(at) => self.error(at, message, NAMING),
-            None => self.faults.push(Fault::of_file(path, message, "check the path of the cell file")),
+            None => self.faults.push(Fault::unreadable(path, message, "check the path of the cell file")),
         }
     }
 

@@ -8,4 +8,4 @@ pub mod tree;
 pub mod value;
 
 pub use document::{ReadFile, Source};
-pub use setting::{Choices, Setting, of_setting};
+pub use setting::{Choices, Setting, of_setting, toml_string};

@@ -1,7 +1,7 @@
-//! `PATH=VALUE`: keys of a cell said otherwise than in its file, before anything is checked.
+//! Settings: keys of a cell stated on the command line instead of in its file, `--set` and flags alike.
 //!
-//! The settings are read like a small file that lies over the cell file: so every check of the cell
-//! applies to them, and a fault in one is told with its own words.
+//! The settings are read like a small file that lies over the cell file, before anything is checked. So
+//! every check of the cell applies to them, and a fault in one names the flag as its place.
 
 use super::document::{Library, Source};
 use super::tree::{Entry, Node, Value, is_range, parse};
@@ -15,34 +15,67 @@ const PLACE: &str = "--set:";
 /// Tables of the cell in which every key is a name that somebody chose.
 const NAMED: [&str; 5] = ["equipment", "obstacle", "keep_out", "operation", "sense"];
 
+/// Name that stands for every entry of a table of [`NAMED`].
+const EVERY: &str = "*";
+
 const SHAPE: &str = "write --set PATH=VALUE or PATH=VALUE,VALUE,..., for example clearance_mm=0,10";
 
-/// One key of a cell said otherwise.
+/// One key of a cell stated on the command line.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Setting {
-    /// Dotted, as in TOML: `equipment.worktable.placement.z_mm`.
+    /// Dotted path, as in TOML: `equipment.worktable.placement.z_mm`.
     pub path: String,
-    /// As in TOML, but a text may stand without quotes.
+    /// Value, as in TOML; a text may stand without quotes.
     pub value: String,
+    /// Flag that states it, as typed: `--limit 5`; None: `--set`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub flag: Option<String>,
 }
 
 impl Setting {
-    /// As it is typed.
+    /// Returns the setting that `--set PATH=VALUE` states.
+    pub fn new(path: impl Into<String>, value: impl Into<String>) -> Self {
+        Self { path: path.into(), value: value.into(), flag: None }
+    }
+
+    /// Returns the setting that a flag states; `value` is TOML.
+    pub fn of_flag(flag: &str, path: &str, value: impl Into<String>) -> Self {
+        Self { flag: Some(flag.to_string()), ..Self::new(path, value) }
+    }
+
+    /// Returns the setting by which a flag states a key of every operation.
+    pub fn of_every_operation(flag: &str, key: &str, value: impl Into<String>) -> Self {
+        Self::of_flag(flag, &format!("operation.\"{EVERY}\".{key}"), value)
+    }
+
+    /// Returns path and value as they are typed behind `--set`.
     pub fn words(&self) -> String {
         format!("{}={}", self.path, self.value)
     }
 
-    /// As a line of a TOML file.
+    /// Returns the place that faults of this setting name.
+    fn place(&self) -> String {
+        self.flag.clone().unwrap_or_else(|| format!("--set {}", self.words()))
+    }
+
+    /// Returns the setting as a line of a TOML file.
     pub fn line(&self) -> String {
         let is_toml = parse(0, &format!("v = {}", self.value)).is_ok();
         match is_toml {
             true => format!("{} = {}", self.path, self.value),
-            false => {
-                let escaped = self.value.replace('\\', "\\\\").replace('"', "\\\"");
-                format!("{} = \"{escaped}\"", self.path)
-            }
+            false => format!("{} = {}", self.path, toml_string(&self.value)),
         }
     }
+}
+
+/// Returns a text as a basic string of TOML, on one line.
+pub fn toml_string(text: &str) -> String {
+    let escaped = |c: char| match c {
+        '"' | '\\' => format!("\\{c}"),
+        c if c.is_control() => format!("\\u{:04X}", u32::from(c)),
+        c => c.to_string(),
+    };
+    format!("\"{}\"", text.chars().map(escaped).collect::<String>())
 }
 
 /// A key of a cell, and every value that it is to have in turn.
@@ -86,9 +119,13 @@ impl Choices {
     }
 }
 
-/// A fault of a setting, told without a place in a file.
+/// Returns a fault of `--set WORDS`, which has no place in a file.
 pub fn of_setting(words: &str, message: String, help: &str) -> Fault {
-    Fault { line: 0, column: 0, ..Fault::of_file(&format!("--set {words}"), message, help) }
+    without_line(&format!("--set {words}"), message, help)
+}
+
+fn without_line(place: &str, message: String, help: &str) -> Fault {
+    Fault { line: 0, column: 0, ..Fault::of_file(place, message, help) }
 }
 
 /// The keys of a dotted path; none if it is no path.
@@ -129,10 +166,24 @@ pub fn apply(root: &mut Node, settings: &[Setting], lib: &mut Library<'_>) {
     }
     let lines: Vec<_> = settings.iter().map(Setting::line).collect();
     lib.sources.push(Source { path: PLACE.into(), bytes: lines.join("\n").into_bytes() });
-    let Some(entries) = lib.entries(lib.sources.len() - 1) else { return };
+    let file = lib.sources.len() - 1;
+    lib.flags = Some((file, settings.iter().map(|s| s.flag.is_some()).collect()));
+    let Some(entries) = lib.entries(file) else { return };
     let Value::Table(under) = &mut root.value else { return };
+    take_back_signed(settings, under);
     let entries = entries.into_iter().map(|entry| without_strangers(entry, settings, under, lib)).collect();
     lay(entries, under);
+}
+
+/// Removes `reading = "signed"` of the file where a flag chooses other errors and no reading: how errors
+/// are read then follows from them, for a tolerance has no signed sample.
+fn take_back_signed(settings: &[Setting], under: &mut Vec<Entry>) {
+    let is_set = |key: &str| settings.iter().any(|s| s.path == key);
+    let chooses = |s: &Setting| s.flag.is_some() && (s.path == "errors" || s.path == "registration");
+    if settings.iter().any(chooses) && !is_set("reading") {
+        let is_signed = |node: &Node| matches!(&node.value, Value::Text(word) if word == "signed");
+        under.retain(|(key, _, node)| key != "reading" || !is_signed(node));
+    }
 }
 
 /// A table of named tables without names that the cell does not have, unless a whole table is set.
@@ -144,6 +195,7 @@ fn without_strangers(entry: Entry, settings: &[Setting], under: &[Entry], lib: &
     let known =
         || under.iter().filter(|e| e.0 == key).flat_map(|e| e.2.value.entries()).map(|e| e.0.as_str());
     if let Value::Table(named) = &mut node.value {
+        spread(named, known());
         named.retain(|(name, at, _)| {
             let is_whole = settings.iter().any(|s| keys(&s.path) == [key.as_str(), name]);
             if is_whole || known().any(|n| n == name) {
@@ -160,6 +212,23 @@ fn without_strangers(entry: Entry, settings: &[Setting], under: &[Entry], lib: &
     (key, at, node)
 }
 
+/// Replaces the entry of the name `*` by one for each known name; what is set for a name alone stays.
+fn spread<'n>(named: &mut Vec<Entry>, known: impl Iterator<Item = &'n str>) {
+    let Some(place) = named.iter().position(|(name, ..)| name == EVERY) else { return };
+    let (_, at, every) = named.remove(place);
+    for name in known {
+        match named.iter_mut().find(|(own, ..)| own == name) {
+            None => named.push((name.to_string(), at, every.clone())),
+            Some((.., own)) => {
+                let Value::Table(own) = &mut own.value else { continue };
+                let missing = every.value.entries().iter().filter(|e| own.iter().all(|o| o.0 != e.0));
+                let missing: Vec<_> = missing.cloned().collect();
+                own.extend(missing);
+            }
+        }
+    }
+}
+
 /// Like `from`: tables are merged, all else is replaced. A table keeps its place: what is wrong with
 /// its other keys is no matter of the settings.
 fn lay(settings: Vec<Entry>, under: &mut Vec<Entry>) {
@@ -174,12 +243,12 @@ fn lay(settings: Vec<Entry>, under: &mut Vec<Entry>) {
     }
 }
 
-/// The faults of settings in their words, and the sources without them.
+/// Gives the faults of settings the place of their flags, and takes the settings out of the sources.
 pub fn put_in_words(settings: &[Setting], faults: &mut [Fault], sources: &mut Vec<Source>) {
     sources.retain(|s| s.path != PLACE);
     for fault in faults.iter_mut().filter(|f| f.file == PLACE) {
         let Some(setting) = settings.get(fault.line.saturating_sub(1)) else { continue };
-        let told = of_setting(&setting.words(), std::mem::take(&mut fault.message), &fault.help);
-        *fault = Fault { severity: fault.severity, ..told };
+        let message = std::mem::take(&mut fault.message);
+        *fault = Fault { severity: fault.severity, ..without_line(&setting.place(), message, &fault.help) };
     }
 }

@@ -76,7 +76,7 @@ fn draw_colours(plan: &mut Plan<'_>, scales: &MapScales) {
     let mut senses: Vec<_> = cell.operations.iter().map(|o| o.sense.name.as_str()).collect();
     senses.dedup();
     let unit = cell.unit().word();
-    canvas.paragraph(&format!("{} in {}", text::value_word(cell), senses.join(", ")));
+    canvas.paragraph(&format!("{} in {}", crate::record::value_word(cell), senses.join(", ")));
     let [low, high] = [scales.range.0, scales.range.1].map(|v| format!("{} {unit}", words::figure(v)));
     let (y, left) = (canvas.y + 20.0, MARGIN + words::width(&low, BODY) + 6.0);
     canvas.text((MARGIN, y), Anchor::Start, Ink::Text, &low);

@@ -21,6 +21,7 @@ const VIEWER_PARTS: &str = concat!(
     include_str!("viewer/viewer.js"),
 );
 
+#[cfg(feature = "view")]
 const LIVE_PARTS: &str = concat!(
     include_str!("live/ask.js"),
     include_str!("live/plan.js"),
@@ -37,6 +38,7 @@ pub fn viewer_js() -> String {
 }
 
 /// Returns the script of the live page, which runs after the viewer.
+#[cfg(feature = "view")]
 pub fn live_js() -> String {
     script(LIVE_PARTS)
 }
@@ -66,7 +68,9 @@ pub fn node_signs() -> Value {
 
 pub const VIEWER_CSS: &str = include_str!("viewer/viewer.css");
 
+#[cfg(feature = "view")]
 pub const LIVE_HTML: &str = include_str!("live/page.html");
+#[cfg(feature = "view")]
 pub const LIVE_CSS: &str = include_str!("live/page.css");
 
 /// The sections of a page: paragraphs, figures, tables.

@@ -10,6 +10,7 @@ mod assumptions;
 mod compare;
 mod content;
 mod figures;
+#[cfg(feature = "view")]
 mod live;
 mod nodes;
 mod places;
@@ -22,6 +23,7 @@ mod verdict;
 
 pub use compare::{Told, compare};
 pub use content::{Figure, Section, Table};
+#[cfg(feature = "view")]
 pub use live::live;
 pub use report::{Report, report};
 pub use runner_up::RunnerUp;

@@ -1,56 +1,56 @@
-//! A first cell round each robot of the library: the text of its file.
+//! First cells: the text of a commented cell file around each built-in robot.
 //!
 //! Lengths are in mm here, as in the file that is written.
 
 use super::library::ROBOTS;
 
-/// What stands round a robot.
+/// First cell of a robot: its name, errors and equipment.
 pub struct Sketch {
-    /// Short, or the name of the robot.
+    /// Short name, or the name of the robot.
     pub name: &'static str,
     pub robot: &'static str,
-    /// One line for a list.
+    /// Description in one line.
     pub about: &'static str,
     errors: &'static str,
     pedestal: i32,
-    work: Stand,
-    supply: Stand,
+    work: SketchedEquipment,
+    supply: SketchedEquipment,
     standoff: i32,
-    /// Few turns about the tool axis: an arm with a joint to spare takes long for each.
+    /// Whether few spins about the tool axis are tried, because a redundant arm takes long for each.
     few_spins: bool,
 }
 
-/// An equipment, where it stands at the start, and how far from the origin it may.
-struct Stand {
+/// Equipment of a first cell: its start placement, and how far from the origin it may be placed.
+struct SketchedEquipment {
     file: &'static str,
     x: i32,
     y: i32,
     yaw: i32,
     within: i32,
     z: i32,
-    /// None: z is fixed.
+    /// Range of z; None: z is fixed.
     heights: Option<(i32, i32)>,
 }
 
-const fn stand(file: &'static str, (x, y, z): (i32, i32, i32), yaw: i32, within: i32) -> Stand {
-    Stand { file, x, y, yaw, within, z, heights: None }
+const fn stand(file: &'static str, (x, y, z): (i32, i32, i32), yaw: i32, within: i32) -> SketchedEquipment {
+    SketchedEquipment { file, x, y, yaw, within, z, heights: None }
 }
 
-impl Stand {
+impl SketchedEquipment {
     const fn ranging(mut self, low: i32, high: i32) -> Self {
         self.heights = Some((low, high));
         self
     }
 }
 
-/// Name, what it is, robot, error set.
-type About = [&'static str; 4];
+/// Name, description, robot and error set.
+type SketchHead = [&'static str; 4];
 
-const fn sketch([name, about, robot, errors]: About, pedestal: i32, work: Stand, supply: Stand) -> Sketch {
+const fn sketch([name, about, robot, errors]: SketchHead, pedestal: i32, work: SketchedEquipment, supply: SketchedEquipment) -> Sketch {
     Sketch { name, robot, about, errors, pedestal, work, supply, standoff: 100, few_spins: false }
 }
 
-/// The paper's arm, in its three files.
+/// The arm of the seed paper, which has three files.
 const fn hitachi(name: &'static str, about: &'static str, robot: &'static str) -> Sketch {
     let table = stand("worktable", (300, 1000, 600), 10, 1800).ranging(300, 900);
     sketch(
@@ -61,13 +61,13 @@ const fn hitachi(name: &'static str, about: &'static str, robot: &'static str) -
     )
 }
 
-/// A large arm of Universal Robots.
+/// Large arms of Universal Robots.
 const fn large_ur(name: &'static str, about: &'static str) -> Sketch {
     let table = stand("worktable", (0, 850, 750), 0, 1300).ranging(500, 1000);
     sketch([name, about, name, "placeholder"], 700, table, stand("conveyor", (950, -650, 700), 90, 1500))
 }
 
-/// An arm of about a metre of reach, with a bench in front of it and a feeder at its side, both `far` away.
+/// Arms of about one metre of reach, with a bench in front and a feeder at the side, both at distance `far`.
 const fn small(
     [name, about, robot]: [&'static str; 3],
     (pedestal, far): (i32, i32),
@@ -78,7 +78,7 @@ const fn small(
     sketch([name, about, robot, "placeholder"], pedestal, bench, stand("feeder", (far, -100, z), 90, within))
 }
 
-/// One for every robot of the library.
+/// First cells, one for every built-in robot.
 pub const SKETCHES: [Sketch; ROBOTS.len()] = [
     hitachi("hitachi", "the 4-axis arm of the paper, worktable and conveyor", "hitachi_pw10"),
     large_ur("ur10e", "six axes of Universal Robots, worktable and conveyor"),
@@ -182,13 +182,13 @@ pub const SKETCHES: [Sketch; ROBOTS.len()] = [
     ),
 ];
 
-/// The sketch of a short name, or of a robot of the library.
+/// Returns the first cell of a short name or of a robot.
 pub fn find(name: &str) -> Option<&'static Sketch> {
     SKETCHES.iter().find(|s| s.name == name || s.robot == name)
 }
 
 impl Sketch {
-    /// The cell file.
+    /// Returns the text of the cell file.
     pub fn text(&self) -> String {
         [self.head(), self.robot_part(), self.equipment(), self.operations(), SEARCH.to_string()].join("\n")
     }
@@ -294,7 +294,7 @@ budget = 2000     # layouts evaluated; 20000 for a result to keep
 seed = 1          # the same seed gives the same files
 "#;
 
-impl Stand {
+impl SketchedEquipment {
     fn text(&self) -> String {
         let Self { file, x, y, z, yaw, within, heights } = self;
         let height = match heights {

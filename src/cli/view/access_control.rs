@@ -1,121 +1,130 @@
-//! Who may come in: this machine's own page, and nobody else who can make a browser ask.
+//! Access control of the local server: secret URL, Host check against DNS rebinding, Origin check against CSRF.
 //!
-//! The address holds 128 random bits; without them there is nothing (404). The name that the browser asked
-//! for must be ours (a foreign name that resolves to 127.0.0.1 is somebody's page), and what changes
-//! something must come from our own page.
+//! The URL holds 128 random bits; a request without them is answered 404. A page elsewhere may make its own
+//! domain name resolve to 127.0.0.1 (DNS rebinding), so the Host header must name this server. It may also
+//! post to this server from the user's browser (cross-site request forgery, CSRF), so the Origin header of
+//! every POST must be that of our page. A content security policy keeps the page from loading anything else.
 
 use std::io::Read;
 use tiny_http::{Header, Method, Request};
 
-/// Largest body, bytes: a request of the page has some hundred.
-const MOST_BYTES: usize = 64 << 10;
+/// Largest body of a request, bytes; those of the page have a few hundred.
+const MAX_BODY_BYTES: usize = 64 << 10;
 
-/// The address of the page.
-pub struct Door {
+/// Secret URL of the page, and the checks of every request.
+pub struct AccessControl {
     token: String,
     port: u16,
 }
 
-/// What is answered to a request.
-pub struct Answer {
+/// Response to a request.
+pub struct HttpResponse {
     pub status: u16,
+    /// Media type of the body.
     pub kind: &'static str,
     pub body: Vec<u8>,
-    /// Of the page itself: what its scripts and styles are marked with.
+    /// Nonce of the scripts and styles of the page; None: the body is no page.
     pub nonce: Option<String>,
 }
 
-impl Answer {
+impl HttpResponse {
+    /// Returns a response that refuses a request and says why.
     pub fn refused(status: u16, why: &str) -> Self {
         Self::json(status, &serde_json::json!({ "error": why }))
     }
 
+    /// Returns a response with a JSON document.
     pub fn json(status: u16, value: &serde_json::Value) -> Self {
         let body = value.to_string().into_bytes();
         Self { status, kind: "application/json", body, nonce: None }
     }
 }
 
-/// 128 random bits of the operating system in hexadecimal.
+/// Returns 128 random bits of the operating system in hexadecimal.
 ///
 /// # Errors
-/// That there are none.
+/// That the system provides none.
 pub fn secret() -> Result<String, String> {
     let mut bytes = [0u8; 16];
-    getrandom::fill(&mut bytes).map_err(|e| format!("the system has no random numbers: {e}"))?;
+    getrandom::fill(&mut bytes).map_err(|e| format!("the operating system provides no random numbers: {e}"))?;
     Ok(bytes.iter().map(|b| format!("{b:02x}")).collect())
 }
 
-impl Door {
+impl AccessControl {
+    /// Guards the server on a port with a secret.
     pub fn new(token: String, port: u16) -> Self {
         Self { token, port }
     }
 
+    /// Returns the URL of the page, secret included.
     pub fn url(&self) -> String {
         format!("http://127.0.0.1:{}/{}/", self.port, self.token)
     }
 
-    /// What is asked for inside, if the request may come in.
+    /// Returns the path behind the secret of a request that passes all checks.
     ///
     /// # Errors
-    /// The answer to one that may not.
-    pub fn admit(&self, request: &Request) -> Result<String, Answer> {
+    /// The response to a request that fails one.
+    pub fn admit(&self, request: &Request) -> Result<String, HttpResponse> {
         let inside = request.url().strip_prefix('/').and_then(|path| path.split_once('/'));
         let inside = inside.filter(|(token, _)| same(token, &self.token)).map(|(_, inside)| inside);
-        let Some(inside) = inside else { return Err(Answer::refused(404, "there is nothing here")) };
+        let Some(inside) = inside else { return Err(HttpResponse::refused(404, "not found")) };
+        // DNS rebinding: a foreign name that resolves to 127.0.0.1 belongs to another page.
         let hosts = ["127.0.0.1", "localhost"].map(|name| format!("{name}:{}", self.port));
         match &header(request, "Host")[..] {
             [host] if hosts.contains(&host.to_ascii_lowercase()) => {}
-            _ => return Err(Answer::refused(403, "this is not the address of the page")),
+            _ => return Err(HttpResponse::refused(403, "the Host header is not the address of this server")),
         }
         match request.method() {
             Method::Get => {}
             Method::Post => {
+                // CSRF: a page of another origin must not change anything.
                 let origins = hosts.map(|host| format!("http://{host}"));
                 match &header(request, "Origin")[..] {
                     [origin] if origins.contains(&origin.to_ascii_lowercase()) => {}
-                    _ => return Err(Answer::refused(403, "that does not come from the page")),
+                    _ => return Err(HttpResponse::refused(403, "the Origin header is not that of this page")),
                 }
             }
-            _ => return Err(Answer::refused(405, "ask with GET or POST")),
+            _ => return Err(HttpResponse::refused(405, "the method must be GET or POST")),
         }
         Ok(inside.to_string())
     }
 }
 
-/// The body of a request, read whole.
+/// Reads the whole body of a request.
 ///
 /// # Errors
-/// The answer to one that has none, or too much of it.
-pub fn body(request: &mut Request) -> Result<Vec<u8>, Answer> {
+/// The response to a request whose body has no length or is too long.
+pub fn body(request: &mut Request) -> Result<Vec<u8>, HttpResponse> {
     let length = request.body_length().filter(|_| header(request, "Transfer-Encoding").is_empty());
-    let length = length.ok_or_else(|| Answer::refused(400, "the request does not say how long it is"))?;
-    if length > MOST_BYTES {
-        return Err(Answer::refused(400, &format!("the request has more than {MOST_BYTES} bytes")));
+    let length = length.ok_or_else(|| HttpResponse::refused(400, "the request has no Content-Length"))?;
+    if length > MAX_BODY_BYTES {
+        return Err(HttpResponse::refused(400, &format!("the body has more than {MAX_BODY_BYTES} bytes")));
     }
     let mut bytes = Vec::with_capacity(length);
     let read = request.as_reader().take(length as u64).read_to_end(&mut bytes);
     match read {
         Ok(count) if count == length => Ok(bytes),
-        _ => Err(Answer::refused(400, "the request ended early")),
+        _ => Err(HttpResponse::refused(400, "the body is shorter than its Content-Length")),
     }
 }
 
+/// Returns the values of all headers of a name.
 fn header<'r>(request: &'r Request, name: &'static str) -> Vec<&'r str> {
     let of_name = |h: &&Header| h.field.equiv(name);
     request.headers().iter().filter(of_name).map(|h| h.value.as_str().trim()).collect()
 }
 
-/// Takes as long wherever the two differ.
+/// Compares two texts in a time that does not depend on where they differ.
 fn same(a: &str, b: &str) -> bool {
     a.len() == b.len() && a.bytes().zip(b.bytes()).fold(0, |differs, (a, b)| differs | (a ^ b)) == 0
 }
 
-/// Answers a request; `is_read`: of one whose body was read, or that has none.
-pub fn send(request: Request, answer: &Answer, is_read: bool) {
+/// Sends a response; `is_read`: the body of the request was read, or it has none.
+pub fn send(request: Request, answer: &HttpResponse, is_read: bool) {
     let headers = headers(answer);
     if !is_read {
-        // What is left of the body is read after this answer, and not before it as below.
+        // tiny_http reads the rest of the body after this response, not before it as below.
         let header = |(name, value): &(&str, String)| Header::from_bytes(*name, value.as_bytes()).ok();
         let response = tiny_http::Response::from_data(&answer.body[..]).with_status_code(answer.status);
         let response =
@@ -123,7 +132,7 @@ pub fn send(request: Request, answer: &Answer, is_read: bool) {
         let _ = request.respond(response);
         return;
     }
-    // In one piece: the second of two waits for the first to be acknowledged, some 40 ms.
+    // One write: a second one would wait about 40 ms for the acknowledgement of the first.
     let mut bytes = format!("HTTP/1.1 {} {}\r\n", answer.status, phrase(answer.status)).into_bytes();
     for (name, value) in headers {
         bytes.extend(format!("{name}: {value}\r\n").into_bytes());
@@ -131,11 +140,11 @@ pub fn send(request: Request, answer: &Answer, is_read: bool) {
     bytes.extend(format!("Content-Length: {}\r\n\r\n", answer.body.len()).into_bytes());
     bytes.extend(&answer.body);
     let mut writer = request.into_writer();
-    // A page that has gone is no fault.
+    // A page that was closed meanwhile is no error.
     let _ = writer.write_all(&bytes).and_then(|()| writer.flush());
 }
 
-fn headers(answer: &Answer) -> Vec<(&'static str, String)> {
+fn headers(answer: &HttpResponse) -> Vec<(&'static str, String)> {
     let policy = match &answer.nonce {
         Some(nonce) => format!(
             "default-src 'none'; script-src 'nonce-{nonce}'; style-src 'nonce-{nonce}'; img-src data:; \

@@ -1,0 +1,30 @@
+//! Arguments of the commands about files to write by hand: `schema` and `init`.
+
+use crate::files::FileKind;
+use clap::Args;
+use clap::builder::PossibleValuesParser;
+use std::path::PathBuf;
+
+#[derive(Args)]
+pub struct SchemaArguments {
+    /// Kind of file
+    #[arg(
+        value_name = "KIND",
+        default_value = FileKind::Cell.name(),
+        value_parser = PossibleValuesParser::new(FileKind::ALL.map(FileKind::name)),
+        conflicts_with = "out"
+    )]
+    pub kind: String,
+    /// Write all schemas to this folder: cell.schema.json and so on; schemas of another version are replaced
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+#[derive(Args)]
+pub struct InitArguments {
+    /// Name of a first cell or of a built-in robot [default: list them]
+    pub name: Option<String>,
+    /// Write to this folder, which must be new or empty [default: a folder of that name]
+    #[arg(long, value_name = "DIR", requires = "name")]
+    pub out: Option<PathBuf>,
+}

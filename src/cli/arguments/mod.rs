@@ -1,0 +1,100 @@
+//! The command line: every command and its arguments.
+
+mod files;
+mod layouts;
+mod outputs;
+mod postures;
+mod question;
+mod robots;
+mod search;
+mod sweep;
+mod value_parsers;
+
+pub use files::{InitArguments, SchemaArguments};
+pub use layouts::{CheckArguments, CompareArguments, MapArguments, ReadingsArguments, RobustArguments};
+pub use outputs::{ExportArguments, ExportFormat, FiguresArguments, ReportArguments, ViewArguments};
+pub use postures::{BudgetArguments, ExplainArguments};
+pub use question::{ErrorFlags, QuestionFlags};
+pub use robots::{EnvelopeArguments, RobotArguments, RobotsArguments};
+pub use search::SearchArguments;
+pub use sweep::{SweepArguments, common_settings};
+
+use clap::{Parser, Subcommand};
+
+/// Finds where in a robot workcell a precision operation should happen, and where worktable and
+/// conveyor must stand so that it can.
+#[derive(Parser)]
+#[command(
+    version,
+    about,
+    disable_help_subcommand = true,
+    before_help = "Example: sweetspot search cells/hitachi_cell.toml"
+)]
+pub struct Arguments {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+#[derive(Subcommand)]
+pub enum Command {
+    /// Validate a cell file and everything it refers to, and report all errors at once
+    #[command(before_help = "Example: sweetspot check cells/hitachi_cell.toml")]
+    Check(CheckArguments),
+    /// Map the error over every work surface of the layout as drawn
+    #[command(before_help = "Example: sweetspot map cells/hitachi_paper.toml --svg map.svg")]
+    Map(MapArguments),
+    /// Search for the layout and the operation spots of least error
+    #[command(
+        before_help = "Example: sweetspot search cells/hitachi_cell.toml --seed 2 --out results/second-try"
+    )]
+    Search(SearchArguments),
+    /// Search or map a cell for every combination of values of some of its keys
+    #[command(
+        before_help = "Example: sweetspot sweep cells/hitachi_cell.toml --set errors=table-2,table-3 --set equipment.worktable.placement.z_mm=600,700"
+    )]
+    Sweep(SweepArguments),
+    /// Compare layouts side by side: cell files, best.toml files or result folders
+    #[command(
+        before_help = "Example: sweetspot compare cells/hitachi_cell.toml results/hitachi_cell-001 -o compare.html"
+    )]
+    Compare(CompareArguments),
+    /// Rank the error sources at a spot: which tolerance to tighten first
+    #[command(before_help = "Example: sweetspot budget cells/hitachi_cell.toml --operation assembly")]
+    Budget(BudgetArguments),
+    /// Show the error calculation of one posture step by step
+    #[command(before_help = "Example: sweetspot explain cells/hitachi_paper.toml --at 5,4")]
+    Explain(ExplainArguments),
+    /// Compare all readings (signed, worst case, statistical) and registrations of the layout as drawn
+    #[command(before_help = "Example: sweetspot readings cells/hitachi_cell.toml --out results/readings")]
+    Readings(ReadingsArguments),
+    /// Analyse the sensitivity to misplaced equipment, and how much misplacement is allowed
+    #[command(before_help = "Example: sweetspot robust cells/hitachi_cell.toml --limit 15")]
+    Robust(RobustArguments),
+    /// Export a layout: CAD drawing, 3-D scene, scale drawing, table or picture
+    #[command(before_help = "Example: sweetspot export results/hitachi_cell-001 --to dxf -o layout.dxf")]
+    Export(ExportArguments),
+    /// List the built-in robots
+    #[command(before_help = "Example: sweetspot robots")]
+    Robots(RobotsArguments),
+    /// Show a robot: D-H table, joint limits, tool, reach, error sets, size of its working envelope
+    #[command(before_help = "Example: sweetspot robot hitachi_pw10")]
+    Robot(RobotArguments),
+    /// Draw and measure the working envelope of a robot: section, plan, volume
+    #[command(before_help = "Example: sweetspot envelope hitachi_pw10 --svg envelope.svg")]
+    Envelope(EnvelopeArguments),
+    /// Write one HTML page about a layout or a search result: verdict, 3-D view, maps, tables
+    #[command(before_help = "Example: sweetspot report results/hitachi_cell-001 -o report.html")]
+    Report(ReportArguments),
+    /// Edit a layout in the browser and see its error at once; the page is served to this machine only
+    #[command(before_help = "Example: sweetspot view cells/hitachi_cell.toml --open")]
+    View(ViewArguments),
+    /// Print the JSON Schema of a file kind, or write all schemas for editors
+    #[command(before_help = "Example: sweetspot schema --out schemas")]
+    Schema(SchemaArguments),
+    /// Draw the figures of the seed paper for your own cells
+    #[command(before_help = "Example: sweetspot figures cells/hitachi_paper.toml --out figures")]
+    Figures(FiguresArguments),
+    /// Write a first cell around a built-in robot, commented and ready to run
+    #[command(before_help = "Example: sweetspot init hitachi")]
+    Init(InitArguments),
+}

@@ -1,0 +1,117 @@
+//! Arguments of the commands that make something to look at: `export`, `figures`, `report`, `view`.
+
+use super::question::QuestionFlags;
+use crate::cli::packages::Packages;
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+
+/// File format of an export.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ExportFormat {
+    /// CAD drawing in mm: solids, working envelope, error arrows and dimensions on layers
+    Dxf,
+    /// 3-D scene in m with the motion of the robot (glTF)
+    Glb,
+    /// Drawing to scale on paper: plan and elevation
+    Svg,
+    /// Table of all nodes
+    Csv,
+    /// Map as a JSON document
+    Json,
+    /// Table of all nodes with typed columns
+    Parquet,
+    /// Picture of the cell
+    Png,
+}
+
+impl ExportFormat {
+    /// Returns the file name extension, which is also the name of the format.
+    pub fn extension(self) -> &'static str {
+        match self {
+            ExportFormat::Dxf => "dxf",
+            ExportFormat::Glb => "glb",
+            ExportFormat::Svg => "svg",
+            ExportFormat::Csv => "csv",
+            ExportFormat::Json => "json",
+            ExportFormat::Parquet => "parquet",
+            ExportFormat::Png => "png",
+        }
+    }
+}
+
+#[derive(Args)]
+pub struct ExportArguments {
+    /// Cell file (TOML), or a result folder of `search`: its best layout
+    #[arg(value_name = "RESULT|CELL")]
+    pub of: PathBuf,
+    /// Format to write
+    #[arg(long, value_name = "FORMAT")]
+    pub to: ExportFormat,
+    /// Write to this file [default: the name of the cell file or folder, in the current folder]
+    #[arg(short, long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Export the start layout of a result folder instead of its best layout
+    #[arg(long)]
+    pub start: bool,
+    /// Posture of the robot: at the spot of this operation, or `home` [default: the first spot]
+    #[arg(long, value_name = "OPERATION|home")]
+    pub posture: Option<String>,
+    #[command(flatten)]
+    pub packages: Packages,
+    #[command(flatten)]
+    pub question: QuestionFlags,
+}
+
+#[derive(Args)]
+pub struct FiguresArguments {
+    /// Cell files, or result folders of `search`
+    #[arg(required = true, value_name = "CELL|RESULT")]
+    pub cells: Vec<PathBuf>,
+    #[command(flatten)]
+    pub packages: Packages,
+    #[command(flatten)]
+    pub question: QuestionFlags,
+    /// Write the pictures, README.md and manifest.json to this new folder
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Width of the pictures in pixels
+    #[arg(long, value_name = "PX", value_parser = clap::value_parser!(u16).range(400..=4000), default_value = "1600")]
+    pub width: u16,
+    /// Draw on a dark background
+    #[arg(long)]
+    pub dark: bool,
+}
+
+#[derive(Args)]
+pub struct ReportArguments {
+    /// Cell file (TOML), or a result folder of `search`
+    #[arg(value_name = "RESULT|CELL")]
+    pub of: PathBuf,
+    #[command(flatten)]
+    pub packages: Packages,
+    #[command(flatten)]
+    pub question: QuestionFlags,
+    /// Write the page to this file; an existing page is replaced
+    #[arg(short, long, value_name = "FILE", default_value = "report.html")]
+    pub out: PathBuf,
+    /// Print the verdict as JSON on stdout
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Args)]
+pub struct ViewArguments {
+    /// Cell file (TOML), or a result folder of `search`
+    #[arg(value_name = "CELL|RESULT")]
+    pub of: PathBuf,
+    #[command(flatten)]
+    pub packages: Packages,
+    #[command(flatten)]
+    pub question: QuestionFlags,
+    /// Listen on this port of 127.0.0.1 [default: any free port]
+    #[arg(long, default_value_t = 0, hide_default_value = true)]
+    pub port: u16,
+    /// Open the page in the browser
+    #[arg(long)]
+    pub open: bool,
+}

@@ -1,0 +1,56 @@
+//! Arguments of the commands that judge one posture: `budget` and `explain`.
+
+use super::question::QuestionFlags;
+use super::value_parsers::{at, finite};
+use crate::assess::At;
+use crate::cli::packages::Packages;
+use clap::Args;
+use std::path::PathBuf;
+
+#[derive(Args)]
+pub struct BudgetArguments {
+    /// Cell file (TOML)
+    pub cell: PathBuf,
+    #[command(flatten)]
+    pub packages: Packages,
+    /// Show only this operation [default: all operations]
+    #[arg(long, value_name = "NAME")]
+    pub operation: Option<String>,
+    /// Node of the grid: `best`, or its indices along x and y
+    #[arg(long, value_name = "best|I,J", value_parser = at, default_value = "best", hide_default_value = true, allow_hyphen_values = true)]
+    pub at: At,
+    #[command(flatten)]
+    pub question: QuestionFlags,
+    /// Print the budget as JSON on stdout
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Args)]
+pub struct ExplainArguments {
+    /// Cell file (TOML)
+    pub cell: PathBuf,
+    #[command(flatten)]
+    pub packages: Packages,
+    /// Show this operation [default: the first]
+    #[arg(long, value_name = "NAME")]
+    pub operation: Option<String>,
+    /// Node of the grid: `best`, or its indices along x and y
+    #[arg(long, value_name = "best|I,J", value_parser = at, default_value = "best", hide_default_value = true, allow_hyphen_values = true)]
+    pub at: At,
+    /// Joint values instead of a node, in degrees or mm
+    #[arg(
+        long,
+        value_name = "Q1,Q2,...",
+        value_delimiter = ',',
+        value_parser = finite,
+        allow_hyphen_values = true,
+        conflicts_with = "at"
+    )]
+    pub joints: Option<Vec<f64>>,
+    #[command(flatten)]
+    pub question: QuestionFlags,
+    /// Print the explanation as JSON on stdout
+    #[arg(long)]
+    pub json: bool,
+}

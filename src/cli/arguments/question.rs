@@ -1,0 +1,123 @@
+//! Flags that ask a cell otherwise than its file does; each becomes a setting that the reader validates.
+
+use super::value_parsers::{number, setting};
+use crate::cell::{Model, Quantity, Reading, Registration};
+use crate::cli::output::word as shell_word;
+use crate::files::{Setting, toml_string};
+use clap::Args;
+use clap::builder::PossibleValuesParser;
+
+/// Flags that choose the errors, their model, and the sense and limit in which they count.
+#[derive(Args)]
+pub struct ErrorFlags {
+    /// Use this error set of the robot
+    #[arg(long, value_name = "NAME")]
+    pub errors: Option<String>,
+    /// Use this error model
+    #[arg(long, value_parser = PossibleValuesParser::new(Model::ALL.map(Model::name)))]
+    pub model: Option<String>,
+    /// Measure every operation in this sense: x, y, z, xy, xyz, rx, ry, rz or rotation, each with
+    /// @surface or @tool for the axes of the surface or the tool, or a sense defined in the cell file
+    #[arg(long, value_name = "SENSE")]
+    pub sense: Option<String>,
+    /// Largest error with which every operation succeeds: mm, or degrees if the sense is a rotation
+    #[arg(long, value_name = "MM", value_parser = number, allow_hyphen_values = true)]
+    pub limit: Option<f64>,
+    /// Set any key of the cell file, for example --set clearance_mm=10; can be given several times
+    #[arg(long = "set", value_name = "PATH=VALUE", value_parser = setting)]
+    pub sets: Vec<Setting>,
+}
+
+/// Flags that choose the errors and how they are read.
+#[derive(Args)]
+pub struct QuestionFlags {
+    #[command(flatten)]
+    pub errors: ErrorFlags,
+    /// Read the errors as one signed sample, as worst-case tolerances or as random variables
+    #[arg(long, value_parser = PossibleValuesParser::new(Reading::ALL.map(Reading::name)))]
+    pub reading: Option<String>,
+    /// Quantity of the random error to minimize; implies --reading statistical
+    #[arg(long, value_parser = PossibleValuesParser::new(Quantity::ALL.map(Quantity::name)))]
+    pub quantity: Option<String>,
+    /// Frames registered with the robot itself: none, the base frame (best-fit) or the surface frames (taught)
+    #[arg(long, value_parser = PossibleValuesParser::new(Registration::ALL.map(Registration::name)))]
+    pub registration: Option<String>,
+}
+
+/// Returns the setting of a flag whose value is a word.
+pub fn word(name: &str, path: &str, value: Option<&String>) -> Option<Setting> {
+    value.map(|value| Setting::of_flag(&format!("--{name} {value}"), path, toml_string(value)))
+}
+
+/// Returns a number as TOML writes it.
+pub fn toml_number(value: f64) -> String {
+    format!("{value:?}").to_lowercase()
+}
+
+impl ErrorFlags {
+    /// Returns the settings that these flags state.
+    pub fn settings(&self) -> Vec<Setting> {
+        let Self { errors, model, sense, limit, sets } = self;
+        let mut settings = sets.clone();
+        settings.extend(word("errors", "errors", errors.as_ref()));
+        settings.extend(word("model", "model", model.as_ref()));
+        if let Some(sense) = sense {
+            settings.push(Setting::of_every_operation(&format!("--sense {sense}"), "sense", toml_string(sense)));
+        }
+        if let Some(limit) = limit {
+            // The reader takes the one in the unit of the sense.
+            let (flag, value) = (format!("--limit {}", typed(*limit)), toml_number(*limit));
+            let keys = ["limit_mm", "limit_deg"];
+            settings.extend(keys.map(|key| Setting::of_every_operation(&flag, key, value.clone())));
+        }
+        settings
+    }
+
+    /// Returns whether a flag chooses among the errors.
+    pub fn chooses_errors(&self) -> bool {
+        self.errors.is_some() || self.sets.iter().any(|set| set.path == "errors")
+    }
+}
+
+impl QuestionFlags {
+    /// Returns the settings that these flags state.
+    pub fn settings(&self) -> Vec<Setting> {
+        let Self { errors, reading, quantity, registration } = self;
+        let mut settings = errors.settings();
+        settings.extend(word("reading", "reading", reading.as_ref()));
+        settings.extend(word("quantity", "quantity", quantity.as_ref()));
+        if reading.is_none() && quantity.is_some() {
+            let statistical = toml_string(Reading::Statistical.name());
+            settings.extend(quantity.as_ref().map(|quantity| {
+                Setting::of_flag(&format!("--quantity {quantity}"), "reading", statistical)
+            }));
+        }
+        settings.extend(word("registration", "registration", registration.as_ref()));
+        settings
+    }
+}
+
+impl QuestionFlags {
+    /// Returns the flags as one would type them again, with a space before each.
+    pub fn words(&self) -> String {
+        let Self { errors: ErrorFlags { errors, model, sense, limit, sets }, reading, quantity, registration } = self;
+        let limit = limit.map(typed);
+        let given = [
+            ("errors", errors),
+            ("model", model),
+            ("sense", sense),
+            ("limit", &limit),
+            ("reading", reading),
+            ("quantity", quantity),
+            ("registration", registration),
+        ];
+        let flags = given.into_iter().filter_map(|(name, value)| Some((name, value.clone()?)));
+        let sets = sets.iter().map(|set| ("set", set.words()));
+        flags.chain(sets).map(|(name, value)| format!(" --{name} {}", shell_word(&value))).collect()
+    }
+}
+
+/// Returns a number as one types it.
+fn typed(value: f64) -> String {
+    if value.fract() == 0.0 && value.abs() < 1e15 { value.to_string() } else { toml_number(value) }
+}

@@ -1,0 +1,109 @@
+//! Arguments of `search`.
+
+use super::question::{QuestionFlags, toml_number, word};
+use super::value_parsers::{finite, seconds};
+use crate::cell::{Goal, Solver};
+use crate::cli::packages::Packages;
+use crate::files::{Setting, toml_string};
+use clap::Args;
+use clap::builder::PossibleValuesParser;
+use std::path::PathBuf;
+
+#[derive(Args)]
+pub struct SearchArguments {
+    /// Cell file (TOML)
+    #[arg(required_unless_present = "resume")]
+    pub cell: Option<PathBuf>,
+    #[command(flatten)]
+    pub packages: Packages,
+    #[command(flatten)]
+    pub question: QuestionFlags,
+    /// Seed of all random numbers; the same seed gives the same files, byte for byte
+    #[arg(long)]
+    pub seed: Option<u64>,
+    /// Minimize the worst case over the placement tolerances instead of the value as drawn
+    #[arg(long)]
+    pub robust: bool,
+    /// Find the Pareto front of two or more goals: error, clearance, joint-limits, singularity, travel,
+    /// footprint
+    #[arg(
+        long,
+        value_name = "GOAL,GOAL,...",
+        value_delimiter = ',',
+        hide_possible_values = true,
+        value_parser = PossibleValuesParser::new(Goal::ALL.map(Goal::name))
+    )]
+    pub pareto: Option<Vec<String>>,
+    /// Keep this many of the best layouts that differ; with --pareto, of the front
+    #[arg(long, value_name = "N")]
+    pub keep: Option<u64>,
+    /// Global solver
+    #[arg(long, value_parser = PossibleValuesParser::new(Solver::ALL.map(Solver::name)))]
+    pub solver: Option<String>,
+    #[command(flatten)]
+    pub rules: StoppingFlags,
+    /// Number of threads; the result does not depend on it [default: all cores]
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Write the result to this new folder [default: results/CELL-NNN]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Resume the search that was stopped in this folder
+    #[arg(long, value_name = "DIR", conflicts_with = "out")]
+    pub resume: Option<PathBuf>,
+    /// Seconds between checkpoints; 0 writes one at the start and one when stopped
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, default_value = "5")]
+    pub checkpoint: f64,
+    /// Progress on stderr [default: a bar on a terminal, otherwise one line of JSON per second]
+    #[arg(long, value_parser = PossibleValuesParser::new(["bar", "json", "none"]))]
+    pub progress: Option<String>,
+    /// Print the result as JSON on stdout
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Flags that decide when a search ends.
+#[derive(Args)]
+pub struct StoppingFlags {
+    /// Stop after this many layout evaluations
+    #[arg(long, value_name = "N")]
+    pub budget: Option<u64>,
+    /// Stop when the best layout is proven to be within this share of the lower bound: 0.01 is 1 %
+    #[arg(long, value_name = "SHARE", value_parser = finite)]
+    pub gap: Option<f64>,
+    /// Stop after this many evaluations without a better layout
+    #[arg(long, value_name = "N")]
+    pub stagnation: Option<u64>,
+    /// Stop after this time with a checkpoint and exit code 4
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    pub time: Option<f64>,
+}
+
+/// Returns the setting of a flag whose value is a whole number.
+pub fn whole(name: &str, path: &str, value: Option<u64>) -> Option<Setting> {
+    value.map(|value| Setting::of_flag(&format!("--{name} {value}"), path, value.to_string()))
+}
+
+impl SearchArguments {
+    /// Returns the settings that the flags state.
+    pub fn settings(&self) -> Vec<Setting> {
+        let mut settings = self.question.settings();
+        settings.extend(whole("seed", "search.seed", self.seed));
+        settings.extend(whole("budget", "search.budget", self.rules.budget));
+        settings.extend(whole("stagnation", "search.stagnation", self.rules.stagnation));
+        settings.extend(whole("keep", "search.keep", self.keep));
+        settings.extend(word("solver", "search.solver", self.solver.as_ref()));
+        if self.robust {
+            settings.push(Setting::of_flag("--robust", "search.robust", "true"));
+        }
+        if let Some(gap) = self.rules.gap {
+            settings.push(Setting::of_flag(&format!("--gap {gap}"), "search.gap", toml_number(gap)));
+        }
+        if let Some(goals) = &self.pareto {
+            let listed: Vec<_> = goals.iter().map(|goal| toml_string(goal)).collect();
+            let flag = format!("--pareto {}", goals.join(","));
+            settings.push(Setting::of_flag(&flag, "search.pareto", format!("[{}]", listed.join(", "))));
+        }
+        settings
+    }
+}

@@ -1,0 +1,59 @@
+//! Parsers of option values (clap `value_parser`s).
+//!
+//! A quantity that a cell file can state has no range here: its flag becomes a setting, which the reader of
+//! the file checks.
+
+use crate::assess::At;
+use crate::files::{Choices, Setting};
+
+/// Parses an elevation in degrees.
+pub fn bend(text: &str) -> Result<f64, String> {
+    let number = finite(text)?;
+    if number.abs() <= 90.0 { Ok(number) } else { Err("it must be from -90 to 90".into()) }
+}
+
+/// Parses the distance of sample points in mm.
+pub fn step(text: &str) -> Result<f64, String> {
+    let number = finite(text)?;
+    if number >= 1.0 { Ok(number) } else { Err("it must be at least 1".into()) }
+}
+
+/// Parses any number that floating point can hold, NaN and infinity included.
+pub fn number(text: &str) -> Result<f64, String> {
+    text.trim().parse().map_err(|_| "it is not a number".to_string())
+}
+
+/// Parses a finite number.
+pub fn finite(text: &str) -> Result<f64, String> {
+    let number = number(text)?;
+    if number.is_finite() { Ok(number) } else { Err("it must be finite".into()) }
+}
+
+/// Parses a duration in seconds.
+pub fn seconds(text: &str) -> Result<f64, String> {
+    let number = finite(text)?;
+    if (0.0..=1e9).contains(&number) { Ok(number) } else { Err("it must be from 0 to 1e9".into()) }
+}
+
+/// Parses `best`, or the two indices of a node.
+pub fn at(text: &str) -> Result<At, String> {
+    if text == "best" {
+        return Ok(At::Best);
+    }
+    let number = |word: &str| word.trim().parse::<usize>().ok();
+    let pair = text.split_once(',').and_then(|(i, j)| Some(At::Node(number(i)?, number(j)?)));
+    pair.ok_or_else(|| "expected `best`, or the indices of a node along x and y, for example 3,4".into())
+}
+
+/// Parses `PATH=VALUE` with one value.
+pub fn setting(text: &str) -> Result<Setting, String> {
+    let choices = Choices::parse(text)
+        .map_err(|faults| faults.first().map_or(String::new(), |f| format!("{}; {}", f.message, f.help)))?;
+    match &choices.values[..] {
+        [value] => Ok(Setting::new(choices.path, value.clone())),
+        values => Err(format!(
+            "it has {} values; give one, or run `sweetspot sweep` for all (a list stands in [ ])",
+            values.len()
+        )),
+    }
+}

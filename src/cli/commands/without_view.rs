@@ -1,0 +1,11 @@
+//! `view` in a build without the feature of that name.
+
+use crate::cli::arguments::ViewArguments;
+use crate::cli::{Exit, output};
+
+/// `sweetspot view`
+pub fn view(_: &ViewArguments) -> Result<Exit, Exit> {
+    output::error("this build has no `view`");
+    output::talk("  help: cargo install --path . --features view");
+    Err(Exit::BadInput)
+}

@@ -1,0 +1,20 @@
+//! Folders of the ROS packages whose files a URDF names.
+
+use clap::Args;
+use std::path::PathBuf;
+
+/// Folders of ROS packages, by name.
+#[derive(Args, Clone, Default)]
+pub struct Packages {
+    /// Folder of package://NAME/... in a URDF; once for each package
+    #[arg(long = "package", value_name = "NAME=DIR", value_parser = package)]
+    pub folders: Vec<(String, PathBuf)>,
+}
+
+/// Parses `NAME=DIR`.
+fn package(text: &str) -> Result<(String, PathBuf), String> {
+    match text.split_once('=') {
+        Some((name, folder)) if !name.is_empty() && !folder.is_empty() => Ok((name.into(), folder.into())),
+        _ => Err("expected NAME=DIR, the name of a package and its folder".into()),
+    }
+}
