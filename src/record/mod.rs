@@ -21,9 +21,12 @@ mod placement;
 mod readings;
 mod refined;
 mod robot;
+mod schema;
 mod search;
+mod settings;
 mod spot;
 mod sweep;
+mod verdict;
 mod words;
 
 pub use budget::{BudgetDocument, OperationBudget, ShareEntry, TightenEntry, TotalEntry};
@@ -53,9 +56,15 @@ pub use robot::{
     EnvelopeDocument, EnvelopeSize, ErrorSetEntry, ErrorSetKind, JointSheet, PlanEntry, PlanOutline,
     RobotEntry, RobotSheetDocument, RobotsDocument, SectionEntry, SectionOutline, SizeEntry, ToolSheet,
 };
+pub use schema::DocumentKind;
 pub use search::{
     AlternativeEntry, ProofEntry, ProvenOperation, SearchResult, SearchStatus, StartEntry,
 };
+pub use settings::{ResolvedOperation, ResolvedSettings};
 pub use spot::{RequirementEntry, SpotEntry};
 pub use sweep::{SWEEP_PLAN_SCHEMA, SweepGroup, SweepMode, SweepPlan, SweepRow, SweepSpot, SweepTable, combination};
+pub use verdict::{
+    FactEntry, FactMood, REPORT_SCHEMA, RequirementState, RunnerUpEntry, RunnerUpKind, VerdictAnswer,
+    VerdictDocument, VerdictSpot, VerdictSubject,
+};
 pub use words::{caveats, value_word};

@@ -2,7 +2,7 @@
 
 use super::raster::{Shot, Show, png};
 use super::svg_text::escaped;
-use super::{fig8, text};
+use super::fig8;
 use crate::assess::Assessment;
 use crate::cell::{Quantity, Reading};
 use crate::drawing::{Detail, Drawing};

@@ -8,7 +8,7 @@ use crate::cli::{Exit, asked, found, loading, output, results};
 use crate::drawing::Drawing;
 use crate::files::shown;
 use crate::layout::Workcell;
-use crate::record::ComparisonDocument;
+use crate::record::{ComparisonDocument, SearchResult};
 use crate::report;
 use crate::report::page::Told;
 use std::path::{Path, PathBuf};
@@ -63,13 +63,13 @@ fn page(comparison: &Comparison<'_>, paths: &[PathBuf]) -> Result<String, Exit> 
     })
 }
 
-/// What the search that wrote a folder says of its best layout.
+/// Returns what the search that wrote a folder says of its best layout.
 fn told(folder: &Path) -> Told {
     let text = std::fs::read(folder.join("search.json")).unwrap_or_default();
-    let document: serde_json::Value = serde_json::from_slice(&text).unwrap_or_default();
+    let found: Option<SearchResult> = serde_json::from_slice(&text).ok();
     Told {
-        gap_percent: document["gap_percent"].as_f64(),
-        clearance_mm: document["goals"]["clearance_mm"].as_f64(),
+        gap_percent: found.as_ref().and_then(|found| found.gap_percent),
+        clearance_mm: found.and_then(|found| found.goals).map(|goals| goals.clearance_mm),
     }
 }
 

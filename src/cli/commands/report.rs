@@ -9,7 +9,7 @@ use crate::cli::output::path_word;
 use crate::cli::{Exit, asked, loading, output, results};
 use crate::drawing::Drawing;
 use crate::files::{Fault, Loaded, Source};
-use crate::record::SearchResult;
+use crate::record::{SearchResult, VerdictAnswer};
 use crate::report::page;
 use crate::report::page::{Manifest, Report, Subject};
 use crate::search::Ended;
@@ -39,7 +39,7 @@ pub fn report(a: &ReportArguments) -> Result<Exit, Exit> {
     let report = Report { html, verdict };
     loading::write_whole(&a.out, report.html.as_bytes())?;
     tell(a, &read.file, &subject, &report)?;
-    Ok(if report.verdict.answer == "yes" { Exit::Done } else { Exit::AnswerIsNo })
+    Ok(if report.verdict.answer == VerdictAnswer::Yes { Exit::Done } else { Exit::AnswerIsNo })
 }
 
 /// Subject of a report as read, before it is assessed.

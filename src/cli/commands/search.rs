@@ -190,7 +190,7 @@ fn answer(
         (_, true) => match comparison.change_percent(1, Assessment::objective) {
             Some(change) if change > -0.05 => "no layout better than the start was found".to_string(),
             Some(change) => {
-                let word = record::value_word(cell);
+                let word = crate::record::value_word(cell);
                 format!("the best layout has {:.1} % less {word} than the start", -change)
             }
             None => "the start layout is infeasible, the best layout is feasible".to_string(),

@@ -6,7 +6,7 @@ use super::{signs, solids, words};
 use crate::drawing::Kind;
 use crate::drawing::round_numbers::{ONE_TWO_FIVE, round_down};
 use crate::report::colours::viridis_hex;
-use crate::report::text;
+
 use crate::units::{m_from_mm, mm_from_m, rounded};
 
 /// Lines of the reach of operations at different heights, in turn.

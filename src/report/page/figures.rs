@@ -1,6 +1,6 @@
 //! The sections with pictures: what each shows, section by section.
 
-use super::content::{Figure, NOTHING, Section, Table};
+use super::content::{Figure, Section, Table};
 use super::places::titled;
 use super::subject::{Subject, si};
 use super::verdict::{down, quantity};

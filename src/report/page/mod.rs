@@ -26,9 +26,7 @@ pub use content::{Figure, Section, Table};
 #[cfg(feature = "view")]
 pub use live::live;
 pub use report::{Report, report};
-pub use runner_up::RunnerUp;
 pub use subject::{Manifest, Subject};
-pub use verdict::{Fact, Spot, Verdict};
 
 use serde_json::Value;
 
