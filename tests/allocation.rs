@@ -1,4 +1,4 @@
-//! The node loop asks for no memory, whatever the reading.
+//! The node loop allocates no memory in any reading.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 #[path = "it/common/mod.rs"]
@@ -65,7 +65,7 @@ fn the_node_loop_does_not_allocate() {
     assert!(measure(|| drop(BestFit::new(&chain, &Sources::new(&cell, 0, None), true))).count_total > 0);
 }
 
-/// Judged or ranked: ten times the nodes ask for no more memory than few, once it is there.
+/// An evaluation of ten times the nodes allocates no more memory than one of few nodes, ranked or judged.
 #[test]
 fn an_evaluation_does_not_allocate_per_node() {
     for ranked in [true, false] {
@@ -87,7 +87,7 @@ fn an_evaluation_does_not_allocate_per_node() {
     }
 }
 
-/// The fast descents live on the stack; only a goal that they all miss asks for memory.
+/// The fast descents work on the stack. Only a goal that all of them miss allocates memory.
 #[test]
 fn one_numeric_solution_does_not_allocate() {
     let chain = Chain::new(&shipped("hitachi_cell.toml").robot);

@@ -128,7 +128,8 @@ fn answerable(cell: &Cell, registration: Registration) -> Vec<Interpretation> {
         (Reading::Statistical, Quantity::P95),
         (Reading::Statistical, Quantity::Yield),
     ];
-    let read = |(reading, quantity)| Interpretation { reading, quantity, registration, ..cell.interpretation() };
+    let read =
+        |(reading, quantity)| Interpretation { reading, quantity, registration, ..cell.interpretation() };
     // Each operation has a table of its own: senses in different units are not added up.
     let answers = |i: &Interpretation| cell.faults_of(i).iter().all(|f| matches!(f.about, About::Sense(_)));
     kinds.into_iter().map(read).filter(answers).collect()

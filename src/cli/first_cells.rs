@@ -46,7 +46,12 @@ impl SketchedEquipment {
 /// Name, description, robot and error set.
 type SketchHead = [&'static str; 4];
 
-const fn sketch([name, about, robot, errors]: SketchHead, pedestal: i32, work: SketchedEquipment, supply: SketchedEquipment) -> Sketch {
+const fn sketch(
+    [name, about, robot, errors]: SketchHead,
+    pedestal: i32,
+    work: SketchedEquipment,
+    supply: SketchedEquipment,
+) -> Sketch {
     Sketch { name, robot, about, errors, pedestal, work, supply, standoff: 100, few_spins: false }
 }
 

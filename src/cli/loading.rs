@@ -206,7 +206,11 @@ fn share(_file: &tempfile::NamedTempFile) -> std::io::Result<()> {
 /// Makes a folder unless it exists.
 pub fn make_folder(path: &Path) -> Result<(), Exit> {
     std::fs::create_dir_all(path).map_err(|e| {
-        output::error(&format!("cannot create the folder {}: {}", shown(&path.to_string_lossy()), reason(&e)));
+        output::error(&format!(
+            "cannot create the folder {}: {}",
+            shown(&path.to_string_lossy()),
+            reason(&e)
+        ));
         Exit::Io
     })
 }
@@ -225,7 +229,10 @@ pub fn new_folder(asked: Option<&Path>, stem: &str) -> Result<PathBuf, Exit> {
         if !entries.all(|e| e.is_ok_and(unfinished)) {
             if path.join(CHECKPOINT).is_file() {
                 output::error(&format!("{} holds a stopped search", output::path_word(path)));
-                output::talk(&format!("  help: resume it with sweetspot search --resume {}", output::path_word(path)));
+                output::talk(&format!(
+                    "  help: resume it with sweetspot search --resume {}",
+                    output::path_word(path)
+                ));
                 return Err(Exit::BadInput);
             }
             let path = shown(&path.to_string_lossy());

@@ -52,9 +52,7 @@ pub fn lenses(cell: &Cell) -> Vec<Lens> {
     let readings = [own.reading].into_iter().chain(Reading::ALL.into_iter().filter(|r| *r != own.reading));
     let readings: Vec<Reading> = readings.collect();
     let all = models.flat_map(|model| readings.iter().map(move |&reading| Lens { model, reading, quantity }));
-    let answers = |lens: &Lens| {
-        cell.faults_of(&lens.interpretation(cell)).is_empty()
-    };
+    let answers = |lens: &Lens| cell.faults_of(&lens.interpretation(cell)).is_empty();
     let mut lenses = vec![own];
     let is_other = |lens: &Lens| (lens.reading, lens.model) != (own.reading, own.model);
     lenses.extend(all.filter(is_other).filter(answers));

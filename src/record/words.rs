@@ -15,13 +15,13 @@ pub fn value_word(cell: &Cell) -> &'static str {
 /// Every word that [`value_word`] can return.
 pub const VALUE_WORDS: [&str; 7] = ["error", "worst case", "share of failures", "rms", "mean", "p95", "p99"];
 
-/// Returns the caveats of how the errors are read; empty if there are none.
+/// Returns what a user must know about how the errors are read.
 pub fn caveats(cell: &Cell) -> Vec<String> {
     let mut said = Vec::new();
     let signed = matches!(cell.error_set(), ErrorSet::Signed(_));
     if signed && cell.reading != Reading::Signed {
         said.push(format!(
-            "{} is a signed sample: its magnitudes are read as plus-or-minus ({} sigma of a normal)",
+            "{} is a signed sample: its magnitudes are read as plus-or-minus tolerances ({} sigma of a normal distribution)",
             cell.error_set().name(),
             Spread::SIGMAS
         ));

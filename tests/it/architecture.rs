@@ -1,14 +1,14 @@
-//! The house rules of src, read from its text. They say what is absent, which no other test sees.
+//! Holds the house rules of src, read from its text. A rule states what is absent, which no other test sees.
 //!
-//! Comments and texts are no code: they are left out before looking.
+//! Comments and strings are blanked before looking.
 
 pub mod sources;
 
 use sources::{File, paths_from, sources, uses_crate, with_words};
 use std::collections::BTreeSet;
 
-/// The modules in the order in which data flows: each uses only those before it.
-const ORDER: [&str; 20] = [
+/// Modules in the order in which data flows: each uses only those before it.
+const ORDER: [&str; 21] = [
     "units",
     "geometry",
     "pose",
@@ -32,7 +32,7 @@ const ORDER: [&str; 20] = [
     "cli",
 ];
 
-/// The library is compiled once, for the program and its tests alike.
+/// The library is compiled once, for the program and for its tests.
 #[test]
 fn src_holds_no_tests() {
     let holds = |f: &&File| ["cfg(test)", "cfg!(test)", "#[test]"].iter().any(|word| f.text.contains(word));
@@ -152,7 +152,7 @@ fn src_has_no_unsafe_code() {
     assert!(manifest.contains("unsafe_code = \"forbid\""));
 }
 
-/// The core is total: a value or a reason, never a panic.
+/// The core is total: it returns a value or a reason and never panics.
 #[test]
 fn nothing_panics_on_purpose() {
     let words = [
@@ -174,10 +174,10 @@ fn nothing_panics_on_purpose() {
     assert!(hard.is_empty(), "{hard:#?}");
 }
 
-/// Only units.rs knows how many millimetres a metre has.
+/// units.rs alone knows how many millimetres a metre has.
 ///
-/// Allowed exception: `files/mesh/mod.rs`, where a mesh file names one of several units and a table gives
-/// the metres in each.
+/// One exception is allowed: `files/mesh/mod.rs`, where a mesh file names one of several units and a table
+/// gives the metres in each.
 #[test]
 fn only_units_rs_converts_units() {
     let words = ["to_radians", "to_degrees", "180.0", "0.001", "57.29", "0.01745"];
@@ -201,8 +201,8 @@ fn only_units_rs_converts_units() {
     assert!(["to_radians", "to_degrees", "/ 1000.0", "* 1000.0"].iter().all(|w| units.code.contains(w)));
 }
 
-/// Chance comes from the seed and time from nowhere: no generator that seeds itself, no map in an
-/// order of its own that is walked.
+/// Randomness comes from the seed alone: no generator seeds itself, and no map is walked in an order of its
+/// own.
 #[test]
 fn nothing_depends_on_an_unseeded_random_source() {
     let found =

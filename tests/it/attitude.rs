@@ -1,4 +1,4 @@
-//! How the tool is held: elevation, azimuth, spin and tolerance, seen in the postures that come out.
+//! Tests how the tool is held: elevation, azimuth, spin and tolerance, seen in the resulting postures.
 
 use crate::common::{from_text, robots};
 use nalgebra::Vector3;
@@ -13,8 +13,8 @@ fn robot(stem: &str) -> Robot {
     robots().into_iter().find(|(name, _)| name == stem).unwrap().1
 }
 
-/// Elevation, azimuth and spin of a tool by its axis and its reference axis (TCP z and x here): the
-/// spin is measured from the upright direction, by spherical trigonometry and not by frames.
+/// Returns elevation, azimuth and spin of a tool from its axis and its reference axis (TCP z and x here). The
+/// spin is measured from the upright direction by spherical trigonometry, without frames.
 fn angles(d: &Vector3<f64>, r: &Vector3<f64>) -> (f64, f64, f64) {
     let elevation = d.z.clamp(-1.0, 1.0).asin();
     let azimuth = d.y.atan2(d.x);
@@ -23,7 +23,7 @@ fn angles(d: &Vector3<f64>, r: &Vector3<f64>) -> (f64, f64, f64) {
     (elevation, azimuth, r.dot(&level).atan2(r.z / elevation.cos()))
 }
 
-/// Every usable posture at some targets round the arm; the tool axis and reference axis of each.
+/// Returns the tool axis and reference axis of every usable posture at some targets round the arm.
 fn held(robot: &Robot, attitude: &Attitude, yaw: f64) -> Vec<(Vector3<f64>, Vector3<f64>, Vector3<f64>)> {
     let chain = Chain::new(robot);
     let inverse = Inverse::new(&chain);
@@ -119,8 +119,8 @@ fn an_orientation_beyond_the_arm_is_refused_with_the_reason() {
     assert_eq!(told("ur10", Attitude { azimuth: Azimuth::Surface(0.1), ..spun }), None);
 }
 
-/// The arm of the paper heads where its base turns: with an azimuth asked for, nodes beside it miss the
-/// attitude by the angle that is left.
+/// The arm of the paper points where its base turns. With a requested azimuth, nodes beside it miss the
+/// orientation by the remaining angle.
 #[test]
 fn an_arm_that_cannot_turn_its_tool_reports_the_missing_azimuth_angle() {
     let cell = "from = \"hitachi_paper.toml\"\n[operation.map]\nbend_deg = -45\nazimuth_deg = 90\ntolerance_deg = 10\n";

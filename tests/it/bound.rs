@@ -1,9 +1,9 @@
-//! The bound that no layout of hitachi_cell can beat: both operations choose their spot alone,
-//! anywhere the height of their surface allows.
+//! Tests the bound that no layout of hitachi_cell can beat: both operations choose their spot alone, anywhere
+//! at an allowed height of their surface.
 //!
-//! Errors behind the waist turn with it, so with the tool down the xy error is a function of branch,
-//! radius and height. Its least value over radius and height, added for both surfaces, bounds the
-//! objective from below.
+//! Errors behind the waist turn with it, so with the tool down the xy error is a function of branch, radius
+//! and height. The least value over radius and height, added for both surfaces, bounds the objective from
+//! below.
 
 use crate::common::shipped;
 use nalgebra::Vector3;
@@ -13,8 +13,8 @@ use sweetspot::kinematic_error::{Perturbation, position_error};
 use sweetspot::reach::Inverse;
 use sweetspot::robot::Chain;
 
-/// The least xy error (mm) of any branch with the tool down, TCP at a radius and height (mm), waist
-/// straight ahead.
+/// Least xy error (mm) of any branch with the tool down, for the TCP at a radius and height (mm) straight
+/// ahead.
 struct Errors {
     chain: Chain,
     errors: Perturbation,
@@ -33,7 +33,8 @@ impl Errors {
         least
     }
 
-    /// Scan, then finer and finer grids round the best: least error over radius and height.
+    /// Returns the least error over radius and height by a scan and then finer and finer grids round the best
+    /// point.
     fn least(&self, low: f64, high: f64) -> f64 {
         let heights = (0..=((high - low) / 2.0) as usize).map(|k| low + 2.0 * k as f64);
         let points = heights.flat_map(|h| (0..1900).map(move |r| (f64::from(r), h)));

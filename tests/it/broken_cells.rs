@@ -1,16 +1,16 @@
-//! Broken cell files: every fault is located and says what to do, and nothing makes the reader panic.
+//! Tests broken cell files: every fault is located and says what to do, and nothing makes the reader panic.
 //!
-//! Each file in tests/broken starts with what must be said about it, all of it:
-//! `#! FILE:LINE:COLUMN: error: MESSAGE` and `#!   help: HELP`.
+//! Each file in tests/broken begins with every message that must be reported for it: `#! FILE:LINE:COLUMN:
+//! error: MESSAGE` and `#!   help: HELP`.
 
-use crate::common::{load_from, root};
+use crate::common::{cases, load_from, root};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
 use sweetspot::files;
 use sweetspot::files::{Fault, Loaded};
 
-/// The first line and the help of a fault as it is shown.
+/// Returns the first line and the help of a printed fault.
 fn told(fault: &Fault) -> Vec<String> {
     let shown = fault.to_string();
     let lines = shown.lines().map(str::to_string);
@@ -18,7 +18,7 @@ fn told(fault: &Fault) -> Vec<String> {
     lines.enumerate().filter(is_help).map(|(_, line)| line).collect()
 }
 
-/// Names and texts of tests/broken/*.toml.
+/// Returns names and texts of tests/broken/*.toml.
 fn broken_files() -> Vec<(String, String)> {
     let entries = std::fs::read_dir(root().join("tests/broken")).unwrap();
     let paths = entries.map(|e| e.unwrap().path()).filter(|p| p.extension().is_some_and(|e| e == "toml"));
@@ -55,7 +55,7 @@ fn every_broken_file_gets_its_expected_messages() {
     }
 }
 
-/// A cell of files in memory, with the shipped ones beside them.
+/// Loads a cell from files in memory, with the shipped files beside them.
 fn load_parts(files: &BTreeMap<String, String>, path: &str) -> Result<Loaded, Vec<Fault>> {
     let cells = root().join("cells");
     files::load(path, &mut |path: &str| match files.get(path) {
@@ -68,7 +68,7 @@ fn load_text(text: &str) -> Result<Loaded, Vec<Fault>> {
     load_parts(&BTreeMap::from([("cell.toml".to_string(), text.to_string())]), "cell.toml")
 }
 
-/// An error is there, and every fault can be shown and lies in its file.
+/// Checks that a refusal has an error and that every fault can be shown and lies in its file.
 fn check(result: Result<Loaded, Vec<Fault>>, files: &BTreeMap<String, String>, what: &str) {
     let (faults, refused) = match result {
         Ok(loaded) => (loaded.warnings, false),
@@ -86,7 +86,7 @@ fn check(result: Result<Loaded, Vec<Fault>>, files: &BTreeMap<String, String>, w
     }
 }
 
-/// The one error of a text.
+/// Returns the one error of a text.
 fn only_error(text: &str) -> String {
     let faults = load_text(text).unwrap_err();
     assert_eq!(faults.len(), 1, "{faults:#?}");
@@ -201,7 +201,7 @@ f 1 2 6 5\nf 3 7 8 4
 f -8 -4 -2 -6\nf 2 4 8\nf 2 8 6
 ";
 
-/// One small change of a text.
+/// Returns a text with one small change.
 fn mutated(text: &str, rng: &mut ChaCha8Rng) -> String {
     let mut bytes = text.as_bytes().to_vec();
     let mut lines: Vec<_> = text.split_inclusive('\n').collect();
@@ -221,7 +221,7 @@ fn mutated(text: &str, rng: &mut ChaCha8Rng) -> String {
     if bytes != text.as_bytes() { String::from_utf8_lossy(&bytes).into() } else { lines.concat() }
 }
 
-/// A number replaced by something else.
+/// Returns a text with one number replaced.
 fn with_other_number(text: &str, rng: &mut ChaCha8Rng) -> String {
     let part_of = |c: char| c.is_ascii_digit() || c == '.' || c == '-';
     let starts: Vec<_> = text.match_indices(|c: char| c.is_ascii_digit()).map(|(i, _)| i).collect();
@@ -257,7 +257,7 @@ fn mutated_files_never_panic() {
     check(load_parts(&shipped, "hitachi_cell.toml"), &shipped, "the shipped cell");
     let mut rng = ChaCha8Rng::seed_from_u64(1998);
     for (path, cell) in files {
-        for i in 0..2000 {
+        for i in 0..cases(300, 2000) {
             let mut text = shipped[path].clone();
             for _ in 0..rng.random_range(1..=3) {
                 text = mutated(&text, &mut rng);

@@ -1,8 +1,8 @@
-//! Two real calibrations: arms as built against their nominal rows, by figures computed before.
+//! Tests two real calibrations: arms as built against their nominal rows, with values computed before.
 //!
-//! Their errors are far from small: metres that nearly cancel, which only the nonlinear model bears.
+//! Their errors are far from small: metres that nearly cancel, which only the nonlinear model can handle.
 
-use crate::common::ur::Arm;
+use crate::common::ur::CalibratedArm;
 use crate::kinematics::product::{no_errors, position, rotation, tcp};
 use nalgebra::Rotation3;
 use rand::{Rng, SeedableRng};
@@ -19,8 +19,8 @@ fn posture(rng: &mut ChaCha8Rng) -> JointVector {
     std::array::from_fn(|i| if i < 6 { rng.random_range(-PI..=PI) } else { 0.0 })
 }
 
-/// The same joint vectors for every test: nonlinear and linear error of the flange at each.
-fn errors(arm: &Arm) -> Vec<(JointVector, Displacement, Displacement)> {
+/// Returns the nonlinear and the linear error of the flange at fixed joint vectors, the same in every test.
+fn errors(arm: &CalibratedArm) -> Vec<(JointVector, Displacement, Displacement)> {
     let chain = Chain::new(&arm.robot);
     let factory = Perturbation::new(&chain, &arm.factory);
     let mut rng = ChaCha8Rng::seed_from_u64(2024);
@@ -35,7 +35,7 @@ fn errors(arm: &Arm) -> Vec<(JointVector, Displacement, Displacement)> {
 
 #[test]
 fn the_nominal_flange_is_where_the_controller_reports_it() {
-    let arm = Arm::new("ur10");
+    let arm = CalibratedArm::new("ur10");
     let chain = Chain::new(&arm.robot);
     for (q, p) in &arm.golden {
         let q = std::array::from_fn(|i| q.get(i).copied().unwrap_or(0.0));
@@ -45,11 +45,11 @@ fn the_nominal_flange_is_where_the_controller_reports_it() {
     assert_eq!(arm.golden.len(), 2);
 }
 
-/// 303 m and -310 m on the way to 2 mm: 1e-12 m is the rounding of the product itself.
+/// The parts are 303 m and -310 m for an error of 2 mm, so the product itself rounds to 1e-12 m.
 #[test]
 fn the_pose_error_is_the_difference_of_two_products() {
     for name in ["ur10", "ur10e"] {
-        let arm = Arm::new(name);
+        let arm = CalibratedArm::new(name);
         for (q, error, _) in errors(&arm).iter().take(2_000) {
             let nominal = tcp(&arm.robot, q, &no_errors(6), 0.0);
             let built = tcp(&arm.robot, q, &arm.factory, 1.0);
@@ -68,7 +68,7 @@ fn assert_within(got: f64, want: f64, share: f64, what: &str) {
 #[test]
 fn errors_of_both_calibrated_arms_match_the_recorded_values() {
     for name in ["ur10", "ur10e"] {
-        let arm = Arm::new(name);
+        let arm = CalibratedArm::new(name);
         let errors = errors(&arm);
         let mean = |of: &dyn Fn(&(JointVector, Displacement, Displacement)) -> f64| {
             errors.iter().map(of).sum::<f64>() / POSES as f64
@@ -89,11 +89,11 @@ fn errors_of_both_calibrated_arms_match_the_recorded_values() {
     }
 }
 
-/// What tells a user that the linear model must not be read.
+/// The guard tells a user not to trust the linear model.
 #[test]
 fn the_guard_rejects_the_linear_model_at_nearly_every_pose() {
     for (name, least) in [("ur10", 0.999), ("ur10e", 0.9999)] {
-        let errors = errors(&Arm::new(name));
+        let errors = errors(&CalibratedArm::new(name));
         let fires = |(_, nonlinear, linear): &&(JointVector, Displacement, Displacement)| {
             deviation(&nonlinear.position, &linear.position) > 0.01
         };
@@ -103,7 +103,7 @@ fn the_guard_rejects_the_linear_model_at_nearly_every_pose() {
     }
 }
 
-/// The robot file of an arm.
+/// Loads the robot file of an arm.
 fn shipped(name: &str) -> Robot {
     let text = format!(
         r#"
@@ -127,7 +127,7 @@ fn shipped(name: &str) -> Robot {
 #[test]
 fn shipped_arms_have_the_rows_and_errors_of_the_calibration_file() {
     for name in ["ur10", "ur10e"] {
-        let (robot, arm) = (shipped(name), Arm::new(name));
+        let (robot, arm) = (shipped(name), CalibratedArm::new(name));
         let near = |a: f64, b: f64, what: &str| {
             assert!((a - b).abs() <= 1e-12 * b.abs().max(1.0), "{name}, {what}: {a} instead of {b}");
         };

@@ -1,4 +1,4 @@
-//! Good cell files: what they say in mm and degrees is what the cell holds in SI.
+//! Tests good cell files: the cell holds in SI units what the file gives in mm and degrees.
 #![allow(clippy::needless_range_loop, clippy::excessive_precision)]
 
 use crate::common::{from_text, root, shipped, signed};
@@ -15,7 +15,7 @@ fn every_key() -> Cell {
     loaded.cell
 }
 
-/// The cell of the paper's robot with lines of its own.
+/// Loads the cell of the paper's robot with additional lines.
 fn with(lines: &str) -> Cell {
     from_text(&format!("from = \"hitachi_cell.toml\"\n{lines}")).unwrap_or_else(|f| panic!("{f:#?}")).cell
 }
@@ -365,7 +365,7 @@ fn table_3_of_the_paper_is_read_as_a_tolerance_set() {
     assert_eq!(tolerance.spreads, magnitudes);
 }
 
-/// The published m and rad, written in mm and degrees in the robot files; their huge offsets are no fault.
+/// The robot files hold the published m and rad in mm and degrees. Huge offsets that cancel are no fault.
 #[test]
 fn the_calibrated_arms_have_signed_error_sets() {
     for (file, first_theta, second_d, reach) in [

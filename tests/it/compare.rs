@@ -1,4 +1,4 @@
-//! Layouts compared node by node, and in words.
+//! Tests layouts compared node by node, and in words.
 
 use crate::common::workcell;
 use sweetspot::assess::{Assessment, Comparison};

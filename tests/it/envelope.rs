@@ -1,4 +1,4 @@
-//! The working envelope against geometry, against the inverse kinematics and against counting.
+//! Tests the working envelope against geometry, the inverse kinematics and Monte Carlo.
 
 use crate::common::{root, shipped};
 use nalgebra::{Vector3, vector};
@@ -14,7 +14,7 @@ use sweetspot::{cell, files};
 
 const DOWN: f64 = -FRAC_PI_2;
 
-/// A row of a D-H table: kind, offset, r, l, alpha, limits (mm, degrees).
+/// Row of a D-H table: kind, offset, r, l, alpha, limits (mm, degrees).
 type Row = (&'static str, f64, f64, f64, f64, [f64; 2]);
 
 fn robot(rows: &[Row], axis: [f64; 3]) -> Robot {
@@ -49,7 +49,7 @@ fn text_of(rows: &[Row], axis: [f64; 3]) -> String {
 const WHOLE: [f64; 2] = [-180.0, 180.0];
 const TURN: &str = "revolute";
 
-/// Links of 600, 400 and 200 mm on a post of 700 mm, the tool along the last.
+/// Returns an arm with links of 600, 400 and 200 mm on a post of 700 mm and the tool along the last link.
 fn planar(first: [f64; 2]) -> Robot {
     let rows = [
         (TURN, 0.0, 700.0, 0.0, 90.0, first),
@@ -60,7 +60,7 @@ fn planar(first: [f64; 2]) -> Robot {
     robot(&rows, [1.0, 0.0, 0.0])
 }
 
-/// Links of 400 and 300 mm, the slide up to 200 mm down, the tool pointing down.
+/// Returns a SCARA with links of 400 and 300 mm, a slide up to 200 mm down, and the tool pointing down.
 fn scara(first: [f64; 2], second: [f64; 2]) -> Robot {
     let rows = [
         (TURN, 0.0, 800.0, 400.0, 0.0, first),
@@ -71,7 +71,7 @@ fn scara(first: [f64; 2], second: [f64; 2]) -> Robot {
     robot(&rows, [0.0, 0.0, 1.0])
 }
 
-/// The SCARA on a track of 1 000 mm along y, its post 800 mm high; modified rows.
+/// Returns the SCARA on a track of 1 000 mm along y with its post 800 mm high, in modified rows.
 fn on_track() -> Robot {
     let rows = [
         ("prismatic", 0.0, 0.0, 0.0, -90.0, [-500.0, 500.0]),
@@ -95,7 +95,7 @@ fn near(a: f64, b: f64, share: f64) -> bool {
     (a - b).abs() <= share * b.abs()
 }
 
-/// Shoelace formula, even-odd: what a point of the region would say of itself.
+/// Says whether a region holds a point, by the even-odd rule.
 fn holds(region: &Region, p: [f64; 2]) -> bool {
     let mut inside = false;
     for outline in &region.outlines {
@@ -109,7 +109,7 @@ fn holds(region: &Region, p: [f64; 2]) -> bool {
     inside
 }
 
-/// Round the shoulder, 200 mm lower for the tool that hangs down, from 200 to 1 000 mm.
+/// The annulus lies round the shoulder, 200 mm lower for the hanging tool, from 200 to 1 000 mm.
 #[test]
 fn the_envelope_of_a_planar_arm_is_its_annulus() {
     let arm = inverse(&planar(WHOLE));
@@ -137,7 +137,7 @@ fn the_envelope_of_a_planar_arm_is_its_annulus() {
     assert!((extent.widest - 0.5).abs() <= extent.within);
 }
 
-/// The tool at 30 degrees, outward or inward: the union of two discs less that of their holes.
+/// The tool at 30 degrees points outward or inward: the envelope is the union of two annuli.
 #[test]
 fn a_slanted_tool_has_two_annular_envelopes() {
     let arm = inverse(&planar(WHOLE));
@@ -155,8 +155,8 @@ fn a_slanted_tool_has_two_annular_envelopes() {
     }
 }
 
-/// Joint 1 within +-90 degrees of x: an arm of whole turns leans back, so that all of the circle is
-/// reached; one that only reaches forward leaves a wedge.
+/// Joint 1 keeps within +-90 degrees of x. An arm of whole turns leans back and reaches the whole circle; one
+/// that only reaches forward leaves a wedge.
 #[test]
 fn the_limits_of_joint_1_cut_a_wedge_from_the_envelope() {
     let mut robot = planar([-60.0, 75.0]);
@@ -179,9 +179,8 @@ fn the_limits_of_joint_1_cut_a_wedge_from_the_envelope() {
     assert!(symmetric && (volume - stacked).abs() < error + 2e-3 * stacked, "{volume} {error} {stacked}");
 }
 
-/// Where both elbows are allowed the area is that of the ring; with joint 2 on one side only and
-/// joint 1 within a range of width w, the ring between the radii of both ends of joint 2 has w / 2
-/// (R^2 - r^2): the arm sweeps it as a rigid shape.
+/// With both elbows the area is that of the annulus. With joint 2 on one side only and joint 1 in a range of
+/// width w, the arm sweeps w / 2 (R^2 - r^2) as a rigid shape, between the radii of both ends of joint 2.
 #[test]
 fn the_envelope_of_a_scara_has_its_area() {
     let (l1, l2) = (0.4_f64, 0.3_f64);
@@ -211,7 +210,7 @@ fn the_envelope_of_a_scara_has_its_area() {
     assert!(got.iter().zip(want).all(|(a, b)| (a - b).abs() < extent.within), "{extent:?} {want:?}");
 }
 
-/// Just inside every crossing a branch keeps all limits, just outside none does.
+/// Just inside every crossing a branch keeps all limits, and just outside none does.
 #[test]
 fn every_boundary_crossing_of_the_hitachi_is_real() {
     for name in ["hitachi_paper.toml", "hitachi_paper_parallelogram.toml"] {
@@ -253,7 +252,7 @@ fn every_boundary_crossing_of_the_hitachi_is_real() {
     }
 }
 
-/// Seeded random points in a box, counted.
+/// Counts seeded random points of a box that lie in the envelope.
 fn monte_carlo(envelope: &Envelope<'_>, low: [f64; 3], high: [f64; 3], n: u32) -> (f64, f64) {
     let mut rng = ChaCha8Rng::seed_from_u64(7);
     let hits = (0..n).filter(|_| {
@@ -283,7 +282,8 @@ fn the_envelope_volume_agrees_with_monte_carlo() {
     }
 }
 
-/// The disc of the SCARA (radius 700 mm) drawn 1 m along y; the hole round its post is passed over.
+/// The envelope is the disc of the SCARA (radius 700 mm) swept 1 m along y. The sweep fills the hole round
+/// its post.
 #[test]
 fn a_track_lengthens_the_envelope() {
     let arm = inverse(&on_track());
@@ -305,7 +305,7 @@ fn a_track_lengthens_the_envelope() {
     assert!((extent.radius.1 - 1.2).abs() < extent.within, "{extent:?}");
 }
 
-/// Whatever a posture inside the limits reaches lies in the shell.
+/// Every TCP that a posture inside the limits reaches lies in the shell.
 #[test]
 fn the_reach_shell_contains_every_tcp() {
     let data = |name: &str| {
@@ -351,7 +351,7 @@ fn the_reach_shell_contains_every_tcp() {
     assert!(tightest[0].1 < 0.35, "{tightest:?}");
 }
 
-/// What lies outside says so, and how far at least.
+/// The shell gives a lower bound of the distance to a target outside.
 #[test]
 fn the_reach_shell_gives_the_distance_outside() {
     let arm = inverse(&planar(WHOLE));
@@ -363,8 +363,8 @@ fn the_reach_shell_gives_the_distance_outside() {
     assert_eq!(shell.gap((0.0, 3.0)), 0.0);
 }
 
-/// One operation on the worktable of the shipped cell, by the SCARA: a dear arm, whose unreachable
-/// layouts are seen before the node loop.
+/// Returns the worktable operation of the shipped cell with a SCARA, an expensive arm whose unreachable
+/// layouts are found before the node loop.
 fn scara_cell() -> Cell {
     let mut cell = shipped("hitachi_cell.toml");
     cell.robot = scara([-100.0, 100.0], [20.0, 140.0]);
@@ -373,8 +373,8 @@ fn scara_cell() -> Cell {
     cell
 }
 
-/// The map walks every node of every layout: nothing that it finds was discarded, and what is found is
-/// the same to the last bit.
+/// The map visits every node of every layout: nothing that it finds was discarded, and all values are equal
+/// to the bit.
 #[test]
 fn the_reach_shell_changes_no_objective() {
     let workcell = Workcell::new(scara_cell()).unwrap();
@@ -406,7 +406,8 @@ fn the_reach_shell_changes_no_objective() {
     assert!(found > 50 && lost > 50, "{found} found, {lost} discarded");
 }
 
-/// Farther away costs more, across the edge of the shell, too: the search feels its way back.
+/// A target farther away costs more, also across the edge of the shell, so that the search finds its way
+/// back.
 #[test]
 fn the_penalty_grows_with_the_distance() {
     let workcell = Workcell::new(scara_cell()).unwrap();

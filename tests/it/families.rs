@@ -1,5 +1,5 @@
-//! One shipped cell for each kinematic family: its map has usable nodes, its search finds a layout that
-//! is no worse than the one drawn, and what it reports is what `evaluate` says.
+//! Tests one shipped cell per kinematic family: its map has usable nodes, its search finds a layout no worse
+//! than the start, and `evaluate` confirms the result.
 
 use crate::common::shipped;
 use std::sync::atomic::AtomicBool;
@@ -8,7 +8,7 @@ use sweetspot::error_map::{NodeSign, Status};
 use sweetspot::layout::{Workcell, evaluate};
 use sweetspot::search::{Watch, search};
 
-/// Cells and how their arms are solved.
+/// Cells, and the method that solves their arms.
 const FAMILIES: [(&str, &str); 9] = [
     ("hitachi", "base yaw and three parallel axes (closed form)"),
     ("palletizer", "base yaw, three parallel axes, roll (closed form)"),
@@ -55,7 +55,7 @@ fn every_robot_family_is_mapped_and_searched() {
     }
 }
 
-/// A six-axis cell stands beside a mesh of about 10 000 triangles, and the arm can hit it.
+/// A six-axis cell stands beside a mesh of about 10 000 triangles, which the arm can hit.
 #[test]
 fn a_six_axis_cell_beside_ten_thousand_triangles_is_searched() {
     let mut cell = shipped("wrist_cell.toml");

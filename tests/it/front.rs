@@ -1,5 +1,5 @@
-//! More than one goal: the measures against independent ones, the front and the shortlist against whole
-//! enumerations, checkpoints of both.
+//! Tests searches with several goals: goals against independent measures, front and shortlist against
+//! enumeration, and checkpoints of both.
 
 use crate::common::{from_text, shipped};
 use std::sync::Mutex;
@@ -11,7 +11,8 @@ use sweetspot::search::{
     Checkpoint, Job, Moment, REALLY_DIFFERENT, SearchRecord, Space, Stopping, Unfit, Watch, search_job,
 };
 
-/// The paper's arm, two tables, a post; every free coordinate is a list of values.
+/// Returns a cell of the paper's arm, two tables and a post, in which every free coordinate is a list of
+/// values.
 fn listed_cell(work: &str, more: &str) -> Cell {
     let text = format!(
         "schema = \"sweetspot/cell/1\"\nunits = {{ length = \"mm\", angle = \"deg\" }}\nerrors = \"table-2\"\n\
@@ -33,7 +34,7 @@ fn listed_cell(work: &str, more: &str) -> Cell {
 const LISTS: &str = "x_mm = [0, -100, 100, 200, 300], y_mm = [1000, 700, 800, 900, 1100], z_mm = [600, 500], \
                      yaw_deg = [0, 30, 60]";
 
-/// Every layout of a cell whose free coordinates are lists.
+/// Returns every layout of a cell whose free coordinates are lists.
 fn every_layout(cell: &Cell) -> Vec<Layout> {
     let free = cell.free();
     let lists: Vec<&Vec<f64>> = free
@@ -80,7 +81,7 @@ fn run(
     (record, kept.into_inner().unwrap().1)
 }
 
-/// What is made small of every feasible layout.
+/// Returns the losses of every feasible layout, one per goal.
 fn enumerated(workcell: &Workcell, goals: &Goals) -> Vec<(Layout, Vec<f64>)> {
     let of = |layout: Layout| {
         let values = workcell.goals(&layout, &evaluate(workcell, &layout), goals)?;
@@ -100,8 +101,8 @@ fn dominates(a: &[f64], b: &[f64]) -> bool {
     a.iter().zip(b).all(|(a, b)| a <= b) && a != b
 }
 
-/// The volume between points and a corner that is worse than all of them, by cells of the grid that their
-/// coordinates make.
+/// Returns the hypervolume between points and a corner worse than all of them, summed over the grid cells
+/// that their coordinates make.
 fn hypervolume(points: &[Vec<f64>], worst: &[f64]) -> f64 {
     let axes: Vec<Vec<f64>> = (0..worst.len())
         .map(|k| {
@@ -128,7 +129,7 @@ fn hypervolume(points: &[Vec<f64>], worst: &[f64]) -> f64 {
     volume
 }
 
-/// Losses as shares of what the enumeration spans.
+/// Scales losses to the range of the enumeration.
 fn scaled(all: &[Vec<f64>]) -> impl Fn(&Vec<f64>) -> Vec<f64> {
     let least: Vec<f64> =
         (0..all[0].len()).map(|k| all.iter().map(|a| a[k]).fold(f64::INFINITY, f64::min)).collect();
@@ -186,7 +187,7 @@ fn the_front_agrees_with_enumeration() {
     }
 }
 
-/// With a budget that does not reach every layout, the front still covers nearly all.
+/// A budget too small for every layout still covers nearly all of the front.
 #[test]
 fn a_small_budget_covers_most_of_the_front() {
     let workcell = Workcell::new(listed_cell(LISTS, "")).unwrap();
@@ -210,8 +211,8 @@ fn a_small_budget_covers_most_of_the_front() {
     }
 }
 
-/// Distances of listed values count as shares of their number, all more than a twentieth here: any other
-/// layout really differs.
+/// Distances of listed values count as shares of their number, here all above a twentieth: every other layout
+/// differs enough.
 #[test]
 fn the_shortlist_agrees_with_enumeration() {
     let workcell = Workcell::new(listed_cell(LISTS, "")).unwrap();
@@ -230,8 +231,8 @@ fn the_shortlist_agrees_with_enumeration() {
     }
 }
 
-/// Of ranges: every layout of the shortlist differs from the others by more than it says, they come best
-/// first, and none is worse than the enumeration of a grid by the same greedy rule.
+/// Every layout of a shortlist over ranges differs from the others by more than the stated distance. They
+/// come best first, and none is worse than the greedy choice from an enumerated grid.
 #[test]
 fn a_shortlist_of_ranges_differs_by_the_least_distance() {
     let workcell = Workcell::new(listed_cell(
@@ -310,7 +311,7 @@ fn every_checkpoint_of_a_front_resumes_to_the_same_bits() {
     }
 }
 
-/// Corners of the floor spaces of robot base and equipment, world plan, m.
+/// Returns the corners of the floor spaces of robot base and equipment, in the world, m.
 fn floor_corners(cell: &Cell, layout: &Layout) -> Vec<Vec<[f64; 2]>> {
     let corners = |r: &sweetspot::cell::Rectangle, at: &sweetspot::cell::Placement| {
         let (x, y) = (r.size.0 / 2.0, r.size.1 / 2.0);
@@ -328,7 +329,7 @@ fn floor_corners(cell: &Cell, layout: &Layout) -> Vec<Vec<[f64; 2]>> {
     all
 }
 
-/// Area of the convex hull: gift wrapping, then the shoelace formula.
+/// Returns the area of the convex hull by gift wrapping and the shoelace formula.
 fn hull_area(points: &[[f64; 2]]) -> f64 {
     let turn =
         |a: [f64; 2], b: [f64; 2], c: [f64; 2]| (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
@@ -400,14 +401,14 @@ fn the_travel_limit_and_error_goals_agree_with_the_maps() {
     }
 }
 
-/// Distance of a point from a box of a solid, m.
+/// Returns the distance of a point from a box, m.
 fn to_box(p: nalgebra::Vector3<f64>, pose: &sweetspot::pose::Pose, size: nalgebra::Vector3<f64>) -> f64 {
     let local = pose.rotation.transpose() * (p - pose.translation);
     (0..3).map(|k| (local[k].abs() - size[k] / 2.0).max(0.0).powi(2)).sum::<f64>().sqrt()
 }
 
-/// The robot by thousands of points along its capsules, the floor spaces by points along their edges: the
-/// nearest sample is never nearer than what is said, and hardly farther.
+/// The reference samples thousands of points along the capsules of the robot and the edges of floor spaces.
+/// The nearest sample is never nearer than the stated clearance, and hardly farther.
 #[test]
 fn the_clearance_goal_agrees_with_dense_sampling() {
     use sweetspot::cell::Shape;

@@ -1,12 +1,12 @@
-//! The nearest layout without overlaps, against brute force.
+//! Tests the nearest layout without overlaps against brute force.
 
-use crate::common::from_text;
+use crate::common::{cases, from_text};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sweetspot::cell::{Cell, Layout};
 use sweetspot::layout::{Workcell, evaluate, separated};
 
-/// A table that may go anywhere within 2 m, and a fixed block.
+/// Returns a table that may stand anywhere within 2 m, and a fixed block.
 fn block_and_table() -> Cell {
     let text = r#"
         schema = "sweetspot/cell/1"
@@ -35,7 +35,7 @@ fn overlapping(workcell: &Workcell, layout: &Layout) -> bool {
     !evaluate(workcell, layout).overlaps.is_empty()
 }
 
-/// The shortest shift out of the overlap, by walking outwards in every direction.
+/// Returns the shortest shift out of the overlap, walking outwards in every direction.
 fn brute_force(workcell: &Workcell, layout: &Layout) -> f64 {
     let free_at = |angle: f64, distance: f64| {
         let mut moved = layout.clone();
@@ -44,11 +44,11 @@ fn brute_force(workcell: &Workcell, layout: &Layout) -> f64 {
         !overlapping(workcell, &moved)
     };
     let directions = (0..720).map(|k| f64::from(k) * std::f64::consts::TAU / 720.0);
-    let shortest = directions.map(|angle| {
+    // Nothing is farther than the shortest shift of the directions before.
+    directions.fold(f64::INFINITY, |shortest, angle| {
         let distances = (0..2000).map(|k| f64::from(k) * 1e-3);
-        distances.into_iter().find(|d| free_at(angle, *d)).unwrap_or(f64::INFINITY)
-    });
-    shortest.fold(f64::INFINITY, f64::min)
+        distances.take_while(|d| *d < shortest).find(|d| free_at(angle, *d)).unwrap_or(shortest)
+    })
 }
 
 #[test]
@@ -56,7 +56,7 @@ fn separation_finds_the_nearest_layout_without_overlap() {
     let workcell = Workcell::new(block_and_table()).unwrap();
     let mut rng = ChaCha8Rng::seed_from_u64(7);
     let mut overlapped = 0;
-    while overlapped < 20 {
+    while overlapped < cases(8, 20) {
         let mut layout = workcell.cell.start();
         layout.placements[0].x = rng.random_range(-0.6..0.6);
         layout.placements[0].y = rng.random_range(-0.6..0.6);

@@ -1,5 +1,5 @@
-//! The robot library: every file in cells/robots loads, says where its numbers are from, and puts the
-//! flange where a second description of the same robot has it (tests/data/robots.py).
+//! Tests the robot library: every file in cells/robots loads, cites its source, and puts the flange where a
+//! second description of the same robot has it (tests/data/robots.py).
 
 use crate::common::{from_text, root};
 use nalgebra::{Matrix3, Vector3};
@@ -10,7 +10,7 @@ use sweetspot::clearance::{FloorPlan, Placed, Scene};
 use sweetspot::files::Loaded;
 use sweetspot::robot::Chain;
 
-/// Names of the files in a folder below cells, without `.toml`.
+/// Returns the names of the files in a folder below cells, without `.toml`.
 fn names(folder: &str) -> Vec<String> {
     let entries = std::fs::read_dir(root().join("cells").join(folder)).unwrap();
     let paths = entries.map(|e| e.unwrap().path()).filter(|p| p.extension().is_some_and(|e| e == "toml"));
@@ -20,7 +20,7 @@ fn names(folder: &str) -> Vec<String> {
     names
 }
 
-/// A robot file in the smallest cell that uses one of its error sets.
+/// Loads a robot file in the smallest cell that uses one of its error sets.
 fn load(name: &str, set: &str, more: &str) -> Loaded {
     let text = format!(
         r#"
@@ -102,7 +102,7 @@ fn flanges_agree_with_an_independent_description() {
     }
 }
 
-/// The first pose of the golden file is `home`: what the reader makes of it.
+/// The first pose of the golden file is `home` in the units of the reader.
 #[test]
 fn home_is_read_in_the_units_of_the_joints() {
     for (name, poses) in golden().as_object().unwrap() {
@@ -113,7 +113,8 @@ fn home_is_read_in_the_units_of_the_joints() {
     }
 }
 
-/// A passive joint has no home of its own; without the key an arm rests at 0, or else in the middle.
+/// A passive joint has no home of its own. Without the key an arm rests at 0, or else in the middle of its
+/// limits.
 #[test]
 fn the_default_home_is_zero_or_the_middle_of_the_limits() {
     let stanford = std::fs::read_to_string(root().join("cells/robots/stanford_arm.toml")).unwrap();
@@ -134,7 +135,7 @@ fn the_default_home_is_zero_or_the_middle_of_the_limits() {
     assert!((home[2] - middle).abs() < 1e-12 && home[0] == 0.0 && home[4] == 0.0, "{home:?}");
 }
 
-/// What is drawn at the origin of link k of modified rows is at the k-th joint origin of the URDF.
+/// A solid at the origin of link k of modified rows lies at the k-th joint origin of the URDF.
 #[test]
 fn solids_of_modified_dh_rows_are_in_the_frames_of_the_file() {
     let ball = |k| {
@@ -158,7 +159,7 @@ fn solids_of_modified_dh_rows_are_in_the_frames_of_the_file() {
     }
 }
 
-/// A track counts: its first axis lies, and its travel is reach.
+/// A track counts as reach: its first axis is horizontal.
 #[test]
 fn no_flange_is_farther_from_the_base_axis_than_the_reach() {
     for (name, poses) in golden().as_object().unwrap() {
@@ -171,7 +172,7 @@ fn no_flange_is_farther_from_the_base_axis_than_the_reach() {
     assert!(track >= arm + 1.0, "{track} m, and {arm} m without the metre of travel");
 }
 
-/// The cells of the kinematic families, one each.
+/// Cells of the kinematic families, one each.
 const FAMILIES: [&str; 8] =
     ["five_axis", "offset_wrist", "palletizer", "panda", "scara", "track", "ur", "wrist"];
 

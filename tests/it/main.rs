@@ -1,7 +1,8 @@
-//! Every test but those of tests/allocation.rs, which counts what its own process allocates: one program, so that
-//! the library is linked once. `cargo test --test it clearance::` runs the tests of one file or folder.
+//! Every test but those of tests/allocation.rs, which counts what its own process allocates. They are one
+//! program, so that the library is linked once. `cargo test --test it clearance::` runs the tests of one file
+//! or folder.
 //!
-//! All tests run in one process and in parallel: none may set an environment variable or the current directory,
+//! All tests run in parallel in one process. None may set an environment variable or the current directory,
 //! nor write outside a temporary folder of its own.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 

@@ -1,4 +1,5 @@
-//! Mesh files: OBJ and STL read alike, hostile ones refused with a place and little memory.
+//! Tests mesh files: OBJ and STL are read alike, and hostile files are refused with a place and little
+//! memory.
 
 use crate::common::root;
 use allocation_counter::measure;
@@ -13,7 +14,7 @@ use sweetspot::files::{Fault, Loaded};
 type V = Vector3<f64>;
 type Mesh = (Vec<[f32; 3]>, Vec<[usize; 3]>);
 
-/// A cell with the mesh file `name` beside it as an obstacle; the paths that were opened.
+/// Loads a cell with the mesh file `name` as an obstacle. Returns the paths that were opened, too.
 fn load(name: &str, units: &str, bytes: &[u8]) -> (Result<Loaded, Vec<Fault>>, BTreeSet<String>) {
     let text = format!(
         "from = \"hitachi_paper.toml\"\n[obstacle.part]\nplacement = {{ x_mm = 0, y_mm = 9000, z_mm = 0 }}\n\
@@ -31,7 +32,7 @@ fn load(name: &str, units: &str, bytes: &[u8]) -> (Result<Loaded, Vec<Fault>>, B
     (loaded, opened)
 }
 
-/// Vertices (m) and triangles as they were read, and the warnings.
+/// Returns vertices (m) and triangles as they were read, and the warnings.
 fn read(name: &str, units: &str, bytes: &[u8]) -> (Vec<V>, Vec<[u32; 3]>, bool, Vec<String>) {
     let loaded = load(name, units, bytes).0.unwrap_or_else(|f| panic!("{name}: {f:#?}"));
     let warnings = loaded.warnings.into_iter().map(|f| f.message).filter(|m| m.contains("mesh")).collect();
@@ -42,7 +43,7 @@ fn read(name: &str, units: &str, bytes: &[u8]) -> (Vec<V>, Vec<[u32; 3]>, bool, 
     }
 }
 
-/// A cube with the corners 0 and `size`, outside outwards.
+/// Returns a cube from `low` to `high`, faces outwards.
 fn cube(low: f32, high: f32) -> Mesh {
     let corner = |k: usize| [0, 1, 2].map(|i| if k >> i & 1 == 1 { high } else { low });
     let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
@@ -118,7 +119,7 @@ fn one_mesh_is_equal_in_every_file_format() {
     }
 }
 
-/// Several solids in one text are all read, none is dropped.
+/// All solids of one text are read.
 #[test]
 fn every_solid_of_a_mesh_text_is_read() {
     let two = [text_stl(&cube(0.0, 100.0)), text_stl(&cube(200.0, 300.0))].concat();
@@ -158,7 +159,7 @@ fn open_and_hollow_meshes_are_reported() {
     }
 }
 
-/// The shipped STL is the shipped OBJ at half size. To write it anew: `UPDATE=1 cargo test --test it meshes::`.
+/// The shipped STL is the shipped OBJ at half size. `UPDATE=1 cargo test --test it meshes::` writes it again.
 #[test]
 fn the_shipped_stl_is_the_shipped_obj_at_half_size() {
     let folder = root().join("cells/equipment");
@@ -176,7 +177,7 @@ fn the_shipped_stl_is_the_shipped_obj_at_half_size() {
     assert!(got.2 && got.3.is_empty() && got.1.len() == 10_000 && got.0.len() == vertices.len());
 }
 
-/// Every shipped equipment and tool loads, says its source, and stands where it is put.
+/// Every shipped equipment and tool loads, cites its source, and stands where it is put.
 #[test]
 fn the_shipped_equipment_loads() {
     let names = [
@@ -214,7 +215,7 @@ fn the_shipped_equipment_loads() {
 
 // --- hostile files ------------------------------------------------------------------------------
 
-/// Texts and bytes made to break a reader, with what must be said of each.
+/// Returns texts and bytes made to break a reader, with the message expected for each.
 fn crafted() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     let stl = binary_stl(&cube(0.0, 100.0), "");
     let with = |at: usize, bytes: &[u8]| {
@@ -286,7 +287,7 @@ fn crafted() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     ]
 }
 
-/// Small changes of sound files, most of which break them: cut off, bytes changed, pieces repeated.
+/// Returns a sound file with a small change, which mostly breaks it: cut off, bytes changed, pieces repeated.
 fn damaged(rng: &mut ChaCha8Rng) -> (&'static str, Vec<u8>) {
     let mesh = cube(0.0, 100.0);
     let kinds =
@@ -305,7 +306,7 @@ fn damaged(rng: &mut ChaCha8Rng) -> (&'static str, Vec<u8>) {
     (name, bytes)
 }
 
-/// Loads under the counter: the most memory held above `bytes`, and what was said.
+/// Loads a mesh and returns the peak memory above `bytes`, and the faults.
 fn refused(name: &str, bytes: &[u8]) -> (u64, Option<Vec<Fault>>) {
     let mut result = None;
     let used = measure(|| result = Some(load(name, "mm", bytes)));
@@ -320,7 +321,7 @@ fn refused(name: &str, bytes: &[u8]) -> (u64, Option<Vec<Fault>>) {
     (used.bytes_max, loaded.err())
 }
 
-/// Every fault has a file, a place and a help, and no secret characters.
+/// Checks that every fault has a file, a place and a help, and no hidden characters.
 fn is_told(faults: &[Fault], what: &str) {
     assert!(faults.iter().any(Fault::is_error), "{what}");
     for fault in faults {
@@ -332,7 +333,7 @@ fn is_told(faults: &[Fault], what: &str) {
     }
 }
 
-/// At most four times the file and 64 MB.
+/// Checks that reading took at most four times the file and 64 MB.
 fn is_modest(used: u64, bytes: &[u8], what: &str) {
     assert!(
         used <= 4 * bytes.len() as u64 + (64 << 20),
@@ -366,7 +367,7 @@ fn hostile_meshes_are_refused_with_a_place_and_little_memory() {
     assert!(broken >= 200, "only {broken} of the damaged files were refused");
 }
 
-/// Sound meshes of the largest size keep to it, too.
+/// Sound meshes of the largest size keep the memory limit, too.
 #[test]
 fn the_largest_meshes_need_little_memory() {
     let mut rng = ChaCha8Rng::seed_from_u64(5);

@@ -1,4 +1,4 @@
-//! Moves, lines, transfers, margins and the fence against dense sampling and closed forms.
+//! Tests moves, lines, transfers, margins and the fence against dense sampling and closed forms.
 
 use crate::common::from_text;
 use nalgebra::{Matrix3, Rotation3, Vector3};
@@ -24,7 +24,7 @@ fn load(text: &str) -> Cell {
     from_text(text).unwrap_or_else(|f| panic!("{f:#?}")).cell
 }
 
-/// A cell round a robot of the library; `more` adds tables, `head` plain keys.
+/// Returns a cell round a robot of the library; `more` adds tables, `head` plain keys.
 fn cell(robot: &str, errors: &str, head: &str, more: &str) -> Cell {
     load(&format!(
         "schema = \"sweetspot/cell/1\"\nunits = {{ length = \"mm\", angle = \"deg\" }}\nerrors = \"{errors}\"\n{head}\n\
@@ -60,13 +60,13 @@ fn links(chain: &Chain, q: &JointVector) -> Frames {
 
 // --- distances -----------------------------------------------------------------------------------
 
-/// A solid as a core (point, segment or box) in the world, with a radius round it.
-enum Round {
+/// Solid as a core (point, segment or box) in the world with a radius round it.
+enum RoundedSolid {
     Bar(V, V, f64),
     Box(Pose, V),
 }
 
-impl Round {
+impl RoundedSolid {
     fn of(shape: &Shape, frame: &Pose) -> Self {
         match shape {
             Shape::Sphere { centre, radius } => {
@@ -78,7 +78,7 @@ impl Round {
         }
     }
 
-    /// The nearest point of the core.
+    /// Returns the nearest point of the core.
     fn nearest(&self, p: &V) -> V {
         match self {
             Self::Bar(a, b, _) => {
@@ -97,7 +97,7 @@ impl Round {
         if let Self::Bar(.., r) = self { *r } else { 0.0 }
     }
 
-    /// Alternating projections between convex sets come as near as the sets are (Cheney and Goldstein).
+    /// Returns the distance of two convex sets by alternating projections (Cheney and Goldstein).
     fn distance(&self, other: &Self) -> f64 {
         let mut best = f64::INFINITY;
         for start in [V::zeros(), V::new(3.0, 0.0, 0.0), V::new(0.0, 0.0, 5.0)] {
@@ -154,12 +154,13 @@ fn distances_agree_with_alternating_projections() {
             else {
                 panic!()
             };
-            let body = Round::of(&cell.equipment[0].solids[0].shape, &cell.start().placements[0].pose());
+            let body =
+                RoundedSolid::of(&cell.equipment[0].solids[0].shape, &cell.start().placements[0].pose());
             for _ in 0..150 {
                 let pose = random_pose(&mut rng, V::new(0.1, 0.9, 0.7), 0.6);
                 let mut frames = [Pose::identity(); MAX_JOINTS + 1];
                 frames[4] = pose;
-                let want = Round::of(&cell.robot.solids[0].solid.shape, &pose).distance(&body);
+                let want = RoundedSolid::of(&cell.robot.solids[0].solid.shape, &pose).distance(&body);
                 let got = scene.distance(&there, &frames, Some(0), 10.0);
                 let off = got.distance - want;
                 // The reference comes from above, and slowly where faces are nearly parallel.
@@ -320,7 +321,8 @@ fn a_line_that_leaves_the_reach_is_refused() {
 
 // --- measures ------------------------------------------------------------------------------------
 
-/// Jacobian by central differences, lengths in reaches; the smallest singular value from eigenvalues.
+/// Returns the smallest singular value of a Jacobian from central differences, lengths in reaches, by
+/// eigenvalues.
 fn smallest_by_differences(chain: &Chain, q: &JointVector, reach: f64) -> f64 {
     let n = chain.axes();
     let step = 1e-5;
@@ -418,7 +420,7 @@ fn a_posture_exactly_at_the_margin_is_used_and_one_beyond_it_is_not() {
 
 // --- ways ----------------------------------------------------------------------------------------
 
-/// Two tables to the left and right of the arm, and something between.
+/// Returns a cell with two tables to the left and right of the arm, and something between.
 fn two_tables(between: &str, transfer: &str) -> Cell {
     load(&format!(
         "schema = \"sweetspot/cell/1\"\nunits = {{ length = \"mm\", angle = \"deg\" }}\nerrors = \"table-2\"\n\
@@ -438,7 +440,7 @@ const POST: &str = "[obstacle.post]\nsolid = [{ name = \"post\", box = { centre_
 const WALL: &str = "[obstacle.wall]\nsolid = [{ name = \"wall\", box = { centre_mm = [0, 0, 2000], size_mm = [20, 2000, 4000] } }]\n\
      placement = { x_mm = 0, y_mm = 1300, z_mm = 0 }\n";
 
-/// No sample of a way touches anything.
+/// Says whether no sample of a path touches anything.
 fn is_free(cell: &Cell, path: &[JointVector]) -> bool {
     let (scene, chain) = (Scene::new(cell), Chain::new(&cell.robot));
     let there = placed(cell, &scene);
@@ -534,7 +536,7 @@ fn a_cycle_takes_the_nearest_turn_and_does_not_wind_up() {
 
 // --- approach and retract ------------------------------------------------------------------------
 
-/// A lid with a square hole over the table; the part at the tip is 100 mm wide.
+/// Returns a cell with a square hole in a lid over the table. The part at the tip is 100 mm wide.
 fn lidded(hole: f64, lengths: &str) -> Cell {
     let (side, at) = (400.0, hole / 2.0 + 200.0);
     let slab = |name: &str, x: f64, y: f64, sx: f64, sy: f64| {
@@ -623,7 +625,7 @@ fn fenced(polygon: &str, more: &str) -> Cell {
 
 const L_SHAPE: &str = "[[-1500, -900], [1700, -900], [1700, 900], [400, 900], [400, 2300], [-1500, 2300]]";
 
-/// By the winding number.
+/// Says whether a point is inside a polygon, by the winding number.
 fn inside(corners: &[(f64, f64)], (x, y): (f64, f64)) -> bool {
     let n = corners.len();
     let angle: f64 = (0..n)

@@ -1,4 +1,4 @@
-//! What moves with the robot: tools from files, held parts, link meshes, and the robot against itself.
+//! Tests what moves with the robot: tools from files, held parts, link meshes, and the robot against itself.
 
 use crate::common::{root, shipped};
 use nalgebra::Vector3;
@@ -15,7 +15,7 @@ use sweetspot::pose::Pose;
 type V = Vector3<f64>;
 type Frames = [Pose; MAX_JOINTS + 1];
 
-/// A cell of files in memory, with the shipped ones beside them.
+/// Loads a cell from files in memory, with the shipped files beside them.
 fn load(files: &[(&str, &str)]) -> Result<Cell, Vec<Fault>> {
     let files: BTreeMap<_, _> = files.iter().copied().collect();
     let loaded = files::load("cell.toml", &mut |path: &str| match files.get(path) {
@@ -43,7 +43,7 @@ fn hit(cell: &Cell, frames: &Frames, operation: Option<usize>) -> Option<String>
     hit.map(|h| h.in_words(cell))
 }
 
-/// All frames far up and apart but the last.
+/// Returns frames far up and apart, but for the last.
 fn lifted(last: Pose) -> Frames {
     let mut frames: Frames = std::array::from_fn(|k| at(0.0, 0.0, 90.0 + 10.0 * k as f64));
     (frames[0], frames[4]) = (Pose::identity(), last);
@@ -173,7 +173,7 @@ fn wrong_lists_of_pairs_are_refused() {
     assert!(said("\"no\"").contains("must be a table"));
 }
 
-/// Solids that are drawn overlapping in every posture are allowed; one that moves away is not.
+/// Links drawn overlapping in every posture are allowed. A link that moves away is not.
 #[test]
 fn links_that_touch_in_every_posture_are_allowed() {
     let mut cell = shipped("hitachi_cell.toml");
@@ -188,7 +188,7 @@ fn links_that_touch_in_every_posture_are_allowed() {
 
 // --- link meshes --------------------------------------------------------------------------------
 
-/// An L of two bars, 400 mm long and 100 mm thick, closed; m. Corners of the outline, bottom and top.
+/// Returns a closed L of two bars, 400 mm long and 100 mm thick (m): corners of the outline, bottom and top.
 fn angle_mesh() -> (Vec<V>, Vec<[u32; 3]>) {
     let outline = [(0.0, 0.0), (0.4, 0.0), (0.4, 0.1), (0.1, 0.1), (0.1, 0.4), (0.0, 0.4)];
     let level = |z: f64| outline.map(|(x, y)| V::new(x, y, z));
@@ -203,7 +203,7 @@ fn angle_mesh() -> (Vec<V>, Vec<[u32; 3]>) {
     ([level(0.0), level(0.1)].concat(), triangles)
 }
 
-/// The cell with the angle on its last link, alone, and a ball or box that can be put anywhere.
+/// Returns a cell with the angle alone on its last link, and a ball or box that can be put anywhere.
 fn with_angle(part: &str) -> Cell {
     let text = format!(
         "from = \"hitachi_paper.toml\"\ncollision = true\nfloor_mm = -100000\n[robot]\n\
@@ -219,7 +219,7 @@ fn with_angle(part: &str) -> Cell {
 
 const POINT: &str = "sphere = { centre_mm = [0, 0, 0], radius_mm = 0.001 }";
 
-/// Whether the angle touches the probe at a point of its file.
+/// Says whether the angle touches the probe at a point of its file.
 fn touches(cell: &Cell, point: &V, remember: &mut Remember<'_>) -> bool {
     let Shape::Mesh { pose, .. } = &cell.robot.solids[0].solid.shape else { panic!("no mesh") };
     let frame = Pose::from_translation_rpy(V::new(0.2, -0.1, 0.7), V::new(0.4, -0.5, 0.6));
@@ -234,7 +234,8 @@ fn touches(cell: &Cell, point: &V, remember: &mut Remember<'_>) -> bool {
     hit.is_some()
 }
 
-/// Never smaller than the mesh, whatever division was kept; and two bars, not one lump.
+/// The collision shape is never smaller than the mesh, whatever decomposition was cached, and it has two
+/// bars.
 #[test]
 fn a_link_mesh_collides_on_its_whole_surface() {
     let cell = with_angle(POINT);
@@ -270,7 +271,7 @@ fn a_link_mesh_collides_on_its_whole_surface() {
     }
 }
 
-/// A division is asked for once for a mesh, and depends on its content alone.
+/// The decomposition of a mesh is computed once and depends on its content alone.
 #[test]
 fn the_convex_decomposition_is_cached_by_content() {
     let mut cell = with_angle(POINT);

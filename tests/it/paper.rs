@@ -1,4 +1,4 @@
-//! The seed paper's robot and its comparison of the models (section 4.3) against figures worked out
+//! Tests the seed paper's robot and its comparison of the models (section 4.3) against values computed
 //! without this crate.
 
 use crate::common::shipped;
@@ -19,7 +19,7 @@ fn the_initial_position_of_the_end_effector_matches_the_paper() {
     }
 }
 
-/// x, y, z and resultant in mm, to six decimals; some were cut, not rounded.
+/// The values are x, y, z and resultant in mm to six decimals. Some were cut, not rounded.
 #[test]
 fn the_errors_at_the_initial_position_match_the_paper() {
     let figures = [
@@ -42,7 +42,7 @@ fn the_errors_at_the_initial_position_match_the_paper() {
     }
 }
 
-/// What eq. (9) says over the nodes that the robot reaches.
+/// Discrepancy of eq. (9) over the nodes that the robot reaches.
 struct Comparison {
     reached: usize,
     /// Largest discrepancies, percent, printed to three decimals.
@@ -51,7 +51,7 @@ struct Comparison {
     z: f64,
 }
 
-/// The paper's claim of at most 1 % holds for the resultant, and for y and z; not for x, which
+/// Checks the paper's claim of at most 1 %. It holds for the resultant, y and z, but not for x, which
 /// vanishes along a line across the table.
 fn check_comparison(name: &str, want: &Comparison) {
     let cell = shipped(name);

@@ -1,4 +1,4 @@
-//! Every verdict of a scene against parry alone: all pairs, no bounds, no memory, nothing closed-form.
+//! Tests every verdict of a scene against parry alone: all pairs, without bounds, memory and closed forms.
 
 use crate::common::{data, shipped};
 use nalgebra::{Rotation3, Vector3};
@@ -14,13 +14,13 @@ use sweetspot::robot::Chain;
 
 type V = Vector3<f64>;
 
-/// What the clearance is swollen by, m: contact is a collision.
+/// Padding of the clearance, m: contact is a collision.
 const TOUCHING: f64 = 1e-7;
-/// A verdict may turn within this of contact, m: parry asked of other shapes, or in other frames.
+/// Distance from contact (m) within which verdicts may differ, since parry sees other shapes or frames.
 const NEAR: f64 = 1e-4;
 
-/// A solid for parry with its pose in the world, and a point of it; closed meshes hold what is inside.
-struct Posed {
+/// Solid for parry with its pose in the world and a point of it. Closed meshes contain their inside.
+struct PosedSolid {
     shape: SharedShape,
     pose: pm::Pose,
     point: pm::Vector,
@@ -31,16 +31,17 @@ fn vector(v: &V) -> pm::Vector {
     pm::Vector::new(v.x, v.y, v.z)
 }
 
-fn posed(shape: SharedShape, frame: &Pose, local: &Pose) -> Posed {
+fn posed(shape: SharedShape, frame: &Pose, local: &Pose) -> PosedSolid {
     let at = *frame * *local;
     let column = |i: usize| vector(&at.rotation.column(i).into_owned());
     let rotation = pm::Rotation::from_mat3(&pm::Matrix::from_cols(column(0), column(1), column(2)));
     let pose = pm::Pose::from_parts(vector(&at.translation), rotation);
-    Posed { shape, pose, point: pose.translation, closed: false }
+    PosedSolid { shape, pose, point: pose.translation, closed: false }
 }
 
-/// A shape swollen by `by`, its carrier at `frame`; legs end at the floor. None: a leg of no length.
-fn solid(shape: &Shape, frame: &Pose, by: f64, floor: f64) -> Option<Posed> {
+/// Returns a shape grown by `by` with its carrier at `frame`. Legs end at the floor. None is a leg of no
+/// length.
+fn solid(shape: &Shape, frame: &Pose, by: f64, floor: f64) -> Option<PosedSolid> {
     let cuboid = |half: V| match by > 0.0 {
         true => SharedShape::round_cuboid(half.x, half.y, half.z, by),
         false => SharedShape::cuboid(half.x, half.y, half.z),
@@ -75,18 +76,18 @@ fn solid(shape: &Shape, frame: &Pose, by: f64, floor: f64) -> Option<Posed> {
             let flags = if *closed { TriMeshFlags::ORIENTED } else { TriMeshFlags::empty() };
             let points = vertices.iter().map(vector).collect();
             let mesh = TriMesh::with_flags(points, triangles.clone(), flags).unwrap();
-            Posed { closed: *closed, ..posed(SharedShape::new(mesh), frame, pose) }
+            PosedSolid { closed: *closed, ..posed(SharedShape::new(mesh), frame, pose) }
         }
     })
 }
 
-fn touch(a: &Posed, b: &Posed) -> bool {
-    let holds = |shell: &Posed, point| shell.closed && shell.shape.contains_point(&shell.pose, point);
+fn touch(a: &PosedSolid, b: &PosedSolid) -> bool {
+    let holds = |shell: &PosedSolid, point| shell.closed && shell.shape.contains_point(&shell.pose, point);
     intersection_test(&a.pose, &*a.shape, &b.pose, &*b.shape).unwrap().intersecting || holds(b, a.point)
 }
 
-/// Whether the robot with its solids swollen by `by` touches anything but itself.
-fn brute(cell: &Cell, standing: &[Posed], frames: &[Pose; MAX_JOINTS + 1], by: f64) -> bool {
+/// Says whether the robot with its solids grown by `by` touches anything but itself.
+fn brute(cell: &Cell, standing: &[PosedSolid], frames: &[Pose; MAX_JOINTS + 1], by: f64) -> bool {
     cell.robot.solids.iter().any(|s| {
         let base = cell.start().base;
         let frame = if s.link == 0 { base.pose() } else { base.pose() * frames[s.link] };
@@ -100,7 +101,7 @@ fn random_vector(rng: &mut ChaCha8Rng, size: f64) -> V {
     V::from_fn(|_, _| rng.random_range(-size..size))
 }
 
-/// A solid of up to `size` (m) about the origin of its carrier.
+/// Returns a solid of up to `size` (m) about the origin of its carrier.
 fn random_solid(rng: &mut ChaCha8Rng, kind: usize, size: f64) -> Solid {
     let side = |rng: &mut ChaCha8Rng| rng.random_range(0.1 * size..size);
     let turn = random_vector(rng, 3.0);
@@ -116,8 +117,8 @@ fn random_solid(rng: &mut ChaCha8Rng, kind: usize, size: f64) -> Solid {
     Solid { name: "random".into(), shape }
 }
 
-/// The shipped cell (a mesh of 10 000 triangles in it) with other solids, drawn anew for each seed: the
-/// capsules of its robot or any, and on the table and the conveyor any.
+/// Returns the shipped cell (with a mesh of 10 000 triangles) with other solids for each seed: the capsules
+/// of its robot or any, and any on the table and the conveyor.
 fn random_cell(seed: u64, rng: &mut ChaCha8Rng) -> Cell {
     let mut cell = shipped("hitachi_cell.toml");
     cell.robot.self_collision.checked = false;
@@ -149,7 +150,7 @@ fn random_cells_agree_with_parry_alone() {
                 *at = Placement { x: place.x, y: place.y, z: 0.6 + place.z / 6.0, yaw: place.z };
             }
             scene.place(&layout, &mut placed);
-            let standing: Vec<Posed> = cell
+            let standing: Vec<PosedSolid> = cell
                 .equipment
                 .iter()
                 .zip(&layout.placements)
@@ -177,8 +178,8 @@ fn random_cells_agree_with_parry_alone() {
     assert!(hits > 3_000 && free > 3_000 && near < 20, "{hits} hits, {free} free, {near} near contact");
 }
 
-/// The postures of work C, with the robot turned so that its capsules pass the mesh ever so closely:
-/// bisected between a verdict and the other, where culls would go wrong first.
+/// The robot turns in the postures of peer set C until its capsules barely pass the mesh. The bisected border
+/// between verdicts is where culling would go wrong first.
 #[test]
 fn the_last_free_posture_agrees_with_parry() {
     let mut cell = shipped("hitachi_cell.toml");
@@ -186,7 +187,7 @@ fn the_last_free_posture_agrees_with_parry() {
     let (scene, mut placed, chain) = (Scene::new(&cell), Placed::default(), Chain::new(&cell.robot));
     let layout = cell.start();
     scene.place(&layout, &mut placed);
-    let standing: Vec<Posed> = cell
+    let standing: Vec<PosedSolid> = cell
         .equipment
         .iter()
         .zip(&layout.placements)

@@ -1,4 +1,4 @@
-//! Reference values made with other libraries: see tests/data/README.md.
+//! Tests reference values made with other libraries: see tests/data/README.md.
 
 use crate::common::{data, from_text, root, shipped};
 use nalgebra::Vector3;
@@ -14,7 +14,7 @@ fn joints(q: &[f64]) -> [f64; MAX_JOINTS] {
     std::array::from_fn(|i| q.get(i).copied().unwrap_or(0.0))
 }
 
-/// Work A: errors of 100 configurations by the nonlinear and the linearized model.
+/// Compares peer set A: errors of 100 configurations by the nonlinear and the linearized model.
 fn errors_agree(robot_cell: &Cell, name: &str) {
     let chain = Chain::new(&robot_cell.robot);
     let errors = Perturbation::new(&chain, crate::common::signed(robot_cell));
@@ -51,7 +51,7 @@ fn the_errors_of_peer_set_a_agree() {
     }
 }
 
-/// Work C: 4 000 configurations against the cell at one layout. The reference has no floor.
+/// Peer set C has 4 000 configurations against the cell at one layout, without a floor.
 #[test]
 fn the_collision_flags_of_peer_set_c_agree() {
     let mut cell = shipped("hitachi_cell.toml");
@@ -82,7 +82,7 @@ fn the_collision_flags_of_peer_set_c_agree() {
     }
 }
 
-/// Work D: f(x) of 2 000 layouts, put together from our evaluation by the rules of that work.
+/// Peer set D has f(x) of 2 000 layouts, computed here from our evaluation by its rules.
 #[test]
 fn the_layout_evaluations_of_peer_set_d_agree() {
     let workcell = Workcell::new(shipped("hitachi_cell.toml")).unwrap();

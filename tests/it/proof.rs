@@ -1,7 +1,7 @@
-//! The lower bound of the objective against brute force, known optima, random postures and layouts.
+//! Tests the lower bound of the objective against brute force, known optima, random postures and layouts.
 //!
-//! Brute force and postures come from the inverse kinematics and the gauge, of which the proof uses
-//! neither: it knows axes in space alone.
+//! Brute force and postures use the inverse kinematics and the gauge. The proof uses neither: it only knows
+//! axes in space.
 
 use crate::common::{root, shipped};
 use nalgebra::{Matrix3, Vector3, Vector6};
@@ -29,7 +29,7 @@ fn ready(cell: &Cell) -> Workcell {
     Workcell::new(cell.clone()).unwrap()
 }
 
-/// Brute force and search agree on it: tests/it/bound.rs.
+/// Lower bound of hitachi_cell, on which brute force and search agree: tests/it/bound.rs.
 const HITACHI_MM: f64 = 20.429670;
 
 #[test]
@@ -42,7 +42,8 @@ fn the_bound_of_hitachi_cell_closes_its_gap() {
     assert!(boxes < 1000, "{boxes}");
 }
 
-/// The least value of the first operation with the TCP at a radius and height (m) by inverse kinematics.
+/// Returns the least value of the first operation with the TCP at a radius and height (m) by inverse
+/// kinematics.
 fn at(workcell: &Workcell, radius: f64, height: f64) -> f64 {
     let operation = &workcell.cell.operations[0];
     let (inverse, gauge) = (workcell.inverse(), workcell.gauge(0));
@@ -62,7 +63,7 @@ fn at(workcell: &Workcell, radius: f64, height: f64) -> f64 {
     least
 }
 
-/// A scan over radius and height, then finer and finer grids round the best: an upper bound of the least.
+/// Returns an upper bound of the least value by a scan over radius and height, then finer and finer grids.
 fn brute(workcell: &Workcell, (low, high): (f64, f64)) -> f64 {
     let reach = workcell.cell.robot.reach();
     let heights = if high - low < 1e-5 { 1 } else { 61 };
@@ -86,7 +87,7 @@ fn brute(workcell: &Workcell, (low, high): (f64, f64)) -> f64 {
     best.0
 }
 
-/// Whether joint coordinates keep limits, height and elevation and are worth what is said.
+/// Says whether joint coordinates keep limits, height and elevation and have the stated value.
 fn is_allowed(workcell: &Workcell, region: &Region, value: f64, q: &[f64; 8]) -> bool {
     let (gauge, chain) = (workcell.gauge(0), workcell.inverse().chain());
     let frames = chain.frames(&chain.posture(q));
@@ -106,7 +107,7 @@ fn is_allowed(workcell: &Workcell, region: &Region, value: f64, q: &[f64; 8]) ->
         && (again - value).abs() < 1e-12
 }
 
-/// Arms of random lengths, offsets, errors, limits, bends, heights, senses and models.
+/// Arms have random lengths, offsets, errors, limits, bends, heights, senses and models.
 #[test]
 fn the_bound_of_random_planar_arms_agrees_with_brute_force() {
     let mut rng = ChaCha8Rng::seed_from_u64(7);
@@ -178,7 +179,7 @@ fn the_bound_of_random_planar_arms_agrees_with_brute_force() {
     assert!(reachable >= 20 && closed == reachable, "{closed} of {reachable} are closed");
 }
 
-/// Random postures that an operation could have in some layout are never below its bound.
+/// Checks that random postures which an operation could have in some layout are never below its bound.
 fn nothing_is_below(name: &str, cell: &Cell, boxes: u64, tries: usize) -> Proof {
     let workcell = ready(cell);
     let proof = proof_of(&workcell, boxes);
@@ -228,7 +229,7 @@ fn no_posture_of_a_shipped_cell_is_below_the_bound() {
     }
 }
 
-/// Every reading, model, quantity and sense that has a bound, on arms of three families.
+/// Every reading, model, quantity and sense with a bound is tried on arms of three families.
 #[test]
 fn no_random_posture_is_below_the_bound_in_any_reading() {
     let readings = [
@@ -297,7 +298,7 @@ fn random_layouts_never_beat_the_bound() {
     }
 }
 
-/// The tangent that stands for a percentile: below it everywhere, and not far below where it touches.
+/// The tangent that replaces a percentile lies below it everywhere, and close to it where it touches.
 #[test]
 fn the_tangent_bound_is_below_the_percentile() {
     let mut rng = ChaCha8Rng::seed_from_u64(5);
@@ -361,7 +362,7 @@ fn an_unreachable_operation_is_proved_infeasible() {
     );
 }
 
-/// Two joints that stand still leave one posture and its mirror images.
+/// Two joints of fixed angle leave one posture and its mirror images.
 #[test]
 fn the_bound_holds_for_joint_limits_of_no_width() {
     let mut cell = shipped("hitachi_cell.toml");
@@ -413,7 +414,7 @@ fn a_cell_without_a_bound_states_the_reason() {
     assert_eq!(share.operations[0].value, Err(WhyNot::Share));
 }
 
-/// One thread or two, the same bytes; stopped at once, what is said still holds.
+/// One thread and two give the same bytes. A stopped proof still holds.
 #[test]
 fn the_proof_does_not_depend_on_threads_and_can_be_stopped() {
     let workcell = ready(&shipped("five_axis_cell.toml"));
@@ -433,11 +434,11 @@ fn the_proof_does_not_depend_on_threads_and_can_be_stopped() {
     );
 }
 
-/// Cells that are proven and searched in a moment; those of the figures are all that there are.
+/// Cells that are proved and searched in a moment. The figures take all cells.
 const CHEAP: [&str; 3] = ["hitachi_cell", "hitachi_paper", "palletizer_cell"];
 
-/// No layout that a search finds lies below the bound, nor does the one drawn. The figures of all cells
-/// in results/proof/README.md:
+/// Neither the start layout nor any layout found by a search lies below the bound. Figures of all cells for
+/// results/proof/README.md:
 ///
 /// ```text
 /// SWEETSPOT_FIGURES=1 cargo test --test it proof::figures -- --nocapture
@@ -464,7 +465,7 @@ fn shipped_cells() -> Vec<String> {
     names
 }
 
-/// A row of the table: with the whole effort of the command, or with little.
+/// Returns a row of the table, with the effort of the command if `whole`, or with little.
 fn figures(name: &str, whole: bool) -> String {
     let workcell = ready(&shipped(&format!("{name}.toml")));
     let unit = workcell.cell.unit();

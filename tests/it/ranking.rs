@@ -1,4 +1,4 @@
-//! The ranked node loop of planar arms against the one that judges every node: the same bits.
+//! Tests the ranked node loop of planar arms against the loop that judges every node: the bits are equal.
 
 use crate::common::{data, shipped};
 use nalgebra::Vector3;
@@ -12,20 +12,20 @@ use sweetspot::error_map::Outcome;
 use sweetspot::layout::{Workcell, Workspace, evaluate_in};
 use sweetspot::pose::Pose;
 
-/// The cell as it is searched, and with every node judged one by one.
-struct Pair {
+/// Cell with ranking, and with every node judged one by one.
+struct RankedPair {
     ranked: Workcell,
     judged: Workcell,
     memory: [Workspace; 2],
 }
 
-impl Pair {
+impl RankedPair {
     fn new(cell: &Cell) -> Result<Self, String> {
         let judged = Workcell::new(cell.clone())?.unranked();
         Ok(Self { ranked: Workcell::new(cell.clone())?, judged, memory: Default::default() })
     }
 
-    /// How many operations agreed: found, all collide, out of reach.
+    /// Compares both on a layout. Returns how many operations were found, all collide, out of reach.
     fn compare(&mut self, layout: &Layout) -> [usize; 3] {
         let got = evaluate_in(&self.ranked, layout, &mut self.memory[0]);
         let want = evaluate_in(&self.judged, layout, &mut self.memory[1]);
@@ -53,13 +53,13 @@ fn sum(a: [usize; 3], b: [usize; 3]) -> [usize; 3] {
     std::array::from_fn(|k| a[k] + b[k])
 }
 
-/// Work D: 1000 random and 1000 plausible layouts.
+/// Peer set D has 1000 random and 1000 plausible layouts.
 #[test]
 fn ranking_does_not_change_the_layouts_of_peer_set_d() {
     for collision in [true, false] {
         let mut cell = shipped("hitachi_cell.toml");
         cell.collision = collision;
-        let mut pair = Pair::new(&cell).unwrap();
+        let mut pair = RankedPair::new(&cell).unwrap();
         let mut counts = [0; 3];
         for x in data("d_layouts.bin").chunks_exact(7) {
             let mut layout = cell.start();
@@ -73,7 +73,7 @@ fn ranking_does_not_change_the_layouts_of_peer_set_d() {
     }
 }
 
-/// Up to six directions of any length.
+/// Returns a sense of up to six directions of any length.
 fn weighted(rng: &mut ChaCha8Rng) -> Sense {
     let direction = |rng: &mut ChaCha8Rng| Vector3::from_fn(|_, _| rng.random_range(-30.0..30.0));
     let rows: Vec<_> = (0..rng.random_range(1..=6)).map(|_| direction(rng)).collect();
@@ -81,7 +81,7 @@ fn weighted(rng: &mut ChaCha8Rng) -> Sense {
     Sense::new("weighted", Frame::World, Vector3::zeros(), Unit::Length, &rows)
 }
 
-/// A cell with another robot, its errors, limits, tool, base, senses, attitudes and grids drawn.
+/// Returns a cell with random robot, errors, limits, tool, base, senses, orientations and grids.
 fn drawn(rng: &mut ChaCha8Rng) -> Cell {
     let shop = ["hitachi_cell.toml", "hitachi_paper.toml", "hitachi_paper_parallelogram.toml"];
     let mut cell = shipped(shop[rng.random_range(0..shop.len())]);
@@ -139,7 +139,7 @@ fn ranking_does_not_change_the_value_of_random_cells() {
     let mut ranked = 0;
     for _ in 0..300 {
         let cell = drawn(&mut rng);
-        let Ok(mut pair) = Pair::new(&cell) else { continue };
+        let Ok(mut pair) = RankedPair::new(&cell) else { continue };
         ranked += usize::from(pair.ranked.is_ranked());
         for _ in 0..20 {
             let mut layout = cell.start();

@@ -1,5 +1,5 @@
-//! Inverse kinematics of every robot of the library: poses made by the forward kinematics are found
-//! again. With `SWEETSPOT_POSES=100000` (and `--release`) this is the study of results/inverse.
+//! Tests the inverse kinematics of every robot of the library: it finds poses made by the forward kinematics.
+//! `SWEETSPOT_POSES=100000` (with `--release`) makes the study of results/inverse.
 
 use crate::common::robots;
 use nalgebra::{Matrix3, Vector3};
@@ -12,14 +12,14 @@ use sweetspot::reach::{Inverse, Reach};
 use sweetspot::robot::Chain;
 use sweetspot::units::wrapped;
 
-/// m, rad
+/// Largest error of a round trip, m and rad.
 const ROUND_TRIP: f64 = 1e-9;
 
 fn poses(default: usize) -> usize {
     std::env::var("SWEETSPOT_POSES").map_or(default, |n| n.parse().unwrap())
 }
 
-/// All robots, or those whose names hold the text of `SWEETSPOT_ROBOT`.
+/// Says whether SWEETSPOT_ROBOT selects a robot: all, or those whose names hold its text.
 fn is_asked(stem: &str) -> bool {
     std::env::var("SWEETSPOT_ROBOT").map_or(true, |part| stem.contains(&part))
 }
@@ -33,7 +33,7 @@ fn random_joints(robot: &Robot, rng: &mut ChaCha8Rng) -> JointVector {
     q
 }
 
-/// The attitude that a TCP has.
+/// Returns the orientation of a TCP.
 fn attitude_of(columns: &Matrix3<f64>) -> Attitude {
     let [r, d] = [0, 2].map(|k| columns.column(k).into_owned());
     let elevation = d.z.atan2(d.x.hypot(d.y));
@@ -44,7 +44,7 @@ fn attitude_of(columns: &Matrix3<f64>) -> Attitude {
     Attitude { elevation, azimuth: Azimuth::Surface(azimuth), spin: Spin::At(vec![spin]), tolerance: 0.0 }
 }
 
-/// What the arm cannot choose is left free.
+/// Returns an orientation with the angles left free that the arm cannot choose.
 fn asked(inverse: &Inverse, attitude: Attitude) -> Attitude {
     let free_azimuth = Attitude { azimuth: Azimuth::Free, ..attitude.clone() };
     let free = Attitude { spin: Spin::Free, ..free_azimuth.clone() };
@@ -52,13 +52,13 @@ fn asked(inverse: &Inverse, attitude: Attitude) -> Attitude {
     able.unwrap()
 }
 
-/// Turn from one attitude to another, rad.
+/// Returns the angle between two orientations, rad.
 fn turn(a: &Matrix3<f64>, b: &Matrix3<f64>) -> f64 {
     let off = (a - b).norm() / 2f64.sqrt();
     2.0 * (off / 2.0).min(1.0).asin()
 }
 
-/// How far an answer is from a TCP in what was asked: m, rad.
+/// Returns how far an answer is from a TCP in the requested coordinates, m and rad.
 fn off(answer: &Pose, wanted: &Pose, attitude: &Attitude, axis: &Vector3<f64>) -> f64 {
     let position = (answer.translation - wanted.translation).norm();
     let [a, b] = [answer, wanted].map(|p| p.rotation * axis);
@@ -75,7 +75,8 @@ fn outside(robot: &Robot, q: &JointVector) -> f64 {
     by.fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// Largest difference of joints, rad or m; whole turns do not count where the limits leave a choice.
+/// Returns the largest difference of joints, rad or m. Whole turns do not count where the limits leave a
+/// choice.
 fn apart(robot: &Robot, a: &JointVector, b: &JointVector) -> f64 {
     let each = robot.joints.iter().zip(a.iter().zip(b)).map(|(joint, (a, b))| {
         let turns = joint.kind == JointKind::Revolute && joint.limits.1 - joint.limits.0 > TAU;
@@ -84,9 +85,9 @@ fn apart(robot: &Robot, a: &JointVector, b: &JointVector) -> f64 {
     each.fold(0.0, f64::max)
 }
 
-/// What 10^5 poses showed.
+/// Statistics of the poses of one robot.
 #[derive(Default)]
-struct Tally {
+struct PoseStatistics {
     poses: usize,
     found: usize,
     reached: usize,
@@ -95,12 +96,12 @@ struct Tally {
     worst: f64,
 }
 
-fn tally(robot: &Robot, poses: usize) -> (Tally, &'static str) {
+fn tally(robot: &Robot, poses: usize) -> (PoseStatistics, &'static str) {
     let chain = Chain::new(robot);
     let inverse = Inverse::new(&chain);
     let redundant = inverse.family().contains("joint free");
     let mut rng = ChaCha8Rng::seed_from_u64(41);
-    let mut tally = Tally { poses, ..Tally::default() };
+    let mut tally = PoseStatistics { poses, ..PoseStatistics::default() };
     let columns = tool_columns(&chain.tool_axis);
     for _ in 0..poses {
         let q = random_joints(robot, &mut rng);

@@ -1,4 +1,4 @@
-//! A search that was stopped anywhere and goes on ends in the bits of one that never was.
+//! Tests that a search stopped anywhere and resumed gives the bits of an uninterrupted one.
 
 use crate::common::shipped;
 use std::sync::Mutex;
@@ -15,7 +15,7 @@ fn settings(solver: Solver, budget: u64) -> SearchSettings {
     SearchSettings { solver, budget, seed: 3, ..shipped("hitachi_cell.toml").search }
 }
 
-/// Runs to the end, from a checkpoint if there is one; every checkpoint on the way as text.
+/// Runs to the end, from a checkpoint if there is one. Returns every checkpoint on the way as text.
 fn run(
     workcell: &Workcell,
     settings: &SearchSettings,
@@ -30,7 +30,7 @@ fn run(
     (record, kept.into_inner().unwrap())
 }
 
-/// What two records must share, floats as bits.
+/// Returns what two records must share, floats as bits.
 fn bits(record: &SearchRecord) -> (u64, u64, Vec<(u64, u64)>, String, Ended) {
     let trace = record.trace.iter().map(|(n, e)| (*n, e.to_bits())).collect();
     let best = format!("{:?} {}", record.best, record.best.evaluation.cost.to_bits());
@@ -59,7 +59,7 @@ fn every_checkpoint_resumes_to_the_same_bits() {
     }
 }
 
-/// Over restarts and the polish of a longer search.
+/// Checkpoints span restarts and the polish of a longer search.
 #[test]
 fn checkpoints_of_any_run_resume_to_the_same_bits() {
     let workcell = workcell();
@@ -75,7 +75,7 @@ fn checkpoints_of_any_run_resume_to_the_same_bits() {
     }
 }
 
-/// Stopped by the flag instead: again and again, each time after some hundred more.
+/// The stop flag interrupts again and again, each time after some hundred evaluations more.
 #[test]
 fn a_search_stopped_many_times_ends_in_the_same_bits() {
     let workcell = workcell();
@@ -106,7 +106,7 @@ fn a_search_stopped_many_times_ends_in_the_same_bits() {
     }
 }
 
-/// A checkpoint under a larger budget or other rules gives what a search under these would have.
+/// A checkpoint resumed under a larger budget or other rules gives the search under these rules.
 #[test]
 fn stopping_rules_may_change_on_resume() {
     let workcell = workcell();

@@ -1,4 +1,4 @@
-//! The refined spot and what misplacement does to a layout, against cells with moved numbers, finer
+//! Tests the refined spot and the effect of misplacement on a layout, against cells with moved numbers, finer
 //! grids and scans.
 
 use crate::common::{from_text, shipped};
@@ -9,12 +9,12 @@ use sweetspot::layout::{Ended, Moves, Workcell, evaluate};
 use sweetspot::search::{Watch, search};
 use sweetspot::units::{m_from_mm, mm_from_m, rad_from_deg};
 
-/// Own placements, mm and degrees, of the robot base, a plinth and a table on it.
+/// Placements (mm, degrees) of the robot base, a plinth and a table on it.
 type Numbers = [[f64; 4]; 3];
 
 const DRAWN: Numbers = [[0.0; 4], [0.0, 1000.0, 400.0, 5.0], [30.0, -20.0, 200.0, -8.0]];
 
-/// What may be misplaced, and by how much.
+/// Coordinates that may be misplaced, and by how much.
 const LOOSE: [(usize, usize, f64); 5] = [(0, 0, 1.5), (1, 0, 2.0), (1, 3, 0.2), (2, 1, 3.0), (2, 2, 1.0)];
 
 fn stacked(numbers: &Numbers, more: &str, of_operation: &str) -> Cell {
@@ -41,7 +41,7 @@ fn stacked(numbers: &Numbers, more: &str, of_operation: &str) -> Cell {
     from_text(&text).unwrap_or_else(|f| panic!("{f:#?}")).cell
 }
 
-/// The file numbers of a misplacement.
+/// Returns the file numbers of a misplaced layout.
 fn moved(drawn: &Numbers, moves: &Moves) -> Numbers {
     let mut numbers = *drawn;
     for (slot, by) in moves {
@@ -56,14 +56,14 @@ fn moved(drawn: &Numbers, moves: &Moves) -> Numbers {
     numbers
 }
 
-/// The value of a node with its branch, as the map of a cell file says; None if it is lost.
+/// Returns the value of a node with its branch from the map of a cell file, or None if it is lost.
 fn node_value(map: &OperationMap, node: usize, branch: u32) -> Option<f64> {
     let node = &map.nodes[node];
     let posture = node.posture.as_ref().filter(|p| node.status == Status::Ok && p.branch == branch)?;
     Some(posture.value)
 }
 
-/// All corners of LOOSE, in any order.
+/// Returns all corners of LOOSE, in any order.
 fn corners(drawn: &Numbers) -> Vec<Numbers> {
     let corner = |pattern: usize| {
         let mut numbers = *drawn;
@@ -75,7 +75,7 @@ fn corners(drawn: &Numbers) -> Vec<Numbers> {
     (0..1 << LOOSE.len()).map(corner).collect()
 }
 
-/// What moves the equipment of the first operation to half a millimetre short of where it is lost.
+/// Returns moves of the equipment of the first operation to half a millimetre before its spot is lost.
 fn short_of(workcell: &Workcell) -> Moves {
     let layout = workcell.cell.start();
     let r = workcell.robustness(&layout, &workcell.maps(&layout))[0].clone().expect("a spot");
@@ -163,7 +163,8 @@ fn the_gradient_agrees_with_richardson_extrapolation() {
     assert!(steep >= 4, "too flat to tell anything");
 }
 
-/// One table before the robot of the paper; `more` is said of the operation, `tolerance` of the table.
+/// Returns a cell of one table before the paper's robot; `more` belongs to the operation, `tolerance` to the
+/// table.
 fn one_table(placement: &str, tolerance: &str, more: &str) -> Workcell {
     let text = format!(
         "schema = \"sweetspot/cell/1\"\nunits = {{ length = \"mm\", angle = \"deg\" }}\nerrors = \"table-2\"\n\
@@ -176,8 +177,8 @@ fn one_table(placement: &str, tolerance: &str, more: &str) -> Workcell {
 
 const THERE: &str = "x_mm = 0, y_mm = 1000, z_mm = 600, yaw_deg = 10";
 
-/// The operation of a layout at its drawn node and branch, asked by the map; None if lost or beyond the
-/// limit.
+/// Returns the operation of a layout at its drawn node and branch by the map, or None if it is lost or beyond
+/// the limit.
 fn keeps(workcell: &Workcell, layout: &Layout, (node, branch): (usize, u32)) -> bool {
     let value = node_value(&workcell.maps(layout)[0], node, branch);
     let overlaps = !evaluate(workcell, layout).overlaps.is_empty();
@@ -185,7 +186,7 @@ fn keeps(workcell: &Workcell, layout: &Layout, (node, branch): (usize, u32)) -> 
     !overlaps && value.is_some_and(|v| v <= limit)
 }
 
-/// The first of many scales at which one of the layouts does not keep it.
+/// Returns the first of many scales at which one of the layouts does not keep the operation.
 fn first_failing(scales: impl Iterator<Item = f64>, keeps: impl Fn(f64) -> bool) -> f64 {
     scales.into_iter().find(|s| !keeps(*s)).expect("it fails somewhere")
 }
@@ -319,7 +320,7 @@ fn the_refined_spot_of_shipped_cells_is_no_worse_and_keeps_off_touched_points() 
     }
 }
 
-/// The same cell, asked for its worst over the placement tolerances.
+/// Returns the same cell, evaluated at its worst over the placement tolerances.
 fn robust(workcell: &Workcell) -> Workcell {
     let mut cell = workcell.cell.clone();
     cell.search.robust = true;

@@ -1,5 +1,5 @@
-//! The JSON Schemas beside the reader: what is shipped validates, what is broken does not, and no key is
-//! refused by one and taken by the other.
+//! Tests the JSON Schemas beside the reader: shipped files validate, broken ones do not, and no key is
+//! refused by one and accepted by the other.
 
 use crate::common::{document, root};
 use jsonschema::Validator;
@@ -25,7 +25,7 @@ fn told(validator: &Validator, document: &Value) -> Vec<String> {
     validator.iter_errors(document).map(|e| format!("{}: {e}", e.instance_path())).collect()
 }
 
-/// The .toml files of a folder: name and text.
+/// Returns name and text of the .toml files of a folder.
 fn files(folder: &str) -> Vec<(String, String)> {
     let entries = std::fs::read_dir(root().join(folder)).unwrap();
     let paths = entries.map(|e| e.unwrap().path()).filter(|p| p.extension().is_some_and(|e| e == "toml"));
@@ -35,13 +35,13 @@ fn files(folder: &str) -> Vec<(String, String)> {
     all
 }
 
-/// The kind that a file says it is; without a word, a cell.
+/// Returns the kind that a file states, or a cell.
 fn kind_of(document: &Value) -> String {
     let word = document["schema"].as_str().unwrap_or("sweetspot/cell/1");
     word.split('/').nth(1).unwrap().to_string()
 }
 
-/// Every shipped file, with its kind.
+/// Returns every shipped file with its kind.
 fn shipped() -> Vec<(String, String, String)> {
     let mut all = Vec::new();
     for folder in ["cells", "cells/robots", "cells/equipment"] {
@@ -84,7 +84,7 @@ fn the_schemas_distinguish_the_file_kinds() {
     }
 }
 
-/// What no schema can know, and the files of tests/broken that have it.
+/// Messages beyond any schema, and the files of tests/broken that have them.
 const BEYOND: [(&str, &str); 6] = [
     (
         "another file gives it, or should",
@@ -112,7 +112,7 @@ const BEYOND: [(&str, &str); 6] = [
     ),
 ];
 
-/// All others of tests/broken are refused, for their structure.
+/// All other files of tests/broken are refused for their structure.
 #[test]
 fn the_schema_refuses_broken_files() {
     let validator = validator(FileKind::Cell);
@@ -133,7 +133,7 @@ fn the_schema_refuses_broken_files() {
     assert!(refused >= 120 && no_toml <= 5, "{refused} refused, {no_toml} are no TOML");
 }
 
-/// A document as TOML: every key of the top on a line, tables within in braces.
+/// Returns a document as TOML: a line per top key, tables within in braces.
 fn toml_of(document: &Value) -> String {
     fn value(v: &Value) -> String {
         match v {
@@ -153,7 +153,7 @@ fn toml_of(document: &Value) -> String {
     document.as_object().unwrap().iter().map(|(k, v)| format!("{} = {}\n", json!(k), value(v))).collect()
 }
 
-/// Every table and list of a document, by its path.
+/// Collects the paths of every table and list of a document.
 fn places(value: &Value, path: &str, all: &mut Vec<String>) {
     match value {
         Value::Object(t) if !t.is_empty() => {
@@ -170,7 +170,7 @@ fn places(value: &Value, path: &str, all: &mut Vec<String>) {
     }
 }
 
-/// One change: a key renamed or removed, a value replaced or added.
+/// Makes one change: a key renamed or removed, a value replaced or added.
 fn mutate(document: &mut Value, rng: &mut ChaCha8Rng) {
     let others = [
         json!("x"),
@@ -216,7 +216,7 @@ const MUTATIONS: usize = 100;
 
 const CUBE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
 
-/// What the reader says of a file of this kind that has taken the place of a shipped one.
+/// Returns the faults of the reader for a file of this kind in the place of a shipped one.
 fn read(kind: &str, path: &str, text: &str) -> Result<(), Vec<Fault>> {
     let path = path.trim_start_matches("cells/");
     let round = match kind {
@@ -239,7 +239,7 @@ fn read(kind: &str, path: &str, text: &str) -> Result<(), Vec<Fault>> {
     }
 }
 
-/// A key that the reader does not know the schema does not know; and what the reader takes it takes.
+/// The schema refuses a key that the reader does not know, and accepts every file that the reader accepts.
 #[test]
 fn the_schema_and_the_reader_agree_on_changed_files() {
     let (validators, mut rng) = (validators(), ChaCha8Rng::seed_from_u64(2026));

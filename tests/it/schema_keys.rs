@@ -1,4 +1,4 @@
-//! The schema has the keys that the reader asks for, each with its description.
+//! Tests that the schema has the keys that the reader asks for, each with a description.
 
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
@@ -7,7 +7,7 @@ use sweetspot::files::{FileKind, load, load_robot, schema};
 
 type Keys = BTreeMap<String, BTreeSet<String>>;
 
-/// What the reader calls a table, and where in the schema of a cell its keys stand.
+/// Names of tables in the reader, and the places of their keys in the schema of a cell.
 const TABLES: [(&str, &[&str]); 37] = [
     ("a cell", &[""]),
     ("`units`", &["units"]),
@@ -48,11 +48,11 @@ const TABLES: [(&str, &[&str]); 37] = [
     ("`search`", &["search"]),
 ];
 
-/// Asked for only to say that it must not be there; no editor shall offer it.
+/// Keys that are requested only to refuse them. No editor shall offer them.
 const REFUSED: [(&str, &[&str]); 2] =
     [("an obstacle", &["errors", "placement_tolerance", "stands_on"]), ("`errors`", &["covariance"])];
 
-/// The keys of the table at a path of names, through lists and other ways to write it.
+/// Returns the keys of the table at a path of names, through lists and alternatives.
 fn keys_at(schema: &Value, path: &str) -> BTreeSet<String> {
     let mut at = vec![schema];
     for name in path.split('/').filter(|name| !name.is_empty()) {
@@ -74,7 +74,7 @@ fn inside(schema: &Value) -> Vec<&Value> {
     [schema].into_iter().chain(schema.get("items")).chain(ways).collect()
 }
 
-/// All that is shipped and one of every key is read; what was asked for, by table.
+/// Reads all shipped cells and one with every key. Returns the requested keys by table.
 fn asked() -> Keys {
     let root = concat!(env!("CARGO_MANIFEST_DIR"), "/");
     let mut read = |path: &str| {
@@ -122,7 +122,7 @@ fn the_schema_has_the_keys_of_the_reader() {
     assert!(new.iter().all(|what| alike.contains(&what.as_str())), "{new:?}");
 }
 
-/// The other kinds of file have the keys of what a cell holds of them.
+/// A file of another kind has the keys of that part of a cell.
 #[test]
 fn a_part_has_the_same_keys_in_its_file_as_in_a_cell() {
     let cell = schema(FileKind::Cell);
@@ -138,7 +138,7 @@ fn a_part_has_the_same_keys_in_its_file_as_in_a_cell() {
     }
 }
 
-/// Every key says what it is, in one sentence, and has a type or a choice of them.
+/// Every key has a description of one sentence and a type or a choice of types.
 #[test]
 fn every_key_is_described() {
     fn look(schema: &Value, path: &str, count: &mut usize) {

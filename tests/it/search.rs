@@ -1,4 +1,4 @@
-//! The search against what is known of its answers: a proven bound, whole scans, small dimensions.
+//! Tests the search against known answers: a proven bound, complete scans, small dimensions.
 
 use crate::common::{from_text, shipped};
 use rayon::prelude::*;
@@ -17,7 +17,7 @@ fn run(workcell: &Workcell, settings: SearchSettings) -> SearchRecord {
     record
 }
 
-/// What holds for every search.
+/// Checks what holds for every search.
 fn check(workcell: &Workcell, settings: &SearchSettings, record: &SearchRecord) {
     assert!(record.evaluations <= settings.budget.max(1), "{} evaluations", record.evaluations);
     assert!(record.feasible <= record.evaluations);
@@ -41,7 +41,7 @@ fn bits(evaluation: &Evaluation) -> (Option<u64>, u64) {
     (evaluation.objective.map(f64::to_bits), evaluation.cost.to_bits())
 }
 
-/// Free coordinates between the ends of their ranges, fixed ones untouched.
+/// Checks that free coordinates lie in their ranges and fixed ones are untouched.
 fn lies_in_its_ranges(cell: &Cell, layout: &Layout) {
     for (equipment, p) in cell.equipment.iter().zip(&layout.placements) {
         for (coordinate, value) in equipment.placement.iter().zip([p.x, p.y, p.z, p.yaw]) {
@@ -55,7 +55,7 @@ fn lies_in_its_ranges(cell: &Cell, layout: &Layout) {
     }
 }
 
-/// Error at its spot of every operation, m; None if one has none.
+/// Returns the error at the spot of every operation (m), or None if one has none.
 fn errors(evaluation: &Evaluation) -> Option<Vec<f64>> {
     let of = |o: &Outcome| match o {
         Outcome::Found(spot) => Some(spot.value),
@@ -68,7 +68,7 @@ fn settings(solver: Solver, budget: u64) -> SearchSettings {
     SearchSettings { solver, budget, ..SearchSettings::default() }
 }
 
-/// A cell of one table; `placement` and `more` are TOML.
+/// Returns a cell of one table; `placement` and `more` are TOML.
 fn one_table(placement: &str, more: &str) -> Workcell {
     let text = format!(
         "schema = \"sweetspot/cell/1\"\nunits = {{ length = \"mm\", angle = \"deg\" }}\nerrors = \"table-2\"\n\
@@ -80,9 +80,9 @@ fn one_table(placement: &str, more: &str) -> Workcell {
     Workcell::new(from_text(&text).unwrap_or_else(|f| panic!("{f:#?}")).cell).unwrap()
 }
 
-/// The bound is proven: the least error of either operation anywhere on the floor.
+/// Proven bound: the least error of both operations anywhere on the floor.
 const BOUND_MM: f64 = 20.429669;
-/// The best layout reaches it: work D of the peers.
+/// Objective of the best layout by peer set D, which reaches the bound.
 const OPTIMUM_MM: f64 = 20.42967;
 
 #[test]
@@ -98,7 +98,7 @@ fn ten_seeds_come_within_a_hundredth_of_the_proven_bound() {
     }
 }
 
-/// pycma, the peer, gets there with 10 of 10 seeds. The gap is to what this program proves itself.
+/// pycma, the peer, succeeds with 10 of 10 seeds. The gap is to the bound proved by this program.
 #[test]
 fn thirty_seeds_come_within_a_thousandth_of_the_bound_in_2000_evaluations() {
     let workcell = Workcell::new(shipped("hitachi_cell.toml")).unwrap();
@@ -141,7 +141,7 @@ fn one_seed_gives_the_same_record_for_any_number_of_threads() {
     }
 }
 
-/// The search stops where it is told to, with what it has.
+/// The search stops when asked, with the best layout so far.
 #[test]
 fn the_stop_flag_interrupts_a_search() {
     let workcell = Workcell::new(shipped("hitachi_cell.toml")).unwrap();
@@ -186,7 +186,7 @@ fn a_search_keeps_any_budget() {
     }
 }
 
-/// The layout as drawn is a candidate, too: no answer may be worse.
+/// The start layout is a candidate, so no answer may be worse.
 #[test]
 fn a_search_is_never_worse_than_the_start_layout() {
     let workcell = Workcell::new(shipped("hitachi_cell.toml")).unwrap();
@@ -238,7 +238,7 @@ fn a_cell_without_free_coordinates_is_evaluated_once() {
     }
 }
 
-/// Only the table's y is free, over 100 mm: at steps of 1 um every position there is can be tried.
+/// Only the table's y is free, over 100 mm: steps of 1 um enumerate every position.
 #[test]
 fn one_dimension_agrees_with_a_scan_of_every_position() {
     let post = "[obstacle.post]\nsolid = [{ name = \"post\", box = { centre_mm = [0, 0, 600], \
@@ -277,7 +277,7 @@ fn one_dimension_agrees_with_a_scan_of_every_position() {
     }
 }
 
-/// Ranges need not end at a multiple of what placements are rounded to.
+/// Ranges need not end at a multiple of the rounding of placements.
 #[test]
 fn rounded_coordinates_stay_inside_narrow_ranges() {
     for placement in [
@@ -295,7 +295,7 @@ fn rounded_coordinates_stay_inside_narrow_ranges() {
     }
 }
 
-/// Points outside the cube are folded back; the point of a layout is where it came from.
+/// Points outside the cube are folded back. The point of a layout leads back to it.
 #[test]
 fn every_point_of_the_search_space_has_a_layout() {
     let workcell = Workcell::new(shipped("hitachi_cell.toml")).unwrap();
@@ -337,7 +337,7 @@ fn weights_and_the_maximum_make_the_objective() {
     assert!(best[3][0] <= best[0][0] + 1e-5 && best[1][0] <= best[0][0] + 1e-5, "{best:?}");
 }
 
-/// What is worth less than the least feasible layout is no layout at all.
+/// A value below the least feasible one belongs to no layout.
 #[test]
 fn an_infeasible_layout_never_ranks_before_a_feasible_one() {
     let workcell = Workcell::new(shipped("hitachi_cell.toml")).unwrap();

@@ -1,7 +1,7 @@
-//! Which global solver by default: evaluations to within 1 % of the best known, over cells and seeds.
+//! Compares the global solvers: evaluations to within 1 % of the best known, over cells and seeds.
 //!
-//! By default a small study, a test that the default solver is no worse than the others. The whole one
-//! writes results/solvers/README.md:
+//! By default a small study checks that the default solver is no worse than the others. The full study writes
+//! results/solvers/README.md:
 //!
 //! ```text
 //! SWEETSPOT_STUDY=full cargo test --test it solvers:: -- --nocapture
@@ -15,13 +15,13 @@ use sweetspot::cell::{Cell, SearchSettings, Solver};
 use sweetspot::layout::Workcell;
 use sweetspot::search::{SearchRecord, Space, Watch, search};
 
-/// Cells of the shipped ones that a solver answers in a moment: random ones join them.
+/// Shipped cells that a solver answers in a moment. Random ones join them.
 const SHIPPED: [&str; 1] = ["hitachi_cell"];
 
-/// Evaluations of a first look at a random cell: where it finds nothing feasible there is nothing to tell.
+/// Evaluations of a first look at a random cell. A cell without a feasible layout is skipped.
 const LOOK: u64 = 500;
 
-/// What "found" means: this much above the best known, and where that is nearly nothing, this much (m).
+/// Relative excess over the best known objective that counts as found.
 const WITHIN: f64 = 0.01;
 const NOTHING: f64 = 1e-6;
 
@@ -32,11 +32,11 @@ struct Study {
     budget: u64,
 }
 
-/// One solver on one cell: evaluations to within 1 % of the best known, by seed; None if it never was.
-struct Row {
+/// Result of one solver on one cell: evaluations to within 1 % of the best known by seed, None if never.
+struct SolverRow {
     cell: String,
     dimensions: usize,
-    /// mm, degrees or a share.
+    /// Best known objective, in mm, degrees or a share.
     best: f64,
     needed: Vec<(Solver, Vec<Option<u64>>)>,
 }
@@ -47,14 +47,14 @@ fn run(workcell: &Workcell, solver: Solver, seed: u64, budget: u64) -> SearchRec
     search(workcell, &settings, &watch)
 }
 
-/// When the trace came within 1 % of the best known.
+/// Returns the evaluation at which the trace came within 1 % of the best known.
 fn needed(record: &SearchRecord, best: f64) -> Option<u64> {
     let enough = best + (WITHIN * best).max(NOTHING);
     record.trace.iter().find(|(_, value)| *value <= enough).map(|(n, _)| *n)
 }
 
-/// The best known is the best that any solver found with any seed.
-fn row(name: String, cell: Cell, study: &Study) -> Option<Row> {
+/// Searches a cell with every solver and seed. The best known is the best of all.
+fn row(name: String, cell: Cell, study: &Study) -> Option<SolverRow> {
     let workcell = Workcell::new(cell).unwrap();
     let seeds = 1..=study.seeds;
     let runs: Vec<(Solver, Vec<SearchRecord>)> = Solver::ALL
@@ -69,10 +69,10 @@ fn row(name: String, cell: Cell, study: &Study) -> Option<Row> {
     println!("{name} done");
     let dimensions = Space::new(&workcell.cell).dimensions();
     let best_told = workcell.cell.unit().from_si(best);
-    best.is_finite().then_some(Row { cell: name, dimensions, best: best_told, needed })
+    best.is_finite().then_some(SolverRow { cell: name, dimensions, best: best_told, needed })
 }
 
-fn rows(study: &Study) -> Vec<Row> {
+fn rows(study: &Study) -> Vec<SolverRow> {
     let named = SHIPPED[..study.shipped].iter().map(|n| (n.to_string(), shipped(&format!("{n}.toml"))));
     let random = (1000..).map(|seed| {
         let text = crate::common::random_cells::random_cell(seed).1;
@@ -88,7 +88,7 @@ fn rows(study: &Study) -> Vec<Row> {
     all.chain(random.filter_map(|(name, cell)| row(name, cell, study)).take(study.random)).collect()
 }
 
-/// Half of the seeds needed no more; those that never came there needed more than any.
+/// Returns the median of the evaluations. Seeds that never succeeded count as more than any.
 fn median(needed: &[Option<u64>]) -> Option<u64> {
     let mut all: Vec<u64> = needed.iter().map(|n| n.unwrap_or(u64::MAX)).collect();
     all.sort_unstable();
@@ -99,15 +99,15 @@ fn successes(needed: &[Option<u64>]) -> usize {
     needed.iter().flatten().count()
 }
 
-/// Of a solver over all rows: runs that came there, and how often its median was the least.
-fn totals(rows: &[Row], solver: usize) -> (usize, usize) {
-    let at = |row: &Row, k: usize| median(&row.needed[k].1).unwrap_or(u64::MAX);
-    let least = |row: &&Row| (0..row.needed.len()).all(|k| at(row, solver) <= at(row, k));
+/// Returns the successful runs of a solver over all rows, and how often its median was the least.
+fn totals(rows: &[SolverRow], solver: usize) -> (usize, usize) {
+    let at = |row: &SolverRow, k: usize| median(&row.needed[k].1).unwrap_or(u64::MAX);
+    let least = |row: &&SolverRow| (0..row.needed.len()).all(|k| at(row, solver) <= at(row, k));
     let came = rows.iter().map(|r| successes(&r.needed[solver].1)).sum();
     (came, rows.iter().filter(least).count())
 }
 
-fn table(rows: &[Row], study: &Study) -> String {
+fn table(rows: &[SolverRow], study: &Study) -> String {
     let mut out = String::from("| cell | variables | best known |");
     Solver::ALL.iter().for_each(|s| write!(out, " {} |", s.name()).unwrap());
     out += "\n|---|---|---|---|---|---|\n";

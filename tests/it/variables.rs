@@ -1,5 +1,5 @@
-//! What the search may change besides placements: the robot base, the tool's attitude, lists of allowed
-//! values, equipment that stands on equipment; and operations that happen at more than one spot.
+//! Tests free coordinates besides placements: the robot base, the tool's orientation, lists of allowed
+//! values, equipment on equipment; and operations at more than one spot.
 
 use crate::common::from_text;
 use rand::Rng;
@@ -14,7 +14,7 @@ use sweetspot::proof::{ProofOptions, prove};
 use sweetspot::report;
 use sweetspot::search::{Watch, search};
 
-/// The paper's arm with one table and one obstacle; `base`, `table` and `operation` are TOML.
+/// Returns the paper's arm with one table and one obstacle; `base`, `table` and `operation` are TOML.
 fn text(base: &str, table: &str, operation: &str) -> String {
     format!(
         "schema = \"sweetspot/cell/1\"\nunits = {{ length = \"mm\", angle = \"deg\" }}\nerrors = \"table-2\"\n\
@@ -39,7 +39,7 @@ fn value(workcell: &Workcell, layout: &Layout) -> Option<f64> {
     evaluate(workcell, layout).objective
 }
 
-/// Moving the robot is moving everything else the other way.
+/// Moving the robot equals moving everything else the other way.
 #[test]
 fn moving_the_base_equals_moving_the_cell_the_other_way() {
     let range = "{ min = -500, max = 500, start = 0 }";
@@ -129,7 +129,7 @@ const FIXTURE: &str = "[equipment.fixture]\nstands_on = \"table\"\nsurface = { s
      solid = [{ name = \"block\", box = { centre_mm = [0, 0, -20], size_mm = [120, 120, 40] } }]\n\
      placement = { x_mm = 100, y_mm = -50, z_mm = 40.5, yaw_deg = 20 }\n";
 
-/// On a table that moves, and alone at the place where that puts it.
+/// Equipment on a moving table equals equipment that stands alone at the resulting place.
 #[test]
 fn equipment_on_a_table_moves_with_it() {
     let on = GRID.to_string() + "\n" + FIXTURE;
@@ -192,7 +192,7 @@ fn ties_that_cannot_be_are_refused() {
     assert!(unknown.iter().any(|m| m.contains("no equipment `worktabel`")), "{unknown:?}");
 }
 
-/// A range of the bend is a cell with that bend.
+/// A cell with a range of the bend equals a cell with that bend.
 #[test]
 fn an_orientation_from_a_range_equals_the_fixed_orientation() {
     let ranged = GRID.replace("-90", "{ min = -100, max = -60, start = -90 }");
@@ -221,7 +221,7 @@ fn an_orientation_from_a_range_equals_the_fixed_orientation() {
     assert!((record.best.layout.attitudes[0].elevation + FRAC_PI_2).abs() > 0.01, "the bend was not used");
 }
 
-/// Max, mean and p95 of points against operations at one point each.
+/// Max, mean and p95 over points agree with operations at one point each.
 #[test]
 fn every_point_counts() {
     let points = [(-200.0, -100.0), (-200.0, 100.0), (0.0, 0.0), (150.0, -150.0), (200.0, 100.0)];
@@ -244,7 +244,7 @@ fn every_point_counts() {
     close(one(&points, "p95"), each.iter().copied().fold(0.0, f64::max));
 }
 
-/// A region is the grid over that part of the surface; one node that cannot be used makes none of it.
+/// A region is the grid over a part of the surface. One unusable node makes the operation infeasible.
 #[test]
 fn every_node_of_a_region_is_evaluated() {
     let region = |over: &str, size: f64| {
@@ -277,7 +277,7 @@ fn every_node_of_a_region_is_evaluated() {
     assert!(value(&best, &layout).is_some());
 }
 
-/// best.toml says every kind of variable, and reads back to the same bits.
+/// best.toml records every kind of free coordinate and reads back to the same bits.
 #[test]
 fn what_was_found_can_be_written_and_read() {
     let base = "base = { x_mm = [0, 50], y_mm = { min = -100, max = 100 }, z_mm = 0, yaw_deg = { min = -20, max = 20 } }";

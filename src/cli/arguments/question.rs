@@ -62,7 +62,11 @@ impl ErrorFlags {
         settings.extend(word("errors", "errors", errors.as_ref()));
         settings.extend(word("model", "model", model.as_ref()));
         if let Some(sense) = sense {
-            settings.push(Setting::of_every_operation(&format!("--sense {sense}"), "sense", toml_string(sense)));
+            settings.push(Setting::of_every_operation(
+                &format!("--sense {sense}"),
+                "sense",
+                toml_string(sense),
+            ));
         }
         if let Some(limit) = limit {
             // The reader takes the one in the unit of the sense.
@@ -88,9 +92,11 @@ impl QuestionFlags {
         settings.extend(word("quantity", "quantity", quantity.as_ref()));
         if reading.is_none() && quantity.is_some() {
             let statistical = toml_string(Reading::Statistical.name());
-            settings.extend(quantity.as_ref().map(|quantity| {
-                Setting::of_flag(&format!("--quantity {quantity}"), "reading", statistical)
-            }));
+            settings.extend(
+                quantity.as_ref().map(|quantity| {
+                    Setting::of_flag(&format!("--quantity {quantity}"), "reading", statistical)
+                }),
+            );
         }
         settings.extend(word("registration", "registration", registration.as_ref()));
         settings
@@ -100,7 +106,12 @@ impl QuestionFlags {
 impl QuestionFlags {
     /// Returns the flags as one would type them again, with a space before each.
     pub fn words(&self) -> String {
-        let Self { errors: ErrorFlags { errors, model, sense, limit, sets }, reading, quantity, registration } = self;
+        let Self {
+            errors: ErrorFlags { errors, model, sense, limit, sets },
+            reading,
+            quantity,
+            registration,
+        } = self;
         let limit = limit.map(typed);
         let given = [
             ("errors", errors),

@@ -42,7 +42,11 @@ fn refuse_other_ending(out: &Path, format: ExportFormat) -> Result<(), Exit> {
     if others.into_iter().all(|f| f.extension() != given) {
         return Ok(());
     }
-    output::error(&format!("{}: the file name of --to {} must end in .{1}", path_word(out), format.extension()));
+    output::error(&format!(
+        "{}: the file name of --to {} must end in .{1}",
+        path_word(out),
+        format.extension()
+    ));
     Err(Exit::BadInput)
 }
 

@@ -1,12 +1,12 @@
 //! `init`.
 
 use super::{schema, suggest};
+use crate::cli::arguments::InitArguments;
 use crate::cli::first_cells::{SKETCHES, Sketch, find};
 use crate::cli::output::{path_word, word};
 use crate::cli::{Exit, library, loading, lookup, output};
 use crate::files;
 use crate::files::shown;
-use crate::cli::arguments::InitArguments;
 use std::path::Path;
 
 /// Name of the cell file that is written.
@@ -31,9 +31,7 @@ pub fn init(a: &InitArguments) -> Result<Exit, Exit> {
     let text = sketch.text();
     let read: &mut files::ReadFile<'_> = &mut |path: &str| match path {
         CELL => Ok(text.clone().into_bytes()),
-        _ => {
-            library::file(path).map(|text| text.as_bytes().to_vec()).ok_or_else(|| "not found".to_string())
-        }
+        _ => library::file(path).map(|text| text.as_bytes().to_vec()).ok_or_else(|| "not found".to_string()),
     };
     let loaded = files::load(CELL, read).map_err(|faults| {
         output::faults(&faults);

@@ -20,10 +20,7 @@ pub fn compare(a: &CompareArguments) -> Result<Exit, Exit> {
     for path in &a.layouts {
         let file = if path.is_dir() { found::best_of(path)? } else { path.clone() };
         let label = if path.is_dir() { stem(path) } else { label_of(&file) };
-        cells.push((
-            label,
-            workcell(asked::load(&file, &a.packages, &a.question)?.cell, &file)?,
-        ));
+        cells.push((label, workcell(asked::load(&file, &a.packages, &a.question)?.cell, &file)?));
     }
     name_apart(&mut cells, &a.layouts);
     let columns = cells.iter().map(|(label, w)| Assessment::new(label, w, w.cell.start())).collect();

@@ -36,8 +36,8 @@ pub use search::search;
 pub use sweep::sweep;
 pub use view::view;
 
-use crate::cell::{Cell, Coordinate};
 use crate::assess::Assessment;
+use crate::cell::{Cell, Coordinate};
 use crate::clearance::Party;
 use crate::cli::output::path_word;
 use crate::cli::{Exit, cache, output};
@@ -120,7 +120,10 @@ fn within_size(mut page: impl FnMut(&Detail) -> Result<String, String>) -> Resul
             return Ok(html);
         }
     }
-    output::talk(&format!("warning: the page has {} MB; use coarser meshes to make it smaller", html.len() >> 20));
+    output::talk(&format!(
+        "warning: the page has {} MB; use coarser meshes to make it smaller",
+        html.len() >> 20
+    ));
     Ok(html)
 }
 

@@ -118,7 +118,10 @@ fn one_operation(cell: &Cell, name: Option<&str>, at: At) -> Result<Option<usize
 fn say_others(cell: &Cell) {
     let names: Vec<String> = cell.operations.iter().map(|o| shown(&o.name)).collect();
     if let [first, others @ ..] = &names[..] {
-        output::talk(&format!("note: showing {first}; choose another with --operation: {}", others.join(", ")));
+        output::talk(&format!(
+            "note: showing {first}; choose another with --operation: {}",
+            others.join(", ")
+        ));
     }
 }
 

@@ -55,7 +55,10 @@ fn of_folder(a: &ReportArguments) -> Result<ReportSource, Exit> {
     if !a.question.words().is_empty() {
         output::error("flags cannot change the question of a finished search");
         let best = path_word(&a.of.join("best.toml"));
-        output::talk(&format!("  help: report its best layout: sweetspot report {best}{}", a.question.words()));
+        output::talk(&format!(
+            "  help: report its best layout: sweetspot report {best}{}",
+            a.question.words()
+        ));
         return Err(Exit::BadInput);
     }
     let Folder { loaded, file, best, found, mut manifest } = found::read(&a.of, &a.packages)?;

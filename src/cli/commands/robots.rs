@@ -106,7 +106,12 @@ pub fn envelope(a: &EnvelopeArguments) -> Result<Exit, Exit> {
 /// Operation, orientation of the tool, yaw of the surface and height of an envelope.
 type EnvelopeSubject<'a> = (Option<&'a Operation>, Attitude, f64, Option<f64>);
 
-fn drawn(a: &EnvelopeArguments, robot: &Robot, inverse: &Inverse, about: EnvelopeSubject<'_>) -> Result<Exit, Exit> {
+fn drawn(
+    a: &EnvelopeArguments,
+    robot: &Robot,
+    inverse: &Inverse,
+    about: EnvelopeSubject<'_>,
+) -> Result<Exit, Exit> {
     let (operation, attitude, yaw, height) = about;
     if let Some(why) = inverse.refusal(&attitude) {
         return Err(unsolved(&robot.name, &a.of, &why));
@@ -171,7 +176,10 @@ fn read(given: &Path, packages: &Packages) -> Result<LoadedRobot, Exit> {
         let names = library::ROBOTS.iter().map(|(name, _)| *name);
         let what = format!("unknown robot `{}`", shown(&name));
         let exit = lookup::unknown(&what, &name, names);
-        output::talk(&format!("  help: to read a file of your own, write its extension: {}.toml", word(&name)));
+        output::talk(&format!(
+            "  help: to read a file of your own, write its extension: {}.toml",
+            word(&name)
+        ));
         return Err(exit);
     }
     loading::load_robot(given, packages)

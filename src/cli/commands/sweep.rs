@@ -2,9 +2,9 @@
 
 use super::{UNSOLVED, stem, suggest};
 use crate::assess::Assessment;
+use crate::cli::arguments::SweepArguments;
 use crate::cli::loading::FileSnapshot;
 use crate::cli::output::path_word;
-use crate::cli::arguments::SweepArguments;
 use crate::cli::results::{INPUTS, hashed, keep_inputs, line, portable, pretty};
 use crate::cli::sweep::{add_inputs, asked_plan, load, number, open, row};
 use crate::cli::{Exit, cache, loading, output};

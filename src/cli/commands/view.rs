@@ -3,8 +3,8 @@
 use super::{suggest, warn_of_hopeless, workcell};
 use crate::cell::Cell;
 use crate::cli::arguments::ViewArguments;
-use crate::cli::packages::Packages;
 use crate::cli::output::path_word;
+use crate::cli::packages::Packages;
 use crate::cli::view::{AccessControl, LiveView, Origin, secret, serve, widened};
 use crate::cli::{Exit, asked, found, loading, output};
 use crate::files::Loaded;

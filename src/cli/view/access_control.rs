@@ -46,7 +46,8 @@ impl HttpResponse {
 /// That the system provides none.
 pub fn secret() -> Result<String, String> {
     let mut bytes = [0u8; 16];
-    getrandom::fill(&mut bytes).map_err(|e| format!("the operating system provides no random numbers: {e}"))?;
+    getrandom::fill(&mut bytes)
+        .map_err(|e| format!("the operating system provides no random numbers: {e}"))?;
     Ok(bytes.iter().map(|b| format!("{b:02x}")).collect())
 }
 
@@ -82,7 +83,9 @@ impl AccessControl {
                 let origins = hosts.map(|host| format!("http://{host}"));
                 match &header(request, "Origin")[..] {
                     [origin] if origins.contains(&origin.to_ascii_lowercase()) => {}
-                    _ => return Err(HttpResponse::refused(403, "the Origin header is not that of this page")),
+                    _ => {
+                        return Err(HttpResponse::refused(403, "the Origin header is not that of this page"));
+                    }
                 }
             }
             _ => return Err(HttpResponse::refused(405, "the method must be GET or POST")),

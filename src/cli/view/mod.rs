@@ -56,7 +56,12 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 ///
 /// # Errors
 /// Why the server cannot continue.
-pub fn serve(view: LiveView, server: &Server, access: AccessControl, over: &AtomicBool) -> Result<(), String> {
+pub fn serve(
+    view: LiveView,
+    server: &Server,
+    access: AccessControl,
+    over: &AtomicBool,
+) -> Result<(), String> {
     let shared = Arc::new((view, access));
     loop {
         let request = match server.recv() {

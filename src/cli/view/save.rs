@@ -2,9 +2,9 @@
 
 use super::values::LayoutValues;
 use crate::cell::Cell;
-use crate::cli::packages::Packages;
 use crate::cli::loading;
 use crate::cli::loading::FileSnapshot;
+use crate::cli::packages::Packages;
 use crate::files::shown;
 use crate::report;
 use std::path::{Path, PathBuf};
@@ -37,7 +37,8 @@ pub fn file_name(asked: &str) -> Result<String, String> {
     }
     if !stem.chars().all(is_plain) || stem.starts_with(['.', '-', ' ']) || stem.ends_with(['.', ' ']) {
         return Err(
-            "a file name has letters, digits, - and _, and begins with a letter or digit; it names no folder".into()
+            "a file name has letters, digits, - and _, and begins with a letter or digit; it names no folder"
+                .into(),
         );
     }
     let first = stem.split('.').next().unwrap_or(stem).trim_end().to_ascii_uppercase();
@@ -82,9 +83,7 @@ impl Origin {
         if let Ok(real) = path.canonicalize()
             && self.sources.iter().any(|s| s.canonicalize().is_ok_and(|s| s == real))
         {
-            return Err(Unsaved::Refused(format!(
-                "this layout is made from `{name}`: choose another name"
-            )));
+            return Err(Unsaved::Refused(format!("this layout is made from `{name}`: choose another name")));
         }
         if path.symlink_metadata().is_ok_and(|m| !m.is_file()) {
             return Err(Unsaved::Refused(format!("`{name}` exists and is not a file")));
@@ -109,7 +108,10 @@ impl Origin {
             Err(faults) => {
                 let first =
                     faults.iter().find(|f| f.is_error()).map(|f| format!("{}; {}", f.message, f.help));
-                Err(Unsaved::Refused(format!("the layout is not a valid cell: {}", first.unwrap_or_default())))
+                Err(Unsaved::Refused(format!(
+                    "the layout is not a valid cell: {}",
+                    first.unwrap_or_default()
+                )))
             }
         }
     }

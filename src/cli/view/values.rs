@@ -98,7 +98,8 @@ impl LayoutValues {
         for (key, number) in numbers {
             let named = (0..4).map(slot).filter(|s| !matches!(s, Slot::Attitude(_, 3)));
             let place = named.filter(|s| coordinate_name(*s) == key).find_map(|s| self.place(s));
-            let place = place.ok_or_else(|| format!("{owner} has no coordinate `{}` that can be changed", shown(key)))?;
+            let place = place
+                .ok_or_else(|| format!("{owner} has no coordinate `{}` that can be changed", shown(key)))?;
             let slot = self.slots[place];
             let number = number.as_f64().filter(|v| v.is_finite());
             let number = number.ok_or_else(|| format!("{key} of {owner} must be a number"))?;

@@ -52,19 +52,14 @@ pub struct Library<'a> {
 
 impl<'a> Library<'a> {
     pub fn new(read: &'a mut ReadFile<'a>) -> Self {
-        Self {
-            read,
-            sources: Vec::new(),
-            faults: Vec::new(),
-            flags: None,
-            parsed: HashMap::new(),
-            named: 0,
-        }
+        Self { read, sources: Vec::new(), faults: Vec::new(), flags: None, parsed: HashMap::new(), named: 0 }
     }
 
     /// Returns whether a flag of the command line states what stands at a place.
     pub fn is_flag(&self, at: At) -> bool {
-        let Some((file, flags)) = self.flags.as_ref().filter(|(file, _)| *file == at.file) else { return false };
+        let Some((file, flags)) = self.flags.as_ref().filter(|(file, _)| *file == at.file) else {
+            return false;
+        };
         let before = self.sources[*file].bytes.iter().take(at.offset);
         flags.get(before.filter(|b| **b == b'\n').count()).copied().unwrap_or(false)
     }

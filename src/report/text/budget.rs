@@ -1,6 +1,6 @@
-//! The error budget: what to tighten first.
+//! The error budget: which tolerance to tighten first.
 
-use super::table::Table;
+use super::table::TextTable;
 use super::{amount, fixed, percent1, place_words};
 use crate::assess::{Account, Tighter};
 use crate::cell::{Reading, Unit};
@@ -11,7 +11,7 @@ use crate::units::mm_from_m;
 use nalgebra::Vector3;
 use std::fmt::Write;
 
-/// The budget of one spot.
+/// Returns the error budget of one spot.
 pub fn budget(a: &Account<'_>) -> String {
     let gauge = &a.stance.gauge;
     let by = if gauge.reading == Reading::Statistical { "variance" } else { "worst case" };
@@ -21,16 +21,16 @@ pub fn budget(a: &Account<'_>) -> String {
     };
     let mut out = place_words(&a.stance);
     if a.judged.figures[gauge.own()].worst <= NOTHING {
-        // Shares of rounding say nothing.
+        // Shares of rounding errors would mean nothing.
         out.push_str(match a.stance.situation.site.taught.is_some() {
-            true => "  a point touched to teach the frame: nothing is left here of any error\n",
+            true => "  this point was touched to teach the frame: no error is left here\n",
             false => "  no parameter has an effect here\n",
         });
         return out;
     }
     let _ = writeln!(
         out,
-        "  in {}, the largest share of the {by} first; linear terms {at}, world axes",
+        "  in {}, largest share of the {by} first; linear terms {at}, world axes",
         gauge.sense.name
     );
     out.push_str(&shares(a));
@@ -41,7 +41,7 @@ pub fn budget(a: &Account<'_>) -> String {
 
 fn shares(a: &Account<'_>) -> String {
     let unit = a.stance.gauge.sense.unit;
-    let mut table = Table::indented(1);
+    let mut table = TextTable::indented(1);
     let alone = format!("alone {}", unit.word());
     table.row(["parameter", "+-", "x mm", "y mm", "z mm", &alone, "of worst case", "of variance"]);
     let cell = a.stance.cell;
@@ -67,7 +67,7 @@ fn terms(v: &Vector3<f64>) -> [String; 3] {
     [v.x, v.y, v.z].map(|m| fixed(mm_from_m(m), 4))
 }
 
-/// A parameter's value as one would write it.
+/// Returns the value of a parameter, rounded.
 fn value(unit: Unit, si: f64) -> String {
     crate::units::rounded(unit.from_si(si), 6).to_string()
 }

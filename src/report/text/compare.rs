@@ -1,7 +1,7 @@
 //! Layouts side by side.
 
-use super::table::Table;
-use super::{USUAL, fixed, mm, mm1, percent1};
+use super::table::TextTable;
+use super::{ALWAYS_COUNTED, fixed, mm, mm1, percent1};
 use crate::record::value_word;
 use crate::assess::{Assessment, Comparison, Requirement};
 use crate::cell::{Coordinate, Slot, Unit};
@@ -10,7 +10,7 @@ use crate::layout::Refined;
 use crate::units::{deg_from_rad, rounded};
 use std::fmt::Write;
 
-/// Layouts side by side.
+/// Returns layouts side by side.
 pub fn comparison(comparison: &Comparison<'_>) -> String {
     let mut out = comparison_table(comparison).render();
     for column in comparison.columns.iter().filter(|c| c.evaluation.objective.is_none()) {
@@ -19,9 +19,9 @@ pub fn comparison(comparison: &Comparison<'_>) -> String {
     out
 }
 
-/// The rows of [`comparison`]: group, label, one cell for each layout; the first row names them.
-pub fn comparison_table(comparison: &Comparison<'_>) -> Table {
-    let mut table = Table::new(2);
+/// Returns the table of [`comparison`]: group, label, and one cell for each layout; the first row names them.
+pub fn comparison_table(comparison: &Comparison<'_>) -> TextTable {
+    let mut table = TextTable::new(2);
     let columns = &comparison.columns;
     table.labelled("", "", columns.iter().map(|c| c.label.clone()));
     for name in comparison.equipment() {
@@ -44,7 +44,7 @@ pub fn comparison_table(comparison: &Comparison<'_>) -> Table {
     table
 }
 
-/// The objective of a layout, or line by line why it has none.
+/// Returns the objective of a layout, or line by line why it has none.
 pub fn feasibility(a: &Assessment<'_>) -> String {
     match a.objective() {
         Some(objective) => {
@@ -54,7 +54,7 @@ pub fn feasibility(a: &Assessment<'_>) -> String {
     }
 }
 
-fn placement_rows(table: &mut Table, name: &str, columns: &[Assessment<'_>]) {
+fn placement_rows(table: &mut TextTable, name: &str, columns: &[Assessment<'_>]) {
     let of = |a: &Assessment<'_>| {
         let k = a.cell.equipment.iter().position(|e| e.name == name)?;
         Some(a.layout.placements[k])
@@ -69,8 +69,8 @@ fn placement_rows(table: &mut Table, name: &str, columns: &[Assessment<'_>]) {
     table.labelled("", "yaw deg", cells(|p| rounded(deg_from_rad(p.yaw), 4).to_string()).into_iter());
 }
 
-/// The robot base, if a layout may move it.
-fn base_rows(table: &mut Table, columns: &[Assessment<'_>]) {
+/// Adds the placement of the robot base, if a layout may move it.
+fn base_rows(table: &mut TextTable, columns: &[Assessment<'_>]) {
     if !columns.iter().any(|c| c.cell.base.iter().any(Coordinate::is_free)) {
         return;
     }
@@ -80,8 +80,8 @@ fn base_rows(table: &mut Table, columns: &[Assessment<'_>]) {
     table.labelled("", "yaw deg", cells(|p| rounded(deg_from_rad(p.yaw), 4).to_string()));
 }
 
-/// The angles of the tool that a layout may change.
-fn attitude_rows(table: &mut Table, k: usize, columns: &[Assessment<'_>]) {
+/// Adds the angles of the tool orientation that a layout may change.
+fn attitude_rows(table: &mut TextTable, k: usize, columns: &[Assessment<'_>]) {
     for (angle, word) in ["bend deg", "azimuth deg", "spin deg"].into_iter().enumerate() {
         let is_free =
             |c: &Assessment<'_>| c.cell.operations[k].angles[angle].as_ref().is_some_and(Coordinate::is_free);
@@ -92,8 +92,8 @@ fn attitude_rows(table: &mut Table, k: usize, columns: &[Assessment<'_>]) {
     }
 }
 
-/// What counts of an operation that happens at every node, and how far it is from its limit.
-fn worth_rows(table: &mut Table, k: usize, columns: &[Assessment<'_>]) {
+/// Adds the value of an operation that uses every node, and its margin to the limit.
+fn worth_rows(table: &mut TextTable, k: usize, columns: &[Assessment<'_>]) {
     let (operation, unit) = (&columns[0].cell.operations[k], columns[0].cell.unit());
     if operation.over.takes_all() {
         let word = format!("{} of {} {}", operation.over.name(), operation.place.in_words(), unit.word());
@@ -107,7 +107,7 @@ fn worth_rows(table: &mut Table, k: usize, columns: &[Assessment<'_>]) {
     }
 }
 
-/// How far a value is from its limit.
+/// Returns the margin of a value to its limit.
 pub fn margin(a: &Assessment<'_>, r: Requirement) -> String {
     let unit = a.cell.unit();
     if r.is_met() {
@@ -117,8 +117,8 @@ pub fn margin(a: &Assessment<'_>, r: Requirement) -> String {
     }
 }
 
-/// The spot between the nodes, where any layout has one.
-fn refined_rows(table: &mut Table, k: usize, columns: &[Assessment<'_>]) {
+/// Adds the refined spot between the nodes, if any layout has one.
+fn refined_rows(table: &mut TextTable, k: usize, columns: &[Assessment<'_>]) {
     if columns.iter().all(|c| c.refined[k].is_none()) {
         return;
     }
@@ -133,7 +133,7 @@ fn refined_rows(table: &mut Table, k: usize, columns: &[Assessment<'_>]) {
     table.labelled("", &format!("refined {} (from the node)", unit.word()), cells(&value).into_iter());
 }
 
-fn operation_rows(table: &mut Table, k: usize, comparison: &Comparison<'_>) {
+fn operation_rows(table: &mut TextTable, k: usize, comparison: &Comparison<'_>) {
     let columns = &comparison.columns;
     let operation = &columns[0].cell.operations[k];
     let spot = |a: &Assessment<'_>| match a.spot(k) {
@@ -165,7 +165,7 @@ fn operation_rows(table: &mut Table, k: usize, comparison: &Comparison<'_>) {
         table.labelled("", "yield", (0..columns.len()).map(|c| with_change(comparison, c, &success)));
     }
     for sign in NodeSign::ALL {
-        if !USUAL.contains(&sign) && columns.iter().all(|c| c.maps[k].count(sign) == 0) {
+        if !ALWAYS_COUNTED.contains(&sign) && columns.iter().all(|c| c.maps[k].count(sign) == 0) {
             continue;
         }
         table.labelled(
@@ -176,7 +176,7 @@ fn operation_rows(table: &mut Table, k: usize, comparison: &Comparison<'_>) {
     }
 }
 
-/// A value and its change from the first column.
+/// Returns a value and its change from the first column.
 fn with_change(
     comparison: &Comparison<'_>,
     column: usize,

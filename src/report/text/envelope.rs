@@ -1,6 +1,6 @@
-//! Robots and their working envelopes in words.
+//! Robots and their working envelopes.
 
-use super::table::Table;
+use super::table::TextTable;
 use super::{fixed, mm, mm1};
 use crate::assess::{Reachable, Sheet};
 use crate::cell::{Convention, ErrorSet, Joint, JointKind, Robot};
@@ -10,29 +10,31 @@ use crate::units::{deg_from_rad, mm_from_m, percent_from_share, rounded};
 use nalgebra::Vector3;
 use std::fmt::Write;
 
-/// The robots of the library: file stem, robot, family.
+/// Returns the table of built-in robots: file stem, robot, family of the inverse kinematics.
 pub fn robots(all: &[(&str, Robot, &str)]) -> String {
-    let mut table = Table::new(3);
+    let mut table = TextTable::new(3);
     table.row(["robot", "name", "inverse kinematics", "axes", "reach mm", "error sets"]);
     for (stem, robot, family) in all {
         let (reach, axes) = (fixed(mm_from_m(robot.reach()), 0), robot.axes().to_string());
         let sets = robot.errors.len().to_string();
         table.row([stem.to_string(), shown(&robot.name), family.to_string(), axes, reach, sets]);
     }
-    let mut out =
-        format!("{}reach: at most so far from the base axis, any attitude\n\nsources\n", table.render());
+    let mut out = format!(
+        "{}reach: largest distance from the base axis with any tool orientation\n\nsources\n",
+        table.render()
+    );
     for (stem, robot, _) in all {
         let _ = writeln!(out, "  {stem}: {}", first_line(robot));
     }
     out
 }
 
-/// The first line of what a robot's file says about its numbers.
+/// Returns the first line of the source of a robot's numbers.
 fn first_line(robot: &Robot) -> String {
     shown(robot.source.trim().lines().next().unwrap_or_default())
 }
 
-/// All that is known of a robot alone.
+/// Returns the data sheet of a robot.
 pub fn robot(sheet: &Sheet<'_>) -> String {
     let robot = sheet.robot;
     let kept = format!("{} axes, {}", robot.axes(), sheet.family);
@@ -42,7 +44,7 @@ pub fn robot(sheet: &Sheet<'_>) -> String {
         out,
         "tool        TCP at {} mm in the last frame, {}, axis {}",
         triple(&tool.translation.map(mm_from_m)),
-        if tool.rotation == nalgebra::Matrix3::identity() { "not turned" } else { "turned" },
+        if tool.rotation == nalgebra::Matrix3::identity() { "same orientation" } else { "turned" },
         triple(&robot.tool_axis)
     );
     let axis = sheet.pose.rotation * robot.tool_axis;
@@ -64,7 +66,7 @@ pub fn robot(sheet: &Sheet<'_>) -> String {
     out
 }
 
-/// What an error set is.
+/// Returns the kind of an error set, with its article.
 pub fn kind_of(set: &ErrorSet) -> &'static str {
     match set {
         ErrorSet::Signed(_) => "a signed sample",
@@ -74,11 +76,11 @@ pub fn kind_of(set: &ErrorSet) -> &'static str {
 
 fn solids(robot: &Robot) -> String {
     let names: Vec<String> = robot.solids.iter().map(|s| shown(&s.solid.name)).collect();
-    if names.is_empty() { "none: nothing of the arm collides".into() } else { names.join(", ") }
+    if names.is_empty() { "none: the arm is not checked for collision".into() } else { names.join(", ") }
 }
 
 fn dh_table(robot: &Robot) -> String {
-    let mut table = Table::new(2);
+    let mut table = TextTable::new(2);
     table.row(["joint", "kind", "theta deg", "r mm", "l mm", "alpha deg", "from", "to", "unit"]);
     for (joint, [theta, r, l, alpha]) in robot.joints.iter().zip(robot.rows_of_file()) {
         let turns = joint.kind == JointKind::Revolute;
@@ -99,7 +101,7 @@ fn dh_table(robot: &Robot) -> String {
     format!("D-H rows, {}: A = {matrix}\n{}\n", robot.convention.name(), table.render())
 }
 
-/// How joints follow other actuators; empty of a serial arm.
+/// Returns the coupling of joints to other actuators; empty for a serial arm.
 fn coupling(robot: &Robot) -> String {
     let mut out = String::new();
     for (i, row) in robot.coupling.iter().enumerate() {
@@ -119,9 +121,9 @@ fn triple(v: &Vector3<f64>) -> String {
     format!("({x}, {y}, {z})")
 }
 
-/// Volume and extent in one line.
+/// Returns volume and extent in one line.
 pub fn size(size: &Size) -> String {
-    let Some(extent) = &size.extent else { return "nothing was found to be reachable".into() };
+    let Some(extent) = &size.extent else { return "no reachable point found".into() };
     format!(
         "{:.4} +- {:.4} m^3, {} to {} mm from the base axis, {} to {} mm high",
         size.volume,
@@ -133,18 +135,18 @@ pub fn size(size: &Size) -> String {
     )
 }
 
-/// Whose envelope it is, and how the tool is held.
+/// Returns the title of an envelope: robot, operation and elevation of the tool.
 pub fn envelope_title(envelope: &Reachable<'_>) -> String {
     let elevation = rounded(deg_from_rad(envelope.attitude.elevation), 3);
     let of = envelope.operation.map_or(String::new(), |o| format!(" of {}", shown(&o.name)));
     format!("{}: working envelope{of}, tool at {elevation} deg", shown(&envelope.robot.name))
 }
 
-/// Section, plans and size.
+/// Returns section, plans and size of an envelope.
 pub fn envelope(envelope: &Reachable<'_>) -> String {
     let size_of = &envelope.size;
     let mut out = format!("{}\n{}\n\n", envelope_title(envelope), envelope.family);
-    let mut table = Table::new(1);
+    let mut table = TextTable::new(1);
     let azimuth = fixed(deg_from_rad(envelope.azimuth), 1);
     let square = |area: f64| format!("{area:.4} m^2");
     let pieces = |count: usize| format!("{count} outline{}", if count == 1 { "" } else { "s" });
@@ -160,17 +162,24 @@ pub fn envelope(envelope: &Reachable<'_>) -> String {
     let _ = write!(out, "{}", table.render());
     let share = percent_from_share(size_of.error / size_of.volume.max(f64::MIN_POSITIVE));
     let _ = writeln!(out, "size: {}", size(size_of));
-    let how = if size_of.symmetric { "turned round the base axis" } else { "counted in x, y and z" };
+    let how = if size_of.symmetric {
+        "computed from the section by symmetry about the base axis"
+    } else {
+        "sampled in x, y and z"
+    };
     let _ = writeln!(
         out,
-        "{how}; +- is the change from twice the step ({share:.1} %); step {} mm, what is narrower may be missed",
+        "{how}; +- is the change from twice the step ({share:.1} %); step {} mm: narrower gaps may be missed",
         mm(envelope.step)
     );
-    let _ = writeln!(out, "base frame of the robot; joint limits are kept, collisions not looked at");
+    let _ = writeln!(
+        out,
+        "in the base frame of the robot; joint limits are respected, collisions are not checked"
+    );
     out
 }
 
-/// Joint coordinates at home, deg or mm; a passive joint has none.
+/// Returns the joint coordinates at home, deg or mm, without passive joints.
 fn home(robot: &Robot) -> String {
     let value = |(joint, q): (&Joint, &f64)| match joint.kind {
         JointKind::Revolute => rounded(deg_from_rad(*q), 3).to_string(),

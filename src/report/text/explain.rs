@@ -1,6 +1,6 @@
-//! One posture's numbers, step by step.
+//! The error calculation of one posture, step by step.
 
-use super::table::Table;
+use super::table::TextTable;
 use super::{fixed, percent, place_words};
 use crate::assess::{Explanation, Line, Motion, Place};
 use crate::cell::{Frame, JointKind, Reading, Registration, Unit};
@@ -11,7 +11,7 @@ use crate::units::{deg_from_rad, mm_from_m, rad_from_deg, rounded};
 use nalgebra::Vector3;
 use std::fmt::Write;
 
-/// Everything, in the order in which one would calculate it.
+/// Returns all steps in the order of the calculation.
 pub fn explanation(e: &Explanation<'_>) -> String {
     [place(e), dh_table(e), frames(e), motions(e), effects(e), models(e), sense(e), risk(e)].concat()
 }
@@ -31,7 +31,7 @@ fn place(e: &Explanation<'_>) -> String {
     );
     let _ = writeln!(
         out,
-        "  robot base, world: {} mm, turned {} deg; what follows is in its axes until \"world\" is said",
+        "  robot base, world: {} mm, turned {} deg; all vectors below are in base axes unless marked \"world\"",
         triple(&Vector3::new(base.x, base.y, base.z), 3, mm_from_m),
         fixed(deg_from_rad(base.yaw), 3)
     );
@@ -39,7 +39,7 @@ fn place(e: &Explanation<'_>) -> String {
 }
 
 fn dh_table(e: &Explanation<'_>) -> String {
-    let mut table = Table::indented(1);
+    let mut table = TextTable::indented(1);
     table.row(["row", "q", "theta deg", "r mm", "l mm", "alpha deg", ""]);
     for (k, row) in e.rows.iter().enumerate() {
         let q = match row.kind {
@@ -53,14 +53,14 @@ fn dh_table(e: &Explanation<'_>) -> String {
             fixed(mm_from_m(row.r), 4),
             fixed(mm_from_m(row.l), 4),
             fixed(deg_from_rad(row.alpha), 4),
-            if row.allowed { "" } else { "beyond its limit" }.to_string(),
+            if row.allowed { "" } else { "outside its limits" }.to_string(),
         ]);
     }
     format!("\n1. Links: A = Rz(theta) Tz(r) Tx(l) Rx(alpha)\n{}", table.render())
 }
 
 fn frames(e: &Explanation<'_>) -> String {
-    let mut table = Table::indented(1);
+    let mut table = TextTable::indented(1);
     table.row(["frame", "origin mm", "x axis", "z axis"]);
     let frames = &e.stance.frames;
     let links = frames.links[..=e.rows.len()].iter().enumerate();
@@ -77,7 +77,7 @@ fn frames(e: &Explanation<'_>) -> String {
 }
 
 fn motions(e: &Explanation<'_>) -> String {
-    let mut table = Table::indented(2);
+    let mut table = TextTable::indented(2);
     table.row(["parameter", "motion", "axis w", "lever p - o mm"]);
     for line in &e.lines {
         for motion in &line.motions {
@@ -89,7 +89,7 @@ fn motions(e: &Explanation<'_>) -> String {
             ]);
         }
     }
-    format!("\n3. Each error is a small motion of all that follows it\n{}", table.render())
+    format!("\n3. Each error is a small motion of all links behind it\n{}", table.render())
 }
 
 fn motion_words(motion: &Motion) -> String {
@@ -100,11 +100,11 @@ fn motion_words(motion: &Motion) -> String {
 }
 
 fn effects(e: &Explanation<'_>) -> String {
-    let mut table = Table::indented(1);
+    let mut table = TextTable::indented(1);
     let takes_off = e.takes_off();
     let (mut head, sample) = (vec!["parameter", "value", "effect g, mm per unit"], sample_word(e));
     if takes_off {
-        head.push("taken off g");
+        head.push("subtracted from g");
     }
     table.row(head.into_iter().chain(["linear term mm"]));
     let cell = e.stance.cell;
@@ -140,7 +140,7 @@ fn sample_word(e: &Explanation<'_>) -> &'static str {
     }
 }
 
-/// Effect of 1 degree or 1 mm in mm.
+/// Returns the effect of 1 degree or 1 mm, in mm.
 fn per_unit(g: &Vector3<f64>, unit: Unit) -> Vector3<f64> {
     match unit {
         Unit::Angle => g.map(mm_from_m) * rad_from_deg(1.0),
@@ -151,8 +151,8 @@ fn per_unit(g: &Vector3<f64>, unit: Unit) -> Vector3<f64> {
 fn models(e: &Explanation<'_>) -> String {
     let judged = &e.judged;
     let world = |d: &Displacement| d.turned(&e.stance.situation.site.world.transpose());
-    let mut table = Table::indented(1);
-    table.row(["model", "position mm", "size mm", "rotation deg", "off the nonlinear one"]);
+    let mut table = TextTable::indented(1);
+    table.row(["model", "position mm", "size mm", "rotation deg", "difference from nonlinear"]);
     let mut row = |name: &str, d: &Displacement, off: Option<f64>| {
         let d = world(d);
         table.row([
@@ -169,28 +169,32 @@ fn models(e: &Explanation<'_>) -> String {
     row("nonlinear", &judged.nonlinear, Some(0.0));
     if e.takes_off() {
         row("the robot alone, nonlinear", &e.robot, None);
-        row("of it taken off", &(e.robot - judged.nonlinear), None);
+        row("subtracted from it", &(e.robot - judged.nonlinear), None);
     }
     let mut out = format!("\n5. Models, world axes\n{}", table.render());
     let model = e.stance.gauge.model.name();
     let guard = percent(e.stance.cell.guard);
     let _ = match e.trusted() {
         true if e.off() == 0.0 => writeln!(out, "  the {model} model is exact"),
-        true => writeln!(out, "  the {model} model can be trusted here: within the guard of {guard}"),
-        false => writeln!(out, "  do NOT trust the {model} model here: off by more than {guard}"),
+        true => {
+            writeln!(out, "  the {model} model can be trusted here: its error is within the guard of {guard}")
+        }
+        false => {
+            writeln!(out, "  do NOT trust the {model} model here: its error exceeds the guard of {guard}")
+        }
     };
     if e.takes_off() {
-        let _ = writeln!(out, "  taken off: {}", taken_words(e));
+        let _ = writeln!(out, "  subtracted: {}", taken_words(e));
     }
     out
 }
 
-/// What takes something off the robot's error.
+/// Returns what reduces the error of the robot alone.
 fn taken_words(e: &Explanation<'_>) -> String {
     let registration = match e.stance.cell.registration {
         Registration::None => None,
-        Registration::BestFit => Some("the base frame as best-fitted"),
-        Registration::Taught => Some("the surface frame as taught"),
+        Registration::BestFit => Some("the best-fitted base frame"),
+        Registration::Taught => Some("the taught surface frame"),
     };
     let reference = e.stance.situation.reference.as_ref().map(|_| "the error of the pick");
     let moved = |l: &Line| matches!(l.source.parameter, crate::cell::Parameter::Equipment(..));
@@ -217,7 +221,7 @@ fn sense(e: &Explanation<'_>) -> String {
         let _ = writeln!(out, "  {how} {axis}: {} {}", fixed(unit.from_si(row.value), 5), unit.word());
     }
     let size = fixed(unit.from_si(e.figures().error), 5);
-    let _ = writeln!(out, "  size, the root of their squares added up: {size} {}", unit.word());
+    let _ = writeln!(out, "  size, the root of the sum of squares (RSS): {size} {}", unit.word());
     out
 }
 
@@ -234,7 +238,7 @@ fn risk(e: &Explanation<'_>) -> String {
         .collect();
     let word = unit.word();
     let mut out = format!(
-        "\n7. As plus-or-minus\n  worst case: {worst_linear} {word} by the linear model, {worst} {word} by the {} one, at\n    \
+        "\n7. As plus-or-minus tolerances\n  worst case: {worst_linear} {word} by the linear model, {worst} {word} by the {} one, at\n    \
          {}\n  rms {rms}, mean {mean}, p95 {p95}, p99 {p99} {word}, to first order\n",
         gauge.model.name(),
         corner.join(" ")
@@ -253,7 +257,7 @@ fn risk(e: &Explanation<'_>) -> String {
     out
 }
 
-/// A vector in brackets.
+/// Returns a vector in brackets.
 fn triple(v: &Vector3<f64>, digits: usize, outside: fn(f64) -> f64) -> String {
     let [x, y, z] = [v.x, v.y, v.z].map(|c| fixed(outside(c), digits));
     format!("({x}, {y}, {z})")

@@ -1,4 +1,4 @@
-//! What the maps say, operation by operation.
+//! Summary of the error maps, operation by operation.
 
 use super::compare::margin;
 use super::{feasibility, mm1, percent, percent1};
@@ -11,7 +11,7 @@ use crate::reading::{Estimate, Figures};
 use crate::units::deg_from_rad;
 use std::fmt::Write;
 
-/// What the map says, operation by operation.
+/// Returns the summary of every map, of the transfers and of the feasibility.
 pub fn maps(a: &Assessment<'_>) -> String {
     let mut out = String::new();
     for map in &a.maps {
@@ -28,7 +28,7 @@ pub fn maps(a: &Assessment<'_>) -> String {
     out
 }
 
-/// The limit of an operation, met or missed.
+/// Returns the limit of an operation and whether it is met.
 fn limit_in_words(a: &Assessment<'_>, operation: usize) -> Option<String> {
     let (r, unit) = (a.requirement(operation)?, a.cell.unit());
     Some(format!("limit {:.4} {}: {}", unit.from_si(r.limit), unit.word(), margin(a, r)))
@@ -86,7 +86,7 @@ fn map_summary(a: &Assessment<'_>, map: &OperationMap) -> String {
     out
 }
 
-/// The spot between the nodes, and what it gains.
+/// Returns the refined spot between the nodes and its gain.
 fn refined_summary(a: &Assessment<'_>, k: usize) -> Option<String> {
     let (refined, unit) = (a.refined[k].as_ref()?, a.cell.unit());
     let [x, y, z] = [refined.position.x, refined.position.y, refined.position.z].map(mm1);
@@ -97,7 +97,7 @@ fn refined_summary(a: &Assessment<'_>, k: usize) -> Option<String> {
     ))
 }
 
-/// The same errors read in other ways.
+/// Returns worst case, rms and percentiles at a spot.
 fn risk(f: &Figures, unit: Unit, success: Option<f64>) -> String {
     let [worst, rms, p95, p99] = [f.worst, f.rms, f.p95, f.p99].map(|v| format!("{:.4}", unit.from_si(v)));
     let success = success.map_or(String::new(), |s| format!(", yield {s:.6}"));
@@ -105,7 +105,7 @@ fn risk(f: &Figures, unit: Unit, success: Option<f64>) -> String {
     format!("worst case {worst}, rms {rms}, p95 {p95}, p99 {p99} {unit}{success}")
 }
 
-/// The verdict of the samples on the first-order figures.
+/// Returns the Monte Carlo check of the first-order figures.
 fn samples_summary(a: &Assessment<'_>, k: usize) -> Option<String> {
     let samples = a.samples[k].as_ref()?;
     let unit = a.cell.operations[k].sense.unit;
@@ -115,10 +115,10 @@ fn samples_summary(a: &Assessment<'_>, k: usize) -> Option<String> {
     };
     let verdict = match a.first_order_holds(k)? {
         true => "the first-order figures hold",
-        false => "the first-order figures do NOT hold: trust the samples",
+        false => "the first-order figures do NOT hold: use those of the samples",
     };
     Some(format!(
-        "{} samples of the nonlinear model: rms {}, p95 {}, p99 {} {}; {verdict}",
+        "{} Monte Carlo samples of the nonlinear model: rms {}, p95 {}, p99 {} {}; {verdict}",
         samples.samples,
         said(&samples.rms),
         said(&samples.p95),
@@ -127,24 +127,24 @@ fn samples_summary(a: &Assessment<'_>, k: usize) -> Option<String> {
     ))
 }
 
-/// How far the models are off, and whether the chosen one can be trusted.
+/// Returns the largest error of each model, and whether the chosen one can be trusted.
 fn guard_summary(cell: &Cell, map: &OperationMap) -> String {
     let most = |model| percent(map.off(model, cell.guard).0);
     let trust = distrust(cell, map)
         .unwrap_or_else(|| format!("the {} model can be trusted at every node", cell.model.name()));
     format!(
-        "off the nonlinear model at most: linear {}, second-order {}; {trust}",
+        "largest difference from the nonlinear model: linear {}, second-order {}; {trust}",
         most(Model::Linear),
         most(Model::SecondOrder)
     )
 }
 
-/// Where the chosen model is not to be trusted; None if it can be.
+/// Returns where the chosen model cannot be trusted; None if it can be everywhere.
 pub fn distrust(cell: &Cell, map: &OperationMap) -> Option<String> {
     let (most, above, all) = map.off(cell.model, cell.guard);
     (above > 0).then(|| {
         format!(
-            "do NOT trust the {} model at {above} of {all} nodes (off by up to {}, the guard is {})",
+            "do NOT trust the {} model at {above} of {all} nodes (off by up to {}, more than the guard of {})",
             cell.model.name(),
             percent(most),
             percent(cell.guard)
@@ -152,7 +152,7 @@ pub fn distrust(cell: &Cell, map: &OperationMap) -> Option<String> {
     })
 }
 
-/// The claim of section 4.3 (no discrepancy above 1 %), looked at node by node.
+/// Returns the largest discrepancy of the linear model: section 4.3 of the seed paper claims at most 1 %.
 fn discrepancy_summary(map: &OperationMap) -> String {
     let all: Vec<Discrepancy> = map.usable().map(|(_, _, p)| discrepancy(&p.nonlinear, &p.linear)).collect();
     let of = |f: fn(&Discrepancy) -> Option<f64>| {
@@ -170,5 +170,5 @@ fn discrepancy_summary(map: &OperationMap) -> String {
         said("y", of(|d| d.y)),
         said("z", of(|d| d.z)),
     ];
-    format!("linear against nonlinear model, largest discrepancy: {}", parts.join(", "))
+    format!("largest discrepancy of the linear from the nonlinear model: {}", parts.join(", "))
 }

@@ -1,4 +1,4 @@
-//! What a person reads in the terminal.
+//! Text for the terminal.
 
 mod budget;
 mod compare;
@@ -34,7 +34,7 @@ use crate::assess::Stance;
 use crate::files::shown;
 use crate::units::{mm_from_m, percent_from_share, rounded};
 
-/// Cell, robot, error set and model in one line.
+/// Returns cell, robot, error set and model in one line.
 pub fn question(cell: &Cell) -> String {
     format!(
         "{}: {}, errors {}, {} model",
@@ -45,7 +45,7 @@ pub fn question(cell: &Cell) -> String {
     )
 }
 
-/// The same with reading and registration.
+/// Returns cell, robot, error set, model, reading and registration in one line.
 pub fn headline(cell: &Cell) -> String {
     let reading = match cell.reading {
         Reading::Signed => String::new(),
@@ -59,34 +59,36 @@ pub fn headline(cell: &Cell) -> String {
     format!("{}{reading}{registration}", question(cell))
 }
 
-/// Signs whose number of nodes is told even if there are none.
-const USUAL: [NodeSign; 4] =
+/// Signs of nodes that are counted even if there are none.
+const ALWAYS_COUNTED: [NodeSign; 4] =
     [NodeSign::Usable, NodeSign::Collision, NodeSign::JointLimit, NodeSign::OutOfReach];
 
+/// Returns a length in mm, rounded to 1 um.
 fn mm(m: f64) -> String {
     rounded(mm_from_m(m), 3).to_string()
 }
 
+/// Returns a length in mm with one decimal.
 fn mm1(m: f64) -> String {
     format!("{:.1}", rounded(mm_from_m(m), 1))
 }
 
-/// A share as percent.
+/// Returns a share as percent with up to three decimals.
 fn percent(share: f64) -> String {
     format!("{} %", rounded(percent_from_share(share), 3))
 }
 
-/// The same in sentences and columns of shares.
+/// Returns a share as percent with one decimal.
 fn percent1(share: f64) -> String {
     format!("{} %", fixed(percent_from_share(share), 1))
 }
 
-/// With so many decimals, never the negative zero.
+/// Returns a number with a fixed count of decimals, never as negative zero.
 fn fixed(value: f64, digits: usize) -> String {
     format!("{:.digits$}", rounded(value, digits as i32))
 }
 
-/// A value with its unit, a share in percent.
+/// Returns a value with its unit, a share in percent.
 fn amount(unit: Unit, si: f64) -> String {
     match unit {
         Unit::Share => format!("{} %", fixed(percent_from_share(si), 4)),
@@ -94,7 +96,7 @@ fn amount(unit: Unit, si: f64) -> String {
     }
 }
 
-/// Operation, surface, node and position in one line.
+/// Returns operation, surface, node and position in one line.
 fn place_words(stance: &Stance<'_>) -> String {
     let operation = &stance.cell.operations[stance.operation];
     let surface = shown(&stance.cell.equipment[operation.equipment].name);
@@ -106,7 +108,7 @@ fn place_words(stance: &Stance<'_>) -> String {
     format!("{} on {surface}: {at}, x {x} y {y} z {z} mm\n", shown(&operation.name))
 }
 
-/// What tightening a tolerance makes smaller, with its article.
+/// Returns the quantity that tightening a tolerance reduces, with its article.
 fn tightened_word(stance: &Stance<'_>) -> &'static str {
     match (stance.gauge.reading, stance.gauge.quantity) {
         (Reading::Statistical, Quantity::Yield) => "the share of failures",

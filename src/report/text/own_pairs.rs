@@ -1,11 +1,11 @@
-//! Which solids of the robot are checked against each other, in words.
+//! Self-collision: which solids of the robot are checked against each other.
 
 use crate::clearance::{Allowed, OwnPair};
 use crate::files::shown;
 use crate::layout::Workcell;
 
-/// One line: how many pairs are checked, and which may touch; those that the drawing implies only
-/// counted.
+/// Returns one line: how many pairs are checked, and which may touch; pairs that follow from the chain are
+/// only counted.
 pub fn own_pairs(workcell: &Workcell) -> String {
     let pairs = workcell.own_pairs();
     if pairs.is_empty() {
@@ -17,7 +17,7 @@ pub fn own_pairs(workcell: &Workcell) -> String {
         format!("{a} - {b}")
     };
     let mut may = vec![
-        format!("{} of neighbours", count(Some(Allowed::Neighbours))),
+        format!("{} between neighbouring links", count(Some(Allowed::Neighbours))),
         format!("{} of the same link", count(Some(Allowed::SameLink))),
     ];
     for why in [Allowed::Given, Allowed::AlwaysTouch] {

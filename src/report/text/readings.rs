@@ -1,6 +1,6 @@
-//! The layout as drawn in every reading.
+//! The layout as drawn under every reading and registration.
 
-use super::table::Table;
+use super::table::TextTable;
 use super::{amount, fixed, mm1, percent1};
 use crate::assess::{Readings, Row};
 use crate::cell::{ErrorSet, Registration};
@@ -8,7 +8,7 @@ use crate::files::shown;
 use crate::kinematic_error::NOTHING;
 use std::fmt::Write;
 
-/// One table per operation, then what they say.
+/// Returns one table per operation, then the findings.
 pub fn readings(r: &Readings<'_>) -> String {
     let mut out = String::new();
     for (operation, rows) in r.cell.operations.iter().zip(&r.operations) {
@@ -35,7 +35,7 @@ pub fn readings(r: &Readings<'_>) -> String {
 }
 
 fn table(rows: &[Row]) -> String {
-    let mut table = Table::indented(3);
+    let mut table = TextTable::indented(3);
     table.row([
         "reading",
         "of",
@@ -70,12 +70,12 @@ fn table(rows: &[Row]) -> String {
     table.render()
 }
 
-/// What the tables say, in words.
+/// Returns the findings of the tables in sentences.
 pub fn findings(r: &Readings<'_>) -> Vec<String> {
     regret(r).into_iter().chain(registered(r)).collect()
 }
 
-/// What choosing by the signed sample costs.
+/// Returns the regret of choosing the spot by the signed sample.
 fn regret(r: &Readings<'_>) -> Vec<String> {
     if matches!(r.cell.error_set(), ErrorSet::Tolerance(_)) {
         return vec![format!(
@@ -85,10 +85,10 @@ fn regret(r: &Readings<'_>) -> Vec<String> {
     }
     let Some((k, row, ratio)) = r.largest_regret() else { return Vec::new() };
     if ratio < 1.0 + 5e-4 {
-        return vec!["choosing by the signed sample costs nothing in any other reading".into()];
+        return vec!["choosing the spot by the signed sample costs nothing in any other reading".into()];
     }
     vec![format!(
-        "choosing by the signed sample costs up to {} times the least {} ({}, {})",
+        "choosing the spot by the signed sample costs up to {} times the least {} ({}, {})",
         fixed(ratio, 2),
         row.quantity_name(),
         shown(&r.cell.operations[k].name),
@@ -99,7 +99,7 @@ fn regret(r: &Readings<'_>) -> Vec<String> {
     )]
 }
 
-/// What registration does to the worst case at the spot that is best without it.
+/// Returns how registration changes the worst case at the spot that is best without it.
 fn registered(r: &Readings<'_>) -> Vec<String> {
     let mut said = Vec::new();
     for (k, operation) in r.cell.operations.iter().enumerate() {

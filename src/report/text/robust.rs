@@ -1,4 +1,4 @@
-//! What misplacement does to each operation.
+//! The effect of misplaced equipment on each operation.
 
 use super::{amount, fixed, percent1};
 use crate::record::value_word;
@@ -9,16 +9,20 @@ use crate::layout::{Corner, Ended, Largest, Lost, Robustness};
 use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg, rounded};
 use std::fmt::Write;
 
-/// Corners told one by one at which an operation is lost.
-const TOLD: usize = 3;
+/// Most corners listed at which an operation is lost.
+const MAX_LOST_SHOWN: usize = 3;
 
-/// What misplacement does to each operation of a layout; empty if it was not asked.
+/// Returns the effect of misplacement on each operation of a layout; empty if it was not computed.
 pub fn robustness(a: &Assessment<'_>) -> String {
     let mut out = String::new();
     for (k, robustness) in a.robustness.iter().enumerate() {
         let operation = &a.cell.operations[k];
         let surface = shown(&a.cell.equipment[operation.equipment].name);
-        let _ = write!(out, "{} on {surface}, misplaced with spot and branch kept: ", shown(&operation.name));
+        let _ = write!(
+            out,
+            "{} on {surface}, misplaced, with the same spot and posture branch: ",
+            shown(&operation.name)
+        );
         match robustness {
             None => out.push_str("no usable node\n"),
             Some(r) => {
@@ -33,7 +37,7 @@ pub fn robustness(a: &Assessment<'_>) -> String {
     out
 }
 
-/// What misplacement does to one operation, line by line.
+/// Returns the effect of misplacement on one operation, line by line.
 pub fn robust_lines(cell: &Cell, k: usize, r: &Robustness) -> Vec<String> {
     let mut lines = Vec::new();
     if let Some(worst) = &r.worst {
@@ -46,10 +50,10 @@ pub fn robust_lines(cell: &Cell, k: usize, r: &Robustness) -> Vec<String> {
             moves(cell, &worst.moves)
         ));
     }
-    for lost in r.lost.iter().take(TOLD) {
+    for lost in r.lost.iter().take(MAX_LOST_SHOWN) {
         lines.push(format!("LOST at {}: {}", moves(cell, &lost.moves), lost.status.reason(cell)));
     }
-    if r.lost.len() > TOLD {
+    if r.lost.len() > MAX_LOST_SHOWN {
         lines.push(format!("LOST at {} of {} corners in all", r.lost.len(), r.corners));
     }
     lines.push(format!("changes by {}", slopes(cell, r)));
@@ -73,20 +77,20 @@ fn most(largest: &Largest, said: impl Fn(f64) -> String) -> String {
     said(largest.most) + more
 }
 
-/// What ends it.
+/// Returns what limits the misplacement.
 fn because(cell: &Cell, largest: &Largest) -> String {
     match &largest.ended {
         None => String::new(),
         Some(Ended::Limit(Corner { moves: at, .. })) => {
-            format!(": then beyond its limit at {}", moves(cell, at))
+            format!(": beyond that it exceeds its limit at {}", moves(cell, at))
         }
         Some(Ended::Lost(Lost { moves: at, status })) => {
-            format!(": then {} at {}", status.reason(cell), moves(cell, at))
+            format!(": beyond that {} at {}", status.reason(cell), moves(cell, at))
         }
     }
 }
 
-/// "worktable x+2 y-2 yaw+0.2", mm and degrees.
+/// Returns a misplacement such as "worktable x+2 y-2 yaw+0.2", mm and degrees.
 fn moves(cell: &Cell, moves: &[(Slot, f64)]) -> String {
     let (mut said, mut of) = (String::new(), String::new());
     for (slot, by) in moves {
@@ -116,7 +120,7 @@ fn axis(slot: Slot) -> &'static str {
     }
 }
 
-/// The gradient: unit per mm and per degree.
+/// Returns the gradient, in the unit of the objective per mm and per degree.
 fn slopes(cell: &Cell, r: &Robustness) -> String {
     let unit = cell.unit();
     let one = |(slot, slope): &(Slot, Option<f64>)| {

@@ -1,15 +1,15 @@
 //! The table of a sweep.
 
-use super::table::Table;
+use super::table::TextTable;
 use crate::files::shown;
 use crate::record::{SweepGroup, SweepRow, SweepSpot, SweepTable};
 use crate::report::sweep::word;
 use std::fmt::Write;
 
-/// Lists every row with the best marked, then the best of every value.
+/// Returns the table of all rows with the best marked, then the best of every value.
 pub fn sweep(document: &SweepTable) -> String {
     let Some(first) = document.rows.first() else { return String::new() };
-    let mut table = Table::new(2 + first.set.len());
+    let mut table = TextTable::new(2 + first.set.len());
     let mut head = vec![String::new(), "#".into()];
     head.extend(first.set.keys().map(|path| shown(path)));
     head.push("objective".into());
@@ -47,9 +47,9 @@ fn operation(spot: &SweepSpot) -> String {
     }
 }
 
-/// Writes a line for every value of every set.
+/// Returns one line for every value of every set.
 fn summary(document: &SweepTable) -> String {
-    let mut table = Table::new(2);
+    let mut table = TextTable::new(2);
     table.row(["set", "value", "best", "#", "feasible"]);
     for group in &document.best_of {
         let SweepGroup { path, value, combinations, feasible, best, .. } = group;

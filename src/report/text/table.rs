@@ -1,38 +1,41 @@
-//! Tables of text: columns as wide as their widest cell.
+//! Text tables: columns as wide as their widest cell.
 
 use std::fmt::Write;
 
-/// Rows of cells; the first `left` columns are flush left, the others right.
-pub struct Table {
+/// Rows of cells; the first `left` columns are aligned left, the others right.
+pub struct TextTable {
     rows: Vec<Vec<String>>,
     left: usize,
     indent: &'static str,
 }
 
-impl Table {
+impl TextTable {
+    /// Makes an empty table.
     pub fn new(left: usize) -> Self {
         Self { rows: Vec::new(), left, indent: "" }
     }
 
-    /// Set in under a heading.
+    /// Makes an empty table that is indented under a heading.
     pub fn indented(left: usize) -> Self {
         Self { indent: "  ", ..Self::new(left) }
     }
 
+    /// Adds a row.
     pub fn row<S: Into<String>>(&mut self, cells: impl IntoIterator<Item = S>) {
         self.rows.push(cells.into_iter().map(Into::into).collect());
     }
 
-    /// A row that begins with a group and a label.
+    /// Adds a row that begins with a group and a label.
     pub fn labelled(&mut self, group: &str, label: &str, cells: impl Iterator<Item = String>) {
         self.row([group.to_string(), label.to_string()].into_iter().chain(cells));
     }
 
-    /// As they were added, to be shown otherwise.
+    /// Returns the rows as they were added.
     pub fn rows(&self) -> &[Vec<String>] {
         &self.rows
     }
 
+    /// Returns the table as aligned text.
     pub fn render(&self) -> String {
         let columns = self.rows.iter().map(Vec::len).max().unwrap_or(0);
         let cell_width = |row: &Vec<String>, k: usize| row.get(k).map_or(0, |c| c.chars().count());

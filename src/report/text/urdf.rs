@@ -1,6 +1,6 @@
-//! What was made of a URDF.
+//! The D-H rows derived from a URDF.
 
-use super::table::Table;
+use super::table::TextTable;
 use crate::cell::{JointKind, Robot, UrdfOrigin};
 use crate::files::shown;
 use crate::pose::Pose;
@@ -8,12 +8,12 @@ use crate::record::roll_pitch_yaw;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use nalgebra::Vector3;
 
-/// The derived rows of a robot and what of its URDF is not used; empty for one of D-H rows.
+/// Returns the derived D-H rows of a robot and the unused parts of its URDF; empty for a robot file of D-H rows.
 pub fn derived(robot: &Robot) -> String {
     let Some(UrdfOrigin { file, base_link, tip_link, tip, ignored }) = &robot.urdf else {
         return String::new();
     };
-    let mut table = Table::indented(2);
+    let mut table = TextTable::indented(2);
     table.row(["row", "joint", "theta deg", "r mm", "l mm", "alpha deg", "from", "to", ""]);
     for (k, joint) in robot.joints.iter().enumerate() {
         let (unit, si): (_, fn(f64) -> f64) = match joint.kind {
@@ -45,7 +45,7 @@ pub fn derived(robot: &Robot) -> String {
 
 fn placed(what: &str, pose: &Pose) -> String {
     if *pose == Pose::identity() {
-        return format!("  {what}: the same\n");
+        return format!("  {what}: identical\n");
     }
     let triple = |v: Vector3<f64>| v.iter().map(|v| rounded(*v, 6).to_string()).collect::<Vec<_>>().join(" ");
     let (at, turn) = (pose.translation.map(mm_from_m), roll_pitch_yaw(pose).map(deg_from_rad));

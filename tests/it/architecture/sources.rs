@@ -1,23 +1,23 @@
-//! Reads the source files as text, and finds in them code, paths and words.
+//! Reads the source files as text and finds code, paths and words in them.
 
 use std::path::Path;
 
-/// A source file of src.
+/// Source file of src.
 pub struct File {
-    /// Below src, with forward slashes.
+    /// Path below src, with forward slashes.
     pub path: String,
     pub text: String,
-    /// The text with comments and the insides of texts blanked.
+    /// Text with comments and the contents of strings blanked.
     pub code: String,
 }
 
 impl File {
-    /// The module at the top that it belongs to: `cell` for cell/mesh.rs, `compare` for compare.rs.
+    /// Returns the top module of the file: `cell` for cell/layout.rs, `pose` for pose.rs.
     pub fn module(&self) -> &str {
         self.path.split('/').next().unwrap().trim_end_matches(".rs")
     }
 
-    /// Only here may the outside world be touched.
+    /// Says whether the file belongs to the edge, which alone may touch the outside world.
     pub fn is_edge(&self) -> bool {
         ["cli", "main"].contains(&self.module())
     }
@@ -44,7 +44,7 @@ fn collect(folder: &Path, prefix: &str, files: &mut Vec<File>) {
     }
 }
 
-/// The text with comments and the insides of texts blanked; lines stay lines.
+/// Returns a text with comments and the contents of strings blanked. Its lines stay lines.
 fn code_of(text: &str) -> String {
     let chars: Vec<char> = text.chars().collect();
     let mut code = String::with_capacity(text.len());
@@ -63,7 +63,7 @@ fn code_of(text: &str) -> String {
     code
 }
 
-/// Where a comment, text or character that starts at `k` ends; `k` itself if none does.
+/// Returns the end of the comment, string or character that starts at `k`, or `k` if none does.
 fn end_of_no_code(chars: &[char], k: usize) -> usize {
     let starts = |word: &str| word.chars().enumerate().all(|(i, c)| chars.get(k + i) == Some(&c));
     let in_name = k > 0 && (chars[k - 1].is_alphanumeric() || chars[k - 1] == '_');
@@ -103,7 +103,7 @@ fn end_of_text(chars: &[char], mut k: usize) -> usize {
     k + 1
 }
 
-/// Block comments nest.
+/// Returns the end of a block comment. Block comments nest.
 fn end_of_block(chars: &[char], mut k: usize) -> usize {
     let mut depth = 0;
     while k < chars.len() {
@@ -119,7 +119,7 @@ fn end_of_block(chars: &[char], mut k: usize) -> usize {
     k
 }
 
-/// The names of a path in code, as `std::fs` or `{self, fs}` after `std::`, spread out.
+/// Returns the names after a path root in code: `fs` for `std::fs`, `fmt` and `io` for `std::{fmt, io}`.
 pub fn paths_from(code: &str, root: &str) -> Vec<String> {
     heads_at(code, root).into_iter().map(|(name, _)| name).collect()
 }
@@ -137,7 +137,7 @@ pub fn heads_at(code: &str, root: &str) -> Vec<(String, usize)> {
     starts.flat_map(names).collect()
 }
 
-/// The first names after `root::`: one, or all of a group in braces.
+/// Returns the first names after `root::`: one, or all names of a group in braces.
 fn heads(rest: &str) -> Vec<String> {
     let name = |s: &str| s.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>();
     let rest = rest.trim_start();
@@ -160,7 +160,7 @@ fn heads(rest: &str) -> Vec<String> {
     names
 }
 
-/// Files (not allowed) whose code has one of the words.
+/// Returns the lines of code that hold one of the words, outside the allowed files.
 pub fn with_words(words: &[&str], allowed: impl Fn(&File) -> bool) -> Vec<String> {
     let has = |f: &File| {
         let lines = f.code.lines().enumerate();
@@ -170,7 +170,7 @@ pub fn with_words(words: &[&str], allowed: impl Fn(&File) -> bool) -> Vec<String
     sources().iter().filter(|f| !allowed(f)).flat_map(has).collect()
 }
 
-/// Whole words only: `parry3d` is not in `parry3d_like`.
+/// Says whether code uses a crate by its whole name: `parry3d_like` does not use `parry3d`.
 pub fn uses_crate(code: &str, name: &str) -> bool {
     let word = |c: Option<char>| c.is_some_and(|c| c.is_alphanumeric() || c == '_');
     code.match_indices(name)

@@ -1,4 +1,4 @@
-//! Iso-lines of a surface over a grid.
+//! Tests iso-lines of a surface over a grid.
 
 use sweetspot::report::chart::iso::Surface;
 
@@ -29,7 +29,7 @@ fn iso_lines_of_a_plane_are_straight_and_have_their_value() {
     }
 }
 
-/// Bilinear on the edges of the cells, where the value on the line is known otherwise.
+/// Values on the edges of a grid cell are known by linear interpolation.
 #[test]
 fn an_iso_line_crosses_grid_edges_by_linear_interpolation() {
     let f = |x: f64, y: f64| (0.9 * x).sin() + (0.7 * y).cos() * 1.3;

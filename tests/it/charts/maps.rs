@@ -1,4 +1,4 @@
-//! Heat maps and drawings of a layout.
+//! Tests heat maps and drawings of a layout.
 
 use super::{check, number, renamed, start};
 use crate::common::workcell;
@@ -40,7 +40,7 @@ fn a_heat_map_shows_hostile_names_as_text() {
     }
 }
 
-/// Texts of a picture.
+/// Returns the texts of a picture.
 fn texts(svg: &str) -> Vec<String> {
     let document = roxmltree::Document::parse(svg).unwrap();
     let all = document.descendants().filter(|n| n.tag_name().name() == "text");
@@ -67,7 +67,7 @@ fn a_legend_lists_exactly_the_node_signs_in_the_map() {
     }
 }
 
-/// Grids without areas, fields without a span, nothing usable: a picture all the same.
+/// Grids without area, constant fields and maps without a usable node still give a picture.
 #[test]
 fn maps_of_few_nodes_or_constant_values_are_drawn() {
     let workcell = workcell("hitachi_paper.toml");
@@ -112,7 +112,7 @@ fn maps_of_few_nodes_or_constant_values_are_drawn() {
     check("heat-odd-row", &row);
 }
 
-/// The spot stands in the picture where its millimetres say, by the numbers of the axes.
+/// The axis numbers place the spot where its millimetres say.
 #[test]
 fn the_spot_is_drawn_where_the_axes_place_it() {
     let workcell = workcell("hitachi_paper.toml");
@@ -137,8 +137,7 @@ fn the_spot_is_drawn_where_the_axes_place_it() {
     assert!((at - sweetspot::units::mm_from_m(own.x)).abs() < 1.0, "{at} {own}");
 }
 
-/// The whole cell: every sign its own, the fence and the keep-outs there, no text cut, and of many nodes
-/// only some.
+/// The map shows every node sign, the fence and the keep-out boxes, cuts no text and thins many nodes.
 #[test]
 fn the_heat_map_of_a_cell_shows_every_node() {
     for name in ["hitachi_cell", "drilling_cell"] {

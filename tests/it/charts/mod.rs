@@ -1,6 +1,6 @@
-//! The charts of a report: well formed, true to their records, and never without answer.
+//! Tests the charts of a report: well formed, true to their records, and never without an answer.
 //!
-//! With SWEETSPOT_CHARTS set to a folder the charts of the tests are written there.
+//! With SWEETSPOT_CHARTS set to a folder, the charts of the tests are written there.
 
 mod iso;
 mod maps;
@@ -13,14 +13,14 @@ use sweetspot::assess::Assessment;
 use sweetspot::cell::Cell;
 use sweetspot::layout::Workcell;
 
-/// The names that are made hostile.
+/// Hostile name.
 pub const HOSTILE: &str = "<script>alert('x')</script> & \"quoted\" ]]> \u{1} 溶接作業台";
 
 pub fn start(workcell: &Workcell) -> Assessment<'_> {
     Assessment::new("start", workcell, workcell.cell.start())
 }
 
-/// Every name a hostile one.
+/// Returns a cell in which every name is hostile.
 pub fn renamed(mut cell: Cell) -> Cell {
     cell.name = HOSTILE.into();
     cell.robot.name = HOSTILE.into();
@@ -29,13 +29,13 @@ pub fn renamed(mut cell: Cell) -> Cell {
     cell
 }
 
-/// A number of an element.
+/// Returns a numeric attribute of an element.
 pub fn number(node: &roxmltree::Node<'_, '_>, attribute: &str) -> f64 {
     node.attribute(attribute).unwrap().parse().unwrap()
 }
 
-/// Looks at a chart as a page and as a file would: well formed, no style, no id, no script, nothing but
-/// numbers in geometry, every text inside the picture. Kept under a name if asked.
+/// Checks a chart as a page and as a file: well formed, without style, id and script, with numbers only in
+/// geometry and every text inside the picture. Keeps it under a name if requested.
 pub fn check(name: &str, svg: &str) {
     keep(name, svg);
     let document = roxmltree::Document::parse(svg).unwrap_or_else(|e| panic!("{name}: {e}\n{svg}"));
@@ -71,7 +71,7 @@ pub fn keep(name: &str, svg: &str) {
     crate::common::keep_to_look_at(&format!("{name}.svg"), svg);
 }
 
-/// No text begins or ends outside, by a narrower measure of letters than the charts take.
+/// Checks that no text begins or ends outside the picture, with narrower letters than the charts assume.
 pub fn inside(name: &str, root: &roxmltree::Node<'_, '_>, width: f64) {
     let size: Vec<f64> = root.attribute("viewBox").unwrap().split(' ').map(|v| v.parse().unwrap()).collect();
     assert_eq!(size[2], width);

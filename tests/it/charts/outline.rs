@@ -1,4 +1,4 @@
-//! Silhouettes of solids in the plans.
+//! Tests outlines of solids in the plans.
 
 use nalgebra::{Vector2, Vector3};
 use sweetspot::cell::Shape;
@@ -28,7 +28,7 @@ fn the_outlines_of_a_box_and_a_ball_have_the_right_area() {
     assert!((disc / std::f64::consts::PI - 1.0).abs() < 0.01, "{disc}");
 }
 
-/// Two boxes as one mesh: the gap between them is seen.
+/// Two boxes in one mesh show the gap between them.
 #[test]
 fn the_outline_of_a_concave_solid_keeps_its_gaps() {
     let cube = |x: f64| {

@@ -1,4 +1,4 @@
-//! Plots of budgets and searches.
+//! Tests plots of budgets and searches.
 
 use super::{check, number, start};
 use crate::common::workcell;
@@ -8,7 +8,7 @@ use sweetspot::layout::Workcell;
 use sweetspot::report::chart::{Course, convergence, discrepancy, histogram, misplacement, pareto, tornado};
 use sweetspot::search;
 
-/// The bars of the budget at a spot are as long as its shares.
+/// Checks that the bars of the budget at a spot are as long as its shares.
 fn budget(name: &str, workcell: &Workcell, a: &Assessment<'_>) {
     let stance = Stance::at(workcell, &a.layout, &a.maps, 0, At::Best).unwrap_or_else(|e| panic!("{e:?}"));
     let account = Account::new(stance);

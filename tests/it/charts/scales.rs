@@ -1,4 +1,4 @@
-//! Scales of numbers and of colours.
+//! Tests scales of numbers and of colours.
 
 use sweetspot::report::chart::axes::Scale;
 use sweetspot::report::chart::colour_scale::ColourScale;

@@ -1,4 +1,4 @@
-//! Texts of the charts: wrapped, numbered, and placed so that none covers another.
+//! Tests the texts of the charts: wrapped, formatted, and placed without covering each other.
 
 use sweetspot::report::chart::histogram::rows;
 use sweetspot::report::chart::labels::Taken;

@@ -1,14 +1,14 @@
-//! Convex parts kept between runs: used, mended when damaged, done without.
+//! Tests convex parts cached between runs: used, repaired when damaged, and done without.
 
-use crate::cli::shop::{CELL, Shop, ran};
+use crate::cli::sandbox::{CELL, Sandbox, ran};
 
-/// An angle of two bars on the forearm.
+/// Angle of two bars on the forearm.
 const ANGLE: &str = "from = \"hitachi_cell.toml\"\n[robot]\n\
     solid = [{ name = \"angle\", link = 3, mesh = { file = \"equipment/machine.stl\", units = \"mm\", centre_mm = [0, 0, 0] } }]\n";
 
 #[test]
 fn the_cache_changes_nothing_but_the_time() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     shop.write("cells/angle.toml", ANGLE);
     let map = |cache: &str| {
         let mut command = shop.command(&["map", "cells/angle.toml", "--json"]);

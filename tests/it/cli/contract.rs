@@ -1,6 +1,6 @@
-//! Exit codes and streams, the JSON contract, the files of a search, hostile input.
+//! Tests exit codes and streams, the JSON contract, the files of a search, and hostile input.
 
-use crate::cli::shop::*;
+use crate::cli::sandbox::*;
 use serde_json::Value;
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -9,7 +9,7 @@ use std::process::{Command, Stdio};
 
 #[test]
 fn success_exits_0_with_data_on_stdout_and_notes_on_stderr() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let search = ["search", CELL, "--budget", "2000", "--out", "found"];
     for args in [
         &["check", CELL][..],
@@ -32,7 +32,7 @@ fn success_exits_0_with_data_on_stdout_and_notes_on_stderr() {
 
 #[test]
 fn json_output_is_exactly_one_document() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let search = ["search", CELL, "--budget", "500", "--out", "found", "--json"];
     for (args, schema) in [
         (&["check", CELL, "--json"][..], "check"),
@@ -54,7 +54,7 @@ fn json_output_is_exactly_one_document() {
 
 #[test]
 fn no_feasible_layout_exits_1_and_writes_no_best_toml() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     shop.write("cells/far.toml", BEYOND_REACH);
     let ran = shop.run(&["search", "cells/far.toml", "--budget", "300", "--out", "far", "--json"]);
     assert_eq!(ran.code, Some(1), "{}", ran.err);
@@ -71,7 +71,7 @@ fn no_feasible_layout_exits_1_and_writes_no_best_toml() {
 
 #[test]
 fn bad_usage_exits_2() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     for args in [
         &[][..],
         &["fly"],
@@ -96,11 +96,13 @@ fn bad_usage_exits_2() {
 
 #[test]
 fn an_unknown_error_set_exits_2_with_a_suggestion() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     for command in ["map", "search", "compare", "budget", "explain", "readings"] {
         let ran = shop.run(&[command, PAPER, "--errors", "table-33"]);
         assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{command}");
-        assert!(ran.err.contains("did you mean table-3?"), "{}", ran.err);
+        assert!(ran.err.contains("--errors table-33: error: the robot has no error set"), "{}", ran.err);
+        assert!(ran.err.contains("did you mean \"table-3\"?"), "{}", ran.err);
+        let ran = shop.run(&[command, PAPER, "--errors", "nobody's"]);
         assert!(ran.err.contains("table-2, table-3"), "{}", ran.err);
     }
     assert!(!shop.path("results").exists());
@@ -108,7 +110,7 @@ fn an_unknown_error_set_exits_2_with_a_suggestion() {
 
 #[test]
 fn a_bad_cell_exits_2_with_every_fault_and_its_place() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let bad =
         shop.text(CELL).replace("bend_deg = -90 #", "bent_deg = -90 #").replace("seed = 1", "seed = -1");
     shop.write("cells/bad.toml", &bad);
@@ -126,7 +128,7 @@ fn a_bad_cell_exits_2_with_every_fault_and_its_place() {
 
 #[test]
 fn a_missing_cell_file_exits_3() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     for args in [
         &["check", "nowhere.toml"][..],
         &["check", "nowhere.toml", "--json"],
@@ -159,10 +161,10 @@ fn a_missing_cell_file_exits_3() {
     assert!(part.err.contains("cells/part.toml:2:"), "{}", part.err);
 }
 
-/// Root may write anywhere, so what cannot be written has a file for a parent.
+/// Root may write anywhere, so the unwritable file has a file as its parent.
 #[test]
 fn an_unwritable_output_exits_3() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     shop.write("file", "a file, not a folder");
     for args in [
         &["search", CELL, "--budget", "500", "--out", "file/found"][..],
@@ -184,17 +186,17 @@ fn an_unwritable_output_exits_3() {
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_stdout_exits_3() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
     let ran = ran(shop.command(&["map", PAPER, "--json"]).stdout(full).output().unwrap());
     assert_eq!(ran.code, Some(3), "{}", ran.err);
     ran.no_panic();
 }
 
-/// `sweetspot ... | head`: a reader that has gone is no fault and no panic.
+/// In `sweetspot ... | head` a closed reader is no fault and no panic.
 #[test]
 fn a_closed_stdout_ends_the_run_quietly() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     for args in [
         &["map", CELL, "--json"][..],
         &["map", CELL],
@@ -212,11 +214,11 @@ fn a_closed_stdout_ends_the_run_quietly() {
     }
 }
 
-/// Ctrl-C ends a search early, with what was found so far.
+/// Ctrl-C ends a search early and keeps the best layout so far.
 #[cfg(unix)]
 #[test]
 fn an_interrupt_exits_130_and_keeps_the_best_layout() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let args = ["search", CELL, "--budget", "1000000000", "--out", "found", "--json"];
     let child = shop.command(&args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     // The folder comes before the search; then give it time for some thousand layouts.
@@ -242,7 +244,7 @@ fn an_interrupt_exits_130_and_keeps_the_best_layout() {
 
 #[test]
 fn help_of_every_command_begins_with_an_example() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     for args in [
         &["--help"][..],
         &["check", "-h"],
@@ -267,10 +269,10 @@ fn help_of_every_command_begins_with_an_example() {
     assert_eq!(shop.done(&["--version"]).out, format!("sweetspot {}\n", env!("CARGO_PKG_VERSION")));
 }
 
-/// The examples must run as printed, from the folder with cells/.
+/// The examples run as printed, from the folder with cells/.
 #[test]
 fn the_examples_of_the_help_run() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     for command in [
         "check", "map", "search", "compare", "report", "budget", "explain", "readings", "robots", "robot",
         "envelope",
@@ -292,7 +294,7 @@ fn the_examples_of_the_help_run() {
 
 const STATUSES: [&str; 4] = ["ok", "out-of-reach", "joint-limit", "collision"];
 
-/// Every field of a node, with its shape; `null` only where there is no posture to tell of.
+/// Checks every field of a node and its shape; `null` is allowed only without a posture.
 fn check_node(node: &Value) {
     assert_eq!(numbers(field(node, "position_mm")).len(), 3);
     let status = text(field(node, "status"));
@@ -310,7 +312,7 @@ fn check_node(node: &Value) {
 
 #[test]
 fn map_json_has_every_documented_field() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     for cell in [PAPER, CELL] {
         let map = shop.json(&["map", cell]);
         assert_eq!(map["schema"], "sweetspot/map/1");
@@ -335,7 +337,7 @@ fn map_json_has_every_documented_field() {
 
 #[test]
 fn map_json_of_the_paper_cell_has_the_numbers_of_the_paper() {
-    let map = Shop::new().json(&["map", PAPER]);
+    let map = Sandbox::new().json(&["map", PAPER]);
     let operation = &map["operations"][0];
     assert_eq!(items(&map["operations"]).len(), 1);
     let named = ["name", "equipment", "sense", "model", "errors"].map(|key| text(&operation[key]));
@@ -365,7 +367,7 @@ fn map_json_of_the_paper_cell_has_the_numbers_of_the_paper() {
 
 #[test]
 fn a_collision_reason_names_both_solids() {
-    let map = Shop::new().json(&["map", CELL]);
+    let map = Sandbox::new().json(&["map", CELL]);
     let nodes = items(&map["operations"][0]["nodes"]);
     let hits: Vec<_> = nodes.iter().filter(|n| n["status"] == "collision").collect();
     assert!(!hits.is_empty());
@@ -378,7 +380,7 @@ fn a_collision_reason_names_both_solids() {
 
 #[test]
 fn search_json_has_every_documented_field() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let found = shop.json(&["search", CELL, "--budget", "2000", "--out", "found"]);
     assert_eq!((&found["schema"], &found["status"]), (&"sweetspot/search/1".into(), &"found".into()));
     assert!(number(field(&found, "seconds")) >= 0.0);
@@ -410,7 +412,7 @@ fn search_json_has_every_documented_field() {
 
 #[test]
 fn compare_json_shows_the_change() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     shop.json(&["search", CELL, "--budget", "2000", "--out", "found"]);
     let compared = shop.json(&["compare", CELL, "found", "found/best.toml"]);
     let layouts = items(&compared["layouts"]);
@@ -426,7 +428,7 @@ fn compare_json_shows_the_change() {
 
 #[test]
 fn best_toml_gives_the_objective_of_search_json() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     shop.done(&["search", CELL, "--budget", "2000", "--out", "found"]);
     shop.has("found", &["best.toml", "search.json", "map.csv", "map.svg", "manifest.json"]);
     let [map, compare, search] = objectives(&shop, "found");
@@ -438,10 +440,10 @@ fn best_toml_gives_the_objective_of_search_json() {
     assert_eq!(objectives(&shop, "mailed"), [search; 3]);
 }
 
-/// A search can go on from a best.toml: its folder holds inputs with inputs.
+/// A search can continue from a best.toml, whose folder holds inputs of inputs.
 #[test]
 fn best_toml_made_from_a_best_toml_runs() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     shop.done(&["search", CELL, "--budget", "500", "--out", "first"]);
     shop.done(&["search", "first/best.toml", "--out", "second"]);
     let [map, compare, search] = objectives(&shop, "second");
@@ -449,10 +451,10 @@ fn best_toml_made_from_a_best_toml_runs() {
     assert_eq!(search, number(&shop.document("first/search.json")["objective_mm"]));
 }
 
-/// What is drawn finer than the search rounds must stay as drawn.
+/// A coordinate given finer than the search rounds stays as it is given.
 #[test]
 fn best_toml_keeps_fixed_coordinates_to_the_last_digit() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let fine = shop
         .text(CELL)
         .replace("x_mm = { min = -1800, max = 1800, start = 300 }", "x_mm = 646.4671234")
@@ -473,7 +475,7 @@ fn best_toml_keeps_fixed_coordinates_to_the_last_digit() {
 #[cfg(unix)]
 #[test]
 fn best_toml_runs_whatever_the_cell_file_is_called() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let names =
         ["two words", "=1+1", "quo\"te", "it's", "a:b", "back\\slash", "new\nline", "caf\u{e9}", "{}#"];
     for (k, name) in names.iter().enumerate() {
@@ -489,13 +491,13 @@ fn best_toml_runs_whatever_the_cell_file_is_called() {
     assert_eq!(std::fs::read_dir(shop.path("results")).unwrap().count(), names.len());
 }
 
-/// A path need not be UTF-8; a search must not end in a panic after all its work.
+/// A path that is not UTF-8 must not end a search in a panic after all its work.
 #[cfg(target_os = "linux")]
 #[test]
 fn paths_may_be_other_than_utf8() {
     use std::ffi::OsStr;
     use std::os::unix::ffi::OsStrExt;
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let odd = OsStr::from_bytes(b"caf\xe9");
     copy_folder(&shop.path("cells"), &shop.dir.path().join(odd));
     let cell = Path::new(odd).join("hitachi_paper.toml");
@@ -511,7 +513,7 @@ fn paths_may_be_other_than_utf8() {
 
 #[test]
 fn default_result_folders_are_numbered() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     for _ in 0..2 {
         shop.done(&["search", PAPER]);
     }
@@ -530,7 +532,7 @@ fn default_result_folders_are_numbered() {
 
 #[test]
 fn a_folder_with_something_in_it_is_refused() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     std::fs::create_dir_all(shop.path("taken/deep")).unwrap();
     shop.write("taken/best.toml", "mine");
     for args in [
@@ -554,7 +556,7 @@ fn a_folder_with_something_in_it_is_refused() {
 
 #[test]
 fn the_manifest_records_inputs_version_and_seed() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let args = ["search", CELL, "--budget", "500", "--seed", "7", "--out", "found"];
     shop.done(&args);
     let manifest = shop.document("found/manifest.json");
@@ -583,7 +585,7 @@ fn the_manifest_records_inputs_version_and_seed() {
         assert_eq!(text(&output["sha256"]), sha256(&bytes), "{output}");
     }
     // The command again, elsewhere, gives the same outputs.
-    let other = Shop::new();
+    let other = Sandbox::new();
     let command: Vec<_> = items(&manifest["command"]).iter().map(text).collect();
     other.done(&command);
     assert_eq!(other.document("found/manifest.json")["outputs"], manifest["outputs"]);
@@ -591,7 +593,7 @@ fn the_manifest_records_inputs_version_and_seed() {
 
 #[test]
 fn one_seed_gives_the_same_bytes_for_any_number_of_threads() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let search = |folder: &str, more: &[&str]| {
         shop.done(&[&["search", CELL, "--budget", "2000", "--out", folder], more].concat());
     };
@@ -610,7 +612,7 @@ fn one_seed_gives_the_same_bytes_for_any_number_of_threads() {
 
 #[test]
 fn map_csv_has_the_nodes_of_map_json() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let map = shop.json(&["map", CELL, "--out", "mapped"]);
     assert_eq!(shop.document("mapped/map.json"), map);
     let bytes = shop.read("mapped/map.csv");
@@ -655,7 +657,7 @@ fn toml_text(text: &str) -> String {
     format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
 }
 
-/// A cell whose equipment, solids and operations have hostile names; they overlap if collision is on.
+/// Returns a cell whose equipment, solids and operations have hostile names. They overlap if collision is on.
 fn hostile_cell(collision: bool) -> String {
     let mut cell = format!(
         "schema = \"sweetspot/cell/1\"\nunits = {{ length = \"mm\", angle = \"deg\" }}\nname = {}\n\
@@ -673,14 +675,14 @@ fn hostile_cell(collision: bool) -> String {
     cell
 }
 
-/// Whether a spreadsheet would run the text; a plain number is none.
+/// Says whether a spreadsheet would run the text. A plain number is no formula.
 fn is_formula(text: &str) -> bool {
     text.starts_with(['=', '+', '-', '@', '\t', '\r']) && text.parse::<f64>().is_err()
 }
 
 #[test]
 fn hostile_names_are_printed_as_text() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     shop.write("cells/free.toml", &hostile_cell(false));
     shop.write("cells/crowded.toml", &hostile_cell(true));
     let found = shop.json(&["search", "cells/free.toml", "--budget", "500", "--out", "free"]);
@@ -720,7 +722,7 @@ fn hostile_names_are_printed_as_text() {
     shop.done(&["compare", "cells/free.toml", "free"]);
 }
 
-/// The texts between the tags of a well-formed document, entities resolved; panics if it is none.
+/// Returns the texts between the tags of a well-formed document with entities resolved. Panics at any other.
 fn texts_of_xml(document: &str) -> Vec<String> {
     let mut open: Vec<String> = Vec::new();
     let mut texts = Vec::new();
@@ -745,7 +747,7 @@ fn texts_of_xml(document: &str) -> Vec<String> {
     texts
 }
 
-/// Where a tag ends: the first `>` outside quotes.
+/// Returns the end of a tag: the first `>` outside quotes.
 fn end_of_tag(tag: &str) -> usize {
     let mut quote = None;
     for (k, c) in tag.char_indices() {
@@ -760,7 +762,7 @@ fn end_of_tag(tag: &str) -> usize {
     panic!("a tag without end: {tag:.60}")
 }
 
-/// Name of a tag after its attributes were found to be `key="value"`, none twice.
+/// Checks that attributes are written as `key="value"`, none twice, and returns the name of the tag.
 fn check_tag(tag: &str) -> String {
     let (name, mut rest) = tag.split_once(' ').unwrap_or((tag, ""));
     let mut keys = Vec::new();
@@ -780,7 +782,7 @@ fn check_tag(tag: &str) -> String {
     name.to_string()
 }
 
-/// Text with its entities resolved; panics at a `&` that starts none.
+/// Returns a text with its entities resolved. Panics at a `&` that starts none.
 fn resolved(text: &str) -> String {
     let mut out = String::new();
     let mut rest = text;
@@ -804,8 +806,8 @@ fn resolved(text: &str) -> String {
 #[test]
 fn a_symbolic_link_out_of_the_cell_folder_is_refused() {
     use std::os::unix::fs::symlink;
-    let shop = Shop::new();
-    let outside = Shop::new();
+    let shop = Sandbox::new();
+    let outside = Sandbox::new();
     let cell = |name: &str, part: &str| {
         let text = format!("from = \"hitachi_paper.toml\"\n[equipment.worktable]\nfrom = \"{part}\"\n");
         shop.write(&format!("cells/{name}.toml"), &text);
@@ -834,7 +836,7 @@ fn a_symbolic_link_out_of_the_cell_folder_is_refused() {
 
 #[test]
 fn binary_files_are_refused() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     std::fs::write(shop.path("cells/bytes.toml"), b"name = \"\xff\xfe\"").unwrap();
     std::fs::create_dir(shop.path("cells/folder.toml")).unwrap();
     for cell in ["cells/bytes.toml", "cells/folder.toml"] {
@@ -849,7 +851,7 @@ fn binary_files_are_refused() {
 
 #[test]
 fn compare_refuses_layouts_of_another_question() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let variant = |name: &str, from: &str, to: &str| {
         let cell = shop.text(CELL);
         assert!(cell.contains(from), "{from}");

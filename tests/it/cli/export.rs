@@ -1,23 +1,23 @@
-//! `export`: every format through the binary, read again by hand.
+//! Tests `export`: every format comes from the binary and is read again by hand.
 
-use crate::cli::shop::{numbers as numbers_of, *};
+use crate::cli::sandbox::{numbers as numbers_of, *};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
 const FORMATS: [&str; 6] = ["dxf", "glb", "svg", "csv", "json", "parquet"];
 
-/// A name that would be a command to a spreadsheet, a CAD program and a browser, as a TOML text; control
-/// characters are no part of a name, as the cell's reader says.
+/// Name that would be a command to a spreadsheet, a CAD program and a browser, as a TOML string. The reader
+/// of cells refuses control characters in names.
 const HOSTILE: &str = "=cmd|'/C c'!A0<script>x()</script>%%c^J\\\\U+0041\\\"&\u{fc}";
 
-/// Group codes and values of an ASCII DXF.
+/// Returns the group codes and values of an ASCII DXF.
 fn pairs(dxf: &str) -> Vec<(u16, &str)> {
     let lines: Vec<&str> = dxf.split("\r\n").collect();
     assert_eq!(lines.len() % 2, 1, "an odd line");
     lines.chunks_exact(2).map(|l| (l[0].trim().parse().unwrap(), l[1])).collect()
 }
 
-/// Entities of the model: kind and values by group code, the first of each.
+/// Returns the entities of the model: kind, and the first value of each group code.
 fn entities(dxf: &str) -> Vec<(String, BTreeMap<u16, String>)> {
     let pairs = pairs(dxf);
     let start = pairs.iter().position(|p| *p == (2, "ENTITIES")).unwrap();
@@ -47,7 +47,7 @@ fn on<'e>(
 
 #[test]
 fn a_dxf_shows_the_values_of_the_map() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let ran = shop.done(&["export", CELL, "--to", "dxf"]);
     assert_eq!(ran.out, "");
     assert!(ran.err.contains("wrote hitachi_cell.dxf") && ran.err.contains("next: sweetspot export"));
@@ -105,7 +105,7 @@ fn a_dxf_shows_the_values_of_the_map() {
     }
 }
 
-/// Header, JSON and numbers of a binary glTF.
+/// Returns header, JSON and numbers of a binary glTF.
 fn glb(bytes: &[u8]) -> (Value, Vec<u8>) {
     let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()) as usize;
     assert_eq!((&bytes[..4], word(4), word(8)), (&b"glTF"[..], 2, bytes.len()));
@@ -117,7 +117,7 @@ fn glb(bytes: &[u8]) -> (Value, Vec<u8>) {
     (serde_json::from_slice(&bytes[20..numbers]).unwrap(), bytes[numbers + 8..].to_vec())
 }
 
-/// The numbers of an accessor, each vector of its components.
+/// Returns the numbers of an accessor, a list per vector.
 fn read(document: &Value, numbers: &[u8], accessor: &Value) -> Vec<Vec<f64>> {
     let accessor = &document["accessors"][accessor.as_u64().unwrap() as usize];
     let view = &document["bufferViews"][accessor["bufferView"].as_u64().unwrap() as usize];
@@ -152,7 +152,7 @@ fn turned(q: &[f64], p: [f64; 3]) -> [f64; 3] {
 
 #[test]
 fn a_glb_is_valid_and_its_robot_moves_to_the_spots() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     shop.done(&["export", CELL, "--to", "glb", "--posture", "picking", "-o", "cell.glb"]);
     let map = shop.json(&["map", CELL]);
     let (document, numbers) = glb(&shop.read("cell.glb"));
@@ -220,7 +220,7 @@ fn a_glb_is_valid_and_its_robot_moves_to_the_spots() {
 
 #[test]
 fn a_drawing_to_scale_has_the_size_of_its_scale() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     shop.done(&["export", CELL, "--to", "svg", "-o", "sheet.svg"]);
     let svg = shop.text("sheet.svg");
     let document = roxmltree::Document::parse(&svg).unwrap();
@@ -256,7 +256,7 @@ fn a_drawing_to_scale_has_the_size_of_its_scale() {
 
 #[test]
 fn exported_tables_and_documents_equal_those_of_map() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     shop.done(&["map", PAPER, "--out", "map"]);
     for (format, file) in [("csv", "map/map.csv"), ("json", "map/map.json")] {
         shop.done(&["export", PAPER, "--to", format]);
@@ -299,7 +299,7 @@ fn exported_tables_and_documents_equal_those_of_map() {
 
 #[test]
 fn one_layout_exports_to_the_same_bytes() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     for format in FORMATS {
         for name in ["a", "b"] {
             shop.done(&["export", PAPER, "--to", format, "-o", &format!("{name}.{format}")]);
@@ -310,7 +310,7 @@ fn one_layout_exports_to_the_same_bytes() {
 
 #[test]
 fn a_folder_is_exported_by_its_best_or_its_start_layout() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     shop.done(&["search", CELL, "--budget", "300", "--out", "found"]);
     for (args, of) in [(&[][..], "found/best.toml"), (&["--start"][..], CELL)] {
         shop.done(&[&["export", "found", "--to", "csv", "-o", "export.csv"], args].concat());
@@ -325,7 +325,7 @@ fn a_folder_is_exported_by_its_best_or_its_start_layout() {
     std::fs::create_dir(shop.path("empty")).unwrap();
     for (args, said) in [
         (&["export", "empty", "--to", "dxf"][..], "holds no manifest.json"),
-        (&["export", CELL, "--to", "dxf", "--start"], "--start is of a folder"),
+        (&["export", CELL, "--to", "dxf", "--start"], "--start needs a result folder"),
         (&["export", CELL, "--to", "dwg"], "invalid value 'dwg'"),
         (&["export", CELL], "--to <FORMAT>"),
         (&["export", CELL, "--to", "dxf", "--posture", "assembyl"], "did you mean assembly?"),
@@ -340,7 +340,7 @@ fn a_folder_is_exported_by_its_best_or_its_start_layout() {
 
 #[test]
 fn a_failed_export_leaves_existing_files_untouched() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     for out in ["no/such/folder/cell.dxf", "cells"] {
         let ran = shop.run(&["export", PAPER, "--to", "dxf", "-o", out]);
         assert_eq!(ran.code, Some(3), "{out}: {}", ran.err);
@@ -363,7 +363,7 @@ fn a_failed_export_leaves_existing_files_untouched() {
 
 #[test]
 fn hostile_names_are_text_in_every_format() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let cell = shop.text(PAPER);
     let cell = cell
         .replace("name = \"Paper, section 4.3\"", &format!("name = \"{HOSTILE}\""))
@@ -395,7 +395,7 @@ fn hostile_names_are_text_in_every_format() {
 
 #[test]
 fn an_output_name_of_another_format_is_refused() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let ran = shop.run(&["export", "cells/hitachi_paper.toml", "--to", "png", "-o", "a.dxf"]);
     assert_eq!(ran.code, Some(2), "{}", ran.err);
     assert!(ran.err.contains(".png") && !shop.path("a.dxf").exists(), "{}", ran.err);

@@ -1,11 +1,11 @@
-//! `figures`.
+//! Tests `figures`.
 
-use crate::cli::shop::*;
+use crate::cli::sandbox::*;
 
-/// The figures of the paper's case, and what the paper and `results/discrepancy` say of it.
+/// The figures of the paper's cell state what the paper and `results/discrepancy` state.
 #[test]
 fn one_command_draws_the_figures_of_the_paper() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     shop.done(&["figures", PAPER, "--out", "pictures", "--width", "400"]);
     let folder = shop.path("pictures");
     let names = ["01-cell", "04-x", "04-y", "04-z", "05-resultant", "06-in-plane"];

@@ -1,13 +1,13 @@
-//! `search --pareto` and `search --keep`: files, documents, refusals.
+//! Tests `search --pareto` and `search --keep`: files, documents, refusals.
 
-use crate::cli::shop::*;
+use crate::cli::sandbox::*;
 use serde_json::Value;
 
 const PARETO: [&str; 4] = ["--pareto", "error,clearance,footprint", "--budget", "1500"];
 
 #[test]
 fn a_pareto_front_is_printed_written_and_loaded_again() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let document = shop.json(&[&["search", CELL, "--out", "found"][..], &PARETO].concat());
     assert_eq!(document["pareto"], serde_json::json!(["error", "clearance", "footprint"]));
     assert_eq!(document["keep"], Value::Null);
@@ -51,7 +51,7 @@ fn a_pareto_front_is_printed_written_and_loaded_again() {
 
 #[test]
 fn the_requested_number_of_layouts_is_kept() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let document =
         shop.json(&["search", CELL, "--budget", "1500", "--keep", "3", "--threads", "1", "--out", "found"]);
     let kept = items(&document["front"]);
@@ -81,7 +81,7 @@ fn the_requested_number_of_layouts_is_kept() {
 
 #[test]
 fn invalid_pareto_goals_are_refused() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     for (wrong, said) in [
         ("--pareto=error", "two goals or more"),
         ("--pareto=error,error", "two goals or more"),

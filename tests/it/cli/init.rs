@@ -1,11 +1,11 @@
-//! `init`: every first cell runs as it was written.
+//! Tests `init`: every generated cell runs as written.
 
-use crate::cli::shop::*;
+use crate::cli::sandbox::*;
 use crate::common::document;
 use serde_json::Value;
 
-/// Names and robots, as `init` lists them.
-fn listed(shop: &Shop) -> Vec<(String, String)> {
+/// Returns the names and robots that `init` lists.
+fn listed(shop: &Sandbox) -> Vec<(String, String)> {
     let out = shop.done(&["init"]).out;
     let words = |line: &str| {
         let mut words = line.split_whitespace().map(str::to_string);
@@ -14,15 +14,15 @@ fn listed(shop: &Shop) -> Vec<(String, String)> {
     out.lines().map(words).collect()
 }
 
-/// What a `next:` line says to type.
-fn next(ran: &Ran) -> Vec<String> {
+/// Returns the command of a `next:` line.
+fn next(ran: &RunOutput) -> Vec<String> {
     let line = ran.err.lines().find_map(|line| line.strip_prefix("next: sweetspot ")).expect("no next");
     line.split(' ').map(str::to_string).collect()
 }
 
 #[test]
 fn init_leads_to_the_first_error_map_in_two_commands() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let mut args = vec!["init".to_string()];
     for expected in ["init hitachi", "map hitachi/cell.toml --svg map.svg", "search hitachi/cell.toml"] {
         let ran = shop.done(&args.iter().map(String::as_str).collect::<Vec<_>>());
@@ -34,7 +34,7 @@ fn init_leads_to_the_first_error_map_in_two_commands() {
 
 #[test]
 fn every_library_robot_has_a_generated_cell() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let mut robots: Vec<_> = listed(&shop).into_iter().map(|(_, robot)| robot).collect();
     robots.sort();
     let library = shop.json(&["robots"]);
@@ -46,7 +46,7 @@ fn every_library_robot_has_a_generated_cell() {
     assert_eq!(robots, files.collect::<Vec<_>>());
 }
 
-/// Reaches most of both surfaces, and both operations have a spot.
+/// Checks that a map reaches most of both surfaces and that both operations have a spot.
 fn maps_well(map: &Value, name: &str) {
     for operation in items(&map["operations"]) {
         let nodes = items(&operation["nodes"]);
@@ -58,7 +58,7 @@ fn maps_well(map: &Value, name: &str) {
 
 #[test]
 fn every_generated_cell_passes_check_and_map() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     for (name, robot) in listed(&shop) {
         let ran = shop.done(&["init", &name]);
         assert!(ran.out.is_empty(), "{}", ran.out);
@@ -89,7 +89,7 @@ fn every_generated_cell_passes_check_and_map() {
 
 #[test]
 fn generated_cells_search_to_a_feasible_layout() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     for name in ["hitachi", "ur10e", "scara", "palletizer"] {
         shop.done(&["init", name]);
         let found = shop.json(&[
@@ -107,7 +107,7 @@ fn generated_cells_search_to_a_feasible_layout() {
 
 #[test]
 fn init_accepts_a_library_robot_and_another_folder() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let ran = shop.done(&["init", "adept_cobra_s600", "--out", "my shop/cell 1"]);
     assert_eq!(next(&ran).join(" "), "map 'my shop/cell 1/cell.toml' --svg map.svg");
     shop.done(&["init", "scara"]);
@@ -121,7 +121,7 @@ fn init_accepts_a_library_robot_and_another_folder() {
 
 #[test]
 fn init_overwrites_nothing_and_reports_misspellings() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     shop.done(&["init", "scara"]);
     shop.write("scara/cell.toml", "mine");
     let again = shop.run(&["init", "scara"]);

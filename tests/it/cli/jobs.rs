@@ -1,19 +1,19 @@
-//! A search as a job: killed, interrupted, out of time or disk, and resumed.
+//! Tests a search as a job: killed, interrupted, out of time or disk, and resumed.
 
-use crate::cli::shop::*;
+use crate::cli::sandbox::*;
 use serde_json::Value;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-/// Some seconds of work in pieces: kills fall into all of it.
+/// Budget of a search that takes some seconds, so that kills hit every part of it.
 const BUDGET: &str = "12000";
 
-/// Every file of a folder with its bytes.
-fn content(shop: &Shop, folder: &str) -> Vec<(String, Vec<u8>)> {
+/// Returns every file of a folder with its bytes.
+fn content(shop: &Sandbox, folder: &str) -> Vec<(String, Vec<u8>)> {
     shop.files(folder).into_iter().map(|f| (f.clone(), shop.read(&format!("{folder}/{f}")))).collect()
 }
 
-fn assert_same(shop: &Shop, whole: &Shop) {
+fn assert_same(shop: &Sandbox, whole: &Sandbox) {
     let (a, b) = (content(shop, "found"), content(whole, "found"));
     let names = |c: &[(String, Vec<u8>)]| c.iter().map(|f| f.0.clone()).collect::<Vec<_>>();
     assert_eq!(names(&a), names(&b));
@@ -22,14 +22,14 @@ fn assert_same(shop: &Shop, whole: &Shop) {
     }
 }
 
-/// kill -9 at random moments of a real process, each resumed until it ends: the same bytes.
-/// SWEETSPOT_KILLS says how many moments.
+/// kill -9 hits a real process at random moments. Resumed until it ends, it gives the same bytes.
+/// SWEETSPOT_KILLS sets the number of kills.
 #[test]
 fn a_killed_and_resumed_search_ends_in_the_same_bytes() {
     let kills: u32 = std::env::var("SWEETSPOT_KILLS").ok().and_then(|n| n.parse().ok()).unwrap_or(12);
     let args =
         ["search", CELL, "--budget", BUDGET, "--out", "found", "--checkpoint", "0.02", "--threads", "2"];
-    let whole = Shop::new();
+    let whole = Sandbox::new();
     let clock = std::time::Instant::now();
     whole.done(&args);
     let length = clock.elapsed();
@@ -37,7 +37,7 @@ fn a_killed_and_resumed_search_ends_in_the_same_bytes() {
     let mut seed = 20_261_121u64;
     let mut killed = 0;
     while killed < kills {
-        let shop = Shop::new();
+        let shop = Sandbox::new();
         loop {
             seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             let share = (seed >> 33) as f64 / f64::from(1u32 << 31);
@@ -62,9 +62,9 @@ fn a_killed_and_resumed_search_ends_in_the_same_bytes() {
     }
 }
 
-/// A folder with a search that ran out of time.
-fn stopped() -> Shop {
-    let shop = Shop::new();
+/// Returns a folder with a search that ran out of time.
+fn stopped() -> Sandbox {
+    let shop = Sandbox::new();
     let args =
         ["search", CELL, "--budget", "1000000", "--time", "0.3", "--out", "found", "--seed", "2", "--json"];
     let ran = shop.run(&args);
@@ -90,7 +90,7 @@ fn a_time_limit_exits_4_and_a_larger_budget_resumes() {
     let manifest = shop.document("found/manifest.json");
     let command: Vec<_> = items(&manifest["command"]).iter().map(text).collect();
     assert!(command.ends_with(&["--budget", budget]) && !command.contains(&"1000000"), "{command:?}");
-    let whole = Shop::new();
+    let whole = Sandbox::new();
     whole.done(&["search", CELL, "--budget", budget, "--out", "found", "--seed", "2"]);
     for name in ["best.toml", "search.json", "map.csv", "map.svg"] {
         assert_eq!(shop.read(&format!("found/{name}")), whole.read(&format!("found/{name}")), "{name}");
@@ -173,12 +173,12 @@ fn a_damaged_checkpoint_is_refused() {
     assert_eq!(shop.run(&["search", "--resume", "found", "--time", "0.1"]).code, Some(4));
 }
 
-/// The first signal stops with a checkpoint, SIGTERM as well.
+/// The first signal, SIGTERM as well, stops the search with a checkpoint.
 #[cfg(unix)]
 #[test]
 fn a_signal_exits_130_and_leaves_a_checkpoint() {
     for signal in ["-INT", "-TERM"] {
-        let shop = Shop::new();
+        let shop = Sandbox::new();
         let args = ["search", CELL, "--budget", "1000000000", "--out", "found", "--checkpoint", "0"];
         let child = shop.command(&args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         for _ in 0..600 {
@@ -196,17 +196,18 @@ fn a_signal_exits_130_and_leaves_a_checkpoint() {
         // Some of the budget is kept for the polish.
         let budget = (used + used / 4).to_string();
         shop.done(&["search", "--resume", "found", "--budget", &budget]);
-        let whole = Shop::new();
+        let whole = Sandbox::new();
         whole.done(&["search", CELL, "--budget", &budget, "--out", "found"]);
         assert_eq!(shop.text("found/search.json"), whole.text("found/search.json"), "{signal}");
     }
 }
 
-/// No room for a larger checkpoint: 3, the one before it stands, and with room again it goes on.
+/// Without room for a larger checkpoint the search exits 3 and keeps the one before. With room again it
+/// continues.
 #[cfg(unix)]
 #[test]
 fn a_full_disk_exits_3_and_keeps_the_last_checkpoint() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let line = format!(
         "trap '' XFSZ; ulimit -f 12; exec {} search {CELL} --budget {BUDGET} --out found --checkpoint 0.001",
         env!("CARGO_BIN_EXE_sweetspot")
@@ -219,7 +220,7 @@ fn a_full_disk_exits_3_and_keeps_the_last_checkpoint() {
     assert!(full.err.contains("cannot write") && full.err.contains("--resume found"), "{}", full.err);
     assert_eq!(shop.files("found"), ["checkpoint.jsonl"]);
     shop.done(&["search", "--resume", "found"]);
-    let whole = Shop::new();
+    let whole = Sandbox::new();
     whole.done(&["search", CELL, "--budget", BUDGET, "--out", "found"]);
     for name in ["best.toml", "search.json", "map.csv", "map.svg"] {
         assert_eq!(shop.read(&format!("found/{name}")), whole.read(&format!("found/{name}")), "{name}");
@@ -228,7 +229,7 @@ fn a_full_disk_exits_3_and_keeps_the_last_checkpoint() {
 
 #[test]
 fn progress_is_written_as_json_lines_without_a_terminal() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let lines = |more: &[&str]| -> Vec<Value> {
         let args = [&["search", CELL, "--budget", "800"], more].concat();
         let ran = shop.done(&args);
@@ -254,7 +255,7 @@ fn progress_is_written_as_json_lines_without_a_terminal() {
 
 #[test]
 fn the_stopping_rule_that_ended_a_search_is_reported() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let found = shop.json(&["search", CELL, "--budget", "50000", "--stagnation", "600", "--out", "a"]);
     assert_eq!(found["ended"], "stagnation");
     assert!(found["evaluations"].as_u64().unwrap() < 20_000, "{}", found["evaluations"]);

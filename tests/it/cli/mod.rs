@@ -1,4 +1,4 @@
-//! The command as scripts and people meet it: exit codes, streams, files, the JSON contract.
+//! Tests the command as scripts and people use it: exit codes, streams, files, the JSON contract.
 //!
 //! Every test runs the real binary in a folder of its own.
 
@@ -15,8 +15,8 @@ mod readings;
 mod report;
 mod robots;
 mod robust;
+mod sandbox;
 mod schema;
-mod shop;
 mod sweep;
 mod urdf;
 mod view;

@@ -1,11 +1,11 @@
-//! What the command line overrides.
+//! Tests options that override keys of the cell file.
 
-use crate::cli::shop::*;
+use crate::cli::sandbox::*;
 use serde_json::Value;
 
 #[test]
 fn overrides_of_the_map_take_effect() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let ok = |map: &Value| -> Vec<Value> {
         let nodes = items(&map["operations"][0]["nodes"]);
         nodes.iter().filter(|n| n["status"] == "ok").cloned().collect()
@@ -40,7 +40,7 @@ fn overrides_of_the_map_take_effect() {
 
 #[test]
 fn overrides_of_the_search_take_effect_and_survive() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let args = ["--sense", "z", "--errors", "table-3", "--model", "linear", "--seed", "9", "--budget", "700"];
     shop.done(&[&["search", CELL, "--out", "found"], &args[..]].concat());
     let found = shop.document("found/search.json");
@@ -59,7 +59,7 @@ fn overrides_of_the_search_take_effect_and_survive() {
 
 #[test]
 fn every_solver_finds_a_layout() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     for solver in ["cma-es", "particle-swarm", "simulated-annealing"] {
         let found = shop.json(&["search", CELL, "--solver", solver, "--budget", "3000", "--out", solver]);
         assert_eq!((&found["solver"], &found["status"]), (&solver.into(), &"found".into()));
@@ -73,14 +73,14 @@ fn every_solver_finds_a_layout() {
 
 // --- readings, limits and senses ----------------------------------------------------------------
 
-/// The same numbers as plus-or-minus, with a sense and a robot for the tests below.
+/// Cell with the same numbers as plus-or-minus values, and with a sense and a robot for the tests below.
 const TOLERANCE: &str = "from = \"hitachi_paper.toml\"\nerrors = \"table-3-tolerance\"\n\
                          reading = \"statistical\"\n[sense.shear]\nframe = \"surface\"\n\
                          direction = [1, 1, 0]\n";
 
 #[test]
 fn statistical_figures_of_a_map_are_ordered() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     for (cell, flags) in [
         (CELL, &[][..]),
         (PAPER, &["--reading", "statistical"]),
@@ -108,19 +108,19 @@ fn statistical_figures_of_a_map_are_ordered() {
 
 #[test]
 fn a_quantity_option_selects_the_statistical_reading() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let map = shop.json(&["map", PAPER, "--quantity", "rms"]);
     let operation = &map["operations"][0];
     assert_eq!((text(&operation["reading"]), text(&operation["quantity"])), ("statistical", "rms"));
     assert_eq!(operation["best"]["value"], operation["best"]["rms_mm"]["xyz"]);
     let worst = shop.done(&["map", PAPER, "--quantity", "rms", "--reading", "worst-case", "--json"]);
-    assert!(worst.err.contains("--quantity says nothing"), "{}", worst.err);
+    assert!(worst.err.contains("--quantity is ignored"), "{}", worst.err);
     assert_eq!(worst.document()["operations"][0]["reading"], "worst-case");
 }
 
 #[test]
 fn a_tolerance_set_is_read_as_worst_case_unless_requested() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     for command in ["map", "budget", "explain", "compare"] {
         let ran = shop.done(&[command, PAPER, "--errors", "table-3-tolerance"]);
         assert!(
@@ -148,7 +148,7 @@ fn a_tolerance_set_is_read_as_worst_case_unless_requested() {
 
 #[test]
 fn the_yield_quantity_needs_a_limit() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     for command in ["map", "search", "compare", "budget", "explain"] {
         let ran = shop.run(&[command, CELL, "--quantity", "yield"]);
         assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{command}");
@@ -172,8 +172,8 @@ fn the_yield_quantity_needs_a_limit() {
 
 #[test]
 fn bad_limits_and_senses_exit_2() {
-    let shop = Shop::new();
-    for limit in ["-1", "0", "nan", "inf", "-inf", "five", ""] {
+    let shop = Sandbox::new();
+    for limit in ["-1", "0", "nan", "inf", "-inf", "five", "", "1e-320", "1e8"] {
         for command in ["map", "search", "compare", "budget", "explain", "readings"] {
             let ran = shop.run(&[command, CELL, "--limit", limit]);
             assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{command} {limit}: {}", ran.err);
@@ -183,13 +183,14 @@ fn bad_limits_and_senses_exit_2() {
     for command in ["map", "search", "compare", "budget", "explain", "readings"] {
         let ran = shop.run(&[command, CELL, "--sense", "xzy"]);
         assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{command}");
-        assert!(ran.err.contains("no sense `xzy`; did you mean xyz?"), "{}", ran.err);
+        assert!(ran.err.contains("--sense xzy: error: `sense` cannot be \"xzy\""), "{}", ran.err);
+        assert!(ran.err.contains("did you mean \"xyz\"?"), "{}", ran.err);
     }
 }
 
 #[test]
 fn best_toml_carries_how_the_errors_are_read() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     shop.write("cells/tolerance.toml", TOLERANCE);
     let keys = ["reading", "quantity", "registration", "sense", "limit", "errors", "model"];
     let asked = |document: &Value| keys.map(|key| document["operations"][0][key].clone());
@@ -213,10 +214,10 @@ fn best_toml_carries_how_the_errors_are_read() {
     }
 }
 
-/// `from` cannot take a limit away, so that best.toml could not say what was searched.
+/// `from` cannot remove a limit, so best.toml could not record such a search.
 #[test]
 fn a_search_refuses_options_that_drop_a_limit() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     shop.write("cells/limited.toml", "from = \"hitachi_paper.toml\"\n[operation.mapping]\nlimit_mm = 4\n");
     shop.done(&["map", "cells/limited.toml", "--sense", "rx"]);
     let ran = shop.run(&["search", "cells/limited.toml", "--sense", "rx"]);
@@ -228,7 +229,7 @@ fn a_search_refuses_options_that_drop_a_limit() {
 
 #[test]
 fn an_untrustworthy_error_model_is_reported_on_both_streams() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let ran = shop.done(&["map", CELL, "--model", "linear"]);
     assert!(ran.out.contains("do NOT trust the linear model at 51 of 51 nodes"), "{}", ran.out);
     assert!(ran.err.contains("warning: assembly: do NOT trust the linear model"), "{}", ran.err);
@@ -242,7 +243,7 @@ fn an_untrustworthy_error_model_is_reported_on_both_streams() {
 
 #[test]
 fn check_states_how_the_errors_are_read() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     shop.write("cells/tolerance.toml", TOLERANCE);
     let signed = shop.done(&["check", PAPER]);
     assert!(
@@ -256,4 +257,30 @@ fn check_states_how_the_errors_are_read() {
         "{}",
         tolerance.out
     );
+}
+
+#[test]
+fn set_changes_any_key_of_the_cell_and_flags_go_through_the_same_validation() {
+    let shop = Sandbox::new();
+    for command in ["map", "compare", "budget", "explain", "readings", "robust"] {
+        let set = "--set=equipment.worktable.placement.z_mm=5000";
+        let ran = shop.run(&[command, CELL, set]);
+        assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{command}: {}", ran.err);
+        assert!(ran.err.contains("--set equipment.worktable.placement.z_mm=5000: error: "), "{}", ran.err);
+        let same = shop.run(&[command, CELL, "--limit", "1e-320"]);
+        assert!(same.err.contains("--limit 1e-320: error: `limit_mm` must be at least 1e-6"), "{}", same.err);
+        let both = shop.run(&[command, CELL, "--set", "errors=table-2", "--errors", "table-3"]);
+        assert!(both.err.contains("`errors` is given twice"), "{}", both.err);
+        let many = shop.run(&[command, CELL, "--set", "errors=table-2,table-3"]);
+        assert!(many.err.contains("sweetspot sweep"), "{}", many.err);
+    }
+    // A setting, a flag and the file say the same thing alike.
+    let set = shop.json(&["map", PAPER, "--set", "errors=table-2", "--set", "operation.mapping.sense=z"]);
+    assert_eq!(set, shop.json(&["map", PAPER, "--errors", "table-2", "--sense", "z"]));
+    shop.write(
+        "cells/same.toml",
+        "from = \"hitachi_paper.toml\"\nname = \"hitachi_paper\"\nerrors = \"table-2\"\n[operation.mapping]\nsense = \"z\"\n",
+    );
+    let file = shop.json(&["map", "cells/same.toml"]);
+    assert_eq!(set["operations"], file["operations"]);
 }

@@ -1,9 +1,9 @@
-//! `budget` and `explain`: one posture.
+//! Tests `budget` and `explain`, the commands about one posture.
 
-use crate::cli::shop::*;
+use crate::cli::sandbox::*;
 use serde_json::Value;
 
-/// A robot that no inverse kinematics here solves, over a table.
+/// Robot without a closed-form inverse here, over a table.
 const UR10: &str = "schema = \"sweetspot/cell/1\"\nunits = { length = \"mm\", angle = \"deg\" }\n\
                     errors = \"factory\"\ncollision = false\nmodel = \"linear\"\n\
                     [robot]\nfrom = \"robots/ur10.toml\"\nbase = { x_mm = 100, y_mm = 0, z_mm = 0, yaw_deg = 30 }\n\
@@ -11,7 +11,7 @@ const UR10: &str = "schema = \"sweetspot/cell/1\"\nunits = { length = \"mm\", an
                     placement = { x_mm = 0, y_mm = 800, z_mm = 200 }\n\
                     [operation.work]\non = \"worktable\"\ngrid = [2, 2]\nbend_deg = -90\nsense = \"xyz\"\n";
 
-/// The sum of vectors under a key.
+/// Returns the sum of the vectors under a key.
 fn sum(list: &[Value], key: &str) -> [f64; 3] {
     list.iter().map(|item| numbers(&item[key])).fold([0.0; 3], |s, v| [s[0] + v[0], s[1] + v[1], s[2] + v[2]])
 }
@@ -24,7 +24,7 @@ fn size(v: &[f64]) -> f64 {
 
 #[test]
 fn the_shares_of_a_budget_add_up_to_its_total() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     for flags in [
         &[][..],
         &["--reading", "worst-case", "--model", "linear"],
@@ -59,11 +59,11 @@ fn the_shares_of_a_budget_add_up_to_its_total() {
     }
 }
 
-/// Half a tolerance cuts the linear worst case by at most half its share, and nearly that if the
-/// share is small.
+/// Halving a tolerance cuts the linear worst case by at most half its share, and by nearly that if the share
+/// is small.
 #[test]
 fn the_gain_of_tightening_follows_the_shares() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let document = shop.json(&["budget", CELL, "--reading", "worst-case", "--model", "linear"]);
     for operation in items(&document["operations"]) {
         let parameters = items(&operation["parameters"]);
@@ -82,7 +82,7 @@ fn the_gain_of_tightening_follows_the_shares() {
 
 #[test]
 fn the_budget_of_a_signed_set_adds_up_to_its_linear_error() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let document = shop.json(&["budget", CELL]);
     let map = shop.json(&["map", CELL]);
     for (budget, mapped) in items(&document["operations"]).iter().zip(items(&map["operations"])) {
@@ -96,7 +96,7 @@ fn the_budget_of_a_signed_set_adds_up_to_its_linear_error() {
 
 #[test]
 fn the_budget_names_the_source_to_tighten_first() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let ran = shop.done(&["budget", CELL, "--operation", "picking"]);
     assert!(ran.out.contains("picking on conveyor: node ("), "{}", ran.out);
     assert!(!ran.out.contains("assembly"), "{}", ran.out);
@@ -113,11 +113,11 @@ fn the_budget_names_the_source_to_tighten_first() {
 
 #[test]
 fn a_taught_point_has_no_error_left() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let taught = ["--registration", "taught", "--reading", "worst-case"];
     let at = ["--operation", "assembly", "--at", "0,2"];
     let ran = shop.done(&[&["budget", CELL][..], &at, &taught].concat());
-    assert!(ran.out.contains("a point touched to teach the frame: nothing is left"), "{}", ran.out);
+    assert!(ran.out.contains("this point was touched to teach the frame: no error is left"), "{}", ran.out);
     assert!(!ran.out.contains("halving"), "{}", ran.out);
     // It is no spot: the least error that counts is at another node.
     let map = shop.done(&[&["map", CELL][..], &taught].concat());
@@ -126,17 +126,17 @@ fn a_taught_point_has_no_error_left() {
 
 #[test]
 fn budget_and_explain_refuse_bad_nodes() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let one = ["--operation", "assembly"];
     for command in ["budget", "explain"] {
         for (args, code, why) in [
             (&["--at", "99,99"][..], 2, "i goes from 0 to 10, j from 0 to 8"),
             (&["--at", "11,0"], 2, "no node (11, 0)"),
-            (&["--at", "foo"], 2, "write best, or"),
-            (&["--at", "3"], 2, "write best, or"),
-            (&["--at", "-1,2"], 2, "write best, or"),
-            (&["--at", "1,2,3"], 2, "write best, or"),
-            (&["--at", "99999999999999999999,1"], 2, "write best, or"),
+            (&["--at", "foo"], 2, "expected `best`, or"),
+            (&["--at", "3"], 2, "expected `best`, or"),
+            (&["--at", "-1,2"], 2, "expected `best`, or"),
+            (&["--at", "1,2,3"], 2, "expected `best`, or"),
+            (&["--at", "99999999999999999999,1"], 2, "expected `best`, or"),
             (&["--at", "18446744073709551615,18446744073709551615"], 2, "i goes from 0"),
             (&["--at", "0,0"], 1, "needs -32.07 deg, its limit is -25 deg"),
         ] {
@@ -150,7 +150,7 @@ fn budget_and_explain_refuse_bad_nodes() {
         // A node is one of an operation.
         let ran = shop.run(&[command, CELL, "--at", "1,1"]);
         assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""));
-        assert!(ran.err.contains("add --operation with one of: assembly, picking"), "{}", ran.err);
+        assert!(ran.err.contains("add --operation and one of: assembly, picking"), "{}", ran.err);
         // Nothing can be reached.
         shop.write("cells/far.toml", BEYOND_REACH);
         let ran = shop.run(&[command, "cells/far.toml"]);
@@ -170,7 +170,7 @@ fn budget_and_explain_refuse_bad_nodes() {
 
 #[test]
 fn a_colliding_node_exits_1_and_names_what_it_touches() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let map = shop.json(&["map", CELL]);
     let nodes = items(&map["operations"][0]["nodes"]);
     let hit = nodes.iter().find(|n| n["status"] == "collision").unwrap();
@@ -182,7 +182,7 @@ fn a_colliding_node_exits_1_and_names_what_it_touches() {
 
 #[test]
 fn commands_work_from_another_folder() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     std::fs::create_dir(shop.path("elsewhere")).unwrap();
     let cell = format!("../{CELL}");
     for command in ["budget", "explain", "readings"] {
@@ -195,7 +195,7 @@ fn commands_work_from_another_folder() {
 
 // --- explain ------------------------------------------------------------------------------------
 
-/// The numbers of an explanation follow from each other.
+/// Checks that the numbers of an explanation are consistent.
 fn check_explanation(e: &Value) {
     let parameters = items(&e["parameters"]);
     let linear = numbers(&e["linear"]["position_mm"]);
@@ -229,7 +229,7 @@ fn check_explanation(e: &Value) {
 
 #[test]
 fn the_numbers_of_an_explanation_are_consistent() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     for (cell, flags) in [
         (CELL, &[][..]),
         (PAPER, &["--at", "5,4"]),
@@ -260,7 +260,7 @@ fn the_numbers_of_an_explanation_are_consistent() {
 
 #[test]
 fn an_explanation_agrees_with_map() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     for flags in [&[][..], &["--reading", "worst-case", "--registration", "best-fit"], &["--quantity", "p95"]]
     {
         let map = shop.json(&[&["map", CELL], flags].concat());
@@ -285,7 +285,7 @@ fn an_explanation_agrees_with_map() {
 
 #[test]
 fn explain_accepts_joints_of_any_robot() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     shop.write("cells/ur.toml", UR10);
     let joints = ["--joints", "10,-80,70,-60,-90,20"];
     let e = shop.json(&[&["explain", "cells/ur.toml"][..], &joints].concat());
@@ -295,19 +295,19 @@ fn explain_accepts_joints_of_any_robot() {
     assert_eq!(e["guard"]["trusted"], false);
     let ran = shop.done(&[&["explain", "cells/ur.toml"][..], &joints].concat());
     assert!(ran.out.contains("do NOT trust the linear model here"), "{}", ran.out);
-    assert!(ran.err.contains("warning: do NOT trust the linear model"), "{}", ran.err);
+    assert!(ran.err.contains("warning: the linear model cannot be trusted"), "{}", ran.err);
     shop.done(&[&["explain", "cells/ur.toml", "--registration", "best-fit"][..], &joints].concat());
     let taught =
         shop.done(&[&["explain", "cells/ur.toml", "--registration", "taught"][..], &joints].concat());
-    assert!(taught.out.contains("taken off: the surface frame as taught"), "{}", taught.out);
+    assert!(taught.out.contains("subtracted: the taught surface frame"), "{}", taught.out);
 }
 
 #[test]
 fn bad_joints_exit_2_and_joints_beyond_limits_are_reported() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     for (joints, why) in [
-        ("1,2,3", "--joints has 3 numbers, the robot has 4 joints"),
-        ("1,2,3,4,5", "--joints has 5 numbers"),
+        ("1,2,3", "--joints has 3 values, but the robot has 4 joints"),
+        ("1,2,3,4,5", "--joints has 5 values"),
         ("1,2,3,nan", "it must be finite"),
         ("1,2,3,inf", "it must be finite"),
         ("1,2,3,x", "it is not a number"),
@@ -321,8 +321,8 @@ fn bad_joints_exit_2_and_joints_beyond_limits_are_reported() {
     let both = shop.run(&["explain", PAPER, "--joints", "0,0,0,0", "--at", "5,4"]);
     assert_eq!((both.code, both.out.as_str()), (Some(2), ""));
     let beyond = shop.done(&["explain", PAPER, "--joints", "-200,0,0,1e6"]);
-    assert!(beyond.err.contains("note: joint q1 (waist) is beyond its limits"), "{}", beyond.err);
-    assert!(beyond.out.contains("beyond its limit"), "{}", beyond.out);
+    assert!(beyond.err.contains("note: joint q1 (waist) is outside its limits"), "{}", beyond.err);
+    assert!(beyond.out.contains("outside its limits"), "{}", beyond.out);
     // The paper's initial posture.
     let e = shop.json(&["explain", PAPER, "--joints", "0,0,0,0"]);
     assert!(near(&numbers(&e["position_mm"]), &[0.0, 1250.0, 1350.0], 1e-9));
@@ -331,7 +331,7 @@ fn bad_joints_exit_2_and_joints_beyond_limits_are_reported() {
 
 #[test]
 fn a_printed_explanation_has_every_step() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let ran = shop.done(&["explain", CELL]);
     for step in [
         "1. Links",
@@ -345,9 +345,13 @@ fn a_printed_explanation_has_every_step() {
         assert!(ran.out.contains(step), "{step}: {}", ran.out);
     }
     assert!(ran.out.contains("turn about x of frame 1") && ran.out.contains("slide along z of frame 0"));
-    assert!(ran.err.contains("note: this is assembly; with --operation also: picking"), "{}", ran.err);
+    assert!(
+        ran.err.contains("note: showing assembly; choose another with --operation: picking"),
+        "{}",
+        ran.err
+    );
     assert!(ran.err.contains("next: sweetspot budget"), "{}", ran.err);
     let taken = shop.done(&["explain", CELL, "--registration", "best-fit"]);
-    assert!(taken.out.contains("taken off: the base frame as best-fitted"), "{}", taken.out);
-    assert!(!ran.out.contains("taken off"), "{}", ran.out);
+    assert!(taken.out.contains("subtracted: the best-fitted base frame"), "{}", taken.out);
+    assert!(!ran.out.contains("subtracted: "), "{}", ran.out);
 }

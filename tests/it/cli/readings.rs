@@ -1,6 +1,6 @@
-//! `readings`.
+//! Tests `readings`.
 
-use crate::cli::shop::*;
+use crate::cli::sandbox::*;
 use serde_json::Value;
 
 fn rows(operation: &Value) -> &[Value] {
@@ -9,7 +9,7 @@ fn rows(operation: &Value) -> &[Value] {
 
 #[test]
 fn each_reading_has_its_least_error_at_its_own_best_layout() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     for (cell, flags) in [(PAPER, &[][..]), (CELL, &["--limit", "6"]), (CELL, &["--errors", "table-3"])] {
         let document = shop.json(&[&["readings", cell], flags].concat());
         let mut most = 0f64;
@@ -56,7 +56,7 @@ fn each_reading_has_its_least_error_at_its_own_best_layout() {
 
 #[test]
 fn the_rows_of_readings_agree_with_map() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let document = shop.json(&["readings", CELL]);
     for (reading, registration) in
         [("signed", "none"), ("worst-case", "best-fit"), ("statistical", "none"), ("worst-case", "taught")]
@@ -73,7 +73,7 @@ fn the_rows_of_readings_agree_with_map() {
 
 #[test]
 fn readings_of_a_tolerance_set_have_no_signed_rows() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let ran = shop.done(&["readings", PAPER, "--errors", "table-3-tolerance"]);
     assert!(ran.out.contains("is a tolerance: there is no signed sample"), "{}", ran.out);
     let document = shop.json(&["readings", PAPER, "--errors", "table-3-tolerance"]);
@@ -86,7 +86,7 @@ fn readings_of_a_tolerance_set_have_no_signed_rows() {
 
 #[test]
 fn the_folder_of_readings_is_complete() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let document = shop.json(&["readings", CELL, "--out", "read"]);
     assert_eq!(shop.files("read"), ["manifest.json", "readings.csv", "readings.json"]);
     assert_eq!(shop.document("read/readings.json"), document);
@@ -116,7 +116,7 @@ fn the_folder_of_readings_is_complete() {
 
 #[test]
 fn readings_without_a_layout_exit_1() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let far = "from = \"hitachi_paper.toml\"\n[equipment.worktable.placement]\nx_mm = 6000\n";
     shop.write("cells/far.toml", far);
     let ran = shop.run(&["readings", "cells/far.toml", "--json"]);

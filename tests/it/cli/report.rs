@@ -1,22 +1,22 @@
-//! `report`: the page, what it says, and what it refuses.
+//! Tests `report`: the page, its statements, and its refusals.
 
-use crate::cli::shop::*;
+use crate::cli::sandbox::*;
 use base64::Engine;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 use std::path::Path;
 use std::sync::OnceLock;
 
-/// A folder with a search in `found`, made once: its cell is small, and three layouts are kept.
-fn shop() -> Shop {
-    static FOUND: OnceLock<Shop> = OnceLock::new();
+/// Returns a folder with a search in `found`, made once. Its cell is small, and three layouts are kept.
+fn shop() -> Sandbox {
+    static FOUND: OnceLock<Sandbox> = OnceLock::new();
     let made = FOUND.get_or_init(|| {
-        let shop = Shop::new();
+        let shop = Sandbox::new();
         shop.write("cells/small.toml", SMALL);
         shop.done(&["search", "cells/small.toml", "--budget", "300", "--keep", "3", "--out", "found"]);
         shop
     });
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     shop.write("cells/small.toml", SMALL);
     copy_folder(&made.path("found"), &shop.path("found"));
     shop
@@ -25,19 +25,19 @@ fn shop() -> Shop {
 const SMALL: &str = "from = \"hitachi_cell.toml\"\n[operation.assembly]\ngrid = [4, 3]\n\
                      [operation.picking]\ngrid = [6, 1]\n";
 
-/// The text between the first `from` and the `to` after it.
+/// Returns the text between the first `from` and the `to` after it.
 fn between<'t>(text: &'t str, from: &str, to: &str) -> &'t str {
     let start = text.find(from).unwrap_or_else(|| panic!("no {from}")) + from.len();
     let length = text[start..].find(to).unwrap_or_else(|| panic!("no {to} after {from}"));
     &text[start..start + length]
 }
 
-/// What the policy must name for this text to be used.
+/// Returns the hash by which a content security policy allows this text.
 fn hash(text: &str) -> String {
     format!("'sha256-{}'", base64::engine::general_purpose::STANDARD.encode(Sha256::digest(text.as_bytes())))
 }
 
-/// A page as a browser takes it: its policy is the hashes of what is in it, and nothing asks a network.
+/// Checks a page as a browser does: its policy holds the hashes of its contents, and nothing uses a network.
 fn assert_sound(html: &str) {
     assert!(html.len() < 8 << 20, "{} bytes", html.len());
     let policy = between(html, "Content-Security-Policy\" content=\"", "\">");
@@ -77,7 +77,7 @@ fn assert_sound(html: &str) {
     );
 }
 
-/// The numbers that the page gives for machines, by the label of their fact.
+/// Returns the numbers that the page holds for programs, by the label of their fact.
 fn facts(html: &str) -> Vec<(String, f64)> {
     let list = between(html, "<dl class=\"facts\">", "</dl>");
     let fact = |part: &str| {
@@ -129,7 +129,7 @@ fn the_verdict_of_a_report_agrees_with_the_search() {
     assert_eq!(shop.text("cells/small.toml"), SMALL);
 }
 
-/// The four corners that a fitter sets out span the table where search.json places it.
+/// Checks that the four corners for the fitter span the table where search.json places it.
 fn assert_corners(html: &str, at: &Value) {
     let table = between(html, "Best layout: corners", "</table>");
     let rows: Vec<Vec<f64>> =
@@ -145,7 +145,7 @@ fn assert_corners(html: &str, at: &Value) {
     }
 }
 
-/// The numbers of a row of a table.
+/// Returns the numbers of a table row.
 fn cells(row: &str) -> Vec<f64> {
     let texts = row.split("<td").skip(1).map(|cell| between(cell, ">", "</td>"));
     texts.filter_map(|text| text.parse().ok()).collect()
@@ -153,18 +153,18 @@ fn cells(row: &str) -> Vec<f64> {
 
 #[test]
 fn a_folder_that_was_tampered_with_is_refused() {
-    let best = |shop: &Shop| shop.write("found/best.toml", &(shop.text("found/best.toml") + "# a note\n"));
-    let search = |shop: &Shop| {
+    let best = |shop: &Sandbox| shop.write("found/best.toml", &(shop.text("found/best.toml") + "# a note\n"));
+    let search = |shop: &Sandbox| {
         let text = shop.text("found/search.json").replacen("\"gain_percent\": ", "\"gain_percent\": 9", 1);
         shop.write("found/search.json", &text);
     };
-    let input = |shop: &Shop| {
+    let input = |shop: &Sandbox| {
         let path = "found/inputs/robots/hitachi_pw10.toml";
         shop.write(path, &shop.text(path).replacen("alpha", "alpha ", 1));
     };
-    let lost = |shop: &Shop| std::fs::remove_file(shop.path("found/map.csv")).unwrap();
-    type Tamper<'t> = &'t dyn Fn(&Shop);
-    let cases: [(&str, Tamper<'_>); 4] = [
+    let lost = |shop: &Sandbox| std::fs::remove_file(shop.path("found/map.csv")).unwrap();
+    type Tampering<'t> = &'t dyn Fn(&Sandbox);
+    let cases: [(&str, Tampering<'_>); 4] = [
         ("best.toml", &best),
         ("search.json", &search),
         ("robots/hitachi_pw10.toml", &input),
@@ -189,7 +189,7 @@ fn a_folder_that_was_tampered_with_is_refused() {
     }
 }
 
-/// Hashes that were made to fit do not help: the numbers are found again.
+/// Forged hashes do not help: the numbers are computed again.
 #[test]
 fn a_folder_whose_numbers_do_not_come_out_again_is_refused() {
     let shop = shop();
@@ -205,7 +205,7 @@ fn a_folder_whose_numbers_do_not_come_out_again_is_refused() {
     );
     let ran = shop.run(&["report", "found"]);
     assert_eq!(ran.code, Some(2), "{}", ran.err);
-    assert!(ran.err.contains("search.json: the objective of the best layout is"), "{}", ran.err);
+    assert!(ran.err.contains("search.json: it gives the objective of the best layout as"), "{}", ran.err);
 }
 
 #[test]
@@ -215,8 +215,8 @@ fn a_folder_without_a_search_result_is_refused() {
     for (args, said) in [
         (&["report", "mapped"][..], "its command is no search"),
         (&["report", "cells"], "holds no manifest.json and no checkpoint"),
-        (&["report", "found", "--sense", "xyz"], "has answered one question"),
-        (&["report", "cells/small.toml", "-o", "page.txt"], "its name ends in .html"),
+        (&["report", "found", "--sense", "xyz"], "flags cannot change the question"),
+        (&["report", "cells/small.toml", "-o", "page.txt"], "must end in .html"),
     ] {
         let ran = shop.run(args);
         assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{args:?}: {}", ran.err);
@@ -227,7 +227,7 @@ fn a_folder_without_a_search_result_is_refused() {
 
 #[test]
 fn the_start_layout_is_judged_by_its_limit() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let map = shop.json(&["map", PAPER]);
     let least = number(&map["objective_mm"]);
     let cases = [(least + 0.25, 0, "met", 0.25), (least - 0.25, 1, "missed", -0.25)];
@@ -261,7 +261,7 @@ fn the_start_layout_is_judged_by_its_limit() {
 
 #[test]
 fn a_search_without_a_layout_reports_no_and_the_reason() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     shop.write("cells/far.toml", BEYOND_REACH);
     assert_eq!(shop.run(&["search", "cells/far.toml", "--budget", "60", "--out", "found"]).code, Some(1));
     let ran = shop.run(&["report", "found", "--json"]);
@@ -278,7 +278,7 @@ fn a_search_without_a_layout_reports_no_and_the_reason() {
 
 #[test]
 fn a_stopped_search_is_reported_as_stopped() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     shop.write("cells/small.toml", SMALL);
     let args = ["search", "cells/small.toml", "--budget", "1000000", "--time", "0.3", "--out", "found"];
     assert_eq!(shop.run(&args).code, Some(4));
@@ -289,7 +289,7 @@ fn a_stopped_search_is_reported_as_stopped() {
     assert!(shop.text("report.html").contains("The search was stopped before its end"));
 }
 
-/// Names that would be markup, script, template or terminal if they were let.
+/// Names that would be markup, script, template or terminal codes if they were not escaped.
 const HOSTILE: [&str; 8] = [
     "<script>alert(1)</script>",
     "</script><img src=x onerror=alert(2)>",
@@ -303,7 +303,7 @@ const HOSTILE: [&str; 8] = [
 
 #[test]
 fn hostile_names_are_shown_as_text_in_the_report() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let quoted = |name: &str| format!("\"{}\"", name.replace('"', "\\\""));
     let [cell, table, operation, solid, obstacle, keep_out, sense, other] = HOSTILE;
     let text = format!(
@@ -347,7 +347,7 @@ fn hostile_names_are_shown_as_text_in_the_report() {
 
 #[test]
 fn a_search_ends_by_naming_the_report() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     shop.write("cells/small.toml", SMALL);
     let ran = shop.done(&["search", "cells/small.toml", "--budget", "20", "--out", "found"]);
     assert!(ran.err.contains("next: sweetspot report found"), "{}", ran.err);

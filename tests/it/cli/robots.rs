@@ -1,16 +1,16 @@
-//! `robots`, `robot` and `envelope`.
+//! Tests `robots`, `robot` and `envelope`.
 
-use crate::cli::shop::{CELL, Shop, field, items, near, number, numbers, text};
+use crate::cli::sandbox::{CELL, Sandbox, field, items, near, number, numbers, text};
 use serde_json::Value;
 
-/// The names that `robots` lists.
-fn listed(shop: &Shop) -> Vec<String> {
+/// Returns the names that `robots` lists.
+fn listed(shop: &Sandbox) -> Vec<String> {
     items(&shop.json(&["robots"])["robots"]).iter().map(|r| text(&r["robot"]).to_string()).collect()
 }
 
 #[test]
 fn the_built_in_library_equals_the_robots_folder() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let folder = crate::common::root().join("cells/robots");
     let mut files: Vec<String> = std::fs::read_dir(&folder)
         .unwrap()
@@ -26,13 +26,13 @@ fn the_built_in_library_equals_the_robots_folder() {
     assert!(words.out.contains("Hitachi PW 10-II") && words.err.starts_with("next: sweetspot robot "));
 }
 
-/// Known wherever one is: no file of the folder is needed.
+/// The library is available in any folder: it needs no files.
 #[test]
 fn the_built_in_library_needs_no_files() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let elsewhere = tempfile::tempdir().unwrap();
     let mut command = shop.command(&["robot", "hitachi_pw10_parallelogram", "--json"]);
-    let ran = crate::cli::shop::ran(command.current_dir(elsewhere.path()).output().unwrap());
+    let ran = crate::cli::sandbox::ran(command.current_dir(elsewhere.path()).output().unwrap());
     assert_eq!(ran.code, Some(0), "{}", ran.err);
     let sheet = ran.document();
     assert_eq!(text(field(&sheet, "name")), "Hitachi PW 10-II (parallelogram)");
@@ -41,7 +41,7 @@ fn the_built_in_library_needs_no_files() {
 
 #[test]
 fn an_unknown_robot_exits_2_with_a_suggestion() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     for args in [["robot", "hitachi_pw1O"], ["envelope", "hitachi_pw1O"]] {
         let ran = shop.run(&args);
         assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{args:?}");
@@ -59,7 +59,7 @@ fn an_unknown_robot_exits_2_with_a_suggestion() {
 
 #[test]
 fn a_library_robot_is_printed_with_its_numbers() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let by_name = shop.json(&["robot", "hitachi_pw10"]);
     assert_eq!(by_name, shop.json(&["robot", "cells/robots/hitachi_pw10.toml"]));
     assert_eq!(text(field(&by_name, "schema")), "sweetspot/robot-sheet/1");
@@ -74,10 +74,10 @@ fn a_library_robot_is_printed_with_its_numbers() {
     }
 }
 
-/// As marked by its file: rows that begin with the common normal.
+/// The file marks its rows as modified: they begin with the common normal.
 #[test]
 fn modified_dh_rows_are_printed_as_they_are_written() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let rows = [(11.0, 0.0), (500.0, -90.0), (400.0, 0.0)];
     let mut file =
         "schema = \"sweetspot/robot/1\"\nunits = { length = \"mm\", angle = \"deg\" }\nname = \"arm\"\n\
@@ -106,7 +106,7 @@ fn area(outline: &Value, [u, v]: [&str; 2]) -> f64 {
 
 #[test]
 fn envelope_json_has_every_documented_field() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let args = ["envelope", "hitachi_pw10", "--height", "700", "--height", "1000", "--step", "20"];
     let document = shop.json(&args);
     assert_eq!(text(field(&document, "schema")), "sweetspot/envelope/1");
@@ -138,7 +138,7 @@ fn envelope_json_has_every_documented_field() {
 
 #[test]
 fn the_envelope_of_a_cell_holds_the_tool_of_its_operation() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let args = ["envelope", CELL, "--operation", "assembly", "--svg", "e.svg"];
     let document = shop.json(&args);
     assert_eq!(text(field(&document, "operation")), "assembly");

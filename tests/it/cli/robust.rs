@@ -1,15 +1,15 @@
-//! `robust`, and `search --robust`.
+//! Tests `robust` and `search --robust`.
 
-use crate::cli::shop::*;
+use crate::cli::sandbox::*;
 
-/// The shipped cell with a table and a conveyor that are not placed exactly.
+/// Shipped cell with placement tolerances of a table and a conveyor.
 const LOOSE: &str = "from = \"hitachi_cell.toml\"\n[equipment.worktable]\n\
                      placement_tolerance = { x_mm = 2, y_mm = 2, z_mm = 1, yaw_deg = 0.2 }\n\
                      [equipment.conveyor]\nplacement_tolerance = { x_mm = 3 }\n";
 
 #[test]
 fn robust_reports_worst_corner_slopes_and_allowed_misplacement() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     shop.write("cells/loose.toml", LOOSE);
     let told = shop.done(&["robust", "cells/loose.toml", "--limit", "14"]);
     for words in [
@@ -45,7 +45,7 @@ fn robust_reports_worst_corner_slopes_and_allowed_misplacement() {
 
 #[test]
 fn a_robust_search_holds_where_the_nominal_search_fails() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     shop.write("cells/loose.toml", LOOSE);
     let search =
         |flags: &[&str]| shop.json(&[&["search", "cells/loose.toml", "--budget", "1500"], flags].concat());
@@ -70,7 +70,7 @@ fn a_robust_search_holds_where_the_nominal_search_fails() {
 
 #[test]
 fn a_robust_search_without_placement_tolerances_is_refused() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let ran = shop.run(&["search", CELL, "--robust"]);
     assert_eq!(ran.code, Some(2));
     assert!(ran.err.contains("everything is placed exactly") && ran.err.contains("help: "), "{}", ran.err);
@@ -85,7 +85,7 @@ fn a_robust_search_without_placement_tolerances_is_refused() {
 
 #[test]
 fn the_refined_spot_is_in_every_report() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let document = shop.json(&["map", PAPER, "--out", "mapped"]);
     let operation = &document["operations"][0];
     let refined = field(operation, "refined");

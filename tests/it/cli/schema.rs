@@ -1,13 +1,13 @@
-//! `schema`: what it prints is what lies in cells/schemas, where every shipped file looks for it.
+//! Tests `schema`: it prints the files of cells/schemas, where every shipped file looks for them.
 
-use crate::cli::shop::*;
+use crate::cli::sandbox::*;
 use crate::common::root;
 
 const KINDS: [&str; 4] = ["cell", "robot", "equipment", "tool"];
 
 #[test]
 fn the_committed_schemas_equal_the_printed_ones() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     for kind in KINDS {
         let committed = shop.text(&format!("cells/schemas/{kind}.schema.json"));
         let ran = shop.done(&["schema", kind]);
@@ -19,7 +19,7 @@ fn the_committed_schemas_equal_the_printed_ones() {
 
 #[test]
 fn all_schemas_are_written_into_a_folder_and_rewritten() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     shop.done(&["schema", "--out", "mine/schemas"]);
     shop.write("mine/schemas/robot.schema.json", "of another version");
     let ran = shop.done(&["schema", "--out", "mine/schemas"]);
@@ -37,7 +37,7 @@ fn all_schemas_are_written_into_a_folder_and_rewritten() {
 
 #[test]
 fn bad_usage_of_schema_is_reported() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     for args in [&["schema", "cells"][..], &["schema", "robot", "--out", "x"], &["schema", "--out"]] {
         assert_eq!(shop.run(args).code, Some(2), "{args:?}");
     }
@@ -46,7 +46,7 @@ fn bad_usage_of_schema_is_reported() {
     assert!(shop.done(&["schema", "--help"]).out.starts_with("Example: sweetspot schema "));
 }
 
-/// The first line of every shipped file names the schema of its kind by a path that leads there.
+/// The first line of every shipped file gives a path that leads to the schema of its kind.
 #[test]
 fn every_shipped_file_names_its_schema() {
     let mut count = 0;

@@ -1,6 +1,6 @@
-//! Sweeps: what a row says, what is refused, and that a killed sweep ends as if nothing had been.
+//! Tests sweeps: their rows, their refusals, and that a killed sweep ends as an undisturbed one.
 
-use crate::cli::shop::*;
+use crate::cli::sandbox::*;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -16,16 +16,16 @@ fn sweep<'a>(out: &'a str, more: &[&'a str]) -> Vec<&'a str> {
     [&["sweep", CELL][..], &SETS, &["--budget", "400", "--out", out], more].concat()
 }
 
-/// Every file of a folder with its bytes.
-fn bytes(shop: &Shop, folder: &str) -> BTreeMap<String, Vec<u8>> {
+/// Returns every file of a folder with its bytes.
+fn bytes(shop: &Sandbox, folder: &str) -> BTreeMap<String, Vec<u8>> {
     let files = shop.files(folder).into_iter().filter(|f| !f.starts_with(".tmp"));
     files.map(|f| (f.clone(), shop.read(&format!("{folder}/{f}")))).collect()
 }
 
-/// A row is what `search` says of a cell file that says the same, and its own cell maps to it.
+/// A row equals `search` of a cell file with the same settings, and the cell of the row maps to it.
 #[test]
 fn a_sweep_row_equals_the_search_of_that_cell() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let table = shop.done(&sweep("swept", &["--json"])).document();
     assert_eq!((&table["schema"], &table["combinations"]), (&"sweetspot/sweep/1".into(), &4.into()));
     for (index, row) in items(&table["rows"]).iter().enumerate() {
@@ -73,7 +73,7 @@ fn a_sweep_row_equals_the_search_of_that_cell() {
 
 #[test]
 fn any_number_of_jobs_and_any_kill_end_in_the_same_bytes() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     shop.done(&sweep("whole", &["--jobs", "1"]));
     let whole = bytes(&shop, "whole");
     shop.has("whole", &["plan.json", "0000.json", "0003.json", "table.csv", "table.json", "manifest.json"]);
@@ -97,7 +97,7 @@ fn any_number_of_jobs_and_any_kill_end_in_the_same_bytes() {
 
 #[test]
 fn a_finished_combination_is_not_searched_again() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     shop.done(&sweep("swept", &[]));
     // A mark that nobody would compute.
     let marked = shop.text("swept/0001.json").replace("\"evaluations\": 400", "\"evaluations\": 7");
@@ -113,7 +113,7 @@ fn a_finished_combination_is_not_searched_again() {
 
 #[test]
 fn single_combinations_merge_into_the_same_sweep() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     shop.done(&sweep("whole", &[]));
     for index in ["2", "0", "3", "1"] {
         shop.done(&sweep("parts", &["--only", index]));
@@ -128,7 +128,7 @@ fn single_combinations_merge_into_the_same_sweep() {
 
 #[test]
 fn a_changed_sweep_is_not_resumed_and_names_the_change() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     shop.done(&sweep("swept", &[]));
     let before = bytes(&shop, "swept");
     for (more, named) in [
@@ -162,10 +162,11 @@ fn a_changed_sweep_is_not_resumed_and_names_the_change() {
     }
 }
 
-/// All faults of all combinations before the first runs, each once, in the words of the argument.
+/// All faults of all combinations are reported before the first runs, each once, with the words of the
+/// argument.
 #[test]
 fn faults_of_a_sweep_name_the_setting() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let cases: [(&[&str], &[&str]); 14] = [
         (&["errors=tabel-3,table-2"], &["--set errors=tabel-3: error: ", "did you mean \"table-3\"?\n"]),
         (
@@ -220,10 +221,10 @@ fn faults_of_a_sweep_name_the_setting() {
     assert!(!shop.path("swept").exists() && !shop.path("results").exists(), "something was written");
 }
 
-/// What can be set: lists, tables, names in quotes, what the file does not say, another robot.
+/// Lists, tables, quoted names, keys that the file does not have, and another robot can be set.
 #[test]
 fn every_kind_of_value_can_be_set() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     shop.write(
         "cells/quoted.toml",
         "from = \"hitachi_paper.toml\"\n[equipment.\"side, table\"]\nfrom = \"equipment/bench.toml\"\n\
@@ -285,7 +286,7 @@ fn every_kind_of_value_can_be_set() {
 
 #[test]
 fn a_sweep_exits_1_only_if_no_combination_is_feasible() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let args = |z: &'static str, out: &'static str| {
         vec!["sweep", CELL, "--map", "--set", z, "--set", "operation.picking.limit_mm=1", "--out", out]
     };

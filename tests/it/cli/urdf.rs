@@ -1,11 +1,11 @@
-//! Robots from URDF files on the command line.
+//! Tests robots from URDF files on the command line.
 
-use crate::cli::shop::Shop;
+use crate::cli::sandbox::Sandbox;
 use crate::common::root;
 use serde_json::Value;
 
-/// A cell whose URDF lies in a package.
-fn with_package(shop: &Shop) {
+/// Writes a cell whose URDF lies in a package.
+fn with_package(shop: &Sandbox) {
     let robot = shop.text("cells/robots/hitachi_pw10_urdf.toml");
     let robot = robot.replace("\"hitachi_pw10.urdf\"", "\"package://pw10/urdf/arm.urdf\"");
     shop.write("cells/robots/packaged.toml", &robot);
@@ -18,7 +18,7 @@ fn with_package(shop: &Shop) {
 
 #[test]
 fn check_shows_the_derived_rows() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let ran = shop.done(&["check", "cells/hitachi_urdf.toml"]);
     let row = |words: [&str; 5]| ran.out.lines().any(|l| words.iter().all(|w| l.contains(w)));
     assert!(row(["A1", "q1 (waist)", "90", "750", "-150"]), "{}", ran.out);
@@ -32,7 +32,7 @@ fn check_shows_the_derived_rows() {
 
 #[test]
 fn an_arm_without_inverse_kinematics_shows_its_rows() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let urdf = std::fs::read_to_string(root().join("tests/data/ur5.urdf")).unwrap();
     shop.write("cells/ur5.urdf", &urdf.replace("</robot>", "<gazebo/></robot>"));
     let zeros = "[0, 0, 0, 0, 0, 0]";
@@ -55,7 +55,7 @@ fn an_arm_without_inverse_kinematics_shows_its_rows() {
 
 #[test]
 fn packages_are_found_where_the_command_line_says() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     with_package(&shop);
     let named = ["--package", "pw10=ros/pw10"];
     for command in [&["map"][..], &["check"], &["budget"], &["explain"], &["readings"], &["compare"]] {
@@ -72,7 +72,7 @@ fn packages_are_found_where_the_command_line_says() {
 #[cfg(unix)]
 #[test]
 fn a_symbolic_link_out_of_a_package_is_refused() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     with_package(&shop);
     let (inside, outside) = (shop.path("ros/pw10/urdf/arm.urdf"), shop.path("ros/arm.urdf"));
     std::fs::rename(&inside, &outside).unwrap();

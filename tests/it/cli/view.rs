@@ -1,6 +1,6 @@
-//! `view` as a browser and as a stranger meet it: addresses, requests, files, a search.
+//! Tests `view` as a browser and as a stranger use it: addresses, requests, files, a search.
 
-use crate::cli::shop::*;
+use crate::cli::sandbox::*;
 use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use std::process::{Child, Stdio};
 use std::time::Duration;
 
-/// A running `view`; it ends with the test.
+/// Running `view` that ends with the test.
 struct Viewer {
     child: Child,
     port: u16,
@@ -25,21 +25,21 @@ impl Drop for Viewer {
     }
 }
 
-/// What was answered.
-struct Answered {
+/// Answer to a request.
+struct HttpAnswer {
     status: u16,
     head: String,
     body: String,
 }
 
-impl Answered {
+impl HttpAnswer {
     fn json(&self) -> Value {
         serde_json::from_str(&self.body).unwrap_or_else(|e| panic!("{e}: {}", self.body))
     }
 }
 
 impl Viewer {
-    fn of(shop: &Shop, args: &[&str]) -> Self {
+    fn of(shop: &Sandbox, args: &[&str]) -> Self {
         let mut command = shop.command(&[&["view"], args].concat());
         let talk = shop.path(".talk");
         let said = std::fs::File::create(&talk).unwrap();
@@ -60,21 +60,21 @@ impl Viewer {
         stream
     }
 
-    /// Sends bytes as they are.
-    fn raw(&self, bytes: &str) -> Answered {
+    /// Sends bytes unchanged.
+    fn raw(&self, bytes: &str) -> HttpAnswer {
         let mut stream = self.stream();
         stream.write_all(bytes.as_bytes()).unwrap();
         answered(&mut stream)
     }
 
-    fn get(&self, what: &str) -> Answered {
+    fn get(&self, what: &str) -> HttpAnswer {
         let Self { port, token, .. } = self;
         self.raw(&format!(
             "GET /{token}/{what} HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nConnection: close\r\n\r\n"
         ))
     }
 
-    fn post(&self, what: &str, body: &str) -> Answered {
+    fn post(&self, what: &str, body: &str) -> HttpAnswer {
         let origin = format!("http://127.0.0.1:{}", self.port);
         self.raw(&self.posting(what, body, &format!("127.0.0.1:{}", self.port), &origin))
     }
@@ -95,7 +95,7 @@ impl Viewer {
         answered.json()
     }
 
-    /// Posts and insists on a refusal; returns what the page is told.
+    /// Posts, insists on a refusal and returns the message for the page.
     fn refused(&self, what: &str, body: &str) -> String {
         let answered = self.post(what, body);
         assert_eq!(answered.status, 400, "{what} {body}: {}", answered.body);
@@ -103,7 +103,7 @@ impl Viewer {
     }
 }
 
-fn answered(stream: &mut TcpStream) -> Answered {
+fn answered(stream: &mut TcpStream) -> HttpAnswer {
     let mut reader = BufReader::new(stream);
     let (mut head, mut length) = (String::new(), None);
     loop {
@@ -120,10 +120,10 @@ fn answered(stream: &mut TcpStream) -> Answered {
     let mut body = vec![0; length.unwrap_or_else(|| panic!("no length: {head}"))];
     reader.read_exact(&mut body).unwrap();
     let status = head.split(' ').nth(1).unwrap_or_else(|| panic!("{head}")).parse().unwrap();
-    Answered { status, head, body: String::from_utf8(body).unwrap() }
+    HttpAnswer { status, head, body: String::from_utf8(body).unwrap() }
 }
 
-/// Somewhere else than drawn, with numbers that no rounding favours.
+/// Returns a layout other than the start, with numbers that no rounding favours.
 fn elsewhere() -> Value {
     json!({ "equipment": {
         "worktable": { "x_mm": 287.3, "y_mm": 1003.7, "z_mm": 612.5, "yaw_deg": 11.3 },
@@ -131,14 +131,14 @@ fn elsewhere() -> Value {
     } })
 }
 
-/// The same as a cell file.
+/// Cell file with the layout of [`elsewhere`].
 const ELSEWHERE: &str = "from = \"hitachi_cell.toml\"\n[equipment.worktable.placement]\nx_mm = 287.3\n\
      y_mm = 1003.7\nz_mm = 612.5\nyaw_deg = 11.3\n[equipment.conveyor.placement]\nx_mm = 1003.1\ny_mm = -400\n\
      yaw_deg = 78.9\n";
 
 #[test]
 fn view_refuses_requests_without_its_secret_host_and_origin() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let view = Viewer::of(&shop, &[CELL]);
     let Viewer { port, token, .. } = &view;
     let ours = format!("127.0.0.1:{port}");
@@ -181,10 +181,10 @@ fn view_refuses_requests_without_its_secret_host_and_origin() {
 
 #[test]
 fn the_page_of_view_may_load_nothing() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let view = Viewer::of(&shop, &[CELL]);
     let [one, other] = [view.get(""), view.get("")];
-    let nonce = |a: &Answered| {
+    let nonce = |a: &HttpAnswer| {
         let after = a.head.split_once("'nonce-").unwrap_or_else(|| panic!("{}", a.head)).1.to_string();
         after.split_once('\'').unwrap().0.to_string()
     };
@@ -212,7 +212,7 @@ fn the_page_of_view_may_load_nothing() {
 
 #[test]
 fn the_value_of_a_layout_in_view_agrees_with_map() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     shop.write("cells/elsewhere.toml", ELSEWHERE);
     let view = Viewer::of(&shop, &[CELL]);
     let drawn = shop.json(&["map", CELL]);
@@ -255,7 +255,7 @@ fn the_value_of_a_layout_in_view_agrees_with_map() {
 
 #[test]
 fn view_undoes_redoes_and_restores_a_page() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let view = Viewer::of(&shop, &[CELL]);
     let objective = |now: &Value| now["answer"]["objective"].clone();
     let start = view.get("state").json()["now"].clone();
@@ -288,28 +288,28 @@ fn view_undoes_redoes_and_restores_a_page() {
 
 #[test]
 fn view_refuses_invalid_requests_with_a_message() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let view = Viewer::of(&shop, &[CELL]);
     let worktable = |number: &str| format!("{{\"equipment\":{{\"worktable\":{{\"x_mm\":{number}}}}}}}");
     for what in ["try", "layout"] {
         for (body, word) in [
-            (worktable("NaN"), "no JSON"),
-            (worktable("1e999"), "no JSON"),
+            (worktable("NaN"), "not JSON"),
+            (worktable("1e999"), "not JSON"),
             (worktable("null"), "must be a number"),
             (worktable("\"5\""), "must be a number"),
             (worktable("1800.01"), "must be from -1800 to 1800"),
             (worktable("-1e9"), "must be from -1800 to 1800"),
             ("{\"equipment\":{\"nobody\":{\"x_mm\":1}}}".into(), "no equipment `nobody`"),
             ("{\"equipment\":{\"post\":{\"x_mm\":1}}}".into(), "obstacle"),
-            ("{\"equipment\":{\"worktable\":{\"q_mm\":1}}}".into(), "no `q_mm`"),
-            ("{\"attitude\":{\"assembly\":{\"bend_deg\":1}}}".into(), "no `bend_deg`"),
+            ("{\"equipment\":{\"worktable\":{\"q_mm\":1}}}".into(), "no coordinate `q_mm`"),
+            ("{\"attitude\":{\"assembly\":{\"bend_deg\":1}}}".into(), "no coordinate `bend_deg`"),
             ("{\"robot_base\":{\"x_mm\":1e8}}".into(), "must be from"),
             ("{\"equipment\":[1]}".into(), "must be an object"),
-            ("{\"robots\":{\"x\":{}}}".into(), "none of"),
+            ("{\"robots\":{\"x\":{}}}".into(), "not one of"),
             ("[]".into(), "must be an object"),
-            ("{".into(), "no JSON"),
-            ("".into(), "no JSON"),
-            ("[".repeat(60_000), "no JSON"),
+            ("{".into(), "not JSON"),
+            ("".into(), "not JSON"),
+            ("[".repeat(60_000), "not JSON"),
         ] {
             let said = view.refused(what, &body);
             assert!(said.contains(word), "{body:.80}: {said}");
@@ -344,7 +344,7 @@ fn view_refuses_invalid_requests_with_a_message() {
 
 #[test]
 fn a_saved_layout_is_a_loadable_cell() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let view = Viewer::of(&shop, &[CELL]);
     view.done("layout", &elsewhere());
     // Fixed in the file: it must be in the one that is saved, too.
@@ -377,7 +377,7 @@ fn a_saved_layout_is_a_loadable_cell() {
 
 #[test]
 fn a_save_name_cannot_leave_the_folder() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let view = Viewer::of(&shop, &[CELL]);
     let before = shop.files("");
     for name in [
@@ -420,7 +420,7 @@ fn a_save_name_cannot_leave_the_folder() {
 
 #[test]
 fn a_search_in_view_equals_the_search_command() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let view = Viewer::of(&shop, &[CELL]);
     let now = view.done("layout", &elsewhere());
     let began = view.done("search", &json!({ "budget": 600, "seed": 7 }));
@@ -452,7 +452,7 @@ fn a_search_in_view_equals_the_search_command() {
     assert_eq!(view.done("undo", &json!({}))["numbers"], now["numbers"]);
 }
 
-/// The search of a page when it is over.
+/// Returns the search of a page when it is over.
 fn ended(view: &Viewer) -> Value {
     for _ in 0..2400 {
         let search = view.get("pulse").json()["search"].clone();
@@ -466,7 +466,7 @@ fn ended(view: &Viewer) -> Value {
 
 #[test]
 fn the_page_answers_during_a_search_and_can_stop_it() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let view = Viewer::of(&shop, &[CELL]);
     view.done("search", &json!({ "budget": 100_000_000, "seed": 1 }));
     assert!(view.refused("search", "{\"budget\":5}").contains("under way"));
@@ -481,7 +481,7 @@ fn the_page_answers_during_a_search_and_can_stop_it() {
 
 #[test]
 fn view_offers_a_search_from_a_result() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     shop.done(&["search", CELL, "--budget", "300", "--out", "found"]);
     let view = Viewer::of(&shop, &["found"]);
     let state = view.get("state").json();
@@ -497,7 +497,7 @@ fn view_offers_a_search_from_a_result() {
 
 #[test]
 fn view_ends_at_once_on_a_taken_port_or_a_bad_cell() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let view = Viewer::of(&shop, &[CELL]);
     let ran = shop.run(&["view", CELL, "--port", &view.port.to_string()]);
     assert_eq!((ran.code, ran.out.as_str()), (Some(3), ""), "{}", ran.err);
@@ -506,11 +506,11 @@ fn view_ends_at_once_on_a_taken_port_or_a_bad_cell() {
     assert_eq!(shop.run(&["view", "cells/bad.toml"]).code, Some(2));
 }
 
-/// Ctrl-C is how it ends: nothing is left undone.
+/// Ctrl-C is the normal end of `view`, so it exits 0.
 #[cfg(unix)]
 #[test]
 fn view_exits_0_on_a_signal() {
-    let shop = Shop::new();
+    let shop = Sandbox::new();
     let mut view = Viewer::of(&shop, &[CELL]);
     view.done("search", &json!({ "budget": 100_000_000 }));
     let kill = std::process::Command::new("kill").args(["-INT", &view.child.id().to_string()]).status();

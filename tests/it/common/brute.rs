@@ -1,5 +1,5 @@
-//! Whether a layout really is feasible and worth what is said, by the plainest means: 4 x 4 matrices,
-//! clipped polygons, clouds of points. Nothing of `clearance`, `reach` and `kinematic_error` is used.
+//! Checks whether a layout really is feasible and has its stated value by the plainest means: 4 x 4 matrices,
+//! clipped polygons, clouds of points. It uses nothing of `clearance`, `reach` and `kinematic_error`.
 
 use nalgebra::{Matrix4, Vector3, Vector4};
 use sweetspot::assess::Assessment;
@@ -9,7 +9,7 @@ use sweetspot::pose::Pose;
 
 type Frame = Matrix4<f64>;
 
-/// Distance of the points of a cloud, and how deep inside counts, m.
+/// Distance between the points of a cloud, m.
 const STEP: f64 = 0.02;
 const DEEP: f64 = 1e-6;
 
@@ -32,7 +32,7 @@ fn point(m: &Frame, p: &Vector3<f64>) -> Vector3<f64> {
     (m * Vector4::new(p.x, p.y, p.z, 1.0)).xyz()
 }
 
-/// Eq. (1) and (2): the frame after every row, then the TCP; rows off by `errors`.
+/// Returns the frame after every D-H row and then the TCP, eq. (1) and (2), with the rows off by `errors`.
 fn links(cell: &Cell, q: &[f64], errors: Option<&SignedErrors>) -> Vec<Frame> {
     let mut frames = vec![frame(&cell.start().base.pose()) * frame(&cell.robot.mount)];
     for (i, joint) in cell.robot.joints.iter().enumerate() {
@@ -49,7 +49,7 @@ fn links(cell: &Cell, q: &[f64], errors: Option<&SignedErrors>) -> Vec<Frame> {
     frames
 }
 
-/// What is wrong with a layout that is said to be feasible; empty if nothing is.
+/// Returns the faults of a layout that claims to be feasible.
 pub fn faults(a: &Assessment<'_>) -> Vec<String> {
     let mut faults = overlaps(a.cell, &a.layout);
     for k in 0..a.maps.len() {
@@ -68,7 +68,7 @@ pub fn faults(a: &Assessment<'_>) -> Vec<String> {
     faults
 }
 
-/// The TCP at the spot, on the surface, tool down, inside the joint limits.
+/// Checks the TCP at the spot: on the surface, tool down, inside the joint limits.
 fn at_spot(a: &Assessment<'_>, k: usize, spot: &Vector3<f64>, q: &[f64]) -> Vec<String> {
     let (cell, operation) = (a.cell, &a.cell.operations[k]);
     let mut faults = Vec::new();
@@ -96,7 +96,7 @@ fn at_spot(a: &Assessment<'_>, k: usize, spot: &Vector3<f64>, q: &[f64]) -> Vec<
     faults
 }
 
-/// Of a signed sample: the error as the difference of two products of matrices.
+/// Checks the value of a signed sample: the error is the difference of two products of matrices.
 fn value(a: &Assessment<'_>, k: usize, q: &[f64], said: f64) -> Option<String> {
     let ErrorSet::Signed(errors) = a.cell.error_set() else { return None };
     let tip = |e| links(a.cell, q, e).last().unwrap().fixed_view::<3, 1>(0, 3).into_owned();
@@ -111,7 +111,7 @@ fn value(a: &Assessment<'_>, k: usize, q: &[f64], said: f64) -> Option<String> {
     ((error - said).abs() > 1e-10).then(|| format!("operation {k}: {said} said, {error} m is it"))
 }
 
-/// Floor space shared in plan, by clipping one polygon with the other.
+/// Returns the overlaps of floor spaces in plan, by clipping one polygon with the other.
 fn overlaps(cell: &Cell, layout: &Layout) -> Vec<String> {
     let plan = |r: &Rectangle, at: &Frame| {
         let (x, y) = (r.size.0 / 2.0, r.size.1 / 2.0);
@@ -147,7 +147,8 @@ fn overlaps(cell: &Cell, layout: &Layout) -> Vec<String> {
     faults
 }
 
-/// The part of a polygon inside a convex one (both anticlockwise): one edge after the other cuts.
+/// Returns the part of a polygon inside a convex one (both counterclockwise), cut by one edge after the
+/// other.
 fn clipped(polygon: &[(f64, f64)], by: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let mut left = polygon.to_vec();
     for (k, a) in by.iter().enumerate() {
@@ -178,7 +179,7 @@ fn area(polygon: &[(f64, f64)]) -> f64 {
     (0..polygon.len()).map(edge).sum::<f64>().abs() / 2.0
 }
 
-/// A solid in the world: where its own frame is, and its shape.
+/// Solid in the world: its own frame and its shape.
 struct Body<'c> {
     name: &'c str,
     at: Frame,
@@ -188,7 +189,7 @@ struct Body<'c> {
 }
 
 impl<'c> Body<'c> {
-    /// A leg becomes the box that it is at its height over the floor.
+    /// Makes a body. A leg becomes a box of its height over the floor.
     fn new(name: &'c str, carrier: Frame, shape: &Shape, floor: f64) -> Self {
         let (at, shape) = match shape {
             Shape::Box { pose, size } => {
@@ -219,7 +220,7 @@ impl<'c> Body<'c> {
         }
     }
 
-    /// How deep a point of its own frame lies inside, m; negative outside.
+    /// Returns how deep a point of the body's own frame lies inside, m; negative outside.
     fn depth(&self, p: &Vector3<f64>) -> f64 {
         match &self.shape {
             Shape::Box { size, .. } => (size / 2.0 - p.abs()).min(),
@@ -238,7 +239,7 @@ impl<'c> Body<'c> {
         }
     }
 
-    /// Points of the solid, in the world.
+    /// Returns points of the solid in the world.
     fn points(&self) -> Vec<Vector3<f64>> {
         let (low, high) = self.box_round();
         let counts = (high - low).map(|v| (v / STEP).ceil().max(1.0) as usize);
@@ -263,7 +264,7 @@ impl<'c> Body<'c> {
     }
 }
 
-/// Links that touch what stands, or the floor.
+/// Returns the links that touch equipment, obstacles or the floor.
 fn hits(cell: &Cell, layout: &Layout, q: &[f64]) -> Vec<String> {
     let frames = links(cell, q, None);
     let standing = cell.equipment.iter().zip(&layout.placements).flat_map(|(e, at)| {

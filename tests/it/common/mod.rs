@@ -1,4 +1,4 @@
-//! Shared by the tests: shipped cells read from disk, reference data.
+//! Shared by the tests: shipped cells read from disk, and reference data.
 #![allow(dead_code, clippy::unwrap_used, clippy::panic)] // tests/allocation.rs uses a part of it
 
 pub mod brute;
@@ -15,6 +15,16 @@ use toml::de::{DeTable, DeValue};
 
 pub fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// Returns how many cases a random sweep runs: `default`, or `full` with `SWEETSPOT_TEST_CASES=full` in the
+/// environment. The full sweeps take minutes; the short ones still fail when their subject is broken.
+pub fn cases(default: usize, full: usize) -> usize {
+    match std::env::var("SWEETSPOT_TEST_CASES") {
+        Ok(word) if word == "full" => full,
+        Ok(word) => panic!("SWEETSPOT_TEST_CASES is {word:?}: write full, or leave it out"),
+        Err(_) => default,
+    }
 }
 
 /// Loads a cell file from a folder, with shipped robots and equipment beside it.
@@ -35,7 +45,7 @@ pub fn workcell(name: &str) -> Workcell {
     Workcell::new(shipped(name)).unwrap()
 }
 
-/// Writes a picture or a page into the folder SWEETSPOT_CHARTS, if that is set: for people and browsers.
+/// Writes a picture or a page into the folder SWEETSPOT_CHARTS, if that is set, for people and browsers.
 pub fn keep_to_look_at(name: &str, text: &str) {
     if let Some(folder) = std::env::var_os("SWEETSPOT_CHARTS") {
         std::fs::create_dir_all(&folder).unwrap();
@@ -43,7 +53,7 @@ pub fn keep_to_look_at(name: &str, text: &str) {
     }
 }
 
-/// The chosen sample of a cell.
+/// Returns the signed sample that a cell chose.
 pub fn signed(cell: &Cell) -> &SignedErrors {
     match cell.error_set() {
         ErrorSet::Signed(errors) => errors,
@@ -51,7 +61,7 @@ pub fn signed(cell: &Cell) -> &SignedErrors {
     }
 }
 
-/// A cell from text, with shipped robots and equipment.
+/// Loads a cell from text, with shipped robots and equipment.
 pub fn from_text(text: &str) -> Result<Loaded, Vec<Fault>> {
     let cells = root().join("cells");
     files::load("test.toml", &mut |path: &str| {
@@ -62,13 +72,13 @@ pub fn from_text(text: &str) -> Result<Loaded, Vec<Fault>> {
     })
 }
 
-/// Little-endian f64 values of a file in tests/data.
+/// Returns the little-endian f64 values of a file in tests/data.
 pub fn data(name: &str) -> Vec<f64> {
     let bytes = std::fs::read(root().join("tests/data").join(name)).unwrap();
     bytes.chunks_exact(8).map(|c| f64::from_le_bytes(c.try_into().unwrap())).collect()
 }
 
-/// A cell round a robot file of the library: one table, one operation, the first error set.
+/// Returns a cell round a robot file of the library: one table, one operation, the first error set.
 pub fn cell_of_robot(stem: &str) -> String {
     let text = std::fs::read_to_string(root().join(format!("cells/robots/{stem}.toml"))).unwrap();
     let set = text.lines().find_map(|line| line.strip_prefix("[errors.")?.split([']', '.']).next());
@@ -82,7 +92,7 @@ pub fn cell_of_robot(stem: &str) -> String {
     )
 }
 
-/// Every robot of the library by its file's name.
+/// Returns every robot of the library by the name of its file.
 pub fn robots() -> Vec<(String, Robot)> {
     let files = std::fs::read_dir(root().join("cells/robots")).unwrap();
     let paths = files.map(|file| file.unwrap().path()).filter(|p| p.extension().is_some_and(|e| e == "toml"));
@@ -95,7 +105,7 @@ pub fn robots() -> Vec<(String, Robot)> {
     stems.into_iter().map(robot).collect()
 }
 
-/// TOML as JSON: a date is a text there, and what is no finite number nothing.
+/// Converts TOML to JSON. A date becomes a string, and a number that is not finite becomes null.
 pub fn document(text: &str) -> Option<Value> {
     fn value(v: &DeValue<'_>) -> Value {
         match v {

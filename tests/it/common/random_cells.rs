@@ -1,24 +1,24 @@
 //! Small random cells by a seed: an arm, one or two pieces of equipment with a few free coordinates, and
-//! things in the way.
+//! obstacles.
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::fmt::Write;
 
-/// What arm a cell has.
+/// Kind of arm of a random cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Arm {
-    /// A base yaw and three parallel axes of random lengths and limits.
+pub enum RandomArm {
+    /// Base yaw and three parallel axes of random lengths and limits.
     Planar,
     Hitachi,
     Scara,
     SixAxes,
 }
 
-struct Dice(ChaCha8Rng);
+struct RandomSource(ChaCha8Rng);
 
-impl Dice {
-    /// A whole number, so that the text says all of it.
+impl RandomSource {
+    /// Returns a whole number, which the text of a cell gives exactly.
     fn between(&mut self, low: i32, high: i32) -> i32 {
         self.0.random_range(low..=high)
     }
@@ -32,17 +32,17 @@ impl Dice {
     }
 }
 
-/// The text of a cell, and what arm it has.
-pub fn random_cell(seed: u64) -> (Arm, String) {
-    let dice = &mut Dice(ChaCha8Rng::seed_from_u64(seed));
+/// Returns the text of a cell and its kind of arm.
+pub fn random_cell(seed: u64) -> (RandomArm, String) {
+    let dice = &mut RandomSource(ChaCha8Rng::seed_from_u64(seed));
     let arm = *dice.of(&[
-        Arm::Planar,
-        Arm::Planar,
-        Arm::Planar,
-        Arm::Hitachi,
-        Arm::Hitachi,
-        Arm::Scara,
-        Arm::SixAxes,
+        RandomArm::Planar,
+        RandomArm::Planar,
+        RandomArm::Planar,
+        RandomArm::Hitachi,
+        RandomArm::Hitachi,
+        RandomArm::Scara,
+        RandomArm::SixAxes,
     ]);
     let mut text = format!(
         "schema = \"sweetspot/cell/1\"\nunits = {{ length = \"mm\", angle = \"deg\" }}\nname = \"random {seed}\"\n"
@@ -50,26 +50,26 @@ pub fn random_cell(seed: u64) -> (Arm, String) {
     let _ = writeln!(text, "clearance_mm = {}", dice.of(&[0, 0, 5, 20]));
     // Reach with the tool down, mm, and heights of surfaces that the arm can work on.
     let (reach, low, high) = match arm {
-        Arm::Planar => planar_arm(dice, &mut text),
-        Arm::Hitachi => {
+        RandomArm::Planar => planar_arm(dice, &mut text),
+        RandomArm::Hitachi => {
             let errors = dice.of(&["table-2", "table-3"]);
             let _ = writeln!(text, "errors = \"{errors}\"\n[robot]\nfrom = \"robots/hitachi_pw10.toml\"");
             (1150, 400, 900)
         }
-        Arm::Scara => {
+        RandomArm::Scara => {
             library_arm(dice, &mut text, "adept_cobra_s600", 4);
             (560, 130, 250)
         }
-        Arm::SixAxes => {
+        RandomArm::SixAxes => {
             let robot = *dice.of(&["ur5e", "puma560", "abb_irb140"]);
             library_arm(dice, &mut text, robot, 6);
             (600, 100, 400)
         }
     };
     let around = f64::from(dice.between(-180, 180));
-    let free = if arm == Arm::SixAxes { 1 } else { dice.between(1, 3) };
+    let free = if arm == RandomArm::SixAxes { 1 } else { dice.between(1, 3) };
     table(dice, &mut text, "bench", arm, (reach, low, high), around, free);
-    if free < 3 && arm != Arm::SixAxes && dice.chance(0.8) {
+    if free < 3 && arm != RandomArm::SixAxes && dice.chance(0.8) {
         let other = around + f64::from(dice.between(80, 160));
         table(dice, &mut text, "feeder", arm, (reach, low, high), other, 0);
     }
@@ -77,8 +77,8 @@ pub fn random_cell(seed: u64) -> (Arm, String) {
     (arm, text)
 }
 
-/// Like the paper's arm, of other lengths and limits.
-fn planar_arm(dice: &mut Dice, text: &mut String) -> (i32, i32, i32) {
+/// Writes an arm like the paper's, with other lengths and limits.
+fn planar_arm(dice: &mut RandomSource, text: &mut String) -> (i32, i32, i32) {
     let (r, l2, l3) = (dice.between(500, 900), dice.between(350, 700), dice.between(350, 800));
     let l4 = dice.between(150, 400);
     let limits =
@@ -118,8 +118,8 @@ fn planar_arm(dice: &mut Dice, text: &mut String) -> (i32, i32, i32) {
     ((l2 + l3) * 9 / 10, (r - l4 - 300).max(250), r + 50)
 }
 
-/// An arm of the library with a sample of errors of its own.
-fn library_arm(dice: &mut Dice, text: &mut String, robot: &str, axes: usize) {
+/// Writes an arm of the library with a random signed sample of errors.
+fn library_arm(dice: &mut RandomSource, text: &mut String, robot: &str, axes: usize) {
     let _ = write!(
         text,
         "errors = \"sample\"\n[robot]\nfrom = \"robots/{robot}.toml\"\n[robot.errors.sample]\n\
@@ -128,20 +128,20 @@ fn library_arm(dice: &mut Dice, text: &mut String, robot: &str, axes: usize) {
     errors(dice, text, axes);
 }
 
-/// Of every row, in tenths of mm and hundredths of a degree.
-fn errors(dice: &mut Dice, text: &mut String, axes: usize) {
+/// Writes errors of every row, in tenths of mm and hundredths of a degree.
+fn errors(dice: &mut RandomSource, text: &mut String, axes: usize) {
     for (key, most, part) in [("dr_mm", 30, 10.0), ("dl_mm", 30, 10.0), ("dalpha_deg", 80, 100.0)] {
         let values: Vec<f64> = (0..axes).map(|_| f64::from(dice.between(-most, most)) / part).collect();
         let _ = writeln!(text, "{key} = {values:?}");
     }
 }
 
-/// A table about `around` degrees off the x axis with an operation; so many of its coordinates are free.
+/// Writes a table about `around` degrees off the x axis with an operation and a number of free coordinates.
 fn table(
-    dice: &mut Dice,
+    dice: &mut RandomSource,
     text: &mut String,
     name: &str,
-    arm: Arm,
+    arm: RandomArm,
     (reach, low, high): (i32, i32, i32),
     around: f64,
     free: i32,
@@ -177,9 +177,12 @@ fn table(
          placement = {{ x_mm = {x}, y_mm = {y}, z_mm = {z}, yaw_deg = {yaw} }}\n",
         size[0], size[1]
     );
-    let grid = if arm == Arm::SixAxes { [1, 1] } else { [dice.between(1, 5), dice.between(1, 4)] };
-    let spin =
-        if matches!(arm, Arm::SixAxes | Arm::Scara) { "azimuth_deg = 0\nspin_deg = [0]\n" } else { "" };
+    let grid = if arm == RandomArm::SixAxes { [1, 1] } else { [dice.between(1, 5), dice.between(1, 4)] };
+    let spin = if matches!(arm, RandomArm::SixAxes | RandomArm::Scara) {
+        "azimuth_deg = 0\nspin_deg = [0]\n"
+    } else {
+        ""
+    };
     let sense = dice.of(&["xy", "xy", "xyz"]);
     let _ = write!(
         text,
@@ -190,8 +193,8 @@ fn table(
     );
 }
 
-/// Posts and blocks round the table, and a keep-out box.
-fn in_the_way(dice: &mut Dice, text: &mut String, reach: i32, around: f64) {
+/// Writes posts and blocks round the table, and a keep-out box.
+fn in_the_way(dice: &mut RandomSource, text: &mut String, reach: i32, around: f64) {
     for k in 0..dice.between(1, 4) {
         let radius = f64::from(dice.between(reach * 5 / 10, reach * 11 / 10));
         let (sin, cos) = (around + f64::from(dice.between(-70, 70))).to_radians().sin_cos();

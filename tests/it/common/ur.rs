@@ -6,18 +6,18 @@ use sweetspot::cell::{Convention, Joint, JointKind, MAX_JOINTS, Rectangle, Robot
 use sweetspot::pose::Pose;
 use toml::de::{DeTable, DeValue};
 
-/// What the file says of one arm.
-pub struct Arm {
+/// CalibratedArm as the calibration file describes it.
+pub struct CalibratedArm {
     pub robot: Robot,
-    /// The arm as built.
+    /// Errors of the arm as built.
     pub factory: SignedErrors,
-    /// Joint coordinates and where the flange is, m.
+    /// Joint coordinates and the flange position there, m.
     pub golden: Vec<(Vec<f64>, Vector3<f64>)>,
     figures: Vec<(String, f64)>,
 }
 
-impl Arm {
-    /// `ur10` or `ur10e`. The flange is the TCP; joints turn through [-pi, pi].
+impl CalibratedArm {
+    /// Reads `ur10` or `ur10e`. The flange is the TCP, and joints turn through [-pi, pi].
     pub fn new(name: &str) -> Self {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/ur_calibration.toml");
         let text = std::fs::read_to_string(path).unwrap();

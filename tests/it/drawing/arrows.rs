@@ -1,4 +1,4 @@
-//! Error arrows of a drawing.
+//! Tests the error arrows of a drawing.
 
 use crate::common::workcell;
 use nalgebra::Vector3;

@@ -1,4 +1,4 @@
-//! Solids as triangle meshes.
+//! Tests solids as triangle meshes.
 
 use nalgebra::Vector3;
 use std::f64::consts::PI;
@@ -6,7 +6,7 @@ use sweetspot::cell::Shape;
 use sweetspot::drawing::Mesh;
 use sweetspot::pose::Pose;
 
-/// Volume that a closed surface holds by the divergence theorem: wrong if a face looks inwards.
+/// Returns the volume of a closed surface by the divergence theorem, which is wrong if a face looks inwards.
 fn volume(mesh: &Mesh) -> f64 {
     let p = |i: u32| mesh.positions[i as usize];
     mesh.triangles.iter().map(|[a, b, c]| p(*a).dot(&p(*b).cross(&p(*c))) / 6.0).sum()

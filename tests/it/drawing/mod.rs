@@ -1,4 +1,4 @@
-//! The drawing of an assessed layout.
+//! Tests the drawing of an assessed layout.
 
 mod arrows;
 mod mesh;
@@ -64,7 +64,7 @@ fn a_large_map_is_thinned_and_keeps_its_spot() {
     }
 }
 
-/// The bars of a robot without solids join the origins of its frames.
+/// Bars join the origins of the frames of a robot without solids.
 #[test]
 fn every_robot_without_solids_is_drawn_as_bars() {
     for name in ["ur_cell.toml", "panda_cell.toml", "scara_cell.toml", "track_cell.toml"] {

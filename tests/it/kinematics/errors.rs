@@ -1,4 +1,4 @@
-//! Both error models: derivative, reference in 60 digits, special sizes, signs by hand, base.
+//! Tests both error models: derivatives, a reference in 60 digits, extreme sizes, signs by hand, the base.
 
 use crate::common::{root, shipped, signed};
 use crate::kinematics::product::{no_errors, position, random_joints, rotation, tcp};
@@ -17,7 +17,7 @@ use sweetspot::layout::Workcell;
 use sweetspot::pose::{Displacement, Pose};
 use sweetspot::robot::Chain;
 
-/// A robot of these rows; the limits play no part.
+/// Returns a robot of these rows. Its limits play no part.
 pub fn robot(joints: Vec<Joint>, coupling: Vec<Vec<f64>>, tool: Pose) -> Robot {
     let (footprint, text) = (Rectangle { centre: (0.0, 0.0), size: (1.0, 1.0) }, || "test".to_string());
     let (tool_axis, solids, tool_solids, errors) = (Vector3::x(), vec![], 0, vec![]);
@@ -46,7 +46,8 @@ pub fn joint(kind: JointKind, theta: f64, r: f64, l: f64, alpha: f64) -> Joint {
     Joint { name: "q".into(), kind, theta, r, l, alpha, limits: (-PI, PI) }
 }
 
-/// Couplings, prismatic joints, right angles and all; `flat`: every angle 0, all axes parallel.
+/// Returns a random robot with couplings, prismatic joints and right angles; `flat` sets every angle to 0 and
+/// all axes parallel.
 pub fn random_robot(rng: &mut ChaCha8Rng, n: usize, flat: bool) -> Robot {
     let joints = (0..n).map(|_| {
         let kind = if rng.random_bool(0.25) { JointKind::Prismatic } else { JointKind::Revolute };
@@ -122,8 +123,8 @@ fn the_linearized_model_is_the_derivative() {
     }
 }
 
-/// tests/data/nonlinear_mpmath.py wrote the reference: errors up to 1 mm and 0.5 degrees, a
-/// thousandth and a millionth of that.
+/// tests/data/nonlinear_mpmath.py wrote the reference for errors up to 1 mm and 0.5 degrees, a thousandth and
+/// a millionth of that.
 #[test]
 fn the_nonlinear_model_keeps_its_digits_down_to_nanometres() {
     let text = std::fs::read_to_string(root().join("tests/data/nonlinear_mpmath.json")).unwrap();
@@ -193,7 +194,7 @@ fn tiny_twists_keep_their_digits() {
     }
 }
 
-/// Up to and past half a turn the rotation vector is that of the product, the short way round.
+/// The rotation vector equals that of the product up to and past half a turn, the shorter way round.
 #[test]
 fn large_twists_give_the_rotation_of_the_matrix_product() {
     let mut rng = ChaCha8Rng::seed_from_u64(8);
@@ -209,9 +210,9 @@ fn large_twists_give_the_rotation_of_the_matrix_product() {
     }
 }
 
-/// One joint at 90 degrees, so that its link points along y; r = 0.2, l = 0.5, alpha = 90 degrees.
-/// Rx(90) puts the tool offset (0.1, 0.2, 0.3) at (0.1, -0.3, 0.2); with l and r it is at
-/// (0.6, -0.3, 0.4), which Rz(90) turns to (0.3, 0.6, 0.4).
+/// One joint at 90 degrees points its link along y, with r = 0.2, l = 0.5, alpha = 90 degrees. Rx(90) puts
+/// the tool offset (0.1, 0.2, 0.3) at (0.1, -0.3, 0.2). With l and r it lies at (0.6, -0.3, 0.4), which
+/// Rz(90) turns to (0.3, 0.6, 0.4).
 #[test]
 fn error_signs_match_hand_calculation() {
     let tool = Pose::from_translation_rpy(vector![0.1, 0.2, 0.3], Vector3::zeros());
@@ -259,7 +260,7 @@ fn error_signs_match_hand_calculation() {
     check(&revolute, &dalpha(h), h, Model::Nonlinear, vector![-0.1, 0.0, -0.5], vector![0.0, h, 0.0]);
 }
 
-/// The whole cell moved and turned by 90 degrees: (x, y) becomes (-y, x), in errors as in places.
+/// The whole cell is moved and turned by 90 degrees: (x, y) becomes (-y, x), in errors and in places.
 #[test]
 fn error_maps_turn_with_the_base() {
     let mut cell = shipped("hitachi_paper.toml");

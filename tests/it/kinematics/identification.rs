@@ -1,8 +1,9 @@
-//! Condition of the identification Jacobian: four parameters fail where axes are parallel, five do not.
+//! Tests the condition of the identification Jacobian: four parameters per link fail at parallel axes, five
+//! do not.
 //!
 //! `cargo test --test it kinematics::identification -- --nocapture` prints the numbers.
 
-use crate::common::ur::Arm;
+use crate::common::ur::CalibratedArm;
 use crate::common::{root, shipped};
 use crate::kinematics::errors::{joint, random_robot, robot};
 use crate::kinematics::product::{product, random_joints};
@@ -18,7 +19,7 @@ use sweetspot::pose::Pose;
 use sweetspot::robot::{Chain, Posture};
 
 const POSTURES: usize = 200;
-/// 1 rad weighs as much as 1 m.
+/// Length (m) that weighs as much as 1 rad.
 const LENGTH: f64 = 1.0;
 
 fn joints(robot: &Robot) -> Vec<JointVector> {
@@ -40,11 +41,11 @@ fn from_data(name: &str) -> Robot {
     crate::common::load_from(&root().join("tests/data"), name).unwrap().cell.robot
 }
 
-/// Arms with three, three, three and two parallel axes.
+/// Returns arms with three, three, three and two parallel axes.
 fn arms() -> [(&'static str, Robot); 4] {
     [
         ("Hitachi PW 10-II", shipped("hitachi_paper.toml").robot),
-        ("UR10", Arm::new("ur10").robot),
+        ("UR10", CalibratedArm::new("ur10").robot),
         ("UR5", from_data("ur5.toml")),
         ("PUMA 560", from_data("puma560.toml")),
     ]
@@ -62,7 +63,7 @@ fn four_parameters_are_singular_at_parallel_axes_and_five_are_not() {
     }
 }
 
-/// Axes that should be parallel, out by an angle as manufactured.
+/// Returns a robot whose parallel axes are off by an angle, as manufactured.
 fn bent(robot: &Robot, angle: f64) -> Robot {
     let mut robot = robot.clone();
     let inner = robot.axes() - 1;
@@ -73,9 +74,8 @@ fn bent(robot: &Robot, angle: f64) -> Robot {
     robot
 }
 
-/// At an angle a between axes that are l apart, a turn b about y (dbeta) is dq = b / a of one joint,
-/// back by the next, and what that shifts sideways, l b / a, is dr = l b / a^2 along one axis and back
-/// along the other.
+/// Let axes at an angle a be l apart. A turn b about y (dbeta) equals dq = b / a of one joint, undone by the
+/// next; the sideways shift l b / a equals dr = l b / a^2 along one axis and back along the other.
 #[test]
 fn near_to_parallel_four_parameters_grow_with_the_square_of_one_over_the_angle() {
     for (name, robot) in arms() {
@@ -92,7 +92,7 @@ fn near_to_parallel_four_parameters_grow_with_the_square_of_one_over_the_angle()
     }
 }
 
-/// By dual numbers through the D-H product, and by the eigenvalues of `J^T J`; at another length.
+/// The references are dual numbers through the D-H product and the eigenvalues of `J^T J`, at another length.
 #[test]
 fn the_identification_condition_agrees_with_the_matrix_product() {
     for (name, robot) in arms() {
@@ -127,7 +127,7 @@ fn of_product(robot: &Robot, parameters: &[Parameter], length: f64) -> DMatrix<f
     jacobian
 }
 
-/// How many of the columns are independent.
+/// Returns the number of independent columns.
 fn rank(robot: &Robot, parameters: &[Parameter]) -> usize {
     let mut jacobian = identification_jacobian(&Chain::new(robot), &postures(robot), parameters, LENGTH);
     jacobian.column_iter_mut().for_each(|mut c| _ = c.try_normalize_mut(1e-12));
@@ -139,8 +139,8 @@ fn links(robot: &Robot, of: impl Fn(&Parameter) -> bool) -> Vec<Parameter> {
     Parameter::of_robot(robot.axes()).take(5 * robot.axes()).filter(of).collect()
 }
 
-/// What five parameters leave out is in what they hold: 4 n of n turning joints, and the sixth motion
-/// of the last link is the tool's.
+/// Five parameters hold all that they leave out: 4 n of n revolute joints, and the sixth motion of the last
+/// link is that of the tool.
 #[test]
 fn five_parameters_per_link_are_complete_and_minimal() {
     for (name, robot) in arms() {
@@ -152,8 +152,8 @@ fn five_parameters_per_link_are_complete_and_minimal() {
     }
 }
 
-/// No axes parallel, but couplings and sliding joints, one beside another, too: the set holds as many
-/// parameters as are independent.
+/// Without parallel axes, but with couplings and adjacent prismatic joints, the set holds as many parameters
+/// as are independent.
 #[test]
 fn prismatic_joints_have_no_redundant_parameter() {
     let mut rng = ChaCha8Rng::seed_from_u64(31);
@@ -170,7 +170,7 @@ fn prismatic_joints_have_no_redundant_parameter() {
     }
 }
 
-/// Sliding joints between parallel axes, and two that cross.
+/// Prismatic joints lie between parallel axes, and two of them cross.
 #[test]
 fn prismatic_joints_beside_parallel_axes_have_five_parameters() {
     let slide =
@@ -201,7 +201,7 @@ fn prismatic_joints_beside_parallel_axes_have_five_parameters() {
 
 #[test]
 fn too_few_postures_make_identification_singular() {
-    let robot = Arm::new("ur10").robot;
+    let robot = CalibratedArm::new("ur10").robot;
     let (chain, all) = (Chain::new(&robot), postures(&robot));
     // 24 parameters, six rows a posture; and a posture repeated says nothing new.
     for few in [&all[..0], &all[..3], &[all[0]; 50]] {

@@ -1,4 +1,4 @@
-//! The inverse of the forward kinematics, for the paper's robot and its relatives.
+//! Tests the inverse of the forward kinematics for the paper's robot and similar arms.
 
 use crate::common::{from_text, shipped};
 use crate::kinematics::product::{no_errors, position, random_joints, rotation, tcp};
@@ -12,7 +12,7 @@ use sweetspot::reach::{Inverse, Reach};
 use sweetspot::robot::Chain;
 use sweetspot::units::wrapped;
 
-/// TCP and elevation of the tool axis, base frame.
+/// Returns TCP and elevation of the tool axis in the base frame.
 fn held(robot: &Robot, q: &[f64]) -> (Vector3<f64>, f64) {
     let t = tcp(robot, q, &no_errors(robot.axes()), 0.0);
     (position(&t), elevation(&(rotation(&t) * robot.tool_axis)))
@@ -22,20 +22,20 @@ fn elevation(axis: &Vector3<f64>) -> f64 {
     axis.z.atan2(axis.x.hypot(axis.y))
 }
 
-/// How far each joint is outside its limits; negative inside.
+/// Returns how far each joint is outside its limits; negative inside.
 fn outside(robot: &Robot, q: &JointVector) -> Vec<f64> {
     robot.joints.iter().zip(q).map(|(j, q)| (j.limits.0 - q).max(q - j.limits.1)).collect()
 }
 
-/// Largest difference of joints; turns count unless the limits leave a choice of them.
+/// Returns the largest difference of joints. Whole turns do not count where the limits leave a choice.
 fn apart(robot: &Robot, a: &JointVector, b: &JointVector) -> f64 {
     let turns = |j: &Joint| j.limits.1 - j.limits.0 > TAU;
     let each = robot.joints.iter().zip(a.iter().zip(b));
     each.map(|(j, (a, b))| if turns(j) { wrapped(a - b).abs() } else { (a - b).abs() }).fold(0.0, f64::max)
 }
 
-/// Every branch holds the tool as `q` does, the limits are judged rightly, by both ways in, and `q`
-/// itself, known to be allowed, is among the branches.
+/// Checks that every branch holds the tool as `q` does, that both entry points judge the limits alike and
+/// rightly, and that `q`, known to be allowed, is among the branches.
 fn check_inverse(robot: &Robot, q: &JointVector, tolerance: f64) {
     let (chain, (target, bend)) = (Chain::new(robot), held(robot, q));
     let arm = Inverse::new(&chain);
@@ -75,21 +75,21 @@ fn the_inverse_recovers_postures_of_the_robot_of_the_paper() {
     check_inverse_at_random(&shipped("hitachi_paper_parallelogram.toml").robot, 10_000);
 }
 
-/// q_offset, r, l, alpha (deg, mm) of an arm with every offset its family can have.
+/// Rows (q_offset, r, l, alpha; deg, mm) of an arm with every offset that its family allows.
 const OFFSETS: [[f64; 4]; 4] = [
     [20.0, 700.0, 150.0, 90.0],
     [30.0, 120.0, 600.0, 0.0],
     [0.0, -80.0, 500.0, 0.0],
     [-40.0, 45.0, 300.0, 0.0],
 ];
-/// The same without.
+/// Rows of an arm without offsets.
 const PLAIN: [[f64; 4]; 4] =
     [[0.0, 700.0, 0.0, 90.0], [0.0, 0.0, 600.0, 0.0], [0.0, 0.0, 500.0, 0.0], [0.0, 0.0, 300.0, 0.0]];
 const TOOL: &str = "tool = { position_mm = [30, 70, -110], axis = [1, 0, 0] }";
 const AT_FLANGE: &str = "tool = { position_mm = [0, 0, 0], axis = [1, 0, 0] }";
 const SERIAL: &str = "[[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]";
 
-/// A robot read from text; `limits` (deg) are those of every joint.
+/// Returns a robot read from text; `limits` (deg) hold for every joint.
 fn arm(rows: [[f64; 4]; 4], limits: [f64; 2], coupling: &str, tool: &str) -> Robot {
     let row = |(i, [q, r, l, a]): (usize, &[f64; 4])| {
         format!(
@@ -166,7 +166,7 @@ fn the_inverse_finds_postures_at_the_joint_limits() {
     }
 }
 
-/// Search and map must judge alike within the rounding of a limit, too.
+/// Search and map judge alike within the rounding of a limit.
 #[test]
 fn map_and_search_agree_at_the_tolerance_of_a_limit() {
     let mut rng = ChaCha8Rng::seed_from_u64(2);
@@ -190,7 +190,7 @@ fn map_and_search_agree_at_the_tolerance_of_a_limit() {
     }
 }
 
-/// Arm stretched, tool vertical: joints are found to the root of the rounding only.
+/// With a stretched arm or a vertical tool, joints are found to the square root of the rounding only.
 #[test]
 fn the_inverse_handles_singular_postures() {
     let robot = arm(OFFSETS, [-180.0, 180.0], SERIAL, AT_FLANGE);
@@ -246,8 +246,8 @@ fn the_base_yaw_keeps_its_limits_on_the_base_axis() {
     }
 }
 
-/// Joint 2 has two turns to choose from, and they differ by half a turn of joint 3: a posture alone
-/// does not tell its limits, so the numeric way is taken.
+/// Joint 2 has two turns to choose from, which differ by half a turn of joint 3. A posture alone does not
+/// decide its limits, so the numeric solver is used.
 #[test]
 fn a_fractional_gear_over_several_turns_is_solved_on_the_actuators() {
     let gear = "[[1, 0, 0, 0], [0, 1, 0, 0], [0, -0.5, 1, 0], [0, 0, 0, 1]]";

@@ -1,4 +1,4 @@
-//! Forward and inverse kinematics and the error models against a D-H product written here, its
+//! Tests forward and inverse kinematics and the error models against a D-H product written here, its
 //! derivatives by dual numbers, references in 60 digits and cases done by hand.
 
 mod derivatives;

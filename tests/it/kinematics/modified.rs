@@ -1,4 +1,4 @@
-//! Errors of modified (Craig) rows through a cell file, against the product of such rows written here.
+//! Tests errors of modified (Craig) rows through a cell file against the product of such rows written here.
 
 use crate::common::{from_text, signed};
 use crate::kinematics::errors::predicted;
@@ -19,15 +19,15 @@ fn turn(axis: Vector3<f64>, angle: f64) -> Matrix4<f64> {
     Rotation3::new(axis * angle).to_homogeneous()
 }
 
-/// `Trans(x, y, z) Rz Ry Rx` of mm and degrees.
+/// Returns `Trans(x, y, z) Rz Ry Rx` from mm and degrees.
 fn frame(e: &[f64]) -> Matrix4<f64> {
     let [z, y, x] =
         [(Vector3::z(), 5), (Vector3::y(), 4), (Vector3::x(), 3)].map(|(a, k)| turn(a, e[k] * DEG));
     slide(e[0] / 1e3, e[1] / 1e3, e[2] / 1e3) * z * y * x
 }
 
-/// A chain and its errors as a file gives them, mm and degrees: per row r, l, alpha, theta, and dq, dr,
-/// dl, dalpha, dbeta; base and tool; then the joint frames.
+/// Chain and its errors as a file gives them, mm and degrees: per row r, l, alpha, theta, and dq, dr, dl,
+/// dalpha, dbeta; base and tool; then the joint frames.
 struct Chain {
     rows: Vec<[f64; 4]>,
     slides: Vec<bool>,
@@ -50,7 +50,7 @@ impl Chain {
         Self { rows, slides, errors, frames: [base, tool], joints }
     }
 
-    /// Standing in the shipped cell, whose operations play no part.
+    /// Returns the shipped cell with this robot. Its operations play no part.
     fn robot_text(&self) -> String {
         let row = |(k, ([r, l, alpha, theta], slides)): (usize, (&[f64; 4], &bool))| {
             let kind = match slides {
@@ -83,7 +83,8 @@ impl Chain {
         )
     }
 
-    /// `Tx(l + dl) Rx(alpha + dalpha) Ry(dbeta) J Rz(theta) Tz(r)` of every row, with `unit` times the errors.
+    /// Returns `Tx(l + dl) Rx(alpha + dalpha) Ry(dbeta) J Rz(theta) Tz(r)` of every row, with `unit` times
+    /// the errors.
     fn tcp(&self, robot: &Robot, q: &[f64], unit: f64) -> Matrix4<f64> {
         let scaled = |e: &[f64; 6]| frame(&e.map(|v| v * unit));
         let mut t = scaled(&self.frames[0]);

@@ -1,5 +1,5 @@
-//! The numeric inverse kinematics: poses made by the D-H product here are found again, reasons are
-//! those that geometry gives.
+//! Tests the numeric inverse kinematics: it finds poses made by the D-H product here, and its reasons agree
+//! with geometry.
 
 use crate::common::{data, from_text, root, shipped};
 use crate::kinematics::errors::{joint, random_robot, robot};
@@ -20,10 +20,10 @@ use sweetspot::units::wrapped;
 const TURN: JointKind = JointKind::Revolute;
 const SLIDE: JointKind = JointKind::Prismatic;
 
-/// Kind, r, l, alpha in degrees, limits in rad or m.
+/// Row of an arm: kind, r, l, alpha in degrees, limits in rad or m.
 type Row = (JointKind, f64, f64, f64, (f64, f64));
 
-/// Not coupled.
+/// Returns a robot of these rows without coupling.
 fn serial(rows: &[Row], tool: Pose) -> Robot {
     let joints = rows.iter().map(|&(kind, r, l, alpha, limits)| {
         let mut row = joint(kind, 0.0, r, l, alpha.to_radians());
@@ -52,8 +52,8 @@ fn five_axes() -> Robot {
     serial(&rows, tool)
 }
 
-/// Franka Emika Panda: the maker's rows are the modified ones (a and alpha before the joint), moved
-/// here to the joint before.
+/// Returns the Franka Emika Panda. The maker's rows are the modified ones (a and alpha before the joint),
+/// moved here to the joint before.
 fn panda() -> Robot {
     let rows = [
         (TURN, 0.333, 0.0, -90.0, (-2.8973, 2.8973)),
@@ -77,7 +77,7 @@ fn scara(last: f64) -> Robot {
     serial(&rows, Pose::identity())
 }
 
-/// `arm` on slides across each other.
+/// Returns `arm` on slides across each other.
 fn on_slides(slides: usize, arm: &Robot) -> Robot {
     let rows = [(SLIDE, 0.0, 0.0, 90.0, (-1.0, 1.5)), (SLIDE, 0.2, 0.1, -90.0, (0.0, 0.8))];
     let mut robot = serial(&rows[..slides], arm.tool);
@@ -105,7 +105,7 @@ fn fk(robot: &Robot, q: &JointVector) -> Matrix4<f64> {
     tcp(robot, q, &no_errors(robot.axes()), 0.0)
 }
 
-/// The goal at `q`, with all of the attitude asked or a part of it.
+/// Returns the goal at `q` with all of the orientation or a part of it.
 fn goal_at(robot: &Robot, q: &JointVector, rows: usize) -> Goal {
     let t = fk(robot, q);
     let axis = rotation(&t) * robot.tool_axis;
@@ -118,7 +118,7 @@ fn goal_at(robot: &Robot, q: &JointVector, rows: usize) -> Goal {
     Goal { position: position(&t), attitude }
 }
 
-/// Distance (m) and angle (rad) of a posture from a goal.
+/// Returns distance (m) and angle (rad) of a posture from a goal.
 fn off(robot: &Robot, q: &JointVector, goal: &Goal) -> (f64, f64) {
     let t = fk(robot, q);
     let axis = rotation(&t) * robot.tool_axis;
@@ -142,7 +142,7 @@ fn check(robot: &Robot, q: &JointVector, goal: &Goal) {
     assert!(q[robot.axes()..].iter().all(|q| *q == 0.0), "{q:?}");
 }
 
-/// How many of `count` poses made inside the limits are not found; what is found is right.
+/// Returns how many of `count` poses made inside the limits are not found. Every solution found is checked.
 fn missed(robot: &Robot, rows: usize, count: usize) -> usize {
     let (solver, mut rng) = (Numeric::new(&Chain::new(robot)), ChaCha8Rng::seed_from_u64(7));
     let goals: Vec<_> = (0..count).map(|_| goal_at(robot, &random_joints(robot, &mut rng), rows)).collect();
@@ -174,7 +174,7 @@ fn a_goal_with_a_free_orientation_is_found() {
     }
 }
 
-/// Couplings by fractions, slides and turns in any order: whatever a file may hold.
+/// Fractional couplings, slides and turns come in any order, as a file may hold them.
 #[test]
 fn poses_of_random_chains_are_solved_numerically() {
     let mut rng = ChaCha8Rng::seed_from_u64(11);
@@ -184,7 +184,7 @@ fn poses_of_random_chains_are_solved_numerically() {
     assert!(missed <= 12, "{missed} of 12000 missed");
 }
 
-/// Work B: poses and the mean count of solutions by a closed form, both made elsewhere.
+/// Another program made the poses of peer set B and their mean number of closed-form solutions.
 #[test]
 fn one_and_all_solutions_of_peer_set_b_are_found() {
     for (name, mean) in [("puma560", 3.702), ("ur5", 7.120)] {
@@ -211,7 +211,7 @@ fn one_and_all_solutions_of_peer_set_b_are_found() {
     }
 }
 
-/// The paper's arm has a closed form: the same postures.
+/// The paper's arm has a closed form with the same postures.
 #[test]
 fn all_numeric_solutions_agree_with_the_closed_form() {
     let robot = shipped("hitachi_paper.toml").robot;
@@ -260,7 +260,7 @@ fn the_jacobian_agrees_with_dual_numbers() {
     }
 }
 
-/// A planar arm of turning joints in the xy plane.
+/// Returns a planar arm of revolute joints in the xy plane.
 fn planar(links: &[f64], limits: &[(f64, f64)]) -> Robot {
     let rows: Vec<_> = links.iter().zip(limits).map(|(l, limits)| (TURN, 0.0, *l, 0.0, *limits)).collect();
     serial(&rows, Pose::identity())
@@ -305,7 +305,7 @@ fn an_unreachable_goal_reports_the_distance() {
     }
 }
 
-/// The wrist of a SCARA has to turn by the rest that its two elbows leave; less limits.
+/// The wrist of a SCARA must turn by the rest that its two elbows leave, and its limits forbid that.
 #[test]
 fn a_joint_limit_that_forbids_the_orientation_is_named() {
     let (limit, mut rng, mut told) = (0.2, ChaCha8Rng::seed_from_u64(9), 0);
@@ -372,7 +372,7 @@ fn numeric_solutions_are_deterministic() {
     }
 }
 
-/// One robot of seven axes reaches a pose in a continuum of ways.
+/// A robot of seven axes reaches a pose in a continuum of postures.
 #[test]
 fn a_continuum_of_solutions_is_sampled_evenly() {
     let (robot, mut rng, mut out) = (panda(), ChaCha8Rng::seed_from_u64(17), Vec::new());
@@ -420,7 +420,7 @@ fn nearly_vertical_tools_and_half_turns_are_solved() {
     }
 }
 
-/// From a start near a solution the way leads to that one.
+/// A start near a solution leads to that solution.
 #[test]
 fn a_start_leads_to_the_nearest_solution() {
     let (robot, mut rng) = (catalogue("ur5"), ChaCha8Rng::seed_from_u64(19));

@@ -1,4 +1,4 @@
-//! Small motions: exponential, logarithm and their laws from 1e-300 rad to half a turn.
+//! Tests small motions: exponential, logarithm and their laws from 1e-300 rad to half a turn.
 
 use nalgebra::{Matrix3, Matrix4, Rotation3, UnitQuaternion, Vector3, vector};
 use rand::{Rng, SeedableRng};
@@ -18,7 +18,7 @@ fn within(rng: &mut ChaCha8Rng, bound: f64) -> Vector3<f64> {
     Vector3::from_fn(|_, _| rng.random_range(-bound..bound))
 }
 
-/// Rodrigues with the versine from the half angle: `(R - 1) p` to full relative accuracy.
+/// Returns `(R - 1) p` to full relative accuracy by Rodrigues' formula with the versine of the half angle.
 fn rodrigues(axis: &Vector3<f64>, angle: f64, p: &Vector3<f64>) -> Vector3<f64> {
     let across = axis.cross(p);
     across * angle.sin() + axis.cross(&across) * (2.0 * (angle / 2.0).sin().powi(2))
@@ -72,7 +72,7 @@ fn points_move_by_rodrigues_formula() {
     }
 }
 
-/// log(exp(a) exp(b)) with 60 digits (mpmath, quaternions), a and b as the f64 they are.
+/// Values of log(exp(a) exp(b)) with 60 digits (mpmath, quaternions), for a and b as stored in f64.
 #[allow(clippy::approx_constant)] // near to half a turn on purpose
 const PRODUCTS: [([f64; 3], [f64; 3], [f64; 3]); 12] = [
     ([1e-300, 0.0, 0.0], [0.0, 2e-300, 0.0], [1e-300, 2e-300, 0.0]),
@@ -118,7 +118,8 @@ fn composed_rotations_agree_with_60_digits() {
     }
 }
 
-/// Any two: finite, at most half a turn, and the rotation of nalgebra's quaternions.
+/// The product of any two rotations is finite, at most half a turn, and equal to that of nalgebra's
+/// quaternions.
 #[test]
 fn no_composed_rotation_is_nan() {
     let mut rng = ChaCha8Rng::seed_from_u64(23);
@@ -165,7 +166,7 @@ fn displacements_compose_as_matrices() {
     }
 }
 
-/// Nanometres and nanoradians keep their digits: no number of order 1 takes part.
+/// Nanometres and nanoradians keep their digits, since no number of order 1 takes part.
 #[test]
 fn small_displacements_keep_their_digits() {
     let mut rng = ChaCha8Rng::seed_from_u64(25);

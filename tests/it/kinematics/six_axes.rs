@@ -1,5 +1,5 @@
-//! Closed-form inverse kinematics of six-axis arms against the D-H product of this test, brute force
-//! and counts made with another program.
+//! Tests the closed-form inverse kinematics of six-axis arms against a D-H product written here, brute force
+//! and counts of another program.
 
 use crate::common::root;
 use crate::kinematics::product::{no_errors, position, rotation, tcp};
@@ -13,7 +13,7 @@ use sweetspot::pose::Pose;
 use sweetspot::reach::{SphericalWrist, ThreeParallel};
 use sweetspot::robot::{Chain, Posture};
 
-/// theta (degrees), r, l (mm), alpha (degrees).
+/// Row of an arm: kind, and theta (degrees), r, l (mm), alpha (degrees).
 pub type Row = (JointKind, [f64; 4]);
 
 pub const R: JointKind = Revolute;
@@ -44,19 +44,19 @@ pub enum Arm {
     Parallel(Box<ThreeParallel>),
 }
 
-/// What the solver says of one pose.
-pub struct Answer {
+/// InverseAnswer of the solver for one pose.
+pub struct InverseAnswer {
     pub missing: f64,
     pub found: Vec<(u8, Posture)>,
 }
 
-pub struct Bench {
+pub struct InverseBench {
     pub robot: Robot,
     pub chain: Chain,
     pub arm: Arm,
 }
 
-impl Bench {
+impl InverseBench {
     pub fn wrist(robot: Robot) -> Self {
         let chain = Chain::new(&robot);
         let arm = Arm::Wrist(Box::new(SphericalWrist::new(&chain).unwrap()));
@@ -69,7 +69,7 @@ impl Bench {
         Self { robot, chain, arm }
     }
 
-    pub fn solve(&self, flange: &Pose) -> Answer {
+    pub fn solve(&self, flange: &Pose) -> InverseAnswer {
         let mut scratch = self.chain.posture(&JointVector::default());
         let mut found = Vec::new();
         let mut push = |branch: u8, posture: &Posture| found.push((branch, *posture));
@@ -77,7 +77,7 @@ impl Bench {
             Arm::Wrist(arm) => arm.solve(flange, &mut scratch, &mut push),
             Arm::Parallel(arm) => arm.solve(flange, &mut scratch, &mut push),
         };
-        Answer { missing, found }
+        InverseAnswer { missing, found }
     }
 
     pub fn pose(&self, q: &[f64]) -> Pose {
@@ -89,8 +89,8 @@ impl Bench {
         crate::kinematics::product::random_joints(&self.robot, rng)
     }
 
-    /// Solves the pose of `q`: every answer must hold it. Returns the answers.
-    pub fn check(&self, q: &JointVector) -> Answer {
+    /// Solves the pose of `q`, checks that every answer holds it, and returns the answers.
+    pub fn check(&self, q: &JointVector) -> InverseAnswer {
         let flange = self.pose(q);
         let answer = self.solve(&flange);
         assert!(!answer.found.is_empty() && answer.missing == 0.0, "{q:?}: {} missing", answer.missing);
@@ -104,8 +104,8 @@ impl Bench {
         answer
     }
 
-    /// Largest difference of a cosine, sine or slide from the nearest answer.
-    pub fn nearest(&self, q: &JointVector, answer: &Answer) -> f64 {
+    /// Returns the largest difference of a cosine, sine or slide from the nearest answer.
+    pub fn nearest(&self, q: &JointVector, answer: &InverseAnswer) -> f64 {
         let original = self.chain.posture(q);
         let apart = |p: &Posture| {
             let each = |k: usize| {
@@ -117,8 +117,9 @@ impl Bench {
         answer.found.iter().map(|(_, p)| apart(p)).fold(f64::INFINITY, f64::min)
     }
 
-    /// Random poses: all found, all answers right, the original among them. An angle at a distance d
-    /// from a singularity is known to 1e-15 / d: all but a few within 1e-7, those within 1e-4.
+    /// Checks random poses: all are found, all answers are right, and the original is among them. At a
+    /// distance d from a singularity an angle is known to 1e-15 / d: all but a few within 1e-7, those within
+    /// 1e-4.
     fn check_random(&self, count: usize, seed: u64) {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let mut far = 0;
@@ -135,17 +136,17 @@ impl Bench {
     }
 }
 
-pub fn puma560() -> Bench {
-    Bench::wrist(from_cell("puma560.toml"))
+pub fn puma560() -> InverseBench {
+    InverseBench::wrist(from_cell("puma560.toml"))
 }
 
-pub fn ur5() -> Bench {
-    Bench::parallel(from_cell("ur5.toml"))
+pub fn ur5() -> InverseBench {
+    InverseBench::parallel(from_cell("ur5.toml"))
 }
 
-/// ABB IRB 140 with an offset shoulder added.
-pub fn irb140() -> Bench {
-    Bench::wrist(turning([
+/// Returns the ABB IRB 140 with an additional shoulder offset.
+pub fn irb140() -> InverseBench {
+    InverseBench::wrist(turning([
         [0.0, 352.0, 70.0, -90.0],
         [-90.0, 30.0, 360.0, 0.0],
         [0.0, -12.0, 15.0, -90.0],
@@ -155,9 +156,9 @@ pub fn irb140() -> Bench {
     ]))
 }
 
-/// The Stanford arm: two turning joints, a slide, a wrist.
-pub fn stanford() -> Bench {
-    Bench::wrist(robot(&[
+/// Returns the Stanford arm: two revolute joints, a slide, a wrist.
+pub fn stanford() -> InverseBench {
+    InverseBench::wrist(robot(&[
         (R, [0.0, 412.0, 0.0, -90.0]),
         (R, [0.0, 154.0, 0.0, 90.0]),
         (P, [-90.0, 300.0, 0.0, 0.0]),
@@ -167,9 +168,9 @@ pub fn stanford() -> Bench {
     ]))
 }
 
-/// Franka Panda without joint 7: a spherical shoulder.
-pub fn panda() -> Bench {
-    Bench::wrist(turning([
+/// Returns the Franka Panda without joint 7, which has a spherical shoulder.
+pub fn panda() -> InverseBench {
+    InverseBench::wrist(turning([
         [0.0, 333.0, 0.0, -90.0],
         [0.0, 0.0, 0.0, 90.0],
         [0.0, 316.0, 82.5, 90.0],
@@ -179,9 +180,9 @@ pub fn panda() -> Bench {
     ]))
 }
 
-/// Universal Robots' family with every offset that it allows, and its axes 3 and 4 turned over.
-pub fn offsets() -> Bench {
-    Bench::parallel(turning([
+/// Returns an arm of Universal Robots' family with every offset that it allows, axes 3 and 4 turned over.
+pub fn offsets() -> InverseBench {
+    InverseBench::parallel(turning([
         [10.0, 120.0, 35.0, 70.0],
         [-20.0, 40.0, -425.0, 180.0],
         [30.0, -25.0, 392.0, 180.0],
@@ -206,7 +207,7 @@ fn random_row(rng: &mut ChaCha8Rng, kind: JointKind) -> Row {
     (kind, [rng.random_range(-180.0..180.0), length(rng), length(rng), rng.random_range(-170.0..170.0)])
 }
 
-/// A chain with a spherical wrist of random twists; shoulder of random lengths and twists.
+/// Returns a chain with a spherical wrist of random twists and a shoulder of random lengths and twists.
 pub fn random_chain(rng: &mut ChaCha8Rng, kinds: [JointKind; 3]) -> Vec<Row> {
     let mut rows: Vec<Row> = kinds.iter().chain(&[R; 3]).map(|&kind| random_row(rng, kind)).collect();
     rows[3].1[2] = 0.0;
@@ -215,7 +216,7 @@ pub fn random_chain(rng: &mut ChaCha8Rng, kinds: [JointKind; 3]) -> Vec<Row> {
     rows
 }
 
-/// The chain from flange to base, as another robot.
+/// Returns the chain from flange to base as another robot.
 pub fn end_for_end(rows: &[Row]) -> Vec<Row> {
     let twist = |k: usize| 5usize.checked_sub(k + 1).map_or([70.0, 25.0], |i| [-rows[i].1[2], -rows[i].1[3]]);
     let row = |k: usize| {
@@ -232,13 +233,13 @@ fn the_inverse_recovers_postures_of_general_chains() {
     for k in 0..8 {
         for _ in 0..10 {
             let rows = random_chain(&mut rng, kinds(k));
-            Bench::wrist(robot(&rows)).check_random(1_000, rng.random());
-            Bench::wrist(robot(&end_for_end(&rows))).check_random(500, rng.random());
+            InverseBench::wrist(robot(&rows)).check_random(1_000, rng.random());
+            InverseBench::wrist(robot(&end_for_end(&rows))).check_random(500, rng.random());
         }
     }
 }
 
-/// Right angles and zeros in every place: the special cases of every first three joints.
+/// Right angles and zeros in every place cover the special cases of the first three joints.
 #[test]
 fn the_inverse_recovers_postures_of_special_chains() {
     let mut rng = ChaCha8Rng::seed_from_u64(21);
@@ -254,7 +255,7 @@ fn the_inverse_recovers_postures_of_special_chains() {
         let robot = robot(&rows);
         if SphericalWrist::new(&Chain::new(&robot)).is_ok() {
             // Not drawn from the generator of the chains: which come does not depend on which are taken.
-            Bench::wrist(robot).check_random(100, k as u64);
+            InverseBench::wrist(robot).check_random(100, k as u64);
             solved[k % 8] += 1;
         }
     }

@@ -1,5 +1,5 @@
-//! Six-axis arms where solutions meet or end: singular and boundary poses, limits, refusals, numbers of
-//! branches.
+//! Tests six-axis arms where solutions meet or end: singular and boundary poses, limits, refusals, branch
+//! numbers.
 
 use crate::common::data;
 use crate::kinematics::six_axes::*;
@@ -15,7 +15,7 @@ use sweetspot::reach::{SphericalWrist, ThreeParallel};
 use sweetspot::robot::{Chain, Posture};
 use sweetspot::units::wrapped;
 
-/// Exactly singular, and at every distance from it down to rounding.
+/// Returns an angle that is singular, or at any distance from it down to rounding.
 fn nearly(rng: &mut ChaCha8Rng, angle: f64) -> f64 {
     let off = match rng.random_range(0..4) {
         0 => 0.0,
@@ -24,8 +24,8 @@ fn nearly(rng: &mut ChaCha8Rng, angle: f64) -> f64 {
     angle + if rng.random() { off } else { -off }
 }
 
-/// The joint `k` (1: axis 2) that puts the origin of `frame` straight above axis 2, beside or on axis 1.
-fn above(bench: &Bench, q: &mut JointVector, frame: usize) -> bool {
+/// Sets joint `k` (1: axis 2) so that the origin of `frame` is straight above axis 2, beside or on axis 1.
+fn above(bench: &InverseBench, q: &mut JointVector, frame: usize) -> bool {
     q[1] = -bench.robot.joints[1].theta;
     let frames = bench.chain.frames(&bench.chain.posture(q));
     let c = frames.links[1].inverse().transform(&frames.links[frame].translation);
@@ -34,9 +34,9 @@ fn above(bench: &Bench, q: &mut JointVector, frame: usize) -> bool {
     cosine.abs() <= 1.0
 }
 
-/// An arm without offsets from its base axis: there theta_1 is free.
-pub fn centred() -> Bench {
-    Bench::wrist(turning([
+/// Returns an arm without offsets from its base axis, above which theta_1 is free.
+pub fn centred() -> InverseBench {
+    InverseBench::wrist(turning([
         [0.0, 400.0, 60.0, 90.0],
         [0.0, 30.0, 500.0, 180.0],
         [0.0, 30.0, 20.0, -90.0],
@@ -46,9 +46,9 @@ pub fn centred() -> Bench {
     ]))
 }
 
-/// The wrist of oblique axes that lets the flange stand in line with axis 4.
-fn oblique() -> Bench {
-    Bench::wrist(turning([
+/// Returns an arm whose oblique wrist lets the flange align with axis 4.
+fn oblique() -> InverseBench {
+    InverseBench::wrist(turning([
         [0.0, 400.0, 60.0, 90.0],
         [0.0, 30.0, 500.0, 0.0],
         [0.0, 10.0, 20.0, -90.0],
@@ -101,7 +101,7 @@ fn wrist_centres_on_or_next_to_the_base_axis_are_solved() {
     let mut bench = offsets();
     bench.robot.joints[0].alpha = PI / 2.0;
     bench.robot.joints[1].r = -0.025 - 0.110 - 0.095 * 80f64.to_radians().cos();
-    let bench = Bench::parallel(bench.robot);
+    let bench = InverseBench::parallel(bench.robot);
     let mut checked = 0;
     while checked < 2_500 {
         let mut q = bench.random(&mut rng);
@@ -136,8 +136,8 @@ fn stretched_and_folded_arms_are_found() {
     }
 }
 
-/// How much space the first three joints span at the wrist centre (the determinant).
-fn span(bench: &Bench, q: &JointVector) -> f64 {
+/// Returns the determinant of the first three joints at the wrist centre.
+fn span(bench: &InverseBench, q: &JointVector) -> f64 {
     let frames = bench.chain.frames(&bench.chain.posture(q));
     let centre = frames.links[4].translation;
     let column = |k: usize| {
@@ -156,7 +156,7 @@ fn double_roots_of_general_arms_are_found() {
     let mut checked = 0;
     for k in 0..400 {
         let kinds = from_fn(|j| if (k >> j) & 1 == 1 { P } else { R });
-        let bench = Bench::wrist(robot(&random_chain(&mut rng, kinds)));
+        let bench = InverseBench::wrist(robot(&random_chain(&mut rng, kinds)));
         for _ in 0..100 {
             let (mut q, other) = (bench.random(&mut rng), bench.random(&mut rng));
             let (mut lo, mut hi) = (q, other);
@@ -175,7 +175,7 @@ fn double_roots_of_general_arms_are_found() {
     assert!(checked > 6_000, "only {checked}");
 }
 
-/// Poses of work B in frames of the reference data.
+/// Returns the poses of peer set B in frames of the reference data.
 fn reference(name: &str) -> Vec<Pose> {
     let pose = |t: &[f64]| Pose {
         rotation: Matrix3::new(t[0], t[1], t[2], t[4], t[5], t[6], t[8], t[9], t[10]),
@@ -210,7 +210,7 @@ fn solution_counts_inside_the_limits_match_the_reference() {
 #[test]
 fn a_branch_number_names_one_family_of_postures() {
     // Sides of the arm: wrist flipped, elbow, leaning back, from the joints themselves.
-    let sides = |bench: &Bench, q: &JointVector, frame: usize, elbow: f64| {
+    let sides = |bench: &InverseBench, q: &JointVector, frame: usize, elbow: f64| {
         let frames = bench.chain.frames(&bench.chain.posture(q));
         let centre = frames.links[1].inverse().transform(&frames.links[frame].translation);
         [(q[4]).sin(), (q[2] - elbow).sin(), centre.x + bench.robot.joints[0].l].map(|x| x > 0.0)
@@ -240,7 +240,7 @@ fn a_branch_number_names_one_family_of_postures() {
 
 #[test]
 fn a_chain_outside_the_family_is_refused_with_the_reason() {
-    let wrist = |bench: Bench| SphericalWrist::new(&bench.chain).map(|_| ()).unwrap_err();
+    let wrist = |bench: InverseBench| SphericalWrist::new(&bench.chain).map(|_| ()).unwrap_err();
     let parallel = |edit: fn(&mut sweetspot::cell::Robot)| {
         let mut robot = ur5().robot;
         edit(&mut robot);
@@ -258,7 +258,7 @@ fn a_chain_outside_the_family_is_refused_with_the_reason() {
     for (joint, sign) in [(0, 1.0), (3, 1.0), (4, -1.0)] {
         robot.joints[joint].alpha = sign * (PI / 2.0 + 2.05e-10);
     }
-    let bench = Bench::parallel(robot);
+    let bench = InverseBench::parallel(robot);
     bench.check(&from_fn(|k| 0.3 + 0.4 * k as f64));
     // Three joints that cannot leave a plane or a sphere.
     let mut flat = puma560().robot;

@@ -1,5 +1,6 @@
-//! How far out of reach a pose of a six-axis arm is, against brute force.
+//! Tests how far out of reach a pose of a six-axis arm is, against brute force.
 
+use crate::common::cases;
 use crate::kinematics::six_axes::*;
 use crate::kinematics::six_axes_edges::centred;
 use nalgebra::{Matrix3, Vector3, vector};
@@ -13,9 +14,9 @@ fn random_rotation(rng: &mut ChaCha8Rng) -> Matrix3<f64> {
     Pose::from_translation_rpy(Vector3::zeros(), vector![angle(), angle() / 2.0, angle()]).rotation
 }
 
-/// Least distance of the wrist centre (frame 4) from `p` by brute force: joints 2 and 3 on a grid, the
-/// best of it refined by ever smaller steps, joint 1 at its best.
-fn brute(bench: &Bench, p: &Vector3<f64>) -> f64 {
+/// Returns the least distance of the wrist centre (frame 4) from `p` by brute force: joints 2 and 3 on a
+/// grid, the best points refined by ever smaller steps, joint 1 at its best.
+fn brute(bench: &InverseBench, p: &Vector3<f64>) -> f64 {
     let distance = |a: f64, b: f64| {
         let c = bench.chain.frames(&bench.chain.posture(&[0.0, a, b, 0.0, 0.0, 0.0, 0.0, 0.0])).links[4]
             .translation;
@@ -52,12 +53,12 @@ fn the_reach_gap_is_the_least_distance() {
         [0.0, 0.0, 0.0, -90.0],
         [0.0, 80.0, 0.0, 0.0],
     ]);
-    let mut benches = vec![puma560(), irb140(), centred(), Bench::wrist(general.clone())];
+    let mut benches = vec![puma560(), irb140(), centred(), InverseBench::wrist(general.clone())];
     general.joints[0].l = 0.0;
-    benches.push(Bench::wrist(general));
+    benches.push(InverseBench::wrist(general));
     for bench in &benches {
         let (mut out, mut within) = (0, 0);
-        while out < 60 {
+        while out < cases(15, 60) {
             let mut side = || rng.random_range(-1.3..1.3);
             let p = vector![side(), side(), side()];
             // Near the base axis, too.
@@ -79,8 +80,8 @@ fn the_reach_gap_is_the_least_distance() {
     }
 }
 
-/// Too near to the base axis, it is the way out; beyond the arm's reach, some move of the flange by as
-/// much is enough, and none by a tenth of it.
+/// Near the base axis the gap is the way out. Beyond the reach, some move of the flange by the gap is enough,
+/// and none by a tenth of it.
 #[test]
 fn the_reach_gap_of_three_parallel_axes_is_the_least_distance() {
     let mut rng = ChaCha8Rng::seed_from_u64(6);

@@ -1,4 +1,4 @@
-//! Shared by these tests: robots in a cell of one operation, random error sets.
+//! Shared by these tests: robots in a cell of one operation, and random error sets.
 
 use crate::common::{from_text, root, shipped};
 use nalgebra::Vector3;
@@ -11,7 +11,7 @@ use sweetspot::pose::Pose;
 use sweetspot::reading::{Gauge, Site, Situation};
 use sweetspot::robot::{Chain, Frames};
 
-/// The shipped cell of the paper with another robot, tolerance and sense.
+/// Returns the shipped cell of the paper with another robot, tolerance and sense.
 pub fn cell_of(robot: Robot, tolerance: Tolerance, sense: Sense) -> Cell {
     let mut cell = shipped("hitachi_paper.toml");
     cell.robot = robot;
@@ -25,7 +25,7 @@ pub fn gauge_of(cell: &Cell) -> Gauge {
     Gauge::new(cell, &cell.operations[0])
 }
 
-/// Nothing but the robot: no taught frame, no pick.
+/// Returns a situation of the robot alone: without taught frame and pick.
 pub fn alone() -> Situation {
     Situation {
         site: Site {
@@ -38,7 +38,7 @@ pub fn alone() -> Situation {
     }
 }
 
-/// Revolute and prismatic joints, right angles and all, with a tool.
+/// Returns a robot of revolute and prismatic joints with right angles and a tool.
 pub fn random_robot(rng: &mut ChaCha8Rng, axes: usize) -> Robot {
     let mut robot = shipped("hitachi_paper.toml").robot;
     let joint = |k: usize, rng: &mut ChaCha8Rng| {
@@ -68,13 +68,13 @@ pub fn random_robot(rng: &mut ChaCha8Rng, axes: usize) -> Robot {
     robot
 }
 
-/// A robot of the test data.
+/// Returns a robot of the test data.
 pub fn robot_from(name: &str) -> Robot {
     let text = std::fs::read_to_string(root().join(format!("tests/data/{name}.toml"))).unwrap();
     from_text(&text).unwrap_or_else(|f| panic!("{f:#?}")).cell.robot
 }
 
-/// Plus-or-minus of up to `length` and `angle` on so many random parameters.
+/// Returns a tolerance of up to `length` and `angle` on a number of random parameters.
 pub fn random_tolerance(
     rng: &mut ChaCha8Rng,
     axes: usize,

@@ -1,4 +1,4 @@
-//! The readings of the errors against brute force, sampling, closed forms and other people's figures.
+//! Tests the readings of the errors against brute force, Monte Carlo, closed forms and published values.
 
 mod bench;
 mod norm;

@@ -1,10 +1,11 @@
-//! `reading::norm` against closed forms, against mpmath and against chance.
+//! Tests `reading::norm` against closed forms, mpmath and Monte Carlo.
 //!
-//! The tables come from `mpmath` (17 to 25 digits) in real space, without a Laplace transform:
-//! `P(|e| <= c) = int phi((c sin t - mu)/sd)/sd c cos t P'(c cos t) dt` component by component, the last
-//! one by `erf`; far from zero in space by 120 points of Gauss and Legendre a side; means as `quad` of
-//! `1 - P`. Eigenvalues are squares of `sd`.
+//! The tables come from `mpmath` (17 to 25 digits) in real space, without a Laplace transform: `P(|e| <= c) =
+//! int phi((c sin t - mu)/sd)/sd c cos t P'(c cos t) dt` component by component, the last one by `erf`; far
+//! from zero in space by 120 points of Gauss and Legendre a side; means as `quad` of `1 - P`. Eigenvalues are
+//! squares of `sd`.
 
+use crate::common::cases;
 use nalgebra::{Matrix6, Vector6};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -14,7 +15,7 @@ fn vector(values: &[f64]) -> Vector6<f64> {
     Vector6::from_fn(|i, _| values.get(i).copied().unwrap_or(0.0))
 }
 
-/// Independent normal components of these standard deviations and means.
+/// Returns the norm of independent normal components with these standard deviations and means.
 fn diagonal(sd: &[f64], mu: &[f64]) -> Norm {
     let columns: Vec<_> =
         (0..sd.len()).map(|i| Vector6::from_fn(|j, _| if i == j { sd[i] } else { 0.0 })).collect();
@@ -31,7 +32,7 @@ fn near(value: f64, wanted: f64, absolute: f64) {
     assert!((value - wanted).abs() <= absolute, "{value} instead of {wanted}");
 }
 
-/// `erf(x)` by its series, good to 1e-15 up to x = 3.
+/// Returns `erf(x)` by its series, good to 1e-15 up to x = 3.
 fn erf(x: f64) -> f64 {
     let (mut term, mut sum) = (x, x);
     for n in 1..80 {
@@ -89,7 +90,7 @@ fn equal_components_give_rayleigh_maxwell_and_chi() {
     }
 }
 
-/// sd, mu, then c and P(|e| <= c).
+/// Case of a table: sd, mu, then c and P(|e| <= c).
 type Case = (&'static [f64], &'static [f64], &'static [(f64, f64)]);
 
 const TABLE: &[Case] = &[
@@ -315,7 +316,7 @@ fn the_mean_of_the_norm_agrees_with_the_table() {
     close(diagonal(&[1e-3; 3], &[0.6, 0.8, 0.0]).mean(), 1.0 + 1e-6, 1e-9);
 }
 
-/// Any columns, any mean: the generators of one test are those of another.
+/// Returns random columns.
 fn random(rng: &mut ChaCha8Rng, m: usize, count: usize) -> Vec<Vector6<f64>> {
     (0..count)
         .map(|_| Vector6::from_fn(|i, _| if i < m { rng.random_range(-1.0..1.0) } else { 7.0 }))
@@ -375,8 +376,8 @@ fn the_figures_of_the_norm_do_not_depend_on_units_and_axes() {
     }
 }
 
-/// With one component the correction is Edgeworth's: densities times Hermite polynomials. A sum of
-/// uniform parameters has the sixth cumulant `100/21 gamma_k^2 g_k^6`.
+/// The correction of one component is Edgeworth's: densities times Hermite polynomials. A sum of uniform
+/// parameters has the sixth cumulant `100/21 gamma_k^2 g_k^6`.
 #[test]
 fn the_kurtosis_of_one_component_follows_edgeworths_series() {
     let columns = [vector(&[0.6]), vector(&[0.64]), vector(&[0.48])];
@@ -405,8 +406,8 @@ fn the_kurtosis_of_one_component_follows_edgeworths_series() {
     }
 }
 
-/// A parameter that is normal with variance 1 - a, 1, 1 + a in one, four, one of six cases has the
-/// fourth cumulant a^2, no sixth, eighth or tenth, and its exact distribution is a mean of three.
+/// A parameter that is normal with variance 1 - a, 1, 1 + a in one, four, one of six cases has the fourth
+/// cumulant a^2 and no sixth, eighth or tenth. The exact distribution is a mean of three.
 #[test]
 fn the_kurtosis_of_several_components_follows_a_mixture() {
     let mut rng = ChaCha8Rng::seed_from_u64(3);
@@ -440,7 +441,7 @@ fn the_kurtosis_of_several_components_follows_a_mixture() {
     }
 }
 
-/// P(|sum_k w_k u_k| <= c), `u_k` uniform on -1..1: the box spline of three.
+/// Returns P(|sum_k w_k u_k| <= c) with `u_k` uniform on -1..1: the box spline of three.
 fn three_uniforms(w: [f64; 3], c: f64) -> f64 {
     let mut sum = 0.0;
     for signs in 0..8 {
@@ -508,7 +509,7 @@ fn the_norm_without_covariance_is_the_mean() {
     }
 }
 
-/// Far from zero |e| is normal about `|mu| + sd^2 (m - 1)/(2 |mu|)`, up to terms of third order.
+/// The norm far from zero is normal about `|mu| + sd^2 (m - 1)/(2 |mu|)`, up to terms of third order.
 #[test]
 fn the_norm_far_from_zero_is_normal() {
     for sd in [1e-4, 1e-6, 1e-8] {
@@ -524,7 +525,7 @@ fn the_norm_far_from_zero_is_normal() {
     }
 }
 
-/// The parabola hands over to the hyperbola somewhere: nothing shows.
+/// The parabola hands over to the hyperbola without a jump.
 #[test]
 fn the_figures_of_the_norm_are_continuous_in_the_mean() {
     for m in 1..=6 {
@@ -542,7 +543,7 @@ fn the_figures_of_the_norm_are_continuous_in_the_mean() {
 #[test]
 fn the_figures_of_the_norm_are_finite_and_ordered() {
     let mut rng = ChaCha8Rng::seed_from_u64(5);
-    for round in 0..100_000 {
+    for round in 0..cases(10_000, 100_000) {
         let m = rng.random_range(1..=6);
         let count = rng.random_range(0..8);
         let size = |rng: &mut ChaCha8Rng| match rng.random_range(0..4) {

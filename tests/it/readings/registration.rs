@@ -1,7 +1,7 @@
-//! What a taught frame, a fitted base and a pick take off, against what must vanish and against
-//! other ways to compute it.
+//! Tests what a taught frame, a fitted base and a relative operation remove from the error, against what must
+//! vanish and against other computations.
 
-use crate::common::shipped;
+use crate::common::{cases, shipped};
 use crate::readings::bench::*;
 use nalgebra::{Matrix3, Matrix4, Rotation3, Vector3};
 use rand::{Rng, SeedableRng};
@@ -15,7 +15,7 @@ use sweetspot::pose::Pose;
 use sweetspot::reading::{BestFit, Reference, Site, Situation, Sources, Taught};
 use sweetspot::robot::Chain;
 
-/// Everything of the paper's robot is wrong, the frames too.
+/// Returns the paper's cell with errors in every parameter and frame.
 fn all_wrong(rng: &mut ChaCha8Rng) -> Cell {
     let mut cell = shipped("hitachi_paper.toml");
     let n = cell.robot.axes();
@@ -36,8 +36,8 @@ fn reachable(rng: &mut ChaCha8Rng, robot: &Robot) -> sweetspot::robot::Frames {
     frames_at(robot, &random_joints(rng, robot))
 }
 
-/// Three postures, a taught frame, and the error left at each of them: nothing at the origin, only
-/// along the line at the second, only in the plane at the third.
+/// A frame is taught at three postures. Its rule leaves no error at the origin, an error only along the line
+/// at the second, and only in the plane at the third.
 #[test]
 fn a_taught_frame_leaves_the_error_of_its_rule() {
     let mut rng = ChaCha8Rng::seed_from_u64(51);
@@ -80,12 +80,12 @@ fn a_taught_frame_leaves_the_error_of_its_rule() {
     }
 }
 
-/// Errors of the base and of the fixture move everything alike: a taught frame knows nothing of
-/// them, and a fitted base nothing of the base.
+/// Errors of base and fixture move everything alike: a taught frame does not see them, and a fitted base does
+/// not see the base.
 #[test]
 fn rigid_errors_cancel_in_a_relative_error() {
     let mut rng = ChaCha8Rng::seed_from_u64(52);
-    for _ in 0..20 {
+    for _ in 0..cases(2, 20) {
         let mut cell = all_wrong(&mut rng);
         let n = cell.robot.axes();
         if let ErrorSet::Signed(e) = &mut cell.robot.errors[0] {
@@ -117,7 +117,7 @@ fn rigid_errors_cancel_in_a_relative_error() {
     }
 }
 
-/// The fitted base against Kabsch's method (singular value decomposition) over the same postures.
+/// The fitted base equals Kabsch's method (singular value decomposition) over the same postures.
 #[test]
 fn the_best_fit_agrees_with_kabsch() {
     let mut rng = ChaCha8Rng::seed_from_u64(53);
@@ -160,8 +160,8 @@ fn homogeneous(pose: &Pose) -> Matrix4<f64> {
     t
 }
 
-/// Pick and place by products of 4 x 4 matrices: the part is gripped where the pick is wrong, and
-/// the gripper is wrong again where it is placed.
+/// Pick and place are products of 4 x 4 matrices: the part is gripped where the pick is wrong, and the
+/// gripper is wrong again where it is placed.
 #[test]
 fn the_relative_error_is_the_error_of_the_placed_part() {
     let mut rng = ChaCha8Rng::seed_from_u64(54);
@@ -201,7 +201,7 @@ fn the_relative_error_is_the_error_of_the_placed_part() {
     }
 }
 
-/// A fixture moved on purpose: the error is seen from the moved work.
+/// A displaced fixture shifts the error, seen from the displaced work.
 #[test]
 fn fixture_errors_match_hand_calculation() {
     let mut cell = shipped("hitachi_paper.toml");
@@ -239,8 +239,8 @@ fn fixture_errors_match_hand_calculation() {
     }
 }
 
-/// A surface of which no three points can be touched has no taught frame, and the layout no value;
-/// what cannot be picked cannot be placed.
+/// A surface on which no three points can be touched has no taught frame, and the layout has no value. A part
+/// that cannot be picked cannot be placed.
 #[test]
 fn a_frame_that_cannot_be_taught_is_reported() {
     let mut cell = shipped("hitachi_paper.toml");

@@ -1,6 +1,6 @@
-//! First-order statistics with second-order mean against samples of the nonlinear model.
+//! Tests first-order statistics with a second-order mean against Monte Carlo with the nonlinear model.
 
-use crate::common::shipped;
+use crate::common::{cases, shipped};
 use crate::readings::bench::*;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -11,7 +11,7 @@ use sweetspot::units::rad_from_deg;
 /// Samples of each posture.
 const SAMPLES: usize = 1 << 20;
 
-/// Five robots: the paper's, two of six axes, random ones of seven and of five with slides.
+/// Returns five robots: the paper's, two of six axes, random ones of seven and of five with slides.
 fn robots(rng: &mut ChaCha8Rng) -> Vec<Robot> {
     let paper = shipped("hitachi_paper.toml").robot;
     let mut seven = random_robot(rng, 7);
@@ -19,7 +19,7 @@ fn robots(rng: &mut ChaCha8Rng) -> Vec<Robot> {
     vec![paper, robot_from("puma560"), robot_from("ur5"), seven, random_robot(rng, 5)]
 }
 
-/// Both ways to look at one posture: computed and sampled.
+/// Returns the computed and the sampled figures of one posture.
 fn both(cell: &Cell, q: &JointVector, seed: u64) -> (Figures, f64, MonteCarlo) {
     let gauge = gauge_of(cell);
     let frames = frames_at(&cell.robot, q);
@@ -35,7 +35,7 @@ fn percentiles_and_yields_of_five_robots_agree_with_monte_carlo() {
     let mut rng = ChaCha8Rng::seed_from_u64(41);
     let (mut inside, mut all) = (0, 0);
     for robot in robots(&mut rng) {
-        for k in 0..20 {
+        for k in 0..cases(3, 20) {
             // Sizes of good arms: 0.2 mm and 0.03 degrees at three sigma.
             let sizes = (2e-4, rad_from_deg(0.03));
             let wrong = 3 * robot.axes() + k % 4;

@@ -1,4 +1,4 @@
-//! Parameters that vary together or not normally, and the budget.
+//! Tests parameters that are correlated or not normal, and the error budget.
 
 use crate::readings::bench::*;
 use crate::readings::worst::{columns, unit};
@@ -10,7 +10,7 @@ use sweetspot::cell::*;
 use sweetspot::reading::{Budget, monte_carlo};
 use sweetspot::units::rad_from_deg;
 
-/// A covariance over lengths and angles, some of them nearly one: `B B^T` of random B.
+/// Sets a covariance over lengths and angles, some of them nearly one: `B B^T` of random B.
 fn correlated(rng: &mut ChaCha8Rng, robot: &Robot, tolerance: &mut Tolerance) -> DMatrix<f64> {
     let n = robot.axes();
     let parameters = vec![0, PER_LINK + 1, PER_LINK + 2, 2 * PER_LINK + 3, PER_LINK * n + 4, PER_LINK * n];
@@ -28,7 +28,7 @@ fn correlated(rng: &mut ChaCha8Rng, robot: &Robot, tolerance: &mut Tolerance) ->
     matrix
 }
 
-/// Covariance of the position error, `G C G^T` with columns from dual numbers.
+/// The covariance of the position error is `G C G^T` with columns from dual numbers.
 #[test]
 fn a_covariance_is_propagated_to_the_tool() {
     let mut rng = ChaCha8Rng::seed_from_u64(61);
@@ -82,9 +82,8 @@ fn a_covariance_is_propagated_to_the_tool() {
     }
 }
 
-/// Uniform and triangular parameters: the percentiles follow their shape, which a normal of the same
-/// covariance misses; as long as none of them makes a quarter of the variance, for that one alone is
-/// the shape then (the verdict says so: see below).
+/// Percentiles follow the shape of uniform and triangular parameters, which a normal of the same covariance
+/// misses. No parameter may make a quarter of the variance: the shape would be that of this one alone.
 #[test]
 fn the_distributions_of_the_parameters_matter() {
     let mut rng = ChaCha8Rng::seed_from_u64(62);
@@ -115,7 +114,7 @@ fn the_distributions_of_the_parameters_matter() {
     assert!(judged >= 10, "{judged}");
 }
 
-/// One uniform parameter is no normal: the samples say that the first-order figures do not hold.
+/// One uniform parameter is not normal: the samples refute the first-order figures.
 #[test]
 fn monte_carlo_can_refute_the_first_order_figures() {
     let mut rng = ChaCha8Rng::seed_from_u64(63);

@@ -1,4 +1,4 @@
-//! The farthest vertex of a zonotope against all corners, and the methods against each other.
+//! Tests the farthest vertex of a zonotope against all corners, and the methods against each other.
 
 use nalgebra::{Rotation2, Rotation3, SVector, Vector2, Vector3, Vector6};
 use rand::seq::SliceRandom;
@@ -9,7 +9,7 @@ use sweetspot::reading::zonotope::*;
 
 type Set<const M: usize> = Vec<SVector<f64, M>>;
 
-/// All corners in Gray order, the sum anew at every 64th.
+/// Returns the farthest of all corners in Gray order, with a fresh sum at every 64th.
 fn brute<const M: usize>(set: &Set<M>) -> f64 {
     let mut best = 0.0;
     let mut sum = SVector::<f64, M>::zeros();
@@ -27,7 +27,7 @@ fn brute<const M: usize>(set: &Set<M>) -> f64 {
     best.sqrt()
 }
 
-/// Runs the solver of this dimension with signs that are one longer and full of rubbish.
+/// Runs the solver of this dimension with a sign buffer that is too long and filled with garbage.
 fn solve<const M: usize>(set: &Set<M>, scratch: &mut Scratch) -> (Farthest, Vec<f64>) {
     let n = set.len();
     let mut signs = vec![7.0; n + 1];
@@ -41,7 +41,7 @@ fn solve<const M: usize>(set: &Set<M>, scratch: &mut Scratch) -> (Farthest, Vec<
     (found, signs)
 }
 
-/// Cut or filled up with zeros.
+/// Returns generators cut, or filled up with zeros.
 fn resized<const M: usize, const K: usize>(set: &Set<M>) -> Set<K> {
     set.iter().map(|g| SVector::from_fn(|d, _| if d < M { g[d] } else { 0.0 })).collect()
 }
@@ -50,7 +50,7 @@ fn assert_close(a: f64, b: f64, tolerance: f64, what: &str) {
     assert!((a - b).abs() <= tolerance * b.abs(), "{what}: {a:e} instead of {b:e}");
 }
 
-/// Everything promised of a result but that it is the farthest.
+/// Checks every promise about a result but that it is the farthest.
 fn check_promises<const M: usize>(set: &Set<M>, scratch: &mut Scratch, what: &str) -> Farthest {
     let (found, signs) = solve(set, scratch);
     assert!(found.value.is_finite() && found.upper >= found.value, "{what}: {found:?}");
@@ -88,19 +88,19 @@ fn spoil<const M: usize>(set: &mut Set<M>, rng: &mut ChaCha8Rng, by: f64) {
     }
 }
 
-/// Sums of a few directions: rank below the dimension, in general position otherwise.
+/// Returns sums of a few directions: the rank is below the dimension, the position general otherwise.
 fn of_rank<const M: usize>(rng: &mut ChaCha8Rng, n: usize, rank: usize) -> Set<M> {
     let basis = random::<M>(rng, rank);
     (0..n).map(|_| basis.iter().map(|b| b * rng.random_range(-1.0..1.0)).sum()).collect()
 }
 
-/// Copies of a few directions, turned round or not, of any length.
+/// Returns copies of a few directions of any length and either sign.
 fn bundles<const M: usize>(rng: &mut ChaCha8Rng, n: usize, directions: usize) -> Set<M> {
     let basis = random::<M>(rng, directions);
     (0..n).map(|k| basis[k % directions] * rng.random_range(-2.0..2.0)).collect()
 }
 
-/// One kind of set after another, `n` generators each.
+/// Returns one kind of set after another, `n` generators each.
 fn families<const M: usize>(rng: &mut ChaCha8Rng, n: usize) -> Vec<(&'static str, Set<M>)> {
     let mut sets = vec![("general", random(rng, n)), ("collinear", bundles(rng, n, 1))];
     sets.push(("two directions", bundles(rng, n, 2)));
@@ -190,7 +190,7 @@ fn sixteen_generators_agree_with_all_corners() {
     }
 }
 
-/// A planar arm: effects in a plane, and effects along its normal, at any attitude in space.
+/// A planar arm has effects in a plane and along its normal, at any orientation in space.
 #[test]
 fn a_perpendicular_generator_adds_as_pythagoras() {
     let mut rng = ChaCha8Rng::seed_from_u64(8);
@@ -232,7 +232,7 @@ fn simple_zonotopes_match_hand_calculation() {
     assert_eq!(farthest_6(&[], &mut scratch, &mut []).upper, 0.0);
 }
 
-/// Too many for all corners: three ways to the same answer.
+/// Sets with too many corners to enumerate: three methods agree.
 #[test]
 fn both_methods_agree_on_many_generators() {
     let mut rng = ChaCha8Rng::seed_from_u64(9);
@@ -253,7 +253,7 @@ fn both_methods_agree_on_many_generators() {
     }
 }
 
-/// Thirty generators, a full robot: exact, and no corner of many random ones climbs higher.
+/// Thirty generators of a full robot are solved exactly: no corner of many random ones is farther.
 #[test]
 fn six_dimensional_zonotopes_of_a_robot_are_exact() {
     let mut rng = ChaCha8Rng::seed_from_u64(10);
@@ -273,7 +273,7 @@ fn six_dimensional_zonotopes_of_a_robot_are_exact() {
     }
 }
 
-/// Nonsense in, nonsense out, but no panic.
+/// Invalid numbers give invalid results, but no panic.
 #[test]
 fn the_worst_case_handles_nan_and_infinity() {
     let mut scratch = Scratch::default();

@@ -1,8 +1,8 @@
-//! The colours of the pictures.
+//! Tests the colours of the pictures.
 
 use sweetspot::report::colours::{viridis, viridis_hex};
 
-/// Grey printers: lighter and lighter (luma of Rec. 709).
+/// The palette grows lighter (luma of Rec. 709), as grey printers need it.
 #[test]
 fn the_viridis_palette_grows_lighter() {
     let luma = |[r, g, b]: [u8; 3]| 0.2126 * f64::from(r) + 0.7152 * f64::from(g) + 0.0722 * f64::from(b);

@@ -1,4 +1,4 @@
-//! Texts in DXF files.
+//! Tests texts in DXF files.
 
 use sweetspot::report::dxf::text::safe;
 

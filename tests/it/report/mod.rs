@@ -1,4 +1,4 @@
-//! The formats of a report, each by itself.
+//! Tests the formats of a report, each by itself.
 
 mod colours;
 mod dxf;

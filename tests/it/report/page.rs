@@ -1,4 +1,4 @@
-//! The document of the viewer and what stands in a page as it is.
+//! Tests the document of the viewer and the assets of the pages.
 
 use crate::common::{keep_to_look_at, workcell};
 use base64::Engine;
@@ -16,12 +16,12 @@ fn floats(value: &Value) -> Vec<f64> {
     bytes.chunks_exact(4).map(|b| f64::from(f32::from_le_bytes(b.try_into().unwrap()))).collect()
 }
 
-/// Equal but for the rounding to f32, mm.
+/// Checks that two lengths (mm) are equal but for the rounding to f32.
 fn same(a: f64, b: f64) {
     assert!((a - b).abs() <= 1e-3 || a.is_nan() && b.is_nan(), "{a} and {b}");
 }
 
-/// A page that shows a document and nothing else, for a look and for tests/browser/viewer.mjs.
+/// Returns a page that shows a document and nothing else, for people and for tests/browser/viewer.mjs.
 fn page(document: &Value) -> String {
     let (css, js) = (assets::VIEWER_CSS, assets::viewer_js());
     let policy = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'";
@@ -164,7 +164,7 @@ fn no_name_can_leave_its_script_element() {
     assert_eq!(serde_json::from_str::<Value>(&text).unwrap(), value);
 }
 
-/// What is put into a page as it is must not end its own element, nor ask for anything.
+/// An asset must not end its own element, nor request anything.
 #[test]
 fn the_page_assets_stay_in_their_elements_and_request_nothing() {
     for text in [assets::viewer_js(), assets::VIEWER_CSS.to_string()] {

@@ -1,4 +1,4 @@
-//! The pictures: triangles, cameras, letters, and what they show.
+//! Tests the pictures: triangles, cameras, letters, and their contents.
 
 use crate::common::shipped as loaded;
 use nalgebra::{Point2, Vector3};
@@ -21,7 +21,7 @@ fn small() -> Shot {
     Shot { width: 200, height: 140, operation: Some(0), ..Shot::default() }
 }
 
-/// Width, height and pixels.
+/// Returns width, height and pixels.
 fn decoded(bytes: &[u8]) -> (u32, u32, Vec<u8>) {
     let mut reader = ::png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
     let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
@@ -223,7 +223,7 @@ fn an_svg_is_well_formed_whatever_the_names() {
     });
 }
 
-/// A table out of reach, and a cell in which nothing is mapped.
+/// A table out of reach and a cell without operations are drawn.
 #[test]
 fn a_drawing_without_errors_is_rendered() {
     let mut cell = loaded("hitachi_paper.toml");

@@ -1,4 +1,4 @@
-//! Silhouettes of the drawing on paper.
+//! Tests silhouettes of the drawing on paper.
 
 use nalgebra::{Vector2, Vector3};
 use sweetspot::cell::Shape;

@@ -1,11 +1,11 @@
-//! What is said of a URDF that is wrong, odd, or says more than is used.
+//! Tests the messages about a URDF that is wrong, unusual, or has unused elements.
 
 use crate::urdf::product::load;
 use sweetspot::cell::Shape;
 use sweetspot::files::{Fault, Severity};
 use sweetspot::robot::Chain;
 
-/// Base, two arms and a tool; `$` marks what a test replaces.
+/// URDF of a base, two arms and a tool; `$` marks what a test replaces.
 const ARM: &str = r#"<robot name="arm">
 <link name="base"/>
 <joint name="j1" type="revolute"><parent link="base"/><child link="upper"/><origin xyz="0 0 0.5"/><axis xyz="0 0 1"/><limit lower="-1" upper="2"/></joint>
@@ -16,7 +16,7 @@ const ARM: &str = r#"<robot name="arm">
 <link name="tool"/>
 </robot>"#;
 
-/// The faults of the arm with replacements, of the file itself alone.
+/// Returns the faults of the URDF itself after replacements.
 fn faults(replace: &[(&str, &str)], lines: &str) -> Vec<Fault> {
     let mut text = ARM.to_string();
     for (what, with) in replace {
@@ -29,7 +29,7 @@ fn faults(replace: &[(&str, &str)], lines: &str) -> Vec<Fault> {
     }
 }
 
-/// Asserts one error at a line, where `word` starts, with its words.
+/// Asserts one error with its words, at a line where `word` starts.
 fn one(replace: &[(&str, &str)], (line, word): (usize, &str), message: &str, help: &str) {
     let faults = faults(replace, "");
     let [fault] = &faults[..] else { panic!("{faults:#?}") };
@@ -171,7 +171,7 @@ fn unused_urdf_elements_are_reported_once() {
     assert_eq!((faults[0].message.as_str(), faults[0].severity), (told, Severity::Warning));
 }
 
-/// 1.5707 is not a right angle, and 1e-5 rad are not 0: the rows follow the file, and it is said.
+/// 1.5707 is not a right angle, and 1e-5 rad are not 0: the rows follow the file, with a warning.
 #[test]
 fn almost_parallel_and_perpendicular_axes_are_derived() {
     let parallel = [("<axis xyz=\"0 1 0\"", "<axis xyz=\"0 1e-5 1\"")];
@@ -191,7 +191,7 @@ fn rows_and_urdf_exclude_each_other() {
     assert!(faults.len() == 1 && faults[0].message.contains("`urdf` and `coupling` together"), "{faults:#?}");
 }
 
-/// A mesh in mm moves with its link: beside a URDF in robots/ lies equipment/.
+/// A mesh in mm moves with its link. A URDF in robots/ finds equipment/ beside its folder.
 #[test]
 fn collision_meshes_are_read() {
     let mesh = "<mesh filename=\"../equipment/machine.stl\" scale=\"0.001 0.001 0.001\"/>";

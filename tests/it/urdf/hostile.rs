@@ -1,17 +1,17 @@
-//! Hostile URDFs: refused with a located message or taken validly, in little memory, and nothing but
-//! the named files is asked for.
+//! Tests hostile URDFs: they are refused with a located message or read validly, in little memory, and only
+//! named files are opened.
 
 use crate::common::root;
 use crate::urdf::product::load;
 use std::collections::BTreeMap;
 use sweetspot::files::Fault;
 
-/// Everything a URDF can have.
+/// Returns a URDF with every element.
 fn good() -> String {
     std::fs::read_to_string(root().join("cells/robots/hitachi_pw10.urdf")).unwrap()
 }
 
-/// Loads a URDF of 4 axes; asserts what must hold of any text, and gives the faults.
+/// Loads a URDF of 4 axes, asserts what must hold of any text, and returns the faults.
 fn tame(what: &str, urdf: &str) -> (bool, Vec<Fault>) {
     let mut loaded = None;
     let used = allocation_counter::measure(|| loaded = Some(load(urdf, 4, "tip_link = \"tool\"")));
@@ -42,7 +42,7 @@ fn the_valid_urdf_is_accepted() {
     assert!(taken && faults.is_empty(), "{faults:#?}");
 }
 
-/// A file that ends somewhere is no XML, until nothing but the end is missing.
+/// A truncated file is no XML, until only trailing text is missing.
 #[test]
 fn truncated_urdf_files_are_refused() {
     let good = good();
@@ -55,7 +55,7 @@ fn truncated_urdf_files_are_refused() {
     assert!(files >= 80, "{files}");
 }
 
-/// Any byte lost, doubled or changed: whatever comes out, it holds.
+/// Any byte may be lost, doubled or changed: every outcome keeps the invariants.
 #[test]
 fn mutated_urdf_files_never_panic() {
     let good = good();
@@ -85,7 +85,7 @@ fn joints(n: usize, kind: &str) -> String {
     format!("<robot name=\"x\">{links}{}</robot>", (0..n).map(joint).collect::<String>())
 }
 
-/// Texts and what must be said of them.
+/// Returns hostile texts with their expected messages.
 fn hostile() -> BTreeMap<&'static str, (String, &'static str)> {
     let good = good();
     let swap = |what: &str, with: &str| {
@@ -198,7 +198,8 @@ fn hostile_urdf_files_are_refused_with_the_reason() {
     }
 }
 
-/// A reader that gives no text (other encodings, missing) is told at the line that names the file.
+/// A file that the reader cannot give as text (other encodings, missing) is reported at the line that names
+/// it.
 #[test]
 fn unreadable_files_are_reported_where_they_are_named() {
     let robot = "from = \"hitachi_paper.toml\"\n[robot]\nurdf = \"a.urdf\"\n";

@@ -1,5 +1,5 @@
-//! Robots from URDF files: the derived rows move as the URDF does, the same robot gives the same map,
-//! and hostile files are refused.
+//! Tests robots from URDF files: the derived rows move like the URDF, the same robot gives the same map, and
+//! hostile files are refused.
 
 mod chains;
 mod faults;

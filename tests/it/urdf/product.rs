@@ -1,4 +1,4 @@
-//! A URDF read and multiplied here, with quaternions: what the crate is compared with.
+//! URDF read and multiplied here with quaternions, as the reference of the crate.
 
 use crate::common::root;
 use nalgebra::{Isometry3, Translation3, Unit, UnitQuaternion, Vector3};
@@ -13,7 +13,7 @@ pub struct Joint {
     pub axis: Vector3<f64>,
 }
 
-/// The joints of a text in which they stand in the order of the chain.
+/// Returns the joints of a text whose joints stand in the order of the chain.
 pub fn joints(text: &str) -> Vec<Joint> {
     let parts = text.split("<joint ").skip(1).map(|part| part.split("</joint>").next().unwrap());
     parts.map(joint).collect()
@@ -37,7 +37,7 @@ fn joint(part: &str) -> Joint {
     }
 }
 
-/// The pose of the frame of every joint before its motion and that of its child link, in the base.
+/// Returns the frame of every joint before its motion and that of its child link, in the base.
 pub fn poses(joints: &[Joint], q: &[f64]) -> Vec<(Isometry3<f64>, Isometry3<f64>)> {
     let mut at = Isometry3::identity();
     let mut q = q.iter();
@@ -55,13 +55,13 @@ pub fn poses(joints: &[Joint], q: &[f64]) -> Vec<(Isometry3<f64>, Isometry3<f64>
     joints.iter().map(&mut next).collect()
 }
 
-/// How far two poses are apart: m, and entries of the rotation.
+/// Returns how far two poses are apart: m, and entries of the rotation.
 pub fn apart(ours: &Pose, theirs: &Isometry3<f64>) -> f64 {
     let turn = ours.rotation - theirs.rotation.to_rotation_matrix().into_inner();
     (ours.translation - theirs.translation.vector).norm().max(turn.amax())
 }
 
-/// A cell with a robot of this URDF; `lines` of the robot file, and the paths asked for.
+/// Loads a cell with a robot of this URDF and `lines` of the robot file. Returns the requested paths, too.
 pub fn load(urdf: &str, axes: usize, lines: &str) -> (Result<Loaded, Vec<Fault>>, Vec<String>) {
     let zeros = format!("{:?}", vec![0.0; axes]);
     let robot = format!(

@@ -1,4 +1,4 @@
-//! The shipped robot from its URDF and from its D-H rows: the same rows, the same maps.
+//! Tests the shipped robot from its URDF and from its D-H rows: rows and maps are equal.
 
 use crate::common::{load_from, root, shipped};
 use sweetspot::cell::Cell;
@@ -6,7 +6,7 @@ use sweetspot::error_map::OperationMap;
 use sweetspot::layout::Workcell;
 use sweetspot::pose::Pose;
 
-/// In the paper's own layout and errors, too.
+/// Returns both cells with the paper's layout and errors.
 fn on_paper() -> [Cell; 2] {
     let written = shipped("hitachi_paper.toml");
     let mut derived = written.clone();

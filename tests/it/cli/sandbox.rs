@@ -1,4 +1,4 @@
-//! A folder with a copy of cells/, the command run in it, and what it answered.
+//! Sandbox of a command test: a folder with a copy of cells/, the command run in it, and its output.
 
 use serde_json::Value;
 use sha2::{Digest, Sha256};
@@ -6,19 +6,19 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use tempfile::TempDir;
 
-/// A folder with a copy of cells/, to run the command in.
-pub struct Shop {
+/// Temporary folder with a copy of cells/, in which the command runs.
+pub struct Sandbox {
     pub dir: TempDir,
 }
 
-/// How a run ended.
-pub struct Ran {
+/// Exit code and streams of a run.
+pub struct RunOutput {
     pub code: Option<i32>,
     pub out: String,
     pub err: String,
 }
 
-impl Shop {
+impl Sandbox {
     pub fn new() -> Self {
         let dir = tempfile::tempdir().unwrap();
         copy_folder(&crate::common::root().join("cells"), &dir.path().join("cells"));
@@ -51,18 +51,18 @@ impl Shop {
         command
     }
 
-    pub fn run(&self, args: &[&str]) -> Ran {
+    pub fn run(&self, args: &[&str]) -> RunOutput {
         ran(self.command(args).output().unwrap())
     }
 
-    /// Runs and insists on success.
-    pub fn done(&self, args: &[&str]) -> Ran {
+    /// Runs the command and insists on success.
+    pub fn done(&self, args: &[&str]) -> RunOutput {
         let ran = self.run(args);
         assert_eq!(ran.code, Some(0), "{args:?}: {}{}", ran.out, ran.err);
         ran
     }
 
-    /// Runs with --json and insists on success.
+    /// Runs the command with --json, insists on success and returns the document.
     pub fn json(&self, args: &[&str]) -> Value {
         self.done(&[args, &["--json"]].concat()).document()
     }
@@ -73,7 +73,7 @@ impl Shop {
         names.iter().for_each(|n| assert!(files.contains(&n.to_string()), "no {n} among {files:?}"));
     }
 
-    /// Every file below a folder, sorted.
+    /// Returns every file below a folder, sorted.
     pub fn files(&self, inside: &str) -> Vec<String> {
         let mut all = Vec::new();
         list(&self.path(inside), "", &mut all);
@@ -82,8 +82,8 @@ impl Shop {
     }
 }
 
-impl Ran {
-    /// stdout as the one JSON document that it must be.
+impl RunOutput {
+    /// Returns the one JSON document that stdout must be.
     pub fn document(&self) -> Value {
         assert!(self.out.ends_with("}\n"), "no document: {}", self.out);
         serde_json::from_str(&self.out).unwrap_or_else(|e| panic!("{e}: {}", self.out))
@@ -94,9 +94,9 @@ impl Ran {
     }
 }
 
-pub fn ran(output: Output) -> Ran {
+pub fn ran(output: Output) -> RunOutput {
     let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
-    Ran { code: output.status.code(), out: text(output.stdout), err: text(output.stderr) }
+    RunOutput { code: output.status.code(), out: text(output.stdout), err: text(output.stderr) }
 }
 
 pub fn copy_folder(from: &Path, to: &Path) {
@@ -144,7 +144,7 @@ pub fn items(value: &Value) -> &[Value] {
     value.as_array().unwrap_or_else(|| panic!("no list: {value}"))
 }
 
-/// The value under a key that must be there, null or not.
+/// Returns the value under a key that must be there, null or not.
 pub fn field<'a>(value: &'a Value, key: &str) -> &'a Value {
     value.get(key).unwrap_or_else(|| panic!("no `{key}` in {value}"))
 }
@@ -156,12 +156,12 @@ pub fn near(a: &[f64], b: &[f64], tolerance: f64) -> bool {
 pub const CELL: &str = "cells/hitachi_cell.toml";
 pub const PAPER: &str = "cells/hitachi_paper.toml";
 
-/// Nothing on this table can be reached from anywhere it may stand.
+/// Cell whose table is out of reach wherever it may stand.
 pub const BEYOND_REACH: &str = "from = \"hitachi_cell.toml\"\n[equipment.worktable.placement]\n\
                             x_mm = { min = 5000, max = 6000 }\n";
 
-/// The objective of best.toml by `map` and by `compare`, and that of search.json.
-pub fn objectives(shop: &Shop, folder: &str) -> [f64; 3] {
+/// Returns the objective of best.toml from `map`, from `compare` and from search.json.
+pub fn objectives(shop: &Sandbox, folder: &str) -> [f64; 3] {
     let best = format!("{folder}/best.toml");
     [
         number(&shop.json(&["map", &best])["objective_mm"]),
