@@ -2,7 +2,7 @@
 
 use super::{Assessment, Comparison};
 use crate::cell::Unit;
-use crate::error_map::{NodeRecord, OperationMap, Status};
+use crate::error_map::{NodeRecord, OperationMap};
 use crate::files::shown;
 
 /// Values nearer than this share are called equal.

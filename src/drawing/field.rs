@@ -3,7 +3,7 @@
 use super::Detail;
 use crate::assess::Assessment;
 use crate::cell::{Cell, Interpretation, JointVector, Model, Quantity, Reading, Sense};
-use crate::error_map::{NodeRecord, NodeSign, OperationMap, PostureRecord, Status};
+use crate::error_map::{NodeRecord, NodeSign, OperationMap, PostureRecord};
 use nalgebra::Vector3;
 
 /// A model and a reading under which errors are seen.

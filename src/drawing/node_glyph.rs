@@ -24,11 +24,12 @@ pub enum GlyphTone {
 }
 
 impl GlyphTone {
+    /// Returns the class of its colour in style sheets.
     pub fn name(self) -> &'static str {
         match self {
-            Self::Quiet => "quiet",
-            Self::Warning => "warning",
-            Self::Alarm => "alarm",
+            Self::Quiet => "grey",
+            Self::Warning => "orange",
+            Self::Alarm => "red",
         }
     }
 }

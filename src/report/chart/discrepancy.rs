@@ -5,7 +5,7 @@ use super::axes;
 use super::axes::Scale;
 use super::canvas::{Anchor, Canvas, EDGE, Entry, Ink};
 use crate::assess::Assessment;
-use crate::error_map::{OperationMap, Status};
+use crate::error_map::OperationMap;
 use crate::kinematic_error::{Discrepancy, discrepancy as between};
 use crate::report::svg_text::{PathEnd, path_data};
 

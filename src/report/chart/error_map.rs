@@ -4,7 +4,7 @@
 use super::canvas::{Anchor, Canvas, Ink, SMALL};
 use super::error_map_legend::{MapScales, draw_legend, reach_line};
 use super::labels::Taken;
-use super::plane_view::{PlaneView, longer_side, widened};
+use super::plane_view::{PlaneView, widened};
 use super::{signs, solids, words};
 use crate::assess::Assessment;
 use crate::cell::{Placement, Role};

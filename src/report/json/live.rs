@@ -4,7 +4,7 @@
 use crate::assess::Assessment;
 use crate::cell::{Cell, Coordinate, Layout, PLAIN, Placement, Rectangle, Role, Slot};
 use crate::drawing::lenses;
-use crate::error_map::{OperationMap, Status};
+use crate::error_map::OperationMap;
 use crate::record::{StatusCounts, coordinate_name, nine_digits as length, value_word};
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use serde_json::{Map, Value, json};

@@ -5,7 +5,7 @@ use super::places::mm;
 use super::subject::Subject;
 use crate::assess::Assessment;
 use crate::cell::Unit;
-use crate::error_map::{NodeRecord, OperationMap, PostureRecord, Status};
+use crate::error_map::{NodeRecord, OperationMap};
 use crate::files::shown;
 use crate::record::value_word;
 use crate::units::{mm_from_m, percent_from_share, rounded};

@@ -3,7 +3,7 @@
 use super::subject::Subject;
 use super::verdict::quantity;
 use crate::assess::Assessment;
-use crate::error_map::{NodeRecord, PostureRecord, Status};
+use crate::error_map::{NodeRecord, PostureRecord};
 use crate::files::shown;
 use crate::layout::combined;
 use crate::record::{RunnerUpEntry, RunnerUpKind};

@@ -5,7 +5,7 @@ use super::{feasibility, mm1, percent, percent1};
 use crate::record::value_word;
 use crate::assess::Assessment;
 use crate::cell::{Cell, Model, Unit};
-use crate::error_map::{NodeSign, OperationMap, Status};
+use crate::error_map::{NodeSign, OperationMap};
 use crate::kinematic_error::{Discrepancy, discrepancy};
 use crate::reading::{Estimate, Figures};
 use crate::units::deg_from_rad;

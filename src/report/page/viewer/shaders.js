@@ -161,28 +161,6 @@ void main() {
   seen = halo.a > 0.0 ? vec4(halo.rgb * halo.a, halo.a) : vec4(c, 1.0);
 }`;
 
-// GLYPH_FRAGMENT draws a dot, the spot and the refined spot under the numbers 0 to 2, then each of NODE_SIGNS.
-const FIRST_NODE_SIGN = 3;
-
-/** Branches that measure how far a pixel is from the lines of each glyph, px. */
-function glyphBranches() {
-  const number = (v) => v.toFixed(4);
-  return Object.values(NODE_SIGNS).map(({ glyph }, k) => {
-    if (!glyph) return "";
-    const lines = [];
-    if (glyph.ring !== "none") lines.push("d = min(d, abs(r - px + 1.0));");
-    if (glyph.ring === "dashed") lines.push("part = smoothstep(0.28, 0.42, abs(fract(atan(at.y, at.x) * 6.0 / 6.2831853) - 0.5) * 2.0);");
-    for (const stroke of glyph.strokes) {
-      for (let i = 1; i < stroke.length; i++) {
-        // The y axis of a glyph points down.
-        const [a, b] = [stroke[i - 1], stroke[i]].map(([x, y]) => `vec2(${number(0.95 * x)}, ${number(-0.95 * y)})`);
-        lines.push(`d = min(d, segment(at, ${a}, ${b}) * px);`);
-      }
-    }
-    return `if (sign_ == ${FIRST_NODE_SIGN + k}) { ${lines.join(" ")} }`;
-  }).join("\n    ");
-}
-
 // Signs at nodes: discs that lie on the surface and rise to be seen from the side.
 const GLYPH_VERTEX = `#version 300 es
 in vec2 corner;
@@ -218,6 +196,9 @@ in float px;
 uniform float fade;
 uniform vec3 paper;
 out vec4 seen;
+const int DOT = ${markCode("ok")};
+const int SPOT = ${markCode("spot")};
+const int DIAMOND = ${markCode("diamond")};
 float band(float d, float half_) { return clamp(half_ + 0.5 - abs(d), 0.0, 1.0); }
 float segment(vec2 p, vec2 a, vec2 b) {
   vec2 ab = b - a;
@@ -228,20 +209,20 @@ void main() {
   float a = 0.0;
   float halo = 0.0;
   vec3 c = colour.rgb;
-  if (sign_ == 0) {
+  if (sign_ == DOT) {
     a = clamp(px - r + 0.5, 0.0, 1.0);
     c = mix(c * 0.55, c, clamp(px - 0.9 - r + 0.5, 0.0, 1.0));
-  } else if (sign_ == 1) {
+  } else if (sign_ == SPOT) {
     a = band(r - px + 2.0, 1.6);
     halo = band(r - px + 2.0, 3.0);
-  } else if (sign_ == 2) {
+  } else if (sign_ == DIAMOND) {
     float d = (abs(at.x) + abs(at.y) - 1.0) * 0.70711 * px;
     a = band(d + 1.5, 1.3);
     halo = band(d + 1.5, 2.6);
   } else {
     float d = 1e6;
     float part = 1.0;
-    ${glyphBranches()}
+    ${GLYPH_BRANCHES}
     a = band(d, 1.0) * part;
     halo = band(d, 2.0) * part;
   }
