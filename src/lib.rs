@@ -111,6 +111,7 @@ pub mod geometry;
 pub mod kinematic_error;
 pub mod lanes;
 pub mod layout;
+pub mod low_discrepancy;
 pub mod motion;
 pub mod pose;
 pub mod proof;

@@ -4,7 +4,7 @@
 use super::stance::no_spot;
 use crate::cell::{About, Cell, Interpretation, Quantity, Reading, Registration, Unit};
 use crate::error_map::OperationMap;
-use crate::kinematic_error::NOTHING;
+use crate::kinematic_error::NEGLIGIBLE;
 use crate::layout::Workcell;
 use nalgebra::Vector3;
 
@@ -52,7 +52,7 @@ impl Row {
 
     /// How many times the least value the signed choice has.
     pub fn ratio(&self) -> Option<f64> {
-        let value = self.value().filter(|v| *v > NOTHING)?;
+        let value = self.value().filter(|v| *v > NEGLIGIBLE)?;
         Some(self.at_signed? / value).filter(|r| r.is_finite())
     }
 }

@@ -5,7 +5,7 @@ use crate::cell::{Cell, JointVector, Layout, Placement, Registration};
 use crate::error_map::{NodeSign, OperationMap, Status};
 use crate::files::shown;
 use crate::layout::Workcell;
-use crate::reading::{Gauge, Site, Situation};
+use crate::reading::{ErrorEvaluator, WorkContext, WorkFrame};
 use crate::robot::Frames;
 use nalgebra::Vector3;
 
@@ -37,8 +37,8 @@ pub struct Stance<'a> {
     /// Of the TCP, world, m.
     pub position: Vector3<f64>,
     pub joints: JointVector,
-    pub gauge: Gauge,
-    pub situation: Situation,
+    pub gauge: ErrorEvaluator,
+    pub situation: WorkContext,
     pub frames: Frames,
 }
 
@@ -100,7 +100,7 @@ impl<'a> Stance<'a> {
         operation: usize,
         joints: JointVector,
     ) -> Result<Self, String> {
-        let gauge = Gauge::new(cell, &cell.operations[operation]);
+        let gauge = ErrorEvaluator::new(cell, &cell.operations[operation]);
         let chain = gauge.theory().chain;
         let frames = chain.frames(&chain.posture(&joints));
         let layout = cell.start();
@@ -112,7 +112,7 @@ impl<'a> Stance<'a> {
             let equipment = cell.operations[operation].equipment;
             let work = layout.base.pose().inverse() * layout.placements[equipment].pose();
             let world = layout.base.from_world();
-            Situation { site: Site { equipment, work, world, taught: None }, reference: None }
+            WorkContext { site: WorkFrame { equipment, work, world, taught: None }, reference: None }
         };
         let position = layout.base.pose().transform(&frames.tcp.translation);
         let base = layout.base;
@@ -126,7 +126,7 @@ fn situation_elsewhere(
     workcell: Result<&Workcell, &str>,
     operation: usize,
     layout: &Layout,
-) -> Result<Situation, String> {
+) -> Result<WorkContext, String> {
     let name = shown(&cell.operations[operation].name);
     let what = match cell.registration {
         Registration::Taught => "a taught frame",

@@ -5,9 +5,9 @@ use super::node::Status;
 use super::outcome::{Spot, Unjudged};
 use super::whole_map::least_violation;
 use crate::cell::{JointVector, Layout, Placement};
-use crate::clearance::{Placed, Scene};
-use crate::reach::{Approach, Branch, Cost, Reach};
-use crate::reading::{Memory, Situation};
+use crate::clearance::{PlacedSolids, Scene};
+use crate::reach::{Branch, Cost, Reach, ToolAttitudes};
+use crate::reading::{EvaluatorScratch, WorkContext};
 use crate::robot::{Frames, Posture};
 use nalgebra::Vector3;
 
@@ -34,14 +34,14 @@ pub struct Kept {
 pub struct Probe<'a> {
     mapper: &'a Mapper,
     scene: &'a Scene,
-    placed: &'a Placed,
+    placed: &'a PlacedSolids,
     operation: usize,
     /// The equipment in the base frame, and the base in the world.
     at: Placement,
     base: Placement,
-    approach: Approach,
-    situation: Situation,
-    memory: Memory,
+    approach: ToolAttitudes,
+    situation: WorkContext,
+    memory: EvaluatorScratch,
     frames: Frames,
     /// Value and branch of every posture at one point.
     postures: Vec<(f64, u32)>,
@@ -53,7 +53,7 @@ impl<'a> Probe<'a> {
     /// # Errors
     /// What is missing to judge any point.
     pub fn new(
-        (mapper, scene, placed): (&'a Mapper, &'a Scene, &'a Placed),
+        (mapper, scene, placed): (&'a Mapper, &'a Scene, &'a PlacedSolids),
         operation: usize,
         layout: &Layout,
         spots: &[Option<Spot>],

@@ -4,9 +4,9 @@
 use super::mapper::{Mapper, Scratch};
 use super::outcome::{Candidate, Outcome, Spot, Unjudged};
 use crate::cell::Layout;
-use crate::clearance::{Placed, Scene};
-use crate::reach::{Approach, Gap};
-use crate::reading::Situation;
+use crate::clearance::{PlacedSolids, Scene};
+use crate::reach::{Gap, ToolAttitudes};
+use crate::reading::WorkContext;
 use crate::robot::Frames;
 
 /// How far the nodes that cannot be reached are from it.
@@ -47,7 +47,7 @@ impl Mapper {
         operation: usize,
         layout: &Layout,
         scene: &Scene,
-        placed: &mut Placed,
+        placed: &mut PlacedSolids,
         spots: &[Option<Spot>],
         scratch: &mut Scratch,
     ) -> Outcome {
@@ -64,7 +64,7 @@ impl Mapper {
         operation: usize,
         layout: &Layout,
         scene: &Scene,
-        placed: &mut Placed,
+        placed: &mut PlacedSolids,
         spots: &[Option<Spot>],
         scratch: &mut Scratch,
     ) -> Outcome {
@@ -89,7 +89,7 @@ impl Mapper {
         operation: usize,
         layout: &Layout,
         scene: &Scene,
-        placed: &mut Placed,
+        placed: &mut PlacedSolids,
         spots: &[Option<Spot>],
         scratch: &mut Scratch,
     ) -> Result<Vec<Spot>, Outcome> {
@@ -129,7 +129,7 @@ impl Mapper {
         &self,
         operation: usize,
         layout: &Layout,
-        situation: Option<&Situation>,
+        situation: Option<&WorkContext>,
         scratch: &mut Scratch,
     ) -> Result<Vec<Candidate>, Gap> {
         let (station, stand) = (&self.stations[operation], self.stand(operation, layout));
@@ -160,10 +160,10 @@ impl Mapper {
     /// Whether the posture of a candidate touches nothing.
     pub(super) fn is_free(
         &self,
-        (operation, approach): (usize, &Approach),
+        (operation, approach): (usize, &ToolAttitudes),
         candidate: &Candidate,
         scene: &Scene,
-        placed: &mut Placed,
+        placed: &mut PlacedSolids,
         frames: &mut Frames,
     ) -> bool {
         let posture = self.arm.inverse.posture(&candidate.target, approach, candidate.spot.branch);

@@ -3,7 +3,7 @@
 use super::mapper::{Mapper, Scratch};
 use super::outcome::{Candidate, Spot};
 use crate::cell::Layout;
-use crate::clearance::{Placed, Scene};
+use crate::clearance::{PlacedSolids, Scene};
 use crate::robot::Frames;
 use std::collections::BinaryHeap;
 
@@ -14,7 +14,7 @@ impl Mapper {
         &self,
         (operation, layout): (usize, &Layout),
         scene: &Scene,
-        placed: &mut Placed,
+        placed: &mut PlacedSolids,
         spots: &[Option<Spot>],
         scratch: &mut Scratch,
         mut take: impl FnMut(Spot) -> bool,

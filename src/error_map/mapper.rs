@@ -4,11 +4,11 @@ use super::outcome::{Candidate, Outcome, Spot, Unjudged};
 use super::ranking::{Ranker, Ranking};
 use super::station::{Arm, Stand, Station};
 use crate::cell::{Cell, Coordinate, JointVector, Layout, Operation};
-use crate::clearance::{Placed, Scene};
+use crate::clearance::{PlacedSolids, Scene};
 use crate::files::shown;
 use crate::motion::Guard;
-use crate::reach::{Approach, Cost, Gap, Inverse, Shell};
-use crate::reading::{Gauge, Memory, Reference, Situation};
+use crate::reach::{Cost, Gap, Inverse, Shell, ToolAttitudes};
+use crate::reading::{ErrorEvaluator, EvaluatorScratch, WorkContext};
 use crate::robot::{Chain, Frames};
 use std::collections::BinaryHeap;
 
@@ -29,15 +29,15 @@ pub struct Mapper {
 pub struct Scratch {
     pub(super) candidates: Vec<Candidate>,
     pub(super) frames: Frames,
-    pub(super) approach: Approach,
+    pub(super) approach: ToolAttitudes,
     /// One per operation.
-    pub(super) memories: Vec<Memory>,
+    pub(super) memories: Vec<EvaluatorScratch>,
     pub(super) ranking: Ranking,
 }
 
 impl Scratch {
     /// The memory of an operation, and frames.
-    pub(super) fn of(&mut self, mapper: &Mapper, operation: usize) -> (&mut Memory, &mut Frames) {
+    pub(super) fn of(&mut self, mapper: &Mapper, operation: usize) -> (&mut EvaluatorScratch, &mut Frames) {
         for missing in self.memories.len()..=operation {
             self.memories.push(mapper.stations[missing].gauge.memory());
         }
@@ -76,11 +76,11 @@ impl Mapper {
 
     /// What is missing if no node of an operation can be in reach by the length of the links alone: the
     /// gap of the node nearest to reach, so that it falls into that of the whole loop on the way there.
-    fn beyond_reach(&self, operation: usize, stand: &Stand<'_>, approach: &mut Approach) -> Option<Gap> {
+    fn beyond_reach(&self, operation: usize, stand: &Stand<'_>, approach: &mut ToolAttitudes) -> Option<Gap> {
         let at = &stand.at;
         let (station, shell) = (&self.stations[operation], self.shells[operation].as_ref()?);
         let range = station.grid.distances(at, &shell.centre);
-        if shell.gap(range) == 0.0 {
+        if shell.gap(range.0, range.1) == 0.0 {
             return None;
         }
         let distance = |node: &usize| (station.grid.target(at, *node) - shell.centre).norm();
@@ -88,7 +88,7 @@ impl Mapper {
         let order = |a: &usize, b: &usize| distance(a).total_cmp(&distance(b));
         let nodes = 0..station.grid.count();
         let nearest = if outside { nodes.min_by(order) } else { nodes.max_by(order) }?;
-        self.arm.inverse.set(approach, stand.attitude, at.yaw);
+        self.arm.inverse.set_attitudes(approach, stand.attitude, at.yaw);
         let target = station.grid.target(at, nearest);
         Some(self.arm.inverse.visit(&target, approach, &mut self.arm.inverse.scratch(), |_, _| ()))
     }
@@ -99,7 +99,7 @@ impl Mapper {
     }
 
     /// How an operation judges postures.
-    pub fn gauge(&self, operation: usize) -> &Gauge {
+    pub fn gauge(&self, operation: usize) -> &ErrorEvaluator {
         &self.stations[operation].gauge
     }
 
@@ -118,21 +118,21 @@ impl Mapper {
         operation: usize,
         layout: &Layout,
         scene: &Scene,
-        placed: &Placed,
+        placed: &PlacedSolids,
         spots: &[Option<Spot>],
-    ) -> Result<Situation, Unjudged> {
+    ) -> Result<WorkContext, Unjudged> {
         let station = &self.stations[operation];
         let stand = self.stand(operation, layout);
         let site = station.site(&station.gauge, &stand, &self.arm, scene, placed)?;
-        let Some(other) = station.relative_to else { return Ok(Situation { site, reference: None }) };
+        let Some(other) = station.relative_to else { return Ok(WorkContext { site, reference: None }) };
         let spot = spots.get(other).copied().flatten().ok_or(Unjudged::NoPick)?;
         let (pick, stand) = (&self.stations[other], self.stand(other, layout));
         let target = pick.grid.target(&stand.at, spot.node);
         let approach = stand.approach(&self.arm);
         let frames = self.arm.frames(&target, &approach, spot.branch).ok_or(Unjudged::NoPick)?;
         let site_of_pick = pick.site(&station.gauge, &stand, &self.arm, scene, placed)?;
-        let reference = Reference::new(&station.gauge, site_of_pick, frames);
-        Ok(Situation { site, reference: Some(Box::new(reference)) })
+        let reference = station.gauge.pick_reference(site_of_pick, frames);
+        Ok(WorkContext { site, reference: Some(Box::new(reference)) })
     }
 
     /// The least-error spot of an operation that touches nothing; `spots` are those of the
@@ -143,7 +143,7 @@ impl Mapper {
         operation: usize,
         layout: &Layout,
         scene: &Scene,
-        placed: &mut Placed,
+        placed: &mut PlacedSolids,
         spots: &[Option<Spot>],
         scratch: &mut Scratch,
     ) -> Outcome {
@@ -154,7 +154,7 @@ impl Mapper {
         }
         let situation = self.situation(operation, layout, scene, placed, spots);
         scratch.of(self, operation);
-        self.arm.inverse.set(&mut scratch.approach, stand.attitude, stand.at.yaw);
+        self.arm.inverse.set_attitudes(&mut scratch.approach, stand.attitude, stand.at.yaw);
         if let Ok(situation) = &situation
             && let Some(outcome) = self.ranked((operation, &stand.at), situation, scene, placed, scratch)
         {
@@ -193,9 +193,9 @@ impl Mapper {
     /// to be stored.
     fn first_free(
         &self,
-        (operation, approach): (usize, &Approach),
+        (operation, approach): (usize, &ToolAttitudes),
         scene: &Scene,
-        placed: &mut Placed,
+        placed: &mut PlacedSolids,
         candidates: &mut Vec<Candidate>,
         frames: &mut Frames,
     ) -> Outcome {

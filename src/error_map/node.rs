@@ -5,7 +5,7 @@ use super::outcome::{Spot, Unjudged};
 use crate::cell::{Cell, JointKind, JointVector, Model, Sense};
 use crate::clearance::{Hit, Overlap};
 use crate::files::shown;
-use crate::motion::Refusal;
+use crate::motion::PostureRefusal;
 use crate::reach::LimitViolation;
 use crate::reading::Figures;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
@@ -40,7 +40,7 @@ pub enum Status {
     },
     /// Every posture within the limits touches something or is refused for its motion; why the
     /// least-error one is.
-    Refused(Refusal),
+    Refused(PostureRefusal),
     /// The equipment that carries the node stands where it cannot.
     Overlap(Overlap),
     /// It can be reached, but its error depends on something that is missing.

@@ -4,7 +4,7 @@
 //! contradict each other.
 
 use super::node::Status;
-use crate::motion::Refusal;
+use crate::motion::PostureRefusal;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -100,9 +100,9 @@ impl Status {
             Self::NotConverged { .. } => NodeSign::NotConverged,
             Self::JointLimit { .. } => NodeSign::JointLimit,
             Self::Collision { .. } | Self::Overlap(_) => NodeSign::Collision,
-            Self::Refused(Refusal::Singular { .. }) => NodeSign::Singular,
-            Self::Refused(Refusal::Approach(_)) => NodeSign::ApproachBlocked,
-            Self::Refused(Refusal::Retract(_)) => NodeSign::RetractBlocked,
+            Self::Refused(PostureRefusal::Singular { .. }) => NodeSign::Singular,
+            Self::Refused(PostureRefusal::Approach(_)) => NodeSign::ApproachBlocked,
+            Self::Refused(PostureRefusal::Retract(_)) => NodeSign::RetractBlocked,
             Self::Unjudged(_) => NodeSign::Unjudged,
         }
     }

@@ -1,6 +1,6 @@
 //! What an operation gets from a layout.
 
-use crate::motion::Refusal;
+use crate::motion::PostureRefusal;
 use crate::reach::Gap;
 use nalgebra::Vector3;
 use std::cmp::Ordering;
@@ -27,7 +27,7 @@ pub enum Outcome {
     /// Postures touch nothing, but motion refuses them all; the least-error one of them, and why.
     Refused {
         nearest: Spot,
-        refusal: Refusal,
+        refusal: PostureRefusal,
     },
     /// No node has a posture within the limits.
     Unreachable {

@@ -3,8 +3,8 @@
 use super::mapper::{Mapper, Scratch};
 use super::outcome::{Candidate, Outcome, Spot};
 use crate::cell::Placement;
-use crate::clearance::{Placed, Scene};
-use crate::reading::Situation;
+use crate::clearance::{PlacedSolids, Scene};
+use crate::reading::WorkContext;
 use std::collections::BinaryHeap;
 
 impl Mapper {
@@ -23,9 +23,9 @@ impl Mapper {
     pub(super) fn ranked(
         &self,
         (operation, at): (usize, &Placement),
-        situation: &Situation,
+        situation: &WorkContext,
         scene: &Scene,
-        placed: &mut Placed,
+        placed: &mut PlacedSolids,
         scratch: &mut Scratch,
     ) -> Option<Outcome> {
         let (station, ranker) = (&self.stations[operation], self.rankers[operation].as_ref()?);

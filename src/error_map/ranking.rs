@@ -1,6 +1,6 @@
 //! The nodes of a surface by the least error they can have: found for many nodes at once, to rank them.
 //!
-//! What is ranked is a lower bound, below the value of [`Gauge::value`] by no more than [`SURE`] allows:
+//! What is ranked is a lower bound, below the value of [`ErrorEvaluator::value`] by no more than [`SURE`] allows:
 //! nodes are judged in this order by the code for one node until the least value judged is below all
 //! bounds that are left. So the spot is the same, to the bit, as if every node had been judged.
 
@@ -9,8 +9,8 @@ use crate::cell::{MAX_ROWS, Placement};
 use crate::kinematic_error::WrongChain;
 use crate::lanes::{Arch, CosSin, Lanes, MOST_LANES, Simd, WithSimd};
 use crate::pose::Pose;
-use crate::reach::{Approach, Inverse, Level, PlanarLanes};
-use crate::reading::Gauge;
+use crate::reach::{Inverse, Level, PlanarLanes, ToolAttitudes};
+use crate::reading::ErrorEvaluator;
 use crate::robot::Chain;
 use nalgebra::{Matrix3, Vector3};
 
@@ -55,7 +55,7 @@ pub struct Ranking {
 
 impl Ranker {
     /// None where the code for one node must do: it depends on arm, reading, model and sense.
-    pub fn new(chain: &Chain, inverse: &Inverse, gauge: &Gauge, grid: &Grid) -> Option<Self> {
+    pub fn new(chain: &Chain, inverse: &Inverse, gauge: &ErrorEvaluator, grid: &Grid) -> Option<Self> {
         let (errors, rows) = gauge.plain()?;
         if rows.is_empty() {
             return None;
@@ -70,13 +70,19 @@ impl Ranker {
     }
 
     /// Whether an approach can be ranked.
-    pub fn takes(&self, approach: &Approach) -> bool {
+    pub fn takes(&self, approach: &ToolAttitudes) -> bool {
         self.arm.takes(approach)
     }
 
     /// Ranks the nodes of the surface placed at `at` (base frame); `world` turns world axes into the base
     /// frame.
-    pub fn rank(&self, at: &Placement, world: &Matrix3<f64>, approach: &Approach, ranking: &mut Ranking) {
+    pub fn rank(
+        &self,
+        at: &Placement,
+        world: &Matrix3<f64>,
+        approach: &ToolAttitudes,
+        ranking: &mut Ranking,
+    ) {
         let Ranking { bounds, groups } = ranking;
         bounds.resize(self.xs.len(), f64::INFINITY);
         let (sin, cos) = at.yaw.sin_cos();
@@ -117,7 +123,7 @@ struct Walk<'a> {
     at: &'a Placement,
     /// Cosine and sine of the yaw.
     turn: (f64, f64),
-    approach: &'a Approach,
+    approach: &'a ToolAttitudes,
     rows: &'a [Row],
     bounds: &'a mut [f64],
 }
@@ -164,7 +170,13 @@ impl Ranker {
 
     /// The least error of the targets over all branches, less what rounding may have added.
     #[inline(always)]
-    fn bound<S: Simd>(&self, target: Level<S>, rows: &[Row], sure: f64, approach: &Approach) -> Lanes<S> {
+    fn bound<S: Simd>(
+        &self,
+        target: Level<S>,
+        rows: &[Row],
+        sure: f64,
+        approach: &ToolAttitudes,
+    ) -> Lanes<S> {
         let Level { x, y, z } = target;
         let mut wanted = [x; MAX_ROWS];
         for (wanted, row) in wanted.iter_mut().zip(rows) {
@@ -172,7 +184,7 @@ impl Ranker {
         }
         let targets = self.arm.targets(&target);
         let mut least = x.like(f64::INFINITY);
-        for way in approach.ways() {
+        for way in approach.planar() {
             for back in [false, true] {
                 let Some(wrist) = self.arm.wrist(&targets, way, back) else { continue };
                 for up in [false, true] {

@@ -3,9 +3,9 @@
 use super::grid::Grid;
 use super::outcome::Unjudged;
 use crate::cell::{Attitude, Cell, Operation, Over, Placement, Registration, TEACH_HEIGHT};
-use crate::clearance::{Placed, Scene};
-use crate::reach::{Approach, Inverse};
-use crate::reading::{Gauge, Site, Taught};
+use crate::clearance::{PlacedSolids, Scene};
+use crate::reach::{Inverse, ToolAttitudes};
+use crate::reading::{ErrorEvaluator, Taught, WorkFrame};
 use crate::robot::{Chain, Frames};
 use nalgebra::{Matrix3, Vector3};
 
@@ -14,7 +14,7 @@ pub struct Station {
     pub equipment: usize,
     pub grid: Grid,
     pub over: Over,
-    pub gauge: Gauge,
+    pub gauge: ErrorEvaluator,
     pub relative_to: Option<usize>,
     /// Nodes to touch, in the order of trying, for each of three points (if those lie in a line: the
     /// widest triangle of all that can be touched); or points given by the user
@@ -39,8 +39,8 @@ pub struct Stand<'l> {
 
 impl Stand<'_> {
     /// The ways to hold the tool.
-    pub fn approach(&self, arm: &Arm) -> Approach {
-        arm.inverse.approach(self.attitude, self.at.yaw)
+    pub fn approach(&self, arm: &Arm) -> ToolAttitudes {
+        arm.inverse.tool_attitudes(self.attitude, self.at.yaw)
     }
 }
 
@@ -52,7 +52,7 @@ pub struct Arm {
 
 impl Arm {
     /// The frames of one branch at a target.
-    pub fn frames(&self, target: &Vector3<f64>, approach: &Approach, wanted: u32) -> Option<Frames> {
+    pub fn frames(&self, target: &Vector3<f64>, approach: &ToolAttitudes, wanted: u32) -> Option<Frames> {
         self.inverse.posture(target, approach, wanted).map(|posture| self.chain.frames(&posture))
     }
 
@@ -60,9 +60,9 @@ impl Arm {
     fn first_free(
         &self,
         target: &Vector3<f64>,
-        approach: &Approach,
+        approach: &ToolAttitudes,
         scene: &Scene,
-        placed: &Placed,
+        placed: &PlacedSolids,
     ) -> Option<Frames> {
         let mut found = None;
         self.inverse.visit(target, approach, &mut self.inverse.scratch(), |_, posture| {
@@ -86,7 +86,7 @@ impl Station {
         Self {
             equipment: operation.equipment,
             over: operation.over,
-            gauge: Gauge::new(cell, operation),
+            gauge: ErrorEvaluator::new(cell, operation),
             relative_to: operation.relative_to,
             grid,
             teach,
@@ -96,12 +96,12 @@ impl Station {
     /// The work as it stands, seen by the sources of `gauge`.
     pub fn site(
         &self,
-        gauge: &Gauge,
+        gauge: &ErrorEvaluator,
         stand: &Stand<'_>,
         arm: &Arm,
         scene: &Scene,
-        placed: &Placed,
-    ) -> Result<Site, Unjudged> {
+        placed: &PlacedSolids,
+    ) -> Result<WorkFrame, Unjudged> {
         let taught = match self.touched(stand, arm, scene, placed) {
             Some(postures) => {
                 let postures = postures.ok_or(Unjudged::NotTaught)?;
@@ -109,7 +109,7 @@ impl Station {
             }
             None => None,
         };
-        Ok(Site { equipment: self.equipment, work: stand.at.pose(), world: stand.world, taught })
+        Ok(WorkFrame { equipment: self.equipment, work: stand.at.pose(), world: stand.world, taught })
     }
 
     /// The touching postures; None if nothing is taught, Some(None) if it cannot be.
@@ -118,7 +118,7 @@ impl Station {
         stand: &Stand<'_>,
         arm: &Arm,
         scene: &Scene,
-        placed: &Placed,
+        placed: &PlacedSolids,
     ) -> Option<Option<[Frames; 3]>> {
         if matches!(self.teach, Teach::No) {
             return None;

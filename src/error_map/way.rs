@@ -4,9 +4,9 @@ use super::mapper::{Mapper, Scratch};
 use super::node::Status;
 use super::outcome::Spot;
 use crate::cell::{JointVector, Layout};
-use crate::clearance::{Placed, Scene};
-use crate::motion::{Blocked, Guard, Refusal, Stance, Transfer};
-use crate::reach::Approach;
+use crate::clearance::{PlacedSolids, Scene};
+use crate::motion::{Blocked, Guard, OperationPosture, PostureRefusal, Transfer};
+use crate::reach::ToolAttitudes;
 use crate::robot::{Chain, Frames};
 use nalgebra::Vector3;
 
@@ -14,11 +14,11 @@ impl Mapper {
     /// Why a posture that touches nothing cannot be used; None: it can.
     pub(super) fn refusal(
         &self,
-        (operation, approach): (usize, &Approach),
+        (operation, approach): (usize, &ToolAttitudes),
         (target, branch): (&Vector3<f64>, u32),
         scene: &Scene,
-        placed: &Placed,
-    ) -> Option<Refusal> {
+        placed: &PlacedSolids,
+    ) -> Option<PostureRefusal> {
         let guard = self.guard.as_ref().filter(|guard| guard.asks_postures(operation))?;
         let joints = self.arm.inverse.branch_at(target, approach, branch)?.joints;
         guard.admits(scene, placed, operation, &joints).err()
@@ -30,7 +30,7 @@ impl Mapper {
         operation: usize,
         (frames, joints): (&Frames, &JointVector),
         scene: &Scene,
-        placed: &Placed,
+        placed: &PlacedSolids,
     ) -> Option<Status> {
         if let Some(hit) = scene.hit(placed, &frames.links, Some(operation)) {
             return Some(Status::Collision { hit });
@@ -53,13 +53,13 @@ impl Mapper {
         &self,
         layout: &Layout,
         scene: &Scene,
-        placed: &Placed,
+        placed: &PlacedSolids,
         spots: &[Option<Spot>],
     ) -> Result<Vec<Transfer>, Blocked> {
         let Some(guard) = self.guard.as_ref().filter(|guard| guard.asks_transfers()) else {
             return Ok(Vec::new());
         };
-        let stances: Option<Vec<Vec<Stance>>> =
+        let stances: Option<Vec<Vec<OperationPosture>>> =
             (0..spots.len()).map(|k| self.stances(k, layout, scene, spots)).collect();
         stances.map_or(Ok(Vec::new()), |stances| guard.transfers(scene, placed, &stances.concat()))
     }
@@ -72,24 +72,24 @@ impl Mapper {
         layout: &Layout,
         scene: &Scene,
         spots: &[Option<Spot>],
-    ) -> Option<Vec<Stance>> {
+    ) -> Option<Vec<OperationPosture>> {
         let (station, spot) = (&self.stations[operation], spots[operation]?);
         if !station.over.takes_all() || !station.grid.is_listed() {
             return Some(vec![self.stance(operation, layout, &spot)?]);
         }
-        let (mut placed, mut scratch) = (Placed::default(), Scratch::default());
+        let (mut placed, mut scratch) = (PlacedSolids::default(), Scratch::default());
         scene.place(layout, &mut placed);
         let all = self.every_free(operation, layout, scene, &mut placed, spots, &mut scratch).ok()?;
         all.iter().map(|spot| self.stance(operation, layout, spot)).collect()
     }
 
     /// The joint coordinates of an operation at its spot.
-    pub fn stance(&self, operation: usize, layout: &Layout, spot: &Spot) -> Option<Stance> {
+    pub fn stance(&self, operation: usize, layout: &Layout, spot: &Spot) -> Option<OperationPosture> {
         let stand = self.stand(operation, layout);
         let approach = stand.approach(&self.arm);
         let target = self.stations[operation].grid.target(&stand.at, spot.node);
         let joints = self.arm.inverse.branch_at(&target, &approach, spot.branch)?.joints;
-        Some(Stance { operation, joints })
+        Some(OperationPosture { operation, joints })
     }
 
     /// The arm; its limits are those of the robot less the margins.

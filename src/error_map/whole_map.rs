@@ -6,11 +6,11 @@ use super::node::{NodeRecord, OperationMap, PostureRecord, Status};
 use super::outcome::{Spot, Unjudged};
 use super::station::Station;
 use crate::cell::{Layout, Over};
-use crate::clearance::{Placed, Scene};
+use crate::clearance::{PlacedSolids, Scene};
 use crate::kinematic_error::deviation;
 use crate::pose::Displacement;
-use crate::reach::{Approach, Branch};
-use crate::reading::{Memory, Situation};
+use crate::reach::{Branch, ToolAttitudes};
+use crate::reading::{EvaluatorScratch, WorkContext};
 use crate::robot::Frames;
 use nalgebra::Vector3;
 
@@ -21,7 +21,7 @@ impl Mapper {
         operation: usize,
         layout: &Layout,
         scene: &Scene,
-        placed: &Placed,
+        placed: &PlacedSolids,
         spots: &[Option<Spot>],
     ) -> OperationMap {
         let station = &self.stations[operation];
@@ -49,11 +49,11 @@ impl Mapper {
     fn judge(
         &self,
         target: &Vector3<f64>,
-        (operation, approach): (usize, &Approach),
-        situation: &Result<Situation, Unjudged>,
+        (operation, approach): (usize, &ToolAttitudes),
+        situation: &Result<WorkContext, Unjudged>,
         scene: &Scene,
-        placed: &Placed,
-        memory: &mut Memory,
+        placed: &PlacedSolids,
+        memory: &mut EvaluatorScratch,
     ) -> (Status, Option<PostureRecord>) {
         let station = &self.stations[operation];
         let branches = match unreached(self.arm.inverse.branches(target, approach)) {
@@ -96,10 +96,10 @@ impl Mapper {
     fn record(
         &self,
         station: &Station,
-        situation: &Situation,
+        situation: &WorkContext,
         (target, frames): (&Vector3<f64>, &Frames),
         branch: &Branch,
-        memory: &mut Memory,
+        memory: &mut EvaluatorScratch,
     ) -> PostureRecord {
         let judged = station.gauge.judge(situation, frames, memory);
         let to_world = situation.site.world.transpose();

@@ -2,7 +2,7 @@
 
 use super::{Evaluation, Workcell};
 use crate::cell::{Goal, Goals, JointVector, Layout};
-use crate::clearance::{Placed, footprint};
+use crate::clearance::{PlacedSolids, footprint};
 use crate::error_map::{Outcome, Scratch, Spot};
 use crate::motion::{Measures, direct_travel, measures};
 use crate::robot::Chain;
@@ -57,7 +57,7 @@ impl<'a> Worked<'a> {
             let joints = |spot: &Spot| Some(workcell.mapper.stance(k, layout, spot)?.joints);
             spots.push(joints(spot.as_ref()?)?);
             if workcell.cell.operations[k].over.takes_all() {
-                let (mut placed, mut scratch) = (Placed::default(), Scratch::default());
+                let (mut placed, mut scratch) = (PlacedSolids::default(), Scratch::default());
                 workcell.scene.place(layout, &mut placed);
                 let (mapper, scene) = (&workcell.mapper, &workcell.scene);
                 let every = mapper.every_free(k, layout, scene, &mut placed, &all, &mut scratch).ok()?;
@@ -71,12 +71,12 @@ impl<'a> Worked<'a> {
 
     fn clearance(&self) -> f64 {
         let Workcell { cell, mapper, plan, scene, .. } = self.workcell;
-        let mut placed = Placed::default();
+        let mut placed = PlacedSolids::default();
         scene.place(self.layout, &mut placed);
         let in_plan = plan.spacing(cell, self.layout, FAR);
         self.postures.iter().fold(in_plan, |least, (k, joints)| {
-            let work = (*k, cell.operations[*k].equipment);
-            scene.distance_at_work(&placed, &mapper.frames(joints).links, work, least).distance
+            let (frames, equipment) = (mapper.frames(joints).links, cell.operations[*k].equipment);
+            scene.distance_at_work(&placed, &frames, *k, equipment, least).distance
         })
     }
 

@@ -14,11 +14,11 @@ pub use robust::{Corner, Ended, Largest, Lost, Robustness};
 pub use separate::separated;
 
 use crate::cell::{Cell, Interpretation, Layout, Objective, QuestionFault, Unit};
-use crate::clearance::{FloorPlan, Overlap, OwnPair, Placed, Remember, Scene};
+use crate::clearance::{FloorPlan, Overlap, PlacedSolids, Remember, Scene, SelfCollisionPair};
 use crate::error_map::{Mapper, OperationMap, Outcome, PostureRecord, Scratch, Spot, Unjudged};
 use crate::motion::{Blocked, Transfer};
 use crate::reach::Inverse;
-use crate::reading::{Gauge, Situation};
+use crate::reading::{ErrorEvaluator, WorkContext};
 use crate::robot::Frames;
 use std::sync::Arc;
 
@@ -77,7 +77,7 @@ impl Evaluation {
 #[derive(Default)]
 pub struct Workspace {
     overlaps: Vec<Overlap>,
-    placed: Placed,
+    placed: PlacedSolids,
     scratch: Scratch,
 }
 
@@ -145,8 +145,8 @@ impl Workcell {
     }
 
     /// Every pair of solids of the robot, and why it may touch; none if it is not checked.
-    pub fn own_pairs(&self) -> &[OwnPair] {
-        self.scene.own_pairs()
+    pub fn self_collision_pairs(&self) -> &[SelfCollisionPair] {
+        self.scene.self_collision_pairs()
     }
 
     /// What the weights multiply errors by in the objective: their sum, or the largest of them.
@@ -175,7 +175,7 @@ impl Workcell {
     }
 
     /// How an operation judges postures.
-    pub fn gauge(&self, operation: usize) -> &Gauge {
+    pub fn gauge(&self, operation: usize) -> &ErrorEvaluator {
         self.mapper.gauge(operation)
     }
 
@@ -189,8 +189,8 @@ impl Workcell {
         maps: &[OperationMap],
         operation: usize,
         posture: &PostureRecord,
-    ) -> Result<(Situation, Frames), Unjudged> {
-        let mut placed = Placed::default();
+    ) -> Result<(WorkContext, Frames), Unjudged> {
+        let mut placed = PlacedSolids::default();
         self.scene.place(layout, &mut placed);
         let spots: Vec<_> = maps.iter().map(OperationMap::spot).collect();
         let situation = self.mapper.situation(operation, layout, &self.scene, &placed, &spots)?;
@@ -199,7 +199,7 @@ impl Workcell {
 
     /// The error map of every operation. Nodes on equipment that overlaps something are blocked.
     pub fn maps(&self, layout: &Layout) -> Vec<OperationMap> {
-        let mut placed = Placed::default();
+        let mut placed = PlacedSolids::default();
         self.scene.place(layout, &mut placed);
         let mut overlaps = Vec::new();
         self.plan.overlaps(layout, &mut overlaps);
@@ -265,7 +265,7 @@ fn first_of(faults: &[QuestionFault]) -> String {
 fn ways(
     mapper: &Mapper,
     overlaps: &[Overlap],
-    (layout, scene, placed): (&Layout, &Scene, &Placed),
+    (layout, scene, placed): (&Layout, &Scene, &PlacedSolids),
     spots: &[Option<Spot>],
 ) -> (Vec<Transfer>, Option<Blocked>) {
     if !overlaps.is_empty() {

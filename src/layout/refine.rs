@@ -11,7 +11,7 @@
 
 use super::Workcell;
 use crate::cell::{JointVector, Layout, Place, Rectangle};
-use crate::clearance::Placed;
+use crate::clearance::PlacedSolids;
 use crate::error_map::{Kept, OperationMap, PointSpot, Probe, Status};
 use nalgebra::Vector3;
 
@@ -57,7 +57,7 @@ impl Refined {
 impl Workcell {
     /// The refined spot of every operation; None of one that has no spot, or none to choose.
     pub fn refined(&self, layout: &Layout, maps: &[OperationMap]) -> Vec<Option<Refined>> {
-        let mut placed = Placed::default();
+        let mut placed = PlacedSolids::default();
         self.scene.place(layout, &mut placed);
         let spots: Vec<_> = maps.iter().map(OperationMap::spot).collect();
         let refine = |map: &OperationMap| {

@@ -20,7 +20,7 @@ use super::Workcell;
 use super::misplacement::{Boxes, Moves, Points};
 use super::worst::is_between_solids;
 use crate::cell::{Layout, Slot, Unit};
-use crate::clearance::Placed;
+use crate::clearance::PlacedSolids;
 use crate::error_map::{Kept, OperationMap, Probe, Spot, Status};
 use crate::units::rad_from_deg;
 
@@ -219,7 +219,7 @@ impl Holding<'_> {
         mut ask: impl FnMut(&mut Probe<'_>, &Kept) -> Result<f64, Status>,
     ) -> Result<f64, Status> {
         let Workcell { cell, mapper, scene, .. } = self.workcell;
-        let mut placed = Placed::default();
+        let mut placed = PlacedSolids::default();
         scene.place(layout, &mut placed);
         let probe = Probe::new((mapper, scene, &placed), self.operation, layout, &self.spots);
         let mut probe = probe.map_err(Status::Unjudged)?;

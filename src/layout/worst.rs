@@ -8,7 +8,7 @@
 use super::misplacement::{Boxes, Moves, Points, in_plan};
 use super::{BLOCKED, Evaluation, INFEASIBLE, Workcell, Workspace, combined, shortfall, ways};
 use crate::cell::Layout;
-use crate::clearance::{Overlap, Party, Placed};
+use crate::clearance::{Overlap, Party, PlacedSolids};
 use crate::error_map::{Kept, Outcome, Probe, Spot, Status, Unjudged};
 use crate::reach::Cost;
 
@@ -96,10 +96,10 @@ fn hardened(
         .iter()
         .map(|moves| cell.misplaced(layout, moves))
         .collect();
-    let scenes: Vec<Placed> = layouts
+    let scenes: Vec<PlacedSolids> = layouts
         .iter()
         .map(|layout| {
-            let mut placed = Placed::default();
+            let mut placed = PlacedSolids::default();
             scene.place(layout, &mut placed);
             placed
         })
@@ -156,7 +156,7 @@ fn kept(workcell: &Workcell, k: usize, layout: &Layout, spots: &[Option<Spot>], 
     let at = workcell.mapper.local(k, spot.node);
     let mut joints = Default::default();
     if workcell.inverse().cost() == Cost::Numeric {
-        let mut placed = Placed::default();
+        let mut placed = PlacedSolids::default();
         workcell.scene.place(layout, &mut placed);
         let station = (&workcell.mapper, &*workcell.scene, &placed);
         joints = Probe::new(station, k, layout, spots).ok()?.joints(at, spot.branch)?;

@@ -186,7 +186,7 @@ pub fn prove(workcell: &Workcell, options: &ProofOptions, stop: &AtomicBool) -> 
     let operations: Vec<OperationBound> = (0..workcell.cell.operations.len())
         .map(|k| {
             let known = options.known.as_ref().and_then(|values| values.get(k).copied());
-            let regions = Region::all(&workcell.cell, k, workcell.inverse().kept_elevation());
+            let regions = Region::all(&workcell.cell, k, workcell.inverse().fixed_elevation());
             let (bound, stopped) = of_regions(workcell, &regions, known, options, stop);
             interrupted |= stopped;
             bound

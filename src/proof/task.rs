@@ -12,16 +12,16 @@ use super::worth::Sum;
 use crate::cell::{Cell, Frame, JointKind, JointVector, MAX_JOINTS, Model, Reading, Registration, Row};
 use crate::layout::Workcell;
 use crate::pose::Pose;
-use crate::reading::{Gauge, Memory, Site, Situation};
+use crate::reading::{ErrorEvaluator, EvaluatorScratch, WorkContext, WorkFrame};
 use nalgebra::{Matrix3, Vector3};
 
 /// Rounding below which directions agree.
 const SAME: f64 = 1e-12;
 
 pub(super) struct Task<'a> {
-    gauge: &'a Gauge,
+    gauge: &'a ErrorEvaluator,
     workcell: &'a Workcell,
-    situation: Situation,
+    situation: WorkContext,
     screws: Screws,
     pub coordinates: Coordinates,
     /// Out to the TCP, and to the point whose error counts.
@@ -88,7 +88,7 @@ impl<'a> Task<'a> {
         let coordinates = Coordinates::new(chain, &screws, &held);
         let mut constraints = region.constraints();
         let centred = screws.kinds[0] == JointKind::Revolute && screws.points[0].xy().norm() < SAME;
-        let site = Site {
+        let site = WorkFrame {
             equipment: operation.equipment,
             work: Pose::identity(),
             world: cell.start().base.from_world(),
@@ -101,7 +101,7 @@ impl<'a> Task<'a> {
         let mut task = Self {
             gauge,
             workcell,
-            situation: Situation { site, reference: None },
+            situation: WorkContext { site, reference: None },
             to_tip,
             to_point: Pieces::new(&screws, &screws.point, &coordinates),
             screws,
@@ -219,12 +219,12 @@ impl<'a> Task<'a> {
         q
     }
 
-    pub fn memory(&self) -> Memory {
+    pub fn memory(&self) -> EvaluatorScratch {
         self.gauge.memory()
     }
 
     /// What the search would make of a point.
-    pub fn value(&self, y: &Values, memory: &mut Memory) -> f64 {
+    pub fn value(&self, y: &Values, memory: &mut EvaluatorScratch) -> f64 {
         let chain = self.workcell.inverse().chain();
         let frames = chain.frames(&chain.posture(&self.joints(y)));
         self.gauge.value(&self.situation, &frames, memory)
@@ -247,7 +247,7 @@ fn refuse(cell: &Cell, operation: usize) -> Result<(), WhyNot> {
 }
 
 /// The rows of the sense in the base frame.
-fn rows(cell: &Cell, gauge: &Gauge, operation: usize) -> Result<Vec<Row>, WhyNot> {
+fn rows(cell: &Cell, gauge: &ErrorEvaluator, operation: usize) -> Result<Vec<Row>, WhyNot> {
     let sense = &gauge.sense;
     let turned = |by: &Matrix3<f64>| -> Vec<Row> {
         sense.rows().iter().map(|row| Row { direction: by * row.direction, ..*row }).collect()

@@ -5,7 +5,7 @@ use super::screws::Values;
 use super::task::Task;
 use super::taylor::Taylor;
 use crate::cell::{JointVector, MAX_JOINTS};
-use crate::reading::Memory;
+use crate::reading::EvaluatorScratch;
 use nalgebra::{Matrix4, Vector4};
 
 /// What a posture that is tried may be off its limits and constraints, m or rad.
@@ -18,7 +18,7 @@ pub(super) fn near(
     task: &Task<'_>,
     mut y: Values,
     (low, high): (&Values, &Values),
-    memory: &mut Memory,
+    memory: &mut EvaluatorScratch,
 ) -> Option<(f64, JointVector)> {
     for _ in 0..12 {
         let placed = task.place(&y);

@@ -19,9 +19,9 @@ use super::WhyNot;
 use super::columns::Effect;
 use super::screws::Motion;
 use crate::cell::{Model, Quantity, Reading, Row};
-use crate::reading::norm::Norm;
-use crate::reading::zonotope::{Scratch, farthest_1, farthest_2, farthest_3, farthest_6};
-use crate::reading::{Gauge, MAX_SOURCES};
+use crate::reading::norm::NormDistribution;
+use crate::reading::zonotope::{ZonotopeScratch, farthest_1, farthest_2, farthest_3, farthest_6};
+use crate::reading::{ErrorEvaluator, MAX_SOURCES};
 use nalgebra::{DMatrix, Matrix3, Vector2, Vector3, Vector6};
 
 /// Percentiles are known in so many rows.
@@ -47,7 +47,7 @@ pub(super) enum Sum {
 impl Sum {
     /// # Errors
     /// Why the reading has no bound here.
-    pub fn new(gauge: &Gauge, rows: usize) -> Result<Self, WhyNot> {
+    pub fn new(gauge: &ErrorEvaluator, rows: usize) -> Result<Self, WhyNot> {
         let list = &gauge.sources.list;
         match gauge.reading {
             Reading::Signed => Ok(Self::Sample(gauge.sources.signed())),
@@ -112,7 +112,7 @@ fn towards(columns: &[Vector6<f64>], values: &[f64], out: &mut [Vector6<f64>]) -
 fn corner(columns: &[Vector6<f64>], widths: &[f64], rows: usize) -> Vec<f64> {
     let scaled: Vec<Vector6<f64>> = columns.iter().zip(widths).map(|(c, w)| c * *w).collect();
     let mut signs = vec![1.0; widths.len()];
-    let mut scratch = Scratch::default();
+    let mut scratch = ZonotopeScratch::default();
     match rows {
         0 | 1 => farthest_1(&scaled.iter().map(|c| c[0]).collect::<Vec<_>>(), &mut signs),
         2 => {
@@ -206,7 +206,7 @@ pub fn tangent(covariance: &Matrix3<f64>, rows: usize, quantity: Quantity) -> Op
 fn square(variances: &[f64], quantity: Quantity) -> f64 {
     let mut columns = [Vector6::zeros(); 3];
     variances.iter().enumerate().for_each(|(k, l)| columns[k][k] = l.max(0.0).sqrt());
-    let norm = Norm::new(variances.len(), &columns[..variances.len()], &[], &Vector6::zeros());
+    let norm = NormDistribution::new(variances.len(), &columns[..variances.len()], &[], &Vector6::zeros());
     let value = match quantity {
         Quantity::Rms => norm.rms(),
         Quantity::Mean => norm.mean(),

@@ -5,10 +5,10 @@
 //! that [`Inverse::visit`] finds, and the few that it refuses are refused there.
 
 use super::Inverse;
-use super::closed_form::planar::{PlanarArm, STRETCHED, Way};
+use super::closed_form::planar::{PlanarArm, STRETCHED};
 use super::cones::Cone;
-use super::inverse::Approach;
-use super::kernel::Kernel;
+use super::solver::Solver;
+use super::tool_attitudes::{PlanarAttitude, ToolAttitudes};
 use crate::lanes::{CosSin, Lanes, Mask, Simd};
 use crate::pose::Pose;
 
@@ -34,7 +34,7 @@ impl Inverse {
     /// None of an arm that is not planar with four axes, or whose limits are not judged by sines and
     /// cosines.
     pub fn lanes(&self) -> Option<PlanarLanes> {
-        let Kernel::Planar(arm) = &self.kernel else { return None };
+        let Solver::Planar(arm) = &self.solver else { return None };
         let cones = <[Cone; AXES]>::try_from(self.limits.as_ref()?.cones()?).ok()?;
         let to_zero = self.to_zero;
         (!arm.rolls()).then(|| PlanarLanes { arm: arm.clone(), cones, to_zero })
@@ -71,8 +71,8 @@ pub struct Wrist<S: Simd> {
 // No closures here: they would not be compiled for the lanes.
 impl PlanarLanes {
     /// Whether the attitude asks nothing that is judged posture by posture.
-    pub fn takes(&self, approach: &Approach) -> bool {
-        !approach.hold.is_checked(false)
+    pub fn takes(&self, approach: &ToolAttitudes) -> bool {
+        !approach.set.is_checked(false)
     }
 
     #[inline(always)]
@@ -90,7 +90,7 @@ impl PlanarLanes {
 
     /// None where no lane has a posture.
     #[inline(always)]
-    pub fn wrist<S: Simd>(&self, at: &Targets<S>, way: &Way, back: bool) -> Option<Wrist<S>> {
+    pub fn wrist<S: Simd>(&self, at: &Targets<S>, way: &PlanarAttitude, back: bool) -> Option<Wrist<S>> {
         let (arm, [l1, l2, l3]) = (&self.arm, self.arm.l);
         let (s, lateral) = (if back { -at.along } else { at.along }, arm.side * arm.lateral);
         let yaw = ((at.x * s - at.y * lateral) * at.inverse2, (at.y * s + at.x * lateral) * at.inverse2);

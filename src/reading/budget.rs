@@ -1,7 +1,7 @@
 //! The error budget of a posture: which parameter to tighten first.
 
-use super::situation::Situation;
-use super::{Gauge, Memory, Sources};
+use super::work_context::WorkContext;
+use super::{ErrorEvaluator, ErrorSources, EvaluatorScratch};
 use crate::cell::{Parameter, Reading};
 use crate::pose::Displacement;
 use crate::robot::Frames;
@@ -34,7 +34,12 @@ pub struct Budget {
 }
 
 impl Budget {
-    pub fn new(gauge: &Gauge, situation: &Situation, frames: &Frames, memory: &mut Memory) -> Self {
+    pub fn new(
+        gauge: &ErrorEvaluator,
+        situation: &WorkContext,
+        frames: &Frames,
+        memory: &mut EvaluatorScratch,
+    ) -> Self {
         gauge.prepare(situation, frames, memory);
         let measure = gauge.measure(&gauge.sense, situation, frames);
         let (worst, corner) = gauge.linear_corner(&measure, memory);
@@ -71,8 +76,8 @@ impl Budget {
 }
 
 /// Each source's part of the variance: `g_k . sum_j C_kj g_j`.
-fn variances(sources: &Sources, unit: &[Vector6<f64>]) -> Vec<f64> {
-    let alone = |(k, s): (usize, &super::Source)| match s.spread {
+fn variances(sources: &ErrorSources, unit: &[Vector6<f64>]) -> Vec<f64> {
+    let alone = |(k, s): (usize, &super::ErrorSource)| match s.spread {
         Some(_) => unit[k].norm_squared() * s.deviation * s.deviation,
         None => 0.0,
     };

@@ -1,6 +1,6 @@
 //! What a unit of every source does to the TCP, seen from the work.
 
-use super::{MAX_SOURCES, Sources};
+use super::error_sources::{ErrorSources, MAX_SOURCES};
 use crate::cell::Parameter;
 use crate::kinematic_error::Expansion;
 use crate::pose::{Displacement, Pose};
@@ -23,7 +23,7 @@ impl Default for Effects {
 
 impl Effects {
     /// Of the robot at the posture of `expansion`; with `mean` the second-order mean too.
-    pub fn set(&mut self, sources: &Sources, expansion: &Expansion, mean: bool) {
+    pub fn set(&mut self, sources: &ErrorSources, expansion: &Expansion, mean: bool) {
         self.count = sources.list.len();
         for k in 0..self.count {
             self.columns[k] = sources.robot_index(k).map_or(Displacement::NONE, |p| expansion.first(p));
@@ -32,7 +32,13 @@ impl Effects {
     }
 
     /// Takes off what the equipment's own frame, at `work` in the base, does to the point `p`.
-    pub fn less_equipment(&mut self, sources: &Sources, equipment: usize, work: &Pose, p: &Vector3<f64>) {
+    pub fn less_equipment(
+        &mut self,
+        sources: &ErrorSources,
+        equipment: usize,
+        work: &Pose,
+        p: &Vector3<f64>,
+    ) {
         for (k, source) in sources.list.iter().enumerate() {
             if let Parameter::Equipment(e, c) = source.parameter
                 && e == equipment
@@ -55,6 +61,18 @@ impl Effects {
         self.mean = self.mean - change(&other.mean);
     }
 
+    /// Calls `add` with every independent random factor: its effect at one standard deviation, and its
+    /// excess kurtosis.
+    pub fn independent(&self, sources: &ErrorSources, mut add: impl FnMut(Displacement, f64)) {
+        for (k, source) in sources.list.iter().enumerate().filter(|(_, s)| s.spread.is_some()) {
+            add(self.columns[k] * source.deviation, source.kurtosis);
+        }
+        for factor in &sources.factors {
+            let moved = factor.iter().fold(Displacement::NONE, |sum, &(k, v)| sum + self.columns[k] * v);
+            add(moved, 0.0);
+        }
+    }
+
     /// The linear error of a sample, one value per source.
     pub fn of_sample(&self, values: &[f64]) -> Displacement {
         let columns = self.columns[..self.count].iter().zip(values);
@@ -63,7 +81,7 @@ impl Effects {
 }
 
 /// `1/2 sum_jk H_jk C_jk`: of independent sources the diagonal alone.
-fn second_order_mean(sources: &Sources, expansion: &Expansion) -> Displacement {
+fn second_order_mean(sources: &ErrorSources, expansion: &Expansion) -> Displacement {
     let mut mean = Displacement::NONE;
     for (k, source) in sources.list.iter().enumerate().filter(|(_, s)| s.spread.is_some()) {
         if let Some(p) = sources.robot_index(k) {

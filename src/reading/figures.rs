@@ -33,7 +33,7 @@ impl Figures {
 
 /// Everything known of one posture.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Judgement {
+pub struct PostureErrors {
     /// What the search makes small: an error (m or rad), or a share of failures.
     pub value: f64,
     /// By the model of the cell, of the sample; base frame.
@@ -42,7 +42,7 @@ pub struct Judgement {
     pub nonlinear: Displacement,
     pub linear: Displacement,
     pub second_order: Displacement,
-    /// One per sense of [`super::Gauge::reported`].
+    /// One per sense of [`super::ErrorEvaluator::reported`].
     pub figures: Vec<Figures>,
     /// P(|error| <= limit), of an operation with a limit.
     pub success: Option<f64>,

@@ -3,14 +3,15 @@
 //! Quasi-random points (Richtmyer: multiples of the square roots of primes) in replicates, each
 //! shifted at random from an explicit seed. How the replicates differ gives the interval.
 
-use super::situation::Situation;
-use super::{Figures, Gauge};
+use super::normal_quantile::normal_quantile;
+use super::work_context::WorkContext;
+use super::{ErrorEvaluator, Figures};
 use crate::cell::{Distribution, Model, Spread};
+use crate::low_discrepancy::richtmyer_steps;
 use crate::robot::Frames;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
-use statrs::function::erf::erfc_inv;
 
 /// Independently shifted replicates.
 const REPLICATES: usize = 32;
@@ -96,8 +97,8 @@ impl MonteCarlo {
 /// Samples the error in the operation's sense at one posture by the nonlinear model; `p95` is the
 /// first-order figure whose coverage is wanted.
 pub fn monte_carlo(
-    gauge: &Gauge,
-    situation: &Situation,
+    gauge: &ErrorEvaluator,
+    situation: &WorkContext,
     frames: &Frames,
     samples: usize,
     seed: u64,
@@ -109,7 +110,7 @@ pub fn monte_carlo(
     let replicate = |r: usize| {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(r as u64);
-        let mut points = Points::new(gauge, &mut rng);
+        let mut points = SampleStream::new(gauge, &mut rng);
         let mut sizes: Vec<f64> = (0..each)
             .map(|_| {
                 let sample = theory.sample(points.next(), Model::Nonlinear);
@@ -153,18 +154,19 @@ fn percentile(sorted: &[f64], p: f64) -> f64 {
 }
 
 /// A stream of samples, one value per source.
-struct Points<'a> {
-    gauge: &'a Gauge,
+struct SampleStream<'a> {
+    gauge: &'a ErrorEvaluator,
     /// Where each dimension is in the unit interval, and its step.
     at: Vec<(f64, f64)>,
     values: Vec<f64>,
 }
 
-impl<'a> Points<'a> {
-    fn new(gauge: &'a Gauge, rng: &mut ChaCha8Rng) -> Self {
+impl<'a> SampleStream<'a> {
+    fn new(gauge: &'a ErrorEvaluator, rng: &mut ChaCha8Rng) -> Self {
         let sources = &gauge.sources;
         let dimensions = sources.list.len() + sources.factors.len();
-        let at = primes(dimensions).map(|p| (rng.random::<f64>(), f64::from(p).sqrt().fract())).collect();
+        let steps = richtmyer_steps().take(dimensions);
+        let at = steps.map(|step| (rng.random::<f64>(), step)).collect();
         Self { gauge, at, values: vec![0.0; sources.list.len()] }
     }
 
@@ -178,7 +180,7 @@ impl<'a> Points<'a> {
             *value = source.spread.map_or(0.0, |spread| drawn(&spread, *u));
         }
         for (factor, (u, _)) in sources.factors.iter().zip(factors) {
-            let z = normal(*u);
+            let z = bounded_normal(*u);
             factor.iter().for_each(|&(k, v)| self.values[k] += v * z);
         }
         &self.values
@@ -188,19 +190,14 @@ impl<'a> Points<'a> {
 /// The value of a spread at a probability.
 fn drawn(spread: &Spread, u: f64) -> f64 {
     match spread.distribution {
-        Distribution::Normal => spread.deviation() * normal(u),
+        Distribution::Normal => spread.deviation() * bounded_normal(u),
         Distribution::Uniform => spread.plus_minus * (2.0 * u - 1.0),
         Distribution::Triangular if u < 0.5 => spread.plus_minus * ((2.0 * u).sqrt() - 1.0),
         Distribution::Triangular => spread.plus_minus * (1.0 - (2.0 - 2.0 * u).sqrt()),
     }
 }
 
-/// Quantile of the standard normal distribution; the ends of the interval stay finite.
-fn normal(u: f64) -> f64 {
-    -std::f64::consts::SQRT_2 * erfc_inv(2.0 * u.clamp(1e-16, 1.0 - 1e-16))
-}
-
-fn primes(count: usize) -> impl Iterator<Item = u32> {
-    let is_prime = |n: &u32| (2..*n).take_while(|d| d * d <= *n).all(|d| !n.is_multiple_of(d));
-    (2u32..).filter(is_prime).take(count)
+/// Returns the normal quantile with the ends of the unit interval clamped, so that it stays finite.
+fn bounded_normal(u: f64) -> f64 {
+    normal_quantile(u.clamp(1e-16, 1.0 - 1e-16))
 }

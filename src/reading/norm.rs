@@ -10,20 +10,21 @@ mod cumulants;
 mod jacobi;
 mod spectrum;
 
+use super::normal_quantile::normal_quantile;
 use bromwich::invert;
 use nalgebra::Vector6;
 use spectrum::Spectrum;
 use std::f64::consts::PI;
 
 /// Distribution of `|e|`.
-pub struct Norm {
+pub struct NormDistribution {
     /// None where `e` is zero or does not vary.
     spectrum: Option<Spectrum>,
     /// Metres, or whatever the columns are in, of the spectrum's unit.
     unit: f64,
 }
 
-impl Norm {
+impl NormDistribution {
     /// `columns`: effect of each unit-variance parameter, of which the first `m` rows count;
     /// `kurtosis`: their excess kurtosis (0 where the slice ends early), a negative one that of a sum of
     /// alike uniform parameters (-1.2 uniform, -0.6 triangular); `mean`: the mean of `e`.
@@ -79,7 +80,7 @@ impl Norm {
 
     /// No more than `quantile(p)`, at the cost of nothing: no component exceeds the norm, and a mean
     /// only makes a component larger. 0 unless all parameters are normal.
-    pub fn quantile_bound(&self, p: f64) -> f64 {
+    pub fn quantile_lower_bound(&self, p: f64) -> f64 {
         let Some(spectrum) = &self.spectrum else { return self.unit };
         if spectrum.correction.is_some() || p <= 0.0 {
             return 0.0;
@@ -142,42 +143,3 @@ fn start(spectrum: &Spectrum, p: f64) -> f64 {
     };
     x.max(k1 / 1024.0)
 }
-
-/// Acklam's rational approximation, good to 1.2e-9.
-fn normal_quantile(p: f64) -> f64 {
-    let poly = |c: &[f64], x: f64| c.iter().fold(0.0, |sum, c| sum * x + c);
-    let tail = p.min(1.0 - p);
-    if tail < 0.02425 {
-        let q = (-2.0 * tail.ln()).sqrt();
-        return (poly(&TAIL[..6], q) / (poly(&TAIL[6..], q) * q + 1.0)).copysign(p - 0.5);
-    }
-    let q = p - 0.5;
-    let r = q * q;
-    q * poly(&CENTRE[..6], r) / (poly(&CENTRE[6..], r) * r + 1.0)
-}
-
-const CENTRE: [f64; 11] = [
-    -3.969683028665376e1,
-    2.209460984245205e2,
-    -2.759285104469687e2,
-    1.38357751867269e2,
-    -3.066479806614716e1,
-    2.506628277459239,
-    -5.447609879822406e1,
-    1.615858368580409e2,
-    -1.556989798598866e2,
-    6.680131188771972e1,
-    -1.328068155288572e1,
-];
-const TAIL: [f64; 10] = [
-    -7.784894002430293e-3,
-    -3.223964580411365e-1,
-    -2.400758277161838,
-    -2.549732539343734,
-    4.374664141464968,
-    2.938163982698783,
-    7.784695709041462e-3,
-    3.224671290700398e-1,
-    2.445134137142996,
-    3.754408661907416,
-];

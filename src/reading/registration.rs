@@ -5,7 +5,7 @@
 //! that is a difference of twists; for the exact models the same rule is applied again to what is
 //! left, which converges quadratically and keeps the digits of small errors.
 
-use super::{Effects, Sources};
+use super::{Effects, ErrorSources};
 use crate::cell::Model;
 use crate::kinematic_error::{Perturbation, position_error};
 use crate::pose::{Displacement, SmallRotation};
@@ -36,9 +36,9 @@ pub struct BestFit {
 }
 
 impl BestFit {
-    pub fn new(chain: &Chain, sources: &Sources, mean: bool) -> Self {
+    pub fn new(chain: &Chain, sources: &ErrorSources, mean: bool) -> Self {
         let postures: Vec<Frames> =
-            (0..POSTURES).map(|k| chain.frames(&chain.posture(&chain.spread(k)))).collect();
+            (0..POSTURES).map(|k| chain.frames(&chain.posture(&chain.halton_sample(k)))).collect();
         let centre = postures.iter().map(|f| f.tcp.translation).sum::<Vector3<f64>>() / POSTURES as f64;
         let inertia = postures.iter().map(|f| f.tcp.translation - centre).fold(Matrix3::zeros(), |sum, r| {
             sum + Matrix3::identity() * r.norm_squared() - r * r.transpose()
@@ -78,7 +78,7 @@ impl BestFit {
         Displacement { position, rotation: self.inverse * moment }
     }
 
-    fn of_sources(&self, chain: &Chain, sources: &Sources, mean: bool) -> Effects {
+    fn of_sources(&self, chain: &Chain, sources: &ErrorSources, mean: bool) -> Effects {
         let mut expansion = sources.expansion(chain);
         let each: Vec<Effects> = self
             .postures
@@ -111,7 +111,7 @@ pub struct Taught {
 }
 
 impl Taught {
-    pub fn new(chain: &Chain, sources: &Sources, postures: [Frames; 3], mean: bool) -> Self {
+    pub fn new(chain: &Chain, sources: &ErrorSources, postures: [Frames; 3], mean: bool) -> Self {
         let mut taught = Self { postures, effects: Effects::default() };
         let mut expansion = sources.expansion(chain);
         let each = taught.postures.map(|frames| {

@@ -1,7 +1,7 @@
 //! The worst case: the corner of the tolerance box with the largest error in a sense.
 
 use super::MAX_SOURCES;
-use super::zonotope::{Farthest, Scratch, farthest_1, farthest_2, farthest_3, farthest_6};
+use super::zonotope::{Farthest, ZonotopeScratch, farthest_1, farthest_2, farthest_3, farthest_6};
 use nalgebra::{Vector2, Vector3, Vector6};
 
 /// Rounds of the polish at most; it ends when no flip is better.
@@ -25,7 +25,7 @@ pub struct WorstCase {
 pub fn farthest(
     columns: &[Vector6<f64>],
     rows: usize,
-    scratch: &mut Scratch,
+    scratch: &mut ZonotopeScratch,
     corner: &mut [f64],
 ) -> Farthest {
     let n = columns.len();

@@ -13,14 +13,14 @@
 //! ties and rounding never invent a maximum, and its value is summed anew from the signs returned.
 //! Squares must not overflow or vanish: sizes between 1e-150 and 1e150.
 
-mod branch;
-mod table;
-mod walk;
+mod branch_and_bound;
+mod circle_walk;
+mod sign_table;
 
-use branch::Branch;
+use branch_and_bound::BranchAndBound;
+use circle_walk::{CircleWalk, split, walk_circles};
 use nalgebra::{SVector, Vector2, Vector3, Vector6};
-use table::{Table, try_all};
-use walk::{Walk, split, walk_circles};
+use sign_table::{SignTable, try_all};
 
 /// Most generators, a power of two: at least as many as there can be sources.
 pub const MAX_GENERATORS: usize = 128;
@@ -37,12 +37,12 @@ const PERPENDICULAR: f64 = 1e-14;
 
 /// Working memory, about 20 kB; what is left in it never matters.
 #[derive(Default)]
-pub struct Scratch {
-    walk: Walk,
-    table: Table<3>,
-    merged: Merged<3>,
-    branch: Branch,
-    merged_6: Merged<6>,
+pub struct ZonotopeScratch {
+    walk: CircleWalk,
+    table: SignTable<3>,
+    merged: MergedGenerators<3>,
+    branch: BranchAndBound,
+    merged_6: MergedGenerators<6>,
 }
 
 /// The farthest corner found.
@@ -66,7 +66,7 @@ pub fn farthest_1(generators: &[f64], signs: &mut [f64]) -> Farthest {
 }
 
 /// 2-D: one walk round the zonogon.
-pub fn farthest_2(generators: &[Vector2<f64>], scratch: &mut Scratch, signs: &mut [f64]) -> Farthest {
+pub fn farthest_2(generators: &[Vector2<f64>], scratch: &mut ZonotopeScratch, signs: &mut [f64]) -> Farthest {
     let n = generators.len().min(MAX_GENERATORS);
     let (generators, signs) = (&generators[..n], &mut signs[..n]);
     let walk = &mut scratch.walk;
@@ -79,7 +79,7 @@ pub fn farthest_2(generators: &[Vector2<f64>], scratch: &mut Scratch, signs: &mu
 }
 
 /// 3-D: a walk along each of n circles.
-pub fn farthest_3(generators: &[Vector3<f64>], scratch: &mut Scratch, signs: &mut [f64]) -> Farthest {
+pub fn farthest_3(generators: &[Vector3<f64>], scratch: &mut ZonotopeScratch, signs: &mut [f64]) -> Farthest {
     let n = generators.len().min(MAX_GENERATORS);
     let (generators, signs) = (&generators[..n], &mut signs[..n]);
     if n <= FEW {
@@ -100,7 +100,7 @@ pub fn farthest_3(generators: &[Vector3<f64>], scratch: &mut Scratch, signs: &mu
 
 /// 4 to 6 dimensions, padded with zeros: branch and bound. Exact but for the hardest cases, which
 /// say so by `upper` above `value`.
-pub fn farthest_6(generators: &[Vector6<f64>], scratch: &mut Scratch, signs: &mut [f64]) -> Farthest {
+pub fn farthest_6(generators: &[Vector6<f64>], scratch: &mut ZonotopeScratch, signs: &mut [f64]) -> Farthest {
     let n = generators.len().min(MAX_GENERATORS);
     let (generators, signs) = (&generators[..n], &mut signs[..n]);
     let mut corner = [1.0; MAX_GENERATORS];
@@ -148,7 +148,7 @@ fn climb<const M: usize>(generators: &[SVector<f64, M>], signs: &mut [f64]) {
 }
 
 /// Generators with the parallel ones added up, and the way back.
-struct Merged<const M: usize> {
+struct MergedGenerators<const M: usize> {
     count: usize,
     sum: [SVector<f64, M>; MAX_GENERATORS],
     unit: [SVector<f64, M>; MAX_GENERATORS],
@@ -156,14 +156,14 @@ struct Merged<const M: usize> {
     place: [(usize, f64); MAX_GENERATORS],
 }
 
-impl<const M: usize> Default for Merged<M> {
+impl<const M: usize> Default for MergedGenerators<M> {
     fn default() -> Self {
         let zeros = [SVector::zeros(); MAX_GENERATORS];
-        Merged { count: 0, sum: zeros, unit: zeros, place: [(0, 1.0); MAX_GENERATORS] }
+        MergedGenerators { count: 0, sum: zeros, unit: zeros, place: [(0, 1.0); MAX_GENERATORS] }
     }
 }
 
-impl<const M: usize> Merged<M> {
+impl<const M: usize> MergedGenerators<M> {
     fn sums(&self) -> &[SVector<f64, M>] {
         &self.sum[..self.count]
     }

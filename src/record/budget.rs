@@ -5,7 +5,7 @@ use super::parameter_names as names;
 use super::words::{VALUE_WORDS, value_word};
 use crate::assess::{Account, Stance, Tighter};
 use crate::cell::{Cell, Model, Reading, Registration, Unit};
-use crate::reading::{Figures, Judgement, Share};
+use crate::reading::{Figures, PostureErrors, Share};
 use crate::units::rounded;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -140,7 +140,7 @@ impl OperationBudget {
 }
 
 impl TotalEntry {
-    pub fn new(stance: &Stance<'_>, judged: &Judgement) -> Self {
+    pub fn new(stance: &Stance<'_>, judged: &PostureErrors) -> Self {
         let unit = stance.gauge.sense.unit;
         let Figures { error, worst_linear, worst, rms, mean, p95, p99 } = judged.figures[stance.gauge.own()];
         let [error, worst_linear, worst, rms, mean, p95, p99] =

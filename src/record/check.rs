@@ -3,7 +3,7 @@
 use super::numbers::{degrees, millimetres, position_mm};
 use super::placement::ByName;
 use crate::cell::Robot;
-use crate::clearance::{Allowed, OwnPair};
+use crate::clearance::{Allowed, SelfCollisionPair};
 use crate::files::{Fault, shown};
 use crate::layout::Workcell;
 use crate::pose::Pose;
@@ -42,11 +42,11 @@ pub struct OwnPairEntry {
 impl OwnPairEntry {
     /// Returns every pair of solids of the robot.
     pub fn all(workcell: &Workcell) -> Vec<Self> {
-        let pair = |p: &OwnPair| {
+        let pair = |p: &SelfCollisionPair| {
             let [a, b] = [p.a, p.b].map(|id| id.in_words(&workcell.cell).to_string());
             Self { a, b, allowed: p.allowed.map(|why| Allowed::in_words(why).into()) }
         };
-        workcell.own_pairs().iter().map(pair).collect()
+        workcell.self_collision_pairs().iter().map(pair).collect()
     }
 }
 

@@ -4,7 +4,7 @@ use super::explanation::JointKindWord;
 use super::numbers::{degrees, joint_coordinate, millimetres, nine_digits, position_mm};
 use crate::assess::{Reachable, Sheet};
 use crate::cell::{ErrorSet, Joint, JointKind, Robot, Unit};
-use crate::reach::{Region, Size};
+use crate::reach::{EnvelopeSection, Size};
 use crate::units::{mm_from_m, rounded};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -280,7 +280,7 @@ pub struct PlanOutline {
 
 impl EnvelopeDocument {
     pub fn new(envelope: &Reachable<'_>) -> Self {
-        let plan = |(height, plan): &(f64, Region)| PlanEntry {
+        let plan = |(height, plan): &(f64, EnvelopeSection)| PlanEntry {
             height_mm: millimetres(*height),
             area_m2: nine_digits(plan.area()),
             outlines: outlines(plan, |hole, [x_mm, y_mm]| PlanOutline { hole, x_mm, y_mm }),
@@ -305,7 +305,7 @@ impl EnvelopeDocument {
 }
 
 /// Makes an outline of whether it is a hole, and its coordinates along both axes.
-fn outlines<O>(region: &Region, make: impl Fn(bool, [Vec<f64>; 2]) -> O) -> Vec<O> {
+fn outlines<O>(region: &EnvelopeSection, make: impl Fn(bool, [Vec<f64>; 2]) -> O) -> Vec<O> {
     let outlines = region.outlines.iter();
     let axes = |o: &crate::reach::Outline| {
         [0, 1].map(|k| o.points.iter().map(|p| rounded(mm_from_m(p[k]), 3)).collect::<Vec<_>>())

@@ -8,10 +8,11 @@ use sources::{File, paths_from, sources, uses_crate, with_words};
 use std::collections::BTreeSet;
 
 /// Modules in the order in which data flows: each uses only those before it.
-const ORDER: [&str; 21] = [
+const ORDER: [&str; 22] = [
     "units",
     "geometry",
     "pose",
+    "low_discrepancy",
     "lanes",
     "cell",
     "files",

@@ -28,7 +28,7 @@ fn held(robot: &Robot, attitude: &Attitude, yaw: f64) -> Vec<(Vector3<f64>, Vect
     let chain = Chain::new(robot);
     let inverse = Inverse::new(&chain);
     assert_eq!(inverse.refusal(attitude), None);
-    let approach = inverse.approach(attitude, yaw);
+    let approach = inverse.tool_attitudes(attitude, yaw);
     let mut all = Vec::new();
     for k in 0..60 {
         let (angle, radius) = (f64::from(k) * 0.7, 0.35 + 0.005 * f64::from(k));

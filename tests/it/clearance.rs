@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use sweetspot::cell::{
     Cell, Coordinate, Equipment, Layout, LinkSolid, MAX_JOINTS, Placement, Rectangle, Shape,
 };
-use sweetspot::clearance::{Allowed, FloorPlan, Hit, Overlap, Party, Placed, Scene, SolidRef};
+use sweetspot::clearance::{Allowed, FloorPlan, Hit, Overlap, Party, PlacedSolids, Scene, SolidRef};
 use sweetspot::error_map::{NodeSign, Outcome, Status};
 use sweetspot::layout::{Workcell, evaluate};
 use sweetspot::pose::Pose;
@@ -43,7 +43,7 @@ const CUBE: &str = "box = { centre_mm = [0, 0, 0], size_mm = [200, 200, 200] }";
 
 /// Returns what the robot touches with its last link frame at `link`, requested in every possible way.
 fn hit(cell: &Cell, layout: &Layout, link: &Pose) -> Option<Hit> {
-    let (scene, mut placed) = (Scene::new(cell), Placed::default());
+    let (scene, mut placed) = (Scene::new(cell), PlacedSolids::default());
     scene.place(layout, &mut placed);
     let mut frames: Frames = [Pose::identity(); MAX_JOINTS + 1];
     frames[4] = *link;
@@ -568,10 +568,10 @@ fn self_collisions_agree_with_closed_forms() {
             cell.robot.solids[0].solid.shape = random_shape(a, &mut rng);
             cell.robot.solids[1].solid.shape = random_shape(b, &mut rng);
             let scene = Scene::new(&cell);
-            let mut placed = Placed::default();
+            let mut placed = PlacedSolids::default();
             scene.place(&far, &mut placed);
             // Drawn that large, they touch in every posture.
-            if scene.own_pairs()[0].allowed == Some(Allowed::AlwaysTouch) {
+            if scene.self_collision_pairs()[0].allowed == Some(Allowed::AlwaysTouch) {
                 continue;
             }
             let mut frames: Frames = [Pose::identity(); MAX_JOINTS + 1];
@@ -773,7 +773,7 @@ fn inside_tests_of_a_ring_agree_with_the_winding_number() {
         })
         .collect();
     let place = cell.start().placements[0].pose();
-    let (scene, mut placed) = (Scene::new(&cell), Placed::default());
+    let (scene, mut placed) = (Scene::new(&cell), PlacedSolids::default());
     scene.place(&cell.start(), &mut placed);
     let wanted: Vec<f64> = points.par_iter().map(winding).collect();
     let mut inside = 0;

@@ -8,7 +8,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use sweetspot::cell::{Attitude, Azimuth, Cell, Placement, Robot, Spin};
 use sweetspot::error_map::Outcome;
 use sweetspot::layout::{Workcell, evaluate};
-use sweetspot::reach::{Branch, Envelope, Fineness, Inverse, Reach, Region, Size};
+use sweetspot::reach::{Branch, Envelope, EnvelopeSection, Fineness, Inverse, Reach, Size};
 use sweetspot::robot::Chain;
 use sweetspot::{cell, files};
 
@@ -96,7 +96,7 @@ fn near(a: f64, b: f64, share: f64) -> bool {
 }
 
 /// Says whether a region holds a point, by the even-odd rule.
-fn holds(region: &Region, p: [f64; 2]) -> bool {
+fn holds(region: &EnvelopeSection, p: [f64; 2]) -> bool {
     let mut inside = false;
     for outline in &region.outlines {
         let next = outline.points.iter().cycle().skip(1);
@@ -218,7 +218,7 @@ fn every_boundary_crossing_of_the_hitachi_is_real() {
         let arm = inverse(&robot);
         let attitude = Attitude::elevation(DOWN);
         let envelope = Envelope::new(&arm, &attitude, 0.0);
-        let approach = arm.approach(&attitude, 0.0);
+        let approach = arm.tool_attitudes(&attitude, 0.0);
         let usable = |target: &Vector3<f64>| match arm.branches(target, &approach) {
             Reach::Branches(all) => all.iter().any(Branch::is_usable),
             _ => false,
@@ -340,7 +340,7 @@ fn the_reach_shell_contains_every_tcp() {
             let attitude = Attitude::elevation(axis.z.atan2(axis.x.hypot(axis.y)));
             let shell = arm.shell(&attitude);
             let from = (tcp.translation - shell.centre).norm();
-            assert!(shell.gap((from, from)) == 0.0, "{} {q:?}: {from} {shell:?}", robot.name);
+            assert!(shell.gap(from, from) == 0.0, "{} {q:?}: {from} {shell:?}", robot.name);
             far = far.max(from / shell.outer);
             close = close.min((from - shell.inner) / shell.outer);
         }
@@ -358,9 +358,9 @@ fn the_reach_shell_gives_the_distance_outside() {
     let shell = arm.shell(&Attitude::elevation(DOWN));
     assert!((shell.centre - vector![0.0, 0.0, 0.5]).norm() < 1e-12, "{shell:?}");
     assert!((shell.outer - 1.0).abs() < 2e-6 && (shell.inner - 0.2).abs() < 2e-6, "{shell:?}");
-    assert!((shell.gap((1.5, 2.0)) - 0.5).abs() < 2e-6);
-    assert!((shell.gap((0.0, 0.15)) - 0.05).abs() < 2e-6);
-    assert_eq!(shell.gap((0.0, 3.0)), 0.0);
+    assert!((shell.gap(1.5, 2.0) - 0.5).abs() < 2e-6);
+    assert!((shell.gap(0.0, 0.15) - 0.05).abs() < 2e-6);
+    assert_eq!(shell.gap(0.0, 3.0), 0.0);
 }
 
 /// Returns the worktable operation of the shipped cell with a SCARA, an expensive arm whose unreachable

@@ -6,7 +6,7 @@ use nalgebra::{Matrix3, Vector3};
 use serde_json::Value;
 use std::path::Path;
 use sweetspot::cell::{ErrorSet, JointVector, Robot, Shape};
-use sweetspot::clearance::{FloorPlan, Placed, Scene};
+use sweetspot::clearance::{FloorPlan, PlacedSolids, Scene};
 use sweetspot::files::Loaded;
 use sweetspot::robot::Chain;
 
@@ -187,7 +187,7 @@ fn cells_of_the_families_start_without_overlap_and_collision() {
         let mut overlaps = Vec::new();
         FloorPlan::new(cell).overlaps(&start, &mut overlaps);
         assert!(overlaps.is_empty(), "{name}: {overlaps:?}");
-        let (scene, mut placed, chain) = (Scene::new(cell), Placed::default(), Chain::new(&cell.robot));
+        let (scene, mut placed, chain) = (Scene::new(cell), PlacedSolids::default(), Chain::new(&cell.robot));
         scene.place(&start, &mut placed);
         let frames = chain.frames(&chain.posture(&cell.robot.home));
         assert_eq!(scene.hit(&placed, &frames.links, None), None, "{name} at home");

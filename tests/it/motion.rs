@@ -6,12 +6,12 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sweetspot::assess::Assessment;
 use sweetspot::cell::{Cell, JointVector, MAX_JOINTS, Shape};
-use sweetspot::clearance::{ACCURACY, FloorPlan, Hit, Load, Party, Placed, Scene, SolidRef};
+use sweetspot::clearance::{ACCURACY, FloorPlan, Hit, Load, Party, PlacedSolids, Scene, SolidRef};
 use sweetspot::error_map::{NodeSign, Outcome, Status};
 use sweetspot::layout::{Workcell, evaluate, separated};
 use sweetspot::motion::{
-    DEVIATION, Guard, Hindrance, RESOLUTION, Refusal, Stance, Stopped, Way, first_hit, measures, singularity,
-    straight,
+    DEVIATION, Guard, Hindrance, Move, OperationPosture, PostureRefusal, RESOLUTION, Stopped, TransferRoute,
+    first_hit, measures, singularity, straight,
 };
 use sweetspot::pose::Pose;
 use sweetspot::reach::{Inverse, Reach};
@@ -36,8 +36,8 @@ fn cell(robot: &str, errors: &str, head: &str, more: &str) -> Cell {
     ))
 }
 
-fn placed(cell: &Cell, scene: &Scene) -> Placed {
-    let mut placed = Placed::default();
+fn placed(cell: &Cell, scene: &Scene) -> PlacedSolids {
+    let mut placed = PlacedSolids::default();
     scene.place(&cell.start(), &mut placed);
     placed
 }
@@ -206,7 +206,7 @@ fn a_free_move_collides_in_no_sample() {
             let b = between(&a, &b, 0.3);
             let hits = |s: f64| scene.hit(&there, &links(&chain, &between(&a, &b, s)), Some(0)).is_some();
             let sampled = (0..=SAMPLES).map(|k| k as f64 / SAMPLES as f64).find(|&s| hits(s));
-            let found = first_hit(&chain, &scene, &there, (&a, &b), Load::of(Some(0)));
+            let found = first_hit(&chain, &scene, &there, Move { from: &a, to: &b }, Load::of(Some(0)));
             match (sampled, found) {
                 (None, None) => free += 1,
                 (Some(s), None) => panic!("{robot}: free, but it hits at {s}"),
@@ -235,14 +235,15 @@ fn a_zero_move_hits_only_what_stands_in_the_way() {
     let (scene, chain) = (Scene::new(&cell), Chain::new(&cell.robot));
     let there = placed(&cell, &scene);
     let still = [0.0; MAX_JOINTS];
-    assert_eq!(first_hit(&chain, &scene, &there, (&still, &still), Load::of(Some(0))), None);
+    assert_eq!(first_hit(&chain, &scene, &there, Move { from: &still, to: &still }, Load::of(Some(0))), None);
     // Standing in the table, which is in the way from the start.
     let mut layout = cell.start();
     layout.placements[0].y = 0.0;
     layout.placements[0].z = 0.2;
-    let mut there = Placed::default();
+    let mut there = PlacedSolids::default();
     scene.place(&layout, &mut there);
-    let hit = first_hit(&chain, &scene, &there, (&still, &still), Load::of(Some(0))).unwrap();
+    let hit =
+        first_hit(&chain, &scene, &there, Move { from: &still, to: &still }, Load::of(Some(0))).unwrap();
     assert_eq!((hit.at, hit.hit.solid), (0.0, SolidRef::Robot(0)));
 }
 
@@ -394,7 +395,7 @@ fn a_posture_exactly_at_the_margin_is_used_and_one_beyond_it_is_not() {
     assert!((margin - 5f64.to_radians()).abs() < 1e-15);
     let (free, kept) = (Chain::new(&wide.robot), Chain::with_margins(&narrow.robot, &narrow.margins));
     let inverse = Inverse::new(&kept);
-    let down = inverse.approach(&wide.operations[0].attitude, 0.0);
+    let down = inverse.tool_attitudes(&wide.operations[0].attitude, 0.0);
     let usable = |q1: f64| {
         let first = [q1, -0.3, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
         // The wrist turns the tool down.
@@ -459,14 +460,14 @@ fn transfers_of(cell: Cell) -> (Cell, sweetspot::layout::Evaluation) {
 fn a_transfer_lifts_over_a_post_between_two_spots() {
     let rules = "transfer = { lift_mm = 300, via = [] }";
     let (cell, open) = transfers_of(two_tables("", rules));
-    assert_eq!(open.transfers.iter().map(|t| t.way).collect::<Vec<_>>(), [Way::Direct]);
+    assert_eq!(open.transfers.iter().map(|t| t.way).collect::<Vec<_>>(), [TransferRoute::Direct]);
     assert!(open.objective.is_some() && is_free(&cell, &open.transfers[0].path));
     // The first joint goes farthest, and it alone moves.
     let path = &open.transfers[0].path;
     assert!((open.transfers[0].travel - (path[1][0] - path[0][0]).abs()).abs() < 1e-9);
 
     let (cell, lifted) = transfers_of(two_tables(POST, rules));
-    assert_eq!(lifted.transfers.iter().map(|t| t.way).collect::<Vec<_>>(), [Way::Lift]);
+    assert_eq!(lifted.transfers.iter().map(|t| t.way).collect::<Vec<_>>(), [TransferRoute::Lift]);
     let transfer = &lifted.transfers[0];
     assert!(is_free(&cell, &transfer.path) && transfer.travel > open.transfers[0].travel);
     let ends = [transfer.path[0], *transfer.path.last().unwrap()];
@@ -487,7 +488,10 @@ fn a_transfer_lifts_over_a_post_between_two_spots() {
     // Through a posture that is raised.
     let via = "transfer = { via = [[0, -20, 45, 0], [0, 0, 40, 20]] }";
     let (cell, through) = transfers_of(two_tables(POST, via));
-    assert!(matches!(through.transfers[0].way, Way::Via(_)) && is_free(&cell, &through.transfers[0].path));
+    assert!(
+        matches!(through.transfers[0].way, TransferRoute::Via(_))
+            && is_free(&cell, &through.transfers[0].path)
+    );
     // Back to the start.
     let (cell, round) = transfers_of(two_tables(POST, "transfer = { lift_mm = 300, cycle = true }"));
     assert_eq!(round.transfers.len(), 2);
@@ -506,7 +510,17 @@ fn a_wall_between_two_spots_blocks_every_transfer() {
     let evaluation = evaluate(&workcell, &start);
     let blocked = evaluation.blocked.clone().unwrap();
     let ways: Vec<_> = blocked.tries.iter().map(|t| t.0).collect();
-    assert_eq!(ways, [Way::Direct, Way::Lift, Way::Via(0), Way::Via(1), Way::LiftVia(0), Way::LiftVia(1)]);
+    assert_eq!(
+        ways,
+        [
+            TransferRoute::Direct,
+            TransferRoute::Lift,
+            TransferRoute::Via(0),
+            TransferRoute::Via(1),
+            TransferRoute::LiftVia(0),
+            TransferRoute::LiftVia(1)
+        ]
+    );
     for (way, what) in &blocked.tries {
         let Hindrance::Hit(hit) = what else { panic!("{way:?}: {what:?}") };
         assert_eq!(hit.hit.other, SolidRef::Equipment(2, 0), "{way:?}");
@@ -514,7 +528,10 @@ fn a_wall_between_two_spots_blocks_every_transfer() {
     }
     let assessed = Assessment::new("start", &workcell, start.clone());
     let reasons = assessed.reasons();
-    assert!(reasons.iter().any(|r| r.starts_with("no free way from pick to place: direct: ")), "{reasons:?}");
+    assert!(
+        reasons.iter().any(|r| r.starts_with("no free transfer from pick to place: direct: ")),
+        "{reasons:?}"
+    );
     assert_eq!(evaluation, evaluate(&workcell, &start));
 }
 
@@ -524,7 +541,7 @@ fn a_cycle_takes_the_nearest_turn_and_does_not_wind_up() {
     let (guard, scene) = (Guard::new(&cell).unwrap(), Scene::new(&cell));
     let there = placed(&cell, &scene);
     let near = |wrist: f64| [0.2, -1.2, 1.4, -1.8, -1.5, wrist, 0.0, 0.0];
-    let stances = [3.0, -3.0, 1.0].map(|w| Stance { operation: 0, joints: near(w) });
+    let stances = [3.0, -3.0, 1.0].map(|w| OperationPosture { operation: 0, joints: near(w) });
     let ways = guard.transfers(&scene, &there, &stances).unwrap();
     let short = std::f64::consts::TAU - 6.0;
     assert!((ways[0].travel - short).abs() < 1e-12, "{}", ways[0].travel);
@@ -578,7 +595,8 @@ fn a_hole_narrower_than_the_held_part_blocks_approach_and_retract() {
         if want != "ok" {
             let reason = node.status.reason(&workcell.cell);
             assert!(reason.starts_with(&format!("{want}: disc touches table (lid")), "{reason}");
-            let Status::Refused(Refusal::Approach(what) | Refusal::Retract(what)) = node.status else {
+            let Status::Refused(PostureRefusal::Approach(what) | PostureRefusal::Retract(what)) = node.status
+            else {
                 panic!()
             };
             let Hindrance::Hit(hit) = what else { panic!("{what:?}") };
@@ -611,7 +629,7 @@ fn nearly_singular_postures_are_not_used() {
     for (node, before) in kept.nodes.iter().zip(&map.nodes) {
         match node.status {
             Status::Ok => assert!(measure(&node.posture.as_ref().unwrap().joints) >= middle),
-            Status::Refused(Refusal::Singular { measure }) => assert!(measure < middle),
+            Status::Refused(PostureRefusal::Singular { measure }) => assert!(measure < middle),
             _ => assert_eq!(node.status, before.status),
         }
     }

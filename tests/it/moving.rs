@@ -6,7 +6,7 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
 use sweetspot::cell::{Cell, MAX_JOINTS, Placement, Shape};
-use sweetspot::clearance::{Allowed, Hit, Placed, Remember, Scene, SolidRef};
+use sweetspot::clearance::{Allowed, Hit, PlacedSolids, Remember, Scene, SolidRef};
 use sweetspot::files;
 use sweetspot::files::Fault;
 use sweetspot::layout::Workcell;
@@ -35,7 +35,7 @@ fn refused(text: &str) -> Vec<String> {
 
 fn hit(cell: &Cell, frames: &Frames, operation: Option<usize>) -> Option<String> {
     let scene = Scene::new(cell);
-    let mut placed = Placed::default();
+    let mut placed = PlacedSolids::default();
     scene.place(&cell.start(), &mut placed);
     let hit = scene.hit(&placed, frames, operation);
     assert_eq!(scene.is_free(&mut placed, frames, operation), hit.is_none());
@@ -156,7 +156,7 @@ fn a_self_collision_names_both_links_and_can_be_allowed() {
         assert_eq!(hit(&cell, &folded, None), None, "{text}");
         let scene = Scene::new(&cell);
         let pair = (SolidRef::Robot(0), SolidRef::Robot(5));
-        let found = scene.own_pairs().iter().find(|p| (p.a, p.b) == pair);
+        let found = scene.self_collision_pairs().iter().find(|p| (p.a, p.b) == pair);
         assert_eq!(found.and_then(|p| p.allowed), allowed, "{text}");
     }
 }
@@ -181,7 +181,10 @@ fn links_that_touch_in_every_posture_are_allowed() {
     for (radius, want) in [(3.0, Some(Allowed::AlwaysTouch)), (0.5, None)] {
         cell.robot.solids[0].solid.shape = Shape::Sphere { centre: V::zeros(), radius };
         let scene = Scene::new(&cell);
-        let found = scene.own_pairs().iter().find(|p| (p.a, p.b) == (SolidRef::Robot(0), SolidRef::Robot(4)));
+        let found = scene
+            .self_collision_pairs()
+            .iter()
+            .find(|p| (p.a, p.b) == (SolidRef::Robot(0), SolidRef::Robot(4)));
         assert_eq!(found.unwrap().allowed, want);
     }
 }
@@ -227,7 +230,7 @@ fn touches(cell: &Cell, point: &V, remember: &mut Remember<'_>) -> bool {
     let mut layout = cell.start();
     *layout.placements.last_mut().unwrap() = Placement { x: p.x, y: p.y, z: p.z, yaw: 0.0 };
     let scene = Scene::remembering(cell, remember);
-    let mut placed = Placed::default();
+    let mut placed = PlacedSolids::default();
     scene.place(&layout, &mut placed);
     let hit = scene.hit(&placed, &lifted(frame), None);
     assert!(hit.is_none_or(|h| h.solid == SolidRef::Robot(0) && h != Hit { other: SolidRef::Floor, ..h }));

@@ -8,7 +8,7 @@ use parry3d::shape::{SharedShape, TriMesh, TriMeshFlags};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sweetspot::cell::{Cell, Coordinate, LinkSolid, MAX_JOINTS, Placement, Shape, Solid};
-use sweetspot::clearance::{Placed, Scene};
+use sweetspot::clearance::{PlacedSolids, Scene};
 use sweetspot::pose::Pose;
 use sweetspot::robot::Chain;
 
@@ -142,7 +142,8 @@ fn random_cells_agree_with_parry_alone() {
     for seed in 0..40 {
         let rng = &mut ChaCha8Rng::seed_from_u64(seed);
         let cell = random_cell(seed, rng);
-        let (scene, mut placed, chain) = (Scene::new(&cell), Placed::default(), Chain::new(&cell.robot));
+        let (scene, mut placed, chain) =
+            (Scene::new(&cell), PlacedSolids::default(), Chain::new(&cell.robot));
         for _ in 0..5 {
             let mut layout = cell.start();
             for at in &mut layout.placements[..2] {
@@ -184,7 +185,7 @@ fn random_cells_agree_with_parry_alone() {
 fn the_last_free_posture_agrees_with_parry() {
     let mut cell = shipped("hitachi_cell.toml");
     cell.robot.self_collision.checked = false;
-    let (scene, mut placed, chain) = (Scene::new(&cell), Placed::default(), Chain::new(&cell.robot));
+    let (scene, mut placed, chain) = (Scene::new(&cell), PlacedSolids::default(), Chain::new(&cell.robot));
     let layout = cell.start();
     scene.place(&layout, &mut placed);
     let standing: Vec<PosedSolid> = cell

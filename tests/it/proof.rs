@@ -16,8 +16,8 @@ use sweetspot::cell::{
 use sweetspot::layout::{Workcell, evaluate};
 use sweetspot::pose::Pose;
 use sweetspot::proof::{Covers, Proof, ProofOptions, Region, WhyNot, prove, tangent};
-use sweetspot::reading::norm::Norm;
-use sweetspot::reading::{Site, Situation};
+use sweetspot::reading::norm::NormDistribution;
+use sweetspot::reading::{WorkContext, WorkFrame};
 use sweetspot::search::{Space, Watch, search};
 use sweetspot::units::{mm_from_m, rad_from_deg};
 
@@ -47,14 +47,14 @@ fn the_bound_of_hitachi_cell_closes_its_gap() {
 fn at(workcell: &Workcell, radius: f64, height: f64) -> f64 {
     let operation = &workcell.cell.operations[0];
     let (inverse, gauge) = (workcell.inverse(), workcell.gauge(0));
-    let site = Site {
+    let site = WorkFrame {
         equipment: operation.equipment,
         work: Pose::identity(),
         world: nalgebra::Matrix3::identity(),
         taught: None,
     };
-    let situation = Situation { site, reference: None };
-    let approach = inverse.approach(&operation.attitude, 0.0);
+    let situation = WorkContext { site, reference: None };
+    let approach = inverse.tool_attitudes(&operation.attitude, 0.0);
     let (mut memory, mut least) = (gauge.memory(), f64::INFINITY);
     inverse.visit(&Vector3::new(radius, 0.0, height), &approach, &mut inverse.scratch(), |_, posture| {
         let value = gauge.value(&situation, &inverse.chain().frames(posture), &mut memory);
@@ -93,13 +93,13 @@ fn is_allowed(workcell: &Workcell, region: &Region, value: f64, q: &[f64; 8]) ->
     let frames = chain.frames(&chain.posture(q));
     let elevation = (frames.tcp.rotation * chain.tool_axis).z.asin();
     let (low, high) = region.elevation.unwrap();
-    let site = Site {
+    let site = WorkFrame {
         equipment: region.operation,
         work: Pose::identity(),
         world: nalgebra::Matrix3::identity(),
         taught: None,
     };
-    let again = gauge.value(&Situation { site, reference: None }, &frames, &mut gauge.memory());
+    let again = gauge.value(&WorkContext { site, reference: None }, &frames, &mut gauge.memory());
     let within = |x: f64, (low, high): (f64, f64), by: f64| low - by <= x && x <= high + by;
     chain.links.iter().zip(q).all(|(link, q)| within(*q, link.limits, 3e-6))
         && within(frames.tcp.translation.z, region.height, 1e-8)
@@ -187,18 +187,18 @@ fn nothing_is_below(name: &str, cell: &Cell, boxes: u64, tries: usize) -> Proof 
     for (k, found) in proof.operations.iter().enumerate() {
         let Ok(bound) = found.value else { continue };
         let (operation, gauge, inverse) = (&cell.operations[k], workcell.gauge(k), workcell.inverse());
-        let region = Region::new(cell, k, inverse.kept_elevation());
-        let site = Site {
+        let region = Region::new(cell, k, inverse.fixed_elevation());
+        let site = WorkFrame {
             equipment: operation.equipment,
             work: Pose::identity(),
             world: nalgebra::Matrix3::identity(),
             taught: None,
         };
-        let situation = Situation { site, reference: None };
+        let situation = WorkContext { site, reference: None };
         let (mut memory, mut scratch) = (gauge.memory(), inverse.scratch());
         let mut least = f64::INFINITY;
         for _ in 0..tries {
-            let approach = inverse.approach(&operation.attitude, rng.random_range(-PI..PI));
+            let approach = inverse.tool_attitudes(&operation.attitude, rng.random_range(-PI..PI));
             let (reach, turn) = (cell.robot.reach(), rng.random_range(-PI..PI));
             let (low, high) = region.radius.unwrap_or((0.0, reach));
             let radius = rng.random_range(low..high.min(reach).max(low + 1e-9));
@@ -318,7 +318,7 @@ fn the_tangent_bound_is_below_the_percentile() {
             let v = eigen.eigenvectors.column(k) * eigen.eigenvalues[k].max(0.0).sqrt();
             Vector6::new(v[0], v[1], v[2], 0.0, 0.0, 0.0)
         };
-        Norm::new(rows, &[column(0), column(1), column(2)], &[], &Vector6::zeros()).quantile(p)
+        NormDistribution::new(rows, &[column(0), column(1), column(2)], &[], &Vector6::zeros()).quantile(p)
     };
     for rows in 1..=3 {
         for (quantity, p) in [(Quantity::P95, 0.95), (Quantity::P99, 0.99)] {
@@ -379,9 +379,13 @@ fn the_bound_holds_for_joint_limits_of_no_width() {
     let q = [0.0, still[1].unwrap(), still[2].unwrap(), rad_from_deg(-78.0), 0.0, 0.0, 0.0, 0.0];
     let frames = inverse.chain().frames(&inverse.chain().posture(&q));
     assert!((frames.tcp.rotation * inverse.chain().tool_axis + Vector3::z()).norm() < 1e-12);
-    let site =
-        Site { equipment: 0, work: Pose::identity(), world: nalgebra::Matrix3::identity(), taught: None };
-    let value = gauge.value(&Situation { site, reference: None }, &frames, &mut gauge.memory());
+    let site = WorkFrame {
+        equipment: 0,
+        work: Pose::identity(),
+        world: nalgebra::Matrix3::identity(),
+        taught: None,
+    };
+    let value = gauge.value(&WorkContext { site, reference: None }, &frames, &mut gauge.memory());
     let bound = proof_of(&workcell, 1000).bound.unwrap();
     assert!(bound <= value && bound > 0.9995 * value, "{bound} {value}");
 }

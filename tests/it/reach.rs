@@ -107,7 +107,7 @@ fn tally(robot: &Robot, poses: usize) -> (PoseStatistics, &'static str) {
         let q = random_joints(robot, &mut rng);
         let tcp = chain.forward(&chain.posture(&q));
         let attitude = asked(&inverse, attitude_of(&(tcp.rotation * columns)));
-        let approach = inverse.approach(&attitude, 0.0);
+        let approach = inverse.tool_attitudes(&attitude, 0.0);
         let Reach::Branches(branches) = inverse.branches(&tcp.translation, &approach) else { continue };
         let usable: Vec<_> = branches.iter().filter(|b| b.is_usable()).collect();
         tally.found += usize::from(!usable.is_empty());

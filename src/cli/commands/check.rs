@@ -53,7 +53,7 @@ pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
         counted(cell.operations.len(), "operation", "operations"),
         counted(free, "search variable", "search variables"),
         error_sets(cell),
-        report::text::own_pairs(&workcell),
+        report::text::self_collision_pairs(&workcell),
         report::text::feasibility(&Assessment::new("start", &workcell, cell.start())),
         if warnings == 0 { String::new() } else { format!(", {warnings} warning(s)") },
     ))?;

@@ -76,7 +76,7 @@ pub fn envelope(a: &EnvelopeArguments) -> Result<Exit, Exit> {
         }
         let robot = read(&a.of, &a.packages)?.robot;
         let inverse = Inverse::new(&Chain::new(&robot));
-        let down = inverse.kept_elevation().unwrap_or(-std::f64::consts::FRAC_PI_2);
+        let down = inverse.fixed_elevation().unwrap_or(-std::f64::consts::FRAC_PI_2);
         let attitude = Attitude::elevation(a.bend.map_or(down, rad_from_deg));
         return drawn(a, &robot, &inverse, (None, attitude, 0.0, None));
     }

@@ -5,7 +5,7 @@ use super::canvas::{Canvas, EDGE, Ink};
 use super::plane_view::{PlaneView, longer_side, widened};
 use crate::assess::Reachable;
 use crate::geometry::{PlanePoint, bounding_box};
-use crate::reach::{Extent, Region};
+use crate::reach::{EnvelopeExtent, EnvelopeSection};
 use crate::report::svg_text::{PathEnd, path_data};
 use crate::report::text::envelope_title;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
@@ -29,7 +29,7 @@ struct Panel {
 }
 
 impl Panel {
-    fn new(name: String, axes: (&'static str, &'static str), region: &Region, arm: Vec<PlanePoint>) -> Self {
+    fn new(name: String, axes: (&'static str, &'static str), region: &EnvelopeSection, arm: Vec<PlanePoint>) -> Self {
         let point = |p: &[f64; 2]| (mm_from_m(p[0]), mm_from_m(p[1]));
         let region: Vec<Vec<PlanePoint>> =
             region.outlines.iter().map(|o| o.points.iter().map(point).collect()).collect();
@@ -47,7 +47,7 @@ impl Panel {
 
 /// Returns the section and the first plan of a working envelope.
 pub fn envelope(e: &Reachable<'_>) -> String {
-    let empty = Region::default();
+    let empty = EnvelopeSection::default();
     let (height, plan) = e.plans.first().map_or((0.0, &empty), |(z, plan)| (*z, plan));
     let (sin, cos) = e.azimuth.sin_cos();
     let arm = |along: &dyn Fn(&nalgebra::Vector3<f64>) -> (f64, f64)| {
@@ -131,7 +131,7 @@ fn draw_arm(canvas: &mut Canvas, panel: &Panel, view: &PlaneView) {
 fn size_in_words(e: &Reachable<'_>) -> String {
     match &e.size.extent {
         None => "nothing was found to be reachable with the tool in this orientation".to_string(),
-        Some(Extent { radius, height, .. }) => {
+        Some(EnvelopeExtent { radius, height, .. }) => {
             let mm = |m: f64| rounded(mm_from_m(m), 0);
             format!(
                 "{:.3} m\u{b3}; {} to {} mm from the base axis, {} to {} mm high; within the joint limits, \

@@ -39,7 +39,7 @@ fn apart(robot: &Robot, a: &JointVector, b: &JointVector) -> f64 {
 fn check_inverse(robot: &Robot, q: &JointVector, tolerance: f64) {
     let (chain, (target, bend)) = (Chain::new(robot), held(robot, q));
     let arm = Inverse::new(&chain);
-    let approach = arm.approach(&Attitude::elevation(bend), 0.0);
+    let approach = arm.tool_attitudes(&Attitude::elevation(bend), 0.0);
     let Reach::Branches(branches) = arm.branches(&target, &approach) else { panic!("{q:?} out of reach") };
     for b in &branches {
         let (p, e) = held(robot, &b.joints);
@@ -179,7 +179,7 @@ fn map_and_search_agree_at_the_tolerance_of_a_limit() {
         // A limit counts as kept up to 1e-12 in the cosine of the angle from its middle.
         q[joint] = limits.1 + 1e-12 * rng.random_range(0.999..1.001) / half(limits).sin();
         let (target, bend) = held(&robot, &q);
-        let approach = arm.approach(&Attitude::elevation(bend), 0.0);
+        let approach = arm.tool_attitudes(&Attitude::elevation(bend), 0.0);
         let Reach::Branches(branches) = arm.branches(&target, &approach) else {
             panic!("{q:?} out of reach")
         };
@@ -240,7 +240,7 @@ fn the_base_yaw_keeps_its_limits_on_the_base_axis() {
         robot.joints[0].theta = f64::to_radians(offset);
         robot.joints[0].limits = (f64::to_radians(limits.0), f64::to_radians(limits.1));
         let arm = Inverse::new(&Chain::new(&robot));
-        let approach = arm.approach(&Attitude::elevation(0.0), 0.0);
+        let approach = arm.tool_attitudes(&Attitude::elevation(0.0), 0.0);
         let Reach::Branches(branches) = arm.branches(&vector![0.0, 0.0, 1.4], &approach) else { panic!() };
         assert!(branches.iter().all(|b| b.violation.is_none()), "{branches:?}");
     }
@@ -257,7 +257,7 @@ fn a_fractional_gear_over_several_turns_is_solved_on_the_actuators() {
     let mut rng = ChaCha8Rng::seed_from_u64(5);
     for _ in 0..100 {
         let (target, bend) = held(&robot, &random_joints(&robot, &mut rng));
-        let approach = inverse.approach(&Attitude::elevation(bend), 0.0);
+        let approach = inverse.tool_attitudes(&Attitude::elevation(bend), 0.0);
         let Reach::Branches(branches) = inverse.branches(&target, &approach) else {
             panic!("{target:?} {bend}")
         };

@@ -12,7 +12,7 @@ use sweetspot::error_map::NodeSign;
 use sweetspot::kinematic_error::{Perturbation, position_error};
 use sweetspot::layout::{Workcell, evaluate};
 use sweetspot::pose::Pose;
-use sweetspot::reading::{BestFit, Reference, Site, Situation, Sources, Taught};
+use sweetspot::reading::{BestFit, ErrorSources, Taught, WorkContext, WorkFrame};
 use sweetspot::robot::Chain;
 
 /// Returns the paper's cell with errors in every parameter and frame.
@@ -59,13 +59,13 @@ fn a_taught_frame_leaves_the_error_of_its_rule() {
             cell.model = model;
             let gauge = gauge_of(&cell);
             let taught = Taught::new(&chain, &gauge.sources, postures, false);
-            let site = Site {
+            let site = WorkFrame {
                 equipment: 0,
                 work: Pose::identity(),
                 world: nalgebra::Matrix3::identity(),
                 taught: Some(Box::new(taught)),
             };
-            let situation = Situation { site, reference: None };
+            let situation = WorkContext { site, reference: None };
             let values = gauge.sources.signed();
             let mut memory = gauge.memory();
             let [a, b, c] =
@@ -124,7 +124,7 @@ fn the_best_fit_agrees_with_kabsch() {
     for _ in 0..20 {
         let cell = all_wrong(&mut rng);
         let chain = Chain::new(&cell.robot);
-        let sources = Sources::new(&cell, 0, None);
+        let sources = ErrorSources::new(&cell, 0, None);
         let fit = BestFit::new(&chain, &sources, false);
         let errors = Perturbation::new(&chain, crate::common::signed(&cell));
         let motion = fit.motion(&errors, Model::Nonlinear);
@@ -172,14 +172,14 @@ fn the_relative_error_is_the_error_of_the_placed_part() {
         let errors = crate::common::signed(&cell).clone();
         let [pick, place] = [0, 1].map(|_| random_joints(&mut rng, &cell.robot));
         let [p, q] = [&pick, &place].map(|q| frames_at(&cell.robot, q));
-        let site = || Site {
+        let site = || WorkFrame {
             equipment: 0,
             work: Pose::identity(),
             world: nalgebra::Matrix3::identity(),
             taught: None,
         };
-        let reference = Reference::new(&gauge, site(), p);
-        let situation = Situation { site: site(), reference: Some(Box::new(reference)) };
+        let reference = gauge.pick_reference(site(), p);
+        let situation = WorkContext { site: site(), reference: Some(Box::new(reference)) };
         let values = gauge.sources.signed();
         let mut memory = gauge.memory();
         let got = gauge.error_of(&values, &situation, &q, Model::Nonlinear, &mut memory);
