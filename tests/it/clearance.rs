@@ -1155,15 +1155,19 @@ fn agree_on_layouts(cell: Cell) -> [usize; 3] {
                     sum = sum.map(|s: f64| s + spot.value);
                 }
                 Outcome::AllCollide { nearest } => {
-                    assert!(count("ok") == 0 && count("collision") > 0 && map.best.is_none());
+                    assert!(
+                        count(NodeSign::Usable) == 0 && count(NodeSign::Collision) > 0 && map.best.is_none()
+                    );
                     let touching = &map.nodes[nearest.node];
                     assert!(matches!(touching.status, Status::Collision { .. }));
                     let e = touching.posture.as_ref().unwrap().value;
                     assert_eq!(e.to_bits(), nearest.value.to_bits());
                 }
                 Outcome::Unreachable { gap } => {
-                    assert!(count("ok") == 0 && count("collision") == 0 && map.best.is_none());
-                    assert_eq!(gap.reach > 0.0, count("joint-limit") == 0);
+                    assert!(
+                        count(NodeSign::Usable) == 0 && count(NodeSign::Collision) == 0 && map.best.is_none()
+                    );
+                    assert_eq!(gap.reach > 0.0, count(NodeSign::JointLimit) == 0);
                     assert!(gap.reach > 0.0 || gap.limits > 0.0);
                 }
                 Outcome::Unjudged(why) => panic!("{why:?}"),

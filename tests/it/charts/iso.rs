@@ -1,5 +1,6 @@
 //! Tests iso-lines of a surface over a grid.
 
+use sweetspot::geometry::PlanePoint as Point;
 use sweetspot::report::chart::iso::Surface;
 
 fn grid(size: (usize, usize), f: impl Fn(f64, f64) -> Option<f64>) -> Surface {

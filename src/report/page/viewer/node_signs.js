@@ -25,7 +25,8 @@ const SPOT_SIGNS = {
 
 /** Returns the path of a glyph. @param {GlyphRecord} glyph */
 const glyphPath = ({ ring, strokes }) =>
-  (ring ? CIRCLE : "") + strokes.map((stroke) => `M${stroke.map(([x, y]) => `${x} ${y}`).join("L")}`).join("");
+  (ring ? CIRCLE : "") +
+  strokes.map((stroke) => `M${stroke.map(([x, y]) => `${x} ${y}`).join("L")}`).join("");
 
 /** Returns the shape of a status: a usable node is a dot. @param {NodeSignRecord} record @returns {MarkShape} */
 const statusShape = ({ glyph }) =>
@@ -62,7 +63,8 @@ const glslNumber = (value) => value.toFixed(4);
  */
 function glyphBranch(status, { ring, dashed, strokes }) {
   const lines = ring ? ["d = abs(r - px + 1.0);"] : [];
-  if (dashed) lines.push("part = smoothstep(0.28, 0.42, abs(fract(atan(at.y, at.x) * 0.9549297) - 0.5) * 2.0);");
+  if (dashed)
+    lines.push("part = smoothstep(0.28, 0.42, abs(fract(atan(at.y, at.x) * 0.9549297) - 0.5) * 2.0);");
   for (const stroke of strokes) {
     // The y axis of a glyph points down. A stroke ends a little inside of the ring.
     const points = stroke.map(([x, y]) => `vec2(${glslNumber(0.95 * x)}, ${glslNumber(-0.95 * y)})`);
