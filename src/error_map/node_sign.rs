@@ -3,7 +3,7 @@
 //! Documents, tables, legends and pictures all tell a node by this one enum, so that they cannot
 //! contradict each other.
 
-use super::node::Status;
+use super::node_record::Status;
 use crate::motion::PostureRefusal;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

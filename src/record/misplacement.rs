@@ -7,7 +7,7 @@ use super::words::{VALUE_WORDS, value_word};
 use crate::assess::Assessment;
 use crate::cell::{Cell, Slot, Unit};
 use crate::error_map::NodeSign;
-use crate::layout::{Corner, Ended, Largest, Lost, Robustness};
+use crate::layout::{Corner, Largest, Lost, MisplacementEnd, Robustness};
 use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -211,8 +211,8 @@ fn lost(cell: &Cell, lost: &Lost) -> LostEntry {
 
 fn largest(cell: &Cell, largest: &Largest, shown: impl Fn(f64) -> f64) -> LargestEntry {
     let ended = largest.ended.as_ref().map(|ended| match ended {
-        Ended::Lost(at) => EndedEntry::Lost(lost(cell, at)),
-        Ended::Limit(at) => EndedEntry::Limit(corner(cell, at)),
+        MisplacementEnd::Lost(at) => EndedEntry::Lost(lost(cell, at)),
+        MisplacementEnd::Limit(at) => EndedEntry::Limit(corner(cell, at)),
     });
     LargestEntry { most: nine_digits(shown(largest.most)), ended }
 }

@@ -10,7 +10,9 @@ use rayon::prelude::*;
 use sweetspot::cell::{
     Cell, Coordinate, Equipment, Layout, LinkSolid, MAX_JOINTS, Placement, Rectangle, Shape,
 };
-use sweetspot::clearance::{Allowed, FloorPlan, Hit, Overlap, Party, PlacedSolids, Scene, SolidRef};
+use sweetspot::clearance::{
+    Allowed, ContactMemory, FloorPlan, Hit, Overlap, Party, PlacedSolids, Scene, SolidRef,
+};
 use sweetspot::error_map::{NodeSign, Outcome, Status};
 use sweetspot::layout::{Workcell, evaluate};
 use sweetspot::pose::Pose;
@@ -49,8 +51,10 @@ fn hit(cell: &Cell, layout: &Layout, link: &Pose) -> Option<Hit> {
     frames[4] = *link;
     let hit = scene.hit(&placed, &frames, Some(0));
     // The quicker question, first without and then with the memory of the pair that touched last.
+    let mut memory = ContactMemory::default();
     for _ in 0..2 {
-        assert_eq!(scene.is_free(&mut placed, &frames, Some(0)), hit.is_none(), "hit and is_free disagree");
+        let is_free = scene.is_free(&placed, &frames, Some(0), &mut memory);
+        assert_eq!(is_free, hit.is_none(), "hit and is_free disagree");
     }
     hit
 }

@@ -5,7 +5,7 @@ use crate::common::{from_text, shipped};
 use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
 use sweetspot::cell::{Cell, Coordinate, Goal, Goals, Layout, SearchSettings, Solver};
-use sweetspot::layout::{FAR, Workcell, evaluate};
+use sweetspot::layout::{MAX_CLEARANCE, Workcell, evaluate};
 use sweetspot::search::aim::weights;
 use sweetspot::search::{
     Checkpoint, Job, Moment, REALLY_DIFFERENT, SearchRecord, Space, Stopping, Unfit, Watch, search_job,
@@ -420,7 +420,7 @@ fn the_clearance_goal_agrees_with_dense_sampling() {
         else {
             continue;
         };
-        let mut nearest = FAR;
+        let mut nearest = MAX_CLEARANCE;
         let maps = workcell.maps(layout);
         let chain = sweetspot::robot::Chain::new(&cell.robot);
         for (operation, map) in cell.operations.iter().zip(&maps) {
@@ -469,7 +469,7 @@ fn the_clearance_goal_agrees_with_dense_sampling() {
         let off = nearest - got[0];
         assert!((-1e-5..2e-3).contains(&off), "said {}, sampled {nearest} (robot {robot})", got[0]);
         match () {
-            () if got[0] == FAR => {}
+            () if got[0] == MAX_CLEARANCE => {}
             () if nearest < robot => in_plan += 1,
             () => by_robot += 1,
         }

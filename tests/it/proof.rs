@@ -46,7 +46,7 @@ fn the_bound_of_hitachi_cell_closes_its_gap() {
 /// kinematics.
 fn at(workcell: &Workcell, radius: f64, height: f64) -> f64 {
     let operation = &workcell.cell.operations[0];
-    let (inverse, gauge) = (workcell.inverse(), workcell.gauge(0));
+    let (inverse, gauge) = (workcell.inverse(), workcell.evaluator(0));
     let site = WorkFrame {
         equipment: operation.equipment,
         work: Pose::identity(),
@@ -89,7 +89,7 @@ fn brute(workcell: &Workcell, (low, high): (f64, f64)) -> f64 {
 
 /// Says whether joint coordinates keep limits, height and elevation and have the stated value.
 fn is_allowed(workcell: &Workcell, region: &Region, value: f64, q: &[f64; 8]) -> bool {
-    let (gauge, chain) = (workcell.gauge(0), workcell.inverse().chain());
+    let (gauge, chain) = (workcell.evaluator(0), workcell.inverse().chain());
     let frames = chain.frames(&chain.posture(q));
     let elevation = (frames.tcp.rotation * chain.tool_axis).z.asin();
     let (low, high) = region.elevation.unwrap();
@@ -186,7 +186,7 @@ fn nothing_is_below(name: &str, cell: &Cell, boxes: u64, tries: usize) -> Proof 
     let mut rng = ChaCha8Rng::seed_from_u64(11);
     for (k, found) in proof.operations.iter().enumerate() {
         let Ok(bound) = found.value else { continue };
-        let (operation, gauge, inverse) = (&cell.operations[k], workcell.gauge(k), workcell.inverse());
+        let (operation, gauge, inverse) = (&cell.operations[k], workcell.evaluator(k), workcell.inverse());
         let region = Region::new(cell, k, inverse.fixed_elevation());
         let site = WorkFrame {
             equipment: operation.equipment,
@@ -374,7 +374,7 @@ fn the_bound_holds_for_joint_limits_of_no_width() {
     let table = &mut cell.equipment[cell.operations[0].equipment].placement;
     table[2] = Coordinate::Range { min: -1.0, max: 2.0, start: 0.0 };
     let workcell = ready(&cell);
-    let (inverse, gauge) = (workcell.inverse(), workcell.gauge(0));
+    let (inverse, gauge) = (workcell.inverse(), workcell.evaluator(0));
     // With the tool down q4 follows.
     let q = [0.0, still[1].unwrap(), still[2].unwrap(), rad_from_deg(-78.0), 0.0, 0.0, 0.0, 0.0];
     let frames = inverse.chain().frames(&inverse.chain().posture(&q));

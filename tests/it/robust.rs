@@ -5,7 +5,7 @@ use crate::common::{from_text, shipped};
 use std::sync::atomic::AtomicBool;
 use sweetspot::cell::{Cell, Layout, Slot};
 use sweetspot::error_map::{OperationMap, Outcome, Status};
-use sweetspot::layout::{Ended, Moves, Workcell, evaluate};
+use sweetspot::layout::{MisplacementEnd, Moves, Workcell, evaluate};
 use sweetspot::search::{Watch, search};
 use sweetspot::units::{m_from_mm, mm_from_m, rad_from_deg};
 
@@ -79,7 +79,7 @@ fn corners(drawn: &Numbers) -> Vec<Numbers> {
 fn short_of(workcell: &Workcell) -> Moves {
     let layout = workcell.cell.start();
     let r = workcell.robustness(&layout, &workcell.maps(&layout))[0].clone().expect("a spot");
-    let Some(Ended::Lost(lost)) = r.shift.ended else { panic!("{:?}", r.shift) };
+    let Some(MisplacementEnd::Lost(lost)) = r.shift.ended else { panic!("{:?}", r.shift) };
     let share = (r.shift.most - 5e-4) / r.shift.most;
     lost.moves.iter().map(|(slot, by)| (*slot, by * share)).collect()
 }
@@ -240,7 +240,7 @@ fn the_largest_misplacement_agrees_with_a_scan() {
             None => assert!(boxed(scale.most)),
         }
         assert_eq!(r.holds(), scale.most >= 1.0, "{more}");
-        limited += usize::from(matches!(r.shift.ended, Some(Ended::Limit(_))));
+        limited += usize::from(matches!(r.shift.ended, Some(MisplacementEnd::Limit(_))));
     }
     assert!(limited > 0, "no limit was ever met");
 }
@@ -251,7 +251,7 @@ fn a_requirement_missed_at_the_nominal_layout_allows_no_misplacement() {
     let layout = workcell.cell.start();
     let r = workcell.robustness(&layout, &workcell.maps(&layout))[0].clone().unwrap();
     assert_eq!((r.shift.most, r.turn.most, r.scale, r.worst), (0.0, 0.0, None, None));
-    assert!(matches!(r.shift.ended, Some(Ended::Limit(_))));
+    assert!(matches!(r.shift.ended, Some(MisplacementEnd::Limit(_))));
 }
 
 #[test]
