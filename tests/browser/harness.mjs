@@ -28,7 +28,11 @@ let count = 0;
 /** @type {string[]} */
 const failures = [];
 
-/** Records whether something holds. @param {boolean} holds @param {string} what */
+/**
+ * Records whether something holds.
+ * @param {boolean} holds
+ * @param {string} what
+ */
 export function check(holds, what) {
   count += 1;
   if (!holds) failures.push(what);
@@ -44,7 +48,11 @@ export async function checkSoon(holds, what) {
   check(await soon(holds), what);
 }
 
-/** Waits until something holds; returns whether it came to that. @param {() => Promise<boolean>} holds @param {number} [patience] ms */
+/**
+ * Waits until something holds; returns whether it came to that.
+ * @param {() => Promise<boolean>} holds
+ * @param {number} [patience] ms
+ */
 export async function soon(holds, patience = 30_000) {
   const end = performance.now() + patience;
   while (!(await holds())) {
@@ -83,7 +91,11 @@ export async function run(name, parts, cleanUp = () => undefined) {
 /** @param {number} since ms */
 const seconds = (since) => `${((performance.now() - since) / 1000).toFixed(1)} s`;
 
-/** Ends the process with a usage message. @param {string} text @returns {never} */
+/**
+ * Ends the process with a usage message.
+ * @param {string} text
+ * @returns {never}
+ */
 export function usage(text) {
   console.error(`usage: ${text}`);
   process.exit(2);
@@ -92,7 +104,10 @@ export function usage(text) {
 /** @type {import("playwright-core").Browser[]} */
 const browsers = [];
 
-/** Starts Chromium with a new, empty profile. @param {{ webgl?: boolean }} [options] */
+/**
+ * Starts Chromium with a new, empty profile.
+ * @param {{ webgl?: boolean }} [options]
+ */
 export async function launch({ webgl = true } = {}) {
   const browser = await chromium.launch({
     executablePath: process.env.CHROMIUM || "/usr/bin/chromium",
@@ -113,7 +128,7 @@ export async function launch({ webgl = true } = {}) {
  * @param {RegExp} [options.expected] messages that are expected
  */
 export async function open(browser, url, { context = {}, mayAsk = () => false, expected = HARMLESS } = {}) {
-  const page = await browser.newPage({ viewport: { width: 900, height: 700 }, ...context });
+  const page = await browser.newPage({ viewport: { width: 520, height: 520 }, ...context });
   page.setDefaultTimeout(PATIENCE);
   /** @type {string[]} */
   const faults = [];
@@ -135,7 +150,11 @@ export async function open(browser, url, { context = {}, mayAsk = () => false, e
   return { page, faults };
 }
 
-/** Checks that a page did nothing that it should not. @param {string[]} faults @param {string} name */
+/**
+ * Checks that a page did nothing that it should not.
+ * @param {string[]} faults
+ * @param {string} name
+ */
 export function checkFaults(faults, name) {
   const list = faults.length ? `: ${faults.slice(0, 5).join(" | ")}` : "";
   check(faults.length === 0, `${name}: no error, no warning, no dialog, no request${list}`);

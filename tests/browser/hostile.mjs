@@ -85,7 +85,11 @@ const FOREIGN = [
   "a[href^='javascript']",
 ];
 
-/** Returns whether a text has a control code, or a character that turns the reading order. @param {string} text @param {boolean} bidirectional */
+/**
+ * Returns whether a text has a control code, or a character that turns the reading order.
+ * @param {string} text
+ * @param {boolean} bidirectional
+ */
 function hasControlCode(text, bidirectional) {
   return [...text].some((character) => {
     const code = character.codePointAt(0) ?? 0;
@@ -95,7 +99,10 @@ function hasControlCode(text, bidirectional) {
   });
 }
 
-/** Writes a text as a TOML string in ASCII. @param {string} text */
+/**
+ * Writes a text as a TOML string in ASCII.
+ * @param {string} text
+ */
 const quoted = (text) =>
   JSON.stringify(text).replace(
     /[\u007f-\uffff]/g,
@@ -139,10 +146,11 @@ function hostileCell() {
     );
   }
   for (let k = 0; next + 2 <= NAMES.length; k++) {
+    const [x, y] = [-2000 + 100 * (k % 20), -2500 + 100 * Math.floor(k / 20)];
     lines.push(
       `[obstacle.${name()}]`,
       solid("centre_mm = [0, 0, 0], size_mm = [20, 20, 20]"),
-      `placement = { x_mm = ${-2000 + 100 * (k % 20)}, y_mm = ${-2500 + 100 * Math.floor(k / 20)}, z_mm = 20 }`,
+      `placement = { x_mm = ${x}, y_mm = ${y}, z_mm = 20 }`,
     );
   }
   if (next !== NAMES.length) throw new Error(`${next} names used`);
@@ -152,11 +160,17 @@ function hostileCell() {
 const folder = mkdtempSync(join(tmpdir(), "sweetspot-hostile-"));
 const pathOf = (/** @type {string} */ file) => join(folder, file);
 
-/** Runs the program. @param {string[]} args */
+/**
+ * Runs the program.
+ * @param {string[]} args
+ */
 const sweetspot = (...args) =>
   spawnSync(program, args, { cwd: folder, maxBuffer: 1 << 28, encoding: "utf8", timeout: PATIENCE });
 
-/** Runs the program, which must succeed; returns its standard output. @param {string[]} args */
+/**
+ * Runs the program, which must succeed; returns its standard output.
+ * @param {string[]} args
+ */
 function succeed(...args) {
   const { status, stderr, stdout } = sweetspot(...args);
   check(status === 0, `sweetspot ${args.join(" ")} succeeds${status === 0 ? "" : `: ${status}, ${stderr}`}`);
@@ -189,7 +203,10 @@ async function testFiles() {
   check(!/(^|,)"?-[^\d.]/m.test(csv), "the CSV file has no formula that begins with a minus");
 }
 
-/** @param {import("playwright-core").Browser} browser @param {string} file */
+/**
+ * @param {import("playwright-core").Browser} browser
+ * @param {string} file
+ */
 async function testPage(browser, file) {
   const url = pathToFileURL(pathOf(file)).href;
   const { page, faults } = await open(browser, url);

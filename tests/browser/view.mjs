@@ -1,5 +1,5 @@
-// The live page of `sweetspot view` in Chromium: types, drags, undoes, saves and searches, and tells how long a
-// drop takes until the map is drawn. See README.md.
+// The live page of `sweetspot view` in Chromium: types, drags, undoes, saves and searches, and tells how long
+// a drop takes until the map is drawn. See README.md.
 
 import { spawn, spawnSync } from "node:child_process";
 import { cpSync, existsSync, mkdirSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
@@ -13,7 +13,7 @@ import { check, checkFaults, launch, open, PATIENCE, run, usage } from "./harnes
 /** Name of equipment that tries to be markup, script and formula at once. */
 const HOSTILE = "<img src=x onerror=alert(1)> </script><b> =cmd()";
 
-/** Time from the drop to the drawn map of 99 nodes, ms: the aim on a quiet machine, and the bound on a busy one. */
+/** Time from the drop to the drawn map of 99 nodes, ms: aim on a quiet machine, bound on a busy one. */
 const AIM = 50;
 const BOUND = 2000;
 const DROPS = 20;
@@ -39,7 +39,11 @@ writeFileSync(join(folder, "cells/hostile.toml"), `${hostileCell.join("\n")}\n`)
 /** @type {Set<import("node:child_process").ChildProcess>} */
 const servers = new Set();
 
-/** Starts the server of a cell; returns the address of its page. @param {string} cell @returns {Promise<string>} */
+/**
+ * Starts the server of a cell; returns the address of its page.
+ * @param {string} cell
+ * @returns {Promise<string>}
+ */
 function serve(cell) {
   const server = spawn(program, ["view", cell], { cwd: folder, stdio: ["ignore", "pipe", "pipe"] });
   servers.add(server);
@@ -54,7 +58,11 @@ function serve(cell) {
   });
 }
 
-/** Opens the page of a cell. @param {string} cell @param {import("playwright-core").BrowserContextOptions} [context] */
+/**
+ * Opens the page of a cell.
+ * @param {string} cell
+ * @param {import("playwright-core").BrowserContextOptions} [context]
+ */
 async function openCell(cell, context = {}) {
   const url = await serve(cell);
   const opened = await open(browser, url, {
@@ -67,7 +75,10 @@ async function openCell(cell, context = {}) {
   return { ...opened, url };
 }
 
-/** Waits until the plan and the 3-D view are there. @param {Page} page */
+/**
+ * Waits until the plan and the 3-D view are there.
+ * @param {Page} page
+ */
 const ready = (page) =>
   page.waitForFunction(
     () => document.querySelector(".nodes .dot") && document.querySelector(".ss-stage canvas"),
@@ -75,32 +86,55 @@ const ready = (page) =>
     { timeout: PATIENCE },
   );
 
-/** @param {Page} page @param {string} selector */
+/**
+ * @param {Page} page
+ * @param {string} selector
+ */
 const textOf = async (page, selector) => (await page.textContent(selector)) ?? "";
 
-/** Returns the error shown. @param {Page} page */
+/**
+ * Returns the error shown.
+ * @param {Page} page
+ */
 const error = (page) => textOf(page, "#value");
 
-/** @param {Page} page @param {string} name */
+/**
+ * @param {Page} page
+ * @param {string} name
+ */
 const field = (page, name) => page.locator(`[data-of="${name}"]`);
 
-/** @param {Page} page @param {string} name */
+/**
+ * @param {Page} page
+ * @param {string} name
+ */
 const number = async (page, name) => Number(await field(page, name).inputValue());
 
-/** Does something and waits until the answer is drawn. @param {Page} page @param {() => Promise<unknown>} action */
+/**
+ * Does something and waits until the answer is drawn.
+ * @param {Page} page
+ * @param {() => Promise<unknown>} action
+ */
 async function step(page, action) {
   const before = await page.evaluate(() => window.sweetspotDrawn.length);
   await action();
   await page.waitForFunction((count) => window.sweetspotDrawn.length > count, before, { timeout: PATIENCE });
 }
 
-/** @param {Page} page @param {string} name @param {number} value */
+/**
+ * @param {Page} page
+ * @param {string} name
+ * @param {number} value
+ */
 async function type(page, name, value) {
   await field(page, name).fill(String(value));
   await field(page, name).press("Enter");
 }
 
-/** @param {Page} page @param {string} name */
+/**
+ * @param {Page} page
+ * @param {string} name
+ */
 async function takePicture(page, name) {
   if (!pictures) return;
   mkdirSync(pictures, { recursive: true });
@@ -108,7 +142,13 @@ async function takePicture(page, name) {
   await page.screenshot({ path: join(pictures, `view-${name}.png`), fullPage: true });
 }
 
-/** Drags the middle of something by so many pixels. @param {Page} page @param {{ x: number, y: number }} middle @param {number} dx @param {number} dy */
+/**
+ * Drags the middle of something by so many pixels.
+ * @param {Page} page
+ * @param {{ x: number, y: number }} middle
+ * @param {number} dx
+ * @param {number} dy
+ */
 async function drag(page, { x, y }, dx, dy) {
   await page.mouse.move(x, y);
   await page.mouse.down();
@@ -122,7 +162,11 @@ function middleOf(box) {
   return { x: box.x + box.width / 2, y: box.y + box.height / 2 };
 }
 
-/** Returns the middle of a piece of the plan. @param {Page} page @param {string} name */
+/**
+ * Returns the middle of a piece of the plan.
+ * @param {Page} page
+ * @param {string} name
+ */
 async function pieceOf(page, name) {
   const piece = page.locator("#plan .piece.movable", { has: page.locator("title", { hasText: name }) });
   return middleOf(await piece.locator("rect.foot").boundingBox());
@@ -171,6 +215,7 @@ async function testPlan(page) {
 
 /** @param {Page} page */
 async function testQuestions(page) {
+  await step(page, () => page.click("#reset"));
   const before = await error(page);
   await step(page, () => page.selectOption("#sense", "z"));
   check((await error(page)) !== before, "another sense has another error");
@@ -239,7 +284,10 @@ async function testSearch(page) {
   check(Number(after) < Number(before), `the layout of the search is better: ${before} to ${after} mm`);
 }
 
-/** @param {Page} page @param {string} url */
+/**
+ * @param {Page} page
+ * @param {string} url
+ */
 async function testSecondPage(page, url) {
   const { page: second } = await open(browser, url, { mayAsk: (asked) => asked.startsWith(url) });
   await ready(second);

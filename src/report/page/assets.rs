@@ -11,12 +11,16 @@ const VIEWER_PARTS: &str = concat!(
     include_str!("viewer/node_signs.js"),
     include_str!("viewer/shaders.js"),
     include_str!("viewer/webgl.js"),
+    include_str!("viewer/batches.js"),
     include_str!("viewer/model.js"),
     include_str!("viewer/values.js"),
     include_str!("viewer/camera.js"),
     include_str!("viewer/picking.js"),
     include_str!("viewer/glyphs.js"),
+    include_str!("viewer/looks.js"),
+    include_str!("viewer/render_map.js"),
     include_str!("viewer/render.js"),
+    include_str!("viewer/label_places.js"),
     include_str!("viewer/labels.js"),
     include_str!("viewer/axes.js"),
     include_str!("viewer/legend.js"),
@@ -25,7 +29,11 @@ const VIEWER_PARTS: &str = concat!(
     include_str!("viewer/timeline.js"),
     include_str!("viewer/pointer.js"),
     include_str!("viewer/scales.js"),
+    include_str!("viewer/camera_control.js"),
+    include_str!("viewer/picture.js"),
+    include_str!("viewer/view.js"),
     include_str!("viewer/viewer.js"),
+    include_str!("viewer/factory.js"),
 );
 
 #[cfg(feature = "view")]
@@ -70,6 +78,7 @@ pub fn viewer_js() -> String {
 }
 
 /// Returns the script of the live page. It comes after that of the viewer.
+#[cfg(feature = "view")]
 pub fn live_js() -> String {
     format!("\"use strict\";\n(() => {{\n{LIVE_PARTS}}})();\n")
 }

@@ -1,6 +1,9 @@
 // The form: every number of the layout.
 
-/** What a number is called. @type {Record<string, string>} */
+/**
+ * What a number is called.
+ * @type {Record<string, string>}
+ */
 const NUMBER_NAMES = {
   x_mm: "x",
   y_mm: "y",
@@ -11,12 +14,21 @@ const NUMBER_NAMES = {
   spin_deg: "spin",
 };
 
-/** Returns what is sent to the server for one number. @param {NumberGroup} group @param {string} key @param {number} value */
+/**
+ * Returns what is sent to the server for one number.
+ * @param {NumberGroup} group
+ * @param {string} key
+ * @param {number} value
+ */
 function numberRequest({ group, name }, key, value) {
   return { [group]: group === "robot_base" ? { [key]: value } : { [name]: { [key]: value } } };
 }
 
-/** Returns the numbers of a group. @param {LayoutNumbers} numbers @param {NumberGroup} group */
+/**
+ * Returns the numbers of a group.
+ * @param {LayoutNumbers} numbers
+ * @param {NumberGroup} group
+ */
 const numbersIn = (numbers, { group, name }) =>
   group === "robot_base" ? numbers.robot_base : numbers[group][name];
 
@@ -52,7 +64,10 @@ class Form {
     }
   }
 
-  /** @param {NumberGroup} group @param {NumberRecord} number */
+  /**
+   * @param {NumberGroup} group
+   * @param {NumberRecord} number
+   */
   makeRow(group, number) {
     const name = NUMBER_NAMES[number.key];
     const unit = number.key.endsWith("_deg") ? "°" : "mm";
@@ -75,7 +90,11 @@ class Form {
     else this.refuse(row, "enter a number");
   }
 
-  /** Says beside a number why it is refused. @param {FormRow} row @param {string} text */
+  /**
+   * Says beside a number why it is refused.
+   * @param {FormRow} row
+   * @param {string} text
+   */
   refuse({ label, refusal }, text) {
     label.classList.add("bad");
     refusal.textContent = text;
@@ -95,7 +114,11 @@ class Form {
   }
 }
 
-/** @param {NumberRecord} number @param {string} unit @param {string} label */
+/**
+ * @param {NumberRecord} number
+ * @param {string} unit
+ * @param {string} label
+ */
 function numberInput(number, unit, label) {
   if (number.list) {
     const options = number.list.map((value) => make("option", { value: String(value) }, shortNumber(value)));
@@ -106,7 +129,10 @@ function numberInput(number, unit, label) {
   return input;
 }
 
-/** @param {NumberRecord} number @param {string} unit */
+/**
+ * @param {NumberRecord} number
+ * @param {string} unit
+ */
 function rangeWords({ list, min, max }, unit) {
   if (list) return `${unit}, one of ${list.length}`;
   if (min === null || max === null) return `${unit}, fixed in the file`;

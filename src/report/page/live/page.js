@@ -17,7 +17,10 @@ class Page {
     this.form = new Form(byId("form"), cell.form, (numbers, row) => this.change("layout", numbers, row));
     /** @type {View3d | null} */
     this.view3d = null;
-    /** Numbers of the layout to be tried next, while a request is under way. @type {object | null} */
+    /**
+     * Numbers of the layout to be tried next, while a request is under way.
+     * @type {object | null}
+     */
     this.waiting = null;
     this.isTrying = false;
     /** Number of the last change: answers to earlier ones are dropped. */
@@ -60,7 +63,10 @@ class Page {
     return Boolean(this.plan.held || this.waiting || this.isTrying);
   }
 
-  /** Shows the map of a layout while it is dragged: one request at a time, then the last that waits. @param {object} numbers */
+  /**
+   * Shows the map of a layout while it is dragged: one request at a time, then the last that waits.
+   * @param {object} numbers
+   */
   async attempt(numbers) {
     this.waiting = numbers;
     if (this.isTrying) return;
@@ -93,7 +99,12 @@ class Page {
     if (view3d.held) view3d.move(view3d.held.index, view3d.held.now);
   }
 
-  /** Changes the layout or the question, and shows the answer. @param {ChangeRequest} request @param {object} body @param {FormRow} [row] where the change was typed */
+  /**
+   * Changes the layout or the question, and shows the answer.
+   * @param {ChangeRequest} request
+   * @param {object} body
+   * @param {FormRow} [row] where the change was typed
+   */
   async change(request, body, row) {
     const began = performance.now();
     this.serial += 1;
@@ -134,7 +145,10 @@ class Page {
     this.pauseTimer = setTimeout(() => this.refreshReach(), PAUSE);
   }
 
-  /** Shows the senses, readings and models to choose from. @param {StepRecord} step */
+  /**
+   * Shows the senses, readings and models to choose from.
+   * @param {StepRecord} step
+   */
   showQuestion({ question, lenses }) {
     const fill = (
       /** @type {string} */ id,
@@ -171,7 +185,12 @@ class Page {
     }
   }
 
-  /** Moves an equipment; returns where it may stand. @param {number} index @param {Placement} world @param {boolean} isSettled whether the drag has ended */
+  /**
+   * Moves an equipment; returns where it may stand.
+   * @param {number} index
+   * @param {Placement} world
+   * @param {boolean} isSettled whether the drag has ended
+   */
   move(index, world, isSettled) {
     const { numbers, allowed, moves } = this.numbersOf(index, world);
     if (this.view3d && (this.view3d.held || this.view3d.isQuick)) this.view3d.move(index, allowed);
@@ -181,7 +200,11 @@ class Page {
     return allowed;
   }
 
-  /** Returns the numbers that change for a placement in the world, and the placement that they allow. @param {number} index @param {Placement} world */
+  /**
+   * Returns the numbers that change for a placement in the world, and the placement that they allow.
+   * @param {number} index
+   * @param {Placement} world
+   */
   numbersOf(index, world) {
     const { name, on } = this.cell.equipment[index];
     const under = on === null ? [0, 0, 0, 0] : this.plan.pieces[on].at;
@@ -211,13 +234,23 @@ class Page {
   }
 }
 
-/** Returns whether a drag may change x, y, z or yaw. A number that the file fixes stays, unless it fixes both x and y. @param {NumberGroup} group @param {number} k */
+/**
+ * Returns whether a drag may change x, y, z or yaw. A number that the file fixes stays, unless it fixes both
+ * x and y.
+ * @param {NumberGroup} group
+ * @param {number} k
+ */
 function mayMove({ numbers }, k) {
   if (k === 2) return false;
   return k === 3 || numbers[k].free || (!numbers[0].free && !numbers[1].free);
 }
 
-/** Returns the value nearest to the one wanted that a number may have. @param {NumberRecord} number @param {number} wanted @param {boolean} isAngle */
+/**
+ * Returns the value nearest to the one wanted that a number may have.
+ * @param {NumberRecord} number
+ * @param {number} wanted
+ * @param {boolean} isAngle
+ */
 function allowedValue({ list, min, max }, wanted, isAngle) {
   if (list) return nearest(list, wanted);
   if (min === null || max === null) return wanted;

@@ -10,13 +10,22 @@
  * @property {{ arm: SVGLineElement, knob: SVGCircleElement } | null} handle what turns it
  *
  * A drag of a piece that is under way.
- * @typedef {{ index: number, turns: boolean, from: Placement, start: number[], now: Placement, pointer: number | null }} Drag
+ * @typedef {object} Drag
+ * @property {number} index of the piece
+ * @property {boolean} turns whether the piece is turned and not shifted
+ * @property {Placement} from
+ * @property {number[]} start where the drag began in the world, mm
+ * @property {Placement} now
+ * @property {number | null} pointer `null` for a drag in the 3-D view
  *
  * Called when a piece is moved; returns where it may stand.
  * @typedef {(index: number, world: Placement, isSettled: boolean) => Placement} OnMove
  */
 
-/** Steps of the arrow keys, mm, and of the brackets, degrees. @type {Record<string, number[]>} */
+/**
+ * Steps of the arrow keys, mm, and of the brackets, degrees.
+ * @type {Record<string, number[]>}
+ */
 const KEY_STEPS = {
   ArrowLeft: [-10, 0, 0],
   ArrowRight: [10, 0, 0],
@@ -29,7 +38,11 @@ const KEY_STEPS = {
 };
 
 class Plan {
-  /** @param {SVGSVGElement} element @param {CellRecord} cell @param {OnMove} onMove */
+  /**
+   * @param {SVGSVGElement} element
+   * @param {CellRecord} cell
+   * @param {OnMove} onMove
+   */
   constructor(element, cell, onMove) {
     this.element = element;
     this.cell = cell;
@@ -53,7 +66,11 @@ class Plan {
     element.addEventListener("pointerleave", () => showHover(""));
   }
 
-  /** @param {CellEquipment} equipment @param {number} index @returns {Piece} */
+  /**
+   * @param {CellEquipment} equipment
+   * @param {number} index
+   * @returns {Piece}
+   */
   makePiece(equipment, index) {
     const [x, y, width, height] = equipment.footprint;
     const foot = svg("rect", { class: "foot", x: x - width / 2, y: y - height / 2, width, height, rx: 8 });
@@ -84,14 +101,21 @@ class Plan {
     return group;
   }
 
-  /** Returns where an event is in the world, mm. @param {MouseEvent} event */
+  /**
+   * Returns where an event is in the world, mm.
+   * @param {MouseEvent} event
+   */
   placeOf(event) {
     const matrix = this.element.getScreenCTM();
     const point = new DOMPoint(event.clientX, event.clientY).matrixTransform(matrix?.inverse());
     return [point.x, -point.y];
   }
 
-  /** @param {PointerEvent} event @param {number} index @param {boolean} turns */
+  /**
+   * @param {PointerEvent} event
+   * @param {number} index
+   * @param {boolean} turns
+   */
   grip(event, index, turns) {
     if (event.button !== 0) return;
     event.preventDefault();
@@ -135,7 +159,10 @@ class Plan {
     else if (now.some((value, k) => value !== from[k])) this.onMove(index, now, true);
   }
 
-  /** @param {KeyboardEvent} event @param {number} index */
+  /**
+   * @param {KeyboardEvent} event
+   * @param {number} index
+   */
   pressKey(event, index) {
     const step = KEY_STEPS[event.key];
     if (!step || event.ctrlKey || event.metaKey || event.altKey) return;
@@ -148,7 +175,10 @@ class Plan {
     this.onMove(index, [newX, newY, z, newYaw], true);
   }
 
-  /** Draws an answer: where things stand, and the map. @param {AnswerRecord} answer */
+  /**
+   * Draws an answer: where things stand, and the map.
+   * @param {AnswerRecord} answer
+   */
   draw(answer) {
     this.answer = answer;
     if (!this.held) this.frame.fit(answer);
@@ -160,13 +190,22 @@ class Plan {
     this.map.draw(answer, this.frame.unit);
   }
 
-  /** Returns whether a piece is another one or stands on it. @param {number} index @param {number} under @returns {boolean} */
+  /**
+   * Returns whether a piece is another one or stands on it.
+   * @param {number} index
+   * @param {number} under
+   * @returns {boolean}
+   */
   rides(index, under) {
     const { on } = this.cell.equipment[index];
     return index === under || (on !== null && this.rides(on, under));
   }
 
-  /** Shows a piece at a placement, and what stands on it. @param {number} index @param {Placement} at */
+  /**
+   * Shows a piece at a placement, and what stands on it.
+   * @param {number} index
+   * @param {Placement} at
+   */
   show(index, at) {
     const before = this.pieces[index].at;
     this.put(this.pieces[index], at);
@@ -175,7 +214,10 @@ class Plan {
     });
   }
 
-  /** @param {Piece} piece @param {Placement} at */
+  /**
+   * @param {Piece} piece
+   * @param {Placement} at
+   */
   put(piece, at) {
     piece.at = at;
     transform(piece.group, at);
@@ -183,7 +225,10 @@ class Plan {
     this.placeHandle(piece);
   }
 
-  /** Puts the name beside a work surface, which is full of nodes, away from the robot and the handle. @param {Piece} piece */
+  /**
+   * Puts the name beside a work surface, which is full of nodes, away from the robot and the handle.
+   * @param {Piece} piece
+   */
   placeName({ equipment, at, text }) {
     const [x, y, width, height] = equipment.footprint;
     const { unit } = this.frame;
@@ -213,7 +258,10 @@ class Plan {
     setAttributes(handle.arm, { x1: footX, y1: -footY, x2: knobX, y2: -knobY });
   }
 
-  /** Shows how far the arm reaches at the height of the work. @param {number[][][][]} outlines */
+  /**
+   * Shows how far the arm reaches at the height of the work.
+   * @param {number[][][][]} outlines
+   */
   showReach(outlines) {
     const ring = (/** @type {number[][]} */ points) => `M${points.map(([x, y]) => `${x} ${-y}`).join("L")}Z`;
     const paths = new Set(outlines.map((rings) => rings.map(ring).join("")));
@@ -222,17 +270,27 @@ class Plan {
   }
 }
 
-/** Moves a group from the frame of the world into the picture, whose y points down. @param {Element} group @param {Placement} at */
+/**
+ * Moves a group from the frame of the world into the picture, whose y points down.
+ * @param {Element} group
+ * @param {Placement} at
+ */
 function transform(group, [x, y, , yaw]) {
   group.setAttribute("transform", `translate(${x} ${-y}) scale(1 -1) rotate(${yaw})`);
 }
 
-/** @param {Element} element @param {Record<string, number>} attributes */
+/**
+ * @param {Element} element
+ * @param {Record<string, number>} attributes
+ */
 function setAttributes(element, attributes) {
   for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, String(value));
 }
 
-/** Says what is under the pointer. @param {string} text */
+/**
+ * Says what is under the pointer.
+ * @param {string} text
+ */
 function showHover(text) {
   byId("hover").textContent = text;
 }

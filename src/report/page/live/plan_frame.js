@@ -4,18 +4,28 @@
 const GRID_STEP = 500;
 
 class PlanFrame {
-  /** @param {SVGSVGElement} element @param {SVGGElement} layer @param {CellRecord} cell */
+  /**
+   * @param {SVGSVGElement} element
+   * @param {SVGGElement} layer
+   * @param {CellRecord} cell
+   */
   constructor(element, layer, cell) {
     this.element = element;
     this.layer = layer;
     this.cell = cell;
     /** Length of a pixel, mm. */
     this.unit = 1;
-    /** Least x and y, width and height of what is shown, mm. @type {number[] | null} */
+    /**
+     * Least x and y, width and height of what is shown, mm.
+     * @type {number[] | null}
+     */
     this.box = null;
   }
 
-  /** Shows everything that stands, with room to move it. @param {AnswerRecord} answer */
+  /**
+   * Shows everything that stands, with room to move it.
+   * @param {AnswerRecord} answer
+   */
   fit(answer) {
     const points = this.pointsOf(answer);
     const [xs, ys] = [0, 1].map((axis) => points.map((point) => point[axis]));
@@ -52,7 +62,12 @@ class PlanFrame {
     ];
   }
 
-  /** @param {number} x @param {number} y @param {number} width @param {number} height */
+  /**
+   * @param {number} x
+   * @param {number} y
+   * @param {number} width
+   * @param {number} height
+   */
   drawGround(x, y, width, height) {
     const shapes = [];
     for (let k = Math.ceil(x / GRID_STEP); k * GRID_STEP < x + width; k++) {

@@ -20,7 +20,10 @@ class PlanMap {
     this.key.append(make("span", {}, colourBar(), " ", this.scale), this.arrows, this.signs);
   }
 
-  /** @param {AnswerRecord} answer @param {number} unit length of a pixel, mm */
+  /**
+   * @param {AnswerRecord} answer
+   * @param {number} unit length of a pixel, mm
+   */
   draw(answer, unit) {
     const values = answer.operations.flatMap(({ nodes }) => nodes.value.filter((value) => value !== null));
     const low = values.reduce((a, b) => Math.min(a, b), Infinity);
@@ -41,7 +44,10 @@ class PlanMap {
     this.showSigns(answer);
   }
 
-  /** Shows the meaning of the marks that are in the plan. @param {AnswerRecord} answer */
+  /**
+   * Shows the meaning of the marks that are in the plan.
+   * @param {AnswerRecord} answer
+   */
   showSigns({ operations }) {
     const statuses = new Set(operations.flatMap(({ nodes }) => nodes.status));
     const signs = Object.entries(sweetspotViewer.nodeSigns).filter(
@@ -53,7 +59,12 @@ class PlanMap {
     this.signs.replaceChildren(...items, legendItem(spot, "spot"), legendItem(reach, "reach"));
   }
 
-  /** Describes the node under the pointer. @param {AnswerRecord} answer @param {number[]} point mm @param {number} unit mm */
+  /**
+   * Describes the node under the pointer.
+   * @param {AnswerRecord} answer
+   * @param {number[]} point mm
+   * @param {number} unit mm
+   */
   describe({ operations, unit: valueUnit }, [x, y], unit) {
     let nearestDistance = HOVER_RADIUS * unit;
     let text = `x ${shortNumber(x, 0)}, y ${shortNumber(y, 0)} mm`;
@@ -69,7 +80,11 @@ class PlanMap {
   }
 }
 
-/** @param {NodesRecord} nodes @param {number} k @param {string} unit */
+/**
+ * @param {NodesRecord} nodes
+ * @param {number} k
+ * @param {string} unit
+ */
 function nodeWords(nodes, k, unit) {
   const [value, error] = [nodes.value[k], nodes.error[k]];
   if (value === null || error === null) return nodes.reasons[nodes.why[k]] || nodes.status[k];
@@ -77,7 +92,11 @@ function nodeWords(nodes, k, unit) {
   return `${errorFigure(value)} ${unit}; error x ${x}, y ${y}, z ${z} mm`;
 }
 
-/** Returns by how much the error arrows are magnified: a number of one digit. @param {OperationAnswer[]} operations @param {number} unit mm */
+/**
+ * Returns by how much the error arrows are magnified: a number of one digit.
+ * @param {OperationAnswer[]} operations
+ * @param {number} unit mm
+ */
 function magnificationOf(operations, unit) {
   let longest = 0;
   for (const { nodes } of operations) {
@@ -115,14 +134,24 @@ function nodeMarks(operation, { low, high }, magnification, unit) {
   });
 }
 
-/** Returns the mark of a node without a value. @param {Mark} mark @param {number[]} at @param {number} radius */
+/**
+ * Returns the mark of a node without a value.
+ * @param {Mark} mark
+ * @param {number[]} at
+ * @param {number} radius
+ */
 function markShape(mark, [x, y], radius) {
   const { path, tone, dashed } = sweetspotViewer.marks[mark];
   const transform = `translate(${x} ${y}) scale(${radius})`;
   return svg("path", { class: `mark ${tone}${dashed ? " dashed" : ""}`, d: path, transform });
 }
 
-/** Returns the path of an arrow. @param {number[]} start @param {number[]} tip relative to the start @param {number} headLength */
+/**
+ * Returns the path of an arrow.
+ * @param {number[]} start
+ * @param {number[]} tip relative to the start
+ * @param {number} headLength
+ */
 function arrowPath(start, [dx, dy], headLength) {
   const scale = headLength / Math.max(Math.hypot(dx, dy), headLength);
   const barb = (/** @type {number} */ angle) => [
@@ -135,7 +164,11 @@ function arrowPath(start, [dx, dy], headLength) {
   return `M${start.join(" ")}l${words([dx, dy])}l${words(left)}m${words(back)}l${words(right)}`;
 }
 
-/** Returns the ring round the best node; null without one. @param {OperationAnswer} operation @param {number} unit mm */
+/**
+ * Returns the ring round the best node; null without one.
+ * @param {OperationAnswer} operation
+ * @param {number} unit mm
+ */
 function bestMark({ nodes, best }, unit) {
   const index = best ? nodes.ij.findIndex(([i, j]) => i === best[0] && j === best[1]) : -1;
   if (index < 0) return null;
@@ -151,6 +184,9 @@ function colourBar() {
   return svg("svg", { width: 120, height: 12 }, ...steps);
 }
 
-/** @param {SVGElement} shape @param {string} text */
+/**
+ * @param {SVGElement} shape
+ * @param {string} text
+ */
 const legendItem = (shape, text) =>
   make("span", {}, svg("svg", { width: 16, height: 14, viewBox: "-8 -7 16 14" }, shape), ` ${text}`);

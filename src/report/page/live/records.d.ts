@@ -16,7 +16,7 @@ interface NumberRecord {
   list: number[] | null;
 }
 
-/** Numbers that belong together: those of one equipment, of the attitude of one operation, or of the robot. */
+/** Numbers of one equipment, of the attitude of one operation, or of the robot base. */
 interface NumberGroup {
   group: "equipment" | "attitude" | "robot_base";
   name: string;

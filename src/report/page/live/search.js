@@ -32,7 +32,10 @@ class SearchPanel {
     await this.look();
   }
 
-  /** @param {"search" | "stop"} request @param {object} body */
+  /**
+   * @param {"search" | "stop"} request
+   * @param {object} body
+   */
   async send(request, body) {
     try {
       this.show((await ask(request, body)).search);

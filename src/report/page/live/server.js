@@ -1,16 +1,26 @@
 // Requests to the server of this page, and elements of the page.
 
-/** @template {HTMLElement} [Kind=HTMLElement] @param {string} id @returns {Kind} */
+/**
+ * @template {HTMLElement} [Kind=HTMLElement]
+ * @param {string} id
+ * @returns {Kind}
+ */
 const byId = (id) => {
   const found = document.getElementById(id);
   if (!found) throw new Error(`the page has no element ${id}`);
   return /** @type {Kind} */ (found);
 };
 
-/** @param {string} id @returns {HTMLInputElement} */
+/**
+ * @param {string} id
+ * @returns {HTMLInputElement}
+ */
 const inputById = (id) => byId(id);
 
-/** @param {string} id @returns {HTMLButtonElement} */
+/**
+ * @param {string} id
+ * @returns {HTMLButtonElement}
+ */
 const buttonById = (id) => byId(id);
 
 /**
@@ -31,7 +41,10 @@ function make(name, properties = {}, ...children) {
   return made;
 }
 
-/** Shows what went wrong; an empty text hides it. @param {string} text */
+/**
+ * Shows what went wrong; an empty text hides it.
+ * @param {string} text
+ */
 function showFault(text) {
   byId("fault").hidden = !text;
   byId("fault").textContent = text;
@@ -42,7 +55,10 @@ const messageOf = (error) => (error instanceof Error ? error.message : String(er
 
 /** A request that the server refused. */
 class Refused extends Error {
-  /** @param {number} status @param {Refusal | null} answer */
+  /**
+   * @param {number} status
+   * @param {Refusal | null} answer
+   */
   constructor(status, answer) {
     super(answer?.error || `the server answered with status ${status}`);
     this.answer = answer;
@@ -70,15 +86,25 @@ async function ask(name, body) {
   return answer;
 }
 
-/** Calls back after the next picture was shown. @param {() => void} then */
+/**
+ * Calls back after the next picture was shown.
+ * @param {() => void} then
+ */
 const afterPaint = (then) => {
   requestAnimationFrame(() => setTimeout(then));
 };
 
-/** Writes mm or degrees without needless digits. @param {number} value @param {number} [digits] */
+/**
+ * Writes mm or degrees without needless digits.
+ * @param {number} value
+ * @param {number} [digits]
+ */
 const shortNumber = (value, digits = 3) => String(Number(value.toFixed(digits)));
 
-/** Writes an error with about four significant digits. @param {number} value */
+/**
+ * Writes an error with about four significant digits.
+ * @param {number} value
+ */
 function errorFigure(value) {
   const limits = [100, 10, 1, 0.01];
   const digits = [1, 2, 3, 4, 6];

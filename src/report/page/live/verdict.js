@@ -1,6 +1,9 @@
 // The verdict on the layout shown, and what the last step changed.
 
-/** @param {AnswerRecord} answer @param {StepRecord | null} step `null` while something is dragged */
+/**
+ * @param {AnswerRecord} answer
+ * @param {StepRecord | null} step `null` while something is dragged
+ */
 function showVerdict(answer, step) {
   const { objective, operations } = answer;
   const senses = [...new Set(operations.map(({ sense }) => sense))].join(", ");
@@ -46,7 +49,11 @@ function limitWords({ limit, margin }) {
   return `${errorFigure(limit)} (${word} ${errorFigure(Math.abs(margin))})`;
 }
 
-/** Returns what a step changed, with the objective before and after. @param {StepRecord} step @returns {(Node | string)[]} */
+/**
+ * Returns what a step changed, with the objective before and after.
+ * @param {StepRecord} step
+ * @returns {(Node | string)[]}
+ */
 function changeWords({ what, before, undo, answer }) {
   if (!undo) return [what];
   const { objective, unit } = answer;

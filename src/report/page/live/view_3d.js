@@ -3,10 +3,22 @@
 /** Time for a picture within which the view follows a drag in the plan, ms. */
 const QUICK = 40;
 
-/** @typedef {{ index: number, height: number, start: FloorPoint, from: Placement, now: Placement, pointer: number }} Drag3d */
+/**
+ * A drag in the 3-D view.
+ * @typedef {object} Drag3d
+ * @property {number} index of the equipment
+ * @property {number} height of the point that is held, mm
+ * @property {FloorPoint} start
+ * @property {Placement} from
+ * @property {Placement} now
+ * @property {number} pointer
+ */
 
 class View3d {
-  /** @param {Page} page @param {DrawingDocument} written */
+  /**
+   * @param {Page} page
+   * @param {DrawingDocument} written
+   */
   constructor(page, written) {
     this.page = page;
     this.host = byId("viewer");
@@ -33,7 +45,10 @@ class View3d {
     for (const end of ["pointerleave", "focusout"]) host.addEventListener(end, () => this.rest());
   }
 
-  /** Returns where an event is in the picture, px. @param {MouseEvent} event */
+  /**
+   * Returns where an event is in the picture, px.
+   * @param {MouseEvent} event
+   */
   placeOf(event) {
     const box = this.viewer.canvas?.getBoundingClientRect();
     return [event.clientX - (box?.left ?? 0), event.clientY - (box?.top ?? 0)];
@@ -80,19 +95,29 @@ class View3d {
     else this.page.show(this.page.now);
   }
 
-  /** Moves equipment before the map of its new place is there. @param {number} index @param {Placement} placement */
+  /**
+   * Moves equipment before the map of its new place is there.
+   * @param {number} index
+   * @param {Placement} placement
+   */
   move(index, [x_mm, y_mm, z_mm, yaw_deg]) {
     this.viewer.movePart(index, { x_mm, y_mm, z_mm, yaw_deg });
   }
 
-  /** Returns where the middle of an equipment is in the picture, px. @param {number} index */
+  /**
+   * Returns where the middle of an equipment is in the picture, px.
+   * @param {number} index
+   */
   spot(index) {
     const [x, y, z] = this.page.plan.pieces[index].at;
     const point = this.viewer.project(x, y, z);
     return point && [point.x, point.y];
   }
 
-  /** Measures whether pictures come fast enough to follow a drag in the plan. @param {DrawingDocument} written */
+  /**
+   * Measures whether pictures come fast enough to follow a drag in the plan.
+   * @param {DrawingDocument} written
+   */
   measure(written) {
     const began = performance.now();
     this.replace(written);

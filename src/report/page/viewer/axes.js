@@ -1,6 +1,11 @@
 // The world axes in the corner, and the numbers along the floor.
 
-/** Draws the world axes and returns their names. @param {View} view @param {Labels} labels @returns {Label[]} */
+/**
+ * Draws the world axes and returns their names.
+ * @param {View} view
+ * @param {Labels} labels
+ * @returns {Label[]}
+ */
 function axisLabels(view, labels) {
   const { right, up } = view.optics;
   const [x, y] = [38, view.height - 40];
@@ -23,7 +28,10 @@ function axisLabels(view, labels) {
 /** Steps between the numbers along the floor, mm. */
 const FLOOR_STEPS = [500, 1000, 2000, 5000, 10000];
 
-/** Returns the numbers along the two edges of the floor that are nearest to the eye, mm. @param {View} view */
+/**
+ * Returns the numbers along the two edges of the floor that are nearest to the eye, mm.
+ * @param {View} view
+ */
 function floorNumbers(view) {
   const [x0, y0, x1, y1] = view.floorBounds;
   const { eye } = view.optics;
@@ -60,7 +68,12 @@ function numbersAlong(view, axis, [low, high], pointOf) {
   return labels;
 }
 
-/** Returns the number at a point of the floor, outside of it; null if it is not in the picture. @param {View} view @param {number} value @param {Vector} point */
+/**
+ * Returns the number at a point of the floor, outside of it; null if it is not in the picture.
+ * @param {View} view
+ * @param {number} value
+ * @param {Vector} point
+ */
 function floorNumber(view, value, point) {
   const [x0, y0, x1, y1] = view.floorBounds;
   const middle = seenAt(view, [(x0 + x1) / 2, (y0 + y1) / 2, view.drawing.floor_mm]);

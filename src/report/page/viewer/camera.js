@@ -11,7 +11,10 @@ const PRESETS = {
   side: { azimuth: 0, elevation: 0, parallel: true },
 };
 
-/** Returns the axes of a camera in the world. @param {Pick<Camera, "azimuth" | "elevation">} camera */
+/**
+ * Returns the axes of a camera in the world.
+ * @param {Pick<Camera, "azimuth" | "elevation">} camera
+ */
 function axesOf({ azimuth, elevation }) {
   const [cosine, sine] = [Math.cos(azimuth), Math.sin(azimuth)];
   const back = [Math.cos(elevation) * cosine, Math.cos(elevation) * sine, Math.sin(elevation)];
@@ -19,7 +22,10 @@ function axesOf({ azimuth, elevation }) {
   return { right, up: cross(back, right), back };
 }
 
-/** Returns the azimuth from which the robot stands behind its work, turned a little. @param {Model} model */
+/**
+ * Returns the azimuth from which the robot stands behind its work, turned a little.
+ * @param {Model} model
+ */
 function bestAzimuth({ drawings }) {
   let sum = [0, 0];
   for (const { base, fields } of drawings) {
@@ -55,7 +61,11 @@ function fittedCamera({ model, width, height }, preset) {
   return camera;
 }
 
-/** Returns the range of the slopes under which a camera sees points, to the right and upwards. @param {Vector[]} points @param {Camera} camera */
+/**
+ * Returns the range of the slopes under which a camera sees points, to the right and upwards.
+ * @param {Vector[]} points
+ * @param {Camera} camera
+ */
 function slopesOf(points, camera) {
   const { right, up, back } = axesOf(camera);
   const [low, high] = [
@@ -103,7 +113,12 @@ function opticsOf({ camera, model, width, height }) {
   };
 }
 
-/** Returns where a point of the world is in the picture, px from its upper left. @param {View} view @param {Vector} point @returns {ScreenPoint} */
+/**
+ * Returns where a point of the world is in the picture, px from its upper left.
+ * @param {View} view
+ * @param {Vector} point
+ * @returns {ScreenPoint}
+ */
 function seenAt(view, point) {
   const [x, y, , w] = projected(view.optics.camera, point);
   return { x: (x / w + 1) * 0.5 * view.width, y: (1 - y / w) * 0.5 * view.height, visible: w > 0 };

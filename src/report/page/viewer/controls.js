@@ -24,7 +24,11 @@ const VIEW_NAMES = ["iso", "top", "front", "side"];
 
 let choosersMade = 0;
 
-/** Makes a labelled list of choices. @param {string} name @param {(value: string) => void} choose */
+/**
+ * Makes a labelled list of choices.
+ * @param {string} name
+ * @param {(value: string) => void} choose
+ */
 function makeChooser(name, choose) {
   choosersMade += 1;
   const id = `ss-field-${choosersMade}`;
@@ -34,7 +38,12 @@ function makeChooser(name, choose) {
   return { list, box: element("div", { class: "ss-field" }, label, list) };
 }
 
-/** Shows choices; a single one is no choice and is hidden. @param {ReturnType<typeof makeChooser>} chooser @param {Choices} choices @param {string} value */
+/**
+ * Shows choices; a single one is no choice and is hidden.
+ * @param {ReturnType<typeof makeChooser>} chooser
+ * @param {Choices} choices
+ * @param {string} value
+ */
 function showChoices({ list, box }, choices, value) {
   const key = JSON.stringify(choices);
   if (list.dataset.choices !== key) {
@@ -47,14 +56,23 @@ function showChoices({ list, box }, choices, value) {
   box.hidden = choices.length < 2;
 }
 
-/** @param {string} text @param {() => void} press @param {Record<string, unknown>} [properties] */
+/**
+ * @param {string} text
+ * @param {() => void} press
+ * @param {Record<string, unknown>} [properties]
+ */
 function makeButton(text, press, properties = {}) {
   const button = element("button", { type: "button", textContent: text, ...properties });
   button.addEventListener("click", press);
   return button;
 }
 
-/** Returns the index of a lens of the drawing shown; the reading counts more than the model. @param {View} view @param {string} model @param {string} reading */
+/**
+ * Returns the index of a lens of the drawing shown; the reading counts more than the model.
+ * @param {View} view
+ * @param {string} model
+ * @param {string} reading
+ */
 function lensWith(view, model, reading) {
   const { lenses } = view.drawing;
   const exact = lensIn(view.drawing, { model, reading, signed: false });
@@ -99,13 +117,22 @@ function makeControls(view, host, show, look) {
   return { choosers, envelope, envelopeLabel };
 }
 
-/** Returns the choice of an index. @param {number | null} index */
+/**
+ * Returns the choice of an index.
+ * @param {number | null} index
+ */
 const indexChoice = (index) => (index === null ? "" : String(index));
 
-/** @param {{ name: string }[]} all @returns {Choices} */
+/**
+ * @param {{ name: string }[]} all
+ * @returns {Choices}
+ */
 const indexedChoices = (all) => all.map(({ name }, k) => [String(k), name]);
 
-/** @param {ReturnType<typeof makeControls>} controls @param {View} view */
+/**
+ * @param {ReturnType<typeof makeControls>} controls
+ * @param {View} view
+ */
 function showControls({ choosers, envelope, envelopeLabel }, view) {
   const { drawing, state, model } = view;
   const layouts = indexedChoices(model.drawings);
@@ -132,7 +159,11 @@ function showControls({ choosers, envelope, envelopeLabel }, view) {
   envelopeLabel.hidden = !drawing.envelopes.length;
 }
 
-/** Shows the senses; the one that all operations ask for is not listed twice. @param {ReturnType<typeof makeChooser>} chooser @param {View} view */
+/**
+ * Shows the senses; the one that all operations ask for is not listed twice.
+ * @param {ReturnType<typeof makeChooser>} chooser
+ * @param {View} view
+ */
 function showSenses(chooser, view) {
   const { state } = view;
   const names = shownFields(view).flatMap((field) => field.senses.map((sense) => sense.name));

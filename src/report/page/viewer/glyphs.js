@@ -1,12 +1,22 @@
 // Marks and arrows of the error map as instances for the graphics card.
 
-/** Moves a point of a field with the equipment that carries it while that is dragged. @param {View} view @param {Field} field @param {Vector} point */
+/**
+ * Moves a point of a field with the equipment that carries it while that is dragged.
+ * @param {View} view
+ * @param {Field} field
+ * @param {Vector} point
+ */
 function displaced(view, field, point) {
   const shift = field.equipment === null ? undefined : view.shifts.get(field.equipment);
   return shift ? moved(shift, point) : point;
 }
 
-/** Returns the colour of a node; null if it has no value. @param {View} view @param {Field} field @param {number} k */
+/**
+ * Returns the colour of a node; null if it has no value.
+ * @param {View} view
+ * @param {Field} field
+ * @param {number} k
+ */
 function nodeColour(view, field, k) {
   const { lens, scale } = view;
   const sense = senseIn(field, view.state.sense);
@@ -42,7 +52,10 @@ function glyphInstances(view) {
   return new Float32Array(instances);
 }
 
-/** Returns the marks of the spots, which are drawn last and over everything. @param {View} view */
+/**
+ * Returns the marks of the spots, which are drawn last and over everything.
+ * @param {View} view
+ */
 function spotInstances(view) {
   /** @type {number[]} */
   const instances = [];
@@ -57,21 +70,35 @@ function spotInstances(view) {
   return new Float32Array(instances);
 }
 
-/** Returns whether the lens shown is the one that the cell asks for. @param {View} view */
+/**
+ * Returns whether the lens shown is the one that the cell asks for.
+ * @param {View} view
+ */
 const isOwnLens = (view) => view.lens === 0;
 
-/** Returns the spot of a field under the lens shown; null without one. @param {View} view @param {Field} field */
+/**
+ * Returns the spot of a field under the lens shown; null without one.
+ * @param {View} view
+ * @param {Field} field
+ */
 function spotOf(view, field) {
   if (isOwnLens(view) && field.spot_mm) return displaced(view, field, field.spot_mm);
   const best = field.takes[view.lens]?.best ?? null;
   return best === null ? null : displaced(view, field, nodeAt(field, best));
 }
 
-/** Returns the spot between the nodes; null without one. @param {View} view @param {Field} field */
+/**
+ * Returns the spot between the nodes; null without one.
+ * @param {View} view
+ * @param {Field} field
+ */
 const refinedSpotOf = (view, field) =>
   isOwnLens(view) && field.refined_mm ? displaced(view, field, field.refined_mm) : null;
 
-/** Axes of the arrows that are drawn one by one. @type {Partial<Record<ArrowChoice, number[]>>} */
+/**
+ * Axes of the arrows that are drawn one by one.
+ * @type {Partial<Record<ArrowChoice, number[]>>}
+ */
 const ARROW_AXES = { x: [0], y: [1], z: [2], components: [0, 1, 2] };
 
 /** @param {View} view */
@@ -114,7 +141,10 @@ function arrowsOf(field, lens, k, signed, axes) {
   });
 }
 
-/** Returns the faint lines between neighbouring nodes. @param {View} view */
+/**
+ * Returns the faint lines between neighbouring nodes.
+ * @param {View} view
+ */
 function netInstances(view) {
   /** @type {number[]} */
   const lines = [];
@@ -130,7 +160,10 @@ function netInstances(view) {
   return new Float32Array(lines);
 }
 
-/** Returns the pins from the spots down to their surfaces. @param {View} view */
+/**
+ * Returns the pins from the spots down to their surfaces.
+ * @param {View} view
+ */
 function pinInstances(view) {
   /** @type {number[]} */
   const lines = [];
@@ -142,7 +175,10 @@ function pinInstances(view) {
   return new Float32Array(lines);
 }
 
-/** Returns the segments of closed lines. @param {Float32Array[]} rings */
+/**
+ * Returns the segments of closed lines.
+ * @param {Float32Array[]} rings
+ */
 function ringInstances(rings) {
   /** @type {number[]} */
   const lines = [];

@@ -3,7 +3,10 @@
 /** Length of the bars in the legend, px. */
 const BAR_LENGTH = 110;
 
-/** Marks of solids and lines that are no nodes. @type {Record<string, { text: string, shape: () => SVGElement }>} */
+/**
+ * Marks of solids and lines that are no nodes.
+ * @type {Record<string, { text: string, shape: () => SVGElement }>}
+ */
 const OTHER_SIGNS = {
   envelope: {
     text: "reach at the height of the work",
@@ -34,7 +37,10 @@ function makeLegend(host) {
   return box;
 }
 
-/** @param {Element} box @param {View} view */
+/**
+ * @param {Element} box
+ * @param {View} view
+ */
 function showLegend(box, view) {
   box.replaceChildren(colourKey(view), arrowKey(view), signKey(view));
 }
@@ -45,7 +51,10 @@ const paragraph = (text) => element("p", { textContent: text });
 /** @param {string} text */
 const span = (text) => element("span", { textContent: text });
 
-/** Returns the name of the sense shown, or the names of those of the operations. @param {View} view */
+/**
+ * Returns the name of the sense shown, or the names of those of the operations.
+ * @param {View} view
+ */
 function senseWords(view) {
   if (view.state.sense !== null) return view.state.sense;
   const own = shownFields(view).map((field) => field.senses[field.sense].name);
@@ -75,14 +84,21 @@ function colourKey(view) {
   return box;
 }
 
-/** @param {number[][]} scale @param {string} low @param {string} high */
+/**
+ * @param {number[][]} scale
+ * @param {string} low
+ * @param {string} high
+ */
 function colourBar(scale, low, high) {
   const strip = element("div", { class: "ss-bar" });
   strip.style.background = gradientOf(scale);
   return element("div", {}, strip, element("div", { class: "ss-ends" }, span(low), span(high)));
 }
 
-/** Returns the scales of the arrows and of the cell: lengths at the distance of the target. @param {View} view */
+/**
+ * Returns the scales of the arrows and of the cell: lengths at the distance of the target.
+ * @param {View} view
+ */
 function arrowKey(view) {
   const box = element("div", { class: "ss-key" });
   if (view.state.arrows === "none") return box;
@@ -105,7 +121,10 @@ function arrowWords(view) {
   return signed ? what : `${what}, in both directions (plus or minus)`;
 }
 
-/** @param {number} pixelsPerMm @param {string} what */
+/**
+ * @param {number} pixelsPerMm
+ * @param {string} what
+ */
 function scaleBar(pixelsPerMm, what) {
   const length = roundDown(BAR_LENGTH / pixelsPerMm);
   const line = element("span", { class: "ss-scale" });
@@ -113,7 +132,10 @@ function scaleBar(pixelsPerMm, what) {
   return element("div", { class: "ss-scalebar" }, line, span(`${roundFigure(length)} mm ${what}`));
 }
 
-/** Returns the list of the signs that are in the picture. @param {View} view */
+/**
+ * Returns the list of the signs that are in the picture.
+ * @param {View} view
+ */
 function signKey(view) {
   const fields = shownFields(view);
   const statuses = new Set(fields.flatMap((field) => field.status));
@@ -134,13 +156,19 @@ function signKey(view) {
   return element("ul", { class: "ss-signs" }, ...items);
 }
 
-/** @param {SVGElement} shape @param {string} text */
+/**
+ * @param {SVGElement} shape
+ * @param {string} text
+ */
 function signItem(shape, text) {
   const size = { viewBox: "0 0 20 20", width: 18, height: 18, "aria-hidden": "true" };
   return element("li", {}, drawn("svg", size, shape), span(text));
 }
 
-/** Returns a mark in the middle of a square of 20. @param {Mark} mark */
+/**
+ * Returns a mark in the middle of a square of 20.
+ * @param {Mark} mark
+ */
 function markShape(mark) {
   const { path } = MARKS[mark];
   const radius = mark === "ok" ? 4.5 : 6.5;

@@ -1,18 +1,37 @@
 // Vectors and matrices. A vector has three numbers, a matrix 16 numbers column by column; lengths are in mm.
 
-/** @param {Vector} a @param {Vector} b @returns {Vector} */
+/**
+ * @param {Vector} a
+ * @param {Vector} b
+ * @returns {Vector}
+ */
 const add = (a, b) => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
 
-/** @param {Vector} a @param {Vector} b @returns {Vector} */
+/**
+ * @param {Vector} a
+ * @param {Vector} b
+ * @returns {Vector}
+ */
 const subtract = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
 
-/** @param {Vector} vector @param {number} factor @returns {Vector} */
+/**
+ * @param {Vector} vector
+ * @param {number} factor
+ * @returns {Vector}
+ */
 const scaled = (vector, factor) => [vector[0] * factor, vector[1] * factor, vector[2] * factor];
 
-/** @param {Vector} a @param {Vector} b */
+/**
+ * @param {Vector} a
+ * @param {Vector} b
+ */
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 
-/** @param {Vector} a @param {Vector} b @returns {Vector} */
+/**
+ * @param {Vector} a
+ * @param {Vector} b
+ * @returns {Vector}
+ */
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 
 /** @param {Vector} vector */
@@ -21,16 +40,30 @@ const norm = (vector) => Math.hypot(vector[0], vector[1], vector[2]);
 /** @param {Vector} vector */
 const normalized = (vector) => scaled(vector, 1 / (norm(vector) || 1));
 
-/** @param {number} value @param {number} low @param {number} high */
+/**
+ * @param {number} value
+ * @param {number} low
+ * @param {number} high
+ */
 const clamp = (value, low, high) => Math.min(Math.max(value, low), high);
 
-/** Interpolates linearly. @param {number} a @param {number} b @param {number} share */
+/**
+ * Interpolates linearly.
+ * @param {number} a
+ * @param {number} b
+ * @param {number} share
+ */
 const mix = (a, b, share) => a + (b - a) * share;
 
 /** @type {Matrix} */
 const IDENTITY = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
 
-/** Multiplies two matrices. @param {Matrix} a @param {Matrix} b @returns {Matrix} */
+/**
+ * Multiplies two matrices.
+ * @param {Matrix} a
+ * @param {Matrix} b
+ * @returns {Matrix}
+ */
 function product(a, b) {
   const result = new Array(16);
   for (let column = 0; column < 4; column++) {
@@ -42,32 +75,58 @@ function product(a, b) {
   return result;
 }
 
-/** Returns a pose of a document as a matrix. @param {PoseRecord} pose @returns {Matrix} */
+/**
+ * Returns a pose of a document as a matrix.
+ * @param {PoseRecord} pose
+ * @returns {Matrix}
+ */
 function matrixOf(pose) {
   const column = (/** @type {number} */ first) => pose.slice(first, first + 3);
   return [...column(0), 0, ...column(3), 0, ...column(6), 0, ...column(9), 1];
 }
 
-/** Inverts a rigid motion. @param {Matrix} m @returns {Matrix} */
+/**
+ * Inverts a rigid motion.
+ * @param {Matrix} m
+ * @returns {Matrix}
+ */
 function inverse(m) {
   const origin = [m[12], m[13], m[14]];
   const back = [0, 4, 8].map((column) => -dot(m.slice(column, column + 3), origin));
   return [m[0], m[4], m[8], 0, m[1], m[5], m[9], 0, m[2], m[6], m[10], 0, ...back, 1];
 }
 
-/** Moves a direction by the rotation of a matrix. @param {Matrix} m @param {Vector} direction @returns {Vector} */
+/**
+ * Moves a direction by the rotation of a matrix.
+ * @param {Matrix} m
+ * @param {Vector} direction
+ * @returns {Vector}
+ */
 const rotated = (m, direction) =>
   [0, 1, 2].map((row) => m[row] * direction[0] + m[4 + row] * direction[1] + m[8 + row] * direction[2]);
 
-/** Moves a point by a rigid motion. @param {Matrix} m @param {Vector} point @returns {Vector} */
+/**
+ * Moves a point by a rigid motion.
+ * @param {Matrix} m
+ * @param {Vector} point
+ * @returns {Vector}
+ */
 const moved = (m, point) =>
   [0, 1, 2].map((row) => m[row] * point[0] + m[4 + row] * point[1] + m[8 + row] * point[2] + m[12 + row]);
 
-/** Returns the four homogeneous coordinates of a point. @param {Matrix} m @param {Vector} point */
+/**
+ * Returns the four homogeneous coordinates of a point.
+ * @param {Matrix} m
+ * @param {Vector} point
+ */
 const projected = (m, point) =>
   [0, 1, 2, 3].map((row) => m[row] * point[0] + m[4 + row] * point[1] + m[8 + row] * point[2] + m[12 + row]);
 
-/** Returns the pose of something that stands upright. @param {Vector} origin @param {number} yaw rad */
+/**
+ * Returns the pose of something that stands upright.
+ * @param {Vector} origin
+ * @param {number} yaw rad
+ */
 function uprightPose(origin, yaw) {
   const [cosine, sine] = [Math.cos(yaw), Math.sin(yaw)];
   return [cosine, sine, 0, 0, -sine, cosine, 0, 0, 0, 0, 1, 0, ...origin, 1];
@@ -130,7 +189,10 @@ function viewMatrix(eye, right, up, back) {
   return [...axes, -dot(right, eye), -dot(up, eye), -dot(back, eye), 1];
 }
 
-/** Decodes base64. @param {EncodedArray} text */
+/**
+ * Decodes base64.
+ * @param {EncodedArray} text
+ */
 function bytesOf(text) {
   const raw = atob(text);
   const bytes = new Uint8Array(raw.length);

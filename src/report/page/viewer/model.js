@@ -13,7 +13,11 @@ function readModel(written, known) {
   return { meshes, drawings, ...modelExtent(drawings), points: drawings.flatMap(pointsOf) };
 }
 
-/** @param {DrawingRecord} written @param {Mesh[]} meshes @returns {Drawing} */
+/**
+ * @param {DrawingRecord} written
+ * @param {Mesh[]} meshes
+ * @returns {Drawing}
+ */
 function readDrawing(written, meshes) {
   const rings = (/** @type {EncodedArray[]} */ all) => all.map(floatsOf);
   return {
@@ -31,7 +35,10 @@ function readDrawing(written, meshes) {
   };
 }
 
-/** @param {FieldRecord} written @returns {Field} */
+/**
+ * @param {FieldRecord} written
+ * @returns {Field}
+ */
 function readField(written) {
   /** @type {Take[]} */
   const takes = [];
@@ -44,7 +51,11 @@ function readField(written) {
   return field;
 }
 
-/** @param {MeshRecord} written @param {Map<string, Mesh>} known @returns {Mesh} */
+/**
+ * @param {MeshRecord} written
+ * @param {Map<string, Mesh>} known
+ * @returns {Mesh}
+ */
 function readMesh(written, known) {
   const key = `${written.positions} ${written.normals} ${written.indices}`;
   const kept = known.get(key);
@@ -63,10 +74,19 @@ function readMesh(written, known) {
   };
 }
 
-/** Returns point `k` of a list of coordinates. @param {ArrayLike<number>} positions @param {number} k @returns {Vector} */
+/**
+ * Returns point `k` of a list of coordinates.
+ * @param {ArrayLike<number>} positions
+ * @param {number} k
+ * @returns {Vector}
+ */
 const pointAt = (positions, k) => [positions[3 * k], positions[3 * k + 1], positions[3 * k + 2]];
 
-/** Returns the bounding box of a list of coordinates. @param {ArrayLike<number>} positions @returns {Extent} */
+/**
+ * Returns the bounding box of a list of coordinates.
+ * @param {ArrayLike<number>} positions
+ * @returns {Extent}
+ */
 function extentOf(positions) {
   const extent = emptyExtent();
   for (let k = 0; k < positions.length / 3; k++) enlarge(extent, pointAt(positions, k));
@@ -79,7 +99,11 @@ const emptyExtent = () => ({
   high: [-Infinity, -Infinity, -Infinity],
 });
 
-/** Makes a box hold a point as well. @param {Extent} extent @param {Vector} point */
+/**
+ * Makes a box hold a point as well.
+ * @param {Extent} extent
+ * @param {Vector} point
+ */
 function enlarge({ low, high }, point) {
   for (let k = 0; k < 3; k++) {
     low[k] = Math.min(low[k], point[k]);
@@ -138,10 +162,17 @@ function anchorsOf(positions, indices) {
   return anchors;
 }
 
-/** Returns where a node is without displacement, mm. @param {Field} field @param {number} k */
+/**
+ * Returns where a node is without displacement, mm.
+ * @param {Field} field
+ * @param {number} k
+ */
 const nodeAt = (field, k) => pointAt(field.positions, k);
 
-/** Returns the mean distance between neighbouring nodes, mm. @param {Field} field */
+/**
+ * Returns the mean distance between neighbouring nodes, mm.
+ * @param {Field} field
+ */
 function spacingOf(field) {
   const [across] = field.size;
   let sum = 0;
@@ -157,7 +188,10 @@ function spacingOf(field) {
   return count ? sum / count : 100;
 }
 
-/** Returns the bounding box of all layouts. @param {Drawing[]} drawings */
+/**
+ * Returns the bounding box of all layouts.
+ * @param {Drawing[]} drawings
+ */
 function modelExtent(drawings) {
   const extent = emptyExtent();
   for (const drawing of drawings) {
@@ -170,7 +204,11 @@ function modelExtent(drawings) {
   return extent;
 }
 
-/** Returns what must be in the picture: corners of all parts, and all nodes. @param {Drawing} drawing @returns {Vector[]} */
+/**
+ * Returns what must be in the picture: corners of all parts, and all nodes.
+ * @param {Drawing} drawing
+ * @returns {Vector[]}
+ */
 function pointsOf(drawing) {
   const frames = framesAt(drawing.movement, timeOf(drawing, null));
   const points = drawing.parts.flatMap((part) => {
@@ -183,7 +221,11 @@ function pointsOf(drawing) {
   return points;
 }
 
-/** Returns the eight corners of a box. @param {Extent} extent @returns {Vector[]} */
+/**
+ * Returns the eight corners of a box.
+ * @param {Extent} extent
+ * @returns {Vector[]}
+ */
 const cornersOf = ({ low, high }) =>
   [0, 1, 2, 3, 4, 5, 6, 7].map((corner) =>
     [0, 1, 2].map((axis) => ((corner >> axis) & 1 ? high : low)[axis]),

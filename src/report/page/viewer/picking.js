@@ -1,6 +1,11 @@
 // Picking: what lies under a place in the picture.
 
-/** Returns the line of sight through a place in the picture. @param {View} view @param {number} x px @param {number} y px */
+/**
+ * Returns the line of sight through a place in the picture.
+ * @param {View} view
+ * @param {number} x px
+ * @param {number} y px
+ */
 function lineOfSight(view, x, y) {
   const { right, up, back, eye, pixelsPerMm } = view.optics;
   const [toRight, upwards] = [(x - view.width / 2) / pixelsPerMm, (view.height / 2 - y) / pixelsPerMm];
@@ -45,7 +50,12 @@ function equipmentUnder(view, x, y, obstacles) {
   return equipment === null ? null : { equipment, at: add(from, scaled(along, nearest)) };
 }
 
-/** Returns how far along a line a box is met; null if it is not. @param {Extent} box @param {Vector} from @param {Vector} along */
+/**
+ * Returns how far along a line a box is met; null if it is not.
+ * @param {Extent} box
+ * @param {Vector} from
+ * @param {Vector} along
+ */
 function boxHit({ low, high }, from, along) {
   let [enter, leave] = [-Infinity, Infinity];
   for (let k = 0; k < 3; k++) {

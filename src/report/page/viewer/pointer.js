@@ -23,7 +23,12 @@ const ARROW_KEYS = {
   ArrowDown: [0, 24],
 };
 
-/** Listens to pointer, wheel and keys. @param {PointerTarget} target @param {HTMLCanvasElement} canvas @param {ViewerOptions} options */
+/**
+ * Listens to pointer, wheel and keys.
+ * @param {PointerTarget} target
+ * @param {HTMLCanvasElement} canvas
+ * @param {ViewerOptions} options
+ */
 function listenToPointer(target, canvas, options) {
   /** Whether the wheel zooms. It does after a click; before, it scrolls the page. */
   let taken = options.wheel === "always";
@@ -55,15 +60,26 @@ function listenToPointer(target, canvas, options) {
   });
 }
 
-/** Returns where an event is in the picture, px. @param {Element} canvas @param {MouseEvent} event */
+/**
+ * Returns where an event is in the picture, px.
+ * @param {Element} canvas
+ * @param {MouseEvent} event
+ */
 function placeOf(canvas, event) {
   const box = canvas.getBoundingClientRect();
   return [event.clientX - box.left, event.clientY - box.top];
 }
 
-/** @param {PointerTarget} target @param {HTMLCanvasElement} canvas @param {() => void} begin */
+/**
+ * @param {PointerTarget} target
+ * @param {HTMLCanvasElement} canvas
+ * @param {() => void} begin
+ */
 function listenToDrags(target, canvas, begin) {
-  /** Places of the pointers that are down. @type {Map<number, number[]>} */
+  /**
+   * Places of the pointers that are down.
+   * @type {Map<number, number[]>}
+   */
   const down = new Map();
   let travelled = 0;
   canvas.addEventListener("pointerdown", (event) => {
@@ -100,14 +116,24 @@ function listenToDrags(target, canvas, begin) {
   canvas.addEventListener("pointercancel", release);
 }
 
-/** Zooms and shifts by two fingers. @param {PointerTarget} target @param {number[]} before @param {number[]} at @param {number[]} other */
+/**
+ * Zooms and shifts by two fingers.
+ * @param {PointerTarget} target
+ * @param {number[]} before
+ * @param {number[]} at
+ * @param {number[]} other
+ */
 function pinch(target, before, at, other) {
   const [was, is] = [before, at].map((place) => Math.hypot(place[0] - other[0], place[1] - other[1]));
   if (was > 1) target.zoom(was / Math.max(is, 1));
   target.shift((at[0] - before[0]) / 2, (at[1] - before[1]) / 2);
 }
 
-/** Acts on a key; returns whether it means something. @param {PointerTarget} target @param {KeyboardEvent} event */
+/**
+ * Acts on a key; returns whether it means something.
+ * @param {PointerTarget} target
+ * @param {KeyboardEvent} event
+ */
 function pressKey(target, event) {
   const step = ARROW_KEYS[event.key];
   if (step && event.shiftKey) target.shift(...step);

@@ -21,7 +21,10 @@ function settle(view) {
   view.floorBounds = floorBounds(model, extent);
 }
 
-/** @param {View} view @returns {ColourScale} */
+/**
+ * @param {View} view
+ * @returns {ColourScale}
+ */
 function colourScale(view) {
   const { model, state, drawing } = view;
   /** @type {ColourScale} */
@@ -44,7 +47,11 @@ function colourScale(view) {
   return { ...scale, comparison: { ...comparison, greatest: comparison.greatest || 1 } };
 }
 
-/** Returns by how much the error arrows are magnified: the longest spans about two nodes. @param {View} view @param {number} extent mm */
+/**
+ * Returns by how much the error arrows are magnified: the longest spans about two nodes.
+ * @param {View} view
+ * @param {number} extent mm
+ */
 function magnificationOf({ model, state, drawing, lens: index, spacing }, extent) {
   const lens = drawing.lenses[index];
   // Arrows to both sides need more room.
@@ -55,7 +62,11 @@ function magnificationOf({ model, state, drawing, lens: index, spacing }, extent
   return roundDown(clamp(spacing * nodes, extent * 0.02 * nodes, extent * 0.13) / longest);
 }
 
-/** Returns the bounds of the floor: the cell with a margin, in whole half metres. @param {Extent} box @param {number} extent mm */
+/**
+ * Returns the bounds of the floor: the cell with a margin, in whole half metres.
+ * @param {Extent} box
+ * @param {number} extent mm
+ */
 function floorBounds({ low, high }, extent) {
   const STEP = 500;
   const margin = Math.max(300, extent * 0.1);

@@ -25,10 +25,16 @@ function makeTimeline(view, play, show) {
   return { box, button, slider, stops, clock, goTo, movement: /** @type {Movement | null} */ (null) };
 }
 
-/** Returns the last time of a movement, s. @param {Movement} movement */
+/**
+ * Returns the last time of a movement, s.
+ * @param {Movement} movement
+ */
 const durationOf = (movement) => movement.times_s.at(-1) ?? 0;
 
-/** @param {ReturnType<typeof makeTimeline>} timeline @param {View} view */
+/**
+ * @param {ReturnType<typeof makeTimeline>} timeline
+ * @param {View} view
+ */
 function showTimeline(timeline, view) {
   const { movement } = view.drawing;
   const { box, button, slider, clock } = timeline;
@@ -48,7 +54,11 @@ function showTimeline(timeline, view) {
     : "The paths between the spots were not checked for collision: add [transfer] to the cell to check them.";
 }
 
-/** Puts a button below the slider for every stop. @param {ReturnType<typeof makeTimeline>} timeline @param {Movement} movement */
+/**
+ * Puts a button below the slider for every stop.
+ * @param {ReturnType<typeof makeTimeline>} timeline
+ * @param {Movement} movement
+ */
 function showStops({ stops, goTo }, movement) {
   const shares = movement.stops.map((stop) => clamp(stop.time_s / (durationOf(movement) || 1), 0, 1));
   const buttons = movement.stops.map((stop, k) => {

@@ -8,7 +8,10 @@ function makeTip(stage) {
   return box;
 }
 
-/** @param {HTMLElement} box @param {View} view */
+/**
+ * @param {HTMLElement} box
+ * @param {View} view
+ */
 function showTip(box, view) {
   const { picked, width, height } = view;
   box.hidden = !picked;
@@ -21,7 +24,11 @@ function showTip(box, view) {
   box.style.transform = `translate(${Math.max(x, 4).toFixed(0)}px, ${y.toFixed(0)}px)`;
 }
 
-/** Returns what is known of a node, line by line. @param {View} view @param {NodeReference} node */
+/**
+ * Returns what is known of a node, line by line.
+ * @param {View} view
+ * @param {NodeReference} node
+ */
 function nodeLines(view, { field, index }) {
   const { drawing } = view;
   const place = nodeAt(field, index).map((value) => value.toFixed(0));
@@ -38,7 +45,11 @@ function nodeLines(view, { field, index }) {
   return lines;
 }
 
-/** @param {View} view @param {Field} field @param {number} index */
+/**
+ * @param {View} view
+ * @param {Field} field
+ * @param {number} index
+ */
 function errorLines(view, field, index) {
   const { drawing, lens, scale } = view;
   const { reading, model, signed } = drawing.lenses[lens];
@@ -60,6 +71,9 @@ function errorLines(view, field, index) {
   return lines;
 }
 
-/** @param {JointRecord} joint @param {number} value */
+/**
+ * @param {JointRecord} joint
+ * @param {number} value
+ */
 const jointWords = ({ name, unit }, value) =>
   `${name} ${value.toFixed(1)}${unit === "deg" ? "\u00b0" : " mm"}`;

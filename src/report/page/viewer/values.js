@@ -1,6 +1,10 @@
 // What is asked of a document: values and errors of nodes, and where the robot is at a time.
 
-/** Returns the fields shown: all, or the one of an operation. @param {View} view @returns {Field[]} */
+/**
+ * Returns the fields shown: all, or the one of an operation.
+ * @param {View} view
+ * @returns {Field[]}
+ */
 const shownFields = ({ drawing, state }) =>
   drawing.fields.filter((field) => state.operation === null || field.operation === state.operation);
 
@@ -22,10 +26,20 @@ function senseIn(field, name) {
   return index < 0 ? field.sense : index;
 }
 
-/** Returns the sense shown of a field. @param {View} view @param {Field} field */
+/**
+ * Returns the sense shown of a field.
+ * @param {View} view
+ * @param {Field} field
+ */
 const shownSense = (view, field) => field.senses[senseIn(field, view.state.sense)];
 
-/** Returns the value of a node in a sense; NaN without one. @param {Field} field @param {number} lens @param {string} sense @param {number} k */
+/**
+ * Returns the value of a node in a sense; NaN without one.
+ * @param {Field} field
+ * @param {number} lens
+ * @param {string} sense
+ * @param {number} k
+ */
 function valueAt(field, lens, sense, k) {
   const index = field.senses.findIndex((one) => one.name === sense);
   return index < 0 ? Number.NaN : field.takes[lens].values[index][k];
@@ -86,15 +100,20 @@ function longestError(model, lens, arrows) {
   return longest;
 }
 
-/** Returns the error of a node; null without one. @param {Field} field @param {number} lens @param {number} k */
+/**
+ * Returns the error of a node; null without one.
+ * @param {Field} field
+ * @param {number} lens
+ * @param {number} k
+ */
 function errorAt(field, lens, k) {
   const error = pointAt(field.takes[lens].error, k);
   return Number.isNaN(error[0]) ? null : error;
 }
 
 /**
- * Returns the resultant error. An unsigned reading has the direction of its worst corner and the length of its
- * value in xyz.
+ * Returns the resultant error. An unsigned reading has the direction of its worst corner and the length of
+ * its value in xyz.
  * @param {Field} field
  * @param {number} lens
  * @param {number} k
@@ -165,7 +184,11 @@ function framesAt(movement, time) {
   });
 }
 
-/** Returns the operation whose part the robot holds at a time; null for none. @param {Movement} movement @param {number} time */
+/**
+ * Returns the operation whose part the robot holds at a time; null for none.
+ * @param {Movement} movement
+ * @param {number} time
+ */
 function heldAt({ times_s: moments, holding }, time) {
   const next = moments.findIndex((moment) => moment > time);
   const index = next < 0 ? moments.length - 1 : Math.max(next - 1, 0);
