@@ -16,7 +16,7 @@ use nalgebra::{Matrix4, Vector4};
 use rayon::prelude::*;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
-use std::sync::atomic::{AtomicBool, Ordering as EvaluatorScratch};
+use std::sync::atomic::{AtomicBool, Ordering as MemoryOrdering};
 
 /// Boxes of a round: many enough for all threads, few enough to stay near the least bound.
 const ROUND: usize = 64;
@@ -93,7 +93,7 @@ pub(super) fn least(task: &Task<'_>, known: f64, gap: f64, boxes: u64, stop: &At
         if first.bound >= enough(upper) || found.boxes >= boxes {
             break;
         }
-        if stop.load(EvaluatorScratch::Relaxed) {
+        if stop.load(MemoryOrdering::Relaxed) {
             found.interrupted = true;
             break;
         }
