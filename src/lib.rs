@@ -52,8 +52,7 @@
 //! | [`report`] | say it | records to JSON, CSV, SVG, TOML, text |
 //! | [`cli`] | edge | arguments, files, progress, exit codes |
 //!
-//! Below them all, [`units`] converts and [`pose`] holds rigid transforms. `lanes` does the arithmetic of several
-//! nodes at once: it ranks them, and the code for one node judges.
+//! Below them all, [`units`] converts and [`pose`] holds rigid transforms.
 //!
 //! `evaluate` takes a [`layout::Workcell`], a cell made ready (chain, inverse kinematics, parry shapes), and not the
 //! bare cell: a search prepares once and evaluates hundreds of thousands of times.
@@ -107,7 +106,6 @@ pub mod drawing;
 pub mod error_map;
 pub mod files;
 pub mod kinematic_error;
-pub mod lanes;
 pub mod layout;
 pub mod low_discrepancy;
 pub mod motion;

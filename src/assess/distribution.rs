@@ -57,7 +57,7 @@ fn judged(
     let read = a.workcell.interpreted(&interpretation)?;
     let posed = read.posed(&a.layout, &a.maps, operation, posture);
     let (situation, frames) = posed.map_err(|why| why.in_words().to_string())?;
-    let gauge = read.gauge(operation);
+    let gauge = read.evaluator(operation);
     let figures = gauge.judge(&situation, &frames, &mut gauge.memory()).figures[gauge.own()];
     Ok((read, figures))
 }
@@ -71,6 +71,6 @@ fn sampled(
 ) -> Result<MonteCarlo, String> {
     let posed = read.posed(&a.layout, &a.maps, operation, posture);
     let (situation, frames) = posed.map_err(|why| why.in_words().to_string())?;
-    let gauge = read.gauge(operation);
+    let gauge = read.evaluator(operation);
     Ok(monte_carlo(gauge, &situation, &frames, SAMPLES, a.cell.search.seed, p95))
 }

@@ -83,7 +83,7 @@ impl<'a> Stance<'a> {
             node: Some((node.i, node.j)),
             position: node.position,
             joints: posture.joints,
-            gauge: workcell.gauge(operation).clone(),
+            gauge: workcell.evaluator(operation).clone(),
             situation,
             frames,
         })

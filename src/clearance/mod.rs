@@ -37,7 +37,7 @@ pub use convex_decomposition::Remember;
 pub use distance::{ACCURACY, Nearness};
 pub use floor_plan::{FloorPlan, Overlap, Party, Separation};
 pub use pairs::{Load, Pair};
-pub use placed_solids::PlacedSolids;
+pub use placed_solids::{ContactMemory, PlacedSolids};
 pub use scene::Scene;
 pub use self_collision_pairs::{Allowed, SelfCollisionPair};
 pub use spacing::footprint;

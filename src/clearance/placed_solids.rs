@@ -8,7 +8,7 @@ use crate::cell::{MAX_JOINTS, Placement};
 use crate::pose::Pose;
 use nalgebra::Vector3;
 
-/// Solids of the equipment posed for one layout, with working memory that is reused between layouts.
+/// Solids of the equipment posed for one layout; the memory is reused between layouts.
 #[derive(Default)]
 pub struct PlacedSolids {
     /// Pose of the robot base in the world; None if both frames are the same.
@@ -16,6 +16,13 @@ pub struct PlacedSolids {
     pub(super) bodies: Vec<PlacedSolid>,
     /// Contact of the robot base itself, which no posture can avoid.
     pub(super) base_hit: Option<Hit>,
+}
+
+/// Memory that speeds up [`Scene::is_free`](super::Scene::is_free) over a series of postures.
+///
+/// It changes no verdict, so one memory serves any layout.
+#[derive(Default)]
+pub struct ContactMemory {
     /// Link and placed solid of the last contact, asked first because the next posture most likely has it too.
     pub(super) suspect: Option<(usize, usize)>,
     /// Bounding capsules of the links in the last posture, world frame.

@@ -10,7 +10,9 @@ use super::contact::{Hit, SolidRef};
 use super::convex_decomposition::Remember;
 use super::fence;
 use super::link_solids::{self, LinkSolid};
-use super::placed_solids::{EquipmentSolids, LinkFrames, LinkPoses, PlacedSolid, PlacedSolids};
+use super::placed_solids::{
+    ContactMemory, EquipmentSolids, LinkFrames, LinkPoses, PlacedSolid, PlacedSolids,
+};
 use super::self_collision_pairs::{self, SelfCollisionPair};
 use crate::cell::{Cell, Equipment, Layout, MAX_JOINTS, Placement};
 use crate::pose::Pose;
@@ -79,7 +81,7 @@ impl Scene {
         placed.bodies.clear();
         let base = layout.base.pose();
         placed.base = (base != Pose::identity()).then_some(base);
-        (placed.base_hit, placed.suspect) = (None, None);
+        placed.base_hit = None;
         if !self.enabled {
             return;
         }
@@ -112,22 +114,29 @@ impl Scene {
     }
 
     /// Returns whether [`Self::hit`] finds no contact; faster for a series of postures.
-    pub fn is_free(&self, placed: &mut PlacedSolids, frames: &LinkFrames, operation: Option<usize>) -> bool {
+    pub fn is_free(
+        &self,
+        placed: &PlacedSolids,
+        frames: &LinkFrames,
+        operation: Option<usize>,
+        memory: &mut ContactMemory,
+    ) -> bool {
         if !self.enabled || placed.base_hit.is_some() {
             return placed.base_hit.is_none();
         }
-        let PlacedSolids { base, bodies, suspect, capsules, .. } = placed;
-        let poses = LinkPoses { frames, base: base.as_ref() };
+        let poses = LinkPoses { frames, base: placed.base.as_ref() };
+        let ContactMemory { suspect, capsules } = memory;
         if let Some((k, body)) = *suspect
-            && let link = &self.links[k]
+            && let (Some(link), Some(body)) = (self.links.get(k), placed.bodies.get(body))
             && link.is_there(operation)
-            && self.touches(link, &poses.capsule(link), poses, &bodies[body])
+            && link.spared != Some(body.id.0)
+            && self.touches(link, &poses.capsule(link), poses, body)
         {
             return false;
         }
         capsules.clear();
         capsules.extend(self.links.iter().map(|l| poses.capsule(l)));
-        let outside = self.outside_hit(bodies, poses, capsules, operation);
+        let outside = self.outside_hit(&placed.bodies, poses, capsules, operation);
         *suspect = outside.and_then(|(k, (_, body))| Some((k, body?)));
         outside.is_none() && self.own_hit(frames, capsules, operation).is_none()
     }

@@ -29,14 +29,12 @@
 mod discrepancy;
 mod expansion;
 mod identification;
-mod lanes;
 mod nonlinear;
 mod perturbation;
 
 pub use discrepancy::{Discrepancy, NEGLIGIBLE, deviation, discrepancy};
 pub use expansion::{Expansion, MotionTerm};
 pub use identification::{ParameterSet, condition, identifiable, identification_jacobian};
-pub use lanes::WrongChain;
 pub use perturbation::{FrameError, JointErrors, LinkError, Perturbation, Turn};
 
 use crate::cell::Model;

@@ -47,7 +47,7 @@ impl<'a> Task<'a> {
     /// Why there is no bound.
     pub fn new(workcell: &'a Workcell, region: &Region) -> Result<Self, WhyNot> {
         let cell = &workcell.cell;
-        let (operation, gauge) = (&cell.operations[region.operation], workcell.gauge(region.operation));
+        let (operation, gauge) = (&cell.operations[region.operation], workcell.evaluator(region.operation));
         let chain = workcell.inverse().chain();
         refuse(cell, region.operation)?;
         let rows = rows(cell, gauge, region.operation)?;

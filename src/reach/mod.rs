@@ -11,21 +11,21 @@
 //! | `limits` | joint limits with wrap-around |
 //! | `shell` | a bounding shell of the reach, a cheap test before any inverse kinematics |
 //! | `envelope` | sections, volume and extent of the reach |
-//! | `lanes`, `cones` | the planar arm for several nodes at once (SIMD) |
+//! | `planar_geometry`, `limit_cones` | the planar arm as plain data, for code that solves many targets at once |
 
 mod attitude_limits;
 mod attitude_set;
 mod branch;
 mod closed_form;
-mod cones;
 mod envelope;
 mod fixed_elevation;
 mod held_joint;
 mod inverse;
-mod lanes;
+mod limit_cones;
 mod limits;
 mod numeric;
 mod numeric_branches;
+mod planar_geometry;
 mod pose_solver;
 mod redundancy;
 mod shell;
@@ -37,10 +37,11 @@ pub use closed_form::spherical_wrist::SphericalWrist;
 pub use closed_form::three_parallel::ThreeParallel;
 pub use envelope::{Envelope, EnvelopeExtent, EnvelopeSection, Fineness, Outline, Size};
 pub use inverse::Inverse;
-pub use lanes::{Level, PlanarLanes, Targets, Wrist};
+pub use limit_cones::LimitCone;
 pub use limits::LimitViolation;
 pub use numeric::{AttitudeGoal, Numeric, Shortfall, TcpGoal, jacobian};
 #[doc(hidden)] // open for tests/it
 pub use numeric::{least_turn, rotation_vector};
+pub use planar_geometry::PlanarGeometry;
 pub use shell::Shell;
 pub use tool_attitudes::{PlanarAttitude, ToolAttitudes};

@@ -6,11 +6,11 @@ use super::attitude_set::AttitudeSet;
 /// parallel link.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlanarAttitude {
-    pub(in crate::reach) cos_phi: f64,
-    pub(in crate::reach) sin_phi: f64,
+    pub cos_phi: f64,
+    pub sin_phi: f64,
     /// Position of the TCP relative to the wrist along and across the plane's horizontal, m.
-    pub(in crate::reach) u: f64,
-    pub(in crate::reach) v: f64,
+    pub u: f64,
+    pub v: f64,
     /// Cosine of the elevation; negative if the tool points against theta_1.
     pub(in crate::reach) cos_elevation: f64,
     /// Sine of the elevation.

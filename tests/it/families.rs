@@ -64,7 +64,7 @@ fn a_six_axis_cell_beside_ten_thousand_triangles_is_searched() {
         solids.map(|s| if let Shape::Mesh { triangles, .. } = &s.shape { triangles.len() } else { 0 }).sum();
     assert!((9_000..11_000).contains(&triangles), "{triangles} triangles");
     let machine = cell.equipment.iter().position(|e| e.name == "machine").unwrap();
-    // Over the table: what was free is in the way.
+    // The machine moves over the table and blocks free postures.
     let at = cell.start().placements[0];
     cell.equipment[machine].placement = [at.x, at.y - 0.15, at.z + 0.15, 0.0].map(Coordinate::Fixed);
     let workcell = Workcell::new(cell).unwrap();

@@ -66,7 +66,7 @@ fn a_legend_lists_exactly_the_node_signs_in_the_map() {
             counted += map.count(status);
         }
         assert_eq!(counted, map.nodes.len(), "another status has no words here");
-        // A title for every node, in the words of the map.
+        // Every node has a title in the words of the map.
         assert_eq!(svg.matches("<title>(").count(), map.nodes.len());
     }
 }
@@ -104,7 +104,7 @@ fn maps_of_few_nodes_or_constant_values_are_drawn() {
     assert!(!flat.contains("iso-lines every"));
     let other = draw("other", &|field| field.takes[0].best = field.usable().last());
     assert!(texts(&other).contains(&"spot in this reading".to_string()));
-    // Points: all along the first axis.
+    // The nodes are points along the first axis.
     let dots = draw("points", &|field| field.size = (field.nodes.len(), 1));
     assert!(dots.matches("<circle").count() >= usable.len());
     let row = draw("row", &|field| {
@@ -125,7 +125,7 @@ fn the_spot_is_drawn_where_the_axes_place_it() {
     let svg = heat_map(&drawing, 0, 0, drawing.fields[0].sense, (0.003, 0.006));
     let document = roxmltree::Document::parse(&svg).unwrap();
     let all = || document.descendants().filter(|n| n.tag_name().name() == "text");
-    // Numbers along the foot, each under its gridline.
+    // Numbers stand along the foot, each under its gridline.
     let ticks: Vec<(f64, f64)> = all()
         .filter(|n| n.attribute("text-anchor") == Some("middle"))
         .filter_map(|n| Some((n.text()?.parse().ok()?, number(&n, "x"))))

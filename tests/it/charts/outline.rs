@@ -40,7 +40,7 @@ fn the_outline_of_a_concave_solid_keeps_its_gaps() {
     both.triangles.extend(other.triangles.iter().map(|t| t.map(|k| k + shift)));
     let plan = silhouette(&both, |p| (p.x, p.y));
     assert!(plan.len() > 1 && plan.iter().all(|t| area(t) > 0.0));
-    // Seen from above each face counts twice, top and bottom.
+    // Seen from above, each face counts twice: top and bottom.
     assert!((plan.iter().map(|t| area(t)).sum::<f64>() - 4.0).abs() < 1e-12);
     assert!(plan.concat().iter().all(|p| p.0 <= 0.5 || p.0 >= 2.5));
 }

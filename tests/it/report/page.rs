@@ -57,7 +57,7 @@ fn the_drawing_document_agrees_with_the_drawing() {
         check_fields(drawing, written);
         check_movement(drawing, written);
     }
-    // What both show is written once.
+    // Meshes that both drawings show are written once.
     let meshes = document["meshes"].as_array().unwrap().len();
     assert!(meshes <= drawings[0].parts.len() + 1, "{meshes}");
 }
@@ -150,7 +150,7 @@ fn the_document_of_99_nodes_under_nine_lenses_is_small() {
     assert_eq!((drawing.fields[0].nodes.len(), drawing.lenses.len()), (99, 9));
     let document = report::json::drawings(&[drawing]);
     keep_to_look_at("sweetspot-viewer-paper.html", &page(&document));
-    // Of two layouts: they share their meshes at best, and nothing else.
+    // Two layouts share their meshes at best, and nothing else.
     let bytes = document.to_string().len() + document["drawings"][0].to_string().len();
     assert!(bytes < 500_000, "{bytes} bytes");
 }

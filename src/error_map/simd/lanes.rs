@@ -1,30 +1,27 @@
-//! One number of several nodes at once: f64 in lanes, as many as the processor has.
-//!
-//! What is found in lanes ranks nodes and rejects the hopeless ones; the code for one node judges those
-//! that are left. So no result depends on the processor.
+//! Arithmetic in SIMD lanes: one f64 for each of several nodes, as many as the processor has.
 
 use std::ops::{Add, BitOr, Mul, Neg, Sub};
 
-pub use pulp::{Arch, Simd, WithSimd};
+use pulp::Simd;
 
-/// No processor has more lanes of f64, and a multiple of this many fills the lanes of all.
-pub const MOST_LANES: usize = 8;
+/// Upper bound on the number of f64 lanes. A multiple of it fills the lanes of every processor.
+pub const MAX_LANES: usize = 8;
 
-/// A number of every node in the lanes.
+/// One number per node, in lanes.
 #[derive(Clone, Copy)]
 pub struct Lanes<S: Simd> {
     simd: S,
     of: S::f64s,
 }
 
-/// Yes or no for every node in the lanes.
+/// One truth value per node, in lanes.
 #[derive(Clone, Copy)]
 pub struct Mask<S: Simd> {
     simd: S,
     of: S::m64s,
 }
 
-/// Cosine and sine of an angle of every node in the lanes.
+/// Cosine and sine of one angle per node, in lanes.
 pub type CosSin<S> = (Lanes<S>, Lanes<S>);
 
 impl<S: Simd> Lanes<S> {
@@ -33,7 +30,7 @@ impl<S: Simd> Lanes<S> {
         Self { simd, of }
     }
 
-    /// The same number in every lane.
+    /// Puts one number into every lane.
     #[inline(always)]
     pub fn all(simd: S, value: f64) -> Self {
         Self { simd, of: simd.splat_f64s(value) }
@@ -44,7 +41,7 @@ impl<S: Simd> Lanes<S> {
         self.of
     }
 
-    /// The same number in every lane, beside numbers that are there already.
+    /// Puts one number into every lane, with the lane count of `self`.
     #[inline(always)]
     pub fn like(self, value: f64) -> Self {
         Self::all(self.simd, value)
@@ -71,19 +68,19 @@ impl<S: Simd> Lanes<S> {
         Self { of: self.simd.min_f64s(up, self.simd.splat_f64s(high)), ..self }
     }
 
-    /// `self * by + plus`, rounded once where the processor can.
+    /// Computes `self * by + plus`, rounded once where the processor can.
     #[inline(always)]
     pub fn times_plus(self, by: Self, plus: Self) -> Self {
         Self { of: self.simd.mul_add_e_f64s(self.of, by.of, plus.of), ..self }
     }
 
-    /// No where either is no number.
+    /// Compares lane by lane; false where a number is NaN.
     #[inline(always)]
     pub fn is_above(self, other: f64) -> Mask<S> {
         Mask { simd: self.simd, of: self.simd.greater_than_f64s(self.of, self.simd.splat_f64s(other)) }
     }
 
-    /// No where either is no number.
+    /// Compares lane by lane; false where a number is NaN.
     #[inline(always)]
     pub fn is_below(self, other: Self) -> Mask<S> {
         Mask { simd: self.simd, of: self.simd.less_than_f64s(self.of, other.of) }
@@ -91,11 +88,13 @@ impl<S: Simd> Lanes<S> {
 }
 
 impl<S: Simd> Mask<S> {
+    /// Takes `yes` in the lanes that are true, `no` in the others.
     #[inline(always)]
     pub fn choose(self, yes: Lanes<S>, no: Lanes<S>) -> Lanes<S> {
         Lanes { simd: self.simd, of: self.simd.select_f64s(self.of, yes.of, no.of) }
     }
 
+    /// Returns whether every lane is true.
     #[inline(always)]
     pub fn is_all(self) -> bool {
         let no = self.simd.not_m64s(self.of);

@@ -1,38 +1,38 @@
-//! The chain as it is built, for many postures at once: eqs. (4)-(6) as a product of constant motions
-//! with the turns of the joints between them.
+//! The chain as built, with its errors: eqs. (4)-(6) as a product of constant motions and joint turns.
 //!
-//! `T' = B_0 Rz(theta_1) B_1 Rz(theta_2) B_2 ... B_N`: what is wrong is in the `B`, made once. The error
-//! is then a difference of two places some metres away, good to 1e-14 m: enough to rank nodes by, and
-//! no more.
+//! In `T' = B_0 Rz(theta_1) B_1 Rz(theta_2) B_2 ... B_N` all errors are in the constant motions `B`, which
+//! are computed once. The error is then a difference of two positions some metres away, good to 1e-14 m:
+//! enough to rank nodes.
 
-use super::{FrameError, Perturbation, Turn};
+use super::lanes::{CosSin, Lanes};
 use crate::cell::JointKind;
-use crate::lanes::{CosSin, Lanes, Simd};
+use crate::kinematic_error::{FrameError, Perturbation, Turn};
 use crate::pose::Pose;
 use crate::robot::Chain;
 use nalgebra::{Rotation3, Vector3};
+use pulp::Simd;
 
-/// A chain and a signed sample of its errors.
+/// A chain with a signed sample of its errors.
 #[derive(Debug, Clone, PartialEq)]
-pub struct WrongChain {
-    /// `B_0`, base frame.
+pub struct PerturbedChain {
+    /// The first constant motion `B_0`, base frame.
     pub base: Pose,
-    /// `B_1` to `B_(N-1)`.
-    between: Vec<Between>,
-    /// The TCP behind the last turn.
+    /// The constant motions `B_1` to `B_(N-1)`.
+    between: Vec<ConstantMotion>,
+    /// TCP behind the last turn, m.
     tip: Vector3<f64>,
 }
 
-/// A constant motion between two joints.
+/// A constant motion between two joint turns.
 #[derive(Debug, Clone, PartialEq)]
-struct Between {
+struct ConstantMotion {
     pose: Pose,
-    /// It turns about x alone, as most links do: no dtheta, dbeta or error of a joint frame.
+    /// Whether it turns about x alone, as most links do: no dtheta, dbeta or error of a joint frame.
     twists: bool,
 }
 
-impl WrongChain {
-    /// None of a chain with a joint that slides.
+impl PerturbedChain {
+    /// Prepares a chain; None if a joint is prismatic.
     pub fn new(chain: &Chain, errors: &Perturbation) -> Option<Self> {
         if chain.links.iter().any(|l| l.kind == JointKind::Prismatic) {
             return None;
@@ -59,11 +59,12 @@ impl WrongChain {
         let twists = |pose: &Pose| {
             pose.rotation.column(0) == Vector3::x() && pose.rotation.row(0) == Vector3::x().transpose()
         };
-        let between = constant.into_iter().map(|pose| Between { twists: twists(&pose), pose }).collect();
+        let between =
+            constant.into_iter().map(|pose| ConstantMotion { twists: twists(&pose), pose }).collect();
         Some(Self { base, between, tip: last.translation })
     }
 
-    /// The TCP in the frame behind [`Self::base`], at cosines and sines of every theta.
+    /// Computes the TCP in the frame behind [`Self::base`], from cosines and sines of every theta.
     #[inline(always)]
     pub fn tip<S: Simd>(&self, turns: &[CosSin<S>]) -> [Lanes<S>; 3] {
         let any = turns[0].0;
@@ -79,8 +80,8 @@ impl WrongChain {
     }
 }
 
-impl Between {
-    /// A point moved.
+impl ConstantMotion {
+    /// Moves a point.
     #[inline(always)]
     fn moved<S: Simd>(&self, p: &[Lanes<S>; 3]) -> [Lanes<S>; 3] {
         let Pose { rotation: r, translation: t } = &self.pose;
@@ -99,7 +100,7 @@ impl Between {
     }
 }
 
-/// What the error of a frame does to all behind it: the slides, then the turns about z, y and x.
+/// Returns the motion that an error of a frame makes: the slides, then the turns about z, y and x.
 fn moved(error: &FrameError) -> Pose {
     let axes = [Vector3::z(), Vector3::y(), Vector3::x()];
     let slide = Pose { translation: Vector3::from(error.slides), ..Pose::identity() };

@@ -1,4 +1,4 @@
-//! What the map says of a node.
+//! Records of an error map: status, posture and errors of every node.
 
 use super::outcome::{Spot, Unjudged};
 use crate::cell::{Cell, JointKind, JointVector, Model, Sense};
@@ -10,43 +10,44 @@ use crate::reading::Figures;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use nalgebra::Vector3;
 
-/// Why a node can or cannot be used. Different answers, never one score.
+/// Whether a node can be used, and why not.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Status {
     Ok,
-    /// No posture at all; so many metres are missing.
+    /// No posture reaches the node; `by` is the missing distance, m.
     OutOfReach {
         by: f64,
     },
-    /// In reach, but so much of the attitude is missing (rad), with this joint at its limit.
+    /// The node is in reach, but the attitude is missed by so much (rad), with this joint at its limit.
     Attitude {
         by: f64,
         joint: Option<usize>,
     },
-    /// The numeric inverse kinematics came no nearer than this (m, rad): there may be a posture.
+    /// Numeric inverse kinematics came no nearer than this (m, rad); there may be a posture.
     NotConverged {
         position: f64,
         angle: f64,
     },
-    /// Every posture passes a joint limit; the least violation.
+    /// Every posture passes a joint limit; this is the least violation.
     JointLimit {
         violation: LimitViolation,
         needs: f64,
     },
-    /// Every posture within the limits touches something; what the least-error one touches.
+    /// Every posture within the limits collides; this is the contact of the least-error one.
     Collision {
         hit: Hit,
     },
-    /// Every posture within the limits touches something or is refused for its motion; why the
-    /// least-error one is.
+    /// Every posture within the limits collides or is refused by the rules of motion; this is the refusal of
+    /// the least-error one.
     Refused(PostureRefusal),
-    /// The equipment that carries the node stands where it cannot.
+    /// The equipment that carries the node overlaps something.
     Overlap(Overlap),
-    /// It can be reached, but its error depends on something that is missing.
+    /// The node can be reached, but its error depends on something that is missing.
     Unjudged(Unjudged),
 }
 
 impl Status {
+    /// Returns the name of the status in documents.
     pub fn name(&self) -> &'static str {
         match self {
             Status::Ok => "ok",
@@ -60,7 +61,7 @@ impl Status {
         }
     }
 
-    /// The reason in words, with the names of the cell; empty if the node is ok.
+    /// Returns the reason as a phrase with the names of the cell; empty if the node is ok.
     pub fn reason(&self, cell: &Cell) -> String {
         match self {
             Status::Ok => String::new(),
@@ -105,44 +106,49 @@ impl Status {
     }
 }
 
-/// One node of the map. Joints and errors are those of the branch reported: the least error among
-/// the usable ones; if the node collides, the least error within the limits; else none.
+/// One node of a map.
+///
+/// The posture is the least-error usable one; if none is usable, the least-error one within the limits.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NodeRecord {
     pub i: usize,
     pub j: usize,
-    /// TCP target, world, m.
+    /// TCP target, world frame, m.
     pub position: Vector3<f64>,
     pub status: Status,
     pub posture: Option<PostureRecord>,
 }
 
-/// The branch reported for a node, errors in the world frame (m, rad): those of the signed sample,
-/// or, of a tolerance, those of the corner that is worst in the sense of the operation.
+/// The posture reported for a node, with its errors in the world frame.
+///
+/// The errors are those of the signed sample; of a tolerance, those of the corner that is worst in the
+/// sense of the operation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PostureRecord {
     pub branch: u32,
     pub joints: JointVector,
-    /// By the model of the cell.
+    /// Position error by the model of the cell, m.
     pub error: Vector3<f64>,
+    /// Rotation error by the model of the cell, as a rotation vector, rad.
     pub rotation: Vector3<f64>,
+    /// Position error by the nonlinear model and by the linear model, m.
     pub nonlinear: Vector3<f64>,
     pub linear: Vector3<f64>,
-    /// How far these models are from the nonlinear one, as a share of its resultant.
+    /// Deviation of the linear and second-order models from the nonlinear one, as a share of its resultant.
     pub linear_off: f64,
     pub second_order_off: f64,
-    /// Whether the node was touched to teach the frame: it cannot be the spot.
+    /// Whether the node was touched to teach the frame, so that it cannot be the spot.
     pub touched: bool,
-    /// What the reading makes small: m, rad or a share of failures.
+    /// Value that the reading minimizes: m, rad or a share of failures.
     pub value: f64,
     /// One per sense of [`OperationMap::senses`].
     pub figures: Vec<Figures>,
-    /// P(|error| <= limit), of an operation with a limit.
+    /// Probability that the error keeps the limit; None without a limit.
     pub success: Option<f64>,
 }
 
 impl PostureRecord {
-    /// How far a model is from the nonlinear one.
+    /// Returns the deviation of a model from the nonlinear one, as a share of its resultant.
     pub fn off(&self, model: Model) -> f64 {
         match model {
             Model::Nonlinear => 0.0,
@@ -160,15 +166,15 @@ pub struct OperationMap {
     /// The senses in which every node is reported: the paper's, and the operation's own.
     pub senses: Vec<Sense>,
     pub nodes: Vec<NodeRecord>,
-    /// Index of the usable node with the least value; of an operation that happens at every node, of
-    /// the one with the greatest, if all are usable.
+    /// Index of the usable node with the least value. For an operation at every node: the node with the
+    /// greatest value, if all are usable.
     pub best: Option<usize>,
-    /// What the operation is worth: the value of that node, or that of all nodes together.
+    /// Value of the operation: that of the best node, or of all nodes together.
     pub value: Option<f64>,
 }
 
 impl OperationMap {
-    /// Marks what could be used as blocked: the surface itself stands where it cannot.
+    /// Marks every reachable node as blocked, since the equipment overlaps something.
     pub fn block(&mut self, overlap: Overlap) {
         let blocked = |n: &&mut NodeRecord| {
             matches!(
@@ -180,23 +186,26 @@ impl OperationMap {
         (self.best, self.value) = (None, None);
     }
 
+    /// Returns the node shown as the spot.
     pub fn best_node(&self) -> Option<&NodeRecord> {
         self.best.map(|k| &self.nodes[k])
     }
 
-    /// The spot of the operation.
+    /// Returns the spot of the operation.
     pub fn spot(&self) -> Option<Spot> {
         let posture = self.best_node()?.posture.as_ref()?;
         Some(Spot { node: self.best?, branch: posture.branch, value: self.value? })
     }
 
-    /// Place of a sense among the reported ones, by its name.
+    /// Returns the index of a reported sense by its name.
     pub fn sense(&self, name: &str) -> Option<usize> {
         self.senses.iter().position(|s| s.name == name)
     }
 
-    /// How far a model is from the nonlinear one over the usable nodes: the most (a share of the
-    /// resultant), at how many nodes it is more than `guard`, and of how many.
+    /// Compares a model with the nonlinear one over the usable nodes.
+    ///
+    /// Returns the largest deviation (a share of the resultant), the number of nodes with more than `guard`,
+    /// and the number of usable nodes.
     pub fn off(&self, model: Model, guard: f64) -> (f64, usize, usize) {
         let usable = self.nodes.iter().filter(|n| n.status == Status::Ok).filter_map(|n| n.posture.as_ref());
         usable.map(|p| p.off(model)).fold((0.0, 0, 0), |(most, above, all), off| {
@@ -204,7 +213,7 @@ impl OperationMap {
         })
     }
 
-    /// How many nodes have this status, by its name.
+    /// Counts the nodes with a status, by its name.
     pub fn count(&self, status: &str) -> usize {
         self.nodes.iter().filter(|n| n.status.name() == status).count()
     }
