@@ -286,7 +286,7 @@ fn a_stopped_search_is_reported_as_stopped() {
     assert!([Some(0), Some(1)].contains(&ran.code), "{}", ran.err);
     assert_eq!(ran.document()["ended"], "time-limit");
     assert_eq!(ran.document()["objective_value"], shop.document("found/search.json")["objective_value"]);
-    assert!(shop.text("report.html").contains("The search was stopped before its end"));
+    assert!(shop.text("report.html").contains("The search was stopped early"));
 }
 
 /// Names that would be markup, script, template or terminal codes if they were not escaped.
