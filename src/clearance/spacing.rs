@@ -2,9 +2,9 @@
 
 use super::fence;
 use super::floor_plan::FloorPlan;
-use super::floor_rectangle::{PlacedRectangle, PlanPoint, overlap_depth};
+use super::floor_rectangle::{PlacedRectangle, overlap_depth};
 use crate::cell::{Cell, Coordinate, Layout, Role};
-use crate::geometry::{convex_hull, polygon_area};
+use crate::geometry::{PlanePoint, convex_hull, polygon_area};
 
 impl FloorPlan {
     /// Returns the least distance in plan of floor spaces that must not overlap, at most `max` (m).
@@ -70,8 +70,8 @@ fn within(cell: &Cell, stand: &PlacedRectangle, max: f64) -> f64 {
 }
 
 /// Returns the distance of the boundaries of two polygons that do not cross; it occurs at a corner.
-fn boundaries_apart(a: &[PlanPoint], b: &[PlanPoint]) -> f64 {
-    let from = |points: &[PlanPoint], polygon: &[PlanPoint]| {
+fn boundaries_apart(a: &[PlanePoint], b: &[PlanePoint]) -> f64 {
+    let from = |points: &[PlanePoint], polygon: &[PlanePoint]| {
         points.iter().map(|p| fence::locate(polygon, *p).1).fold(f64::INFINITY, f64::min)
     };
     from(a, b).min(from(b, a))
@@ -82,6 +82,6 @@ pub fn footprint(cell: &Cell, layout: &Layout) -> f64 {
     let placed = cell.equipment.iter().zip(&layout.placements).filter(|(e, _)| e.role == Role::Equipment);
     let equipment = placed.map(|(e, at)| PlacedRectangle::new(&e.footprint, at));
     let base = PlacedRectangle::new(&cell.robot.footprint, &layout.base);
-    let corners: Vec<PlanPoint> = equipment.chain([base]).flat_map(|p| p.corners()).collect();
+    let corners: Vec<PlanePoint> = equipment.chain([base]).flat_map(|p| p.corners()).collect();
     polygon_area(&convex_hull(corners))
 }

@@ -29,7 +29,12 @@ struct Panel {
 }
 
 impl Panel {
-    fn new(name: String, axes: (&'static str, &'static str), region: &EnvelopeSection, arm: Vec<PlanePoint>) -> Self {
+    fn new(
+        name: String,
+        axes: (&'static str, &'static str),
+        region: &EnvelopeSection,
+        arm: Vec<PlanePoint>,
+    ) -> Self {
         let point = |p: &[f64; 2]| (mm_from_m(p[0]), mm_from_m(p[1]));
         let region: Vec<Vec<PlanePoint>> =
             region.outlines.iter().map(|o| o.points.iter().map(point).collect()).collect();
