@@ -9,12 +9,12 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use rayon::prelude::*;
 use std::hint::black_box;
 use sweetspot::cell::{Attitude, Cell, ErrorSet, Layout, Model, Place, Placement, Reading, Sense};
-use sweetspot::clearance::{FloorPlan, Placed, Scene};
+use sweetspot::clearance::{FloorPlan, PlacedSolids, Scene};
 use sweetspot::kinematic_error::{Perturbation, position_error};
 use sweetspot::layout::{Workcell, Workspace, evaluate_in};
 use sweetspot::pose::Pose;
 use sweetspot::reach::Inverse;
-use sweetspot::reading::{Gauge, Site, Situation};
+use sweetspot::reading::{ErrorEvaluator, WorkContext, WorkFrame};
 use sweetspot::robot;
 use sweetspot::robot::Chain;
 use sweetspot::{cell, files};
@@ -57,7 +57,7 @@ fn node(c: &mut Criterion) {
     let errors = Perturbation::new(&chain, signed);
     let mut frames = chain.frames(&chain.posture(&[0.0; cell::MAX_JOINTS]));
     let arm = Inverse::new(&chain);
-    let approach = arm.approach(&Attitude::elevation(-std::f64::consts::FRAC_PI_2), 0.0);
+    let approach = arm.tool_attitudes(&Attitude::elevation(-std::f64::consts::FRAC_PI_2), 0.0);
     let target = nalgebra::Vector3::new(0.2, 0.95, 0.7);
     let mut scratch = arm.scratch();
     c.bench_function("node: all branches, limits, nonlinear error", |b| {
@@ -91,15 +91,19 @@ fn readings(c: &mut Criterion) {
     cell.operations[0].sense = Sense::plain("xyz").expect("a plain sense");
     let chain = Chain::new(&cell.robot);
     let arm = Inverse::new(&chain);
-    let approach = arm.approach(&Attitude::elevation(-std::f64::consts::FRAC_PI_2), 0.0);
+    let approach = arm.tool_attitudes(&Attitude::elevation(-std::f64::consts::FRAC_PI_2), 0.0);
     let target = nalgebra::Vector3::new(0.2, 0.95, 0.7);
     let (mut scratch, mut frames) = (arm.scratch(), robot::Frames::default());
-    let site =
-        Site { equipment: 0, work: Pose::identity(), world: nalgebra::Matrix3::identity(), taught: None };
-    let situation = Situation { site, reference: None };
+    let site = WorkFrame {
+        equipment: 0,
+        work: Pose::identity(),
+        world: nalgebra::Matrix3::identity(),
+        taught: None,
+    };
+    let situation = WorkContext { site, reference: None };
     for (model, reading) in [(Model::Nonlinear, "signed"), (Model::Linear, "worst case and covariance")] {
         cell.model = model;
-        let gauge = Gauge::new(&cell, &cell.operations[0]);
+        let gauge = ErrorEvaluator::new(&cell, &cell.operations[0]);
         let mut memory = gauge.memory();
         c.bench_function(&format!("node, {reading}"), |b| {
             b.iter(|| {
@@ -121,7 +125,7 @@ fn readings(c: &mut Criterion) {
     cell.model = Model::Nonlinear;
     for reading in [Reading::WorstCase, Reading::Statistical] {
         cell.reading = reading;
-        let gauge = Gauge::new(&cell, &cell.operations[0]);
+        let gauge = ErrorEvaluator::new(&cell, &cell.operations[0]);
         let mut memory = gauge.memory();
         let posture = chain.posture(&[0.3, 0.2, 0.1, -0.4, 0.0, 0.0, 0.0, 0.0]);
         chain.place(&posture, &mut frames);
@@ -147,7 +151,7 @@ fn collision(c: &mut Criterion) {
     let chain = Chain::new(&cell.robot);
     for (what, itself) in [("work C", false), ("work C and the robot against itself", true)] {
         cell.robot.self_collision.checked = itself;
-        let (scene, mut placed) = (Scene::new(&cell), Placed::default());
+        let (scene, mut placed) = (Scene::new(&cell), PlacedSolids::default());
         scene.place(&layouts(&cell)[0], &mut placed);
         for set in ["q", "qtask"] {
             let postures: Vec<_> = data(&format!("c_pw10_{set}.bin"))
@@ -218,7 +222,7 @@ fn layout(c: &mut Criterion) {
     let cell = shipped("hitachi_cell.toml");
     let layouts = layouts(&cell);
     let (scene, plan) = (Scene::new(&cell), FloorPlan::new(&cell));
-    let (mut placed, mut found) = (Placed::default(), Vec::new());
+    let (mut placed, mut found) = (PlacedSolids::default(), Vec::new());
     c.bench_function("solids posed: 2000 layouts", |b| {
         b.iter(|| layouts.iter().for_each(|l| scene.place(black_box(l), &mut placed)))
     });

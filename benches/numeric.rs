@@ -7,7 +7,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use nalgebra::Matrix4;
 use std::hint::black_box;
 use sweetspot::files;
-use sweetspot::reach::{Goal, Held, Numeric};
+use sweetspot::reach::{AttitudeGoal, Numeric, TcpGoal};
 use sweetspot::robot::Chain;
 
 fn file(name: &str) -> Vec<u8> {
@@ -21,7 +21,7 @@ fn chain(name: &str) -> Chain {
     Chain::new(&loaded.cell.robot)
 }
 
-fn goals(name: &str) -> Vec<Goal> {
+fn goals(name: &str) -> Vec<TcpGoal> {
     let values: Vec<f64> = file(&format!("b_{name}_T.bin"))
         .chunks_exact(8)
         .map(|c| f64::from_le_bytes(c.try_into().expect("8 bytes")))
@@ -29,7 +29,10 @@ fn goals(name: &str) -> Vec<Goal> {
     let goal = |t: &[f64]| {
         let t = Matrix4::from_row_slice(t);
         let rotation = t.fixed_view::<3, 3>(0, 0).into_owned();
-        Goal { position: t.fixed_view::<3, 1>(0, 3).into_owned(), attitude: Held::Rotation(rotation) }
+        TcpGoal {
+            position: t.fixed_view::<3, 1>(0, 3).into_owned(),
+            attitude: AttitudeGoal::Rotation(rotation),
+        }
     };
     values.chunks_exact(16).map(goal).collect()
 }
@@ -54,7 +57,7 @@ fn numeric(c: &mut Criterion) {
                 })
             })
         });
-        let far = Goal { position: goals[0].position * 5.0, ..goals[0] };
+        let far = TcpGoal { position: goals[0].position * 5.0, ..goals[0] };
         c.bench_function(&format!("{name}: a reason, out of reach"), |b| {
             b.iter(|| solver.all(black_box(&far), &mut out))
         });

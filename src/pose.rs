@@ -1,11 +1,11 @@
-//! Rigid poses as a rotation matrix and a translation, m; small motions as displacements.
+//! Rigid poses, and small rigid motions whose digits survive.
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
-/// A pose `{}^a T_b`: `rotation` turns b into a, `translation` is the origin of b in a (m).
+/// Pose `{}^a T_b` of frame b in frame a.
 ///
-/// A rotation matrix and not a quaternion: chains of Denavit-Hartenberg links multiply three times
-/// faster that way (122 ns against 409 ns for six joints).
+/// `rotation` maps vectors of b to a, `translation` is the origin of b in a (m). The rotation is a matrix,
+/// not a quaternion: six Denavit-Hartenberg links multiply in 122 ns instead of 409 ns.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pose {
     pub rotation: Matrix3<f64>,
@@ -13,54 +13,59 @@ pub struct Pose {
 }
 
 impl Pose {
+    /// The pose that changes nothing.
     pub const IDENTITY: Self = Self {
         rotation: Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0),
         translation: Vector3::new(0.0, 0.0, 0.0),
     };
 
+    /// Returns [`Self::IDENTITY`].
     pub fn identity() -> Self {
         Self::IDENTITY
     }
 
-    /// Translation (m), then roll, pitch, yaw (rad) about the fixed x, y, z axes (the URDF order):
-    /// `R = Rz(yaw) Ry(pitch) Rx(roll)`.
+    /// Returns the pose of a translation (m) and of roll, pitch, yaw (rad) about the fixed x, y, z axes.
+    ///
+    /// This is the order of URDF: `R = Rz(yaw) Ry(pitch) Rx(roll)`.
     pub fn from_translation_rpy(translation: Vector3<f64>, rpy: Vector3<f64>) -> Self {
         let rotation = Rotation3::from_euler_angles(rpy.x, rpy.y, rpy.z).into_inner();
         Self { rotation, translation }
     }
 
-    /// Translation (m) and a turn about z by `yaw` (rad).
+    /// Returns the pose of a translation (m) and a rotation about z by `yaw` (rad).
     pub fn from_translation_yaw(translation: Vector3<f64>, yaw: f64) -> Self {
         let (s, c) = yaw.sin_cos();
         let rotation = Matrix3::new(c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0);
         Self { rotation, translation }
     }
 
-    /// From outer to inner.
+    /// Returns the inverse pose: frame a in frame b.
     pub fn inverse(&self) -> Self {
         let rotation = self.rotation.transpose();
         Self { rotation, translation: -(rotation * self.translation) }
     }
 
-    /// The point `p` (m) of the inner frame, in the outer frame.
+    /// Returns the point `p` (m) of frame b in frame a.
     pub fn transform(&self, p: &Vector3<f64>) -> Vector3<f64> {
         self.rotation * p + self.translation
     }
 }
 
-/// A small rigid motion seen at one point: `position` is how far the point moves (m), `rotation` the
-/// turn as a rotation vector (rad), both in one outer frame.
+/// Small rigid motion seen at one point, in the axes of one frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Displacement {
+    /// Displacement of the point, m.
     pub position: Vector3<f64>,
+    /// Rotation vector, rad.
     pub rotation: Vector3<f64>,
 }
 
 impl Displacement {
+    /// No motion at all.
     pub const NONE: Self =
         Self { position: Vector3::new(0.0, 0.0, 0.0), rotation: Vector3::new(0.0, 0.0, 0.0) };
 
-    /// Seen at a point that lies `arm` (m) away.
+    /// Returns the same motion seen at a point that lies `arm` (m) away, exactly.
     pub fn at(&self, arm: &Vector3<f64>) -> Self {
         if *arm == Vector3::zeros() {
             return *self;
@@ -68,25 +73,25 @@ impl Displacement {
         Self { position: self.position + SmallRotation::of(&self.rotation).moved(arm), ..*self }
     }
 
-    /// The same to first order: turns are cross products.
+    /// Returns the motion seen at a point that lies `arm` (m) away, to first order: `p + w x arm`.
     pub fn linear_at(&self, arm: &Vector3<f64>) -> Self {
         Self { position: self.position + self.rotation.cross(arm), ..*self }
     }
 
-    /// First `self`, then `next`, both seen at where `self` starts from: `next` moves the moved point.
+    /// Returns the motion `self` followed by `next`, which moves the point that `self` has moved.
     pub fn then(&self, next: &Self) -> Self {
         let turn = SmallRotation::of(&next.rotation);
         let rotation = turn.after(&SmallRotation::of(&self.rotation)).vector();
         Self { position: self.position + turn.moved(&self.position) + next.position, rotation }
     }
 
-    /// The motion back: undoes `self`, seen at the same point.
+    /// Returns the motion that undoes `self`, seen at the same point.
     pub fn inverse(&self) -> Self {
         let turn = SmallRotation::of(&-self.rotation);
         Self { position: -(self.position + turn.moved(&self.position)), rotation: -self.rotation }
     }
 
-    /// In axes turned by `rotation`.
+    /// Returns the motion in axes rotated by `rotation`.
     pub fn turned(&self, rotation: &Matrix3<f64>) -> Self {
         Self { position: rotation * self.position, rotation: rotation * self.rotation }
     }
@@ -113,8 +118,7 @@ impl std::ops::Mul<f64> for Displacement {
     }
 }
 
-/// A rotation as a unit quaternion (w; v), of which the small part v is never the difference of
-/// large numbers.
+/// Rotation as a unit quaternion (w; v). The small part v is never the difference of large numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SmallRotation {
     w: f64,
@@ -122,17 +126,18 @@ pub struct SmallRotation {
 }
 
 impl SmallRotation {
+    /// Returns the rotation by 0.
     pub fn none() -> Self {
         Self { w: 1.0, v: Vector3::zeros() }
     }
 
-    /// By `angle` (rad) about a unit `axis`.
+    /// Returns the rotation by `angle` (rad) about a unit `axis`.
     pub fn about(axis: &Vector3<f64>, angle: f64) -> Self {
         let (s, c) = (angle / 2.0).sin_cos();
         Self { w: c, v: axis * s }
     }
 
-    /// Of a rotation vector (rad): the exponential.
+    /// Returns the exponential of a rotation vector (rad).
     pub fn of(rotation: &Vector3<f64>) -> Self {
         let angle = rotation.norm();
         // sin(x / 2) / x; below 1e-8 it is 1 / 2 to the last digit.
@@ -140,19 +145,19 @@ impl SmallRotation {
         Self { w: (angle / 2.0).cos(), v: rotation * factor }
     }
 
-    /// First `other`, then `self`.
+    /// Returns the rotation `other` followed by `self`.
     pub fn after(&self, other: &Self) -> Self {
         let (a, b) = (self, other);
         Self { w: a.w * b.w - a.v.dot(&b.v), v: b.v * a.w + a.v * b.w + a.v.cross(&b.v) }
     }
 
-    /// How far it moves a point of the arm: `R arm - arm`.
+    /// Returns the displacement `R arm - arm` of the end of a lever arm (m).
     pub fn moved(&self, arm: &Vector3<f64>) -> Vector3<f64> {
         let t = self.v.cross(arm) * 2.0;
         t * self.w + self.v.cross(&t)
     }
 
-    /// The logarithm: the rotation vector of at most pi.
+    /// Returns the logarithm: the rotation vector of length at most pi.
     pub fn vector(&self) -> Vector3<f64> {
         let (w, v) = if self.w < 0.0 { (-self.w, -self.v) } else { (self.w, self.v) };
         let size = v.norm();
@@ -169,7 +174,7 @@ impl std::ops::Mul for Pose {
     }
 }
 
-/// Sine and cosine, exact at multiples of a right angle within rounding of degrees.
+/// Returns sine and cosine of an angle (rad); values below 1e-15, the rounding of degrees, become 0.
 pub fn exact_sin_cos(angle: f64) -> (f64, f64) {
     let (s, c) = angle.sin_cos();
     let snap = |v: f64| if v.abs() < 1e-15 { 0.0 } else { v };

@@ -9,23 +9,27 @@ use common::shipped;
 use sweetspot::cell::*;
 use sweetspot::layout::{Workcell, Workspace, evaluate_in};
 use sweetspot::pose::Pose;
-use sweetspot::reach::{Goal, Held, Inverse, Numeric, SphericalWrist, ThreeParallel};
-use sweetspot::reading::{BestFit, Gauge, Reference, Site, Situation, Sources, Taught};
+use sweetspot::reach::{AttitudeGoal, Inverse, Numeric, SphericalWrist, TcpGoal, ThreeParallel};
+use sweetspot::reading::{BestFit, ErrorEvaluator, ErrorSources, Taught, WorkContext, WorkFrame};
 use sweetspot::robot::{Chain, Frames};
 
-fn situations(cell: &Cell, gauge: &Gauge, chain: &Chain) -> Vec<Situation> {
-    let site =
-        || Site { equipment: 0, work: Pose::identity(), world: nalgebra::Matrix3::identity(), taught: None };
+fn situations(cell: &Cell, gauge: &ErrorEvaluator, chain: &Chain) -> Vec<WorkContext> {
+    let site = || WorkFrame {
+        equipment: 0,
+        work: Pose::identity(),
+        world: nalgebra::Matrix3::identity(),
+        taught: None,
+    };
     let frames =
         |q: [f64; 4]| chain.frames(&chain.posture(&std::array::from_fn(|i| *q.get(i).unwrap_or(&0.0))));
     let postures = [[0.3, 0.2, 0.1, -0.4], [-0.6, 0.1, 0.2, -0.2], [0.4, -0.5, 0.1, 0.3]].map(frames);
-    let mut all = vec![Situation { site: site(), reference: None }];
+    let mut all = vec![WorkContext { site: site(), reference: None }];
     if cell.registration == Registration::Taught {
         let taught = Some(Box::new(Taught::new(chain, &gauge.sources, postures, true)));
-        all = vec![Situation { site: Site { taught, ..site() }, reference: None }];
+        all = vec![WorkContext { site: WorkFrame { taught, ..site() }, reference: None }];
     }
-    let picked = Reference::new(gauge, site(), postures[1]);
-    all.push(Situation { site: site(), reference: Some(Box::new(picked)) });
+    let picked = gauge.pick_reference(site(), postures[1]);
+    all.push(WorkContext { site: site(), reference: Some(Box::new(picked)) });
     all
 }
 
@@ -34,14 +38,14 @@ fn the_node_loop_does_not_allocate() {
     let mut cell = shipped("hitachi_cell.toml");
     let chain = Chain::new(&cell.robot);
     let arm = Inverse::new(&chain);
-    let approach = arm.approach(&Attitude::elevation(-std::f64::consts::FRAC_PI_2), 0.0);
+    let approach = arm.tool_attitudes(&Attitude::elevation(-std::f64::consts::FRAC_PI_2), 0.0);
     let mut postures = 0;
     for registration in Registration::ALL {
         for (reading, model) in Reading::ALL.into_iter().flat_map(|r| Model::ALL.map(|m| (r, m))) {
             for sense in ["xy", "xyz@tool", "rz", "rotation"] {
                 (cell.registration, cell.reading, cell.model) = (registration, reading, model);
                 cell.operations[0].sense = Sense::plain(sense).unwrap();
-                let gauge = Gauge::new(&cell, &cell.operations[0]);
+                let gauge = ErrorEvaluator::new(&cell, &cell.operations[0]);
                 let mut memory = gauge.memory();
                 let (mut scratch, mut frames) = (arm.scratch(), Frames::default());
                 for situation in situations(&cell, &gauge, &chain) {
@@ -61,8 +65,8 @@ fn the_node_loop_does_not_allocate() {
         }
     }
     assert!(postures > 200);
-    // The counter counts.
-    assert!(measure(|| drop(BestFit::new(&chain, &Sources::new(&cell, 0, None), true))).count_total > 0);
+    // The counter itself works.
+    assert!(measure(|| drop(BestFit::new(&chain, &ErrorSources::new(&cell, 0, None), true))).count_total > 0);
 }
 
 /// An evaluation of ten times the nodes allocates no more memory than one of few nodes, ranked or judged.
@@ -95,9 +99,12 @@ fn one_numeric_solution_does_not_allocate() {
     for q in [[0.3, 0.2, 0.1, -0.4], [-0.6, 0.1, 0.2, -0.2], [0.4, -0.5, 0.1, 0.3]] {
         let q = std::array::from_fn(|i| *q.get(i).unwrap_or(&0.0));
         let tcp = chain.forward(&chain.posture(&q));
-        for attitude in [Held::Any, Held::Axis(tcp.rotation * chain.tool_axis), Held::Rotation(tcp.rotation)]
-        {
-            let (goal, mut solved) = (Goal { position: tcp.translation, attitude }, false);
+        for attitude in [
+            AttitudeGoal::Any,
+            AttitudeGoal::Axis(tcp.rotation * chain.tool_axis),
+            AttitudeGoal::Rotation(tcp.rotation),
+        ] {
+            let (goal, mut solved) = (TcpGoal { position: tcp.translation, attitude }, false);
             let used = measure(|| solved = solver.one(&goal).is_some());
             assert!(solved && used.count_total == 0, "{goal:?}: {}", used.count_total);
         }

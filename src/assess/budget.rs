@@ -2,7 +2,7 @@
 
 use super::stance::Stance;
 use crate::cell::{Parameter, Reading, Unit};
-use crate::reading::{Budget, Gauge, Judgement, Memory, WorstCase};
+use crate::reading::{Budget, ErrorEvaluator, EvaluatorScratch, PostureErrors, WorstCase};
 
 /// How many parameters are tried tighter.
 const TRIED: usize = 3;
@@ -19,7 +19,7 @@ pub struct Tighter {
 pub struct Account<'a> {
     pub stance: Stance<'a>,
     pub budget: Budget,
-    pub judged: Judgement,
+    pub judged: PostureErrors,
     pub worst: WorstCase,
     /// What tightening makes smaller: the worst case, or the statistical quantity.
     pub figure: f64,
@@ -65,7 +65,7 @@ impl<'a> Account<'a> {
 }
 
 /// What counts of tolerances: in the statistical reading its quantity, else the worst case.
-fn figure(gauge: &Gauge, stance: &Stance<'_>, memory: &mut Memory) -> f64 {
+fn figure(gauge: &ErrorEvaluator, stance: &Stance<'_>, memory: &mut EvaluatorScratch) -> f64 {
     let Stance { situation, frames, .. } = stance;
     if gauge.reading == Reading::Statistical {
         return gauge.value(situation, frames, memory);
@@ -75,7 +75,7 @@ fn figure(gauge: &Gauge, stance: &Stance<'_>, memory: &mut Memory) -> f64 {
 }
 
 /// The same operation with half the tolerance of some parameters.
-fn halved(gauge: &Gauge, parameters: &[Parameter]) -> Gauge {
+fn halved(gauge: &ErrorEvaluator, parameters: &[Parameter]) -> ErrorEvaluator {
     let mut tighter = gauge.clone();
     let sources = &mut tighter.sources;
     for (k, source) in sources.list.iter_mut().enumerate() {

@@ -3,7 +3,7 @@
 use super::{Assessment, SAMPLES};
 use crate::cell::{Interpretation, Model, Quantity, Reading, Unit};
 use crate::error_map::PostureRecord;
-use crate::kinematic_error::NOTHING;
+use crate::kinematic_error::NEGLIGIBLE;
 use crate::layout::Workcell;
 use crate::reading::{Figures, MonteCarlo, monte_carlo};
 
@@ -29,7 +29,7 @@ impl Distribution {
         let (_, posture) = a.spot(operation).ok_or("the operation has no usable node")?;
         let judged = |model, reading| judged(a, operation, posture, (model, reading));
         let (read, figures) = judged(cell.model, Reading::Statistical)?;
-        if figures.p99 <= NOTHING {
+        if figures.p99 <= NEGLIGIBLE {
             return Err(
                 "no error spreads here: everything is known exactly, or measured and taken off".into()
             );
@@ -57,7 +57,7 @@ fn judged(
     let read = a.workcell.interpreted(&interpretation)?;
     let posed = read.posed(&a.layout, &a.maps, operation, posture);
     let (situation, frames) = posed.map_err(|why| why.in_words().to_string())?;
-    let gauge = read.gauge(operation);
+    let gauge = read.evaluator(operation);
     let figures = gauge.judge(&situation, &frames, &mut gauge.memory()).figures[gauge.own()];
     Ok((read, figures))
 }
@@ -71,6 +71,6 @@ fn sampled(
 ) -> Result<MonteCarlo, String> {
     let posed = read.posed(&a.layout, &a.maps, operation, posture);
     let (situation, frames) = posed.map_err(|why| why.in_words().to_string())?;
-    let gauge = read.gauge(operation);
+    let gauge = read.evaluator(operation);
     Ok(monte_carlo(gauge, &situation, &frames, SAMPLES, a.cell.search.seed, p95))
 }

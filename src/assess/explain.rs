@@ -5,7 +5,7 @@ use super::stance::Stance;
 use crate::cell::{Frame, JointKind, Model, Parameter, Reading, Unit};
 use crate::kinematic_error::{deviation, pose_error};
 use crate::pose::Displacement;
-use crate::reading::{Figures, Judgement, MAX_SOURCES, Source, WorstCase};
+use crate::reading::{ErrorSource, Figures, MAX_SOURCES, PostureErrors, WorstCase};
 use crate::robot::Frames;
 use nalgebra::{Matrix3, Vector3};
 
@@ -25,7 +25,7 @@ pub struct DhRow {
 /// What one parameter does, base frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Line {
-    pub source: Source,
+    pub source: ErrorSource,
     pub motions: Vec<Motion>,
     /// Its value in the sample explained.
     pub value: f64,
@@ -66,7 +66,7 @@ pub struct Explanation<'a> {
     pub stance: Stance<'a>,
     pub rows: Vec<DhRow>,
     pub lines: Vec<Line>,
-    pub judged: Judgement,
+    pub judged: PostureErrors,
     pub worst: WorstCase,
     /// The nonlinear error of the robot alone, before anything is taken off.
     pub robot: Displacement,
@@ -89,8 +89,8 @@ impl<'a> Explanation<'a> {
             Reading::Signed => values.iter_mut().zip(sources.signed()).for_each(|(v, s)| *v = s),
             _ => gauge.corner(&worst.corner, &mut values),
         }
-        let theory = gauge.theory();
-        let line = |(k, source): (usize, &Source)| {
+        let theory = gauge.propagation();
+        let line = |(k, source): (usize, &ErrorSource)| {
             let motions = motions(theory.chain, frames, &situation.site.work, source.parameter);
             let alone = Line::alone(source.parameter, situation.site.equipment, &motions);
             Line { source: *source, motions, value: values[k], alone, left: memory.effects().columns[k] }

@@ -2,7 +2,7 @@
 
 use crate::cell::{Attitude, Operation, Robot};
 use crate::pose::Pose;
-use crate::reach::{Cost, Envelope, Fineness, Inverse, Region, Size};
+use crate::reach::{Cost, Envelope, EnvelopeSection, Fineness, Inverse, Size};
 use crate::robot::Chain;
 use crate::units::m_from_mm;
 use nalgebra::Vector3;
@@ -17,9 +17,9 @@ pub struct Reachable<'a> {
     pub step: f64,
     /// Azimuth of the section (rad), and its points (r, z).
     pub azimuth: f64,
-    pub section: Region,
+    pub section: EnvelopeSection,
     /// Heights and points (x, y).
-    pub plans: Vec<(f64, Region)>,
+    pub plans: Vec<(f64, EnvelopeSection)>,
     pub size: Size,
     /// The arm near its greatest reach: the origins of its frames and the TCP.
     pub arm: Vec<Vector3<f64>>,
@@ -133,7 +133,7 @@ impl<'a> Sheet<'a> {
     pub fn new(robot: &'a Robot, progress: &(dyn Fn(u64, u64) + Sync)) -> Self {
         let chain = Chain::new(robot);
         let inverse = Inverse::new(&chain);
-        let elevation = inverse.kept_elevation().unwrap_or(-std::f64::consts::FRAC_PI_2);
+        let elevation = inverse.fixed_elevation().unwrap_or(-std::f64::consts::FRAC_PI_2);
         let attitude = Attitude::elevation(elevation);
         let envelope = Envelope::new(&inverse, &attitude, 0.0);
         let step = step_of(robot, &inverse);

@@ -4,7 +4,7 @@
 use super::stance::no_spot;
 use crate::cell::{About, Cell, Interpretation, Quantity, Reading, Registration, Unit};
 use crate::error_map::OperationMap;
-use crate::kinematic_error::NOTHING;
+use crate::kinematic_error::NEGLIGIBLE;
 use crate::layout::Workcell;
 use nalgebra::Vector3;
 
@@ -52,7 +52,7 @@ impl Row {
 
     /// How many times the least value the signed choice has.
     pub fn ratio(&self) -> Option<f64> {
-        let value = self.value().filter(|v| *v > NOTHING)?;
+        let value = self.value().filter(|v| *v > NEGLIGIBLE)?;
         Some(self.at_signed? / value).filter(|r| r.is_finite())
     }
 }
@@ -168,6 +168,6 @@ fn value_at_choice(workcell: &Workcell, maps: &Maps, chosen: &Maps, k: usize) ->
         return Some(own.value);
     }
     let (situation, frames) = workcell.posed(&workcell.cell.start(), chosen, k, posture).ok()?;
-    let gauge = workcell.gauge(k);
+    let gauge = workcell.evaluator(k);
     Some(gauge.value(&situation, &frames, &mut gauge.memory()))
 }

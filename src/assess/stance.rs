@@ -2,10 +2,10 @@
 
 use crate::cell::{Cell, JointVector, Layout, Placement, Registration};
 
-use crate::error_map::{OperationMap, Status};
+use crate::error_map::{NodeSign, OperationMap, Status};
 use crate::files::shown;
 use crate::layout::Workcell;
-use crate::reading::{Gauge, Site, Situation};
+use crate::reading::{ErrorEvaluator, WorkContext, WorkFrame};
 use crate::robot::Frames;
 use nalgebra::Vector3;
 
@@ -37,8 +37,8 @@ pub struct Stance<'a> {
     /// Of the TCP, world, m.
     pub position: Vector3<f64>,
     pub joints: JointVector,
-    pub gauge: Gauge,
-    pub situation: Situation,
+    pub gauge: ErrorEvaluator,
+    pub situation: WorkContext,
     pub frames: Frames,
 }
 
@@ -83,7 +83,7 @@ impl<'a> Stance<'a> {
             node: Some((node.i, node.j)),
             position: node.position,
             joints: posture.joints,
-            gauge: workcell.gauge(operation).clone(),
+            gauge: workcell.evaluator(operation).clone(),
             situation,
             frames,
         })
@@ -100,8 +100,8 @@ impl<'a> Stance<'a> {
         operation: usize,
         joints: JointVector,
     ) -> Result<Self, String> {
-        let gauge = Gauge::new(cell, &cell.operations[operation]);
-        let chain = gauge.theory().chain;
+        let gauge = ErrorEvaluator::new(cell, &cell.operations[operation]);
+        let chain = gauge.propagation().chain;
         let frames = chain.frames(&chain.posture(&joints));
         let layout = cell.start();
         let depends =
@@ -112,7 +112,7 @@ impl<'a> Stance<'a> {
             let equipment = cell.operations[operation].equipment;
             let work = layout.base.pose().inverse() * layout.placements[equipment].pose();
             let world = layout.base.from_world();
-            Situation { site: Site { equipment, work, world, taught: None }, reference: None }
+            WorkContext { site: WorkFrame { equipment, work, world, taught: None }, reference: None }
         };
         let position = layout.base.pose().transform(&frames.tcp.translation);
         let base = layout.base;
@@ -126,7 +126,7 @@ fn situation_elsewhere(
     workcell: Result<&Workcell, &str>,
     operation: usize,
     layout: &Layout,
-) -> Result<Situation, String> {
+) -> Result<WorkContext, String> {
     let name = shown(&cell.operations[operation].name);
     let what = match cell.registration {
         Registration::Taught => "a taught frame",
@@ -148,32 +148,21 @@ pub fn no_usable_node(cell: &Cell, map: &OperationMap) -> String {
     let name = shown(&operation.name);
     let first = map.nodes.iter().find(|n| n.status != Status::Ok).filter(|_| operation.over.takes_all());
     if let Some(node) = first {
-        let (failing, all) = (map.nodes.len() - map.count("ok"), map.nodes.len());
+        let (failing, all) = (map.nodes.len() - map.count(NodeSign::Usable), map.nodes.len());
         let why = node.status.reason(cell);
         return format!(
             "{name} happens at all of its {all} nodes, and {failing} cannot be used; the first is ({}, {}): {why}",
             node.i, node.j
         );
     }
-    let of = |status| map.count(status);
-    let (out, limit, hit) = (of("out-of-reach"), of("joint-limit"), of("collision"));
-    let others = [
-        ("attitude", "missing the attitude"),
-        ("not-converged", "without answer"),
-        ("singular", "nearly singular"),
-        ("approach", "without approach"),
-        ("retract", "without retract"),
-    ];
-    let others = others.into_iter().filter(|(status, _)| of(status) > 0);
-    let others: String = others.map(|(status, words)| format!(", {} {words}", of(status))).collect();
+    let occurs = |sign: &NodeSign| !sign.is_usable() && map.count(*sign) > 0;
+    let counts = NodeSign::ALL.into_iter().filter(occurs);
+    let counts: Vec<String> = counts.map(|sign| format!("{} {}", map.count(sign), sign.label())).collect();
     let unjudged = map.nodes.iter().find_map(|n| match n.status {
         Status::Unjudged(why) => Some(format!("; {}", why.in_words())),
         _ => None,
     });
-    format!(
-        "{name} has no usable node: {out} out of reach, {limit} beyond a joint limit, {hit} colliding{others}{}",
-        unjudged.unwrap_or_default()
-    )
+    format!("{name} has no usable node: {}{}", counts.join(", "), unjudged.unwrap_or_default())
 }
 
 /// The same, with the overlap that blocks its equipment.

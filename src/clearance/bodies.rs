@@ -1,6 +1,6 @@
-//! Solids of the cell as parry's shapes.
+//! Solids of the cell as shapes of parry3d.
 
-use super::decomposition::{Hull, convex};
+use super::convex_decomposition::{Hull, convex};
 use crate::cell::Shape;
 use crate::pose::Pose;
 use nalgebra::Vector3;
@@ -9,51 +9,54 @@ use parry3d::math as pm;
 use parry3d::query::{DefaultQueryDispatcher, QueryDispatcher};
 use parry3d::shape::{Ball, Shape as ParryShape, SharedShape, TriMesh, TriMeshFlags};
 
-/// A solid ready for parry, convex but for the meshes of equipment: its shape, and its pose in the frame of its carrier.
-pub(super) struct Body {
+/// One solid as a shape of parry3d. It is convex, except for the meshes of equipment.
+pub(super) struct CollisionBody {
     pub(super) shape: SharedShape,
+    /// Pose of the shape in the frame that carries it.
     pub(super) local: Pose,
-    /// A point inside the solid, for tests against closed meshes.
+    /// Point inside the solid, for checks against closed meshes.
     pub(super) inside: pm::Vector,
-    /// Shorter capsules that together are the capsule, for tests against meshes: the bounds of a
-    /// long one that lies askew take in most triangles of a mesh. Empty: the shape itself.
+    /// Shorter capsules that together make up a capsule, for checks against meshes; otherwise empty.
+    ///
+    /// The bounding box of a long oblique capsule would contain most triangles of a mesh.
     pub(super) pieces: Vec<SharedShape>,
-    /// A rounded solid before it was rounded, and by how much (m): parry finds it apart from a ball up
-    /// to 4e-5 m too early, where swelling the ball instead is exact.
+    /// Solid before it was rounded, and the radius (m) of the rounding.
+    ///
+    /// For a rounded solid and a ball parry3d errs by up to 4e-5 m; swelling the ball instead is exact.
     pub(super) unswollen: Option<(SharedShape, f64)>,
-    /// In the frame of the shape.
+    /// Bounding box in the frame of the shape.
     pub(super) bounds: Aabb,
-    /// Of many vertices: its bounds are turned, for to find them anew takes longer.
+    /// Whether the solid has many vertices, so that rotating `bounds` is faster than computing a new box.
     pub(super) is_hull: bool,
     /// Whether `local` is the identity.
     is_at_origin: bool,
 }
 
-impl Body {
-    /// The same, with the frame in which it was given at `mount`.
+impl CollisionBody {
+    /// Returns the body in the carrier frame, given the pose `mount` of its file's frame in that one.
     pub(super) fn mounted(self, mount: &Pose) -> Self {
         let local = *mount * self.local;
         Self { is_at_origin: local == Pose::identity(), local, ..self }
     }
 
-    /// Its pose if that of its carrier is `frame`.
+    /// Returns the pose of the shape, given the pose `frame` of its carrier.
     pub(super) fn pose_in(&self, frame: &Pose) -> pm::Pose {
         if self.is_at_origin { parry_pose(frame) } else { parry_pose(&(*frame * self.local)) }
     }
 
-    /// Bounds in another frame.
+    /// Returns a bounding box in another frame.
     pub(super) fn bounds_in(&self, pose: &pm::Pose) -> Aabb {
         if self.is_hull { self.bounds.transform_by(pose) } else { self.shape.compute_aabb(pose) }
     }
 
-    /// Whether a point (in the frame of the shape) lies inside.
+    /// Returns whether a point, in the frame of the shape, lies inside.
     pub(super) fn holds(&self, point: &pm::Vector) -> bool {
         self.bounds.contains_local_point(*point) && self.shape.contains_local_point(*point)
     }
 }
 
-/// Whether two convex solids share a point; `relative`: the pose of `b` in the frame of `a`.
-pub(super) fn touching(a: &Body, relative: &pm::Pose, b: &Body) -> bool {
+/// Returns whether two convex solids share a point, with `b` at `relative` in the frame of `a`.
+pub(super) fn touching(a: &CollisionBody, relative: &pm::Pose, b: &CollisionBody) -> bool {
     let swelled = |ball: &Ball, by: f64| Ball::new(ball.radius + by);
     if let Some((shape, by)) = &b.unswollen
         && let Some(ball) = a.shape.as_ball()
@@ -68,34 +71,35 @@ pub(super) fn touching(a: &Body, relative: &pm::Pose, b: &Body) -> bool {
     intersecting(&*a.shape, relative, &*b.shape)
 }
 
-/// parry answers every pair of the shapes built here; should it not, a collision is the safe answer.
+/// Asks parry3d whether two shapes intersect.
+///
+/// It supports every pair of the shapes built here. A collision would be the safe answer otherwise.
 pub(super) fn intersecting(a: &dyn ParryShape, b_in_a: &pm::Pose, b: &dyn ParryShape) -> bool {
     DefaultQueryDispatcher.intersection_test(b_in_a, a, b).map_or(true, |answer| answer.intersecting)
 }
 
-/// An equipment solid: fixed in shape, or a leg that is cut to length by the placement.
-pub(super) enum Part {
-    Convex(Body),
-    Mesh { body: Body, closed: bool },
+/// One solid of an equipment: fixed in shape, or a leg whose length follows from the placement.
+pub(super) enum EquipmentSolid {
+    Convex(CollisionBody),
+    Mesh { body: CollisionBody, closed: bool },
     Leg { x: f64, y: f64, half: (f64, f64), top: f64 },
 }
 
-/// The bodies of a link solid, every point within `by` (m) of it: one, or those of a mesh's `parts`.
-pub(super) fn link_bodies(shape: &Shape, parts: &[Hull], by: f64) -> Vec<Body> {
+/// Returns the bodies of a link solid, swollen by `by` (m): one body, or one for each part of a mesh.
+pub(super) fn link_bodies(shape: &Shape, parts: &[Hull], by: f64) -> Vec<CollisionBody> {
     let Shape::Mesh { pose, .. } = shape else { return vec![swollen(shape, by)] };
     let body = |hull: &Hull| {
         let (shape, unswollen) = hull.swollen(by);
-        Body { unswollen, inside: hull.inside, is_hull: true, ..centred(shape, *pose) }
+        CollisionBody { unswollen, inside: hull.inside, is_hull: true, ..centred(shape, *pose) }
     };
     parts.iter().map(body).collect()
 }
 
-/// The shape of a link solid with every point within `by` (m) of it: exact, for a ball swept over a
-/// convex solid is one of parry's shapes.
-fn swollen(shape: &Shape, by: f64) -> Body {
+/// Returns a solid swollen by `by` (m). It is exact: parry3d has shapes for balls swept over these solids.
+fn swollen(shape: &Shape, by: f64) -> CollisionBody {
     let rounded = |shape: &Shape, round: SharedShape| {
         let plain = body(shape);
-        Body { unswollen: Some((plain.shape, by)), ..centred(round, plain.local) }
+        CollisionBody { unswollen: Some((plain.shape, by)), ..centred(round, plain.local) }
     };
     match shape {
         Shape::Box { size, .. } if by > 0.0 => {
@@ -111,8 +115,8 @@ fn swollen(shape: &Shape, by: f64) -> Body {
     }
 }
 
-/// The shape as it is. A leg gets its length from the placement and never comes here.
-pub(super) fn body(shape: &Shape) -> Body {
+/// Returns the body of a shape as it is. Legs do not come here: their length follows from the placement.
+pub(super) fn body(shape: &Shape) -> CollisionBody {
     match shape {
         Shape::Box { pose, size } => {
             let half = size / 2.0;
@@ -130,52 +134,56 @@ pub(super) fn body(shape: &Shape) -> Body {
     }
 }
 
-pub(super) fn part(shape: &Shape) -> Part {
+/// Returns one solid of an equipment.
+pub(super) fn part(shape: &Shape) -> EquipmentSolid {
     match shape {
         Shape::Leg { x, y, size, top } => {
-            Part::Leg { x: *x, y: *y, half: (size.0 / 2.0, size.1 / 2.0), top: *top }
+            EquipmentSolid::Leg { x: *x, y: *y, half: (size.0 / 2.0, size.1 / 2.0), top: *top }
         }
         Shape::Mesh { pose, vertices, triangles, closed } => {
             match convex(vertices, triangles).filter(|_| *closed) {
-                Some(solid) => Part::Convex(Body { is_hull: true, ..centred(solid, *pose) }),
-                None => Part::Mesh { body: body(shape), closed: *closed },
+                Some(solid) => {
+                    EquipmentSolid::Convex(CollisionBody { is_hull: true, ..centred(solid, *pose) })
+                }
+                None => EquipmentSolid::Mesh { body: body(shape), closed: *closed },
             }
         }
-        _ => Part::Convex(body(shape)),
+        _ => EquipmentSolid::Convex(body(shape)),
     }
 }
 
-fn centred(shape: SharedShape, local: Pose) -> Body {
+fn centred(shape: SharedShape, local: Pose) -> CollisionBody {
     let bounds = shape.compute_local_aabb();
     let (inside, pieces, unswollen) = (pm::Vector::ZERO, Vec::new(), None);
     let is_at_origin = local == Pose::identity();
-    Body { shape, local, inside, pieces, unswollen, bounds, is_hull: false, is_at_origin }
+    CollisionBody { shape, local, inside, pieces, unswollen, bounds, is_hull: false, is_at_origin }
 }
 
-fn ball(centre: &Vector3<f64>, radius: f64) -> Body {
+fn ball(centre: &Vector3<f64>, radius: f64) -> CollisionBody {
     centred(SharedShape::ball(radius), Pose { translation: *centre, ..Pose::identity() })
 }
 
-fn capsule(a: &Vector3<f64>, b: &Vector3<f64>, radius: f64) -> Body {
+fn capsule(a: &Vector3<f64>, b: &Vector3<f64>, radius: f64) -> CollisionBody {
     let count = ((b - a).norm() / (2.0 * radius)).ceil().clamp(1.0, 64.0);
     let point = |k: f64| vector(&a.lerp(b, k / count));
     let pieces =
         (0..count as usize).map(|k| SharedShape::capsule(point(k as f64), point(k as f64 + 1.0), radius));
     let shape = SharedShape::capsule(vector(a), vector(b), radius);
-    Body { inside: vector(a), pieces: pieces.collect(), ..centred(shape, Pose::identity()) }
+    CollisionBody { inside: vector(a), pieces: pieces.collect(), ..centred(shape, Pose::identity()) }
 }
 
-/// The pose of a bar whose axis is y in parry and runs from `a` to `b` here.
+/// Returns the pose of a shape of parry3d whose axis y runs from `a` to `b`.
 fn along_y(a: &Vector3<f64>, b: &Vector3<f64>) -> Pose {
     let turn = nalgebra::Rotation3::rotation_between(&Vector3::y(), &(b - a));
-    // Opposite directions have no unique turn between them: half a turn about x is one.
+    // Opposite directions have no unique rotation between them; half a turn about x is one.
     let turn = turn
         .unwrap_or_else(|| nalgebra::Rotation3::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI));
     Pose { rotation: turn.into_inner(), translation: (a + b) / 2.0 }
 }
 
-/// Oriented if closed, so that a point inside can be told from one outside. What parry refuses (the
-/// cell has refused empty meshes before) is taken as the box round it.
+/// Returns a triangle mesh, oriented if it is closed so that it can tell inner from outer points.
+///
+/// A mesh that parry3d refuses is replaced by its bounding box. The reader has refused empty meshes.
 fn mesh(vertices: &[Vector3<f64>], triangles: &[[u32; 3]], closed: bool) -> SharedShape {
     let flags = if closed { TriMeshFlags::ORIENTED } else { TriMeshFlags::empty() };
     let points: Vec<_> = vertices.iter().map(vector).collect();
@@ -184,14 +192,17 @@ fn mesh(vertices: &[Vector3<f64>], triangles: &[[u32; 3]], closed: bool) -> Shar
     built.map_or_else(|_| SharedShape::cuboid(reach.x, reach.y, reach.z), SharedShape::new)
 }
 
+/// Converts a vector of nalgebra to one of parry3d.
 pub(super) fn vector(v: &Vector3<f64>) -> pm::Vector {
     pm::Vector::new(v.x, v.y, v.z)
 }
 
+/// Converts a vector of parry3d to one of nalgebra.
 pub(super) fn plain(v: pm::Vector) -> Vector3<f64> {
     Vector3::new(v.x, v.y, v.z)
 }
 
+/// Converts a pose to one of parry3d.
 pub(super) fn parry_pose(pose: &Pose) -> pm::Pose {
     let column =
         |i: usize| pm::Vector::new(pose.rotation[(0, i)], pose.rotation[(1, i)], pose.rotation[(2, i)]);

@@ -1,40 +1,40 @@
-//! The fence: a simple polygon within which equipment and robot base stand, and its walls.
+//! The fence: a simple polygon that encloses equipment and robot base, and its walls.
 
-use super::bodies::{Part, part};
+use super::bodies::{EquipmentSolid, part};
 use crate::cell::{Cell, Fence, Shape};
 use crate::pose::Pose;
 use nalgebra::Vector3;
 
-/// Thickness of a wall, m: it stands outside the line of the fence.
-const THICKNESS: f64 = 0.01;
+/// Thickness of a wall, m. The wall stands outside the line of the fence.
+const WALL_THICKNESS: f64 = 0.01;
 
-/// The walls of a fence with a height, world frame; none of one without.
-pub(super) fn walls(cell: &Cell) -> Vec<Part> {
+/// Returns the walls of the fence in the world frame; none for a fence without a height.
+pub(super) fn walls(cell: &Cell) -> Vec<EquipmentSolid> {
     let Some(Fence { corners, height: Some(height) }) = &cell.fence else { return Vec::new() };
     let n = corners.len();
     let wall = |k: usize| {
         let (a, b) = (corners[k], corners[(k + 1) % n]);
         let (x, y) = (b.0 - a.0, b.1 - a.1);
         let (length, yaw) = (x.hypot(y), y.atan2(x));
-        // Anticlockwise: outside is to the right.
-        let out = (y / length * THICKNESS / 2.0, -x / length * THICKNESS / 2.0);
+        // The corners run anticlockwise, so that outside is to the right.
+        let out = (y / length * WALL_THICKNESS / 2.0, -x / length * WALL_THICKNESS / 2.0);
         let middle = ((a.0 + b.0) / 2.0 + out.0, (a.1 + b.1) / 2.0 + out.1);
         let centre = Vector3::new(middle.0, middle.1, cell.floor + height / 2.0);
         part(&Shape::Box {
             pose: Pose::from_translation_yaw(centre, yaw),
-            size: Vector3::new(length, THICKNESS, *height),
+            size: Vector3::new(length, WALL_THICKNESS, *height),
         })
     };
     (0..n).map(wall).collect()
 }
 
-/// Whether a point lies in the polygon, and how far from its edge (m).
-pub(super) fn place(corners: &[(f64, f64)], (x, y): (f64, f64)) -> (bool, f64) {
+/// Returns whether a point lies in the polygon, and its distance from the boundary (m).
+pub(super) fn locate(corners: &[(f64, f64)], (x, y): (f64, f64)) -> (bool, f64) {
     let n = corners.len();
     let (mut inside, mut nearest) = (false, f64::INFINITY);
     for k in 0..n {
         let (a, b) = (corners[k], corners[(k + 1) % n]);
-        // A ray along x crosses the edges an odd number of times from within.
+        // A ray along x from an inner point crosses the edges an odd number of times.
         if (a.1 > y) != (b.1 > y) && x < a.0 + (b.0 - a.0) * (y - a.1) / (b.1 - a.1) {
             inside = !inside;
         }
@@ -45,7 +45,7 @@ pub(super) fn place(corners: &[(f64, f64)], (x, y): (f64, f64)) -> (bool, f64) {
     (inside, nearest)
 }
 
-/// Whether every corner turns to the left.
+/// Returns whether the polygon is convex: every corner turns to the left.
 pub(super) fn is_convex(corners: &[(f64, f64)]) -> bool {
     let n = corners.len();
     (0..n).all(|k| {

@@ -1,31 +1,43 @@
-//! Does it hit: posed solids against posed solids. The only user of parry3d.
+//! Collision checking: posed solids against posed solids. The only user of parry3d.
 //!
-//! parry3d runs in f64 here, so no margin for single precision is needed. A clearance is kept by
-//! swelling the robot's solids by it once, at load (a ball swept over a convex solid is exact:
-//! capsules, spheres and rounded boxes and cylinders), so that every test is a plain intersection
-//! test. Touching counts as collision; floor spaces side by side may touch.
-
+//! - Broad phase: axis-aligned bounding boxes (`placed_solids`) and bounding capsules of the links
+//!   (`bounding_capsule`).
+//! - Narrow phase: closed forms for capsules against boxes, triangles and each other
+//!   (`bounding_capsule`); parry3d for the pairs that these leave unclear (`scene`).
+//! - Distances and bounding spheres serve continuous collision checking in [`crate::motion`].
 //!
-//! Equipment meshes are asked triangle by triangle, so that verdicts are exact; one that is convex
-//! becomes a solid polyhedron. Link meshes, which move, collide as convex parts that hold them. The
-//! robot is checked against itself, the clearance aside.
+//! parry3d runs in f64 here, so that no margin for single precision is needed. A clearance is kept by
+//! swelling the robot's solids once, when the cell is loaded. A ball swept over a convex solid is exact
+//! for capsules, spheres, rounded boxes and rounded cylinders. So every check is a plain intersection
+//! test. Touching counts as collision, but floor spaces side by side may touch.
+//!
+//! Equipment meshes are checked triangle by triangle, so that the verdict is exact; a convex mesh becomes
+//! a solid polyhedron. Link meshes, which move, are checked as convex parts that contain them. The robot
+//! is checked against itself without the clearance.
 
 mod bodies;
-mod decomposition;
+mod bounding_capsule;
+mod bounding_sphere;
+mod contact;
+mod convex_decomposition;
 mod distance;
 mod fence;
-mod hit;
-mod links;
-mod own_pairs;
-mod plan;
-mod rod;
+mod floor_plan;
+mod floor_rectangle;
+mod link_solids;
+mod pairs;
+mod placed_solids;
 mod scene;
+mod self_collision_pairs;
 mod spacing;
 
-pub use decomposition::Remember;
-pub use distance::{ACCURACY, Load, Mover, Nearness, Pair};
-pub use hit::{Hit, SolidRef};
-pub use own_pairs::{Allowed, OwnPair};
-pub use plan::{FloorPlan, Overlap, Party, Separation};
-pub use scene::{Placed, Scene};
+pub use bounding_sphere::BoundingSphere;
+pub use contact::{Hit, SolidRef};
+pub use convex_decomposition::Remember;
+pub use distance::{ACCURACY, Nearness};
+pub use floor_plan::{FloorPlan, Overlap, Party, Separation};
+pub use pairs::{Load, Pair};
+pub use placed_solids::{ContactMemory, PlacedSolids};
+pub use scene::Scene;
+pub use self_collision_pairs::{Allowed, SelfCollisionPair};
 pub use spacing::footprint;

@@ -1,331 +1,267 @@
-//! Robot solids against equipment solids, in three dimensions.
+//! Collision checking in three dimensions: robot solids against equipment, fence, floor and themselves.
+//!
+//! Broad phase: bounding boxes and bounding capsules. Narrow phase: closed forms for capsules, then
+//! parry3d for the pairs that these leave unclear.
 
-use super::bodies::{Body, Part, intersecting, parry_pose, part, plain, touching, vector};
-use super::decomposition::Remember;
-use super::distance;
-use super::distance::Mover;
+use super::bodies::{CollisionBody, EquipmentSolid, intersecting, parry_pose, part, touching, vector};
+use super::bounding_capsule::{BoundingCapsule, ContactVerdict, overlapping};
+use super::bounding_sphere::{BoundingSphere, bounding_spheres};
+use super::contact::{Hit, SolidRef};
+use super::convex_decomposition::Remember;
 use super::fence;
-use super::hit::{Hit, SolidRef};
-use super::links;
-use super::links::Link;
-use super::own_pairs;
-use super::own_pairs::OwnPair;
-use super::rod::{Bulk, Rod, UNSURE, Verdict, overlapping};
+use super::link_solids::{self, LinkSolid};
+use super::placed_solids::{
+    ContactMemory, EquipmentSolids, LinkFrames, LinkPoses, PlacedSolid, PlacedSolids,
+};
+use super::self_collision_pairs::{self, SelfCollisionPair};
 use crate::cell::{Cell, Equipment, Layout, MAX_JOINTS, Placement};
 use crate::pose::Pose;
-use nalgebra::Vector3;
 use parry3d::bounding_volume::BoundingVolume;
 use parry3d::math as pm;
 use parry3d::shape::{Cuboid, SharedShape};
 
-/// The solids of a cell, made ready once. Robot solids are swollen by the clearance.
+/// All solids of a cell, prepared once for collision checking. Robot solids are swollen by the clearance.
 pub struct Scene {
-    pub(super) links: Vec<Link>,
-    /// One per link.
-    pub(super) movers: Vec<Mover>,
-    /// What of the robot is checked against what, and what may touch.
-    own_pairs: Vec<OwnPair>,
-    /// Links of the pairs that are checked.
+    pub(super) links: Vec<LinkSolid>,
+    /// Bounding spheres, one per link solid.
+    pub(super) bounding_spheres: Vec<BoundingSphere>,
+    /// Pairs of robot solids, and why some of them may touch.
+    self_collision_pairs: Vec<SelfCollisionPair>,
+    /// Pairs of link solids that must not touch, as indices into `links`.
     pub(super) checked: Vec<(usize, usize)>,
-    /// Of the equipment, and after it the walls of the fence.
-    pub(super) stands: Vec<Stand>,
-    /// The frame after the last joint.
+    /// Solids of every equipment; the walls of the fence follow as the last entry.
+    pub(super) equipment: Vec<EquipmentSolids>,
+    /// Index of the frame after the last joint.
     pub(super) last: usize,
+    /// Height of the floor in the world, m.
     pub(super) floor: f64,
     pub(super) clearance: f64,
     pub(super) enabled: bool,
 }
 
-/// The solids of an equipment.
-pub(super) struct Stand {
-    pub(super) parts: Vec<Part>,
-    /// Where the cell as drawn has it, as obstacles always stand, and its solids there.
-    drawn: Placement,
-    posed: Vec<PlacedBody>,
-}
-
-/// The equipment solids of one layout; reused from layout to layout.
-#[derive(Default)]
-pub struct Placed {
-    /// The robot base in the world; None: where that is.
-    base: Option<Pose>,
-    pub(super) bodies: Vec<PlacedBody>,
-    /// What the base itself touches, whatever the arm does.
-    pub(super) base_hit: Option<Hit>,
-    /// Link and placed body that touched last: the next posture most likely does, too.
-    suspect: Option<(usize, usize)>,
-    /// One per link, of the last posture.
-    rods: Vec<Rod>,
-}
-
-#[derive(Clone, Copy)]
-pub(super) struct PlacedBody {
-    pub(super) id: (usize, usize),
-    pub(super) pose: Pose,
-    /// Low and high corner in the world, with room for what is unsure.
-    low: Vector3<f64>,
-    high: Vector3<f64>,
-    /// In the frame of the solid; a leg is cut to length for the layout.
-    pub(super) bulk: Bulk,
-}
-
-/// The frames of the links in the base.
-type Links = [Pose; MAX_JOINTS + 1];
-
-/// Where the links are: their frames in the base, and the base in the world if that is another frame.
-#[derive(Clone, Copy)]
-struct Stance<'a> {
-    frames: &'a Links,
-    base: Option<&'a Pose>,
-}
-
-impl Stance<'_> {
-    /// The frame that a link moves with, in the world.
-    fn carrier(&self, link: &Link) -> Pose {
-        let frame = link.carrier(self.frames);
-        self.base.map_or(*frame, |base| *base * *frame)
-    }
-
-    /// What holds a link, in the world.
-    fn rod(&self, link: &Link) -> Rod {
-        let rod = link.rod(link.carrier(self.frames));
-        self.base.map_or(rod, |base| rod.at(base))
-    }
-}
-
-impl Placed {
-    pub(super) fn in_world(&self, frame: &Pose) -> Pose {
-        self.base.map_or(*frame, |base| base * *frame)
-    }
-}
-
-impl PlacedBody {
-    fn new(id: (usize, usize), pose: Pose, bulk: Bulk) -> Self {
-        let middle = pose.transform(&bulk.centre);
-        let room = (pose.rotation.abs() * bulk.half).add_scalar(UNSURE);
-        Self { id, pose, low: middle - room, high: middle + room, bulk }
-    }
-}
-
-impl Stand {
-    fn new(e: usize, parts: Vec<Part>, drawn: Placement, floor: f64) -> Self {
-        let mut stand = Self { parts, drawn, posed: Vec::new() };
-        stand.posed = stand.at(e, &drawn, floor).collect();
-        stand
-    }
-
-    /// Its solids, as equipment number `e` at a placement.
-    fn at(&self, e: usize, at: &Placement, floor: f64) -> impl Iterator<Item = PlacedBody> {
-        let frame = at.pose();
-        self.parts.iter().enumerate().filter_map(move |(s, part)| match part {
-            Part::Convex(body) | Part::Mesh { body, .. } => {
-                let (centre, half) = (plain(body.bounds.center()), plain(body.bounds.half_extents()));
-                let bulk = Bulk { centre, half, is_solid: body.shape.as_cuboid().is_some() };
-                Some(PlacedBody::new((e, s), frame * body.local, bulk))
-            }
-            Part::Leg { x, y, half, top } => {
-                let height = frame.translation.z + top - floor;
-                let centre = Vector3::new(*x, *y, top - height / 2.0);
-                let pose = Pose { translation: frame.transform(&centre), ..frame };
-                let half = Vector3::new(half.0, half.1, height / 2.0);
-                let bulk = Bulk { centre: Vector3::zeros(), half, is_solid: true };
-                (height > 0.0).then(|| PlacedBody::new((e, s), pose, bulk))
-            }
-        })
-    }
-}
-
 impl Scene {
+    /// Prepares the solids of a cell.
     pub fn new(cell: &Cell) -> Self {
         Self::remembering(cell, &mut |_, compute| compute())
     }
 
-    /// The same with what takes long to compute, the convex parts of link meshes, kept elsewhere.
+    /// Prepares the solids like [`Self::new`], with a cache for the convex decomposition of link meshes.
     pub fn remembering(cell: &Cell, remember: &mut Remember<'_>) -> Self {
-        let links = links::all(cell, remember);
-        let own_pairs = if cell.collision { own_pairs::find(cell, &links) } else { Vec::new() };
+        let links = link_solids::all(cell, remember);
+        let self_collision_pairs =
+            if cell.collision { self_collision_pairs::find(cell, &links) } else { Vec::new() };
         let place = |id: SolidRef| links.iter().position(|l| l.id == id);
-        let checked = own_pairs.iter().filter(|p| p.allowed.is_none());
+        let checked = self_collision_pairs.iter().filter(|p| p.allowed.is_none());
         let solids = |e: &Equipment| e.solids.iter().map(|s| part(&s.shape)).collect();
         let equipment = cell.equipment.iter().map(solids).zip(cell.start().placements);
         let walls = (fence::walls(cell), Placement::from_values([0.0; 4]));
-        let stands = equipment.chain([walls]).enumerate();
+        let equipment = equipment.chain([walls]).enumerate();
         Self {
             checked: checked.filter_map(|p| place(p.a).zip(place(p.b))).collect(),
-            own_pairs,
-            stands: stands.map(|(e, (parts, at))| Stand::new(e, parts, at, cell.floor)).collect(),
+            self_collision_pairs,
+            equipment: equipment
+                .map(|(e, (parts, at))| EquipmentSolids::new(e, parts, at, cell.floor))
+                .collect(),
             last: cell.robot.axes(),
             floor: cell.floor,
             clearance: cell.clearance,
-            movers: distance::movers(&links),
+            bounding_spheres: bounding_spheres(&links),
             enabled: cell.collision,
             links,
         }
     }
 
-    /// Every pair of solids of the robot, tool and held parts included, and why it may touch.
-    pub fn own_pairs(&self) -> &[OwnPair] {
-        &self.own_pairs
+    /// Returns every pair of robot solids, tool and held parts included, and why it may touch.
+    pub fn self_collision_pairs(&self) -> &[SelfCollisionPair] {
+        &self.self_collision_pairs
     }
 
-    /// Poses the equipment of a layout.
-    pub fn place(&self, layout: &Layout, placed: &mut Placed) {
+    /// Poses the equipment of a layout and checks the robot base against it.
+    pub fn place(&self, layout: &Layout, placed: &mut PlacedSolids) {
         placed.bodies.clear();
         let base = layout.base.pose();
         placed.base = (base != Pose::identity()).then_some(base);
-        (placed.base_hit, placed.suspect) = (None, None);
+        placed.base_hit = None;
         if !self.enabled {
             return;
         }
-        for (e, stand) in self.stands.iter().enumerate() {
-            // The walls stand after the equipment, where they are drawn.
-            let at = layout.placements.get(e).unwrap_or(&stand.drawn);
-            if *at == stand.drawn {
-                placed.bodies.extend_from_slice(&stand.posed);
+        for (e, solids) in self.equipment.iter().enumerate() {
+            // The walls of the fence follow the equipment and never move.
+            let at = layout.placements.get(e).unwrap_or(&solids.drawn);
+            if *at == solids.drawn {
+                placed.bodies.extend_from_slice(&solids.posed);
             } else {
-                placed.bodies.extend(stand.at(e, at, self.floor));
+                placed.bodies.extend(solids.at(e, at, self.floor));
             }
         }
         let base = self.links.iter().filter(|l| l.frame == 0);
-        let stance = Stance { frames: &[Pose::IDENTITY; MAX_JOINTS + 1], base: placed.base.as_ref() };
-        let mut hits = base.filter_map(|l| self.first_hit(l, &stance.rod(l), stance, &placed.bodies));
+        let poses = LinkPoses { frames: &[Pose::IDENTITY; MAX_JOINTS + 1], base: placed.base.as_ref() };
+        let mut hits = base.filter_map(|l| self.first_hit(l, &poses.capsule(l), poses, &placed.bodies));
         placed.base_hit = hits.next().map(|(hit, _)| hit);
     }
 
-    /// The first contact of the robot with its link frames (in the base) at `frames`, or None. With
-    /// the parts that `operation` holds; None: with empty hands.
-    pub fn hit(&self, placed: &Placed, frames: &Links, operation: Option<usize>) -> Option<Hit> {
+    /// Returns the first contact of the robot with its link frames (robot base) at `frames`.
+    ///
+    /// `operation` selects the held parts that are checked too; None means that nothing is held.
+    pub fn hit(&self, placed: &PlacedSolids, frames: &LinkFrames, operation: Option<usize>) -> Option<Hit> {
         if !self.enabled || placed.base_hit.is_some() {
             return placed.base_hit;
         }
-        let stance = Stance { frames, base: placed.base.as_ref() };
-        let rods: Vec<Rod> = self.links.iter().map(|l| stance.rod(l)).collect();
-        let outside = self.outside_hit(&placed.bodies, stance, &rods, operation);
-        outside.map(|(_, (hit, _))| hit).or_else(|| self.own_hit(frames, &rods, operation))
+        let poses = LinkPoses { frames, base: placed.base.as_ref() };
+        let capsules: Vec<BoundingCapsule> = self.links.iter().map(|l| poses.capsule(l)).collect();
+        let outside = self.outside_hit(&placed.bodies, poses, &capsules, operation);
+        outside.map(|(_, (hit, _))| hit).or_else(|| self.own_hit(frames, &capsules, operation))
     }
 
-    /// Whether [`Self::hit`] finds nothing, asked faster for one posture after another.
-    pub fn is_free(&self, placed: &mut Placed, frames: &Links, operation: Option<usize>) -> bool {
+    /// Returns whether [`Self::hit`] finds no contact; faster for a series of postures.
+    pub fn is_free(
+        &self,
+        placed: &PlacedSolids,
+        frames: &LinkFrames,
+        operation: Option<usize>,
+        memory: &mut ContactMemory,
+    ) -> bool {
         if !self.enabled || placed.base_hit.is_some() {
             return placed.base_hit.is_none();
         }
-        let Placed { base, bodies, suspect, rods, .. } = placed;
-        let stance = Stance { frames, base: base.as_ref() };
+        let poses = LinkPoses { frames, base: placed.base.as_ref() };
+        let ContactMemory { suspect, capsules } = memory;
         if let Some((k, body)) = *suspect
-            && let link = &self.links[k]
+            && let (Some(link), Some(body)) = (self.links.get(k), placed.bodies.get(body))
             && link.is_there(operation)
-            && self.touches(link, &stance.rod(link), stance, &bodies[body])
+            && link.spared != Some(body.id.0)
+            && self.touches(link, &poses.capsule(link), poses, body)
         {
             return false;
         }
-        rods.clear();
-        rods.extend(self.links.iter().map(|l| stance.rod(l)));
-        let outside = self.outside_hit(bodies, stance, rods, operation);
+        capsules.clear();
+        capsules.extend(self.links.iter().map(|l| poses.capsule(l)));
+        let outside = self.outside_hit(&placed.bodies, poses, capsules, operation);
         *suspect = outside.and_then(|(k, (_, body))| Some((k, body?)));
-        outside.is_none() && self.own_hit(frames, rods, operation).is_none()
+        outside.is_none() && self.own_hit(frames, capsules, operation).is_none()
     }
 
-    /// The first contact of what moves with equipment or floor, after the number of its link.
+    /// Returns the first contact of a moving link with equipment or floor, and the index of that link.
     fn outside_hit(
         &self,
-        bodies: &[PlacedBody],
-        stance: Stance<'_>,
-        rods: &[Rod],
+        bodies: &[PlacedSolid],
+        poses: LinkPoses<'_>,
+        capsules: &[BoundingCapsule],
         operation: Option<usize>,
     ) -> Option<(usize, (Hit, Option<usize>))> {
-        let moving = self.links.iter().zip(rods).enumerate();
+        let moving = self.links.iter().zip(capsules).enumerate();
         let mut there = moving.filter(|(_, (l, _))| l.frame > 0 && l.is_there(operation));
-        there.find_map(|(k, (link, rod))| Some((k, self.first_hit(link, rod, stance, bodies)?)))
+        there.find_map(|(k, (link, capsule))| Some((k, self.first_hit(link, capsule, poses, bodies)?)))
     }
 
-    /// The first contact of the robot with itself.
-    fn own_hit(&self, frames: &Links, rods: &[Rod], operation: Option<usize>) -> Option<Hit> {
+    /// Returns the first contact of the robot with itself.
+    fn own_hit(
+        &self,
+        frames: &LinkFrames,
+        capsules: &[BoundingCapsule],
+        operation: Option<usize>,
+    ) -> Option<Hit> {
         let there = |k: usize| self.links[k].is_there(operation);
         let mut pairs = self.checked.iter().filter(|(a, b)| there(*a) && there(*b));
         let touch = |&&(i, j): &&(usize, usize)| {
             let (a, b) = (&self.links[i], &self.links[j]);
-            a.is_near(&rods[i], b, &rods[j]) && a.touches_near(a.carrier(frames), b, b.carrier(frames))
+            a.is_near(&capsules[i], b, &capsules[j])
+                && a.touches_near(a.carrier(frames), b, b.carrier(frames))
         };
         pairs.find(touch).map(|&(i, j)| Hit { solid: self.links[j].id, other: self.links[i].id })
     }
 
-    /// The first contact of a link (held by `rod`) with the floor or a placed body, and the number of that.
+    /// Returns the first contact of a link with the floor or a placed solid, and the index of that solid.
     fn first_hit(
         &self,
-        link: &Link,
-        rod: &Rod,
-        stance: Stance<'_>,
-        bodies: &[PlacedBody],
+        link: &LinkSolid,
+        capsule: &BoundingCapsule,
+        poses: LinkPoses<'_>,
+        bodies: &[PlacedSolid],
     ) -> Option<(Hit, Option<usize>)> {
-        let (low, high) = rod.bounds();
-        // The base stands on the floor.
-        if link.frame > 0 && low.z <= self.floor && link.lowest(rod, &stance.carrier(link)) <= self.floor {
+        let (low, high) = capsule.bounds();
+        // The base stands on the floor, which is no collision.
+        if link.frame > 0 && low.z <= self.floor && link.lowest(capsule, &poses.carrier(link)) <= self.floor {
             return Some((Hit { solid: link.id, other: SolidRef::Floor }, None));
         }
         let found = bodies.iter().position(|b| {
             overlapping((&low, &high), (&b.low, &b.high))
                 && link.spared != Some(b.id.0)
-                && self.touches(link, rod, stance, b)
+                && self.touches(link, capsule, poses, b)
         });
         found.map(|k| (Hit { solid: link.id, other: self.name(bodies[k].id) }, Some(k)))
     }
 
-    /// What a placed body is: a solid of an equipment, or a wall of the fence.
+    /// Returns what a placed solid is: a solid of an equipment, or a wall of the fence.
     pub(super) fn name(&self, (e, s): (usize, usize)) -> SolidRef {
-        if e + 1 == self.stands.len() { SolidRef::Fence(s) } else { SolidRef::Equipment(e, s) }
+        if e + 1 == self.equipment.len() { SolidRef::Fence(s) } else { SolidRef::Equipment(e, s) }
     }
 
-    /// Whether a link (held by `rod`) shares a point with a placed body.
-    fn touches(&self, link: &Link, rod: &Rod, stance: Stance<'_>, other: &PlacedBody) -> bool {
-        let seen = rod.seen_from(&other.pose);
-        let part = &self.stands[other.id.0].parts[other.id.1];
-        let mut verdict = seen.against_box(&other.bulk);
-        if verdict != Verdict::Apart
-            && let Part::Mesh { body, closed } = part
+    /// Returns whether a link, bounded by `capsule`, shares a point with a placed solid.
+    fn touches(
+        &self,
+        link: &LinkSolid,
+        capsule: &BoundingCapsule,
+        poses: LinkPoses<'_>,
+        other: &PlacedSolid,
+    ) -> bool {
+        let seen = capsule.seen_from(&other.pose);
+        let part = &self.equipment[other.id.0].parts[other.id.1];
+        let mut verdict = seen.against_box(&other.bounds);
+        if verdict != ContactVerdict::Apart
+            && let EquipmentSolid::Mesh { body, closed } = part
             && let Some(mesh) = body.shape.as_trimesh()
         {
             verdict = seen.against_mesh(mesh);
-            // What a closed mesh does not touch but holds one point of, it holds all of.
-            if verdict == Verdict::Apart && *closed && body.holds(&vector(&seen.a)) {
+            // A body that does not touch the surface lies inside as a whole if one of its points does.
+            if verdict == ContactVerdict::Apart && *closed && body.holds(&vector(&seen.a)) {
                 return true;
             }
         }
         match verdict {
-            Verdict::Apart => false,
-            Verdict::Touching => true,
-            Verdict::Unclear => {
-                let (pose, frame) = (parry_pose(&other.pose), stance.carrier(link));
-                let touch = |b: &Body| touches_part(b, &pose.inv_mul(&b.pose_in(&frame)), part, other);
+            ContactVerdict::Apart => false,
+            ContactVerdict::Touching => true,
+            ContactVerdict::Unclear => {
+                let (pose, frame) = (parry_pose(&other.pose), poses.carrier(link));
+                let touch =
+                    |b: &CollisionBody| touches_part(b, &pose.inv_mul(&b.pose_in(&frame)), part, other);
                 link.bodies.iter().any(touch) || swallows(link, &frame, part, &pose)
             }
         }
     }
 }
 
-/// Whether a closed link mesh holds a point of the other solid.
-pub(super) fn swallows(link: &Link, frame: &Pose, part: &Part, pose: &pm::Pose) -> bool {
+/// Returns whether a closed link mesh contains a point of the other solid.
+pub(super) fn swallows(link: &LinkSolid, frame: &Pose, part: &EquipmentSolid, pose: &pm::Pose) -> bool {
     let Some(shell) = &link.shell else { return false };
     let inside = match part {
-        Part::Convex(body) | Part::Mesh { body, .. } => body.inside,
-        Part::Leg { .. } => pm::Vector::ZERO,
+        EquipmentSolid::Convex(body) | EquipmentSolid::Mesh { body, .. } => body.inside,
+        EquipmentSolid::Leg { .. } => pm::Vector::ZERO,
     };
     shell.holds(&(shell.pose_in(frame).inverse() * (*pose * inside)))
 }
 
-/// parry's verdict, with the body of a link at `relative` in the frame of the other: bounds first, then
-/// the shapes themselves.
-fn touches_part(link: &Body, relative: &pm::Pose, part: &Part, other: &PlacedBody) -> bool {
+/// Asks parry3d whether a link body, at `relative` in the frame of the other solid, touches that solid:
+/// bounding boxes first, then the shapes.
+fn touches_part(
+    link: &CollisionBody,
+    relative: &pm::Pose,
+    part: &EquipmentSolid,
+    other: &PlacedSolid,
+) -> bool {
     match part {
-        Part::Convex(body) => {
+        EquipmentSolid::Convex(body) => {
             link.bounds_in(relative).intersects(&body.bounds) && touching(body, relative, link)
         }
-        Part::Leg { .. } => intersecting(&Cuboid::new(vector(&other.bulk.half)), relative, &*link.shape),
-        Part::Mesh { body, closed } => {
+        EquipmentSolid::Leg { .. } => {
+            intersecting(&Cuboid::new(vector(&other.bounds.half)), relative, &*link.shape)
+        }
+        EquipmentSolid::Mesh { body, closed } => {
             let near = |s: &SharedShape| s.compute_aabb(relative).intersects(&body.bounds);
             let hits = |s: &SharedShape| near(s) && intersecting(&*body.shape, relative, &**s);
             let whole = std::slice::from_ref(&link.shape);
             let pieces = if link.pieces.is_empty() { whole } else { &link.pieces };
-            // A closed mesh that is not touched but holds one point of the link holds all of it.
+            // A link that does not touch the surface lies inside as a whole if one of its points does.
             pieces.iter().any(hits) || *closed && body.holds(&(*relative * link.inside))
         }
     }

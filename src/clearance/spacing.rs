@@ -1,23 +1,24 @@
-//! How far floor spaces stay from each other, and how much floor they take together.
+//! Distances between floor spaces, and the floor area that they take together.
 
 use super::fence;
-use super::plan::{FloorPlan, Placed, depth};
+use super::floor_plan::FloorPlan;
+use super::floor_rectangle::{PlacedRectangle, overlap_depth};
 use crate::cell::{Cell, Coordinate, Layout, Role};
-
-/// A point in plan, m.
-type Point = (f64, f64);
+use crate::geometry::{PlanePoint, convex_hull, polygon_area};
 
 impl FloorPlan {
-    /// Least distance in plan of floor spaces that may not overlap, at most `max` (m); 0 if they do. Of
-    /// pairs of which the search moves neither nothing is said: every layout has the same.
+    /// Returns the least distance in plan of floor spaces that must not overlap, at most `max` (m).
+    ///
+    /// It is 0 if two overlap. Pairs of which the search moves neither do not count: their distance is
+    /// the same in every layout.
     pub fn spacing(&self, cell: &Cell, layout: &Layout, max: f64) -> f64 {
         if !self.enabled {
             return max;
         }
         let moves: Vec<bool> = (0..cell.equipment.len()).map(|k| is_moved(cell, k)).collect();
         let base_moves = cell.base.iter().any(Coordinate::is_free);
-        let base = Placed::new(&cell.robot.footprint, &layout.base);
-        let all = |k: usize| Placed::new(&cell.equipment[k].footprint, &layout.placements[k]);
+        let base = PlacedRectangle::new(&cell.robot.footprint, &layout.base);
+        let all = |k: usize| PlacedRectangle::new(&cell.equipment[k].footprint, &layout.placements[k]);
         let mut least = max;
         let mut note = |distance: f64| least = least.min(distance);
         for i in 0..moves.len() {
@@ -45,70 +46,42 @@ impl FloorPlan {
     }
 }
 
-/// Whether the search may move an equipment.
+/// Returns whether the search may move an equipment.
 fn is_moved(cell: &Cell, k: usize) -> bool {
     let below = cell.equipment.iter().enumerate().filter(|(under, _)| cell.rides_on(k, *under));
     below.flat_map(|(_, e)| &e.placement).any(Coordinate::is_free)
 }
 
-/// Distance of two rectangles in plan.
-fn apart(a: &Placed, b: &Placed) -> f64 {
-    if depth(a, b, 0.0) > 0.0 {
+/// Returns the distance of two rectangles in plan, m.
+fn apart(a: &PlacedRectangle, b: &PlacedRectangle) -> f64 {
+    if overlap_depth(a, b, 0.0) > 0.0 {
         return 0.0;
     }
     let (a, b) = (a.corners(), b.corners());
     boundaries_apart(&a, &b)
 }
 
-/// How far inside the fence a floor space stands; `max` without a fence.
-fn within(cell: &Cell, stand: &Placed, max: f64) -> f64 {
+/// Returns how far inside the fence a floor space is, m; `max` without a fence.
+fn within(cell: &Cell, stand: &PlacedRectangle, max: f64) -> f64 {
     let Some(fence) = &cell.fence else { return max };
     let corners = stand.corners();
-    let inside = corners.iter().all(|corner| fence::place(&fence.corners, *corner).0);
+    let inside = corners.iter().all(|corner| fence::locate(&fence.corners, *corner).0);
     if inside { boundaries_apart(&corners, &fence.corners) } else { 0.0 }
 }
 
-/// Distance of the edges of two polygons that do not cross: at a corner of either.
-fn boundaries_apart(a: &[Point], b: &[Point]) -> f64 {
-    let from = |points: &[Point], polygon: &[Point]| {
-        points.iter().map(|p| fence::place(polygon, *p).1).fold(f64::INFINITY, f64::min)
+/// Returns the distance of the boundaries of two polygons that do not cross; it occurs at a corner.
+fn boundaries_apart(a: &[PlanePoint], b: &[PlanePoint]) -> f64 {
+    let from = |points: &[PlanePoint], polygon: &[PlanePoint]| {
+        points.iter().map(|p| fence::locate(polygon, *p).1).fold(f64::INFINITY, f64::min)
     };
     from(a, b).min(from(b, a))
 }
 
-/// Area of the convex hull of the floor spaces of robot base and equipment, obstacles left out, m2.
+/// Returns the area, m2, of the convex hull of robot base and equipment in plan, without obstacles.
 pub fn footprint(cell: &Cell, layout: &Layout) -> f64 {
     let placed = cell.equipment.iter().zip(&layout.placements).filter(|(e, _)| e.role == Role::Equipment);
-    let equipment = placed.map(|(e, at)| Placed::new(&e.footprint, at));
-    let base = Placed::new(&cell.robot.footprint, &layout.base);
-    let corners: Vec<Point> = equipment.chain([base]).flat_map(|p| p.corners()).collect();
-    area(&hull(corners))
-}
-
-/// Corners of the convex hull, anticlockwise: the monotone chain (A. M. Andrew, Information Processing
-/// Letters 9 (1979) 216-219).
-fn hull(mut points: Vec<Point>) -> Vec<Point> {
-    points.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
-    let half = |points: &mut dyn Iterator<Item = &Point>| {
-        let mut chain: Vec<Point> = Vec::new();
-        for p in points {
-            while let [.., a, b] = chain[..]
-                && (b.0 - a.0) * (p.1 - a.1) - (b.1 - a.1) * (p.0 - a.0) <= 0.0
-            {
-                chain.pop();
-            }
-            chain.push(*p);
-        }
-        // The last is the first of the other half.
-        chain.pop();
-        chain
-    };
-    let mut all = half(&mut points.iter());
-    all.extend(half(&mut points.iter().rev()));
-    all
-}
-
-fn area(corners: &[Point]) -> f64 {
-    let next = corners.iter().cycle().skip(1);
-    corners.iter().zip(next).map(|(a, b)| a.0 * b.1 - a.1 * b.0).sum::<f64>() / 2.0
+    let equipment = placed.map(|(e, at)| PlacedRectangle::new(&e.footprint, at));
+    let base = PlacedRectangle::new(&cell.robot.footprint, &layout.base);
+    let corners: Vec<PlanePoint> = equipment.chain([base]).flat_map(|p| p.corners()).collect();
+    polygon_area(&convex_hull(corners))
 }

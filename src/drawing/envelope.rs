@@ -1,7 +1,7 @@
 //! The working envelope as rings: level cuts at several heights, and the upright section.
 
 use crate::assess::{Assessment, step_of, tolerance_of};
-use crate::reach::{Envelope, Fineness, Region};
+use crate::reach::{Envelope, EnvelopeSection, Fineness};
 use nalgebra::Vector3;
 
 /// Level cuts from the lowest to the highest reach.
@@ -26,10 +26,11 @@ pub fn rings(a: &Assessment<'_>, operation: usize) -> Rings {
     let step = 2.0 * step_of(&a.cell.robot, inverse);
     let fine = Fineness { step, tolerance: tolerance_of(inverse, step), asked: &|_| () };
     let frame = base.pose();
-    let world = |region: &Region, lift: &dyn Fn([f64; 2]) -> Vector3<f64>| -> Vec<Vec<Vector3<f64>>> {
-        let ring = |points: &Vec<[f64; 2]>| points.iter().map(|p| frame.transform(&lift(*p))).collect();
-        region.outlines.iter().map(|o| ring(&o.points)).collect()
-    };
+    let world =
+        |region: &EnvelopeSection, lift: &dyn Fn([f64; 2]) -> Vector3<f64>| -> Vec<Vec<Vector3<f64>>> {
+            let ring = |points: &Vec<[f64; 2]>| points.iter().map(|p| frame.transform(&lift(*p))).collect();
+            region.outlines.iter().map(|o| ring(&o.points)).collect()
+        };
     let level = |z: f64| world(&envelope.plan(z, &fine), &|[x, y]| Vector3::new(x, y, z));
     let azimuth = envelope.middle();
     let (sin, cos) = azimuth.sin_cos();

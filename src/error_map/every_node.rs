@@ -1,24 +1,46 @@
-//! An operation that happens at every one of its nodes: all of them must be usable, and their values
-//! make one.
+//! An operation that happens at every one of its nodes: all of them must be usable, and their values make
+//! one.
 
-use super::mapper::{Mapper, Scratch};
-use super::outcome::{Candidate, Outcome, Spot, Unjudged};
-use crate::cell::Layout;
-use crate::clearance::{Placed, Scene};
-use crate::reach::{Approach, Gap};
-use crate::reading::Situation;
-use crate::robot::Frames;
+use super::candidate::PostureCandidate;
+use super::outcome::{Outcome, Spot, Unjudged};
+use super::placed_layout::PlacedLayout;
+use super::walk::{OperationQuery, PostureVisitor, VisitedNode};
+use super::workspace::{MapperWorkspace, PostureMemory};
+use crate::reach::Gap;
 
-/// How far the nodes that cannot be reached are from it.
+/// Collects the candidates node by node, best first, and what is missing to reach the other nodes.
 #[derive(Default)]
-struct Missing {
+struct CandidatesByNode {
+    candidates: Vec<PostureCandidate>,
+    /// Start of the candidates of the present node.
+    first: usize,
+    unreached: UnreachedNodes,
+}
+
+impl PostureVisitor for CandidatesByNode {
+    fn candidate(&mut self, candidate: PostureCandidate) {
+        self.candidates.push(candidate);
+    }
+
+    fn end_of_node(&mut self, _: &OperationQuery<'_>, node: &VisitedNode, _: &mut PostureMemory) {
+        if let Some(gap) = &node.missed {
+            self.unreached.note(gap);
+        }
+        self.candidates[self.first..].sort_by(|a, b| b.cmp(a));
+        self.first = self.candidates.len();
+    }
+}
+
+/// Sums of the gaps of the nodes that cannot be reached.
+#[derive(Default)]
+struct UnreachedNodes {
     out_of_reach: usize,
     reach: f64,
     beyond_limits: usize,
     limits: f64,
 }
 
-impl Missing {
+impl UnreachedNodes {
     fn note(&mut self, gap: &Gap) {
         if gap.reach > 0.0 {
             self.out_of_reach += 1;
@@ -29,7 +51,8 @@ impl Missing {
         }
     }
 
-    /// The mean over all nodes: it falls with every node that comes nearer. None if nothing is missing.
+    /// Returns the mean gap over all nodes, which falls with every node that comes nearer; None if all are
+    /// reached.
     fn gap(&self, nodes: usize) -> Option<Gap> {
         if self.out_of_reach > 0 {
             let reach = (self.reach / nodes as f64).max(f64::MIN_POSITIVE);
@@ -39,137 +62,63 @@ impl Missing {
     }
 }
 
-impl Mapper {
-    /// What an operation gets: its least-error spot, or the value of all its nodes; `spots` are those
-    /// of the operations before it.
+impl PlacedLayout<'_> {
+    /// Finds what an operation gets: its least-error spot, or the value of all its nodes.
+    ///
+    /// `spots` are those of the operations before it.
     pub fn outcome(
         &self,
         operation: usize,
-        layout: &Layout,
-        scene: &Scene,
-        placed: &mut Placed,
         spots: &[Option<Spot>],
-        scratch: &mut Scratch,
+        workspace: &mut MapperWorkspace,
     ) -> Outcome {
-        if self.stations[operation].over.takes_all() {
-            self.every_node(operation, layout, scene, placed, spots, scratch)
-        } else {
-            self.least_error(operation, layout, scene, placed, spots, scratch)
+        if !self.mapper.setups[operation].over.takes_all() {
+            return self.least_error(operation, spots, workspace);
         }
+        self.every_free(operation, spots, workspace)
+            .map_or_else(|why| why, |free| self.value_of_all(operation, &free))
     }
 
-    /// The value of all nodes, and the worst of them as the spot.
-    fn every_node(
-        &self,
-        operation: usize,
-        layout: &Layout,
-        scene: &Scene,
-        placed: &mut Placed,
-        spots: &[Option<Spot>],
-        scratch: &mut Scratch,
-    ) -> Outcome {
-        match self.every_free(operation, layout, scene, placed, spots, scratch) {
-            Err(outcome) => outcome,
-            Ok(free) => {
-                // The first of several that are worst.
-                let by_value = |a: &&Spot, b: &&Spot| a.value.total_cmp(&b.value);
-                let Some(worst) = free.iter().rev().max_by(by_value) else {
-                    return Outcome::Unjudged(Unjudged::OnlyTouched);
-                };
-                let mut values: Vec<f64> = free.iter().map(|spot| spot.value).collect();
-                let value = self.stations[operation].over.of(&mut values);
-                Outcome::Found(Spot { value, ..*worst })
-            }
-        }
+    /// Combines the values of all nodes; the spot is the worst node, the first of several.
+    fn value_of_all(&self, operation: usize, free: &[Spot]) -> Outcome {
+        let by_value = |a: &&Spot, b: &&Spot| a.value.total_cmp(&b.value);
+        let Some(worst) = free.iter().rev().max_by(by_value) else {
+            return Outcome::Unjudged(Unjudged::OnlyTouched);
+        };
+        let mut values: Vec<f64> = free.iter().map(|spot| spot.value).collect();
+        let value = self.mapper.setups[operation].over.of(&mut values);
+        Outcome::Found(Spot { value, ..*worst })
     }
 
-    /// The least-error free spot of every node, in their order; or why one has none.
+    /// Finds the least-error usable spot of every node, in the order of the nodes.
+    ///
+    /// # Errors
+    /// A node has none; the outcome says why.
     pub fn every_free(
         &self,
         operation: usize,
-        layout: &Layout,
-        scene: &Scene,
-        placed: &mut Placed,
         spots: &[Option<Spot>],
-        scratch: &mut Scratch,
+        workspace: &mut MapperWorkspace,
     ) -> Result<Vec<Spot>, Outcome> {
-        let situation = self.situation(operation, layout, scene, placed, spots);
-        let candidates = match self.candidates(operation, layout, situation.as_ref().ok(), scratch) {
-            Ok(candidates) => candidates,
-            Err(gap) => return Err(Outcome::Unreachable { gap }),
-        };
-        if let Err(why) = situation {
+        let query = OperationQuery::new(self, operation, spots);
+        let memory = workspace.of(self.mapper, operation).postures;
+        let mut nodes = CandidatesByNode::default();
+        query.walk(memory, &mut nodes);
+        if let Some(gap) = nodes.unreached.gap(query.setup.grid.count()) {
+            return Err(Outcome::Unreachable { gap });
+        }
+        if let Err(why) = query.context {
             return Err(Outcome::Unjudged(why));
         }
-        let approach = self.stand(operation, layout).approach(&self.arm);
-        let mut frames = Frames::default();
         let mut all = Vec::new();
-        for of_node in candidates.chunk_by(|a, b| a.spot.node == b.spot.node) {
-            let mut refused = None;
-            let free = of_node.iter().find(|c| {
-                let is_free = self.is_free((operation, &approach), c, scene, placed, &mut frames);
-                let posture = (&c.target, c.spot.branch);
-                let refusal = is_free.then(|| self.refusal((operation, &approach), posture, scene, placed));
-                refused = refused.or(refusal.flatten());
-                refusal == Some(None)
-            });
-            let nearest = of_node[0].spot;
-            match (free, refused) {
-                (Some(free), _) => all.push(free.spot),
-                (None, Some(refusal)) => return Err(Outcome::Refused { nearest, refusal }),
-                (None, None) => return Err(Outcome::AllCollide { nearest }),
+        for of_node in nodes.candidates.chunk_by(|a, b| a.spot.node == b.spot.node) {
+            let mut next = of_node.iter().copied();
+            match query.first_free(memory, |_| next.next()).outcome() {
+                Some(Outcome::Found(spot)) => all.push(spot),
+                Some(why) => return Err(why),
+                None => {}
             }
         }
         Ok(all)
-    }
-
-    /// The postures of every node, node by node, each from its least value up; or how much is missing
-    /// to reach them all.
-    fn candidates(
-        &self,
-        operation: usize,
-        layout: &Layout,
-        situation: Option<&Situation>,
-        scratch: &mut Scratch,
-    ) -> Result<Vec<Candidate>, Gap> {
-        let (station, stand) = (&self.stations[operation], self.stand(operation, layout));
-        let (memory, frames) = scratch.of(self, operation);
-        let approach = stand.approach(&self.arm);
-        let mut posture = self.arm.inverse.scratch();
-        let (mut candidates, mut missing) = (Vec::<Candidate>::new(), Missing::default());
-        station.grid.targets(&stand.at, |node, target| {
-            let first = candidates.len();
-            let mut reached = false;
-            let gap = self.arm.inverse.visit(&target, &approach, &mut posture, |branch, posture| {
-                reached = true;
-                if let Some(situation) = situation.filter(|s| !s.touches(&target)) {
-                    self.arm.chain.place(posture, frames);
-                    let value = station.gauge.value(situation, frames, memory);
-                    candidates.push(Candidate { spot: Spot { node, branch, value }, target });
-                }
-            });
-            if !reached {
-                missing.note(&gap);
-            }
-            // A candidate is greater the less its value.
-            candidates[first..].sort_by(|a, b| b.cmp(a));
-        });
-        missing.gap(station.grid.count()).map_or(Ok(candidates), Err)
-    }
-
-    /// Whether the posture of a candidate touches nothing.
-    pub(super) fn is_free(
-        &self,
-        (operation, approach): (usize, &Approach),
-        candidate: &Candidate,
-        scene: &Scene,
-        placed: &mut Placed,
-        frames: &mut Frames,
-    ) -> bool {
-        let posture = self.arm.inverse.posture(&candidate.target, approach, candidate.spot.branch);
-        posture.is_some_and(|posture| {
-            self.arm.chain.place(&posture, frames);
-            scene.is_free(placed, &frames.links, Some(operation))
-        })
     }
 }

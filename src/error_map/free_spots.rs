@@ -1,53 +1,34 @@
-//! The spots of an operation that touch nothing, from the least value up.
+//! The usable spots of an operation in ascending order of value: what a robust search asks.
 
-use super::mapper::{Mapper, Scratch};
-use super::outcome::{Candidate, Spot};
-use crate::cell::Layout;
-use crate::clearance::{Placed, Scene};
-use crate::robot::Frames;
+use super::candidate::PostureCandidate;
+use super::outcome::Spot;
+use super::placed_layout::PlacedLayout;
+use super::walk::OperationQuery;
+use super::workspace::MapperWorkspace;
 use std::collections::BinaryHeap;
 
-impl Mapper {
-    /// Calls `take` with the free spots of an operation in ascending order of value, the best of each
-    /// node, until it returns false. The first is that of [`Self::least_error`].
+impl PlacedLayout<'_> {
+    /// Calls `take` with the best usable spot of each node, in ascending order of value, until it returns
+    /// false. The first is that of [`Self::least_error`].
     pub fn free_spots(
         &self,
-        (operation, layout): (usize, &Layout),
-        scene: &Scene,
-        placed: &mut Placed,
+        operation: usize,
         spots: &[Option<Spot>],
-        scratch: &mut Scratch,
+        workspace: &mut MapperWorkspace,
         mut take: impl FnMut(Spot) -> bool,
     ) {
-        let (station, stand) = (&self.stations[operation], self.stand(operation, layout));
-        let Ok(situation) = self.situation(operation, layout, scene, placed, spots) else { return };
-        let (memory, frames) = scratch.of(self, operation);
-        let approach = stand.approach(&self.arm);
-        let mut posture = self.arm.inverse.scratch();
+        let query = OperationQuery::new(self, operation, spots);
+        let memory = workspace.of(self.mapper, operation).postures;
         let mut candidates = Vec::new();
-        station.grid.targets(&stand.at, |node, target| {
-            if situation.touches(&target) {
-                return;
-            }
-            self.arm.inverse.visit(&target, &approach, &mut posture, |branch, posture| {
-                self.arm.chain.place(posture, frames);
-                let value = station.gauge.value(&situation, frames, memory);
-                candidates.push(Candidate { spot: Spot { node, branch, value }, target });
-            });
-        });
-        let mut taken = vec![false; station.grid.count()];
-        let (mut heap, mut frames) = (BinaryHeap::from(candidates), Frames::default());
-        while let Some(candidate) = heap.pop() {
-            let node = candidate.spot.node;
-            if taken[node] || !self.is_free((operation, &approach), &candidate, scene, placed, &mut frames) {
-                continue;
-            }
-            let posture = (&candidate.target, candidate.spot.branch);
-            if self.refusal((operation, &approach), posture, scene, placed).is_some() {
-                continue;
-            }
-            taken[node] = true;
-            if !take(candidate.spot) {
+        query.walk(memory, &mut candidates);
+        let mut heap = BinaryHeap::from(candidates);
+        let mut taken = vec![false; query.setup.grid.count()];
+        loop {
+            let is_new = |candidate: &PostureCandidate| !taken[candidate.spot.node];
+            let found = query.first_free(memory, |_| std::iter::from_fn(|| heap.pop()).find(is_new));
+            let Some(PostureCandidate { spot, .. }) = found.free else { return };
+            taken[spot.node] = true;
+            if !take(spot) {
                 return;
             }
         }

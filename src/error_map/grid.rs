@@ -3,20 +3,24 @@
 use crate::cell::{Operation, Place, Placement};
 use nalgebra::Vector3;
 
-/// (m + 1)(n + 1) nodes over a surface, in the frame of its equipment. Node (i, j) runs over x,
-/// then y, from the low corner.
+/// Nodes of a work surface, in the frame of its equipment.
+///
+/// A grid has (m + 1)(n + 1) nodes. Their order runs over x, then y, from the low corner.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grid {
+    /// Divisions m and n along x and y; of listed nodes their count less one, and 0.
     pub divisions: (usize, usize),
-    /// Local x of the columns and y of the rows, m; of points: their least and greatest.
+    /// Coordinates of the columns (x) and rows (y), m; of listed nodes the least and the greatest.
     xs: Vec<f64>,
     ys: Vec<f64>,
-    /// Nodes that were listed one by one (x, y, m); empty: every column with every row.
+    /// Nodes listed one by one (x, y, m); empty if every column crosses every row.
     points: Vec<(f64, f64)>,
+    /// Height of the TCP targets above the surface, m.
     standoff: f64,
 }
 
 impl Grid {
+    /// Lays the nodes of an operation out.
     pub fn new(operation: &Operation) -> Self {
         let standoff = operation.standoff;
         match &operation.place {
@@ -40,55 +44,54 @@ impl Grid {
         }
     }
 
-    /// Number of nodes.
+    /// Returns the number of nodes.
     pub fn count(&self) -> usize {
         (self.divisions.0 + 1) * (self.divisions.1 + 1)
     }
 
-    /// Index (i, j) of the k-th node.
+    /// Returns the column and row (i, j) of the k-th node.
     pub fn index(&self, k: usize) -> (usize, usize) {
         (k % (self.divisions.0 + 1), k / (self.divisions.0 + 1))
     }
 
-    /// Whether its nodes were listed one by one.
+    /// Returns whether the nodes were listed one by one.
     pub fn is_listed(&self) -> bool {
         !self.points.is_empty()
     }
 
-    /// Least and greatest x, then y, of the nodes in the frame of the equipment, m.
+    /// Returns the least and greatest x, then y, of the nodes in the frame of the equipment, m.
     pub fn extent(&self) -> [(f64, f64); 2] {
         [&self.xs, &self.ys].map(|line| (line[0], line[line.len() - 1]))
     }
 
-    /// A node in the frame of the equipment, m.
+    /// Returns a node in the frame of the equipment, m.
     pub fn local(&self, node: usize) -> (f64, f64) {
         let (i, j) = self.index(node);
         self.points.get(node).copied().unwrap_or_else(|| (self.xs[i], self.ys[j]))
     }
 
-    /// Local x and y of every node, m.
+    /// Returns x and y of every node in the frame of the equipment, m.
     pub fn locals(&self) -> (Vec<f64>, Vec<f64>) {
         (0..self.count()).map(|k| self.local(k)).unzip()
     }
 
-    /// How far the targets are above the surface, m.
+    /// Returns the height of the TCP targets above the surface, m.
     pub fn standoff(&self) -> f64 {
         self.standoff
     }
 
-    /// The TCP target over a point of the surface (frame of the equipment, m).
+    /// Computes the TCP target over a point (frame of the equipment, m) of a surface placed at `at`, m.
     pub fn point(&self, at: &Placement, (x, y): (f64, f64)) -> Vector3<f64> {
         let (sin, cos) = at.yaw.sin_cos();
         Vector3::new(at.x + cos * x - sin * y, at.y + sin * x + cos * y, at.z + self.standoff)
     }
 
-    /// The TCP target of one node.
+    /// Computes the TCP target of one node, m.
     pub fn target(&self, at: &Placement, node: usize) -> Vector3<f64> {
         self.point(at, self.local(node))
     }
 
-    /// Least and greatest distance of the points over the placed surface from a point (m); the nodes lie
-    /// between.
+    /// Computes bounds on the distance of the TCP targets from a point: least and greatest, m.
     pub fn distances(&self, at: &Placement, from: &Vector3<f64>) -> (f64, f64) {
         let (sin, cos) = at.yaw.sin_cos();
         let (dx, dy) = (from.x - at.x, from.y - at.y);
@@ -104,8 +107,7 @@ impl Grid {
         (near.sqrt(), far.sqrt())
     }
 
-    /// Calls `each` with the number and the TCP target of every node, for a surface placed at `at`
-    /// in the frame wanted.
+    /// Calls `each` with the index and the TCP target of every node of a surface placed at `at`.
     #[inline]
     pub fn targets(&self, at: &Placement, mut each: impl FnMut(usize, Vector3<f64>)) {
         let (sin, cos) = at.yaw.sin_cos();

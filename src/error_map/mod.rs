@@ -1,25 +1,43 @@
-//! Section 3 of the seed paper: the error at every node of a work surface, and the node with the
-//! least error in a sense.
+//! Section 3 of the seed paper: the error at every node of a work surface, and the node with the least
+//! error in a sense.
 //!
-//! [`Mapper::least_error`] is what the search asks: candidates in ascending error, collision asked
-//! one by one until a node is free. [`Mapper::map`] is what people ask: every node with its posture
-//! and errors, or the reason why not. Both walk the same branches and judge them alike. [`Probe`] asks
-//! between the nodes.
+//! A [`PlacedLayout`] is the context: a layout of a cell with its solids posed. The walk over its nodes
+//! stands once, in `walk.rs`, and has several visitors:
+//!
+//! - [`PlacedLayout::outcome`], for the search: the least-error spot that can be used, or the value of all
+//!   nodes;
+//! - [`PlacedLayout::free_spots`], for the robust search: usable spots in ascending order of value;
+//! - [`PlacedLayout::map`], for people: every node with its posture and errors, or the reason why not;
+//! - [`Probe`]: any point between the nodes.
+//!
+//! Ranking (`simd`) orders nodes by a lower bound of their error before they are judged, with the same
+//! result to the bit.
 
-mod at_point;
+mod candidate;
 mod every_node;
 mod free_spots;
 mod grid;
+mod least_error;
+mod map;
 mod mapper;
-mod node;
+mod node_record;
+mod node_sign;
+mod operation_setup;
 mod outcome;
-mod ranked;
-mod ranking;
-mod station;
-mod way;
-mod whole_map;
+mod placed_layout;
+mod probe;
+mod simd;
+mod teaching;
+mod transfers;
+mod walk;
+mod work_context;
+mod workspace;
 
-pub use at_point::{Kept, PointSpot, Probe};
-pub use mapper::{Mapper, Scratch};
-pub use node::{NodeRecord, OperationMap, PostureRecord, Status};
+pub use grid::Grid;
+pub use mapper::Mapper;
+pub use node_record::{NodeRecord, OperationMap, PostureRecord, Status};
+pub use node_sign::NodeSign;
 pub use outcome::{Outcome, Spot, Unjudged};
+pub use placed_layout::PlacedLayout;
+pub use probe::{HeldPosture, PointSpot, Probe};
+pub use workspace::MapperWorkspace;

@@ -1,54 +1,54 @@
-//! What an operation gets from a layout.
+//! The result of one operation in one layout: its spot, or why it has none.
 
-use crate::motion::Refusal;
+use crate::motion::PostureRefusal;
 use crate::reach::Gap;
-use nalgebra::Vector3;
-use std::cmp::Ordering;
 
-/// The spot chosen for an operation.
+/// The node and posture chosen for an operation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spot {
-    /// Number of the node.
+    /// Index of the node.
     pub node: usize,
     pub branch: u32,
-    /// What the reading makes small: the error in the sense of the operation (m or rad) or one of
-    /// its statistics, or a share of failures.
+    /// The value that the reading minimizes: the error in the sense of the operation (m or rad), one of its
+    /// statistics, or a share of failures.
     pub value: f64,
 }
 
-/// What one operation gets from one layout.
+/// Result of one operation in one layout.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Outcome {
     Found(Spot),
-    /// Postures within limits exist, all of them touch something; the least-error one of them.
+    /// Postures within the joint limits exist, and all of them collide; the least-error one.
     AllCollide {
         nearest: Spot,
     },
-    /// Postures touch nothing, but motion refuses them all; the least-error one of them, and why.
+    /// Collision-free postures exist, and the rules of motion refuse all of them; the least-error one and
+    /// the reason.
     Refused {
         nearest: Spot,
-        refusal: Refusal,
+        refusal: PostureRefusal,
     },
-    /// No node has a posture within the limits.
+    /// No node has a posture within the joint limits.
     Unreachable {
         gap: Gap,
     },
-    /// Nodes can be reached, but their errors depend on something that is missing.
+    /// Nodes can be reached, but their errors depend on something that is missing in this layout.
     Unjudged(Unjudged),
 }
 
-/// Why an operation cannot be judged although nodes may be reachable.
+/// Reason why the errors of reachable nodes cannot be computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Unjudged {
-    /// No three points of the surface can be touched to teach its frame.
+    /// The robot cannot touch three points of the surface to teach its frame.
     NotTaught,
-    /// Nothing but the touched points themselves can be reached.
+    /// Only the points touched to teach the frame can be reached.
     OnlyTouched,
-    /// The operation that it is relative to has no spot.
+    /// The pick that the operation is relative to has no spot.
     NoPick,
 }
 
 impl Unjudged {
+    /// Returns the reason as a phrase for users.
     pub fn in_words(self) -> &'static str {
         match self {
             Unjudged::NotTaught => {
@@ -57,31 +57,5 @@ impl Unjudged {
             Unjudged::OnlyTouched => "only the points touched to teach the frame can be reached",
             Unjudged::NoPick => "the operation it is relative to has no spot",
         }
-    }
-}
-
-/// A posture that might be the spot, ordered by error, then node, then branch (reversed: the heap
-/// gives the greatest first).
-#[derive(Clone, Copy)]
-pub(super) struct Candidate {
-    pub spot: Spot,
-    pub target: Vector3<f64>,
-}
-
-impl PartialEq for Candidate {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-impl Eq for Candidate {}
-impl PartialOrd for Candidate {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-impl Ord for Candidate {
-    fn cmp(&self, other: &Self) -> Ordering {
-        let key = |c: &Self| (c.spot.node, c.spot.branch);
-        other.spot.value.total_cmp(&self.spot.value).then_with(|| key(other).cmp(&key(self)))
     }
 }

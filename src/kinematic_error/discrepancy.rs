@@ -1,9 +1,10 @@
-//! Eq. (9): how far the linearized model is from the nonlinear one, in percent.
+//! Discrepancy of the linear model from the nonlinear one in percent, eq. (9).
 
 use nalgebra::Vector3;
 
-/// `D_i = |dNL_i - dL_i| / |dNL_i|` in percent, for x, y, z and the resultant r. None where the
-/// nonlinear error vanishes, for there the ratio says nothing.
+/// Discrepancy `D_i = |dNL_i - dL_i| / |dNL_i|` in percent, for x, y, z and the resultant.
+///
+/// A component is None where the nonlinear error vanishes and the ratio is undefined.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Discrepancy {
     pub x: Option<f64>,
@@ -12,8 +13,7 @@ pub struct Discrepancy {
     pub resultant: Option<f64>,
 }
 
-/// Compares two position errors of one node. The resultant is compared as the paper does: size with
-/// size.
+/// Returns the discrepancy of two position errors; for the resultant it compares sizes, as the paper does.
 pub fn discrepancy(nonlinear: &Vector3<f64>, linear: &Vector3<f64>) -> Discrepancy {
     Discrepancy {
         x: percent(nonlinear.x, linear.x),
@@ -23,17 +23,18 @@ pub fn discrepancy(nonlinear: &Vector3<f64>, linear: &Vector3<f64>) -> Discrepan
     }
 }
 
-/// Below this an error is rounding, m or rad: where it was taken off by what was measured with the
-/// robot itself.
-pub const NOTHING: f64 = 1e-12;
+/// Size, m or rad, below which an error is rounding: a registration has removed it.
+pub const NEGLIGIBLE: f64 = 1e-12;
 
-/// How far a model is from the nonlinear one, as a share of the nonlinear resultant: vector against
-/// vector, so that nothing hides in a size that happens to agree. 0 if they differ by rounding.
+/// Returns the deviation of a model from the nonlinear one, as a share of the nonlinear resultant.
+///
+/// It compares vectors, so that two different errors of equal size do not agree. It is 0 if they
+/// differ by rounding alone.
 pub fn deviation(nonlinear: &Vector3<f64>, model: &Vector3<f64>) -> f64 {
     let (off, size) = ((model - nonlinear).norm(), nonlinear.norm());
-    if off < NOTHING { 0.0 } else { off / size.max(NOTHING) }
+    if off < NEGLIGIBLE { 0.0 } else { off / size.max(NEGLIGIBLE) }
 }
 
 fn percent(nonlinear: f64, linear: f64) -> Option<f64> {
-    (nonlinear.abs() > NOTHING).then(|| (nonlinear - linear).abs() / nonlinear.abs() * 100.0)
+    (nonlinear.abs() > NEGLIGIBLE).then(|| (nonlinear - linear).abs() / nonlinear.abs() * 100.0)
 }

@@ -1,5 +1,5 @@
 //! The linear model, eqs. (7)-(8), and the second-order model (section 2.3): derivatives of the
-//! pose by every parameter.
+//! TCP pose by every parameter.
 
 use super::Perturbation;
 use crate::cell::{JointKind, MAX_PARAMETERS, PER_FRAME, PER_LINK, Parameter};
@@ -7,19 +7,20 @@ use crate::pose::{Displacement, Pose};
 use crate::robot::{Chain, Frames};
 use nalgebra::Vector3;
 
-/// What a unit of one small motion does to the TCP: `g = S p` (m a unit) and the axis `w` of a turn,
-/// zero for a slide.
+/// Effect of a unit of one small motion on the TCP: `g = S p` (m per unit), and the rotation axis `w`,
+/// zero for a translation.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Term {
+pub struct MotionTerm {
     pub g: Vector3<f64>,
     pub w: Vector3<f64>,
 }
 
-impl Term {
+impl MotionTerm {
     const NONE: Self = Self { g: Vector3::new(0.0, 0.0, 0.0), w: Vector3::new(0.0, 0.0, 0.0) };
 
-    /// The k-th motion before those of the joint frames, in the order of [`Parameter::of_robot`]; that of
-    /// dq is the one of the D-H coordinate: a turn, for the slide of a prismatic joint is that of dr.
+    /// Returns motion `k` of those before the joint frames, in the order of [`Parameter::of_robot`].
+    ///
+    /// The motion of dq is always the rotation dtheta: the translation of a prismatic joint is that of dr.
     #[inline(always)]
     fn of(frames: &Frames, axes: usize, k: usize) -> Self {
         let links = PER_LINK * axes;
@@ -40,8 +41,9 @@ impl Term {
         Self::about(frames, frame, axis, turns)
     }
 
-    /// The k-th of the joint frames, which stand where `joints` says. Apart, so that the rest stays small
-    /// enough to be inlined.
+    /// Returns motion `k` of the joint frames, whose poses are `joints`.
+    ///
+    /// It is a function of its own so that [`Self::of`] stays small enough to be inlined.
     #[inline(never)]
     fn of_joint(frames: &Frames, joints: &[Pose], k: usize) -> Self {
         let (joint, component) = (k / PER_FRAME, k % PER_FRAME);
@@ -49,8 +51,9 @@ impl Term {
         Self::about(frames, &frame, component % 3, component >= 3)
     }
 
-    /// A turn about or a slide along an axis of a frame. Always inlined: the compiler does not by itself,
-    /// and the linear model takes twice as long.
+    /// Returns the rotation about, or the translation along, an axis of a frame.
+    ///
+    /// It must be inlined by force: otherwise the linear model takes twice as long.
     #[inline(always)]
     fn about(frames: &Frames, frame: &Pose, axis: usize, turns: bool) -> Self {
         let axis = frame.rotation.column(axis).into_owned();
@@ -61,8 +64,9 @@ impl Term {
     }
 }
 
-/// The motions from the base out to the tool, by their places in the list of parameters; each joint
-/// frame before its row, if they are wanted.
+/// Returns the motions from base to tool by their indices in the list of parameters.
+///
+/// With `joints`, each joint frame comes before its row.
 fn outwards(axes: usize, joints: bool) -> impl Iterator<Item = usize> {
     let (base, tool) = (PER_LINK * axes, PER_LINK * axes + PER_FRAME);
     let frame = |first: usize| [0, 1, 2, 5, 4, 3].map(|k| first + k);
@@ -71,18 +75,22 @@ fn outwards(axes: usize, joints: bool) -> impl Iterator<Item = usize> {
     frame(base).into_iter().chain((0..axes).flat_map(row)).chain(frame(tool))
 }
 
-/// Eqs. (7)-(8): the sum of all motions.
+/// Returns the error by the linear model, eqs. (7)-(8): the sum of all motions.
 pub fn linear(frames: &Frames, errors: &Perturbation) -> Displacement {
     let axes = errors.links().len();
     let [sizes, of_joints] = errors.sizes();
-    let add = |sum, Term { g, w }: Term, size: f64| sum + Displacement { position: g, rotation: w } * size;
+    let add = |sum, MotionTerm { g, w }: MotionTerm, size: f64| {
+        sum + Displacement { position: g, rotation: w } * size
+    };
     let wrong = sizes.iter().enumerate().filter(|(_, size)| **size != 0.0);
-    let sum = wrong.fold(Displacement::NONE, |sum, (k, size)| add(sum, Term::of(frames, axes, k), *size));
+    let sum =
+        wrong.fold(Displacement::NONE, |sum, (k, size)| add(sum, MotionTerm::of(frames, axes, k), *size));
     let wrong = of_joints.iter().enumerate().filter(|(_, size)| **size != 0.0);
-    wrong.fold(sum, |sum, (k, size)| add(sum, Term::of_joint(frames, errors.joint_frames(), k), *size))
+    wrong.fold(sum, |sum, (k, size)| add(sum, MotionTerm::of_joint(frames, errors.joint_frames(), k), *size))
 }
 
-/// Linear and quadratic terms: each motion is turned by those before it, and by half of itself.
+/// Returns the error by the second-order model: each motion is rotated by the motions before it, and by
+/// half of itself.
 pub fn second_order(frames: &Frames, errors: &Perturbation) -> Displacement {
     let axes = errors.links().len();
     let (mut sum, mut turned) = (Displacement::NONE, Vector3::zeros());
@@ -91,8 +99,8 @@ pub fn second_order(frames: &Frames, errors: &Perturbation) -> Displacement {
         let of_joint = k.checked_sub(sizes.len());
         let size = of_joint.map_or_else(|| sizes[k], |k| of_joints[k]);
         if size != 0.0 {
-            let Term { g, w } =
-                of_joint.map_or_else(|| Term::of(frames, axes, k), |k| Term::of_joint(frames, joints, k));
+            let MotionTerm { g, w } = of_joint
+                .map_or_else(|| MotionTerm::of(frames, axes, k), |k| MotionTerm::of_joint(frames, joints, k));
             let (g, w) = (g * size, w * size);
             sum.position += g + (turned + w / 2.0).cross(&g);
             sum.rotation += w + turned.cross(&w) / 2.0;
@@ -102,20 +110,22 @@ pub fn second_order(frames: &Frames, errors: &Perturbation) -> Displacement {
     sum
 }
 
-/// First and second derivatives of the TCP's pose by the parameters of one chain at one posture,
-/// base frame. Memory that is kept from posture to posture.
+/// First and second derivatives of the TCP pose by the parameters of one chain, base frame.
+///
+/// It holds one posture at a time and is reused between postures.
 #[derive(Debug, Clone)]
 pub struct Expansion {
     axes: usize,
     joint_frames: Vec<Pose>,
-    terms: [Term; MAX_PARAMETERS],
-    /// For every joint: the motions that a unit of its actuator error makes, and how large.
+    terms: [MotionTerm; MAX_PARAMETERS],
+    /// Motions that a unit error of each actuator makes, with their sizes: the joint coupling.
     drives: Vec<Vec<(usize, f64)>>,
-    /// The motions that are kept up to date.
+    /// Motions that [`Self::set`] updates.
     wanted: Vec<usize>,
 }
 
 impl Expansion {
+    /// Returns an expansion by all parameters of the robot.
     pub fn new(chain: &Chain) -> Self {
         let axes = chain.axes();
         let drives = (0..axes).map(|j| {
@@ -128,10 +138,10 @@ impl Expansion {
         });
         let (drives, wanted) = (drives.collect(), (0..Parameter::count(axes)).collect());
         let joint_frames = chain.joint_frames.clone();
-        Self { axes, joint_frames, terms: [Term::NONE; MAX_PARAMETERS], drives, wanted }
+        Self { axes, joint_frames, terms: [MotionTerm::NONE; MAX_PARAMETERS], drives, wanted }
     }
 
-    /// Of these parameters alone: what others do is left undefined.
+    /// Returns an expansion by `parameters` alone; the derivatives by others are undefined.
     pub fn of(chain: &Chain, parameters: &[usize]) -> Self {
         let mut expansion = Self::new(chain);
         let mut wanted: Vec<usize> =
@@ -142,24 +152,24 @@ impl Expansion {
         expansion
     }
 
-    /// Moves to another posture.
+    /// Updates the derivatives for another posture.
     pub fn set(&mut self, frames: &Frames) {
         for &k in &self.wanted {
             self.terms[k] = match k.checked_sub(Parameter::first_joint(self.axes)) {
-                None => Term::of(frames, self.axes, k),
-                Some(k) => Term::of_joint(frames, &self.joint_frames, k),
+                None => MotionTerm::of(frames, self.axes, k),
+                Some(k) => MotionTerm::of_joint(frames, &self.joint_frames, k),
             };
         }
     }
 
-    /// What a unit of the parameter moves, to first order.
+    /// Returns the first derivative by a parameter.
     pub fn first(&self, parameter: usize) -> Displacement {
         self.motions(parameter).fold(Displacement::NONE, |sum, (k, size)| {
             sum + Displacement { position: self.terms[k].g, rotation: self.terms[k].w } * size
         })
     }
 
-    /// Second derivative by two parameters: of the position, and of the rotation vector.
+    /// Returns the second derivative by two parameters, of the position and of the rotation vector.
     pub fn second(&self, a: usize, b: usize) -> Displacement {
         let mut sum = Displacement::NONE;
         for (j, size_j) in self.motions(a) {
@@ -173,17 +183,17 @@ impl Expansion {
         sum
     }
 
-    /// The motions that a unit of a parameter makes.
+    /// Returns the motions that a unit of a parameter makes, with their sizes.
     fn motions(&self, parameter: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
         let is_actuator = parameter < PER_LINK * self.axes && parameter.is_multiple_of(PER_LINK);
         let driven: &[_] = if is_actuator { &self.drives[parameter / PER_LINK] } else { &[] };
         driven.iter().copied().chain((!is_actuator).then_some((parameter, 1.0)))
     }
 
-    /// How far out along the chain a motion is.
+    /// Returns the position of a motion in the order from base to tool.
     fn place(&self, k: usize) -> usize {
         let (base, first_joint) = (PER_LINK * self.axes, Parameter::first_joint(self.axes));
-        // A joint frame and its row.
+        // Offset of joint frame i, which its row follows.
         let joint = |i: usize| PER_FRAME + (PER_FRAME + PER_LINK) * i;
         let in_frame = |first: usize| [0, 1, 2, 5, 4, 3][(k - first) % PER_FRAME];
         match k {

@@ -1,37 +1,41 @@
-//! Can measured poses tell the errors of a chain apart? The identification Jacobian and its condition.
+//! Identifiability of parameter errors from measured poses: the identification Jacobian and its condition.
 //!
-//! Rows: the pose error at every posture, position in m and rotation in rad times a length. Columns:
-//! the parameters of a [`ParameterSet`], scaled to unit length, so that m and rad weigh alike (Driels
-//! and Pathre 1990 take the condition number; Schroer et al. want it below 100). A chain of n turning
-//! joints has 4 n + 6 independent parameters, base and tool included (Everett, Driels and Mooring
-//! 1987); the links alone have the 4 n of either set:
+//! The rows are the pose errors at every posture: position in m, rotation in rad times a length. The
+//! columns are the parameters of a [`ParameterSet`], scaled to unit length so that m and rad weigh alike.
+//! Driels and Pathre (1990) use the condition number; Schroer et al. ask for less than 100.
 //!
-//! - four parameters, dq, dr, dl, dalpha of every link: where two neighbouring axes are parallel, dr
-//!   of both is the same slide, and near to it the two differ by the angle between the axes alone;
-//! - five parameters (Hayati 1983): there dr is replaced by dbeta, the turn that four cannot make.
+//! A chain of n revolute joints has 4 n + 6 independent parameters, base and tool included (Everett,
+//! Driels and Mooring 1987). The links alone have the 4 n parameters of either set:
 //!
-//! A sliding joint needs less, whatever the lengths: its dr is its dq, and since a slide turns
-//! nothing, all slides between two turning joints are vectors of one body, of which three tell all.
-//! The rest is left out of both sets, as are the six of every joint frame, which depend
-//! on the rows. How a sliding joint is turned about its axis is no parameter here. What else depends shows as it is: coincident axes, postures that do not move a joint.
+//! - four parameters, dq, dr, dl, dalpha of every link: for two parallel neighbouring axes, dr of both
+//!   is the same translation; for nearly parallel ones they differ by the angle between the axes alone;
+//! - five parameters (Hayati 1983): there dbeta, the rotation that the four cannot make, replaces dr.
+//!
+//! A prismatic joint has fewer independent parameters. Its dr is its dq. Since it rotates nothing, all
+//! translations between two revolute joints are vectors in one body, of which three are independent.
+//! Both sets leave out the dependent ones, and the six of every joint frame, which depend on the rows.
+//! Neither set has a parameter for the rotation of a prismatic joint about its axis. Other dependencies
+//! show in the condition number: coincident axes, or postures that do not move a joint.
 
 use super::Expansion;
 use crate::cell::{JointKind, MAX_JOINTS, Parameter};
 use crate::robot::{Chain, Frames, Posture};
 use nalgebra::{DMatrix, Vector3};
 
-/// Sine of the angle below which axes count as parallel (6 degrees): past it dr is ten times worse
-/// known than it could be.
+/// Sine of the angle (6 degrees) below which axes count as parallel. At smaller angles the uncertainty
+/// of dr would be more than ten times as large as it need be.
 const NEARLY_PARALLEL: f64 = 0.1;
 
+/// Parameters per link that a calibration identifies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ParameterSet {
+    /// dq, dr, dl, dalpha of every link (Denavit and Hartenberg).
     FourParameter,
-    /// Hayati's.
+    /// dbeta instead of dr where neighbouring axes are parallel (Hayati 1983).
     FiveParameter,
 }
 
-/// The parameters of a set that a chain has, in the order of [`Parameter::of_robot`].
+/// Returns the independent parameters of a set for a chain, in the order of [`Parameter::of_robot`].
 pub fn identifiable(chain: &Chain, set: ParameterSet) -> Vec<Parameter> {
     let axes = chain.axes();
     let next_is_parallel = |i: usize| i + 1 < axes && chain.links[i].sin_alpha.abs() < NEARLY_PARALLEL;
@@ -48,8 +52,9 @@ pub fn identifiable(chain: &Chain, set: ParameterSet) -> Vec<Parameter> {
     parameters
 }
 
-/// The identification Jacobian: six rows per posture, a column per parameter, not scaled. `length`
-/// (m) says how much a rad of rotation weighs: 1, or the reach of the arm.
+/// Returns the identification Jacobian: six rows per posture, one unscaled column per parameter.
+///
+/// `length` (m) is the weight of a rad of rotation: 1, or the reach of the arm.
 pub fn identification_jacobian(
     chain: &Chain,
     postures: &[Posture],
@@ -72,8 +77,9 @@ pub fn identification_jacobian(
     jacobian
 }
 
-/// Largest over smallest singular value of the identification Jacobian with columns of unit length;
-/// infinite (or beyond 1e12, by rounding) where the postures cannot tell all parameters of the set.
+/// Returns the condition number of the identification Jacobian with columns scaled to unit length.
+///
+/// It is infinite (or above 1e12, by rounding) if the postures cannot identify all parameters of the set.
 pub fn condition(chain: &Chain, postures: &[Posture], set: ParameterSet, length: f64) -> f64 {
     let mut jacobian = identification_jacobian(chain, postures, &identifiable(chain, set), length);
     if jacobian.nrows() < jacobian.ncols() {
@@ -90,9 +96,9 @@ pub fn condition(chain: &Chain, postures: &[Posture], set: ParameterSet, length:
     values.max() / values.min()
 }
 
-/// Those of the slides around every run of sliding joints that others of them make up.
+/// Returns the translations around each run of prismatic joints that depend linearly on the others.
 fn spare_slides(chain: &Chain, parameters: &[Parameter]) -> Vec<Parameter> {
-    // Within a run nothing turns: any posture shows the angles between its slides.
+    // Nothing rotates within a run, so that the angles between its translations are the same in any posture.
     let frames = chain.frames(&chain.posture(&[0.0; MAX_JOINTS]));
     let slides = |i: usize| chain.links[i].kind == JointKind::Prismatic;
     let mut spare = Vec::new();
@@ -105,7 +111,7 @@ fn spare_slides(chain: &Chain, parameters: &[Parameter]) -> Vec<Parameter> {
         run.push(Parameter::Dr(end));
         run.extend((first..end).map(Parameter::Dl));
         run.retain(|p| parameters.contains(p));
-        // What the run before makes up already is there for nothing.
+        // Translations that the run before left out depend on it and come first.
         run.sort_by_key(|p| !spare.contains(p));
         let mut basis: Vec<Vector3<f64>> = Vec::new();
         for parameter in run {
@@ -120,7 +126,7 @@ fn spare_slides(chain: &Chain, parameters: &[Parameter]) -> Vec<Parameter> {
     spare
 }
 
-/// Along which axis a slide of a link goes: z before it, x after it.
+/// Returns the direction of a translational parameter: z before the link for dr and dq, x after it for dl.
 fn direction(frames: &Frames, slide: Parameter) -> Vector3<f64> {
     match slide {
         Parameter::Dl(i) => frames.links[i + 1].rotation.column(0).into_owned(),

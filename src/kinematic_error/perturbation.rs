@@ -1,20 +1,21 @@
-//! A signed sample of the errors, made ready for the models.
+//! A signed sample of the parameter errors, prepared for the error models.
 
 use crate::cell::{JointKind, MAX_JOINTS, PER_FRAME, PER_LINK, Parameter, SignedErrors};
 use crate::pose::Pose;
 use crate::robot::Chain;
 
-/// A small turn, with what its sine and cosine need: no two nearly equal numbers are subtracted.
+/// Small rotation angle with sine and versine, computed without subtracting nearly equal numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Turn {
     /// rad
     pub angle: f64,
     pub sin: f64,
-    /// 1 - cos(angle), from the half angle.
+    /// `1 - cos(angle)`, computed from the half angle.
     pub versine: f64,
 }
 
 impl Turn {
+    /// Returns the rotation by `angle` (rad).
     pub fn new(angle: f64) -> Self {
         if angle == 0.0 {
             return Self::default();
@@ -24,7 +25,7 @@ impl Turn {
     }
 }
 
-/// Errors of one link, eq. (4) with the fifth parameter; the joint coupling is in dtheta and dr.
+/// Errors of one link, eq. (4) with the fifth parameter. dtheta and dr include the joint coupling.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct LinkError {
     pub dtheta: Turn,
@@ -35,16 +36,16 @@ pub struct LinkError {
     pub dbeta: Turn,
 }
 
-/// Error of a frame in itself: slides along x, y, z (m), then turns about z, y, x.
+/// Error of a frame in its own axes: translations along x, y, z (m), then rotations about z, y, x.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrameError {
     pub slides: [f64; 3],
-    /// About x, y, z.
+    /// Rotations about x, y, z.
     pub turns: [Turn; 3],
 }
 
 impl FrameError {
-    /// None if nothing is wrong.
+    /// Returns the error of six components; None if all are 0.
     pub fn new(values: &[f64]) -> Option<Self> {
         let value = |k: usize| values.get(k).copied().unwrap_or(0.0);
         let any = (0..PER_FRAME).any(|k| value(k) != 0.0);
@@ -53,7 +54,7 @@ impl FrameError {
     }
 }
 
-/// Errors of the joint frames, and where these are: in the D-H frame before their row.
+/// Errors of the joint frames, and the poses of these frames in the D-H frame before their row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointErrors {
     sizes: [f64; PER_FRAME * MAX_JOINTS],
@@ -62,7 +63,7 @@ pub struct JointErrors {
 }
 
 impl JointErrors {
-    /// Of six values for every joint.
+    /// Returns the errors given by six values per joint.
     fn new(chain: &Chain, values: &[f64]) -> Self {
         let (sizes, frames) = ([0.0; PER_FRAME * MAX_JOINTS], [Pose::identity(); MAX_JOINTS]);
         let mut all = Self { sizes, frames, errors: [None; MAX_JOINTS] };
@@ -74,31 +75,36 @@ impl JointErrors {
     }
 }
 
-/// Most motions before those of the joint frames, which seldom are wrong: samples are made by the million.
-const MOTIONS: usize = Parameter::first_joint(MAX_JOINTS);
+/// Largest number of motions before those of the joint frames, which seldom have errors.
+///
+/// Samples are made by the million, so that their memory is kept small.
+const MAX_MOTIONS: usize = Parameter::first_joint(MAX_JOINTS);
 
-/// One signed sample of the errors, for one chain.
+/// One signed sample of the parameter errors, for one chain.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Perturbation {
     links: [LinkError; MAX_JOINTS],
     axes: usize,
-    sizes: [f64; MOTIONS],
+    sizes: [f64; MAX_MOTIONS],
     pub base: Option<FrameError>,
     pub tool: Option<FrameError>,
     pub joints: Option<JointErrors>,
 }
 
 impl Perturbation {
+    /// Prepares a signed sample of a cell file.
     pub fn new(chain: &Chain, errors: &SignedErrors) -> Self {
         Self::of_values(chain, &errors.values())
     }
 
-    /// Of values in the order of [`Parameter::of_robot`], or of those before the joint frames. The error
-    /// dq acts on the actuators: it reaches the D-H coordinates through the coupling. Does not allocate.
+    /// Prepares values in the order of [`Parameter::of_robot`], with or without those of the joint frames.
+    ///
+    /// The error dq belongs to the actuators and reaches the D-H coordinates through the joint coupling.
+    /// The function does not allocate.
     pub fn of_values(chain: &Chain, values: &[f64]) -> Self {
         let axes = chain.axes();
         let mut links = [LinkError::default(); MAX_JOINTS];
-        let mut sizes = [0.0; MOTIONS];
+        let mut sizes = [0.0; MAX_MOTIONS];
         let (values, joints) = values.split_at(Parameter::first_joint(axes));
         sizes[..values.len()].copy_from_slice(values);
         for (i, (link, error)) in chain.links.iter().zip(&mut links).enumerate() {
@@ -120,26 +126,27 @@ impl Perturbation {
         let (base, tool) = values[PER_LINK * axes..].split_at(PER_FRAME);
         let (base, tool) = (FrameError::new(base), FrameError::new(tool));
         let mut all = Self { links, axes, sizes, base, tool, joints: None };
-        // In place: to move what is not there would cost as much as to move it.
+        // Written in place: moving an absent value costs as much as moving a present one.
         if joints.iter().any(|v| *v != 0.0) {
             all.joints = Some(JointErrors::new(chain, joints));
         }
         all
     }
 
-    /// Sizes of the motions, in the order of [`Parameter::of_robot`]; those of dq and dr are of the D-H
-    /// coordinates. First all before the joint frames, then those of the joint frames: none if none is
-    /// wrong.
+    /// Returns the sizes of the motions in the order of [`Parameter::of_robot`], dq and dr as D-H coordinates.
+    ///
+    /// The second slice holds the motions of the joint frames. It is empty if these have no errors.
     pub fn sizes(&self) -> [&[f64]; 2] {
         let joints = self.joints.as_ref().map_or(&[][..], |joints| &joints.sizes[..PER_FRAME * self.axes]);
         [&self.sizes[..Parameter::first_joint(self.axes)], joints]
     }
 
-    /// Where the joint frames are in the D-H frame before their row; none if none is wrong.
+    /// Returns the poses of the joint frames in the D-H frame before their row; empty if none has an error.
     pub fn joint_frames(&self) -> &[Pose] {
         self.joints.as_ref().map_or(&[], |joints| &joints.frames[..self.axes])
     }
 
+    /// Returns the errors of the links.
     pub fn links(&self) -> &[LinkError] {
         &self.links[..self.axes]
     }

@@ -1,41 +1,43 @@
-//! What else a feasible layout is good at, besides its errors: measured from its evaluation.
+//! Goals of a Pareto search besides the error, measured from the evaluation of a layout.
 
-use super::{Evaluation, Workcell};
+use super::evaluation::Evaluation;
+use super::workcell::Workcell;
 use crate::cell::{Goal, Goals, JointVector, Layout};
-use crate::clearance::{Placed, footprint};
-use crate::error_map::{Outcome, Scratch, Spot};
+use crate::clearance::footprint;
+use crate::error_map::{MapperWorkspace, Outcome, PlacedLayout, Spot};
 use crate::motion::{Measures, direct_travel, measures};
 use crate::robot::Chain;
 
-/// Distances from here on are as good as any, m.
-pub const FAR: f64 = 0.5;
+/// Upper bound on the clearance goal, m: larger distances count as this one.
+pub const MAX_CLEARANCE: f64 = 0.5;
 
-/// A layout with the postures in which it works.
-struct Worked<'a> {
+/// A feasible layout with the postures in which its operations happen.
+struct WorkingPostures<'a> {
     workcell: &'a Workcell,
-    layout: &'a Layout,
+    placed: PlacedLayout<'a>,
     evaluation: &'a Evaluation,
-    /// At the spot of every operation.
+    /// Joint coordinates at the spot of every operation.
     spots: Vec<JointVector>,
-    /// Operation and joints at every node that counts.
+    /// Operation and joint coordinates at every node that counts.
     postures: Vec<(usize, JointVector)>,
 }
 
 impl Workcell {
-    /// Values of goals (m, rad, m2 or shares) of a layout, in their order; None if it is not feasible.
+    /// Computes the values of goals (m, rad, m2 or shares) of a layout; None if it is not feasible.
     ///
     /// - error: the objective.
-    /// - clearance: the least distance, at most [`FAR`], of the robot with what it holds to anything at
-    ///   every node that counts, and in plan of floor spaces. What is mounted behind the last joint is not
-    ///   asked against the equipment it works on (the standoff decides that), nor what only the first joint
-    ///   moves against the floor, nor floor spaces of which none may move. [`FAR`] if collision is not checked.
-    /// - joint limits, singularity: the least of [`measures`] at the same nodes, by the limits of the robot,
-    ///   margins aside.
+    /// - clearance: the least distance of the robot with what it holds to anything, at every node that
+    ///   counts, and the least distance of floor spaces in plan; at most [`MAX_CLEARANCE`]. Three kinds of
+    ///   pairs do not count: what is mounted behind the last joint and the equipment it works on (the
+    ///   standoff decides that), what only the first joint moves and the floor, and two floor spaces that
+    ///   cannot move. [`MAX_CLEARANCE`] if collision is not checked.
+    /// - joint limits, singularity: the least of [`measures`] at the same nodes, by the limits of the robot
+    ///   without margins.
     /// - travel: that of the transfers; if they are not checked, of direct moves from spot to spot.
-    /// - footprint: the convex hull of the floor spaces of robot base and equipment.
+    /// - footprint: area of the convex hull of the floor spaces of robot base and equipment.
     pub fn goals(&self, layout: &Layout, evaluation: &Evaluation, goals: &Goals) -> Option<Vec<f64>> {
         let objective = evaluation.objective?;
-        let worked = Worked::new(self, layout, evaluation)?;
+        let worked = WorkingPostures::new(self, layout, evaluation)?;
         let value = |goal: Goal| match goal {
             Goal::Error => objective,
             Goal::Clearance => worked.clearance(),
@@ -48,36 +50,31 @@ impl Workcell {
     }
 }
 
-impl<'a> Worked<'a> {
+impl<'a> WorkingPostures<'a> {
     fn new(workcell: &'a Workcell, layout: &'a Layout, evaluation: &'a Evaluation) -> Option<Self> {
         let found = |outcome: &Outcome| if let Outcome::Found(spot) = outcome { Some(*spot) } else { None };
         let all: Vec<Option<Spot>> = evaluation.outcomes.iter().map(found).collect();
+        let (placed, mut memory) = (workcell.placed(layout), MapperWorkspace::default());
         let (mut spots, mut postures) = (Vec::new(), Vec::new());
         for (k, spot) in all.iter().enumerate() {
-            let joints = |spot: &Spot| Some(workcell.mapper.stance(k, layout, spot)?.joints);
+            let joints = |spot: &Spot| Some(placed.operation_posture(k, spot)?.joints);
             spots.push(joints(spot.as_ref()?)?);
             if workcell.cell.operations[k].over.takes_all() {
-                let (mut placed, mut scratch) = (Placed::default(), Scratch::default());
-                workcell.scene.place(layout, &mut placed);
-                let (mapper, scene) = (&workcell.mapper, &workcell.scene);
-                let every = mapper.every_free(k, layout, scene, &mut placed, &all, &mut scratch).ok()?;
+                let every = placed.every_free(k, &all, &mut memory).ok()?;
                 postures.extend(every.iter().filter_map(|spot| Some((k, joints(spot)?))));
             } else {
                 postures.extend(spots.last().map(|joints| (k, *joints)));
             }
         }
-        Some(Self { workcell, layout, evaluation, spots, postures })
+        Some(Self { workcell, placed, evaluation, spots, postures })
     }
 
     fn clearance(&self) -> f64 {
-        let Workcell { cell, mapper, plan, scene, .. } = self.workcell;
-        let mut placed = Placed::default();
-        scene.place(self.layout, &mut placed);
-        let in_plan = plan.spacing(cell, self.layout, FAR);
-        self.postures.iter().fold(in_plan, |least, (k, joints)| {
-            let work = (*k, cell.operations[*k].equipment);
-            scene.distance_at_work(&placed, &mapper.frames(joints).links, work, least).distance
-        })
+        let Workcell { cell, plan, .. } = self.workcell;
+        let in_plan = plan.spacing(cell, self.placed.layout(), MAX_CLEARANCE);
+        let nearest =
+            |least, (k, joints): &(usize, JointVector)| self.placed.distance_at_work(*k, joints, least);
+        self.postures.iter().fold(in_plan, nearest)
     }
 
     fn least(&self, measure: fn(&Measures) -> f64) -> f64 {

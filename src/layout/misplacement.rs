@@ -1,33 +1,37 @@
-//! The misplacements that are looked at: points of the boxes that placement tolerances span.
+//! The misplacements that are checked: points of the boxes that placement tolerances span.
 
 use crate::cell::{Cell, Equipment, Rectangle, Slot};
 
-/// Numbers of a layout that are off, and by how much (m, rad).
+/// Coordinates of a layout that are misplaced, and by how much (m, rad).
 pub type Moves = Vec<(Slot, f64)>;
 
-/// A box of more dimensions is looked at body by body.
-const WHOLE: usize = 8;
+/// Dimensions of the largest box whose corners are all checked; a larger one is checked body by body.
+const MAX_WHOLE_BOX: usize = 8;
 
 /// A point of a box: low (-1), middle (0) or high (1) in each dimension.
-type Signs = Vec<i8>;
+type BoxSigns = Vec<i8>;
 
-/// Which points of a box.
+/// Selection of points of a box.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Points {
+pub enum BoxPoints {
     Corners,
-    /// Corners, and the middle of every edge and of every face.
+    /// Corners, and the middles of all edges and faces.
     Surface,
 }
 
-/// What may be misplaced of what an operation depends on: the robot base, its equipment and what that
-/// stands on, and the same of the pick that it is relative to; and the other bodies.
-pub struct Boxes {
-    /// One group for each body.
+/// Boxes of placement tolerances, seen from one operation.
+///
+/// The operation depends on the robot base, on its equipment and what that stands on, and on the same of the
+/// pick that it is relative to.
+pub struct ToleranceBoxes {
+    /// One box for each body that the operation depends on.
     pub own: Vec<Moves>,
+    /// One box for each other body.
     pub others: Vec<Moves>,
 }
 
-impl Boxes {
+impl ToleranceBoxes {
+    /// Sorts the tolerances of a cell for one operation.
     pub fn of(cell: &Cell, operation: usize) -> Self {
         let operation = &cell.operations[operation];
         let pick = operation.relative_to.map(|pick| cell.operations[pick].equipment);
@@ -40,50 +44,54 @@ impl Boxes {
         Self { own, others }
     }
 
-    /// The points to look at with the box scaled: those of all bodies of the operation at once, or one by
-    /// one if they are many; then those of every other body, which may get in the way.
-    pub fn moves(&self, scale: f64, points: Points) -> Vec<Moves> {
+    /// Returns the misplacements to check with the boxes scaled.
+    ///
+    /// The bodies of the operation come first, all at once or, if they are many, one by one. Then comes every
+    /// other body, which may get in the way.
+    pub fn moves(&self, scale: f64, points: BoxPoints) -> Vec<Moves> {
         let own: Moves = self.own.concat();
         let mut all = match own.len() {
-            0..=WHOLE => points_of(&own, scale, points),
+            0..=MAX_WHOLE_BOX => points_of(&own, scale, points),
             _ => self.own.iter().flat_map(|body| points_of(body, scale, points)).collect(),
         };
         all.extend(self.others.iter().flat_map(|body| points_of(body, scale, points)));
         all
     }
 
-    /// Whether every corner of the own box is looked at.
+    /// Returns whether every corner of the box of the operation is checked.
     pub fn is_whole(&self) -> bool {
-        self.own.concat().len() <= WHOLE
+        self.own.concat().len() <= MAX_WHOLE_BOX
     }
 }
 
-/// Points of one box; none of a box without dimensions.
-pub fn points_of(axes: &[(Slot, f64)], scale: f64, points: Points) -> Vec<Moves> {
+/// Returns points of one box; none if it has no dimensions.
+pub fn points_of(axes: &[(Slot, f64)], scale: f64, points: BoxPoints) -> Vec<Moves> {
     let n = axes.len();
-    let wanted = |signs: &Signs| {
+    let wanted = |signs: &BoxSigns| {
         let middles = signs.iter().filter(|s| **s == 0).count();
-        middles < n && (middles == 0 || points == Points::Surface && (middles == 1 || middles == n - 1))
+        middles < n && (middles == 0 || points == BoxPoints::Surface && (middles == 1 || middles == n - 1))
     };
     let patterns = (0..3usize.pow(n as u32))
-        .map(|pattern| (0..n).map(|k| [1, -1, 0][pattern / 3usize.pow(k as u32) % 3]).collect::<Signs>());
+        .map(|pattern| (0..n).map(|k| [1, -1, 0][pattern / 3usize.pow(k as u32) % 3]).collect::<BoxSigns>());
     let moves =
-        |s: Signs| axes.iter().zip(s).map(|((slot, half), sign)| (*slot, scale * half * f64::from(sign)));
+        |s: BoxSigns| axes.iter().zip(s).map(|((slot, half), sign)| (*slot, scale * half * f64::from(sign)));
     patterns.filter(wanted).map(|signs| moves(signs).collect()).collect()
 }
 
-/// Misplacements of one body and of two at once that can make floor spaces overlap: the heights of two
-/// bodies do not matter to each other.
+/// Returns the misplacements of one body and of two at once that can make floor spaces overlap.
+///
+/// Two bodies at once are misplaced in plan alone, since their heights do not matter to each other.
 pub fn in_plan(cell: &Cell) -> Vec<Moves> {
     let bodies = cell.placement_tolerances();
     let flat: Vec<Moves> =
         bodies.iter().map(|b| b.iter().filter(|(slot, _)| !is_height(*slot)).copied().collect()).collect();
-    let alone = bodies.iter().flat_map(|body| points_of(body, 1.0, Points::Corners));
+    let alone = bodies.iter().flat_map(|body| points_of(body, 1.0, BoxPoints::Corners));
     let pairs = flat.iter().enumerate().flat_map(|(k, a)| flat[k + 1..].iter().map(move |b| (a, b)));
     let both = pairs.filter(|(a, b)| !a.is_empty() && !b.is_empty());
-    alone.chain(both.flat_map(|(a, b)| points_of(&[&a[..], b].concat(), 1.0, Points::Corners))).collect()
+    alone.chain(both.flat_map(|(a, b)| points_of(&[&a[..], b].concat(), 1.0, BoxPoints::Corners))).collect()
 }
 
+/// Returns the distance of the farthest point of a rectangle from the origin, m.
 fn farthest(r: &Rectangle) -> f64 {
     (r.centre.0.abs() + r.size.0 / 2.0).hypot(r.centre.1.abs() + r.size.1 / 2.0)
 }
@@ -92,22 +100,21 @@ fn is_height(slot: Slot) -> bool {
     matches!(slot, Slot::Base(2) | Slot::Equipment(_, 2))
 }
 
-/// How far any two floor spaces can come nearer to each other by misplacements, at most, m.
+/// Bounds by how much misplacements bring any two floor spaces nearer to each other, m.
 pub fn slack(cell: &Cell) -> f64 {
     let of =
         |tolerance: [f64; 4], far: f64| tolerance[0].hypot(tolerance[1]) + tolerance[2] + far * tolerance[3];
     let base = of(cell.base_tolerance.0, farthest(&cell.robot.footprint));
-    let equipment = cell.equipment.iter().enumerate().map(|(k, e)| of(e.tolerance.0, far(cell, k)));
+    let equipment = cell.equipment.iter().enumerate().map(|(k, e)| of(e.tolerance.0, farthest_on(cell, k)));
     base + equipment.sum::<f64>()
 }
 
-/// The farthest point of the floor space of an equipment and of all that stands on it from its origin, at
-/// most, m.
-fn far(cell: &Cell, k: usize) -> f64 {
+/// Bounds the distance of the floor space of an equipment, and of all that stands on it, from its origin, m.
+fn farthest_on(cell: &Cell, k: usize) -> f64 {
     let riders = cell.equipment.iter().enumerate().filter(|(_, e)| e.on == Some(k));
     let of = |(rider, e): (usize, &Equipment)| {
         let most = |axis: usize| e.placement[axis].range().0.abs().max(e.placement[axis].range().1.abs());
-        most(0).hypot(most(1)) + far(cell, rider)
+        most(0).hypot(most(1)) + farthest_on(cell, rider)
     };
     riders.map(of).fold(farthest(&cell.equipment[k].footprint), f64::max)
 }

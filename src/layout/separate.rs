@@ -1,40 +1,41 @@
-//! The nearest layout without overlaps: a convex program, solved again while its axes turn.
+//! The nearest layout without overlaps: a sequence of convex programs.
 //!
-//! Two rectangles are apart if they are apart along one axis. With that axis held, "apart" is linear
-//! in the shifts of the equipment, and the least shift is a quadratic program,
+//! Two rectangles are apart if they are apart along one axis (separating axis). With that axis fixed,
+//! "apart" is linear in the shifts of the equipment, and the least shift is a quadratic program,
 //!
 //! ```text
 //! minimize |d|^2   such that   n_ab . (d_a - d_b) >= depth_ab,   min <= x + d <= max,
 //! ```
 //!
-//! which clarabel solves in some tens of microseconds. The new layout has new best axes, so it is
-//! repeated a few times. Heights and yaws are left alone.
+//! which clarabel solves in some tens of microseconds. The new layout has other best axes, so the program is
+//! solved a few times. Heights and yaws stay.
 
-use super::Workcell;
+use super::workcell::Workcell;
 use crate::cell::{Cell, Coordinate, Layout, Slot};
 use crate::clearance::Separation;
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus};
 
-/// Programs solved at most.
-const ROUNDS: usize = 8;
-/// Distance kept beyond what is asked, m: more than placements are rounded by.
-const SPARE: f64 = 2e-6;
+/// Programs solved, at most.
+const MAX_PROGRAMS: usize = 8;
+/// Distance added to the clearance, m: more than the rounding of placements.
+const SPARE_DISTANCE: f64 = 2e-6;
 
-/// Shifts below this are the solver's rounding, m.
-const STILL: f64 = 1e-7;
+/// Least shift, m: smaller ones are rounding of the solver.
+const LEAST_SHIFT: f64 = 1e-7;
 
-/// One coordinate that may move: equipment, 0 for x or 1 for y, range; its values are in the frame of
-/// what the equipment stands on.
-struct Free {
+/// One coordinate that may move, in the frame of what the equipment stands on.
+struct FreeCoordinate {
+    /// Index of the equipment.
     equipment: usize,
+    /// The axis: 0 for x, 1 for y.
     axis: usize,
     min: f64,
     max: f64,
 }
 
-impl Free {
-    /// Its direction in plan.
+impl FreeCoordinate {
+    /// Returns the direction of the coordinate in plan, world frame.
     fn direction(&self, cell: &Cell, layout: &Layout) -> (f64, f64) {
         let under = cell.equipment[self.equipment].on;
         let (sin, cos) = under.map_or(0.0, |under| layout.placements[under].yaw).sin_cos();
@@ -42,13 +43,14 @@ impl Free {
     }
 }
 
-/// The layout without overlaps that is nearest to `layout`, as far as a few convex programs find it;
-/// None if they do not. A layout without overlaps is its own answer.
+/// Finds the layout without overlaps that is nearest to `layout`, as far as a few convex programs find it.
+///
+/// Returns None if they find none. A layout without overlaps is returned unchanged.
 pub fn separated(workcell: &Workcell, layout: &Layout) -> Option<Layout> {
     let free = free_coordinates(workcell);
     let mut moved = layout.clone();
     let mut overlaps = Vec::new();
-    for _ in 0..ROUNDS {
+    for _ in 0..MAX_PROGRAMS {
         workcell.plan.overlaps(&moved, &mut overlaps);
         if overlaps.is_empty() {
             return Some(moved);
@@ -59,30 +61,36 @@ pub fn separated(workcell: &Workcell, layout: &Layout) -> Option<Layout> {
             let shifted = free
                 .iter()
                 .zip(&shift)
-                .find(|(f, d)| slot == Slot::Equipment(f.equipment, f.axis) && d.abs() > STILL);
+                .find(|(f, d)| slot == Slot::Equipment(f.equipment, f.axis) && d.abs() > LEAST_SHIFT);
             shifted.map_or(value, |(f, d)| (value + d).clamp(f.min, f.max))
         });
     }
     None
 }
 
-fn free_coordinates(workcell: &Workcell) -> Vec<Free> {
+/// Lists the coordinates in plan that may move.
+fn free_coordinates(workcell: &Workcell) -> Vec<FreeCoordinate> {
     let mut free = Vec::new();
     for (equipment, e) in workcell.cell.equipment.iter().enumerate() {
         for (axis, coordinate) in e.placement[..2].iter().enumerate() {
             if let Coordinate::Range { min, max, .. } = *coordinate {
-                free.push(Free { equipment, axis, min, max });
+                free.push(FreeCoordinate { equipment, axis, min, max });
             }
         }
     }
     free
 }
 
-/// The quadratic program of one round: shifts of the free coordinates, m.
-fn least_shift(cell: &Cell, free: &[Free], layout: &Layout, pairs: &[Separation]) -> Option<Vec<f64>> {
+/// Solves one quadratic program: shifts of the free coordinates, m.
+fn least_shift(
+    cell: &Cell,
+    free: &[FreeCoordinate],
+    layout: &Layout,
+    pairs: &[Separation],
+) -> Option<Vec<f64>> {
     let n = free.len();
     let directions: Vec<_> = free.iter().map(|f| f.direction(cell, layout)).collect();
-    // Rows of A d <= b.
+    // Constraints as rows of A d <= b.
     let (mut rows, mut columns, mut values, mut bounds) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     let mut put = |row: usize, k: usize, value: f64| {
         rows.push(row);
@@ -99,7 +107,7 @@ fn least_shift(cell: &Cell, free: &[Free], layout: &Layout, pairs: &[Separation]
                 put(row, k, -along * apart);
             }
         }
-        bounds.push(-pair.depth - SPARE);
+        bounds.push(-pair.depth - SPARE_DISTANCE);
     }
     for (k, f) in free.iter().enumerate() {
         let value = cell.own_placement(layout, f.equipment).values()[f.axis];

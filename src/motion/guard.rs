@@ -1,47 +1,48 @@
-//! What a cell asks of the postures of an operation: not singular, approach and retract free.
+//! Motion rules for the postures of an operation: not singular, approach and retract free.
 
-use super::line::{Stopped, straight};
+use super::continuous_collision::{Move, PathHit, first_hit};
 use super::measures::singularity;
-use super::path::{PathHit, first_hit};
+use super::straight_line::{Stopped, straight};
 use crate::cell::{Cell, JointVector, TransferRules};
-use crate::clearance::{Load, Placed, Scene};
+use crate::clearance::{Load, PlacedSolids, Scene};
 use crate::robot::Chain;
 use nalgebra::Vector3;
 
-/// The rules of motion of a cell, made ready.
+/// Motion rules of a cell, prepared for checking postures and moves.
 pub struct Guard {
-    /// Its limits are those of the robot less the margin.
+    /// Chain with joint limits reduced by the margins of the cell.
     pub(super) chain: Chain,
-    /// A length of the size of the arm, m.
+    /// Characteristic length of the arm, m.
     pub(super) reach: f64,
+    /// Least allowed [`singularity`] measure; 0 allows all.
     singularity: f64,
-    /// Approach and retract of every operation, m.
+    /// Lengths of approach and retract of every operation, m.
     pub(super) lengths: Vec<(f64, f64)>,
     pub(super) transfer: Option<TransferRules>,
 }
 
-/// Why a posture cannot be used.
+/// Reason why a posture cannot be used.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Refusal {
-    /// So near to a singularity, at the spot or on the line to or from it; see [`singularity`].
-    Singular {
-        measure: f64,
-    },
-    /// The straight line to the spot, or back from it, is not to be had; metres are those of that line.
+pub enum PostureRefusal {
+    /// The posture, or the line to or from it, is too near to a singularity; see [`singularity`].
+    Singular { measure: f64 },
+    /// The straight line to the spot is blocked; metres count from the spot.
     Approach(Hindrance),
+    /// The straight line back from the spot is blocked; metres count from the spot.
     Retract(Hindrance),
 }
 
-/// What stands in the way.
+/// Obstacle of a move.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Hindrance {
-    /// `at`: share of the way before it; of a line to a spot, from the spot.
+    /// A contact. Its share counts from the spot for a line to a spot.
     Hit(PathHit),
+    /// The arm cannot follow the line.
     Stopped(Stopped),
 }
 
 impl Guard {
-    /// None if the cell asks nothing of motion.
+    /// Returns the motion rules of a cell; None if it has none.
     pub fn new(cell: &Cell) -> Option<Self> {
         let lengths: Vec<_> = cell.operations.iter().map(|o| (o.approach, o.retract)).collect();
         let singularity = cell.margins.singularity;
@@ -52,27 +53,27 @@ impl Guard {
         Some(Self { chain, reach: cell.robot.reach(), singularity, lengths, transfer: cell.transfer.clone() })
     }
 
-    /// Whether [`Self::admits`] has anything to look at.
+    /// Returns whether [`Self::admits`] has anything to check.
     pub fn asks_postures(&self, operation: usize) -> bool {
         self.singularity > 0.0 || self.lengths[operation] != (0.0, 0.0)
     }
 
-    /// Whether a posture that touches nothing can be used for an operation, cheap questions first.
+    /// Checks whether a collision-free posture can be used for an operation; cheap checks come first.
     ///
     /// # Errors
-    /// Why it cannot.
+    /// Why it cannot be used.
     pub fn admits(
         &self,
         scene: &Scene,
-        placed: &Placed,
+        placed: &PlacedSolids,
         operation: usize,
         joints: &JointVector,
-    ) -> Result<(), Refusal> {
+    ) -> Result<(), PostureRefusal> {
         self.regular(joints)?;
         let (approach, retract) = self.lengths[operation];
         let load = Load::of(Some(operation));
-        // The way to the spot is the way back from it, checked from the spot.
-        let back = |length: f64| -> Result<Option<Hindrance>, Refusal> {
+        // The line to the spot is the line back from it, checked from the spot.
+        let back = |length: f64| -> Result<Option<Hindrance>, PostureRefusal> {
             let knots = match self.back(joints, length) {
                 Ok(knots) => knots,
                 Err(stopped) => return Ok(Some(Hindrance::Stopped(stopped))),
@@ -83,44 +84,46 @@ impl Guard {
         if retract > 0.0
             && let Some(hindrance) = back(retract)?
         {
-            return Err(Refusal::Retract(hindrance));
+            return Err(PostureRefusal::Retract(hindrance));
         }
-        // The longer line holds the shorter one.
+        // The longer line contains the shorter one.
         if approach > retract
             && let Some(hindrance) = back(approach)?
         {
-            return Err(Refusal::Approach(hindrance));
+            return Err(PostureRefusal::Approach(hindrance));
         }
         Ok(())
     }
 
-    fn regular(&self, joints: &JointVector) -> Result<(), Refusal> {
+    /// Checks that a posture is far enough from a singularity.
+    fn regular(&self, joints: &JointVector) -> Result<(), PostureRefusal> {
         if self.singularity == 0.0 {
             return Ok(());
         }
         let measure = singularity(&self.chain, &self.chain.frames(&self.chain.posture(joints)), self.reach);
-        if measure < self.singularity { Err(Refusal::Singular { measure }) } else { Ok(()) }
+        if measure < self.singularity { Err(PostureRefusal::Singular { measure }) } else { Ok(()) }
     }
 
-    /// Joint vectors from a spot back along the tool axis.
+    /// Returns joint vectors from a spot back along the tool axis over a length (m).
     pub(super) fn back(&self, joints: &JointVector, length: f64) -> Result<Vec<JointVector>, Stopped> {
         let tcp = self.chain.forward(&self.chain.posture(joints));
         let axis: Vector3<f64> = tcp.rotation * self.chain.tool_axis;
         straight(&self.chain, joints, &(axis * -length), self.reach)
     }
 
-    /// The first contact along several moves; `at` is a share of all of them, each as long as another.
+    /// Returns the first contact along several moves. Its share is one of all moves, taken as equally long.
     pub(super) fn first_hit(
         &self,
         scene: &Scene,
-        placed: &Placed,
+        placed: &PlacedSolids,
         knots: &[JointVector],
         load: Load,
     ) -> Option<PathHit> {
         let moves = knots.windows(2).enumerate();
         let count = knots.len().saturating_sub(1) as f64;
         moves.into_iter().find_map(|(k, ends)| {
-            let found = first_hit(&self.chain, scene, placed, (&ends[0], &ends[1]), load)?;
+            let line = Move { from: &ends[0], to: &ends[1] };
+            let found = first_hit(&self.chain, scene, placed, line, load)?;
             Some(PathHit { at: (k as f64 + found.at) / count, ..found })
         })
     }

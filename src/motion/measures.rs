@@ -1,25 +1,27 @@
-//! How far a posture is from joint limits and singularities.
+//! Manipulability and joint-limit distance: how far a posture is from singularities and limits.
 
 use crate::cell::{JointVector, MAX_JOINTS};
 use crate::reach::jacobian;
 use crate::robot::{Chain, Frames};
 use nalgebra::{SMatrix, Vector3};
 
-/// The Jacobian by columns: rows x, y, z in arm reaches, then rotation in rad.
-pub(super) type Columns = SMatrix<f64, 6, MAX_JOINTS>;
+/// Geometric Jacobian: rows x, y, z in arm reaches, then rotation in rad.
+pub(super) type ScaledJacobian = SMatrix<f64, 6, MAX_JOINTS>;
 
-/// What of a posture may be made large besides keeping the error small.
+/// Measures of a posture that a search may maximize besides minimizing the error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measures {
-    /// Of the joint nearest to a limit: its distance from it as a share of half its range. 1: in the
-    /// middle, 0: at the limit, less than 0: beyond.
+    /// Least distance of a joint from its limit, as a share of half its range.
+    ///
+    /// 1 is the middle of the range, 0 the limit, and a negative value is beyond it.
     pub limits: f64,
+    /// Joint that is nearest to a limit.
     pub joint: usize,
-    /// See [`singularity`].
+    /// Manipulability measure; see [`singularity`].
     pub singularity: f64,
 }
 
-/// Both measures at joint coordinates (rad, m); `reach`: a length of the size of the arm, m.
+/// Returns both measures at joint coordinates (rad, m); `reach` is a characteristic length of the arm, m.
 pub fn measures(chain: &Chain, joints: &JointVector, reach: f64) -> Measures {
     let frames = chain.frames(&chain.posture(joints));
     let moving = chain.links.iter().zip(joints).enumerate().filter(|(_, (link, _))| is_moving(link.limits));
@@ -31,11 +33,12 @@ pub fn measures(chain: &Chain, joints: &JointVector, reach: f64) -> Measures {
     Measures { limits, joint, singularity: singularity(chain, &frames, reach) }
 }
 
-/// The smallest singular value of the geometric Jacobian at the TCP with lengths divided by `reach` (m):
-/// 0 in a singular posture (C. A. Klein, B. E. Blaho, "Dexterity measures for the design and control of
-/// kinematically redundant manipulators", IJRR 6(2), 1987; on dividing by a length of the arm: J. Angeles,
-/// Fundamentals of Robotic Mechanical Systems, on the characteristic length). An arm with n < 6
-/// actuators moves the TCP in n directions only: the n-th largest value counts.
+/// Returns the least singular value of the geometric Jacobian, with lengths divided by `reach` (m).
+///
+/// It is a measure of manipulability, 0 in a singular posture (C. A. Klein, B. E. Blaho, "Dexterity measures
+/// for the design and control of kinematically redundant manipulators", IJRR 6(2), 1987). On the division by
+/// a characteristic length see J. Angeles, Fundamentals of Robotic Mechanical Systems. An arm with n < 6
+/// actuators moves the TCP in n directions only; then the n-th largest value counts.
 pub fn singularity(chain: &Chain, frames: &Frames, reach: f64) -> f64 {
     let actuators = chain.links.iter().filter(|link| is_moving(link.limits)).count();
     let mut values: [f64; 6] = scaled_jacobian(chain, frames, reach).singular_values().into();
@@ -43,9 +46,9 @@ pub fn singularity(chain: &Chain, frames: &Frames, reach: f64) -> f64 {
     actuators.min(6).checked_sub(1).map_or(0.0, |last| values[last])
 }
 
-/// A passive joint is no actuator: its column is 0.
-pub(super) fn scaled_jacobian(chain: &Chain, frames: &Frames, reach: f64) -> Columns {
-    let mut columns = Columns::zeros();
+/// Returns the Jacobian with lengths divided by `reach` (m). The column of a passive joint is 0.
+pub(super) fn scaled_jacobian(chain: &Chain, frames: &Frames, reach: f64) -> ScaledJacobian {
+    let mut columns = ScaledJacobian::zeros();
     let all = jacobian(chain, frames);
     for j in (0..chain.axes()).filter(|&j| is_moving(chain.links[j].limits)) {
         let position: Vector3<f64> = all[j].position / reach;

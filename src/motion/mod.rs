@@ -1,18 +1,18 @@
-//! Can it get there: moves that touch nothing, between samples too; straight approach and retract; the
-//! ways from one operation to the next; how far a posture is from limits and singularities.
+//! Motion: continuous collision checking, straight approach and retract, transfers between operations,
+//! and the distance of a posture from joint limits and singularities.
 //!
-//! [`Guard`] holds what a cell asks of motion. A move is a straight line in joint coordinates, checked
-//! by [`first_hit`]; a straight line of the TCP is made of such moves, by [`straight`].
+//! [`Guard`] holds the motion rules of a cell. A move is a straight line in joint coordinates, checked by
+//! [`first_hit`]. A straight line of the TCP consists of such moves, made by [`straight`].
 
+mod continuous_collision;
 mod guard;
-mod line;
 mod measures;
-mod path;
+mod messages;
+mod straight_line;
 mod transfer;
-mod words;
 
-pub use guard::{Guard, Hindrance, Refusal};
-pub use line::{DEVIATION, Stopped, straight};
+pub use continuous_collision::{Move, PathHit, RESOLUTION, first_hit};
+pub use guard::{Guard, Hindrance, PostureRefusal};
 pub use measures::{Measures, measures, singularity};
-pub use path::{PathHit, RESOLUTION, first_hit};
-pub use transfer::{Blocked, Stance, Transfer, Way, direct_travel};
+pub use straight_line::{DEVIATION, Stopped, straight};
+pub use transfer::{Blocked, OperationPosture, Transfer, TransferRoute, direct_travel};

@@ -1,101 +1,107 @@
-//! The way from one operation to the next.
+//! Transfers: collision-free moves from one operation to the next.
 
 use super::guard::{Guard, Hindrance};
-use super::line::straight;
+use super::straight_line::straight;
 use crate::cell::{JointKind, JointVector};
-use crate::clearance::{Load, Placed, Scene};
+use crate::clearance::{Load, PlacedSolids, Scene};
 use crate::robot::Chain;
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 
-/// A way from one posture to another, in the order in which they are tried.
+/// Route from one posture to another, in the order in which routes are tried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Way {
+pub enum TransferRoute {
     /// One move in joint coordinates.
     Direct,
-    /// The TCP straight up at both ends, one move between.
+    /// A straight lift of the TCP at both ends, and one move between.
     Lift,
-    /// Through a posture of the cell, by its number.
+    /// Moves through a via posture of the cell, by its index.
     Via(usize),
-    /// Lifted at both ends, and through a posture between.
+    /// A lift at both ends, and moves through a via posture.
     LiftVia(usize),
 }
 
-/// An operation at its spot.
+/// Posture of an operation at its spot.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stance {
+pub struct OperationPosture {
     pub operation: usize,
-    /// rad, m.
+    /// Actuator coordinates, rad or m.
     pub joints: JointVector,
 }
 
-/// A free way from where one operation has retracted to where the next begins its approach.
+/// Collision-free path from the end of one operation's retract to the start of the next one's approach.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Transfer {
-    /// Indices of the operations.
+    /// Index of the operation before.
     pub from: usize,
+    /// Index of the operation after.
     pub to: usize,
-    pub way: Way,
-    /// Joint vectors with straight moves between them; rad, m.
+    pub way: TransferRoute,
+    /// Joint vectors with straight moves between them, rad or m.
     pub path: Vec<JointVector>,
-    /// For the time it takes: the sum over the moves of how far the joint goes that goes farthest, as
-    /// when all joints of a point-to-point move start and stop together with equal top speeds. rad; a
-    /// slide by the arm's reach counts as 1.
+    /// Measure of the transfer time, rad: the sum over the moves of the largest joint travel.
+    ///
+    /// It is proportional to the time if all joints start and stop together with equal top speeds. A
+    /// prismatic travel by the arm's reach counts as 1 rad.
     pub travel: f64,
-    /// The next operation's joint vector at its spot, in the turns of the joints that are nearest.
+    /// Joint vector of the next operation at its spot, in the nearest turns of the joints.
     pub arrival: JointVector,
 }
 
-/// No way is free: what stands in each that was tried.
+/// Failure of a transfer: the obstacle of every route that was tried.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Blocked {
     pub from: usize,
     pub to: usize,
-    pub tries: Vec<(Way, Hindrance)>,
+    pub tries: Vec<(TransferRoute, Hindrance)>,
 }
 
 impl Guard {
-    /// Whether the moves between operations are checked.
+    /// Returns whether transfers between operations are checked.
     pub fn asks_transfers(&self) -> bool {
         self.transfer.is_some()
     }
 
-    /// The ways between consecutive operations at their spots, back to the first in a cycle; none if the
-    /// cell does not ask for them.
+    /// Returns the transfers between consecutive operations, in a cycle also back to the first.
+    ///
+    /// There are none if the cell does not ask for them.
     ///
     /// # Errors
-    /// The first that is blocked.
+    /// The first transfer that is blocked.
     pub fn transfers(
         &self,
         scene: &Scene,
-        placed: &Placed,
-        stances: &[Stance],
+        placed: &PlacedSolids,
+        stances: &[OperationPosture],
     ) -> Result<Vec<Transfer>, Blocked> {
         let mut found: Vec<Transfer> = Vec::new();
         let (Some(rules), Some(first)) = (&self.transfer, stances.first()) else { return Ok(found) };
         let mut here = *first;
         for stance in &stances[1..] {
-            let next = Stance { joints: nearest_turns(&self.chain, &here.joints, &stance.joints), ..*stance };
+            let next = OperationPosture {
+                joints: nearest_turns(&self.chain, &here.joints, &stance.joints),
+                ..*stance
+            };
             found.push(self.transfer(scene, placed, &here, &next)?);
             here = next;
         }
         if rules.cycle && stances.len() > 1 {
-            // Back in the very turns of the start: the cycle must not wind up.
+            // The last transfer ends in the turns of the start, so that the cycle does not wind up.
             found.push(self.transfer(scene, placed, &here, first)?);
         }
         Ok(found)
     }
 
-    /// The first free way between two operations, checked with what either of them holds.
+    /// Returns the first free transfer between two operations, checked with the parts that either holds.
     ///
     /// # Errors
-    /// What stands in each way.
+    /// The obstacle of every route.
     pub fn transfer(
         &self,
         scene: &Scene,
-        placed: &Placed,
-        from: &Stance,
-        to: &Stance,
+        placed: &PlacedSolids,
+        from: &OperationPosture,
+        to: &OperationPosture,
     ) -> Result<Transfer, Blocked> {
         let mut tries = Vec::new();
         let blocked = |tries| Blocked { from: from.operation, to: to.operation, tries };
@@ -103,9 +109,9 @@ impl Guard {
         let ends = (self.end_of(from, away), self.end_of(to, towards));
         let (start, end) = match ends {
             (Ok(start), Ok(end)) => (start, end),
-            (Err(why), _) | (_, Err(why)) => return Err(blocked(vec![(Way::Direct, why)])),
+            (Err(why), _) | (_, Err(why)) => return Err(blocked(vec![(TransferRoute::Direct, why)])),
         };
-        // Without a retract a part still rests where it was put.
+        // Without a retract a part still rests on the surface.
         let load = Load::between((from.operation, away == 0.0), (to.operation, towards == 0.0));
         for way in self.ways() {
             let path = match self.path(way, &start, &end) {
@@ -127,35 +133,40 @@ impl Guard {
         Err(blocked(tries))
     }
 
-    /// Where the straight way from a spot ends.
-    fn end_of(&self, stance: &Stance, length: f64) -> Result<JointVector, Hindrance> {
+    /// Returns the posture at the end of the straight line back from a spot.
+    fn end_of(&self, stance: &OperationPosture, length: f64) -> Result<JointVector, Hindrance> {
         let knots = self.back(&stance.joints, length).map_err(Hindrance::Stopped)?;
         Ok(knots.last().copied().unwrap_or(stance.joints))
     }
 
-    fn ways(&self) -> Vec<Way> {
+    fn ways(&self) -> Vec<TransferRoute> {
         let (lift, via) = self.transfer.as_ref().map_or((0.0, 0), |r| (r.lift, r.via.len()));
         let lifted = lift > 0.0;
-        let mut ways = vec![Way::Direct];
-        ways.extend(lifted.then_some(Way::Lift));
-        ways.extend((0..via).map(Way::Via));
-        ways.extend((0..via).filter(|_| lifted).map(Way::LiftVia));
+        let mut ways = vec![TransferRoute::Direct];
+        ways.extend(lifted.then_some(TransferRoute::Lift));
+        ways.extend((0..via).map(TransferRoute::Via));
+        ways.extend((0..via).filter(|_| lifted).map(TransferRoute::LiftVia));
         ways
     }
 
-    fn path(&self, way: Way, start: &JointVector, end: &JointVector) -> Result<Vec<JointVector>, Hindrance> {
+    fn path(
+        &self,
+        way: TransferRoute,
+        start: &JointVector,
+        end: &JointVector,
+    ) -> Result<Vec<JointVector>, Hindrance> {
         let Some(rules) = &self.transfer else { return Ok(vec![*start, *end]) };
         let up = Vector3::z() * rules.lift;
         let raised = |q: &JointVector| straight(&self.chain, q, &up, self.reach).map_err(Hindrance::Stopped);
         let (mut path, last) = match way {
-            Way::Direct | Way::Via(_) => (vec![*start], vec![*end]),
-            Way::Lift | Way::LiftVia(_) => {
+            TransferRoute::Direct | TransferRoute::Via(_) => (vec![*start], vec![*end]),
+            TransferRoute::Lift | TransferRoute::LiftVia(_) => {
                 let mut down = raised(end)?;
                 down.reverse();
                 (raised(start)?, down)
             }
         };
-        if let Way::Via(k) | Way::LiftVia(k) = way {
+        if let TransferRoute::Via(k) | TransferRoute::LiftVia(k) = way {
             path.push(rules.via[k]);
         }
         path.extend(last);
@@ -163,7 +174,7 @@ impl Guard {
     }
 }
 
-/// See [`Transfer::travel`]; `reach`: a length of the size of the arm, m.
+/// Returns [`Transfer::travel`] of a path; `reach` is a characteristic length of the arm, m.
 fn travel(chain: &Chain, path: &[JointVector], reach: f64) -> f64 {
     let farthest = |ends: &[JointVector]| {
         let each =
@@ -176,8 +187,7 @@ fn travel(chain: &Chain, path: &[JointVector], reach: f64) -> f64 {
     path.windows(2).map(farthest).sum()
 }
 
-/// The travel of direct moves from posture to posture, see [`Transfer::travel`], every joint in the turn
-/// nearest to where it comes from.
+/// Returns the [`Transfer::travel`] of direct moves from posture to posture, every joint in its nearest turn.
 pub fn direct_travel(chain: &Chain, stops: &[JointVector], reach: f64) -> f64 {
     let mut path: Vec<JointVector> = Vec::with_capacity(stops.len());
     for stop in stops {
@@ -186,12 +196,12 @@ pub fn direct_travel(chain: &Chain, stops: &[JointVector], reach: f64) -> f64 {
     travel(chain, &path, reach)
 }
 
-/// The same posture with every joint in the turn nearest to where it comes from, inside its limits.
+/// Returns a posture with every joint in the turn nearest to `from`, inside its limits.
 fn nearest_turns(chain: &Chain, from: &JointVector, to: &JointVector) -> JointVector {
     let mut near = *to;
     for j in 0..chain.axes() {
         let link = &chain.links[j];
-        // What it turns by whole factors comes back to the same angle.
+        // Joints that it drives by whole factors return to the same angle.
         let comes_back = |i: usize| match chain.links[i].kind {
             JointKind::Revolute => chain.coupling[i][j].fract() == 0.0,
             JointKind::Prismatic => chain.coupling[i][j] == 0.0,

@@ -5,49 +5,54 @@ use crate::robot::{Chain, Posture};
 use crate::units::wrapped;
 use std::f64::consts::PI;
 
-/// A limit counts as kept if it is passed by less than this in the cosine of the angle from the
-/// middle of the range: rounding must not refuse a posture exactly at its limit.
-const TOLERANCE: f64 = 1e-12;
+/// Tolerance of a revolute limit, in the cosine of the angle from the middle of the range.
+///
+/// It keeps rounding from refusing a posture exactly at its limit.
+const COSINE_TOLERANCE: f64 = 1e-12;
 
-/// The same of a slide, m.
+/// Tolerance of a prismatic limit, m.
 const SLIDE_TOLERANCE: f64 = 1e-9;
 
-/// The joint whose limit is passed the most, and by how much (rad or m).
+/// The joint that exceeds its limit the most, and the excess (rad or m).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LimitViolation {
     pub joint: usize,
     pub by: f64,
 }
 
-/// The allowed range of one actuator.
+/// Allowed range of one actuator.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Range {
+pub(super) struct ActuatorRange {
     pub kind: JointKind,
-    /// Cosine and sine of the D-H offset theta and of the middle of the range.
+    /// Cosine and sine of the D-H offset theta.
     pub zero: (f64, f64),
+    /// Cosine and sine of the middle of the range.
     middle: (f64, f64),
     /// Axial offset at coordinate 0, m.
     r: f64,
-    /// Of the actuator coordinate, rad or m.
+    /// Middle of the range of the actuator coordinate, rad or m.
     pub centre: f64,
+    /// Half width of the range, rad or m.
     half: f64,
-    /// Cosine of the half width of a turning joint (-2: every angle is allowed).
+    /// Cosine of the half width of a revolute joint; -2 if every angle is allowed.
     pub cos_half: f64,
 }
 
-/// The limits of a chain.
+/// Joint limits of a chain, judged on sines and cosines where possible.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Limits {
-    pub(super) ranges: Vec<Range>,
+    pub(super) ranges: Vec<ActuatorRange>,
     coupling: Vec<Vec<f64>>,
-    /// Below the diagonal: (row, column, factor), where every factor is a whole number between
-    /// turning joints.
+    /// Coupling below the diagonal as (row, column, factor), if every factor is a whole number between
+    /// revolute joints.
     pub(super) whole: Option<Vec<(usize, usize, i32)>>,
 }
 
 impl Limits {
+    /// Prepares the limits of a chain.
+    ///
     /// # Errors
-    /// Why the limits cannot be judged by the posture alone.
+    /// Why the posture alone cannot tell whether it keeps the limits.
     pub fn new(chain: &Chain) -> Result<Self, String> {
         let turns_more = |j: usize| {
             let link = &chain.links[j];
@@ -60,7 +65,7 @@ impl Limits {
         };
         let n = chain.axes();
         if (0..n).any(|j| turns_more(j) && (j + 1..n).any(|i| geared(i, j))) {
-            return Err("a joint that turns more than a whole turn drives another by a fraction".into());
+            return Err("a joint with a range of more than one turn drives another by a fraction".into());
         }
         let below = |i: usize| (0..i).map(move |j| (i, j));
         let factors = (0..n).flat_map(below).map(|(i, j)| (i, j, chain.coupling[i][j]));
@@ -72,8 +77,10 @@ impl Limits {
         Ok(Self { ranges: chain.links.iter().map(range).collect(), coupling: chain.coupling.clone(), whole })
     }
 
-    /// How far outside its limits the posture is: 0 inside; otherwise the sum over the joints of
-    /// what the cosine misses (of slides: the metres), a measure that grows with the distance.
+    /// Returns how far a posture violates the limits; 0 inside them.
+    ///
+    /// It is the sum over the joints of the missing cosine (revolute) or metres (prismatic), a measure that
+    /// increases with the distance.
     #[inline]
     pub fn excess(&self, posture: &Posture) -> f64 {
         let Some(whole) = &self.whole else {
@@ -101,9 +108,10 @@ impl Limits {
         excess
     }
 
-    /// Actuator coordinates of a posture, each in the turn nearest to the middle of its range, and
-    /// the joint furthest past its limits, or least inside them: a violation if [`Self::excess`]
-    /// is not 0.
+    /// Returns the actuator coordinates of a posture and the joint that is farthest outside its limits.
+    ///
+    /// Each coordinate is in the turn nearest to the middle of its range. The joint is a violation if
+    /// [`Self::excess`] is not 0; otherwise it is the one nearest to its limit.
     pub fn joints(&self, posture: &Posture) -> (JointVector, LimitViolation) {
         let mut q = [0.0; MAX_JOINTS];
         let mut worst = LimitViolation { joint: 0, by: f64::NEG_INFINITY };
@@ -126,8 +134,8 @@ impl Limits {
     }
 }
 
-impl Range {
-    /// What the coordinate misses, in the measure of [`Limits::excess`].
+impl ActuatorRange {
+    /// Returns the violation by an actuator coordinate, in the measure of [`Limits::excess`].
     fn missed(&self, q: f64) -> f64 {
         match self.kind {
             JointKind::Revolute => (self.cos_half - (q - self.centre).cos()).max(0.0),
@@ -139,18 +147,18 @@ impl Range {
     }
 }
 
-fn range(link: &crate::robot::Link) -> Range {
+fn range(link: &crate::robot::Link) -> ActuatorRange {
     let (lo, hi) = link.limits;
     let (centre, half) = ((lo + hi) / 2.0, (hi - lo) / 2.0);
     let whole_turn = link.kind == JointKind::Revolute && half >= PI;
-    Range {
+    ActuatorRange {
         kind: link.kind,
         zero: cos_sin(link.theta),
         middle: cos_sin(centre),
         r: link.r,
         centre,
         half,
-        cos_half: if whole_turn { -2.0 } else { half.min(PI).cos() - TOLERANCE },
+        cos_half: if whole_turn { -2.0 } else { half.min(PI).cos() - COSINE_TOLERANCE },
     }
 }
 
@@ -158,7 +166,7 @@ fn cos_sin(angle: f64) -> (f64, f64) {
     (angle.cos(), angle.sin())
 }
 
-/// `a` turned back by `b`, both as (cos, sin).
+/// Returns the difference of two angles, `a` minus `b`, as cosine and sine.
 fn times_conjugate(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
     (a.0 * b.0 + a.1 * b.1, a.1 * b.0 - a.0 * b.1)
 }

@@ -1,30 +1,47 @@
-//! Can it go: inverse kinematics with all branches and joint limits.
+//! Inverse kinematics: all branches of a target, joint limits, redundancy resolution, working envelope.
+//!
+//! | file | content |
+//! |---|---|
+//! | `inverse` | [`Inverse`]: the one entrance; every branch of a target, within the limits |
+//! | `solver`, `pose_solver` | the choice of the closed form, tried on the chain before it is trusted |
+//! | `closed_form` | one file per family of arms, or per mathematical tool |
+//! | `held_joint`, `redundancy` | redundancy resolution by a sweep of one joint |
+//! | `numeric`, `numeric_branches` | damped least squares for every other chain |
+//! | `attitude_set`, `tool_attitudes`, `attitude_limits`, `fixed_elevation` | attitudes of the tool |
+//! | `limits` | joint limits with wrap-around |
+//! | `shell` | a bounding shell of the reach, a cheap test before any inverse kinematics |
+//! | `envelope` | sections, volume and extent of the reach |
+//! | `planar_geometry`, `limit_cones` | the planar arm as plain data, for code that solves many targets at once |
 
-mod ability;
+mod attitude_limits;
+mod attitude_set;
+mod branch;
 mod closed_form;
-mod cones;
-mod converge;
 mod envelope;
-mod hold;
+mod fixed_elevation;
+mod held_joint;
 mod inverse;
-mod kernel;
-mod lanes;
+mod limit_cones;
 mod limits;
-mod nearest;
 mod numeric;
+mod numeric_branches;
+mod planar_geometry;
+mod pose_solver;
+mod redundancy;
 mod shell;
-mod unlock;
+mod solver;
+mod tool_attitudes;
 
-pub use closed_form::planar::Way;
+pub use branch::{Branch, Cost, Gap, Reach};
 pub use closed_form::spherical_wrist::SphericalWrist;
 pub use closed_form::three_parallel::ThreeParallel;
-pub use envelope::{Envelope, Extent, Fineness, Outline, Region, Size};
-pub use inverse::{Approach, Branch, Cost, Gap, Inverse, Reach};
-pub use lanes::{Level, PlanarLanes, Targets, Wrist};
+pub use envelope::{Envelope, EnvelopeExtent, EnvelopeSection, Fineness, Outline, Size};
+pub use inverse::Inverse;
+pub use limit_cones::LimitCone;
 pub use limits::LimitViolation;
-pub use numeric::{Goal, Held, Missing, Numeric, jacobian};
+pub use numeric::{AttitudeGoal, Numeric, Shortfall, TcpGoal, jacobian};
 #[doc(hidden)] // open for tests/it
 pub use numeric::{least_turn, rotation_vector};
+pub use planar_geometry::PlanarGeometry;
 pub use shell::Shell;
-
-use ability::kept_elevation;
+pub use tool_attitudes::{PlanarAttitude, ToolAttitudes};

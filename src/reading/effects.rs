@@ -1,13 +1,12 @@
-//! What a unit of every source does to the TCP, seen from the work.
+//! First-order effects of the error sources on the TCP, seen from the work.
 
-use super::{MAX_SOURCES, Sources};
+use super::error_sources::{ErrorSources, MAX_SOURCES};
 use crate::cell::Parameter;
 use crate::kinematic_error::Expansion;
 use crate::pose::{Displacement, Pose};
 use nalgebra::Vector3;
 
-/// First-order effect of a unit of each source on the TCP (base frame), and what the second order
-/// makes of their spread: the mean.
+/// First-order effect of a unit of each source on the TCP (base frame), and the second-order mean.
 #[derive(Debug, Clone)]
 pub struct Effects {
     pub columns: [Displacement; MAX_SOURCES],
@@ -22,8 +21,8 @@ impl Default for Effects {
 }
 
 impl Effects {
-    /// Of the robot at the posture of `expansion`; with `mean` the second-order mean too.
-    pub fn set(&mut self, sources: &Sources, expansion: &Expansion, mean: bool) {
+    /// Sets the effects of the robot at the posture of `expansion`, with `mean` also the second-order mean.
+    pub fn set(&mut self, sources: &ErrorSources, expansion: &Expansion, mean: bool) {
         self.count = sources.list.len();
         for k in 0..self.count {
             self.columns[k] = sources.robot_index(k).map_or(Displacement::NONE, |p| expansion.first(p));
@@ -31,8 +30,14 @@ impl Effects {
         self.mean = if mean { second_order_mean(sources, expansion) } else { Displacement::NONE };
     }
 
-    /// Takes off what the equipment's own frame, at `work` in the base, does to the point `p`.
-    pub fn less_equipment(&mut self, sources: &Sources, equipment: usize, work: &Pose, p: &Vector3<f64>) {
+    /// Subtracts the effect of the equipment's frame errors at the point `p`; `work` is that frame in the base.
+    pub fn less_equipment(
+        &mut self,
+        sources: &ErrorSources,
+        equipment: usize,
+        work: &Pose,
+        p: &Vector3<f64>,
+    ) {
         for (k, source) in sources.list.iter().enumerate() {
             if let Parameter::Equipment(e, c) = source.parameter
                 && e == equipment
@@ -47,7 +52,7 @@ impl Effects {
         }
     }
 
-    /// Takes off other effects, each changed by `change` first.
+    /// Subtracts other effects, each transformed by `change` first.
     pub fn less(&mut self, other: &Effects, change: impl Fn(&Displacement) -> Displacement) {
         for k in 0..self.count {
             self.columns[k] = self.columns[k] - change(&other.columns[k]);
@@ -55,15 +60,27 @@ impl Effects {
         self.mean = self.mean - change(&other.mean);
     }
 
-    /// The linear error of a sample, one value per source.
+    /// Calls `add` with every independent random factor: its effect at one standard deviation, and its
+    /// excess kurtosis.
+    pub fn independent(&self, sources: &ErrorSources, mut add: impl FnMut(Displacement, f64)) {
+        for (k, source) in sources.list.iter().enumerate().filter(|(_, s)| s.spread.is_some()) {
+            add(self.columns[k] * source.deviation, source.kurtosis);
+        }
+        for factor in &sources.factors {
+            let moved = factor.iter().fold(Displacement::NONE, |sum, &(k, v)| sum + self.columns[k] * v);
+            add(moved, 0.0);
+        }
+    }
+
+    /// Returns the linear error of a sample, given one value per source.
     pub fn of_sample(&self, values: &[f64]) -> Displacement {
         let columns = self.columns[..self.count].iter().zip(values);
         columns.fold(Displacement::NONE, |sum, (column, value)| sum + *column * *value)
     }
 }
 
-/// `1/2 sum_jk H_jk C_jk`: of independent sources the diagonal alone.
-fn second_order_mean(sources: &Sources, expansion: &Expansion) -> Displacement {
+/// Returns `1/2 sum_jk H_jk C_jk`; for independent sources only the diagonal counts.
+fn second_order_mean(sources: &ErrorSources, expansion: &Expansion) -> Displacement {
     let mut mean = Displacement::NONE;
     for (k, source) in sources.list.iter().enumerate().filter(|(_, s)| s.spread.is_some()) {
         if let Some(p) = sources.robot_index(k) {

@@ -1,34 +1,38 @@
-//! The chain of links and its forward kinematics.
+//! The Denavit-Hartenberg chain and its forward kinematics.
 
 use crate::cell::{JointKind, JointVector, MAX_JOINTS, Margins, Robot};
+use crate::low_discrepancy::halton;
 use crate::pose::{Pose, exact_sin_cos};
 use nalgebra::{Matrix3, Vector3};
 
-/// A D-H row made ready for the node loop.
+/// One Denavit-Hartenberg row, with sines and cosines precomputed for the node loop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Link {
     pub kind: JointKind,
-    /// Angle and axial offset at coordinate 0 (rad, m).
+    /// Joint angle theta at actuator coordinate 0, rad.
     pub theta: f64,
+    /// Axial offset r at actuator coordinate 0, m.
     pub r: f64,
-    /// Common normal, m.
+    /// Length l of the common normal, m.
     pub l: f64,
-    /// Twist, rad, and its cosine and sine. Those of multiples of a right angle are exact, so that
-    /// parallel axes stay parallel.
+    /// Twist alpha, rad.
     pub alpha: f64,
+    /// Cosine of alpha, exact at multiples of a right angle so that parallel axes stay parallel.
     pub cos_alpha: f64,
+    /// Sine of alpha, exact at multiples of a right angle.
     pub sin_alpha: f64,
+    /// Least and greatest actuator coordinate, rad or m.
     pub limits: (f64, f64),
 }
 
 impl Link {
-    /// Eq. (1) at cosine and sine of theta, and r (m).
+    /// Returns the link transform of eq. (1), given the cosine and sine of theta, and r (m).
     pub fn pose(&self, cos: f64, sin: f64, r: f64) -> Pose {
         step(&Pose::identity(), self, cos, sin, r)
     }
 }
 
-/// The D-H variables of one configuration: cosine and sine of each theta, and each r (m).
+/// One configuration of the chain: the cosine and sine of each theta, and each r (m).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Posture {
     pub cos: [f64; MAX_JOINTS],
@@ -36,11 +40,12 @@ pub struct Posture {
     pub r: [f64; MAX_JOINTS],
 }
 
-/// The frames of a chain at one posture, in the base.
+/// Frames of a chain at one posture, in the robot base.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Frames {
-    /// 0: where the chain stands on the base, k: the frame after `A_k`; the rest is identity.
+    /// Frame 0 is the mount of the chain, frame k follows `A_k`; unused entries are the identity.
     pub links: [Pose; MAX_JOINTS + 1],
+    /// Tool centre point (TCP).
     pub tcp: Pose,
 }
 
@@ -50,25 +55,26 @@ impl Default for Frames {
     }
 }
 
-/// A serial chain with coupling and tool.
+/// A serial chain with joint coupling and tool.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chain {
-    /// Robot base to D-H frame 0.
+    /// Pose of D-H frame 0 in the robot base.
     pub mount: Pose,
     pub links: Vec<Link>,
-    /// Joint frame k in D-H frame k, before row k.
+    /// Pose of joint frame k in D-H frame k, before row k.
     pub joint_frames: Vec<Pose>,
-    /// D-H coordinates = `coupling` * actuators + zero; lower triangular, units on the diagonal.
+    /// Matrix that maps actuator to D-H coordinates: lower triangular with a unit diagonal.
     pub coupling: Vec<Vec<f64>>,
-    /// Mechanical interface to TCP.
+    /// Pose of the TCP in the mechanical interface.
     pub tool: Pose,
-    /// Whether the tool is turned against the mechanical interface.
+    /// Whether the tool is rotated against the mechanical interface.
     turned_tool: bool,
-    /// Unit vector in the frame of the TCP.
+    /// Unit vector along the tool, in the frame of the TCP.
     pub tool_axis: Vector3<f64>,
 }
 
 impl Chain {
+    /// Returns the chain of a robot, with the joint limits of its file.
     pub fn new(robot: &Robot) -> Self {
         let links = robot.joints.iter().map(|j| {
             let (sin_alpha, cos_alpha) = exact_sin_cos(j.alpha);
@@ -86,7 +92,7 @@ impl Chain {
         }
     }
 
-    /// The same with the limits that are kept.
+    /// Returns the chain of a robot, with its joint limits reduced by the margins of the cell.
     pub fn with_margins(robot: &Robot, margins: &Margins) -> Self {
         let mut chain = Self::new(robot);
         for (link, joint) in chain.links.iter_mut().zip(&robot.joints) {
@@ -95,11 +101,12 @@ impl Chain {
         chain
     }
 
+    /// Returns the number of joints.
     pub fn axes(&self) -> usize {
         self.links.len()
     }
 
-    /// The posture at actuator coordinates `q` (rad or m).
+    /// Returns the posture at actuator coordinates `q` (rad or m).
     pub fn posture(&self, q: &JointVector) -> Posture {
         let mut posture = Posture { cos: [1.0; MAX_JOINTS], sin: [0.0; MAX_JOINTS], r: [0.0; MAX_JOINTS] };
         for (i, link) in self.links.iter().enumerate() {
@@ -114,33 +121,28 @@ impl Chain {
         posture
     }
 
-    /// The k-th point of the Halton sequence between the joint limits.
-    pub fn spread(&self, k: usize) -> JointVector {
-        const PRIMES: [usize; MAX_JOINTS] = [2, 3, 5, 7, 11, 13, 17, 19];
-        let radical = |base: usize| {
-            let (mut n, mut value, mut digit) = (k + 1, 0.0, 1.0);
-            while n > 0 {
-                digit /= base as f64;
-                value += digit * (n % base) as f64;
-                n /= base;
-            }
-            value
-        };
+    /// Returns the posture at actuator coordinates 0, which carries the fixed D-H values of the chain.
+    pub fn zero_posture(&self) -> Posture {
+        self.posture(&[0.0; MAX_JOINTS])
+    }
+
+    /// Returns sample `k` of the box of joint limits: point k + 1 of the Halton sequence.
+    pub fn halton_sample(&self, k: usize) -> JointVector {
         let mut q = [0.0; MAX_JOINTS];
-        for ((q, link), base) in q.iter_mut().zip(&self.links).zip(PRIMES) {
-            *q = link.limits.0 + (link.limits.1 - link.limits.0) * radical(base);
+        for ((q, link), share) in q.iter_mut().zip(&self.links).zip(halton(k as u64 + 1)) {
+            *q = link.limits.0 + (link.limits.1 - link.limits.0) * share;
         }
         q
     }
 
-    /// Every frame of the chain at a posture.
+    /// Returns every frame of the chain at a posture.
     pub fn frames(&self, posture: &Posture) -> Frames {
         let mut frames = Frames::default();
         self.place(posture, &mut frames);
         frames
     }
 
-    /// [`Self::frames`] into memory that is kept from posture to posture.
+    /// Writes every frame of the chain at a posture, without a new allocation of [`Frames`].
     #[inline]
     pub fn place(&self, posture: &Posture, frames: &mut Frames) {
         let mut t = self.mount;
@@ -155,19 +157,19 @@ impl Chain {
         };
     }
 
-    /// Eq. (2) with the tool: the pose of the TCP in the base.
+    /// Returns the pose of the TCP in the robot base: eq. (2) with the tool.
     pub fn forward(&self, posture: &Posture) -> Pose {
         self.frames(posture).tcp
     }
 }
 
-/// `T A` for one link, using the zeros of `A`.
+/// Returns `T A` for one link; skips the products with the zeros of `A`.
 #[inline]
 fn step(t: &Pose, link: &Link, c: f64, s: f64, r: f64) -> Pose {
     let (x, y, z) = (t.rotation.column(0), t.rotation.column(1), t.rotation.column(2));
     let x1 = x * c + y * s;
     let y1 = y * c - x * s;
-    // Parallel and right-angled axes are most of all links.
+    // Most links have parallel or perpendicular axes.
     let (y2, z2) = match (link.cos_alpha, link.sin_alpha) {
         (1.0, 0.0) => (y1, z.into_owned()),
         (0.0, sa) => (z * sa, y1 * -sa),

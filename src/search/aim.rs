@@ -12,6 +12,7 @@
 //! the simplex evenly.
 
 use super::front::{Front, Span};
+use crate::low_discrepancy::halton;
 
 /// rho: so that of two layouts with the same maximum the better one wins.
 const AUGMENT: f64 = 1e-3;
@@ -22,9 +23,6 @@ const SCALE: f64 = 0.02;
 
 /// Below the cost of every infeasible layout.
 const MOST: f64 = 100.0;
-
-/// Bases of the Halton sequence: one less than goals at most.
-const PRIMES: [u64; 5] = [2, 3, 5, 7, 11];
 
 /// What a run aims at.
 #[derive(Debug, Clone, PartialEq)]
@@ -59,19 +57,8 @@ pub fn weights(goals: usize, run: u64) -> Vec<f64> {
         return (0..goals as u64).map(|k| if k == run { 1.0 } else { 0.0 }).collect();
     }
     let number = run + 1 - goals as u64;
-    let mut cuts: Vec<f64> = PRIMES.iter().take(goals - 1).map(|p| radical_inverse(number, *p)).collect();
+    let mut cuts: Vec<f64> = halton(number).take(goals - 1).collect();
     cuts.extend([0.0, 1.0]);
     cuts.sort_by(f64::total_cmp);
     cuts.windows(2).map(|pair| pair[1] - pair[0]).collect()
-}
-
-/// The digits of a number behind the point, in reverse.
-fn radical_inverse(mut number: u64, base: u64) -> f64 {
-    let (mut value, mut place) = (0.0, 1.0 / base as f64);
-    while number > 0 {
-        value += (number % base) as f64 * place;
-        number /= base;
-        place /= base as f64;
-    }
-    value
 }

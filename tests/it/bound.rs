@@ -25,7 +25,7 @@ impl Errors {
     fn at(&self, radius: f64, height: f64) -> f64 {
         let target = Vector3::new(0.0, radius / 1e3, height / 1e3);
         let mut least = f64::INFINITY;
-        let down = self.arm.approach(&Attitude::elevation(-std::f64::consts::FRAC_PI_2), 0.0);
+        let down = self.arm.tool_attitudes(&Attitude::elevation(-std::f64::consts::FRAC_PI_2), 0.0);
         self.arm.visit(&target, &down, &mut self.arm.scratch(), |_, posture| {
             let e = position_error(&self.chain.frames(posture), &self.errors, Model::Nonlinear);
             least = least.min(1e3 * e.x.hypot(e.y));

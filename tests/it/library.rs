@@ -6,7 +6,7 @@ use nalgebra::{Matrix3, Vector3};
 use serde_json::Value;
 use std::path::Path;
 use sweetspot::cell::{ErrorSet, JointVector, Robot, Shape};
-use sweetspot::clearance::{FloorPlan, Placed, Scene};
+use sweetspot::clearance::{FloorPlan, PlacedSolids, Scene};
 use sweetspot::files::Loaded;
 use sweetspot::robot::Chain;
 
@@ -82,7 +82,7 @@ fn every_robot_loads_without_a_warning_and_has_its_sources() {
 #[test]
 fn flanges_agree_with_an_independent_description() {
     let golden = golden();
-    // That of a URDF has the goldens of its rows.
+    // A robot from a URDF has the golden poses of its rows.
     let described = names("robots").into_iter().filter(|name| name != "hitachi_pw10_urdf");
     assert_eq!(
         golden.as_object().unwrap().keys().cloned().collect::<Vec<_>>(),
@@ -187,7 +187,7 @@ fn cells_of_the_families_start_without_overlap_and_collision() {
         let mut overlaps = Vec::new();
         FloorPlan::new(cell).overlaps(&start, &mut overlaps);
         assert!(overlaps.is_empty(), "{name}: {overlaps:?}");
-        let (scene, mut placed, chain) = (Scene::new(cell), Placed::default(), Chain::new(&cell.robot));
+        let (scene, mut placed, chain) = (Scene::new(cell), PlacedSolids::default(), Chain::new(&cell.robot));
         scene.place(&start, &mut placed);
         let frames = chain.frames(&chain.posture(&cell.robot.home));
         assert_eq!(scene.hit(&placed, &frames.links, None), None, "{name} at home");

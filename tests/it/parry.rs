@@ -8,7 +8,7 @@ use parry3d::shape::{SharedShape, TriMesh, TriMeshFlags};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sweetspot::cell::{Cell, Coordinate, LinkSolid, MAX_JOINTS, Placement, Shape, Solid};
-use sweetspot::clearance::{Placed, Scene};
+use sweetspot::clearance::{ContactMemory, PlacedSolids, Scene};
 use sweetspot::pose::Pose;
 use sweetspot::robot::Chain;
 
@@ -142,7 +142,9 @@ fn random_cells_agree_with_parry_alone() {
     for seed in 0..40 {
         let rng = &mut ChaCha8Rng::seed_from_u64(seed);
         let cell = random_cell(seed, rng);
-        let (scene, mut placed, chain) = (Scene::new(&cell), Placed::default(), Chain::new(&cell.robot));
+        let (scene, mut placed, chain) =
+            (Scene::new(&cell), PlacedSolids::default(), Chain::new(&cell.robot));
+        let mut memory = ContactMemory::default();
         for _ in 0..5 {
             let mut layout = cell.start();
             for at in &mut layout.placements[..2] {
@@ -165,7 +167,8 @@ fn random_cells_agree_with_parry_alone() {
                 });
                 let frames = chain.frames(&chain.posture(&q)).links;
                 let got = scene.hit(&placed, &frames, None).is_some();
-                assert_eq!(scene.is_free(&mut placed, &frames, None), !got, "hit and is_free, seed {seed}");
+                let is_free = scene.is_free(&placed, &frames, None, &mut memory);
+                assert_eq!(is_free, !got, "hit and is_free, seed {seed}");
                 let want = |by: f64| brute(&cell, &standing, &frames, (cell.clearance + by).max(0.0));
                 if got != want(TOUCHING) {
                     assert!(want(NEAR) != want(-NEAR), "seed {seed}: {got} at {q:?} {layout:?}");
@@ -184,7 +187,7 @@ fn random_cells_agree_with_parry_alone() {
 fn the_last_free_posture_agrees_with_parry() {
     let mut cell = shipped("hitachi_cell.toml");
     cell.robot.self_collision.checked = false;
-    let (scene, mut placed, chain) = (Scene::new(&cell), Placed::default(), Chain::new(&cell.robot));
+    let (scene, mut placed, chain) = (Scene::new(&cell), PlacedSolids::default(), Chain::new(&cell.robot));
     let layout = cell.start();
     scene.place(&layout, &mut placed);
     let standing: Vec<PosedSolid> = cell
@@ -214,7 +217,7 @@ fn the_last_free_posture_agrees_with_parry() {
             }
             let got = scene.hit(&placed, &links(middle), None).is_some();
             let same = got == want(middle, TOUCHING);
-            // In the last steps the two differ by less than parry's own error.
+            // In the last steps the difference is less than parry's own error.
             assert!(same || to - from < 1e-5, "{got} at {middle} of {pair:?}");
         }
         met += 1;

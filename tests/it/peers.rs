@@ -3,7 +3,7 @@
 use crate::common::{data, from_text, root, shipped};
 use nalgebra::Vector3;
 use sweetspot::cell::{Cell, Layout, MAX_JOINTS, Model, Placement};
-use sweetspot::clearance::{Placed, Scene};
+use sweetspot::clearance::{PlacedSolids, Scene};
 use sweetspot::error_map::Outcome;
 use sweetspot::kinematic_error::{Perturbation, pose_error};
 use sweetspot::layout::{Workcell, evaluate};
@@ -64,8 +64,8 @@ fn the_collision_flags_of_peer_set_c_agree() {
     let mut layout = cell.start();
     layout.placements[0] = place(300.0, 1000.0, 600.0, 10.0);
     layout.placements[1] = place(1000.0, -400.0, 600.0, 80.0);
-    // Legs end at the floor, so it cannot just be lowered: solids are placed first.
-    let mut placed = Placed::default();
+    // Legs end at the floor, so the floor cannot simply be lowered: solids are placed first.
+    let mut placed = PlacedSolids::default();
     Scene::new(&cell).place(&layout, &mut placed);
     cell.floor = -100.0;
     let scene = Scene::new(&cell);

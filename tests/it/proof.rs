@@ -15,9 +15,9 @@ use sweetspot::cell::{
 };
 use sweetspot::layout::{Workcell, evaluate};
 use sweetspot::pose::Pose;
-use sweetspot::proof::{Covers, Proof, ProofOptions, Region, WhyNot, prove, tangent};
-use sweetspot::reading::norm::Norm;
-use sweetspot::reading::{Site, Situation};
+use sweetspot::proof::{Covers, OperationRegion, Proof, ProofOptions, WhyNot, prove, tangent};
+use sweetspot::reading::norm::NormDistribution;
+use sweetspot::reading::{WorkContext, WorkFrame};
 use sweetspot::search::{Space, Watch, search};
 use sweetspot::units::{mm_from_m, rad_from_deg};
 
@@ -46,15 +46,15 @@ fn the_bound_of_hitachi_cell_closes_its_gap() {
 /// kinematics.
 fn at(workcell: &Workcell, radius: f64, height: f64) -> f64 {
     let operation = &workcell.cell.operations[0];
-    let (inverse, gauge) = (workcell.inverse(), workcell.gauge(0));
-    let site = Site {
+    let (inverse, gauge) = (workcell.inverse(), workcell.evaluator(0));
+    let site = WorkFrame {
         equipment: operation.equipment,
         work: Pose::identity(),
         world: nalgebra::Matrix3::identity(),
         taught: None,
     };
-    let situation = Situation { site, reference: None };
-    let approach = inverse.approach(&operation.attitude, 0.0);
+    let situation = WorkContext { site, reference: None };
+    let approach = inverse.tool_attitudes(&operation.attitude, 0.0);
     let (mut memory, mut least) = (gauge.memory(), f64::INFINITY);
     inverse.visit(&Vector3::new(radius, 0.0, height), &approach, &mut inverse.scratch(), |_, posture| {
         let value = gauge.value(&situation, &inverse.chain().frames(posture), &mut memory);
@@ -88,18 +88,18 @@ fn brute(workcell: &Workcell, (low, high): (f64, f64)) -> f64 {
 }
 
 /// Says whether joint coordinates keep limits, height and elevation and have the stated value.
-fn is_allowed(workcell: &Workcell, region: &Region, value: f64, q: &[f64; 8]) -> bool {
-    let (gauge, chain) = (workcell.gauge(0), workcell.inverse().chain());
+fn is_allowed(workcell: &Workcell, region: &OperationRegion, value: f64, q: &[f64; 8]) -> bool {
+    let (gauge, chain) = (workcell.evaluator(0), workcell.inverse().chain());
     let frames = chain.frames(&chain.posture(q));
     let elevation = (frames.tcp.rotation * chain.tool_axis).z.asin();
     let (low, high) = region.elevation.unwrap();
-    let site = Site {
+    let site = WorkFrame {
         equipment: region.operation,
         work: Pose::identity(),
         world: nalgebra::Matrix3::identity(),
         taught: None,
     };
-    let again = gauge.value(&Situation { site, reference: None }, &frames, &mut gauge.memory());
+    let again = gauge.value(&WorkContext { site, reference: None }, &frames, &mut gauge.memory());
     let within = |x: f64, (low, high): (f64, f64), by: f64| low - by <= x && x <= high + by;
     chain.links.iter().zip(q).all(|(link, q)| within(*q, link.limits, 3e-6))
         && within(frames.tcp.translation.z, region.height, 1e-8)
@@ -150,19 +150,19 @@ fn the_bound_of_random_planar_arms_agrees_with_brute_force() {
         let by = if case % 4 < 2 { 0.0 } else { rng.random_range(0.05..0.5) };
         let table = &mut cell.equipment[operation.equipment].placement;
         table[2] = Coordinate::Range { min: low, max: low + by, start: low };
-        let region = Region::new(&cell, 0, None);
+        let region = OperationRegion::new(&cell, 0, None);
         let workcell = ready(&cell);
         let found = &proof_of(&workcell, 50_000).operations[0];
-        // Inside of the slack that the region allows.
+        // The heights exclude the slack of the region.
         let inside = (region.height.0 + 2e-6, (region.height.1 - 2e-6).max(region.height.0 + 2e-6));
-        // The grid may miss a corner of what is allowed; a witness counts if it is what it says.
+        // The grid may miss a corner of the region. A witness counts if its value is confirmed.
         let witness = found.witness.filter(|(value, q)| is_allowed(&workcell, &region, *value, q));
         let brute = brute(&workcell, inside).min(witness.map_or(f64::INFINITY, |w| w.0));
         match found.value {
             Ok(bound) => {
                 assert!(bound <= brute, "case {case}: {bound} above {brute}");
                 reachable += 1;
-                // What is nearly nothing is known to the slack of the heights.
+                // A value near zero is known to the slack of the heights.
                 let is_closed = bound >= 0.995 * brute - 1e-7;
                 closed += usize::from(is_closed);
                 if !is_closed {
@@ -186,19 +186,19 @@ fn nothing_is_below(name: &str, cell: &Cell, boxes: u64, tries: usize) -> Proof 
     let mut rng = ChaCha8Rng::seed_from_u64(11);
     for (k, found) in proof.operations.iter().enumerate() {
         let Ok(bound) = found.value else { continue };
-        let (operation, gauge, inverse) = (&cell.operations[k], workcell.gauge(k), workcell.inverse());
-        let region = Region::new(cell, k, inverse.kept_elevation());
-        let site = Site {
+        let (operation, gauge, inverse) = (&cell.operations[k], workcell.evaluator(k), workcell.inverse());
+        let region = OperationRegion::new(cell, k, inverse.fixed_elevation());
+        let site = WorkFrame {
             equipment: operation.equipment,
             work: Pose::identity(),
             world: nalgebra::Matrix3::identity(),
             taught: None,
         };
-        let situation = Situation { site, reference: None };
+        let situation = WorkContext { site, reference: None };
         let (mut memory, mut scratch) = (gauge.memory(), inverse.scratch());
         let mut least = f64::INFINITY;
         for _ in 0..tries {
-            let approach = inverse.approach(&operation.attitude, rng.random_range(-PI..PI));
+            let approach = inverse.tool_attitudes(&operation.attitude, rng.random_range(-PI..PI));
             let (reach, turn) = (cell.robot.reach(), rng.random_range(-PI..PI));
             let (low, high) = region.radius.unwrap_or((0.0, reach));
             let radius = rng.random_range(low..high.min(reach).max(low + 1e-9));
@@ -223,7 +223,7 @@ fn no_posture_of_a_shipped_cell_is_below_the_bound() {
         let small = !["wrist_cell", "ur_cell"].contains(&name);
         assert!(!small || proof.bound.unwrap() > 0.0, "{name}");
     }
-    // Too many joints for so few boxes: what is said must still hold.
+    // So many joints need more boxes, but the bound must still hold.
     for name in ["offset_wrist_cell", "panda_cell", "track_cell"] {
         nothing_is_below(name, &shipped(&format!("{name}.toml")), 2_000, 30);
     }
@@ -318,7 +318,7 @@ fn the_tangent_bound_is_below_the_percentile() {
             let v = eigen.eigenvectors.column(k) * eigen.eigenvalues[k].max(0.0).sqrt();
             Vector6::new(v[0], v[1], v[2], 0.0, 0.0, 0.0)
         };
-        Norm::new(rows, &[column(0), column(1), column(2)], &[], &Vector6::zeros()).quantile(p)
+        NormDistribution::new(rows, &[column(0), column(1), column(2)], &[], &Vector6::zeros()).quantile(p)
     };
     for rows in 1..=3 {
         for (quantity, p) in [(Quantity::P95, 0.95), (Quantity::P99, 0.99)] {
@@ -374,14 +374,18 @@ fn the_bound_holds_for_joint_limits_of_no_width() {
     let table = &mut cell.equipment[cell.operations[0].equipment].placement;
     table[2] = Coordinate::Range { min: -1.0, max: 2.0, start: 0.0 };
     let workcell = ready(&cell);
-    let (inverse, gauge) = (workcell.inverse(), workcell.gauge(0));
+    let (inverse, gauge) = (workcell.inverse(), workcell.evaluator(0));
     // With the tool down q4 follows.
     let q = [0.0, still[1].unwrap(), still[2].unwrap(), rad_from_deg(-78.0), 0.0, 0.0, 0.0, 0.0];
     let frames = inverse.chain().frames(&inverse.chain().posture(&q));
     assert!((frames.tcp.rotation * inverse.chain().tool_axis + Vector3::z()).norm() < 1e-12);
-    let site =
-        Site { equipment: 0, work: Pose::identity(), world: nalgebra::Matrix3::identity(), taught: None };
-    let value = gauge.value(&Situation { site, reference: None }, &frames, &mut gauge.memory());
+    let site = WorkFrame {
+        equipment: 0,
+        work: Pose::identity(),
+        world: nalgebra::Matrix3::identity(),
+        taught: None,
+    };
+    let value = gauge.value(&WorkContext { site, reference: None }, &frames, &mut gauge.memory());
     let bound = proof_of(&workcell, 1000).bound.unwrap();
     assert!(bound <= value && bound > 0.9995 * value, "{bound} {value}");
 }
@@ -425,7 +429,7 @@ fn the_proof_does_not_depend_on_threads_and_can_be_stopped() {
     assert_eq!(one, two);
     let stopped = prove(&workcell, &ProofOptions::default(), &AtomicBool::new(true));
     assert!(stopped.interrupted && stopped.bound.is_none_or(|bound| bound <= one.bound.unwrap()));
-    // A value that is known from a layout saves boxes and leaves the bound where it was.
+    // A value known from a layout saves boxes and does not change the bound.
     let known = one.operations.iter().map(|o| o.witness.unwrap().0).collect();
     let options = ProofOptions { known: Some(known), ..ProofOptions::default() };
     let told = prove(&workcell, &options, &AtomicBool::new(false));

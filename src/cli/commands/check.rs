@@ -20,7 +20,7 @@ pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
                 urdf = loaded.cell.robot.urdf.is_some().then(|| report::urdf::derived(&loaded.cell.robot));
                 match Workcell::remembering(loaded.cell, &mut cache::remember) {
                     Ok(workcell) => {
-                        pairs = report::json::own_pairs(&workcell);
+                        pairs = report::json::self_collision_pairs(&workcell);
                         (Exit::Done, loaded.warnings)
                     }
                     Err(why) => {
@@ -55,7 +55,7 @@ pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
         counted(cell.operations.len(), "operation", "operations"),
         counted(free, "search variable", "search variables"),
         error_sets(cell),
-        report::text::own_pairs(&workcell),
+        report::text::self_collision_pairs(&workcell),
         report::text::feasibility(&Assessment::new("start", &workcell, cell.start())),
         if warnings == 0 { String::new() } else { format!(", {}", counted(warnings, "warning", "warnings")) },
     ))?;

@@ -75,7 +75,7 @@ pub fn envelope(a: &EnvelopeArguments) -> Result<Exit, Exit> {
         }
         let robot = read(&a.of, &a.packages)?.robot;
         let inverse = Inverse::new(&Chain::new(&robot));
-        let down = inverse.kept_elevation().unwrap_or(-std::f64::consts::FRAC_PI_2);
+        let down = inverse.fixed_elevation().unwrap_or(-std::f64::consts::FRAC_PI_2);
         let attitude = Attitude::elevation(a.bend.map_or(down, rad_from_deg));
         return drawn(a, &robot, &inverse, (None, attitude, 0.0, None));
     }
@@ -130,7 +130,7 @@ fn drawn(
     let envelope = Reachable::new(robot, inverse, asked, &|count, of| output::advance(&bar, count, of));
     bar.finish_and_clear();
     if let Some(path) = &a.svg {
-        loading::write_whole(path, report::envelope::picture(&envelope).as_bytes())?;
+        loading::write_whole(path, report::chart::envelope(&envelope).as_bytes())?;
     }
     if a.json {
         output::data(&results::line(&report::json::envelope(&envelope))?)?;

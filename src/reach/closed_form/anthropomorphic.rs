@@ -1,28 +1,33 @@
 //! The first three joints of the usual industrial arm in closed form: a yaw, then two parallel axes
-//! perpendicular to it, with offsets (Brandstoetter et al. 2014).
+//! perpendicular to it, with offsets.
+//!
+//! M. Brandstoetter, A. Angerer, M. Hofbaur, "An analytical solution of the inverse kinematics problem of
+//! industrial serial manipulators with an ortho-parallel basis and a spherical wrist", 2014.
 
 use super::subproblems::{ALIGNED, Angle, BOUNDARY, TwoLinks, difference};
 use crate::cell::JointKind;
 use crate::robot::{Link, Posture};
 use nalgebra::Vector3;
 
-/// The arm up to the wrist centre; lengths in m.
+/// The joints up to the wrist centre; lengths in m.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::reach) struct Anthropomorphic {
-    /// sin alpha_1 and cos alpha_2, each 1 or -1.
+    /// sin alpha_1, which is 1 or -1.
     side: f64,
+    /// cos alpha_2, which is 1 or -1.
     flip: f64,
     r1: f64,
     l1: f64,
-    /// y of the wrist centre in the frame turned by theta_1.
+    /// Coordinate y of the wrist centre in the frame rotated by theta_1.
     lateral: f64,
     links: TwoLinks,
-    /// Direction of the wrist centre from axis 3 in the frame turned by theta_3.
+    /// Direction of the wrist centre from axis 3 in the frame rotated by theta_3.
     forearm: Angle,
 }
 
 impl Anthropomorphic {
-    /// `tip`: the wrist centre in the frame turned by theta_3 (m). None if the arm is another.
+    /// Returns the closed form of three links with the wrist centre `tip`, given in the frame rotated by
+    /// theta_3 (m); None if the arm is of another kind.
     pub fn new([a, b, c]: &[Link; 3], tip: &Vector3<f64>) -> Option<Self> {
         let turning = [a, b, c].iter().all(|l| l.kind == JointKind::Revolute);
         let forearm = tip.x.hypot(tip.y);
@@ -42,9 +47,11 @@ impl Anthropomorphic {
         })
     }
 
-    /// Writes theta_1 to theta_3 that put the wrist centre at `p` (m), for every branch: bit 0 elbow,
-    /// bit 1 the arm leans back over its base. On axis 1 any theta_1 does: it is 0. Returns the
-    /// distance to the nearest point in reach, m.
+    /// Calls `found` with theta_1 to theta_3 of every branch that puts the wrist centre at `p` (m).
+    ///
+    /// Bit 0 of the branch is the elbow; bit 1 says that the arm leans back over its base. A wrist centre
+    /// on axis 1 leaves theta_1 free, which then is 0. Returns the distance to the nearest reachable
+    /// point, m.
     #[inline]
     pub fn solve(
         &self,
@@ -79,14 +86,17 @@ impl Anthropomorphic {
         if any { 0.0 } else { self.missing(radius2.sqrt(), self.side * (p.z - self.r1)) }
     }
 
-    /// Distance from the target at (radius, height) to the ring that the arm reaches. Nearest point
-    /// of the arm's plane and best yaw in turn: each step shortens the distance.
+    /// Returns the distance (m) of a target at (radius, height) from the points that the arm reaches.
+    ///
+    /// It alternates between the nearest point in the plane of the arm and the best yaw. Each step
+    /// shortens the distance.
     fn missing(&self, radius: f64, height: f64) -> f64 {
+        const MAX_STEPS: usize = 100;
         let (least, most) = self.links.range();
         let mut missing = f64::INFINITY;
         for start in [radius, -radius] {
             let (mut s, mut by) = (start, f64::INFINITY);
-            for _ in 0..100 {
+            for _ in 0..MAX_STEPS {
                 let turned = if s == 0.0 { 0.0 } else { radius * s / s.hypot(self.lateral) };
                 let x = turned - self.l1;
                 let d = x.hypot(height);

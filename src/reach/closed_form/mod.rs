@@ -7,5 +7,6 @@ pub(in crate::reach) mod quartic;
 pub(in crate::reach) mod scara;
 pub(in crate::reach) mod spherical_wrist;
 pub(in crate::reach) mod subproblems;
+pub(in crate::reach) mod three_joint_point;
 pub(in crate::reach) mod three_joints;
 pub(in crate::reach) mod three_parallel;

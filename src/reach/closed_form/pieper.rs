@@ -1,11 +1,47 @@
-//! The equation for joint 3 of any three joints that put a point somewhere (Pieper 1968).
+//! The equation for joint 3 of any three joints that put a point at a target.
+//!
+//! D. L. Pieper, "The Kinematics of Manipulators under Computer Control", thesis, Stanford 1968.
 
-use super::quartic::{Polynomial, Quadratic, product};
+use super::quartic::{Polynomial, Quadratic, combined, product};
 use super::subproblems::Angle;
-use super::three_joints::{Target, ThreeJoints};
-use crate::cell::JointKind::{Prismatic, Revolute};
+use crate::cell::JointKind::{self, Prismatic, Revolute};
+use crate::robot::Link;
+use nalgebra::Vector3;
 
-/// Polynomials of a parameter t of the path of joint 3 that are to 1 : a : b as the path demands.
+/// Coordinates of the point that three joints move, as forms of joint 3; lengths in m.
+///
+/// A form is a triple of factors: of 1, cos theta_3 and sin theta_3 for a revolute joint 3, or of 1, r_3
+/// and nothing for a prismatic one.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::reach) struct PointForms {
+    pub kinds: [JointKind; 3],
+    /// Cosine and sine of alpha_1.
+    pub twist1: Angle,
+    /// Cosines and sines of theta_1 and theta_2 at coordinate 0.
+    pub zero: [Angle; 2],
+    pub l1: f64,
+    /// Point in frame 1, rotated back by theta_2: x, y, and z without a free r_2.
+    pub u: Quadratic,
+    pub v: Quadratic,
+    pub h: Quadratic,
+    /// Square of the distance from the origin of frame 1: a form, plus the square of another.
+    pub distance2: (Quadratic, Quadratic),
+}
+
+/// Target of the point, in the quantities that joints 2 and 3 can change.
+pub(in crate::reach) struct PointTarget {
+    /// Target in frame 0, m.
+    pub p: Vector3<f64>,
+    /// Height above the origin of frame 1 along axis 1, m.
+    pub height: f64,
+    /// Square of the distance from the origin of frame 1, less l_1 squared, m2.
+    pub distance2: f64,
+    /// Coordinates in the frame rotated by theta_1, m; used if joint 1 is prismatic.
+    pub x: f64,
+    pub y: f64,
+}
+
+/// Path of joint 3: polynomials of a parameter t in the ratio 1 : a : b of [`PointForms`].
 pub(in crate::reach) struct Path {
     pub one: Quadratic,
     pub a: Quadratic,
@@ -13,19 +49,42 @@ pub(in crate::reach) struct Path {
 }
 
 impl Path {
-    /// A form along the path.
+    /// Returns a form along the path, as a polynomial.
     fn on(&self, f: &Quadratic) -> Quadratic {
         std::array::from_fn(|k| f[0] * self.one[k] + f[1] * self.a[k] + f[2] * self.b[k])
     }
 
-    /// A constant less a form.
+    /// Returns a constant minus a form along the path, as a polynomial.
     fn minus(&self, constant: f64, p: &Quadratic) -> Quadratic {
         std::array::from_fn(|k| constant * self.one[k] - p[k])
     }
 }
 
-impl ThreeJoints {
-    /// The circle by the tangent of half the angle from `origin`, or the line by r_3.
+impl PointForms {
+    /// Returns the forms of the point on axis 4 at a distance `r4` (m) from the origin of frame 3.
+    pub fn new(links: &[Link; 3], r4: f64) -> Self {
+        let [a, b, c] = links;
+        let kinds = [a.kind, b.kind, c.kind];
+        let (across, axial) = (-r4 * c.sin_alpha, r4 * c.cos_alpha);
+        let (s3, c3) = c.theta.sin_cos();
+        let (x, y, z) = match c.kind {
+            Revolute => ([0.0, c.l, -across], [0.0, across, c.l], [c.r + axial, 0.0, 0.0]),
+            Prismatic => {
+                ([c.l * c3 - across * s3, 0.0, 0.0], [c.l * s3 + across * c3, 0.0, 0.0], [axial, 1.0, 0.0])
+            }
+        };
+        let r2 = if b.kind == Revolute { b.r } else { 0.0 };
+        let u = [x[0] + b.l, x[1], x[2]];
+        let v = combined(b.cos_alpha, &y, -b.sin_alpha, &z, 0.0);
+        let h = combined(b.sin_alpha, &y, b.cos_alpha, &z, r2);
+        let constant = c.l * c.l + across * across - b.l * b.l - r2 * r2;
+        let form = combined(2.0 * b.l, &u, 2.0 * r2, &h, constant);
+        let zero = [a, b].map(|l| (l.theta.cos(), l.theta.sin()));
+        let twist1 = (a.cos_alpha, a.sin_alpha);
+        Self { kinds, twist1, zero, l1: a.l, u, v, h, distance2: (form, z) }
+    }
+
+    /// Returns the path of joint 3: a circle by the tangent of half the angle from `origin`, or a line by r_3.
     pub fn path(&self, (c, s): Angle) -> Path {
         match self.kinds[2] {
             Revolute => Path { one: [1.0, 0.0, 1.0], a: [c, -2.0 * s, -c], b: [s, 2.0 * c, -s] },
@@ -33,8 +92,8 @@ impl ThreeJoints {
         }
     }
 
-    /// What joint 3 must fulfil so that joints 1 and 2 can do the rest.
-    pub fn equation(&self, target: &Target, path: &Path) -> Polynomial {
+    /// Returns the equation that joint 3 must fulfil so that joints 1 and 2 can do the rest.
+    pub fn equation(&self, target: &PointTarget, path: &Path) -> Polynomial {
         let (u, v, h) = (path.on(&self.u), path.on(&self.v), path.on(&self.h));
         match (self.kinds[0], self.kinds[1]) {
             (Revolute, Revolute) => self.both_turn(target, path, &h),
@@ -44,9 +103,11 @@ impl ThreeJoints {
         }
     }
 
-    /// Distance from the origin of frame 1 and height along axis 1 give x and y of frame 1, and these
-    /// the distance from axis 2.
-    fn both_turn(&self, target: &Target, path: &Path, h: &Quadratic) -> Polynomial {
+    /// Returns the equation for revolute joints 1 and 2.
+    ///
+    /// The distance from the origin of frame 1 and the height along axis 1 give x and y in frame 1. These
+    /// give the distance from axis 2.
+    fn both_turn(&self, target: &PointTarget, path: &Path, h: &Quadratic) -> Polynomial {
         let ((ca, sa), l1, far) = (self.twist1, self.l1, self.distance2_on(path));
         let (e, z) = (path.minus(target.distance2, &far), path.minus(target.height, &h.map(|k| ca * k)));
         if l1 == 0.0 {
@@ -60,8 +121,10 @@ impl ThreeJoints {
         weighted(&[squares[0], squares[1], (-k * sa * sa, radius2(&far, h, path))])
     }
 
-    /// x and y across the slide give x and y of frame 1, and these the distance from axis 2.
-    fn slide_turns(&self, target: &Target, path: &Path, h: &Quadratic) -> Polynomial {
+    /// Returns the equation for a prismatic joint 1 and a revolute joint 2.
+    ///
+    /// x and y across joint 1 give x and y in frame 1. These give the distance from axis 2.
+    fn slide_turns(&self, target: &PointTarget, path: &Path, h: &Quadratic) -> Polynomial {
         let (ca, sa) = self.twist1;
         let y = path.minus(target.y, &h.map(|k| -sa * k));
         if ca == 0.0 {
@@ -73,8 +136,10 @@ impl ThreeJoints {
         weighted(&[(x * x, one2), (1.0, product(&y, &y)), (-ca * ca, radius2)])
     }
 
-    /// The height along axis 1 gives the slide, and all of it the distance from the origin of frame 1.
-    fn turn_slides(&self, target: &Target, path: &Path, (x, y): &(Quadratic, Quadratic)) -> Polynomial {
+    /// Returns the equation for a revolute joint 1 and a prismatic joint 2.
+    ///
+    /// The height along axis 1 gives r_2. All coordinates then give the distance from the origin of frame 1.
+    fn turn_slides(&self, target: &PointTarget, path: &Path, (x, y): &(Quadratic, Quadratic)) -> Polynomial {
         let (ca, sa) = self.twist1;
         let z = path.minus(target.height, &y.map(|k| sa * k));
         if ca == 0.0 {
@@ -86,7 +151,7 @@ impl ThreeJoints {
         weighted(&[plane[0], plane[1], (1.0, product(&z, &z)), (-k, product(&rest, &path.one))])
     }
 
-    /// The square of the distance of the point from the origin of frame 1, as a polynomial.
+    /// Returns the squared distance of the point from the origin of frame 1, as a polynomial.
     fn distance2_on(&self, path: &Path) -> Quadratic {
         let (form, z) = &self.distance2;
         let square = match self.kinds[2] {
@@ -97,16 +162,11 @@ impl ThreeJoints {
         std::array::from_fn(|k| form[k] + square[k])
     }
 
-    /// x and y of the point in frame 1 with a fixed theta_2.
+    /// Returns x and y of the point in frame 1 for a fixed theta_2.
     fn turned(&self, u: &Quadratic, v: &Quadratic) -> (Quadratic, Quadratic) {
         let (c, s) = self.zero[1];
         (combined(c, u, -s, v, 0.0), combined(s, u, c, v, 0.0))
     }
-}
-
-/// `f a + g b + constant`.
-pub(in crate::reach) fn combined(f: f64, a: &Quadratic, g: f64, b: &Quadratic, constant: f64) -> Quadratic {
-    [f * a[0] + g * b[0] + constant, f * a[1] + g * b[1], f * a[2] + g * b[2]]
 }
 
 fn raised(q: &Quadratic) -> Polynomial {
@@ -117,7 +177,7 @@ fn weighted(terms: &[(f64, Polynomial)]) -> Polynomial {
     std::array::from_fn(|k| terms.iter().map(|(w, p)| w * p[k]).sum())
 }
 
-/// The square of the distance from axis 2, from that from the origin of frame 1 and the height.
+/// Returns the squared distance from axis 2, given that from the origin of frame 1 and the height.
 fn radius2(far: &Quadratic, h: &Quadratic, path: &Path) -> Polynomial {
     weighted(&[(1.0, product(far, &path.one)), (-1.0, product(h, h))])
 }

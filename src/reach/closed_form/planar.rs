@@ -1,28 +1,31 @@
-//! The paper's arm in closed form: a base yaw, then three parallel axes that move the tool in a
-//! vertical plane, then perhaps a roll about the tool axis. Palletizers are of this kind: their third
-//! parallel axis is passive.
+//! The arm of the seed paper in closed form: a base yaw, then three parallel axes that move the tool in
+//! a vertical plane, then perhaps a roll about the tool axis.
 //!
-//! With `s` the signed distance in that plane (front > 0, back < 0) and phi the angle of the last
-//! parallel link, the wrist lies at `u = s - l_1 - U(phi)`, `v = z - r_1 - V(phi)`; the law of cosines
-//! gives two elbows, and theta_4 = phi - theta_2 - theta_3. The tool bending angle (elevation) leaves
-//! two phi, pointing away from the base axis or towards it; they are one if the tool is vertical. So
-//! a target has up to 2 x 2 x 2 branches. Only square roots are taken: no angle is formed until a
-//! branch is reported.
+//! Palletizers are of this kind, with a passive third parallel axis.
+//!
+//! Let `s` be the signed distance in that plane (front > 0, back < 0) and phi the angle of the last
+//! parallel link. The wrist lies at `u = s - l_1 - U(phi)`, `v = z - r_1 - V(phi)`. The law of cosines
+//! gives two elbows, and theta_4 = phi - theta_2 - theta_3. The elevation of the tool (its bending
+//! angle) leaves two phi: the tool points away from the base axis or towards it. Both are one if the
+//! tool is vertical. So a target has up to 2 x 2 x 2 branches. The solver takes square roots only; it
+//! forms no angle until a branch is reported.
 
-use crate::cell::{JointKind, MAX_JOINTS, tool_columns};
+use crate::cell::{JointKind, tool_columns};
 use crate::pose::exact_sin_cos;
-use crate::reach::hold::Hold;
+use crate::reach::attitude_set::AttitudeSet;
+use crate::reach::tool_attitudes::{PlanarAttitude, ToolAttitudes};
 use crate::robot::{Chain, Link, Posture};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
-/// Rounding must not lose the stretched arm, nor the one in the vertical plane of the base axis:
-/// cosines up to 1 plus this count as 1.
+/// Excess over 1 up to which a cosine counts as 1.
+///
+/// So rounding loses neither the stretched arm nor the one in the vertical plane of the base axis.
 pub(in crate::reach) const STRETCHED: f64 = 1e-12;
 
-/// Directions and points off by less than this are where they should be (no unit, m).
+/// Deviation below which directions (no unit) and points (m) count as exact.
 const IN_PLACE: f64 = 1e-9;
 
-/// The arm; lengths in m.
+/// Closed form of the planar arm; lengths in m.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlanarArm {
     /// +1 if alpha_1 is +90 degrees, -1 if it is -90.
@@ -31,38 +34,28 @@ pub struct PlanarArm {
     pub(in crate::reach) l: [f64; 3],
     /// Distance of the tool from the vertical plane through the base axis.
     pub(in crate::reach) lateral: f64,
-    /// theta_1 (cos, sin) in the middle of the range of joint 1.
+    /// Cosine and sine of theta_1 in the middle of the range of joint 1.
     middle_yaw: (f64, f64),
-    /// TCP and direction of the tool axis (cos, sin) in the plane, in the frame turned by theta_4.
+    /// TCP in the plane, in the frame rotated by theta_4.
     tool: (f64, f64),
+    /// Direction of the tool axis in the plane, in the frame rotated by theta_4.
     axis: (f64, f64),
     roll: Option<Roll>,
 }
 
-/// The last axis of a five-axis arm.
+/// The last axis of a five-axis arm, which rolls the tool about its axis.
 #[derive(Debug, Clone, PartialEq)]
 struct Roll {
+    /// Sign of sin alpha_1, as in [`PlanarArm`].
+    side: f64,
     /// Cosine and sine of alpha_4.
     twist: (f64, f64),
     /// The reference axis of the tool at theta_5 = 0, in frame 4.
     reference: (f64, f64),
 }
 
-/// How the tool is held in the plane of the arm: one entry per phi.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Way {
-    pub(in crate::reach) cos_phi: f64,
-    pub(in crate::reach) sin_phi: f64,
-    /// TCP from the wrist, in the plane.
-    pub(in crate::reach) u: f64,
-    pub(in crate::reach) v: f64,
-    /// Of the elevation; the cosine is negative if the tool points against theta_1.
-    cos_elevation: f64,
-    sin_elevation: f64,
-}
-
 impl PlanarArm {
-    /// Recognizes the arm in a chain.
+    /// Returns the closed form of a chain, if it is a planar arm.
     ///
     /// # Errors
     /// Why the chain is not of this family.
@@ -91,7 +84,11 @@ impl PlanarArm {
         let (tip, axis, roll) = match rest {
             [e] => {
                 let (tip, axis, reference) = rolled(chain, e)?;
-                (tip, axis, Some(Roll { twist: (d.cos_alpha, d.sin_alpha), reference }))
+                (
+                    tip,
+                    axis,
+                    Some(Roll { side: a.sin_alpha.signum(), twist: (d.cos_alpha, d.sin_alpha), reference }),
+                )
             }
             _ => (chain.tool.translation, chain.tool.rotation * chain.tool_axis, None),
         };
@@ -115,42 +112,43 @@ impl PlanarArm {
         })
     }
 
-    /// Whether the arm chooses the spin of its tool.
+    /// Returns whether the arm has a roll axis and so can choose the spin of its tool.
     pub fn rolls(&self) -> bool {
         self.roll.is_some()
     }
 
-    /// The ways to hold the tool at the elevations of `hold`.
-    pub(in crate::reach) fn ways(&self, hold: &Hold, ways: &mut Vec<Way>) {
-        ways.clear();
-        for &elevation in &hold.elevations {
+    /// Writes the attitudes in the plane of the arm at the elevations of `set`.
+    pub(in crate::reach) fn attitudes(&self, set: &AttitudeSet, planar: &mut Vec<PlanarAttitude>) {
+        planar.clear();
+        for &elevation in &set.elevations {
             let (sin, cos) = exact_sin_cos(elevation);
-            ways.push(self.way(cos, sin));
+            planar.push(self.attitude(cos, sin));
             if cos.abs() >= 1e-12 {
-                ways.push(self.way(-cos, sin));
+                planar.push(self.attitude(-cos, sin));
             }
         }
     }
 
-    fn way(&self, cos_elevation: f64, sin_elevation: f64) -> Way {
+    fn attitude(&self, cos_elevation: f64, sin_elevation: f64) -> PlanarAttitude {
         let (ax, ay) = self.axis;
-        // psi is the angle of the tool axis, phi = psi - atan2(ay, ax) that of the last link.
+        // psi is the angle of the tool axis; phi = psi - atan2(ay, ax) is that of the last link.
         let (cos_psi, sin_psi) = (cos_elevation, self.side * sin_elevation);
         let (cos_phi, sin_phi) = (cos_psi * ax + sin_psi * ay, sin_psi * ax - cos_psi * ay);
         let (x, y) = self.tool;
         let (u, v) = (x * cos_phi - y * sin_phi, x * sin_phi + y * cos_phi);
-        Way { cos_phi, sin_phi, u, v, cos_elevation, sin_elevation }
+        PlanarAttitude { cos_phi, sin_phi, u, v, cos_elevation, sin_elevation }
     }
 
-    /// Calls `found` with every branch, inside the joint limits or not: bit 0: elbow, bit 1: the arm
-    /// leans back over the base, bit 2: the tool points against theta_1 (and not along it), above
-    /// the tilts, above them the spins. `target`: the TCP in frame 0, m. Returns how many metres the
-    /// nearest branch misses (0: there is one).
+    /// Calls `found` with every branch for the TCP at `target` (frame 0, m), inside the joint limits or not.
+    ///
+    /// Bit 0 of the branch is the elbow. Bit 1 says that the arm leans back over the base. Bit 2 says that
+    /// the tool points against theta_1. The tilts follow above, and above them the spins. Returns the
+    /// distance of the nearest branch, m; 0 if there is a branch.
     #[inline]
     pub(in crate::reach) fn solve(
         &self,
         target: &Vector3<f64>,
-        (hold, ways): (&Hold, &[Way]),
+        attitudes: &ToolAttitudes,
         posture: &mut Posture,
         found: &mut impl FnMut(u32, &Posture),
     ) -> f64 {
@@ -163,7 +161,7 @@ impl PlanarArm {
         let along = along2.max(0.0).sqrt();
         let [l1, l2, l3] = self.l;
         let mut missing = f64::INFINITY;
-        for (w, way) in ways.iter().enumerate() {
+        for (w, way) in attitudes.planar.iter().enumerate() {
             let v = self.side * (target.z - self.r1) - way.v;
             for (back, s) in [(0, along), (2, -along)] {
                 let u = s - l1 - way.u;
@@ -176,7 +174,7 @@ impl PlanarArm {
                 }
                 missing = 0.0;
                 let cos3 = cos3.clamp(-1.0, 1.0);
-                // Heron's form, and k1 likewise: a folded arm of equal links keeps its digits.
+                // Heron's formula, and k1 likewise, keeps the digits of a folded arm of equal links.
                 let (long, short) = ((l2 + l3) * (l2 + l3) - d2, d2 - (l2 - l3) * (l2 - l3));
                 let sin3 = (long * short).max(0.0).sqrt() / (2.0 * l2 * l3).abs();
                 let k1 = (d2 + l2 * l2 - l3 * l3) / (2.0 * l2);
@@ -193,7 +191,7 @@ impl PlanarArm {
                     let index = (w as u32) << 2 | back | elbow;
                     match &self.roll {
                         None => found(index, posture),
-                        Some(roll) => self.spin(roll, (target, hold), way, posture, |k, posture| {
+                        Some(roll) => roll.turn(&attitudes.set, target, way, posture, |k, posture| {
                             found(k << 6 | index, posture);
                         }),
                     }
@@ -203,46 +201,9 @@ impl PlanarArm {
         missing.max(0.0)
     }
 
-    /// Turns the last axis so that the tool has each spin of `hold`.
-    fn spin(
-        &self,
-        roll: &Roll,
-        (target, hold): (&Vector3<f64>, &Hold),
-        way: &Way,
-        posture: &mut Posture,
-        mut found: impl FnMut(u32, &Posture),
-    ) {
-        let (c1, s1) = (posture.cos[0], posture.sin[0]);
-        // Frame 4, by `Rz(theta_1) Rx(alpha_1) Rz(phi) Rx(alpha_4)`.
-        let (along, up, across) =
-            (Vector3::new(c1, s1, 0.0), Vector3::z() * self.side, Vector3::new(s1, -c1, 0.0) * self.side);
-        let x4 = along * way.cos_phi + up * way.sin_phi;
-        let y4 = (up * way.cos_phi - along * way.sin_phi) * roll.twist.0 + across * roll.twist.1;
-        let (heading, cos_elevation) = match hold.vertical {
-            true => (hold.zero_heading(target), 0.0),
-            false => {
-                let side = way.cos_elevation.signum();
-                ((side * c1, side * s1), way.cos_elevation.abs())
-            }
-        };
-        let h = Vector3::new(heading.0, heading.1, 0.0);
-        let (upright, sideways) =
-            (Vector3::z() * cos_elevation - h * way.sin_elevation, h.cross(&Vector3::z()));
-        let (a, b) = roll.reference;
-        for (k, &spin) in hold.spins.iter().enumerate() {
-            let (sin, cos) = exact_sin_cos(spin);
-            let wanted = upright * cos + sideways * sin;
-            let (x, y) = (wanted.dot(&x4), wanted.dot(&y4));
-            // A tool tilted from the vertical sees the wanted direction foreshortened.
-            let length = if hold.tolerance > 0.0 { x.hypot(y).max(f64::MIN_POSITIVE) } else { 1.0 };
-            let (x, y) = (x / length, y / length);
-            (posture.cos[4], posture.sin[4]) = (x * a + y * b, y * a - x * b);
-            found(k as u32, posture);
-        }
-    }
-
-    /// Cosine and sine of theta_1 that turns (s, -lateral) to the target. On the base axis every
-    /// yaw does; the middle of the range is taken.
+    /// Returns cosine and sine of the theta_1 that rotates (s, -lateral) to the target.
+    ///
+    /// A target on the base axis leaves theta_1 free: then it is the middle of the range.
     #[inline]
     fn base_yaw(&self, target: &Vector3<f64>, s: f64, lateral: f64, radius2: f64) -> (f64, f64) {
         if radius2 < 1e-24 {
@@ -252,9 +213,50 @@ impl PlanarArm {
     }
 }
 
+impl Roll {
+    /// Turns the last axis so that the tool has each spin of `set`.
+    fn turn(
+        &self,
+        set: &AttitudeSet,
+        target: &Vector3<f64>,
+        way: &PlanarAttitude,
+        posture: &mut Posture,
+        mut found: impl FnMut(u32, &Posture),
+    ) {
+        let (c1, s1) = (posture.cos[0], posture.sin[0]);
+        // Frame 4 is `Rz(theta_1) Rx(alpha_1) Rz(phi) Rx(alpha_4)`.
+        let (along, up, across) =
+            (Vector3::new(c1, s1, 0.0), Vector3::z() * self.side, Vector3::new(s1, -c1, 0.0) * self.side);
+        let x4 = along * way.cos_phi + up * way.sin_phi;
+        let y4 = (up * way.cos_phi - along * way.sin_phi) * self.twist.0 + across * self.twist.1;
+        let (heading, cos_elevation) = match set.vertical {
+            true => (set.zero_heading(target), 0.0),
+            false => {
+                let side = way.cos_elevation.signum();
+                ((side * c1, side * s1), way.cos_elevation.abs())
+            }
+        };
+        let h = Vector3::new(heading.0, heading.1, 0.0);
+        let (upright, sideways) =
+            (Vector3::z() * cos_elevation - h * way.sin_elevation, h.cross(&Vector3::z()));
+        let (a, b) = self.reference;
+        for (k, &spin) in set.spins.iter().enumerate() {
+            let (sin, cos) = exact_sin_cos(spin);
+            let wanted = upright * cos + sideways * sin;
+            let (x, y) = (wanted.dot(&x4), wanted.dot(&y4));
+            // For a tool tilted from the vertical the wanted direction appears foreshortened.
+            let length = if set.tolerance > 0.0 { x.hypot(y).max(f64::MIN_POSITIVE) } else { 1.0 };
+            let (x, y) = (x / length, y / length);
+            (posture.cos[4], posture.sin[4]) = (x * a + y * b, y * a - x * b);
+            found(k as u32, posture);
+        }
+    }
+}
+
+/// TCP, tool axis and reference axis in frame 4.
 type Rolled = (Vector3<f64>, Vector3<f64>, (f64, f64));
 
-/// TCP, tool axis and reference axis in frame 4 of an arm that ends with a roll about its tool axis.
+/// Returns TCP, tool axis and reference axis in frame 4 of an arm that ends with a roll about its tool axis.
 fn rolled(chain: &Chain, last: &Link) -> Result<Rolled, String> {
     let twist = Rotation3::from_matrix_unchecked(Matrix3::new(
         1.0,
@@ -274,9 +276,4 @@ fn rolled(chain: &Chain, last: &Link) -> Result<Rolled, String> {
         return Err("the last axis is not the tool axis through the TCP".into());
     }
     Ok((Vector3::new(0.0, 0.0, tip.z), axis, (reference.x, reference.y)))
-}
-
-/// Ready to be written by [`PlanarArm::solve`] and its like: it carries the fixed axial offsets.
-pub(in crate::reach) fn template(chain: &Chain) -> Posture {
-    chain.posture(&[0.0; MAX_JOINTS])
 }

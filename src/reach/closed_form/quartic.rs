@@ -1,15 +1,15 @@
 //! Real roots of polynomials up to the fourth degree.
 
-/// Coefficients of 1, x, ..., x^4.
+/// Polynomial up to the fourth degree: coefficients of 1, x, ..., x^4.
 pub(in crate::reach) type Polynomial = [f64; 5];
 
-/// Coefficients of 1, x, x^2.
+/// Polynomial up to the second degree: coefficients of 1, x, x^2.
 pub(in crate::reach) type Quadratic = [f64; 3];
 
-/// A value below this share of the sum of its terms counts as a root that only touches zero.
-const TOUCHES: f64 = 1e-7;
+/// Share of the sum of its terms below which an extremum counts as a double root.
+const DOUBLE_ROOT: f64 = 1e-7;
 
-/// Up to four numbers in ascending order.
+/// Up to four real roots in ascending order.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::reach) struct Roots {
     x: [f64; 4],
@@ -17,6 +17,7 @@ pub(in crate::reach) struct Roots {
 }
 
 impl Roots {
+    /// Returns the roots.
     pub fn all(&self) -> &[f64] {
         &self.x[..self.count]
     }
@@ -29,7 +30,7 @@ impl Roots {
     }
 }
 
-/// The product of two quadratics.
+/// Returns the product of two quadratics.
 pub(in crate::reach) fn product(a: &Quadratic, b: &Quadratic) -> Polynomial {
     let mut p = [0.0; 5];
     for (i, a) in a.iter().enumerate() {
@@ -40,7 +41,12 @@ pub(in crate::reach) fn product(a: &Quadratic, b: &Quadratic) -> Polynomial {
     p
 }
 
-/// The value of a polynomial at `x`.
+/// Returns `f a + g b + constant`.
+pub(in crate::reach) fn combined(f: f64, a: &Quadratic, g: f64, b: &Quadratic, constant: f64) -> Quadratic {
+    [f * a[0] + g * b[0] + constant, f * a[1] + g * b[1], f * a[2] + g * b[2]]
+}
+
+/// Returns the value of a polynomial at `x` (Horner).
 pub(in crate::reach) fn value(p: &Polynomial, x: f64) -> f64 {
     p.iter().rev().fold(0.0, |sum, c| sum * x + c)
 }
@@ -49,8 +55,10 @@ fn derivative(p: &Polynomial) -> Polynomial {
     [p[1], 2.0 * p[2], 3.0 * p[3], 4.0 * p[4], 0.0]
 }
 
-/// The real roots, a multiple one once. Between neighbouring roots of its derivative a polynomial is
-/// monotonic: each of its own is bracketed by those, and no root is lost to cancellation.
+/// Returns the real roots of a polynomial, each multiple root once.
+///
+/// A polynomial is monotonic between neighbouring roots of its derivative. So these bracket its own
+/// roots, and cancellation loses none.
 pub(in crate::reach) fn real_roots(p: &Polynomial) -> Roots {
     let largest = p.iter().fold(0.0f64, |m, c| m.max(c.abs()));
     let degree = (1..5).rev().find(|&k| p[k].abs() > 1e-14 * largest).unwrap_or(0);
@@ -67,9 +75,9 @@ pub(in crate::reach) fn real_roots(p: &Polynomial) -> Roots {
     roots
 }
 
-/// The roots of `p`, given those of its derivative.
+/// Returns the roots of `p`, given those of its derivative.
 fn between(p: &Polynomial, leading: f64, critical: &Roots) -> Roots {
-    // Cauchy's bound.
+    // Cauchy's bound of the roots.
     let bound = 1.0 + p.iter().fold(0.0f64, |m, c| m.max((c / leading).abs()));
     let mut roots = Roots { x: [0.0; 4], count: 0 };
     let mut crossed = false;
@@ -90,15 +98,16 @@ fn between(p: &Polynomial, leading: f64, critical: &Roots) -> Roots {
 
 fn touches(p: &Polynomial, x: f64) -> bool {
     let terms = p.iter().rev().fold(0.0, |sum, c| sum * x.abs() + c.abs());
-    value(p, x).abs() <= TOUCHES * terms
+    value(p, x).abs() <= DOUBLE_ROOT * terms
 }
 
-/// Newton's method, kept inside the bracket by bisection.
+/// Returns the root in a bracket by Newton's method, safeguarded by bisection.
 fn bracketed(p: &Polynomial, mut lo: f64, mut hi: f64) -> f64 {
+    const MAX_STEPS: usize = 100;
     let slope = derivative(p);
     let rising = value(p, hi) > 0.0;
     let mut x = 0.5 * (lo + hi);
-    for _ in 0..100 {
+    for _ in 0..MAX_STEPS {
         let f = value(p, x);
         if f == 0.0 {
             return x;

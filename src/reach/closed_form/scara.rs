@@ -1,39 +1,42 @@
-//! The SCARA in closed form: three turning axes and one sliding axis, all parallel, in any order.
+//! The SCARA in closed form: three revolute axes and one prismatic axis, all parallel, in any order.
 //!
-//! Seen along the axes the chain is a polygon of four vectors, `p = L_0 + L_1 + L_2 + L_3`, each
-//! turned by the turning joints before it. The attitude of the flange gives the direction of L_3; the
-//! law of cosines the two elbows of L_1 and L_2; the slide makes the height. Complex numbers stand for
-//! plane vectors.
+//! Seen along the axes the chain is a polygon of four vectors, `p = L_0 + L_1 + L_2 + L_3`, each rotated
+//! by the revolute joints before it. The orientation of the flange gives the direction of L_3. The law
+//! of cosines gives the two elbows of L_1 and L_2. The prismatic joint sets the height. Complex numbers
+//! represent plane vectors.
 
 use crate::cell::JointKind;
 use crate::pose::Pose;
 use crate::robot::{Chain, Posture};
 use nalgebra::{Complex, ComplexField};
 
+/// Vector of a plane as a complex number.
 type Plane = Complex<f64>;
 
-/// Cosines up to 1 plus this are those of a stretched arm.
-const STRETCHED: f64 = 1e-12;
+/// Excess over 1 up to which the cosine of the elbow counts as that of a stretched arm.
+const STRETCHED_ELBOW: f64 = 1e-12;
 
+/// Closed form of a SCARA; lengths in m.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scara {
-    /// Indices of the turning rows, and of the sliding one.
+    /// Indices of the revolute rows.
     turning: [usize; 3],
+    /// Index of the prismatic row.
     sliding: usize,
-    /// +1 or -1 before each turning row: whether its axis points as that of frame 0; the same of the
-    /// sliding row and of the flange.
+    /// Direction of each revolute axis against axis z of frame 0: +1 or -1.
     senses: [f64; 3],
     sliding_sense: f64,
     flange_sense: f64,
-    /// The polygon as if every turning joint stood at theta = 0, and the flange's x axis there.
+    /// Sides of the polygon with every revolute joint at theta = 0.
     sides: [Plane; 4],
+    /// The x axis of the flange with every revolute joint at theta = 0.
     flange: Plane,
-    /// Height of the flange at r = 0 of the sliding row, m.
+    /// Height of the flange at r = 0 of the prismatic row, m.
     height: f64,
 }
 
 impl Scara {
-    /// Recognizes the arm in a chain.
+    /// Returns the closed form of a chain, if it is a SCARA.
     ///
     /// # Errors
     /// Why the chain is not of this family.
@@ -42,9 +45,9 @@ impl Scara {
         let of = |kind| (0..kinds.len()).filter(|&i| kinds[i] == kind).collect::<Vec<_>>();
         let (turning, sliding) = (of(JointKind::Revolute), of(JointKind::Prismatic));
         let ([a, b, c], [sliding]) = (&turning[..], &sliding[..]) else {
-            return Err("it has not three turning axes and a sliding one".into());
+            return Err("it does not have three revolute joints and one prismatic joint".into());
         };
-        // The twist of the last row turns the flange alone.
+        // The twist of the last row rotates the flange alone.
         if chain.links.iter().any(|l| l.sin_alpha != 0.0) {
             return Err("its axes are not all parallel".into());
         }
@@ -65,7 +68,7 @@ impl Scara {
         Ok(arm)
     }
 
-    /// Walks along the chain with every turning joint at theta = 0.
+    /// Measures the polygon with every revolute joint at theta = 0.
     fn measure(&mut self, chain: &Chain) {
         let (mut sense, mut direction, mut side) = (1.0, Plane::new(1.0, 0.0), 0);
         for (i, link) in chain.links.iter().enumerate() {
@@ -87,8 +90,9 @@ impl Scara {
         (self.flange, self.flange_sense) = (direction, sense);
     }
 
-    /// Calls `found` with both elbows that put the last frame at `flange` (in frame 0, its z axis
-    /// parallel to that of frame 0). Returns how many metres are missing (0: there is a solution).
+    /// Calls `found` with both elbows that put the last frame at `flange` (frame 0, z axes parallel).
+    ///
+    /// Returns how far the target is out of reach, m; 0 if there is a solution.
     pub(in crate::reach) fn solve(
         &self,
         flange: &Pose,
@@ -96,17 +100,17 @@ impl Scara {
         found: &mut impl FnMut(u8, &Posture),
     ) -> f64 {
         let x = flange.rotation.column(0);
-        // The turn of L_3 by all three joints.
+        // Rotation of L_3 by all three joints.
         let whole = Plane::new(x[0], x[1]) * self.flange.conj();
         let p = Plane::new(flange.translation.x, flange.translation.y);
         let reach = p - self.sides[0] - self.sides[3] * whole;
         let (l1, l2) = (self.sides[1].norm(), self.sides[2].norm());
         let d2 = reach.norm_sqr();
         let cos = (d2 - l1 * l1 - l2 * l2) / (2.0 * l1 * l2);
-        if cos.abs() > 1.0 + STRETCHED {
+        if cos.abs() > 1.0 + STRETCHED_ELBOW {
             return (d2.sqrt() - l1 - l2).max((l1 - l2).abs() - d2.sqrt());
         }
-        // Heron's form: a stretched arm keeps its digits.
+        // Heron's formula keeps the digits of a stretched arm.
         let (long, short) = ((l1 + l2) * (l1 + l2) - d2, d2 - (l1 - l2) * (l1 - l2));
         let sin = (long * short).max(0.0).sqrt() / (2.0 * l1 * l2);
         posture.r[self.sliding] = (flange.translation.z - self.height) * self.sliding_sense;
@@ -127,7 +131,7 @@ impl Scara {
         0.0
     }
 
-    /// Whether the z axis of a flange pose is that of the arm.
+    /// Returns whether the z axis of a flange pose is the one that the arm keeps.
     pub(in crate::reach) fn can_hold(&self, flange: &Pose) -> bool {
         (flange.rotation[(2, 2)] - self.flange_sense).abs() < 1e-12
     }

@@ -1,7 +1,7 @@
-//! Six-axis arms of which three neighbouring axes meet in one point: the last three (a spherical
-//! wrist) or the first three (a spherical shoulder, solved as the wrist of the arm turned end for end).
+//! Six-axis arms with three neighbouring axes that meet in one point: a spherical wrist or shoulder.
 //!
-//! The first three joints put the wrist centre where it must be; the last three turn (Pieper 1968).
+//! The first three joints put the wrist centre at its place, the last three set the orientation (Pieper
+//! 1968). A spherical shoulder is solved as the wrist of the arm reversed end for end.
 
 use super::anthropomorphic::Anthropomorphic;
 use super::subproblems::{ALIGNED, Twists, before_twist, turned_back};
@@ -11,28 +11,28 @@ use crate::pose::Pose;
 use crate::robot::{Chain, Link, Posture};
 use nalgebra::{Matrix3, Vector3};
 
-/// The arm; lengths in m.
+/// Closed form of an arm with a spherical wrist or shoulder; lengths in m.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SphericalWrist {
-    /// In the order in which they are solved.
+    /// Links in the order in which they are solved.
     links: [Link; 6],
-    arm: Arm,
+    arm: PositioningArm,
     twists: Twists,
     /// Wrist centre in the last frame.
     centre: Vector3<f64>,
-    /// The arm is solved from its flange to its base; this is `Tx(l_6) Rx(alpha_6)`.
+    /// `Tx(l_6) Rx(alpha_6)` of an arm that is solved from flange to base; None for a spherical wrist.
     reversed: Option<Pose>,
 }
 
 /// The joints up to the wrist centre.
 #[derive(Debug, Clone, PartialEq)]
-enum Arm {
+enum PositioningArm {
     Anthropomorphic(Anthropomorphic),
     Any(Box<ThreeJoints>),
 }
 
 impl SphericalWrist {
-    /// Recognizes the arm in a chain.
+    /// Returns the closed form of a chain, if it has a spherical wrist or shoulder.
     ///
     /// # Errors
     /// Why the chain is not of this family.
@@ -63,28 +63,31 @@ impl SphericalWrist {
         let arm = [links[0], links[1], links[2]];
         let tip = Vector3::new(c.l, -d.r * c.sin_alpha, c.r + d.r * c.cos_alpha);
         let arm = match Anthropomorphic::new(&arm, &tip) {
-            Some(arm) => Arm::Anthropomorphic(arm),
-            None => Arm::Any(Box::new(ThreeJoints::new(&arm, d.r)?)),
+            Some(arm) => PositioningArm::Anthropomorphic(arm),
+            None => PositioningArm::Any(Box::new(ThreeJoints::new(&arm, d.r)?)),
         };
         let twists = Twists::new((d.cos_alpha, d.sin_alpha), (e.cos_alpha, e.sin_alpha));
         let centre = -Vector3::new(f.l, f.r * f.sin_alpha, f.r * f.cos_alpha);
         Ok(Self { links, arm, twists, centre, reversed })
     }
 
-    /// Calls `found` with every posture that puts the last D-H frame at `flange` (a pose in frame 0,
-    /// the tool not included), without regard to joint limits. `posture` is memory that carries the
-    /// fixed D-H values of the chain.
+    /// Calls `found` with every posture that puts the last D-H frame at `flange`, without joint limits.
     ///
-    /// The branch: bit 0 tells the wrist from the flipped one. Usual industrial arm: bit 1 elbow, bit 2
-    /// the arm leans back over its base. Other arms: bit 1 which of two postures of joint 2, bit 2
-    /// whether Pieper's equation rises at the solution for joint 3, bit 3 which of these, counted from
-    /// theta_3 = -180 degrees or the lowest r_3; neighbours keep that number up to a singularity or to
-    /// theta_3 = 180 degrees, and an arm that changes posture without a singularity has no better one.
-    /// With axes 4 and 6 in line theta_4 is 0 and the wrist is not flipped; a wrist centre on axis 1 or
-    /// 2 leaves that theta 0. Of an arm with a spherical shoulder all this holds from flange to base.
+    /// `flange` is a pose in frame 0, without the tool. `posture` is memory that carries the fixed D-H
+    /// values of the chain.
     ///
-    /// Returns how far (m) the wrist centre is from what the first three joints reach, 0 if they reach
-    /// it; an oblique wrist may still not turn as it should.
+    /// Bit 0 of the branch is the flip of the wrist. For the usual industrial arm bit 1 is the elbow, and
+    /// bit 2 says that the arm leans back over its base. For other arms bit 1 numbers the two solutions of
+    /// joint 2, bit 2 says whether Pieper's equation rises at the solution for joint 3, and bit 3 counts
+    /// these from theta_3 = -180 degrees, or from the lowest r_3. Neighbouring targets keep that number up
+    /// to a singularity or to theta_3 = 180 degrees. An arm that changes posture without a singularity has
+    /// no better number.
+    ///
+    /// With axes 4 and 6 aligned, theta_4 is 0 and the wrist is not flipped. A wrist centre on axis 1 or 2
+    /// leaves that theta 0. For a spherical shoulder all this holds from flange to base.
+    ///
+    /// Returns the distance (m) of the wrist centre from the reach of the first three joints. Even at 0 an
+    /// oblique wrist may be unable to take the orientation.
     #[inline]
     pub fn solve(&self, flange: &Pose, posture: &mut Posture, found: &mut impl FnMut(u8, &Posture)) -> f64 {
         let Some(lead) = &self.reversed else { return self.reach(flange, posture, found) };
@@ -95,14 +98,14 @@ impl SphericalWrist {
         })
     }
 
-    /// The same arm that does not say what is missing, if that is dear to know; None if it is cheap.
-    pub fn hasty(&self) -> Option<Self> {
-        let mut hasty = self.clone();
-        match &mut hasty.arm {
-            Arm::Any(arm) => arm.hasty = true,
-            Arm::Anthropomorphic(_) => return None,
+    /// Returns a solver that skips the distance of an unreachable target; None if that is cheap.
+    pub fn fast(&self) -> Option<Self> {
+        let mut fast = self.clone();
+        match &mut fast.arm {
+            PositioningArm::Any(arm) => arm.fast = true,
+            PositioningArm::Anthropomorphic(_) => return None,
         }
-        Some(hasty)
+        Some(fast)
     }
 
     #[inline]
@@ -112,13 +115,14 @@ impl SphericalWrist {
         let [x, _, z] = before_twist(&flange.rotation, (last.cos_alpha, last.sin_alpha));
         let mut turn = |branch, posture: &mut Posture| self.turn(branch << 1, x, z, posture, found);
         match &self.arm {
-            Arm::Anthropomorphic(arm) => arm.solve(&p, posture, &mut turn),
-            Arm::Any(arm) => arm.solve(&p, posture, &mut turn),
+            PositioningArm::Anthropomorphic(arm) => arm.solve(&p, posture, &mut turn),
+            PositioningArm::Any(arm) => arm.solve(&p, posture, &mut turn),
         }
     }
 
-    /// theta_4 to theta_6, with theta_1 to theta_3 in `posture`, that turn the x and z axes of the last
-    /// frame (before its twist) to `x` and `z`.
+    /// Calls `found` with theta_4 to theta_6 that rotate the last frame, before its twist, to `x` and `z`.
+    ///
+    /// `posture` holds theta_1 to theta_3.
     #[inline]
     fn turn(
         &self,
@@ -135,7 +139,7 @@ impl SphericalWrist {
         let across2 = z.x * z.x + z.y * z.y;
         let Some((cos5, sin5)) = self.twists.turn(z.z, across2) else { return };
         let ((ca, sa), (cb, sb)) = (self.twists.first, self.twists.second);
-        // Axis 6 in the frame turned by theta_4 is (+-u, v, .); theta_4 turns it to z.
+        // Axis 6 in the frame rotated by theta_4 is (+-u, v, .); theta_4 rotates it to z.
         let (u, v) = (sb * sin5, -(ca * sb * cos5 + sa * cb));
         let size2 = u * u + v * v;
         let in_line = across2.min(size2) < ALIGNED * ALIGNED;
@@ -145,7 +149,7 @@ impl SphericalWrist {
                 true => (1.0, 0.0),
                 false => ((u * z.x + v * z.y) * per, (u * z.y - v * z.x) * per),
             };
-            // theta_6 makes up for whatever theta_4 is.
+            // theta_6 compensates whatever theta_4 is.
             let w = turned_back(&x, theta, (ca, sa));
             (posture.cos[3], posture.sin[3]) = theta;
             (posture.cos[4], posture.sin[4]) = (cos5, sin5);
@@ -159,8 +163,8 @@ impl SphericalWrist {
     }
 }
 
-/// The chain from flange to base: row k is `Rz(-theta) Tz(-r)` of joint 7 - k with the common normal
-/// before it.
+/// Returns the chain from flange to base: row k is `Rz(-theta) Tz(-r)` of joint 7 - k with the common
+/// normal before it.
 fn end_for_end(links: &[Link; 6]) -> [Link; 6] {
     std::array::from_fn(|k| {
         let (joint, before) = (&links[5 - k], 4usize.checked_sub(k).map(|i| &links[i]));
@@ -170,7 +174,7 @@ fn end_for_end(links: &[Link; 6]) -> [Link; 6] {
     })
 }
 
-/// The posture of the chain from flange to base.
+/// Returns the posture of the chain from flange to base.
 #[inline]
 fn mirrored(posture: &Posture) -> Posture {
     let mut mirror = *posture;

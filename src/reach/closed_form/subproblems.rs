@@ -1,24 +1,30 @@
-//! The geometric subproblems that the six-axis solvers share. Every angle is a pair (cosine, sine),
-//! and every root is taken so that the result fits the pose to rounding even where it is double.
+//! Geometric subproblems that the six-axis solvers share, in the manner of Paden and Kahan.
+//!
+//! Sources: R. M. Murray, Z. Li, S. S. Sastry, A Mathematical Introduction to Robotic Manipulation, 1994,
+//! section 3.2; A. J. Elias, J. T. Wen, "IK-Geo: Unified robot inverse kinematics using subproblem
+//! decomposition" (2022).
+//!
+//! Every angle is a pair (cosine, sine). Roots are taken such that the result fits the pose to rounding
+//! even where it is a double root.
 
 use nalgebra::{Matrix3, Vector3};
 
-/// Rounding must not lose the boundary: cosines up to 1 plus this count as 1.
+/// Excess over 1 up to which a cosine counts as 1, so that rounding does not lose the boundary.
 pub(in crate::reach) const BOUNDARY: f64 = 1e-12;
 
-/// Sines below this carry no direction: the axes they separate count as one.
+/// Sine below which two axes count as aligned: it carries no direction.
 pub(in crate::reach) const ALIGNED: f64 = 1e-12;
 
-/// (cosine, sine) of an angle.
+/// Cosine and sine of an angle.
 pub(in crate::reach) type Angle = (f64, f64);
 
-/// `b - a` as angles.
+/// Returns the difference `b - a` of two angles.
 #[inline]
 pub(in crate::reach) fn difference(b: Angle, a: Angle) -> Angle {
     (b.0 * a.0 + b.1 * a.1, b.1 * a.0 - b.0 * a.1)
 }
 
-/// Two links of a plane: `a` at the angle t, `b` at t + s; lengths in m, of either sign.
+/// Two links in a plane: `a` at the angle t, `b` at t + s; lengths in m, of either sign.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::reach) struct TwoLinks {
     a: f64,
@@ -28,17 +34,22 @@ pub(in crate::reach) struct TwoLinks {
 }
 
 impl TwoLinks {
+    /// Prepares two links of given lengths, m.
     pub fn new(a: f64, b: f64) -> Self {
         Self { a, b, per_twice_a: 0.5 / a, per_twice_ab: 0.5 / (a * b) }
     }
 
-    /// The distances that the tip can have from the first axis, m.
+    /// Returns the least and greatest distance of the tip from the first axis, m.
     pub fn range(&self) -> (f64, f64) {
         ((self.a.abs() - self.b.abs()).abs(), self.a.abs() + self.b.abs())
     }
 
-    /// (t, s) for both elbows (first sin s <= 0, then >= 0) with the tip at (u, v), m; or how many m
-    /// it is out of reach. A tip on the first axis leaves t free: it is 0.
+    /// Returns (t, s) for both elbows with the tip at (u, v), m: first sin s <= 0, then sin s >= 0.
+    ///
+    /// A tip on the first axis leaves t free, which then is 0.
+    ///
+    /// # Errors
+    /// How far the tip is out of reach, m.
     #[inline]
     pub fn solve(&self, u: f64, v: f64) -> Result<[(Angle, Angle); 2], f64> {
         let (a, b) = (self.a, self.b);
@@ -49,7 +60,7 @@ impl TwoLinks {
             return Err((d2.sqrt() - most).max(least - d2.sqrt()));
         }
         let cos = cos.clamp(-1.0, 1.0);
-        // Heron's form keeps the digits of a nearly straight or folded pair.
+        // Heron's formula keeps the digits of a nearly straight or folded pair.
         let heron = ((a + b) * (a + b) - d2) * (d2 - (a - b) * (a - b));
         let sin = heron.max(0.0).sqrt() * self.per_twice_ab.abs();
         let (along, across, per) = ((d2 + a * a - b * b) * self.per_twice_a, b * sin, 1.0 / d2);
@@ -61,20 +72,22 @@ impl TwoLinks {
     }
 }
 
-/// The middle one of three axes that are twisted by `first` and `second` against each other: how far
-/// it is turned if the third makes a given angle with the first (IK-Geo, subproblem 4).
+/// Rotation about the middle one of three axes, given the angle between the outer axes.
+///
+/// The axes are twisted by `first` and `second` against each other (IK-Geo, subproblem 4).
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::reach) struct Twists {
     pub first: Angle,
     pub second: Angle,
     per_sines: f64,
-    /// 1 - and 1 + the cosine of first + second, likewise of first - second.
+    /// `1 - cos` and `1 + cos` of first + second.
     sum: (f64, f64),
+    /// `1 - cos` and `1 + cos` of first - second.
     apart: (f64, f64),
 }
 
 impl Twists {
-    /// Two twists, neither of them a multiple of pi.
+    /// Prepares two twists, neither of them a multiple of pi.
     pub fn new(first: Angle, second: Angle) -> Self {
         let ((ca, sa), (cb, sb)) = (first, second);
         let (sum, apart) = (ca * cb - sa * sb, ca * cb + sa * sb);
@@ -82,15 +95,16 @@ impl Twists {
         Self { first, second, per_sines: 1.0 / (sa * sb), sum: sides(sum), apart: sides(apart) }
     }
 
-    /// (cosine, sine >= 0) of the turn, from the cosine between the outer axes and the square of their
-    /// sine; None if the twists do not allow it.
+    /// Returns the rotation with sine >= 0, given cosine and squared sine of the angle between the outer axes.
+    ///
+    /// It is None if the twists do not allow that angle.
     #[inline]
     pub fn turn(&self, cosine: f64, sine2: f64) -> Option<Angle> {
         let cos = (self.first.0 * self.second.0 - cosine) * self.per_sines;
         if cos.abs() > 1.0 + BOUNDARY {
             return None;
         }
-        // 1 - |cosine| from the sine: nearly parallel outer axes keep their digits.
+        // `1 - |cosine|` from the sine keeps the digits of nearly parallel outer axes.
         let near = sine2 / (1.0 + cosine.abs());
         let product = match cosine > 0.0 {
             true => (self.sum.0 - near) * (near - self.apart.0),
@@ -100,14 +114,14 @@ impl Twists {
     }
 }
 
-/// A vector before the turns of one D-H row, in the frame after them: `Rx(-alpha) Rz(-theta) v`.
+/// Returns a vector in the frame after the rotations of one D-H row: `Rx(-alpha) Rz(-theta) v`.
 #[inline]
 pub(in crate::reach) fn turned_back(v: &Vector3<f64>, theta: Angle, alpha: Angle) -> Vector3<f64> {
     let (x, y) = (theta.0 * v.x + theta.1 * v.y, theta.0 * v.y - theta.1 * v.x);
     Vector3::new(x, alpha.0 * y + alpha.1 * v.z, alpha.0 * v.z - alpha.1 * y)
 }
 
-/// The x, y and z axes of `rotation * Rx(-alpha)`: those of the last frame before its twist.
+/// Returns the axes of the last frame before its twist: the columns of `rotation * Rx(-alpha)`.
 #[inline]
 pub(in crate::reach) fn before_twist(rotation: &Matrix3<f64>, alpha: Angle) -> [Vector3<f64>; 3] {
     let (x, y, z) = (rotation.column(0), rotation.column(1), rotation.column(2));

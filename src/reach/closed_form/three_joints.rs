@@ -1,108 +1,63 @@
-//! Any first three joints, turning or sliding, that must put a point of the third link somewhere.
+//! Any first three joints, revolute or prismatic, that must put a point of the third link at a target.
 //!
 //! Joint 3 moves the point on a circle or on a line; in the frame of joint 2 its coordinates are
-//! linear in (1, cos theta_3, sin theta_3) or (1, r_3). What joints 1 and 2 cannot change (distances
-//! from their axes, heights along them) gives one equation of at most the fourth degree (Pieper 1968);
-//! joints 2 and 1 follow. Newton's method on the point itself polishes each solution and decides.
+//! linear in (1, cos theta_3, sin theta_3) or (1, r_3). The quantities that joints 1 and 2 cannot change
+//! (distances from their axes, heights along them) give one equation of at most the fourth degree
+//! (Pieper 1968). Joints 2 and 1 follow. Newton's method on the point polishes and checks each solution.
 
-use super::pieper::combined;
+use super::pieper::{PointForms, PointTarget};
 use super::quartic::{Quadratic, real_roots, value};
 use super::subproblems::{ALIGNED, Angle};
-use crate::cell::JointKind::{self, Prismatic, Revolute};
-use crate::reach::nearest::{Joints, Point};
+use super::three_joint_point::{ThreeJointPoint, ThreeJointState};
+use crate::cell::JointKind::{Prismatic, Revolute};
 use crate::robot::{Link, Posture};
 use nalgebra::Vector3;
 
-/// A solution misses its point by no more, m.
+/// Largest distance of an accepted solution from its target, m.
 const ACCURACY: f64 = 1e-10;
 
-/// The joints; lengths in m. A form is a triple of factors of 1 and of cos theta_3 and sin theta_3, or
-/// of 1 and of r_3 (and a zero).
+/// Three joints that put a point somewhere; lengths in m.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::reach) struct ThreeJoints {
-    /// Whether what is missing is not worth its cost: a hundred times that of the solutions.
-    pub hasty: bool,
-    pub kinds: [JointKind; 3],
-    /// (cos, sin) of alpha_1, and of theta_1 and theta_2 at coordinate 0.
-    pub twist1: Angle,
-    pub zero: [Angle; 2],
-    pub l1: f64,
+    /// Whether to skip the distance of an unreachable target, which costs a hundred times the solutions.
+    pub fast: bool,
+    forms: PointForms,
     r1: f64,
-    /// The point in frame 1, turned back by theta_2: x, y, and z less a free r_2.
-    pub u: Quadratic,
-    pub v: Quadratic,
-    pub h: Quadratic,
-    /// Square of the distance from the origin of frame 1: a form, and a form to be squared.
-    pub distance2: (Quadratic, Quadratic),
-    point: Point,
+    point: ThreeJointPoint,
 }
 
-/// The place of the point as joint 2 needs it.
-pub(in crate::reach) struct Target {
-    pub p: Vector3<f64>,
-    /// Height above the origin of frame 1 along axis 1, and the square of the distance from it, less
-    /// l_1 squared; for a sliding joint 1 x and y in the frame turned by theta_1.
-    pub height: f64,
-    pub distance2: f64,
-    pub x: f64,
-    pub y: f64,
-}
-
-/// Where joint 3 may stand: a = cos theta_3 or r_3, b = sin theta_3.
+/// Solution for joint 3: a = cos theta_3 or r_3, b = sin theta_3.
 #[derive(Clone, Copy)]
 struct Third {
     a: f64,
     b: f64,
+    /// Whether Pieper's equation rises at the solution.
     rising: bool,
 }
 
-/// What is missing if nobody wants to know, m.
-const UNKNOWN: f64 = 1e-6;
+/// Distance, m, that stands for an unknown one.
+const UNKNOWN_DISTANCE: f64 = 1e-6;
 
 impl ThreeJoints {
-    /// `r4`: the point on axis 4, m from the origin of frame 3.
+    /// Prepares three joints and the point on axis 4 at a distance `r4` (m) from the origin of frame 3.
     ///
     /// # Errors
     /// Why the joints cannot put the point anywhere, or not well.
     pub fn new(links: &[Link; 3], r4: f64) -> Result<Self, String> {
-        let [a, b, c] = links;
-        let kinds = [a.kind, b.kind, c.kind];
-        let (across, axial) = (-r4 * c.sin_alpha, r4 * c.cos_alpha);
-        let (s3, c3) = c.theta.sin_cos();
-        let (x, y, z) = match c.kind {
-            Revolute => ([0.0, c.l, -across], [0.0, across, c.l], [c.r + axial, 0.0, 0.0]),
-            Prismatic => {
-                ([c.l * c3 - across * s3, 0.0, 0.0], [c.l * s3 + across * c3, 0.0, 0.0], [axial, 1.0, 0.0])
-            }
-        };
-        let r2 = if b.kind == Revolute { b.r } else { 0.0 };
-        let u = [x[0] + b.l, x[1], x[2]];
-        let v = combined(b.cos_alpha, &y, -b.sin_alpha, &z, 0.0);
-        let h = combined(b.sin_alpha, &y, b.cos_alpha, &z, r2);
-        let constant = c.l * c.l + across * across - b.l * b.l - r2 * r2;
-        let form = combined(2.0 * b.l, &u, 2.0 * r2, &h, constant);
-        let zero = [a, b].map(|l| (l.theta.cos(), l.theta.sin()));
         let arm = Self {
-            kinds,
-            twist1: (a.cos_alpha, a.sin_alpha),
-            zero,
-            l1: a.l,
-            r1: a.r,
-            u,
-            v,
-            h,
-            distance2: (form, z),
-            point: Point { links: *links, r4 },
-            hasty: false,
+            forms: PointForms::new(links, r4),
+            r1: links[0].r,
+            point: ThreeJointPoint { links: *links, r4 },
+            fast: false,
         };
         arm.check().map(|()| arm)
     }
 
-    /// Whether the point can be put anywhere in space.
+    /// Checks that the joints can move the point in all directions.
     fn check(&self) -> Result<(), String> {
         let small = |x: f64| x != 0.0 && x.abs() < 1e-6;
-        let (ca, sa) = self.twist1;
-        if small(self.l1) || small(ca) || small(sa) {
+        let (ca, sa) = self.forms.twist1;
+        if small(self.forms.l1) || small(ca) || small(sa) {
             return Err("l_1 or alpha_1 is nearly, but not exactly, a special case".into());
         }
         if !self.point.moves_in_space() {
@@ -111,11 +66,14 @@ impl ThreeJoints {
         Ok(())
     }
 
-    /// Writes the first three joints, for every way to put the point at `p` (m, frame 0). Bit 0: which
-    /// of two postures of joint 2; bit 1: whether Pieper's equation rises at the solution for joint 3,
-    /// bit 2: which of these, from -180 degrees or the lowest on. Neighbours keep their number up to a
-    /// singularity or to theta_3 = 180 degrees. Joints on whose axis the point lies are at
-    /// theta = 0. Returns the distance of `p` from what is in reach, m.
+    /// Calls `found` with every solution for the first three joints that puts the point at `p` (m, frame 0).
+    ///
+    /// Bit 0 of the branch numbers the two solutions for joint 2. Bit 1 says whether Pieper's equation
+    /// rises at the solution for joint 3. Bit 2 counts these solutions from -180 degrees, or from the
+    /// lowest r_3. Neighbouring targets keep their numbers up to a singularity or to theta_3 = 180
+    /// degrees. A joint whose axis holds the point gets theta = 0.
+    ///
+    /// Returns the distance of `p` from the reachable points, m.
     pub fn solve(
         &self,
         p: &Vector3<f64>,
@@ -143,40 +101,40 @@ impl ThreeJoints {
         if any {
             return 0.0;
         }
-        if self.hasty {
-            return UNKNOWN;
+        if self.fast {
+            return UNKNOWN_DISTANCE;
         }
         let (missing, joints) = self.point.nearest(p);
         if missing > ACCURACY {
             return missing;
         }
-        // At the boundary rounding may hide a root that is there.
+        // At the boundary of the reach, rounding may hide a root.
         self.write(&joints, posture);
         found(0, posture);
         0.0
     }
 
-    fn write(&self, joints: &Joints, posture: &mut Posture) {
+    fn write(&self, joints: &ThreeJointState, posture: &mut Posture) {
         for j in 0..3 {
             (posture.cos[j], posture.sin[j]) = joints.theta[j];
-            if self.kinds[j] == Prismatic {
+            if self.forms.kinds[j] == Prismatic {
                 posture.r[j] = joints.r[j];
             }
         }
     }
 
-    fn target(&self, p: &Vector3<f64>) -> Target {
+    fn target(&self, p: &Vector3<f64>) -> PointTarget {
         let height = p.z - self.r1;
-        let distance2 = p.x * p.x + p.y * p.y + height * height - self.l1 * self.l1;
-        let (c, s) = self.zero[0];
-        Target { p: *p, height, distance2, x: c * p.x + s * p.y, y: c * p.y - s * p.x }
+        let distance2 = p.x * p.x + p.y * p.y + height * height - self.forms.l1 * self.forms.l1;
+        let (c, s) = self.forms.zero[0];
+        PointTarget { p: *p, height, distance2, x: c * p.x + s * p.y, y: c * p.y - s * p.x }
     }
 
-    /// Where joint 3 may stand, in ascending order from -180 degrees or the lowest.
-    fn thirds(&self, target: &Target) -> ([Third; 4], usize) {
-        let origin = if self.kinds[2] == Revolute { self.origin(target) } else { (1.0, 0.0) };
-        let path = self.path(origin);
-        let equation = self.equation(target, &path);
+    /// Returns the solutions for joint 3 in ascending order from -180 degrees, or from the lowest r_3.
+    fn thirds(&self, target: &PointTarget) -> ([Third; 4], usize) {
+        let origin = if self.forms.kinds[2] == Revolute { self.origin(target) } else { (1.0, 0.0) };
+        let path = self.forms.path(origin);
+        let equation = self.forms.equation(target, &path);
         let mut thirds = [Third { a: 0.0, b: 0.0, rising: false }; 4];
         let roots = real_roots(&equation);
         let slope = [equation[1], 2.0 * equation[2], 3.0 * equation[3], 4.0 * equation[4], 0.0];
@@ -186,8 +144,8 @@ impl ThreeJoints {
             *third = Third { a, b, rising: value(&slope, t) > 0.0 };
         }
         let count = roots.all().len();
-        // Grows with the angle from -180 to 180 degrees.
-        let order = |t: &Third| match self.kinds[2] {
+        // Increases with the angle from -180 to 180 degrees.
+        let order = |t: &Third| match self.forms.kinds[2] {
             Revolute => (1.0 - t.a).copysign(t.b),
             Prismatic => t.a,
         };
@@ -195,13 +153,15 @@ impl ThreeJoints {
         (thirds, count)
     }
 
-    /// The angle from which theta_3 is measured: no root may be where the tangent of the half angle is
-    /// infinite, so opposite to the largest value of the equation.
-    fn origin(&self, target: &Target) -> Angle {
-        let p = self.equation(target, &self.path((1.0, 0.0)));
-        let (ca, sa) = self.twist1;
-        let quartic = match (self.kinds[0], self.kinds[1]) {
-            (Revolute, Revolute) => self.l1 != 0.0 && sa != 0.0,
+    /// Returns the angle from which theta_3 is measured.
+    ///
+    /// No root may lie where the tangent of the half angle is infinite. So the origin is opposite to the
+    /// largest value of the equation.
+    fn origin(&self, target: &PointTarget) -> Angle {
+        let p = self.forms.equation(target, &self.forms.path((1.0, 0.0)));
+        let (ca, sa) = self.forms.twist1;
+        let quartic = match (self.forms.kinds[0], self.forms.kinds[1]) {
+            (Revolute, Revolute) => self.forms.l1 != 0.0 && sa != 0.0,
             (Prismatic, Prismatic) => false,
             _ => ca != 0.0,
         };
@@ -216,31 +176,31 @@ impl ThreeJoints {
         origin
     }
 
-    /// Where joint 2 may stand (theta, r), up to two.
-    fn seconds(&self, target: &Target, third: &Third) -> ([(Angle, f64); 2], usize) {
+    /// Returns up to two solutions (theta, r) for joint 2.
+    fn seconds(&self, target: &PointTarget, third: &Third) -> ([(Angle, f64); 2], usize) {
         let at = |f: &Quadratic| f[0] + f[1] * third.a + f[2] * third.b;
-        let (u, v, h) = (at(&self.u), at(&self.v), at(&self.h));
-        let ((ca, sa), (c2, s2)) = (self.twist1, self.zero[1]);
+        let (u, v, h) = (at(&self.forms.u), at(&self.forms.v), at(&self.forms.h));
+        let ((ca, sa), (c2, s2)) = (self.forms.twist1, self.forms.zero[1]);
         let size2 = u * u + v * v;
-        if self.kinds[1] == Prismatic {
+        if self.forms.kinds[1] == Prismatic {
             let (x, y) = (c2 * u - s2 * v, s2 * u + c2 * v);
-            let slide = |height: f64| (self.zero[1], height - h);
-            return match (self.kinds[0], ca == 0.0) {
+            let slide = |height: f64| (self.forms.zero[1], height - h);
+            return match (self.forms.kinds[0], ca == 0.0) {
                 (Prismatic, _) => ([slide((ca * y - target.y) / sa); 2], 1),
                 (Revolute, false) => ([slide((target.height - sa * y) / ca); 2], 1),
                 (Revolute, true) => {
-                    let root = (target.distance2 - size2 - 2.0 * self.l1 * x).max(0.0).sqrt();
+                    let root = (target.distance2 - size2 - 2.0 * self.forms.l1 * x).max(0.0).sqrt();
                     ([slide(-root), slide(root)], 2)
                 }
             };
         }
         let r2 = self.point.links[1].r;
-        // x and y of the point in frame 1, as far as they are known.
-        let (x, y) = match self.kinds[0] {
-            Prismatic => (Some(target.x - self.l1), (ca != 0.0).then(|| (target.y + sa * h) / ca)),
+        // Known coordinates x and y of the point in frame 1.
+        let (x, y) = match self.forms.kinds[0] {
+            Prismatic => (Some(target.x - self.forms.l1), (ca != 0.0).then(|| (target.y + sa * h) / ca)),
             Revolute => {
                 let far = size2 + h * h;
-                let x = (self.l1 != 0.0).then(|| (target.distance2 - far) / (2.0 * self.l1));
+                let x = (self.forms.l1 != 0.0).then(|| (target.distance2 - far) / (2.0 * self.forms.l1));
                 (x, (sa != 0.0).then(|| (target.height - ca * h) / sa))
             }
         };
@@ -248,20 +208,21 @@ impl ThreeJoints {
         (angles.map(|theta| (theta, r2)), count)
     }
 
-    /// The joints, joint 1 such that the point lies in the right direction or at the right height.
-    fn joints(&self, target: &Target, third: &Third, theta2: Angle, r2: f64) -> Joints {
+    /// Returns all three joints; joint 1 turns the point to the target, or lifts it to its height.
+    fn joints(&self, target: &PointTarget, third: &Third, theta2: Angle, r2: f64) -> ThreeJointState {
         let links = &self.point.links;
-        let (theta3, r3) = match self.kinds[2] {
+        let (theta3, r3) = match self.forms.kinds[2] {
             Revolute => ((third.a, third.b), links[2].r),
             Prismatic => ((links[2].theta.cos(), links[2].theta.sin()), third.a),
         };
-        let mut joints = Joints { theta: [self.zero[0], theta2, theta3], r: [self.r1, r2, r3] };
+        let mut joints =
+            ThreeJointState { theta: [self.forms.zero[0], theta2, theta3], r: [self.r1, r2, r3] };
         self.point.aim(&target.p, &mut joints);
         joints
     }
 }
 
-/// The turns of (u, v) to x, to y or to both; what contradicts by rounding is left to the polish.
+/// Returns the rotations of (u, v) to x, to y or to both; the polish resolves contradictions by rounding.
 fn from_plane((u, v): Angle, x: Option<f64>, y: Option<f64>) -> ([Angle; 2], usize) {
     let size = u.hypot(v);
     if size < ALIGNED {
@@ -271,7 +232,7 @@ fn from_plane((u, v): Angle, x: Option<f64>, y: Option<f64>) -> ([Angle; 2], usi
         let per = 1.0 / (size * x.hypot(y));
         if per.is_finite() { ((u * x + v * y) * per, (u * y - v * x) * per) } else { (1.0, 0.0) }
     };
-    // A double root of the third joint is known to the root of the rounding only.
+    // A double root of joint 3 is accurate to the square root of the rounding only.
     let other = |known: f64| {
         let rest = size * size - known * known;
         (rest > -1e-6 * size * size).then(|| rest.max(0.0).sqrt())

@@ -1,9 +1,11 @@
-//! Six-axis arms whose axes 2, 3 and 4 are parallel and whose axes 5 and 6 intersect, such as those of
-//! Universal Robots (Hawkins 2013; IK-Geo's family of three parallel and two intersecting axes).
+//! Six-axis arms with parallel axes 2, 3 and 4 and intersecting axes 5 and 6, such as Universal Robots.
 //!
-//! The wrist centre, where axes 5 and 6 meet, lies at a fixed distance along axis 2: that gives
-//! theta_1. The angle between axes 2 and 6 gives theta_5, the direction of axis 2 in the flange
-//! theta_6, and two links of a plane theta_2, theta_3 and theta_4.
+//! K. P. Hawkins, "Analytic inverse kinematics for the Universal Robots UR-5/UR-10 arms", 2013; in IK-Geo
+//! the family of three parallel and two intersecting axes.
+//!
+//! The wrist centre, where axes 5 and 6 meet, lies at a fixed distance along axis 2, which gives theta_1.
+//! The angle between axes 2 and 6 gives theta_5. The direction of axis 2 in the flange gives theta_6. Two
+//! links in a plane give theta_2, theta_3 and theta_4.
 
 use super::subproblems::{ALIGNED, Angle, BOUNDARY, Twists, TwoLinks, before_twist, difference};
 use crate::cell::JointKind;
@@ -11,13 +13,13 @@ use crate::pose::Pose;
 use crate::robot::{Chain, Link, Posture};
 use nalgebra::Vector3;
 
-/// The arm; lengths in m.
+/// Closed form of an arm with three parallel axes; lengths in m.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ThreeParallel {
     first: Link,
-    /// cos alpha_2 and cos alpha_2 cos alpha_3: 1 or -1, the sense of axes 3 and 4 against axis 2.
+    /// Direction of axes 3 and 4 against axis 2, 1 or -1: cos alpha_2 and cos alpha_2 cos alpha_3.
     sense: (f64, f64),
-    /// From axis 1 to the wrist centre along axis 2, but for the part of r_1.
+    /// Distance from axis 1 to the wrist centre along axis 2, without the part of r_1.
     along: f64,
     links: TwoLinks,
     l4: f64,
@@ -28,30 +30,38 @@ pub struct ThreeParallel {
     centre: Vector3<f64>,
 }
 
-/// What is known once theta_1 is.
-struct Side {
+/// One solution for theta_1, with its bit of the branch.
+#[derive(Clone, Copy)]
+struct Yaw {
     bit: u8,
     theta: Angle,
-    /// x axis of frame 1 and y axis (both normal to axis 2); axis 2.
+}
+
+/// Quantities that follow from theta_1, all in frame 0.
+struct ShoulderSide {
+    bit: u8,
+    theta: Angle,
+    /// Axes x and y of frame 1, both normal to axis 2.
     x: Vector3<f64>,
     y: Vector3<f64>,
+    /// Axis 2.
     z: Vector3<f64>,
-    /// Wrist centre from the origin of frame 1.
+    /// Wrist centre relative to the origin of frame 1.
     centre: Vector3<f64>,
 }
 
-/// What is known once theta_5 and theta_6 are.
-struct Wrist {
+/// Quantities that follow from theta_5 and theta_6.
+struct WristAngles {
     theta5: Angle,
     theta6: Angle,
     x4: Vector3<f64>,
-    /// Where the common normal of axes 3 and 4 meets axis 4, from the wrist centre, but for its
-    /// distance along axis 4.
+    /// Point where the common normal of axes 3 and 4 meets axis 4, relative to the wrist centre, without
+    /// its distance along axis 4.
     elbow: Vector3<f64>,
 }
 
 impl ThreeParallel {
-    /// Recognizes the arm in a chain.
+    /// Returns the closed form of a chain, if it has three parallel axes.
     ///
     /// # Errors
     /// Why the chain is not of this family.
@@ -89,21 +99,22 @@ impl ThreeParallel {
         })
     }
 
-    /// Calls `found` with every posture that puts the last D-H frame at `flange` (a pose in frame 0,
-    /// the tool not included), without regard to joint limits. `posture` is memory.
+    /// Calls `found` with every posture that puts the last D-H frame at `flange`, without joint limits.
     ///
-    /// The branch: bit 0 elbow, bit 1 sign of sin theta_5, bit 2 the arm on the other side of axis 1.
-    /// With axis 6 parallel to axis 2, theta_6 is 0 if the arm reaches with it, otherwise such that
-    /// the arm is bent half way, and bit 1 is 0. With the wrist centre on axis 1 and no offset from
-    /// it, theta_1 is 0 or the first of a scan of the turn that has a solution, and bit 2 is 0.
+    /// `flange` is a pose in frame 0, without the tool. `posture` is scratch memory.
     ///
-    /// Returns how far (m) the wrist centre has to move: to axis 2's fixed distance from axis 1 if no
-    /// theta_1 gives that, otherwise in the plane of the arm, for the theta_1 that do. 0: it need not
-    /// move; oblique axes 4 to 6 may still not turn as they should.
+    /// Bit 0 of the branch is the elbow, bit 1 the sign of sin theta_5, bit 2 the side of axis 1. With axis
+    /// 6 parallel to axis 2, theta_6 is free and bit 1 is 0: theta_6 is 0 if the arm reaches the target so,
+    /// otherwise such that the arm is bent half way. With the wrist centre on axis 1 and no offset from
+    /// it, theta_1 is free and bit 2 is 0: theta_1 is the first angle of a scan that has a solution.
+    ///
+    /// Returns how far (m) the wrist centre is out of reach: from the distance of axis 2 from axis 1 if no
+    /// theta_1 gives that, otherwise in the plane of the arm. Even at 0, oblique axes 4 to 6 may be unable
+    /// to take the orientation.
     #[inline]
     pub fn solve(&self, flange: &Pose, posture: &mut Posture, found: &mut impl FnMut(u8, &Posture)) -> f64 {
         let (p, a) = (flange.transform(&self.centre), &self.first);
-        // sin alpha_1 (x sin theta_1 - y cos theta_1) = along, less the part of the height.
+        // sin alpha_1 (x sin theta_1 - y cos theta_1) = along, minus the part of the height.
         let lateral = (self.along - a.cos_alpha * (p.z - a.r)) / a.sin_alpha;
         let radius2 = p.x * p.x + p.y * p.y;
         let across2 = radius2 - lateral * lateral;
@@ -119,12 +130,12 @@ impl ThreeParallel {
         let mut missing = f64::INFINITY;
         for (bit, t) in [(0, across), (4, -across)] {
             let theta = ((p.x * t - p.y * lateral) * per, (p.y * t + p.x * lateral) * per);
-            missing = missing.min(self.side(bit, theta, &p, &axes, posture, found));
+            missing = missing.min(self.side(Yaw { bit, theta }, &p, &axes, posture, found));
         }
         if missing.is_finite() { missing } else { 0.0 }
     }
 
-    /// The wrist centre is on axis 1, and that is where it must be for every theta_1.
+    /// Solves for a wrist centre on axis 1 by a scan of theta_1, which is free.
     #[cold]
     fn any_yaw(
         &self,
@@ -135,7 +146,7 @@ impl ThreeParallel {
     ) -> f64 {
         const TURNS: usize = 64;
         let angle = |turn: f64| (turn.cos(), turn.sin());
-        let mut yaw = |turn: f64| self.side(0, angle(turn), p, axes, posture, found);
+        let mut yaw = |turn: f64| self.side(Yaw { bit: 0, theta: angle(turn) }, p, axes, posture, found);
         let mut step = std::f64::consts::TAU / TURNS as f64;
         let (mut least, mut best) = (f64::INFINITY, 0.0);
         for k in 0..TURNS {
@@ -147,7 +158,7 @@ impl ThreeParallel {
                 (least, best) = (missing, k as f64 * step);
             }
         }
-        // Those in reach may lie between.
+        // Solutions may lie between the scanned angles.
         for _ in 0..30 {
             step *= 0.5;
             for turn in [best - step, best + step] {
@@ -163,12 +174,12 @@ impl ThreeParallel {
         if least.is_finite() { least } else { 0.0 }
     }
 
-    /// All branches of one theta_1; m that the plane arm misses, infinite if axes 4 to 6 cannot turn so.
+    /// Solves for one theta_1; returns the distance (m) out of reach of the plane, infinite if axes 4 to 6
+    /// cannot take the orientation.
     #[inline]
     fn side(
         &self,
-        bit: u8,
-        theta: Angle,
+        Yaw { bit, theta }: Yaw,
         p: &Vector3<f64>,
         [x6, y6, z6]: &[Vector3<f64>; 3],
         posture: &mut Posture,
@@ -176,7 +187,7 @@ impl ThreeParallel {
     ) -> f64 {
         let (a, (c, s)) = (&self.first, theta);
         let (ca, sa) = (a.cos_alpha, a.sin_alpha);
-        let side = Side {
+        let side = ShoulderSide {
             bit,
             theta,
             x: Vector3::new(c, s, 0.0),
@@ -184,7 +195,7 @@ impl ThreeParallel {
             z: Vector3::new(s * sa, -c * sa, ca),
             centre: Vector3::new(p.x - a.l * c, p.y - a.l * s, p.z - a.r),
         };
-        // Axis 4 (the sense of z turned) in the last frame before its twist.
+        // Axis 4, along or against z, in the last frame before its twist.
         let w = [x6, y6, z6].map(|axis| self.sense.1 * axis.dot(&side.z));
         let across2 = w[0] * w[0] + w[1] * w[1];
         let Some((cos5, sin5)) = self.twists.turn(w[2], across2) else { return f64::INFINITY };
@@ -206,23 +217,23 @@ impl ThreeParallel {
         missing
     }
 
-    /// theta_5 and theta_6 and what follows from them.
+    /// Returns theta_5 and theta_6 and the quantities that follow from them.
     #[inline]
-    fn wrist(&self, [x6, y6, z6]: [&Vector3<f64>; 3], theta5: Angle, theta6: Angle) -> Wrist {
+    fn wrist(&self, [x6, y6, z6]: [&Vector3<f64>; 3], theta5: Angle, theta6: Angle) -> WristAngles {
         let (ce, se) = self.twists.second;
         let (x5, y5) = (x6 * theta6.0 - y6 * theta6.1, x6 * theta6.1 + y6 * theta6.0);
         let x4 = x5 * theta5.0 - (y5 * ce - z6 * se) * theta5.1;
         let axis5 = y5 * se + z6 * ce;
-        Wrist { theta5, theta6, x4, elbow: -(axis5 * self.r5 + x4 * self.l4) }
+        WristAngles { theta5, theta6, x4, elbow: -(axis5 * self.r5 + x4 * self.l4) }
     }
 
-    /// theta_2 to theta_4; m that are missing.
+    /// Solves for theta_2 to theta_4 in the plane of the arm; returns the distance (m) out of reach.
     #[inline]
     fn plane(
         &self,
         flipped: u8,
-        side: &Side,
-        wrist: &Wrist,
+        side: &ShoulderSide,
+        wrist: &WristAngles,
         posture: &mut Posture,
         found: &mut impl FnMut(u8, &Posture),
     ) -> f64 {
@@ -245,12 +256,12 @@ impl ThreeParallel {
         0.0
     }
 
-    /// Axis 6 is parallel to axis 2: theta_6 is free, and turns the elbow point of axis 4 about the
-    /// wrist centre.
+    /// Solves with axis 6 parallel to axis 2: theta_6 is free and rotates the elbow point of axis 4 about
+    /// the wrist centre.
     #[cold]
     fn in_line(
         &self,
-        side: &Side,
+        side: &ShoulderSide,
         axes: [&Vector3<f64>; 3],
         theta5: Angle,
         posture: &mut Posture,
@@ -272,7 +283,7 @@ impl ThreeParallel {
         if lo > hi + BOUNDARY {
             return lo - hi;
         }
-        // Law of cosines: the elbow point half way between what links and circle allow.
+        // Law of cosines, with the elbow point half way between the bounds of links and circle.
         let d = (lo + hi) / 2.0;
         let cos = ((d * d - far * far - near * near) / (2.0 * far * near)).clamp(-1.0, 1.0);
         let unit = |v: (f64, f64), size: f64| (v.0 / size, v.1 / size);

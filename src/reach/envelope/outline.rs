@@ -1,43 +1,48 @@
-//! The outline of what a yes-or-no question holds for in a plane: marching squares (Lorensen and Cline
-//! 1987, in two dimensions), every crossing refined by bisection.
+//! Outline of a region in a plane by marching squares, every crossing refined by bisection.
+//!
+//! W. E. Lorensen, H. E. Cline, "Marching cubes", 1987, in two dimensions. A function says whether a point
+//! lies in the region.
 
 use rayon::prelude::*;
 
-/// A part of a plane, m.
+/// Section of an envelope by a plane, m.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Region {
+pub struct EnvelopeSection {
     pub outlines: Vec<Outline>,
 }
 
-/// A closed line; the last point is joined to the first. The region lies to its left: it runs
-/// counterclockwise outside, clockwise round a hole.
+/// Closed polygon; the last point is joined to the first.
+///
+/// The region lies to its left: an outer boundary runs anticlockwise, the boundary of a hole clockwise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outline {
     pub points: Vec<[f64; 2]>,
 }
 
-/// A lattice of points half a step off the axes, so that none lies on the base axis.
+/// Lattice of points half a step off the axes, so that none lies on the base axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Lattice {
-    /// The first column and row, as numbers of steps.
+    /// Indices of the first column and row, in steps from the origin.
     first: [i64; 2],
     size: [usize; 2],
     step: f64,
 }
 
-/// No crossing on this edge.
-const NONE: u32 = u32::MAX;
+/// Mark of an edge without a crossing.
+const NO_CROSSING: u32 = u32::MAX;
 
-impl Region {
-    /// Holes taken off, m^2.
+impl EnvelopeSection {
+    /// Returns the area without the holes, m^2.
     pub fn area(&self) -> f64 {
         self.outlines.iter().map(Outline::area).sum()
     }
 
+    /// Returns whether the section has no points.
     pub fn is_empty(&self) -> bool {
         self.outlines.is_empty()
     }
 
+    /// Returns the corners of all outlines.
     pub fn points(&self) -> impl Iterator<Item = [f64; 2]> {
         self.outlines.iter().flat_map(|o| o.points.iter().copied())
     }
@@ -56,7 +61,7 @@ impl Outline {
 }
 
 impl Lattice {
-    /// Over all that is nearer than `radius` to `centre`, with a frame of points outside.
+    /// Returns a lattice over a disc of `radius` (m) about `centre`, with a frame of points outside.
     pub fn round(centre: [f64; 2], radius: f64, step: f64) -> Self {
         let first = centre.map(|c| ((c - radius) / step).floor() as i64 - 1);
         let last = centre.map(|c| ((c + radius) / step).ceil() as i64 + 1);
@@ -67,12 +72,12 @@ impl Lattice {
         (self.size[0] * self.size[1]) as u64
     }
 
-    /// The coordinate of the k-th column (axis 0) or row (axis 1).
+    /// Returns the coordinate of column (axis 0) or row (axis 1) `k`.
     fn coordinate(&self, axis: usize, k: usize) -> f64 {
         (self.first[axis] as f64 + k as f64 + 0.5) * self.step
     }
 
-    /// All columns (axis 0) or rows (axis 1).
+    /// Returns the coordinates of all columns (axis 0) or rows (axis 1).
     pub fn line(&self, axis: usize) -> Vec<f64> {
         (0..self.size[axis]).map(|k| self.coordinate(axis, k)).collect()
     }
@@ -81,14 +86,15 @@ impl Lattice {
         [self.coordinate(0, node % self.size[0]), self.coordinate(1, node / self.size[0])]
     }
 
-    /// The region where `inside` holds. What is narrower than a step may be missed; a crossing is off
-    /// by at most `tolerance`. `row_done` is told after every row of points.
+    /// Returns the region where `inside` holds; parts narrower than a step may be missed.
+    ///
+    /// A crossing is off by at most `tolerance` (m). `row_done` is called after every row with its length.
     pub fn region(
         &self,
         tolerance: f64,
         row_done: &(dyn Fn(u64) + Sync),
         inside: impl Fn([f64; 2]) -> bool + Sync,
-    ) -> Region {
+    ) -> EnvelopeSection {
         let [columns, rows] = self.size;
         let row = |j: usize| {
             let frame = |i: usize| i == 0 || j == 0 || i + 1 == columns || j + 1 == rows;
@@ -98,7 +104,7 @@ impl Lattice {
             held
         };
         let held: Vec<bool> = (0..rows).into_par_iter().flat_map_iter(row).collect();
-        // Edge 2 k runs from point k to the right, edge 2 k + 1 upwards.
+        // Edge 2 k runs from point k to the right, edge 2 k + 1 from point k upwards.
         let level = |edge: usize| edge.is_multiple_of(2);
         let end = |edge: usize| edge / 2 + if level(edge) { 1 } else { columns };
         let closes = |k: usize| (k + 1).is_multiple_of(columns);
@@ -111,13 +117,13 @@ impl Lattice {
             bisected(yes, no, tolerance, &inside)
         };
         let crossings: Vec<[f64; 2]> = edges.par_iter().map(crossing).collect();
-        let mut number = vec![NONE; 2 * held.len()];
+        let mut number = vec![NO_CROSSING; 2 * held.len()];
         edges.iter().enumerate().for_each(|(k, &edge)| number[edge] = k as u32);
         let next = self.linked(&held, &number, edges.len(), &inside);
-        Region { outlines: walked(&crossings, next) }
+        EnvelopeSection { outlines: walked(&crossings, next) }
     }
 
-    /// From every crossing the next one along the outline.
+    /// Returns, for every crossing, the next one along the outline.
     fn linked(
         &self,
         held: &[bool],
@@ -126,9 +132,9 @@ impl Lattice {
         inside: &impl Fn([f64; 2]) -> bool,
     ) -> Vec<u32> {
         let columns = self.size[0];
-        let mut next = vec![NONE; count];
+        let mut next = vec![NO_CROSSING; count];
         for low in (0..held.len() - columns).filter(|k| !(k + 1).is_multiple_of(columns)) {
-            // Counterclockwise from the lower left; side k runs from corner k to the next.
+            // Corners run anticlockwise from the lower left; side k runs from corner k to the next.
             let corners = [low, low + 1, low + columns + 1, low + columns];
             let sides = [2 * low, 2 * (low + 1) + 1, 2 * (low + columns), 2 * low + 1];
             let leaves = |k: usize| held[corners[k]] && !held[corners[(k + 1) % 4]];
@@ -138,7 +144,7 @@ impl Lattice {
                 let [a, b] = [self.point(corners[0]), self.point(corners[2])];
                 inside([(a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0])
             };
-            // Of a saddle whose middle is outside the two corners are apart.
+            // A saddle whose middle is outside separates its two inner corners.
             let turn = if saddle && !middle() { 3 } else { 1 };
             for k in (0..4).filter(|&k| leaves(k)) {
                 if let Some(to) = (1..4).map(|n| (k + n * turn) % 4).find(|&k| enters(k)) {
@@ -150,7 +156,7 @@ impl Lattice {
     }
 }
 
-/// The point between `yes` and `no` where `inside` ends.
+/// Returns the point between `yes` and `no` where `inside` changes, by bisection.
 fn bisected(
     mut yes: [f64; 2],
     mut no: [f64; 2],
@@ -165,14 +171,14 @@ fn bisected(
     middle(yes, no)
 }
 
-/// The closed lines along `next`.
+/// Returns the closed polygons along `next`.
 fn walked(crossings: &[[f64; 2]], mut next: Vec<u32>) -> Vec<Outline> {
     let mut outlines = Vec::new();
     for start in 0..next.len() {
         let (mut at, mut points) = (start, Vec::new());
-        while next[at] != NONE {
+        while next[at] != NO_CROSSING {
             points.push(crossings[at]);
-            at = std::mem::replace(&mut next[at], NONE) as usize;
+            at = std::mem::replace(&mut next[at], NO_CROSSING) as usize;
         }
         if !points.is_empty() {
             outlines.push(Outline { points });

@@ -1,4 +1,4 @@
-//! Volume and extent of a working envelope.
+//! Volume and extent of a working envelope, by line integrals.
 
 use super::outline::Outline;
 use super::{Envelope, Fineness};
@@ -7,36 +7,36 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 
-/// A greater change (rad, or of yes and no) from point to point is a jump.
+/// Change from point to point (rad, or between 0 and 1) above which the integrand has a jump.
 const JUMP: f64 = 0.05;
 
-/// Volume and extent.
+/// Volume and extent of an envelope.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Size {
-    /// m^3.
+    /// Volume, m^3.
     pub volume: f64,
-    /// How far the volume is from that at twice the step, m^3: an estimate of its error.
+    /// Estimate of the error, m^3: the difference from the volume at twice the step.
     pub error: f64,
-    /// Whether the symmetry round the base axis was used.
+    /// Whether the integration used the symmetry about the base axis.
     pub symmetric: bool,
-    /// None if nothing can be reached.
-    pub extent: Option<Extent>,
+    /// Extent; None if no point is reachable.
+    pub extent: Option<EnvelopeExtent>,
 }
 
-/// How far the envelope extends, m.
+/// Extent of an envelope about the base axis, m.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Extent {
+pub struct EnvelopeExtent {
     /// Least and greatest distance from the base axis.
     pub radius: (f64, f64),
     /// Least and greatest height.
     pub height: (f64, f64),
     /// Height of the greatest distance.
     pub widest: f64,
-    /// By how much these may be off.
+    /// Accuracy of these lengths.
     pub within: f64,
 }
 
-impl Extent {
+impl EnvelopeExtent {
     fn of(points: impl Iterator<Item = (f64, f64)>, within: f64) -> Option<Self> {
         let mut extent: Option<Self> = None;
         for (r, z) in points {
@@ -49,20 +49,22 @@ impl Extent {
     }
 }
 
-/// Whether joint 1 reaches every direction.
+/// Returns whether joint 1 has a range of at least one turn.
 pub(super) fn turns_whole(inverse: &Inverse) -> bool {
     inverse.chain.links.first().is_some_and(|link| link.limits.1 - link.limits.0 >= TAU)
 }
 
-/// The arm with joint 1 free to turn, and by how much it may turn in fact.
-struct Opened {
+/// Arm with joint 1 free to turn, and the true limits of joint 1.
+struct FreedArm {
     inverse: Inverse,
     limits: (f64, f64),
 }
 
 impl Envelope<'_> {
-    /// Integrated line by line, jumps found by bisection: over (r, z) times the angle that can be reached there, where the envelope
-    /// [is symmetric](Self::is_symmetric); over (x, y, z) otherwise.
+    /// Returns volume and extent, integrated line by line with jumps located by bisection.
+    ///
+    /// A [symmetric](Self::is_symmetric) envelope is integrated over (r, z) times the reachable angle, any
+    /// other over (x, y, z).
     pub fn size(&self, fine: &Fineness<'_>) -> Size {
         if self.is_symmetric() { self.turned_size(fine) } else { self.counted_size(fine) }
     }
@@ -78,7 +80,7 @@ impl Envelope<'_> {
     }
 
     fn turned_size(&self, fine: &Fineness<'_>) -> Size {
-        let opened = (!turns_whole(self.inverse)).then(|| Opened::new(self.inverse));
+        let opened = (!turns_whole(self.inverse)).then(|| FreedArm::new(self.inverse));
         let angle = |r: f64, z: f64| self.angle(opened.as_ref(), &Vector3::new(r, 0.0, z));
         let [volume, coarse] = [1.0, 2.0].map(|factor| {
             let lattice = self.upright(0.0, factor * fine.step);
@@ -86,33 +88,37 @@ impl Envelope<'_> {
             let row = |z: f64| {
                 let at = |r: f64| angle(r, z);
                 let values: Vec<f64> = radii.iter().map(|r| at(*r)).collect();
-                integral((&radii, &values), (fine.tolerance, JUMP), at, |r| r * r / 2.0)
+                let samples =
+                    Samples { line: &radii, values: &values, tolerance: fine.tolerance, jump: JUMP };
+                integral(samples, at, |r| r * r / 2.0)
             };
             let heights = lattice.line(1);
             let told = |z: &f64| {
                 (fine.asked)(radii.len() as u64);
                 row(*z)
             };
-            // In order: the same sum on any number of threads.
+            // Collected in order, so that the sum is the same on any number of threads.
             let rows: Vec<f64> = heights.par_iter().map(told).collect();
-            integral((&heights, &rows), (fine.tolerance, leap(&rows)), row, |z| z)
+            let jump = jump_between_lines(&rows);
+            let samples = Samples { line: &heights, values: &rows, tolerance: fine.tolerance, jump };
+            integral(samples, row, |z| z)
         });
         let turned =
             self.upright(0.0, fine.step).region(fine.tolerance, fine.asked, |[r, z]| angle(r.abs(), z) > 0.0);
         // An outline on both sides of the axis crosses it.
         let on = |o: &Outline, side: f64| o.points.iter().any(|p| p[0] * side > 0.0);
         let crosses = turned.outlines.iter().any(|o| on(o, 1.0) && on(o, -1.0));
-        let mut extent = Extent::of(turned.points().map(|[r, z]| (r.abs(), z)), fine.step);
+        let mut extent = EnvelopeExtent::of(turned.points().map(|[r, z]| (r.abs(), z)), fine.step);
         extent.iter_mut().filter(|_| crosses).for_each(|e| e.radius.0 = 0.0);
         Size { volume, error: (volume - coarse).abs(), symmetric: true, extent }
     }
 
-    /// The angle (rad) round the base axis in which a point at azimuth 0 can be reached.
-    fn angle(&self, opened: Option<&Opened>, target: &Vector3<f64>) -> f64 {
+    /// Returns the angle (rad) about the base axis over which a point at azimuth 0 stays reachable.
+    fn angle(&self, opened: Option<&FreedArm>, target: &Vector3<f64>) -> f64 {
         let Some(opened) = opened else { return if self.has(target) { TAU } else { 0.0 } };
-        let Reach::Branches(branches) = opened.inverse.branches(target, &self.approach) else { return 0.0 };
+        let Reach::Branches(branches) = opened.inverse.branches(target, &self.attitudes) else { return 0.0 };
         let usable = branches.iter().filter(|b| b.is_usable());
-        // Joint 1 turns with the target.
+        // Joint 1 rotates with the target.
         let turned = usable.map(|b| (opened.limits.0 - b.joints[0], opened.limits.1 - b.joints[0]));
         covered(turned.collect())
     }
@@ -128,20 +134,23 @@ impl Envelope<'_> {
             let layers: Vec<(f64, Vec<(f64, f64)>)> = heights.par_iter().map(told).collect();
             let areas: Vec<f64> = layers.iter().map(|(area, _)| *area).collect();
             let area = |z: f64| self.layer(z, step, fine.tolerance).0;
-            let volume = integral((&heights, &areas), (fine.tolerance, leap(&areas)), area, |z| z);
-            (volume, Extent::of(layers.into_iter().flat_map(|(_, seen)| seen), step))
+            let jump = jump_between_lines(&areas);
+            let samples = Samples { line: &heights, values: &areas, tolerance: fine.tolerance, jump };
+            let volume = integral(samples, area, |z| z);
+            (volume, EnvelopeExtent::of(layers.into_iter().flat_map(|(_, seen)| seen), step))
         });
         Size { volume, error: (volume - coarse).abs(), symmetric: false, extent }
     }
 
-    /// The area at a height, and distance from the base axis and height of the lattice points there.
+    /// Returns the area at a height, and the (radius, height) of the reachable lattice points there.
     fn layer(&self, z: f64, step: f64, tolerance: f64) -> (f64, Vec<(f64, f64)>) {
         let lattice = self.level(z, step);
         let (xs, ys) = (lattice.line(0), lattice.line(1));
         let held = |x: f64, y: f64| f64::from(u8::from(self.has(&Vector3::new(x, y, z))));
         let row = |y: f64| xs.iter().map(|x| held(*x, y)).collect::<Vec<f64>>();
-        let width =
-            |y: f64, values: &[f64]| integral((&xs, values), (tolerance, JUMP), |x| held(x, y), |x| x);
+        let width = |y: f64, values: &[f64]| {
+            integral(Samples { line: &xs, values, tolerance, jump: JUMP }, |x| held(x, y), |x| x)
+        };
         let (mut widths, mut seen) = (Vec::new(), Vec::new());
         for y in &ys {
             let values = row(*y);
@@ -149,25 +158,36 @@ impl Envelope<'_> {
             seen.extend(there.map(|(x, _)| (x.hypot(*y), z)));
             widths.push(width(*y, &values));
         }
-        let limits = (tolerance, leap(&widths));
-        (integral((&ys, &widths), limits, |y| width(y, &row(y)), |y| y), seen)
+        let samples = Samples { line: &ys, values: &widths, tolerance, jump: jump_between_lines(&widths) };
+        (integral(samples, |y| width(y, &row(y)), |y| y), seen)
     }
 }
 
-/// From line to line this is a jump: a wall along the lattice, not the end of something round.
-fn leap(values: &[f64]) -> f64 {
+/// Returns the change from line to line that counts as a jump: a wall along the lattice, not a round end.
+fn jump_between_lines(values: &[f64]) -> f64 {
     0.2 * values.iter().copied().fold(f64::MIN_POSITIVE, f64::max)
 }
 
-/// The integral over a line of points, with the values there, times the derivative of `moment`. Where
-/// the value changes by more than `jump` the place is found to `tolerance`.
+/// Samples of an integrand along a line, and how its jumps are located.
+struct Samples<'a> {
+    /// Coordinates of the samples, m.
+    line: &'a [f64],
+    values: &'a [f64],
+    /// Accuracy of the place of a jump, m.
+    tolerance: f64,
+    /// Change between two samples that counts as a jump.
+    jump: f64,
+}
+
+/// Returns the integral of sampled values times the derivative of `moment`.
+///
+/// `value` evaluates the integrand between samples to locate a jump.
 fn integral(
-    (line, values): (&[f64], &[f64]),
-    (tolerance, jump): (f64, f64),
+    Samples { line, values, tolerance, jump }: Samples<'_>,
     value: impl Fn(f64) -> f64,
     moment: impl Fn(f64) -> f64,
 ) -> f64 {
-    // From 0 to the first point of a line of radii; nothing is there on a line that begins outside.
+    // From 0 to the first point of a line of radii; the value is 0 on a line that begins outside.
     let mut sum = values.first().zip(line.first()).map_or(0.0, |(w, u)| w * moment(*u));
     for (ends, w) in line.windows(2).zip(values.windows(2)) {
         let (mut low, mut high) = (ends[0], ends[1]);
@@ -182,7 +202,7 @@ fn integral(
     sum
 }
 
-impl Opened {
+impl FreedArm {
     fn new(inverse: &Inverse) -> Self {
         let mut chain = inverse.chain.clone();
         let limits = chain.links[0].limits;
@@ -191,13 +211,13 @@ impl Opened {
     }
 }
 
-/// How much of a circle these arcs cover (rad, from the first to the second angle).
+/// Returns how much of a circle these arcs cover, rad; an arc runs from its first to its second angle.
 fn covered(mut arcs: Vec<(f64, f64)>) -> f64 {
     for arc in &mut arcs {
         let turns = (arc.0 / TAU).floor() * TAU;
         *arc = (arc.0 - turns, arc.1 - turns);
     }
-    // What runs over the end of the circle begins again.
+    // An arc that passes the end of the circle continues at its start.
     let again: Vec<_> = arcs.iter().filter(|a| a.1 > TAU).map(|a| (0.0, a.1 - TAU)).collect();
     arcs.extend(again);
     arcs.sort_by(|a, b| a.0.total_cmp(&b.0));

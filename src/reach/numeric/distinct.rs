@@ -1,35 +1,36 @@
-//! Which solutions are different.
+//! The set of distinct solutions found so far.
 
-use super::joints::Joints;
+use super::joint_ranges::JointRanges;
 use crate::cell::JointVector;
 
-/// Starts in a row that bring nothing new end the search.
-const IDLE: usize = 256;
-/// Solutions reported at most: a chain of six joints has up to 16.
-const MOST: usize = 16;
-/// Points of a continuum collected to choose from.
-const COLLECTED: usize = 64;
-/// Solutions that differ by less are one, rad (m for a slide); points of a continuum.
-const SAME: f64 = 1e-4;
-const SPREAD: f64 = 0.1;
+/// Number of consecutive starts without a new solution that ends the search.
+const MAX_IDLE_STARTS: usize = 256;
+/// Largest number of reported solutions: a chain of six joints has up to 16.
+const MAX_SOLUTIONS: usize = 16;
+/// Largest number of collected points of a continuum, from which the reported ones are chosen.
+const MAX_COLLECTED: usize = 64;
+/// Difference below which two solutions are the same, rad (m for a prismatic joint).
+const SAME_SOLUTION: f64 = 1e-4;
+/// Least difference of two collected points of a continuum, rad (m for a prismatic joint).
+const CONTINUUM_SPACING: f64 = 0.1;
 
-/// The solutions so far.
-pub(super) struct Distinct<'a> {
+/// Distinct solutions so far.
+pub(super) struct DistinctSolutions<'a> {
     pub found: Vec<JointVector>,
-    joints: &'a Joints,
+    joints: &'a JointRanges,
     apart: f64,
-    /// Starts since the last new one.
+    /// Number of starts since the last new solution.
     idle: usize,
 }
 
-impl<'a> Distinct<'a> {
-    /// For goals of so many rows.
-    pub fn new(joints: &'a Joints, rows: usize) -> Self {
-        let apart = if rows < joints.ranges().len() { SPREAD } else { SAME };
+impl<'a> DistinctSolutions<'a> {
+    /// Returns an empty set for a goal with this number of task rows.
+    pub fn new(joints: &'a JointRanges, rows: usize) -> Self {
+        let apart = if rows < joints.ranges().len() { CONTINUUM_SPACING } else { SAME_SOLUTION };
         Self { found: Vec::new(), joints, apart, idle: 0 }
     }
 
-    /// What one start brought.
+    /// Adds the result of one start.
     pub fn take(&mut self, q: Option<JointVector>) {
         self.idle += 1;
         if let Some(q) = q.filter(|q| self.found.iter().all(|other| self.joints.apart(other, q) > self.apart))
@@ -39,16 +40,17 @@ impl<'a> Distinct<'a> {
         }
     }
 
+    /// Returns whether more starts are not worth while.
     pub fn is_done(&self) -> bool {
-        self.found.len() >= COLLECTED || !self.found.is_empty() && self.idle >= IDLE
+        self.found.len() >= MAX_COLLECTED || !self.found.is_empty() && self.idle >= MAX_IDLE_STARTS
     }
 
-    /// In the order of the coordinates; of too many those that are farthest apart.
+    /// Writes the solutions sorted by their coordinates; of too many, those that are farthest apart.
     pub fn into_sorted(self, out: &mut Vec<JointVector>) {
         let distance = |q: &JointVector, chosen: &[JointVector]| {
             chosen.iter().map(|other| self.joints.apart(other, q)).fold(f64::INFINITY, f64::min)
         };
-        while out.len() < MOST.min(self.found.len()) {
+        while out.len() < MAX_SOLUTIONS.min(self.found.len()) {
             let farthest = self.found.iter().max_by(|a, b| distance(a, out).total_cmp(&distance(b, out)));
             out.extend(farthest);
         }

@@ -1,18 +1,19 @@
 //! The geometric Jacobian and the normal equations of a goal.
 
-use super::goal::Miss;
-use super::step::Matrix;
+use super::goal::TwistError;
+use super::step::NormalMatrix;
 use crate::cell::{JointKind, JointVector, MAX_JOINTS};
 use crate::pose::Displacement;
 use crate::robot::{Chain, Frames};
 use nalgebra::Vector3;
 
-/// The geometric Jacobian: column j is how the TCP moves (m and rad, base frame) per unit (rad or m)
-/// of actuator j; those beyond the chain are 0. A turn about z_i gives `z_i x (p - o_i)` and `z_i`, a
-/// slide `z_i` and 0, and an actuator adds the D-H coordinates that it drives.
+/// Returns the geometric Jacobian: column j is the motion of the TCP per unit of actuator j, base frame.
+///
+/// A rotation about z_i gives `z_i x (p - o_i)` and `z_i`, a translation `z_i` and 0. An actuator adds up
+/// the D-H coordinates that it drives. Columns beyond the chain are 0.
 pub fn jacobian(chain: &Chain, frames: &Frames) -> [Displacement; MAX_JOINTS] {
     let mut columns = uncoupled(chain, frames);
-    // Lower triangular: the columns after j are still those of the D-H coordinates.
+    // The coupling is lower triangular: the columns after j are still those of the D-H coordinates.
     for (i, row) in chain.coupling.iter().enumerate() {
         for (j, &factor) in row[..i].iter().enumerate().filter(|(_, factor)| **factor != 0.0) {
             columns[j] = columns[j] + columns[i] * factor;
@@ -21,7 +22,7 @@ pub fn jacobian(chain: &Chain, frames: &Frames) -> [Displacement; MAX_JOINTS] {
     columns
 }
 
-/// The Jacobian of the D-H coordinates.
+/// Returns the Jacobian by the D-H coordinates.
 fn uncoupled(chain: &Chain, frames: &Frames) -> [Displacement; MAX_JOINTS] {
     let mut columns = [Displacement::NONE; MAX_JOINTS];
     let tcp = frames.tcp.translation;
@@ -37,14 +38,14 @@ fn uncoupled(chain: &Chain, frames: &Frames) -> [Displacement; MAX_JOINTS] {
     columns
 }
 
-/// `J^T J` and `J^T e` of the twist error e, lengths by `scale` (1/m).
+/// Returns `J^T J` and `J^T e` for the twist e to the goal, with lengths multiplied by `scale` (1/m).
 pub(super) fn normal_equations(
     n: usize,
     columns: &[Displacement; MAX_JOINTS],
-    miss: &Miss,
+    miss: &TwistError,
     scale: f64,
-) -> (Matrix, JointVector) {
-    let (mut matrix, mut right) = (Matrix::default(), JointVector::default());
+) -> (NormalMatrix, JointVector) {
+    let (mut matrix, mut right) = (NormalMatrix::default(), JointVector::default());
     let mut seen = [Displacement::NONE; MAX_JOINTS];
     for (seen, column) in seen.iter_mut().zip(columns).take(n) {
         *seen = Displacement { position: column.position * scale, rotation: miss.seen.of(&column.rotation) };
@@ -59,10 +60,17 @@ pub(super) fn normal_equations(
     (matrix, right)
 }
 
-/// The second-order part of the Hessian of `|e|^2 / 2` for the position alone,
-/// `-e . d2p / dq_i dq_j`, where `d2p / dq_i dq_j = w_i x J_j` for i <= j (lower triangle), lengths by
-/// `scale` (1/m): with it Newton's method converges where a rest of e is left, too.
-pub(super) fn add_curvature(chain: &Chain, frames: &Frames, miss: &Miss, scale: f64, matrix: &mut Matrix) {
+/// Adds the second-order part of the Hessian of `|e|^2 / 2` for the position, `-e . d2p / dq_i dq_j`.
+///
+/// Here `d2p / dq_i dq_j = w_i x J_j` for i <= j (lower triangle), and `scale` (1/m) multiplies lengths. With
+/// this part Newton's method converges quadratically even if the goal is out of reach.
+pub(super) fn add_curvature(
+    chain: &Chain,
+    frames: &Frames,
+    miss: &TwistError,
+    scale: f64,
+    matrix: &mut NormalMatrix,
+) {
     let n = chain.axes();
     let columns = uncoupled(chain, frames);
     let entry = |i: usize, j: usize| {

@@ -1,82 +1,86 @@
-//! Inverse kinematics by numbers, for every serial chain that has no closed form: 3 to 8 joints that
-//! turn or slide, coupled or not, with limits.
+//! Numeric inverse kinematics for every serial chain without a closed form: damped least squares.
 //!
-//! The twist from the TCP to the goal is made zero by damped Gauss-Newton steps that stay inside the
-//! limits (`descent`), from one of a fixed set of starts after the other, the nearest to the goal
-//! first (`starts`). A descent that stalls is given up after a few steps: another start is cheaper.
-//! Only if all have failed, descents that go on as long as anything gets better (`settle`), with a
-//! quadratic program where limits are in the way (`program`), try again and tell what is missing
-//! (`missing`). Nothing here depends on chance or on an earlier call.
+//! The chains have 3 to 8 revolute or prismatic joints, coupled or not, with limits.
+//!
+//! Damped Gauss-Newton steps within the limits reduce the twist from the TCP to the goal (`fast_descent`).
+//! They start from a fixed set of postures, the nearest to the goal first (`starts`). A descent that stalls
+//! is abandoned after a few steps, because another start is cheaper. Only if all have failed, descents
+//! that go on as long as the cost falls (`full_descent`) try again, with a quadratic program where limits
+//! are active (`quadratic_program`). They also tell what is missing (`shortfall`). The result depends
+//! neither on chance nor on an earlier call.
 
-mod descent;
 mod distinct;
+mod fast_descent;
+mod full_descent;
 mod goal;
 mod jacobian;
-mod joints;
-mod missing;
-mod program;
-mod settle;
+mod joint_ranges;
+mod quadratic_program;
+mod shortfall;
 mod starts;
 mod step;
 
-pub use goal::{Goal, Held, least_turn, rotation_vector};
+pub use goal::{AttitudeGoal, TcpGoal, least_turn, rotation_vector};
 pub use jacobian::jacobian;
-pub use missing::Missing;
+pub use shortfall::Shortfall;
 
 use crate::cell::{JointKind, JointVector};
 use crate::robot::{Chain, Frames};
-use distinct::Distinct;
-use joints::Joints;
+use distinct::DistinctSolutions;
+use joint_ranges::JointRanges;
 use starts::Starts;
 
-/// Slow descents after all fast ones have failed.
-const SECOND: usize = 12;
+/// Number of full descents after all fast ones have failed.
+const FULL_DESCENTS: usize = 12;
 
-/// The solver, made ready for a chain.
+/// Numeric solver of one chain.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Numeric {
     chain: Chain,
-    joints: Joints,
-    /// One over the length of the chain, 1/m: a turn of 1 rad weighs as much as its length.
+    joints: JointRanges,
+    /// One over the length of the chain, 1/m: a rotation of 1 rad weighs as much as that length.
     scale: f64,
     starts: Starts,
 }
 
 impl Numeric {
+    /// Prepares the solver of a chain.
     pub fn new(chain: &Chain) -> Self {
-        let joints = Joints::new(chain);
+        let joints = JointRanges::new(chain);
         let searched: Vec<_> = joints.ranges().iter().map(|range| range.searched()).collect();
         let length = reach(chain);
         let scale = if length > 0.0 { 1.0 / length } else { 1.0 };
         Self { chain: chain.clone(), scale, starts: Starts::new(chain, &searched), joints }
     }
 
-    /// One solution inside the limits: the first that the starts lead to. With [`Self::all`] it is
-    /// one of those, and there is one exactly if there are any.
-    pub fn one(&self, goal: &Goal) -> Option<JointVector> {
+    /// Returns one solution inside the limits: the first that the starts lead to.
+    ///
+    /// It is one of [`Self::all`], and exists exactly if these are not empty.
+    pub fn one(&self, goal: &TcpGoal) -> Option<JointVector> {
         let goal = goal.checked().filter(|goal| self.spans(goal))?;
         let mut frames = Frames::default();
         let mut starts = self.starts.ranked(&goal, self.scale);
-        let found = starts.find_map(|start| self.rush(&goal, start, &mut frames));
+        let found = starts.find_map(|start| self.descend_fast(&goal, start, &mut frames));
         found.or_else(|| match self.out_of_reach(&goal, &mut frames) {
             Some(_) => None,
-            None => self.second(&goal, &mut frames),
+            None => self.solve_fully(&goal, &mut frames),
         })
     }
 
-    /// The distinct solutions inside the limits that the starts lead to, sorted, and what is missing
-    /// if there are none. A joint whose limits leave a choice of turns is in the one nearest to the
-    /// middle. If more joints than the goal needs leave a continuum, `out` has some points spread over it.
-    pub fn all(&self, goal: &Goal, out: &mut Vec<JointVector>) -> Missing {
+    /// Writes the distinct solutions inside the limits to `out`, sorted; returns what is missing if none.
+    ///
+    /// A joint whose range spans several turns is in the one nearest to the middle. A redundant chain has a
+    /// continuum of solutions; then `out` holds some points spread over it.
+    pub fn all(&self, goal: &TcpGoal, out: &mut Vec<JointVector>) -> Shortfall {
         out.clear();
         let Some(goal) = goal.checked() else {
-            return Missing::NotConverged { position: f64::INFINITY, angle: f64::INFINITY };
+            return Shortfall::NotConverged { position: f64::INFINITY, angle: f64::INFINITY };
         };
         let mut frames = Frames::default();
-        let mut distinct = Distinct::new(&self.joints, goal.rows());
+        let mut distinct = DistinctSolutions::new(&self.joints, goal.rows());
         if self.spans(&goal) {
             for start in self.starts.ranked(&goal, self.scale) {
-                distinct.take(self.rush(&goal, start, &mut frames));
+                distinct.take(self.descend_fast(&goal, start, &mut frames));
                 if distinct.is_done() {
                     break;
                 }
@@ -84,41 +88,41 @@ impl Numeric {
         }
         if distinct.found.is_empty() {
             if let Some(by) = self.out_of_reach(&goal, &mut frames) {
-                return Missing::OutOfReach { by };
+                return Shortfall::OutOfReach { by };
             }
-            distinct.take(self.second(&goal, &mut frames));
+            distinct.take(self.solve_fully(&goal, &mut frames));
         }
         distinct.into_sorted(out);
-        if out.is_empty() { self.missing(&goal, &mut frames) } else { Missing::None }
+        if out.is_empty() { self.missing(&goal, &mut frames) } else { Shortfall::None }
     }
 
-    /// The solution that the descent from `start` leads to.
-    pub fn from(&self, goal: &Goal, start: &JointVector) -> Option<JointVector> {
+    /// Returns the solution that the descent from `start` leads to.
+    pub fn from(&self, goal: &TcpGoal, start: &JointVector) -> Option<JointVector> {
         let goal = goal.checked().filter(|goal| self.spans(goal))?;
         let mut frames = Frames::default();
         let start = self.joints.kept(start);
-        self.rush(&goal, &start, &mut frames).or_else(|| {
-            let rest = self.settle(&goal, &start, self.scale, &mut frames);
+        self.descend_fast(&goal, &start, &mut frames).or_else(|| {
+            let rest = self.descend_to_rest(&goal, &start, self.scale, &mut frames);
             rest.miss.is_reached().then_some(rest.q)
         })
     }
 
-    /// The slow way, for a goal that every fast descent has missed.
-    fn second(&self, goal: &Goal, frames: &mut Frames) -> Option<JointVector> {
-        let mut starts = self.starts.ranked(goal, self.scale).take(SECOND);
+    /// Solves by full descents, for a goal that every fast descent has missed.
+    fn solve_fully(&self, goal: &TcpGoal, frames: &mut Frames) -> Option<JointVector> {
+        let mut starts = self.starts.ranked(goal, self.scale).take(FULL_DESCENTS);
         starts.find_map(|start| {
-            let rest = self.settle(goal, start, self.scale, frames);
+            let rest = self.descend_to_rest(goal, start, self.scale, frames);
             rest.miss.is_reached().then_some(rest.q)
         })
     }
 
-    /// Whether the chain is long enough at all.
-    fn spans(&self, goal: &Goal) -> bool {
+    /// Returns whether the chain is long enough for the goal.
+    fn spans(&self, goal: &TcpGoal) -> bool {
         goal.position.norm() * self.scale <= 1.0 + 1e-9
     }
 }
 
-/// How far the TCP can be from the base at most, m.
+/// Returns an upper bound of the distance of the TCP from the base, m.
 fn reach(chain: &Chain) -> f64 {
     let links = chain.links.iter().enumerate().map(|(i, link)| {
         let farthest = |j: usize| chain.links[j].limits.0.abs().max(chain.links[j].limits.1.abs());

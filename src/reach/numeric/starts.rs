@@ -1,22 +1,23 @@
-//! Where the search starts: a fixed set of postures spread over the ranges of the joints.
+//! Start postures of the numeric solver: a low-discrepancy sequence over the joint ranges.
 
-use super::goal::Goal;
+use super::goal::TcpGoal;
 use crate::cell::{JointVector, MAX_JOINTS};
+use crate::low_discrepancy::RobertsSequence;
 use crate::pose::Pose;
 use crate::robot::{Chain, Frames};
 use nalgebra::Vector3;
 
-/// How many there are.
+/// Number of start postures.
 pub(super) const STARTS: usize = 384;
 
-/// A posture and where it puts the TCP.
+/// Start posture with the pose of its TCP.
 #[derive(Debug, Clone, PartialEq)]
 struct Start {
     q: JointVector,
     tcp: Pose,
 }
 
-/// The starts of a chain.
+/// Start postures of a chain.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Starts {
     all: Vec<Start>,
@@ -24,19 +25,14 @@ pub(super) struct Starts {
 }
 
 impl Starts {
-    /// Between `ranges`, the middle first. The sequence is that of Roberts (2018, "R_d"): coordinate
-    /// j of point k is the fraction of `1/2 + k / g^(j + 1)`, g the root of `g^(n + 1) = g + 1`.
+    /// Spreads the R_d sequence over `ranges`; the first posture is in their middle.
     pub fn new(chain: &Chain, ranges: &[(f64, f64)]) -> Self {
-        let n = ranges.len();
-        let mut root: f64 = 2.0;
-        for _ in 0..64 {
-            root = (1.0 + root).powf(1.0 / (n as f64 + 1.0));
-        }
+        let sequence = RobertsSequence::new(ranges.len());
         let mut frames = Frames::default();
         let all = (0..STARTS).map(|k| {
             let mut q = [0.0; MAX_JOINTS];
             for (j, (q, (lo, hi))) in q.iter_mut().zip(ranges).enumerate() {
-                *q = lo + (hi - lo) * (0.5 + k as f64 / root.powi(j as i32 + 1)).fract();
+                *q = lo + (hi - lo) * sequence.coordinate(k, j);
             }
             chain.place(&chain.posture(&q), &mut frames);
             Start { q, tcp: frames.tcp }
@@ -44,8 +40,8 @@ impl Starts {
         Self { all: all.collect(), tool_axis: chain.tool_axis }
     }
 
-    /// The starts from the nearest to the goal to the farthest; `scale` in 1/m.
-    pub fn ranked(&self, goal: &Goal, scale: f64) -> Ranked<'_> {
+    /// Returns the starts from the nearest to the farthest of the goal; `scale` (1/m) multiplies lengths.
+    pub fn ranked(&self, goal: &TcpGoal, scale: f64) -> Ranked<'_> {
         let mut far = [0.0; STARTS];
         for (far, start) in far.iter_mut().zip(&self.all) {
             *far = goal.far(&start.tcp, &self.tool_axis, scale);
@@ -54,7 +50,7 @@ impl Starts {
     }
 }
 
-/// Finds the next only when it is asked for: most goals need one or two.
+/// Iterator that finds the next start on demand, since most goals need one or two.
 pub(super) struct Ranked<'a> {
     starts: &'a Starts,
     far: [f64; STARTS],

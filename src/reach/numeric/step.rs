@@ -1,16 +1,22 @@
-//! One step: the least of `d^T H d / 2 - b . d` within bounds, on arrays that live on the stack.
+//! Bounded step: an approximate minimizer of `d^T H d / 2 - b . d` within bounds, on stack arrays.
 
 use crate::cell::{JointVector, MAX_JOINTS};
 
-/// Symmetric: only the lower triangle is kept.
-pub(super) type Matrix = [[f64; MAX_JOINTS]; MAX_JOINTS];
+/// Symmetric matrix of the normal equations, stored as its lower triangle.
+pub(super) type NormalMatrix = [[f64; MAX_JOINTS]; MAX_JOINTS];
 
-/// Least and greatest step of each joint.
-pub(super) type Bounds = [(f64, f64); MAX_JOINTS];
+/// Least and greatest step of each joint, rad or m.
+pub(super) type StepBounds = [(f64, f64); MAX_JOINTS];
 
-/// The step within `bounds`: joints whose step leaves them are put at the bound and the rest is solved
-/// again, an active set that never lets go. None if H is not positive definite.
-pub(super) fn bounded_step(n: usize, h: &Matrix, b: &JointVector, bounds: &Bounds) -> Option<JointVector> {
+/// Returns a step within `bounds` by an active set that only grows; None if H is not positive definite.
+///
+/// Joints whose step violates a bound are fixed at it, and the rest is solved again.
+pub(super) fn bounded_step(
+    n: usize,
+    h: &NormalMatrix,
+    b: &JointVector,
+    bounds: &StepBounds,
+) -> Option<JointVector> {
     let mut step = *b;
     solve(n, h, &mut step)?;
     let mut held = [false; MAX_JOINTS];
@@ -29,13 +35,14 @@ pub(super) fn bounded_step(n: usize, h: &Matrix, b: &JointVector, bounds: &Bound
     }
 }
 
-/// Whether a step of [`bounded_step`] is not the least: a joint at its bound would go down inward, the
-/// sign of its multiplier is wrong.
+/// Returns whether a step of [`bounded_step`] is not the minimizer.
+///
+/// Then the multiplier of a joint at its bound has the wrong sign: the cost falls inward.
 pub(super) fn holds_too_much(
     n: usize,
-    h: &Matrix,
+    h: &NormalMatrix,
     b: &JointVector,
-    bounds: &Bounds,
+    bounds: &StepBounds,
     step: &JointVector,
 ) -> bool {
     let at = |i: usize, j: usize| if i >= j { h[i][j] } else { h[j][i] };
@@ -45,10 +52,10 @@ pub(super) fn holds_too_much(
     })
 }
 
-/// Solves for the joints that are not held, the others stay where they are in `step`.
+/// Solves for the joints that are not held; the others keep their values in `step`.
 fn solve_free(
     n: usize,
-    h: &Matrix,
+    h: &NormalMatrix,
     b: &JointVector,
     held: &[bool; MAX_JOINTS],
     step: &mut JointVector,
@@ -59,7 +66,7 @@ fn solve_free(
         free[count] = i;
         count += 1;
     }
-    let (mut part, mut right) = (Matrix::default(), JointVector::default());
+    let (mut part, mut right) = (NormalMatrix::default(), JointVector::default());
     for (k, &i) in free[..count].iter().enumerate() {
         let pulled: f64 = (0..n).filter(|&j| held[j]).map(|j| at(i, j) * step[j]).sum();
         right[k] = b[i] - pulled;
@@ -74,9 +81,9 @@ fn solve_free(
     Some(())
 }
 
-/// `H^-1 b` in place of b, by Cholesky. None if H is not positive definite.
+/// Replaces b by `H^-1 b` by Cholesky decomposition; None if H is not positive definite.
 #[inline]
-fn solve(n: usize, h: &Matrix, b: &mut JointVector) -> Option<()> {
+fn solve(n: usize, h: &NormalMatrix, b: &mut JointVector) -> Option<()> {
     let mut lower = *h;
     let mut inverse = JointVector::default();
     for i in 0..n {

@@ -7,7 +7,7 @@ use super::axes::Scale;
 use super::canvas::{Anchor, BODY, Canvas, EDGE, Ink};
 use super::{WIDTH, words};
 use crate::cell::{Cell, Slot, Unit};
-use crate::layout::{Ended, Largest, Robustness};
+use crate::layout::{Largest, MisplacementEnd, Robustness};
 use crate::units::{deg_from_rad, m_from_mm, mm_from_m, percent_from_share, rad_from_deg};
 
 const ROW: f64 = 24.0;
@@ -107,8 +107,8 @@ fn told(cell: &Cell, operation: usize, r: &Robustness) -> Vec<String> {
 fn most(largest: &Largest, said: &dyn Fn(f64) -> String) -> String {
     let ended = match &largest.ended {
         None => " and more",
-        Some(Ended::Limit(_)) => " (then beyond its requirement)",
-        Some(Ended::Lost(_)) => " (then lost)",
+        Some(MisplacementEnd::Limit(_)) => " (then beyond its requirement)",
+        Some(MisplacementEnd::Lost(_)) => " (then lost)",
     };
     said(largest.most) + ended
 }

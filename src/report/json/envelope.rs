@@ -3,7 +3,7 @@
 use super::{length, lengths};
 use crate::assess::{Reachable, Sheet};
 use crate::cell::{ErrorSet, Joint, JointKind, Robot};
-use crate::reach::{Outline, Region, Size};
+use crate::reach::{EnvelopeSection, Outline, Size};
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use serde_json::{Value, json};
 
@@ -82,7 +82,7 @@ fn joint_row(joint: &Joint, [theta, r, l, alpha]: [f64; 4]) -> Value {
 
 /// The document of `envelope --json`: all in the base frame of the robot.
 pub fn envelope(envelope: &Reachable<'_>) -> Value {
-    let plan = |(height, plan): &(f64, Region)| {
+    let plan = |(height, plan): &(f64, EnvelopeSection)| {
         json!({
             "height_mm": length(mm_from_m(*height)),
             "area_m2": rounded(plan.area(), 9),
@@ -108,7 +108,7 @@ pub fn envelope(envelope: &Reachable<'_>) -> Value {
 }
 
 /// Closed lines, counterclockwise outside and clockwise round holes.
-fn outlines(region: &Region, [first, second]: [&str; 2]) -> Vec<Value> {
+fn outlines(region: &EnvelopeSection, [first, second]: [&str; 2]) -> Vec<Value> {
     let axis =
         |o: &Outline, k: usize| o.points.iter().map(|p| rounded(mm_from_m(p[k]), 3)).collect::<Vec<_>>();
     let one = |o: &Outline| json!({ "hole": o.is_hole(), first: axis(o, 0), second: axis(o, 1) });

@@ -26,19 +26,19 @@ pub use sweep::{row, values};
 
 use crate::assess::Assessment;
 use crate::cell::{Cell, JointKind, JointVector, Layout, Placement, Role, Slot};
-use crate::clearance::{Allowed, OwnPair};
+use crate::clearance::{Allowed, SelfCollisionPair};
 use crate::layout::Workcell;
 use crate::units::{deg_from_rad, mm_from_m, percent_from_share, rounded};
 use nalgebra::Vector3;
 use serde_json::{Map, Value, json};
 
 /// Every pair of solids of the robot: what they are, and why they may touch (null: they may not).
-pub fn own_pairs(workcell: &Workcell) -> Vec<Value> {
-    let pair = |p: &OwnPair| {
+pub fn self_collision_pairs(workcell: &Workcell) -> Vec<Value> {
+    let pair = |p: &SelfCollisionPair| {
         let [a, b] = [p.a, p.b].map(|id| id.in_words(&workcell.cell));
         json!({ "a": a, "b": b, "allowed": p.allowed.map(Allowed::in_words) })
     };
-    workcell.own_pairs().iter().map(pair).collect()
+    workcell.self_collision_pairs().iter().map(pair).collect()
 }
 
 /// Placements by the name of the equipment; obstacles are not the layout's to place.

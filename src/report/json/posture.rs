@@ -4,7 +4,7 @@ use super::{joints, length, lengths};
 use crate::assess::{Account, DhRow, Explanation, Line, Motion, Place, Stance, Tighter};
 use crate::cell::{Cell, JointKind, Unit};
 use crate::pose::{Displacement, Pose};
-use crate::reading::{Figures, Judgement, Share, WorstCase};
+use crate::reading::{Figures, PostureErrors, Share, WorstCase};
 use crate::report::names;
 use crate::report::text::{frame_name, value_word};
 use crate::units::{deg_from_rad, mm_from_m, percent_from_share, rad_from_deg, rounded};
@@ -125,7 +125,7 @@ fn place(stance: &Stance<'_>) -> Map<String, Value> {
 }
 
 /// Every figure in the operation's sense.
-fn total(stance: &Stance<'_>, judged: &Judgement) -> Value {
+fn total(stance: &Stance<'_>, judged: &PostureErrors) -> Value {
     let unit = stance.gauge.sense.unit;
     let Figures { error, worst_linear, worst, rms, mean, p95, p99 } = judged.figures[stance.gauge.own()];
     let [error, worst_linear, worst, rms, mean, p95, p99] =

@@ -3,7 +3,7 @@
 use super::{base, layout, length, refined};
 use crate::assess::Assessment;
 use crate::cell::{Cell, Slot};
-use crate::layout::{Corner, Ended, Largest, Lost, Robustness};
+use crate::layout::{Corner, Largest, Lost, MisplacementEnd, Robustness};
 use crate::report::text::value_word;
 use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg};
 use serde_json::{Map, Value, json};
@@ -73,8 +73,8 @@ fn lost(cell: &Cell, lost: &Lost) -> Value {
 /// `ended` is null if nothing ended it as far as it was looked.
 fn largest(cell: &Cell, largest: &Largest, shown: impl Fn(f64) -> f64) -> Value {
     let ended = largest.ended.as_ref().map(|ended| match ended {
-        Ended::Lost(at) => lost(cell, at),
-        Ended::Limit(at) => corner(cell, at),
+        MisplacementEnd::Lost(at) => lost(cell, at),
+        MisplacementEnd::Limit(at) => corner(cell, at),
     });
     json!({ "most": length(shown(largest.most)), "ended": ended })
 }

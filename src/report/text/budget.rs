@@ -4,7 +4,7 @@ use super::table::TextTable;
 use super::{amount, fixed, percent1, place_words};
 use crate::assess::{Account, Tighter};
 use crate::cell::{Reading, Unit};
-use crate::kinematic_error::NOTHING;
+use crate::kinematic_error::NEGLIGIBLE;
 use crate::reading::{Figures, Share};
 use crate::report::names;
 use crate::units::mm_from_m;
@@ -20,7 +20,7 @@ pub fn budget(a: &Account<'_>) -> String {
         _ => "at plus",
     };
     let mut out = place_words(&a.stance);
-    if a.judged.figures[gauge.own()].worst <= NOTHING {
+    if a.judged.figures[gauge.own()].worst <= NEGLIGIBLE {
         // Shares of rounding errors would mean nothing.
         out.push_str(match a.stance.situation.site.taught.is_some() {
             true => "  this point was touched to teach the frame: no error is left here\n",

@@ -6,10 +6,10 @@ mod envelope;
 mod explain;
 mod front;
 mod map;
-mod own_pairs;
 mod proof;
 mod readings;
 mod robust;
+mod self_collision_pairs;
 mod sweep;
 pub mod table;
 mod urdf;
@@ -20,14 +20,15 @@ pub use envelope::{envelope, envelope_title, robot, robots};
 pub use explain::{explanation, frame_name};
 pub use front::{front, goals_line};
 pub use map::{distrust, maps};
-pub use own_pairs::own_pairs;
 pub use proof::proven;
 pub use readings::{findings, readings};
 pub use robust::{robust_lines, robustness};
+pub use self_collision_pairs::self_collision_pairs;
 pub use sweep::sweep;
 pub use urdf::derived;
 
 use crate::cell::{Cell, ErrorSet, Quantity, Reading, Registration, Spread, Unit};
+use crate::error_map::NodeSign;
 
 use crate::assess::Stance;
 use crate::files::shown;
@@ -82,22 +83,9 @@ pub fn value_word(cell: &Cell) -> &'static str {
     }
 }
 
-/// Statuses of nodes that are counted even if there are none.
-const ALWAYS_COUNTED: [&str; 4] = ["ok", "collision", "joint-limit", "out-of-reach"];
-
-/// Statuses of nodes, each with its words behind a count.
-const STATUSES: [(&str, &str); 10] = [
-    ("ok", "ok"),
-    ("collision", "colliding"),
-    ("singular", "nearly singular"),
-    ("approach", "without approach"),
-    ("retract", "without retract"),
-    ("joint-limit", "beyond a joint limit"),
-    ("attitude", "with an unreachable tool orientation"),
-    ("not-converged", "not converged"),
-    ("out-of-reach", "out of reach"),
-    ("unjudged", "not judged"),
-];
+/// Signs of nodes that are counted even if there are none.
+const ALWAYS_COUNTED: [NodeSign; 4] =
+    [NodeSign::Usable, NodeSign::Collision, NodeSign::JointLimit, NodeSign::OutOfReach];
 
 /// Returns a length in mm, rounded to 1 um.
 fn mm(m: f64) -> String {

@@ -5,7 +5,7 @@ use super::{amount, fixed, mm1, percent1};
 use crate::assess::{Readings, Row};
 use crate::cell::{ErrorSet, Registration};
 use crate::files::shown;
-use crate::kinematic_error::NOTHING;
+use crate::kinematic_error::NEGLIGIBLE;
 use std::fmt::Write;
 
 /// Returns one table per operation, then the findings.
@@ -104,7 +104,7 @@ fn registered(r: &Readings<'_>) -> Vec<String> {
     let mut said = Vec::new();
     for (k, operation) in r.cell.operations.iter().enumerate() {
         let plain = r.worst_case(k, Registration::None).and_then(|row| row.choice.as_ref().ok());
-        let Some(plain) = plain.filter(|c| c.value > NOTHING) else { continue };
+        let Some(plain) = plain.filter(|c| c.value > NEGLIGIBLE) else { continue };
         let unit = operation.sense.unit;
         for (what, registration) in
             [("best-fitting the base", Registration::BestFit), ("teaching the surface", Registration::Taught)]

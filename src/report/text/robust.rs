@@ -4,7 +4,7 @@ use super::{amount, fixed, percent1, value_word};
 use crate::assess::Assessment;
 use crate::cell::{Cell, Slot, Unit};
 use crate::files::shown;
-use crate::layout::{Corner, Ended, Largest, Lost, Robustness};
+use crate::layout::{Corner, Largest, Lost, MisplacementEnd, Robustness};
 use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg, rounded};
 use std::fmt::Write;
 
@@ -80,10 +80,10 @@ fn most(largest: &Largest, said: impl Fn(f64) -> String) -> String {
 fn because(cell: &Cell, largest: &Largest) -> String {
     match &largest.ended {
         None => String::new(),
-        Some(Ended::Limit(Corner { moves: at, .. })) => {
+        Some(MisplacementEnd::Limit(Corner { moves: at, .. })) => {
             format!(": beyond that it exceeds its limit at {}", moves(cell, at))
         }
-        Some(Ended::Lost(Lost { moves: at, status })) => {
+        Some(MisplacementEnd::Lost(Lost { moves: at, status })) => {
             format!(": beyond that {} at {}", status.reason(cell), moves(cell, at))
         }
     }

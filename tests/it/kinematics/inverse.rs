@@ -39,7 +39,7 @@ fn apart(robot: &Robot, a: &JointVector, b: &JointVector) -> f64 {
 fn check_inverse(robot: &Robot, q: &JointVector, tolerance: f64) {
     let (chain, (target, bend)) = (Chain::new(robot), held(robot, q));
     let arm = Inverse::new(&chain);
-    let approach = arm.approach(&Attitude::elevation(bend), 0.0);
+    let approach = arm.tool_attitudes(&Attitude::elevation(bend), 0.0);
     let Reach::Branches(branches) = arm.branches(&target, &approach) else { panic!("{q:?} out of reach") };
     for b in &branches {
         let (p, e) = held(robot, &b.joints);
@@ -64,7 +64,7 @@ fn check_inverse(robot: &Robot, q: &JointVector, tolerance: f64) {
 fn check_inverse_at_random(robot: &Robot, configurations: usize) {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     for _ in 0..configurations {
-        // Conditioned by the sine of joint 3, 2e-4 at the worst here: five digits to spare.
+        // The sine of joint 3, 2e-4 at worst here, conditions the result and leaves five digits.
         check_inverse(robot, &random_joints(robot, &mut rng), 1e-9);
     }
 }
@@ -143,7 +143,7 @@ fn the_inverse_recovers_postures_of_arms_like_the_paper() {
         arm(with(3, 3, 90.0), turn, SERIAL, across),
         arm(OFFSETS, [-400.0, 300.0], SERIAL, TOOL),
         arm(OFFSETS, [-400.0, 300.0], whole, TOOL),
-        // Through 180 degrees, where atan2 jumps.
+        // The limits include 180 degrees, where atan2 jumps.
         arm(OFFSETS, [100.0, 260.0], SERIAL, TOOL),
         arm(OFFSETS, [100.0, 260.0], whole, TOOL),
         arm(OFFSETS, [-70.0, 110.0], fraction, TOOL),
@@ -157,7 +157,7 @@ fn the_inverse_recovers_postures_of_arms_like_the_paper() {
 fn the_inverse_finds_postures_at_the_joint_limits() {
     let paper = ["hitachi_paper.toml", "hitachi_paper_parallelogram.toml"].map(|name| shipped(name).robot);
     for robot in paper.into_iter().chain([arm(OFFSETS, [100.0, 260.0], SERIAL, TOOL)]) {
-        // Every joint at its lower limit, between, or at its upper limit.
+        // Every joint is at its lower limit, between, or at its upper limit.
         for k in 0..3usize.pow(4) {
             let choice = |i, (lo, hi): (f64, f64)| [lo, 0.6 * lo + 0.4 * hi, hi][k / 3usize.pow(i) % 3];
             let q = from_fn(|i| robot.joints.get(i).map_or(0.0, |j| choice(i as u32, j.limits)));
@@ -179,7 +179,7 @@ fn map_and_search_agree_at_the_tolerance_of_a_limit() {
         // A limit counts as kept up to 1e-12 in the cosine of the angle from its middle.
         q[joint] = limits.1 + 1e-12 * rng.random_range(0.999..1.001) / half(limits).sin();
         let (target, bend) = held(&robot, &q);
-        let approach = arm.approach(&Attitude::elevation(bend), 0.0);
+        let approach = arm.tool_attitudes(&Attitude::elevation(bend), 0.0);
         let Reach::Branches(branches) = arm.branches(&target, &approach) else {
             panic!("{q:?} out of reach")
         };
@@ -227,7 +227,7 @@ fn a_folded_arm_of_equal_links_holds_the_tool() {
         for _ in 0..100 {
             let mut q = random_joints(&robot, &mut rng);
             q[2] = PI - fold;
-            // The upper arm may point anywhere: only the tool is compared.
+            // The upper arm may point anywhere, so only the tool is compared.
             check_inverse(&robot, &q, f64::INFINITY);
         }
     }
@@ -240,7 +240,7 @@ fn the_base_yaw_keeps_its_limits_on_the_base_axis() {
         robot.joints[0].theta = f64::to_radians(offset);
         robot.joints[0].limits = (f64::to_radians(limits.0), f64::to_radians(limits.1));
         let arm = Inverse::new(&Chain::new(&robot));
-        let approach = arm.approach(&Attitude::elevation(0.0), 0.0);
+        let approach = arm.tool_attitudes(&Attitude::elevation(0.0), 0.0);
         let Reach::Branches(branches) = arm.branches(&vector![0.0, 0.0, 1.4], &approach) else { panic!() };
         assert!(branches.iter().all(|b| b.violation.is_none()), "{branches:?}");
     }
@@ -257,7 +257,7 @@ fn a_fractional_gear_over_several_turns_is_solved_on_the_actuators() {
     let mut rng = ChaCha8Rng::seed_from_u64(5);
     for _ in 0..100 {
         let (target, bend) = held(&robot, &random_joints(&robot, &mut rng));
-        let approach = inverse.approach(&Attitude::elevation(bend), 0.0);
+        let approach = inverse.tool_attitudes(&Attitude::elevation(bend), 0.0);
         let Reach::Branches(branches) = inverse.branches(&target, &approach) else {
             panic!("{target:?} {bend}")
         };

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 use sweetspot::cell::{Attitude, JointKind, JointVector, MAX_JOINTS, Parameter, Robot};
 use sweetspot::pose::Pose;
-use sweetspot::reach::{Goal, Held, Inverse, Missing, Numeric, Reach, jacobian};
+use sweetspot::reach::{AttitudeGoal, Inverse, Numeric, Reach, Shortfall, TcpGoal, jacobian};
 use sweetspot::robot::Chain;
 use sweetspot::units::wrapped;
 
@@ -106,34 +106,36 @@ fn fk(robot: &Robot, q: &JointVector) -> Matrix4<f64> {
 }
 
 /// Returns the goal at `q` with all of the orientation or a part of it.
-fn goal_at(robot: &Robot, q: &JointVector, rows: usize) -> Goal {
+fn goal_at(robot: &Robot, q: &JointVector, rows: usize) -> TcpGoal {
     let t = fk(robot, q);
     let axis = rotation(&t) * robot.tool_axis;
     let attitude = match rows {
-        3 => Held::Any,
-        4 => Held::Elevation(axis.z.atan2(axis.x.hypot(axis.y))),
-        5 => Held::Axis(axis),
-        _ => Held::Rotation(rotation(&t)),
+        3 => AttitudeGoal::Any,
+        4 => AttitudeGoal::Elevation(axis.z.atan2(axis.x.hypot(axis.y))),
+        5 => AttitudeGoal::Axis(axis),
+        _ => AttitudeGoal::Rotation(rotation(&t)),
     };
-    Goal { position: position(&t), attitude }
+    TcpGoal { position: position(&t), attitude }
 }
 
 /// Returns distance (m) and angle (rad) of a posture from a goal.
-fn off(robot: &Robot, q: &JointVector, goal: &Goal) -> (f64, f64) {
+fn off(robot: &Robot, q: &JointVector, goal: &TcpGoal) -> (f64, f64) {
     let t = fk(robot, q);
     let axis = rotation(&t) * robot.tool_axis;
-    // The chord instead of the arc cosine, which has no digits at 0.
+    // The chord replaces the arc cosine, which has no digits at 0.
     let between = |a: Vector3<f64>, b: Vector3<f64>| 2.0 * ((a - b).norm() / 2.0).min(1.0).asin();
     let angle = match goal.attitude {
-        Held::Any => 0.0,
-        Held::Elevation(angle) => (axis.z.atan2(axis.x.hypot(axis.y)) - angle).abs(),
-        Held::Axis(wanted) => between(axis, wanted),
-        Held::Rotation(wanted) => 2.0 * ((rotation(&t) - wanted).norm() / 8f64.sqrt()).min(1.0).asin(),
+        AttitudeGoal::Any => 0.0,
+        AttitudeGoal::Elevation(angle) => (axis.z.atan2(axis.x.hypot(axis.y)) - angle).abs(),
+        AttitudeGoal::Axis(wanted) => between(axis, wanted),
+        AttitudeGoal::Rotation(wanted) => {
+            2.0 * ((rotation(&t) - wanted).norm() / 8f64.sqrt()).min(1.0).asin()
+        }
     };
     ((position(&t) - goal.position).norm(), angle)
 }
 
-fn check(robot: &Robot, q: &JointVector, goal: &Goal) {
+fn check(robot: &Robot, q: &JointVector, goal: &TcpGoal) {
     let (distance, angle) = off(robot, q, goal);
     assert!(distance < 1e-9 && angle < 1e-9, "{}: {distance:e} m, {angle:e} rad at {q:?}", robot.name);
     for (j, q) in robot.joints.iter().zip(q) {
@@ -146,7 +148,7 @@ fn check(robot: &Robot, q: &JointVector, goal: &Goal) {
 fn missed(robot: &Robot, rows: usize, count: usize) -> usize {
     let (solver, mut rng) = (Numeric::new(&Chain::new(robot)), ChaCha8Rng::seed_from_u64(7));
     let goals: Vec<_> = (0..count).map(|_| goal_at(robot, &random_joints(robot, &mut rng), rows)).collect();
-    let miss = |goal: &Goal| match solver.one(goal) {
+    let miss = |goal: &TcpGoal| match solver.one(goal) {
         Some(q) => {
             check(robot, &q, goal);
             0
@@ -193,13 +195,13 @@ fn one_and_all_solutions_of_peer_set_b_are_found() {
         let poses = data(&format!("b_{name}_T.bin"));
         let goals = poses.par_chunks_exact(16).map(|t| {
             let t = Matrix4::from_row_slice(t);
-            Goal { position: position(&t), attitude: Held::Rotation(rotation(&t)) }
+            TcpGoal { position: position(&t), attitude: AttitudeGoal::Rotation(rotation(&t)) }
         });
         let counts: Vec<usize> = goals
             .map(|goal| {
                 check(&robot, &solver.one(&goal).unwrap(), &goal);
                 let mut all = Vec::new();
-                assert_eq!(solver.all(&goal, &mut all), Missing::None);
+                assert_eq!(solver.all(&goal, &mut all), Shortfall::None);
                 all.iter().for_each(|q| check(&robot, q, &goal));
                 all.len()
             })
@@ -220,14 +222,14 @@ fn all_numeric_solutions_agree_with_the_closed_form() {
     let (mut rng, mut out, mut branches, mut lost) = (ChaCha8Rng::seed_from_u64(3), Vec::new(), 0, 0);
     for _ in 0..500 {
         let goal = goal_at(&robot, &random_joints(&robot, &mut rng), 4);
-        let Held::Elevation(bend) = goal.attitude else { panic!() };
+        let AttitudeGoal::Elevation(bend) = goal.attitude else { panic!() };
         let Reach::Branches(closed) =
-            arm.branches(&goal.position, &arm.approach(&Attitude::elevation(bend), 0.0))
+            arm.branches(&goal.position, &arm.tool_attitudes(&Attitude::elevation(bend), 0.0))
         else {
             panic!()
         };
         let closed: Vec<_> = closed.iter().filter(|b| b.violation.is_none()).map(|b| b.joints).collect();
-        assert_eq!(solver.all(&goal, &mut out), Missing::None);
+        assert_eq!(solver.all(&goal, &mut out), Shortfall::None);
         let same =
             |a: &JointVector, b: &JointVector| a.iter().zip(b).all(|(a, b)| wrapped(a - b).abs() < 1e-5);
         assert!(out.iter().all(|q| closed.iter().any(|c| same(q, c))), "{out:?} {closed:?}");
@@ -266,12 +268,12 @@ fn planar(links: &[f64], limits: &[(f64, f64)]) -> Robot {
     serial(&rows, Pose::identity())
 }
 
-fn reason(robot: &Robot, goal: &Goal) -> Missing {
+fn reason(robot: &Robot, goal: &TcpGoal) -> Shortfall {
     let solver = Numeric::new(&Chain::new(robot));
     let mut out = vec![[0.0; MAX_JOINTS]];
     let missing = solver.all(goal, &mut out);
-    assert_eq!(out.is_empty(), missing != Missing::None);
-    assert_eq!(solver.one(goal).is_some(), missing == Missing::None);
+    assert_eq!(out.is_empty(), missing != Shortfall::None);
+    assert_eq!(solver.one(goal).is_some(), missing == Shortfall::None);
     missing
 }
 
@@ -281,24 +283,24 @@ fn an_unreachable_goal_reports_the_distance() {
     let (long, short) = (planar(&[0.5, 0.4, 0.3], &free), planar(&[1.0, 0.3, 0.2], &free));
     let still = planar(&[0.5, 0.4, 0.3], &[(-FRAC_PI_2, FRAC_PI_2), (-1e-12, 1e-12), (-1e-12, 1e-12)]);
     let cases = [
-        // Stretched, and the plane below.
+        // The first pose is stretched, the next below the plane.
         (&long, vector![2.0, 0.0, 0.0], 0.8),
         (&long, vector![-1.2, -0.9, 0.0], 0.3),
         (&long, vector![1.2, 0.9, 0.4], 0.5),
         (&long, vector![0.3, 0.2, -0.07], 0.07),
         (&long, vector![0.0, 1.2 + 2e-6, 0.0], 2e-6),
-        // The hole in the middle.
+        // The target lies in the central hole.
         (&short, vector![0.0, 0.0, 0.0], 0.5),
         (&short, vector![0.0, 0.4, 0.0], 0.1),
-        // A rod that turns by a right angle to each side: behind it, its ends are the nearest.
+        // The rod turns by a right angle to each side, so its ends are nearest to a point behind it.
         (&still, vector![-0.5, 0.0, 0.0], 1.3),
         (&still, vector![-0.5, -1.2, 0.0], 0.5),
         (&long, vector![1e9, 0.0, 0.0], 1e9 - 1.2),
     ];
     for (robot, position, want) in cases {
-        for attitude in [Held::Any, Held::Rotation(Matrix3::identity())] {
-            let Missing::OutOfReach { by } = reason(robot, &Goal { position, attitude }) else {
-                panic!("{position:?}: {:?}", reason(robot, &Goal { position, attitude }))
+        for attitude in [AttitudeGoal::Any, AttitudeGoal::Rotation(Matrix3::identity())] {
+            let Shortfall::OutOfReach { by } = reason(robot, &TcpGoal { position, attitude }) else {
+                panic!("{position:?}: {:?}", reason(robot, &TcpGoal { position, attitude }))
             };
             assert!((by - want).abs() < 1e-9 + want * 1e-15, "{position:?}: {by} instead of {want}");
         }
@@ -312,20 +314,20 @@ fn a_joint_limit_that_forbids_the_orientation_is_named() {
     let robot = scara(limit);
     for _ in 0..200 {
         let mut q = random_joints(&robot, &mut rng);
-        // Of both elbows neither near its limits.
+        // Neither elbow is near its limits.
         q[0] *= 0.3;
         q[1] = (0.5 + 1.2 * rng.random::<f64>()) * q[1].signum();
         q[3] = rng.random_range(-PI..PI);
         let goal = goal_at(&robot, &q, 6);
-        // The other elbow: the triangle of the two links mirrored at the line to the wrist.
+        // The other elbow mirrors the triangle of the two links at the line to the wrist.
         let (l1, l2) = (0.35, 0.3);
         let line = (l2 * q[1].sin()).atan2(l1 + l2 * q[1].cos());
         let other = [q[0] + 2.0 * line, -q[1]];
         let left = |q0: f64, q1: f64| (wrapped(q[0] + q[1] + q[3] - q0 - q1).abs() - limit).max(0.0);
         let want = left(q[0], q[1]).min(left(other[0], other[1]));
         match reason(&robot, &goal) {
-            Missing::None => assert_eq!(want, 0.0),
-            Missing::Attitude { by, joint } => {
+            Shortfall::None => assert_eq!(want, 0.0),
+            Shortfall::Attitude { by, joint } => {
                 told += 1;
                 assert_eq!(joint, Some(3));
                 assert!((by - want).abs() < 1e-5, "{by} instead of {want}");
@@ -342,12 +344,12 @@ fn an_orientation_that_the_geometry_forbids_names_no_joint() {
     let robot = shipped("hitachi_paper.toml").robot;
     for tilt in [0.1, 0.4, 0.9] {
         let goal = goal_at(&robot, &[0.2, 0.3, -0.4, 0.2, 0.0, 0.0, 0.0, 0.0], 5);
-        let Held::Axis(axis) = goal.attitude else { panic!() };
+        let AttitudeGoal::Axis(axis) = goal.attitude else { panic!() };
         let across = Vector3::z().cross(&vector![goal.position.x, goal.position.y, 0.0]).normalize();
         assert!(axis.dot(&across).abs() < 1e-12);
-        let tilted = Held::Axis(axis * f64::cos(tilt) + across * f64::sin(tilt));
-        match reason(&robot, &Goal { attitude: tilted, ..goal }) {
-            Missing::Attitude { by, joint: None } => assert!((by - tilt).abs() < 1e-5, "{by} for {tilt}"),
+        let tilted = AttitudeGoal::Axis(axis * f64::cos(tilt) + across * f64::sin(tilt));
+        match reason(&robot, &TcpGoal { attitude: tilted, ..goal }) {
+            Shortfall::Attitude { by, joint: None } => assert!((by - tilt).abs() < 1e-5, "{by} for {tilt}"),
             other => panic!("{other:?}"),
         }
     }
@@ -364,7 +366,7 @@ fn numeric_solutions_are_deterministic() {
             let goal = goal_at(&robot, &q, rows);
             first.all(&goal, &mut a);
             let one = first.one(&goal);
-            // Whatever was asked before.
+            // Earlier questions must not matter.
             second.all(&other, &mut b);
             second.all(&goal, &mut b);
             assert_eq!((a, one), (b, second.one(&goal)));
@@ -380,7 +382,7 @@ fn a_continuum_of_solutions_is_sampled_evenly() {
     let mut count = 0;
     for _ in 0..50 {
         let goal = goal_at(&robot, &random_joints(&robot, &mut rng), 6);
-        assert_eq!(solver.all(&goal, &mut out), Missing::None);
+        assert_eq!(solver.all(&goal, &mut out), Shortfall::None);
         assert!(out.is_sorted_by(|a, b| a.partial_cmp(b).unwrap().is_lt()) && out.len() <= 16);
         for (i, q) in out.iter().enumerate() {
             check(&robot, q, &goal);
@@ -399,18 +401,18 @@ fn nearly_vertical_tools_and_half_turns_are_solved() {
     for rest in [0.0, 1e-10, 1e-9, 1e-8, 1e-7, 1e-5, 1e-3, 0.1] {
         for sign in [1.0, -1.0] {
             let (position, elevation) = (vector![0.4, 0.2, 0.3], sign * (FRAC_PI_2 - rest));
-            let goal = Goal { position, attitude: Held::Elevation(elevation) };
+            let goal = TcpGoal { position, attitude: AttitudeGoal::Elevation(elevation) };
             let q = solver.one(&goal).unwrap_or_else(|| panic!("{rest:e}"));
             check(&robot, &q, &goal);
         }
     }
-    // From a posture to one turned by half a turn or nearly, and not at all.
+    // The start is turned by half a turn, nearly half, or not at all.
     let q = [0.3, -1.2, 1.4, -0.5, 0.9, 0.2, 0.0, 0.0];
     for angle in [0.0, 1e-12, 1e-8, PI - 1e-8, PI, -PI] {
         for axis in [Vector3::x_axis(), Vector3::y_axis(), Vector3::z_axis()] {
             let t = fk(&robot, &q);
             let turned = Rotation3::from_axis_angle(&axis, angle).into_inner() * rotation(&t);
-            let goal = Goal { position: position(&t), attitude: Held::Rotation(turned) };
+            let goal = TcpGoal { position: position(&t), attitude: AttitudeGoal::Rotation(turned) };
             if let Some(found) = solver.from(&goal, &q) {
                 check(&robot, &found, &goal);
             } else {
@@ -446,27 +448,30 @@ fn no_input_breaks_numeric_inverse_kinematics() {
     let slides = serial(&[(SLIDE, 0.0, 0.0, 0.0, (0.0, 1.0)); 3], Pose::identity());
     let one = planar(&[0.5], &[(-1.0, 1.0)]);
     let attitudes = [
-        Held::Any,
-        Held::Elevation(-0.3),
-        Held::Elevation(1e9),
-        Held::Axis(Vector3::zeros()),
-        Held::Axis(-Vector3::x()),
-        Held::Rotation(Matrix3::identity()),
-        Held::Rotation(Matrix3::zeros()),
-        Held::Rotation(Rotation3::from_euler_angles(PI, 0.0, 0.3).into_inner()),
+        AttitudeGoal::Any,
+        AttitudeGoal::Elevation(-0.3),
+        AttitudeGoal::Elevation(1e9),
+        AttitudeGoal::Axis(Vector3::zeros()),
+        AttitudeGoal::Axis(-Vector3::x()),
+        AttitudeGoal::Rotation(Matrix3::identity()),
+        AttitudeGoal::Rotation(Matrix3::zeros()),
+        AttitudeGoal::Rotation(Rotation3::from_euler_angles(PI, 0.0, 0.3).into_inner()),
     ];
     for robot in [&nothing, &slides, &one, &panda()] {
         for at in [0.0, 0.3, 1e9, 1e160, 1e300, -f64::MAX, f64::NAN, f64::INFINITY] {
             for attitude in attitudes {
-                let goal = Goal { position: vector![at, 0.0, 0.0], attitude };
+                let goal = TcpGoal { position: vector![at, 0.0, 0.0], attitude };
                 let left = match reason(robot, &goal) {
-                    Missing::None => vec![],
-                    Missing::OutOfReach { by } | Missing::Attitude { by, .. } => vec![by],
-                    Missing::NotConverged { position, angle } => vec![position, angle],
+                    Shortfall::None => vec![],
+                    Shortfall::OutOfReach { by } | Shortfall::Attitude { by, .. } => vec![by],
+                    Shortfall::NotConverged { position, angle } => vec![position, angle],
                 };
                 assert!(left.iter().all(|x| *x >= 0.0), "{} {goal:?}: {left:?}", robot.name);
             }
         }
     }
-    assert_eq!(reason(&nothing, &Goal { position: Vector3::zeros(), attitude: Held::Any }), Missing::None);
+    assert_eq!(
+        reason(&nothing, &TcpGoal { position: Vector3::zeros(), attitude: AttitudeGoal::Any }),
+        Shortfall::None
+    );
 }

@@ -8,7 +8,7 @@ use std::array::from_fn;
 use std::f64::consts::{FRAC_PI_2, PI};
 use sweetspot::cell::*;
 use sweetspot::pose::Pose;
-use sweetspot::reading::{Gauge, Site, Situation};
+use sweetspot::reading::{ErrorEvaluator, WorkContext, WorkFrame};
 use sweetspot::robot::{Chain, Frames};
 
 /// Returns the shipped cell of the paper with another robot, tolerance and sense.
@@ -21,14 +21,14 @@ pub fn cell_of(robot: Robot, tolerance: Tolerance, sense: Sense) -> Cell {
     cell
 }
 
-pub fn gauge_of(cell: &Cell) -> Gauge {
-    Gauge::new(cell, &cell.operations[0])
+pub fn gauge_of(cell: &Cell) -> ErrorEvaluator {
+    ErrorEvaluator::new(cell, &cell.operations[0])
 }
 
 /// Returns a situation of the robot alone: without taught frame and pick.
-pub fn alone() -> Situation {
-    Situation {
-        site: Site {
+pub fn alone() -> WorkContext {
+    WorkContext {
+        site: WorkFrame {
             equipment: 0,
             work: Pose::identity(),
             world: nalgebra::Matrix3::identity(),

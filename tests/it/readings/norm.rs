@@ -9,17 +9,17 @@ use crate::common::cases;
 use nalgebra::{Matrix6, Vector6};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use sweetspot::reading::norm::Norm;
+use sweetspot::reading::norm::NormDistribution;
 
 fn vector(values: &[f64]) -> Vector6<f64> {
     Vector6::from_fn(|i, _| values.get(i).copied().unwrap_or(0.0))
 }
 
 /// Returns the norm of independent normal components with these standard deviations and means.
-fn diagonal(sd: &[f64], mu: &[f64]) -> Norm {
+fn diagonal(sd: &[f64], mu: &[f64]) -> NormDistribution {
     let columns: Vec<_> =
         (0..sd.len()).map(|i| Vector6::from_fn(|j, _| if i == j { sd[i] } else { 0.0 })).collect();
-    Norm::new(sd.len(), &columns, &[], &vector(mu))
+    NormDistribution::new(sd.len(), &columns, &[], &vector(mu))
 }
 
 #[track_caller]
@@ -331,22 +331,23 @@ fn the_quantile_inverts_the_cdf() {
         let columns = random(&mut rng, m, 1 + round % 9);
         let kurtosis = vec![if round % 4 == 0 { -0.6 } else { 0.0 }; if columns.len() > 4 { 9 } else { 0 }];
         let mean = random(&mut rng, m, 1)[0] * [0.0, 0.1, 1.0, 10.0][round % 4];
-        let norm = Norm::new(m, &columns, &kurtosis, &mean);
+        let norm = NormDistribution::new(m, &columns, &kurtosis, &mean);
         for p in [0.003, 0.2, 0.5, 0.95, 0.99] {
             let c = norm.quantile(p);
             near(norm.cdf(c), p, 1e-9);
-            assert!(norm.quantile_bound(p) <= c, "{} > {c}", norm.quantile_bound(p));
+            assert!(norm.quantile_lower_bound(p) <= c, "{} > {c}", norm.quantile_lower_bound(p));
         }
     }
 }
 
 #[test]
 fn the_quantile_bound_is_exact_where_one_direction_varies() {
-    let norm = Norm::new(3, &[vector(&[1.0, 2.0, 2.0]), vector(&[-2.0, -4.0, -4.0])], &[], &vector(&[]));
-    close(norm.quantile_bound(0.95), norm.quantile(0.95), 1e-7);
+    let norm =
+        NormDistribution::new(3, &[vector(&[1.0, 2.0, 2.0]), vector(&[-2.0, -4.0, -4.0])], &[], &vector(&[]));
+    close(norm.quantile_lower_bound(0.95), norm.quantile(0.95), 1e-7);
     close(norm.quantile(0.95), 1.95996398454005 * 45.0_f64.sqrt(), 1e-10);
-    let uniform = Norm::new(3, &[vector(&[1.0]); 3], &[-1.2; 3], &vector(&[]));
-    assert_eq!(uniform.quantile_bound(0.95), 0.0);
+    let uniform = NormDistribution::new(3, &[vector(&[1.0]); 3], &[-1.2; 3], &vector(&[]));
+    assert_eq!(uniform.quantile_lower_bound(0.95), 0.0);
 }
 
 #[test]
@@ -356,21 +357,21 @@ fn the_figures_of_the_norm_do_not_depend_on_units_and_axes() {
         let columns = random(&mut rng, m, 8);
         let mean = random(&mut rng, m, 1)[0] * 0.1;
         let kurtosis = [0.0, -1.2, -0.6, 0.0, -1.2, 0.0, 0.0, -1.2];
-        let here = Norm::new(m, &columns, &kurtosis, &mean);
+        let here = NormDistribution::new(m, &columns, &kurtosis, &mean);
         for scale in [1e-9, 1e-6, 1e3, 1e-200, 1e200] {
             let scaled: Vec<_> = columns.iter().map(|g| g * scale).collect();
-            let there = Norm::new(m, &scaled, &kurtosis, &(mean * scale));
+            let there = NormDistribution::new(m, &scaled, &kurtosis, &(mean * scale));
             close(there.quantile(0.95), here.quantile(0.95) * scale, 1e-12);
             close(there.mean(), here.mean() * scale, 1e-12);
             close(there.rms(), here.rms() * scale, 1e-12);
             near(there.cdf(1.3 * scale), here.cdf(1.3), 1e-12);
         }
-        // Turned by Householder's reflection of the first m axes.
+        // Householder's reflection turns the first m axes.
         let v = vector(&[1.0, -2.0, 0.5, 3.0, 1.5, 0.7][..m]);
         let turn = Matrix6::identity() - v * v.transpose() * (2.0 / v.norm_squared());
         let cut = |g: &Vector6<f64>| Vector6::from_fn(|i, _| if i < m { g[i] } else { 0.0 });
         let turned: Vec<_> = columns.iter().map(|g| turn * cut(g)).collect();
-        let there = Norm::new(m, &turned, &kurtosis, &(turn * cut(&mean)));
+        let there = NormDistribution::new(m, &turned, &kurtosis, &(turn * cut(&mean)));
         close(there.quantile(0.95), here.quantile(0.95), 1e-11);
         close(there.mean(), here.mean(), 1e-11);
     }
@@ -383,21 +384,21 @@ fn the_kurtosis_of_one_component_follows_edgeworths_series() {
     let columns = [vector(&[0.6]), vector(&[0.64]), vector(&[0.48])];
     let four = -1.2 * 0.6_f64.powi(4) - 0.6 * 0.48_f64.powi(4);
     let six = 100.0 / 21.0 * (1.44 * 0.6_f64.powi(6) + 0.36 * 0.48_f64.powi(6));
-    let norm = Norm::new(1, &columns, &[-1.2, 0.0, -0.6], &vector(&[]));
+    let norm = NormDistribution::new(1, &columns, &[-1.2, 0.0, -0.6], &vector(&[]));
     for c in [0.1, 0.5, 1.0, 1.5, 2.0, 2.5] {
         let u: f64 = c * c;
         let he = [u - 3.0, (u - 10.0) * u + 15.0, ((u - 21.0) * u + 105.0) * u - 105.0].map(|he| c * he);
         let sum = four / 24.0 * he[0] + six / 720.0 * he[1] + four * four / 1152.0 * he[2];
         near(norm.cdf(c), 2.0 * normal_cdf(c) - 1.0 - 2.0 * density(c) * sum, 1e-9);
     }
-    // With a mean the first order alone is complete.
+    // With a mean only the first order is complete.
     let small = [-1.2e-3, 0.0, -0.6e-3];
     for mu in [0.2, 1.0, 2.0, 5.0, 50.0] {
-        let norm = Norm::new(1, &columns, &small, &vector(&[mu]));
+        let norm = NormDistribution::new(1, &columns, &small, &vector(&[mu]));
         let f = |x: f64| normal_cdf(x) - four * 1e-3 / 24.0 * (x * x * x - 3.0 * x) * density(x);
         for d in [-1.5, -0.3, 0.4, 1.2, 2.2] {
             let c: f64 = mu + d;
-            // erf as written here ends at 3, and the far side at 6.5 deviations.
+            // The series of erf ends at 3, and the far side at 6.5 deviations.
             if c > 0.0 && (c + mu < 4.2 || c + mu > 6.5) {
                 let far_side = if c + mu < 4.2 { f(-c - mu) } else { 0.0 };
                 near(norm.cdf(c), f(d) - far_side, 2e-8);
@@ -413,21 +414,21 @@ fn the_kurtosis_of_several_components_follows_a_mixture() {
     let mut rng = ChaCha8Rng::seed_from_u64(3);
     for round in 0..60 {
         let m = 2 + round % 5;
-        // With a mean the second order is not complete.
+        // With a mean the second order is incomplete.
         let size = [0.0, 0.5, 5.0][round % 3];
         let (a, tolerance): (f64, f64) = if size == 0.0 { (0.3, 1.5e-5) } else { (0.05, 1e-7) };
         let mut columns = random(&mut rng, m, m + 2);
         (columns[0], columns[1]) = (columns[0] * 2.0, columns[1] * 2.0);
         let mean = random(&mut rng, m, 1)[0] * size;
-        let normal = Norm::new(m, &columns, &[], &mean);
-        let corrected = Norm::new(m, &columns, &[a * a, a * a], &mean);
+        let normal = NormDistribution::new(m, &columns, &[], &mean);
+        let corrected = NormDistribution::new(m, &columns, &[a * a, a * a], &mean);
         let cases = [(1.0 - a, 1.0), (1.0, 4.0), (1.0 + a, 1.0)];
         let mut parts = Vec::new();
         for (first, p) in cases {
             for (second, q) in cases {
                 let mut columns = columns.clone();
                 (columns[0], columns[1]) = (columns[0] * first.sqrt(), columns[1] * second.sqrt());
-                parts.push((p * q / 36.0, Norm::new(m, &columns, &[], &mean)));
+                parts.push((p * q / 36.0, NormDistribution::new(m, &columns, &[], &mean)));
             }
         }
         let mut largest = 0.0_f64;
@@ -457,9 +458,9 @@ fn three_uniform_parameters_are_nearly_exact() {
     let w = [1.0, 0.8, 0.6];
     near(three_uniforms(w, 2.4), 1.0, 1e-12);
     let columns = w.map(|w| vector(&[w / 3.0_f64.sqrt()]));
-    let corrected = Norm::new(1, &columns, &[-1.2; 3], &vector(&[]));
-    let normal = Norm::new(1, &columns, &[], &vector(&[]));
-    let worst = |norm: &Norm| {
+    let corrected = NormDistribution::new(1, &columns, &[-1.2; 3], &vector(&[]));
+    let normal = NormDistribution::new(1, &columns, &[], &vector(&[]));
+    let worst = |norm: &NormDistribution| {
         let off = |k: u32| (norm.cdf(0.05 * f64::from(k)) - three_uniforms(w, 0.05 * f64::from(k))).abs();
         (1..60).map(off).fold(0.0, f64::max)
     };
@@ -472,7 +473,7 @@ fn ten_uniform_parameters_agree_with_monte_carlo() {
     let mut rng = ChaCha8Rng::seed_from_u64(4);
     let columns = random(&mut rng, 3, 10);
     let mean = vector(&[0.2, -0.3, 0.1]);
-    let norm = Norm::new(3, &columns, &[-1.2; 10], &mean);
+    let norm = NormDistribution::new(3, &columns, &[-1.2; 10], &mean);
     let mut lengths: Vec<f64> = (0..2_000_000)
         .map(|_| {
             let mut e = mean;
@@ -490,20 +491,21 @@ fn ten_uniform_parameters_agree_with_monte_carlo() {
         let (_, c, _) = lengths.select_nth_unstable_by(at, f64::total_cmp);
         close(norm.quantile(p), *c, 0.002);
     }
-    let normal = Norm::new(3, &columns, &[], &mean);
+    let normal = NormDistribution::new(3, &columns, &[], &mean);
     assert!((normal.quantile(0.99) / norm.quantile(0.99) - 1.0).abs() > 0.01, "kurtosis does not show");
 }
 
 #[test]
 fn the_norm_without_covariance_is_the_mean() {
     for columns in [vec![], vec![vector(&[0.0; 6]); 5]] {
-        let norm = Norm::new(3, &columns, &[], &vector(&[3.0, 0.0, 4.0]));
+        let norm = NormDistribution::new(3, &columns, &[], &vector(&[3.0, 0.0, 4.0]));
         for value in [norm.rms(), norm.mean(), norm.quantile(0.01), norm.quantile(0.99)] {
             close(value, 5.0, 1e-15);
         }
         assert_eq!((norm.cdf(4.999), norm.cdf(5.001)), (0.0, 1.0));
-        let nothing = Norm::new(2, &columns, &[], &vector(&[]));
-        let values = [nothing.rms(), nothing.mean(), nothing.quantile(0.5), nothing.quantile_bound(0.95)];
+        let nothing = NormDistribution::new(2, &columns, &[], &vector(&[]));
+        let values =
+            [nothing.rms(), nothing.mean(), nothing.quantile(0.5), nothing.quantile_lower_bound(0.95)];
         assert_eq!(values, [0.0; 4]);
         assert_eq!((nothing.cdf(0.0), nothing.cdf(-1.0)), (1.0, 0.0));
     }
@@ -558,11 +560,11 @@ fn the_figures_of_the_norm_are_finite_and_ordered() {
         }
         let kurtosis: Vec<f64> = columns.iter().map(|_| [0.0, -1.2, -0.6][rng.random_range(0..3)]).collect();
         let mean = random(&mut rng, m, 1)[0] * size(&mut rng);
-        let norm = Norm::new(m, &columns, if round % 2 == 0 { &kurtosis } else { &[] }, &mean);
+        let norm = NormDistribution::new(m, &columns, if round % 2 == 0 { &kurtosis } else { &[] }, &mean);
         let (rms, low, high) = (norm.rms(), norm.quantile(0.5), norm.quantile(0.99));
         assert!(rms.is_finite() && low.is_finite() && high.is_finite(), "{rms} {low} {high}");
         assert!(0.0 <= low && low <= high * (1.0 + 1e-9), "{low} {high}");
-        assert!(high <= 10.0 * rms * (1.0 + 1e-9) && norm.quantile_bound(0.99) <= high * (1.0 + 1e-9));
+        assert!(high <= 10.0 * rms * (1.0 + 1e-9) && norm.quantile_lower_bound(0.99) <= high * (1.0 + 1e-9));
         let c = rms * 10.0_f64.powf(rng.random_range(-3.0..1.5));
         assert!((0.0..=1.0).contains(&norm.cdf(c)));
         if round % 10 == 0 {

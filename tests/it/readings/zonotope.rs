@@ -28,7 +28,7 @@ fn brute<const M: usize>(set: &Set<M>) -> f64 {
 }
 
 /// Runs the solver of this dimension with a sign buffer that is too long and filled with garbage.
-fn solve<const M: usize>(set: &Set<M>, scratch: &mut Scratch) -> (Farthest, Vec<f64>) {
+fn solve<const M: usize>(set: &Set<M>, scratch: &mut ZonotopeScratch) -> (Farthest, Vec<f64>) {
     let n = set.len();
     let mut signs = vec![7.0; n + 1];
     let found = match M {
@@ -51,7 +51,7 @@ fn assert_close(a: f64, b: f64, tolerance: f64, what: &str) {
 }
 
 /// Checks every promise about a result but that it is the farthest.
-fn check_promises<const M: usize>(set: &Set<M>, scratch: &mut Scratch, what: &str) -> Farthest {
+fn check_promises<const M: usize>(set: &Set<M>, scratch: &mut ZonotopeScratch, what: &str) -> Farthest {
     let (found, signs) = solve(set, scratch);
     assert!(found.value.is_finite() && found.upper >= found.value, "{what}: {found:?}");
     let zero = SVector::<f64, M>::zeros();
@@ -64,11 +64,15 @@ fn check_promises<const M: usize>(set: &Set<M>, scratch: &mut Scratch, what: &st
     assert_eq!(first.unwrap_or(1.0), 1.0, "{what}: overall sign");
     let sum: SVector<f64, M> = set.iter().zip(&signs).map(|(g, s)| g * *s).sum();
     assert_close(found.value, sum.norm(), 1e-15 * set.len() as f64, &format!("{what}: value at the corner"));
-    assert_eq!((found, signs), solve(set, &mut Scratch::default()), "{what}: again with fresh memory");
+    assert_eq!(
+        (found, signs),
+        solve(set, &mut ZonotopeScratch::default()),
+        "{what}: again with fresh memory"
+    );
     found
 }
 
-fn check<const M: usize>(set: &Set<M>, scratch: &mut Scratch, rng: &mut ChaCha8Rng, what: &str) {
+fn check<const M: usize>(set: &Set<M>, scratch: &mut ZonotopeScratch, rng: &mut ChaCha8Rng, what: &str) {
     let what = &format!("{what} of {} in {M}-D", set.len());
     let found = check_promises(set, scratch, what);
     assert_close(found.value, brute(set), 1e-12, what);
@@ -129,7 +133,7 @@ fn families<const M: usize>(rng: &mut ChaCha8Rng, n: usize) -> Vec<(&'static str
     sets.push(("equal length", random::<M>(rng, n).iter().map(|g| g.normalize()).collect()));
     let cube = |k: usize| SVector::from_fn(|d, _| f64::from(d == k % M));
     sets.push(("cube", (0..n).map(cube).collect()));
-    // On a grid, where every sum is exact and ties abound: edges of cube, octahedron and the like.
+    // Grid vectors make every sum exact and ties frequent: edges of cube, octahedron and others.
     let step = |rng: &mut ChaCha8Rng| f64::from(rng.random_range(-1..=1));
     sets.push(("grid", (0..n).map(|_| SVector::from_fn(|_, _| step(rng))).collect()));
     sets
@@ -137,8 +141,8 @@ fn families<const M: usize>(rng: &mut ChaCha8Rng, n: usize) -> Vec<(&'static str
 
 fn all_families<const M: usize>(seed: u64) {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let mut scratch = Scratch::default();
-    // In 3-D the walk begins at 12.
+    let mut scratch = ZonotopeScratch::default();
+    // The walk in 3-D begins at 12 generators.
     for n in (0..=14).chain([12, 13, 14].into_iter().cycle().take(60)) {
         for (what, set) in families::<M>(&mut rng, n) {
             check(&set, &mut scratch, &mut rng, what);
@@ -169,7 +173,7 @@ fn six_dimensional_zonotopes_agree_with_all_corners() {
 #[test]
 fn random_zonotopes_agree_with_all_corners() {
     let mut rng = ChaCha8Rng::seed_from_u64(7);
-    let mut scratch = Scratch::default();
+    let mut scratch = ZonotopeScratch::default();
     for k in 0..2000 {
         let n = 1 + k % 12;
         check(&random::<2>(&mut rng, n), &mut scratch, &mut rng, "general");
@@ -181,7 +185,7 @@ fn random_zonotopes_agree_with_all_corners() {
 #[test]
 fn sixteen_generators_agree_with_all_corners() {
     let mut rng = ChaCha8Rng::seed_from_u64(16);
-    let mut scratch = Scratch::default();
+    let mut scratch = ZonotopeScratch::default();
     for _ in 0..20 {
         check(&random::<2>(&mut rng, 16), &mut scratch, &mut rng, "general");
         check(&random::<3>(&mut rng, 16), &mut scratch, &mut rng, "general");
@@ -194,7 +198,7 @@ fn sixteen_generators_agree_with_all_corners() {
 #[test]
 fn a_perpendicular_generator_adds_as_pythagoras() {
     let mut rng = ChaCha8Rng::seed_from_u64(8);
-    let mut scratch = Scratch::default();
+    let mut scratch = ZonotopeScratch::default();
     for k in 0..600 {
         let (n, normals) = (2 + k % 13, k % 3);
         let turn = Rotation3::from_euler_angles(0.3 * k as f64, 0.7 * k as f64, 0.1);
@@ -213,11 +217,11 @@ fn a_perpendicular_generator_adds_as_pythagoras() {
 
 #[test]
 fn simple_zonotopes_match_hand_calculation() {
-    let mut scratch = Scratch::default();
+    let mut scratch = ZonotopeScratch::default();
     let mut signs = [0.0; 12];
     let found = farthest_1(&[0.0, -3.0, 2.0, -0.5], &mut signs);
     assert_eq!((found.value, &signs[..4]), (5.5, &[1.0, 1.0, -1.0, 1.0][..]));
-    // Twelve edges of the unit cube, four each way: the corner (4, 4, 4).
+    // Twelve edges of the unit cube, four each way, reach the corner (4, 4, 4).
     let cube: Vec<_> = (0..12).map(|k| Vector3::ith(k % 3, if k < 6 { -1.0 } else { 1.0 })).collect();
     assert_close(farthest_3(&cube, &mut scratch, &mut signs).value, 48f64.sqrt(), 1e-15, "cube");
     // Six directions of the edges of an octahedron: the sum with all signs is a corner of the
@@ -225,7 +229,7 @@ fn simple_zonotopes_match_hand_calculation() {
     let ends = [(0, 1, 1.0), (0, 1, -1.0), (0, 2, 1.0), (0, 2, -1.0), (1, 2, 1.0), (1, 2, -1.0)];
     let edges = ends.map(|(a, b, s)| Vector3::ith(a, 1.0) + Vector3::ith(b, s));
     assert_close(farthest_3(&edges, &mut scratch, &mut signs).value, 20f64.sqrt(), 1e-15, "octahedron");
-    // A regular 16-gon of side 2: its circumscribed circle.
+    // The farthest vertex of a regular 16-gon of side 2 lies on its circumscribed circle.
     let sides: Vec<_> = (0..8).map(|k| Rotation2::new(f64::from(k) * PI / 8.0) * Vector2::x()).collect();
     let radius = 1.0 / (PI / 16.0).sin();
     assert_close(farthest_2(&sides, &mut scratch, &mut signs).value, radius, 1e-15, "16-gon");
@@ -236,13 +240,13 @@ fn simple_zonotopes_match_hand_calculation() {
 #[test]
 fn both_methods_agree_on_many_generators() {
     let mut rng = ChaCha8Rng::seed_from_u64(9);
-    let mut scratch = Scratch::default();
+    let mut scratch = ZonotopeScratch::default();
     for n in [20, 25, 26, 31, 40, 50, MAX_GENERATORS] {
         let flat = random::<2>(&mut rng, n);
         let found = check_promises(&flat, &mut scratch, "2-D").value;
         let lifted: Set<3> = flat.iter().map(|g| Vector3::new(g.x, 0.6 * g.y, 0.8 * g.y)).collect();
         assert_close(check_promises(&lifted, &mut scratch, "lifted").value, found, 1e-12, "2-D in 3-D");
-        // Off the plane by less than shows, but enough not to split.
+        // The bend is too small to see, but large enough to prevent the split.
         let bent: Set<3> = lifted.iter().map(|g| g + Vector3::x() * rng.random_range(0.0..1e-13)).collect();
         assert_close(check_promises(&bent, &mut scratch, "bent").value, found, 1e-12, "2-D nearly in 3-D");
         let solid = random::<3>(&mut rng, n);
@@ -257,7 +261,7 @@ fn both_methods_agree_on_many_generators() {
 #[test]
 fn six_dimensional_zonotopes_of_a_robot_are_exact() {
     let mut rng = ChaCha8Rng::seed_from_u64(10);
-    let mut scratch = Scratch::default();
+    let mut scratch = ZonotopeScratch::default();
     for _ in 0..10 {
         let set = random::<6>(&mut rng, 30);
         let found = check_promises(&set, &mut scratch, "robot");
@@ -276,7 +280,7 @@ fn six_dimensional_zonotopes_of_a_robot_are_exact() {
 /// Invalid numbers give invalid results, but no panic.
 #[test]
 fn the_worst_case_handles_nan_and_infinity() {
-    let mut scratch = Scratch::default();
+    let mut scratch = ZonotopeScratch::default();
     let mut signs = [0.0; MAX_GENERATORS];
     let mut rng = ChaCha8Rng::seed_from_u64(11);
     for bad in [f64::NAN, f64::INFINITY, f64::MAX, 1e-300] {

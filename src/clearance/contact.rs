@@ -1,0 +1,47 @@
+//! Contacts between two solids of a cell, and their description.
+
+use crate::cell::Cell;
+
+/// Reference to a solid of a cell, to its floor or to a wall of its fence.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SolidRef {
+    /// Index into [`crate::cell::Robot::solids`].
+    Robot(usize),
+    /// Index into [`Cell::operations`], and index of the solid held there.
+    Held(usize, usize),
+    /// Index into [`Cell::equipment`], and index of its solid.
+    Equipment(usize, usize),
+    Floor,
+    /// Index of the edge of the fence, which starts at the corner of the same index.
+    Fence(usize),
+}
+
+/// Contact between a solid of the robot and another solid.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Hit {
+    pub solid: SolidRef,
+    pub other: SolidRef,
+}
+
+impl SolidRef {
+    /// Returns the name of the solid in the cell.
+    pub fn in_words(self, cell: &Cell) -> String {
+        match self {
+            Self::Robot(k) => cell.robot.solids[k].solid.name.clone(),
+            Self::Held(operation, k) => cell.operations[operation].held.solids[k].name.clone(),
+            Self::Equipment(e, s) => {
+                let equipment = &cell.equipment[e];
+                format!("{} ({})", equipment.name, equipment.solids[s].name)
+            }
+            Self::Floor => "the floor".into(),
+            Self::Fence(edge) => format!("wall {} of the fence", edge + 1),
+        }
+    }
+}
+
+impl Hit {
+    /// Returns a description with the names of the cell.
+    pub fn in_words(&self, cell: &Cell) -> String {
+        format!("{} touches {}", self.solid.in_words(cell), self.other.in_words(cell))
+    }
+}

@@ -1,0 +1,167 @@
+//! Solids that the robot moves: links, tool and held parts.
+
+use super::bodies::{CollisionBody, body, link_bodies, touching};
+use super::bounding_capsule::{BoundingCapsule, segments_apart_squared};
+use super::contact::SolidRef;
+use super::convex_decomposition::{Remember, hulls};
+use crate::cell::{Cell, MAX_JOINTS, Shape, Solid};
+use crate::pose::Pose;
+use parry3d::bounding_volume::BoundingVolume;
+
+/// Distance, m, within which solids touch; it exceeds the rounding of parry3d, so that no contact is missed.
+const TOUCHING: f64 = 1e-7;
+
+/// One solid that a frame of the robot carries.
+pub(super) struct LinkSolid {
+    pub(super) id: SolidRef,
+    /// Index of the frame that carries the solid. 0 is the robot base, k the frame after row k.
+    pub(super) frame: usize,
+    /// Operation that holds the part; None if the solid is always there.
+    pub(super) operation: Option<usize>,
+    /// Equipment that the held part may touch.
+    pub(super) spared: Option<usize>,
+    /// Solid swollen by the clearance: one body, or the convex parts of a mesh.
+    pub(super) bodies: Vec<CollisionBody>,
+    /// Solid swollen by rounding alone, for checks of the robot against itself.
+    pub(super) bare: Vec<CollisionBody>,
+    /// Closed mesh of several parts, which tells whether another solid lies wholly inside.
+    pub(super) shell: Option<CollisionBody>,
+    /// Bounding capsule of the bare solid, in the carrier frame.
+    pub(super) core: BoundingCapsule,
+    /// Radius (m) with which the core contains every body.
+    reach: f64,
+}
+
+/// Returns links and tool in the order of the robot, then the parts held by each operation.
+pub(super) fn all(cell: &Cell, remember: &mut Remember<'_>) -> Vec<LinkSolid> {
+    let mut links = Vec::new();
+    for (k, s) in cell.robot.solids.iter().enumerate() {
+        let carrier =
+            Carried { id: SolidRef::Robot(k), frame: s.link, mount: &Pose::IDENTITY, solid: &s.solid };
+        links.push(link(&carrier, cell.clearance, remember));
+    }
+    for (operation, o) in cell.operations.iter().enumerate() {
+        for (k, solid) in o.held.solids.iter().enumerate() {
+            let (id, frame) = (SolidRef::Held(operation, k), cell.robot.axes());
+            let carrier = Carried { id, frame, mount: &cell.robot.tool, solid };
+            let carried = link(&carrier, cell.clearance, remember);
+            let spared = o.held.touches_surface.then_some(o.equipment);
+            links.push(LinkSolid { operation: Some(operation), spared, ..carried });
+        }
+    }
+    links
+}
+
+/// A solid of the cell with the frame that carries it.
+struct Carried<'a> {
+    id: SolidRef,
+    frame: usize,
+    /// Pose of the frame of the solid's file in the carrier frame.
+    mount: &'a Pose,
+    solid: &'a Solid,
+}
+
+/// Prepares one solid for collision checking.
+fn link(carried: &Carried<'_>, clearance: f64, remember: &mut Remember<'_>) -> LinkSolid {
+    let Carried { id, frame, mount, solid } = *carried;
+    let parts = match &solid.shape {
+        Shape::Mesh { vertices, triangles, .. } => hulls(vertices, triangles, remember),
+        _ => Vec::new(),
+    };
+    let bodies = |by: f64| {
+        let bodies = link_bodies(&solid.shape, &parts, by).into_iter();
+        bodies.map(|b| b.mounted(mount)).collect::<Vec<_>>()
+    };
+    let shell = match &solid.shape {
+        Shape::Mesh { closed: true, .. } if parts.len() > 1 => Some(body(&solid.shape).mounted(mount)),
+        _ => None,
+    };
+    let bare = bodies(TOUCHING);
+    let slack = bare.iter().map(|b| b.unswollen.as_ref().map_or(TOUCHING, |(_, by)| *by));
+    let core = BoundingCapsule::new(&solid.shape, mount, slack.fold(TOUCHING, f64::max));
+    // Points without a hull become a ball, which the capsule need not contain.
+    let is_held = core.is_solid || bare.iter().all(|b| b.shape.as_ball().is_none());
+    LinkSolid {
+        id,
+        frame,
+        operation: None,
+        spared: None,
+        bodies: bodies(clearance + TOUCHING),
+        shell,
+        reach: if is_held { core.radius + clearance } else { f64::INFINITY },
+        core,
+        bare,
+    }
+}
+
+impl LinkSolid {
+    /// Returns the frame that carries the solid, in the robot base.
+    ///
+    /// Frame 0 of the chain may be elsewhere on the base.
+    pub(super) fn carrier<'f>(&self, frames: &'f [Pose; MAX_JOINTS + 1]) -> &'f Pose {
+        if self.frame == 0 { &Pose::IDENTITY } else { &frames[self.frame] }
+    }
+
+    /// Returns whether the robot has the solid during an operation; None means empty hands.
+    pub(super) fn is_there(&self, operation: Option<usize>) -> bool {
+        self.operation.is_none() || self.operation == operation
+    }
+
+    /// Returns the bounding capsule of every body, with the carrier frame at `pose`.
+    pub(super) fn capsule(&self, pose: &Pose) -> BoundingCapsule {
+        BoundingCapsule { radius: self.reach, ..self.core.at(pose) }
+    }
+
+    /// Returns the height of the lowest point (m) of the swollen solid, with the carrier frame at `pose`.
+    pub(super) fn lowest(&self, capsule: &BoundingCapsule, pose: &Pose) -> f64 {
+        if self.core.is_solid {
+            return capsule.bounds().0.z;
+        }
+        let low = |b: &CollisionBody| b.shape.compute_aabb(&b.pose_in(pose)).mins.z;
+        self.bodies.iter().map(low).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Returns whether two links touch, without the clearance, given the poses of their frames.
+    pub(super) fn touches(&self, frame: &Pose, other: &LinkSolid, other_frame: &Pose) -> bool {
+        self.is_near(&self.capsule(frame), other, &other.capsule(other_frame))
+            && self.touches_near(frame, other, other_frame)
+    }
+
+    /// Returns whether the bounding capsules of two links share a point (broad phase).
+    pub(super) fn is_near(
+        &self,
+        capsule: &BoundingCapsule,
+        other: &LinkSolid,
+        other_capsule: &BoundingCapsule,
+    ) -> bool {
+        let room = self.core.radius + other.core.radius;
+        segments_apart_squared(&capsule.a, &capsule.b, &other_capsule.a, &other_capsule.b) <= room * room
+    }
+
+    /// Returns whether two links whose bounding capsules intersect touch (narrow phase).
+    pub(super) fn touches_near(&self, frame: &Pose, other: &LinkSolid, other_frame: &Pose) -> bool {
+        if self.core.is_solid && other.core.is_solid {
+            return true;
+        }
+        let reached = |b: &CollisionBody| {
+            let there = b.pose_in(other_frame);
+            self.bare.iter().any(|a| {
+                let relative = a.pose_in(frame).inv_mul(&there);
+                b.bounds_in(&relative).intersects(&a.bounds) && touching(a, &relative, b)
+            })
+        };
+        other.bare.iter().any(reached)
+            || self.swallows(frame, other, other_frame)
+            || other.swallows(other_frame, self, frame)
+    }
+
+    /// Returns whether a point of the other link lies in the closed mesh of this one.
+    pub(super) fn swallows(&self, frame: &Pose, other: &LinkSolid, other_frame: &Pose) -> bool {
+        let Some(shell) = &self.shell else { return false };
+        let inside = |b: &CollisionBody| {
+            let point = b.pose_in(other_frame) * b.inside;
+            shell.holds(&(shell.pose_in(frame).inverse() * point))
+        };
+        other.bare.iter().any(inside)
+    }
+}

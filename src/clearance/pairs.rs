@@ -1,0 +1,112 @@
+//! Pairs of solids that can collide while the robot moves with a given load.
+
+use super::bounding_sphere::BoundingSphere;
+use super::contact::{Hit, SolidRef};
+use super::link_solids::LinkSolid;
+use super::placed_solids::PlacedSolids;
+use super::scene::Scene;
+
+/// Parts that the robot holds during a move.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Load {
+    /// Operations whose parts are held, and whether these may touch the surface that they rest on.
+    held: [Option<(usize, bool)>; 2],
+}
+
+/// Two solids that may collide. The robot moves at least one of them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Pair {
+    /// Index into [`Scene::bounding_spheres`].
+    pub link: usize,
+    pub(super) against: Against,
+}
+
+/// Second solid of a [`Pair`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Against {
+    Floor,
+    /// Index into the placed solids of a layout.
+    Placed(usize),
+    /// Index of another link solid, which moves less than the first.
+    Own(usize),
+}
+
+impl Load {
+    /// Returns the load while an operation is done; None means empty hands.
+    pub fn of(operation: Option<usize>) -> Self {
+        Self { held: [operation.map(|o| (o, true)), None] }
+    }
+
+    /// Returns the load on the way between two operations: the parts of either of them.
+    ///
+    /// Each operation comes with a flag that says whether its part still rests on the surface.
+    pub fn between(from: (usize, bool), to: (usize, bool)) -> Self {
+        Self { held: [Some(from), Some(to)] }
+    }
+
+    fn has(&self, link: &LinkSolid) -> bool {
+        link.operation.is_none_or(|o| self.held.iter().flatten().any(|h| h.0 == o))
+    }
+
+    fn spares(&self, link: &LinkSolid, equipment: usize) -> bool {
+        let rests = || self.held.iter().flatten().any(|h| Some(h.0) == link.operation && h.1);
+        link.spared == Some(equipment) && rests()
+    }
+}
+
+impl Pair {
+    /// Returns the index of the second solid if it is a link; None if it stands still.
+    pub fn partner(&self) -> Option<usize> {
+        if let Against::Own(other) = self.against { Some(other) } else { None }
+    }
+}
+
+impl Scene {
+    /// Returns the bounding spheres of all robot solids, held parts included.
+    pub fn bounding_spheres(&self) -> &[BoundingSphere] {
+        &self.bounding_spheres
+    }
+
+    /// Returns the contact of the robot base, which no posture can avoid.
+    pub fn base_hit(&self, placed: &PlacedSolids) -> Option<Hit> {
+        placed.base_hit
+    }
+
+    /// Returns every pair that can collide while the arm moves; none if collisions are not checked.
+    pub fn pairs(&self, placed: &PlacedSolids, load: Load) -> Vec<Pair> {
+        if !self.enabled {
+            return Vec::new();
+        }
+        let own = self.checked.iter().filter(|(a, b)| load.has(&self.links[*a]) && load.has(&self.links[*b]));
+        let own = own.map(|&(a, b)| {
+            let (less, more) = if self.links[a].frame < self.links[b].frame { (a, b) } else { (b, a) };
+            Pair { link: more, against: Against::Own(less) }
+        });
+        self.outer_pairs(placed, load).filter(|p| self.links[p.link].frame > 0).chain(own).collect()
+    }
+
+    /// Returns the pairs of a robot solid with floor, equipment or fence.
+    pub(super) fn outer_pairs<'s>(
+        &'s self,
+        placed: &'s PlacedSolids,
+        load: Load,
+    ) -> impl Iterator<Item = Pair> + 's {
+        let links = self.links.iter().enumerate().filter(move |(_, link)| load.has(link));
+        links.flat_map(move |(k, link)| {
+            let floor = (link.frame > 0).then_some(Pair { link: k, against: Against::Floor });
+            let bodies = placed.bodies.iter().enumerate();
+            let bodies = bodies.filter(move |(_, b)| !load.spares(link, b.id.0));
+            bodies.map(move |(b, _)| Pair { link: k, against: Against::Placed(b) }).chain(floor)
+        })
+    }
+
+    /// Returns the two solids of a pair as a contact.
+    pub fn hit_of(&self, placed: &PlacedSolids, pair: Pair) -> Hit {
+        let other = match pair.against {
+            Against::Floor => SolidRef::Floor,
+            Against::Placed(k) => self.name(placed.bodies[k].id),
+            Against::Own(other) => self.links[other].id,
+        };
+        Hit { solid: self.links[pair.link].id, other }
+    }
+}

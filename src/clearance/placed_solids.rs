@@ -1,0 +1,122 @@
+//! The solids that stand in the cell under one layout, and the poses of the robot's links among them.
+
+use super::bodies::{EquipmentSolid, plain};
+use super::bounding_capsule::{BoundingBox, BoundingCapsule, UNSURE};
+use super::contact::Hit;
+use super::link_solids::LinkSolid;
+use crate::cell::{MAX_JOINTS, Placement};
+use crate::pose::Pose;
+use nalgebra::Vector3;
+
+/// Solids of the equipment posed for one layout; the memory is reused between layouts.
+#[derive(Default)]
+pub struct PlacedSolids {
+    /// Pose of the robot base in the world; None if both frames are the same.
+    pub(super) base: Option<Pose>,
+    pub(super) bodies: Vec<PlacedSolid>,
+    /// Contact of the robot base itself, which no posture can avoid.
+    pub(super) base_hit: Option<Hit>,
+}
+
+/// Memory that speeds up [`Scene::is_free`](super::Scene::is_free) over a series of postures.
+///
+/// It changes no verdict, so one memory serves any layout.
+#[derive(Default)]
+pub struct ContactMemory {
+    /// Link and placed solid of the last contact, asked first because the next posture most likely has it too.
+    pub(super) suspect: Option<(usize, usize)>,
+    /// Bounding capsules of the links in the last posture, world frame.
+    pub(super) capsules: Vec<BoundingCapsule>,
+}
+
+/// One solid of an equipment, or one wall of the fence, posed for a layout.
+#[derive(Clone, Copy)]
+pub(super) struct PlacedSolid {
+    /// Indices of the equipment and of its solid.
+    pub(super) id: (usize, usize),
+    pub(super) pose: Pose,
+    /// Corners of an axis-aligned bounding box in the world, [`UNSURE`] wider than the solid.
+    pub(super) low: Vector3<f64>,
+    pub(super) high: Vector3<f64>,
+    /// Bounding box in the frame of the solid; the length of a leg depends on the layout.
+    pub(super) bounds: BoundingBox,
+}
+
+/// All solids of one equipment, ready for collision checking.
+pub(super) struct EquipmentSolids {
+    pub(super) parts: Vec<EquipmentSolid>,
+    /// Placement in the cell file, where obstacles always stand.
+    pub(super) drawn: Placement,
+    /// Solids posed at `drawn`.
+    pub(super) posed: Vec<PlacedSolid>,
+}
+
+/// Frames of the links in the robot base.
+pub(super) type LinkFrames = [Pose; MAX_JOINTS + 1];
+
+/// Poses of the links: their frames in the robot base, and the base in the world unless these agree.
+#[derive(Clone, Copy)]
+pub(super) struct LinkPoses<'a> {
+    pub(super) frames: &'a LinkFrames,
+    pub(super) base: Option<&'a Pose>,
+}
+
+impl LinkPoses<'_> {
+    /// Returns the frame that carries a link, in the world.
+    #[inline]
+    pub(super) fn carrier(&self, link: &LinkSolid) -> Pose {
+        let frame = link.carrier(self.frames);
+        self.base.map_or(*frame, |base| *base * *frame)
+    }
+
+    /// Returns the bounding capsule of a link, in the world.
+    #[inline]
+    pub(super) fn capsule(&self, link: &LinkSolid) -> BoundingCapsule {
+        let capsule = link.capsule(link.carrier(self.frames));
+        self.base.map_or(capsule, |base| capsule.at(base))
+    }
+}
+
+impl PlacedSolids {
+    /// Returns a frame of the robot base, in the world.
+    #[inline]
+    pub(super) fn in_world(&self, frame: &Pose) -> Pose {
+        self.base.map_or(*frame, |base| base * *frame)
+    }
+}
+
+impl PlacedSolid {
+    fn new(id: (usize, usize), pose: Pose, bounds: BoundingBox) -> Self {
+        let middle = pose.transform(&bounds.centre);
+        let room = (pose.rotation.abs() * bounds.half).add_scalar(UNSURE);
+        Self { id, pose, low: middle - room, high: middle + room, bounds }
+    }
+}
+
+impl EquipmentSolids {
+    pub(super) fn new(e: usize, parts: Vec<EquipmentSolid>, drawn: Placement, floor: f64) -> Self {
+        let mut solids = Self { parts, drawn, posed: Vec::new() };
+        solids.posed = solids.at(e, &drawn, floor).collect();
+        solids
+    }
+
+    /// Poses the solids of equipment number `e` at a placement.
+    pub(super) fn at(&self, e: usize, at: &Placement, floor: f64) -> impl Iterator<Item = PlacedSolid> {
+        let frame = at.pose();
+        self.parts.iter().enumerate().filter_map(move |(s, part)| match part {
+            EquipmentSolid::Convex(body) | EquipmentSolid::Mesh { body, .. } => {
+                let (centre, half) = (plain(body.bounds.center()), plain(body.bounds.half_extents()));
+                let bounds = BoundingBox { centre, half, is_solid: body.shape.as_cuboid().is_some() };
+                Some(PlacedSolid::new((e, s), frame * body.local, bounds))
+            }
+            EquipmentSolid::Leg { x, y, half, top } => {
+                let height = frame.translation.z + top - floor;
+                let centre = Vector3::new(*x, *y, top - height / 2.0);
+                let pose = Pose { translation: frame.transform(&centre), ..frame };
+                let half = Vector3::new(half.0, half.1, height / 2.0);
+                let bounds = BoundingBox { centre: Vector3::zeros(), half, is_solid: true };
+                (height > 0.0).then(|| PlacedSolid::new((e, s), pose, bounds))
+            }
+        })
+    }
+}

@@ -1,0 +1,100 @@
+//! Self-collision: the pairs of robot solids that are checked, and those that may touch.
+
+use super::contact::SolidRef;
+use super::link_solids::LinkSolid;
+use crate::cell::{Cell, JointVector, MAX_JOINTS};
+use crate::low_discrepancy::RobertsSequence;
+use crate::robot::Chain;
+
+/// Number of sampled postures; a pair that touches in all of them counts as drawn overlapping.
+const SAMPLES: usize = 400;
+
+/// Reason why a pair of robot solids may touch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Allowed {
+    /// Both belong to one rigid body.
+    SameLink,
+    /// They share a joint, where drawings overlap.
+    Neighbours,
+    /// The robot file allows the contact.
+    Given,
+    /// They touch in every sampled posture, so that they are drawn overlapping.
+    AlwaysTouch,
+}
+
+impl Allowed {
+    /// Returns the reason in words.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::SameLink => "same link",
+            Self::Neighbours => "neighbours",
+            Self::Given => "allowed in the file",
+            Self::AlwaysTouch => "touch in every posture",
+        }
+    }
+}
+
+/// Two solids of the robot, tool and held parts included.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SelfCollisionPair {
+    pub a: SolidRef,
+    pub b: SolidRef,
+    /// Reason why the pair may touch; None if a contact is a collision.
+    pub allowed: Option<Allowed>,
+}
+
+/// Returns every pair that can meet; none if the robot is not checked against itself.
+pub(super) fn find(cell: &Cell, links: &[LinkSolid]) -> Vec<SelfCollisionPair> {
+    if !cell.robot.self_collision.checked {
+        return Vec::new();
+    }
+    let meet = |a: &LinkSolid, b: &LinkSolid| a.operation.is_none() || a.operation == b.operation;
+    let all = (0..links.len()).flat_map(|j| (0..j).map(move |i| (i, j)));
+    let mut pairs: Vec<_> = all
+        .filter(|&(i, j)| meet(&links[i], &links[j]))
+        .map(|(i, j)| (i, j, by_rule(cell, &links[i], &links[j])))
+        .collect();
+    let chain = Chain::new(&cell.robot);
+    let mut always: Vec<bool> = pairs.iter().map(|p| p.2.is_none()).collect();
+    for sample in 0..SAMPLES {
+        if !always.contains(&true) {
+            break;
+        }
+        let frames = chain.frames(&chain.posture(&posture(cell, sample))).links;
+        for ((i, j, _), always) in pairs.iter().zip(&mut always).filter(|(_, always)| **always) {
+            let (a, b) = (&links[*i], &links[*j]);
+            *always = a.touches(a.carrier(&frames), b, b.carrier(&frames));
+        }
+    }
+    for (pair, _) in pairs.iter_mut().zip(always).filter(|(_, always)| *always) {
+        pair.2 = Some(Allowed::AlwaysTouch);
+    }
+    pairs
+        .into_iter()
+        .map(|(i, j, allowed)| SelfCollisionPair { a: links[i].id, b: links[j].id, allowed })
+        .collect()
+}
+
+fn by_rule(cell: &Cell, a: &LinkSolid, b: &LinkSolid) -> Option<Allowed> {
+    let given = |&(x, y): &(usize, usize)| {
+        let pair = (SolidRef::Robot(x), SolidRef::Robot(y));
+        pair == (a.id, b.id) || pair == (b.id, a.id)
+    };
+    match a.frame.abs_diff(b.frame) {
+        0 => Some(Allowed::SameLink),
+        1 => Some(Allowed::Neighbours),
+        _ => cell.robot.self_collision.allowed.iter().any(given).then_some(Allowed::Given),
+    }
+}
+
+/// Returns sample `k` of the box of joint limits: point k + 1 of the R_d sequence.
+fn posture(cell: &Cell, k: usize) -> JointVector {
+    let joints = &cell.robot.joints;
+    let sequence = RobertsSequence::new(joints.len());
+    let mut q = [0.0; MAX_JOINTS];
+    for (i, joint) in joints.iter().enumerate() {
+        let share = sequence.coordinate(k + 1, i);
+        q[i] = joint.limits.0 + share * (joint.limits.1 - joint.limits.0);
+    }
+    q
+}

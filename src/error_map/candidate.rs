@@ -1,0 +1,34 @@
+//! Postures in the order in which they are tried as the spot.
+
+use super::outcome::Spot;
+use nalgebra::Vector3;
+use std::cmp::Ordering;
+
+/// A posture that might be the spot of an operation.
+///
+/// Candidates are ordered by value, then node, then branch, and reversed: the greatest is the best, as a
+/// binary heap wants it.
+#[derive(Clone, Copy)]
+pub struct PostureCandidate {
+    pub spot: Spot,
+    /// TCP target, base frame, m.
+    pub target: Vector3<f64>,
+}
+
+impl PartialEq for PostureCandidate {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+impl Eq for PostureCandidate {}
+impl PartialOrd for PostureCandidate {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+impl Ord for PostureCandidate {
+    fn cmp(&self, other: &Self) -> Ordering {
+        let key = |c: &Self| (c.spot.node, c.spot.branch);
+        other.spot.value.total_cmp(&self.spot.value).then_with(|| key(other).cmp(&key(self)))
+    }
+}

@@ -1,0 +1,117 @@
+//! The least-error spot of an operation: what a search asks of every layout.
+//!
+//! Cheap tests come first: geometry, limits, error. Collisions are checked only for candidates that can
+//! still win.
+
+use super::candidate::PostureCandidate;
+use super::outcome::{Outcome, Spot, Unjudged};
+use super::placed_layout::{PlacedLayout, PlacedSurface};
+use super::walk::{OperationQuery, PostureVisitor, VisitedNode};
+use super::workspace::{MapperWorkspace, PostureMemory, WalkMemory};
+use crate::reach::{Gap, ToolAttitudes};
+use std::collections::BinaryHeap;
+
+/// Collects the candidates of all nodes, and the least gap of the nodes that are out of reach.
+struct AllCandidates<'c> {
+    candidates: &'c mut Vec<PostureCandidate>,
+    is_reached: bool,
+    gap: Gap,
+}
+
+impl PostureVisitor for AllCandidates<'_> {
+    fn candidate(&mut self, candidate: PostureCandidate) {
+        self.candidates.push(candidate);
+    }
+
+    fn end_of_node(&mut self, _: &OperationQuery<'_>, node: &VisitedNode, _: &mut PostureMemory) {
+        match node.missed {
+            None => self.is_reached = true,
+            Some(gap) if gap.is_less(&self.gap) => self.gap = gap,
+            Some(_) => {}
+        }
+    }
+}
+
+impl PlacedLayout<'_> {
+    /// Finds the least-error spot of an operation that can be used; `spots` are those of the operations
+    /// before it.
+    pub fn least_error(
+        &self,
+        operation: usize,
+        spots: &[Option<Spot>],
+        workspace: &mut MapperWorkspace,
+    ) -> Outcome {
+        let surface = self.surface(operation);
+        if let Some(gap) = self.beyond_reach(&surface, &mut workspace.attitudes) {
+            return Outcome::Unreachable { gap };
+        }
+        let attitudes = std::mem::take(&mut workspace.attitudes);
+        let query = OperationQuery::reusing(self, &surface, spots, attitudes);
+        let mut memory = workspace.of(self.mapper, operation);
+        let outcome = query.ranked(&mut memory).unwrap_or_else(|| query.judged(&mut memory));
+        workspace.attitudes = query.attitudes;
+        outcome
+    }
+
+    /// Returns what is missing if the link lengths alone rule out every node; None otherwise.
+    ///
+    /// The gap is that of the node nearest to reach, so that it joins the gap of the walk without a step.
+    fn beyond_reach(&self, surface: &PlacedSurface<'_>, attitudes: &mut ToolAttitudes) -> Option<Gap> {
+        let shell = self.mapper.shells[surface.operation].as_ref()?;
+        let (grid, inverse) = (self.mapper.grid(surface.operation), self.mapper.inverse());
+        let range = grid.distances(&surface.at, &shell.centre);
+        if shell.gap(range.0, range.1) == 0.0 {
+            return None;
+        }
+        let distance = |node: &usize| (self.target(surface, *node) - shell.centre).norm();
+        let order = |a: &usize, b: &usize| distance(a).total_cmp(&distance(b));
+        let (nodes, is_outside) = (0..grid.count(), range.0 > shell.outer);
+        let nearest = if is_outside { nodes.min_by(order) } else { nodes.max_by(order) }?;
+        inverse.set_attitudes(attitudes, surface.attitude, surface.at.yaw);
+        Some(inverse.visit(&self.target(surface, nearest), attitudes, &mut inverse.scratch(), |_, _| ()))
+    }
+}
+
+impl OperationQuery<'_> {
+    /// Finds the spot by judging every node.
+    fn judged(&self, memory: &mut WalkMemory<'_>) -> Outcome {
+        let WalkMemory { candidates, postures, .. } = memory;
+        candidates.clear();
+        let mut all = AllCandidates { candidates, is_reached: false, gap: Gap::ALL };
+        self.walk(postures, &mut all);
+        let AllCandidates { is_reached, gap, .. } = all;
+        match &self.context {
+            _ if !is_reached => return Outcome::Unreachable { gap },
+            Err(why) => return Outcome::Unjudged(*why),
+            Ok(_) => {}
+        }
+        let mut heap = BinaryHeap::from(std::mem::take(*candidates));
+        let found = self.first_free(postures, |_| heap.pop());
+        **candidates = heap.into_vec();
+        found.outcome().unwrap_or(Outcome::Unjudged(Unjudged::OnlyTouched))
+    }
+
+    /// Finds the same spot, to the bit, by judging only nodes whose lower bound can still win; None if the
+    /// nodes cannot be ranked or none can be reached.
+    fn ranked(&self, memory: &mut WalkMemory<'_>) -> Option<Outcome> {
+        let ranker = self.placed.mapper.rankers[self.operation].as_ref()?;
+        let context = self.context.as_ref().ok()?;
+        if !ranker.takes(&self.attitudes) {
+            return None;
+        }
+        let WalkMemory { candidates, ranking, postures } = memory;
+        ranker.rank(&self.at, &context.site.world, &self.attitudes, ranking);
+        candidates.clear();
+        let mut heap = BinaryHeap::from(std::mem::take(*candidates));
+        let found = self.first_free(postures, |memory| {
+            // A value equal to a bound may have an equal beside it with a smaller index.
+            while heap.peek().is_none_or(|best| best.spot.value >= ranking.bound()) {
+                let Some(node) = ranking.pop() else { break };
+                self.visit(node, self.setup.grid.target(&self.at, node), memory, &mut heap);
+            }
+            heap.pop()
+        });
+        **candidates = heap.into_vec();
+        found.outcome()
+    }
+}

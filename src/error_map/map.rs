@@ -1,0 +1,123 @@
+//! The whole map of an operation: every node with its posture and errors, or why it has none.
+
+use super::candidate::PostureCandidate;
+use super::node_record::{NodeRecord, OperationMap, PostureRecord, Status};
+use super::outcome::Spot;
+use super::placed_layout::PlacedLayout;
+use super::walk::{OperationQuery, PostureVisitor, VisitedNode};
+use super::workspace::PostureMemory;
+use crate::cell::Over;
+use crate::kinematic_error::deviation;
+use crate::pose::Displacement;
+use crate::reading::WorkContext;
+
+/// Records every node of a walk.
+#[derive(Default)]
+struct NodeRecorder {
+    /// Candidates of the present node.
+    candidates: Vec<PostureCandidate>,
+    nodes: Vec<NodeRecord>,
+}
+
+impl PostureVisitor for NodeRecorder {
+    const JUDGES_TOUCHED: bool = true;
+
+    fn candidate(&mut self, candidate: PostureCandidate) {
+        self.candidates.push(candidate);
+    }
+
+    fn end_of_node(&mut self, query: &OperationQuery<'_>, node: &VisitedNode, memory: &mut PostureMemory) {
+        self.candidates.sort_by(|a, b| b.cmp(a));
+        let (status, posture) = query.judge(node, &self.candidates, memory);
+        self.candidates.clear();
+        let (i, j) = query.setup.grid.index(node.node);
+        let position = query.placed.layout.base.pose().transform(&node.target);
+        self.nodes.push(NodeRecord { i, j, position, status, posture });
+    }
+}
+
+impl PlacedLayout<'_> {
+    /// Maps an operation; `spots` are those of the operations before it.
+    pub fn map(&self, operation: usize, spots: &[Option<Spot>]) -> OperationMap {
+        let query = OperationQuery::new(self, operation, spots);
+        let mut memory = PostureMemory::new(self.mapper, operation);
+        let mut recorder = NodeRecorder::default();
+        query.walk(&mut memory, &mut recorder);
+        let nodes = recorder.nodes;
+        let usable = |n: &NodeRecord| {
+            let posture = n.posture.as_ref().filter(|p| n.status == Status::Ok && !p.touched);
+            posture.map(|p| p.value)
+        };
+        let values: Vec<_> = nodes.iter().enumerate().filter_map(|(k, n)| Some((k, usable(n)?))).collect();
+        let all_usable = nodes.iter().all(|n| n.status == Status::Ok);
+        let (best, value) = chosen(query.setup.over, &values, all_usable);
+        OperationMap { operation, senses: query.setup.evaluator.reported.clone(), nodes, best, value }
+    }
+}
+
+impl OperationQuery<'_> {
+    /// Judges one node by its candidates, best first.
+    fn judge(
+        &self,
+        node: &VisitedNode,
+        candidates: &[PostureCandidate],
+        memory: &mut PostureMemory,
+    ) -> (Status, Option<PostureRecord>) {
+        let context = match (&self.context, node.missed) {
+            (_, Some(_)) => return (self.why_unreached(&node.target, |_| true), None),
+            (Err(why), None) => return (Status::Unjudged(*why), None),
+            (Ok(context), None) => context,
+        };
+        let mut next = candidates.iter().copied();
+        let found = self.first_free(memory, |_| next.next());
+        let (status, shown) = match found.free {
+            Some(free) => (Status::Ok, Some(free)),
+            None => (self.why_none(&node.target, &found, memory), found.nearest),
+        };
+        (status, shown.and_then(|candidate| self.record(context, &candidate, memory)))
+    }
+
+    /// Records the posture of a candidate with its errors by every model and in every reported sense.
+    fn record(
+        &self,
+        context: &WorkContext,
+        candidate: &PostureCandidate,
+        memory: &mut PostureMemory,
+    ) -> Option<PostureRecord> {
+        let (arm, PostureMemory { reading, frames, .. }) = (&self.placed.mapper.arm, memory);
+        let branch = arm.inverse.branch_at(&candidate.target, &self.attitudes, candidate.spot.branch)?;
+        arm.chain.place(&branch.posture, frames);
+        let judged = self.setup.evaluator.judge(context, frames, reading);
+        let to_world = context.site.world.transpose();
+        let world = |d: &Displacement| d.turned(&to_world);
+        let off = |model: &Displacement| deviation(&judged.nonlinear.position, &model.position);
+        let error = world(&judged.error);
+        Some(PostureRecord {
+            branch: branch.index,
+            joints: branch.joints,
+            error: error.position,
+            rotation: error.rotation,
+            nonlinear: world(&judged.nonlinear).position,
+            linear: world(&judged.linear).position,
+            linear_off: off(&judged.linear),
+            second_order_off: off(&judged.second_order),
+            touched: context.touches(&candidate.target),
+            value: judged.value,
+            figures: judged.figures,
+            success: judged.success,
+        })
+    }
+}
+
+/// Returns the node shown as the spot and the value of the operation, from the usable nodes and their values.
+fn chosen(over: Over, values: &[(usize, f64)], all_usable: bool) -> (Option<usize>, Option<f64>) {
+    let by_value = |a: &&(usize, f64), b: &&(usize, f64)| a.1.total_cmp(&b.1);
+    if !over.takes_all() {
+        let best = values.iter().min_by(by_value);
+        return (best.map(|b| b.0), best.map(|b| b.1));
+    }
+    // The first of several worst nodes.
+    let worst = values.iter().rev().max_by(by_value).filter(|_| all_usable);
+    let mut all: Vec<f64> = values.iter().map(|v| v.1).collect();
+    (worst.map(|w| w.0), worst.map(|_| over.of(&mut all)))
+}

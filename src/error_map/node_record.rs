@@ -1,0 +1,223 @@
+//! Records of an error map: status, posture and errors of every node.
+
+use super::node_sign::NodeSign;
+use super::outcome::{Spot, Unjudged};
+use crate::cell::{Cell, JointKind, JointVector, Model, Sense};
+use crate::clearance::{Hit, Overlap};
+use crate::files::shown;
+use crate::motion::PostureRefusal;
+use crate::reach::LimitViolation;
+use crate::reading::Figures;
+use crate::units::{deg_from_rad, mm_from_m, rounded};
+use nalgebra::Vector3;
+
+/// Whether a node can be used, and why not.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Status {
+    Ok,
+    /// No posture reaches the node; `by` is the missing distance, m.
+    OutOfReach {
+        by: f64,
+    },
+    /// The node is in reach, but the attitude is missed by so much (rad), with this joint at its limit.
+    Attitude {
+        by: f64,
+        joint: Option<usize>,
+    },
+    /// Numeric inverse kinematics came no nearer than this (m, rad); there may be a posture.
+    NotConverged {
+        position: f64,
+        angle: f64,
+    },
+    /// Every posture passes a joint limit; this is the least violation.
+    JointLimit {
+        violation: LimitViolation,
+        needs: f64,
+    },
+    /// Every posture within the limits collides; this is the contact of the least-error one.
+    Collision {
+        hit: Hit,
+    },
+    /// Every posture within the limits collides or is refused by the rules of motion; this is the refusal of
+    /// the least-error one.
+    Refused(PostureRefusal),
+    /// The equipment that carries the node overlaps something.
+    Overlap(Overlap),
+    /// The node can be reached, but its error depends on something that is missing.
+    Unjudged(Unjudged),
+}
+
+impl Status {
+    /// Returns the name of the status in documents.
+    pub fn name(&self) -> &'static str {
+        self.sign().name()
+    }
+
+    /// Returns the reason as a phrase with the names of the cell; empty if the node is ok.
+    pub fn reason(&self, cell: &Cell) -> String {
+        match self {
+            Status::Ok => String::new(),
+            Status::OutOfReach { by } => format!("out of reach by {:.1} mm", mm_from_m(*by)),
+            Status::JointLimit { violation, needs } => {
+                let joint = &cell.robot.joints[violation.joint];
+                let limit = if *needs < cell.margins.kept(joint).0 { joint.limits.0 } else { joint.limits.1 };
+                let (needs, limit, unit) = match joint.kind {
+                    JointKind::Revolute => (deg_from_rad(*needs), deg_from_rad(limit), "deg"),
+                    JointKind::Prismatic => (mm_from_m(*needs), mm_from_m(limit), "mm"),
+                };
+                let name = shown(&joint.name);
+                let less = match (cell.margins.of(joint), joint.kind) {
+                    (0.0, _) => String::new(),
+                    (margin, JointKind::Revolute) => {
+                        format!(" less a margin of {} {unit}", rounded(deg_from_rad(margin), 6))
+                    }
+                    (margin, JointKind::Prismatic) => {
+                        format!(" less a margin of {} {unit}", rounded(mm_from_m(margin), 6))
+                    }
+                };
+                format!(
+                    "joint {name} needs {needs:.2} {unit}, its limit is {} {unit}{less}",
+                    rounded(limit, 6)
+                )
+            }
+            Status::Attitude { by, joint } => {
+                let at =
+                    joint.map(|j| format!(" with joint {} at its limit", shown(&cell.robot.joints[j].name)));
+                format!("the attitude is missed by {:.2} deg{}", deg_from_rad(*by), at.unwrap_or_default())
+            }
+            Status::NotConverged { position, angle } => format!(
+                "no posture found, and none ruled out: the nearest is off by {:.3} mm and {:.3} deg",
+                mm_from_m(*position),
+                deg_from_rad(*angle)
+            ),
+            Status::Refused(refusal) => refusal.in_words(cell),
+            Status::Overlap(overlap) => overlap.in_words(cell),
+            Status::Unjudged(why) => why.in_words().into(),
+            Status::Collision { hit } => hit.in_words(cell),
+        }
+    }
+}
+
+/// One node of a map.
+///
+/// The posture is the least-error usable one; if none is usable, the least-error one within the limits.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NodeRecord {
+    pub i: usize,
+    pub j: usize,
+    /// TCP target, world frame, m.
+    pub position: Vector3<f64>,
+    pub status: Status,
+    pub posture: Option<PostureRecord>,
+}
+
+impl NodeRecord {
+    /// Returns the posture if the node is usable: a colliding node has a posture, too.
+    pub fn usable_posture(&self) -> Option<&PostureRecord> {
+        self.posture.as_ref().filter(|_| self.status.sign().is_usable())
+    }
+}
+
+/// The posture reported for a node, with its errors in the world frame.
+///
+/// The errors are those of the signed sample; of a tolerance, those of the corner that is worst in the
+/// sense of the operation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PostureRecord {
+    pub branch: u32,
+    pub joints: JointVector,
+    /// Position error by the model of the cell, m.
+    pub error: Vector3<f64>,
+    /// Rotation error by the model of the cell, as a rotation vector, rad.
+    pub rotation: Vector3<f64>,
+    /// Position error by the nonlinear model and by the linear model, m.
+    pub nonlinear: Vector3<f64>,
+    pub linear: Vector3<f64>,
+    /// Deviation of the linear and second-order models from the nonlinear one, as a share of its resultant.
+    pub linear_off: f64,
+    pub second_order_off: f64,
+    /// Whether the node was touched to teach the frame, so that it cannot be the spot.
+    pub touched: bool,
+    /// Value that the reading minimizes: m, rad or a share of failures.
+    pub value: f64,
+    /// One per sense of [`OperationMap::senses`].
+    pub figures: Vec<Figures>,
+    /// Probability that the error keeps the limit; None without a limit.
+    pub success: Option<f64>,
+}
+
+impl PostureRecord {
+    /// Returns the deviation of a model from the nonlinear one, as a share of its resultant.
+    pub fn off(&self, model: Model) -> f64 {
+        match model {
+            Model::Nonlinear => 0.0,
+            Model::Linear => self.linear_off,
+            Model::SecondOrder => self.second_order_off,
+        }
+    }
+}
+
+/// The map of one operation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OperationMap {
+    /// Index into [`Cell::operations`].
+    pub operation: usize,
+    /// The senses in which every node is reported: the paper's, and the operation's own.
+    pub senses: Vec<Sense>,
+    pub nodes: Vec<NodeRecord>,
+    /// Index of the usable node with the least value. For an operation at every node: the node with the
+    /// greatest value, if all are usable.
+    pub best: Option<usize>,
+    /// Value of the operation: that of the best node, or of all nodes together.
+    pub value: Option<f64>,
+}
+
+impl OperationMap {
+    /// Marks every reachable node as blocked, since the equipment overlaps something.
+    pub fn block(&mut self, overlap: Overlap) {
+        let blocked = |n: &&mut NodeRecord| {
+            matches!(
+                n.status,
+                Status::Ok | Status::Collision { .. } | Status::Refused(_) | Status::Unjudged(_)
+            )
+        };
+        self.nodes.iter_mut().filter(blocked).for_each(|n| n.status = Status::Overlap(overlap));
+        (self.best, self.value) = (None, None);
+    }
+
+    /// Returns the usable nodes with their numbers and postures.
+    pub fn usable(&self) -> impl Iterator<Item = (usize, &NodeRecord, &PostureRecord)> {
+        self.nodes.iter().enumerate().filter_map(|(k, node)| Some((k, node, node.usable_posture()?)))
+    }
+
+    /// Returns the node shown as the spot.
+    pub fn best_node(&self) -> Option<&NodeRecord> {
+        self.best.map(|k| &self.nodes[k])
+    }
+
+    /// Returns the spot of the operation.
+    pub fn spot(&self) -> Option<Spot> {
+        let posture = self.best_node()?.posture.as_ref()?;
+        Some(Spot { node: self.best?, branch: posture.branch, value: self.value? })
+    }
+
+    /// Returns the index of a reported sense by its name.
+    pub fn sense(&self, name: &str) -> Option<usize> {
+        self.senses.iter().position(|s| s.name == name)
+    }
+
+    /// Compares a model with the nonlinear one over the usable nodes.
+    ///
+    /// Returns the largest deviation (a share of the resultant), the number of nodes with more than `guard`,
+    /// and the number of usable nodes.
+    pub fn off(&self, model: Model, guard: f64) -> (f64, usize, usize) {
+        self.usable().map(|(_, _, p)| p.off(model)).fold((0.0, 0, 0), |(most, above, all), off| {
+            (f64::max(most, off), above + usize::from(off > guard), all + 1)
+        })
+    }
+
+    /// Returns the number of nodes with this sign.
+    pub fn count(&self, sign: NodeSign) -> usize {
+        self.nodes.iter().filter(|n| n.status.sign() == sign).count()
+    }
+}

@@ -1,0 +1,59 @@
+//! One operation of a cell, prepared for any layout: its nodes, its error evaluator, how its frame is taught.
+
+use super::grid::Grid;
+use crate::cell::{Cell, Operation, Over, Registration};
+use crate::reading::ErrorEvaluator;
+
+/// Everything about one operation that no layout changes.
+pub struct OperationSetup {
+    /// Index of the equipment that carries the surface.
+    pub equipment: usize,
+    pub grid: Grid,
+    /// How the values of the nodes make the value of the operation.
+    pub over: Over,
+    pub evaluator: ErrorEvaluator,
+    /// Index of the pick that this operation places relative to.
+    pub relative_to: Option<usize>,
+    pub teach: TeachPoints,
+}
+
+/// The three points that the robot touches to teach the frame of the surface.
+pub enum TeachPoints {
+    /// The frame is not taught.
+    None,
+    /// Nodes in the order of trying, one list for each point.
+    Nodes([Vec<usize>; 3]),
+    /// Points given by the user, frame of the equipment, m.
+    Given([(f64, f64); 3]),
+}
+
+impl OperationSetup {
+    /// Prepares one operation of a cell.
+    pub fn new(cell: &Cell, operation: &Operation) -> Self {
+        let grid = Grid::new(operation);
+        let teach = match (cell.registration, operation.teach) {
+            (Registration::Taught, Some(points)) => TeachPoints::Given(points),
+            (Registration::Taught, None) => TeachPoints::Nodes(nodes_by_corner(&grid)),
+            _ => TeachPoints::None,
+        };
+        Self {
+            equipment: operation.equipment,
+            over: operation.over,
+            evaluator: ErrorEvaluator::new(cell, operation),
+            relative_to: operation.relative_to,
+            grid,
+            teach,
+        }
+    }
+}
+
+/// Sorts the nodes three times: by distance from the low corner, the corner along x and the corner along y.
+fn nodes_by_corner(grid: &Grid) -> [Vec<usize>; 3] {
+    let [(left, right), (low, high)] = grid.extent();
+    [(left, low), (right, low), (left, high)].map(|corner| {
+        let mut nodes: Vec<usize> = (0..grid.count()).collect();
+        let distance = |k: &usize| (grid.local(*k).0 - corner.0).hypot(grid.local(*k).1 - corner.1);
+        nodes.sort_by(|a, b| distance(a).total_cmp(&distance(b)).then(a.cmp(b)));
+        nodes
+    })
+}

@@ -1,0 +1,85 @@
+//! One layout with its solids posed: the context in which postures are judged.
+
+use super::mapper::Mapper;
+use super::outcome::Spot;
+use crate::cell::{Attitude, JointVector, Layout, Placement};
+use crate::clearance::PlacedSolids;
+use crate::motion::OperationPosture;
+use crate::reach::ToolAttitudes;
+use nalgebra::{Matrix3, Vector3};
+
+/// A layout of a cell with its solids posed.
+///
+/// Everything that judges postures takes this one context, so that the solids always belong to the layout.
+pub struct PlacedLayout<'a> {
+    pub(super) mapper: &'a Mapper,
+    pub(super) layout: &'a Layout,
+    pub(super) solids: PlacedSolids,
+}
+
+/// The surface of one operation in one layout, robot base frame.
+pub struct PlacedSurface<'a> {
+    pub operation: usize,
+    /// Frame of the equipment in the robot base frame.
+    pub at: Placement,
+    pub attitude: &'a Attitude,
+    /// Rotation from world axes to the robot base frame.
+    pub world: Matrix3<f64>,
+}
+
+impl<'a> PlacedLayout<'a> {
+    /// Poses the solids of a layout.
+    pub fn new(mapper: &'a Mapper, layout: &'a Layout) -> Self {
+        Self::reusing(mapper, layout, PlacedSolids::default())
+    }
+
+    /// Poses the solids of a layout in memory that held those of another.
+    pub fn reusing(mapper: &'a Mapper, layout: &'a Layout, mut solids: PlacedSolids) -> Self {
+        mapper.scene.place(layout, &mut solids);
+        Self { mapper, layout, solids }
+    }
+
+    /// Returns the layout.
+    pub fn layout(&self) -> &'a Layout {
+        self.layout
+    }
+
+    /// Gives the memory of the solids back for the next layout.
+    pub fn into_solids(self) -> PlacedSolids {
+        self.solids
+    }
+
+    /// Returns the surface of an operation.
+    pub(super) fn surface(&self, operation: usize) -> PlacedSurface<'a> {
+        let (mapper, layout) = (self.mapper, self.layout);
+        let at = layout.placements[mapper.setups[operation].equipment].seen_from(&layout.base);
+        let (attitude, world) = (&layout.attitudes[operation], layout.base.from_world());
+        PlacedSurface { operation, at, attitude, world }
+    }
+
+    /// Solves the joint coordinates of an operation at its spot.
+    pub fn operation_posture(&self, operation: usize, spot: &Spot) -> Option<OperationPosture> {
+        let surface = self.surface(operation);
+        let (target, attitudes) = (self.target(&surface, spot.node), self.attitudes(&surface));
+        let joints = self.mapper.arm.inverse.branch_at(&target, &attitudes, spot.branch)?.joints;
+        Some(OperationPosture { operation, joints })
+    }
+
+    /// Measures how far the robot is from everything it must not touch while it works at `joints`, m.
+    ///
+    /// Distances above `max` count as `max`.
+    pub fn distance_at_work(&self, operation: usize, joints: &JointVector, max: f64) -> f64 {
+        let (frames, equipment) = (self.mapper.frames(joints), self.mapper.setups[operation].equipment);
+        self.mapper.scene.distance_at_work(&self.solids, &frames.links, operation, equipment, max).distance
+    }
+
+    /// Prepares the attitudes of an operation for its surface.
+    pub(super) fn attitudes(&self, surface: &PlacedSurface<'_>) -> ToolAttitudes {
+        self.mapper.arm.inverse.tool_attitudes(surface.attitude, surface.at.yaw)
+    }
+
+    /// Returns the TCP target of a node, base frame, m.
+    pub(super) fn target(&self, surface: &PlacedSurface<'_>, node: usize) -> Vector3<f64> {
+        self.mapper.setups[surface.operation].grid.target(&surface.at, node)
+    }
+}

@@ -1,0 +1,164 @@
+//! One operation in one placed layout, judged at any point of its surface, between the nodes too.
+
+use super::candidate::PostureCandidate;
+use super::node_record::Status;
+use super::outcome::{Spot, Unjudged};
+use super::placed_layout::PlacedLayout;
+use super::walk::OperationQuery;
+use super::workspace::PostureMemory;
+use crate::cell::JointVector;
+use crate::reach::{Branch, Cost, Reach};
+use crate::reading::WorkContext;
+use crate::robot::Posture;
+use nalgebra::Vector3;
+
+/// A point of the surface at which the operation can happen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PointSpot {
+    /// Point in the frame of the equipment, m.
+    pub at: (f64, f64),
+    pub branch: u32,
+    /// Value to minimize, as [`Spot::value`].
+    pub value: f64,
+}
+
+/// A point and a posture to keep while the layout moves a little.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HeldPosture {
+    /// Point in the frame of the equipment, m.
+    pub at: (f64, f64),
+    pub branch: u32,
+    /// Joint coordinates; they identify the branch of an arm without lasting branch indices.
+    pub joints: JointVector,
+}
+
+/// One operation in one placed layout, ready to be judged point by point.
+pub struct Probe<'a> {
+    query: OperationQuery<'a>,
+    memory: PostureMemory,
+    candidates: Vec<PostureCandidate>,
+}
+
+impl<'a> Probe<'a> {
+    /// Prepares an operation; `spots` are those of the operations before it.
+    ///
+    /// # Errors
+    /// Something is missing, so that no point can be judged.
+    pub fn new(
+        placed: &'a PlacedLayout<'a>,
+        operation: usize,
+        spots: &[Option<Spot>],
+    ) -> Result<Self, Unjudged> {
+        let query = OperationQuery::new(placed, operation, spots);
+        if let Err(why) = query.context {
+            return Err(why);
+        }
+        Ok(Self { query, memory: PostureMemory::new(placed.mapper, operation), candidates: Vec::new() })
+    }
+
+    /// Returns the TCP target over a point of the surface, base frame, m.
+    fn target(&self, at: (f64, f64)) -> Vector3<f64> {
+        self.query.setup.grid.point(&self.query.at, at)
+    }
+
+    /// Returns the TCP target over a point of the surface, world frame, m.
+    pub fn position(&self, at: (f64, f64)) -> Vector3<f64> {
+        self.query.placed.layout.base.pose().transform(&self.target(at))
+    }
+
+    fn context(&self) -> Result<&WorkContext, Status> {
+        self.query.context.as_ref().map_err(|why| Status::Unjudged(*why))
+    }
+
+    /// Returns the distance from the nearest point touched to teach the frame, m; infinite without any.
+    pub fn from_touched(&self, at: (f64, f64)) -> f64 {
+        self.context().map_or(f64::INFINITY, |context| context.from_touched(&self.target(at)))
+    }
+
+    /// Finds the least-error usable posture at a point, judged as at a node.
+    ///
+    /// # Errors
+    /// The point cannot be used; the status says why.
+    pub fn best(&mut self, at: (f64, f64)) -> Result<PointSpot, Status> {
+        let target = self.target(at);
+        if self.context()?.touches(&target) {
+            return Err(Status::Unjudged(Unjudged::OnlyTouched));
+        }
+        let Self { query, memory, candidates } = self;
+        candidates.clear();
+        query.visit(0, target, memory, candidates);
+        candidates.sort_by(|a, b| b.cmp(a));
+        let mut next = candidates.iter().copied();
+        let found = query.first_free(memory, |_| next.next());
+        match found.free {
+            Some(PostureCandidate { spot: Spot { branch, value, .. }, .. }) => {
+                Ok(PointSpot { at, branch, value })
+            }
+            None => Err(query.why_none(&target, &found, memory)),
+        }
+    }
+
+    /// Computes the value with a held posture, whose joints follow the surface.
+    ///
+    /// An arm with numeric inverse kinematics takes the posture nearest to it, as its branch indices do not
+    /// last.
+    ///
+    /// # Errors
+    /// The posture cannot be held; the status says why.
+    pub fn holding(&mut self, held: &HeldPosture) -> Result<f64, Status> {
+        let target = self.target(held.at);
+        let inverse = &self.query.placed.mapper.arm.inverse;
+        let posture = match inverse.cost() {
+            Cost::Numeric => self.branch_near(held).map(|b| b.posture),
+            _ => inverse.usable(&target, &self.query.attitudes, held.branch),
+        };
+        let Some(posture) = posture else {
+            return Err(self.query.why_unreached(&target, |branch| branch.index == held.branch));
+        };
+        let value = self.value(&posture)?;
+        match self.query.trouble(&target, held.branch, &self.memory) {
+            Some(trouble) => Err(trouble),
+            None => Ok(value),
+        }
+    }
+
+    /// Computes the value with a held posture, whatever it touches and whichever joint limit it passes.
+    pub fn beyond_limits(&mut self, held: &HeldPosture) -> Option<f64> {
+        let branch = self.branch_near(held)?;
+        self.value(&branch.posture).ok()
+    }
+
+    /// Finds the branch of a held posture, inside its joint limits or not.
+    fn branch_near(&self, held: &HeldPosture) -> Option<Branch> {
+        let inverse = &self.query.placed.mapper.arm.inverse;
+        let Reach::Branches(all) = inverse.branches(&self.target(held.at), &self.query.attitudes) else {
+            return None;
+        };
+        match inverse.cost() {
+            Cost::Numeric => nearest(&all, &held.joints).copied(),
+            _ => all.into_iter().find(|b| b.index == held.branch),
+        }
+    }
+
+    fn value(&mut self, posture: &Posture) -> Result<f64, Status> {
+        let Self { query, memory: PostureMemory { frames, reading, .. }, .. } = self;
+        let context = query.context.as_ref().map_err(|why| Status::Unjudged(*why))?;
+        query.placed.mapper.arm.chain.place(posture, frames);
+        Ok(query.setup.evaluator.value(context, frames, reading))
+    }
+
+    /// Solves the joint coordinates of a branch at a point.
+    pub fn joints(&self, at: (f64, f64), branch: u32) -> Option<JointVector> {
+        let inverse = &self.query.placed.mapper.arm.inverse;
+        let Reach::Branches(all) = inverse.branches(&self.target(at), &self.query.attitudes) else {
+            return None;
+        };
+        all.iter().find(|b| b.index == branch).map(|b| b.joints)
+    }
+}
+
+/// Returns the usable branch whose largest joint difference from `joints` is least.
+fn nearest<'b>(branches: &'b [Branch], joints: &JointVector) -> Option<&'b Branch> {
+    let off = |b: &Branch| b.joints.iter().zip(joints).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    branches.iter().filter(|b| b.is_usable()).min_by(|a, b| off(a).total_cmp(&off(b)))
+}

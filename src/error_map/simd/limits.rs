@@ -1,0 +1,37 @@
+//! Joint limits in lanes.
+
+use super::lanes::{CosSin, Mask};
+use crate::reach::LimitCone;
+use pulp::Simd;
+
+/// Slack added to the joint limits, in the cosine of the angle from the middle of the range: a posture
+/// refused here is refused by the code for one node, too.
+const SLACK: f64 = 1e-9;
+
+/// Returns the lanes in which the unit vector of a joint surely lies outside its range.
+#[inline(always)]
+pub fn is_passed<S: Simd>(cone: &LimitCone, (cos, sin): CosSin<S>) -> Mask<S> {
+    let along = cos * cone.axis.0 + sin * cone.axis.1;
+    along.is_below(along.like(cone.cos_half - SLACK))
+}
+
+/// Adds to `out` the lanes in which a joint behind the first passes its limit.
+#[inline(always)]
+pub fn any_passed<S: Simd, const N: usize>(
+    cones: &[LimitCone; N],
+    turns: &[CosSin<S>; N],
+    mut out: Mask<S>,
+) -> Mask<S> {
+    let mut own = *turns;
+    for i in 1..N {
+        for &(j, factor) in &cones[i].factors {
+            let (c, s) = own[j];
+            let s = if factor > 0 { s } else { -s };
+            for _ in 0..factor.abs() {
+                own[i] = (own[i].0 * c + own[i].1 * s, own[i].1 * c - own[i].0 * s);
+            }
+        }
+        out = out | is_passed(&cones[i], own[i]);
+    }
+    out
+}

@@ -1,0 +1,13 @@
+//! Ranking of nodes: a lower bound of the error at every node, computed for several nodes at once in SIMD
+//! lanes.
+//!
+//! The bounds only order the nodes and reject hopeless ones; the code for one node judges those that are
+//! left. So no result depends on the processor. This is the only user of pulp.
+
+mod lanes;
+mod limits;
+mod perturbed_chain;
+mod planar_arm;
+mod ranking;
+
+pub use ranking::{Ranker, Ranking};

@@ -1,0 +1,203 @@
+//! Lower bounds of the error at the nodes of a surface, and the nodes in their order.
+//!
+//! A bound is below the value of [`ErrorEvaluator::value`] by no more than [`BOUND_MARGIN`] allows. The code for one
+//! node judges nodes in this order until the least value is below all bounds that are left. So the spot is
+//! the same, to the bit, as if every node had been judged.
+
+use super::lanes::{CosSin, Lanes, MAX_LANES};
+use super::perturbed_chain::PerturbedChain;
+use super::planar_arm::{Level, PlanarLanes};
+use crate::cell::{MAX_ROWS, Placement};
+use crate::error_map::grid::Grid;
+use crate::pose::Pose;
+use crate::reach::{Inverse, ToolAttitudes};
+use crate::reading::ErrorEvaluator;
+use nalgebra::{Matrix3, Vector3};
+use pulp::{Arch, Simd, WithSimd};
+
+/// Margin by which a bound is lowered (m, and as a share). Rounding makes 1e-14 m at most postures, and
+/// 1e-10 m next to a singular one.
+const BOUND_MARGIN: f64 = 1e-9;
+
+/// Number of nodes in a group: the least bound is found among the groups, then in its group.
+const GROUP: usize = 2 * MAX_LANES;
+
+/// Computes the lower bounds of one operation.
+#[derive(Debug, Clone)]
+pub struct Ranker {
+    arm: PlanarLanes,
+    chain: PerturbedChain,
+    /// Directions of the sense, world frame.
+    rows: Vec<Vector3<f64>>,
+    /// Nodes in the frame of the equipment, m; the last one is repeated to fill the last group.
+    xs: Vec<f64>,
+    ys: Vec<f64>,
+    count: usize,
+    standoff: f64,
+}
+
+/// One row of the sense, made ready for one layout.
+///
+/// The error in the row is `built . p - (wanted . target - offset)`, with p the TCP in the frame behind the
+/// first motion of the chain.
+#[derive(Debug, Clone, Copy)]
+struct RankingRow {
+    built: Vector3<f64>,
+    offset: f64,
+    wanted: Vector3<f64>,
+}
+
+/// The bounds of one layout, in memory kept from layout to layout.
+#[derive(Default)]
+pub struct Ranking {
+    /// One bound per node, m; infinite where nothing is in reach.
+    bounds: Vec<f64>,
+    /// The least bound of each group.
+    groups: Vec<f64>,
+}
+
+impl Ranker {
+    /// Prepares an operation; None if its arm, reading, model or sense cannot be ranked.
+    pub fn new(inverse: &Inverse, evaluator: &ErrorEvaluator, grid: &Grid) -> Option<Self> {
+        let (errors, rows) = evaluator.plain()?;
+        if rows.is_empty() {
+            return None;
+        }
+        let (mut xs, mut ys) = grid.locals();
+        let count = xs.len();
+        for line in [&mut xs, &mut ys] {
+            line.resize(count.next_multiple_of(GROUP), line.last().copied().unwrap_or(0.0));
+        }
+        let (arm, chain) = (PlanarLanes::new(inverse)?, PerturbedChain::new(inverse.chain(), errors)?);
+        Some(Self { arm, chain, rows, xs, ys, count, standoff: grid.standoff() })
+    }
+
+    /// Returns whether the attitudes of an operation can be ranked.
+    pub fn takes(&self, attitudes: &ToolAttitudes) -> bool {
+        !attitudes.is_judged_by_posture()
+    }
+
+    /// Ranks the nodes of a surface placed at `at` (base frame); `world` turns world axes into the base frame.
+    pub fn rank(
+        &self,
+        at: &Placement,
+        world: &Matrix3<f64>,
+        attitudes: &ToolAttitudes,
+        ranking: &mut Ranking,
+    ) {
+        let Ranking { bounds, groups } = ranking;
+        bounds.resize(self.xs.len(), f64::INFINITY);
+        let (sin, cos) = at.yaw.sin_cos();
+        let row = |k: usize| self.row(&(world * self.rows[k.min(self.rows.len() - 1)]));
+        let rows = &std::array::from_fn::<_, MAX_ROWS, _>(row)[..self.rows.len()];
+        Arch::new().dispatch(RankingPass { ranker: self, at, turn: (cos, sin), attitudes, rows, bounds });
+        bounds[self.count..].fill(f64::INFINITY);
+        groups.clear();
+        groups.extend(bounds.chunks(GROUP).map(least));
+    }
+}
+
+impl Ranking {
+    /// Returns the least bound of the nodes that are left.
+    pub fn bound(&self) -> f64 {
+        least(&self.groups)
+    }
+
+    /// Takes out the node with the least bound, the first of several.
+    pub fn pop(&mut self) -> Option<usize> {
+        let bound = self.bound();
+        let group = self.groups.iter().position(|b| *b == bound && *b < f64::INFINITY)?;
+        let nodes = &mut self.bounds[group * GROUP..][..GROUP];
+        let node = nodes.iter().position(|b| *b == bound)?;
+        nodes[node] = f64::INFINITY;
+        self.groups[group] = least(nodes);
+        Some(group * GROUP + node)
+    }
+}
+
+fn least(bounds: &[f64]) -> f64 {
+    bounds.iter().fold(f64::INFINITY, |a, &b| if b < a { b } else { a })
+}
+
+/// The computation of all bounds of one layout, to be compiled for every kind of processor.
+struct RankingPass<'a> {
+    ranker: &'a Ranker,
+    at: &'a Placement,
+    /// Cosine and sine of the yaw.
+    turn: (f64, f64),
+    attitudes: &'a ToolAttitudes,
+    rows: &'a [RankingRow],
+    bounds: &'a mut [f64],
+}
+
+impl WithSimd for RankingPass<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { ranker, at, turn: (cos, sin), attitudes, rows, bounds } = self;
+        let z = at.z + ranker.standoff;
+        let (xs, _) = S::as_simd_f64s(&ranker.xs);
+        let (ys, _) = S::as_simd_f64s(&ranker.ys);
+        let (bounds, _) = S::as_mut_simd_f64s(bounds);
+        // A long direction is a weight, which weighs rounding errors, too.
+        let margin = BOUND_MARGIN * rows.iter().map(|row| row.wanted.norm()).sum::<f64>();
+        for ((x, y), bound) in xs.iter().zip(ys).zip(bounds) {
+            let (x, y) = (Lanes::new(simd, *x), Lanes::new(simd, *y));
+            // The order of operations is that of [`Grid::targets`].
+            let target = Level { x: x * cos + at.x - y * sin, y: x * sin + at.y + y * cos, z };
+            *bound = ranker.bound(target, rows, margin, attitudes).get();
+        }
+    }
+}
+
+impl Ranker {
+    /// Computes the squared error of the postures; 0 in place of NaN, so that the node is judged first.
+    #[inline(always)]
+    fn size2<S: Simd>(&self, turns: &[CosSin<S>; 4], rows: &[RankingRow], wanted: &[Lanes<S>]) -> Lanes<S> {
+        let [x, y, z] = self.chain.tip(turns);
+        let mut size2 = x.like(0.0);
+        for (wanted, row) in wanted.iter().zip(rows) {
+            let part = x * row.built.x + y * row.built.y + z * row.built.z - *wanted;
+            size2 = part.times_plus(part, size2);
+        }
+        size2.is_above(-1.0).choose(size2, x.like(0.0))
+    }
+
+    /// Prepares a row from its direction, base frame.
+    fn row(&self, wanted: &Vector3<f64>) -> RankingRow {
+        let Pose { rotation, translation } = &self.chain.base;
+        RankingRow { built: rotation.transpose() * wanted, offset: wanted.dot(translation), wanted: *wanted }
+    }
+
+    /// Computes the least error of the targets over all branches, less the margin.
+    #[inline(always)]
+    fn bound<S: Simd>(
+        &self,
+        target: Level<S>,
+        rows: &[RankingRow],
+        margin: f64,
+        attitudes: &ToolAttitudes,
+    ) -> Lanes<S> {
+        let Level { x, y, z } = target;
+        let mut wanted = [x; MAX_ROWS];
+        for (wanted, row) in wanted.iter_mut().zip(rows) {
+            *wanted = x * row.wanted.x + y * row.wanted.y + (row.wanted.z * z - row.offset);
+        }
+        let targets = self.arm.targets(&target);
+        let mut least = x.like(f64::INFINITY);
+        for attitude in attitudes.planar() {
+            for back in [false, true] {
+                let Some(wrist) = self.arm.wrist(&targets, attitude, back) else { continue };
+                for up in [false, true] {
+                    let (turns, out) = self.arm.branch(&wrist, up);
+                    if !out.is_all() {
+                        let size2 = self.size2(&turns, rows, &wanted);
+                        least = (out | least.is_below(size2)).choose(least, size2);
+                    }
+                }
+            }
+        }
+        least.sqrt() * (1.0 - BOUND_MARGIN) - margin
+    }
+}

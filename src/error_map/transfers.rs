@@ -1,0 +1,35 @@
+//! The moves between the operations of a layout.
+
+use super::outcome::Spot;
+use super::placed_layout::PlacedLayout;
+use super::workspace::MapperWorkspace;
+use crate::motion::{Blocked, OperationPosture, Transfer};
+
+impl PlacedLayout<'_> {
+    /// Plans the moves between the operations, from spot to spot, and between the points of an operation at
+    /// many points. Returns none if the cell has no transfer rules or a spot is missing.
+    ///
+    /// # Errors
+    /// A move is blocked; the first one is returned.
+    pub fn transfers(&self, spots: &[Option<Spot>]) -> Result<Vec<Transfer>, Blocked> {
+        let Some(guard) = self.mapper.guard.as_ref().filter(|guard| guard.asks_transfers()) else {
+            return Ok(Vec::new());
+        };
+        let stops: Option<Vec<Vec<OperationPosture>>> =
+            (0..spots.len()).map(|k| self.stops(k, spots)).collect();
+        stops.map_or(Ok(Vec::new()), |stops| {
+            guard.transfers(&self.mapper.scene, &self.solids, &stops.concat())
+        })
+    }
+
+    /// Returns the postures of an operation in their order: at its spot, or at every listed point. A region
+    /// gives no order to its nodes, so that only its worst node is a stop.
+    fn stops(&self, operation: usize, spots: &[Option<Spot>]) -> Option<Vec<OperationPosture>> {
+        let (setup, spot) = (&self.mapper.setups[operation], spots[operation]?);
+        if !setup.over.takes_all() || !setup.grid.is_listed() {
+            return Some(vec![self.operation_posture(operation, &spot)?]);
+        }
+        let all = self.every_free(operation, spots, &mut MapperWorkspace::default()).ok()?;
+        all.iter().map(|spot| self.operation_posture(operation, spot)).collect()
+    }
+}

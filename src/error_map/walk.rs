@@ -1,0 +1,233 @@
+//! The walk: every branch of every node, judged, and the best free one.
+//!
+//! An [`OperationQuery`] is one operation in one placed layout. Its [walk](OperationQuery::walk) solves the
+//! inverse kinematics of each node, computes the value of each posture within the joint limits, and hands
+//! the posture to a [`PostureVisitor`]. [`OperationQuery::first_free`] then takes candidates, best first,
+//! until one is free of collisions and allowed by the rules of motion. Search, map and probe are visitors of
+//! this one walk, so they judge alike.
+
+use super::candidate::PostureCandidate;
+use super::node_record::Status;
+use super::operation_setup::OperationSetup;
+use super::outcome::{Outcome, Spot, Unjudged};
+use super::placed_layout::{PlacedLayout, PlacedSurface};
+use super::workspace::PostureMemory;
+use crate::cell::Placement;
+use crate::motion::PostureRefusal;
+use crate::reach::{Branch, Gap, Reach, ToolAttitudes};
+use crate::reading::WorkContext;
+use nalgebra::Vector3;
+
+/// One operation in one placed layout, ready to judge postures.
+pub struct OperationQuery<'a> {
+    pub placed: &'a PlacedLayout<'a>,
+    pub setup: &'a OperationSetup,
+    pub operation: usize,
+    /// Frame of the equipment in the robot base frame.
+    pub at: Placement,
+    /// Attitudes of the tool over the surface.
+    pub attitudes: ToolAttitudes,
+    /// What the errors depend on besides the posture, or why they cannot be computed.
+    pub context: Result<WorkContext, Unjudged>,
+}
+
+/// Receives the postures of a walk.
+pub trait PostureVisitor {
+    /// Whether points that were touched to teach the frame are judged, too. They cannot be the spot.
+    const JUDGES_TOUCHED: bool = false;
+
+    /// Takes a posture within the joint limits.
+    fn candidate(&mut self, candidate: PostureCandidate);
+
+    /// Takes the end of a node; its candidates came before.
+    fn end_of_node(&mut self, _query: &OperationQuery<'_>, _node: &VisitedNode, _memory: &mut PostureMemory) {
+    }
+}
+
+/// One node of a walk.
+pub struct VisitedNode {
+    /// Index of the node.
+    pub node: usize,
+    /// TCP target, base frame, m.
+    pub target: Vector3<f64>,
+    /// Gap to the reach of the node; None if a posture within the joint limits reaches it.
+    pub missed: Option<Gap>,
+}
+
+/// Result of asking candidates, best first, until one can be used.
+#[derive(Default)]
+pub struct FirstFree {
+    /// The first candidate that can be used.
+    pub free: Option<PostureCandidate>,
+    /// The first candidate of all.
+    pub nearest: Option<PostureCandidate>,
+    /// The first collision-free candidate that the rules of motion refuse, and why.
+    pub refused: Option<(Spot, PostureRefusal)>,
+}
+
+impl PostureVisitor for Vec<PostureCandidate> {
+    fn candidate(&mut self, candidate: PostureCandidate) {
+        self.push(candidate);
+    }
+}
+
+impl PostureVisitor for std::collections::BinaryHeap<PostureCandidate> {
+    fn candidate(&mut self, candidate: PostureCandidate) {
+        self.push(candidate);
+    }
+}
+
+impl FirstFree {
+    /// Returns the outcome of the operation if these were all of its candidates; None without any.
+    pub fn outcome(&self) -> Option<Outcome> {
+        match (self.free, self.refused) {
+            (Some(free), _) => Some(Outcome::Found(free.spot)),
+            (None, Some((nearest, refusal))) => Some(Outcome::Refused { nearest, refusal }),
+            (None, None) => self.nearest.map(|nearest| Outcome::AllCollide { nearest: nearest.spot }),
+        }
+    }
+}
+
+impl<'a> OperationQuery<'a> {
+    /// Prepares an operation; `spots` are those of the operations before it.
+    pub fn new(placed: &'a PlacedLayout<'a>, operation: usize, spots: &[Option<Spot>]) -> Self {
+        Self::reusing(placed, &placed.surface(operation), spots, ToolAttitudes::default())
+    }
+
+    /// Prepares the operation of a surface in memory that held other attitudes.
+    pub fn reusing(
+        placed: &'a PlacedLayout<'a>,
+        surface: &PlacedSurface<'_>,
+        spots: &[Option<Spot>],
+        mut attitudes: ToolAttitudes,
+    ) -> Self {
+        let (mapper, operation, at) = (placed.mapper, surface.operation, surface.at);
+        mapper.arm.inverse.set_attitudes(&mut attitudes, surface.attitude, at.yaw);
+        let context = placed.work_context(operation, spots);
+        Self { placed, setup: &mapper.setups[operation], operation, at, attitudes, context }
+    }
+
+    /// Visits every node in its order.
+    #[inline]
+    pub fn walk<V: PostureVisitor>(&self, memory: &mut PostureMemory, visitor: &mut V) {
+        self.setup.grid.targets(&self.at, |node, target| self.visit(node, target, memory, visitor));
+    }
+
+    /// Visits one node: every branch within the joint limits, judged.
+    #[inline]
+    pub fn visit<V: PostureVisitor>(
+        &self,
+        node: usize,
+        target: Vector3<f64>,
+        memory: &mut PostureMemory,
+        visitor: &mut V,
+    ) {
+        let arm = &self.placed.mapper.arm;
+        let PostureMemory { reading, frames, posture, .. } = memory;
+        let context = self.context.as_ref().ok();
+        let context = context.filter(|s| V::JUDGES_TOUCHED || !s.touches(&target));
+        let mut reached = false;
+        let gap = arm.inverse.visit(&target, &self.attitudes, posture, |branch, posture| {
+            reached = true;
+            if let Some(context) = context {
+                arm.chain.place(posture, frames);
+                let value = self.setup.evaluator.value(context, frames, reading);
+                visitor.candidate(PostureCandidate { spot: Spot { node, branch, value }, target });
+            }
+        });
+        let missed = (!reached).then_some(gap);
+        visitor.end_of_node(self, &VisitedNode { node, target, missed }, memory);
+    }
+
+    /// Asks candidates in the order of `next`, best first, until one can be used.
+    ///
+    /// The target of a candidate is solved again for its posture: storing the postures of all nodes costs
+    /// more, and few candidates are ever asked.
+    pub fn first_free(
+        &self,
+        memory: &mut PostureMemory,
+        mut next: impl FnMut(&mut PostureMemory) -> Option<PostureCandidate>,
+    ) -> FirstFree {
+        let mut found = FirstFree::default();
+        while let Some(candidate) = next(memory) {
+            found.nearest.get_or_insert(candidate);
+            if !self.is_free(&candidate, memory) {
+                continue;
+            }
+            match self.refusal(&candidate.target, candidate.spot.branch) {
+                None => {
+                    found.free = Some(candidate);
+                    break;
+                }
+                Some(refusal) => found.refused = found.refused.or(Some((candidate.spot, refusal))),
+            }
+        }
+        found
+    }
+
+    /// Returns whether the posture of a candidate touches nothing.
+    fn is_free(&self, candidate: &PostureCandidate, memory: &mut PostureMemory) -> bool {
+        let PostureMemory { frames, contacts, .. } = memory;
+        let PlacedLayout { mapper, solids, .. } = self.placed;
+        let posture = mapper.arm.inverse.posture(&candidate.target, &self.attitudes, candidate.spot.branch);
+        posture.is_some_and(|posture| {
+            mapper.arm.chain.place(&posture, frames);
+            mapper.scene.is_free(solids, &frames.links, Some(self.operation), contacts)
+        })
+    }
+
+    /// Returns why the rules of motion refuse a collision-free posture; None if they allow it.
+    fn refusal(&self, target: &Vector3<f64>, branch: u32) -> Option<PostureRefusal> {
+        let PlacedLayout { mapper, solids, .. } = self.placed;
+        let guard = mapper.guard.as_ref().filter(|guard| guard.asks_postures(self.operation))?;
+        let joints = mapper.arm.inverse.branch_at(target, &self.attitudes, branch)?.joints;
+        guard.admits(&mapper.scene, solids, self.operation, &joints).err()
+    }
+
+    /// Returns why a posture within the joint limits cannot be used, with its frames in `memory`.
+    pub fn trouble(&self, target: &Vector3<f64>, branch: u32, memory: &PostureMemory) -> Option<Status> {
+        let PlacedLayout { mapper, solids, .. } = self.placed;
+        let hit = mapper.scene.hit(solids, &memory.frames.links, Some(self.operation));
+        let collision = hit.map(|hit| Status::Collision { hit });
+        collision.or_else(|| self.refusal(target, branch).map(Status::Refused))
+    }
+
+    /// Returns why none of the candidates of one target can be used: the trouble of the best one.
+    pub fn why_none(&self, target: &Vector3<f64>, found: &FirstFree, memory: &mut PostureMemory) -> Status {
+        let arm = &self.placed.mapper.arm;
+        let trouble = found.nearest.and_then(|PostureCandidate { spot, .. }| {
+            if let Some((_, refusal)) = found.refused.filter(|(refused, _)| refused.branch == spot.branch) {
+                return Some(Status::Refused(refusal));
+            }
+            let posture = arm.inverse.posture(target, &self.attitudes, spot.branch)?;
+            arm.chain.place(&posture, &mut memory.frames);
+            self.trouble(target, spot.branch, memory)
+        });
+        trouble.unwrap_or_else(|| self.why_unreached(target, |_| true))
+    }
+
+    /// Returns why no branch that `counts` keeps the joint limits at a target.
+    pub fn why_unreached(&self, target: &Vector3<f64>, counts: impl Fn(&Branch) -> bool) -> Status {
+        match self.placed.mapper.arm.inverse.branches(target, &self.attitudes) {
+            Reach::OutOfReach { by } => Status::OutOfReach { by },
+            Reach::Attitude { by, joint } => Status::Attitude { by, joint },
+            Reach::NotConverged { position, angle } => Status::NotConverged { position, angle },
+            Reach::Branches(mut branches) => {
+                branches.retain(counts);
+                least_violation(&branches)
+            }
+        }
+    }
+}
+
+/// Returns the joint limit that the most nearly allowed branch passes, or the attitude that it misses.
+fn least_violation(branches: &[Branch]) -> Status {
+    let passed = branches.iter().filter_map(|b| b.violation.map(|v| (v, b.joints[v.joint])));
+    let least = passed.min_by(|a, b| a.0.by.total_cmp(&b.0.by));
+    let off = branches.iter().filter(|b| b.violation.is_none()).map(|b| b.off).reduce(f64::min);
+    match (off, least) {
+        (Some(by), _) => Status::Attitude { by, joint: None },
+        (None, Some((violation, needs))) => Status::JointLimit { violation, needs },
+        (None, None) => Status::OutOfReach { by: 0.0 },
+    }
+}

@@ -1,0 +1,60 @@
+//! EvaluatorScratch that one thread keeps from layout to layout, so that the node loop does not allocate.
+
+use super::candidate::PostureCandidate;
+use super::mapper::Mapper;
+use super::simd::Ranking;
+use crate::clearance::ContactMemory;
+use crate::reach::ToolAttitudes;
+use crate::reading::EvaluatorScratch;
+use crate::robot::{Frames, Posture};
+
+/// EvaluatorScratch of the search for spots, kept from layout to layout.
+#[derive(Default)]
+pub struct MapperWorkspace {
+    pub(super) candidates: Vec<PostureCandidate>,
+    pub(super) attitudes: ToolAttitudes,
+    pub(super) ranking: Ranking,
+    /// One per operation.
+    postures: Vec<PostureMemory>,
+}
+
+/// EvaluatorScratch for judging the postures of one operation.
+pub struct PostureMemory {
+    pub reading: EvaluatorScratch,
+    pub frames: Frames,
+    pub contacts: ContactMemory,
+    /// The posture that inverse kinematics writes to.
+    pub posture: Posture,
+}
+
+impl PostureMemory {
+    /// Creates the memory of one operation.
+    pub fn new(mapper: &Mapper, operation: usize) -> Self {
+        Self {
+            reading: mapper.evaluator(operation).memory(),
+            frames: Frames::default(),
+            contacts: ContactMemory::default(),
+            posture: mapper.inverse().scratch(),
+        }
+    }
+}
+
+/// The parts of a workspace that the walk of one operation borrows.
+pub struct WalkMemory<'w> {
+    pub candidates: &'w mut Vec<PostureCandidate>,
+    pub ranking: &'w mut Ranking,
+    pub postures: &'w mut PostureMemory,
+}
+
+impl MapperWorkspace {
+    /// Lends the memory of one operation, created when it is missing.
+    pub(super) fn of(&mut self, mapper: &Mapper, operation: usize) -> WalkMemory<'_> {
+        for missing in self.postures.len()..=operation {
+            self.postures.push(PostureMemory::new(mapper, missing));
+        }
+        let Self { candidates, ranking, postures, .. } = self;
+        let postures = &mut postures[operation];
+        postures.posture = mapper.inverse().scratch();
+        WalkMemory { candidates, ranking, postures }
+    }
+}

@@ -1,0 +1,153 @@
+//! The evaluation of one layout: overlaps, reach, limits, errors, collisions, and the cost of them all.
+
+use super::misplaced_overlaps::overlap_depth;
+use super::objective::combined;
+use super::spot_choice::{SpotQuery, SpotValue};
+use super::workcell::Workcell;
+use crate::cell::{Cell, Layout};
+use crate::clearance::{Overlap, PlacedSolids};
+use crate::error_map::{MapperWorkspace, Outcome, PlacedLayout, Spot};
+use crate::motion::{Blocked, Transfer};
+
+/// Penalty of every infeasible layout, times the weights: more than any weighted error in m, so that no
+/// infeasible layout ever ranks before a feasible one.
+const INFEASIBLE_PENALTY: f64 = 1e3;
+
+// Penalties of an operation without a spot, m: being out of reach is worse than passing a joint limit, which
+// is worse than colliding everywhere.
+const OUT_OF_REACH_PENALTY: f64 = 2.0;
+const JOINT_LIMIT_PENALTY: f64 = 1.0;
+const UNJUDGED_PENALTY: f64 = 0.75;
+const COLLISION_PENALTY: f64 = 0.5;
+const REFUSED_PENALTY: f64 = 0.4;
+/// Penalty of a blocked move between operations, m.
+const BLOCKED_PENALTY: f64 = 0.25;
+
+/// What a layout is worth. Every layout has a value: an infeasible one says why it is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Evaluation {
+    pub overlaps: Vec<Overlap>,
+    /// One per operation.
+    pub outcomes: Vec<Outcome>,
+    /// Moves between consecutive operations, if the cell asks for them and nothing else is amiss.
+    pub transfers: Vec<Transfer>,
+    /// The first move that is blocked.
+    pub blocked: Option<Blocked>,
+    /// Objective of the values (m, rad or shares), of a robust search of the worst values over the placement
+    /// tolerances; None if the layout is infeasible.
+    pub objective: Option<f64>,
+    /// Finite for every layout: the objective; if a limit is missed, 100 times the weights and more; if the
+    /// layout is infeasible, 1000 times and more, falling towards feasibility.
+    pub cost: f64,
+}
+
+impl Evaluation {
+    /// Returns whether the layout is feasible and keeps every limit: what a search looks for.
+    pub fn is_accepted(&self) -> bool {
+        self.objective == Some(self.cost)
+    }
+}
+
+/// EvaluatorScratch that one thread reuses from layout to layout.
+#[derive(Default)]
+pub struct Workspace {
+    overlaps: Vec<Overlap>,
+    solids: PlacedSolids,
+    mapper: MapperWorkspace,
+}
+
+/// Evaluates one layout: overlaps, reach, limits, errors, collisions. Pure and total: the same layout gives
+/// the same bits, and every layout gives a value.
+pub fn evaluate(workcell: &Workcell, layout: &Layout) -> Evaluation {
+    evaluate_in(workcell, layout, &mut Workspace::default())
+}
+
+/// Evaluates one layout like [`evaluate`], with memory that is kept from call to call.
+pub fn evaluate_in(workcell: &Workcell, layout: &Layout, workspace: &mut Workspace) -> Evaluation {
+    let Workspace { overlaps: found, solids, mapper: memory } = workspace;
+    workcell.plan.overlaps(layout, found);
+    let placed = PlacedLayout::reusing(&workcell.mapper, layout, std::mem::take(solids));
+    let operations = Operations::evaluate(workcell, &placed, memory);
+    let overlaps = found.clone();
+    let (transfers, blocked) = transfers(&placed, &overlaps, &operations.spots);
+    *solids = placed.into_solids();
+    let mut depth: f64 = overlaps.iter().map(|o| o.depth).sum();
+    if workcell.cell.search.robust {
+        depth = overlap_depth(workcell, layout, found).max(depth);
+    }
+    let Operations { outcomes, values, lost, .. } = operations;
+    let is_apart = overlaps.is_empty() && depth == 0.0;
+    let is_feasible = is_apart && blocked.is_none() && values.len() == outcomes.len();
+    let objective = is_feasible.then(|| combined(&workcell.cell, &values));
+    let cost = match objective {
+        Some(objective) => workcell.priced(objective, &values),
+        None => {
+            let blocked = if blocked.is_some() { BLOCKED_PENALTY } else { 0.0 };
+            let short = outcomes.iter().map(|o| shortfall(&workcell.cell, o)).sum::<f64>();
+            workcell.weight() * (INFEASIBLE_PENALTY + depth + blocked + short + lost)
+        }
+    };
+    Evaluation { overlaps, outcomes, transfers, blocked, objective, cost }
+}
+
+/// Outcomes and values of all operations, in their order.
+struct Operations {
+    outcomes: Vec<Outcome>,
+    spots: Vec<Option<Spot>>,
+    /// Values of the operations that have one.
+    values: Vec<f64>,
+    /// Penalty of the spots that misplacement loses, m.
+    lost: f64,
+}
+
+impl Operations {
+    fn evaluate(workcell: &Workcell, placed: &PlacedLayout<'_>, memory: &mut MapperWorkspace) -> Self {
+        let count = workcell.cell.operations.len();
+        let (outcomes, spots) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        let mut all = Self { outcomes, spots, values: Vec::with_capacity(count), lost: 0.0 };
+        for operation in 0..count {
+            let query = SpotQuery { workcell, placed, operation, spots: &all.spots };
+            let (outcome, value) = query.choose(memory);
+            match value {
+                Some(SpotValue::Kept(value)) => all.values.push(value),
+                Some(SpotValue::Lost(penalty)) => all.lost += penalty,
+                None => {}
+            }
+            all.spots.push(if let Outcome::Found(spot) = outcome { Some(spot) } else { None });
+            all.outcomes.push(outcome);
+        }
+        all
+    }
+}
+
+/// Plans the moves between the operations of a layout without overlaps; a blocked one leaves none.
+fn transfers(
+    placed: &PlacedLayout<'_>,
+    overlaps: &[Overlap],
+    spots: &[Option<Spot>],
+) -> (Vec<Transfer>, Option<Blocked>) {
+    if !overlaps.is_empty() {
+        return (Vec::new(), None);
+    }
+    match placed.transfers(spots) {
+        Ok(transfers) => (transfers, None),
+        Err(blocked) => (Vec::new(), Some(blocked)),
+    }
+}
+
+/// Measures how far an operation is from having a spot, m.
+fn shortfall(cell: &Cell, outcome: &Outcome) -> f64 {
+    match outcome {
+        Outcome::Found(_) => 0.0,
+        Outcome::AllCollide { .. } => COLLISION_PENALTY,
+        Outcome::Refused { .. } => REFUSED_PENALTY,
+        Outcome::Unjudged(_) => UNJUDGED_PENALTY,
+        Outcome::Unreachable { gap } if gap.reach > 0.0 => {
+            OUT_OF_REACH_PENALTY + gap.reach.min(INFEASIBLE_PENALTY)
+        }
+        // The excess is a sum of cosines; the reach makes it a length.
+        Outcome::Unreachable { gap } => {
+            JOINT_LIMIT_PENALTY + (gap.limits.min(4.0) / 4.0) * cell.robot.reach().min(1.0)
+        }
+    }
+}

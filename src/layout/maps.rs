@@ -1,0 +1,49 @@
+//! The error maps of a layout.
+
+use super::spot_choice::SpotQuery;
+use super::workcell::Workcell;
+use crate::cell::Layout;
+use crate::error_map::{MapperWorkspace, OperationMap, Outcome, PostureRecord, Spot, Unjudged};
+use crate::reading::WorkContext;
+use crate::robot::Frames;
+
+impl Workcell {
+    /// Maps every operation. Nodes on equipment that overlaps something are blocked.
+    pub fn maps(&self, layout: &Layout) -> Vec<OperationMap> {
+        let placed = self.placed(layout);
+        let mut overlaps = Vec::new();
+        self.plan.overlaps(layout, &mut overlaps);
+        let mut memory = MapperWorkspace::default();
+        let (mut maps, mut spots) = (Vec::<OperationMap>::new(), Vec::<Option<Spot>>::new());
+        for (k, operation) in self.cell.operations.iter().enumerate() {
+            let mut map = placed.map(k, &spots);
+            if let Some(overlap) = overlaps.iter().find(|o| o.concerns(operation.equipment)) {
+                map.block(*overlap);
+            } else if self.cell.search.robust && map.best.is_some() {
+                let query = SpotQuery { workcell: self, placed: &placed, operation: k, spots: &spots };
+                if let (Outcome::Found(spot), _) = query.choose(&mut memory) {
+                    (map.best, map.value) = (Some(spot.node), Some(spot.value));
+                }
+            }
+            spots.push(map.spot());
+            maps.push(map);
+        }
+        maps
+    }
+
+    /// Returns what the errors of a posture of a map depend on, and its frames.
+    ///
+    /// # Errors
+    /// Something is missing in this layout, so that the errors cannot be computed.
+    pub fn posed(
+        &self,
+        layout: &Layout,
+        maps: &[OperationMap],
+        operation: usize,
+        posture: &PostureRecord,
+    ) -> Result<(WorkContext, Frames), Unjudged> {
+        let spots: Vec<_> = maps.iter().map(OperationMap::spot).collect();
+        let context = self.placed(layout).work_context(operation, &spots)?;
+        Ok((context, self.mapper.frames(&posture.joints)))
+    }
+}

@@ -1,0 +1,28 @@
+//! Overlaps of floor spaces where equipment is misplaced.
+
+use super::misplacement::{Moves, in_plan};
+use super::workcell::Workcell;
+use crate::cell::Layout;
+use crate::clearance::{Overlap, Party};
+
+/// Measures the deepest overlap over all misplacements of a layout, m.
+///
+/// A table on a lower floor does not overlap it, so the floor does not count.
+pub fn overlap_depth(workcell: &Workcell, layout: &Layout, found: &mut Vec<Overlap>) -> f64 {
+    if let Some(wide) = &workcell.wide {
+        wide.overlaps(layout, found);
+        if !found.iter().any(is_between_solids) {
+            return 0.0;
+        }
+    }
+    let depth = |moves: &Moves| {
+        workcell.plan.overlaps(&workcell.cell.misplaced(layout, moves), found);
+        found.iter().filter(|o| is_between_solids(o)).map(|o| o.depth).sum::<f64>()
+    };
+    in_plan(&workcell.cell).iter().map(depth).fold(0.0, f64::max)
+}
+
+/// Returns whether an overlap is with something other than the floor.
+pub fn is_between_solids(overlap: &Overlap) -> bool {
+    ![overlap.a, overlap.b].contains(&Party::Floor)
+}

@@ -1,0 +1,63 @@
+//! From the values of the operations to one number.
+
+use super::workcell::Workcell;
+use crate::cell::{Cell, Objective, Unit};
+
+/// Penalty of a layout that misses a limit, times the weights: worse than every layout that keeps its
+/// limits, better than every infeasible one.
+const LIMIT_PENALTY: f64 = 1e2;
+
+/// Values that differ by less than this are one step of [`lexicographic`] (m, rad or a share).
+const LEAST_STEP: f64 = 1e-9;
+/// Value at which a later operation uses up half of a step (m, rad or a share).
+const HALF_STEP: f64 = 1e-3;
+
+impl Workcell {
+    /// Returns what the weights multiply errors by in the objective: their sum, or the largest of them.
+    pub fn weight(&self) -> f64 {
+        let weights = self.cell.operations.iter().map(|o| o.weight);
+        match self.cell.search.objective {
+            Objective::WeightedSum => weights.sum(),
+            Objective::WeightedMaximum => weights.fold(0.0, f64::max),
+            Objective::Lexicographic => 1.0,
+        }
+    }
+
+    /// Returns the cost of a feasible layout: its objective, or a penalty if a value is above its limit.
+    pub(super) fn priced(&self, objective: f64, values: &[f64]) -> f64 {
+        let limited = self.cell.operations.iter().zip(values).filter(|_| self.cell.unit() != Unit::Share);
+        let excess = limited.filter_map(|(o, value)| o.limit.map(|limit| (value - limit).max(0.0)));
+        match excess.sum::<f64>() {
+            excess if excess > 0.0 => self.weight() * (LIMIT_PENALTY + excess),
+            _ => objective,
+        }
+    }
+}
+
+/// Combines the values of all operations (m, rad or shares) into the objective of the cell.
+///
+/// The result falls when any value falls, so that lower bounds of the values give a lower bound.
+pub fn combined(cell: &Cell, values: &[f64]) -> f64 {
+    let weighted = cell.operations.iter().zip(values).map(|(operation, value)| operation.weight * value);
+    match cell.search.objective {
+        Objective::WeightedSum => weighted.sum(),
+        Objective::WeightedMaximum => weighted.fold(0.0, |a, b| b.max(a)),
+        Objective::Lexicographic => lexicographic(values, cell.search.indifference),
+    }
+}
+
+/// Combines values so that an earlier operation always comes first.
+///
+/// The first value is cut into steps that are `indifference` (a share of it) wide; within a step the second
+/// value decides in the same way, and so on. The result is near the first value and rises with each.
+fn lexicographic(values: &[f64], indifference: f64) -> f64 {
+    let [first, later @ ..] = values else { return 0.0 };
+    if later.is_empty() {
+        return *first;
+    }
+    let step = (first / LEAST_STEP).max(1.0).ln() / indifference.ln_1p();
+    let edge = |step: f64| LEAST_STEP * (1.0 + indifference).powf(step.floor());
+    let (low, high) = (edge(step), edge(step + 1.0));
+    let rest = lexicographic(later, indifference);
+    low + (high - low) * rest / (rest + HALF_STEP)
+}

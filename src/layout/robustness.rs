@@ -1,0 +1,274 @@
+//! Tolerance analysis of a layout: what misplaced equipment does to every operation.
+//!
+//! The point of the surface and the branch of the posture are held. The bodies that move inside their
+//! placement tolerances are the robot base, the equipment that carries the point, what that stands on, and
+//! the same of the pick that the operation is relative to. The controller knows where they are: errors that
+//! it does not know are the `errors` of the equipment. So misplacement acts through the posture, in every
+//! registration. For a taught frame the touching postures move, too.
+//!
+//! - Worst corner: all corners of the box of tolerances, up to 8 dimensions. For a larger box the corners of
+//!   each body with the others as drawn, and the corner that is worst to first order. A corner that loses the
+//!   posture, collides or makes floor spaces overlap says so, also for another body that gets in the way.
+//! - Gradient: central differences.
+//! - Largest misplacement that keeps value and limit: a share of the box, a distance in plan and a yaw.
+//!   Checked are the corners and the middles of all edges and faces of the box, or 16 directions in plan, or
+//!   both turns. The scale grows by [`STRIDE`] until a check fails, then bisection follows. A failure between
+//!   two scales that is over at the next one is missed.
+
+use super::misplaced_overlaps::is_between_solids;
+use super::misplacement::{BoxPoints, Moves, ToleranceBoxes};
+use super::workcell::Workcell;
+use crate::cell::{Layout, Slot, Unit};
+use crate::error_map::{HeldPosture, OperationMap, Probe, Spot, Status};
+use crate::units::rad_from_deg;
+
+/// Half the distance of the two points of a central difference, m and rad.
+const DIFFERENCE_STEP: f64 = 1e-4;
+/// Largest multiple of the box that is checked.
+const MAX_SCALE: f64 = 100.0;
+/// Largest displacement in plan that is checked, m.
+const MAX_SHIFT: f64 = 0.25;
+/// Largest yaw that is checked, degrees.
+const MAX_TURN_DEG: f64 = 30.0;
+/// Ratio of one scale to the one before it.
+const STRIDE: f64 = 1.6;
+/// Number of steps from the first scale to the last: the first is 1/7500 of the last.
+const SCALE_STEPS: i32 = 19;
+/// Bisection steps between the last scale that holds and the first that fails.
+const BISECTIONS: usize = 26;
+/// Number of directions of a displacement in plan.
+const DIRECTIONS: usize = 16;
+/// Share of the displacement found that holds in every direction: between two checked directions a straight
+/// edge of the allowed region comes nearer by the cosine of half their angle.
+const SURE_SHARE: f64 = 0.98; // cos(11.25 deg) = 0.9808
+
+/// A misplacement, and the value of the operation there (m, rad or a share).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Corner {
+    pub moves: Moves,
+    pub value: f64,
+}
+
+/// A misplacement at which the held posture cannot be used, and why.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Lost {
+    pub moves: Moves,
+    pub status: Status,
+}
+
+/// Reason why a misplacement cannot be larger.
+#[derive(Debug, Clone, PartialEq)]
+pub enum MisplacementEnd {
+    Lost(Lost),
+    /// The value passes the limit of the operation.
+    Limit(Corner),
+}
+
+/// The largest misplacement that keeps reach, clearance and limit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Largest {
+    /// Multiple of the tolerance, or m, or rad.
+    pub most: f64,
+    /// What happens beyond it; None if nothing does up to the largest misplacement checked.
+    pub ended: Option<MisplacementEnd>,
+}
+
+/// Tolerance analysis of one operation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Robustness {
+    /// Value as drawn, m, rad or a share.
+    pub value: f64,
+    /// The box of tolerances: what may be misplaced by how much (m, rad); empty if nothing may.
+    pub tolerance: Moves,
+    /// Number of corners checked.
+    pub corners: usize,
+    /// The corner with the greatest value; None without tolerance, or if every corner is lost.
+    pub worst: Option<Corner>,
+    /// Corners that lose the posture.
+    pub lost: Vec<Lost>,
+    /// Change of the value per m or rad, for the equipment and everything else in the box, joint limits
+    /// aside; None at the end of reach.
+    pub gradient: Vec<(Slot, Option<f64>)>,
+    /// Largest multiple of the box; None without tolerance.
+    pub scale: Option<Largest>,
+    /// Largest displacement of the equipment in plan, in the worst direction, m.
+    pub shift: Largest,
+    /// Largest turn of the equipment about the vertical, the worse way, rad.
+    pub turn: Largest,
+}
+
+impl Robustness {
+    /// Returns whether the operation keeps reach, clearance and limit everywhere inside the tolerances.
+    pub fn holds(&self) -> bool {
+        let scale = self.scale.as_ref().is_none_or(|scale| scale.most >= 1.0);
+        // Without tolerance only the layout as drawn counts.
+        self.lost.is_empty() && scale && self.shift.most > 0.0
+    }
+}
+
+/// One operation with the postures that it holds while the layout moves.
+struct HeldOperation<'a> {
+    workcell: &'a Workcell,
+    layout: &'a Layout,
+    operation: usize,
+    held: Vec<HeldPosture>,
+    /// Spots of all operations.
+    spots: Vec<Option<Spot>>,
+    limit: Option<f64>,
+}
+
+impl Workcell {
+    /// Analyses every operation of a layout with these maps; None for one without a spot.
+    pub fn robustness(&self, layout: &Layout, maps: &[OperationMap]) -> Vec<Option<Robustness>> {
+        let spots: Vec<_> = maps.iter().map(OperationMap::spot).collect();
+        let all = maps.iter().map(|map| {
+            let operation = &self.cell.operations[map.operation];
+            let all = operation.over.takes_all();
+            let nodes = map.nodes.iter().enumerate().filter(|(k, _)| all || map.best == Some(*k));
+            let held = nodes.filter_map(|(k, node)| {
+                let posture = node.posture.as_ref()?;
+                let at = self.mapper.grid(map.operation).local(k);
+                Some(HeldPosture { at, branch: posture.branch, joints: posture.joints })
+            });
+            let limit = operation.limit.filter(|_| self.cell.unit() != Unit::Share);
+            let (held, spots) = (held.collect(), spots.clone());
+            let held = HeldOperation { workcell: self, layout, operation: map.operation, held, spots, limit };
+            map.value.map(|value| held.robustness(value))
+        });
+        all.collect()
+    }
+}
+
+impl HeldOperation<'_> {
+    fn robustness(&self, value: f64) -> Robustness {
+        let boxes = ToleranceBoxes::of(&self.workcell.cell, self.operation);
+        let tolerance: Moves = boxes.own.concat();
+        let gradient = self.gradient(&tolerance);
+        let mut corners = boxes.moves(1.0, BoxPoints::Corners);
+        let uphill = uphill(&tolerance, &gradient);
+        corners.extend((!boxes.is_whole()).then(|| uphill.clone()));
+        let (mut worst, mut lost) = (None::<Corner>, Vec::new());
+        for moves in corners.iter() {
+            match self.value(moves) {
+                Ok(value) if worst.as_ref().is_none_or(|w| value > w.value) => {
+                    worst = Some(Corner { moves: moves.clone(), value });
+                }
+                Ok(_) => {}
+                Err(status) => lost.push(Lost { moves: moves.clone(), status }),
+            }
+        }
+        let scale = (!corners.is_empty()).then(|| {
+            largest(MAX_SCALE, |scale| {
+                let mut moves = boxes.moves(scale, BoxPoints::Surface);
+                let scaled = uphill.iter().map(|(slot, by)| (*slot, scale * by)).collect();
+                moves.extend((!boxes.is_whole()).then_some(scaled));
+                self.first_end(&moves)
+            })
+        });
+        let (shift, turn) = (self.shift(), self.turn());
+        let (corners, worst) = (corners.len(), worst.filter(|_| !tolerance.is_empty()));
+        Robustness { value, tolerance, corners, worst, lost, gradient, scale, shift, turn }
+    }
+
+    fn equipment(&self, axis: usize) -> Slot {
+        Slot::Equipment(self.workcell.cell.operations[self.operation].equipment, axis)
+    }
+
+    fn shift(&self) -> Largest {
+        let found = largest(MAX_SHIFT, |distance| {
+            let moves = (0..DIRECTIONS).map(|k| {
+                let (sin, cos) = (std::f64::consts::TAU * k as f64 / DIRECTIONS as f64).sin_cos();
+                vec![(self.equipment(0), distance * cos), (self.equipment(1), distance * sin)]
+            });
+            self.first_end(&moves.collect::<Vec<_>>())
+        });
+        Largest { most: found.most * SURE_SHARE, ..found }
+    }
+
+    fn turn(&self) -> Largest {
+        largest(rad_from_deg(MAX_TURN_DEG), |turn| {
+            self.first_end(&[turn, -turn].map(|turn| vec![(self.equipment(3), turn)]))
+        })
+    }
+
+    /// Returns the first misplacement that loses the posture or passes the limit.
+    fn first_end(&self, all: &[Moves]) -> Option<MisplacementEnd> {
+        all.iter().find_map(|moves| match self.value(moves) {
+            Err(status) => Some(MisplacementEnd::Lost(Lost { moves: moves.clone(), status })),
+            Ok(value) => self
+                .limit
+                .filter(|limit| value > *limit)
+                .map(|_| MisplacementEnd::Limit(Corner { moves: moves.clone(), value })),
+        })
+    }
+
+    /// Computes the value at a misplacement, or why there is none.
+    fn value(&self, moves: &[(Slot, f64)]) -> Result<f64, Status> {
+        let layout = self.workcell.cell.misplaced(self.layout, moves);
+        let mut overlaps = Vec::new();
+        self.workcell.plan.overlaps(&layout, &mut overlaps);
+        if let Some(overlap) = overlaps.into_iter().find(is_between_solids) {
+            return Err(Status::Overlap(overlap));
+        }
+        self.asked(&layout, |probe, held| probe.holding(held))
+    }
+
+    fn asked(
+        &self,
+        layout: &Layout,
+        mut ask: impl FnMut(&mut Probe<'_>, &HeldPosture) -> Result<f64, Status>,
+    ) -> Result<f64, Status> {
+        let placed = self.workcell.placed(layout);
+        let mut probe = Probe::new(&placed, self.operation, &self.spots).map_err(Status::Unjudged)?;
+        let values: Result<Vec<f64>, Status> = self.held.iter().map(|held| ask(&mut probe, held)).collect();
+        Ok(self.workcell.cell.operations[self.operation].over.of(&mut values?))
+    }
+
+    fn gradient(&self, tolerance: &[(Slot, f64)]) -> Vec<(Slot, Option<f64>)> {
+        let own = (0..4).map(|axis| self.equipment(axis));
+        let others = tolerance.iter().map(|(slot, _)| *slot).filter(|slot| !own.clone().any(|o| o == *slot));
+        let slope = |slot: Slot| {
+            let [high, low] = [DIFFERENCE_STEP, -DIFFERENCE_STEP].map(|by| {
+                let layout = self.workcell.cell.misplaced(self.layout, &[(slot, by)]);
+                // The best spot is often at a joint limit, which must not stop the slope.
+                let missing = Status::OutOfReach { by: 0.0 };
+                self.asked(&layout, |probe, held| probe.beyond_limits(held).ok_or(missing)).ok()
+            });
+            Some((high? - low?) / (2.0 * DIFFERENCE_STEP))
+        };
+        own.clone().chain(others).map(|slot| (slot, slope(slot))).collect()
+    }
+}
+
+/// Returns the corner of a box that is worst to first order.
+fn uphill(tolerance: &[(Slot, f64)], gradient: &[(Slot, Option<f64>)]) -> Moves {
+    let slope = |slot: Slot| gradient.iter().find(|(s, _)| *s == slot).and_then(|(_, g)| *g).unwrap_or(0.0);
+    tolerance.iter().map(|(slot, half)| (*slot, half.copysign(slope(*slot)))).collect()
+}
+
+/// Finds the largest scale up to `max` at which nothing ends.
+fn largest(max: f64, ends: impl Fn(f64) -> Option<MisplacementEnd>) -> Largest {
+    if let Some(ended) = ends(0.0) {
+        return Largest { most: 0.0, ended: Some(ended) };
+    }
+    let (mut most, mut first) = (0.0, None);
+    for stride in (0..=SCALE_STEPS).rev() {
+        let scale = max / STRIDE.powi(stride);
+        match ends(scale) {
+            Some(ended) => {
+                first = Some((scale, ended));
+                break;
+            }
+            None => most = scale,
+        }
+    }
+    let Some((mut beyond, mut ended)) = first else { return Largest { most, ended: None } };
+    for _ in 0..BISECTIONS {
+        let middle = (most + beyond) / 2.0;
+        match ends(middle) {
+            Some(sooner) => (beyond, ended) = (middle, sooner),
+            None => most = middle,
+        }
+    }
+    Largest { most, ended: Some(ended) }
+}

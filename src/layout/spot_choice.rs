@@ -1,0 +1,150 @@
+//! The choice of the spot of one operation, for evaluation and maps alike.
+//!
+//! A robust search chooses otherwise: the value of an operation is its worst over the corners of the box of
+//! its placement tolerances, and as drawn, with the point of the surface and the posture held. Usable spots
+//! are taken in ascending order of their value as drawn, and the one with the least worst value is chosen.
+//! No spot is worth less than as drawn, so the choice is exact once the next value as drawn is above the
+//! least worst value; at most [`MAX_NODES`] nodes are looked at.
+
+use super::misplacement::{BoxPoints, Moves, ToleranceBoxes};
+use super::workcell::Workcell;
+use crate::cell::Layout;
+use crate::error_map::{HeldPosture, MapperWorkspace, Outcome, PlacedLayout, Probe, Spot, Status, Unjudged};
+use crate::reach::Cost;
+
+/// Nodes judged at the corners, at most.
+const MAX_NODES: usize = 16;
+
+/// Penalty of a spot that is lost at every corner, m: less than having no spot even as drawn.
+const LOST_PENALTY: f64 = 0.1;
+
+/// One operation whose spot is to be chosen in a placed layout.
+pub struct SpotQuery<'a> {
+    pub workcell: &'a Workcell,
+    pub placed: &'a PlacedLayout<'a>,
+    pub operation: usize,
+    /// Spots of the operations before it.
+    pub spots: &'a [Option<Spot>],
+}
+
+/// What the spot of an operation counts in the objective.
+pub enum SpotValue {
+    /// Value of the spot (m, rad or a share); in a robust search the worst over the placement tolerances.
+    Kept(f64),
+    /// Penalty (m) of a posture that misplacement loses.
+    Lost(f64),
+}
+
+impl SpotQuery<'_> {
+    /// Chooses the spot: the least-error one, in a robust search the one whose worst value is least.
+    pub fn choose(&self, memory: &mut MapperWorkspace) -> (Outcome, Option<SpotValue>) {
+        match self.placed.outcome(self.operation, self.spots, memory) {
+            Outcome::Found(first) if self.workcell.cell.search.robust => {
+                let (spot, value) = hardened(self, first, memory);
+                (Outcome::Found(spot), Some(value))
+            }
+            Outcome::Found(spot) => (Outcome::Found(spot), Some(SpotValue::Kept(spot.value))),
+            other => (other, None),
+        }
+    }
+}
+
+/// Chooses the spot with the least worst value, and returns both; `first` is the least-error spot.
+///
+/// An operation at all of its nodes has no choice: `first` stays.
+fn hardened(query: &SpotQuery<'_>, first: Spot, memory: &mut MapperWorkspace) -> (Spot, SpotValue) {
+    let SpotQuery { workcell, placed, operation, spots } = *query;
+    let corners = ToleranceBoxes::of(&workcell.cell, operation).moves(1.0, BoxPoints::Corners);
+    let misplaced = |moves: &Moves| workcell.cell.misplaced(placed.layout(), moves);
+    let layouts: Vec<Layout> = corners.iter().map(misplaced).collect();
+    let placed_corners: Vec<PlacedLayout<'_>> =
+        layouts.iter().map(|layout| workcell.placed(layout)).collect();
+    let probe = |placed| Probe::new(placed, operation, spots);
+    let mut corners = Corners { query, probes: placed_corners.iter().map(probe).collect() };
+    if workcell.cell.operations[operation].over.takes_all() {
+        let all = placed.every_free(operation, spots, memory).unwrap_or_default();
+        let held: Vec<_> = all.iter().filter_map(|spot| held(query, spot)).collect();
+        return (first, corners.worst(first.value, &held));
+    }
+    let mut least = LeastWorst { best: None, lost: LOST_PENALTY, judged: 0 };
+    placed.free_spots(operation, spots, memory, |spot| {
+        // No spot is worth less misplaced than as drawn.
+        if least.judged == MAX_NODES || least.best.is_some_and(|(worst, _)| spot.value >= worst) {
+            return false;
+        }
+        least.note(spot, held(query, &spot).map(|held| corners.worst(spot.value, &[held])));
+        true
+    });
+    match least.best {
+        Some((worst, spot)) => (spot, SpotValue::Kept(worst)),
+        None => (first, SpotValue::Lost(least.lost)),
+    }
+}
+
+/// The least worst value so far and its spot; without any, the least penalty.
+struct LeastWorst {
+    best: Option<(f64, Spot)>,
+    lost: f64,
+    judged: usize,
+}
+
+impl LeastWorst {
+    fn note(&mut self, spot: Spot, worst: Option<SpotValue>) {
+        self.judged += 1;
+        match worst {
+            Some(SpotValue::Kept(worst)) if self.best.is_none_or(|(least, _)| worst < least) => {
+                self.best = Some((worst, spot));
+            }
+            Some(SpotValue::Lost(by)) => self.lost = self.lost.min(by),
+            _ => {}
+        }
+    }
+}
+
+/// Returns the posture to hold at a spot, with joints where branch indices do not last.
+fn held(query: &SpotQuery<'_>, spot: &Spot) -> Option<HeldPosture> {
+    let at = query.workcell.mapper.grid(query.operation).local(spot.node);
+    let joints = match query.workcell.inverse().cost() {
+        Cost::Numeric => {
+            Probe::new(query.placed, query.operation, query.spots).ok()?.joints(at, spot.branch)?
+        }
+        _ => Default::default(),
+    };
+    Some(HeldPosture { at, branch: spot.branch, joints })
+}
+
+/// The corners of the box of placement tolerances, each ready to judge the operation.
+struct Corners<'a> {
+    query: &'a SpotQuery<'a>,
+    probes: Vec<Result<Probe<'a>, Unjudged>>,
+}
+
+impl Corners<'_> {
+    /// Computes the worst value with points and postures held: that as drawn and those of the corners.
+    fn worst(&mut self, drawn: f64, held: &[HeldPosture]) -> SpotValue {
+        let (mut worst, mut lost) = (drawn, 0.0);
+        let over = self.query.workcell.cell.operations[self.query.operation].over;
+        let count = self.probes.len();
+        for probe in &mut self.probes {
+            let values: Result<Vec<f64>, Status> = match probe {
+                Ok(probe) => held.iter().map(|held| probe.holding(held)).collect(),
+                Err(why) => Err(Status::Unjudged(*why)),
+            };
+            match values {
+                Ok(mut values) => worst = worst.max(over.of(&mut values)),
+                Err(status) => lost += penalty(&status) / count as f64,
+            }
+        }
+        if lost > 0.0 { SpotValue::Lost(lost) } else { SpotValue::Kept(worst) }
+    }
+}
+
+/// Returns the penalty of one lost corner, at most [`LOST_PENALTY`], m.
+fn penalty(status: &Status) -> f64 {
+    let share = match status {
+        Status::OutOfReach { by } => 0.5 + by.min(0.5),
+        Status::JointLimit { .. } | Status::Attitude { .. } | Status::NotConverged { .. } => 0.4,
+        _ => 0.2,
+    };
+    LOST_PENALTY * share
+}

@@ -1,0 +1,109 @@
+//! A cell prepared for evaluation: chain, inverse kinematics, errors, solids.
+
+use super::misplacement;
+use crate::cell::{Cell, Interpretation, Layout, QuestionFault};
+use crate::clearance::{FloorPlan, Remember, Scene, SelfCollisionPair};
+use crate::error_map::{Mapper, PlacedLayout};
+use crate::reach::Inverse;
+use crate::reading::ErrorEvaluator;
+use std::sync::Arc;
+
+/// A cell prepared for evaluation: chain, inverse kinematics, errors, solids.
+pub struct Workcell {
+    pub cell: Cell,
+    pub(super) mapper: Mapper,
+    pub(super) plan: Arc<FloorPlan>,
+    /// Floor plan with the largest misplacement as extra clearance: a layout without overlap here has none
+    /// wherever it is misplaced. Only a robust search has one.
+    pub(super) wide: Option<Arc<FloorPlan>>,
+}
+
+impl Workcell {
+    /// Prepares a cell.
+    ///
+    /// # Errors
+    /// The robot cannot do what the cell asks of it.
+    pub fn new(cell: Cell) -> Result<Self, String> {
+        Self::remembering(cell, &mut |_, compute| compute())
+    }
+
+    /// Prepares a cell with a cache for the convex decomposition of link meshes.
+    ///
+    /// # Errors
+    /// The robot cannot do what the cell asks of it.
+    pub fn remembering(cell: Cell, remember: &mut Remember<'_>) -> Result<Self, String> {
+        let mapper = Mapper::new(&cell, Arc::new(Scene::remembering(&cell, remember)))?;
+        let plan = Arc::new(FloorPlan::new(&cell));
+        let wide = cell.search.robust.then(|| {
+            let clearance = cell.clearance + misplacement::slack(&cell);
+            Arc::new(FloorPlan::new(&Cell { clearance, ..cell.clone() }))
+        });
+        Ok(Self { cell, mapper, plan, wide })
+    }
+
+    /// Returns this workcell under another interpretation of its errors; the solids are shared.
+    ///
+    /// # Errors
+    /// The question has no answer, or the robot cannot do what the cell asks of it.
+    pub fn interpreted(&self, interpretation: &Interpretation) -> Result<Self, String> {
+        self.sharing(self.cell.asked(interpretation).map_err(|faults| first_of(&faults))?)
+    }
+
+    /// Returns this workcell under another interpretation, in which each operation is judged alone.
+    ///
+    /// # Errors
+    /// The errors of [`Workcell::interpreted`]; units that cannot be added up are no fault.
+    pub fn interpreted_apart(&self, interpretation: &Interpretation) -> Result<Self, String> {
+        self.sharing(self.cell.asked_apart(interpretation).map_err(|faults| first_of(&faults))?)
+    }
+
+    /// Returns a workcell of the same solids and placements as this one.
+    fn sharing(&self, cell: Cell) -> Result<Self, String> {
+        let mapper = Mapper::new(&cell, self.mapper.scene().clone())?;
+        Ok(Self { cell, mapper, plan: self.plan.clone(), wide: self.wide.clone() })
+    }
+
+    /// Turns the ranking of nodes off: every node is judged, which is slower and gives the same bits.
+    #[must_use]
+    pub fn unranked(mut self) -> Self {
+        self.mapper.forget_ranks();
+        self
+    }
+
+    /// Limits the maps to the own sense of each operation, which is several times faster.
+    #[must_use]
+    pub fn in_own_senses(mut self) -> Self {
+        self.mapper.report_own_senses();
+        self
+    }
+
+    /// Returns whether the nodes of every operation are ranked before they are judged.
+    pub fn is_ranked(&self) -> bool {
+        self.mapper.is_ranked()
+    }
+
+    /// Returns every pair of robot solids, and why it may touch; none if self-collision is not checked.
+    pub fn self_collision_pairs(&self) -> &[SelfCollisionPair] {
+        self.mapper.scene().self_collision_pairs()
+    }
+
+    /// Returns the inverse kinematics of the arm.
+    pub fn inverse(&self) -> &Inverse {
+        self.mapper.inverse()
+    }
+
+    /// Returns the error evaluator of an operation.
+    pub fn evaluator(&self, operation: usize) -> &ErrorEvaluator {
+        self.mapper.evaluator(operation)
+    }
+
+    /// Poses the solids of a layout.
+    pub(super) fn placed<'a>(&'a self, layout: &'a Layout) -> PlacedLayout<'a> {
+        PlacedLayout::new(&self.mapper, layout)
+    }
+}
+
+/// Returns the first fault in one line.
+fn first_of(faults: &[QuestionFault]) -> String {
+    faults.first().map_or(String::new(), |fault| format!("{}; {}", fault.message, fault.help))
+}

@@ -1,0 +1,145 @@
+//! Continuous collision checking of a straight move in joint coordinates.
+//!
+//! A stretch of the move is free if, in its middle, every pair of solids is farther apart than the two
+//! can approach each other over half of it; otherwise the stretch is halved (F. Schwarzer, M. Saha, J.-C.
+//! Latombe, "Adaptive dynamic collision checking for single and multiple articulated robots in complex
+//! environments", IEEE Transactions on Robotics 21, 2005). A point that joint i rotates moves by at most
+//!
+//! ```text
+//! |dtheta_i| (|l_i| + sum over the rows k after it of hypot(l_k, max |r_k|) + radius of the solid),
+//! ```
+//!
+//! and by |dr_i| if joint i is prismatic. The last row and the solid are rigid and count together. Two
+//! solids of the robot approach each other by the joints between them alone.
+
+use crate::cell::{JointKind, JointVector, MAX_JOINTS};
+use crate::clearance::{BoundingSphere, Hit, Load, Pair, PlacedSolids, Scene};
+use crate::pose::Pose;
+use crate::robot::Chain;
+
+/// Distance, m, within which solids count as touching: the check takes no smaller steps.
+pub const RESOLUTION: f64 = 1e-4;
+
+/// First contact on a move.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PathHit {
+    /// Share of the move before the contact, 0 to 1.
+    pub at: f64,
+    pub hit: Hit,
+}
+
+/// Straight move in joint coordinates, rad or m.
+#[derive(Debug, Clone, Copy)]
+pub struct Move<'a> {
+    pub from: &'a JointVector,
+    pub to: &'a JointVector,
+}
+
+/// Returns the first contact of the robot on a straight move, with the clearance of the cell.
+///
+/// None proves that there is no contact. A reported contact may also be a passage nearer than
+/// [`RESOLUTION`].
+pub fn first_hit(
+    chain: &Chain,
+    scene: &Scene,
+    placed: &PlacedSolids,
+    line: Move<'_>,
+    load: Load,
+) -> Option<PathHit> {
+    if let Some(hit) = scene.base_hit(placed) {
+        return Some(PathHit { at: 0.0, hit });
+    }
+    let spheres = scene.bounding_spheres();
+    let bounds = MotionBounds::new(chain, line);
+    let approached = |pair: Pair| {
+        let first = pair.partner().map_or(0, |other| spheres[other].frame);
+        (pair, bounds.displacement(&spheres[pair.link], first))
+    };
+    let pairs: Vec<_> = scene.pairs(placed, load).into_iter().map(approached).collect();
+    MoveCheck { chain, scene, placed, line }.first_hit_in(0.0, 1.0, &pairs)
+}
+
+/// Returns the joint vector at a share of a straight move.
+pub(super) fn between(from: &JointVector, to: &JointVector, share: f64) -> JointVector {
+    std::array::from_fn(|i| from[i] + (to[i] - from[i]) * share)
+}
+
+/// Check of one move.
+struct MoveCheck<'w> {
+    chain: &'w Chain,
+    scene: &'w Scene,
+    placed: &'w PlacedSolids,
+    line: Move<'w>,
+}
+
+impl MoveCheck<'_> {
+    fn frames(&self, share: f64) -> [Pose; MAX_JOINTS + 1] {
+        let q = between(self.line.from, self.line.to, share);
+        self.chain.frames(&self.chain.posture(&q)).links
+    }
+
+    /// Returns the first contact between the shares `low` and `high` of the move.
+    ///
+    /// Each pair comes with its largest approach over the whole move, m. Pairs that are apart over a
+    /// stretch are apart over its halves.
+    fn first_hit_in(&self, low: f64, high: f64, pairs: &[(Pair, f64)]) -> Option<PathHit> {
+        let (middle, half) = ((low + high) / 2.0, (high - low) / 2.0);
+        let frames = self.frames(middle);
+        let is_near =
+            |(pair, speed): &&(Pair, f64)| !self.scene.is_apart(self.placed, &frames, *pair, speed * half);
+        let near: Vec<_> = pairs.iter().filter(is_near).copied().collect();
+        let (first, _) = near.first()?;
+        let fastest = near.iter().map(|p| p.1).fold(0.0, f64::max);
+        if fastest * half <= RESOLUTION {
+            return Some(PathHit { at: middle, hit: self.scene.hit_of(self.placed, *first) });
+        }
+        self.first_hit_in(low, middle, &near).or_else(|| self.first_hit_in(middle, high, &near))
+    }
+}
+
+/// Bounds of the motion of points on the robot during one move.
+struct MotionBounds<'c> {
+    chain: &'c Chain,
+    /// Travel of each D-H coordinate, rad or m.
+    travel: JointVector,
+    /// Axial offsets of each row at both ends, m.
+    offsets: [(f64, f64); MAX_JOINTS],
+}
+
+impl<'c> MotionBounds<'c> {
+    fn new(chain: &'c Chain, Move { from, to }: Move<'_>) -> Self {
+        let (mut travel, mut offsets) = ([0.0; MAX_JOINTS], [(0.0, 0.0); MAX_JOINTS]);
+        let (start, end) = (chain.posture(from), chain.posture(to));
+        for i in 0..chain.axes() {
+            let coupled = chain.coupling[i].iter().zip(from.iter().zip(to)).map(|(c, (a, b))| c * (b - a));
+            travel[i] = coupled.sum::<f64>().abs();
+            offsets[i] = (start.r[i], end.r[i]);
+        }
+        Self { chain, travel, offsets }
+    }
+
+    /// Returns an upper bound of the displacement of points in a sphere, seen from frame `first`, m.
+    fn displacement(&self, sphere: &BoundingSphere, first: usize) -> f64 {
+        let (mut sum, mut reach) = (0.0, 0.0);
+        for i in (first..sphere.frame).rev() {
+            let link = &self.chain.links[i];
+            // Distance from the axis, and along it from the origin of the frame after the row.
+            let (aside, along) = if i + 1 == sphere.frame {
+                let c = &sphere.centre;
+                let y = link.cos_alpha * c.y - link.sin_alpha * c.z;
+                ((link.l + c.x).hypot(y), link.sin_alpha * c.y + link.cos_alpha * c.z)
+            } else {
+                (link.l.abs(), 0.0)
+            };
+            let slack = if i + 1 == sphere.frame { sphere.radius } else { reach };
+            sum += self.travel[i]
+                * match link.kind {
+                    JointKind::Revolute => aside + slack,
+                    JointKind::Prismatic => 1.0,
+                };
+            let (start, end) = self.offsets[i];
+            reach = aside.hypot((along + start).abs().max((along + end).abs())) + slack;
+        }
+        sum
+    }
+}

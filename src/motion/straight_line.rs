@@ -1,0 +1,118 @@
+//! A straight line of the TCP with constant attitude, as a sequence of moves straight in joint coordinates.
+
+use super::continuous_collision::between;
+use super::measures::scaled_jacobian;
+use crate::cell::{JointVector, MAX_JOINTS};
+use crate::pose::Pose;
+use crate::robot::Chain;
+use nalgebra::{SVector, Vector3};
+
+/// Largest deviation of the TCP from the line, m, measured in the middle between two joint vectors.
+pub const DEVIATION: f64 = 5e-4;
+
+/// Length of the longest piece of a line, m.
+const MAX_STEP: f64 = 0.02;
+
+/// Length of the shortest piece of a line, m.
+const MIN_STEP: f64 = 1e-4;
+
+/// Convergence threshold of Newton's method: position in arm reaches, rotation in rad.
+const CONVERGED: f64 = 1e-10;
+
+const MAX_ITERATIONS: usize = 20;
+
+/// Singular value below which the arm counts as unable to move in that direction.
+const RANK_TOLERANCE: f64 = 1e-9;
+
+/// Tolerance of a joint limit, rad or m: rounding of a posture at its limit.
+const LIMIT_TOLERANCE: f64 = 1e-6;
+
+/// Reason why the TCP cannot follow a line.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Stopped {
+    /// A joint reaches its limit after this length of the line, m.
+    Limit { joint: usize, after: f64 },
+    /// The arm cannot keep the attitude after this length of the line, m: out of reach or singular.
+    Lost { after: f64 },
+}
+
+/// Returns joint vectors, beginning with `from`, that take the TCP along `way` (base frame, m).
+///
+/// The attitude is constant. Each vector is computed from the one before, so that the branch stays the
+/// same. All vectors keep the joint limits, and so do the straight moves between them. `reach` is a
+/// characteristic length of the arm, m.
+///
+/// # Errors
+/// Where the line ends, and why.
+pub fn straight(
+    chain: &Chain,
+    from: &JointVector,
+    way: &Vector3<f64>,
+    reach: f64,
+) -> Result<Vec<JointVector>, Stopped> {
+    let start = chain.forward(&chain.posture(from));
+    let length = way.norm();
+    let mut knots = vec![*from];
+    if length == 0.0 {
+        return Ok(knots);
+    }
+    let pose = |after: f64| Pose { translation: start.translation + way * (after / length), ..start };
+    let (mut after, mut step, mut here) = (0.0, length / (length / MAX_STEP).ceil(), *from);
+    while after < length {
+        let next = if after + step > length - MIN_STEP { length } else { after + step };
+        let found = follow(chain, &here, &pose(next), reach);
+        let held = found.filter(|there| {
+            let middle = chain.forward(&chain.posture(&between(&here, there, 0.5))).translation;
+            (middle - pose((after + next) / 2.0).translation).norm() <= DEVIATION
+        });
+        let Some(there) = held else {
+            step /= 2.0;
+            if step < MIN_STEP {
+                return Err(Stopped::Lost { after });
+            }
+            continue;
+        };
+        if let Some(joint) = passed(chain, &there) {
+            return Err(Stopped::Limit { joint, after: next });
+        }
+        (here, after) = (there, next);
+        knots.push(here);
+    }
+    Ok(knots)
+}
+
+/// Returns the first joint outside its limits.
+fn passed(chain: &Chain, q: &JointVector) -> Option<usize> {
+    let outside = |(link, q): (&crate::robot::Link, &f64)| {
+        *q < link.limits.0 - LIMIT_TOLERANCE || *q > link.limits.1 + LIMIT_TOLERANCE
+    };
+    chain.links.iter().zip(q).position(outside)
+}
+
+/// Solves for a pose by Newton's method from a near posture, with least-norm steps; None if it diverges.
+fn follow(chain: &Chain, from: &JointVector, to: &Pose, reach: f64) -> Option<JointVector> {
+    let mut q = *from;
+    for _ in 0..MAX_ITERATIONS {
+        let frames = chain.frames(&chain.posture(&q));
+        let position = (to.translation - frames.tcp.translation) / reach;
+        let turn = to.rotation * frames.tcp.rotation.transpose();
+        // The sine of the angle along the axis keeps all digits of a small rotation.
+        let rotation = Vector3::new(
+            turn[(2, 1)] - turn[(1, 2)],
+            turn[(0, 2)] - turn[(2, 0)],
+            turn[(1, 0)] - turn[(0, 1)],
+        ) / 2.0;
+        if position.norm() <= CONVERGED && rotation.norm() <= CONVERGED {
+            return Some(q);
+        }
+        let miss = SVector::<f64, 6>::from_iterator(position.iter().chain(&rotation).copied());
+        let solved =
+            scaled_jacobian(chain, &frames, reach).svd(true, true).solve(&miss, RANK_TOLERANCE).ok()?;
+        (0..MAX_JOINTS).for_each(|j| q[j] += solved[j]);
+        // A solution far from the start belongs to another branch.
+        if !q.iter().zip(from).all(|(q, from)| (q - from).abs() < 1.0) {
+            return None;
+        }
+    }
+    None
+}

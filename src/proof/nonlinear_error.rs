@@ -1,0 +1,114 @@
+//! Nonlinear error of a signed sample: the difference of the ends of two chains of screws.
+//!
+//! Two chains with the same joints differ by one small motion before every axis and one before the end.
+//! To first order the difference is `d = sum_k a_k g_k`, whose third derivatives are those of linear
+//! effects. The rest is of second order in the motions. In any direction of joint space, products of the
+//! sizes of the motions bound it.
+
+use super::coordinates::Coordinates;
+use super::screws::{JointValues, PosedScrews, Screws, about};
+use super::taylor_model::{Geometry, RigidPieces, Taylor, along, radius, rates};
+use crate::cell::{JointKind, MAX_JOINTS};
+use nalgebra::{Matrix3, Vector3};
+
+/// Difference of a chain with errors from the nominal one.
+#[derive(Debug, Clone)]
+pub(super) struct ChainDifference {
+    /// The chain with errors.
+    pub screws: Screws,
+    /// Angle of the small motion of every link, rad.
+    turns: [f64; MAX_JOINTS + 1],
+    /// Translation of the small motion of every link, m.
+    shifts: [f64; MAX_JOINTS + 1],
+    /// Bound of the second-order part, m.
+    second: f64,
+    /// Bound of the second-order part per metre of prismatic travel.
+    second_per_slide: f64,
+}
+
+impl ChainDifference {
+    /// Prepares the difference of two chains with the same joints.
+    pub fn new(nominal: &Screws, screws: Screws, pieces: &RigidPieces) -> Self {
+        let n = nominal.kinds.len();
+        let (mut turns, mut shifts) = ([0.0; MAX_JOINTS + 1], [0.0; MAX_JOINTS + 1]);
+        let (mut rotation, mut from, mut to) = (Matrix3::identity(), nominal.points[0], nominal.points[0]);
+        for k in 0..=n {
+            let (next, point, moved) = match k == n {
+                true => (rotation, nominal.point, screws.point),
+                false => (least(&nominal.axes[k], &screws.axes[k]), nominal.points[k], screws.points[k]),
+            };
+            turns[k] = angle(&(rotation.transpose() * next));
+            // Distance of the point from where the motions before would put it.
+            shifts[k] = (to + rotation * (point - from) - moved).norm();
+            (rotation, from, to) = (next, point, moved);
+        }
+        let (mut second, mut second_per_slide, mut sum) = (0.0, 0.0, 0.0);
+        for k in 0..=n {
+            sum += turns[k];
+            let lever = pieces.from(k) + shifts[k..=n].iter().sum::<f64>();
+            second += (turns[k] * lever + shifts[k]) * sum;
+            second_per_slide += turns[k] * sum;
+        }
+        Self { screws, turns, shifts, second, second_per_slide }
+    }
+
+    /// Returns whether the first axis has no error, so that all errors rotate with it.
+    pub fn keeps_first_axis(&self) -> bool {
+        self.turns[0] < 1e-12 && self.shifts[0] < 1e-12
+    }
+
+    /// Expands `eta . d` about the nominal chain posed at `at`, the chain with errors posed at `with`.
+    pub fn expand(
+        &self,
+        Geometry { screws: nominal, coordinates, pieces }: Geometry<'_>,
+        at: &PosedScrews,
+        with: &PosedScrews,
+        eta: &Vector3<f64>,
+        radii: &JointValues,
+    ) -> Taylor {
+        let (mut gradient, mut hessian) =
+            along(&self.screws, with, &rates(&self.screws, with, Some(&with.point)), eta);
+        let (g, h) = along(nominal, at, &rates(nominal, at, Some(&at.point)), eta);
+        for i in 0..coordinates.count {
+            gradient[i] -= g[i];
+            (0..coordinates.count).for_each(|j| hessian[i][j] -= h[i][j]);
+        }
+        let (gradient, hessian) = coordinates.derivatives(&gradient, &hessian);
+        let value = eta.dot(&(with.point - at.point));
+        Taylor { value, gradient, hessian, rest: eta.norm() * self.rest(coordinates, pieces, radii) }
+    }
+
+    /// Returns the bound of the third-order rest of `d`, m.
+    fn rest(&self, coordinates: &Coordinates, pieces: &RigidPieces, radii: &JointValues) -> f64 {
+        let first = (0..=coordinates.count).map(|m| {
+            let own = coordinates.turning[m];
+            self.turns[m] * pieces.turned(coordinates, radii, m, own, 3)
+                + self.shifts[m] * radius(radii, own).powi(3)
+        });
+        let turned: f64 = coordinates.angles.iter().zip(radii).map(|(a, r)| a * r).sum();
+        let slid: f64 = radii
+            .iter()
+            .zip(&self.screws.kinds)
+            .filter(|(_, k)| **k == JointKind::Prismatic)
+            .map(|(r, _)| r)
+            .sum();
+        let second = self.second * turned.powi(3) + 3.0 * self.second_per_slide * turned * turned * slid;
+        (first.sum::<f64>() + second) / 6.0
+    }
+}
+
+/// Returns the least rotation that takes one unit vector to another.
+fn least(from: &Vector3<f64>, to: &Vector3<f64>) -> Matrix3<f64> {
+    let cross = from.cross(to);
+    let sine = cross.norm();
+    if sine == 0.0 {
+        return Matrix3::identity();
+    }
+    about(&(cross / sine), &Vector3::zeros(), sine.atan2(from.dot(to))).rotation
+}
+
+/// Returns the angle of a rotation, rad, accurate to the last digit for small ones.
+fn angle(r: &Matrix3<f64>) -> f64 {
+    let twice = Vector3::new(r[(2, 1)] - r[(1, 2)], r[(0, 2)] - r[(2, 0)], r[(1, 0)] - r[(0, 1)]);
+    twice.norm().atan2(r.trace() - 1.0)
+}

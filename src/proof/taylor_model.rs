@@ -1,0 +1,166 @@
+//! Taylor models: second-order expansions over a box with a bound of the remainder.
+//!
+//! Every quantity here is a sum of products of vectors fixed to links. A joint rotates a product as a
+//! whole, one factor of it, or nothing. So each mixed partial derivative of a product is a single product
+//! again, bounded by the lengths of its factors. Consider a product of length `s` that coordinates with
+//! radii summing to `rho` rotate. Its third-order term over the box is at most `s rho^3 / 6`, plus
+//! `3 rho^2 r_t / 6` if a prismatic joint `t` of radius `r_t` lengthens a factor.
+
+use super::coordinates::{Coordinates, JointMatrix};
+use super::screws::{JointValues, PosedScrews, Screws};
+use crate::cell::{JointKind, MAX_JOINTS};
+use nalgebra::Vector3;
+
+/// Geometry of a chain that expansions share.
+#[derive(Clone, Copy)]
+pub(super) struct Geometry<'a> {
+    pub screws: &'a Screws,
+    pub coordinates: &'a Coordinates,
+    pub pieces: &'a RigidPieces,
+}
+
+/// Taylor model: value, derivatives by the coordinates, and a bound of the remainder over the box.
+#[derive(Debug, Clone)]
+pub(super) struct Taylor {
+    pub value: f64,
+    pub gradient: JointValues,
+    pub hessian: JointMatrix,
+    pub rest: f64,
+}
+
+impl Taylor {
+    /// Returns the largest deviation from the value in a box of these radii.
+    pub fn spread(&self, radii: &JointValues) -> f64 {
+        let linear: f64 = self.gradient.iter().zip(radii).map(|(g, r)| g.abs() * r).sum();
+        linear + self.bend(radii)
+    }
+
+    /// Returns the largest deviation from the linear part in a box of these radii.
+    pub fn bend(&self, radii: &JointValues) -> f64 {
+        let rows = self
+            .hessian
+            .iter()
+            .zip(radii)
+            .map(|(row, r)| r * row.iter().zip(radii).map(|(h, r)| h.abs() * r).sum::<f64>());
+        0.5 * rows.sum::<f64>() + self.rest
+    }
+
+    /// Replaces the model by `self - factor * other`.
+    pub fn less(&mut self, factor: f64, other: &Taylor) {
+        self.value -= factor * other.value;
+        self.rest += factor.abs() * other.rest;
+        for i in 0..MAX_JOINTS {
+            self.gradient[i] -= factor * other.gradient[i];
+            (0..MAX_JOINTS).for_each(|j| self.hessian[i][j] -= factor * other.hessian[i][j]);
+        }
+    }
+
+    /// Returns a lower bound of the quantity in a box of these radii.
+    ///
+    /// `|h t_i t_j|` is split such that it vanishes with either factor, so that an inner minimum stays visible.
+    pub fn least(&self, radii: &JointValues, count: usize) -> f64 {
+        let one = |i: usize| {
+            let r = radii[i];
+            if r == 0.0 {
+                return 0.0;
+            }
+            let crossed: f64 =
+                (0..count).filter(|&j| j != i).map(|j| self.hessian[i][j].abs() * radii[j] / r).sum();
+            let (g, h) = (self.gradient[i].abs(), self.hessian[i][i] - crossed);
+            if h * r > g { -g * g / (2.0 * h) } else { -g * r + h * r * r / 2.0 }
+        };
+        self.value + (0..count).map(one).sum::<f64>() - self.rest
+    }
+}
+
+/// Returns the derivatives by the joints of a point, or of the tool axis if `point` is None.
+pub(super) fn rates(
+    screws: &Screws,
+    placed: &PosedScrews,
+    point: Option<&Vector3<f64>>,
+) -> [Vector3<f64>; MAX_JOINTS] {
+    let mut rates = [Vector3::zeros(); MAX_JOINTS];
+    for (i, kind) in screws.kinds.iter().enumerate() {
+        rates[i] = match (kind, point) {
+            (JointKind::Revolute, Some(p)) => placed.axes[i].cross(&(p - placed.points[i])),
+            (JointKind::Revolute, None) => placed.axes[i].cross(&placed.tool),
+            (JointKind::Prismatic, Some(_)) => placed.axes[i],
+            (JointKind::Prismatic, None) => Vector3::zeros(),
+        };
+    }
+    rates
+}
+
+/// Returns first and second derivatives by theta of `eta . x`, given the rates of x: `d_ij x = z_i x rate_j`.
+pub(super) fn along(
+    screws: &Screws,
+    placed: &PosedScrews,
+    rates: &[Vector3<f64>; MAX_JOINTS],
+    eta: &Vector3<f64>,
+) -> (JointValues, JointMatrix) {
+    let (mut gradient, mut hessian) = ([0.0; MAX_JOINTS], [[0.0; MAX_JOINTS]; MAX_JOINTS]);
+    for (i, kind) in screws.kinds.iter().enumerate() {
+        gradient[i] = eta.dot(&rates[i]);
+        if *kind == JointKind::Revolute {
+            let turned = eta.cross(&placed.axes[i]);
+            (i..screws.kinds.len()).for_each(|j| hessian[i][j] = turned.dot(&rates[j]));
+        }
+    }
+    (gradient, hessian)
+}
+
+/// Rigid pieces from axis to axis out to the end; piece k belongs to link k.
+#[derive(Debug, Clone)]
+pub(super) struct RigidPieces {
+    /// Largest length of each piece, m, including prismatic travel.
+    pub lengths: [f64; MAX_JOINTS + 1],
+    /// Prismatic coordinate within each piece.
+    pub slide: [Option<usize>; MAX_JOINTS + 1],
+    pub count: usize,
+}
+
+impl RigidPieces {
+    /// Measures the pieces of a chain out to the point `end`.
+    pub fn new(screws: &Screws, end: &Vector3<f64>, coordinates: &Coordinates) -> Self {
+        let n = screws.kinds.len();
+        let mut pieces = Self { lengths: [0.0; MAX_JOINTS + 1], slide: [None; MAX_JOINTS + 1], count: n };
+        for k in 1..=n {
+            let next = if k == n { end } else { &screws.points[k] };
+            pieces.lengths[k] = (next - screws.points[k - 1]).norm();
+            if screws.kinds[k - 1] == JointKind::Prismatic {
+                pieces.slide[k] = Some(k - 1);
+                pieces.lengths[k] += coordinates.high[k - 1].max(-coordinates.low[k - 1]);
+            }
+        }
+        pieces
+    }
+
+    /// Returns the total length of the pieces behind a link, m.
+    pub fn from(&self, link: usize) -> f64 {
+        self.lengths[link + 1..=self.count].iter().sum()
+    }
+
+    /// Returns `sum |s| rho^power` over the pieces behind a link, a bound of derivatives of that power.
+    ///
+    /// `own` are the coordinates that rotate a factor on that link; each piece adds its own coordinates.
+    pub fn turned(
+        &self,
+        coordinates: &Coordinates,
+        radii: &JointValues,
+        link: usize,
+        own: u8,
+        power: i32,
+    ) -> f64 {
+        let of = |k: usize| {
+            let rho = radius(radii, own | coordinates.turning[k]);
+            let longer = self.slide[k].map_or(0.0, |i| f64::from(power) * rho.powi(power - 1) * radii[i]);
+            self.lengths[k] * rho.powi(power) + longer
+        };
+        (link + 1..=self.count).map(of).sum()
+    }
+}
+
+/// Returns the sum of the radii of some coordinates, given as bits.
+pub(super) fn radius(radii: &JointValues, bits: u8) -> f64 {
+    radii.iter().enumerate().filter(|(i, _)| bits >> i & 1 == 1).map(|(_, r)| r).sum()
+}

@@ -1,0 +1,225 @@
+//! Lower bound of a posture's value in any reading: a weighted sum of effects in fixed directions.
+//!
+//! At a posture c the reading gives directions `eta_k` such that its value is `sum eta_k . g_k` at c and at
+//! least that at every other posture:
+//!
+//! ```text
+//! signed        u = e / |e|:  |e| >= u . e
+//! worst-case    the farthest corner s at c is one of the corners everywhere
+//! statistical   |e| ~ N(mu, S):  a mean makes each quantity larger, so that mu = 0 is below; with
+//!               A = d(quantity^2)/dS at c:  quantity^2 >= <A, S>  (rms: A = 1, equality)
+//! ```
+//!
+//! For the mean of |e| this is the tangent of a convex function of the effects. For percentiles it assumes
+//! that their squares are convex in the covariance of up to three rows. No proof is known to us;
+//! tests/it/proof.rs tests it for 95 % and 99 %, and [`super::Proof::in_words`] states the assumption.
+
+use super::WhyNot;
+use super::linear_effects::Effect;
+use super::screws::ScrewMotion;
+use crate::cell::{Model, Quantity, Reading, Row};
+use crate::reading::norm::NormDistribution;
+use crate::reading::zonotope::{ZonotopeScratch, farthest_1, farthest_2, farthest_3, farthest_6};
+use crate::reading::{ErrorEvaluator, MAX_SOURCES};
+use nalgebra::{DMatrix, Matrix3, Vector2, Vector3, Vector6};
+
+/// Largest number of rows for which the bound of a percentile is tested.
+const MAX_ROWS_OF_PERCENTILE: usize = 3;
+/// Step of a numeric derivative, as a share of the trace.
+const DERIVATIVE_STEP: f64 = 1e-3;
+/// Bound of the relative error of a numeric derivative.
+const DERIVATIVE_ERROR: f64 = 1e-5;
+
+/// Directions (eta, zeta) of one motion: for its displacement of the point, and for its rotation.
+pub(super) type Weight = (Vector3<f64>, Vector3<f64>);
+
+/// Rule by which effects add up to a value.
+#[derive(Debug, Clone)]
+pub(super) enum EffectSum {
+    /// A signed sample: values of the sources.
+    Sample(Vec<f64>),
+    /// The worst case: half widths of the sources.
+    Box(Vec<f64>),
+    /// A statistic of independent factors, each a list of (source, value at one standard deviation).
+    Random(Vec<Vec<(usize, f64)>>, Quantity),
+}
+
+impl EffectSum {
+    /// Returns the rule of an evaluator for a sense with this number of rows.
+    ///
+    /// # Errors
+    /// Why the reading has no bound.
+    pub fn new(gauge: &ErrorEvaluator, rows: usize) -> Result<Self, WhyNot> {
+        let list = &gauge.sources.list;
+        match gauge.reading {
+            Reading::Signed => Ok(Self::Sample(gauge.sources.signed())),
+            Reading::WorstCase if rows > MAX_ROWS_OF_PERCENTILE && gauge.model != Model::Linear => {
+                Err(WhyNot::ManyRows)
+            }
+            Reading::WorstCase => Ok(Self::Box(list.iter().map(|s| s.plus_minus).collect())),
+            Reading::Statistical => {
+                let exact = gauge.quantity == Quantity::Rms;
+                if gauge.quantity == Quantity::Yield {
+                    return Err(WhyNot::Share);
+                }
+                if !exact && list.iter().any(|s| s.spread.is_some() && s.kurtosis != 0.0) {
+                    return Err(WhyNot::NotNormal);
+                }
+                if !exact && rows > MAX_ROWS_OF_PERCENTILE {
+                    return Err(WhyNot::ManyRows);
+                }
+                let alone = list.iter().enumerate().filter(|(_, s)| s.spread.is_some());
+                let mut factors: Vec<_> = alone.map(|(k, s)| vec![(k, s.deviation)]).collect();
+                factors.extend(gauge.sources.factors.iter().cloned());
+                Ok(Self::Random(factors, gauge.quantity))
+            }
+        }
+    }
+
+    /// Returns the directions of all motions at a posture; None where the value is zero.
+    pub fn weights(&self, rows: &[Row], motions: &[ScrewMotion], effects: &[Effect]) -> Option<Vec<Weight>> {
+        let mut columns = [Vector6::zeros(); MAX_SOURCES];
+        for (motion, effect) in motions.iter().zip(effects) {
+            for (r, row) in rows.iter().enumerate() {
+                let moved = if row.turns { &effect.w } else { &effect.g };
+                columns[motion.source][r] += motion.factor * row.direction.dot(moved);
+            }
+        }
+        let mut sums = [Vector6::zeros(); MAX_SOURCES];
+        match self {
+            Self::Sample(values) => towards(&columns, values, &mut sums),
+            Self::Box(widths) => towards(&columns, &corner(&columns, widths, rows.len()), &mut sums),
+            Self::Random(factors, quantity) => spread(&columns, factors, *quantity, rows.len(), &mut sums),
+        }?;
+        let of = |motion: &ScrewMotion| {
+            let (mut eta, mut zeta) = (Vector3::zeros(), Vector3::zeros());
+            for (r, row) in rows.iter().enumerate() {
+                let size = motion.factor * sums[motion.source][r];
+                *(if row.turns { &mut zeta } else { &mut eta }) += row.direction * size;
+            }
+            // A translation rotates nothing.
+            (eta, if motion.turns { zeta } else { Vector3::zeros() })
+        };
+        Some(motions.iter().map(of).collect())
+    }
+}
+
+/// Writes the directions of `|sum a_k e_k|`, given the values a_k.
+fn towards(columns: &[Vector6<f64>], values: &[f64], out: &mut [Vector6<f64>]) -> Option<()> {
+    let sum: Vector6<f64> = columns.iter().zip(values).map(|(c, v)| c * *v).sum();
+    let unit = sum.try_normalize(f64::MIN_POSITIVE)?;
+    out.iter_mut().zip(values).for_each(|(out, v)| *out = unit * *v);
+    Some(())
+}
+
+/// Returns the farthest corner as signed values.
+fn corner(columns: &[Vector6<f64>], widths: &[f64], rows: usize) -> Vec<f64> {
+    let scaled: Vec<Vector6<f64>> = columns.iter().zip(widths).map(|(c, w)| c * *w).collect();
+    let mut signs = vec![1.0; widths.len()];
+    let mut scratch = ZonotopeScratch::default();
+    match rows {
+        0 | 1 => farthest_1(&scaled.iter().map(|c| c[0]).collect::<Vec<_>>(), &mut signs),
+        2 => {
+            let flat: Vec<_> = scaled.iter().map(|c| Vector2::new(c[0], c[1])).collect();
+            farthest_2(&flat, &mut scratch, &mut signs)
+        }
+        3 => {
+            let flat: Vec<_> = scaled.iter().map(|c| Vector3::new(c[0], c[1], c[2])).collect();
+            farthest_3(&flat, &mut scratch, &mut signs)
+        }
+        _ => farthest_6(&scaled, &mut scratch, &mut signs),
+    };
+    signs.iter().zip(widths).map(|(s, w)| s * w).collect()
+}
+
+/// Writes the directions of a statistic, `A e_f / value`, converted from factors to sources.
+fn spread(
+    columns: &[Vector6<f64>],
+    factors: &[Vec<(usize, f64)>],
+    quantity: Quantity,
+    rows: usize,
+    out: &mut [Vector6<f64>],
+) -> Option<()> {
+    let effect =
+        |factor: &Vec<(usize, f64)>| factor.iter().map(|&(k, v)| columns[k] * v).sum::<Vector6<f64>>();
+    let effects: Vec<Vector6<f64>> = factors.iter().map(effect).collect();
+    let apply: DMatrix<f64> = match quantity {
+        Quantity::Rms => DMatrix::identity(rows, rows),
+        _ => {
+            let entry = |i: usize, j: usize| effects.iter().map(|e| e[i] * e[j]).sum::<f64>();
+            let mut covariance = Matrix3::zeros();
+            (0..rows).for_each(|i| (0..rows).for_each(|j| covariance[(i, j)] = entry(i, j)));
+            let a = tangent(&covariance, rows, quantity)?;
+            DMatrix::from_fn(rows, rows, |i, j| a[(i, j)])
+        }
+    };
+    let applied = |e: &Vector6<f64>| {
+        let mut sum = Vector6::zeros();
+        (0..rows).for_each(|i| sum[i] = (0..rows).map(|j| apply[(i, j)] * e[j]).sum());
+        sum
+    };
+    let square: f64 = effects.iter().map(|e| e.dot(&applied(e))).sum();
+    if square < f64::MIN_POSITIVE {
+        return None;
+    }
+    for (factor, effect) in factors.iter().zip(&effects) {
+        let a = applied(effect) / square.sqrt();
+        factor.iter().for_each(|&(k, v)| out[k] += a * v);
+    }
+    Some(())
+}
+
+/// Returns A with `<A, S> <= quantity(S)^2` for every covariance S of `rows` rows; None if nothing varies.
+///
+/// Equality holds at the given covariance, except for the error of numeric derivatives, which is subtracted.
+pub fn tangent(covariance: &Matrix3<f64>, rows: usize, quantity: Quantity) -> Option<Matrix3<f64>> {
+    let trace = covariance.trace();
+    if trace < f64::MIN_POSITIVE {
+        return None;
+    }
+    let eigen = (covariance / trace).symmetric_eigen();
+    // Unused rows appear as zero eigenvalues with axes of their own.
+    let used: Vec<usize> =
+        (0..3).filter(|&k| eigen.eigenvectors.column(k).iter().skip(rows).all(|v| v.abs() < 0.5)).collect();
+    let sizes: Vec<f64> = used.iter().map(|&k| eigen.eigenvalues[k].max(0.0)).collect();
+    let value = square(&sizes, quantity);
+    let slope = |k: usize| {
+        let at = |by: f64| {
+            let mut moved = sizes.clone();
+            moved[k] += by;
+            square(&moved, quantity)
+        };
+        match sizes[k] > 2.0 * DERIVATIVE_STEP {
+            true => (at(DERIVATIVE_STEP) - at(-DERIVATIVE_STEP)) / (2.0 * DERIVATIVE_STEP),
+            // A one-sided derivative of second order at the edge.
+            false => {
+                (4.0 * at(DERIVATIVE_STEP) - 3.0 * value - at(2.0 * DERIVATIVE_STEP))
+                    / (2.0 * DERIVATIVE_STEP)
+            }
+        }
+    };
+    let slopes: Vec<f64> = (0..sizes.len()).map(|k| slope(k).max(0.0)).collect();
+    // By Euler's theorem for homogeneous functions of the first degree the slopes must give the value.
+    let given: f64 = slopes.iter().zip(&sizes).map(|(a, l)| a * l).sum();
+    let scale = (1.0 - DERIVATIVE_ERROR) * value / given.max(f64::MIN_POSITIVE);
+    let mut a = Matrix3::zeros();
+    for (&k, slope) in used.iter().zip(slopes) {
+        let axis = eigen.eigenvectors.column(k);
+        a += axis * axis.transpose() * (slope * scale.min(1.0));
+    }
+    Some(a)
+}
+
+/// Returns the squared quantity of a centred normal vector with these variances.
+fn square(variances: &[f64], quantity: Quantity) -> f64 {
+    let mut columns = [Vector6::zeros(); 3];
+    variances.iter().enumerate().for_each(|(k, l)| columns[k][k] = l.max(0.0).sqrt());
+    let norm = NormDistribution::new(variances.len(), &columns[..variances.len()], &[], &Vector6::zeros());
+    let value = match quantity {
+        Quantity::Rms => norm.rms(),
+        Quantity::Mean => norm.mean(),
+        Quantity::P99 => norm.quantile(0.99),
+        Quantity::P95 | Quantity::Yield => norm.quantile(0.95),
+    };
+    value * value
+}

@@ -1,0 +1,156 @@
+//! The tool attitudes that an operation allows, for one arm and one yaw of the surface.
+
+use crate::cell::{Attitude, Azimuth, Spin, held};
+use crate::pose::exact_sin_cos;
+use crate::units::wrapped;
+use nalgebra::{Matrix3, Vector3};
+use std::f64::consts::FRAC_PI_2;
+
+/// Rounding allowed for an attitude that an arm cannot choose, rad.
+const ROUNDING: f64 = 1e-9;
+
+/// Allowed attitudes of the tool, in the base frame.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct AttitudeSet {
+    /// Elevations to try, rad; the wanted one comes first.
+    pub(super) elevations: Vec<f64>,
+    pub(super) vertical: bool,
+    /// Columns r, d x r, d of the tool (see [`crate::cell::held`]) for every attitude.
+    ///
+    /// With `radial` they are in the frame whose x axis points from the base axis to the target.
+    pub(super) columns: Vec<Matrix3<f64>>,
+    pub(super) radial: bool,
+    pub(super) spin_is_free: bool,
+    pub(super) azimuth_is_free: bool,
+    /// Azimuth from which spins count if the tool is vertical, rad.
+    pub(super) zero: f64,
+    pub(super) spins: Vec<f64>,
+    /// Wanted azimuth, rad; None if any will do.
+    heading: Option<f64>,
+    pub(super) tolerance: f64,
+    tilts_sideways: bool,
+}
+
+impl AttitudeSet {
+    /// Sets the attitudes over a surface rotated by `yaw` (rad) in the base frame, without the columns.
+    ///
+    /// `fixed_elevation` is the elevation that the arm keeps by construction, if it does.
+    pub fn update(&mut self, attitude: &Attitude, yaw: f64, fixed_elevation: Option<f64>) {
+        self.vertical = attitude.is_vertical();
+        self.radial = attitude.azimuth == Azimuth::Radial;
+        self.spin_is_free = attitude.spin == Spin::Free;
+        self.azimuth_is_free = attitude.azimuth == Azimuth::Free && !self.vertical;
+        self.tolerance = attitude.tolerance;
+        let turned = if self.radial { 0.0 } else { yaw };
+        self.zero = turned + if let Azimuth::Surface(angle) = attitude.azimuth { angle } else { 0.0 };
+        self.heading = match attitude.azimuth {
+            Azimuth::Surface(_) if !self.vertical => Some(self.zero),
+            _ => None,
+        };
+        self.elevations.clear();
+        match fixed_elevation {
+            Some(fixed) => self.elevations.push(fixed),
+            None => self.elevations.extend(tilted(attitude.elevation, attitude.tolerance)),
+        }
+        self.tilts_sideways = attitude.tolerance > 0.0 && fixed_elevation.is_none();
+        self.spins.clear();
+        match &attitude.spin {
+            Spin::Free => self.spins.extend(Attitude::free_spins()),
+            Spin::At(spins) => self.spins.extend_from_slice(spins),
+        }
+        self.columns.clear();
+    }
+
+    /// Sets the columns of all attitudes, for an arm that takes whole poses; after [`Self::update`].
+    pub fn update_columns(&mut self, attitude: &Attitude, yaw: f64) {
+        let turned = if self.radial { 0.0 } else { yaw };
+        for azimuth in attitude.azimuths() {
+            for &spin in &self.spins {
+                let azimuth = turned + azimuth;
+                let columns = &mut self.columns;
+                self.elevations.iter().for_each(|&e| columns.push(held(e, azimuth, spin)));
+                if self.tilts_sideways {
+                    let wanted = held(attitude.elevation, azimuth, spin);
+                    columns.extend([1.0, -1.0].map(|side| sideways(&wanted, side * attitude.tolerance)));
+                }
+            }
+        }
+    }
+
+    /// Returns how many of [`Self::columns`] belong to one azimuth.
+    pub(super) fn columns_per_azimuth(&self) -> usize {
+        let tilts = self.elevations.len() + if self.tilts_sideways { 2 } else { 0 };
+        self.spins.len() * tilts
+    }
+
+    /// Returns the columns of attitude `k` at a target.
+    #[inline]
+    pub(super) fn columns_at(&self, k: usize, target: &Vector3<f64>) -> Matrix3<f64> {
+        if !self.radial {
+            return self.columns[k];
+        }
+        let (cos, sin) = heading_of(target);
+        Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0) * self.columns[k]
+    }
+
+    /// Returns the error of heading and spin beyond the tolerance (rad) of a tool with these columns.
+    ///
+    /// It serves arms that cannot choose heading or spin. `rolls` says that the arm can choose the spin.
+    pub(super) fn off(&self, columns: &Matrix3<f64>, target: &Vector3<f64>, rolls: bool) -> f64 {
+        let [r, d] = [0, 2].map(|k| columns.column(k).into_owned());
+        let actual = d.y.atan2(d.x);
+        let heading = self.heading.map_or(0.0, |wanted| wrapped(actual - wanted).abs());
+        let mut spin = 0.0;
+        if !self.spin_is_free && !rolls {
+            let azimuth = match self.vertical {
+                false => actual,
+                true if self.radial => target.y.atan2(target.x),
+                true => self.zero,
+            };
+            let elevation = d.z.clamp(-1.0, 1.0).asin();
+            let apart = |&spin: &f64| {
+                let wanted = held(elevation, azimuth, spin);
+                (wanted.column(0).dot(&r)).clamp(-1.0, 1.0).acos()
+            };
+            spin = self.spins.iter().map(apart).fold(f64::INFINITY, f64::min);
+        }
+        let off = heading.max(spin) - self.tolerance;
+        if off > ROUNDING { off } else { 0.0 }
+    }
+
+    /// Returns whether [`Self::off`] has anything to check.
+    pub(super) fn is_checked(&self, rolls: bool) -> bool {
+        self.heading.is_some() || !self.spin_is_free && !rolls
+    }
+
+    /// Returns the horizontal unit vector from which spins of a vertical tool count.
+    #[inline]
+    pub(super) fn zero_heading(&self, target: &Vector3<f64>) -> (f64, f64) {
+        if self.radial {
+            return heading_of(target);
+        }
+        let (sin, cos) = exact_sin_cos(self.zero);
+        (cos, sin)
+    }
+}
+
+/// Returns the elevations to try: the wanted one, then those tilted down and up by the tolerance.
+fn tilted(elevation: f64, tolerance: f64) -> impl Iterator<Item = f64> {
+    let around = [-tolerance, tolerance].map(|by| (elevation + by).clamp(-FRAC_PI_2, FRAC_PI_2));
+    let around = around.into_iter().filter(move |e| *e != elevation);
+    std::iter::once(elevation).chain(around)
+}
+
+/// Returns the columns tilted to one side of the vertical plane of the tool.
+fn sideways(columns: &Matrix3<f64>, by: f64) -> Matrix3<f64> {
+    let d = columns.column(2).into_owned();
+    let level = Vector3::new(-d.y, d.x, 0.0).try_normalize(1e-9);
+    let upright = level.map_or_else(|| columns.column(0).into_owned(), |level| d.cross(&level));
+    nalgebra::Rotation3::from_scaled_axis(upright * by).into_inner() * columns
+}
+
+/// Returns the direction from the base axis to the target; the x axis for a target on the base axis.
+fn heading_of(target: &Vector3<f64>) -> (f64, f64) {
+    let radius = target.x.hypot(target.y);
+    if radius > 0.0 { (target.x / radius, target.y / radius) } else { (1.0, 0.0) }
+}

@@ -1,0 +1,191 @@
+//! A point moved by three joints: damped least squares brings it to a target, or as near as it goes.
+
+use super::subproblems::Angle;
+use crate::cell::JointKind::{Prismatic, Revolute};
+use crate::robot::Link;
+use nalgebra::{Matrix3, Vector3};
+
+/// Point on axis 4 that the first three joints move.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct ThreeJointPoint {
+    pub links: [Link; 3],
+    /// Distance of the point from the origin of frame 3, m.
+    pub r4: f64,
+}
+
+/// D-H variables of the three joints: cosine and sine of each theta, and each r (m).
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ThreeJointState {
+    pub theta: [Angle; 3],
+    pub r: [f64; 3],
+}
+
+impl ThreeJointPoint {
+    /// Returns the point in frame `from`; 0 is the base of the chain.
+    fn seen_from(&self, from: usize, joints: &ThreeJointState) -> Vector3<f64> {
+        let mut p = Vector3::new(0.0, 0.0, self.r4);
+        for k in (from..3).rev() {
+            let (link, (c, s)) = (&self.links[k], joints.theta[k]);
+            let (x, y) = (p.x + link.l, link.cos_alpha * p.y - link.sin_alpha * p.z);
+            let z = link.sin_alpha * p.y + link.cos_alpha * p.z + joints.r[k];
+            p = Vector3::new(c * x - s * y, s * x + c * y, z);
+        }
+        p
+    }
+
+    /// Returns the point in frame 0 and its Jacobian, one column per joint.
+    fn derivative(&self, joints: &ThreeJointState) -> (Vector3<f64>, Matrix3<f64>) {
+        let (mut turned, mut moves) = (Matrix3::identity(), Matrix3::zeros());
+        for k in 0..3 {
+            let axis = turned.column(2).into_owned();
+            let column = match self.links[k].kind {
+                Revolute => axis.cross(&(turned * self.seen_from(k, joints))),
+                Prismatic => axis,
+            };
+            moves.set_column(k, &column);
+            let ((c, s), ca, sa) = (joints.theta[k], self.links[k].cos_alpha, self.links[k].sin_alpha);
+            turned *= Matrix3::new(c, -s * ca, s * sa, s, c * ca, -c * sa, 0.0, sa, ca);
+        }
+        (self.seen_from(0, joints), moves)
+    }
+
+    /// Sets joint 1 alone: rotated to the direction of `p`, or moved to its height.
+    pub fn aim(&self, p: &Vector3<f64>, joints: &mut ThreeJointState) {
+        let first = &self.links[0];
+        (joints.theta[0], joints.r[0]) = match first.kind {
+            Revolute => ((1.0, 0.0), first.r),
+            Prismatic => ((first.theta.cos(), first.theta.sin()), 0.0),
+        };
+        let q = self.seen_from(0, joints);
+        if first.kind == Prismatic {
+            joints.r[0] = p.z - q.z;
+            return;
+        }
+        let (c, s) = (q.x * p.x + q.y * p.y, q.x * p.y - q.y * p.x);
+        let size = c.hypot(s);
+        if size > 1e-24 {
+            joints.theta[0] = (c / size, s / size);
+        }
+    }
+
+    /// Polishes the joints by Newton's method with steps of least length; returns the remaining distance, m.
+    pub fn polish(&self, p: &Vector3<f64>, joints: &mut ThreeJointState) -> f64 {
+        const MAX_STEPS: usize = 10;
+        let mut missed = f64::INFINITY;
+        let mut next = *joints;
+        for _ in 0..MAX_STEPS {
+            let (q, moves) = self.derivative(&next);
+            let rest = (p - q).norm();
+            if rest >= missed {
+                break;
+            }
+            (missed, *joints) = (rest, next);
+            let (true, Some(step)) = (rest > 1e-15, damped(&moves, &(p - q), 1e-13)) else { break };
+            next = self.moved(joints, &step);
+        }
+        missed
+    }
+
+    /// Returns the least distance of the point from `p`, m, and the joints there.
+    ///
+    /// It starts the Levenberg-Marquardt method from the best of many postures.
+    pub fn nearest(&self, p: &Vector3<f64>) -> (f64, ThreeJointState) {
+        const STARTS: usize = 4;
+        let mut best = [(f64::INFINITY, ThreeJointState { theta: [(1.0, 0.0); 3], r: [0.0; 3] }); STARTS];
+        for k in 0..GRID * GRID {
+            let mut joints = self.on_grid([k % GRID, k / GRID]);
+            self.aim(p, &mut joints);
+            let rest = (p - self.seen_from(0, &joints)).norm();
+            let place = best.iter().position(|b| rest < b.0);
+            if let Some(place) = place {
+                best[place..].rotate_right(1);
+                best[place] = (rest, joints);
+            }
+        }
+        let [first, rest @ ..] = best.map(|b| self.approached(p, b.1));
+        rest.into_iter().fold(first, |a, b| if b.0 < a.0 { b } else { a })
+    }
+
+    /// Returns a posture of a grid over all angles of joints 2 and 3; prismatic joints are at zero.
+    fn on_grid(&self, place: [usize; 2]) -> ThreeJointState {
+        let mut joints =
+            ThreeJointState { theta: [(1.0, 0.0); 3], r: std::array::from_fn(|k| self.links[k].r) };
+        for (k, &at) in (1..).zip(&place) {
+            let link = &self.links[k];
+            let angle = match link.kind {
+                Revolute => std::f64::consts::TAU * at as f64 / GRID as f64,
+                Prismatic => link.theta,
+            };
+            joints.theta[k] = (angle.cos(), angle.sin());
+        }
+        joints
+    }
+
+    /// Descends to the nearest posture by the Levenberg-Marquardt method; returns the distance, m.
+    fn approached(&self, p: &Vector3<f64>, mut joints: ThreeJointState) -> (f64, ThreeJointState) {
+        const MAX_STEPS: usize = 200;
+        let (mut rest, mut damping) = ((p - self.seen_from(0, &joints)).norm(), 1e-2);
+        for _ in 0..MAX_STEPS {
+            let (q, moves) = self.derivative(&joints);
+            let Some(step) = damped(&moves, &(p - q), damping) else { break };
+            let next = self.moved(&joints, &step);
+            let missed = (p - self.seen_from(0, &next)).norm();
+            if missed < rest {
+                let gain = rest - missed;
+                (joints, rest, damping) = (next, missed, 0.3 * damping);
+                if gain < 1e-13 {
+                    break;
+                }
+            } else if damping > 1e6 {
+                break;
+            } else {
+                damping *= 4.0;
+            }
+        }
+        (rest, joints)
+    }
+
+    /// Returns whether the joints can move the point in all directions in some posture.
+    pub fn moves_in_space(&self) -> bool {
+        (0..GRID * GRID).any(|k| {
+            let mut joints = self.on_grid([k % GRID, k / GRID]);
+            // A prismatic joint of length 0 would rotate its point on the spot.
+            joints
+                .r
+                .iter_mut()
+                .zip(&self.links)
+                .filter(|(_, link)| link.kind == Prismatic)
+                .for_each(|(r, _)| *r += 1.0);
+            let (_, moves) = self.derivative(&joints);
+            moves.determinant().abs() > 1e-9 * moves.norm().powi(3)
+        })
+    }
+
+    fn moved(&self, joints: &ThreeJointState, step: &Vector3<f64>) -> ThreeJointState {
+        let mut next = *joints;
+        for k in 0..3 {
+            match self.links[k].kind {
+                Revolute => {
+                    // Half the angle by its tangent, so that every step is a rotation.
+                    let ((c, s), t) = (joints.theta[k], 0.5 * step[k]);
+                    let (ct, st) = ((1.0 - t * t) / (1.0 + t * t), 2.0 * t / (1.0 + t * t));
+                    let (c, s) = (c * ct - s * st, s * ct + c * st);
+                    let size = c.hypot(s);
+                    next.theta[k] = (c / size, s / size);
+                }
+                Prismatic => next.r[k] += step[k],
+            }
+        }
+        next
+    }
+}
+
+/// Number of angles tried for joint 2 and for joint 3.
+const GRID: usize = 12;
+
+/// Returns the damped least-squares step for `moves * step = rest`.
+fn damped(moves: &Matrix3<f64>, rest: &Vector3<f64>, damping: f64) -> Option<Vector3<f64>> {
+    let normal = moves.tr_mul(moves);
+    let damping = damping * normal.trace();
+    (normal + Matrix3::identity() * damping).cholesky().map(|c| c.solve(&moves.tr_mul(rest)))
+}

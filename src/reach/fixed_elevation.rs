@@ -1,0 +1,20 @@
+//! Arms that hold their tool at one elevation by construction, such as a SCARA or a palletizer.
+
+use crate::robot::Chain;
+
+/// Number of postures compared.
+const POSTURES: usize = 32;
+
+/// Largest difference, rad, of elevations that count as equal.
+const SAME_ELEVATION: f64 = 1e-9;
+
+/// Returns the elevation of the tool axis (rad) if it is the same in every posture of the chain.
+pub(super) fn fixed_elevation(chain: &Chain) -> Option<f64> {
+    let elevation = |k: usize| {
+        let tcp = chain.forward(&chain.posture(&chain.halton_sample(k)));
+        let axis = tcp.rotation * chain.tool_axis;
+        axis.z.atan2(axis.x.hypot(axis.y))
+    };
+    let first = elevation(0);
+    (1..POSTURES).all(|k| (elevation(k) - first).abs() < SAME_ELEVATION).then_some(first)
+}

@@ -1,0 +1,40 @@
+//! Joint limits as cones: an actuator keeps its range where its unit vector lies in a cone.
+
+use super::limits::Limits;
+use crate::cell::JointKind;
+
+/// Range of one revolute joint as a cone of unit vectors.
+///
+/// With `theta_i` the angle of the joint and `a_j` the unit vectors of the joints that drive it,
+/// `a_i = theta_i / a_j^factor`; the offsets of all of them are in the axis of the cone.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LimitCone {
+    /// Cosine and sine of the middle of the range.
+    pub axis: (f64, f64),
+    /// Cosine of half the range; -2 if every angle is allowed.
+    pub cos_half: f64,
+    /// Joints that drive this one, and their coupling factors.
+    pub factors: Vec<(usize, i32)>,
+}
+
+impl Limits {
+    /// Returns one cone per joint; None if a joint is prismatic or driven by a fraction.
+    pub fn cones(&self) -> Option<Vec<LimitCone>> {
+        let whole = self.whole.as_ref()?;
+        if self.ranges.iter().any(|r| r.kind == JointKind::Prismatic) {
+            return None;
+        }
+        let mut offsets = Vec::new();
+        let mut cones = Vec::new();
+        for (i, range) in self.ranges.iter().enumerate() {
+            let own = whole.iter().filter(|w| w.0 == i);
+            let factors: Vec<_> = own.map(|&(_, j, factor)| (j, factor)).collect();
+            let driven: f64 = factors.iter().map(|&(j, factor)| f64::from(factor) * offsets[j]).sum();
+            let offset = range.zero.1.atan2(range.zero.0) - driven;
+            offsets.push(offset);
+            let (sin, cos) = (offset + range.centre).sin_cos();
+            cones.push(LimitCone { axis: (cos, sin), cos_half: range.cos_half, factors });
+        }
+        Some(cones)
+    }
+}

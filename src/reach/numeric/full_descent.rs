@@ -1,0 +1,148 @@
+//! Full descent from one start to a local minimum of the cost, whether the goal is reached or not.
+
+use super::Numeric;
+use super::goal::{AttitudeGoal, TcpGoal, TwistError};
+use super::jacobian::{add_curvature, jacobian, normal_equations};
+use super::quadratic_program::exact_step;
+use super::step::{NormalMatrix, bounded_step, holds_too_much};
+use crate::cell::JointVector;
+use crate::robot::Frames;
+
+/// Largest number of steps.
+const MAX_STEPS: usize = 100;
+/// Largest step of a joint, rad.
+const MAX_STRIDE: f64 = 0.7;
+/// First damping, as a share of the largest diagonal entry of H.
+const FIRST_DAMPING: f64 = 1e-3;
+/// Factor of the damping after a step that lowers the cost.
+const DAMPING_DECREASE: f64 = 0.2;
+/// Factor of the damping after a step that does not.
+const DAMPING_INCREASE: f64 = 5.0;
+/// Damping, as a share of the largest diagonal entry of H, at which no joint moves any more.
+const MAX_DAMPING: f64 = 1e10;
+/// Least damping.
+const MIN_DAMPING: f64 = 1e-15;
+/// Largest number of quadratic programs of one descent: each costs a hundred steps.
+const MAX_PROGRAMS: usize = 4;
+/// Share of the cost below which the gain of a step ends the descent.
+const MIN_GAIN: f64 = 1e-13;
+
+/// End of a descent.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct RestingPoint {
+    pub q: JointVector,
+    pub miss: TwistError,
+    /// Joint whose limit restricts the descent the most.
+    pub joint: Option<usize>,
+    /// Whether the descent converged; false if the steps ran out.
+    pub still: bool,
+}
+
+/// Linearization of a goal: the cost `|e|^2 / 2` and the model `d^T H d / 2 - b . d` of its change.
+struct Linearization {
+    miss: TwistError,
+    cost: f64,
+    h: NormalMatrix,
+    b: JointVector,
+}
+
+/// State of a descent.
+struct Descent<'a> {
+    solver: &'a Numeric,
+    goal: &'a TcpGoal,
+    /// Weight of lengths, 1/m.
+    scale: f64,
+    frames: &'a mut Frames,
+    damping: f64,
+    /// Number of quadratic programs that may still be solved.
+    programs: usize,
+}
+
+impl Numeric {
+    /// Minimizes the cost by the Levenberg-Marquardt method within the limits; `scale` (1/m) multiplies lengths.
+    ///
+    /// Every step lowers the cost. The quadratic program is solved where a step would not, and holds a joint
+    /// at a bound that it should leave. A goal of the position alone uses the exact Hessian, so that the
+    /// convergence is quadratic even if the goal is out of reach.
+    pub(super) fn descend_to_rest(
+        &self,
+        goal: &TcpGoal,
+        start: &JointVector,
+        scale: f64,
+        frames: &mut Frames,
+    ) -> RestingPoint {
+        let mut descent = Descent { solver: self, goal, scale, frames, damping: 0.0, programs: MAX_PROGRAMS };
+        let mut q = self.joints.kept(start);
+        let mut here = descent.local(&q);
+        descent.damping = FIRST_DAMPING * here.stiffness();
+        let mut still = here.miss.is_reached();
+        for _ in 0..MAX_STEPS {
+            if still {
+                break;
+            }
+            match descent.downhill(&q, &here) {
+                Some((better, there)) => {
+                    still = there.miss.is_reached() || here.cost - there.cost < MIN_GAIN * here.cost;
+                    (q, here) = (better, there);
+                }
+                None => still = true,
+            }
+        }
+        RestingPoint { q: self.joints.kept(&q), miss: here.miss, joint: self.joints.held(&q, &here.b), still }
+    }
+}
+
+impl Descent<'_> {
+    /// Returns the linearization of the goal at q.
+    fn local(&mut self, q: &JointVector) -> Linearization {
+        let chain = &self.solver.chain;
+        chain.place(&chain.posture(q), self.frames);
+        let miss = self.goal.miss(&self.frames.tcp, &chain.tool_axis);
+        let columns = jacobian(chain, self.frames);
+        let (mut h, b) = normal_equations(chain.axes(), &columns, &miss, self.scale);
+        if self.goal.attitude == AttitudeGoal::Any {
+            add_curvature(chain, self.frames, &miss, self.scale, &mut h);
+        }
+        Linearization { miss, cost: miss.cost(self.scale), h, b }
+    }
+
+    /// Returns a step that lowers the cost, damped as much as necessary; None if there is none.
+    fn downhill(&mut self, q: &JointVector, here: &Linearization) -> Option<(JointVector, Linearization)> {
+        let (n, joints, length) = (self.solver.chain.axes(), &self.solver.joints, 1.0 / self.solver.scale);
+        let bounds = joints.bounds(q, MAX_STRIDE, length);
+        let most = MAX_DAMPING * here.stiffness().max(here.cost);
+        // A larger damping needs no second program: its step is shorter and meets fewer bounds.
+        let mut exact = self.programs > 0;
+        while self.damping <= most {
+            let mut h = here.h;
+            joints.damp(&mut h, self.damping, self.solver.scale);
+            let step = bounded_step(n, &h, &here.b, &bounds);
+            let mut found = step.and_then(|step| self.better(&joints.moved(q, &step), here));
+            let improvable = |step: &JointVector| holds_too_much(n, &h, &here.b, &bounds, step);
+            if found.is_none() && exact && step.as_ref().is_some_and(improvable) {
+                exact = false;
+                self.programs -= 1;
+                let step = exact_step(n, &h, &here.b, &bounds);
+                found = step.and_then(|step| self.better(&joints.moved(q, &step), here));
+            }
+            if found.is_some() {
+                self.damping = (self.damping * DAMPING_DECREASE).max(MIN_DAMPING);
+                return found;
+            }
+            self.damping = self.damping.max(MIN_DAMPING) * DAMPING_INCREASE;
+        }
+        None
+    }
+
+    fn better(&mut self, q: &JointVector, here: &Linearization) -> Option<(JointVector, Linearization)> {
+        let there = self.local(q);
+        (there.cost < here.cost).then_some((*q, there))
+    }
+}
+
+impl Linearization {
+    /// Returns the largest diagonal entry of H.
+    fn stiffness(&self) -> f64 {
+        self.h.iter().enumerate().map(|(i, row)| row[i].abs()).fold(0.0, f64::max)
+    }
+}

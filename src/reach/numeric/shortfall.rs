@@ -1,0 +1,85 @@
+//! Explanation of a goal without a solution: out of reach, attitude missed, or not converged.
+
+use super::Numeric;
+use super::full_descent::RestingPoint;
+use super::goal::{AttitudeGoal, TcpGoal};
+use crate::robot::Frames;
+
+/// Number of descents that minimize the distance.
+const POSITION_STARTS: usize = 12;
+/// Number of descents that minimize the angle.
+const ATTITUDE_STARTS: usize = 16;
+/// Weight of the position when the angle is minimized, so that the position is met first.
+const POSITION_WEIGHT: f64 = 1e4;
+/// Distance or angle, m or rad, below which a solution exists but was not found.
+const MIN_SHORTFALL: f64 = 1e-6;
+/// Number of chain lengths beyond which only the direction of a goal counts.
+const MAX_CHAIN_LENGTHS: f64 = 1e6;
+
+/// Reason why there is no solution.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Shortfall {
+    /// There is a solution.
+    None,
+    /// The TCP stays at this distance (m) inside the limits, in any attitude.
+    OutOfReach { by: f64 },
+    /// The position is reached, but the attitude misses by at least this angle (rad), as far as searched.
+    ///
+    /// `joint` is the joint whose limit restricts it the most; None if the geometry does.
+    Attitude { by: f64, joint: Option<usize> },
+    /// The search found neither a solution nor a reason; the least distance (m) and its angle (rad) remain.
+    ///
+    /// Both are infinite for a goal that is not finite or no rotation.
+    NotConverged { position: f64, angle: f64 },
+}
+
+impl Numeric {
+    /// Returns how far a checked goal is out of reach in any attitude, m.
+    ///
+    /// It is None if the goal is within reach or the search cannot tell.
+    pub(super) fn out_of_reach(&self, goal: &TcpGoal, frames: &mut Frames) -> Option<f64> {
+        let (by, still) = self.least_distance(&TcpGoal { attitude: AttitudeGoal::Any, ..*goal }, frames);
+        (by > MIN_SHORTFALL && still).then_some(by)
+    }
+
+    /// Returns the reason why a checked goal within reach has no solution.
+    pub(super) fn missing(&self, goal: &TcpGoal, frames: &mut Frames) -> Shortfall {
+        let starts = self.starts.ranked(goal, self.scale).take(ATTITUDE_STARTS);
+        let rests =
+            starts.map(|start| self.descend_to_rest(goal, start, POSITION_WEIGHT * self.scale, frames));
+        let near = |rest: &RestingPoint| rest.miss.position.norm() * self.scale < 1.0 / POSITION_WEIGHT;
+        let angle = |rest: &RestingPoint| rest.miss.rotation.norm();
+        let rests: Vec<RestingPoint> = rests.collect();
+        let best = rests.iter().filter(|rest| near(rest)).min_by(|a, b| angle(a).total_cmp(&angle(b)));
+        match best {
+            Some(rest) if rest.still && angle(rest) > MIN_SHORTFALL => {
+                Shortfall::Attitude { by: angle(rest), joint: rest.joint }
+            }
+            Some(rest) => Shortfall::NotConverged { position: rest.miss.position.norm(), angle: angle(rest) },
+            None => Shortfall::NotConverged { position: f64::INFINITY, angle: f64::INFINITY },
+        }
+    }
+
+    /// Returns the least distance of the TCP from a position, m, and whether the descent to it converged.
+    fn least_distance(&self, goal: &TcpGoal, frames: &mut Frames) -> (f64, bool) {
+        // Scaled before the norm, so that squares of huge numbers stay finite.
+        let size = goal.position.amax();
+        let distance = if size > 0.0 { (goal.position / size).norm() * size } else { 0.0 };
+        let most = MAX_CHAIN_LENGTHS / self.scale;
+        let beyond = (distance - most).max(0.0);
+        let position = if beyond > 0.0 { (goal.position / size).normalize() * most } else { goal.position };
+        let goal = TcpGoal { position, ..*goal };
+        let mut least = (f64::INFINITY, false);
+        for start in self.starts.ranked(&goal, self.scale).take(POSITION_STARTS) {
+            let rest = self.descend_to_rest(&goal, start, self.scale, frames);
+            let by = rest.miss.position.norm();
+            if by < least.0 {
+                least = (by, rest.still);
+            }
+            if rest.miss.is_reached() {
+                break;
+            }
+        }
+        (least.0 + beyond, least.1)
+    }
+}

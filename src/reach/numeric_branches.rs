@@ -1,0 +1,100 @@
+//! Branches of the numeric solver: each attitude becomes a goal, whose solutions keep the joint limits.
+
+use super::branch::{Branch, Gap, Reach};
+use super::inverse::Inverse;
+use super::numeric::{AttitudeGoal, Shortfall, TcpGoal};
+use super::solver::Solver;
+use super::tool_attitudes::ToolAttitudes;
+use crate::cell::JointVector;
+use crate::robot::Posture;
+use nalgebra::{Matrix3, Vector3};
+
+impl Inverse {
+    /// Calls `found` with every branch of the numeric solver; returns the gap if there is none.
+    pub(super) fn visit_numeric(
+        &self,
+        target: &Vector3<f64>,
+        attitudes: &ToolAttitudes,
+        mut found: impl FnMut(u32, &Posture),
+    ) -> Gap {
+        let mut joints = Vec::new();
+        let mut gap = Gap::ALL;
+        for (k, goal) in self.goals(target, attitudes).iter().enumerate() {
+            let missed = match self.numeric(goal, &mut joints) {
+                Shortfall::None => Gap { reach: 0.0, limits: 0.0 },
+                Shortfall::OutOfReach { by } => Gap { reach: by, limits: 0.0 },
+                Shortfall::Attitude { by, .. } => Gap { reach: 0.0, limits: by },
+                Shortfall::NotConverged { position, angle } => Gap { reach: 0.0, limits: position + angle },
+            };
+            gap = if missed.is_less(&gap) { missed } else { gap };
+            for (i, q) in joints.iter().enumerate() {
+                found((k << 8 | i) as u32, &self.chain.posture(q));
+            }
+        }
+        gap
+    }
+
+    /// Returns every branch of the numeric solver, or what is missing.
+    pub(super) fn numeric_branches(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes) -> Reach {
+        let (mut all, mut joints, mut nearest) = (Vec::new(), Vec::new(), Shortfall::None);
+        for (k, goal) in self.goals(target, attitudes).iter().enumerate() {
+            let missed = self.numeric(goal, &mut joints);
+            if is_nearer(&missed, &nearest) {
+                nearest = missed;
+            }
+            all.extend(joints.iter().enumerate().map(|(i, q)| Branch {
+                index: (k << 8 | i) as u32,
+                joints: *q,
+                posture: self.chain.posture(q),
+                violation: None,
+                off: 0.0,
+            }));
+        }
+        match nearest {
+            _ if !all.is_empty() => Reach::Branches(all),
+            Shortfall::None => Reach::OutOfReach { by: 0.0 },
+            Shortfall::OutOfReach { by } => Reach::OutOfReach { by },
+            Shortfall::Attitude { by, joint } => Reach::Attitude { by, joint },
+            Shortfall::NotConverged { position, angle } => Reach::NotConverged { position, angle },
+        }
+    }
+
+    fn numeric(&self, goal: &TcpGoal, joints: &mut Vec<JointVector>) -> Shortfall {
+        joints.clear();
+        match &self.solver {
+            Solver::Numeric(numeric) => numeric.all(goal, joints),
+            _ => Shortfall::None,
+        }
+    }
+
+    /// Returns the goals of the TCP for all attitudes; the solver chooses free angles itself.
+    pub(super) fn goals(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes) -> Vec<TcpGoal> {
+        let set = &attitudes.set;
+        let goal = |attitude| TcpGoal { position: *target, attitude };
+        if set.spin_is_free && set.azimuth_is_free {
+            return set.elevations.iter().map(|e| goal(AttitudeGoal::Elevation(*e))).collect();
+        }
+        // All spins share one tool axis.
+        let step = if set.spin_is_free { set.columns_per_azimuth() } else { 1 };
+        let columns = (0..set.columns.len()).step_by(step).map(|k| set.columns_at(k, target));
+        let held = |columns: Matrix3<f64>| match set.spin_is_free {
+            true => AttitudeGoal::Axis(columns.column(2).into_owned()),
+            false => AttitudeGoal::Rotation(columns * self.tool_rows),
+        };
+        columns.map(|columns| goal(held(columns))).collect()
+    }
+}
+
+/// Returns whether `a` is nearer to a solution than `b`.
+///
+/// A missed attitude ranks before not converged, and that before out of reach; among equals the smaller
+/// amount ranks first.
+fn is_nearer(a: &Shortfall, b: &Shortfall) -> bool {
+    let key = |missing: &Shortfall| match missing {
+        Shortfall::Attitude { by, .. } => (0, *by),
+        Shortfall::NotConverged { position, angle } => (1, position + angle),
+        Shortfall::OutOfReach { by } => (2, *by),
+        Shortfall::None => (3, 0.0),
+    };
+    key(a) < key(b)
+}

@@ -1,0 +1,51 @@
+//! What code that solves many targets at once needs of a planar arm.
+
+use super::Inverse;
+use super::closed_form::planar;
+use super::limit_cones::LimitCone;
+use super::solver::Solver;
+use super::tool_attitudes::ToolAttitudes;
+use crate::pose::Pose;
+
+/// Geometry and joint limits of a planar arm with four axes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlanarGeometry {
+    /// Sign of alpha_1: +1 at +90 degrees, -1 at -90 degrees.
+    pub side: f64,
+    /// Height of the shoulder above frame 0, m.
+    pub r1: f64,
+    /// Lengths of the first three links, m.
+    pub l: [f64; 3],
+    /// Distance of the tool from the vertical plane through the base axis, m.
+    pub lateral: f64,
+    /// Joint limits.
+    pub cones: [LimitCone; Self::AXES],
+    /// Motion from the base frame to frame 0; None if they are the same.
+    pub to_zero: Option<Pose>,
+}
+
+impl PlanarGeometry {
+    /// Number of axes.
+    pub const AXES: usize = 4;
+    /// Cosines up to 1 plus this count as 1, so that rounding does not lose the stretched arm.
+    pub const STRETCHED: f64 = planar::STRETCHED;
+}
+
+impl Inverse {
+    /// Returns the geometry of a planar arm with four axes; None for other arms, and where sines and cosines
+    /// do not decide the joint limits.
+    pub fn planar_geometry(&self) -> Option<PlanarGeometry> {
+        let Solver::Planar(arm) = &self.solver else { return None };
+        let cones = self.limits.as_ref()?.cones()?.try_into().ok()?;
+        let to_zero = self.to_zero;
+        let planar::PlanarArm { side, r1, l, lateral, .. } = *arm;
+        (!arm.rolls()).then_some(PlanarGeometry { side, r1, l, lateral, cones, to_zero })
+    }
+}
+
+impl ToolAttitudes {
+    /// Returns whether an attitude asks for something that must be judged posture by posture.
+    pub fn is_judged_by_posture(&self) -> bool {
+        self.set.is_checked(false)
+    }
+}

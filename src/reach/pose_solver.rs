@@ -1,0 +1,84 @@
+//! Closed forms that take the pose of the last D-H frame, tried on the chain before they are trusted.
+
+use super::closed_form::scara::Scara;
+use super::closed_form::spherical_wrist::SphericalWrist;
+use super::closed_form::three_parallel::ThreeParallel;
+use crate::pose::Pose;
+use crate::robot::{Chain, Posture};
+
+/// Number of postures on which a closed form is tried.
+const TRIALS: usize = 16;
+
+/// Largest error of a closed form at these postures, m (translation) and without unit (rotation).
+const MAX_ERROR: f64 = 1e-9;
+
+/// Closed-form inverse kinematics of the pose of the last D-H frame.
+#[derive(Debug, Clone)]
+pub(super) enum PoseSolver {
+    Scara(Scara),
+    SphericalWrist(Box<SphericalWrist>),
+    ThreeParallel(ThreeParallel),
+}
+
+impl PoseSolver {
+    /// Returns the closed form of a chain, if there is one that returns the chain's own postures.
+    pub fn new(chain: &Chain) -> Option<Self> {
+        let scara = || Scara::new(chain).ok().map(Self::Scara);
+        let wrist = || SphericalWrist::new(chain).ok().map(|arm| Self::SphericalWrist(Box::new(arm)));
+        let parallel = || ThreeParallel::new(chain).ok().map(Self::ThreeParallel);
+        let found = scara().or_else(wrist).or_else(parallel)?;
+        found.is_exact(chain).then_some(found)
+    }
+
+    /// Returns the words for the family of the arm.
+    pub fn family(&self) -> &'static str {
+        match self {
+            Self::Scara(_) => "SCARA (closed form)",
+            Self::SphericalWrist(_) => "six axes with three that meet in a point (closed form)",
+            Self::ThreeParallel(_) => "six axes with three parallel ones (closed form)",
+        }
+    }
+
+    /// Returns a solver that does not compute the distance of an unreachable target; None if that is cheap.
+    pub fn fast(&self) -> Option<Self> {
+        match self {
+            Self::SphericalWrist(arm) => arm.fast().map(|arm| Self::SphericalWrist(Box::new(arm))),
+            Self::Scara(_) | Self::ThreeParallel(_) => None,
+        }
+    }
+
+    /// Calls `found` with every solution for the last D-H frame at `flange` in frame 0.
+    ///
+    /// Returns how far the target is out of reach, m.
+    #[inline]
+    pub fn solve(&self, flange: &Pose, posture: &mut Posture, found: &mut impl FnMut(u8, &Posture)) -> f64 {
+        match self {
+            Self::Scara(arm) if arm.can_hold(flange) => arm.solve(flange, posture, found),
+            Self::Scara(_) => f64::INFINITY,
+            Self::SphericalWrist(arm) => arm.solve(flange, posture, found),
+            Self::ThreeParallel(arm) => arm.solve(flange, posture, found),
+        }
+    }
+
+    /// Returns whether the solver reproduces the flange of sampled postures.
+    fn is_exact(&self, chain: &Chain) -> bool {
+        let mut scratch = chain.zero_posture();
+        (0..TRIALS).all(|k| {
+            let posture = chain.posture(&chain.halton_sample(k));
+            let wanted = flange_of(chain, &posture);
+            let (mut count, mut off) = (0, 0.0);
+            self.solve(&wanted, &mut scratch, &mut |_, found| {
+                let flange = flange_of(chain, found);
+                let apart = (flange.translation - wanted.translation).norm();
+                off = f64::max(off, apart.max((flange.rotation - wanted.rotation).norm()));
+                count += 1;
+            });
+            count > 0 && off < MAX_ERROR
+        })
+    }
+}
+
+/// Returns the last D-H frame in frame 0.
+fn flange_of(chain: &Chain, posture: &Posture) -> Pose {
+    chain.mount.inverse() * chain.frames(posture).links[chain.axes()]
+}

@@ -1,0 +1,150 @@
+//! Redundancy resolution: a sweep of the held joint over sampled values, refined where a posture may hide.
+
+use super::branch::Gap;
+use super::held_joint::{HeldJoint, HeldSample};
+use super::inverse::Inverse;
+use super::tool_attitudes::ToolAttitudes;
+use crate::robot::Posture;
+use nalgebra::Vector3;
+
+/// Number of times that an interval around a dip of the gap is refined.
+const REFINEMENTS: usize = 5;
+
+/// Number of values inside such an interval.
+const INNER_VALUES: usize = 11;
+
+/// Distance, m, within which a target may still be reached at a value between those tried.
+const GRAZING: f64 = 0.01;
+
+impl Inverse {
+    /// Solves all attitudes with the redundant joint at one value; returns the distance out of reach, m.
+    pub(super) fn solve_held(
+        &self,
+        sample: &HeldSample<'_>,
+        target: &Vector3<f64>,
+        attitudes: &ToolAttitudes,
+        found: &mut impl FnMut(u32, &Posture),
+    ) -> f64 {
+        let joint = sample.joint;
+        let (held, inverse) = joint.at(sample.value);
+        let (mut part, mut posture) = (joint.template, self.template);
+        let mut missing = f64::INFINITY;
+        for a in 0..attitudes.set.columns.len() {
+            let flange = joint.rest_of(&self.flange(a, target, attitudes), &inverse);
+            let by = sample.solver.solve(&flange, &mut part, &mut |branch, part| {
+                joint.join(part, &held, &mut posture);
+                found((sample.number as u32) << 16 | (a as u32) << 4 | u32::from(branch), &posture);
+            });
+            missing = missing.min(by);
+        }
+        missing
+    }
+
+    /// Visits the branches of a redundant arm at the sampled values; if none is usable, between them.
+    pub(super) fn visit_redundant(
+        &self,
+        joint: &HeldJoint,
+        target: &Vector3<f64>,
+        attitudes: &ToolAttitudes,
+        mut found: impl FnMut(u32, &Posture),
+    ) -> Gap {
+        if let Some(fast) = &joint.fast {
+            let mut any = false;
+            for sample in joint.samples(fast) {
+                let mut keep = |index: u32, posture: &Posture| {
+                    if self.excess(posture, target, attitudes) == 0.0 {
+                        any = true;
+                        found(index, posture);
+                    }
+                };
+                self.solve_held(&sample, target, attitudes, &mut keep);
+            }
+            if any {
+                return Gap { reach: 0.0, limits: 0.0 };
+            }
+        }
+        let mut gap_at = |sample: &HeldSample<'_>| self.gap_at(sample, target, attitudes, &mut found);
+        let mut any = false;
+        let gaps: [Gap; HeldJoint::SAMPLES] = std::array::from_fn(|k| {
+            let (gap, usable) = gap_at(&joint.sample(&joint.solver, k));
+            any |= usable;
+            gap
+        });
+        let least = (0..gaps.len()).fold(0, |least, k| if gaps[k].is_less(&gaps[least]) { k } else { least });
+        if any || gaps[least].reach > joint.sample_reach() {
+            return gaps[least];
+        }
+        let best = match search_between(joint, &gaps, gaps[least], gap_at) {
+            Ok(found) => return found,
+            Err(best) => best,
+        };
+        if best.reach > GRAZING {
+            return best;
+        }
+        // The numeric solver finds windows too narrow for the samples along the edge of the reach.
+        for (k, goal) in self.goals(target, attitudes).iter().enumerate() {
+            if let Some(q) = joint.numeric.one(goal) {
+                let posture = self.chain.posture(&q);
+                if self.excess(&posture, target, attitudes) == 0.0 {
+                    found(((2 * gaps.len()) << 16 | k) as u32, &posture);
+                    return Gap { reach: 0.0, limits: 0.0 };
+                }
+            }
+        }
+        best
+    }
+
+    /// Visits the usable branches at one value of the held joint; returns the gap and whether there was one.
+    fn gap_at(
+        &self,
+        sample: &HeldSample<'_>,
+        target: &Vector3<f64>,
+        attitudes: &ToolAttitudes,
+        found: &mut impl FnMut(u32, &Posture),
+    ) -> (Gap, bool) {
+        let (mut limits, mut usable) = (f64::INFINITY, false);
+        let reach = self.solve_held(sample, target, attitudes, &mut |index, posture| {
+            let excess = self.excess(posture, target, attitudes);
+            limits = limits.min(excess);
+            if excess == 0.0 {
+                usable = true;
+                found(index, posture);
+            }
+        });
+        (Gap { reach, limits: if reach > 0.0 { 0.0 } else { limits } }, usable)
+    }
+}
+
+/// Searches between the samples, around every dip of the gap, for a value with a usable posture.
+///
+/// # Errors
+/// The least gap, if there is no such value.
+fn search_between<'a>(
+    joint: &'a HeldJoint,
+    gaps: &[Gap; HeldJoint::SAMPLES],
+    mut best: Gap,
+    mut gap_at: impl FnMut(&HeldSample<'a>) -> (Gap, bool),
+) -> Result<Gap, Gap> {
+    let last = gaps.len() - 1;
+    for k in 0..gaps.len() {
+        let higher = |other: usize| !gaps[other].is_less(&gaps[k]);
+        if joint.fast.is_none() && (k == 0 || higher(k - 1)) && (k == last || higher(k + 1)) {
+            let (mut lo, mut hi) = (joint.values[k.saturating_sub(1)], joint.values[(k + 1).min(last)]);
+            for _ in 0..REFINEMENTS {
+                let (step, mut nearest) = ((hi - lo) / (INNER_VALUES + 1) as f64, (Gap::ALL, lo));
+                for inner in 1..=INNER_VALUES {
+                    let value = lo + step * inner as f64;
+                    let number = gaps.len() + k;
+                    let (gap, usable) = gap_at(&HeldSample { joint, solver: &joint.solver, number, value });
+                    if usable {
+                        return Ok(gap);
+                    }
+                    nearest = if gap.is_less(&nearest.0) { (gap, value) } else { nearest };
+                }
+                best = if nearest.0.is_less(&best) { nearest.0 } else { best };
+                (lo, hi) = (nearest.1 - step, nearest.1 + step);
+            }
+        }
+    }
+    Err(best)
+}

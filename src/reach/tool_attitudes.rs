@@ -1,0 +1,35 @@
+//! Tool attitudes of an operation, prepared for one arm.
+
+use super::attitude_set::AttitudeSet;
+
+/// One way to hold the tool in the vertical plane of a planar arm: one value of phi, the angle of the last
+/// parallel link.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlanarAttitude {
+    pub cos_phi: f64,
+    pub sin_phi: f64,
+    /// Position of the TCP relative to the wrist along and across the plane's horizontal, m.
+    pub u: f64,
+    pub v: f64,
+    /// Cosine of the elevation; negative if the tool points against theta_1.
+    pub(in crate::reach) cos_elevation: f64,
+    /// Sine of the elevation.
+    pub(in crate::reach) sin_elevation: f64,
+}
+
+/// Tool attitudes of an operation over one surface, prepared for one arm.
+///
+/// The memory is reused from layout to layout.
+#[derive(Debug, Clone, Default)]
+pub struct ToolAttitudes {
+    pub(super) set: AttitudeSet,
+    /// Attitudes in the vertical plane of a planar arm; empty for other arms.
+    pub(super) planar: Vec<PlanarAttitude>,
+}
+
+impl ToolAttitudes {
+    /// Returns the attitudes in the vertical plane of a planar arm; empty for other arms.
+    pub fn planar(&self) -> &[PlanarAttitude] {
+        &self.planar
+    }
+}

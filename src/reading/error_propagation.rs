@@ -1,0 +1,136 @@
+//! Propagation of parameter errors to the error of an operation, seen from the work.
+
+use super::effects::Effects;
+use super::error_sources::ErrorSources;
+use super::registration::BestFit;
+use super::work_context::{WorkContext, WorkFrame};
+use crate::cell::Model;
+use crate::kinematic_error::{Expansion, FrameError, Perturbation, pose_error};
+use crate::pose::{Displacement, Pose, SmallRotation};
+use crate::robot::{Chain, Frames};
+use nalgebra::Vector3;
+
+/// Propagation of the errors of one robot, with an optional best fit of its base.
+pub struct ErrorPropagation<'a> {
+    pub chain: &'a Chain,
+    pub sources: &'a ErrorSources,
+    pub best_fit: Option<&'a BestFit>,
+}
+
+impl ErrorPropagation<'_> {
+    /// Computes the first-order effects at a posture, seen from the work.
+    pub fn effects(
+        &self,
+        context: &WorkContext,
+        frames: &Frames,
+        expansion: &mut Expansion,
+        mean: bool,
+        out: &mut Effects,
+    ) {
+        self.effects_at(&context.site, frames, expansion, mean, out);
+        if let Some(reference) = &context.reference {
+            let turn = frames.tcp.rotation * reference.frames.tcp.rotation.transpose();
+            out.less(&reference.effects, |d| d.turned(&turn));
+        }
+    }
+
+    /// Computes the first-order effects at a posture, seen from a work frame, without a pick.
+    pub fn effects_at(
+        &self,
+        site: &WorkFrame,
+        frames: &Frames,
+        expansion: &mut Expansion,
+        mean: bool,
+        out: &mut Effects,
+    ) {
+        expansion.set(frames);
+        out.set(self.sources, expansion, mean);
+        if let Some(fit) = self.best_fit {
+            let arm = fit.arm(frames);
+            out.less(&fit.effects, |d| d.linear_at(&arm));
+        }
+        match &site.taught {
+            Some(taught) => {
+                let arm = taught.arm(frames);
+                out.less(&taught.effects, |d| d.linear_at(&arm));
+            }
+            None => out.less_equipment(self.sources, site.equipment, &site.work, &frames.tcp.translation),
+        }
+    }
+
+    /// Prepares a signed sample, given one value per source.
+    pub fn sample(&self, values: &[f64], model: Model) -> PreparedSample {
+        let errors = self.sources.perturbation(self.chain, values);
+        let fitted = self.best_fit.map(|fit| fit.motion(&errors, model));
+        let equipment = self.sources.equipment(values);
+        PreparedSample { errors, fitted, equipment }
+    }
+
+    /// Returns the error of a sample at a posture, seen from the work.
+    ///
+    /// It does not serve the linear model, whose errors are sums of [`Self::effects`].
+    pub fn error(
+        &self,
+        context: &WorkContext,
+        frames: &Frames,
+        sample: &PreparedSample,
+        model: Model,
+    ) -> Displacement {
+        let placed = self.error_at(&context.site, frames, sample, model);
+        let Some(reference) = &context.reference else { return placed };
+        let picked = self.error_at(&reference.site, &reference.frames, sample, model);
+        // The error of the pick displaces the part in the gripper; its inverse is carried to this posture.
+        let turn = frames.tcp.rotation * reference.frames.tcp.rotation.transpose();
+        picked.inverse().turned(&turn).then(&placed)
+    }
+
+    /// Returns the error of a sample seen from a work frame, without a pick.
+    fn error_at(
+        &self,
+        site: &WorkFrame,
+        frames: &Frames,
+        sample: &PreparedSample,
+        model: Model,
+    ) -> Displacement {
+        let mut error = pose_error(frames, &sample.errors, model);
+        if let (Some(fit), Some(motion)) = (self.best_fit, &sample.fitted) {
+            error = error.then(&motion.at(&fit.arm(frames)).inverse());
+        }
+        if let Some(taught) = &site.taught {
+            return error.then(&taught.motion(&sample.errors, model).at(&taught.arm(frames)).inverse());
+        }
+        match sample.equipment.iter().flatten().find(|(e, _)| *e == site.equipment) {
+            Some((_, moved)) => error.then(&work_moved(moved, &site.work, &frames.tcp.translation).inverse()),
+            None => error,
+        }
+    }
+}
+
+/// Signed sample of all error sources, prepared for one model.
+#[derive(Debug, Clone)]
+pub struct PreparedSample {
+    errors: Perturbation,
+    /// Motion by which the best fit of the base follows the sample, seen at the centre of the fit.
+    fitted: Option<Displacement>,
+    /// Errors of the equipment frames, with the indices of the equipment.
+    equipment: [Option<(usize, FrameError)>; 2],
+}
+
+impl PreparedSample {
+    /// Returns the errors of the robot.
+    pub fn errors(&self) -> &Perturbation {
+        &self.errors
+    }
+}
+
+/// Returns the displacement of a point of the work by the error of its frame.
+///
+/// The rotations about x, y and z come first, then the translations.
+fn work_moved(error: &FrameError, work: &Pose, p: &Vector3<f64>) -> Displacement {
+    let arm = p - work.translation;
+    let turns = (0..3).fold(SmallRotation::none(), |sum, k| {
+        SmallRotation::about(&work.rotation.column(k).into_owned(), error.turns[k].angle).after(&sum)
+    });
+    let slide = work.rotation * Vector3::from(error.slides);
+    Displacement { position: turns.moved(&arm) + slide, rotation: turns.vector() }
+}

@@ -1,0 +1,162 @@
+//! Error sources of an operation: parameters of robot and equipment with sample, tolerance and spread.
+
+use crate::cell::{
+    Cell, ErrorSet, MAX_JOINTS, MAX_PARAMETERS, PER_FRAME, Parameter, Registration, Spread, Tolerance,
+};
+use crate::kinematic_error::{Expansion, FrameError, Perturbation};
+use crate::robot::Chain;
+use nalgebra::DMatrix;
+
+/// Largest number of sources of one operation: those of the robot and of two pieces of equipment.
+pub const MAX_SOURCES: usize = MAX_PARAMETERS + 2 * PER_FRAME;
+
+/// One parameter with an error.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ErrorSource {
+    pub parameter: Parameter,
+    /// Value in the signed sample, m or rad; 0 if the cell gives tolerances.
+    pub signed: f64,
+    /// Half width of the tolerance, m or rad.
+    pub plus_minus: f64,
+    /// Standard deviation, m or rad.
+    pub deviation: f64,
+    /// Excess kurtosis.
+    pub kurtosis: f64,
+    /// Distribution of the parameter; None if it is correlated with others.
+    pub spread: Option<Spread>,
+    /// Index among the parameters of the robot; None for a parameter of the equipment.
+    robot: Option<usize>,
+}
+
+/// Error sources of one operation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ErrorSources {
+    pub list: Vec<ErrorSource>,
+    /// Independent normal factors of correlated sources.
+    ///
+    /// Each factor lists sources with their values at one standard deviation of the factor.
+    pub factors: Vec<Vec<(usize, f64)>>,
+    /// Number of robot parameters in a sample; it includes joint frames only if one has an error.
+    parameters: usize,
+    /// Equipment that takes part.
+    at: [Option<usize>; 2],
+}
+
+impl ErrorSources {
+    /// Returns the sources of an operation on `equipment` with a part picked from `other`.
+    pub fn new(cell: &Cell, equipment: usize, other: Option<usize>) -> Self {
+        let at = [Some(equipment), other.filter(|o| *o != equipment)];
+        let axes = cell.robot.axes();
+        let set = cell.error_set();
+        let (tolerance, signed) = (set.tolerance(), signed_values(set, axes));
+        let mut list = Vec::new();
+        let mut place = vec![None; signed.len()];
+        for (k, parameter) in Parameter::of_robot(axes).enumerate() {
+            let (spread, signed) = (tolerance.spreads[k], signed[k]);
+            if spread.plus_minus > 0.0 {
+                place[k] = Some(list.len());
+                list.push(ErrorSource { robot: Some(k), ..ErrorSource::new(parameter, signed, spread) });
+            }
+        }
+        // A taught frame follows the errors of the equipment.
+        for e in at.into_iter().flatten().filter(|_| cell.registration != Registration::Taught) {
+            let Some(errors) = &cell.equipment[e].errors else { continue };
+            let spreads = errors.tolerance();
+            for (c, spread) in spreads.into_iter().enumerate().filter(|(_, s)| s.plus_minus > 0.0) {
+                let signed = errors.signed().map_or(0.0, |values| values[c]);
+                list.push(ErrorSource::new(Parameter::Equipment(e, c), signed, spread));
+            }
+        }
+        let factors = factors(&tolerance, &place);
+        factors.iter().flatten().for_each(|&(k, _)| list[k].spread = None);
+        let joints = list.iter().any(|s| matches!(s.parameter, Parameter::Joint(..)));
+        let parameters = if joints { signed.len() } else { Parameter::first_joint(axes) };
+        Self { list, factors, parameters, at }
+    }
+
+    /// Returns the signed sample, one value per source.
+    pub fn signed(&self) -> Vec<f64> {
+        self.list.iter().map(|s| s.signed).collect()
+    }
+
+    /// Returns the robot errors of a sample, given one value per source.
+    pub fn perturbation(&self, chain: &Chain, values: &[f64]) -> Perturbation {
+        // A shorter buffer is cheaper to clear, which every tried corner needs.
+        match self.parameters <= Parameter::first_joint(MAX_JOINTS) {
+            true => self.spread_out(chain, values, &mut [0.0; Parameter::first_joint(MAX_JOINTS)]),
+            false => self.spread_out(chain, values, &mut [0.0; MAX_PARAMETERS]),
+        }
+    }
+
+    /// Returns the robot errors of a sample, using `all` as a zero-filled buffer.
+    fn spread_out(&self, chain: &Chain, values: &[f64], all: &mut [f64]) -> Perturbation {
+        for (source, value) in self.list.iter().zip(values) {
+            source.robot.into_iter().for_each(|k| all[k] = *value);
+        }
+        Perturbation::of_values(chain, &all[..self.parameters])
+    }
+
+    /// Returns the errors of the equipment frames in a sample, with the indices of the equipment.
+    pub fn equipment(&self, values: &[f64]) -> [Option<(usize, FrameError)>; 2] {
+        let error = |wanted: usize| {
+            let mut all = [0.0; PER_FRAME];
+            for (source, value) in self.list.iter().zip(values) {
+                match source.parameter {
+                    Parameter::Equipment(e, c) if e == wanted => all[c] = *value,
+                    _ => {}
+                }
+            }
+            FrameError::new(&all).map(|error| (wanted, error))
+        };
+        self.at.map(|e| e.and_then(error))
+    }
+
+    /// Returns an expansion by the robot parameters among these sources.
+    pub fn expansion(&self, chain: &Chain) -> Expansion {
+        let parameters: Vec<usize> = self.list.iter().filter_map(|s| s.robot).collect();
+        Expansion::of(chain, &parameters)
+    }
+
+    /// Returns the index of a source among the parameters of the robot.
+    pub fn robot_index(&self, source: usize) -> Option<usize> {
+        self.list[source].robot
+    }
+}
+
+impl ErrorSource {
+    fn new(parameter: Parameter, signed: f64, spread: Spread) -> Self {
+        let (deviation, kurtosis) = (spread.deviation(), spread.distribution.excess_kurtosis());
+        let (plus_minus, spread) = (spread.plus_minus, Some(spread));
+        Self { parameter, signed, plus_minus, deviation, kurtosis, spread, robot: None }
+    }
+}
+
+fn signed_values(set: &ErrorSet, axes: usize) -> Vec<f64> {
+    match set {
+        ErrorSet::Signed(errors) => errors.values(),
+        ErrorSet::Tolerance(_) => vec![0.0; Parameter::count(axes)],
+    }
+}
+
+/// Returns the principal axes `v_f` of a covariance, `C = sum_f v_f v_f^T`, as sparse vectors of sources.
+fn factors(tolerance: &Tolerance, place: &[Option<usize>]) -> Vec<Vec<(usize, f64)>> {
+    let Some(covariance) = &tolerance.covariance else { return Vec::new() };
+    // The axes are those of the correlation matrix, because m and rad must not be compared.
+    let deviations: Vec<f64> = covariance.matrix.diagonal().iter().map(|v| v.max(0.0).sqrt()).collect();
+    let n = deviations.len();
+    let correlation = |i: usize, j: usize| match deviations[i] * deviations[j] {
+        0.0 => 0.0,
+        scale => covariance.matrix[(i, j)] / scale,
+    };
+    let eigen = DMatrix::from_fn(n, n, correlation).symmetric_eigen();
+    let factor = |f: usize| {
+        let size = eigen.eigenvalues[f].max(0.0).sqrt();
+        let entry = |(row, &parameter): (usize, &usize)| {
+            Some((place[parameter]?, eigen.eigenvectors[(row, f)] * size * deviations[row]))
+        };
+        covariance.parameters.iter().enumerate().filter_map(entry).collect::<Vec<_>>()
+    };
+    let largest = eigen.eigenvalues.iter().copied().fold(0.0, f64::max);
+    let real = (0..eigen.eigenvalues.len()).filter(|&f| eigen.eigenvalues[f] > 1e-15 * largest);
+    real.map(factor).collect()
+}

@@ -1,0 +1,314 @@
+//! Error of an operation at a posture: one number that the search minimizes.
+
+use super::error_propagation::{ErrorPropagation, PreparedSample};
+use super::error_sources::ErrorSources;
+use super::norm::NormDistribution;
+use super::registration::BestFit;
+use super::work_context::{PickReference, WorkContext, WorkFrame};
+use super::worst_case::{WorstCase, by_model, farthest};
+use super::zonotope::{Farthest, ZonotopeScratch};
+use super::{Effects, MAX_SOURCES, SenseRows};
+use crate::cell::{Cell, Model, Operation, Quantity, Reading, Registration, Sense};
+use crate::kinematic_error::{Expansion, Perturbation, position_error};
+use crate::pose::Displacement;
+use crate::robot::{Chain, Frames};
+use nalgebra::{Matrix3, Vector3, Vector6};
+
+/// Error evaluator of one operation: errors in its sense, by its model and in its reading.
+#[derive(Debug, Clone)]
+pub struct ErrorEvaluator {
+    chain: Chain,
+    pub sources: ErrorSources,
+    best_fit: Option<BestFit>,
+    pub sense: Sense,
+    /// Senses reported at every node: those of the paper and the operation's own.
+    pub reported: Vec<Sense>,
+    pub model: Model,
+    pub reading: Reading,
+    pub quantity: Quantity,
+    pub limit: Option<f64>,
+    /// Values of the signed sample, one per source.
+    pub(super) signed_values: Vec<f64>,
+    signed: PreparedSample,
+    /// Whether only the robot has errors and no registration or pick removes any.
+    alone: bool,
+}
+
+/// Working memory of an [`ErrorEvaluator`], reused between postures.
+pub struct EvaluatorScratch {
+    expansion: Expansion,
+    effects: Effects,
+    columns: [Vector6<f64>; MAX_SOURCES],
+    kurtosis: [f64; MAX_SOURCES],
+    scratch: ZonotopeScratch,
+}
+
+impl EvaluatorScratch {
+    /// Returns the expansion at the posture last prepared.
+    pub fn expansion(&mut self) -> &mut Expansion {
+        &mut self.expansion
+    }
+
+    /// Returns the effects at the posture last prepared.
+    pub fn effects(&self) -> &Effects {
+        &self.effects
+    }
+}
+
+impl ErrorEvaluator {
+    /// Prepares the evaluator of one operation of a cell.
+    pub fn new(cell: &Cell, operation: &Operation) -> Self {
+        let chain = Chain::new(&cell.robot);
+        let other = operation.relative_to.map(|k| cell.operations[k].equipment);
+        let sources = ErrorSources::new(cell, operation.equipment, other);
+        let mean = cell.model != Model::Linear;
+        let fits = cell.registration == Registration::BestFit;
+        let best_fit = fits.then(|| BestFit::new(&chain, &sources, mean));
+        let mut reported = Sense::paper();
+        if !reported.contains(&operation.sense) {
+            reported.push(operation.sense.clone());
+        }
+        let signed_values = sources.signed();
+        let propagation = ErrorPropagation { chain: &chain, sources: &sources, best_fit: best_fit.as_ref() };
+        let signed = propagation.sample(&signed_values, cell.model);
+        let placed = [Some(operation.equipment), other];
+        let still = placed.into_iter().flatten().all(|e| cell.equipment[e].errors.is_none());
+        let alone = cell.registration == Registration::None && still && other.is_none();
+        Self {
+            sense: operation.sense.clone(),
+            reported,
+            model: cell.model,
+            reading: cell.reading,
+            quantity: cell.quantity,
+            limit: operation.limit,
+            chain,
+            sources,
+            best_fit,
+            signed_values,
+            signed,
+            alone,
+        }
+    }
+
+    /// Returns working memory for this evaluator.
+    pub fn memory(&self) -> EvaluatorScratch {
+        EvaluatorScratch {
+            expansion: self.sources.expansion(&self.chain),
+            effects: Effects::default(),
+            columns: [Vector6::zeros(); MAX_SOURCES],
+            kurtosis: [0.0; MAX_SOURCES],
+            scratch: ZonotopeScratch::default(),
+        }
+    }
+
+    /// Returns the propagation of parameter errors for this operation.
+    pub fn propagation(&self) -> ErrorPropagation<'_> {
+        ErrorPropagation { chain: &self.chain, sources: &self.sources, best_fit: self.best_fit.as_ref() }
+    }
+
+    /// Returns a pick at `frames`, with its effects as the evaluator of the placing operation sees them.
+    pub fn pick_reference(&self, site: WorkFrame, frames: Frames) -> PickReference {
+        let mut effects = Effects::default();
+        let mut expansion = self.sources.expansion(&self.chain);
+        self.propagation().effects_at(&site, &frames, &mut expansion, self.takes_mean(), &mut effects);
+        PickReference { site, frames, effects }
+    }
+
+    /// Returns whether second-order means count.
+    pub fn takes_mean(&self) -> bool {
+        self.model != Model::Linear
+    }
+
+    /// Returns the rows of a sense at a posture.
+    pub fn measure(&self, sense: &Sense, context: &WorkContext, frames: &Frames) -> SenseRows {
+        SenseRows::new(sense, frames, &context.site.world, &context.site.work.rotation)
+    }
+
+    /// Returns the value that the search minimizes: an error (m or rad), or a share of failures.
+    pub fn value(&self, context: &WorkContext, frames: &Frames, memory: &mut EvaluatorScratch) -> f64 {
+        match self.reading {
+            Reading::Signed if self.alone && self.sense.is_of_position() => {
+                let e = position_error(frames, self.signed.errors(), self.model);
+                self.size_of_position(&e, &context.site.world)
+            }
+            Reading::Signed => {
+                let error = self.signed_error(context, frames, memory);
+                self.measure(&self.sense, context, frames).size(&error)
+            }
+            Reading::WorstCase => {
+                self.prepare(context, frames, memory);
+                self.worst(&self.sense, context, frames, memory).by_model
+            }
+            Reading::Statistical => {
+                self.prepare(context, frames, memory);
+                let norm = self.norm(&self.sense, context, frames, memory);
+                match self.quantity {
+                    Quantity::Rms => norm.rms(),
+                    Quantity::Mean => norm.mean(),
+                    Quantity::P95 => norm.quantile(0.95),
+                    Quantity::P99 => norm.quantile(0.99),
+                    Quantity::Yield => 1.0 - self.limit.map_or(1.0, |limit| norm.cdf(limit)),
+                }
+            }
+        }
+    }
+
+    /// Returns the sample and the rows of the sense (world frame) if the value is a plain position error.
+    ///
+    /// Then [`Self::value`] is the size of the TCP's nonlinear position error in these rows, in any context.
+    pub fn plain(&self) -> Option<(&Perturbation, Vec<Vector3<f64>>)> {
+        let signed = self.reading == Reading::Signed && self.model == Model::Nonlinear;
+        let is_plain = signed && self.alone && self.sense.is_of_position();
+        let rows = || self.sense.rows().iter().map(|row| row.direction).collect();
+        is_plain.then(|| (self.signed.errors(), rows()))
+    }
+
+    /// Returns the size of a position error (base frame) in the rows of a plain sense.
+    fn size_of_position(&self, e: &Vector3<f64>, world: &Matrix3<f64>) -> f64 {
+        let world = world.transpose() * e;
+        self.sense.rows().iter().map(|row| row.direction.dot(&world).powi(2)).sum::<f64>().sqrt()
+    }
+
+    /// Returns the error of the signed sample by the model of the cell.
+    fn signed_error(
+        &self,
+        context: &WorkContext,
+        frames: &Frames,
+        memory: &mut EvaluatorScratch,
+    ) -> Displacement {
+        match self.model {
+            Model::Linear => self.error_of(&self.signed_values, context, frames, self.model, memory),
+            model => self.propagation().error(context, frames, &self.signed, model),
+        }
+    }
+
+    /// Returns the error of a sample by a model, base frame, given one value per source.
+    pub fn error_of(
+        &self,
+        values: &[f64],
+        context: &WorkContext,
+        frames: &Frames,
+        model: Model,
+        memory: &mut EvaluatorScratch,
+    ) -> Displacement {
+        let propagation = self.propagation();
+        if model == Model::Linear {
+            propagation.effects(context, frames, &mut memory.expansion, false, &mut memory.effects);
+            return memory.effects.of_sample(values);
+        }
+        propagation.error(context, frames, &propagation.sample(values, model), model)
+    }
+
+    /// Computes the effects at a posture, which serve every sense.
+    pub fn prepare(&self, context: &WorkContext, frames: &Frames, memory: &mut EvaluatorScratch) {
+        let mean = self.takes_mean();
+        self.propagation().effects(context, frames, &mut memory.expansion, mean, &mut memory.effects);
+    }
+
+    /// Returns the worst case in a sense; after [`Self::prepare`].
+    pub fn worst(
+        &self,
+        sense: &Sense,
+        context: &WorkContext,
+        frames: &Frames,
+        memory: &mut EvaluatorScratch,
+    ) -> WorstCase {
+        let measure = self.measure(sense, context, frames);
+        let n = self.sources.list.len();
+        if self.model == Model::Linear {
+            let (linear, corner) = self.linear_corner(&measure, memory);
+            let exact = linear.upper <= linear.value;
+            let linear = linear.upper.max(linear.value);
+            return WorstCase { linear, exact, by_model: linear, corner };
+        }
+        let largest = self.largest(memory);
+        let (linear, corner) = self.linear_corner(&measure, memory);
+        let (propagation, columns) = (self.propagation(), &memory.columns[..n]);
+        let mut values = [0.0; MAX_SOURCES];
+        by_model(columns, &linear, self.quadratic(&memory.effects), &largest, corner, |signs| {
+            self.corner(signs, &mut values);
+            if self.alone && measure.is_of_position() {
+                let errors = self.sources.perturbation(&self.chain, &values[..n]);
+                return measure.size_of_position(&position_error(frames, &errors, self.model));
+            }
+            let sample = propagation.sample(&values[..n], self.model);
+            measure.size(&propagation.error(context, frames, &sample, self.model))
+        })
+    }
+
+    /// Returns the corners with the largest displacement and with the largest rotation of the TCP.
+    fn largest(&self, memory: &mut EvaluatorScratch) -> [[f64; MAX_SOURCES]; 2] {
+        [false, true].map(|turns| {
+            for (k, source) in self.sources.list.iter().enumerate() {
+                let effect = &memory.effects.columns[k];
+                let v = if turns { effect.rotation } else { effect.position } * source.plus_minus;
+                memory.columns[k] = Vector6::new(v.x, v.y, v.z, 0.0, 0.0, 0.0);
+            }
+            let mut corner = [1.0; MAX_SOURCES];
+            let n = self.sources.list.len();
+            farthest(&memory.columns[..n], 3, &mut memory.scratch, &mut corner[..n]);
+            corner
+        })
+    }
+
+    /// Returns the size of products of errors: a typical rotation of the box times a typical displacement.
+    fn quadratic(&self, effects: &Effects) -> f64 {
+        let pairs = self.sources.list.iter().zip(&effects.columns);
+        let (turn, shift) = pairs.fold((0.0, 0.0), |(turn, shift), (source, effect)| {
+            let [w, d] =
+                [effect.rotation, effect.position].map(|v| v.norm_squared() * source.plus_minus.powi(2));
+            (turn + w, shift + d)
+        });
+        (turn * shift).sqrt()
+    }
+
+    /// Returns the farthest corner by the linear model, one sign per source; after [`Self::prepare`].
+    pub fn linear_corner(
+        &self,
+        measure: &SenseRows,
+        memory: &mut EvaluatorScratch,
+    ) -> (Farthest, [f64; MAX_SOURCES]) {
+        for (k, source) in self.sources.list.iter().enumerate() {
+            memory.columns[k] = measure.column(&(memory.effects.columns[k] * source.plus_minus));
+        }
+        let mut corner = [0.0; MAX_SOURCES];
+        let n = self.sources.list.len();
+        let found = farthest(&memory.columns[..n], measure.rows(), &mut memory.scratch, &mut corner[..n]);
+        (found, corner)
+    }
+
+    /// Writes the values of the sources at a corner of the tolerance box.
+    pub fn corner(&self, signs: &[f64], values: &mut [f64]) {
+        for ((value, source), sign) in values.iter_mut().zip(&self.sources.list).zip(signs) {
+            *value = source.plus_minus * sign;
+        }
+    }
+
+    /// Returns the distribution of the error's size in a sense; after [`Self::prepare`].
+    pub fn norm(
+        &self,
+        sense: &Sense,
+        context: &WorkContext,
+        frames: &Frames,
+        memory: &mut EvaluatorScratch,
+    ) -> NormDistribution {
+        let measure = self.measure(sense, context, frames);
+        let mut n = 0;
+        let EvaluatorScratch { effects, columns, kurtosis, .. } = memory;
+        effects.independent(&self.sources, |effect, excess| {
+            (columns[n], kurtosis[n]) = (measure.column(&effect), excess);
+            n += 1;
+        });
+        NormDistribution::new(measure.rows(), &columns[..n], &kurtosis[..n], &measure.column(&effects.mean))
+    }
+
+    /// Restricts the reported senses to the operation's own, which is several times faster.
+    pub fn report_own_sense(&mut self) {
+        self.reported = vec![self.sense.clone()];
+    }
+
+    /// Returns the index of the operation's sense among the reported ones.
+    pub fn own(&self) -> usize {
+        self.reported.iter().position(|s| *s == self.sense).unwrap_or(0)
+    }
+}

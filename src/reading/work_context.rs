@@ -1,0 +1,50 @@
+//! The work of an operation under one layout: its frame, and the pick of the part before.
+
+use super::effects::Effects;
+use super::registration::Taught;
+use crate::pose::Pose;
+use crate::robot::Frames;
+use nalgebra::{Matrix3, Vector3};
+
+/// Frame of the work of one operation under one layout.
+#[derive(Debug, Clone)]
+pub struct WorkFrame {
+    /// Index of the equipment worked on.
+    pub equipment: usize,
+    /// Pose of the equipment in the base frame.
+    pub work: Pose,
+    /// Rotation from world axes to the base frame.
+    pub world: Matrix3<f64>,
+    /// Taught surface frame, if the frame was taught.
+    pub taught: Option<Box<Taught>>,
+}
+
+/// Pick of the part that the operation places, with its error effects.
+#[derive(Debug, Clone)]
+pub struct PickReference {
+    pub site: WorkFrame,
+    pub frames: Frames,
+    pub effects: Effects,
+}
+
+/// Everything besides the posture that the error of an operation depends on.
+#[derive(Debug, Clone)]
+pub struct WorkContext {
+    pub site: WorkFrame,
+    /// Pick of the part; None if the operation places no picked part.
+    pub reference: Option<Box<PickReference>>,
+}
+
+impl WorkContext {
+    /// Returns whether a target (base frame, m) was touched to teach the frame.
+    ///
+    /// The remaining error there is zero by the rule of the frame and tells nothing of the surface.
+    pub fn touches(&self, target: &Vector3<f64>) -> bool {
+        self.site.taught.as_ref().is_some_and(|taught| taught.touches(target))
+    }
+
+    /// Returns the distance of a target (base frame, m) from the nearest touched point; infinite if none.
+    pub fn from_touched(&self, target: &Vector3<f64>) -> f64 {
+        self.site.taught.as_ref().map_or(f64::INFINITY, |taught| taught.distance(target))
+    }
+}
