@@ -1,4 +1,4 @@
-// Signs of the nodes of an error map: which mark a status has, what it looks like, and what it means.
+// Signs of the nodes of an error map: the mark of every status, its shape and its meaning.
 
 /**
  * Meaning and mark of every status of a node, as in the maps of `sweetspot map`.
@@ -57,7 +57,7 @@ const MARK_NAMES = /** @type {Mark[]} */ (Object.keys(MARKS));
  */
 const markCode = (mark) => MARK_NAMES.indexOf(mark);
 
-/** The same codes for the shader. */
+/** Declarations of the codes in GLSL. */
 const MARK_CODES = MARK_NAMES.map((mark) => `const int ${mark.toUpperCase()} = ${markCode(mark)};`).join(
   "\n",
 );
