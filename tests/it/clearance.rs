@@ -13,7 +13,7 @@ use sweetspot::cell::{
 use sweetspot::clearance::{
     Allowed, ContactMemory, FloorPlan, Hit, Overlap, Party, PlacedSolids, Scene, SolidRef,
 };
-use sweetspot::error_map::{Outcome, Status};
+use sweetspot::error_map::{NodeSign, Outcome, Status};
 use sweetspot::layout::{Workcell, evaluate};
 use sweetspot::pose::Pose;
 use sweetspot::{cell, files};
@@ -634,13 +634,13 @@ fn a_tool_on_the_floor_is_a_collision_that_names_it() {
             .replace("bend_deg = -90\n", "bend_deg = 0\nstandoff_mm = 30\n")
     };
     // The tool is horizontal at z = 1380 mm, 40 mm thick either way.
-    for (floor, status) in [(1339.0, "ok"), (1341.0, "collision")] {
+    for (floor, status) in [(1339.0, NodeSign::Usable), (1341.0, NodeSign::Collision)] {
         let workcell = Workcell::new(from_text(&text(floor)).unwrap().cell).unwrap();
         let map = workcell.maps(&workcell.cell.start()).remove(0);
         assert_eq!(map.count(status), 4, "floor at {floor} mm: {:?}", map.nodes[0].status);
         let said = map.nodes[0].status.reason(&workcell.cell);
-        assert_eq!(said.is_empty(), status == "ok");
-        assert!(status == "ok" || said == "probe touches the floor", "{said}");
+        assert_eq!(said.is_empty(), status.is_usable());
+        assert!(status.is_usable() || said == "probe touches the floor", "{said}");
     }
 }
 
@@ -1151,8 +1151,8 @@ fn agree_on_layouts(cell: Cell) -> [usize; 3] {
         assert!(free.overlaps.is_empty());
         let mut sum = Some(0.0);
         for (outcome, map) in free.outcomes.iter().zip(lean.maps(layout)) {
-            let count = |status| map.count(status);
-            assert_eq!(map.nodes.len(), STATUSES.map(count).iter().sum::<usize>());
+            let count = |sign| map.count(sign);
+            assert_eq!(map.nodes.len(), SIGNS.map(count).iter().sum::<usize>());
             match outcome {
                 Outcome::Found(spot) => {
                     let best = map.best_node().unwrap().posture.as_ref().unwrap();
@@ -1161,15 +1161,19 @@ fn agree_on_layouts(cell: Cell) -> [usize; 3] {
                     sum = sum.map(|s: f64| s + spot.value);
                 }
                 Outcome::AllCollide { nearest } => {
-                    assert!(count("ok") == 0 && count("collision") > 0 && map.best.is_none());
+                    assert!(
+                        count(NodeSign::Usable) == 0 && count(NodeSign::Collision) > 0 && map.best.is_none()
+                    );
                     let touching = &map.nodes[nearest.node];
                     assert!(matches!(touching.status, Status::Collision { .. }));
                     let e = touching.posture.as_ref().unwrap().value;
                     assert_eq!(e.to_bits(), nearest.value.to_bits());
                 }
                 Outcome::Unreachable { gap } => {
-                    assert!(count("ok") == 0 && count("collision") == 0 && map.best.is_none());
-                    assert_eq!(gap.reach > 0.0, count("joint-limit") == 0);
+                    assert!(
+                        count(NodeSign::Usable) == 0 && count(NodeSign::Collision) == 0 && map.best.is_none()
+                    );
+                    assert_eq!(gap.reach > 0.0, count(NodeSign::JointLimit) == 0);
                     assert!(gap.reach > 0.0 || gap.limits > 0.0);
                 }
                 Outcome::Unjudged(why) => panic!("{why:?}"),
@@ -1189,7 +1193,8 @@ fn agree_on_layouts(cell: Cell) -> [usize; 3] {
     seen
 }
 
-const STATUSES: [&str; 4] = ["ok", "out-of-reach", "joint-limit", "collision"];
+const SIGNS: [NodeSign; 4] =
+    [NodeSign::Usable, NodeSign::OutOfReach, NodeSign::JointLimit, NodeSign::Collision];
 
 /// Checks that a surface in an impossible place has no usable node and that each node names the obstruction.
 fn blocked_where_it_overlaps(workcell: &Workcell, layout: &Layout) {
@@ -1200,8 +1205,8 @@ fn blocked_where_it_overlaps(workcell: &Workcell, layout: &Layout) {
         let spot = matches!(outcome, Outcome::Found(_));
         assert_eq!(map.best.is_some(), spot && !blocked);
         if blocked {
-            assert_eq!(map.count("ok"), 0);
-            assert_eq!(map.count("collision") > 0, !matches!(outcome, Outcome::Unreachable { .. }));
+            assert_eq!(map.count(NodeSign::Usable), 0);
+            assert_eq!(map.count(NodeSign::Collision) > 0, !matches!(outcome, Outcome::Unreachable { .. }));
             let hits = map.nodes.iter().filter(|n| n.status.name() == "collision");
             hits.for_each(|n| assert!(n.status.reason(&workcell.cell).contains(" overlaps ")));
         }
@@ -1216,7 +1221,7 @@ fn contact_at_every_node_is_reported_at_every_node() {
     cell.operations.iter_mut().for_each(|o| o.standoff = 0.0);
     let workcell = Workcell::new(cell).unwrap();
     for map in workcell.maps(&workcell.cell.start()) {
-        assert_eq!(map.count("ok"), 0);
-        assert!(map.count("collision") > 20);
+        assert_eq!(map.count(NodeSign::Usable), 0);
+        assert!(map.count(NodeSign::Collision) > 20);
     }
 }

@@ -7,6 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
 use sweetspot::cell::{Cell, MAX_JOINTS, Placement, Shape};
 use sweetspot::clearance::{Allowed, ContactMemory, Hit, PlacedSolids, Remember, Scene, SolidRef};
+use sweetspot::error_map::NodeSign;
 use sweetspot::files;
 use sweetspot::files::Fault;
 use sweetspot::layout::Workcell;
@@ -136,7 +137,7 @@ fn held_parts_collide_only_in_their_operation() {
     // The part exists only in the map of its own operation.
     let count = |cell: &Cell| {
         let workcell = Workcell::new(cell.clone()).unwrap();
-        workcell.maps(&cell.start()).iter().map(|m| m.count("ok")).collect::<Vec<_>>()
+        workcell.maps(&cell.start()).iter().map(|m| m.count(NodeSign::Usable)).collect::<Vec<_>>()
     };
     let (without, with) = (count(&shipped("hitachi_cell.toml")), count(&cell));
     assert_eq!(without[assembly], with[assembly]);

@@ -1,6 +1,7 @@
 //! Tests iso-lines of a surface over a grid.
 
-use sweetspot::report::chart::iso::{Point, Surface};
+use sweetspot::geometry::PlanePoint as Point;
+use sweetspot::report::chart::iso::Surface;
 
 fn grid(size: (usize, usize), f: impl Fn(f64, f64) -> Option<f64>) -> Surface {
     let points: Vec<Point> =

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use sweetspot::assess::Assessment;
 use sweetspot::cell::Reading;
 use sweetspot::drawing::Detail;
-use sweetspot::drawing::arrows::round_down;
+use sweetspot::drawing::round_numbers::{HALF_DIGITS, round_down};
 use sweetspot::drawing::{Arrow, Component, Drawing};
 
 #[test]
@@ -63,7 +63,8 @@ fn unsigned_errors_have_arrows_both_ways() {
 fn an_arrow_exaggeration_is_a_round_number() {
     let cases = [(37.4, 35.0), (3.99, 3.5), (1.0, 1.0), (1e3, 1e3), (999.0, 950.0), (0.27, 0.25)];
     for (raw, said) in cases {
-        assert!((round_down(raw) / said - 1.0f64).abs() < 1e-12, "{raw}: {}", round_down(raw));
+        let round = round_down(raw, HALF_DIGITS);
+        assert!((round / said - 1.0f64).abs() < 1e-12, "{raw}: {round}");
     }
 }
 

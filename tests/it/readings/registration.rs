@@ -8,6 +8,7 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::FRAC_PI_2;
 use sweetspot::cell::*;
+use sweetspot::error_map::NodeSign;
 use sweetspot::kinematic_error::{Perturbation, position_error};
 use sweetspot::layout::{Workcell, evaluate};
 use sweetspot::pose::Pose;
@@ -103,7 +104,7 @@ fn rigid_errors_cancel_in_a_relative_error() {
                 cell.model = model;
                 let workcell = Workcell::new(cell.clone()).unwrap();
                 let map = workcell.maps(&start).remove(0);
-                assert!(map.count("ok") > 70);
+                assert!(map.count(NodeSign::Usable) > 70);
                 for p in map.nodes.iter().filter_map(|n| n.posture.as_ref()) {
                     let bound = if model == Model::SecondOrder { 1e-6 } else { 1e-12 };
                     assert!(p.error.norm() < bound, "{registration:?} {model:?}: {}", p.error);
@@ -252,7 +253,7 @@ fn a_frame_that_cannot_be_taught_is_reported() {
     let missed = evaluate(&workcell, &start);
     assert!(missed.objective.is_none() && missed.cost.is_finite());
     let map = workcell.maps(&start).remove(0);
-    assert_eq!((map.count("ok"), map.count("unjudged")), (0, 80));
+    assert_eq!((map.count(NodeSign::Usable), map.count(NodeSign::Unjudged)), (0, 80));
     let said =
         map.nodes.iter().find(|n| n.status.name() == "unjudged").unwrap().status.reason(&workcell.cell);
     assert!(said.contains("cannot be taught"), "{said}");

@@ -142,9 +142,9 @@ function nodeMarks(operation, { low, high }, magnification, unit) {
  * @param {number} radius
  */
 function markShape(mark, [x, y], radius) {
-  const { path, tone } = sweetspotViewer.marks[mark];
+  const { path, tone, dashed } = sweetspotViewer.marks[mark];
   const transform = `translate(${x} ${y}) scale(${radius})`;
-  return svg("path", { class: `mark ${tone} ${mark}`, d: path, transform });
+  return svg("path", { class: `mark ${tone}${dashed ? " dashed" : ""}`, d: path, transform });
 }
 
 /**

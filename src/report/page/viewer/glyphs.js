@@ -43,12 +43,12 @@ function glyphInstances(view) {
     for (let k = 0; k < field.count; k++) {
       const place = displaced(view, field, nodeAt(field, k));
       const { mark } = NODE_SIGNS[field.status[k]];
-      if (mark === "dot") {
+      if (mark === "ok") {
         const colour = nodeColour(view, field, k) || TONES.grey[theme];
         instances.push(...place, ...colour, 1, markCode(mark), 0.8);
       } else {
         const { tone } = MARKS[mark];
-        instances.push(...place, ...TONES[tone][theme], 1, markCode(mark), tone === "grey" ? 1.15 : 1);
+        instances.push(...place, ...TONES[tone][theme], 1, markCode(mark), 1.15);
       }
     }
   }

@@ -190,7 +190,7 @@ function signItem(shape, text) {
  */
 function markShape(mark) {
   const { path } = MARKS[mark];
-  const radius = mark === "dot" ? 4.5 : 6.5;
+  const radius = mark === "ok" ? 4.5 : 6.5;
   const shape = drawn("path", { d: path, class: markClass(mark) });
   shape.setAttribute("transform", `translate(10 10) scale(${radius})`);
   return shape;

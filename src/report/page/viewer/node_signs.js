@@ -1,21 +1,18 @@
 // Signs of the nodes of an error map: the mark of every status, its shape and its meaning.
+// Statuses, labels and glyphs come from NODE_SIGN_TABLE, which the program writes before this script.
+
+/** Outline of a circle of radius 1. */
+const CIRCLE = "M1 0A1 1 0 1 1-1 0A1 1 0 1 1 1 0Z";
+
+const TABLE_ENTRIES = /** @type {[NodeStatus, NodeSignRecord][]} */ (Object.entries(NODE_SIGN_TABLE));
 
 /**
  * Meaning and mark of every status of a node, as in the maps of `sweetspot map`.
  * @type {Record<NodeStatus, NodeSign>}
  */
-const NODE_SIGNS = {
-  ok: { mark: "dot", text: "usable node" },
-  "out-of-reach": { mark: "ring", text: "out of reach" },
-  "joint-limit": { mark: "dashed", text: "beyond a joint limit" },
-  attitude: { mark: "slashed", text: "orientation not reachable" },
-  "not-converged": { mark: "box", text: "no solution found" },
-  collision: { mark: "cross", text: "collides" },
-  singular: { mark: "plus", text: "nearly singular" },
-  approach: { mark: "down", text: "no free approach" },
-  retract: { mark: "up", text: "no free retract" },
-  unjudged: { mark: "bar", text: "not evaluated" },
-};
+const NODE_SIGNS = /** @type {any} */ (
+  Object.fromEntries(TABLE_ENTRIES.map(([status, { label }]) => [status, { mark: status, text: label }]))
+);
 
 /**
  * Marks of the spots, which are no status of a node.
@@ -26,27 +23,33 @@ const SPOT_SIGNS = {
   refined: { mark: "diamond", text: "spot between the nodes" },
 };
 
-/** Outline of a circle of radius 1. */
-const CIRCLE = "M1 0A1 1 0 1 1-1 0A1 1 0 1 1 1 0Z";
+/**
+ * Returns the path of a glyph.
+ * @param {GlyphRecord} glyph
+ */
+const glyphPath = ({ ring, strokes }) =>
+  (ring ? CIRCLE : "") +
+  strokes.map((stroke) => `M${stroke.map(([x, y]) => `${x} ${y}`).join("L")}`).join("");
+
+/**
+ * Returns the shape of a status: a usable node is a dot.
+ * @param {NodeSignRecord} record
+ * @returns {MarkShape}
+ */
+const statusShape = ({ glyph }) =>
+  glyph
+    ? { path: glyphPath(glyph), tone: glyph.tone, dashed: glyph.dashed }
+    : { path: CIRCLE, tone: "value", dashed: false };
 
 /**
  * Shape of every mark within a square from -1 to 1 (y downwards), and its tone, a class of the style sheet.
  * @type {Record<Mark, MarkShape>}
  */
-const MARKS = {
-  dot: { path: CIRCLE, tone: "value" },
-  ring: { path: CIRCLE, tone: "grey" },
-  dashed: { path: CIRCLE, tone: "grey" },
-  slashed: { path: `${CIRCLE}M-.7 .7L.7-.7`, tone: "grey" },
-  box: { path: "M-.8-.8H.8V.8H-.8Z", tone: "grey" },
-  cross: { path: "M-.8-.8L.8 .8M.8-.8L-.8 .8", tone: "red" },
-  plus: { path: "M-1 0H1M0-1V1", tone: "orange" },
-  down: { path: "M-1-.6L0 .7L1-.6", tone: "red" },
-  up: { path: "M-1 .6L0-.7L1 .6", tone: "red" },
-  bar: { path: "M-1 0H1", tone: "grey" },
-  spot: { path: CIRCLE, tone: "pink" },
-  diamond: { path: "M0-1L1 0L0 1L-1 0Z", tone: "pink" },
-};
+const MARKS = /** @type {any} */ ({
+  spot: { path: CIRCLE, tone: "pink", dashed: false },
+  diamond: { path: "M0-1L1 0L0 1L-1 0Z", tone: "pink", dashed: false },
+  ...Object.fromEntries(TABLE_ENTRIES.map(([status, record]) => [status, statusShape(record)])),
+});
 
 /** Marks in the order of their codes in the shader. */
 const MARK_NAMES = /** @type {Mark[]} */ (Object.keys(MARKS));
@@ -57,10 +60,32 @@ const MARK_NAMES = /** @type {Mark[]} */ (Object.keys(MARKS));
  */
 const markCode = (mark) => MARK_NAMES.indexOf(mark);
 
-/** Declarations of the codes in GLSL. */
-const MARK_CODES = MARK_NAMES.map((mark) => `const int ${mark.toUpperCase()} = ${markCode(mark)};`).join(
-  "\n",
-);
+/** @param {number} value */
+const glslNumber = (value) => value.toFixed(4);
+
+/**
+ * Branch of the shader that measures how far (px) a pixel is from the lines of a glyph.
+ * @param {NodeStatus} status
+ * @param {GlyphRecord} glyph
+ */
+function glyphBranch(status, { ring, dashed, strokes }) {
+  const lines = ring ? ["d = abs(r - px + 1.0);"] : [];
+  if (dashed)
+    lines.push("part = smoothstep(0.28, 0.42, abs(fract(atan(at.y, at.x) * 0.9549297) - 0.5) * 2.0);");
+  for (const stroke of strokes) {
+    // The y axis of a glyph points down. A stroke ends a little inside of the ring.
+    const points = stroke.map(([x, y]) => `vec2(${glslNumber(0.95 * x)}, ${glslNumber(-0.95 * y)})`);
+    for (let k = 1; k < points.length; k++) {
+      lines.push(`d = min(d, segment(at, ${points[k - 1]}, ${points[k]}) * px);`);
+    }
+  }
+  return `if (sign_ == ${markCode(status)}) { ${lines.join(" ")} }`;
+}
+
+/** Branches of the shader for all statuses but that of a usable node, which is a dot. */
+const GLYPH_BRANCHES = TABLE_ENTRIES.map(([status, { glyph }]) => (glyph ? glyphBranch(status, glyph) : ""))
+  .filter((branch) => branch !== "")
+  .join("\n    ");
 
 /** @type {Record<Tone, Record<Theme, Colour>>} */
 const TONES = {
@@ -75,4 +100,4 @@ const TONES = {
  * Class of a mark in the style sheet: its tone, and whether its line is dashed.
  * @param {Mark} mark
  */
-const markClass = (mark) => `ss-${MARKS[mark].tone}${mark === "dashed" ? " ss-dashed" : ""}`;
+const markClass = (mark) => `ss-${MARKS[mark].tone}${MARKS[mark].dashed ? " ss-dashed" : ""}`;

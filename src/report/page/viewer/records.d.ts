@@ -222,29 +222,34 @@ type NodeStatus =
   | "approach"
   | "retract"
   | "unjudged";
-type Mark =
-  | "dot"
-  | "ring"
-  | "dashed"
-  | "slashed"
-  | "box"
-  | "cross"
-  | "plus"
-  | "down"
-  | "up"
-  | "bar"
-  | "spot"
-  | "diamond";
+type Mark = NodeStatus | "spot" | "diamond";
 /** Mark of a node and what it means. */
 interface NodeSign {
   mark: Mark;
   text: string;
 }
 
-/** Shape of a mark: a path within a square from -1 to 1 (y downwards), and its tone. */
+/** Line drawing of a node that cannot be used: strokes in units of the radius of its ring, y downwards. */
+interface GlyphRecord {
+  ring: boolean;
+  dashed: boolean;
+  strokes: [number, number][][];
+  tone: Tone;
+}
+
+/** Label and glyph of a status, from the program (src/drawing/node_glyph.rs). A usable node has no glyph. */
+interface NodeSignRecord {
+  label: string;
+  glyph: GlyphRecord | null;
+}
+
+declare const NODE_SIGN_TABLE: Record<NodeStatus, NodeSignRecord>;
+
+/** Shape of a mark: a path within a square from -1 to 1 (y downwards), its tone, and whether it is dashed. */
 interface MarkShape {
   path: string;
   tone: Tone;
+  dashed: boolean;
 }
 
 type Tone = "value" | "grey" | "red" | "orange" | "pink";
