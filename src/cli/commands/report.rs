@@ -1,4 +1,4 @@
-//! `report`.
+//! `report`: one HTML page about a layout or a search result.
 
 use super::{refuse_other_pages, suggest, warn_of_distrust, within_size, workcell};
 use crate::assess::Assessment;

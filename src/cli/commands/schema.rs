@@ -1,4 +1,4 @@
-//! `schema`.
+//! `schema`: JSON Schemas of the files.
 
 use super::suggest;
 use crate::cli::arguments::SchemaArguments;
@@ -21,14 +21,12 @@ pub fn schema(a: &SchemaArguments) -> Result<Exit, Exit> {
     }
     let first = path_word(&folder.join(file_name(FileKind::Cell)));
     output::talk(&format!("wrote {} schemas into {}", FileKind::ALL.len(), path_word(folder)));
-    output::talk(&format!(
-        "an editor reads them when a file begins with its path from there: #:schema ./{first}"
-    ));
+    output::talk(&format!("editors use a schema if the first line of a file names it: #:schema ./{first}"));
     suggest("init");
     Ok(Exit::Done)
 }
 
-/// Name and text of every schema.
+/// Returns name and text of every schema.
 pub fn all() -> Result<Vec<(String, String)>, Exit> {
     FileKind::ALL.into_iter().map(|kind| Ok((file_name(kind), text(kind)?))).collect()
 }

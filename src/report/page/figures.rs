@@ -15,7 +15,7 @@ use crate::report::raster;
 use crate::report::raster::Shot;
 use crate::report::{goals, names, text};
 use crate::search;
-use crate::search::{Candidate, Ended, SearchRecord};
+use crate::search::{EvaluatedLayout, SearchEnd, SearchRecord};
 use crate::units::{percent_from_share, rounded};
 
 /// All of them in the order of the page; those with nothing to show are left out. `drawings` are those of
@@ -230,7 +230,7 @@ fn pareto(subject: &Subject<'_>) -> Section {
 fn record(subject: &Subject<'_>, found: &Found) -> SearchRecord {
     let cell = subject.cell();
     let candidate =
-        |a: &Assessment<'_>| Candidate { layout: a.layout.clone(), evaluation: a.evaluation.clone() };
+        |a: &Assessment<'_>| EvaluatedLayout { layout: a.layout.clone(), evaluation: a.evaluation.clone() };
     let of = |a: &Alternative| {
         let value = |goal: Goal| a.goals.get(goals::key(goal)).and_then(|v| v.as_f64()).unwrap_or_default();
         let goals = Goal::ALL.map(|goal| goals::si(cell, goal, value(goal))).to_vec();
@@ -243,7 +243,7 @@ fn record(subject: &Subject<'_>, found: &Found) -> SearchRecord {
         feasible: found.feasible,
         trace: Vec::new(),
         bound: None,
-        ended: Ended::Done,
+        ended: SearchEnd::Done,
         alternatives: found.front.iter().flatten().map(of).collect(),
     }
 }
