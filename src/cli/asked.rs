@@ -4,9 +4,8 @@ use super::arguments::{ErrorFlags, QuestionFlags, SearchArguments};
 use super::loading;
 use super::packages::Packages;
 use super::{Exit, output};
-use crate::cell::{Cell, ErrorSet, Quantity, Reading};
+use crate::cell::{Cell, ErrorSet, Interpretation, Quantity, Reading};
 use crate::files::{Loaded, Setting, shown, toml_string};
-use crate::report;
 use std::path::Path;
 
 /// Loads a cell under the flags of a question, and prints the notes that belong to it.
@@ -25,7 +24,9 @@ pub fn load_for_readings(file: &Path, packages: &Packages, flags: &ErrorFlags) -
         settings.push(Setting::of_flag(&flag, "quantity", p95));
     }
     let loaded = loading::load_with(file, packages, &settings)?;
-    say_caveats(&Cell { reading: Reading::WorstCase, ..loaded.cell.clone() });
+    // The table reads the errors as magnitudes, too.
+    let magnitudes = Interpretation { reading: Reading::WorstCase, ..loaded.cell.interpretation() };
+    loaded.cell.asked_apart(&magnitudes).iter().for_each(say_caveats);
     Ok(loaded)
 }
 
@@ -76,7 +77,7 @@ fn say_notes(loaded: &Loaded, flags: &QuestionFlags) {
 }
 
 fn say_caveats(cell: &Cell) {
-    for caveat in report::text::caveats(cell) {
+    for caveat in crate::record::caveats(cell) {
         output::talk(&format!("note: {caveat}"));
     }
 }
