@@ -4,10 +4,10 @@
 //! frame, mm and degrees. A pose is 12 numbers: the three columns of its rotation, then its origin.
 
 use crate::cell::{Cell, Equipment, JointKind, Rectangle, Role, Sense};
-use crate::record::{joints as joints_of_file, nine_digits as length, position_mm as lengths};
 use crate::drawing::{Carrier, Drawing, Field, Lens, Mesh, Movement, Node, Part, Rings, Stop, Take};
 use crate::geometry::simplified_line;
 use crate::pose::Pose;
+use crate::record::{joints as joints_of_file, nine_digits as length, position_mm as lengths};
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
