@@ -38,6 +38,8 @@ use crate::cell::{JointVector, Quantity, Reading};
 
 use crate::files::shown;
 use crate::layout::{Workcell, combined};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use std::sync::atomic::AtomicBool;
 use task::Task;
 
@@ -109,7 +111,8 @@ pub struct OperationBound {
 }
 
 /// What of the objective a bound covers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum Covers {
     Everything,
     /// Some operations count as 0.

@@ -1,8 +1,8 @@
 //! The figures of the seed paper for any cell: pictures, and what to see in them.
 
+use super::fig8;
 use super::raster::{Shot, Show, png};
 use super::svg_text::escaped;
-use super::{fig8, text};
 use crate::assess::Assessment;
 use crate::cell::{Quantity, Reading};
 use crate::drawing::{Detail, Drawing};
@@ -13,7 +13,7 @@ use crate::units::{mm_from_m, rounded};
 use std::fmt::Write;
 
 /// A picture with its words.
-pub struct Figure {
+pub struct PaperFigure {
     /// Of the file.
     pub name: String,
     /// Of which figure of the paper it is the counterpart.
@@ -55,11 +55,11 @@ const MAPS: [Map; 5] = [
 ///
 /// # Errors
 /// What cannot be drawn.
-pub fn figures(a: &Assessment<'_>, prefix: &str, format: Format) -> Result<Vec<Figure>, String> {
+pub fn figures(a: &Assessment<'_>, prefix: &str, format: Format) -> Result<Vec<PaperFigure>, String> {
     let drawing = Drawing::new(a, &Detail::PLAIN)?;
     let shot =
         Shot { width: format.width, height: format.width * 5 / 8, dark: format.dark, ..Shot::default() };
-    let mut all = vec![Figure {
+    let mut all = vec![PaperFigure {
         name: format!("{prefix}01-cell.png"),
         of: "Fig. 1",
         paper: "The model of the robot with its working envelope.",
@@ -71,12 +71,12 @@ pub fn figures(a: &Assessment<'_>, prefix: &str, format: Format) -> Result<Vec<F
         let sense = show.sense().map(str::to_string);
         let shot = Shot { operation: Some(map.operation), show, sense, ..shot.clone() };
         let (name, ours) = (format!("{prefix}{name}.png"), map_words(a, map, show.sense().unwrap_or("xyz")));
-        all.push(Figure { name, of, paper, ours, bytes: png(&drawing, &shot)? });
+        all.push(PaperFigure { name, of, paper, ours, bytes: png(&drawing, &shot)? });
     }
     if a.maps.len() > 1 {
         let own: Vec<String> =
             a.maps.iter().map(|m| map_words(a, m, &a.cell.operations[m.operation].sense.name)).collect();
-        all.push(Figure {
+        all.push(PaperFigure {
             name: format!("{prefix}07-all.png"),
             of: "Fig. 7",
             paper: "Error maps on a worktable and on a conveyor in one cell.",
@@ -84,7 +84,7 @@ pub fn figures(a: &Assessment<'_>, prefix: &str, format: Format) -> Result<Vec<F
             bytes: png(&drawing, &shot)?,
         });
     }
-    all.push(Figure {
+    all.push(PaperFigure {
         name: format!("{prefix}08-discrepancy.svg"),
         of: "Fig. 8",
         paper: "How far the linearized model is from the nonlinear one, eq. (9), node by node. The paper's \
@@ -127,7 +127,7 @@ fn map_words(a: &Assessment<'_>, map: &OperationMap, sense: &str) -> String {
         let unit = a.cell.unit().word();
         let at = &map.nodes[node];
         let [x, y] = [at.position.x, at.position.y].map(|v| rounded(mm_from_m(v), 1));
-        let word = text::value_word(a.cell);
+        let word = crate::record::value_word(a.cell);
         let _ = write!(
             words,
             "; {word} in {} from {low:.3} {unit} at node ({}, {}), where x = {x} mm and y = {y} mm, to {high:.3} {unit}",
@@ -169,7 +169,7 @@ fn discrepancy_words(a: &Assessment<'_>, map: &OperationMap) -> String {
 }
 
 /// What the folder holds, as Markdown: one chapter for each cell with its figures.
-pub fn readme(chapters: &[(String, Vec<Figure>)], command: &str) -> String {
+pub fn readme(chapters: &[(String, Vec<PaperFigure>)], command: &str) -> String {
     let mut out = String::from(
         "# The figures of the seed paper, drawn anew\n\nMade by one command (into a new folder; nothing is \
          overwritten):\n\n",

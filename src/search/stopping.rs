@@ -3,6 +3,7 @@
 
 use super::record::Record;
 use crate::cell::{Goals, SearchSettings};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Share of the budget kept for the polish; with a front or a shortlist, whose members are polled after
@@ -12,7 +13,8 @@ const POLL_SHARE: f64 = 0.25;
 const POLISH_PART: f64 = 0.3;
 
 /// How a search ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum Ended {
     /// Every evaluation of the budget was used, or the polish had nothing left to gain.
     Done,

@@ -1,11 +1,11 @@
 //! Axes: values to px, round ticks, gridlines.
 
-use super::canvas::{Anchor, Canvas, Ink, SMALL};
+use super::canvas::{Anchor, ChartCanvas, Ink, SMALL};
 use super::words;
 
 /// One axis: what it spans and where that lies in the picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Scale {
+pub struct AxisScale {
     pub low: f64,
     pub high: f64,
     /// px of `low` and of `high`.
@@ -13,7 +13,7 @@ pub struct Scale {
     is_log: bool,
 }
 
-impl Scale {
+impl AxisScale {
     /// From `low` to `high`; a span of nothing is made one.
     pub fn linear(low: f64, high: f64, px: (f64, f64)) -> Self {
         let (low, high) = if low.is_finite() && high.is_finite() { (low, high) } else { (0.0, 1.0) };
@@ -74,7 +74,7 @@ pub fn round_numbers(low: f64, high: f64, step: f64) -> impl Iterator<Item = f64
 }
 
 /// Gridlines, numbers and names of a plot; x to the right, y up.
-pub fn draw(canvas: &mut Canvas, x: &Scale, y: &Scale, names: (&str, &str)) {
+pub fn draw(canvas: &mut ChartCanvas, x: &AxisScale, y: &AxisScale, names: (&str, &str)) {
     across(canvas, x, y, names.0);
     upwards(canvas, x, y, names.1);
     let ((left, right), (bottom, top)) = (x.px, y.px);
@@ -83,7 +83,7 @@ pub fn draw(canvas: &mut Canvas, x: &Scale, y: &Scale, names: (&str, &str)) {
 }
 
 /// Of the axis to the right.
-pub fn across(canvas: &mut Canvas, x: &Scale, y: &Scale, name: &str) {
+pub fn across(canvas: &mut ChartCanvas, x: &AxisScale, y: &AxisScale, name: &str) {
     let ((left, right), (bottom, top)) = (x.px, y.px);
     let mut free = f64::MIN;
     for (value, said) in x.ticks(((right - left) / 80.0).max(2.0)) {
@@ -100,7 +100,7 @@ pub fn across(canvas: &mut Canvas, x: &Scale, y: &Scale, name: &str) {
 }
 
 /// Of the axis up.
-pub fn upwards(canvas: &mut Canvas, x: &Scale, y: &Scale, name: &str) {
+pub fn upwards(canvas: &mut ChartCanvas, x: &AxisScale, y: &AxisScale, name: &str) {
     let ((left, right), (bottom, top)) = (x.px, y.px);
     for (value, said) in y.ticks(((bottom - top) / 52.0).max(2.0)) {
         let py = y.at(value);

@@ -119,13 +119,13 @@ impl Anchor {
 }
 
 /// An entry of a legend: a mark drawn round the origin, at most 24 px wide, and what it says.
-pub struct Entry {
+pub struct LegendEntry {
     pub mark: String,
     pub said: String,
 }
 
 /// One picture.
-pub struct Canvas {
+pub struct ChartCanvas {
     name: String,
     body: String,
     width: f64,
@@ -133,7 +133,7 @@ pub struct Canvas {
     pub y: f64,
 }
 
-impl Canvas {
+impl ChartCanvas {
     /// With a heading, and lines under it.
     pub fn new(heading: &str, under: &[String]) -> Self {
         Self::wide(heading, under, WIDTH)
@@ -202,9 +202,9 @@ impl Canvas {
     }
 
     /// Entries side by side, in as many rows as they need.
-    pub fn legend(&mut self, entries: &[Entry]) {
+    pub fn legend(&mut self, entries: &[LegendEntry]) {
         let (mut x, mut is_open) = (EDGE, false);
-        for Entry { mark, said } in entries {
+        for LegendEntry { mark, said } in entries {
             let said = words::shortened(said, BODY, self.width - 2.0 * EDGE - 32.0);
             let wide = 32.0 + words::width(&said, BODY) + 14.0;
             if !is_open || x + wide > self.width - EDGE + 14.0 {

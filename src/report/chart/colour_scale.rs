@@ -1,7 +1,7 @@
 //! Values to bands of colour, and the bar that tells them.
 
-use super::axes::{Scale, round_numbers, step};
-use super::canvas::{Anchor, Canvas, Ink};
+use super::axes::{AxisScale, round_numbers, step};
+use super::canvas::{Anchor, ChartCanvas, Ink};
 use super::words;
 use crate::report::colours::viridis_hex;
 
@@ -51,7 +51,7 @@ impl ColourScale {
     }
 
     /// The colours and their values; where it ends below.
-    pub fn draw_bar(&self, canvas: &mut Canvas, word: &str, (left, top): (f64, f64), tall: f64) -> f64 {
+    pub fn draw_bar(&self, canvas: &mut ChartCanvas, word: &str, (left, top): (f64, f64), tall: f64) -> f64 {
         let Self { low, high, .. } = *self;
         if high <= low {
             let colour = viridis_hex(0.5);
@@ -59,7 +59,7 @@ impl ColourScale {
             canvas.text((left + 23.0, top + 13.0), Anchor::Start, Ink::Text, &words::figure(low));
             return top + 16.0;
         }
-        let bar = Scale::linear(low, high, (top + tall, top));
+        let bar = AxisScale::linear(low, high, (top + tall, top));
         let bands = self.bands();
         let upper = bands.iter().skip(1).map(|b| b.0).chain([high]);
         for ((edge, colour), upper) in bands.iter().zip(upper) {

@@ -1,7 +1,7 @@
 //! Two layouts node by node on one map: where the other is better, and where worse.
 
 use super::axes;
-use super::canvas::{Anchor, Canvas, EDGE, Entry, Ink, SMALL};
+use super::canvas::{Anchor, ChartCanvas, EDGE, Ink, LegendEntry, SMALL};
 use super::plane_view::{PlaneView, longer_side, widened};
 use super::{WIDTH, words};
 use crate::assess::{Difference, NodePair};
@@ -24,7 +24,7 @@ const STEPS: usize = 24;
 pub fn difference(cell: &Cell, d: &Difference, names: (&str, &str), most: f64) -> String {
     let (operation, unit) = (&cell.operations[d.operation], cell.unit());
     let heading = format!("{}: {} against {} in {}", operation.name, names.1, names.0, operation.sense.name);
-    let mut canvas = Canvas::new(&heading, &remarks(d, names));
+    let mut canvas = ChartCanvas::new(&heading, &remarks(d, names));
     let in_mm = |p: &NodePair| (mm_from_m(p.at.0), mm_from_m(p.at.1));
     let bounds = bounding_box(d.pairs.iter().map(in_mm)).unwrap_or_default();
     let bounds = widened(bounds, 0.06 * longer_side(bounds).max(100.0));
@@ -99,7 +99,7 @@ pub fn colour(share: f64) -> String {
 }
 
 /// Worse above, better below; where it ends.
-fn draw_bar(canvas: &mut Canvas, unit: Unit, most: f64, (left, top): (f64, f64)) -> f64 {
+fn draw_bar(canvas: &mut ChartCanvas, unit: Unit, most: f64, (left, top): (f64, f64)) -> f64 {
     let tall = 8.0 * STEPS as f64;
     for k in 0..STEPS {
         let share = 1.0 - 2.0 * (k as f64 + 0.5) / STEPS as f64;
@@ -116,7 +116,7 @@ fn draw_bar(canvas: &mut Canvas, unit: Unit, most: f64, (left, top): (f64, f64))
     top + tall + SMALL
 }
 
-fn legend(d: &Difference, names: (&str, &str)) -> Vec<Entry> {
+fn legend(d: &Difference, names: (&str, &str)) -> Vec<LegendEntry> {
     let pair = |first, other| NodePair { i: 0, j: 0, at: (0.0, 0.0), first, other };
     let all = [
         (pair(None, Some(0.0)), format!("only {} can use it", names.1)),
@@ -130,7 +130,7 @@ fn legend(d: &Difference, names: (&str, &str)) -> Vec<Entry> {
         d.pairs.iter().any(same)
     };
     let there = all.into_iter().filter(|(kind, _)| is_there(kind));
-    there.map(|(kind, said)| Entry { mark: mark(&kind, 1.0, (0.0, 0.0), 8.0), said }).collect()
+    there.map(|(kind, said)| LegendEntry { mark: mark(&kind, 1.0, (0.0, 0.0), 8.0), said }).collect()
 }
 
 /// Between neighbours, mm.

@@ -1,14 +1,14 @@
 //! The error over a work surface: coloured bands, iso-lines with their values, signs where nothing works.
 
 use super::axes;
-use super::canvas::{Anchor, Canvas, EDGE, Entry, Ink, SMALL};
+use super::canvas::{Anchor, ChartCanvas, EDGE, Ink, LegendEntry, SMALL};
 use super::colour_scale::ColourScale;
-use super::iso::Surface;
+use super::iso::IsoSurface;
 use super::labels::Taken;
 use super::plane_view::{PlaneView, longer_side, widened};
 use super::{WIDTH, signs, words};
 use crate::cell::Unit;
-use crate::drawing::{Carrier, Drawing, Field, Take};
+use crate::drawing::{Drawing, Field, PartCarrier, Take};
 use crate::geometry::{PlanePoint, bounding_box};
 use crate::pose::Pose;
 use crate::report::svg_text::{PathEnd, escaped, path_data};
@@ -28,7 +28,7 @@ const MAX_TITLES: usize = 400;
 pub fn heat_map(drawing: &Drawing<'_>, field: usize, take: usize, sense: usize, range: (f64, f64)) -> String {
     let field = &drawing.fields[field];
     let map = HeatMap::new(drawing, field, &field.takes[take], sense, range);
-    let mut canvas = Canvas::new(&map.heading(), &map.remarks());
+    let mut canvas = ChartCanvas::new(&map.heading(), &map.remarks());
     let (left, right, most) = PLOT;
     let view = PlaneView::fitted(map.bounds, (right - left, most), (left, canvas.y + 26.0));
     let (x, y) = view.scales();
@@ -37,7 +37,7 @@ pub fn heat_map(drawing: &Drawing<'_>, field: usize, take: usize, sense: usize, 
     axes::draw(&mut canvas, &x, &y, (&format!("x of {of} / mm"), &format!("y of {of} / mm")));
     map.draw_ground(&mut canvas, &place);
     let points: Vec<PlanePoint> = map.points.iter().map(place).collect();
-    let surface = Surface::new(field.size, &points, &map.values);
+    let surface = IsoSurface::new(field.size, &points, &map.values);
     map.draw_bands(&mut canvas, &surface);
     let mut taken = Taken::default();
     map.draw_nodes(&mut canvas, &surface, &points);
@@ -84,12 +84,14 @@ impl<'a> HeatMap<'a> {
         let cell = drawing.cell;
         let equipment = cell.operations[field.operation].equipment;
         let stands = drawing.parts.iter().find(|p| p.equipment == Some(equipment));
-        let frame = stands.and_then(|p| if let Carrier::World(pose) = p.carrier { Some(pose) } else { None });
+        let frame =
+            stands.and_then(|p| if let PartCarrier::World(pose) = p.carrier { Some(pose) } else { None });
         let surface = cell.equipment[equipment].surface.filter(|_| frame.is_some());
         let of = if frame.is_some() { cell.equipment[equipment].name.clone() } else { "the world".into() };
         let frame = frame.unwrap_or(Pose::IDENTITY);
         let unit = field.senses[sense].unit;
-        let usable = |(node, value): (&crate::drawing::Node, &Option<f64>)| value.filter(|_| node.is_ok());
+        let usable =
+            |(node, value): (&crate::drawing::FieldNode, &Option<f64>)| value.filter(|_| node.is_ok());
         let values = field.nodes.iter().zip(&take.values[sense]).map(usable);
         let values: Vec<_> = values.map(|v| v.map(|v| unit.from_si(v))).collect();
         let points: Vec<PlanePoint> = field.nodes.iter().map(|n| in_mm(&frame, &n.position)).collect();
@@ -138,14 +140,14 @@ impl<'a> HeatMap<'a> {
         said
     }
 
-    fn draw_ground(&self, canvas: &mut Canvas, place: &impl Fn(&PlanePoint) -> (f64, f64)) {
+    fn draw_ground(&self, canvas: &mut ChartCanvas, place: &impl Fn(&PlanePoint) -> (f64, f64)) {
         let outline = path_data(self.ground.iter().map(place), PathEnd::Closed, 1);
         canvas.path(&outline, &Ink::Ground.fill());
         canvas.path(&outline, &Ink::Axis.line(1.2));
     }
 
     /// From the lowest band up, each over those below it, so that no seam shows.
-    fn draw_bands(&self, canvas: &mut Canvas, surface: &Surface) {
+    fn draw_bands(&self, canvas: &mut ChartCanvas, surface: &IsoSurface) {
         let Some((least, most)) = surface.range() else { return };
         let bands = self.scale.bands();
         let first = bands.iter().rposition(|(edge, _)| *edge <= least).unwrap_or(0);
@@ -163,7 +165,7 @@ impl<'a> HeatMap<'a> {
         }
     }
 
-    fn draw_lines(&self, canvas: &mut Canvas, surface: &Surface, taken: &mut Taken) {
+    fn draw_lines(&self, canvas: &mut ChartCanvas, surface: &IsoSurface, taken: &mut Taken) {
         for level in self.scale.levels() {
             let lines = surface.lines(level);
             let d: String = lines.iter().map(|l| path_data(l.iter().copied(), PathEnd::Open, 1)).collect();
@@ -183,7 +185,7 @@ impl<'a> HeatMap<'a> {
         }
     }
 
-    fn draw_nodes(&self, canvas: &mut Canvas, surface: &Surface, points: &[PlanePoint]) {
+    fn draw_nodes(&self, canvas: &mut ChartCanvas, surface: &IsoSurface, points: &[PlanePoint]) {
         let near = points.windows(2).map(|w| distance(w[0], w[1])).filter(|d| *d > 0.0);
         let r = (near.fold(f64::MAX, f64::min) * 0.32).clamp(1.5, 5.0);
         for (k, node) in self.field.nodes.iter().enumerate() {
@@ -212,7 +214,12 @@ impl<'a> HeatMap<'a> {
         }
     }
 
-    fn draw_spots(&self, canvas: &mut Canvas, place: &impl Fn(&PlanePoint) -> (f64, f64), taken: &mut Taken) {
+    fn draw_spots(
+        &self,
+        canvas: &mut ChartCanvas,
+        place: &impl Fn(&PlanePoint) -> (f64, f64),
+        taken: &mut Taken,
+    ) {
         let at = |p: &Vector3<f64>| place(&in_mm(&self.frame, p));
         if let Some(k) = self.other_spot() {
             canvas.put(&signs::other_spot(place(&self.points[k])));
@@ -238,7 +245,7 @@ impl<'a> HeatMap<'a> {
         self.take.best.filter(|k| Some(*k) != self.field.best)
     }
 
-    fn draw_way_to_robot(&self, canvas: &mut Canvas, (x, y): (f64, f64), drawing: &Drawing<'_>) {
+    fn draw_way_to_robot(&self, canvas: &mut ChartCanvas, (x, y): (f64, f64), drawing: &Drawing<'_>) {
         let base = in_mm(&self.frame, &drawing.base.translation);
         let (low, high) = self.bounds;
         let middle = ((low.0 + high.0) / 2.0, (low.1 + high.1) / 2.0);
@@ -259,10 +266,10 @@ impl<'a> HeatMap<'a> {
         canvas.text((x, y + 50.0), Anchor::Middle, Ink::Faint, &said);
     }
 
-    fn legend(&self) -> Vec<Entry> {
+    fn legend(&self) -> Vec<LegendEntry> {
         let origin = (0.0, 0.0);
         let entry = |is_there: bool, mark: String, said: &str| {
-            is_there.then(|| Entry { mark, said: said.to_string() })
+            is_there.then(|| LegendEntry { mark, said: said.to_string() })
         };
         let all = self.drawing.cell.operations[self.field.operation].over.takes_all();
         let spot = if all { "the worst node, which counts" } else { "spot chosen" };

@@ -2,8 +2,8 @@
 
 use super::axes;
 
-use super::axes::Scale;
-use super::canvas::{Anchor, Canvas, EDGE, Entry, Ink, SMALL};
+use super::axes::AxisScale;
+use super::canvas::{Anchor, ChartCanvas, EDGE, Ink, LegendEntry, SMALL};
 use super::{WIDTH, words};
 use crate::assess::Distribution;
 use crate::cell::Cell;
@@ -14,7 +14,7 @@ const HEIGHT: f64 = 250.0;
 const FAR: f64 = 1.7;
 
 /// A figure: its name, value in the unit of the chart, and ink.
-struct Mark {
+struct HistogramMark {
     name: &'static str,
     value: f64,
     ink: Ink,
@@ -26,18 +26,18 @@ pub fn histogram(cell: &Cell, d: &Distribution) -> String {
     let word = d.unit.word();
     let heading =
         format!("{}: how the error in {} spreads at the spot", operation.name, operation.sense.name);
-    let mut canvas = Canvas::new(&heading, &told(d));
+    let mut canvas = ChartCanvas::new(&heading, &told(d));
     let marks = marks(d);
     let [low, high] = [d.samples.histogram.low, d.samples.histogram.high].map(|v| d.unit.from_si(v));
-    let near: Vec<&Mark> = marks.iter().filter(|m| m.value <= FAR * high).collect();
+    let near: Vec<&HistogramMark> = marks.iter().filter(|m| m.value <= FAR * high).collect();
     let ends = near.iter().map(|m| m.value).fold((low, high), |(l, h), v| (l.min(v), h.max(v)));
     let pad = 0.02 * (ends.1 - ends.0);
-    let x = Scale::linear((ends.0 - pad).max(0.0), ends.1 + pad, (70.0, WIDTH - EDGE - 4.0));
+    let x = AxisScale::linear((ends.0 - pad).max(0.0), ends.1 + pad, (70.0, WIDTH - EDGE - 4.0));
     let rows = names(&near, &x, word);
     let top = canvas.y + 12.0 + 17.0 * rows.iter().map(|r| r.row + 1).max().unwrap_or(0) as f64;
     let share = |count: u32| percent_from_share(f64::from(count) / d.samples.samples.max(1) as f64);
     let most = d.samples.histogram.counts.iter().map(|c| share(*c)).fold(0.0, f64::max);
-    let y = Scale::linear(0.0, most * 1.05, (top + 14.0 + HEIGHT, top + 14.0));
+    let y = AxisScale::linear(0.0, most * 1.05, (top + 14.0 + HEIGHT, top + 14.0));
     axes::across(&mut canvas, &x, &y, &format!("size of the error / {word}"));
     axes::upwards(&mut canvas, &x, &y, "");
     bars(&mut canvas, d, &x, &y, &share);
@@ -48,7 +48,7 @@ pub fn histogram(cell: &Cell, d: &Distribution) -> String {
         canvas.label((name.x, base - 1.0), Anchor::Start, Ink::Text, &name.said);
     }
     canvas.y = y.px.0 + 40.0;
-    for Mark { name, value, .. } in marks.iter().filter(|m| m.value > FAR * high) {
+    for HistogramMark { name, value, .. } in marks.iter().filter(|m| m.value > FAR * high) {
         canvas
             .paragraph(&format!("far to the right of the picture: {name} {} {word}", words::figure(*value)));
     }
@@ -56,8 +56,8 @@ pub fn histogram(cell: &Cell, d: &Distribution) -> String {
     canvas.finish()
 }
 
-fn marks(d: &Distribution) -> Vec<Mark> {
-    let mark = |name, si: f64, ink| Mark { name, value: d.unit.from_si(si), ink };
+fn marks(d: &Distribution) -> Vec<HistogramMark> {
+    let mark = |name, si: f64, ink| HistogramMark { name, value: d.unit.from_si(si), ink };
     let mut marks = vec![
         mark("mean", d.samples.mean.value, Ink::Text),
         mark("p95", d.samples.p95.value, Ink::Green),
@@ -77,7 +77,7 @@ struct Name {
     row: usize,
 }
 
-fn names(marks: &[&Mark], x: &Scale, word: &str) -> Vec<Name> {
+fn names(marks: &[&HistogramMark], x: &AxisScale, word: &str) -> Vec<Name> {
     let placed = marks.iter().map(|m| {
         let said = format!("{} {} {word}", m.name, words::figure(m.value));
         let (px, wide) = (x.at(m.value), words::width(&said, SMALL));
@@ -112,7 +112,13 @@ pub fn rows(marks: &[(f64, f64, f64)]) -> Vec<usize> {
     rows
 }
 
-fn bars(canvas: &mut Canvas, d: &Distribution, x: &Scale, y: &Scale, share: &dyn Fn(u32) -> f64) {
+fn bars(
+    canvas: &mut ChartCanvas,
+    d: &Distribution,
+    x: &AxisScale,
+    y: &AxisScale,
+    share: &dyn Fn(u32) -> f64,
+) {
     let h = &d.samples.histogram;
     for (k, count) in h.counts.iter().enumerate().filter(|(_, count)| **count > 0) {
         let [from, to] = [k, k + 1].map(|k| h.low + h.width() * k as f64);
@@ -146,9 +152,9 @@ fn told(d: &Distribution) -> Vec<String> {
     told
 }
 
-fn legend(d: &Distribution) -> Vec<Entry> {
+fn legend(d: &Distribution) -> Vec<LegendEntry> {
     let block = |ink: Ink| format!("<path d=\"M-9 -6H9V6H-9Z\" {} fill-opacity=\"0.75\"/>", ink.fill());
-    let entry = |ink, said: &str| Entry { mark: block(ink), said: said.to_string() };
+    let entry = |ink, said: &str| LegendEntry { mark: block(ink), said: said.to_string() };
     match d.limit {
         Some(_) => vec![entry(Ink::Blue, "within the requirement"), entry(Ink::Vermilion, "beyond it")],
         None => vec![entry(Ink::Blue, "samples")],

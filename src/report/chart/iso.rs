@@ -7,20 +7,20 @@
 use crate::geometry::{PlanePoint, join_edges};
 
 /// Values on a grid, and their triangles.
-pub struct Surface {
+pub struct IsoSurface {
     points: Vec<PlanePoint>,
     values: Vec<f64>,
-    cells: Vec<Cell>,
+    cells: Vec<GridCell>,
 }
 
 /// A cell of the grid: its row, its corners in turn, and its middle if it has four.
-struct Cell {
+struct GridCell {
     row: usize,
     corners: Vec<usize>,
     middle: Option<usize>,
 }
 
-impl Surface {
+impl IsoSurface {
     /// `size`: nodes along the first and second axis, row by row along the first.
     pub fn new(size: (usize, usize), points: &[PlanePoint], values: &[Option<f64>]) -> Self {
         let (m, n) = size;
@@ -55,7 +55,7 @@ impl Surface {
             self.values.push(v);
             self.points.len() - 1
         });
-        self.cells.push(Cell { row, corners, middle });
+        self.cells.push(GridCell { row, corners, middle });
     }
 
     /// Nodes that are a corner of an area.
@@ -73,7 +73,7 @@ impl Surface {
     pub fn above(&self, level: f64) -> Vec<Vec<PlanePoint>> {
         let mut polygons: Vec<Vec<PlanePoint>> = Vec::new();
         // The cell before, if it is whole and its row goes on: they are drawn as one.
-        let mut before: Option<&Cell> = None;
+        let mut before: Option<&GridCell> = None;
         for cell in &self.cells {
             let is_whole = cell.middle.is_some() && cell.corners.iter().all(|&k| self.values[k] >= level);
             let joins = before.is_some_and(|b| b.row == cell.row && b.corners[1] == cell.corners[0]);
@@ -137,7 +137,7 @@ impl Surface {
     }
 }
 
-fn triangles(cell: &Cell) -> Vec<[usize; 3]> {
+fn triangles(cell: &GridCell) -> Vec<[usize; 3]> {
     let c = &cell.corners;
     match cell.middle {
         Some(middle) => (0..4).map(|k| [c[k], c[(k + 1) % 4], middle]).collect(),

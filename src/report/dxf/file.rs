@@ -42,7 +42,7 @@ impl Codes {
 pub type Layer = (&'static str, u16);
 
 /// Model space, paper space or the block of a dimension.
-struct Space {
+struct DxfSpace {
     name: String,
     /// Handles of its record, of the beginning and of the end of its block.
     record: u64,
@@ -51,7 +51,7 @@ struct Space {
     content: Codes,
 }
 
-impl Space {
+impl DxfSpace {
     /// Beginning or end of its block.
     fn edge(&self, out: &mut Codes, kind: &str, handle: u64, subclass: &str) {
         out.put(0, kind);
@@ -73,9 +73,9 @@ const FIRST: u64 = 0x10;
 const STYLE: &str = "MM";
 
 /// A drawing being written; entities go to the model.
-pub struct File {
+pub struct DxfFile {
     next: u64,
-    spaces: Vec<Space>,
+    spaces: Vec<DxfSpace>,
     /// Which of the spaces entities go to.
     space: usize,
     /// Height of texts, m.
@@ -84,7 +84,7 @@ pub struct File {
     high: Vector3<f64>,
 }
 
-impl File {
+impl DxfFile {
     pub fn new(height: f64) -> Self {
         let (low, high) = (Vector3::repeat(f64::MAX), Vector3::repeat(f64::MIN));
         let mut file = Self { next: FIRST, spaces: Vec::new(), space: 0, height, low, high };
@@ -100,13 +100,13 @@ impl File {
 
     fn add_space(&mut self, name: String) {
         let [record, begin, end] = [0; 3].map(|_| self.handle());
-        self.spaces.push(Space { name, record, begin, end, content: Codes::default() });
+        self.spaces.push(DxfSpace { name, record, begin, end, content: Codes::default() });
     }
 
     /// Begins an entity.
     fn entity(&mut self, kind: &str, layer: &str) -> &mut Codes {
         let handle = self.handle();
-        let Space { record, content, .. } = &mut self.spaces[self.space];
+        let DxfSpace { record, content, .. } = &mut self.spaces[self.space];
         content.put(0, kind);
         content.handle(5, handle);
         content.handle(330, *record);

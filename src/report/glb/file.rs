@@ -12,13 +12,13 @@ use nalgebra::Vector3;
 use serde_json::json;
 
 /// A scene being made: what is said of it, and its numbers.
-pub struct File {
+pub struct GlbFile {
     root: Root,
     numbers: Vec<u8>,
 }
 
 /// What a mesh is made of: triangles with normals, or lines.
-pub struct Surface<'s> {
+pub struct GlbSurface<'s> {
     pub positions: &'s [Vector3<f64>],
     /// Empty of lines.
     pub normals: &'s [Vector3<f64>],
@@ -32,7 +32,7 @@ fn single<'v>(vectors: impl IntoIterator<Item = &'v Vector3<f64>>) -> Vec<f32> {
     vectors.into_iter().flat_map(|v| [v.x as f32, v.y as f32, v.z as f32]).collect()
 }
 
-impl File {
+impl GlbFile {
     pub fn new() -> Self {
         let generator = Some(format!("sweetspot {}", env!("CARGO_PKG_VERSION")));
         let asset = Asset { generator, ..Asset::default() };
@@ -95,7 +95,7 @@ impl File {
     pub fn mesh(
         &mut self,
         name: &str,
-        surface: &Surface<'_>,
+        surface: &GlbSurface<'_>,
         material: Index<Material>,
     ) -> Option<Index<Mesh>> {
         if surface.indices.is_empty() {

@@ -4,11 +4,11 @@
 mod file;
 
 use crate::cell::Shape;
-use crate::drawing::{Carrier, Component, Drawing, Field, Kind, Mesh, Part};
+use crate::drawing::{Component, Drawing, DrawnPart, Field, Mesh, PartCarrier, PartKind};
 use crate::pose::Pose;
 use crate::report::colours::viridis;
 use crate::units::rounded;
-use file::{File, Surface, quaternion};
+use file::{GlbFile, GlbSurface, quaternion};
 use gltf_json::animation::Property;
 use gltf_json::{Animation, Index, Material, Node};
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
@@ -18,15 +18,15 @@ use std::f32::consts::FRAC_1_SQRT_2;
 /// Red, green, blue (sRGB, 0 to 255), how much hides what is behind, how rough.
 type Look = ([u8; 3], f64, f32);
 
-fn look(kind: Kind) -> Look {
+fn look(kind: PartKind) -> Look {
     match kind {
-        Kind::Robot => ([230, 159, 0], 1.0, 0.45),
-        Kind::Tool => ([87, 96, 106], 1.0, 0.35),
-        Kind::Held => ([0, 158, 115], 1.0, 0.5),
-        Kind::Equipment => ([200, 208, 217], 1.0, 0.8),
-        Kind::Obstacle => ([140, 147, 156], 1.0, 0.9),
-        Kind::Fence => ([240, 228, 66], 0.35, 0.9),
-        Kind::KeepOut => ([213, 94, 0], 0.25, 0.9),
+        PartKind::Robot => ([230, 159, 0], 1.0, 0.45),
+        PartKind::Tool => ([87, 96, 106], 1.0, 0.35),
+        PartKind::Held => ([0, 158, 115], 1.0, 0.5),
+        PartKind::Equipment => ([200, 208, 217], 1.0, 0.8),
+        PartKind::Obstacle => ([140, 147, 156], 1.0, 0.9),
+        PartKind::Fence => ([240, 228, 66], 0.35, 0.9),
+        PartKind::KeepOut => ([213, 94, 0], 0.25, 0.9),
     }
 }
 
@@ -43,13 +43,13 @@ fn linear(colour: [u8; 3]) -> [f64; 3] {
 }
 
 /// A scene and how its robot goes.
-struct Scene {
-    file: File,
+struct GlbBuilder {
+    file: GlbFile,
     materials: BTreeMap<String, Index<Material>>,
     animation: Animation,
 }
 
-impl Scene {
+impl GlbBuilder {
     fn material(&mut self, name: &str, (colour, alpha, roughness): Look) -> Index<Material> {
         let [r, g, b] = linear(colour);
         let file = &mut self.file;
@@ -61,12 +61,13 @@ impl Scene {
     fn solid(&mut self, name: &str, mesh: &Mesh, (what, look): (&str, Look)) -> Option<Index<Node>> {
         let material = self.material(what, look);
         let indices = mesh.triangles.iter().flatten().copied().collect();
-        let surface = Surface { positions: &mesh.positions, normals: &mesh.normals, colours: &[], indices };
+        let surface =
+            GlbSurface { positions: &mesh.positions, normals: &mesh.normals, colours: &[], indices };
         let mesh = Some(self.file.mesh(name, &surface, material)?);
         Some(self.file.node(Node { mesh, name: Some(name.to_string()), ..Node::default() }))
     }
 
-    fn part(&mut self, part: &Part) -> Option<Index<Node>> {
+    fn part(&mut self, part: &DrawnPart) -> Option<Index<Node>> {
         self.solid(&part.name, &part.mesh, (part.kind.name(), look(part.kind)))
     }
 
@@ -81,7 +82,7 @@ impl Scene {
         }
         let material = self.material(what.0, what.1);
         let positions = rings.concat();
-        let surface = Surface { positions: &positions, normals: &[], colours: &[], indices };
+        let surface = GlbSurface { positions: &positions, normals: &[], colours: &[], indices };
         let mesh = Some(self.file.mesh(name, &surface, material)?);
         Some(self.file.node(Node { mesh, name: Some(name.to_string()), ..Node::default() }))
     }
@@ -93,8 +94,8 @@ impl Scene {
 /// # Errors
 /// Those of the writer.
 pub fn glb(drawing: &Drawing<'_>, operation: Option<usize>) -> Result<Vec<u8>, String> {
-    let animation = File::animation("home - spots - home");
-    let mut scene = Scene { file: File::new(), materials: BTreeMap::new(), animation };
+    let animation = GlbFile::animation("home - spots - home");
+    let mut scene = GlbBuilder { file: GlbFile::new(), materials: BTreeMap::new(), animation };
     let robot = robot(&mut scene, drawing, operation);
     let mut top: Vec<Index<Node>> = robot.into_iter().collect();
     top.extend(stands(&mut scene, drawing));
@@ -133,14 +134,14 @@ fn placed(name: &str, pose: &Pose, children: Vec<Index<Node>>) -> Node {
 }
 
 /// The robot: a node for each link, moving in the world, with the solids that it carries; the TCP last.
-fn robot(scene: &mut Scene, drawing: &Drawing<'_>, operation: Option<usize>) -> Option<Index<Node>> {
+fn robot(scene: &mut GlbBuilder, drawing: &Drawing<'_>, operation: Option<usize>) -> Option<Index<Node>> {
     let movement = &drawing.movement;
     let input = scene.file.times(&movement.times);
     let frames = movement.frames(operation);
     let mut links = Vec::new();
     for (k, frame) in frames.iter().enumerate() {
         let mut solids = Vec::new();
-        for part in drawing.parts.iter().filter(|p| p.carrier == Carrier::Link(k)) {
+        for part in drawing.parts.iter().filter(|p| p.carrier == PartCarrier::Link(k)) {
             solids.extend(match part.operation {
                 None => scene.part(part),
                 Some(o) => held(scene, drawing, part, (o, operation == Some(o)), input),
@@ -162,8 +163,8 @@ fn robot(scene: &mut Scene, drawing: &Drawing<'_>, operation: Option<usize>) -> 
 }
 
 /// Channels of a link: neighbouring rotations are told by neighbouring quaternions.
-fn moving(scene: &mut Scene, link: Index<Node>, poses: &[Pose], input: Index<gltf_json::Accessor>) {
-    let Scene { file, animation, .. } = scene;
+fn moving(scene: &mut GlbBuilder, link: Index<Node>, poses: &[Pose], input: Index<gltf_json::Accessor>) {
+    let GlbBuilder { file, animation, .. } = scene;
     let places: Vec<f32> = poses.iter().flat_map(translation).collect();
     file.channel(animation, (link, Property::Translation), input, &places);
     let mut turns: Vec<f32> = Vec::new();
@@ -182,9 +183,9 @@ fn moving(scene: &mut Scene, link: Index<Node>, poses: &[Pose], input: Index<glt
 
 /// A part of an operation, there only while it is held.
 fn held(
-    scene: &mut Scene,
+    scene: &mut GlbBuilder,
     drawing: &Drawing<'_>,
-    part: &Part,
+    part: &DrawnPart,
     (operation, is_held): (usize, bool),
     input: Index<gltf_json::Accessor>,
 ) -> Option<Index<Node>> {
@@ -203,15 +204,15 @@ fn held(
 }
 
 /// Equipment and obstacles at their frames, fence, keep-out spaces.
-fn stands(scene: &mut Scene, drawing: &Drawing<'_>) -> Vec<Index<Node>> {
+fn stands(scene: &mut GlbBuilder, drawing: &Drawing<'_>) -> Vec<Index<Node>> {
     let mut all = Vec::new();
     for (k, equipment) in drawing.cell.equipment.iter().enumerate() {
-        let parts: Vec<&Part> = drawing.parts.iter().filter(|p| p.equipment == Some(k)).collect();
+        let parts: Vec<&DrawnPart> = drawing.parts.iter().filter(|p| p.equipment == Some(k)).collect();
         let solids = parts.iter().filter_map(|part| scene.part(part)).collect();
         let at = drawing.layout.placements[k].pose();
         all.push(scene.file.node(placed(&equipment.name, &at, solids)));
     }
-    for kind in [Kind::Fence, Kind::KeepOut] {
+    for kind in [PartKind::Fence, PartKind::KeepOut] {
         let parts = drawing.parts.iter().filter(|p| p.kind == kind);
         let solids = parts.filter_map(|part| scene.part(part)).collect();
         all.extend(scene.file.group(kind.name(), solids));
@@ -220,7 +221,7 @@ fn stands(scene: &mut Scene, drawing: &Drawing<'_>) -> Vec<Index<Node>> {
 }
 
 /// The error maps: arrows, circles round nodes that cannot be used, the spot; one node for each operation.
-fn maps(scene: &mut Scene, drawing: &Drawing<'_>) -> Option<Index<Node>> {
+fn maps(scene: &mut GlbBuilder, drawing: &Drawing<'_>) -> Option<Index<Node>> {
     let ranges = drawing.fields.iter().filter_map(|f| f.range(0, f.sense));
     let range = ranges.reduce(|(lo, hi), (a, b)| (lo.min(a), hi.max(b))).unwrap_or_default();
     let mut operations = Vec::new();
@@ -240,7 +241,7 @@ fn maps(scene: &mut Scene, drawing: &Drawing<'_>) -> Option<Index<Node>> {
 
 /// The resultant errors of an operation, coloured by the error in its sense.
 fn arrows(
-    scene: &mut Scene,
+    scene: &mut GlbBuilder,
     drawing: &Drawing<'_>,
     k: usize,
     (low, high): (f64, f64),
@@ -259,7 +260,7 @@ fn arrows(
     }
     let name = format!("errors, {} times enlarged", rounded(drawing.exaggeration(0), 6));
     let material = scene.material("errors", ([255; 3], 1.0, 0.7));
-    let surface = Surface {
+    let surface = GlbSurface {
         positions: &all.positions,
         normals: &all.normals,
         colours: &colours,
@@ -270,7 +271,7 @@ fn arrows(
 }
 
 /// What the arm reaches, one node for each operation.
-fn envelopes(scene: &mut Scene, drawing: &Drawing<'_>) -> Option<Index<Node>> {
+fn envelopes(scene: &mut GlbBuilder, drawing: &Drawing<'_>) -> Option<Index<Node>> {
     let mut all = Vec::new();
     for (operation, rings) in drawing.cell.operations.iter().zip(&drawing.envelopes) {
         let at_work = scene.rings("at the height of the work", &rings.at_work, ("reach", REACH));

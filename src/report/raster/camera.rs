@@ -4,7 +4,7 @@ use nalgebra::{Point2, Vector3};
 
 /// From where one looks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum View {
+pub enum ViewDirection {
     /// From above and aside, from where the work lies in front of the robot.
     #[default]
     Iso,
@@ -15,7 +15,7 @@ pub enum View {
     Side,
 }
 
-impl View {
+impl ViewDirection {
     pub const ALL: [Self; 4] = [Self::Iso, Self::Top, Self::Front, Self::Side];
 
     pub fn name(self) -> &'static str {
@@ -50,14 +50,14 @@ impl View {
 /// A place in the picture, px to the right and down; its nearness orders what lies behind each other and
 /// is linear over every plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Seen {
+pub struct ScreenPoint {
     pub at: Point2<f64>,
     pub near: f64,
 }
 
 /// The part of the picture that shows the world, px.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Frame {
+pub struct PictureFrame {
     pub left: f64,
     pub top: f64,
     pub width: f64,
@@ -85,11 +85,11 @@ const AWAY: f64 = 4.2;
 impl Camera {
     /// Shows all `points` in the frame.
     pub fn fitted(
-        view: View,
+        view: ViewDirection,
         perspective: bool,
         work: &Vector3<f64>,
         points: &[Vector3<f64>],
-        frame: &Frame,
+        frame: &PictureFrame,
     ) -> Self {
         let [right, up, back] = view.axes(perspective, work);
         let bounds = points.iter().map(|p| (*p, *p)).reduce(|(lo, hi), (p, q)| (lo.inf(&p), hi.sup(&q)));
@@ -110,7 +110,7 @@ impl Camera {
         camera
     }
 
-    pub fn seen(&self, p: &Vector3<f64>) -> Seen {
+    pub fn seen(&self, p: &Vector3<f64>) -> ScreenPoint {
         let from = p - self.centre;
         let (x, y, z) = (from.dot(&self.right), from.dot(&self.up), from.dot(&self.back));
         let (grown, near) = match self.distance {
@@ -122,7 +122,7 @@ impl Camera {
             None => (1.0, z),
         };
         let scale = self.scale * grown;
-        Seen { at: Point2::new(self.shift.0 + x * scale, self.shift.1 - y * scale), near }
+        ScreenPoint { at: Point2::new(self.shift.0 + x * scale, self.shift.1 - y * scale), near }
     }
 
     /// Unit vector from a point to the eye.

@@ -1,6 +1,6 @@
 //! Triangles and lines to samples, the nearest winning.
 
-use super::camera::Seen;
+use super::camera::ScreenPoint;
 use nalgebra::{Point2, Vector2};
 
 /// Corners lie on a grid of so many parts of a sample: whole numbers decide exactly who covers a sample.
@@ -10,22 +10,22 @@ const PART: i64 = 256;
 const FARTHEST: f64 = 1e5;
 
 /// Samples row by row from the top left, each with what is nearest there.
-pub struct Canvas<T> {
+pub struct DepthBuffer<T> {
     pub width: usize,
     pub height: usize,
     pub near: Vec<f32>,
     pub value: Vec<T>,
 }
 
-impl<T: Copy> Canvas<T> {
+impl<T: Copy> DepthBuffer<T> {
     pub fn new(width: usize, height: usize, value: T) -> Self {
         Self { width, height, near: vec![f32::MIN; width * height], value: vec![value; width * height] }
     }
 
     /// Paints a triangle where it is nearest: `paint` is given the shares of the corners. Triangles that
     /// share an edge leave no gap and share no sample. What is not `solid` hides nothing behind it.
-    pub fn fill(&mut self, corners: &[Seen; 3], solid: bool, mut paint: impl FnMut(&mut T, [f32; 3])) {
-        let is_drawn = |c: &Seen| c.near.is_finite() && c.at.coords.iter().all(|v| v.abs() < FARTHEST);
+    pub fn fill(&mut self, corners: &[ScreenPoint; 3], solid: bool, mut paint: impl FnMut(&mut T, [f32; 3])) {
+        let is_drawn = |c: &ScreenPoint| c.near.is_finite() && c.at.coords.iter().all(|v| v.abs() < FARTHEST);
         if !corners.iter().all(is_drawn) {
             return;
         }
@@ -35,7 +35,11 @@ impl<T: Copy> Canvas<T> {
             return;
         }
         let sign = area.signum();
-        let edges = [Edge::new(p[1], p[2], sign), Edge::new(p[2], p[0], sign), Edge::new(p[0], p[1], sign)];
+        let edges = [
+            TriangleEdge::new(p[1], p[2], sign),
+            TriangleEdge::new(p[2], p[0], sign),
+            TriangleEdge::new(p[0], p[1], sign),
+        ];
         let (lows, highs) = (least(&p, 0), least(&p, 1));
         let (columns, rows) = (range(lows, self.width), range(highs, self.height));
         let full = (area * sign) as f32;
@@ -60,10 +64,13 @@ impl<T: Copy> Canvas<T> {
     }
 
     /// A line of a width, samples.
-    pub fn stroke(&mut self, a: &Seen, b: &Seen, width: f64, mut paint: impl FnMut(&mut T)) {
+    pub fn stroke(&mut self, a: &ScreenPoint, b: &ScreenPoint, width: f64, mut paint: impl FnMut(&mut T)) {
         let along = (b.at - a.at).try_normalize(1e-9).unwrap_or_else(Vector2::x);
         let (side, end) = (Vector2::new(-along.y, along.x) * (width / 2.0), along * (width / 4.0));
-        let corner = |s: &Seen, off: Vector2<f64>| Seen { at: Point2::from(s.at.coords + off), near: s.near };
+        let corner = |s: &ScreenPoint, off: Vector2<f64>| ScreenPoint {
+            at: Point2::from(s.at.coords + off),
+            near: s.near,
+        };
         let quad =
             [corner(a, -end - side), corner(b, end - side), corner(b, end + side), corner(a, -end + side)];
         self.fill(&[quad[0], quad[1], quad[2]], true, |v, _| paint(v));
@@ -89,7 +96,7 @@ fn range((low, high): (i64, i64), count: usize) -> std::ops::Range<usize> {
 }
 
 /// A side of a triangle: its value at a sample grows inwards.
-struct Edge {
+struct TriangleEdge {
     from: [i64; 2],
     along: [i64; 2],
     /// From a sample to the next to the right.
@@ -98,7 +105,7 @@ struct Edge {
     least: i64,
 }
 
-impl Edge {
+impl TriangleEdge {
     fn new(a: [i64; 2], b: [i64; 2], sign: i64) -> Self {
         let along = [(b[0] - a[0]) * sign, (b[1] - a[1]) * sign];
         let owns = along[1] < 0 || along[1] == 0 && along[0] > 0;

@@ -1,12 +1,12 @@
 //! The edges of a body that a draughtsman would draw: sharp ones, open ones, and the outline.
 
 use super::camera::Camera;
-use super::scene::Body;
+use super::scene::SceneBody;
 use nalgebra::Vector3;
 use std::collections::HashMap;
 
 /// A side of triangles: its ends, the corners made of them, and what the triangles beside it look like.
-struct Side {
+struct FeatureEdge {
     ends: [Vector3<f64>; 2],
     corners: [u32; 2],
     faces_eye: bool,
@@ -18,11 +18,11 @@ struct Side {
 /// So many sharp edges are noise.
 const MOST: usize = 400;
 
-pub fn of(body: &Body, camera: &Camera) -> Vec<[Vector3<f64>; 2]> {
+pub fn of(body: &SceneBody, camera: &Camera) -> Vec<[Vector3<f64>; 2]> {
     let mesh = &body.mesh;
     let places = places(&mesh.positions);
     let mut index: HashMap<[u32; 2], usize> = HashMap::new();
-    let mut sides: Vec<Side> = Vec::new();
+    let mut sides: Vec<FeatureEdge> = Vec::new();
     for t in &mesh.triangles {
         let [a, b, c] = t.map(|i| mesh.positions[i as usize]);
         let faces_eye = (b - a).cross(&(c - a)).dot(&camera.to_eye(&a)) > 0.0;
@@ -32,7 +32,7 @@ pub fn of(body: &Body, camera: &Camera) -> Vec<[Vector3<f64>; 2]> {
             let key = [places[i as usize], places[j as usize]];
             let ends = [mesh.positions[i as usize], mesh.positions[j as usize]];
             let at = *index.entry(key).or_insert_with(|| {
-                sides.push(Side {
+                sides.push(FeatureEdge {
                     ends,
                     corners: [i, j],
                     faces_eye,
@@ -52,7 +52,7 @@ pub fn of(body: &Body, camera: &Camera) -> Vec<[Vector3<f64>; 2]> {
     }
     // A scanned surface is sharp all over, and an arrow is too thin for more than its outline.
     let sharp = !body.is_sign && sides.iter().filter(|s| s.is_sharp).count() < MOST;
-    let is_drawn = |s: &Side| s.is_outline || s.count == 1 || s.is_sharp && sharp;
+    let is_drawn = |s: &FeatureEdge| s.is_outline || s.count == 1 || s.is_sharp && sharp;
     sides.into_iter().filter(is_drawn).map(|s| s.ends).collect()
 }
 

@@ -1,9 +1,9 @@
 //! The floor: a plate with a grid, darker under what stands on it or near above it.
 
-use super::camera::Seen;
-use super::canvas::Canvas;
+use super::camera::ScreenPoint;
+use super::canvas::DepthBuffer;
 use super::palette::{Colour, Palette, mixed};
-use super::scene::{Body, Line, Scene};
+use super::scene::{RasterScene, SceneBody, SceneLine};
 use crate::drawing::Mesh;
 use nalgebra::{Point2, Vector3};
 
@@ -15,7 +15,7 @@ const NEAR: f64 = 0.35;
 const GRID: f64 = 0.5;
 
 /// Lays the floor under all that is in the scene.
-pub fn lay(scene: &mut Scene, palette: &Palette, height: f64) {
+pub fn lay(scene: &mut RasterScene, palette: &Palette, height: f64) {
     let points: Vec<Vector3<f64>> = scene.bodies.iter().flat_map(|b| &b.mesh.positions).copied().collect();
     let bounds = points.iter().map(|p| (*p, *p)).reduce(|(lo, hi), (p, q)| (lo.inf(&p), hi.sup(&q)));
     let Some((low, high)) = bounds else { return };
@@ -37,12 +37,12 @@ pub fn lay(scene: &mut Scene, palette: &Palette, height: f64) {
     let triangles = quads.flat_map(|a| [[a, a + 1, a + wide + 1], [a, a + wide + 1, a + wide]]).collect();
     let normals = vec![Vector3::z(); positions.len()];
     let mesh = Mesh { positions, normals, triangles };
-    let body = Body {
+    let body = SceneBody {
         is_lit: false,
         has_edges: false,
         shares,
         dark: shadow(palette),
-        ..Body::solid(mesh, palette.floor, 1.0)
+        ..SceneBody::solid(mesh, palette.floor, 1.0)
     };
     scene.bodies.insert(0, body);
     add_grid(scene, palette.grid, low, high, height);
@@ -52,7 +52,7 @@ fn shadow(palette: &Palette) -> Colour {
     mixed(palette.floor, [0.02, 0.03, 0.05], 0.55)
 }
 
-fn add_grid(scene: &mut Scene, colour: Colour, low: [f64; 2], high: [f64; 2], height: f64) {
+fn add_grid(scene: &mut RasterScene, colour: Colour, low: [f64; 2], high: [f64; 2], height: f64) {
     let lift = 0.0;
     for axis in 0..2 {
         let count = ((high[axis] - low[axis]) / GRID).round() as usize;
@@ -63,20 +63,21 @@ fn add_grid(scene: &mut Scene, colour: Colour, low: [f64; 2], high: [f64; 2], he
                 if axis == 0 { Vector3::new(value, v, height) } else { Vector3::new(v, value, height) }
             };
             let points = vec![end(low[1 - axis]), end(high[1 - axis])];
-            let line = Line { points, closed: false, dashed: false, colour, width: 0.7, lift: lift + 0.0005 };
+            let line =
+                SceneLine { points, closed: false, dashed: false, colour, width: 0.7, lift: lift + 0.0005 };
             scene.lines.insert(0, line);
         }
     }
 }
 
 /// How much of the light from above is missing on the corners of the fields, 0 to 1, blurred.
-fn shade(scene: &Scene, low: [f64; 2], high: [f64; 2], floor: f64) -> Vec<f32> {
+fn shade(scene: &RasterScene, low: [f64; 2], high: [f64; 2], floor: f64) -> Vec<f32> {
     let across = FIELDS + 1;
-    let mut lowest = Canvas::new(across, across, ());
+    let mut lowest = DepthBuffer::new(across, across, ());
     let scale = |axis: usize| FIELDS as f64 / (high[axis] - low[axis]).max(1e-9);
     let (sx, sy) = (scale(0), scale(1));
     for body in scene.bodies.iter().filter(|b| b.opacity >= 1.0 && !b.is_sign) {
-        let seen = |p: &Vector3<f64>| Seen {
+        let seen = |p: &Vector3<f64>| ScreenPoint {
             at: Point2::new((p.x - low[0]) * sx + 0.5, (p.y - low[1]) * sy + 0.5),
             near: floor - p.z,
         };

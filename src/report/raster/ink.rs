@@ -1,20 +1,20 @@
 //! The finished picture: samples averaged to pixels, text and signs on top.
 
-use super::canvas::Canvas;
+use super::canvas::DepthBuffer;
 use super::font;
 use super::palette::Colour;
 use nalgebra::Vector2;
 
 /// Pixels row by row, 0 to 1.
-pub struct Sheet {
+pub struct PixelImage {
     pub width: usize,
     pub height: usize,
     pub pixels: Vec<Colour>,
 }
 
-impl Sheet {
+impl PixelImage {
     /// Each pixel the mean of `fine` by `fine` samples.
-    pub fn of(canvas: &Canvas<[u8; 3]>, fine: usize) -> Self {
+    pub fn of(canvas: &DepthBuffer<[u8; 3]>, fine: usize) -> Self {
         let (width, height) = (canvas.width / fine, canvas.height / fine);
         let share = 1.0 / (255.0 * (fine * fine) as f32);
         let mut pixels = vec![[0.0f32; 3]; width * height];

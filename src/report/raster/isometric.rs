@@ -3,10 +3,10 @@
 //! What hides what is found as in the PNG, sample by sample; areas of one tone are traced, lines are cut to
 //! what is seen of them.
 
-use super::camera::{Camera, Seen};
-use super::canvas::Canvas;
+use super::camera::{Camera, ScreenPoint};
+use super::canvas::DepthBuffer;
 use super::palette::{Colour, Light, hex};
-use super::scene::Line;
+use super::scene::SceneLine;
 use super::{Shot, Staged, edges, labels, staged, strip, trace};
 use crate::drawing::Drawing;
 use crate::report::svg_text::escaped;
@@ -56,15 +56,15 @@ pub fn isometric(drawing: &Drawing<'_>, shot: &Shot) -> Result<String, String> {
     Ok(out)
 }
 
-fn sampled(camera: &Camera, p: &Vector3<f64>) -> Seen {
+fn sampled(camera: &Camera, p: &Vector3<f64>) -> ScreenPoint {
     let seen = camera.seen(p);
-    Seen { at: seen.at * FINE, ..seen }
+    ScreenPoint { at: seen.at * FINE, ..seen }
 }
 
 /// Solids and floor as areas of one tone each; gives what is nearest where.
-fn draw_areas(out: &mut String, stage: &Staged, shot: &Shot) -> Canvas<u32> {
+fn draw_areas(out: &mut String, stage: &Staged, shot: &Shot) -> DepthBuffer<u32> {
     let size = [shot.width, shot.height].map(|side| (side as f64 * FINE) as usize);
-    let mut canvas = Canvas::new(size[0], size[1], 0u32);
+    let mut canvas = DepthBuffer::new(size[0], size[1], 0u32);
     let light = Light::of(&stage.camera);
     let mut colours: Vec<(usize, f32)> = Vec::new();
     let mut number: BTreeMap<(usize, u32), u32> = BTreeMap::new();
@@ -72,7 +72,8 @@ fn draw_areas(out: &mut String, stage: &Staged, shot: &Shot) -> Canvas<u32> {
         if body.opacity < 1.0 || body.is_sign {
             continue;
         }
-        let corners: Vec<Seen> = body.mesh.positions.iter().map(|p| sampled(&stage.camera, p)).collect();
+        let corners: Vec<ScreenPoint> =
+            body.mesh.positions.iter().map(|p| sampled(&stage.camera, p)).collect();
         let tones = body.tones(&light);
         for t in &body.mesh.triangles {
             let t = t.map(|i| i as usize);
@@ -100,7 +101,7 @@ fn draw_areas(out: &mut String, stage: &Staged, shot: &Shot) -> Canvas<u32> {
 /// What can be seen of points.
 struct Seeing<'a> {
     camera: &'a Camera,
-    canvas: &'a Canvas<u32>,
+    canvas: &'a DepthBuffer<u32>,
 }
 
 impl Seeing<'_> {
@@ -153,7 +154,7 @@ fn draw_lines(out: &mut String, stage: &Staged, seeing: &Seeing<'_>, pixel: f64)
         });
         seeing.add(&mut groups[k].2, span, lift);
     };
-    let (floor, above): (Vec<&Line>, Vec<&Line>) =
+    let (floor, above): (Vec<&SceneLine>, Vec<&SceneLine>) =
         stage.scene.lines.iter().partition(|l| l.colour == stage.palette.grid);
     floor.iter().for_each(|l| l.spans().for_each(|span| add(l.colour, l.width, &span, l.lift)));
     for body in stage.scene.bodies.iter().filter(|b| b.has_edges && !b.is_sign) {
@@ -169,10 +170,10 @@ fn draw_lines(out: &mut String, stage: &Staged, seeing: &Seeing<'_>, pixel: f64)
 }
 
 /// What can be seen through: its far and its near side.
-fn draw_clear(out: &mut String, stage: &Staged, canvas: &Canvas<u32>) {
+fn draw_clear(out: &mut String, stage: &Staged, canvas: &DepthBuffer<u32>) {
     for body in stage.scene.bodies.iter().filter(|b| b.opacity < 1.0) {
         for front in [false, true] {
-            let mut mask = Canvas::new(canvas.width, canvas.height, 0u32);
+            let mut mask = DepthBuffer::new(canvas.width, canvas.height, 0u32);
             mask.near.copy_from_slice(&canvas.near);
             for t in &body.mesh.triangles {
                 let [a, b, c] = t.map(|i| body.mesh.positions[i as usize]);

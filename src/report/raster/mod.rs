@@ -23,18 +23,18 @@ mod strip;
 #[doc(hidden)] // open for tests/it
 pub mod trace;
 
-pub use camera::View;
+pub use camera::ViewDirection;
 pub use isometric::isometric;
 pub use scale::Show;
 
 use crate::drawing::Drawing;
-use camera::{Camera, Frame};
-use canvas::Canvas;
-use ink::Sheet;
+use camera::{Camera, PictureFrame};
+use canvas::DepthBuffer;
+use ink::PixelImage;
 use nalgebra::Vector3;
 use palette::{Light, Palette, bytes, mixed};
-use scale::Scale;
-use scene::{Body, Scene};
+use scale::ErrorScale;
+use scene::{RasterScene, SceneBody};
 
 /// What is shown and how.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,7 +46,7 @@ pub struct Shot {
     /// px
     pub width: usize,
     pub height: usize,
-    pub view: View,
+    pub view: ViewDirection,
     /// Near things larger; else parallel lines stay parallel.
     pub perspective: bool,
     pub show: Show,
@@ -69,7 +69,7 @@ impl Default for Shot {
             stance: None,
             width: 1600,
             height: 1000,
-            view: View::Iso,
+            view: ViewDirection::Iso,
             perspective: true,
             show: Show::Resultant,
             take: 0,
@@ -112,28 +112,28 @@ impl Shot {
     }
 
     /// Where the world is shown, px.
-    fn frame(&self) -> Frame {
+    fn frame(&self) -> PictureFrame {
         let (width, height, unit) = (self.width as f64, self.height as f64, self.capital());
         let side = 2.2 * unit;
         let (above, below) = if self.legend { (5.2 * unit, strip::HEIGHT * unit) } else { (side, side) };
         let height = (height - above - below).max(height / 4.0);
-        Frame { left: side, top: above, width: width - 2.0 * side, height }
+        PictureFrame { left: side, top: above, width: width - 2.0 * side, height }
     }
 }
 
 /// A scene and the camera that is fitted to it.
 struct Staged {
-    scene: Scene,
+    scene: RasterScene,
     camera: Camera,
     palette: Palette,
-    scale: Scale,
+    scale: ErrorScale,
 }
 
 fn staged(drawing: &Drawing<'_>, shot: &Shot) -> Result<Staged, String> {
     shot.check(drawing)?;
     let palette = Palette::of(shot.dark);
-    let scale = Scale::of(drawing, shot);
-    let mut scene = Scene::of(drawing, shot, &palette, &scale);
+    let scale = ErrorScale::of(drawing, shot);
+    let mut scene = RasterScene::of(drawing, shot, &palette, &scale);
     let shown = drawing.fields.iter().filter(|f| shot.operation.is_none_or(|o| o == f.operation));
     let nodes: Vec<Vector3<f64>> = shown.flat_map(|f| f.nodes.iter().map(|n| n.position)).collect();
     let mean = nodes.iter().sum::<Vector3<f64>>() / nodes.len().max(1) as f64;
@@ -149,7 +149,7 @@ fn staged(drawing: &Drawing<'_>, shot: &Shot) -> Result<Staged, String> {
 /// A size that no picture has, a take or an operation that is not there.
 pub fn png(drawing: &Drawing<'_>, shot: &Shot) -> Result<Vec<u8>, String> {
     let stage = staged(drawing, shot)?;
-    let mut sheet = Sheet::of(&rendered(&stage, shot), FINE);
+    let mut sheet = PixelImage::of(&rendered(&stage, shot), FINE);
     if shot.labels {
         labels::write(&mut sheet, &stage, shot);
     }
@@ -159,11 +159,12 @@ pub fn png(drawing: &Drawing<'_>, shot: &Shot) -> Result<Vec<u8>, String> {
     encoded(&sheet)
 }
 
-fn rendered(stage: &Staged, shot: &Shot) -> Canvas<[u8; 3]> {
+fn rendered(stage: &Staged, shot: &Shot) -> DepthBuffer<[u8; 3]> {
     let (width, height) = (shot.width * FINE, shot.height * FINE);
-    let mut canvas = Canvas::new(width, height, bytes(stage.palette.paper));
+    let mut canvas = DepthBuffer::new(width, height, bytes(stage.palette.paper));
     let light = Light::of(&stage.camera);
-    let (solid, clear): (Vec<&Body>, Vec<&Body>) = stage.scene.bodies.iter().partition(|b| b.opacity >= 1.0);
+    let (solid, clear): (Vec<&SceneBody>, Vec<&SceneBody>) =
+        stage.scene.bodies.iter().partition(|b| b.opacity >= 1.0);
     solid.iter().for_each(|body| paint(&mut canvas, body, &stage.camera, &light));
     let pixel = shot.capital() / 10.0 * FINE as f64;
     let lift = stage.scene.size * 0.002;
@@ -186,14 +187,14 @@ fn rendered(stage: &Staged, shot: &Shot) -> Canvas<[u8; 3]> {
     canvas
 }
 
-fn sampled(camera: &Camera, p: &Vector3<f64>) -> camera::Seen {
+fn sampled(camera: &Camera, p: &Vector3<f64>) -> camera::ScreenPoint {
     let seen = camera.seen(p);
-    camera::Seen { at: seen.at * FINE as f64, ..seen }
+    camera::ScreenPoint { at: seen.at * FINE as f64, ..seen }
 }
 
 /// The colours at the corners of a body, blended between them.
-fn paint(canvas: &mut Canvas<[u8; 3]>, body: &Body, camera: &Camera, light: &Light) {
-    let corners: Vec<camera::Seen> =
+fn paint(canvas: &mut DepthBuffer<[u8; 3]>, body: &SceneBody, camera: &Camera, light: &Light) {
+    let corners: Vec<camera::ScreenPoint> =
         body.mesh.positions.iter().map(|p| sampled(camera, &camera.before(p, body.lift))).collect();
     let tones = body.tones(light);
     for t in &body.mesh.triangles {
@@ -206,7 +207,7 @@ fn paint(canvas: &mut Canvas<[u8; 3]>, body: &Body, camera: &Camera, light: &Lig
 }
 
 /// What can be seen through, the farthest first.
-fn paint_clear(canvas: &mut Canvas<[u8; 3]>, bodies: &[&Body], camera: &Camera) {
+fn paint_clear(canvas: &mut DepthBuffer<[u8; 3]>, bodies: &[&SceneBody], camera: &Camera) {
     let mut faces = Vec::new();
     for body in bodies {
         for t in &body.mesh.triangles {
@@ -225,7 +226,7 @@ fn paint_clear(canvas: &mut Canvas<[u8; 3]>, bodies: &[&Body], camera: &Camera) 
     }
 }
 
-fn encoded(sheet: &Sheet) -> Result<Vec<u8>, String> {
+fn encoded(sheet: &PixelImage) -> Result<Vec<u8>, String> {
     let (width, height) = (sheet.width as u32, sheet.height as u32);
     let mut out = Vec::new();
     let mut encoder = png::Encoder::new(&mut out, width, height);

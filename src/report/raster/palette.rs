@@ -1,7 +1,7 @@
 //! Colours and light.
 
 use super::camera::Camera;
-use crate::drawing::{GlyphTone, Kind};
+use crate::drawing::{GlyphTone, PartKind};
 use crate::report::colours;
 use nalgebra::Vector3;
 
@@ -50,15 +50,15 @@ impl Palette {
     }
 
     /// Of a solid, and how much of what lies behind it it hides.
-    pub fn of_kind(&self, kind: Kind) -> (Colour, f32) {
+    pub fn of_kind(&self, kind: PartKind) -> (Colour, f32) {
         let (light, dark, opacity) = match kind {
-            Kind::Robot => (0xf0a04b, 0xd9853a, 1.0),
-            Kind::Tool => (0x6b7683, 0x8a95a1, 1.0),
-            Kind::Held => (0x56b4e9, 0x56b4e9, 1.0),
-            Kind::Equipment => (0xc6ced8, 0x56626f, 1.0),
-            Kind::Obstacle => (0x98a2ae, 0x434c57, 1.0),
-            Kind::Fence => (0xe69f00, 0xe69f00, 0.13),
-            Kind::KeepOut => (0xd55e00, 0xff8f4a, 0.22),
+            PartKind::Robot => (0xf0a04b, 0xd9853a, 1.0),
+            PartKind::Tool => (0x6b7683, 0x8a95a1, 1.0),
+            PartKind::Held => (0x56b4e9, 0x56b4e9, 1.0),
+            PartKind::Equipment => (0xc6ced8, 0x56626f, 1.0),
+            PartKind::Obstacle => (0x98a2ae, 0x434c57, 1.0),
+            PartKind::Fence => (0xe69f00, 0xe69f00, 0.13),
+            PartKind::KeepOut => (0xd55e00, 0xff8f4a, 0.22),
         };
         (rgb(if self.is_dark { dark } else { light }), opacity)
     }

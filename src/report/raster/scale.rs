@@ -54,7 +54,7 @@ impl Show {
 }
 
 /// One scale of colour for every field that is shown.
-pub struct Scale {
+pub struct ErrorScale {
     /// Names of the senses that colours are of.
     pub senses: Vec<String>,
     /// Least and greatest value, m, rad or share; None if there is none.
@@ -62,7 +62,7 @@ pub struct Scale {
     pub unit: Unit,
 }
 
-impl Scale {
+impl ErrorScale {
     pub fn of(drawing: &Drawing<'_>, shot: &Shot) -> Self {
         let shown = || drawing.fields.iter().filter(|f| shot.operation.is_none_or(|o| o == f.operation));
         let (mut senses, mut unit) = (Vec::new(), Unit::Length);

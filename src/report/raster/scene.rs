@@ -3,14 +3,14 @@
 use super::Shot;
 use super::marks;
 use super::palette::{Colour, Light, Palette, lit, mixed};
-use super::scale::{Scale, Show};
+use super::scale::{ErrorScale, Show};
 use crate::cell::Role;
-use crate::drawing::{Arrow, Drawing, Kind, Mesh};
+use crate::drawing::{Arrow, Drawing, Mesh, PartKind};
 use crate::pose::Pose;
 use nalgebra::Vector3;
 
 /// A surface.
-pub struct Body {
+pub struct SceneBody {
     pub mesh: Mesh,
     pub colour: Colour,
     /// What is not lit by lamps goes from `dark` to its colour by these shares of its corners; empty: 1.
@@ -26,7 +26,7 @@ pub struct Body {
     pub lift: f64,
 }
 
-impl Body {
+impl SceneBody {
     /// How bright each corner is.
     pub fn tones(&self, light: &Light) -> Vec<f32> {
         match (self.is_lit, self.shares.is_empty()) {
@@ -42,7 +42,7 @@ impl Body {
 }
 
 /// A line through points.
-pub struct Line {
+pub struct SceneLine {
     pub points: Vec<Vector3<f64>>,
     pub closed: bool,
     /// Every second part is left out.
@@ -53,7 +53,7 @@ pub struct Line {
     pub lift: f64,
 }
 
-impl Line {
+impl SceneLine {
     /// The parts that are drawn.
     pub fn spans(&self) -> impl Iterator<Item = [Vector3<f64>; 2]> {
         let count = if self.closed { self.points.len() } else { self.points.len().saturating_sub(1) };
@@ -64,7 +64,7 @@ impl Line {
 
 /// Where the text of a label goes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Side {
+pub enum LabelSide {
     Above,
     /// Below the nearest of the points.
     Below,
@@ -77,11 +77,11 @@ pub struct Label {
     pub text: String,
     /// Of the thing.
     pub points: Vec<Vector3<f64>>,
-    pub side: Side,
+    pub side: LabelSide,
 }
 
 /// A node of an error map.
-pub struct Mark {
+pub struct NodeMark {
     pub at: Vector3<f64>,
     /// Where it can be used.
     pub colour: Option<Colour>,
@@ -89,18 +89,18 @@ pub struct Mark {
     pub title: String,
 }
 
-pub struct Scene {
-    pub bodies: Vec<Body>,
-    pub lines: Vec<Line>,
+pub struct RasterScene {
+    pub bodies: Vec<SceneBody>,
+    pub lines: Vec<SceneLine>,
     pub labels: Vec<Label>,
-    pub nodes: Vec<Mark>,
+    pub nodes: Vec<NodeMark>,
     pub arrows: Vec<(Arrow, Colour)>,
     /// Diagonal of all bodies, m.
     pub size: f64,
 }
 
-impl Scene {
-    pub fn of(drawing: &Drawing<'_>, shot: &Shot, palette: &Palette, scale: &Scale) -> Self {
+impl RasterScene {
+    pub fn of(drawing: &Drawing<'_>, shot: &Shot, palette: &Palette, scale: &ErrorScale) -> Self {
         let stance = shot.operation.or(shot.stance);
         let at = stance.and_then(|k| drawing.movement.at(k));
         let frames = at.unwrap_or(drawing.movement.home());
@@ -115,7 +115,7 @@ impl Scene {
         for (part, pose) in drawing.posed(stance, frames) {
             let (colour, opacity) = palette.of_kind(part.kind);
             let mesh = part.mesh.seen_from(&pose);
-            scene.bodies.push(Body::solid(mesh, colour, opacity));
+            scene.bodies.push(SceneBody::solid(mesh, colour, opacity));
         }
         let points = scene.points();
         let bounds = points.iter().map(|p| (*p, *p)).reduce(|(lo, hi), (p, q)| (lo.inf(&p), hi.sup(&q)));
@@ -149,7 +149,7 @@ impl Scene {
                     continue;
                 }
                 drawn.push(ring);
-                self.lines.push(Line {
+                self.lines.push(SceneLine {
                     points: ring.clone(),
                     closed: true,
                     dashed: false,
@@ -167,22 +167,22 @@ impl Scene {
             let points: Vec<_> = parts.filter_map(|(part, pose)| corners(&part.mesh, &pose)).collect();
             let points: Vec<Vector3<f64>> = points.into_iter().flatten().collect();
             let side = match (equipment.role, equipment.surface.is_some()) {
-                (Role::Equipment, true) => Side::Below,
-                _ => Side::Above,
+                (Role::Equipment, true) => LabelSide::Below,
+                _ => LabelSide::Above,
             };
             if !points.is_empty() {
                 self.labels.push(Label { text: equipment.name.clone(), points, side });
             }
         }
-        let is_keep_out = |kind| kind == Kind::KeepOut;
+        let is_keep_out = |kind| kind == PartKind::KeepOut;
         for (part, pose) in drawing.posed(None, frames).filter(|(part, _)| is_keep_out(part.kind)) {
             let points = corners(&part.mesh, &pose).map_or(Vec::new(), |c| c.to_vec());
-            self.labels.push(Label { text: part.name.clone(), points, side: Side::Above });
+            self.labels.push(Label { text: part.name.clone(), points, side: LabelSide::Above });
         }
     }
 }
 
-impl Body {
+impl SceneBody {
     pub fn solid(mesh: Mesh, colour: Colour, opacity: f32) -> Self {
         Self {
             mesh,

@@ -1,6 +1,6 @@
 //! Title and legend of a picture: what is shown, what colours, arrows and signs mean.
 
-use super::ink::Sheet;
+use super::ink::PixelImage;
 use super::palette::{Colour, Palette, hex, scale as colour_of};
 use super::scale::Show;
 use super::{Shot, Staged, font};
@@ -234,7 +234,7 @@ fn arc(at: Vector2<f64>, radius: f64, from: f64, to: f64) -> Vec<Vector2<f64>> {
     (0..=24).map(|k| at + Vector2::new(angle(k).cos(), angle(k).sin()) * radius).collect()
 }
 
-pub fn write(sheet: &mut Sheet, items: &[Item]) {
+pub fn write(sheet: &mut PixelImage, items: &[Item]) {
     for item in items {
         match item {
             Item::Text(text, at, capital, colour) => sheet.text(text, *at, *capital, *colour),

@@ -1,6 +1,6 @@
 //! Distances along the world's x and y from the robot base to the nearest corner of every equipment.
 
-use super::View;
+use super::SheetView;
 use crate::cell::Role;
 use crate::drawing::Drawing;
 use crate::drawing::floor_corners;
@@ -39,7 +39,7 @@ pub fn room(drawing: &Drawing<'_>) -> f64 {
     FIRST + NEXT * count as f64
 }
 
-pub fn draw(out: &mut String, drawing: &Drawing<'_>, view: &View) {
+pub fn draw(out: &mut String, drawing: &Drawing<'_>, view: &SheetView) {
     let base = Vector2::new(drawing.layout.base.x, drawing.layout.base.y);
     let (x0, y0) = view.at(&base);
     let _ = writeln!(

@@ -6,7 +6,7 @@
 mod dimensions;
 mod title;
 
-use crate::drawing::{Component, Drawing, Field, Kind, floor_corners};
+use crate::drawing::{Component, Drawing, Field, PartKind, floor_corners};
 use crate::report::silhouette::{ABOVE, Eye, FRONT, Silhouette, silhouette};
 use crate::report::svg_text::{PathEnd, escaped, path_data};
 use crate::units::mm_from_m;
@@ -26,13 +26,13 @@ const GAP: f64 = 14.0;
 const TITLE: f64 = 30.0;
 
 /// A solid as a view shows it.
-struct Shown {
-    kind: Kind,
+struct SheetSolid {
+    kind: PartKind,
     silhouette: Silhouette,
 }
 
 /// A view: the world in m, right and up, to the paper in mm.
-pub struct View {
+pub struct SheetView {
     low: Vector2<f64>,
     high: Vector2<f64>,
     /// Where its left lower corner lies on the paper.
@@ -42,7 +42,7 @@ pub struct View {
     ratio: f64,
 }
 
-impl View {
+impl SheetView {
     fn at(&self, p: &Vector2<f64>) -> (f64, f64) {
         let [u, v] = [p.x - self.low.x, p.y - self.low.y].map(|m| mm_from_m(m) / self.ratio);
         (self.left + u, self.bottom - v)
@@ -73,11 +73,17 @@ pub fn sheet(drawing: &Drawing<'_>, operation: Option<usize>) -> String {
     let away = dimensions::room(drawing);
     let [plan, front] = bounds;
     let bottom = height - MARGIN - TITLE - INSIDE;
-    let plan = View { low: plan.0, high: plan.1, left: MARGIN + INSIDE + away, bottom: bottom - away, ratio };
+    let plan =
+        SheetView { low: plan.0, high: plan.1, left: MARGIN + INSIDE + away, bottom: bottom - away, ratio };
     let left = plan.left + plan.size().0 + GAP;
     let top = MARGIN + INSIDE + HEADING;
-    let front =
-        View { low: front.0, high: front.1, left, bottom: top + size(&front.0, &front.1, ratio).1, ratio };
+    let front = SheetView {
+        low: front.0,
+        high: front.1,
+        left,
+        bottom: top + size(&front.0, &front.1, ratio).1,
+        ratio,
+    };
     let mut out = String::new();
     // Writing to a String cannot fail; the results here are dropped for that reason.
     let _ = writeln!(
@@ -105,17 +111,17 @@ pub fn sheet(drawing: &Drawing<'_>, operation: Option<usize>) -> String {
 }
 
 /// The solids of a view from far to near.
-fn seen(drawing: &Drawing<'_>, operation: Option<usize>, eye: &Eye) -> Vec<Shown> {
+fn seen(drawing: &Drawing<'_>, operation: Option<usize>, eye: &Eye) -> Vec<SheetSolid> {
     let parts = drawing.posed(operation, drawing.movement.frames(operation));
-    let mut all: Vec<Shown> = parts
-        .map(|(part, pose)| Shown { kind: part.kind, silhouette: silhouette(&part.mesh, &pose, eye) })
+    let mut all: Vec<SheetSolid> = parts
+        .map(|(part, pose)| SheetSolid { kind: part.kind, silhouette: silhouette(&part.mesh, &pose, eye) })
         .collect();
     all.sort_by(|a, b| a.silhouette.depth.total_cmp(&b.silhouette.depth));
     all
 }
 
 /// Low and high corner of a view; the plan shows floor space, too.
-fn bounds(drawing: &Drawing<'_>, view: &[Shown], is_plan: bool) -> (Vector2<f64>, Vector2<f64>) {
+fn bounds(drawing: &Drawing<'_>, view: &[SheetSolid], is_plan: bool) -> (Vector2<f64>, Vector2<f64>) {
     let mut points: Vec<Vector2<f64>> =
         view.iter().flat_map(|s| s.silhouette.loops.iter().flatten()).copied().collect();
     let (cell, layout) = (drawing.cell, &drawing.layout);
@@ -157,20 +163,20 @@ fn heading(out: &mut String, (left, top): (f64, f64), text: &str) {
 }
 
 /// Fill and line of what is drawn.
-fn style(kind: Kind) -> &'static str {
+fn style(kind: PartKind) -> &'static str {
     match kind {
-        Kind::Robot => "fill=\"#fde7d3\" stroke=\"#8a3800\"",
-        Kind::Tool => "fill=\"#f3c9a5\" stroke=\"#8a3800\"",
-        Kind::Held => "fill=\"#cdeee2\" stroke=\"#00543d\"",
-        Kind::Equipment => "fill=\"#f4f6f8\" stroke=\"#000000\"",
-        Kind::Obstacle => "fill=\"#d9dde2\" stroke=\"#000000\"",
-        Kind::Fence => "fill=\"none\" stroke=\"#000000\" stroke-dasharray=\"3 1\"",
-        Kind::KeepOut => "fill=\"none\" stroke=\"#b00020\" stroke-dasharray=\"1.5 1\"",
+        PartKind::Robot => "fill=\"#fde7d3\" stroke=\"#8a3800\"",
+        PartKind::Tool => "fill=\"#f3c9a5\" stroke=\"#8a3800\"",
+        PartKind::Held => "fill=\"#cdeee2\" stroke=\"#00543d\"",
+        PartKind::Equipment => "fill=\"#f4f6f8\" stroke=\"#000000\"",
+        PartKind::Obstacle => "fill=\"#d9dde2\" stroke=\"#000000\"",
+        PartKind::Fence => "fill=\"none\" stroke=\"#000000\" stroke-dasharray=\"3 1\"",
+        PartKind::KeepOut => "fill=\"none\" stroke=\"#b00020\" stroke-dasharray=\"1.5 1\"",
     }
 }
 
-fn draw(out: &mut String, view: &View, solids: Vec<Shown>) {
-    for Shown { kind, silhouette } in solids {
+fn draw(out: &mut String, view: &SheetView, solids: Vec<SheetSolid>) {
+    for SheetSolid { kind, silhouette } in solids {
         let outline: String = silhouette
             .loops
             .iter()
@@ -189,7 +195,7 @@ fn draw(out: &mut String, view: &View, solids: Vec<Shown>) {
     }
 }
 
-fn floor(out: &mut String, drawing: &Drawing<'_>, front: &View) {
+fn floor(out: &mut String, drawing: &Drawing<'_>, front: &SheetView) {
     let [(left, y), (right, _)] =
         [front.low.x, front.high.x].map(|x| front.at(&Vector2::new(x, drawing.floor)));
     let _ =
@@ -197,7 +203,7 @@ fn floor(out: &mut String, drawing: &Drawing<'_>, front: &View) {
 }
 
 /// Reach, nodes and errors of an operation in plan.
-fn map(out: &mut String, drawing: &Drawing<'_>, view: &View, (k, field): (usize, &Field)) {
+fn map(out: &mut String, drawing: &Drawing<'_>, view: &SheetView, (k, field): (usize, &Field)) {
     let (x, y, (width, height)) = (view.left, view.bottom, view.size());
     let reach = drawing.envelopes.get(k).map_or(&[][..], |rings| &rings.at_work);
     let ring = |r: &Vec<Vector3<f64>>| path_data(r.iter().map(|p| view.plan(p)), PathEnd::Closed, 2);
@@ -232,7 +238,7 @@ fn map(out: &mut String, drawing: &Drawing<'_>, view: &View, (k, field): (usize,
 }
 
 /// The spot of an operation in both views.
-fn spot(out: &mut String, drawing: &Drawing<'_>, [plan, front]: [&View; 2], field: &Field) {
+fn spot(out: &mut String, drawing: &Drawing<'_>, [plan, front]: [&SheetView; 2], field: &Field) {
     let Some(at) = field.spot else { return };
     let name = escaped(&drawing.cell.operations[field.operation].name);
     for (x, y) in [plan.plan(&at), front.at(&at.xz())] {

@@ -1,6 +1,6 @@
 //! The tables of a DXF file: layers, styles, the view, the records of blocks.
 
-use super::{Codes, File, Layer, STYLE, Space, section};
+use super::{Codes, DxfFile, DxfSpace, Layer, STYLE, section};
 use crate::units::mm_from_m;
 use nalgebra::Vector3;
 
@@ -17,7 +17,7 @@ const TABLES: [(&str, u64); 9] = [
     ("BLOCK_RECORD", 9),
 ];
 
-impl File {
+impl DxfFile {
     pub(super) fn tables(&mut self, body: &mut Codes, layers: &[Layer]) {
         section(body, "TABLES", |out| {
             for (table, owner) in TABLES {
@@ -50,7 +50,7 @@ impl File {
             "APPID" => vec![self.record(table, owner, "AcDbRegAppTableRecord", "ACAD")],
             "DIMSTYLE" => vec![self.dimension_style(owner)],
             "BLOCK_RECORD" => {
-                let record = |space: &Space| {
+                let record = |space: &DxfSpace| {
                     let subclass = "AcDbBlockTableRecord";
                     let mut out = begun(table, (5, space.record), owner, subclass, &space.name);
                     out.handle(340, 0);
