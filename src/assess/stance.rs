@@ -101,7 +101,7 @@ impl<'a> Stance<'a> {
         joints: JointVector,
     ) -> Result<Self, String> {
         let gauge = ErrorEvaluator::new(cell, &cell.operations[operation]);
-        let chain = gauge.theory().chain;
+        let chain = gauge.propagation().chain;
         let frames = chain.frames(&chain.posture(&joints));
         let layout = cell.start();
         let depends =

@@ -4,7 +4,7 @@ use super::arguments::{ErrorFlags, QuestionFlags, SearchArguments};
 use super::loading;
 use super::packages::Packages;
 use super::{Exit, output};
-use crate::cell::{Cell, ErrorSet, Quantity, Reading};
+use crate::cell::{Cell, ErrorSet, Interpretation, Quantity, Reading};
 use crate::files::{Loaded, Setting, shown, toml_string};
 use std::path::Path;
 
@@ -24,7 +24,9 @@ pub fn load_for_readings(file: &Path, packages: &Packages, flags: &ErrorFlags) -
         settings.push(Setting::of_flag(&flag, "quantity", p95));
     }
     let loaded = loading::load_with(file, packages, &settings)?;
-    say_caveats(&Cell { reading: Reading::WorstCase, ..loaded.cell.clone() });
+    // The table reads the errors as magnitudes, too.
+    let magnitudes = Interpretation { reading: Reading::WorstCase, ..loaded.cell.interpretation() };
+    loaded.cell.asked_apart(&magnitudes).iter().for_each(say_caveats);
     Ok(loaded)
 }
 

@@ -10,7 +10,7 @@ use super::{Exit, loading, output};
 use crate::files::{Source, shown};
 use crate::layout::Workcell;
 use crate::search;
-use crate::search::{Ended, Moment, SearchRecord, Space, Stopping, Unfit};
+use crate::search::{Moment, SearchEnd, SearchRecord, SearchSpace, Stopping, Unfit};
 use clap::Parser;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -88,7 +88,7 @@ impl Keeper {
             }
             return Err(exit);
         }
-        if record.ended == Ended::Diverged {
+        if record.ended == SearchEnd::Diverged {
             output::error(&format!(
                 "{}: this program does not meet its own steps again: the checkpoint is of another build or machine",
                 path_word(&self.path)
@@ -166,7 +166,7 @@ impl Kept {
             return Err(Exit::BadInput);
         }
         let rules = Stopping::new(&workcell.cell.search, bound);
-        let fit = self.content.state.check(Space::new(&workcell.cell).dimensions(), &rules);
+        let fit = self.content.state.check(SearchSpace::new(&workcell.cell).dimensions(), &rules);
         fit.map_err(|unfit| {
             let why = match unfit {
                 Unfit::Dimensions { has, needs } => format!("it has {has} variables, the cell {needs}"),

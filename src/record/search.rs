@@ -8,7 +8,7 @@ use super::words::{VALUE_WORDS, caveats, value_word};
 use crate::assess::{Assessment, Comparison};
 use crate::cell::{Cell, Goal, Model, Objective, Operation, Reading, Registration, Solver, Unit};
 use crate::proof::{Covers, OperationBound, Proof, WhyNot};
-use crate::search::{Ended, SearchRecord};
+use crate::search::{SearchEnd, SearchRecord};
 use crate::units::rounded;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -41,7 +41,7 @@ pub struct SearchResult {
     /// Number of feasible layouts among them.
     pub feasible: u64,
     /// Why the search ended.
-    pub ended: Ended,
+    pub ended: SearchEnd,
     pub cell: String,
     pub robot: String,
     /// Name of the error set.

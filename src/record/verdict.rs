@@ -2,7 +2,7 @@
 
 use super::words::VALUE_WORDS;
 use crate::cell::{Objective, Unit};
-use crate::search::Ended;
+use crate::search::SearchEnd;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -22,7 +22,7 @@ pub struct VerdictDocument {
     pub headline: String,
     pub feasible: bool,
     /// Why the search ended; null of a layout as drawn.
-    pub ended: Option<Ended>,
+    pub ended: Option<SearchEnd>,
     pub unit: Unit,
     /// Figure that is minimized.
     #[schemars(extend("enum" = VALUE_WORDS))]

@@ -15,10 +15,10 @@ use sweetspot::cell::{
 };
 use sweetspot::layout::{Workcell, evaluate};
 use sweetspot::pose::Pose;
-use sweetspot::proof::{Covers, Proof, ProofOptions, Region, WhyNot, prove, tangent};
+use sweetspot::proof::{Covers, OperationRegion, Proof, ProofOptions, WhyNot, prove, tangent};
 use sweetspot::reading::norm::NormDistribution;
 use sweetspot::reading::{WorkContext, WorkFrame};
-use sweetspot::search::{Space, Watch, search};
+use sweetspot::search::{SearchSpace, Watch, search};
 use sweetspot::units::{mm_from_m, rad_from_deg};
 
 fn proof_of(workcell: &Workcell, boxes: u64) -> Proof {
@@ -88,7 +88,7 @@ fn brute(workcell: &Workcell, (low, high): (f64, f64)) -> f64 {
 }
 
 /// Says whether joint coordinates keep limits, height and elevation and have the stated value.
-fn is_allowed(workcell: &Workcell, region: &Region, value: f64, q: &[f64; 8]) -> bool {
+fn is_allowed(workcell: &Workcell, region: &OperationRegion, value: f64, q: &[f64; 8]) -> bool {
     let (gauge, chain) = (workcell.evaluator(0), workcell.inverse().chain());
     let frames = chain.frames(&chain.posture(q));
     let elevation = (frames.tcp.rotation * chain.tool_axis).z.asin();
@@ -150,7 +150,7 @@ fn the_bound_of_random_planar_arms_agrees_with_brute_force() {
         let by = if case % 4 < 2 { 0.0 } else { rng.random_range(0.05..0.5) };
         let table = &mut cell.equipment[operation.equipment].placement;
         table[2] = Coordinate::Range { min: low, max: low + by, start: low };
-        let region = Region::new(&cell, 0, None);
+        let region = OperationRegion::new(&cell, 0, None);
         let workcell = ready(&cell);
         let found = &proof_of(&workcell, 50_000).operations[0];
         // The heights exclude the slack of the region.
@@ -187,7 +187,7 @@ fn nothing_is_below(name: &str, cell: &Cell, boxes: u64, tries: usize) -> Proof 
     for (k, found) in proof.operations.iter().enumerate() {
         let Ok(bound) = found.value else { continue };
         let (operation, gauge, inverse) = (&cell.operations[k], workcell.evaluator(k), workcell.inverse());
-        let region = Region::new(cell, k, inverse.fixed_elevation());
+        let region = OperationRegion::new(cell, k, inverse.fixed_elevation());
         let site = WorkFrame {
             equipment: operation.equipment,
             work: Pose::identity(),
@@ -277,7 +277,7 @@ fn random_layouts_never_beat_the_bound() {
             cell.search.objective = objective;
             cell.operations[0].weight = 2.0;
             let workcell = ready(&cell);
-            let (proof, space) = (proof_of(&workcell, 5_000), Space::new(&cell));
+            let (proof, space) = (proof_of(&workcell, 5_000), SearchSpace::new(&cell));
             let each: Vec<f64> = proof.operations.iter().map(|o| o.value.unwrap()).collect();
             let whole = match objective {
                 Objective::WeightedSum => 2.0 * each[0] + each[1],

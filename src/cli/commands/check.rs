@@ -1,4 +1,4 @@
-//! `check`.
+//! `check`: validates a cell and everything it refers to.
 
 use super::{UNSOLVED, suggest, warn_of_hopeless, workcell};
 use crate::assess::Assessment;
@@ -39,7 +39,7 @@ pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
     }
     let loaded = loading::load(&a.cell, &a.packages)?;
     let warnings = loaded.warnings.len();
-    // Also of a robot that cannot be solved: its rows tell why.
+    // Printed even if the robot cannot be solved, because its D-H rows show why.
     output::data(&report::text::derived(&loaded.cell.robot))?;
     let workcell = workcell(loaded.cell, &a.cell)?;
     let cell = &workcell.cell;
@@ -55,7 +55,7 @@ pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
         error_sets(cell),
         report::text::self_collision_pairs(&workcell),
         report::text::feasibility(&Assessment::new("start", &workcell, cell.start())),
-        if warnings == 0 { String::new() } else { format!(", {warnings} warning(s)") },
+        if warnings == 0 { String::new() } else { format!(", {}", counted(warnings, "warning", "warnings")) },
     ))?;
     warn_of_hopeless(&workcell);
     let next = if free > 0 { "search" } else { "map" };
@@ -63,7 +63,7 @@ pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
     Ok(Exit::Done)
 }
 
-/// How many error sets the robot has, and what the chosen one is.
+/// Returns the count of error sets, and the kind of the chosen one.
 fn error_sets(cell: &Cell) -> String {
     let kind = match cell.error_set() {
         ErrorSet::Signed(_) => "a signed sample",
@@ -73,6 +73,7 @@ fn error_sets(cell: &Cell) -> String {
     format!("{sets}; {} is {kind}, read as {}", shown(cell.error_set().name()), cell.reading.name())
 }
 
+/// Returns a count with its noun.
 fn counted(n: usize, one: &str, many: &str) -> String {
     format!("{n} {}", if n == 1 { one } else { many })
 }

@@ -1,4 +1,4 @@
-//! `export`.
+//! `export`: a layout in the formats of other programs.
 
 use super::{stem, suggest, warn_of_distrust, workcell};
 use crate::assess::Assessment;

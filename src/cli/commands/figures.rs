@@ -1,4 +1,4 @@
-//! `figures`.
+//! `figures`: the figures of the seed paper for cells of one's own.
 
 use super::{stem, suggest, workcell};
 use crate::assess::Assessment;

@@ -1,4 +1,4 @@
-//! `init`.
+//! `init`: writes a first cell.
 
 use super::{schema, suggest};
 use crate::cli::arguments::InitArguments;

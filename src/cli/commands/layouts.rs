@@ -1,4 +1,4 @@
-//! `compare`.
+//! `compare`: layouts side by side.
 
 use super::{refuse_other_pages, stem, suggest, within_size, workcell};
 use crate::assess::{Assessment, Comparison};
@@ -50,7 +50,7 @@ pub fn compare(a: &CompareArguments) -> Result<Exit, Exit> {
     Ok(Exit::Done)
 }
 
-/// The page, with as much detail as fits.
+/// Renders the page, with as much detail as fits.
 fn page(comparison: &Comparison<'_>, paths: &[PathBuf]) -> Result<String, Exit> {
     let told: Vec<Told> = paths.iter().map(|p| told(p)).collect();
     within_size(|detail| {
@@ -60,7 +60,7 @@ fn page(comparison: &Comparison<'_>, paths: &[PathBuf]) -> Result<String, Exit> 
     })
 }
 
-/// Returns what the search that wrote a folder says of its best layout.
+/// Reads gap and clearance of the best layout from the folder of a search.
 fn told(folder: &Path) -> Told {
     let text = std::fs::read(folder.join("search.json")).unwrap_or_default();
     let found: Option<SearchResult> = serde_json::from_slice(&text).ok();
@@ -70,7 +70,7 @@ fn told(folder: &Path) -> Told {
     }
 }
 
-/// Layouts of one name are told apart by their paths, as far as these differ.
+/// Labels layouts of the same name by the parts in which their paths differ.
 fn name_apart(cells: &mut [(String, Workcell)], paths: &[PathBuf]) {
     let labels: Vec<String> = cells.iter().map(|(label, _)| label.clone()).collect();
     let is_twin = |label: &String| labels.iter().filter(|l| *l == label).count() > 1;
@@ -84,7 +84,7 @@ fn name_apart(cells: &mut [(String, Workcell)], paths: &[PathBuf]) {
     }
 }
 
-/// Folders tell results apart better than their files, which are all best.toml.
+/// Returns the label of a layout: for a best.toml, which every result has, the name of its folder.
 fn label_of(file: &Path) -> String {
     match file.parent().and_then(Path::file_name) {
         Some(folder) if file.file_stem().is_some_and(|s| s == "best") => shown(&folder.to_string_lossy()),

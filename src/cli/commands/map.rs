@@ -1,4 +1,4 @@
-//! `map`.
+//! `map`: the error map of every operation.
 
 use super::{suggest, warn_of_distrust, workcell};
 use crate::assess::Assessment;

@@ -1,4 +1,4 @@
-//! `readings`.
+//! `readings`: every reading and registration side by side.
 
 use super::{suggest, unsolved, workcell};
 use crate::assess::Readings;

@@ -1,4 +1,4 @@
-//! `report`.
+//! `report`: one HTML page about a layout or a search result.
 
 use super::{refuse_other_pages, suggest, warn_of_distrust, within_size, workcell};
 use crate::assess::Assessment;
@@ -12,7 +12,7 @@ use crate::files::{Fault, Loaded, Source};
 use crate::record::{SearchResult, VerdictAnswer};
 use crate::report::page;
 use crate::report::page::{Manifest, Report, Subject};
-use crate::search::Ended;
+use crate::search::SearchEnd;
 use std::path::{Path, PathBuf};
 
 /// `sweetspot report`
@@ -123,7 +123,7 @@ fn tell(a: &ReportArguments, file: &Path, subject: &Subject<'_>, report: &Report
         let rest: String = facts.chain(reasons).collect();
         output::data(&format!("{}\n{rest}", verdict.headline))?;
     }
-    if verdict.ended.is_some_and(|ended| matches!(ended, Ended::Interrupted | Ended::TimeLimit)) {
+    if verdict.ended.is_some_and(|ended| matches!(ended, SearchEnd::Interrupted | SearchEnd::TimeLimit)) {
         output::talk("note: the search was stopped early: resume it to look for a better layout");
     }
     output::talk(&format!("wrote {} ({} kB)", path_word(&a.out), report.html.len().div_ceil(1 << 10)));

@@ -1,4 +1,4 @@
-//! `robust`.
+//! `robust`: sensitivity to misplaced equipment.
 
 use super::{suggest, workcell};
 use crate::assess::Assessment;

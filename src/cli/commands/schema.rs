@@ -1,4 +1,4 @@
-//! `schema`.
+//! `schema`: JSON Schemas of the files.
 
 use super::suggest;
 use crate::cli::arguments::SchemaArguments;
@@ -24,8 +24,8 @@ pub fn schema(a: &SchemaArguments) -> Result<Exit, Exit> {
         loading::write_whole(&folder.join(name), text.as_bytes())?;
     }
     let first = path_word(&folder.join(file_name(FileKind::Cell.name())));
-    output::talk(&format!("wrote {} schemas to {}", all.len(), path_word(folder)));
-    output::talk(&format!("note: an editor reads one if a file begins with its path: #:schema ./{first}"));
+    output::talk(&format!("wrote {} schemas into {}", all.len(), path_word(folder)));
+    output::talk(&format!("editors use a schema if the first line of a file names it: #:schema ./{first}"));
     suggest("init");
     Ok(Exit::Done)
 }

@@ -14,7 +14,7 @@ use crate::proof::{Proof, ProofOptions, prove};
 use crate::record::SearchResult;
 use crate::report;
 use crate::search;
-use crate::search::{Ended, Job, Moment, Progress, SearchRecord, Watch};
+use crate::search::{Moment, Progress, SearchEnd, SearchJob, SearchRecord, Watch};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -56,7 +56,7 @@ fn run(
     let keeper = Keeper::new(&folder, command, inputs, now.checkpoint);
     let record = pool.install(|| run_search(&workcell, bound, now, &keeper, kept))?;
     let seconds = clock.elapsed().as_secs_f64();
-    let stopped = matches!(record.ended, Ended::Interrupted | Ended::TimeLimit);
+    let stopped = matches!(record.ended, SearchEnd::Interrupted | SearchEnd::TimeLimit);
     let comparison = compared(&workcell, &record);
     let written = results::write_search(
         &folder,
@@ -88,8 +88,8 @@ fn run(
 /// Returns the exit code; `misses`: an operation of the best layout exceeds its limit.
 fn exit(record: &SearchRecord, misses: bool) -> Exit {
     match (record.ended, record.found()) {
-        (Ended::Interrupted, _) => Exit::Interrupted,
-        (Ended::TimeLimit, _) => Exit::Limit,
+        (SearchEnd::Interrupted, _) => Exit::Interrupted,
+        (SearchEnd::TimeLimit, _) => Exit::Limit,
         (_, true) if !misses => Exit::Done,
         _ => Exit::AnswerIsNo,
     }
@@ -146,12 +146,12 @@ fn run_search(
         }
     };
     let (watch, from) = (Watch { progress: &progress, stop: &stop }, kept.map(Kept::state));
-    let job = Job { bound, from, keep: &keep };
+    let job = SearchJob { bound, from, keep: &keep };
     let mut record = search::search_job(workcell, &workcell.cell.search, &watch, &job);
     reporter.finish();
     keeper.verdict(&record)?;
-    if late.into_inner() && record.ended == Ended::Interrupted {
-        record.ended = Ended::TimeLimit;
+    if late.into_inner() && record.ended == SearchEnd::Interrupted {
+        record.ended = SearchEnd::TimeLimit;
     }
     Ok(record)
 }
@@ -185,7 +185,7 @@ fn answer(
 ) -> String {
     let cell = &workcell.cell;
     let said = match (record.ended, record.found()) {
-        (Ended::NothingToSearch, _) => "nothing to search: every placement is fixed".to_string(),
+        (SearchEnd::NothingToSearch, _) => "nothing to search: every placement is fixed".to_string(),
         (_, false) => "no feasible layout found; `best` is the closest to feasible".to_string(),
         (_, true) => match comparison.change_percent(1, Assessment::objective) {
             Some(change) if change > -0.05 => "no layout better than the start was found".to_string(),

@@ -14,7 +14,7 @@ use crate::proof::{ProofOptions, prove};
 use crate::record::{ManifestDocument, SweepMode, SweepPlan, SweepRow, SweepTable};
 use crate::report;
 use crate::search;
-use crate::search::{Ended, Job, SearchRecord, Watch};
+use crate::search::{SearchEnd, SearchJob, SearchRecord, Watch};
 use rayon::prelude::*;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -170,11 +170,11 @@ fn run_one(sweep: &Sweep, index: usize) -> Result<(), Exit> {
 /// As `search` does: the bound first, which may end the search. None if it is stopped.
 fn searched(workcell: &Workcell, stop: &AtomicBool) -> Option<SearchRecord> {
     let proof = prove(workcell, &ProofOptions::default(), stop);
-    let job = Job { bound: proof.bound, from: None, keep: &|_, _| () };
+    let job = SearchJob { bound: proof.bound, from: None, keep: &|_, _| () };
     let watch = Watch { progress: &|_| {}, stop };
     let record = search::search_job(workcell, &workcell.cell.search, &watch, &job);
     // Half a proof would leave another bound in the row.
-    (!proof.interrupted && record.ended != Ended::Interrupted).then_some(record)
+    (!proof.interrupted && record.ended != SearchEnd::Interrupted).then_some(record)
 }
 
 /// NNNN.toml, a cell with the layout fixed, and among the inputs the cell with its settings.

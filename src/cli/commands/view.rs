@@ -1,11 +1,11 @@
-//! `view`.
+//! `view`: starts the local web server with the layout editor.
 
 use super::{suggest, warn_of_hopeless, workcell};
 use crate::cell::Cell;
 use crate::cli::arguments::ViewArguments;
 use crate::cli::output::path_word;
 use crate::cli::packages::Packages;
-use crate::cli::view::{AccessControl, LiveView, Origin, secret, serve, widened};
+use crate::cli::view::{AccessControl, LiveView, Origin, secret, serve};
 use crate::cli::{Exit, asked, found, loading, output};
 use crate::files::Loaded;
 use std::path::{Path, PathBuf};
@@ -52,7 +52,7 @@ fn searched(cell: Cell, sources: &[PathBuf], packages: &Packages) -> Cell {
     // The first source is best.toml, the second the cell file that it is made from.
     let wide = sources.get(1).and_then(|file| loading::read_cell(file, packages).ok());
     match wide {
-        Some(wide) => widened(cell, &wide.cell),
+        Some(wide) => cell.with_ranges_of(&wide.cell),
         None => cell,
     }
 }

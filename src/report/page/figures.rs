@@ -16,7 +16,7 @@ use crate::report::raster;
 use crate::report::raster::Shot;
 use crate::report::text;
 use crate::search;
-use crate::search::{Candidate, Ended, SearchRecord};
+use crate::search::{EvaluatedLayout, SearchEnd, SearchRecord};
 use crate::units::{percent_from_share, rounded};
 
 /// All of them in the order of the page; those with nothing to show are left out. `drawings` are those of
@@ -234,7 +234,7 @@ fn pareto(subject: &Subject<'_>) -> Section {
 fn record(subject: &Subject<'_>, found: &SearchResult) -> SearchRecord {
     let cell = subject.cell();
     let candidate =
-        |a: &Assessment<'_>| Candidate { layout: a.layout.clone(), evaluation: a.evaluation.clone() };
+        |a: &Assessment<'_>| EvaluatedLayout { layout: a.layout.clone(), evaluation: a.evaluation.clone() };
     let of = |a: &AlternativeEntry| {
         let goals = Goal::ALL.map(|goal| goals::si(cell, goal, a.goals.get(goal))).to_vec();
         search::Alternative { candidate: candidate(subject.shown()), goals }
@@ -246,7 +246,7 @@ fn record(subject: &Subject<'_>, found: &SearchResult) -> SearchRecord {
         feasible: found.feasible,
         trace: Vec::new(),
         bound: None,
-        ended: Ended::Done,
+        ended: SearchEnd::Done,
         alternatives: found.front.iter().flatten().map(of).collect(),
     }
 }
