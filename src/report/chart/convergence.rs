@@ -1,4 +1,4 @@
-//! How a search came to its answer, and how far below it anything better is ruled out.
+//! Convergence of a search: best objective against evaluations, and the proven lower bound.
 
 use super::axes;
 
@@ -11,17 +11,17 @@ use crate::search::SearchRecord;
 use crate::units::percent_from_share;
 
 const HEIGHT: f64 = 300.0;
-/// A span of more than this factor is drawn by powers of ten.
-const WIDE: f64 = 30.0;
+/// Factor of the span from which the axis is logarithmic.
+const LOGARITHMIC_SPAN: f64 = 30.0;
 
-/// What is drawn of a search; objectives in m, rad or shares.
+/// Course of a search; objectives in m, rad or shares.
 pub struct Course<'a> {
-    /// Evaluations and objective at each improvement, rising and falling.
+    /// Evaluations and objective at each improvement.
     pub trace: &'a [(u64, f64)],
     pub evaluations: u64,
-    /// Of the layout as drawn, if it is feasible.
+    /// Objective of the layout as drawn, if it is feasible.
     pub start: Option<f64>,
-    /// No layout has less, proven.
+    /// Proven lower bound of the objective.
     pub bound: Option<f64>,
     pub unit: Unit,
 }
@@ -38,7 +38,7 @@ impl<'a> Course<'a> {
     }
 }
 
-/// The best objective so far against evaluations.
+/// Draws the best objective so far against the evaluations.
 pub fn convergence(course: &Course<'_>) -> String {
     let (unit, word) = (course.unit, course.unit.word());
     let mut canvas = ChartCanvas::new("Convergence of the search", &told(course));
@@ -50,7 +50,7 @@ pub fn convergence(course: &Course<'_>) -> String {
     }
     let top = canvas.y + 26.0;
     let span = (top + HEIGHT, top);
-    let y = if low > 0.0 && high > WIDE * low {
+    let y = if low > 0.0 && high > LOGARITHMIC_SPAN * low {
         AxisScale::log(low * 0.8, high * 1.25, span)
     } else {
         let pad = if high > low { 0.08 * (high - low) } else { 0.1 * high.abs() };
@@ -67,7 +67,7 @@ pub fn convergence(course: &Course<'_>) -> String {
     canvas.finish()
 }
 
-/// The corners of the line: level until the next improvement.
+/// Returns the corners of the line, which is level until the next improvement.
 fn steps(course: &Course<'_>) -> Vec<(f64, f64)> {
     let mut corners: Vec<(f64, f64)> = Vec::new();
     for &(evaluations, value) in course.trace {
@@ -80,7 +80,7 @@ fn steps(course: &Course<'_>) -> Vec<(f64, f64)> {
     corners
 }
 
-/// Between the best and the bound: what is not ruled out.
+/// Draws the range between the best objective and the bound, which is not ruled out.
 fn gap(canvas: &mut ChartCanvas, course: &Course<'_>, x: &AxisScale, y: &AxisScale) {
     let (Some(best), Some(bound)) = (course.best(), course.bound) else { return };
     let (best, bound) = (y.at(course.unit.from_si(best)), y.at(course.unit.from_si(bound)));
@@ -96,7 +96,7 @@ fn dashed() -> String {
     format!("{} stroke-dasharray=\"7 4\"", Ink::Green.line(2.0))
 }
 
-/// Start and end, with their values.
+/// Draws start and end with their values.
 fn marks(canvas: &mut ChartCanvas, course: &Course<'_>, x: &AxisScale, y: &AxisScale) {
     let unit = course.unit;
     let said = |si: f64| format!("{} {}", words::figure(unit.from_si(si)), unit.word());

@@ -1,4 +1,4 @@
-//! The working envelope as a picture: section and plan side by side at one scale.
+//! Picture of a working envelope: section and plan side by side at one scale.
 
 use super::axes;
 use super::canvas::{ChartCanvas, EDGE, Ink};
@@ -16,10 +16,10 @@ const PANEL_HEIGHT: f64 = 460.0;
 const PANEL_LEFT: f64 = 66.0;
 const MIN_WIDTH: f64 = 760.0;
 
-/// Base axis and cutting plane.
+/// Dashes of the base axis and of the cutting plane.
 const DASH_DOT: &str = "stroke-dasharray=\"12 4 2 4\"";
 
-/// Cut through the envelope: what it shows, mm.
+/// Cut through the envelope, mm.
 struct Panel {
     name: String,
     axes: (&'static str, &'static str),

@@ -1,5 +1,7 @@
-//! The error map as a picture: the cell in plan, nodes coloured by error, arrows for the error in
-//! the plane, a sign on every node that cannot be used (the paper's Figs. 4 to 7 in plan).
+//! Picture of the error maps of a layout in plan (Figs. 4 to 7 of the seed paper).
+//!
+//! Nodes have the colour of their error, arrows show the error in the plane, and every unusable node has a
+//! sign.
 
 use super::canvas::{Anchor, ChartCanvas, Ink, SMALL};
 use super::error_map_legend::{MapScales, draw_legend, reach_line};
@@ -27,11 +29,11 @@ const SURROUNDINGS: f64 = 0.25;
 /// Length of the longest arrow, px.
 const LONGEST_ARROW: f64 = 34.0;
 
-/// The picture while it is drawn.
+/// Picture under construction.
 pub(super) struct ErrorMapPicture<'a> {
     pub a: &'a Assessment<'a>,
     pub canvas: ChartCanvas,
-    /// World plan, m.
+    /// View of the world plan, m.
     pub view: PlaneView,
     pub width: f64,
     /// Places of the labels so far.
@@ -127,7 +129,7 @@ impl<'a> ErrorMapPicture<'a> {
         for k in 0..a.maps.len() {
             let d: String = a.reachable(k).iter().map(|o| self.path(o, PathEnd::Closed)).collect();
             let name = &a.cell.operations[a.maps[k].operation].name;
-            // Operations of one height and attitude share an outline.
+            // Operations of one height and orientation share an outline.
             match drawn.iter_mut().find(|(other, _)| *other == d) {
                 Some((_, names)) => *names = format!("{names}, {name}"),
                 None if d.is_empty() => {}

@@ -1,4 +1,4 @@
-//! The legend of the map picture: colour scale, exactly the signs that are there, scale bar.
+//! Legend of the error map: colour scale, the signs that occur, scale bar.
 
 use super::canvas::{Anchor, BODY, Ink, LegendEntry};
 use super::error_map::{ErrorMapPicture, MARGIN};

@@ -1,4 +1,4 @@
-//! The error over a work surface: coloured bands, iso-lines with their values, signs where nothing works.
+//! Heat map of the error over a work surface: colour bands, iso-lines, signs of unusable nodes.
 
 use super::axes;
 use super::canvas::{Anchor, ChartCanvas, EDGE, Ink, LegendEntry, SMALL};
@@ -15,16 +15,15 @@ use crate::report::svg_text::{PathEnd, escaped, path_data};
 use crate::units::mm_from_m;
 use nalgebra::Vector3;
 
-/// Room for the plot, px: its left and right end, and its greatest height.
+/// Left end, right end and greatest height of the plot, px.
 const PLOT: (f64, f64, f64) = (62.0, WIDTH - EDGE - 112.0, 470.0);
 /// Least span of the plot before its margin, mm.
 const MIN_SPAN: f64 = 100.0;
 /// Fields with more nodes have no titles on their nodes.
 const MAX_TITLES: usize = 400;
 
-/// One field in one take (index into [`Field::takes`]) and sense (index into [`Field::senses`]), coloured
-/// from the first to the second value of `range` (m or rad), which several maps may share. Axes are those
-/// of the surface that carries the nodes.
+/// Draws a field in one take (index into [`Field::takes`]) and sense (index into [`Field::senses`]). The
+/// colours span `range` (m or rad), which several maps may share. The axes are those of the surface.
 pub fn heat_map(drawing: &Drawing<'_>, field: usize, take: usize, sense: usize, range: (f64, f64)) -> String {
     let field = &drawing.fields[field];
     let map = HeatMap::new(drawing, field, &field.takes[take], sense, range);
@@ -55,14 +54,14 @@ pub fn heat_map(drawing: &Drawing<'_>, field: usize, take: usize, sense: usize, 
     canvas.finish()
 }
 
-/// What is drawn, in mm of the surface frame and in the unit of the sense.
+/// Field in the surface frame (mm) and in the unit of the sense.
 struct HeatMap<'a> {
     drawing: &'a Drawing<'a>,
     field: &'a Field,
     take: &'a Take,
     sense: usize,
     unit: Unit,
-    /// The frame of the surface in the world, and whose it is.
+    /// Frame of the surface in the world.
     frame: Pose,
     of: String,
     points: Vec<PlanePoint>,
@@ -146,7 +145,7 @@ impl<'a> HeatMap<'a> {
         canvas.path(&outline, &Ink::Axis.line(1.2));
     }
 
-    /// From the lowest band up, each over those below it, so that no seam shows.
+    /// Draws the bands from the lowest up, each over those below it, so that no seam shows.
     fn draw_bands(&self, canvas: &mut ChartCanvas, surface: &IsoSurface) {
         let Some((least, most)) = surface.range() else { return };
         let bands = self.scale.bands();
@@ -203,7 +202,7 @@ impl<'a> HeatMap<'a> {
                     let said = title(format!("{} {}", words::figure(value), self.unit.word()));
                     let colour = self.scale.colour(value);
                     let look = match surface.covers(k) {
-                        // No node is drawn where it would only be dust.
+                        // A node that would be too small is not drawn.
                         true if r < 2.0 => continue,
                         true => "r=\"1.6\" fill=\"#ffffff\" fill-opacity=\"0.8\"".to_string(),
                         false => format!("r=\"{:.1}\" fill=\"{colour}\" stroke=\"#57606a\"", r.max(4.0)),
@@ -240,7 +239,7 @@ impl<'a> HeatMap<'a> {
         canvas.label((x + dx, y + 4.3), anchor, Ink::Spot, &said);
     }
 
-    /// The spot under this lens where it is not the one chosen.
+    /// Returns the spot under this lens if it is not the chosen one.
     fn other_spot(&self) -> Option<usize> {
         self.take.best.filter(|k| Some(*k) != self.field.best)
     }
@@ -287,7 +286,7 @@ fn distance(a: PlanePoint, b: PlanePoint) -> f64 {
     (a.0 - b.0).hypot(a.1 - b.1)
 }
 
-/// A point of the world in a frame seen from above, mm.
+/// Returns a point of the world in a frame seen from above, mm.
 fn in_mm(frame: &Pose, p: &Vector3<f64>) -> PlanePoint {
     let p = frame.inverse().transform(p);
     (mm_from_m(p.x), mm_from_m(p.y))

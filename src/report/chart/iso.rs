@@ -1,19 +1,19 @@
-//! Iso-lines and the areas above them, on a grid with holes.
+//! Iso-lines of a field on a grid with holes, and the areas above them.
 //!
-//! A cell with four values is four triangles round its middle, which has their mean: the bilinear value
-//! there. Within a triangle the field is linear, so that a level crosses it in one straight line, and a
-//! saddle is settled by its middle. A cell with three values is one triangle, with fewer it is nothing.
+//! A grid cell with four values is four triangles round its middle, which has their mean (the bilinear
+//! value). A cell with three values is one triangle, a cell with fewer is a hole. The field is linear in a
+//! triangle. A level therefore crosses it in one straight line, and the middle decides a saddle.
 
 use crate::geometry::{PlanePoint, join_edges};
 
-/// Values on a grid, and their triangles.
+/// Field on a grid, as triangles.
 pub struct IsoSurface {
     points: Vec<PlanePoint>,
     values: Vec<f64>,
     cells: Vec<GridCell>,
 }
 
-/// A cell of the grid: its row, its corners in turn, and its middle if it has four.
+/// Grid cell: its row, its corners in turn, and its middle if it has four.
 struct GridCell {
     row: usize,
     corners: Vec<usize>,
@@ -58,21 +58,21 @@ impl IsoSurface {
         self.cells.push(GridCell { row, corners, middle });
     }
 
-    /// Nodes that are a corner of an area.
+    /// Whether a node is a corner of an area.
     pub fn covers(&self, node: usize) -> bool {
         self.cells.iter().any(|cell| cell.corners.contains(&node))
     }
 
-    /// Least and greatest value; None if there is no area.
+    /// Returns the least and the greatest value; nothing without an area.
     pub fn range(&self) -> Option<(f64, f64)> {
         let values = self.cells.iter().flat_map(|c| &c.corners).map(|&k| (self.values[k], self.values[k]));
         values.reduce(|(lo, hi), (a, b)| (lo.min(a), hi.max(b)))
     }
 
-    /// Where the field is at least a level: polygons that share edges at most, all turning one way.
+    /// Returns the area where the field is at least a level: polygons that turn one way and do not overlap.
     pub fn above(&self, level: f64) -> Vec<Vec<PlanePoint>> {
         let mut polygons: Vec<Vec<PlanePoint>> = Vec::new();
-        // The cell before, if it is whole and its row goes on: they are drawn as one.
+        // Whole cells of one row are drawn as one polygon.
         let mut before: Option<&GridCell> = None;
         for cell in &self.cells {
             let is_whole = cell.middle.is_some() && cell.corners.iter().all(|&k| self.values[k] >= level);
@@ -106,7 +106,7 @@ impl IsoSurface {
         part
     }
 
-    /// Where an edge has the value of a level that lies between its ends.
+    /// Returns the point of an edge that has the value of a level.
     fn crossing(&self, a: usize, b: usize, level: f64) -> PlanePoint {
         let t = (level - self.values[a]) / (self.values[b] - self.values[a]);
         let ((ax, ay), (bx, by)) = (self.points[a], self.points[b]);

@@ -1,4 +1,4 @@
-//! The working envelope with everything that stands in it: in plan and in upright section.
+//! Layouts with the working envelope: in plan and in a vertical section.
 
 use super::axes::{self, AxisScale};
 use super::canvas::{Anchor, ChartCanvas, EDGE, Ink, LegendEntry, SMALL};
@@ -18,7 +18,7 @@ use nalgebra::Vector3;
 /// Left end, right end and greatest height of the plot, px.
 const PLOT: (f64, f64, f64) = (66.0, WIDTH - EDGE, 560.0);
 
-/// Seen from above, world axes: the envelope at the height of the operation's TCP, the robot at its spot.
+/// Draws the layout from above in world axes: the envelope at the height of the TCP, the robot at its spot.
 pub fn layout_plan(a: &Assessment<'_>, drawing: &Drawing<'_>, operation: usize) -> String {
     let rings = a.reachable(operation);
     let envelope = rings.iter().map(|r| r.iter().map(|p| (mm_from_m(p.0), mm_from_m(p.1))).collect());
@@ -41,8 +41,8 @@ pub fn layout_plan(a: &Assessment<'_>, drawing: &Drawing<'_>, operation: usize) 
     view.draw()
 }
 
-/// Seen from the side, in the upright plane through the base axis and the spot of the operation: the
-/// envelope cut there, everything else projected on it.
+/// Draws the layout from the side. The vertical plane through base axis and spot cuts the envelope;
+/// everything else is projected on it.
 pub fn layout_section(a: &Assessment<'_>, drawing: &Drawing<'_>, operation: usize) -> String {
     let inverse = a.workcell.inverse();
     let of = &a.cell.operations[operation];
@@ -80,7 +80,7 @@ pub fn layout_section(a: &Assessment<'_>, drawing: &Drawing<'_>, operation: usiz
     view.draw()
 }
 
-/// Of the TCP at the nodes of an operation, world, m.
+/// Returns the height of the TCP at the nodes of an operation, world, m.
 fn height_of(a: &Assessment<'_>, operation: usize) -> f64 {
     let operation = &a.cell.operations[operation];
     a.layout.placements[operation.equipment].z + operation.standoff
@@ -91,7 +91,7 @@ struct LayoutView<'a> {
     drawing: &'a Drawing<'a>,
     operation: usize,
     eye: Eye,
-    /// Point of the world (m) that is the zero of the picture.
+    /// Point of the world (m) at the origin of the picture.
     origin: Vector3<f64>,
     envelope: Vec<Vec<PlanePoint>>,
     heading: String,
@@ -101,7 +101,7 @@ struct LayoutView<'a> {
     levels: Vec<(&'static str, f64)>,
 }
 
-/// DrawnPart as the view shows it.
+/// Part as the view shows it.
 struct VisiblePart<'a> {
     part: &'a DrawnPart,
     silhouette: Silhouette,

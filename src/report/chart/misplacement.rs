@@ -1,5 +1,5 @@
-//! What misplacement does to an operation: how its value changes with every coordinate, and how far it
-//! may go.
+//! Effect of misplaced equipment on an operation: how its value changes with every coordinate, and how far
+//! each may move.
 
 use super::axes;
 
@@ -12,7 +12,7 @@ use crate::units::{deg_from_rad, m_from_mm, mm_from_m, percent_from_share, rad_f
 
 const ROW: f64 = 24.0;
 
-/// The change of an operation's value for 1 mm or 1 degree of each coordinate.
+/// Draws the change of the value of an operation for 1 mm or 1 degree of each coordinate.
 pub fn misplacement(cell: &Cell, operation: usize, r: &Robustness) -> String {
     let (unit, word) = (cell.unit(), cell.unit().word());
     let heading = format!("{}: what misplacement changes", cell.operations[operation].name);
@@ -64,7 +64,7 @@ fn bar(canvas: &mut ChartCanvas, x: &AxisScale, (name, value): (&str, Option<f64
         return;
     };
     let to = x.at(value);
-    // What grows is bad, what falls is good: two colours beside the direction.
+    // Growth is bad and decrease is good: each has a colour.
     let fill = if value > 0.0 { Ink::Vermilion } else { Ink::Blue }.fill();
     canvas.put(&format!(
         "<rect x=\"{:.2}\" y=\"{:.1}\" width=\"{:.2}\" height=\"{:.1}\" {fill}/>",

@@ -1,4 +1,4 @@
-//! Layouts of a front by two of their goals.
+//! Pareto front of layouts by two of their goals.
 
 use super::axes;
 
@@ -13,8 +13,8 @@ use crate::units::rounded;
 
 const HEIGHT: f64 = 330.0;
 
-/// The front by its error, up, and the first other goal, across; without the error by the first two goals.
-/// None if there is nothing to draw.
+/// Draws the front by its error (up) and the first other goal (across); without the error, by the first two
+/// goals. Returns nothing if the front is empty.
 pub fn pareto(cell: &Cell, record: &SearchRecord) -> Option<String> {
     let asked: Vec<Goal> = cell.search.pareto.iter().collect();
     let up = *asked.iter().find(|g| **g == Goal::Error).or(asked.first())?;

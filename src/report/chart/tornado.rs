@@ -1,4 +1,4 @@
-//! The error budget of a spot: which parameter to tighten first.
+//! Tornado chart of the error budget of a spot: which parameter to tighten first.
 
 use super::axes;
 
@@ -11,12 +11,12 @@ use crate::reading::Share;
 use crate::record::parameter_names as names;
 use crate::units::{percent_from_share, rounded};
 
-/// Bars drawn one by one; the others are told together.
+/// Number of bars drawn one by one; the other parameters share a bar.
 const BARS: usize = 16;
 const ROW: f64 = 24.0;
 
-/// Each parameter's share of the worst case, or of the variance in the statistical reading, the largest
-/// first, and what half its tolerance would gain.
+/// Draws the share of each parameter in the worst case or in the variance, the largest first. Each bar names
+/// the gain of half the tolerance.
 pub fn tornado(a: &Account<'_>) -> String {
     let cell = a.stance.cell;
     let of = share_of(a);
@@ -55,7 +55,7 @@ pub fn tornado(a: &Account<'_>) -> String {
     canvas.finish()
 }
 
-/// Which share counts.
+/// Returns the share that counts under the reading.
 fn share_of(a: &Account<'_>) -> fn(&Share) -> f64 {
     match a.stance.gauge.reading {
         Reading::Statistical => |s| s.of_variance,
@@ -75,7 +75,7 @@ fn under(a: &Account<'_>, count: usize) -> Vec<String> {
     )]
 }
 
-/// Name with tolerance, share, what halving gains.
+/// Draws the name with its tolerance, the share, and the gain of halving.
 fn row(a: &Account<'_>, share: &Share, part: f64) -> (String, f64, String) {
     let cell = a.stance.cell;
     let unit = names::unit(cell, share.parameter);
@@ -113,7 +113,7 @@ fn bar(
     canvas.text((WIDTH - EDGE, base), Anchor::End, Ink::Faint, gain);
 }
 
-/// What all the halvings together gain.
+/// Returns the gain of all halvings together.
 fn gains(a: &Account<'_>) -> Vec<String> {
     let Some(all) = a.tighter.iter().find(|t| t.parameters.len() > 1) else { return Vec::new() };
     let (unit, cell) = (a.unit(), a.stance.cell);

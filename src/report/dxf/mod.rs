@@ -1,4 +1,4 @@
-//! A drawing for CAD: DXF of release 2000 in mm, z up, every kind of thing on a layer of its own.
+//! CAD drawing: DXF of release 2000 in mm, z up, every kind of thing on a layer of its own.
 
 mod file;
 #[doc(hidden)] // open for tests/it
@@ -44,11 +44,11 @@ const LAYERS: [Layer; 15] = [
 const PLANE: f64 = 1.0 - 1e-9;
 /// Height of a text as a share of the cell's longer side, and what it is at least, m.
 const HEIGHT: (f64, f64) = (1.0 / 90.0, 0.015);
-/// Of the axes drawn at the frame of an equipment, m.
+/// Length of the axes at the frame of an equipment, m.
 const AXIS: f64 = 0.1;
 
-/// The whole drawing with the robot at the spot of an operation, or at home. The errors are those of the
-/// cell's own model and reading. Layers without anything on them are left out.
+/// Returns the drawing with the robot at the spot of an operation, or at home. The errors are those of the
+/// model and the reading of the cell. Empty layers are left out.
 pub fn dxf(drawing: &Drawing<'_>, operation: Option<usize>) -> Vec<u8> {
     let (low, high) = drawing.extent();
     let side = (high - low).x.max((high - low).y);
@@ -70,7 +70,7 @@ pub fn dxf(drawing: &Drawing<'_>, operation: Option<usize>) -> Vec<u8> {
     file.bytes(&used(drawing))
 }
 
-/// Every layer but those of things that the cell has none of.
+/// Returns the layers that are not empty.
 fn used(drawing: &Drawing<'_>) -> Vec<Layer> {
     let has = |kind: PartKind| drawing.parts.iter().any(|p| p.kind == kind);
     let idle = |name: &str| match name {
@@ -92,7 +92,7 @@ fn layer_of(kind: PartKind) -> &'static str {
     }
 }
 
-/// Its triangles; edges inside a plane are not to be seen.
+/// Writes the triangles of a part. Edges inside a plane are invisible.
 fn solid(file: &mut DxfFile, layer: &str, mesh: &Mesh, pose: &Pose) {
     let placed: Vec<Vector3<f64>> = mesh.positions.iter().map(|p| pose.transform(p)).collect();
     let normal = |t: &[u32; 3]| {
@@ -113,7 +113,7 @@ fn solid(file: &mut DxfFile, layer: &str, mesh: &Mesh, pose: &Pose) {
     }
 }
 
-/// Floor space in plan, and the frame of every equipment.
+/// Writes floor spaces in plan, and the frame of every equipment.
 fn outlines(file: &mut DxfFile, drawing: &Drawing<'_>) {
     let (cell, layout) = (drawing.cell, &drawing.layout);
     file.outline(ROBOT, &floor_corners(&cell.robot.footprint, &layout.base), drawing.floor);
@@ -133,7 +133,7 @@ fn outlines(file: &mut DxfFile, drawing: &Drawing<'_>) {
 
 fn nodes(file: &mut DxfFile, field: &Field) {
     for node in &field.nodes {
-        // Small where arrows begin.
+        // Usable nodes have small circles, because arrows begin there.
         let (layer, radius) = match node.is_ok() {
             true => ("NODES_OK", field.radius() / 4.0),
             false => ("NODES_OUT", field.radius()),
@@ -174,7 +174,8 @@ fn spot(file: &mut DxfFile, drawing: &Drawing<'_>, field: &Field) {
     file.text(SPOT, &beside, &said, (0.0, false));
 }
 
-/// From the robot base to the frame of every equipment along x and y, below and left of all.
+/// Writes dimensions from the robot base to the frame of every equipment along x and y, below and left of
+/// everything.
 fn dimensions(file: &mut DxfFile, drawing: &Drawing<'_>, low: &Vector3<f64>) {
     let base = Vector3::new(drawing.base.translation.x, drawing.base.translation.y, drawing.floor);
     let all = drawing.cell.equipment.iter().zip(&drawing.layout.placements);
@@ -195,7 +196,7 @@ fn dimensions(file: &mut DxfFile, drawing: &Drawing<'_>, low: &Vector3<f64>) {
     }
 }
 
-/// What the drawing says of itself, above all else.
+/// Writes the title above everything.
 fn titles(file: &mut DxfFile, drawing: &Drawing<'_>, high: &Vector3<f64>, operation: Option<usize>) {
     let cell = drawing.cell;
     let stands = operation.map_or("at home".into(), |k| format!("at {}", cell.operations[k].name));

@@ -1,5 +1,5 @@
-//! The cell as a 3-D scene with its motion: binary glTF 2.0 in m. The world's z is up; the format wants y
-//! up, which the first node sees to.
+//! 3-D scene of the cell with its motion: binary glTF 2.0 in m. The z axis of the world points up; the first
+//! node turns it to the y axis of the format.
 
 mod file;
 
@@ -15,7 +15,7 @@ use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 use std::collections::BTreeMap;
 use std::f32::consts::FRAC_1_SQRT_2;
 
-/// Red, green, blue (sRGB, 0 to 255), how much hides what is behind, how rough.
+/// Look of a material: red, green, blue (sRGB, 0 to 255), opacity, roughness.
 type Look = ([u8; 3], f64, f32);
 
 fn look(kind: PartKind) -> Look {
@@ -34,7 +34,7 @@ const REACH: Look = ([0, 114, 178], 1.0, 1.0);
 const OUT: Look = ([90, 98, 108], 1.0, 1.0);
 const SPOT: Look = ([204, 121, 167], 1.0, 0.4);
 
-/// sRGB, 0 to 255, to the linear scale of the format (IEC 61966-2-1).
+/// Returns a colour (sRGB, 0 to 255) on the linear scale of the format (IEC 61966-2-1).
 fn linear(colour: [u8; 3]) -> [f64; 3] {
     colour.map(|c| match f64::from(c) / 255.0 {
         c if c <= 0.04045 => c / 12.92,
@@ -42,7 +42,7 @@ fn linear(colour: [u8; 3]) -> [f64; 3] {
     })
 }
 
-/// A scene and how its robot goes.
+/// Scene under construction, with the motion of the robot.
 struct GlbBuilder {
     file: GlbFile,
     materials: BTreeMap<String, Index<Material>>,
@@ -57,7 +57,7 @@ impl GlbBuilder {
         *self.materials.entry(name.to_string()).or_insert_with(new)
     }
 
-    /// A mesh as a node of its own, in the frame of its parent.
+    /// Adds a mesh as a node of its own, in the frame of its parent.
     fn solid(&mut self, name: &str, mesh: &Mesh, (what, look): (&str, Look)) -> Option<Index<Node>> {
         let material = self.material(what, look);
         let indices = mesh.triangles.iter().flatten().copied().collect();
@@ -71,7 +71,7 @@ impl GlbBuilder {
         self.solid(&part.name, &part.mesh, (part.kind.name(), look(part.kind)))
     }
 
-    /// Closed lines as a node of its own, world.
+    /// Adds closed lines (world) as a node of their own.
     fn rings(&mut self, name: &str, rings: &[Vec<Vector3<f64>>], what: (&str, Look)) -> Option<Index<Node>> {
         let mut indices = Vec::new();
         let mut first = 0;
@@ -88,11 +88,11 @@ impl GlbBuilder {
     }
 }
 
-/// The scene with the robot at the spot of an operation, or at home; an animation goes from home to every
-/// spot and back. Arrows are the resultant errors of the cell's own model and reading.
+/// Returns the scene with the robot at the spot of an operation, or at home. An animation goes from home to
+/// every spot and back. Arrows are the resultant errors of the model and the reading of the cell.
 ///
 /// # Errors
-/// Those of the writer.
+/// Fails if the writer does.
 pub fn glb(drawing: &Drawing<'_>, operation: Option<usize>) -> Result<Vec<u8>, String> {
     let animation = GlbFile::animation("home - spots - home");
     let mut scene = GlbBuilder { file: GlbFile::new(), materials: BTreeMap::new(), animation };
@@ -104,7 +104,7 @@ pub fn glb(drawing: &Drawing<'_>, operation: Option<usize>) -> Result<Vec<u8>, S
     let top = scene.file.node(Node {
         name: Some(drawing.cell.name.clone()),
         children: Some(top),
-        // z up to y up: -90 degrees about x.
+        // Rotation from z up to y up: -90 degrees about x.
         rotation: quaternion([-FRAC_1_SQRT_2, 0.0, 0.0, FRAC_1_SQRT_2]),
         ..Node::default()
     });
@@ -133,7 +133,7 @@ fn placed(name: &str, pose: &Pose, children: Vec<Index<Node>>) -> Node {
     }
 }
 
-/// The robot: a node for each link, moving in the world, with the solids that it carries; the TCP last.
+/// Adds the robot: a node for each link, moving in the world, with its solids; the TCP last.
 fn robot(scene: &mut GlbBuilder, drawing: &Drawing<'_>, operation: Option<usize>) -> Option<Index<Node>> {
     let movement = &drawing.movement;
     let input = scene.file.times(&movement.times);
@@ -162,7 +162,7 @@ fn robot(scene: &mut GlbBuilder, drawing: &Drawing<'_>, operation: Option<usize>
     scene.file.group(&drawing.cell.robot.name, links)
 }
 
-/// Channels of a link: neighbouring rotations are told by neighbouring quaternions.
+/// Adds the channels of a link. Neighbouring rotations get neighbouring quaternions.
 fn moving(scene: &mut GlbBuilder, link: Index<Node>, poses: &[Pose], input: Index<gltf_json::Accessor>) {
     let GlbBuilder { file, animation, .. } = scene;
     let places: Vec<f32> = poses.iter().flat_map(translation).collect();
@@ -181,7 +181,7 @@ fn moving(scene: &mut GlbBuilder, link: Index<Node>, poses: &[Pose], input: Inde
     file.channel(animation, (link, Property::Rotation), input, &turns);
 }
 
-/// A part of an operation, there only while it is held.
+/// Adds a held part, visible only while it is held.
 fn held(
     scene: &mut GlbBuilder,
     drawing: &Drawing<'_>,
@@ -203,7 +203,7 @@ fn held(
     Some(node)
 }
 
-/// Equipment and obstacles at their frames, fence, keep-out spaces.
+/// Adds equipment and obstacles at their frames, fence and keep-out spaces.
 fn stands(scene: &mut GlbBuilder, drawing: &Drawing<'_>) -> Vec<Index<Node>> {
     let mut all = Vec::new();
     for (k, equipment) in drawing.cell.equipment.iter().enumerate() {
@@ -220,7 +220,7 @@ fn stands(scene: &mut GlbBuilder, drawing: &Drawing<'_>) -> Vec<Index<Node>> {
     all
 }
 
-/// The error maps: arrows, circles round nodes that cannot be used, the spot; one node for each operation.
+/// Adds the error maps: arrows, circles round unusable nodes, the spot; one node for each operation.
 fn maps(scene: &mut GlbBuilder, drawing: &Drawing<'_>) -> Option<Index<Node>> {
     let ranges = drawing.fields.iter().filter_map(|f| f.range(0, f.sense));
     let range = ranges.reduce(|(lo, hi), (a, b)| (lo.min(a), hi.max(b))).unwrap_or_default();
@@ -239,7 +239,7 @@ fn maps(scene: &mut GlbBuilder, drawing: &Drawing<'_>) -> Option<Index<Node>> {
     scene.file.group("error map", operations)
 }
 
-/// The resultant errors of an operation, coloured by the error in its sense.
+/// Adds the resultant errors of an operation, coloured by the error in its sense.
 fn arrows(
     scene: &mut GlbBuilder,
     drawing: &Drawing<'_>,
@@ -270,7 +270,7 @@ fn arrows(
     Some(scene.file.node(Node { mesh, name: Some(name), ..Node::default() }))
 }
 
-/// What the arm reaches, one node for each operation.
+/// Adds the working envelopes, one node for each operation.
 fn envelopes(scene: &mut GlbBuilder, drawing: &Drawing<'_>) -> Option<Index<Node>> {
     let mut all = Vec::new();
     for (operation, rings) in drawing.cell.operations.iter().zip(&drawing.envelopes) {

@@ -1,15 +1,15 @@
-//! Triangles and lines to samples, the nearest winning.
+//! Depth buffer: triangles and lines to samples, the nearest wins.
 
 use super::camera::ScreenPoint;
 use nalgebra::{Point2, Vector2};
 
-/// Corners lie on a grid of so many parts of a sample: whole numbers decide exactly who covers a sample.
+/// Parts of a sample. Corners lie on this grid, so that whole numbers decide exactly what covers a sample.
 const PARTS: f64 = 256.0;
 const PART: i64 = 256;
-/// What lies farther out than this is not drawn, samples.
+/// Greatest coordinate of what is drawn, samples.
 const FARTHEST: f64 = 1e5;
 
-/// Samples row by row from the top left, each with what is nearest there.
+/// Samples row by row from the top left, each with the nearest surface.
 pub struct DepthBuffer<T> {
     pub width: usize,
     pub height: usize,
@@ -22,8 +22,8 @@ impl<T: Copy> DepthBuffer<T> {
         Self { width, height, near: vec![f32::MIN; width * height], value: vec![value; width * height] }
     }
 
-    /// Paints a triangle where it is nearest: `paint` is given the shares of the corners. Triangles that
-    /// share an edge leave no gap and share no sample. What is not `solid` hides nothing behind it.
+    /// Paints a triangle where it is nearest. `paint` gets the barycentric coordinates. Triangles that share
+    /// an edge leave no gap and share no sample. A triangle that is not `solid` hides nothing.
     pub fn fill(&mut self, corners: &[ScreenPoint; 3], solid: bool, mut paint: impl FnMut(&mut T, [f32; 3])) {
         let is_drawn = |c: &ScreenPoint| c.near.is_finite() && c.at.coords.iter().all(|v| v.abs() < FARTHEST);
         if !corners.iter().all(is_drawn) {
@@ -63,7 +63,7 @@ impl<T: Copy> DepthBuffer<T> {
         }
     }
 
-    /// A line of a width, samples.
+    /// Paints a line of a width, samples.
     pub fn stroke(&mut self, a: &ScreenPoint, b: &ScreenPoint, width: f64, mut paint: impl FnMut(&mut T)) {
         let along = (b.at - a.at).try_normalize(1e-9).unwrap_or_else(Vector2::x);
         let (side, end) = (Vector2::new(-along.y, along.x) * (width / 2.0), along * (width / 4.0));
@@ -78,7 +78,7 @@ impl<T: Copy> DepthBuffer<T> {
     }
 }
 
-/// Twice the area of a triangle, in parts of samples squared.
+/// Returns twice the signed area of a triangle, in squared parts of a sample.
 fn cross(a: [i64; 2], b: [i64; 2], c: [i64; 2]) -> i64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
@@ -88,20 +88,20 @@ fn least(p: &[[i64; 2]; 3], axis: usize) -> (i64, i64) {
     (all.into_iter().fold(i64::MAX, i64::min), all.into_iter().fold(i64::MIN, i64::max))
 }
 
-/// The samples whose middle lies between two coordinates.
+/// Returns the samples whose middle lies between two coordinates.
 fn range((low, high): (i64, i64), count: usize) -> std::ops::Range<usize> {
     let first = (low - PART / 2).div_euclid(PART).max(0);
     let last = (high - PART / 2).div_euclid(PART) + 1;
     first as usize..last.clamp(first, count.max(first as usize) as i64) as usize
 }
 
-/// A side of a triangle: its value at a sample grows inwards.
+/// Side of a triangle: its edge function grows inwards.
 struct TriangleEdge {
     from: [i64; 2],
     along: [i64; 2],
-    /// From a sample to the next to the right.
+    /// Step of the function from a sample to the next one to the right.
     step: i64,
-    /// What a sample must have: on the line itself it belongs to one of both sides alone.
+    /// Least value of a covered sample. A sample on the line belongs to one of both triangles alone.
     least: i64,
 }
 

@@ -1,4 +1,4 @@
-//! The floor: a plate with a grid, darker under what stands on it or near above it.
+//! Floor: a plate with a grid, darkened under solids that stand on it or near above it.
 
 use super::camera::ScreenPoint;
 use super::canvas::DepthBuffer;
@@ -7,14 +7,14 @@ use super::scene::{RasterScene, SceneBody, SceneLine};
 use crate::drawing::Mesh;
 use nalgebra::{Point2, Vector3};
 
-/// Fields of the floor along each side.
+/// Number of fields of the floor along each side.
 const FIELDS: usize = 160;
-/// From this height (m) on little is darkened.
+/// Height of a solid above which it darkens little, m.
 const NEAR: f64 = 0.35;
-/// Lines of the grid, m.
+/// Distance of the grid lines, m.
 const GRID: f64 = 0.5;
 
-/// Lays the floor under all that is in the scene.
+/// Adds the floor under the scene.
 pub fn lay(scene: &mut RasterScene, palette: &Palette, height: f64) {
     let points: Vec<Vector3<f64>> = scene.bodies.iter().flat_map(|b| &b.mesh.positions).copied().collect();
     let bounds = points.iter().map(|p| (*p, *p)).reduce(|(lo, hi), (p, q)| (lo.inf(&p), hi.sup(&q)));
@@ -58,7 +58,7 @@ fn add_grid(scene: &mut RasterScene, colour: Colour, low: [f64; 2], high: [f64; 
         let count = ((high[axis] - low[axis]) / GRID).round() as usize;
         for k in 0..=count.min(400) {
             let value = low[axis] + k as f64 * GRID;
-            // A line is cut to pieces, for a camera near it.
+            // Ends of a grid line.
             let end = |v: f64| {
                 if axis == 0 { Vector3::new(value, v, height) } else { Vector3::new(v, value, height) }
             };
@@ -70,7 +70,7 @@ fn add_grid(scene: &mut RasterScene, colour: Colour, low: [f64; 2], high: [f64; 
     }
 }
 
-/// How much of the light from above is missing on the corners of the fields, 0 to 1, blurred.
+/// Returns the share of light from above that is missing at the corners of the fields, blurred.
 fn shade(scene: &RasterScene, low: [f64; 2], high: [f64; 2], floor: f64) -> Vec<f32> {
     let across = FIELDS + 1;
     let mut lowest = DepthBuffer::new(across, across, ());
@@ -97,7 +97,7 @@ fn shade(scene: &RasterScene, low: [f64; 2], high: [f64; 2], floor: f64) -> Vec<
     dark
 }
 
-/// The mean of each value and its neighbours along one direction of a square.
+/// Returns the mean of each value and its neighbours along one direction of a square.
 fn blurred(values: &[f32], across: usize, step: usize) -> Vec<f32> {
     const REACH: isize = 2;
     let place = |k: usize| if step == 1 { k % across } else { k / across };

@@ -1,4 +1,4 @@
-//! Names and values beside things, where they cover the least.
+//! Labels: names and values where they cover the least.
 
 use super::font;
 use super::ink::{PixelImage, distance};
@@ -9,12 +9,12 @@ use crate::report::raster::camera::PictureFrame;
 use nalgebra::Vector2;
 use std::f64::consts::TAU;
 
-/// A label with its place in the picture, px.
+/// Label with its place in the picture, px.
 pub struct PlacedLabel {
     pub text: String,
     /// Left end of the baseline.
     pub at: Vector2<f64>,
-    /// From a spot to its label.
+    /// Line from a spot to its label.
     pub leader: Option<[Vector2<f64>; 2]>,
     low: Vector2<f64>,
     high: Vector2<f64>,
@@ -33,7 +33,7 @@ pub fn write(sheet: &mut PixelImage, stage: &Staged, shot: &Shot) {
     }
 }
 
-/// Spots first: they lead.
+/// Labels of spots come first.
 pub fn placed(stage: &Staged, shot: &Shot) -> Vec<PlacedLabel> {
     let place = |p: &nalgebra::Vector3<f64>| stage.camera.seen(p).at.coords;
     let mut taken: Vec<Vector2<f64>> = stage.scene.nodes.iter().map(|n| place(&n.at)).collect();
@@ -51,7 +51,7 @@ pub fn placed(stage: &Staged, shot: &Shot) -> Vec<PlacedLabel> {
     all
 }
 
-/// Where a label may stand, the best place first.
+/// Returns the possible places of a label, the best first.
 fn choices(label: &Label, stage: &Staged, shot: &Shot) -> Vec<PlacedLabel> {
     let unit = shot.capital();
     let text: String = shown(&label.text);
@@ -99,7 +99,7 @@ fn choices(label: &Label, stage: &Staged, shot: &Shot) -> Vec<PlacedLabel> {
     }
 }
 
-/// Nodes and labels that it covers, and how far it is out of the frame.
+/// Returns the cost of a place: nodes and labels that it covers, and how far it leaves the frame.
 fn cost(p: &PlacedLabel, all: &[PlacedLabel], taken: &[Vector2<f64>], frame: &PictureFrame) -> f64 {
     let inside = |q: &&Vector2<f64>| (0..2).all(|k| p.low[k] < q[k] && q[k] < p.high[k]);
     let nodes = taken.iter().filter(inside).count() as f64;

@@ -1,4 +1,4 @@
-//! The error map in the scene: arrows, nodes, circles, crosses, the spot.
+//! Error maps in the scene: nodes, glyphs, arrows, spots.
 
 use super::Shot;
 use super::palette::{Colour, Palette, scale as colour_of};
@@ -8,8 +8,8 @@ use crate::drawing::{Arrow, Drawing, Field, FieldNode, GlyphRing, Mesh, node_gly
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 
-/// Of a spot's ring.
-const CORNERS: usize = 48;
+/// Corners of the ring round a spot.
+const RING_CORNERS: usize = 48;
 
 pub fn add(
     scene: &mut RasterScene,
@@ -37,7 +37,7 @@ pub fn add(
         for arrow in shot.show.arrows(drawing, k, shot.take) {
             let colour = value(field, shot, arrow.node).map_or(palette.ring, |v| colour_of(scale.share(v)));
             let lift = 0.0009 * scene.size;
-            // Wider than the solid of a CAD file, to be seen from afar.
+            // Arrows are wider than in a CAD file, to be seen from afar.
             let long = (arrow.tip - arrow.tail).norm();
             let wide = Arrow { head: (1.9 * arrow.head).min(0.018 * scene.size).min(0.5 * long), ..arrow };
             scene.bodies.push(SceneBody {
@@ -81,7 +81,7 @@ fn add_glyph(
     scene.lines.extend(strokes);
 }
 
-/// A dot that lies on the surface.
+/// Returns a dot that lies on the surface.
 fn disc(node: &FieldNode, radius: f64, colour: Colour, size: f64) -> SceneBody {
     const SIDES: u32 = 12;
     let rim = (0..SIDES).map(|k| {
@@ -112,8 +112,8 @@ fn add_spot(
     let Some(node) = best(field, shot) else { return };
     let at = field.nodes[node].position;
     let radius = 1.9 * field.radius();
-    let ring = (0..CORNERS).map(|k| {
-        let (sin, cos) = (TAU * k as f64 / CORNERS as f64).sin_cos();
+    let ring = (0..RING_CORNERS).map(|k| {
+        let (sin, cos) = (TAU * k as f64 / RING_CORNERS as f64).sin_cos();
         at + Vector3::new(radius * cos, radius * sin, 0.0)
     });
     let (points, lift) = (ring.collect(), 0.02 * scene.size);

@@ -1,7 +1,7 @@
-//! The cell as a drawing on paper: plan and front to scale, with dimensions and a title block.
+//! Drawing of the cell on paper: plan and front view to scale, with dimensions and a title block.
 //!
-//! Sizes in the picture are mm on paper: A4 or A3 landscape (ISO 216), a scale of ISO 5455, lines 0.35 and
-//! 0.18 mm wide (ISO 128), nothing to be scaled when it is printed.
+//! Sizes are mm on paper: A4 or A3 landscape (ISO 216), a scale of ISO 5455, lines 0.35 and 0.18 mm wide (ISO
+//! 128). It is printed at 100 %.
 
 mod dimensions;
 mod title;
@@ -13,32 +13,32 @@ use crate::units::mm_from_m;
 use nalgebra::{Vector2, Vector3};
 use std::fmt::Write;
 
-/// ISO 5455: 1 to so many.
+/// Scales of ISO 5455, 1 to so many.
 const SCALES: [f64; 13] = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1e3, 2e3, 5e3, 1e4];
-/// Name, width and height.
+/// Papers: name, width and height.
 const PAPERS: [(&str, f64, f64); 2] = [("A4", 297.0, 210.0), ("A3", 420.0, 297.0)];
-/// Round the frame, and inside it round the views.
+/// Margin round the frame, and inside it round the views.
 const MARGIN: f64 = 8.0;
 const INSIDE: f64 = 6.0;
 const HEADING: f64 = 8.0;
 const GAP: f64 = 14.0;
-/// Title block.
+/// Height of the title block.
 const TITLE: f64 = 30.0;
 
-/// A solid as a view shows it.
+/// Solid as a view shows it.
 struct SheetSolid {
     kind: PartKind,
     silhouette: Silhouette,
 }
 
-/// A view: the world in m, right and up, to the paper in mm.
+/// View: from the world (m, right and up) to the paper (mm).
 pub struct SheetView {
     low: Vector2<f64>,
     high: Vector2<f64>,
-    /// Where its left lower corner lies on the paper.
+    /// Place of the lower left corner on the paper.
     left: f64,
     bottom: f64,
-    /// 1 to so many.
+    /// Scale of the view, 1 to so many.
     ratio: f64,
 }
 
@@ -62,8 +62,8 @@ fn size(low: &Vector2<f64>, high: &Vector2<f64>, ratio: f64) -> (f64, f64) {
     (size.x, size.y)
 }
 
-/// The sheet with the robot at the spot of an operation, or at home. The errors are those of the cell's own
-/// model and reading.
+/// Returns the sheet with the robot at the spot of an operation, or at home. The errors are those of the
+/// model and the reading of the cell.
 pub fn sheet(drawing: &Drawing<'_>, operation: Option<usize>) -> String {
     let views = [ABOVE, FRONT].map(|eye| seen(drawing, operation, &eye));
     let bounds = [0, 1].map(|k| bounds(drawing, &views[k], k == 0));
@@ -110,7 +110,7 @@ pub fn sheet(drawing: &Drawing<'_>, operation: Option<usize>) -> String {
     out
 }
 
-/// The solids of a view from far to near.
+/// Returns the solids of a view from far to near.
 fn seen(drawing: &Drawing<'_>, operation: Option<usize>, eye: &Eye) -> Vec<SheetSolid> {
     let parts = drawing.posed(operation, drawing.movement.frames(operation));
     let mut all: Vec<SheetSolid> = parts
@@ -120,7 +120,7 @@ fn seen(drawing: &Drawing<'_>, operation: Option<usize>, eye: &Eye) -> Vec<Sheet
     all
 }
 
-/// Low and high corner of a view; the plan shows floor space, too.
+/// Returns the bounds of a view; the plan contains the floor spaces, too.
 fn bounds(drawing: &Drawing<'_>, view: &[SheetSolid], is_plan: bool) -> (Vector2<f64>, Vector2<f64>) {
     let mut points: Vec<Vector2<f64>> =
         view.iter().flat_map(|s| s.silhouette.loops.iter().flatten()).copied().collect();
@@ -136,7 +136,7 @@ fn bounds(drawing: &Drawing<'_>, view: &[SheetSolid], is_plan: bool) -> (Vector2
     pairs.reduce(|(lo, hi), (p, q)| (lo.inf(&p), hi.sup(&q))).unwrap_or_default()
 }
 
-/// The largest scale that fits the larger paper, and the smallest paper that holds it.
+/// Returns the largest scale that fits the larger paper, and the smallest paper that holds it.
 fn fitting(
     [plan, front]: &[(Vector2<f64>, Vector2<f64>); 2],
     (rows, away): (usize, f64),
@@ -162,7 +162,7 @@ fn heading(out: &mut String, (left, top): (f64, f64), text: &str) {
     );
 }
 
-/// Fill and line of what is drawn.
+/// Returns fill and line of a kind of part.
 fn style(kind: PartKind) -> &'static str {
     match kind {
         PartKind::Robot => "fill=\"#fde7d3\" stroke=\"#8a3800\"",
@@ -202,7 +202,7 @@ fn floor(out: &mut String, drawing: &Drawing<'_>, front: &SheetView) {
         writeln!(out, "<path d=\"M{left:.2} {y:.2}H{right:.2}\" stroke=\"#000000\" stroke-width=\"0.5\"/>");
 }
 
-/// Reach, nodes and errors of an operation in plan.
+/// Draws working envelope, nodes and errors of an operation in plan.
 fn map(out: &mut String, drawing: &Drawing<'_>, view: &SheetView, (k, field): (usize, &Field)) {
     let (x, y, (width, height)) = (view.left, view.bottom, view.size());
     let reach = drawing.envelopes.get(k).map_or(&[][..], |rings| &rings.at_work);
@@ -237,7 +237,7 @@ fn map(out: &mut String, drawing: &Drawing<'_>, view: &SheetView, (k, field): (u
     );
 }
 
-/// The spot of an operation in both views.
+/// Draws the spot of an operation in both views.
 fn spot(out: &mut String, drawing: &Drawing<'_>, [plan, front]: [&SheetView; 2], field: &Field) {
     let Some(at) = field.spot else { return };
     let name = escaped(&drawing.cell.operations[field.operation].name);

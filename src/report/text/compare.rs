@@ -7,7 +7,6 @@ use crate::cell::{Coordinate, Slot, Unit};
 use crate::error_map::NodeSign;
 use crate::layout::Refined;
 use crate::record::value_word;
-use crate::record::value_word;
 use crate::units::{deg_from_rad, rounded};
 use std::fmt::Write;
 
