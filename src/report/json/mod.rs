@@ -4,6 +4,7 @@
 
 mod drawing;
 mod live;
+mod viewer_records;
 
 pub use drawing::drawings;
 pub use live::{answer, form, lens_list, numbers};
