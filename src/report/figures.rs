@@ -1,8 +1,8 @@
 //! The figures of the seed paper for any cell: pictures, and what to see in them.
 
+use super::fig8;
 use super::raster::{Shot, Show, png};
 use super::svg_text::escaped;
-use super::fig8;
 use crate::assess::Assessment;
 use crate::cell::{Quantity, Reading};
 use crate::drawing::{Detail, Drawing};

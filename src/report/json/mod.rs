@@ -4,6 +4,7 @@
 
 mod drawing;
 mod live;
+mod live_records;
 mod viewer_records;
 
 pub use drawing::drawings;
