@@ -6,7 +6,9 @@ use super::viewer_records::{
     TakeRecord,
 };
 use crate::cell::{Cell, Equipment, JointKind, Rectangle, Role, Sense, Unit};
-use crate::drawing::{Carrier, Drawing, Field, Lens, Mesh, Movement, Node, Part, Rings, Stop, Take};
+use crate::drawing::{
+    Drawing, DrawnPart, Field, FieldNode, Lens, Mesh, Movement, MovementStop, PartCarrier, Rings, Take,
+};
 use crate::geometry::simplified_line;
 use crate::pose::Pose;
 use crate::record::{
@@ -121,10 +123,10 @@ fn operations(cell: &Cell) -> Vec<OperationRecord<'_>> {
     record.collect()
 }
 
-fn part<'a>(part: &'a Part, meshes: &mut MeshList) -> PartRecord<'a> {
+fn part<'a>(part: &'a DrawnPart, meshes: &mut MeshList) -> PartRecord<'a> {
     let (link, at) = match part.carrier {
-        Carrier::Link(k) => (Some(k), None),
-        Carrier::World(at) => (None, Some(pose(&at))),
+        PartCarrier::Link(k) => (Some(k), None),
+        PartCarrier::World(at) => (None, Some(pose(&at))),
     };
     PartRecord {
         name: &part.name,
@@ -162,7 +164,7 @@ fn field<'a>(f: &'a Field, cell: &Cell) -> FieldRecord<'a> {
     }
 }
 
-fn joints(node: &Node, cell: &Cell) -> Option<Vec<f64>> {
+fn joints(node: &FieldNode, cell: &Cell) -> Option<Vec<f64>> {
     let all = node.joints.as_ref().map(|q| joints_of_file(cell, q));
     all.map(|all| all.into_iter().map(|q| rounded(q, 2)).collect())
 }
@@ -203,7 +205,7 @@ fn movement<'a>(m: &Movement, cell: &'a Cell) -> MovementRecord<'a> {
         JointKind::Revolute => rounded(deg_from_rad(q), 2),
         JointKind::Prismatic => rounded(mm_from_m(q), 2),
     };
-    let stop = |s: &Stop| StopRecord {
+    let stop = |s: &MovementStop| StopRecord {
         operation: s.operation,
         name: s.operation.map_or("home", |k| &cell.operations[k].name),
         joints: cell.robot.joints.iter().zip(&s.joints).map(|(j, q)| coordinate(j.kind, *q)).collect(),
