@@ -2,7 +2,7 @@
 //! front.csv: one row per layout.
 
 use super::goals;
-use crate::assess::{Assessment, Readings, Row};
+use crate::assess::{Assessment, ReadingRow, Readings};
 use crate::cell::{Cell, Goal, JointKind, Sense, Slot, Unit};
 use crate::error_map::{NodeRecord, OperationMap, PostureRecord};
 use crate::kinematic_error::discrepancy;
@@ -135,7 +135,7 @@ const READINGS: [&str; 16] = [
     "reason",
 ];
 
-fn reading_columns(operation: &str, row: &Row) -> Vec<String> {
+fn reading_columns(operation: &str, row: &ReadingRow) -> Vec<String> {
     let choice = row.choice.as_ref().ok();
     let mm = |v: f64| number(mm_from_m(v));
     let value = |v: f64| number(row.unit.from_si(v));

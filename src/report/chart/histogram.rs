@@ -5,7 +5,7 @@ use super::axes;
 use super::axes::Scale;
 use super::canvas::{Anchor, Canvas, EDGE, Entry, Ink, SMALL};
 use super::{WIDTH, words};
-use crate::assess::Distribution;
+use crate::assess::ErrorDistribution;
 use crate::cell::Cell;
 use crate::units::percent_from_share;
 
@@ -21,7 +21,7 @@ struct Mark {
 }
 
 /// Samples of the error's size, with mean, percentiles, requirement, signed sample and worst case.
-pub fn histogram(cell: &Cell, d: &Distribution) -> String {
+pub fn histogram(cell: &Cell, d: &ErrorDistribution) -> String {
     let operation = &cell.operations[d.operation];
     let word = d.unit.word();
     let heading =
@@ -56,7 +56,7 @@ pub fn histogram(cell: &Cell, d: &Distribution) -> String {
     canvas.finish()
 }
 
-fn marks(d: &Distribution) -> Vec<Mark> {
+fn marks(d: &ErrorDistribution) -> Vec<Mark> {
     let mark = |name, si: f64, ink| Mark { name, value: d.unit.from_si(si), ink };
     let mut marks = vec![
         mark("mean", d.samples.mean.value, Ink::Text),
@@ -112,7 +112,7 @@ pub fn rows(marks: &[(f64, f64, f64)]) -> Vec<usize> {
     rows
 }
 
-fn bars(canvas: &mut Canvas, d: &Distribution, x: &Scale, y: &Scale, share: &dyn Fn(u32) -> f64) {
+fn bars(canvas: &mut Canvas, d: &ErrorDistribution, x: &Scale, y: &Scale, share: &dyn Fn(u32) -> f64) {
     let h = &d.samples.histogram;
     for (k, count) in h.counts.iter().enumerate().filter(|(_, count)| **count > 0) {
         let [from, to] = [k, k + 1].map(|k| h.low + h.width() * k as f64);
@@ -130,7 +130,7 @@ fn bars(canvas: &mut Canvas, d: &Distribution, x: &Scale, y: &Scale, share: &dyn
     }
 }
 
-fn told(d: &Distribution) -> Vec<String> {
+fn told(d: &ErrorDistribution) -> Vec<String> {
     let mut told = vec![format!(
         "{} samples through the nonlinear model; up: share of the samples in each part / %",
         d.samples.samples
@@ -146,7 +146,7 @@ fn told(d: &Distribution) -> Vec<String> {
     told
 }
 
-fn legend(d: &Distribution) -> Vec<Entry> {
+fn legend(d: &ErrorDistribution) -> Vec<Entry> {
     let block = |ink: Ink| format!("<path d=\"M-9 -6H9V6H-9Z\" {} fill-opacity=\"0.75\"/>", ink.fill());
     let entry = |ink, said: &str| Entry { mark: block(ink), said: said.to_string() };
     match d.limit {

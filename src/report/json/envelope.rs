@@ -1,7 +1,7 @@
 //! `robots --json`, `robot --json` and `envelope --json`.
 
 use super::{length, lengths};
-use crate::assess::{Reachable, Sheet};
+use crate::assess::{Reachable, RobotDataSheet};
 use crate::cell::{ErrorSet, Joint, JointKind, Robot};
 use crate::reach::{EnvelopeSection, Outline, Size};
 use crate::units::{deg_from_rad, mm_from_m, rounded};
@@ -24,7 +24,7 @@ pub fn robots(all: &[(&str, Robot, &str)]) -> Value {
 }
 
 /// The document of `robot --json`.
-pub fn robot(sheet: &Sheet<'_>) -> Value {
+pub fn robot(sheet: &RobotDataSheet<'_>) -> Value {
     let robot = sheet.robot;
     let rows = robot.joints.iter().zip(robot.rows_of_file());
     let in_unit = |(joint, q): (&Joint, &f64)| match joint.kind {

@@ -1,7 +1,9 @@
 //! `budget --json` and `explain --json`: one posture.
 
 use super::{joints, length, lengths};
-use crate::assess::{Account, DhRow, Explanation, Line, Motion, Place, Stance, Tighter};
+use crate::assess::{
+    Account, DhRow, Explanation, MotionFrame, ParameterEffect, ParameterMotion, PostureContext, Tighter,
+};
 use crate::cell::{Cell, JointKind, Unit};
 use crate::pose::{Displacement, Pose};
 use crate::reading::{Figures, PostureErrors, Share, WorstCase};
@@ -109,7 +111,7 @@ fn question(schema: &str, cell: &Cell) -> Map<String, Value> {
     words.into_iter().map(|(key, word)| (key.to_string(), json!(word))).collect()
 }
 
-fn place(stance: &Stance<'_>) -> Map<String, Value> {
+fn place(stance: &PostureContext<'_>) -> Map<String, Value> {
     let operation = &stance.cell.operations[stance.operation];
     let sense = &operation.sense;
     let pairs = [
@@ -125,7 +127,7 @@ fn place(stance: &Stance<'_>) -> Map<String, Value> {
 }
 
 /// Every figure in the operation's sense.
-fn total(stance: &Stance<'_>, judged: &PostureErrors) -> Value {
+fn total(stance: &PostureContext<'_>, judged: &PostureErrors) -> Value {
     let unit = stance.gauge.sense.unit;
     let Figures { error, worst_linear, worst, rms, mean, p95, p99 } = judged.figures[stance.gauge.own()];
     let [error, worst_linear, worst, rms, mean, p95, p99] =
@@ -168,18 +170,18 @@ fn frames(e: &Explanation<'_>) -> Value {
     };
     let frames = &e.stance.frames;
     let links = frames.links[..=e.rows.len()].iter().enumerate();
-    let links = links.map(|(k, pose)| (frame_name(Place::Link(k)), pose));
-    links.chain([(frame_name(Place::Tcp), &frames.tcp)]).map(one).collect::<Vec<_>>().into()
+    let links = links.map(|(k, pose)| (frame_name(MotionFrame::Link(k)), pose));
+    links.chain([(frame_name(MotionFrame::Tcp), &frames.tcp)]).map(one).collect::<Vec<_>>().into()
 }
 
 /// Motions, lever and effects in the base frame, the linear term in the world.
-fn parameter(e: &Explanation<'_>, line: &Line) -> Value {
+fn parameter(e: &Explanation<'_>, line: &ParameterEffect) -> Value {
     let unit = names::unit(e.stance.cell, line.source.parameter);
     let per_unit = |d: &Displacement| match unit {
         Unit::Angle => plain(&(d.position.map(mm_from_m) * rad_from_deg(1.0))),
         _ => plain(&d.position),
     };
-    let motion = |m: &Motion| {
+    let motion = |m: &ParameterMotion| {
         let axis = ["x", "y", "z"][m.axis];
         json!({
             "kind": if m.turns { "turn" } else { "slide" },

@@ -1,7 +1,7 @@
 //! `readings --json`.
 
 use super::{length, lengths};
-use crate::assess::{Choice, Readings, Row};
+use crate::assess::{ReadingChoice, ReadingRow, Readings};
 use crate::report::text::findings;
 use crate::units::mm_from_m;
 use serde_json::{Value, json};
@@ -30,9 +30,9 @@ pub fn readings(r: &Readings<'_>) -> Value {
     })
 }
 
-fn row(row: &Row) -> Value {
+fn row(row: &ReadingRow) -> Value {
     let choice = row.choice.as_ref().ok();
-    let of = |f: fn(&Choice) -> Value| choice.map(f);
+    let of = |f: fn(&ReadingChoice) -> Value| choice.map(f);
     let value = |v: f64| length(row.unit.from_si(v));
     json!({
         "reading": row.reading.name(),
