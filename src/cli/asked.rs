@@ -6,7 +6,6 @@ use super::packages::Packages;
 use super::{Exit, output};
 use crate::cell::{Cell, ErrorSet, Interpretation, Quantity, Reading};
 use crate::files::{Loaded, Setting, shown, toml_string};
-use crate::report;
 use std::path::Path;
 
 /// Loads a cell under the flags of a question, and prints the notes that belong to it.
@@ -78,7 +77,7 @@ fn say_notes(loaded: &Loaded, flags: &QuestionFlags) {
 }
 
 fn say_caveats(cell: &Cell) {
-    for caveat in report::text::caveats(cell) {
+    for caveat in crate::record::caveats(cell) {
         output::talk(&format!("note: {caveat}"));
     }
 }

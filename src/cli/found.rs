@@ -7,9 +7,9 @@ use super::results::{INPUTS, portable};
 use super::{Exit, asked, checkpoint, loading, output};
 use crate::cell::Layout;
 use crate::files::{Loaded, shown};
-use crate::report::page::{Found, Manifest};
+use crate::record::{HashedFile, ManifestDocument, SearchResult};
+use crate::report::page::Manifest;
 use clap::Parser;
-use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
 /// What a search has left.
@@ -20,23 +20,8 @@ pub struct Folder {
     pub file: PathBuf,
     /// Of best.toml; None if no layout is feasible.
     pub best: Option<Layout>,
-    pub found: Found,
+    pub found: SearchResult,
     pub manifest: Manifest,
-}
-
-#[derive(Deserialize)]
-struct ManifestFile {
-    version: String,
-    command: Vec<String>,
-    seed: u64,
-    inputs: Vec<Hashed>,
-    outputs: Vec<Hashed>,
-}
-
-#[derive(Deserialize)]
-struct Hashed {
-    path: String,
-    sha256: String,
 }
 
 /// Reads the folder of a search; says what is wrong with it.
@@ -48,7 +33,7 @@ pub fn read(folder: &Path, packages: &Packages) -> Result<Folder, Exit> {
     let file = folder.join(INPUTS).join(name);
     let packages = kept_packages(folder, packages);
     let loaded = asked::load_for_search(&SearchArguments { packages: packages.clone(), ..arguments }, &file)?;
-    let found: Found = serde_json::from_slice(&bytes(folder, "search.json")?)
+    let found: SearchResult = serde_json::from_slice(&bytes(folder, "search.json")?)
         .map_err(|e| refused(folder, "search.json", &format!("it is not that of a search: {e}")))?;
     let best = match found.objective_value {
         Some(_) => Some(loading::load(&folder.join("best.toml"), &packages)?.cell.start()),
@@ -84,12 +69,15 @@ fn fitting(folder: &Path, layout: Layout, loaded: &Loaded) -> Result<Layout, Exi
 /// From manifest.json; of a search that was stopped, from its checkpoint.
 fn manifest(folder: &Path) -> Result<Manifest, Exit> {
     let name = "manifest.json";
-    let pairs = |files: Vec<Hashed>| files.into_iter().map(|f| (f.path, f.sha256)).collect();
+    let pairs = |files: Vec<HashedFile>| files.into_iter().map(|f| (f.path, f.sha256)).collect();
     let (source, csv) = (folder.to_string_lossy().into_owned(), "map.csv beside search.json".to_string());
     if folder.join(name).is_file() {
-        let ManifestFile { version, command, seed, inputs, outputs } =
+        let ManifestDocument { version, command, seed, inputs, outputs, .. } =
             serde_json::from_slice(&bytes(folder, name)?)
                 .map_err(|e| refused(folder, name, &format!("it is not that of a search: {e}")))?;
+        let (Some(command), Some(seed)) = (command, seed) else {
+            return Err(refused(folder, name, "it is not that of a search: it has no command or no seed"));
+        };
         let (inputs, outputs) = (pairs(inputs), pairs(outputs));
         return Ok(Manifest { command, version, seed, inputs, outputs, csv, source, is_complete: true });
     }

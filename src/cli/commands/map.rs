@@ -8,6 +8,7 @@ use crate::cli::results;
 use crate::cli::results::Written;
 use crate::cli::{Exit, asked, loading, output};
 use crate::files::Loaded;
+use crate::record::MapDocument;
 use crate::report;
 
 /// `sweetspot map`
@@ -15,7 +16,7 @@ pub fn map(a: &MapArguments) -> Result<Exit, Exit> {
     let Loaded { cell, sources, .. } = asked::load(&a.cell, &a.packages, &a.question)?;
     let workcell = workcell(cell, &a.cell)?;
     let assessment = Assessment::new("start", &workcell, workcell.cell.start());
-    let document = report::json::map(&assessment);
+    let document = MapDocument::new(&assessment);
     if let Some(path) = &a.svg {
         loading::write_whole(path, report::chart::error_map(&assessment).as_bytes())?;
     }
@@ -24,7 +25,7 @@ pub fn map(a: &MapArguments) -> Result<Exit, Exit> {
             let folder = loading::new_folder(Some(folder), "")?;
             let files = vec![
                 ("map.json", results::pretty(&document)?),
-                ("map.csv", results::csv(&assessment)?),
+                ("map.csv", results::csv(&document)?),
                 ("map.svg", report::chart::error_map(&assessment).into_bytes()),
                 ("discrepancy.svg", report::fig8::chart(&assessment).into_bytes()),
             ];

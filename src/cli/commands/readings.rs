@@ -7,6 +7,7 @@ use crate::cli::output::path_word;
 use crate::cli::results;
 use crate::cli::results::Written;
 use crate::cli::{Exit, asked, loading, output};
+use crate::record::ReadingsDocument;
 use crate::report;
 
 /// `sweetspot readings`
@@ -20,10 +21,10 @@ pub fn readings(a: &ReadingsArguments) -> Result<Exit, Exit> {
         None => None,
     };
     let readings = Readings::new(cell).map_err(|why| unsolved(&cell.robot.name, &a.cell, &why))?;
-    let document = report::json::readings(&readings);
+    let document = ReadingsDocument::new(&readings, report::text::findings(&readings));
     let written = match &folder {
         Some(folder) => {
-            let table = report::csv::readings(&readings).map_err(|why| {
+            let table = report::csv::readings(&document).map_err(|why| {
                 output::error(&format!("cannot write readings.csv: {why}"));
                 Exit::Io
             })?;

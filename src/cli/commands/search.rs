@@ -11,6 +11,7 @@ use crate::cli::{Exit, asked, loading, output, results};
 use crate::files::Loaded;
 use crate::layout::Workcell;
 use crate::proof::{Proof, ProofOptions, prove};
+use crate::record::SearchResult;
 use crate::report;
 use crate::search;
 use crate::search::{Moment, Progress, SearchEnd, SearchJob, SearchRecord, Watch};
@@ -69,7 +70,7 @@ fn run(
         keeper.remove()?;
     }
     output::data(&if now.json {
-        results::line(&report::json::search(&workcell.cell, (&record, &proof), &comparison, Some(seconds)))?
+        results::line(&SearchResult::of_comparison(&record, &proof, &comparison).map(|r| r.timed(seconds)))?
     } else {
         answer(&workcell, (&record, &proof), &comparison, seconds)
     })?;
@@ -189,7 +190,7 @@ fn answer(
         (_, true) => match comparison.change_percent(1, Assessment::objective) {
             Some(change) if change > -0.05 => "no layout better than the start was found".to_string(),
             Some(change) => {
-                let word = report::text::value_word(cell);
+                let word = crate::record::value_word(cell);
                 format!("the best layout has {:.1} % less {word} than the start", -change)
             }
             None => "the start layout is infeasible, the best layout is feasible".to_string(),

@@ -7,9 +7,10 @@ use crate::assess::{Assessment, Comparison};
 use crate::cell::{Goal, Goals};
 use crate::drawing::Drawing;
 use crate::files::shown;
+use crate::record::goals;
 use crate::report::raster;
 use crate::report::raster::Shot;
-use crate::report::{chart, goals, text};
+use crate::report::{chart, text};
 use crate::units::rounded;
 use serde::Serialize;
 

@@ -1,19 +1,20 @@
 //! The sections with pictures: what each shows, section by section.
 
-use super::content::{Figure, NOTHING, Section, Table};
+use super::content::{Figure, Section, Table};
 use super::places::titled;
-use super::subject::{Alternative, Found, Subject, si};
+use super::subject::{Subject, si};
 use super::verdict::{down, quantity};
 use crate::assess::{Account, Assessment, ErrorDistribution, NodeChoice, PostureContext};
 use crate::cell::Goal;
 use crate::drawing::Drawing;
 use crate::files::shown;
 use crate::reading::Share;
+use crate::record::{AlternativeEntry, SearchResult, goals, parameter_names as names};
 use crate::report::chart;
 use crate::report::chart::Course;
 use crate::report::raster;
 use crate::report::raster::Shot;
-use crate::report::{goals, names, text};
+use crate::report::text;
 use crate::search;
 use crate::search::{EvaluatedLayout, SearchEnd, SearchRecord};
 use crate::units::{percent_from_share, rounded};
@@ -192,7 +193,7 @@ fn convergence(subject: &Subject<'_>) -> Section {
     section
 }
 
-fn bound_in_words(found: &Found, subject: &Subject<'_>) -> String {
+fn bound_in_words(found: &SearchResult, subject: &Subject<'_>) -> String {
     let unit = subject.cell().unit();
     match found.bound {
         Some(bound) => format!("It is proven that none of them has less than {}.", down(unit, bound)),
@@ -204,22 +205,21 @@ fn bound_in_words(found: &Found, subject: &Subject<'_>) -> String {
 fn pareto(subject: &Subject<'_>) -> Section {
     let mut section = Section::new("front", "Other layouts", Vec::new());
     let Some(found) = &subject.found else { return section };
-    let all: Vec<&Alternative> = found.front.iter().flatten().collect();
+    let all: Vec<&AlternativeEntry> = found.front.iter().flatten().collect();
     if all.is_empty() {
         return section;
     }
     section.text.push(match &found.pareto {
         Some(goals) => format!(
             "None of these layouts is better than another in all of {}: choosing one is choosing what to give up.",
-            goals.iter().map(|g| shown(g)).collect::<Vec<_>>().join(", ")
+            goals.iter().map(|g| g.name()).collect::<Vec<_>>().join(", ")
         ),
         None => "The best layouts that really differ. Each is a cell file in the folder of the search.".into(),
     });
     let heads: Vec<String> = Goal::ALL.into_iter().map(|goal| goals::head(subject.cell(), goal)).collect();
     let head: Vec<&str> = ["file"].into_iter().chain(heads.iter().map(String::as_str)).collect();
-    let row = |a: &&Alternative| {
-        let value = |goal: Goal| a.goals.get(goals::key(goal)).and_then(|v| v.as_f64());
-        let told = |goal| value(goal).map_or(NOTHING.into(), |v| format!("{:.4}", rounded(v, 4)));
+    let row = |a: &&AlternativeEntry| {
+        let told = |goal| format!("{:.4}", rounded(a.goals.get(goal), 4));
         std::iter::once(shown(&a.file)).chain(Goal::ALL.map(told)).collect()
     };
     section.tables.push(Table::new("", &head, all.iter().map(row).collect()));
@@ -229,13 +229,12 @@ fn pareto(subject: &Subject<'_>) -> Section {
 }
 
 /// The search again as far as its front is drawn.
-fn record(subject: &Subject<'_>, found: &Found) -> SearchRecord {
+fn record(subject: &Subject<'_>, found: &SearchResult) -> SearchRecord {
     let cell = subject.cell();
     let candidate =
         |a: &Assessment<'_>| EvaluatedLayout { layout: a.layout.clone(), evaluation: a.evaluation.clone() };
-    let of = |a: &Alternative| {
-        let value = |goal: Goal| a.goals.get(goals::key(goal)).and_then(|v| v.as_f64()).unwrap_or_default();
-        let goals = Goal::ALL.map(|goal| goals::si(cell, goal, value(goal))).to_vec();
+    let of = |a: &AlternativeEntry| {
+        let goals = Goal::ALL.map(|goal| goals::si(cell, goal, a.goals.get(goal))).to_vec();
         search::Alternative { candidate: candidate(subject.shown()), goals }
     };
     SearchRecord {
