@@ -1,12 +1,13 @@
 //! The folder that a search or a map leaves: its files, the inputs they came from, the manifest.
 
 use super::output::path_word;
+use super::search_request::SearchRequest;
 use super::{Exit, loading, output};
 use crate::assess::Comparison;
 use crate::cell::{Cell, Layout};
-use crate::files::Source;
+use crate::files::{Setting, Source};
 use crate::proof::Proof;
-use crate::record::{HashedFile, ManifestDocument, MapDocument, SearchResult};
+use crate::record::{HashedFile, ManifestDocument, MapDocument, ResolvedSettings, SearchResult};
 use crate::report;
 use crate::search::{Alternative, SearchRecord};
 use serde::Serialize;
@@ -28,14 +29,14 @@ impl Written {
 }
 
 /// The files of a search. best.toml is left out if no layout is feasible, the manifest if there is no
-/// command that makes this folder: the search was interrupted.
+/// request: the search was interrupted.
 pub fn write_search(
     folder: &Path,
     cell_file: &Path,
     sources: &[Source],
     (record, proof): (&SearchRecord, &Proof),
     comparison: &Comparison<'_>,
-    command: Option<&[String]>,
+    request: Option<&SearchRequest>,
 ) -> Result<Written, Exit> {
     let best = &comparison.columns[1];
     let cell = best.cell;
@@ -61,13 +62,29 @@ pub fn write_search(
     outputs.push(("search.json".into(), pretty(&document)?));
     outputs.push(("map.csv".into(), csv(&MapDocument::new(best))?));
     outputs.push(("map.svg".into(), report::chart::error_map(best).into_bytes()));
-    match command {
-        Some(command) => write(folder, cell, sources, command, outputs),
+    match request {
+        Some(SearchRequest { command, settings, .. }) => {
+            let run = RunDescription { command: command.clone(), settings: settings.clone() };
+            write(folder, cell, sources, run, outputs)
+        }
         None => write_outputs(folder, &outputs),
     }
 }
 
-/// The command line as typed.
+/// What made a result folder: its command line, and the keys of the cell file that the flags state.
+pub struct RunDescription {
+    command: Vec<String>,
+    settings: Vec<Setting>,
+}
+
+impl RunDescription {
+    /// Describes the run of the command line at hand.
+    pub fn typed(settings: Vec<Setting>) -> Self {
+        Self { command: typed(), settings }
+    }
+}
+
+/// Returns the command line as typed.
 pub fn typed() -> Vec<String> {
     std::env::args_os().skip(1).map(|a| a.to_string_lossy().into_owned()).collect()
 }
@@ -125,13 +142,15 @@ pub fn write<N: AsRef<str>>(
     folder: &Path,
     cell: &Cell,
     sources: &[Source],
-    command: &[String],
+    run: RunDescription,
     outputs: Vec<(N, Vec<u8>)>,
 ) -> Result<Written, Exit> {
     let inputs = sources.iter().map(|s| hashed(&s.path, &s.bytes)).collect();
     let outputs_hashed = outputs.iter().map(|(name, bytes)| hashed(name.as_ref(), bytes)).collect();
     let manifest = ManifestDocument {
-        command: Some(command.to_vec()),
+        command: Some(run.command),
+        settings: Some(run.settings),
+        resolved: Some(ResolvedSettings::new(cell)),
         cell: Some(cell.name.clone()),
         seed: Some(cell.search.seed),
         ..ManifestDocument::new(inputs, outputs_hashed)

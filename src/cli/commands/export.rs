@@ -4,7 +4,7 @@ use super::{stem, suggest, warn_of_distrust, workcell};
 use crate::assess::Assessment;
 use crate::cli::arguments::{ExportArguments, ExportFormat};
 use crate::cli::output::path_word;
-use crate::cli::{Exit, asked, found, loading, lookup, output, results};
+use crate::cli::{Exit, asked, loading, lookup, output, results, results_folder};
 use crate::drawing::{Detail, Drawing};
 use crate::files::{Loaded, shown};
 use crate::record::MapDocument;
@@ -59,7 +59,7 @@ fn cell_file(of: &Path, start: bool) -> Result<PathBuf, Exit> {
         }
         return Ok(of.to_path_buf());
     }
-    let best = found::best_of(of)?;
+    let best = results_folder::best_of(of)?;
     if !start {
         return Ok(best);
     }

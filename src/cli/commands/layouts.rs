@@ -4,7 +4,7 @@ use super::{refuse_other_pages, stem, suggest, within_size, workcell};
 use crate::assess::{Assessment, Comparison};
 use crate::cli::arguments::CompareArguments;
 use crate::cli::output::path_word;
-use crate::cli::{Exit, asked, found, loading, output, results};
+use crate::cli::{Exit, asked, loading, output, results, results_folder};
 use crate::drawing::Drawing;
 use crate::files::shown;
 use crate::layout::Workcell;
@@ -18,7 +18,7 @@ pub fn compare(a: &CompareArguments) -> Result<Exit, Exit> {
     a.out.as_deref().map_or(Ok(()), refuse_other_pages)?;
     let mut cells = Vec::new();
     for path in &a.layouts {
-        let file = if path.is_dir() { found::best_of(path)? } else { path.clone() };
+        let file = if path.is_dir() { results_folder::best_of(path)? } else { path.clone() };
         let label = if path.is_dir() { stem(path) } else { label_of(&file) };
         cells.push((label, workcell(asked::load(&file, &a.packages, &a.question)?.cell, &file)?));
     }

@@ -5,7 +5,7 @@ use crate::assess::Assessment;
 use crate::cli::arguments::MapArguments;
 use crate::cli::output::path_word;
 use crate::cli::results;
-use crate::cli::results::Written;
+use crate::cli::results::{RunDescription, Written};
 use crate::cli::{Exit, asked, loading, output};
 use crate::files::Loaded;
 use crate::record::MapDocument;
@@ -29,7 +29,13 @@ pub fn map(a: &MapArguments) -> Result<Exit, Exit> {
                 ("map.svg", report::chart::error_map(&assessment).into_bytes()),
                 ("discrepancy.svg", report::fig8::chart(&assessment).into_bytes()),
             ];
-            Some(results::write(&folder, &workcell.cell, &sources, &results::typed(), files)?)
+            Some(results::write(
+                &folder,
+                &workcell.cell,
+                &sources,
+                RunDescription::typed(a.question.settings()),
+                files,
+            )?)
         }
         None => None,
     };

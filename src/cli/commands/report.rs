@@ -3,9 +3,9 @@
 use super::{refuse_other_pages, suggest, warn_of_distrust, within_size, workcell};
 use crate::assess::Assessment;
 use crate::cli::arguments::ReportArguments;
-use crate::cli::found;
-use crate::cli::found::Folder;
 use crate::cli::output::path_word;
+use crate::cli::results_folder;
+use crate::cli::results_folder::SearchFolder;
 use crate::cli::{Exit, asked, loading, output, results};
 use crate::drawing::Drawing;
 use crate::files::{Fault, Loaded, Source};
@@ -61,7 +61,7 @@ fn of_folder(a: &ReportArguments) -> Result<ReportSource, Exit> {
         ));
         return Err(Exit::BadInput);
     }
-    let Folder { loaded, file, best, found, mut manifest } = found::read(&a.of, &a.packages)?;
+    let SearchFolder { loaded, file, best, found, mut manifest } = results_folder::read(&a.of, &a.packages)?;
     manifest.seed = found.seed;
     Ok(ReportSource { loaded, file, best, found: Some(found), manifest })
 }
@@ -107,7 +107,7 @@ fn refuse_other_numbers(folder: &Path, subject: &Subject<'_>) -> Result<(), Exit
                 word(says),
                 word(is)
             );
-            return Err(found::refused(folder, "search.json", &why));
+            return Err(results_folder::refused(folder, "search.json", &why));
         }
     }
     Ok(())

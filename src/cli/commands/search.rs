@@ -7,7 +7,8 @@ use crate::cli::checkpoint;
 use crate::cli::checkpoint::{Keeper, Kept};
 use crate::cli::output::path_word;
 use crate::cli::progress::Reporter;
-use crate::cli::{Exit, asked, loading, output, results};
+use crate::cli::search_request::SearchRequest;
+use crate::cli::{Exit, loading, output, results};
 use crate::files::Loaded;
 use crate::layout::Workcell;
 use crate::proof::{Proof, ProofOptions, prove};
@@ -15,31 +16,25 @@ use crate::record::SearchResult;
 use crate::report;
 use crate::search;
 use crate::search::{Moment, Progress, SearchEnd, SearchJob, SearchRecord, Watch};
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 /// `sweetspot search`
 pub fn search(a: &SearchArguments) -> Result<Exit, Exit> {
-    let kept = a.resume.as_deref().map(|folder| Kept::read(folder, a)).transpose()?;
-    match kept {
-        Some(kept) => run(&kept.arguments, a, kept.folder.clone(), &kept.command, Some(&kept)),
-        None => run(a, a, PathBuf::new(), &results::typed(), None),
+    match &a.resume {
+        Some(folder) => {
+            let kept = Kept::read(folder, a)?;
+            run(&kept.request, a, Some(&kept))
+        }
+        None => run(&SearchRequest::new(a)?, a, None),
     }
 }
 
-/// Runs the search that `a` asks for; threads, time limit and output follow `now`, the arguments at hand.
-fn run(
-    a: &SearchArguments,
-    now: &SearchArguments,
-    folder: PathBuf,
-    command: &[String],
-    kept: Option<&Kept>,
-) -> Result<Exit, Exit> {
-    // clap has seen to it that there is one.
-    let file = a.cell.as_deref().ok_or(Exit::BadInput)?;
-    let Loaded { cell, sources, .. } = asked::load_for_search(a, file)?;
+/// Runs the search of a request; threads, time limit and output follow `now`, the arguments at hand.
+fn run(request: &SearchRequest, now: &SearchArguments, kept: Option<&Kept>) -> Result<Exit, Exit> {
+    let file = &request.cell;
+    let Loaded { cell, sources, .. } = request.load()?;
     let workcell = workcell(cell, file)?;
     let pool = threads(now.threads)?;
     let proof = pool.install(|| proven(&workcell));
@@ -51,9 +46,12 @@ fn run(
         warn_of_hopeless(&workcell);
     }
     // A folder that cannot be made must not cost a search.
-    let folder = if kept.is_some() { folder } else { loading::new_folder(a.out.as_deref(), &stem(file))? };
+    let folder = match kept {
+        Some(kept) => kept.folder.clone(),
+        None => loading::new_folder(now.out.as_deref(), &stem(file))?,
+    };
     let clock = Instant::now();
-    let keeper = Keeper::new(&folder, command, inputs, now.checkpoint);
+    let keeper = Keeper::new(&folder, request, inputs, now.checkpoint);
     let record = pool.install(|| run_search(&workcell, bound, now, &keeper, kept))?;
     let seconds = clock.elapsed().as_secs_f64();
     let stopped = matches!(record.ended, SearchEnd::Interrupted | SearchEnd::TimeLimit);
@@ -64,7 +62,7 @@ fn run(
         &sources,
         (&record, &proof),
         &comparison,
-        (!stopped).then_some(command),
+        (!stopped).then_some(request),
     )?;
     if !stopped {
         keeper.remove()?;
