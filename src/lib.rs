@@ -52,7 +52,7 @@
 //! | [`report`] | say it | records to JSON, CSV, SVG, TOML, text |
 //! | [`cli`] | edge | arguments, files, progress, exit codes |
 //!
-//! Below them all, [`units`] converts and [`pose`] holds rigid transforms.
+//! Below them all, [`units`] converts, [`geometry`] knows the plane and [`pose`] holds rigid transforms.
 //!
 //! `evaluate` takes a [`layout::Workcell`], a cell made ready (chain, inverse kinematics, parry shapes), and not the
 //! bare cell: a search prepares once and evaluates hundreds of thousands of times.
@@ -80,7 +80,7 @@
 //! # Example
 //!
 //! ```
-//! use sweetspot::{files, layout};
+//! use sweetspot::{error_map, files, layout};
 //!
 //! // The core reads through a function: here from the shipped cells.
 //! let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/cells/");
@@ -94,7 +94,7 @@
 //! assert!((least_mm - 3.768569).abs() < 1e-6);
 //!
 //! let map = &workcell.maps(&start)[0];
-//! assert_eq!((map.count("ok"), map.nodes.len()), (80, 99));
+//! assert_eq!((map.count(error_map::NodeSign::Usable), map.nodes.len()), (80, 99));
 //! # Ok::<(), String>(())
 //! ```
 
@@ -105,6 +105,7 @@ pub mod cli;
 pub mod drawing;
 pub mod error_map;
 pub mod files;
+pub mod geometry;
 pub mod kinematic_error;
 pub mod layout;
 pub mod low_discrepancy;

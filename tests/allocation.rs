@@ -65,7 +65,7 @@ fn the_node_loop_does_not_allocate() {
         }
     }
     assert!(postures > 200);
-    // The counter counts.
+    // The counter itself works.
     assert!(measure(|| drop(BestFit::new(&chain, &ErrorSources::new(&cell, 0, None), true))).count_total > 0);
 }
 

@@ -2,7 +2,7 @@
 
 use super::{Assessment, Comparison};
 use crate::cell::Unit;
-use crate::error_map::{NodeRecord, OperationMap, Status};
+use crate::error_map::{NodeRecord, OperationMap};
 use crate::files::shown;
 
 /// Values nearer than this share are called equal.
@@ -98,7 +98,7 @@ fn pair(first: &Assessment<'_>, map: &OperationMap, x: &NodeRecord, y: &NodeReco
 
 /// Of a node that can be used.
 fn value(node: &NodeRecord) -> Option<f64> {
-    node.posture.as_ref().filter(|_| node.status == Status::Ok).map(|p| p.value)
+    node.usable_posture().map(|p| p.value)
 }
 
 fn sentence(first: &Assessment<'_>, other: &Assessment<'_>, k: usize) -> String {

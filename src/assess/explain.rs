@@ -89,7 +89,7 @@ impl<'a> Explanation<'a> {
             Reading::Signed => values.iter_mut().zip(sources.signed()).for_each(|(v, s)| *v = s),
             _ => gauge.corner(&worst.corner, &mut values),
         }
-        let theory = gauge.theory();
+        let theory = gauge.propagation();
         let line = |(k, source): (usize, &ErrorSource)| {
             let motions = motions(theory.chain, frames, &situation.site.work, source.parameter);
             let alone = Line::alone(source.parameter, situation.site.equipment, &motions);

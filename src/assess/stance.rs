@@ -2,7 +2,7 @@
 
 use crate::cell::{Cell, JointVector, Layout, Placement, Registration};
 
-use crate::error_map::{OperationMap, Status};
+use crate::error_map::{NodeSign, OperationMap, Status};
 use crate::files::shown;
 use crate::layout::Workcell;
 use crate::reading::{ErrorEvaluator, WorkContext, WorkFrame};
@@ -101,7 +101,7 @@ impl<'a> Stance<'a> {
         joints: JointVector,
     ) -> Result<Self, String> {
         let gauge = ErrorEvaluator::new(cell, &cell.operations[operation]);
-        let chain = gauge.theory().chain;
+        let chain = gauge.propagation().chain;
         let frames = chain.frames(&chain.posture(&joints));
         let layout = cell.start();
         let depends =
@@ -148,32 +148,21 @@ pub fn no_usable_node(cell: &Cell, map: &OperationMap) -> String {
     let name = shown(&operation.name);
     let first = map.nodes.iter().find(|n| n.status != Status::Ok).filter(|_| operation.over.takes_all());
     if let Some(node) = first {
-        let (failing, all) = (map.nodes.len() - map.count("ok"), map.nodes.len());
+        let (failing, all) = (map.nodes.len() - map.count(NodeSign::Usable), map.nodes.len());
         let why = node.status.reason(cell);
         return format!(
             "{name} happens at all of its {all} nodes, and {failing} cannot be used; the first is ({}, {}): {why}",
             node.i, node.j
         );
     }
-    let of = |status| map.count(status);
-    let (out, limit, hit) = (of("out-of-reach"), of("joint-limit"), of("collision"));
-    let others = [
-        ("attitude", "missing the attitude"),
-        ("not-converged", "without answer"),
-        ("singular", "nearly singular"),
-        ("approach", "without approach"),
-        ("retract", "without retract"),
-    ];
-    let others = others.into_iter().filter(|(status, _)| of(status) > 0);
-    let others: String = others.map(|(status, words)| format!(", {} {words}", of(status))).collect();
+    let occurs = |sign: &NodeSign| !sign.is_usable() && map.count(*sign) > 0;
+    let counts = NodeSign::ALL.into_iter().filter(occurs);
+    let counts: Vec<String> = counts.map(|sign| format!("{} {}", map.count(sign), sign.label())).collect();
     let unjudged = map.nodes.iter().find_map(|n| match n.status {
         Status::Unjudged(why) => Some(format!("; {}", why.in_words())),
         _ => None,
     });
-    format!(
-        "{name} has no usable node: {out} out of reach, {limit} beyond a joint limit, {hit} colliding{others}{}",
-        unjudged.unwrap_or_default()
-    )
+    format!("{name} has no usable node: {}{}", counts.join(", "), unjudged.unwrap_or_default())
 }
 
 /// The same, with the overlap that blocks its equipment.

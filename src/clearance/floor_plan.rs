@@ -1,8 +1,9 @@
 //! Floor plan: equipment whose floor spaces overlap each other, the robot base, a keep-out box or the fence.
 
 use super::fence;
-use super::floor_rectangle::{AxisDepth, PlacedRectangle, PlanPoint, least_overlap, overlap_depth};
+use super::floor_rectangle::{AxisDepth, PlacedRectangle, least_overlap, overlap_depth};
 use crate::cell::{Cell, Equipment, Fence, Layout, Placement, Rectangle, Role, Shape, extent};
+use crate::geometry::PlanePoint;
 use crate::units::mm_from_m;
 
 /// Participant of an overlap.
@@ -65,7 +66,7 @@ impl Overlap {
 
 /// Fence of a cell, prepared once.
 struct FencePolygon {
-    corners: Vec<PlanPoint>,
+    corners: Vec<PlanePoint>,
     /// Edges as rectangles of zero width.
     edges: Vec<PlacedRectangle>,
     is_convex: bool,

@@ -1,16 +1,14 @@
 //! Rectangles on the floor, and how deep two of them overlap (separating axis theorem).
 
 use crate::cell::{KeepOut, Placement, Rectangle};
-
-/// Vector or point in plan, m.
-pub(super) type PlanPoint = (f64, f64);
+use crate::geometry::PlanePoint;
 
 /// Rectangle placed in plan; lengths in m.
 #[derive(Clone, Copy)]
 pub(super) struct PlacedRectangle {
-    pub(super) centre: PlanPoint,
+    pub(super) centre: PlanePoint,
     /// Half lengths of the sides.
-    pub(super) half: PlanPoint,
+    pub(super) half: PlanePoint,
     /// Cosine and sine of the yaw of the first side.
     pub(super) cos: f64,
     pub(super) sin: f64,
@@ -19,7 +17,7 @@ pub(super) struct PlacedRectangle {
 /// Unit direction in plan, and the depth (m) by which two shapes overlap along it.
 #[derive(Clone, Copy)]
 pub(super) struct AxisDepth {
-    pub(super) direction: PlanPoint,
+    pub(super) direction: PlanePoint,
     pub(super) depth: f64,
 }
 
@@ -47,7 +45,7 @@ impl PlacedRectangle {
     }
 
     /// Returns the corners, anticlockwise.
-    pub(super) fn corners(&self) -> [PlanPoint; 4] {
+    pub(super) fn corners(&self) -> [PlanePoint; 4] {
         [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)].map(|(i, j)| {
             let (x, y) = (i * self.half.0, j * self.half.1);
             (self.centre.0 + self.cos * x - self.sin * y, self.centre.1 + self.sin * x + self.cos * y)
@@ -55,19 +53,19 @@ impl PlacedRectangle {
     }
 
     /// Returns half the width of the projection on a unit direction.
-    pub(super) fn half_width(&self, (ux, uy): PlanPoint) -> f64 {
+    pub(super) fn half_width(&self, (ux, uy): PlanePoint) -> f64 {
         self.half.0 * (self.cos * ux + self.sin * uy).abs()
             + self.half.1 * (self.cos * uy - self.sin * ux).abs()
     }
 }
 
 /// Returns the separating axes of two rectangles: the directions of their sides.
-fn axes(a: &PlacedRectangle, b: &PlacedRectangle) -> [PlanPoint; 4] {
+fn axes(a: &PlacedRectangle, b: &PlacedRectangle) -> [PlanePoint; 4] {
     [(a.cos, a.sin), (-a.sin, a.cos), (b.cos, b.sin), (-b.sin, b.cos)]
 }
 
 /// Returns the overlap along an axis, directed from `b` to `a`, when both keep `clearance`.
-fn overlap_along(u: PlanPoint, a: &PlacedRectangle, b: &PlacedRectangle, clearance: f64) -> AxisDepth {
+fn overlap_along(u: PlanePoint, a: &PlacedRectangle, b: &PlacedRectangle, clearance: f64) -> AxisDepth {
     let apart = (a.centre.0 - b.centre.0) * u.0 + (a.centre.1 - b.centre.1) * u.1;
     let direction = if apart < 0.0 { (-u.0, -u.1) } else { u };
     AxisDepth { direction, depth: a.half_width(u) + b.half_width(u) + clearance - apart.abs() }

@@ -2,8 +2,9 @@
 
 use super::fence;
 use super::floor_plan::FloorPlan;
-use super::floor_rectangle::{PlacedRectangle, PlanPoint, overlap_depth};
+use super::floor_rectangle::{PlacedRectangle, overlap_depth};
 use crate::cell::{Cell, Coordinate, Layout, Role};
+use crate::geometry::{PlanePoint, convex_hull, polygon_area};
 
 impl FloorPlan {
     /// Returns the least distance in plan of floor spaces that must not overlap, at most `max` (m).
@@ -69,8 +70,8 @@ fn within(cell: &Cell, stand: &PlacedRectangle, max: f64) -> f64 {
 }
 
 /// Returns the distance of the boundaries of two polygons that do not cross; it occurs at a corner.
-fn boundaries_apart(a: &[PlanPoint], b: &[PlanPoint]) -> f64 {
-    let from = |points: &[PlanPoint], polygon: &[PlanPoint]| {
+fn boundaries_apart(a: &[PlanePoint], b: &[PlanePoint]) -> f64 {
+    let from = |points: &[PlanePoint], polygon: &[PlanePoint]| {
         points.iter().map(|p| fence::locate(polygon, *p).1).fold(f64::INFINITY, f64::min)
     };
     from(a, b).min(from(b, a))
@@ -81,35 +82,6 @@ pub fn footprint(cell: &Cell, layout: &Layout) -> f64 {
     let placed = cell.equipment.iter().zip(&layout.placements).filter(|(e, _)| e.role == Role::Equipment);
     let equipment = placed.map(|(e, at)| PlacedRectangle::new(&e.footprint, at));
     let base = PlacedRectangle::new(&cell.robot.footprint, &layout.base);
-    let corners: Vec<PlanPoint> = equipment.chain([base]).flat_map(|p| p.corners()).collect();
-    area(&hull(corners))
-}
-
-/// Returns the corners of the convex hull, anticlockwise, by the monotone chain algorithm.
-///
-/// A. M. Andrew, Information Processing Letters 9 (1979) 216-219.
-fn hull(mut points: Vec<PlanPoint>) -> Vec<PlanPoint> {
-    points.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
-    let half = |points: &mut dyn Iterator<Item = &PlanPoint>| {
-        let mut chain: Vec<PlanPoint> = Vec::new();
-        for p in points {
-            while let [.., a, b] = chain[..]
-                && (b.0 - a.0) * (p.1 - a.1) - (b.1 - a.1) * (p.0 - a.0) <= 0.0
-            {
-                chain.pop();
-            }
-            chain.push(*p);
-        }
-        // The last point is the first one of the other half.
-        chain.pop();
-        chain
-    };
-    let mut all = half(&mut points.iter());
-    all.extend(half(&mut points.iter().rev()));
-    all
-}
-
-fn area(corners: &[PlanPoint]) -> f64 {
-    let next = corners.iter().cycle().skip(1);
-    corners.iter().zip(next).map(|(a, b)| a.0 * b.1 - a.1 * b.0).sum::<f64>() / 2.0
+    let corners: Vec<PlanePoint> = equipment.chain([base]).flat_map(|p| p.corners()).collect();
+    polygon_area(&convex_hull(corners))
 }

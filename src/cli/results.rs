@@ -60,7 +60,7 @@ pub fn write_search(
     let document = report::json::search(cell, (record, proof), comparison, None);
     outputs.push(("search.json".into(), pretty(&document)?));
     outputs.push(("map.csv".into(), csv(best)?));
-    outputs.push(("map.svg".into(), report::svg::plan(best).into_bytes()));
+    outputs.push(("map.svg".into(), report::chart::error_map(best).into_bytes()));
     match command {
         Some(command) => write(folder, cell, sources, command, outputs),
         None => write_outputs(folder, &outputs),

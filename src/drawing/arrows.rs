@@ -1,8 +1,9 @@
-//! Errors as arrows and nodes out of reach as circles: the lines that every picture and CAD file shows.
+//! Errors as arrows and unusable nodes as circles: the lines that every picture and CAD file shows.
 //!
 //! World frame, m. Errors are too small to be seen: all arrows of a drawing under one lens, whatever
 //! their operation and component, are enlarged by one [`exaggeration`], so that they can be compared.
 
+use super::round_numbers::{HALF_DIGITS, round_down};
 use super::{Drawing, Field, Mesh};
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
@@ -174,7 +175,7 @@ impl Drawing<'_> {
             let longest = sizes.fold(0.0, f64::max);
             (longest > 0.0).then(|| LONGEST * field.spacing() / longest)
         });
-        raw.reduce(f64::min).map_or(1.0, round_down)
+        raw.reduce(f64::min).map_or(1.0, |limit| round_down(limit, HALF_DIGITS))
     }
 
     /// The errors of an operation's usable nodes under a lens, enlarged by [`Self::exaggeration`]. Errors
@@ -200,11 +201,4 @@ impl Drawing<'_> {
         }
         arrows
     }
-}
-
-/// To 1, 1.5, 2, ... 9.5, times a power of ten.
-pub fn round_down(raw: f64) -> f64 {
-    let digit = 10f64.powi(raw.log10().floor() as i32);
-    // The logarithm of a power of ten may be off by a last bit.
-    (raw / digit * 2.0).floor().max(2.0) / 2.0 * digit
 }

@@ -3,7 +3,7 @@
 use super::Detail;
 use crate::assess::Assessment;
 use crate::cell::{Cell, Interpretation, JointVector, Model, Quantity, Reading, Sense};
-use crate::error_map::{NodeRecord, OperationMap, PostureRecord, Status};
+use crate::error_map::{NodeRecord, NodeSign, OperationMap, PostureRecord};
 use nalgebra::Vector3;
 
 /// A model and a reading under which errors are seen.
@@ -66,8 +66,7 @@ pub struct Node {
     pub j: usize,
     /// TCP, world, m.
     pub position: Vector3<f64>,
-    /// As [`Status::name`].
-    pub status: &'static str,
+    pub sign: NodeSign,
     /// Why it cannot be used, in words; empty if it can.
     pub reason: String,
     pub joints: Option<JointVector>,
@@ -75,7 +74,7 @@ pub struct Node {
 
 impl Node {
     pub fn is_ok(&self) -> bool {
-        self.status == "ok"
+        self.sign.is_usable()
     }
 }
 
@@ -160,7 +159,7 @@ fn field(a: &Assessment<'_>, k: usize, detail: &Detail) -> Field {
         i: n.i,
         j: n.j,
         position: n.position,
-        status: n.status.name(),
+        sign: n.status.sign(),
         reason: n.status.reason(a.cell),
         joints: n.posture.as_ref().map(|p| p.joints),
     };
@@ -183,21 +182,16 @@ fn is_kept(n: &NodeRecord, every: usize) -> bool {
     n.i.is_multiple_of(every) && n.j.is_multiple_of(every)
 }
 
-/// What collides has a posture, too, and is not to be read as usable.
-fn posture(n: &NodeRecord) -> Option<&PostureRecord> {
-    n.posture.as_ref().filter(|_| n.status == Status::Ok)
-}
-
 fn take(field: &Field, map: &OperationMap, lens: usize, cell: &Cell) -> Take {
     let kept: Vec<&NodeRecord> = map.nodes.iter().filter(|n| is_kept(n, field.every)).collect();
     let values = (0..field.senses.len()).map(|s| {
         let value = |p: &PostureRecord| p.figures[s].in_reading(cell.reading, cell.quantity);
-        kept.iter().map(|n| posture(n).map(value)).collect()
+        kept.iter().map(|n| n.usable_posture().map(value)).collect()
     });
     let best = map.best_node().and_then(|best| kept.iter().position(|n| (n.i, n.j) == (best.i, best.j)));
     Take {
         lens,
-        error: kept.iter().map(|n| posture(n).map(|p| p.error)).collect(),
+        error: kept.iter().map(|n| n.usable_posture().map(|p| p.error)).collect(),
         values: values.collect(),
         best,
     }

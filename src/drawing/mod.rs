@@ -3,19 +3,23 @@
 //! A [`Drawing`] is plain data made once from an [`Assessment`]; every picture, page and CAD file is
 //! rendered from it, so that all of them show the same.
 
-#[doc(hidden)] // open for tests/it
-pub mod arrows;
+mod arrows;
 mod envelope;
 mod field;
+mod floor;
 mod mesh;
 mod movement;
+mod node_glyph;
 mod parts;
+pub mod round_numbers;
 
 pub use arrows::{Arrow, Component};
 pub use envelope::{Rings, rings};
 pub use field::{Field, Lens, Node, Take, lenses};
+pub use floor::floor_corners;
 pub use mesh::Mesh;
 pub use movement::{Movement, Stop};
+pub use node_glyph::{GlyphRing, GlyphStroke, GlyphTone, NodeGlyph, node_glyph};
 pub use parts::{Carrier, Kind, Part};
 
 use crate::assess::Assessment;

@@ -1,5 +1,6 @@
 //! Records of an error map: status, posture and errors of every node.
 
+use super::node_sign::NodeSign;
 use super::outcome::{Spot, Unjudged};
 use crate::cell::{Cell, JointKind, JointVector, Model, Sense};
 use crate::clearance::{Hit, Overlap};
@@ -49,16 +50,7 @@ pub enum Status {
 impl Status {
     /// Returns the name of the status in documents.
     pub fn name(&self) -> &'static str {
-        match self {
-            Status::Ok => "ok",
-            Status::OutOfReach { .. } => "out-of-reach",
-            Status::Attitude { .. } => "attitude",
-            Status::NotConverged { .. } => "not-converged",
-            Status::JointLimit { .. } => "joint-limit",
-            Status::Collision { .. } | Status::Overlap(_) => "collision",
-            Status::Refused(refusal) => refusal.name(),
-            Status::Unjudged(_) => "unjudged",
-        }
+        self.sign().name()
     }
 
     /// Returns the reason as a phrase with the names of the cell; empty if the node is ok.
@@ -117,6 +109,13 @@ pub struct NodeRecord {
     pub position: Vector3<f64>,
     pub status: Status,
     pub posture: Option<PostureRecord>,
+}
+
+impl NodeRecord {
+    /// Returns the posture if the node is usable: a colliding node has a posture, too.
+    pub fn usable_posture(&self) -> Option<&PostureRecord> {
+        self.posture.as_ref().filter(|_| self.status.sign().is_usable())
+    }
 }
 
 /// The posture reported for a node, with its errors in the world frame.
@@ -186,6 +185,11 @@ impl OperationMap {
         (self.best, self.value) = (None, None);
     }
 
+    /// Returns the usable nodes with their numbers and postures.
+    pub fn usable(&self) -> impl Iterator<Item = (usize, &NodeRecord, &PostureRecord)> {
+        self.nodes.iter().enumerate().filter_map(|(k, node)| Some((k, node, node.usable_posture()?)))
+    }
+
     /// Returns the node shown as the spot.
     pub fn best_node(&self) -> Option<&NodeRecord> {
         self.best.map(|k| &self.nodes[k])
@@ -207,14 +211,13 @@ impl OperationMap {
     /// Returns the largest deviation (a share of the resultant), the number of nodes with more than `guard`,
     /// and the number of usable nodes.
     pub fn off(&self, model: Model, guard: f64) -> (f64, usize, usize) {
-        let usable = self.nodes.iter().filter(|n| n.status == Status::Ok).filter_map(|n| n.posture.as_ref());
-        usable.map(|p| p.off(model)).fold((0.0, 0, 0), |(most, above, all), off| {
+        self.usable().map(|(_, _, p)| p.off(model)).fold((0.0, 0, 0), |(most, above, all), off| {
             (f64::max(most, off), above + usize::from(off > guard), all + 1)
         })
     }
 
-    /// Counts the nodes with a status, by its name.
-    pub fn count(&self, status: &str) -> usize {
-        self.nodes.iter().filter(|n| n.status.name() == status).count()
+    /// Returns the number of nodes with this sign.
+    pub fn count(&self, sign: NodeSign) -> usize {
+        self.nodes.iter().filter(|n| n.status.sign() == sign).count()
     }
 }

@@ -8,15 +8,6 @@ use crate::files::shown;
 use crate::units::{mm_from_m, percent_from_share};
 
 impl PostureRefusal {
-    /// Returns the reason in one word, for tables.
-    pub fn name(&self) -> &'static str {
-        match self {
-            Self::Singular { .. } => "singular",
-            Self::Approach(_) => "approach",
-            Self::Retract(_) => "retract",
-        }
-    }
-
     /// Returns the reason with the names of the cell.
     pub fn in_words(&self, cell: &Cell) -> String {
         match self {

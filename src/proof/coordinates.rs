@@ -1,39 +1,43 @@
-//! The coordinates that are cut into boxes: of joints with parallel axes the sum of their angles.
+//! Coordinates of the boxes: for joints with parallel axes, the sums of their angles.
 //!
-//! A sum turns one link and shifts what is behind it, so that a planar arm falls apart into links that
-//! do not know of each other and the elevation of its tool is a coordinate. With `y` the coordinates,
-//! `theta = D y` and the actuators are `q = q_0 + G y`, each between its limits.
+//! A sum rotates one link and shifts what is behind it. So a planar arm decouples into independent links,
+//! and the elevation of its tool is a coordinate. Let `y` be the coordinates. Then `theta = D y`, and the
+//! actuators are `q = q_0 + G y`, each between its limits.
 
-use super::screws::{Screws, Values};
+use super::screws::{JointValues, Screws};
 use crate::cell::{JointKind, JointVector, MAX_JOINTS};
 use crate::robot::Chain;
 use std::f64::consts::PI;
 
-/// Sine below which axes count as parallel: far above rounding, far below any slack.
-const PARALLEL: f64 = 1e-12;
-/// Limits are kept within this by the inverse kinematics (an angle whose cosine may be off by 1e-12, a
-/// slide by 1e-9 m).
-const AT_LIMIT: f64 = 2e-6;
+/// Sine below which axes count as parallel: far above rounding, far below any tolerance.
+const PARALLEL_SINE: f64 = 1e-12;
+/// Tolerance, rad or m, with which the inverse kinematics keeps limits.
+///
+/// The cosine of an angle may be off by 1e-12, a prismatic coordinate by 1e-9 m.
+const LIMIT_TOLERANCE: f64 = 2e-6;
 
-pub(super) type Matrix = [[f64; MAX_JOINTS]; MAX_JOINTS];
+/// Matrix with one row and one column per joint; the unused tail is zero.
+pub(super) type JointMatrix = [[f64; MAX_JOINTS]; MAX_JOINTS];
 
+/// Coordinates of the boxes, and their relation to joint angles and actuators.
 #[derive(Debug, Clone)]
 pub(super) struct Coordinates {
     pub count: usize,
-    /// `theta = D y`.
-    pub to_theta: Matrix,
-    /// Limits: `low <= row . y <= high`.
-    pub limits: Vec<(Values, f64, f64)>,
-    /// The box of all postures.
-    pub low: Values,
-    pub high: Values,
-    /// Of link k (after k joints) the coordinates that turn it, as bits.
+    /// Matrix D of `theta = D y`.
+    pub to_theta: JointMatrix,
+    /// Joint limits as rows: `low <= row . y <= high`.
+    pub limits: Vec<(JointValues, f64, f64)>,
+    /// Low corner of the box of all postures.
+    pub low: JointValues,
+    /// High corner of the box of all postures.
+    pub high: JointValues,
+    /// Coordinates that rotate link k (after k joints), as bits.
     pub turning: [u8; MAX_JOINTS + 1],
-    /// By how much the joint angles change together with a coordinate.
-    pub angles: Values,
+    /// Sum of the changes of all joint angles per unit of a coordinate.
+    pub angles: JointValues,
 }
 
-/// The posture in the middle of the limits, from which `theta` counts.
+/// Returns the posture in the middle of the limits, from which `theta` counts.
 pub(super) fn middle(chain: &Chain) -> JointVector {
     let mut q = [0.0; MAX_JOINTS];
     q.iter_mut().zip(&chain.links).for_each(|(q, link)| *q = (link.limits.0 + link.limits.1) / 2.0);
@@ -41,13 +45,13 @@ pub(super) fn middle(chain: &Chain) -> JointVector {
 }
 
 impl Coordinates {
-    /// `held`: joints that change nothing, by index; they stay in the middle.
+    /// Returns the coordinates of a chain; joints marked in `held` change nothing and stay in the middle.
     pub fn new(chain: &Chain, screws: &Screws, held: &[bool; MAX_JOINTS]) -> Self {
         let count = chain.axes();
         let (mut to_theta, mut turning) = ([[0.0; MAX_JOINTS]; MAX_JOINTS], [0; MAX_JOINTS + 1]);
         let revolute = |i: &usize| screws.kinds[*i] == JointKind::Revolute;
-        let parallel = |i: usize, j: usize| screws.axes[i].cross(&screws.axes[j]).norm() < PARALLEL;
-        // Whether an angle is counted about the axis of the first of its run, or against it.
+        let parallel = |i: usize, j: usize| screws.axes[i].cross(&screws.axes[j]).norm() < PARALLEL_SINE;
+        // Sign of an angle relative to the first axis of its run of parallel axes.
         let mut sign = [1.0; MAX_JOINTS];
         for i in 0..count {
             if !revolute(&i) {
@@ -79,11 +83,11 @@ impl Coordinates {
         this
     }
 
-    /// Rows of `q = q_0 + G y`, with `G = C^-1 D` and C the coupling, and the box around all of them.
+    /// Sets the limits as rows of `q = q_0 + G y`, with `G = C^-1 D` and the coupling C, and their bounding box.
     fn set_limits(&mut self, chain: &Chain, held: &[bool; MAX_JOINTS]) {
         let mut half = [0.0; MAX_JOINTS];
         let mut rows = [[0.0; MAX_JOINTS]; MAX_JOINTS];
-        // y = D^-1 C q: angles of a run add up, with their signs.
+        // y = D^-1 C q: the angles of a run add up with their signs.
         let mut from_actuators = [[0.0; MAX_JOINTS]; MAX_JOINTS];
         for i in 0..self.count {
             half[i] = if held[i] { 0.0 } else { half_range(chain, i) };
@@ -112,7 +116,8 @@ impl Coordinates {
         }
     }
 
-    pub fn theta(&self, y: &Values) -> Values {
+    /// Returns theta at coordinates y.
+    pub fn theta(&self, y: &JointValues) -> JointValues {
         let mut theta = [0.0; MAX_JOINTS];
         for (theta, row) in theta.iter_mut().zip(&self.to_theta).take(self.count) {
             *theta = row.iter().zip(y).map(|(d, y)| d * y).sum();
@@ -120,8 +125,8 @@ impl Coordinates {
         theta
     }
 
-    /// The actuators at coordinates, before `q_0` is added.
-    pub fn actuators(&self, y: &Values) -> Values {
+    /// Returns the actuators at coordinates y, without `q_0`.
+    pub fn actuators(&self, y: &JointValues) -> JointValues {
         let mut q = [0.0; MAX_JOINTS];
         for (q, (row, ..)) in q.iter_mut().zip(&self.limits) {
             *q = row.iter().zip(y).map(|(g, y)| g * y).sum();
@@ -129,8 +134,8 @@ impl Coordinates {
         q
     }
 
-    /// Turns derivatives by theta into those by the coordinates: `D^T g` and `D^T H D`.
-    pub fn derivatives(&self, gradient: &Values, hessian: &Matrix) -> (Values, Matrix) {
+    /// Converts derivatives by theta to those by the coordinates: `D^T g` and `D^T H D`.
+    pub fn derivatives(&self, gradient: &JointValues, hessian: &JointMatrix) -> (JointValues, JointMatrix) {
         let n = self.count;
         let (mut g, mut half, mut h) =
             ([0.0; MAX_JOINTS], [[0.0; MAX_JOINTS]; MAX_JOINTS], [[0.0; MAX_JOINTS]; MAX_JOINTS]);
@@ -150,11 +155,10 @@ impl Coordinates {
     }
 }
 
-/// Half the range of an actuator. A whole turn is enough where all that follows it turns by whole
-/// numbers: the same posture comes back.
+/// Returns half the range of an actuator, at most half a turn if every posture repeats after one turn.
 fn half_range(chain: &Chain, joint: usize) -> f64 {
     let link = &chain.links[joint];
-    let half = (link.limits.1 - link.limits.0) / 2.0 + AT_LIMIT;
+    let half = (link.limits.1 - link.limits.0) / 2.0 + LIMIT_TOLERANCE;
     let comes_back = |i: usize| {
         let factor = chain.coupling[i][joint];
         factor.fract() == 0.0 && (factor == 0.0 || chain.links[i].kind == JointKind::Revolute)

@@ -1,55 +1,53 @@
-//! The proof: what no layout of the search space can beat.
+//! Proof: a lower bound of the objective of every layout, by branch and bound with Taylor models.
 //!
-//! Relaxed are collisions and overlaps, and that operations share one layout: each chooses its spot
-//! alone, anywhere its height, its elevation and its distance from the base allow ([`Region`]). All that
-//! is left is a posture, so that the least error is a minimum over joint coordinates inside their limits.
-//! Errors behind a vertical first axis turn with it: it drops out unless the sense or an error before it
-//! knows directions. Branch and bound over the other joints closes the rest:
+//! The problem is relaxed. Collisions and overlaps do not count. Each operation chooses its spot alone,
+//! anywhere its height, its elevation and its distance from the base allow ([`OperationRegion`]). A posture
+//! is all that is left, so that the least error is a minimum over joint coordinates within their limits.
+//! Errors behind a vertical first axis rotate with it. So that joint drops out, unless the sense or an error
+//! before it depends on directions. Branch and bound over the other joints closes the gap:
 //!
-//! | file | what |
+//! | file | content |
 //! |---|---|
-//! | `region` | what an operation must keep in any layout |
-//! | `screws` | the chain, nominal and with errors, as axes about a reference posture |
-//! | `coordinates` | what is cut into boxes, and the joint limits in it |
-//! | `taylor` | expansions with a bound of the rest |
-//! | `difference`, `columns` | the error of a sample; the sum of linear effects |
-//! | `worth` | a reading, from below |
-//! | `task` | one operation, put together |
-//! | `branch`, `witness` | boxes, and postures in them |
+//! | `region` | the constraints of an operation in any layout |
+//! | `screws` | the chain, nominal and with errors, as screw axes at a reference posture |
+//! | `coordinates` | the coordinates of the boxes, and the joint limits in them |
+//! | `taylor_model` | second-order expansions with a bound of the remainder |
+//! | `nonlinear_error`, `linear_effects` | the error of a signed sample; weighted sums of linear effects |
+//! | `value_bound` | the lower bound of a value in any reading |
+//! | `task` | one operation, prepared for bounding |
+//! | `branch_and_bound`, `witness` | the search over boxes, and postures in them |
 //!
-//! The bound holds of [`crate::layout::evaluate`]: a weighted sum has at least the sum of the bounds, a
-//! weighted maximum the largest of them. An operation that has no bound counts as 0, which none is below.
+//! The bound holds for [`crate::layout::evaluate`]: a weighted sum is at least the sum of the bounds, a
+//! weighted maximum at least the largest of them. An operation without a bound counts as 0.
 
-mod branch;
-mod columns;
+mod branch_and_bound;
 mod coordinates;
-mod difference;
+mod linear_effects;
+mod nonlinear_error;
 mod region;
 mod screws;
 mod task;
-mod taylor;
+mod taylor_model;
+mod value_bound;
 mod witness;
-mod worth;
 
-pub use region::Region;
-pub use worth::tangent;
+pub use region::OperationRegion;
+pub use value_bound::tangent;
 
 use crate::cell::{JointVector, Quantity, Reading};
-
 use crate::files::shown;
 use crate::layout::{Workcell, combined};
 use std::sync::atomic::AtomicBool;
 use task::Task;
 
-/// How hard to try.
+/// Effort of a proof.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ProofOptions {
-    /// The bound may be below the least value by this share.
+    /// Relative gap between bound and least value at which the proof of an operation ends.
     pub gap: f64,
-    /// Boxes for every operation.
+    /// Largest number of boxes per operation.
     pub boxes: u64,
-    /// Values that the operations have in some layout, best first known: boxes above need not be looked
-    /// at. None if nothing is known.
+    /// Values of the operations in some layout, which discard boxes above; None if none is known.
     pub known: Option<Vec<f64>>,
 }
 
@@ -59,68 +57,81 @@ impl Default for ProofOptions {
     }
 }
 
-/// Why an operation has no bound.
+/// Reason why an operation has no bound.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WhyNot {
-    /// No posture inside the joint limits has the height and the attitude: no layout is feasible.
+    /// No posture within the joint limits has the height and the attitude: no layout is feasible.
     Infeasible,
+    /// The error is relative to a pick.
     Relative,
+    /// A registration removes part of the error.
     Registered,
+    /// Signed errors of the equipment may cancel those of the robot.
     EquipmentErrors,
+    /// The sense is in axes of the tool.
     ToolAxes,
+    /// The sense is in axes of a surface that can rotate.
     SurfaceAxes,
+    /// The sense is in axes of the world and the robot base can rotate.
     WorldAxes,
+    /// The sense has rotations, which only the linear model bounds.
     Rotation,
+    /// The parameters are not normally distributed.
     NotNormal,
+    /// The sense has more than three rows.
     ManyRows,
+    /// The value is a share of failures.
     Share,
-    /// Nothing above zero within the boxes allowed.
+    /// The bound did not rise above 0 within the boxes allowed.
     Boxes,
 }
 
 impl WhyNot {
+    /// Returns the reason in words.
     pub fn in_words(self) -> &'static str {
         match self {
             Self::Infeasible => "no posture within the joint limits has its height and attitude",
-            Self::Relative => "it depends on where the part was picked",
-            Self::Registered => "what the cell has measured itself is taken off its error",
+            Self::Relative => "its error is relative to the pick of the part",
+            Self::Registered => "a registration removes part of its error",
             Self::EquipmentErrors => "the signed errors of the equipment may cancel those of the robot",
             Self::ToolAxes => "its sense is in axes of the tool",
-            Self::SurfaceAxes => "its sense is in axes of a surface that can be turned",
-            Self::WorldAxes => "its sense is in axes of the world and the robot base can be turned",
-            Self::Rotation => "its sense has rotations, which are bounded in the linear model alone",
-            Self::NotNormal => "its parameters are not normal",
+            Self::SurfaceAxes => "its sense is in axes of a surface that can rotate",
+            Self::WorldAxes => "its sense is in axes of the world, and the robot base can rotate",
+            Self::Rotation => "its sense has rotations, which only the linear model bounds",
+            Self::NotNormal => "its parameters are not normally distributed",
             Self::ManyRows => "its sense has more than three rows",
-            Self::Share => "a share of failures has no bound but 0",
+            Self::Share => "a share of failures has no bound above 0",
             Self::Boxes => "no bound above 0 was found within the boxes allowed",
         }
     }
 }
 
-/// What is proven of one operation.
+/// Proven bound of one operation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OperationBound {
-    /// No spot in any layout has less (m or rad).
+    /// Lower bound of the value at any spot of any layout, m or rad, or why there is none.
     pub value: Result<f64, WhyNot>,
-    /// Boxes looked at.
+    /// Number of boxes examined.
     pub boxes: u64,
-    /// The least value found of a posture of the relaxed problem, and its joint coordinates.
+    /// Least value found in the relaxed problem, with its joint coordinates.
     pub witness: Option<(f64, JointVector)>,
 }
 
-/// What of the objective a bound covers.
+/// Part of the objective that a bound covers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Covers {
+    /// Every operation has a bound.
     Everything,
-    /// Some operations count as 0.
+    /// Some operations have no bound and count as 0.
     Part,
+    /// No operation has a bound.
     Nothing,
     /// An operation has no spot in any layout.
     Infeasible,
 }
 
 impl Covers {
-    /// The word in documents.
+    /// Returns the word used in documents.
     pub fn name(self) -> &'static str {
         match self {
             Covers::Everything => "everything",
@@ -131,24 +142,24 @@ impl Covers {
     }
 }
 
-/// What is proven of a cell.
+/// Proven lower bound of the objective of a cell.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Proof {
-    /// No layout has a smaller objective; None if nothing is known, or if no layout is feasible.
+    /// Lower bound of the objective of every layout; None without a bound, or if no layout is feasible.
     pub bound: Option<f64>,
     pub operations: Vec<OperationBound>,
     pub covers: Covers,
-    /// Somebody asked to stop: the bound holds, but more work could raise it.
+    /// Whether the proof was stopped early: the bound holds, but more work could raise it.
     pub interrupted: bool,
 }
 
 impl Proof {
-    /// How much better a layout could be than one of this objective, as a share of it.
+    /// Returns by which share of its objective a layout could still be improved at most.
     pub fn gap(&self, objective: f64) -> Option<f64> {
         self.bound.filter(|_| objective > 0.0).map(|bound| (1.0 - bound / objective).max(0.0))
     }
 
-    /// What the bound covers, for people.
+    /// Returns a description of what the bound covers and assumes.
     pub fn in_words(&self, workcell: &Workcell) -> String {
         let missing: Vec<String> = self
             .operations
@@ -160,12 +171,11 @@ impl Proof {
             })
             .collect();
         let mut relaxed =
-            "each operation alone at the best spot of any layout, collisions and overlaps left out"
+            "each operation alone at its best spot in any layout, without collisions and overlaps"
                 .to_string();
         let percentiles = [Quantity::P95, Quantity::P99].contains(&workcell.cell.quantity);
         if workcell.cell.reading == Reading::Statistical && percentiles {
-            relaxed +=
-                "; that squares of percentiles are convex in the covariance is assumed: tried, not proven";
+            relaxed += "; assumes that squares of percentiles are convex in the covariance, which is tested but not proven";
         }
         match self.covers {
             Covers::Everything => relaxed,
@@ -176,14 +186,16 @@ impl Proof {
     }
 }
 
-/// A lower bound of the objective of every layout of a cell. Deterministic; stops between rounds of
-/// boxes once `stop` is set, with what is proven by then.
+/// Proves a lower bound of the objective of every layout of a cell.
+///
+/// The result is deterministic. Once `stop` is set, the proof ends after the current round of boxes with
+/// the bound proven so far.
 pub fn prove(workcell: &Workcell, options: &ProofOptions, stop: &AtomicBool) -> Proof {
     let mut interrupted = false;
     let operations: Vec<OperationBound> = (0..workcell.cell.operations.len())
         .map(|k| {
             let known = options.known.as_ref().and_then(|values| values.get(k).copied());
-            let regions = Region::all(&workcell.cell, k, workcell.inverse().fixed_elevation());
+            let regions = OperationRegion::all(&workcell.cell, k, workcell.inverse().fixed_elevation());
             let (bound, stopped) = of_regions(workcell, &regions, known, options, stop);
             interrupted |= stopped;
             bound
@@ -202,10 +214,10 @@ pub fn prove(workcell: &Workcell, options: &ProofOptions, stop: &AtomicBool) -> 
     Proof { bound, operations, covers, interrupted }
 }
 
-/// One operation over several regions: the least of them.
+/// Bounds one operation over several regions: the least bound counts.
 fn of_regions(
     workcell: &Workcell,
-    regions: &[Region],
+    regions: &[OperationRegion],
     known: Option<f64>,
     options: &ProofOptions,
     stop: &AtomicBool,
@@ -221,7 +233,7 @@ fn of_regions(
         all.witness = all.witness.into_iter().chain(one.witness).min_by(by_value);
         all.value = match (all.value, one.value) {
             (Ok(a), Ok(b)) => Ok(a.min(b)),
-            // A region without a posture takes nothing from the others; one without a bound takes all.
+            // A region without a posture does not lower the bound; one without a bound removes it.
             (a, Err(WhyNot::Infeasible)) => a,
             (Err(WhyNot::Infeasible), b) => b,
             (Err(why), _) | (_, Err(why)) => Err(why),
@@ -230,10 +242,10 @@ fn of_regions(
     (all, interrupted)
 }
 
-/// One operation over a region; `known`: a value that it has in some layout.
+/// Bounds one operation over a region; `known` is a value that it has in some layout.
 fn of_operation(
     workcell: &Workcell,
-    region: &Region,
+    region: &OperationRegion,
     known: Option<f64>,
     options: &ProofOptions,
     stop: &AtomicBool,
@@ -244,11 +256,11 @@ fn of_operation(
         Err(why) => return (none(why), false),
     };
     let known = known.unwrap_or(f64::INFINITY);
-    let Some(found) = branch::least(&task, known, options.gap, options.boxes, stop) else {
+    let Some(found) = branch_and_bound::least(&task, known, options.gap, options.boxes, stop) else {
         return (none(WhyNot::Infeasible), false);
     };
-    // An error that can be nothing has the bound 0, and that is all there is to know.
-    let closed = found.best.is_some_and(|(value, _)| value < branch::VANISHES);
+    // An error that can vanish has the bound 0, which is exact.
+    let closed = found.best.is_some_and(|(value, _)| value < branch_and_bound::VANISHES);
     let value = if found.bound > 0.0 || closed { Ok(found.bound) } else { Err(WhyNot::Boxes) };
     (OperationBound { value, boxes: found.boxes, witness: found.best }, found.interrupted)
 }

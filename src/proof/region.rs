@@ -1,26 +1,28 @@
-//! What is left of an operation when it chooses its spot alone: how high, how steep, how far out.
+//! Relaxed operation that chooses its spot alone: bounds of height, elevation and radius in any layout.
 
 use crate::cell::{Cell, Coordinate, Operation, Place};
 use nalgebra::Vector3;
 use std::f64::consts::FRAC_PI_2;
 
-/// Far above what inverse kinematics may be off (m, rad), far below what matters.
+/// Margin, m and rad: far above the errors of the inverse kinematics, far below what matters.
 const SLACK: f64 = 1e-6;
 
-/// Where the TCP of one operation may be in any layout. Azimuth and spin are left free.
+/// Region in which the TCP of one operation can be in any layout. Azimuth and spin are free.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Region {
+pub struct OperationRegion {
     pub operation: usize,
-    /// TCP above the robot base, m.
+    /// Range of the height of the TCP above the robot base, m.
     pub height: (f64, f64),
-    /// Elevation of the tool axis, rad; None if the arm keeps it by its build.
+    /// Range of the elevation of the tool axis, rad; None if the arm keeps it by construction.
     pub elevation: Option<(f64, f64)>,
-    /// Distance from the z axis of the robot base, m; None if the layout does not limit it.
+    /// Range of the distance from the z axis of the robot base, m; None if the layout does not limit it.
     pub radius: Option<(f64, f64)>,
 }
 
-impl Region {
-    /// The regions of an operation: one for each allowed height of its equipment, if those are listed.
+impl OperationRegion {
+    /// Returns the regions of an operation: one for each listed height of its equipment, or a single one.
+    ///
+    /// `kept` is the elevation that the arm keeps by construction, if it does.
     pub fn all(cell: &Cell, operation: usize, kept: Option<f64>) -> Vec<Self> {
         let equipment = cell.operations[operation].equipment;
         let Coordinate::List(heights) = &cell.equipment[equipment].placement[2] else {
@@ -34,10 +36,12 @@ impl Region {
         heights.iter().map(at).collect()
     }
 
-    /// The region of an operation in every layout of a cell. `kept`: the elevation that the arm keeps.
+    /// Returns the region of an operation over all layouts of a cell.
+    ///
+    /// `kept` is the elevation that the arm keeps by construction, if it does.
     pub fn new(cell: &Cell, operation: usize, kept: Option<f64>) -> Self {
         let asked = &cell.operations[operation];
-        let stand = Stand::new(cell, asked.equipment);
+        let stand = EquipmentRange::new(cell, asked.equipment);
         let [low, high] = [stand.z.0, stand.z.1].map(|z| z + asked.standoff);
         Self {
             operation,
@@ -47,69 +51,76 @@ impl Region {
         }
     }
 
-    /// What the height, the radius and the tool axis must keep.
+    /// Returns the constraints of height, radius and tool axis.
     pub(super) fn constraints(&self) -> Vec<Constraint> {
-        let mut all = vec![Constraint { of: Quantity::Height, low: self.height.0, high: self.height.1 }];
+        let mut all =
+            vec![Constraint { of: ConstrainedQuantity::Height, low: self.height.0, high: self.height.1 }];
         if let Some((low, high)) = self.elevation {
-            // Near the vertical the height of the axis says nothing to first order.
+            // Near the vertical the z component of the axis is insensitive to first order.
             let flat = low.cos().max(high.cos());
             if low <= -FRAC_PI_2 + SLACK || high >= FRAC_PI_2 - SLACK {
                 let flat = if low <= 0.0 && high >= 0.0 { 1.0 } else { flat } + SLACK;
-                all.extend([0, 1].map(|k| Constraint { of: Quantity::Axis(k), low: -flat, high: flat }));
+                all.extend([0, 1].map(|k| Constraint {
+                    of: ConstrainedQuantity::Axis(k),
+                    low: -flat,
+                    high: flat,
+                }));
             }
             let (low, high) = (low.sin() - SLACK, high.sin() + SLACK);
-            all.push(Constraint { of: Quantity::Axis(2), low, high });
+            all.push(Constraint { of: ConstrainedQuantity::Axis(2), low, high });
         }
         if let Some((low, high)) = self.radius {
-            // On the axis the square is flat: what is no limit must not look like one.
+            // The square is flat on the axis; a lower limit of 0 must not look like a constraint.
             let low = if low > 0.0 { low * low } else { -high * high };
-            all.push(Constraint { of: Quantity::RadiusSquared, low, high: high * high });
+            all.push(Constraint { of: ConstrainedQuantity::RadiusSquared, low, high: high * high });
         }
         all
     }
 }
 
-/// What a constraint looks at.
+/// Quantity that a constraint limits.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Quantity {
-    /// Of the TCP above the base, m.
+pub(super) enum ConstrainedQuantity {
+    /// Height of the TCP above the base, m.
     Height,
-    /// A component of the tool axis.
+    /// Component of the tool axis.
     Axis(usize),
-    /// Of the TCP from the z axis of the base, m^2.
+    /// Squared distance of the TCP from the z axis of the base, m^2.
     RadiusSquared,
 }
 
+/// Constraint `low <= quantity <= high`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Constraint {
-    pub of: Quantity,
+    pub of: ConstrainedQuantity,
     pub low: f64,
     pub high: f64,
 }
 
 impl Constraint {
+    /// Returns the quantity for a TCP position and a tool axis in the base frame.
     pub fn value(&self, tip: &Vector3<f64>, tool: &Vector3<f64>) -> f64 {
         match self.of {
-            Quantity::Height => tip.z,
-            Quantity::Axis(k) => tool[k],
-            Quantity::RadiusSquared => tip.xy().norm_squared(),
+            ConstrainedQuantity::Height => tip.z,
+            ConstrainedQuantity::Axis(k) => tool[k],
+            ConstrainedQuantity::RadiusSquared => tip.xy().norm_squared(),
         }
     }
 }
 
-/// Every elevation that the search may choose, and every tilt within the tolerance.
+/// Returns the range of elevations that the search may choose, extended by the tolerance.
 fn elevations(asked: &Operation) -> (f64, f64) {
     let chosen =
         asked.angles[0].as_ref().map_or((asked.attitude.elevation, asked.attitude.elevation), |c| c.range());
     let by = asked.attitude.tolerance + SLACK;
     let (low, high) = (chosen.0 - by, chosen.1 + by);
-    // Past the vertical the tool leans to the other side.
+    // Beyond the vertical the tool leans to the other side.
     let ends = [low, high].map(|e| e.sin().clamp(-1.0, 1.0).asin());
     let (least, most) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
     (if low <= -FRAC_PI_2 { -FRAC_PI_2 } else { least }, if high >= FRAC_PI_2 { FRAC_PI_2 } else { most })
 }
 
-/// Farthest node from the origin of the equipment's frame, m.
+/// Returns the distance of the farthest node from the origin of the equipment's frame, m.
 fn farthest(place: &Place) -> f64 {
     match place {
         Place::Grid { area, .. } => {
@@ -120,16 +131,16 @@ fn farthest(place: &Place) -> f64 {
     }
 }
 
-/// Where the frame of an equipment may be, seen from the robot base.
-struct Stand {
+/// Ranges of the position of an equipment's frame, seen from the robot base, m.
+struct EquipmentRange {
     x: (f64, f64),
     y: (f64, f64),
     z: (f64, f64),
-    /// It is at most so far aside from there: at any yaw of what it stands on.
+    /// Largest additional distance by the yaw of the equipment that it stands on.
     aside: f64,
 }
 
-impl Stand {
+impl EquipmentRange {
     fn new(cell: &Cell, equipment: usize) -> Self {
         let [x, y, z, _] = cell.equipment[equipment].placement.each_ref().map(Coordinate::range);
         match cell.equipment[equipment].on {
@@ -147,8 +158,9 @@ impl Stand {
         }
     }
 
-    /// Nearest and farthest that a node can be from the base axis, whatever the yaw; `around`: the
-    /// farthest node from the frame, m.
+    /// Returns least and greatest distance of a node from the base axis for any yaw.
+    ///
+    /// `around` is the distance of the farthest node from the frame, m.
     fn distances(&self, around: f64) -> (f64, f64) {
         let around = around + self.aside;
         let near = |r: (f64, f64)| r.0.max(-r.1).max(0.0);

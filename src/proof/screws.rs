@@ -1,8 +1,8 @@
-//! A chain as screws about a reference posture: axes that turn with the joints before them.
+//! A chain as screw axes at a reference posture (product of exponentials).
 //!
 //! With `theta` counted from the reference, `T(theta) = exp(S_1 theta_1) ... exp(S_n theta_n) T(0)`
-//! (product of exponentials). A chain with errors has other axes and another end, and nothing else:
-//! where its rows put their frames does not matter, so that rows whose huge offsets cancel are harmless.
+//! (R. W. Brockett 1984). A chain with errors differs by its axes and its end alone. The places of the
+//! frames of its rows do not matter, so that rows with huge offsets that cancel are harmless.
 
 use crate::cell::{JointKind, MAX_JOINTS, PER_FRAME, Parameter};
 use crate::kinematic_error::{FrameError, Perturbation};
@@ -11,22 +11,24 @@ use crate::robot::{Chain, Frames};
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 
 /// One value per joint; the unused tail is zero.
-pub(super) type Values = [f64; MAX_JOINTS];
+pub(super) type JointValues = [f64; MAX_JOINTS];
 
-/// Axes and end at the reference posture, base frame.
+/// Axes and end of a chain at the reference posture, base frame.
 #[derive(Debug, Clone)]
 pub(super) struct Screws {
     pub kinds: Vec<JointKind>,
     pub axes: [Vector3<f64>; MAX_JOINTS],
     pub points: [Vector3<f64>; MAX_JOINTS],
-    /// The TCP, the point whose error counts, and the tool axis (a direction).
+    /// TCP, m.
     pub tip: Vector3<f64>,
+    /// Point whose error counts, m.
     pub point: Vector3<f64>,
+    /// Unit vector along the tool.
     pub tool: Vector3<f64>,
 }
 
-/// The same at some posture, and where link k (after k joints) has gone from the reference.
-pub(super) struct Placed {
+/// Axes and end of a chain at some posture, and the motion of each link from the reference posture.
+pub(super) struct PosedScrews {
     pub axes: [Vector3<f64>; MAX_JOINTS],
     pub points: [Vector3<f64>; MAX_JOINTS],
     pub links: [Pose; MAX_JOINTS + 1],
@@ -36,7 +38,7 @@ pub(super) struct Placed {
 }
 
 impl Screws {
-    /// The nominal chain at `frames`; `point`: whose error counts, from the TCP in its frame, m.
+    /// Returns the nominal chain at `frames`. `point` is the point whose error counts, in the TCP frame, m.
     pub fn nominal(chain: &Chain, frames: &Frames, point: &Vector3<f64>) -> Self {
         let (mut axes, mut points) = ([Vector3::z(); MAX_JOINTS], [Vector3::zeros(); MAX_JOINTS]);
         for i in 0..chain.axes() {
@@ -53,8 +55,9 @@ impl Screws {
         }
     }
 
-    /// The chain with a sample of errors at the same joint coordinates, each axis by its point nearest
-    /// to the nominal one.
+    /// Returns the chain with a sample of errors at the same joint coordinates.
+    ///
+    /// Each axis is given by its point nearest to the nominal one.
     pub fn perturbed(&self, frames: &Frames, errors: &Perturbation) -> Self {
         let mut moved = Pose::identity();
         let of_frame = |moved: &mut Pose, frame: &Pose, error: &FrameError| {
@@ -88,8 +91,9 @@ impl Screws {
         with
     }
 
-    pub fn place(&self, theta: &Values) -> Placed {
-        let mut placed = Placed {
+    /// Returns axes and end at joint angles theta.
+    pub fn place(&self, theta: &JointValues) -> PosedScrews {
+        let mut placed = PosedScrews {
             axes: self.axes,
             points: self.points,
             links: [Pose::identity(); MAX_JOINTS + 1],
@@ -114,22 +118,29 @@ impl Screws {
     }
 }
 
-/// A small motion of everything behind it: a turn about an axis or a slide along it, a unit of it, and
-/// how much of it a unit of the source makes. At the reference posture, base frame.
+/// Small motion of everything between itself and the tool, at the reference posture, base frame.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Motion {
-    /// Joints before it.
+pub(super) struct ScrewMotion {
+    /// Number of joints before it.
     pub link: usize,
+    /// Whether it is a rotation; otherwise it is a translation.
     pub turns: bool,
     pub axis: Vector3<f64>,
     pub through: Vector3<f64>,
+    /// Index of the error source.
     pub source: usize,
+    /// Size of the motion per unit of the source.
     pub factor: f64,
 }
 
-/// The motions that a unit of a parameter makes; none of an equipment's.
-pub(super) fn motions(chain: &Chain, frames: &Frames, parameter: Parameter, source: usize) -> Vec<Motion> {
-    let one = |link: usize, frame: &Pose, axis: usize, turns: bool, factor: f64| Motion {
+/// Returns the motions that a unit of a parameter makes; a parameter of the equipment makes none.
+pub(super) fn motions(
+    chain: &Chain,
+    frames: &Frames,
+    parameter: Parameter,
+    source: usize,
+) -> Vec<ScrewMotion> {
+    let one = |link: usize, frame: &Pose, axis: usize, turns: bool, factor: f64| ScrewMotion {
         link,
         turns,
         axis: frame.rotation.column(axis).into_owned(),
@@ -167,7 +178,7 @@ fn slide(by: Vector3<f64>) -> Pose {
     Pose { rotation: Matrix3::identity(), translation: by }
 }
 
-/// A turn about the line through a point.
+/// Returns the rotation by an angle (rad) about the line along `axis` through a point.
 pub(super) fn about(axis: &Vector3<f64>, through: &Vector3<f64>, angle: f64) -> Pose {
     if angle == 0.0 {
         return Pose::IDENTITY;

@@ -1,51 +1,54 @@
-//! One operation made ready to be bounded: its chain, what counts of its error, what it must keep.
+//! One operation prepared for bounding: its chain, its error and its constraints.
 
 use super::WhyNot;
-use super::columns;
-use super::columns::effects;
 use super::coordinates::{Coordinates, middle};
-use super::difference::Difference;
-use super::region::{Constraint, Quantity, Region};
-use super::screws::{Motion, Placed, Screws, Values, motions};
-use super::taylor::{Pieces, Taylor, along, radius, rates};
-use super::worth::Sum;
+use super::linear_effects::{self, WeightedMotions, effects};
+use super::nonlinear_error::ChainDifference;
+use super::region::{ConstrainedQuantity, Constraint, OperationRegion};
+use super::screws::{JointValues, PosedScrews, ScrewMotion, Screws, motions};
+use super::taylor_model::{Geometry, RigidPieces, Taylor, along, radius, rates};
+use super::value_bound::EffectSum;
 use crate::cell::{Cell, Frame, JointKind, JointVector, MAX_JOINTS, Model, Reading, Registration, Row};
 use crate::layout::Workcell;
 use crate::pose::Pose;
 use crate::reading::{ErrorEvaluator, EvaluatorScratch, WorkContext, WorkFrame};
 use nalgebra::{Matrix3, Vector3};
 
-/// Rounding below which directions agree.
-const SAME: f64 = 1e-12;
+/// Rounding, without unit, within which directions agree.
+const DIRECTION_ROUNDING: f64 = 1e-12;
 
+/// Bounding task of one operation.
 pub(super) struct Task<'a> {
     gauge: &'a ErrorEvaluator,
     workcell: &'a Workcell,
     situation: WorkContext,
     screws: Screws,
     pub coordinates: Coordinates,
-    /// Out to the TCP, and to the point whose error counts.
-    to_tip: Pieces,
-    to_point: Pieces,
+    /// Pieces of the chain out to the TCP.
+    to_tip: RigidPieces,
+    /// Pieces of the chain out to the point whose error counts.
+    to_point: RigidPieces,
     rows: Vec<Row>,
-    error: Error,
-    /// What the models may differ by, m: taken off.
+    error: BoundedError,
+    /// Largest difference between the models, m, which is subtracted from the bound.
     lost: f64,
     pub constraints: Vec<Constraint>,
 }
 
-/// How the error is made.
-enum Error {
-    /// Of a signed sample, nonlinear.
-    Difference(Box<Difference>),
-    /// Sums of linear effects.
-    Columns(Vec<Motion>, Sum),
+/// Error that is bounded.
+enum BoundedError {
+    /// Nonlinear error of a signed sample.
+    ChainDifference(Box<ChainDifference>),
+    /// Weighted sum of linear effects.
+    Columns(Vec<ScrewMotion>, EffectSum),
 }
 
 impl<'a> Task<'a> {
+    /// Prepares an operation in a region.
+    ///
     /// # Errors
     /// Why there is no bound.
-    pub fn new(workcell: &'a Workcell, region: &Region) -> Result<Self, WhyNot> {
+    pub fn new(workcell: &'a Workcell, region: &OperationRegion) -> Result<Self, WhyNot> {
         let cell = &workcell.cell;
         let (operation, gauge) = (&cell.operations[region.operation], workcell.evaluator(region.operation));
         let chain = workcell.inverse().chain();
@@ -60,15 +63,15 @@ impl<'a> Task<'a> {
         }
         let frames = chain.frames(&chain.posture(&middle(chain)));
         let screws = Screws::nominal(chain, &frames, &gauge.sense.point);
-        let sum = Sum::new(gauge, rows.len())?;
+        let sum = EffectSum::new(gauge, rows.len())?;
         let sources = gauge.sources.list.iter().enumerate();
-        let motions: Vec<Motion> =
+        let motions: Vec<ScrewMotion> =
             sources.flat_map(|(k, source)| motions(chain, &frames, source.parameter, k)).collect();
         let free = Coordinates::new(chain, &screws, &[false; MAX_JOINTS]);
-        let pieces = Pieces::new(&screws, &screws.point, &free);
+        let pieces = RigidPieces::new(&screws, &screws.point, &free);
         let errors = gauge.sources.perturbation(chain, &gauge.sources.signed());
         let difference =
-            sample.then(|| Difference::new(&screws, screws.perturbed(&frames, &errors), &pieces));
+            sample.then(|| ChainDifference::new(&screws, screws.perturbed(&frames, &errors), &pieces));
         let turns_along = match &difference {
             Some(difference) => difference.keeps_first_axis(),
             None => motions.iter().all(|m| m.link > 0 || is_of_first_axis(m, &screws)),
@@ -78,50 +81,53 @@ impl<'a> Task<'a> {
         held[0] = first_alone
             && match screws.kinds[0] {
                 JointKind::Revolute => {
-                    let upright = screws.axes[0].xy().norm() < SAME;
+                    let upright = screws.axes[0].xy().norm() < DIRECTION_ROUNDING;
                     upright && turns_along && turns_with_z(&rows)
                 }
                 JointKind::Prismatic => {
-                    screws.axes[0].z.abs() < SAME && motions.iter().all(|m| m.link > 0 || !m.turns)
+                    screws.axes[0].z.abs() < DIRECTION_ROUNDING
+                        && motions.iter().all(|m| m.link > 0 || !m.turns)
                 }
             };
         let coordinates = Coordinates::new(chain, &screws, &held);
         let mut constraints = region.constraints();
-        let centred = screws.kinds[0] == JointKind::Revolute && screws.points[0].xy().norm() < SAME;
+        let centred =
+            screws.kinds[0] == JointKind::Revolute && screws.points[0].xy().norm() < DIRECTION_ROUNDING;
         let site = WorkFrame {
             equipment: operation.equipment,
             work: Pose::identity(),
             world: cell.start().base.from_world(),
             taught: None,
         };
-        let to_tip = Pieces::new(&screws, &screws.tip, &coordinates);
+        let to_tip = RigidPieces::new(&screws, &screws.tip, &coordinates);
         let reach = screws.points[0].norm() + to_tip.from(0);
         let limits = |c: &Constraint| (centred || !held[0]) && (c.low > 0.0 || c.high < reach * reach);
-        constraints.retain(|c| c.of != Quantity::RadiusSquared || limits(c));
+        constraints.retain(|c| c.of != ConstrainedQuantity::RadiusSquared || limits(c));
         let mut task = Self {
             gauge,
             workcell,
             situation: WorkContext { site, reference: None },
             to_tip,
-            to_point: Pieces::new(&screws, &screws.point, &coordinates),
+            to_point: RigidPieces::new(&screws, &screws.point, &coordinates),
             screws,
             coordinates,
             rows,
-            error: Error::Columns(motions, sum),
+            error: BoundedError::Columns(motions, sum),
             lost: 0.0,
             constraints,
         };
         task.lost = task.lost();
         if let Some(difference) = difference {
-            task.error = Error::Difference(Box::new(difference));
+            task.error = BoundedError::ChainDifference(Box::new(difference));
         }
         Ok(task)
     }
 
-    /// What a model can be off the one that is bounded. Of a worst case the two opposite corners share
-    /// the even orders: `max |+-L + E + O| >= |L| - |O|`; a second-order model lacks the third order of
-    /// the nonlinear one. With the turns `a_k` and displacements `b_k` of the motions both are at most
-    /// `sum_k b_k (sum_j a_j)^2 / 2`.
+    /// Returns the largest difference, m, of the cell's model from the one that is bounded.
+    ///
+    /// In a worst case two opposite corners share the even orders: `max |+-L + E + O| >= |L| - |O|`. A
+    /// second-order model lacks the third order of the nonlinear one. For motions with rotations `a_k` and
+    /// displacements `b_k` both differences are at most `sum_k b_k (sum_j a_j)^2 / 2`.
     fn lost(&self) -> f64 {
         let sizes: Vec<f64> = match (self.gauge.reading, self.gauge.model) {
             (Reading::Signed, Model::SecondOrder) => self.gauge.sources.signed(),
@@ -130,13 +136,13 @@ impl<'a> Task<'a> {
             }
             _ => return 0.0,
         };
-        let Error::Columns(motions, _) = &self.error else { return 0.0 };
-        let size = |m: &Motion| (m.factor * sizes[m.source]).abs();
-        let (turns, slides): (Vec<&Motion>, Vec<&Motion>) = motions.iter().partition(|m| m.turns);
+        let BoundedError::Columns(motions, _) = &self.error else { return 0.0 };
+        let size = |m: &ScrewMotion| (m.factor * sizes[m.source]).abs();
+        let (turns, slides): (Vec<&ScrewMotion>, Vec<&ScrewMotion>) = motions.iter().partition(|m| m.turns);
         let (sum, slid): (f64, f64) =
             (turns.iter().map(|m| size(m)).sum(), slides.iter().map(|m| size(m)).sum());
         let n = self.screws.kinds.len();
-        let lever = |m: &Motion| {
+        let lever = |m: &ScrewMotion| {
             let next = if m.link == n { &self.screws.point } else { &self.screws.points[m.link] };
             (next - m.through).norm() + self.to_point.from(m.link) + slid
         };
@@ -145,14 +151,15 @@ impl<'a> Task<'a> {
         rows * (moved + slid) * sum * sum / 2.0
     }
 
-    pub fn place(&self, y: &Values) -> Placed {
+    /// Returns the chain at coordinates y.
+    pub fn place(&self, y: &JointValues) -> PosedScrews {
         self.screws.place(&self.coordinates.theta(y))
     }
 
-    /// Expands a constraint.
-    pub fn constraint(&self, constraint: &Constraint, placed: &Placed, radii: &Values) -> Taylor {
+    /// Expands a constraint over a box of the given radii.
+    pub fn constraint(&self, constraint: &Constraint, placed: &PosedScrews, radii: &JointValues) -> Taylor {
         let (gradient, hessian, rest) = match constraint.of {
-            Quantity::Height => {
+            ConstrainedQuantity::Height => {
                 let (g, h) = along(
                     &self.screws,
                     placed,
@@ -161,13 +168,13 @@ impl<'a> Task<'a> {
                 );
                 (g, h, self.to_tip.turned(&self.coordinates, radii, 0, 0, 3))
             }
-            Quantity::Axis(k) => {
+            ConstrainedQuantity::Axis(k) => {
                 let (g, h) =
                     along(&self.screws, placed, &rates(&self.screws, placed, None), &Vector3::ith(k, 1.0));
                 let last = self.coordinates.turning[self.coordinates.count];
                 (g, h, radius(radii, last).powi(3))
             }
-            Quantity::RadiusSquared => {
+            ConstrainedQuantity::RadiusSquared => {
                 let rates = rates(&self.screws, placed, Some(&placed.tip));
                 let level = Vector3::new(placed.tip.x, placed.tip.y, 0.0);
                 let (mut g, mut h) = along(&self.screws, placed, &rates, &(level * 2.0));
@@ -186,11 +193,12 @@ impl<'a> Task<'a> {
         Taylor { value: constraint.value(&placed.tip, &placed.tool), gradient, hessian, rest: rest / 6.0 }
     }
 
-    /// Expands what the value is at least; None where that is zero.
-    pub fn worth(&self, y: &Values, placed: &Placed, radii: &Values) -> Option<Taylor> {
-        let parts = (&self.screws, &self.coordinates, &self.to_point);
+    /// Expands a lower bound of the value over a box of the given radii; None where it is zero.
+    pub fn worth(&self, y: &JointValues, placed: &PosedScrews, radii: &JointValues) -> Option<Taylor> {
+        let (screws, coordinates) = (&self.screws, &self.coordinates);
+        let geometry = Geometry { screws, coordinates, pieces: &self.to_point };
         let mut taylor = match &self.error {
-            Error::Difference(difference) => {
+            BoundedError::ChainDifference(difference) => {
                 let with = difference.screws.place(&self.coordinates.theta(y));
                 let gram =
                     self.rows.iter().map(|r| r.direction * r.direction.transpose()).sum::<Matrix3<f64>>();
@@ -199,39 +207,41 @@ impl<'a> Task<'a> {
                 if size < f64::MIN_POSITIVE {
                     return None;
                 }
-                difference.expand(parts, (placed, &with), &(gram * error / size), radii)
+                difference.expand(geometry, placed, &with, &(gram * error / size), radii)
             }
-            Error::Columns(motions, sum) => {
+            BoundedError::Columns(motions, sum) => {
                 let effects = effects(motions, placed, self.screws.kinds.len());
                 let weights = sum.weights(&self.rows, motions, &effects)?;
                 let rates = rates(&self.screws, placed, Some(&placed.point));
-                columns::expand(parts, placed, (motions, &effects), &weights, &rates, radii)
+                let sum = WeightedMotions { motions, effects: &effects, weights: &weights };
+                linear_effects::expand(geometry, placed, sum, &rates, radii)
             }
         };
         taylor.value -= self.lost;
         Some(taylor)
     }
 
-    /// The joint coordinates of a point.
-    pub fn joints(&self, y: &Values) -> JointVector {
+    /// Returns the joint vector at coordinates y.
+    pub fn joints(&self, y: &JointValues) -> JointVector {
         let mut q = middle(self.workcell.inverse().chain());
         q.iter_mut().zip(self.coordinates.actuators(y)).for_each(|(q, by)| *q += by);
         q
     }
 
+    /// Returns working memory for [`Self::value`].
     pub fn memory(&self) -> EvaluatorScratch {
         self.gauge.memory()
     }
 
-    /// What the search would make of a point.
-    pub fn value(&self, y: &Values, memory: &mut EvaluatorScratch) -> f64 {
+    /// Returns the value that the search assigns to coordinates y.
+    pub fn value(&self, y: &JointValues, memory: &mut EvaluatorScratch) -> f64 {
         let chain = self.workcell.inverse().chain();
         let frames = chain.frames(&chain.posture(&self.joints(y)));
         self.gauge.value(&self.situation, &frames, memory)
     }
 }
 
-/// What no bound is known of.
+/// Refuses operations without a known bound.
 fn refuse(cell: &Cell, operation: usize) -> Result<(), WhyNot> {
     let asked = &cell.operations[operation];
     if asked.relative_to.is_some() {
@@ -246,7 +256,7 @@ fn refuse(cell: &Cell, operation: usize) -> Result<(), WhyNot> {
     Ok(())
 }
 
-/// The rows of the sense in the base frame.
+/// Returns the rows of the sense in the base frame.
 fn rows(cell: &Cell, gauge: &ErrorEvaluator, operation: usize) -> Result<Vec<Row>, WhyNot> {
     let sense = &gauge.sense;
     let turned = |by: &Matrix3<f64>| -> Vec<Row> {
@@ -273,7 +283,7 @@ fn rows(cell: &Cell, gauge: &ErrorEvaluator, operation: usize) -> Result<Vec<Row
     }
 }
 
-/// `sum r r^T` of the rows of position, and of rotation.
+/// Returns `sum r r^T` over the rows of position, and over those of rotation.
 fn grams(rows: &[Row]) -> [Matrix3<f64>; 2] {
     let gram = |turns: bool| {
         rows.iter()
@@ -284,21 +294,23 @@ fn grams(rows: &[Row]) -> [Matrix3<f64>; 2] {
     [gram(false), gram(true)]
 }
 
-/// Whether sizes do not depend on turns about z.
+/// Returns whether sizes are invariant under rotations about z.
 fn turns_with_z(rows: &[Row]) -> bool {
     grams(rows).iter().all(|g| {
         let off = (g[(0, 0)] - g[(1, 1)]).abs() + g[(0, 1)].abs() + g[(0, 2)].abs() + g[(1, 2)].abs();
-        off <= SAME * g.trace()
+        off <= DIRECTION_ROUNDING * g.trace()
     })
 }
 
-/// Whether they do not depend on any turn.
+/// Returns whether sizes are invariant under all rotations.
 fn is_isotropic(rows: &[Row]) -> bool {
-    turns_with_z(rows) && grams(rows).iter().all(|g| (g[(0, 0)] - g[(2, 2)]).abs() <= SAME * g.trace())
+    turns_with_z(rows)
+        && grams(rows).iter().all(|g| (g[(0, 0)] - g[(2, 2)]).abs() <= DIRECTION_ROUNDING * g.trace())
 }
 
-/// Whether a motion before the first joint is about or along its axis.
-fn is_of_first_axis(motion: &Motion, screws: &Screws) -> bool {
+/// Returns whether a motion before the first joint is about or along its axis.
+fn is_of_first_axis(motion: &ScrewMotion, screws: &Screws) -> bool {
     let (axis, arm) = (&screws.axes[0], motion.through - screws.points[0]);
-    motion.axis.cross(axis).norm() < SAME && (!motion.turns || arm.cross(axis).norm() < SAME)
+    motion.axis.cross(axis).norm() < DIRECTION_ROUNDING
+        && (!motion.turns || arm.cross(axis).norm() < DIRECTION_ROUNDING)
 }

@@ -1,33 +1,39 @@
-//! Postures that show how low a value can really be.
+//! Witnesses: postures that show how low a value can really be, upper bounds of the minimum.
 
 use super::region::Constraint;
-use super::screws::Values;
+use super::screws::JointValues;
 use super::task::Task;
-use super::taylor::Taylor;
+use super::taylor_model::Taylor;
 use crate::cell::{JointVector, MAX_JOINTS};
 use crate::reading::EvaluatorScratch;
 use nalgebra::{Matrix4, Vector4};
 
-/// What a posture that is tried may be off its limits and constraints, m or rad.
-const KEPT: f64 = 1e-9;
+/// Largest violation of limits and constraints by a witness, m or rad.
+const TOLERANCE: f64 = 1e-9;
 
-/// A posture near the centre of a box that keeps limits and constraints, with its value: Newton steps of
-/// the least length, back into the box. Off by [`KEPT`] counts as kept: the best often stands in a corner
-/// of what is allowed, and no bound rests on it.
+/// Returns a posture in a box that keeps limits and constraints, with its value.
+///
+/// It takes least-norm Newton steps from `y`, clamped to the box from `low` to `high`. A violation up to
+/// [`TOLERANCE`] counts as kept: the best posture is often in a corner of what is allowed, and no bound
+/// depends on it.
 pub(super) fn near(
     task: &Task<'_>,
-    mut y: Values,
-    (low, high): (&Values, &Values),
+    mut y: JointValues,
+    low: &JointValues,
+    high: &JointValues,
     memory: &mut EvaluatorScratch,
 ) -> Option<(f64, JointVector)> {
-    for _ in 0..12 {
+    const MAX_STEPS: usize = 12;
+    for _ in 0..MAX_STEPS {
         let placed = task.place(&y);
         let all = task.constraints.iter().map(|c| (*c, task.constraint(c, &placed, &[0.0; MAX_JOINTS])));
         let missed = |c: &Constraint, t: &Taylor| (t.value - t.value.clamp(c.low, c.high)).abs();
-        let off: Vec<(Constraint, Taylor)> = all.filter(|(c, t)| missed(c, t) > KEPT).take(4).collect();
+        let off: Vec<(Constraint, Taylor)> = all.filter(|(c, t)| missed(c, t) > TOLERANCE).take(4).collect();
         if off.is_empty() {
             let inside = task.coordinates.limits.iter().zip(task.coordinates.actuators(&y));
-            let kept = inside.into_iter().all(|((_, low, high), q)| (low - KEPT..=high + KEPT).contains(&q));
+            let kept = inside
+                .into_iter()
+                .all(|((_, low, high), q)| (low - TOLERANCE..=high + TOLERANCE).contains(&q));
             return kept.then(|| (task.value(&y, memory), task.joints(&y)));
         }
         let (mut normal, mut right) = (Matrix4::identity(), Vector4::zeros());

@@ -1,4 +1,4 @@
-//! The error budget of a posture: which parameter to tighten first.
+//! Error budget of a posture: which parameter to tighten first.
 
 use super::work_context::WorkContext;
 use super::{ErrorEvaluator, ErrorSources, EvaluatorScratch};
@@ -7,41 +7,44 @@ use crate::pose::Displacement;
 use crate::robot::Frames;
 use nalgebra::{Vector3, Vector6};
 
-/// What one source adds to the error in the operation's sense.
+/// Contribution of one error source to the error in the operation's sense.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Share {
     pub parameter: Parameter,
-    /// The value of the signed sample, and the half width of the tolerance (m or rad).
+    /// Value in the signed sample, m or rad.
     pub signed: f64,
+    /// Half width of the tolerance, m or rad.
     pub plus_minus: f64,
-    /// Its linear term: what it does to the position of the TCP in world axes, m, at the signed value
-    /// (of a tolerance: at plus).
+    /// Linear effect on the position of the TCP in world axes, m, at the signed value or the upper limit.
     pub term: Vector3<f64>,
-    /// Size of its effect in the sense when it alone is at its tolerance, m or rad.
+    /// Size of the effect in the sense with this source alone at its tolerance, m or rad.
     pub alone: f64,
-    /// Its part of the linear worst case, and of the variance; each adds up to 1.
+    /// Share of the linear worst case; all shares add up to 1.
     pub of_worst: f64,
+    /// Share of the variance; all shares add up to 1.
     pub of_variance: f64,
 }
 
-/// The budget of one posture, the largest share first.
+/// Error budget of one posture, the largest share first.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Budget {
     pub shares: Vec<Share>,
-    /// Linear worst case and root of the variance that the shares divide, m or rad.
+    /// Linear worst case, m or rad.
     pub worst: f64,
+    /// Standard deviation, m or rad.
     pub deviation: f64,
 }
 
 impl Budget {
+    /// Computes the budget of a posture.
     pub fn new(
         gauge: &ErrorEvaluator,
-        situation: &WorkContext,
+        context: &WorkContext,
         frames: &Frames,
         memory: &mut EvaluatorScratch,
     ) -> Self {
-        gauge.prepare(situation, frames, memory);
-        let measure = gauge.measure(&gauge.sense, situation, frames);
+        gauge.prepare(context, frames, memory);
+        let measure = gauge.measure(&gauge.sense, context, frames);
         let (worst, corner) = gauge.linear_corner(&measure, memory);
         let sources = &gauge.sources;
         let unit: Vec<Vector6<f64>> =
@@ -62,7 +65,7 @@ impl Budget {
                     parameter: source.parameter,
                     signed: source.signed,
                     plus_minus: source.plus_minus,
-                    term: situation.site.world.transpose() * term.position,
+                    term: context.site.world.transpose() * term.position,
                     alone: unit[k].norm() * source.plus_minus,
                     of_worst: of(unit[k].dot(&sum) * source.plus_minus * corner[k], sum.norm_squared()),
                     of_variance: of(variances[k], total),
@@ -75,7 +78,7 @@ impl Budget {
     }
 }
 
-/// Each source's part of the variance: `g_k . sum_j C_kj g_j`.
+/// Returns each source's part of the variance: `g_k . sum_j C_kj g_j`.
 fn variances(sources: &ErrorSources, unit: &[Vector6<f64>]) -> Vec<f64> {
     let alone = |(k, s): (usize, &super::ErrorSource)| match s.spread {
         Some(_) => unit[k].norm_squared() * s.deviation * s.deviation,

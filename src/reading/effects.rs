@@ -1,4 +1,4 @@
-//! What a unit of every source does to the TCP, seen from the work.
+//! First-order effects of the error sources on the TCP, seen from the work.
 
 use super::error_sources::{ErrorSources, MAX_SOURCES};
 use crate::cell::Parameter;
@@ -6,8 +6,7 @@ use crate::kinematic_error::Expansion;
 use crate::pose::{Displacement, Pose};
 use nalgebra::Vector3;
 
-/// First-order effect of a unit of each source on the TCP (base frame), and what the second order
-/// makes of their spread: the mean.
+/// First-order effect of a unit of each source on the TCP (base frame), and the second-order mean.
 #[derive(Debug, Clone)]
 pub struct Effects {
     pub columns: [Displacement; MAX_SOURCES],
@@ -22,7 +21,7 @@ impl Default for Effects {
 }
 
 impl Effects {
-    /// Of the robot at the posture of `expansion`; with `mean` the second-order mean too.
+    /// Sets the effects of the robot at the posture of `expansion`, with `mean` also the second-order mean.
     pub fn set(&mut self, sources: &ErrorSources, expansion: &Expansion, mean: bool) {
         self.count = sources.list.len();
         for k in 0..self.count {
@@ -31,7 +30,7 @@ impl Effects {
         self.mean = if mean { second_order_mean(sources, expansion) } else { Displacement::NONE };
     }
 
-    /// Takes off what the equipment's own frame, at `work` in the base, does to the point `p`.
+    /// Subtracts the effect of the equipment's frame errors at the point `p`; `work` is that frame in the base.
     pub fn less_equipment(
         &mut self,
         sources: &ErrorSources,
@@ -53,7 +52,7 @@ impl Effects {
         }
     }
 
-    /// Takes off other effects, each changed by `change` first.
+    /// Subtracts other effects, each transformed by `change` first.
     pub fn less(&mut self, other: &Effects, change: impl Fn(&Displacement) -> Displacement) {
         for k in 0..self.count {
             self.columns[k] = self.columns[k] - change(&other.columns[k]);
@@ -73,14 +72,14 @@ impl Effects {
         }
     }
 
-    /// The linear error of a sample, one value per source.
+    /// Returns the linear error of a sample, given one value per source.
     pub fn of_sample(&self, values: &[f64]) -> Displacement {
         let columns = self.columns[..self.count].iter().zip(values);
         columns.fold(Displacement::NONE, |sum, (column, value)| sum + *column * *value)
     }
 }
 
-/// `1/2 sum_jk H_jk C_jk`: of independent sources the diagonal alone.
+/// Returns `1/2 sum_jk H_jk C_jk`; for independent sources only the diagonal counts.
 fn second_order_mean(sources: &ErrorSources, expansion: &Expansion) -> Displacement {
     let mut mean = Displacement::NONE;
     for (k, source) in sources.list.iter().enumerate().filter(|(_, s)| s.spread.is_some()) {

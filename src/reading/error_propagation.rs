@@ -10,7 +10,7 @@ use crate::pose::{Displacement, Pose, SmallRotation};
 use crate::robot::{Chain, Frames};
 use nalgebra::Vector3;
 
-/// What all operations share: the robot and the errors.
+/// Propagation of the errors of one robot, with an optional best fit of its base.
 pub struct ErrorPropagation<'a> {
     pub chain: &'a Chain,
     pub sources: &'a ErrorSources,
@@ -18,24 +18,24 @@ pub struct ErrorPropagation<'a> {
 }
 
 impl ErrorPropagation<'_> {
-    /// First-order effects at a posture, seen from the work.
+    /// Computes the first-order effects at a posture, seen from the work.
     pub fn effects(
         &self,
-        situation: &WorkContext,
+        context: &WorkContext,
         frames: &Frames,
         expansion: &mut Expansion,
         mean: bool,
         out: &mut Effects,
     ) {
-        self.site_effects(&situation.site, frames, expansion, mean, out);
-        if let Some(reference) = &situation.reference {
+        self.effects_at(&context.site, frames, expansion, mean, out);
+        if let Some(reference) = &context.reference {
             let turn = frames.tcp.rotation * reference.frames.tcp.rotation.transpose();
             out.less(&reference.effects, |d| d.turned(&turn));
         }
     }
 
-    /// The same without the pick.
-    pub fn site_effects(
+    /// Computes the first-order effects at a posture, seen from a work frame, without a pick.
+    pub fn effects_at(
         &self,
         site: &WorkFrame,
         frames: &Frames,
@@ -58,7 +58,7 @@ impl ErrorPropagation<'_> {
         }
     }
 
-    /// A signed sample, one value per source, made ready.
+    /// Prepares a signed sample, given one value per source.
     pub fn sample(&self, values: &[f64], model: Model) -> PreparedSample {
         let errors = self.sources.perturbation(self.chain, values);
         let fitted = self.best_fit.map(|fit| fit.motion(&errors, model));
@@ -66,24 +66,26 @@ impl ErrorPropagation<'_> {
         PreparedSample { errors, fitted, equipment }
     }
 
-    /// The error of a sample at a posture, seen from the work; not for the linear model, whose
-    /// errors are sums of [`Self::effects`].
+    /// Returns the error of a sample at a posture, seen from the work.
+    ///
+    /// It does not serve the linear model, whose errors are sums of [`Self::effects`].
     pub fn error(
         &self,
-        situation: &WorkContext,
+        context: &WorkContext,
         frames: &Frames,
         sample: &PreparedSample,
         model: Model,
     ) -> Displacement {
-        let placed = self.site_error(&situation.site, frames, sample, model);
-        let Some(reference) = &situation.reference else { return placed };
-        let picked = self.site_error(&reference.site, &reference.frames, sample, model);
-        // The part sits in the gripper displaced by the error of the pick, undone and carried here.
+        let placed = self.error_at(&context.site, frames, sample, model);
+        let Some(reference) = &context.reference else { return placed };
+        let picked = self.error_at(&reference.site, &reference.frames, sample, model);
+        // The error of the pick displaces the part in the gripper; its inverse is carried to this posture.
         let turn = frames.tcp.rotation * reference.frames.tcp.rotation.transpose();
         picked.inverse().turned(&turn).then(&placed)
     }
 
-    fn site_error(
+    /// Returns the error of a sample seen from a work frame, without a pick.
+    fn error_at(
         &self,
         site: &WorkFrame,
         frames: &Frames,
@@ -104,24 +106,26 @@ impl ErrorPropagation<'_> {
     }
 }
 
-/// A signed sample of everything that can be wrong.
+/// Signed sample of all error sources, prepared for one model.
 #[derive(Debug, Clone)]
 pub struct PreparedSample {
     errors: Perturbation,
-    /// What the best fit of the base makes of it, seen at the centre of the fit.
+    /// Motion by which the best fit of the base follows the sample, seen at the centre of the fit.
     fitted: Option<Displacement>,
+    /// Errors of the equipment frames, with the indices of the equipment.
     equipment: [Option<(usize, FrameError)>; 2],
 }
 
 impl PreparedSample {
-    /// The robot's part.
+    /// Returns the errors of the robot.
     pub fn errors(&self) -> &Perturbation {
         &self.errors
     }
 }
 
-/// What the error of the equipment's frame does to a point of the work: first its turns about x, y
-/// and z, then its slides.
+/// Returns the displacement of a point of the work by the error of its frame.
+///
+/// The rotations about x, y and z come first, then the translations.
 fn work_moved(error: &FrameError, work: &Pose, p: &Vector3<f64>) -> Displacement {
     let arm = p - work.translation;
     let turns = (0..3).fold(SmallRotation::none(), |sum, k| {

@@ -1,5 +1,4 @@
-//! What is wrong, as one list: parameters of the robot and of the equipment with their sample, their
-//! tolerance and their spread.
+//! Error sources of an operation: parameters of robot and equipment with sample, tolerance and spread.
 
 use crate::cell::{
     Cell, ErrorSet, MAX_JOINTS, MAX_PARAMETERS, PER_FRAME, Parameter, Registration, Spread, Tolerance,
@@ -8,41 +7,43 @@ use crate::kinematic_error::{Expansion, FrameError, Perturbation};
 use crate::robot::Chain;
 use nalgebra::DMatrix;
 
-/// Most sources of one operation: the robot's and those of two pieces of equipment.
+/// Largest number of sources of one operation: those of the robot and of two pieces of equipment.
 pub const MAX_SOURCES: usize = MAX_PARAMETERS + 2 * PER_FRAME;
 
-/// One parameter that can be wrong.
+/// One parameter with an error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErrorSource {
     pub parameter: Parameter,
-    /// Its value in the signed sample (m or rad); 0 of a tolerance.
+    /// Value in the signed sample, m or rad; 0 if the cell gives tolerances.
     pub signed: f64,
-    /// Half width of its tolerance.
+    /// Half width of the tolerance, m or rad.
     pub plus_minus: f64,
-    /// Standard deviation and fourth cumulant of the parameter scaled to unit variance.
+    /// Standard deviation, m or rad.
     pub deviation: f64,
+    /// Excess kurtosis.
     pub kurtosis: f64,
-    /// How it is drawn: its spread; None if it varies together with others.
+    /// Distribution of the parameter; None if it is correlated with others.
     pub spread: Option<Spread>,
-    /// Its place among the parameters of the robot.
+    /// Index among the parameters of the robot; None for a parameter of the equipment.
     robot: Option<usize>,
 }
 
-/// The sources of one operation.
+/// Error sources of one operation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ErrorSources {
     pub list: Vec<ErrorSource>,
-    /// Independent normal factors of those that vary together: (source, value at one standard
-    /// deviation of the factor).
+    /// Independent normal factors of correlated sources.
+    ///
+    /// Each factor lists sources with their values at one standard deviation of the factor.
     pub factors: Vec<Vec<(usize, f64)>>,
-    /// So many values of the robot are made ready: those of the joint frames only if one is wrong.
+    /// Number of robot parameters in a sample; it includes joint frames only if one has an error.
     parameters: usize,
-    /// The equipment that takes part.
+    /// Equipment that takes part.
     at: [Option<usize>; 2],
 }
 
 impl ErrorSources {
-    /// The sources that an operation on `equipment` feels, with a part from `other`.
+    /// Returns the sources of an operation on `equipment` with a part picked from `other`.
     pub fn new(cell: &Cell, equipment: usize, other: Option<usize>) -> Self {
         let at = [Some(equipment), other.filter(|o| *o != equipment)];
         let axes = cell.robot.axes();
@@ -57,7 +58,7 @@ impl ErrorSources {
                 list.push(ErrorSource { robot: Some(k), ..ErrorSource::new(parameter, signed, spread) });
             }
         }
-        // A taught frame moves with the equipment.
+        // A taught frame follows the errors of the equipment.
         for e in at.into_iter().flatten().filter(|_| cell.registration != Registration::Taught) {
             let Some(errors) = &cell.equipment[e].errors else { continue };
             let spreads = errors.tolerance();
@@ -73,21 +74,21 @@ impl ErrorSources {
         Self { list, factors, parameters, at }
     }
 
-    /// The signed sample.
+    /// Returns the signed sample, one value per source.
     pub fn signed(&self) -> Vec<f64> {
         self.list.iter().map(|s| s.signed).collect()
     }
 
-    /// The robot's part of a sample given as one value per source.
+    /// Returns the robot errors of a sample, given one value per source.
     pub fn perturbation(&self, chain: &Chain, values: &[f64]) -> Perturbation {
-        // The shorter list is cleared sooner: this is done for every corner that is tried.
+        // A shorter buffer is cheaper to clear, which every tried corner needs.
         match self.parameters <= Parameter::first_joint(MAX_JOINTS) {
             true => self.spread_out(chain, values, &mut [0.0; Parameter::first_joint(MAX_JOINTS)]),
             false => self.spread_out(chain, values, &mut [0.0; MAX_PARAMETERS]),
         }
     }
 
-    /// The same in memory that is all 0.
+    /// Returns the robot errors of a sample, using `all` as a zero-filled buffer.
     fn spread_out(&self, chain: &Chain, values: &[f64], all: &mut [f64]) -> Perturbation {
         for (source, value) in self.list.iter().zip(values) {
             source.robot.into_iter().for_each(|k| all[k] = *value);
@@ -95,7 +96,7 @@ impl ErrorSources {
         Perturbation::of_values(chain, &all[..self.parameters])
     }
 
-    /// The errors of the equipment's frames in a sample, with the index of each.
+    /// Returns the errors of the equipment frames in a sample, with the indices of the equipment.
     pub fn equipment(&self, values: &[f64]) -> [Option<(usize, FrameError)>; 2] {
         let error = |wanted: usize| {
             let mut all = [0.0; PER_FRAME];
@@ -110,12 +111,13 @@ impl ErrorSources {
         self.at.map(|e| e.and_then(error))
     }
 
-    /// The derivatives that these sources need.
+    /// Returns an expansion by the robot parameters among these sources.
     pub fn expansion(&self, chain: &Chain) -> Expansion {
         let parameters: Vec<usize> = self.list.iter().filter_map(|s| s.robot).collect();
         Expansion::of(chain, &parameters)
     }
 
+    /// Returns the index of a source among the parameters of the robot.
     pub fn robot_index(&self, source: usize) -> Option<usize> {
         self.list[source].robot
     }
@@ -136,10 +138,10 @@ fn signed_values(set: &ErrorSet, axes: usize) -> Vec<f64> {
     }
 }
 
-/// Principal axes of the correlations, scaled back: `C = sum_f v_f v_f^T`.
+/// Returns the principal axes `v_f` of a covariance, `C = sum_f v_f v_f^T`, as sparse vectors of sources.
 fn factors(tolerance: &Tolerance, place: &[Option<usize>]) -> Vec<Vec<(usize, f64)>> {
     let Some(covariance) = &tolerance.covariance else { return Vec::new() };
-    // Of the correlations: m and rad must not be compared.
+    // The axes are those of the correlation matrix, because m and rad must not be compared.
     let deviations: Vec<f64> = covariance.matrix.diagonal().iter().map(|v| v.max(0.0).sqrt()).collect();
     let n = deviations.len();
     let correlation = |i: usize, j: usize| match deviations[i] * deviations[j] {

@@ -1,15 +1,16 @@
-//! What is known of one posture, figure by figure.
+//! Error figures of one posture.
 
 use crate::cell::{Quantity, Reading};
 use crate::pose::Displacement;
 
-/// Every figure of one sense at one posture, m or rad.
+/// Error figures of one sense at one posture, m or rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Figures {
-    /// Of the sample: the signed one, or the corner that is worst in the operation's sense.
+    /// Error of the signed sample, or of the corner that is worst in the operation's sense.
     pub error: f64,
-    /// Worst case by the linear model (exact), and of the chosen model.
+    /// Exact worst case by the linear model.
     pub worst_linear: f64,
+    /// Worst case by the chosen model.
     pub worst: f64,
     pub rms: f64,
     pub mean: f64,
@@ -18,7 +19,7 @@ pub struct Figures {
 }
 
 impl Figures {
-    /// What a reading asks for; of a yield, which belongs to a limit, the 95th percentile.
+    /// Returns the figure of a reading; for a yield, which has no unit of error, the 95th percentile.
     pub fn in_reading(&self, reading: Reading, quantity: Quantity) -> f64 {
         match (reading, quantity) {
             (Reading::Signed, _) => self.error,
@@ -31,19 +32,21 @@ impl Figures {
     }
 }
 
-/// Everything known of one posture.
+/// All error figures of one posture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PostureErrors {
-    /// What the search makes small: an error (m or rad), or a share of failures.
+    /// Value that the search minimizes: an error (m or rad), or a share of failures.
     pub value: f64,
-    /// By the model of the cell, of the sample; base frame.
+    /// Error of the sample by the model of the cell, base frame.
     pub error: Displacement,
-    /// The same by each model.
+    /// Error of the sample by the nonlinear model, base frame.
     pub nonlinear: Displacement,
+    /// Error of the sample by the linear model, base frame.
     pub linear: Displacement,
+    /// Error of the sample by the second-order model, base frame.
     pub second_order: Displacement,
-    /// One per sense of [`super::ErrorEvaluator::reported`].
+    /// Figures of each sense of [`super::ErrorEvaluator::reported`].
     pub figures: Vec<Figures>,
-    /// P(|error| <= limit), of an operation with a limit.
+    /// Probability that |error| <= limit; None for an operation without a limit.
     pub success: Option<f64>,
 }

@@ -1,7 +1,7 @@
-//! Section 2 read three ways: what the errors of the parameters mean for an operation.
+//! Tolerance analysis: the parameter errors of section 2 read as a sample, a worst case or a distribution.
 //!
-//! One signed sample is what the paper maps. Read as tolerances, the same numbers are a box of
-//! samples, of which the worst counts, or random variables, of which the spread counts:
+//! The paper maps one signed sample. Read as tolerances, the same numbers are a box of samples, of which
+//! the worst counts, or random variables, of which the spread counts (root sum of squares, RSS):
 //!
 //! ```text
 //! signed        |e|                        e = the model's error of the sample
@@ -9,10 +9,9 @@
 //! statistical   |N(mu, sum_k g_k g_k^T)|   its RMS, mean, percentiles, P(|e| <= limit)
 //! ```
 //!
-//! with `g_k` what the k-th [`ErrorSource`] does to the error at its tolerance (or its standard
-//! deviation) in the rows of a sense ([`SenseRows`]), after all that the cell has measured itself
-//! ([`BestFit`], [`Taught`]) and, for a part that was picked elsewhere, less what the pick did
-//! ([`WorkContext`]).
+//! Here `g_k` is the effect of [`ErrorSource`] k at its tolerance (or its standard deviation) in the rows of
+//! a sense ([`SenseRows`]). It does not include what the cell has measured itself ([`BestFit`], [`Taught`])
+//! nor, for a picked part, the error of the pick ([`PickReference`]).
 
 mod budget;
 mod effects;
@@ -24,6 +23,7 @@ mod monte_carlo;
 pub mod norm;
 #[doc(hidden)] // open for tests/it
 pub mod normal_quantile;
+mod posture_errors;
 mod registration;
 mod sense_rows;
 mod work_context;

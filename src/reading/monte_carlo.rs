@@ -1,7 +1,7 @@
-//! The judge of the statistical reading: samples through the nonlinear model.
+//! Quasi-Monte Carlo check of the statistical reading: samples through the nonlinear model.
 //!
-//! Quasi-random points (Richtmyer: multiples of the square roots of primes) in replicates, each
-//! shifted at random from an explicit seed. How the replicates differ gives the interval.
+//! The samples are a Richtmyer sequence in replicates, each shifted at random from an explicit seed. The
+//! scatter of the replicates gives the confidence interval.
 
 use super::normal_quantile::normal_quantile;
 use super::work_context::WorkContext;
@@ -13,17 +13,17 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-/// Independently shifted replicates.
+/// Number of independently shifted replicates.
 const REPLICATES: usize = 32;
 
 /// Student's t for 97.5 % and 31 degrees of freedom.
-const STUDENT: f64 = 2.039_513_446;
+const STUDENT_T: f64 = 2.039_513_446;
 
-/// The first-order figure holds if it is within the interval, or this near as a share.
-pub const NEAR: f64 = 0.01;
+/// Relative deviation up to which a first-order figure agrees even outside the interval.
+pub const RELATIVE_TOLERANCE: f64 = 0.01;
 
-/// Parts of a [`Histogram`].
-const PARTS: usize = 72;
+/// Number of bins of a [`Histogram`].
+const BINS: usize = 72;
 
 /// A figure with its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,13 +34,14 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// Whether a figure agrees: inside the interval, or within 1 % of the value.
+    /// Returns whether a figure agrees: inside the interval, or within 1 % of the value.
     pub fn agrees(&self, figure: f64) -> bool {
-        (self.low..=self.high).contains(&figure) || (figure - self.value).abs() <= NEAR * self.value.abs()
+        (self.low..=self.high).contains(&figure)
+            || (figure - self.value).abs() <= RELATIVE_TOLERANCE * self.value.abs()
     }
 }
 
-/// What the samples say of the error's size in a sense, m or rad.
+/// Monte Carlo estimates of the error's size in a sense, m or rad.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MonteCarlo {
     pub samples: usize,
@@ -48,14 +49,14 @@ pub struct MonteCarlo {
     pub mean: Estimate,
     pub p95: Estimate,
     pub p99: Estimate,
-    /// P(|error| <= limit), of an operation with a limit.
+    /// Probability that |error| <= limit; None for an operation without a limit.
     pub success: Option<Estimate>,
     /// Share of samples that exceed the p95 asked about.
     pub above: Estimate,
     pub histogram: Histogram,
 }
 
-/// How many samples fall into equal parts of what they span, m or rad.
+/// Numbers of samples in equal bins over their range, m or rad.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Histogram {
     pub low: f64,
@@ -64,25 +65,25 @@ pub struct Histogram {
 }
 
 impl Histogram {
-    /// Of sorted values.
+    /// Returns the histogram of sorted values.
     fn of(sorted: &[f64]) -> Self {
         let (low, high) = (sorted.first().copied().unwrap_or(0.0), sorted.last().copied().unwrap_or(0.0));
-        let mut counts = vec![0; PARTS];
+        let mut counts = vec![0; BINS];
         for value in sorted {
             let share = if high > low { (value - low) / (high - low) } else { 0.0 };
-            counts[((share * PARTS as f64) as usize).min(PARTS - 1)] += 1;
+            counts[((share * BINS as f64) as usize).min(BINS - 1)] += 1;
         }
         Self { low, high, counts }
     }
 
-    /// Width of a part.
+    /// Returns the width of a bin.
     pub fn width(&self) -> f64 {
         (self.high - self.low) / self.counts.len().max(1) as f64
     }
 }
 
 impl MonteCarlo {
-    /// Whether the first-order figures hold.
+    /// Returns whether the first-order figures agree.
     pub fn confirms(&self, first_order: &Figures) -> bool {
         let pairs = [
             (self.rms, first_order.rms),
@@ -94,27 +95,28 @@ impl MonteCarlo {
     }
 }
 
-/// Samples the error in the operation's sense at one posture by the nonlinear model; `p95` is the
-/// first-order figure whose coverage is wanted.
+/// Samples the error in the operation's sense at one posture by the nonlinear model.
+///
+/// `p95` is the first-order figure whose coverage is estimated.
 pub fn monte_carlo(
     gauge: &ErrorEvaluator,
-    situation: &WorkContext,
+    context: &WorkContext,
     frames: &Frames,
     samples: usize,
     seed: u64,
     p95: f64,
 ) -> MonteCarlo {
     let each = samples.div_ceil(REPLICATES).max(1);
-    let measure = gauge.measure(&gauge.sense, situation, frames);
-    let theory = gauge.theory();
+    let measure = gauge.measure(&gauge.sense, context, frames);
+    let propagation = gauge.propagation();
     let replicate = |r: usize| {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(r as u64);
         let mut points = SampleStream::new(gauge, &mut rng);
         let mut sizes: Vec<f64> = (0..each)
             .map(|_| {
-                let sample = theory.sample(points.next(), Model::Nonlinear);
-                measure.size(&theory.error(situation, frames, &sample, Model::Nonlinear))
+                let sample = propagation.sample(points.next(), Model::Nonlinear);
+                measure.size(&propagation.error(context, frames, &sample, Model::Nonlinear))
             })
             .collect();
         sizes.sort_by(f64::total_cmp);
@@ -128,7 +130,7 @@ pub fn monte_carlo(
         let values: Vec<f64> = replicates.iter().map(|r| figure(r)).collect();
         let mean = values.iter().sum::<f64>() / REPLICATES as f64;
         let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (REPLICATES - 1) as f64;
-        let half = STUDENT * (variance / REPLICATES as f64).sqrt();
+        let half = STUDENT_T * (variance / REPLICATES as f64).sqrt();
         Estimate { value, low: value - half, high: value + half }
     };
     let share =
@@ -145,7 +147,7 @@ pub fn monte_carlo(
     }
 }
 
-/// Of sorted values, between ranks (Hazen).
+/// Returns a percentile of sorted values, interpolated between ranks (Hazen's rule).
 fn percentile(sorted: &[f64], p: f64) -> f64 {
     let at = (p * sorted.len() as f64 - 0.5).clamp(0.0, (sorted.len() - 1) as f64);
     let (k, f) = (at.floor() as usize, at.fract());
@@ -153,10 +155,10 @@ fn percentile(sorted: &[f64], p: f64) -> f64 {
     sorted[k] + (next - sorted[k]) * f
 }
 
-/// A stream of samples, one value per source.
+/// Stream of samples, one value per source.
 struct SampleStream<'a> {
     gauge: &'a ErrorEvaluator,
-    /// Where each dimension is in the unit interval, and its step.
+    /// Current point in the unit cube and the step of each dimension.
     at: Vec<(f64, f64)>,
     values: Vec<f64>,
 }
@@ -187,7 +189,7 @@ impl<'a> SampleStream<'a> {
     }
 }
 
-/// The value of a spread at a probability.
+/// Returns the quantile of a spread.
 fn drawn(spread: &Spread, u: f64) -> f64 {
     match spread.distribution {
         Distribution::Normal => spread.deviation() * bounded_normal(u),

@@ -1,9 +1,9 @@
-//! What the cell has measured with the robot itself: a fitted base frame, taught surface frames.
+//! Registration: frames measured with the robot itself, a best-fitted base and taught surfaces.
 //!
-//! Either is a rigid motion M that follows the errors at some points as well as its rule can; the
-//! controller then works in the moved frame, and what is left at a node is `M^-1 E`. To first order
-//! that is a difference of twists; for the exact models the same rule is applied again to what is
-//! left, which converges quadratically and keeps the digits of small errors.
+//! A registration is a rigid motion M that follows the errors E at some points as well as its rule can. The
+//! controller works in the moved frame, and the error left at a node is `M^-1 E`. To first order that is
+//! a difference of twists. For the exact models the rule is applied again to the error left, which converges
+//! quadratically and keeps the digits of small errors.
 
 use super::{Effects, ErrorSources};
 use crate::cell::Model;
@@ -12,30 +12,32 @@ use crate::pose::{Displacement, SmallRotation};
 use crate::robot::{Chain, Frames};
 use nalgebra::{Matrix3, Vector3};
 
-/// Postures over which the base frame is fitted.
+/// Number of postures over which the base frame is fitted.
 const POSTURES: usize = 64;
 
-/// Rounds of an exact fit at most, and what is left when it is done (m, rad). Errors of
-/// millimetres take three or four.
-const ROUNDS: usize = 16;
-const NOTHING: f64 = 1e-17;
+/// Largest number of iterations of an exact fit. Errors of millimetres take three or four.
+const MAX_ITERATIONS: usize = 16;
 
-/// Points nearer than this are one, m.
+/// Size of a correction (m and rad) below which an exact fit has converged.
+const CONVERGED: f64 = 1e-17;
+
+/// Distance, m, below which two points are the same.
 const SAME_POINT: f64 = 1e-6;
 
-/// The base frame, best-fitted (least squares of the positions) over quasi-random postures between
-/// the joint limits.
+/// Best fit of the base frame: least squares of the positions over low-discrepancy postures between the
+/// joint limits.
 #[derive(Debug, Clone)]
 pub struct BestFit {
     postures: Vec<Frames>,
     centre: Vector3<f64>,
-    /// Of the matrix `sum |r|^2 - r r^T` about the centre.
+    /// Inverse of the inertia matrix `sum |r|^2 - r r^T` about the centre.
     inverse: Matrix3<f64>,
-    /// What the fit takes of each source, seen at the centre.
+    /// Part of each source that the fit removes, seen at the centre.
     pub effects: Effects,
 }
 
 impl BestFit {
+    /// Prepares the best fit of a chain; with `mean` it includes the second-order mean.
     pub fn new(chain: &Chain, sources: &ErrorSources, mean: bool) -> Self {
         let postures: Vec<Frames> =
             (0..POSTURES).map(|k| chain.frames(&chain.posture(&chain.halton_sample(k)))).collect();
@@ -43,14 +45,14 @@ impl BestFit {
         let inertia = postures.iter().map(|f| f.tcp.translation - centre).fold(Matrix3::zeros(), |sum, r| {
             sum + Matrix3::identity() * r.norm_squared() - r * r.transpose()
         });
-        // Points in one line leave the turn about it open: none is taken then.
+        // Points on one line leave the rotation about it undetermined; then the pseudo-inverse takes none.
         let inverse = inertia.pseudo_inverse(1e-12 * inertia.norm()).unwrap_or_else(|_| Matrix3::zeros());
         let mut fit = Self { postures, centre, inverse, effects: Effects::default() };
         fit.effects = fit.of_sources(chain, sources, mean);
         fit
     }
 
-    /// The motion that a sample makes, seen at the centre.
+    /// Returns the fitted motion of a sample, seen at the centre.
     pub fn motion(&self, errors: &Perturbation, model: Model) -> Displacement {
         let mut moved = [Vector3::zeros(); POSTURES];
         for (moved, posture) in moved.iter_mut().zip(&self.postures) {
@@ -60,17 +62,17 @@ impl BestFit {
         exact(&point, &mut moved, &self.centre, |moved| self.twist(moved))
     }
 
-    /// The postures fitted over.
+    /// Returns the postures of the fit.
     pub fn postures(&self) -> &[Frames] {
         &self.postures
     }
 
-    /// From the centre to the TCP.
+    /// Returns the vector from the centre to the TCP, m.
     pub fn arm(&self, frames: &Frames) -> Vector3<f64> {
         frames.tcp.translation - self.centre
     }
 
-    /// Least squares of small displacements, seen at the centre.
+    /// Returns the least-squares twist of small displacements, seen at the centre.
     fn twist(&self, moved: &[Vector3<f64>]) -> Displacement {
         let position = moved.iter().sum::<Vector3<f64>>() / POSTURES as f64;
         let arms = self.postures.iter().map(|f| f.tcp.translation - self.centre);
@@ -78,6 +80,7 @@ impl BestFit {
         Displacement { position, rotation: self.inverse * moment }
     }
 
+    /// Returns the part of each source that the fit removes, seen at the centre.
     fn of_sources(&self, chain: &Chain, sources: &ErrorSources, mean: bool) -> Effects {
         let mut expansion = sources.expansion(chain);
         let each: Vec<Effects> = self
@@ -101,16 +104,17 @@ impl BestFit {
     }
 }
 
-/// A surface frame taught by touching three points: its origin, one on its x axis, one in its plane.
+/// Surface frame taught by touching three points: its origin, one on its x axis, one in its plane.
 #[derive(Debug, Clone)]
 pub struct Taught {
-    /// The touching postures.
+    /// Postures that touch the points.
     pub postures: [Frames; 3],
-    /// What the taught frame takes of each source, seen at the origin.
+    /// Part of each source that the taught frame removes, seen at the origin.
     pub effects: Effects,
 }
 
 impl Taught {
+    /// Prepares a taught frame; with `mean` it includes the second-order mean.
     pub fn new(chain: &Chain, sources: &ErrorSources, postures: [Frames; 3], mean: bool) -> Self {
         let mut taught = Self { postures, effects: Effects::default() };
         let mut expansion = sources.expansion(chain);
@@ -130,25 +134,25 @@ impl Taught {
         taught
     }
 
-    /// The motion that a sample makes, seen at the origin.
+    /// Returns the motion of the taught frame for a sample, seen at the origin.
     pub fn motion(&self, errors: &Perturbation, model: Model) -> Displacement {
         let mut moved = [0, 1, 2].map(|i| position_error(&self.postures[i], errors, model));
         let point = |k: usize| self.point(k);
         exact(&point, &mut moved, &self.point(0), |moved| self.twist(moved))
     }
 
-    /// Whether a point is one of those touched.
+    /// Returns whether a point is one of those touched.
     pub fn touches(&self, p: &Vector3<f64>) -> bool {
         self.distance(p) < SAME_POINT
     }
 
-    /// Distance of a target from the nearest point touched, m.
+    /// Returns the distance of a target from the nearest touched point, m.
     pub fn distance(&self, p: &Vector3<f64>) -> f64 {
         let distances = self.postures.iter().map(|f| (f.tcp.translation - p).norm());
         distances.fold(f64::INFINITY, f64::min)
     }
 
-    /// From the origin to the TCP.
+    /// Returns the vector from the origin to the TCP, m.
     pub fn arm(&self, frames: &Frames) -> Vector3<f64> {
         frames.tcp.translation - self.point(0)
     }
@@ -157,7 +161,7 @@ impl Taught {
         self.postures[k].tcp.translation
     }
 
-    /// The rule of three points for small displacements, seen at the origin.
+    /// Returns the twist of the taught frame for small displacements of the three points, seen at the origin.
     fn twist(&self, moved: &[Vector3<f64>]) -> Displacement {
         let [along, third] = [1, 2].map(|k| self.point(k) - self.point(0));
         let x = along.normalize();
@@ -170,16 +174,16 @@ impl Taught {
     }
 }
 
-/// The motion, seen at `centre`, that leaves nothing of displaced points to its rule.
+/// Returns the motion, seen at `centre`, after which the rule finds no displacement left.
 fn exact(
     point: &dyn Fn(usize) -> Vector3<f64>,
     moved: &mut [Vector3<f64>],
     centre: &Vector3<f64>,
     rule: impl Fn(&[Vector3<f64>]) -> Displacement,
 ) -> Displacement {
-    // Undone so far, seen at the centre.
+    // Motion undone so far, seen at the centre.
     let mut undone = Displacement::NONE;
-    for _ in 0..ROUNDS {
+    for _ in 0..MAX_ITERATIONS {
         let back = rule(moved).inverse();
         undone = undone.then(&back);
         let turn = SmallRotation::of(&back.rotation);
@@ -187,7 +191,7 @@ fn exact(
             let from_centre = point(k) + *d - centre;
             *d += back.position + turn.moved(&from_centre);
         }
-        if back.position.norm() + back.rotation.norm() < NOTHING {
+        if back.position.norm() + back.rotation.norm() < CONVERGED {
             break;
         }
     }

@@ -1,21 +1,22 @@
-//! A sense at a posture: which rows of which point's error count.
+//! Rows of a sense at a posture: the components of a point's error that count.
 
 use crate::cell::{Frame, MAX_ROWS, Sense};
 use crate::pose::Displacement;
 use crate::robot::Frames;
 use nalgebra::{Matrix3, Vector3, Vector6};
 
-/// The rows of a sense in the base frame, and the point they look at.
+/// Rows of a sense in the base frame, and the point whose error they select.
 #[derive(Debug, Clone, Copy)]
 pub struct SenseRows {
-    /// From the TCP to the point, base frame, m.
+    /// Vector from the TCP to the point, base frame, m.
     arm: Vector3<f64>,
+    /// Direction of each row, and whether it selects the rotation.
     rows: [(bool, Vector3<f64>); MAX_ROWS],
     count: usize,
 }
 
 impl SenseRows {
-    /// `world` and `surface` turn these frames into the base frame.
+    /// Returns the rows of a sense; `world` and `surface` rotate these frames into the base frame.
     pub fn new(sense: &Sense, frames: &Frames, world: &Matrix3<f64>, surface: &Matrix3<f64>) -> Self {
         let axes = match sense.frame {
             Frame::World => world,
@@ -29,26 +30,27 @@ impl SenseRows {
         Self { arm: frames.tcp.rotation * sense.point, rows, count: sense.rows().len() }
     }
 
+    /// Returns the number of rows.
     pub fn rows(&self) -> usize {
         self.count
     }
 
-    /// Whether the position error of the TCP is all it looks at.
+    /// Returns whether only the position error of the TCP counts.
     pub fn is_of_position(&self) -> bool {
         self.arm == Vector3::zeros() && self.rows[..self.count].iter().all(|(turns, _)| !turns)
     }
 
-    /// Size of a position error of the TCP; only where [`Self::is_of_position`].
+    /// Returns the size of a position error of the TCP; valid if [`Self::is_of_position`].
     pub fn size_of_position(&self, e: &Vector3<f64>) -> f64 {
         self.rows[..self.count].iter().map(|(_, row)| row.dot(e).powi(2)).sum::<f64>().sqrt()
     }
 
-    /// Size of an error of the TCP in the sense.
+    /// Returns the size of an error of the TCP in the sense.
     pub fn size(&self, error: &Displacement) -> f64 {
         self.vector(&error.at(&self.arm)).norm()
     }
 
-    /// What a first-order effect on the TCP adds to the rows; the unused ones are 0.
+    /// Returns the rows of a first-order effect on the TCP; unused rows are 0.
     pub fn column(&self, effect: &Displacement) -> Vector6<f64> {
         self.vector(&effect.linear_at(&self.arm))
     }

@@ -1,27 +1,29 @@
-//! The worst case: the corner of the tolerance box with the largest error in a sense.
+//! Worst-case tolerance analysis: the corner of the tolerance box with the largest error in a sense.
 
 use super::MAX_SOURCES;
 use super::zonotope::{Farthest, ZonotopeScratch, farthest_1, farthest_2, farthest_3, farthest_6};
 use nalgebra::{Vector2, Vector3, Vector6};
 
-/// Rounds of the polish at most; it ends when no flip is better.
-const ROUNDS: usize = 12;
+/// Largest number of rounds of the local search; it ends when no flip is better.
+const MAX_ROUNDS: usize = 12;
 
-/// The largest error in a sense over the tolerance box.
+/// Largest error in a sense over the tolerance box.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WorstCase {
-    /// By the linear model: the exact maximum (a proven upper bound if `exact` is false, which
-    /// takes a sense of more than three rows and very many sources).
+    /// Maximum by the linear model, or a proven upper bound if `exact` is false.
     pub linear: f64,
+    /// Whether `linear` is the exact maximum. Only senses of more than three rows with very many sources
+    /// may leave a bound.
     pub exact: bool,
-    /// By the chosen model: its error at the best corner found from the linear one.
+    /// Error by the chosen model at the best corner found from the linear one.
     pub by_model: f64,
-    /// The corner of `by_model`, one sign per source.
+    /// Corner of `by_model`, one sign per source.
     pub corner: [f64; MAX_SOURCES],
 }
 
-/// The farthest vertex of the zonotope of `columns` (sources at their tolerance) in `rows` rows;
-/// its signs go to `corner`.
+/// Returns the farthest vertex of the zonotope of `columns` in `rows` rows, and writes its signs to `corner`.
+///
+/// The columns are the effects of the sources at their tolerance.
 pub fn farthest(
     columns: &[Vector6<f64>],
     rows: usize,
@@ -49,20 +51,22 @@ pub fn farthest(
     }
 }
 
-/// Corners within this share of the linear worst case are tried at any rate.
-const NEAR: f64 = 0.02;
+/// Share of the linear worst case within which other corners are always tried.
+const NEAR_SHARE: f64 = 0.02;
 
-/// So many sources are tried in every combination of their signs.
-const FEW: usize = 8;
+/// Largest number of sources whose signs are tried in every combination.
+const MAX_EXHAUSTIVE: usize = 8;
 
-/// Columns within this angle (as a sine) of each other count as one group of the polish.
-const PARALLEL: f64 = 1e-6;
+/// Sine of the angle within which columns count as one parallel group of the local search.
+const PARALLEL_SINE: f64 = 1e-6;
 
-/// The same by a model whose error at a corner is `error`: from the linear corner and its opposite
-/// (even orders tell them apart), flipping those signs, alone or with all parallel ones, that matter
-/// less than the models differ or than `quadratic`, the size of the products of errors. Groups
-/// matter: on a planar arm the lateral effects are perpendicular to all others, so that linear
-/// corners come in pairs which no single flip joins. `largest`: corners of the largest motions.
+/// Returns the worst case by a model whose error at a corner is `error`.
+///
+/// The local search starts from the linear corner and its opposite, which even orders distinguish. It
+/// flips signs, alone or with all parallel ones, that matter less than the models differ or than
+/// `quadratic`, the size of the products of errors. Groups matter: on a planar arm the lateral effects are
+/// perpendicular to all others, so that linear corners come in pairs which no single flip joins.
+/// `largest` are the corners of the largest motions.
 pub fn by_model(
     columns: &[Vector6<f64>],
     linear: &Farthest,
@@ -74,7 +78,7 @@ pub fn by_model(
     let both = |corner: [f64; MAX_SOURCES]| [corner, corner.map(|s| -s)];
     let starts = both(corner).map(|corner| (error(&corner), corner));
     let apart = starts.iter().map(|(e, _)| (e - linear.value).abs()).fold(0.0, f64::max);
-    let gap = (2.0 * apart).max(NEAR * linear.value).max(quadratic);
+    let gap = (2.0 * apart).max(NEAR_SHARE * linear.value).max(quadratic);
     let groups = groups(columns);
     let (mut best, mut at) = (f64::NEG_INFINITY, corner);
     let mut polish = |start: (f64, [f64; MAX_SOURCES]), error: &mut dyn FnMut(&[f64; MAX_SOURCES]) -> f64| {
@@ -83,11 +87,11 @@ pub fn by_model(
             (best, at) = (value, corner);
         }
     };
-    // Sources that the sense hardly sees act by products. Few are tried in every combination, many in
-    // step with the largest motions.
+    // Sources with hardly any linear effect act by products of errors. A few are tried in every
+    // combination, many with the signs of the largest motions.
     let unseen = |k: usize| 2.0 * columns[k].norm() <= gap;
     let count = (0..columns.len()).filter(|&k| unseen(k)).count();
-    if (1..=FEW).contains(&count) {
+    if (1..=MAX_EXHAUSTIVE).contains(&count) {
         for mut tried in both(corner) {
             let mut start = (error(&tried), tried);
             for step in 1u32..1 << count {
@@ -103,7 +107,7 @@ pub fn by_model(
     } else {
         starts.into_iter().for_each(|start| polish(start, &mut error));
     }
-    if count > FEW {
+    if count > MAX_EXHAUSTIVE {
         for mut start in largest.iter().flat_map(|l| both(*l)) {
             (0..columns.len()).filter(|&k| !unseen(k)).for_each(|k| start[k] = corner[k]);
             for start in both(start) {
@@ -115,7 +119,7 @@ pub fn by_model(
     WorstCase { linear: linear.upper.max(linear.value), exact, by_model: best, corner: at }
 }
 
-/// For every column the others, as bits, that are parallel to it and come after; none if one before is.
+/// Returns, for every column, the later parallel columns as bits; none if an earlier one is parallel.
 fn groups(columns: &[Vector6<f64>]) -> [u128; MAX_SOURCES] {
     let mut groups = [0; MAX_SOURCES];
     let mut taken = 0u128;
@@ -129,7 +133,7 @@ fn groups(columns: &[Vector6<f64>]) -> [u128; MAX_SOURCES] {
     groups
 }
 
-/// The best corner that flips of single signs and of parallel groups reach.
+/// Returns the best corner that flips of single signs and of parallel groups reach, with its error.
 fn polished(
     columns: &[Vector6<f64>],
     groups: &[u128],
@@ -138,10 +142,10 @@ fn polished(
     error: &mut dyn FnMut(&[f64; MAX_SOURCES]) -> f64,
 ) -> (f64, [f64; MAX_SOURCES]) {
     let mut sum: Vector6<f64> = columns.iter().zip(&corner).map(|(c, s)| c * *s).sum();
-    for _ in 0..ROUNDS {
+    for _ in 0..MAX_ROUNDS {
         let before = best;
         for (k, group) in groups.iter().enumerate() {
-            // A group of one is the sign alone.
+            // A column without parallel ones has no group to flip.
             for others in [Some(0), Some(*group).filter(|g| *g != 0)].into_iter().flatten() {
                 let members = |bits: u128| (0..columns.len()).filter(move |&j| j == k || bits >> j & 1 == 1);
                 let change: Vector6<f64> = members(others).map(|j| columns[j] * (-2.0 * corner[j])).sum();
@@ -164,8 +168,9 @@ fn polished(
     (best, corner)
 }
 
-/// Flips the first two signs that matter little to the linear model and are better flipped together:
-/// what is small in the first order may be ruled by products of errors.
+/// Flips the first two signs that matter little to the linear model and are better flipped together.
+///
+/// Products of errors may dominate where the first order is small.
 fn flip_pair(
     columns: &[Vector6<f64>],
     gap: f64,
@@ -194,5 +199,6 @@ fn flip_pair(
 
 fn parallel(a: &Vector6<f64>, b: &Vector6<f64>) -> bool {
     let product = a.dot(b);
-    a.norm_squared() * b.norm_squared() - product * product <= PARALLEL * PARALLEL * product * product
+    a.norm_squared() * b.norm_squared() - product * product
+        <= PARALLEL_SINE * PARALLEL_SINE * product * product
 }

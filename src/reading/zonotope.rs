@@ -1,17 +1,17 @@
-//! The farthest vertex of a zonotope: how far a sum of effects reaches when each may take either
-//! end of its tolerance, `max |sum s_k g_k|` over all signs `s`. Exact, with the signs.
+//! Farthest vertex of a zonotope: `max |sum s_k g_k|` over all signs `s`, exact and with the signs.
 //!
-//! A vertex is farthest only if its own direction is inside its normal cone, so it is enough to
-//! visit every cell that the planes perpendicular to the generators cut out of the directions:
+//! It is the largest sum of effects if each source may take either end of its tolerance. A vertex is
+//! farthest only if its own direction is inside its normal cone. So it suffices to visit every cell that
+//! the planes perpendicular to the generators cut out of the sphere of directions:
 //!
-//! - 2-D: turn a direction by half a turn; one sign after another flips, in the order of angle;
-//! - 3-D: every cell lies beside some great circle, so walk along each as in 2-D and take both
-//!   sides. Arms whose axes are parallel split into a plane and its normal, a 2-D problem;
-//! - more: branch and bound, see `branch.rs`.
+//! - 2-D: rotate a direction by half a turn; one sign after another flips, in the order of angle;
+//! - 3-D: every cell lies beside some great circle, so walk along each circle as in 2-D and take both
+//!   sides (`circle_walk`); arms with parallel axes split into a plane and its normal, a 2-D problem;
+//! - 4-D to 6-D: branch and bound (`branch_and_bound`).
 //!
-//! Few generators are tried in all corners at once, `table.rs`. Every candidate is a true corner, so
-//! ties and rounding never invent a maximum, and its value is summed anew from the signs returned.
-//! Squares must not overflow or vanish: sizes between 1e-150 and 1e150.
+//! For a few generators all corners are tried at once (`sign_table`). Every candidate is a true corner, so
+//! that ties and rounding never invent a maximum. Its value is summed anew from the signs returned.
+//! Squares must neither overflow nor underflow: sizes are between 1e-150 and 1e150.
 
 mod branch_and_bound;
 mod circle_walk;
@@ -22,20 +22,21 @@ use circle_walk::{CircleWalk, split, walk_circles};
 use nalgebra::{SVector, Vector2, Vector3, Vector6};
 use sign_table::{SignTable, try_all};
 
-/// Most generators, a power of two: at least as many as there can be sources.
+/// Largest number of generators: a power of two, at least as many as there can be sources.
 pub const MAX_GENERATORS: usize = 128;
 
-/// Up to this many in 3-D, trying all corners beats looking for structure and walking.
-const FEW: usize = 7;
-/// And beats walking once structure was looked for.
-const SOME: usize = 11;
-/// Sine of the angle below which generators count as parallel. They then take signs that add up,
-/// unless they are smaller than this part of the sum.
-const PARALLEL: f64 = 1e-13;
+/// Number of 3-D generators up to which trying all corners beats looking for structure.
+const MAX_EXHAUSTIVE: usize = 7;
+/// Number of merged 3-D generators up to which trying all corners beats walking along circles.
+const MAX_EXHAUSTIVE_MERGED: usize = 11;
+/// Sine of the angle below which generators count as parallel.
+///
+/// Parallel generators take signs that add up, unless they are smaller than this part of the sum.
+const PARALLEL_SINE: f64 = 1e-13;
 /// Cosine below which directions count as perpendicular.
 const PERPENDICULAR: f64 = 1e-14;
 
-/// Working memory, about 20 kB; what is left in it never matters.
+/// Working memory, about 20 kB; its content never matters.
 #[derive(Default)]
 pub struct ZonotopeScratch {
     walk: CircleWalk,
@@ -48,13 +49,13 @@ pub struct ZonotopeScratch {
 /// The farthest corner found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Farthest {
-    /// The norm at the corner returned.
+    /// Norm at the corner returned.
     pub value: f64,
-    /// No corner is farther; equal to `value` when that is exact.
+    /// Upper bound of the norm at any corner; equal to `value` if that is exact.
     pub upper: f64,
 }
 
-/// 1-D: everything adds up.
+/// Returns the farthest corner in 1-D, where all sizes add up, and writes its signs.
 pub fn farthest_1(generators: &[f64], signs: &mut [f64]) -> Farthest {
     let first = generators.iter().find(|g| **g != 0.0).map_or(1.0, |g| g.signum());
     let mut value = 0.0;
@@ -65,7 +66,7 @@ pub fn farthest_1(generators: &[f64], signs: &mut [f64]) -> Farthest {
     Farthest { value, upper: value }
 }
 
-/// 2-D: one walk round the zonogon.
+/// Returns the farthest corner in 2-D by one walk round the zonogon, and writes its signs.
 pub fn farthest_2(generators: &[Vector2<f64>], scratch: &mut ZonotopeScratch, signs: &mut [f64]) -> Farthest {
     let n = generators.len().min(MAX_GENERATORS);
     let (generators, signs) = (&generators[..n], &mut signs[..n]);
@@ -78,17 +79,17 @@ pub fn farthest_2(generators: &[Vector2<f64>], scratch: &mut ZonotopeScratch, si
     exact(generators, signs)
 }
 
-/// 3-D: a walk along each of n circles.
+/// Returns the farthest corner in 3-D by a walk along each of n great circles, and writes its signs.
 pub fn farthest_3(generators: &[Vector3<f64>], scratch: &mut ZonotopeScratch, signs: &mut [f64]) -> Farthest {
     let n = generators.len().min(MAX_GENERATORS);
     let (generators, signs) = (&generators[..n], &mut signs[..n]);
-    if n <= FEW {
+    if n <= MAX_EXHAUSTIVE {
         try_all(generators, &mut scratch.table, signs);
     } else if !split(generators, &mut scratch.walk, signs) {
         let mut corner = [1.0; MAX_GENERATORS];
         scratch.merged.merge(generators);
         let merged = scratch.merged.sums();
-        if merged.len() <= SOME {
+        if merged.len() <= MAX_EXHAUSTIVE_MERGED {
             try_all(merged, &mut scratch.table, &mut corner);
         } else {
             walk_circles(merged, &mut scratch.walk, &mut corner);
@@ -98,8 +99,9 @@ pub fn farthest_3(generators: &[Vector3<f64>], scratch: &mut ZonotopeScratch, si
     exact(generators, signs)
 }
 
-/// 4 to 6 dimensions, padded with zeros: branch and bound. Exact but for the hardest cases, which
-/// say so by `upper` above `value`.
+/// Returns the farthest corner in 4-D to 6-D, padded with zeros, by branch and bound, and writes its signs.
+///
+/// It is exact except for the hardest cases, which have `upper` above `value`.
 pub fn farthest_6(generators: &[Vector6<f64>], scratch: &mut ZonotopeScratch, signs: &mut [f64]) -> Farthest {
     let n = generators.len().min(MAX_GENERATORS);
     let (generators, signs) = (&generators[..n], &mut signs[..n]);
@@ -111,7 +113,7 @@ pub fn farthest_6(generators: &[Vector6<f64>], scratch: &mut ZonotopeScratch, si
     Farthest { upper: upper.map_or(found.value, |u| u.max(found.value)), ..found }
 }
 
-/// Mends what rounding may have left, makes the signs unique and sums anew.
+/// Removes effects of rounding, makes the signs unique and sums anew.
 fn exact<const M: usize>(generators: &[SVector<f64, M>], signs: &mut [f64]) -> Farthest {
     climb(generators, signs);
     let zero = SVector::zeros();
@@ -125,7 +127,7 @@ fn exact<const M: usize>(generators: &[SVector<f64, M>], signs: &mut [f64]) -> F
     Farthest { value, upper: value }
 }
 
-/// Flips single signs as long as that gains more than rounding.
+/// Flips single signs as long as the sum grows by more than rounding.
 fn climb<const M: usize>(generators: &[SVector<f64, M>], signs: &mut [f64]) {
     let mut sum = SVector::<f64, M>::zeros();
     for (g, s) in generators.iter().zip(&*signs) {
@@ -147,12 +149,12 @@ fn climb<const M: usize>(generators: &[SVector<f64, M>], signs: &mut [f64]) {
     }
 }
 
-/// Generators with the parallel ones added up, and the way back.
+/// Generators with parallel ones added up, and the map back to the single ones.
 struct MergedGenerators<const M: usize> {
     count: usize,
     sum: [SVector<f64, M>; MAX_GENERATORS],
     unit: [SVector<f64, M>; MAX_GENERATORS],
-    /// Of each generator: where it went, and whether turned round.
+    /// Sum that contains each generator, and the sign of its direction in the sum.
     place: [(usize, f64); MAX_GENERATORS],
 }
 
@@ -191,7 +193,7 @@ impl<const M: usize> MergedGenerators<M> {
         }
     }
 
-    /// From signs of the sums to signs of the generators.
+    /// Converts signs of the sums to signs of the generators.
     fn spread(&self, corner: &[f64], signs: &mut [f64]) {
         for (s, (at, turn)) in signs.iter_mut().zip(self.place) {
             *s = corner[at] * turn;
@@ -201,5 +203,5 @@ impl<const M: usize> MergedGenerators<M> {
 
 fn parallel<const M: usize>(a: &SVector<f64, M>, b: &SVector<f64, M>) -> bool {
     let cos = a.dot(b);
-    cos * cos > 0.999 && (a - b * cos).norm_squared() < PARALLEL * PARALLEL
+    cos * cos > 0.999 && (a - b * cos).norm_squared() < PARALLEL_SINE * PARALLEL_SINE
 }

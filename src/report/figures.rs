@@ -1,12 +1,12 @@
 //! The figures of the seed paper for any cell: pictures, and what to see in them.
 
 use super::raster::{Shot, Show, png};
-use super::view::escaped;
+use super::svg_text::escaped;
 use super::{fig8, text};
 use crate::assess::Assessment;
 use crate::cell::{Quantity, Reading};
 use crate::drawing::{Detail, Drawing};
-use crate::error_map::{OperationMap, Status};
+use crate::error_map::{NodeSign, OperationMap, PostureRecord};
 use crate::files::shown;
 use crate::kinematic_error::{Discrepancy, discrepancy};
 use crate::units::{mm_from_m, rounded};
@@ -115,15 +115,10 @@ fn cell_words(a: &Assessment<'_>) -> String {
 
 fn map_words(a: &Assessment<'_>, map: &OperationMap, sense: &str) -> String {
     let operation = marked(&a.cell.operations[map.operation].name);
-    let count = |status: &str| map.count(status);
-    let (ok, all) = (count("ok"), map.nodes.len());
-    let mut others: Vec<String> = Vec::new();
-    for name in map.nodes.iter().map(|n| n.status.name()) {
-        let said = format!("{} {name}", count(name));
-        if name != "ok" && !others.contains(&said) {
-            others.push(said);
-        }
-    }
+    let (ok, all) = (map.count(NodeSign::Usable), map.nodes.len());
+    let occurs = |sign: &NodeSign| !sign.is_usable() && map.count(*sign) > 0;
+    let others = NodeSign::ALL.into_iter().filter(occurs);
+    let others: Vec<String> = others.map(|sign| format!("{} {}", map.count(sign), sign.label())).collect();
     let mut words = format!("{operation}: {ok} of {all} nodes can be used");
     if !others.is_empty() {
         let _ = write!(words, " ({})", others.join(", "));
@@ -151,19 +146,15 @@ fn range(a: &Assessment<'_>, map: &OperationMap, sense: &str) -> Option<(f64, f6
         (Reading::Statistical, Quantity::Yield) => a.cell.unit(),
         _ => map.senses[sense].unit,
     };
-    let usable = map.nodes.iter().enumerate().filter(|(_, n)| n.status == Status::Ok);
-    let values = usable.filter_map(|(k, n)| {
-        let figures = &n.posture.as_ref()?.figures[sense];
-        Some((k, unit.from_si(figures.in_reading(a.cell.reading, a.cell.quantity))))
-    });
+    let value = |p: &PostureRecord| p.figures[sense].in_reading(a.cell.reading, a.cell.quantity);
+    let values = map.usable().map(|(k, _, p)| (k, unit.from_si(value(p))));
     let values: Vec<(usize, f64)> = values.collect();
     let (node, low) = values.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1))?;
     Some((low, values.iter().map(|v| v.1).fold(low, f64::max), node))
 }
 
 fn discrepancy_words(a: &Assessment<'_>, map: &OperationMap) -> String {
-    let usable = map.nodes.iter().filter(|n| n.status == Status::Ok).filter_map(|n| n.posture.as_ref());
-    let all: Vec<Discrepancy> = usable.map(|p| discrepancy(&p.nonlinear, &p.linear)).collect();
+    let all: Vec<Discrepancy> = map.usable().map(|(_, _, p)| discrepancy(&p.nonlinear, &p.linear)).collect();
     let said = |name: &str, value: fn(&Discrepancy) -> Option<f64>| {
         let values: Vec<f64> = all.iter().filter_map(value).collect();
         let most = values.iter().copied().fold(0.0, f64::max);

@@ -1,126 +1,244 @@
-// 500 names that try to be markup, scripts, formulas, control codes or templates, through every page
-// and file that shows names. See README.md for how to run it.
-import { createRequire } from "node:module";
+// 500 names that try to be markup, scripts, formulas, control codes or templates, through every page and file
+// that shows names. See README.md.
+
 import { spawnSync } from "node:child_process";
-import { mkdtempSync, writeFileSync, readFileSync, rmSync } from "node:fs";
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
 import { pathToFileURL } from "node:url";
+import { check, checkFaults, launch, open, PATIENCE, run, soon, usage } from "./harness.mjs";
 
-const { chromium } = createRequire(import.meta.url)("playwright-core");
-const [program, robot] = process.argv.slice(2).map((p) => resolve(p));
-if (!robot) {
-  console.error("usage: node hostile.mjs PROGRAM CELLS/robots/hitachi_pw10.toml");
-  process.exit(2);
+const [program, robot] = process.argv.slice(2).map((path) => resolve(path));
+if (!robot) usage("node tests/browser/hostile.mjs PROGRAM cells/robots/hitachi_pw10.toml");
+
+/** What a name would do if it were run. */
+const ATTACK = "window.hit=1";
+const PAYLOADS = [
+  `<script>${ATTACK}</script>`,
+  `</script><script>${ATTACK}</script>`,
+  `<img src=x onerror="${ATTACK}">`,
+  `"><svg onload="${ATTACK}">`,
+  `' onmouseover='${ATTACK}`,
+  `" autofocus onfocus="${ATTACK}" x="`,
+  `<iframe srcdoc="<script>parent.hit=1</script>">`,
+  `<a href="javascript:${ATTACK}">a</a>`,
+  `]]><script>${ATTACK}</script>`,
+  `--><script>${ATTACK}</script><!--`,
+  `<!--<script>`,
+  `</title><script>${ATTACK}</script>`,
+  `</style><script>${ATTACK}</script>`,
+  `</textarea><script>${ATTACK}</script>`,
+  `</svg><script>${ATTACK}</script>`,
+  `<base href="http://127.0.0.1:9/">`,
+  `<meta http-equiv=refresh content="0;url=//127.0.0.1:9/">`,
+  `<link rel=stylesheet href=http://127.0.0.1:9/a.css>`,
+  `<form action=http://127.0.0.1:9/><input name=a>`,
+  `<style>*{display:none}</style>`,
+  `url(http://127.0.0.1:9/b)`,
+  `{{7*7}}`,
+  `{% raw %}`,
+  `{%- if 1 -%}`,
+  `\${${ATTACK}}`,
+  `=1+1`,
+  `=HYPERLINK("http://127.0.0.1:9/","x")`,
+  `+1+1`,
+  `-1+1`,
+  `@SUM(1+1)`,
+  `=cmd|' /C calc'!A0`,
+  `%0d%0aSet-Cookie:a=b`,
+  `&lt;script&gt;`,
+  `&#60;script&#62;`,
+  `&amp;`,
+  `%3Cscript%3E`,
+  `\\u003cscript\\u003e`,
+  `\\x3cscript\\x3e`,
+  `%%c`,
+  `\\P{\\fArial;x}`,
+  `"quoted, with; separators"`,
+  `a'b"c\`d`,
+  `../../etc/passwd`,
+  `C:\\con\\nul`,
+  `$(touch /tmp/x)`,
+  `; rm -rf x`,
+  `| less`,
+  `__proto__`,
+  `constructor`,
+  `toString`,
+];
+const NAMES = Array.from({ length: 500 }, (_, k) => `${PAYLOADS[k % PAYLOADS.length]} ${k}`);
+
+/** Control codes that would talk to a terminal, and characters that turn the reading order. */
+const CONTROL_CODES = ["\u001b[2J", "\u0007", "\u009b31m", "\u202e", "\u2028", "\u0000"];
+
+/** Elements and attributes that only a name can have brought in. */
+const FOREIGN = [
+  "iframe",
+  "base",
+  "form",
+  "link",
+  "meta[http-equiv=refresh]",
+  "img[src=x]",
+  "[onerror]",
+  "[onload]",
+  "[onfocus]",
+  "[onmouseover]",
+  "a[href^='javascript']",
+];
+
+/**
+ * Returns whether a text has a control code, or a character that turns the reading order.
+ * @param {string} text
+ * @param {boolean} bidirectional
+ */
+function hasControlCode(text, bidirectional) {
+  return [...text].some((character) => {
+    const code = character.codePointAt(0) ?? 0;
+    const isControl = code < 32 && character !== "\n" && character !== "\t";
+    const turns = (code >= 0x202a && code <= 0x202e) || code === 0x2028 || code === 0x2029;
+    return isControl || code === 0x7f || (bidirectional && ((code >= 0x80 && code <= 0x9f) || turns));
+  });
 }
 
-const MARK = "hit";
-const run = `window.${MARK}=1`;
-const PAYLOADS = [
-  `<script>${run}</script>`, `</script><script>${run}</script>`, `<img src=x onerror="${run}">`,
-  `"><svg onload="${run}">`, `' onmouseover='${run}`, `" autofocus onfocus="${run}" x="`,
-  `<iframe srcdoc="<script>parent.hit=1</script>">`, `<a href="javascript:${run}">a</a>`,
-  `]]><script>${run}</script>`, `--><script>${run}</script><!--`, `<!--<script>`, `</title><script>${run}</script>`,
-  `</style><script>${run}</script>`, `</textarea><script>${run}</script>`, `</svg><script>${run}</script>`,
-  `<base href="http://127.0.0.1:9/">`, `<meta http-equiv=refresh content="0;url=//127.0.0.1:9/">`,
-  `<link rel=stylesheet href=http://127.0.0.1:9/a.css>`, `<form action=http://127.0.0.1:9/><input name=a>`,
-  `<style>*{display:none}</style>`, `url(http://127.0.0.1:9/b)`, `{{7*7}}`, `{% raw %}`, `{%- if 1 -%}`, `\${${run}}`,
-  `=1+1`, `=HYPERLINK("http://127.0.0.1:9/","x")`, `+1+1`, `-1+1`, `@SUM(1+1)`, `=cmd|' /C calc'!A0`, `%0d%0aSet-Cookie:a=b`,
-  `&lt;script&gt;`, `&#60;script&#62;`, `&amp;`, `%3Cscript%3E`, `\\u003cscript\\u003e`, `\\x3cscript\\x3e`,
-  `%%c`, `\\P{\\fArial;x}`, `"quoted, with; separators"`, `a'b"c\`d`, `../../etc/passwd`, `C:\\con\\nul`, `$(touch /tmp/x)`,
-  `; rm -rf x`, `| less`, `__proto__`, `constructor`, `toString`,
-];
-const names = Array.from({ length: 500 }, (_, k) => `${PAYLOADS[k % PAYLOADS.length]} ${k}`);
-const text = (s) => JSON.stringify(s).replace(/[\u007f-\uffff]/g, (c) => "\\u" + c.charCodeAt(0).toString(16).padStart(4, "0"));
+/**
+ * Writes a text as a TOML string in ASCII.
+ * @param {string} text
+ */
+const quoted = (text) =>
+  JSON.stringify(text).replace(
+    /[\u007f-\uffff]/g,
+    (character) => `\\u${character.charCodeAt(0).toString(16).padStart(4, "0")}`,
+  );
 
-/** A cell whose every name is hostile: 20 tables, 20 operations, 230 obstacles of one solid each. */
-function cell() {
+/** Returns a cell whose names are all hostile: 20 tables, 20 operations, 230 obstacles of one solid each. */
+function hostileCell() {
   let next = 0;
-  const name = () => text(names[next++]);
+  const name = () => quoted(NAMES[next++]);
+  const solid = (/** @type {string} */ numbers) => `solid = [{ name = ${name()}, box = { ${numbers} } }]`;
   const lines = [
-    'schema = "sweetspot/cell/1"', 'units = { length = "mm", angle = "deg" }', 'name = ' + text(PAYLOADS[0]),
-    'source = ' + text(PAYLOADS[1]), 'errors = "table-2"', "[robot]", 'from = "robot.toml"',
+    'schema = "sweetspot/cell/1"',
+    'units = { length = "mm", angle = "deg" }',
+    `name = ${quoted(PAYLOADS[0])}`,
+    `source = ${quoted(PAYLOADS[1])}`,
+    'errors = "table-2"',
+    "[robot]",
+    'from = "robot.toml"',
   ];
   const operations = [];
   for (let k = 0; k < 20; k++) {
     const [table, x, y] = [name(), 700 + 90 * (k % 5), -300 + 200 * Math.floor(k / 5)];
-    lines.push(`[equipment.${table}]`, "surface = { size_mm = [80, 80] }", "footprint = { size_mm = [80, 80] }",
-      `solid = [{ name = ${name()}, box = { centre_mm = [0, 0, -10], size_mm = [80, 80, 20] } }]`,
-      `placement = { x_mm = ${x}, y_mm = ${y}, z_mm = 600 }`);
+    lines.push(
+      `[equipment.${table}]`,
+      "surface = { size_mm = [80, 80] }",
+      "footprint = { size_mm = [80, 80] }",
+      solid("centre_mm = [0, 0, -10], size_mm = [80, 80, 20]"),
+      `placement = { x_mm = ${x}, y_mm = ${y}, z_mm = 600 }`,
+    );
     operations.push([name(), table]);
   }
   for (const [operation, table] of operations) {
-    lines.push(`[operation.${operation}]`, `on = ${table}`, "grid = [1, 1]", "standoff_mm = 100", "bend_deg = -90", 'sense = "xy"');
+    lines.push(
+      `[operation.${operation}]`,
+      `on = ${table}`,
+      "grid = [1, 1]",
+      "standoff_mm = 100",
+      "bend_deg = -90",
+      'sense = "xy"',
+    );
   }
-  for (let k = 0; next + 2 <= names.length; k++) {
-    lines.push(`[obstacle.${name()}]`,
-      `solid = [{ name = ${name()}, box = { centre_mm = [0, 0, 0], size_mm = [20, 20, 20] } }]`,
-      `placement = { x_mm = ${-2000 + 100 * (k % 20)}, y_mm = ${-2500 + 100 * Math.floor(k / 20)}, z_mm = 20 }`);
+  for (let k = 0; next + 2 <= NAMES.length; k++) {
+    const [x, y] = [-2000 + 100 * (k % 20), -2500 + 100 * Math.floor(k / 20)];
+    lines.push(
+      `[obstacle.${name()}]`,
+      solid("centre_mm = [0, 0, 0], size_mm = [20, 20, 20]"),
+      `placement = { x_mm = ${x}, y_mm = ${y}, z_mm = 20 }`,
+    );
   }
-  if (next !== names.length) throw new Error(`${next} names used`);
-  return lines.join("\n") + "\n";
+  if (next !== NAMES.length) throw new Error(`${next} names used`);
+  return `${lines.join("\n")}\n`;
 }
 
 const folder = mkdtempSync(join(tmpdir(), "sweetspot-hostile-"));
-const at = (file) => join(folder, file);
-const failures = [];
-const check = (good, what) => { if (!good) failures.push(what); };
-const sweetspot = (...args) => {
-  const ran = spawnSync(program, args, { cwd: folder, maxBuffer: 1 << 28 });
-  check(ran.status === 0, `${args.join(" ")} ended with ${ran.status}: ${ran.stderr}`);
-  return ran.stdout;
-};
-try {
-  writeFileSync(at("cell.toml"), cell());
-  writeFileSync(at("robot.toml"), readFileSync(robot));
-  // What would talk to the terminal, or turn the reading order, is refused, and told harmlessly.
-  for (const code of ["\u001b[2J", "\u0007", "\u009b31m", "\u202e", "\u2028", "\u0000"]) {
-    writeFileSync(at("escape.toml"), cell().replace(text(PAYLOADS[0]), text(code + "x")));
-    const refused = spawnSync(program, ["check", "escape.toml"], { cwd: folder });
-    check(refused.status === 2, `a name with ${text(code)} was accepted`);
-    check(!/[\u0000-\u0008\u000b-\u001f\u007f-\u009f\u202a-\u202e\u2028\u2029]/.test(refused.stderr.toString()), `${text(code)} reached the terminal`);
-  }
-  const said = sweetspot("map", "cell.toml").toString();
-  check(!/[\u0000-\u0008\u000b-\u001f\u007f]/.test(said), "control characters on the terminal");
-  sweetspot("report", "cell.toml", "-o", "report.html");
-  sweetspot("compare", "cell.toml", "cell.toml", "-o", "compare.html");
-  for (const to of ["dxf", "glb", "svg", "csv", "json", "parquet", "png"]) sweetspot("export", "cell.toml", "--to", to, "-o", `out.${to}`);
-  const csv = readFileSync(at("out.csv"), "utf8");
-  // A cell that begins with one of these is run by a spreadsheet.
-  check(!/(^|,)"?[=+@\t\r]/m.test(csv), "a formula in the CSV");
-  check(!/(^|,)"?-[^\d.]/m.test(csv), "a formula in the CSV that begins with a minus");
+const pathOf = (/** @type {string} */ file) => join(folder, file);
 
-  const browser = await chromium.launch({
-    executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
-    args: ["--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update",
-      "--disable-sync", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
-  });
-  for (const file of ["report.html", "compare.html", "out.svg"]) {
-    const page = await browser.newPage();
-    page.on("dialog", (d) => { failures.push(`${file}: a dialog`); d.dismiss(); });
-    page.on("console", (m) => { if (m.type() === "error") failures.push(`${file}: ${m.text()}`); });
-    page.on("pageerror", (e) => failures.push(`${file}: ${e.message}`));
-    page.on("request", (r) => { if (!r.url().startsWith("file:") && !r.url().startsWith("data:")) failures.push(`${file}: request ${r.url()}`); });
-    await page.goto(pathToFileURL(at(file)).href);
-    await page.waitForTimeout(1500);
-    // Hovering is what unescaped attributes wait for.
-    for (let k = 0; k < 30; k++) await page.mouse.move(40 + 41 * (k % 20), 60 + 23 * k);
-    const found = await page.evaluate((mark) => ({
-      ran: mark in window,
-      foreign: document.querySelectorAll("iframe, base, form, link, meta[http-equiv=refresh], img[src=x], [onerror], [onload], [onfocus], [onmouseover], a[href^='javascript']").length,
-      templates: document.body ? /(^|\s)49(\s\d|$)/.test(document.body.innerText.slice(0, 2000)) : false,
-      shown: (document.body ?? document.documentElement).textContent.includes("<script>window."),
-    }), MARK);
-    check(!found.ran, `${file}: a name was run`);
-    check(found.foreign === 0, `${file}: ${found.foreign} elements came from names`);
-    check(!found.templates, `${file}: a template in a name was filled in`);
-    check(found.shown, `${file}: the names are not shown as they are`);
-    await page.close();
-  }
-  await browser.close();
-} finally {
-  rmSync(folder, { recursive: true, force: true });
+/**
+ * Runs the program.
+ * @param {string[]} args
+ */
+const sweetspot = (...args) =>
+  spawnSync(program, args, { cwd: folder, maxBuffer: 1 << 28, encoding: "utf8", timeout: PATIENCE });
+
+/**
+ * Runs the program, which must succeed; returns its standard output.
+ * @param {string[]} args
+ */
+function succeed(...args) {
+  const { status, stderr, stdout } = sweetspot(...args);
+  check(status === 0, `sweetspot ${args.join(" ")} succeeds${status === 0 ? "" : `: ${status}, ${stderr}`}`);
+  return stdout;
 }
-failures.forEach((f) => console.error("FAILED " + f));
-console.log(failures.length ? `${failures.length} failures` : "500 hostile names: all neutral");
-process.exit(failures.length ? 1 : 0);
+
+async function testTerminal() {
+  const cell = hostileCell();
+  writeFileSync(pathOf("cell.toml"), cell);
+  writeFileSync(pathOf("robot.toml"), readFileSync(robot));
+  for (const code of CONTROL_CODES) {
+    writeFileSync(pathOf("escape.toml"), cell.replace(quoted(PAYLOADS[0]), quoted(`${code}x`)));
+    const { status, stderr } = sweetspot("check", "escape.toml");
+    check(status === 2, `a name with ${quoted(code)} is refused`);
+    check(!hasControlCode(stderr, true), `the message about ${quoted(code)} has no control code`);
+  }
+  const shown = succeed("map", "cell.toml");
+  check(!hasControlCode(shown, false), "the map on the terminal has no control code");
+}
+
+async function testFiles() {
+  succeed("report", "cell.toml", "-o", "report.html");
+  succeed("compare", "cell.toml", "cell.toml", "-o", "compare.html");
+  for (const format of ["dxf", "glb", "svg", "csv", "json", "parquet", "png"]) {
+    succeed("export", "cell.toml", "--to", format, "-o", `out.${format}`);
+  }
+  const csv = readFileSync(pathOf("out.csv"), "utf8");
+  // A spreadsheet runs a cell that begins with one of these.
+  check(!/(^|,)"?[=+@\t\r]/m.test(csv), "the CSV file has no formula");
+  check(!/(^|,)"?-[^\d.]/m.test(csv), "the CSV file has no formula that begins with a minus");
+}
+
+/**
+ * @param {import("playwright-core").Browser} browser
+ * @param {string} file
+ */
+async function testPage(browser, file) {
+  const url = pathToFileURL(pathOf(file)).href;
+  const { page, faults } = await open(browser, url);
+  const text = () => page.evaluate(() => (document.body ?? document.documentElement).textContent ?? "");
+  check(
+    await soon(async () => (await text()).includes("<script>window.")),
+    `${file}: names are shown as they are`,
+  );
+  // The viewer draws, and whatever waits for the end of loading has run.
+  await page.waitForTimeout(1000);
+  // Unescaped attributes wait for the pointer.
+  for (let k = 0; k < 30; k++) await page.mouse.move(40 + 41 * (k % 20), 60 + 23 * k);
+  const found = await page.evaluate(
+    (selector) => ({
+      isHit: "hit" in window,
+      foreign: document.querySelectorAll(selector).length,
+      head: document.body?.innerText.slice(0, 2000) ?? "",
+    }),
+    FOREIGN.join(", "),
+  );
+  check(!found.isHit, `${file}: no name is run`);
+  check(found.foreign === 0, `${file}: no element comes from a name (${found.foreign})`);
+  check(!/(^|\s)49(\s\d|$)/.test(found.head), `${file}: no template in a name is filled in`);
+  checkFaults(faults, file);
+  await page.close();
+}
+
+async function testPages() {
+  const browser = await launch();
+  for (const file of ["report.html", "compare.html", "out.svg"]) await testPage(browser, file);
+}
+
+await run("hostile", { terminal: testTerminal, files: testFiles, pages: testPages }, () =>
+  rmSync(folder, { recursive: true, force: true }),
+);

@@ -1,286 +1,345 @@
-// Looks at a page of ours in a real Chromium: nothing is wrong, nothing is asked for, every switch shows.
-// See README.md beside this file. Exit code 0: all holds, 1: something does not, 2: it could not be tried.
+// The 3-D view of a report in Chromium: every switch, view, key and drag shows, and the page stays quiet.
+// See README.md.
 
 import { mkdirSync } from "node:fs";
-import { createRequire } from "node:module";
 import { basename, join, resolve } from "node:path";
 import { pathToFileURL } from "node:url";
+import { check, checkFaults, checkSoon, launch, open, run, soon, usage } from "./harness.mjs";
 
-const BROWSER = process.env.CHROMIUM || "/usr/bin/chromium";
-const CALM = ["--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking",
-  "--disable-component-update", "--disable-sync"];
-const DRAWN_BY_SOFTWARE = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
+/** Size of the picture that is compared, pixels. */
+const [WIDTH, HEIGHT] = [240, 160];
 
-const faults = [];
-let checked = 0;
-function check(holds, what) {
-  checked += 1;
-  if (!holds) faults.push(what);
-  console.log(`${holds ? "ok  " : "FAIL"} ${what}`);
-}
+/** @typedef {import("playwright-core").Page} Page */
 
-function playwright() {
-  // NODE_PATH, or the folder that holds playwright-core.
-  const folders = [process.env.PLAYWRIGHT, ...(process.env.NODE_PATH || "").split(":")].filter(Boolean);
-  for (const folder of folders) {
-    try {
-      return createRequire(join(resolve(folder), "x.js"))("playwright-core");
-    } catch {}
-  }
-  console.error("playwright-core is not found: set NODE_PATH to the node_modules that holds it");
-  process.exit(2);
-}
+/**
+ * Returns the canvas in the page, reduced to a coarse grid of pixels.
+ * @param {Page} page
+ */
+const picture = (page) =>
+  page.evaluate(
+    ([width, height]) => {
+      const canvas = document.querySelector(".ss-stage canvas");
+      const small = new OffscreenCanvas(width, height);
+      const pen = small.getContext("2d");
+      if (!(canvas instanceof HTMLCanvasElement) || !pen) throw new Error("no canvas");
+      pen.drawImage(canvas, 0, 0, width, height);
+      return [...pen.getImageData(0, 0, width, height).data];
+    },
+    [WIDTH, HEIGHT],
+  );
 
-/** A page that tells everything it should not do. */
-async function open(browser, url, options = {}) {
-  const page = await browser.newPage({ viewport: { width: 1200, height: 900 }, ...options });
-  const said = [];
-  page.on("console", (m) => ["error", "warning"].includes(m.type()) && said.push(`${m.type()}: ${m.text()}`));
-  page.on("pageerror", (e) => said.push(`error: ${e.message}`));
-  page.on("dialog", (d) => {
-    said.push(`dialog: ${d.message()}`);
-    d.dismiss();
-  });
-  page.on("request", (r) => r.url() !== url && !r.url().startsWith("data:") && said.push(`request: ${r.url()}`));
-  await page.goto(url);
-  await page.waitForTimeout(400);
-  return { page, said };
-}
-
-/** Two pictures drawn after a change. */
-const settled = (page) =>
-  page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(done, 60)))));
-
-/** What the canvas shows, in few numbers: of a coarse grid of pixels their colours. */
-const seen = (page) => page.evaluate(() => {
-  const canvas = document.querySelector(".ss-stage canvas");
-  const small = document.createElement("canvas");
-  [small.width, small.height] = [240, 160];
-  const pen = small.getContext("2d");
-  pen.drawImage(canvas, 0, 0, 240, 160);
-  return [...pen.getImageData(0, 0, 240, 160).data];
-});
-
-const changed = (a, b) => {
+/**
+ * Counts the pixels that differ.
+ * @param {number[]} a
+ * @param {number[]} b
+ */
+function changed(a, b) {
   let count = 0;
   for (let k = 0; k < a.length; k += 4) {
-    if (Math.abs(a[k] - b[k]) + Math.abs(a[k + 1] - b[k + 1]) + Math.abs(a[k + 2] - b[k + 2]) + Math.abs(a[k + 3] - b[k + 3]) > 24) count += 1;
+    const difference = [0, 1, 2, 3].reduce((sum, c) => sum + Math.abs(a[k + c] - b[k + c]), 0);
+    if (difference > 24) count += 1;
   }
   return count;
+}
+
+/**
+ * Counts the pictures that the page asks for within a time.
+ * @param {Page} page
+ * @param {number} time ms
+ */
+const frames = (page, time) =>
+  page.evaluate(async (duration) => {
+    let count = 0;
+    const original = globalThis.requestAnimationFrame;
+    globalThis.requestAnimationFrame = (callback) => {
+      count += 1;
+      return original.call(globalThis, callback);
+    };
+    await new Promise((done) => setTimeout(done, duration));
+    globalThis.requestAnimationFrame = original;
+    return count;
+  }, time);
+
+/**
+ * Waits until two pictures after one another are the same; returns the last.
+ * @param {Page} page
+ */
+async function still(page) {
+  let before = await picture(page);
+  await soon(async () => {
+    const waiting = await frames(page, 120);
+    const now = await picture(page);
+    const isSame = waiting === 0 && changed(before, now) === 0;
+    before = now;
+    return isSame;
+  });
+  return before;
+}
+
+/**
+ * Checks that an action changes the picture.
+ * @param {Page} page
+ * @param {string} what
+ * @param {number} pixels
+ * @param {() => Promise<unknown>} action
+ */
+async function checkShows(page, what, pixels, action) {
+  const before = await still(page);
+  await action();
+  await checkSoon(async () => changed(before, await picture(page)) > pixels, what);
+}
+
+/**
+ * Returns the texts of the legend and the labels.
+ * @param {Page} page
+ */
+const texts = async (page) => {
+  const all = [".ss-legend", ".ss-labels"].map((selector) => page.locator(selector).first().innerText());
+  return (await Promise.all(all)).join("\n");
 };
 
-/** Every choice of every switch, one after another: the picture or the legend must not stay as it was. */
-async function trySwitches(page) {
-  await page.evaluate(() => document.querySelectorAll(".ss-controls").forEach((d) => (d.open = true)));
-  const names = await page.$$eval(".ss-viewer:first-of-type .ss-field:not([hidden]) select", (all) => all.map((s) => s.name));
-  for (const name of [...new Set(names)]) {
-    const list = page.locator(`.ss-viewer select[name="${name}"]`).first();
-    const choices = await list.locator("option").evaluateAll((all) => all.map((o) => o.value));
+/** @param {Page} page */
+async function testPicture(page) {
+  const pixels = await still(page);
+  const colours = new Set();
+  for (let k = 0; k < pixels.length; k += 4) {
+    colours.add(
+      pixels
+        .slice(k, k + 4)
+        .map((value) => value >> 4)
+        .join(),
+    );
+  }
+  check(colours.size > 30, `the canvas is not blank (${colours.size} colours)`);
+  await checkSoon(async () => (await frames(page, 600)) === 0, "nothing is drawn at rest");
+}
+
+/**
+ * Tries every choice of every switch against the first one: picture, legend or labels must differ.
+ * @param {Page} page
+ */
+async function testSwitches(page) {
+  await page.evaluate(() => {
+    for (const details of document.querySelectorAll("details.ss-controls")) details.setAttribute("open", "");
+  });
+  const fields = page.locator(".ss-viewer").first().locator(".ss-field:not([hidden]) select");
+  for (const list of await fields.all()) {
+    const name = await list.getAttribute("name");
+    const values = await list
+      .locator("option")
+      .evaluateAll((all) => all.map((one) => one.getAttribute("value") ?? ""));
     const first = await list.inputValue();
-    for (const choice of choices.filter((c) => c !== first)) {
-      const before = [await seen(page), await page.locator(".ss-legend").first().innerText(), await page.locator(".ss-labels").first().innerText()];
-      await list.selectOption(choice);
-      await settled(page);
-      const after = [await seen(page), await page.locator(".ss-legend").first().innerText(), await page.locator(".ss-labels").first().innerText()];
-      const pixels = changed(before[0], after[0]);
-      const said = before[1] !== after[1] || before[2] !== after[2];
-      check(pixels > 2 || said, `${name}: ${JSON.stringify(choice)} shows (${pixels} of 38400 places${said ? ", and in words" : ""})`);
-      // Each against what was there at first.
-      await list.selectOption(first);
-      await settled(page);
+    const before = await still(page);
+    const textBefore = await texts(page);
+    for (const value of values.filter((one) => one !== first)) {
+      await list.selectOption(value);
+      const shows = async () => changed(before, await picture(page)) > 2 || (await texts(page)) !== textBefore;
+      await checkSoon(shows, `switch ${name}: ${JSON.stringify(value)} shows`);
     }
+    await list.selectOption(first);
+    const isBack = async () => changed(before, await picture(page)) <= 2 && (await texts(page)) === textBefore;
+    await checkSoon(isBack, `switch ${name}: ${JSON.stringify(first)} shows the same as before`);
   }
 }
 
-async function tryViews(page) {
-  const tick = page.locator('.ss-viewer input[name="envelope"]').first();
-  if (await tick.isVisible()) {
-    const before = await seen(page);
-    await tick.check();
-    await settled(page);
-    check(changed(before, await seen(page)) > 100, "the envelope shows");
-    await tick.uncheck();
+/** @param {Page} page */
+async function testViews(page) {
+  const envelope = page.locator('.ss-viewer input[name="envelope"]').first();
+  if (await envelope.isVisible()) {
+    await checkShows(page, "the working envelope shows", 100, () => envelope.check());
+    await envelope.uncheck();
   }
   for (const name of ["top", "front", "side", "iso"]) {
-    const before = await seen(page);
-    await page.locator(`.ss-viewer button[name="view-${name}"]`).first().click();
-    await page.waitForTimeout(600);
-    check(changed(before, await seen(page)) > 400, `view ${name} shows`);
+    const button = page.locator(`.ss-viewer button[name="view-${name}"]`).first();
+    await checkShows(page, `view ${name} shows`, 400, () => button.click());
   }
 }
 
-async function tryHand(page) {
+/** @param {Page} page */
+async function testPointer(page) {
   const canvas = page.locator(".ss-stage canvas").first();
   await canvas.scrollIntoViewIfNeeded();
   const box = await canvas.boundingBox();
+  if (!box) throw new Error("the canvas is not visible");
   const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
-  const moves = {
-    "a drag turns": async () => {
-      await page.mouse.move(x, y);
-      await page.mouse.down();
-      await page.mouse.move(x + 120, y + 30, { steps: 4 });
-      await page.mouse.up();
-    },
-    "a drag with shift shifts": async () => {
-      await page.keyboard.down("Shift");
-      await page.mouse.move(x, y);
-      await page.mouse.down();
-      await page.mouse.move(x + 90, y, { steps: 4 });
-      await page.mouse.up();
-      await page.keyboard.up("Shift");
-    },
-    "the wheel zooms": () => page.mouse.wheel(0, -240),
-    "an arrow key turns": () => page.keyboard.press("ArrowLeft"),
-    "the key Home goes back": () => page.keyboard.press("Home"),
+  const drag = async (/** @type {number} */ dx, /** @type {number} */ dy) => {
+    await page.mouse.move(x, y);
+    await page.mouse.down();
+    await page.mouse.move(x + dx, y + dy, { steps: 4 });
+    await page.mouse.up();
   };
-  for (const [what, move] of Object.entries(moves)) {
-    const before = await seen(page);
-    await move();
-    await page.waitForTimeout(500);
-    check(changed(before, await seen(page)) > 200, what);
-  }
+  await checkShows(page, "a drag turns", 200, () => drag(120, 30));
+  await checkShows(page, "a drag with the shift key shifts", 200, async () => {
+    await page.keyboard.down("Shift");
+    await drag(90, 0);
+    await page.keyboard.up("Shift");
+  });
+  await checkShows(page, "the wheel zooms", 200, () => page.mouse.wheel(0, -240));
+  await checkShows(page, "an arrow key turns", 200, () => page.keyboard.press("ArrowLeft"));
+  await checkShows(page, "the key Home goes back", 200, () => page.keyboard.press("Home"));
+  await still(page);
   const tip = page.locator(".ss-tip").first();
-  let told = "";
-  for (let k = 0; k < 400 && !told; k++) {
-    await page.mouse.move(box.x + (0.15 + 0.7 * ((k % 20) / 20)) * box.width, box.y + (0.25 + 0.6 * (Math.floor(k / 20) / 20)) * box.height);
-    if (await tip.isVisible()) told = await tip.innerText();
+  let text = "";
+  for (let k = 0; k < 400 && !text; k++) {
+    const [across, down] = [0.15 + 0.7 * ((k % 20) / 20), 0.25 + 0.6 * (Math.floor(k / 20) / 20)];
+    await page.mouse.move(box.x + across * box.width, box.y + down * box.height);
+    if (await tip.isVisible()) text = await tip.innerText();
   }
-  check(/node \(\d+, \d+\)/.test(told), `a node tells what it is: ${told.split("\n")[0]}`);
+  check(/node \(\d+, \d+\)/.test(text), `the tip describes a node: ${text.split("\n")[0]}`);
 }
 
-async function tryTime(page) {
+/** @param {Page} page */
+async function testMovement(page) {
   const play = page.locator('.ss-viewer button[name="play"]').first();
   if (!(await play.isVisible())) return;
   const slider = page.locator('.ss-viewer input[name="time"]').first();
   await slider.fill("0");
-  await settled(page);
-  const [home, start] = [await seen(page), Number(await slider.inputValue())];
+  const home = await still(page);
   await play.click();
-  // However slow the machine is: until the rest at home is over.
-  for (let k = 0; k < 60 && Number(await slider.inputValue()) < 1.5; k++) await page.waitForTimeout(250);
+  // The rest at home must be over.
+  const time = async () => Number(await slider.inputValue());
+  await checkSoon(async () => (await time()) > 1.5, "the time runs");
   await play.click();
-  await settled(page);
-  const now = Number(await slider.inputValue());
-  check(now > start, `the time runs: ${start} to ${now} s`);
-  check(changed(home, await seen(page)) > 50, "the robot moves");
+  check(changed(home, await still(page)) > 50, "the robot moves");
   const stops = await page.locator(".ss-ticks button").allInnerTexts();
-  check(stops[0] === "home" && stops.length > 2, `stops of the movement: ${stops.join(", ")}`);
+  check(stops[0] === "home" && stops.length > 2, `the movement has stops: ${stops.join(", ")}`);
 }
 
-/** Nothing is drawn while nothing changes. */
-async function tryRest(page) {
-  const frames = await page.evaluate(async () => {
-    let count = 0;
-    const own = globalThis.requestAnimationFrame;
-    globalThis.requestAnimationFrame = (f) => {
-      count += 1;
-      return own.call(globalThis, f);
-    };
-    await new Promise((done) => setTimeout(done, 700));
-    globalThis.requestAnimationFrame = own;
-    return count;
+/**
+ * Tries what a page needs that drags equipment, on a viewer of its own.
+ * @param {Page} page
+ */
+async function testDragging(page) {
+  await page.evaluate(() => {
+    const host = document.createElement("div");
+    // The first viewer of the page is the one that is looked at.
+    document.body.prepend(host);
+    const written = JSON.parse(document.getElementById("drawings")?.textContent ?? "");
+    Object.assign(globalThis, { written, viewer: sweetspotViewer(host, written, { controls: false }) });
+    scrollTo(0, 0);
   });
-  check(frames === 0, `at rest nothing is drawn (${frames} pictures)`);
+  await still(page);
+  const told = await page.evaluate(() => {
+    const { written, viewer } = /** @type {any} */ (globalThis);
+    const { equipment } = written.drawings[viewer.state().drawing];
+    const index = equipment.findIndex((/** @type {any} */ one) => !one.obstacle && one.at);
+    const [x, y, z] = equipment[index].at.slice(9);
+    const point = viewer.project(x, y, z);
+    const back = viewer.pickFloor(point.x, point.y, z);
+    const events = [];
+    viewer.on("state", (/** @type {unknown} */ state) => events.push(state));
+    const before = viewer.camera();
+    viewer.setCamera({ azimuth: before.azimuth + 0.3 });
+    const turned = viewer.camera().azimuth - before.azimuth;
+    viewer.setCamera(before);
+    viewer.show({ arrows: "none" }).show({ arrows: "resultant" });
+    const hit = viewer.pickEquipment(point.x, point.y, true);
+    return { index, x, y, z, error: Math.hypot(back.x - x, back.y - y), hit, turned, events: events.length };
+  });
+  check(told.error < 0.5, `a point of the picture is found on the floor (${told.error.toExponential(1)} mm)`);
+  check(told.hit !== null && told.hit.equipment !== null, "equipment is found under the pointer");
+  check(Math.abs(told.turned - 0.3) < 1e-9 && told.events === 2, "camera and state are told");
+  const before = await still(page);
+  const move = () =>
+    page.evaluate(({ index, x, y, z }) => {
+      const placement = { x_mm: x + 150, y_mm: y + 150, z_mm: z, yaw_deg: 20 };
+      /** @type {any} */ (globalThis).viewer.movePart(index, placement);
+    }, told);
+  await checkShows(page, "equipment moves while it is dragged", 100, move);
+  await page.evaluate(() => {
+    const { viewer, written } = /** @type {any} */ (globalThis);
+    viewer.replace(written);
+  });
+  await checkSoon(
+    async () => changed(before, await still(page)) < 30,
+    "a new document puts equipment where it stands",
+  );
 }
 
-async function tryLoss(page) {
-  const before = await seen(page);
-  const lost = await page.evaluate(async () => {
-    const gl = document.querySelector(".ss-stage canvas").getContext("webgl2");
-    const loss = gl.getExtension("WEBGL_lose_context");
-    if (!loss) return false;
-    loss.loseContext();
-    await new Promise((done) => setTimeout(done, 200));
-    loss.restoreContext();
-    await new Promise((done) => setTimeout(done, 900));
+/** @param {Page} page */
+async function testContextLoss(page) {
+  const before = await still(page);
+  const isLost = await page.evaluate(async () => {
+    const canvas = /** @type {HTMLCanvasElement | null} */ (document.querySelector(".ss-stage canvas"));
+    const extension = canvas?.getContext("webgl2")?.getExtension("WEBGL_lose_context");
+    if (!canvas || !extension) return false;
+    const event = (/** @type {string} */ name) =>
+      new Promise((done) => canvas.addEventListener(name, done, { once: true }));
+    const lost = event("webglcontextlost");
+    extension.loseContext();
+    await lost;
+    // A context can be restored only after its loss was handled.
+    await new Promise((done) => setTimeout(done, 100));
+    const restored = event("webglcontextrestored");
+    extension.restoreContext();
+    await restored;
     return true;
   });
-  if (!lost) return;
-  await settled(page);
-  check(changed(before, await seen(page)) < 200, "after a loss of the graphics card the picture is as before");
+  check(isLost, "the WebGL context can be lost and restored");
+  await checkSoon(
+    async () => changed(before, await still(page)) < 200,
+    "the picture is as before after a loss of the WebGL context",
+  );
 }
 
-/** Of a page that shows its viewer as `viewer`: what a page that drags equipment asks of it. */
-async function tryDragging(page) {
-  if (!(await page.evaluate(() => !!globalThis.viewer && !!document.getElementById("document")))) return;
-  const told = await page.evaluate(() => {
-    const read = () => JSON.parse(document.getElementById("document").textContent);
-    const { equipment } = read().drawings[viewer.state().drawing];
-    const index = equipment.findIndex((e) => !e.obstacle && e.at);
-    const [x, y, z] = equipment[index].at.slice(9);
-    const p = viewer.project(x, y, z);
-    const back = viewer.pickFloor(p.x, p.y, z);
-    const heard = [];
-    viewer.on("state", (s) => heard.push(s));
-    const was = viewer.camera();
-    viewer.setCamera({ azimuth: was.azimuth + 0.3 });
-    const now = viewer.camera();
-    viewer.setCamera(was);
-    viewer.show({ arrows: "none" }).show({ arrows: "resultant" });
-    return { index, x, y, z, off: Math.hypot(back.x - x, back.y - y), hit: viewer.pickEquipment(p.x, p.y, true), turned: now.azimuth - was.azimuth, heard: heard.length };
-  });
-  check(told.off < 0.5, `a point of the picture is found again on the floor (${told.off.toExponential(1)} mm)`);
-  check(told.hit && told.hit.equipment !== null, "equipment is found under the pointer");
-  check(Math.abs(told.turned - 0.3) < 1e-9 && told.heard === 2, "camera and state are told");
-  await settled(page);
-  const before = await seen(page);
-  await page.evaluate(({ index, x, y, z }) => viewer.movePart(index, { x_mm: x + 150, y_mm: y + 150, z_mm: z, yaw_deg: 20 }), told);
-  await settled(page);
-  const during = await seen(page);
-  check(changed(before, during) > 100, "equipment moves while it is dragged");
-  await page.evaluate(() => viewer.replace(JSON.parse(document.getElementById("document").textContent)));
-  await settled(page);
-  check(changed(before, await seen(page)) < 30, "a new document puts it where it is");
-}
-
-async function shoot(browser, url, folder) {
+/**
+ * Takes pictures of the page in two widths and two colour schemes.
+ * @param {import("playwright-core").Browser} browser
+ * @param {string} url
+ * @param {string} folder
+ */
+async function takeShots(browser, url, folder) {
   mkdirSync(folder, { recursive: true });
   const name = basename(url).replace(/\.html?$/, "");
   for (const width of [400, 1600]) {
-    for (const colorScheme of ["light", "dark"]) {
-      const { page } = await open(browser, url, { viewport: { width, height: 1000 }, colorScheme });
-      await page.waitForTimeout(500);
-      const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
-      check(wide <= 0, `no sideways scrolling at ${width} px`);
+    for (const colorScheme of /** @type {const} */ (["light", "dark"])) {
+      const { page } = await open(browser, url, {
+        context: { viewport: { width, height: 1000 }, colorScheme },
+      });
+      await still(page);
       await page.screenshot({ path: join(folder, `${name}-${width}-${colorScheme}.png`), fullPage: true });
       await page.close();
     }
   }
 }
 
-const given = process.argv.slice(2);
-const at = given.indexOf("--shots");
-const shots = at < 0 ? null : given.splice(at, 2)[1];
-if (given.length !== 1) {
-  console.error("usage: node tests/browser/viewer.mjs PAGE.html [--shots DIR]");
-  process.exit(2);
+/**
+ * Checks that no line of a page is wider than a small screen.
+ * @param {import("playwright-core").Browser} browser
+ * @param {string} url
+ */
+async function testNarrow(browser, url) {
+  const { page } = await open(browser, url, { context: { viewport: { width: 400, height: 800 } } });
+  const excess = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+  check(excess <= 0, "the page does not scroll sideways at 400 px");
+  await page.close();
 }
+
+/** @param {string} url */
+async function testWithoutWebgl(url) {
+  const { page, faults } = await open(await launch({ webgl: false }), url);
+  check((await page.locator(".ss-viewer").count()) === 0, "without WebGL there is no viewer");
+  check(await page.locator("#viewer figure").first().isVisible(), "without WebGL the picture stays");
+  checkFaults(faults, "without WebGL");
+}
+
+const given = process.argv.slice(2);
+const option = given.indexOf("--shots");
+const shots = option < 0 ? null : given.splice(option, 2)[1];
+if (given.length !== 1) usage("node tests/browser/viewer.mjs REPORT.html [--shots DIR]");
 const url = pathToFileURL(resolve(given[0])).href;
-const { chromium } = playwright();
-
-const browser = await chromium.launch({ executablePath: BROWSER, args: [...CALM, ...DRAWN_BY_SOFTWARE] });
-const { page, said } = await open(browser, url);
-const colours = new Set();
-const first = await seen(page);
-for (let k = 0; k < first.length; k += 4) colours.add(first.slice(k, k + 4).map((v) => v >> 4).join());
-check(colours.size > 30, `the canvas is not blank (${colours.size} colours)`);
-await tryRest(page);
-await trySwitches(page);
-await tryViews(page);
-await tryHand(page);
-await tryTime(page);
-await tryDragging(page);
-await tryLoss(page);
-// A picture is read back only here: what the browser says of that is no fault of the page.
-const wrong = said.filter((line) => !/GPU stall due to ReadPixels/.test(line));
-check(wrong.length === 0, `nothing is said and nothing asked for ${wrong.slice(0, 5).join(" | ")}`);
-if (shots) await shoot(browser, url, shots);
-await browser.close();
-
-const without = await chromium.launch({ executablePath: BROWSER, args: [...CALM, "--disable-gpu", "--disable-3d-apis"] });
-const plain = await open(without, url);
-check((await plain.page.locator(".ss-viewer").count()) === 0 && plain.said.length === 0, `without WebGL the page keeps its still picture ${plain.said.slice(0, 3).join(" | ")}`);
-await without.close();
-
-console.log(faults.length ? `${faults.length} of ${checked} checks fail` : `all ${checked} checks hold`);
-process.exit(faults.length ? 1 : 0);
+const browser = await launch();
+const { page, faults } = await open(browser, url);
+await run("viewer", {
+  picture: () => testPicture(page),
+  switches: () => testSwitches(page),
+  views: () => testViews(page),
+  pointer: () => testPointer(page),
+  movement: () => testMovement(page),
+  "loss of the context": () => testContextLoss(page),
+  dragging: () => testDragging(page),
+  faults: async () => checkFaults(faults, "report"),
+  narrow: () => testNarrow(browser, url),
+  "without WebGL": () => testWithoutWebgl(url),
+  ...(shots ? { shots: () => takeShots(browser, url, shots) } : {}),
+});

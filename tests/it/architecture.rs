@@ -8,8 +8,9 @@ use sources::{File, paths_from, sources, uses_crate, with_words};
 use std::collections::BTreeSet;
 
 /// Modules in the order in which data flows: each uses only those before it.
-const ORDER: [&str; 19] = [
+const ORDER: [&str; 20] = [
     "units",
+    "geometry",
     "pose",
     "low_discrepancy",
     "cell",
@@ -43,7 +44,7 @@ fn the_core_does_no_io() {
     let outside = ["fs", "env", "io", "net", "process", "thread"];
     for file in sources().iter().filter(|f| !f.is_edge()) {
         for path in paths_from(&file.code, "std::") {
-            // A cursor over bytes in memory, which the reader of STL asks for, is no IO.
+            // The reader of STL needs a cursor over bytes in memory, which is no IO.
             let cursor = file.path == "files/mesh/stl.rs" && path == "io" && !file.code.contains("File");
             assert!(cursor || !outside.contains(&path.as_str()), "src/{} uses std::{path}", file.path);
         }
@@ -51,9 +52,9 @@ fn the_core_does_no_io() {
     let words = ["println!", "print!", "dbg!", "Instant", "SystemTime", "stdout", "stderr", "stdin"];
     let found = with_words(&words, File::is_edge);
     assert!(found.is_empty(), "outside cli: {found:#?}");
-    // What is built in is no IO, but for the version nothing needs it.
+    // Built-in files are no IO, but only the version and these two need them.
     let built_in = with_words(&["include_str!", "include_bytes!", "option_env!"], |f| {
-        // The robots that come with the program; what runs in the browser.
+        // The robots that come with the program, and the assets of the browser.
         ["cli/library.rs", "report/page/assets.rs"].contains(&f.path.as_str())
     });
     assert!(built_in.is_empty(), "{built_in:#?}");
@@ -82,13 +83,13 @@ fn every_heavy_crate_has_one_home() {
     for name in ["minijinja", "base64", "gltf_json"] {
         assert_eq!(homes(name), only("report"), "{name}");
     }
-    // Of files that are read and written, and of what a page may run.
+    // Hashes of the files that are read and written, and of what a page may run.
     assert_eq!(homes("sha2"), BTreeSet::from(["cli", "report"].map(String::from)));
     for (name, home) in
         [("toml", "files"), ("tobj", "files"), ("stl_io", "files"), ("roxmltree", "files"), ("csv", "report")]
     {
         let users: Vec<_> = sources().into_iter().filter(|f| f.code.contains(&format!("{name}::"))).collect();
-        // `report::toml` and `report::csv` are modules of ours.
+        // `report::toml` and `report::csv` are modules of this crate.
         let foreign =
             users.iter().filter(|f| f.module() != home && !f.code.contains(&format!("report::{name}::")));
         assert_eq!(foreign.map(|f| f.path.clone()).collect::<Vec<_>>(), [""; 0], "{name} outside {home}");
@@ -97,7 +98,7 @@ fn every_heavy_crate_has_one_home() {
 
 #[test]
 fn no_heavy_crate_shows_in_a_public_signature() {
-    // Methods of a foreign trait are not `pub`; what is must speak in our own words.
+    // Methods of a foreign trait are not `pub`. Public ones use types of this crate.
     let foreign = ["pm::", "parry3d::", "argmin::", "clarabel::", "SharedShape", "TriMesh", "Aabb"];
     for file in sources() {
         let lines = file.code.lines().filter(|l| l.trim_start().starts_with("pub "));
@@ -118,7 +119,7 @@ fn a_module_uses_only_those_above_it() {
         }
         let own = rank(module).unwrap_or_else(|| panic!("src/{} has no place in the order", file.path));
         let mut used = paths_from(&file.code, "crate::");
-        // The way out of a module: `super` of the file that a module begins with.
+        // `super` of the file that a module begins with leads out of the module.
         let is_root = !file.path.contains('/') || file.path == format!("{module}/mod.rs");
         if is_root {
             used.extend(paths_from(&file.code, "super::"));
@@ -166,7 +167,7 @@ fn nothing_panics_on_purpose() {
     ];
     let found = with_words(&words, |_| false);
     assert!(found.is_empty(), "{found:#?}");
-    // An assertion is for the debug build alone.
+    // Assertions belong in the debug build alone.
     let asserts = with_words(&["assert!(", "assert_eq!(", "assert_ne!("], |_| false);
     let hard: Vec<_> = asserts.iter().filter(|l| !l.contains("debug_assert")).collect();
     assert!(hard.is_empty(), "{hard:#?}");
@@ -191,10 +192,10 @@ fn only_units_rs_converts_units() {
         found.extend(lines.map(|l| format!("src/{}: {}", file.path, l.trim())));
     }
     assert!(found.is_empty(), "{found:#?}");
-    // The exception is as small as it is said to be.
+    // The exception is no larger than stated.
     let inches = with_words(&["0.0254", "25.4"], |_| false);
     assert!(inches.len() == 1 && inches[0].starts_with("src/files/mesh/mod.rs:"), "{inches:#?}");
-    // And units.rs is where the conversions are.
+    // The conversions are in units.rs.
     let units = sources().into_iter().find(|f| f.path == "units.rs").unwrap();
     assert!(["to_radians", "to_degrees", "/ 1000.0", "* 1000.0"].iter().all(|w| units.code.contains(w)));
 }

@@ -80,7 +80,7 @@ fn spins_of_a_vertical_tool_count_from_the_azimuth() {
             continue;
         }
         for (_, d, r) in held(&robot, &attitude(down, Azimuth::Surface(0.5), &[0.25], 0.0), 0.3) {
-            // Seen from above the tool turns the other way: its axis points down.
+            // The axis points down, so the tool turns the other way seen from above.
             let along = Vector3::new(f64::cos(0.8 - 0.25), f64::sin(0.8 - 0.25), 0.0);
             assert!((d + Vector3::z()).norm() < 1e-9 && (r - along).norm() < 1e-8, "{stem}: {d:?} {r:?}");
         }
@@ -134,7 +134,7 @@ fn an_arm_that_cannot_turn_its_tool_reports_the_missing_azimuth_angle() {
     for node in &map.nodes {
         let p = node.position - Vector3::new(base.x, base.y, base.z);
         let off = wrapped(p.y.atan2(p.x) - at.yaw - std::f64::consts::FRAC_PI_2).abs();
-        // Outward or inward.
+        // The tool points outward or inward.
         let off = off.min(std::f64::consts::PI - off) - 10f64.to_radians();
         match node.status {
             Status::Attitude { by, .. } => {

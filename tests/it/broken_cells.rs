@@ -137,7 +137,7 @@ fn deep_nesting_is_refused() {
     assert!(tables.contains("error: nested too deep"), "{tables}");
     let keys = only_error(&format!("{}a = 1", "a.".repeat(n)));
     assert!(keys.starts_with("cell.toml:1:1: error: nested too deep\n"), "{keys}");
-    // What the parser lets through, times what it lets through.
+    // The deepest nesting that the parser accepts, squared.
     let key = format!("{}a", "a.".repeat(78));
     let nested = format!("[{key}]\n{key} = {}1{}", format!("{{{key} = ").repeat(78), "}".repeat(78));
     assert!(only_error(&nested).contains("error: nested too deep"));

@@ -136,7 +136,7 @@ fn shipped_arms_have_the_rows_and_errors_of_the_calibration_file() {
             near(a.r, b.r, "r");
             near(a.l, b.l, "l");
             near(a.theta, b.theta, "theta");
-            // 90 degrees there, the controller's 1.570796327 here.
+            // The file has 90 degrees, the controller 1.570796327.
             assert!((a.alpha - b.alpha).abs() < 3e-10, "{name}, alpha: {} instead of {}", a.alpha, b.alpha);
         }
         let factory = robot.errors.iter().find(|e| e.name() == "factory");

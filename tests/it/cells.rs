@@ -56,7 +56,7 @@ fn a_tolerance_set_is_read_as_worst_case_by_default() {
     assert_eq!(with("errors = \"table-3-tolerance\"").reading, Reading::WorstCase);
     let table = "[equipment.worktable.errors]\nkind = \"tolerance\"\nposition_mm = [1, 1, 1]";
     assert_eq!(with(table).reading, Reading::WorstCase);
-    // A taught frame moves with its equipment: its tolerance counts for nothing.
+    // A taught frame moves with its equipment, so the tolerance of the equipment does not count.
     assert_eq!(with(&format!("registration = \"taught\"\n{table}")).reading, Reading::Signed);
 }
 
@@ -74,7 +74,7 @@ fn a_signed_error_set_is_read_in_si_units() {
     assert!(all_close(&sample.joints[1], &[0.001, 0.002, 0.003, 0.1 * DEG, 0.2 * DEG, 0.3 * DEG]));
     assert!(all_close(&sample.joints[3], &[0.0, 0.0, 0.0, 0.0, 0.0, -0.5 * DEG]));
     assert_eq!([sample.joints[0], sample.joints[2]], [[0.0; 6]; 2]);
-    // The list of all is in the order of the parameters, and back.
+    // The list of values is in the order of the parameters, both ways.
     assert_eq!(sample.values()[place(Parameter::Joint(1, 2), 4)], 0.003);
     assert_eq!(place(Parameter::Joint(1, 2), 4), 5 * 4 + 12 + 6 + 2);
     assert_eq!(SignedErrors::of_values("sample".into(), 4, &sample.values()), *sample);
@@ -122,7 +122,7 @@ fn each_row_can_have_its_own_distribution() {
     let of = |p| set.spreads[place(p, 4)].distribution;
     assert_eq!([0, 1, 2, 3].map(|i| of(Parameter::Dl(i))), [Normal, Normal, Uniform, Triangular]);
     assert_eq!([0, 1, 2, 3].map(|i| of(Parameter::Dr(i))), [Normal; 4]);
-    // That of a covariance is normal, whatever its row is.
+    // A covariance is normal, whatever its rows say.
     assert_eq!([0, 1, 2, 3].map(|i| of(Parameter::Dalpha(i))), [Uniform, Uniform, Normal, Uniform]);
     assert_eq!([0, 1].map(|c| of(Parameter::Base(c))), [Normal, Triangular]);
     assert_eq!([0, 5].map(|c| of(Parameter::Tool(c))), [Uniform; 2]);
@@ -148,7 +148,7 @@ fn a_covariance_is_converted_from_the_units_of_the_file() {
         }
     }
     assert_eq!(covariance.matrix, covariance.matrix.transpose());
-    // Two standard deviations.
+    // The values are two standard deviations.
     let plus_minus = parameters.map(|k| set.spreads[k].plus_minus);
     assert!(all_close(&plus_minus, &[0.4 * deg, 1.0 * mm, 4.0 * mm]), "{plus_minus:?}");
     let deviation = set.spreads[parameters[1]].deviation();
@@ -243,7 +243,7 @@ fn the_plane_of_a_sense_is_orthonormal() {
     assert_eq!(slot.point, Vector3::new(0.0, 0.05, 0.1));
     let [a, b] = slot.rows() else { panic!("{:?}", slot.rows()) };
     assert!(!a.turns && !b.turns);
-    // Of weight 2.
+    // The weight is 2.
     assert!((a.direction.norm() - 2.0).abs() < 1e-15 && (b.direction.norm() - 2.0).abs() < 1e-15);
     assert!(a.direction.dot(&b.direction).abs() < 1e-15);
     let normal = a.direction.cross(&b.direction) / 4.0;
@@ -274,7 +274,7 @@ fn a_lever_turns_rotations_into_lengths() {
         // One degree counts as 2 mm.
         assert!(row.turns && (row.direction * DEG - axis * 0.002).norm() < 1e-17, "{row:?}");
     }
-    // Rotations alone, all with a lever, are a length, too.
+    // A sense of rotations, all with a lever, is a length.
     let cell = with("[sense.s]\naxis = [1, 0, 0]\nmm_per_deg = 3");
     assert_eq!(cell.senses[0].unit, Unit::Length);
     let cell = with("[sense.s]\nterm = [{ of = \"rx\" }, { of = \"ry\", weight = 2 }]");
@@ -334,7 +334,7 @@ fn changes_from_the_command_line_are_validated_again() {
     assert_eq!(about(&cell), [2, 3, 4].map(About::Operation));
     cell.reading = Reading::Signed;
     assert_eq!(about(&cell), [About::Reading]);
-    // Without the taught frame the table's tolerance counts, too.
+    // Without the taught frame the tolerance of the table counts.
     cell.registration = Registration::None;
     assert_eq!(about(&cell), [About::Reading, About::Reading]);
     cell.reading = Reading::WorstCase;
@@ -409,7 +409,7 @@ fn motion_constraints_and_the_fence_are_read_in_si_units() {
     assert!((rules.via[1][3] - 20.5 * deg).abs() < 1e-15);
     let fence = cell.fence.unwrap();
     assert_eq!((fence.corners.len(), fence.corners[2], fence.height), (4, (3.0, 3.5), Some(2.2)));
-    // Absent: nothing is asked. A posture alone is a via, the robot's home if none is given.
+    // Absent keys constrain nothing. A `via` without postures is the robot's home.
     let plain = shipped("hitachi_cell.toml");
     assert_eq!((plain.margins.turn, plain.transfer, plain.fence), (0.0, None, None));
     let base = "from = \"hitachi_cell.toml\"\n[transfer]\n";
@@ -418,7 +418,7 @@ fn motion_constraints_and_the_fence_are_read_in_si_units() {
     assert!((rules("via = [0, 0, 0, 45]").unwrap().via[0][3] - 45.0 * deg).abs() < 1e-15);
     assert_eq!(rules("via = []").unwrap().via.len(), 0);
     assert_eq!(rules("check = false"), None);
-    // Clockwise corners are turned round.
+    // Clockwise corners are reversed.
     let text = "from = \"hitachi_cell.toml\"\n[fence]\npolygon_mm = [[0, 0], [0, 2000], [3000, 0]]\n";
     let turned = from_text(text).unwrap().cell.fence.unwrap();
     assert_eq!(turned.corners, [(3.0, 0.0), (0.0, 2.0), (0.0, 0.0)]);

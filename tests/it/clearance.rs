@@ -13,7 +13,7 @@ use sweetspot::cell::{
 use sweetspot::clearance::{
     Allowed, ContactMemory, FloorPlan, Hit, Overlap, Party, PlacedSolids, Scene, SolidRef,
 };
-use sweetspot::error_map::{Outcome, Status};
+use sweetspot::error_map::{NodeSign, Outcome, Status};
 use sweetspot::layout::{Workcell, evaluate};
 use sweetspot::pose::Pose;
 use sweetspot::{cell, files};
@@ -50,7 +50,7 @@ fn hit(cell: &Cell, layout: &Layout, link: &Pose) -> Option<Hit> {
     let mut frames: Frames = [Pose::identity(); MAX_JOINTS + 1];
     frames[4] = *link;
     let hit = scene.hit(&placed, &frames, Some(0));
-    // The quicker question, first without and then with the memory of the pair that touched last.
+    // The faster question is asked without and then with the memory of the pair that touched last.
     let mut memory = ContactMemory::default();
     for _ in 0..2 {
         let is_free = scene.is_free(&placed, &frames, Some(0), &mut memory);
@@ -133,7 +133,7 @@ impl ReferenceSolid {
                 let pose = *frame * at(*x, *y, top - height / 2.0);
                 ReferenceSolid::Box { pose, half: V::new(size.0, size.1, height) / 2.0 }
             }
-            // Only meshes of boxes come here, with at most a far one besides.
+            // Only meshes of boxes come here, with at most one far away beside them.
             Shape::Mesh { pose, vertices, .. } => {
                 let half = vertices.iter().take(8).fold(V::zeros(), |m, v| m.sup(&v.abs()));
                 ReferenceSolid::Box { pose: *frame * *pose, half }
@@ -253,7 +253,7 @@ fn segment_from_box(a: &V, b: &V, half: &V) -> f64 {
     cuts.sort_by(f64::total_cmp);
     let beyond = |t: f64| a.lerp(b, t).zip_map(half, |p, h| p - p.clamp(-h, h));
     let on_piece = |w: &[f64]| {
-        // In here every coordinate stays inside, below or above; its excess is linear.
+        // Every coordinate stays inside, below or above here, so its excess is linear.
         let (from, to) = (beyond(w[0]), beyond(w[1]));
         let along = to - from;
         let steep = along.norm_squared();
@@ -368,7 +368,7 @@ fn random_shape(kind: ShapeKind, rng: &mut ChaCha8Rng) -> Shape {
     let centre = random_vector(rng, 0.2);
     let pose = Pose { rotation: random_rotation(rng), translation: centre };
     let size = V::from_fn(|_, _| random_size(rng));
-    // The ends of a bar at least 1 mm apart.
+    // The ends of a bar are at least 1 mm apart.
     let end = centre + pose.rotation.column(0) * (0.001 + size.y);
     match kind {
         ShapeKind::Box => Shape::Box { pose, size },
@@ -413,7 +413,7 @@ fn solids_agree(link: ShapeKind, part: ShapeKind, rounds: usize) -> usize {
         let layout = laid_out(&cell, vec![placement(place.x, place.y, place.z, rng.random_range(-3.2..3.2))]);
         let standing =
             ReferenceSolid::of(&cell.equipment[0].solids[0].shape, &layout.placements[0].pose(), cell.floor);
-        // Legs reach the floor, far below: approach them sideways, at the height of their tops.
+        // Legs reach down to the floor, so the approach is sideways, at the height of their tops.
         let frame = Pose { rotation: random_rotation(rng), translation: V::zeros() };
         let mut direction = random_vector(rng, 1.0).normalize();
         let mut start = standing.centre();
@@ -452,7 +452,7 @@ fn solids_agree(link: ShapeKind, part: ShapeKind, rounds: usize) -> usize {
         };
         ask(rng.random_range(0.0..1.2));
         for want in [true, false] {
-            // Between a place of the wanted verdict and one of another.
+            // The border lies between a place of the wanted verdict and one of the other.
             let (mut here, mut there) = if want { (0.0, 4.0) } else { (4.0, 0.0) };
             assert_eq!(sure(here), Some(want), "{link:?} on {part:?}, round {round}");
             for _ in 0..28 {
@@ -530,7 +530,8 @@ fn random_pairs_near_contact_agree_with_closed_forms() {
             let Some(want) = verdict(&moving(&frame), &standing, cell.clearance) else { continue };
             let got = hit(&cell, &layout, &frame).is_some();
             let apart = distance(&moving(&frame), &standing) - cell.clearance;
-            // parry's hull against a ball is up to 4e-5 m too early, never too late; once in 3 500 here.
+            // parry's hull against a ball is up to 4e-5 m too early, never too late, once in 3 500 pairs
+            // here.
             if (link, part, want) == (ShapeKind::Meshes, ShapeKind::Sphere, false) && got && apart < 5e-5 {
                 early += 1;
                 continue;
@@ -633,13 +634,13 @@ fn a_tool_on_the_floor_is_a_collision_that_names_it() {
             .replace("bend_deg = -90\n", "bend_deg = 0\nstandoff_mm = 30\n")
     };
     // The tool is horizontal at z = 1380 mm, 40 mm thick either way.
-    for (floor, status) in [(1339.0, "ok"), (1341.0, "collision")] {
+    for (floor, status) in [(1339.0, NodeSign::Usable), (1341.0, NodeSign::Collision)] {
         let workcell = Workcell::new(from_text(&text(floor)).unwrap().cell).unwrap();
         let map = workcell.maps(&workcell.cell.start()).remove(0);
         assert_eq!(map.count(status), 4, "floor at {floor} mm: {:?}", map.nodes[0].status);
         let said = map.nodes[0].status.reason(&workcell.cell);
-        assert_eq!(said.is_empty(), status == "ok");
-        assert!(status == "ok" || said == "probe touches the floor", "{said}");
+        assert_eq!(said.is_empty(), status.is_usable());
+        assert!(status.is_usable() || said == "probe touches the floor", "{said}");
     }
 }
 
@@ -655,7 +656,7 @@ fn base_collisions_do_not_depend_on_the_posture() {
             assert_eq!(hit(&cell, &layout, &at(0.0, 0.0, z)).is_some(), want, "{x}");
         }
     }
-    // It stands on the floor and does not collide with it.
+    // The base stands on the floor and does not collide with it.
     cell.floor = 0.0;
     assert_eq!(hit(&cell, &laid_out(&cell, vec![placement(9.0, 9.0, 0.1, 0.0)]), &Pose::identity()), None);
 }
@@ -742,7 +743,7 @@ fn a_solid_inside_another_collides_with_it() {
         let cell = cell(link, part, "");
         assert!(hit(&cell, &cell.start(), &at(0.1, 0.8, 0.75)).is_some(), "{link} in {part}");
     }
-    // The mesh wholly inside the link.
+    // The mesh lies wholly inside the link.
     let cell = mesh_cell(big, &box_obj(0, false));
     assert!(hit(&cell, &cell.start(), &at(0.1, 0.8, 0.75)).is_some());
 }
@@ -753,7 +754,7 @@ fn a_solid_inside_another_collides_with_it() {
 fn inside_tests_of_a_ring_agree_with_the_winding_number() {
     let obj = std::fs::read_to_string(root().join("cells/equipment/machine.obj")).unwrap();
     let mut cell = mesh_cell(BALL, &obj);
-    // Too small to touch the surface by chance.
+    // The ball is too small to touch the surface by chance.
     cell.robot.solids[0].solid.shape = Shape::Sphere { centre: V::zeros(), radius: 1e-9 };
     let Shape::Mesh { vertices, triangles, .. } = cell.equipment[0].solids[0].shape.clone() else {
         panic!("no mesh")
@@ -770,7 +771,7 @@ fn inside_tests_of_a_ring_agree_with_the_winding_number() {
     let mut rng = ChaCha8Rng::seed_from_u64(3);
     let points: Vec<V> = (0..1500)
         .map(|k| {
-            // Round the core of the ring, and now and then in the hole.
+            // Points lie round the core of the ring, and now and then in the hole.
             let angle = rng.random_range(0.0..std::f64::consts::TAU);
             let radius = if k % 10 == 0 { rng.random_range(0.0..0.2) } else { rng.random_range(0.15..0.55) };
             V::new(radius * angle.cos(), radius * angle.sin(), rng.random_range(-0.2..0.2))
@@ -818,7 +819,8 @@ fn legs_reach_from_the_table_down_to_the_floor() {
             })
         };
         for k in 0..=20 {
-            // From just above the floor to just below the slab, whose lower side is at z - 50 mm.
+            // The ball goes from just above the floor to just below the slab, whose lower side is at z - 50
+            // mm.
             let (low, high) = (floor + 0.020001, z - 0.050 - 0.020001);
             let height = low + (high - low) * f64::from(k) / 20.0;
             for (leg, x, y) in [
@@ -828,7 +830,7 @@ fn legs_reach_from_the_table_down_to_the_floor() {
                 ("leg 4", 0.69, 0.29),
             ] {
                 assert_eq!(ask(x, y, height), Some(Some(leg)), "table at {z}, {height}");
-                // 30 mm is half a leg.
+                // Half a leg is 30 mm wide.
                 assert_eq!(ask(x + 0.049999, y, height), Some(Some(leg)), "table at {z}, {height}");
                 assert_eq!(ask(x, y - 0.050001, height), None, "table at {z}, {height}");
             }
@@ -958,9 +960,9 @@ fn random_place(rng: &mut ChaCha8Rng) -> Placement {
 fn fits(found: Option<f64>, a: &[Point], b: &[Point], clearance: f64, case: &str) {
     let (apart, area) = (signed_distance(a, b), shared_area(a, b));
     assert!((area > 1e-9) == (apart < 0.0) || apart.abs() < 1e-4, "the oracles disagree: {area} {apart}");
-    // Never less than asked.
+    // A pair nearer than requested is always found.
     assert!(found.is_some() || apart >= clearance - 2e-9, "{case}: {apart} m apart, none found");
-    // At corners a little more than asked.
+    // At corners, pairs a little farther apart may be found.
     assert!(found.is_none() || apart < 2.0 * clearance + 1e-9, "{case}: {apart} m apart, {found:?}");
     let Some(depth) = found else { return };
     assert!(depth >= clearance - apart - 1e-9, "{case}: {depth} for {apart}");
@@ -1026,7 +1028,7 @@ fn overlaps_are_found_and_named() {
         (2.5, 0.0, 1.099, "part overlaps keep-out fork lift by 700.0 mm"),
         (2.5, 0.0, 0.201, "part overlaps keep-out fork lift by 700.0 mm"),
         (0.0, 3.0, 0.07, "part overlaps the floor by 30.0 mm"),
-        // Beside, above, below, on the floor.
+        // The places are beside, above, below, and on the floor.
         (0.501, 0.0, 0.5, ""),
         (2.5, -0.701, 0.5, ""),
         (2.5, 0.0, 1.1, ""),
@@ -1149,8 +1151,8 @@ fn agree_on_layouts(cell: Cell) -> [usize; 3] {
         assert!(free.overlaps.is_empty());
         let mut sum = Some(0.0);
         for (outcome, map) in free.outcomes.iter().zip(lean.maps(layout)) {
-            let count = |status| map.count(status);
-            assert_eq!(map.nodes.len(), STATUSES.map(count).iter().sum::<usize>());
+            let count = |sign| map.count(sign);
+            assert_eq!(map.nodes.len(), SIGNS.map(count).iter().sum::<usize>());
             match outcome {
                 Outcome::Found(spot) => {
                     let best = map.best_node().unwrap().posture.as_ref().unwrap();
@@ -1159,15 +1161,19 @@ fn agree_on_layouts(cell: Cell) -> [usize; 3] {
                     sum = sum.map(|s: f64| s + spot.value);
                 }
                 Outcome::AllCollide { nearest } => {
-                    assert!(count("ok") == 0 && count("collision") > 0 && map.best.is_none());
+                    assert!(
+                        count(NodeSign::Usable) == 0 && count(NodeSign::Collision) > 0 && map.best.is_none()
+                    );
                     let touching = &map.nodes[nearest.node];
                     assert!(matches!(touching.status, Status::Collision { .. }));
                     let e = touching.posture.as_ref().unwrap().value;
                     assert_eq!(e.to_bits(), nearest.value.to_bits());
                 }
                 Outcome::Unreachable { gap } => {
-                    assert!(count("ok") == 0 && count("collision") == 0 && map.best.is_none());
-                    assert_eq!(gap.reach > 0.0, count("joint-limit") == 0);
+                    assert!(
+                        count(NodeSign::Usable) == 0 && count(NodeSign::Collision) == 0 && map.best.is_none()
+                    );
+                    assert_eq!(gap.reach > 0.0, count(NodeSign::JointLimit) == 0);
                     assert!(gap.reach > 0.0 || gap.limits > 0.0);
                 }
                 Outcome::Unjudged(why) => panic!("{why:?}"),
@@ -1187,7 +1193,8 @@ fn agree_on_layouts(cell: Cell) -> [usize; 3] {
     seen
 }
 
-const STATUSES: [&str; 4] = ["ok", "out-of-reach", "joint-limit", "collision"];
+const SIGNS: [NodeSign; 4] =
+    [NodeSign::Usable, NodeSign::OutOfReach, NodeSign::JointLimit, NodeSign::Collision];
 
 /// Checks that a surface in an impossible place has no usable node and that each node names the obstruction.
 fn blocked_where_it_overlaps(workcell: &Workcell, layout: &Layout) {
@@ -1198,8 +1205,8 @@ fn blocked_where_it_overlaps(workcell: &Workcell, layout: &Layout) {
         let spot = matches!(outcome, Outcome::Found(_));
         assert_eq!(map.best.is_some(), spot && !blocked);
         if blocked {
-            assert_eq!(map.count("ok"), 0);
-            assert_eq!(map.count("collision") > 0, !matches!(outcome, Outcome::Unreachable { .. }));
+            assert_eq!(map.count(NodeSign::Usable), 0);
+            assert_eq!(map.count(NodeSign::Collision) > 0, !matches!(outcome, Outcome::Unreachable { .. }));
             let hits = map.nodes.iter().filter(|n| n.status.name() == "collision");
             hits.for_each(|n| assert!(n.status.reason(&workcell.cell).contains(" overlaps ")));
         }
@@ -1214,7 +1221,7 @@ fn contact_at_every_node_is_reported_at_every_node() {
     cell.operations.iter_mut().for_each(|o| o.standoff = 0.0);
     let workcell = Workcell::new(cell).unwrap();
     for map in workcell.maps(&workcell.cell.start()) {
-        assert_eq!(map.count("ok"), 0);
-        assert!(map.count("collision") > 20);
+        assert_eq!(map.count(NodeSign::Usable), 0);
+        assert!(map.count(NodeSign::Collision) > 20);
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::common::workcell;
 use sweetspot::assess::{Assessment, Comparison};
+use sweetspot::error_map::NodeSign;
 
 #[test]
 fn nodes_are_paired_by_their_place_on_the_surface() {
@@ -23,9 +24,9 @@ fn nodes_are_paired_by_their_place_on_the_surface() {
     let (gained, lost) = difference.gained_and_lost();
     let both = difference.pairs.iter().filter(|p| p.difference().is_some()).count();
     assert!(better + worse <= both && both > 20);
-    // Usable in the other: those of both, and those gained.
-    assert_eq!(both + gained, other.maps[0].count("ok"));
-    assert_eq!(both + lost, comparison.columns[0].maps[0].count("ok"));
+    // The nodes usable in the other layout are those usable in both and those gained.
+    assert_eq!(both + gained, other.maps[0].count(NodeSign::Usable));
+    assert_eq!(both + lost, comparison.columns[0].maps[0].count(NodeSign::Usable));
 }
 
 #[test]

@@ -121,7 +121,7 @@ fn the_envelope_of_a_planar_arm_is_its_annulus() {
         let from = r.hypot(z - 0.5);
         assert!((from - 1.0).abs() < 2e-5 || (from - 0.2).abs() < 2e-5, "({r}, {z}): {from}");
     }
-    // A plan cuts the two spheres: 0.1 m above their middle.
+    // The plan cuts the two spheres 0.1 m above their centre.
     let plan = envelope.plan(0.6, &fine(0.01));
     assert!(near(plan.area(), PI * (0.99 - 0.03), 3e-4), "{}", plan.area());
     assert!(envelope.plan(1.6, &fine(0.01)).is_empty());
@@ -160,7 +160,7 @@ fn a_slanted_tool_has_two_annular_envelopes() {
 #[test]
 fn the_limits_of_joint_1_cut_a_wedge_from_the_envelope() {
     let mut robot = planar([-60.0, 75.0]);
-    // The upper arm may not lean back.
+    // The upper arm must not lean back.
     robot.joints[1].limits = (-0.2, FRAC_PI_2 - 0.5);
     let arm = inverse(&robot);
     let envelope = Envelope::new(&arm, &Attitude::elevation(DOWN), 0.0);
@@ -168,11 +168,11 @@ fn the_limits_of_joint_1_cut_a_wedge_from_the_envelope() {
     assert!(!plan.is_empty());
     for [x, y] in plan.points() {
         let azimuth = y.atan2(x).to_degrees();
-        // The crossing is refined along one axis: near the base that is a wide angle.
+        // The crossing is refined along one axis, which is a wide angle near the base.
         let slack = (2e-5_f64 / x.hypot(y)).to_degrees() + 1e-9;
         assert!(azimuth > -60.0 - slack && azimuth < 75.0 + slack, "({x}, {y}): {azimuth}");
     }
-    // The volume by angles is that of the plans one over the other.
+    // The volume by angles equals that of stacked plans.
     let Size { volume, error, symmetric, .. } = envelope.size(&fine(0.01));
     let heights = (0..180).map(|k| -0.6 + 0.0125 * (f64::from(k) + 0.5));
     let stacked: f64 = heights.map(|z| 0.0125 * envelope.plan(z, &fine(0.02)).area()).sum();
@@ -190,12 +190,13 @@ fn the_envelope_of_a_scara_has_its_area() {
     assert!(arm.family().starts_with("SCARA"), "{}", arm.family());
     let envelope = Envelope::new(&arm, &Attitude::elevation(DOWN), 0.0);
     let exact = w.to_radians() / 2.0 * (radius2(ends[0].to_radians()) - radius2(ends[1].to_radians()));
-    // The flange hangs 100 to 300 mm below 800 mm.
+    // The flange is 100 to 300 mm below 800 mm.
     let plan = envelope.plan(0.6, &fine(0.005));
     assert!(near(plan.area(), exact, 1e-3), "{} {exact}", plan.area());
     assert!(envelope.plan(0.75, &fine(0.02)).is_empty() && envelope.plan(0.45, &fine(0.02)).is_empty());
 
-    // Joint 1 makes no whole turns and the spin is tried in steps from x: counted in x, y, z.
+    // Joint 1 makes no whole turn and the spin is tried in steps from x, so the envelope is counted in x, y,
+    // z.
     assert!(!envelope.is_symmetric());
     let counted = envelope.size(&fine(0.04));
     let volume = exact * 0.2;
@@ -230,7 +231,7 @@ fn every_boundary_crossing_of_the_hitachi_is_real() {
         let section = envelope.section(azimuth, &fine(step));
         let mut count = 0;
         for p in section.points() {
-            // The crossing lies on a line of the lattice: that is where it was refined.
+            // The crossing lies on a grid line, along which it was refined.
             let line = |v: f64| ((v / step - 0.5).round() - (v / step - 0.5)).abs() < 1e-9;
             let axis = if line(p[0]) { 1 } else { 0 };
             assert!(line(p[1 - axis]), "{p:?} lies on no line");
@@ -247,7 +248,7 @@ fn every_boundary_crossing_of_the_hitachi_is_real() {
             let p = [-1.7 + 0.00085 * f64::from(*k), 0.4 + 0.3 * f64::from(*k % 7)];
             holds(&section, p) != usable(&place(p))
         });
-        // Between the lines of the lattice corners are cut.
+        // Corners between the grid lines are cut.
         assert!(by_polygon.count() < 40);
     }
 }
@@ -287,7 +288,7 @@ fn the_envelope_volume_agrees_with_monte_carlo() {
 #[test]
 fn a_track_lengthens_the_envelope() {
     let arm = inverse(&on_track());
-    // Every spin is as good as any.
+    // Any spin will do.
     let attitude = Attitude { spin: Spin::At(vec![0.0]), ..Attitude::elevation(DOWN) };
     let envelope = Envelope::new(&arm, &attitude, 0.0);
     // Every target costs 25 times as much here.
@@ -346,7 +347,7 @@ fn the_reach_shell_contains_every_tcp() {
         }
         tightest.push((far, close));
     }
-    // And it is not much larger than it must be.
+    // The shell is not much larger than necessary.
     assert!(tightest.iter().all(|(far, _)| *far > 0.6), "{tightest:?}");
     assert!(tightest[0].1 < 0.35, "{tightest:?}");
 }

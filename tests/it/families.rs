@@ -4,7 +4,7 @@
 use crate::common::shipped;
 use std::sync::atomic::AtomicBool;
 use sweetspot::cell::{Coordinate, Shape};
-use sweetspot::error_map::Status;
+use sweetspot::error_map::{NodeSign, Status};
 use sweetspot::layout::{Workcell, evaluate};
 use sweetspot::search::{Watch, search};
 
@@ -36,7 +36,7 @@ fn every_robot_family_is_mapped_and_searched() {
         assert_eq!(workcell.inverse().family(), family, "{name}");
         let start = evaluate(&workcell, &workcell.cell.start());
         for (map, outcome) in workcell.maps(&workcell.cell.start()).iter().zip(&start.outcomes) {
-            assert!(map.count("ok") >= 5, "{name}: {} nodes", map.count("ok"));
+            assert!(map.count(NodeSign::Usable) >= 5, "{name}: {} nodes", map.count(NodeSign::Usable));
             let spot = map.spot().unwrap();
             assert_eq!(*outcome, sweetspot::error_map::Outcome::Found(spot), "{name}");
             for node in map.nodes.iter().filter(|n| n.status == Status::Ok) {
@@ -64,7 +64,7 @@ fn a_six_axis_cell_beside_ten_thousand_triangles_is_searched() {
         solids.map(|s| if let Shape::Mesh { triangles, .. } = &s.shape { triangles.len() } else { 0 }).sum();
     assert!((9_000..11_000).contains(&triangles), "{triangles} triangles");
     let machine = cell.equipment.iter().position(|e| e.name == "machine").unwrap();
-    // Over the table: what was free is in the way.
+    // The machine moves over the table and blocks free postures.
     let at = cell.start().placements[0];
     cell.equipment[machine].placement = [at.x, at.y - 0.15, at.z + 0.15, 0.0].map(Coordinate::Fixed);
     let workcell = Workcell::new(cell).unwrap();

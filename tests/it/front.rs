@@ -92,7 +92,7 @@ fn enumerated(workcell: &Workcell, goals: &Goals) -> Vec<(Layout, Vec<f64>)> {
 
 fn losses(goals: &Goals, values: &[f64]) -> Vec<f64> {
     let smaller = |goal: Goal| matches!(goal, Goal::Error | Goal::Travel | Goal::Footprint);
-    // Below a nanometre, and the like, lies rounding.
+    // Values below a nanometre are rounding.
     let rounded = |v: f64| (v * 1e9).round() / 1e9;
     goals.iter().zip(values).map(|(g, v)| rounded(if smaller(g) { *v } else { -v })).collect()
 }
@@ -178,7 +178,7 @@ fn the_front_agrees_with_enumeration() {
             assert!(!losses_of.iter().any(|a| dominates(a, f)), "{named:?}: {f:?} is dominated");
         }
         assert!(share >= 0.99, "{named:?}: {share}");
-        // No layout twice, and in order of the first goal.
+        // No layout occurs twice, and the order is that of the first goal.
         for (k, a) in record.alternatives.iter().enumerate() {
             let twin = record.alternatives[..k].iter().any(|b| a.candidate.layout == b.candidate.layout);
             assert!(!twin, "{named:?}: layout {k} comes twice");
@@ -252,7 +252,7 @@ fn a_shortlist_of_ranges_differs_by_the_least_distance() {
     let kept: Vec<f64> =
         record.alternatives.iter().map(|a| a.candidate.evaluation.objective.unwrap()).collect();
     assert!(kept.windows(2).all(|w| w[0] <= w[1]), "{kept:?}");
-    // The greedy rule over a grid of 41 by 41 and the listed values.
+    // The reference is the greedy rule over a grid of 41 by 41 and the listed values.
     let mut grid = Vec::new();
     for i in 0..41 * 41 {
         for (fx, fy) in [(0, 0), (1, 0), (2, 0), (0, 1), (1, 1), (2, 1)] {
@@ -277,7 +277,7 @@ fn a_shortlist_of_ranges_differs_by_the_least_distance() {
 
 fn bits(record: &SearchRecord) -> String {
     let SearchRecord { best, evaluations, feasible, trace, ended, alternatives, .. } = record;
-    // Debug prints floats so that they come back to the bit.
+    // Debug prints floats so that they read back to the bit.
     format!("{best:?} {evaluations} {feasible} {trace:?} {ended:?} {alternatives:?}")
 }
 
@@ -362,7 +362,7 @@ fn the_footprint_goal_agrees_with_a_gift_wrapped_hull() {
     assert!(all.len() > 500);
     for (layout, value) in all {
         let corners = floor_corners(&workcell.cell, &layout);
-        // The post, an obstacle, takes no floor of its own.
+        // The post is an obstacle without floor space.
         let posts = workcell.cell.equipment.iter().position(|e| e.name == "post").unwrap();
         let points: Vec<_> =
             corners.iter().enumerate().filter(|(k, _)| *k != posts).flat_map(|(_, c)| c.clone()).collect();
@@ -449,7 +449,7 @@ fn the_clearance_goal_agrees_with_dense_sampling() {
         }
         let robot = nearest;
         let spaces = floor_corners(cell, layout);
-        // The last two are post and base, of which neither moves.
+        // The last two are post and base, which do not move.
         for (i, a) in spaces.iter().enumerate().take(spaces.len() - 2) {
             for b in &spaces[i + 1..] {
                 for (from, to) in [(a, b), (b, a)] {

@@ -69,7 +69,7 @@ fn separation_finds_the_nearest_layout_without_overlap() {
         assert!(!overlapping(&workcell, &apart));
         let (a, b) = (layout.placements[0], apart.placements[0]);
         let shift = (a.x - b.x).hypot(a.y - b.y);
-        // Brute force looks every millimetre and every half degree.
+        // Brute force steps by a millimetre and half a degree.
         assert!(shift <= brute_force(&workcell, &layout) + 1e-5, "shift {shift}");
     }
 }

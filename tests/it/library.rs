@@ -82,7 +82,7 @@ fn every_robot_loads_without_a_warning_and_has_its_sources() {
 #[test]
 fn flanges_agree_with_an_independent_description() {
     let golden = golden();
-    // That of a URDF has the goldens of its rows.
+    // A robot from a URDF has the golden poses of its rows.
     let described = names("robots").into_iter().filter(|name| name != "hitachi_pw10_urdf");
     assert_eq!(
         golden.as_object().unwrap().keys().cloned().collect::<Vec<_>>(),

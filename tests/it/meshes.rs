@@ -110,7 +110,7 @@ fn one_mesh_is_equal_in_every_file_format() {
         ("metres", "part.stl", "m", binary_stl(&in_metres, "")),
     ] {
         let got = read(name, units, &bytes);
-        // STL has loose triangles: the same corners, in another order of vertices.
+        // STL has loose triangles with the same corners in another order of vertices.
         let corners = |(v, t, ..): &(Vec<V>, Vec<[u32; 3]>, bool, Vec<String>)| {
             t.iter().map(|t| t.map(|i| v[i as usize])).collect::<Vec<_>>()
         };
@@ -311,7 +311,7 @@ fn refused(name: &str, bytes: &[u8]) -> (u64, Option<Vec<Fault>>) {
     let mut result = None;
     let used = measure(|| result = Some(load(name, "mm", bytes)));
     let (loaded, opened) = result.unwrap();
-    // The reader asks for nothing but what was named, and everything lies in the folder.
+    // The reader opens only named files, all of them in the folder.
     let known = ["cell.toml", "hitachi_paper.toml", name];
     assert!(
         opened
@@ -372,7 +372,7 @@ fn hostile_meshes_are_refused_with_a_place_and_little_memory() {
 fn the_largest_meshes_need_little_memory() {
     let mut rng = ChaCha8Rng::seed_from_u64(5);
     let n = 199_999;
-    // No two corners alike: the most vertices that so many triangles can have.
+    // Without shared corners these are the most vertices for so many triangles.
     let vertices: Vec<_> = (0..3 * n).map(|_| [0; 3].map(|_| rng.random_range(0.0..1000.0))).collect();
     let mesh = (vertices, (0..n).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect());
     for (name, bytes) in

@@ -7,6 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
 use sweetspot::cell::{Cell, MAX_JOINTS, Placement, Shape};
 use sweetspot::clearance::{Allowed, ContactMemory, Hit, PlacedSolids, Remember, Scene, SolidRef};
+use sweetspot::error_map::NodeSign;
 use sweetspot::files;
 use sweetspot::files::Fault;
 use sweetspot::layout::Workcell;
@@ -70,11 +71,11 @@ fn a_tool_file_replaces_the_tool_of_the_robot() {
     assert_eq!(robot.tool_axis, V::z());
     let last = robot.solids.last().unwrap();
     assert_eq!((last.link, &last.solid.name[..]), (4, "jaws"));
-    // Keys beside `from` win over its file; nothing comes from the robot's own tool.
+    // Keys beside `from` override its file, and nothing comes from the robot's own tool.
     let turned = "from = \"hitachi_paper.toml\"\n[robot.tool]\nfrom = \"gripper.toml\"\naxis = [0, 1, 0]\n";
     let robot = sound(&[("cell.toml", turned), ("gripper.toml", GRIPPER)]).robot;
     assert_eq!((robot.tool_axis, robot.tool.translation.z), (V::y(), 0.15));
-    // A robot file may name one, too, from its own folder.
+    // A robot file may name a tool from its own folder, too.
     let with = std::fs::read_to_string(root().join("cells/robots/hitachi_pw10.toml")).unwrap();
     let with =
         with.replace("[tool]\nposition_mm = [0, 0, 0]\naxis = [1, 0, 0]", "[tool]\nfrom = \"../g.toml\"");
@@ -111,8 +112,8 @@ fn held_parts_collide_only_in_their_operation() {
         (&cell.operations[picking].name[..], cell.operations[picking].held.solids.len()),
         ("picking", 1)
     );
-    // The tool points down: z of the TCP, which the part follows, is horizontal; 140 mm beside the
-    // table's edge is free for the tool and not for the part.
+    // The tool points down, so z of the TCP, which the part follows, is horizontal. 140 mm beside the table's
+    // edge is free for the tool but not for the part.
     let down = Pose::from_translation_rpy(V::zeros(), V::new(0.0, std::f64::consts::FRAC_PI_2, 0.0));
     let table = cell.start().placements[0];
     let place = |dx: f64, z: f64| {
@@ -126,17 +127,17 @@ fn held_parts_collide_only_in_their_operation() {
         Some("crate touches worktable (slab)")
     );
     assert_eq!(hit(&cell, &place(0.40, 0.58), Some(picking)), None);
-    // Over the conveyor, lying on it: only the equipment of the operation is spared, and only if so said.
+    // The part lies on the conveyor: only the equipment of the operation is exempt, and only on request.
     let belt = cell.start().placements[1];
     let lying = lifted(Pose { translation: V::new(belt.x, belt.y, 0.70), ..down });
     assert_eq!(hit(&cell, &lying, Some(picking)).as_deref(), Some("crate touches conveyor (belt)"));
     let spared = sound(&[("cell.toml", &text(", touches_surface = true"))]);
     assert_eq!(hit(&spared, &lying, Some(picking)), None);
     assert!(hit(&spared, &place(0.12, 0.58), Some(picking)).is_some());
-    // The part is part of the map of its own operation alone.
+    // The part exists only in the map of its own operation.
     let count = |cell: &Cell| {
         let workcell = Workcell::new(cell.clone()).unwrap();
-        workcell.maps(&cell.start()).iter().map(|m| m.count("ok")).collect::<Vec<_>>()
+        workcell.maps(&cell.start()).iter().map(|m| m.count(NodeSign::Usable)).collect::<Vec<_>>()
     };
     let (without, with) = (count(&shipped("hitachi_cell.toml")), count(&cell));
     assert_eq!(without[assembly], with[assembly]);
@@ -179,7 +180,7 @@ fn wrong_lists_of_pairs_are_refused() {
 #[test]
 fn links_that_touch_in_every_posture_are_allowed() {
     let mut cell = shipped("hitachi_cell.toml");
-    // A ball of 3 m round the base holds the forearm wherever it is; one of 0.5 m does not.
+    // A ball of 3 m round the base always contains the forearm. One of 0.5 m does not.
     for (radius, want) in [(3.0, Some(Allowed::AlwaysTouch)), (0.5, None)] {
         cell.robot.solids[0].solid.shape = Shape::Sphere { centre: V::zeros(), radius };
         let scene = Scene::new(&cell);

@@ -127,7 +127,7 @@ fn cells() -> Vec<(u64, RandomArm, Workcell, Enumerated)> {
         let (arm, text) = random_cell(seed);
         let loaded = from_text(&text).unwrap_or_else(|f| panic!("seed {seed}: {f:#?}\n{text}"));
         let workcell = Workcell::new(loaded.cell).unwrap();
-        // A short look first: most cells have nothing feasible in them.
+        // A quick sampling comes first, since most cells have no feasible layout.
         let space = Space::new(&workcell.cell);
         let lattice = |k: u32| [0.7548, 0.5698, 0.4301].map(|s| (f64::from(k) * s).fract());
         let look = |k: &u32| {
@@ -155,7 +155,7 @@ fn the_search_finds_the_optimum_of_random_cells() {
     assert!(two >= cell_count() / 5, "{two} cells with two operations");
     let told: Vec<(String, f64)> = cells.par_iter().map(judged).collect();
     told.iter().for_each(|(line, _)| println!("{line}"));
-    // Below a micrometre a share says nothing.
+    // Below a micrometre a relative difference means nothing.
     let missed = cells.iter().zip(&told).filter(|(c, t)| t.1 > c.3.least + (0.01 * c.3.least).max(1e-6));
     let missed: Vec<&str> = missed.map(|(_, t)| t.0.as_str()).collect();
     assert!(missed.is_empty(), "missed {} of {}: {missed:#?}", missed.len(), cells.len());

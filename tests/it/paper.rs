@@ -4,6 +4,7 @@
 use crate::common::shipped;
 use nalgebra::Vector3;
 use sweetspot::cell::{ErrorSet, MAX_JOINTS, Model};
+use sweetspot::error_map::NodeSign;
 use sweetspot::kinematic_error::{Discrepancy, Perturbation, discrepancy, position_error};
 use sweetspot::layout::Workcell;
 use sweetspot::robot::Chain;
@@ -57,7 +58,7 @@ fn check_comparison(name: &str, want: &Comparison) {
     let cell = shipped(name);
     let start = cell.start();
     let map = Workcell::new(cell).unwrap().maps(&start).remove(0);
-    assert_eq!((map.nodes.len(), map.count("ok")), (99, want.reached), "{name}");
+    assert_eq!((map.nodes.len(), map.count(NodeSign::Usable)), (99, want.reached), "{name}");
     let errors: Vec<_> = map.nodes.iter().filter_map(|n| n.posture.as_ref()).collect();
     let compared: Vec<_> = errors.iter().map(|e| discrepancy(&e.nonlinear, &e.linear)).collect();
     let largest = |of: fn(&Discrepancy) -> Option<f64>| compared.iter().filter_map(of).fold(0.0, f64::max);

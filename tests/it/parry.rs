@@ -217,7 +217,7 @@ fn the_last_free_posture_agrees_with_parry() {
             }
             let got = scene.hit(&placed, &links(middle), None).is_some();
             let same = got == want(middle, TOUCHING);
-            // In the last steps the two differ by less than parry's own error.
+            // In the last steps the difference is less than parry's own error.
             assert!(same || to - from < 1e-5, "{got} at {middle} of {pair:?}");
         }
         met += 1;

@@ -64,7 +64,7 @@ fn the_collision_flags_of_peer_set_c_agree() {
     let mut layout = cell.start();
     layout.placements[0] = place(300.0, 1000.0, 600.0, 10.0);
     layout.placements[1] = place(1000.0, -400.0, 600.0, 80.0);
-    // Legs end at the floor, so it cannot just be lowered: solids are placed first.
+    // Legs end at the floor, so the floor cannot simply be lowered: solids are placed first.
     let mut placed = PlacedSolids::default();
     Scene::new(&cell).place(&layout, &mut placed);
     cell.floor = -100.0;

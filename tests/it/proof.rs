@@ -15,7 +15,7 @@ use sweetspot::cell::{
 };
 use sweetspot::layout::{Workcell, evaluate};
 use sweetspot::pose::Pose;
-use sweetspot::proof::{Covers, Proof, ProofOptions, Region, WhyNot, prove, tangent};
+use sweetspot::proof::{Covers, OperationRegion, Proof, ProofOptions, WhyNot, prove, tangent};
 use sweetspot::reading::norm::NormDistribution;
 use sweetspot::reading::{WorkContext, WorkFrame};
 use sweetspot::search::{Space, Watch, search};
@@ -88,7 +88,7 @@ fn brute(workcell: &Workcell, (low, high): (f64, f64)) -> f64 {
 }
 
 /// Says whether joint coordinates keep limits, height and elevation and have the stated value.
-fn is_allowed(workcell: &Workcell, region: &Region, value: f64, q: &[f64; 8]) -> bool {
+fn is_allowed(workcell: &Workcell, region: &OperationRegion, value: f64, q: &[f64; 8]) -> bool {
     let (gauge, chain) = (workcell.evaluator(0), workcell.inverse().chain());
     let frames = chain.frames(&chain.posture(q));
     let elevation = (frames.tcp.rotation * chain.tool_axis).z.asin();
@@ -150,19 +150,19 @@ fn the_bound_of_random_planar_arms_agrees_with_brute_force() {
         let by = if case % 4 < 2 { 0.0 } else { rng.random_range(0.05..0.5) };
         let table = &mut cell.equipment[operation.equipment].placement;
         table[2] = Coordinate::Range { min: low, max: low + by, start: low };
-        let region = Region::new(&cell, 0, None);
+        let region = OperationRegion::new(&cell, 0, None);
         let workcell = ready(&cell);
         let found = &proof_of(&workcell, 50_000).operations[0];
-        // Inside of the slack that the region allows.
+        // The heights exclude the slack of the region.
         let inside = (region.height.0 + 2e-6, (region.height.1 - 2e-6).max(region.height.0 + 2e-6));
-        // The grid may miss a corner of what is allowed; a witness counts if it is what it says.
+        // The grid may miss a corner of the region. A witness counts if its value is confirmed.
         let witness = found.witness.filter(|(value, q)| is_allowed(&workcell, &region, *value, q));
         let brute = brute(&workcell, inside).min(witness.map_or(f64::INFINITY, |w| w.0));
         match found.value {
             Ok(bound) => {
                 assert!(bound <= brute, "case {case}: {bound} above {brute}");
                 reachable += 1;
-                // What is nearly nothing is known to the slack of the heights.
+                // A value near zero is known to the slack of the heights.
                 let is_closed = bound >= 0.995 * brute - 1e-7;
                 closed += usize::from(is_closed);
                 if !is_closed {
@@ -187,7 +187,7 @@ fn nothing_is_below(name: &str, cell: &Cell, boxes: u64, tries: usize) -> Proof 
     for (k, found) in proof.operations.iter().enumerate() {
         let Ok(bound) = found.value else { continue };
         let (operation, gauge, inverse) = (&cell.operations[k], workcell.evaluator(k), workcell.inverse());
-        let region = Region::new(cell, k, inverse.fixed_elevation());
+        let region = OperationRegion::new(cell, k, inverse.fixed_elevation());
         let site = WorkFrame {
             equipment: operation.equipment,
             work: Pose::identity(),
@@ -223,7 +223,7 @@ fn no_posture_of_a_shipped_cell_is_below_the_bound() {
         let small = !["wrist_cell", "ur_cell"].contains(&name);
         assert!(!small || proof.bound.unwrap() > 0.0, "{name}");
     }
-    // Too many joints for so few boxes: what is said must still hold.
+    // So many joints need more boxes, but the bound must still hold.
     for name in ["offset_wrist_cell", "panda_cell", "track_cell"] {
         nothing_is_below(name, &shipped(&format!("{name}.toml")), 2_000, 30);
     }
@@ -429,7 +429,7 @@ fn the_proof_does_not_depend_on_threads_and_can_be_stopped() {
     assert_eq!(one, two);
     let stopped = prove(&workcell, &ProofOptions::default(), &AtomicBool::new(true));
     assert!(stopped.interrupted && stopped.bound.is_none_or(|bound| bound <= one.bound.unwrap()));
-    // A value that is known from a layout saves boxes and leaves the bound where it was.
+    // A value known from a layout saves boxes and does not change the bound.
     let known = one.operations.iter().map(|o| o.witness.unwrap().0).collect();
     let options = ProofOptions { known: Some(known), ..ProofOptions::default() };
     let told = prove(&workcell, &options, &AtomicBool::new(false));

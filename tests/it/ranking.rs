@@ -147,7 +147,7 @@ fn ranking_does_not_change_the_value_of_random_cells() {
                 at.x += rng.random_range(-0.5..0.5);
                 at.y += rng.random_range(-0.5..0.5);
                 at.yaw += rng.random_range(-3.0..3.0);
-                // A surface through the base axis, and turned by nothing: nodes that are equal.
+                // A surface through the base axis without a turn has nodes of equal value.
                 if rng.random_range(0..6) == 0 {
                     (at.x, at.y, at.yaw) = (0.0, 0.0, 0.0);
                 }

@@ -117,7 +117,7 @@ fn tally(robot: &Robot, poses: usize) -> (PoseStatistics, &'static str) {
             let answer = chain.forward(&chain.posture(&b.joints));
             tally.worst = tally.worst.max(off(&answer, &tcp, &attitude, &chain.tool_axis));
         }
-        // With a redundant joint at its original value.
+        // A redundant joint keeps its original value.
         let again = redundant.then(|| inverse.held_at(&q).branches(&tcp.translation, &approach));
         let again = match &again {
             Some(Reach::Branches(branches)) => branches,
@@ -125,7 +125,7 @@ fn tally(robot: &Robot, poses: usize) -> (PoseStatistics, &'static str) {
             None => &branches,
         };
         let nearest = again.iter().map(|b| apart(robot, &q, &b.joints)).fold(f64::INFINITY, f64::min);
-        // Conditioned by the nearness to a singular posture: its square root of the rounding.
+        // Near a singular posture the square root of the rounding remains.
         tally.reached += usize::from(nearest < 1e-5);
     }
     (tally, inverse.family())

@@ -53,7 +53,7 @@ fn every_checkpoint_resumes_to_the_same_bits() {
             let again = || run(&workcell, &settings, None, Some(text));
             let (record, after) = if k % 2 == 0 { again() } else { pool.install(again) };
             assert_eq!(bits(&record), bits(&whole), "{} from checkpoint {k}", solver.name());
-            // What comes after is what came after, too, so it may be killed again.
+            // The following checkpoints are equal, too, so the search may be killed again.
             assert_eq!(after.last(), kept.last(), "{} from checkpoint {k}", solver.name());
         }
     }
@@ -98,7 +98,7 @@ fn a_search_stopped_many_times_ends_in_the_same_bits() {
                 break;
             }
             let now = kept.into_inner().unwrap().unwrap();
-            // The record that is told is the one that is kept.
+            // The reported record is the one in the checkpoint.
             assert_eq!(now.evaluations(), record.evaluations, "{}", solver.name());
             assert!(record.evaluations < round * 377 + 100, "{}", solver.name());
             from = Some(now);
@@ -127,12 +127,12 @@ fn stopping_rules_may_change_on_resume() {
                     Ok(()) => {
                         let (record, after) = run(&workcell, &next, bound, Some(text));
                         assert_eq!(bits(&record), bits(&whole), "{} {next:?}", solver.name());
-                        // And that one may be killed again.
+                        // The resumed search may be killed again.
                         let (record, _) =
                             run(&workcell, &next, bound, after.get(after.len() / 2).map(|t| &**t));
                         assert_eq!(bits(&record), bits(&whole), "{} {next:?}", solver.name());
                     }
-                    // Rightly refused: the whole search ended earlier.
+                    // The refusal is right: the whole search ended earlier.
                     Err(why) => assert!(
                         matches!(why, Unfit::Ended(_)) && whole.evaluations < checkpoint(text).evaluations(),
                         "{why:?}"
@@ -156,11 +156,11 @@ fn a_checkpoint_of_another_search_is_refused() {
     let small = Stopping { budget: used - 1, ..rules };
     assert_eq!(last.check(7, &small), Err(Unfit::Budget { used }));
     assert_eq!(last.check(7, &Stopping { budget: used, ..rules }), Ok(()));
-    // Another seed asks other points: the journal does not answer them.
+    // Another seed evaluates other points, so the journal does not match.
     let other = SearchSettings { seed: 4, ..settings };
     let (record, _) = run(&workcell, &other, None, kept.last().map(|t| &**t));
     assert_eq!(record.ended, Ended::Diverged);
-    // One bit of one point.
+    // One bit of one point is changed.
     let middle: Vec<&str> = kept[kept.len() / 2].split("\"asked\":[").collect();
     let (hash, rest) = middle[1].split_once(',').unwrap();
     let changed = format!("{}\"asked\":[{},{rest}", middle[0], hash.parse::<u64>().unwrap() ^ 1);
@@ -180,7 +180,7 @@ fn a_reached_gap_ends_a_search() {
     // Before the last generation the gap was wider.
     let before = record.trace.iter().rev().find(|(n, _)| *n + 20 < record.evaluations).unwrap();
     assert!(before.1 > bound * 1.01, "{before:?}");
-    // Without a bound it goes on.
+    // Without a bound the search goes on.
     let (record, _) = run(&workcell, &SearchSettings { budget: 6_000, ..settings }, None, None);
     assert_eq!((record.ended, record.gap()), (Ended::Done, None));
 }
@@ -193,7 +193,7 @@ fn stagnation_ends_a_search() {
         let (record, _) = run(&workcell, &settings, None, None);
         assert_eq!(record.ended, Ended::Stagnation, "{}", solver.name());
         assert!(record.evaluations < 60_000, "{}: {}", solver.name(), record.evaluations);
-        // The trace shows a pause of that length, between improvements worth the name.
+        // The trace shows a pause of that length between improvements.
         let mut steps = vec![record.trace[0]];
         for &(n, e) in &record.trace {
             if e < steps[steps.len() - 1].1 * (1.0 - 1e-6) {

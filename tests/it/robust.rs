@@ -87,7 +87,7 @@ fn short_of(workcell: &Workcell) -> Moves {
 #[test]
 fn misplacement_corners_agree_with_moved_cell_files() {
     let mut lost_somewhere = 0;
-    // Moved to half a millimetre short of where the spot is lost.
+    // The equipment stands half a millimetre before the place where the spot is lost.
     let short = short_of(&Workcell::new(stacked(&DRAWN, "", "grid = [10, 5]")).unwrap());
     let near = moved(&DRAWN, &short);
     for (drawn, more, operation) in [
@@ -124,7 +124,7 @@ fn misplacement_corners_agree_with_moved_cell_files() {
         match (&robustness.worst, worst) {
             (Some(told), Some(worst)) => {
                 assert!((told.value - worst).abs() < 1e-9 * worst, "{more}: {} {worst}", told.value);
-                // The corner told is where it is so.
+                // The reported corner has the reported value.
                 let there = value_in(&moved(drawn, &told.moves)).unwrap();
                 assert!((told.value - there).abs() < 1e-9 * worst, "{more}: {} {there}", told.value);
                 assert!(told.value > robustness.value, "{more}");
@@ -146,7 +146,7 @@ fn the_gradient_agrees_with_richardson_extrapolation() {
     let workcell = Workcell::new(stacked(&DRAWN, "", operation)).unwrap();
     let layout = workcell.cell.start();
     let robustness = workcell.robustness(&layout, &workcell.maps(&layout))[0].clone().unwrap();
-    // Its own four numbers, and those of the base and the plinth that may be off.
+    // The gradient has the equipment's own four numbers and those of base and plinth with a tolerance.
     assert_eq!(robustness.gradient.len(), 4 + 3);
     let mut steep = 0;
     for (slot, slope) in &robustness.gradient {
@@ -215,8 +215,8 @@ fn the_largest_misplacement_agrees_with_a_scan() {
         let between = |most: f64, first: f64, step: f64| {
             assert!(most < first && most >= first - step, "{more}: {most}, the scan says {first}");
         };
-        // In three times the directions that were looked at: what is told holds between those, too, and is
-        // no more than the share of that and a step too careful.
+        // In three times as many directions the result holds between the tried ones, too, and is no more
+        // cautious than their spacing and a step.
         let around = |r: f64| {
             (0..48).all(|k| {
                 let (sin, cos) = (std::f64::consts::TAU * f64::from(k) / 48.0).sin_cos();
@@ -281,9 +281,9 @@ fn the_refined_spot_is_as_good_as_a_fine_grid() {
         let fine = with("grid = [60, 40]");
         let least = fine.maps(&layout)[0].value.unwrap();
         assert!(refined.value <= least * (1.0 + 1e-9), "{placement}: {} {least}", refined.value);
-        // A grid of some centimetres cannot be much worse than what lies between.
+        // A grid of some centimetres cannot be much worse than the points between its nodes.
         assert!(refined.value > least * 0.97, "{placement}: {} {least}", refined.value);
-        // A node just there says the same.
+        // A node exactly there has the same value.
         let (x, y) = (mm_from_m(refined.at.0), mm_from_m(refined.at.1));
         let there = with(&format!("points_mm = [[{x:?}, {y:?}]]\nover = \"best\""));
         let map = &there.maps(&layout)[0];
@@ -311,7 +311,7 @@ fn the_refined_spot_of_shipped_cells_is_no_worse_and_keeps_off_touched_points() 
         for (map, refined) in maps.iter().zip(workcell.refined(&layout, &maps)) {
             let refined = refined.expect("a spot");
             assert!(refined.value <= map.value.unwrap() && refined.gain() >= 0.0, "{name}");
-            // Beside a point that was touched the error is nothing by the rule of its frame.
+            // Beside a taught point the rule of its frame removes the error.
             let touched = map.nodes.iter().filter(|n| n.posture.as_ref().is_some_and(|p| p.touched));
             let least = touched.map(|n| (n.position - refined.position).norm()).fold(f64::INFINITY, f64::min);
             assert!(least > 0.05, "{name}: {least}");
@@ -378,7 +378,7 @@ fn placement_tolerances_do_not_change_a_nominal_evaluation() {
     let [exact, loose] = ["", LOOSE_TABLE].map(|tolerance| one_table(THERE, tolerance, "grid = [10, 8]"));
     let layout = exact.cell.start();
     assert_eq!(evaluate(&exact, &layout), evaluate(&loose, &layout));
-    // And nothing is worth less misplaced than as drawn.
+    // No value improves under misplacement.
     assert!(evaluate(&robust(&loose), &layout).cost > evaluate(&loose, &layout).cost);
 }
 
@@ -397,7 +397,7 @@ fn a_layout_that_may_overlap_is_not_robust() {
         let layout = workcell.cell.start();
         assert!(evaluate(&workcell, &layout).objective.is_some());
         let evaluation = evaluate(&robust(&workcell), &layout);
-        // Turned by 0.2 degrees about its middle, the corner of the table is 1.2 mm farther out.
+        // Turned by 0.2 degrees about its centre, the table's corner is 1.2 mm farther out.
         assert_eq!(evaluation.objective.is_some(), feasible, "{gap}");
         assert!(evaluation.cost.is_finite() && (evaluation.cost < 1000.0) == feasible);
     }
@@ -420,7 +420,7 @@ fn a_robust_search_beats_the_worst_case_of_the_nominal_layout() {
     let as_drawn = evaluate(&robust, &drawn.layout);
     assert!(hardened.evaluation.cost < as_drawn.cost, "{} {}", hardened.evaluation.cost, as_drawn.cost);
     let worst = hardened.evaluation.objective.expect("feasible");
-    // As drawn it cannot be better than the nominal layout, by much.
+    // A cell with tolerances cannot be better than the nominal layout, by a margin.
     assert!(worst > drawn.evaluation.objective.unwrap());
     let maps = robust.maps(&hardened.layout);
     let told = robust.robustness(&hardened.layout, &maps)[0].clone().unwrap();
@@ -437,6 +437,6 @@ fn placement_tolerances_are_read_in_si_units() {
     assert!(close(cell.equipment[0].tolerance.0, [0.002, 0.003, 0.001, std::f64::consts::PI / 900.0]));
     assert_eq!(cell.equipment[1].tolerance.0, [0.0; 4]);
     assert!(cell.search.robust && cell.has_placement_tolerance());
-    // The base in two numbers, the table in four; what is exact is not told.
+    // The base has two tolerances, the table four. Exact coordinates are not listed.
     assert_eq!(cell.placement_tolerances().iter().map(Vec::len).collect::<Vec<_>>(), [2, 4]);
 }

@@ -47,7 +47,7 @@ fn shipped() -> Vec<(String, String, String)> {
     for folder in ["cells", "cells/robots", "cells/equipment"] {
         for (name, text) in files(folder) {
             let document = document(&text).unwrap();
-            // What says nothing of itself is what its folder holds.
+            // The folder gives the kind of a file that does not state one.
             let kind = match folder {
                 "cells/robots" => "robot".to_string(),
                 _ => kind_of(&document),
@@ -271,7 +271,7 @@ fn the_schema_and_the_reader_agree_on_changed_files() {
             }
         }
     }
-    // What is left is what a schema cannot know: names that refer to nothing, counts of joints.
+    // The remaining refusals are beyond a schema: names that refer to nothing, numbers of joints.
     assert!(taken > 200 && unknown > 1000, "{taken} taken, {unknown} with an unknown key");
     assert!(both * 20 > refused * 19, "{both} of {refused} that the reader refuses");
 }

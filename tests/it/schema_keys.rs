@@ -116,7 +116,7 @@ fn the_schema_has_the_keys_of_the_reader() {
     }
     assert!(count > 180, "{count} keys");
     let listed: BTreeSet<&str> = TABLES.iter().map(|(what, _)| *what).collect();
-    // A robot in a file of its own is that of a cell, not placed; other coordinates are as x_mm.
+    // A robot file equals the robot of a cell without a placement. Other coordinates equal x_mm.
     let alike = ["a robot", "y_mm", "z_mm", "yaw_deg", "bend_deg", "azimuth_deg", "spin_deg"];
     let new: Vec<_> = asked.keys().filter(|what| !listed.contains(what.as_str())).collect();
     assert!(new.iter().all(|what| alike.contains(&what.as_str())), "{new:?}");

@@ -21,7 +21,7 @@ fn run(workcell: &Workcell, settings: SearchSettings) -> SearchRecord {
 fn check(workcell: &Workcell, settings: &SearchSettings, record: &SearchRecord) {
     assert!(record.evaluations <= settings.budget.max(1), "{} evaluations", record.evaluations);
     assert!(record.feasible <= record.evaluations);
-    // What is reported is what `evaluate` says, to the bit.
+    // Reported values equal those of `evaluate`, to the bit.
     for candidate in [&record.start, &record.best] {
         let again = evaluate(workcell, &candidate.layout);
         assert_eq!(bits(&again), bits(&candidate.evaluation));
@@ -197,7 +197,7 @@ fn a_search_is_never_worse_than_the_start_layout() {
             assert!(best <= start, "{} {budget}: {best} after {start}", solver.name());
         }
     }
-    // Nor where the layout is drawn finer than the search rounds, whichever way it rounds.
+    // The start layout may be finer than the rounding of the search, in either direction.
     for fine in [-4e-7, 4e-7] {
         let mut cell = workcell.cell.clone();
         let Coordinate::Range { start, .. } = &mut cell.equipment[0].placement[1] else { panic!("fixed") };
@@ -243,13 +243,13 @@ fn a_cell_without_free_coordinates_is_evaluated_once() {
 fn one_dimension_agrees_with_a_scan_of_every_position() {
     let post = "[obstacle.post]\nsolid = [{ name = \"post\", box = { centre_mm = [0, 0, 600], \
                 size_mm = [100, 100, 1200] } }]\nplacement = { x_mm = 0, y_mm = 420, z_mm = 0 }\n";
-    // Grid, sense, start of the range, what stands in the way, and how far off the scan (mm).
+    // A case has grid, sense, start of the range, obstacles, and the allowed excess over the scan (mm).
     let cases = [
         ((10, 8), "z", 700, "", 1e-6),
-        // The optimum lies at the edge of what is feasible.
+        // The optimum lies at the border of feasibility.
         ((1, 1), "xy", 650, "", 1e-6),
-        // Many equal teeth, each with its optimum at a joint limit: which is the least is decided by
-        // rounding, and 1 um away the error is 1e-5 mm greater.
+        // The optimum of each of many equal teeth lies at a joint limit. Rounding decides which is the least,
+        // and 1 um away the error is 1e-5 mm greater.
         ((10, 8), "xy", 850, "", 1.1e-5),
         ((10, 8), "xy", 900, post, 1.1e-5),
     ];
@@ -330,10 +330,10 @@ fn weights_and_the_maximum_make_the_objective() {
         assert!((got - want).abs() <= 1e-15, "{objective} {a} {b}: {got} instead of {want}");
         e
     });
-    // Who asks for the least maximum gets none greater than who asks for the least sum.
+    // The least maximum is no greater than the maximum at the least sum.
     let greatest = |e: &[f64]| e[0].max(e[1]);
     assert!(greatest(&best[2]) <= greatest(&best[0]) + 1e-5, "{best:?}");
-    // Who weighs the first operation three and four times gets it at its best.
+    // Weighting the first operation three and four times brings it to its best.
     assert!(best[3][0] <= best[0][0] + 1e-5 && best[1][0] <= best[0][0] + 1e-5, "{best:?}");
 }
 
@@ -344,7 +344,7 @@ fn an_infeasible_layout_never_ranks_before_a_feasible_one() {
     let space = Space::new(&workcell.cell);
     let (mut feasible, mut infeasible) = (f64::MIN, f64::MAX);
     for k in 0..3000u32 {
-        // A lattice of irrational steps.
+        // The points form a lattice of irrational steps.
         let steps = [0.7548, 0.5698, 0.4301, 0.3247, 0.2451, 0.1851, 0.1397];
         let point: Vec<f64> = steps.iter().map(|s| (f64::from(k) * s).fract()).collect();
         let evaluation = evaluate(&workcell, &space.layout(&point));

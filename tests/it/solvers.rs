@@ -78,7 +78,7 @@ fn rows(study: &Study) -> Vec<SolverRow> {
         let text = crate::common::random_cells::random_cell(seed).1;
         (format!("random {seed}"), from_text(&text).unwrap_or_else(|f| panic!("{seed}: {f:#?}")).cell)
     });
-    // One or two free coordinates are no matter of the solver.
+    // Cells of one or two free coordinates do not distinguish the solvers.
     let random = random.filter(|(_, cell)| Space::new(cell).dimensions() > 2);
     let random = random.filter(|(_, cell)| {
         let workcell = Workcell::new(cell.clone()).unwrap();
@@ -151,7 +151,7 @@ fn the_study_recommends_the_default_solver() {
         std::fs::create_dir_all(&folder).unwrap();
         std::fs::write(folder.join("README.md"), format!("{README}{budget}{command}{table}")).unwrap();
     }
-    // CMA-ES is the default: no other comes there more often.
+    // CMA-ES is the default because no other solver succeeds more often.
     let came = Solver::ALL.map(|s| totals(&rows, Solver::ALL.iter().position(|t| *t == s).unwrap()).0);
     assert_eq!(Solver::ALL[0], Solver::CmaEs);
     assert!(came[0] >= *came.iter().max().unwrap(), "{came:?} runs came there by solver\n{table}");

@@ -66,7 +66,7 @@ fn moving_the_base_equals_moving_the_cell_the_other_way() {
             *at = before.seen_from(&layout.base);
         }
         let [moved, still] = [&layout, &opposite].map(|l| evaluate(&workcell, l));
-        // The floor stays where it is: heights of the base may let the arm meet it, or a leg grow.
+        // The floor stays where it is, so a raised base may let the arm meet it, or a leg grow.
         if let (Some(a), Some(b)) = (moved.objective, still.objective) {
             feasible += 1;
             assert!((a - b).abs() <= 1e-12 + 1e-9 * b, "{a} for {b}");
@@ -118,7 +118,7 @@ fn a_search_finds_the_best_of_listed_values() {
         assert!(values.contains(&record.best.layout.value(&workcell.cell, *slot)), "{slot:?}");
     }
     assert_eq!(record.best.evaluation.objective, Some(best), "of 225 layouts");
-    // The bound is that of the heights listed, not of all between them.
+    // The bound holds for the listed heights, not for all between them.
     let bound = |workcell: &Workcell| prove(workcell, &ProofOptions::default(), &stop).bound.unwrap();
     let between = table.replace("[500, 600, 700]", "{ min = 500, max = 700 }");
     let (listed, between) = (bound(&workcell), bound(&Workcell::new(cell("", &between, GRID)).unwrap()));
@@ -149,7 +149,7 @@ fn equipment_on_a_table_moves_with_it() {
     for y in [0.9, 1.0, 1.05] {
         let layout = tied.cell.layout(|slot, c| if let Slot::Equipment(0, 1) = slot { y } else { c.start() });
         let fixture = layout.placements[1];
-        // By hand: the table is turned by 10 degrees.
+        // The expected place is computed by hand: the table is turned by 10 degrees.
         let (s, c) = 10f64.to_radians().sin_cos();
         let by_hand = [0.1 * c + 0.05 * s, y + 0.1 * s - 0.05 * c, 0.6405, 30f64.to_radians()];
         for (is, want) in fixture.values().iter().zip(by_hand) {
@@ -162,7 +162,7 @@ fn equipment_on_a_table_moves_with_it() {
         let evaluation = evaluate(&tied, &layout);
         assert!(evaluation.overlaps.is_empty(), "{:?}", evaluation.overlaps);
         assert!(evaluation.objective.is_some(), "{:?}", evaluation.outcomes);
-        // Alone, the same places make the same map, but for the overlap in plan.
+        // Equipment alone at the same places gives the same map, but for the overlap in plan.
         let at = by_hand.map(|v| v * 1000.0);
         let at = format!("x_mm = {}, y_mm = {}, z_mm = {}, yaw_deg = 30", at[0], at[1], at[2]);
         let alone = Workcell::new(text(false, &at)).unwrap();
@@ -291,7 +291,7 @@ fn what_was_found_can_be_written_and_read() {
     let settings = sweetspot::cell::SearchSettings { budget: 300, ..workcell.cell.search };
     let record = search(&workcell, &settings, &watch);
     let text = report::toml::fixed("whole.toml", "found", &workcell.cell, &record.best.layout);
-    // Every free coordinate has become a number; the rest is as it was.
+    // Every free coordinate has become a number, and the other keys are unchanged.
     for key in [
         "[robot.base]",
         "[equipment.\"table\".placement]",

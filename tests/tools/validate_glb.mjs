@@ -1,21 +1,22 @@
-// Validates GLB files with Khronos' gltf-validator: NODE_PATH=.../node_modules node tests/tools/validate_glb.mjs FILE...
-// Prints what it says; fails on any error or warning.
+// Validates GLB files with Khronos' gltf-validator; fails on any error or warning.
+// node tests/tools/validate_glb.mjs FILE... (after `npm ci` in tests/browser)
+
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
-import { resolve } from "node:path";
 
-const folder = process.env.NODE_PATH ?? "node_modules";
-const validator = createRequire(resolve(folder, "here.js"))("gltf-validator");
+const validator = createRequire(new URL("../browser/", import.meta.url))("gltf-validator");
 
-let clean = true;
+let isValid = true;
 for (const file of process.argv.slice(2)) {
   const report = await validator.validateBytes(new Uint8Array(readFileSync(file)), { maxIssues: 20 });
   const { numErrors, numWarnings, numInfos, numHints, messages } = report.issues;
   const { animationCount, materialCount, drawCallCount, totalVertexCount, totalTriangleCount } = report.info;
-  console.log(`${file}: ${numErrors} errors, ${numWarnings} warnings, ${numInfos} infos, ${numHints} hints;`,
+  console.log(
+    `${file}: ${numErrors} errors, ${numWarnings} warnings, ${numInfos} infos, ${numHints} hints;`,
     `${animationCount} animations, ${materialCount} materials, ${drawCallCount} draw calls,`,
-    `${totalVertexCount} vertices, ${totalTriangleCount} triangles`);
-  messages.forEach((m) => console.log(`  ${m.code} ${m.pointer}: ${m.message}`));
-  clean &&= numErrors === 0 && numWarnings === 0;
+    `${totalVertexCount} vertices, ${totalTriangleCount} triangles`,
+  );
+  for (const { code, pointer, message } of messages) console.log(`  ${code} ${pointer}: ${message}`);
+  if (numErrors > 0 || numWarnings > 0) isValid = false;
 }
-process.exit(clean ? 0 : 1);
+process.exit(isValid ? 0 : 1);

@@ -17,7 +17,7 @@ pub fn map(a: &MapArguments) -> Result<Exit, Exit> {
     let assessment = Assessment::new("start", &workcell, workcell.cell.start());
     let document = report::json::map(&assessment);
     if let Some(path) = &a.svg {
-        loading::write_whole(path, report::svg::plan(&assessment).as_bytes())?;
+        loading::write_whole(path, report::chart::error_map(&assessment).as_bytes())?;
     }
     let written = match &a.out {
         Some(folder) => {
@@ -25,7 +25,7 @@ pub fn map(a: &MapArguments) -> Result<Exit, Exit> {
             let files = vec![
                 ("map.json", results::pretty(&document)?),
                 ("map.csv", results::csv(&assessment)?),
-                ("map.svg", report::svg::plan(&assessment).into_bytes()),
+                ("map.svg", report::chart::error_map(&assessment).into_bytes()),
                 ("discrepancy.svg", report::fig8::chart(&assessment).into_bytes()),
             ];
             Some(results::write(&folder, &workcell.cell, &sources, &results::typed(), files)?)

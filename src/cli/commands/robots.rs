@@ -130,7 +130,7 @@ fn drawn(
     let envelope = Reachable::new(robot, inverse, asked, &|count, of| output::advance(&bar, count, of));
     bar.finish_and_clear();
     if let Some(path) = &a.svg {
-        loading::write_whole(path, report::envelope::picture(&envelope).as_bytes())?;
+        loading::write_whole(path, report::chart::envelope(&envelope).as_bytes())?;
     }
     if a.json {
         output::data(&results::line(&report::json::envelope(&envelope))?)?;

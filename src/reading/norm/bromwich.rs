@@ -1,30 +1,32 @@
-//! The inverse Laplace transform: `P(Q <= x)`, its density and the slope of that, all from the same
-//! values of the transform.
+//! Inverse Laplace transform (Bromwich integral): `P(Q <= x)`, its density and the slope of the density.
 //!
-//! All singularities lie on the negative real axis, so that the trapezoid rule on a curve around it
-//! converges geometrically, whatever the ratios of the eigenvalues. Without much of a mean that is
-//! the parabola of Weideman and Trefethen (2007), `z x = M (1 + i t)^2`, `M = pi N / 12`, steps of
-//! `3 / N`, error about `8.12^-N`: the same points for every x. A large mean brings exponentials that
-//! grow to the left of the discs over `[-1/(2 l_i), 0]`; there a steep hyperbola through the saddle
-//! point of the integrand keeps every term small.
+//! All three come from the same values of the transform. All singularities lie on the negative real axis.
+//! So the trapezoidal rule on a contour around it converges geometrically, whatever the ratios of the
+//! eigenvalues. For a small mean the contour is the parabola of J. A. C. Weideman and L. N. Trefethen,
+//! "Parabolic and hyperbolic contours for computing the Bromwich integral", Math. Comp. 76 (2007):
+//! `z x = M (1 + i t)^2`, `M = pi N / 12`, steps of `3 / N`, error about `8.12^-N`, the same points for every
+//! x. A large mean brings exponentials that grow to the left of the discs over `[-1/(2 l_i), 0]`. There a
+//! steep hyperbola through the saddle point of the integrand keeps every term small.
 
 use super::spectrum::Spectrum;
 use nalgebra::Complex;
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
+/// Number of points on the upper half of the parabola.
 const N: usize = 14;
-/// Up to this `sum mu_i^2 / l_i` the parabola is good to 1e-10.
-const CENTRAL: f64 = 6.0;
-/// Of the unit: no nearly normal vector is that short.
-const VANISHING: f64 = 1e-100;
+/// Noncentrality `sum mu_i^2 / l_i` up to which the parabola is accurate to 1e-10.
+const MAX_CENTRAL: f64 = 6.0;
+/// Square, in the spectrum's unit, below which the probability is 0: no nearly normal vector is that short.
+const MIN_SQUARE: f64 = 1e-100;
 /// Slope of the hyperbola's arms: they leave the vertical by 20 degrees.
 const TILT: f64 = 0.36;
 
+/// Points and weights on the parabola.
 struct Parabola {
     s: [Complex<f64>; N],
     weight: [Complex<f64>; N],
-    /// `s` and `s^2` as the loop over the points wants them.
+    /// Real and imaginary parts of `s` and `s^2`, as the loop over the points uses them.
     re: [f64; N],
     im: [f64; N],
     re2: [f64; N],
@@ -48,12 +50,12 @@ static PARABOLA: LazyLock<Parabola> = LazyLock::new(|| {
     }
 });
 
-/// `P(Q <= x)`, its density and the slope of the density, at `x = shift + above`.
+/// Returns `P(Q <= x)`, its density and the slope of the density, at `x = shift + above`.
 pub fn invert(spectrum: &Spectrum, above: f64) -> [f64; 3] {
-    if above < VANISHING {
+    if above < MIN_SQUARE {
         return [0.0; 3];
     }
-    if spectrum.noncentrality <= CENTRAL {
+    if spectrum.noncentrality <= MAX_CENTRAL {
         on_parabola(spectrum, above)
     } else {
         on_hyperbola(spectrum, above)
@@ -81,8 +83,9 @@ fn on_parabola(spectrum: &Spectrum, x: f64) -> [f64; 3] {
     [sum[0], sum[1] / x, sum[2] / (x * x)]
 }
 
-/// `prod_i sqrt(1 + 2 l_i z)` at all points. Two factors share a root: their arguments are between 0
-/// and pi, hence that of the root is, too.
+/// Returns `prod_i sqrt(1 + 2 l_i z)` at all points.
+///
+/// Two factors share a square root: the argument of their product stays between 0 and pi after the root.
 fn roots(spectrum: &Spectrum, x: f64, at: &Parabola) -> ([f64; N], [f64; N]) {
     let (mut re, mut im) = ([1.0; N], [0.0; N]);
     for pair in spectrum.l[..spectrum.rank.next_multiple_of(2)].chunks_exact(2) {
@@ -99,7 +102,8 @@ fn roots(spectrum: &Spectrum, x: f64, at: &Parabola) -> ([f64; N], [f64; N]) {
     (re, im)
 }
 
-/// `z = saddle + width (i sinh u - TILT (cosh u - 1))`; the step is halved until two sums agree.
+/// Sums on the hyperbola `z = saddle + width (i sinh u - TILT (cosh u - 1))`; halves the step until two
+/// sums agree.
 fn on_hyperbola(spectrum: &Spectrum, above: f64) -> [f64; 3] {
     let x = above - (spectrum.square - spectrum.shift);
     let (saddle, width, log_bound) = saddle(spectrum, above);
@@ -132,7 +136,7 @@ fn add(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|k| a[k] + b[k])
 }
 
-/// The sum over the arm until its terms vanish.
+/// Returns the sum over one arm of the hyperbola until its terms vanish.
 fn arm(term: &impl Fn(f64) -> [f64; 3], from: f64, step: f64) -> [f64; 3] {
     let mut sum = [0.0; 3];
     let mut u = from;
@@ -147,8 +151,8 @@ fn arm(term: &impl Fn(f64) -> [f64; 3], from: f64, step: f64) -> [f64; 3] {
     sum
 }
 
-/// A point near the saddle of `exp(z x) L(z) / z` on the positive axis, the width of the saddle and
-/// the log of `exp(z x) L(z)` there, which no P(Q <= x) exceeds.
+/// Returns a point near the saddle of `exp(z x) L(z) / z` on the positive axis, the width of the saddle and
+/// the log of `exp(z x) L(z)` there, an upper bound of log P(Q <= x).
 fn saddle(spectrum: &Spectrum, above: f64) -> (f64, f64, f64) {
     let slope = |z: f64| {
         let part = |(l, mean2): (f64, f64)| {

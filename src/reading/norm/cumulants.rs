@@ -1,4 +1,4 @@
-//! What parameters that are not normal change in the transform, to second order.
+//! Correction of the transform for parameters that are not normal, to second order in their cumulants.
 //!
 //! A unit-variance parameter with cumulants `gamma_k` (the fourth, its excess kurtosis) and `six_k`
 //! adds `gamma_k (g_k.t)^4 / 24 - six_k (g_k.t)^6 / 720` to the log of the characteristic function of
@@ -11,32 +11,32 @@
 //!           + sum_kl gamma_k gamma_l (q_k q_l q_kl^2 + q_kl^4 / 3)],   t = 1/2 sum_k gamma_k q_k^2
 //! ```
 //!
-//! The first order is complete; of the second order the terms that have the mean, too, are left out.
+//! The first order is complete. The second order leaves out the terms that also contain the mean.
 //! In the eigenbasis all this is a polynomial in `z r_i`, whatever the number of parameters.
 
 use nalgebra::{Complex, Vector6};
 
-/// `six / gamma^2` of the uniform distribution, and of any sum of uniform ones of the same size, as is
-/// the triangular distribution.
-const SIXTH: f64 = 100.0 / 21.0;
+/// Ratio `six / gamma^2` of the uniform distribution and of sums of equal uniform ones, as the triangular.
+const SIXTH_CUMULANT_RATIO: f64 = 100.0 / 21.0;
 
-/// Axes of the covariance along which anything varies, of which `m` components count, and what turns
-/// a column into the spectrum's unit.
+/// Axes of the covariance with a positive eigenvalue.
+///
+/// `m` components of each axis count, and `scale` converts a column to the spectrum's unit.
 pub struct Axes<'a> {
     pub rows: &'a [[f64; 6]],
     pub m: usize,
     pub scale: f64,
 }
 
-/// Coefficients of the sorted products of two, three and four `z r_i`, in the order of the loops.
+/// Coefficients of the sorted products of two, three and four `z r_i`, in the order of the loops below.
 pub struct Cumulants {
     two: [f64; 21],
     three: [f64; 56],
     four: [f64; 126],
 }
 
-/// `sum_k gamma_k g_a g_b g_c g_d`, sorted and as `[a][b][c]` with d = a, and `sum_k six_k / 6
-/// g_a^2 g_b^2 g_c^2`, sorted.
+/// Sums over the parameters: `sum_k gamma_k g_a g_b g_c g_d`, sorted and as `[a][b][c]` with d = a, and
+/// `sum_k six_k / 6 g_a^2 g_b^2 g_c^2`, sorted.
 struct Sums {
     four: [f64; 126],
     twice: [[[f64; 6]; 6]; 6],
@@ -44,7 +44,7 @@ struct Sums {
 }
 
 impl Cumulants {
-    /// None if all parameters are normal; `mu` is the mean along the axes.
+    /// Returns the correction for a mean `mu` along the axes; None if all parameters are normal.
     pub fn new(axes: &Axes, columns: &[Vector6<f64>], kurtosis: &[f64], mu: &[f64; 6]) -> Option<Self> {
         if kurtosis.iter().take(columns.len()).all(|&gamma| gamma == 0.0) {
             return None;
@@ -61,7 +61,7 @@ impl Cumulants {
         Some(sums.coefficients(n, mu))
     }
 
-    /// The factor of the transform, of `z r_i` along the axes.
+    /// Returns the factor of the transform for the values `z r_i` along the axes.
     pub fn factor(&self, zr: &[Complex<f64>]) -> Complex<f64> {
         let n = zr.len();
         let (mut at2, mut at3, mut at4) = (0, 0, 0);
@@ -87,7 +87,7 @@ impl Cumulants {
         1.0 + t + 0.5 * t * t + rest
     }
 
-    /// What they add to the variance of `|e - mu|^2`: `sum gamma_k |g_k|^4`.
+    /// Returns the contribution `sum gamma_k |g_k|^4` to the variance of `|e - mu|^2`.
     pub fn variance(&self) -> f64 {
         2.0 * self.two.iter().sum::<f64>()
     }
@@ -96,7 +96,7 @@ impl Cumulants {
 impl Sums {
     fn add(&mut self, gamma: f64, g: &[f64]) {
         let n = g.len();
-        let six = if gamma < 0.0 { SIXTH * gamma * gamma / 6.0 } else { 0.0 };
+        let six = if gamma < 0.0 { SIXTH_CUMULANT_RATIO * gamma * gamma / 6.0 } else { 0.0 };
         let (mut at3, mut at4) = (0, 0);
         for i in 0..n {
             for j in i..n {
@@ -146,7 +146,7 @@ impl Sums {
     }
 }
 
-/// In how many orders sorted indices can be written.
+/// Returns the number of distinct permutations of sorted indices.
 fn orders(sorted: &[usize]) -> f64 {
     let (mut count, mut run) = (1, 1);
     for k in 1..sorted.len() {

@@ -1,11 +1,14 @@
-//! Eigenvalues and axes of a small covariance.
+//! Eigenvalues and axes of a small covariance matrix by the cyclic Jacobi method.
+//!
+//! G. H. Golub, C. F. Van Loan, Matrix Computations, section 8.5. Jacobi's method is kept beside nalgebra
+//! because the node loop decomposes millions of small matrices: see [`diagonalize`] for the times.
 
 use nalgebra::Vector6;
 
-/// More than any matrix of six rows needs.
-const SWEEPS: usize = 16;
+/// Largest number of sweeps, more than any matrix of six rows needs.
+const MAX_SWEEPS: usize = 16;
 
-/// `sum_k g_k g_k^T` of the scaled columns, upper left m by m.
+/// Returns the covariance `sum_k g_k g_k^T` of the scaled columns in the upper left m by m block.
 pub fn covariance(m: usize, columns: &[Vector6<f64>], scale: f64) -> [[f64; 6]; 6] {
     let mut s = [[0.0; 6]; 6];
     for column in columns {
@@ -24,14 +27,14 @@ pub fn covariance(m: usize, columns: &[Vector6<f64>], scale: f64) -> [[f64; 6]; 
     s
 }
 
-/// Cyclic Jacobi: leaves the eigenvalues on the diagonal and yields the axes, one a row.
+/// Leaves the eigenvalues on the diagonal of `s` and returns the axes as rows.
 pub fn diagonalize(m: usize, s: &mut [[f64; 6]; 6]) -> [[f64; 6]; 6] {
     let mut axes = [[0.0; 6]; 6];
     for (i, axis) in axes.iter_mut().enumerate() {
         axis[i] = 1.0;
     }
     let small = 0.1 * f64::EPSILON * (0..m).map(|i| s[i][i]).sum::<f64>();
-    for _ in 0..SWEEPS {
+    for _ in 0..MAX_SWEEPS {
         let mut still = true;
         for p in 0..m {
             for q in p + 1..m {
@@ -48,7 +51,7 @@ pub fn diagonalize(m: usize, s: &mut [[f64; 6]; 6]) -> [[f64; 6]; 6] {
     axes
 }
 
-/// The rotation in the plane (p, q) that makes `s[p][q]` zero.
+/// Applies the rotation in the plane (p, q) that makes `s[p][q]` zero.
 fn rotate(m: usize, s: &mut [[f64; 6]; 6], axes: &mut [[f64; 6]; 6], p: usize, q: usize) {
     let theta = 0.5 * (s[q][q] - s[p][p]) / s[p][q];
     let t = 1.0_f64.copysign(theta) / (theta.abs() + (theta * theta + 1.0).sqrt());

@@ -1,4 +1,4 @@
-//! The squared norm `Q = |e|^2` of a nearly normal vector `e`, known by its Laplace transform.
+//! Laplace transform of the squared norm `Q = |e|^2` of a nearly normal vector `e`.
 //!
 //! In the eigenbasis of the covariance, with eigenvalues `l_i`, mean components `mu_i` and
 //! `r_i = 1 / (1 + 2 l_i z)`,
@@ -11,28 +11,32 @@ use super::cumulants::{Axes, Cumulants};
 use super::jacobi::{covariance, diagonalize};
 use nalgebra::{Complex, Vector6};
 
-/// Eigenvalues below this part of the trace are rounding.
-const ROUNDING: f64 = 8.0 * f64::EPSILON;
-/// Smaller than any error is.
-const TINY: f64 = 1e-300;
+/// Share of the trace below which an eigenvalue is rounding.
+const EIGENVALUE_ROUNDING: f64 = 8.0 * f64::EPSILON;
+/// Size below which a vector counts as zero.
+const MIN_SIZE: f64 = 1e-300;
 
-/// The transform, in the unit in which the normal part has `E Q = 1`.
+/// Transform of Q, in the unit in which the normal part has `E Q = 1`.
 #[derive(Default)]
 pub struct Spectrum {
-    /// Eigenvalues above zero, how many they are, and the squares of the mean along them.
+    /// Number of positive eigenvalues.
     pub rank: usize,
+    /// Positive eigenvalues.
     pub l: [f64; 6],
+    /// Squares of the mean along the axes of these eigenvalues.
     pub mean2: [f64; 6],
-    /// What the mean adds to Q where nothing varies, and all that it adds.
+    /// Square of the mean along the axes without variation, a constant part of Q.
     pub shift: f64,
+    /// Square of the whole mean.
     pub square: f64,
-    /// `sum mu_i^2 / l_i`.
+    /// Noncentrality `sum mu_i^2 / l_i`.
     pub noncentrality: f64,
+    /// Correction for parameters that are not normal; None if all are.
     pub correction: Option<Cumulants>,
 }
 
 impl Spectrum {
-    /// The spectrum and its unit of length; None if `e` is zero.
+    /// Returns the spectrum and its unit of length; None if `e` is zero.
     pub fn new(
         m: usize,
         columns: &[Vector6<f64>],
@@ -42,7 +46,7 @@ impl Spectrum {
         let m = m.clamp(1, 6);
         let largest = |v: &Vector6<f64>| v.as_slice()[..m].iter().fold(0.0, |a: f64, b| a.max(b.abs()));
         let size = columns.iter().map(largest).fold(largest(mean), f64::max);
-        if size < TINY {
+        if size < MIN_SIZE {
             return None;
         }
         let mut s = covariance(m, columns, 1.0 / size);
@@ -52,7 +56,7 @@ impl Spectrum {
         let unit = (trace + square).sqrt();
         let mut this = Self { square: square / (unit * unit), ..Self::default() };
         let (mut varying, mut mu) = ([[0.0; 6]; 6], [0.0; 6]);
-        let floor = (ROUNDING * trace).max(1e-30 * square);
+        let floor = (EIGENVALUE_ROUNDING * trace).max(1e-30 * square);
         for (i, axis) in axes.iter().enumerate().take(m) {
             let along = (0..m).map(|j| axis[j] * mean[j]).sum::<f64>() / size / unit;
             if s[i][i] <= floor {
@@ -70,7 +74,7 @@ impl Spectrum {
         Some((this, size * unit))
     }
 
-    /// Cumulants 1 to 3 of `Q - shift`; the fourth cumulant of `e` counts in the second.
+    /// Returns cumulants 1 to 3 of `Q - shift`; the second includes the fourth cumulant of `e`.
     pub fn cumulants(&self) -> [f64; 3] {
         let mut k = [0.0; 3];
         for (l, mean2) in self.varying() {
@@ -83,12 +87,12 @@ impl Spectrum {
         [k[0], k[1] * ratio, k[2] * ratio * ratio.sqrt()]
     }
 
-    /// Eigenvalue and square of the mean along each axis that varies.
+    /// Returns eigenvalue and squared mean along each axis with a positive eigenvalue.
     pub fn varying(&self) -> impl Iterator<Item = (f64, f64)> {
         self.l.iter().copied().zip(self.mean2).take(self.rank)
     }
 
-    /// The transform at a real z.
+    /// Returns the transform at a real z.
     pub fn real(&self, z: f64) -> f64 {
         let (mut product, mut exponent) = (1.0, self.shift * z);
         let mut zr = [Complex::new(0.0, 0.0); 6];
@@ -102,14 +106,15 @@ impl Spectrum {
             * self.correction.as_ref().map_or(1.0, |f| f.factor(&zr[..self.rank]).re)
     }
 
-    /// The transform without a mean, `prod_i sqrt(r_i)`, all parameters normal.
+    /// Returns the transform without mean and correction, `prod_i sqrt(r_i)`.
     pub fn central(&self, z: Complex<f64>) -> Complex<f64> {
         let one = Complex::new(1.0, 0.0);
         self.varying().fold(one, |product, (l, _)| product * principal_root(1.0 + 2.0 * l * z)).inv()
     }
 
-    /// `(h, f)`: the transform is `central(z) exp(h - |mu|^2 z) f`; `h = sum 2 l_i mu_i^2 z^2 r_i` is what
-    /// a mean and a variance along the same axis make together, `f` is due to higher cumulants.
+    /// Returns `(h, f)` such that the transform is `central(z) exp(h - |mu|^2 z) f`.
+    ///
+    /// `h = sum 2 l_i mu_i^2 z^2 r_i` is due to mean and variance along the same axis, `f` to higher cumulants.
     pub fn factors(&self, z: Complex<f64>) -> (Complex<f64>, Complex<f64>) {
         let mut h = Complex::new(0.0, 0.0);
         let mut zr = [h; 6];
@@ -122,7 +127,7 @@ impl Spectrum {
     }
 }
 
-/// Root with a real part that is not negative.
+/// Returns the square root with a real part that is not negative.
 fn principal_root(w: Complex<f64>) -> Complex<f64> {
     let t = (0.5 * (w.re.abs() + (w.re * w.re + w.im * w.im).sqrt())).sqrt();
     let other = 0.5 * w.im / t;

@@ -1,49 +1,51 @@
-//! More than three dimensions: branch and bound over the signs.
+//! Branch and bound over the signs, for more than three dimensions.
 //!
-//! Generators by size, the largest first; the last six at once in a table. With `v` the sum of
-//! the signs chosen, the farthest the rest `g_j, g_j+1, ..` can bring it is
+//! The generators are sorted by size, the largest first; the last six are looked up in a table. Let `v` be
+//! the sum of the generators with chosen signs. The rest `g_j, g_j+1, ..` can bring it at most as far as
 //!
 //! ```text
 //! |v + w|^2 <= |v|^2 + 2 sum |v . g_k| + K_j,     K_j = max |w|^2
 //! ```
 //!
-//! and `K_j` is known, for the rest alone is a smaller problem of the same kind (Russian doll search):
-//! solved from the end, each helps the next. That bound is so tight that 64 generators at random in
-//! 6-D take some ten thousand nodes.
+//! and `K_j` is known, because the rest alone is a smaller problem of the same kind, solved before (Russian
+//! doll search: G. Verfaillie, M. Lemaitre, T. Schiex, AAAI 1996). The bound is so tight that 64 random
+//! generators in 6-D take some ten thousand nodes.
 
 use super::MAX_GENERATORS;
 use super::climb;
 use super::sign_table::{SignTable, WIDTH, try_all};
 use nalgebra::Vector6;
 
-/// Up to this many generators all corners are tried.
-const FEW: usize = 11;
-/// Nodes in one smaller problem, and in the whole.
-const NODES: (usize, usize) = (20_000, 200_000);
-/// Ratio of squares below which a corner is no farther than another.
-const SAME: f64 = 1.0 + 1e-14;
+/// Number of generators up to which all corners are tried.
+const MAX_EXHAUSTIVE: usize = 11;
+/// Largest number of nodes in one smaller problem.
+const MAX_SUBPROBLEM_NODES: usize = 20_000;
+/// Largest number of nodes in the whole problem.
+const MAX_NODES: usize = 200_000;
+/// Ratio of squares up to which two corners count as equally far.
+const EQUAL_RATIO: f64 = 1.0 + 1e-14;
 
 pub(super) struct BranchAndBound {
     table: SignTable<6>,
     sorted: [Vector6<f64>; MAX_GENERATORS],
-    /// Where each came from.
+    /// Original index of each sorted generator.
     from: [usize; MAX_GENERATORS],
-    /// `K_j`, proven.
+    /// Proven bounds `K_j`.
     rest: [f64; MAX_GENERATORS],
     trial: [f64; MAX_GENERATORS],
     best: [f64; MAX_GENERATORS],
     search: BranchState,
 }
 
-/// The state of one search.
+/// State of one search.
 #[derive(Default)]
 struct BranchState {
     count: usize,
-    /// Of the best corner so far.
+    /// Squared norm of the best corner so far.
     square: f64,
-    /// The highest bound left open at the node limit.
+    /// Highest bound left open at the node limit.
     open: f64,
-    /// Left until the limit.
+    /// Number of nodes left until the limit.
     nodes: usize,
 }
 
@@ -62,10 +64,10 @@ impl Default for BranchAndBound {
 }
 
 impl BranchAndBound {
-    /// Writes the signs of the best corner; a proven upper bound of the norm unless exact.
+    /// Writes the signs of the best corner; returns a proven upper bound of the norm unless that is exact.
     pub(super) fn farthest(&mut self, generators: &[Vector6<f64>], corner: &mut [f64]) -> Option<f64> {
         let n = generators.len();
-        if n <= FEW {
+        if n <= MAX_EXHAUSTIVE {
             try_all(generators, &mut self.table, corner);
             return None;
         }
@@ -76,10 +78,10 @@ impl BranchAndBound {
         self.rest[head] = self.table.most(&Vector6::zeros());
         for from in (0..head).rev() {
             self.start(from, n);
-            self.search.nodes = if from == 0 { NODES.1 } else { NODES.0 };
+            self.search.nodes = if from == 0 { MAX_NODES } else { MAX_SUBPROBLEM_NODES };
             self.trial[from] = 1.0;
             self.visit(from + 1, self.sorted[from]);
-            self.rest[from] = self.search.square.max(self.search.open) * SAME;
+            self.rest[from] = self.search.square.max(self.search.open) * EQUAL_RATIO;
         }
         for (s, from) in self.best.iter().zip(&self.from[..n]) {
             corner[*from] = *s;
@@ -99,7 +101,7 @@ impl BranchAndBound {
         }
     }
 
-    /// A good corner of the generators from `from`: the best one of the rest, with one more.
+    /// Starts with a good corner of the generators from `from`: the best one of the rest, with one more.
     fn start(&mut self, from: usize, n: usize) {
         let (generators, signs) = (&self.sorted[from..n], &mut self.best[from..n]);
         signs[0] = 1.0;
@@ -108,7 +110,7 @@ impl BranchAndBound {
         self.search = BranchState { count: n, square: sum.norm_squared(), ..BranchState::default() };
     }
 
-    /// How far the generators from `j` can bring `v` at most, squared.
+    /// Returns an upper bound of the squared norm that the generators from `j` can bring `v` to.
     fn bound(&self, j: usize, v: &Vector6<f64>) -> f64 {
         let mut sum = 0.0;
         for g in &self.sorted[j..self.search.count] {
@@ -117,7 +119,7 @@ impl BranchAndBound {
         v.norm_squared() + 2.0 * sum + self.rest[j]
     }
 
-    /// All corners with the signs before `j` as in `trial`, `v` their sum.
+    /// Searches all corners with the signs before `j` as in `trial`, where `v` is their sum.
     fn visit(&mut self, j: usize, v: Vector6<f64>) {
         let n = self.search.count;
         if j == n - WIDTH {
@@ -133,7 +135,7 @@ impl BranchAndBound {
         for sign in [first, -first] {
             let child = v + self.sorted[j] * sign;
             let bound = self.bound(j + 1, &child);
-            let promising = bound > self.search.square * SAME;
+            let promising = bound > self.search.square * EQUAL_RATIO;
             if promising && self.search.nodes > 0 {
                 self.search.nodes -= 1;
                 self.trial[j] = sign;

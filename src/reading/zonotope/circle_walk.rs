@@ -1,12 +1,12 @@
-//! The walk round a zonogon, and along every great circle in 3-D.
+//! Walks round a zonogon in 2-D, and along every great circle in 3-D.
 
 use super::{MAX_GENERATORS, PERPENDICULAR, climb};
 use nalgebra::Vector3;
 
-/// The low bits of a key hold the place, so that keys differ and need no second array.
+/// Mask of the low bits of a key, which hold the index so that keys differ and need no second array.
 const PLACES: u64 = MAX_GENERATORS as u64 - 1;
 
-/// Generators as seen along a circle: x, y in its plane, folded to y >= 0, and z along its axis.
+/// Generators seen along a circle: x, y in its plane, folded to y >= 0, and z along its axis.
 pub(super) struct CircleWalk {
     at: [Vector3<f64>; MAX_GENERATORS],
     fold: [f64; MAX_GENERATORS],
@@ -14,8 +14,7 @@ pub(super) struct CircleWalk {
     order: [u8; MAX_GENERATORS],
 }
 
-/// Where on the walk the farthest corner is: its squared norm, the flips before it, and the side of
-/// the circle.
+/// Farthest corner of a walk: its squared norm, the number of flips before it, and the side of the circle.
 pub(super) struct WalkMaximum {
     square: f64,
     flips: usize,
@@ -40,12 +39,12 @@ impl CircleWalk {
         let (x, y, z) = (x * fold, y * fold, z * fold);
         self.at[k] = Vector3::new(x, y, z);
         self.fold[k] = fold;
-        // Minus the cotangent of the angle at which the sign flips; always finite.
+        // The key is minus the cotangent of the angle at which the sign flips; it is always finite.
         let key = if (x / y).abs() < f64::MAX { x / y } else { f64::MAX.copysign(x) };
         self.key[k] = f64::from_bits(key.to_bits() & !PLACES | k as u64);
     }
 
-    /// The farthest sum of the first `n`, with a generator of this size along the axis besides.
+    /// Returns the farthest sum of the first `n` generators and one of this size along the axis.
     pub(super) fn farthest(&mut self, n: usize, size: f64) -> WalkMaximum {
         self.sort(n);
         let mut sum: Vector3<f64> = self.at[..n].iter().sum();
@@ -61,7 +60,7 @@ impl CircleWalk {
         stop
     }
 
-    /// The signs at a stop of the latest walk.
+    /// Reports the signs at a corner of the latest walk.
     pub(super) fn signs_at(&self, stop: &WalkMaximum, mut set: impl FnMut(usize, f64), n: usize) {
         for (place, k) in self.order[..n].iter().enumerate() {
             let k = usize::from(*k) % MAX_GENERATORS;
@@ -69,7 +68,7 @@ impl CircleWalk {
         }
     }
 
-    /// By counting the smaller keys: without a branch, faster than `sort_unstable` up to 64.
+    /// Sorts by counting the smaller keys: without branches, faster than `sort_unstable` up to 64 keys.
     fn sort(&mut self, n: usize) {
         let keys = &self.key[..n];
         for (k, key) in keys.iter().enumerate() {
@@ -79,7 +78,9 @@ impl CircleWalk {
     }
 }
 
-/// 3-D: every cell of directions lies beside at least two circles, so all but one are walked.
+/// Finds the farthest corner in 3-D by walks along all circles but one.
+///
+/// Every cell of directions lies beside at least two circles.
 pub(super) fn walk_circles(generators: &[Vector3<f64>], walk: &mut CircleWalk, corner: &mut [f64]) {
     climb(generators, corner);
     let sum: Vector3<f64> = generators.iter().zip(&*corner).map(|(g, s)| g * *s).sum();
@@ -101,7 +102,9 @@ pub(super) fn walk_circles(generators: &[Vector3<f64>], walk: &mut CircleWalk, c
     }
 }
 
-/// Two unit vectors perpendicular to a unit vector and to each other.
+/// Returns two unit vectors perpendicular to a unit vector and to each other.
+///
+/// T. Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 6 (2017).
 fn across(axis: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
     let sign = 1f64.copysign(axis.z);
     let a = -1.0 / (sign + axis.z);
@@ -112,8 +115,9 @@ fn across(axis: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
     )
 }
 
-/// 3-D, if every generator is along one axis or perpendicular to it: signs of the farthest corner,
-/// along the axis and in the plane each for itself. False if there is no such axis.
+/// Solves the 3-D case in which every generator is along one axis or perpendicular to it.
+///
+/// The signs follow along the axis and in the plane separately. Returns false if there is no such axis.
 pub(super) fn split(generators: &[Vector3<f64>], walk: &mut CircleWalk, signs: &mut [f64]) -> bool {
     let Some(axis) = axis(generators) else { return false };
     let (e1, e2) = across(&axis);
@@ -130,7 +134,7 @@ pub(super) fn split(generators: &[Vector3<f64>], walk: &mut CircleWalk, signs: &
     true
 }
 
-/// The axis is the first generator, or the first across it, or perpendicular to both.
+/// Returns the common axis: the first generator, or the first across it, or the perpendicular to both.
 fn axis(generators: &[Vector3<f64>]) -> Option<Vector3<f64>> {
     let a = generators.iter().find(|g| g.norm_squared() > 0.0)?.normalize();
     let sine = |g: &&Vector3<f64>| a.cross(g).norm_squared() > 0.01 * g.norm_squared();

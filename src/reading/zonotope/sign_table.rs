@@ -1,11 +1,11 @@
-//! All corners of a few generators at once.
+//! Table of all corners of a few generators.
 
 use nalgebra::SVector;
 
-/// Generators in a table.
+/// Number of generators in a table.
 pub(super) const WIDTH: usize = 6;
 
-/// The sums of up to six generators, up to the overall sign, in blocks of four.
+/// Sums of up to six generators for all signs, up to the overall sign, in blocks of four.
 pub(super) struct SignTable<const M: usize> {
     blocks: [SignBlock<M>; 1 << (WIDTH - 3)],
     used: usize,
@@ -52,7 +52,7 @@ impl<const M: usize> SignTable<M> {
         }
     }
 
-    /// The most of `|v + w|^2 - |v|^2` over the table's sums `w`, either sign.
+    /// Returns the maximum of `|v + w|^2 - |v|^2` over the table's sums `w` of either sign.
     #[inline]
     pub(super) fn most(&self, v: &SVector<f64, M>) -> f64 {
         let mut top = [0.0; 4];
@@ -98,7 +98,7 @@ impl<const M: usize> SignBlock<M> {
     }
 }
 
-/// All corners: the last six in the table, the others in Gray order.
+/// Tries all corners: the last six generators by the table, the others in Gray code order.
 pub(super) fn try_all<const M: usize>(g: &[SVector<f64, M>], table: &mut SignTable<M>, signs: &mut [f64]) {
     if g.is_empty() {
         return;

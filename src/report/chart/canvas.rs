@@ -2,7 +2,7 @@
 
 use super::{WIDTH, words};
 use crate::report::colours;
-use crate::report::view::escaped;
+use crate::report::svg_text::escaped;
 use std::fmt::Write;
 
 /// Left and right of everything, px.
@@ -186,6 +186,15 @@ impl Canvas {
         ));
     }
 
+    /// Writes a bold text that stands over a panel.
+    pub fn heading(&mut self, (x, y): (f64, f64), said: &str) {
+        let fill = Ink::Text.fill();
+        self.put(&format!(
+            "<text x=\"{x:.1}\" y=\"{y:.1}\" font-weight=\"600\" {fill}>{}</text>",
+            escaped(said)
+        ));
+    }
+
     pub fn path(&mut self, d: &str, paint: &str) {
         if !d.is_empty() {
             self.put(&format!("<path d=\"{d}\" {paint}/>"));
@@ -219,22 +228,4 @@ impl Canvas {
             self.body
         )
     }
-}
-
-/// A path through points in px, `end` "Z" to close it.
-pub fn path(points: impl Iterator<Item = (f64, f64)>, end: &str) -> String {
-    let mut d = String::new();
-    for (k, (x, y)) in points.enumerate() {
-        // Writing to a String cannot fail.
-        let _ = write!(d, "{}{} {}", if k == 0 { 'M' } else { 'L' }, short(x), short(y));
-    }
-    if !d.is_empty() {
-        d.push_str(end);
-    }
-    d
-}
-
-/// A coordinate in px with at most one decimal.
-pub fn short(v: f64) -> String {
-    crate::units::rounded(v, 1).to_string()
 }

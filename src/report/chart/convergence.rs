@@ -3,9 +3,10 @@
 use super::axes;
 
 use super::axes::Scale;
-use super::canvas::{Anchor, Canvas, EDGE, Entry, Ink, path};
+use super::canvas::{Anchor, Canvas, EDGE, Entry, Ink};
 use super::{WIDTH, words};
 use crate::cell::Unit;
+use crate::report::svg_text::{PathEnd, path_data};
 use crate::search::SearchRecord;
 use crate::units::percent_from_share;
 
@@ -60,7 +61,7 @@ pub fn convergence(course: &Course<'_>) -> String {
     axes::draw(&mut canvas, &x, &y, ("layouts evaluated", &format!("best objective / {word}")));
     let at = |(evaluations, value): (f64, f64)| (x.at(evaluations), y.at(unit.from_si(value)));
     let points: Vec<_> = steps(course).into_iter().map(at).collect();
-    canvas.path(&path(points.iter().copied(), ""), &Ink::Blue.line(2.2));
+    canvas.path(&path_data(points.iter().copied(), PathEnd::Open, 1), &Ink::Blue.line(2.2));
     marks(&mut canvas, course, &x, &y);
     canvas.legend(&legend(course));
     canvas.finish()

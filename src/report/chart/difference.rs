@@ -1,13 +1,13 @@
 //! Two layouts node by node on one map: where the other is better, and where worse.
 
 use super::axes;
-
-use super::axes::Scale;
 use super::canvas::{Anchor, Canvas, EDGE, Entry, Ink, SMALL};
+use super::plane_view::{PlaneView, longer_side, widened};
 use super::{WIDTH, words};
 use crate::assess::{Difference, NodePair};
 use crate::cell::{Cell, Unit};
-use crate::report::view::escaped;
+use crate::geometry::bounding_box;
+use crate::report::svg_text::escaped;
 use crate::units::mm_from_m;
 
 /// Left and right end of the plot and its greatest height, px.
@@ -25,21 +25,20 @@ pub fn difference(cell: &Cell, d: &Difference, names: (&str, &str), most: f64) -
     let (operation, unit) = (&cell.operations[d.operation], cell.unit());
     let heading = format!("{}: {} against {} in {}", operation.name, names.1, names.0, operation.sense.name);
     let mut canvas = Canvas::new(&heading, &remarks(d, names));
-    let (low, high) = bounds(&d.pairs);
-    let size = [high[0] - low[0], high[1] - low[1]];
-    let px = ((PLOT.1 - PLOT.0) / size[0]).min(PLOT.2 / size[1]);
-    let top = canvas.y + 26.0;
-    let x = Scale::linear(low[0], high[0], (PLOT.0, PLOT.0 + size[0] * px));
-    let y = Scale::linear(low[1], high[1], (top + size[1] * px, top));
+    let in_mm = |p: &NodePair| (mm_from_m(p.at.0), mm_from_m(p.at.1));
+    let bounds = bounding_box(d.pairs.iter().map(in_mm)).unwrap_or_default();
+    let bounds = widened(bounds, 0.06 * longer_side(bounds).max(100.0));
+    let view = PlaneView::fitted(bounds, (PLOT.1 - PLOT.0, PLOT.2), (PLOT.0, canvas.y + 26.0));
+    let (x, y) = view.scales();
     let of = &cell.equipment[operation.equipment].name;
     axes::draw(&mut canvas, &x, &y, (&format!("x of {of} / mm"), &format!("y of {of} / mm")));
-    let r = (0.42 * apart(&d.pairs) * px).clamp(2.5, 16.0);
+    let r = (0.42 * apart(&d.pairs) * view.scale).clamp(2.5, 16.0);
     for pair in &d.pairs {
-        let at = (x.at(mm_from_m(pair.at.0)), y.at(mm_from_m(pair.at.1)));
+        let at = view.at(&in_mm(pair));
         let (mark, said) = (mark(pair, most, at, r), told(pair, unit));
         canvas.put(&format!("<g><title>({}, {}): {}</title>{mark}</g>", pair.i, pair.j, escaped(&said)));
     }
-    let foot = draw_bar(&mut canvas, unit, most, (x.px.1 + 26.0, top));
+    let foot = draw_bar(&mut canvas, unit, most, (view.right() + 26.0, view.top));
     canvas.y = canvas.y.max(foot);
     canvas.legend(&legend(d, names));
     canvas.finish()
@@ -132,16 +131,6 @@ fn legend(d: &Difference, names: (&str, &str)) -> Vec<Entry> {
     };
     let there = all.into_iter().filter(|(kind, _)| is_there(kind));
     there.map(|(kind, said)| Entry { mark: mark(&kind, 1.0, (0.0, 0.0), 8.0), said }).collect()
-}
-
-/// Low and high corner of the nodes with a margin, mm.
-fn bounds(pairs: &[NodePair]) -> ([f64; 2], [f64; 2]) {
-    let points = pairs.iter().map(|p| [mm_from_m(p.at.0), mm_from_m(p.at.1)]).map(|p| (p, p));
-    let both = points
-        .reduce(|(lo, hi), (a, b)| ([lo[0].min(a[0]), lo[1].min(a[1])], [hi[0].max(b[0]), hi[1].max(b[1])]));
-    let (low, high) = both.unwrap_or(([0.0; 2], [0.0; 2]));
-    let margin = 0.06 * (high[0] - low[0]).max(high[1] - low[1]).max(100.0);
-    (low.map(|v| v - margin), high.map(|v| v + margin))
 }
 
 /// Between neighbours, mm.

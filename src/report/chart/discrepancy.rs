@@ -3,10 +3,11 @@
 use super::WIDTH;
 use super::axes;
 use super::axes::Scale;
-use super::canvas::{Anchor, Canvas, EDGE, Entry, Ink, path};
+use super::canvas::{Anchor, Canvas, EDGE, Entry, Ink};
 use crate::assess::Assessment;
-use crate::error_map::{OperationMap, Status};
+use crate::error_map::OperationMap;
 use crate::kinematic_error::{Discrepancy, discrepancy as between};
+use crate::report::svg_text::{PathEnd, path_data};
 
 const PANEL: f64 = 260.0;
 /// Percent that are shown; what is less stands on the lower edge.
@@ -45,8 +46,7 @@ pub fn discrepancy(a: &Assessment<'_>) -> String {
 }
 
 fn panel(canvas: &mut Canvas, a: &Assessment<'_>, map: &OperationMap) {
-    let usable = map.nodes.iter().filter(|n| n.status == Status::Ok).filter_map(|n| n.posture.as_ref());
-    let all: Vec<Discrepancy> = usable.map(|p| between(&p.nonlinear, &p.linear)).collect();
+    let all: Vec<Discrepancy> = map.usable().map(|(_, _, p)| between(&p.nonlinear, &p.linear)).collect();
     let every = all.len().div_ceil(MOST).max(1);
     let top = canvas.y + 44.0;
     let y = Scale::log(SHOWN.0, SHOWN.1, (top + PANEL, top));
@@ -55,7 +55,7 @@ fn panel(canvas: &mut Canvas, a: &Assessment<'_>, map: &OperationMap) {
     for (_, ink, value) in CURVES {
         let points = all.iter().enumerate().step_by(every);
         let points = points.filter_map(|(k, d)| Some((x.at((k + 1) as f64), y.at(value(d)?))));
-        canvas.path(&path(points, ""), &ink.line(1.6));
+        canvas.path(&path_data(points, PathEnd::Open, 1), &ink.line(1.6));
     }
     let one = y.at(1.0);
     let dashed = format!("{} stroke-dasharray=\"6 3\"", Ink::Vermilion.line(1.6));

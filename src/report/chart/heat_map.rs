@@ -1,45 +1,42 @@
 //! The error over a work surface: coloured bands, iso-lines with their values, signs where nothing works.
 
 use super::axes;
-
-use super::axes::Scale;
-use super::canvas::{Anchor, Canvas, EDGE, Entry, Ink, SMALL, path};
+use super::canvas::{Anchor, Canvas, EDGE, Entry, Ink, SMALL};
 use super::colour_scale::ColourScale;
-use super::iso::{Point, Surface};
+use super::iso::Surface;
 use super::labels::Taken;
+use super::plane_view::{PlaneView, longer_side, widened};
 use super::{WIDTH, signs, words};
 use crate::cell::Unit;
 use crate::drawing::{Carrier, Drawing, Field, Take};
+use crate::geometry::{PlanePoint, bounding_box};
 use crate::pose::Pose;
-use crate::report::view::escaped;
+use crate::report::svg_text::{PathEnd, escaped, path_data};
 use crate::units::mm_from_m;
 use nalgebra::Vector3;
 
 /// Room for the plot, px: its left and right end, and its greatest height.
 const PLOT: (f64, f64, f64) = (62.0, WIDTH - EDGE - 112.0, 470.0);
-/// What is drawn spans at least so much, mm.
-const LEAST: f64 = 100.0;
-/// Of fields with more nodes no node tells its value.
-const TOLD: usize = 400;
+/// Least span of the plot before its margin, mm.
+const MIN_SPAN: f64 = 100.0;
+/// Fields with more nodes have no titles on their nodes.
+const MAX_TITLES: usize = 400;
 
 /// One field in one take (index into [`Field::takes`]) and sense (index into [`Field::senses`]), coloured
 /// from the first to the second value of `range` (m or rad), which several maps may share. Axes are those
 /// of the surface that carries the nodes.
 pub fn heat_map(drawing: &Drawing<'_>, field: usize, take: usize, sense: usize, range: (f64, f64)) -> String {
     let field = &drawing.fields[field];
-    let map = Map::new(drawing, field, &field.takes[take], sense, range);
+    let map = HeatMap::new(drawing, field, &field.takes[take], sense, range);
     let mut canvas = Canvas::new(&map.heading(), &map.remarks());
-    let ((left, right, most), size) = (PLOT, [map.high[0] - map.low[0], map.high[1] - map.low[1]]);
-    let px = ((right - left) / size[0]).min(most / size[1]);
-    let top = canvas.y + 26.0;
-    let bottom = top + size[1] * px;
-    let x = Scale::linear(map.low[0], map.high[0], (left, left + size[0] * px));
-    let y = Scale::linear(map.low[1], map.high[1], (bottom, top));
-    let place = |p: &Point| (x.at(p.0), y.at(p.1));
+    let (left, right, most) = PLOT;
+    let view = PlaneView::fitted(map.bounds, (right - left, most), (left, canvas.y + 26.0));
+    let (x, y) = view.scales();
+    let place = |p: &PlanePoint| view.at(p);
     let of = map.of.as_str();
     axes::draw(&mut canvas, &x, &y, (&format!("x of {of} / mm"), &format!("y of {of} / mm")));
     map.draw_ground(&mut canvas, &place);
-    let points: Vec<Point> = map.points.iter().map(place).collect();
+    let points: Vec<PlanePoint> = map.points.iter().map(place).collect();
     let surface = Surface::new(field.size, &points, &map.values);
     map.draw_bands(&mut canvas, &surface);
     let mut taken = Taken::default();
@@ -49,17 +46,17 @@ pub fn heat_map(drawing: &Drawing<'_>, field: usize, take: usize, sense: usize, 
     let foot = map.scale.draw_bar(
         &mut canvas,
         map.unit.word(),
-        (x.px.1 + 26.0, top),
-        (bottom - top - 60.0).clamp(110.0, 220.0),
+        (view.right() + 26.0, view.top),
+        (view.height() - 60.0).clamp(110.0, 220.0),
     );
-    map.draw_way_to_robot(&mut canvas, (x.px.1 + 60.0, foot + 34.0), drawing);
+    map.draw_way_to_robot(&mut canvas, (view.right() + 60.0, foot + 34.0), drawing);
     canvas.y = canvas.y.max(foot + 86.0);
     canvas.legend(&map.legend());
     canvas.finish()
 }
 
 /// What is drawn, in mm of the surface frame and in the unit of the sense.
-struct Map<'a> {
+struct HeatMap<'a> {
     drawing: &'a Drawing<'a>,
     field: &'a Field,
     take: &'a Take,
@@ -68,16 +65,15 @@ struct Map<'a> {
     /// The frame of the surface in the world, and whose it is.
     frame: Pose,
     of: String,
-    points: Vec<Point>,
+    points: Vec<PlanePoint>,
     values: Vec<Option<f64>>,
     /// Corners of the surface; empty if its frame is not known.
-    ground: Vec<Point>,
-    low: [f64; 2],
-    high: [f64; 2],
+    ground: Vec<PlanePoint>,
+    bounds: (PlanePoint, PlanePoint),
     scale: ColourScale,
 }
 
-impl<'a> Map<'a> {
+impl<'a> HeatMap<'a> {
     fn new(
         drawing: &'a Drawing<'a>,
         field: &'a Field,
@@ -96,15 +92,16 @@ impl<'a> Map<'a> {
         let usable = |(node, value): (&crate::drawing::Node, &Option<f64>)| value.filter(|_| node.is_ok());
         let values = field.nodes.iter().zip(&take.values[sense]).map(usable);
         let values: Vec<_> = values.map(|v| v.map(|v| unit.from_si(v))).collect();
-        let points: Vec<Point> = field.nodes.iter().map(|n| in_mm(&frame, &n.position)).collect();
-        let ground: Vec<Point> = surface.map_or(Vec::new(), |r| {
+        let points: Vec<PlanePoint> = field.nodes.iter().map(|n| in_mm(&frame, &n.position)).collect();
+        let ground: Vec<PlanePoint> = surface.map_or(Vec::new(), |r| {
             let corner = |(u, v): (f64, f64)| (r.centre.0 + u * r.size.0, r.centre.1 + v * r.size.1);
             let corners = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)].map(corner);
             corners.map(|(x, y)| (mm_from_m(x), mm_from_m(y))).to_vec()
         });
-        let (low, high) = bounds(points.iter().chain(&ground));
+        let bounds = bounding_box(points.iter().chain(&ground).copied()).unwrap_or_default();
+        let bounds = widened(bounds, 0.06 * longer_side(bounds).max(MIN_SPAN));
         let scale = ColourScale::new(unit.from_si(range.0), unit.from_si(range.1));
-        Self { drawing, field, take, sense, unit, frame, of, points, values, ground, low, high, scale }
+        Self { drawing, field, take, sense, unit, frame, of, points, values, ground, bounds, scale }
     }
 
     fn heading(&self) -> String {
@@ -141,8 +138,8 @@ impl<'a> Map<'a> {
         said
     }
 
-    fn draw_ground(&self, canvas: &mut Canvas, place: &impl Fn(&Point) -> (f64, f64)) {
-        let outline = path(self.ground.iter().map(place), "Z");
+    fn draw_ground(&self, canvas: &mut Canvas, place: &impl Fn(&PlanePoint) -> (f64, f64)) {
+        let outline = path_data(self.ground.iter().map(place), PathEnd::Closed, 1);
         canvas.path(&outline, &Ink::Ground.fill());
         canvas.path(&outline, &Ink::Axis.line(1.2));
     }
@@ -157,7 +154,11 @@ impl<'a> Map<'a> {
                 break;
             }
             let level = if k == first { f64::NEG_INFINITY } else { *edge };
-            let d: String = surface.above(level).iter().map(|p| path(p.iter().copied(), "Z")).collect();
+            let d: String = surface
+                .above(level)
+                .iter()
+                .map(|p| path_data(p.iter().copied(), PathEnd::Closed, 1))
+                .collect();
             canvas.path(&d, &format!("fill=\"{colour}\""));
         }
     }
@@ -165,11 +166,11 @@ impl<'a> Map<'a> {
     fn draw_lines(&self, canvas: &mut Canvas, surface: &Surface, taken: &mut Taken) {
         for level in self.scale.levels() {
             let lines = surface.lines(level);
-            let d: String = lines.iter().map(|l| path(l.iter().copied(), "")).collect();
+            let d: String = lines.iter().map(|l| path_data(l.iter().copied(), PathEnd::Open, 1)).collect();
             canvas.path(&d, "fill=\"none\" stroke=\"#1b1f24\" stroke-width=\"1\" stroke-opacity=\"0.75\"");
             let said = words::number(level, self.scale.step);
             let half = words::width(&said, SMALL) / 2.0 + 2.0;
-            let length = |l: &&Vec<Point>| l.windows(2).map(|w| distance(w[0], w[1])).sum::<f64>();
+            let length = |l: &&Vec<PlanePoint>| l.windows(2).map(|w| distance(w[0], w[1])).sum::<f64>();
             let Some(longest) = lines.iter().max_by(|a, b| length(a).total_cmp(&length(b))) else { continue };
             if length(&longest) < 2.5 * half {
                 continue;
@@ -182,18 +183,18 @@ impl<'a> Map<'a> {
         }
     }
 
-    fn draw_nodes(&self, canvas: &mut Canvas, surface: &Surface, points: &[Point]) {
+    fn draw_nodes(&self, canvas: &mut Canvas, surface: &Surface, points: &[PlanePoint]) {
         let near = points.windows(2).map(|w| distance(w[0], w[1])).filter(|d| *d > 0.0);
         let r = (near.fold(f64::MAX, f64::min) * 0.32).clamp(1.5, 5.0);
         for (k, node) in self.field.nodes.iter().enumerate() {
             let (x, y) = points[k];
-            let title = |said: String| match points.len() <= TOLD {
+            let title = |said: String| match points.len() <= MAX_TITLES {
                 true => format!("<title>({}, {}): {}</title>", node.i, node.j, escaped(&said)),
                 false => String::new(),
             };
             match self.values[k] {
                 None => {
-                    let sign = signs::sign(node.status, (x, y), r);
+                    let sign = signs::sign(node.sign, (x, y), r);
                     canvas.put(&format!("<g>{}{sign}</g>", title(node.reason.clone())));
                 }
                 Some(value) => {
@@ -211,7 +212,7 @@ impl<'a> Map<'a> {
         }
     }
 
-    fn draw_spots(&self, canvas: &mut Canvas, place: &impl Fn(&Point) -> (f64, f64), taken: &mut Taken) {
+    fn draw_spots(&self, canvas: &mut Canvas, place: &impl Fn(&PlanePoint) -> (f64, f64), taken: &mut Taken) {
         let at = |p: &Vector3<f64>| place(&in_mm(&self.frame, p));
         if let Some(k) = self.other_spot() {
             canvas.put(&signs::other_spot(place(&self.points[k])));
@@ -239,15 +240,19 @@ impl<'a> Map<'a> {
 
     fn draw_way_to_robot(&self, canvas: &mut Canvas, (x, y): (f64, f64), drawing: &Drawing<'_>) {
         let base = in_mm(&self.frame, &drawing.base.translation);
-        let middle = ((self.low[0] + self.high[0]) / 2.0, (self.low[1] + self.high[1]) / 2.0);
+        let (low, high) = self.bounds;
+        let middle = ((low.0 + high.0) / 2.0, (low.1 + high.1) / 2.0);
         let (dx, dy) = (base.0 - middle.0, middle.1 - base.1);
         let far = dx.hypot(dy);
         if far > 1.0 {
             let (ux, uy) = (dx / far, dy / far);
             let tip = (x + 18.0 * ux, y + 18.0 * uy);
             let barb = |side: f64| (tip.0 - 8.0 * ux - side * 5.0 * uy, tip.1 - 8.0 * uy + side * 5.0 * ux);
-            let shaft = path([(x - 18.0 * ux, y - 18.0 * uy), tip].into_iter(), "");
-            canvas.path(&(shaft + &path([barb(1.0), tip, barb(-1.0)].into_iter(), "")), &Ink::Text.line(1.8));
+            let shaft = path_data([(x - 18.0 * ux, y - 18.0 * uy), tip].into_iter(), PathEnd::Open, 1);
+            canvas.path(
+                &(shaft + &path_data([barb(1.0), tip, barb(-1.0)].into_iter(), PathEnd::Open, 1)),
+                &Ink::Text.line(1.8),
+            );
         }
         canvas.text((x, y + 34.0), Anchor::Middle, Ink::Text, "robot base");
         let said = format!("{} mm", words::number(far, 1.0));
@@ -266,27 +271,17 @@ impl<'a> Map<'a> {
             entry(self.field.refined.is_some(), signs::refined(origin), "spot between the nodes"),
             entry(self.other_spot().is_some(), signs::other_spot(origin), "spot in this reading"),
         ];
-        let unusable = self.field.nodes.iter().filter(|n| !n.is_ok()).map(|n| n.status);
-        spots.into_iter().flatten().chain(signs::entries(unusable)).collect()
+        let signs = self.field.nodes.iter().map(|n| n.sign);
+        spots.into_iter().flatten().chain(signs::entries(signs)).collect()
     }
 }
 
-fn distance(a: Point, b: Point) -> f64 {
+fn distance(a: PlanePoint, b: PlanePoint) -> f64 {
     (a.0 - b.0).hypot(a.1 - b.1)
 }
 
 /// A point of the world in a frame seen from above, mm.
-fn in_mm(frame: &Pose, p: &Vector3<f64>) -> Point {
+fn in_mm(frame: &Pose, p: &Vector3<f64>) -> PlanePoint {
     let p = frame.inverse().transform(p);
     (mm_from_m(p.x), mm_from_m(p.y))
-}
-
-/// Low and high corner with a margin, mm.
-fn bounds<'p>(points: impl Iterator<Item = &'p Point>) -> ([f64; 2], [f64; 2]) {
-    let corners = points.map(|p| ([p.0, p.1], [p.0, p.1]));
-    let both = corners
-        .reduce(|(lo, hi), (a, b)| ([lo[0].min(a[0]), lo[1].min(a[1])], [hi[0].max(b[0]), hi[1].max(b[1])]));
-    let (low, high) = both.unwrap_or(([0.0; 2], [0.0; 2]));
-    let span = (high[0] - low[0]).max(high[1] - low[1]).max(LEAST);
-    (low.map(|v| v - 0.06 * span), high.map(|v| v + 0.06 * span))
 }

@@ -4,13 +4,11 @@
 //! there. Within a triangle the field is linear, so that a level crosses it in one straight line, and a
 //! saddle is settled by its middle. A cell with three values is one triangle, with fewer it is nothing.
 
-use std::collections::BTreeMap;
-
-pub type Point = (f64, f64);
+use crate::geometry::{PlanePoint, join_edges};
 
 /// Values on a grid, and their triangles.
 pub struct Surface {
-    points: Vec<Point>,
+    points: Vec<PlanePoint>,
     values: Vec<f64>,
     cells: Vec<Cell>,
 }
@@ -24,7 +22,7 @@ struct Cell {
 
 impl Surface {
     /// `size`: nodes along the first and second axis, row by row along the first.
-    pub fn new(size: (usize, usize), points: &[Point], values: &[Option<f64>]) -> Self {
+    pub fn new(size: (usize, usize), points: &[PlanePoint], values: &[Option<f64>]) -> Self {
         let (m, n) = size;
         let mut surface = Self {
             points: points.to_vec(),
@@ -72,8 +70,8 @@ impl Surface {
     }
 
     /// Where the field is at least a level: polygons that share edges at most, all turning one way.
-    pub fn above(&self, level: f64) -> Vec<Vec<Point>> {
-        let mut polygons: Vec<Vec<Point>> = Vec::new();
+    pub fn above(&self, level: f64) -> Vec<Vec<PlanePoint>> {
+        let mut polygons: Vec<Vec<PlanePoint>> = Vec::new();
         // The cell before, if it is whole and its row goes on: they are drawn as one.
         let mut before: Option<&Cell> = None;
         for cell in &self.cells {
@@ -94,7 +92,7 @@ impl Surface {
         polygons
     }
 
-    fn part_above(&self, triangle: &[usize; 3], level: f64) -> Vec<Point> {
+    fn part_above(&self, triangle: &[usize; 3], level: f64) -> Vec<PlanePoint> {
         let mut part = Vec::new();
         for k in 0..3 {
             let (a, b) = (triangle[k], triangle[(k + 1) % 3]);
@@ -109,55 +107,34 @@ impl Surface {
     }
 
     /// Where an edge has the value of a level that lies between its ends.
-    fn crossing(&self, a: usize, b: usize, level: f64) -> Point {
+    fn crossing(&self, a: usize, b: usize, level: f64) -> PlanePoint {
         let t = (level - self.values[a]) / (self.values[b] - self.values[a]);
         let ((ax, ay), (bx, by)) = (self.points[a], self.points[b]);
         (ax + t * (bx - ax), ay + t * (by - ay))
     }
 
-    /// The lines along which the field has a value.
-    pub fn lines(&self, level: f64) -> Vec<Vec<Point>> {
+    /// Returns the lines along which the field has a value; a closed one repeats its first point.
+    pub fn lines(&self, level: f64) -> Vec<Vec<PlanePoint>> {
         let is_in = |k: usize| self.values[k] >= level;
-        // A triangle is crossed at two of its edges or at none; an edge by two triangles at most.
-        let mut next: BTreeMap<(usize, usize), Vec<(usize, usize)>> = BTreeMap::new();
-        for triangle in self.cells.iter().flat_map(triangles) {
-            let edges = [0, 1, 2].map(|k| (triangle[k], triangle[(k + 1) % 3]));
-            let cut: Vec<_> = edges.into_iter().filter(|(a, b)| is_in(*a) != is_in(*b)).collect();
-            if let [p, q] = cut[..] {
-                let [p, q] = [p, q].map(|(a, b)| (a.min(b), a.max(b)));
-                next.entry(p).or_default().push(q);
-                next.entry(q).or_default().push(p);
-            }
-        }
-        let mut lines = Vec::new();
-        // Open lines from one of their ends, then what is left: closed ones.
-        let ends: Vec<_> = next.iter().filter(|(_, n)| n.len() == 1).map(|(e, _)| *e).collect();
-        let all: Vec<_> = next.keys().copied().collect();
-        for start in ends.into_iter().chain(all) {
-            let line = walk(&mut next, start);
-            if line.len() > 1 {
-                lines.push(line.into_iter().map(|(a, b)| self.crossing(a, b, level)).collect());
-            }
-        }
-        lines
+        // A level crosses two edges of a triangle or none. All triangles turn one way, so that segments
+        // from the edge that leaves the area above to the one that enters it lie head to tail.
+        let segment = |t: [usize; 3]| {
+            let edges = [0, 1, 2].map(|k| (t[k], t[(k + 1) % 3]));
+            let cut = |leaves: bool| {
+                let edge = edges.into_iter().find(|(a, b)| is_in(*a) == leaves && is_in(*b) != leaves);
+                edge.map(|(a, b)| (a.min(b), a.max(b)))
+            };
+            Some((cut(true)?, cut(false)?))
+        };
+        let segments: Vec<_> = self.cells.iter().flat_map(triangles).filter_map(segment).collect();
+        let joined = join_edges(&segments, |_, free| free[0]);
+        let crossings = joined.into_iter().map(|line| {
+            let first = line.is_closed.then(|| line.corners.first().copied()).flatten();
+            let edges = line.corners.into_iter().chain(first);
+            edges.map(|(a, b)| self.crossing(a, b, level)).collect()
+        });
+        crossings.collect()
     }
-}
-
-/// From an edge to the next until none is left, taking what is walked.
-fn walk(
-    next: &mut BTreeMap<(usize, usize), Vec<(usize, usize)>>,
-    start: (usize, usize),
-) -> Vec<(usize, usize)> {
-    let (mut line, mut at) = (vec![start], start);
-    while let Some(to) = next.get_mut(&at).and_then(Vec::pop) {
-        if let Some(back) = next.get_mut(&to) {
-            let place = back.iter().position(|b| *b == at);
-            place.map(|k| back.swap_remove(k));
-        }
-        line.push(to);
-        at = to;
-    }
-    line
 }
 
 fn triangles(cell: &Cell) -> Vec<[usize; 3]> {

@@ -1,16 +1,17 @@
 //! The working envelope with everything that stands in it: in plan and in upright section.
 
-use super::axes;
-
-use super::axes::Scale;
-use super::canvas::{Anchor, Canvas, EDGE, Entry, Ink, SMALL, path};
-use super::iso::Point;
+use super::axes::{self, Scale};
+use super::canvas::{Anchor, Canvas, EDGE, Entry, Ink, SMALL};
 use super::labels::Taken;
-use super::outline::{drawn, silhouette};
+use super::plane_view::{PlaneView, longer_side, widened};
+use super::solids::{KINDS, drawn, entry, rank};
 use super::{WIDTH, signs, words};
 use crate::assess::{Assessment, step_of, tolerance_of};
 use crate::drawing::{Drawing, Kind, Part};
+use crate::geometry::{PlanePoint, bounding_box};
 use crate::reach::{Envelope, Fineness};
+use crate::report::silhouette::{ABOVE, Eye, Silhouette, silhouette};
+use crate::report::svg_text::{PathEnd, path_data};
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use nalgebra::Vector3;
 
@@ -23,11 +24,11 @@ pub fn layout_plan(a: &Assessment<'_>, drawing: &Drawing<'_>, operation: usize) 
     let envelope = rings.iter().map(|r| r.iter().map(|p| (mm_from_m(p.0), mm_from_m(p.1))).collect());
     let height = height_of(a, operation);
     let name = &a.cell.operations[operation].name;
-    let view = View {
+    let view = LayoutView {
         drawing,
         operation,
-        seen: Box::new(|p| (mm_from_m(p.x), mm_from_m(p.y))),
-        depth: |p| p.z,
+        eye: ABOVE,
+        origin: Vector3::zeros(),
         envelope: envelope.collect(),
         heading: format!("{name}: the layout from above ({})", drawing.name),
         said: format!(
@@ -59,12 +60,13 @@ pub fn layout_section(a: &Assessment<'_>, drawing: &Drawing<'_>, operation: usiz
         |points: &Vec<[f64; 2]>| points.iter().map(|[r, z]| (mm_from_m(*r), mm_from_m(z + base.z))).collect();
     let (sin, cos) = (azimuth + base.yaw).sin_cos();
     let origin = frame.translation;
-    let along = move |p: &Vector3<f64>| (p.x - origin.x) * cos + (p.y - origin.y) * sin;
-    let view = View {
+    let (right, up) = (Vector3::new(cos, sin, 0.0), Vector3::z());
+    let view = LayoutView {
         drawing,
         operation,
-        seen: Box::new(move |p| (mm_from_m(along(p)), mm_from_m(p.z))),
-        depth: |_| 0.0,
+        eye: [right, up, right.cross(&up)],
+        // Heights are those of the world.
+        origin: Vector3::new(origin.x, origin.y, 0.0),
         envelope: section.outlines.iter().map(|o| ring(&o.points)).collect(),
         heading: format!("{}: the layout from the side ({})", of.name, drawing.name),
         said: format!(
@@ -84,88 +86,97 @@ fn height_of(a: &Assessment<'_>, operation: usize) -> f64 {
     a.layout.placements[operation.equipment].z + operation.standoff
 }
 
-/// From the world, m, to the picture, mm.
-type Seen = Box<dyn Fn(&Vector3<f64>) -> Point>;
-
-/// One side from which the layout is seen.
-struct View<'a> {
+/// Layout seen from one side; the plane of the picture is in mm.
+struct LayoutView<'a> {
     drawing: &'a Drawing<'a>,
     operation: usize,
-    /// A point of the world in mm of the picture.
-    seen: Seen,
-    /// What lies higher is drawn later.
-    depth: fn(&Vector3<f64>) -> f64,
-    envelope: Vec<Vec<Point>>,
+    eye: Eye,
+    /// Point of the world (m) that is the zero of the picture.
+    origin: Vector3<f64>,
+    envelope: Vec<Vec<PlanePoint>>,
     heading: String,
     said: String,
     names: (&'static str, &'static str),
-    /// Lines across, m.
+    /// Lines across: name and height, m.
     levels: Vec<(&'static str, f64)>,
 }
 
-/// A part as polygons in mm, with what orders it.
-struct Shape<'a> {
+/// Part as the view shows it.
+struct VisiblePart<'a> {
     part: &'a Part,
-    polygons: Vec<Vec<Point>>,
-    depth: f64,
+    silhouette: Silhouette,
 }
 
-impl View<'_> {
+impl LayoutView<'_> {
     fn draw(&self) -> String {
-        let shapes = self.shapes();
+        let parts = self.parts();
         let mut canvas = Canvas::new(&self.heading, std::slice::from_ref(&self.said));
-        let (low, high) = self.bounds(&shapes);
-        let ((left, right, most), size) = (PLOT, [high[0] - low[0], high[1] - low[1]]);
-        let px = ((right - left) / size[0]).min(most / size[1]);
-        let top = canvas.y + 26.0;
+        let (left, right, height) = PLOT;
+        let mut view =
+            PlaneView::fitted(self.bounds(&parts), (right - left, height), (left, canvas.y + 26.0));
         // In the middle of the picture.
-        let left = left + ((right - left) - size[0] * px) / 2.0;
-        let x = Scale::linear(low[0], high[0], (left, left + size[0] * px));
-        let y = Scale::linear(low[1], high[1], (top + size[1] * px, top));
-        let place = |p: &Point| (x.at(p.0), y.at(p.1));
+        view.left += (right - left - view.width()) / 2.0;
+        let (x, y) = view.scales();
         axes::draw(&mut canvas, &x, &y, self.names);
-        let d: String = self.envelope.iter().map(|o| path(o.iter().map(place), "Z")).collect();
-        canvas.path(&d, &format!("{} fill-opacity=\"0.16\" fill-rule=\"evenodd\"", Ink::Sky.fill()));
-        for shape in &shapes {
-            let (fill, line) = look(shape.part.kind);
-            canvas.put(&drawn(&shape.polygons, &place, &fill, &line));
+        let ring = |o: &Vec<PlanePoint>| path_data(o.iter().map(|p| view.at(p)), PathEnd::Closed, 1);
+        let reach: String = self.envelope.iter().map(ring).collect();
+        canvas.path(&reach, &format!("{} fill-opacity=\"0.16\" fill-rule=\"evenodd\"", Ink::Sky.fill()));
+        for part in &parts {
+            canvas.put(&drawn(self.rings(part, &view), part.part.kind));
         }
-        canvas.path(&d, &Ink::Blue.line(1.6));
+        canvas.path(&reach, &Ink::Blue.line(1.6));
         let mut taken = Taken::default();
         self.draw_levels(&mut canvas, &x, &y, &mut taken);
-        self.draw_spots(&mut canvas, &place, &mut taken);
-        self.draw_names(&mut canvas, &shapes, &place, &mut taken);
-        canvas.legend(&self.legend(&shapes));
+        self.draw_spots(&mut canvas, &view, &mut taken);
+        self.draw_names(&mut canvas, &parts, &view, &mut taken);
+        canvas.legend(&self.legend(&parts));
         canvas.finish()
     }
 
-    /// Everything to be seen with the tool at the spot, the lowest first.
-    fn shapes(&self) -> Vec<Shape<'_>> {
+    /// Returns a point of the world in the plane of the picture, mm.
+    fn seen(&self, p: &Vector3<f64>) -> PlanePoint {
+        let from = p - self.origin;
+        (mm_from_m(from.dot(&self.eye[0])), mm_from_m(from.dot(&self.eye[1])))
+    }
+
+    /// Returns the outlines of a part, mm.
+    fn outlines(&self, part: &VisiblePart<'_>) -> Vec<Vec<PlanePoint>> {
+        let zero = (self.origin.dot(&self.eye[0]), self.origin.dot(&self.eye[1]));
+        let place = |p: &nalgebra::Vector2<f64>| (mm_from_m(p.x - zero.0), mm_from_m(p.y - zero.1));
+        part.silhouette.loops.iter().map(|ring| ring.iter().map(place).collect()).collect()
+    }
+
+    /// Returns the outlines of a part, px.
+    fn rings<'v>(
+        &'v self,
+        part: &VisiblePart<'_>,
+        view: &'v PlaneView,
+    ) -> impl Iterator<Item = Vec<(f64, f64)>> + 'v {
+        let rings = self.outlines(part).into_iter();
+        rings.map(|ring| ring.iter().map(|p| view.at(p)).collect())
+    }
+
+    /// Returns everything to be seen with the tool at the spot, the lowest first.
+    fn parts(&self) -> Vec<VisiblePart<'_>> {
         let movement = &self.drawing.movement;
         let frames = movement.at(self.operation).unwrap_or(movement.home());
         let seen = self.drawing.posed(Some(self.operation), frames);
-        let mut all: Vec<Shape<'_>> = seen
-            .map(|(part, pose)| {
-                let depth = part.mesh.positions.iter().map(|p| (self.depth)(&pose.transform(p)));
-                let polygons = silhouette(&part.mesh, |p| (self.seen)(&pose.transform(p)));
-                Shape { part, polygons, depth: depth.fold(f64::MIN, f64::max) }
-            })
+        let mut all: Vec<VisiblePart<'_>> = seen
+            .map(|(part, pose)| VisiblePart { part, silhouette: silhouette(&part.mesh, &pose, &self.eye) })
             .collect();
-        all.sort_by(|a, b| rank(a.part.kind).cmp(&rank(b.part.kind)).then(a.depth.total_cmp(&b.depth)));
+        let order = |p: &VisiblePart<'_>| rank(p.part.kind);
+        all.sort_by(|a, b| order(a).cmp(&order(b)).then(a.silhouette.depth.total_cmp(&b.silhouette.depth)));
         all
     }
 
-    fn bounds(&self, shapes: &[Shape<'_>]) -> ([f64; 2], [f64; 2]) {
+    fn bounds(&self, parts: &[VisiblePart<'_>]) -> (PlanePoint, PlanePoint) {
         // From the side a fence is a line on the floor, or a wall that has no end.
-        let counts = |s: &&Shape<'_>| self.levels.is_empty() || s.part.kind != Kind::Fence;
-        let standing = shapes.iter().filter(counts).flat_map(|s| s.polygons.iter().flatten());
-        let points = standing.chain(self.envelope.iter().flatten());
-        let base = (self.seen)(&self.drawing.base.translation);
-        let start = ([base.0, base.1], [base.0, base.1]);
-        let (low, high) = points
-            .fold(start, |(lo, hi), p| ([lo[0].min(p.0), lo[1].min(p.1)], [hi[0].max(p.0), hi[1].max(p.1)]));
-        let margin = 0.04 * (high[0] - low[0]).max(high[1] - low[1]).max(100.0);
-        (low.map(|v| v - margin), high.map(|v| v + margin))
+        let counts = |p: &&VisiblePart<'_>| self.levels.is_empty() || p.part.kind != Kind::Fence;
+        let standing = parts.iter().filter(counts).flat_map(|p| self.outlines(p)).flatten();
+        let points = standing.chain(self.envelope.iter().flatten().copied());
+        let base = self.seen(&self.drawing.base.translation);
+        let bounds = bounding_box(points.chain([base])).unwrap_or((base, base));
+        widened(bounds, 0.04 * longer_side(bounds).max(100.0))
     }
 
     fn draw_levels(&self, canvas: &mut Canvas, x: &Scale, y: &Scale, taken: &mut Taken) {
@@ -180,48 +191,48 @@ impl View<'_> {
         }
     }
 
-    fn draw_spots(&self, canvas: &mut Canvas, place: &impl Fn(&Point) -> (f64, f64), taken: &mut Taken) {
+    fn draw_spots(&self, canvas: &mut Canvas, view: &PlaneView, taken: &mut Taken) {
         let field = &self.drawing.fields[self.operation];
-        let (x, y) = place(&(self.seen)(&self.drawing.base.translation));
+        let (x, y) = view.at(&self.seen(&self.drawing.base.translation));
         canvas.put(&format!("<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\" {}/>", Ink::Text.fill()));
         if let Some(spot) = &field.spot {
-            let (x, y) = place(&(self.seen)(spot));
+            let (x, y) = view.at(&self.seen(spot));
             canvas.put(&signs::spot((x, y)));
             taken.keep([x - 10.0, y - 10.0, x + 10.0, y + 10.0]);
         }
     }
 
-    /// The name of each equipment, where it covers no other.
+    /// Draws the name of each equipment where it covers no other.
     fn draw_names(
         &self,
         canvas: &mut Canvas,
-        shapes: &[Shape<'_>],
-        place: &impl Fn(&Point) -> (f64, f64),
+        parts: &[VisiblePart<'_>],
+        view: &PlaneView,
         taken: &mut Taken,
     ) {
         let named = |kind| matches!(kind, Kind::Equipment | Kind::Obstacle | Kind::KeepOut);
-        let mut owners: Vec<(&str, Vec<Point>)> = Vec::new();
-        for Shape { part, polygons, .. } in shapes.iter().filter(|s| named(s.part.kind)) {
+        let mut owners: Vec<(&str, Vec<PlanePoint>)> = Vec::new();
+        for visible in parts.iter().filter(|p| named(p.part.kind)) {
+            let part = visible.part;
             let name = if part.kind == Kind::KeepOut { &part.name } else { &part.owner };
-            let points = polygons.iter().flatten().map(place);
+            let points = self.rings(visible, view).flatten();
             match owners.iter_mut().find(|(owner, _)| owner == name) {
                 Some((_, all)) => all.extend(points),
                 None => owners.push((name, points.collect())),
             }
         }
-        let ends = |points: &[Point]| {
-            points.iter().fold((f64::MAX, f64::MAX, f64::MIN, f64::MIN), |e, p| {
-                (e.0.min(p.0), e.1.min(p.1), e.2.max(p.0), e.3.max(p.1))
-            })
-        };
         // The smallest first: it has the least choice.
-        let mut owners: Vec<_> = owners.into_iter().map(|(name, points)| (name, ends(&points))).collect();
+        let ends = |(name, points): (&'_ str, Vec<PlanePoint>)| {
+            let (low, high) = bounding_box(points.into_iter()).unwrap_or_default();
+            (name.to_string(), (low.0, low.1, high.0, high.1))
+        };
+        let mut owners: Vec<_> = owners.into_iter().map(ends).collect();
         owners.sort_by(|(_, a), (_, b)| {
             let area = |e: &(f64, f64, f64, f64)| (e.2 - e.0) * (e.3 - e.1);
             area(a).total_cmp(&area(b))
         });
         for (name, ends) in owners {
-            let said = words::shortened(name, SMALL, 170.0);
+            let said = words::shortened(&name, SMALL, 170.0);
             let half = words::width(&said, SMALL) / 2.0;
             let x = ((ends.0 + ends.2) / 2.0).clamp(half + 4.0, WIDTH - half - 4.0);
             let middle = (ends.1 + ends.3) / 2.0;
@@ -231,7 +242,7 @@ impl View<'_> {
         }
     }
 
-    fn legend(&self, shapes: &[Shape<'_>]) -> Vec<Entry> {
+    fn legend(&self, parts: &[VisiblePart<'_>]) -> Vec<Entry> {
         let ground = format!(
             "<path d=\"M-11 -6H11V6H-11Z\" {} fill-opacity=\"0.16\"/><path d=\"M-11 -6H11V6H-11Z\" {}/>",
             Ink::Sky.fill(),
@@ -239,38 +250,13 @@ impl View<'_> {
         );
         let mut entries = Vec::new();
         if !self.envelope.is_empty() {
-            entries.push(Entry { mark: ground, said: "can be reached".into() });
+            entries.push(Entry { mark: ground, said: "working envelope".into() });
         }
-        for kind in KINDS.iter().filter(|kind| shapes.iter().any(|s| s.part.kind == **kind)) {
-            let (fill, line) = look(*kind);
-            let square = vec![vec![(-9.0, -5.0), (9.0, -5.0), (9.0, 5.0), (-9.0, 5.0)]];
-            entries.push(Entry { mark: drawn(&square, &|p| *p, &fill, &line), said: kind.name().into() });
-        }
+        let occurs = |kind: &Kind| parts.iter().any(|p| p.part.kind == *kind);
+        entries.extend(KINDS.into_iter().filter(occurs).map(entry));
         if self.drawing.fields[self.operation].spot.is_some() {
-            entries.push(Entry { mark: signs::spot((0.0, 0.0)), said: "spot chosen".into() });
+            entries.push(Entry { mark: signs::spot((0.0, 0.0)), said: "chosen spot".into() });
         }
         entries
-    }
-}
-
-/// In the order in which they are drawn.
-const KINDS: [Kind; 7] =
-    [Kind::Fence, Kind::KeepOut, Kind::Equipment, Kind::Obstacle, Kind::Held, Kind::Robot, Kind::Tool];
-
-fn rank(kind: Kind) -> usize {
-    KINDS.iter().position(|k| *k == kind).unwrap_or(KINDS.len())
-}
-
-/// Fill and line.
-fn look(kind: Kind) -> (String, String) {
-    let none = "fill=\"none\"".to_string();
-    match kind {
-        Kind::Equipment => (Ink::Ground.fill(), Ink::Faint.line(2.4)),
-        Kind::Obstacle => (Ink::Grid.fill(), Ink::Faint.line(2.4)),
-        Kind::Fence => (none, Ink::Text.line(1.4)),
-        Kind::KeepOut => (none, format!("{} stroke-dasharray=\"6 4\"", Ink::Vermilion.line(1.6))),
-        Kind::Held => (Ink::Purple.fill(), Ink::Faint.line(2.0)),
-        Kind::Robot => (Ink::Orange.fill(), Ink::Faint.line(2.0)),
-        Kind::Tool => (Ink::Vermilion.fill(), Ink::Faint.line(2.0)),
     }
 }

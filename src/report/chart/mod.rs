@@ -8,13 +8,16 @@
 
 #[doc(hidden)] // open for tests/it
 pub mod axes;
-pub(super) mod canvas;
+mod canvas;
 #[doc(hidden)] // open for tests/it
 pub mod colour_scale;
 mod convergence;
 #[doc(hidden)] // open for tests/it
 pub mod difference;
 mod discrepancy;
+mod envelope;
+mod error_map;
+mod error_map_legend;
 mod heat_map;
 #[doc(hidden)] // open for tests/it
 pub mod histogram;
@@ -24,10 +27,10 @@ pub mod iso;
 pub mod labels;
 mod layout;
 mod misplacement;
-#[doc(hidden)] // open for tests/it
-pub mod outline;
 mod pareto;
-pub(super) mod signs;
+mod plane_view;
+mod signs;
+mod solids;
 mod tornado;
 #[doc(hidden)] // open for tests/it
 pub mod words;
@@ -36,6 +39,8 @@ pub use canvas::{Ink, dark_rules};
 pub use convergence::{Course, convergence};
 pub use difference::difference;
 pub use discrepancy::discrepancy;
+pub use envelope::envelope;
+pub use error_map::error_map;
 pub use heat_map::heat_map;
 pub use histogram::histogram;
 pub use layout::{layout_plan, layout_section};

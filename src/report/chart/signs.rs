@@ -1,69 +1,62 @@
-//! Signs on a map: one for each thing that can be the matter with a node, and for the spots.
+//! Signs on a chart: nodes that cannot be used, and the spots.
 
 use super::canvas::{Entry, Ink};
+use crate::drawing::{GlyphRing, GlyphTone, NodeGlyph, node_glyph};
+use crate::error_map::NodeSign;
+use crate::report::svg_text::{PathEnd, path_data};
+use std::f64::consts::SQRT_2;
 
-/// What can be the matter, as [`crate::error_map::Status::name`] calls it, and what a legend says.
-pub const TROUBLES: [(&str, &str); 9] = [
-    ("out-of-reach", "out of reach"),
-    ("joint-limit", "beyond a joint limit"),
-    ("attitude", "attitude not to be had"),
-    ("not-converged", "no answer found"),
-    ("collision", "collides"),
-    ("singular", "nearly singular"),
-    ("approach", "no way in"),
-    ("retract", "no way out"),
-    ("unjudged", "cannot be judged"),
-];
-
-/// The sign of an unusable node round a point, about `2 r` wide.
-pub fn sign(status: &str, at: (f64, f64), r: f64) -> String {
-    let faint = Ink::Faint.line(1.3);
-    match status {
-        "out-of-reach" => ring(at, r, &faint),
-        "joint-limit" => ring(at, r, &format!("{faint} stroke-dasharray=\"2 1.6\"")),
-        // The tool is held askew.
-        "attitude" => ring(at, r, &faint) + &path(at, &[(-r, r), (r, -r)], &faint),
-        "not-converged" => path(at, &[(-r, -r), (r, -r), (r, r), (-r, r), (-r, -r)], &faint),
-        "collision" => {
-            let red = Ink::Vermilion.line(1.6);
-            path(at, &[(-r, -r), (r, r)], &red) + &path(at, &[(-r, r), (r, -r)], &red)
-        }
-        "singular" => {
-            let orange = Ink::Orange.line(1.8);
-            path(at, &[(-r, 0.0), (r, 0.0)], &orange) + &path(at, &[(0.0, -r), (0.0, r)], &orange)
-        }
-        "approach" => path(at, &[(-r, -0.6 * r), (0.0, 0.7 * r), (r, -0.6 * r)], &Ink::Vermilion.line(1.6)),
-        "retract" => path(at, &[(-r, 0.6 * r), (0.0, -0.7 * r), (r, 0.6 * r)], &Ink::Vermilion.line(1.6)),
-        _ => path(at, &[(-r, 0.0), (r, 0.0)], &Ink::Faint.line(1.8)),
-    }
+/// Returns the sign of a node round a point, about `2 r` wide; nothing for a usable node.
+pub fn sign(sign: NodeSign, at: (f64, f64), r: f64) -> String {
+    node_glyph(sign).map_or(String::new(), |glyph| draw_glyph(&glyph, at, r))
 }
 
-/// The spot chosen.
+fn draw_glyph(glyph: &NodeGlyph, at: (f64, f64), r: f64) -> String {
+    let paint = match glyph.tone {
+        GlyphTone::Quiet => Ink::Faint.line(1.3),
+        GlyphTone::Warning => Ink::Orange.line(1.8),
+        GlyphTone::Alarm => Ink::Vermilion.line(1.6),
+    };
+    let circle = match glyph.ring {
+        GlyphRing::None => String::new(),
+        GlyphRing::Full => ring(at, r, &paint),
+        GlyphRing::Dashed => ring(at, r, &format!("{paint} stroke-dasharray=\"2 1.6\"")),
+    };
+    let reach = SQRT_2 * r;
+    let stroke = |points: &&[(f64, f64)]| {
+        let points: Vec<_> = points.iter().map(|(x, y)| (x * reach, y * reach)).collect();
+        path(at, &points, &paint)
+    };
+    circle + &glyph.strokes.iter().map(stroke).collect::<String>()
+}
+
+/// Returns the ring round the spot.
 pub fn spot(at: (f64, f64)) -> String {
     ring(at, 8.0, &Ink::Paper.line(5.0)) + &ring(at, 8.0, &Ink::Spot.line(2.4))
 }
 
-/// The spot between the nodes.
+/// Returns the diamond on the spot between the nodes.
 pub fn refined(at: (f64, f64)) -> String {
     let corners = [(-5.0, 0.0), (0.0, 5.0), (5.0, 0.0), (0.0, -5.0), (-5.0, 0.0), (0.0, 5.0)];
     path(at, &corners, &Ink::Paper.line(4.5)) + &path(at, &corners, &Ink::Spot.line(2.0))
 }
 
-/// The spot under another reading than that of the cell.
+/// Returns the dashed ring round the spot under another reading than that of the cell.
 pub fn other_spot(at: (f64, f64)) -> String {
     let dashed = format!("{} stroke-dasharray=\"4 3\"", Ink::Text.line(2.0));
     ring(at, 8.0, &Ink::Paper.line(5.0)) + &ring(at, 8.0, &dashed)
 }
 
-/// Entries for exactly the troubles that there are, each with its number of nodes.
-pub fn entries<'a>(statuses: impl Iterator<Item = &'a str>) -> Vec<Entry> {
-    let all: Vec<&str> = statuses.collect();
-    let entry = |(name, words): &(&str, &str)| {
-        let count = all.iter().filter(|s| *s == name).count();
-        let mark = sign(name, (0.0, 0.0), 5.0);
-        (count > 0).then(|| Entry { mark, said: format!("{words} ({count})") })
+/// Returns one legend entry per sign that occurs, with its number of nodes; usable nodes have none.
+pub fn entries(signs: impl Iterator<Item = NodeSign>) -> Vec<Entry> {
+    let all: Vec<NodeSign> = signs.collect();
+    let entry = |known: NodeSign| {
+        let glyph = node_glyph(known)?;
+        let count = all.iter().filter(|s| **s == known).count();
+        let mark = draw_glyph(&glyph, (0.0, 0.0), 5.0);
+        (count > 0).then(|| Entry { mark, said: format!("{} ({count})", known.label()) })
     };
-    TROUBLES.iter().filter_map(entry).collect()
+    NodeSign::ALL.into_iter().filter_map(entry).collect()
 }
 
 fn ring((x, y): (f64, f64), r: f64, paint: &str) -> String {
@@ -71,6 +64,6 @@ fn ring((x, y): (f64, f64), r: f64, paint: &str) -> String {
 }
 
 fn path((x, y): (f64, f64), points: &[(f64, f64)], paint: &str) -> String {
-    let d = super::canvas::path(points.iter().map(|(dx, dy)| (x + dx, y + dy)), "");
+    let d = path_data(points.iter().map(|(dx, dy)| (x + dx, y + dy)), PathEnd::Open, 1);
     format!("<path d=\"{d}\" {paint}/>")
 }

@@ -5,9 +5,9 @@ mod file;
 pub mod text;
 
 use crate::cell::Role;
+use crate::drawing::floor_corners;
 use crate::drawing::{Component, Drawing, Field, Kind, Mesh};
 use crate::pose::Pose;
-use crate::report::view::corners;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use file::{File, Layer};
 use nalgebra::Vector3;
@@ -116,10 +116,10 @@ fn solid(file: &mut File, layer: &str, mesh: &Mesh, pose: &Pose) {
 /// Floor space in plan, and the frame of every equipment.
 fn outlines(file: &mut File, drawing: &Drawing<'_>) {
     let (cell, layout) = (drawing.cell, &drawing.layout);
-    file.outline(ROBOT, &corners(&cell.robot.footprint, &layout.base), drawing.floor);
+    file.outline(ROBOT, &floor_corners(&cell.robot.footprint, &layout.base), drawing.floor);
     for (equipment, at) in cell.equipment.iter().zip(&layout.placements) {
         let layer = if equipment.role == Role::Equipment { EQUIPMENT } else { "OBSTACLES" };
-        file.outline(layer, &corners(&equipment.footprint, at), drawing.floor);
+        file.outline(layer, &floor_corners(&equipment.footprint, at), drawing.floor);
         let (pose, height) = (at.pose(), file.height);
         for axis in [Vector3::x(), Vector3::y()] {
             file.line(layer, &pose.translation, &pose.transform(&(axis * AXIS)));

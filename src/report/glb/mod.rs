@@ -219,7 +219,7 @@ fn stands(scene: &mut Scene, drawing: &Drawing<'_>) -> Vec<Index<Node>> {
     all
 }
 
-/// The error maps: arrows, circles round nodes out of reach, the spot; one node for each operation.
+/// The error maps: arrows, circles round nodes that cannot be used, the spot; one node for each operation.
 fn maps(scene: &mut Scene, drawing: &Drawing<'_>) -> Option<Index<Node>> {
     let ranges = drawing.fields.iter().filter_map(|f| f.range(0, f.sense));
     let range = ranges.reduce(|(lo, hi), (a, b)| (lo.min(a), hi.max(b))).unwrap_or_default();
@@ -228,7 +228,7 @@ fn maps(scene: &mut Scene, drawing: &Drawing<'_>) -> Option<Index<Node>> {
         let mut all: Vec<Index<Node>> = arrows(scene, drawing, k, range).into_iter().collect();
         let out = (0..field.nodes.len()).filter(|k| !field.nodes[*k].is_ok());
         let circles: Vec<_> = out.map(|k| field.circle(k).to_vec()).collect();
-        all.extend(scene.rings("nodes that cannot be used", &circles, ("out of reach", OUT)));
+        all.extend(scene.rings("nodes that cannot be used", &circles, ("unusable", OUT)));
         if let Some(centre) = field.spot {
             let ball = Shape::Sphere { centre, radius: field.radius() / 2.0 };
             all.extend(scene.solid("spot", &Mesh::of(&ball, 0.0), ("spot", SPOT)));

@@ -6,6 +6,7 @@
 use super::{length, lengths};
 use crate::cell::{Cell, Equipment, JointKind, Rectangle, Role, Sense};
 use crate::drawing::{Carrier, Drawing, Field, Lens, Mesh, Movement, Node, Part, Rings, Stop, Take};
+use crate::geometry::simplified_line;
 use crate::pose::Pose;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use base64::Engine;
@@ -150,7 +151,7 @@ fn field(f: &Field, cell: &Cell) -> Value {
         "every": f.every,
         "nodes": f.nodes.iter().map(|n| [n.i, n.j]).collect::<Vec<_>>(),
         "positions": floats(f.nodes.iter().flat_map(|n| millimetres(&n.position))),
-        "status": f.nodes.iter().map(|n| n.status).collect::<Vec<_>>(),
+        "status": f.nodes.iter().map(|n| n.sign.name()).collect::<Vec<_>>(),
         "reason": f.nodes.iter().map(|n| n.reason.as_str()).collect::<Vec<_>>(),
         "joints": f.nodes.iter().map(|n| joints(n, cell)).collect::<Vec<_>>(),
         "best": f.best,
@@ -187,30 +188,12 @@ fn envelope(rings: &Rings) -> Value {
     })
 }
 
-/// A closed line without the points that are within [`STRAIGHT`] of the line through those kept
-/// (Ramer 1972; Douglas and Peucker 1973).
+/// Returns a closed line without the points that are within [`STRAIGHT`] of the line through those kept.
 fn thinned(ring: &[Vector3<f64>]) -> Vec<&Vector3<f64>> {
-    let mut kept = vec![false; ring.len()];
-    let mut spans = vec![(0, ring.len())];
-    kept.iter_mut().take(1).for_each(|first| *first = true);
-    while let Some((a, b)) = spans.pop() {
-        // The last point is joined to the first.
-        let (from, to) = match (ring.get(a), ring.get(b % ring.len().max(1))) {
-            (Some(from), Some(to)) => (from, to),
-            _ => continue,
-        };
-        let along = to - from;
-        let off = |p: &Vector3<f64>| {
-            let share = along.dot(&(p - from)) / along.norm_squared().max(f64::MIN_POSITIVE);
-            (p - from - along * share.clamp(0.0, 1.0)).norm()
-        };
-        let far = (a + 1..b).map(|k| (k, off(&ring[k]))).max_by(|x, y| x.1.total_cmp(&y.1));
-        if let Some((k, _)) = far.filter(|(_, off)| *off > STRAIGHT) {
-            kept[k] = true;
-            spans.extend([(a, k), (k, b)]);
-        }
-    }
-    ring.iter().zip(kept).filter(|(_, kept)| *kept).map(|(p, _)| p).collect()
+    // The last point is joined to the first.
+    let closed: Vec<Vector3<f64>> = ring.iter().chain(ring.first()).copied().collect();
+    let kept = simplified_line(&closed, STRAIGHT);
+    kept.into_iter().filter_map(|k| ring.get(k)).collect()
 }
 
 fn movement(m: &Movement, cell: &Cell) -> Value {

@@ -5,7 +5,7 @@ use super::length;
 use crate::assess::Assessment;
 use crate::cell::{Cell, Coordinate, Layout, PLAIN, Placement, Rectangle, Role, Slot};
 use crate::drawing::lenses;
-use crate::error_map::{OperationMap, Status};
+use crate::error_map::OperationMap;
 use crate::report::text::value_word;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use serde_json::{Map, Value, json};
@@ -169,7 +169,7 @@ fn nodes(cell: &Cell, map: &OperationMap) -> Value {
         at.push(node.position.map(|v| rounded(mm_from_m(v), 1)));
         status.push(node.status.name());
         ij.push([node.i, node.j]);
-        let posture = node.posture.as_ref().filter(|_| node.status == Status::Ok);
+        let posture = node.usable_posture();
         values.push(posture.map(|p| rounded(cell.unit().from_si(p.value), 6)));
         errors.push(posture.map(|p| p.error.map(|v| rounded(mm_from_m(v), SEEN))));
         let count = reasons.len();

@@ -3,7 +3,7 @@
 use super::{joints, layout, length, lengths, refined};
 use crate::assess::Assessment;
 use crate::cell::{Cell, Model, Unit};
-use crate::error_map::{NodeRecord, OperationMap, PostureRecord};
+use crate::error_map::{NodeRecord, NodeSign, OperationMap, PostureRecord};
 use crate::kinematic_error::discrepancy;
 use crate::motion::Transfer;
 use crate::reading::{Estimate, Figures, MonteCarlo};
@@ -255,22 +255,20 @@ impl DiscrepancyDocument {
     }
 }
 
+/// Returns the number of nodes with each sign; those that few cells know only where they occur.
 pub(super) fn counts(map: &OperationMap) -> Value {
-    let count = |status| map.count(status);
-    let mut counts = json!({
-        "ok": count("ok"),
-        "out-of-reach": count("out-of-reach"),
-        "joint-limit": count("joint-limit"),
-        "collision": count("collision"),
-        "attitude": count("attitude"),
-        "not-converged": count("not-converged"),
-        "unjudged": count("unjudged"),
-    });
-    if let Some(object) = counts.as_object_mut() {
-        let asked = ["singular", "approach", "retract"].into_iter().filter(|status| count(status) > 0);
-        asked.for_each(|status| drop(object.insert(status.into(), json!(count(status)))));
-    }
-    counts
+    let always = [
+        NodeSign::Usable,
+        NodeSign::OutOfReach,
+        NodeSign::JointLimit,
+        NodeSign::Collision,
+        NodeSign::Attitude,
+        NodeSign::NotConverged,
+        NodeSign::Unjudged,
+    ];
+    let rare = NodeSign::ALL.into_iter().filter(|sign| !always.contains(sign) && map.count(*sign) > 0);
+    let entry = |sign: NodeSign| (sign.name().to_string(), json!(map.count(sign)));
+    Value::Object(always.into_iter().chain(rare).map(entry).collect())
 }
 
 /// The ways between consecutive operations; none if one of them is blocked.

@@ -1,25 +1,25 @@
 // Every layout has a view of its own; cameras and switches are shared. Without WebGL the pictures stay.
-(function () {
-  "use strict";
-  var SHARED = ["operation", "lens", "sense", "arrows", "envelope", "robot", "solids"];
-  var hosts = Array.prototype.slice.call(document.querySelectorAll(".viewer"));
-  var shown = JSON.parse(document.getElementById("drawings").textContent);
-  var views = [];
-  try {
-    hosts.forEach(function (host, k) { views.push(sweetspotViewer(host, shown, { drawing: k })); });
-    sweetspotViewer.link(views);
-  } catch (e) {
-    return;
-  }
-  var busy = false;
-  views.forEach(function (view) {
-    view.on("state", function (state) {
-      if (busy) return;
-      busy = true;
-      var same = {};
-      SHARED.forEach(function (key) { same[key] = state[key]; });
-      views.forEach(function (other) { if (other !== view) other.show(same); });
-      busy = false;
+(() => {
+  /** @type {(keyof ViewerState)[]} */
+  const SHARED = ["operation", "lens", "sense", "arrows", "envelope", "robot", "solids"];
+
+  const written = document.getElementById("drawings")?.textContent;
+  if (!written || !sweetspotViewer.supported()) return;
+  /** @type {DrawingDocument} */
+  const drawings = JSON.parse(written);
+  /** @type {HTMLElement[]} */
+  const hosts = [...document.querySelectorAll(".viewer")].filter((host) => host instanceof HTMLElement);
+  const views = hosts.map((host, drawing) => sweetspotViewer(host, drawings, { drawing }));
+  sweetspotViewer.link(views);
+
+  let isSharing = false;
+  for (const view of views) {
+    view.on("state", (state) => {
+      if (isSharing) return;
+      isSharing = true;
+      const shared = Object.fromEntries(SHARED.map((key) => [key, state[key]]));
+      for (const other of views) if (other !== view) other.show(shared);
+      isSharing = false;
     });
-  });
+  }
 })();

@@ -49,7 +49,7 @@ pub fn compare(
     told: &[Told],
 ) -> Result<String, String> {
     let Some(first) = comparison.columns.first() else { return Err("there is nothing to compare".into()) };
-    let (script, css) = (assets::VIEWER_JS.to_string() + assets::COMPARE_JS, super::report::style());
+    let (script, css) = (assets::viewer_js() + assets::COMPARE_JS, super::report::style());
     let style = css + assets::COMPARE_CSS;
     let mut stills = Vec::new();
     for (a, drawing) in comparison.columns.iter().zip(drawings) {

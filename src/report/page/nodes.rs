@@ -5,7 +5,7 @@ use super::places::mm;
 use super::subject::Subject;
 use crate::assess::Assessment;
 use crate::cell::Unit;
-use crate::error_map::{NodeRecord, OperationMap, PostureRecord, Status};
+use crate::error_map::{NodeRecord, OperationMap};
 use crate::files::shown;
 use crate::report::text::value_word;
 use crate::units::{mm_from_m, percent_from_share, rounded};
@@ -48,7 +48,7 @@ fn table(a: &Assessment<'_>, map: &OperationMap, is_long: bool, csv: &str) -> Ta
     ];
     let mut nodes: Vec<&NodeRecord> = map.nodes.iter().collect();
     if is_long {
-        let value = |n: &NodeRecord| posture(n).map_or(f64::INFINITY, |p| p.value);
+        let value = |n: &NodeRecord| n.usable_posture().map_or(f64::INFINITY, |p| p.value);
         nodes.sort_by(|a, b| value(a).total_cmp(&value(b)));
         nodes.truncate(BEST);
     }
@@ -66,14 +66,10 @@ fn told_unit(unit: Unit) -> &'static str {
     if unit == Unit::Share { "%" } else { unit.word() }
 }
 
-fn posture(node: &NodeRecord) -> Option<&PostureRecord> {
-    node.posture.as_ref().filter(|_| node.status == Status::Ok)
-}
-
 fn row(a: &Assessment<'_>, node: &NodeRecord) -> Vec<String> {
     let mut row = vec![node.i.to_string(), node.j.to_string()];
     row.extend([0, 1, 2].map(|axis| mm(node.position[axis])));
-    match posture(node) {
+    match node.usable_posture() {
         Some(p) => {
             let value = match a.cell.unit() {
                 Unit::Share => percent_from_share(p.value),

@@ -4,8 +4,8 @@ use super::content::{NOTHING, Section, Table};
 use super::subject::Subject;
 use crate::assess::Assessment;
 use crate::cell::{Equipment, Joint, JointKind, Placement, Rectangle, Role};
+use crate::drawing::floor_corners;
 use crate::files::shown;
-use crate::report::view::corners;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 
 /// Where everything stands.
@@ -139,7 +139,7 @@ fn corner_rows(
             mm(own.x.hypot(own.y)),
         ]
     };
-    corners(r, at).into_iter().enumerate().map(row).collect()
+    floor_corners(r, at).into_iter().enumerate().map(row).collect()
 }
 
 fn joint_table(a: &Assessment<'_>) -> Table {

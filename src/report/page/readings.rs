@@ -5,6 +5,7 @@ use super::places::titled;
 use super::subject::Subject;
 use crate::assess::Assessment;
 use crate::cell::{ErrorSet, Sense};
+use crate::error_map::NodeSign;
 use crate::files::shown;
 use crate::reading::Figures;
 use crate::units::rounded;
@@ -69,28 +70,14 @@ fn spread(a: &Assessment<'_>) -> String {
     said.collect::<Vec<_>>().join(" ")
 }
 
-/// What can be the matter with a node, and how it is told.
-const STATUSES: [(&str, &str); 10] = [
-    ("ok", "usable"),
-    ("out-of-reach", "out of reach"),
-    ("joint-limit", "beyond a joint limit"),
-    ("collision", "colliding"),
-    ("attitude", "tool cannot be held so"),
-    ("singular", "nearly singular"),
-    ("approach", "no approach"),
-    ("retract", "no retract"),
-    ("not-converged", "no answer"),
-    ("unjudged", "cannot be judged"),
-];
-
 fn counts(a: &Assessment<'_>) -> Table {
-    let told = |status: &str| a.maps.iter().any(|m| m.count(status) > 0);
-    let statuses: Vec<_> = STATUSES.into_iter().filter(|(status, _)| told(status)).collect();
+    let occurs = |sign: &NodeSign| a.maps.iter().any(|m| m.count(*sign) > 0);
+    let signs: Vec<NodeSign> = NodeSign::ALL.into_iter().filter(occurs).collect();
     let mut head = vec!["operation", "nodes"];
-    head.extend(statuses.iter().map(|(_, words)| *words));
+    head.extend(signs.iter().map(|sign| sign.label()));
     let row = |map: &crate::error_map::OperationMap| {
         let mut row = vec![shown(&a.cell.operations[map.operation].name), map.nodes.len().to_string()];
-        row.extend(statuses.iter().map(|(status, _)| map.count(status).to_string()));
+        row.extend(signs.iter().map(|sign| map.count(*sign).to_string()));
         row
     };
     Table::new(titled(a, "nodes"), &head, a.maps.iter().map(row).collect())

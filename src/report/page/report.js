@@ -1,21 +1,26 @@
-// The page reads without it: the view in three dimensions takes the place of the picture, and what is
-// folded opens for print.
-(function () {
-  "use strict";
-  var host = document.getElementById("viewer");
-  try {
-    var shown = JSON.parse(document.getElementById("drawings").textContent);
-    // The layout that is recommended comes last.
-    sweetspotViewer(host, shown, { drawing: shown.drawings.length - 1 });
-  } catch (e) {
-    // No WebGL: the picture stays.
+// The report reads without this script. It puts the 3-D view in the place of the picture, and opens what is
+// folded for print.
+(() => {
+  const host = document.getElementById("viewer");
+  const written = document.getElementById("drawings")?.textContent;
+  if (host && written) {
+    /** @type {DrawingDocument} */
+    const drawings = JSON.parse(written);
+    try {
+      // The layout that is recommended comes last.
+      sweetspotViewer(host, drawings, { drawing: drawings.drawings.length - 1 });
+    } catch (error) {
+      console.warn(error);
+    }
   }
-  var folded = [];
-  window.addEventListener("beforeprint", function () {
-    folded = Array.prototype.slice.call(document.querySelectorAll("details:not([open])"));
-    folded.forEach(function (d) { d.open = true; });
+
+  /** @type {HTMLDetailsElement[]} */
+  let folded = [];
+  addEventListener("beforeprint", () => {
+    folded = [...document.querySelectorAll("details")].filter((details) => !details.open);
+    for (const details of folded) details.open = true;
   });
-  window.addEventListener("afterprint", function () {
-    folded.forEach(function (d) { d.open = false; });
+  addEventListener("afterprint", () => {
+    for (const details of folded) details.open = false;
   });
 })();

@@ -39,7 +39,7 @@ struct Page<'a> {
 /// What cannot be rendered.
 pub fn report(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Result<Report, String> {
     let verdict = Verdict::new(subject);
-    let (script, style) = (assets::VIEWER_JS.to_string() + assets::REPORT_JS, style());
+    let (script, style) = (assets::viewer_js() + assets::REPORT_JS, style());
     let mut sections = figures::sections(subject, drawings);
     sections.push(places::section(subject));
     sections.push(places::joints(subject));

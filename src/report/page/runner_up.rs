@@ -3,7 +3,7 @@
 use super::subject::Subject;
 use super::verdict::quantity;
 use crate::assess::Assessment;
-use crate::error_map::{NodeRecord, PostureRecord, Status};
+use crate::error_map::{NodeRecord, PostureRecord};
 use crate::files::shown;
 use crate::layout::combined;
 use crate::units::rounded;
@@ -67,8 +67,6 @@ fn next_node(a: &Assessment<'_>) -> Option<RunnerUp> {
 /// The usable node with the least value but that of the spot.
 fn second<'m>(a: &'m Assessment<'_>, k: usize) -> Option<Posed<'m>> {
     let map = &a.maps[k];
-    let usable =
-        map.nodes.iter().enumerate().filter(|(at, n)| Some(*at) != map.best && n.status == Status::Ok);
-    let posed = usable.filter_map(|(_, n)| Some((n, n.posture.as_ref()?))).filter(|(_, p)| !p.touched);
-    posed.min_by(|a, b| a.1.value.total_cmp(&b.1.value))
+    let others = map.usable().filter(|(at, _, p)| Some(*at) != map.best && !p.touched);
+    others.map(|(_, node, posture)| (node, posture)).min_by(|a, b| a.1.value.total_cmp(&b.1.value))
 }

@@ -9,7 +9,7 @@ use super::palette::{Colour, Light, hex};
 use super::scene::Line;
 use super::{Shot, Staged, edges, labels, staged, strip, trace};
 use crate::drawing::Drawing;
-use crate::report::view::escaped;
+use crate::report::svg_text::escaped;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use std::fmt::Write;

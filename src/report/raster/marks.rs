@@ -4,7 +4,7 @@ use super::Shot;
 use super::palette::{Colour, Palette, scale as colour_of};
 use super::scale::{Scale, best, value};
 use super::scene::{Body, Label, Line, Mark, Scene, Side};
-use crate::drawing::{Arrow, Drawing, Field, Mesh, Node};
+use crate::drawing::{Arrow, Drawing, Field, GlyphRing, Mesh, Node, node_glyph};
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 
@@ -23,7 +23,7 @@ pub fn add(scene: &mut Scene, drawing: &Drawing<'_>, shot: &Shot, palette: &Pale
             let said = usable.map_or(node.reason.clone(), |v| scale.said(v));
             match colour {
                 Some(colour) => scene.bodies.push(disc(node, 0.32 * radius, colour, scene.size)),
-                None => cannot(scene, node, &field.circle(n), palette),
+                None => add_glyph(scene, node, &field.circle(n), radius, palette),
             }
             let title = format!("({}, {}): {said}", node.i, node.j);
             scene.nodes.push(Mark { at: node.position, colour, title });
@@ -46,11 +46,11 @@ pub fn add(scene: &mut Scene, drawing: &Drawing<'_>, shot: &Shot, palette: &Pale
     }
 }
 
-/// A circle, dashed where the arm comes near but cannot hold the tool so, or a cross where something is
-/// in the way.
-fn cannot(scene: &mut Scene, node: &Node, circle: &[Vector3<f64>], palette: &Palette) {
-    let lift = 0.004 * scene.size;
-    let line = |points: Vec<Vector3<f64>>, closed: bool, dashed: bool, colour: Colour| Line {
+/// Adds the glyph of a node that cannot be used, level, round the node.
+fn add_glyph(scene: &mut Scene, node: &Node, circle: &[Vector3<f64>], radius: f64, palette: &Palette) {
+    let Some(glyph) = node_glyph(node.sign) else { return };
+    let (lift, colour) = (0.004 * scene.size, palette.of_tone(glyph.tone));
+    let line = |points: Vec<Vector3<f64>>, closed: bool, dashed: bool| Line {
         points,
         closed,
         dashed,
@@ -58,19 +58,15 @@ fn cannot(scene: &mut Scene, node: &Node, circle: &[Vector3<f64>], palette: &Pal
         width: 1.4,
         lift,
     };
-    match node.status {
-        "out-of-reach" => scene.lines.push(line(circle.to_vec(), true, false, palette.ring)),
-        "joint-limit" | "attitude" | "not-converged" => {
-            scene.lines.push(line(circle.to_vec(), true, true, palette.ring));
-        }
-        _ => {
-            let eighth = circle.len() / 8;
-            for k in [eighth, 3 * eighth] {
-                let ends = vec![circle[k], circle[(k + circle.len() / 2) % circle.len()]];
-                scene.lines.push(line(ends, false, false, palette.cross));
-            }
-        }
+    match glyph.ring {
+        GlyphRing::None => {}
+        GlyphRing::Full => scene.lines.push(line(circle.to_vec(), true, false)),
+        GlyphRing::Dashed => scene.lines.push(line(circle.to_vec(), true, true)),
     }
+    // The y axis of a glyph points down, that of the world up in the plan.
+    let place = |(x, y): &(f64, f64)| node.position + Vector3::new(x * radius, -y * radius, 0.0);
+    let strokes = glyph.strokes.iter().map(|stroke| line(stroke.iter().map(place).collect(), false, false));
+    scene.lines.extend(strokes);
 }
 
 /// A dot that lies on the surface.

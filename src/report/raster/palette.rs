@@ -1,7 +1,7 @@
 //! Colours and light.
 
 use super::camera::Camera;
-use crate::drawing::Kind;
+use crate::drawing::{GlyphTone, Kind};
 use crate::report::colours;
 use nalgebra::Vector3;
 
@@ -16,7 +16,8 @@ pub struct Palette {
     pub text: Colour,
     pub faint: Colour,
     pub ring: Colour,
-    pub cross: Colour,
+    warning: Colour,
+    alarm: Colour,
     pub spot: Colour,
     pub envelope: Colour,
     is_dark: bool,
@@ -24,13 +25,28 @@ pub struct Palette {
 
 impl Palette {
     pub fn of(is_dark: bool) -> Self {
-        let [paper, floor, grid, text, faint, ring, cross, spot, envelope] = if is_dark {
-            [0x12161b, 0x20262d, 0x323a44, 0xe8ecf0, 0xa3adb8, 0xaab4be, 0xff7b72, 0xff6ac1, 0x58b4f0]
+        let [paper, floor, grid, text, faint, ring, warning, alarm, spot, envelope] = if is_dark {
+            [
+                0x12161b, 0x20262d, 0x323a44, 0xe8ecf0, 0xa3adb8, 0xaab4be, 0xf0b429, 0xff7b72, 0xff6ac1,
+                0x58b4f0,
+            ]
         } else {
-            [0xffffff, 0xeef0f2, 0xd9dde2, 0x1b1f24, 0x57606a, 0x57606a, 0xcf222e, 0xc2187f, 0x0969a8]
+            [
+                0xffffff, 0xeef0f2, 0xd9dde2, 0x1b1f24, 0x57606a, 0x57606a, 0xb86e00, 0xcf222e, 0xc2187f,
+                0x0969a8,
+            ]
         }
         .map(rgb);
-        Self { paper, floor, grid, text, faint, ring, cross, spot, envelope, is_dark }
+        Self { paper, floor, grid, text, faint, ring, warning, alarm, spot, envelope, is_dark }
+    }
+
+    /// Returns the colour of a glyph.
+    pub fn of_tone(&self, tone: GlyphTone) -> Colour {
+        match tone {
+            GlyphTone::Quiet => self.ring,
+            GlyphTone::Warning => self.warning,
+            GlyphTone::Alarm => self.alarm,
+        }
     }
 
     /// Of a solid, and how much of what lies behind it it hides.

@@ -5,9 +5,11 @@ use super::palette::{Colour, Palette, hex, scale as colour_of};
 use super::scale::Show;
 use super::{Shot, Staged, font};
 use crate::cell::Unit;
-use crate::drawing::Drawing;
+use crate::drawing::round_numbers::{ONE_TWO_FIVE, round_down};
+use crate::drawing::{Drawing, GlyphRing, GlyphStroke, NodeGlyph, node_glyph};
+use crate::error_map::NodeSign;
 use crate::files::shown;
-use crate::report::view::escaped;
+use crate::report::svg_text::escaped;
 use crate::units::{m_from_mm, mm_from_m};
 use nalgebra::Vector2;
 use std::f64::consts::TAU;
@@ -19,23 +21,20 @@ pub const HEIGHT: f64 = 8.6;
 /// Size of the letters of a browser for capitals of height 1.
 pub const TEXT: f64 = 1.38;
 
-/// A sign and what it means.
+/// Entry of the legend for a sign in the picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Sign {
-    OutOfReach,
-    Limit,
-    Collides,
+pub enum LegendSign {
     Spot,
+    /// Sign of nodes that cannot be used.
+    Node(NodeSign),
     Envelope,
 }
 
-impl Sign {
-    pub fn word(self) -> &'static str {
+impl LegendSign {
+    pub fn label(self) -> &'static str {
         match self {
-            Self::OutOfReach => "out of reach",
-            Self::Limit => "joint limit, attitude",
-            Self::Collides => "collides, no way in",
             Self::Spot => "best spot",
+            Self::Node(sign) => sign.label(),
             Self::Envelope => "reach of the arm",
         }
     }
@@ -49,7 +48,7 @@ pub struct Words {
     pub colours: Option<[String; 3]>,
     /// Of the arrows: length of the bar (m of the world), and what it means.
     pub arrows: Option<(f64, String)>,
-    pub signs: Vec<Sign>,
+    pub signs: Vec<LegendSign>,
 }
 
 impl Words {
@@ -77,7 +76,8 @@ impl Words {
             ]
         });
         let enlarged = drawing.exaggeration(shot.take);
-        let error = round_number(16.0 * shot.capital() / (stage.camera.scale * enlarged));
+        let longest = mm_from_m(16.0 * shot.capital() / (stage.camera.scale * enlarged));
+        let error = m_from_mm(round_down(longest.clamp(1e-9, 1e9), ONE_TWO_FIVE));
         let what = match shot.show {
             Show::X | Show::Y | Show::Z => format!("error along {}", shot.show.sense().unwrap_or("")),
             Show::InPlane => "error in x and y".into(),
@@ -89,36 +89,28 @@ impl Words {
     }
 }
 
-/// Those that are in the picture.
-fn signs(drawing: &Drawing<'_>, shot: &Shot) -> Vec<Sign> {
+/// Returns the entries for the signs that are in the picture.
+pub fn signs(drawing: &Drawing<'_>, shot: &Shot) -> Vec<LegendSign> {
     let shown = || drawing.fields.iter().filter(|f| shot.operation.is_none_or(|o| o == f.operation));
-    let sign = |status: &str| match status {
-        "ok" => Sign::Spot,
-        "out-of-reach" => Sign::OutOfReach,
-        "joint-limit" | "attitude" | "not-converged" => Sign::Limit,
-        _ => Sign::Collides,
-    };
-    let there = |s: Sign| shown().flat_map(|f| &f.nodes).any(|n| sign(n.status) == s);
-    let all = [Sign::Spot, Sign::OutOfReach, Sign::Limit, Sign::Collides];
-    let mut signs: Vec<Sign> = all.into_iter().filter(|s| shot.show != Show::Nothing && there(*s)).collect();
+    let occurs = |sign: &NodeSign| shown().flat_map(|f| &f.nodes).any(|n| n.sign == *sign);
+    let mut signs: Vec<LegendSign> = Vec::new();
+    if shot.show != Show::Nothing {
+        signs.extend(NodeSign::ALL.into_iter().filter(occurs).map(|sign| match sign.is_usable() {
+            // Usable nodes are dots in the colours of the scale; the best of them has a ring.
+            true => LegendSign::Spot,
+            false => LegendSign::Node(sign),
+        }));
+    }
     if shot.envelope && !drawing.envelopes.is_empty() {
-        signs.push(Sign::Envelope);
+        signs.push(LegendSign::Envelope);
     }
     signs
 }
 
-/// 1, 2 or 5 times a power of ten mm, not above a length; m.
-fn round_number(most: f64) -> f64 {
-    let mm = mm_from_m(most).clamp(1e-9, 1e9);
-    let digit = 10f64.powf(mm.log10().floor());
-    let lead = [5.0, 2.0, 1.0].into_iter().find(|l| l * digit <= mm).unwrap_or(1.0);
-    m_from_mm(lead * digit)
-}
-
 /// Places of the columns of the legend, in heights of capitals.
 pub const COLUMNS: [f64; 3] = [2.2, 38.5, 78.0];
-/// Of the signs, three below each other.
-const WIDE: f64 = 21.5;
+/// Most signs below each other.
+const MAX_ROWS: usize = 4;
 pub const BAR: f64 = 31.0;
 
 /// A thing of the legend, px.
@@ -138,7 +130,7 @@ pub fn items(drawing: &Drawing<'_>, stage: &Staged, shot: &Shot) -> Vec<Item> {
     // Letters do not shrink with a small picture, the space between the columns does.
     let narrow = (shot.width as f64 / unit / 125.0).min(1.0);
     let [first, second, third] = [COLUMNS[0], COLUMNS[1] * narrow, COLUMNS[2] * narrow];
-    let (bar, wide) = (BAR * narrow, WIDE * narrow);
+    let bar = BAR * narrow;
     let text = |s: &str, x: f64, y: f64| Item::Text(s.to_string(), at(x, y), unit, palette.text);
     let (width, line) = (shot.width as f64 / unit, vec![at(0.0, top), at(shot.width as f64 / unit, top)]);
     let mut items = vec![
@@ -170,33 +162,76 @@ pub fn items(drawing: &Drawing<'_>, stage: &Staged, shot: &Shot) -> Vec<Item> {
         items.extend(lines.map(line));
     }
     let column = if words.colours.is_some() { third } else { first };
-    for (k, sign) in words.signs.iter().enumerate() {
-        let (column, y) = (column + wide * (k / 3) as f64, top + 1.9 + 1.9 * (k % 3) as f64);
-        items.extend(sign_items(*sign, at(column + 0.8, y), unit, palette));
-        items.push(text(sign.word(), column + 3.0, y + 0.5));
+    let place = Vector2::new(column * unit, top * unit);
+    items.extend(sign_table(&words.signs, place, width * unit - place.x, unit, palette));
+    items
+}
+
+/// Signs with their labels below each other, column by column; smaller where they would not fit.
+fn sign_table(
+    signs: &[LegendSign],
+    place: Vector2<f64>,
+    room: f64,
+    unit: f64,
+    palette: &Palette,
+) -> Vec<Item> {
+    let rows = if signs.len() <= 6 { 3 } else { MAX_ROWS };
+    let columns: Vec<&[LegendSign]> = signs.chunks(rows).collect();
+    // A sign is 3 heights of capitals wide, and as much lies between two columns.
+    let wide = |column: &&[LegendSign]| {
+        4.5 + column.iter().map(|sign| font::width(sign.label(), 1.0)).fold(0.0, f64::max)
+    };
+    let needed: f64 = columns.iter().map(wide).sum();
+    let size = unit * (room / (needed * unit)).min(1.0);
+    let step = 5.7 / rows as f64;
+    let (mut left, mut items) = (0.0, Vec::new());
+    for column in &columns {
+        for (k, sign) in column.iter().enumerate() {
+            let y = place.y + (1.9 + step * k as f64) * unit;
+            let at = |x: f64, down: f64| Vector2::new(place.x + (left + x) * size, y + down * size);
+            items.extend(sign_items(*sign, at(0.8, 0.0), size, palette));
+            items.push(Item::Text(sign.label().into(), at(3.0, 0.5), size, palette.text));
+        }
+        left += wide(column);
     }
     items
 }
 
-fn sign_items(sign: Sign, at: Vector2<f64>, unit: f64, palette: &Palette) -> Vec<Item> {
-    let ring = |radius: f64, from: f64, to: f64| -> Vec<Vector2<f64>> {
-        let angle = |k: usize| from + (to - from) * k as f64 / 24.0;
-        (0..=24).map(|k| at + Vector2::new(angle(k).cos(), angle(k).sin()) * radius * unit).collect()
-    };
+fn sign_items(sign: LegendSign, at: Vector2<f64>, unit: f64, palette: &Palette) -> Vec<Item> {
     let thin = 0.14 * unit;
-    let line = |a: Vector2<f64>, colour: Colour| Item::Line(vec![at - a, at + a], thin, colour);
     match sign {
-        Sign::OutOfReach => vec![Item::Line(ring(0.65, 0.0, TAU), thin, palette.ring)],
-        Sign::Limit => {
-            let from = (0..6).map(|k| TAU * f64::from(k) / 6.0);
-            from.map(|a| Item::Line(ring(0.65, a, a + TAU / 12.0), thin, palette.ring)).collect()
+        LegendSign::Node(sign) => {
+            node_glyph(sign).map_or(Vec::new(), |glyph| glyph_items(&glyph, at, unit, palette))
         }
-        Sign::Collides => {
-            [-0.5, 0.5].map(|y| line(Vector2::new(0.5, y) * unit, palette.cross)).into_iter().collect()
+        LegendSign::Spot => vec![Item::Line(arc(at, 0.75 * unit, 0.0, TAU), 0.3 * unit, palette.spot)],
+        LegendSign::Envelope => {
+            let half = Vector2::new(unit, 0.0);
+            vec![Item::Line(vec![at - half, at + half], thin, palette.envelope)]
         }
-        Sign::Spot => vec![Item::Line(ring(0.75, 0.0, TAU), 0.3 * unit, palette.spot)],
-        Sign::Envelope => vec![line(Vector2::new(unit, 0.0), palette.envelope)],
     }
+}
+
+fn glyph_items(glyph: &NodeGlyph, at: Vector2<f64>, unit: f64, palette: &Palette) -> Vec<Item> {
+    let (radius, thin, colour) = (0.65 * unit, 0.14 * unit, palette.of_tone(glyph.tone));
+    let dash = TAU / 6.0;
+    let arcs = match glyph.ring {
+        GlyphRing::None => Vec::new(),
+        GlyphRing::Full => vec![arc(at, radius, 0.0, TAU)],
+        GlyphRing::Dashed => {
+            (0..6).map(|k| dash * f64::from(k)).map(|from| arc(at, radius, from, from + dash / 2.0)).collect()
+        }
+    };
+    let stroke = |points: &GlyphStroke| -> Vec<Vector2<f64>> {
+        points.iter().map(|(x, y)| at + Vector2::new(*x, *y) * radius).collect()
+    };
+    let lines = arcs.into_iter().chain(glyph.strokes.iter().map(stroke));
+    lines.map(|points| Item::Line(points, thin, colour)).collect()
+}
+
+/// Points of a part of a circle from one angle to another, rad.
+fn arc(at: Vector2<f64>, radius: f64, from: f64, to: f64) -> Vec<Vector2<f64>> {
+    let angle = |k: usize| from + (to - from) * k as f64 / 24.0;
+    (0..=24).map(|k| at + Vector2::new(angle(k).cos(), angle(k).sin()) * radius).collect()
 }
 
 pub fn write(sheet: &mut Sheet, items: &[Item]) {

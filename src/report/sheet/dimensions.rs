@@ -3,7 +3,7 @@
 use super::View;
 use crate::cell::Role;
 use crate::drawing::Drawing;
-use crate::report::view::corners;
+use crate::drawing::floor_corners;
 use crate::units::{mm_from_m, rounded};
 use nalgebra::Vector2;
 use std::fmt::Write;
@@ -20,7 +20,7 @@ pub fn marks(drawing: &Drawing<'_>) -> Vec<(String, usize, Vector2<f64>)> {
     let base = Vector2::new(layout.base.x, layout.base.y);
     let placed = cell.equipment.iter().zip(&layout.placements).enumerate();
     let nearest = placed.filter(|(_, (e, _))| e.role == Role::Equipment).filter_map(|(k, (e, at))| {
-        let corners = corners(&e.footprint, at).map(|(x, y)| Vector2::new(x, y));
+        let corners = floor_corners(&e.footprint, at).map(|(x, y)| Vector2::new(x, y));
         let away = |p: &Vector2<f64>| (p - base).norm();
         Some((k, corners.into_iter().min_by(|a, b| away(a).total_cmp(&away(b)))?))
     });

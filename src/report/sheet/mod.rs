@@ -4,15 +4,13 @@
 //! 0.18 mm wide (ISO 128), nothing to be scaled when it is printed.
 
 mod dimensions;
-#[doc(hidden)] // open for tests/it
-pub mod silhouette;
 mod title;
 
-use crate::drawing::{Component, Drawing, Field, Kind};
-use crate::report::view::{corners, escaped};
+use crate::drawing::{Component, Drawing, Field, Kind, floor_corners};
+use crate::report::silhouette::{ABOVE, Eye, FRONT, Silhouette, silhouette};
+use crate::report::svg_text::{PathEnd, escaped, path_data};
 use crate::units::mm_from_m;
 use nalgebra::{Vector2, Vector3};
-use silhouette::{ABOVE, Eye, FRONT, Silhouette, silhouette};
 use std::fmt::Write;
 
 /// ISO 5455: 1 to so many.
@@ -124,7 +122,7 @@ fn bounds(drawing: &Drawing<'_>, view: &[Shown], is_plan: bool) -> (Vector2<f64>
     if is_plan {
         let stands = cell.equipment.iter().map(|e| &e.footprint).zip(&layout.placements);
         let all = stands.chain([(&cell.robot.footprint, &layout.base)]);
-        points.extend(all.flat_map(|(f, at)| corners(f, at)).map(|(x, y)| Vector2::new(x, y)));
+        points.extend(all.flat_map(|(f, at)| floor_corners(f, at)).map(|(x, y)| Vector2::new(x, y)));
     } else {
         points.push(Vector2::new(layout.base.x, drawing.floor));
     }
@@ -173,22 +171,22 @@ fn style(kind: Kind) -> &'static str {
 
 fn draw(out: &mut String, view: &View, solids: Vec<Shown>) {
     for Shown { kind, silhouette } in solids {
-        let outline: String =
-            silhouette.loops.iter().map(|ring| path(ring.iter().map(|p| view.at(p)), "Z")).collect();
-        let edges: String =
-            silhouette.edges.iter().map(|edge| path(edge.iter().map(|p| view.at(p)), "")).collect();
+        let outline: String = silhouette
+            .loops
+            .iter()
+            .map(|ring| path_data(ring.iter().map(|p| view.at(p)), PathEnd::Closed, 2))
+            .collect();
+        let edges: String = silhouette
+            .edges
+            .iter()
+            .map(|edge| path_data(edge.iter().map(|p| view.at(p)), PathEnd::Open, 2))
+            .collect();
         let _ = writeln!(
             out,
             "<g {}><path d=\"{outline}\" stroke-width=\"0.35\"/><path d=\"{edges}\" stroke-width=\"0.18\"/></g>",
             style(kind)
         );
     }
-}
-
-/// Through points in mm on paper.
-fn path(points: impl Iterator<Item = (f64, f64)>, end: &str) -> String {
-    let words: Vec<String> = points.map(|(x, y)| format!("{x:.2} {y:.2}")).collect();
-    format!("M{}{end}", words.join("L"))
 }
 
 fn floor(out: &mut String, drawing: &Drawing<'_>, front: &View) {
@@ -202,7 +200,7 @@ fn floor(out: &mut String, drawing: &Drawing<'_>, front: &View) {
 fn map(out: &mut String, drawing: &Drawing<'_>, view: &View, (k, field): (usize, &Field)) {
     let (x, y, (width, height)) = (view.left, view.bottom, view.size());
     let reach = drawing.envelopes.get(k).map_or(&[][..], |rings| &rings.at_work);
-    let ring = |r: &Vec<Vector3<f64>>| path(r.iter().map(|p| view.plan(p)), "Z");
+    let ring = |r: &Vec<Vector3<f64>>| path_data(r.iter().map(|p| view.plan(p)), PathEnd::Closed, 2);
     let _ = writeln!(
         out,
         "<clipPath id=\"view{k}\"><rect x=\"{x:.2}\" y=\"{:.2}\" width=\"{width:.2}\" height=\"{height:.2}\"/></clipPath>\
@@ -222,8 +220,8 @@ fn map(out: &mut String, drawing: &Drawing<'_>, view: &View, (k, field): (usize,
     let mut lines = String::new();
     for arrow in drawing.arrows(k, 0, Component::Resultant) {
         let [a, b, ..] = arrow.barbs();
-        lines += &path([arrow.tail, arrow.tip].iter().map(|p| view.plan(p)), "");
-        lines += &path([a, arrow.tip, b].iter().map(|p| view.plan(p)), "");
+        lines += &path_data([arrow.tail, arrow.tip].iter().map(|p| view.plan(p)), PathEnd::Open, 2);
+        lines += &path_data([a, arrow.tip, b].iter().map(|p| view.plan(p)), PathEnd::Open, 2);
     }
     let [out_of_reach, usable] = circles;
     let _ = writeln!(

@@ -1,9 +1,11 @@
 //! Title block, list of what stands where, scale bar.
 
 use super::dimensions::{marks, room};
-use super::{MARGIN, TITLE, escaped};
+use super::{MARGIN, TITLE};
 use crate::drawing::Drawing;
-use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rounded};
+use crate::drawing::round_numbers::{ONE_TWO_FIVE, round_down};
+use crate::report::svg_text::escaped;
+use crate::units::{deg_from_rad, mm_from_m, rounded};
 use std::fmt::Write;
 
 /// Height of a line and width of the list, mm on paper.
@@ -127,11 +129,8 @@ pub fn block(
 
 /// A length of 20 to 50 mm on paper and how much it is, with the axes of the plan.
 fn bar(out: &mut String, (x, y): (f64, f64), ratio: f64) {
-    // 1, 2 or 5 times a power of ten.
-    let raw = 40.0 * ratio;
-    let digit = 10f64.powi(raw.log10().floor() as i32);
-    let length = [5.0, 2.0, 1.0].into_iter().map(|n| n * digit).find(|l| *l <= raw * 1.0001).unwrap_or(digit);
-    let wide = mm_from_m(m_from_mm(length)) / ratio;
+    let length = round_down(40.0 * ratio, ONE_TWO_FIVE);
+    let wide = length / ratio;
     let _ = writeln!(
         out,
         "<g fill=\"none\" stroke=\"#000000\" stroke-width=\"0.35\"><path d=\"M{x:.2} {0:.2}v3m0 -1.5h{wide:.2}m0 -1.5v3\"/>\

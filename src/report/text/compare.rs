@@ -1,9 +1,10 @@
 //! Layouts side by side.
 
 use super::table::TextTable;
-use super::{ALWAYS_COUNTED, STATUSES, fixed, mm, mm1, percent1, value_word};
+use super::{ALWAYS_COUNTED, fixed, mm, mm1, percent1, value_word};
 use crate::assess::{Assessment, Comparison, Requirement};
 use crate::cell::{Coordinate, Slot, Unit};
+use crate::error_map::NodeSign;
 use crate::layout::Refined;
 use crate::units::{deg_from_rad, rounded};
 use std::fmt::Write;
@@ -162,14 +163,14 @@ fn operation_rows(table: &mut TextTable, k: usize, comparison: &Comparison<'_>) 
         let success = |a: &Assessment<'_>| a.spot(k).and_then(|(_, p)| p.success);
         table.labelled("", "yield", (0..columns.len()).map(|c| with_change(comparison, c, &success)));
     }
-    for (status, words) in STATUSES {
-        if !ALWAYS_COUNTED.contains(&status) && columns.iter().all(|c| c.maps[k].count(status) == 0) {
+    for sign in NodeSign::ALL {
+        if !ALWAYS_COUNTED.contains(&sign) && columns.iter().all(|c| c.maps[k].count(sign) == 0) {
             continue;
         }
         table.labelled(
             "",
-            &format!("nodes {words}"),
-            columns.iter().map(|c| c.maps[k].count(status).to_string()),
+            &format!("nodes {}", sign.label()),
+            columns.iter().map(|c| c.maps[k].count(sign).to_string()),
         );
     }
 }

@@ -1,10 +1,10 @@
 //! Summary of the error maps, operation by operation.
 
 use super::compare::margin;
-use super::{STATUSES, feasibility, mm1, percent, percent1, value_word};
+use super::{feasibility, mm1, percent, percent1, value_word};
 use crate::assess::Assessment;
 use crate::cell::{Cell, Model, Unit};
-use crate::error_map::{OperationMap, Status};
+use crate::error_map::{NodeSign, OperationMap};
 use crate::kinematic_error::{Discrepancy, discrepancy};
 use crate::reading::{Estimate, Figures};
 use crate::units::deg_from_rad;
@@ -37,12 +37,14 @@ fn map_summary(a: &Assessment<'_>, map: &OperationMap) -> String {
     let cell = a.cell;
     let operation = &cell.operations[map.operation];
     let surface = &cell.equipment[operation.equipment].name;
-    let mut out =
-        format!("{} on {surface}: {} of {} nodes ok", operation.name, map.count("ok"), map.nodes.len());
-    for (status, words) in &STATUSES[1..] {
-        if map.count(status) > 0 {
-            let _ = write!(out, ", {} {words}", map.count(status));
-        }
+    let mut out = format!(
+        "{} on {surface}: {} of {} nodes usable",
+        operation.name,
+        map.count(NodeSign::Usable),
+        map.nodes.len()
+    );
+    for sign in NodeSign::ALL.into_iter().filter(|sign| !sign.is_usable() && map.count(*sign) > 0) {
+        let _ = write!(out, ", {} {}", map.count(sign), sign.label());
     }
     let (sense, unit) = (&operation.sense.name, cell.unit());
     match map.best_node().and_then(|n| Some((n, n.posture.as_ref()?))) {
@@ -151,8 +153,7 @@ pub fn distrust(cell: &Cell, map: &OperationMap) -> Option<String> {
 
 /// Returns the largest discrepancy of the linear model: section 4.3 of the seed paper claims at most 1 %.
 fn discrepancy_summary(map: &OperationMap) -> String {
-    let usable = map.nodes.iter().filter(|n| n.status == Status::Ok).filter_map(|n| n.posture.as_ref());
-    let all: Vec<Discrepancy> = usable.map(|p| discrepancy(&p.nonlinear, &p.linear)).collect();
+    let all: Vec<Discrepancy> = map.usable().map(|(_, _, p)| discrepancy(&p.nonlinear, &p.linear)).collect();
     let of = |f: fn(&Discrepancy) -> Option<f64>| {
         let values: Vec<f64> = all.iter().filter_map(f).collect();
         let most = values.iter().copied().fold(0.0, f64::max);

@@ -28,6 +28,7 @@ pub use sweep::sweep;
 pub use urdf::derived;
 
 use crate::cell::{Cell, ErrorSet, Quantity, Reading, Registration, Spread, Unit};
+use crate::error_map::NodeSign;
 
 use crate::assess::Stance;
 use crate::files::shown;
@@ -82,22 +83,9 @@ pub fn value_word(cell: &Cell) -> &'static str {
     }
 }
 
-/// Statuses of nodes that are counted even if there are none.
-const ALWAYS_COUNTED: [&str; 4] = ["ok", "collision", "joint-limit", "out-of-reach"];
-
-/// Statuses of nodes, each with its words behind a count.
-const STATUSES: [(&str, &str); 10] = [
-    ("ok", "ok"),
-    ("collision", "colliding"),
-    ("singular", "nearly singular"),
-    ("approach", "without approach"),
-    ("retract", "without retract"),
-    ("joint-limit", "beyond a joint limit"),
-    ("attitude", "with an unreachable tool orientation"),
-    ("not-converged", "not converged"),
-    ("out-of-reach", "out of reach"),
-    ("unjudged", "not judged"),
-];
+/// Signs of nodes that are counted even if there are none.
+const ALWAYS_COUNTED: [NodeSign; 4] =
+    [NodeSign::Usable, NodeSign::Collision, NodeSign::JointLimit, NodeSign::OutOfReach];
 
 /// Returns a length in mm, rounded to 1 um.
 fn mm(m: f64) -> String {

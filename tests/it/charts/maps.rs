@@ -4,6 +4,7 @@ use super::{check, number, renamed, start};
 use crate::common::workcell;
 use sweetspot::assess::Assessment;
 use sweetspot::drawing::{Detail, Drawing};
+use sweetspot::error_map::NodeSign;
 use sweetspot::layout::Workcell;
 use sweetspot::report;
 use sweetspot::report::chart::{heat_map, layout_plan, layout_section};
@@ -48,25 +49,20 @@ fn texts(svg: &str) -> Vec<String> {
 
 #[test]
 fn a_legend_lists_exactly_the_node_signs_in_the_map() {
-    let said = [
-        ("out-of-reach", "out of reach"),
-        ("joint-limit", "beyond a joint limit"),
-        ("collision", "collides"),
-    ];
     let workcell = workcell("hitachi_cell.toml");
     let a = start(&workcell);
     let drawing = Drawing::new(&a, &Detail { lenses: false, envelopes: false, nodes: 4000 }).unwrap();
     for (k, map) in a.maps.iter().enumerate() {
         let svg = heat_map(&drawing, k, 0, drawing.fields[k].sense, (0.01, 0.02));
         let told = texts(&svg);
-        let mut counted = map.count("ok");
-        for (status, words) in said {
-            let wanted = format!("{words} ({})", map.count(status));
-            assert_eq!(told.contains(&wanted), map.count(status) > 0, "{wanted}: {told:?}");
-            counted += map.count(status);
+        let mut counted = map.count(NodeSign::Usable);
+        for sign in NodeSign::ALL.into_iter().filter(|sign| !sign.is_usable()) {
+            let wanted = format!("{} ({})", sign.label(), map.count(sign));
+            assert_eq!(told.contains(&wanted), map.count(sign) > 0, "{wanted}: {told:?}");
+            counted += map.count(sign);
         }
-        assert_eq!(counted, map.nodes.len(), "another status has no words here");
-        // A title for every node, in the words of the map.
+        assert_eq!(counted, map.nodes.len());
+        // Every node has a title in the words of the map.
         assert_eq!(svg.matches("<title>(").count(), map.nodes.len());
     }
 }
@@ -93,7 +89,7 @@ fn maps_of_few_nodes_or_constant_values_are_drawn() {
     for keep in [0, 1, 2] {
         draw(&format!("{keep}"), &|field| {
             for k in usable.iter().skip(keep) {
-                field.nodes[*k].status = "attitude";
+                field.nodes[*k].sign = NodeSign::Attitude;
             }
             (field.best, field.spot, field.refined) = (None, None, None);
         });
@@ -104,7 +100,7 @@ fn maps_of_few_nodes_or_constant_values_are_drawn() {
     assert!(!flat.contains("iso-lines every"));
     let other = draw("other", &|field| field.takes[0].best = field.usable().last());
     assert!(texts(&other).contains(&"spot in this reading".to_string()));
-    // Points: all along the first axis.
+    // The nodes are points along the first axis.
     let dots = draw("points", &|field| field.size = (field.nodes.len(), 1));
     assert!(dots.matches("<circle").count() >= usable.len());
     let row = draw("row", &|field| {
@@ -125,7 +121,7 @@ fn the_spot_is_drawn_where_the_axes_place_it() {
     let svg = heat_map(&drawing, 0, 0, drawing.fields[0].sense, (0.003, 0.006));
     let document = roxmltree::Document::parse(&svg).unwrap();
     let all = || document.descendants().filter(|n| n.tag_name().name() == "text");
-    // Numbers along the foot, each under its gridline.
+    // Numbers stand along the foot, each under its gridline.
     let ticks: Vec<(f64, f64)> = all()
         .filter(|n| n.attribute("text-anchor") == Some("middle"))
         .filter_map(|n| Some((n.text()?.parse().ok()?, number(&n, "x"))))
@@ -147,17 +143,16 @@ fn the_heat_map_of_a_cell_shows_every_node() {
     for name in ["hitachi_cell", "drilling_cell"] {
         let workcell = workcell(&format!("{name}.toml"));
         let a = start(&workcell);
-        let svg = report::svg::plan(&a);
+        let svg = report::chart::error_map(&a);
         keep(&format!("map-{name}"), &svg);
         let told = texts(&svg);
         assert_eq!(told.contains(&"fence".to_string()), a.cell.fence.is_some());
         let refined = a.refined.iter().any(Option::is_some);
         assert_eq!(told.contains(&"spot between the nodes".to_string()), refined);
-        let count = |status: &str| a.maps.iter().map(|m| m.count(status)).sum::<usize>();
-        for (status, words) in
-            [("collision", "collides"), ("retract", "no way out"), ("attitude", "attitude")]
-        {
-            assert_eq!(told.iter().any(|t| t.starts_with(words)), count(status) > 0, "{name}: {status}");
+        for sign in NodeSign::ALL.into_iter().filter(|sign| !sign.is_usable()) {
+            let count: usize = a.maps.iter().map(|m| m.count(sign)).sum();
+            let is_told = told.contains(&format!("{} ({count})", sign.label()));
+            assert_eq!(is_told, count > 0, "{name}: {sign:?}");
         }
         assert_eq!(svg.matches("<title>(").count(), a.maps.iter().map(|m| m.nodes.len()).sum::<usize>());
     }
@@ -171,7 +166,7 @@ fn a_map_of_many_nodes_is_thinned_and_says_so() {
     a.maps[0].nodes = (0..100_000)
         .map(|k| sweetspot::error_map::NodeRecord { i: k % 400, j: k / 400, ..few[k % few.len()].clone() })
         .collect();
-    let svg = report::svg::plan(&a);
+    let svg = report::chart::error_map(&a);
     let drawn = svg.matches("<title>(").count();
     assert!((1000..=4000).contains(&drawn) && svg.len() < 2_000_000, "{drawn} nodes, {} bytes", svg.len());
     assert!(texts(&svg).iter().any(|t| t.contains("one node of 5 along both axes")), "{drawn}");
@@ -180,7 +175,7 @@ fn a_map_of_many_nodes_is_thinned_and_says_so() {
 #[test]
 fn the_names_of_a_map_are_not_cut_at_the_edge() {
     let workcell = Workcell::new(renamed(workcell("hitachi_cell.toml").cell)).unwrap();
-    let svg = report::svg::plan(&start(&workcell));
+    let svg = report::chart::error_map(&start(&workcell));
     keep("map-hostile", &svg);
     let document = roxmltree::Document::parse(&svg).unwrap();
     let width: f64 = document.root_element().attribute("width").unwrap().parse().unwrap();

@@ -72,7 +72,7 @@ fn tornado_bars_are_as_long_as_the_shares_they_show() {
         for ((_, height), count) in bars.iter().zip(&counts) {
             assert!((height - tallest * f64::from(*count) / most).abs() < 0.02);
         }
-        // The histogram says the same as the percentile made of the sorted samples.
+        // The histogram agrees with the percentile of the sorted samples.
         let h = &d.samples.histogram;
         let below = ((d.samples.p95.value - h.low) / h.width()).floor() as usize;
         let share =
@@ -98,7 +98,7 @@ fn a_set_without_errors_has_no_histogram() {
     let a = start(&workcell);
     let why = Distribution::at_spot(&a, 0).unwrap_err();
     assert!(why.contains("no error spreads"), "{why}");
-    // Nothing to draw is said, too.
+    // A budget without anything to draw states the reason.
     let stance = Stance::at(&workcell, &a.layout, &a.maps, 0, At::Best).unwrap_or_else(|e| panic!("{e:?}"));
     let svg = tornado(&Account::new(stance));
     check("tornado-none", &svg);
@@ -125,7 +125,7 @@ fn the_misplacement_chart_shows_the_allowed_misplacement() {
                 .filter_map(|(slot, g)| Some((g.as_ref()?.abs(), slot.is_angle())))
                 .collect();
             assert_eq!(widths.len(), slopes.len());
-            // Bars of lengths among themselves: px per m/m.
+            // The lengths of bars are compared among themselves, px per m/m.
             let lengths = || widths.iter().zip(&slopes).filter(|(_, s)| !s.1);
             let px: f64 = lengths().map(|(w, _)| w).sum::<f64>() / lengths().map(|(_, s)| s.0).sum::<f64>();
             for (width, (slope, _)) in lengths() {

@@ -23,7 +23,7 @@ fn the_cache_changes_nothing_but_the_time() {
     assert_eq!(files.len(), 1);
     let path = format!("kept/{}", files[0]);
     let kept = shop.read(&path);
-    // Damaged in every way, it is computed again and mended.
+    // A damaged entry is computed again and repaired.
     let longer = [&kept[..], b"x"].concat();
     let mut changed = kept.clone();
     changed[100] ^= 1;
@@ -32,7 +32,7 @@ fn the_cache_changes_nothing_but_the_time() {
         assert_eq!(map("kept"), without);
         assert_eq!(shop.read(&path), kept, "not mended");
     }
-    // A folder that cannot be made, and no mesh of a link: nothing is kept.
+    // Without a usable folder, or without a link mesh, nothing is cached.
     assert_eq!(map("cells/angle.toml/below"), without);
     let mut command = shop.command(&["check", CELL]);
     assert_eq!(ran(command.env("SWEETSPOT_CACHE", "other").output().unwrap()).code, Some(0));

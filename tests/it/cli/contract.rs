@@ -24,7 +24,7 @@ fn success_exits_0_with_data_on_stdout_and_notes_on_stderr() {
         assert!(!ran.out.is_empty() && !ran.out.contains("next: "), "{args:?}: {}", ran.out);
         assert!(ran.err.contains("next: sweetspot "), "{args:?}: {}", ran.err);
     }
-    // The search says what is best, and where it wrote it.
+    // The search reports the best layout and where it wrote it.
     let again = shop.done(&["search", CELL, "--budget", "2000", "--out", "again"]);
     assert!(again.out.contains("% less error than the start"), "{}", again.out);
     assert!(again.err.contains("wrote again: "), "{}", again.err);
@@ -46,7 +46,7 @@ fn json_output_is_exactly_one_document() {
         let document = shop.done(args).document();
         assert_eq!(document["schema"], format!("sweetspot/{schema}/1"), "{args:?}");
     }
-    // A cell with faults is still a document, and the exit code says no.
+    // A cell with faults still gives a document, and the exit code refuses.
     shop.write("cells/bad.toml", "schema = \"sweetspot/cell/1\"\n");
     let ran = shop.run(&["check", "cells/bad.toml", "--json"]);
     assert_eq!((ran.code, &ran.document()["valid"]), (Some(2), &Value::Bool(false)));
@@ -142,7 +142,7 @@ fn a_missing_cell_file_exits_3() {
         let ran = shop.run(args);
         assert_eq!(ran.code, Some(3), "{args:?}: {}", ran.err);
     }
-    // A folder that is there and holds no search can be read: it is the wrong one.
+    // A readable folder without a search is the wrong folder.
     std::fs::create_dir(shop.path("empty")).unwrap();
     for args in [["compare", "empty"], ["report", "empty"], ["view", "empty"]] {
         let ran = shop.run(&args);
@@ -151,7 +151,7 @@ fn a_missing_cell_file_exits_3() {
     }
     let ran = shop.run(&["map", "cells/nowhere.toml"]);
     assert!(ran.err.contains("cells/nowhere.toml") && ran.err.contains("no such file"), "{}", ran.err);
-    // A part that the cell names and that is not there is a fault of the cell.
+    // A missing part that the cell names is a fault of the cell.
     shop.write(
         "cells/part.toml",
         "from = \"hitachi_cell.toml\"\nrobot = { from = \"robots/nobody.toml\" }\n",
@@ -221,7 +221,7 @@ fn an_interrupt_exits_130_and_keeps_the_best_layout() {
     let shop = Sandbox::new();
     let args = ["search", CELL, "--budget", "1000000000", "--out", "found", "--json"];
     let child = shop.command(&args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    // The folder comes before the search; then give it time for some thousand layouts.
+    // The folder comes before the search. After that, wait for some thousand layouts.
     for _ in 0..600 {
         if shop.path("found").exists() {
             break;
@@ -346,7 +346,7 @@ fn map_json_of_the_paper_cell_has_the_numbers_of_the_paper() {
     assert_eq!(nodes.len(), 99);
     assert_eq!(nodes.iter().filter(|n| n["status"] == "ok").count(), 80);
     for (k, node) in nodes.iter().enumerate() {
-        // Over x, then y, from the low corner of a 1500 x 700 table centred at (0, 1250).
+        // Nodes go over x, then y, from the low corner of a 1500 x 700 table centred at (0, 1250).
         let (i, j) = (k % 11, k / 11);
         assert_eq!((number(&node["i"]), number(&node["j"])), (i as f64, j as f64));
         let corner = [-750.0 + 150.0 * i as f64, 900.0 + 87.5 * j as f64, 1350.0];
@@ -386,7 +386,7 @@ fn search_json_has_every_documented_field() {
     assert!(number(field(&found, "seconds")) >= 0.0);
     assert!((1.0..=2000.0).contains(&number(field(&found, "evaluations"))));
     let layout = field(&found, "layout").as_object().unwrap();
-    // Obstacles are not the layout's to place.
+    // A layout does not place obstacles.
     assert_eq!(layout.keys().collect::<Vec<_>>(), ["worktable", "conveyor"]);
     for place in layout.values() {
         ["x_mm", "y_mm", "z_mm", "yaw_deg"].iter().for_each(|key| assert!(field(place, key).is_f64()));
@@ -403,7 +403,7 @@ fn search_json_has_every_documented_field() {
         sum += sense;
     }
     assert!((sum - number(field(&found, "objective_mm"))).abs() < 1e-8);
-    // The file is the same document, without the one number that another run cannot give again.
+    // The file is the same document but for the one number that no other run can repeat.
     let mut file = shop.document("found/search.json");
     assert!(file.get("seconds").is_none());
     file["seconds"] = found["seconds"].clone();
@@ -433,7 +433,7 @@ fn best_toml_gives_the_objective_of_search_json() {
     shop.has("found", &["best.toml", "search.json", "map.csv", "map.svg", "manifest.json"]);
     let [map, compare, search] = objectives(&shop, "found");
     assert!((map - search).abs() < 1e-9 && (compare - search).abs() < 1e-9, "{map} {compare} {search}");
-    // It needs nothing from outside its folder.
+    // The folder needs nothing from outside.
     copy_folder(&shop.path("found"), &shop.path("mailed"));
     std::fs::remove_dir_all(shop.path("cells")).unwrap();
     std::fs::remove_dir_all(shop.path("found")).unwrap();
@@ -464,7 +464,7 @@ fn best_toml_keeps_fixed_coordinates_to_the_last_digit() {
     shop.done(&["search", "cells/fine.toml", "--budget", "2000", "--out", "found"]);
     let [map, compare, search] = objectives(&shop, "found");
     assert!((map - search).abs() < 1e-9 && (compare - search).abs() < 1e-9, "{map} {compare} {search}");
-    // Neither may the layout as drawn lose digits where it is the best one.
+    // The start layout keeps its digits where it is the best one.
     let drawn = shop.text(CELL).replace("start = 300 }", "start = 300.1234567 }");
     shop.write("cells/drawn.toml", &drawn);
     shop.done(&["search", "cells/drawn.toml", "--budget", "1", "--out", "drawn"]);
@@ -485,7 +485,7 @@ fn best_toml_runs_whatever_the_cell_file_is_called() {
         shop.done(&["search", &cell, "--out", &folder]);
         let ran = shop.run(&["map", &format!("{folder}/best.toml")]);
         assert_eq!(ran.code, Some(0), "{name:?}: {}", ran.err);
-        // The default folder is named after the cell, and made.
+        // The default folder is created and named after the cell.
         shop.done(&["search", &cell]);
     }
     assert_eq!(std::fs::read_dir(shop.path("results")).unwrap().count(), names.len());
@@ -576,7 +576,7 @@ fn the_manifest_records_inputs_version_and_seed() {
     }
     let outputs = items(&manifest["outputs"]);
     let told: Vec<_> = outputs.iter().map(|o| text(&o["path"])).collect();
-    // Every file is told of, but for the manifest itself and the inputs.
+    // The manifest lists every file but itself and the inputs.
     let mut files = shop.files("found");
     files.retain(|f| f != "manifest.json" && !f.starts_with("inputs/"));
     assert!(files.iter().all(|f| told.contains(&f.as_str())) && files.len() == told.len(), "{told:?}");
@@ -584,7 +584,7 @@ fn the_manifest_records_inputs_version_and_seed() {
         let bytes = shop.read(&format!("found/{}", text(&output["path"])));
         assert_eq!(text(&output["sha256"]), sha256(&bytes), "{output}");
     }
-    // The command again, elsewhere, gives the same outputs.
+    // The command gives the same outputs in another place.
     let other = Sandbox::new();
     let command: Vec<_> = items(&manifest["command"]).iter().map(text).collect();
     other.done(&command);
@@ -687,7 +687,7 @@ fn hostile_names_are_printed_as_text() {
     shop.write("cells/crowded.toml", &hostile_cell(true));
     let found = shop.json(&["search", "cells/free.toml", "--budget", "500", "--out", "free"]);
     assert_eq!(found["layout"].as_object().unwrap().keys().collect::<Vec<_>>(), HOSTILE);
-    // best.toml still loads, and says the same.
+    // best.toml still loads with the same value.
     let [map, compare, search] = objectives(&shop, "free");
     assert_eq!([map, compare], [search, search]);
     let crowded = shop.json(&["map", "cells/crowded.toml", "--out", "crowded"]);
@@ -711,7 +711,7 @@ fn hostile_names_are_printed_as_text() {
             assert!(said.iter().any(|t| t.starts_with(name)), "{name} is not in the picture");
         }
     }
-    // The terminal and the other commands.
+    // The terminal and the other commands are checked, too.
     shop.done(&["check", "cells/free.toml"]);
     shop.done(&["budget", "cells/free.toml"]);
     let name = format!("--operation={}", HOSTILE[6]);
@@ -829,7 +829,7 @@ fn a_symbolic_link_out_of_the_cell_folder_is_refused() {
         assert_eq!(shop.run(&["map", &format!("cells/{name}.toml")]).code, Some(2), "{name}");
     }
     shop.done(&["map", "cells/inside.toml"]);
-    // A folder of cells that is itself reached through a link is a folder like any other.
+    // A folder of cells reached through a symbolic link is accepted.
     symlink(outside.path("cells"), shop.path("linked")).unwrap();
     shop.done(&["map", "linked/hitachi_paper.toml"]);
 }
@@ -877,9 +877,9 @@ fn compare_refuses_layouts_of_another_question() {
             assert!(ran.err.contains("cannot be compared"), "{}", ran.err);
             assert!(ran.err.contains(one) && ran.err.contains(other), "{}", ran.err);
         }
-        // Also as the third of three.
+        // A cell of another question is refused as the third of three, too.
         assert_eq!(shop.run(&["compare", CELL, CELL, &cell]).code, Some(2), "{name}");
     }
-    // Asked in one sense, they answer the same question again.
+    // With one common sense they answer the same question again.
     shop.done(&["compare", CELL, "cells/sense.toml", "--sense", "xyz"]);
 }

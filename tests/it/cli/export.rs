@@ -63,13 +63,13 @@ fn a_dxf_shows_the_values_of_the_map() {
             assert!(near(&point(circle, 10), &numbers(&node["position_mm"]), 1e-5), "{layer}");
         }
     }
-    // One exaggeration for all, said in a text.
+    // One exaggeration holds for all arrows and is given in a text.
     let texts = on(&all, "TEXT", "TEXT");
     let said = texts.iter().find_map(|t| t[&1].strip_prefix("arrows: signed sample, ")).unwrap();
     let enlarged: f64 = said.split(' ').next().unwrap().parse().unwrap();
     for (axis, layer) in ["ARROWS_X", "ARROWS_Y", "ARROWS_Z", "ARROWS_R"].into_iter().enumerate() {
         let lines = on(&all, "LINE", layer);
-        // Shaft and four lines of a head.
+        // An arrow has a shaft and four lines as its head.
         assert_eq!(lines.len(), 5 * ok.len(), "{layer}");
         for (arrow, node) in lines.chunks(5).zip(&ok) {
             let (tail, tip) = (point(arrow[0], 10), point(arrow[0], 11));
@@ -82,7 +82,7 @@ fn a_dxf_shows_the_values_of_the_map() {
             assert!(arrow[1..].iter().all(|barb| point(barb, 10) == tip));
         }
     }
-    // Dimensions say where the frames stand; the base is the origin of this cell.
+    // Dimensions give the places of the frames. The base is the origin of this cell.
     let mut measured: Vec<f64> =
         on(&all, "DIMENSION", "DIMENSIONS").iter().map(|d| d[&42].parse().unwrap()).collect();
     let mut stands: Vec<f64> = ["worktable", "conveyor"]
@@ -91,7 +91,7 @@ fn a_dxf_shows_the_values_of_the_map() {
         .collect();
     [&mut measured, &mut stands].into_iter().for_each(|v| v.sort_by(f64::total_cmp));
     assert!(near(&measured, &stands, 1e-5), "{measured:?} {stands:?}");
-    // Millimetres; every handle once; no entity on a layer that is not there.
+    // Units are millimetres, every handle occurs once, and every entity lies on an existing layer.
     let pairs = pairs(&dxf);
     let units = pairs.iter().position(|p| *p == (9, "$INSUNITS")).unwrap();
     assert_eq!(pairs[units + 1], (70, "4"));
@@ -172,7 +172,7 @@ fn a_glb_is_valid_and_its_robot_moves_to_the_spots() {
     let nodes = items(&document["nodes"]);
     let index =
         |name: &str| nodes.iter().position(|n| n["name"] == name).unwrap_or_else(|| panic!("no {name}"));
-    // The first node makes y of z; then the table stands where the map says.
+    // The first node turns z into y. The table then stands where the map places it.
     let top = &nodes[document["scenes"][0]["nodes"][0].as_u64().unwrap() as usize];
     let up = turned(&numbers_of(&top["rotation"]), [0.0, 0.0, 1.0]);
     assert!(near(&up, &[0.0, 1.0, 0.0], 1e-6), "{up:?}");
@@ -182,7 +182,7 @@ fn a_glb_is_valid_and_its_robot_moves_to_the_spots() {
     let yaw = number(&map["layout"]["worktable"]["yaw_deg"]).to_radians();
     let along = turned(&numbers_of(&table["rotation"]), [1.0, 0.0, 0.0]);
     assert!(near(&along, &[yaw.cos(), yaw.sin(), 0.0], 1e-6));
-    // As drawn the TCP is at the spot asked for; moving it passes every spot and ends where it began.
+    // The drawn TCP is at the requested spot. The animation passes every spot and ends at its start.
     let spot = |k: usize| {
         numbers_of(&map["operations"][k]["best"]["position_mm"])
             .iter()
@@ -211,7 +211,7 @@ fn a_glb_is_valid_and_its_robot_moves_to_the_spots() {
         assert!(turns.iter().all(|q| (dot(q, q) - 1.0).abs() < 1e-5));
         assert!(turns.windows(2).all(|q| dot(&q[0], &q[1]) > 0.9), "a leap of link {link}");
     }
-    // At home it stands elsewhere.
+    // At home the TCP is elsewhere.
     shop.done(&["export", CELL, "--to", "glb", "--posture", "home", "-o", "home.glb"]);
     let (home, _) = glb(&shop.read("home.glb"));
     let at_home = numbers_of(&home["nodes"][tcp]["translation"]);
@@ -235,7 +235,7 @@ fn a_drawing_to_scale_has_the_size_of_its_scale() {
         .collect();
     let ratio: f64 = texts.iter().find_map(|t| t.strip_prefix("scale 1:")).unwrap().parse().unwrap();
     assert!([1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0].contains(&ratio));
-    // Both spots are marked in plan as far apart as the map says, divided by the scale.
+    // The plan marks both spots at their distance in the map, divided by the scale.
     let circles: Vec<_> = document.descendants().filter(|n| n.attribute("r") == Some("1.8")).collect();
     let at = |k: usize| ["cx", "cy"].map(|a| circles[k].attribute(a).unwrap().parse::<f64>().unwrap());
     assert_eq!(circles.len(), 4); // plan and front of each
@@ -319,7 +319,7 @@ fn a_folder_is_exported_by_its_best_or_its_start_layout() {
     }
     shop.done(&["export", "found", "--to", "json"]);
     assert!(shop.path("found.json").exists());
-    // What was said otherwise on the command line holds.
+    // Options of the command line take effect.
     shop.done(&["export", "found", "--to", "json", "--reading", "worst-case", "-o", "worst.json"]);
     assert_eq!(shop.document("worst.json")["operations"][0]["reading"], "worst-case");
     std::fs::create_dir(shop.path("empty")).unwrap();
@@ -346,7 +346,7 @@ fn a_failed_export_leaves_existing_files_untouched() {
         assert_eq!(ran.code, Some(3), "{out}: {}", ran.err);
         assert!(ran.err.contains("cannot write"), "{}", ran.err);
     }
-    // A spot that is not there is asked for: the answer is no, and the old file stays.
+    // A missing spot is refused, and the old file stays.
     shop.write("cells/far.toml", BEYOND_REACH);
     shop.write("far.glb", "old");
     let ran =
@@ -355,7 +355,7 @@ fn a_failed_export_leaves_existing_files_untouched() {
     assert_eq!(shop.text("far.glb"), "old");
     let left: Vec<String> = shop.files(".").into_iter().filter(|f| f.contains(".sweetspot-")).collect();
     assert!(left.is_empty(), "{left:?}");
-    // Without one asked for it is drawn at home, in every format.
+    // Without a requested spot the robot is drawn at home, in every format.
     for format in FORMATS {
         shop.done(&["export", "cells/far.toml", "--to", format, "-o", &format!("far.{format}")]);
     }

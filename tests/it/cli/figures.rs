@@ -29,8 +29,8 @@ fn one_command_draws_the_figures_of_the_paper() {
     }
     names.iter().for_each(|name| assert!(text.contains(&format!("({name}.png)")), "{name}"));
     assert!(folder.join("08-discrepancy.svg").is_file() && folder.join("manifest.json").is_file());
-    // One operation: no figure of all of them.
+    // A cell of one operation has no figure of all operations.
     assert!(!folder.join("07-all.png").exists());
-    // Nothing is overwritten.
+    // Existing files are not overwritten.
     assert_eq!(shop.run(&["figures", PAPER, "--out", "pictures"]).code, Some(2));
 }

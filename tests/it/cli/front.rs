@@ -24,7 +24,7 @@ fn a_pareto_front_is_printed_written_and_loaded_again() {
         )
     );
     assert_eq!(shop.text("found/front.svg").matches("<circle").count(), front.len());
-    // None is as good as another in every goal.
+    // No layout is as good as another in every goal.
     let losses = |l: &Value| {
         let goal = |key: &str| number(&l["goals"][key]);
         [goal("error"), -goal("clearance_mm"), goal("footprint_m2")]
@@ -35,7 +35,7 @@ fn a_pareto_front_is_printed_written_and_loaded_again() {
             assert!(a.iter().zip(b).any(|(a, b)| *a < b), "{a:?} {b:?}");
         }
     }
-    // Each is a cell of that objective.
+    // Each layout is a cell of that objective.
     for layout in [&front[0], &front[front.len() - 1]] {
         let file = format!("found/{}", text(&layout["file"]));
         let compared = shop.json(&["compare", &file]);
@@ -61,7 +61,7 @@ fn the_requested_number_of_layouts_is_kept() {
     assert_eq!(objectives[0], number(&document["objective_value"]));
     assert_eq!(shop.read("found/best.toml").len() > 100, shop.path("found/layout-03.toml").exists());
     assert!(!shop.path("found/layout-04.toml").exists() && !shop.path("found/front.svg").exists());
-    // Of a front, too; and by the cell file.
+    // A front can be kept, too, and the cell file can request it.
     let cell = shop
         .text(CELL)
         .replace("[search]\n", "[search]\npareto = [\"error\", \"travel\", \"footprint\"]\nkeep = 4\n");
@@ -69,7 +69,7 @@ fn the_requested_number_of_layouts_is_kept() {
     let document = shop.json(&["search", "cells/front.toml", "--budget", "1500", "--out", "few"]);
     assert_eq!((items(&document["front"]).len(), &document["keep"]), (4, &Value::from(4)));
     assert!(shop.path("few/front.svg").exists());
-    // Without either nothing of it is there.
+    // Without either option the document has none of it.
     let document = shop.json(&["search", CELL, "--budget", "300", "--out", "none"]);
     assert_eq!(
         (&document["front"], &document["pareto"], &document["keep"]),

@@ -64,10 +64,10 @@ fn every_generated_cell_passes_check_and_map() {
         assert!(ran.out.is_empty(), "{}", ran.out);
         let cell = format!("{name}/cell.toml");
         let check = shop.json(&["check", &cell]);
-        // A URDF says what of it is not used.
+        // A URDF reports its unused elements.
         assert!(items(&check["faults"]).is_empty() || robot.ends_with("urdf"), "{check}");
         let drawn = shop.text(&cell);
-        // Every node of these takes a while where nothing is optimized.
+        // Each node of these takes long without optimization.
         if ["crx10ia", "panda", "track"].contains(&name.as_str()) {
             shop.write(
                 &cell,
@@ -80,7 +80,7 @@ fn every_generated_cell_passes_check_and_map() {
         let told: Vec<_> =
             jsonschema::draft7::new(&schema).unwrap().iter_errors(&cell).map(|e| e.to_string()).collect();
         assert!(told.is_empty(), "{name}: {told:?}");
-        // What it names is what lies beside the shipped cells, too.
+        // The named files equal those beside the shipped cells.
         for file in shop.files(&name).iter().filter(|file| *file != "cell.toml") {
             assert_eq!(shop.read(&format!("{name}/{file}")), shop.read(&format!("cells/{file}")), "{file}");
         }
@@ -112,7 +112,7 @@ fn init_accepts_a_library_robot_and_another_folder() {
     assert_eq!(next(&ran).join(" "), "map 'my shop/cell 1/cell.toml' --svg map.svg");
     shop.done(&["init", "scara"]);
     assert_eq!(shop.read("my shop/cell 1/cell.toml"), shop.read("scara/cell.toml"));
-    // What the robot's file is made from comes with it.
+    // The files that the robot's file refers to come with it.
     shop.done(&["init", "hitachi-parallelogram", "--out", "p"]);
     shop.has("p/robots", &["hitachi_pw10.toml", "hitachi_pw10_parallelogram.toml"]);
     shop.done(&["init", "hitachi-urdf", "--out", "u"]);

@@ -33,7 +33,7 @@ fn a_killed_and_resumed_search_ends_in_the_same_bytes() {
     let clock = std::time::Instant::now();
     whole.done(&args);
     let length = clock.elapsed();
-    // A generator of its own (Knuth's MMIX), so that every machine kills at the same shares.
+    // A generator of its own (Knuth's MMIX) makes every machine kill at the same shares.
     let mut seed = 20_261_121u64;
     let mut killed = 0;
     while killed < kills {
@@ -53,7 +53,7 @@ fn a_killed_and_resumed_search_ends_in_the_same_bytes() {
                 break;
             }
             killed += 1;
-            // The manifest may be there already when it is killed at the very end.
+            // A run killed at the very end may have written the manifest.
             if shop.path("found/manifest.json").is_file() && !shop.path("found/checkpoint.jsonl").is_file() {
                 break;
             }
@@ -72,7 +72,7 @@ fn stopped() -> Sandbox {
     assert_eq!((&ran.document()["ended"], &ran.document()["seed"]), (&"time-limit".into(), &2.into()));
     assert!(ran.err.contains("next: sweetspot search --resume found"), "{}", ran.err);
     shop.has("found", &["checkpoint.jsonl", "best.toml", "search.json"]);
-    // Whatever was found so far can be used, but the folder is not complete.
+    // The layouts found so far are usable, but the folder is incomplete.
     assert!(!shop.files("found").contains(&"manifest.json".to_string()));
     shop.done(&["map", "found/best.toml"]);
     shop
@@ -83,7 +83,7 @@ fn a_time_limit_exits_4_and_a_larger_budget_resumes() {
     let shop = stopped();
     let ran = shop.run(&["search", "--resume", "found", "--time", "0.3"]);
     assert_eq!(ran.code, Some(4), "{}", ran.err);
-    // Another budget, larger than what is used: as if it had been asked for from the start.
+    // A larger budget gives the result of a search with that budget from the start.
     let used = shop.document("found/search.json")["evaluations"].as_u64().unwrap();
     let budget = &*(used + used / 4).to_string();
     shop.done(&["search", "--resume", "found", "--budget", budget]);
@@ -127,11 +127,11 @@ fn a_changed_input_is_refused_and_named() {
         refused(&[], &format!("{} has changed", input.trim_start_matches("cells/")));
         shop.write(input, &was);
     }
-    // A new search does not take the folder, and says how to go on.
+    // A new search refuses the folder and states how to continue.
     let ran = shop.run(&["search", CELL, "--out", "found"]);
     assert_eq!(ran.code, Some(2));
     assert!(ran.err.contains("search --resume found"), "{}", ran.err);
-    // Said again as it was, it goes on.
+    // The same command with --resume continues.
     let same = ["search", CELL, "--seed", "2", "--resume", "found", "--time", "0.1"];
     assert_eq!(shop.run(&same).code, Some(4));
 }
@@ -161,7 +161,7 @@ fn a_damaged_checkpoint_is_refused() {
     let version = format!("\"version\":\"{}\"", env!("CARGO_PKG_VERSION"));
     refused(other.replacen(&version, "\"version\":\"0.0.9\"", 1).as_bytes(), "0.0.9");
     refused(other.replacen("checkpoint/1", "checkpoint/9", 1).as_bytes(), "checkpoint/9");
-    // Well hashed, but of nothing.
+    // The hash is right, but the content is not.
     let sealed = |content: &str| {
         let hash = sha256(content.as_bytes());
         format!("{{\"schema\":\"sweetspot/checkpoint/1\",{version},\"sha256\":\"{hash}\"}}\n{content}")
@@ -193,7 +193,7 @@ fn a_signal_exits_130_and_leaves_a_checkpoint() {
         assert_eq!(ran.code, Some(130), "{signal}: {}", ran.err);
         assert_eq!(shop.document("found/search.json")["ended"], "interrupted");
         let used = shop.document("found/search.json")["evaluations"].as_u64().unwrap();
-        // Some of the budget is kept for the polish.
+        // The search keeps a part of the budget for the polish.
         let budget = (used + used / 4).to_string();
         shop.done(&["search", "--resume", "found", "--budget", &budget]);
         let whole = Sandbox::new();
@@ -244,7 +244,7 @@ fn progress_is_written_as_json_lines_without_a_terminal() {
     assert!((number(&last["feasible_share"]) - share).abs() < 1e-12, "{last}");
     assert!((number(&last["best"]) - number(&found["objective_mm"])).abs() < 1e-6, "{last}");
     assert_eq!(text(&last["unit"]), "mm");
-    // A file rounds a bound down.
+    // The file rounds a bound down.
     let rounded = number(&last["bound"]) - number(&found["bound"]);
     assert!((0.0..1e-8).contains(&rounded), "{last}");
     let gap = number(&last["best"]) / number(&last["bound"]) - 1.0;
@@ -259,7 +259,7 @@ fn the_stopping_rule_that_ended_a_search_is_reported() {
     let found = shop.json(&["search", CELL, "--budget", "50000", "--stagnation", "600", "--out", "a"]);
     assert_eq!(found["ended"], "stagnation");
     assert!(found["evaluations"].as_u64().unwrap() < 20_000, "{}", found["evaluations"]);
-    // In the cell file as well.
+    // The cell file may set the rule, too.
     let cell = shop.text(CELL).replace("seed = 1", "seed = 1\nstagnation = 600");
     shop.write("cells/still.toml", &cell);
     let same = shop.json(&["search", "cells/still.toml", "--budget", "50000", "--out", "b"]);

@@ -96,7 +96,7 @@ fn statistical_figures_of_a_map_are_ordered() {
                     assert!(of("rms_mm", sense) >= of("mean_mm", sense), "{sense}: {node}");
                 }
                 if operation["reading"] == "signed" {
-                    // The sample is one corner of the box.
+                    // The sample is one corner of the tolerance box.
                     let e = numbers(&node["error_mm"]);
                     let size = e[0].hypot(e[1]).hypot(e[2]);
                     assert!(of("worst_mm", "xyz") >= size - 1e-8, "{node}");
@@ -132,7 +132,7 @@ fn a_tolerance_set_is_read_as_worst_case_unless_requested() {
     }
     let map = shop.json(&["map", PAPER, "--errors", "table-3-tolerance"]);
     assert_eq!(map["operations"][0]["reading"], "worst-case");
-    // The magnitudes are those of table-3, read alike.
+    // The magnitudes of table-3 give the same worst case.
     let signed = shop.json(&["map", PAPER, "--reading", "worst-case"]);
     assert_eq!(map["objective_mm"], signed["objective_mm"]);
     let other = shop.done(&["map", PAPER, "--errors", "table-3-tolerance", "--reading", "statistical"]);
@@ -164,7 +164,7 @@ fn the_yield_quantity_needs_a_limit() {
         assert!((1.0 - number(&best["yield"]) - number(&best["value"])).abs() < 1e-8, "{best}");
         assert!((0.0..1.0).contains(&number(&best["value"])));
     }
-    // A rotation's limit is in degrees.
+    // The limit of a rotation is in degrees.
     let turn = shop.json(&["map", CELL, "--quantity", "yield", "--sense", "rotation", "--limit", "1"]);
     assert_eq!(number(&turn["operations"][0]["limit"]), 1.0);
     assert!((0.0..1.0).contains(&number(&turn["operations"][0]["best"]["yield"])));
@@ -208,7 +208,7 @@ fn best_toml_carries_how_the_errors_are_read() {
         shop.done(&[&["search", cell, "--out", &folder][..], flags].concat());
         let best = shop.json(&["map", &format!("{folder}/best.toml")]);
         let drawn = shop.json(&[&["map", cell][..], flags].concat());
-        // The paper's table is fixed: the best layout is the one drawn.
+        // The paper's table is fixed, so the best layout is the start layout.
         assert_eq!(asked(&best), asked(&drawn), "{flags:?}");
         assert_eq!(best["objective"], drawn["objective"], "{flags:?}");
     }

@@ -119,7 +119,7 @@ fn a_taught_point_has_no_error_left() {
     let ran = shop.done(&[&["budget", CELL][..], &at, &taught].concat());
     assert!(ran.out.contains("this point was touched to teach the frame: no error is left"), "{}", ran.out);
     assert!(!ran.out.contains("halving"), "{}", ran.out);
-    // It is no spot: the least error that counts is at another node.
+    // A taught point is no spot: the least error that counts is at another node.
     let map = shop.done(&[&["map", CELL][..], &taught].concat());
     assert!(map.out.contains("at node (0, 3)") && !map.out.contains("0.000000 mm"), "{}", map.out);
 }
@@ -147,11 +147,11 @@ fn budget_and_explain_refuse_bad_nodes() {
         let ran = shop.run(&[command, CELL, "--operation", "asembly"]);
         assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""));
         assert!(ran.err.contains("no operation `asembly`; did you mean assembly?"), "{}", ran.err);
-        // A node is one of an operation.
+        // A node belongs to an operation, which must be given.
         let ran = shop.run(&[command, CELL, "--at", "1,1"]);
         assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""));
         assert!(ran.err.contains("add --operation and one of: assembly, picking"), "{}", ran.err);
-        // Nothing can be reached.
+        // Nothing is in reach.
         shop.write("cells/far.toml", BEYOND_REACH);
         let ran = shop.run(&[command, "cells/far.toml"]);
         assert_eq!((ran.code, ran.out.as_str()), (Some(1), ""), "{}", ran.err);
@@ -291,7 +291,7 @@ fn explain_accepts_joints_of_any_robot() {
     let e = shop.json(&[&["explain", "cells/ur.toml"][..], &joints].concat());
     check_explanation(&e);
     assert_eq!(items(&e["dh"]).len(), 6);
-    // Offsets of a metre that nearly cancel: no model for a linear one.
+    // Offsets of a metre that nearly cancel cannot be linearized.
     assert_eq!(e["guard"]["trusted"], false);
     let ran = shop.done(&[&["explain", "cells/ur.toml"][..], &joints].concat());
     assert!(ran.out.contains("do NOT trust the linear model here"), "{}", ran.out);

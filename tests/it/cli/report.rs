@@ -51,15 +51,15 @@ fn assert_sound(html: &str) {
     );
     let count = |word: &str| html.matches(word).count();
     assert_eq!((count("<style"), count("</style")), (1, 1));
-    // Of the elements, one runs and one is JSON.
+    // One script element runs, and one holds JSON.
     let body = html.replacen(between(html, "<script>", "</script>"), "", 1);
     assert_eq!((body.matches("<script").count(), body.matches("</script").count()), (2, 2));
     let json: Value = serde_json::from_str(between(html, "id=\"drawings\">", "</script>")).unwrap();
     assert_eq!(json["schema"], "sweetspot/drawing/1");
-    // Outside of script, style and data there is no way to run or to fetch anything.
+    // Outside of script, style and data nothing can run or fetch.
     let markup = body.replacen(between(&body, "id=\"drawings\">", "</script>"), "", 1);
     let markup = markup.replacen(between(&markup, "<style>", "</style>"), "", 1);
-    // Names are text: of a tag only what is outside of its quoted values can be an attribute.
+    // Names are text: only the parts of a tag outside of quoted values can be attributes.
     let tags = markup.split('<').skip(1).map(|part| part.split('>').next().unwrap_or_default());
     let bare: String = tags.map(|tag| tag.split('"').step_by(2).collect::<String>() + "\n").collect();
     for word in [" style=", " on", " src="] {
@@ -122,7 +122,7 @@ fn the_verdict_of_a_report_agrees_with_the_search() {
     assert_eq!(of("Proven gap"), number(&search["gap_percent"]));
     assert_eq!(of("Runner-up"), least);
     assert_corners(&html, &search["layout"]["worktable"]);
-    // A page may be replaced, what is no page not.
+    // A page may be replaced. Another file may not.
     shop.done(&["report", "found", "-o", "page.html"]);
     let ran = shop.run(&["report", "found", "-o", "cells/small.toml"]);
     assert_eq!(ran.code, Some(2), "{}", ran.err);
@@ -135,7 +135,7 @@ fn assert_corners(html: &str, at: &Value) {
     let rows: Vec<Vec<f64>> =
         table.split("<tr>").skip_while(|row| !row.contains(">worktable<")).take(4).map(cells).collect();
     let mean = |k: usize| rows.iter().map(|row| row[k]).sum::<f64>() / 4.0;
-    // Corner, world x and y, from the base x and y, tape.
+    // The columns are corner, world x and y, x and y from the base, tape.
     assert!((mean(1) - number(&at["x_mm"])).abs() < 0.1, "{rows:?}");
     assert!((mean(2) - number(&at["y_mm"])).abs() < 0.1, "{rows:?}");
     let yaw = (rows[1][2] - rows[0][2]).atan2(rows[1][1] - rows[0][1]).to_degrees();
@@ -176,7 +176,7 @@ fn a_folder_that_was_tampered_with_is_refused() {
         let ran = shop.run(&["report", "found"]);
         assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{named}: {}", ran.err);
         assert!(ran.err.contains(&format!("{named}: it")), "{named}: {}", ran.err);
-        // Whatever shows the folder refuses it.
+        // Every command that shows the folder refuses it.
         for args in [
             ["compare", "cells/small.toml", "found"],
             ["export", "found", "--to=csv"],
@@ -243,7 +243,7 @@ fn the_start_layout_is_judged_by_its_limit() {
             json!([map["operations"][0]["best"]["i"], map["operations"][0]["best"]["j"]])
         );
     }
-    // Without a limit nothing is missed, and the next best node is the runner-up.
+    // Without a limit there is no shortfall, and the next best node is the runner-up.
     let verdict = shop.json(&["report", PAPER]);
     assert_eq!((&verdict["requirement"], &verdict["gap_percent"]), (&json!("none"), &Value::Null));
     let mut values: Vec<f64> = items(&map["operations"][0]["nodes"])
@@ -286,7 +286,7 @@ fn a_stopped_search_is_reported_as_stopped() {
     assert!([Some(0), Some(1)].contains(&ran.code), "{}", ran.err);
     assert_eq!(ran.document()["ended"], "time-limit");
     assert_eq!(ran.document()["objective_value"], shop.document("found/search.json")["objective_value"]);
-    assert!(shop.text("report.html").contains("The search was stopped before its end"));
+    assert!(shop.text("report.html").contains("The search was stopped early"));
 }
 
 /// Names that would be markup, script, template or terminal codes if they were not escaped.
@@ -327,7 +327,7 @@ fn hostile_names_are_shown_as_text_in_the_report() {
         other = quoted(other),
     );
     shop.write("cells/hostile.toml", &text);
-    // A word of the command is shown, too.
+    // A word of the command line is shown, too.
     let ran = shop.run(&["report", "cells/hostile.toml", "--package", "\u{1b}[31mred</script>=."]);
     assert!([Some(0), Some(1)].contains(&ran.code), "{}", ran.err);
     let html = shop.text("report.html");
@@ -336,10 +336,10 @@ fn hostile_names_are_shown_as_text_in_the_report() {
         assert!(!html.contains(raw), "{raw}");
         assert!(!ran.out.contains('\u{1b}') && !ran.err.contains('\u{1b}'));
     }
-    // In JSON a quote is a quote; in markup it would end a value.
+    // A quote is harmless in JSON but would end a value in markup.
     let markup = html.replacen(between(&html, "id=\"drawings\">", "</script>"), "", 1);
     assert!(!markup.contains("' onmouseover='"));
-    // They are shown, though.
+    // The page still shows them.
     for shown in ["&lt;script&gt;alert(1)", "{{ 7919 * 7927 }}{% raw %}", "&amp;lt;b&amp;gt;"] {
         assert!(html.contains(shown), "{shown}");
     }
@@ -376,7 +376,7 @@ fn a_comparison_page_names_the_better_layout() {
         assert!(html.replace('\u{a0}', " ").contains(&by), "no {by}");
     }
     let search = shop.document("found/search.json");
-    // Rounded up: what is proven is no less.
+    // The gap is rounded up, so that no less is claimed than proven.
     let gap = number(&search["gap_percent"]);
     let digits = if gap < 0.1 { 1e4 } else { 1e1 };
     let gap = format!("{} %", (gap * digits).ceil() / digits);

@@ -36,7 +36,7 @@ fn robust_reports_worst_corner_slopes_and_allowed_misplacement() {
             field(r, key);
         }
     }
-    // Beyond the limit inside the tolerance, or as drawn: the answer is no.
+    // Beyond the limit within the tolerance, or at the nominal layout, the answer is no.
     for limit in ["13.01", "5"] {
         let no = shop.run(&["robust", "cells/loose.toml", "--limit", limit]);
         assert_eq!(no.code, Some(1), "{limit}: {}", no.out);
@@ -60,7 +60,7 @@ fn a_robust_search_holds_where_the_nominal_search_fails() {
         .iter()
         .map(|o| number(&o["robustness"]["worst"]["value"]).max(number(&o["value"])));
     assert!((worst.sum::<f64>() - number(&robust["objective_mm"])).abs() < 1e-6);
-    // best.toml says the same, robust as it is.
+    // best.toml of a robust search has the same value.
     let [map, compare, search] = objectives(&shop, "robust");
     assert_eq!([map, compare], [search, search]);
     assert_eq!(shop.run(&["robust", "robust/best.toml"]).code, Some(0));
@@ -74,7 +74,7 @@ fn a_robust_search_without_placement_tolerances_is_refused() {
     let ran = shop.run(&["search", CELL, "--robust"]);
     assert_eq!(ran.code, Some(2));
     assert!(ran.err.contains("everything is placed exactly") && ran.err.contains("help: "), "{}", ran.err);
-    // How much it may be misplaced is told all the same.
+    // The allowed misplacement is reported all the same.
     let told = shop.done(&["robust", CELL]);
     assert!(
         told.out.contains("may be misplaced by at most") && !told.out.contains("tolerance: worst"),

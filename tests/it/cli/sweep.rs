@@ -42,7 +42,7 @@ fn a_sweep_row_equals_the_search_of_that_cell() {
         assert_eq!(row["objective"], found["objective_mm"], "row {index}");
         assert_eq!(row["layout"], found["layout"], "row {index}");
         assert_eq!(row["evaluations"], found["evaluations"]);
-        // The proof of the row is that of the search, and no objective lies below it.
+        // The row has the proof of the search, and no objective lies below it.
         assert_eq!([&row["bound"], &row["gap_percent"]], [&found["bound"], &found["gap_percent"]]);
         let (bound, objective) = (number(&row["bound"]), number(&row["objective"]));
         assert!(0.0 < bound && bound <= objective, "row {index}: {bound} {objective}");
@@ -54,7 +54,7 @@ fn a_sweep_row_equals_the_search_of_that_cell() {
         let mapped = shop.json(&["map", &format!("swept/{index:04}.toml")]);
         assert_eq!(mapped["objective_mm"], row["objective"], "the cell of row {index}");
     }
-    // The best is the least, and every value has its own.
+    // The best row is the least, and every value has its own best row.
     let objectives: Vec<f64> = items(&table["rows"]).iter().map(|r| number(&r["objective"])).collect();
     let least = |of: &[usize]| *of.iter().min_by(|a, b| objectives[**a].total_cmp(&objectives[**b])).unwrap();
     assert_eq!(table["best"], least(&[0, 1, 2, 3]));
@@ -79,7 +79,7 @@ fn any_number_of_jobs_and_any_kill_end_in_the_same_bytes() {
     shop.has("whole", &["plan.json", "0000.json", "0003.json", "table.csv", "table.json", "manifest.json"]);
     shop.done(&sweep("four", &["--jobs", "4"]));
     assert!(bytes(&shop, "four") == whole, "four jobs");
-    // Killed at any moment, and once more; resumed in both ways.
+    // Sweeps are killed at any moment, twice, and resumed in both ways.
     for (k, wait) in [30, 60, 90, 120, 160, 200, 250, 300].into_iter().enumerate() {
         let out = format!("killed-{k}");
         for wait in [wait, wait / 2] {
@@ -99,14 +99,14 @@ fn any_number_of_jobs_and_any_kill_end_in_the_same_bytes() {
 fn a_finished_combination_is_not_searched_again() {
     let shop = Sandbox::new();
     shop.done(&sweep("swept", &[]));
-    // A mark that nobody would compute.
+    // The mark is a value that no run computes.
     let marked = shop.text("swept/0001.json").replace("\"evaluations\": 400", "\"evaluations\": 7");
     shop.write("swept/0001.json", &marked);
     std::fs::remove_file(shop.path("swept/0002.json")).unwrap();
     let table = shop.json(&["sweep", "--resume", "swept"]);
     let evaluations: Vec<_> = items(&table["rows"]).iter().map(|r| r["evaluations"].clone()).collect();
     assert_eq!(evaluations, [400, 7, 400, 400]);
-    // Half a file is none.
+    // Half a file is not accepted.
     shop.write("swept/0001.json", &marked[..marked.len() / 2]);
     assert_eq!(shop.json(&["sweep", "--resume", "swept"])["rows"][1]["evaluations"], 400);
 }
@@ -149,7 +149,7 @@ fn a_changed_sweep_is_not_resumed_and_names_the_change() {
         assert!(ran.err.contains("changed since: robots/hitachi_pw10.toml\n"), "{}", ran.err);
     }
     assert!(bytes(&shop, "swept") == before, "a refused sweep wrote something");
-    // Nor is a folder of something else taken.
+    // A folder of something else is refused.
     shop.write("cells/plan.json", "{}");
     for (args, said) in [
         (sweep("cells/robots", &[]), "is not empty"),
@@ -207,7 +207,7 @@ fn faults_of_a_sweep_name_the_setting() {
     let ran = shop.run(&["sweep", CELL, "--set", &set("clearance_mm"), "--set", &set("search.seed")]);
     assert_eq!(ran.code, Some(2));
     assert!(ran.err.contains("101 times 101 values make more than 10000 combinations"), "{}", ran.err);
-    // A fault of some combinations says of which.
+    // A fault of some combinations names them.
     let sets = ["--set", "errors=table-2", "--set", "robot.from=robots/hitachi_pw10.toml,robots/ur5e.toml"];
     let ran = shop.run(&[&["sweep", CELL, "--out", "swept"][..], &sets].concat());
     assert!(
@@ -259,11 +259,11 @@ fn every_kind_of_value_can_be_set() {
     assert_eq!(grids[0]["set"]["operation.mapping.grid"], serde_json::json!([10, 8]));
     assert!(number(&grids[1]["objective"]) <= number(&grids[0]["objective"]));
     assert!((number(&grids[0]["objective"]) - 3.768569).abs() < 1e-6, "{}", grids[0]);
-    // Limits beside and beyond the error, 3.77 mm.
+    // The limits lie beside and beyond the error, 3.77 mm.
     let limits = rows(&["operation.mapping.limit_mm=3.7,3.8"]);
     let met: Vec<_> = limits.iter().map(|r| r["operations"][0]["limit_met"].clone()).collect();
     assert_eq!(met, [false, true]);
-    // Robots against error sets is one command; the error set of the one is not that of the other.
+    // One command runs robots against error sets, whose names differ from robot to robot.
     let robots = rows(&[
         "robot.from=robots/ur5e.toml,robots/ur10e.toml",
         "errors=placeholder",

@@ -149,14 +149,14 @@ fn view_refuses_requests_without_its_secret_host_and_origin() {
     let host = format!("Host: {ours}\r\n");
     assert_eq!(get(&format!("/{token}/"), &host), 200);
     assert_eq!(get(&format!("/{token}/"), &format!("Host: localhost:{port}\r\n")), 200);
-    // Without the token there is nothing, whatever else is right.
+    // Without the token every request is refused, whatever else is right.
     let wrong = token.chars().rev().collect::<String>();
     let short = &token[..31];
     for path in ["/", "/state", "//", &format!("/{wrong}/"), &format!("/{short}/state"), &format!("/{token}")]
     {
         assert_eq!(get(path, &host), 404, "{path}");
     }
-    // A name that somebody else's page has.
+    // These are hosts of other people's pages.
     for host in [
         "Host: evil.example\r\n".into(),
         format!("Host: evil.example:{port}\r\n"),
@@ -166,7 +166,7 @@ fn view_refuses_requests_without_its_secret_host_and_origin() {
     ] {
         assert_eq!(get(&format!("/{token}/state"), &host), 403, "{host}");
     }
-    // What changes something comes from our page.
+    // Requests that change something must come from our page.
     let post = |host: &str, origin: &str| view.raw(&view.posting("undo", "{}", host, origin)).status;
     assert_eq!(post(&ours, &origin), 200);
     for other in ["null", "http://evil.example", "https://127.0.0.1", &format!("{origin}.evil.example")] {
@@ -200,7 +200,7 @@ fn the_page_of_view_may_load_nothing() {
         assert!(one.head.contains(wanted), "{wanted}: {}", one.head);
     }
     assert!(!one.head.contains("unsafe"), "{}", one.head);
-    // Every script and style has the mark, and nothing is fetched from elsewhere.
+    // Every script and style has the nonce, and nothing is fetched from elsewhere.
     let marked = format!("nonce=\"{}\"", nonce(&one));
     for tag in ["<script", "<style"] {
         for (at, _) in one.body.match_indices(tag) {
@@ -244,7 +244,7 @@ fn the_value_of_a_layout_in_view_agrees_with_map() {
             }
         }
     }
-    // A try changes nothing; what is fixed in the file can be tried, too.
+    // A try changes nothing. Coordinates fixed in the file can be tried, too.
     assert_eq!(view.get("state").json()["now"]["undo"], 0);
     shop.write("cells/up.toml", "from = \"hitachi_cell.toml\"\n[equipment.conveyor.placement]\nz_mm = 555\n");
     view.done("question", &json!({ "sense": null, "model": "nonlinear", "reading": "signed" }));
@@ -265,7 +265,7 @@ fn view_undoes_redoes_and_restores_a_page() {
     assert!(text(&one["what"]).contains("worktable y 1000 to 950 mm"), "{}", one["what"]);
     let all = [objective(&start), objective(&one), objective(&two)];
     assert!(all[0] != all[1] && all[1] != all[2]);
-    // A reload asks for the state: it is that of the server.
+    // A reload asks for the state of the server.
     let again = view.get("state").json()["now"].clone();
     assert_eq!(again, two);
     let back = view.done("undo", &json!({}));
@@ -278,7 +278,7 @@ fn view_undoes_redoes_and_restores_a_page() {
     );
     view.done("redo", &json!({}));
     assert_eq!(view.done("redo", &json!({}))["numbers"], two["numbers"]);
-    // Back to the start is a step like others; a new step forgets what was undone.
+    // A reset is a step like others. A new step forgets undone ones.
     let reset = view.done("reset", &json!({}));
     assert_eq!((objective(&reset), &reset["undo"]), (all[0].clone(), &json!(3)));
     view.done("undo", &json!({}));
@@ -329,7 +329,7 @@ fn view_refuses_invalid_requests_with_a_message() {
     }
     view.refused("accept", "{}");
     let Viewer { port, token, .. } = &view;
-    // No length, and a body that never comes: answered, and nobody else waits for it.
+    // A request without a length or with a missing body is answered, and nobody else waits for it.
     let head = format!(
         "POST /{token}/layout HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nOrigin: http://127.0.0.1:{port}\r\n"
     );
@@ -338,7 +338,7 @@ fn view_refuses_invalid_requests_with_a_message() {
     slow.write_all(format!("{head}Content-Length: 5000\r\n\r\n{{").as_bytes()).unwrap();
     assert_eq!(view.raw(&format!("{head}Content-Length: 9000000000\r\n\r\n{{")).status, 400);
     assert_eq!(view.get("state").status, 200);
-    // After all that the layout is as drawn.
+    // After all that the layout is the start layout.
     assert_eq!(view.get("state").json()["now"]["undo"], 0);
 }
 
@@ -347,7 +347,7 @@ fn a_saved_layout_is_a_loadable_cell() {
     let shop = Sandbox::new();
     let view = Viewer::of(&shop, &[CELL]);
     view.done("layout", &elsewhere());
-    // Fixed in the file: it must be in the one that is saved, too.
+    // A coordinate fixed in the file is in the saved file, too.
     view.done(
         "layout",
         &json!({ "equipment": { "conveyor": { "z_mm": 590.25 } }, "robot_base": { "z_mm": 1.5 } }),
@@ -361,7 +361,7 @@ fn a_saved_layout_is_a_loadable_cell() {
     assert_eq!(map["objective"], now["answer"]["objective"]);
     assert!(map["objective"].is_number());
     assert_eq!(map["operations"][0]["sense"], "xyz");
-    // Never over another file without being asked twice, and never over what it is made from.
+    // Another file is only replaced on a second request, and the source of the layout never.
     let before = shop.read("cells/by_hand.toml");
     view.done("undo", &json!({}));
     let taken = view.post("save", "{\"name\":\"by_hand.toml\"}");
@@ -427,7 +427,7 @@ fn a_search_in_view_equals_the_search_command() {
     assert_eq!(began["search"]["budget"], 600);
     let search = ended(&view);
     assert!((number(&search["start"]) - number(&now["answer"]["objective"])).abs() < 1e-9, "{search}");
-    // The same from a file that starts there.
+    // A file that starts there gives the same search.
     let range = |min: f64, max: f64, start: f64| format!("{{ min = {min}, max = {max}, start = {start} }}");
     let from = format!(
         "from = \"hitachi_cell.toml\"\n[equipment.worktable.placement]\nx_mm = {}\ny_mm = {}\nz_mm = {}\nyaw_deg = {}\n\
@@ -445,7 +445,7 @@ fn a_search_in_view_equals_the_search_command() {
     let best = number(&found["objective_mm"]);
     assert!((number(&search["best"]) - best).abs() < 1e-9, "{search} {best}");
     assert!(number(&search["gain_percent"]) > 0.0, "{search}");
-    // Its layout is a step that can be undone.
+    // Accepting its layout is a step that can be undone.
     let accepted = view.done("accept", &json!({}));
     assert!((number(&accepted["answer"]["objective"]) - best).abs() < 1e-9);
     assert_eq!(accepted["numbers"]["equipment"]["worktable"], found["layout"]["worktable"]);

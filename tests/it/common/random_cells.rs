@@ -48,7 +48,7 @@ pub fn random_cell(seed: u64) -> (RandomArm, String) {
         "schema = \"sweetspot/cell/1\"\nunits = {{ length = \"mm\", angle = \"deg\" }}\nname = \"random {seed}\"\n"
     );
     let _ = writeln!(text, "clearance_mm = {}", dice.of(&[0, 0, 5, 20]));
-    // Reach with the tool down, mm, and heights of surfaces that the arm can work on.
+    // Reach with the tool down, mm, and heights of surfaces in that reach.
     let (reach, low, high) = match arm {
         RandomArm::Planar => planar_arm(dice, &mut text),
         RandomArm::Hitachi => {
@@ -160,7 +160,7 @@ fn table(
     (0..3).for_each(|k| order.swap(k, dice.between(k as i32, 3) as usize));
     let coordinate = |k: usize| {
         let (at, by) = (centre[k], spread[k]);
-        // An upright slab of a table stands on legs: it cannot sink into the floor.
+        // An upright slab stands on legs and cannot sink into the floor.
         let (min, max) =
             if k == 2 { ((at - by).max(low), (at + by).min(high).max(low + 10)) } else { (at - by, at + by) };
         match order[..free as usize].contains(&k) {

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use sweetspot::assess::Assessment;
 use sweetspot::cell::Reading;
 use sweetspot::drawing::Detail;
-use sweetspot::drawing::arrows::round_down;
+use sweetspot::drawing::round_numbers::{HALF_DIGITS, round_down};
 use sweetspot::drawing::{Arrow, Component, Drawing};
 
 #[test]
@@ -14,7 +14,7 @@ fn arrows_are_the_exaggerated_errors() {
     let a = Assessment::new("start", &workcell, workcell.cell.start());
     let detail = Detail { lenses: false, envelopes: false, nodes: usize::MAX };
     let drawing = Drawing::new(&a, &detail).unwrap();
-    // Ten by eight divisions of a table of 1500 by 700 mm, by its file.
+    // The file has ten by eight divisions of a table of 1500 by 700 mm.
     assert!((drawing.fields[0].spacing() - 0.7 / 8.0).abs() < 1e-12);
     let enlarged = drawing.exaggeration(0);
     let errors = || a.maps[0].nodes.iter().filter(|n| n.status.name() == "ok");
@@ -63,7 +63,8 @@ fn unsigned_errors_have_arrows_both_ways() {
 fn an_arrow_exaggeration_is_a_round_number() {
     let cases = [(37.4, 35.0), (3.99, 3.5), (1.0, 1.0), (1e3, 1e3), (999.0, 950.0), (0.27, 0.25)];
     for (raw, said) in cases {
-        assert!((round_down(raw) / said - 1.0f64).abs() < 1e-12, "{raw}: {}", round_down(raw));
+        let round = round_down(raw, HALF_DIGITS);
+        assert!((round / said - 1.0f64).abs() < 1e-12, "{raw}: {round}");
     }
 }
 
@@ -74,7 +75,7 @@ fn a_solid_arrow_is_closed_and_its_barbs_are_perpendicular() {
         let mesh = arrow.mesh();
         let p = |i: u32| mesh.positions[i as usize] - arrow.tail;
         let volume: f64 = mesh.triangles.iter().map(|[a, b, c]| p(*a).dot(&p(*b).cross(&p(*c)))).sum();
-        // Prism and pyramid on regular hexagons: 3 sqrt(3) / 2 r^2, times height, a third of it.
+        // Prism and pyramid stand on regular hexagons of area 3 sqrt(3) / 2 r^2.
         let hexagon = |r: f64| 1.5 * 3f64.sqrt() * r * r;
         let shaft = (arrow.tip - arrow.tail).norm() - arrow.head;
         let exact = hexagon(arrow.head * 0.12) * shaft + hexagon(arrow.head * 0.35) * arrow.head / 3.0;

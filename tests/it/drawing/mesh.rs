@@ -27,7 +27,7 @@ fn every_solid_mesh_is_closed_and_faces_outwards() {
     for (shape, exact) in solids {
         let mesh = Mesh::of(&shape, -0.8);
         let share = volume(&mesh) / exact;
-        // Of polygons for circles a little is missing.
+        // Polygons in place of circles lose a little volume.
         assert!((0.975..1.0 + 1e-9).contains(&share), "{shape:?}: {share}");
         let extent = mesh.extent().map(|(lo, hi)| (hi - lo).amax());
         assert!(extent.is_some_and(|e| e > 0.1));

@@ -16,7 +16,7 @@ fn a_drawing_shows_the_values_of_the_assessment() {
     assert_eq!((field.nodes.len(), field.size, field.usable().count()), (99, (11, 9), 80));
     assert_eq!(drawing.lenses.len(), field.takes.len());
     assert_eq!(drawing.lenses.len(), 9, "{:?}", drawing.lenses);
-    // The first lens is the cell's own.
+    // The first lens belongs to the cell.
     let own = field.range(0, field.sense).unwrap().0;
     assert!((own - a.maps[0].value.unwrap()).abs() < 1e-15);
     // The worst case is never less than the signed sample, node by node.
@@ -44,7 +44,7 @@ fn the_robot_moves_from_home_to_its_spots_and_back() {
         let tcp = movement.at(k).unwrap().last().unwrap();
         assert!((tcp.translation - node.position).norm() < 1e-9);
     }
-    // No joint frame leaps from one picture to the next.
+    // No joint frame jumps from one picture to the next.
     for pair in movement.frames.windows(2) {
         let far = pair[0].iter().zip(&pair[1]).map(|(a, b)| (a.translation - b.translation).norm());
         assert!(far.fold(0.0, f64::max) < 0.25);

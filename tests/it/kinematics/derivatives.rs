@@ -114,7 +114,7 @@ fn every_derivative_agrees_with_dual_numbers() {
         let case = if round % 2 == 0 { Degeneracy::Random } else { CASES[round / 2 % 6] };
         let (robot, q) = posed(&mut rng, n, case);
         let chain = Chain::new(&robot);
-        // Memory that another posture has used.
+        // The memory comes from another posture.
         let mut expansion = Expansion::new(&chain);
         expansion.set(&chain.frames(&chain.posture(&[0.3; 8])));
         let (first, second) = worst(&robot, &q, &mut expansion);

@@ -188,7 +188,7 @@ fn tiny_twists_keep_their_digits() {
         for model in Model::ALL {
             let e = predicted(&whole, &q, &errors, model);
             assert_close(e.rotation, turn, 1e-14, "rotation");
-            // The nonlinear model bends the arc: half the angle of it.
+            // The nonlinear model bends the arc by half its angle.
             assert_close(e.position, turn.cross(&arm), 1e-13 + size, "position");
         }
     }
@@ -232,7 +232,7 @@ fn error_signs_match_hand_calculation() {
     let dq = |x| SignedErrors { dq: vec![x], ..none() };
     let dalpha = |x| SignedErrors { dalpha: vec![x], ..none() };
     for model in Model::ALL {
-        // dl: along the link. dr: along the joint axis, as the slide of a prismatic joint.
+        // dl acts along the link, dr along the joint axis, like the slide of a prismatic joint.
         check(
             &revolute,
             &SignedErrors { dl: vec![0.001], ..none() },

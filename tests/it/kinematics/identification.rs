@@ -203,11 +203,11 @@ fn prismatic_joints_beside_parallel_axes_have_five_parameters() {
 fn too_few_postures_make_identification_singular() {
     let robot = CalibratedArm::new("ur10").robot;
     let (chain, all) = (Chain::new(&robot), postures(&robot));
-    // 24 parameters, six rows a posture; and a posture repeated says nothing new.
+    // There are 24 parameters and six rows per posture. A repeated posture adds nothing.
     for few in [&all[..0], &all[..3], &[all[0]; 50]] {
         assert!(condition(&chain, few, FiveParameter, LENGTH) > 1e12);
     }
     assert!(condition(&chain, &all[..20], FiveParameter, LENGTH) < 1000.0);
-    // The flange lies on the last axis: positions alone do not see how far it turns.
+    // The flange lies on the last axis: positions alone do not show how far it turns.
     assert_eq!(condition(&chain, &all, FiveParameter, 0.0), f64::INFINITY);
 }

@@ -64,7 +64,7 @@ fn check_inverse(robot: &Robot, q: &JointVector, tolerance: f64) {
 fn check_inverse_at_random(robot: &Robot, configurations: usize) {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     for _ in 0..configurations {
-        // Conditioned by the sine of joint 3, 2e-4 at the worst here: five digits to spare.
+        // The sine of joint 3, 2e-4 at worst here, conditions the result and leaves five digits.
         check_inverse(robot, &random_joints(robot, &mut rng), 1e-9);
     }
 }
@@ -143,7 +143,7 @@ fn the_inverse_recovers_postures_of_arms_like_the_paper() {
         arm(with(3, 3, 90.0), turn, SERIAL, across),
         arm(OFFSETS, [-400.0, 300.0], SERIAL, TOOL),
         arm(OFFSETS, [-400.0, 300.0], whole, TOOL),
-        // Through 180 degrees, where atan2 jumps.
+        // The limits include 180 degrees, where atan2 jumps.
         arm(OFFSETS, [100.0, 260.0], SERIAL, TOOL),
         arm(OFFSETS, [100.0, 260.0], whole, TOOL),
         arm(OFFSETS, [-70.0, 110.0], fraction, TOOL),
@@ -157,7 +157,7 @@ fn the_inverse_recovers_postures_of_arms_like_the_paper() {
 fn the_inverse_finds_postures_at_the_joint_limits() {
     let paper = ["hitachi_paper.toml", "hitachi_paper_parallelogram.toml"].map(|name| shipped(name).robot);
     for robot in paper.into_iter().chain([arm(OFFSETS, [100.0, 260.0], SERIAL, TOOL)]) {
-        // Every joint at its lower limit, between, or at its upper limit.
+        // Every joint is at its lower limit, between, or at its upper limit.
         for k in 0..3usize.pow(4) {
             let choice = |i, (lo, hi): (f64, f64)| [lo, 0.6 * lo + 0.4 * hi, hi][k / 3usize.pow(i) % 3];
             let q = from_fn(|i| robot.joints.get(i).map_or(0.0, |j| choice(i as u32, j.limits)));
@@ -227,7 +227,7 @@ fn a_folded_arm_of_equal_links_holds_the_tool() {
         for _ in 0..100 {
             let mut q = random_joints(&robot, &mut rng);
             q[2] = PI - fold;
-            // The upper arm may point anywhere: only the tool is compared.
+            // The upper arm may point anywhere, so only the tool is compared.
             check_inverse(&robot, &q, f64::INFINITY);
         }
     }

@@ -45,7 +45,7 @@ impl Chain {
         let mut frame = || [(); 6].map(|()| some(2.0));
         let (mut base, tool) = (frame(), frame());
         let mut joints: Vec<_> = (0..n).map(|_| frame()).collect();
-        // Row 1 has the first, and its frame the other.
+        // Row 1 holds the first of them, and its frame the other.
         (base[3], joints[0]) = (0.0, [0.0; 6]);
         Self { rows, slides, errors, frames: [base, tool], joints }
     }

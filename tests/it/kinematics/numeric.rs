@@ -122,7 +122,7 @@ fn goal_at(robot: &Robot, q: &JointVector, rows: usize) -> TcpGoal {
 fn off(robot: &Robot, q: &JointVector, goal: &TcpGoal) -> (f64, f64) {
     let t = fk(robot, q);
     let axis = rotation(&t) * robot.tool_axis;
-    // The chord instead of the arc cosine, which has no digits at 0.
+    // The chord replaces the arc cosine, which has no digits at 0.
     let between = |a: Vector3<f64>, b: Vector3<f64>| 2.0 * ((a - b).norm() / 2.0).min(1.0).asin();
     let angle = match goal.attitude {
         AttitudeGoal::Any => 0.0,
@@ -283,16 +283,16 @@ fn an_unreachable_goal_reports_the_distance() {
     let (long, short) = (planar(&[0.5, 0.4, 0.3], &free), planar(&[1.0, 0.3, 0.2], &free));
     let still = planar(&[0.5, 0.4, 0.3], &[(-FRAC_PI_2, FRAC_PI_2), (-1e-12, 1e-12), (-1e-12, 1e-12)]);
     let cases = [
-        // Stretched, and the plane below.
+        // The first pose is stretched, the next below the plane.
         (&long, vector![2.0, 0.0, 0.0], 0.8),
         (&long, vector![-1.2, -0.9, 0.0], 0.3),
         (&long, vector![1.2, 0.9, 0.4], 0.5),
         (&long, vector![0.3, 0.2, -0.07], 0.07),
         (&long, vector![0.0, 1.2 + 2e-6, 0.0], 2e-6),
-        // The hole in the middle.
+        // The target lies in the central hole.
         (&short, vector![0.0, 0.0, 0.0], 0.5),
         (&short, vector![0.0, 0.4, 0.0], 0.1),
-        // A rod that turns by a right angle to each side: behind it, its ends are the nearest.
+        // The rod turns by a right angle to each side, so its ends are nearest to a point behind it.
         (&still, vector![-0.5, 0.0, 0.0], 1.3),
         (&still, vector![-0.5, -1.2, 0.0], 0.5),
         (&long, vector![1e9, 0.0, 0.0], 1e9 - 1.2),
@@ -314,12 +314,12 @@ fn a_joint_limit_that_forbids_the_orientation_is_named() {
     let robot = scara(limit);
     for _ in 0..200 {
         let mut q = random_joints(&robot, &mut rng);
-        // Of both elbows neither near its limits.
+        // Neither elbow is near its limits.
         q[0] *= 0.3;
         q[1] = (0.5 + 1.2 * rng.random::<f64>()) * q[1].signum();
         q[3] = rng.random_range(-PI..PI);
         let goal = goal_at(&robot, &q, 6);
-        // The other elbow: the triangle of the two links mirrored at the line to the wrist.
+        // The other elbow mirrors the triangle of the two links at the line to the wrist.
         let (l1, l2) = (0.35, 0.3);
         let line = (l2 * q[1].sin()).atan2(l1 + l2 * q[1].cos());
         let other = [q[0] + 2.0 * line, -q[1]];
@@ -366,7 +366,7 @@ fn numeric_solutions_are_deterministic() {
             let goal = goal_at(&robot, &q, rows);
             first.all(&goal, &mut a);
             let one = first.one(&goal);
-            // Whatever was asked before.
+            // Earlier questions must not matter.
             second.all(&other, &mut b);
             second.all(&goal, &mut b);
             assert_eq!((a, one), (b, second.one(&goal)));
@@ -406,7 +406,7 @@ fn nearly_vertical_tools_and_half_turns_are_solved() {
             check(&robot, &q, &goal);
         }
     }
-    // From a posture to one turned by half a turn or nearly, and not at all.
+    // The start is turned by half a turn, nearly half, or not at all.
     let q = [0.3, -1.2, 1.4, -0.5, 0.9, 0.2, 0.0, 0.0];
     for angle in [0.0, 1e-12, 1e-8, PI - 1e-8, PI, -PI] {
         for axis in [Vector3::x_axis(), Vector3::y_axis(), Vector3::z_axis()] {

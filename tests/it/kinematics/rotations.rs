@@ -25,7 +25,7 @@ fn rodrigues(axis: &Vector3<f64>, angle: f64, p: &Vector3<f64>) -> Vector3<f64> 
 }
 
 fn assert_near(got: Vector3<f64>, want: Vector3<f64>, tolerance: f64, what: &str) {
-    // NaN fails.
+    // NaN fails the comparison.
     let holds = got.iter().zip(&want).all(|(g, w)| (g - w).abs() <= tolerance);
     assert!(holds, "{what}: {got:?} instead of {want:?}, tolerance {tolerance:e}");
 }
@@ -38,7 +38,7 @@ fn the_rotation_logarithm_undoes_the_exponential() {
         let vector = axis * angle;
         for rotation in [SmallRotation::of(&vector), SmallRotation::about(&axis, angle)] {
             let back = rotation.vector();
-            // Half a turn is half a turn back, too.
+            // Half a turn may come back as half a turn the other way.
             let back = if angle == PI && back.dot(&vector) < 0.0 { -back } else { back };
             assert_near(back, vector, 1e-15 * angle, "log exp");
         }
@@ -65,7 +65,7 @@ fn points_move_by_rodrigues_formula() {
     for (angle, _) in ANGLES.into_iter().flat_map(|a| (0..200).map(move |k| (a, k))) {
         let (axis, arm) = (unit(&mut rng), within(&mut rng, 1.0));
         let moved = SmallRotation::of(&(axis * angle)).moved(&arm);
-        // 1e-15 of the way, at a chord of up to 2 |arm|.
+        // The tolerance is 1e-15 of the way, at a chord of up to 2 |arm|.
         assert_near(moved, rodrigues(&axis, angle, &arm), 2e-15 * angle.min(2.0), "moved");
         let turned = Rotation3::new(axis * angle) * arm;
         assert_near(moved + arm, turned, 2e-15, "against nalgebra");
@@ -124,7 +124,7 @@ fn composed_rotations_agree_with_60_digits() {
 fn no_composed_rotation_is_nan() {
     let mut rng = ChaCha8Rng::seed_from_u64(23);
     for (a, b) in ANGLES.into_iter().flat_map(|a| ANGLES.map(|b| (a, b))) {
-        // About the same axis (they add up, or undo each other) and about any two.
+        // The axes are equal (rotations add or cancel) or arbitrary.
         let axis = unit(&mut rng);
         for (a, b) in [(axis * a, axis * b), (axis * a, axis * -b), (axis * a, unit(&mut rng) * b)] {
             let product = SmallRotation::of(&a).after(&SmallRotation::of(&b));
@@ -180,7 +180,7 @@ fn small_displacements_keep_their_digits() {
         let swept = rodrigues(&(b.rotation / angle), angle, &arm);
         assert_near(b.at(&arm).position, b.position + swept, 2e-15 * size, "at");
         assert_near(b.at(&arm).at(&-arm).position, b.position, 2e-15 * size, "there and back");
-        // Baker, Campbell, Hausdorff: what is left is of third order.
+        // By Baker, Campbell and Hausdorff the remainder is of third order.
         let want = a.rotation + b.rotation + b.rotation.cross(&a.rotation) / 2.0;
         let tolerance = (1e-15 + size * size) * size;
         assert_near(a.then(&b).rotation, want, tolerance, "rotation");

@@ -97,7 +97,7 @@ impl InverseBench {
         for (branch, posture) in &answer.found {
             let held = self.chain.forward(posture);
             let position = (held.translation - flange.translation).norm();
-            // Of a small turn the Frobenius norm is sqrt(2) times the angle.
+            // The Frobenius norm of a small turn is sqrt(2) times the angle.
             let turn = (held.rotation - flange.rotation).norm() / 2f64.sqrt();
             assert!(position < 1e-9 && turn < 1e-9, "{q:?} branch {branch}: {position:e} m, {turn:e} rad");
         }
@@ -254,7 +254,7 @@ fn the_inverse_recovers_postures_of_special_chains() {
         }
         let robot = robot(&rows);
         if SphericalWrist::new(&Chain::new(&robot)).is_ok() {
-            // Not drawn from the generator of the chains: which come does not depend on which are taken.
+            // A seed of its own keeps the poses independent of the chains drawn.
             InverseBench::wrist(robot).check_random(100, k as u64);
             solved[k % 8] += 1;
         }

@@ -97,7 +97,7 @@ fn wrist_centres_on_or_next_to_the_base_axis_are_solved() {
             }
         }
     }
-    // Axes 1 and 5 and 6 of this one meet: theta_1 is free.
+    // Axes 1, 5 and 6 of this arm meet, so theta_1 is free.
     let mut bench = offsets();
     bench.robot.joints[0].alpha = PI / 2.0;
     bench.robot.joints[1].r = -0.025 - 0.110 - 0.095 * 80f64.to_radians().cos();
@@ -115,7 +115,7 @@ fn wrist_centres_on_or_next_to_the_base_axis_are_solved() {
 #[test]
 fn stretched_and_folded_arms_are_found() {
     let mut rng = ChaCha8Rng::seed_from_u64(3);
-    // theta_3 of the stretched arm: the wrist centre seen from axis 3 points along the upper arm.
+    // Seen from axis 3 of the stretched arm, the wrist centre points along the upper arm.
     for (bench, stretched) in [
         (puma560(), -0.4318f64.atan2(0.0203)),
         (irb140(), -0.380f64.atan2(0.015)),
@@ -126,7 +126,7 @@ fn stretched_and_folded_arms_are_found() {
         for _ in 0..2_500 {
             let mut q = bench.random(&mut rng);
             let folded = if rng.random() { PI } else { 0.0 };
-            // One in ten with the wrist in line, too.
+            // One pose in ten has its wrist in line, too.
             if rng.random_range(0..10) == 0 {
                 q[4] = 0.0;
             }
@@ -209,7 +209,7 @@ fn solution_counts_inside_the_limits_match_the_reference() {
 
 #[test]
 fn a_branch_number_names_one_family_of_postures() {
-    // Sides of the arm: wrist flipped, elbow, leaning back, from the joints themselves.
+    // The configuration (wrist flipped, elbow, leaning back) follows from the joints themselves.
     let sides = |bench: &InverseBench, q: &JointVector, frame: usize, elbow: f64| {
         let frames = bench.chain.frames(&bench.chain.posture(q));
         let centre = frames.links[1].inverse().transform(&frames.links[frame].translation);
@@ -260,7 +260,7 @@ fn a_chain_outside_the_family_is_refused_with_the_reason() {
     }
     let bench = InverseBench::parallel(robot);
     bench.check(&from_fn(|k| 0.3 + 0.4 * k as f64));
-    // Three joints that cannot leave a plane or a sphere.
+    // Three joints cannot leave a plane or a sphere.
     let mut flat = puma560().robot;
     flat.joints[0].alpha = 0.0;
     assert!(SphericalWrist::new(&Chain::new(&flat)).unwrap_err().contains("anywhere in space"));

@@ -61,7 +61,7 @@ fn the_reach_gap_is_the_least_distance() {
         while out < cases(15, 60) {
             let mut side = || rng.random_range(-1.3..1.3);
             let p = vector![side(), side(), side()];
-            // Near the base axis, too.
+            // Some targets are near the base axis.
             let p = if out % 3 == 0 { vector![0.1 * p.x, 0.1 * p.y, p.z] } else { p };
             let rotation = random_rotation(&mut rng);
             let r6 = bench.robot.joints[5].r;
@@ -91,7 +91,7 @@ fn the_reach_gap_of_three_parallel_axes_is_the_least_distance() {
             (random_rotation(&mut rng), rng.random_range(0.0..0.109), rng.random_range(-PI..PI));
         let centre = vector![radius * turn.cos(), radius * turn.sin(), rng.random_range(-1.0..1.0)];
         let translation = centre + rotation.column(2) * 0.0823;
-        // 109.15 mm between axes 1 and 5: the wrist centre keeps this distance along axis 2.
+        // Axes 1 and 5 are 109.15 mm apart, and the wrist centre keeps this distance along axis 2.
         let answer = bench.solve(&Pose { rotation, translation });
         assert!(answer.found.is_empty() && (answer.missing - (0.10915 - radius)).abs() < 1e-12);
     }
@@ -107,7 +107,7 @@ fn the_reach_gap_of_three_parallel_axes_is_the_least_distance() {
             }
             let reaches = |size: f64| {
                 (0..4_000).any(|k| {
-                    // Directions all over the sphere.
+                    // The directions cover the sphere evenly.
                     let (z, turn) = (1.0 - (2.0 * k as f64 + 1.0) / 4_000.0, 2.399963229728653 * k as f64);
                     let r = (1.0 - z * z).sqrt();
                     let translation = p + vector![r * turn.cos(), r * turn.sin(), z] * size;

@@ -366,7 +366,7 @@ fn the_figures_of_the_norm_do_not_depend_on_units_and_axes() {
             close(there.rms(), here.rms() * scale, 1e-12);
             near(there.cdf(1.3 * scale), here.cdf(1.3), 1e-12);
         }
-        // Turned by Householder's reflection of the first m axes.
+        // Householder's reflection turns the first m axes.
         let v = vector(&[1.0, -2.0, 0.5, 3.0, 1.5, 0.7][..m]);
         let turn = Matrix6::identity() - v * v.transpose() * (2.0 / v.norm_squared());
         let cut = |g: &Vector6<f64>| Vector6::from_fn(|i, _| if i < m { g[i] } else { 0.0 });
@@ -391,14 +391,14 @@ fn the_kurtosis_of_one_component_follows_edgeworths_series() {
         let sum = four / 24.0 * he[0] + six / 720.0 * he[1] + four * four / 1152.0 * he[2];
         near(norm.cdf(c), 2.0 * normal_cdf(c) - 1.0 - 2.0 * density(c) * sum, 1e-9);
     }
-    // With a mean the first order alone is complete.
+    // With a mean only the first order is complete.
     let small = [-1.2e-3, 0.0, -0.6e-3];
     for mu in [0.2, 1.0, 2.0, 5.0, 50.0] {
         let norm = NormDistribution::new(1, &columns, &small, &vector(&[mu]));
         let f = |x: f64| normal_cdf(x) - four * 1e-3 / 24.0 * (x * x * x - 3.0 * x) * density(x);
         for d in [-1.5, -0.3, 0.4, 1.2, 2.2] {
             let c: f64 = mu + d;
-            // erf as written here ends at 3, and the far side at 6.5 deviations.
+            // The series of erf ends at 3, and the far side at 6.5 deviations.
             if c > 0.0 && (c + mu < 4.2 || c + mu > 6.5) {
                 let far_side = if c + mu < 4.2 { f(-c - mu) } else { 0.0 };
                 near(norm.cdf(c), f(d) - far_side, 2e-8);
@@ -414,7 +414,7 @@ fn the_kurtosis_of_several_components_follows_a_mixture() {
     let mut rng = ChaCha8Rng::seed_from_u64(3);
     for round in 0..60 {
         let m = 2 + round % 5;
-        // With a mean the second order is not complete.
+        // With a mean the second order is incomplete.
         let size = [0.0, 0.5, 5.0][round % 3];
         let (a, tolerance): (f64, f64) = if size == 0.0 { (0.3, 1.5e-5) } else { (0.05, 1e-7) };
         let mut columns = random(&mut rng, m, m + 2);

@@ -8,6 +8,7 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::FRAC_PI_2;
 use sweetspot::cell::*;
+use sweetspot::error_map::NodeSign;
 use sweetspot::kinematic_error::{Perturbation, position_error};
 use sweetspot::layout::{Workcell, evaluate};
 use sweetspot::pose::Pose;
@@ -44,7 +45,7 @@ fn a_taught_frame_leaves_the_error_of_its_rule() {
         let mut cell = all_wrong(&mut rng);
         cell.registration = Registration::Taught;
         let chain = Chain::new(&cell.robot);
-        // A triangle that someone would teach.
+        // The triangle is one that a person would teach.
         let mut postures = [0, 1, 2].map(|_| reachable(&mut rng, &cell.robot));
         let height = |p: &[sweetspot::robot::Frames; 3]| {
             let [a, b, c] = [0, 1, 2].map(|k| p[k].tcp.translation);
@@ -103,12 +104,12 @@ fn rigid_errors_cancel_in_a_relative_error() {
                 cell.model = model;
                 let workcell = Workcell::new(cell.clone()).unwrap();
                 let map = workcell.maps(&start).remove(0);
-                assert!(map.count("ok") > 70);
+                assert!(map.count(NodeSign::Usable) > 70);
                 for p in map.nodes.iter().filter_map(|n| n.posture.as_ref()) {
                     let bound = if model == Model::SecondOrder { 1e-6 } else { 1e-12 };
                     assert!(p.error.norm() < bound, "{registration:?} {model:?}: {}", p.error);
                     let most = p.figures.iter().map(|f| f.worst_linear.max(f.p95)).fold(0.0, f64::max);
-                    // The mean of the second order is left: registration is of the first.
+                    // The second-order mean remains, since registration is of first order.
                     assert!(most < 1e-4, "{registration:?} {model:?}: {most}");
                 }
             }
@@ -182,7 +183,7 @@ fn the_relative_error_is_the_error_of_the_placed_part() {
         let values = gauge.sources.signed();
         let mut memory = gauge.memory();
         let got = gauge.error_of(&values, &situation, &q, Model::Nonlinear, &mut memory);
-        // T2' (T1'^-1 T1) is where the part is, T2 where it should be.
+        // T2' (T1'^-1 T1) is the pose of the part, T2 the intended one.
         let [t1, t2] = [&p, &q].map(|f| homogeneous(&f.tcp));
         let [wrong1, wrong2] =
             [&pick, &place].map(|q| crate::kinematics::product::tcp(&cell.robot, q, &errors, 1.0));
@@ -191,7 +192,7 @@ fn the_relative_error_is_the_error_of_the_placed_part() {
         let turn = (part * t2.try_inverse().unwrap()).fixed_view::<3, 3>(0, 0).into_owned();
         assert!((got.position - position).norm() < 1e-12, "{}", got.position - position);
         assert!((Rotation3::new(got.rotation).into_inner() - turn).norm() < 1e-12);
-        // To first order the same, and nothing at the same posture.
+        // Both agree to first order and vanish at the same posture.
         let linear = gauge.error_of(&values, &situation, &q, Model::Linear, &mut memory);
         let off = (linear.position - position).norm();
         assert!(off < 5e-4, "{off}");
@@ -219,7 +220,7 @@ fn fixture_errors_match_hand_calculation() {
     };
     (cell.robot.errors, cell.errors) = (vec![ErrorSet::Signed(signed)], 0);
     cell.equipment[0].placement[3] = Coordinate::Fixed(FRAC_PI_2);
-    // 1 mm along its x, which is the world's y, and a turn about its z.
+    // The fixture is 1 mm off along its x, the world's y, and turned about its z.
     let mut fixture = [0.0; 6];
     (fixture[0], fixture[5]) = (1e-3, 2e-3);
     cell.equipment[0].errors = Some(FrameErrors::Signed(fixture));
@@ -232,7 +233,7 @@ fn fixture_errors_match_hand_calculation() {
         let work = Vector3::new(0.0, 1e-3, 0.0) + Vector3::new(0.0, 0.0, 2e-3).cross(&at);
         assert!((p.error + work).norm() < 1e-15, "{} {}", p.error, work);
         assert!((p.rotation + Vector3::new(0.0, 0.0, 2e-3)).norm() < 1e-15);
-        // As tolerances: the two add up.
+        // As tolerances the two add up.
         let worst = p.figures[4].worst_linear;
         assert!((worst - work.norm().max((work - Vector3::new(0.0, 2e-3, 0.0)).norm())).abs() < 1e-14);
     }
@@ -252,7 +253,7 @@ fn a_frame_that_cannot_be_taught_is_reported() {
     let missed = evaluate(&workcell, &start);
     assert!(missed.objective.is_none() && missed.cost.is_finite());
     let map = workcell.maps(&start).remove(0);
-    assert_eq!((map.count("ok"), map.count("unjudged")), (0, 80));
+    assert_eq!((map.count(NodeSign::Usable), map.count(NodeSign::Unjudged)), (0, 80));
     let said =
         map.nodes.iter().find(|n| n.status.name() == "unjudged").unwrap().status.reason(&workcell.cell);
     assert!(said.contains("cannot be taught"), "{said}");

@@ -36,7 +36,7 @@ fn percentiles_and_yields_of_five_robots_agree_with_monte_carlo() {
     let (mut inside, mut all) = (0, 0);
     for robot in robots(&mut rng) {
         for k in 0..cases(3, 20) {
-            // Sizes of good arms: 0.2 mm and 0.03 degrees at three sigma.
+            // Good arms have 0.2 mm and 0.03 degrees at three sigma.
             let sizes = (2e-4, rad_from_deg(0.03));
             let wrong = 3 * robot.axes() + k % 4;
             let tolerance = random_tolerance(&mut rng, robot.axes(), wrong, sizes, &[Distribution::Normal]);
@@ -51,7 +51,7 @@ fn percentiles_and_yields_of_five_robots_agree_with_monte_carlo() {
             cell.operations[0].limit = Some(judged.figures[typical.own()].rms * 1.3);
             let (first, success, sampled) = both(&cell, &q, k as u64);
             let what = format!("{} posture {k}: {first:?} {success} {sampled:?}", cell.robot.name);
-            // A 95 % interval covers what it says, by the nonlinear model.
+            // A 95 % interval covers 95 % under the nonlinear model.
             assert!((0.045..=0.055).contains(&sampled.above.value), "{what}");
             let pairs = [
                 (sampled.rms, first.rms),

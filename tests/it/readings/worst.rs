@@ -64,7 +64,7 @@ fn the_worst_case_of_random_chains_agrees_with_every_corner() {
     for k in 0..200 {
         let axes = 1 + k % 8;
         let robot = random_robot(&mut rng, axes);
-        // All of 2^16 corners for some, fewer for the rest.
+        // Some cases have all 2^16 corners, the others fewer.
         let wrong = if k % 20 == 0 { 16 } else { rng.random_range(1..=12) };
         let tolerance = random_tolerance(&mut rng, axes, wrong, (2e-3, 2e-2), &[Distribution::Normal]);
         let q = random_joints(&mut rng, &robot);
@@ -105,7 +105,7 @@ fn the_worst_case_of_table_3_at_the_initial_position_is_exact() {
         let mut memory = gauge.memory();
         gauge.prepare(&alone(), &frames, &mut memory);
         let worst = gauge.worst(&gauge.sense, &alone(), &frames, &mut memory).linear;
-        // The root of the sum of squares of the tolerances: three times the RMS of 3 sigma.
+        // The RSS of the tolerances is three times the RMS at 3 sigma.
         (mm_from_m(worst), 3.0 * mm_from_m(gauge.norm(&gauge.sense, &alone(), &frames, &mut memory).rms()))
     };
     for (name, want) in worst {
@@ -135,7 +135,7 @@ fn the_nonlinear_worst_case_agrees_with_every_corner() {
     let mut cell = shipped("hitachi_paper.toml");
     (cell.reading, cell.model) = (Reading::WorstCase, Model::Nonlinear);
     for k in 0..cases(40, 300) {
-        // Tables 2 and 3; the plane has corners that tie in the linear model.
+        // The error sets are Tables 2 and 3. In the plane, corners tie in the linear model.
         let (sense, kept) = SENSES[k / 2 % 5];
         (cell.errors, cell.operations[0].sense) = (k % 2, Sense::plain(sense).unwrap());
         let gauge = gauge_of(&cell);
@@ -160,7 +160,7 @@ fn the_nonlinear_worst_case_agrees_with_every_corner() {
         };
         let want = (0..1 << n).map(error).fold(0.0, f64::max);
         assert!((worst.by_model - want).abs() <= 1e-12 * want, "{} instead of {want}", worst.by_model);
-        // Along one axis products of errors can matter more than single ones.
+        // Along one axis, products of errors can matter more than single errors.
         assert!((worst.linear - want).abs() < if sense == "xyz" { 0.02 } else { 0.2 } * want, "{sense}");
     }
 }

@@ -133,7 +133,7 @@ fn families<const M: usize>(rng: &mut ChaCha8Rng, n: usize) -> Vec<(&'static str
     sets.push(("equal length", random::<M>(rng, n).iter().map(|g| g.normalize()).collect()));
     let cube = |k: usize| SVector::from_fn(|d, _| f64::from(d == k % M));
     sets.push(("cube", (0..n).map(cube).collect()));
-    // On a grid, where every sum is exact and ties abound: edges of cube, octahedron and the like.
+    // Grid vectors make every sum exact and ties frequent: edges of cube, octahedron and others.
     let step = |rng: &mut ChaCha8Rng| f64::from(rng.random_range(-1..=1));
     sets.push(("grid", (0..n).map(|_| SVector::from_fn(|_, _| step(rng))).collect()));
     sets
@@ -142,7 +142,7 @@ fn families<const M: usize>(rng: &mut ChaCha8Rng, n: usize) -> Vec<(&'static str
 fn all_families<const M: usize>(seed: u64) {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut scratch = ZonotopeScratch::default();
-    // In 3-D the walk begins at 12.
+    // The walk in 3-D begins at 12 generators.
     for n in (0..=14).chain([12, 13, 14].into_iter().cycle().take(60)) {
         for (what, set) in families::<M>(&mut rng, n) {
             check(&set, &mut scratch, &mut rng, what);
@@ -221,7 +221,7 @@ fn simple_zonotopes_match_hand_calculation() {
     let mut signs = [0.0; 12];
     let found = farthest_1(&[0.0, -3.0, 2.0, -0.5], &mut signs);
     assert_eq!((found.value, &signs[..4]), (5.5, &[1.0, 1.0, -1.0, 1.0][..]));
-    // Twelve edges of the unit cube, four each way: the corner (4, 4, 4).
+    // Twelve edges of the unit cube, four each way, reach the corner (4, 4, 4).
     let cube: Vec<_> = (0..12).map(|k| Vector3::ith(k % 3, if k < 6 { -1.0 } else { 1.0 })).collect();
     assert_close(farthest_3(&cube, &mut scratch, &mut signs).value, 48f64.sqrt(), 1e-15, "cube");
     // Six directions of the edges of an octahedron: the sum with all signs is a corner of the
@@ -229,7 +229,7 @@ fn simple_zonotopes_match_hand_calculation() {
     let ends = [(0, 1, 1.0), (0, 1, -1.0), (0, 2, 1.0), (0, 2, -1.0), (1, 2, 1.0), (1, 2, -1.0)];
     let edges = ends.map(|(a, b, s)| Vector3::ith(a, 1.0) + Vector3::ith(b, s));
     assert_close(farthest_3(&edges, &mut scratch, &mut signs).value, 20f64.sqrt(), 1e-15, "octahedron");
-    // A regular 16-gon of side 2: its circumscribed circle.
+    // The farthest vertex of a regular 16-gon of side 2 lies on its circumscribed circle.
     let sides: Vec<_> = (0..8).map(|k| Rotation2::new(f64::from(k) * PI / 8.0) * Vector2::x()).collect();
     let radius = 1.0 / (PI / 16.0).sin();
     assert_close(farthest_2(&sides, &mut scratch, &mut signs).value, radius, 1e-15, "16-gon");
@@ -246,7 +246,7 @@ fn both_methods_agree_on_many_generators() {
         let found = check_promises(&flat, &mut scratch, "2-D").value;
         let lifted: Set<3> = flat.iter().map(|g| Vector3::new(g.x, 0.6 * g.y, 0.8 * g.y)).collect();
         assert_close(check_promises(&lifted, &mut scratch, "lifted").value, found, 1e-12, "2-D in 3-D");
-        // Off the plane by less than shows, but enough not to split.
+        // The bend is too small to see, but large enough to prevent the split.
         let bent: Set<3> = lifted.iter().map(|g| g + Vector3::x() * rng.random_range(0.0..1e-13)).collect();
         assert_close(check_promises(&bent, &mut scratch, "bent").value, found, 1e-12, "2-D nearly in 3-D");
         let solid = random::<3>(&mut rng, n);

@@ -5,3 +5,4 @@ mod dxf;
 mod page;
 mod raster;
 mod sheet;
+mod signs;

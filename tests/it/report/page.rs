@@ -23,7 +23,7 @@ fn same(a: f64, b: f64) {
 
 /// Returns a page that shows a document and nothing else, for people and for tests/browser/viewer.mjs.
 fn page(document: &Value) -> String {
-    let (css, js) = (assets::VIEWER_CSS, assets::VIEWER_JS);
+    let (css, js) = (assets::VIEWER_CSS, assets::viewer_js());
     let policy = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'";
     format!(
         "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><title>viewer</title>\n\
@@ -57,7 +57,7 @@ fn the_drawing_document_agrees_with_the_drawing() {
         check_fields(drawing, written);
         check_movement(drawing, written);
     }
-    // What both show is written once.
+    // Meshes that both drawings show are written once.
     let meshes = document["meshes"].as_array().unwrap().len();
     assert!(meshes <= drawings[0].parts.len() + 1, "{meshes}");
 }
@@ -102,7 +102,7 @@ fn check_fields(drawing: &Drawing<'_>, written: &Value) {
         assert_eq!(positions.len(), 3 * field.nodes.len());
         for (k, node) in field.nodes.iter().enumerate() {
             same(positions[3 * k + 2], mm_from_m(node.position.z));
-            assert_eq!(written["status"][k], node.status);
+            assert_eq!(written["status"][k], node.sign.name());
             assert_eq!(written["reason"][k], node.reason);
         }
         for (take, written) in field.takes.iter().zip(written["takes"].as_array().unwrap()) {
@@ -150,7 +150,7 @@ fn the_document_of_99_nodes_under_nine_lenses_is_small() {
     assert_eq!((drawing.fields[0].nodes.len(), drawing.lenses.len()), (99, 9));
     let document = report::json::drawings(&[drawing]);
     keep_to_look_at("sweetspot-viewer-paper.html", &page(&document));
-    // Of two layouts: they share their meshes at best, and nothing else.
+    // Two layouts share their meshes at best, and nothing else.
     let bytes = document.to_string().len() + document["drawings"][0].to_string().len();
     assert!(bytes < 500_000, "{bytes} bytes");
 }
@@ -167,7 +167,7 @@ fn no_name_can_leave_its_script_element() {
 /// An asset must not end its own element, nor request anything.
 #[test]
 fn the_page_assets_stay_in_their_elements_and_request_nothing() {
-    for text in [assets::VIEWER_JS, assets::VIEWER_CSS] {
+    for text in [assets::viewer_js(), assets::VIEWER_CSS.to_string()] {
         for word in [
             "</",
             "<!--",

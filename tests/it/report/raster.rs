@@ -35,13 +35,14 @@ fn seen(x: f64, y: f64, near: f64) -> Seen {
 
 #[test]
 fn a_triangle_covers_the_pixels_whose_centres_it_contains() {
-    // Half of a square of 8 by 8: of row k the middles left of 8 - k - 1/2, on the line itself one of both.
+    // The triangle is half of a square of 8 by 8: row k has the centres left of 8 - k - 1/2. Centres on the
+    // line belong to one half.
     let mut canvas = Canvas::new(10, 10, 0u32);
     let (a, b, c, d) = (seen(0.0, 0.0, 1.0), seen(8.0, 0.0, 1.0), seen(0.0, 8.0, 1.0), seen(8.0, 8.0, 1.0));
     canvas.fill(&[a, b, c], false, |v, _| *v += 1);
     let first: u32 = canvas.value.iter().sum();
     assert!(first == 28 || first == 36, "{first}");
-    // The other half, wound the other way round: together each sample of the square once.
+    // The other half has the opposite orientation. Together they cover each pixel of the square once.
     canvas.fill(&[b, c, d], false, |v, _| *v += 1);
     for (k, count) in canvas.value.iter().enumerate() {
         assert_eq!(*count, u32::from(k % 10 < 8 && k / 10 < 8), "sample {k}");
@@ -68,7 +69,7 @@ fn a_triangle_fan_leaves_no_gap_and_no_overlap() {
 fn the_nearer_of_two_planes_wins_in_any_order() {
     let plane =
         |near: [f64; 3]| [seen(0.0, 0.0, near[0]), seen(20.0, 0.0, near[1]), seen(0.0, 20.0, near[2])];
-    // They cross where x = 10: left of it the first is nearer.
+    // The planes cross at x = 10: left of it the first is nearer.
     let (flat, tilted) = (plane([0.5; 3]), plane([0.0, 1.0, 0.0]));
     for order in [[0, 1], [1, 0]] {
         let mut canvas = Canvas::new(20, 20, 9usize);
@@ -132,7 +133,7 @@ fn every_printable_character_has_a_glyph_of_its_own() {
     for (k, glyph) in glyphs.iter().enumerate().skip(1) {
         assert!(!glyph.is_empty() && *glyph != unknown, "{}", k + 32);
         let other = (0..k).find(|o| glyphs[*o] == *glyph);
-        // A capital i, a bar and a small l are lines, yet not the same ones.
+        // A capital i, a bar and a small l are lines, but different ones.
         assert_eq!(other, None, "{} and {:?}", k + 32, other.map(|o| o + 32));
         let ink = glyph.iter().flatten();
         assert!(
@@ -165,7 +166,7 @@ fn a_picture_has_the_requested_size_and_is_deterministic() {
         assert_eq!((width, height, pixels.len()), (200, 140, 200 * 140 * 3));
         let colours: std::collections::BTreeSet<_> = pixels.chunks(3).collect();
         assert!(colours.len() > 200, "{}", colours.len());
-        // Every choice is to be seen.
+        // Every option changes the picture.
         let others = [
             Shot { operation: None, ..small() },
             Shot { view: View::Top, ..small() },
@@ -215,7 +216,7 @@ fn an_svg_is_well_formed_whatever_the_names() {
         let attributes = || all().flat_map(|n| n.attributes());
         assert!(!attributes().any(|a| a.name().starts_with("on") || a.name() == "style"));
         assert!(!svg.contains('\u{1b}'));
-        // Every node that is seen has a title: its value, or why it has none.
+        // Every visible node has a title: its value, or the reason for having none.
         let fields = drawing.fields.iter().flat_map(|f| &f.nodes).count();
         let titles = all().filter(|n| n.has_tag_name("title")).count() - 1;
         assert!(titles > fields / 2 && titles <= fields, "{titles} of {fields}");
@@ -244,7 +245,7 @@ fn a_drawing_without_errors_is_rendered() {
 
 #[test]
 fn contour_tracing_keeps_areas_and_holes() {
-    // An area of 9 by 6 with a hole of 3 by 2, and a spot too small to be kept.
+    // The area is 9 by 6 with a hole of 3 by 2, beside a spot too small to keep.
     let mut values = vec![0u32; 20 * 12];
     for (x, y) in (3..12).flat_map(|x| (2..8).map(move |y| (x, y))) {
         values[y * 20 + x] = u32::from(!((5..8).contains(&x) && (4..6).contains(&y))) * 7;

@@ -4,7 +4,7 @@ use nalgebra::{Vector2, Vector3};
 use sweetspot::cell::Shape;
 use sweetspot::drawing::Mesh;
 use sweetspot::pose::Pose;
-use sweetspot::report::sheet::silhouette::{ABOVE, FRONT, Silhouette, silhouette};
+use sweetspot::report::silhouette::{ABOVE, FRONT, Silhouette, silhouette};
 
 fn area(s: &Silhouette) -> f64 {
     let ring =
@@ -29,7 +29,7 @@ fn the_silhouettes_of_a_box_and_a_bar_have_the_right_area() {
     assert_eq!(front.edges.len(), 1);
     let [a, b] = front.edges[0];
     assert!((a.x - b.x).abs() < 1e-12 && ((a.y - b.y).abs() - 0.3).abs() < 1e-12);
-    // A bar along x: from above a rectangle, from aside a disc.
+    // A bar along x is a rectangle from above and a disc from the side.
     let (a, b) = (Vector3::zeros(), Vector3::new(0.5, 0.0, 0.0));
     let bar = Mesh::of(&Shape::Cylinder { a, b, radius: 0.1 }, 0.0);
     let above = silhouette(&bar, &Pose::IDENTITY, &ABOVE);

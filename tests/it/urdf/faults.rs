@@ -147,7 +147,7 @@ fn a_mimic_joint_follows_one_before_it() {
     let robot = load(&text, 2, "").0.unwrap().cell.robot;
     assert_eq!(robot.coupling, [[1.0, 0.0], [-0.5, 1.0]]);
     assert!(robot.joints[1].is_passive());
-    // At actuators 0 the second joint is where the URDF has it at 0.25: the tip sinks.
+    // At actuators 0 the second joint is where the URDF has it at 0.25, so the tip sinks.
     let chain = Chain::new(&robot);
     let mut q = [0.0; 8];
     for (first, bend) in [(0.0, 0.25), (1.0, -0.25)] {

@@ -41,7 +41,7 @@ fn urdf_and_dh_rows_give_the_same_map() {
         });
         for (a, b) in maps[0].iter().zip(&maps[1]) {
             assert_eq!((a.nodes.len(), a.best.is_some()), (b.nodes.len(), b.best.is_some()));
-            // Mirrored nodes are worth the same: not which one is best, but what it is worth.
+            // Mirrored nodes have equal values, so only the value of the best node is compared.
             let worth =
                 |map: &OperationMap| map.best.and_then(|k| Some(map.nodes[k].posture.as_ref()?.value));
             let off = worth(a).zip(worth(b)).map_or(0.0, |(a, b)| (a - b).abs());

@@ -1,68 +1,140 @@
-// Every number of the layout, to be typed.
-const WORDS = { x_mm: "x", y_mm: "y", z_mm: "z", yaw_deg: "yaw", bend_deg: "bend", azimuth_deg: "azimuth", spin_deg: "spin" };
+// The form: every number of the layout.
 
-// What is sent for one number of a group.
-const named = (group, key, value) =>
-  group.group === "robot_base" ? { robot_base: { [key]: value } } : { [group.group]: { [group.name]: { [key]: value } } };
-const owned = (numbers, group) => (group.group === "robot_base" ? numbers.robot_base : numbers[group.group][group.name]);
+/**
+ * What a number is called.
+ * @type {Record<string, string>}
+ */
+const NUMBER_NAMES = {
+  x_mm: "x",
+  y_mm: "y",
+  z_mm: "z",
+  yaw_deg: "yaw",
+  bend_deg: "bend",
+  azimuth_deg: "azimuth",
+  spin_deg: "spin",
+};
+
+/**
+ * Returns what is sent to the server for one number.
+ * @param {NumberGroup} group
+ * @param {string} key
+ * @param {number} value
+ */
+function numberRequest({ group, name }, key, value) {
+  return { [group]: group === "robot_base" ? { [key]: value } : { [name]: { [key]: value } } };
+}
+
+/**
+ * Returns the numbers of a group.
+ * @param {LayoutNumbers} numbers
+ * @param {NumberGroup} group
+ */
+const numbersIn = (numbers, { group, name }) =>
+  group === "robot_base" ? numbers.robot_base : numbers[group][name];
+
+/**
+ * A row of the form.
+ * @typedef {object} FormRow
+ * @property {NumberGroup} group
+ * @property {NumberRecord} number
+ * @property {HTMLInputElement | HTMLSelectElement} input
+ * @property {HTMLElement} label
+ * @property {HTMLElement} refusal
+ */
 
 class Form {
-  // `typed(numbers, row)`: a number was typed.
-  constructor(host, groups, typed) {
+  /**
+   * @param {HTMLElement} host
+   * @param {NumberGroup[]} groups
+   * @param {(numbers: object, row: FormRow) => void} onChange
+   */
+  constructor(host, groups, onChange) {
+    this.onChange = onChange;
+    /** @type {FormRow[]} */
     this.rows = [];
-    const free = (group) => group.numbers.some((n) => n.free);
+    const isFree = (/** @type {NumberGroup} */ group) => group.numbers.some((number) => number.free);
+    const anyFree = groups.some(isFree);
     for (const group of groups) {
-      const quiet = groups.some(free) ? !free(group) : group.group === "robot_base";
-      const card = make(quiet ? "details" : "section", { className: "card" });
-      card.append(quiet ? make("summary", {}, group.name) : make("h2", {}, group.name));
-      for (const number of group.numbers) card.append(this.row(group, number, typed));
+      // Groups that a search cannot change are folded.
+      const isFolded = anyFree ? !isFree(group) : group.group === "robot_base";
+      const card = make(isFolded ? "details" : "section", { className: "card" });
+      card.append(make(isFolded ? "summary" : "h2", {}, group.name));
+      card.append(...group.numbers.map((number) => this.makeRow(group, number)));
       host.append(card);
     }
   }
 
-  row(group, number, typed) {
+  /**
+   * @param {NumberGroup} group
+   * @param {NumberRecord} number
+   */
+  makeRow(group, number) {
+    const name = NUMBER_NAMES[number.key];
     const unit = number.key.endsWith("_deg") ? "°" : "mm";
-    const label = `${group.name} ${WORDS[number.key]}`;
-    let input;
-    if (number.list) {
-      input = make("select", { "aria-label": label }, ...number.list.map((v) => make("option", { value: String(v) }, short(v))));
-    } else {
-      input = make("input", { type: "number", step: unit === "°" ? "0.5" : "1", "aria-label": label });
-      if (number.free) Object.assign(input, { min: number.min, max: number.max });
-    }
-    const range = number.list ? `${unit}, one of ${number.list.length}`
-      : number.free ? `${unit}, ${short(number.min)} … ${short(number.max)}` : `${unit}, fixed in the file`;
-    const why = make("span", { className: "why", hidden: true });
-    const row = make("label", { className: "number" }, make("span", {}, WORDS[number.key]), input, make("small", {}, range), why);
-    const entry = { group, number, input, row, why };
+    const input = numberInput(number, unit, `${group.name} ${name}`);
+    const refusal = make("span", { className: "why", hidden: true });
+    const range = make("small", {}, rangeWords(number, unit));
+    const label = make("label", { className: "number" }, make("span", {}, name), input, range, refusal);
+    const row = { group, number, input, label, refusal };
     input.dataset.of = `${group.group}/${group.name}/${number.key}`;
-    input.addEventListener("change", () => {
-      const value = input.value.trim() === "" ? NaN : Number(input.value);
-      if (!Number.isFinite(value)) return this.refuse(entry, "it must be a number");
-      typed(named(group, number.key, value), entry);
-    });
-    this.rows.push(entry);
-    return row;
+    input.addEventListener("change", () => this.read(row));
+    this.rows.push(row);
+    return label;
   }
 
-  refuse(entry, text) {
-    entry.row.classList.add("bad");
-    entry.why.textContent = text;
-    entry.why.hidden = false;
+  /** @param {FormRow} row */
+  read(row) {
+    const text = row.input.value.trim();
+    const value = text === "" ? Number.NaN : Number(text);
+    if (Number.isFinite(value)) this.onChange(numberRequest(row.group, row.number.key, value), row);
+    else this.refuse(row, "enter a number");
   }
 
+  /**
+   * Says beside a number why it is refused.
+   * @param {FormRow} row
+   * @param {string} text
+   */
+  refuse({ label, refusal }, text) {
+    label.classList.add("bad");
+    refusal.textContent = text;
+    refusal.hidden = false;
+  }
+
+  /** @param {LayoutNumbers} numbers */
   show(numbers) {
-    for (const entry of this.rows) {
-      const { group, number, input, row, why } = entry;
-      row.classList.remove("bad");
-      why.hidden = true;
-      const value = owned(numbers, group)[number.key];
-      if (number.list) {
-        const near = number.list.reduce((a, b) => (Math.abs(b - value) < Math.abs(a - value) ? b : a));
-        input.value = String(near);
-      } else if (document.activeElement !== input || Number(input.value) !== value) {
-        input.value = short(value, 6);
-      }
+    for (const { group, number, input, label, refusal } of this.rows) {
+      label.classList.remove("bad");
+      refusal.hidden = true;
+      const value = numbersIn(numbers, group)[number.key];
+      const isTyped = document.activeElement === input && Number(input.value) === value;
+      if (number.list) input.value = String(nearest(number.list, value));
+      else if (!isTyped) input.value = shortNumber(value, 6);
     }
   }
+}
+
+/**
+ * @param {NumberRecord} number
+ * @param {string} unit
+ * @param {string} label
+ */
+function numberInput(number, unit, label) {
+  if (number.list) {
+    const options = number.list.map((value) => make("option", { value: String(value) }, shortNumber(value)));
+    return make("select", { "aria-label": label }, ...options);
+  }
+  const input = make("input", { type: "number", step: unit === "°" ? "0.5" : "1", "aria-label": label });
+  if (number.free) Object.assign(input, { min: number.min, max: number.max });
+  return input;
+}
+
+/**
+ * @param {NumberRecord} number
+ * @param {string} unit
+ */
+function rangeWords({ list, min, max }, unit) {
+  if (list) return `${unit}, one of ${list.length}`;
+  if (min === null || max === null) return `${unit}, fixed in the file`;
+  return `${unit}, ${shortNumber(min)} … ${shortNumber(max)}`;
 }

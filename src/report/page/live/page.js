@@ -1,205 +1,277 @@
-// The page: what was answered last, and everything that asks anew.
-let cell, plan, form, now, revision = 0, solid = null;
-// How long each change took from the request to the drawn map, ms, and where in the 3-D view an equipment
-// is: for tests/browser/view.mjs.
-const drawn = (window.sweetspotDrawn = []);
-window.sweetspotSpot = (name) => solid.spot(cell.equipment.findIndex((e) => e.name === name));
+// The page of `sweetspot view`: the step shown, and everything that asks for another.
 
-// While something is dragged one request is under way; of those that wait the last is sent.
-let trying = false, waiting = null, serial = 0;
-async function attempt(numbers) {
-  waiting = numbers;
-  if (trying) return;
-  trying = true;
-  while (waiting) {
-    const [asked, own] = [waiting, serial];
-    waiting = null;
-    try {
-      // Only where it is dragged is the map of the 3-D view followed, too.
-      const { answer, numbers, drawing } = await ask(solid && solid.held ? "try-drawing" : "try", asked);
-      // Dropped in the meantime: that answer counts.
-      if (own === serial) {
-        plan.draw(answer);
-        form.show(numbers);
-        verdict(answer, null);
-        if (drawing) {
-          solid.replace(drawing);
-          if (solid.held) solid.move(solid.held.index, solid.held.now);
-        }
-      }
-    } catch (e) {
-      if (own === serial) fault(e.message);
+/** Time after the last change before what takes longer is asked for, ms. */
+const PAUSE = 150;
+
+class Page {
+  /** @param {CellRecord} cell */
+  constructor(cell) {
+    this.cell = cell;
+    this.now = cell.now;
+    const onMove = (
+      /** @type {number} */ index,
+      /** @type {Placement} */ world,
+      /** @type {boolean} */ isSettled,
+    ) => this.move(index, world, isSettled);
+    this.plan = new Plan(/** @type {SVGSVGElement} */ (/** @type {Element} */ (byId("plan"))), cell, onMove);
+    this.form = new Form(byId("form"), cell.form, (numbers, row) => this.change("layout", numbers, row));
+    /** @type {View3d | null} */
+    this.view3d = null;
+    /**
+     * Numbers of the layout to be tried next, while a request is under way.
+     * @type {object | null}
+     */
+    this.waiting = null;
+    this.isTrying = false;
+    /** Number of the last change: answers to earlier ones are dropped. */
+    this.serial = 0;
+    this.pauseTimer = 0;
+    this.connect();
+  }
+
+  connect() {
+    const { cell, robot, errors, file } = this.cell;
+    document.title = `${cell} · sweetspot view`;
+    byId("title").textContent = cell;
+    byId("subtitle").textContent = `${robot}, errors ${errors} · ${file}`;
+    for (const request of /** @type {const} */ (["undo", "redo", "reset"])) {
+      byId(request).addEventListener("click", () => this.change(request, {}));
     }
-    // No faster than it can be seen: pictures that queue up hold up the drop.
-    await new Promise(painted);
+    for (const id of ["sense", "reading", "model"]) {
+      byId(id).addEventListener("change", () => this.changeQuestion());
+    }
+    document.addEventListener("keydown", (event) => this.pressKey(event));
+    new ResizeObserver(() => {
+      if (!this.plan.held) this.plan.draw(this.now.answer);
+    }).observe(byId("plan"));
   }
-  trying = false;
-}
 
-// After what is drawn now is seen.
-const painted = (then) => requestAnimationFrame(() => setTimeout(then));
+  /** @param {KeyboardEvent} event */
+  pressKey(event) {
+    const isTyping = event.target instanceof HTMLInputElement;
+    if (!(event.ctrlKey || event.metaKey) || isTyping) return;
+    const key = event.key.toLowerCase();
+    const isUndo = key === "z" && !event.shiftKey;
+    const isRedo = key === "y" || (key === "z" && event.shiftKey);
+    if (!isUndo && !isRedo) return;
+    event.preventDefault();
+    this.change(isUndo ? "undo" : "redo", {});
+  }
 
-async function change(what, body, entry) {
-  const began = performance.now();
-  const own = ++serial;
-  waiting = null;
-  try {
-    const answer = await ask(what, body);
-    fault("");
-    if (own !== serial) return;
-    show(answer);
-    painted(() => drawn.push(performance.now() - began));
-  } catch (e) {
-    if (entry) form.refuse(entry, e.message);
-    else fault(e.message);
-    if (now && own === serial && !entry) show(now);
+  /** Returns whether something is dragged or tried. */
+  isBusy() {
+    return Boolean(this.plan.held || this.waiting || this.isTrying);
+  }
+
+  /**
+   * Shows the map of a layout while it is dragged: one request at a time, then the last that waits.
+   * @param {object} numbers
+   */
+  async attempt(numbers) {
+    this.waiting = numbers;
+    if (this.isTrying) return;
+    this.isTrying = true;
+    while (this.waiting) {
+      const [asked, serial] = [this.waiting, this.serial];
+      this.waiting = null;
+      try {
+        // Only a drag in the 3-D view has its map drawn there.
+        const answer = await ask(this.view3d?.held ? "try-drawing" : "try", asked);
+        // What was dropped in the meantime counts more.
+        if (serial === this.serial) this.showAttempt(answer);
+      } catch (error) {
+        if (serial === this.serial) showFault(messageOf(error));
+      }
+      // Not faster than it can be seen: pictures in a queue would delay the drop.
+      await new Promise((done) => afterPaint(() => done(null)));
+    }
+    this.isTrying = false;
+  }
+
+  /** @param {TryRecord} record */
+  showAttempt({ answer, numbers, drawing }) {
+    this.plan.draw(answer);
+    this.form.show(numbers);
+    showVerdict(answer, null);
+    const { view3d } = this;
+    if (!drawing || !view3d) return;
+    view3d.replace(drawing);
+    if (view3d.held) view3d.move(view3d.held.index, view3d.held.now);
+  }
+
+  /**
+   * Changes the layout or the question, and shows the answer.
+   * @param {ChangeRequest} request
+   * @param {object} body
+   * @param {FormRow} [row] where the change was typed
+   */
+  async change(request, body, row) {
+    const began = performance.now();
+    this.serial += 1;
+    const { serial } = this;
+    this.waiting = null;
+    try {
+      const step = await ask(request, body);
+      showFault("");
+      if (serial !== this.serial) return;
+      this.show(step);
+      afterPaint(() => window.sweetspotDrawn.push(performance.now() - began));
+    } catch (error) {
+      if (row) this.form.refuse(row, messageOf(error));
+      else showFault(messageOf(error));
+      if (serial === this.serial && !row) this.show(this.now);
+    }
+  }
+
+  changeQuestion() {
+    const [sense, reading, model] = ["sense", "reading", "model"].map((id) => inputById(id).value);
+    this.change("question", { sense: sense || null, reading, model });
+  }
+
+  /** @param {StepRecord} step */
+  show(step) {
+    this.now = step;
+    this.plan.draw(step.answer);
+    this.form.show(step.numbers);
+    showVerdict(step.answer, step);
+    const { undo, redo } = step;
+    buttonById("undo").disabled = undo === 0;
+    buttonById("redo").disabled = redo === 0;
+    byId("depth").textContent = undo ? `${undo} step${undo > 1 ? "s" : ""}` : "as in the file";
+    this.showQuestion(step);
+    // The map comes first: without a graphics card the 3-D view delays everything after it.
+    afterPaint(() => this.refreshView3d());
+    clearTimeout(this.pauseTimer);
+    this.pauseTimer = setTimeout(() => this.refreshReach(), PAUSE);
+  }
+
+  /**
+   * Shows the senses, readings and models to choose from.
+   * @param {StepRecord} step
+   */
+  showQuestion({ question, lenses }) {
+    const fill = (
+      /** @type {string} */ id,
+      /** @type {[string, string][]} */ all,
+      /** @type {string} */ chosen,
+    ) => {
+      const options = all.map(([value, text]) => make("option", { value, selected: value === chosen }, text));
+      byId(id).replaceChildren(...options);
+    };
+    const same = (/** @type {string} */ text) => /** @type {[string, string]} */ ([text, text]);
+    fill("sense", [["", "as in the cell"], ...this.cell.senses.map(same)], question.sense || "");
+    fill("reading", [...new Map(lenses.map(({ reading, word }) => [reading, word]))], question.reading);
+    fill("model", [...new Set(lenses.map(({ model }) => model))].map(same), question.model);
+  }
+
+  async refreshView3d() {
+    if (!this.view3d) return;
+    const { revision } = this.now;
+    try {
+      const written = await ask("drawing");
+      if (revision === this.now.revision && !this.view3d.held) this.view3d.replace(written);
+    } catch (error) {
+      showFault(messageOf(error));
+    }
+  }
+
+  async refreshReach() {
+    const { revision } = this.now;
+    try {
+      const { outlines } = await ask("reach");
+      if (revision === this.now.revision) this.plan.showReach(outlines);
+    } catch (error) {
+      showFault(messageOf(error));
+    }
+  }
+
+  /**
+   * Moves an equipment; returns where it may stand.
+   * @param {number} index
+   * @param {Placement} world
+   * @param {boolean} isSettled whether the drag has ended
+   */
+  move(index, world, isSettled) {
+    const { numbers, allowed, moves } = this.numbersOf(index, world);
+    if (this.view3d && (this.view3d.held || this.view3d.isQuick)) this.view3d.move(index, allowed);
+    if (!isSettled) this.attempt(moves ? numbers : {});
+    else if (moves) this.change("layout", numbers);
+    else this.show(this.now);
+    return allowed;
+  }
+
+  /**
+   * Returns the numbers that change for a placement in the world, and the placement that they allow.
+   * @param {number} index
+   * @param {Placement} world
+   */
+  numbersOf(index, world) {
+    const { name, on } = this.cell.equipment[index];
+    const under = on === null ? [0, 0, 0, 0] : this.plan.pieces[on].at;
+    const group = this.cell.form.find((one) => one.group === "equipment" && one.index === index);
+    /** @type {Numbers} */
+    const changed = {};
+    if (!group) return { numbers: {}, allowed: world, moves: false };
+    const wanted = placementIn(world, under);
+    const current = numbersIn(this.now.numbers, group);
+    const allowed = group.numbers.map((number, k) => {
+      const before = current[number.key];
+      if (!mayMove(group, k) || Math.abs(wanted[k] - before) < 1e-4) return before;
+      const value = allowedValue(number, Number(wanted[k].toFixed(3)), k === 3);
+      changed[number.key] = value;
+      return value;
+    });
+    const moves = Object.keys(changed).length > 0;
+    return { numbers: { equipment: { [name]: changed } }, allowed: placementFrom(allowed, under), moves };
+  }
+
+  /** Shows the 3-D view if the browser can. */
+  async addView3d() {
+    if (!sweetspotViewer.supported()) return;
+    byId("solid").hidden = false;
+    document.querySelector("main")?.classList.add("both");
+    this.view3d = new View3d(this, await ask("drawing"));
   }
 }
 
-let slow = 0;
-function show(answer) {
-  now = answer;
-  revision = answer.revision;
-  plan.draw(answer.answer);
-  form.show(answer.numbers);
-  verdict(answer.answer, answer);
-  $("undo").disabled = answer.undo === 0;
-  $("redo").disabled = answer.redo === 0;
-  $("depth").textContent = answer.undo ? `${answer.undo} step${answer.undo > 1 ? "s" : ""}` : "as drawn";
-  asked(answer);
-  // The map first: where no graphics card helps, the 3-D view holds up everything after it.
-  painted(refresh);
-  // What takes longer comes when the hand rests.
-  clearTimeout(slow);
-  slow = setTimeout(behind, 150);
+/**
+ * Returns whether a drag may change x, y, z or yaw. A number that the file fixes stays, unless it fixes both
+ * x and y.
+ * @param {NumberGroup} group
+ * @param {number} k
+ */
+function mayMove({ numbers }, k) {
+  if (k === 2) return false;
+  return k === 3 || numbers[k].free || (!numbers[0].free && !numbers[1].free);
 }
 
-// The 3-D view follows the plan.
-async function refresh() {
-  if (!solid) return;
-  const own = revision;
-  try {
-    const written = await ask("drawing");
-    if (own === revision && !solid.held) solid.replace(written);
-  } catch (e) {
-    fault(e.message);
+/**
+ * Returns the value nearest to the one wanted that a number may have.
+ * @param {NumberRecord} number
+ * @param {number} wanted
+ * @param {boolean} isAngle
+ */
+function allowedValue({ list, min, max }, wanted, isAngle) {
+  if (list) return nearest(list, wanted);
+  if (min === null || max === null) return wanted;
+  let value = wanted;
+  if (isAngle) {
+    while (value > max && value - 360 >= min) value -= 360;
+    while (value < min && value + 360 <= max) value += 360;
   }
-}
-
-async function behind() {
-  const own = revision;
-  try {
-    const { outlines } = await ask("reach");
-    if (own === revision) plan.reached(outlines);
-  } catch (e) {
-    fault(e.message);
-  }
-}
-
-function verdict(answer, step) {
-  $("value").textContent = answer.objective === null ? "—" : error(answer.objective);
-  $("unit").textContent = answer.unit;
-  $("word").textContent = `${answer.word} in ${[...new Set(answer.operations.map((o) => o.sense))].join(", ")}`;
-  const limited = answer.operations.some((o) => o.limit !== null);
-  const chip = $("chip");
-  const good = answer.feasible && answer.met;
-  chip.className = good ? "good" : "bad";
-  chip.textContent = !answer.feasible ? "✗ not feasible" : !answer.met ? "✗ requirement missed" : limited ? "✓ requirement met" : "✓ feasible";
-  $("reasons").replaceChildren(...answer.reasons.map((r) => make("li", {}, r)));
-  const cells = (tag, texts) => make("tr", {}, ...texts.map((t) => make(tag, {}, t)));
-  const row = (o) => cells("td", [o.name, o.value === null ? "no spot" : `${error(o.value)} ${answer.unit}`,
-    o.limit === null ? "" : `${error(o.limit)} (${o.margin < 0 ? "misses by" : "left"} ${error(Math.abs(o.margin))})`,
-    `${o.counts.ok} of ${Object.values(o.counts).reduce((a, b) => a + b, 0)}`]);
-  $("operations").replaceChildren(cells("th", ["operation", "at its spot", limited ? "limit" : "", "usable nodes"]), ...answer.operations.map(row));
-  const change = $("change");
-  change.replaceChildren();
-  if (!step) return;
-  change.append(`${step.what}`);
-  if (step.before === undefined || !step.undo) return;
-  const [was, is] = [step.before, answer.objective];
-  const word = (v) => (v === null ? "not feasible" : `${error(v)} ${answer.unit}`);
-  change.append(`: ${word(was)} → ${word(is)}`);
-  if (was > 0 && is !== null) {
-    const less = (100 * (was - is)) / was;
-    const kind = less > 0.05 ? "less" : less < -0.05 ? "more" : "";
-    change.append(" ", make("b", { className: kind }, kind ? `${Math.abs(less).toFixed(1)} % ${kind}` : "the same"));
-  }
-}
-
-// The senses, readings and models, and what is asked now.
-function asked({ question, lenses }) {
-  const fill = (id, all, chosen) => {
-    $(id).replaceChildren(...all.map(([value, text]) => make("option", { value, selected: value === chosen }, text)));
-  };
-  fill("sense", [["", "as in the cell"], ...cell.senses.map((s) => [s, s])], question.sense || "");
-  const words = new Map(lenses.map((l) => [l.reading, l.word]));
-  fill("reading", [...words], question.reading);
-  fill("model", [...new Set(lenses.map((l) => l.model))].map((m) => [m, m]), question.model);
-}
-
-function askOtherwise() {
-  change("question", { sense: $("sense").value || null, reading: $("reading").value, model: $("model").value });
-}
-
-// A placement in the world as the numbers that may change for it, and where that leaves it.
-function numbersOf(index, world) {
-  const { name, on } = cell.equipment[index];
-  const group = cell.form.find((g) => g.group === "equipment" && g.index === index);
-  const under = on === null ? [0, 0, 0, 0] : plan.pieces[on].at;
-  const [own, was] = [seenFrom(world, under), owned(now.numbers, group)];
-  const held = {};
-  const free = (k) => group.numbers[k].free;
-  const result = group.numbers.map((n, k) => {
-    // What the file fixes stays, unless it fixes the place altogether.
-    const may = k === 2 ? false : k === 3 ? true : free(k) || (!free(0) && !free(1));
-    if (!may || Math.abs(own[k] - was[n.key]) < 1e-4) return was[n.key];
-    let value = +own[k].toFixed(3);
-    if (k === 3 && n.free && !n.list) while (value > n.max && value - 360 >= n.min) value -= 360;
-    if (k === 3 && n.free && !n.list) while (value < n.min && value + 360 <= n.max) value += 360;
-    if (n.list) value = n.list.reduce((a, b) => (Math.abs(b - value) < Math.abs(a - value) ? b : a));
-    else if (n.free) value = Math.min(Math.max(value, n.min), n.max);
-    held[n.key] = value;
-    return value;
-  });
-  return { numbers: { equipment: { [name]: held } }, world: carried(result, under), moves: Object.keys(held).length > 0 };
-}
-
-function moved(index, world, settled) {
-  const { numbers, world: there, moves } = numbersOf(index, world);
-  if (solid && (solid.held || solid.quick)) solid.move(index, there);
-  if (settled) {
-    if (moves) change("layout", numbers);
-    else if (now) show(now);
-  } else attempt(moves ? numbers : {});
-  return there;
+  return Math.min(Math.max(value, min), max);
 }
 
 async function begin() {
-  const state = await ask("state");
-  cell = state;
-  document.title = `${state.cell} · sweetspot view`;
-  $("title").textContent = state.cell;
-  $("subtitle").textContent = `${state.robot}, errors ${state.errors} · ${state.file}`;
-  plan = new Plan($("plan"), state, moved);
-  form = new Form($("form"), state.form, (numbers, entry) => change("layout", numbers, entry));
-  $("undo").onclick = () => change("undo", {});
-  $("redo").onclick = () => change("redo", {});
-  $("reset").onclick = () => change("reset", {});
-  for (const id of ["sense", "reading", "model"]) $(id).onchange = askOtherwise;
-  document.addEventListener("keydown", (e) => {
-    if (!(e.ctrlKey || e.metaKey) || e.target.matches("input")) return;
-    const back = e.key === "z" && !e.shiftKey;
-    if (back || e.key === "y" || (e.key.toLowerCase() === "z" && e.shiftKey)) {
-      e.preventDefault();
-      change(back ? "undo" : "redo", {});
-    }
-  });
-  new ResizeObserver(() => now && !plan.held && plan.draw(now.answer)).observe($("plan"));
-  searching(state);
-  saving();
-  show(state.now);
-  await beginSolid();
-  watch();
+  const page = new Page(await ask("state"));
+  window.sweetspotDrawn = [];
+  window.sweetspotSpot = (name) =>
+    page.view3d?.spot(page.cell.equipment.findIndex((one) => one.name === name)) ?? null;
+  connectSaving();
+  const search = new SearchPanel(page);
+  page.show(page.now);
+  await page.addView3d();
+  search.watch();
 }
 
-begin().catch((e) => fault(e.message));
+begin().catch((error) => showFault(messageOf(error)));

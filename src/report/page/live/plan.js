@@ -1,187 +1,296 @@
-// The cell in plan: what stands there, the map over it, and hands to move things with.
+// The plan of the cell: what stands there, and handles to move it.
 
-// viridis (M. Bigot, S. van der Walt and N. Smith; CC0) at equal steps.
-const COLOURS = [[68, 1, 84], [65, 68, 135], [42, 120, 142], [34, 168, 132], [122, 209, 81], [253, 231, 37]];
-const colour = (t) => {
-  const place = Math.min(Math.max(t, 0), 1) * (COLOURS.length - 1);
-  const k = Math.min(Math.floor(place), COLOURS.length - 2);
-  const mix = COLOURS[k].map((a, i) => Math.round(a + (COLOURS[k + 1][i] - a) * (place - k)));
-  return `rgb(${mix.join(" ")})`;
-};
-const svg = (tag, attributes = {}) => {
-  const element = document.createElementNS("http://www.w3.org/2000/svg", tag);
-  for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
-  return element;
-};
-const turned = ([x, y], deg) => {
-  const a = (deg * Math.PI) / 180;
-  return [x * Math.cos(a) - y * Math.sin(a), x * Math.sin(a) + y * Math.cos(a)];
-};
-// A placement in the frame of another, and back.
-const seenFrom = (at, base) => {
-  const [x, y] = turned([at[0] - base[0], at[1] - base[1]], -base[3]);
-  return [x, y, at[2] - base[2], at[3] - base[3]];
-};
-const carried = (own, base) => {
-  const [x, y] = turned([own[0], own[1]], base[3]);
-  return [base[0] + x, base[1] + y, base[2] + own[2], base[3] + own[3]];
-};
+/**
+ * A piece of the plan: an equipment or obstacle.
+ * @typedef {object} Piece
+ * @property {CellEquipment} equipment
+ * @property {Placement} at
+ * @property {SVGGElement} group
+ * @property {SVGTextElement} text
+ * @property {{ arm: SVGLineElement, knob: SVGCircleElement } | null} handle what turns it
+ *
+ * A drag of a piece that is under way.
+ * @typedef {object} Drag
+ * @property {number} index of the piece
+ * @property {boolean} turns whether the piece is turned and not shifted
+ * @property {Placement} from
+ * @property {number[]} start where the drag began in the world, mm
+ * @property {Placement} now
+ * @property {number | null} pointer `null` for a drag in the 3-D view
+ *
+ * Called when a piece is moved; returns where it may stand.
+ * @typedef {(index: number, world: Placement, isSettled: boolean) => Placement} OnMove
+ */
 
-// How far the nodes of an operation are apart, mm.
-const spacing = ({ nodes: { at } }) => {
-  const apart = at.slice(1, 60).map((p, k) => Math.hypot(p[0] - at[k][0], p[1] - at[k][1]));
-  return Math.min(...apart.filter((d) => d > 0), 1000);
+/**
+ * Steps of the arrow keys, mm, and of the brackets, degrees.
+ * @type {Record<string, number[]>}
+ */
+const KEY_STEPS = {
+  ArrowLeft: [-10, 0, 0],
+  ArrowRight: [10, 0, 0],
+  ArrowUp: [0, 10, 0],
+  ArrowDown: [0, -10, 0],
+  "[": [0, 0, 1],
+  "]": [0, 0, -1],
+  "{": [0, 0, 1],
+  "}": [0, 0, -1],
 };
 
 class Plan {
-  // `moved(index, world, settled)`: an equipment (-1: the robot base) was taken to a placement in the world.
-  constructor(element, cell, moved) {
-    Object.assign(this, { element, cell, moved, held: null, pieces: [], answer: null });
-    this.layers = ["floor", "stands", "reaches", "nodes", "hands"].map((name) => {
-      const group = svg("g", { class: name });
-      element.append(group);
-      return group;
-    });
-    cell.equipment.forEach((piece, k) => this.pieces.push(this.piece(piece, k)));
-    this.base = this.robot();
-    element.addEventListener("pointermove", (e) => this.drag(e));
-    element.addEventListener("pointerup", (e) => this.drop(e));
-    element.addEventListener("pointercancel", (e) => this.drop(e));
-    element.addEventListener("pointerleave", () => this.told(""));
+  /**
+   * @param {SVGSVGElement} element
+   * @param {CellRecord} cell
+   * @param {OnMove} onMove
+   */
+  constructor(element, cell, onMove) {
+    this.element = element;
+    this.cell = cell;
+    this.onMove = onMove;
+    /** @type {AnswerRecord} */
+    this.answer = cell.now.answer;
+    /** @type {Drag | null} */
+    this.held = null;
+    const [floor, stands, reaches, nodes, handles] = ["floor", "stands", "reaches", "nodes", "hands"].map(
+      (name) => svg("g", { class: name }),
+    );
+    this.layers = { stands, reaches, handles };
+    element.append(floor, stands, reaches, nodes, handles);
+    this.frame = new PlanFrame(element, floor, cell);
+    this.map = new PlanMap(nodes);
+    this.pieces = cell.equipment.map((equipment, k) => this.makePiece(equipment, k));
+    this.base = this.makeBase();
+    element.addEventListener("pointermove", (event) => this.drag(event));
+    element.addEventListener("pointerup", (event) => this.drop(event));
+    element.addEventListener("pointercancel", (event) => this.drop(event));
+    element.addEventListener("pointerleave", () => showHover(""));
   }
 
-  piece(piece, index) {
-    const movable = !piece.obstacle;
-    const group = svg("g", { class: `piece${piece.obstacle ? " obstacle" : " movable"}` });
-    const [cx, cy, w, h] = piece.footprint;
-    group.append(svg("rect", { class: "foot", x: cx - w / 2, y: cy - h / 2, width: w, height: h, rx: 8 }));
-    const title = svg("title");
-    title.textContent = piece.name;
-    group.append(title);
-    const hand = svg("g", { class: "piece" });
-    const text = svg("text");
-    text.textContent = piece.name;
-    hand.append(text);
-    this.layers[1].append(group);
-    this.layers[4].append(hand);
-    const all = { group, hand, text, piece, top: cy + h / 2, turn: null };
-    if (!movable) return all;
+  /**
+   * @param {CellEquipment} equipment
+   * @param {number} index
+   * @returns {Piece}
+   */
+  makePiece(equipment, index) {
+    const [x, y, width, height] = equipment.footprint;
+    const foot = svg("rect", { class: "foot", x: x - width / 2, y: y - height / 2, width, height, rx: 8 });
+    const group = svg("g", { class: `piece ${equipment.obstacle ? "obstacle" : "movable"}` }, foot);
+    group.append(svg("title", {}, equipment.name));
+    const text = svg("text", {}, equipment.name);
+    const hand = svg("g", { class: "piece" }, text);
+    this.layers.stands.append(group);
+    this.layers.handles.append(hand);
+    const at = this.answer.placements[index];
+    if (equipment.obstacle) return { equipment, at, group, text, handle: null };
+    const handle = { arm: svg("line", { class: "arm" }), knob: svg("circle", { class: "turn" }) };
+    hand.append(handle.arm, handle.knob);
     group.setAttribute("tabindex", "0");
     group.setAttribute("role", "button");
-    group.setAttribute("aria-label", `${piece.name}: arrow keys move it, [ and ] turn it`);
-    all.arm = svg("line", { class: "arm" });
-    all.turn = svg("circle", { class: "turn" });
-    hand.append(all.arm, all.turn);
-    group.addEventListener("pointerdown", (e) => this.grip(e, index, false));
-    all.turn.addEventListener("pointerdown", (e) => this.grip(e, index, true));
-    group.addEventListener("keydown", (e) => this.key(e, index));
-    return all;
+    group.setAttribute("aria-label", `${equipment.name}: arrow keys move it, [ and ] turn it`);
+    group.addEventListener("pointerdown", (event) => this.grip(event, index, false));
+    handle.knob.addEventListener("pointerdown", (event) => this.grip(event, index, true));
+    group.addEventListener("keydown", (event) => this.pressKey(event, index));
+    return { equipment, at, group, text, handle };
   }
 
-  robot() {
-    const [cx, cy, w, h] = this.cell.base_footprint;
-    const group = svg("g", { class: "base" });
-    group.append(svg("rect", { x: cx - w / 2, y: cy - h / 2, width: w, height: h }));
-    group.append(svg("circle", { r: 30 }));
-    this.layers[1].append(group);
+  makeBase() {
+    const [x, y, width, height] = this.cell.base_footprint;
+    const foot = svg("rect", { x: x - width / 2, y: y - height / 2, width, height });
+    const group = svg("g", { class: "base" }, foot, svg("circle", { r: 30 }));
+    this.layers.stands.append(group);
     return group;
   }
 
-  // World mm to the picture, which has y downwards.
-  place(group, [x, y, , yaw]) {
-    group.setAttribute("transform", `translate(${x} ${-y}) scale(1 -1) rotate(${yaw})`);
+  /**
+   * Returns where an event is in the world, mm.
+   * @param {MouseEvent} event
+   */
+  placeOf(event) {
+    const matrix = this.element.getScreenCTM();
+    const point = new DOMPoint(event.clientX, event.clientY).matrixTransform(matrix?.inverse());
+    return [point.x, -point.y];
   }
 
-  at(e) {
-    const p = new DOMPoint(e.clientX, e.clientY).matrixTransform(this.element.getScreenCTM().inverse());
-    return [p.x, -p.y];
-  }
-
-  grip(e, index, turns) {
-    if (e.button !== 0 || !this.answer) return;
-    e.preventDefault();
-    e.stopPropagation();
+  /**
+   * @param {PointerEvent} event
+   * @param {number} index
+   * @param {boolean} turns
+   */
+  grip(event, index, turns) {
+    if (event.button !== 0) return;
+    event.preventDefault();
+    event.stopPropagation();
     this.pieces[index].group.focus();
-    const [x, y] = this.at(e);
     const from = this.answer.placements[index].slice();
-    this.held = { index, turns, from, at: [x, y], now: from, pointer: e.pointerId };
-    this.element.setPointerCapture(e.pointerId);
+    this.held = { index, turns, from, start: this.placeOf(event), now: from, pointer: event.pointerId };
+    this.element.setPointerCapture(event.pointerId);
     this.pieces[index].group.classList.add("held");
   }
 
-  drag(e) {
-    if (!this.held) return this.point(e);
-    const { index, turns, from, at } = this.held;
-    const [x, y] = this.at(e);
+  /** @param {PointerEvent} event */
+  drag(event) {
+    if (!this.held) {
+      showHover(this.map.describe(this.answer, this.placeOf(event), this.frame.unit));
+      return;
+    }
+    const { index, turns, from, start } = this.held;
+    const [x, y] = this.placeOf(event);
     const now = from.slice();
     if (turns) {
-      const angle = (p) => (Math.atan2(p[1] - from[1], p[0] - from[0]) * 180) / Math.PI;
-      const by = angle([x, y]) - angle(at);
-      now[3] = Math.round((from[3] + by - 360 * Math.round(by / 360)) * 2) / 2;
+      const angleOf = (/** @type {number[]} */ point) =>
+        (Math.atan2(point[1] - from[1], point[0] - from[0]) * 180) / Math.PI;
+      const angle = angleOf([x, y]) - angleOf(start);
+      now[3] = Math.round((from[3] + angle - 360 * Math.round(angle / 360)) * 2) / 2;
     } else {
-      now[0] = Math.round(from[0] + x - at[0]);
-      now[1] = Math.round(from[1] + y - at[1]);
+      now[0] = Math.round(from[0] + x - start[0]);
+      now[1] = Math.round(from[1] + y - start[1]);
     }
-    this.held.now = now;
-    this.held.now = this.moved(index, now, false) || now;
+    this.held.now = this.onMove(index, now, false);
     this.show(index, this.held.now);
   }
 
-  drop(e) {
-    if (!this.held || e.pointerId !== this.held.pointer) return;
+  /** @param {PointerEvent} event */
+  drop(event) {
+    if (!this.held || event.pointerId !== this.held.pointer) return;
     const { index, from, now } = this.held;
     this.held = null;
     this.pieces[index].group.classList.remove("held");
-    const gone = e.type === "pointercancel";
-    if (gone) this.show(index, from);
-    else if (now.some((v, k) => v !== from[k])) this.moved(index, now, true);
+    if (event.type === "pointercancel") this.show(index, from);
+    else if (now.some((value, k) => value !== from[k])) this.onMove(index, now, true);
   }
 
-  key(e, index) {
-    const step = e.shiftKey ? 1 : 10;
-    const by = { ArrowLeft: [-step, 0, 0], ArrowRight: [step, 0, 0], ArrowUp: [0, step, 0], ArrowDown: [0, -step, 0],
-      "[": [0, 0, step / 10], "]": [0, 0, -step / 10], "{": [0, 0, 0.1], "}": [0, 0, -0.1] }[e.key];
-    if (!by || !this.answer || e.ctrlKey || e.metaKey || e.altKey) return;
-    e.preventDefault();
-    const at = this.answer.placements[index];
-    const round = (v) => +v.toFixed(4);
-    this.moved(index, [round(at[0] + by[0]), round(at[1] + by[1]), at[2], round(at[3] + by[2])], true);
+  /**
+   * @param {KeyboardEvent} event
+   * @param {number} index
+   */
+  pressKey(event, index) {
+    const step = KEY_STEPS[event.key];
+    if (!step || event.ctrlKey || event.metaKey || event.altKey) return;
+    event.preventDefault();
+    // With the shift key, which makes braces of brackets, a step is a tenth.
+    const share = event.shiftKey || "{}".includes(event.key) ? 0.1 : 1;
+    const [x, y, z, yaw] = this.answer.placements[index];
+    const moved = [x + share * step[0], y + share * step[1], z, yaw + share * step[2]];
+    const [newX, newY, , newYaw] = moved.map((value) => Number(value.toFixed(4)));
+    this.onMove(index, [newX, newY, z, newYaw], true);
   }
 
-  // Where a piece is shown, and what stands on it.
+  /**
+   * Draws an answer: where things stand, and the map.
+   * @param {AnswerRecord} answer
+   */
+  draw(answer) {
+    this.answer = answer;
+    if (!this.held) this.frame.fit(answer);
+    this.pieces.forEach((piece, k) => {
+      if (this.held && this.rides(k, this.held.index)) return;
+      this.put(piece, answer.placements[k]);
+    });
+    transform(this.base, answer.base);
+    this.map.draw(answer, this.frame.unit);
+  }
+
+  /**
+   * Returns whether a piece is another one or stands on it.
+   * @param {number} index
+   * @param {number} under
+   * @returns {boolean}
+   */
+  rides(index, under) {
+    const { on } = this.cell.equipment[index];
+    return index === under || (on !== null && this.rides(on, under));
+  }
+
+  /**
+   * Shows a piece at a placement, and what stands on it.
+   * @param {number} index
+   * @param {Placement} at
+   */
   show(index, at) {
     const before = this.pieces[index].at;
-    this.pieces[index].at = at;
-    this.place(this.pieces[index].group, at);
-    this.label(this.pieces[index], at);
-    this.cell.equipment.forEach((other, k) => {
-      if (before && other.on === index) this.show(k, carried(seenFrom(this.pieces[k].at, before), at));
+    this.put(this.pieces[index], at);
+    this.cell.equipment.forEach(({ on }, k) => {
+      if (on === index) this.show(k, placementFrom(placementIn(this.pieces[k].at, before), at));
     });
   }
 
-  label(piece, at) {
-    const [cx, cy] = piece.piece.footprint;
-    const [x, y] = turned([cx, cy], at[3]);
-    const unit = this.unit || 1;
-    // The name stands beside the work surface, which is full of nodes.
-    const away = piece.piece.surface ? Math.abs(piece.piece.footprint[3]) / 2 + 18 * unit : 0;
-    // Not where the handle is.
-    const names = [[0, -1], [1, 0], [-1, 0]].map((side) => {
-      const far = side[0] ? piece.piece.footprint[2] / 2 + 26 * unit : away;
-      const [dx, dy] = turned([side[0] * far, side[1] * far], at[3]);
-      return [at[0] + x + dx, at[1] + y + dy];
-    });
-    const base = this.answer ? this.answer.base : [0, 0];
-    const far = (p) => Math.hypot(p[0] - base[0], p[1] - base[1]);
-    const spot = away ? names.reduce((a, b) => (far(b) > far(a) ? b : a)) : [at[0] + x, at[1] + y];
-    piece.text.setAttribute("transform", `translate(${spot[0]} ${-spot[1] + 4 * unit}) scale(${unit})`);
-    if (!piece.turn) return;
-    const [hx, hy] = turned([cx, piece.top + 26 * unit], at[3]);
-    const [fx, fy] = turned([cx, piece.top], at[3]);
-    piece.turn.setAttribute("cx", at[0] + hx);
-    piece.turn.setAttribute("cy", -(at[1] + hy));
-    piece.turn.setAttribute("r", 8 * unit);
-    for (const [name, value] of Object.entries({ x1: fx, y1: fy, x2: hx, y2: hy })) {
-      piece.arm.setAttribute(name, name[0] === "x" ? at[0] + value : -(at[1] + value));
-    }
+  /**
+   * @param {Piece} piece
+   * @param {Placement} at
+   */
+  put(piece, at) {
+    piece.at = at;
+    transform(piece.group, at);
+    this.placeName(piece);
+    this.placeHandle(piece);
   }
+
+  /**
+   * Puts the name beside a work surface, which is full of nodes, away from the robot and the handle.
+   * @param {Piece} piece
+   */
+  placeName({ equipment, at, text }) {
+    const [x, y, width, height] = equipment.footprint;
+    const { unit } = this.frame;
+    const spots = equipment.surface
+      ? [
+          [x, y - Math.abs(height) / 2 - 18 * unit],
+          [x + width / 2 + 26 * unit, y],
+          [x - width / 2 - 26 * unit, y],
+        ]
+      : [[x, y]];
+    const places = spots.map((spot) => placementFrom([...spot, 0, 0], at));
+    const distance = (/** @type {Placement} */ place) =>
+      Math.hypot(place[0] - this.answer.base[0], place[1] - this.answer.base[1]);
+    const [left, top] = places.reduce((best, place) => (distance(place) > distance(best) ? place : best));
+    text.setAttribute("transform", `translate(${left} ${-top + 4 * unit}) scale(${unit})`);
+  }
+
+  /** @param {Piece} piece */
+  placeHandle({ equipment, at, handle }) {
+    if (!handle) return;
+    const [x, y, , height] = equipment.footprint;
+    const { unit } = this.frame;
+    const edge = y + height / 2;
+    const [footX, footY] = placementFrom([x, edge, 0, 0], at);
+    const [knobX, knobY] = placementFrom([x, edge + 26 * unit, 0, 0], at);
+    setAttributes(handle.knob, { cx: knobX, cy: -knobY, r: 8 * unit });
+    setAttributes(handle.arm, { x1: footX, y1: -footY, x2: knobX, y2: -knobY });
+  }
+
+  /**
+   * Shows how far the arm reaches at the height of the work.
+   * @param {number[][][][]} outlines
+   */
+  showReach(outlines) {
+    const ring = (/** @type {number[][]} */ points) => `M${points.map(([x, y]) => `${x} ${-y}`).join("L")}Z`;
+    const paths = new Set(outlines.map((rings) => rings.map(ring).join("")));
+    const shapes = [...paths].filter(Boolean).map((d) => svg("path", { class: "reach", d }));
+    this.layers.reaches.replaceChildren(...shapes);
+  }
+}
+
+/**
+ * Moves a group from the frame of the world into the picture, whose y points down.
+ * @param {Element} group
+ * @param {Placement} at
+ */
+function transform(group, [x, y, , yaw]) {
+  group.setAttribute("transform", `translate(${x} ${-y}) scale(1 -1) rotate(${yaw})`);
+}
+
+/**
+ * @param {Element} element
+ * @param {Record<string, number>} attributes
+ */
+function setAttributes(element, attributes) {
+  for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, String(value));
+}
+
+/**
+ * Says what is under the pointer.
+ * @param {string} text
+ */
+function showHover(text) {
+  byId("hover").textContent = text;
+}

@@ -1,90 +1,139 @@
-// A search from the layout shown, and the layout as a file.
-function searching(state) {
-  $("budget").value = state.budget;
-  $("seed").value = state.seed;
-  if (!state.can_search) {
-    $("start").disabled = true;
-    $("found").textContent = "every placement is fixed in the file: nothing to search";
-  }
-  $("search").onsubmit = async (e) => {
-    e.preventDefault();
-    const whole = (id) => ($(id).value.trim() === "" ? null : Number($(id).value));
-    await told("search", { budget: whole("budget"), seed: whole("seed") });
-    pulse();
-  };
-  $("stop").onclick = () => told("stop", {});
-  $("accept").onclick = () => change("accept", {});
-}
+// The panels: a search from the layout shown, and the layout as a file.
 
-async function told(what, body) {
-  try {
-    progress((await ask(what, body)).search);
-    fault("");
-  } catch (e) {
-    fault(e.message);
-  }
-}
+/** Intervals between two looks at the server, ms: while a search runs, and else. */
+const SEARCH_INTERVAL = 250;
+const IDLE_INTERVAL = 1000;
 
-function progress(search) {
-  if (!search) return;
-  const { running, evaluations, budget, best, start, gain_percent: gain, unit } = search;
-  $("start").disabled = running || !cell.can_search;
-  $("stop").disabled = !running;
-  $("accept").disabled = running || !search.acceptable;
-  $("bar").hidden = false;
-  $("bar").max = budget;
-  $("bar").value = running ? evaluations : budget;
-  const word = (v) => (v === null ? "not feasible" : `${error(v)} ${unit}`);
-  const share = gain === null ? "" : gain > 0.05 ? `, ${gain.toFixed(1)} % less` : ", nothing gained";
-  const lines = [`${evaluations} of ${budget} layouts, ${search.seconds.toFixed(1)} s, seed ${search.seed}`,
-    `start ${word(start)}, best ${word(best)}${best === null ? "" : share}`];
-  if (search.ended) lines.push(`ended: ${search.ended}`);
-  if (search.fault) lines.push(search.fault);
-  $("found").replaceChildren(...lines.flatMap((line) => [line, make("br")]));
-}
-
-// Looks now and then whether another page has changed something, and how far a search is.
-async function pulse() {
-  try {
-    const { revision: theirs, search } = await ask("pulse");
-    progress(search);
-    if (theirs !== revision && !plan.held && !waiting && !trying) show(await ask("now"));
-    if ($("fault").dataset.gone) {
-      fault("");
-      delete $("fault").dataset.gone;
+class SearchPanel {
+  /** @param {Page} page */
+  constructor(page) {
+    this.page = page;
+    const { budget, seed, can_search } = page.cell;
+    inputById("budget").value = String(budget);
+    inputById("seed").value = String(seed);
+    if (!can_search) {
+      buttonById("start").disabled = true;
+      byId("found").textContent = "nothing to search: the cell file fixes every placement";
     }
-    return search && search.running;
-  } catch (e) {
-    fault(e.message);
-    $("fault").dataset.gone = "yes";
-    return false;
+    byId("search").addEventListener("submit", (event) => {
+      event.preventDefault();
+      this.start();
+    });
+    byId("stop").addEventListener("click", () => this.send("stop", {}));
+    byId("accept").addEventListener("click", () => page.change("accept", {}));
   }
-}
 
-async function watch() {
-  const running = document.hidden ? false : await pulse();
-  setTimeout(watch, running ? 250 : 1000);
-}
+  async start() {
+    const numberIn = (/** @type {string} */ id) => {
+      const text = inputById(id).value.trim();
+      return text === "" ? null : Number(text);
+    };
+    await this.send("search", { budget: numberIn("budget"), seed: numberIn("seed") });
+    await this.look();
+  }
 
-function saving() {
-  const say = (text, bad) => {
-    $("saved").textContent = text;
-    $("saved").className = bad ? "bad-word" : "";
-  };
-  const save = async (overwrite) => {
-    $("overwrite").hidden = true;
+  /**
+   * @param {"search" | "stop"} request
+   * @param {object} body
+   */
+  async send(request, body) {
     try {
-      const { saved } = await ask("save", { name: $("name").value, overwrite });
-      say(`saved: sweetspot map ${saved}`);
-    } catch (e) {
-      say(e.message, true);
-      $("overwrite").hidden = !(e.answer && e.answer.taken);
+      this.show((await ask(request, body)).search);
+      showFault("");
+    } catch (error) {
+      showFault(messageOf(error));
+    }
+  }
+
+  /** @param {SearchRecord | null} search */
+  show(search) {
+    if (!search) return;
+    const { running, evaluations, budget } = search;
+    buttonById("start").disabled = running || !this.page.cell.can_search;
+    buttonById("stop").disabled = !running;
+    buttonById("accept").disabled = running || !search.acceptable;
+    const bar = /** @type {HTMLProgressElement} */ (byId("bar"));
+    bar.hidden = false;
+    bar.max = budget;
+    bar.value = running ? evaluations : budget;
+    byId("found").replaceChildren(...searchLines(search).flatMap((line) => [line, make("br")]));
+  }
+
+  /** Looks whether another page has changed the layout and how far a search is; returns whether one runs. */
+  async look() {
+    const { page } = this;
+    const fault = byId("fault");
+    try {
+      const { revision, search } = await ask("pulse");
+      this.show(search);
+      if (revision !== page.now.revision && !page.isBusy()) page.show(await ask("now"));
+      if (fault.dataset.gone) {
+        showFault("");
+        delete fault.dataset.gone;
+      }
+      return Boolean(search?.running);
+    } catch (error) {
+      showFault(messageOf(error));
+      fault.dataset.gone = "yes";
+      return false;
+    }
+  }
+
+  /** Looks again and again, while the page is seen. */
+  async watch() {
+    const isRunning = document.hidden ? false : await this.look();
+    setTimeout(() => this.watch(), isRunning ? SEARCH_INTERVAL : IDLE_INTERVAL);
+  }
+}
+
+/** @param {SearchRecord} search */
+function searchLines({
+  evaluations,
+  budget,
+  seconds,
+  seed,
+  start,
+  best,
+  gain_percent: gain,
+  unit,
+  ended,
+  fault,
+}) {
+  const words = (/** @type {number | null} */ value) =>
+    value === null ? "not feasible" : `${errorFigure(value)} ${unit}`;
+  let gained = "";
+  if (gain !== null && best !== null) gained = gain > 0.05 ? `, ${gain.toFixed(1)} % less` : ", no gain";
+  const lines = [
+    `${evaluations} of ${budget} layouts, ${seconds.toFixed(1)} s, seed ${seed}`,
+    `start ${words(start)}, best ${words(best)}${gained}`,
+  ];
+  if (ended) lines.push(`ended: ${ended}`);
+  if (fault) lines.push(fault);
+  return lines;
+}
+
+/** Connects the panel that saves the layout as a cell file. */
+function connectSaving() {
+  const say = (/** @type {string} */ text, /** @type {boolean} */ isBad) => {
+    byId("saved").textContent = text;
+    byId("saved").className = isBad ? "bad-word" : "";
+  };
+  const save = async (/** @type {boolean} */ overwrite) => {
+    byId("overwrite").hidden = true;
+    try {
+      const { saved } = await ask("save", { name: inputById("name").value, overwrite });
+      say(`saved: sweetspot map ${saved}`, false);
+    } catch (error) {
+      say(messageOf(error), true);
+      byId("overwrite").hidden = !(error instanceof Refused && error.answer?.taken);
     }
   };
-  $("save").onsubmit = (e) => {
-    e.preventDefault();
+  byId("save").addEventListener("submit", (event) => {
+    event.preventDefault();
     save(false);
-  };
-  $("overwrite").onclick = () => save(true);
-  $("name").oninput = () => ($("overwrite").hidden = true);
+  });
+  byId("overwrite").addEventListener("click", () => save(true));
+  byId("name").addEventListener("input", () => {
+    byId("overwrite").hidden = true;
+  });
 }

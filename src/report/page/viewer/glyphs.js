@@ -1,155 +1,190 @@
-// Signs and arrows of the error map as instances for the graphics card.
+// Marks and arrows of the error map as instances for the graphics card.
 
-const SIGN = { dot: 0, ring: 1, dashed: 2, cross: 3, spot: 4, diamond: 5 };
-const GREY = { light: hex("#5b6570"), dark: hex("#9aa4af") };
-const RED = { light: hex("#cf222e"), dark: hex("#ff6b61") };
-const SPOT = { light: hex("#bf3989"), dark: hex("#ff7ac2") };
-
-/** As in the map of `sweetspot map`: what the tool cannot get to, cannot be held at, must not touch. */
-function signOf(status) {
-  if (status === "ok") return "dot";
-  if (status === "out-of-reach") return "ring";
-  return ["joint-limit", "attitude", "not-converged"].includes(status) ? "dashed" : "cross";
+/**
+ * Moves a point of a field with the equipment that carries it while that is dragged.
+ * @param {View} view
+ * @param {Field} field
+ * @param {Vector} point
+ */
+function displaced(view, field, point) {
+  const shift = field.equipment === null ? undefined : view.shifts.get(field.equipment);
+  return shift ? moved(shift, point) : point;
 }
 
-/** Which fields are shown: all, or that of one operation. */
-const shownFields = (drawing, operation) =>
-  drawing.fields.filter((f) => operation === null || f.operation === operation);
-
-/** Where a node is now: with what carries it, moved while it is dragged. */
-const placeOf = (view, field, p) => {
-  const shift = view.shifts.get(field.equipment);
-  return shift ? moved(shift, p) : p;
-};
-
-/** Colour of a node under the state; null where it has no value. */
-function colourAt(view, field, k) {
+/**
+ * Returns the colour of a node; null if it has no value.
+ * @param {View} view
+ * @param {Field} field
+ * @param {number} k
+ */
+function nodeColour(view, field, k) {
   const { lens, scale } = view;
-  const s = senseIn(field, view.state.sense);
-  const value = lens < 0 ? NaN : field.takes[lens].values[s][k];
-  if (isNaN(value)) return null;
-  if (scale.other) {
-    const far = differenceAt(view, field, k);
-    return far === null ? null : colourOn(DIVERGING, 0.5 + (0.5 * far) / scale.most);
+  const sense = senseIn(field, view.state.sense);
+  const value = field.takes[lens].values[sense][k];
+  if (Number.isNaN(value)) return null;
+  if (scale.comparison) {
+    const difference = differenceAt(view, field, k);
+    if (difference === null) return null;
+    return colourOn(DIVERGING, 0.5 + (0.5 * difference) / scale.comparison.greatest);
   }
-  const range = scale.ranges[field.senses[s].unit];
+  const range = scale.ranges[field.senses[sense].unit];
   return range ? colourOn(VIRIDIS, (value - range.low) / Math.max(range.high - range.low, 1e-12)) : null;
 }
 
-/** How much worse (positive) a node is than the same node of the layout compared with. */
-function differenceAt(view, field, k) {
-  const { other } = view.scale;
-  const theirs = other && other.fields.find((f) => f.operation === field.operation);
-  const lens = theirs ? lensIn(other, view.drawing.lenses[view.lens]) : -1;
-  if (lens < 0 || String(theirs.size) !== String(field.size) || theirs.count !== field.count) return null;
-  const own = field.senses[senseIn(field, view.state.sense)].name;
-  const far = valueOf(field, view.lens, own, k) - valueOf(theirs, lens, own, k);
-  return isNaN(far) ? null : far;
-}
-
+/** @param {View} view */
 function glyphInstances(view) {
-  const out = [];
-  const { theme, drawing, state } = view;
-  const push = (p, colour, alpha, sign, big) => out.push(...p, ...colour, alpha, SIGN[sign], big);
-  for (const field of shownFields(drawing, state.operation)) {
+  /** @type {number[]} */
+  const instances = [];
+  const { theme } = view;
+  for (const field of shownFields(view)) {
     for (let k = 0; k < field.count; k++) {
-      const p = placeOf(view, field, nodeAt(field, k));
-      const sign = signOf(field.status[k]);
-      if (sign === "dot") {
-        const colour = colourAt(view, field, k);
-        push(p, colour || GREY[theme], 1, "dot", 0.8);
-      } else push(p, sign === "cross" ? RED[theme] : GREY[theme], 1, sign, sign === "cross" ? 1 : 1.15);
-    }
-  }
-  return new Float32Array(out);
-}
-
-/** The spots, drawn last and over everything. */
-function spotInstances(view) {
-  const out = [];
-  const { theme, drawing, state } = view;
-  for (const field of shownFields(drawing, state.operation)) {
-    const spot = spotOf(view, field);
-    if (spot) out.push(...spot, ...SPOT[theme], 1, SIGN.spot, 2.1);
-    if (field.refined_mm && isOwnLens(view)) {
-      out.push(...placeOf(view, field, field.refined_mm), ...SPOT[theme], 1, SIGN.diamond, 1.35);
-    }
-  }
-  return new Float32Array(out);
-}
-
-const isOwnLens = (view) => view.lens === 0;
-
-/** The spot under the lens looked through. */
-function spotOf(view, field) {
-  if (isOwnLens(view) && field.spot_mm) return placeOf(view, field, field.spot_mm);
-  const take = field.takes[view.lens];
-  const best = take ? take.best : null;
-  return best === null ? null : placeOf(view, field, nodeAt(field, best));
-}
-
-function arrowInstances(view) {
-  const out = [];
-  const { drawing, state, lens, times: enlarged } = view;
-  if (state.arrows === "none" || lens < 0) return new Float32Array();
-  const { signed } = drawing.lenses[lens];
-  const axes = { x: [0], y: [1], z: [2], components: [0, 1, 2] }[state.arrows];
-  for (const field of shownFields(drawing, state.operation)) {
-    for (let k = 0; k < field.count; k++) {
-      const colour = field.status[k] === "ok" ? colourAt(view, field, k) : null;
-      if (!colour) continue;
-      const p = placeOf(view, field, nodeAt(field, k));
-      const push = (way) => {
-        if (size(way) > 1e-9) out.push(...p, ...times(way, enlarged), ...colour);
-      };
-      if (!axes) push(resultant(field, lens, k, signed));
-      else {
-        const along = components(field, lens, k, signed);
-        for (const axis of axes) {
-          const way = [0, 0, 0];
-          way[axis] = along[axis];
-          push(way);
-          if (!signed) push(times(way, -1));
-        }
+      const place = displaced(view, field, nodeAt(field, k));
+      const { mark } = NODE_SIGNS[field.status[k]];
+      if (mark === "ok") {
+        const colour = nodeColour(view, field, k) || TONES.grey[theme];
+        instances.push(...place, ...colour, 1, markCode(mark), 0.8);
+      } else {
+        const { tone } = MARKS[mark];
+        instances.push(...place, ...TONES[tone][theme], 1, markCode(mark), 1.15);
       }
     }
   }
-  return new Float32Array(out);
+  return new Float32Array(instances);
 }
 
-/** The net of the grid, faint; and a pin from each spot down to the surface. */
-function netInstances(view) {
-  const out = [];
-  for (const field of shownFields(view.drawing, view.state.operation)) {
-    const [across] = field.size;
-    if (field.size[1] < 2) continue;
+/**
+ * Returns the marks of the spots, which are drawn last and over everything.
+ * @param {View} view
+ */
+function spotInstances(view) {
+  /** @type {number[]} */
+  const instances = [];
+  const push = (/** @type {Vector} */ place, /** @type {Mark} */ mark, /** @type {number} */ size) =>
+    instances.push(...place, ...TONES.pink[view.theme], 1, markCode(mark), size);
+  for (const field of shownFields(view)) {
+    const spot = spotOf(view, field);
+    if (spot) push(spot, SPOT_SIGNS.spot.mark, 2.1);
+    const refined = refinedSpotOf(view, field);
+    if (refined) push(refined, SPOT_SIGNS.refined.mark, 1.35);
+  }
+  return new Float32Array(instances);
+}
+
+/**
+ * Returns whether the lens shown is the one that the cell asks for.
+ * @param {View} view
+ */
+const isOwnLens = (view) => view.lens === 0;
+
+/**
+ * Returns the spot of a field under the lens shown; null without one.
+ * @param {View} view
+ * @param {Field} field
+ */
+function spotOf(view, field) {
+  if (isOwnLens(view) && field.spot_mm) return displaced(view, field, field.spot_mm);
+  const best = field.takes[view.lens]?.best ?? null;
+  return best === null ? null : displaced(view, field, nodeAt(field, best));
+}
+
+/**
+ * Returns the spot between the nodes; null without one.
+ * @param {View} view
+ * @param {Field} field
+ */
+const refinedSpotOf = (view, field) =>
+  isOwnLens(view) && field.refined_mm ? displaced(view, field, field.refined_mm) : null;
+
+/**
+ * Axes of the arrows that are drawn one by one.
+ * @type {Partial<Record<ArrowChoice, number[]>>}
+ */
+const ARROW_AXES = { x: [0], y: [1], z: [2], components: [0, 1, 2] };
+
+/** @param {View} view */
+function arrowInstances(view) {
+  const { drawing, state, lens } = view;
+  /** @type {number[]} */
+  const instances = [];
+  if (state.arrows === "none") return new Float32Array();
+  const { signed } = drawing.lenses[lens];
+  for (const field of shownFields(view)) {
     for (let k = 0; k < field.count; k++) {
-      const p = placeOf(view, field, nodeAt(field, k));
-      if ((k + 1) % across) out.push(...p, ...placeOf(view, field, nodeAt(field, k + 1)));
-      if (k + across < field.count) out.push(...p, ...placeOf(view, field, nodeAt(field, k + across)));
+      const colour = field.status[k] === "ok" ? nodeColour(view, field, k) : null;
+      if (!colour) continue;
+      const place = displaced(view, field, nodeAt(field, k));
+      for (const arrow of arrowsOf(field, lens, k, signed, ARROW_AXES[state.arrows])) {
+        if (norm(arrow) > 1e-9) instances.push(...place, ...scaled(arrow, view.magnification), ...colour);
+      }
     }
   }
-  return new Float32Array(out);
+  return new Float32Array(instances);
 }
 
-function pinInstances(view) {
-  const out = [];
-  for (const field of shownFields(view.drawing, view.state.operation)) {
-    const spot = spotOf(view, field);
-    const deep = view.drawing.operations[field.operation].standoff_mm;
-    if (spot && deep > 0) out.push(...spot, spot[0], spot[1], spot[2] - deep);
+/**
+ * Returns the error arrows of a node: the resultant, or one for each axis, to both sides without a sign.
+ * @param {Field} field
+ * @param {number} lens
+ * @param {number} k
+ * @param {boolean} signed
+ * @param {number[] | undefined} axes
+ * @returns {Vector[]}
+ */
+function arrowsOf(field, lens, k, signed, axes) {
+  const error = (axes ? components : resultant)(field, lens, k, signed);
+  if (!error) return [];
+  if (!axes) return [error];
+  return axes.flatMap((axis) => {
+    const arrow = [0, 0, 0];
+    arrow[axis] = error[axis];
+    return signed ? [arrow] : [arrow, scaled(arrow, -1)];
+  });
+}
+
+/**
+ * Returns the faint lines between neighbouring nodes.
+ * @param {View} view
+ */
+function netInstances(view) {
+  /** @type {number[]} */
+  const lines = [];
+  for (const field of shownFields(view)) {
+    const [across, along] = field.size;
+    if (along < 2) continue;
+    const place = (/** @type {number} */ k) => displaced(view, field, nodeAt(field, k));
+    for (let k = 0; k < field.count; k++) {
+      if ((k + 1) % across) lines.push(...place(k), ...place(k + 1));
+      if (k + across < field.count) lines.push(...place(k), ...place(k + across));
+    }
   }
-  return new Float32Array(out);
+  return new Float32Array(lines);
 }
 
+/**
+ * Returns the pins from the spots down to their surfaces.
+ * @param {View} view
+ */
+function pinInstances(view) {
+  /** @type {number[]} */
+  const lines = [];
+  for (const field of shownFields(view)) {
+    const spot = spotOf(view, field);
+    const depth = view.drawing.operations[field.operation].standoff_mm;
+    if (spot && depth > 0) lines.push(...spot, spot[0], spot[1], spot[2] - depth);
+  }
+  return new Float32Array(lines);
+}
+
+/**
+ * Returns the segments of closed lines.
+ * @param {Float32Array[]} rings
+ */
 function ringInstances(rings) {
-  const out = [];
+  /** @type {number[]} */
+  const lines = [];
   for (const ring of rings) {
     const count = ring.length / 3;
-    for (let k = 0; k < count; k++) {
-      const next = (k + 1) % count;
-      out.push(ring[3 * k], ring[3 * k + 1], ring[3 * k + 2], ring[3 * next], ring[3 * next + 1], ring[3 * next + 2]);
-    }
+    for (let k = 0; k < count; k++) lines.push(...pointAt(ring, k), ...pointAt(ring, (k + 1) % count));
   }
-  return new Float32Array(out);
+  return new Float32Array(lines);
 }

@@ -1,123 +1,178 @@
-// What the colours, arrows and signs mean.
+// The legend: what colours, arrows and marks mean.
 
-const NS = "http://www.w3.org/2000/svg";
+/** Length of the bars in the legend, px. */
+const BAR_LENGTH = 110;
 
-function drawn(name, attributes, ...children) {
-  const made = document.createElementNS(NS, name);
-  for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
-  made.append(...children);
-  return made;
-}
-
-const icon = (...children) => drawn("svg", { viewBox: "0 0 20 20", width: "18", height: "18", "aria-hidden": "true" }, ...children);
-
-const ICONS = {
-  ring: () => icon(drawn("circle", { cx: 10, cy: 10, r: 6.5, class: "ss-grey" })),
-  dashed: () => icon(drawn("circle", { cx: 10, cy: 10, r: 6.5, class: "ss-grey", "stroke-dasharray": "3.4 3.4" })),
-  cross: () => icon(drawn("path", { d: "M5 5l10 10M15 5l-10 10", class: "ss-red" })),
-  dot: () => icon(drawn("circle", { cx: 10, cy: 10, r: 4.5, class: "ss-dot" })),
-  spot: () => icon(drawn("circle", { cx: 10, cy: 10, r: 7, class: "ss-pink" })),
-  diamond: () => icon(drawn("path", { d: "M10 2.5l7.5 7.5l-7.5 7.5l-7.5 -7.5z", class: "ss-pink" })),
-  envelope: () => icon(drawn("path", { d: "M1 13q9 -13 18 0", class: "ss-blue" })),
-  around: () => icon(drawn("path", { d: "M1 13q9 -13 18 0", class: "ss-blue ss-faint" })),
-  fence: () => icon(drawn("rect", { x: 2, y: 4, width: 16, height: 12, class: "ss-fence" })),
-  "keep-out": () => icon(drawn("rect", { x: 2, y: 4, width: 16, height: 12, class: "ss-keep-out" })),
-  ghost: () => icon(drawn("rect", { x: 2.5, y: 4.5, width: 15, height: 11, class: "ss-ghost" })),
+/**
+ * Marks of solids and lines that are no nodes.
+ * @type {Record<string, { text: string, shape: () => SVGElement }>}
+ */
+const OTHER_SIGNS = {
+  envelope: {
+    text: "reach at the height of the work",
+    shape: () => drawn("path", { d: "M1 13q9 -13 18 0", class: "ss-blue" }),
+  },
+  around: {
+    text: "reach at other heights",
+    shape: () => drawn("path", { d: "M1 13q9 -13 18 0", class: "ss-blue ss-faint" }),
+  },
+  fence: {
+    text: "fence",
+    shape: () => drawn("rect", { x: 2, y: 4, width: 16, height: 12, class: "ss-fence" }),
+  },
+  "keep-out": {
+    text: "keep-out zone",
+    shape: () => drawn("rect", { x: 2, y: 4, width: 16, height: 12, class: "ss-keep-out" }),
+  },
+  ghost: {
+    text: "equipment in the other layout",
+    shape: () => drawn("rect", { x: 2.5, y: 4.5, width: 15, height: 11, class: "ss-ghost" }),
+  },
 };
 
-const WORDS = {
-  dot: "usable node",
-  ring: "out of reach",
-  dashed: "joint limit or attitude",
-  cross: "collides, or no way in",
-  spot: "chosen spot",
-  diamond: "spot between the nodes",
-  envelope: "reach at the height of the work",
-  around: "reach elsewhere",
-  fence: "fence",
-  "keep-out": "to be kept free",
-  ghost: "equipment in the other layout",
-};
-
+/** @param {Element} host */
 function makeLegend(host) {
   const box = element("div", { class: "ss-legend" });
   host.append(box);
   return box;
 }
 
+/**
+ * @param {Element} box
+ * @param {View} view
+ */
 function showLegend(box, view) {
   box.replaceChildren(colourKey(view), arrowKey(view), signKey(view));
 }
 
-/** Name of the sense looked at: one, or those of the operations. */
+/** @param {string} text */
+const paragraph = (text) => element("p", { textContent: text });
+
+/** @param {string} text */
+const span = (text) => element("span", { textContent: text });
+
+/**
+ * Returns the name of the sense shown, or the names of those of the operations.
+ * @param {View} view
+ */
 function senseWords(view) {
   if (view.state.sense !== null) return view.state.sense;
-  const own = shownFields(view.drawing, view.state.operation).map((f) => f.senses[f.sense].name);
+  const own = shownFields(view).map((field) => field.senses[field.sense].name);
   return [...new Set(own)].join(", ");
 }
 
+/** @param {View} view */
 function colourKey(view) {
-  const lens = view.drawing.lenses[view.lens];
-  const box = element("div", { class: "ss-key" });
-  if (view.lens < 0) {
-    box.append(element("p", { textContent: "This layout has no answer under this reading and model." }));
-    return box;
-  }
   const { scale } = view;
-  if (scale.other) {
-    box.append(element("p", { textContent: `Against ${short(scale.other.name)} in ${senseWords(view)}, ${lens.reading}, ${lens.model}` }));
-    box.append(bar(DIVERGING, `${figure(scale.most)} ${scale.unit} better`, `${figure(scale.most)} ${scale.unit} worse`));
+  const { reading, model } = view.drawing.lenses[view.lens];
+  const box = element("div", { class: "ss-key" });
+  const what = `${senseWords(view)}, ${reading}, ${model}`;
+  if (scale.comparison) {
+    const { other, greatest, unit } = scale.comparison;
+    box.append(paragraph(`Compared with ${shortName(other.name)}: error in ${what}`));
+    box.append(
+      colourBar(DIVERGING, `${figure(greatest)} ${unit} better`, `${figure(greatest)} ${unit} worse`),
+    );
     return box;
   }
-  box.append(element("p", { textContent: `Error in ${senseWords(view)}, ${lens.reading}, ${lens.model}` }));
-  for (const [word, range] of Object.entries(scale.ranges)) {
-    box.append(bar(VIRIDIS, `${figure(range.low)} ${word}`, `${figure(range.high)} ${word}`));
+  box.append(paragraph(`Error in ${what}`));
+  const ranges = Object.entries(scale.ranges);
+  for (const [unit, { low, high }] of ranges) {
+    box.append(colourBar(VIRIDIS, `${figure(low)} ${unit}`, `${figure(high)} ${unit}`));
   }
-  if (!Object.keys(scale.ranges).length) box.append(element("p", { textContent: "no usable node" }));
+  if (!ranges.length) box.append(paragraph("no usable node"));
   return box;
 }
 
-function bar(scale, low, high) {
+/**
+ * @param {number[][]} scale
+ * @param {string} low
+ * @param {string} high
+ */
+function colourBar(scale, low, high) {
   const strip = element("div", { class: "ss-bar" });
-  strip.style.background = gradient(scale);
-  const ends = element("div", { class: "ss-ends" }, element("span", { textContent: low }), element("span", { textContent: high }));
-  return element("div", {}, strip, ends);
+  strip.style.background = gradientOf(scale);
+  return element("div", {}, strip, element("div", { class: "ss-ends" }, span(low), span(high)));
 }
 
-/** The bar is as long in the picture as an arrow of so much error, at the distance of its middle. */
+/**
+ * Returns the scales of the arrows and of the cell: lengths at the distance of the target.
+ * @param {View} view
+ */
 function arrowKey(view) {
   const box = element("div", { class: "ss-key" });
-  if (view.state.arrows === "none" || view.lens < 0) return box;
-  const signed = view.drawing.lenses[view.lens].signed;
-  const what = view.state.arrows === "resultant" ? "resultant error" : view.state.arrows === "components" ? "x, y and z error" : `${view.state.arrows} error`;
-  const sides = signed ? "" : view.state.arrows === "resultant" ? ", towards its worst corner" : ", to both sides (plus or minus)";
-  const word = view.times >= 1 ? String(view.times) : figure(view.times);
-  box.append(element("p", { textContent: `Arrows: ${what}${sides}, ${word} \u00d7 enlarged` }));
-  const px = view.optics.pxPerMm * view.times;
-  const length = roundDown(110 / px);
-  const line = element("span", { class: "ss-scale" });
-  line.style.width = `${(length * px).toFixed(1)}px`;
+  if (view.state.arrows === "none") return box;
+  const { pixelsPerMm } = view.optics;
+  const { magnification } = view;
+  const factor = magnification >= 1 ? String(magnification) : figure(magnification);
+  box.append(paragraph(`Arrows: ${arrowWords(view)}, magnified ${factor} \u00d7`));
   const where = view.camera.parallel ? "" : " (mid-picture)";
-  box.append(element("div", { class: "ss-scalebar" }, line, element("span", { textContent: `${figureOf(length)} mm of error${where}` })));
-  const mm = roundDown(110 / view.optics.pxPerMm);
-  const real = element("span", { class: "ss-scale" });
-  real.style.width = `${(mm * view.optics.pxPerMm).toFixed(1)}px`;
-  box.append(element("div", { class: "ss-scalebar" }, real, element("span", { textContent: `${figureOf(mm)} mm of cell${where}` })));
+  box.append(scaleBar(pixelsPerMm * magnification, `of error${where}`));
+  box.append(scaleBar(pixelsPerMm, `of cell${where}`));
   return box;
 }
 
-const figureOf = (value) => String(Number(value.toPrecision(2)));
+/** @param {View} view */
+function arrowWords(view) {
+  const { arrows } = view.state;
+  const { signed } = view.drawing.lenses[view.lens];
+  if (arrows === "resultant") return signed ? "resultant error" : "resultant error, towards its worst corner";
+  const what = arrows === "components" ? "x, y and z error" : `${arrows} error`;
+  return signed ? what : `${what}, in both directions (plus or minus)`;
+}
 
-/** Only signs that are to be seen. */
+/**
+ * @param {number} pixelsPerMm
+ * @param {string} what
+ */
+function scaleBar(pixelsPerMm, what) {
+  const length = roundDown(BAR_LENGTH / pixelsPerMm);
+  const line = element("span", { class: "ss-scale" });
+  line.style.width = `${(length * pixelsPerMm).toFixed(1)}px`;
+  return element("div", { class: "ss-scalebar" }, line, span(`${roundFigure(length)} mm ${what}`));
+}
+
+/**
+ * Returns the list of the signs that are in the picture.
+ * @param {View} view
+ */
 function signKey(view) {
-  const fields = shownFields(view.drawing, view.state.operation);
-  const seen = new Set(fields.flatMap((f) => f.status.map(signOf)));
-  if (fields.some((f) => spotOf(view, f))) seen.add("spot");
-  if (view.lens === 0 && fields.some((f) => f.refined_mm)) seen.add("diamond");
-  if (view.state.envelope && view.drawing.envelopes.length) seen.add("envelope").add("around");
-  for (const part of view.drawing.parts) if (part.kind === "fence" || part.kind === "keep-out") seen.add(part.kind);
-  if (view.scale.other) seen.add("ghost");
-  const items = Object.keys(WORDS).filter((sign) => seen.has(sign));
-  return element("ul", { class: "ss-signs" }, ...items.map((sign) =>
-    element("li", {}, ICONS[sign](), element("span", { textContent: WORDS[sign] }))));
+  const fields = shownFields(view);
+  const statuses = new Set(fields.flatMap((field) => field.status));
+  /** @type {{ mark: Mark, text: string }[]} */
+  const signs = Object.entries(NODE_SIGNS).flatMap(([status, sign]) =>
+    statuses.has(/** @type {NodeStatus} */ (status)) ? [sign] : [],
+  );
+  if (fields.some((field) => spotOf(view, field))) signs.push(SPOT_SIGNS.spot);
+  if (fields.some((field) => refinedSpotOf(view, field))) signs.push(SPOT_SIGNS.refined);
+  /** @type {Set<string>} */
+  const others = new Set(view.drawing.parts.map((part) => part.kind));
+  if (view.state.envelope && view.drawing.envelopes.length) others.add("envelope").add("around");
+  if (view.scale.comparison) others.add("ghost");
+  const items = signs.map(({ mark, text }) => signItem(markShape(mark), text));
+  for (const [name, { text, shape }] of Object.entries(OTHER_SIGNS)) {
+    if (others.has(name)) items.push(signItem(shape(), text));
+  }
+  return element("ul", { class: "ss-signs" }, ...items);
+}
+
+/**
+ * @param {SVGElement} shape
+ * @param {string} text
+ */
+function signItem(shape, text) {
+  const size = { viewBox: "0 0 20 20", width: 18, height: 18, "aria-hidden": "true" };
+  return element("li", {}, drawn("svg", size, shape), span(text));
+}
+
+/**
+ * Returns a mark in the middle of a square of 20.
+ * @param {Mark} mark
+ */
+function markShape(mark) {
+  const { path } = MARKS[mark];
+  const radius = mark === "ok" ? 4.5 : 6.5;
+  const shape = drawn("path", { d: path, class: markClass(mark) });
+  shape.setAttribute("transform", `translate(10 10) scale(${radius})`);
+  return shape;
 }

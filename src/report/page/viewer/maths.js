@@ -1,105 +1,207 @@
-// Vectors are arrays of three numbers, matrices 16 numbers column by column, lengths mm.
+// Vectors and matrices. A vector has three numbers, a matrix 16 numbers column by column; lengths are in mm.
 
+/**
+ * @param {Vector} a
+ * @param {Vector} b
+ * @returns {Vector}
+ */
 const add = (a, b) => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
-const minus = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
-const times = (a, s) => [a[0] * s, a[1] * s, a[2] * s];
+
+/**
+ * @param {Vector} a
+ * @param {Vector} b
+ * @returns {Vector}
+ */
+const subtract = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+
+/**
+ * @param {Vector} vector
+ * @param {number} factor
+ * @returns {Vector}
+ */
+const scaled = (vector, factor) => [vector[0] * factor, vector[1] * factor, vector[2] * factor];
+
+/**
+ * @param {Vector} a
+ * @param {Vector} b
+ */
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+
+/**
+ * @param {Vector} a
+ * @param {Vector} b
+ * @returns {Vector}
+ */
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-const size = (a) => Math.hypot(a[0], a[1], a[2]);
-const unit = (a) => times(a, 1 / (size(a) || 1));
-const clamp = (v, low, high) => Math.min(Math.max(v, low), high);
-const mix = (a, b, t) => a + (b - a) * t;
 
-const UNMOVED = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
+/** @param {Vector} vector */
+const norm = (vector) => Math.hypot(vector[0], vector[1], vector[2]);
 
+/** @param {Vector} vector */
+const normalized = (vector) => scaled(vector, 1 / (norm(vector) || 1));
+
+/**
+ * @param {number} value
+ * @param {number} low
+ * @param {number} high
+ */
+const clamp = (value, low, high) => Math.min(Math.max(value, low), high);
+
+/**
+ * Interpolates linearly.
+ * @param {number} a
+ * @param {number} b
+ * @param {number} share
+ */
+const mix = (a, b, share) => a + (b - a) * share;
+
+/** @type {Matrix} */
+const IDENTITY = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
+
+/**
+ * Multiplies two matrices.
+ * @param {Matrix} a
+ * @param {Matrix} b
+ * @returns {Matrix}
+ */
 function product(a, b) {
-  const out = new Array(16);
-  for (let c = 0; c < 4; c++) {
-    for (let r = 0; r < 4; r++) {
-      out[4 * c + r] = a[r] * b[4 * c] + a[4 + r] * b[4 * c + 1] + a[8 + r] * b[4 * c + 2] + a[12 + r] * b[4 * c + 3];
+  const result = new Array(16);
+  for (let column = 0; column < 4; column++) {
+    const [x, y, z, w] = b.slice(4 * column, 4 * column + 4);
+    for (let row = 0; row < 4; row++) {
+      result[4 * column + row] = a[row] * x + a[4 + row] * y + a[8 + row] * z + a[12 + row] * w;
     }
   }
-  return out;
+  return result;
 }
 
-/** A pose of 12 numbers (columns of the rotation, origin) as a matrix. */
-function matrix(p, at = 0) {
-  return [p[at], p[at + 1], p[at + 2], 0, p[at + 3], p[at + 4], p[at + 5], 0, p[at + 6], p[at + 7], p[at + 8], 0,
-    p[at + 9], p[at + 10], p[at + 11], 1];
+/**
+ * Returns a pose of a document as a matrix.
+ * @param {PoseRecord} pose
+ * @returns {Matrix}
+ */
+function matrixOf(pose) {
+  const column = (/** @type {number} */ first) => pose.slice(first, first + 3);
+  return [...column(0), 0, ...column(3), 0, ...column(6), 0, ...column(9), 1];
 }
 
-/** Of a rigid motion. */
+/**
+ * Inverts a rigid motion.
+ * @param {Matrix} m
+ * @returns {Matrix}
+ */
 function inverse(m) {
-  const o = [m[12], m[13], m[14]];
-  const back = [0, 4, 8].map((c) => -(m[c] * o[0] + m[c + 1] * o[1] + m[c + 2] * o[2]));
-  return [m[0], m[4], m[8], 0, m[1], m[5], m[9], 0, m[2], m[6], m[10], 0, back[0], back[1], back[2], 1];
+  const origin = [m[12], m[13], m[14]];
+  const back = [0, 4, 8].map((column) => -dot(m.slice(column, column + 3), origin));
+  return [m[0], m[4], m[8], 0, m[1], m[5], m[9], 0, m[2], m[6], m[10], 0, ...back, 1];
 }
 
-const moved = (m, p) => [0, 1, 2].map((r) => m[r] * p[0] + m[4 + r] * p[1] + m[8 + r] * p[2] + m[12 + r]);
-const turned = (m, p) => [0, 1, 2].map((r) => m[r] * p[0] + m[4 + r] * p[1] + m[8 + r] * p[2]);
+/**
+ * Moves a direction by the rotation of a matrix.
+ * @param {Matrix} m
+ * @param {Vector} direction
+ * @returns {Vector}
+ */
+const rotated = (m, direction) =>
+  [0, 1, 2].map((row) => m[row] * direction[0] + m[4 + row] * direction[1] + m[8 + row] * direction[2]);
 
-/** With the fourth coordinate, for projections. */
-function projected(m, p) {
-  return [0, 1, 2, 3].map((r) => m[r] * p[0] + m[4 + r] * p[1] + m[8 + r] * p[2] + m[12 + r]);
+/**
+ * Moves a point by a rigid motion.
+ * @param {Matrix} m
+ * @param {Vector} point
+ * @returns {Vector}
+ */
+const moved = (m, point) =>
+  [0, 1, 2].map((row) => m[row] * point[0] + m[4 + row] * point[1] + m[8 + row] * point[2] + m[12 + row]);
+
+/**
+ * Returns the four homogeneous coordinates of a point.
+ * @param {Matrix} m
+ * @param {Vector} point
+ */
+const projected = (m, point) =>
+  [0, 1, 2, 3].map((row) => m[row] * point[0] + m[4 + row] * point[1] + m[8 + row] * point[2] + m[12 + row]);
+
+/**
+ * Returns the pose of something that stands upright.
+ * @param {Vector} origin
+ * @param {number} yaw rad
+ */
+function uprightPose(origin, yaw) {
+  const [cosine, sine] = [Math.cos(yaw), Math.sin(yaw)];
+  return [cosine, sine, 0, 0, -sine, cosine, 0, 0, 0, 0, 1, 0, ...origin, 1];
 }
 
-function upright(x, y, z, yaw) {
-  const [c, s] = [Math.cos(yaw), Math.sin(yaw)];
-  return [c, s, 0, 0, -s, c, 0, 0, 0, 0, 1, 0, x, y, z, 1];
+/**
+ * Returns a perspective projection.
+ * @param {number} fieldOfView vertical, rad
+ * @param {number} aspect width by height
+ * @param {number} near
+ * @param {number} far
+ * @returns {Matrix}
+ */
+function perspective(fieldOfView, aspect, near, far) {
+  const focal = 1 / Math.tan(fieldOfView / 2);
+  const depth = near - far;
+  return [
+    focal / aspect,
+    0,
+    0,
+    0,
+    0,
+    focal,
+    0,
+    0,
+    0,
+    0,
+    (far + near) / depth,
+    -1,
+    0,
+    0,
+    (2 * far * near) / depth,
+    0,
+  ];
 }
 
-function perspective(fov, aspect, near, far) {
-  const f = 1 / Math.tan(fov / 2);
-  const d = near - far;
-  return [f / aspect, 0, 0, 0, 0, f, 0, 0, 0, 0, (far + near) / d, -1, 0, 0, (2 * far * near) / d, 0];
+/**
+ * Returns an orthographic projection.
+ * @param {number} width mm
+ * @param {number} height mm
+ * @param {number} near
+ * @param {number} far
+ * @returns {Matrix}
+ */
+function orthographic(width, height, near, far) {
+  const depth = near - far;
+  return [2 / width, 0, 0, 0, 0, 2 / height, 0, 0, 0, 0, 2 / depth, 0, 0, 0, (far + near) / depth, 1];
 }
 
-function parallel(width, height, near, far) {
-  const d = near - far;
-  return [2 / width, 0, 0, 0, 0, 2 / height, 0, 0, 0, 0, 2 / d, 0, 0, 0, (far + near) / d, 1];
+/**
+ * Returns the view matrix: from the world to an eye with these axes.
+ * @param {Vector} eye
+ * @param {Vector} right
+ * @param {Vector} up
+ * @param {Vector} back
+ * @returns {Matrix}
+ */
+function viewMatrix(eye, right, up, back) {
+  const axes = [0, 1, 2].flatMap((k) => [right[k], up[k], back[k], 0]);
+  return [...axes, -dot(right, eye), -dot(up, eye), -dot(back, eye), 1];
 }
 
-/** From the world to an eye with the axes right, up and back. */
-function lookFrom(eye, right, up, back) {
-  const row = (k) => [right[k], up[k], back[k], 0];
-  return [...row(0), ...row(1), ...row(2), -dot(right, eye), -dot(up, eye), -dot(back, eye), 1];
-}
-
-function bytes(text) {
+/**
+ * Decodes base64.
+ * @param {EncodedArray} text
+ */
+function bytesOf(text) {
   const raw = atob(text);
-  const out = new Uint8Array(raw.length);
-  for (let k = 0; k < raw.length; k++) out[k] = raw.charCodeAt(k);
-  return out.buffer;
-}
-const floats = (text) => new Float32Array(bytes(text));
-const integers = (text) => new Uint32Array(bytes(text));
-
-const hex = (text) => [1, 3, 5].map((k) => parseInt(text.slice(k, k + 2), 16) / 255);
-
-// viridis at equal steps, as in src/report/legend.rs.
-const VIRIDIS = [[68, 1, 84], [65, 68, 135], [42, 120, 142], [34, 168, 132], [122, 209, 81], [253, 231, 37]];
-// Better, the same, worse: blue to vermilion of Okabe and Ito.
-const DIVERGING = [[0, 94, 158], [86, 160, 214], [216, 218, 222], [230, 140, 60], [196, 74, 0]];
-
-function colourOn(scale, t) {
-  const at = clamp(t, 0, 1) * (scale.length - 1);
-  const k = Math.min(Math.floor(at), scale.length - 2);
-  return [0, 1, 2].map((c) => mix(scale[k][c], scale[k + 1][c], at - k) / 255);
+  const bytes = new Uint8Array(raw.length);
+  for (let k = 0; k < raw.length; k++) bytes[k] = raw.charCodeAt(k);
+  return bytes.buffer;
 }
 
-const gradient = (scale) => `linear-gradient(90deg, ${scale.map((c) => `rgb(${c.join(",")})`).join(", ")})`;
+/** @param {EncodedArray} text */
+const floatsOf = (text) => new Float32Array(bytesOf(text));
 
-/** The largest number of one digit, or of 1.5, 2.5 with tens, that is no larger. */
-function roundDown(value) {
-  if (!(value > 0) || !isFinite(value)) return 1;
-  const ten = 10 ** Math.floor(Math.log10(value));
-  const step = [8, 6, 5, 4, 3, 2.5, 2, 1.5, 1].find((s) => s * ten <= value * (1 + 1e-9)) || 1;
-  return Number((step * ten).toPrecision(2));
-}
-
-/** A figure as it is read: four digits, no exponent. */
-function figure(value) {
-  if (!isFinite(value)) return "-";
-  const digits = value === 0 ? 0 : clamp(3 - Math.floor(Math.log10(Math.abs(value))), 0, 4);
-  return value.toFixed(digits);
-}
+/** @param {EncodedArray} text */
+const integersOf = (text) => new Uint32Array(bytesOf(text));

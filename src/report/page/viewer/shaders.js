@@ -196,33 +196,35 @@ in float px;
 uniform float fade;
 uniform vec3 paper;
 out vec4 seen;
+const int DOT = ${markCode("ok")};
+const int SPOT = ${markCode("spot")};
+const int DIAMOND = ${markCode("diamond")};
 float band(float d, float half_) { return clamp(half_ + 0.5 - abs(d), 0.0, 1.0); }
+float segment(vec2 p, vec2 a, vec2 b) {
+  vec2 ab = b - a;
+  return length(p - a - ab * clamp(dot(p - a, ab) / dot(ab, ab), 0.0, 1.0));
+}
 void main() {
   float r = length(at) * px;
   float a = 0.0;
   float halo = 0.0;
   vec3 c = colour.rgb;
-  if (sign_ == 0) {
+  if (sign_ == DOT) {
     a = clamp(px - r + 0.5, 0.0, 1.0);
     c = mix(c * 0.55, c, clamp(px - 0.9 - r + 0.5, 0.0, 1.0));
-  } else if (sign_ == 1) {
-    a = band(r - px + 1.0, 0.9);
-    halo = band(r - px + 1.0, 1.9);
-  } else if (sign_ == 2) {
-    float gap = abs(fract(atan(at.y, at.x) * 6.0 / 6.2831853) - 0.5) * 2.0;
-    a = band(r - px + 1.0, 1.0) * smoothstep(0.28, 0.42, gap);
-  } else if (sign_ == 3) {
-    float d = min(abs(at.x - at.y), abs(at.x + at.y)) * 0.70711 * px;
-    float inside = clamp(px * 0.95 - r + 0.5, 0.0, 1.0);
-    a = band(d, 1.0) * inside;
-    halo = band(d, 2.0) * inside;
-  } else if (sign_ == 4) {
+  } else if (sign_ == SPOT) {
     a = band(r - px + 2.0, 1.6);
     halo = band(r - px + 2.0, 3.0);
-  } else {
+  } else if (sign_ == DIAMOND) {
     float d = (abs(at.x) + abs(at.y) - 1.0) * 0.70711 * px;
     a = band(d + 1.5, 1.3);
     halo = band(d + 1.5, 2.6);
+  } else {
+    float d = 1e6;
+    float part = 1.0;
+    ${GLYPH_BRANCHES}
+    a = band(d, 1.0) * part;
+    halo = band(d, 2.0) * part;
   }
   float b = max(a, halo * 0.85);
   c = mix(paper, c, b > 0.0 ? a / b : 1.0);

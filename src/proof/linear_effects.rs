@@ -1,26 +1,29 @@
-//! The linear effects of all sources, and their sum in given directions with its derivatives.
+//! Weighted sum of the linear effects of all error sources, with its derivatives.
 //!
-//! With `g = w x (p - o)` what a turn does to the point p and `w` its turn (of a slide: `g` its axis),
-//! `phi = sum eta_k . g_k + zeta_k . w_k`. All derivatives follow from sums over the motions of each
-//! link: `F = sum eta g^T + zeta w^T` and `P = sum eta w^T`.
+//! A rotation has the effect `g = w x (p - o)` on the point p and the axis `w`; for a translation `g` is the
+//! axis and `w` is 0. The sum is `phi = sum eta_k . g_k + zeta_k . w_k`. All its derivatives follow from sums
+//! over the motions of each link: `F = sum eta g^T + zeta w^T` and `P = sum eta w^T`.
 
-use super::coordinates::{Coordinates, Matrix};
-use super::screws::{Motion, Placed, Screws, Values};
-use super::taylor::{Pieces, Taylor, radius};
+use super::coordinates::JointMatrix;
+use super::screws::{JointValues, PosedScrews, ScrewMotion, Screws};
+use super::taylor_model::{Geometry, Taylor, radius};
 use crate::cell::{JointKind, MAX_JOINTS};
 use nalgebra::{Matrix3, Vector3};
 
-/// A motion at a posture: what it does to the point, its axis, zero of a slide.
+/// Effect of a motion at a posture on the point whose error counts.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Effect {
+    /// Displacement of the point per unit of the motion.
     pub g: Vector3<f64>,
+    /// Rotation axis; 0 for a translation.
     pub w: Vector3<f64>,
-    /// From where it acts to the first axis behind it, m.
+    /// Distance from the axis of the motion to the first joint axis behind it, m.
     own: f64,
 }
 
-pub(super) fn effects(motions: &[Motion], placed: &Placed, joints: usize) -> Vec<Effect> {
-    let effect = |motion: &Motion| {
+/// Returns the effect of every motion at a posture of a chain with this number of joints.
+pub(super) fn effects(motions: &[ScrewMotion], placed: &PosedScrews, joints: usize) -> Vec<Effect> {
+    let effect = |motion: &ScrewMotion| {
         let link = &placed.links[motion.link];
         let axis = link.rotation * motion.axis;
         if !motion.turns {
@@ -33,18 +36,30 @@ pub(super) fn effects(motions: &[Motion], placed: &Placed, joints: usize) -> Vec
     motions.iter().map(effect).collect()
 }
 
-/// Expands `phi`; one (eta, zeta) per motion.
+/// Weighted motions whose effects are summed.
+#[derive(Clone, Copy)]
+pub(super) struct WeightedMotions<'a> {
+    pub motions: &'a [ScrewMotion],
+    pub effects: &'a [Effect],
+    /// Weights (eta, zeta) of each motion.
+    pub weights: &'a [(Vector3<f64>, Vector3<f64>)],
+}
+
+/// Expands `phi` over a box of the given radii about a posture.
+///
+/// `rates` are the derivatives of the point by the joints.
 pub(super) fn expand(
-    (screws, coordinates, pieces): (&Screws, &Coordinates, &Pieces),
-    placed: &Placed,
-    (motions, effects): (&[Motion], &[Effect]),
-    weights: &[(Vector3<f64>, Vector3<f64>)],
+    geometry: Geometry<'_>,
+    placed: &PosedScrews,
+    sum: WeightedMotions<'_>,
     rates: &[Vector3<f64>; MAX_JOINTS],
-    radii: &Values,
+    radii: &JointValues,
 ) -> Taylor {
+    let (Geometry { screws, coordinates, pieces }, WeightedMotions { motions, effects, weights }) =
+        (geometry, sum);
     let n = screws.kinds.len();
     let (mut f, mut p) = ([Matrix3::zeros(); MAX_JOINTS + 1], [Matrix3::zeros(); MAX_JOINTS + 1]);
-    // Sizes of the turns, of their own pieces, and of what is rigid with the link.
+    // Sizes of the rotations, of their own lever arms, and of the vectors rigid with the link.
     let mut sizes = [[0.0; 3]; MAX_JOINTS + 1];
     for ((motion, effect), (eta, zeta)) in motions.iter().zip(effects).zip(weights) {
         let m = motion.link;
@@ -57,7 +72,7 @@ pub(super) fn expand(
         sizes[m][2] += zeta + eta - turn;
     }
     let value = f.iter().map(Matrix3::trace).sum();
-    let (gradient, hessian) = by_theta(screws, placed, (&mut f, &mut p), rates);
+    let (gradient, hessian) = by_theta(screws, placed, &mut f, &mut p, rates);
     let (gradient, hessian) = coordinates.derivatives(&gradient, &hessian);
     let rest = (0..=n).map(|m| {
         let own = coordinates.turning[m];
@@ -67,16 +82,21 @@ pub(super) fn expand(
     Taylor { value, gradient, hessian, rest: rest.sum::<f64>() / 6.0 }
 }
 
-/// First and second derivatives by theta. Joint i turns the motions behind it as they are (F), and moves
-/// the point under those before it (P).
+/// One matrix per link.
+type LinkSums = [Matrix3<f64>; MAX_JOINTS + 1];
+
+/// Returns first and second derivatives by theta.
+///
+/// Joint i rotates the motions behind it as a whole (F), and moves the point under those before it (P).
 fn by_theta(
     screws: &Screws,
-    placed: &Placed,
-    (f, p): (&mut [Matrix3<f64>; MAX_JOINTS + 1], &mut [Matrix3<f64>; MAX_JOINTS + 1]),
+    placed: &PosedScrews,
+    f: &mut LinkSums,
+    p: &mut LinkSums,
     rates: &[Vector3<f64>; MAX_JOINTS],
-) -> (Values, Matrix) {
+) -> (JointValues, JointMatrix) {
     let n = screws.kinds.len();
-    // F of all links from k on, P of all up to k.
+    // F sums over all links from k on, P over all links up to k.
     (0..n).rev().for_each(|k| f[k] += f[k + 1]);
     (0..n).for_each(|k| p[k + 1] += p[k]);
     let turns = |i: usize| screws.kinds[i] == JointKind::Revolute;
@@ -90,7 +110,7 @@ fn by_theta(
         gradient[i] += axial(&f[i + 1]).dot(z);
         let before = z.cross(&axial(&p[i]));
         for j in i..n {
-            // eta . (w x (z_i x rate_j)) of the motions before i, eta . (z_i x (w x rate_j)) of those between.
+            // Motions before i give eta . (w x (z_i x rate_j)), those between give eta . (z_i x (w x rate_j)).
             let between = p[j] - p[i];
             let tilted = z * between.trace() - between * z;
             hessian[i][j] = (before + tilted).dot(&rates[j]);
@@ -103,7 +123,7 @@ fn by_theta(
     (gradient, hessian)
 }
 
-/// `sum g x eta` of `sum eta g^T`.
+/// Returns `sum g x eta`, given `sum eta g^T`.
 fn axial(m: &Matrix3<f64>) -> Vector3<f64> {
     Vector3::new(m[(2, 1)] - m[(1, 2)], m[(0, 2)] - m[(2, 0)], m[(1, 0)] - m[(0, 1)])
 }

@@ -1,8 +1,7 @@
-//! What a posture is worth, from below: a sum of effects in fixed directions that no posture of the
-//! operation undercuts, whatever its reading.
+//! Lower bound of a posture's value in any reading: a weighted sum of effects in fixed directions.
 //!
-//! At any posture c the reading gives directions `eta_k` so that its value is `sum eta_k . g_k` there and
-//! at least that everywhere else:
+//! At a posture c the reading gives directions `eta_k` such that its value is `sum eta_k . g_k` at c and at
+//! least that at every other posture:
 //!
 //! ```text
 //! signed        u = e / |e|:  |e| >= u . e
@@ -11,47 +10,52 @@
 //!               A = d(quantity^2)/dS at c:  quantity^2 >= <A, S>  (rms: A = 1, equality)
 //! ```
 //!
-//! For the mean of |e| that is the tangent of a convex function of the effects. For the percentiles it
-//! says that their squares are convex in the covariance of up to three rows: no proof is known to us,
-//! tests/it/proof.rs tries it of 95 % and 99 %, and [`super::Proof::in_words`] says that it was assumed.
+//! For the mean of |e| this is the tangent of a convex function of the effects. For percentiles it assumes
+//! that their squares are convex in the covariance of up to three rows. No proof is known to us;
+//! tests/it/proof.rs tests it for 95 % and 99 %, and [`super::Proof::in_words`] states the assumption.
 
 use super::WhyNot;
-use super::columns::Effect;
-use super::screws::Motion;
+use super::linear_effects::Effect;
+use super::screws::ScrewMotion;
 use crate::cell::{Model, Quantity, Reading, Row};
 use crate::reading::norm::NormDistribution;
 use crate::reading::zonotope::{ZonotopeScratch, farthest_1, farthest_2, farthest_3, farthest_6};
 use crate::reading::{ErrorEvaluator, MAX_SOURCES};
 use nalgebra::{DMatrix, Matrix3, Vector2, Vector3, Vector6};
 
-/// Percentiles are known in so many rows.
-const FEW_ROWS: usize = 3;
-/// Differences of a numeric derivative, as a share of the trace, and what they may be off.
-const STEP: f64 = 1e-3;
-const ROUGH: f64 = 1e-5;
+/// Largest number of rows for which the bound of a percentile is tested.
+const MAX_ROWS_OF_PERCENTILE: usize = 3;
+/// Step of a numeric derivative, as a share of the trace.
+const DERIVATIVE_STEP: f64 = 1e-3;
+/// Bound of the relative error of a numeric derivative.
+const DERIVATIVE_ERROR: f64 = 1e-5;
 
-/// Directions of one motion: of what it does to the point, and of its turn.
+/// Directions (eta, zeta) of one motion: for its displacement of the point, and for its rotation.
 pub(super) type Weight = (Vector3<f64>, Vector3<f64>);
 
-/// How effects add up to a value.
+/// Rule by which effects add up to a value.
 #[derive(Debug, Clone)]
-pub(super) enum Sum {
-    /// Signed values of the sources.
+pub(super) enum EffectSum {
+    /// A signed sample: values of the sources.
     Sample(Vec<f64>),
-    /// Half widths of the sources.
+    /// The worst case: half widths of the sources.
     Box(Vec<f64>),
-    /// Independent factors as (source, at one standard deviation), and what of them counts.
+    /// A statistic of independent factors, each a list of (source, value at one standard deviation).
     Random(Vec<Vec<(usize, f64)>>, Quantity),
 }
 
-impl Sum {
+impl EffectSum {
+    /// Returns the rule of an evaluator for a sense with this number of rows.
+    ///
     /// # Errors
-    /// Why the reading has no bound here.
+    /// Why the reading has no bound.
     pub fn new(gauge: &ErrorEvaluator, rows: usize) -> Result<Self, WhyNot> {
         let list = &gauge.sources.list;
         match gauge.reading {
             Reading::Signed => Ok(Self::Sample(gauge.sources.signed())),
-            Reading::WorstCase if rows > FEW_ROWS && gauge.model != Model::Linear => Err(WhyNot::ManyRows),
+            Reading::WorstCase if rows > MAX_ROWS_OF_PERCENTILE && gauge.model != Model::Linear => {
+                Err(WhyNot::ManyRows)
+            }
             Reading::WorstCase => Ok(Self::Box(list.iter().map(|s| s.plus_minus).collect())),
             Reading::Statistical => {
                 let exact = gauge.quantity == Quantity::Rms;
@@ -61,7 +65,7 @@ impl Sum {
                 if !exact && list.iter().any(|s| s.spread.is_some() && s.kurtosis != 0.0) {
                     return Err(WhyNot::NotNormal);
                 }
-                if !exact && rows > FEW_ROWS {
+                if !exact && rows > MAX_ROWS_OF_PERCENTILE {
                     return Err(WhyNot::ManyRows);
                 }
                 let alone = list.iter().enumerate().filter(|(_, s)| s.spread.is_some());
@@ -72,8 +76,8 @@ impl Sum {
         }
     }
 
-    /// Directions at a posture; None where the value is zero.
-    pub fn weights(&self, rows: &[Row], motions: &[Motion], effects: &[Effect]) -> Option<Vec<Weight>> {
+    /// Returns the directions of all motions at a posture; None where the value is zero.
+    pub fn weights(&self, rows: &[Row], motions: &[ScrewMotion], effects: &[Effect]) -> Option<Vec<Weight>> {
         let mut columns = [Vector6::zeros(); MAX_SOURCES];
         for (motion, effect) in motions.iter().zip(effects) {
             for (r, row) in rows.iter().enumerate() {
@@ -87,20 +91,20 @@ impl Sum {
             Self::Box(widths) => towards(&columns, &corner(&columns, widths, rows.len()), &mut sums),
             Self::Random(factors, quantity) => spread(&columns, factors, *quantity, rows.len(), &mut sums),
         }?;
-        let of = |motion: &Motion| {
+        let of = |motion: &ScrewMotion| {
             let (mut eta, mut zeta) = (Vector3::zeros(), Vector3::zeros());
             for (r, row) in rows.iter().enumerate() {
                 let size = motion.factor * sums[motion.source][r];
                 *(if row.turns { &mut zeta } else { &mut eta }) += row.direction * size;
             }
-            // A slide turns nothing.
+            // A translation rotates nothing.
             (eta, if motion.turns { zeta } else { Vector3::zeros() })
         };
         Some(motions.iter().map(of).collect())
     }
 }
 
-/// Of `|sum a_k e_k|`.
+/// Writes the directions of `|sum a_k e_k|`, given the values a_k.
 fn towards(columns: &[Vector6<f64>], values: &[f64], out: &mut [Vector6<f64>]) -> Option<()> {
     let sum: Vector6<f64> = columns.iter().zip(values).map(|(c, v)| c * *v).sum();
     let unit = sum.try_normalize(f64::MIN_POSITIVE)?;
@@ -108,7 +112,7 @@ fn towards(columns: &[Vector6<f64>], values: &[f64], out: &mut [Vector6<f64>]) -
     Some(())
 }
 
-/// The farthest corner as signed values.
+/// Returns the farthest corner as signed values.
 fn corner(columns: &[Vector6<f64>], widths: &[f64], rows: usize) -> Vec<f64> {
     let scaled: Vec<Vector6<f64>> = columns.iter().zip(widths).map(|(c, w)| c * *w).collect();
     let mut signs = vec![1.0; widths.len()];
@@ -128,7 +132,7 @@ fn corner(columns: &[Vector6<f64>], widths: &[f64], rows: usize) -> Vec<f64> {
     signs.iter().zip(widths).map(|(s, w)| s * w).collect()
 }
 
-/// Of a statistic: `A e_f / value`, carried back to the sources.
+/// Writes the directions of a statistic, `A e_f / value`, converted from factors to sources.
 fn spread(
     columns: &[Vector6<f64>],
     factors: &[Vec<(usize, f64)>],
@@ -165,15 +169,16 @@ fn spread(
     Some(())
 }
 
-/// A with `<A, S> <= quantity(S)^2` for every covariance S of `rows` rows, and equal at the one given but
-/// for the rounding of its numeric derivatives, which is taken off. None where nothing varies.
+/// Returns A with `<A, S> <= quantity(S)^2` for every covariance S of `rows` rows; None if nothing varies.
+///
+/// Equality holds at the given covariance, except for the error of numeric derivatives, which is subtracted.
 pub fn tangent(covariance: &Matrix3<f64>, rows: usize, quantity: Quantity) -> Option<Matrix3<f64>> {
     let trace = covariance.trace();
     if trace < f64::MIN_POSITIVE {
         return None;
     }
     let eigen = (covariance / trace).symmetric_eigen();
-    // Rows that are not there come out as zeros with an axis of their own.
+    // Unused rows appear as zero eigenvalues with axes of their own.
     let used: Vec<usize> =
         (0..3).filter(|&k| eigen.eigenvectors.column(k).iter().skip(rows).all(|v| v.abs() < 0.5)).collect();
     let sizes: Vec<f64> = used.iter().map(|&k| eigen.eigenvalues[k].max(0.0)).collect();
@@ -184,16 +189,19 @@ pub fn tangent(covariance: &Matrix3<f64>, rows: usize, quantity: Quantity) -> Op
             moved[k] += by;
             square(&moved, quantity)
         };
-        match sizes[k] > 2.0 * STEP {
-            true => (at(STEP) - at(-STEP)) / (2.0 * STEP),
-            // At the edge: of second order, from one side.
-            false => (4.0 * at(STEP) - 3.0 * value - at(2.0 * STEP)) / (2.0 * STEP),
+        match sizes[k] > 2.0 * DERIVATIVE_STEP {
+            true => (at(DERIVATIVE_STEP) - at(-DERIVATIVE_STEP)) / (2.0 * DERIVATIVE_STEP),
+            // A one-sided derivative of second order at the edge.
+            false => {
+                (4.0 * at(DERIVATIVE_STEP) - 3.0 * value - at(2.0 * DERIVATIVE_STEP))
+                    / (2.0 * DERIVATIVE_STEP)
+            }
         }
     };
     let slopes: Vec<f64> = (0..sizes.len()).map(|k| slope(k).max(0.0)).collect();
-    // Homogeneous of the first degree: what the slopes give must be the value.
+    // By Euler's theorem for homogeneous functions of the first degree the slopes must give the value.
     let given: f64 = slopes.iter().zip(&sizes).map(|(a, l)| a * l).sum();
-    let scale = (1.0 - ROUGH) * value / given.max(f64::MIN_POSITIVE);
+    let scale = (1.0 - DERIVATIVE_ERROR) * value / given.max(f64::MIN_POSITIVE);
     let mut a = Matrix3::zeros();
     for (&k, slope) in used.iter().zip(slopes) {
         let axis = eigen.eigenvectors.column(k);
@@ -202,7 +210,7 @@ pub fn tangent(covariance: &Matrix3<f64>, rows: usize, quantity: Quantity) -> Op
     Some(a)
 }
 
-/// The squared quantity of a centred normal vector with these variances.
+/// Returns the squared quantity of a centred normal vector with these variances.
 fn square(variances: &[f64], quantity: Quantity) -> f64 {
     let mut columns = [Vector6::zeros(); 3];
     variances.iter().enumerate().for_each(|(k, l)| columns[k][k] = l.max(0.0).sqrt());

@@ -1,28 +1,34 @@
-//! The nonlinear error of a signed sample: the ends of two chains of screws, one less the other.
+//! Nonlinear error of a signed sample: the difference of the ends of two chains of screws.
 //!
-//! Two chains with the same joints differ by one small motion before every axis and one before the end:
-//! `d = sum_k a_k g_k` to first order, whose third derivatives are those of columns; the rest is of second
-//! order in the motions and, in any direction of joint space, bounded by products of their sizes.
+//! Two chains with the same joints differ by one small motion before every axis and one before the end.
+//! To first order the difference is `d = sum_k a_k g_k`, whose third derivatives are those of linear
+//! effects. The rest is of second order in the motions. In any direction of joint space, products of the
+//! sizes of the motions bound it.
 
 use super::coordinates::Coordinates;
-use super::screws::{Placed, Screws, Values, about};
-use super::taylor::{Pieces, Taylor, along, radius, rates};
+use super::screws::{JointValues, PosedScrews, Screws, about};
+use super::taylor_model::{Geometry, RigidPieces, Taylor, along, radius, rates};
 use crate::cell::{JointKind, MAX_JOINTS};
 use nalgebra::{Matrix3, Vector3};
 
+/// Difference of a chain with errors from the nominal one.
 #[derive(Debug, Clone)]
-pub(super) struct Difference {
+pub(super) struct ChainDifference {
+    /// The chain with errors.
     pub screws: Screws,
-    /// Angle (rad) and shift (m) of the small motion of every link.
+    /// Angle of the small motion of every link, rad.
     turns: [f64; MAX_JOINTS + 1],
+    /// Translation of the small motion of every link, m.
     shifts: [f64; MAX_JOINTS + 1],
-    /// Bounds of what is of second order, m: alone, and per metre of a slide.
+    /// Bound of the second-order part, m.
     second: f64,
+    /// Bound of the second-order part per metre of prismatic travel.
     second_per_slide: f64,
 }
 
-impl Difference {
-    pub fn new(nominal: &Screws, screws: Screws, pieces: &Pieces) -> Self {
+impl ChainDifference {
+    /// Prepares the difference of two chains with the same joints.
+    pub fn new(nominal: &Screws, screws: Screws, pieces: &RigidPieces) -> Self {
         let n = nominal.kinds.len();
         let (mut turns, mut shifts) = ([0.0; MAX_JOINTS + 1], [0.0; MAX_JOINTS + 1]);
         let (mut rotation, mut from, mut to) = (Matrix3::identity(), nominal.points[0], nominal.points[0]);
@@ -32,7 +38,7 @@ impl Difference {
                 false => (least(&nominal.axes[k], &screws.axes[k]), nominal.points[k], screws.points[k]),
             };
             turns[k] = angle(&(rotation.transpose() * next));
-            // Where the motions before leave the point, and where it is.
+            // Distance of the point from where the motions before would put it.
             shifts[k] = (to + rotation * (point - from) - moved).norm();
             (rotation, from, to) = (next, point, moved);
         }
@@ -46,18 +52,19 @@ impl Difference {
         Self { screws, turns, shifts, second, second_per_slide }
     }
 
-    /// Whether the first axis is where it should be, so that all errors turn with it.
+    /// Returns whether the first axis has no error, so that all errors rotate with it.
     pub fn keeps_first_axis(&self) -> bool {
         self.turns[0] < 1e-12 && self.shifts[0] < 1e-12
     }
 
-    /// Expands `eta . d`.
+    /// Expands `eta . d` about the nominal chain posed at `at`, the chain with errors posed at `with`.
     pub fn expand(
         &self,
-        (nominal, coordinates, pieces): (&Screws, &Coordinates, &Pieces),
-        (at, with): (&Placed, &Placed),
+        Geometry { screws: nominal, coordinates, pieces }: Geometry<'_>,
+        at: &PosedScrews,
+        with: &PosedScrews,
         eta: &Vector3<f64>,
-        radii: &Values,
+        radii: &JointValues,
     ) -> Taylor {
         let (mut gradient, mut hessian) =
             along(&self.screws, with, &rates(&self.screws, with, Some(&with.point)), eta);
@@ -71,7 +78,8 @@ impl Difference {
         Taylor { value, gradient, hessian, rest: eta.norm() * self.rest(coordinates, pieces, radii) }
     }
 
-    fn rest(&self, coordinates: &Coordinates, pieces: &Pieces, radii: &Values) -> f64 {
+    /// Returns the bound of the third-order rest of `d`, m.
+    fn rest(&self, coordinates: &Coordinates, pieces: &RigidPieces, radii: &JointValues) -> f64 {
         let first = (0..=coordinates.count).map(|m| {
             let own = coordinates.turning[m];
             self.turns[m] * pieces.turned(coordinates, radii, m, own, 3)
@@ -89,7 +97,7 @@ impl Difference {
     }
 }
 
-/// The smallest turn that takes one unit vector to another.
+/// Returns the least rotation that takes one unit vector to another.
 fn least(from: &Vector3<f64>, to: &Vector3<f64>) -> Matrix3<f64> {
     let cross = from.cross(to);
     let sine = cross.norm();
@@ -99,7 +107,7 @@ fn least(from: &Vector3<f64>, to: &Vector3<f64>) -> Matrix3<f64> {
     about(&(cross / sine), &Vector3::zeros(), sine.atan2(from.dot(to))).rotation
 }
 
-/// Angle of a rotation; good to the last digit where it is small.
+/// Returns the angle of a rotation, rad, accurate to the last digit for small ones.
 fn angle(r: &Matrix3<f64>) -> f64 {
     let twice = Vector3::new(r[(2, 1)] - r[(1, 2)], r[(0, 2)] - r[(2, 0)], r[(1, 0)] - r[(0, 1)]);
     twice.norm().atan2(r.trace() - 1.0)

@@ -1,6 +1,7 @@
-//! What of a solid is seen from one direction: its outline and its sharp edges.
+//! Silhouettes: the outline and the sharp edges of a solid seen from one direction.
 
 use crate::drawing::Mesh;
+use crate::geometry::join_edges;
 use crate::pose::Pose;
 use nalgebra::{Vector2, Vector3};
 use std::collections::BTreeMap;
@@ -48,7 +49,7 @@ pub fn silhouette(mesh: &Mesh, pose: &Pose, [right, up, eye]: &Eye) -> Silhouett
     let sharp = seen.iter().filter(|((a, b), n)| a < b && back(&(*a, *b)).is_some_and(|o| o.dot(n) < SHARP));
     let edges = sharp.map(|((a, b), _)| [flat(*a), flat(*b)]).collect();
     let open: Vec<(usize, usize)> = seen.keys().filter(|edge| back(edge).is_none()).copied().collect();
-    let loops = chained(&open).iter().map(|ring| ring.iter().map(|&i| flat(i)).collect()).collect();
+    let loops = rings(&open).map(|ring| ring.into_iter().map(flat).collect()).collect();
     let sum: f64 = placed.iter().map(|p| p.dot(eye)).sum();
     Silhouette { loops, edges, depth: sum / placed.len().max(1) as f64 }
 }
@@ -60,21 +61,8 @@ fn joined(positions: &[Vector3<f64>]) -> Vec<usize> {
     positions.iter().enumerate().map(|(k, p)| *first.entry(key(p)).or_insert(k)).collect()
 }
 
-/// Directed edges joined to closed rings.
-fn chained(edges: &[(usize, usize)]) -> Vec<Vec<usize>> {
-    let mut from: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-    edges.iter().for_each(|(a, b)| from.entry(*a).or_default().push(*b));
-    let mut rings = Vec::new();
-    for &(start, _) in edges {
-        let mut ring = Vec::new();
-        let mut at = start;
-        while let Some(next) = from.get_mut(&at).and_then(Vec::pop) {
-            ring.push(at);
-            at = next;
-        }
-        if ring.len() > 2 {
-            rings.push(ring);
-        }
-    }
-    rings
+/// Returns the closed rings of directed edges.
+fn rings(edges: &[(usize, usize)]) -> impl Iterator<Item = Vec<usize>> {
+    let lines = join_edges(edges, |_, free| free[0]);
+    lines.into_iter().map(|line| line.corners).filter(|ring| ring.len() > 2)
 }

@@ -1,34 +1,42 @@
-//! Second-order expansions over a box, with a bound on what they leave out.
+//! Taylor models: second-order expansions over a box with a bound of the remainder.
 //!
-//! Every quantity here is a sum of products of vectors fixed to links. A joint turns a product as a
-//! whole, one factor of it, or nothing, so that each mixed partial derivative of a product is a single
-//! product again, no longer than the lengths of its factors allow. Hence, for radii `r` of a box, the
-//! third-order term of a product of length `s` that coordinates with radii summing to `rho` can turn is
-//! at most `s rho^3 / 6`, and `3 rho^2 r_t / 6` more where a slide `t` makes a factor longer.
+//! Every quantity here is a sum of products of vectors fixed to links. A joint rotates a product as a
+//! whole, one factor of it, or nothing. So each mixed partial derivative of a product is a single product
+//! again, bounded by the lengths of its factors. Consider a product of length `s` that coordinates with
+//! radii summing to `rho` rotate. Its third-order term over the box is at most `s rho^3 / 6`, plus
+//! `3 rho^2 r_t / 6` if a prismatic joint `t` of radius `r_t` lengthens a factor.
 
-use super::coordinates::{Coordinates, Matrix};
-use super::screws::{Placed, Screws, Values};
+use super::coordinates::{Coordinates, JointMatrix};
+use super::screws::{JointValues, PosedScrews, Screws};
 use crate::cell::{JointKind, MAX_JOINTS};
 use nalgebra::Vector3;
 
-/// Value, derivatives by the coordinates, and a bound of the rest over the box.
+/// Geometry of a chain that expansions share.
+#[derive(Clone, Copy)]
+pub(super) struct Geometry<'a> {
+    pub screws: &'a Screws,
+    pub coordinates: &'a Coordinates,
+    pub pieces: &'a RigidPieces,
+}
+
+/// Taylor model: value, derivatives by the coordinates, and a bound of the remainder over the box.
 #[derive(Debug, Clone)]
 pub(super) struct Taylor {
     pub value: f64,
-    pub gradient: Values,
-    pub hessian: Matrix,
+    pub gradient: JointValues,
+    pub hessian: JointMatrix,
     pub rest: f64,
 }
 
 impl Taylor {
-    /// How far the quantity can be from its value in a box of these radii.
-    pub fn spread(&self, radii: &Values) -> f64 {
+    /// Returns the largest deviation from the value in a box of these radii.
+    pub fn spread(&self, radii: &JointValues) -> f64 {
         let linear: f64 = self.gradient.iter().zip(radii).map(|(g, r)| g.abs() * r).sum();
         linear + self.bend(radii)
     }
 
-    /// The same without the linear part.
-    pub fn bend(&self, radii: &Values) -> f64 {
+    /// Returns the largest deviation from the linear part in a box of these radii.
+    pub fn bend(&self, radii: &JointValues) -> f64 {
         let rows = self
             .hessian
             .iter()
@@ -37,7 +45,7 @@ impl Taylor {
         0.5 * rows.sum::<f64>() + self.rest
     }
 
-    /// `self - factor * other`.
+    /// Replaces the model by `self - factor * other`.
     pub fn less(&mut self, factor: f64, other: &Taylor) {
         self.value -= factor * other.value;
         self.rest += factor.abs() * other.rest;
@@ -47,9 +55,10 @@ impl Taylor {
         }
     }
 
-    /// No more than the quantity anywhere in the box. `|h t_i t_j|` is shared so that it vanishes with
-    /// each: an inner minimum stays visible.
-    pub fn least(&self, radii: &Values, count: usize) -> f64 {
+    /// Returns a lower bound of the quantity in a box of these radii.
+    ///
+    /// `|h t_i t_j|` is split such that it vanishes with either factor, so that an inner minimum stays visible.
+    pub fn least(&self, radii: &JointValues, count: usize) -> f64 {
         let one = |i: usize| {
             let r = radii[i];
             if r == 0.0 {
@@ -64,10 +73,10 @@ impl Taylor {
     }
 }
 
-/// Rates of a point or direction by the joints: `z x (p - c)` or `z`.
+/// Returns the derivatives by the joints of a point, or of the tool axis if `point` is None.
 pub(super) fn rates(
     screws: &Screws,
-    placed: &Placed,
+    placed: &PosedScrews,
     point: Option<&Vector3<f64>>,
 ) -> [Vector3<f64>; MAX_JOINTS] {
     let mut rates = [Vector3::zeros(); MAX_JOINTS];
@@ -82,13 +91,13 @@ pub(super) fn rates(
     rates
 }
 
-/// First and second derivatives by theta of `eta . x` whose rates are given: `d_ij x = z_i x rate_j`.
+/// Returns first and second derivatives by theta of `eta . x`, given the rates of x: `d_ij x = z_i x rate_j`.
 pub(super) fn along(
     screws: &Screws,
-    placed: &Placed,
+    placed: &PosedScrews,
     rates: &[Vector3<f64>; MAX_JOINTS],
     eta: &Vector3<f64>,
-) -> (Values, Matrix) {
+) -> (JointValues, JointMatrix) {
     let (mut gradient, mut hessian) = ([0.0; MAX_JOINTS], [[0.0; MAX_JOINTS]; MAX_JOINTS]);
     for (i, kind) in screws.kinds.iter().enumerate() {
         gradient[i] = eta.dot(&rates[i]);
@@ -100,17 +109,18 @@ pub(super) fn along(
     (gradient, hessian)
 }
 
-/// The rigid pieces from axis to axis out to the end: piece k belongs to link k, m.
+/// Rigid pieces from axis to axis out to the end; piece k belongs to link k.
 #[derive(Debug, Clone)]
-pub(super) struct Pieces {
-    /// With the most that a slide adds.
+pub(super) struct RigidPieces {
+    /// Largest length of each piece, m, including prismatic travel.
     pub lengths: [f64; MAX_JOINTS + 1],
-    /// The coordinate that slides within a piece.
+    /// Prismatic coordinate within each piece.
     pub slide: [Option<usize>; MAX_JOINTS + 1],
     pub count: usize,
 }
 
-impl Pieces {
+impl RigidPieces {
+    /// Measures the pieces of a chain out to the point `end`.
     pub fn new(screws: &Screws, end: &Vector3<f64>, coordinates: &Coordinates) -> Self {
         let n = screws.kinds.len();
         let mut pieces = Self { lengths: [0.0; MAX_JOINTS + 1], slide: [None; MAX_JOINTS + 1], count: n };
@@ -125,14 +135,22 @@ impl Pieces {
         pieces
     }
 
-    /// Lengths of the pieces from a link on, m.
+    /// Returns the total length of the pieces behind a link, m.
     pub fn from(&self, link: usize) -> f64 {
         self.lengths[link + 1..=self.count].iter().sum()
     }
 
-    /// `sum |s| rho^power` of derivatives of the given power over the pieces behind a link, turned by
-    /// `own`, the coordinates that turn a factor on that link, and by their own.
-    pub fn turned(&self, coordinates: &Coordinates, radii: &Values, link: usize, own: u8, power: i32) -> f64 {
+    /// Returns `sum |s| rho^power` over the pieces behind a link, a bound of derivatives of that power.
+    ///
+    /// `own` are the coordinates that rotate a factor on that link; each piece adds its own coordinates.
+    pub fn turned(
+        &self,
+        coordinates: &Coordinates,
+        radii: &JointValues,
+        link: usize,
+        own: u8,
+        power: i32,
+    ) -> f64 {
         let of = |k: usize| {
             let rho = radius(radii, own | coordinates.turning[k]);
             let longer = self.slide[k].map_or(0.0, |i| f64::from(power) * rho.powi(power - 1) * radii[i]);
@@ -142,7 +160,7 @@ impl Pieces {
     }
 }
 
-/// Sum of the radii of some coordinates, given as bits.
-pub(super) fn radius(radii: &Values, bits: u8) -> f64 {
+/// Returns the sum of the radii of some coordinates, given as bits.
+pub(super) fn radius(radii: &JointValues, bits: u8) -> f64 {
     radii.iter().enumerate().filter(|(i, _)| bits >> i & 1 == 1).map(|(_, r)| r).sum()
 }

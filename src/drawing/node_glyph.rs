@@ -1,0 +1,74 @@
+//! Glyphs of nodes: the one table from which every picture draws the signs of nodes.
+//!
+//! The pictures in Rust match on it; the JavaScript of the viewer and of the live page gets it as JSON.
+
+use crate::error_map::NodeSign;
+
+/// Circle round a node.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum GlyphRing {
+    None,
+    Full,
+    Dashed,
+}
+
+/// How strongly a glyph asks for attention; each picture has its own colours for it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum GlyphTone {
+    /// The arm cannot stand there.
+    Quiet,
+    /// The arm moves badly there.
+    Warning,
+    /// Something is in the way.
+    Alarm,
+}
+
+impl GlyphTone {
+    /// Returns the class of its colour in style sheets.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Quiet => "grey",
+            Self::Warning => "orange",
+            Self::Alarm => "red",
+        }
+    }
+}
+
+/// Open polyline of a glyph: x to the right, y down, in units of the radius of its ring.
+pub type GlyphStroke = &'static [(f64, f64)];
+
+/// Line drawing on a node that cannot be used.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NodeGlyph {
+    pub ring: GlyphRing,
+    pub strokes: &'static [GlyphStroke],
+    pub tone: GlyphTone,
+}
+
+/// Corner of a stroke on the ring, at 45 degrees.
+const C: f64 = std::f64::consts::FRAC_1_SQRT_2;
+
+const RISING: GlyphStroke = &[(-C, C), (C, -C)];
+const FALLING: GlyphStroke = &[(-C, -C), (C, C)];
+const LEVEL: GlyphStroke = &[(-C, 0.0), (C, 0.0)];
+const UPRIGHT: GlyphStroke = &[(0.0, -C), (0.0, C)];
+const SQUARE: GlyphStroke = &[(-C, -C), (C, -C), (C, C), (-C, C), (-C, -C)];
+const DOWN: GlyphStroke = &[(-C, -0.6 * C), (0.0, 0.7 * C), (C, -0.6 * C)];
+const UP: GlyphStroke = &[(-C, 0.6 * C), (0.0, -0.7 * C), (C, 0.6 * C)];
+
+/// Returns the glyph of a sign; none for a usable node, which is a dot in the colour of its error.
+pub fn node_glyph(sign: NodeSign) -> Option<NodeGlyph> {
+    let glyph = |ring, strokes, tone| Some(NodeGlyph { ring, strokes, tone });
+    match sign {
+        NodeSign::Usable => None,
+        NodeSign::OutOfReach => glyph(GlyphRing::Full, &[], GlyphTone::Quiet),
+        NodeSign::JointLimit => glyph(GlyphRing::Dashed, &[], GlyphTone::Quiet),
+        NodeSign::Attitude => glyph(GlyphRing::Full, &[RISING], GlyphTone::Quiet),
+        NodeSign::NotConverged => glyph(GlyphRing::None, &[SQUARE], GlyphTone::Quiet),
+        NodeSign::Collision => glyph(GlyphRing::None, &[FALLING, RISING], GlyphTone::Alarm),
+        NodeSign::Singular => glyph(GlyphRing::None, &[LEVEL, UPRIGHT], GlyphTone::Warning),
+        NodeSign::ApproachBlocked => glyph(GlyphRing::None, &[DOWN], GlyphTone::Alarm),
+        NodeSign::RetractBlocked => glyph(GlyphRing::None, &[UP], GlyphTone::Alarm),
+        NodeSign::Unjudged => glyph(GlyphRing::None, &[LEVEL], GlyphTone::Quiet),
+    }
+}

@@ -1,0 +1,101 @@
+//! Signs of nodes: every way in which a node can be used or fail, without its details.
+//!
+//! Documents, tables, legends and pictures all tell a node by this one enum, so that they cannot
+//! contradict each other.
+
+use super::node_record::Status;
+use crate::motion::PostureRefusal;
+
+/// Class of a node of the error map.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum NodeSign {
+    Usable,
+    /// The inverse kinematics has no solution at the position.
+    OutOfReach,
+    /// Every solution violates a joint limit.
+    JointLimit,
+    /// The position is in reach, the orientation of the tool is not.
+    Attitude,
+    /// The numeric inverse kinematics found no solution and proved none impossible.
+    NotConverged,
+    /// Every posture collides, or the equipment under the node overlaps another.
+    Collision,
+    /// Every posture is too near a singularity.
+    Singular,
+    /// The straight line to the node is blocked.
+    ApproachBlocked,
+    /// The straight line away from the node is blocked.
+    RetractBlocked,
+    /// The node can be reached, but its error cannot be computed.
+    Unjudged,
+}
+
+impl NodeSign {
+    pub const ALL: [Self; 10] = [
+        Self::Usable,
+        Self::OutOfReach,
+        Self::JointLimit,
+        Self::Attitude,
+        Self::NotConverged,
+        Self::Collision,
+        Self::Singular,
+        Self::ApproachBlocked,
+        Self::RetractBlocked,
+        Self::Unjudged,
+    ];
+
+    /// Returns the name of the sign in documents (JSON, CSV, Parquet).
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Usable => "ok",
+            Self::OutOfReach => "out-of-reach",
+            Self::JointLimit => "joint-limit",
+            Self::Attitude => "attitude",
+            Self::NotConverged => "not-converged",
+            Self::Collision => "collision",
+            Self::Singular => "singular",
+            Self::ApproachBlocked => "approach",
+            Self::RetractBlocked => "retract",
+            Self::Unjudged => "unjudged",
+        }
+    }
+
+    /// Returns the words for people: they stand alone in a legend, and after a number of nodes.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Usable => "usable",
+            Self::OutOfReach => "out of reach",
+            Self::JointLimit => "beyond a joint limit",
+            Self::Attitude => "orientation out of reach",
+            Self::NotConverged => "not converged",
+            Self::Collision => "in collision",
+            Self::Singular => "nearly singular",
+            Self::ApproachBlocked => "without a free approach",
+            Self::RetractBlocked => "without a free retract",
+            Self::Unjudged => "of unknown error",
+        }
+    }
+
+    /// Whether the operation can happen at the node.
+    pub fn is_usable(self) -> bool {
+        self == Self::Usable
+    }
+}
+
+impl Status {
+    /// Returns the class of the status.
+    pub fn sign(&self) -> NodeSign {
+        match self {
+            Self::Ok => NodeSign::Usable,
+            Self::OutOfReach { .. } => NodeSign::OutOfReach,
+            Self::Attitude { .. } => NodeSign::Attitude,
+            Self::NotConverged { .. } => NodeSign::NotConverged,
+            Self::JointLimit { .. } => NodeSign::JointLimit,
+            Self::Collision { .. } | Self::Overlap(_) => NodeSign::Collision,
+            Self::Refused(PostureRefusal::Singular { .. }) => NodeSign::Singular,
+            Self::Refused(PostureRefusal::Approach(_)) => NodeSign::ApproachBlocked,
+            Self::Refused(PostureRefusal::Retract(_)) => NodeSign::RetractBlocked,
+            Self::Unjudged(_) => NodeSign::Unjudged,
+        }
+    }
+}

@@ -1,0 +1,56 @@
+//! All error figures of one posture, for maps and reports.
+
+use super::error_sources::MAX_SOURCES;
+use super::evaluator::{ErrorEvaluator, EvaluatorScratch};
+use super::figures::{Figures, PostureErrors};
+use super::work_context::WorkContext;
+use crate::cell::{Model, Quantity, Reading, Sense};
+use crate::robot::Frames;
+
+impl ErrorEvaluator {
+    /// Returns all error figures of a posture, in every reported sense.
+    pub fn judge(
+        &self,
+        context: &WorkContext,
+        frames: &Frames,
+        memory: &mut EvaluatorScratch,
+    ) -> PostureErrors {
+        self.prepare(context, frames, memory);
+        let each = |sense: &Sense| self.worst(sense, context, frames, memory);
+        let worst: Vec<_> = self.reported.iter().map(each).collect();
+        let each = |sense: &Sense| self.norm(sense, context, frames, memory);
+        let norms: Vec<_> = self.reported.iter().map(each).collect();
+        let own = self.own();
+        let success = self.limit.map(|limit| norms[own].cdf(limit));
+        let mut values = [0.0; MAX_SOURCES];
+        match self.reading {
+            Reading::Signed => values[..self.signed_values.len()].copy_from_slice(&self.signed_values),
+            _ => self.corner(&worst[own].corner, &mut values),
+        }
+        let values = &values[..self.sources.list.len()];
+        let [nonlinear, linear, second_order] = [Model::Nonlinear, Model::Linear, Model::SecondOrder]
+            .map(|model| self.error_of(values, context, frames, model, memory));
+        let error = match self.model {
+            Model::Nonlinear => nonlinear,
+            Model::Linear => linear,
+            Model::SecondOrder => second_order,
+        };
+        let figures =
+            self.reported.iter().zip(worst.iter().zip(&norms)).map(|(sense, (worst, norm))| Figures {
+                error: self.measure(sense, context, frames).size(&error),
+                worst_linear: worst.linear,
+                worst: worst.by_model,
+                rms: norm.rms(),
+                mean: norm.mean(),
+                p95: norm.quantile(0.95),
+                p99: norm.quantile(0.99),
+            });
+        let figures: Vec<Figures> = figures.collect();
+        let value = match (self.reading, self.quantity) {
+            (Reading::Signed, _) => self.value(context, frames, memory),
+            (Reading::Statistical, Quantity::Yield) => 1.0 - success.unwrap_or(1.0),
+            (reading, quantity) => figures[own].in_reading(reading, quantity),
+        };
+        PostureErrors { value, error, nonlinear, linear, second_order, figures, success }
+    }
+}

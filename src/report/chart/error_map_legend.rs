@@ -1,0 +1,110 @@
+//! The legend of the map picture: colour scale, exactly the signs that are there, scale bar.
+
+use super::canvas::{Anchor, BODY, Entry, Ink};
+use super::error_map::{MARGIN, Plan};
+use super::{signs, solids, words};
+use crate::drawing::Kind;
+use crate::drawing::round_numbers::{ONE_TWO_FIVE, round_down};
+use crate::report::colours::viridis_hex;
+use crate::report::text;
+use crate::units::{m_from_mm, mm_from_m, rounded};
+
+/// Lines of the reach of operations at different heights, in turn.
+const REACH: [(Ink, &str); 4] =
+    [(Ink::Blue, "7 3"), (Ink::Green, "2 3"), (Ink::Purple, "12 3 2 3"), (Ink::Orange, "14 5")];
+
+/// Longest scale bar, px.
+const MAX_BAR: f64 = 160.0;
+
+/// Returns the look of the k-th line of the reach of the arm.
+pub(super) fn reach_line(k: usize) -> String {
+    let (ink, dash) = REACH[k % REACH.len()];
+    format!("{} stroke-dasharray=\"{dash}\"", ink.line(1.4))
+}
+
+/// Scales of the map, and what thins it.
+pub(super) struct MapScales {
+    /// Ends of the colour scale in the unit of the cell.
+    pub range: (f64, f64),
+    /// Length of an arrow over that of its error.
+    pub enlarged: f64,
+    /// Operations of each line of the reach.
+    pub reach: Vec<String>,
+    /// Nodes mapped for one that is drawn, along each axis.
+    pub every: usize,
+}
+
+pub(super) fn draw_legend(plan: &mut Plan<'_>, scales: &MapScales) {
+    draw_scale_bar(plan);
+    draw_colours(plan, scales);
+    let canvas = &mut plan.canvas;
+    canvas.paragraph(&format!("arrows: error in x and y, enlarged {} times", scales.enlarged));
+    if scales.every > 1 {
+        canvas.paragraph(&format!(
+            "one node of {} is drawn along each axis; the spots are chosen from all nodes",
+            scales.every
+        ));
+    }
+    let all = entries(plan, scales);
+    plan.canvas.legend(&all);
+}
+
+/// Returns an entry for everything that is in the picture.
+fn entries(plan: &Plan<'_>, scales: &MapScales) -> Vec<Entry> {
+    let a = plan.a;
+    let spot = |mark: String, said: &str| Entry { mark, said: said.to_string() };
+    let mut entries = Vec::new();
+    if (0..a.maps.len()).any(|k| a.spot(k).is_some()) {
+        entries.push(spot(signs::spot((0.0, 0.0)), "chosen spot"));
+    }
+    if (0..a.maps.len()).any(|k| a.spot(k).is_some() && a.refined[k].is_some()) {
+        entries.push(spot(signs::refined((0.0, 0.0)), "spot between the nodes"));
+    }
+    let kinds = [(Kind::Fence, a.cell.fence.is_some()), (Kind::KeepOut, !a.cell.keep_out.is_empty())];
+    entries.extend(kinds.into_iter().filter(|(_, is_there)| *is_there).map(|(kind, _)| solids::entry(kind)));
+    entries.extend(scales.reach.iter().enumerate().map(|(k, name)| {
+        let mark = format!("<path d=\"M-12 0H12\" {}/>", reach_line(k));
+        Entry { mark, said: format!("reach at the height of {name}") }
+    }));
+    let nodes = a.maps.iter().flat_map(|m| &m.nodes);
+    entries.extend(signs::entries(nodes.map(|n| n.status.sign())));
+    entries
+}
+
+fn draw_colours(plan: &mut Plan<'_>, scales: &MapScales) {
+    let (cell, canvas) = (plan.a.cell, &mut plan.canvas);
+    let mut senses: Vec<_> = cell.operations.iter().map(|o| o.sense.name.as_str()).collect();
+    senses.dedup();
+    let unit = cell.unit().word();
+    canvas.paragraph(&format!("{} in {}", text::value_word(cell), senses.join(", ")));
+    let [low, high] = [scales.range.0, scales.range.1].map(|v| format!("{} {unit}", words::figure(v)));
+    let (y, left) = (canvas.y + 20.0, MARGIN + words::width(&low, BODY) + 6.0);
+    canvas.text((MARGIN, y), Anchor::Start, Ink::Text, &low);
+    for k in 0..60 {
+        let (x, fill) = (left + 4.0 * f64::from(k), viridis_hex(f64::from(k) / 59.0));
+        canvas.put(&format!(
+            "<rect x=\"{x:.1}\" y=\"{:.1}\" width=\"4.4\" height=\"12\" fill=\"{fill}\"/>",
+            y - 11.0
+        ));
+    }
+    canvas.text((left + 252.0, y), Anchor::Start, Ink::Text, &high);
+    canvas.y = y + 4.0;
+}
+
+/// Draws a round length and the directions of the world axes.
+fn draw_scale_bar(plan: &mut Plan<'_>) {
+    let (view, canvas) = (plan.view, &mut plan.canvas);
+    let length = m_from_mm(round_down(mm_from_m(MAX_BAR / view.scale), ONE_TWO_FIVE));
+    let (x, y, px) = (view.left + 10.0, view.bottom() + 26.0, length * view.scale);
+    canvas.path(&format!("M{x:.1} {:.1}v8m0 -4h{px:.1}m0 -4v8", y - 4.0), &Ink::Text.line(1.2));
+    let said = format!("{} mm", rounded(mm_from_m(length), 6));
+    canvas.text((x + px + 8.0, y + 4.5), Anchor::Start, Ink::Text, &said);
+    let x = view.left + view.width().min(plan.width - 2.0 * MARGIN) - 60.0;
+    canvas.path(
+        &format!("M{x:.1} {0:.1}h26m-5 -3l5 3l-5 3M{x:.1} {0:.1}v-26m-3 5l3 -5l3 5", y + 8.0),
+        &Ink::Text.line(1.2),
+    );
+    canvas.text((x + 30.0, y + 12.0), Anchor::Start, Ink::Text, "x");
+    canvas.text((x - 12.0, y - 10.0), Anchor::Start, Ink::Text, "y");
+    canvas.y = y + 12.0;
+}

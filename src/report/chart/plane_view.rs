@@ -1,0 +1,66 @@
+//! Window of a plane in a picture, at one scale along both axes.
+
+use super::axes::Scale;
+use crate::geometry::PlanePoint;
+
+/// Rectangle of a plane (y up) and where it lies in a picture (px, y down).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlaneView {
+    pub low: PlanePoint,
+    pub high: PlanePoint,
+    /// px per unit of the plane.
+    pub scale: f64,
+    pub left: f64,
+    pub top: f64,
+}
+
+impl PlaneView {
+    /// Makes the rectangle as large as the room (px) allows.
+    pub fn fitted(
+        (low, high): (PlanePoint, PlanePoint),
+        (width, height): (f64, f64),
+        (left, top): (f64, f64),
+    ) -> Self {
+        let scale = (width / (high.0 - low.0)).min(height / (high.1 - low.1));
+        Self { low, high, scale, left, top }
+    }
+
+    /// Returns the place of a point in the picture.
+    pub fn at(&self, p: &PlanePoint) -> (f64, f64) {
+        (self.left + (p.0 - self.low.0) * self.scale, self.top + (self.high.1 - p.1) * self.scale)
+    }
+
+    pub fn width(&self) -> f64 {
+        (self.high.0 - self.low.0) * self.scale
+    }
+
+    pub fn height(&self) -> f64 {
+        (self.high.1 - self.low.1) * self.scale
+    }
+
+    pub fn right(&self) -> f64 {
+        self.left + self.width()
+    }
+
+    pub fn bottom(&self) -> f64 {
+        self.top + self.height()
+    }
+
+    /// Returns the axes to the right and up.
+    pub fn scales(&self) -> (Scale, Scale) {
+        (
+            Scale::linear(self.low.0, self.high.0, (self.left, self.right())),
+            Scale::linear(self.low.1, self.high.1, (self.bottom(), self.top)),
+        )
+    }
+}
+
+/// Returns the bounds moved outwards by a margin.
+pub fn widened((low, high): (PlanePoint, PlanePoint), margin: f64) -> (PlanePoint, PlanePoint) {
+    ((low.0 - margin, low.1 - margin), (high.0 + margin, high.1 + margin))
+}
+
+/// Returns the longer side of bounds.
+pub fn longer_side((low, high): (PlanePoint, PlanePoint)) -> f64 {
+    (high.0 - low.0).max(high.1 - low.1)
+}

@@ -1,0 +1,201 @@
+// Types of what the server of `sweetspot view` answers (src/report/json/live.rs and src/cli/view), and of
+// what the page asks. Lengths are in mm, angles in degrees. A placement is x, y, z and yaw.
+
+/** x, y and z in mm, and the yaw in degrees. */
+type Placement = number[];
+/** x and y of the centre, width and height, mm. */
+type RectangleNumbers = number[];
+
+/** One number of the layout that the page can change. */
+interface NumberRecord {
+  key: string;
+  free: boolean;
+  min: number | null;
+  max: number | null;
+  /** The only values allowed; null where a range is allowed. */
+  list: number[] | null;
+}
+
+/** Numbers of one equipment, of the attitude of one operation, or of the robot base. */
+interface NumberGroup {
+  group: "equipment" | "attitude" | "robot_base";
+  name: string;
+  /** Index of the equipment. */
+  index?: number;
+  numbers: NumberRecord[];
+}
+
+interface CellEquipment {
+  name: string;
+  obstacle: boolean;
+  /** Index of the equipment that carries this one. */
+  on: number | null;
+  footprint: RectangleNumbers;
+  surface: RectangleNumbers | null;
+}
+
+/** Everything of a cell that no layout changes, and the layout shown. */
+interface CellRecord {
+  schema: "sweetspot/live/1";
+  cell: string;
+  robot: string;
+  errors: string;
+  form: NumberGroup[];
+  senses: string[];
+  budget: number;
+  seed: number;
+  can_search: boolean;
+  equipment: CellEquipment[];
+  base_footprint: RectangleNumbers;
+  /** Least x and y, greatest x and y of every keep-out zone. */
+  keep_out: number[][];
+  fence: number[][] | null;
+  file: string;
+  now: StepRecord;
+}
+
+type Numbers = Record<string, number>;
+
+/** The numbers of a layout. */
+interface LayoutNumbers {
+  robot_base: Numbers;
+  equipment: Record<string, Numbers>;
+  attitude: Record<string, Numbers>;
+}
+
+/** Error map of an operation: one list for each quantity. */
+interface NodesRecord {
+  ij: number[][];
+  at: number[][];
+  status: NodeStatus[];
+  value: (number | null)[];
+  error: (number[] | null)[];
+  /** Index of the reason of each node. */
+  why: number[];
+  reasons: string[];
+  every: number;
+}
+
+interface OperationAnswer {
+  name: string;
+  equipment: number | null;
+  sense: string;
+  value: number | null;
+  limit: number | null;
+  margin: number | null;
+  /** Number of nodes by status. */
+  counts: Record<string, number>;
+  best: number[] | null;
+  nodes: NodesRecord;
+}
+
+/** What a layout is worth. */
+interface AnswerRecord {
+  feasible: boolean;
+  met: boolean;
+  objective: number | null;
+  unit: string;
+  word: string;
+  reasons: string[];
+  placements: Placement[];
+  base: Placement;
+  operations: OperationAnswer[];
+}
+
+interface LensChoice {
+  model: string;
+  reading: string;
+  word: string;
+}
+
+interface QuestionRecord {
+  sense: string | null;
+  reading: string;
+  model: string;
+}
+
+/** The step of the session that is shown. */
+interface StepRecord {
+  revision: number;
+  /** Number of steps that can be undone, and done again. */
+  undo: number;
+  redo: number;
+  /** What the step changed. */
+  what: string;
+  question: QuestionRecord;
+  numbers: LayoutNumbers;
+  lenses: LensChoice[];
+  /** Objective of the step before. */
+  before: number | null;
+  answer: AnswerRecord;
+}
+
+/** Answer to a layout that is tried but not kept. */
+interface TryRecord {
+  numbers: LayoutNumbers;
+  answer: AnswerRecord;
+  drawing: DrawingDocument | null;
+}
+
+interface SearchRecord {
+  running: boolean;
+  evaluations: number;
+  budget: number;
+  feasible: number;
+  seed: number;
+  start: number | null;
+  best: number | null;
+  gain_percent: number | null;
+  unit: string;
+  seconds: number;
+  ended: string | null;
+  fault: string | null;
+  acceptable: boolean;
+}
+
+interface PulseRecord {
+  revision: number;
+  search: SearchRecord | null;
+}
+
+/** Outlines of the reach at the height of the work, for each operation. */
+interface ReachRecord {
+  outlines: number[][][][];
+}
+
+/** Answers of the server by request. */
+interface Answers {
+  state: CellRecord;
+  now: StepRecord;
+  reach: ReachRecord;
+  drawing: DrawingDocument;
+  pulse: PulseRecord;
+  try: TryRecord;
+  "try-drawing": TryRecord;
+  save: { saved: string };
+  search: PulseRecord;
+  stop: PulseRecord;
+  layout: StepRecord;
+  question: StepRecord;
+  accept: StepRecord;
+  undo: StepRecord;
+  redo: StepRecord;
+  reset: StepRecord;
+}
+
+/** Requests that change the layout shown. */
+type ChangeRequest = "layout" | "question" | "accept" | "undo" | "redo" | "reset";
+
+/** What the server answers to a request that it refuses. */
+interface Refusal {
+  error?: string;
+  /** Whether a file of this name exists. */
+  taken?: boolean;
+}
+
+interface Window {
+  /** Durations from a change to the drawn map, ms; tests/browser/view.mjs reads them. */
+  sweetspotDrawn: number[];
+  /** Returns where the middle of an equipment is in the 3-D view, px; for tests/browser/view.mjs. */
+  sweetspotSpot(name: string): number[] | null;
+}

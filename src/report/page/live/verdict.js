@@ -1,0 +1,69 @@
+// The verdict on the layout shown, and what the last step changed.
+
+/**
+ * @param {AnswerRecord} answer
+ * @param {StepRecord | null} step `null` while something is dragged
+ */
+function showVerdict(answer, step) {
+  const { objective, operations } = answer;
+  const senses = [...new Set(operations.map(({ sense }) => sense))].join(", ");
+  byId("value").textContent = objective === null ? "—" : errorFigure(objective);
+  byId("unit").textContent = answer.unit;
+  byId("word").textContent = `${answer.word} in ${senses}`;
+  const chip = byId("chip");
+  chip.className = answer.feasible && answer.met ? "good" : "bad";
+  chip.textContent = verdictWords(answer);
+  byId("reasons").replaceChildren(...answer.reasons.map((reason) => make("li", {}, reason)));
+  showOperations(answer);
+  byId("change").replaceChildren(...(step ? changeWords(step) : []));
+}
+
+/** @param {AnswerRecord} answer */
+function verdictWords({ feasible, met, operations }) {
+  if (!feasible) return "✗ not feasible";
+  if (!met) return "✗ requirement missed";
+  return hasLimit(operations) ? "✓ requirement met" : "✓ feasible";
+}
+
+/** @param {OperationAnswer[]} operations */
+const hasLimit = (operations) => operations.some(({ limit }) => limit !== null);
+
+/** @param {AnswerRecord} answer */
+function showOperations({ operations, unit }) {
+  const cells = (/** @type {"td" | "th"} */ tag, /** @type {string[]} */ texts) =>
+    make("tr", {}, ...texts.map((text) => make(tag, {}, text)));
+  const head = cells("th", ["operation", "at its spot", hasLimit(operations) ? "limit" : "", "usable nodes"]);
+  const rows = operations.map((operation) => {
+    const { name, value, counts } = operation;
+    const nodes = Object.values(counts).reduce((sum, count) => sum + count, 0);
+    const error = value === null ? "no spot" : `${errorFigure(value)} ${unit}`;
+    return cells("td", [name, error, limitWords(operation), `${counts.ok} of ${nodes}`]);
+  });
+  byId("operations").replaceChildren(head, ...rows);
+}
+
+/** @param {OperationAnswer} operation */
+function limitWords({ limit, margin }) {
+  if (limit === null || margin === null) return limit === null ? "" : errorFigure(limit);
+  const word = margin < 0 ? "exceeded by" : "margin";
+  return `${errorFigure(limit)} (${word} ${errorFigure(Math.abs(margin))})`;
+}
+
+/**
+ * Returns what a step changed, with the objective before and after.
+ * @param {StepRecord} step
+ * @returns {(Node | string)[]}
+ */
+function changeWords({ what, before, undo, answer }) {
+  if (!undo) return [what];
+  const { objective, unit } = answer;
+  const words = (/** @type {number | null} */ value) =>
+    value === null ? "not feasible" : `${errorFigure(value)} ${unit}`;
+  const change = `${what}: ${words(before)} → ${words(objective)}`;
+  if (before === null || !(before > 0) || objective === null) return [change];
+  const gain = (100 * (before - objective)) / before;
+  const isSame = Math.abs(gain) <= 0.05;
+  const kind = gain > 0 ? "less" : "more";
+  const text = isSame ? "unchanged" : `${Math.abs(gain).toFixed(1)} % ${kind}`;
+  return [change, " ", make("b", { className: isSame ? "" : kind }, text)];
+}

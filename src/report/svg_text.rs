@@ -1,0 +1,37 @@
+//! Safe text and path data of SVG.
+
+use crate::units::rounded;
+use std::fmt::Write;
+
+/// Returns a text made safe for markup; a character that XML does not allow becomes U+FFFD.
+pub fn escaped(text: &str) -> String {
+    let is_bad =
+        |c: char| c.is_control() && !matches!(c, '\t' | '\n' | '\r') || matches!(c, '\u{fffe}' | '\u{ffff}');
+    text.replace(is_bad, "\u{fffd}")
+        .replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+        .replace('"', "&quot;")
+        .replace('\'', "&#39;")
+}
+
+/// End of a path.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PathEnd {
+    Open,
+    Closed,
+}
+
+/// Returns the path data of a polyline, with at most so many decimals; nothing for no points.
+pub fn path_data(points: impl Iterator<Item = (f64, f64)>, end: PathEnd, decimals: i32) -> String {
+    let mut d = String::new();
+    for (k, (x, y)) in points.enumerate() {
+        let letter = if k == 0 { 'M' } else { 'L' };
+        // Writing to a String cannot fail.
+        let _ = write!(d, "{letter}{} {}", rounded(x, decimals), rounded(y, decimals));
+    }
+    if end == PathEnd::Closed && !d.is_empty() {
+        d.push('Z');
+    }
+    d
+}
