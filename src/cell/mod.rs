@@ -4,6 +4,7 @@
 //! checks it again.
 
 mod attitude;
+mod change;
 mod choices;
 mod constraints;
 mod error_model;

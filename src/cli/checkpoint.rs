@@ -3,15 +3,15 @@
 //! Two lines of JSON: what it is, with the hash of the second; then the command, the hashes of the
 //! inputs and the state. A file whose hash is wrong is never trusted.
 
-use super::arguments::{Arguments, Command, SearchArguments};
+use super::arguments::SearchArguments;
 use super::loading::CHECKPOINT;
 use super::output::path_word;
+use super::search_request::SearchRequest;
 use super::{Exit, loading, output};
 use crate::files::{Source, shown};
 use crate::layout::Workcell;
 use crate::search;
-use crate::search::{Ended, Moment, SearchRecord, Space, Stopping, Unfit};
-use clap::Parser;
+use crate::search::{Moment, SearchEnd, SearchRecord, SearchSpace, Stopping, Unfit};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -36,7 +36,7 @@ pub fn inputs(sources: &[Source]) -> Vec<Input> {
 
 #[derive(Serialize, Deserialize)]
 struct Content<S> {
-    command: Vec<String>,
+    request: SearchRequest,
     inputs: Vec<Input>,
     state: S,
 }
@@ -44,7 +44,7 @@ struct Content<S> {
 /// Writes checkpoints when they are due.
 pub struct Keeper {
     path: PathBuf,
-    command: Vec<String>,
+    request: SearchRequest,
     inputs: Vec<Input>,
     period: Duration,
     /// When one was written last, or why that failed.
@@ -52,11 +52,11 @@ pub struct Keeper {
 }
 
 impl Keeper {
-    pub fn new(folder: &Path, command: &[String], inputs: Vec<Input>, seconds: f64) -> Self {
+    pub fn new(folder: &Path, request: &SearchRequest, inputs: Vec<Input>, seconds: f64) -> Self {
         // No period is one that never ends.
         let period = if seconds > 0.0 { Duration::from_secs_f64(seconds) } else { Duration::MAX };
         let last = Mutex::new(Ok(Instant::now()));
-        Self { path: folder.join(CHECKPOINT), command: command.to_vec(), inputs, period, last }
+        Self { path: folder.join(CHECKPOINT), request: request.clone(), inputs, period, last }
     }
 
     /// Writes the state if it is time to; false if that failed, now or before.
@@ -69,7 +69,7 @@ impl Keeper {
     }
 
     fn write(&self, state: &search::Checkpoint) -> Result<(), Exit> {
-        let content = Content { command: self.command.clone(), inputs: self.inputs.clone(), state };
+        let content = Content { request: self.request.clone(), inputs: self.inputs.clone(), state };
         let content = super::results::line(&content)?;
         let version = env!("CARGO_PKG_VERSION").into();
         let header = Header { schema: SCHEMA.into(), version, sha256: loading::sha256(content.as_bytes()) };
@@ -88,7 +88,7 @@ impl Keeper {
             }
             return Err(exit);
         }
-        if record.ended == Ended::Diverged {
+        if record.ended == SearchEnd::Diverged {
             output::error(&format!(
                 "{}: this program does not meet its own steps again: the checkpoint is of another build or machine",
                 path_word(&self.path)
@@ -114,10 +114,8 @@ impl Keeper {
 /// A checkpoint that was read, and the search it belongs to.
 pub struct Kept {
     pub folder: PathBuf,
-    /// The command that makes this folder in one go.
-    pub command: Vec<String>,
-    /// That command, read.
-    pub arguments: SearchArguments,
+    /// The request of the search, with the stopping rules of the command line at hand.
+    pub request: SearchRequest,
     content: Content<search::Checkpoint>,
 }
 
@@ -136,15 +134,9 @@ impl Kept {
             Exit::Io
         })?;
         let content = understood(&bytes).map_err(|(line, why)| refused(&path, line, &why))?;
-        let words = std::iter::once("sweetspot").chain(content.command.iter().map(String::as_str));
-        let Ok(Arguments { command: Command::Search(mut arguments) }) = Arguments::try_parse_from(words)
-        else {
-            return Err(refused(&path, 2, "its command is no search"));
-        };
-        refuse_changes(&arguments, asked)?;
-        let command = taken_up(&mut arguments, asked, content.command.clone());
+        let request = content.request.clone().resumed(asked)?;
         loading::sweep(folder);
-        Ok(Self { folder: folder.to_path_buf(), command, arguments, content })
+        Ok(Self { folder: folder.to_path_buf(), request, content })
     }
 
     pub fn state(&self) -> &search::Checkpoint {
@@ -166,7 +158,7 @@ impl Kept {
             return Err(Exit::BadInput);
         }
         let rules = Stopping::new(&workcell.cell.search, bound);
-        let fit = self.content.state.check(Space::new(&workcell.cell).dimensions(), &rules);
+        let fit = self.content.state.check(SearchSpace::new(&workcell.cell).dimensions(), &rules);
         fit.map_err(|unfit| {
             let why = match unfit {
                 Unfit::Dimensions { has, needs } => format!("it has {has} variables, the cell {needs}"),
@@ -185,15 +177,15 @@ impl Kept {
     }
 }
 
-/// The command and the inputs with which the search of a folder began.
-pub fn begun(folder: &Path) -> Result<(Vec<String>, Vec<Input>), Exit> {
+/// Returns the request and the inputs with which the search of a folder began.
+pub fn begun(folder: &Path) -> Result<(SearchRequest, Vec<Input>), Exit> {
     let path = folder.join(CHECKPOINT);
     let bytes = std::fs::read(&path).map_err(|e| {
         output::error(&format!("cannot read {}: {e}", path_word(&path)));
         Exit::Io
     })?;
     let content = understood(&bytes).map_err(|(line, why)| refused(&path, line, &why))?;
-    Ok((content.command, content.inputs))
+    Ok((content.request, content.inputs))
 }
 
 fn refused(path: &Path, line: usize, why: &str) -> Exit {
@@ -235,74 +227,4 @@ fn changes(then: &[Input], now: &[Input]) -> Vec<String> {
     let new = now.iter().filter(|(path, _)| !then.iter().any(|(p, _)| p == path));
     said.extend(new.map(|(path, _)| format!("{} is read now, the search began without it", shown(path))));
     said
-}
-
-/// Options say the same as when the search began, or nothing.
-fn refuse_changes(then: &SearchArguments, asked: &SearchArguments) -> Result<(), Exit> {
-    let options = |a: &SearchArguments| {
-        let (o, c) = (&a.question, &a.question.errors);
-        [
-            ("errors", c.errors.clone()),
-            ("model", c.model.clone()),
-            ("sense", c.sense.clone()),
-            ("limit", c.limit.map(|limit| limit.to_string())),
-            ("reading", o.reading.clone()),
-            ("quantity", o.quantity.clone()),
-            ("registration", o.registration.clone()),
-            ("seed", a.seed.map(|seed| seed.to_string())),
-            ("solver", a.solver.clone()),
-            ("robust", a.robust.then(|| "given".to_string())),
-            ("pareto", a.pareto.as_ref().map(|goals| goals.join(","))),
-            ("keep", a.keep.map(|keep| keep.to_string())),
-        ]
-    };
-    let mut changed = false;
-    for ((name, was), (_, is)) in options(then).into_iter().zip(options(asked)) {
-        if is.is_some() && is != was {
-            let word = |value: Option<String>| value.map_or("not given".into(), |v| output::word(&v));
-            output::error(&format!(
-                "--{name} was {} when the search began, now it is {}",
-                word(was),
-                word(is)
-            ));
-            changed = true;
-        }
-    }
-    if changed {
-        output::talk("  help: leave it out to resume, or start another search in a folder of its own");
-    }
-    if changed { Err(Exit::BadInput) } else { Ok(()) }
-}
-
-/// Takes up what may be said anew, and the command that says so in one go.
-fn taken_up(then: &mut SearchArguments, asked: &SearchArguments, mut command: Vec<String>) -> Vec<String> {
-    // The cell may be reached by another path: its content decides.
-    then.cell = asked.cell.clone().or(then.cell.take());
-    if !asked.packages.folders.is_empty() {
-        then.packages = asked.packages.clone();
-    }
-    let (rules, new) = (&mut then.rules, &asked.rules);
-    if new.budget.is_some() && new.budget != rules.budget {
-        rules.budget = new.budget;
-        restate(&mut command, "--budget", new.budget.map(|n| n.to_string()));
-    }
-    if new.gap.is_some() && new.gap != rules.gap {
-        rules.gap = new.gap;
-        restate(&mut command, "--gap", new.gap.map(|g| g.to_string()));
-    }
-    if new.stagnation.is_some() && new.stagnation != rules.stagnation {
-        rules.stagnation = new.stagnation;
-        restate(&mut command, "--stagnation", new.stagnation.map(|n| n.to_string()));
-    }
-    command
-}
-
-/// Puts another value to an option of a command.
-fn restate(command: &mut Vec<String>, option: &str, value: Option<String>) {
-    let joined = format!("{option}=");
-    if let Some(at) = command.iter().position(|word| word == option) {
-        command.drain(at..(at + 2).min(command.len()));
-    }
-    command.retain(|word| !word.starts_with(&joined));
-    command.extend(value.into_iter().flat_map(|value| [option.to_string(), value]));
 }

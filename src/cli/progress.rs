@@ -1,4 +1,4 @@
-//! How far a search is: a bar on a terminal, lines of JSON for programs.
+//! Progress of a search: a bar on a terminal, lines of JSON for programs.
 
 use super::output;
 use crate::cell::Unit;

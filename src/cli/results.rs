@@ -1,15 +1,16 @@
 //! The folder that a search or a map leaves: its files, the inputs they came from, the manifest.
 
 use super::output::path_word;
+use super::search_request::SearchRequest;
 use super::{Exit, loading, output};
-use crate::assess::{Assessment, Comparison};
+use crate::assess::Comparison;
 use crate::cell::{Cell, Layout};
-use crate::files::Source;
+use crate::files::{Setting, Source};
 use crate::proof::Proof;
+use crate::record::{HashedFile, ManifestDocument, MapDocument, ResolvedSettings, SearchResult};
 use crate::report;
 use crate::search::{Alternative, SearchRecord};
 use serde::Serialize;
-use serde_json::json;
 use std::path::{Path, PathBuf};
 
 /// Where the inputs are kept, so that the folder can be mailed whole.
@@ -28,14 +29,14 @@ impl Written {
 }
 
 /// The files of a search. best.toml is left out if no layout is feasible, the manifest if there is no
-/// command that makes this folder: the search was interrupted.
+/// request: the search was interrupted.
 pub fn write_search(
     folder: &Path,
     cell_file: &Path,
     sources: &[Source],
     (record, proof): (&SearchRecord, &Proof),
     comparison: &Comparison<'_>,
-    command: Option<&[String]>,
+    request: Option<&SearchRequest>,
 ) -> Result<Written, Exit> {
     let best = &comparison.columns[1];
     let cell = best.cell;
@@ -57,17 +58,33 @@ pub fn write_search(
         outputs.push(("best.toml".to_string(), fixed("Best layout", &best.layout, objective)));
         outputs.extend(alternatives(cell, record, fixed)?);
     }
-    let document = report::json::search(cell, (record, proof), comparison, None);
+    let document = SearchResult::of_comparison(record, proof, comparison);
     outputs.push(("search.json".into(), pretty(&document)?));
-    outputs.push(("map.csv".into(), csv(best)?));
+    outputs.push(("map.csv".into(), csv(&MapDocument::new(best))?));
     outputs.push(("map.svg".into(), report::chart::error_map(best).into_bytes()));
-    match command {
-        Some(command) => write(folder, cell, sources, command, outputs),
+    match request {
+        Some(SearchRequest { command, settings, .. }) => {
+            let run = RunDescription { command: command.clone(), settings: settings.clone() };
+            write(folder, cell, sources, run, outputs)
+        }
         None => write_outputs(folder, &outputs),
     }
 }
 
-/// The command line as typed.
+/// What made a result folder: its command line, and the keys of the cell file that the flags state.
+pub struct RunDescription {
+    command: Vec<String>,
+    settings: Vec<Setting>,
+}
+
+impl RunDescription {
+    /// Describes the run of the command line at hand.
+    pub fn typed(settings: Vec<Setting>) -> Self {
+        Self { command: typed(), settings }
+    }
+}
+
+/// Returns the command line as typed.
 pub fn typed() -> Vec<String> {
     std::env::args_os().skip(1).map(|a| a.to_string_lossy().into_owned()).collect()
 }
@@ -83,7 +100,7 @@ fn alternatives(
     for (k, Alternative { candidate, .. }) in record.alternatives.iter().enumerate() {
         let objective = candidate.evaluation.objective.map_or(0.0, |o| cell.unit().from_si(o));
         let which = format!("Layout {} of {count}", k + 1);
-        outputs.push((report::goals::file_name(k, count), fixed(&which, &candidate.layout, objective)));
+        outputs.push((crate::record::goals::file_name(k, count), fixed(&which, &candidate.layout, objective)));
     }
     if count > 0 {
         let table = report::csv::front(cell, record).map_err(|why| {
@@ -124,24 +141,28 @@ pub fn write<N: AsRef<str>>(
     folder: &Path,
     cell: &Cell,
     sources: &[Source],
-    command: &[String],
+    run: RunDescription,
     outputs: Vec<(N, Vec<u8>)>,
 ) -> Result<Written, Exit> {
-    let hashed = |path: &str, bytes: &[u8]| json!({ "path": path, "sha256": loading::sha256(bytes) });
-    let manifest = json!({
-        "schema": "sweetspot/manifest/1",
-        "program": "sweetspot",
-        "version": env!("CARGO_PKG_VERSION"),
-        "command": command,
-        "cell": cell.name,
-        "seed": cell.search.seed,
-        "inputs": sources.iter().map(|s| hashed(&s.path, &s.bytes)).collect::<Vec<_>>(),
-        "outputs": outputs.iter().map(|(name, bytes)| hashed(name.as_ref(), bytes)).collect::<Vec<_>>(),
-    });
+    let inputs = sources.iter().map(|s| hashed(&s.path, &s.bytes)).collect();
+    let outputs_hashed = outputs.iter().map(|(name, bytes)| hashed(name.as_ref(), bytes)).collect();
+    let manifest = ManifestDocument {
+        command: Some(run.command),
+        settings: Some(run.settings),
+        resolved: Some(ResolvedSettings::new(cell)),
+        cell: Some(cell.name.clone()),
+        seed: Some(cell.search.seed),
+        ..ManifestDocument::new(inputs, outputs_hashed)
+    };
     let mut written = write_outputs(folder, &outputs)?;
     loading::write_whole(&folder.join("manifest.json"), &pretty(&manifest)?)?;
     written.names.push("manifest.json".into());
     Ok(written)
+}
+
+/// Returns a file with its hash.
+pub fn hashed(path: &str, bytes: &[u8]) -> HashedFile {
+    HashedFile { path: path.to_string(), sha256: loading::sha256(bytes) }
 }
 
 fn write_outputs<N: AsRef<str>>(folder: &Path, outputs: &[(N, Vec<u8>)]) -> Result<Written, Exit> {
@@ -169,8 +190,9 @@ fn not_json(e: serde_json::Error) -> Exit {
     Exit::Io
 }
 
-pub fn csv(assessment: &Assessment<'_>) -> Result<Vec<u8>, Exit> {
-    report::csv::map(assessment).map_err(|why| {
+/// Writes the nodes of a map as CSV.
+pub fn csv(document: &MapDocument<'_>) -> Result<Vec<u8>, Exit> {
+    report::csv::map(document).map_err(|why| {
         output::error(&format!("cannot make map.csv: {why}"));
         Exit::Io
     })

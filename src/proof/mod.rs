@@ -39,6 +39,8 @@ use crate::files::shown;
 use crate::layout::{Workcell, combined};
 use std::sync::atomic::AtomicBool;
 use task::Task;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 /// Effort of a proof.
 #[derive(Debug, Clone, PartialEq)]
@@ -118,7 +120,8 @@ pub struct OperationBound {
 }
 
 /// Part of the objective that a bound covers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum Covers {
     /// Every operation has a bound.
     Everything,

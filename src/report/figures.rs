@@ -2,7 +2,7 @@
 
 use super::raster::{Shot, Show, png};
 use super::svg_text::escaped;
-use super::{fig8, text};
+use super::fig8;
 use crate::assess::Assessment;
 use crate::cell::{Quantity, Reading};
 use crate::drawing::{Detail, Drawing};
@@ -127,7 +127,7 @@ fn map_words(a: &Assessment<'_>, map: &OperationMap, sense: &str) -> String {
         let unit = a.cell.unit().word();
         let at = &map.nodes[node];
         let [x, y] = [at.position.x, at.position.y].map(|v| rounded(mm_from_m(v), 1));
-        let word = text::value_word(a.cell);
+        let word = crate::record::value_word(a.cell);
         let _ = write!(
             words,
             "; {word} in {} from {low:.3} {unit} at node ({}, {}), where x = {x} mm and y = {y} mm, to {high:.3} {unit}",

@@ -1,15 +1,15 @@
-//! `check`.
+//! `check`: validates a cell and everything it refers to.
 
 use super::{UNSOLVED, suggest, warn_of_hopeless, workcell};
 use crate::assess::Assessment;
 use crate::cell::{Cell, ErrorSet};
 use crate::cli::arguments::CheckArguments;
 use crate::cli::output::path_word;
-use crate::cli::{Exit, cache, loading, output};
+use crate::cli::{Exit, cache, loading, output, results};
 use crate::files::{Fault, shown};
 use crate::layout::Workcell;
+use crate::record::{CHECK_SCHEMA, CheckDocument, OwnPairEntry, UrdfEntry};
 use crate::report;
-use serde_json::json;
 
 /// `sweetspot check`
 pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
@@ -17,10 +17,10 @@ pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
         let (mut pairs, mut urdf) = (Vec::new(), None);
         let (exit, faults) = match loading::read_cell(&a.cell, &a.packages) {
             Ok(loaded) => {
-                urdf = loaded.cell.robot.urdf.is_some().then(|| report::urdf::derived(&loaded.cell.robot));
+                urdf = UrdfEntry::new(&loaded.cell.robot);
                 match Workcell::remembering(loaded.cell, &mut cache::remember) {
                     Ok(workcell) => {
-                        pairs = report::json::self_collision_pairs(&workcell);
+                        pairs = OwnPairEntry::all(&workcell);
                         (Exit::Done, loaded.warnings)
                     }
                     Err(why) => {
@@ -32,16 +32,14 @@ pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
             Err(faults) => (loading::exit_of(&faults), faults),
         };
         let valid = exit == Exit::Done;
-        let mut document = json!({ "schema": "sweetspot/check/1", "valid": valid, "faults": faults, "self_collision": pairs });
-        if let Some(urdf) = urdf {
-            document["urdf"] = urdf;
-        }
-        output::data(&format!("{document}\n"))?;
+        let document =
+            CheckDocument { schema: CHECK_SCHEMA.into(), valid, faults, self_collision: pairs, urdf };
+        output::data(&results::line(&document)?)?;
         return Ok(exit);
     }
     let loaded = loading::load(&a.cell, &a.packages)?;
     let warnings = loaded.warnings.len();
-    // Also of a robot that cannot be solved: its rows tell why.
+    // Printed even if the robot cannot be solved, because its D-H rows show why.
     output::data(&report::text::derived(&loaded.cell.robot))?;
     let workcell = workcell(loaded.cell, &a.cell)?;
     let cell = &workcell.cell;
@@ -57,7 +55,7 @@ pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
         error_sets(cell),
         report::text::self_collision_pairs(&workcell),
         report::text::feasibility(&Assessment::new("start", &workcell, cell.start())),
-        if warnings == 0 { String::new() } else { format!(", {warnings} warning(s)") },
+        if warnings == 0 { String::new() } else { format!(", {}", counted(warnings, "warning", "warnings")) },
     ))?;
     warn_of_hopeless(&workcell);
     let next = if free > 0 { "search" } else { "map" };
@@ -65,7 +63,7 @@ pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
     Ok(Exit::Done)
 }
 
-/// How many error sets the robot has, and what the chosen one is.
+/// Returns the count of error sets, and the kind of the chosen one.
 fn error_sets(cell: &Cell) -> String {
     let kind = match cell.error_set() {
         ErrorSet::Signed(_) => "a signed sample",
@@ -75,6 +73,7 @@ fn error_sets(cell: &Cell) -> String {
     format!("{sets}; {} is {kind}, read as {}", shown(cell.error_set().name()), cell.reading.name())
 }
 
+/// Returns a count with its noun.
 fn counted(n: usize, one: &str, many: &str) -> String {
     format!("{n} {}", if n == 1 { one } else { many })
 }

@@ -8,6 +8,7 @@ use crate::cli::output::{path_word, word};
 use crate::cli::{Exit, asked, cache, lookup, output, results};
 use crate::files::shown;
 use crate::layout::Workcell;
+use crate::record::{BudgetDocument, ExplanationDocument};
 use crate::report;
 use crate::units::{m_from_mm, rad_from_deg};
 
@@ -27,7 +28,7 @@ pub fn budget(a: &BudgetArguments) -> Result<Exit, Exit> {
         accounts.push(Account::new(Stance::at(&workcell, &layout, &maps, k, a.at).map_err(refused)?));
     }
     if a.json {
-        output::data(&results::line(&report::json::budget(cell, &accounts))?)?;
+        output::data(&results::line(&BudgetDocument::new(cell, &accounts))?)?;
     } else {
         let budgets: Vec<String> = accounts.iter().map(report::text::budget).collect();
         output::data(&format!("{}\n{}", report::text::headline(cell), budgets.join("\n")))?;
@@ -78,7 +79,7 @@ fn told(a: &ExplainArguments, explanation: &Explanation<'_>) -> Result<Exit, Exi
         output::talk(&format!("warning: the {model} model cannot be trusted at this posture"));
     }
     if a.json {
-        output::data(&results::line(&report::json::explain(explanation))?)?;
+        output::data(&results::line(&ExplanationDocument::new(explanation))?)?;
         return Ok(Exit::Done);
     }
     let text = report::text::explanation(explanation);

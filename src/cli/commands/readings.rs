@@ -1,12 +1,13 @@
-//! `readings`.
+//! `readings`: every reading and registration side by side.
 
 use super::{suggest, unsolved, workcell};
 use crate::assess::Readings;
 use crate::cli::arguments::ReadingsArguments;
 use crate::cli::output::path_word;
 use crate::cli::results;
-use crate::cli::results::Written;
+use crate::cli::results::{RunDescription, Written};
 use crate::cli::{Exit, asked, loading, output};
+use crate::record::ReadingsDocument;
 use crate::report;
 
 /// `sweetspot readings`
@@ -20,15 +21,15 @@ pub fn readings(a: &ReadingsArguments) -> Result<Exit, Exit> {
         None => None,
     };
     let readings = Readings::new(cell).map_err(|why| unsolved(&cell.robot.name, &a.cell, &why))?;
-    let document = report::json::readings(&readings);
+    let document = ReadingsDocument::new(&readings, report::text::findings(&readings));
     let written = match &folder {
         Some(folder) => {
-            let table = report::csv::readings(&readings).map_err(|why| {
+            let table = report::csv::readings(&document).map_err(|why| {
                 output::error(&format!("cannot write readings.csv: {why}"));
                 Exit::Io
             })?;
             let outputs = vec![("readings.json", results::pretty(&document)?), ("readings.csv", table)];
-            Some(results::write(folder, cell, &loaded.sources, &results::typed(), outputs)?)
+            Some(results::write(folder, cell, &loaded.sources, RunDescription::typed(a.errors.settings()), outputs)?)
         }
         None => None,
     };

@@ -9,6 +9,7 @@ use crate::cli::packages::Packages;
 use crate::cli::{Exit, library, loading, lookup, output, results};
 use crate::files::{LoadedRobot, shown};
 use crate::reach::Inverse;
+use crate::record::{EnvelopeDocument, RobotSheetDocument, RobotsDocument};
 use crate::report;
 use crate::robot::Chain;
 use crate::units::{m_from_mm, rad_from_deg};
@@ -26,7 +27,7 @@ pub fn robots(a: &RobotsArguments) -> Result<Exit, Exit> {
         all.push((name, robot, family));
     }
     if a.json {
-        output::data(&results::line(&report::json::robots(&all))?)?;
+        output::data(&results::line(&RobotsDocument::new(&all))?)?;
     } else {
         output::data(&report::text::robots(&all))?;
         suggest(&format!("robot {}", library::ROBOTS[0].0));
@@ -44,7 +45,7 @@ pub fn robot(a: &RobotArguments) -> Result<Exit, Exit> {
     let sheet = Sheet::new(&robot, &|count, of| output::advance(&bar, count, of));
     bar.finish_and_clear();
     if a.json {
-        output::data(&results::line(&report::json::robot(&sheet))?)?;
+        output::data(&results::line(&RobotSheetDocument::new(&sheet))?)?;
     } else {
         output::data(&report::text::robot(&sheet))?;
         suggest(&format!("envelope {} --svg envelope.svg", path_word(&a.robot)));
@@ -133,7 +134,7 @@ fn drawn(
         loading::write_whole(path, report::chart::envelope(&envelope).as_bytes())?;
     }
     if a.json {
-        output::data(&results::line(&report::json::envelope(&envelope))?)?;
+        output::data(&results::line(&EnvelopeDocument::new(&envelope))?)?;
     } else {
         output::data(&report::text::envelope(&envelope))?;
     }

@@ -1,12 +1,12 @@
-//! `view`.
+//! `view`: starts the local web server with the layout editor.
 
 use super::{suggest, warn_of_hopeless, workcell};
 use crate::cell::Cell;
 use crate::cli::arguments::ViewArguments;
 use crate::cli::output::path_word;
 use crate::cli::packages::Packages;
-use crate::cli::view::{AccessControl, LiveView, Origin, secret, serve, widened};
-use crate::cli::{Exit, asked, found, loading, output};
+use crate::cli::view::{AccessControl, LiveView, Origin, secret, serve};
+use crate::cli::{Exit, asked, loading, output, results_folder};
 use crate::files::Loaded;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -16,7 +16,7 @@ use tiny_http::Server;
 
 /// `sweetspot view`. Ctrl-C is its regular end, with exit code 0.
 pub fn view(a: &ViewArguments) -> Result<Exit, Exit> {
-    let file = if a.of.is_dir() { found::best_of(&a.of)? } else { a.of.clone() };
+    let file = if a.of.is_dir() { results_folder::best_of(&a.of)? } else { a.of.clone() };
     let Loaded { cell, sources, .. } = asked::load(&file, &a.packages, &a.question)?;
     let folder = file.parent().unwrap_or(Path::new(""));
     let sources: Vec<PathBuf> = sources.iter().map(|s| folder.join(&s.path)).collect();
@@ -52,7 +52,7 @@ fn searched(cell: Cell, sources: &[PathBuf], packages: &Packages) -> Cell {
     // The first source is best.toml, the second the cell file that it is made from.
     let wide = sources.get(1).and_then(|file| loading::read_cell(file, packages).ok());
     match wide {
-        Some(wide) => widened(cell, &wide.cell),
+        Some(wide) => cell.with_ranges_of(&wide.cell),
         None => cell,
     }
 }

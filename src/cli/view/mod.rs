@@ -14,10 +14,9 @@ mod values;
 
 pub use access_control::{AccessControl, secret};
 pub use save::Origin;
-pub use values::widened;
 
 use crate::assess::Assessment;
-use crate::cell::{Layout, Model, Reading, SearchSettings};
+use crate::cell::{Layout, Model, Reading};
 use crate::drawing::{Detail, Drawing};
 use crate::layout::{Workcell, evaluate, separated};
 use crate::report::json;
@@ -216,16 +215,11 @@ impl LiveView {
             let session = locked(&self.session);
             (session.question.clone(), session.now().values.clone())
         };
-        let mut cell = values.starting(&self.workcells.ask(&question)?.cell, false);
+        let cell = values.starting(&self.workcells.ask(&question)?.cell, false);
         if cell.free().is_empty() {
             return Err("nothing to search: every placement is fixed in the file".into());
         }
-        cell.search.seed = seed.unwrap_or(cell.search.seed);
-        cell.search.budget = budget.unwrap_or(cell.search.budget);
-        let budgets = SearchSettings::BUDGETS;
-        if !budgets.contains(&cell.search.budget) {
-            return Err(format!("the budget must be from {} to {}", budgets.start(), budgets.end()));
-        }
+        let cell = cell.searching(seed, budget)?;
         let mut job = locked(&self.job);
         if job.as_ref().is_some_and(SearchThread::is_running) {
             return Err("a search is already running: stop it first".into());

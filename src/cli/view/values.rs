@@ -4,7 +4,7 @@
 use crate::cell::{Cell, Coordinate, Layout, Role, Slot};
 
 use crate::files::shown;
-use crate::report::json::coordinate_name;
+use crate::record::coordinate_name;
 use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg, rounded};
 use serde_json::Value;
 
@@ -49,20 +49,13 @@ impl LayoutValues {
         cell.layout(|slot, coordinate| self.get(slot).unwrap_or_else(|| coordinate.start()))
     }
 
-    fn get(&self, slot: Slot) -> Option<f64> {
-        self.slots.iter().position(|s| *s == slot).map(|k| self.si[k])
+    /// Returns a cell with this layout as its start; see [`Cell::starting_at`].
+    pub fn starting(&self, cell: &Cell, frees: bool) -> Cell {
+        cell.starting_at(self.slots.iter().copied().zip(self.si.iter().copied()), frees)
     }
 
-    /// Returns the cell with this layout as its start. With `frees`, a coordinate that is fixed in the file and
-    /// was changed becomes a range, so that a file can state it.
-    pub fn starting(&self, cell: &Cell, frees: bool) -> Cell {
-        let mut cell = cell.clone();
-        for (slot, value) in self.slots.iter().zip(&self.si) {
-            if let Some(coordinate) = coordinate_mut(&mut cell, *slot) {
-                *coordinate = starting(coordinate, *value, frees);
-            }
-        }
-        cell
+    fn get(&self, slot: Slot) -> Option<f64> {
+        self.slots.iter().position(|s| *s == slot).map(|k| self.si[k])
     }
 
     /// Returns these coordinates with those changed that a request names.
@@ -103,7 +96,7 @@ impl LayoutValues {
             let slot = self.slots[place];
             let number = number.as_f64().filter(|v| v.is_finite());
             let number = number.ok_or_else(|| format!("{key} of {owner} must be a number"))?;
-            let coordinate = coordinate(cell, slot).ok_or("unknown coordinate")?;
+            let coordinate = cell.coordinate(slot).ok_or("unknown coordinate")?;
             self.si[place] =
                 allowed(coordinate, slot, number).map_err(|why| format!("{key} of {owner} {why}"))?;
         }
@@ -163,39 +156,6 @@ fn slot_of(cell: &Cell, group: &str, name: &str) -> Result<Box<dyn Fn(usize) -> 
     }
 }
 
-/// Returns the coordinate of a slot.
-pub fn coordinate(cell: &Cell, slot: Slot) -> Option<&Coordinate> {
-    match slot {
-        Slot::Base(axis) => cell.base.get(axis),
-        Slot::Equipment(k, axis) => cell.equipment.get(k)?.placement.get(axis),
-        Slot::Attitude(k, angle) => cell.operations.get(k)?.angles.get(angle)?.as_ref(),
-    }
-}
-
-/// Returns the coordinate of a slot, to be changed.
-pub fn coordinate_mut(cell: &mut Cell, slot: Slot) -> Option<&mut Coordinate> {
-    match slot {
-        Slot::Base(axis) => cell.base.get_mut(axis),
-        Slot::Equipment(k, axis) => cell.equipment.get_mut(k)?.placement.get_mut(axis),
-        Slot::Attitude(k, angle) => cell.operations.get_mut(k)?.angles.get_mut(angle)?.as_mut(),
-    }
-}
-
-/// Returns a coordinate that starts at a value.
-fn starting(coordinate: &Coordinate, value: f64, frees: bool) -> Coordinate {
-    match coordinate {
-        Coordinate::Fixed(was) if frees && *was != value => {
-            Coordinate::Range { min: was.min(value), max: was.max(value), start: value }
-        }
-        Coordinate::Fixed(_) => Coordinate::Fixed(value),
-        Coordinate::Range { min, max, .. } => Coordinate::Range { min: *min, max: *max, start: value },
-        Coordinate::List(values) => {
-            let others = values.iter().copied().filter(|v| *v != value);
-            Coordinate::List(std::iter::once(value).chain(others).collect())
-        }
-    }
-}
-
 /// Converts a coordinate to mm or degrees.
 fn in_file(slot: Slot, si: f64) -> f64 {
     if slot.is_angle() { deg_from_rad(si) } else { mm_from_m(si) }
@@ -223,31 +183,4 @@ fn allowed(coordinate: &Coordinate, slot: Slot, number: f64) -> Result<f64, Stri
             }
         }
     }
-}
-
-/// Returns a result with the ranges of the cell that was searched, so that it can be searched again.
-pub fn widened(mut cell: Cell, wide: &Cell) -> Cell {
-    let same = |a: &Cell, b: &Cell| {
-        a.equipment.iter().map(|e| &e.name).eq(b.equipment.iter().map(|e| &e.name))
-            && a.operations.iter().map(|o| &o.name).eq(b.operations.iter().map(|o| &o.name))
-    };
-    if !same(&cell, wide) {
-        return cell;
-    }
-    let start = LayoutValues::start(wide);
-    for slot in start.slots {
-        let (Some(range), Some(own)) = (coordinate(wide, slot), coordinate_mut(&mut cell, slot)) else {
-            continue;
-        };
-        let value = own.start();
-        let (low, high) = range.range();
-        let is_within = match range {
-            Coordinate::List(values) => values.contains(&value),
-            _ => (low..=high).contains(&value),
-        };
-        if range.is_free() && !own.is_free() && is_within {
-            *own = starting(range, value, false);
-        }
-    }
-    cell
 }

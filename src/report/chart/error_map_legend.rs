@@ -6,7 +6,7 @@ use super::{signs, solids, words};
 use crate::drawing::Kind;
 use crate::drawing::round_numbers::{ONE_TWO_FIVE, round_down};
 use crate::report::colours::viridis_hex;
-use crate::report::text;
+
 use crate::units::{m_from_mm, mm_from_m, rounded};
 
 /// Lines of the reach of operations at different heights, in turn.
@@ -76,7 +76,7 @@ fn draw_colours(plan: &mut Plan<'_>, scales: &MapScales) {
     let mut senses: Vec<_> = cell.operations.iter().map(|o| o.sense.name.as_str()).collect();
     senses.dedup();
     let unit = cell.unit().word();
-    canvas.paragraph(&format!("{} in {}", text::value_word(cell), senses.join(", ")));
+    canvas.paragraph(&format!("{} in {}", crate::record::value_word(cell), senses.join(", ")));
     let [low, high] = [scales.range.0, scales.range.1].map(|v| format!("{} {unit}", words::figure(v)));
     let (y, left) = (canvas.y + 20.0, MARGIN + words::width(&low, BODY) + 6.0);
     canvas.text((MARGIN, y), Anchor::Start, Ink::Text, &low);

@@ -7,7 +7,7 @@ use super::canvas::{Anchor, Canvas, EDGE, Ink, SMALL};
 use super::labels::Taken;
 use super::{WIDTH, words};
 use crate::cell::{Cell, Goal};
-use crate::report::goals;
+use crate::record::goals;
 use crate::search::SearchRecord;
 use crate::units::rounded;
 

@@ -8,7 +8,7 @@ use super::{WIDTH, words};
 use crate::assess::Account;
 use crate::cell::Reading;
 use crate::reading::Share;
-use crate::report::names;
+use crate::record::parameter_names as names;
 use crate::units::{percent_from_share, rounded};
 
 /// Bars drawn one by one; the others are told together.

@@ -3,8 +3,8 @@
 //! Numbers by the thousand are base64 of little-endian f32 or u32; where there is none, NaN. World
 //! frame, mm and degrees. A pose is 12 numbers: the three columns of its rotation, then its origin.
 
-use super::{length, lengths};
 use crate::cell::{Cell, Equipment, JointKind, Rectangle, Role, Sense};
+use crate::record::{joints as joints_of_file, nine_digits as length, position_mm as lengths};
 use crate::drawing::{Carrier, Drawing, Field, Lens, Mesh, Movement, Node, Part, Rings, Stop, Take};
 use crate::geometry::simplified_line;
 use crate::pose::Pose;
@@ -162,7 +162,7 @@ fn field(f: &Field, cell: &Cell) -> Value {
 }
 
 fn joints(node: &Node, cell: &Cell) -> Option<Vec<f64>> {
-    let all = node.joints.as_ref().map(|q| super::joints(cell, q));
+    let all = node.joints.as_ref().map(|q| joints_of_file(cell, q));
     all.map(|all| all.into_iter().map(|q| rounded(q, 2)).collect())
 }
 

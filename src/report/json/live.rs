@@ -1,12 +1,11 @@
 //! What the page of `view` is told: the form of a cell once, and what a layout is worth, as compact as
 //! can be.
 
-use super::length;
 use crate::assess::Assessment;
 use crate::cell::{Cell, Coordinate, Layout, PLAIN, Placement, Rectangle, Role, Slot};
 use crate::drawing::lenses;
 use crate::error_map::OperationMap;
-use crate::report::text::value_word;
+use crate::record::{StatusCounts, coordinate_name, nine_digits as length, value_word};
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use serde_json::{Map, Value, json};
 
@@ -14,14 +13,6 @@ use serde_json::{Map, Value, json};
 const MOST_NODES: usize = 4000;
 /// Digits of mm that are seen.
 const SEEN: i32 = 4;
-
-/// The name of a number in a file.
-pub fn coordinate_name(slot: Slot) -> &'static str {
-    match slot {
-        Slot::Base(axis) | Slot::Equipment(_, axis) => ["x_mm", "y_mm", "z_mm", "yaw_deg"][axis],
-        Slot::Attitude(_, angle) => ["bend_deg", "azimuth_deg", "spin_deg"][angle],
-    }
-}
 
 fn in_file(slot: Slot, si: f64) -> f64 {
     length(if slot.is_angle() { deg_from_rad(si) } else { mm_from_m(si) })
@@ -147,7 +138,7 @@ fn operation(a: &Assessment<'_>, map: &OperationMap) -> Value {
         "value": map.value.map(value),
         "limit": requirement.map(|r| value(r.limit)),
         "margin": requirement.map(|r| value(r.margin)),
-        "counts": super::map::counts(map),
+        "counts": StatusCounts::new(map),
         "best": map.best_node().map(|n| [n.i, n.j]),
         "nodes": nodes(cell, map),
     })

@@ -5,7 +5,8 @@ use super::subject::{Manifest, Subject};
 use super::verdict::reading_in_words;
 use crate::cell::{Cell, Distribution, ErrorSet, Registration, Tolerance};
 use crate::files::shown;
-use crate::report::text::{caveats, distrust, value_word};
+use crate::record::{caveats, value_word};
+use crate::report::text::distrust;
 use crate::units::{mm_from_m, percent_from_share, rounded};
 
 /// What was assumed, warnings included.
@@ -123,11 +124,11 @@ pub fn manifest(subject: &Subject<'_>) -> Section {
     if let Some(found) = &subject.found {
         let search = format!(
             "{}: {} layouts evaluated of at most {}, {} of them feasible; ended: {}",
-            shown(&found.solver),
+            found.solver.name(),
             found.evaluations,
             found.budget,
             found.feasible,
-            shown(&found.ended)
+            found.ended.name()
         );
         rows.push(said("Search", search));
     }

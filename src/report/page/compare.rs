@@ -9,7 +9,8 @@ use crate::drawing::Drawing;
 use crate::files::shown;
 use crate::report::raster;
 use crate::report::raster::Shot;
-use crate::report::{chart, goals, text};
+use crate::record::goals;
+use crate::report::{chart, text};
 use crate::units::rounded;
 use serde::Serialize;
 

@@ -1,8 +1,8 @@
 //! The sections with pictures: what each shows, section by section.
 
-use super::content::{Figure, NOTHING, Section, Table};
+use super::content::{Figure, Section, Table};
 use super::places::titled;
-use super::subject::{Alternative, Found, Subject, si};
+use super::subject::{Subject, si};
 use super::verdict::{down, quantity};
 use crate::assess::{Account, Assessment, At, Distribution, Stance};
 use crate::cell::Goal;
@@ -13,9 +13,10 @@ use crate::report::chart;
 use crate::report::chart::Course;
 use crate::report::raster;
 use crate::report::raster::Shot;
-use crate::report::{goals, names, text};
+use crate::record::{AlternativeEntry, SearchResult, goals, parameter_names as names};
+use crate::report::text;
 use crate::search;
-use crate::search::{Candidate, Ended, SearchRecord};
+use crate::search::{EvaluatedLayout, SearchEnd, SearchRecord};
 use crate::units::{percent_from_share, rounded};
 
 /// All of them in the order of the page; those with nothing to show are left out. `drawings` are those of
@@ -190,7 +191,7 @@ fn convergence(subject: &Subject<'_>) -> Section {
     section
 }
 
-fn bound_in_words(found: &Found, subject: &Subject<'_>) -> String {
+fn bound_in_words(found: &SearchResult, subject: &Subject<'_>) -> String {
     let unit = subject.cell().unit();
     match found.bound {
         Some(bound) => format!("It is proven that none of them has less than {}.", down(unit, bound)),
@@ -202,22 +203,21 @@ fn bound_in_words(found: &Found, subject: &Subject<'_>) -> String {
 fn pareto(subject: &Subject<'_>) -> Section {
     let mut section = Section::new("front", "Other layouts", Vec::new());
     let Some(found) = &subject.found else { return section };
-    let all: Vec<&Alternative> = found.front.iter().flatten().collect();
+    let all: Vec<&AlternativeEntry> = found.front.iter().flatten().collect();
     if all.is_empty() {
         return section;
     }
     section.text.push(match &found.pareto {
         Some(goals) => format!(
             "None of these layouts is better than another in all of {}: choosing one is choosing what to give up.",
-            goals.iter().map(|g| shown(g)).collect::<Vec<_>>().join(", ")
+            goals.iter().map(|g| g.name()).collect::<Vec<_>>().join(", ")
         ),
         None => "The best layouts that really differ. Each is a cell file in the folder of the search.".into(),
     });
     let heads: Vec<String> = Goal::ALL.into_iter().map(|goal| goals::head(subject.cell(), goal)).collect();
     let head: Vec<&str> = ["file"].into_iter().chain(heads.iter().map(String::as_str)).collect();
-    let row = |a: &&Alternative| {
-        let value = |goal: Goal| a.goals.get(goals::key(goal)).and_then(|v| v.as_f64());
-        let told = |goal| value(goal).map_or(NOTHING.into(), |v| format!("{:.4}", rounded(v, 4)));
+    let row = |a: &&AlternativeEntry| {
+        let told = |goal| format!("{:.4}", rounded(a.goals.get(goal), 4));
         std::iter::once(shown(&a.file)).chain(Goal::ALL.map(told)).collect()
     };
     section.tables.push(Table::new("", &head, all.iter().map(row).collect()));
@@ -227,13 +227,12 @@ fn pareto(subject: &Subject<'_>) -> Section {
 }
 
 /// The search again as far as its front is drawn.
-fn record(subject: &Subject<'_>, found: &Found) -> SearchRecord {
+fn record(subject: &Subject<'_>, found: &SearchResult) -> SearchRecord {
     let cell = subject.cell();
     let candidate =
-        |a: &Assessment<'_>| Candidate { layout: a.layout.clone(), evaluation: a.evaluation.clone() };
-    let of = |a: &Alternative| {
-        let value = |goal: Goal| a.goals.get(goals::key(goal)).and_then(|v| v.as_f64()).unwrap_or_default();
-        let goals = Goal::ALL.map(|goal| goals::si(cell, goal, value(goal))).to_vec();
+        |a: &Assessment<'_>| EvaluatedLayout { layout: a.layout.clone(), evaluation: a.evaluation.clone() };
+    let of = |a: &AlternativeEntry| {
+        let goals = Goal::ALL.map(|goal| goals::si(cell, goal, a.goals.get(goal))).to_vec();
         search::Alternative { candidate: candidate(subject.shown()), goals }
     };
     SearchRecord {
@@ -243,7 +242,7 @@ fn record(subject: &Subject<'_>, found: &Found) -> SearchRecord {
         feasible: found.feasible,
         trace: Vec::new(),
         bound: None,
-        ended: Ended::Done,
+        ended: SearchEnd::Done,
         alternatives: found.front.iter().flatten().map(of).collect(),
     }
 }

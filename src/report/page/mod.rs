@@ -26,9 +26,7 @@ pub use content::{Figure, Section, Table};
 #[cfg(feature = "view")]
 pub use live::live;
 pub use report::{Report, report};
-pub use runner_up::RunnerUp;
-pub use subject::{Alternative, Found, Manifest, Proof, ProofOf, StartFound, Subject};
-pub use verdict::{Fact, Spot, Verdict};
+pub use subject::{Manifest, Subject};
 
 use serde_json::Value;
 

@@ -7,7 +7,7 @@ use crate::assess::Assessment;
 use crate::cell::Unit;
 use crate::error_map::{NodeRecord, OperationMap};
 use crate::files::shown;
-use crate::report::text::value_word;
+use crate::record::value_word;
 use crate::units::{mm_from_m, percent_from_share, rounded};
 
 /// Rows of all tables together; beyond, only the best nodes are told.

@@ -2,11 +2,12 @@
 
 use super::content::{Figure, Section};
 use super::subject::Subject;
-use super::verdict::Verdict;
+use super::verdict::verdict;
 use super::{assets, assumptions, figures, nodes, places, readings, script_json, shell};
 use crate::cell::Cell;
 use crate::drawing::Drawing;
 use crate::files::shown;
+use crate::record::VerdictDocument;
 use crate::report::chart;
 use crate::report::text::headline;
 use serde::Serialize;
@@ -14,7 +15,7 @@ use serde::Serialize;
 /// A page of HTML with the verdict that it tells.
 pub struct Report {
     pub html: String,
-    pub verdict: Verdict,
+    pub verdict: VerdictDocument,
 }
 
 /// What the template is filled with.
@@ -25,7 +26,7 @@ struct Page<'a> {
     policy: String,
     style: &'a str,
     script: &'a str,
-    verdict: &'a Verdict,
+    verdict: &'a VerdictDocument,
     still: Vec<Figure>,
     /// JSON for the viewer.
     drawings: String,
@@ -38,7 +39,7 @@ struct Page<'a> {
 /// # Errors
 /// What cannot be rendered.
 pub fn report(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Result<Report, String> {
-    let verdict = Verdict::new(subject);
+    let verdict = verdict(subject);
     let (script, style) = (assets::viewer_js() + assets::REPORT_JS, style());
     let mut sections = figures::sections(subject, drawings);
     sections.push(places::section(subject));

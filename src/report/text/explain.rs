@@ -1,11 +1,12 @@
 //! The error calculation of one posture, step by step.
 
 use super::table::TextTable;
-use super::{fixed, percent, place_words, value_word};
+use super::{fixed, percent, place_words};
 use crate::assess::{Explanation, Line, Motion, Place};
 use crate::cell::{Frame, JointKind, Reading, Registration, Unit};
 use crate::pose::Displacement;
-use crate::report::names;
+use crate::record::parameter_names::{self as names, frame_name};
+use crate::record::value_word;
 use crate::units::{deg_from_rad, mm_from_m, rad_from_deg, rounded};
 use nalgebra::Vector3;
 use std::fmt::Write;
@@ -96,17 +97,6 @@ fn motion_words(motion: &Motion) -> String {
     let how = if motion.turns { "turn about" } else { "slide along" };
     let factor = if motion.factor == 1.0 { String::new() } else { format!(", times {}", motion.factor) };
     format!("{how} {axis} of {}{factor}", frame_name(motion.place))
-}
-
-/// Returns the name of a frame.
-pub fn frame_name(place: Place) -> String {
-    match place {
-        Place::Base => "base".into(),
-        Place::Link(k) => format!("frame {k}"),
-        Place::Joint(k) => format!("joint {}", k + 1),
-        Place::Tcp => "TCP".into(),
-        Place::Work => "work".into(),
-    }
 }
 
 fn effects(e: &Explanation<'_>) -> String {

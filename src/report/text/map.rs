@@ -1,7 +1,8 @@
 //! Summary of the error maps, operation by operation.
 
 use super::compare::margin;
-use super::{feasibility, mm1, percent, percent1, value_word};
+use super::{feasibility, mm1, percent, percent1};
+use crate::record::value_word;
 use crate::assess::Assessment;
 use crate::cell::{Cell, Model, Unit};
 use crate::error_map::{NodeSign, OperationMap};

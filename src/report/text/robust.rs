@@ -1,6 +1,7 @@
 //! The effect of misplaced equipment on each operation.
 
-use super::{amount, fixed, percent1, value_word};
+use super::{amount, fixed, percent1};
+use crate::record::value_word;
 use crate::assess::Assessment;
 use crate::cell::{Cell, Slot, Unit};
 use crate::files::shown;

@@ -21,7 +21,7 @@ fn same(a: f64, b: f64) {
     assert!((a - b).abs() <= 1e-3 || a.is_nan() && b.is_nan(), "{a} and {b}");
 }
 
-/// Returns a page that shows a document and nothing else, for people and for tests/browser/viewer.mjs.
+/// Returns a page that shows a document and nothing else, for people to look at.
 fn page(document: &Value) -> String {
     let (css, js) = (assets::VIEWER_CSS, assets::viewer_js());
     let policy = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'";

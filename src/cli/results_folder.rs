@@ -1,66 +1,61 @@
-//! The folder of a search read again: every file of it, checked against the hashes of its manifest.
+//! The folder of a search, read again: every file is checked against the hashes of its manifest.
 
-use super::arguments::{Arguments, Command, SearchArguments};
 use super::output::path_word;
 use super::packages::Packages;
 use super::results::{INPUTS, portable};
 use super::{Exit, asked, checkpoint, loading, output};
 use crate::cell::Layout;
-use crate::files::{Loaded, shown};
-use crate::report::page::{Found, Manifest};
-use clap::Parser;
-use serde::Deserialize;
+use crate::files::{Loaded, Setting, shown};
+use crate::record::{HashedFile, ManifestDocument, ResolvedSettings, SearchResult};
+use crate::report::page::Manifest;
 use std::path::{Path, PathBuf};
 
-/// What a search has left.
-pub struct Folder {
+/// Folder of a search.
+pub struct SearchFolder {
     /// The cell as the search was asked for it.
     pub loaded: Loaded,
     /// The cell file inside the folder.
     pub file: PathBuf,
-    /// Of best.toml; None if no layout is feasible.
+    /// The layout of best.toml; None if no layout is feasible.
     pub best: Option<Layout>,
-    pub found: Found,
+    pub found: SearchResult,
     pub manifest: Manifest,
 }
 
-#[derive(Deserialize)]
-struct ManifestFile {
-    version: String,
-    command: Vec<String>,
-    seed: u64,
-    inputs: Vec<Hashed>,
-    outputs: Vec<Hashed>,
+/// What made the files of a folder.
+struct FolderOrigin {
+    manifest: Manifest,
+    /// Keys of the cell file that the command line has stated.
+    settings: Vec<Setting>,
+    /// Settings of the run; None of a search that was stopped.
+    resolved: Option<ResolvedSettings>,
 }
 
-#[derive(Deserialize)]
-struct Hashed {
-    path: String,
-    sha256: String,
-}
-
-/// Reads the folder of a search; says what is wrong with it.
-pub fn read(folder: &Path, packages: &Packages) -> Result<Folder, Exit> {
-    let manifest = manifest(folder)?;
-    let arguments = arguments(folder, &manifest.command)?;
+/// Reads the folder of a search; reports what is wrong with it.
+pub fn read(folder: &Path, packages: &Packages) -> Result<SearchFolder, Exit> {
+    let FolderOrigin { manifest, settings, resolved } = origin(folder)?;
     untouched(folder, &manifest)?;
     let name = manifest.inputs.first().map(|(path, _)| portable(path)).ok_or(Exit::BadInput)?;
     let file = folder.join(INPUTS).join(name);
     let packages = kept_packages(folder, packages);
-    let loaded = asked::load_for_search(&SearchArguments { packages: packages.clone(), ..arguments }, &file)?;
-    let found: Found = serde_json::from_slice(&bytes(folder, "search.json")?)
-        .map_err(|e| refused(folder, "search.json", &format!("it is not that of a search: {e}")))?;
+    let loaded = asked::load_for_search(&file, &packages, &settings)?;
+    if resolved.is_some_and(|resolved| resolved != ResolvedSettings::new(&loaded.cell)) {
+        let why = "this program reads other settings from inputs/ than it names: its defaults differ";
+        return Err(refused(folder, "manifest.json", why));
+    }
+    let found: SearchResult = serde_json::from_slice(&bytes(folder, "search.json")?)
+        .map_err(|e| refused(folder, "search.json", &format!("it is not the result of a search: {e}")))?;
     let best = match found.objective_value {
         Some(_) => Some(loading::load(&folder.join("best.toml"), &packages)?.cell.start()),
         None => None,
     };
     let best = best.map(|layout| fitting(folder, layout, &loaded)).transpose()?;
-    Ok(Folder { loaded, file, best, found, manifest })
+    Ok(SearchFolder { loaded, file, best, found, manifest })
 }
 
 /// best.toml of the folder of a search, and that nothing in the folder was changed since.
 pub fn best_of(folder: &Path) -> Result<PathBuf, Exit> {
-    untouched(folder, &manifest(folder)?)?;
+    untouched(folder, &origin(folder)?.manifest)?;
     let best = folder.join("best.toml");
     if best.is_file() {
         return Ok(best);
@@ -81,35 +76,40 @@ fn fitting(folder: &Path, layout: Layout, loaded: &Loaded) -> Result<Layout, Exi
     }
 }
 
-/// From manifest.json; of a search that was stopped, from its checkpoint.
-fn manifest(folder: &Path) -> Result<Manifest, Exit> {
+/// Reads the manifest or, of a search that was stopped, the checkpoint.
+fn origin(folder: &Path) -> Result<FolderOrigin, Exit> {
     let name = "manifest.json";
-    let pairs = |files: Vec<Hashed>| files.into_iter().map(|f| (f.path, f.sha256)).collect();
     let (source, csv) = (folder.to_string_lossy().into_owned(), "map.csv beside search.json".to_string());
     if folder.join(name).is_file() {
-        let ManifestFile { version, command, seed, inputs, outputs } =
-            serde_json::from_slice(&bytes(folder, name)?)
-                .map_err(|e| refused(folder, name, &format!("it is not that of a search: {e}")))?;
+        let document: ManifestDocument = serde_json::from_slice(&bytes(folder, name)?)
+            .map_err(|e| refused(folder, name, &format!("it is not the manifest of a search: {e}")))?;
+        let ManifestDocument { version, command, seed, settings, resolved, inputs, outputs, .. } = document;
+        let is_search = outputs.iter().any(|file| file.path == "search.json");
+        let (true, Some(command), Some(seed), Some(settings)) = (is_search, command, seed, settings) else {
+            return Err(refused(folder, name, "it is not the manifest of a search"));
+        };
+        let pairs = |files: Vec<HashedFile>| files.into_iter().map(|f| (f.path, f.sha256)).collect();
         let (inputs, outputs) = (pairs(inputs), pairs(outputs));
-        return Ok(Manifest { command, version, seed, inputs, outputs, csv, source, is_complete: true });
+        let manifest = Manifest { command, version, seed, inputs, outputs, csv, source, is_complete: true };
+        return Ok(FolderOrigin { manifest, settings, resolved });
     }
     if !folder.join(loading::CHECKPOINT).is_file() {
         output::error(&format!("{} holds no manifest.json and no checkpoint", path_word(folder)));
         output::talk("  help: name a cell file, or a folder that sweetspot search has written");
         return Err(Exit::BadInput);
     }
-    let (command, inputs) = checkpoint::begun(folder)?;
-    let (version, seed) = (env!("CARGO_PKG_VERSION").into(), 0);
-    Ok(Manifest { command, version, seed, inputs, outputs: Vec::new(), csv, source, is_complete: false })
-}
-
-/// The search that the command asks for.
-fn arguments(folder: &Path, command: &[String]) -> Result<SearchArguments, Exit> {
-    let words = std::iter::once("sweetspot").chain(command.iter().map(String::as_str));
-    match Arguments::try_parse_from(words) {
-        Ok(Arguments { command: Command::Search(arguments) }) => Ok(arguments),
-        _ => Err(refused(folder, "manifest.json", "its command is no search")),
-    }
+    let (request, inputs) = checkpoint::begun(folder)?;
+    let manifest = Manifest {
+        command: request.command,
+        version: env!("CARGO_PKG_VERSION").into(),
+        seed: 0,
+        inputs,
+        outputs: Vec::new(),
+        csv,
+        source,
+        is_complete: false,
+    };
+    Ok(FolderOrigin { manifest, settings: request.settings, resolved: None })
 }
 
 /// Every file is as the search wrote it.

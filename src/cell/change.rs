@@ -1,0 +1,99 @@
+//! Changes of a validated cell. Each returns a valid cell again, so nothing outside this folder and the reader
+//! of files changes a field of one.
+
+use super::layout::{Coordinate, Slot};
+use super::model::Cell;
+
+impl Cell {
+    /// Returns the coordinate of a slot of the layout.
+    pub fn coordinate(&self, slot: Slot) -> Option<&Coordinate> {
+        match slot {
+            Slot::Base(axis) => self.base.get(axis),
+            Slot::Equipment(k, axis) => self.equipment.get(k)?.placement.get(axis),
+            Slot::Attitude(k, angle) => self.operations.get(k)?.angles.get(angle)?.as_ref(),
+        }
+    }
+
+    fn coordinate_mut(&mut self, slot: Slot) -> Option<&mut Coordinate> {
+        match slot {
+            Slot::Base(axis) => self.base.get_mut(axis),
+            Slot::Equipment(k, axis) => self.equipment.get_mut(k)?.placement.get_mut(axis),
+            Slot::Attitude(k, angle) => self.operations.get_mut(k)?.angles.get_mut(angle)?.as_mut(),
+        }
+    }
+
+    /// Returns this cell with other start values (m or rad). With `frees`, a coordinate that is fixed and gets
+    /// another value becomes a range, so that a file can state it.
+    pub fn starting_at(&self, values: impl Iterator<Item = (Slot, f64)>, frees: bool) -> Cell {
+        let mut cell = self.clone();
+        for (slot, value) in values {
+            if let Some(coordinate) = cell.coordinate_mut(slot) {
+                *coordinate = coordinate.starting_at(value, frees);
+            }
+        }
+        cell
+    }
+
+    /// Returns this cell with the ranges of another one of the same equipment and operations, wherever a
+    /// fixed coordinate lies in the range: a result becomes searchable again.
+    pub fn with_ranges_of(mut self, wide: &Cell) -> Cell {
+        let same = |a: &Cell, b: &Cell| {
+            a.equipment.iter().map(|e| &e.name).eq(b.equipment.iter().map(|e| &e.name))
+                && a.operations.iter().map(|o| &o.name).eq(b.operations.iter().map(|o| &o.name))
+        };
+        if !same(&self, wide) {
+            return self;
+        }
+        let mut slots = Vec::new();
+        wide.layout(|slot, coordinate| {
+            slots.push(slot);
+            coordinate.start()
+        });
+        for slot in slots {
+            let (Some(range), Some(own)) = (wide.coordinate(slot), self.coordinate_mut(slot)) else {
+                continue;
+            };
+            let value = own.start();
+            let (low, high) = range.range();
+            let is_within = match range {
+                Coordinate::List(values) => values.contains(&value),
+                _ => (low..=high).contains(&value),
+            };
+            if range.is_free() && !own.is_free() && is_within {
+                *own = range.starting_at(value, false);
+            }
+        }
+        self
+    }
+
+    /// Returns this cell with another seed or budget of its search.
+    ///
+    /// # Errors
+    /// That the budget is out of range.
+    pub fn searching(mut self, seed: Option<u64>, budget: Option<u64>) -> Result<Cell, String> {
+        let range = super::choices::SearchSettings::BUDGETS;
+        self.search.seed = seed.unwrap_or(self.search.seed);
+        self.search.budget = budget.unwrap_or(self.search.budget);
+        match range.contains(&self.search.budget) {
+            true => Ok(self),
+            false => Err(format!("the budget must be from {} to {}", range.start(), range.end())),
+        }
+    }
+}
+
+impl Coordinate {
+    /// Returns this coordinate with another start value; with `frees`, a fixed one becomes a range.
+    fn starting_at(&self, value: f64, frees: bool) -> Coordinate {
+        match self {
+            Coordinate::Fixed(was) if frees && *was != value => {
+                Coordinate::Range { min: was.min(value), max: was.max(value), start: value }
+            }
+            Coordinate::Fixed(_) => Coordinate::Fixed(value),
+            Coordinate::Range { min, max, .. } => Coordinate::Range { min: *min, max: *max, start: value },
+            Coordinate::List(values) => {
+                let others = values.iter().copied().filter(|v| *v != value);
+                Coordinate::List(std::iter::once(value).chain(others).collect())
+            }
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! Text of a first cell, part by part, with comments for the user.
+
+use super::{Sketch, SketchedEquipment};
+
+impl Sketch {
+    /// Returns the text of the cell file.
+    pub fn text(&self) -> String {
+        [self.head(), self.robot_part(), self.equipment(), self.operations(), SEARCH.to_string()].join("\n")
+    }
+
+    fn head(&self) -> String {
+        let Self { name, robot, errors, .. } = self;
+        let what = match *errors {
+            "placeholder" => {
+                "# PLACEHOLDER values: manufacturers do not publish tolerances of these parameters. Add those of your robot\n\
+                 # to its file, under [errors.NAME], and name the set here. Until then compare errors, do not rely on them."
+            }
+            _ => {
+                "# The magnitudes of Table 3 of the seed paper as tolerances. Add those of your robot to its file, under\n\
+                 # [errors.NAME], and name the set here."
+            }
+        };
+        format!(
+            r#"#:schema ./schemas/cell.schema.json
+# A first cell, written by `sweetspot init {name}`. It runs as it is; change whatever differs in your workcell.
+# Lengths are in mm, angles in degrees. Editors that read the line above complete and explain every key.
+schema = "sweetspot/cell/1"
+units = {{ length = "mm", angle = "deg" }}
+name = "First cell: {name}"
+source = "placements made up by sweetspot init; the robot file says where its numbers come from"
+
+# Error set of the robot; `sweetspot robot {robot}` lists all sets.
+{what}
+errors = "{errors}"
+
+# How errors are read: "worst-case" (the worst corner of the tolerances) or "statistical" (random variables, of
+# which `quantity` is minimized: "rms", "mean", "p95", "p99" or "yield"). A measured sample is read "signed".
+reading = "statistical"
+quantity = "p95"
+
+# A distance below this counts as a collision.
+clearance_mm = 0
+"#
+        )
+    }
+
+    fn robot_part(&self) -> String {
+        let Self { robot, pedestal, .. } = self;
+        let under = if *pedestal > 0 { ", on a pedestal that is not modelled" } else { "" };
+        format!(
+            r#"# The robot, and the placement of its base{under}. Keys here override those of its file: your own tool,
+# for example, is tool = {{ position_mm = [0, 0, 120], axis = [0, 0, 1] }}.
+[robot]
+from = "robots/{robot}.toml"
+base = {{ x_mm = 0, y_mm = 0, z_mm = {pedestal}, yaw_deg = 0 }}
+"#
+        )
+    }
+
+    fn equipment(&self) -> String {
+        format!(
+            "# Equipment; its frame is in the middle of its top. A number is fixed; a range {{ min, max, start }} or a list\n\
+             # of allowed values is searched, and `start` is the value in the layout as drawn.\n{}\n{}",
+            self.work.text(),
+            self.supply.text()
+        )
+    }
+
+    fn operations(&self) -> String {
+        let Self { standoff, work, supply, .. } = self;
+        let spin = if self.few_spins {
+            "spin_deg = [0, 90, 180, 270] # allowed angles about the tool axis; without it, every 30 degrees is tried\n"
+        } else {
+            ""
+        };
+        format!(
+            r#"# Operations; the spot of each is chosen among the nodes of a grid on the work surface.
+[operation.assembly]
+on = "{}"
+grid = [6, 4]        # divisions along x and y: 7 x 5 nodes
+standoff_mm = {standoff}{}# height of the TCP above the surface
+bend_deg = -90       # elevation of the tool axis: -90 points down
+{spin}sense = "xy"         # direction of the error that counts: x, y, z, xy, xyz, rx, ry, rz, rotation; xy@tool in tool axes
+# limit_mm = 1       # largest error allowed: a search then reports whether it is met, and the margin
+
+[operation.picking]
+on = "{}"
+grid = [6, 2]
+standoff_mm = {standoff}
+bend_deg = -90
+{spin}sense = "xy"
+
+# Obstacles go here: only their solids and placement are needed.
+# [obstacle.post]
+# solid = [{{ name = "post", box = {{ centre_mm = [0, 0, 1000], size_mm = [100, 100, 2000] }} }}]
+# placement = {{ x_mm = -900, y_mm = 0, z_mm = 0 }}
+"#,
+            work.file,
+            if *standoff < 100 { "     " } else { "    " },
+            supply.file
+        )
+    }
+}
+
+const SEARCH: &str = r#"[search]
+solver = "cma-es"
+objective = "sum" # of the errors of all operations; or "max", or "lexicographic" in the order of operations
+budget = 2000     # layout evaluations; use 20000 for a final result
+seed = 1          # the same seed gives the same result
+"#;
+
+impl SketchedEquipment {
+    fn text(&self) -> String {
+        let Self { file, x, y, z, yaw, within, heights } = self;
+        let height = match heights {
+            Some((low, high)) => format!("{{ min = {low}, max = {high}, start = {z} }}"),
+            None => z.to_string(),
+        };
+        format!(
+            r#"[equipment.{file}]
+from = "equipment/{file}.toml"
+
+[equipment.{file}.placement]
+x_mm = {{ min = -{within}, max = {within}, start = {x} }}
+y_mm = {{ min = -{within}, max = {within}, start = {y} }}
+z_mm = {height}
+yaw_deg = {{ min = -90, max = 90, start = {yaw} }}
+"#
+        )
+    }
+}
