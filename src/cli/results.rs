@@ -100,7 +100,8 @@ fn alternatives(
     for (k, Alternative { candidate, .. }) in record.alternatives.iter().enumerate() {
         let objective = candidate.evaluation.objective.map_or(0.0, |o| cell.unit().from_si(o));
         let which = format!("Layout {} of {count}", k + 1);
-        outputs.push((crate::record::goals::file_name(k, count), fixed(&which, &candidate.layout, objective)));
+        outputs
+            .push((crate::record::goals::file_name(k, count), fixed(&which, &candidate.layout, objective)));
     }
     if count > 0 {
         let table = report::csv::front(cell, record).map_err(|why| {

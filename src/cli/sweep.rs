@@ -80,9 +80,8 @@ fn changes(plan: &SweepPlan, old: &SweepPlan) -> Vec<String> {
     note(plan.sets == old.sets, "the sets");
     note((plan.seed, plan.budget) == (old.seed, old.budget), "seed or budget");
     note(plan.solver == old.solver, "the solver");
-    let hash = |plan: &SweepPlan, path: &str| {
-        plan.inputs.iter().find(|i| i.path == path).map(|i| i.sha256.clone())
-    };
+    let hash =
+        |plan: &SweepPlan, path: &str| plan.inputs.iter().find(|i| i.path == path).map(|i| i.sha256.clone());
     let own = plan.inputs.iter().filter(|i| !old.inputs.iter().any(|o| o.path == i.path));
     for input in old.inputs.iter().chain(own) {
         note(hash(plan, &input.path) == hash(old, &input.path), &shown(&input.path));
@@ -115,7 +114,9 @@ fn count(sets: &[Choices]) -> Result<usize, Exit> {
     count.filter(|n| *n <= MAX_COMBINATIONS).ok_or_else(|| {
         let factors: Vec<_> = lengths.map(|n| n.to_string()).collect();
         let factors = factors.join(" times ");
-        output::error(&format!("{factors} values make more than {MAX_COMBINATIONS} combinations; nothing was done"));
+        output::error(&format!(
+            "{factors} values make more than {MAX_COMBINATIONS} combinations; nothing was done"
+        ));
         output::talk("  help: set fewer values, or part them into several sweeps");
         Exit::BadInput
     })

@@ -37,10 +37,10 @@ pub use value_bound::tangent;
 use crate::cell::{JointVector, Quantity, Reading};
 use crate::files::shown;
 use crate::layout::{Workcell, combined};
-use std::sync::atomic::AtomicBool;
-use task::Task;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::sync::atomic::AtomicBool;
+use task::Task;
 
 /// Effort of a proof.
 #[derive(Debug, Clone, PartialEq)]

@@ -267,7 +267,8 @@ impl MonteCarloEntry {
     /// Returns None unless the reading is statistical and the operation has a spot.
     pub fn new(a: &Assessment<'_>, operation: usize) -> Option<Self> {
         let unit = a.cell.operations[operation].sense.unit;
-        let MonteCarlo { samples, rms, mean, p95, p99, above, success, .. } = a.samples[operation].as_ref()?;
+        let MonteCarlo { samples, rms, mean, p95, p99, above, success, .. } =
+            a.samples[operation].as_ref()?;
         Some(Self {
             samples: *samples,
             unit,

@@ -42,13 +42,13 @@ pub use map::{
     EstimateEntry, GuardEntry, JointEntry, MapDocument, ModelGuardEntry, MonteCarloEntry, OperationMapEntry,
     SenseEntry, StatusCounts, TransferEntry,
 };
-pub use numbers::{joints, nine_digits, position_mm};
 pub use misplacement::{
     CornerEntry, EndedEntry, LargestEntry, LostEntry, MisplacedOperation, MoveEntry, RobustDocument,
     RobustnessEntry, SlopeEntry, coordinate_name,
 };
 pub use node::{DiscrepancyEntry, MapNode, MapNodes};
 pub use node_table::{ColumnKind, NodeTable, TableColumn, TableValue};
+pub use numbers::{joints, nine_digits, position_mm};
 pub use placement::{AttitudeEntry, ByName, PlacementEntry};
 pub use readings::{OperationReadings, ReadingEntry, ReadingsDocument, RegretEntry};
 pub use refined::RefinedEntry;
@@ -57,12 +57,12 @@ pub use robot::{
     RobotEntry, RobotSheetDocument, RobotsDocument, SectionEntry, SectionOutline, SizeEntry, ToolSheet,
 };
 pub use schema::DocumentKind;
-pub use search::{
-    AlternativeEntry, ProofEntry, ProvenOperation, SearchResult, SearchStatus, StartEntry,
-};
+pub use search::{AlternativeEntry, ProofEntry, ProvenOperation, SearchResult, SearchStatus, StartEntry};
 pub use settings::{ResolvedOperation, ResolvedSettings};
 pub use spot::{RequirementEntry, SpotEntry};
-pub use sweep::{SWEEP_PLAN_SCHEMA, SweepGroup, SweepMode, SweepPlan, SweepRow, SweepSpot, SweepTable, combination};
+pub use sweep::{
+    SWEEP_PLAN_SCHEMA, SweepGroup, SweepMode, SweepPlan, SweepRow, SweepSpot, SweepTable, combination,
+};
 pub use verdict::{
     FactEntry, FactMood, REPORT_SCHEMA, RequirementState, RunnerUpEntry, RunnerUpKind, VerdictAnswer,
     VerdictDocument, VerdictSpot, VerdictSubject,

@@ -112,9 +112,10 @@ impl<'d> NodeTable<'d> {
 
     /// Walks the rows, one by one: a map can have a million of them.
     pub fn rows(&self) -> impl Iterator<Item = Vec<TableValue>> + '_ {
-        self.document.operations.iter().flat_map(move |operation| {
-            operation.nodes.iter().map(move |node| self.row(operation, &node))
-        })
+        self.document
+            .operations
+            .iter()
+            .flat_map(move |operation| operation.nodes.iter().map(move |node| self.row(operation, &node)))
     }
 
     fn row(&self, operation: &OperationMapEntry<'_>, node: &MapNode) -> Vec<TableValue> {

@@ -297,7 +297,11 @@ impl EnvelopeDocument {
             section: SectionEntry {
                 azimuth_deg: degrees(envelope.azimuth),
                 area_m2: nine_digits(envelope.section.area()),
-                outlines: outlines(&envelope.section, |hole, [r_mm, z_mm]| SectionOutline { hole, r_mm, z_mm }),
+                outlines: outlines(&envelope.section, |hole, [r_mm, z_mm]| SectionOutline {
+                    hole,
+                    r_mm,
+                    z_mm,
+                }),
             },
             plans: envelope.plans.iter().map(plan).collect(),
         }

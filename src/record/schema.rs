@@ -1,9 +1,9 @@
 //! The published JSON Schema of every document, made from its record.
 
 use super::{
-    BudgetDocument, CheckDocument, ComparisonDocument, EnvelopeDocument, ExplanationDocument, ManifestDocument,
-    MapDocument, ReadingsDocument, RobotSheetDocument, RobotsDocument, RobustDocument, SearchResult, SweepPlan,
-    SweepRow, SweepTable, VerdictDocument,
+    BudgetDocument, CheckDocument, ComparisonDocument, EnvelopeDocument, ExplanationDocument,
+    ManifestDocument, MapDocument, ReadingsDocument, RobotSheetDocument, RobotsDocument, RobustDocument,
+    SearchResult, SweepPlan, SweepRow, SweepTable, VerdictDocument,
 };
 use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;

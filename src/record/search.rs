@@ -194,11 +194,7 @@ impl SearchResult {
     }
 
     /// Makes the result of a search from its comparison of start and best; None if that has other columns.
-    pub fn of_comparison(
-        record: &SearchRecord,
-        proof: &Proof,
-        comparison: &Comparison<'_>,
-    ) -> Option<Self> {
+    pub fn of_comparison(record: &SearchRecord, proof: &Proof, comparison: &Comparison<'_>) -> Option<Self> {
         let [start, best] = &comparison.columns[..] else { return None };
         let gain = comparison.change_percent(1, Assessment::objective).map(|c| rounded(-c, 6));
         Some(Self::new(record, proof, start, best, gain))

@@ -1,4 +1,4 @@
-//! Records to bytes: pure renderers, one per format.
+//! Pure renderers from records to bytes, one per format.
 
 pub mod chart;
 pub mod colours;

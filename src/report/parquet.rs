@@ -35,7 +35,9 @@ impl ColumnValues {
         match (self, value) {
             (Self::Text(all), TableValue::Text(text)) => all.push(text.into_bytes().into()),
             (Self::Count(all), TableValue::Count(count)) => {
-                all.push(count.try_into().map_err(|_| format!("{count} is too large for a column of counts"))?);
+                all.push(
+                    count.try_into().map_err(|_| format!("{count} is too large for a column of counts"))?,
+                );
             }
             (Self::Flag(all), TableValue::Flag(flag)) => all.push(flag),
             (Self::Number(all), TableValue::Number(number)) => all.push(number),

@@ -6,7 +6,7 @@ use crate::cli::arguments::FiguresArguments;
 use crate::cli::output::{path_word, word};
 use crate::cli::{Exit, asked, loading, output, results, results_folder};
 use crate::files::Source;
-use crate::report::figures::{Figure, Format, figures as drawn, readme};
+use crate::report::figures::{Format, PaperFigure, figures as drawn, readme};
 use std::path::Path;
 
 /// `sweetspot figures`
@@ -18,7 +18,8 @@ pub fn figures(a: &FiguresArguments) -> Result<Exit, Exit> {
         let it = asked::load(&file, &a.packages, &a.question)?;
         loaded.push((results::portable(&stem(path)), it.sources, workcell(it.cell, &file)?));
     }
-    let (mut chapters, mut sources): (Vec<(String, Vec<Figure>)>, Vec<Source>) = (Vec::new(), Vec::new());
+    let (mut chapters, mut sources): (Vec<(String, Vec<PaperFigure>)>, Vec<Source>) =
+        (Vec::new(), Vec::new());
     for (k, (stem, read, workcell)) in loaded.iter().enumerate() {
         let prefix = match loaded.iter().filter(|(other, ..)| other == stem).count() {
             _ if loaded.len() == 1 => String::new(),

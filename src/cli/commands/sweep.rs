@@ -77,8 +77,7 @@ fn check_all(plan: &mut SweepPlan, kept: &FileSnapshot, jobs: usize) -> Result<V
             Err(why) => Err(vec![Fault::of_file(&path_word(&plan.cell), why, UNSOLVED)]),
         }
     };
-    let checked: Vec<_> =
-        pool(jobs)?.install(|| (0..plan.combinations).into_par_iter().map(check).collect());
+    let checked: Vec<_> = pool(jobs)?.install(|| (0..plan.combinations).into_par_iter().map(check).collect());
     let (mut all, mut told) = (Vec::new(), Vec::new());
     for (index, result) in checked.into_iter().enumerate() {
         let faults = match result {

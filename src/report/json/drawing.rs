@@ -4,10 +4,12 @@
 //! frame, mm and degrees. A pose is 12 numbers: the three columns of its rotation, then its origin.
 
 use crate::cell::{Cell, Equipment, JointKind, Rectangle, Role, Sense};
-use crate::record::{joints as joints_of_file, nine_digits as length, position_mm as lengths};
-use crate::drawing::{Carrier, Drawing, Field, Lens, Mesh, Movement, Node, Part, Rings, Stop, Take};
+use crate::drawing::{
+    Drawing, DrawnPart, Field, FieldNode, Lens, Mesh, Movement, MovementStop, PartCarrier, Rings, Take,
+};
 use crate::geometry::simplified_line;
 use crate::pose::Pose;
+use crate::record::{joints as joints_of_file, nine_digits as length, position_mm as lengths};
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -115,10 +117,10 @@ fn operations(cell: &Cell) -> Vec<Value> {
     one.collect()
 }
 
-fn part(part: &Part, meshes: &mut Meshes) -> Value {
+fn part(part: &DrawnPart, meshes: &mut Meshes) -> Value {
     let (link, at) = match part.carrier {
-        Carrier::Link(k) => (Some(k), None),
-        Carrier::World(at) => (None, Some(pose(&at))),
+        PartCarrier::Link(k) => (Some(k), None),
+        PartCarrier::World(at) => (None, Some(pose(&at))),
     };
     json!({
         "name": part.name,
@@ -161,7 +163,7 @@ fn field(f: &Field, cell: &Cell) -> Value {
     })
 }
 
-fn joints(node: &Node, cell: &Cell) -> Option<Vec<f64>> {
+fn joints(node: &FieldNode, cell: &Cell) -> Option<Vec<f64>> {
     let all = node.joints.as_ref().map(|q| joints_of_file(cell, q));
     all.map(|all| all.into_iter().map(|q| rounded(q, 2)).collect())
 }
@@ -198,7 +200,7 @@ fn thinned(ring: &[Vector3<f64>]) -> Vec<&Vector3<f64>> {
 
 fn movement(m: &Movement, cell: &Cell) -> Value {
     let kept = kept(m);
-    let stop = |s: &Stop| {
+    let stop = |s: &MovementStop| {
         json!({
             "operation": s.operation,
             "name": s.operation.map_or("home", |k| &cell.operations[k].name),

@@ -1,6 +1,6 @@
 //! What the numbers rest on, and where they come from.
 
-use super::content::{Section, Table, plain};
+use super::content::{PageTable, Section, plain};
 use super::subject::{Manifest, Subject};
 use super::verdict::reading_in_words;
 use crate::cell::{Cell, Distribution, ErrorSet, Registration, Tolerance};
@@ -30,7 +30,7 @@ pub fn section(subject: &Subject<'_>) -> Section {
         ));
     }
     let mut section = Section::new("assumptions", "Assumptions and warnings", Vec::new());
-    section.tables.push(Table::new("", &["what", "said"], rows));
+    section.tables.push(PageTable::new("", &["what", "said"], rows));
     section
 }
 
@@ -134,12 +134,12 @@ pub fn manifest(subject: &Subject<'_>) -> Section {
     }
     let hashes = |files: &[(String, String)]| files.iter().map(|(p, h)| vec![plain(p), plain(h)]).collect();
     let mut section = Section::new("manifest", "Where the numbers come from", Vec::new());
-    section.tables.push(Table::new("", &["what", "said"], rows));
-    section.tables.push(Table::new("Files read", &["file", "SHA-256"], hashes(inputs)));
+    section.tables.push(PageTable::new("", &["what", "said"], rows));
+    section.tables.push(PageTable::new("Files read", &["file", "SHA-256"], hashes(inputs)));
     if !outputs.is_empty() {
         let checked = "Each file of the folder has been read and agrees with its hash.";
         section.tables.push(
-            Table::new("Files of the search", &["file", "SHA-256"], hashes(outputs)).with_note(checked),
+            PageTable::new("Files of the search", &["file", "SHA-256"], hashes(outputs)).with_note(checked),
         );
     }
     section

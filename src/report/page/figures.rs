@@ -1,6 +1,6 @@
 //! The sections with pictures: what each shows, section by section.
 
-use super::content::{Figure, Section, Table};
+use super::content::{PageFigure, PageTable, Section};
 use super::places::titled;
 use super::subject::{Subject, si};
 use super::verdict::{down, quantity};
@@ -9,11 +9,11 @@ use crate::cell::Goal;
 use crate::drawing::Drawing;
 use crate::files::shown;
 use crate::reading::Share;
+use crate::record::{AlternativeEntry, SearchResult, goals, parameter_names as names};
 use crate::report::chart;
 use crate::report::chart::Course;
 use crate::report::raster;
 use crate::report::raster::Shot;
-use crate::record::{AlternativeEntry, SearchResult, goals, parameter_names as names};
 use crate::report::text;
 use crate::search;
 use crate::search::{EvaluatedLayout, SearchEnd, SearchRecord};
@@ -40,13 +40,13 @@ pub fn sections(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Vec<Section>
 ///
 /// # Errors
 /// What cannot be drawn.
-pub fn still(a: &Assessment<'_>, drawings: &[Drawing<'_>]) -> Result<Vec<Figure>, String> {
+pub fn still(a: &Assessment<'_>, drawings: &[Drawing<'_>]) -> Result<Vec<PageFigure>, String> {
     let Some(drawing) = drawings.last() else { return Ok(Vec::new()) };
     let stance = (0..a.maps.len()).find(|k| a.spot(*k).is_some());
     let svg = raster::isometric(drawing, &Shot { stance, width: 1200, height: 800, ..Shot::default() })?;
     let caption = "Arrows are the errors, enlarged as said; rings are nodes out of reach, the large ring marks the \
                    chosen spot.";
-    Ok(vec![Figure::new(titled(a, "the cell"), caption, svg)])
+    Ok(vec![PageFigure::new(titled(a, "the cell"), caption, svg)])
 }
 
 fn map(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Section {
@@ -64,7 +64,7 @@ fn map(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Section {
                 every => format!("Only every node number {every} in both directions is drawn."),
             };
             let title = titled(a, &shown(&a.cell.operations[field.operation].name));
-            section.figures.push(Figure::new(
+            section.figures.push(PageFigure::new(
                 title,
                 caption,
                 chart::heat_map(drawing, k, 0, field.sense, range),
@@ -83,7 +83,7 @@ fn envelopes(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Section {
     let mut section = Section::new("envelope", "Working envelope", vec![text.into()]);
     for (k, operation) in a.cell.operations.iter().enumerate() {
         let name = shown(&operation.name);
-        let figure = |what: &str, svg| Figure::new(titled(a, &format!("{name}, {what}")), "", svg);
+        let figure = |what: &str, svg| PageFigure::new(titled(a, &format!("{name}, {what}")), "", svg);
         section.figures.push(figure("from above", chart::layout_plan(a, drawing, k)));
         section.figures.push(figure("from the side", chart::layout_section(a, drawing, k)));
     }
@@ -102,13 +102,13 @@ fn budget(subject: &Subject<'_>) -> Section {
         let Ok(stance) = Stance::at(a.workcell, &a.layout, &a.maps, k, At::Best) else { continue };
         let account = Account::new(stance);
         let title = titled(a, &shown(&a.cell.operations[k].name));
-        section.figures.push(Figure::new(title, "", chart::tornado(&account)));
+        section.figures.push(PageFigure::new(title, "", chart::tornado(&account)));
         section.tables.push(budget_table(a, k, &account).folded());
     }
     section
 }
 
-fn budget_table(a: &Assessment<'_>, k: usize, account: &Account<'_>) -> Table {
+fn budget_table(a: &Assessment<'_>, k: usize, account: &Account<'_>) -> PageTable {
     let unit = account.stance.gauge.sense.unit;
     let row = |share: &Share| {
         let own = names::unit(a.cell, share.parameter);
@@ -137,7 +137,7 @@ fn budget_table(a: &Assessment<'_>, k: usize, account: &Account<'_>) -> Table {
         )
     });
     let name = shown(&a.cell.operations[k].name);
-    Table::new(titled(a, &format!("{name} in numbers")), &head, rows).with_note(more + &cut)
+    PageTable::new(titled(a, &format!("{name} in numbers")), &head, rows).with_note(more + &cut)
 }
 
 fn discrepancies(subject: &Subject<'_>) -> Section {
@@ -145,7 +145,7 @@ fn discrepancies(subject: &Subject<'_>) -> Section {
     let text = "How far the linear model of the error is from the nonlinear one, node by node: the claim of the \
                 seed paper is less than 1 % (its Fig. 8).";
     let mut section = Section::new("discrepancy", "Linear against nonlinear model", vec![text.into()]);
-    section.figures.push(Figure::new(titled(a, "discrepancy"), "", chart::discrepancy(a)));
+    section.figures.push(PageFigure::new(titled(a, "discrepancy"), "", chart::discrepancy(a)));
     section
 }
 
@@ -158,7 +158,9 @@ fn distributions(subject: &Subject<'_>) -> Section {
     for k in 0..a.maps.len() {
         let name = shown(&a.cell.operations[k].name);
         match Distribution::at_spot(a, k) {
-            Ok(d) => section.figures.push(Figure::new(titled(a, &name), "", chart::histogram(a.cell, &d))),
+            Ok(d) => {
+                section.figures.push(PageFigure::new(titled(a, &name), "", chart::histogram(a.cell, &d)))
+            }
             Err(why) => section.text.push(format!("{name}: {why}.")),
         }
     }
@@ -182,9 +184,9 @@ fn convergence(subject: &Subject<'_>) -> Section {
         let trace: Vec<(u64, f64)> = found.trace.iter().map(|(n, value)| (*n, si(unit, *value))).collect();
         let (start, bound) = (subject.start.evaluation.objective, found.bound.map(|b| si(unit, b)));
         let course = Course { trace: &trace, evaluations: found.evaluations, start, bound, unit };
-        section.figures.push(Figure::new("Convergence", "", chart::convergence(&course)));
+        section.figures.push(PageFigure::new("Convergence", "", chart::convergence(&course)));
         section.tables.push(
-            Table::new("Improvements", &["evaluations", &format!("best so far {}", unit.word())], rows)
+            PageTable::new("Improvements", &["evaluations", &format!("best so far {}", unit.word())], rows)
                 .folded(),
         );
     }
@@ -220,9 +222,11 @@ fn pareto(subject: &Subject<'_>) -> Section {
         let told = |goal| format!("{:.4}", rounded(a.goals.get(goal), 4));
         std::iter::once(shown(&a.file)).chain(Goal::ALL.map(told)).collect()
     };
-    section.tables.push(Table::new("", &head, all.iter().map(row).collect()));
+    section.tables.push(PageTable::new("", &head, all.iter().map(row).collect()));
     let picture = chart::pareto(subject.cell(), &record(subject, found));
-    section.figures.extend(picture.map(|svg| Figure::new("Front", "Numbers are those of the files.", svg)));
+    section
+        .figures
+        .extend(picture.map(|svg| PageFigure::new("Front", "Numbers are those of the files.", svg)));
     section
 }
 
@@ -256,13 +260,13 @@ fn misplacement(subject: &Subject<'_>) -> Section {
     let rows = (0..a.maps.len()).flat_map(|k| {
         let Some(Some(r)) = a.robustness.get(k) else { return Vec::new() };
         let title = titled(a, &shown(&a.cell.operations[k].name));
-        section.figures.push(Figure::new(title, "", chart::misplacement(a.cell, k, r)));
+        section.figures.push(PageFigure::new(title, "", chart::misplacement(a.cell, k, r)));
         let name = shown(&a.cell.operations[k].name);
         text::robust_lines(a.cell, k, r).into_iter().map(|line| vec![name.clone(), line]).collect()
     });
     let rows: Vec<_> = rows.collect();
     if !rows.is_empty() {
-        section.tables.push(Table::new(titled(a, "misplaced"), &["operation", "what it does"], rows));
+        section.tables.push(PageTable::new(titled(a, "misplaced"), &["operation", "what it does"], rows));
     }
     section
 }

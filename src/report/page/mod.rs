@@ -22,7 +22,7 @@ mod subject;
 mod verdict;
 
 pub use compare::{Told, compare};
-pub use content::{Figure, Section, Table};
+pub use content::{PageFigure, PageTable, Section};
 #[cfg(feature = "view")]
 pub use live::live;
 pub use report::{Report, report};

@@ -1,6 +1,6 @@
 //! The report, put together.
 
-use super::content::{Figure, Section};
+use super::content::{PageFigure, Section};
 use super::subject::Subject;
 use super::verdict::verdict;
 use super::{assets, assumptions, figures, nodes, places, readings, script_json, shell};
@@ -20,14 +20,14 @@ pub struct Report {
 
 /// What the template is filled with.
 #[derive(Serialize)]
-struct Page<'a> {
+struct ReportPage<'a> {
     title: String,
     question: String,
     policy: String,
     style: &'a str,
     script: &'a str,
     verdict: &'a VerdictDocument,
-    still: Vec<Figure>,
+    still: Vec<PageFigure>,
     /// JSON for the viewer.
     drawings: String,
     sections: Vec<Section>,
@@ -51,7 +51,7 @@ pub fn report(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Result<Report,
     let mut still = figures::still(subject.shown(), drawings)?;
     let pictures = still.iter_mut().chain(sections.iter_mut().flat_map(|s| &mut s.figures));
     pictures.enumerate().for_each(|(k, figure)| figure.svg = shell::scoped(&figure.svg, k));
-    let page = Page {
+    let page = ReportPage {
         title: shown(&subject.cell().name),
         question: question(subject.cell()),
         policy: shell::policy(&script, &style),

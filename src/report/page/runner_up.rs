@@ -23,7 +23,10 @@ fn next_layout(subject: &Subject<'_>) -> Option<RunnerUpEntry> {
     let valued = found.others().filter_map(|other| Some((other, other.objective_value?)));
     let (next, value) = valued.min_by(|a, b| a.1.total_cmp(&b.1))?;
     let kept = match &found.pareto {
-        Some(goals) => format!("the least error of the other layouts of the front in {}", goals.iter().map(|g| g.name()).collect::<Vec<_>>().join(", ")),
+        Some(goals) => format!(
+            "the least error of the other layouts of the front in {}",
+            goals.iter().map(|g| g.name()).collect::<Vec<_>>().join(", ")
+        ),
         None => "the next of the layouts that the search kept and that really differ".to_string(),
     };
     let text = super::verdict::told(unit, value);

@@ -1,6 +1,6 @@
 //! What is reported: a layout as drawn, or what a search found.
 
-use super::content::Table;
+use super::content::PageTable;
 use crate::assess::Assessment;
 use crate::cell::{Cell, Unit};
 use crate::record::SearchResult;
@@ -40,9 +40,9 @@ impl<'a> Subject<'a> {
     }
 
     /// A table of each layout, the recommended one first; the other is shown when asked for.
-    pub fn tables(&self, of: impl Fn(&Assessment<'a>) -> Vec<Table>) -> Vec<Table> {
+    pub fn tables(&self, of: impl Fn(&Assessment<'a>) -> Vec<PageTable>) -> Vec<PageTable> {
         let other = self.best.as_ref().map_or(Vec::new(), |_| of(&self.start));
-        of(self.shown()).into_iter().chain(other.into_iter().map(Table::folded)).collect()
+        of(self.shown()).into_iter().chain(other.into_iter().map(PageTable::folded)).collect()
     }
 
     pub fn cell(&self) -> &'a Cell {

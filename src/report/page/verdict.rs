@@ -8,8 +8,8 @@ use crate::cell::{Cell, Objective, Unit};
 use crate::files::shown;
 use crate::proof::Covers;
 use crate::record::{
-    FactEntry, FactMood, ProvenOperation, REPORT_SCHEMA, RequirementState, RunnerUpEntry, SearchResult, VerdictAnswer,
-    VerdictDocument, VerdictSpot, VerdictSubject, value_word,
+    FactEntry, FactMood, ProvenOperation, REPORT_SCHEMA, RequirementState, RunnerUpEntry, SearchResult,
+    VerdictAnswer, VerdictDocument, VerdictSpot, VerdictSubject, value_word,
 };
 use crate::units::{mm_from_m, percent_from_share, rounded};
 
@@ -125,7 +125,13 @@ fn facts(v: &VerdictDocument, subject: &Subject<'_>) -> Vec<FactEntry> {
     if let Some(value) = v.objective_value {
         let text = told(cell.unit(), value);
         let note = format!("{}; {}", summed(cell), reading_in_words(cell));
-        facts.push(FactEntry { label: "Error".into(), value: Some(value), text, note, mood: FactMood::Plain });
+        facts.push(FactEntry {
+            label: "Error".into(),
+            value: Some(value),
+            text,
+            note,
+            mood: FactMood::Plain,
+        });
         facts.push(requirement(a));
     }
     if let Some(found) = &subject.found {
@@ -136,7 +142,13 @@ fn facts(v: &VerdictDocument, subject: &Subject<'_>) -> Vec<FactEntry> {
     }
     if let Some(next) = &v.runner_up {
         let RunnerUpEntry { value, text, note, .. } = next.clone();
-        facts.push(FactEntry { label: "Runner-up".into(), value: Some(value), text, note, mood: FactMood::Plain });
+        facts.push(FactEntry {
+            label: "Runner-up".into(),
+            value: Some(value),
+            text,
+            note,
+            mood: FactMood::Plain,
+        });
     }
     facts
 }
@@ -177,7 +189,13 @@ fn requirement(a: &Assessment<'_>) -> FactEntry {
     let tightest = all.min_by(|(_, x), (_, y)| x.margin.total_cmp(&y.margin));
     let Some((k, r)) = tightest else {
         let note = "no operation of the cell has a limit that its error could pass".to_string();
-        return FactEntry { label: "Requirement".into(), value: None, text: "none".into(), note, mood: FactMood::Plain };
+        return FactEntry {
+            label: "Requirement".into(),
+            value: None,
+            text: "none".into(),
+            note,
+            mood: FactMood::Plain,
+        };
     };
     let (name, limit) = (shown(&a.cell.operations[k].name), quantity(unit, r.limit));
     let margin = quantity(unit, r.margin.abs());
@@ -185,7 +203,13 @@ fn requirement(a: &Assessment<'_>) -> FactEntry {
         true => ("met", format!("{name} keeps its limit of {limit} with {margin} to spare"), FactMood::Good),
         false => ("missed", format!("{name} passes its limit of {limit} by {margin}"), FactMood::Bad),
     };
-    FactEntry { label: "Requirement".into(), value: Some(nine(unit.from_si(r.margin))), text: text.into(), note, mood }
+    FactEntry {
+        label: "Requirement".into(),
+        value: Some(nine(unit.from_si(r.margin))),
+        text: text.into(),
+        note,
+        mood,
+    }
 }
 
 fn gain(v: &VerdictDocument, unit: Unit) -> FactEntry {

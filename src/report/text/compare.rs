@@ -2,11 +2,11 @@
 
 use super::table::TextTable;
 use super::{ALWAYS_COUNTED, fixed, mm, mm1, percent1};
-use crate::record::value_word;
 use crate::assess::{Assessment, Comparison, Requirement};
 use crate::cell::{Coordinate, Slot, Unit};
 use crate::error_map::NodeSign;
 use crate::layout::Refined;
+use crate::record::value_word;
 use crate::units::{deg_from_rad, rounded};
 use std::fmt::Write;
 
