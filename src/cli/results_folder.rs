@@ -22,7 +22,7 @@ pub struct SearchFolder {
     pub manifest: Manifest,
 }
 
-/// What made the files of a folder.
+/// Origin of the files of a folder.
 struct FolderOrigin {
     manifest: Manifest,
     /// Keys of the cell file that the command line has stated.
