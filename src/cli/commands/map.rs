@@ -5,7 +5,7 @@ use crate::assess::Assessment;
 use crate::cli::arguments::MapArguments;
 use crate::cli::output::path_word;
 use crate::cli::results;
-use crate::cli::results::{RunDescription, Written};
+use crate::cli::results::{RunDescription, WrittenFolder};
 use crate::cli::{Exit, asked, loading, output};
 use crate::files::Loaded;
 use crate::record::MapDocument;
@@ -29,7 +29,13 @@ pub fn map(a: &MapArguments) -> Result<Exit, Exit> {
                 ("map.svg", report::chart::error_map(&assessment).into_bytes()),
                 ("discrepancy.svg", report::fig8::chart(&assessment).into_bytes()),
             ];
-            Some(results::write(&folder, &workcell.cell, &sources, RunDescription::typed(a.question.settings()), files)?)
+            Some(results::write(
+                &folder,
+                &workcell.cell,
+                &sources,
+                RunDescription::typed(a.question.settings()),
+                files,
+            )?)
         }
         None => None,
     };
@@ -42,7 +48,7 @@ pub fn map(a: &MapArguments) -> Result<Exit, Exit> {
     if let Some(path) = &a.svg {
         output::talk(&format!("wrote {}", path_word(path)));
     }
-    written.iter().for_each(Written::tell);
+    written.iter().for_each(WrittenFolder::tell);
     warn_of_distrust(&assessment);
     if !a.json {
         let movable = !workcell.cell.free().is_empty();
