@@ -29,7 +29,13 @@ pub fn map(a: &MapArguments) -> Result<Exit, Exit> {
                 ("map.svg", report::chart::error_map(&assessment).into_bytes()),
                 ("discrepancy.svg", report::fig8::chart(&assessment).into_bytes()),
             ];
-            Some(results::write(&folder, &workcell.cell, &sources, RunDescription::typed(a.question.settings()), files)?)
+            Some(results::write(
+                &folder,
+                &workcell.cell,
+                &sources,
+                RunDescription::typed(a.question.settings()),
+                files,
+            )?)
         }
         None => None,
     };

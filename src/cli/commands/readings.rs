@@ -29,7 +29,13 @@ pub fn readings(a: &ReadingsArguments) -> Result<Exit, Exit> {
                 Exit::Io
             })?;
             let outputs = vec![("readings.json", results::pretty(&document)?), ("readings.csv", table)];
-            Some(results::write(folder, cell, &loaded.sources, RunDescription::typed(a.errors.settings()), outputs)?)
+            Some(results::write(
+                folder,
+                cell,
+                &loaded.sources,
+                RunDescription::typed(a.errors.settings()),
+                outputs,
+            )?)
         }
         None => None,
     };

@@ -3,9 +3,9 @@
 use super::{refuse_other_pages, suggest, warn_of_distrust, within_size, workcell};
 use crate::assess::Assessment;
 use crate::cli::arguments::ReportArguments;
+use crate::cli::output::path_word;
 use crate::cli::results_folder;
 use crate::cli::results_folder::SearchFolder;
-use crate::cli::output::path_word;
 use crate::cli::{Exit, asked, loading, output, results};
 use crate::drawing::Drawing;
 use crate::files::{Fault, Loaded, Source};
