@@ -13,7 +13,7 @@ use nalgebra::Vector3;
 
 /// Geometry of a chain that expansions share.
 #[derive(Clone, Copy)]
-pub(super) struct Geometry<'a> {
+pub(super) struct ChainGeometry<'a> {
     pub screws: &'a Screws,
     pub coordinates: &'a Coordinates,
     pub pieces: &'a RigidPieces,

@@ -3,7 +3,7 @@
 use super::numbers::{in_unit, joints, nine_digits, percent, position_mm};
 use super::parameter_names as names;
 use super::words::{VALUE_WORDS, value_word};
-use crate::assess::{Account, Stance, Tighter};
+use crate::assess::{Account, PostureContext, Tighter};
 use crate::cell::{Cell, Model, Reading, Registration, Unit};
 use crate::reading::{Figures, PostureErrors, Share};
 use crate::units::rounded;
@@ -140,7 +140,7 @@ impl OperationBudget {
 }
 
 impl TotalEntry {
-    pub fn new(stance: &Stance<'_>, judged: &PostureErrors) -> Self {
+    pub fn new(stance: &PostureContext<'_>, judged: &PostureErrors) -> Self {
         let unit = stance.gauge.sense.unit;
         let Figures { error, worst_linear, worst, rms, mean, p95, p99 } = judged.figures[stance.gauge.own()];
         let [error, worst_linear, worst, rms, mean, p95, p99] =
@@ -151,7 +151,7 @@ impl TotalEntry {
 }
 
 impl ShareEntry {
-    fn new(stance: &Stance<'_>, s: &Share) -> Self {
+    fn new(stance: &PostureContext<'_>, s: &Share) -> Self {
         let unit = names::unit(stance.cell, s.parameter);
         Self {
             parameter: names::parameter(stance.cell, s.parameter),

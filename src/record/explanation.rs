@@ -8,7 +8,7 @@ use super::numbers::{
 use super::parameter_names::{self as names, frame_name};
 use super::placement::{ByName, PlacementEntry};
 use super::words::{VALUE_WORDS, value_word};
-use crate::assess::{DhRow, Explanation, Line, Motion, Place, SenseRow};
+use crate::assess::{DhRow, Explanation, MotionFrame, ParameterEffect, ParameterMotion, SenseRow};
 use crate::cell::{JointKind, Model, Reading, Registration, Unit};
 use crate::pose::{Displacement, Pose};
 use crate::units::{mm_from_m, rad_from_deg};
@@ -273,12 +273,12 @@ fn frames(e: &Explanation<'_>) -> Vec<FrameEntry> {
     };
     let frames = &e.stance.frames;
     let links = frames.links[..=e.rows.len()].iter().enumerate();
-    let links = links.map(|(k, pose)| (frame_name(Place::Link(k)), pose));
-    links.chain([(frame_name(Place::Tcp), &frames.tcp)]).map(entry).collect()
+    let links = links.map(|(k, pose)| (frame_name(MotionFrame::Link(k)), pose));
+    links.chain([(frame_name(MotionFrame::Tcp), &frames.tcp)]).map(entry).collect()
 }
 
 impl ParameterEntry {
-    fn new(e: &Explanation<'_>, line: &Line) -> Self {
+    fn new(e: &Explanation<'_>, line: &ParameterEffect) -> Self {
         let cell = e.stance.cell;
         let unit = names::unit(cell, line.source.parameter);
         let per_unit = |d: &Displacement| match unit {
@@ -303,7 +303,7 @@ impl ParameterEntry {
 }
 
 impl MotionEntry {
-    fn new(m: &Motion) -> Self {
+    fn new(m: &ParameterMotion) -> Self {
         Self {
             kind: if m.turns { MotionKind::Turn } else { MotionKind::Slide },
             axis: AXES[m.axis].into(),
@@ -349,7 +349,7 @@ impl SenseRowEntry {
 
 fn corner(e: &Explanation<'_>) -> ByName<i8> {
     let signs = e.lines.iter().zip(e.worst.corner);
-    let sign = |(line, sign): (&Line, f64)| {
+    let sign = |(line, sign): (&ParameterEffect, f64)| {
         (names::parameter(e.stance.cell, line.source.parameter), if sign < 0.0 { -1 } else { 1 })
     };
     signs.map(sign).collect()

@@ -1,6 +1,6 @@
 //! Names of error parameters and of frames, and the units of the parameters.
 
-use crate::assess::Place;
+use crate::assess::MotionFrame;
 use crate::cell::{Cell, Convention, JointKind, Parameter, Unit};
 use crate::files::shown;
 
@@ -33,12 +33,12 @@ pub fn unit(cell: &Cell, parameter: Parameter) -> Unit {
 }
 
 /// Names a frame: base, frame 2, joint 3, TCP or work.
-pub fn frame_name(place: Place) -> String {
+pub fn frame_name(place: MotionFrame) -> String {
     match place {
-        Place::Base => "base".into(),
-        Place::Link(k) => format!("frame {k}"),
-        Place::Joint(k) => format!("joint {}", k + 1),
-        Place::Tcp => "TCP".into(),
-        Place::Work => "work".into(),
+        MotionFrame::Base => "base".into(),
+        MotionFrame::Link(k) => format!("frame {k}"),
+        MotionFrame::Joint(k) => format!("joint {}", k + 1),
+        MotionFrame::Tcp => "TCP".into(),
+        MotionFrame::Work => "work".into(),
     }
 }

@@ -2,7 +2,7 @@
 
 use super::numbers::{in_unit, millimetres, nine_digits, position_mm};
 use super::words::VALUE_WORDS;
-use crate::assess::{Readings, Row};
+use crate::assess::{ReadingRow, Readings};
 use crate::cell::{Cell, Model, Operation, Reading, Registration, Unit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -98,7 +98,7 @@ impl ReadingsDocument {
 }
 
 impl OperationReadings {
-    fn new(cell: &Cell, operation: &Operation, rows: &[Row]) -> Self {
+    fn new(cell: &Cell, operation: &Operation, rows: &[ReadingRow]) -> Self {
         Self {
             name: operation.name.clone(),
             equipment: cell.equipment[operation.equipment].name.clone(),
@@ -110,7 +110,7 @@ impl OperationReadings {
 }
 
 impl ReadingEntry {
-    fn new(row: &Row) -> Self {
+    fn new(row: &ReadingRow) -> Self {
         let choice = row.choice.as_ref().ok();
         let value = |v: f64| in_unit(row.unit, v);
         Self {

@@ -2,7 +2,7 @@
 
 use super::explanation::JointKindWord;
 use super::numbers::{degrees, joint_coordinate, millimetres, nine_digits, position_mm};
-use crate::assess::{Reachable, Sheet};
+use crate::assess::{Reachable, RobotDataSheet};
 use crate::cell::{ErrorSet, Joint, JointKind, Robot, Unit};
 use crate::reach::{EnvelopeSection, Size};
 use crate::units::{mm_from_m, rounded};
@@ -166,7 +166,7 @@ impl SizeEntry {
 }
 
 impl RobotSheetDocument {
-    pub fn new(sheet: &Sheet<'_>) -> Self {
+    pub fn new(sheet: &RobotDataSheet<'_>) -> Self {
         let robot = sheet.robot;
         let rows = robot.joints.iter().zip(robot.rows_of_file());
         let home = robot.joints.iter().zip(&robot.home);

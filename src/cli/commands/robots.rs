@@ -1,7 +1,7 @@
 //! `robots`, `robot` and `envelope`: built-in robots and robot files.
 
 use super::{suggest, unsolved};
-use crate::assess::{Asked, Reachable, Sheet};
+use crate::assess::{EnvelopeQuery, Reachable, RobotDataSheet};
 use crate::cell::{Attitude, Operation, Robot};
 use crate::cli::arguments::{EnvelopeArguments, RobotArguments, RobotsArguments};
 use crate::cli::output::{path_word, word};
@@ -42,7 +42,7 @@ pub fn robot(a: &RobotArguments) -> Result<Exit, Exit> {
     }
     let robot = read(&a.robot, &a.packages)?.robot;
     let bar = output::points_bar();
-    let sheet = Sheet::new(&robot, &|count, of| output::advance(&bar, count, of));
+    let sheet = RobotDataSheet::new(&robot, &|count, of| output::advance(&bar, count, of));
     bar.finish_and_clear();
     if a.json {
         output::data(&results::line(&RobotSheetDocument::new(&sheet))?)?;
@@ -120,7 +120,7 @@ fn drawn(
     if heights.is_empty() {
         heights.extend(height);
     }
-    let asked = Asked { operation, attitude, yaw, heights, step: a.step.map(m_from_mm) };
+    let asked = EnvelopeQuery { operation, attitude, yaw, heights, step: a.step.map(m_from_mm) };
     let work = asked.work(robot, inverse);
     if work > MAX_POINTS {
         output::error(&format!("the envelope takes {work} sample points, more than {MAX_POINTS}"));

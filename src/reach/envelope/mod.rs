@@ -11,7 +11,7 @@ pub use size::{EnvelopeExtent, Size};
 
 use crate::cell::{Attitude, JointKind, MAX_JOINTS};
 use crate::pose::exact_sin_cos;
-use crate::reach::solver::Solver;
+use crate::reach::solver::ChainSolver;
 use crate::reach::{Inverse, Shell, ToolAttitudes};
 use crate::robot::Posture;
 use nalgebra::Vector3;
@@ -132,9 +132,9 @@ impl<'a> Envelope<'a> {
             azimuth => azimuth == Azimuth::Free,
         };
         match solver {
-            Solver::Planar(_) => free,
-            Solver::Numeric(_) => free && size::turns_whole(self.inverse),
-            Solver::Pose(_) | Solver::Redundant(_) => {
+            ChainSolver::Planar(_) => free,
+            ChainSolver::Numeric(_) => free && size::turns_whole(self.inverse),
+            ChainSolver::Pose(_) | ChainSolver::Redundant(_) => {
                 attitude.azimuth == Azimuth::Radial
                     || free && attitude.is_vertical() && size::turns_whole(self.inverse)
             }

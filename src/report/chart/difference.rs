@@ -4,7 +4,7 @@ use super::axes;
 use super::canvas::{Anchor, ChartCanvas, EDGE, Ink, LegendEntry, SMALL};
 use super::plane_view::{PlaneView, longer_side, widened};
 use super::{WIDTH, words};
-use crate::assess::{Difference, NodePair};
+use crate::assess::{NodePair, OperationDifference};
 use crate::cell::{Cell, Unit};
 use crate::geometry::bounding_box;
 use crate::report::svg_text::escaped;
@@ -21,7 +21,7 @@ const STEPS: usize = 24;
 
 /// Draws the nodes of an operation in the frame of its equipment. Blue nodes have less error in the layout
 /// `names.1` than in `names.0`, orange ones more. `most` (m, rad or a share) is the end of the scale.
-pub fn difference(cell: &Cell, d: &Difference, names: (&str, &str), most: f64) -> String {
+pub fn difference(cell: &Cell, d: &OperationDifference, names: (&str, &str), most: f64) -> String {
     let (operation, unit) = (&cell.operations[d.operation], cell.unit());
     let heading = format!("{}: {} against {} in {}", operation.name, names.1, names.0, operation.sense.name);
     let mut canvas = ChartCanvas::new(&heading, &remarks(d, names));
@@ -44,7 +44,7 @@ pub fn difference(cell: &Cell, d: &Difference, names: (&str, &str), most: f64) -
     canvas.finish()
 }
 
-fn remarks(d: &Difference, names: (&str, &str)) -> Vec<String> {
+fn remarks(d: &OperationDifference, names: (&str, &str)) -> Vec<String> {
     let ((better, worse), (gained, lost)) = (d.better_and_worse(), d.gained_and_lost());
     let (a, b) = names;
     let mut said =
@@ -116,7 +116,7 @@ fn draw_bar(canvas: &mut ChartCanvas, unit: Unit, most: f64, (left, top): (f64, 
     top + tall + SMALL
 }
 
-fn legend(d: &Difference, names: (&str, &str)) -> Vec<LegendEntry> {
+fn legend(d: &OperationDifference, names: (&str, &str)) -> Vec<LegendEntry> {
     let pair = |first, other| NodePair { i: 0, j: 0, at: (0.0, 0.0), first, other };
     let all = [
         (pair(None, Some(0.0)), format!("only {} can use it", names.1)),

@@ -5,7 +5,7 @@ use super::axes;
 use super::axes::AxisScale;
 use super::canvas::{Anchor, ChartCanvas, EDGE, Ink, LegendEntry, SMALL};
 use super::{WIDTH, words};
-use crate::assess::Distribution;
+use crate::assess::ErrorDistribution;
 use crate::cell::Cell;
 use crate::units::percent_from_share;
 
@@ -21,7 +21,7 @@ struct HistogramMark {
 }
 
 /// Draws the samples of the error with mean, percentiles, requirement, signed sample and worst case.
-pub fn histogram(cell: &Cell, d: &Distribution) -> String {
+pub fn histogram(cell: &Cell, d: &ErrorDistribution) -> String {
     let operation = &cell.operations[d.operation];
     let word = d.unit.word();
     let heading =
@@ -56,7 +56,7 @@ pub fn histogram(cell: &Cell, d: &Distribution) -> String {
     canvas.finish()
 }
 
-fn marks(d: &Distribution) -> Vec<HistogramMark> {
+fn marks(d: &ErrorDistribution) -> Vec<HistogramMark> {
     let mark = |name, si: f64, ink| HistogramMark { name, value: d.unit.from_si(si), ink };
     let mut marks = vec![
         mark("mean", d.samples.mean.value, Ink::Text),
@@ -113,7 +113,7 @@ pub fn rows(marks: &[(f64, f64, f64)]) -> Vec<usize> {
 
 fn bars(
     canvas: &mut ChartCanvas,
-    d: &Distribution,
+    d: &ErrorDistribution,
     x: &AxisScale,
     y: &AxisScale,
     share: &dyn Fn(u32) -> f64,
@@ -135,7 +135,7 @@ fn bars(
     }
 }
 
-fn told(d: &Distribution) -> Vec<String> {
+fn told(d: &ErrorDistribution) -> Vec<String> {
     let mut told = vec![format!(
         "{} samples through the nonlinear model; up: share of the samples in each part / %",
         d.samples.samples
@@ -151,7 +151,7 @@ fn told(d: &Distribution) -> Vec<String> {
     told
 }
 
-fn legend(d: &Distribution) -> Vec<LegendEntry> {
+fn legend(d: &ErrorDistribution) -> Vec<LegendEntry> {
     let block = |ink: Ink| format!("<path d=\"M-9 -6H9V6H-9Z\" {} fill-opacity=\"0.75\"/>", ink.fill());
     let entry = |ink, said: &str| LegendEntry { mark: block(ink), said: said.to_string() };
     match d.limit {

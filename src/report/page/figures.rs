@@ -4,7 +4,7 @@ use super::content::{PageFigure, PageTable, Section};
 use super::places::titled;
 use super::quantities::{down, quantity};
 use super::subject::{Subject, si};
-use crate::assess::{Account, Assessment, At, Distribution, Stance};
+use crate::assess::{Account, Assessment, ErrorDistribution, NodeChoice, PostureContext};
 use crate::cell::Goal;
 use crate::drawing::Drawing;
 use crate::files::shown;
@@ -98,7 +98,9 @@ fn budget(subject: &Subject<'_>) -> Section {
                 tighten. The shares of the worst case, and those of the variance, add up to 100 %.";
     let mut section = Section::new("budget", "Error budget", vec![text.into()]);
     for k in 0..a.maps.len() {
-        let Ok(stance) = Stance::at(a.workcell, &a.layout, &a.maps, k, At::Best) else { continue };
+        let Ok(stance) = PostureContext::at(a.workcell, &a.layout, &a.maps, k, NodeChoice::Best) else {
+            continue;
+        };
         let account = Account::new(stance);
         let title = titled(a, &shown(&a.cell.operations[k].name));
         section.figures.push(PageFigure::new(title, "", chart::tornado(&account)));
@@ -156,7 +158,7 @@ fn distributions(subject: &Subject<'_>) -> Section {
     let mut section = Section::new("distribution", "Distribution at the spots", vec![text.into()]);
     for k in 0..a.maps.len() {
         let name = shown(&a.cell.operations[k].name);
-        match Distribution::at_spot(a, k) {
+        match ErrorDistribution::at_spot(a, k) {
             Ok(d) => {
                 section.figures.push(PageFigure::new(titled(a, &name), "", chart::histogram(a.cell, &d)))
             }

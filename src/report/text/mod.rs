@@ -30,7 +30,7 @@ pub use urdf::derived;
 use crate::cell::{Cell, Quantity, Reading, Registration, Unit};
 use crate::error_map::NodeSign;
 
-use crate::assess::Stance;
+use crate::assess::PostureContext;
 use crate::files::shown;
 use crate::units::{mm_from_m, percent_from_share, rounded};
 
@@ -97,7 +97,7 @@ fn amount(unit: Unit, si: f64) -> String {
 }
 
 /// Returns operation, surface, node and position in one line.
-fn place_words(stance: &Stance<'_>) -> String {
+fn place_words(stance: &PostureContext<'_>) -> String {
     let operation = &stance.cell.operations[stance.operation];
     let surface = shown(&stance.cell.equipment[operation.equipment].name);
     let at = match stance.node {
@@ -109,7 +109,7 @@ fn place_words(stance: &Stance<'_>) -> String {
 }
 
 /// Returns the quantity that tightening a tolerance reduces, with its article.
-fn tightened_word(stance: &Stance<'_>) -> &'static str {
+fn tightened_word(stance: &PostureContext<'_>) -> &'static str {
     match (stance.gauge.reading, stance.gauge.quantity) {
         (Reading::Statistical, Quantity::Yield) => "the share of failures",
         (Reading::Statistical, Quantity::Rms) => "the rms",
