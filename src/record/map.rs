@@ -64,7 +64,7 @@ pub struct SenseEntry {
 }
 
 impl SenseEntry {
-    fn new(sense: &Sense) -> Self {
+    pub fn new(sense: &Sense) -> Self {
         Self { name: sense.name.clone(), unit: sense.unit }
     }
 }

@@ -35,6 +35,7 @@ mod proof;
 mod ranking;
 mod reach;
 mod readings;
+mod records;
 mod report;
 mod resume;
 mod robust;

@@ -4,6 +4,8 @@
 
 mod drawing;
 mod live;
+mod live_records;
+mod viewer_records;
 
 pub use drawing::drawings;
 pub use live::{answer, form, lens_list, numbers};
