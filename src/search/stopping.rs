@@ -4,6 +4,7 @@
 //! after any interruption.
 
 use crate::cell::{Goals, SearchSettings};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Share of the budget for the polish.
@@ -14,7 +15,8 @@ const POLISH_AND_LOCAL_SHARE: f64 = 0.25;
 const POLISH_PART: f64 = 0.3;
 
 /// End of a search.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum SearchEnd {
     /// The budget was used up, or the polish converged.
     Done,

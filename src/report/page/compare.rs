@@ -1,29 +1,30 @@
-//! Layouts side by side, as a page.
+//! Page that compares layouts side by side.
 
-use super::content::{Figure, NOTHING, Section, Table};
-use super::verdict::up;
+use super::content::{NOTHING, PageFigure, PageTable, Section};
+use super::quantities::up;
 use super::{assets, places, script_json, shell};
 use crate::assess::{Assessment, Comparison};
 use crate::cell::{Goal, Goals};
 use crate::drawing::Drawing;
 use crate::files::shown;
+use crate::record::goals;
 use crate::report::raster;
 use crate::report::raster::Shot;
-use crate::report::{chart, goals, text};
+use crate::report::{chart, text};
 use crate::units::rounded;
 use serde::Serialize;
 
-/// What the search that found a layout says of it, if one did.
+/// Facts about a layout from the search that found it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Told {
     pub gap_percent: Option<f64>,
-    /// That of the layout alone leaves out what none of its fixed equipment can change.
+    /// Least clearance that the search could change, mm.
     pub clearance_mm: Option<f64>,
 }
 
-/// What the template is filled with.
+/// Content of the template.
 #[derive(Serialize)]
-struct Page<'a> {
+struct ComparePage<'a> {
     title: String,
     question: String,
     answer: String,
@@ -31,18 +32,18 @@ struct Page<'a> {
     policy: String,
     style: &'a str,
     script: &'a str,
-    /// One for each layout.
-    stills: Vec<Figure>,
+    /// Still picture of each layout.
+    stills: Vec<PageFigure>,
     /// JSON for the viewers.
     drawings: String,
     sections: Vec<Section>,
     version: &'static str,
 }
 
-/// The page. `drawings` and `told` are those of the columns.
+/// Returns the page. `drawings` and `told` belong to the columns.
 ///
 /// # Errors
-/// What cannot be rendered.
+/// Fails if there is no layout or a part cannot be rendered.
 pub fn compare(
     comparison: &Comparison<'_>,
     drawings: &[Drawing<'_>],
@@ -56,7 +57,7 @@ pub fn compare(
         let stance = (0..a.maps.len()).find(|k| a.spot(*k).is_some());
         let shot = Shot { stance, width: 900, height: 640, ..Shot::default() };
         let svg = raster::isometric(drawing, &shot)?;
-        stills.push(Figure::new(shown(&drawing.name), "", svg));
+        stills.push(PageFigure::new(shown(&drawing.name), "", svg));
     }
     let mut sections = differences(comparison);
     sections.push(side_by_side(comparison, told));
@@ -64,7 +65,7 @@ pub fn compare(
     let pictures = stills.iter_mut().chain(sections.iter_mut().flat_map(|s| &mut s.figures));
     pictures.enumerate().for_each(|(k, figure)| figure.svg = shell::scoped(&figure.svg, k));
     let names: Vec<String> = comparison.columns.iter().map(|c| shown(&c.label)).collect();
-    let page = Page {
+    let page = ComparePage {
         title: names.join(" and "),
         question: text::headline(first.cell),
         answer: answer(comparison),
@@ -80,7 +81,7 @@ pub fn compare(
     shell::rendered(assets::COMPARE_HTML, &page)
 }
 
-/// Which layout has the least objective.
+/// Returns the sentence on the layout with the least objective.
 fn answer(comparison: &Comparison<'_>) -> String {
     let told = |a: &Assessment<'_>| Some((a.objective()?, shown(&a.label), a.cell.unit().word()));
     let mut all: Vec<_> = comparison.columns.iter().filter_map(told).collect();
@@ -97,7 +98,7 @@ fn answer(comparison: &Comparison<'_>) -> String {
     }
 }
 
-/// Node by node against the first layout, all on one scale.
+/// Returns the differences to the first layout, node by node, all on one scale.
 fn differences(comparison: &Comparison<'_>) -> Vec<Section> {
     let Some((first, others)) = comparison.columns.split_first() else { return Vec::new() };
     let text = format!(
@@ -115,14 +116,14 @@ fn differences(comparison: &Comparison<'_>) -> Vec<Section> {
                 let names = (first.label.as_str(), other.label.as_str());
                 let name = shown(&first.cell.operations[d.operation].name);
                 let title = format!("{name}: {} against {}", shown(names.1), shown(names.0));
-                Figure::new(title, "", chart::difference(first.cell, d, names, most))
+                PageFigure::new(title, "", chart::difference(first.cell, d, names, most))
             })),
         }
     }
     vec![section]
 }
 
-/// The table of the text, and what the page knows beside it.
+/// Returns the table of the text, with rows that only the page has.
 fn side_by_side(comparison: &Comparison<'_>, told: &[Told]) -> Section {
     let text = vec![
         "Lengths in mm, angles in degrees; in brackets the change from the first layout. Clearance is the least \
@@ -152,13 +153,13 @@ fn side_by_side(comparison: &Comparison<'_>, told: &[Told]) -> Section {
     let gap = |k: usize| told(k).gap_percent.map_or(NOTHING.to_string(), |g| format!("{} %", up(g)));
     row("proven gap", &gap);
     let head: Vec<&str> = head.iter().map(String::as_str).collect();
-    let mut table = Table::new("", &head, rows);
+    let mut table = PageTable::new("", &head, rows);
     table.is_number = (0..head.len()).map(|k| k > 1).collect();
     section.tables.push(table);
     section
 }
 
-/// Least distance of the robot to anything, mm.
+/// Returns the least clearance of the robot, mm.
 fn clearance(a: &Assessment<'_>) -> Option<f64> {
     let all = a.workcell.goals(&a.layout, &a.evaluation, &Goals::of(&[Goal::Clearance])?)?;
     Some(goals::value(a.cell, Goal::Clearance, *all.first()?))

@@ -1,6 +1,6 @@
-//! Placements as numbers to set out with a tape, and the joints at each spot.
+//! Placements for setting out with a tape measure, and the joints at each spot.
 
-use super::content::{NOTHING, Section, Table};
+use super::content::{NOTHING, PageTable, Section};
 use super::subject::Subject;
 use crate::assess::Assessment;
 use crate::cell::{Equipment, Joint, JointKind, Placement, Rectangle, Role};
@@ -8,14 +8,14 @@ use crate::drawing::floor_corners;
 use crate::files::shown;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 
-/// Where everything stands.
+/// Returns the section on placements.
 pub fn section(subject: &Subject<'_>) -> Section {
     let mut section = empty();
     section.tables = subject.tables(|a| vec![frames(a), outlines(a)]);
     section
 }
 
-/// The same of layouts side by side, folded.
+/// Returns the section on the placements of layouts side by side, folded.
 pub fn of_columns(columns: &[Assessment<'_>]) -> Section {
     let mut section = empty();
     section.tables = columns.iter().flat_map(|a| [frames(a).folded(), outlines(a).folded()]).collect();
@@ -24,18 +24,17 @@ pub fn of_columns(columns: &[Assessment<'_>]) -> Section {
 
 fn empty() -> Section {
     let text = vec![
-        "Corners are those of the floor outline (of what has a work surface: of that surface, too), counted \
-         counterclockwise from the one at the least x and y of the equipment's own axes. World: the axes of the \
-         cell file. From the base: measured along the axes of the robot base, from its origin. Tape: level \
-         distance from the axis of the base to the corner."
+        "Corners are those of the floor outline and of the work surface, counterclockwise from the least x and \
+         y in the axes of the equipment. World: the axes of the cell file. From the base: along the axes of the robot \
+         base, from its origin. Tape: level distance from the base axis to the corner."
             .to_string(),
     ];
     Section::new("placements", "Where everything stands", text)
 }
 
-/// The joints of the robot at home and at the spots.
+/// Returns the section on the joints of the robot at home and at the spots.
 pub fn joints(subject: &Subject<'_>) -> Section {
-    let text = vec!["Joint coordinates as the controller of the robot file counts them.".to_string()];
+    let text = vec!["Joint coordinates in the convention of the robot file.".to_string()];
     let mut section = Section::new("joints", "Joints at the spots", text);
     section.tables = subject.tables(|a| vec![joint_table(a)]);
     section
@@ -49,7 +48,7 @@ pub fn deg(rad: f64) -> String {
     format!("{:.3}", rounded(deg_from_rad(rad), 3))
 }
 
-/// Start and best are told apart by their tables' titles.
+/// Returns the title of a table with the name of its layout.
 pub fn titled(a: &Assessment<'_>, what: &str) -> String {
     match a.label.as_str() {
         "best" => format!("Best layout: {what}"),
@@ -58,7 +57,7 @@ pub fn titled(a: &Assessment<'_>, what: &str) -> String {
     }
 }
 
-fn frames(a: &Assessment<'_>) -> Table {
+fn frames(a: &Assessment<'_>) -> PageTable {
     let row = |name: String, at: &Placement, floor: f64| {
         let own = at.seen_from(&a.layout.base);
         let yaw = |yaw: f64| deg(crate::units::wrapped(yaw));
@@ -78,15 +77,24 @@ fn frames(a: &Assessment<'_>) -> Table {
     let base = row("robot base".into(), &a.layout.base, floor);
     let placed = a.cell.equipment.iter().zip(&a.layout.placements);
     let others = placed.map(|(e, at)| row(named(e), at, floor));
-    Table::new(
+    PageTable::new(
         titled(a, "origins"),
         &[
-            "what", "x mm", "y mm", "yaw deg", "height above floor mm", "x from base mm", "y from base mm",
-            "z from base mm", "yaw from base deg",
+            "what",
+            "x mm",
+            "y mm",
+            "yaw deg",
+            "height above floor mm",
+            "x from base mm",
+            "y from base mm",
+            "z from base mm",
+            "yaw from base deg",
         ],
         std::iter::once(base).chain(others).collect(),
     )
-    .with_note("The origin of what has a work surface lies in that surface: its height is the height of the table top.")
+    .with_note(
+        "Equipment with a work surface has its origin in that surface: its height is that of the table top.",
+    )
 }
 
 fn named(equipment: &Equipment) -> String {
@@ -96,7 +104,7 @@ fn named(equipment: &Equipment) -> String {
     }
 }
 
-fn outlines(a: &Assessment<'_>) -> Table {
+fn outlines(a: &Assessment<'_>) -> PageTable {
     let mut rows = Vec::new();
     for (equipment, at) in a.cell.equipment.iter().zip(&a.layout.placements) {
         rows.extend(corner_rows(a, &shown(&equipment.name), "floor outline", &equipment.footprint, at));
@@ -105,14 +113,14 @@ fn outlines(a: &Assessment<'_>) -> Table {
         }
     }
     rows.extend(corner_rows(a, "robot", "floor outline", &a.cell.robot.footprint, &a.layout.base));
-    Table::new(
+    PageTable::new(
         titled(a, "corners"),
         &["what", "outline", "corner", "x mm", "y mm", "x from base mm", "y from base mm", "tape mm"],
         rows,
     )
 }
 
-/// Whether two outlines are told apart at 0.1 mm.
+/// Whether two outlines differ by 0.1 mm.
 fn differ(a: &Rectangle, b: &Rectangle) -> bool {
     let numbers = |r: &Rectangle| [r.centre.0, r.centre.1, r.size.0, r.size.1];
     numbers(a).iter().zip(numbers(b)).any(|(a, b)| mm(*a) != mm(b))
@@ -142,7 +150,7 @@ fn corner_rows(
     floor_corners(r, at).into_iter().enumerate().map(row).collect()
 }
 
-fn joint_table(a: &Assessment<'_>) -> Table {
+fn joint_table(a: &Assessment<'_>) -> PageTable {
     let mut head = vec!["joint".to_string(), "unit".into(), "home".into()];
     head.extend(a.cell.operations.iter().map(|o| shown(&o.name)));
     head.extend(["least".to_string(), "most".into()]);
@@ -160,5 +168,5 @@ fn joint_table(a: &Assessment<'_>) -> Table {
     };
     let rows = a.cell.robot.joints.iter().enumerate().map(row).collect();
     let words: Vec<&str> = head.iter().map(String::as_str).collect();
-    Table::new(titled(a, "joints"), &words, rows)
+    PageTable::new(titled(a, "joints"), &words, rows)
 }

@@ -1,6 +1,6 @@
-//! The spots under every reading, and what became of the nodes.
+//! The spots under every reading, and the numbers of nodes by sign.
 
-use super::content::{Section, Table};
+use super::content::{PageTable, Section};
 use super::places::titled;
 use super::subject::Subject;
 use crate::assess::Assessment;
@@ -10,11 +10,11 @@ use crate::files::shown;
 use crate::reading::Figures;
 use crate::units::rounded;
 
-/// What each spot is under each reading.
+/// Returns the section on the spots under every reading.
 pub fn section(subject: &Subject<'_>) -> Section {
     let text = vec![
-        "The same spots, read in every way: the one signed sample, the worst case of the tolerance box, and \
-         statistics over arms built to the tolerances. The row in which the operation is asked is marked."
+        "The same spots under every reading: the signed sample, the worst case of the tolerance box, and \
+         statistics over arms built to the tolerances. The sense of the operation is marked."
             .to_string(),
     ];
     let mut section = Section::new("readings", "The spots under every reading", text);
@@ -22,11 +22,11 @@ pub fn section(subject: &Subject<'_>) -> Section {
     section
 }
 
-/// What is told of a sense.
+/// Figures in a row of the table.
 const COLUMNS: [fn(&Figures) -> f64; 6] =
     [|f| f.error, |f| f.worst, |f| f.rms, |f| f.mean, |f| f.p95, |f| f.p99];
 
-fn figures(a: &Assessment<'_>) -> Table {
+fn figures(a: &Assessment<'_>) -> PageTable {
     let sample = match a.cell.error_set() {
         ErrorSet::Signed(_) => "signed sample",
         ErrorSet::Tolerance(_) => "worst corner",
@@ -44,14 +44,14 @@ fn figures(a: &Assessment<'_>) -> Table {
         }
     }
     let head = ["operation", "sense", "", "unit", sample, "worst case", "rms", "mean", "p95", "p99"];
-    Table::new(titled(a, "errors at the spots"), &head, rows).with_note(spread(a))
+    PageTable::new(titled(a, "errors at the spots"), &head, rows).with_note(spread(a))
 }
 
 fn number(sense: &Sense, si: f64) -> String {
     format!("{:.4}", rounded(sense.unit.from_si(si), 4))
 }
 
-/// What the samples say of the first-order figures, if they were asked.
+/// Returns whether Monte Carlo samples confirm the first-order figures.
 fn spread(a: &Assessment<'_>) -> String {
     let said = (0..a.maps.len()).filter_map(|k| {
         let samples = a.samples[k].as_ref()?;
@@ -70,7 +70,7 @@ fn spread(a: &Assessment<'_>) -> String {
     said.collect::<Vec<_>>().join(" ")
 }
 
-fn counts(a: &Assessment<'_>) -> Table {
+fn counts(a: &Assessment<'_>) -> PageTable {
     let occurs = |sign: &NodeSign| a.maps.iter().any(|m| m.count(*sign) > 0);
     let signs: Vec<NodeSign> = NodeSign::ALL.into_iter().filter(occurs).collect();
     let mut head = vec!["operation", "nodes"];
@@ -80,5 +80,5 @@ fn counts(a: &Assessment<'_>) -> Table {
         row.extend(signs.iter().map(|sign| map.count(*sign).to_string()));
         row
     };
-    Table::new(titled(a, "nodes"), &head, a.maps.iter().map(row).collect())
+    PageTable::new(titled(a, "nodes"), &head, a.maps.iter().map(row).collect())
 }

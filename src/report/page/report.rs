@@ -1,44 +1,45 @@
-//! The report, put together.
+//! The report page.
 
-use super::content::{Figure, Section};
+use super::content::{PageFigure, Section};
 use super::subject::Subject;
-use super::verdict::Verdict;
+use super::verdict::verdict;
 use super::{assets, assumptions, figures, nodes, places, readings, script_json, shell};
 use crate::cell::Cell;
 use crate::drawing::Drawing;
 use crate::files::shown;
+use crate::record::VerdictDocument;
 use crate::report::chart;
 use crate::report::text::headline;
 use serde::Serialize;
 
-/// A page of HTML with the verdict that it tells.
+/// HTML page of a report with its verdict.
 pub struct Report {
     pub html: String,
-    pub verdict: Verdict,
+    pub verdict: VerdictDocument,
 }
 
-/// What the template is filled with.
+/// Content of the template.
 #[derive(Serialize)]
-struct Page<'a> {
+struct ReportPage<'a> {
     title: String,
     question: String,
     policy: String,
     style: &'a str,
     script: &'a str,
-    verdict: &'a Verdict,
-    still: Vec<Figure>,
+    verdict: &'a VerdictDocument,
+    still: Vec<PageFigure>,
     /// JSON for the viewer.
     drawings: String,
     sections: Vec<Section>,
     version: &'static str,
 }
 
-/// The page. `drawings` are those of the layouts, the one as drawn first.
+/// Returns the page. `drawings` belong to the layouts, the one as drawn first.
 ///
 /// # Errors
-/// What cannot be rendered.
+/// Fails if a part cannot be rendered.
 pub fn report(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Result<Report, String> {
-    let verdict = Verdict::new(subject);
+    let verdict = verdict(subject);
     let (script, style) = (assets::viewer_js() + assets::REPORT_JS, style());
     let mut sections = figures::sections(subject, drawings);
     sections.push(places::section(subject));
@@ -50,7 +51,7 @@ pub fn report(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Result<Report,
     let mut still = figures::still(subject.shown(), drawings)?;
     let pictures = still.iter_mut().chain(sections.iter_mut().flat_map(|s| &mut s.figures));
     pictures.enumerate().for_each(|(k, figure)| figure.svg = shell::scoped(&figure.svg, k));
-    let page = Page {
+    let page = ReportPage {
         title: shown(&subject.cell().name),
         question: question(subject.cell()),
         policy: shell::policy(&script, &style),
@@ -66,13 +67,13 @@ pub fn report(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Result<Report,
     Ok(Report { html, verdict })
 }
 
-/// What is asked, without the name of the cell, which stands above it.
+/// Returns the question without the name of the cell, which stands above it.
 fn question(cell: &Cell) -> String {
     let line = headline(cell);
     line.strip_prefix(&format!("{}: ", cell.name)).map(str::to_string).unwrap_or(line)
 }
 
-/// On a dark screen charts are dark, too; on paper never.
+/// Returns the style of the report. Charts are dark on a dark screen, but never on paper.
 pub fn style() -> String {
     let dark = chart::dark_rules(".plate");
     format!("{}\n@media screen and (prefers-color-scheme: dark) {{\n{dark}}}\n", assets::REPORT_CSS)
