@@ -1,7 +1,7 @@
-//! The file from which a stopped search goes on.
+//! The checkpoint, from which a stopped search resumes.
 //!
-//! Two lines of JSON: what it is, with the hash of the second; then the command, the hashes of the
-//! inputs and the state. A file whose hash is wrong is never trusted.
+//! It has two lines of JSON. The first names schema and version and has the hash of the second. The second
+//! has the request, the hashes of the inputs and the state. A file whose hash is wrong is refused.
 
 use super::arguments::SearchArguments;
 use super::loading::CHECKPOINT;
@@ -20,46 +20,46 @@ use std::time::{Duration, Instant};
 const SCHEMA: &str = "sweetspot/checkpoint/1";
 
 #[derive(Serialize, Deserialize)]
-struct Header {
+struct CheckpointHeader {
     schema: String,
     version: String,
-    /// Of the second line.
+    /// Hash of the second line.
     sha256: String,
 }
 
-/// A file that was read: its path as the cell names it, and its hash.
-pub type Input = (String, String);
+/// Path of an input as the cell names it, and its hash.
+pub type InputHash = (String, String);
 
-pub fn inputs(sources: &[Source]) -> Vec<Input> {
+pub fn inputs(sources: &[Source]) -> Vec<InputHash> {
     sources.iter().map(|s| (s.path.clone(), loading::sha256(&s.bytes))).collect()
 }
 
 #[derive(Serialize, Deserialize)]
-struct Content<S> {
+struct CheckpointContent<S> {
     request: SearchRequest,
-    inputs: Vec<Input>,
+    inputs: Vec<InputHash>,
     state: S,
 }
 
-/// Writes checkpoints when they are due.
-pub struct Keeper {
+/// Writer of checkpoints when they are due.
+pub struct CheckpointWriter {
     path: PathBuf,
     request: SearchRequest,
-    inputs: Vec<Input>,
+    inputs: Vec<InputHash>,
     period: Duration,
-    /// When one was written last, or why that failed.
+    /// Time of the last checkpoint, or why it could not be written.
     last: Mutex<Result<Instant, Exit>>,
 }
 
-impl Keeper {
-    pub fn new(folder: &Path, request: &SearchRequest, inputs: Vec<Input>, seconds: f64) -> Self {
-        // No period is one that never ends.
+impl CheckpointWriter {
+    pub fn new(folder: &Path, request: &SearchRequest, inputs: Vec<InputHash>, seconds: f64) -> Self {
+        // Without a period, none is due while the search runs.
         let period = if seconds > 0.0 { Duration::from_secs_f64(seconds) } else { Duration::MAX };
         let last = Mutex::new(Ok(Instant::now()));
         Self { path: folder.join(CHECKPOINT), request: request.clone(), inputs, period, last }
     }
 
-    /// Writes the state if it is time to; false if that failed, now or before.
+    /// Writes the state if a checkpoint is due; returns false if that has failed, now or before.
     pub fn keep(&self, state: &search::Checkpoint, moment: Moment) -> bool {
         let mut last = self.last.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         if last.is_ok_and(|at| moment != Moment::Going || at.elapsed() >= self.period) {
@@ -69,14 +69,15 @@ impl Keeper {
     }
 
     fn write(&self, state: &search::Checkpoint) -> Result<(), Exit> {
-        let content = Content { request: self.request.clone(), inputs: self.inputs.clone(), state };
+        let content = CheckpointContent { request: self.request.clone(), inputs: self.inputs.clone(), state };
         let content = super::results::line(&content)?;
         let version = env!("CARGO_PKG_VERSION").into();
-        let header = Header { schema: SCHEMA.into(), version, sha256: loading::sha256(content.as_bytes()) };
+        let header =
+            CheckpointHeader { schema: SCHEMA.into(), version, sha256: loading::sha256(content.as_bytes()) };
         loading::write_whole(&self.path, (super::results::line(&header)? + &content).as_bytes())
     }
 
-    /// Says what keeps the search from having a result.
+    /// Reports what keeps the search from having a result.
     pub fn verdict(&self, record: &SearchRecord) -> Result<(), Exit> {
         let last = *self.last.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         let folder = path_word(self.path.parent().unwrap_or(Path::new(".")));
@@ -99,7 +100,7 @@ impl Keeper {
         Ok(())
     }
 
-    /// The search has its result: there is nothing to go on with.
+    /// Removes the checkpoint of a search that has its result.
     pub fn remove(&self) -> Result<(), Exit> {
         match std::fs::remove_file(&self.path) {
             Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
@@ -111,16 +112,16 @@ impl Keeper {
     }
 }
 
-/// A checkpoint that was read, and the search it belongs to.
-pub struct Kept {
+/// Search that was stopped, with its checkpoint.
+pub struct StoppedSearch {
     pub folder: PathBuf,
     /// The request of the search, with the stopping rules of the command line at hand.
     pub request: SearchRequest,
-    content: Content<search::Checkpoint>,
+    content: CheckpointContent<search::Checkpoint>,
 }
 
-impl Kept {
-    /// Reads the checkpoint of a folder, to be resumed as `asked`.
+impl StoppedSearch {
+    /// Reads the checkpoint of a folder, which the command line `asked` resumes.
     pub fn read(folder: &Path, asked: &SearchArguments) -> Result<Self, Exit> {
         let path = folder.join(CHECKPOINT);
         if !path.is_file() {
@@ -147,8 +148,8 @@ impl Kept {
         self.content.state.evaluations()
     }
 
-    /// Refuses to go on with other inputs or impossible rules, and says which.
-    pub fn check(&self, inputs: &[Input], workcell: &Workcell, bound: Option<f64>) -> Result<(), Exit> {
+    /// Refuses to resume with other inputs or impossible stopping rules.
+    pub fn check(&self, inputs: &[InputHash], workcell: &Workcell, bound: Option<f64>) -> Result<(), Exit> {
         let changes = changes(&self.content.inputs, inputs);
         changes.iter().for_each(|change| output::error(change));
         if !changes.is_empty() {
@@ -178,7 +179,7 @@ impl Kept {
 }
 
 /// Returns the request and the inputs with which the search of a folder began.
-pub fn begun(folder: &Path) -> Result<(SearchRequest, Vec<Input>), Exit> {
+pub fn begun(folder: &Path) -> Result<(SearchRequest, Vec<InputHash>), Exit> {
     let path = folder.join(CHECKPOINT);
     let bytes = std::fs::read(&path).map_err(|e| {
         output::error(&format!("cannot read {}: {e}", path_word(&path)));
@@ -194,11 +195,11 @@ fn refused(path: &Path, line: usize, why: &str) -> Exit {
     Exit::BadInput
 }
 
-/// The content of a checkpoint, or the line and what is wrong with it.
-fn understood(bytes: &[u8]) -> Result<Content<search::Checkpoint>, (usize, String)> {
+/// Parses a checkpoint; returns the line and the fault if it is damaged.
+fn understood(bytes: &[u8]) -> Result<CheckpointContent<search::Checkpoint>, (usize, String)> {
     let split = bytes.iter().position(|&b| b == b'\n').map_or(bytes.len(), |end| end + 1);
     let (first, second) = bytes.split_at(split);
-    let header: Header = serde_json::from_slice(first)
+    let header: CheckpointHeader = serde_json::from_slice(first)
         .map_err(|_| (1, "this is no checkpoint, or a damaged one".to_string()))?;
     if header.schema != SCHEMA {
         return Err((1, format!("the schema is {}, this program reads {SCHEMA}", shown(&header.schema))));
@@ -213,8 +214,8 @@ fn understood(bytes: &[u8]) -> Result<Content<search::Checkpoint>, (usize, Strin
     serde_json::from_slice(second).map_err(|e| (2, format!("the checkpoint cannot be read: {e}")))
 }
 
-/// What differs between the inputs then and now.
-fn changes(then: &[Input], now: &[Input]) -> Vec<String> {
+/// Returns the differences between the inputs of then and now.
+fn changes(then: &[InputHash], now: &[InputHash]) -> Vec<String> {
     let mut said = Vec::new();
     for (path, hash) in then {
         let path = shown(path);

@@ -1,4 +1,4 @@
-//! The folder that a search or a map leaves: its files, the inputs they came from, the manifest.
+//! Writes a result folder: its files, copies of the inputs, the manifest.
 
 use super::output::path_word;
 use super::search_request::SearchRequest;
@@ -13,23 +13,25 @@ use crate::search::{Alternative, SearchRecord};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// Where the inputs are kept, so that the folder can be mailed whole.
+/// Folder of the copies of the inputs, which make a result folder complete in itself.
 pub const INPUTS: &str = "inputs";
 
-/// What was written where.
-pub struct Written {
+/// Result folder with the names of the files written to it.
+pub struct WrittenFolder {
     folder: PathBuf,
     names: Vec<String>,
 }
 
-impl Written {
+impl WrittenFolder {
     pub fn tell(&self) {
         output::talk(&format!("wrote {}: {}", path_word(&self.folder), self.names.join(", ")));
     }
 }
 
-/// The files of a search. best.toml is left out if no layout is feasible, the manifest if there is no
-/// request: the search was interrupted.
+/// Writes the files of a search.
+///
+/// There is no best.toml if no layout is feasible, and no manifest without a request: the search was
+/// interrupted.
 pub fn write_search(
     folder: &Path,
     cell_file: &Path,
@@ -37,7 +39,7 @@ pub fn write_search(
     (record, proof): (&SearchRecord, &Proof),
     comparison: &Comparison<'_>,
     request: Option<&SearchRequest>,
-) -> Result<Written, Exit> {
+) -> Result<WrittenFolder, Exit> {
     let best = &comparison.columns[1];
     let cell = best.cell;
     let mut outputs = Vec::new();
@@ -71,7 +73,7 @@ pub fn write_search(
     }
 }
 
-/// What made a result folder: its command line, and the keys of the cell file that the flags state.
+/// Description of a run: its command line, and the keys of the cell file that the flags state.
 pub struct RunDescription {
     command: Vec<String>,
     settings: Vec<Setting>,
@@ -89,7 +91,7 @@ pub fn typed() -> Vec<String> {
     std::env::args_os().skip(1).map(|a| a.to_string_lossy().into_owned()).collect()
 }
 
-/// The layouts beside the best, each as a cell, and all of them as a table and a picture.
+/// Returns the layouts kept beside the best one: each as a cell file, and all as a table and a picture.
 fn alternatives(
     cell: &Cell,
     record: &SearchRecord,
@@ -105,7 +107,7 @@ fn alternatives(
     }
     if count > 0 {
         let table = report::csv::front(cell, record).map_err(|why| {
-            output::error(&format!("cannot make front.csv: {why}"));
+            output::error(&format!("cannot write front.csv: {why}"));
             Exit::Io
         })?;
         outputs.push(("front.csv".into(), table));
@@ -115,20 +117,20 @@ fn alternatives(
     Ok(outputs)
 }
 
-/// A name that every file system and every cell file can hold.
+/// Returns a name that every file system and every cell file accepts.
 pub fn portable(name: &str) -> String {
     name.chars().map(|c| if c.is_ascii_alphanumeric() || "._-".contains(c) { c } else { '_' }).collect()
 }
 
-/// Copies of every file that was read, in their places; the cell file comes first and is renamed.
+/// Copies every file that was read to its place; the cell file comes first and is renamed.
 pub fn keep_inputs(folder: &Path, cell_name: &str, sources: &[Source]) -> Result<(), Exit> {
     for (k, source) in sources.iter().enumerate() {
-        // A colon is no part of a folder's name everywhere.
+        // Some file systems allow no colon in a name.
         let place = source.path.replacen("package://", "packages/", 1);
         let path = folder.join(INPUTS).join(if k == 0 { cell_name } else { &place });
         if let Some(parent) = path.parent() {
             std::fs::create_dir_all(parent).map_err(|e| {
-                output::error(&format!("cannot make the folder {}: {e}", path_word(parent)));
+                output::error(&format!("cannot create the folder {}: {e}", path_word(parent)));
                 Exit::Io
             })?;
         }
@@ -137,14 +139,14 @@ pub fn keep_inputs(folder: &Path, cell_name: &str, sources: &[Source]) -> Result
     Ok(())
 }
 
-/// Writes files and, last, the manifest: a folder with one is complete.
+/// Writes files and, last, the manifest: a folder that has one is complete.
 pub fn write<N: AsRef<str>>(
     folder: &Path,
     cell: &Cell,
     sources: &[Source],
     run: RunDescription,
     outputs: Vec<(N, Vec<u8>)>,
-) -> Result<Written, Exit> {
+) -> Result<WrittenFolder, Exit> {
     let inputs = sources.iter().map(|s| hashed(&s.path, &s.bytes)).collect();
     let outputs_hashed = outputs.iter().map(|(name, bytes)| hashed(name.as_ref(), bytes)).collect();
     let manifest = ManifestDocument {
@@ -166,35 +168,35 @@ pub fn hashed(path: &str, bytes: &[u8]) -> HashedFile {
     HashedFile { path: path.to_string(), sha256: loading::sha256(bytes) }
 }
 
-fn write_outputs<N: AsRef<str>>(folder: &Path, outputs: &[(N, Vec<u8>)]) -> Result<Written, Exit> {
+fn write_outputs<N: AsRef<str>>(folder: &Path, outputs: &[(N, Vec<u8>)]) -> Result<WrittenFolder, Exit> {
     for (name, bytes) in outputs {
         loading::write_whole(&folder.join(name.as_ref()), bytes)?;
     }
     let names = outputs.iter().map(|(name, _)| name.as_ref().to_string()).collect();
-    Ok(Written { folder: folder.to_path_buf(), names })
+    Ok(WrittenFolder { folder: folder.to_path_buf(), names })
 }
 
-/// A document as a file of JSON.
+/// Returns a document as the text of a JSON file.
 pub fn pretty(document: &impl Serialize) -> Result<Vec<u8>, Exit> {
     let mut bytes = serde_json::to_vec_pretty(document).map_err(not_json)?;
     bytes.push(b'\n');
     Ok(bytes)
 }
 
-/// A document as one line of JSON.
+/// Returns a document as one line of JSON.
 pub fn line(document: &impl Serialize) -> Result<String, Exit> {
     Ok(serde_json::to_string(document).map_err(not_json)? + "\n")
 }
 
 fn not_json(e: serde_json::Error) -> Exit {
-    output::error(&format!("cannot make JSON: {e}"));
+    output::error(&format!("cannot write JSON: {e}"));
     Exit::Io
 }
 
 /// Writes the nodes of a map as CSV.
 pub fn csv(document: &MapDocument<'_>) -> Result<Vec<u8>, Exit> {
     report::csv::map(document).map_err(|why| {
-        output::error(&format!("cannot make map.csv: {why}"));
+        output::error(&format!("cannot write map.csv: {why}"));
         Exit::Io
     })
 }

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 
 /// Folder of a search.
 pub struct SearchFolder {
-    /// The cell as the search was asked for it.
+    /// The cell under the settings of the search.
     pub loaded: Loaded,
     /// The cell file inside the folder.
     pub file: PathBuf,
@@ -22,7 +22,7 @@ pub struct SearchFolder {
     pub manifest: Manifest,
 }
 
-/// What made the files of a folder.
+/// Origin of the files of a folder.
 struct FolderOrigin {
     manifest: Manifest,
     /// Keys of the cell file that the command line has stated.
@@ -53,7 +53,7 @@ pub fn read(folder: &Path, packages: &Packages) -> Result<SearchFolder, Exit> {
     Ok(SearchFolder { loaded, file, best, found, manifest })
 }
 
-/// best.toml of the folder of a search, and that nothing in the folder was changed since.
+/// Returns the path of best.toml; refuses a folder whose files have changed since the search.
 pub fn best_of(folder: &Path) -> Result<PathBuf, Exit> {
     untouched(folder, &origin(folder)?.manifest)?;
     let best = folder.join("best.toml");
@@ -61,18 +61,18 @@ pub fn best_of(folder: &Path) -> Result<PathBuf, Exit> {
         return Ok(best);
     }
     let word = path_word(folder);
-    output::error(&format!("the search in {word} has found no feasible layout: there is none to show"));
-    output::talk(&format!("  help: sweetspot report {word} tells what was in the way"));
+    output::error(&format!("the search in {word} has found no feasible layout, so there is no best.toml"));
+    output::talk(&format!("  help: sweetspot report {word} shows why no layout is feasible"));
     Err(Exit::BadInput)
 }
 
-/// A layout of as many things as the cell has.
+/// Returns the layout if it fits the cell; refuses it otherwise.
 fn fitting(folder: &Path, layout: Layout, loaded: &Loaded) -> Result<Layout, Exit> {
     let start = loaded.cell.start();
     let sizes = |l: &Layout| (l.placements.len(), l.attitudes.len());
     match sizes(&layout) == sizes(&start) {
         true => Ok(layout),
-        false => Err(refused(folder, "best.toml", "it is of another cell than the files in inputs/")),
+        false => Err(refused(folder, "best.toml", "it does not fit the cell in inputs/")),
     }
 }
 
@@ -112,13 +112,13 @@ fn origin(folder: &Path) -> Result<FolderOrigin, Exit> {
     Ok(FolderOrigin { manifest, settings: request.settings, resolved: None })
 }
 
-/// Every file is as the search wrote it.
+/// Refuses a folder in which a file has changed since the search wrote it.
 fn untouched(folder: &Path, manifest: &Manifest) -> Result<(), Exit> {
     let mut all = places(&manifest.inputs).chain(manifest.outputs.iter().cloned());
     all.try_for_each(|(place, hash)| check(folder, &place, &hash))
 }
 
-/// Where the inputs lie in the folder, with their hashes.
+/// Returns the places of the inputs in the folder, with their hashes.
 fn places(inputs: &[(String, String)]) -> impl Iterator<Item = (String, String)> {
     inputs.iter().enumerate().map(|(k, (path, hash))| {
         let place = path.replacen("package://", "packages/", 1);
@@ -130,7 +130,11 @@ fn check(folder: &Path, place: &str, hash: &str) -> Result<(), Exit> {
     if loading::sha256(&bytes(folder, place)?) == hash {
         return Ok(());
     }
-    Err(refused(folder, place, "it is not as the search wrote it: its hash is not that of the manifest"))
+    Err(refused(
+        folder,
+        place,
+        "it has changed since the search wrote it: its hash differs from that in the manifest",
+    ))
 }
 
 fn bytes(folder: &Path, place: &str) -> Result<Vec<u8>, Exit> {
@@ -138,14 +142,14 @@ fn bytes(folder: &Path, place: &str) -> Result<Vec<u8>, Exit> {
         .map_err(|why| refused(folder, place, &format!("it cannot be read: {why}")))
 }
 
-/// Says which file of the folder cannot be trusted.
+/// Reports a file of the folder that cannot be used.
 pub fn refused(folder: &Path, place: &str, why: &str) -> Exit {
     output::error(&format!("{}: {}", path_word(&folder.join(place)), shown(why)));
-    output::talk("  help: search again; or report the cell file alone");
+    output::talk("  help: run the search again, or report the cell file alone");
     Exit::BadInput
 }
 
-/// The packages of a URDF are kept with the inputs.
+/// Returns the packages of the command line and those kept with the inputs.
 fn kept_packages(folder: &Path, packages: &Packages) -> Packages {
     let mut all = packages.clone();
     for entry in folder.join(INPUTS).join("packages").read_dir().into_iter().flatten().flatten() {

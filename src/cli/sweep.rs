@@ -1,7 +1,7 @@
-//! What a sweep does, and the folder in which it can be killed and continued.
+//! Plan and folder of a sweep, which can be stopped and resumed.
 //!
-//! A combination is a function of the plan and its index, and leaves one file that is there whole or
-//! not at all: `NNNN.json`. The table is made from these files alone.
+//! A combination depends on the plan and its index alone. Its file `NNNN.json` exists as a whole or not at all.
+//! The table is made from these files.
 
 use super::arguments::{SweepArguments, common_settings};
 use super::loading;
@@ -122,7 +122,7 @@ fn count(sets: &[Choices]) -> Result<usize, Exit> {
     })
 }
 
-/// The plan that a folder holds; None if it holds none.
+/// Reads the plan of a folder; None if there is none.
 fn read_plan(folder: &Path) -> Result<Option<SweepPlan>, Exit> {
     let path = folder.join(PLAN);
     let bytes = match std::fs::read(&path) {
@@ -139,7 +139,7 @@ fn read_plan(folder: &Path) -> Result<Option<SweepPlan>, Exit> {
     })
 }
 
-/// The folder of a plan: that of the same sweep, or a new one in which the plan now stands.
+/// Opens the folder of a plan: that of the same sweep, or a new one to which the plan is written.
 pub fn open(plan: &SweepPlan, asked: Option<&Path>, stem: &str) -> Result<PathBuf, Exit> {
     if let Some(folder) = asked
         && let Some(old) = read_plan(folder)?
@@ -153,7 +153,7 @@ pub fn open(plan: &SweepPlan, asked: Option<&Path>, stem: &str) -> Result<PathBu
         output::talk("  help: take the changes back, or name a new folder with --out");
         return Err(Exit::BadInput);
     }
-    // Jobs of an array may all be about to put the plan there: their unfinished files are no content.
+    // All jobs of an array may write the plan at the same time: their unfinished files do not count.
     let is_started = |folder: &Path| {
         let names = folder.read_dir().into_iter().flatten().flatten().map(|entry| entry.file_name());
         names
@@ -168,12 +168,12 @@ pub fn open(plan: &SweepPlan, asked: Option<&Path>, stem: &str) -> Result<PathBu
     Ok(folder)
 }
 
-/// The name of a combination's files.
+/// Returns the stem of the files of a combination.
 pub fn number(index: usize) -> String {
     format!("{index:04}")
 }
 
-/// The row of a combination that is finished.
+/// Reads the row of a combination; None if it is not finished.
 pub fn row(folder: &Path, index: usize) -> Option<SweepRow> {
     let bytes = std::fs::read(folder.join(number(index) + ".json")).ok()?;
     serde_json::from_slice(&bytes).ok().filter(|row: &SweepRow| row.index == index)

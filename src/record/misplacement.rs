@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 /// Name and version of the document of `robust --json`.
 pub const ROBUST_SCHEMA: &str = "sweetspot/robust/1";
 
-/// What misplaced equipment does to the layout as drawn.
+/// Effect of misplaced equipment on the layout as drawn.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RobustDocument {
@@ -51,14 +51,14 @@ pub struct MisplacedOperation {
     pub robustness: Option<RobustnessEntry>,
 }
 
-/// What misplacement does to one operation.
+/// Effect of misplacement on one operation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RobustnessEntry {
     /// Value as drawn, in the unit of the objective.
     pub value: f64,
     /// The box of the placement tolerances; empty if everything is placed exactly.
-    pub tolerance: Moves,
+    pub tolerance: MovesByName,
     /// Number of corners of the box that were evaluated.
     pub corners: usize,
     /// The corner with the greatest value; null without tolerance, or if all are lost.
@@ -78,7 +78,7 @@ pub struct RobustnessEntry {
 }
 
 /// Misplacements by the name of the equipment, or of the robot base.
-pub type Moves = ByName<MoveEntry>;
+pub type MovesByName = ByName<MoveEntry>;
 
 /// Misplacement of one thing, mm and degrees.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -98,7 +98,7 @@ pub struct MoveEntry {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CornerEntry {
-    pub moves: Moves,
+    pub moves: MovesByName,
     pub value: f64,
 }
 
@@ -106,7 +106,7 @@ pub struct CornerEntry {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LostEntry {
-    pub moves: Moves,
+    pub moves: MovesByName,
     pub status: NodeSign,
     pub reason: String,
 }
@@ -217,8 +217,8 @@ fn largest(cell: &Cell, largest: &Largest, shown: impl Fn(f64) -> f64) -> Larges
     LargestEntry { most: nine_digits(shown(largest.most)), ended }
 }
 
-fn moves(cell: &Cell, moves: &[(Slot, f64)]) -> Moves {
-    let mut all = Moves::new();
+fn moves(cell: &Cell, moves: &[(Slot, f64)]) -> MovesByName {
+    let mut all = MovesByName::new();
     for (slot, by) in moves {
         let entry = all.entry(body(cell, *slot)).or_default();
         match slot {

@@ -91,7 +91,7 @@ pub enum SearchStatus {
     None,
 }
 
-/// What is proven of every layout of a cell.
+/// Lower bounds that hold for every layout of a cell.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ProofEntry {
@@ -100,7 +100,7 @@ pub struct ProofEntry {
     pub operations: Vec<ProvenOperation>,
 }
 
-/// What is proven of one operation.
+/// Lower bound of one operation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ProvenOperation {

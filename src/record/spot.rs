@@ -1,4 +1,4 @@
-//! What search and comparison tell of each operation of a layout.
+//! Operations of a layout in search results and comparisons.
 
 use super::map::{GuardEntry, MonteCarloEntry, StatusCounts};
 use super::misplacement::RobustnessEntry;

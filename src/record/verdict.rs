@@ -41,7 +41,7 @@ pub struct VerdictDocument {
     pub reasons: Vec<String>,
 }
 
-/// What a report is about.
+/// Subject of a report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum VerdictSubject {

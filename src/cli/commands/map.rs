@@ -5,7 +5,7 @@ use crate::assess::Assessment;
 use crate::cli::arguments::MapArguments;
 use crate::cli::output::path_word;
 use crate::cli::results;
-use crate::cli::results::{RunDescription, Written};
+use crate::cli::results::{RunDescription, WrittenFolder};
 use crate::cli::{Exit, asked, loading, output};
 use crate::files::Loaded;
 use crate::record::MapDocument;
@@ -48,7 +48,7 @@ pub fn map(a: &MapArguments) -> Result<Exit, Exit> {
     if let Some(path) = &a.svg {
         output::talk(&format!("wrote {}", path_word(path)));
     }
-    written.iter().for_each(Written::tell);
+    written.iter().for_each(WrittenFolder::tell);
     warn_of_distrust(&assessment);
     if !a.json {
         let movable = !workcell.cell.free().is_empty();

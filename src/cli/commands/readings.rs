@@ -5,7 +5,7 @@ use crate::assess::Readings;
 use crate::cli::arguments::ReadingsArguments;
 use crate::cli::output::path_word;
 use crate::cli::results;
-use crate::cli::results::{RunDescription, Written};
+use crate::cli::results::{RunDescription, WrittenFolder};
 use crate::cli::{Exit, asked, loading, output};
 use crate::record::ReadingsDocument;
 use crate::report;
@@ -45,7 +45,7 @@ pub fn readings(a: &ReadingsArguments) -> Result<Exit, Exit> {
         let title = report::text::question(cell);
         output::data(&format!("{title}\n\n{}", report::text::readings(&readings)))?;
     }
-    written.iter().for_each(Written::tell);
+    written.iter().for_each(WrittenFolder::tell);
     if !a.json {
         suggest(&format!("budget {} --reading worst-case", path_word(&a.cell)));
     }

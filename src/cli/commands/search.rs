@@ -4,7 +4,7 @@ use super::{stem, suggest, warn_of_distrust, warn_of_hopeless, workcell};
 use crate::assess::{Assessment, Comparison};
 use crate::cli::arguments::SearchArguments;
 use crate::cli::checkpoint;
-use crate::cli::checkpoint::{Keeper, Kept};
+use crate::cli::checkpoint::{CheckpointWriter, StoppedSearch};
 use crate::cli::output::path_word;
 use crate::cli::progress::Reporter;
 use crate::cli::search_request::SearchRequest;
@@ -24,7 +24,7 @@ use std::time::Instant;
 pub fn search(a: &SearchArguments) -> Result<Exit, Exit> {
     match &a.resume {
         Some(folder) => {
-            let kept = Kept::read(folder, a)?;
+            let kept = StoppedSearch::read(folder, a)?;
             run(&kept.request, a, Some(&kept))
         }
         None => run(&SearchRequest::new(a)?, a, None),
@@ -32,7 +32,7 @@ pub fn search(a: &SearchArguments) -> Result<Exit, Exit> {
 }
 
 /// Runs the search of a request; threads, time limit and output follow `now`, the arguments at hand.
-fn run(request: &SearchRequest, now: &SearchArguments, kept: Option<&Kept>) -> Result<Exit, Exit> {
+fn run(request: &SearchRequest, now: &SearchArguments, kept: Option<&StoppedSearch>) -> Result<Exit, Exit> {
     let file = &request.cell;
     let Loaded { cell, sources, .. } = request.load()?;
     let workcell = workcell(cell, file)?;
@@ -51,7 +51,7 @@ fn run(request: &SearchRequest, now: &SearchArguments, kept: Option<&Kept>) -> R
         None => loading::new_folder(now.out.as_deref(), &stem(file))?,
     };
     let clock = Instant::now();
-    let keeper = Keeper::new(&folder, request, inputs, now.checkpoint);
+    let keeper = CheckpointWriter::new(&folder, request, inputs, now.checkpoint);
     let record = pool.install(|| run_search(&workcell, bound, now, &keeper, kept))?;
     let seconds = clock.elapsed().as_secs_f64();
     let stopped = matches!(record.ended, SearchEnd::Interrupted | SearchEnd::TimeLimit);
@@ -125,11 +125,12 @@ fn run_search(
     workcell: &Workcell,
     bound: Option<f64>,
     now: &SearchArguments,
-    keeper: &Keeper,
-    kept: Option<&Kept>,
+    keeper: &CheckpointWriter,
+    kept: Option<&StoppedSearch>,
 ) -> Result<SearchRecord, Exit> {
     let stop = stop_at_signals();
-    let reporter = Reporter::new(now.progress.as_deref(), workcell, bound, kept.map_or(0, Kept::evaluations));
+    let reporter =
+        Reporter::new(now.progress.as_deref(), workcell, bound, kept.map_or(0, StoppedSearch::evaluations));
     let (late, clock) = (AtomicBool::new(false), Instant::now());
     let progress = |p: Progress| {
         reporter.tell(p);
@@ -143,7 +144,7 @@ fn run_search(
             stop.store(true, Ordering::Relaxed);
         }
     };
-    let (watch, from) = (Watch { progress: &progress, stop: &stop }, kept.map(Kept::state));
+    let (watch, from) = (Watch { progress: &progress, stop: &stop }, kept.map(StoppedSearch::state));
     let job = SearchJob { bound, from, keep: &keep };
     let mut record = search::search_job(workcell, &workcell.cell.search, &watch, &job);
     reporter.finish();

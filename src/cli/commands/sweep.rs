@@ -20,12 +20,12 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 
-/// A sweep made ready: every combination has been read and checked.
-struct Sweep {
+/// Sweep whose combinations have all been read and checked.
+struct CheckedSweep {
     plan: SweepPlan,
     kept: FileSnapshot,
     folder: PathBuf,
-    /// The cell file as it is called among the inputs.
+    /// Name of the cell file among the inputs.
     cell_name: String,
     stop: Arc<AtomicBool>,
 }
@@ -47,7 +47,7 @@ pub fn sweep(a: &SweepArguments) -> Result<Exit, Exit> {
     let all = 0..plan.combinations;
     let asked: Vec<usize> = a.only.map_or(all.clone().collect(), |index| vec![index]);
     let missing: Vec<usize> = asked.into_iter().filter(|k| row(&folder, *k).is_none()).collect();
-    let sweep = Sweep { plan, kept, folder, cell_name, stop: Arc::new(AtomicBool::new(false)) };
+    let sweep = CheckedSweep { plan, kept, folder, cell_name, stop: Arc::new(AtomicBool::new(false)) };
     run_all(&sweep, &missing, jobs)?;
     if sweep.stop.load(Ordering::Relaxed) {
         suggest(&format!("sweep --resume {}", path_word(&sweep.folder)));
@@ -68,7 +68,7 @@ pub fn sweep(a: &SweepArguments) -> Result<Exit, Exit> {
     finish(&sweep, rows, a.json)
 }
 
-/// Reads and checks every combination: all faults of all of them, each once.
+/// Reads and checks every combination, and reports every fault once.
 fn check_all(plan: &mut SweepPlan, kept: &FileSnapshot, jobs: usize) -> Result<Vec<Source>, Exit> {
     let check = |index: usize| -> Result<(Vec<Source>, Vec<Fault>), Vec<Fault>> {
         let loaded = load(plan, index, kept)?;
@@ -99,7 +99,7 @@ fn check_all(plan: &mut SweepPlan, kept: &FileSnapshot, jobs: usize) -> Result<V
     if faults.iter().any(Fault::is_error) { Err(loading::exit_of(&faults)) } else { Ok(all) }
 }
 
-/// A fault with the combinations that have it, if not all do with the setting at fault.
+/// Adds to the help of a fault in which combinations it occurs, unless it is in all that have its setting.
 fn whose(plan: &SweepPlan, (fault, first, count): (Fault, usize, usize)) -> Fault {
     let settings = plan.settings(first);
     let own = settings.iter().position(|s| fault.file == format!("--set {}", s.words()));
@@ -119,8 +119,8 @@ fn pool(threads: usize) -> Result<rayon::ThreadPool, Exit> {
     })
 }
 
-/// Works on the missing combinations, each on as many threads as there are to spare.
-fn run_all(sweep: &Sweep, missing: &[usize], jobs: usize) -> Result<(), Exit> {
+/// Works on the missing combinations; each gets an equal share of the threads.
+fn run_all(sweep: &CheckedSweep, missing: &[usize], jobs: usize) -> Result<(), Exit> {
     let asked = sweep.stop.clone();
     let _ = ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed));
     let workers = jobs.min(missing.len()).max(1);
@@ -131,7 +131,7 @@ fn run_all(sweep: &Sweep, missing: &[usize], jobs: usize) -> Result<(), Exit> {
                 break;
             }
             if let Err(exit) = pool.install(|| run_one(sweep, index)) {
-                // The others finish what they have begun.
+                // The other workers finish their current combination.
                 next.store(missing.len(), Ordering::Relaxed);
                 *failed.lock().unwrap_or_else(|poisoned| poisoned.into_inner()) = Some(exit);
             }
@@ -144,9 +144,9 @@ fn run_all(sweep: &Sweep, missing: &[usize], jobs: usize) -> Result<(), Exit> {
     failed.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner()).map_or(Ok(()), Err)
 }
 
-/// One combination: a function of plan and index that leaves its files, or none if it is stopped.
-fn run_one(sweep: &Sweep, index: usize) -> Result<(), Exit> {
-    let Sweep { plan, kept, folder, .. } = sweep;
+/// Works on one combination and writes its files; writes nothing if it is stopped.
+fn run_one(sweep: &CheckedSweep, index: usize) -> Result<(), Exit> {
+    let CheckedSweep { plan, kept, folder, .. } = sweep;
     let loaded = load(plan, index, kept).map_err(|faults| {
         output::faults(&faults);
         Exit::BadInput
@@ -167,18 +167,18 @@ fn run_one(sweep: &Sweep, index: usize) -> Result<(), Exit> {
     loading::write_whole(&folder.join(number(index) + ".json"), &pretty(&row)?)
 }
 
-/// As `search` does: the bound first, which may end the search. None if it is stopped.
+/// Searches as `search` does, with the proven bound first; returns None if it is stopped.
 fn searched(workcell: &Workcell, stop: &AtomicBool) -> Option<SearchRecord> {
     let proof = prove(workcell, &ProofOptions::default(), stop);
     let job = SearchJob { bound: proof.bound, from: None, keep: &|_, _| () };
     let watch = Watch { progress: &|_| {}, stop };
     let record = search::search_job(workcell, &workcell.cell.search, &watch, &job);
-    // Half a proof would leave another bound in the row.
+    // An interrupted proof would give another bound.
     (!proof.interrupted && record.ended != SearchEnd::Interrupted).then_some(record)
 }
 
-/// NNNN.toml, a cell with the layout fixed, and among the inputs the cell with its settings.
-fn write_cell(sweep: &Sweep, index: usize, a: &Assessment<'_>) -> Result<(), Exit> {
+/// Writes NNNN.toml, the cell with its layout fixed, and among the inputs the cell with its settings.
+fn write_cell(sweep: &CheckedSweep, index: usize, a: &Assessment<'_>) -> Result<(), Exit> {
     let settings = sweep.plan.settings(index);
     let lines: Vec<_> = settings.iter().map(|s| s.line()).collect();
     let from = format!("from = \"{}\"\n{}\n", sweep.cell_name, lines.join("\n"));
@@ -201,12 +201,12 @@ fn write_cell(sweep: &Sweep, index: usize, a: &Assessment<'_>) -> Result<(), Exi
     loading::write_whole(&sweep.folder.join(number(index) + ".toml"), text.as_bytes())
 }
 
-/// The table of all rows, in files and on stdout.
-fn finish(sweep: &Sweep, rows: Vec<SweepRow>, as_json: bool) -> Result<Exit, Exit> {
+/// Writes the table of all rows to files and stdout.
+fn finish(sweep: &CheckedSweep, rows: Vec<SweepRow>, as_json: bool) -> Result<Exit, Exit> {
     let mode = if sweep.plan.search { SweepMode::Search } else { SweepMode::Map };
     let document = SweepTable::new(mode, rows);
     let csv = report::sweep::csv(&document).map_err(|why| {
-        output::error(&format!("cannot make table.csv: {why}"));
+        output::error(&format!("cannot write table.csv: {why}"));
         Exit::Io
     })?;
     write_table(sweep, vec![("table.csv", csv), ("table.json", pretty(&document)?)])?;
@@ -221,9 +221,10 @@ fn finish(sweep: &Sweep, rows: Vec<SweepRow>, as_json: bool) -> Result<Exit, Exi
     Ok(if document.feasible > 0 { Exit::Done } else { Exit::AnswerIsNo })
 }
 
-/// The tables and, last, the manifest: a folder with one is complete. It does not tell the command, so
-/// that a resumed sweep ends in the same bytes.
-fn write_table(sweep: &Sweep, outputs: Vec<(&str, Vec<u8>)>) -> Result<(), Exit> {
+/// Writes the tables and, last, the manifest: a folder that has one is complete.
+///
+/// The manifest has no command, so that a resumed sweep ends in the same bytes.
+fn write_table(sweep: &CheckedSweep, outputs: Vec<(&str, Vec<u8>)>) -> Result<(), Exit> {
     let write = |name: &str, bytes: &[u8]| loading::write_whole(&sweep.folder.join(name), bytes);
     outputs.iter().try_for_each(|(name, bytes)| write(name, bytes))?;
     let hashes = outputs.iter().map(|(name, bytes)| hashed(name, bytes)).collect();
