@@ -28,6 +28,7 @@ pub struct Account<'a> {
 }
 
 impl<'a> Account<'a> {
+    /// Computes the error budget of a posture.
     pub fn new(stance: PostureContext<'a>) -> Self {
         let PostureContext { gauge, situation, frames, .. } = &stance;
         let mut memory = gauge.memory();

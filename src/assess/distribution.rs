@@ -29,12 +29,12 @@ impl ErrorDistribution {
     pub fn at_spot(a: &Assessment<'_>, operation: usize) -> Result<Self, String> {
         let cell = a.cell;
         let (_, posture) = a.spot(operation).ok_or("the operation has no usable node")?;
-        let judged = |model, reading| judged(a, operation, posture, (model, reading));
+        let judged = |model, reading| judged(a, operation, posture, model, reading);
         let (read, figures) = judged(cell.model, Reading::Statistical)?;
         if figures.p99 <= NEGLIGIBLE {
             return Err(
                 "the error does not vary here: all parameters are exact, or a registration removes their errors"
-                    .into(),
+                    .to_string(),
             );
         }
         let kept = a.samples[operation].clone();
@@ -50,7 +50,8 @@ fn judged(
     a: &Assessment<'_>,
     operation: usize,
     posture: &PostureRecord,
-    (model, reading): (Model, Reading),
+    model: Model,
+    reading: Reading,
 ) -> Result<(Workcell, Figures), String> {
     let interpretation =
         Interpretation { model, reading, quantity: Quantity::P95, ..a.cell.interpretation() };

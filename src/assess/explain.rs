@@ -80,6 +80,7 @@ pub struct Explanation<'a> {
 }
 
 impl<'a> Explanation<'a> {
+    /// Explains the error of a posture.
     pub fn new(stance: PostureContext<'a>) -> Self {
         let PostureContext { gauge, situation, frames, .. } = &stance;
         let mut memory = gauge.memory();
@@ -184,7 +185,7 @@ fn sense_rows(stance: &PostureContext<'_>, error: &Displacement) -> Vec<SenseRow
     gauge.sense.rows().iter().map(row).collect()
 }
 
-/// From the TCP to the point that the sense looks at, base frame.
+/// Returns the vector from the TCP to the point of the sense, base frame, m.
 fn arm(stance: &PostureContext<'_>, frames: &Frames) -> Vector3<f64> {
     frames.tcp.rotation * stance.gauge.sense.point
 }

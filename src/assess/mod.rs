@@ -1,8 +1,8 @@
 //! Assessment of layouts, alone and side by side.
 //!
-//! An [`Assessment`] is the full evaluation of one layout. A [`Comparison`] holds several that answer the same
-//! question. [`Account`] (the error budget), [`Explanation`] and [`ErrorDistribution`] concern one posture,
-//! [`Readings`] one layout in every reading.
+//! An [`Assessment`] is the full evaluation of one layout. A [`Comparison`] holds several that answer the
+//! same question. [`Account`] (the error budget), [`Explanation`] and [`ErrorDistribution`] concern one
+//! posture, [`Readings`] one layout in every reading.
 
 mod budget;
 mod distribution;

@@ -1,9 +1,9 @@
 //! Distance queries: how far the robot is from what it must not touch.
 //!
 //! parry3d's distances of rounded shapes are off by up to 1.2e-5 m. So rounded solids are asked as the
-//! solids before rounding, capsules as their segments, and the radius is subtracted. For two convex
-//! solids the answer is the width of the slab that both leave free, perpendicular to the direction
-//! between the nearest points that parry3d found. It never exceeds the true distance.
+//! solids before rounding, capsules as their segments, and the radius is subtracted. parry3d gives a
+//! direction between the nearest points of two convex solids. The answer is the width of the slab across
+//! that direction that both solids leave free. It never exceeds the true distance.
 
 use super::bodies::{CollisionBody, EquipmentSolid, parry_pose, vector};
 use super::contact::Hit;

@@ -23,7 +23,8 @@ pub struct PlacedSolids {
 /// It changes no verdict, so one memory serves any layout.
 #[derive(Default)]
 pub struct ContactMemory {
-    /// Link and placed solid of the last contact, asked first because the next posture most likely has it too.
+    /// Link and placed solid of the last contact, asked first because the next posture most likely has it
+    /// too.
     pub(super) suspect: Option<(usize, usize)>,
     /// Bounding capsules of the links in the last posture, world frame.
     pub(super) capsules: Vec<BoundingCapsule>,

@@ -110,7 +110,8 @@ fn by_theta(
         gradient[i] += axial(&f[i + 1]).dot(z);
         let before = z.cross(&axial(&p[i]));
         for j in i..n {
-            // Motions before i give eta . (w x (z_i x rate_j)), those between give eta . (z_i x (w x rate_j)).
+            // Motions before i give eta . (w x (z_i x rate_j)), those between give eta . (z_i x (w x
+            // rate_j)).
             let between = p[j] - p[i];
             let tilted = z * between.trace() - between * z;
             hessian[i][j] = (before + tilted).dot(&rates[j]);

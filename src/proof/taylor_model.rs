@@ -57,7 +57,8 @@ impl Taylor {
 
     /// Returns a lower bound of the quantity in a box of these radii.
     ///
-    /// `|h t_i t_j|` is split such that it vanishes with either factor, so that an inner minimum stays visible.
+    /// `|h t_i t_j|` is split such that it vanishes with either factor, so that an inner minimum stays
+    /// visible.
     pub fn least(&self, radii: &JointValues, count: usize) -> f64 {
         let one = |i: usize| {
             let r = radii[i];

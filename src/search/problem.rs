@@ -46,7 +46,7 @@ pub enum Moment {
     Begun,
     /// After every batch of evaluations.
     Going,
-    /// At the end of a search that was interrupted.
+    /// The end of an interrupted search.
     Stopped,
 }
 
@@ -74,6 +74,7 @@ pub struct Problem<'a> {
 }
 
 impl<'a> Problem<'a> {
+    /// Prepares the problem of a cell.
     pub fn new(
         workcell: &'a Workcell,
         space: &'a SearchSpace<'a>,

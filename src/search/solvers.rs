@@ -89,9 +89,9 @@ pub fn explore(problem: &Problem<'_>, settings: &SearchSettings, start: Vec<f64>
 /// Returns the first step and the population (as a multiple of the default) of a run of CMA-ES.
 ///
 /// The first run stays near the layout in the file. Later runs start anywhere, in two ways as in BIPOP-CMA-ES
-/// (N. Hansen, "Benchmarking a BI-population CMA-ES on the BBOB-2009 function testbed", GECCO 2009). Long steps
-/// and a population that doubles up to eight times the default find the large valleys. A short first step
-/// stays on one side of an obstacle, where a small island of feasible layouts can be the best.
+/// (N. Hansen, "Benchmarking a BI-population CMA-ES on the BBOB-2009 function testbed", GECCO 2009). Long
+/// steps and a population that doubles up to eight times the default find the large valleys. A short first
+/// step stays on one side of an obstacle, where a small island of feasible layouts can be the best.
 fn restart(run: u64, rng: &mut ChaCha8Rng) -> (f64, u32) {
     match run.checked_sub(1) {
         None => (SIGMA_FROM_FILE, 1),

@@ -24,6 +24,7 @@ mod front;
 mod kinematics;
 mod layout;
 mod library;
+mod low_discrepancy;
 mod meshes;
 mod motion;
 mod moving;

@@ -7,7 +7,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 use std::sync::atomic::AtomicBool;
-use sweetspot::assess::{Account, Assessment, At, Comparison, Explanation, Readings, Stance};
+use sweetspot::assess::{Account, Assessment, Comparison, Explanation, NodeChoice, PostureContext, Readings};
 use sweetspot::layout::Workcell;
 use sweetspot::proof::{ProofOptions, prove};
 use sweetspot::record::{
@@ -66,7 +66,7 @@ fn with_unknown_field(document: &Value) -> Vec<Value> {
 }
 
 fn accounts<'a>(workcell: &'a Workcell, a: &Assessment<'a>) -> Vec<Account<'a>> {
-    let stance = |k| Stance::at(workcell, &a.layout, &a.maps, k, At::Best).ok();
+    let stance = |k| PostureContext::at(workcell, &a.layout, &a.maps, k, NodeChoice::Best).ok();
     (0..a.maps.len()).filter_map(|k| stance(k).map(Account::new)).collect()
 }
 
@@ -81,7 +81,7 @@ fn documents_of_shipped_cells_validate_against_their_schemas() {
         let accounts = accounts(&workcell, &a);
         assert!(!accounts.is_empty(), "{name}");
         holds::<BudgetDocument>(DocumentKind::Budget, &BudgetDocument::new(cell, &accounts), name);
-        let stance = Stance::at(&workcell, &a.layout, &a.maps, 0, At::Best);
+        let stance = PostureContext::at(&workcell, &a.layout, &a.maps, 0, NodeChoice::Best);
         if let Ok(stance) = stance {
             let document = ExplanationDocument::new(&Explanation::new(stance));
             holds::<ExplanationDocument>(DocumentKind::Explanation, &document, name);
