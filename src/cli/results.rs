@@ -112,7 +112,7 @@ fn alternatives(
         })?;
         outputs.push(("front.csv".into(), table));
     }
-    let picture = report::front::picture(cell, record);
+    let picture = report::chart::pareto(cell, record);
     outputs.extend(picture.map(|picture| ("front.svg".into(), picture.into_bytes())));
     Ok(outputs)
 }
