@@ -141,10 +141,10 @@ impl<'a> Probe<'a> {
     }
 
     fn value(&mut self, posture: &Posture) -> Result<f64, Status> {
-        let Self { query, memory: PostureMemory { frames, reading, .. }, .. } = self;
+        let Self { query, memory: PostureMemory { frames, scratch, .. }, .. } = self;
         let context = query.context.as_ref().map_err(|why| Status::Unjudged(*why))?;
         query.placed.mapper.arm.chain.place(posture, frames);
-        Ok(query.setup.evaluator.value(context, frames, reading))
+        Ok(query.setup.evaluator.value(context, frames, scratch))
     }
 
     /// Solves the joint coordinates of a branch at a point.
