@@ -31,8 +31,20 @@ pub fn load_for_readings(file: &Path, packages: &Packages, flags: &ErrorFlags) -
     Ok(loaded)
 }
 
+/// Refuses `--set` for a command that writes cell files, which could not state these keys.
+pub fn refuse_sets(flags: &QuestionFlags, command: &str) -> Result<(), Exit> {
+    let Some(set) = flags.errors.sets.first() else { return Ok(()) };
+    output::error(&format!("`{command}` does not take --set: the layout files it writes could not state the key"));
+    output::talk(&format!(
+        "  help: write a cell file with the lines from = \"CELL.toml\" and {}, or run sweetspot sweep",
+        shown(&set.line())
+    ));
+    Err(Exit::BadInput)
+}
+
 /// Loads a cell as a search asks for it.
 pub fn load_for_search(a: &SearchArguments, file: &Path) -> Result<Loaded, Exit> {
+    refuse_sets(&a.question, "search")?;
     let loaded = loading::load_with(file, &a.packages, &a.settings())?;
     say_notes(&loaded, &a.question);
     if a.question.errors.sense.is_some() {
