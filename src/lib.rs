@@ -48,6 +48,7 @@
 //! | [`search`] | choose | cell to the best layout found |
 //! | [`proof`] | what is possible | cell to a lower bound that no layout beats |
 //! | [`assess`] | what is known | layout to everything known of it; layouts side by side |
+//! | [`record`] | what is written down | assessments to typed documents: JSON, CSV, Parquet, schemas |
 //! | [`drawing`] | show it | an assessment to solids, arrows, envelope, motion |
 //! | [`report`] | say it | records to JSON, CSV, SVG, TOML, text |
 //! | [`cli`] | edge | arguments, files, progress, exit codes |
@@ -114,6 +115,7 @@ pub mod pose;
 pub mod proof;
 pub mod reach;
 pub mod reading;
+pub mod record;
 pub mod report;
 pub mod robot;
 pub mod search;

@@ -1,41 +1,42 @@
-//! The error budget of a spot: what each parameter adds, and what tightening it would gain.
+//! Error budget of a spot: the share of each parameter, and the gain from tightening its tolerance.
 
-use super::stance::Stance;
+use super::posture_context::PostureContext;
 use crate::cell::{Parameter, Reading, Unit};
 use crate::reading::{Budget, ErrorEvaluator, EvaluatorScratch, PostureErrors, WorstCase};
 
-/// How many parameters are tried tighter.
-const TRIED: usize = 3;
+/// Number of parameters whose tolerance is halved on trial.
+const TIGHTENED: usize = 3;
 
-/// What half the tolerance would make of the figure that counts.
+/// Figure that results from half the tolerance of some parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tighter {
     pub parameters: Vec<Parameter>,
-    /// In the unit of [`Account::unit`], SI.
+    /// Figure in SI units; [`Account::unit`] says which.
     pub figure: f64,
 }
 
-/// Everything of the budget of one spot.
+/// Error budget of one spot with all its figures.
 pub struct Account<'a> {
-    pub stance: Stance<'a>,
+    pub stance: PostureContext<'a>,
     pub budget: Budget,
     pub judged: PostureErrors,
     pub worst: WorstCase,
-    /// What tightening makes smaller: the worst case, or the statistical quantity.
+    /// Figure that tightening reduces: the worst case, or the statistical quantity.
     pub figure: f64,
-    /// The first parameters of the budget, each halved alone; then all of them at once.
+    /// First parameters of the budget, each halved alone; then all of them at once.
     pub tighter: Vec<Tighter>,
 }
 
 impl<'a> Account<'a> {
-    pub fn new(stance: Stance<'a>) -> Self {
-        let Stance { gauge, situation, frames, .. } = &stance;
+    /// Computes the error budget of a posture.
+    pub fn new(stance: PostureContext<'a>) -> Self {
+        let PostureContext { gauge, situation, frames, .. } = &stance;
         let mut memory = gauge.memory();
         let budget = Budget::new(gauge, situation, frames, &mut memory);
         let judged = gauge.judge(situation, frames, &mut memory);
         gauge.prepare(situation, frames, &mut memory);
         let worst = gauge.worst(&gauge.sense, situation, frames, &mut memory);
-        let first: Vec<Parameter> = budget.shares.iter().take(TRIED).map(|s| s.parameter).collect();
+        let first: Vec<Parameter> = budget.shares.iter().take(TIGHTENED).map(|s| s.parameter).collect();
         let mut tried: Vec<Vec<Parameter>> = first.iter().map(|p| vec![*p]).collect();
         if first.len() > 1 {
             tried.push(first);
@@ -49,7 +50,7 @@ impl<'a> Account<'a> {
         Self { budget, judged, worst, figure, tighter, stance }
     }
 
-    /// Of [`Self::figure`].
+    /// Returns the unit of [`Self::figure`].
     pub fn unit(&self) -> Unit {
         let gauge = &self.stance.gauge;
         match (gauge.reading, self.stance.cell.unit()) {
@@ -58,15 +59,15 @@ impl<'a> Account<'a> {
         }
     }
 
-    /// How much of the figure the tightening takes, as a share of it.
+    /// Returns the reduction of the figure by a tightening, as a share.
     pub fn cut(&self, tighter: &Tighter) -> f64 {
         if self.figure > 0.0 { 1.0 - tighter.figure / self.figure } else { 0.0 }
     }
 }
 
-/// What counts of tolerances: in the statistical reading its quantity, else the worst case.
-fn figure(gauge: &ErrorEvaluator, stance: &Stance<'_>, memory: &mut EvaluatorScratch) -> f64 {
-    let Stance { situation, frames, .. } = stance;
+/// Returns the quantity of the statistical reading, or the worst case in any other reading.
+fn figure(gauge: &ErrorEvaluator, stance: &PostureContext<'_>, memory: &mut EvaluatorScratch) -> f64 {
+    let PostureContext { situation, frames, .. } = stance;
     if gauge.reading == Reading::Statistical {
         return gauge.value(situation, frames, memory);
     }
@@ -74,7 +75,7 @@ fn figure(gauge: &ErrorEvaluator, stance: &Stance<'_>, memory: &mut EvaluatorScr
     gauge.worst(&gauge.sense, situation, frames, memory).by_model
 }
 
-/// The same operation with half the tolerance of some parameters.
+/// Returns the evaluator with half the tolerance of some parameters.
 fn halved(gauge: &ErrorEvaluator, parameters: &[Parameter]) -> ErrorEvaluator {
     let mut tighter = gauge.clone();
     let sources = &mut tighter.sources;

@@ -1,4 +1,4 @@
-//! How the error spreads at a spot, whatever the reading under which it was chosen.
+//! Monte Carlo distribution of the error at a spot, whatever the reading under which it was chosen.
 
 use super::{Assessment, SAMPLES};
 use crate::cell::{Interpretation, Model, Quantity, Reading, Unit};
@@ -7,31 +7,34 @@ use crate::kinematic_error::NEGLIGIBLE;
 use crate::layout::Workcell;
 use crate::reading::{Figures, MonteCarlo, monte_carlo};
 
-/// Samples of the error's size in the operation's sense at its spot, m or rad.
+/// Distribution of the error's size in the operation's sense at its spot, m or rad.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Distribution {
+pub struct ErrorDistribution {
     pub operation: usize,
     pub unit: Unit,
-    /// Through the nonlinear model.
+    /// Monte Carlo estimates through the nonlinear model.
     pub samples: MonteCarlo,
-    /// To first order, and the worst case.
+    /// First-order figures and the worst case.
     pub figures: Figures,
-    /// Of the signed sample by the model of the cell, if there is one.
+    /// Error of the signed sample by the model of the cell, if there is one.
     pub signed: Option<f64>,
     pub limit: Option<f64>,
 }
 
-impl Distribution {
+impl ErrorDistribution {
+    /// Samples the error at the spot of an operation.
+    ///
     /// # Errors
     /// Why there is nothing to sample.
     pub fn at_spot(a: &Assessment<'_>, operation: usize) -> Result<Self, String> {
         let cell = a.cell;
         let (_, posture) = a.spot(operation).ok_or("the operation has no usable node")?;
-        let judged = |model, reading| judged(a, operation, posture, (model, reading));
+        let judged = |model, reading| judged(a, operation, posture, model, reading);
         let (read, figures) = judged(cell.model, Reading::Statistical)?;
         if figures.p99 <= NEGLIGIBLE {
             return Err(
-                "no error spreads here: everything is known exactly, or measured and taken off".into()
+                "the error does not vary here: all parameters are exact, or a registration removes their errors"
+                    .to_string(),
             );
         }
         let kept = a.samples[operation].clone();
@@ -42,12 +45,13 @@ impl Distribution {
     }
 }
 
-/// The cell read otherwise, and the figures of a posture there.
+/// Returns the cell in another model and reading, and the figures of a posture in it.
 fn judged(
     a: &Assessment<'_>,
     operation: usize,
     posture: &PostureRecord,
-    (model, reading): (Model, Reading),
+    model: Model,
+    reading: Reading,
 ) -> Result<(Workcell, Figures), String> {
     let interpretation =
         Interpretation { model, reading, quantity: Quantity::P95, ..a.cell.interpretation() };

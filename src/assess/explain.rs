@@ -1,7 +1,7 @@
-//! One posture's numbers, step by step, so that they can be followed by hand.
+//! Explanation of one posture's error, step by step, so that it can be checked by hand.
 
-use super::motion::{Motion, motions};
-use super::stance::Stance;
+use super::parameter_motion::{ParameterMotion, motions};
+use super::posture_context::PostureContext;
 use crate::cell::{Frame, JointKind, Model, Parameter, Reading, Unit};
 use crate::kinematic_error::{deviation, pose_error};
 use crate::pose::Displacement;
@@ -9,12 +9,13 @@ use crate::reading::{ErrorSource, Figures, MAX_SOURCES, PostureErrors, WorstCase
 use crate::robot::Frames;
 use nalgebra::{Matrix3, Vector3};
 
-/// A row of the D-H table at the posture: `Rz(theta) Tz(r) Tx(l) Rx(alpha)`.
+/// Row of the D-H table at the posture: `Rz(theta) Tz(r) Tx(l) Rx(alpha)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DhRow {
     pub kind: JointKind,
-    /// Actuator coordinate, and whether it is within its limits.
+    /// Actuator coordinate, rad or m.
     pub q: f64,
+    /// Whether the coordinate is within its limits.
     pub allowed: bool,
     pub theta: f64,
     pub r: f64,
@@ -22,29 +23,30 @@ pub struct DhRow {
     pub alpha: f64,
 }
 
-/// What one parameter does, base frame.
+/// Effect of one parameter, base frame.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Line {
+pub struct ParameterEffect {
     pub source: ErrorSource,
-    pub motions: Vec<Motion>,
-    /// Its value in the sample explained.
+    pub motions: Vec<ParameterMotion>,
+    /// Value in the explained sample, m or rad.
     pub value: f64,
-    /// Effect of a unit: of the motions alone, and after all that takes off from it.
+    /// Effect of a unit of the parameter on the robot alone.
     pub alone: Displacement,
+    /// Effect of a unit that registration and pick leave.
     pub left: Displacement,
 }
 
-impl Line {
-    /// Its linear term.
+impl ParameterEffect {
+    /// Returns the linear term: the remaining effect times the value.
     pub fn term(&self) -> Displacement {
         self.left * self.value
     }
 
-    /// Sum of its motions' effects on the robot, or on the work.
-    fn alone(parameter: Parameter, own: usize, motions: &[Motion]) -> Displacement {
+    /// Returns the sum of the effects of its motions on the robot or on the work.
+    fn alone(parameter: Parameter, own: usize, motions: &[ParameterMotion]) -> Displacement {
         let sum = motions.iter().fold(Displacement::NONE, |sum, motion| sum + motion.effect());
         match parameter {
-            // Seen from work that moves, the TCP moves the other way.
+            // Seen from moving work, the TCP moves the other way.
             Parameter::Equipment(e, _) if e == own => sum * -1.0,
             Parameter::Equipment(..) => Displacement::NONE,
             _ => sum,
@@ -52,33 +54,35 @@ impl Line {
     }
 }
 
-/// A row of the sense and the error in it, m or rad.
+/// Row of the sense and the error in it, m or rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SenseRow {
     pub turns: bool,
-    /// Base frame; its length is the weight.
+    /// Direction in the base frame; its length is the weight.
     pub direction: Vector3<f64>,
     pub value: f64,
 }
 
-/// The numbers of one posture; base frame, m and rad.
+/// All numbers behind the error of one posture; base frame, m and rad.
 pub struct Explanation<'a> {
-    pub stance: Stance<'a>,
+    pub stance: PostureContext<'a>,
     pub rows: Vec<DhRow>,
-    pub lines: Vec<Line>,
+    pub lines: Vec<ParameterEffect>,
     pub judged: PostureErrors,
     pub worst: WorstCase,
-    /// The nonlinear error of the robot alone, before anything is taken off.
+    /// Nonlinear error of the robot alone, before registration and pick remove any.
     pub robot: Displacement,
     pub sense: Vec<SenseRow>,
-    /// How far the models are from the nonlinear one, as shares.
+    /// Deviation of the linear model from the nonlinear one, as a share.
     pub linear_off: f64,
+    /// Deviation of the second-order model from the nonlinear one, as a share.
     pub second_order_off: f64,
 }
 
 impl<'a> Explanation<'a> {
-    pub fn new(stance: Stance<'a>) -> Self {
-        let Stance { gauge, situation, frames, .. } = &stance;
+    /// Explains the error of a posture.
+    pub fn new(stance: PostureContext<'a>) -> Self {
+        let PostureContext { gauge, situation, frames, .. } = &stance;
         let mut memory = gauge.memory();
         let judged = gauge.judge(situation, frames, &mut memory);
         gauge.prepare(situation, frames, &mut memory);
@@ -92,8 +96,14 @@ impl<'a> Explanation<'a> {
         let theory = gauge.propagation();
         let line = |(k, source): (usize, &ErrorSource)| {
             let motions = motions(theory.chain, frames, &situation.site.work, source.parameter);
-            let alone = Line::alone(source.parameter, situation.site.equipment, &motions);
-            Line { source: *source, motions, value: values[k], alone, left: memory.effects().columns[k] }
+            let alone = ParameterEffect::alone(source.parameter, situation.site.equipment, &motions);
+            ParameterEffect {
+                source: *source,
+                motions,
+                value: values[k],
+                alone,
+                left: memory.effects().columns[k],
+            }
         };
         let lines = sources.list.iter().enumerate().map(line).collect();
         let sample = theory.sample(&values[..sources.list.len()], Model::Nonlinear);
@@ -104,12 +114,12 @@ impl<'a> Explanation<'a> {
         Self { rows, lines, worst, robot, sense, linear_off, second_order_off, judged, stance }
     }
 
-    /// The figures in the operation's sense.
+    /// Returns the figures in the operation's sense.
     pub fn figures(&self) -> &Figures {
         &self.judged.figures[self.stance.gauge.own()]
     }
 
-    /// How far the chosen model is off, as a share.
+    /// Returns the deviation of the chosen model from the nonlinear one, as a share.
     pub fn off(&self) -> f64 {
         match self.stance.gauge.model {
             Model::Nonlinear => 0.0,
@@ -118,11 +128,12 @@ impl<'a> Explanation<'a> {
         }
     }
 
+    /// Returns whether the chosen model is within the guard of the cell.
     pub fn trusted(&self) -> bool {
         self.off() <= self.stance.cell.guard
     }
 
-    /// Whether a registration, a moved frame or a pick takes anything off the robot's error.
+    /// Returns whether a registration, equipment errors or a pick change the robot's error.
     pub fn takes_off(&self) -> bool {
         let situation = &self.stance.situation;
         situation.reference.is_some()
@@ -131,7 +142,7 @@ impl<'a> Explanation<'a> {
             || self.lines.iter().any(|l| matches!(l.source.parameter, Parameter::Equipment(..)))
     }
 
-    /// Of the reading's value.
+    /// Returns the unit of the reading's value.
     pub fn unit(&self) -> Unit {
         match (self.stance.gauge.reading, self.stance.cell.unit()) {
             (Reading::Statistical, Unit::Share) => Unit::Share,
@@ -140,7 +151,7 @@ impl<'a> Explanation<'a> {
     }
 }
 
-fn dh_rows(stance: &Stance<'_>) -> Vec<DhRow> {
+fn dh_rows(stance: &PostureContext<'_>) -> Vec<DhRow> {
     let robot = &stance.cell.robot;
     let rows = robot.joints.iter().enumerate().map(|(i, joint)| {
         let coordinate: f64 = robot.coupling[i].iter().zip(&stance.joints).map(|(c, q)| c * q).sum();
@@ -158,8 +169,8 @@ fn dh_rows(stance: &Stance<'_>) -> Vec<DhRow> {
 }
 
 /// The rows of the operation's sense, base frame.
-fn sense_rows(stance: &Stance<'_>, error: &Displacement) -> Vec<SenseRow> {
-    let Stance { gauge, situation, frames, .. } = stance;
+fn sense_rows(stance: &PostureContext<'_>, error: &Displacement) -> Vec<SenseRow> {
+    let PostureContext { gauge, situation, frames, .. } = stance;
     let axes: &Matrix3<f64> = match gauge.sense.frame {
         Frame::World => &situation.site.world,
         Frame::Surface => &situation.site.work.rotation,
@@ -174,7 +185,7 @@ fn sense_rows(stance: &Stance<'_>, error: &Displacement) -> Vec<SenseRow> {
     gauge.sense.rows().iter().map(row).collect()
 }
 
-/// From the TCP to the point that the sense looks at, base frame.
-fn arm(stance: &Stance<'_>, frames: &Frames) -> Vector3<f64> {
+/// Returns the vector from the TCP to the point of the sense, base frame, m.
+fn arm(stance: &PostureContext<'_>, frames: &Frames) -> Vector3<f64> {
     frames.tcp.rotation * stance.gauge.sense.point
 }

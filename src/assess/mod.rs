@@ -1,26 +1,26 @@
-//! What if: layouts side by side.
+//! Assessment of layouts, alone and side by side.
 //!
-//! An [`Assessment`] is everything known of one layout; a [`Comparison`] is several of them that
-//! answer the same question. [`Account`] (budget), [`Explanation`] and [`Distribution`] look at one posture,
-//! [`Readings`] at one layout in every reading.
+//! An [`Assessment`] is the full evaluation of one layout. A [`Comparison`] holds several that answer the
+//! same question. [`Account`] (the error budget), [`Explanation`] and [`ErrorDistribution`] concern one
+//! posture, [`Readings`] one layout in every reading.
 
 mod budget;
-mod difference;
 mod distribution;
+mod envelope_study;
 mod explain;
-mod motion;
-mod reachable;
+mod operation_difference;
+mod parameter_motion;
+mod posture_context;
 mod readings;
-mod stance;
 
 pub use budget::{Account, Tighter};
-pub use difference::{Difference, NodePair};
-pub use distribution::Distribution;
-pub use explain::{DhRow, Explanation, Line, SenseRow};
-pub use motion::{Motion, Place};
-pub use reachable::{Asked, Reachable, Sheet, step_of, tolerance_of};
-pub use readings::{Choice, Readings, Row};
-pub use stance::{At, NoStance, Stance};
+pub use distribution::ErrorDistribution;
+pub use envelope_study::{EnvelopeQuery, Reachable, RobotDataSheet, step_of, tolerance_of};
+pub use explain::{DhRow, Explanation, ParameterEffect, SenseRow};
+pub use operation_difference::{NodePair, OperationDifference};
+pub use parameter_motion::{MotionFrame, ParameterMotion};
+pub use posture_context::{NoPosture, NodeChoice, PostureContext};
+pub use readings::{ReadingChoice, ReadingRow, Readings};
 
 use crate::cell::{Cell, Goals, Layout, Operation, Reading, Role, Unit};
 
@@ -31,7 +31,7 @@ use crate::reach::{Envelope, Fineness};
 use crate::reading::{Figures, MonteCarlo, monte_carlo};
 use crate::units::mm_from_m;
 
-/// One layout, evaluated and mapped.
+/// Full evaluation of one layout, with maps and figures.
 pub struct Assessment<'a> {
     pub label: String,
     pub cell: &'a Cell,
@@ -39,17 +39,18 @@ pub struct Assessment<'a> {
     pub layout: Layout,
     pub evaluation: Evaluation,
     pub maps: Vec<OperationMap>,
-    /// The spot of every operation between the nodes, where one is free to choose.
+    /// Spot of every operation refined between the nodes, where the place is free.
     pub refined: Vec<Option<Refined>>,
-    /// What misplacement does to every operation, if asked.
+    /// Effect of misplacement on every operation; empty unless [`Self::misplaced`] was called.
     pub robustness: Vec<Option<Robustness>>,
-    /// Of the statistical reading: what samples through the nonlinear model say of each spot.
+    /// Monte Carlo estimates of each spot in the statistical reading.
     pub samples: Vec<Option<MonteCarlo>>,
-    /// If equipment overlaps: the nearest layout in which none does.
+    /// Nearest layout without overlap, if equipment overlaps.
     pub apart: Option<Layout>,
 }
 
 impl<'a> Assessment<'a> {
+    /// Assesses one layout.
     pub fn new(label: &str, workcell: &'a Workcell, layout: Layout) -> Self {
         let evaluation = evaluate(workcell, &layout);
         let maps = workcell.maps(&layout);
@@ -71,21 +72,21 @@ impl<'a> Assessment<'a> {
         }
     }
 
-    /// The same with what misplacement does to it.
+    /// Adds the effect of misplacement.
     pub fn misplaced(mut self) -> Self {
         self.robustness = self.workcell.robustness(&self.layout, &self.maps);
         self
     }
 
-    /// Whether it is feasible, and every operation stays so and in its limit wherever the placement
-    /// tolerances let things stand; once [`Self::misplaced`] was asked.
+    /// Returns whether the layout stays feasible and within its limits for all placements in tolerance.
+    ///
+    /// It needs [`Self::misplaced`] before.
     pub fn is_robust(&self) -> bool {
         let holds = |r: &Option<Robustness>| r.as_ref().is_some_and(Robustness::holds);
         self.evaluation.objective.is_some() && self.robustness.iter().all(holds)
     }
 
-    /// What can be reached at the height of an operation's TCP: outlines in the world plan, m. Drawn
-    /// coarsely.
+    /// Returns coarse outlines, in plan (world, m), of the reach at the height of an operation's TCP.
     pub fn reachable(&self, operation: usize) -> Vec<Vec<(f64, f64)>> {
         let inverse = self.workcell.inverse();
         let attitude = &self.layout.attitudes[operation];
@@ -100,74 +101,76 @@ impl<'a> Assessment<'a> {
         plan.outlines.iter().map(|o| o.points.iter().map(|p| world(*p)).collect()).collect()
     }
 
-    /// The spot of an operation: its best usable node.
+    /// Returns the spot of an operation: its best usable node.
     pub fn spot(&self, operation: usize) -> Option<(&NodeRecord, &PostureRecord)> {
         let node = self.maps[operation].best_node()?;
         Some((node, node.posture.as_ref()?))
     }
 
-    /// The figures at the spot of an operation in a reported sense, m or rad.
+    /// Returns the figures at the spot of an operation in a reported sense, m or rad.
     pub fn figures(&self, operation: usize, sense: &str) -> Option<&Figures> {
         let place = self.maps[operation].sense(sense)?;
         self.spot(operation).map(|(_, posture)| &posture.figures[place])
     }
 
-    /// What the reading says at the spot of an operation in a reported sense, mm or degrees.
+    /// Returns the value of the reading at the spot of an operation in a reported sense, mm or degrees.
     pub fn error_at(&self, operation: usize, sense: &str) -> Option<f64> {
         let unit = self.maps[operation].senses[self.maps[operation].sense(sense)?].unit;
         let figures = self.figures(operation, sense)?;
         Some(unit.from_si(figures.in_reading(self.cell.reading, self.cell.quantity)))
     }
 
-    /// Of the statistical reading: whether the samples confirm the first-order figures of a spot.
+    /// Returns whether the samples confirm the first-order figures of a spot; None without samples.
     pub fn first_order_holds(&self, operation: usize) -> Option<bool> {
         let name = &self.cell.operations[operation].sense.name;
         Some(self.samples[operation].as_ref()?.confirms(self.figures(operation, name)?))
     }
 
-    /// One per [`crate::cell::Goal::ALL`]: m, rad, m2 or shares; None if the layout is not feasible.
+    /// Returns the value of each of [`crate::cell::Goal::ALL`]: m, rad, m2 or a share; None if infeasible.
     pub fn goals(&self) -> Option<Vec<f64>> {
         self.workcell.goals(&self.layout, &self.evaluation, &Goals::all())
     }
 
-    /// In mm, degrees or as a share.
+    /// Returns the objective in mm, degrees or as a share; None if infeasible.
     pub fn objective(&self) -> Option<f64> {
         self.evaluation.objective.map(|o| self.cell.unit().from_si(o))
     }
 
-    /// In mm; None if it is no length.
+    /// Returns the objective in mm; None if it is no length.
     pub fn objective_mm(&self) -> Option<f64> {
         self.objective().filter(|_| self.cell.unit() == Unit::Length)
     }
 
-    /// How far an operation is from its limit, if it has a spot and a limit that is not part of its
-    /// quantity.
+    /// Returns the limit of an operation and the margin to it.
+    ///
+    /// It is None without a spot, without a limit, or if the limit is part of the quantity (yield).
     pub fn requirement(&self, operation: usize) -> Option<Requirement> {
         let limit = self.cell.operations[operation].limit.filter(|_| self.cell.unit() != Unit::Share)?;
         let value = self.maps[operation].value?;
         Some(Requirement { limit, margin: limit - value })
     }
 
-    /// Whether every operation with a limit keeps it.
+    /// Returns whether every operation with a limit keeps it.
     pub fn meets_requirements(&self) -> bool {
         (0..self.maps.len()).filter_map(|k| self.requirement(k)).all(Requirement::is_met)
     }
 
-    /// Why the layout is not feasible, in words; empty if it is.
+    /// Returns why the layout is infeasible, in words; empty if it is feasible.
     pub fn reasons(&self) -> Vec<String> {
         let overlaps = self.evaluation.overlaps.iter().map(|o| o.in_words(self.cell));
         let spotless = self.maps.iter().filter(|m| m.best.is_none());
-        let spotless = spotless.map(|m| stance::no_usable_node(self.cell, m));
+        let spotless = spotless.map(|m| posture_context::no_usable_node(self.cell, m));
         let blocked = self.evaluation.blocked.iter().map(|b| b.in_words(self.cell));
-        let mut all: Vec<String> = overlaps.chain(self.way_out()).chain(spotless).chain(blocked).collect();
+        let mut all: Vec<String> =
+            overlaps.chain(self.nearest_without_overlap()).chain(spotless).chain(blocked).collect();
         if all.is_empty() && self.evaluation.objective.is_none() {
             all.push("feasible as drawn, but not wherever its placement tolerances let it stand".into());
         }
         all
     }
 
-    /// Where the overlapping equipment could stand instead.
-    fn way_out(&self) -> Option<String> {
+    /// Returns the nearest placement of the overlapping equipment without overlap, in words.
+    fn nearest_without_overlap(&self) -> Option<String> {
         let apart = self.apart.as_ref()?;
         let moves = self.cell.equipment.iter().zip(self.layout.placements.iter().zip(&apart.placements));
         let moved = moves.filter(|(_, (from, to))| from != to).map(|(e, (_, to))| {
@@ -178,21 +181,22 @@ impl<'a> Assessment<'a> {
     }
 }
 
-/// The limit of an operation and what is left to it, m or rad.
+/// Limit of an operation and the margin to it, m or rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Requirement {
     pub limit: f64,
-    /// Negative if the limit is passed.
+    /// Limit minus value; negative if the limit is exceeded.
     pub margin: f64,
 }
 
 impl Requirement {
+    /// Returns whether the limit is kept.
     pub fn is_met(self) -> bool {
         self.margin >= 0.0
     }
 }
 
-/// How many samples judge a spot.
+/// Number of Monte Carlo samples of a spot.
 pub const SAMPLES: usize = 1 << 16;
 
 fn sampled(workcell: &Workcell, layout: &Layout, maps: &[OperationMap], k: usize) -> Option<MonteCarlo> {
@@ -212,6 +216,8 @@ pub struct Comparison<'a> {
 }
 
 impl<'a> Comparison<'a> {
+    /// Returns a comparison of layouts; the first one is the reference.
+    ///
     /// # Errors
     /// Why the layouts cannot be compared.
     pub fn new(columns: Vec<Assessment<'a>>) -> Result<Self, String> {
@@ -223,7 +229,7 @@ impl<'a> Comparison<'a> {
         Ok(Self { columns })
     }
 
-    /// Change of an error from the first column, percent; None for the first and where it says nothing.
+    /// Returns the change of an error from the first column in percent; None where it is undefined.
     pub fn change_percent(
         &self,
         column: usize,
@@ -233,7 +239,7 @@ impl<'a> Comparison<'a> {
         (column > 0 && first > 0.0).then(|| (this - first) / first * 100.0)
     }
 
-    /// Names of the equipment that any of the layouts has, obstacles left out.
+    /// Returns the names of the equipment of all layouts, without obstacles.
     pub fn equipment(&self) -> Vec<&str> {
         let mut names: Vec<&str> = Vec::new();
         let all = self.columns.iter().flat_map(|c| &c.cell.equipment);

@@ -1,42 +1,42 @@
-//! The layout as drawn under every reading and every registration: what each would choose, and what
-//! it costs to have chosen by the signed sample.
+//! The layout of the file under every reading and registration: the spot that each would choose, and the
+//! regret of choosing by the signed sample.
 
-use super::stance::no_spot;
+use super::posture_context::no_spot;
 use crate::cell::{About, Cell, Interpretation, Quantity, Reading, Registration, Unit};
 use crate::error_map::OperationMap;
 use crate::kinematic_error::NEGLIGIBLE;
 use crate::layout::Workcell;
 use nalgebra::Vector3;
 
-/// The best node of an operation under one reading.
+/// Best node of an operation under one reading.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Choice {
+pub struct ReadingChoice {
     pub node: (usize, usize),
-    /// World, m.
+    /// Position in the world, m.
     pub position: Vector3<f64>,
-    /// m, rad or a share of failures.
+    /// Value: m, rad or a share of failures.
     pub value: f64,
-    /// From the spot of the signed reading, m; None if there is none.
+    /// Distance from the spot of the signed reading, m; None if that has none.
     pub moved: Option<f64>,
 }
 
-/// One operation under one reading and registration.
+/// Result of one operation under one reading and registration.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Row {
+pub struct ReadingRow {
     pub reading: Reading,
     pub quantity: Quantity,
     pub registration: Registration,
-    /// The best node, or why there is none.
-    pub choice: Result<Choice, String>,
-    /// The value here of the posture that the signed reading chooses under this registration.
+    /// Best node, or why there is none.
+    pub choice: Result<ReadingChoice, String>,
+    /// Value of the posture that the signed reading chooses under this registration.
     pub at_signed: Option<f64>,
-    /// The value here of the posture that this reading chooses with nothing registered.
+    /// Value of the posture that this reading chooses without registration.
     pub at_unregistered: Option<f64>,
     pub unit: Unit,
 }
 
-impl Row {
-    /// What the reading makes small.
+impl ReadingRow {
+    /// Returns the name of the quantity that the reading minimizes.
     pub fn quantity_name(&self) -> &'static str {
         match self.reading {
             Reading::Signed => "error",
@@ -46,30 +46,33 @@ impl Row {
         }
     }
 
+    /// Returns the value of the best node.
     pub fn value(&self) -> Option<f64> {
         self.choice.as_ref().ok().map(|c| c.value)
     }
 
-    /// How many times the least value the signed choice has.
+    /// Returns the ratio of the value at the signed choice to the least value.
     pub fn ratio(&self) -> Option<f64> {
         let value = self.value().filter(|v| *v > NEGLIGIBLE)?;
         Some(self.at_signed? / value).filter(|r| r.is_finite())
     }
 }
 
-/// All rows, one list per operation.
+/// Results of all operations under all readings and registrations.
 pub struct Readings<'a> {
     pub cell: &'a Cell,
-    pub operations: Vec<Vec<Row>>,
+    pub operations: Vec<Vec<ReadingRow>>,
 }
 
 impl<'a> Readings<'a> {
+    /// Computes the results of a cell.
+    ///
     /// # Errors
     /// Why the robot cannot be used.
     pub fn new(cell: &'a Cell) -> Result<Self, String> {
         let own = Workcell::new(cell.clone())?;
         let mut operations = vec![Vec::new(); cell.operations.len()];
-        // By reading, of no registration: the first one.
+        // Maps of each reading without registration, which is the first one.
         let mut unregistered: Vec<(Reading, Quantity, Maps)> = Vec::new();
         for registration in Registration::ALL {
             let mut signed: Option<Maps> = None;
@@ -95,13 +98,13 @@ impl<'a> Readings<'a> {
         Ok(Self { cell, operations })
     }
 
-    /// Whether any reading has a spot for any operation.
+    /// Returns whether any reading has a spot for any operation.
     pub fn found(&self) -> bool {
         self.operations.iter().flatten().any(|row| row.choice.is_ok())
     }
 
-    /// The row with the largest regret, and its operation.
-    pub fn largest_regret(&self) -> Option<(usize, &Row, f64)> {
+    /// Returns the row with the largest regret, with its operation and the ratio.
+    pub fn largest_regret(&self) -> Option<(usize, &ReadingRow, f64)> {
         let all = self.operations.iter().enumerate().flat_map(|(k, rows)| rows.iter().map(move |r| (k, r)));
         let ratios = all.filter_map(|(k, row)| Some((k, row, row.ratio()?)));
         ratios.fold(None, |most, this| match most {
@@ -110,14 +113,14 @@ impl<'a> Readings<'a> {
         })
     }
 
-    /// The worst case of an operation under a registration.
-    pub fn worst_case(&self, operation: usize, registration: Registration) -> Option<&Row> {
-        let wanted = |r: &&Row| r.reading == Reading::WorstCase && r.registration == registration;
+    /// Returns the worst case of an operation under a registration.
+    pub fn worst_case(&self, operation: usize, registration: Registration) -> Option<&ReadingRow> {
+        let wanted = |r: &&ReadingRow| r.reading == Reading::WorstCase && r.registration == registration;
         self.operations[operation].iter().find(wanted)
     }
 }
 
-/// One map per operation.
+/// Maps of all operations.
 type Maps = Vec<OperationMap>;
 
 /// Returns every reading in which a cell has an answer under a registration, the signed one first.
@@ -135,20 +138,27 @@ fn answerable(cell: &Cell, registration: Registration) -> Vec<Interpretation> {
     kinds.into_iter().map(read).filter(answers).collect()
 }
 
-/// One operation under the reading of the workcell; `signed` are the maps of the signed one, `plain`
-/// those of nothing registered.
-fn row(workcell: &Workcell, maps: &Maps, signed: Option<&Maps>, plain: Option<&Maps>, k: usize) -> Row {
+/// Returns the result of one operation under the reading of the workcell.
+///
+/// `signed` are the maps of the signed reading, `plain` those without registration.
+fn row(
+    workcell: &Workcell,
+    maps: &Maps,
+    signed: Option<&Maps>,
+    plain: Option<&Maps>,
+    k: usize,
+) -> ReadingRow {
     let cell = &workcell.cell;
     let there = signed.and_then(|maps| maps[k].best_node());
     let best = maps[k].best_node().and_then(|n| Some((n, n.posture.as_ref()?)));
-    let choice = best.map(|(node, posture)| Choice {
+    let choice = best.map(|(node, posture)| ReadingChoice {
         node: (node.i, node.j),
         position: node.position,
         value: posture.value,
         moved: there.map(|t| (node.position - t.position).norm()),
     });
     let share = cell.reading == Reading::Statistical && cell.quantity == Quantity::Yield;
-    Row {
+    ReadingRow {
         reading: cell.reading,
         quantity: cell.quantity,
         registration: cell.registration,
@@ -159,7 +169,7 @@ fn row(workcell: &Workcell, maps: &Maps, signed: Option<&Maps>, plain: Option<&M
     }
 }
 
-/// The value under the workcell's reading of the postures that other maps choose.
+/// Returns the value, in the reading of the workcell, of the posture that other maps choose.
 fn value_at_choice(workcell: &Workcell, maps: &Maps, chosen: &Maps, k: usize) -> Option<f64> {
     let place = chosen[k].best?;
     let posture = chosen[k].nodes[place].posture.as_ref()?;

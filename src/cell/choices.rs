@@ -1,9 +1,12 @@
 //! What a cell asks for by a word: error model, reading, registration, search.
 
 use super::goal::Goals;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 /// How the errors of the parameters make that of the TCP.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum Model {
     /// Eqs. (4)-(6).
     Nonlinear,
@@ -26,7 +29,8 @@ impl Model {
 }
 
 /// How the errors are read.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum Reading {
     /// As one signed sample.
     Signed,
@@ -49,7 +53,8 @@ impl Reading {
 }
 
 /// What of a random error is made small.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum Quantity {
     Rms,
     Mean,
@@ -75,7 +80,8 @@ impl Quantity {
 }
 
 /// What has been measured with the robot itself, so that its errors cancel there.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum Registration {
     /// Nothing: the robot base stands where the drawing says.
     None,
@@ -98,7 +104,8 @@ impl Registration {
 }
 
 /// What of the nodes of an operation counts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum Over {
     /// The best node: the operation happens there.
     Best,
@@ -142,9 +149,12 @@ impl Over {
 }
 
 /// How the errors of several operations make one objective.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum Objective {
+    #[serde(rename = "sum")]
     WeightedSum,
+    #[serde(rename = "max")]
     WeightedMaximum,
     /// The operations in the order of the file: a later one counts where those before it are as good.
     Lexicographic,
@@ -163,7 +173,8 @@ impl Objective {
     }
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum Solver {
     CmaEs,
     ParticleSwarm,

@@ -1,12 +1,14 @@
 //! What a layout may be good at: goals of a search for more than one.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Layouts that may be kept, at most.
 pub const MOST_KEPT: usize = 100;
 
 /// One thing that a layout may be good at.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum Goal {
     /// The objective: m, rad or a share; small.
     Error,

@@ -2,6 +2,8 @@
 
 use crate::units;
 use nalgebra::Vector3;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 /// Most rows of a sense: three of position, three of rotation.
 pub const MAX_ROWS: usize = 6;
@@ -41,9 +43,12 @@ impl Row {
 }
 
 /// What the rows are measured in.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum Unit {
+    #[serde(rename = "mm")]
     Length,
+    #[serde(rename = "deg")]
     Angle,
     /// A share of all trials, 0 to 1.
     Share,

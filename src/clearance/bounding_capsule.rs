@@ -120,7 +120,8 @@ impl BoundingCapsule {
             if best < enough || !overlapping((&low, &high), (&from, &to)) {
                 return f64::MAX;
             }
-            // Distance from the bounding sphere of the node; negative if that contains a point of the segment.
+            // Distance from the bounding sphere of the node; negative if that contains a point of the
+            // segment.
             let middle = point_to_segment_squared(&((from + to) / 2.0), &self.a, &self.b);
             middle.sqrt() - (to - from).norm() / 2.0
         };

@@ -1,7 +1,7 @@
 //! Bounding spheres of the robot's solids, which bound how far a move displaces them.
 
 use super::bodies::CollisionBody;
-use super::link_solids::LinkSolid;
+use super::robot_solids::RobotSolid;
 use nalgebra::Vector3;
 
 /// Sphere that contains one solid of the robot and moves with it.
@@ -16,13 +16,13 @@ pub struct BoundingSphere {
 }
 
 /// Returns the bounding sphere of every link solid, in their order.
-pub(super) fn bounding_spheres(links: &[LinkSolid]) -> Vec<BoundingSphere> {
+pub(super) fn bounding_spheres(links: &[RobotSolid]) -> Vec<BoundingSphere> {
     let ball = |body: &CollisionBody| {
         let ball = body.shape.compute_local_bounding_sphere();
         let centre = Vector3::new(ball.center.x, ball.center.y, ball.center.z);
         (body.local.transform(&centre), ball.radius)
     };
-    let sphere = |link: &LinkSolid| {
+    let sphere = |link: &RobotSolid| {
         let balls: Vec<_> = link.bare.iter().map(ball).collect();
         let centre = balls.iter().map(|b| b.0).sum::<Vector3<f64>>() / balls.len().max(1) as f64;
         let radius = balls.iter().map(|b| (b.0 - centre).norm() + b.1).fold(0.0, f64::max);

@@ -1,15 +1,15 @@
 //! Distance queries: how far the robot is from what it must not touch.
 //!
 //! parry3d's distances of rounded shapes are off by up to 1.2e-5 m. So rounded solids are asked as the
-//! solids before rounding, capsules as their segments, and the radius is subtracted. For two convex
-//! solids the answer is the width of the slab that both leave free, perpendicular to the direction
-//! between the nearest points that parry3d found. It never exceeds the true distance.
+//! solids before rounding, capsules as their segments, and the radius is subtracted. parry3d gives a
+//! direction between the nearest points of two convex solids. The answer is the width of the slab across
+//! that direction that both solids leave free. It never exceeds the true distance.
 
 use super::bodies::{CollisionBody, EquipmentSolid, parry_pose, vector};
 use super::contact::Hit;
-use super::link_solids::LinkSolid;
 use super::pairs::{Against, Load, Pair};
 use super::placed_solids::{LinkFrames, PlacedSolid, PlacedSolids};
+use super::robot_solids::RobotSolid;
 use super::scene::{Scene, swallows};
 use crate::pose::Pose;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
@@ -132,7 +132,7 @@ impl Scene {
         }
     }
 
-    fn gap_to_placed(&self, link: &LinkSolid, frame: &Pose, other: &PlacedSolid, max: f64) -> f64 {
+    fn gap_to_placed(&self, link: &RobotSolid, frame: &Pose, other: &PlacedSolid, max: f64) -> f64 {
         let (part, pose) = (&self.equipment[other.id.0].parts[other.id.1], parry_pose(&other.pose));
         if swallows(link, frame, part, &pose) {
             return 0.0;
@@ -167,7 +167,7 @@ fn bounds_of(body: &PlacedSolid) -> Aabb {
 }
 
 /// Returns the distance of two solids of the robot, at most `max` (m).
-fn gap_of_links(link: &LinkSolid, other: &LinkSolid, frames: &LinkFrames, max: f64) -> f64 {
+fn gap_of_links(link: &RobotSolid, other: &RobotSolid, frames: &LinkFrames, max: f64) -> f64 {
     let (frame, there) = (link.carrier(frames), other.carrier(frames));
     if link.swallows(frame, other, there) || other.swallows(there, link, frame) {
         return 0.0;

@@ -2,8 +2,8 @@
 
 use super::bounding_sphere::BoundingSphere;
 use super::contact::{Hit, SolidRef};
-use super::link_solids::LinkSolid;
 use super::placed_solids::PlacedSolids;
+use super::robot_solids::RobotSolid;
 use super::scene::Scene;
 
 /// Parts that the robot holds during a move.
@@ -44,11 +44,11 @@ impl Load {
         Self { held: [Some(from), Some(to)] }
     }
 
-    fn has(&self, link: &LinkSolid) -> bool {
+    fn has(&self, link: &RobotSolid) -> bool {
         link.operation.is_none_or(|o| self.held.iter().flatten().any(|h| h.0 == o))
     }
 
-    fn spares(&self, link: &LinkSolid, equipment: usize) -> bool {
+    fn spares(&self, link: &RobotSolid, equipment: usize) -> bool {
         let rests = || self.held.iter().flatten().any(|h| Some(h.0) == link.operation && h.1);
         link.spared == Some(equipment) && rests()
     }

@@ -3,7 +3,7 @@
 use super::bodies::{EquipmentSolid, plain};
 use super::bounding_capsule::{BoundingBox, BoundingCapsule, UNSURE};
 use super::contact::Hit;
-use super::link_solids::LinkSolid;
+use super::robot_solids::RobotSolid;
 use crate::cell::{MAX_JOINTS, Placement};
 use crate::pose::Pose;
 use nalgebra::Vector3;
@@ -23,7 +23,8 @@ pub struct PlacedSolids {
 /// It changes no verdict, so one memory serves any layout.
 #[derive(Default)]
 pub struct ContactMemory {
-    /// Link and placed solid of the last contact, asked first because the next posture most likely has it too.
+    /// Link and placed solid of the last contact, asked first because the next posture most likely has it
+    /// too.
     pub(super) suspect: Option<(usize, usize)>,
     /// Bounding capsules of the links in the last posture, world frame.
     pub(super) capsules: Vec<BoundingCapsule>,
@@ -64,14 +65,14 @@ pub(super) struct LinkPoses<'a> {
 impl LinkPoses<'_> {
     /// Returns the frame that carries a link, in the world.
     #[inline]
-    pub(super) fn carrier(&self, link: &LinkSolid) -> Pose {
+    pub(super) fn carrier(&self, link: &RobotSolid) -> Pose {
         let frame = link.carrier(self.frames);
         self.base.map_or(*frame, |base| *base * *frame)
     }
 
     /// Returns the bounding capsule of a link, in the world.
     #[inline]
-    pub(super) fn capsule(&self, link: &LinkSolid) -> BoundingCapsule {
+    pub(super) fn capsule(&self, link: &RobotSolid) -> BoundingCapsule {
         let capsule = link.capsule(link.carrier(self.frames));
         self.base.map_or(capsule, |base| capsule.at(base))
     }

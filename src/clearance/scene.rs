@@ -9,10 +9,10 @@ use super::bounding_sphere::{BoundingSphere, bounding_spheres};
 use super::contact::{Hit, SolidRef};
 use super::convex_decomposition::Remember;
 use super::fence;
-use super::link_solids::{self, LinkSolid};
 use super::placed_solids::{
     ContactMemory, EquipmentSolids, LinkFrames, LinkPoses, PlacedSolid, PlacedSolids,
 };
+use super::robot_solids::{self, RobotSolid};
 use super::self_collision_pairs::{self, SelfCollisionPair};
 use crate::cell::{Cell, Equipment, Layout, MAX_JOINTS, Placement};
 use crate::pose::Pose;
@@ -22,7 +22,7 @@ use parry3d::shape::{Cuboid, SharedShape};
 
 /// All solids of a cell, prepared once for collision checking. Robot solids are swollen by the clearance.
 pub struct Scene {
-    pub(super) links: Vec<LinkSolid>,
+    pub(super) links: Vec<RobotSolid>,
     /// Bounding spheres, one per link solid.
     pub(super) bounding_spheres: Vec<BoundingSphere>,
     /// Pairs of robot solids, and why some of them may touch.
@@ -47,7 +47,7 @@ impl Scene {
 
     /// Prepares the solids like [`Self::new`], with a cache for the convex decomposition of link meshes.
     pub fn remembering(cell: &Cell, remember: &mut Remember<'_>) -> Self {
-        let links = link_solids::all(cell, remember);
+        let links = robot_solids::all(cell, remember);
         let self_collision_pairs =
             if cell.collision { self_collision_pairs::find(cell, &links) } else { Vec::new() };
         let place = |id: SolidRef| links.iter().position(|l| l.id == id);
@@ -174,7 +174,7 @@ impl Scene {
     /// Returns the first contact of a link with the floor or a placed solid, and the index of that solid.
     fn first_hit(
         &self,
-        link: &LinkSolid,
+        link: &RobotSolid,
         capsule: &BoundingCapsule,
         poses: LinkPoses<'_>,
         bodies: &[PlacedSolid],
@@ -200,7 +200,7 @@ impl Scene {
     /// Returns whether a link, bounded by `capsule`, shares a point with a placed solid.
     fn touches(
         &self,
-        link: &LinkSolid,
+        link: &RobotSolid,
         capsule: &BoundingCapsule,
         poses: LinkPoses<'_>,
         other: &PlacedSolid,
@@ -232,7 +232,7 @@ impl Scene {
 }
 
 /// Returns whether a closed link mesh contains a point of the other solid.
-pub(super) fn swallows(link: &LinkSolid, frame: &Pose, part: &EquipmentSolid, pose: &pm::Pose) -> bool {
+pub(super) fn swallows(link: &RobotSolid, frame: &Pose, part: &EquipmentSolid, pose: &pm::Pose) -> bool {
     let Some(shell) = &link.shell else { return false };
     let inside = match part {
         EquipmentSolid::Convex(body) | EquipmentSolid::Mesh { body, .. } => body.inside,

@@ -1,7 +1,7 @@
 //! Self-collision: the pairs of robot solids that are checked, and those that may touch.
 
 use super::contact::SolidRef;
-use super::link_solids::LinkSolid;
+use super::robot_solids::RobotSolid;
 use crate::cell::{Cell, JointVector, MAX_JOINTS};
 use crate::low_discrepancy::RobertsSequence;
 use crate::robot::Chain;
@@ -44,11 +44,11 @@ pub struct SelfCollisionPair {
 }
 
 /// Returns every pair that can meet; none if the robot is not checked against itself.
-pub(super) fn find(cell: &Cell, links: &[LinkSolid]) -> Vec<SelfCollisionPair> {
+pub(super) fn find(cell: &Cell, links: &[RobotSolid]) -> Vec<SelfCollisionPair> {
     if !cell.robot.self_collision.checked {
         return Vec::new();
     }
-    let meet = |a: &LinkSolid, b: &LinkSolid| a.operation.is_none() || a.operation == b.operation;
+    let meet = |a: &RobotSolid, b: &RobotSolid| a.operation.is_none() || a.operation == b.operation;
     let all = (0..links.len()).flat_map(|j| (0..j).map(move |i| (i, j)));
     let mut pairs: Vec<_> = all
         .filter(|&(i, j)| meet(&links[i], &links[j]))
@@ -75,7 +75,7 @@ pub(super) fn find(cell: &Cell, links: &[LinkSolid]) -> Vec<SelfCollisionPair> {
         .collect()
 }
 
-fn by_rule(cell: &Cell, a: &LinkSolid, b: &LinkSolid) -> Option<Allowed> {
+fn by_rule(cell: &Cell, a: &RobotSolid, b: &RobotSolid) -> Option<Allowed> {
     let given = |&(x, y): &(usize, usize)| {
         let pair = (SolidRef::Robot(x), SolidRef::Robot(y));
         pair == (a.id, b.id) || pair == (b.id, a.id)

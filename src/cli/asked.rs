@@ -1,18 +1,18 @@
 //! A cell as the command line asks for it: its file with the settings of the flags, validated together.
 
-use super::arguments::{ErrorFlags, QuestionFlags, SearchArguments};
+use super::arguments::{ErrorFlags, QuestionFlags};
 use super::loading;
 use super::packages::Packages;
 use super::{Exit, output};
 use crate::cell::{Cell, ErrorSet, Interpretation, Quantity, Reading};
 use crate::files::{Loaded, Setting, shown, toml_string};
-use crate::report;
 use std::path::Path;
 
 /// Loads a cell under the flags of a question, and prints the notes that belong to it.
 pub fn load(file: &Path, packages: &Packages, flags: &QuestionFlags) -> Result<Loaded, Exit> {
-    let loaded = loading::load_with(file, packages, &flags.settings())?;
-    say_notes(&loaded, flags);
+    let settings = flags.settings();
+    let loaded = loading::load_with(file, packages, &settings)?;
+    say_notes(&loaded, &settings);
     Ok(loaded)
 }
 
@@ -32,8 +32,8 @@ pub fn load_for_readings(file: &Path, packages: &Packages, flags: &ErrorFlags) -
 }
 
 /// Refuses `--set` for a command that writes cell files, which could not state these keys.
-pub fn refuse_sets(flags: &QuestionFlags, command: &str) -> Result<(), Exit> {
-    let Some(set) = flags.errors.sets.first() else { return Ok(()) };
+pub fn refuse_sets(settings: &[Setting], command: &str) -> Result<(), Exit> {
+    let Some(set) = settings.iter().find(|setting| setting.flag.is_none()) else { return Ok(()) };
     output::error(&format!("`{command}` does not take --set: the layout files it writes could not state the key"));
     output::talk(&format!(
         "  help: write a cell file with the lines from = \"CELL.toml\" and {}, or run sweetspot sweep",
@@ -43,21 +43,21 @@ pub fn refuse_sets(flags: &QuestionFlags, command: &str) -> Result<(), Exit> {
 }
 
 /// Loads a cell as a search asks for it.
-pub fn load_for_search(a: &SearchArguments, file: &Path) -> Result<Loaded, Exit> {
-    refuse_sets(&a.question, "search")?;
-    let loaded = loading::load_with(file, &a.packages, &a.settings())?;
-    say_notes(&loaded, &a.question);
-    if a.question.errors.sense.is_some() {
-        refuse_lost_limits(a, file, &loaded.cell)?;
+pub fn load_for_search(file: &Path, packages: &Packages, settings: &[Setting]) -> Result<Loaded, Exit> {
+    refuse_sets(settings, "search")?;
+    let loaded = loading::load_with(file, packages, settings)?;
+    say_notes(&loaded, settings);
+    let has_sense = settings.iter().filter_map(|s| s.flag.as_deref()).any(|flag| flag.starts_with("--sense"));
+    if has_sense && let Ok(drawn) = loading::read_cell(file, packages) {
+        refuse_lost_limits(&loaded.cell, &drawn.cell)?;
     }
     Ok(loaded)
 }
 
-/// Refuses a sense in whose unit the cell file has no limit: best.toml takes its limits from that file, where
-/// one in another unit would be an error.
-fn refuse_lost_limits(a: &SearchArguments, file: &Path, cell: &Cell) -> Result<(), Exit> {
-    let Ok(drawn) = loading::read_cell(file, &a.packages) else { return Ok(()) };
-    let pairs = cell.operations.iter().zip(&drawn.cell.operations);
+/// Refuses a sense in whose unit the cell file, `drawn`, has no limit: best.toml takes its limits from that
+/// file, where one in another unit would be an error.
+fn refuse_lost_limits(cell: &Cell, drawn: &Cell) -> Result<(), Exit> {
+    let pairs = cell.operations.iter().zip(&drawn.operations);
     let Some((lost, _)) = pairs.into_iter().find(|(now, drawn)| now.limit.is_none() && drawn.limit.is_some())
     else {
         return Ok(());
@@ -71,9 +71,10 @@ fn refuse_lost_limits(a: &SearchArguments, file: &Path, cell: &Cell) -> Result<(
     Err(Exit::BadInput)
 }
 
-fn say_notes(loaded: &Loaded, flags: &QuestionFlags) {
+fn say_notes(loaded: &Loaded, settings: &[Setting]) {
     let cell = &loaded.cell;
-    let chosen = flags.errors.chooses_errors() || flags.registration.is_some();
+    let states = |path: &str| settings.iter().any(|s| s.path == path);
+    let chosen = states("errors") || states("registration");
     if chosen && loaded.follows_errors && cell.reading == Reading::WorstCase {
         let whose = match cell.error_set() {
             ErrorSet::Tolerance(_) => format!("{} is", shown(cell.error_set().name())),
@@ -83,14 +84,14 @@ fn say_notes(loaded: &Loaded, flags: &QuestionFlags) {
             "note: {whose} a tolerance: read as worst-case (use --reading statistical for random variables)"
         ));
     }
-    if flags.quantity.is_some() && cell.reading != Reading::Statistical {
+    if states("quantity") && cell.reading != Reading::Statistical {
         output::talk("note: --quantity is ignored: it applies to the statistical reading only");
     }
     say_caveats(cell);
 }
 
 fn say_caveats(cell: &Cell) {
-    for caveat in report::text::caveats(cell) {
+    for caveat in crate::record::caveats(cell) {
         output::talk(&format!("note: {caveat}"));
     }
 }

@@ -8,7 +8,6 @@ mod cache;
 mod checkpoint;
 mod commands;
 mod first_cells;
-mod found;
 mod library;
 mod loading;
 mod lookup;
@@ -16,6 +15,8 @@ mod output;
 mod packages;
 mod progress;
 mod results;
+mod results_folder;
+mod search_request;
 mod sweep;
 #[cfg(feature = "view")]
 mod view;

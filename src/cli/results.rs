@@ -1,42 +1,45 @@
-//! The folder that a search or a map leaves: its files, the inputs they came from, the manifest.
+//! Writes a result folder: its files, copies of the inputs, the manifest.
 
 use super::output::path_word;
+use super::search_request::SearchRequest;
 use super::{Exit, loading, output};
-use crate::assess::{Assessment, Comparison};
+use crate::assess::Comparison;
 use crate::cell::{Cell, Layout};
-use crate::files::Source;
+use crate::files::{Setting, Source};
 use crate::proof::Proof;
+use crate::record::{HashedFile, ManifestDocument, MapDocument, ResolvedSettings, SearchResult};
 use crate::report;
 use crate::search::{Alternative, SearchRecord};
 use serde::Serialize;
-use serde_json::json;
 use std::path::{Path, PathBuf};
 
-/// Where the inputs are kept, so that the folder can be mailed whole.
+/// Folder of the copies of the inputs, which make a result folder complete in itself.
 pub const INPUTS: &str = "inputs";
 
-/// What was written where.
-pub struct Written {
+/// Result folder with the names of the files written to it.
+pub struct WrittenFolder {
     folder: PathBuf,
     names: Vec<String>,
 }
 
-impl Written {
+impl WrittenFolder {
     pub fn tell(&self) {
         output::talk(&format!("wrote {}: {}", path_word(&self.folder), self.names.join(", ")));
     }
 }
 
-/// The files of a search. best.toml is left out if no layout is feasible, the manifest if there is no
-/// command that makes this folder: the search was interrupted.
+/// Writes the files of a search.
+///
+/// There is no best.toml if no layout is feasible, and no manifest without a request: the search was
+/// interrupted.
 pub fn write_search(
     folder: &Path,
     cell_file: &Path,
     sources: &[Source],
     (record, proof): (&SearchRecord, &Proof),
     comparison: &Comparison<'_>,
-    command: Option<&[String]>,
-) -> Result<Written, Exit> {
+    request: Option<&SearchRequest>,
+) -> Result<WrittenFolder, Exit> {
     let best = &comparison.columns[1];
     let cell = best.cell;
     let mut outputs = Vec::new();
@@ -57,22 +60,38 @@ pub fn write_search(
         outputs.push(("best.toml".to_string(), fixed("Best layout", &best.layout, objective)));
         outputs.extend(alternatives(cell, record, fixed)?);
     }
-    let document = report::json::search(cell, (record, proof), comparison, None);
+    let document = SearchResult::of_comparison(record, proof, comparison);
     outputs.push(("search.json".into(), pretty(&document)?));
-    outputs.push(("map.csv".into(), csv(best)?));
+    outputs.push(("map.csv".into(), csv(&MapDocument::new(best))?));
     outputs.push(("map.svg".into(), report::chart::error_map(best).into_bytes()));
-    match command {
-        Some(command) => write(folder, cell, sources, command, outputs),
+    match request {
+        Some(SearchRequest { command, settings, .. }) => {
+            let run = RunDescription { command: command.clone(), settings: settings.clone() };
+            write(folder, cell, sources, run, outputs)
+        }
         None => write_outputs(folder, &outputs),
     }
 }
 
-/// The command line as typed.
+/// Description of a run: its command line, and the keys of the cell file that the flags state.
+pub struct RunDescription {
+    command: Vec<String>,
+    settings: Vec<Setting>,
+}
+
+impl RunDescription {
+    /// Describes the run of the command line at hand.
+    pub fn typed(settings: Vec<Setting>) -> Self {
+        Self { command: typed(), settings }
+    }
+}
+
+/// Returns the command line as typed.
 pub fn typed() -> Vec<String> {
     std::env::args_os().skip(1).map(|a| a.to_string_lossy().into_owned()).collect()
 }
 
-/// The layouts beside the best, each as a cell, and all of them as a table and a picture.
+/// Returns the layouts kept beside the best one: each as a cell file, and all as a table and a picture.
 fn alternatives(
     cell: &Cell,
     record: &SearchRecord,
@@ -83,11 +102,12 @@ fn alternatives(
     for (k, Alternative { candidate, .. }) in record.alternatives.iter().enumerate() {
         let objective = candidate.evaluation.objective.map_or(0.0, |o| cell.unit().from_si(o));
         let which = format!("Layout {} of {count}", k + 1);
-        outputs.push((report::goals::file_name(k, count), fixed(&which, &candidate.layout, objective)));
+        outputs
+            .push((crate::record::goals::file_name(k, count), fixed(&which, &candidate.layout, objective)));
     }
     if count > 0 {
         let table = report::csv::front(cell, record).map_err(|why| {
-            output::error(&format!("cannot make front.csv: {why}"));
+            output::error(&format!("cannot write front.csv: {why}"));
             Exit::Io
         })?;
         outputs.push(("front.csv".into(), table));
@@ -97,20 +117,20 @@ fn alternatives(
     Ok(outputs)
 }
 
-/// A name that every file system and every cell file can hold.
+/// Returns a name that every file system and every cell file accepts.
 pub fn portable(name: &str) -> String {
     name.chars().map(|c| if c.is_ascii_alphanumeric() || "._-".contains(c) { c } else { '_' }).collect()
 }
 
-/// Copies of every file that was read, in their places; the cell file comes first and is renamed.
+/// Copies every file that was read to its place; the cell file comes first and is renamed.
 pub fn keep_inputs(folder: &Path, cell_name: &str, sources: &[Source]) -> Result<(), Exit> {
     for (k, source) in sources.iter().enumerate() {
-        // A colon is no part of a folder's name everywhere.
+        // Some file systems allow no colon in a name.
         let place = source.path.replacen("package://", "packages/", 1);
         let path = folder.join(INPUTS).join(if k == 0 { cell_name } else { &place });
         if let Some(parent) = path.parent() {
             std::fs::create_dir_all(parent).map_err(|e| {
-                output::error(&format!("cannot make the folder {}: {e}", path_word(parent)));
+                output::error(&format!("cannot create the folder {}: {e}", path_word(parent)));
                 Exit::Io
             })?;
         }
@@ -119,59 +139,64 @@ pub fn keep_inputs(folder: &Path, cell_name: &str, sources: &[Source]) -> Result
     Ok(())
 }
 
-/// Writes files and, last, the manifest: a folder with one is complete.
+/// Writes files and, last, the manifest: a folder that has one is complete.
 pub fn write<N: AsRef<str>>(
     folder: &Path,
     cell: &Cell,
     sources: &[Source],
-    command: &[String],
+    run: RunDescription,
     outputs: Vec<(N, Vec<u8>)>,
-) -> Result<Written, Exit> {
-    let hashed = |path: &str, bytes: &[u8]| json!({ "path": path, "sha256": loading::sha256(bytes) });
-    let manifest = json!({
-        "schema": "sweetspot/manifest/1",
-        "program": "sweetspot",
-        "version": env!("CARGO_PKG_VERSION"),
-        "command": command,
-        "cell": cell.name,
-        "seed": cell.search.seed,
-        "inputs": sources.iter().map(|s| hashed(&s.path, &s.bytes)).collect::<Vec<_>>(),
-        "outputs": outputs.iter().map(|(name, bytes)| hashed(name.as_ref(), bytes)).collect::<Vec<_>>(),
-    });
+) -> Result<WrittenFolder, Exit> {
+    let inputs = sources.iter().map(|s| hashed(&s.path, &s.bytes)).collect();
+    let outputs_hashed = outputs.iter().map(|(name, bytes)| hashed(name.as_ref(), bytes)).collect();
+    let manifest = ManifestDocument {
+        command: Some(run.command),
+        settings: Some(run.settings),
+        resolved: Some(ResolvedSettings::new(cell)),
+        cell: Some(cell.name.clone()),
+        seed: Some(cell.search.seed),
+        ..ManifestDocument::new(inputs, outputs_hashed)
+    };
     let mut written = write_outputs(folder, &outputs)?;
     loading::write_whole(&folder.join("manifest.json"), &pretty(&manifest)?)?;
     written.names.push("manifest.json".into());
     Ok(written)
 }
 
-fn write_outputs<N: AsRef<str>>(folder: &Path, outputs: &[(N, Vec<u8>)]) -> Result<Written, Exit> {
+/// Returns a file with its hash.
+pub fn hashed(path: &str, bytes: &[u8]) -> HashedFile {
+    HashedFile { path: path.to_string(), sha256: loading::sha256(bytes) }
+}
+
+fn write_outputs<N: AsRef<str>>(folder: &Path, outputs: &[(N, Vec<u8>)]) -> Result<WrittenFolder, Exit> {
     for (name, bytes) in outputs {
         loading::write_whole(&folder.join(name.as_ref()), bytes)?;
     }
     let names = outputs.iter().map(|(name, _)| name.as_ref().to_string()).collect();
-    Ok(Written { folder: folder.to_path_buf(), names })
+    Ok(WrittenFolder { folder: folder.to_path_buf(), names })
 }
 
-/// A document as a file of JSON.
+/// Returns a document as the text of a JSON file.
 pub fn pretty(document: &impl Serialize) -> Result<Vec<u8>, Exit> {
     let mut bytes = serde_json::to_vec_pretty(document).map_err(not_json)?;
     bytes.push(b'\n');
     Ok(bytes)
 }
 
-/// A document as one line of JSON.
+/// Returns a document as one line of JSON.
 pub fn line(document: &impl Serialize) -> Result<String, Exit> {
     Ok(serde_json::to_string(document).map_err(not_json)? + "\n")
 }
 
 fn not_json(e: serde_json::Error) -> Exit {
-    output::error(&format!("cannot make JSON: {e}"));
+    output::error(&format!("cannot write JSON: {e}"));
     Exit::Io
 }
 
-pub fn csv(assessment: &Assessment<'_>) -> Result<Vec<u8>, Exit> {
-    report::csv::map(assessment).map_err(|why| {
-        output::error(&format!("cannot make map.csv: {why}"));
+/// Writes the nodes of a map as CSV.
+pub fn csv(document: &MapDocument<'_>) -> Result<Vec<u8>, Exit> {
+    report::csv::map(document).map_err(|why| {
+        output::error(&format!("cannot write map.csv: {why}"));
         Exit::Io
     })
 }

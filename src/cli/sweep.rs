@@ -1,127 +1,92 @@
-//! What a sweep does, and the folder in which it can be killed and continued.
+//! Plan and folder of a sweep, which can be stopped and resumed.
 //!
-//! A combination is a function of the plan and its index, and leaves one file that is there whole or
-//! not at all: `NNNN.json`. The table is made from these files alone.
+//! A combination depends on the plan and its index alone. Its file `NNNN.json` exists as a whole or not at all.
+//! The table is made from these files.
 
 use super::arguments::{SweepArguments, common_settings};
 use super::loading;
-use super::loading::{FileSnapshot, sha256};
+use super::loading::FileSnapshot;
 use super::output::path_word;
 use super::packages::Packages;
-use super::results::pretty;
+use super::results::{hashed, pretty};
 use super::{Exit, output};
-use crate::files::{Choices, Fault, Loaded, Setting, Source, of_setting, shown};
-use crate::report::json::values;
-use crate::report::sweep::Row;
-use serde::{Deserialize, Serialize};
+use crate::cell::Solver;
+use crate::files::{Choices, Fault, Loaded, Source, of_setting, shown};
+use crate::record::{SWEEP_PLAN_SCHEMA, SweepPlan, SweepRow};
 use std::path::{Path, PathBuf};
 
-/// Most combinations of one sweep.
-const MOST: usize = 10_000;
+/// Largest number of combinations of one sweep.
+const MAX_COMBINATIONS: usize = 10_000;
 
 const PLAN: &str = "plan.json";
 
-/// What makes a sweep: the same plan leaves the same files.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Plan {
-    schema: String,
-    version: String,
-    pub cell: PathBuf,
-    packages: Vec<(String, PathBuf)>,
-    /// Whether every combination is searched, or its layout as drawn mapped.
-    pub search: bool,
-    pub sets: Vec<Choices>,
-    seed: Option<u64>,
-    budget: Option<u64>,
-    solver: Option<String>,
-    combinations: usize,
-    /// Every file read by any combination, and its hash; empty until they have been read.
-    pub inputs: Vec<Input>,
+/// Returns the plan that the command line asks for or, of a sweep to be resumed, the plan of its folder.
+pub fn asked_plan(a: &SweepArguments) -> Result<SweepPlan, Exit> {
+    let version = env!("CARGO_PKG_VERSION").to_string();
+    if let Some(folder) = &a.resume {
+        let plan = read_plan(folder)?.ok_or_else(|| {
+            output::error(&format!("{} has no {PLAN}: it is no folder of a sweep", path_word(folder)));
+            Exit::BadInput
+        })?;
+        return Ok(SweepPlan { inputs: Vec::new(), version, ..plan });
+    }
+    let sets = read_sets(&a.sets)?;
+    let named = |name: &String| Solver::ALL.into_iter().find(|s| s.name() == name);
+    Ok(SweepPlan {
+        schema: SWEEP_PLAN_SCHEMA.into(),
+        version,
+        cell: a.cell.clone().unwrap_or_default(),
+        packages: a.packages.folders.clone(),
+        search: !a.map,
+        combinations: count(&sets)?,
+        sets,
+        seed: a.seed,
+        budget: a.budget,
+        solver: a.solver.as_ref().and_then(named),
+        inputs: Vec::new(),
+    })
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Input {
-    pub path: String,
-    pub sha256: String,
+/// Reads the cell of a combination.
+pub fn load(plan: &SweepPlan, index: usize, kept: &FileSnapshot) -> Result<Loaded, Vec<Fault>> {
+    let packages = Packages { folders: plan.packages.clone() };
+    let mut settings = plan.settings(index);
+    let solver = plan.solver.map(|solver| solver.name().to_string());
+    settings.extend(common_settings(plan.seed, plan.budget, solver.as_ref()));
+    loading::read_cell_with(&plan.cell, &packages, &settings, kept)
 }
 
-impl Plan {
-    /// What is asked for on the command line or, of a sweep to be resumed, by its own plan.
-    pub fn asked(a: &SweepArguments) -> Result<Self, Exit> {
-        if let Some(folder) = &a.resume {
-            let plan = read_plan(folder)?.ok_or_else(|| {
-                output::error(&format!("{} has no {PLAN}: it is no folder of a sweep", path_word(folder)));
-                Exit::BadInput
-            })?;
-            return Ok(Self { inputs: Vec::new(), version: env!("CARGO_PKG_VERSION").into(), ..plan });
-        }
-        let sets = read_sets(&a.sets)?;
-        Ok(Self {
-            schema: "sweetspot/sweep-plan/1".into(),
-            version: env!("CARGO_PKG_VERSION").into(),
-            cell: a.cell.clone().unwrap_or_default(),
-            packages: a.packages.folders.clone(),
-            search: !a.map,
-            combinations: count(&sets)?,
-            sets,
-            seed: a.seed,
-            budget: a.budget,
-            solver: a.solver.clone(),
-            inputs: Vec::new(),
-        })
-    }
-
-    pub fn combinations(&self) -> usize {
-        self.combinations
-    }
-
-    /// The settings of a combination.
-    pub fn settings(&self, index: usize) -> Vec<Setting> {
-        let values = values(&self.sets, index).into_iter();
-        let pairs = self.sets.iter().zip(values);
-        pairs.map(|(set, value)| Setting::new(set.path.clone(), value)).collect()
-    }
-
-    /// The cell of a combination.
-    pub fn load(&self, index: usize, kept: &FileSnapshot) -> Result<Loaded, Vec<Fault>> {
-        let packages = Packages { folders: self.packages.clone() };
-        let mut settings = self.settings(index);
-        settings.extend(common_settings(self.seed, self.budget, self.solver.as_ref()));
-        loading::read_cell_with(&self.cell, &packages, &settings, kept)
-    }
-
-    /// Takes the files read by one more combination to the inputs.
-    pub fn took(&mut self, all: &mut Vec<Source>, sources: Vec<Source>) {
-        for source in sources {
-            if !all.iter().any(|s| s.path == source.path) {
-                self.inputs.push(Input { path: source.path.clone(), sha256: sha256(&source.bytes) });
-                all.push(source);
-            }
+/// Adds the files read by one more combination to the inputs of the plan.
+pub fn add_inputs(plan: &mut SweepPlan, all: &mut Vec<Source>, sources: Vec<Source>) {
+    for source in sources {
+        if !all.iter().any(|s| s.path == source.path) {
+            plan.inputs.push(hashed(&source.path, &source.bytes));
+            all.push(source);
         }
     }
+}
 
-    /// What keeps this plan from continuing another, in words.
-    fn changes(&self, old: &Plan) -> Vec<String> {
-        let mut changed = Vec::new();
-        let mut note = |same: bool, what: &str| {
-            if !same {
-                changed.push(what.to_string());
-            }
-        };
-        note(self.version == old.version && self.schema == old.schema, "the version of the program");
-        note(self.cell.file_name() == old.cell.file_name(), "the cell file");
-        note(self.search == old.search, "search or map");
-        note(self.sets == old.sets, "the sets");
-        note((self.seed, self.budget) == (old.seed, old.budget), "seed or budget");
-        note(self.solver == old.solver, "the solver");
-        let hash =
-            |plan: &Plan, path: &str| plan.inputs.iter().find(|i| i.path == path).map(|i| i.sha256.clone());
-        let own = self.inputs.iter().filter(|i| !old.inputs.iter().any(|o| o.path == i.path));
-        for input in old.inputs.iter().chain(own) {
-            note(hash(self, &input.path) == hash(old, &input.path), &shown(&input.path));
+/// Returns what keeps a plan from continuing an older one.
+fn changes(plan: &SweepPlan, old: &SweepPlan) -> Vec<String> {
+    let mut changed = Vec::new();
+    let mut note = |same: bool, what: &str| {
+        if !same {
+            changed.push(what.to_string());
         }
-        changed
+    };
+    note(plan.version == old.version && plan.schema == old.schema, "the version of the program");
+    note(plan.cell.file_name() == old.cell.file_name(), "the cell file");
+    note(plan.search == old.search, "search or map");
+    note(plan.sets == old.sets, "the sets");
+    note((plan.seed, plan.budget) == (old.seed, old.budget), "seed or budget");
+    note(plan.solver == old.solver, "the solver");
+    let hash =
+        |plan: &SweepPlan, path: &str| plan.inputs.iter().find(|i| i.path == path).map(|i| i.sha256.clone());
+    let own = plan.inputs.iter().filter(|i| !old.inputs.iter().any(|o| o.path == i.path));
+    for input in old.inputs.iter().chain(own) {
+        note(hash(plan, &input.path) == hash(old, &input.path), &shown(&input.path));
     }
+    changed
 }
 
 fn read_sets(texts: &[String]) -> Result<Vec<Choices>, Exit> {
@@ -146,17 +111,19 @@ fn read_sets(texts: &[String]) -> Result<Vec<Choices>, Exit> {
 fn count(sets: &[Choices]) -> Result<usize, Exit> {
     let lengths = sets.iter().map(|s| s.values.len());
     let count = lengths.clone().try_fold(1usize, |n, values| n.checked_mul(values));
-    count.filter(|n| *n <= MOST).ok_or_else(|| {
+    count.filter(|n| *n <= MAX_COMBINATIONS).ok_or_else(|| {
         let factors: Vec<_> = lengths.map(|n| n.to_string()).collect();
         let factors = factors.join(" times ");
-        output::error(&format!("{factors} values make more than {MOST} combinations; nothing was done"));
+        output::error(&format!(
+            "{factors} values make more than {MAX_COMBINATIONS} combinations; nothing was done"
+        ));
         output::talk("  help: set fewer values, or part them into several sweeps");
         Exit::BadInput
     })
 }
 
-/// The plan that a folder holds; None if it holds none.
-fn read_plan(folder: &Path) -> Result<Option<Plan>, Exit> {
+/// Reads the plan of a folder; None if there is none.
+fn read_plan(folder: &Path) -> Result<Option<SweepPlan>, Exit> {
     let path = folder.join(PLAN);
     let bytes = match std::fs::read(&path) {
         Ok(bytes) => bytes,
@@ -172,12 +139,12 @@ fn read_plan(folder: &Path) -> Result<Option<Plan>, Exit> {
     })
 }
 
-/// The folder of a plan: that of the same sweep, or a new one in which the plan now stands.
-pub fn open(plan: &Plan, asked: Option<&Path>, stem: &str) -> Result<PathBuf, Exit> {
+/// Opens the folder of a plan: that of the same sweep, or a new one to which the plan is written.
+pub fn open(plan: &SweepPlan, asked: Option<&Path>, stem: &str) -> Result<PathBuf, Exit> {
     if let Some(folder) = asked
         && let Some(old) = read_plan(folder)?
     {
-        let changed = plan.changes(&old);
+        let changed = changes(plan, &old);
         if changed.is_empty() {
             return Ok(folder.to_path_buf());
         }
@@ -186,7 +153,7 @@ pub fn open(plan: &Plan, asked: Option<&Path>, stem: &str) -> Result<PathBuf, Ex
         output::talk("  help: take the changes back, or name a new folder with --out");
         return Err(Exit::BadInput);
     }
-    // Jobs of an array may all be about to put the plan there: their unfinished files are no content.
+    // All jobs of an array may write the plan at the same time: their unfinished files do not count.
     let is_started = |folder: &Path| {
         let names = folder.read_dir().into_iter().flatten().flatten().map(|entry| entry.file_name());
         names
@@ -201,13 +168,13 @@ pub fn open(plan: &Plan, asked: Option<&Path>, stem: &str) -> Result<PathBuf, Ex
     Ok(folder)
 }
 
-/// The name of a combination's files.
+/// Returns the stem of the files of a combination.
 pub fn number(index: usize) -> String {
     format!("{index:04}")
 }
 
-/// The row of a combination that is finished.
-pub fn row(folder: &Path, index: usize) -> Option<Row> {
+/// Reads the row of a combination; None if it is not finished.
+pub fn row(folder: &Path, index: usize) -> Option<SweepRow> {
     let bytes = std::fs::read(folder.join(number(index) + ".json")).ok()?;
-    serde_json::from_slice(&bytes).ok().filter(|row: &Row| row.index == index)
+    serde_json::from_slice(&bytes).ok().filter(|row: &SweepRow| row.index == index)
 }

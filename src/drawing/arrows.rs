@@ -1,31 +1,31 @@
 //! Errors as arrows and unusable nodes as circles: the lines that every picture and CAD file shows.
 //!
-//! World frame, m. Errors are too small to be seen: all arrows of a drawing under one lens, whatever
-//! their operation and component, are enlarged by one [`exaggeration`], so that they can be compared.
+//! World frame, m. Errors are too small to be seen. One [`exaggeration`] therefore enlarges all arrows of a
+//! drawing under one lens, so that they can be compared.
 
 use super::round_numbers::{HALF_DIGITS, round_down};
 use super::{Drawing, Field, Mesh};
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 
-/// The longest arrow spans so many distances between nodes.
-const LONGEST: f64 = 1.5;
-/// Head: its share of an arrow's length, and at most this share of the distance between nodes.
-const HEAD: (f64, f64) = (0.3, 0.25);
+/// Length of the longest arrow in distances between nodes.
+const LONGEST_ARROW: f64 = 1.5;
+/// Length of a head as a share of its arrow, and its limit as a share of the distance between nodes.
+const HEAD_LENGTH: (f64, f64) = (0.3, 0.25);
 /// Half width of a head as a share of its length, and of the shaft.
-const WIDTH: (f64, f64) = (0.35, 0.12);
+const HALF_WIDTH: (f64, f64) = (0.35, 0.12);
 /// Radius of the circle round a node as a share of the distance between nodes.
-const CIRCLE: f64 = 0.25;
-/// Between nodes where there is but one, m.
-const ALONE: f64 = 0.1;
-/// Of a circle.
-const CORNERS: usize = 24;
-/// Of the shaft of a solid arrow.
-const SIDES: usize = 6;
-/// Shorter arrows are no arrows, m.
-const SHORTEST: f64 = 1e-6;
+const CIRCLE_RADIUS: f64 = 0.25;
+/// Distance between nodes that a map of one node is drawn with, m.
+const LONE_SPACING: f64 = 0.1;
+/// Corners of a circle round a node.
+const CIRCLE_CORNERS: usize = 24;
+/// Sides of the shaft of a solid arrow.
+const SHAFT_SIDES: usize = 6;
+/// Length below which an arrow is not drawn, m.
+const MIN_LENGTH: f64 = 1e-6;
 
-/// What of an error an arrow shows.
+/// Component of an error that an arrow shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Component {
     X,
@@ -46,12 +46,12 @@ impl Component {
         }
     }
 
-    /// The sense in which its size is reported.
+    /// Returns the sense in which the size of the component is reported.
     fn sense(self) -> &'static str {
         if self == Self::Resultant { "xyz" } else { self.name() }
     }
 
-    /// Direction of the component of an error (world, m); None of no resultant.
+    /// Returns the direction of the component of an error (world); nothing for the resultant of no error.
     fn direction(self, error: &Vector3<f64>) -> Option<Vector3<f64>> {
         match self {
             Self::X => Some(Vector3::x()),
@@ -62,12 +62,12 @@ impl Component {
     }
 }
 
-/// An error as drawn, world, m.
+/// Error as drawn, world, m.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Arrow {
     /// Index into [`Field::nodes`].
     pub node: usize,
-    /// At the node.
+    /// Place of the node.
     pub tail: Vector3<f64>,
     pub tip: Vector3<f64>,
     /// Length of the head, m.
@@ -75,51 +75,51 @@ pub struct Arrow {
 }
 
 impl Arrow {
-    /// Ends of the four lines from the tip that make the head: two to be seen from above, two from aside.
+    /// Returns the ends of the four lines that make the head: two are seen from above, two from the side.
     pub fn barbs(&self) -> [Vector3<f64>; 4] {
         let [along, level, upright] = self.axes();
-        let (neck, half) = (self.tip - along * self.head, self.head * WIDTH.0);
+        let (neck, half) = (self.tip - along * self.head, self.head * HALF_WIDTH.0);
         [neck + level * half, neck - level * half, neck + upright * half, neck - upright * half]
     }
 
-    /// Along the arrow; across it and level; across both.
+    /// Returns the direction along the arrow, a level one across it, and the one across both.
     fn axes(&self) -> [Vector3<f64>; 3] {
         let along = (self.tip - self.tail).try_normalize(0.0).unwrap_or_else(Vector3::z);
-        // Of an upright arrow every direction across is level.
+        // Every direction across an upright arrow is level.
         let level = Vector3::z().cross(&along).try_normalize(1e-6).unwrap_or_else(Vector3::x);
         [along, level, along.cross(&level)]
     }
 
-    /// The arrow as a solid: shaft and pointed head, closed.
+    /// Returns the arrow as a closed solid: shaft and pointed head.
     pub fn mesh(&self) -> Mesh {
         let [along, level, upright] = self.axes();
         let neck = self.tip - along * self.head;
-        let (wide, thin) = (self.head * WIDTH.0, self.head * WIDTH.1);
+        let (wide, thin) = (self.head * HALF_WIDTH.0, self.head * HALF_WIDTH.1);
         let mut vertices = vec![self.tail];
         for (centre, radius) in [(self.tail, thin), (neck, thin), (neck, wide)] {
-            vertices.extend((0..SIDES).map(|k| {
-                let (sin, cos) = (TAU * k as f64 / SIDES as f64).sin_cos();
+            vertices.extend((0..SHAFT_SIDES).map(|k| {
+                let (sin, cos) = (TAU * k as f64 / SHAFT_SIDES as f64).sin_cos();
                 centre + (level * cos + upright * sin) * radius
             }));
         }
         vertices.push(self.tip);
-        let at = |ring: usize, k: usize| (1 + ring * SIDES + k % SIDES) as u32;
+        let at = |ring: usize, k: usize| (1 + ring * SHAFT_SIDES + k % SHAFT_SIDES) as u32;
         let mut triangles = Vec::new();
-        for k in 0..SIDES {
+        for k in 0..SHAFT_SIDES {
             triangles.push([0, at(0, k + 1), at(0, k)]);
             for ring in 0..2 {
                 let [a, b, c, d] = [at(ring, k), at(ring, k + 1), at(ring + 1, k + 1), at(ring + 1, k)];
                 triangles.extend([[a, b, c], [a, c, d]]);
             }
-            triangles.push([(1 + 3 * SIDES) as u32, at(2, k), at(2, k + 1)]);
+            triangles.push([(1 + 3 * SHAFT_SIDES) as u32, at(2, k), at(2, k + 1)]);
         }
         Mesh::creased(&vertices, &triangles)
     }
 }
 
 impl Field {
-    /// Distance between neighbouring nodes, m: the mean along the axis of the grid along which it is less;
-    /// of points that from one to the next.
+    /// Returns the mean distance between neighbouring nodes, m, along the axis of the grid along which it is
+    /// less. The neighbour of a single point is the next point.
     pub fn spacing(&self) -> f64 {
         let (along, _) = self.size;
         let mean = |pairs: Vec<(usize, usize)>| {
@@ -132,25 +132,25 @@ impl Field {
             pairs.filter(|(a, b)| step > 1 || a / along == b / along).collect()
         };
         let both = [mean(next(1)), mean(next(along.max(2)))];
-        both.into_iter().flatten().reduce(f64::min).unwrap_or(ALONE)
+        both.into_iter().flatten().reduce(f64::min).unwrap_or(LONE_SPACING)
     }
 
-    /// The circle round a node that cannot be used: level, closed, world, m.
-    pub fn circle(&self, node: usize) -> [Vector3<f64>; CORNERS] {
+    /// Returns the level circle round an unusable node: a closed line, world, m.
+    pub fn circle(&self, node: usize) -> [Vector3<f64>; CIRCLE_CORNERS] {
         let (centre, radius) = (self.nodes[node].position, self.radius());
         std::array::from_fn(|k| {
-            let (sin, cos) = (TAU * k as f64 / CORNERS as f64).sin_cos();
+            let (sin, cos) = (TAU * k as f64 / CIRCLE_CORNERS as f64).sin_cos();
             centre + Vector3::new(radius * cos, radius * sin, 0.0)
         })
     }
 
-    /// Of the circles round nodes, m.
+    /// Returns the radius of the circles round nodes, m.
     pub fn radius(&self) -> f64 {
-        CIRCLE * self.spacing()
+        CIRCLE_RADIUS * self.spacing()
     }
 
-    /// Size of a component of the error of a node under a lens, m: of a signed sample with its sign, else
-    /// what the reading says, plus or minus. None where the node has no posture.
+    /// Returns the size of a component of the error of a node under a lens, m. A signed sample gives it a
+    /// sign; otherwise it is what the reading says, plus or minus. Nodes without a posture have none.
     pub fn size_of(&self, take: usize, component: Component, node: usize, is_signed: bool) -> Option<f64> {
         let take = &self.takes[take];
         let error = take.error[node]?;
@@ -164,34 +164,34 @@ impl Field {
 }
 
 impl Drawing<'_> {
-    /// By how much arrows under a lens are longer than the errors: the longest of any operation spans
-    /// about 1.5 distances between its nodes. One digit and a half: 1, 1.5, 2, ... 9.5, times a power of
-    /// ten; 1 without errors.
+    /// Returns by how much arrows under a lens are longer than the errors. The longest arrow of any operation
+    /// spans about 1.5 distances between its nodes. The factor is 1, 1.5, 2, ... 9.5 times a power of ten; 1
+    /// without errors.
     pub fn exaggeration(&self, take: usize) -> f64 {
         let is_signed = self.lenses[take].is_signed();
         let raw = self.fields.iter().filter_map(|field| {
             let sizes =
                 field.usable().filter_map(|k| field.size_of(take, Component::Resultant, k, is_signed));
             let longest = sizes.fold(0.0, f64::max);
-            (longest > 0.0).then(|| LONGEST * field.spacing() / longest)
+            (longest > 0.0).then(|| LONGEST_ARROW * field.spacing() / longest)
         });
         raw.reduce(f64::min).map_or(1.0, |limit| round_down(limit, HALF_DIGITS))
     }
 
-    /// The errors of an operation's usable nodes under a lens, enlarged by [`Self::exaggeration`]. Errors
-    /// without a sign are plus or minus: of each two arrows, one either way.
+    /// Returns the errors of the usable nodes of an operation under a lens, enlarged by
+    /// [`Self::exaggeration`]. An error without a sign is plus or minus: it has two arrows, one either way.
     pub fn arrows(&self, field: usize, take: usize, component: Component) -> Vec<Arrow> {
         let (is_signed, enlarged) = (self.lenses[take].is_signed(), self.exaggeration(take));
         let field = &self.fields[field];
-        let most = HEAD.1 * field.spacing();
+        let most = HEAD_LENGTH.1 * field.spacing();
         let ways: &[f64] = if is_signed { &[1.0] } else { &[1.0, -1.0] };
         let mut arrows = Vec::new();
         for node in field.usable() {
             let Some(size) = field.size_of(take, component, node, is_signed) else { continue };
             let direction = field.takes[take].error[node].and_then(|error| component.direction(&error));
-            let Some(direction) = direction.filter(|_| size.abs() * enlarged > SHORTEST) else { continue };
+            let Some(direction) = direction.filter(|_| size.abs() * enlarged > MIN_LENGTH) else { continue };
             let tail = field.nodes[node].position;
-            let head = (HEAD.0 * size.abs() * enlarged).min(most);
+            let head = (HEAD_LENGTH.0 * size.abs() * enlarged).min(most);
             arrows.extend(ways.iter().map(|way| Arrow {
                 node,
                 tail,

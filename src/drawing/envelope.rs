@@ -1,22 +1,22 @@
-//! The working envelope as rings: level cuts at several heights, and the upright section.
+//! Working envelope as closed lines: level cuts at several heights, and a vertical section.
 
 use crate::assess::{Assessment, step_of, tolerance_of};
 use crate::reach::{Envelope, EnvelopeSection, Fineness};
 use nalgebra::Vector3;
 
-/// Level cuts from the lowest to the highest reach.
+/// Number of level cuts from the lowest to the highest reach.
 const LEVELS: usize = 9;
 
-/// Closed lines, world, m; the last point is joined to the first.
+/// Closed lines of a working envelope, world, m. The last point is joined to the first.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Rings {
-    /// At the height of the operation's TCP.
+    /// Cut at the height of the TCP of the operation.
     pub at_work: Vec<Vec<Vector3<f64>>>,
-    /// At other heights, and in the upright plane in which the arm points with its joints in the middle.
+    /// Cuts at other heights, and the section in the vertical plane of the arm with its joints in the middle.
     pub around: Vec<Vec<Vector3<f64>>>,
 }
 
-/// What the arm reaches with its tool as an operation holds it, joint limits kept. Drawn coarsely.
+/// Returns the working envelope of an operation: its tool orientation, within the joint limits, coarsely.
 pub fn rings(a: &Assessment<'_>, operation: usize) -> Rings {
     let inverse = a.workcell.inverse();
     let attitude = &a.layout.attitudes[operation];

@@ -1,4 +1,4 @@
-//! The error maps as they are drawn: every node under every model and reading.
+//! Error maps as they are drawn: every node under every model and reading.
 
 use super::Detail;
 use crate::assess::Assessment;
@@ -6,17 +6,17 @@ use crate::cell::{Cell, Interpretation, JointVector, Model, Quantity, Reading, S
 use crate::error_map::{NodeRecord, NodeSign, OperationMap, PostureRecord};
 use nalgebra::Vector3;
 
-/// A model and a reading under which errors are seen.
+/// Model and reading under which errors are shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Lens {
     pub model: Model,
     pub reading: Reading,
-    /// Of the statistical reading.
+    /// Statistic of the statistical reading.
     pub quantity: Quantity,
 }
 
 impl Lens {
-    /// As the cell asks.
+    /// Returns the lens that the cell asks for.
     pub fn of(cell: &Cell) -> Self {
         Self { model: cell.model, reading: cell.reading, quantity: cell.quantity }
     }
@@ -27,24 +27,24 @@ impl Lens {
         Interpretation { model, reading, quantity, ..cell.interpretation() }
     }
 
-    /// Whether errors have a sign under it; else they are plus or minus.
+    /// Whether errors have a sign under this lens; otherwise they are plus or minus.
     pub fn is_signed(&self) -> bool {
         self.reading == Reading::Signed
     }
 
-    /// What is read: signed sample, worst case, p95.
+    /// Returns the name of the figure shown: signed sample, worst case, p95 ...
     pub fn reading_word(&self) -> &'static str {
         match (self.reading, self.quantity) {
             (Reading::Signed, _) => "signed sample",
             (Reading::WorstCase, _) => "worst case",
-            // Of a yield, which belongs to one sense and its limit, the 95th percentile.
+            // A yield belongs to one sense and its limit; other senses show the 95th percentile.
             (Reading::Statistical, Quantity::Yield) => Quantity::P95.name(),
             (Reading::Statistical, quantity) => quantity.name(),
         }
     }
 }
 
-/// The lenses under which a cell has an answer, its own first.
+/// Returns the lenses under which a cell can be evaluated, its own first.
 pub fn lenses(cell: &Cell) -> Vec<Lens> {
     let own = Lens::of(cell);
     let quantity = if cell.reading == Reading::Statistical { cell.quantity } else { Quantity::P95 };
@@ -59,69 +59,69 @@ pub fn lenses(cell: &Cell) -> Vec<Lens> {
     lenses
 }
 
-/// A node of a map.
+/// Node of a map.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Node {
+pub struct FieldNode {
     pub i: usize,
     pub j: usize,
-    /// TCP, world, m.
+    /// TCP at the node, world, m.
     pub position: Vector3<f64>,
     pub sign: NodeSign,
-    /// Why it cannot be used, in words; empty if it can.
+    /// Reason why the node cannot be used; empty if it can.
     pub reason: String,
     pub joints: Option<JointVector>,
 }
 
-impl Node {
+impl FieldNode {
     pub fn is_ok(&self) -> bool {
         self.sign.is_usable()
     }
 }
 
-/// The nodes under one lens; nothing where a node has no posture or the lens no answer.
+/// Nodes under one lens. A node without a usable posture has no values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Take {
     /// Index into [`super::Drawing::lenses`].
     pub lens: usize,
-    /// World, m: of the signed sample, or of the corner of the tolerance box that is worst in the sense of
-    /// the operation.
+    /// Error of each node (world, m): that of the signed sample, or that of the worst corner of the tolerance
+    /// box in the sense of the operation.
     pub error: Vec<Option<Vector3<f64>>>,
-    /// One list per sense, m or rad: what the reading says.
+    /// Figures of the reading, one list per sense, m or rad.
     pub values: Vec<Vec<Option<f64>>>,
-    /// The spot under this lens, index into [`Field::nodes`].
+    /// Spot under this lens: index into [`Field::nodes`].
     pub best: Option<usize>,
 }
 
-/// The map of an operation.
+/// Error map of an operation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Field {
     /// Index into the operations of the cell.
     pub operation: usize,
     pub senses: Vec<Sense>,
-    /// The operation's own among them.
+    /// Index of the sense of the operation.
     pub sense: usize,
-    /// Nodes along the first and the second axis of the grid; of points all along the first.
+    /// Number of nodes along the first and the second axis of the grid; single points lie along the first.
     pub size: (usize, usize),
-    /// Row by row along the first axis.
-    pub nodes: Vec<Node>,
-    /// The spot of the operation, index into [`Self::nodes`].
+    /// Nodes row by row along the first axis.
+    pub nodes: Vec<FieldNode>,
+    /// Spot of the operation: index into [`Self::nodes`].
     pub best: Option<usize>,
-    /// Where that is, also if the node is not kept; world, m.
+    /// Position of the spot (world, m), also if its node is not kept.
     pub spot: Option<Vector3<f64>>,
-    /// The spot between the nodes, world, m.
+    /// Refined spot between the nodes, world, m.
     pub refined: Option<Vector3<f64>>,
-    /// So many nodes were mapped for one that is kept, along each axis.
+    /// Number of nodes mapped for one that is kept, along each axis.
     pub every: usize,
     pub takes: Vec<Take>,
 }
 
 impl Field {
-    /// Indices of the nodes that can be used.
+    /// Returns the indices of the usable nodes.
     pub fn usable(&self) -> impl Iterator<Item = usize> {
         self.nodes.iter().enumerate().filter(|(_, n)| n.is_ok()).map(|(k, _)| k)
     }
 
-    /// Least and greatest value in a sense under a lens over the usable nodes, m or rad.
+    /// Returns the least and the greatest value of the usable nodes in a sense under a lens, m or rad.
     pub fn range(&self, take: usize, sense: usize) -> Option<(f64, f64)> {
         let values = &self.takes.get(take)?.values[sense];
         let values = self.usable().filter_map(|k| values[k]).map(|v| (v, v));
@@ -129,7 +129,7 @@ impl Field {
     }
 }
 
-/// The maps of a layout under the lenses wanted.
+/// Maps a layout under the lenses asked for.
 pub(super) fn fields(a: &Assessment<'_>, detail: &Detail) -> Result<(Vec<Lens>, Vec<Field>), String> {
     let lenses = if detail.lenses { lenses(a.cell) } else { vec![Lens::of(a.cell)] };
     let mut fields: Vec<Field> = (0..a.maps.len()).map(|k| field(a, k, detail)).collect();
@@ -155,7 +155,7 @@ fn field(a: &Assessment<'_>, k: usize, detail: &Detail) -> Field {
         every += 1;
     }
     let kept = |n: &&NodeRecord| is_kept(n, every);
-    let node = |n: &NodeRecord| Node {
+    let node = |n: &NodeRecord| FieldNode {
         i: n.i,
         j: n.j,
         position: n.position,
@@ -163,7 +163,7 @@ fn field(a: &Assessment<'_>, k: usize, detail: &Detail) -> Field {
         reason: n.status.reason(a.cell),
         joints: n.posture.as_ref().map(|p| p.joints),
     };
-    let nodes: Vec<Node> = map.nodes.iter().filter(kept).map(node).collect();
+    let nodes: Vec<FieldNode> = map.nodes.iter().filter(kept).map(node).collect();
     Field {
         operation: map.operation,
         sense: map.sense(&operation.sense.name).unwrap_or_default(),

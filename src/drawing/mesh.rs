@@ -1,27 +1,27 @@
-//! Solids as triangles with normals, ready to be shaded.
+//! Triangle meshes of solids, with normals for shading.
 
 use crate::cell::{Extent, Shape};
 use crate::pose::Pose;
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// Round solids have so many sides; their angles are less than [`CREASE`].
+/// Number of sides of a round solid. Neighbouring sides differ by less than [`CREASE`].
 const SIDES: usize = 32;
 
 /// Cosine of the angle between faces (25 degrees) from which an edge is drawn sharp.
 const CREASE: f64 = 0.906_307_787_036_65;
 
-/// Triangles with one normal for each corner, m. Corners that share place and normal are one.
+/// Triangle mesh with one normal per corner, m. Corners with the same place and normal are one.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Mesh {
     pub positions: Vec<Vector3<f64>>,
-    /// Unit length, outwards.
+    /// Unit vectors, outwards.
     pub normals: Vec<Vector3<f64>>,
     pub triangles: Vec<[u32; 3]>,
 }
 
 impl Mesh {
-    /// The surface of a solid in the frame of what carries it; a leg reaches down to `floor` there.
+    /// Returns the surface of a solid in the frame of its carrier. A leg ends at the height `floor`.
     pub fn of(shape: &Shape, floor: f64) -> Self {
         let (vertices, triangles) = match shape {
             Shape::Box { pose, size } => cuboid(pose, size),
@@ -40,8 +40,8 @@ impl Mesh {
         Self::creased(&vertices, &triangles)
     }
 
-    /// A surface with soft and sharp edges by the angle between its faces; triangles without area are
-    /// left out.
+    /// Returns a surface whose edges are soft or sharp by the angle between the faces. Triangles without area
+    /// are left out.
     pub fn creased(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Self {
         let corner = |i: u32| vertices[i as usize];
         let area = |[a, b, c]: &[u32; 3]| (corner(*b) - corner(*a)).cross(&(corner(*c) - corner(*a)));
@@ -55,7 +55,7 @@ impl Mesh {
             t.iter().for_each(|&i| around[i as usize].push(f as u32));
         }
         let mut mesh = Self::default();
-        // Of every vertex, the corners made of it so far.
+        // Corners made of every vertex so far.
         let mut made: Vec<Vec<u32>> = vec![Vec::new(); vertices.len()];
         for (t, _, flat) in &faces {
             let corners = t.map(|i| {
@@ -82,7 +82,7 @@ impl Mesh {
         i
     }
 
-    /// The same mesh in the frame in which its own is at `pose`.
+    /// Returns the mesh in the frame in which its own frame is at `pose`.
     pub fn seen_from(&self, pose: &Pose) -> Self {
         Self {
             positions: self.positions.iter().map(|p| pose.transform(p)).collect(),
@@ -91,7 +91,7 @@ impl Mesh {
         }
     }
 
-    /// Low and high corner; None of an empty mesh.
+    /// Returns the bounding box; nothing for an empty mesh.
     pub fn extent(&self) -> Option<Extent> {
         let point = self.positions.iter().map(|p| (*p, *p));
         point.reduce(|(lo, hi), (p, q)| (lo.inf(&p), hi.sup(&q)))
@@ -110,7 +110,7 @@ fn cuboid(pose: &Pose, size: &Vector3<f64>) -> Surface {
     ((0..8).map(corner).collect(), halves.collect())
 }
 
-/// A round bar from `a` to `b`, its ends balls or flat.
+/// Returns a round bar from `a` to `b` whose ends are half balls or flat.
 fn bar(a: &Vector3<f64>, b: &Vector3<f64>, radius: f64, round: bool) -> Surface {
     let axis = (b - a).try_normalize(1e-12).unwrap_or_else(Vector3::z);
     let across = axis.cross(&axis.map(|c| if c.abs() == axis.amax() { 0.0 } else { 1.0 })).normalize();
@@ -140,7 +140,7 @@ fn bar(a: &Vector3<f64>, b: &Vector3<f64>, radius: f64, round: bool) -> Surface 
     (vertices, bar_triangles(rings.len()))
 }
 
-/// Between a first point, rings of [`SIDES`] and a last point.
+/// Returns the triangles between a first point, rings of [`SIDES`] corners and a last point.
 fn bar_triangles(rings: usize) -> Vec<[u32; 3]> {
     let at = |ring: usize, k: usize| (1 + ring * SIDES + k % SIDES) as u32;
     let last = (1 + rings * SIDES) as u32;

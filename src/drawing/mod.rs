@@ -1,4 +1,4 @@
-//! What there is to see of a layout: solids, error map, envelope, motion. World frame, m and rad.
+//! Layouts as plain data for pictures: solids, error maps, envelopes, motion. World frame, m and rad.
 //!
 //! A [`Drawing`] is plain data made once from an [`Assessment`]; every picture, page and CAD file is
 //! rendered from it, so that all of them show the same.
@@ -15,46 +15,47 @@ pub mod round_numbers;
 
 pub use arrows::{Arrow, Component};
 pub use envelope::{Rings, rings};
-pub use field::{Field, Lens, Node, Take, lenses};
+pub use field::{Field, FieldNode, Lens, Take, lenses};
 pub use floor::floor_corners;
 pub use mesh::Mesh;
-pub use movement::{Movement, Stop};
+pub use movement::{Movement, MovementStop};
 pub use node_glyph::{GlyphRing, GlyphStroke, GlyphTone, NodeGlyph, node_glyph};
-pub use parts::{Carrier, Kind, Part};
+pub use parts::{DrawnPart, PartCarrier, PartKind};
 
 use crate::assess::Assessment;
 use crate::cell::{Cell, Layout};
 use crate::pose::Pose;
 use nalgebra::Vector3;
 
-/// One layout as it looks.
+/// Layout as pictures show it.
 pub struct Drawing<'a> {
     pub cell: &'a Cell,
-    /// What it is called among others: start, best.
+    /// Name among other layouts: start, best ...
     pub name: String,
     pub layout: Layout,
-    /// Robot base in the world.
+    /// Pose of the robot base in the world.
     pub base: Pose,
     /// Height of the floor, m.
     pub floor: f64,
-    pub parts: Vec<Part>,
-    /// Who looks: the model and reading of each take of a field. The first is that of the cell.
+    pub parts: Vec<DrawnPart>,
+    /// Model and reading of each take of a field. The first lens is that of the cell.
     pub lenses: Vec<Lens>,
-    /// The error map of every operation.
+    /// Error map of every operation.
     pub fields: Vec<Field>,
-    /// Where the arm reaches with its tool as in each operation; empty if not asked for.
+    /// Working envelope of each operation; empty if not asked for.
     pub envelopes: Vec<Rings>,
-    /// From home to every spot and back.
+    /// Motion from home to every spot and back.
     pub movement: Movement,
 }
 
-/// How much of it is drawn.
+/// Amount of detail of a drawing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Detail {
-    /// Every model and reading that has an answer, not that of the cell alone.
+    /// Whether every model and reading is evaluated, and not only that of the cell.
     pub lenses: bool,
     pub envelopes: bool,
-    /// Of a field with more nodes only every second, third, ... in both directions is kept.
+    /// Greatest number of nodes of a field. A larger field keeps every second, third, ... node along both
+    /// axes.
     pub nodes: usize,
 }
 
@@ -65,7 +66,7 @@ impl Detail {
 
 impl<'a> Drawing<'a> {
     /// # Errors
-    /// Why the robot cannot be used in another reading.
+    /// Fails if the cell cannot be evaluated under another reading. The message says why.
     pub fn new(a: &Assessment<'a>, detail: &Detail) -> Result<Self, String> {
         let (lenses, fields) = field::fields(a, detail)?;
         let envelopes = if detail.envelopes {
@@ -87,25 +88,25 @@ impl<'a> Drawing<'a> {
         })
     }
 
-    /// Where a part is, the robot in the posture whose frames (world) are given.
-    pub fn pose_of(&self, part: &Part, frames: &[Pose]) -> Pose {
+    /// Returns the pose of a part. `frames` are those of the posture of the robot, world.
+    pub fn pose_of(&self, part: &DrawnPart, frames: &[Pose]) -> Pose {
         match part.carrier {
-            Carrier::World(pose) => pose,
-            Carrier::Link(k) => frames.get(k).copied().unwrap_or(self.base),
+            PartCarrier::World(pose) => pose,
+            PartCarrier::Link(k) => frames.get(k).copied().unwrap_or(self.base),
         }
     }
 
-    /// The parts that are seen while the tool is at an operation (None: at none), each with its place.
+    /// Returns the parts that are visible while the tool is at an operation, or at none, with their poses.
     pub fn posed<'d>(
         &'d self,
         operation: Option<usize>,
         frames: &'d [Pose],
-    ) -> impl Iterator<Item = (&'d Part, Pose)> {
-        let seen = move |part: &&Part| part.operation.is_none_or(|o| Some(o) == operation);
+    ) -> impl Iterator<Item = (&'d DrawnPart, Pose)> {
+        let seen = move |part: &&DrawnPart| part.operation.is_none_or(|o| Some(o) == operation);
         self.parts.iter().filter(seen).map(move |part| (part, self.pose_of(part, frames)))
     }
 
-    /// Low and high corner of all that stands and moves, the robot at home.
+    /// Returns the bounding box of everything, with the robot at home.
     pub fn extent(&self) -> (Vector3<f64>, Vector3<f64>) {
         let home = self.movement.home();
         let base = (self.base.translation, self.base.translation);

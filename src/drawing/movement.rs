@@ -1,51 +1,56 @@
-//! The robot on its way: home, from spot to spot, home again.
+//! Motion of the robot for animations: from home to every spot and back.
 
 use crate::assess::Assessment;
 use crate::cell::{JointKind, JointVector};
 use crate::pose::Pose;
 use crate::robot::Chain;
 
-/// Joints turn so fast in the picture, rad/s; a slide by the arm's reach counts as 1 rad.
+/// Speed of the fastest joint, rad/s. A slide by the reach of the arm counts as 1 rad.
 const SPEED: f64 = 0.8;
-/// How long the robot rests at a spot, s.
+/// Rest at a spot, s.
 const REST: f64 = 0.6;
-/// Between pictures, s.
+/// Time between two frames of the animation, s.
 const TICK: f64 = 0.05;
-/// No move takes longer, s.
-const LONGEST: f64 = 6.0;
+/// Longest duration of a move, s.
+const MAX_DURATION: f64 = 6.0;
 
-/// Where the robot halts.
+/// Posture in which the robot rests.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Stop {
-    /// None: home.
+pub struct MovementStop {
+    /// Operation of the spot; none at home.
     pub operation: Option<usize>,
     pub joints: JointVector,
-    /// From when it rests there, s.
+    /// Start of the rest, s.
     pub time: f64,
 }
 
-/// A motion in joint coordinates with the frames of every moment.
+/// Motion in joint coordinates, with the frames of every moment.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Movement {
-    pub stops: Vec<Stop>,
-    /// s, rising.
+    pub stops: Vec<MovementStop>,
+    /// Moments, s, rising.
     pub times: Vec<f64>,
-    /// Of each time: which operation's part is held, if one is.
+    /// Operation whose part the gripper holds at each moment.
     pub holding: Vec<Option<usize>>,
-    /// Of each time: the frames 0 (base) to N of the chain, and last the TCP; world.
+    /// Frames 0 (base) to N of the chain and the TCP at each moment, world.
     pub frames: Vec<Vec<Pose>>,
-    /// Whether the ways between the spots were checked for collision.
+    /// Whether the moves between the spots were checked for collision.
     pub is_checked: bool,
 }
 
 impl Movement {
-    /// Over the spots of a layout in the order of the operations; those without a spot are left out.
+    /// Returns the motion over the spots of a layout in the order of the operations. Operations without a
+    /// spot are left out.
     pub fn new(a: &Assessment<'_>) -> Self {
         let chain = Chain::new(&a.cell.robot);
         let base = a.layout.base.pose();
         let is_checked = !a.evaluation.transfers.is_empty();
-        let mut way =
-            Way { chain: &chain, base, reach: a.cell.robot.reach(), movement: Self::empty(is_checked) };
+        let mut way = MovementBuilder {
+            chain: &chain,
+            base,
+            reach: a.cell.robot.reach(),
+            movement: Self::empty(is_checked),
+        };
         way.halt(None, &a.cell.robot.home);
         for k in 0..a.maps.len() {
             let Some((_, posture)) = a.spot(k) else { continue };
@@ -66,51 +71,51 @@ impl Movement {
         Self { stops: Vec::new(), times: Vec::new(), holding: Vec::new(), frames: Vec::new(), is_checked }
     }
 
-    /// The frames at home.
+    /// Returns the frames at home.
     pub fn home(&self) -> &[Pose] {
         self.frames.first().map_or(&[], Vec::as_slice)
     }
 
-    /// The frames at the spot of an operation, if it has one.
+    /// Returns the frames at the spot of an operation, if it has one.
     pub fn at(&self, operation: usize) -> Option<&[Pose]> {
         let stop = self.stops.iter().find(|s| s.operation == Some(operation))?;
         let k = self.times.iter().position(|t| *t >= stop.time)?;
         self.frames.get(k).map(Vec::as_slice)
     }
 
-    /// The frames at the spot of an operation; at home if None, or if it has no spot.
+    /// Returns the frames at the spot of an operation, or at home without a spot.
     pub fn frames(&self, operation: Option<usize>) -> &[Pose] {
         operation.and_then(|k| self.at(k)).unwrap_or(self.home())
     }
 
-    /// From the first to the last moment, s.
+    /// Returns the duration, s.
     pub fn duration(&self) -> f64 {
         self.times.last().copied().unwrap_or(0.0)
     }
 }
 
-/// A movement while it is made.
-struct Way<'a> {
+/// Motion under construction.
+struct MovementBuilder<'a> {
     chain: &'a Chain,
     base: Pose,
     reach: f64,
     movement: Movement,
 }
 
-impl Way<'_> {
+impl MovementBuilder<'_> {
     fn halt(&mut self, operation: Option<usize>, joints: &JointVector) {
         let time = self.movement.times.last().map_or(0.0, |t| t + TICK);
-        self.movement.stops.push(Stop { operation, joints: *joints, time });
+        self.movement.stops.push(MovementStop { operation, joints: *joints, time });
         self.show(time, joints, operation);
         self.show(time + REST, joints, operation);
     }
 
-    /// Straight moves in joint coordinates from where the robot halts, each starting and stopping softly.
+    /// Adds straight moves in joint coordinates from the last rest. Each starts and ends with zero speed.
     fn go<'j>(&mut self, knots: impl Iterator<Item = &'j JointVector>, holding: Option<usize>) {
         let Some(mut from) = self.movement.stops.last().map(|s| s.joints) else { return };
         for to in knots {
             let start = self.movement.times.last().copied().unwrap_or(0.0);
-            let duration = (self.way(&from, to) / SPEED).min(LONGEST);
+            let duration = (self.way(&from, to) / SPEED).min(MAX_DURATION);
             let ticks = (duration / TICK).ceil() as usize;
             for k in 1..=ticks {
                 let share = k as f64 / ticks as f64;
@@ -123,7 +128,7 @@ impl Way<'_> {
         }
     }
 
-    /// How far the joint goes that goes farthest, rad.
+    /// Returns the distance of the joint that moves farthest, rad.
     fn way(&self, from: &JointVector, to: &JointVector) -> f64 {
         let links = self.chain.links.iter().zip(from.iter().zip(to));
         let gone = links.map(|(link, (a, b))| match link.kind {

@@ -1,4 +1,4 @@
-//! The solids of a layout as parts, each on what carries it.
+//! Solids of a layout as parts, each with its carrier.
 
 use super::mesh::Mesh;
 use crate::assess::Assessment;
@@ -7,9 +7,9 @@ use crate::pose::Pose;
 use crate::robot::Chain;
 use nalgebra::Vector3;
 
-/// What a part belongs to.
+/// Kind of thing that a part belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Kind {
+pub enum PartKind {
     Robot,
     Tool,
     Held,
@@ -19,7 +19,7 @@ pub enum Kind {
     KeepOut,
 }
 
-impl Kind {
+impl PartKind {
     pub fn name(self) -> &'static str {
         match self {
             Self::Robot => "robot",
@@ -33,28 +33,28 @@ impl Kind {
     }
 }
 
-/// What a part moves with.
+/// Carrier of a part: what it moves with.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Carrier {
-    /// Stands there, in the world.
+pub enum PartCarrier {
+    /// Pose of a part that stands still, world.
     World(Pose),
-    /// 0: the robot base, k: the frame after row k of the chain.
+    /// Frame of the chain: 0 is the robot base, k the frame after link k.
     Link(usize),
 }
 
-/// A solid as it looks.
+/// Solid as pictures show it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Part {
+pub struct DrawnPart {
     pub name: String,
     /// Name of the robot, equipment, operation, ...
     pub owner: String,
-    pub kind: Kind,
-    pub carrier: Carrier,
-    /// Index of the equipment that it is part of.
+    pub kind: PartKind,
+    pub carrier: PartCarrier,
+    /// Index of the equipment that the solid belongs to.
     pub equipment: Option<usize>,
-    /// Seen at this operation alone.
+    /// Operation at which alone the part is visible.
     pub operation: Option<usize>,
-    /// In the frame of the carrier, m.
+    /// Mesh in the frame of the carrier, m.
     pub mesh: Mesh,
 }
 
@@ -63,16 +63,16 @@ const BAR: f64 = 0.018;
 /// Thickness of a wall of the fence, m.
 const WALL: f64 = 0.01;
 
-/// Everything that a layout shows.
-pub fn parts(a: &Assessment<'_>) -> Vec<Part> {
+/// Returns all parts of a layout.
+pub fn parts(a: &Assessment<'_>) -> Vec<DrawnPart> {
     let cell = a.cell;
     let mut parts = robot(cell);
     for (k, operation) in cell.operations.iter().enumerate() {
-        parts.extend(operation.held.solids.iter().map(|solid| Part {
+        parts.extend(operation.held.solids.iter().map(|solid| DrawnPart {
             name: solid.name.clone(),
             owner: operation.name.clone(),
-            kind: Kind::Held,
-            carrier: Carrier::Link(cell.robot.axes()),
+            kind: PartKind::Held,
+            carrier: PartCarrier::Link(cell.robot.axes()),
             equipment: None,
             operation: Some(k),
             mesh: Mesh::of(&solid.shape, 0.0).seen_from(&cell.robot.tool),
@@ -85,39 +85,38 @@ pub fn parts(a: &Assessment<'_>) -> Vec<Part> {
     parts.extend(fence(cell));
     parts.extend(cell.keep_out.iter().map(|space| {
         let pose = Pose { translation: (space.min + space.max) / 2.0, ..Pose::IDENTITY };
-        fixed(&space.name, Kind::KeepOut, &Shape::Box { pose, size: space.max - space.min })
+        fixed(&space.name, PartKind::KeepOut, &Shape::Box { pose, size: space.max - space.min })
     }));
     parts
 }
 
-fn robot(cell: &Cell) -> Vec<Part> {
+fn robot(cell: &Cell) -> Vec<DrawnPart> {
     let robot = &cell.robot;
-    let part = |link: usize, name: &str, kind: Kind, mesh: Mesh| Part {
+    let part = |link: usize, name: &str, kind: PartKind, mesh: Mesh| DrawnPart {
         name: name.to_string(),
         owner: robot.name.clone(),
         kind,
-        carrier: Carrier::Link(link),
+        carrier: PartCarrier::Link(link),
         equipment: None,
         operation: None,
         mesh,
     };
     let tools = robot.solids.len() - robot.tool_solids;
     let solids = robot.solids.iter().enumerate().map(|(k, s)| {
-        let kind = if k < tools { Kind::Robot } else { Kind::Tool };
+        let kind = if k < tools { PartKind::Robot } else { PartKind::Tool };
         part(s.link, &s.solid.name, kind, Mesh::of(&s.solid.shape, 0.0))
     });
-    let mut parts: Vec<Part> = solids.collect();
+    let mut parts: Vec<DrawnPart> = solids.collect();
     if tools == 0 {
         let bars = skeleton(&Chain::new(robot), robot.reach() * BAR);
-        parts
-            .extend(bars.into_iter().map(|(link, shape)| {
-                part(link, &format!("link {link}"), Kind::Robot, Mesh::of(&shape, 0.0))
-            }));
+        parts.extend(bars.into_iter().map(|(link, shape)| {
+            part(link, &format!("link {link}"), PartKind::Robot, Mesh::of(&shape, 0.0))
+        }));
     }
     parts
 }
 
-/// Bars along the rows of a chain, each with the frame that it moves with: of a robot without solids.
+/// Returns bars along the links of a chain, each with its frame. They stand for a robot without solids.
 fn skeleton(chain: &Chain, radius: f64) -> Vec<(usize, Shape)> {
     let mut bars = Vec::new();
     let mut bar = |link: usize, a: Vector3<f64>, b: Vector3<f64>| {
@@ -140,16 +139,16 @@ fn skeleton(chain: &Chain, radius: f64) -> Vec<(usize, Shape)> {
     bars
 }
 
-fn stand(equipment: &Equipment, index: usize, pose: Pose, floor: f64) -> Vec<Part> {
+fn stand(equipment: &Equipment, index: usize, pose: Pose, floor: f64) -> Vec<DrawnPart> {
     let kind = match equipment.role {
-        Role::Equipment => Kind::Equipment,
-        Role::Obstacle => Kind::Obstacle,
+        Role::Equipment => PartKind::Equipment,
+        Role::Obstacle => PartKind::Obstacle,
     };
-    let part = |solid: &Solid| Part {
+    let part = |solid: &Solid| DrawnPart {
         name: solid.name.clone(),
         owner: equipment.name.clone(),
         kind,
-        carrier: Carrier::World(pose),
+        carrier: PartCarrier::World(pose),
         equipment: Some(index),
         operation: None,
         mesh: Mesh::of(&solid.shape, floor),
@@ -157,8 +156,8 @@ fn stand(equipment: &Equipment, index: usize, pose: Pose, floor: f64) -> Vec<Par
     equipment.solids.iter().map(part).collect()
 }
 
-/// The walls of a fence; of one without a height a low kerb.
-fn fence(cell: &Cell) -> Vec<Part> {
+/// Returns the walls of a fence. A fence without a height is drawn as a low kerb.
+fn fence(cell: &Cell) -> Vec<DrawnPart> {
     let Some(Fence { corners, height }) = &cell.fence else { return Vec::new() };
     let height = height.unwrap_or(WALL);
     let wall = |k: usize| {
@@ -167,17 +166,17 @@ fn fence(cell: &Cell) -> Vec<Part> {
         let middle = Vector3::new((a.0 + b.0) / 2.0, (a.1 + b.1) / 2.0, cell.floor + height / 2.0);
         let pose = Pose::from_translation_yaw(middle, y.atan2(x));
         let size = Vector3::new(x.hypot(y), WALL, height);
-        fixed(&format!("fence {}", k + 1), Kind::Fence, &Shape::Box { pose, size })
+        fixed(&format!("fence {}", k + 1), PartKind::Fence, &Shape::Box { pose, size })
     };
     (0..corners.len()).map(wall).collect()
 }
 
-fn fixed(name: &str, kind: Kind, shape: &Shape) -> Part {
-    Part {
+fn fixed(name: &str, kind: PartKind, shape: &Shape) -> DrawnPart {
+    DrawnPart {
         name: name.to_string(),
         owner: kind.name().to_string(),
         kind,
-        carrier: Carrier::World(Pose::IDENTITY),
+        carrier: PartCarrier::World(Pose::IDENTITY),
         equipment: None,
         operation: None,
         mesh: Mesh::of(shape, 0.0),

@@ -5,10 +5,14 @@
 
 use super::node_record::Status;
 use crate::motion::PostureRefusal;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 /// Class of a node of the error map.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum NodeSign {
+    #[serde(rename = "ok")]
     Usable,
     /// The inverse kinematics has no solution at the position.
     OutOfReach,
@@ -23,8 +27,10 @@ pub enum NodeSign {
     /// Every posture is too near a singularity.
     Singular,
     /// The straight line to the node is blocked.
+    #[serde(rename = "approach")]
     ApproachBlocked,
     /// The straight line away from the node is blocked.
+    #[serde(rename = "retract")]
     RetractBlocked,
     /// The node can be reached, but its error cannot be computed.
     Unjudged,

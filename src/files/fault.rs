@@ -1,10 +1,11 @@
 //! What is wrong with a file, where, and what to do about it.
 
-use serde::Serialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// An error refuses the file; a warning lets it through.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Severity {
     Error,
@@ -23,7 +24,7 @@ pub enum FaultKind {
 
 /// One fault of one file: located (line and column from 1), with what is wrong and what to do. A fault
 /// of a setting has no place: its words stand for the file, line and column are 0.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Fault {
     pub severity: Severity,
     pub file: String,

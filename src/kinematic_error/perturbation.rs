@@ -133,7 +133,8 @@ impl Perturbation {
         all
     }
 
-    /// Returns the sizes of the motions in the order of [`Parameter::of_robot`], dq and dr as D-H coordinates.
+    /// Returns the sizes of the motions in the order of [`Parameter::of_robot`], dq and dr as D-H
+    /// coordinates.
     ///
     /// The second slice holds the motions of the joint frames. It is empty if these have no errors.
     pub fn sizes(&self) -> [&[f64]; 2] {

@@ -83,7 +83,8 @@ impl Coordinates {
         this
     }
 
-    /// Sets the limits as rows of `q = q_0 + G y`, with `G = C^-1 D` and the coupling C, and their bounding box.
+    /// Sets the limits as rows of `q = q_0 + G y`, with `G = C^-1 D` and the coupling C, and their bounding
+    /// box.
     fn set_limits(&mut self, chain: &Chain, held: &[bool; MAX_JOINTS]) {
         let mut half = [0.0; MAX_JOINTS];
         let mut rows = [[0.0; MAX_JOINTS]; MAX_JOINTS];

@@ -6,7 +6,7 @@
 
 use super::coordinates::JointMatrix;
 use super::screws::{JointValues, PosedScrews, ScrewMotion, Screws};
-use super::taylor_model::{Geometry, Taylor, radius};
+use super::taylor_model::{ChainGeometry, Taylor, radius};
 use crate::cell::{JointKind, MAX_JOINTS};
 use nalgebra::{Matrix3, Vector3};
 
@@ -49,13 +49,13 @@ pub(super) struct WeightedMotions<'a> {
 ///
 /// `rates` are the derivatives of the point by the joints.
 pub(super) fn expand(
-    geometry: Geometry<'_>,
+    geometry: ChainGeometry<'_>,
     placed: &PosedScrews,
     sum: WeightedMotions<'_>,
     rates: &[Vector3<f64>; MAX_JOINTS],
     radii: &JointValues,
 ) -> Taylor {
-    let (Geometry { screws, coordinates, pieces }, WeightedMotions { motions, effects, weights }) =
+    let (ChainGeometry { screws, coordinates, pieces }, WeightedMotions { motions, effects, weights }) =
         (geometry, sum);
     let n = screws.kinds.len();
     let (mut f, mut p) = ([Matrix3::zeros(); MAX_JOINTS + 1], [Matrix3::zeros(); MAX_JOINTS + 1]);
@@ -110,7 +110,8 @@ fn by_theta(
         gradient[i] += axial(&f[i + 1]).dot(z);
         let before = z.cross(&axial(&p[i]));
         for j in i..n {
-            // Motions before i give eta . (w x (z_i x rate_j)), those between give eta . (z_i x (w x rate_j)).
+            // Motions before i give eta . (w x (z_i x rate_j)), those between give eta . (z_i x (w x
+            // rate_j)).
             let between = p[j] - p[i];
             let tilted = z * between.trace() - between * z;
             hessian[i][j] = (before + tilted).dot(&rates[j]);

@@ -37,6 +37,8 @@ pub use value_bound::tangent;
 use crate::cell::{JointVector, Quantity, Reading};
 use crate::files::shown;
 use crate::layout::{Workcell, combined};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use std::sync::atomic::AtomicBool;
 use task::Task;
 
@@ -118,7 +120,8 @@ pub struct OperationBound {
 }
 
 /// Part of the objective that a bound covers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum Covers {
     /// Every operation has a bound.
     Everything,

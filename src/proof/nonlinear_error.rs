@@ -7,7 +7,7 @@
 
 use super::coordinates::Coordinates;
 use super::screws::{JointValues, PosedScrews, Screws, about};
-use super::taylor_model::{Geometry, RigidPieces, Taylor, along, radius, rates};
+use super::taylor_model::{ChainGeometry, RigidPieces, Taylor, along, radius, rates};
 use crate::cell::{JointKind, MAX_JOINTS};
 use nalgebra::{Matrix3, Vector3};
 
@@ -60,7 +60,7 @@ impl ChainDifference {
     /// Expands `eta . d` about the nominal chain posed at `at`, the chain with errors posed at `with`.
     pub fn expand(
         &self,
-        Geometry { screws: nominal, coordinates, pieces }: Geometry<'_>,
+        ChainGeometry { screws: nominal, coordinates, pieces }: ChainGeometry<'_>,
         at: &PosedScrews,
         with: &PosedScrews,
         eta: &Vector3<f64>,

@@ -6,7 +6,7 @@ use super::linear_effects::{self, WeightedMotions, effects};
 use super::nonlinear_error::ChainDifference;
 use super::region::{ConstrainedQuantity, Constraint, OperationRegion};
 use super::screws::{JointValues, PosedScrews, ScrewMotion, Screws, motions};
-use super::taylor_model::{Geometry, RigidPieces, Taylor, along, radius, rates};
+use super::taylor_model::{ChainGeometry, RigidPieces, Taylor, along, radius, rates};
 use super::value_bound::EffectSum;
 use crate::cell::{Cell, Frame, JointKind, JointVector, MAX_JOINTS, Model, Reading, Registration, Row};
 use crate::layout::Workcell;
@@ -196,7 +196,7 @@ impl<'a> Task<'a> {
     /// Expands a lower bound of the value over a box of the given radii; None where it is zero.
     pub fn worth(&self, y: &JointValues, placed: &PosedScrews, radii: &JointValues) -> Option<Taylor> {
         let (screws, coordinates) = (&self.screws, &self.coordinates);
-        let geometry = Geometry { screws, coordinates, pieces: &self.to_point };
+        let geometry = ChainGeometry { screws, coordinates, pieces: &self.to_point };
         let mut taylor = match &self.error {
             BoundedError::ChainDifference(difference) => {
                 let with = difference.screws.place(&self.coordinates.theta(y));

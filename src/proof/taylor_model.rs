@@ -13,7 +13,7 @@ use nalgebra::Vector3;
 
 /// Geometry of a chain that expansions share.
 #[derive(Clone, Copy)]
-pub(super) struct Geometry<'a> {
+pub(super) struct ChainGeometry<'a> {
     pub screws: &'a Screws,
     pub coordinates: &'a Coordinates,
     pub pieces: &'a RigidPieces,
@@ -57,7 +57,8 @@ impl Taylor {
 
     /// Returns a lower bound of the quantity in a box of these radii.
     ///
-    /// `|h t_i t_j|` is split such that it vanishes with either factor, so that an inner minimum stays visible.
+    /// `|h t_i t_j|` is split such that it vanishes with either factor, so that an inner minimum stays
+    /// visible.
     pub fn least(&self, radii: &JointValues, count: usize) -> f64 {
         let one = |i: usize| {
             let r = radii[i];

@@ -1,7 +1,7 @@
 //! Attitudes that an arm cannot hold anywhere, whatever the layout.
 
 use super::Inverse;
-use super::solver::Solver;
+use super::solver::ChainSolver;
 use crate::cell::{Attitude, Azimuth, Spin};
 use crate::units::{deg_from_rad, rounded};
 
@@ -20,7 +20,7 @@ impl Inverse {
                 degrees(fixed)
             ));
         }
-        let Solver::Planar(arm) = &self.solver else { return None };
+        let ChainSolver::Planar(arm) = &self.solver else { return None };
         let exact = attitude.tolerance == 0.0;
         if exact && !attitude.is_vertical() && matches!(attitude.azimuth, Azimuth::Surface(_)) {
             return Some(

@@ -5,7 +5,7 @@
 use super::branch::{Branch, Cost, Gap, Reach};
 use super::fixed_elevation::fixed_elevation;
 use super::limits::Limits;
-use super::solver::Solver;
+use super::solver::ChainSolver;
 use super::tool_attitudes::ToolAttitudes;
 use crate::cell::{Attitude, JointVector, MAX_JOINTS, tool_columns};
 use crate::pose::Pose;
@@ -19,7 +19,7 @@ use nalgebra::{Matrix3, Vector3};
 #[derive(Debug, Clone)]
 pub struct Inverse {
     pub(super) chain: Chain,
-    pub(super) solver: Solver,
+    pub(super) solver: ChainSolver,
     /// Joint limits; None if a posture alone cannot tell whether it keeps them. Then the chain is
     /// solved numerically, within the limits.
     pub(super) limits: Option<Limits>,
@@ -38,7 +38,7 @@ impl Inverse {
     /// Prepares the inverse kinematics of a chain.
     pub fn new(chain: &Chain) -> Self {
         let limits = Limits::new(chain);
-        let solver = Solver::new(chain, limits.is_ok());
+        let solver = ChainSolver::new(chain, limits.is_ok());
         Self {
             to_zero: (chain.mount != Pose::identity()).then(|| chain.mount.inverse()),
             to_flange: chain.tool.inverse(),
@@ -62,7 +62,7 @@ impl Inverse {
     /// interface: it answers what the arm reaches with one value of the redundant joint.
     pub fn held_at(&self, q: &JointVector) -> Self {
         let mut inverse = self.clone();
-        if let Solver::Redundant(joint) = &mut inverse.solver {
+        if let ChainSolver::Redundant(joint) = &mut inverse.solver {
             joint.hold(q);
         }
         inverse
@@ -81,10 +81,10 @@ impl Inverse {
     /// Returns the class of computing time per target.
     pub fn cost(&self) -> Cost {
         match &self.solver {
-            Solver::Planar(_) => Cost::Low,
-            Solver::Pose(_) => Cost::Middle,
-            Solver::Redundant(_) => Cost::High,
-            Solver::Numeric(_) => Cost::Numeric,
+            ChainSolver::Planar(_) => Cost::Low,
+            ChainSolver::Pose(_) => Cost::Middle,
+            ChainSolver::Redundant(_) => Cost::High,
+            ChainSolver::Numeric(_) => Cost::Numeric,
         }
     }
 
@@ -100,7 +100,7 @@ impl Inverse {
         let ToolAttitudes { set, planar } = attitudes;
         set.update(attitude, yaw, self.fixed_elevation);
         match &self.solver {
-            Solver::Planar(arm) => arm.attitudes(set, planar),
+            ChainSolver::Planar(arm) => arm.attitudes(set, planar),
             _ => set.update_columns(attitude, yaw),
         }
     }
@@ -130,8 +130,8 @@ impl Inverse {
             }
         };
         let reach = match &self.solver {
-            Solver::Numeric(_) => return self.visit_numeric(target, attitudes, found),
-            Solver::Redundant(joint) => return self.visit_redundant(joint, target, attitudes, found),
+            ChainSolver::Numeric(_) => return self.visit_numeric(target, attitudes, found),
+            ChainSolver::Redundant(joint) => return self.visit_redundant(joint, target, attitudes, found),
             _ => self.solve(target, attitudes, scratch, &mut judge),
         };
         Gap { reach, limits: if reach > 0.0 { 0.0 } else { least } }
@@ -143,26 +143,26 @@ impl Inverse {
     pub fn reaches(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes, scratch: &mut Posture) -> bool {
         let usable = |posture: &Posture| self.excess(posture, target, attitudes) == 0.0;
         match &self.solver {
-            Solver::Planar(_) => {
+            ChainSolver::Planar(_) => {
                 let mut any = false;
                 self.solve(target, attitudes, scratch, &mut |_, posture: &Posture| {
                     any = any || usable(posture)
                 });
                 any
             }
-            Solver::Pose(_) => (0..attitudes.set.columns.len()).any(|k| {
+            ChainSolver::Pose(_) => (0..attitudes.set.columns.len()).any(|k| {
                 let mut any = false;
                 let mut judge = |_: u32, posture: &Posture| any = any || usable(posture);
                 self.solve_one(k, target, attitudes, scratch, &mut judge);
                 any
             }),
-            Solver::Redundant(joint) => joint.samples(joint.fastest()).any(|sample| {
+            ChainSolver::Redundant(joint) => joint.samples(joint.fastest()).any(|sample| {
                 let mut any = false;
                 let mut judge = |_: u32, posture: &Posture| any = any || usable(posture);
                 self.solve_held(&sample, target, attitudes, &mut judge);
                 any
             }),
-            Solver::Numeric(_) => {
+            ChainSolver::Numeric(_) => {
                 let mut any = false;
                 self.visit_numeric(target, attitudes, |_, _| any = true);
                 any
@@ -181,11 +181,11 @@ impl Inverse {
         let mut scratch = self.scratch();
         match &self.solver {
             // The index names the attitude: the others need not be solved again.
-            Solver::Pose(_) => {
+            ChainSolver::Pose(_) => {
                 let k = (wanted >> 4) as usize;
                 self.solve_one(k, target, attitudes, &mut scratch, &mut keep);
             }
-            Solver::Redundant(joint) if ((wanted >> 16) as usize) < joint.values.len() => {
+            ChainSolver::Redundant(joint) if ((wanted >> 16) as usize) < joint.values.len() => {
                 let sample = joint.sample(joint.fastest(), (wanted >> 16) as usize);
                 self.solve_held(&sample, target, attitudes, &mut keep);
             }
@@ -198,7 +198,7 @@ impl Inverse {
 
     /// Returns one branch that [`Self::visit`] has found, with its joint coordinates.
     pub fn branch_at(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes, wanted: u32) -> Option<Branch> {
-        if let Solver::Numeric(_) = &self.solver {
+        if let ChainSolver::Numeric(_) = &self.solver {
             let Reach::Branches(all) = self.numeric_branches(target, attitudes) else { return None };
             return all.into_iter().find(|branch| branch.index == wanted);
         }
@@ -217,8 +217,8 @@ impl Inverse {
         let mut keep =
             |index: u32, posture: &Posture| all.push(self.branch(index, posture, target, attitudes));
         let by = match &self.solver {
-            Solver::Numeric(_) => return self.numeric_branches(target, attitudes),
-            Solver::Redundant(joint) => {
+            ChainSolver::Numeric(_) => return self.numeric_branches(target, attitudes),
+            ChainSolver::Redundant(joint) => {
                 let samples = joint.samples(joint.fastest());
                 let gaps = samples.map(|sample| self.solve_held(&sample, target, attitudes, &mut keep));
                 let by = gaps.fold(f64::INFINITY, f64::min);
@@ -267,7 +267,7 @@ impl Inverse {
     #[inline]
     fn off(&self, posture: &Posture, target: &Vector3<f64>, attitudes: &ToolAttitudes) -> f64 {
         let rolls = match &self.solver {
-            Solver::Planar(arm) => arm.rolls(),
+            ChainSolver::Planar(arm) => arm.rolls(),
             _ => return 0.0,
         };
         if !attitudes.set.is_checked(rolls) {
@@ -287,14 +287,14 @@ impl Inverse {
         found: &mut impl FnMut(u32, &Posture),
     ) -> f64 {
         match &self.solver {
-            Solver::Planar(arm) => {
+            ChainSolver::Planar(arm) => {
                 let moved = self.to_zero.as_ref().map(|pose| pose.transform(target));
                 arm.solve(moved.as_ref().unwrap_or(target), attitudes, posture, found)
             }
-            Solver::Pose(_) => (0..attitudes.set.columns.len())
+            ChainSolver::Pose(_) => (0..attitudes.set.columns.len())
                 .map(|k| self.solve_one(k, target, attitudes, posture, found))
                 .fold(f64::INFINITY, f64::min),
-            Solver::Redundant(_) | Solver::Numeric(_) => f64::INFINITY,
+            ChainSolver::Redundant(_) | ChainSolver::Numeric(_) => f64::INFINITY,
         }
     }
 
@@ -308,7 +308,7 @@ impl Inverse {
         posture: &mut Posture,
         found: &mut impl FnMut(u32, &Posture),
     ) -> f64 {
-        let Solver::Pose(solver) = &self.solver else { return f64::INFINITY };
+        let ChainSolver::Pose(solver) = &self.solver else { return f64::INFINITY };
         let flange = self.flange(k, target, attitudes);
         solver.solve(&flange, posture, &mut |branch, posture| {
             found((k as u32) << 4 | u32::from(branch), posture)

@@ -3,7 +3,7 @@
 use super::branch::{Branch, Gap, Reach};
 use super::inverse::Inverse;
 use super::numeric::{AttitudeGoal, Shortfall, TcpGoal};
-use super::solver::Solver;
+use super::solver::ChainSolver;
 use super::tool_attitudes::ToolAttitudes;
 use crate::cell::JointVector;
 use crate::robot::Posture;
@@ -62,7 +62,7 @@ impl Inverse {
     fn numeric(&self, goal: &TcpGoal, joints: &mut Vec<JointVector>) -> Shortfall {
         joints.clear();
         match &self.solver {
-            Solver::Numeric(numeric) => numeric.all(goal, joints),
+            ChainSolver::Numeric(numeric) => numeric.all(goal, joints),
             _ => Shortfall::None,
         }
     }

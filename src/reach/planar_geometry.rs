@@ -3,7 +3,7 @@
 use super::Inverse;
 use super::closed_form::planar;
 use super::limit_cones::LimitCone;
-use super::solver::Solver;
+use super::solver::ChainSolver;
 use super::tool_attitudes::ToolAttitudes;
 use crate::pose::Pose;
 
@@ -35,7 +35,7 @@ impl Inverse {
     /// Returns the geometry of a planar arm with four axes; None for other arms, and where sines and cosines
     /// do not decide the joint limits.
     pub fn planar_geometry(&self) -> Option<PlanarGeometry> {
-        let Solver::Planar(arm) = &self.solver else { return None };
+        let ChainSolver::Planar(arm) = &self.solver else { return None };
         let cones = self.limits.as_ref()?.cones()?.try_into().ok()?;
         let to_zero = self.to_zero;
         let planar::PlanarArm { side, r1, l, lateral, .. } = *arm;

@@ -8,7 +8,7 @@ use crate::robot::Chain;
 
 /// Solver of one chain.
 #[derive(Debug, Clone)]
-pub(super) enum Solver {
+pub(super) enum ChainSolver {
     /// Arm in a vertical plane, solved for a point and an elevation.
     Planar(PlanarArm),
     /// Closed form for a whole pose.
@@ -19,7 +19,7 @@ pub(super) enum Solver {
     Numeric(Box<Numeric>),
 }
 
-impl Solver {
+impl ChainSolver {
     /// Returns the solver of a chain.
     ///
     /// `limits_by_posture` says that a posture alone tells whether it keeps the joint limits, which the

@@ -30,7 +30,8 @@ impl Effects {
         self.mean = if mean { second_order_mean(sources, expansion) } else { Displacement::NONE };
     }
 
-    /// Subtracts the effect of the equipment's frame errors at the point `p`; `work` is that frame in the base.
+    /// Subtracts the effect of the equipment's frame errors at the point `p`; `work` is that frame in the
+    /// base.
     pub fn less_equipment(
         &mut self,
         sources: &ErrorSources,

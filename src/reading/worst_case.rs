@@ -133,39 +133,50 @@ fn groups(columns: &[Vector6<f64>]) -> [u128; MAX_SOURCES] {
     groups
 }
 
+/// Corner of the local search.
+struct SearchCorner {
+    /// Error by the model.
+    value: f64,
+    signs: [f64; MAX_SOURCES],
+    /// Sum of the columns with these signs: the linear error.
+    sum: Vector6<f64>,
+}
+
 /// Returns the best corner that flips of single signs and of parallel groups reach, with its error.
 fn polished(
     columns: &[Vector6<f64>],
     groups: &[u128],
     gap: f64,
-    (mut best, mut corner): (f64, [f64; MAX_SOURCES]),
+    start: (f64, [f64; MAX_SOURCES]),
     error: &mut dyn FnMut(&[f64; MAX_SOURCES]) -> f64,
 ) -> (f64, [f64; MAX_SOURCES]) {
-    let mut sum: Vector6<f64> = columns.iter().zip(&corner).map(|(c, s)| c * *s).sum();
+    let (value, signs) = start;
+    let sum: Vector6<f64> = columns.iter().zip(&signs).map(|(c, s)| c * *s).sum();
+    let mut best = SearchCorner { value, signs, sum };
     for _ in 0..MAX_ROUNDS {
-        let before = best;
+        let before = best.value;
         for (k, group) in groups.iter().enumerate() {
             // A column without parallel ones has no group to flip.
             for others in [Some(0), Some(*group).filter(|g| *g != 0)].into_iter().flatten() {
                 let members = |bits: u128| (0..columns.len()).filter(move |&j| j == k || bits >> j & 1 == 1);
-                let change: Vector6<f64> = members(others).map(|j| columns[j] * (-2.0 * corner[j])).sum();
-                if ((sum + change).norm() - sum.norm()).abs() > gap {
+                let change: Vector6<f64> = members(others).map(|j| columns[j] * (-2.0 * best.signs[j])).sum();
+                if ((best.sum + change).norm() - best.sum.norm()).abs() > gap {
                     continue;
                 }
-                members(others).for_each(|j| corner[j] = -corner[j]);
-                let value = error(&corner);
-                if value > best {
-                    (best, sum) = (value, sum + change);
+                members(others).for_each(|j| best.signs[j] = -best.signs[j]);
+                let value = error(&best.signs);
+                if value > best.value {
+                    (best.value, best.sum) = (value, best.sum + change);
                 } else {
-                    members(others).for_each(|j| corner[j] = -corner[j]);
+                    members(others).for_each(|j| best.signs[j] = -best.signs[j]);
                 }
             }
         }
-        if best <= before && !flip_pair(columns, gap, (&mut best, &mut corner, &mut sum), error) {
+        if best.value <= before && !flip_pair(columns, gap, &mut best, error) {
             break;
         }
     }
-    (best, corner)
+    (best.value, best.signs)
 }
 
 /// Flips the first two signs that matter little to the linear model and are better flipped together.
@@ -174,24 +185,25 @@ fn polished(
 fn flip_pair(
     columns: &[Vector6<f64>],
     gap: f64,
-    (best, corner, sum): (&mut f64, &mut [f64; MAX_SOURCES], &mut Vector6<f64>),
+    best: &mut SearchCorner,
     error: &mut dyn FnMut(&[f64; MAX_SOURCES]) -> f64,
 ) -> bool {
+    let SearchCorner { value, signs, sum } = best;
     let size = sum.norm();
     for j in 0..columns.len() {
-        let first = *sum + columns[j] * (-2.0 * corner[j]);
+        let first = *sum + columns[j] * (-2.0 * signs[j]);
         for k in j + 1..columns.len() {
-            let both = first + columns[k] * (-2.0 * corner[k]);
+            let both = first + columns[k] * (-2.0 * signs[k]);
             if (both.norm() - size).abs() > gap {
                 continue;
             }
-            (corner[j], corner[k]) = (-corner[j], -corner[k]);
-            let value = error(corner);
-            if value > *best {
-                (*best, *sum) = (value, both);
+            (signs[j], signs[k]) = (-signs[j], -signs[k]);
+            let tried = error(signs);
+            if tried > *value {
+                (*value, *sum) = (tried, both);
                 return true;
             }
-            (corner[j], corner[k]) = (-corner[j], -corner[k]);
+            (signs[j], signs[k]) = (-signs[j], -signs[k]);
         }
     }
     false

@@ -1,7 +1,6 @@
-//! Colours that colour-blind readers tell apart, and grey printers, too.
+//! Colours that colour-blind readers can tell apart, also on grey printers.
 
-/// Least and greatest: viridis (M. Bigot, S. van der Walt and N. Smith; CC0) at equal steps, even in
-/// lightness.
+/// Colour map viridis (M. Bigot, S. van der Walt and N. Smith; CC0) at equal steps, even in lightness.
 const VIRIDIS: [[f64; 3]; 6] = [
     [68.0, 1.0, 84.0],
     [65.0, 68.0, 135.0],
@@ -11,7 +10,7 @@ const VIRIDIS: [[f64; 3]; 6] = [
     [253.0, 231.0, 37.0],
 ];
 
-/// Okabe and Ito's set of 2008.
+/// Colours of Okabe and Ito (2008).
 pub const BLUE: &str = "#0072b2";
 pub const ORANGE: &str = "#e69f00";
 pub const GREEN: &str = "#009e73";
@@ -19,7 +18,7 @@ pub const VERMILION: &str = "#d55e00";
 pub const PURPLE: &str = "#cc79a7";
 pub const SKY: &str = "#56b4e9";
 
-/// Red, green and blue (0 to 255) of viridis at a share from 0 to 1.
+/// Returns red, green and blue (0 to 255) of viridis at a share from 0 to 1.
 pub fn viridis(share: f64) -> [u8; 3] {
     let last = VIRIDIS.len() - 1;
     let t = if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) } * last as f64;
@@ -28,7 +27,7 @@ pub fn viridis(share: f64) -> [u8; 3] {
     [0, 1, 2].map(|c| (a[c] + (b[c] - a[c]) * f).round() as u8)
 }
 
-/// The same as markup says it.
+/// Returns the colour of viridis at a share as markup.
 pub fn viridis_hex(share: f64) -> String {
     let [r, g, b] = viridis(share);
     format!("#{r:02x}{g:02x}{b:02x}")

@@ -1,8 +1,8 @@
-//! The figures of the seed paper for any cell: pictures, and what to see in them.
+//! Figures of the seed paper for any cell: pictures with their captions.
 
+use super::fig8;
 use super::raster::{Shot, Show, png};
 use super::svg_text::escaped;
-use super::{fig8, text};
 use crate::assess::Assessment;
 use crate::cell::{Quantity, Reading};
 use crate::drawing::{Detail, Drawing};
@@ -12,20 +12,20 @@ use crate::kinematic_error::{Discrepancy, discrepancy};
 use crate::units::{mm_from_m, rounded};
 use std::fmt::Write;
 
-/// A picture with its words.
-pub struct Figure {
-    /// Of the file.
+/// Picture with its caption.
+pub struct PaperFigure {
+    /// Name of the file.
     pub name: String,
-    /// Of which figure of the paper it is the counterpart.
+    /// Figure of the paper that the picture corresponds to.
     pub of: &'static str,
-    /// What the paper shows there.
+    /// Content of that figure in the paper.
     pub paper: &'static str,
-    /// What is to be seen here.
+    /// Content of this picture.
     pub ours: String,
     pub bytes: Vec<u8>,
 }
 
-/// Size and background of the pictures.
+/// Format of the pictures: size and background.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Format {
     /// px; the height is five eighths of it.
@@ -33,7 +33,7 @@ pub struct Format {
     pub dark: bool,
 }
 
-/// Name, figure of the paper, what is drawn, and what the paper shows.
+/// Map of the paper: name, figure, component drawn, and content in the paper.
 type Map = (&'static str, &'static str, Show, &'static str);
 const COMPONENT: &str = "One component of the error at every node of the worktop as an arrow; circles on the \
                          nodes that the robot cannot reach.";
@@ -51,15 +51,16 @@ const MAPS: [Map; 5] = [
     ),
 ];
 
-/// All of them; the maps are those of the first operation, or of all together. `prefix` starts every name.
+/// Draws all figures. The maps are those of the first operation, or of all together. Every name begins with
+/// `prefix`.
 ///
 /// # Errors
-/// What cannot be drawn.
-pub fn figures(a: &Assessment<'_>, prefix: &str, format: Format) -> Result<Vec<Figure>, String> {
+/// Fails if a picture cannot be drawn.
+pub fn figures(a: &Assessment<'_>, prefix: &str, format: Format) -> Result<Vec<PaperFigure>, String> {
     let drawing = Drawing::new(a, &Detail::PLAIN)?;
     let shot =
         Shot { width: format.width, height: format.width * 5 / 8, dark: format.dark, ..Shot::default() };
-    let mut all = vec![Figure {
+    let mut all = vec![PaperFigure {
         name: format!("{prefix}01-cell.png"),
         of: "Fig. 1",
         paper: "The model of the robot with its working envelope.",
@@ -71,12 +72,12 @@ pub fn figures(a: &Assessment<'_>, prefix: &str, format: Format) -> Result<Vec<F
         let sense = show.sense().map(str::to_string);
         let shot = Shot { operation: Some(map.operation), show, sense, ..shot.clone() };
         let (name, ours) = (format!("{prefix}{name}.png"), map_words(a, map, show.sense().unwrap_or("xyz")));
-        all.push(Figure { name, of, paper, ours, bytes: png(&drawing, &shot)? });
+        all.push(PaperFigure { name, of, paper, ours, bytes: png(&drawing, &shot)? });
     }
     if a.maps.len() > 1 {
         let own: Vec<String> =
             a.maps.iter().map(|m| map_words(a, m, &a.cell.operations[m.operation].sense.name)).collect();
-        all.push(Figure {
+        all.push(PaperFigure {
             name: format!("{prefix}07-all.png"),
             of: "Fig. 7",
             paper: "Error maps on a worktable and on a conveyor in one cell.",
@@ -84,7 +85,7 @@ pub fn figures(a: &Assessment<'_>, prefix: &str, format: Format) -> Result<Vec<F
             bytes: png(&drawing, &shot)?,
         });
     }
-    all.push(Figure {
+    all.push(PaperFigure {
         name: format!("{prefix}08-discrepancy.svg"),
         of: "Fig. 8",
         paper: "How far the linearized model is from the nonlinear one, eq. (9), node by node. The paper's \
@@ -95,7 +96,7 @@ pub fn figures(a: &Assessment<'_>, prefix: &str, format: Format) -> Result<Vec<F
     Ok(all)
 }
 
-/// A name from a file in Markdown.
+/// Returns a name from a file as Markdown.
 fn marked(name: &str) -> String {
     let special = |c: char| "\\`*_{}[]()#|!~".contains(c);
     escaped(&shown(name)).chars().flat_map(|c| special(c).then_some('\\').into_iter().chain([c])).collect()
@@ -127,7 +128,7 @@ fn map_words(a: &Assessment<'_>, map: &OperationMap, sense: &str) -> String {
         let unit = a.cell.unit().word();
         let at = &map.nodes[node];
         let [x, y] = [at.position.x, at.position.y].map(|v| rounded(mm_from_m(v), 1));
-        let word = text::value_word(a.cell);
+        let word = crate::record::value_word(a.cell);
         let _ = write!(
             words,
             "; {word} in {} from {low:.3} {unit} at node ({}, {}), where x = {x} mm and y = {y} mm, to {high:.3} {unit}",
@@ -139,7 +140,7 @@ fn map_words(a: &Assessment<'_>, map: &OperationMap, sense: &str) -> String {
     words + "."
 }
 
-/// Least and greatest value, in its unit, and the node of the least.
+/// Returns the least and the greatest value in its unit, and the node of the least.
 fn range(a: &Assessment<'_>, map: &OperationMap, sense: &str) -> Option<(f64, f64, usize)> {
     let sense = map.sense(sense)?;
     let unit = match (a.cell.reading, a.cell.quantity) {
@@ -168,8 +169,8 @@ fn discrepancy_words(a: &Assessment<'_>, map: &OperationMap) -> String {
     format!("{operation}, over {} nodes, largest: {}.", all.len(), senses.join(", "))
 }
 
-/// What the folder holds, as Markdown: one chapter for each cell with its figures.
-pub fn readme(chapters: &[(String, Vec<Figure>)], command: &str) -> String {
+/// Returns the Markdown index of a folder: one chapter for each cell with its figures.
+pub fn readme(chapters: &[(String, Vec<PaperFigure>)], command: &str) -> String {
     let mut out = String::from(
         "# The figures of the seed paper, drawn anew\n\nMade by one command (into a new folder; nothing is \
          overwritten):\n\n",

@@ -1,4 +1,4 @@
-//! Records to bytes: pure renderers, one per format.
+//! Pure renderers from records to bytes, one per format.
 
 pub mod chart;
 pub mod colours;
@@ -8,9 +8,7 @@ pub mod fig8;
 pub mod figures;
 pub mod front;
 pub mod glb;
-pub mod goals;
 pub mod json;
-mod names;
 pub mod page;
 pub mod parquet;
 pub mod raster;
@@ -21,4 +19,3 @@ mod svg_text;
 pub mod sweep;
 pub mod text;
 pub mod toml;
-pub mod urdf;

@@ -1,7 +1,7 @@
-//! The rows of map.csv with typed columns: Apache Parquet, for data frames.
+//! The nodes of a map as Apache Parquet, for data frames: the columns of map.csv.
 
-use super::csv;
 use crate::assess::Assessment;
+use crate::record::{ColumnKind, MapDocument, NodeTable, TableColumn, TableValue};
 use parquet::basic::{Compression, ConvertedType, Repetition, Type as Physical};
 use parquet::column::writer::ColumnWriter;
 use parquet::data_type::ByteArray;
@@ -12,32 +12,36 @@ use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 use std::sync::Arc;
 
-/// What a column holds.
-enum Column {
+/// Values of one column.
+enum ColumnValues {
     Text(Vec<ByteArray>),
     Count(Vec<i32>),
     Flag(Vec<bool>),
-    /// Null where the table is empty.
+    /// None becomes null.
     Number(Vec<Option<f64>>),
 }
 
-impl Column {
-    fn of(name: &str) -> Self {
-        match name {
-            "operation" | "equipment" | "status" | "reason" => Self::Text(Vec::new()),
-            "i" | "j" => Self::Count(Vec::new()),
-            "best" => Self::Flag(Vec::new()),
-            _ => Self::Number(Vec::new()),
+impl ColumnValues {
+    fn new(kind: ColumnKind) -> Self {
+        match kind {
+            ColumnKind::Text => Self::Text(Vec::new()),
+            ColumnKind::Count => Self::Count(Vec::new()),
+            ColumnKind::Flag => Self::Flag(Vec::new()),
+            ColumnKind::Number => Self::Number(Vec::new()),
         }
     }
 
-    fn push(&mut self, cell: String) -> Result<(), String> {
-        match self {
-            Self::Text(all) => all.push(cell.into_bytes().into()),
-            Self::Count(all) => all.push(cell.parse().map_err(|_| format!("no count: {cell}"))?),
-            Self::Flag(all) => all.push(cell == "1"),
-            Self::Number(all) if cell.is_empty() => all.push(None),
-            Self::Number(all) => all.push(Some(cell.parse().map_err(|_| format!("no number: {cell}"))?)),
+    fn push(&mut self, value: TableValue) -> Result<(), String> {
+        match (self, value) {
+            (Self::Text(all), TableValue::Text(text)) => all.push(text.into_bytes().into()),
+            (Self::Count(all), TableValue::Count(count)) => {
+                all.push(
+                    count.try_into().map_err(|_| format!("{count} is too large for a column of counts"))?,
+                );
+            }
+            (Self::Flag(all), TableValue::Flag(flag)) => all.push(flag),
+            (Self::Number(all), TableValue::Number(number)) => all.push(number),
+            (_, value) => return Err(format!("{value:?} does not belong in its column")),
         }
         Ok(())
     }
@@ -71,19 +75,28 @@ impl Column {
     }
 }
 
-/// The maps of all operations in one row group. World frame, mm and degrees by the names of the columns.
+/// Writes the nodes of all operations in one row group. World frame, mm and degrees by the names of the
+/// columns.
 ///
 /// # Errors
 /// Those of the parquet writer, which writes to memory here.
 pub fn map(a: &Assessment<'_>) -> Result<Vec<u8>, String> {
-    let names = csv::columns(a);
-    let mut columns: Vec<Column> = names.iter().map(|name| Column::of(name)).collect();
-    csv::rows(a, |row| columns.iter_mut().zip(row).try_for_each(|(column, cell)| column.push(cell)))?;
-    written(a, &names, &columns).map_err(|e| e.to_string())
+    let document = MapDocument::new(a);
+    let table = NodeTable::new(&document);
+    let heads = table.columns();
+    let mut columns: Vec<ColumnValues> = heads.iter().map(|head| ColumnValues::new(head.kind)).collect();
+    for row in table.rows() {
+        columns.iter_mut().zip(row).try_for_each(|(column, value)| column.push(value))?;
+    }
+    written(a, &heads, &columns).map_err(|e| e.to_string())
 }
 
-fn written(a: &Assessment<'_>, names: &[String], columns: &[Column]) -> Result<Vec<u8>, ParquetError> {
-    let fields = names.iter().zip(columns).map(|(name, column)| Ok(Arc::new(column.schema(name)?)));
+fn written(
+    a: &Assessment<'_>,
+    heads: &[TableColumn],
+    columns: &[ColumnValues],
+) -> Result<Vec<u8>, ParquetError> {
+    let fields = heads.iter().zip(columns).map(|(head, column)| Ok(Arc::new(column.schema(&head.name)?)));
     let fields = fields.collect::<Result<_, ParquetError>>()?;
     let schema = Type::group_type_builder("map").with_fields(fields).build()?;
     let (cell, version) = (a.cell, env!("CARGO_PKG_VERSION"));

@@ -6,37 +6,38 @@ use crate::pose::Pose;
 use nalgebra::{Vector2, Vector3};
 use std::collections::BTreeMap;
 
-/// From where a view looks: to the right, up, and towards the eye; world, right-handed.
+/// Axes of a view in the world: right, up, and towards the eye; right-handed.
 pub type Eye = [Vector3<f64>; 3];
 
-/// From above, and from the front: against y.
+/// View from above, and view from the front (along y).
 pub const ABOVE: Eye =
     [Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 1.0, 0.0), Vector3::new(0.0, 0.0, 1.0)];
 pub const FRONT: Eye =
     [Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 0.0, 1.0), Vector3::new(0.0, -1.0, 0.0)];
 
-/// Faces seen at less than this share of their area are seen edge-on.
+/// Share of its area from which a face counts as edge-on.
 const EDGE_ON: f64 = 1e-6;
-/// Cosine of the angle between faces (60 degrees) from which the edge between them is drawn.
+/// Cosine of the angle between faces (60 degrees) from which their edge is drawn.
 const SHARP: f64 = 0.5;
 
-/// A solid in a view, m: right and up.
+/// Solid in a view, m: right and up.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Silhouette {
-    /// Closed; filled by the nonzero rule they are what the solid covers.
+    /// Closed outlines; filled by the nonzero rule they are the area that the solid covers.
     pub loops: Vec<Vec<Vector2<f64>>>,
-    /// Sharp edges inside.
+    /// Sharp edges inside of the outlines.
     pub edges: Vec<[Vector2<f64>; 2]>,
-    /// Its middle, towards the eye: what is nearer is drawn later.
+    /// Distance of the middle towards the eye, m; nearer solids are drawn later.
     pub depth: f64,
 }
 
-/// The outline of the faces that look at the eye: their edges without a neighbour that looks there, too.
+/// Returns the outline of the faces that look at the eye: their edges without a neighbour that looks there,
+/// too.
 pub fn silhouette(mesh: &Mesh, pose: &Pose, [right, up, eye]: &Eye) -> Silhouette {
     let placed: Vec<Vector3<f64>> = mesh.positions.iter().map(|p| pose.transform(p)).collect();
     let joined = joined(&mesh.positions);
     let flat = |i: usize| Vector2::new(placed[i].dot(right), placed[i].dot(up));
-    // Directed edges of the faces seen, with the normals of these.
+    // Directed edges of the visible faces, with their normals.
     let mut seen: BTreeMap<(usize, usize), Vector3<f64>> = BTreeMap::new();
     for t in &mesh.triangles {
         let [a, b, c] = t.map(|i| joined[i as usize]);
@@ -54,7 +55,7 @@ pub fn silhouette(mesh: &Mesh, pose: &Pose, [right, up, eye]: &Eye) -> Silhouett
     Silhouette { loops, edges, depth: sum / placed.len().max(1) as f64 }
 }
 
-/// Of every corner the first one at the same place: a mesh has one for each of its normals.
+/// Returns, for every corner, the first one at the same place. A mesh has one corner per normal.
 fn joined(positions: &[Vector3<f64>]) -> Vec<usize> {
     let mut first: BTreeMap<[u64; 3], usize> = BTreeMap::new();
     let key = |p: &Vector3<f64>| [p.x, p.y, p.z].map(|v| (v + 0.0).to_bits());

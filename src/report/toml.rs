@@ -4,9 +4,8 @@ use crate::cell::{Cell, Layout, Slot, Unit};
 use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg, rounded};
 use std::fmt::Write;
 
-/// A cell file that takes everything `from` another and fixes the free coordinates of the
-/// placements, the error set, the model, how they are read, and senses and limits as asked for.
-/// `comment` is one line.
+/// Returns a cell file that takes everything `from` another. It fixes the free coordinates, the error set,
+/// the model, the reading, and the senses and limits asked for. `comment` is one line.
 pub fn fixed(from: &str, comment: &str, cell: &Cell, layout: &Layout) -> String {
     let mut out = String::new();
     // Writing to a String cannot fail.
@@ -58,7 +57,7 @@ pub fn fixed(from: &str, comment: &str, cell: &Cell, layout: &Layout) -> String 
     out
 }
 
-/// A free coordinate as the file says it.
+/// Returns a free coordinate as the file has it.
 fn line(slot: Slot, value: f64) -> String {
     let key = match slot {
         Slot::Base(axis) | Slot::Equipment(_, axis) => ["x_mm", "y_mm", "z_mm", "yaw_deg"][axis],
@@ -71,16 +70,15 @@ fn line(slot: Slot, value: f64) -> String {
     format!("{key} = {value}\n")
 }
 
-/// A TOML basic string. Names hold no control characters; quotes and backslashes are escaped.
+/// Returns a TOML basic string. Names hold no control characters; quotes and backslashes are escaped.
 fn quoted(text: &str) -> String {
     format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
 }
 
-/// What rounding makes of a coordinate that was seen from another equipment and back, m or rad.
+/// Rounding error of a coordinate that went to another frame and back, m or rad.
 const ROUNDING: f64 = 1e-13;
 
-/// An SI value in the unit of the file: with few digits if they say the same, else with all. TOML
-/// reads it as a float.
+/// Returns an SI value in the unit of the file, with as few digits as keep it. TOML reads it as a float.
 fn shortest(si: f64, to_file: fn(f64) -> f64, from_file: fn(f64) -> f64, digits: i32) -> String {
     let few = rounded(to_file(si), digits);
     let value = if (from_file(few) - si).abs() <= ROUNDING { few } else { to_file(si) };

@@ -2,7 +2,7 @@
 //! adaptation. Formulas and default parameters: N. Hansen, "The CMA Evolution Strategy: A
 //! Tutorial", arXiv:1604.00772, equations and Table 1 as numbered there.
 //!
-//! Only ranks of costs are used, so a cost with walls (infeasible layouts) does no harm.
+//! The method uses only ranks of costs. So the jumps of the cost at infeasible layouts do no harm.
 
 use argmin::core::{
     CostFunction, Error, IterState, KV, Problem, Solver, State, TerminationReason, TerminationStatus,
@@ -11,19 +11,19 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 
-/// The run has settled when no coordinate moves by more than this (the polish does the rest), ...
+/// Step size below which a run has converged; the polish does the rest.
 const TOL_X: f64 = 1e-5;
-/// ... when the best costs of many generations differ by no more than this share, ...
+/// Relative difference of the best costs of many generations below which a run has converged.
 const TOL_COST: f64 = 1e-5;
-/// ... or when the covariance has become this lopsided.
+/// Condition number of the covariance above which a run ends.
 const MAX_CONDITION: f64 = 1e14;
 
-/// One run from one starting mean.
+/// One run of CMA-ES from one start point.
 pub struct CmaEs {
     rng: ChaCha8Rng,
-    /// Of the better half of a generation: they sum to 1.
+    /// Weights of the better half of a generation; they sum to 1.
     weights: DVector<f64>,
-    /// Of the worse half, all negative: the covariance shrinks where steps were bad (eqs. 49-53).
+    /// Negative weights of the worse half, which shrink the covariance along bad steps (eqs. 49-53).
     worse: Vec<f64>,
     lambda: usize,
     mu_eff: f64,
@@ -45,7 +45,7 @@ pub struct CmaEs {
 }
 
 impl CmaEs {
-    /// Table 1, with `scale` times its default population, from `mean` with steps of `sigma`.
+    /// Prepares a run from `mean` with steps of `sigma`, by Table 1 with `scale` times its population.
     pub fn new(mean: Vec<f64>, sigma: f64, scale: u32, rng: ChaCha8Rng) -> Self {
         let n = mean.len() as f64;
         let lambda = (4 + (3.0 * n.ln()).floor() as usize) * scale as usize;
@@ -80,7 +80,7 @@ impl CmaEs {
         }
     }
 
-    /// A standard normal vector (Box-Muller).
+    /// Returns a standard normal vector (Box-Muller).
     fn normal(&mut self) -> DVector<f64> {
         let rng = &mut self.rng;
         DVector::from_fn(self.mean.len(), |_, _| {
@@ -89,7 +89,9 @@ impl CmaEs {
         })
     }
 
-    /// Eqs. (41)-(47) from the steps y, best first. `whiten` is C^(-1/2).
+    /// Updates mean, step size and covariance by eqs. (41)-(47) from the steps y, best first.
+    ///
+    /// `whiten` is C^(-1/2).
     fn adapt(&mut self, steps: &[DVector<f64>], whiten: &DMatrix<f64>, generation: u64) {
         let n = self.mean.len() as f64;
         let zero = DVector::zeros(self.mean.len());
@@ -109,16 +111,16 @@ impl CmaEs {
             covariance += y * y.transpose() * (self.c_mu * w);
         }
         for (y, w) in steps[self.weights.len()..].iter().zip(&self.worse) {
-            // Made as long as a common step, so that no single bad one can spoil the covariance.
+            // Scaled to the length of a typical step, so that no single bad one can spoil the covariance.
             let length = (whiten * y).norm_squared().max(f64::MIN_POSITIVE);
             covariance += y * y.transpose() * (self.c_mu * w * n / length);
         }
         self.covariance = (&covariance + covariance.transpose()) / 2.0;
-        // The exponent is bounded: one generation never changes the step by more than e.
+        // The exponent is bounded: one generation never enlarges the step by more than a factor e.
         self.sigma *= ((self.c_sigma / self.d_sigma) * (length / self.chi - 1.0)).min(1.0).exp();
     }
 
-    /// The stopping rules of section B.3 that matter on a unit cube.
+    /// Checks the stopping rules of section B.3 that matter on a unit cube.
     fn has_settled(&mut self, best: f64, eigenvalues: &DVector<f64>) -> bool {
         self.history.push(best);
         let span = 10 + (30.0 * self.mean.len() as f64 / self.lambda as f64).ceil() as usize;
@@ -132,15 +134,15 @@ impl CmaEs {
     }
 }
 
-/// The weights of the worse half, of a size that keeps the covariance positive (eqs. 50-53).
+/// Returns the weights of the worse half, scaled such that the covariance stays positive (eqs. 50-53).
 fn negative(raw: &[f64], mu_eff: f64, c_1: f64, c_mu: f64, n: f64) -> Vec<f64> {
-    // The one in the middle of an odd number may be a rounding above zero.
+    // The middle weight of an odd number may exceed zero by rounding.
     let raw: Vec<f64> = raw.iter().map(|w| w.min(0.0)).collect();
     let sum: f64 = raw.iter().sum();
     let effective = sum * sum / raw.iter().map(|w| w * w).sum::<f64>();
     let most =
         (1.0 + c_1 / c_mu).min(1.0 + 2.0 * effective / (mu_eff + 2.0)).min((1.0 - c_1 - c_mu) / (n * c_mu));
-    // Few variables leave c_mu nothing: then there is no weight at all.
+    // With few variables c_mu is 0; then there are no negative weights.
     let most = if most.is_finite() { most.max(0.0) } else { 0.0 };
     raw.iter().map(|w| -most * w / sum).collect()
 }

@@ -1,145 +1,149 @@
-//! Choose: the placement of every movable equipment and the operation spots, by argmin solvers.
+//! Search of the best layout: the placement of every movable equipment, by argmin solvers.
 //!
-//! The free coordinates of all placements make a point of the unit cube ([`Space`]); the cost of a
-//! point is that of [`crate::layout::evaluate`]. A global solver with restarts takes most of the
-//! budget, a Nelder-Mead polish from the best layout the rest. The solvers propose, `evaluate`
-//! decides: the problem keeps the best feasible layout it has ever seen, whatever a solver thinks
-//! its best is. Same cell, seed and budget give the same bytes for any number of threads.
+//! The free coordinates of all placements form a point of the unit cube ([`SearchSpace`]). The cost of a
+//! point is that of [`crate::layout::evaluate`], with a penalty for infeasible layouts. A global solver with
+//! restarts (CMA-ES by default) takes most of the budget, a Nelder-Mead polish from the best layout the
+//! rest. The solvers propose, `evaluate` decides: the problem keeps the best feasible layout ever seen,
+//! whatever the best of a solver is. The same cell, seed and budget give the same bytes for any number of
+//! threads.
 //!
-//! Asked for more than one goal, every run of the global solver makes another mixture of them small, and
-//! every feasible layout is offered to a front of those that no other dominates. Asked to keep more than
-//! the best, it offers them to a list of the best that really differ. Both are part of the record, so that
-//! a checkpoint has them; at the end, for a quarter of the budget with the polish, what lies beside their
-//! members is polled.
+//! A Pareto search minimizes another scalarization of its goals in every run, and offers every feasible
+//! layout to a Pareto front. A search that keeps several layouts offers them to a shortlist of the best
+//! that really differ. Both are part of the record and so of every checkpoint. At the end a local search
+//! explores the neighbours of their members; with the polish it takes a quarter of the budget.
 
-#[doc(hidden)] // open for tests/it
-pub mod aim;
 mod cma_es;
-mod front;
-mod ledger;
-mod poll;
+mod journal;
+mod local_search;
+mod pareto_front;
 mod problem;
 mod record;
+#[doc(hidden)] // open for tests/it
+pub mod scalarization;
+mod search_space;
 mod shortlist;
 mod solvers;
-mod space;
 mod stopping;
+mod workspace_pool;
 
-pub use front::DIFFERENT;
-pub use ledger::{Checkpoint, Unfit};
+pub use journal::{Checkpoint, Unfit};
+pub use pareto_front::DIFFERENT;
 pub use problem::{Keep, Moment, Progress, Watch};
+pub use search_space::SearchSpace;
 pub use shortlist::REALLY_DIFFERENT;
-pub use space::Space;
-pub use stopping::{Ended, Stopping};
+pub use stopping::{SearchEnd, Stopping};
 
 use crate::cell::{Goals, Layout, SearchSettings};
 use crate::layout::{Evaluation, Workcell, evaluate};
-use ledger::Ledger;
+use journal::SearchJournal;
 use problem::Problem;
 use record::Record;
 
-/// One layout with its worth.
+/// Layout with its evaluation.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Candidate {
+pub struct EvaluatedLayout {
     pub layout: Layout,
     pub evaluation: Evaluation,
 }
 
-/// A layout that is told beside the best one.
+/// Layout reported beside the best one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Alternative {
-    pub candidate: Candidate,
-    /// One per [`crate::cell::Goal::ALL`]: m, rad, m2 or shares.
+    pub candidate: EvaluatedLayout,
+    /// Value of each of [`crate::cell::Goal::ALL`]: m, rad, m2 or a share.
     pub goals: Vec<f64>,
 }
 
-/// The result of a search.
+/// Result of a search.
 #[derive(Debug, Clone)]
 pub struct SearchRecord {
-    pub start: Candidate,
-    /// The best layout: feasible, or the nearest to feasible if none was.
-    pub best: Candidate,
+    pub start: EvaluatedLayout,
+    /// Best feasible layout, or the one nearest to feasible if none was found.
+    pub best: EvaluatedLayout,
     pub evaluations: u64,
-    /// How many of the evaluated layouts were feasible.
+    /// Number of evaluated layouts that were feasible.
     pub feasible: u64,
-    /// Evaluations and objective (m) at each improvement of the best feasible layout.
+    /// Number of evaluations and objective (m) at each improvement of the best feasible layout.
     pub trace: Vec<(u64, f64)>,
-    /// The bound that was given, m.
+    /// Lower bound of the objective that was given, m.
     pub bound: Option<f64>,
-    pub ended: Ended,
-    /// The front, from the least of its first goal up; or the best layouts that really differ, best
-    /// first. Empty if neither was asked.
+    pub ended: SearchEnd,
+    /// Pareto front sorted by its first goal, or the shortlist with the best layout first.
+    ///
+    /// It is empty if neither was requested.
     pub alternatives: Vec<Alternative>,
 }
 
 impl SearchRecord {
-    /// Whether a feasible layout was found. That there is none is a normal outcome.
+    /// Returns whether a feasible layout was found; none is a normal outcome.
     pub fn found(&self) -> bool {
         self.best.evaluation.objective.is_some()
     }
 
-    /// By which share of the bound the best layout lies above it.
+    /// Returns by which share of the bound the best layout exceeds it.
     pub fn gap(&self) -> Option<f64> {
         let best = self.best.evaluation.objective?;
         self.bound.filter(|b| *b > 0.0).map(|bound| best / bound - 1.0)
     }
 }
 
-/// A search as a job: what is known of the answer, where to go on, and who keeps checkpoints.
-pub struct Job<'a> {
+/// Options of a search: a known bound, a checkpoint to resume from, and a sink for checkpoints.
+pub struct SearchJob<'a> {
     /// Proven lower bound of the objective, m.
     pub bound: Option<f64>,
-    /// Where an interrupted search stood; [`Checkpoint::check`] says whether it fits.
+    /// Checkpoint of an interrupted search that [`Checkpoint::check`] has accepted.
     pub from: Option<&'a Checkpoint>,
+    /// Receives the state of the search.
     pub keep: Keep<'a>,
 }
 
-/// Searches the layout of a cell.
+/// Searches the best layout of a cell.
 pub fn search(workcell: &Workcell, settings: &SearchSettings, watch: &Watch<'_>) -> SearchRecord {
-    search_job(workcell, settings, watch, &Job { bound: None, from: None, keep: &|_, _| () })
+    search_job(workcell, settings, watch, &SearchJob { bound: None, from: None, keep: &|_, _| () })
 }
 
-/// Searches the layout of a cell, from a checkpoint if there is one: it ends in the same bits as a
-/// search with the same settings that was never interrupted.
+/// Searches the best layout of a cell, resuming from a checkpoint if there is one.
+///
+/// A resumed search ends in the same bits as one with the same settings that was never interrupted.
 pub fn search_job(
     workcell: &Workcell,
     settings: &SearchSettings,
     watch: &Watch<'_>,
-    job: &Job<'_>,
+    job: &SearchJob<'_>,
 ) -> SearchRecord {
-    let space = Space::new(&workcell.cell);
+    let space = SearchSpace::new(&workcell.cell);
     let start = candidate(workcell, workcell.cell.start());
     let bound = job.bound;
     if space.dimensions() == 0 {
         let feasible = u64::from(start.evaluation.objective.is_some());
-        let (best, ended, trace) = (start.clone(), Ended::NothingToSearch, Vec::new());
+        let (best, ended, trace) = (start.clone(), SearchEnd::NothingToSearch, Vec::new());
         let asked = settings.keep > 0 || !settings.pareto.is_empty();
         let all = asked.then(|| alternative(workcell, start.layout.clone())).flatten();
         let alternatives = all.into_iter().collect();
         return SearchRecord { start, best, evaluations: 1, feasible, trace, bound, ended, alternatives };
     }
     let stopping = Stopping::new(settings, bound);
-    let ledger = match job.from {
-        Some(checkpoint) => Ledger::resumed(checkpoint, stopping),
-        None => Ledger::new(space.start(), stopping),
+    let journal = match job.from {
+        Some(checkpoint) => SearchJournal::resumed(checkpoint, stopping),
+        None => SearchJournal::new(space.start(), stopping),
     };
-    (job.keep)(ledger.checkpoint(), Moment::Begun);
-    let problem = Problem::new(workcell, &space, ledger, watch, job.keep);
+    (job.keep)(journal.checkpoint(), Moment::Begun);
+    let problem = Problem::new(workcell, &space, journal, watch, job.keep);
     solvers::explore(&problem, settings, space.start());
     solvers::polish(&problem);
-    if problem.begin_poll() {
-        poll::poll(&problem);
+    if problem.begin_local_search() {
+        local_search::run(&problem);
     }
     let stopped = problem.interrupted();
-    let ledger = problem.into_ledger();
+    let journal = problem.into_journal();
     if stopped {
-        (job.keep)(ledger.checkpoint(), Moment::Stopped);
+        (job.keep)(journal.checkpoint(), Moment::Stopped);
     }
-    let ended = if stopped { Ended::Interrupted } else { ledger.ended() };
-    let alternatives = alternatives(workcell, &space, &ledger.record, settings.keep);
-    let mut record = ledger.record;
+    let ended = if stopped { SearchEnd::Interrupted } else { journal.ended() };
+    let alternatives = alternatives(workcell, &space, &journal.record, settings.keep);
+    let mut record = journal.record;
     let mut best = candidate(workcell, space.layout(&record.point));
-    // Drawn finer than the search rounds, it can still be the better one.
+    // The layout of the file may be finer than the rounding of the search, and better.
     if start.evaluation.cost < best.evaluation.cost {
         best = start.clone();
         record.trace.extend(best.evaluation.objective.map(|e| (record.evaluations, e)));
@@ -148,8 +152,8 @@ pub fn search_job(
     SearchRecord { start, best, evaluations, feasible, trace, bound, ended, alternatives }
 }
 
-fn candidate(workcell: &Workcell, layout: Layout) -> Candidate {
-    Candidate { evaluation: evaluate(workcell, &layout), layout }
+fn candidate(workcell: &Workcell, layout: Layout) -> EvaluatedLayout {
+    EvaluatedLayout { evaluation: evaluate(workcell, &layout), layout }
 }
 
 fn alternative(workcell: &Workcell, layout: Layout) -> Option<Alternative> {
@@ -158,8 +162,13 @@ fn alternative(workcell: &Workcell, layout: Layout) -> Option<Alternative> {
     Some(Alternative { candidate, goals })
 }
 
-/// What the record has kept beside the best.
-fn alternatives(workcell: &Workcell, space: &Space<'_>, record: &Record, keep: usize) -> Vec<Alternative> {
+/// Returns the layouts that the record has kept beside the best.
+fn alternatives(
+    workcell: &Workcell,
+    space: &SearchSpace<'_>,
+    record: &Record,
+    keep: usize,
+) -> Vec<Alternative> {
     let most = if keep > 0 { keep } else { usize::MAX };
     let front = record.front.iter().flat_map(|front| front.spread(most)).map(|member| &member.point);
     let shortlist = record.shortlist.iter().flat_map(|shortlist| shortlist.best());

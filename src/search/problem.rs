@@ -1,10 +1,11 @@
-//! The optimization problem as argmin sees it, and what was best so far.
+//! The optimization problem for argmin, with the record of the best layouts.
 
-use super::aim::Aim;
-use super::ledger::{Checkpoint, Ledger, Phase};
+use super::journal::{Checkpoint, Phase, SearchJournal};
 use super::record::{Answer, Record};
-use super::space::Space;
-use super::stopping::{Ended, Stopping};
+use super::scalarization::Scalarization;
+use super::search_space::SearchSpace;
+use super::stopping::{SearchEnd, Stopping};
+use super::workspace_pool::{Lease, locked};
 use crate::cell::Goals;
 use crate::layout::{Workcell, Workspace, evaluate_in, separated};
 use crate::units::rounded;
@@ -18,73 +19,74 @@ use std::borrow::Borrow;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Decimals of a loss (m, rad, m2 or shares) that count: what lies below is rounding, and a layout that is
-/// better by that alone is not.
+/// Number of decimals of a loss (m, rad, m2 or share) that count; smaller differences are rounding.
 const LOSS_DIGITS: i32 = 9;
 
-/// How far a search is.
+/// Progress of a search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Progress {
     pub evaluations: u64,
     pub budget: u64,
-    /// How many of the evaluated layouts were feasible.
+    /// Number of evaluated layouts that were feasible.
     pub feasible: u64,
     /// Objective of the best feasible layout, m.
     pub best: Option<f64>,
 }
 
-/// Who follows a search from outside: told now and then, and able to stop it.
+/// Observer of a search: receives progress and can stop it.
 pub struct Watch<'a> {
     pub progress: &'a (dyn Fn(Progress) + Sync),
     pub stop: &'a AtomicBool,
 }
 
-/// When the state of a search is told.
+/// Time at which the state of a search is reported.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Moment {
     /// Before the first evaluation.
     Begun,
-    /// After every question of a solver.
+    /// After every batch of evaluations.
     Going,
-    /// At the end of a search that was told to stop.
+    /// The end of an interrupted search.
     Stopped,
 }
 
-/// Told the state of the search, so that it can be kept.
+/// Sink for checkpoints.
 pub type Keep<'a> = &'a (dyn Fn(&Checkpoint, Moment) + Sync);
 
-/// Cost of a point of the unit cube, with a budget. When that is used up every further point costs
-/// minus infinity: the best there can be, at which every argmin solver stops. (An error would, too,
-/// but argmin's Nelder-Mead panics at one.) The record keeps what was found.
+/// Cost function on the unit cube with a budget.
+///
+/// Once the budget is used up, every point costs minus infinity, at which every argmin solver stops. (An
+/// error would stop them too, but argmin's Nelder-Mead panics at one.) The record keeps the best layouts.
 pub struct Problem<'a> {
     workcell: &'a Workcell,
-    space: &'a Space<'a>,
+    space: &'a SearchSpace<'a>,
     watch: &'a Watch<'a>,
     keep: Keep<'a>,
     budget: u64,
     goals: Goals,
-    ledger: Mutex<Ledger>,
-    /// What the run under way makes small; None: the error.
-    aim: Mutex<Option<Aim>>,
-    /// Memory of the threads, kept from call to call.
+    journal: Mutex<SearchJournal>,
+    /// Scalarization that the current run minimizes; None for the error.
+    scalarization: Mutex<Option<Scalarization>>,
+    /// Working memory of the threads, reused between calls.
     workspaces: Mutex<Vec<Workspace>>,
     /// Random stream of [`Anneal`], which argmin calls without one.
     annealing: Mutex<ChaCha8Rng>,
 }
 
 impl<'a> Problem<'a> {
+    /// Prepares the problem of a cell.
     pub fn new(
         workcell: &'a Workcell,
-        space: &'a Space<'a>,
-        ledger: Ledger,
+        space: &'a SearchSpace<'a>,
+        journal: SearchJournal,
         watch: &'a Watch<'a>,
         keep: Keep<'a>,
     ) -> Self {
-        let Stopping { budget, pareto: goals, .. } = *ledger.checkpoint().stopping();
-        let aim = Mutex::new(ledger.aim());
+        let Stopping { budget, pareto: goals, .. } = *journal.checkpoint().stopping();
+        let scalarization = Mutex::new(journal.scalarization());
         let annealing = Mutex::new(ChaCha8Rng::seed_from_u64(0));
-        let (ledger, workspaces) = (Mutex::new(ledger), Mutex::default());
-        Self { workcell, space, watch, keep, budget, goals, ledger, aim, workspaces, annealing }
+        let (journal, workspaces) = (Mutex::new(journal), Mutex::default());
+        Self { workcell, space, watch, keep, budget, goals, journal, scalarization, workspaces, annealing }
     }
 
     /// Sets the random stream of simulated annealing.
@@ -92,71 +94,75 @@ impl<'a> Problem<'a> {
         *locked(&self.annealing) = rng;
     }
 
-    /// Evaluations still allowed in the run under way.
+    /// Returns the number of evaluations still allowed in the current run.
     pub fn left(&self) -> u64 {
-        self.left_of(&locked(&self.ledger))
+        self.left_of(&locked(&self.journal))
     }
 
-    fn left_of(&self, ledger: &Ledger) -> u64 {
-        // What is in the journal costs nothing, and without it the record would fall back.
-        let stopped = self.interrupted() && !ledger.knows();
-        let left = ledger.until.saturating_sub(ledger.record.evaluations);
-        if stopped || ledger.met().is_some() { 0 } else { left }
+    fn left_of(&self, journal: &SearchJournal) -> u64 {
+        // Answers in the journal are free, and the record must not fall behind them.
+        let stopped = self.interrupted() && !journal.knows();
+        let left = journal.until.saturating_sub(journal.record.evaluations);
+        if stopped || journal.met().is_some() { 0 } else { left }
     }
 
+    /// Returns whether the observer has stopped the search.
     pub fn interrupted(&self) -> bool {
         self.watch.stop.load(Ordering::Relaxed)
     }
 
+    /// Returns the number of the current run.
     pub fn run(&self) -> u64 {
-        locked(&self.ledger).run()
+        locked(&self.journal).run()
     }
 
-    /// Begins the next run; says whether there is one.
+    /// Begins the next run; returns whether there is one.
     pub fn begin_run(&self) -> bool {
-        let mut ledger = locked(&self.ledger);
-        let over = ledger.record.evaluations >= ledger.checkpoint().stopping().exploration();
-        let goes_on = !self.interrupted() && !over && ledger.met().is_none();
+        let mut journal = locked(&self.journal);
+        let over = journal.record.evaluations >= journal.checkpoint().stopping().exploration();
+        let goes_on = !self.interrupted() && !over && journal.met().is_none();
         if goes_on {
-            ledger.begin_run();
-            *locked(&self.aim) = ledger.aim();
+            journal.begin_run();
+            *locked(&self.scalarization) = journal.scalarization();
         }
         goes_on
     }
 
-    /// Begins the polish; says whether there is one.
+    /// Begins the polish; returns whether there is one.
     pub fn begin_polish(&self) -> bool {
-        let mut ledger = locked(&self.ledger);
-        let goes_on = !matches!(ledger.met(), Some(Ended::Gap | Ended::Diverged));
+        let mut journal = locked(&self.journal);
+        let goes_on = !matches!(journal.met(), Some(SearchEnd::Gap | SearchEnd::Diverged));
         if goes_on {
-            ledger.begin_polish();
-            *locked(&self.aim) = None;
+            journal.begin_polish();
+            *locked(&self.scalarization) = None;
         }
         goes_on
     }
 
-    /// Begins to ask round the layouts that are kept besides the best; says whether there are any.
-    pub fn begin_poll(&self) -> bool {
-        let mut ledger = locked(&self.ledger);
-        let goes_on = ledger.phase == Phase::Polish && ledger.checkpoint().stopping().keeps_more();
+    /// Begins the local search around the kept layouts; returns whether there is one.
+    pub fn begin_local_search(&self) -> bool {
+        let mut journal = locked(&self.journal);
+        let goes_on = journal.phase == Phase::Polish && journal.checkpoint().stopping().keeps_more();
         if goes_on {
-            ledger.begin_poll();
+            journal.begin_local_search();
         }
         goes_on
     }
 
-    /// The points of the layouts that are kept besides the best.
+    /// Returns the points of the layouts kept beside the best.
     pub fn kept_points(&self) -> Vec<Vec<f64>> {
-        let ledger = locked(&self.ledger);
-        let front = ledger.record.front.iter().flat_map(|front| front.members()).map(|m| &m.point);
-        let shortlist = ledger.record.shortlist.iter().flat_map(|shortlist| shortlist.best());
+        let journal = locked(&self.journal);
+        let front = journal.record.front.iter().flat_map(|front| front.members()).map(|m| &m.point);
+        let shortlist = journal.record.shortlist.iter().flat_map(|shortlist| shortlist.best());
         front.chain(shortlist).cloned().collect()
     }
 
-    pub fn space(&self) -> &Space<'a> {
+    /// Returns the search space.
+    pub fn space(&self) -> &SearchSpace<'a> {
         self.space
     }
 
+    /// Returns the number of variables.
     pub fn dimensions(&self) -> usize {
         self.space.dimensions()
     }
@@ -166,11 +172,12 @@ impl<'a> Problem<'a> {
         self.costs(&[point]);
     }
 
+    /// Evaluates several points for the record.
     pub fn try_points(&self, points: &[Vec<f64>]) {
         self.costs(&points.iter().collect::<Vec<_>>());
     }
 
-    /// The nearest point without overlaps, or the point itself if none is found.
+    /// Returns the nearest point without overlaps, or the point itself if none is found.
     pub fn separated(&self, point: Vec<f64>) -> Vec<f64> {
         match separated(self.workcell, &self.space.layout(&point)) {
             Some(layout) => self.space.point(&layout),
@@ -178,47 +185,49 @@ impl<'a> Problem<'a> {
         }
     }
 
+    /// Returns the point with the least cost so far.
     pub fn best_point(&self) -> Vec<f64> {
-        locked(&self.ledger).record.point.clone()
+        locked(&self.journal).record.point.clone()
     }
 
-    /// Whether the run under way makes something else small than the error.
-    pub fn aims(&self) -> bool {
-        locked(&self.aim).is_some()
+    /// Returns whether the current run minimizes a scalarization instead of the error.
+    pub fn is_scalarized(&self) -> bool {
+        locked(&self.scalarization).is_some()
     }
 
-    /// The member of the front that is best for the aim of the run under way, as the run began.
-    pub fn best_for_aim(&self) -> Option<Vec<f64>> {
-        let (ledger, aim) = (locked(&self.ledger), locked(&self.aim));
-        let (front, aim) = (ledger.checkpoint().front()?, aim.as_ref()?);
-        let costs = front.members().iter().map(|m| (aim.cost(&m.losses), m));
+    /// Returns the member of the front, at the start of the run, that is best for its scalarization.
+    pub fn best_for_scalarization(&self) -> Option<Vec<f64>> {
+        let (journal, scalarization) = (locked(&self.journal), locked(&self.scalarization));
+        let (front, scalarization) = (journal.checkpoint().front()?, scalarization.as_ref()?);
+        let costs = front.members().iter().map(|m| (scalarization.cost(&m.losses), m));
         costs.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, m)| m.point.clone())
     }
 
-    pub fn into_ledger(self) -> Ledger {
-        self.ledger.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner())
+    /// Ends the problem and returns its journal.
+    pub fn into_journal(self) -> SearchJournal {
+        self.journal.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner())
     }
 
-    /// Costs of several points, in their order, and the record brought up to date in that order.
+    /// Returns the costs of several points, and updates the record in their order.
     fn costs(&self, points: &[&Vec<f64>]) -> Vec<f64> {
-        // Solvers ask one question at a time, so nobody waits for this lock.
-        let mut ledger = locked(&self.ledger);
-        let count = self.left_of(&ledger).min(points.len() as u64) as usize;
+        // Solvers ask one question at a time, so that no thread waits for this lock.
+        let mut journal = locked(&self.journal);
+        let count = self.left_of(&journal).min(points.len() as u64) as usize;
         if count == 0 {
             return vec![f64::NEG_INFINITY; points.len()];
         }
-        let mut answers = ledger.recall(count);
+        let mut answers = journal.recall(count);
         answers.extend(self.evaluated(&points[answers.len()..count]));
-        ledger.note(self.space, points.iter().copied(), &answers);
-        let Record { evaluations, feasible, .. } = ledger.record;
-        let best = ledger.record.best();
+        journal.note(self.space, points.iter().copied(), &answers);
+        let Record { evaluations, feasible, .. } = journal.record;
+        let best = journal.record.best();
         (self.watch.progress)(Progress { evaluations, budget: self.budget, feasible, best });
-        (self.keep)(ledger.checkpoint(), Moment::Going);
-        // Solvers see the cost of unit weights: their tolerances are lengths.
+        (self.keep)(journal.checkpoint(), Moment::Going);
+        // Solvers see the cost for unit weights, because their tolerances are lengths.
         let weight = self.workcell.weight();
-        let aim = locked(&self.aim);
-        let cost = |a: &Answer| match &*aim {
-            Some(aim) if !a.losses.is_empty() => aim.cost(&a.losses),
+        let scalarization = locked(&self.scalarization);
+        let cost = |a: &Answer| match &*scalarization {
+            Some(scalarization) if !a.losses.is_empty() => scalarization.cost(&a.losses),
             _ => a.cost / weight,
         };
         let mut costs: Vec<f64> = answers.iter().map(cost).collect();
@@ -226,7 +235,7 @@ impl<'a> Problem<'a> {
         costs
     }
 
-    /// Evaluates points, on as many threads as there are.
+    /// Evaluates points in parallel.
     fn evaluated(&self, points: &[&Vec<f64>]) -> Vec<Answer> {
         let evaluate = |lease: &mut Lease<'_>, point: &&Vec<f64>| {
             let layout = self.space.layout(point);
@@ -243,30 +252,6 @@ impl<'a> Problem<'a> {
             many => many.par_iter().with_min_len(2).map_init(lease, evaluate).collect(),
         }
     }
-}
-
-/// Memory of a thread while it evaluates.
-struct Lease<'a> {
-    free: &'a Mutex<Vec<Workspace>>,
-    workspace: Workspace,
-}
-
-impl<'a> Lease<'a> {
-    fn new(free: &'a Mutex<Vec<Workspace>>) -> Self {
-        let workspace = locked(free).pop().unwrap_or_default();
-        Self { free, workspace }
-    }
-}
-
-impl Drop for Lease<'_> {
-    fn drop(&mut self) {
-        locked(self.free).push(std::mem::take(&mut self.workspace));
-    }
-}
-
-/// A thread that panicked while it held the lock cannot have left half a record: take it.
-fn locked<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
 }
 
 impl CostFunction for &Problem<'_> {
@@ -293,7 +278,7 @@ impl Anneal for &Problem<'_> {
     type Output = Vec<f64>;
     type Float = f64;
 
-    /// Moves about a third of the coordinates, all of them at times, by steps of many sizes.
+    /// Moves about a third of the coordinates, sometimes all of them, by steps of many sizes.
     fn anneal(&self, point: &Vec<f64>, _temperature: f64) -> Result<Vec<f64>, Error> {
         let mut rng = locked(&self.annealing);
         let size = 0.5 * 10f64.powf(-4.0 * rng.random::<f64>());

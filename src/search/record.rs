@@ -1,87 +1,94 @@
-//! What a search remembers of the layouts it has evaluated.
+//! Record of the layouts that a search has evaluated.
 
-use super::front::Front;
+use super::pareto_front::ParetoFront;
+use super::search_space::SearchSpace;
 use super::shortlist::Shortlist;
-use super::space::Space;
-use super::stopping::Stopping;
+use super::stopping::{SearchEnd, Stopping};
 use serde::{Deserialize, Serialize};
 
-/// An objective this share lower is an improvement to the rule of stagnation.
-const IMPROVEMENT: f64 = 1e-6;
+/// Relative decrease of the objective that counts as an improvement for the rule of stagnation.
+const MIN_IMPROVEMENT: f64 = 1e-6;
 
-/// What one evaluation tells the search: all that a journal keeps of it.
+/// Answer of one evaluation, as the journal stores it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(from = "Row", into = "Row")]
+#[serde(from = "CompactAnswer", into = "CompactAnswer")]
 pub struct Answer {
     pub cost: f64,
     pub feasible: bool,
-    /// Of a feasible layout in a search for a front: what its goals make small.
+    /// Losses of the goals for a feasible layout in a Pareto search; otherwise empty.
     pub losses: Vec<f64>,
 }
 
-/// An answer in few characters, so that a journal of thousands stays small.
+/// Answer in few characters, so that a journal of thousands stays small.
 #[derive(Serialize, Deserialize)]
 #[serde(untagged)]
-enum Row {
+enum CompactAnswer {
     Plain(f64, u8),
     WithLosses(f64, u8, Vec<f64>),
 }
 
-impl From<Row> for Answer {
-    fn from(row: Row) -> Self {
+impl From<CompactAnswer> for Answer {
+    fn from(row: CompactAnswer) -> Self {
         let (cost, feasible, losses) = match row {
-            Row::Plain(cost, feasible) => (cost, feasible, Vec::new()),
-            Row::WithLosses(cost, feasible, losses) => (cost, feasible, losses),
+            CompactAnswer::Plain(cost, feasible) => (cost, feasible, Vec::new()),
+            CompactAnswer::WithLosses(cost, feasible, losses) => (cost, feasible, losses),
         };
         Self { cost, feasible: feasible != 0, losses }
     }
 }
 
-impl From<Answer> for Row {
+impl From<Answer> for CompactAnswer {
     fn from(Answer { cost, feasible, losses }: Answer) -> Self {
         let feasible = u8::from(feasible);
-        if losses.is_empty() { Row::Plain(cost, feasible) } else { Row::WithLosses(cost, feasible, losses) }
+        if losses.is_empty() {
+            CompactAnswer::Plain(cost, feasible)
+        } else {
+            CompactAnswer::WithLosses(cost, feasible, losses)
+        }
     }
 }
 
-/// The evaluations so far, and the best of them.
+/// Summary of the evaluations so far, and the best of them.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Record {
     pub evaluations: u64,
     pub feasible: u64,
-    /// The point of the unit cube with the least cost.
+    /// Point of the unit cube with the least cost.
     pub point: Vec<f64>,
     pub cost: Option<f64>,
-    /// Evaluations and objective (m) at each improvement of the best feasible layout.
+    /// Number of evaluations and objective (m) at each improvement of the best feasible layout.
     pub trace: Vec<(u64, f64)>,
-    /// The longest time without improvement, in evaluations, as seen where solvers pause.
+    /// Longest series of evaluations without improvement, updated after each batch.
     pub stillness: u64,
-    /// Evaluations and cost at the last improvement worth the name; of a front, evaluations at its last
-    /// new member.
+    /// Number of evaluations and cost at the last significant improvement.
+    ///
+    /// In a Pareto search the number is that at the last new member of the front.
     improved: (u64, f64),
-    /// If it is searched for.
+    /// Pareto front; None unless it is searched for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub front: Option<Front>,
-    /// If more than the best is kept.
+    pub front: Option<ParetoFront>,
+    /// Shortlist; None unless more than the best layout is kept.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shortlist: Option<Shortlist>,
 }
 
 impl Record {
+    /// Returns an empty record of a search that starts at a point.
     pub fn new(point: Vec<f64>, stopping: &Stopping) -> Self {
         let Stopping { pareto, keep, .. } = *stopping;
-        let front = (!pareto.is_empty()).then(|| Front::new(pareto));
-        // With a front, that many of its members are told.
+        let front = (!pareto.is_empty()).then(|| ParetoFront::new(pareto));
+        // In a Pareto search `keep` is the number of reported members of the front.
         let shortlist = (front.is_none() && keep > 0).then(|| Shortlist::new(keep));
         Self { point, front, shortlist, ..Self::default() }
     }
 
-    /// Objective of the best feasible layout, m.
+    /// Returns the objective of the best feasible layout, m.
     pub fn best(&self) -> Option<f64> {
         self.trace.last().map(|t| t.1)
     }
 
-    pub fn note(&mut self, space: &Space<'_>, point: &[f64], answer: &Answer) {
+    /// Adds one evaluated point.
+    pub fn note(&mut self, space: &SearchSpace<'_>, point: &[f64], answer: &Answer) {
         let Answer { cost, feasible, .. } = *answer;
         self.evaluations += 1;
         self.feasible += u64::from(feasible);
@@ -91,7 +98,7 @@ impl Record {
         if self.cost.is_some_and(|best| cost >= best) {
             return;
         }
-        if self.cost.is_none() || cost < self.improved.1 - IMPROVEMENT * self.improved.1.abs() {
+        if self.cost.is_none() || cost < self.improved.1 - MIN_IMPROVEMENT * self.improved.1.abs() {
             self.improved = (self.evaluations, cost);
         }
         self.cost = Some(cost);
@@ -101,7 +108,7 @@ impl Record {
         }
     }
 
-    /// Into the front or the shortlist.
+    /// Offers a feasible layout to the front or the shortlist.
     fn collect(&mut self, settled: &[f64], answer: &Answer) {
         if let Some(front) = &mut self.front
             && !answer.losses.is_empty()
@@ -114,8 +121,32 @@ impl Record {
         }
     }
 
-    /// A solver has been answered and thinks: here the rules of stopping look.
+    /// Updates the stillness after a batch of evaluations, which is when the stopping rules are checked.
     pub fn pause(&mut self) {
         self.stillness = self.stillness.max(self.evaluations - self.improved.0);
+    }
+
+    /// Returns whether the best layout is within the gap to the bound.
+    pub fn has_closed_gap(&self, stopping: &Stopping) -> bool {
+        if !stopping.pareto.is_empty() {
+            return false;
+        }
+        let enough = stopping.gap.zip(stopping.bound).map(|(gap, bound)| bound + gap * bound.abs());
+        enough.zip(self.best()).is_some_and(|(enough, best)| best <= enough)
+    }
+
+    /// Returns whether the search has stagnated for as long as allowed.
+    pub fn has_stagnated(&self, stopping: &Stopping) -> bool {
+        stopping.stagnation.is_some_and(|n| self.stillness >= n)
+    }
+
+    /// Returns the rule by which the search would have ended before this record, if any.
+    pub fn ended_before(&self, stopping: &Stopping) -> Option<SearchEnd> {
+        match () {
+            () if self.has_closed_gap(stopping) => Some(SearchEnd::Gap),
+            () if self.has_stagnated(stopping) => Some(SearchEnd::Stagnation),
+            () if self.evaluations >= stopping.exploration().max(1) => Some(SearchEnd::Done),
+            () => None,
+        }
     }
 }

@@ -1,17 +1,19 @@
-//! The best layouts that really differ.
+//! Shortlist: the best layouts that really differ.
 
-use super::front::differ;
+use super::pareto_front::differ;
 use serde::{Deserialize, Serialize};
 
-/// Two layouts really differ if a coordinate differs by more than this share of its range (of a list of
-/// values: of their number).
+/// Least difference of a coordinate between two layouts that really differ.
+///
+/// It is a share of the range of the coordinate, or of the number of listed values.
 pub const REALLY_DIFFERENT: f64 = 0.05;
 
-/// So many times the layouts asked for are held: a better one may let go of several at once.
-const SPARE: usize = 4;
+/// Number of members per requested layout: a better layout may replace several at once.
+const RESERVE_FACTOR: usize = 4;
 
-/// The best layouts seen, each of which really differs from every better one. One that was let go for a
-/// better one beside it does not come back when that goes, too.
+/// Best layouts seen, each of which really differs from every better one.
+///
+/// A layout that a better neighbour has replaced does not return when that one is replaced in turn.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Shortlist {
     keep: usize,
@@ -20,14 +22,16 @@ pub struct Shortlist {
 }
 
 impl Shortlist {
+    /// Returns an empty shortlist of `keep` layouts.
     pub fn new(keep: usize) -> Self {
         Self { keep, members: Vec::new() }
     }
 
+    /// Offers a layout to the shortlist.
     pub fn take(&mut self, point: &[f64], cost: f64) {
-        // Of equals the first.
+        // Among equals the first stays.
         let place = self.members.partition_point(|m| m.0 <= cost);
-        let full = place >= SPARE * self.keep;
+        let full = place >= RESERVE_FACTOR * self.keep;
         if full || self.members[..place].iter().any(|m| !differ(&m.1, point, REALLY_DIFFERENT)) {
             return;
         }
@@ -35,10 +39,10 @@ impl Shortlist {
         later.retain(|m| differ(&m.1, point, REALLY_DIFFERENT));
         self.members.push((cost, point.to_vec()));
         self.members.append(&mut later);
-        self.members.truncate(SPARE * self.keep);
+        self.members.truncate(RESERVE_FACTOR * self.keep);
     }
 
-    /// The points of the best ones.
+    /// Returns the points of the best layouts.
     pub fn best(&self) -> impl Iterator<Item = &Vec<f64>> {
         self.members.iter().take(self.keep).map(|m| &m.1)
     }

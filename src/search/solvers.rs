@@ -1,4 +1,4 @@
-//! The solvers with their restarts, and the local polish.
+//! The global solvers with their restarts, and the local polish.
 
 use super::cma_es::CmaEs;
 use super::problem::Problem;
@@ -11,65 +11,72 @@ use rand::Rng;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-/// First steps of CMA-ES, in units of the search range: from the layout as drawn, and from anywhere.
-const SIGMA_DRAWN: f64 = 0.15;
+/// First step of CMA-ES from the layout in the file, as a share of the search range.
+const SIGMA_FROM_FILE: f64 = 0.15;
+/// First step of CMA-ES from a random point, as a share of the search range.
 const SIGMA: f64 = 0.3;
-/// Of so many restarts one is global; the others, which are shorter, are local.
-const LOCAL: u64 = 3;
-/// Particles of a swarm, and the generations after which it has settled.
+/// Number of restarts of which one is global; the others, which are shorter, are local.
+const RESTART_PERIOD: u64 = 3;
+/// Number of particles of a swarm.
 const PARTICLES: usize = 40;
+/// Number of generations after which a swarm has converged.
 const GENERATIONS: u64 = 80;
-/// Evaluations of one annealing, and the temperatures (m of error) at its ends.
-const ANNEALING: u64 = 4000;
-const HOT: f64 = 1e-2;
-const COLD: f64 = 1e-8;
-/// Edge of the first simplex of the polish in the unit cube, and the spread of costs (m) at which
-/// it has nothing left to gain.
-const SIMPLEX: f64 = 0.01;
-const SETTLED: f64 = 1e-10;
+/// Number of evaluations of one annealing run.
+const ANNEALING_EVALUATIONS: u64 = 4000;
+/// First temperature of annealing, m of error.
+const FIRST_TEMPERATURE: f64 = 1e-2;
+/// Last temperature of annealing, m of error.
+const LAST_TEMPERATURE: f64 = 1e-8;
+/// Edge of the first simplex of the polish in the unit cube.
+const SIMPLEX_EDGE: f64 = 0.01;
+/// Standard deviation of costs, m, at which the polish has converged.
+const POLISH_TOLERANCE: f64 = 1e-10;
 
-type Point = IterState<Vec<f64>, (), (), (), (), f64>;
-type Swarm = PopulationState<Particle<Vec<f64>, f64>, f64>;
+type IterationState = IterState<Vec<f64>, (), (), (), (), f64>;
+type SwarmState = PopulationState<Particle<Vec<f64>, f64>, f64>;
 
-/// Runs the global solver, again and again from other points, until the budget allowed is used up.
-/// The first run starts from the layout as drawn, where the solver has a start.
+/// Runs the global solver repeatedly from other points until its budget is used up.
+///
+/// The first run starts from the layout in the file, if the solver takes a start point.
 pub fn explore(problem: &Problem<'_>, settings: &SearchSettings, start: Vec<f64>) {
     loop {
         let run = problem.run();
         if run == 0 {
-            // The layout as drawn is the first candidate, so that no answer is worse.
+            // The layout in the file is the first candidate, so that the result is never worse.
             problem.try_point(&start);
         }
-        // A random stream for every run: what one run draws does not shift the next.
+        // Every run has its own random stream, so that one run does not shift the next.
         let mut rng = ChaCha8Rng::seed_from_u64(settings.seed);
         rng.set_stream(run);
         let random = |rng: &mut ChaCha8Rng| (0..problem.dimensions()).map(|_| rng.random()).collect();
-        // Every other run for a front goes on from what is best for its aim so far.
-        let known = if run % 2 == 1 { problem.best_for_aim() } else { None };
+        // Every other run of a Pareto search starts from the best member for its scalarization.
+        let known = if run % 2 == 1 { problem.best_for_scalarization() } else { None };
         let from = if run == 0 { start.clone() } else { known.unwrap_or_else(|| random(&mut rng)) };
         let from = problem.separated(from);
-        // However a solver ends, the problem has kept the best.
+        // The problem has kept the best layout, however a solver ends.
         let _ended = match settings.solver {
             Solver::CmaEs => {
-                // A run for a front is too short for a large population.
-                let number = if problem.aims() { run.min(1) } else { run };
+                // A run of a Pareto search is too short for a large population.
+                let number = if problem.is_scalarized() { run.min(1) } else { run };
                 let (sigma, scale) = restart(number, &mut rng);
                 let solver = CmaEs::new(from, sigma, scale, rng);
-                Executor::<_, _, Point>::new(problem, solver).timer(false).run().map(drop)
+                Executor::<_, _, IterationState>::new(problem, solver).timer(false).run().map(drop)
             }
             Solver::ParticleSwarm => {
                 let bounds = (vec![0.0; from.len()], vec![1.0; from.len()]);
                 let solver = ParticleSwarm::new(bounds, PARTICLES).with_rng_generator(rng);
-                let executor = Executor::<_, _, Swarm>::new(problem, solver).timer(false);
+                let executor = Executor::<_, _, SwarmState>::new(problem, solver).timer(false);
                 executor.configure(|s| s.max_iters(GENERATIONS)).run().map(drop)
             }
             Solver::SimulatedAnnealing => {
                 problem.anneal_with(rng.clone());
-                let cooling = SATempFunc::Exponential((COLD / HOT).powf(1.0 / ANNEALING as f64));
-                SimulatedAnnealing::new_with_rng(HOT, rng).and_then(|solver| {
+                let cooling = SATempFunc::Exponential(
+                    (LAST_TEMPERATURE / FIRST_TEMPERATURE).powf(1.0 / ANNEALING_EVALUATIONS as f64),
+                );
+                SimulatedAnnealing::new_with_rng(FIRST_TEMPERATURE, rng).and_then(|solver| {
                     let solver = solver.with_temp_func(cooling);
-                    let executor = Executor::<_, _, Point>::new(problem, solver).timer(false);
-                    executor.configure(|s| s.param(from).max_iters(ANNEALING)).run().map(drop)
+                    let executor = Executor::<_, _, IterationState>::new(problem, solver).timer(false);
+                    executor.configure(|s| s.param(from).max_iters(ANNEALING_EVALUATIONS)).run().map(drop)
                 })
             }
         };
@@ -79,34 +86,35 @@ pub fn explore(problem: &Problem<'_>, settings: &SearchSettings, start: Vec<f64>
     }
 }
 
-/// First step and population (in default ones) of a run of CMA-ES. Near the layout as drawn to begin
-/// with, for somebody has thought about it; then anywhere in two ways, as in BIPOP-CMA-ES (N. Hansen,
-/// "Benchmarking a BI-population CMA-ES on the BBOB-2009 function testbed", GECCO 2009). Long steps and a
-/// population that doubles up to eight times see the large valleys; a short first step stays on its own
-/// side of what is in the way, where a small island of feasible layouts can be the best.
+/// Returns the first step and the population (as a multiple of the default) of a run of CMA-ES.
+///
+/// The first run stays near the layout in the file. Later runs start anywhere, in two ways as in BIPOP-CMA-ES
+/// (N. Hansen, "Benchmarking a BI-population CMA-ES on the BBOB-2009 function testbed", GECCO 2009). Long
+/// steps and a population that doubles up to eight times the default find the large valleys. A short first
+/// step stays on one side of an obstacle, where a small island of feasible layouts can be the best.
 fn restart(run: u64, rng: &mut ChaCha8Rng) -> (f64, u32) {
     match run.checked_sub(1) {
-        None => (SIGMA_DRAWN, 1),
-        Some(again) if again % LOCAL == 0 => (SIGMA, 1 << (again / LOCAL % 4)),
+        None => (SIGMA_FROM_FILE, 1),
+        Some(again) if again % RESTART_PERIOD == 0 => (SIGMA, 1 << (again / RESTART_PERIOD % 4)),
         Some(_) => (SIGMA * 10f64.powf(-2.0 * rng.random::<f64>()), 1),
     }
 }
 
-/// Nelder-Mead from the best point so far.
+/// Polishes the best point so far by the Nelder-Mead method.
 pub fn polish(problem: &Problem<'_>) {
     if !problem.begin_polish() {
         return;
     }
     let best = problem.best_point();
-    // Edges point inwards, so that no corner is folded back onto another.
+    // The edges point inwards, so that no corner is mirrored back onto another.
     let corner = |k: usize| {
         let mut corner = best.clone();
-        corner[k] += if corner[k].rem_euclid(2.0) < 0.5 { SIMPLEX } else { -SIMPLEX };
+        corner[k] += if corner[k].rem_euclid(2.0) < 0.5 { SIMPLEX_EDGE } else { -SIMPLEX_EDGE };
         corner
     };
     let simplex = std::iter::once(best.clone()).chain((0..best.len()).map(corner)).collect();
-    let _ended = NelderMead::new(simplex).with_sd_tolerance(SETTLED).and_then(|solver| {
-        let executor = Executor::<_, _, Point>::new(problem, solver).timer(false);
+    let _ended = NelderMead::new(simplex).with_sd_tolerance(POLISH_TOLERANCE).and_then(|solver| {
+        let executor = Executor::<_, _, IterationState>::new(problem, solver).timer(false);
         executor.configure(|s| s.max_iters(u64::MAX)).run().map(drop)
     });
 }

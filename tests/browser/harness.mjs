@@ -1,4 +1,4 @@
-// What the browser tests share: Chromium, watched pages, checks and their summary.
+// Common part of the browser tests: Chromium, watched pages, checks and their summary.
 //
 // A test ends with exit code 0 if every check holds, 1 if one does not, and 2 if it was called wrongly.
 
@@ -88,7 +88,10 @@ export async function run(name, parts, cleanUp = () => undefined) {
   process.exit(failures.length ? 1 : 0);
 }
 
-/** @param {number} since ms */
+/**
+ * Writes the time since a moment.
+ * @param {number} since ms
+ */
 const seconds = (since) => `${((performance.now() - since) / 1000).toFixed(1)} s`;
 
 /**

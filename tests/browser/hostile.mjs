@@ -11,7 +11,7 @@ import { check, checkFaults, launch, open, PATIENCE, run, soon, usage } from "./
 const [program, robot] = process.argv.slice(2).map((path) => resolve(path));
 if (!robot) usage("node tests/browser/hostile.mjs PROGRAM cells/robots/hitachi_pw10.toml");
 
-/** What a name would do if it were run. */
+/** Script that leaves a trace if a name is run. */
 const ATTACK = "window.hit=1";
 const PAYLOADS = [
   `<script>${ATTACK}</script>`,
@@ -204,6 +204,7 @@ async function testFiles() {
 }
 
 /**
+ * Tests one page with hostile names.
  * @param {import("playwright-core").Browser} browser
  * @param {string} file
  */

@@ -25,8 +25,11 @@ async function readReport() {
   const args = ["report", join(ROOT, "results/hitachi_cell"), "--out", report];
   const { status, stderr } = spawnSync(program, args, { encoding: "utf8", timeout: PATIENCE });
   check(status === 0, `sweetspot report succeeds${status === 0 ? "" : `: ${stderr}`}`);
-  const written = /id="drawings">(.*?)<\/script>/s.exec(readFileSync(report, "utf8"));
-  records.push(["DrawingDocument", JSON.parse(written?.[1] ?? "null")]);
+  const page = readFileSync(report, "utf8");
+  const drawings = /id="drawings">(.*?)<\/script>/s.exec(page);
+  records.push(["DrawingDocument", JSON.parse(drawings?.[1] ?? "null")]);
+  const signs = /^const NODE_SIGN_TABLE = (.*);$/m.exec(page);
+  records.push(["typeof NODE_SIGN_TABLE", JSON.parse(signs?.[1] ?? "null")]);
 }
 
 /** Asks the server of `sweetspot view` everything that its page asks. */

@@ -87,6 +87,7 @@ const ready = (page) =>
   );
 
 /**
+ * Returns the text of an element.
  * @param {Page} page
  * @param {string} selector
  */
@@ -99,12 +100,14 @@ const textOf = async (page, selector) => (await page.textContent(selector)) ?? "
 const error = (page) => textOf(page, "#value");
 
 /**
+ * Returns the input of a number.
  * @param {Page} page
  * @param {string} name
  */
 const field = (page, name) => page.locator(`[data-of="${name}"]`);
 
 /**
+ * Returns a number of the form.
  * @param {Page} page
  * @param {string} name
  */
@@ -122,6 +125,7 @@ async function step(page, action) {
 }
 
 /**
+ * Types a number into the form.
  * @param {Page} page
  * @param {string} name
  * @param {number} value
@@ -132,6 +136,7 @@ async function type(page, name, value) {
 }
 
 /**
+ * Saves a picture of the page, if pictures are wanted.
  * @param {Page} page
  * @param {string} name
  */
@@ -156,7 +161,10 @@ async function drag(page, { x, y }, dx, dy) {
   await page.mouse.up();
 }
 
-/** @param {{ x: number, y: number, width: number, height: number } | null} box */
+/**
+ * Returns the middle of a box.
+ * @param {{ x: number, y: number, width: number, height: number } | null} box
+ */
 function middleOf(box) {
   if (!box) throw new Error("nothing to drag");
   return { x: box.x + box.width / 2, y: box.y + box.height / 2 };

@@ -133,11 +133,13 @@ async function testSwitches(page) {
     const textBefore = await texts(page);
     for (const value of values.filter((one) => one !== first)) {
       await list.selectOption(value);
-      const shows = async () => changed(before, await picture(page)) > 2 || (await texts(page)) !== textBefore;
+      const shows = async () =>
+        changed(before, await picture(page)) > 2 || (await texts(page)) !== textBefore;
       await checkSoon(shows, `switch ${name}: ${JSON.stringify(value)} shows`);
     }
     await list.selectOption(first);
-    const isBack = async () => changed(before, await picture(page)) <= 2 && (await texts(page)) === textBefore;
+    const isBack = async () =>
+      changed(before, await picture(page)) <= 2 && (await texts(page)) === textBefore;
     await checkSoon(isBack, `switch ${name}: ${JSON.stringify(first)} shows the same as before`);
   }
 }

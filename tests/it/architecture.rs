@@ -8,7 +8,7 @@ use sources::{File, paths_from, sources, uses_crate, with_words};
 use std::collections::BTreeSet;
 
 /// Modules in the order in which data flows: each uses only those before it.
-const ORDER: [&str; 20] = [
+const ORDER: [&str; 21] = [
     "units",
     "geometry",
     "pose",
@@ -26,6 +26,7 @@ const ORDER: [&str; 20] = [
     "search",
     "proof",
     "assess",
+    "record",
     "drawing",
     "report",
     "cli",

@@ -6,9 +6,10 @@ use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
 use sweetspot::cell::{Cell, Coordinate, Goal, Goals, Layout, SearchSettings, Solver};
 use sweetspot::layout::{MAX_CLEARANCE, Workcell, evaluate};
-use sweetspot::search::aim::weights;
+use sweetspot::search::scalarization::weights;
 use sweetspot::search::{
-    Checkpoint, Job, Moment, REALLY_DIFFERENT, SearchRecord, Space, Stopping, Unfit, Watch, search_job,
+    Checkpoint, Moment, REALLY_DIFFERENT, SearchJob, SearchRecord, SearchSpace, Stopping, Unfit, Watch,
+    search_job,
 };
 
 /// Returns a cell of the paper's arm, two tables and a post, in which every free coordinate is a list of
@@ -76,7 +77,7 @@ fn run(
     };
     let from: Option<Checkpoint> = from.map(|text| serde_json::from_str(text).unwrap());
     let watch = Watch { progress: &|_| (), stop: &AtomicBool::new(false) };
-    let job = Job { bound: None, from: from.as_ref(), keep: &keep };
+    let job = SearchJob { bound: None, from: from.as_ref(), keep: &keep };
     let record = search_job(workcell, settings, &watch, &job);
     (record, kept.into_inner().unwrap().1)
 }
@@ -242,7 +243,7 @@ fn a_shortlist_of_ranges_differs_by_the_least_distance() {
     .unwrap();
     let settings = SearchSettings { budget: 6_000, keep: 6, ..workcell.cell.search };
     let (record, _) = run(&workcell, &settings, None, 1);
-    let space = Space::new(&workcell.cell);
+    let space = SearchSpace::new(&workcell.cell);
     let points: Vec<_> = record.alternatives.iter().map(|a| space.point(&a.candidate.layout)).collect();
     let differ = |a: &[f64], b: &[f64]| a.iter().zip(b).any(|(a, b)| (a - b).abs() > REALLY_DIFFERENT);
     assert_eq!(points.len(), 6);

@@ -9,7 +9,7 @@ use sweetspot::assess::Assessment;
 use sweetspot::cell::Coordinate;
 use sweetspot::layout::{Workcell, Workspace, evaluate, evaluate_in};
 use sweetspot::proof::{Covers, ProofOptions, prove};
-use sweetspot::search::{Space, Watch, search};
+use sweetspot::search::{SearchSpace, Watch, search};
 
 /// Returns the number of random cells whose optimum is enumerated.
 fn cell_count() -> usize {
@@ -39,7 +39,7 @@ struct Enumerated {
 /// Evaluates every point of a lattice over the search space, then descends from the best points by ever
 /// shorter steps along axes and diagonals.
 fn enumerate(workcell: &Workcell) -> Enumerated {
-    let space = Space::new(&workcell.cell);
+    let space = SearchSpace::new(&workcell.cell);
     let (n, steps) = (space.dimensions(), STEPS[space.dimensions() - 1]);
     let digits = |k: usize| (0..n as u32).map(move |d| k / (steps + 1).pow(d) % (steps + 1));
     let at = |k: usize| digits(k).map(|d| d as f64 / steps as f64).collect::<Vec<f64>>();
@@ -92,7 +92,7 @@ fn listed(text: &str, counts: &mut impl Iterator<Item = i32>) -> String {
 
 /// Evaluates every layout of listed values.
 fn enumerate_lists(workcell: &Workcell) -> Enumerated {
-    let space = Space::new(&workcell.cell);
+    let space = SearchSpace::new(&workcell.cell);
     let lengths: Vec<usize> = workcell.cell.free().iter().map(|(_, c)| values(c).len()).collect();
     let points = lengths.iter().product();
     let at = |mut k: usize| {
@@ -128,7 +128,7 @@ fn cells() -> Vec<(u64, RandomArm, Workcell, Enumerated)> {
         let loaded = from_text(&text).unwrap_or_else(|f| panic!("seed {seed}: {f:#?}\n{text}"));
         let workcell = Workcell::new(loaded.cell).unwrap();
         // A quick sampling comes first, since most cells have no feasible layout.
-        let space = Space::new(&workcell.cell);
+        let space = SearchSpace::new(&workcell.cell);
         let lattice = |k: u32| [0.7548, 0.5698, 0.4301].map(|s| (f64::from(k) * s).fract());
         let look = |k: &u32| {
             evaluate(&workcell, &space.layout(&lattice(*k)[..space.dimensions()])).objective.is_some()
@@ -171,7 +171,7 @@ fn the_search_finds_the_optimum_of_listed_values() {
         let loaded = from_text(&text).unwrap_or_else(|f| panic!("seed {seed}: {f:#?}\n{text}"));
         (seed, arm, Workcell::new(loaded.cell).unwrap())
     });
-    let many = cells.filter(|c| Space::new(&c.2.cell).dimensions() > 1);
+    let many = cells.filter(|c| SearchSpace::new(&c.2.cell).dimensions() > 1);
     let all = many.map(|(seed, arm, workcell)| {
         let enumerated = enumerate_lists(&workcell);
         (seed, arm, workcell, enumerated)
@@ -199,7 +199,7 @@ fn judged((seed, arm, workcell, e): &(u64, RandomArm, Workcell, Enumerated)) -> 
     assert!(bound <= best.min(e.least), "seed {seed}, {arm:?}: {bound} m is above {} m", best.min(e.least));
     let line = format!(
         "seed {seed:4} {arm:?}: {} free, {:.1} % of {} feasible, least {:.6} mm, search {:+.4} %, bound {:+.2} %",
-        Space::new(&workcell.cell).dimensions(),
+        SearchSpace::new(&workcell.cell).dimensions(),
         100.0 * e.feasible as f64 / e.points as f64,
         e.points,
         1e3 * e.least,

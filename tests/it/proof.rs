@@ -18,7 +18,7 @@ use sweetspot::pose::Pose;
 use sweetspot::proof::{Covers, OperationRegion, Proof, ProofOptions, WhyNot, prove, tangent};
 use sweetspot::reading::norm::NormDistribution;
 use sweetspot::reading::{WorkContext, WorkFrame};
-use sweetspot::search::{Space, Watch, search};
+use sweetspot::search::{SearchSpace, Watch, search};
 use sweetspot::units::{mm_from_m, rad_from_deg};
 
 fn proof_of(workcell: &Workcell, boxes: u64) -> Proof {
@@ -277,7 +277,7 @@ fn random_layouts_never_beat_the_bound() {
             cell.search.objective = objective;
             cell.operations[0].weight = 2.0;
             let workcell = ready(&cell);
-            let (proof, space) = (proof_of(&workcell, 5_000), Space::new(&cell));
+            let (proof, space) = (proof_of(&workcell, 5_000), SearchSpace::new(&cell));
             let each: Vec<f64> = proof.operations.iter().map(|o| o.value.unwrap()).collect();
             let whole = match objective {
                 Objective::WeightedSum => 2.0 * each[0] + each[1],

@@ -5,7 +5,9 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use sweetspot::cell::{SearchSettings, Solver};
 use sweetspot::layout::Workcell;
-use sweetspot::search::{Checkpoint, Ended, Job, Moment, SearchRecord, Stopping, Unfit, Watch, search_job};
+use sweetspot::search::{
+    Checkpoint, Moment, SearchEnd, SearchJob, SearchRecord, Stopping, Unfit, Watch, search_job,
+};
 
 fn workcell() -> Workcell {
     Workcell::new(shipped("hitachi_cell.toml")).unwrap()
@@ -26,12 +28,13 @@ fn run(
     let keep = |c: &Checkpoint, _: Moment| kept.lock().unwrap().push(serde_json::to_string(c).unwrap());
     let from: Option<Checkpoint> = from.map(|text| serde_json::from_str(text).unwrap());
     let watch = Watch { progress: &|_| (), stop: &AtomicBool::new(false) };
-    let record = search_job(workcell, settings, &watch, &Job { bound, from: from.as_ref(), keep: &keep });
+    let record =
+        search_job(workcell, settings, &watch, &SearchJob { bound, from: from.as_ref(), keep: &keep });
     (record, kept.into_inner().unwrap())
 }
 
 /// Returns what two records must share, floats as bits.
-fn bits(record: &SearchRecord) -> (u64, u64, Vec<(u64, u64)>, String, Ended) {
+fn bits(record: &SearchRecord) -> (u64, u64, Vec<(u64, u64)>, String, SearchEnd) {
     let trace = record.trace.iter().map(|(n, e)| (*n, e.to_bits())).collect();
     let best = format!("{:?} {}", record.best, record.best.evaluation.cost.to_bits());
     (record.evaluations, record.feasible, trace, best, record.ended)
@@ -90,9 +93,9 @@ fn a_search_stopped_many_times_ends_in_the_same_bits() {
             };
             let kept = Mutex::new(None);
             let keep = |c: &Checkpoint, _: Moment| *kept.lock().unwrap() = Some(c.clone());
-            let job = Job { bound: None, from: from.as_ref(), keep: &keep };
+            let job = SearchJob { bound: None, from: from.as_ref(), keep: &keep };
             let record = search_job(&workcell, &settings, &Watch { progress: &progress, stop: &stop }, &job);
-            if record.ended != Ended::Interrupted {
+            if record.ended != SearchEnd::Interrupted {
                 assert_eq!(bits(&record), bits(&whole), "{}", solver.name());
                 assert!(round > 5, "{}: it was hardly stopped", solver.name());
                 break;
@@ -159,12 +162,12 @@ fn a_checkpoint_of_another_search_is_refused() {
     // Another seed evaluates other points, so the journal does not match.
     let other = SearchSettings { seed: 4, ..settings };
     let (record, _) = run(&workcell, &other, None, kept.last().map(|t| &**t));
-    assert_eq!(record.ended, Ended::Diverged);
+    assert_eq!(record.ended, SearchEnd::Diverged);
     // One bit of one point is changed.
     let middle: Vec<&str> = kept[kept.len() / 2].split("\"asked\":[").collect();
     let (hash, rest) = middle[1].split_once(',').unwrap();
     let changed = format!("{}\"asked\":[{},{rest}", middle[0], hash.parse::<u64>().unwrap() ^ 1);
-    assert_eq!(run(&workcell, &settings, None, Some(&changed)).0.ended, Ended::Diverged);
+    assert_eq!(run(&workcell, &settings, None, Some(&changed)).0.ended, SearchEnd::Diverged);
 }
 
 #[test]
@@ -173,7 +176,7 @@ fn a_reached_gap_ends_a_search() {
     let settings = SearchSettings { gap: Some(0.01), ..settings(Solver::CmaEs, 20_000) };
     let bound = 0.020429669;
     let (record, _) = run(&workcell, &settings, Some(bound), None);
-    assert_eq!(record.ended, Ended::Gap);
+    assert_eq!(record.ended, SearchEnd::Gap);
     let best = record.best.evaluation.objective.unwrap();
     assert!(best <= bound * 1.01 && record.evaluations < 5_000, "{best} {}", record.evaluations);
     assert_eq!(record.gap(), Some(best / bound - 1.0));
@@ -182,7 +185,7 @@ fn a_reached_gap_ends_a_search() {
     assert!(before.1 > bound * 1.01, "{before:?}");
     // Without a bound the search goes on.
     let (record, _) = run(&workcell, &SearchSettings { budget: 6_000, ..settings }, None, None);
-    assert_eq!((record.ended, record.gap()), (Ended::Done, None));
+    assert_eq!((record.ended, record.gap()), (SearchEnd::Done, None));
 }
 
 #[test]
@@ -191,7 +194,7 @@ fn stagnation_ends_a_search() {
     for solver in Solver::ALL {
         let settings = SearchSettings { stagnation: Some(800), ..settings(solver, 100_000) };
         let (record, _) = run(&workcell, &settings, None, None);
-        assert_eq!(record.ended, Ended::Stagnation, "{}", solver.name());
+        assert_eq!(record.ended, SearchEnd::Stagnation, "{}", solver.name());
         assert!(record.evaluations < 60_000, "{}: {}", solver.name(), record.evaluations);
         // The trace shows a pause of that length between improvements.
         let mut steps = vec![record.trace[0]];

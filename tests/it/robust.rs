@@ -279,7 +279,7 @@ fn the_refined_spot_is_as_good_as_a_fine_grid() {
         assert!(refined.value <= refined.node_value);
         gained += usize::from(refined.value < refined.node_value * 0.999);
         let fine = with("grid = [60, 40]");
-        let least = fine.maps(&layout)[0].value.unwrap();
+        let least = evaluate(&fine, &layout).objective.unwrap();
         assert!(refined.value <= least * (1.0 + 1e-9), "{placement}: {} {least}", refined.value);
         // A grid of some centimetres cannot be much worse than the points between its nodes.
         assert!(refined.value > least * 0.97, "{placement}: {} {least}", refined.value);

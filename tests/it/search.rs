@@ -7,7 +7,7 @@ use sweetspot::cell::{Cell, Coordinate, Layout, Objective, Place, SearchSettings
 use sweetspot::error_map::Outcome;
 use sweetspot::layout::{Evaluation, Workcell, evaluate};
 use sweetspot::proof::{ProofOptions, prove};
-use sweetspot::search::{Ended, Job, SearchRecord, Space, Watch, search, search_job};
+use sweetspot::search::{SearchEnd, SearchJob, SearchRecord, SearchSpace, Watch, search, search_job};
 use sweetspot::units::{m_from_mm, mm_from_m};
 
 fn run(workcell: &Workcell, settings: SearchSettings) -> SearchRecord {
@@ -93,7 +93,7 @@ fn ten_seeds_come_within_a_hundredth_of_the_proven_bound() {
         let objective = mm_from_m(record.best.evaluation.objective.unwrap());
         assert!(objective <= 20.44, "seed {seed}: {objective}");
         assert!(objective >= BOUND_MM, "seed {seed}: {objective} is below what is possible");
-        assert_eq!(record.ended, Ended::Done);
+        assert_eq!(record.ended, SearchEnd::Done);
         assert!(record.evaluations > workcell.cell.search.budget / 2, "it gave up early");
     }
 }
@@ -106,7 +106,7 @@ fn thirty_seeds_come_within_a_thousandth_of_the_bound_in_2000_evaluations() {
     let missed = (1..=30).filter(|&seed| {
         let settings = SearchSettings { seed, budget: 2000, ..workcell.cell.search };
         let watch = Watch { progress: &|_| {}, stop: &AtomicBool::new(false) };
-        let job = Job { bound, from: None, keep: &|_, _| () };
+        let job = SearchJob { bound, from: None, keep: &|_, _| () };
         let record = search_job(&workcell, &settings, &watch, &job);
         check(&workcell, &settings, &record);
         let objective = mm_from_m(record.best.evaluation.objective.unwrap());
@@ -154,7 +154,7 @@ fn the_stop_flag_interrupts_a_search() {
             let settings = settings(solver, 1_000_000);
             let record = search(&workcell, &settings, &Watch { progress: &progress, stop: &stop });
             check(&workcell, &settings, &record);
-            assert_eq!(record.ended, Ended::Interrupted, "{}", solver.name());
+            assert_eq!(record.ended, SearchEnd::Interrupted, "{}", solver.name());
             assert!(record.evaluations <= after + 100, "{}: {}", solver.name(), record.evaluations);
         }
     }
@@ -216,7 +216,7 @@ fn every_solver_searches_one_free_coordinate() {
         ("z_mm = { min = 300, max = 1200 }", "x_mm = 0, y_mm = 900"),
     ] {
         let workcell = one_table(&format!("{free}, {fixed}"), "");
-        assert_eq!(Space::new(&workcell.cell).dimensions(), 1);
+        assert_eq!(SearchSpace::new(&workcell.cell).dimensions(), 1);
         for solver in Solver::ALL {
             let record = run(&workcell, settings(solver, 600));
             assert!(record.found(), "{free} {}", solver.name());
@@ -231,7 +231,7 @@ fn a_cell_without_free_coordinates_is_evaluated_once() {
         let workcell = one_table(&format!("x_mm = 0, y_mm = {y}, z_mm = 650"), "");
         for solver in Solver::ALL {
             let record = run(&workcell, settings(solver, 600));
-            assert_eq!((record.ended, record.found()), (Ended::NothingToSearch, found));
+            assert_eq!((record.ended, record.found()), (SearchEnd::NothingToSearch, found));
             assert_eq!((record.evaluations, record.feasible), (1, u64::from(found)));
             assert_eq!(record.best, record.start);
         }
@@ -287,7 +287,7 @@ fn rounded_coordinates_stay_inside_narrow_ranges() {
         "x_mm = 0, y_mm = 900, z_mm = 650, yaw_deg = { min = 3.00004, max = 3.00005 }",
     ] {
         let workcell = one_table(placement, "");
-        let space = Space::new(&workcell.cell);
+        let space = SearchSpace::new(&workcell.cell);
         for k in 0..=1000 {
             lies_in_its_ranges(&workcell.cell, &space.layout(&[f64::from(k) / 1000.0]));
         }
@@ -299,7 +299,7 @@ fn rounded_coordinates_stay_inside_narrow_ranges() {
 #[test]
 fn every_point_of_the_search_space_has_a_layout() {
     let workcell = Workcell::new(shipped("hitachi_cell.toml")).unwrap();
-    let space = Space::new(&workcell.cell);
+    let space = SearchSpace::new(&workcell.cell);
     assert_eq!(space.dimensions(), 7);
     assert_eq!(space.layout(&space.start()), workcell.cell.start());
     for k in 0..2000 {
@@ -341,7 +341,7 @@ fn weights_and_the_maximum_make_the_objective() {
 #[test]
 fn an_infeasible_layout_never_ranks_before_a_feasible_one() {
     let workcell = Workcell::new(shipped("hitachi_cell.toml")).unwrap();
-    let space = Space::new(&workcell.cell);
+    let space = SearchSpace::new(&workcell.cell);
     let (mut feasible, mut infeasible) = (f64::MIN, f64::MAX);
     for k in 0..3000u32 {
         // The points form a lattice of irrational steps.

@@ -13,7 +13,7 @@ use std::fmt::Write;
 use std::sync::atomic::AtomicBool;
 use sweetspot::cell::{Cell, SearchSettings, Solver};
 use sweetspot::layout::Workcell;
-use sweetspot::search::{SearchRecord, Space, Watch, search};
+use sweetspot::search::{SearchRecord, SearchSpace, Watch, search};
 
 /// Shipped cells that a solver answers in a moment. Random ones join them.
 const SHIPPED: [&str; 1] = ["hitachi_cell"];
@@ -67,7 +67,7 @@ fn row(name: String, cell: Cell, study: &Study) -> Option<SolverRow> {
     let best = objectives.fold(f64::INFINITY, f64::min);
     let needed = runs.iter().map(|(s, all)| (*s, all.iter().map(|r| needed(r, best)).collect())).collect();
     println!("{name} done");
-    let dimensions = Space::new(&workcell.cell).dimensions();
+    let dimensions = SearchSpace::new(&workcell.cell).dimensions();
     let best_told = workcell.cell.unit().from_si(best);
     best.is_finite().then_some(SolverRow { cell: name, dimensions, best: best_told, needed })
 }
@@ -79,7 +79,7 @@ fn rows(study: &Study) -> Vec<SolverRow> {
         (format!("random {seed}"), from_text(&text).unwrap_or_else(|f| panic!("{seed}: {f:#?}")).cell)
     });
     // Cells of one or two free coordinates do not distinguish the solvers.
-    let random = random.filter(|(_, cell)| Space::new(cell).dimensions() > 2);
+    let random = random.filter(|(_, cell)| SearchSpace::new(cell).dimensions() > 2);
     let random = random.filter(|(_, cell)| {
         let workcell = Workcell::new(cell.clone()).unwrap();
         run(&workcell, Solver::CmaEs, 0, LOOK).found()

@@ -1,17 +1,23 @@
 //! Arguments of the commands about files to write by hand: `schema` and `init`.
 
 use crate::files::FileKind;
+use crate::record::DocumentKind;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use std::path::PathBuf;
 
+/// Returns the names of all schemas.
+fn kinds() -> impl Iterator<Item = &'static str> {
+    FileKind::ALL.into_iter().map(FileKind::name).chain(DocumentKind::ALL.into_iter().map(DocumentKind::name))
+}
+
 #[derive(Args)]
 pub struct SchemaArguments {
-    /// Kind of file
+    /// Kind of file that people write, or of document that a command writes
     #[arg(
         value_name = "KIND",
         default_value = FileKind::Cell.name(),
-        value_parser = PossibleValuesParser::new(FileKind::ALL.map(FileKind::name)),
+        value_parser = PossibleValuesParser::new(kinds().collect::<Vec<_>>()),
         conflicts_with = "out"
     )]
     pub kind: String,

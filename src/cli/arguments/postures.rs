@@ -2,7 +2,7 @@
 
 use super::question::QuestionFlags;
 use super::value_parsers::{at, finite};
-use crate::assess::At;
+use crate::assess::NodeChoice;
 use crate::cli::packages::Packages;
 use clap::Args;
 use std::path::PathBuf;
@@ -18,7 +18,7 @@ pub struct BudgetArguments {
     pub operation: Option<String>,
     /// Node of the grid: `best`, or its indices along x and y
     #[arg(long, value_name = "best|I,J", value_parser = at, default_value = "best", hide_default_value = true, allow_hyphen_values = true)]
-    pub at: At,
+    pub at: NodeChoice,
     #[command(flatten)]
     pub question: QuestionFlags,
     /// Print the budget as JSON on stdout
@@ -37,7 +37,7 @@ pub struct ExplainArguments {
     pub operation: Option<String>,
     /// Node of the grid: `best`, or its indices along x and y
     #[arg(long, value_name = "best|I,J", value_parser = at, default_value = "best", hide_default_value = true, allow_hyphen_values = true)]
-    pub at: At,
+    pub at: NodeChoice,
     /// Joint values instead of a node, in degrees or mm
     #[arg(
         long,

@@ -76,11 +76,6 @@ impl ErrorFlags {
         }
         settings
     }
-
-    /// Returns whether a flag chooses among the errors.
-    pub fn chooses_errors(&self) -> bool {
-        self.errors.is_some() || self.sets.iter().any(|set| set.path == "errors")
-    }
 }
 
 impl QuestionFlags {

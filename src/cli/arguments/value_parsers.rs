@@ -3,7 +3,7 @@
 //! A quantity that a cell file can state has no range here: its flag becomes a setting, which the reader of
 //! the file checks.
 
-use crate::assess::At;
+use crate::assess::NodeChoice;
 use crate::files::{Choices, Setting};
 
 /// Parses an elevation in degrees.
@@ -36,12 +36,12 @@ pub fn seconds(text: &str) -> Result<f64, String> {
 }
 
 /// Parses `best`, or the two indices of a node.
-pub fn at(text: &str) -> Result<At, String> {
+pub fn at(text: &str) -> Result<NodeChoice, String> {
     if text == "best" {
-        return Ok(At::Best);
+        return Ok(NodeChoice::Best);
     }
     let number = |word: &str| word.trim().parse::<usize>().ok();
-    let pair = text.split_once(',').and_then(|(i, j)| Some(At::Node(number(i)?, number(j)?)));
+    let pair = text.split_once(',').and_then(|(i, j)| Some(NodeChoice::Node(number(i)?, number(j)?)));
     pair.ok_or_else(|| "expected `best`, or the indices of a node along x and y, for example 3,4".into())
 }
 

@@ -5,11 +5,11 @@ use crate::assess::Assessment;
 use crate::cell::{Cell, ErrorSet};
 use crate::cli::arguments::CheckArguments;
 use crate::cli::output::path_word;
-use crate::cli::{Exit, cache, loading, output};
+use crate::cli::{Exit, cache, loading, output, results};
 use crate::files::{Fault, shown};
 use crate::layout::Workcell;
+use crate::record::{CHECK_SCHEMA, CheckDocument, OwnPairEntry, UrdfEntry};
 use crate::report;
-use serde_json::json;
 
 /// `sweetspot check`
 pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
@@ -17,10 +17,10 @@ pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
         let (mut pairs, mut urdf) = (Vec::new(), None);
         let (exit, faults) = match loading::read_cell(&a.cell, &a.packages) {
             Ok(loaded) => {
-                urdf = loaded.cell.robot.urdf.is_some().then(|| report::urdf::derived(&loaded.cell.robot));
+                urdf = UrdfEntry::new(&loaded.cell.robot);
                 match Workcell::remembering(loaded.cell, &mut cache::remember) {
                     Ok(workcell) => {
-                        pairs = report::json::self_collision_pairs(&workcell);
+                        pairs = OwnPairEntry::all(&workcell);
                         (Exit::Done, loaded.warnings)
                     }
                     Err(why) => {
@@ -32,11 +32,9 @@ pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
             Err(faults) => (loading::exit_of(&faults), faults),
         };
         let valid = exit == Exit::Done;
-        let mut document = json!({ "schema": "sweetspot/check/1", "valid": valid, "faults": faults, "self_collision": pairs });
-        if let Some(urdf) = urdf {
-            document["urdf"] = urdf;
-        }
-        output::data(&format!("{document}\n"))?;
+        let document =
+            CheckDocument { schema: CHECK_SCHEMA.into(), valid, faults, self_collision: pairs, urdf };
+        output::data(&results::line(&document)?)?;
         return Ok(exit);
     }
     let loaded = loading::load(&a.cell, &a.packages)?;

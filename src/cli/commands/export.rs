@@ -4,9 +4,10 @@ use super::{stem, suggest, warn_of_distrust, workcell};
 use crate::assess::Assessment;
 use crate::cli::arguments::{ExportArguments, ExportFormat};
 use crate::cli::output::path_word;
-use crate::cli::{Exit, asked, found, loading, lookup, output, results};
+use crate::cli::{Exit, asked, loading, lookup, output, results, results_folder};
 use crate::drawing::{Detail, Drawing};
 use crate::files::{Loaded, shown};
+use crate::record::MapDocument;
 use crate::report;
 use crate::report::raster::Shot;
 use clap::ValueEnum;
@@ -58,7 +59,7 @@ fn cell_file(of: &Path, start: bool) -> Result<PathBuf, Exit> {
         }
         return Ok(of.to_path_buf());
     }
-    let best = found::best_of(of)?;
+    let best = results_folder::best_of(of)?;
     if !start {
         return Ok(best);
     }
@@ -96,8 +97,8 @@ fn rendered(a: &Assessment<'_>, format: ExportFormat, operation: Option<usize>) 
     };
     let drawing = || Drawing::new(a, &Detail::PLAIN).map_err(cannot);
     match format {
-        ExportFormat::Csv => results::csv(a),
-        ExportFormat::Json => results::pretty(&report::json::map(a)),
+        ExportFormat::Csv => results::csv(&MapDocument::new(a)),
+        ExportFormat::Json => results::pretty(&MapDocument::new(a)),
         ExportFormat::Parquet => report::parquet::map(a).map_err(cannot),
         ExportFormat::Dxf => Ok(report::dxf::dxf(&drawing()?, operation)),
         ExportFormat::Glb => report::glb::glb(&drawing()?, operation).map_err(cannot),

@@ -4,9 +4,9 @@ use super::{stem, suggest, workcell};
 use crate::assess::Assessment;
 use crate::cli::arguments::FiguresArguments;
 use crate::cli::output::{path_word, word};
-use crate::cli::{Exit, asked, found, loading, output, results};
+use crate::cli::{Exit, asked, loading, output, results, results_folder};
 use crate::files::Source;
-use crate::report::figures::{Figure, Format, figures as drawn, readme};
+use crate::report::figures::{Format, PaperFigure, figures as drawn, readme};
 use std::path::Path;
 
 /// `sweetspot figures`
@@ -14,11 +14,12 @@ pub fn figures(a: &FiguresArguments) -> Result<Exit, Exit> {
     let format = Format { width: usize::from(a.width), dark: a.dark };
     let mut loaded = Vec::new();
     for path in &a.cells {
-        let file = if path.is_dir() { found::best_of(path)? } else { path.clone() };
+        let file = if path.is_dir() { results_folder::best_of(path)? } else { path.clone() };
         let it = asked::load(&file, &a.packages, &a.question)?;
         loaded.push((results::portable(&stem(path)), it.sources, workcell(it.cell, &file)?));
     }
-    let (mut chapters, mut sources): (Vec<(String, Vec<Figure>)>, Vec<Source>) = (Vec::new(), Vec::new());
+    let (mut chapters, mut sources): (Vec<(String, Vec<PaperFigure>)>, Vec<Source>) =
+        (Vec::new(), Vec::new());
     for (k, (stem, read, workcell)) in loaded.iter().enumerate() {
         let prefix = match loaded.iter().filter(|(other, ..)| other == stem).count() {
             _ if loaded.len() == 1 => String::new(),
@@ -42,7 +43,8 @@ pub fn figures(a: &FiguresArguments) -> Result<Exit, Exit> {
     let pictures = chapters.into_iter().flat_map(|(_, figures)| figures).map(|f| (f.name, f.bytes));
     let mut outputs: Vec<(String, Vec<u8>)> = pictures.collect();
     outputs.push(("README.md".into(), text.into_bytes()));
-    results::write(&folder, &first.cell, &sources, &results::typed(), outputs)?.tell();
+    let run = results::RunDescription::typed(a.question.settings());
+    results::write(&folder, &first.cell, &sources, run, outputs)?.tell();
     suggest(&next(&a.cells[0]));
     Ok(Exit::Done)
 }

@@ -40,7 +40,7 @@ pub fn init(a: &InitArguments) -> Result<Exit, Exit> {
     let folder = loading::new_folder(Some(a.out.as_deref().unwrap_or(Path::new(name))), "")?;
     let sources = loaded.sources.into_iter().map(|source| (source.path, source.bytes));
     let schemas =
-        schema::all()?.into_iter().map(|(name, text)| (format!("schemas/{name}"), text.into_bytes()));
+        schema::of_files()?.into_iter().map(|(name, text)| (format!("schemas/{name}"), text.into_bytes()));
     // The cell file comes last: once it is there, everything it needs is there.
     let mut all: Vec<_> = sources.chain(schemas).collect();
     all.rotate_left(1);

@@ -4,10 +4,11 @@ use super::{refuse_other_pages, stem, suggest, within_size, workcell};
 use crate::assess::{Assessment, Comparison};
 use crate::cli::arguments::CompareArguments;
 use crate::cli::output::path_word;
-use crate::cli::{Exit, asked, found, loading, output, results};
+use crate::cli::{Exit, asked, loading, output, results, results_folder};
 use crate::drawing::Drawing;
 use crate::files::shown;
 use crate::layout::Workcell;
+use crate::record::{ComparisonDocument, SearchResult};
 use crate::report;
 use crate::report::page::Told;
 use std::path::{Path, PathBuf};
@@ -17,7 +18,7 @@ pub fn compare(a: &CompareArguments) -> Result<Exit, Exit> {
     a.out.as_deref().map_or(Ok(()), refuse_other_pages)?;
     let mut cells = Vec::new();
     for path in &a.layouts {
-        let file = if path.is_dir() { found::best_of(path)? } else { path.clone() };
+        let file = if path.is_dir() { results_folder::best_of(path)? } else { path.clone() };
         let label = if path.is_dir() { stem(path) } else { label_of(&file) };
         cells.push((label, workcell(asked::load(&file, &a.packages, &a.question)?.cell, &file)?));
     }
@@ -33,7 +34,7 @@ pub fn compare(a: &CompareArguments) -> Result<Exit, Exit> {
         output::talk(&format!("wrote {} ({} kB)", path_word(out), html.len().div_ceil(1 << 10)));
     }
     if a.json {
-        output::data(&results::line(&report::json::compare(&comparison))?)?;
+        output::data(&results::line(&ComparisonDocument::new(&comparison))?)?;
     } else {
         output::data(&report::text::comparison(&comparison))?;
         for sentence in comparison.in_words() {
@@ -62,10 +63,10 @@ fn page(comparison: &Comparison<'_>, paths: &[PathBuf]) -> Result<String, Exit> 
 /// Reads gap and clearance of the best layout from the folder of a search.
 fn told(folder: &Path) -> Told {
     let text = std::fs::read(folder.join("search.json")).unwrap_or_default();
-    let document: serde_json::Value = serde_json::from_slice(&text).unwrap_or_default();
+    let found: Option<SearchResult> = serde_json::from_slice(&text).ok();
     Told {
-        gap_percent: document["gap_percent"].as_f64(),
-        clearance_mm: document["goals"]["clearance_mm"].as_f64(),
+        gap_percent: found.as_ref().and_then(|found| found.gap_percent),
+        clearance_mm: found.and_then(|found| found.goals).map(|goals| goals.clearance_mm),
     }
 }
 

@@ -5,9 +5,10 @@ use crate::assess::Assessment;
 use crate::cli::arguments::MapArguments;
 use crate::cli::output::path_word;
 use crate::cli::results;
-use crate::cli::results::Written;
+use crate::cli::results::{RunDescription, WrittenFolder};
 use crate::cli::{Exit, asked, loading, output};
 use crate::files::Loaded;
+use crate::record::MapDocument;
 use crate::report;
 
 /// `sweetspot map`
@@ -15,7 +16,7 @@ pub fn map(a: &MapArguments) -> Result<Exit, Exit> {
     let Loaded { cell, sources, .. } = asked::load(&a.cell, &a.packages, &a.question)?;
     let workcell = workcell(cell, &a.cell)?;
     let assessment = Assessment::new("start", &workcell, workcell.cell.start());
-    let document = report::json::map(&assessment);
+    let document = MapDocument::new(&assessment);
     if let Some(path) = &a.svg {
         loading::write_whole(path, report::chart::error_map(&assessment).as_bytes())?;
     }
@@ -24,11 +25,17 @@ pub fn map(a: &MapArguments) -> Result<Exit, Exit> {
             let folder = loading::new_folder(Some(folder), "")?;
             let files = vec![
                 ("map.json", results::pretty(&document)?),
-                ("map.csv", results::csv(&assessment)?),
+                ("map.csv", results::csv(&document)?),
                 ("map.svg", report::chart::error_map(&assessment).into_bytes()),
                 ("discrepancy.svg", report::fig8::chart(&assessment).into_bytes()),
             ];
-            Some(results::write(&folder, &workcell.cell, &sources, &results::typed(), files)?)
+            Some(results::write(
+                &folder,
+                &workcell.cell,
+                &sources,
+                RunDescription::typed(a.question.settings()),
+                files,
+            )?)
         }
         None => None,
     };
@@ -41,7 +48,7 @@ pub fn map(a: &MapArguments) -> Result<Exit, Exit> {
     if let Some(path) = &a.svg {
         output::talk(&format!("wrote {}", path_word(path)));
     }
-    written.iter().for_each(Written::tell);
+    written.iter().for_each(WrittenFolder::tell);
     warn_of_distrust(&assessment);
     if !a.json {
         let movable = !workcell.cell.free().is_empty();

@@ -1,13 +1,14 @@
 //! `budget` and `explain`: the errors of one posture.
 
 use super::{suggest, workcell};
-use crate::assess::{Account, At, Explanation, NoStance, Stance};
+use crate::assess::{Account, Explanation, NoPosture, NodeChoice, PostureContext};
 use crate::cell::{Cell, JointKind, JointVector, MAX_JOINTS};
 use crate::cli::arguments::{BudgetArguments, ExplainArguments, QuestionFlags};
 use crate::cli::output::{path_word, word};
 use crate::cli::{Exit, asked, cache, lookup, output, results};
 use crate::files::shown;
 use crate::layout::Workcell;
+use crate::record::{BudgetDocument, ExplanationDocument};
 use crate::report;
 use crate::units::{m_from_mm, rad_from_deg};
 
@@ -24,10 +25,10 @@ pub fn budget(a: &BudgetArguments) -> Result<Exit, Exit> {
     let maps = workcell.maps(&layout);
     let mut accounts = Vec::new();
     for k in operations {
-        accounts.push(Account::new(Stance::at(&workcell, &layout, &maps, k, a.at).map_err(refused)?));
+        accounts.push(Account::new(PostureContext::at(&workcell, &layout, &maps, k, a.at).map_err(refused)?));
     }
     if a.json {
-        output::data(&results::line(&report::json::budget(cell, &accounts))?)?;
+        output::data(&results::line(&BudgetDocument::new(cell, &accounts))?)?;
     } else {
         let budgets: Vec<String> = accounts.iter().map(report::text::budget).collect();
         output::data(&format!("{}\n{}", report::text::headline(cell), budgets.join("\n")))?;
@@ -52,7 +53,7 @@ pub fn explain(a: &ExplainArguments) -> Result<Exit, Exit> {
         let cell = loaded.cell;
         let joints = joints(&cell, given)?;
         let ready = Workcell::remembering(cell.clone(), &mut cache::remember);
-        let stance = Stance::of_joints(&cell, ready.as_ref().map_err(String::as_str), k, joints);
+        let stance = PostureContext::of_joints(&cell, ready.as_ref().map_err(String::as_str), k, joints);
         let stance = stance.map_err(|why| {
             output::error(&why);
             output::talk("  help: choose another registration or another layout");
@@ -63,7 +64,7 @@ pub fn explain(a: &ExplainArguments) -> Result<Exit, Exit> {
     let workcell = workcell(loaded.cell, &a.cell)?;
     let layout = workcell.cell.start();
     let maps = workcell.maps(&layout);
-    told(a, &Explanation::new(Stance::at(&workcell, &layout, &maps, k, a.at).map_err(refused)?))
+    told(a, &Explanation::new(PostureContext::at(&workcell, &layout, &maps, k, a.at).map_err(refused)?))
 }
 
 fn told(a: &ExplainArguments, explanation: &Explanation<'_>) -> Result<Exit, Exit> {
@@ -78,7 +79,7 @@ fn told(a: &ExplainArguments, explanation: &Explanation<'_>) -> Result<Exit, Exi
         output::talk(&format!("warning: the {model} model cannot be trusted at this posture"));
     }
     if a.json {
-        output::data(&results::line(&report::json::explain(explanation))?)?;
+        output::data(&results::line(&ExplanationDocument::new(explanation))?)?;
         return Ok(Exit::Done);
     }
     let text = report::text::explanation(explanation);
@@ -99,12 +100,12 @@ fn told(a: &ExplainArguments, explanation: &Explanation<'_>) -> Result<Exit, Exi
 }
 
 /// Returns the operation that was named, or the only one; None: all of them.
-fn one_operation(cell: &Cell, name: Option<&str>, at: At) -> Result<Option<usize>, Exit> {
+fn one_operation(cell: &Cell, name: Option<&str>, at: NodeChoice) -> Result<Option<usize>, Exit> {
     match (name, at) {
         (Some(name), _) => lookup::operation(cell, name).map(Some),
         (None, _) if cell.operations.len() == 1 => Ok(Some(0)),
-        (None, At::Best) => Ok(None),
-        (None, At::Node(..)) => {
+        (None, NodeChoice::Best) => Ok(None),
+        (None, NodeChoice::Node(..)) => {
             let names: Vec<String> = cell.operations.iter().map(|o| shown(&o.name)).collect();
             output::error("--at is ambiguous: the cell has several operations");
             output::talk(&format!("  help: add --operation and one of: {}", names.join(", ")));
@@ -124,13 +125,13 @@ fn say_others(cell: &Cell) {
     }
 }
 
-fn refused(why: NoStance) -> Exit {
+fn refused(why: NoPosture) -> Exit {
     match why {
-        NoStance::Outside(why) => {
+        NoPosture::Outside(why) => {
             output::error(&why);
             Exit::BadInput
         }
-        NoStance::Unusable(why) => {
+        NoPosture::Unusable(why) => {
             output::error(&why);
             Exit::AnswerIsNo
         }
@@ -152,11 +153,11 @@ fn joints(cell: &Cell, given: &[f64]) -> Result<JointVector, Exit> {
 }
 
 /// Returns operation, node and flags as one would type them for another command.
-fn asked_again(operation: Option<&str>, at: At, flags: &QuestionFlags) -> String {
+fn asked_again(operation: Option<&str>, at: NodeChoice, flags: &QuestionFlags) -> String {
     let operation = operation.map_or(String::new(), |name| format!(" --operation {}", word(name)));
     let at = match at {
-        At::Best => String::new(),
-        At::Node(i, j) => format!(" --at {i},{j}"),
+        NodeChoice::Best => String::new(),
+        NodeChoice::Node(i, j) => format!(" --at {i},{j}"),
     };
     operation + &at + &flags.words()
 }

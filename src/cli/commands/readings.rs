@@ -5,8 +5,9 @@ use crate::assess::Readings;
 use crate::cli::arguments::ReadingsArguments;
 use crate::cli::output::path_word;
 use crate::cli::results;
-use crate::cli::results::Written;
+use crate::cli::results::{RunDescription, WrittenFolder};
 use crate::cli::{Exit, asked, loading, output};
+use crate::record::ReadingsDocument;
 use crate::report;
 
 /// `sweetspot readings`
@@ -20,15 +21,21 @@ pub fn readings(a: &ReadingsArguments) -> Result<Exit, Exit> {
         None => None,
     };
     let readings = Readings::new(cell).map_err(|why| unsolved(&cell.robot.name, &a.cell, &why))?;
-    let document = report::json::readings(&readings);
+    let document = ReadingsDocument::new(&readings, report::text::findings(&readings));
     let written = match &folder {
         Some(folder) => {
-            let table = report::csv::readings(&readings).map_err(|why| {
+            let table = report::csv::readings(&document).map_err(|why| {
                 output::error(&format!("cannot write readings.csv: {why}"));
                 Exit::Io
             })?;
             let outputs = vec![("readings.json", results::pretty(&document)?), ("readings.csv", table)];
-            Some(results::write(folder, cell, &loaded.sources, &results::typed(), outputs)?)
+            Some(results::write(
+                folder,
+                cell,
+                &loaded.sources,
+                RunDescription::typed(a.errors.settings()),
+                outputs,
+            )?)
         }
         None => None,
     };
@@ -38,7 +45,7 @@ pub fn readings(a: &ReadingsArguments) -> Result<Exit, Exit> {
         let title = report::text::question(cell);
         output::data(&format!("{title}\n\n{}", report::text::readings(&readings)))?;
     }
-    written.iter().for_each(Written::tell);
+    written.iter().for_each(WrittenFolder::tell);
     if !a.json {
         suggest(&format!("budget {} --reading worst-case", path_word(&a.cell)));
     }

@@ -3,14 +3,16 @@
 use super::{refuse_other_pages, suggest, warn_of_distrust, within_size, workcell};
 use crate::assess::Assessment;
 use crate::cli::arguments::ReportArguments;
-use crate::cli::found;
-use crate::cli::found::Folder;
 use crate::cli::output::path_word;
+use crate::cli::results_folder;
+use crate::cli::results_folder::SearchFolder;
 use crate::cli::{Exit, asked, loading, output, results};
 use crate::drawing::Drawing;
 use crate::files::{Fault, Loaded, Source};
+use crate::record::{SearchResult, VerdictAnswer};
 use crate::report::page;
 use crate::report::page::{Manifest, Report, Subject};
+use crate::search::SearchEnd;
 use std::path::{Path, PathBuf};
 
 /// `sweetspot report`
@@ -37,7 +39,7 @@ pub fn report(a: &ReportArguments) -> Result<Exit, Exit> {
     let report = Report { html, verdict };
     loading::write_whole(&a.out, report.html.as_bytes())?;
     tell(a, &read.file, &subject, &report)?;
-    Ok(if report.verdict.answer == "yes" { Exit::Done } else { Exit::AnswerIsNo })
+    Ok(if report.verdict.answer == VerdictAnswer::Yes { Exit::Done } else { Exit::AnswerIsNo })
 }
 
 /// Subject of a report as read, before it is assessed.
@@ -45,7 +47,7 @@ struct ReportSource {
     loaded: Loaded,
     file: PathBuf,
     best: Option<crate::cell::Layout>,
-    found: Option<page::Found>,
+    found: Option<SearchResult>,
     manifest: Manifest,
 }
 
@@ -59,7 +61,7 @@ fn of_folder(a: &ReportArguments) -> Result<ReportSource, Exit> {
         ));
         return Err(Exit::BadInput);
     }
-    let Folder { loaded, file, best, found, mut manifest } = found::read(&a.of, &a.packages)?;
+    let SearchFolder { loaded, file, best, found, mut manifest } = results_folder::read(&a.of, &a.packages)?;
     manifest.seed = found.seed;
     Ok(ReportSource { loaded, file, best, found: Some(found), manifest })
 }
@@ -105,7 +107,7 @@ fn refuse_other_numbers(folder: &Path, subject: &Subject<'_>) -> Result<(), Exit
                 word(says),
                 word(is)
             );
-            return Err(found::refused(folder, "search.json", &why));
+            return Err(results_folder::refused(folder, "search.json", &why));
         }
     }
     Ok(())
@@ -121,7 +123,7 @@ fn tell(a: &ReportArguments, file: &Path, subject: &Subject<'_>, report: &Report
         let rest: String = facts.chain(reasons).collect();
         output::data(&format!("{}\n{rest}", verdict.headline))?;
     }
-    if verdict.ended.as_deref().is_some_and(|ended| ["interrupted", "time-limit"].contains(&ended)) {
+    if verdict.ended.is_some_and(|ended| matches!(ended, SearchEnd::Interrupted | SearchEnd::TimeLimit)) {
         output::talk("note: the search was stopped early: resume it to look for a better layout");
     }
     output::talk(&format!("wrote {} ({} kB)", path_word(&a.out), report.html.len().div_ceil(1 << 10)));

@@ -1,7 +1,7 @@
 //! `robots`, `robot` and `envelope`: built-in robots and robot files.
 
 use super::{suggest, unsolved};
-use crate::assess::{Asked, Reachable, Sheet};
+use crate::assess::{EnvelopeQuery, Reachable, RobotDataSheet};
 use crate::cell::{Attitude, Operation, Robot};
 use crate::cli::arguments::{EnvelopeArguments, RobotArguments, RobotsArguments};
 use crate::cli::output::{path_word, word};
@@ -9,6 +9,7 @@ use crate::cli::packages::Packages;
 use crate::cli::{Exit, library, loading, lookup, output, results};
 use crate::files::{LoadedRobot, shown};
 use crate::reach::Inverse;
+use crate::record::{EnvelopeDocument, RobotSheetDocument, RobotsDocument};
 use crate::report;
 use crate::robot::Chain;
 use crate::units::{m_from_mm, rad_from_deg};
@@ -26,7 +27,7 @@ pub fn robots(a: &RobotsArguments) -> Result<Exit, Exit> {
         all.push((name, robot, family));
     }
     if a.json {
-        output::data(&results::line(&report::json::robots(&all))?)?;
+        output::data(&results::line(&RobotsDocument::new(&all))?)?;
     } else {
         output::data(&report::text::robots(&all))?;
         suggest(&format!("robot {}", library::ROBOTS[0].0));
@@ -41,10 +42,10 @@ pub fn robot(a: &RobotArguments) -> Result<Exit, Exit> {
     }
     let robot = read(&a.robot, &a.packages)?.robot;
     let bar = output::points_bar();
-    let sheet = Sheet::new(&robot, &|count, of| output::advance(&bar, count, of));
+    let sheet = RobotDataSheet::new(&robot, &|count, of| output::advance(&bar, count, of));
     bar.finish_and_clear();
     if a.json {
-        output::data(&results::line(&report::json::robot(&sheet))?)?;
+        output::data(&results::line(&RobotSheetDocument::new(&sheet))?)?;
     } else {
         output::data(&report::text::robot(&sheet))?;
         suggest(&format!("envelope {} --svg envelope.svg", path_word(&a.robot)));
@@ -119,7 +120,7 @@ fn drawn(
     if heights.is_empty() {
         heights.extend(height);
     }
-    let asked = Asked { operation, attitude, yaw, heights, step: a.step.map(m_from_mm) };
+    let asked = EnvelopeQuery { operation, attitude, yaw, heights, step: a.step.map(m_from_mm) };
     let work = asked.work(robot, inverse);
     if work > MAX_POINTS {
         output::error(&format!("the envelope takes {work} sample points, more than {MAX_POINTS}"));
@@ -133,7 +134,7 @@ fn drawn(
         loading::write_whole(path, report::chart::envelope(&envelope).as_bytes())?;
     }
     if a.json {
-        output::data(&results::line(&report::json::envelope(&envelope))?)?;
+        output::data(&results::line(&EnvelopeDocument::new(&envelope))?)?;
     } else {
         output::data(&report::text::envelope(&envelope))?;
     }

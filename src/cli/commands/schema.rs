@@ -6,35 +6,46 @@ use crate::cli::output::path_word;
 use crate::cli::{Exit, loading, output, results};
 use crate::files;
 use crate::files::FileKind;
+use crate::record::DocumentKind;
+use serde_json::Value;
 
 /// `sweetspot schema`
 pub fn schema(a: &SchemaArguments) -> Result<Exit, Exit> {
     let Some(folder) = &a.out else {
-        let kind = FileKind::ALL.into_iter().find(|kind| kind.name() == a.kind).unwrap_or(FileKind::Cell);
-        output::data(&text(kind)?)?;
+        output::data(&text(&schema_of(&a.kind))?)?;
         suggest("schema --out schemas");
         return Ok(Exit::Done);
     };
     loading::make_folder(folder)?;
-    for (name, text) in all()? {
+    let documents = DocumentKind::ALL.map(|kind| (file_name(kind.name()), kind.schema()));
+    let documents = documents.into_iter().map(|(name, schema)| Ok((name, text(&schema)?)));
+    let all: Vec<_> = of_files()?.into_iter().map(Ok).chain(documents).collect::<Result<_, Exit>>()?;
+    for (name, text) in &all {
         loading::write_whole(&folder.join(name), text.as_bytes())?;
     }
-    let first = path_word(&folder.join(file_name(FileKind::Cell)));
-    output::talk(&format!("wrote {} schemas into {}", FileKind::ALL.len(), path_word(folder)));
+    let first = path_word(&folder.join(file_name(FileKind::Cell.name())));
+    output::talk(&format!("wrote {} schemas into {}", all.len(), path_word(folder)));
     output::talk(&format!("editors use a schema if the first line of a file names it: #:schema ./{first}"));
     suggest("init");
     Ok(Exit::Done)
 }
 
-/// Returns name and text of every schema.
-pub fn all() -> Result<Vec<(String, String)>, Exit> {
-    FileKind::ALL.into_iter().map(|kind| Ok((file_name(kind), text(kind)?))).collect()
+/// Returns the schema of a kind of file or document, by its name.
+fn schema_of(name: &str) -> Value {
+    let document = DocumentKind::ALL.into_iter().find(|kind| kind.name() == name);
+    let file = FileKind::ALL.into_iter().find(|kind| kind.name() == name).unwrap_or(FileKind::Cell);
+    document.map_or_else(|| files::schema(file), DocumentKind::schema)
 }
 
-fn file_name(kind: FileKind) -> String {
-    format!("{}.schema.json", kind.name())
+/// Returns name and text of the schemas of the files that people write.
+pub fn of_files() -> Result<Vec<(String, String)>, Exit> {
+    FileKind::ALL.into_iter().map(|kind| Ok((file_name(kind.name()), text(&files::schema(kind))?))).collect()
 }
 
-fn text(kind: FileKind) -> Result<String, Exit> {
-    results::pretty(&files::schema(kind)).map(|bytes| String::from_utf8_lossy(&bytes).into_owned())
+fn file_name(kind: &str) -> String {
+    format!("{kind}.schema.json")
+}
+
+fn text(schema: &Value) -> Result<String, Exit> {
+    results::pretty(schema).map(|bytes| String::from_utf8_lossy(&bytes).into_owned())
 }

@@ -4,41 +4,37 @@ use super::{stem, suggest, warn_of_distrust, warn_of_hopeless, workcell};
 use crate::assess::{Assessment, Comparison};
 use crate::cli::arguments::SearchArguments;
 use crate::cli::checkpoint;
-use crate::cli::checkpoint::{Keeper, Kept};
+use crate::cli::checkpoint::{CheckpointWriter, StoppedSearch};
 use crate::cli::output::path_word;
 use crate::cli::progress::Reporter;
-use crate::cli::{Exit, asked, loading, output, results};
+use crate::cli::search_request::SearchRequest;
+use crate::cli::{Exit, loading, output, results};
 use crate::files::Loaded;
 use crate::layout::Workcell;
 use crate::proof::{Proof, ProofOptions, prove};
+use crate::record::SearchResult;
 use crate::report;
 use crate::search;
-use crate::search::{Ended, Job, Moment, Progress, SearchRecord, Watch};
-use std::path::PathBuf;
+use crate::search::{Moment, Progress, SearchEnd, SearchJob, SearchRecord, Watch};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 /// `sweetspot search`
 pub fn search(a: &SearchArguments) -> Result<Exit, Exit> {
-    let kept = a.resume.as_deref().map(|folder| Kept::read(folder, a)).transpose()?;
-    match kept {
-        Some(kept) => run(&kept.arguments, a, kept.folder.clone(), &kept.command, Some(&kept)),
-        None => run(a, a, PathBuf::new(), &results::typed(), None),
+    match &a.resume {
+        Some(folder) => {
+            let kept = StoppedSearch::read(folder, a)?;
+            run(&kept.request, a, Some(&kept))
+        }
+        None => run(&SearchRequest::new(a)?, a, None),
     }
 }
 
-/// Runs the search that `a` asks for; threads, time limit and output follow `now`, the arguments at hand.
-fn run(
-    a: &SearchArguments,
-    now: &SearchArguments,
-    folder: PathBuf,
-    command: &[String],
-    kept: Option<&Kept>,
-) -> Result<Exit, Exit> {
-    // clap has seen to it that there is one.
-    let file = a.cell.as_deref().ok_or(Exit::BadInput)?;
-    let Loaded { cell, sources, .. } = asked::load_for_search(a, file)?;
+/// Runs the search of a request; threads, time limit and output follow `now`, the arguments at hand.
+fn run(request: &SearchRequest, now: &SearchArguments, kept: Option<&StoppedSearch>) -> Result<Exit, Exit> {
+    let file = &request.cell;
+    let Loaded { cell, sources, .. } = request.load()?;
     let workcell = workcell(cell, file)?;
     let pool = threads(now.threads)?;
     let proof = pool.install(|| proven(&workcell));
@@ -50,12 +46,15 @@ fn run(
         warn_of_hopeless(&workcell);
     }
     // A folder that cannot be made must not cost a search.
-    let folder = if kept.is_some() { folder } else { loading::new_folder(a.out.as_deref(), &stem(file))? };
+    let folder = match kept {
+        Some(kept) => kept.folder.clone(),
+        None => loading::new_folder(now.out.as_deref(), &stem(file))?,
+    };
     let clock = Instant::now();
-    let keeper = Keeper::new(&folder, command, inputs, now.checkpoint);
+    let keeper = CheckpointWriter::new(&folder, request, inputs, now.checkpoint);
     let record = pool.install(|| run_search(&workcell, bound, now, &keeper, kept))?;
     let seconds = clock.elapsed().as_secs_f64();
-    let stopped = matches!(record.ended, Ended::Interrupted | Ended::TimeLimit);
+    let stopped = matches!(record.ended, SearchEnd::Interrupted | SearchEnd::TimeLimit);
     let comparison = compared(&workcell, &record);
     let written = results::write_search(
         &folder,
@@ -63,13 +62,13 @@ fn run(
         &sources,
         (&record, &proof),
         &comparison,
-        (!stopped).then_some(command),
+        (!stopped).then_some(request),
     )?;
     if !stopped {
         keeper.remove()?;
     }
     output::data(&if now.json {
-        results::line(&report::json::search(&workcell.cell, (&record, &proof), &comparison, Some(seconds)))?
+        results::line(&SearchResult::of_comparison(&record, &proof, &comparison).map(|r| r.timed(seconds)))?
     } else {
         answer(&workcell, (&record, &proof), &comparison, seconds)
     })?;
@@ -87,8 +86,8 @@ fn run(
 /// Returns the exit code; `misses`: an operation of the best layout exceeds its limit.
 fn exit(record: &SearchRecord, misses: bool) -> Exit {
     match (record.ended, record.found()) {
-        (Ended::Interrupted, _) => Exit::Interrupted,
-        (Ended::TimeLimit, _) => Exit::Limit,
+        (SearchEnd::Interrupted, _) => Exit::Interrupted,
+        (SearchEnd::TimeLimit, _) => Exit::Limit,
         (_, true) if !misses => Exit::Done,
         _ => Exit::AnswerIsNo,
     }
@@ -126,11 +125,12 @@ fn run_search(
     workcell: &Workcell,
     bound: Option<f64>,
     now: &SearchArguments,
-    keeper: &Keeper,
-    kept: Option<&Kept>,
+    keeper: &CheckpointWriter,
+    kept: Option<&StoppedSearch>,
 ) -> Result<SearchRecord, Exit> {
     let stop = stop_at_signals();
-    let reporter = Reporter::new(now.progress.as_deref(), workcell, bound, kept.map_or(0, Kept::evaluations));
+    let reporter =
+        Reporter::new(now.progress.as_deref(), workcell, bound, kept.map_or(0, StoppedSearch::evaluations));
     let (late, clock) = (AtomicBool::new(false), Instant::now());
     let progress = |p: Progress| {
         reporter.tell(p);
@@ -144,13 +144,13 @@ fn run_search(
             stop.store(true, Ordering::Relaxed);
         }
     };
-    let (watch, from) = (Watch { progress: &progress, stop: &stop }, kept.map(Kept::state));
-    let job = Job { bound, from, keep: &keep };
+    let (watch, from) = (Watch { progress: &progress, stop: &stop }, kept.map(StoppedSearch::state));
+    let job = SearchJob { bound, from, keep: &keep };
     let mut record = search::search_job(workcell, &workcell.cell.search, &watch, &job);
     reporter.finish();
     keeper.verdict(&record)?;
-    if late.into_inner() && record.ended == Ended::Interrupted {
-        record.ended = Ended::TimeLimit;
+    if late.into_inner() && record.ended == SearchEnd::Interrupted {
+        record.ended = SearchEnd::TimeLimit;
     }
     Ok(record)
 }
@@ -184,12 +184,12 @@ fn answer(
 ) -> String {
     let cell = &workcell.cell;
     let said = match (record.ended, record.found()) {
-        (Ended::NothingToSearch, _) => "nothing to search: every placement is fixed".to_string(),
+        (SearchEnd::NothingToSearch, _) => "nothing to search: every placement is fixed".to_string(),
         (_, false) => "no feasible layout found; `best` is the closest to feasible".to_string(),
         (_, true) => match comparison.change_percent(1, Assessment::objective) {
             Some(change) if change > -0.05 => "no layout better than the start was found".to_string(),
             Some(change) => {
-                let word = report::text::value_word(cell);
+                let word = crate::record::value_word(cell);
                 format!("the best layout has {:.1} % less {word} than the start", -change)
             }
             None => "the start layout is infeasible, the best layout is feasible".to_string(),

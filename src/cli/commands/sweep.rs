@@ -5,37 +5,36 @@ use crate::assess::Assessment;
 use crate::cli::arguments::SweepArguments;
 use crate::cli::loading::FileSnapshot;
 use crate::cli::output::path_word;
-use crate::cli::results::{INPUTS, keep_inputs, line, portable, pretty};
-use crate::cli::sweep::{Plan, number, open, row};
+use crate::cli::results::{INPUTS, hashed, keep_inputs, line, portable, pretty};
+use crate::cli::sweep::{add_inputs, asked_plan, load, number, open, row};
 use crate::cli::{Exit, cache, loading, output};
 use crate::files::{Fault, Source, shown};
 use crate::layout::Workcell;
 use crate::proof::{ProofOptions, prove};
+use crate::record::{ManifestDocument, SweepMode, SweepPlan, SweepRow, SweepTable};
 use crate::report;
-use crate::report::sweep::Row;
 use crate::search;
-use crate::search::{Ended, Job, SearchRecord, Watch};
+use crate::search::{SearchEnd, SearchJob, SearchRecord, Watch};
 use rayon::prelude::*;
-use serde_json::json;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 
-/// A sweep made ready: every combination has been read and checked.
-struct Sweep {
-    plan: Plan,
+/// Sweep whose combinations have all been read and checked.
+struct CheckedSweep {
+    plan: SweepPlan,
     kept: FileSnapshot,
     folder: PathBuf,
-    /// The cell file as it is called among the inputs.
+    /// Name of the cell file among the inputs.
     cell_name: String,
     stop: Arc<AtomicBool>,
 }
 
 /// `sweetspot sweep`
 pub fn sweep(a: &SweepArguments) -> Result<Exit, Exit> {
-    let mut plan = Plan::asked(a)?;
-    if let Some(index) = a.only.filter(|index| *index >= plan.combinations()) {
-        output::error(&format!("there is no combination {index}: they are 0 to {}", plan.combinations() - 1));
+    let mut plan = asked_plan(a)?;
+    if let Some(index) = a.only.filter(|index| *index >= plan.combinations) {
+        output::error(&format!("there is no combination {index}: they are 0 to {}", plan.combinations - 1));
         return Err(Exit::BadInput);
     }
     let jobs =
@@ -45,10 +44,10 @@ pub fn sweep(a: &SweepArguments) -> Result<Exit, Exit> {
     let folder = open(&plan, a.resume.as_deref().or(a.out.as_deref()), &stem(&plan.cell))?;
     let cell_name = portable(&sources.first().map_or(String::new(), |s| s.path.clone()));
     keep_inputs(&folder, &cell_name, &sources)?;
-    let all = 0..plan.combinations();
+    let all = 0..plan.combinations;
     let asked: Vec<usize> = a.only.map_or(all.clone().collect(), |index| vec![index]);
     let missing: Vec<usize> = asked.into_iter().filter(|k| row(&folder, *k).is_none()).collect();
-    let sweep = Sweep { plan, kept, folder, cell_name, stop: Arc::new(AtomicBool::new(false)) };
+    let sweep = CheckedSweep { plan, kept, folder, cell_name, stop: Arc::new(AtomicBool::new(false)) };
     run_all(&sweep, &missing, jobs)?;
     if sweep.stop.load(Ordering::Relaxed) {
         suggest(&format!("sweep --resume {}", path_word(&sweep.folder)));
@@ -61,30 +60,29 @@ pub fn sweep(a: &SweepArguments) -> Result<Exit, Exit> {
     }
     // Every combination is there, so no job writes here any more: what is unfinished was killed.
     loading::sweep(&sweep.folder);
-    let rows: Option<Vec<Row>> = all.map(|k| row(&sweep.folder, k)).collect();
+    let rows: Option<Vec<SweepRow>> = all.map(|k| row(&sweep.folder, k)).collect();
     let rows = rows.ok_or_else(|| {
         output::error(&format!("{} has changed meanwhile", path_word(&sweep.folder)));
         Exit::Io
     })?;
-    finish(&sweep, &rows, a.json)
+    finish(&sweep, rows, a.json)
 }
 
-/// Reads and checks every combination: all faults of all of them, each once.
-fn check_all(plan: &mut Plan, kept: &FileSnapshot, jobs: usize) -> Result<Vec<Source>, Exit> {
+/// Reads and checks every combination, and reports every fault once.
+fn check_all(plan: &mut SweepPlan, kept: &FileSnapshot, jobs: usize) -> Result<Vec<Source>, Exit> {
     let check = |index: usize| -> Result<(Vec<Source>, Vec<Fault>), Vec<Fault>> {
-        let loaded = plan.load(index, kept)?;
+        let loaded = load(plan, index, kept)?;
         match Workcell::remembering(loaded.cell, &mut cache::remember) {
             Ok(_) => Ok((loaded.sources, loaded.warnings)),
             Err(why) => Err(vec![Fault::of_file(&path_word(&plan.cell), why, UNSOLVED)]),
         }
     };
-    let checked: Vec<_> =
-        pool(jobs)?.install(|| (0..plan.combinations()).into_par_iter().map(check).collect());
+    let checked: Vec<_> = pool(jobs)?.install(|| (0..plan.combinations).into_par_iter().map(check).collect());
     let (mut all, mut told) = (Vec::new(), Vec::new());
     for (index, result) in checked.into_iter().enumerate() {
         let faults = match result {
             Ok((sources, warnings)) => {
-                plan.took(&mut all, sources);
+                add_inputs(plan, &mut all, sources);
                 warnings
             }
             Err(faults) => faults,
@@ -101,15 +99,15 @@ fn check_all(plan: &mut Plan, kept: &FileSnapshot, jobs: usize) -> Result<Vec<So
     if faults.iter().any(Fault::is_error) { Err(loading::exit_of(&faults)) } else { Ok(all) }
 }
 
-/// A fault with the combinations that have it, if not all do with the setting at fault.
-fn whose(plan: &Plan, (fault, first, count): (Fault, usize, usize)) -> Fault {
+/// Adds to the help of a fault in which combinations it occurs, unless it is in all that have its setting.
+fn whose(plan: &SweepPlan, (fault, first, count): (Fault, usize, usize)) -> Fault {
     let settings = plan.settings(first);
     let own = settings.iter().position(|s| fault.file == format!("--set {}", s.words()));
-    if count * own.map_or(1, |k| plan.sets[k].values.len()) == plan.combinations() {
+    if count * own.map_or(1, |k| plan.sets[k].values.len()) == plan.combinations {
         return fault;
     }
     let words: Vec<_> = settings.iter().map(|s| shown(&s.words())).collect();
-    let those = format!("in {count} of {} combinations, first {}", plan.combinations(), words.join(" "));
+    let those = format!("in {count} of {} combinations, first {}", plan.combinations, words.join(" "));
     let help = if fault.help.is_empty() { those } else { format!("{} ({those})", fault.help) };
     Fault { help, ..fault }
 }
@@ -121,8 +119,8 @@ fn pool(threads: usize) -> Result<rayon::ThreadPool, Exit> {
     })
 }
 
-/// Works on the missing combinations, each on as many threads as there are to spare.
-fn run_all(sweep: &Sweep, missing: &[usize], jobs: usize) -> Result<(), Exit> {
+/// Works on the missing combinations; each gets an equal share of the threads.
+fn run_all(sweep: &CheckedSweep, missing: &[usize], jobs: usize) -> Result<(), Exit> {
     let asked = sweep.stop.clone();
     let _ = ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed));
     let workers = jobs.min(missing.len()).max(1);
@@ -133,7 +131,7 @@ fn run_all(sweep: &Sweep, missing: &[usize], jobs: usize) -> Result<(), Exit> {
                 break;
             }
             if let Err(exit) = pool.install(|| run_one(sweep, index)) {
-                // The others finish what they have begun.
+                // The other workers finish their current combination.
                 next.store(missing.len(), Ordering::Relaxed);
                 *failed.lock().unwrap_or_else(|poisoned| poisoned.into_inner()) = Some(exit);
             }
@@ -146,10 +144,10 @@ fn run_all(sweep: &Sweep, missing: &[usize], jobs: usize) -> Result<(), Exit> {
     failed.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner()).map_or(Ok(()), Err)
 }
 
-/// One combination: a function of plan and index that leaves its files, or none if it is stopped.
-fn run_one(sweep: &Sweep, index: usize) -> Result<(), Exit> {
-    let Sweep { plan, kept, folder, .. } = sweep;
-    let loaded = plan.load(index, kept).map_err(|faults| {
+/// Works on one combination and writes its files; writes nothing if it is stopped.
+fn run_one(sweep: &CheckedSweep, index: usize) -> Result<(), Exit> {
+    let CheckedSweep { plan, kept, folder, .. } = sweep;
+    let loaded = load(plan, index, kept).map_err(|faults| {
         output::faults(&faults);
         Exit::BadInput
     })?;
@@ -162,25 +160,25 @@ fn run_one(sweep: &Sweep, index: usize) -> Result<(), Exit> {
     };
     let layout = record.as_ref().map_or_else(|| workcell.cell.start(), |r| r.best.layout.clone());
     let assessment = Assessment::new("best", &workcell, layout);
-    let row = report::json::row(&plan.sets, index, &assessment, record.as_ref());
+    let row = SweepRow::new(&plan.sets, index, &assessment, record.as_ref());
     if row.feasible {
         write_cell(sweep, index, &assessment)?;
     }
     loading::write_whole(&folder.join(number(index) + ".json"), &pretty(&row)?)
 }
 
-/// As `search` does: the bound first, which may end the search. None if it is stopped.
+/// Searches as `search` does, with the proven bound first; returns None if it is stopped.
 fn searched(workcell: &Workcell, stop: &AtomicBool) -> Option<SearchRecord> {
     let proof = prove(workcell, &ProofOptions::default(), stop);
-    let job = Job { bound: proof.bound, from: None, keep: &|_, _| () };
+    let job = SearchJob { bound: proof.bound, from: None, keep: &|_, _| () };
     let watch = Watch { progress: &|_| {}, stop };
     let record = search::search_job(workcell, &workcell.cell.search, &watch, &job);
-    // Half a proof would leave another bound in the row.
-    (!proof.interrupted && record.ended != Ended::Interrupted).then_some(record)
+    // An interrupted proof would give another bound.
+    (!proof.interrupted && record.ended != SearchEnd::Interrupted).then_some(record)
 }
 
-/// NNNN.toml, a cell with the layout fixed, and among the inputs the cell with its settings.
-fn write_cell(sweep: &Sweep, index: usize, a: &Assessment<'_>) -> Result<(), Exit> {
+/// Writes NNNN.toml, the cell with its layout fixed, and among the inputs the cell with its settings.
+fn write_cell(sweep: &CheckedSweep, index: usize, a: &Assessment<'_>) -> Result<(), Exit> {
     let settings = sweep.plan.settings(index);
     let lines: Vec<_> = settings.iter().map(|s| s.line()).collect();
     let from = format!("from = \"{}\"\n{}\n", sweep.cell_name, lines.join("\n"));
@@ -203,39 +201,36 @@ fn write_cell(sweep: &Sweep, index: usize, a: &Assessment<'_>) -> Result<(), Exi
     loading::write_whole(&sweep.folder.join(number(index) + ".toml"), text.as_bytes())
 }
 
-/// The table of all rows, in files and on stdout.
-fn finish(sweep: &Sweep, rows: &[Row], as_json: bool) -> Result<Exit, Exit> {
-    let document = report::sweep::json(if sweep.plan.search { "search" } else { "map" }, rows);
-    let csv = report::sweep::csv(rows).map_err(|why| {
-        output::error(&format!("cannot make table.csv: {why}"));
+/// Writes the table of all rows to files and stdout.
+fn finish(sweep: &CheckedSweep, rows: Vec<SweepRow>, as_json: bool) -> Result<Exit, Exit> {
+    let mode = if sweep.plan.search { SweepMode::Search } else { SweepMode::Map };
+    let document = SweepTable::new(mode, rows);
+    let csv = report::sweep::csv(&document).map_err(|why| {
+        output::error(&format!("cannot write table.csv: {why}"));
         Exit::Io
     })?;
     write_table(sweep, vec![("table.csv", csv), ("table.json", pretty(&document)?)])?;
-    let text = if as_json { line(&document)? } else { report::text::sweep(rows) };
+    let text = if as_json { line(&document)? } else { report::text::sweep(&document) };
     output::data(&text)?;
     let folder = path_word(&sweep.folder);
     output::talk(&format!("wrote {folder}: table.csv, table.json, manifest.json, a file per combination"));
-    if let Some(best) = report::sweep::best(rows.iter()).filter(|_| !as_json) {
-        let best = sweep.folder.join(number(best.index) + ".toml");
+    if let Some(best) = document.best.filter(|_| !as_json) {
+        let best = sweep.folder.join(number(best) + ".toml");
         suggest(&format!("map {} --svg map.svg", path_word(&best)));
     }
-    Ok(if rows.iter().any(|r| r.feasible) { Exit::Done } else { Exit::AnswerIsNo })
+    Ok(if document.feasible > 0 { Exit::Done } else { Exit::AnswerIsNo })
 }
 
-/// The tables and, last, the manifest: a folder with one is complete. It does not tell the command, so
-/// that a resumed sweep ends in the same bytes.
-fn write_table(sweep: &Sweep, outputs: Vec<(&str, Vec<u8>)>) -> Result<(), Exit> {
+/// Writes the tables and, last, the manifest: a folder that has one is complete.
+///
+/// The manifest has no command, so that a resumed sweep ends in the same bytes.
+fn write_table(sweep: &CheckedSweep, outputs: Vec<(&str, Vec<u8>)>) -> Result<(), Exit> {
     let write = |name: &str, bytes: &[u8]| loading::write_whole(&sweep.folder.join(name), bytes);
     outputs.iter().try_for_each(|(name, bytes)| write(name, bytes))?;
-    let hashed =
-        outputs.iter().map(|(name, bytes)| json!({ "path": name, "sha256": loading::sha256(bytes) }));
-    let manifest = json!({
-        "schema": "sweetspot/manifest/1",
-        "program": "sweetspot",
-        "version": env!("CARGO_PKG_VERSION"),
-        "plan": "plan.json",
-        "inputs": sweep.plan.inputs,
-        "outputs": hashed.collect::<Vec<_>>(),
-    });
+    let hashes = outputs.iter().map(|(name, bytes)| hashed(name, bytes)).collect();
+    let manifest = ManifestDocument {
+        plan: Some("plan.json".into()),
+        ..ManifestDocument::new(sweep.plan.inputs.clone(), hashes)
+    };
     write("manifest.json", &pretty(&manifest)?)
 }

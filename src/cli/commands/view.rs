@@ -6,7 +6,7 @@ use crate::cli::arguments::ViewArguments;
 use crate::cli::output::path_word;
 use crate::cli::packages::Packages;
 use crate::cli::view::{AccessControl, LiveView, Origin, secret, serve};
-use crate::cli::{Exit, asked, found, loading, output};
+use crate::cli::{Exit, asked, loading, output, results_folder};
 use crate::files::Loaded;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -16,8 +16,8 @@ use tiny_http::Server;
 
 /// `sweetspot view`. Ctrl-C is its regular end, with exit code 0.
 pub fn view(a: &ViewArguments) -> Result<Exit, Exit> {
-    asked::refuse_sets(&a.question, "view")?;
-    let file = if a.of.is_dir() { found::best_of(&a.of)? } else { a.of.clone() };
+    asked::refuse_sets(&a.question.settings(), "view")?;
+    let file = if a.of.is_dir() { results_folder::best_of(&a.of)? } else { a.of.clone() };
     let Loaded { cell, sources, .. } = asked::load(&file, &a.packages, &a.question)?;
     let folder = file.parent().unwrap_or(Path::new(""));
     let sources: Vec<PathBuf> = sources.iter().map(|s| folder.join(&s.path)).collect();

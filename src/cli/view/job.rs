@@ -5,7 +5,7 @@ use crate::cell::{Cell, Layout};
 use crate::cli::cache;
 use crate::layout::{Workcell, evaluate};
 use crate::search;
-use crate::search::{Ended, Progress, Watch};
+use crate::search::{Progress, SearchEnd, Watch};
 use crate::units::percent_from_share;
 use serde_json::{Value, json};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -28,7 +28,7 @@ pub struct LiveResult {
     /// Best layout; None if it is not feasible.
     pub layout: Option<Layout>,
     objective: Option<f64>,
-    ended: Ended,
+    ended: SearchEnd,
 }
 
 /// A search that runs or has ended.

@@ -4,7 +4,7 @@
 use crate::cell::{Cell, Coordinate, Layout, Role, Slot};
 
 use crate::files::shown;
-use crate::report::json::coordinate_name;
+use crate::record::coordinate_name;
 use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg, rounded};
 use serde_json::Value;
 

@@ -6,6 +6,7 @@
 use super::document::{Library, Source};
 use super::tree::{Entry, Node, Value, is_range, parse};
 use crate::files::fault::{Fault, did_you_mean, listed, shown};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Stands for the settings among the sources; no file can have this name.
@@ -20,7 +21,7 @@ const EVERY: &str = "*";
 const SHAPE: &str = "write --set PATH=VALUE or PATH=VALUE,VALUE,..., for example clearance_mm=0,10";
 
 /// One key of a cell stated on the command line.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Setting {
     /// Dotted path, as in TOML: `equipment.worktable.placement.z_mm`.
     pub path: String,
@@ -78,7 +79,7 @@ pub fn toml_string(text: &str) -> String {
 }
 
 /// A key of a cell, and every value that it is to have in turn.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Choices {
     pub path: String,
     pub values: Vec<String>,

@@ -84,7 +84,8 @@ impl PointForms {
         Self { kinds, twist1, zero, l1: a.l, u, v, h, distance2: (form, z) }
     }
 
-    /// Returns the path of joint 3: a circle by the tangent of half the angle from `origin`, or a line by r_3.
+    /// Returns the path of joint 3: a circle by the tangent of half the angle from `origin`, or a line by
+    /// r_3.
     pub fn path(&self, (c, s): Angle) -> Path {
         match self.kinds[2] {
             Revolute => Path { one: [1.0, 0.0, 1.0], a: [c, -2.0 * s, -c], b: [s, 2.0 * c, -s] },

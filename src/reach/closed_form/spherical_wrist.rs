@@ -78,9 +78,9 @@ impl SphericalWrist {
     ///
     /// Bit 0 of the branch is the flip of the wrist. For the usual industrial arm bit 1 is the elbow, and
     /// bit 2 says that the arm leans back over its base. For other arms bit 1 numbers the two solutions of
-    /// joint 2, bit 2 says whether Pieper's equation rises at the solution for joint 3, and bit 3 counts
-    /// these from theta_3 = -180 degrees, or from the lowest r_3. Neighbouring targets keep that number up
-    /// to a singularity or to theta_3 = 180 degrees. An arm that changes posture without a singularity has
+    /// joint 2. Bit 2 says whether Pieper's equation rises at the solution for joint 3. Bit 3 counts these
+    /// solutions from theta_3 = -180 degrees, or from the lowest r_3. Neighbouring targets keep that number
+    /// up to a singularity or to theta_3 = 180 degrees. An arm that changes posture without a singularity has
     /// no better number.
     ///
     /// With axes 4 and 6 aligned, theta_4 is 0 and the wrist is not flipped. A wrist centre on axis 1 or 2

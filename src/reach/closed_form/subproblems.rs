@@ -95,7 +95,8 @@ impl Twists {
         Self { first, second, per_sines: 1.0 / (sa * sb), sum: sides(sum), apart: sides(apart) }
     }
 
-    /// Returns the rotation with sine >= 0, given cosine and squared sine of the angle between the outer axes.
+    /// Returns the rotation with sine >= 0, given cosine and squared sine of the angle between the outer
+    /// axes.
     ///
     /// It is None if the twists do not allow that angle.
     #[inline]

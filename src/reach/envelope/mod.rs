@@ -11,7 +11,7 @@ pub use size::{EnvelopeExtent, Size};
 
 use crate::cell::{Attitude, JointKind, MAX_JOINTS};
 use crate::pose::exact_sin_cos;
-use crate::reach::solver::Solver;
+use crate::reach::solver::ChainSolver;
 use crate::reach::{Inverse, Shell, ToolAttitudes};
 use crate::robot::Posture;
 use nalgebra::Vector3;
@@ -107,7 +107,8 @@ impl<'a> Envelope<'a> {
         Lattice::round([centre.x, centre.y], (outer * outer - away * away).sqrt(), step)
     }
 
-    /// Returns whether the envelope is exactly symmetric about the base axis, except for the limits of joint 1.
+    /// Returns whether the envelope is exactly symmetric about the base axis, except for the limits of
+    /// joint 1.
     ///
     /// Then the first axis is the base axis and drives no other joint, and the attitude rotates with it.
     /// An arm that samples a free angle from a fixed direction is symmetric only if joint 1 makes whole
@@ -132,9 +133,9 @@ impl<'a> Envelope<'a> {
             azimuth => azimuth == Azimuth::Free,
         };
         match solver {
-            Solver::Planar(_) => free,
-            Solver::Numeric(_) => free && size::turns_whole(self.inverse),
-            Solver::Pose(_) | Solver::Redundant(_) => {
+            ChainSolver::Planar(_) => free,
+            ChainSolver::Numeric(_) => free && size::turns_whole(self.inverse),
+            ChainSolver::Pose(_) | ChainSolver::Redundant(_) => {
                 attitude.azimuth == Azimuth::Radial
                     || free && attitude.is_vertical() && size::turns_whole(self.inverse)
             }

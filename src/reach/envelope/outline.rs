@@ -55,6 +55,7 @@ impl Outline {
         self.points.iter().zip(next).map(|(a, b)| (a[0] * b[1] - a[1] * b[0]) / 2.0).sum()
     }
 
+    /// Returns whether the polygon bounds a hole.
     pub fn is_hole(&self) -> bool {
         self.area() < 0.0
     }
@@ -68,6 +69,7 @@ impl Lattice {
         Self { first, size: [0, 1].map(|k| (last[k] - first[k]).max(2) as usize), step }
     }
 
+    /// Returns the number of points.
     pub fn count(&self) -> u64 {
         (self.size[0] * self.size[1]) as u64
     }

@@ -59,7 +59,8 @@ struct Descent<'a> {
 }
 
 impl Numeric {
-    /// Minimizes the cost by the Levenberg-Marquardt method within the limits; `scale` (1/m) multiplies lengths.
+    /// Minimizes the cost by the Levenberg-Marquardt method within the limits; `scale` (1/m) multiplies
+    /// lengths.
     ///
     /// Every step lowers the cost. The quadratic program is solved where a step would not, and holds a joint
     /// at a bound that it should leave. A goal of the position alone uses the exact Hessian, so that the

@@ -77,7 +77,8 @@ impl TcpGoal {
             AttitudeGoal::Elevation(angle) => {
                 let axis = tcp.rotation * tool_axis;
                 let across = axis.x.hypot(axis.y);
-                // A rotation about the horizontal axis x z raises the tool; for a vertical tool, about any axis.
+                // A rotation about the horizontal axis x z raises the tool; for a vertical tool, about any
+                // axis.
                 let about = if across > 0.0 { vector![axis.y, -axis.x, 0.0] / across } else { Vector3::x() };
                 (about * (angle - axis.z.atan2(across)), SeenRotation::Along(about))
             }

@@ -44,6 +44,7 @@ impl JointRange {
 pub(super) struct JointRanges(Vec<JointRange>);
 
 impl JointRanges {
+    /// Returns the joint ranges of a chain.
     pub fn new(chain: &Chain) -> Self {
         let range = |(j, link): (usize, &crate::robot::Link)| {
             let (lo, hi) = link.limits;
@@ -60,6 +61,7 @@ impl JointRanges {
         Self(chain.links.iter().enumerate().map(range).collect())
     }
 
+    /// Returns the range of every joint.
     pub fn ranges(&self) -> &[JointRange] {
         &self.0
     }
@@ -87,7 +89,8 @@ impl JointRanges {
         moved
     }
 
-    /// Adds the damping to the diagonal. A prismatic travel of `1 / scale`, the chain's length, counts as 1 rad.
+    /// Adds the damping to the diagonal. A prismatic travel of `1 / scale`, the chain's length, counts as 1
+    /// rad.
     #[inline]
     pub fn damp(&self, h: &mut NormalMatrix, damping: f64, scale: f64) {
         for (i, range) in self.0.iter().enumerate() {

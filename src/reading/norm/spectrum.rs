@@ -114,7 +114,8 @@ impl Spectrum {
 
     /// Returns `(h, f)` such that the transform is `central(z) exp(h - |mu|^2 z) f`.
     ///
-    /// `h = sum 2 l_i mu_i^2 z^2 r_i` is due to mean and variance along the same axis, `f` to higher cumulants.
+    /// `h = sum 2 l_i mu_i^2 z^2 r_i` is due to mean and variance along the same axis, `f` to higher
+    /// cumulants.
     pub fn factors(&self, z: Complex<f64>) -> (Complex<f64>, Complex<f64>) {
         let mut h = Complex::new(0.0, 0.0);
         let mut zr = [h; 6];

@@ -25,6 +25,7 @@ const MAX_NODES: usize = 200_000;
 /// Ratio of squares up to which two corners count as equally far.
 const EQUAL_RATIO: f64 = 1.0 + 1e-14;
 
+/// Branch and bound with its working memory.
 pub(super) struct BranchAndBound {
     table: SignTable<6>,
     sorted: [Vector6<f64>; MAX_GENERATORS],

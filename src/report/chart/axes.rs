@@ -1,11 +1,11 @@
-//! Axes: values to px, round ticks, gridlines.
+//! Axes: scales from values to px, round ticks, gridlines.
 
-use super::canvas::{Anchor, Canvas, Ink, SMALL};
+use super::canvas::{Anchor, ChartCanvas, Ink, SMALL};
 use super::words;
 
-/// One axis: what it spans and where that lies in the picture.
+/// Axis: its span of values and its place in the picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Scale {
+pub struct AxisScale {
     pub low: f64,
     pub high: f64,
     /// px of `low` and of `high`.
@@ -13,22 +13,22 @@ pub struct Scale {
     is_log: bool,
 }
 
-impl Scale {
-    /// From `low` to `high`; a span of nothing is made one.
+impl AxisScale {
+    /// Returns a linear axis. An empty span is widened.
     pub fn linear(low: f64, high: f64, px: (f64, f64)) -> Self {
         let (low, high) = if low.is_finite() && high.is_finite() { (low, high) } else { (0.0, 1.0) };
         let pad = if high > low { 0.0 } else { low.abs().max(1e-9) * 0.5 };
         Self { low: low - pad, high: high + pad, px, is_log: false }
     }
 
-    /// The same by powers of ten; both ends above 0.
+    /// Returns a logarithmic axis; both ends must be above 0.
     pub fn log(low: f64, high: f64, px: (f64, f64)) -> Self {
         let low = if low > 0.0 && low.is_finite() { low } else { 1e-12 };
         let high = if high > low { high } else { low * 10.0 };
         Self { low, high, px, is_log: true }
     }
 
-    /// Values beyond the ends are set at the ends.
+    /// Returns the place of a value, px. Values beyond the ends lie on the ends.
     pub fn at(&self, value: f64) -> f64 {
         let value = if value.is_nan() { self.low } else { value.clamp(self.low, self.high) };
         let share = match self.is_log {
@@ -38,7 +38,7 @@ impl Scale {
         self.px.0 + share * (self.px.1 - self.px.0)
     }
 
-    /// Round numbers with their names, about so many.
+    /// Returns about so many round numbers with their texts.
     pub fn ticks(&self, about: f64) -> Vec<(f64, String)> {
         if self.is_log {
             return self.decades();
@@ -47,7 +47,7 @@ impl Scale {
         round_numbers(self.low, self.high, step).map(|v| (v, words::number(v, step))).collect()
     }
 
-    /// Powers of ten; between the ends of less than three of them also 2 and 5 times each.
+    /// Returns powers of ten; over less than three decades also 2 and 5 times each.
     fn decades(&self) -> Vec<(f64, String)> {
         let few = (self.high / self.low).log10() < 3.0;
         let parts = if few { &[1.0, 2.0, 5.0][..] } else { &[1.0] };
@@ -58,14 +58,14 @@ impl Scale {
     }
 }
 
-/// 1, 2 or 5 times a power of ten: about so many steps in a span.
+/// Returns 1, 2 or 5 times a power of ten so that a span has about so many steps.
 pub fn step(span: f64, about: f64) -> f64 {
     let apart = (span / about).max(f64::MIN_POSITIVE);
     let decade = 10f64.powf(apart.log10().floor());
     [1.0, 2.0, 5.0].map(|s| s * decade).into_iter().find(|s| *s >= apart * 0.999).unwrap_or(10.0 * decade)
 }
 
-/// Multiples of a step from `low` to `high`.
+/// Returns the multiples of a step from `low` to `high`.
 pub fn round_numbers(low: f64, high: f64, step: f64) -> impl Iterator<Item = f64> {
     let slack = step * 1e-6;
     let (first, last) = (((low - slack) / step).ceil(), ((high + slack) / step).floor());
@@ -73,8 +73,8 @@ pub fn round_numbers(low: f64, high: f64, step: f64) -> impl Iterator<Item = f64
     (0..count as usize).map(move |k| (first + k as f64) * step)
 }
 
-/// Gridlines, numbers and names of a plot; x to the right, y up.
-pub fn draw(canvas: &mut Canvas, x: &Scale, y: &Scale, names: (&str, &str)) {
+/// Draws gridlines, numbers and names of a plot: x to the right, y up.
+pub fn draw(canvas: &mut ChartCanvas, x: &AxisScale, y: &AxisScale, names: (&str, &str)) {
     across(canvas, x, y, names.0);
     upwards(canvas, x, y, names.1);
     let ((left, right), (bottom, top)) = (x.px, y.px);
@@ -82,8 +82,8 @@ pub fn draw(canvas: &mut Canvas, x: &Scale, y: &Scale, names: (&str, &str)) {
     canvas.y = canvas.y.max(bottom + if names.0.is_empty() { 22.0 } else { 40.0 });
 }
 
-/// Of the axis to the right.
-pub fn across(canvas: &mut Canvas, x: &Scale, y: &Scale, name: &str) {
+/// Draws the axis to the right.
+pub fn across(canvas: &mut ChartCanvas, x: &AxisScale, y: &AxisScale, name: &str) {
     let ((left, right), (bottom, top)) = (x.px, y.px);
     let mut free = f64::MIN;
     for (value, said) in x.ticks(((right - left) / 80.0).max(2.0)) {
@@ -99,8 +99,8 @@ pub fn across(canvas: &mut Canvas, x: &Scale, y: &Scale, name: &str) {
     canvas.text((right, bottom + 36.0), Anchor::End, Ink::Text, &name);
 }
 
-/// Of the axis up.
-pub fn upwards(canvas: &mut Canvas, x: &Scale, y: &Scale, name: &str) {
+/// Draws the axis up.
+pub fn upwards(canvas: &mut ChartCanvas, x: &AxisScale, y: &AxisScale, name: &str) {
     let ((left, right), (bottom, top)) = (x.px, y.px);
     for (value, said) in y.ticks(((bottom - top) / 52.0).max(2.0)) {
         let py = y.at(value);

@@ -1,20 +1,20 @@
-//! A picture while it is drawn: heading, shapes, texts, legend.
+//! Canvas of a chart: heading, shapes, texts, legend.
 
 use super::{WIDTH, words};
 use crate::report::colours;
 use crate::report::svg_text::escaped;
 use std::fmt::Write;
 
-/// Left and right of everything, px.
+/// Margin at the left and the right, px.
 pub const EDGE: f64 = 16.0;
 /// Sizes of text, px.
 pub const HEAD: f64 = 16.0;
 pub const BODY: f64 = 13.0;
-/// Bold letters are so much wider.
+/// Width of bold letters relative to regular ones.
 const BOLD: f64 = 1.14;
 pub const SMALL: f64 = 12.0;
 
-/// What something is painted with: a colour on white paper, one on black, and the class that says which.
+/// Colour of a chart: one on white paper, one on black, and the class that a style sheet repaints.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ink {
     Paper,
@@ -29,7 +29,7 @@ pub enum Ink {
     Vermilion,
     Purple,
     Sky,
-    /// The spot chosen.
+    /// The chosen spot.
     Spot,
 }
 
@@ -50,7 +50,7 @@ impl Ink {
         Ink::Spot,
     ];
 
-    /// Class, colour on white, colour on black.
+    /// Returns the class, the colour on white and the colour on black.
     const fn told(self) -> (&'static str, &'static str, &'static str) {
         match self {
             Ink::Paper => ("paper", "#ffffff", "#14181d"),
@@ -69,13 +69,13 @@ impl Ink {
         }
     }
 
-    /// Attributes of what is filled.
+    /// Returns the attributes of a filled shape.
     pub fn fill(self) -> String {
         let (class, light, _) = self.told();
         format!("class=\"fill-{class}\" fill=\"{light}\"")
     }
 
-    /// Attributes of a text with a halo of paper.
+    /// Returns the attributes of a text with a halo of paper.
     fn haloed(self) -> String {
         let ((class, light, _), (paper, white, _)) = (self.told(), Ink::Paper.told());
         format!(
@@ -84,14 +84,14 @@ impl Ink {
         )
     }
 
-    /// Attributes of a line so many px wide.
+    /// Returns the attributes of a line of a width in px.
     pub fn line(self, width: f64) -> String {
         let (class, light, _) = self.told();
         format!("class=\"line-{class}\" fill=\"none\" stroke=\"{light}\" stroke-width=\"{width}\"")
     }
 }
 
-/// Rules of a style sheet for charts on a dark page, each under `scope`, such as `.dark`.
+/// Returns the style sheet rules for charts on a dark page, each under a selector such as `.dark`.
 pub fn dark_rules(scope: &str) -> String {
     Ink::ALL.iter().fold(String::new(), |mut out, ink| {
         let (class, _, dark) = ink.told();
@@ -118,28 +118,28 @@ impl Anchor {
     }
 }
 
-/// An entry of a legend: a mark drawn round the origin, at most 24 px wide, and what it says.
-pub struct Entry {
+/// Entry of a legend: a mark round the origin, at most 24 px wide, and its meaning.
+pub struct LegendEntry {
     pub mark: String,
     pub said: String,
 }
 
-/// One picture.
-pub struct Canvas {
+/// Chart under construction.
+pub struct ChartCanvas {
     name: String,
     body: String,
     width: f64,
-    /// Below what has been drawn so far, px.
+    /// Lower end of what has been drawn so far, px.
     pub y: f64,
 }
 
-impl Canvas {
-    /// With a heading, and lines under it.
+impl ChartCanvas {
+    /// Begins a chart with a heading and lines under it.
     pub fn new(heading: &str, under: &[String]) -> Self {
         Self::wide(heading, under, WIDTH)
     }
 
-    /// The same so many px wide.
+    /// Begins a chart of a width in px.
     pub fn wide(heading: &str, under: &[String], width: f64) -> Self {
         let mut canvas = Self { name: heading.to_string(), body: String::new(), width, y: EDGE };
         let room = width - 2.0 * EDGE;
@@ -161,7 +161,7 @@ impl Canvas {
         self.body.push('\n');
     }
 
-    /// A line of faint text, broken if need be.
+    /// Writes a paragraph of faint text.
     pub fn paragraph(&mut self, said: &str) {
         for line in words::wrapped(said, BODY, self.width - 2.0 * EDGE, 4) {
             self.y += 17.0;
@@ -169,7 +169,7 @@ impl Canvas {
         }
     }
 
-    /// A text on its base line; what hides it is cut out round it.
+    /// Writes a text from its baseline.
     pub fn text(&mut self, (x, y): (f64, f64), anchor: Anchor, ink: Ink, said: &str) {
         let (fill, anchor) = (ink.fill(), anchor.word());
         self.put(&format!(
@@ -178,7 +178,7 @@ impl Canvas {
         ));
     }
 
-    /// A text that stands on a picture: with a halo of paper.
+    /// Writes a text over a picture, with a halo of paper.
     pub fn label(&mut self, (x, y): (f64, f64), anchor: Anchor, ink: Ink, said: &str) {
         let (paint, anchor, said) = (ink.haloed(), anchor.word(), escaped(said));
         self.put(&format!(
@@ -201,10 +201,10 @@ impl Canvas {
         }
     }
 
-    /// Entries side by side, in as many rows as they need.
-    pub fn legend(&mut self, entries: &[Entry]) {
+    /// Draws the entries of a legend side by side, in as many rows as they need.
+    pub fn legend(&mut self, entries: &[LegendEntry]) {
         let (mut x, mut is_open) = (EDGE, false);
-        for Entry { mark, said } in entries {
+        for LegendEntry { mark, said } in entries {
             let said = words::shortened(said, BODY, self.width - 2.0 * EDGE - 32.0);
             let wide = 32.0 + words::width(&said, BODY) + 14.0;
             if !is_open || x + wide > self.width - EDGE + 14.0 {

@@ -1,35 +1,35 @@
-//! Values to bands of colour, and the bar that tells them.
+//! Colour scale of a heat map: bands of colour and their bar.
 
-use super::axes::{Scale, round_numbers, step};
-use super::canvas::{Anchor, Canvas, Ink};
+use super::axes::{AxisScale, round_numbers, step};
+use super::canvas::{Anchor, ChartCanvas, Ink};
 use super::words;
 use crate::report::colours::viridis_hex;
 
-/// So many bands of colour from iso-line to iso-line.
+/// Number of colour bands from one iso-line to the next.
 const BANDS: f64 = 4.0;
 
-/// What the colours span, in the unit of the chart.
+/// Span of the colours, in the unit of the chart.
 pub struct ColourScale {
     low: f64,
     high: f64,
-    /// From iso-line to iso-line.
+    /// Distance of the iso-lines.
     pub step: f64,
 }
 
 impl ColourScale {
-    /// What differs by rounding alone is one value.
+    /// Values that differ by rounding alone are one value.
     pub fn new(low: f64, high: f64) -> Self {
         let high = if high - low > 1e-9 * high.abs() { high } else { low };
         Self { low, high, step: step(high - low, 8.0) }
     }
 
-    /// Values of the iso-lines.
+    /// Returns the values of the iso-lines.
     pub fn levels(&self) -> Vec<f64> {
         let Self { low, high, .. } = *self;
         if high > low { round_numbers(low, high, self.step).collect() } else { Vec::new() }
     }
 
-    /// The lower edges of the bands, and their colours.
+    /// Returns the lower edges of the bands and their colours.
     pub fn bands(&self) -> Vec<(f64, String)> {
         let Self { low, high, .. } = *self;
         let apart = self.step / BANDS;
@@ -50,8 +50,8 @@ impl ColourScale {
         below.map_or_else(|| viridis_hex(0.5), |(_, colour)| colour.clone())
     }
 
-    /// The colours and their values; where it ends below.
-    pub fn draw_bar(&self, canvas: &mut Canvas, word: &str, (left, top): (f64, f64), tall: f64) -> f64 {
+    /// Draws the colours with their values. Returns the lower end.
+    pub fn draw_bar(&self, canvas: &mut ChartCanvas, word: &str, (left, top): (f64, f64), tall: f64) -> f64 {
         let Self { low, high, .. } = *self;
         if high <= low {
             let colour = viridis_hex(0.5);
@@ -59,12 +59,12 @@ impl ColourScale {
             canvas.text((left + 23.0, top + 13.0), Anchor::Start, Ink::Text, &words::figure(low));
             return top + 16.0;
         }
-        let bar = Scale::linear(low, high, (top + tall, top));
+        let bar = AxisScale::linear(low, high, (top + tall, top));
         let bands = self.bands();
         let upper = bands.iter().skip(1).map(|b| b.0).chain([high]);
         for ((edge, colour), upper) in bands.iter().zip(upper) {
             let (from, to) = (bar.at(*edge), bar.at(upper));
-            // A hair taller, so that no gap shows between two of them.
+            // Each band is a little taller, so that no gap shows.
             let tall = from - to + 0.4;
             canvas.put(&format!("<path d=\"M{left:.1} {from:.1}h16v{:.1}h-16z\" fill=\"{colour}\"/>", -tall));
         }

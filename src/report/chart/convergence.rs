@@ -1,9 +1,9 @@
-//! How a search came to its answer, and how far below it anything better is ruled out.
+//! Convergence of a search: best objective against evaluations, and the proven lower bound.
 
 use super::axes;
 
-use super::axes::Scale;
-use super::canvas::{Anchor, Canvas, EDGE, Entry, Ink};
+use super::axes::AxisScale;
+use super::canvas::{Anchor, ChartCanvas, EDGE, Ink, LegendEntry};
 use super::{WIDTH, words};
 use crate::cell::Unit;
 use crate::report::svg_text::{PathEnd, path_data};
@@ -11,17 +11,17 @@ use crate::search::SearchRecord;
 use crate::units::percent_from_share;
 
 const HEIGHT: f64 = 300.0;
-/// A span of more than this factor is drawn by powers of ten.
-const WIDE: f64 = 30.0;
+/// Factor of the span from which the axis is logarithmic.
+const LOGARITHMIC_SPAN: f64 = 30.0;
 
-/// What is drawn of a search; objectives in m, rad or shares.
+/// Course of a search; objectives in m, rad or shares.
 pub struct Course<'a> {
-    /// Evaluations and objective at each improvement, rising and falling.
+    /// Evaluations and objective at each improvement.
     pub trace: &'a [(u64, f64)],
     pub evaluations: u64,
-    /// Of the layout as drawn, if it is feasible.
+    /// Objective of the layout as drawn, if it is feasible.
     pub start: Option<f64>,
-    /// No layout has less, proven.
+    /// Proven lower bound of the objective.
     pub bound: Option<f64>,
     pub unit: Unit,
 }
@@ -38,10 +38,10 @@ impl<'a> Course<'a> {
     }
 }
 
-/// The best objective so far against evaluations.
+/// Draws the best objective so far against the evaluations.
 pub fn convergence(course: &Course<'_>) -> String {
     let (unit, word) = (course.unit, course.unit.word());
-    let mut canvas = Canvas::new("Convergence of the search", &told(course));
+    let mut canvas = ChartCanvas::new("Convergence of the search", &told(course));
     let values = course.trace.iter().map(|t| t.1).chain(course.start).chain(course.bound);
     let values: Vec<f64> = values.map(|v| unit.from_si(v)).collect();
     let (low, high) = values.iter().fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(*v), h.max(*v)));
@@ -50,13 +50,13 @@ pub fn convergence(course: &Course<'_>) -> String {
     }
     let top = canvas.y + 26.0;
     let span = (top + HEIGHT, top);
-    let y = if low > 0.0 && high > WIDE * low {
-        Scale::log(low * 0.8, high * 1.25, span)
+    let y = if low > 0.0 && high > LOGARITHMIC_SPAN * low {
+        AxisScale::log(low * 0.8, high * 1.25, span)
     } else {
         let pad = if high > low { 0.08 * (high - low) } else { 0.1 * high.abs() };
-        Scale::linear(low - pad, high + pad, span)
+        AxisScale::linear(low - pad, high + pad, span)
     };
-    let x = Scale::log(1.0, (course.evaluations as f64).max(10.0), (70.0, WIDTH - EDGE));
+    let x = AxisScale::log(1.0, (course.evaluations as f64).max(10.0), (70.0, WIDTH - EDGE));
     gap(&mut canvas, course, &x, &y);
     axes::draw(&mut canvas, &x, &y, ("layouts evaluated", &format!("best objective / {word}")));
     let at = |(evaluations, value): (f64, f64)| (x.at(evaluations), y.at(unit.from_si(value)));
@@ -67,7 +67,7 @@ pub fn convergence(course: &Course<'_>) -> String {
     canvas.finish()
 }
 
-/// The corners of the line: level until the next improvement.
+/// Returns the corners of the line, which is level until the next improvement.
 fn steps(course: &Course<'_>) -> Vec<(f64, f64)> {
     let mut corners: Vec<(f64, f64)> = Vec::new();
     for &(evaluations, value) in course.trace {
@@ -80,8 +80,8 @@ fn steps(course: &Course<'_>) -> Vec<(f64, f64)> {
     corners
 }
 
-/// Between the best and the bound: what is not ruled out.
-fn gap(canvas: &mut Canvas, course: &Course<'_>, x: &Scale, y: &Scale) {
+/// Draws the range between the best objective and the bound, which is not ruled out.
+fn gap(canvas: &mut ChartCanvas, course: &Course<'_>, x: &AxisScale, y: &AxisScale) {
     let (Some(best), Some(bound)) = (course.best(), course.bound) else { return };
     let (best, bound) = (y.at(course.unit.from_si(best)), y.at(course.unit.from_si(bound)));
     let (left, right) = x.px;
@@ -96,8 +96,8 @@ fn dashed() -> String {
     format!("{} stroke-dasharray=\"7 4\"", Ink::Green.line(2.0))
 }
 
-/// Start and end, with their values.
-fn marks(canvas: &mut Canvas, course: &Course<'_>, x: &Scale, y: &Scale) {
+/// Draws start and end with their values.
+fn marks(canvas: &mut ChartCanvas, course: &Course<'_>, x: &AxisScale, y: &AxisScale) {
     let unit = course.unit;
     let said = |si: f64| format!("{} {}", words::figure(unit.from_si(si)), unit.word());
     if let Some(start) = course.start {
@@ -149,11 +149,11 @@ fn told(course: &Course<'_>) -> Vec<String> {
     told
 }
 
-fn legend(course: &Course<'_>) -> Vec<Entry> {
+fn legend(course: &Course<'_>) -> Vec<LegendEntry> {
     let dot = |ink: Ink| format!("<circle r=\"5\" {}/>", ink.fill());
     let line = |paint: &str| format!("<path d=\"M-12 0H12\" {paint}/>");
     let ground = format!("<path d=\"M-12 -6H12V6H-12Z\" {} fill-opacity=\"0.14\"/>", Ink::Green.fill());
-    let entry = |mark: String, said: &str| Entry { mark, said: said.to_string() };
+    let entry = |mark: String, said: &str| LegendEntry { mark, said: said.to_string() };
     let mut entries = vec![entry(line(&Ink::Blue.line(2.2)), "best so far")];
     entries.extend(course.start.map(|_| entry(dot(Ink::Orange), "layout as drawn")));
     if course.bound.is_some() {

@@ -1,30 +1,30 @@
-//! Two layouts node by node on one map: where the other is better, and where worse.
+//! Differences between two layouts, node by node.
 
 use super::axes;
-use super::canvas::{Anchor, Canvas, EDGE, Entry, Ink, SMALL};
+use super::canvas::{Anchor, ChartCanvas, EDGE, Ink, LegendEntry, SMALL};
 use super::plane_view::{PlaneView, longer_side, widened};
 use super::{WIDTH, words};
-use crate::assess::{Difference, NodePair};
+use crate::assess::{NodePair, OperationDifference};
 use crate::cell::{Cell, Unit};
 use crate::geometry::bounding_box;
 use crate::report::svg_text::escaped;
 use crate::units::mm_from_m;
 
-/// Left and right end of the plot and its greatest height, px.
+/// Left end, right end and greatest height of the plot, px.
 const PLOT: (f64, f64, f64) = (62.0, WIDTH - EDGE - 112.0, 420.0);
-/// Best, equal and worst: blue to orange, told apart by colour-blind readers as well.
+/// Colours from better (blue) to worse (orange), which colour-blind readers can tell apart.
 const BETTER: [f64; 3] = [0.0, 90.0, 160.0];
 const EQUAL: [f64; 3] = [240.0, 240.0, 236.0];
 const WORSE: [f64; 3] = [190.0, 75.0, 0.0];
-/// In the bar.
+/// Number of steps of the colour bar.
 const STEPS: usize = 24;
 
-/// The nodes of an operation in the frame of its equipment, coloured by what the layout `names.1` has less
-/// (blue) or more (orange) than `names.0`; `most` (m, rad or a share) is the end of the scale.
-pub fn difference(cell: &Cell, d: &Difference, names: (&str, &str), most: f64) -> String {
+/// Draws the nodes of an operation in the frame of its equipment. Blue nodes have less error in the layout
+/// `names.1` than in `names.0`, orange ones more. `most` (m, rad or a share) is the end of the scale.
+pub fn difference(cell: &Cell, d: &OperationDifference, names: (&str, &str), most: f64) -> String {
     let (operation, unit) = (&cell.operations[d.operation], cell.unit());
     let heading = format!("{}: {} against {} in {}", operation.name, names.1, names.0, operation.sense.name);
-    let mut canvas = Canvas::new(&heading, &remarks(d, names));
+    let mut canvas = ChartCanvas::new(&heading, &remarks(d, names));
     let in_mm = |p: &NodePair| (mm_from_m(p.at.0), mm_from_m(p.at.1));
     let bounds = bounding_box(d.pairs.iter().map(in_mm)).unwrap_or_default();
     let bounds = widened(bounds, 0.06 * longer_side(bounds).max(100.0));
@@ -44,7 +44,7 @@ pub fn difference(cell: &Cell, d: &Difference, names: (&str, &str), most: f64) -
     canvas.finish()
 }
 
-fn remarks(d: &Difference, names: (&str, &str)) -> Vec<String> {
+fn remarks(d: &OperationDifference, names: (&str, &str)) -> Vec<String> {
     let ((better, worse), (gained, lost)) = (d.better_and_worse(), d.gained_and_lost());
     let (a, b) = names;
     let mut said =
@@ -90,7 +90,7 @@ fn told(pair: &NodePair, unit: Unit) -> String {
     format!("{} against {}{}", value(pair.other), value(pair.first), by.unwrap_or_default())
 }
 
-/// From -1 (better) over 0 to 1 (worse).
+/// Returns the colour of a difference from -1 (better) to 1 (worse).
 pub fn colour(share: f64) -> String {
     let t = share.clamp(-1.0, 1.0);
     let end = if t < 0.0 { BETTER } else { WORSE };
@@ -98,8 +98,8 @@ pub fn colour(share: f64) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// Worse above, better below; where it ends.
-fn draw_bar(canvas: &mut Canvas, unit: Unit, most: f64, (left, top): (f64, f64)) -> f64 {
+/// Draws the colour bar, worse above. Returns its lower end.
+fn draw_bar(canvas: &mut ChartCanvas, unit: Unit, most: f64, (left, top): (f64, f64)) -> f64 {
     let tall = 8.0 * STEPS as f64;
     for k in 0..STEPS {
         let share = 1.0 - 2.0 * (k as f64 + 0.5) / STEPS as f64;
@@ -116,7 +116,7 @@ fn draw_bar(canvas: &mut Canvas, unit: Unit, most: f64, (left, top): (f64, f64))
     top + tall + SMALL
 }
 
-fn legend(d: &Difference, names: (&str, &str)) -> Vec<Entry> {
+fn legend(d: &OperationDifference, names: (&str, &str)) -> Vec<LegendEntry> {
     let pair = |first, other| NodePair { i: 0, j: 0, at: (0.0, 0.0), first, other };
     let all = [
         (pair(None, Some(0.0)), format!("only {} can use it", names.1)),
@@ -130,10 +130,10 @@ fn legend(d: &Difference, names: (&str, &str)) -> Vec<Entry> {
         d.pairs.iter().any(same)
     };
     let there = all.into_iter().filter(|(kind, _)| is_there(kind));
-    there.map(|(kind, said)| Entry { mark: mark(&kind, 1.0, (0.0, 0.0), 8.0), said }).collect()
+    there.map(|(kind, said)| LegendEntry { mark: mark(&kind, 1.0, (0.0, 0.0), 8.0), said }).collect()
 }
 
-/// Between neighbours, mm.
+/// Returns the distance between neighbouring nodes, mm.
 fn apart(pairs: &[NodePair]) -> f64 {
     let steps = pairs.windows(2).map(|w| (w[0].at.0 - w[1].at.0).hypot(w[0].at.1 - w[1].at.1));
     let least = steps.filter(|d| *d > 0.0).fold(f64::MAX, f64::min);

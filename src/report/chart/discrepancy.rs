@@ -1,21 +1,21 @@
-//! The paper's Fig. 8: discrepancy between the linearized and the nonlinear model, node by node.
+//! Discrepancy between the linearized and the nonlinear model, node by node (Fig. 8 of the seed paper).
 
 use super::WIDTH;
 use super::axes;
-use super::axes::Scale;
-use super::canvas::{Anchor, Canvas, EDGE, Entry, Ink};
+use super::axes::AxisScale;
+use super::canvas::{Anchor, ChartCanvas, EDGE, Ink, LegendEntry};
 use crate::assess::Assessment;
 use crate::error_map::OperationMap;
 use crate::kinematic_error::{Discrepancy, discrepancy as between};
 use crate::report::svg_text::{PathEnd, path_data};
 
 const PANEL: f64 = 260.0;
-/// Percent that are shown; what is less stands on the lower edge.
-const SHOWN: (f64, f64) = (1e-3, 1e2);
-/// Of more nodes only some are drawn.
-const MOST: usize = 2000;
+/// Span of the axis, percent. Smaller values lie on the lower edge.
+const AXIS_PERCENT: (f64, f64) = (1e-3, 1e2);
+/// Greatest number of nodes in a panel.
+const MAX_NODES: usize = 2000;
 
-/// What is drawn: name, ink, value in percent.
+/// Curve of a panel: name, ink, value in percent.
 type Curve = (&'static str, Ink, fn(&Discrepancy) -> Option<f64>);
 const CURVES: [Curve; 4] = [
     ("x", Ink::Blue, |d| d.x),
@@ -24,7 +24,7 @@ const CURVES: [Curve; 4] = [
     ("resultant", Ink::Text, |d| d.resultant),
 ];
 
-/// One panel per operation, usable nodes from left to right, logarithmic percent.
+/// Draws one panel per operation: usable nodes from left to right, percent on a logarithmic axis.
 pub fn discrepancy(a: &Assessment<'_>) -> String {
     let heading = format!(
         "{}, errors {}: linear against nonlinear model",
@@ -36,8 +36,8 @@ pub fn discrepancy(a: &Assessment<'_>) -> String {
             .to_string(),
         "what is less than 0.001 % stands on the lower edge".to_string(),
     ];
-    let mut canvas = Canvas::new(&heading, &under);
-    canvas.legend(&CURVES.map(|(name, ink, _)| Entry {
+    let mut canvas = ChartCanvas::new(&heading, &under);
+    canvas.legend(&CURVES.map(|(name, ink, _)| LegendEntry {
         mark: format!("<path d=\"M-12 0H12\" {}/>", ink.line(2.2)),
         said: name.to_string(),
     }));
@@ -45,12 +45,12 @@ pub fn discrepancy(a: &Assessment<'_>) -> String {
     canvas.finish()
 }
 
-fn panel(canvas: &mut Canvas, a: &Assessment<'_>, map: &OperationMap) {
+fn panel(canvas: &mut ChartCanvas, a: &Assessment<'_>, map: &OperationMap) {
     let all: Vec<Discrepancy> = map.usable().map(|(_, _, p)| between(&p.nonlinear, &p.linear)).collect();
-    let every = all.len().div_ceil(MOST).max(1);
+    let every = all.len().div_ceil(MAX_NODES).max(1);
     let top = canvas.y + 44.0;
-    let y = Scale::log(SHOWN.0, SHOWN.1, (top + PANEL, top));
-    let x = Scale::linear(0.0, (all.len() + 1) as f64, (66.0, WIDTH - EDGE));
+    let y = AxisScale::log(AXIS_PERCENT.0, AXIS_PERCENT.1, (top + PANEL, top));
+    let x = AxisScale::linear(0.0, (all.len() + 1) as f64, (66.0, WIDTH - EDGE));
     axes::upwards(canvas, &x, &y, &format!("{}: discrepancy / %", a.cell.operations[map.operation].name));
     for (_, ink, value) in CURVES {
         let points = all.iter().enumerate().step_by(every);

@@ -1,7 +1,7 @@
-//! The working envelope as a picture: section and plan side by side at one scale.
+//! Picture of a working envelope: section and plan side by side at one scale.
 
 use super::axes;
-use super::canvas::{Canvas, EDGE, Ink};
+use super::canvas::{ChartCanvas, EDGE, Ink};
 use super::plane_view::{PlaneView, longer_side, widened};
 use crate::assess::Reachable;
 use crate::geometry::{PlanePoint, bounding_box};
@@ -16,10 +16,10 @@ const PANEL_HEIGHT: f64 = 460.0;
 const PANEL_LEFT: f64 = 66.0;
 const MIN_WIDTH: f64 = 760.0;
 
-/// Base axis and cutting plane.
+/// Dashes of the base axis and of the cutting plane.
 const DASH_DOT: &str = "stroke-dasharray=\"12 4 2 4\"";
 
-/// Cut through the envelope: what it shows, mm.
+/// Cut through the envelope, mm.
 struct Panel {
     name: String,
     axes: (&'static str, &'static str),
@@ -74,7 +74,7 @@ pub fn envelope(e: &Reachable<'_>) -> String {
     let scale = PANEL_HEIGHT / section.size().1.max(plan.size().1);
     let widths = [&section, &plan].map(|panel| panel.size().0 * scale);
     let width = (2.0 * PANEL_LEFT + widths[0] + widths[1] + 2.0 * EDGE).max(MIN_WIDTH);
-    let mut canvas = Canvas::wide(&envelope_title(e), &[size_in_words(e)], width);
+    let mut canvas = ChartCanvas::wide(&envelope_title(e), &[size_in_words(e)], width);
     let top = canvas.y + 42.0;
     let view =
         |panel: &Panel, left: f64| PlaneView { low: panel.bounds.0, high: panel.bounds.1, scale, left, top };
@@ -93,7 +93,7 @@ pub fn envelope(e: &Reachable<'_>) -> String {
 }
 
 /// Draws the axes and the region of a panel.
-fn draw_panel(canvas: &mut Canvas, panel: &Panel, view: &PlaneView) {
+fn draw_panel(canvas: &mut ChartCanvas, panel: &Panel, view: &PlaneView) {
     let (x, y) = view.scales();
     canvas.heading((view.left, view.top - 26.0), &panel.name);
     axes::draw(canvas, &x, &y, panel.axes);
@@ -119,7 +119,7 @@ fn cut(view: &PlaneView, azimuth: f64) -> String {
 }
 
 /// Draws the arm in one posture: links and joints.
-fn draw_arm(canvas: &mut Canvas, panel: &Panel, view: &PlaneView) {
+fn draw_arm(canvas: &mut ChartCanvas, panel: &Panel, view: &PlaneView) {
     let points: Vec<(f64, f64)> = panel.arm.iter().map(|p| view.at(p)).collect();
     let line = Ink::Vermilion.line(4.0);
     canvas.path(

@@ -1,7 +1,9 @@
-//! The error map as a picture: the cell in plan, nodes coloured by error, arrows for the error in
-//! the plane, a sign on every node that cannot be used (the paper's Figs. 4 to 7 in plan).
+//! Picture of the error maps of a layout in plan (Figs. 4 to 7 of the seed paper).
+//!
+//! Nodes have the colour of their error, arrows show the error in the plane, and every unusable node has a
+//! sign.
 
-use super::canvas::{Anchor, Canvas, Ink, SMALL};
+use super::canvas::{Anchor, ChartCanvas, Ink, SMALL};
 use super::error_map_legend::{MapScales, draw_legend, reach_line};
 use super::labels::Taken;
 use super::plane_view::{PlaneView, widened};
@@ -9,7 +11,7 @@ use super::{signs, solids, words};
 use crate::assess::Assessment;
 use crate::cell::{Placement, Role};
 use crate::drawing::round_numbers::{DIGITS, round_down};
-use crate::drawing::{Kind, floor_corners};
+use crate::drawing::{PartKind, floor_corners};
 use crate::error_map::{NodeRecord, OperationMap};
 use crate::geometry::{PlanePoint, bounding_box};
 use crate::report::colours::viridis_hex;
@@ -27,11 +29,11 @@ const SURROUNDINGS: f64 = 0.25;
 /// Length of the longest arrow, px.
 const LONGEST_ARROW: f64 = 34.0;
 
-/// The picture while it is drawn.
-pub(super) struct Plan<'a> {
+/// Picture under construction.
+pub(super) struct ErrorMapPicture<'a> {
     pub a: &'a Assessment<'a>,
-    pub canvas: Canvas,
-    /// World plan, m.
+    pub canvas: ChartCanvas,
+    /// View of the world plan, m.
     pub view: PlaneView,
     pub width: f64,
     /// Places of the labels so far.
@@ -40,7 +42,7 @@ pub(super) struct Plan<'a> {
 
 /// Returns the picture of a layout with all its maps.
 pub fn error_map(a: &Assessment<'_>) -> String {
-    let mut plan = Plan::new(a);
+    let mut plan = ErrorMapPicture::new(a);
     plan.draw_equipment();
     let reach = plan.draw_envelopes();
     let every = a.maps.iter().map(thinning).max().unwrap_or(1);
@@ -68,12 +70,12 @@ fn bounds(a: &Assessment<'_>) -> (PlanePoint, PlanePoint) {
     widened(all.unwrap_or_default(), SURROUNDINGS)
 }
 
-impl<'a> Plan<'a> {
+impl<'a> ErrorMapPicture<'a> {
     fn new(a: &'a Assessment<'a>) -> Self {
         let bounds = bounds(a);
         let mut view = PlaneView::fitted(bounds, (SIDE, SIDE), (MARGIN, 0.0));
         let width = (view.width() + 2.0 * MARGIN).max(MIN_WIDTH);
-        let canvas = Canvas::wide(&crate::report::text::headline(a.cell), &[], width);
+        let canvas = ChartCanvas::wide(&crate::report::text::headline(a.cell), &[], width);
         view.top = canvas.y + 6.0;
         Self { a, canvas, view, width, taken: Taken::default() }
     }
@@ -81,20 +83,20 @@ impl<'a> Plan<'a> {
     /// Draws floor spaces, keep-out spaces, the fence and the base axis.
     fn draw_equipment(&mut self) {
         let (cell, layout) = (self.a.cell, &self.a.layout);
-        let mut shapes: Vec<(Kind, Vec<PlanePoint>)> = Vec::new();
+        let mut shapes: Vec<(PartKind, Vec<PlanePoint>)> = Vec::new();
         for (equipment, at) in cell.equipment.iter().zip(&layout.placements) {
             let kind = match equipment.role {
-                Role::Equipment => Kind::Equipment,
-                Role::Obstacle => Kind::Obstacle,
+                Role::Equipment => PartKind::Equipment,
+                Role::Obstacle => PartKind::Obstacle,
             };
             shapes.push((kind, floor_corners(&equipment.footprint, at).to_vec()));
         }
         for space in &cell.keep_out {
             let (low, high) = (space.min, space.max);
             let corners = [(low.x, low.y), (high.x, low.y), (high.x, high.y), (low.x, high.y)];
-            shapes.push((Kind::KeepOut, corners.to_vec()));
+            shapes.push((PartKind::KeepOut, corners.to_vec()));
         }
-        shapes.extend(cell.fence.iter().map(|fence| (Kind::Fence, fence.corners.clone())));
+        shapes.extend(cell.fence.iter().map(|fence| (PartKind::Fence, fence.corners.clone())));
         for (kind, corners) in shapes {
             let ring = corners.iter().map(|p| self.view.at(p)).collect();
             self.canvas.put(&solids::drawn([ring].into_iter(), kind));
@@ -127,7 +129,7 @@ impl<'a> Plan<'a> {
         for k in 0..a.maps.len() {
             let d: String = a.reachable(k).iter().map(|o| self.path(o, PathEnd::Closed)).collect();
             let name = &a.cell.operations[a.maps[k].operation].name;
-            // Operations of one height and attitude share an outline.
+            // Operations of one height and orientation share an outline.
             match drawn.iter_mut().find(|(other, _)| *other == d) {
                 Some((_, names)) => *names = format!("{names}, {name}"),
                 None if d.is_empty() => {}

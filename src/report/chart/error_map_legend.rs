@@ -1,12 +1,12 @@
-//! The legend of the map picture: colour scale, exactly the signs that are there, scale bar.
+//! Legend of the error map: colour scale, the signs that occur, scale bar.
 
-use super::canvas::{Anchor, BODY, Entry, Ink};
-use super::error_map::{MARGIN, Plan};
+use super::canvas::{Anchor, BODY, Ink, LegendEntry};
+use super::error_map::{ErrorMapPicture, MARGIN};
 use super::{signs, solids, words};
-use crate::drawing::Kind;
+use crate::drawing::PartKind;
 use crate::drawing::round_numbers::{ONE_TWO_FIVE, round_down};
 use crate::report::colours::viridis_hex;
-use crate::report::text;
+
 use crate::units::{m_from_mm, mm_from_m, rounded};
 
 /// Lines of the reach of operations at different heights, in turn.
@@ -34,7 +34,7 @@ pub(super) struct MapScales {
     pub every: usize,
 }
 
-pub(super) fn draw_legend(plan: &mut Plan<'_>, scales: &MapScales) {
+pub(super) fn draw_legend(plan: &mut ErrorMapPicture<'_>, scales: &MapScales) {
     draw_scale_bar(plan);
     draw_colours(plan, scales);
     let canvas = &mut plan.canvas;
@@ -50,9 +50,9 @@ pub(super) fn draw_legend(plan: &mut Plan<'_>, scales: &MapScales) {
 }
 
 /// Returns an entry for everything that is in the picture.
-fn entries(plan: &Plan<'_>, scales: &MapScales) -> Vec<Entry> {
+fn entries(plan: &ErrorMapPicture<'_>, scales: &MapScales) -> Vec<LegendEntry> {
     let a = plan.a;
-    let spot = |mark: String, said: &str| Entry { mark, said: said.to_string() };
+    let spot = |mark: String, said: &str| LegendEntry { mark, said: said.to_string() };
     let mut entries = Vec::new();
     if (0..a.maps.len()).any(|k| a.spot(k).is_some()) {
         entries.push(spot(signs::spot((0.0, 0.0)), "chosen spot"));
@@ -60,23 +60,23 @@ fn entries(plan: &Plan<'_>, scales: &MapScales) -> Vec<Entry> {
     if (0..a.maps.len()).any(|k| a.spot(k).is_some() && a.refined[k].is_some()) {
         entries.push(spot(signs::refined((0.0, 0.0)), "spot between the nodes"));
     }
-    let kinds = [(Kind::Fence, a.cell.fence.is_some()), (Kind::KeepOut, !a.cell.keep_out.is_empty())];
+    let kinds = [(PartKind::Fence, a.cell.fence.is_some()), (PartKind::KeepOut, !a.cell.keep_out.is_empty())];
     entries.extend(kinds.into_iter().filter(|(_, is_there)| *is_there).map(|(kind, _)| solids::entry(kind)));
     entries.extend(scales.reach.iter().enumerate().map(|(k, name)| {
         let mark = format!("<path d=\"M-12 0H12\" {}/>", reach_line(k));
-        Entry { mark, said: format!("reach at the height of {name}") }
+        LegendEntry { mark, said: format!("reach at the height of {name}") }
     }));
     let nodes = a.maps.iter().flat_map(|m| &m.nodes);
     entries.extend(signs::entries(nodes.map(|n| n.status.sign())));
     entries
 }
 
-fn draw_colours(plan: &mut Plan<'_>, scales: &MapScales) {
+fn draw_colours(plan: &mut ErrorMapPicture<'_>, scales: &MapScales) {
     let (cell, canvas) = (plan.a.cell, &mut plan.canvas);
     let mut senses: Vec<_> = cell.operations.iter().map(|o| o.sense.name.as_str()).collect();
     senses.dedup();
     let unit = cell.unit().word();
-    canvas.paragraph(&format!("{} in {}", text::value_word(cell), senses.join(", ")));
+    canvas.paragraph(&format!("{} in {}", crate::record::value_word(cell), senses.join(", ")));
     let [low, high] = [scales.range.0, scales.range.1].map(|v| format!("{} {unit}", words::figure(v)));
     let (y, left) = (canvas.y + 20.0, MARGIN + words::width(&low, BODY) + 6.0);
     canvas.text((MARGIN, y), Anchor::Start, Ink::Text, &low);
@@ -92,7 +92,7 @@ fn draw_colours(plan: &mut Plan<'_>, scales: &MapScales) {
 }
 
 /// Draws a round length and the directions of the world axes.
-fn draw_scale_bar(plan: &mut Plan<'_>) {
+fn draw_scale_bar(plan: &mut ErrorMapPicture<'_>) {
     let (view, canvas) = (plan.view, &mut plan.canvas);
     let length = m_from_mm(round_down(mm_from_m(MAX_BAR / view.scale), ONE_TWO_FIVE));
     let (x, y, px) = (view.left + 10.0, view.bottom() + 26.0, length * view.scale);

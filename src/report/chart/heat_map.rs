@@ -1,34 +1,33 @@
-//! The error over a work surface: coloured bands, iso-lines with their values, signs where nothing works.
+//! Heat map of the error over a work surface: colour bands, iso-lines, signs of unusable nodes.
 
 use super::axes;
-use super::canvas::{Anchor, Canvas, EDGE, Entry, Ink, SMALL};
+use super::canvas::{Anchor, ChartCanvas, EDGE, Ink, LegendEntry, SMALL};
 use super::colour_scale::ColourScale;
-use super::iso::Surface;
+use super::iso::IsoSurface;
 use super::labels::Taken;
 use super::plane_view::{PlaneView, longer_side, widened};
 use super::{WIDTH, signs, words};
 use crate::cell::Unit;
-use crate::drawing::{Carrier, Drawing, Field, Take};
+use crate::drawing::{Drawing, Field, PartCarrier, Take};
 use crate::geometry::{PlanePoint, bounding_box};
 use crate::pose::Pose;
 use crate::report::svg_text::{PathEnd, escaped, path_data};
 use crate::units::mm_from_m;
 use nalgebra::Vector3;
 
-/// Room for the plot, px: its left and right end, and its greatest height.
+/// Left end, right end and greatest height of the plot, px.
 const PLOT: (f64, f64, f64) = (62.0, WIDTH - EDGE - 112.0, 470.0);
 /// Least span of the plot before its margin, mm.
 const MIN_SPAN: f64 = 100.0;
 /// Fields with more nodes have no titles on their nodes.
 const MAX_TITLES: usize = 400;
 
-/// One field in one take (index into [`Field::takes`]) and sense (index into [`Field::senses`]), coloured
-/// from the first to the second value of `range` (m or rad), which several maps may share. Axes are those
-/// of the surface that carries the nodes.
+/// Draws a field in one take (index into [`Field::takes`]) and sense (index into [`Field::senses`]). The
+/// colours span `range` (m or rad), which several maps may share. The axes are those of the surface.
 pub fn heat_map(drawing: &Drawing<'_>, field: usize, take: usize, sense: usize, range: (f64, f64)) -> String {
     let field = &drawing.fields[field];
     let map = HeatMap::new(drawing, field, &field.takes[take], sense, range);
-    let mut canvas = Canvas::new(&map.heading(), &map.remarks());
+    let mut canvas = ChartCanvas::new(&map.heading(), &map.remarks());
     let (left, right, most) = PLOT;
     let view = PlaneView::fitted(map.bounds, (right - left, most), (left, canvas.y + 26.0));
     let (x, y) = view.scales();
@@ -37,7 +36,7 @@ pub fn heat_map(drawing: &Drawing<'_>, field: usize, take: usize, sense: usize, 
     axes::draw(&mut canvas, &x, &y, (&format!("x of {of} / mm"), &format!("y of {of} / mm")));
     map.draw_ground(&mut canvas, &place);
     let points: Vec<PlanePoint> = map.points.iter().map(place).collect();
-    let surface = Surface::new(field.size, &points, &map.values);
+    let surface = IsoSurface::new(field.size, &points, &map.values);
     map.draw_bands(&mut canvas, &surface);
     let mut taken = Taken::default();
     map.draw_nodes(&mut canvas, &surface, &points);
@@ -55,14 +54,14 @@ pub fn heat_map(drawing: &Drawing<'_>, field: usize, take: usize, sense: usize, 
     canvas.finish()
 }
 
-/// What is drawn, in mm of the surface frame and in the unit of the sense.
+/// Field in the surface frame (mm) and in the unit of the sense.
 struct HeatMap<'a> {
     drawing: &'a Drawing<'a>,
     field: &'a Field,
     take: &'a Take,
     sense: usize,
     unit: Unit,
-    /// The frame of the surface in the world, and whose it is.
+    /// Frame of the surface in the world.
     frame: Pose,
     of: String,
     points: Vec<PlanePoint>,
@@ -84,12 +83,14 @@ impl<'a> HeatMap<'a> {
         let cell = drawing.cell;
         let equipment = cell.operations[field.operation].equipment;
         let stands = drawing.parts.iter().find(|p| p.equipment == Some(equipment));
-        let frame = stands.and_then(|p| if let Carrier::World(pose) = p.carrier { Some(pose) } else { None });
+        let frame =
+            stands.and_then(|p| if let PartCarrier::World(pose) = p.carrier { Some(pose) } else { None });
         let surface = cell.equipment[equipment].surface.filter(|_| frame.is_some());
         let of = if frame.is_some() { cell.equipment[equipment].name.clone() } else { "the world".into() };
         let frame = frame.unwrap_or(Pose::IDENTITY);
         let unit = field.senses[sense].unit;
-        let usable = |(node, value): (&crate::drawing::Node, &Option<f64>)| value.filter(|_| node.is_ok());
+        let usable =
+            |(node, value): (&crate::drawing::FieldNode, &Option<f64>)| value.filter(|_| node.is_ok());
         let values = field.nodes.iter().zip(&take.values[sense]).map(usable);
         let values: Vec<_> = values.map(|v| v.map(|v| unit.from_si(v))).collect();
         let points: Vec<PlanePoint> = field.nodes.iter().map(|n| in_mm(&frame, &n.position)).collect();
@@ -138,14 +139,14 @@ impl<'a> HeatMap<'a> {
         said
     }
 
-    fn draw_ground(&self, canvas: &mut Canvas, place: &impl Fn(&PlanePoint) -> (f64, f64)) {
+    fn draw_ground(&self, canvas: &mut ChartCanvas, place: &impl Fn(&PlanePoint) -> (f64, f64)) {
         let outline = path_data(self.ground.iter().map(place), PathEnd::Closed, 1);
         canvas.path(&outline, &Ink::Ground.fill());
         canvas.path(&outline, &Ink::Axis.line(1.2));
     }
 
-    /// From the lowest band up, each over those below it, so that no seam shows.
-    fn draw_bands(&self, canvas: &mut Canvas, surface: &Surface) {
+    /// Draws the bands from the lowest up, each over those below it, so that no seam shows.
+    fn draw_bands(&self, canvas: &mut ChartCanvas, surface: &IsoSurface) {
         let Some((least, most)) = surface.range() else { return };
         let bands = self.scale.bands();
         let first = bands.iter().rposition(|(edge, _)| *edge <= least).unwrap_or(0);
@@ -163,7 +164,7 @@ impl<'a> HeatMap<'a> {
         }
     }
 
-    fn draw_lines(&self, canvas: &mut Canvas, surface: &Surface, taken: &mut Taken) {
+    fn draw_lines(&self, canvas: &mut ChartCanvas, surface: &IsoSurface, taken: &mut Taken) {
         for level in self.scale.levels() {
             let lines = surface.lines(level);
             let d: String = lines.iter().map(|l| path_data(l.iter().copied(), PathEnd::Open, 1)).collect();
@@ -183,7 +184,7 @@ impl<'a> HeatMap<'a> {
         }
     }
 
-    fn draw_nodes(&self, canvas: &mut Canvas, surface: &Surface, points: &[PlanePoint]) {
+    fn draw_nodes(&self, canvas: &mut ChartCanvas, surface: &IsoSurface, points: &[PlanePoint]) {
         let near = points.windows(2).map(|w| distance(w[0], w[1])).filter(|d| *d > 0.0);
         let r = (near.fold(f64::MAX, f64::min) * 0.32).clamp(1.5, 5.0);
         for (k, node) in self.field.nodes.iter().enumerate() {
@@ -201,7 +202,7 @@ impl<'a> HeatMap<'a> {
                     let said = title(format!("{} {}", words::figure(value), self.unit.word()));
                     let colour = self.scale.colour(value);
                     let look = match surface.covers(k) {
-                        // No node is drawn where it would only be dust.
+                        // A node that would be too small is not drawn.
                         true if r < 2.0 => continue,
                         true => "r=\"1.6\" fill=\"#ffffff\" fill-opacity=\"0.8\"".to_string(),
                         false => format!("r=\"{:.1}\" fill=\"{colour}\" stroke=\"#57606a\"", r.max(4.0)),
@@ -212,7 +213,12 @@ impl<'a> HeatMap<'a> {
         }
     }
 
-    fn draw_spots(&self, canvas: &mut Canvas, place: &impl Fn(&PlanePoint) -> (f64, f64), taken: &mut Taken) {
+    fn draw_spots(
+        &self,
+        canvas: &mut ChartCanvas,
+        place: &impl Fn(&PlanePoint) -> (f64, f64),
+        taken: &mut Taken,
+    ) {
         let at = |p: &Vector3<f64>| place(&in_mm(&self.frame, p));
         if let Some(k) = self.other_spot() {
             canvas.put(&signs::other_spot(place(&self.points[k])));
@@ -233,12 +239,12 @@ impl<'a> HeatMap<'a> {
         canvas.label((x + dx, y + 4.3), anchor, Ink::Spot, &said);
     }
 
-    /// The spot under this lens where it is not the one chosen.
+    /// Returns the spot under this lens if it is not the chosen one.
     fn other_spot(&self) -> Option<usize> {
         self.take.best.filter(|k| Some(*k) != self.field.best)
     }
 
-    fn draw_way_to_robot(&self, canvas: &mut Canvas, (x, y): (f64, f64), drawing: &Drawing<'_>) {
+    fn draw_way_to_robot(&self, canvas: &mut ChartCanvas, (x, y): (f64, f64), drawing: &Drawing<'_>) {
         let base = in_mm(&self.frame, &drawing.base.translation);
         let (low, high) = self.bounds;
         let middle = ((low.0 + high.0) / 2.0, (low.1 + high.1) / 2.0);
@@ -259,10 +265,10 @@ impl<'a> HeatMap<'a> {
         canvas.text((x, y + 50.0), Anchor::Middle, Ink::Faint, &said);
     }
 
-    fn legend(&self) -> Vec<Entry> {
+    fn legend(&self) -> Vec<LegendEntry> {
         let origin = (0.0, 0.0);
         let entry = |is_there: bool, mark: String, said: &str| {
-            is_there.then(|| Entry { mark, said: said.to_string() })
+            is_there.then(|| LegendEntry { mark, said: said.to_string() })
         };
         let all = self.drawing.cell.operations[self.field.operation].over.takes_all();
         let spot = if all { "the worst node, which counts" } else { "spot chosen" };
@@ -280,7 +286,7 @@ fn distance(a: PlanePoint, b: PlanePoint) -> f64 {
     (a.0 - b.0).hypot(a.1 - b.1)
 }
 
-/// A point of the world in a frame seen from above, mm.
+/// Returns a point of the world in a frame seen from above, mm.
 fn in_mm(frame: &Pose, p: &Vector3<f64>) -> PlanePoint {
     let p = frame.inverse().transform(p);
     (mm_from_m(p.x), mm_from_m(p.y))

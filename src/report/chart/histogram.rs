@@ -1,43 +1,43 @@
-//! How the error spreads at a spot, with the figures that are read from it.
+//! Histogram of the error at a spot, with mean, percentiles and other figures.
 
 use super::axes;
 
-use super::axes::Scale;
-use super::canvas::{Anchor, Canvas, EDGE, Entry, Ink, SMALL};
+use super::axes::AxisScale;
+use super::canvas::{Anchor, ChartCanvas, EDGE, Ink, LegendEntry, SMALL};
 use super::{WIDTH, words};
-use crate::assess::Distribution;
+use crate::assess::ErrorDistribution;
 use crate::cell::Cell;
 use crate::units::percent_from_share;
 
 const HEIGHT: f64 = 250.0;
-/// A figure beyond so many times the greatest sample is told at the edge.
-const FAR: f64 = 1.7;
+/// Limit of the axis in multiples of the greatest sample. Figures beyond it are named at the edge.
+const AXIS_LIMIT: f64 = 1.7;
 
-/// A figure: its name, value in the unit of the chart, and ink.
-struct Mark {
+/// Figure in the histogram: name, value in the unit of the chart, ink.
+struct HistogramMark {
     name: &'static str,
     value: f64,
     ink: Ink,
 }
 
-/// Samples of the error's size, with mean, percentiles, requirement, signed sample and worst case.
-pub fn histogram(cell: &Cell, d: &Distribution) -> String {
+/// Draws the samples of the error with mean, percentiles, requirement, signed sample and worst case.
+pub fn histogram(cell: &Cell, d: &ErrorDistribution) -> String {
     let operation = &cell.operations[d.operation];
     let word = d.unit.word();
     let heading =
         format!("{}: how the error in {} spreads at the spot", operation.name, operation.sense.name);
-    let mut canvas = Canvas::new(&heading, &told(d));
+    let mut canvas = ChartCanvas::new(&heading, &told(d));
     let marks = marks(d);
     let [low, high] = [d.samples.histogram.low, d.samples.histogram.high].map(|v| d.unit.from_si(v));
-    let near: Vec<&Mark> = marks.iter().filter(|m| m.value <= FAR * high).collect();
+    let near: Vec<&HistogramMark> = marks.iter().filter(|m| m.value <= AXIS_LIMIT * high).collect();
     let ends = near.iter().map(|m| m.value).fold((low, high), |(l, h), v| (l.min(v), h.max(v)));
     let pad = 0.02 * (ends.1 - ends.0);
-    let x = Scale::linear((ends.0 - pad).max(0.0), ends.1 + pad, (70.0, WIDTH - EDGE - 4.0));
+    let x = AxisScale::linear((ends.0 - pad).max(0.0), ends.1 + pad, (70.0, WIDTH - EDGE - 4.0));
     let rows = names(&near, &x, word);
     let top = canvas.y + 12.0 + 17.0 * rows.iter().map(|r| r.row + 1).max().unwrap_or(0) as f64;
     let share = |count: u32| percent_from_share(f64::from(count) / d.samples.samples.max(1) as f64);
     let most = d.samples.histogram.counts.iter().map(|c| share(*c)).fold(0.0, f64::max);
-    let y = Scale::linear(0.0, most * 1.05, (top + 14.0 + HEIGHT, top + 14.0));
+    let y = AxisScale::linear(0.0, most * 1.05, (top + 14.0 + HEIGHT, top + 14.0));
     axes::across(&mut canvas, &x, &y, &format!("size of the error / {word}"));
     axes::upwards(&mut canvas, &x, &y, "");
     bars(&mut canvas, d, &x, &y, &share);
@@ -48,7 +48,7 @@ pub fn histogram(cell: &Cell, d: &Distribution) -> String {
         canvas.label((name.x, base - 1.0), Anchor::Start, Ink::Text, &name.said);
     }
     canvas.y = y.px.0 + 40.0;
-    for Mark { name, value, .. } in marks.iter().filter(|m| m.value > FAR * high) {
+    for HistogramMark { name, value, .. } in marks.iter().filter(|m| m.value > AXIS_LIMIT * high) {
         canvas
             .paragraph(&format!("far to the right of the picture: {name} {} {word}", words::figure(*value)));
     }
@@ -56,8 +56,8 @@ pub fn histogram(cell: &Cell, d: &Distribution) -> String {
     canvas.finish()
 }
 
-fn marks(d: &Distribution) -> Vec<Mark> {
-    let mark = |name, si: f64, ink| Mark { name, value: d.unit.from_si(si), ink };
+fn marks(d: &ErrorDistribution) -> Vec<HistogramMark> {
+    let mark = |name, si: f64, ink| HistogramMark { name, value: d.unit.from_si(si), ink };
     let mut marks = vec![
         mark("mean", d.samples.mean.value, Ink::Text),
         mark("p95", d.samples.p95.value, Ink::Green),
@@ -70,14 +70,14 @@ fn marks(d: &Distribution) -> Vec<Mark> {
     marks
 }
 
-/// Where the name of a mark stands: its left end, and its row above the plot.
+/// Place of the name of a mark: its left end and its row above the plot.
 struct Name {
     said: String,
     x: f64,
     row: usize,
 }
 
-fn names(marks: &[&Mark], x: &Scale, word: &str) -> Vec<Name> {
+fn names(marks: &[&HistogramMark], x: &AxisScale, word: &str) -> Vec<Name> {
     let placed = marks.iter().map(|m| {
         let said = format!("{} {} {word}", m.name, words::figure(m.value));
         let (px, wide) = (x.at(m.value), words::width(&said, SMALL));
@@ -89,9 +89,8 @@ fn names(marks: &[&Mark], x: &Scale, word: &str) -> Vec<Name> {
     placed.into_iter().zip(rows).map(|((said, _, x, _), row)| Name { said, x, row }).collect()
 }
 
-/// Rows for names beside their lines (px of the line, left and right end of the name), counted upwards. A
-/// line comes down from its row, so that a name that it would cross stands higher; and no two names
-/// share a place.
+/// Returns the rows of names beside their lines, counted upwards. A name is given by its line, its left and
+/// its right end, px. No name crosses a line or another name.
 pub fn rows(marks: &[(f64, f64, f64)]) -> Vec<usize> {
     let mut rows = vec![0; marks.len()];
     let crosses =
@@ -101,7 +100,7 @@ pub fn rows(marks: &[(f64, f64, f64)]) -> Vec<usize> {
     let pairs = || (0..marks.len()).flat_map(|k| (0..marks.len()).map(move |other| (k, other)));
     for _ in 0..marks.len() * marks.len() {
         for (k, other) in pairs().filter(|(k, other)| k != other) {
-            // Of two lines that each would cross the other's name the left one gives way.
+            // If two lines each cross the name of the other, the left one gives way.
             let is_below = crosses(other, k) && (k < other || !crosses(k, other));
             if is_below && rows[k] <= rows[other] || rows[k] == rows[other] && k < other && touches(k, other)
             {
@@ -112,7 +111,13 @@ pub fn rows(marks: &[(f64, f64, f64)]) -> Vec<usize> {
     rows
 }
 
-fn bars(canvas: &mut Canvas, d: &Distribution, x: &Scale, y: &Scale, share: &dyn Fn(u32) -> f64) {
+fn bars(
+    canvas: &mut ChartCanvas,
+    d: &ErrorDistribution,
+    x: &AxisScale,
+    y: &AxisScale,
+    share: &dyn Fn(u32) -> f64,
+) {
     let h = &d.samples.histogram;
     for (k, count) in h.counts.iter().enumerate().filter(|(_, count)| **count > 0) {
         let [from, to] = [k, k + 1].map(|k| h.low + h.width() * k as f64);
@@ -120,7 +125,7 @@ fn bars(canvas: &mut Canvas, d: &Distribution, x: &Scale, y: &Scale, share: &dyn
         let fill = if is_beyond { Ink::Vermilion } else { Ink::Blue }.fill();
         let [left, right] = [from, to].map(|v| x.at(d.unit.from_si(v)));
         let top = y.at(share(*count));
-        // Of a spread of nothing, a bar that can be seen.
+        // A spread of zero has a visible bar.
         let wide = (right - left).max(1.5);
         canvas.put(&format!(
             "<rect x=\"{left:.2}\" y=\"{top:.2}\" width=\"{wide:.2}\" height=\"{:.2}\" {fill} \
@@ -130,7 +135,7 @@ fn bars(canvas: &mut Canvas, d: &Distribution, x: &Scale, y: &Scale, share: &dyn
     }
 }
 
-fn told(d: &Distribution) -> Vec<String> {
+fn told(d: &ErrorDistribution) -> Vec<String> {
     let mut told = vec![format!(
         "{} samples through the nonlinear model; up: share of the samples in each part / %",
         d.samples.samples
@@ -146,9 +151,9 @@ fn told(d: &Distribution) -> Vec<String> {
     told
 }
 
-fn legend(d: &Distribution) -> Vec<Entry> {
+fn legend(d: &ErrorDistribution) -> Vec<LegendEntry> {
     let block = |ink: Ink| format!("<path d=\"M-9 -6H9V6H-9Z\" {} fill-opacity=\"0.75\"/>", ink.fill());
-    let entry = |ink, said: &str| Entry { mark: block(ink), said: said.to_string() };
+    let entry = |ink, said: &str| LegendEntry { mark: block(ink), said: said.to_string() };
     match d.limit {
         Some(_) => vec![entry(Ink::Blue, "within the requirement"), entry(Ink::Vermilion, "beyond it")],
         None => vec![entry(Ink::Blue, "samples")],

@@ -1,26 +1,26 @@
-//! Iso-lines and the areas above them, on a grid with holes.
+//! Iso-lines of a field on a grid with holes, and the areas above them.
 //!
-//! A cell with four values is four triangles round its middle, which has their mean: the bilinear value
-//! there. Within a triangle the field is linear, so that a level crosses it in one straight line, and a
-//! saddle is settled by its middle. A cell with three values is one triangle, with fewer it is nothing.
+//! A grid cell with four values is four triangles round its middle, which has their mean (the bilinear
+//! value). A cell with three values is one triangle, a cell with fewer is a hole. The field is linear in a
+//! triangle. A level therefore crosses it in one straight line, and the middle decides a saddle.
 
 use crate::geometry::{PlanePoint, join_edges};
 
-/// Values on a grid, and their triangles.
-pub struct Surface {
+/// Field on a grid, as triangles.
+pub struct IsoSurface {
     points: Vec<PlanePoint>,
     values: Vec<f64>,
-    cells: Vec<Cell>,
+    cells: Vec<GridCell>,
 }
 
-/// A cell of the grid: its row, its corners in turn, and its middle if it has four.
-struct Cell {
+/// Grid cell: its row, its corners in turn, and its middle if it has four.
+struct GridCell {
     row: usize,
     corners: Vec<usize>,
     middle: Option<usize>,
 }
 
-impl Surface {
+impl IsoSurface {
     /// `size`: nodes along the first and second axis, row by row along the first.
     pub fn new(size: (usize, usize), points: &[PlanePoint], values: &[Option<f64>]) -> Self {
         let (m, n) = size;
@@ -55,25 +55,25 @@ impl Surface {
             self.values.push(v);
             self.points.len() - 1
         });
-        self.cells.push(Cell { row, corners, middle });
+        self.cells.push(GridCell { row, corners, middle });
     }
 
-    /// Nodes that are a corner of an area.
+    /// Whether a node is a corner of an area.
     pub fn covers(&self, node: usize) -> bool {
         self.cells.iter().any(|cell| cell.corners.contains(&node))
     }
 
-    /// Least and greatest value; None if there is no area.
+    /// Returns the least and the greatest value; nothing without an area.
     pub fn range(&self) -> Option<(f64, f64)> {
         let values = self.cells.iter().flat_map(|c| &c.corners).map(|&k| (self.values[k], self.values[k]));
         values.reduce(|(lo, hi), (a, b)| (lo.min(a), hi.max(b)))
     }
 
-    /// Where the field is at least a level: polygons that share edges at most, all turning one way.
+    /// Returns the area where the field is at least a level: polygons that turn one way and do not overlap.
     pub fn above(&self, level: f64) -> Vec<Vec<PlanePoint>> {
         let mut polygons: Vec<Vec<PlanePoint>> = Vec::new();
-        // The cell before, if it is whole and its row goes on: they are drawn as one.
-        let mut before: Option<&Cell> = None;
+        // Whole cells of one row are drawn as one polygon.
+        let mut before: Option<&GridCell> = None;
         for cell in &self.cells {
             let is_whole = cell.middle.is_some() && cell.corners.iter().all(|&k| self.values[k] >= level);
             let joins = before.is_some_and(|b| b.row == cell.row && b.corners[1] == cell.corners[0]);
@@ -106,7 +106,7 @@ impl Surface {
         part
     }
 
-    /// Where an edge has the value of a level that lies between its ends.
+    /// Returns the point of an edge that has the value of a level.
     fn crossing(&self, a: usize, b: usize, level: f64) -> PlanePoint {
         let t = (level - self.values[a]) / (self.values[b] - self.values[a]);
         let ((ax, ay), (bx, by)) = (self.points[a], self.points[b]);
@@ -137,7 +137,7 @@ impl Surface {
     }
 }
 
-fn triangles(cell: &Cell) -> Vec<[usize; 3]> {
+fn triangles(cell: &GridCell) -> Vec<[usize; 3]> {
     let c = &cell.corners;
     match cell.middle {
         Some(middle) => (0..4).map(|k| [c[k], c[(k + 1) % 4], middle]).collect(),

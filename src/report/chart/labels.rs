@@ -1,11 +1,11 @@
-//! Labels that do not cover each other.
+//! Places of labels that do not cover each other.
 
-/// Boxes taken so far: left, top, right, bottom, px.
+/// Boxes that are taken: left, top, right, bottom, px.
 #[derive(Default)]
 pub struct Taken(Vec<[f64; 4]>);
 
 impl Taken {
-    /// Takes a box if nothing is in it yet.
+    /// Takes a box if it is free, and returns whether it is.
     pub fn take(&mut self, [left, top, right, bottom]: [f64; 4]) -> bool {
         let free = self.0.iter().all(|[l, t, r, b]| right <= *l || left >= *r || bottom <= *t || top >= *b);
         if free {
@@ -14,7 +14,7 @@ impl Taken {
         free
     }
 
-    /// Takes it whatever is there.
+    /// Takes a box whether it is free or not.
     pub fn keep(&mut self, place: [f64; 4]) {
         self.0.push(place);
     }

@@ -1,13 +1,13 @@
-//! The working envelope with everything that stands in it: in plan and in upright section.
+//! Layouts with the working envelope: in plan and in a vertical section.
 
-use super::axes::{self, Scale};
-use super::canvas::{Anchor, Canvas, EDGE, Entry, Ink, SMALL};
+use super::axes::{self, AxisScale};
+use super::canvas::{Anchor, ChartCanvas, EDGE, Ink, LegendEntry, SMALL};
 use super::labels::Taken;
 use super::plane_view::{PlaneView, longer_side, widened};
 use super::solids::{KINDS, drawn, entry, rank};
 use super::{WIDTH, signs, words};
 use crate::assess::{Assessment, step_of, tolerance_of};
-use crate::drawing::{Drawing, Kind, Part};
+use crate::drawing::{Drawing, DrawnPart, PartKind};
 use crate::geometry::{PlanePoint, bounding_box};
 use crate::reach::{Envelope, Fineness};
 use crate::report::silhouette::{ABOVE, Eye, Silhouette, silhouette};
@@ -18,7 +18,7 @@ use nalgebra::Vector3;
 /// Left end, right end and greatest height of the plot, px.
 const PLOT: (f64, f64, f64) = (66.0, WIDTH - EDGE, 560.0);
 
-/// Seen from above, world axes: the envelope at the height of the operation's TCP, the robot at its spot.
+/// Draws the layout from above in world axes: the envelope at the height of the TCP, the robot at its spot.
 pub fn layout_plan(a: &Assessment<'_>, drawing: &Drawing<'_>, operation: usize) -> String {
     let rings = a.reachable(operation);
     let envelope = rings.iter().map(|r| r.iter().map(|p| (mm_from_m(p.0), mm_from_m(p.1))).collect());
@@ -41,8 +41,8 @@ pub fn layout_plan(a: &Assessment<'_>, drawing: &Drawing<'_>, operation: usize) 
     view.draw()
 }
 
-/// Seen from the side, in the upright plane through the base axis and the spot of the operation: the
-/// envelope cut there, everything else projected on it.
+/// Draws the layout from the side. The vertical plane through base axis and spot cuts the envelope;
+/// everything else is projected on it.
 pub fn layout_section(a: &Assessment<'_>, drawing: &Drawing<'_>, operation: usize) -> String {
     let inverse = a.workcell.inverse();
     let of = &a.cell.operations[operation];
@@ -80,7 +80,7 @@ pub fn layout_section(a: &Assessment<'_>, drawing: &Drawing<'_>, operation: usiz
     view.draw()
 }
 
-/// Of the TCP at the nodes of an operation, world, m.
+/// Returns the height of the TCP at the nodes of an operation, world, m.
 fn height_of(a: &Assessment<'_>, operation: usize) -> f64 {
     let operation = &a.cell.operations[operation];
     a.layout.placements[operation.equipment].z + operation.standoff
@@ -91,7 +91,7 @@ struct LayoutView<'a> {
     drawing: &'a Drawing<'a>,
     operation: usize,
     eye: Eye,
-    /// Point of the world (m) that is the zero of the picture.
+    /// Point of the world (m) at the origin of the picture.
     origin: Vector3<f64>,
     envelope: Vec<Vec<PlanePoint>>,
     heading: String,
@@ -103,14 +103,14 @@ struct LayoutView<'a> {
 
 /// Part as the view shows it.
 struct VisiblePart<'a> {
-    part: &'a Part,
+    part: &'a DrawnPart,
     silhouette: Silhouette,
 }
 
 impl LayoutView<'_> {
     fn draw(&self) -> String {
         let parts = self.parts();
-        let mut canvas = Canvas::new(&self.heading, std::slice::from_ref(&self.said));
+        let mut canvas = ChartCanvas::new(&self.heading, std::slice::from_ref(&self.said));
         let (left, right, height) = PLOT;
         let mut view =
             PlaneView::fitted(self.bounds(&parts), (right - left, height), (left, canvas.y + 26.0));
@@ -171,7 +171,7 @@ impl LayoutView<'_> {
 
     fn bounds(&self, parts: &[VisiblePart<'_>]) -> (PlanePoint, PlanePoint) {
         // From the side a fence is a line on the floor, or a wall that has no end.
-        let counts = |p: &&VisiblePart<'_>| self.levels.is_empty() || p.part.kind != Kind::Fence;
+        let counts = |p: &&VisiblePart<'_>| self.levels.is_empty() || p.part.kind != PartKind::Fence;
         let standing = parts.iter().filter(counts).flat_map(|p| self.outlines(p)).flatten();
         let points = standing.chain(self.envelope.iter().flatten().copied());
         let base = self.seen(&self.drawing.base.translation);
@@ -179,7 +179,7 @@ impl LayoutView<'_> {
         widened(bounds, 0.04 * longer_side(bounds).max(100.0))
     }
 
-    fn draw_levels(&self, canvas: &mut Canvas, x: &Scale, y: &Scale, taken: &mut Taken) {
+    fn draw_levels(&self, canvas: &mut ChartCanvas, x: &AxisScale, y: &AxisScale, taken: &mut Taken) {
         for (k, (name, height)) in self.levels.iter().enumerate() {
             let (py, dash) =
                 (y.at(mm_from_m(*height)), if k == 0 { "" } else { " stroke-dasharray=\"9 4\"" });
@@ -191,7 +191,7 @@ impl LayoutView<'_> {
         }
     }
 
-    fn draw_spots(&self, canvas: &mut Canvas, view: &PlaneView, taken: &mut Taken) {
+    fn draw_spots(&self, canvas: &mut ChartCanvas, view: &PlaneView, taken: &mut Taken) {
         let field = &self.drawing.fields[self.operation];
         let (x, y) = view.at(&self.seen(&self.drawing.base.translation));
         canvas.put(&format!("<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\" {}/>", Ink::Text.fill()));
@@ -205,16 +205,16 @@ impl LayoutView<'_> {
     /// Draws the name of each equipment where it covers no other.
     fn draw_names(
         &self,
-        canvas: &mut Canvas,
+        canvas: &mut ChartCanvas,
         parts: &[VisiblePart<'_>],
         view: &PlaneView,
         taken: &mut Taken,
     ) {
-        let named = |kind| matches!(kind, Kind::Equipment | Kind::Obstacle | Kind::KeepOut);
+        let named = |kind| matches!(kind, PartKind::Equipment | PartKind::Obstacle | PartKind::KeepOut);
         let mut owners: Vec<(&str, Vec<PlanePoint>)> = Vec::new();
         for visible in parts.iter().filter(|p| named(p.part.kind)) {
             let part = visible.part;
-            let name = if part.kind == Kind::KeepOut { &part.name } else { &part.owner };
+            let name = if part.kind == PartKind::KeepOut { &part.name } else { &part.owner };
             let points = self.rings(visible, view).flatten();
             match owners.iter_mut().find(|(owner, _)| owner == name) {
                 Some((_, all)) => all.extend(points),
@@ -242,7 +242,7 @@ impl LayoutView<'_> {
         }
     }
 
-    fn legend(&self, parts: &[VisiblePart<'_>]) -> Vec<Entry> {
+    fn legend(&self, parts: &[VisiblePart<'_>]) -> Vec<LegendEntry> {
         let ground = format!(
             "<path d=\"M-11 -6H11V6H-11Z\" {} fill-opacity=\"0.16\"/><path d=\"M-11 -6H11V6H-11Z\" {}/>",
             Ink::Sky.fill(),
@@ -250,12 +250,12 @@ impl LayoutView<'_> {
         );
         let mut entries = Vec::new();
         if !self.envelope.is_empty() {
-            entries.push(Entry { mark: ground, said: "working envelope".into() });
+            entries.push(LegendEntry { mark: ground, said: "working envelope".into() });
         }
-        let occurs = |kind: &Kind| parts.iter().any(|p| p.part.kind == *kind);
+        let occurs = |kind: &PartKind| parts.iter().any(|p| p.part.kind == *kind);
         entries.extend(KINDS.into_iter().filter(occurs).map(entry));
         if self.drawing.fields[self.operation].spot.is_some() {
-            entries.push(Entry { mark: signs::spot((0.0, 0.0)), said: "chosen spot".into() });
+            entries.push(LegendEntry { mark: signs::spot((0.0, 0.0)), said: "chosen spot".into() });
         }
         entries
     }

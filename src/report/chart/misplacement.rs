@@ -1,10 +1,10 @@
-//! What misplacement does to an operation: how its value changes with every coordinate, and how far it
-//! may go.
+//! Effect of misplaced equipment on an operation: how its value changes with every coordinate, and how far
+//! each may move.
 
 use super::axes;
 
-use super::axes::Scale;
-use super::canvas::{Anchor, BODY, Canvas, EDGE, Ink};
+use super::axes::AxisScale;
+use super::canvas::{Anchor, BODY, ChartCanvas, EDGE, Ink};
 use super::{WIDTH, words};
 use crate::cell::{Cell, Slot, Unit};
 use crate::layout::{Largest, MisplacementEnd, Robustness};
@@ -12,11 +12,11 @@ use crate::units::{deg_from_rad, m_from_mm, mm_from_m, percent_from_share, rad_f
 
 const ROW: f64 = 24.0;
 
-/// The change of an operation's value for 1 mm or 1 degree of each coordinate.
+/// Draws the change of the value of an operation for 1 mm or 1 degree of each coordinate.
 pub fn misplacement(cell: &Cell, operation: usize, r: &Robustness) -> String {
     let (unit, word) = (cell.unit(), cell.unit().word());
     let heading = format!("{}: what misplacement changes", cell.operations[operation].name);
-    let mut canvas = Canvas::new(&heading, &told(cell, operation, r));
+    let mut canvas = ChartCanvas::new(&heading, &told(cell, operation, r));
     let rows: Vec<(String, Option<f64>)> =
         r.gradient.iter().map(|(slot, slope)| row(cell, *slot, *slope)).collect();
     if rows.is_empty() {
@@ -30,8 +30,8 @@ pub fn misplacement(cell: &Cell, operation: usize, r: &Robustness) -> String {
     let bottom = top + ROW * rows.len() as f64 + 4.0;
     let left = if low < 0.0 { low - pad } else { 0.0 };
     let right = if high > 0.0 { high + pad } else { 0.0 };
-    let x = Scale::linear(left, right, (EDGE + wide + 14.0, WIDTH - EDGE - 16.0));
-    let y = Scale::linear(0.0, 1.0, (bottom, top));
+    let x = AxisScale::linear(left, right, (EDGE + wide + 14.0, WIDTH - EDGE - 16.0));
+    let y = AxisScale::linear(0.0, 1.0, (bottom, top));
     let axis = format!("change of the value for +1 mm or +1 deg / {word}");
     axes::across(&mut canvas, &x, &y, &axis);
     for (k, (name, slope)) in rows.iter().enumerate() {
@@ -55,7 +55,7 @@ fn row(cell: &Cell, slot: Slot, slope: Option<f64>) -> (String, Option<f64>) {
     (format!("{whose} {} +1 {word}", ["x", "y", "z", "yaw"][axis]), slope.map(|s| s * one))
 }
 
-fn bar(canvas: &mut Canvas, x: &Scale, (name, value): (&str, Option<f64>), top: f64, wide: f64) {
+fn bar(canvas: &mut ChartCanvas, x: &AxisScale, (name, value): (&str, Option<f64>), top: f64, wide: f64) {
     let base = top + ROW / 2.0 + 4.5;
     canvas.text((EDGE + wide, base), Anchor::End, Ink::Text, &words::shortened(name, BODY, wide));
     let zero = x.at(0.0);
@@ -64,7 +64,7 @@ fn bar(canvas: &mut Canvas, x: &Scale, (name, value): (&str, Option<f64>), top: 
         return;
     };
     let to = x.at(value);
-    // What grows is bad, what falls is good: two colours beside the direction.
+    // Growth is bad and decrease is good: each has a colour.
     let fill = if value > 0.0 { Ink::Vermilion } else { Ink::Blue }.fill();
     canvas.put(&format!(
         "<rect x=\"{:.2}\" y=\"{:.1}\" width=\"{:.2}\" height=\"{:.1}\" {fill}/>",

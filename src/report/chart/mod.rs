@@ -1,10 +1,8 @@
-//! The charts of a report: each a pure function from records to one `<svg>` that stands alone as a file
-//! and inline in a page.
+//! Charts of a report: each is a pure function from records to one `<svg>`, for a file or inline in a page.
 //!
-//! A chart has no style element and no style attribute, which a content security policy would forbid:
-//! colours are presentation attributes, and beside each stands a class (`fill-blue`, `line-grid`) by which
-//! the style sheet of a page repaints it, as [`dark_rules`] does. It has no ids either, so that any number
-//! of them can stand in one page.
+//! A chart has neither a style element nor a style attribute, which a Content-Security-Policy would forbid.
+//! Colours are presentation attributes. A class beside each (`fill-blue`, `line-grid`) lets the style sheet
+//! of a page repaint it, as [`dark_rules`] does.
 
 #[doc(hidden)] // open for tests/it
 pub mod axes;
@@ -48,5 +46,5 @@ pub use misplacement::misplacement;
 pub use pareto::pareto;
 pub use tornado::tornado;
 
-/// Every chart is drawn for so many px; it is to be scaled to what the page has.
+/// Width of a chart, px; a page scales it to its own width.
 pub const WIDTH: f64 = 720.0;

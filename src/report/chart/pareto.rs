@@ -1,20 +1,20 @@
-//! Layouts of a front by two of their goals.
+//! Pareto front of layouts by two of their goals.
 
 use super::axes;
 
-use super::axes::Scale;
-use super::canvas::{Anchor, Canvas, EDGE, Ink, SMALL};
+use super::axes::AxisScale;
+use super::canvas::{Anchor, ChartCanvas, EDGE, Ink, SMALL};
 use super::labels::Taken;
 use super::{WIDTH, words};
 use crate::cell::{Cell, Goal};
-use crate::report::goals;
+use crate::record::goals;
 use crate::search::SearchRecord;
 use crate::units::rounded;
 
 const HEIGHT: f64 = 330.0;
 
-/// The front by its error, up, and the first other goal, across; without the error by the first two goals.
-/// None if there is nothing to draw.
+/// Draws the front by its error (up) and the first other goal (across); without the error, by the first two
+/// goals. Returns nothing if the front is empty.
 pub fn pareto(cell: &Cell, record: &SearchRecord) -> Option<String> {
     let asked: Vec<Goal> = cell.search.pareto.iter().collect();
     let up = *asked.iter().find(|g| **g == Goal::Error).or(asked.first())?;
@@ -26,7 +26,7 @@ pub fn pareto(cell: &Cell, record: &SearchRecord) -> Option<String> {
     let others = asked.len() > 2;
     let under =
         others.then(|| "a layout that looks worse here is better in a goal that is not drawn".to_string());
-    let mut canvas = Canvas::new(&heading, under.as_slice());
+    let mut canvas = ChartCanvas::new(&heading, under.as_slice());
     let top = canvas.y + 26.0;
     let [xs, ys] = [across, up].map(|goal| values(cell, record, goal));
     let x = scale(&xs, (78.0, WIDTH - EDGE - 20.0));
@@ -65,8 +65,8 @@ fn name(cell: &Cell, goal: Goal) -> String {
     format!("{} ({wish})", goals::head(cell, goal))
 }
 
-fn scale(values: &[f64], px: (f64, f64)) -> Scale {
+fn scale(values: &[f64], px: (f64, f64)) -> AxisScale {
     let (low, high) = values.iter().fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(*v), h.max(*v)));
     let pad = if high > low { (high - low) * 0.06 } else { low.abs().max(1.0) * 0.05 };
-    Scale::linear(low - pad, high + pad, px)
+    AxisScale::linear(low - pad, high + pad, px)
 }

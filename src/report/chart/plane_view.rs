@@ -1,6 +1,6 @@
 //! Window of a plane in a picture, at one scale along both axes.
 
-use super::axes::Scale;
+use super::axes::AxisScale;
 use crate::geometry::PlanePoint;
 
 /// Rectangle of a plane (y up) and where it lies in a picture (px, y down).
@@ -47,10 +47,10 @@ impl PlaneView {
     }
 
     /// Returns the axes to the right and up.
-    pub fn scales(&self) -> (Scale, Scale) {
+    pub fn scales(&self) -> (AxisScale, AxisScale) {
         (
-            Scale::linear(self.low.0, self.high.0, (self.left, self.right())),
-            Scale::linear(self.low.1, self.high.1, (self.bottom(), self.top)),
+            AxisScale::linear(self.low.0, self.high.0, (self.left, self.right())),
+            AxisScale::linear(self.low.1, self.high.1, (self.bottom(), self.top)),
         )
     }
 }

@@ -1,6 +1,6 @@
 //! Signs on a chart: nodes that cannot be used, and the spots.
 
-use super::canvas::{Entry, Ink};
+use super::canvas::{Ink, LegendEntry};
 use crate::drawing::{GlyphRing, GlyphTone, NodeGlyph, node_glyph};
 use crate::error_map::NodeSign;
 use crate::report::svg_text::{PathEnd, path_data};
@@ -48,13 +48,13 @@ pub fn other_spot(at: (f64, f64)) -> String {
 }
 
 /// Returns one legend entry per sign that occurs, with its number of nodes; usable nodes have none.
-pub fn entries(signs: impl Iterator<Item = NodeSign>) -> Vec<Entry> {
+pub fn entries(signs: impl Iterator<Item = NodeSign>) -> Vec<LegendEntry> {
     let all: Vec<NodeSign> = signs.collect();
     let entry = |known: NodeSign| {
         let glyph = node_glyph(known)?;
         let count = all.iter().filter(|s| **s == known).count();
         let mark = draw_glyph(&glyph, (0.0, 0.0), 5.0);
-        (count > 0).then(|| Entry { mark, said: format!("{} ({count})", known.label()) })
+        (count > 0).then(|| LegendEntry { mark, said: format!("{} ({count})", known.label()) })
     };
     NodeSign::ALL.into_iter().filter_map(entry).collect()
 }

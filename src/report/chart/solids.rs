@@ -1,34 +1,41 @@
 //! Solids and floor spaces on a plan: how each kind of part looks, and its entry in a legend.
 
-use super::canvas::{Entry, Ink};
-use crate::drawing::Kind;
+use super::canvas::{Ink, LegendEntry};
+use crate::drawing::PartKind;
 use crate::report::svg_text::{PathEnd, path_data};
 
 /// Kinds of parts in the order in which they are drawn.
-pub const KINDS: [Kind; 7] =
-    [Kind::Fence, Kind::KeepOut, Kind::Equipment, Kind::Obstacle, Kind::Held, Kind::Robot, Kind::Tool];
+pub const KINDS: [PartKind; 7] = [
+    PartKind::Fence,
+    PartKind::KeepOut,
+    PartKind::Equipment,
+    PartKind::Obstacle,
+    PartKind::Held,
+    PartKind::Robot,
+    PartKind::Tool,
+];
 
 /// Returns the place of a kind in [`KINDS`].
-pub fn rank(kind: Kind) -> usize {
+pub fn rank(kind: PartKind) -> usize {
     KINDS.iter().position(|k| *k == kind).unwrap_or(KINDS.len())
 }
 
 /// Fill and line of a kind of part. A line is twice as wide as it looks where a fill covers its inner half.
-fn look(kind: Kind) -> (String, String) {
+fn look(kind: PartKind) -> (String, String) {
     let none = "fill=\"none\"".to_string();
     match kind {
-        Kind::Equipment => (Ink::Ground.fill(), Ink::Faint.line(2.4)),
-        Kind::Obstacle => (Ink::Grid.fill(), Ink::Faint.line(2.4)),
-        Kind::Fence => (none, Ink::Text.line(1.8)),
-        Kind::KeepOut => (none, format!("{} stroke-dasharray=\"6 4\"", Ink::Vermilion.line(1.6))),
-        Kind::Held => (Ink::Purple.fill(), Ink::Faint.line(2.0)),
-        Kind::Robot => (Ink::Orange.fill(), Ink::Faint.line(2.0)),
-        Kind::Tool => (Ink::Vermilion.fill(), Ink::Faint.line(2.0)),
+        PartKind::Equipment => (Ink::Ground.fill(), Ink::Faint.line(2.4)),
+        PartKind::Obstacle => (Ink::Grid.fill(), Ink::Faint.line(2.4)),
+        PartKind::Fence => (none, Ink::Text.line(1.8)),
+        PartKind::KeepOut => (none, format!("{} stroke-dasharray=\"6 4\"", Ink::Vermilion.line(1.6))),
+        PartKind::Held => (Ink::Purple.fill(), Ink::Faint.line(2.0)),
+        PartKind::Robot => (Ink::Orange.fill(), Ink::Faint.line(2.0)),
+        PartKind::Tool => (Ink::Vermilion.fill(), Ink::Faint.line(2.0)),
     }
 }
 
 /// Returns the outline of closed rings (px) and over it their fill, by the nonzero rule.
-pub fn drawn(rings: impl Iterator<Item = Vec<(f64, f64)>>, kind: Kind) -> String {
+pub fn drawn(rings: impl Iterator<Item = Vec<(f64, f64)>>, kind: PartKind) -> String {
     let d: String = rings.map(|ring| path_data(ring.into_iter(), PathEnd::Closed, 1)).collect();
     if d.is_empty() {
         return String::new();
@@ -38,7 +45,7 @@ pub fn drawn(rings: impl Iterator<Item = Vec<(f64, f64)>>, kind: Kind) -> String
 }
 
 /// Returns the legend entry of a kind.
-pub fn entry(kind: Kind) -> Entry {
+pub fn entry(kind: PartKind) -> LegendEntry {
     let square = vec![(-9.0, -5.0), (9.0, -5.0), (9.0, 5.0), (-9.0, 5.0)];
-    Entry { mark: drawn([square].into_iter(), kind), said: kind.name().into() }
+    LegendEntry { mark: drawn([square].into_iter(), kind), said: kind.name().into() }
 }

@@ -1,29 +1,29 @@
-//! The error budget of a spot: which parameter to tighten first.
+//! Tornado chart of the error budget of a spot: which parameter to tighten first.
 
 use super::axes;
 
-use super::axes::Scale;
-use super::canvas::{Anchor, BODY, Canvas, EDGE, Ink};
+use super::axes::AxisScale;
+use super::canvas::{Anchor, BODY, ChartCanvas, EDGE, Ink};
 use super::{WIDTH, words};
 use crate::assess::Account;
 use crate::cell::Reading;
 use crate::reading::Share;
-use crate::report::names;
+use crate::record::parameter_names as names;
 use crate::units::{percent_from_share, rounded};
 
-/// Bars drawn one by one; the others are told together.
+/// Number of bars drawn one by one; the other parameters share a bar.
 const BARS: usize = 16;
 const ROW: f64 = 24.0;
 
-/// Each parameter's share of the worst case, or of the variance in the statistical reading, the largest
-/// first, and what half its tolerance would gain.
+/// Draws the share of each parameter in the worst case or in the variance, the largest first. Each bar names
+/// the gain of half the tolerance.
 pub fn tornado(a: &Account<'_>) -> String {
     let cell = a.stance.cell;
     let of = share_of(a);
     let what = if a.stance.gauge.reading == Reading::Statistical { "variance" } else { "worst case" };
     let name = &cell.operations[a.stance.operation].name;
     let shares: Vec<&Share> = a.budget.shares.iter().filter(|s| of(s).abs() > 1e-6).collect();
-    let mut canvas = Canvas::new(
+    let mut canvas = ChartCanvas::new(
         &format!("{name}: share of the {what} in {}", a.stance.gauge.sense.name),
         &under(a, shares.len()),
     );
@@ -42,8 +42,9 @@ pub fn tornado(a: &Account<'_>) -> String {
     let bottom = top + ROW * rows.len() as f64 + 4.0;
     let said = rows.iter().map(|r| words::width(&r.2, BODY)).fold(0.0, f64::max).min(230.0);
     let right = WIDTH - EDGE - 62.0 - said;
-    let x = Scale::linear(percent_from_share(least), percent_from_share(most), (EDGE + wide + 12.0, right));
-    let y = Scale::linear(0.0, 1.0, (bottom, top));
+    let x =
+        AxisScale::linear(percent_from_share(least), percent_from_share(most), (EDGE + wide + 12.0, right));
+    let y = AxisScale::linear(0.0, 1.0, (bottom, top));
     axes::across(&mut canvas, &x, &y, &format!("share of the {what} / %"));
     for (k, row) in rows.iter().enumerate() {
         bar(&mut canvas, &x, row, top + ROW * k as f64, wide);
@@ -54,7 +55,7 @@ pub fn tornado(a: &Account<'_>) -> String {
     canvas.finish()
 }
 
-/// Which share counts.
+/// Returns the share that counts under the reading.
 fn share_of(a: &Account<'_>) -> fn(&Share) -> f64 {
     match a.stance.gauge.reading {
         Reading::Statistical => |s| s.of_variance,
@@ -74,7 +75,7 @@ fn under(a: &Account<'_>, count: usize) -> Vec<String> {
     )]
 }
 
-/// Name with tolerance, share, what halving gains.
+/// Draws the name with its tolerance, the share, and the gain of halving.
 fn row(a: &Account<'_>, share: &Share, part: f64) -> (String, f64, String) {
     let cell = a.stance.cell;
     let unit = names::unit(cell, share.parameter);
@@ -89,7 +90,13 @@ fn percent(share: f64) -> String {
     format!("{:.1} %", rounded(percent_from_share(share), 1))
 }
 
-fn bar(canvas: &mut Canvas, x: &Scale, (name, part, gain): &(String, f64, String), top: f64, wide: f64) {
+fn bar(
+    canvas: &mut ChartCanvas,
+    x: &AxisScale,
+    (name, part, gain): &(String, f64, String),
+    top: f64,
+    wide: f64,
+) {
     let (from, to) = (x.at(0.0), x.at(percent_from_share(*part)));
     let (left, length) = (from.min(to), (to - from).abs());
     let is_rest = name.ends_with(" others") && gain.is_empty();
@@ -106,7 +113,7 @@ fn bar(canvas: &mut Canvas, x: &Scale, (name, part, gain): &(String, f64, String
     canvas.text((WIDTH - EDGE, base), Anchor::End, Ink::Faint, gain);
 }
 
-/// What all the halvings together gain.
+/// Returns the gain of all halvings together.
 fn gains(a: &Account<'_>) -> Vec<String> {
     let Some(all) = a.tighter.iter().find(|t| t.parameters.len() > 1) else { return Vec::new() };
     let (unit, cell) = (a.unit(), a.stance.cell);

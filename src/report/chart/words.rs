@@ -1,7 +1,7 @@
-//! How wide words are, and how they are made to fit.
+//! Widths of texts, shortening and line breaks.
 
-/// Width of a text in px, a little too much rather than too little: no font is known here. Wide
-/// characters (Chinese, Japanese, Korean, pictures) count double.
+/// Returns an upper estimate of the width of a text, px, as the font is not known. Wide characters (Chinese,
+/// Japanese, Korean, pictures) count double.
 pub fn width(text: &str, size: f64) -> f64 {
     text.chars().map(|c| ems(c) * size).sum()
 }
@@ -23,7 +23,7 @@ fn is_wide(c: char) -> bool {
         | 0xff00..=0xff60 | 0xffe0..=0xffe6 | 0x1f300..=0x1faff | 0x20000..=0x3fffd)
 }
 
-/// Cut with an ellipsis to what fits.
+/// Returns a text cut with an ellipsis to what fits.
 pub fn shortened(text: &str, size: f64, room: f64) -> String {
     if width(text, size) <= room {
         return text.to_string();
@@ -40,8 +40,8 @@ pub fn shortened(text: &str, size: f64, room: f64) -> String {
     kept.trim_end().to_string() + "\u{2026}"
 }
 
-/// Broken into lines at spaces, in a word only if it is longer than a line; the last of `most` lines is
-/// cut.
+/// Returns a text broken into lines at spaces, or inside a word that is longer than a line. The last of
+/// `most` lines is cut.
 pub fn wrapped(text: &str, size: f64, room: f64, most: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     let mut rest = text.trim();
@@ -57,7 +57,7 @@ pub fn wrapped(text: &str, size: f64, room: f64, most: usize) -> Vec<String> {
     lines
 }
 
-/// Where the first line ends: a byte index, after at least one character.
+/// Returns the end of the first line: a byte index, after at least one character.
 fn line_end(text: &str, size: f64, room: f64) -> usize {
     let (mut used, mut space) = (0.0, None);
     for (at, c) in text.char_indices() {
@@ -72,7 +72,8 @@ fn line_end(text: &str, size: f64, room: f64) -> usize {
     text.len()
 }
 
-/// So many decimals that steps of this size differ; of the very large and very small a power of ten.
+/// Returns a number with so many decimals that steps of this size differ. Very large and very small numbers
+/// have a power of ten.
 pub fn number(value: f64, step: f64) -> String {
     if value == 0.0 || value.abs() < step * 1e-6 {
         return "0".into();
@@ -84,7 +85,7 @@ pub fn number(value: f64, step: f64) -> String {
     format!("{:.*}", digits as usize, crate::units::rounded(value, digits as i32))
 }
 
-/// Four leading digits.
+/// Returns a number with four leading digits.
 pub fn figure(value: f64) -> String {
     let size = value.abs();
     if size == 0.0 || !size.is_finite() {

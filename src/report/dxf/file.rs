@@ -1,7 +1,8 @@
-//! A DXF file of release 2000 (AC1015): group codes, tables, blocks, objects.
+//! DXF file of release 2000 (AC1015): group codes, tables, blocks, objects.
 //!
-//! Written by hand after Autodesk's DXF reference: every table, record, block and entity has a handle
-//! of its own and names its owner, which the dxf crate cannot say. Lengths in m come in, mm go out.
+//! The writer follows the DXF reference of Autodesk. Every table, record, block and entity has a handle of
+//! its own and names its owner, which the dxf crate does not support. Lengths come in m and are written in
+//! mm.
 
 mod tables;
 
@@ -24,7 +25,7 @@ impl Codes {
         self.put(code, format_args!("{:?}", rounded(value, 6)));
     }
 
-    /// A length, m.
+    /// Writes a length, given in m.
     fn length(&mut self, code: u16, m: f64) {
         self.real(code, mm_from_m(m));
     }
@@ -38,21 +39,21 @@ impl Codes {
     }
 }
 
-/// A layer: its name and its colour of the AutoCAD index.
+/// Layer: its name and its colour of the AutoCAD index.
 pub type Layer = (&'static str, u16);
 
-/// Model space, paper space or the block of a dimension.
-struct Space {
+/// Space of entities: model space, paper space or the block of a dimension.
+struct DxfSpace {
     name: String,
-    /// Handles of its record, of the beginning and of the end of its block.
+    /// Returns the handles of its record, of the beginning and of the end of its block.
     record: u64,
     begin: u64,
     end: u64,
     content: Codes,
 }
 
-impl Space {
-    /// Beginning or end of its block.
+impl DxfSpace {
+    /// Writes the beginning or the end of its block.
     fn edge(&self, out: &mut Codes, kind: &str, handle: u64, subclass: &str) {
         out.put(0, kind);
         out.handle(5, handle);
@@ -63,20 +64,20 @@ impl Space {
     }
 }
 
-/// Handles of the dictionaries; those of the tables come before.
+/// Handles of the dictionaries; the tables have smaller ones.
 const ROOT: u64 = 0xA;
 const GROUPS: u64 = 0xB;
-/// The first of all others.
+/// First handle of everything else.
 const FIRST: u64 = 0x10;
 
-/// The style of dimensions.
+/// Name of the dimension style.
 const STYLE: &str = "MM";
 
-/// A drawing being written; entities go to the model.
-pub struct File {
+/// Drawing under construction; entities go to the model space.
+pub struct DxfFile {
     next: u64,
-    spaces: Vec<Space>,
-    /// Which of the spaces entities go to.
+    spaces: Vec<DxfSpace>,
+    /// Space of the next entities.
     space: usize,
     /// Height of texts, m.
     pub height: f64,
@@ -84,7 +85,7 @@ pub struct File {
     high: Vector3<f64>,
 }
 
-impl File {
+impl DxfFile {
     pub fn new(height: f64) -> Self {
         let (low, high) = (Vector3::repeat(f64::MAX), Vector3::repeat(f64::MIN));
         let mut file = Self { next: FIRST, spaces: Vec::new(), space: 0, height, low, high };
@@ -100,13 +101,13 @@ impl File {
 
     fn add_space(&mut self, name: String) {
         let [record, begin, end] = [0; 3].map(|_| self.handle());
-        self.spaces.push(Space { name, record, begin, end, content: Codes::default() });
+        self.spaces.push(DxfSpace { name, record, begin, end, content: Codes::default() });
     }
 
     /// Begins an entity.
     fn entity(&mut self, kind: &str, layer: &str) -> &mut Codes {
         let handle = self.handle();
-        let Space { record, content, .. } = &mut self.spaces[self.space];
+        let DxfSpace { record, content, .. } = &mut self.spaces[self.space];
         content.put(0, kind);
         content.handle(5, handle);
         content.handle(330, *record);
@@ -136,11 +137,11 @@ impl File {
         [centre - half, centre + half].iter().for_each(|p| self.seen(p));
     }
 
-    /// A triangle; of its edges (from each corner to the next) some are not to be seen.
+    /// Writes a triangle whose edges (from each corner to the next) may be invisible.
     pub fn face(&mut self, layer: &str, corners: &[Vector3<f64>; 3], hidden: [bool; 3]) {
         let out = self.entity("3DFACE", layer);
         out.put(100, "AcDbFace");
-        // The fourth corner is the third again, and the edge between them is none.
+        // The fourth corner repeats the third, and the edge between them is invisible.
         for (k, corner) in [0, 1, 2, 2].into_iter().enumerate() {
             out.point(10 + k as u16, &corners[corner]);
         }
@@ -149,7 +150,7 @@ impl File {
         corners.iter().for_each(|p| self.seen(p));
     }
 
-    /// A closed level outline at a height, world plan, m.
+    /// Writes a closed level outline at a height, world plan, m.
     pub fn outline(&mut self, layer: &str, points: &[(f64, f64)], z: f64) {
         let out = self.entity("LWPOLYLINE", layer);
         out.put(100, "AcDbPolyline");
@@ -163,7 +164,7 @@ impl File {
         points.iter().for_each(|(x, y)| self.seen(&Vector3::new(*x, *y, z)));
     }
 
-    /// A closed line in space.
+    /// Writes a closed line in space.
     pub fn ring(&mut self, layer: &str, points: &[Vector3<f64>]) {
         let out = self.entity("POLYLINE", layer);
         out.put(100, "AcDb3dPolyline");
@@ -181,7 +182,7 @@ impl File {
         self.entity("SEQEND", layer);
     }
 
-    /// Text from `at` on or, if centred, above its middle; turned by `angle`, rad.
+    /// Writes a text from `at`, or centred on it, turned by `angle`, rad.
     pub fn text(&mut self, layer: &str, at: &Vector3<f64>, text: &str, (angle, centred): (f64, bool)) {
         let (height, text) = (self.height, safe(text));
         let out = self.entity("TEXT", layer);
@@ -198,8 +199,8 @@ impl File {
         self.seen(at);
     }
 
-    /// The distance from `a` to `b` along x or (`upright`) y, its line through `through`: a dimension that
-    /// AutoCAD keeps up to date, with a block of how it looks, as other programs want it.
+    /// Writes the distance from `a` to `b` along x or (`upright`) y, with its line through `through`. It is
+    /// an associative dimension for AutoCAD, with a block that other programs draw.
     pub fn dimension(
         &mut self,
         layer: &str,
@@ -233,7 +234,7 @@ impl File {
         out.put(2, name);
         out.point(10, &to);
         out.point(11, &middle);
-        // Rotated, and its block is of no other.
+        // The dimension is rotated and has a block of its own.
         out.put(70, 32);
         out.put(71, 5);
         out.length(42, size);
@@ -246,7 +247,7 @@ impl File {
         out.put(100, "AcDbRotatedDimension");
     }
 
-    /// The whole file.
+    /// Returns the whole file.
     pub fn bytes(mut self, layers: &[Layer]) -> Vec<u8> {
         let mut body = Codes::default();
         self.tables(&mut body, layers);
@@ -272,7 +273,7 @@ impl File {
         (head.0 + &body.0).into_bytes()
     }
 
-    /// No date and no identity: the same drawing is the same file.
+    /// Without a date and an identity the same drawing is the same file.
     fn header(&self, out: &mut Codes) {
         let name = |out: &mut Codes, name: &str| out.put(9, name);
         name(out, "$ACADVER");
@@ -301,7 +302,7 @@ impl File {
             for (k, space) in self.spaces.iter().enumerate() {
                 space.edge(out, "BLOCK", space.begin, "AcDbBlockBegin");
                 out.put(2, &space.name);
-                // Of a dimension: without a name of its own.
+                // The block of a dimension is anonymous.
                 out.put(70, u8::from(k > 1));
                 out.point(10, &Vector3::zeros());
                 out.put(3, &space.name);

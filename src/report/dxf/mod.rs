@@ -1,4 +1,4 @@
-//! A drawing for CAD: DXF of release 2000 in mm, z up, every kind of thing on a layer of its own.
+//! CAD drawing: DXF of release 2000 in mm, z up, every kind of thing on a layer of its own.
 
 mod file;
 #[doc(hidden)] // open for tests/it
@@ -6,10 +6,10 @@ pub mod text;
 
 use crate::cell::Role;
 use crate::drawing::floor_corners;
-use crate::drawing::{Component, Drawing, Field, Kind, Mesh};
+use crate::drawing::{Component, Drawing, Field, Mesh, PartKind};
 use crate::pose::Pose;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
-use file::{File, Layer};
+use file::{DxfFile, Layer};
 use nalgebra::Vector3;
 use std::collections::HashMap;
 
@@ -44,15 +44,15 @@ const LAYERS: [Layer; 15] = [
 const PLANE: f64 = 1.0 - 1e-9;
 /// Height of a text as a share of the cell's longer side, and what it is at least, m.
 const HEIGHT: (f64, f64) = (1.0 / 90.0, 0.015);
-/// Of the axes drawn at the frame of an equipment, m.
+/// Length of the axes at the frame of an equipment, m.
 const AXIS: f64 = 0.1;
 
-/// The whole drawing with the robot at the spot of an operation, or at home. The errors are those of the
-/// cell's own model and reading. Layers without anything on them are left out.
+/// Returns the drawing with the robot at the spot of an operation, or at home. The errors are those of the
+/// model and the reading of the cell. Empty layers are left out.
 pub fn dxf(drawing: &Drawing<'_>, operation: Option<usize>) -> Vec<u8> {
     let (low, high) = drawing.extent();
     let side = (high - low).x.max((high - low).y);
-    let mut file = File::new((side * HEIGHT.0).max(HEIGHT.1));
+    let mut file = DxfFile::new((side * HEIGHT.0).max(HEIGHT.1));
     for (part, pose) in drawing.posed(operation, drawing.movement.frames(operation)) {
         solid(&mut file, layer_of(part.kind), &part.mesh, &pose);
     }
@@ -70,30 +70,30 @@ pub fn dxf(drawing: &Drawing<'_>, operation: Option<usize>) -> Vec<u8> {
     file.bytes(&used(drawing))
 }
 
-/// Every layer but those of things that the cell has none of.
+/// Returns the layers that are not empty.
 fn used(drawing: &Drawing<'_>) -> Vec<Layer> {
-    let has = |kind: Kind| drawing.parts.iter().any(|p| p.kind == kind);
+    let has = |kind: PartKind| drawing.parts.iter().any(|p| p.kind == kind);
     let idle = |name: &str| match name {
-        "OBSTACLES" => !has(Kind::Obstacle),
-        "FENCE" => !has(Kind::Fence),
-        "KEEP_OUT" => !has(Kind::KeepOut),
+        "OBSTACLES" => !has(PartKind::Obstacle),
+        "FENCE" => !has(PartKind::Fence),
+        "KEEP_OUT" => !has(PartKind::KeepOut),
         _ => false,
     };
     LAYERS.into_iter().filter(|(name, _)| !idle(name)).collect()
 }
 
-fn layer_of(kind: Kind) -> &'static str {
+fn layer_of(kind: PartKind) -> &'static str {
     match kind {
-        Kind::Robot | Kind::Tool | Kind::Held => ROBOT,
-        Kind::Equipment => EQUIPMENT,
-        Kind::Obstacle => "OBSTACLES",
-        Kind::Fence => "FENCE",
-        Kind::KeepOut => "KEEP_OUT",
+        PartKind::Robot | PartKind::Tool | PartKind::Held => ROBOT,
+        PartKind::Equipment => EQUIPMENT,
+        PartKind::Obstacle => "OBSTACLES",
+        PartKind::Fence => "FENCE",
+        PartKind::KeepOut => "KEEP_OUT",
     }
 }
 
-/// Its triangles; edges inside a plane are not to be seen.
-fn solid(file: &mut File, layer: &str, mesh: &Mesh, pose: &Pose) {
+/// Writes the triangles of a part. Edges inside a plane are invisible.
+fn solid(file: &mut DxfFile, layer: &str, mesh: &Mesh, pose: &Pose) {
     let placed: Vec<Vector3<f64>> = mesh.positions.iter().map(|p| pose.transform(p)).collect();
     let normal = |t: &[u32; 3]| {
         let [a, b, c] = t.map(|i| placed[i as usize]);
@@ -113,8 +113,8 @@ fn solid(file: &mut File, layer: &str, mesh: &Mesh, pose: &Pose) {
     }
 }
 
-/// Floor space in plan, and the frame of every equipment.
-fn outlines(file: &mut File, drawing: &Drawing<'_>) {
+/// Writes floor spaces in plan, and the frame of every equipment.
+fn outlines(file: &mut DxfFile, drawing: &Drawing<'_>) {
     let (cell, layout) = (drawing.cell, &drawing.layout);
     file.outline(ROBOT, &floor_corners(&cell.robot.footprint, &layout.base), drawing.floor);
     for (equipment, at) in cell.equipment.iter().zip(&layout.placements) {
@@ -131,9 +131,9 @@ fn outlines(file: &mut File, drawing: &Drawing<'_>) {
     file.text(TEXT, &below, &cell.robot.name, (0.0, true));
 }
 
-fn nodes(file: &mut File, field: &Field) {
+fn nodes(file: &mut DxfFile, field: &Field) {
     for node in &field.nodes {
-        // Small where arrows begin.
+        // Usable nodes have small circles, because arrows begin there.
         let (layer, radius) = match node.is_ok() {
             true => ("NODES_OK", field.radius() / 4.0),
             false => ("NODES_OUT", field.radius()),
@@ -142,7 +142,7 @@ fn nodes(file: &mut File, field: &Field) {
     }
 }
 
-fn arrows(file: &mut File, drawing: &Drawing<'_>, field: usize) {
+fn arrows(file: &mut DxfFile, drawing: &Drawing<'_>, field: usize) {
     let layers = ["ARROWS_X", "ARROWS_Y", "ARROWS_Z", "ARROWS_R"];
     for (component, layer) in Component::ALL.into_iter().zip(layers) {
         for arrow in drawing.arrows(field, 0, component) {
@@ -152,7 +152,7 @@ fn arrows(file: &mut File, drawing: &Drawing<'_>, field: usize) {
     }
 }
 
-fn spot(file: &mut File, drawing: &Drawing<'_>, field: &Field) {
+fn spot(file: &mut DxfFile, drawing: &Drawing<'_>, field: &Field) {
     let Some(at) = field.spot else { return };
     let radius = 1.4 * field.radius();
     file.circle(SPOT, &at, radius);
@@ -174,8 +174,9 @@ fn spot(file: &mut File, drawing: &Drawing<'_>, field: &Field) {
     file.text(SPOT, &beside, &said, (0.0, false));
 }
 
-/// From the robot base to the frame of every equipment along x and y, below and left of all.
-fn dimensions(file: &mut File, drawing: &Drawing<'_>, low: &Vector3<f64>) {
+/// Writes dimensions from the robot base to the frame of every equipment along x and y, below and left of
+/// everything.
+fn dimensions(file: &mut DxfFile, drawing: &Drawing<'_>, low: &Vector3<f64>) {
     let base = Vector3::new(drawing.base.translation.x, drawing.base.translation.y, drawing.floor);
     let all = drawing.cell.equipment.iter().zip(&drawing.layout.placements);
     for (k, (equipment, at)) in all.filter(|(e, _)| e.role == Role::Equipment).enumerate() {
@@ -195,8 +196,8 @@ fn dimensions(file: &mut File, drawing: &Drawing<'_>, low: &Vector3<f64>) {
     }
 }
 
-/// What the drawing says of itself, above all else.
-fn titles(file: &mut File, drawing: &Drawing<'_>, high: &Vector3<f64>, operation: Option<usize>) {
+/// Writes the title above everything.
+fn titles(file: &mut DxfFile, drawing: &Drawing<'_>, high: &Vector3<f64>, operation: Option<usize>) {
     let cell = drawing.cell;
     let stands = operation.map_or("at home".into(), |k| format!("at {}", cell.operations[k].name));
     let lines = [

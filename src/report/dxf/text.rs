@@ -1,9 +1,9 @@
-//! Text that a DXF file can hold.
+//! Texts of DXF files.
 
 use crate::files::shown;
 
-/// Text of one line without anything that a CAD program reads as a command: no control characters, no
-/// `%%` and `^` codes, no backslashes; what is not ASCII as `\U+` and its number.
+/// Returns a text of one line without anything that a CAD program reads as a command: control characters,
+/// `%%` and `^` codes, backslashes. Other characters than ASCII become `\U+` and their number.
 pub fn safe(text: &str) -> String {
     let mut safe = String::new();
     for c in shown(text).chars() {
@@ -13,7 +13,7 @@ pub fn safe(text: &str) -> String {
             '%' if safe.ends_with('%') => safe.push_str(" %"),
             ' '..='~' => safe.push(c),
             '\u{80}'..='\u{ffff}' => safe.push_str(&format!("\\U+{:04X}", c as u32)),
-            // No room for more than four digits.
+            // The code has room for four digits alone.
             _ => safe.push('?'),
         }
     }

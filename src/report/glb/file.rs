@@ -1,4 +1,4 @@
-//! A binary glTF 2.0 file: buffer, accessors, nodes.
+//! Binary glTF 2.0 file: buffer, accessors, nodes.
 
 use gltf_json::accessor::{Accessor, ComponentType, GenericComponentType, Type};
 use gltf_json::animation::{Channel, Interpolation, Property, Sampler, Target as Moved};
@@ -11,28 +11,28 @@ use gltf_json::{Animation, Asset, Buffer, Index, Material, Mesh, Node, Root, Sce
 use nalgebra::Vector3;
 use serde_json::json;
 
-/// A scene being made: what is said of it, and its numbers.
-pub struct File {
+/// File under construction: the JSON part and the buffer.
+pub struct GlbFile {
     root: Root,
     numbers: Vec<u8>,
 }
 
-/// What a mesh is made of: triangles with normals, or lines.
-pub struct Surface<'s> {
+/// Geometry of a mesh: triangles with normals, or lines.
+pub struct GlbSurface<'s> {
     pub positions: &'s [Vector3<f64>],
-    /// Empty of lines.
+    /// Normals of triangles; empty for lines.
     pub normals: &'s [Vector3<f64>],
     /// Linear red, green, blue; empty if the material has the colour.
     pub colours: &'s [[f64; 3]],
     pub indices: Vec<u32>,
 }
 
-/// Single precision, which is what the format holds.
+/// Returns numbers in single precision, as the format has them.
 fn single<'v>(vectors: impl IntoIterator<Item = &'v Vector3<f64>>) -> Vec<f32> {
     vectors.into_iter().flat_map(|v| [v.x as f32, v.y as f32, v.z as f32]).collect()
 }
 
-impl File {
+impl GlbFile {
     pub fn new() -> Self {
         let generator = Some(format!("sweetspot {}", env!("CARGO_PKG_VERSION")));
         let asset = Asset { generator, ..Asset::default() };
@@ -54,7 +54,7 @@ impl File {
         Index::push(&mut self.root.buffer_views, view)
     }
 
-    /// Numbers of so many components; with their least and greatest if asked.
+    /// Adds numbers with so many components, with their bounds if asked.
     fn floats(&mut self, kind: Type, values: &[f32], of: Option<Target>, bounds: bool) -> Index<Accessor> {
         let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
         let width = kind.multiplicity();
@@ -91,11 +91,11 @@ impl File {
         Index::push(&mut self.root.accessors, accessor)
     }
 
-    /// A mesh, if there is anything of it.
+    /// Adds a mesh, unless it is empty.
     pub fn mesh(
         &mut self,
         name: &str,
-        surface: &Surface<'_>,
+        surface: &GlbSurface<'_>,
         material: Index<Material>,
     ) -> Option<Index<Mesh>> {
         if surface.indices.is_empty() {
@@ -136,7 +136,7 @@ impl File {
         Some(Index::push(&mut self.root.meshes, mesh))
     }
 
-    /// Linear red, green, blue and how much hides what is behind; how rough.
+    /// Adds a material: linear red, green, blue and opacity; roughness.
     pub fn material(&mut self, name: &str, colour: [f64; 4], roughness: f32) -> Index<Material> {
         let material = Material {
             name: Some(name.to_string()),
@@ -157,19 +157,19 @@ impl File {
         Index::push(&mut self.root.nodes, node)
     }
 
-    /// A node that only holds others, if there are any.
+    /// Adds a node that only holds others, if there are any.
     pub fn group(&mut self, name: &str, children: Vec<Index<Node>>) -> Option<Index<Node>> {
         let node = Node { name: Some(name.to_string()), children: Some(children), ..Node::default() };
         (!node.children.as_ref()?.is_empty()).then(|| self.node(node))
     }
 
-    /// Moments of an animation, s.
+    /// Adds the moments of an animation, s.
     pub fn times(&mut self, times: &[f64]) -> Index<Accessor> {
         let times: Vec<f32> = times.iter().map(|t| *t as f32).collect();
         self.floats(Type::Scalar, &times, None, true)
     }
 
-    /// How a node goes; a rotation has four numbers for every moment, all else three.
+    /// Adds the motion of a node. A rotation has four numbers per moment, anything else three.
     pub fn channel(
         &mut self,
         to: &mut Animation,
@@ -192,7 +192,7 @@ impl File {
         to.channels.push(Channel { sampler, target, extensions: None, extras: Default::default() });
     }
 
-    /// An animation without channels yet.
+    /// Returns an animation without channels.
     pub fn animation(name: &str) -> Animation {
         Animation {
             extensions: None,
@@ -203,10 +203,10 @@ impl File {
         }
     }
 
-    /// The file: header, JSON, numbers, each a whole number of words.
+    /// Returns the file: header, JSON and buffer, each a whole number of words.
     ///
     /// # Errors
-    /// Those of the JSON writer, and of a file of 4 GB.
+    /// Fails if the JSON writer does, or if the file exceeds 4 GB.
     pub fn bytes(mut self, top: Index<Node>, animation: Option<Animation>) -> Result<Vec<u8>, String> {
         let scene = Scene { extensions: None, extras: Default::default(), name: None, nodes: vec![top] };
         self.root.scene = Some(Index::push(&mut self.root.scenes, scene));
@@ -232,7 +232,7 @@ impl File {
     }
 }
 
-/// Numbers of a rotation as the format has them: x, y, z, w.
+/// Returns the quaternion of a rotation in the order of the format: x, y, z, w.
 pub fn quaternion(q: [f32; 4]) -> Option<UnitQuaternion> {
     Some(UnitQuaternion(q))
 }

@@ -1,32 +1,32 @@
-//! The cell as a 3-D scene with its motion: binary glTF 2.0 in m. The world's z is up; the format wants y
-//! up, which the first node sees to.
+//! 3-D scene of the cell with its motion: binary glTF 2.0 in m. The z axis of the world points up; the first
+//! node turns it to the y axis of the format.
 
 mod file;
 
 use crate::cell::Shape;
-use crate::drawing::{Carrier, Component, Drawing, Field, Kind, Mesh, Part};
+use crate::drawing::{Component, Drawing, DrawnPart, Field, Mesh, PartCarrier, PartKind};
 use crate::pose::Pose;
 use crate::report::colours::viridis;
 use crate::units::rounded;
-use file::{File, Surface, quaternion};
+use file::{GlbFile, GlbSurface, quaternion};
 use gltf_json::animation::Property;
 use gltf_json::{Animation, Index, Material, Node};
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 use std::collections::BTreeMap;
 use std::f32::consts::FRAC_1_SQRT_2;
 
-/// Red, green, blue (sRGB, 0 to 255), how much hides what is behind, how rough.
+/// Look of a material: red, green, blue (sRGB, 0 to 255), opacity, roughness.
 type Look = ([u8; 3], f64, f32);
 
-fn look(kind: Kind) -> Look {
+fn look(kind: PartKind) -> Look {
     match kind {
-        Kind::Robot => ([230, 159, 0], 1.0, 0.45),
-        Kind::Tool => ([87, 96, 106], 1.0, 0.35),
-        Kind::Held => ([0, 158, 115], 1.0, 0.5),
-        Kind::Equipment => ([200, 208, 217], 1.0, 0.8),
-        Kind::Obstacle => ([140, 147, 156], 1.0, 0.9),
-        Kind::Fence => ([240, 228, 66], 0.35, 0.9),
-        Kind::KeepOut => ([213, 94, 0], 0.25, 0.9),
+        PartKind::Robot => ([230, 159, 0], 1.0, 0.45),
+        PartKind::Tool => ([87, 96, 106], 1.0, 0.35),
+        PartKind::Held => ([0, 158, 115], 1.0, 0.5),
+        PartKind::Equipment => ([200, 208, 217], 1.0, 0.8),
+        PartKind::Obstacle => ([140, 147, 156], 1.0, 0.9),
+        PartKind::Fence => ([240, 228, 66], 0.35, 0.9),
+        PartKind::KeepOut => ([213, 94, 0], 0.25, 0.9),
     }
 }
 
@@ -34,7 +34,7 @@ const REACH: Look = ([0, 114, 178], 1.0, 1.0);
 const OUT: Look = ([90, 98, 108], 1.0, 1.0);
 const SPOT: Look = ([204, 121, 167], 1.0, 0.4);
 
-/// sRGB, 0 to 255, to the linear scale of the format (IEC 61966-2-1).
+/// Returns a colour (sRGB, 0 to 255) on the linear scale of the format (IEC 61966-2-1).
 fn linear(colour: [u8; 3]) -> [f64; 3] {
     colour.map(|c| match f64::from(c) / 255.0 {
         c if c <= 0.04045 => c / 12.92,
@@ -42,14 +42,14 @@ fn linear(colour: [u8; 3]) -> [f64; 3] {
     })
 }
 
-/// A scene and how its robot goes.
-struct Scene {
-    file: File,
+/// Scene under construction, with the motion of the robot.
+struct GlbBuilder {
+    file: GlbFile,
     materials: BTreeMap<String, Index<Material>>,
     animation: Animation,
 }
 
-impl Scene {
+impl GlbBuilder {
     fn material(&mut self, name: &str, (colour, alpha, roughness): Look) -> Index<Material> {
         let [r, g, b] = linear(colour);
         let file = &mut self.file;
@@ -57,20 +57,21 @@ impl Scene {
         *self.materials.entry(name.to_string()).or_insert_with(new)
     }
 
-    /// A mesh as a node of its own, in the frame of its parent.
+    /// Adds a mesh as a node of its own, in the frame of its parent.
     fn solid(&mut self, name: &str, mesh: &Mesh, (what, look): (&str, Look)) -> Option<Index<Node>> {
         let material = self.material(what, look);
         let indices = mesh.triangles.iter().flatten().copied().collect();
-        let surface = Surface { positions: &mesh.positions, normals: &mesh.normals, colours: &[], indices };
+        let surface =
+            GlbSurface { positions: &mesh.positions, normals: &mesh.normals, colours: &[], indices };
         let mesh = Some(self.file.mesh(name, &surface, material)?);
         Some(self.file.node(Node { mesh, name: Some(name.to_string()), ..Node::default() }))
     }
 
-    fn part(&mut self, part: &Part) -> Option<Index<Node>> {
+    fn part(&mut self, part: &DrawnPart) -> Option<Index<Node>> {
         self.solid(&part.name, &part.mesh, (part.kind.name(), look(part.kind)))
     }
 
-    /// Closed lines as a node of its own, world.
+    /// Adds closed lines (world) as a node of their own.
     fn rings(&mut self, name: &str, rings: &[Vec<Vector3<f64>>], what: (&str, Look)) -> Option<Index<Node>> {
         let mut indices = Vec::new();
         let mut first = 0;
@@ -81,20 +82,20 @@ impl Scene {
         }
         let material = self.material(what.0, what.1);
         let positions = rings.concat();
-        let surface = Surface { positions: &positions, normals: &[], colours: &[], indices };
+        let surface = GlbSurface { positions: &positions, normals: &[], colours: &[], indices };
         let mesh = Some(self.file.mesh(name, &surface, material)?);
         Some(self.file.node(Node { mesh, name: Some(name.to_string()), ..Node::default() }))
     }
 }
 
-/// The scene with the robot at the spot of an operation, or at home; an animation goes from home to every
-/// spot and back. Arrows are the resultant errors of the cell's own model and reading.
+/// Returns the scene with the robot at the spot of an operation, or at home. An animation goes from home to
+/// every spot and back. Arrows are the resultant errors of the model and the reading of the cell.
 ///
 /// # Errors
-/// Those of the writer.
+/// Fails if the writer does.
 pub fn glb(drawing: &Drawing<'_>, operation: Option<usize>) -> Result<Vec<u8>, String> {
-    let animation = File::animation("home - spots - home");
-    let mut scene = Scene { file: File::new(), materials: BTreeMap::new(), animation };
+    let animation = GlbFile::animation("home - spots - home");
+    let mut scene = GlbBuilder { file: GlbFile::new(), materials: BTreeMap::new(), animation };
     let robot = robot(&mut scene, drawing, operation);
     let mut top: Vec<Index<Node>> = robot.into_iter().collect();
     top.extend(stands(&mut scene, drawing));
@@ -103,7 +104,7 @@ pub fn glb(drawing: &Drawing<'_>, operation: Option<usize>) -> Result<Vec<u8>, S
     let top = scene.file.node(Node {
         name: Some(drawing.cell.name.clone()),
         children: Some(top),
-        // z up to y up: -90 degrees about x.
+        // Rotation from z up to y up: -90 degrees about x.
         rotation: quaternion([-FRAC_1_SQRT_2, 0.0, 0.0, FRAC_1_SQRT_2]),
         ..Node::default()
     });
@@ -132,15 +133,15 @@ fn placed(name: &str, pose: &Pose, children: Vec<Index<Node>>) -> Node {
     }
 }
 
-/// The robot: a node for each link, moving in the world, with the solids that it carries; the TCP last.
-fn robot(scene: &mut Scene, drawing: &Drawing<'_>, operation: Option<usize>) -> Option<Index<Node>> {
+/// Adds the robot: a node for each link, moving in the world, with its solids; the TCP last.
+fn robot(scene: &mut GlbBuilder, drawing: &Drawing<'_>, operation: Option<usize>) -> Option<Index<Node>> {
     let movement = &drawing.movement;
     let input = scene.file.times(&movement.times);
     let frames = movement.frames(operation);
     let mut links = Vec::new();
     for (k, frame) in frames.iter().enumerate() {
         let mut solids = Vec::new();
-        for part in drawing.parts.iter().filter(|p| p.carrier == Carrier::Link(k)) {
+        for part in drawing.parts.iter().filter(|p| p.carrier == PartCarrier::Link(k)) {
             solids.extend(match part.operation {
                 None => scene.part(part),
                 Some(o) => held(scene, drawing, part, (o, operation == Some(o)), input),
@@ -161,9 +162,9 @@ fn robot(scene: &mut Scene, drawing: &Drawing<'_>, operation: Option<usize>) -> 
     scene.file.group(&drawing.cell.robot.name, links)
 }
 
-/// Channels of a link: neighbouring rotations are told by neighbouring quaternions.
-fn moving(scene: &mut Scene, link: Index<Node>, poses: &[Pose], input: Index<gltf_json::Accessor>) {
-    let Scene { file, animation, .. } = scene;
+/// Adds the channels of a link. Neighbouring rotations get neighbouring quaternions.
+fn moving(scene: &mut GlbBuilder, link: Index<Node>, poses: &[Pose], input: Index<gltf_json::Accessor>) {
+    let GlbBuilder { file, animation, .. } = scene;
     let places: Vec<f32> = poses.iter().flat_map(translation).collect();
     file.channel(animation, (link, Property::Translation), input, &places);
     let mut turns: Vec<f32> = Vec::new();
@@ -180,11 +181,11 @@ fn moving(scene: &mut Scene, link: Index<Node>, poses: &[Pose], input: Index<glt
     file.channel(animation, (link, Property::Rotation), input, &turns);
 }
 
-/// A part of an operation, there only while it is held.
+/// Adds a held part, visible only while it is held.
 fn held(
-    scene: &mut Scene,
+    scene: &mut GlbBuilder,
     drawing: &Drawing<'_>,
-    part: &Part,
+    part: &DrawnPart,
     (operation, is_held): (usize, bool),
     input: Index<gltf_json::Accessor>,
 ) -> Option<Index<Node>> {
@@ -202,16 +203,16 @@ fn held(
     Some(node)
 }
 
-/// Equipment and obstacles at their frames, fence, keep-out spaces.
-fn stands(scene: &mut Scene, drawing: &Drawing<'_>) -> Vec<Index<Node>> {
+/// Adds equipment and obstacles at their frames, fence and keep-out spaces.
+fn stands(scene: &mut GlbBuilder, drawing: &Drawing<'_>) -> Vec<Index<Node>> {
     let mut all = Vec::new();
     for (k, equipment) in drawing.cell.equipment.iter().enumerate() {
-        let parts: Vec<&Part> = drawing.parts.iter().filter(|p| p.equipment == Some(k)).collect();
+        let parts: Vec<&DrawnPart> = drawing.parts.iter().filter(|p| p.equipment == Some(k)).collect();
         let solids = parts.iter().filter_map(|part| scene.part(part)).collect();
         let at = drawing.layout.placements[k].pose();
         all.push(scene.file.node(placed(&equipment.name, &at, solids)));
     }
-    for kind in [Kind::Fence, Kind::KeepOut] {
+    for kind in [PartKind::Fence, PartKind::KeepOut] {
         let parts = drawing.parts.iter().filter(|p| p.kind == kind);
         let solids = parts.filter_map(|part| scene.part(part)).collect();
         all.extend(scene.file.group(kind.name(), solids));
@@ -219,8 +220,8 @@ fn stands(scene: &mut Scene, drawing: &Drawing<'_>) -> Vec<Index<Node>> {
     all
 }
 
-/// The error maps: arrows, circles round nodes that cannot be used, the spot; one node for each operation.
-fn maps(scene: &mut Scene, drawing: &Drawing<'_>) -> Option<Index<Node>> {
+/// Adds the error maps: arrows, circles round unusable nodes, the spot; one node for each operation.
+fn maps(scene: &mut GlbBuilder, drawing: &Drawing<'_>) -> Option<Index<Node>> {
     let ranges = drawing.fields.iter().filter_map(|f| f.range(0, f.sense));
     let range = ranges.reduce(|(lo, hi), (a, b)| (lo.min(a), hi.max(b))).unwrap_or_default();
     let mut operations = Vec::new();
@@ -238,9 +239,9 @@ fn maps(scene: &mut Scene, drawing: &Drawing<'_>) -> Option<Index<Node>> {
     scene.file.group("error map", operations)
 }
 
-/// The resultant errors of an operation, coloured by the error in its sense.
+/// Adds the resultant errors of an operation, coloured by the error in its sense.
 fn arrows(
-    scene: &mut Scene,
+    scene: &mut GlbBuilder,
     drawing: &Drawing<'_>,
     k: usize,
     (low, high): (f64, f64),
@@ -259,7 +260,7 @@ fn arrows(
     }
     let name = format!("errors, {} times enlarged", rounded(drawing.exaggeration(0), 6));
     let material = scene.material("errors", ([255; 3], 1.0, 0.7));
-    let surface = Surface {
+    let surface = GlbSurface {
         positions: &all.positions,
         normals: &all.normals,
         colours: &colours,
@@ -269,8 +270,8 @@ fn arrows(
     Some(scene.file.node(Node { mesh, name: Some(name), ..Node::default() }))
 }
 
-/// What the arm reaches, one node for each operation.
-fn envelopes(scene: &mut Scene, drawing: &Drawing<'_>) -> Option<Index<Node>> {
+/// Adds the working envelopes, one node for each operation.
+fn envelopes(scene: &mut GlbBuilder, drawing: &Drawing<'_>) -> Option<Index<Node>> {
     let mut all = Vec::new();
     for (operation, rings) in drawing.cell.operations.iter().zip(&drawing.envelopes) {
         let at_work = scene.rings("at the height of the work", &rings.at_work, ("reach", REACH));

@@ -1,83 +1,93 @@
-//! What the 3-D viewer reads: everything there is to see of one or several layouts.
-//!
-//! Numbers by the thousand are base64 of little-endian f32 or u32; where there is none, NaN. World
-//! frame, mm and degrees. A pose is 12 numbers: the three columns of its rotation, then its origin.
+//! Drawings as the 3-D viewer reads them: everything there is to see of one or several layouts.
 
-use super::{length, lengths};
-use crate::cell::{Cell, Equipment, JointKind, Rectangle, Role, Sense};
-use crate::drawing::{Carrier, Drawing, Field, Lens, Mesh, Movement, Node, Part, Rings, Stop, Take};
+use super::viewer_records::{
+    DrawingRecord, DrawingUnits, DrawingsRecord, EnvelopeRecord, EquipmentRecord, FieldRecord, LensRecord,
+    MeshRecord, MovementRecord, OperationRecord, PartRecord, PoseNumbers, RectangleRecord, StopRecord,
+    TakeRecord,
+};
+use crate::cell::{Cell, Equipment, JointKind, Rectangle, Role, Sense, Unit};
+use crate::drawing::{
+    Drawing, DrawnPart, Field, FieldNode, Lens, Mesh, Movement, MovementStop, PartCarrier, Rings, Take,
+};
 use crate::geometry::simplified_line;
 use crate::pose::Pose;
+use crate::record::{
+    JointEntry, SenseEntry, joints as joints_of_file, nine_digits as length, position_mm as lengths,
+};
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use nalgebra::Vector3;
-use serde_json::{Value, json};
+use serde_json::Value;
 use std::collections::HashMap;
 
-/// Pictures of the movement closer than this are left out, s: the viewer interpolates.
+/// Pictures of the movement that follow each other more closely than this (s) are left out: the viewer
+/// interpolates.
 const TICK: f64 = 0.099;
-/// A line of the envelope is drawn this exactly, m.
+/// Accuracy of the outlines of the envelope, m.
 const STRAIGHT: f64 = 1e-3;
 
-/// The document of the viewer: the drawings in the order given, each mesh once.
+/// Returns the document of the viewer: the drawings in the order given, each mesh once.
 pub fn drawings(drawings: &[Drawing<'_>]) -> Value {
-    let mut meshes = Meshes::default();
-    let all: Vec<Value> = drawings.iter().map(|d| drawing(d, &mut meshes)).collect();
-    json!({
-        "schema": "sweetspot/drawing/1",
-        "units": { "length": "mm", "angle": "deg" },
-        "meshes": meshes.written,
-        "drawings": all,
-    })
+    let mut meshes = MeshList::default();
+    let drawings = drawings.iter().map(|d| drawing(d, &mut meshes)).collect();
+    let document = DrawingsRecord {
+        schema: "sweetspot/drawing/1",
+        units: DrawingUnits { length: Unit::Length, angle: Unit::Angle },
+        meshes: meshes.written,
+        drawings,
+    };
+    // Plain numbers and texts always make a value.
+    serde_json::to_value(&document).unwrap_or_default()
 }
 
-/// Meshes by content.
+/// Meshes, each once.
 #[derive(Default)]
-struct Meshes {
-    places: HashMap<String, usize>,
-    written: Vec<Value>,
+struct MeshList {
+    places: HashMap<MeshRecord, usize>,
+    written: Vec<MeshRecord>,
 }
 
-impl Meshes {
+impl MeshList {
+    /// Returns the place of a mesh, which is added if it is new.
     fn index(&mut self, mesh: &Mesh) -> usize {
-        let written = json!({
-            "positions": floats(mesh.positions.iter().flat_map(millimetres)),
-            "normals": floats(mesh.normals.iter().flat_map(|n| [n.x, n.y, n.z])),
-            "indices": base64(mesh.triangles.iter().flatten().flat_map(|i| i.to_le_bytes())),
-        });
+        let record = MeshRecord {
+            positions: floats(mesh.positions.iter().flat_map(millimetres)),
+            normals: floats(mesh.normals.iter().flat_map(|n| [n.x, n.y, n.z])),
+            indices: base64(mesh.triangles.iter().flatten().flat_map(|i| i.to_le_bytes())),
+        };
         let next = self.written.len();
-        let index = *self.places.entry(written.to_string()).or_insert(next);
+        let index = *self.places.entry(record.clone()).or_insert(next);
         if index == next {
-            self.written.push(written);
+            self.written.push(record);
         }
         index
     }
 }
 
-fn drawing(d: &Drawing<'_>, meshes: &mut Meshes) -> Value {
+fn drawing<'a>(d: &'a Drawing<'_>, meshes: &mut MeshList) -> DrawingRecord<'a> {
     let cell = d.cell;
     let (low, high) = d.extent();
-    let unit = |kind: JointKind| if kind == JointKind::Revolute { "deg" } else { "mm" };
-    let joints = cell.robot.joints.iter().map(|j| json!({ "name": j.name, "unit": unit(j.kind) }));
-    let parts: Vec<Value> = d.parts.iter().map(|p| part(p, meshes)).collect();
+    let unit = |kind: JointKind| if kind == JointKind::Revolute { Unit::Angle } else { Unit::Length };
+    let joints = cell.robot.joints.iter();
+    let parts = d.parts.iter().map(|p| part(p, meshes)).collect();
     let equipment = cell.equipment.iter().enumerate().map(|(k, e)| self::equipment(e, pose_of(d, k)));
-    json!({
-        "name": d.name,
-        "cell": cell.name,
-        "robot": cell.robot.name,
-        "base": pose(&d.base),
-        "floor_mm": length(mm_from_m(d.floor)),
-        "extent_mm": [lengths(&low), lengths(&high)],
-        "joints": joints.collect::<Vec<_>>(),
-        "equipment": equipment.collect::<Vec<_>>(),
-        "operations": operations(cell),
-        "parts": parts,
-        "lenses": d.lenses.iter().map(lens).collect::<Vec<_>>(),
-        "fields": d.fields.iter().map(|f| field(f, cell)).collect::<Vec<_>>(),
-        "envelopes": d.envelopes.iter().map(envelope).collect::<Vec<_>>(),
-        "movement": movement(&d.movement, cell),
-    })
+    DrawingRecord {
+        name: &d.name,
+        cell: &cell.name,
+        robot: &cell.robot.name,
+        base: pose(&d.base),
+        floor_mm: length(mm_from_m(d.floor)),
+        extent_mm: [lengths(&low), lengths(&high)],
+        joints: joints.map(|j| JointEntry { name: j.name.clone(), unit: unit(j.kind) }).collect(),
+        equipment: equipment.collect(),
+        operations: operations(cell),
+        parts,
+        lenses: d.lenses.iter().map(lens).collect(),
+        fields: d.fields.iter().map(|f| field(f, cell)).collect(),
+        envelopes: d.envelopes.iter().map(envelope).collect(),
+        movement: movement(&d.movement, cell),
+    }
 }
 
 /// Where an equipment stands, told by its solids; None if it has none.
@@ -86,106 +96,99 @@ fn pose_of(d: &Drawing<'_>, equipment: usize) -> Option<Pose> {
     own.map(|p| d.pose_of(p, d.movement.home())).next()
 }
 
-fn equipment(e: &Equipment, at: Option<Pose>) -> Value {
-    json!({
-        "name": e.name,
-        "obstacle": e.role == Role::Obstacle,
-        "on": e.on,
-        "at": at.map(|at| pose(&at)),
-        "surface": e.surface.as_ref().map(rectangle),
-        "footprint": rectangle(&e.footprint),
-    })
+fn equipment(e: &Equipment, at: Option<Pose>) -> EquipmentRecord<'_> {
+    EquipmentRecord {
+        name: &e.name,
+        obstacle: e.role == Role::Obstacle,
+        on: e.on,
+        at: at.map(|at| pose(&at)),
+        surface: e.surface.as_ref().map(rectangle),
+        footprint: rectangle(&e.footprint),
+    }
 }
 
-fn rectangle(r: &Rectangle) -> Value {
+fn rectangle(r: &Rectangle) -> RectangleRecord {
     let mm = |(x, y): (f64, f64)| [x, y].map(|v| length(mm_from_m(v)));
-    json!({ "centre_mm": mm(r.centre), "size_mm": mm(r.size) })
+    RectangleRecord { centre_mm: mm(r.centre), size_mm: mm(r.size) }
 }
 
-fn operations(cell: &Cell) -> Vec<Value> {
-    let one = cell.operations.iter().map(|o| {
-        json!({
-            "name": o.name,
-            "equipment": o.equipment,
-            "sense": o.sense.name,
-            "standoff_mm": length(mm_from_m(o.standoff)),
-            "limit": o.limit.map(|limit| length(o.sense.unit.from_si(limit))),
-        })
+fn operations(cell: &Cell) -> Vec<OperationRecord<'_>> {
+    let record = cell.operations.iter().map(|o| OperationRecord {
+        name: &o.name,
+        equipment: o.equipment,
+        sense: &o.sense.name,
+        standoff_mm: length(mm_from_m(o.standoff)),
+        limit: o.limit.map(|limit| length(o.sense.unit.from_si(limit))),
     });
-    one.collect()
+    record.collect()
 }
 
-fn part(part: &Part, meshes: &mut Meshes) -> Value {
+fn part<'a>(part: &'a DrawnPart, meshes: &mut MeshList) -> PartRecord<'a> {
     let (link, at) = match part.carrier {
-        Carrier::Link(k) => (Some(k), None),
-        Carrier::World(at) => (None, Some(pose(&at))),
+        PartCarrier::Link(k) => (Some(k), None),
+        PartCarrier::World(at) => (None, Some(pose(&at))),
     };
-    json!({
-        "name": part.name,
-        "owner": part.owner,
-        "kind": part.kind.name(),
-        "link": link,
-        "at": at,
-        "equipment": part.equipment,
-        "operation": part.operation,
-        "mesh": meshes.index(&part.mesh),
-    })
+    PartRecord {
+        name: &part.name,
+        owner: &part.owner,
+        kind: part.kind.name(),
+        link,
+        at,
+        equipment: part.equipment,
+        operation: part.operation,
+        mesh: meshes.index(&part.mesh),
+    }
 }
 
-fn lens(lens: &Lens) -> Value {
-    json!({
-        "model": lens.model.name(),
-        "reading": lens.reading_word(),
-        "signed": lens.is_signed(),
-    })
+fn lens(lens: &Lens) -> LensRecord {
+    LensRecord { model: lens.model, reading: lens.reading_word(), signed: lens.is_signed() }
 }
 
-fn field(f: &Field, cell: &Cell) -> Value {
-    let sense = |s: &Sense| json!({ "name": s.name, "unit": s.unit.word() });
-    json!({
-        "operation": f.operation,
-        "equipment": cell.operations[f.operation].equipment,
-        "senses": f.senses.iter().map(sense).collect::<Vec<_>>(),
-        "sense": f.sense,
-        "size": [f.size.0, f.size.1],
-        "every": f.every,
-        "nodes": f.nodes.iter().map(|n| [n.i, n.j]).collect::<Vec<_>>(),
-        "positions": floats(f.nodes.iter().flat_map(|n| millimetres(&n.position))),
-        "status": f.nodes.iter().map(|n| n.sign.name()).collect::<Vec<_>>(),
-        "reason": f.nodes.iter().map(|n| n.reason.as_str()).collect::<Vec<_>>(),
-        "joints": f.nodes.iter().map(|n| joints(n, cell)).collect::<Vec<_>>(),
-        "best": f.best,
-        "spot_mm": f.spot.as_ref().map(lengths),
-        "refined_mm": f.refined.as_ref().map(lengths),
-        "takes": f.takes.iter().map(|t| take(t, &f.senses)).collect::<Vec<_>>(),
-    })
+fn field<'a>(f: &'a Field, cell: &Cell) -> FieldRecord<'a> {
+    FieldRecord {
+        operation: f.operation,
+        equipment: cell.operations[f.operation].equipment,
+        senses: f.senses.iter().map(SenseEntry::new).collect(),
+        sense: f.sense,
+        size: [f.size.0, f.size.1],
+        every: f.every,
+        nodes: f.nodes.iter().map(|n| [n.i, n.j]).collect(),
+        positions: floats(f.nodes.iter().flat_map(|n| millimetres(&n.position))),
+        status: f.nodes.iter().map(|n| n.sign).collect(),
+        reason: f.nodes.iter().map(|n| n.reason.as_str()).collect(),
+        joints: f.nodes.iter().map(|n| joints(n, cell)).collect(),
+        best: f.best,
+        spot_mm: f.spot.as_ref().map(lengths),
+        refined_mm: f.refined.as_ref().map(lengths),
+        takes: f.takes.iter().map(|t| take(t, &f.senses)).collect(),
+    }
 }
 
-fn joints(node: &Node, cell: &Cell) -> Option<Vec<f64>> {
-    let all = node.joints.as_ref().map(|q| super::joints(cell, q));
+fn joints(node: &FieldNode, cell: &Cell) -> Option<Vec<f64>> {
+    let all = node.joints.as_ref().map(|q| joints_of_file(cell, q));
     all.map(|all| all.into_iter().map(|q| rounded(q, 2)).collect())
 }
 
-fn take(take: &Take, senses: &[Sense]) -> Value {
+fn take(take: &Take, senses: &[Sense]) -> TakeRecord {
     let none = Vector3::repeat(f64::NAN);
     let values =
         take.values.iter().zip(senses).map(|(values, sense)| {
             floats(values.iter().map(|v| v.map_or(f64::NAN, |v| sense.unit.from_si(v))))
         });
-    json!({
-        "lens": take.lens,
-        "error": floats(take.error.iter().flat_map(|e| millimetres(e.as_ref().unwrap_or(&none)))),
-        "values": values.collect::<Vec<_>>(),
-        "best": take.best,
-    })
+    TakeRecord {
+        lens: take.lens,
+        error: floats(take.error.iter().flat_map(|e| millimetres(e.as_ref().unwrap_or(&none)))),
+        values: values.collect(),
+        best: take.best,
+    }
 }
 
-fn envelope(rings: &Rings) -> Value {
+fn envelope(rings: &Rings) -> EnvelopeRecord {
     let ring = |ring: &Vec<Vector3<f64>>| floats(thinned(ring).iter().flat_map(|p| millimetres(p)));
-    json!({
-        "at_work": rings.at_work.iter().map(ring).collect::<Vec<_>>(),
-        "around": rings.around.iter().map(ring).collect::<Vec<_>>(),
-    })
+    EnvelopeRecord {
+        at_work: rings.at_work.iter().map(ring).collect(),
+        around: rings.around.iter().map(ring).collect(),
+    }
 }
 
 /// Returns a closed line without the points that are within [`STRAIGHT`] of the line through those kept.
@@ -196,27 +199,26 @@ fn thinned(ring: &[Vector3<f64>]) -> Vec<&Vector3<f64>> {
     kept.into_iter().filter_map(|k| ring.get(k)).collect()
 }
 
-fn movement(m: &Movement, cell: &Cell) -> Value {
+fn movement<'a>(m: &Movement, cell: &'a Cell) -> MovementRecord<'a> {
     let kept = kept(m);
-    let stop = |s: &Stop| {
-        json!({
-            "operation": s.operation,
-            "name": s.operation.map_or("home", |k| &cell.operations[k].name),
-            "joints": cell.robot.joints.iter().zip(&s.joints).map(|(j, q)| match j.kind {
-                JointKind::Revolute => rounded(deg_from_rad(*q), 2),
-                JointKind::Prismatic => rounded(mm_from_m(*q), 2),
-            }).collect::<Vec<_>>(),
-            "time_s": rounded(s.time, 6),
-        })
+    let coordinate = |kind: JointKind, q: f64| match kind {
+        JointKind::Revolute => rounded(deg_from_rad(q), 2),
+        JointKind::Prismatic => rounded(mm_from_m(q), 2),
     };
-    json!({
-        "checked": m.is_checked,
-        "stops": m.stops.iter().map(stop).collect::<Vec<_>>(),
-        "times_s": kept.iter().map(|&k| rounded(m.times[k], 6)).collect::<Vec<_>>(),
-        "holding": kept.iter().map(|&k| m.holding[k]).collect::<Vec<_>>(),
-        "links": m.home().len(),
-        "frames": floats(kept.iter().flat_map(|&k| m.frames[k].iter().flat_map(twelve))),
-    })
+    let stop = |s: &MovementStop| StopRecord {
+        operation: s.operation,
+        name: s.operation.map_or("home", |k| &cell.operations[k].name),
+        joints: cell.robot.joints.iter().zip(&s.joints).map(|(j, q)| coordinate(j.kind, *q)).collect(),
+        time_s: rounded(s.time, 6),
+    };
+    MovementRecord {
+        checked: m.is_checked,
+        stops: m.stops.iter().map(stop).collect(),
+        times_s: kept.iter().map(|&k| rounded(m.times[k], 6)).collect(),
+        holding: kept.iter().map(|&k| m.holding[k]).collect(),
+        links: m.home().len(),
+        frames: floats(kept.iter().flat_map(|&k| m.frames[k].iter().flat_map(twelve))),
+    }
 }
 
 /// The moments that are shown: every stop, the last, and between them no closer than [`TICK`].
@@ -242,7 +244,7 @@ fn twelve(at: &Pose) -> [f64; 12] {
     numbers
 }
 
-fn pose(at: &Pose) -> [f64; 12] {
+fn pose(at: &Pose) -> PoseNumbers {
     twelve(at).map(|v| rounded(v, 9))
 }
 

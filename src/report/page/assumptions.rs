@@ -1,11 +1,12 @@
 //! What the numbers rest on, and where they come from.
 
-use super::content::{Section, Table, plain};
+use super::content::{PageTable, Section, plain};
 use super::subject::{Manifest, Subject};
 use super::verdict::reading_in_words;
 use crate::cell::{Cell, Distribution, ErrorSet, Registration, Tolerance};
 use crate::files::shown;
-use crate::report::text::{caveats, distrust, value_word};
+use crate::record::{caveats, value_word};
+use crate::report::text::distrust;
 use crate::units::{mm_from_m, percent_from_share, rounded};
 
 /// What was assumed, warnings included.
@@ -29,7 +30,7 @@ pub fn section(subject: &Subject<'_>) -> Section {
         ));
     }
     let mut section = Section::new("assumptions", "Assumptions and warnings", Vec::new());
-    section.tables.push(Table::new("", &["what", "said"], rows));
+    section.tables.push(PageTable::new("", &["what", "said"], rows));
     section
 }
 
@@ -123,22 +124,22 @@ pub fn manifest(subject: &Subject<'_>) -> Section {
     if let Some(found) = &subject.found {
         let search = format!(
             "{}: {} layouts evaluated of at most {}, {} of them feasible; ended: {}",
-            shown(&found.solver),
+            found.solver.name(),
             found.evaluations,
             found.budget,
             found.feasible,
-            shown(&found.ended)
+            found.ended.name()
         );
         rows.push(said("Search", search));
     }
     let hashes = |files: &[(String, String)]| files.iter().map(|(p, h)| vec![plain(p), plain(h)]).collect();
     let mut section = Section::new("manifest", "Where the numbers come from", Vec::new());
-    section.tables.push(Table::new("", &["what", "said"], rows));
-    section.tables.push(Table::new("Files read", &["file", "SHA-256"], hashes(inputs)));
+    section.tables.push(PageTable::new("", &["what", "said"], rows));
+    section.tables.push(PageTable::new("Files read", &["file", "SHA-256"], hashes(inputs)));
     if !outputs.is_empty() {
         let checked = "Each file of the folder has been read and agrees with its hash.";
         section.tables.push(
-            Table::new("Files of the search", &["file", "SHA-256"], hashes(outputs)).with_note(checked),
+            PageTable::new("Files of the search", &["file", "SHA-256"], hashes(outputs)).with_note(checked),
         );
     }
     section

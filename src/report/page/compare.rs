@@ -1,15 +1,16 @@
 //! Layouts side by side, as a page.
 
-use super::content::{Figure, NOTHING, Section, Table};
+use super::content::{NOTHING, PageFigure, PageTable, Section};
 use super::verdict::up;
 use super::{assets, places, script_json, shell};
 use crate::assess::{Assessment, Comparison};
 use crate::cell::{Goal, Goals};
 use crate::drawing::Drawing;
 use crate::files::shown;
+use crate::record::goals;
 use crate::report::raster;
 use crate::report::raster::Shot;
-use crate::report::{chart, goals, text};
+use crate::report::{chart, text};
 use crate::units::rounded;
 use serde::Serialize;
 
@@ -23,7 +24,7 @@ pub struct Told {
 
 /// What the template is filled with.
 #[derive(Serialize)]
-struct Page<'a> {
+struct ComparePage<'a> {
     title: String,
     question: String,
     answer: String,
@@ -32,7 +33,7 @@ struct Page<'a> {
     style: &'a str,
     script: &'a str,
     /// One for each layout.
-    stills: Vec<Figure>,
+    stills: Vec<PageFigure>,
     /// JSON for the viewers.
     drawings: String,
     sections: Vec<Section>,
@@ -56,7 +57,7 @@ pub fn compare(
         let stance = (0..a.maps.len()).find(|k| a.spot(*k).is_some());
         let shot = Shot { stance, width: 900, height: 640, ..Shot::default() };
         let svg = raster::isometric(drawing, &shot)?;
-        stills.push(Figure::new(shown(&drawing.name), "", svg));
+        stills.push(PageFigure::new(shown(&drawing.name), "", svg));
     }
     let mut sections = differences(comparison);
     sections.push(side_by_side(comparison, told));
@@ -64,7 +65,7 @@ pub fn compare(
     let pictures = stills.iter_mut().chain(sections.iter_mut().flat_map(|s| &mut s.figures));
     pictures.enumerate().for_each(|(k, figure)| figure.svg = shell::scoped(&figure.svg, k));
     let names: Vec<String> = comparison.columns.iter().map(|c| shown(&c.label)).collect();
-    let page = Page {
+    let page = ComparePage {
         title: names.join(" and "),
         question: text::headline(first.cell),
         answer: answer(comparison),
@@ -115,7 +116,7 @@ fn differences(comparison: &Comparison<'_>) -> Vec<Section> {
                 let names = (first.label.as_str(), other.label.as_str());
                 let name = shown(&first.cell.operations[d.operation].name);
                 let title = format!("{name}: {} against {}", shown(names.1), shown(names.0));
-                Figure::new(title, "", chart::difference(first.cell, d, names, most))
+                PageFigure::new(title, "", chart::difference(first.cell, d, names, most))
             })),
         }
     }
@@ -152,7 +153,7 @@ fn side_by_side(comparison: &Comparison<'_>, told: &[Told]) -> Section {
     let gap = |k: usize| told(k).gap_percent.map_or(NOTHING.to_string(), |g| format!("{} %", up(g)));
     row("proven gap", &gap);
     let head: Vec<&str> = head.iter().map(String::as_str).collect();
-    let mut table = Table::new("", &head, rows);
+    let mut table = PageTable::new("", &head, rows);
     table.is_number = (0..head.len()).map(|k| k > 1).collect();
     section.tables.push(table);
     section

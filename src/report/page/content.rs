@@ -10,8 +10,8 @@ pub struct Section {
     pub title: String,
     /// Paragraphs.
     pub text: Vec<String>,
-    pub figures: Vec<Figure>,
-    pub tables: Vec<Table>,
+    pub figures: Vec<PageFigure>,
+    pub tables: Vec<PageTable>,
 }
 
 impl Section {
@@ -26,14 +26,14 @@ impl Section {
 
 /// A picture with what it shows.
 #[derive(Debug, Clone, Serialize)]
-pub struct Figure {
+pub struct PageFigure {
     pub title: String,
     pub caption: String,
     /// Markup: names in it are escaped already.
     pub svg: String,
 }
 
-impl Figure {
+impl PageFigure {
     pub fn new(title: impl Into<String>, caption: impl Into<String>, svg: String) -> Self {
         Self { title: title.into(), caption: caption.into(), svg }
     }
@@ -41,7 +41,7 @@ impl Figure {
 
 /// Rows of text below a head.
 #[derive(Debug, Clone, Serialize)]
-pub struct Table {
+pub struct PageTable {
     pub title: String,
     pub head: Vec<String>,
     pub rows: Vec<Vec<String>>,
@@ -53,7 +53,7 @@ pub struct Table {
     pub is_folded: bool,
 }
 
-impl Table {
+impl PageTable {
     pub fn new(title: impl Into<String>, head: &[&str], rows: Vec<Vec<String>>) -> Self {
         let head: Vec<String> = head.iter().map(|word| word.to_string()).collect();
         let is_number = (0..head.len()).map(|k| is_number(&rows, k)).collect();

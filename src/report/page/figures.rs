@@ -1,21 +1,22 @@
 //! The sections with pictures: what each shows, section by section.
 
-use super::content::{Figure, NOTHING, Section, Table};
+use super::content::{PageFigure, PageTable, Section};
 use super::places::titled;
-use super::subject::{Alternative, Found, Subject, si};
+use super::subject::{Subject, si};
 use super::verdict::{down, quantity};
-use crate::assess::{Account, Assessment, At, Distribution, Stance};
+use crate::assess::{Account, Assessment, ErrorDistribution, NodeChoice, PostureContext};
 use crate::cell::Goal;
 use crate::drawing::Drawing;
 use crate::files::shown;
 use crate::reading::Share;
+use crate::record::{AlternativeEntry, SearchResult, goals, parameter_names as names};
 use crate::report::chart;
 use crate::report::chart::Course;
 use crate::report::raster;
 use crate::report::raster::Shot;
-use crate::report::{goals, names, text};
+use crate::report::text;
 use crate::search;
-use crate::search::{Candidate, Ended, SearchRecord};
+use crate::search::{EvaluatedLayout, SearchEnd, SearchRecord};
 use crate::units::{percent_from_share, rounded};
 
 /// All of them in the order of the page; those with nothing to show are left out. `drawings` are those of
@@ -39,13 +40,13 @@ pub fn sections(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Vec<Section>
 ///
 /// # Errors
 /// What cannot be drawn.
-pub fn still(a: &Assessment<'_>, drawings: &[Drawing<'_>]) -> Result<Vec<Figure>, String> {
+pub fn still(a: &Assessment<'_>, drawings: &[Drawing<'_>]) -> Result<Vec<PageFigure>, String> {
     let Some(drawing) = drawings.last() else { return Ok(Vec::new()) };
     let stance = (0..a.maps.len()).find(|k| a.spot(*k).is_some());
     let svg = raster::isometric(drawing, &Shot { stance, width: 1200, height: 800, ..Shot::default() })?;
     let caption = "Arrows are the errors, enlarged as said; rings are nodes out of reach, the large ring marks the \
                    chosen spot.";
-    Ok(vec![Figure::new(titled(a, "the cell"), caption, svg)])
+    Ok(vec![PageFigure::new(titled(a, "the cell"), caption, svg)])
 }
 
 fn map(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Section {
@@ -63,7 +64,7 @@ fn map(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Section {
                 every => format!("Only every node number {every} in both directions is drawn."),
             };
             let title = titled(a, &shown(&a.cell.operations[field.operation].name));
-            section.figures.push(Figure::new(
+            section.figures.push(PageFigure::new(
                 title,
                 caption,
                 chart::heat_map(drawing, k, 0, field.sense, range),
@@ -82,7 +83,7 @@ fn envelopes(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Section {
     let mut section = Section::new("envelope", "Working envelope", vec![text.into()]);
     for (k, operation) in a.cell.operations.iter().enumerate() {
         let name = shown(&operation.name);
-        let figure = |what: &str, svg| Figure::new(titled(a, &format!("{name}, {what}")), "", svg);
+        let figure = |what: &str, svg| PageFigure::new(titled(a, &format!("{name}, {what}")), "", svg);
         section.figures.push(figure("from above", chart::layout_plan(a, drawing, k)));
         section.figures.push(figure("from the side", chart::layout_section(a, drawing, k)));
     }
@@ -98,16 +99,18 @@ fn budget(subject: &Subject<'_>) -> Section {
                 Shares of the worst case and of the variance add up to 100 % each.";
     let mut section = Section::new("budget", "Error budget", vec![text.into()]);
     for k in 0..a.maps.len() {
-        let Ok(stance) = Stance::at(a.workcell, &a.layout, &a.maps, k, At::Best) else { continue };
+        let Ok(stance) = PostureContext::at(a.workcell, &a.layout, &a.maps, k, NodeChoice::Best) else {
+            continue;
+        };
         let account = Account::new(stance);
         let title = titled(a, &shown(&a.cell.operations[k].name));
-        section.figures.push(Figure::new(title, "", chart::tornado(&account)));
+        section.figures.push(PageFigure::new(title, "", chart::tornado(&account)));
         section.tables.push(budget_table(a, k, &account).folded());
     }
     section
 }
 
-fn budget_table(a: &Assessment<'_>, k: usize, account: &Account<'_>) -> Table {
+fn budget_table(a: &Assessment<'_>, k: usize, account: &Account<'_>) -> PageTable {
     let unit = account.stance.gauge.sense.unit;
     let row = |share: &Share| {
         let own = names::unit(a.cell, share.parameter);
@@ -136,7 +139,7 @@ fn budget_table(a: &Assessment<'_>, k: usize, account: &Account<'_>) -> Table {
         )
     });
     let name = shown(&a.cell.operations[k].name);
-    Table::new(titled(a, &format!("{name} in numbers")), &head, rows).with_note(more + &cut)
+    PageTable::new(titled(a, &format!("{name} in numbers")), &head, rows).with_note(more + &cut)
 }
 
 fn discrepancies(subject: &Subject<'_>) -> Section {
@@ -144,7 +147,7 @@ fn discrepancies(subject: &Subject<'_>) -> Section {
     let text = "How far the linear model of the error is from the nonlinear one, node by node: the claim of the \
                 seed paper is less than 1 % (its Fig. 8).";
     let mut section = Section::new("discrepancy", "Linear against nonlinear model", vec![text.into()]);
-    section.figures.push(Figure::new(titled(a, "discrepancy"), "", chart::discrepancy(a)));
+    section.figures.push(PageFigure::new(titled(a, "discrepancy"), "", chart::discrepancy(a)));
     section
 }
 
@@ -153,11 +156,13 @@ fn distributions(subject: &Subject<'_>) -> Section {
     let a = subject.shown();
     let text = "Arms drawn at random within their tolerances, each through the nonlinear model: how often which \
                 error comes out at the spot.";
-    let mut section = Section::new("distribution", "Distribution at the spots", vec![text.into()]);
+    let mut section = Section::new("distribution", "ErrorDistribution at the spots", vec![text.into()]);
     for k in 0..a.maps.len() {
         let name = shown(&a.cell.operations[k].name);
-        match Distribution::at_spot(a, k) {
-            Ok(d) => section.figures.push(Figure::new(titled(a, &name), "", chart::histogram(a.cell, &d))),
+        match ErrorDistribution::at_spot(a, k) {
+            Ok(d) => {
+                section.figures.push(PageFigure::new(titled(a, &name), "", chart::histogram(a.cell, &d)))
+            }
             Err(why) => section.text.push(format!("{name}: {why}.")),
         }
     }
@@ -181,16 +186,16 @@ fn convergence(subject: &Subject<'_>) -> Section {
         let trace: Vec<(u64, f64)> = found.trace.iter().map(|(n, value)| (*n, si(unit, *value))).collect();
         let (start, bound) = (subject.start.evaluation.objective, found.bound.map(|b| si(unit, b)));
         let course = Course { trace: &trace, evaluations: found.evaluations, start, bound, unit };
-        section.figures.push(Figure::new("Convergence", "", chart::convergence(&course)));
+        section.figures.push(PageFigure::new("Convergence", "", chart::convergence(&course)));
         section.tables.push(
-            Table::new("Improvements", &["evaluations", &format!("best so far {}", unit.word())], rows)
+            PageTable::new("Improvements", &["evaluations", &format!("best so far {}", unit.word())], rows)
                 .folded(),
         );
     }
     section
 }
 
-fn bound_in_words(found: &Found, subject: &Subject<'_>) -> String {
+fn bound_in_words(found: &SearchResult, subject: &Subject<'_>) -> String {
     let unit = subject.cell().unit();
     match found.bound {
         Some(bound) => format!("It is proven that none of them has less than {}.", down(unit, bound)),
@@ -202,38 +207,38 @@ fn bound_in_words(found: &Found, subject: &Subject<'_>) -> String {
 fn pareto(subject: &Subject<'_>) -> Section {
     let mut section = Section::new("front", "Other layouts", Vec::new());
     let Some(found) = &subject.found else { return section };
-    let all: Vec<&Alternative> = found.front.iter().flatten().collect();
+    let all: Vec<&AlternativeEntry> = found.front.iter().flatten().collect();
     if all.is_empty() {
         return section;
     }
     section.text.push(match &found.pareto {
         Some(goals) => format!(
             "None of these layouts is better than another in all of {}: choosing one is choosing what to give up.",
-            goals.iter().map(|g| shown(g)).collect::<Vec<_>>().join(", ")
+            goals.iter().map(|g| g.name()).collect::<Vec<_>>().join(", ")
         ),
         None => "The best layouts that really differ. Each is a cell file in the folder of the search.".into(),
     });
     let heads: Vec<String> = Goal::ALL.into_iter().map(|goal| goals::head(subject.cell(), goal)).collect();
     let head: Vec<&str> = ["file"].into_iter().chain(heads.iter().map(String::as_str)).collect();
-    let row = |a: &&Alternative| {
-        let value = |goal: Goal| a.goals.get(goals::key(goal)).and_then(|v| v.as_f64());
-        let told = |goal| value(goal).map_or(NOTHING.into(), |v| format!("{:.4}", rounded(v, 4)));
+    let row = |a: &&AlternativeEntry| {
+        let told = |goal| format!("{:.4}", rounded(a.goals.get(goal), 4));
         std::iter::once(shown(&a.file)).chain(Goal::ALL.map(told)).collect()
     };
-    section.tables.push(Table::new("", &head, all.iter().map(row).collect()));
+    section.tables.push(PageTable::new("", &head, all.iter().map(row).collect()));
     let picture = chart::pareto(subject.cell(), &record(subject, found));
-    section.figures.extend(picture.map(|svg| Figure::new("Front", "Numbers are those of the files.", svg)));
+    section
+        .figures
+        .extend(picture.map(|svg| PageFigure::new("Front", "Numbers are those of the files.", svg)));
     section
 }
 
 /// The search again as far as its front is drawn.
-fn record(subject: &Subject<'_>, found: &Found) -> SearchRecord {
+fn record(subject: &Subject<'_>, found: &SearchResult) -> SearchRecord {
     let cell = subject.cell();
     let candidate =
-        |a: &Assessment<'_>| Candidate { layout: a.layout.clone(), evaluation: a.evaluation.clone() };
-    let of = |a: &Alternative| {
-        let value = |goal: Goal| a.goals.get(goals::key(goal)).and_then(|v| v.as_f64()).unwrap_or_default();
-        let goals = Goal::ALL.map(|goal| goals::si(cell, goal, value(goal))).to_vec();
+        |a: &Assessment<'_>| EvaluatedLayout { layout: a.layout.clone(), evaluation: a.evaluation.clone() };
+    let of = |a: &AlternativeEntry| {
+        let goals = Goal::ALL.map(|goal| goals::si(cell, goal, a.goals.get(goal))).to_vec();
         search::Alternative { candidate: candidate(subject.shown()), goals }
     };
     SearchRecord {
@@ -243,7 +248,7 @@ fn record(subject: &Subject<'_>, found: &Found) -> SearchRecord {
         feasible: found.feasible,
         trace: Vec::new(),
         bound: None,
-        ended: Ended::Done,
+        ended: SearchEnd::Done,
         alternatives: found.front.iter().flatten().map(of).collect(),
     }
 }
@@ -257,13 +262,13 @@ fn misplacement(subject: &Subject<'_>) -> Section {
     let rows = (0..a.maps.len()).flat_map(|k| {
         let Some(Some(r)) = a.robustness.get(k) else { return Vec::new() };
         let title = titled(a, &shown(&a.cell.operations[k].name));
-        section.figures.push(Figure::new(title, "", chart::misplacement(a.cell, k, r)));
+        section.figures.push(PageFigure::new(title, "", chart::misplacement(a.cell, k, r)));
         let name = shown(&a.cell.operations[k].name);
         text::robust_lines(a.cell, k, r).into_iter().map(|line| vec![name.clone(), line]).collect()
     });
     let rows: Vec<_> = rows.collect();
     if !rows.is_empty() {
-        section.tables.push(Table::new(titled(a, "misplaced"), &["operation", "what it does"], rows));
+        section.tables.push(PageTable::new(titled(a, "misplaced"), &["operation", "what it does"], rows));
     }
     section
 }

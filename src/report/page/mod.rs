@@ -22,13 +22,11 @@ mod subject;
 mod verdict;
 
 pub use compare::{Told, compare};
-pub use content::{Figure, Section, Table};
+pub use content::{PageFigure, PageTable, Section};
 #[cfg(feature = "view")]
 pub use live::live;
 pub use report::{Report, report};
-pub use runner_up::RunnerUp;
-pub use subject::{Alternative, Found, Manifest, Proof, ProofOf, StartFound, Subject};
-pub use verdict::{Fact, Spot, Verdict};
+pub use subject::{Manifest, Subject};
 
 use serde_json::Value;
 

@@ -1,13 +1,13 @@
 //! Every node in numbers.
 
-use super::content::{NOTHING, Section, Table, plain};
+use super::content::{NOTHING, PageTable, Section, plain};
 use super::places::mm;
 use super::subject::Subject;
 use crate::assess::Assessment;
 use crate::cell::Unit;
 use crate::error_map::{NodeRecord, OperationMap};
 use crate::files::shown;
-use crate::report::text::value_word;
+use crate::record::value_word;
 use crate::units::{mm_from_m, percent_from_share, rounded};
 
 /// Rows of all tables together; beyond, only the best nodes are told.
@@ -30,7 +30,7 @@ pub fn section(subject: &Subject<'_>) -> Section {
     section
 }
 
-fn table(a: &Assessment<'_>, map: &OperationMap, is_long: bool, csv: &str) -> Table {
+fn table(a: &Assessment<'_>, map: &OperationMap, is_long: bool, csv: &str) -> PageTable {
     let operation = &a.cell.operations[map.operation];
     let (unit, name) = (a.cell.unit(), shown(&operation.name));
     let value = format!("{} in {} {}", value_word(a.cell), shown(&operation.sense.name), told_unit(unit));
@@ -53,7 +53,7 @@ fn table(a: &Assessment<'_>, map: &OperationMap, is_long: bool, csv: &str) -> Ta
         nodes.truncate(BEST);
     }
     let rows: Vec<_> = nodes.iter().map(|n| row(a, n)).collect();
-    let table = Table::new(format!("{name}: {} nodes", map.nodes.len()), &head, rows).folded();
+    let table = PageTable::new(format!("{name}: {} nodes", map.nodes.len()), &head, rows).folded();
     match is_long {
         true => {
             table.with_note(format!("The best {BEST} of {}; all are in {}.", map.nodes.len(), plain(csv)))

@@ -1,6 +1,6 @@
 //! Placements as numbers to set out with a tape, and the joints at each spot.
 
-use super::content::{NOTHING, Section, Table};
+use super::content::{NOTHING, PageTable, Section};
 use super::subject::Subject;
 use crate::assess::Assessment;
 use crate::cell::{Equipment, Joint, JointKind, Placement, Rectangle, Role};
@@ -58,7 +58,7 @@ pub fn titled(a: &Assessment<'_>, what: &str) -> String {
     }
 }
 
-fn frames(a: &Assessment<'_>) -> Table {
+fn frames(a: &Assessment<'_>) -> PageTable {
     let row = |name: String, at: &Placement, floor: f64| {
         let own = at.seen_from(&a.layout.base);
         let yaw = |yaw: f64| deg(crate::units::wrapped(yaw));
@@ -78,7 +78,7 @@ fn frames(a: &Assessment<'_>) -> Table {
     let base = row("robot base".into(), &a.layout.base, floor);
     let placed = a.cell.equipment.iter().zip(&a.layout.placements);
     let others = placed.map(|(e, at)| row(named(e), at, floor));
-    Table::new(
+    PageTable::new(
         titled(a, "origins"),
         &[
             "what", "x mm", "y mm", "yaw deg", "height above floor mm", "x from base mm", "y from base mm",
@@ -96,7 +96,7 @@ fn named(equipment: &Equipment) -> String {
     }
 }
 
-fn outlines(a: &Assessment<'_>) -> Table {
+fn outlines(a: &Assessment<'_>) -> PageTable {
     let mut rows = Vec::new();
     for (equipment, at) in a.cell.equipment.iter().zip(&a.layout.placements) {
         rows.extend(corner_rows(a, &shown(&equipment.name), "floor outline", &equipment.footprint, at));
@@ -105,7 +105,7 @@ fn outlines(a: &Assessment<'_>) -> Table {
         }
     }
     rows.extend(corner_rows(a, "robot", "floor outline", &a.cell.robot.footprint, &a.layout.base));
-    Table::new(
+    PageTable::new(
         titled(a, "corners"),
         &["what", "outline", "corner", "x mm", "y mm", "x from base mm", "y from base mm", "tape mm"],
         rows,
@@ -142,7 +142,7 @@ fn corner_rows(
     floor_corners(r, at).into_iter().enumerate().map(row).collect()
 }
 
-fn joint_table(a: &Assessment<'_>) -> Table {
+fn joint_table(a: &Assessment<'_>) -> PageTable {
     let mut head = vec!["joint".to_string(), "unit".into(), "home".into()];
     head.extend(a.cell.operations.iter().map(|o| shown(&o.name)));
     head.extend(["least".to_string(), "most".into()]);
@@ -160,5 +160,5 @@ fn joint_table(a: &Assessment<'_>) -> Table {
     };
     let rows = a.cell.robot.joints.iter().enumerate().map(row).collect();
     let words: Vec<&str> = head.iter().map(String::as_str).collect();
-    Table::new(titled(a, "joints"), &words, rows)
+    PageTable::new(titled(a, "joints"), &words, rows)
 }

@@ -1,6 +1,6 @@
 //! The spots under every reading, and what became of the nodes.
 
-use super::content::{Section, Table};
+use super::content::{PageTable, Section};
 use super::places::titled;
 use super::subject::Subject;
 use crate::assess::Assessment;
@@ -26,7 +26,7 @@ pub fn section(subject: &Subject<'_>) -> Section {
 const COLUMNS: [fn(&Figures) -> f64; 6] =
     [|f| f.error, |f| f.worst, |f| f.rms, |f| f.mean, |f| f.p95, |f| f.p99];
 
-fn figures(a: &Assessment<'_>) -> Table {
+fn figures(a: &Assessment<'_>) -> PageTable {
     let sample = match a.cell.error_set() {
         ErrorSet::Signed(_) => "signed sample",
         ErrorSet::Tolerance(_) => "worst corner",
@@ -44,7 +44,7 @@ fn figures(a: &Assessment<'_>) -> Table {
         }
     }
     let head = ["operation", "sense", "", "unit", sample, "worst case", "rms", "mean", "p95", "p99"];
-    Table::new(titled(a, "errors at the spots"), &head, rows).with_note(spread(a))
+    PageTable::new(titled(a, "errors at the spots"), &head, rows).with_note(spread(a))
 }
 
 fn number(sense: &Sense, si: f64) -> String {
@@ -70,7 +70,7 @@ fn spread(a: &Assessment<'_>) -> String {
     said.collect::<Vec<_>>().join(" ")
 }
 
-fn counts(a: &Assessment<'_>) -> Table {
+fn counts(a: &Assessment<'_>) -> PageTable {
     let occurs = |sign: &NodeSign| a.maps.iter().any(|m| m.count(*sign) > 0);
     let signs: Vec<NodeSign> = NodeSign::ALL.into_iter().filter(occurs).collect();
     let mut head = vec!["operation", "nodes"];
@@ -80,5 +80,5 @@ fn counts(a: &Assessment<'_>) -> Table {
         row.extend(signs.iter().map(|sign| map.count(*sign).to_string()));
         row
     };
-    Table::new(titled(a, "nodes"), &head, a.maps.iter().map(row).collect())
+    PageTable::new(titled(a, "nodes"), &head, a.maps.iter().map(row).collect())
 }

@@ -1,12 +1,13 @@
 //! The report, put together.
 
-use super::content::{Figure, Section};
+use super::content::{PageFigure, Section};
 use super::subject::Subject;
-use super::verdict::Verdict;
+use super::verdict::verdict;
 use super::{assets, assumptions, figures, nodes, places, readings, script_json, shell};
 use crate::cell::Cell;
 use crate::drawing::Drawing;
 use crate::files::shown;
+use crate::record::VerdictDocument;
 use crate::report::chart;
 use crate::report::text::headline;
 use serde::Serialize;
@@ -14,19 +15,19 @@ use serde::Serialize;
 /// A page of HTML with the verdict that it tells.
 pub struct Report {
     pub html: String,
-    pub verdict: Verdict,
+    pub verdict: VerdictDocument,
 }
 
 /// What the template is filled with.
 #[derive(Serialize)]
-struct Page<'a> {
+struct ReportPage<'a> {
     title: String,
     question: String,
     policy: String,
     style: &'a str,
     script: &'a str,
-    verdict: &'a Verdict,
-    still: Vec<Figure>,
+    verdict: &'a VerdictDocument,
+    still: Vec<PageFigure>,
     /// JSON for the viewer.
     drawings: String,
     sections: Vec<Section>,
@@ -38,7 +39,7 @@ struct Page<'a> {
 /// # Errors
 /// What cannot be rendered.
 pub fn report(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Result<Report, String> {
-    let verdict = Verdict::new(subject);
+    let verdict = verdict(subject);
     let (script, style) = (assets::viewer_js() + assets::REPORT_JS, style());
     let mut sections = figures::sections(subject, drawings);
     sections.push(places::section(subject));
@@ -50,7 +51,7 @@ pub fn report(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Result<Report,
     let mut still = figures::still(subject.shown(), drawings)?;
     let pictures = still.iter_mut().chain(sections.iter_mut().flat_map(|s| &mut s.figures));
     pictures.enumerate().for_each(|(k, figure)| figure.svg = shell::scoped(&figure.svg, k));
-    let page = Page {
+    let page = ReportPage {
         title: shown(&subject.cell().name),
         question: question(subject.cell()),
         policy: shell::policy(&script, &style),

@@ -6,44 +6,36 @@ use crate::assess::Assessment;
 use crate::error_map::{NodeRecord, PostureRecord};
 use crate::files::shown;
 use crate::layout::combined;
+use crate::record::{RunnerUpEntry, RunnerUpKind};
 use crate::units::rounded;
-use serde::Serialize;
-
-/// The next best answer.
-#[derive(Debug, Clone, Serialize)]
-pub struct RunnerUp {
-    /// "layout" or "node".
-    pub kind: &'static str,
-    /// In the unit of the verdict.
-    pub value: f64,
-    pub text: String,
-    pub note: String,
-}
 
 /// The next layout that the search kept; of a search that kept none, and of a layout as drawn, the
 /// operation's next best node that costs least.
-pub fn runner_up(subject: &Subject<'_>) -> Option<RunnerUp> {
+pub fn runner_up(subject: &Subject<'_>) -> Option<RunnerUpEntry> {
     let shown_layout = subject.shown();
     shown_layout.evaluation.objective?;
     next_layout(subject).or_else(|| next_node(shown_layout))
 }
 
-fn next_layout(subject: &Subject<'_>) -> Option<RunnerUp> {
+fn next_layout(subject: &Subject<'_>) -> Option<RunnerUpEntry> {
     let found = subject.found.as_ref()?;
     let unit = subject.cell().unit();
     let valued = found.others().filter_map(|other| Some((other, other.objective_value?)));
     let (next, value) = valued.min_by(|a, b| a.1.total_cmp(&b.1))?;
     let kept = match &found.pareto {
-        Some(goals) => format!("the least error of the other layouts of the front in {}", goals.join(", ")),
+        Some(goals) => format!(
+            "the least error of the other layouts of the front in {}",
+            goals.iter().map(|g| g.name()).collect::<Vec<_>>().join(", ")
+        ),
         None => "the next of the layouts that the search kept and that really differ".to_string(),
     };
     let text = super::verdict::told(unit, value);
-    Some(RunnerUp { kind: "layout", value, text, note: format!("{}: {kept}", next.file) })
+    Some(RunnerUpEntry { kind: RunnerUpKind::Layout, value, text, note: format!("{}: {kept}", next.file) })
 }
 
 type Posed<'m> = (&'m NodeRecord, &'m PostureRecord);
 
-fn next_node(a: &Assessment<'_>) -> Option<RunnerUp> {
+fn next_node(a: &Assessment<'_>) -> Option<RunnerUpEntry> {
     let unit = a.cell.unit();
     let choices = (0..a.maps.len()).filter(|k| !a.cell.operations[*k].over.takes_all());
     let seconds = choices.filter_map(|k| Some((k, second(a, k)?, a.maps[k].value?)));
@@ -61,7 +53,7 @@ fn next_node(a: &Assessment<'_>) -> Option<RunnerUp> {
         quantity(unit, best)
     );
     let value = rounded(unit.from_si(total), 9);
-    Some(RunnerUp { kind: "node", value, text: quantity(unit, total), note })
+    Some(RunnerUpEntry { kind: RunnerUpKind::Node, value, text: quantity(unit, total), note })
 }
 
 /// The usable node with the least value but that of the spot.

@@ -1,11 +1,10 @@
 //! What is reported: a layout as drawn, or what a search found.
 
-use super::content::Table;
+use super::content::PageTable;
 use crate::assess::Assessment;
 use crate::cell::{Cell, Unit};
+use crate::record::SearchResult;
 use crate::units::{m_from_mm, rad_from_deg};
-use serde::Deserialize;
-use serde_json::{Map, Value};
 
 /// A value of a document in SI.
 pub fn si(unit: Unit, value: f64) -> f64 {
@@ -23,7 +22,7 @@ pub struct Subject<'a> {
     /// The best layout of a search that has found a feasible one.
     pub best: Option<Assessment<'a>>,
     /// What search.json says, of a search.
-    pub found: Option<Found>,
+    pub found: Option<SearchResult>,
     pub manifest: Manifest,
     /// What loading the files had to say.
     pub warnings: Vec<String>,
@@ -41,9 +40,9 @@ impl<'a> Subject<'a> {
     }
 
     /// A table of each layout, the recommended one first; the other is shown when asked for.
-    pub fn tables(&self, of: impl Fn(&Assessment<'a>) -> Vec<Table>) -> Vec<Table> {
+    pub fn tables(&self, of: impl Fn(&Assessment<'a>) -> Vec<PageTable>) -> Vec<PageTable> {
         let other = self.best.as_ref().map_or(Vec::new(), |_| of(&self.start));
-        of(self.shown()).into_iter().chain(other.into_iter().map(Table::folded)).collect()
+        of(self.shown()).into_iter().chain(other.into_iter().map(PageTable::folded)).collect()
     }
 
     pub fn cell(&self) -> &'a Cell {
@@ -68,71 +67,4 @@ pub struct Manifest {
     pub source: String,
     /// Of a search: it has ended, so that its folder is complete.
     pub is_complete: bool,
-}
-
-/// search.json, as far as a report tells it. Lengths in mm, angles in degrees.
-#[derive(Debug, Clone, Deserialize)]
-pub struct Found {
-    pub status: String,
-    pub objective_value: Option<f64>,
-    pub gain_percent: Option<f64>,
-    pub bound: Option<f64>,
-    pub gap_percent: Option<f64>,
-    pub proof: Proof,
-    pub evaluations: u64,
-    pub feasible: u64,
-    pub ended: String,
-    pub solver: String,
-    pub seed: u64,
-    pub budget: u64,
-    pub pareto: Option<Vec<String>>,
-    pub reasons: Vec<String>,
-    pub layout: Value,
-    pub base: Value,
-    pub attitudes: Value,
-    pub start: StartFound,
-    pub front: Option<Vec<Alternative>>,
-    /// Evaluations and objective at each improvement.
-    pub trace: Vec<(u64, f64)>,
-}
-
-/// The layout as drawn.
-#[derive(Debug, Clone, Deserialize)]
-pub struct StartFound {
-    pub objective_value: Option<f64>,
-}
-
-#[derive(Debug, Clone, Deserialize)]
-pub struct Proof {
-    pub covers: String,
-    pub operations: Vec<ProofOf>,
-}
-
-/// What is proven of one operation.
-#[derive(Debug, Clone, Deserialize)]
-pub struct ProofOf {
-    pub name: String,
-    pub bound: Option<f64>,
-    pub unit: String,
-    pub why_not: Option<String>,
-}
-
-/// A layout that is told beside the best one.
-#[derive(Debug, Clone, Deserialize)]
-pub struct Alternative {
-    pub file: String,
-    pub objective_value: Option<f64>,
-    /// By [`crate::report::goals::key`].
-    pub goals: Map<String, Value>,
-    pub layout: Value,
-    pub base: Value,
-    pub attitudes: Value,
-}
-
-impl Found {
-    /// The alternatives that are not the best layout itself.
-    pub fn others(&self) -> impl Iterator<Item = &Alternative> {
-        let best = (&self.layout, &self.base, &self.attitudes);
-        self.front.iter().flatten().filter(move |a| (&a.layout, &a.base, &a.attitudes) != best)
-    }
 }

@@ -1,74 +1,17 @@
 //! The answer, before anything else.
 
 use super::content::{NOTHING, plain};
-use super::runner_up::{RunnerUp, runner_up};
-use super::subject::{Found, Subject};
+use super::runner_up::runner_up;
+use super::subject::Subject;
 use crate::assess::Assessment;
 use crate::cell::{Cell, Objective, Unit};
 use crate::files::shown;
-use crate::report::text::value_word;
+use crate::proof::Covers;
+use crate::record::{
+    FactEntry, FactMood, ProvenOperation, REPORT_SCHEMA, RequirementState, RunnerUpEntry, SearchResult,
+    VerdictAnswer, VerdictDocument, VerdictSpot, VerdictSubject, value_word,
+};
 use crate::units::{mm_from_m, percent_from_share, rounded};
-use serde::Serialize;
-
-/// The verdict, as the page shows it and `report --json` prints it. Lengths in mm, angles in degrees,
-/// rounded to 1e-9 as in search.json.
-#[derive(Debug, Clone, Serialize)]
-pub struct Verdict {
-    pub schema: &'static str,
-    /// "search" or "layout".
-    pub of: &'static str,
-    pub cell: String,
-    pub robot: String,
-    pub answer: &'static str,
-    pub headline: String,
-    pub feasible: bool,
-    /// Null of a layout as drawn, else how the search ended.
-    pub ended: Option<String>,
-    pub unit: &'static str,
-    /// How the errors are read: error, worst case, p95 ...
-    pub quantity: &'static str,
-    pub objective: &'static str,
-    pub objective_value: Option<f64>,
-    pub start_value: Option<f64>,
-    pub gain_percent: Option<f64>,
-    pub bound: Option<f64>,
-    pub gap_percent: Option<f64>,
-    /// "met", "missed" or "none".
-    pub requirement: &'static str,
-    pub runner_up: Option<RunnerUp>,
-    pub facts: Vec<Fact>,
-    pub operations: Vec<Spot>,
-    /// Why the answer is no.
-    pub reasons: Vec<String>,
-}
-
-/// One number of the answer in words.
-#[derive(Debug, Clone, Serialize)]
-pub struct Fact {
-    pub label: &'static str,
-    /// The number, as precise as it is known.
-    pub value: Option<f64>,
-    pub text: String,
-    pub note: String,
-    /// "good", "bad" or "plain".
-    pub mood: &'static str,
-}
-
-/// Where an operation happens.
-#[derive(Debug, Clone, Serialize)]
-pub struct Spot {
-    pub name: String,
-    pub equipment: String,
-    pub sense: String,
-    pub node: Option<[usize; 2]>,
-    pub position_mm: Option<[f64; 3]>,
-    pub value: Option<f64>,
-    pub limit: Option<f64>,
-    /// What is left to the limit; negative: it is missed.
-    pub margin: Option<f64>,
-    /// All of it in one sentence.
-    pub text: String,
-}
 
 /// An SI value with its unit as people read it, a share in percent.
 pub fn quantity(unit: Unit, si: f64) -> String {
@@ -95,44 +38,43 @@ fn nine(value: f64) -> f64 {
     rounded(value, 9)
 }
 
-impl Verdict {
-    pub fn new(subject: &Subject<'_>) -> Self {
-        let (a, cell, found) = (subject.shown(), subject.cell(), subject.found.as_ref());
-        let is_found = a.evaluation.objective.is_some() && (found.is_none() || subject.best.is_some());
-        let missed = is_found && !a.meets_requirements();
-        let limited = (0..a.maps.len()).any(|k| a.requirement(k).is_some());
-        let requirement = match (limited, missed) {
-            (false, _) => "none",
-            (true, true) => "missed",
-            (true, false) => "met",
-        };
-        let mut verdict = Self {
-            schema: "sweetspot/report/1",
-            of: if found.is_some() { "search" } else { "layout" },
-            cell: cell.name.clone(),
-            robot: cell.robot.name.clone(),
-            answer: if is_found && !missed { "yes" } else { "no" },
-            headline: String::new(),
-            feasible: is_found,
-            ended: found.map(|f| f.ended.clone()),
-            unit: cell.unit().word(),
-            quantity: value_word(cell),
-            objective: cell.search.objective.name(),
-            objective_value: a.objective().filter(|_| is_found).map(nine),
-            start_value: subject.start.objective().map(nine),
-            gain_percent: found.and_then(|f| f.gain_percent),
-            bound: found.and_then(|f| f.bound),
-            gap_percent: found.and_then(|f| f.gap_percent),
-            requirement,
-            runner_up: runner_up(subject).filter(|_| is_found),
-            facts: Vec::new(),
-            operations: if is_found { (0..a.maps.len()).map(|k| spot(a, k)).collect() } else { Vec::new() },
-            reasons: reasons(subject, is_found),
-        };
-        verdict.facts = facts(&verdict, subject);
-        verdict.headline = headline(&verdict, cell.unit());
-        verdict
-    }
+/// Draws the verdict of a report.
+pub fn verdict(subject: &Subject<'_>) -> VerdictDocument {
+    let (a, cell, found) = (subject.shown(), subject.cell(), subject.found.as_ref());
+    let is_found = a.evaluation.objective.is_some() && (found.is_none() || subject.best.is_some());
+    let missed = is_found && !a.meets_requirements();
+    let limited = (0..a.maps.len()).any(|k| a.requirement(k).is_some());
+    let requirement = match (limited, missed) {
+        (false, _) => RequirementState::None,
+        (true, true) => RequirementState::Missed,
+        (true, false) => RequirementState::Met,
+    };
+    let mut verdict = VerdictDocument {
+        schema: REPORT_SCHEMA.into(),
+        of: if found.is_some() { VerdictSubject::Search } else { VerdictSubject::Layout },
+        cell: cell.name.clone(),
+        robot: cell.robot.name.clone(),
+        answer: if is_found && !missed { VerdictAnswer::Yes } else { VerdictAnswer::No },
+        headline: String::new(),
+        feasible: is_found,
+        ended: found.map(|f| f.ended),
+        unit: cell.unit(),
+        quantity: value_word(cell).into(),
+        objective: cell.search.objective,
+        objective_value: a.objective().filter(|_| is_found).map(nine),
+        start_value: subject.start.objective().map(nine),
+        gain_percent: found.and_then(|f| f.gain_percent),
+        bound: found.and_then(|f| f.bound),
+        gap_percent: found.and_then(|f| f.gap_percent),
+        requirement,
+        runner_up: runner_up(subject).filter(|_| is_found),
+        facts: Vec::new(),
+        operations: if is_found { (0..a.maps.len()).map(|k| spot(a, k)).collect() } else { Vec::new() },
+        reasons: reasons(subject, is_found),
+    };
+    verdict.facts = facts(&verdict, subject);
+    verdict.headline = headline(&verdict, cell.unit());
+    verdict
 }
 
 /// Why nothing can be recommended.
@@ -144,26 +86,30 @@ fn reasons(subject: &Subject<'_>, is_found: bool) -> Vec<String> {
     }
 }
 
-fn headline(v: &Verdict, unit: Unit) -> String {
+fn headline(v: &VerdictDocument, unit: Unit) -> String {
     let Some(value) = v.objective_value else {
         return match v.of {
-            "search" => "No: the search has found no layout that works".into(),
-            _ => "No: the layout as drawn does not work".into(),
+            VerdictSubject::Search => "No: the search has found no layout that works".into(),
+            VerdictSubject::Layout => "No: the layout as drawn does not work".into(),
         };
     };
-    let (what, value) = (v.quantity, told(unit, value));
+    let (what, value) = (&v.quantity, told(unit, value));
     let answer = match v.requirement {
-        "met" => "Yes, every requirement is met: ",
-        "missed" => "No, a requirement is missed: ",
-        _ => "",
+        RequirementState::Met => "Yes, every requirement is met: ",
+        RequirementState::Missed => "No, a requirement is missed: ",
+        RequirementState::None => "",
     };
     let said = match (v.of, v.gain_percent) {
-        ("search", Some(gain)) if gain > 0.05 => {
+        (VerdictSubject::Search, Some(gain)) if gain > 0.05 => {
             format!("the best layout found has {value} {what}, {gain:.1} % less than as drawn")
         }
-        ("search", Some(_)) => format!("no layout was found that beats the one as drawn: {value} {what}"),
-        ("search", None) => format!("the best layout found has {value} {what}; as drawn nothing works"),
-        _ => format!("the layout as drawn has {value} {what}"),
+        (VerdictSubject::Search, Some(_)) => {
+            format!("no layout was found that beats the one as drawn: {value} {what}")
+        }
+        (VerdictSubject::Search, None) => {
+            format!("the best layout found has {value} {what}; as drawn nothing works")
+        }
+        (VerdictSubject::Layout, _) => format!("the layout as drawn has {value} {what}"),
     };
     capital(&(answer.to_string() + &said))
 }
@@ -173,13 +119,19 @@ fn capital(text: &str) -> String {
     letters.next().map(|first| first.to_uppercase().chain(letters).collect()).unwrap_or_default()
 }
 
-fn facts(v: &Verdict, subject: &Subject<'_>) -> Vec<Fact> {
+fn facts(v: &VerdictDocument, subject: &Subject<'_>) -> Vec<FactEntry> {
     let (a, cell) = (subject.shown(), subject.cell());
     let mut facts = Vec::new();
     if let Some(value) = v.objective_value {
         let text = told(cell.unit(), value);
         let note = format!("{}; {}", summed(cell), reading_in_words(cell));
-        facts.push(Fact { label: "Error", value: Some(value), text, note, mood: "plain" });
+        facts.push(FactEntry {
+            label: "Error".into(),
+            value: Some(value),
+            text,
+            note,
+            mood: FactMood::Plain,
+        });
         facts.push(requirement(a));
     }
     if let Some(found) = &subject.found {
@@ -189,8 +141,14 @@ fn facts(v: &Verdict, subject: &Subject<'_>) -> Vec<Fact> {
         facts.push(gap(found, v, cell.unit()));
     }
     if let Some(next) = &v.runner_up {
-        let RunnerUp { value, text, note, .. } = next.clone();
-        facts.push(Fact { label: "Runner-up", value: Some(value), text, note, mood: "plain" });
+        let RunnerUpEntry { value, text, note, .. } = next.clone();
+        facts.push(FactEntry {
+            label: "Runner-up".into(),
+            value: Some(value),
+            text,
+            note,
+            mood: FactMood::Plain,
+        });
     }
     facts
 }
@@ -225,27 +183,39 @@ pub fn reading_in_words(cell: &Cell) -> String {
     }
 }
 
-fn requirement(a: &Assessment<'_>) -> Fact {
+fn requirement(a: &Assessment<'_>) -> FactEntry {
     let unit = a.cell.unit();
     let all = (0..a.maps.len()).filter_map(|k| Some((k, a.requirement(k)?)));
     let tightest = all.min_by(|(_, x), (_, y)| x.margin.total_cmp(&y.margin));
     let Some((k, r)) = tightest else {
         let note = "no operation of the cell has a limit that its error could pass".to_string();
-        return Fact { label: "Requirement", value: None, text: "none".into(), note, mood: "plain" };
+        return FactEntry {
+            label: "Requirement".into(),
+            value: None,
+            text: "none".into(),
+            note,
+            mood: FactMood::Plain,
+        };
     };
     let (name, limit) = (shown(&a.cell.operations[k].name), quantity(unit, r.limit));
     let margin = quantity(unit, r.margin.abs());
     let (text, note, mood) = match r.is_met() {
-        true => ("met", format!("{name} keeps its limit of {limit} with {margin} to spare"), "good"),
-        false => ("missed", format!("{name} passes its limit of {limit} by {margin}"), "bad"),
+        true => ("met", format!("{name} keeps its limit of {limit} with {margin} to spare"), FactMood::Good),
+        false => ("missed", format!("{name} passes its limit of {limit} by {margin}"), FactMood::Bad),
     };
-    Fact { label: "Requirement", value: Some(nine(unit.from_si(r.margin))), text: text.into(), note, mood }
+    FactEntry {
+        label: "Requirement".into(),
+        value: Some(nine(unit.from_si(r.margin))),
+        text: text.into(),
+        note,
+        mood,
+    }
 }
 
-fn gain(v: &Verdict, unit: Unit) -> Fact {
+fn gain(v: &VerdictDocument, unit: Unit) -> FactEntry {
     let (text, note, mood) = match (v.gain_percent, v.start_value) {
         (Some(gain), Some(start)) => {
-            let mood = if gain > 0.05 { "good" } else { "plain" };
+            let mood = if gain > 0.05 { FactMood::Good } else { FactMood::Plain };
             (
                 format!("{gain:.1} %"),
                 format!("less than the layout as drawn, which has {}", told(unit, start)),
@@ -255,16 +225,16 @@ fn gain(v: &Verdict, unit: Unit) -> Fact {
         _ => (
             NOTHING.into(),
             "the layout as drawn does not work, so that there is nothing to gain on".into(),
-            "plain",
+            FactMood::Plain,
         ),
     };
-    Fact { label: "Gain", value: v.gain_percent, text, note, mood }
+    FactEntry { label: "Gain".into(), value: v.gain_percent, text, note, mood }
 }
 
 /// How much better any layout could be at most.
-fn gap(found: &Found, v: &Verdict, unit: Unit) -> Fact {
-    let covers = match found.proof.covers.as_str() {
-        "part" => format!("; counted as 0: {}", unproven(found)),
+fn gap(found: &SearchResult, v: &VerdictDocument, unit: Unit) -> FactEntry {
+    let covers = match found.proof.covers {
+        Covers::Part => format!("; counted as 0: {}", unproven(found)),
         _ => String::new(),
     };
     let (text, note) = match (found.gap_percent, found.bound) {
@@ -283,12 +253,12 @@ fn gap(found: &Found, v: &Verdict, unit: Unit) -> Fact {
                 down(unit, bound)
             ),
         ),
-        _ if found.proof.covers == "infeasible" => {
+        _ if found.proof.covers == Covers::Infeasible => {
             ("no layout".into(), format!("it is proven that no layout works: {}", unproven(found)))
         }
         _ => ("none".into(), format!("nothing is proven: {}", unproven(found))),
     };
-    Fact { label: "Proven gap", value: v.gap_percent, text, note, mood: "plain" }
+    FactEntry { label: "Proven gap".into(), value: v.gap_percent, text, note, mood: FactMood::Plain }
 }
 
 /// A percentage that is never told smaller than it is.
@@ -297,19 +267,18 @@ pub fn up(percent: f64) -> f64 {
     (percent * digits).ceil() / digits
 }
 
-fn unproven(found: &Found) -> String {
-    let why =
-        |p: &super::subject::ProofOf| Some(format!("{}: {}", shown(&p.name), plain(p.why_not.as_ref()?)));
+fn unproven(found: &SearchResult) -> String {
+    let why = |p: &ProvenOperation| Some(format!("{}: {}", shown(&p.name), plain(p.why_not.as_ref()?)));
     found.proof.operations.iter().filter_map(why).collect::<Vec<_>>().join("; ")
 }
 
-fn spot(a: &Assessment<'_>, k: usize) -> Spot {
+fn spot(a: &Assessment<'_>, k: usize) -> VerdictSpot {
     let (cell, map, unit) = (a.cell, &a.maps[k], a.cell.unit());
     let operation = &cell.operations[map.operation];
     let equipment = &cell.equipment[operation.equipment].name;
     let node = a.spot(k).map(|(node, _)| node);
     let requirement = a.requirement(k);
-    Spot {
+    VerdictSpot {
         name: operation.name.clone(),
         equipment: equipment.clone(),
         sense: operation.sense.name.clone(),

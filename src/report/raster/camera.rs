@@ -1,21 +1,21 @@
-//! Where the picture is taken from: world (m) to picture (px).
+//! Camera: projection from the world (m) to the picture (px).
 
 use nalgebra::{Point2, Vector3};
 
-/// From where one looks.
+/// Direction of view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum View {
-    /// From above and aside, from where the work lies in front of the robot.
+pub enum ViewDirection {
+    /// Isometric view in which the work lies in front of the robot.
     #[default]
     Iso,
     Top,
-    /// Along y.
+    /// View along y.
     Front,
-    /// Against x.
+    /// View against x.
     Side,
 }
 
-impl View {
+impl ViewDirection {
     pub const ALL: [Self; 4] = [Self::Iso, Self::Top, Self::Front, Self::Side];
 
     pub fn name(self) -> &'static str {
@@ -27,8 +27,8 @@ impl View {
         }
     }
 
-    /// Directions in the world of the picture's right and up, and towards the eye. `work` is where the work
-    /// lies, seen from the robot.
+    /// Returns the directions of right, up and towards the eye in the world. `work` is the direction from the
+    /// robot to the work.
     fn axes(self, perspective: bool, work: &Vector3<f64>) -> [Vector3<f64>; 3] {
         let (x, y, z) = (Vector3::x(), Vector3::y(), Vector3::z());
         match self {
@@ -36,7 +36,8 @@ impl View {
             Self::Front => [x, z, -y],
             Self::Side => [y, z, x],
             Self::Iso => {
-                // Of the four upper corners of a cube that over the work; nearer ones from a little higher.
+                // The eye is over the upper corner of a cube at the work; in perspective it is a little
+                // higher.
                 let x = if work.x < -1e-9 { -1.0 } else { 1.0 };
                 let y = if work.y > 1e-9 { 1.0 } else { -1.0 };
                 let back = Vector3::new(x, y, if perspective { 1.2 } else { 1.0 }).normalize();
@@ -47,24 +48,24 @@ impl View {
     }
 }
 
-/// A place in the picture, px to the right and down; its nearness orders what lies behind each other and
-/// is linear over every plane.
+/// Projected point, px to the right and down. Its nearness orders points that cover each other and is linear
+/// over every plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Seen {
+pub struct ScreenPoint {
     pub at: Point2<f64>,
     pub near: f64,
 }
 
-/// The part of the picture that shows the world, px.
+/// Part of the picture that shows the world, px.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Frame {
+pub struct PictureFrame {
     pub left: f64,
     pub top: f64,
     pub width: f64,
     pub height: f64,
 }
 
-/// A camera that holds what it shows inside its frame.
+/// Camera that keeps its subject inside a frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Camera {
     pub right: Vector3<f64>,
@@ -72,31 +73,31 @@ pub struct Camera {
     /// Towards the eye.
     pub back: Vector3<f64>,
     centre: Vector3<f64>,
-    /// Of the eye from the centre, m; None: infinitely far, parallel lines stay parallel.
+    /// Distance of the eye from the centre, m; nothing for a parallel projection.
     distance: Option<f64>,
     /// px per m at the centre.
     pub scale: f64,
     shift: (f64, f64),
 }
 
-/// The eye is so many radii of the scene away.
-const AWAY: f64 = 4.2;
+/// Distance of the eye in radii of the scene.
+const EYE_DISTANCE: f64 = 4.2;
 
 impl Camera {
-    /// Shows all `points` in the frame.
+    /// Returns a camera that shows all `points` in the frame.
     pub fn fitted(
-        view: View,
+        view: ViewDirection,
         perspective: bool,
         work: &Vector3<f64>,
         points: &[Vector3<f64>],
-        frame: &Frame,
+        frame: &PictureFrame,
     ) -> Self {
         let [right, up, back] = view.axes(perspective, work);
         let bounds = points.iter().map(|p| (*p, *p)).reduce(|(lo, hi), (p, q)| (lo.inf(&p), hi.sup(&q)));
         let (low, high) = bounds.unwrap_or((Vector3::repeat(-1.0), Vector3::repeat(1.0)));
         let centre = (low + high) / 2.0;
         let radius = ((high - low).norm() / 2.0).max(1e-3);
-        let distance = perspective.then_some(radius * AWAY);
+        let distance = perspective.then_some(radius * EYE_DISTANCE);
         let mut camera = Self { right, up, back, centre, distance, scale: 1.0, shift: (0.0, 0.0) };
         let seen = points.iter().map(|p| camera.seen(p).at).map(|p| (p, p));
         let (a, b) = seen.reduce(|(a, b), (p, q)| (a.inf(&p), b.sup(&q))).unwrap_or_default();
@@ -110,11 +111,11 @@ impl Camera {
         camera
     }
 
-    pub fn seen(&self, p: &Vector3<f64>) -> Seen {
+    pub fn seen(&self, p: &Vector3<f64>) -> ScreenPoint {
         let from = p - self.centre;
         let (x, y, z) = (from.dot(&self.right), from.dot(&self.up), from.dot(&self.back));
         let (grown, near) = match self.distance {
-            // Over a plane 1 / distance is linear in the picture, the distance itself is not.
+            // 1 / distance is linear over a plane in the picture; the distance itself is not.
             Some(d) => {
                 let away = (d - z).max(0.01 * d);
                 (d / away, d / away)
@@ -122,10 +123,10 @@ impl Camera {
             None => (1.0, z),
         };
         let scale = self.scale * grown;
-        Seen { at: Point2::new(self.shift.0 + x * scale, self.shift.1 - y * scale), near }
+        ScreenPoint { at: Point2::new(self.shift.0 + x * scale, self.shift.1 - y * scale), near }
     }
 
-    /// Unit vector from a point to the eye.
+    /// Returns the unit vector from a point to the eye.
     pub fn to_eye(&self, p: &Vector3<f64>) -> Vector3<f64> {
         match self.distance {
             Some(d) => (self.centre + self.back * d - p).try_normalize(1e-12).unwrap_or(self.back),
@@ -133,7 +134,7 @@ impl Camera {
         }
     }
 
-    /// A point that lies `lift` (m) before `p`, at the same place of the picture.
+    /// Returns a point `lift` (m) in front of `p`, at the same place of the picture.
     pub fn before(&self, p: &Vector3<f64>, lift: f64) -> Vector3<f64> {
         p + self.to_eye(p) * lift
     }

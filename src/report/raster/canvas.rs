@@ -1,31 +1,31 @@
-//! Triangles and lines to samples, the nearest winning.
+//! Depth buffer: triangles and lines to samples, the nearest wins.
 
-use super::camera::Seen;
+use super::camera::ScreenPoint;
 use nalgebra::{Point2, Vector2};
 
-/// Corners lie on a grid of so many parts of a sample: whole numbers decide exactly who covers a sample.
+/// Parts of a sample. Corners lie on this grid, so that whole numbers decide exactly what covers a sample.
 const PARTS: f64 = 256.0;
 const PART: i64 = 256;
-/// What lies farther out than this is not drawn, samples.
+/// Greatest coordinate of what is drawn, samples.
 const FARTHEST: f64 = 1e5;
 
-/// Samples row by row from the top left, each with what is nearest there.
-pub struct Canvas<T> {
+/// Samples row by row from the top left, each with the nearest surface.
+pub struct DepthBuffer<T> {
     pub width: usize,
     pub height: usize,
     pub near: Vec<f32>,
     pub value: Vec<T>,
 }
 
-impl<T: Copy> Canvas<T> {
+impl<T: Copy> DepthBuffer<T> {
     pub fn new(width: usize, height: usize, value: T) -> Self {
         Self { width, height, near: vec![f32::MIN; width * height], value: vec![value; width * height] }
     }
 
-    /// Paints a triangle where it is nearest: `paint` is given the shares of the corners. Triangles that
-    /// share an edge leave no gap and share no sample. What is not `solid` hides nothing behind it.
-    pub fn fill(&mut self, corners: &[Seen; 3], solid: bool, mut paint: impl FnMut(&mut T, [f32; 3])) {
-        let is_drawn = |c: &Seen| c.near.is_finite() && c.at.coords.iter().all(|v| v.abs() < FARTHEST);
+    /// Paints a triangle where it is nearest. `paint` gets the barycentric coordinates. Triangles that share
+    /// an edge leave no gap and share no sample. A triangle that is not `solid` hides nothing.
+    pub fn fill(&mut self, corners: &[ScreenPoint; 3], solid: bool, mut paint: impl FnMut(&mut T, [f32; 3])) {
+        let is_drawn = |c: &ScreenPoint| c.near.is_finite() && c.at.coords.iter().all(|v| v.abs() < FARTHEST);
         if !corners.iter().all(is_drawn) {
             return;
         }
@@ -35,7 +35,11 @@ impl<T: Copy> Canvas<T> {
             return;
         }
         let sign = area.signum();
-        let edges = [Edge::new(p[1], p[2], sign), Edge::new(p[2], p[0], sign), Edge::new(p[0], p[1], sign)];
+        let edges = [
+            TriangleEdge::new(p[1], p[2], sign),
+            TriangleEdge::new(p[2], p[0], sign),
+            TriangleEdge::new(p[0], p[1], sign),
+        ];
         let (lows, highs) = (least(&p, 0), least(&p, 1));
         let (columns, rows) = (range(lows, self.width), range(highs, self.height));
         let full = (area * sign) as f32;
@@ -59,11 +63,14 @@ impl<T: Copy> Canvas<T> {
         }
     }
 
-    /// A line of a width, samples.
-    pub fn stroke(&mut self, a: &Seen, b: &Seen, width: f64, mut paint: impl FnMut(&mut T)) {
+    /// Paints a line of a width, samples.
+    pub fn stroke(&mut self, a: &ScreenPoint, b: &ScreenPoint, width: f64, mut paint: impl FnMut(&mut T)) {
         let along = (b.at - a.at).try_normalize(1e-9).unwrap_or_else(Vector2::x);
         let (side, end) = (Vector2::new(-along.y, along.x) * (width / 2.0), along * (width / 4.0));
-        let corner = |s: &Seen, off: Vector2<f64>| Seen { at: Point2::from(s.at.coords + off), near: s.near };
+        let corner = |s: &ScreenPoint, off: Vector2<f64>| ScreenPoint {
+            at: Point2::from(s.at.coords + off),
+            near: s.near,
+        };
         let quad =
             [corner(a, -end - side), corner(b, end - side), corner(b, end + side), corner(a, -end + side)];
         self.fill(&[quad[0], quad[1], quad[2]], true, |v, _| paint(v));
@@ -71,7 +78,7 @@ impl<T: Copy> Canvas<T> {
     }
 }
 
-/// Twice the area of a triangle, in parts of samples squared.
+/// Returns twice the signed area of a triangle, in squared parts of a sample.
 fn cross(a: [i64; 2], b: [i64; 2], c: [i64; 2]) -> i64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
@@ -81,24 +88,24 @@ fn least(p: &[[i64; 2]; 3], axis: usize) -> (i64, i64) {
     (all.into_iter().fold(i64::MAX, i64::min), all.into_iter().fold(i64::MIN, i64::max))
 }
 
-/// The samples whose middle lies between two coordinates.
+/// Returns the samples whose middle lies between two coordinates.
 fn range((low, high): (i64, i64), count: usize) -> std::ops::Range<usize> {
     let first = (low - PART / 2).div_euclid(PART).max(0);
     let last = (high - PART / 2).div_euclid(PART) + 1;
     first as usize..last.clamp(first, count.max(first as usize) as i64) as usize
 }
 
-/// A side of a triangle: its value at a sample grows inwards.
-struct Edge {
+/// Side of a triangle: its edge function grows inwards.
+struct TriangleEdge {
     from: [i64; 2],
     along: [i64; 2],
-    /// From a sample to the next to the right.
+    /// Step of the function from a sample to the next one to the right.
     step: i64,
-    /// What a sample must have: on the line itself it belongs to one of both sides alone.
+    /// Least value of a covered sample. A sample on the line belongs to one of both triangles alone.
     least: i64,
 }
 
-impl Edge {
+impl TriangleEdge {
     fn new(a: [i64; 2], b: [i64; 2], sign: i64) -> Self {
         let along = [(b[0] - a[0]) * sign, (b[1] - a[1]) * sign];
         let owns = along[1] < 0 || along[1] == 0 && along[0] > 0;

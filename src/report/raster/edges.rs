@@ -1,12 +1,12 @@
-//! The edges of a body that a draughtsman would draw: sharp ones, open ones, and the outline.
+//! Feature edges of a body: sharp edges, open edges and the outline.
 
 use super::camera::Camera;
-use super::scene::Body;
+use super::scene::SceneBody;
 use nalgebra::Vector3;
 use std::collections::HashMap;
 
-/// A side of triangles: its ends, the corners made of them, and what the triangles beside it look like.
-struct Side {
+/// Edge of a mesh: its ends, their corners, and what the triangles beside it look like.
+struct FeatureEdge {
     ends: [Vector3<f64>; 2],
     corners: [u32; 2],
     faces_eye: bool,
@@ -15,24 +15,24 @@ struct Side {
     is_sharp: bool,
 }
 
-/// So many sharp edges are noise.
-const MOST: usize = 400;
+/// Number of sharp edges from which they are noise.
+const MAX_SHARP_EDGES: usize = 400;
 
-pub fn of(body: &Body, camera: &Camera) -> Vec<[Vector3<f64>; 2]> {
+pub fn of(body: &SceneBody, camera: &Camera) -> Vec<[Vector3<f64>; 2]> {
     let mesh = &body.mesh;
     let places = places(&mesh.positions);
     let mut index: HashMap<[u32; 2], usize> = HashMap::new();
-    let mut sides: Vec<Side> = Vec::new();
+    let mut sides: Vec<FeatureEdge> = Vec::new();
     for t in &mesh.triangles {
         let [a, b, c] = t.map(|i| mesh.positions[i as usize]);
         let faces_eye = (b - a).cross(&(c - a)).dot(&camera.to_eye(&a)) > 0.0;
         for (i, j) in [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])] {
-            // Neighbours run along their common side in opposite directions.
+            // Neighbours run along their common edge in opposite directions.
             let (i, j) = if places[i as usize] < places[j as usize] { (i, j) } else { (j, i) };
             let key = [places[i as usize], places[j as usize]];
             let ends = [mesh.positions[i as usize], mesh.positions[j as usize]];
             let at = *index.entry(key).or_insert_with(|| {
-                sides.push(Side {
+                sides.push(FeatureEdge {
                     ends,
                     corners: [i, j],
                     faces_eye,
@@ -44,19 +44,19 @@ pub fn of(body: &Body, camera: &Camera) -> Vec<[Vector3<f64>; 2]> {
             });
             let side = &mut sides[at];
             side.count += 1;
-            // Where normals differ on both ends the mesh is sharp.
+            // An edge is sharp where the normals differ at both ends.
             let differ = side.corners[0] != i && side.corners[1] != j;
             side.is_sharp |= differ && (faces_eye || side.faces_eye);
             side.is_outline |= side.faces_eye != faces_eye;
         }
     }
     // A scanned surface is sharp all over, and an arrow is too thin for more than its outline.
-    let sharp = !body.is_sign && sides.iter().filter(|s| s.is_sharp).count() < MOST;
-    let is_drawn = |s: &Side| s.is_outline || s.count == 1 || s.is_sharp && sharp;
+    let sharp = !body.is_sign && sides.iter().filter(|s| s.is_sharp).count() < MAX_SHARP_EDGES;
+    let is_drawn = |s: &FeatureEdge| s.is_outline || s.count == 1 || s.is_sharp && sharp;
     sides.into_iter().filter(is_drawn).map(|s| s.ends).collect()
 }
 
-/// The number of the place of each corner: corners of different normals may share one.
+/// Returns the number of the place of each corner. Corners with different normals may share a place.
 fn places(positions: &[Vector3<f64>]) -> Vec<u32> {
     let mut known: HashMap<[u64; 3], u32> = HashMap::new();
     let key = |p: &Vector3<f64>| [p.x, p.y, p.z].map(f64::to_bits);

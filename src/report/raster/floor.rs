@@ -1,21 +1,21 @@
-//! The floor: a plate with a grid, darker under what stands on it or near above it.
+//! Floor: a plate with a grid, darkened under solids that stand on it or near above it.
 
-use super::camera::Seen;
-use super::canvas::Canvas;
+use super::camera::ScreenPoint;
+use super::canvas::DepthBuffer;
 use super::palette::{Colour, Palette, mixed};
-use super::scene::{Body, Line, Scene};
+use super::scene::{RasterScene, SceneBody, SceneLine};
 use crate::drawing::Mesh;
 use nalgebra::{Point2, Vector3};
 
-/// Fields of the floor along each side.
+/// Number of fields of the floor along each side.
 const FIELDS: usize = 160;
-/// From this height (m) on little is darkened.
+/// Height of a solid above which it darkens little, m.
 const NEAR: f64 = 0.35;
-/// Lines of the grid, m.
+/// Distance of the grid lines, m.
 const GRID: f64 = 0.5;
 
-/// Lays the floor under all that is in the scene.
-pub fn lay(scene: &mut Scene, palette: &Palette, height: f64) {
+/// Adds the floor under the scene.
+pub fn lay(scene: &mut RasterScene, palette: &Palette, height: f64) {
     let points: Vec<Vector3<f64>> = scene.bodies.iter().flat_map(|b| &b.mesh.positions).copied().collect();
     let bounds = points.iter().map(|p| (*p, *p)).reduce(|(lo, hi), (p, q)| (lo.inf(&p), hi.sup(&q)));
     let Some((low, high)) = bounds else { return };
@@ -37,12 +37,12 @@ pub fn lay(scene: &mut Scene, palette: &Palette, height: f64) {
     let triangles = quads.flat_map(|a| [[a, a + 1, a + wide + 1], [a, a + wide + 1, a + wide]]).collect();
     let normals = vec![Vector3::z(); positions.len()];
     let mesh = Mesh { positions, normals, triangles };
-    let body = Body {
+    let body = SceneBody {
         is_lit: false,
         has_edges: false,
         shares,
         dark: shadow(palette),
-        ..Body::solid(mesh, palette.floor, 1.0)
+        ..SceneBody::solid(mesh, palette.floor, 1.0)
     };
     scene.bodies.insert(0, body);
     add_grid(scene, palette.grid, low, high, height);
@@ -52,31 +52,32 @@ fn shadow(palette: &Palette) -> Colour {
     mixed(palette.floor, [0.02, 0.03, 0.05], 0.55)
 }
 
-fn add_grid(scene: &mut Scene, colour: Colour, low: [f64; 2], high: [f64; 2], height: f64) {
+fn add_grid(scene: &mut RasterScene, colour: Colour, low: [f64; 2], high: [f64; 2], height: f64) {
     let lift = 0.0;
     for axis in 0..2 {
         let count = ((high[axis] - low[axis]) / GRID).round() as usize;
         for k in 0..=count.min(400) {
             let value = low[axis] + k as f64 * GRID;
-            // A line is cut to pieces, for a camera near it.
+            // Ends of a grid line.
             let end = |v: f64| {
                 if axis == 0 { Vector3::new(value, v, height) } else { Vector3::new(v, value, height) }
             };
             let points = vec![end(low[1 - axis]), end(high[1 - axis])];
-            let line = Line { points, closed: false, dashed: false, colour, width: 0.7, lift: lift + 0.0005 };
+            let line =
+                SceneLine { points, closed: false, dashed: false, colour, width: 0.7, lift: lift + 0.0005 };
             scene.lines.insert(0, line);
         }
     }
 }
 
-/// How much of the light from above is missing on the corners of the fields, 0 to 1, blurred.
-fn shade(scene: &Scene, low: [f64; 2], high: [f64; 2], floor: f64) -> Vec<f32> {
+/// Returns the share of light from above that is missing at the corners of the fields, blurred.
+fn shade(scene: &RasterScene, low: [f64; 2], high: [f64; 2], floor: f64) -> Vec<f32> {
     let across = FIELDS + 1;
-    let mut lowest = Canvas::new(across, across, ());
+    let mut lowest = DepthBuffer::new(across, across, ());
     let scale = |axis: usize| FIELDS as f64 / (high[axis] - low[axis]).max(1e-9);
     let (sx, sy) = (scale(0), scale(1));
     for body in scene.bodies.iter().filter(|b| b.opacity >= 1.0 && !b.is_sign) {
-        let seen = |p: &Vector3<f64>| Seen {
+        let seen = |p: &Vector3<f64>| ScreenPoint {
             at: Point2::new((p.x - low[0]) * sx + 0.5, (p.y - low[1]) * sy + 0.5),
             near: floor - p.z,
         };
@@ -96,7 +97,7 @@ fn shade(scene: &Scene, low: [f64; 2], high: [f64; 2], floor: f64) -> Vec<f32> {
     dark
 }
 
-/// The mean of each value and its neighbours along one direction of a square.
+/// Returns the mean of each value and its neighbours along one direction of a square.
 fn blurred(values: &[f32], across: usize, step: usize) -> Vec<f32> {
     const REACH: isize = 2;
     let place = |k: usize| if step == 1 { k % across } else { k / across };

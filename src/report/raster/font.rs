@@ -1,19 +1,19 @@
-//! Letters as strokes, so that a picture has text without the files of a font.
+//! Stroke font, so that a picture has text without font files.
 //!
-//! Drawn for this program on a grid: the baseline at 3, small letters up to 9, capitals up to 12 (c), below
-//! the line down to 0. A point is two hexadecimal digits, right and up; a stroke that begins with ~ is
-//! round; a stroke of one point is a dot.
+//! The grid has the baseline at 3, small letters up to 9, capitals up to 12 (c), descenders down to 0. A
+//! point is two hexadecimal digits, right and up. A stroke that begins with ~ is round; a stroke of one point
+//! is a dot.
 
 use nalgebra::Vector2;
 
 /// Height of capitals on the grid.
 pub const CAPITAL: f64 = 9.0;
 const BASE: f64 = 3.0;
-/// Between letters.
+/// Gap between letters.
 const GAP: f64 = 2.3;
 const SPACE: f64 = 2.2;
 
-/// From the space (32) to the tilde (126).
+/// Glyphs from the space (32) to the tilde (126).
 const GLYPHS: [&str; 95] = [
     "",
     "0c06 03",
@@ -112,7 +112,7 @@ const GLYPHS: [&str; 95] = [
     "~06184658",
 ];
 
-/// For a character that has no strokes here.
+/// Glyph of a character that the font does not have.
 const UNKNOWN: &str = "030c6c6303";
 
 fn glyph(c: char) -> &'static str {
@@ -120,7 +120,7 @@ fn glyph(c: char) -> &'static str {
     index.and_then(|k| GLYPHS.get(k).copied()).unwrap_or(UNKNOWN)
 }
 
-/// From the first to the last ink, with capitals `capital` high.
+/// Returns the width of a text without margins, with capitals `capital` high.
 pub fn width(text: &str, capital: f64) -> f64 {
     let all: f64 = text.chars().map(advance).sum();
     (all - GAP).max(0.0) * capital / CAPITAL
@@ -131,7 +131,7 @@ fn advance(c: char) -> f64 {
     if c == ' ' { SPACE + GAP } else { strokes.map(|p| p.x).fold(0.0, f64::max) + GAP }
 }
 
-/// The lines of a text from `at` on the baseline, to the right and (with y down) up.
+/// Returns the strokes of a text from `at` on the baseline; y points down.
 pub fn strokes(text: &str, at: Vector2<f64>, capital: f64) -> Vec<Vec<Vector2<f64>>> {
     let unit = capital / CAPITAL;
     let (mut x, mut all) = (0.0, Vec::new());
@@ -151,7 +151,7 @@ fn points(stroke: &str) -> Vec<Vector2<f64>> {
     digits.chunks_exact(2).map(|p| Vector2::new(p[0], p[1])).collect()
 }
 
-/// Corners cut twice (Chaikin 1974), the ends kept; a closed line stays closed.
+/// Returns a line whose corners are cut twice (Chaikin 1974). The ends stay, and a closed line stays closed.
 fn rounded(line: &[Vector2<f64>]) -> Vec<Vector2<f64>> {
     let closed = line.first() == line.last();
     let mut line = line.to_vec();

@@ -1,20 +1,20 @@
-//! The finished picture: samples averaged to pixels, text and signs on top.
+//! Finished picture: samples averaged to pixels, with text and signs on top.
 
-use super::canvas::Canvas;
+use super::canvas::DepthBuffer;
 use super::font;
 use super::palette::Colour;
 use nalgebra::Vector2;
 
 /// Pixels row by row, 0 to 1.
-pub struct Sheet {
+pub struct PixelImage {
     pub width: usize,
     pub height: usize,
     pub pixels: Vec<Colour>,
 }
 
-impl Sheet {
-    /// Each pixel the mean of `fine` by `fine` samples.
-    pub fn of(canvas: &Canvas<[u8; 3]>, fine: usize) -> Self {
+impl PixelImage {
+    /// Returns a picture in which each pixel is the mean of `fine` by `fine` samples.
+    pub fn of(canvas: &DepthBuffer<[u8; 3]>, fine: usize) -> Self {
         let (width, height) = (canvas.width / fine, canvas.height / fine);
         let share = 1.0 / (255.0 * (fine * fine) as f32);
         let mut pixels = vec![[0.0f32; 3]; width * height];
@@ -29,7 +29,7 @@ impl Sheet {
         Self { width, height, pixels }
     }
 
-    /// A line of round ends and a width, px.
+    /// Draws a line with round ends and a width, px.
     pub fn line(&mut self, points: &[Vector2<f64>], width: f64, colour: Colour) {
         let dot = [points.first().copied().unwrap_or_default(); 2];
         let spans: Vec<&[Vector2<f64>]> =
@@ -44,7 +44,7 @@ impl Sheet {
         });
     }
 
-    /// A rectangle from corner to corner, px.
+    /// Fills a rectangle, px.
     pub fn rectangle(&mut self, low: Vector2<f64>, high: Vector2<f64>, colour: Colour) {
         self.cover(low, high, 1.0, colour, |p| {
             let inside = |k: usize| (p[k] - low[k] + 0.5).min(high[k] - p[k] + 0.5).clamp(0.0, 1.0);
@@ -73,14 +73,14 @@ impl Sheet {
         }
     }
 
-    /// Text with capitals `capital` px high from `at` on the baseline.
+    /// Writes a text with capitals `capital` px high from `at` on the baseline.
     pub fn text(&mut self, text: &str, at: Vector2<f64>, capital: f64, colour: Colour) {
         for stroke in font::strokes(text, at, capital) {
             self.line(&stroke, weight(capital), colour);
         }
     }
 
-    /// The same with a rim, to be read over anything.
+    /// Writes a text with a rim, which can be read over anything.
     pub fn rimmed(&mut self, text: &str, at: Vector2<f64>, capital: f64, colour: Colour, rim: Colour) {
         for stroke in font::strokes(text, at, capital) {
             self.line(&stroke, weight(capital) + 0.55 * capital, rim);
@@ -89,12 +89,12 @@ impl Sheet {
     }
 }
 
-/// Of the pen, px.
+/// Returns the width of the pen, px.
 fn weight(capital: f64) -> f64 {
     (0.135 * capital).max(1.0)
 }
 
-/// Of a point from a line between two.
+/// Returns the distance of a point from the line between two.
 pub fn distance(p: Vector2<f64>, a: Vector2<f64>, b: Vector2<f64>) -> f64 {
     let along = b - a;
     let share = ((p - a).dot(&along) / along.norm_squared().max(1e-12)).clamp(0.0, 1.0);

@@ -1,12 +1,12 @@
-//! The same scene as lines and areas: SVG for print, and for browsers that show no 3-D.
+//! The scene as SVG with hidden lines, for print and for browsers without WebGL.
 //!
-//! What hides what is found as in the PNG, sample by sample; areas of one tone are traced, lines are cut to
-//! what is seen of them.
+//! Visibility is found sample by sample as in the PNG. Areas of one tone are traced, and lines are cut to
+//! their visible parts.
 
-use super::camera::{Camera, Seen};
-use super::canvas::Canvas;
+use super::camera::{Camera, ScreenPoint};
+use super::canvas::DepthBuffer;
 use super::palette::{Colour, Light, hex};
-use super::scene::Line;
+use super::scene::SceneLine;
 use super::{Shot, Staged, edges, labels, staged, strip, trace};
 use crate::drawing::Drawing;
 use crate::report::svg_text::escaped;
@@ -14,18 +14,18 @@ use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-/// Samples of a px along each side.
-const FINE: f64 = 2.0;
-/// Tones of a body.
+/// Samples of a pixel along each side.
+const SAMPLES: f64 = 2.0;
+/// Number of tones of a body.
 const TONES: f32 = 16.0;
-/// Outlines are off by at most so many samples, and enclose at least so many.
+/// Tolerance of an outline and its least area, samples.
 const TOLERANCE: f64 = 0.8;
-const LEAST: f64 = 8.0;
+const MIN_AREA: f64 = 8.0;
 
-/// The picture as SVG, always in parallel projection.
+/// Returns the picture as SVG, always in parallel projection.
 ///
 /// # Errors
-/// As [`super::png`].
+/// Fails as [`super::png`] does.
 pub fn isometric(drawing: &Drawing<'_>, shot: &Shot) -> Result<String, String> {
     let shot = &Shot { perspective: false, ..shot.clone() };
     let stage = staged(drawing, shot)?;
@@ -56,15 +56,15 @@ pub fn isometric(drawing: &Drawing<'_>, shot: &Shot) -> Result<String, String> {
     Ok(out)
 }
 
-fn sampled(camera: &Camera, p: &Vector3<f64>) -> Seen {
+fn sampled(camera: &Camera, p: &Vector3<f64>) -> ScreenPoint {
     let seen = camera.seen(p);
-    Seen { at: seen.at * FINE, ..seen }
+    ScreenPoint { at: seen.at * SAMPLES, ..seen }
 }
 
-/// Solids and floor as areas of one tone each; gives what is nearest where.
-fn draw_areas(out: &mut String, stage: &Staged, shot: &Shot) -> Canvas<u32> {
-    let size = [shot.width, shot.height].map(|side| (side as f64 * FINE) as usize);
-    let mut canvas = Canvas::new(size[0], size[1], 0u32);
+/// Draws solids and floor as areas of one tone each. Returns the depth buffer.
+fn draw_areas(out: &mut String, stage: &Staged, shot: &Shot) -> DepthBuffer<u32> {
+    let size = [shot.width, shot.height].map(|side| (side as f64 * SAMPLES) as usize);
+    let mut canvas = DepthBuffer::new(size[0], size[1], 0u32);
     let light = Light::of(&stage.camera);
     let mut colours: Vec<(usize, f32)> = Vec::new();
     let mut number: BTreeMap<(usize, u32), u32> = BTreeMap::new();
@@ -72,7 +72,8 @@ fn draw_areas(out: &mut String, stage: &Staged, shot: &Shot) -> Canvas<u32> {
         if body.opacity < 1.0 || body.is_sign {
             continue;
         }
-        let corners: Vec<Seen> = body.mesh.positions.iter().map(|p| sampled(&stage.camera, p)).collect();
+        let corners: Vec<ScreenPoint> =
+            body.mesh.positions.iter().map(|p| sampled(&stage.camera, p)).collect();
         let tones = body.tones(&light);
         for t in &body.mesh.triangles {
             let t = t.map(|i| i as usize);
@@ -86,8 +87,8 @@ fn draw_areas(out: &mut String, stage: &Staged, shot: &Shot) -> Canvas<u32> {
             });
         }
     }
-    let _ = writeln!(out, "<g transform=\"scale({})\" stroke-width=\"1.6\">", 1.0 / FINE);
-    for (value, rings) in trace::outlines(&canvas.value, canvas.width, LEAST, TOLERANCE) {
+    let _ = writeln!(out, "<g transform=\"scale({})\" stroke-width=\"1.6\">", 1.0 / SAMPLES);
+    for (value, rings) in trace::outlines(&canvas.value, canvas.width, MIN_AREA, TOLERANCE) {
         let Some((k, tone)) = (value as usize).checked_sub(1).and_then(|v| colours.get(v)) else { continue };
         let fill = hex(stage.scene.bodies[*k].toned(*tone));
         let d = trace::path(&rings);
@@ -97,10 +98,10 @@ fn draw_areas(out: &mut String, stage: &Staged, shot: &Shot) -> Canvas<u32> {
     canvas
 }
 
-/// What can be seen of points.
+/// Visibility of points.
 struct Seeing<'a> {
     camera: &'a Camera,
-    canvas: &'a Canvas<u32>,
+    canvas: &'a DepthBuffer<u32>,
 }
 
 impl Seeing<'_> {
@@ -108,7 +109,7 @@ impl Seeing<'_> {
         let seen = sampled(self.camera, p);
         let (width, height) = (self.canvas.width as i64, self.canvas.height as i64);
         let (x, y) = (seen.at.x.floor() as i64, seen.at.y.floor() as i64);
-        // An outline lies between what it bounds and what is behind: one sample on that side is enough.
+        // An outline lies between a solid and its background: one visible sample beside it is enough.
         let around = (-1..=1).flat_map(|j| (-1..=1).map(move |i| (x + i, y + j)));
         around.into_iter().any(|(x, y)| {
             let inside = (0..width).contains(&x) && (0..height).contains(&y);
@@ -116,7 +117,7 @@ impl Seeing<'_> {
         })
     }
 
-    /// The parts of a line that are seen, as path data, px.
+    /// Returns the visible parts of a line as path data, px.
     fn add(&self, d: &mut String, [a, b]: &[Vector3<f64>; 2], lift: f64) {
         let [a, b] = [a, b].map(|p| self.camera.before(p, lift));
         let far = (self.camera.seen(&b).at - self.camera.seen(&a).at).norm();
@@ -142,7 +143,7 @@ impl Seeing<'_> {
     }
 }
 
-/// Edges and lines; those of one colour and width together.
+/// Draws edges and lines, grouped by colour and width.
 fn draw_lines(out: &mut String, stage: &Staged, seeing: &Seeing<'_>, pixel: f64) {
     let lift = stage.scene.size * 0.002;
     let mut groups: Vec<(Colour, f64, String)> = Vec::new();
@@ -153,7 +154,7 @@ fn draw_lines(out: &mut String, stage: &Staged, seeing: &Seeing<'_>, pixel: f64)
         });
         seeing.add(&mut groups[k].2, span, lift);
     };
-    let (floor, above): (Vec<&Line>, Vec<&Line>) =
+    let (floor, above): (Vec<&SceneLine>, Vec<&SceneLine>) =
         stage.scene.lines.iter().partition(|l| l.colour == stage.palette.grid);
     floor.iter().for_each(|l| l.spans().for_each(|span| add(l.colour, l.width, &span, l.lift)));
     for body in stage.scene.bodies.iter().filter(|b| b.has_edges && !b.is_sign) {
@@ -168,11 +169,11 @@ fn draw_lines(out: &mut String, stage: &Staged, seeing: &Seeing<'_>, pixel: f64)
     }
 }
 
-/// What can be seen through: its far and its near side.
-fn draw_clear(out: &mut String, stage: &Staged, canvas: &Canvas<u32>) {
+/// Draws transparent bodies: far sides, then near sides.
+fn draw_clear(out: &mut String, stage: &Staged, canvas: &DepthBuffer<u32>) {
     for body in stage.scene.bodies.iter().filter(|b| b.opacity < 1.0) {
         for front in [false, true] {
-            let mut mask = Canvas::new(canvas.width, canvas.height, 0u32);
+            let mut mask = DepthBuffer::new(canvas.width, canvas.height, 0u32);
             mask.near.copy_from_slice(&canvas.near);
             for t in &body.mesh.triangles {
                 let [a, b, c] = t.map(|i| body.mesh.positions[i as usize]);
@@ -181,20 +182,20 @@ fn draw_clear(out: &mut String, stage: &Staged, canvas: &Canvas<u32>) {
                     mask.fill(&[a, b, c].map(|p| sampled(&stage.camera, &p)), false, |v, _| *v = 1);
                 }
             }
-            let outlines = trace::outlines(&mask.value, mask.width, LEAST, TOLERANCE);
+            let outlines = trace::outlines(&mask.value, mask.width, MIN_AREA, TOLERANCE);
             let Some(rings) = outlines.get(&1) else { continue };
             let (fill, d) = (hex(body.colour), trace::path(rings));
             let _ = writeln!(
                 out,
                 "<path transform=\"scale({})\" fill-rule=\"evenodd\" fill=\"{fill}\" fill-opacity=\"{}\" d=\"{d}\"/>",
-                1.0 / FINE,
+                1.0 / SAMPLES,
                 body.opacity
             );
         }
     }
 }
 
-/// Nodes, and on them the arrows, the farthest first.
+/// Draws nodes and the arrows on them, the farthest first.
 fn draw_nodes(out: &mut String, stage: &Staged, seeing: &Seeing<'_>, pixel: f64) {
     let lift = stage.scene.size * 0.006;
     for mark in &stage.scene.nodes {

@@ -1,26 +1,26 @@
-//! Names and values beside things, where they cover the least.
+//! Labels: names and values where they cover the least.
 
 use super::font;
-use super::ink::{Sheet, distance};
-use super::scene::{Label, Side};
+use super::ink::{PixelImage, distance};
+use super::scene::{Label, LabelSide};
 use super::{Shot, Staged};
 use crate::files::shown;
-use crate::report::raster::camera::Frame;
+use crate::report::raster::camera::PictureFrame;
 use nalgebra::Vector2;
 use std::f64::consts::TAU;
 
-/// A label with its place in the picture, px.
-pub struct Placed {
+/// Label with its place in the picture, px.
+pub struct PlacedLabel {
     pub text: String,
     /// Left end of the baseline.
     pub at: Vector2<f64>,
-    /// From a spot to its label.
+    /// Line from a spot to its label.
     pub leader: Option<[Vector2<f64>; 2]>,
     low: Vector2<f64>,
     high: Vector2<f64>,
 }
 
-pub fn write(sheet: &mut Sheet, stage: &Staged, shot: &Shot) {
+pub fn write(sheet: &mut PixelImage, stage: &Staged, shot: &Shot) {
     let (unit, palette) = (shot.capital(), &stage.palette);
     let all = placed(stage, shot);
     for leader in all.iter().filter_map(|l| l.leader) {
@@ -33,26 +33,26 @@ pub fn write(sheet: &mut Sheet, stage: &Staged, shot: &Shot) {
     }
 }
 
-/// Spots first: they lead.
-pub fn placed(stage: &Staged, shot: &Shot) -> Vec<Placed> {
+/// Labels of spots come first.
+pub fn placed(stage: &Staged, shot: &Shot) -> Vec<PlacedLabel> {
     let place = |p: &nalgebra::Vector3<f64>| stage.camera.seen(p).at.coords;
     let mut taken: Vec<Vector2<f64>> = stage.scene.nodes.iter().map(|n| place(&n.at)).collect();
     let round = stage.scene.bodies.iter().filter(|b| b.is_lit && !b.is_sign && b.mesh.positions.len() > 40);
     taken.extend(round.flat_map(|b| b.mesh.positions.iter().step_by(23).map(place)));
-    let mut all: Vec<Placed> = Vec::new();
+    let mut all: Vec<PlacedLabel> = Vec::new();
     let (spots, names): (Vec<&Label>, Vec<&Label>) =
-        stage.scene.labels.iter().partition(|l| l.side == Side::Spot);
+        stage.scene.labels.iter().partition(|l| l.side == LabelSide::Spot);
     for label in spots.into_iter().chain(names) {
         let choices = choices(label, stage, shot);
-        let cost = |p: &Placed| cost(p, &all, &taken, &shot.frame());
+        let cost = |p: &PlacedLabel| cost(p, &all, &taken, &shot.frame());
         let best = choices.into_iter().map(|p| (cost(&p), p)).min_by(|a, b| a.0.total_cmp(&b.0));
         all.extend(best.map(|(_, p)| p));
     }
     all
 }
 
-/// Where a label may stand, the best place first.
-fn choices(label: &Label, stage: &Staged, shot: &Shot) -> Vec<Placed> {
+/// Returns the possible places of a label, the best first.
+fn choices(label: &Label, stage: &Staged, shot: &Shot) -> Vec<PlacedLabel> {
     let unit = shot.capital();
     let text: String = shown(&label.text);
     let half = font::width(&text, unit) / 2.0;
@@ -63,7 +63,7 @@ fn choices(label: &Label, stage: &Staged, shot: &Shot) -> Vec<Placed> {
     let (Some(first), Some(last)) = (upper.first().copied(), upper.last().copied()) else {
         return Vec::new();
     };
-    let placed = |centre: Vector2<f64>, leader: Option<[Vector2<f64>; 2]>| Placed {
+    let placed = |centre: Vector2<f64>, leader: Option<[Vector2<f64>; 2]>| PlacedLabel {
         text: text.clone(),
         at: Vector2::new(centre.x - half, centre.y + unit / 2.0),
         leader,
@@ -71,18 +71,18 @@ fn choices(label: &Label, stage: &Staged, shot: &Shot) -> Vec<Placed> {
         high: centre + Vector2::new(half + 0.5 * unit, unit),
     };
     match label.side {
-        Side::Above => {
+        LabelSide::Above => {
             let mean = upper.iter().sum::<Vector2<f64>>() / upper.len() as f64;
             let steps = (0..5).map(|k| Vector2::new(mean.x, first.y - (1.3 + 1.6 * f64::from(k)) * unit));
             steps.map(|c| placed(c, None)).collect()
         }
-        Side::Below => {
+        LabelSide::Below => {
             let next = upper.iter().rev().nth(1).copied().unwrap_or(last);
             let middle = (last + next) / 2.0;
             let steps = (0..6).map(|k| middle + Vector2::new(0.0, (3.2 + 1.6 * f64::from(k)) * unit));
             steps.map(|c| placed(c, None)).collect()
         }
-        Side::Spot => {
+        LabelSide::Spot => {
             let around = (0..64).map(|k| {
                 let (sin, cos) = (TAU * (f64::from(k % 16) + 0.5) / 16.0).sin_cos();
                 let far = (6.0 + 5.0 * f64::from(k / 16)) * unit;
@@ -99,11 +99,11 @@ fn choices(label: &Label, stage: &Staged, shot: &Shot) -> Vec<Placed> {
     }
 }
 
-/// Nodes and labels that it covers, and how far it is out of the frame.
-fn cost(p: &Placed, all: &[Placed], taken: &[Vector2<f64>], frame: &Frame) -> f64 {
+/// Returns the cost of a place: nodes and labels that it covers, and how far it leaves the frame.
+fn cost(p: &PlacedLabel, all: &[PlacedLabel], taken: &[Vector2<f64>], frame: &PictureFrame) -> f64 {
     let inside = |q: &&Vector2<f64>| (0..2).all(|k| p.low[k] < q[k] && q[k] < p.high[k]);
     let nodes = taken.iter().filter(inside).count() as f64;
-    let meets = |o: &&Placed| (0..2).all(|k| p.low[k] < o.high[k] && o.low[k] < p.high[k]);
+    let meets = |o: &&PlacedLabel| (0..2).all(|k| p.low[k] < o.high[k] && o.low[k] < p.high[k]);
     let labels = all.iter().filter(meets).count() as f64;
     let out = (frame.left - p.low.x).max(p.high.x - frame.left - frame.width).max(0.0)
         + (frame.top - p.low.y).max(p.high.y - frame.top - frame.height).max(0.0);

@@ -1,17 +1,23 @@
-//! The error map in the scene: arrows, nodes, circles, crosses, the spot.
+//! Error maps in the scene: nodes, glyphs, arrows, spots.
 
 use super::Shot;
 use super::palette::{Colour, Palette, scale as colour_of};
-use super::scale::{Scale, best, value};
-use super::scene::{Body, Label, Line, Mark, Scene, Side};
-use crate::drawing::{Arrow, Drawing, Field, GlyphRing, Mesh, Node, node_glyph};
+use super::scale::{ErrorScale, best, value};
+use super::scene::{Label, LabelSide, NodeMark, RasterScene, SceneBody, SceneLine};
+use crate::drawing::{Arrow, Drawing, Field, FieldNode, GlyphRing, Mesh, node_glyph};
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 
-/// Of a spot's ring.
-const CORNERS: usize = 48;
+/// Corners of the ring round a spot.
+const RING_CORNERS: usize = 48;
 
-pub fn add(scene: &mut Scene, drawing: &Drawing<'_>, shot: &Shot, palette: &Palette, scale: &Scale) {
+pub fn add(
+    scene: &mut RasterScene,
+    drawing: &Drawing<'_>,
+    shot: &Shot,
+    palette: &Palette,
+    scale: &ErrorScale,
+) {
     for (k, field) in drawing.fields.iter().enumerate() {
         if shot.operation.is_some_and(|o| o != field.operation) {
             continue;
@@ -26,19 +32,19 @@ pub fn add(scene: &mut Scene, drawing: &Drawing<'_>, shot: &Shot, palette: &Pale
                 None => add_glyph(scene, node, &field.circle(n), radius, palette),
             }
             let title = format!("({}, {}): {said}", node.i, node.j);
-            scene.nodes.push(Mark { at: node.position, colour, title });
+            scene.nodes.push(NodeMark { at: node.position, colour, title });
         }
         for arrow in shot.show.arrows(drawing, k, shot.take) {
             let colour = value(field, shot, arrow.node).map_or(palette.ring, |v| colour_of(scale.share(v)));
             let lift = 0.0009 * scene.size;
-            // Wider than the solid of a CAD file, to be seen from afar.
+            // Arrows are wider than in a CAD file, to be seen from afar.
             let long = (arrow.tip - arrow.tail).norm();
             let wide = Arrow { head: (1.9 * arrow.head).min(0.018 * scene.size).min(0.5 * long), ..arrow };
-            scene.bodies.push(Body {
+            scene.bodies.push(SceneBody {
                 lift,
                 is_lit: false,
                 is_sign: true,
-                ..Body::solid(wide.mesh(), colour, 1.0)
+                ..SceneBody::solid(wide.mesh(), colour, 1.0)
             });
             scene.arrows.push((arrow, colour));
         }
@@ -47,10 +53,16 @@ pub fn add(scene: &mut Scene, drawing: &Drawing<'_>, shot: &Shot, palette: &Pale
 }
 
 /// Adds the glyph of a node that cannot be used, level, round the node.
-fn add_glyph(scene: &mut Scene, node: &Node, circle: &[Vector3<f64>], radius: f64, palette: &Palette) {
+fn add_glyph(
+    scene: &mut RasterScene,
+    node: &FieldNode,
+    circle: &[Vector3<f64>],
+    radius: f64,
+    palette: &Palette,
+) {
     let Some(glyph) = node_glyph(node.sign) else { return };
     let (lift, colour) = (0.004 * scene.size, palette.of_tone(glyph.tone));
-    let line = |points: Vec<Vector3<f64>>, closed: bool, dashed: bool| Line {
+    let line = |points: Vec<Vector3<f64>>, closed: bool, dashed: bool| SceneLine {
         points,
         closed,
         dashed,
@@ -69,8 +81,8 @@ fn add_glyph(scene: &mut Scene, node: &Node, circle: &[Vector3<f64>], radius: f6
     scene.lines.extend(strokes);
 }
 
-/// A dot that lies on the surface.
-fn disc(node: &Node, radius: f64, colour: Colour, size: f64) -> Body {
+/// Returns a dot that lies on the surface.
+fn disc(node: &FieldNode, radius: f64, colour: Colour, size: f64) -> SceneBody {
     const SIDES: u32 = 12;
     let rim = (0..SIDES).map(|k| {
         let (sin, cos) = (TAU * f64::from(k) / f64::from(SIDES)).sin_cos();
@@ -80,34 +92,34 @@ fn disc(node: &Node, radius: f64, colour: Colour, size: f64) -> Body {
     let normals = vec![Vector3::z(); positions.len()];
     let triangles = (0..SIDES).map(|k| [0, 1 + k, 1 + (k + 1) % SIDES]).collect();
     let mesh = Mesh { positions, normals, triangles };
-    Body {
+    SceneBody {
         is_lit: false,
         is_sign: true,
         has_edges: false,
         lift: 0.003 * size,
-        ..Body::solid(mesh, colour, 1.0)
+        ..SceneBody::solid(mesh, colour, 1.0)
     }
 }
 
 fn add_spot(
-    scene: &mut Scene,
+    scene: &mut RasterScene,
     drawing: &Drawing<'_>,
     field: &Field,
     shot: &Shot,
     palette: &Palette,
-    scale: &Scale,
+    scale: &ErrorScale,
 ) {
     let Some(node) = best(field, shot) else { return };
     let at = field.nodes[node].position;
     let radius = 1.9 * field.radius();
-    let ring = (0..CORNERS).map(|k| {
-        let (sin, cos) = (TAU * k as f64 / CORNERS as f64).sin_cos();
+    let ring = (0..RING_CORNERS).map(|k| {
+        let (sin, cos) = (TAU * k as f64 / RING_CORNERS as f64).sin_cos();
         at + Vector3::new(radius * cos, radius * sin, 0.0)
     });
     let (points, lift) = (ring.collect(), 0.02 * scene.size);
     let (closed, dashed, colour) = (true, false, palette.spot);
-    scene.lines.push(Line { points, closed, dashed, colour, width: 3.2, lift });
+    scene.lines.push(SceneLine { points, closed, dashed, colour, width: 3.2, lift });
     let said = value(field, shot, node).map_or(String::new(), |v| format!(": {}", scale.said(v)));
     let name = &drawing.cell.operations[field.operation].name;
-    scene.labels.push(Label { text: format!("{name}{said}"), points: vec![at], side: Side::Spot });
+    scene.labels.push(Label { text: format!("{name}{said}"), points: vec![at], side: LabelSide::Spot });
 }

@@ -1,8 +1,8 @@
-//! The 3-D view as a picture without a browser: PNG by a rasteriser of our own, SVG with hidden lines.
+//! 3-D pictures without a browser: PNG by a software rasteriser, SVG with hidden lines.
 //!
-//! A [`Drawing`] becomes a scene of bodies, lines and labels in the world; a camera is fitted
-//! to it; both formats show that scene. Nothing here depends on fonts, drivers or chance: the same drawing
-//! gives the same bytes.
+//! A [`Drawing`] becomes a scene of bodies, lines and labels in the world, with a camera fitted to it. Both
+//! formats show that scene. Neither fonts nor drivers nor chance matter: the same drawing gives the same
+//! bytes.
 
 #[doc(hidden)] // open for tests/it
 pub mod camera;
@@ -23,41 +23,42 @@ mod strip;
 #[doc(hidden)] // open for tests/it
 pub mod trace;
 
-pub use camera::View;
+pub use camera::ViewDirection;
 pub use isometric::isometric;
 pub use scale::Show;
 
 use crate::drawing::Drawing;
-use camera::{Camera, Frame};
-use canvas::Canvas;
-use ink::Sheet;
+use camera::{Camera, PictureFrame};
+use canvas::DepthBuffer;
+use ink::PixelImage;
 use nalgebra::Vector3;
 use palette::{Light, Palette, bytes, mixed};
-use scale::Scale;
-use scene::{Body, Scene};
+use scale::ErrorScale;
+use scene::{RasterScene, SceneBody};
 
-/// What is shown and how.
+/// Settings of a picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shot {
-    /// The field of this operation alone, the robot at its spot; None: all fields, the robot at home.
+    /// Operation whose field alone is shown, with the robot at its spot. None shows all fields and the robot
+    /// at home.
     pub operation: Option<usize>,
-    /// Where the robot stands if `operation` says nothing: at the spot of this one.
+    /// Operation at whose spot the robot stands if `operation` is none.
     pub stance: Option<usize>,
     /// px
     pub width: usize,
     pub height: usize,
-    pub view: View,
-    /// Near things larger; else parallel lines stay parallel.
+    pub view: ViewDirection,
+    /// Whether the projection is in perspective; otherwise it is parallel.
     pub perspective: bool,
     pub show: Show,
     /// Index into [`Drawing::lenses`].
     pub take: usize,
-    /// Name of the sense that colours are of; None: of the operation's own, or of the axis shown.
+    /// Name of the sense of the colours. None stands for that of the operation, or for the axis shown.
     pub sense: Option<String>,
     pub envelope: bool,
-    /// Names of the equipment and values of the spots.
+    /// Whether the equipment has names and the spots have values.
     pub labels: bool,
-    /// Title above and legend below.
+    /// Whether there is a title above and a legend below.
     pub legend: bool,
     pub dark: bool,
 }
@@ -69,7 +70,7 @@ impl Default for Shot {
             stance: None,
             width: 1600,
             height: 1000,
-            view: View::Iso,
+            view: ViewDirection::Iso,
             perspective: true,
             show: Show::Resultant,
             take: 0,
@@ -82,18 +83,18 @@ impl Default for Shot {
     }
 }
 
-/// Widest and highest picture, px.
-const MOST: usize = 6000;
+/// Greatest width and height of a picture, px.
+const MAX_SIDE: usize = 6000;
 /// Samples of a pixel along each side.
-const FINE: usize = 3;
+const SAMPLES: usize = 3;
 
 impl Shot {
     /// # Errors
-    /// What of it cannot be drawn.
+    /// Fails if the settings do not fit the drawing. The message says why.
     fn check(&self, drawing: &Drawing<'_>) -> Result<(), String> {
-        if !(64..=MOST).contains(&self.width) || !(64..=MOST).contains(&self.height) {
+        if !(64..=MAX_SIDE).contains(&self.width) || !(64..=MAX_SIDE).contains(&self.height) {
             return Err(format!(
-                "a picture has 64 to {MOST} px a side, not {} by {}",
+                "a picture has 64 to {MAX_SIDE} px a side, not {} by {}",
                 self.width, self.height
             ));
         }
@@ -106,34 +107,34 @@ impl Shot {
         }
     }
 
-    /// Height of capitals, px.
+    /// Returns the height of capitals, px.
     fn capital(&self) -> f64 {
         ((self.width as f64).min(1.6 * self.height as f64) / 125.0).clamp(7.0, 22.0)
     }
 
-    /// Where the world is shown, px.
-    fn frame(&self) -> Frame {
+    /// Returns the part of the picture that shows the world, px.
+    fn frame(&self) -> PictureFrame {
         let (width, height, unit) = (self.width as f64, self.height as f64, self.capital());
         let side = 2.2 * unit;
         let (above, below) = if self.legend { (5.2 * unit, strip::HEIGHT * unit) } else { (side, side) };
         let height = (height - above - below).max(height / 4.0);
-        Frame { left: side, top: above, width: width - 2.0 * side, height }
+        PictureFrame { left: side, top: above, width: width - 2.0 * side, height }
     }
 }
 
-/// A scene and the camera that is fitted to it.
+/// Scene with the camera that is fitted to it.
 struct Staged {
-    scene: Scene,
+    scene: RasterScene,
     camera: Camera,
     palette: Palette,
-    scale: Scale,
+    scale: ErrorScale,
 }
 
 fn staged(drawing: &Drawing<'_>, shot: &Shot) -> Result<Staged, String> {
     shot.check(drawing)?;
     let palette = Palette::of(shot.dark);
-    let scale = Scale::of(drawing, shot);
-    let mut scene = Scene::of(drawing, shot, &palette, &scale);
+    let scale = ErrorScale::of(drawing, shot);
+    let mut scene = RasterScene::of(drawing, shot, &palette, &scale);
     let shown = drawing.fields.iter().filter(|f| shot.operation.is_none_or(|o| o == f.operation));
     let nodes: Vec<Vector3<f64>> = shown.flat_map(|f| f.nodes.iter().map(|n| n.position)).collect();
     let mean = nodes.iter().sum::<Vector3<f64>>() / nodes.len().max(1) as f64;
@@ -143,13 +144,13 @@ fn staged(drawing: &Drawing<'_>, shot: &Shot) -> Result<Staged, String> {
     Ok(Staged { scene, camera, palette, scale })
 }
 
-/// The picture as PNG, 8 bits for each of red, green and blue.
+/// Returns the picture as PNG with 8 bits per colour.
 ///
 /// # Errors
-/// A size that no picture has, a take or an operation that is not there.
+/// Fails if the size is not possible, or if there is no such take or operation.
 pub fn png(drawing: &Drawing<'_>, shot: &Shot) -> Result<Vec<u8>, String> {
     let stage = staged(drawing, shot)?;
-    let mut sheet = Sheet::of(&rendered(&stage, shot), FINE);
+    let mut sheet = PixelImage::of(&rendered(&stage, shot), SAMPLES);
     if shot.labels {
         labels::write(&mut sheet, &stage, shot);
     }
@@ -159,13 +160,14 @@ pub fn png(drawing: &Drawing<'_>, shot: &Shot) -> Result<Vec<u8>, String> {
     encoded(&sheet)
 }
 
-fn rendered(stage: &Staged, shot: &Shot) -> Canvas<[u8; 3]> {
-    let (width, height) = (shot.width * FINE, shot.height * FINE);
-    let mut canvas = Canvas::new(width, height, bytes(stage.palette.paper));
+fn rendered(stage: &Staged, shot: &Shot) -> DepthBuffer<[u8; 3]> {
+    let (width, height) = (shot.width * SAMPLES, shot.height * SAMPLES);
+    let mut canvas = DepthBuffer::new(width, height, bytes(stage.palette.paper));
     let light = Light::of(&stage.camera);
-    let (solid, clear): (Vec<&Body>, Vec<&Body>) = stage.scene.bodies.iter().partition(|b| b.opacity >= 1.0);
+    let (solid, clear): (Vec<&SceneBody>, Vec<&SceneBody>) =
+        stage.scene.bodies.iter().partition(|b| b.opacity >= 1.0);
     solid.iter().for_each(|body| paint(&mut canvas, body, &stage.camera, &light));
-    let pixel = shot.capital() / 10.0 * FINE as f64;
+    let pixel = shot.capital() / 10.0 * SAMPLES as f64;
     let lift = stage.scene.size * 0.002;
     for body in stage.scene.bodies.iter().filter(|b| b.has_edges) {
         let palette = &stage.palette;
@@ -186,14 +188,14 @@ fn rendered(stage: &Staged, shot: &Shot) -> Canvas<[u8; 3]> {
     canvas
 }
 
-fn sampled(camera: &Camera, p: &Vector3<f64>) -> camera::Seen {
+fn sampled(camera: &Camera, p: &Vector3<f64>) -> camera::ScreenPoint {
     let seen = camera.seen(p);
-    camera::Seen { at: seen.at * FINE as f64, ..seen }
+    camera::ScreenPoint { at: seen.at * SAMPLES as f64, ..seen }
 }
 
-/// The colours at the corners of a body, blended between them.
-fn paint(canvas: &mut Canvas<[u8; 3]>, body: &Body, camera: &Camera, light: &Light) {
-    let corners: Vec<camera::Seen> =
+/// Paints a body with the colours of its corners, interpolated.
+fn paint(canvas: &mut DepthBuffer<[u8; 3]>, body: &SceneBody, camera: &Camera, light: &Light) {
+    let corners: Vec<camera::ScreenPoint> =
         body.mesh.positions.iter().map(|p| sampled(camera, &camera.before(p, body.lift))).collect();
     let tones = body.tones(light);
     for t in &body.mesh.triangles {
@@ -205,8 +207,8 @@ fn paint(canvas: &mut Canvas<[u8; 3]>, body: &Body, camera: &Camera, light: &Lig
     }
 }
 
-/// What can be seen through, the farthest first.
-fn paint_clear(canvas: &mut Canvas<[u8; 3]>, bodies: &[&Body], camera: &Camera) {
+/// Paints transparent bodies, the farthest first.
+fn paint_clear(canvas: &mut DepthBuffer<[u8; 3]>, bodies: &[&SceneBody], camera: &Camera) {
     let mut faces = Vec::new();
     for body in bodies {
         for t in &body.mesh.triangles {
@@ -225,7 +227,7 @@ fn paint_clear(canvas: &mut Canvas<[u8; 3]>, bodies: &[&Body], camera: &Camera) 
     }
 }
 
-fn encoded(sheet: &Sheet) -> Result<Vec<u8>, String> {
+fn encoded(sheet: &PixelImage) -> Result<Vec<u8>, String> {
     let (width, height) = (sheet.width as u32, sheet.height as u32);
     let mut out = Vec::new();
     let mut encoder = png::Encoder::new(&mut out, width, height);

@@ -1,14 +1,14 @@
 //! Colours and light.
 
 use super::camera::Camera;
-use crate::drawing::{GlyphTone, Kind};
+use crate::drawing::{GlyphTone, PartKind};
 use crate::report::colours;
 use nalgebra::Vector3;
 
-/// Red, green, blue, 0 to 1.
+/// Red, green and blue, 0 to 1.
 pub type Colour = [f32; 3];
 
-/// What everything but the errors is drawn in.
+/// Colours of everything but the errors.
 pub struct Palette {
     pub paper: Colour,
     pub floor: Colour,
@@ -49,26 +49,26 @@ impl Palette {
         }
     }
 
-    /// Of a solid, and how much of what lies behind it it hides.
-    pub fn of_kind(&self, kind: Kind) -> (Colour, f32) {
+    /// Returns the colour and the opacity of a kind of part.
+    pub fn of_kind(&self, kind: PartKind) -> (Colour, f32) {
         let (light, dark, opacity) = match kind {
-            Kind::Robot => (0xf0a04b, 0xd9853a, 1.0),
-            Kind::Tool => (0x6b7683, 0x8a95a1, 1.0),
-            Kind::Held => (0x56b4e9, 0x56b4e9, 1.0),
-            Kind::Equipment => (0xc6ced8, 0x56626f, 1.0),
-            Kind::Obstacle => (0x98a2ae, 0x434c57, 1.0),
-            Kind::Fence => (0xe69f00, 0xe69f00, 0.13),
-            Kind::KeepOut => (0xd55e00, 0xff8f4a, 0.22),
+            PartKind::Robot => (0xf0a04b, 0xd9853a, 1.0),
+            PartKind::Tool => (0x6b7683, 0x8a95a1, 1.0),
+            PartKind::Held => (0x56b4e9, 0x56b4e9, 1.0),
+            PartKind::Equipment => (0xc6ced8, 0x56626f, 1.0),
+            PartKind::Obstacle => (0x98a2ae, 0x434c57, 1.0),
+            PartKind::Fence => (0xe69f00, 0xe69f00, 0.13),
+            PartKind::KeepOut => (0xd55e00, 0xff8f4a, 0.22),
         };
         (rgb(if self.is_dark { dark } else { light }), opacity)
     }
 
-    /// Of the edges of a solid.
+    /// Returns the colour of the edges of a solid.
     pub fn edge(&self, colour: Colour) -> Colour {
         mixed(colour, [0.0, 0.0, 0.05], if self.is_dark { 0.62 } else { 0.58 })
     }
 
-    /// Of the rim of an arrow: away from the ground.
+    /// Returns the colour of the rim of an arrow, which stands out from the ground.
     pub fn rim(&self, colour: Colour) -> Colour {
         if self.is_dark { mixed(colour, [1.0; 3], 0.4) } else { mixed(colour, [0.0; 3], 0.35) }
     }
@@ -78,12 +78,12 @@ pub fn rgb(code: u32) -> Colour {
     [16, 8, 0].map(|shift| (code >> shift & 0xff) as f32 / 255.0)
 }
 
-/// A colour of the scale of errors, 0 to 1.
+/// Returns the colour of the error scale at a share from 0 to 1.
 pub fn scale(share: f64) -> Colour {
     colours::viridis(share).map(|c| f32::from(c) / 255.0)
 }
 
-/// From `a` to `b` by a share.
+/// Returns the mixture of two colours; share 0 is `a`.
 pub fn mixed(a: Colour, b: Colour, share: f32) -> Colour {
     std::array::from_fn(|k| a[k] + (b[k] - a[k]) * share)
 }
@@ -97,7 +97,7 @@ pub fn hex(colour: Colour) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// Two lamps that move with the eye, and light from all sides: Lambert's cosine law.
+/// Lambertian shading by two lamps that move with the eye, and by ambient light.
 pub struct Light {
     key: Vector3<f64>,
     fill: Vector3<f64>,
@@ -110,7 +110,7 @@ impl Light {
         Self { key: towards(-0.55, 0.75, 0.45), fill: towards(0.85, 0.1, 0.4) }
     }
 
-    /// How bright a surface with this normal is.
+    /// Returns the brightness of a surface with a normal.
     pub fn on(&self, normal: &Vector3<f64>) -> f32 {
         let (key, fill) = (normal.dot(&self.key).max(0.0), normal.dot(&self.fill).max(0.0));
         (0.56 + 0.46 * key + 0.16 * fill) as f32

@@ -1,25 +1,25 @@
-//! What the colours and the arrows say.
+//! Scales of the colours and the arrows.
 
 use super::Shot;
 use crate::cell::{Quantity, Reading, Unit};
 use crate::drawing::{Arrow, Component, Drawing, Field};
 
-/// What of the errors is drawn as arrows.
+/// Component of the errors that arrows show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Show {
-    /// No error map at all.
+    /// Picture without error maps.
     Nothing,
     X,
     Y,
     Z,
-    /// The error in x and y together.
+    /// Error in x and y together.
     InPlane,
     #[default]
     Resultant,
 }
 
 impl Show {
-    /// The sense in which its size is reported.
+    /// Returns the sense in which the size of the component is reported.
     pub fn sense(self) -> Option<&'static str> {
         match self {
             Self::Nothing => None,
@@ -31,7 +31,7 @@ impl Show {
         }
     }
 
-    /// The errors of a field as arrows.
+    /// Returns the errors of a field as arrows.
     pub fn arrows(self, drawing: &Drawing<'_>, field: usize, take: usize) -> Vec<Arrow> {
         let component = match self {
             Self::Nothing => return Vec::new(),
@@ -53,16 +53,16 @@ impl Show {
     }
 }
 
-/// One scale of colour for every field that is shown.
-pub struct Scale {
-    /// Names of the senses that colours are of.
+/// Colour scale for all fields in the picture.
+pub struct ErrorScale {
+    /// Names of the senses of the colours.
     pub senses: Vec<String>,
-    /// Least and greatest value, m, rad or share; None if there is none.
+    /// Least and greatest value, m, rad or share; none without usable nodes.
     pub range: Option<(f64, f64)>,
     pub unit: Unit,
 }
 
-impl Scale {
+impl ErrorScale {
     pub fn of(drawing: &Drawing<'_>, shot: &Shot) -> Self {
         let shown = || drawing.fields.iter().filter(|f| shot.operation.is_none_or(|o| o == f.operation));
         let (mut senses, mut unit) = (Vec::new(), Unit::Length);
@@ -82,30 +82,30 @@ impl Scale {
         Self { senses, range, unit }
     }
 
-    /// Where a value lies between the least and the greatest.
+    /// Returns the place of a value between the least (0) and the greatest (1).
     pub fn share(&self, value: f64) -> f64 {
         let (low, high) = self.range.unwrap_or((0.0, 1.0));
         if high > low { (value - low) / (high - low) } else { 0.5 }
     }
 
-    /// A value with its unit.
+    /// Returns a value with its unit.
     pub fn said(&self, value: f64) -> String {
         format!("{:.3} {}", self.unit.from_si(value), self.unit.word())
     }
 }
 
-/// Index of the sense that the colours of a field are of.
+/// Returns the index of the sense of the colours of a field.
 pub fn sense(field: &Field, shot: &Shot) -> usize {
     let named = |name: &str| field.senses.iter().position(|s| s.name == name);
     shot.sense.as_deref().and_then(named).unwrap_or(field.sense)
 }
 
-/// What the reading says of a node in that sense.
+/// Returns the figure of the reading for a node in that sense.
 pub fn value(field: &Field, shot: &Shot, node: usize) -> Option<f64> {
     *field.takes.get(shot.take)?.values[sense(field, shot)].get(node)?
 }
 
-/// The node that is best in the sense that is shown: the spot of the operation in its own, else the
+/// Returns the best node in the sense shown. In the sense of the operation it is the spot, otherwise the
 /// usable node of least value.
 pub fn best(field: &Field, shot: &Shot) -> Option<usize> {
     if sense(field, shot) == field.sense {

@@ -1,33 +1,33 @@
-//! What stands in the picture, world, m.
+//! Scene of a picture: bodies, lines and labels; world, m.
 
 use super::Shot;
 use super::marks;
 use super::palette::{Colour, Light, Palette, lit, mixed};
-use super::scale::{Scale, Show};
+use super::scale::{ErrorScale, Show};
 use crate::cell::Role;
-use crate::drawing::{Arrow, Drawing, Kind, Mesh};
+use crate::drawing::{Arrow, Drawing, Mesh, PartKind};
 use crate::pose::Pose;
 use nalgebra::Vector3;
 
-/// A surface.
-pub struct Body {
+/// Surface in the scene.
+pub struct SceneBody {
     pub mesh: Mesh,
     pub colour: Colour,
-    /// What is not lit by lamps goes from `dark` to its colour by these shares of its corners; empty: 1.
+    /// Shares of the corners between `dark` (0) and the colour (1) of an unlit body; empty means 1.
     pub dark: Colour,
     pub shares: Vec<f32>,
     pub opacity: f32,
-    /// Signs look the same from all sides.
+    /// Whether lamps light the body. Signs look the same from all sides.
     pub is_lit: bool,
-    /// An arrow or a node: a drawing of lines shows it in its own way.
+    /// Whether the body is an arrow or a node, which SVG draws in its own way.
     pub is_sign: bool,
     pub has_edges: bool,
-    /// Drawn so far before where it is, m.
+    /// Shift towards the eye, m.
     pub lift: f64,
 }
 
-impl Body {
-    /// How bright each corner is.
+impl SceneBody {
+    /// Returns the brightness of each corner.
     pub fn tones(&self, light: &Light) -> Vec<f32> {
         match (self.is_lit, self.shares.is_empty()) {
             (true, _) => self.mesh.normals.iter().map(|n| light.on(n)).collect(),
@@ -41,20 +41,20 @@ impl Body {
     }
 }
 
-/// A line through points.
-pub struct Line {
+/// Line through points.
+pub struct SceneLine {
     pub points: Vec<Vector3<f64>>,
     pub closed: bool,
-    /// Every second part is left out.
+    /// Whether every second part is left out.
     pub dashed: bool,
     pub colour: Colour,
-    /// In tenths of the height of capitals.
+    /// Width in tenths of the height of capitals.
     pub width: f64,
     pub lift: f64,
 }
 
-impl Line {
-    /// The parts that are drawn.
+impl SceneLine {
+    /// Returns the parts that are drawn.
     pub fn spans(&self) -> impl Iterator<Item = [Vector3<f64>; 2]> {
         let count = if self.closed { self.points.len() } else { self.points.len().saturating_sub(1) };
         let kept = (0..count).filter(|k| !self.dashed || k % 4 < 2);
@@ -62,45 +62,45 @@ impl Line {
     }
 }
 
-/// Where the text of a label goes.
+/// Place of a label beside its thing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Side {
+pub enum LabelSide {
     Above,
     /// Below the nearest of the points.
     Below,
-    /// The value at a spot, with a line that leads to it.
+    /// Beside a spot, with a line that leads to it.
     Spot,
 }
 
-/// A text beside a thing.
+/// Text beside a thing.
 pub struct Label {
     pub text: String,
-    /// Of the thing.
+    /// Points of the thing.
     pub points: Vec<Vector3<f64>>,
-    pub side: Side,
+    pub side: LabelSide,
 }
 
-/// A node of an error map.
-pub struct Mark {
+/// Node of an error map.
+pub struct NodeMark {
     pub at: Vector3<f64>,
-    /// Where it can be used.
+    /// Colour of a usable node.
     pub colour: Option<Colour>,
-    /// What a pointer on it is told.
+    /// Title that a pointer on the node shows.
     pub title: String,
 }
 
-pub struct Scene {
-    pub bodies: Vec<Body>,
-    pub lines: Vec<Line>,
+pub struct RasterScene {
+    pub bodies: Vec<SceneBody>,
+    pub lines: Vec<SceneLine>,
     pub labels: Vec<Label>,
-    pub nodes: Vec<Mark>,
+    pub nodes: Vec<NodeMark>,
     pub arrows: Vec<(Arrow, Colour)>,
     /// Diagonal of all bodies, m.
     pub size: f64,
 }
 
-impl Scene {
-    pub fn of(drawing: &Drawing<'_>, shot: &Shot, palette: &Palette, scale: &Scale) -> Self {
+impl RasterScene {
+    pub fn of(drawing: &Drawing<'_>, shot: &Shot, palette: &Palette, scale: &ErrorScale) -> Self {
         let stance = shot.operation.or(shot.stance);
         let at = stance.and_then(|k| drawing.movement.at(k));
         let frames = at.unwrap_or(drawing.movement.home());
@@ -115,7 +115,7 @@ impl Scene {
         for (part, pose) in drawing.posed(stance, frames) {
             let (colour, opacity) = palette.of_kind(part.kind);
             let mesh = part.mesh.seen_from(&pose);
-            scene.bodies.push(Body::solid(mesh, colour, opacity));
+            scene.bodies.push(SceneBody::solid(mesh, colour, opacity));
         }
         let points = scene.points();
         let bounds = points.iter().map(|p| (*p, *p)).reduce(|(lo, hi), (p, q)| (lo.inf(&p), hi.sup(&q)));
@@ -130,7 +130,7 @@ impl Scene {
         scene
     }
 
-    /// Everything that the picture must hold.
+    /// Returns all points that the picture must show.
     pub fn points(&self) -> Vec<Vector3<f64>> {
         let bodies = self.bodies.iter().flat_map(|b| &b.mesh.positions);
         bodies.chain(self.lines.iter().flat_map(|l| &l.points)).copied().collect()
@@ -138,7 +138,7 @@ impl Scene {
 
     fn add_envelopes(&mut self, drawing: &Drawing<'_>, shot: &Shot, palette: &Palette) {
         let all = drawing.envelopes.iter().zip(&drawing.fields);
-        // Operations of one attitude share an envelope.
+        // Operations of one tool orientation share an envelope.
         let mut drawn: Vec<&Vec<Vector3<f64>>> = Vec::new();
         for (rings, _) in all.filter(|(_, f)| shot.operation.is_none_or(|o| o == f.operation)) {
             let pale = mixed(palette.envelope, palette.paper, 0.4);
@@ -149,7 +149,7 @@ impl Scene {
                     continue;
                 }
                 drawn.push(ring);
-                self.lines.push(Line {
+                self.lines.push(SceneLine {
                     points: ring.clone(),
                     closed: true,
                     dashed: false,
@@ -167,22 +167,22 @@ impl Scene {
             let points: Vec<_> = parts.filter_map(|(part, pose)| corners(&part.mesh, &pose)).collect();
             let points: Vec<Vector3<f64>> = points.into_iter().flatten().collect();
             let side = match (equipment.role, equipment.surface.is_some()) {
-                (Role::Equipment, true) => Side::Below,
-                _ => Side::Above,
+                (Role::Equipment, true) => LabelSide::Below,
+                _ => LabelSide::Above,
             };
             if !points.is_empty() {
                 self.labels.push(Label { text: equipment.name.clone(), points, side });
             }
         }
-        let is_keep_out = |kind| kind == Kind::KeepOut;
+        let is_keep_out = |kind| kind == PartKind::KeepOut;
         for (part, pose) in drawing.posed(None, frames).filter(|(part, _)| is_keep_out(part.kind)) {
             let points = corners(&part.mesh, &pose).map_or(Vec::new(), |c| c.to_vec());
-            self.labels.push(Label { text: part.name.clone(), points, side: Side::Above });
+            self.labels.push(Label { text: part.name.clone(), points, side: LabelSide::Above });
         }
     }
 }
 
-impl Body {
+impl SceneBody {
     pub fn solid(mesh: Mesh, colour: Colour, opacity: f32) -> Self {
         Self {
             mesh,
@@ -198,7 +198,7 @@ impl Body {
     }
 }
 
-/// Of the box round a mesh, in the world.
+/// Returns the corners of the bounding box of a mesh in the world.
 fn corners(mesh: &Mesh, pose: &Pose) -> Option<[Vector3<f64>; 8]> {
     let (low, high) = mesh.extent()?;
     Some(std::array::from_fn(|k| {

@@ -1,6 +1,6 @@
-//! Title and legend of a picture: what is shown, what colours, arrows and signs mean.
+//! Title and legend of a picture: the meaning of colours, arrows and signs.
 
-use super::ink::Sheet;
+use super::ink::PixelImage;
 use super::palette::{Colour, Palette, hex, scale as colour_of};
 use super::scale::Show;
 use super::{Shot, Staged, font};
@@ -18,7 +18,7 @@ use std::fmt::Write;
 /// Height of the legend in heights of capitals.
 pub const HEIGHT: f64 = 8.6;
 
-/// Size of the letters of a browser for capitals of height 1.
+/// Font size in a browser for capitals of height 1.
 pub const TEXT: f64 = 1.38;
 
 /// Entry of the legend for a sign in the picture.
@@ -40,13 +40,13 @@ impl LegendSign {
     }
 }
 
-/// What is said beside the picture.
+/// Texts of the title and the legend.
 pub struct Words {
     pub title: String,
     pub line: String,
-    /// Of the colour scale: what, least, greatest.
+    /// Colour scale: quantity, least and greatest value.
     pub colours: Option<[String; 3]>,
-    /// Of the arrows: length of the bar (m of the world), and what it means.
+    /// Arrows: length of the scale bar (m of the world) and its meaning.
     pub arrows: Option<(f64, String)>,
     pub signs: Vec<LegendSign>,
 }
@@ -113,21 +113,21 @@ pub const COLUMNS: [f64; 3] = [2.2, 38.5, 78.0];
 const MAX_ROWS: usize = 4;
 pub const BAR: f64 = 31.0;
 
-/// A thing of the legend, px.
+/// Item of the legend, px.
 pub enum Item {
-    /// With the height of its capitals.
+    /// Text with its place and the height of its capitals.
     Text(String, Vector2<f64>, f64, Colour),
     Line(Vec<Vector2<f64>>, f64, Colour),
     Area(Vector2<f64>, Vector2<f64>, Colour),
 }
 
-/// Title and legend.
+/// Returns title and legend.
 pub fn items(drawing: &Drawing<'_>, stage: &Staged, shot: &Shot) -> Vec<Item> {
     let (unit, palette) = (shot.capital(), &stage.palette);
     let words = Words::of(drawing, stage, shot);
     let top = shot.height as f64 / unit - HEIGHT;
     let at = |x: f64, y: f64| Vector2::new(x * unit, y * unit);
-    // Letters do not shrink with a small picture, the space between the columns does.
+    // In a small picture the columns move together, and the letters keep their size.
     let narrow = (shot.width as f64 / unit / 125.0).min(1.0);
     let [first, second, third] = [COLUMNS[0], COLUMNS[1] * narrow, COLUMNS[2] * narrow];
     let bar = BAR * narrow;
@@ -148,7 +148,7 @@ pub fn items(drawing: &Drawing<'_>, stage: &Staged, shot: &Shot) -> Vec<Item> {
         items.extend((0..STEPS).map(|k| {
             let x = |k: u32| first + bar * f64::from(k) / f64::from(STEPS);
             let colour = colour_of(f64::from(k) / f64::from(STEPS - 1));
-            // Each to the end, so that nothing shows between two.
+            // Each step reaches to the end, so that no gap shows.
             Item::Area(at(x(k), top + 3.1), at(x(STEPS), top + 4.5), colour)
         }));
     }
@@ -167,7 +167,7 @@ pub fn items(drawing: &Drawing<'_>, stage: &Staged, shot: &Shot) -> Vec<Item> {
     items
 }
 
-/// Signs with their labels below each other, column by column; smaller where they would not fit.
+/// Returns the signs with their labels, column by column, made smaller where they would not fit.
 fn sign_table(
     signs: &[LegendSign],
     place: Vector2<f64>,
@@ -228,13 +228,13 @@ fn glyph_items(glyph: &NodeGlyph, at: Vector2<f64>, unit: f64, palette: &Palette
     lines.map(|points| Item::Line(points, thin, colour)).collect()
 }
 
-/// Points of a part of a circle from one angle to another, rad.
+/// Returns points on an arc from one angle to another, rad.
 fn arc(at: Vector2<f64>, radius: f64, from: f64, to: f64) -> Vec<Vector2<f64>> {
     let angle = |k: usize| from + (to - from) * k as f64 / 24.0;
     (0..=24).map(|k| at + Vector2::new(angle(k).cos(), angle(k).sin()) * radius).collect()
 }
 
-pub fn write(sheet: &mut Sheet, items: &[Item]) {
+pub fn write(sheet: &mut PixelImage, items: &[Item]) {
     for item in items {
         match item {
             Item::Text(text, at, capital, colour) => sheet.text(text, *at, *capital, *colour),
@@ -246,7 +246,7 @@ pub fn write(sheet: &mut Sheet, items: &[Item]) {
     }
 }
 
-/// The same as SVG.
+/// Writes the items as SVG.
 pub fn draw(out: &mut String, items: &[Item]) {
     for item in items {
         // Writing to a String cannot fail.

@@ -1,4 +1,4 @@
-//! Areas of one value in a grid to outlines.
+//! Contour tracing: outlines of the areas of one value in a grid.
 
 use crate::geometry::{join_edges, simplified_line};
 use nalgebra::Vector2;
@@ -7,8 +7,8 @@ use std::collections::BTreeMap;
 /// Corner of the grid.
 type GridPoint = [i32; 2];
 
-/// Outlines of all areas of each value, in the order of the values: corners of the grid, closed, around what
-/// they hold. Small areas are left out, and no outline is off by more than `tolerance`.
+/// Returns the closed outlines of all areas of each value, as corners of the grid. Small areas are left out.
+/// Outlines are simplified by at most `tolerance`.
 pub fn outlines(
     values: &[u32],
     width: usize,
@@ -23,7 +23,7 @@ pub fn outlines(
     loops.filter(|(_, rings): &(u32, Vec<_>)| !rings.is_empty()).collect()
 }
 
-/// Of every value the sides between it and others, from corner to corner, itself to the right.
+/// Returns the sides between each value and others, from corner to corner, with the value to the right.
 fn sides(values: &[u32], width: usize) -> BTreeMap<u32, Vec<(GridPoint, GridPoint)>> {
     let height = values.len() / width.max(1);
     let at = |x: i32, y: i32| {
@@ -48,7 +48,7 @@ fn sides(values: &[u32], width: usize) -> BTreeMap<u32, Vec<(GridPoint, GridPoin
     sides
 }
 
-/// Joins sides to rings; where two areas meet in a corner each keeps to its own.
+/// Joins sides to rings. Where two areas meet in a corner, each keeps to its own.
 fn rings(sides: &[(GridPoint, GridPoint)]) -> Vec<Vec<GridPoint>> {
     let way = |k: usize| {
         let (a, b) = sides[k];
@@ -61,15 +61,15 @@ fn rings(sides: &[(GridPoint, GridPoint)]) -> Vec<Vec<GridPoint>> {
     join_edges(sides, sharpest).into_iter().map(|line| line.corners).collect()
 }
 
-/// That a ring holds, with a sign.
+/// Returns the signed area of a ring.
 fn area(ring: &[GridPoint]) -> f64 {
     let pairs = ring.iter().zip(ring.iter().cycle().skip(1));
     pairs.map(|(a, b)| f64::from(a[0]) * f64::from(b[1]) - f64::from(a[1]) * f64::from(b[0])).sum::<f64>()
         / 2.0
 }
 
-/// Fewer points (Douglas and Peucker 1973), a ring cut in two at its least point, which is a corner of it, and
-/// where it is farthest from that.
+/// Returns a ring with fewer points (Douglas and Peucker 1973). It is cut in two at its least point, which is
+/// a corner, and at the point farthest from that.
 fn simplified(ring: &[GridPoint], tolerance: f64) -> Vec<GridPoint> {
     let Some(start) = (0..ring.len()).min_by_key(|k| ring[*k]) else { return Vec::new() };
     let ring: Vec<GridPoint> = ring[start..].iter().chain(&ring[..=start]).copied().collect();
@@ -90,7 +90,7 @@ fn thinned(line: &[GridPoint], tolerance: f64) -> Vec<GridPoint> {
     simplified_line(&places, tolerance).into_iter().map(|k| line[k]).collect()
 }
 
-/// Path data of rings, in whole numbers.
+/// Returns the path data of rings, in whole numbers.
 pub fn path(rings: &[Vec<GridPoint>]) -> String {
     use std::fmt::Write;
     let mut d = String::new();

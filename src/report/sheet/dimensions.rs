@@ -1,6 +1,7 @@
-//! Distances along the world's x and y from the robot base to the nearest corner of every equipment.
+//! Dimensions: distances along the world x and y from the robot base to the nearest corner of every
+//! equipment.
 
-use super::View;
+use super::SheetView;
 use crate::cell::Role;
 use crate::drawing::Drawing;
 use crate::drawing::floor_corners;
@@ -8,13 +9,13 @@ use crate::units::{mm_from_m, rounded};
 use nalgebra::Vector2;
 use std::fmt::Write;
 
-/// Between the view and the first line, and between lines, mm on paper.
+/// Distance of the first dimension line from the view, and of the next ones, mm on paper.
 const FIRST: f64 = 7.0;
 const NEXT: f64 = 6.0;
-/// Of an arrow's head, mm on paper.
+/// Length of the head of an arrow, mm on paper.
 const HEAD: f64 = 2.2;
 
-/// What is set out: the letter of an equipment, its index, its corner nearest to the robot base (world, m).
+/// Returns the letter of each equipment, its index, and its corner nearest to the robot base (world, m).
 pub fn marks(drawing: &Drawing<'_>) -> Vec<(String, usize, Vector2<f64>)> {
     let (cell, layout) = (drawing.cell, &drawing.layout);
     let base = Vector2::new(layout.base.x, layout.base.y);
@@ -27,19 +28,19 @@ pub fn marks(drawing: &Drawing<'_>) -> Vec<(String, usize, Vector2<f64>)> {
     nearest.enumerate().map(|(n, (k, corner))| (letter(n), k, corner)).collect()
 }
 
-/// A to Z, then A1, B1, ...
+/// Returns A to Z, then A1, B1, ...
 fn letter(n: usize) -> String {
     let first = char::from(b'A' + (n % 26) as u8);
     if n < 26 { first.to_string() } else { format!("{first}{}", n / 26) }
 }
 
-/// What the lines need beside and below the plan, mm on paper.
+/// Returns the room of the dimension lines beside and below the plan, mm on paper.
 pub fn room(drawing: &Drawing<'_>) -> f64 {
     let count = drawing.cell.equipment.iter().filter(|e| e.role == Role::Equipment).count();
     FIRST + NEXT * count as f64
 }
 
-pub fn draw(out: &mut String, drawing: &Drawing<'_>, view: &View) {
+pub fn draw(out: &mut String, drawing: &Drawing<'_>, view: &SheetView) {
     let base = Vector2::new(drawing.layout.base.x, drawing.layout.base.y);
     let (x0, y0) = view.at(&base);
     let _ = writeln!(
@@ -76,8 +77,8 @@ pub fn draw(out: &mut String, drawing: &Drawing<'_>, view: &View) {
     }
 }
 
-/// A dimension line with heads and its number above, or left of an upright one; one that is too short has
-/// its heads outside and its number beside.
+/// Draws a dimension line with heads and its number above, or left of a vertical line. A short line has its
+/// heads outside and its number beside.
 fn ruled(out: &mut String, (from, to): (f64, f64), across: f64, upright: bool, number: &str) {
     let (low, high) = (from.min(to), from.max(to));
     let wide = 1.6 * number.len() as f64;

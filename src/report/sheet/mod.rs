@@ -1,48 +1,48 @@
-//! The cell as a drawing on paper: plan and front to scale, with dimensions and a title block.
+//! Drawing of the cell on paper: plan and front view to scale, with dimensions and a title block.
 //!
-//! Sizes in the picture are mm on paper: A4 or A3 landscape (ISO 216), a scale of ISO 5455, lines 0.35 and
-//! 0.18 mm wide (ISO 128), nothing to be scaled when it is printed.
+//! Sizes are mm on paper: A4 or A3 landscape (ISO 216), a scale of ISO 5455, lines 0.35 and 0.18 mm wide (ISO
+//! 128). It is printed at 100 %.
 
 mod dimensions;
 mod title;
 
-use crate::drawing::{Component, Drawing, Field, Kind, floor_corners};
+use crate::drawing::{Component, Drawing, Field, PartKind, floor_corners};
 use crate::report::silhouette::{ABOVE, Eye, FRONT, Silhouette, silhouette};
 use crate::report::svg_text::{PathEnd, escaped, path_data};
 use crate::units::mm_from_m;
 use nalgebra::{Vector2, Vector3};
 use std::fmt::Write;
 
-/// ISO 5455: 1 to so many.
+/// Scales of ISO 5455, 1 to so many.
 const SCALES: [f64; 13] = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1e3, 2e3, 5e3, 1e4];
-/// Name, width and height.
+/// Papers: name, width and height.
 const PAPERS: [(&str, f64, f64); 2] = [("A4", 297.0, 210.0), ("A3", 420.0, 297.0)];
-/// Round the frame, and inside it round the views.
+/// Margin round the frame, and inside it round the views.
 const MARGIN: f64 = 8.0;
 const INSIDE: f64 = 6.0;
 const HEADING: f64 = 8.0;
 const GAP: f64 = 14.0;
-/// Title block.
+/// Height of the title block.
 const TITLE: f64 = 30.0;
 
-/// A solid as a view shows it.
-struct Shown {
-    kind: Kind,
+/// Solid as a view shows it.
+struct SheetSolid {
+    kind: PartKind,
     silhouette: Silhouette,
 }
 
-/// A view: the world in m, right and up, to the paper in mm.
-pub struct View {
+/// View: from the world (m, right and up) to the paper (mm).
+pub struct SheetView {
     low: Vector2<f64>,
     high: Vector2<f64>,
-    /// Where its left lower corner lies on the paper.
+    /// Place of the lower left corner on the paper.
     left: f64,
     bottom: f64,
-    /// 1 to so many.
+    /// Scale of the view, 1 to so many.
     ratio: f64,
 }
 
-impl View {
+impl SheetView {
     fn at(&self, p: &Vector2<f64>) -> (f64, f64) {
         let [u, v] = [p.x - self.low.x, p.y - self.low.y].map(|m| mm_from_m(m) / self.ratio);
         (self.left + u, self.bottom - v)
@@ -62,8 +62,8 @@ fn size(low: &Vector2<f64>, high: &Vector2<f64>, ratio: f64) -> (f64, f64) {
     (size.x, size.y)
 }
 
-/// The sheet with the robot at the spot of an operation, or at home. The errors are those of the cell's own
-/// model and reading.
+/// Returns the sheet with the robot at the spot of an operation, or at home. The errors are those of the
+/// model and the reading of the cell.
 pub fn sheet(drawing: &Drawing<'_>, operation: Option<usize>) -> String {
     let views = [ABOVE, FRONT].map(|eye| seen(drawing, operation, &eye));
     let bounds = [0, 1].map(|k| bounds(drawing, &views[k], k == 0));
@@ -73,11 +73,17 @@ pub fn sheet(drawing: &Drawing<'_>, operation: Option<usize>) -> String {
     let away = dimensions::room(drawing);
     let [plan, front] = bounds;
     let bottom = height - MARGIN - TITLE - INSIDE;
-    let plan = View { low: plan.0, high: plan.1, left: MARGIN + INSIDE + away, bottom: bottom - away, ratio };
+    let plan =
+        SheetView { low: plan.0, high: plan.1, left: MARGIN + INSIDE + away, bottom: bottom - away, ratio };
     let left = plan.left + plan.size().0 + GAP;
     let top = MARGIN + INSIDE + HEADING;
-    let front =
-        View { low: front.0, high: front.1, left, bottom: top + size(&front.0, &front.1, ratio).1, ratio };
+    let front = SheetView {
+        low: front.0,
+        high: front.1,
+        left,
+        bottom: top + size(&front.0, &front.1, ratio).1,
+        ratio,
+    };
     let mut out = String::new();
     // Writing to a String cannot fail; the results here are dropped for that reason.
     let _ = writeln!(
@@ -104,18 +110,18 @@ pub fn sheet(drawing: &Drawing<'_>, operation: Option<usize>) -> String {
     out
 }
 
-/// The solids of a view from far to near.
-fn seen(drawing: &Drawing<'_>, operation: Option<usize>, eye: &Eye) -> Vec<Shown> {
+/// Returns the solids of a view from far to near.
+fn seen(drawing: &Drawing<'_>, operation: Option<usize>, eye: &Eye) -> Vec<SheetSolid> {
     let parts = drawing.posed(operation, drawing.movement.frames(operation));
-    let mut all: Vec<Shown> = parts
-        .map(|(part, pose)| Shown { kind: part.kind, silhouette: silhouette(&part.mesh, &pose, eye) })
+    let mut all: Vec<SheetSolid> = parts
+        .map(|(part, pose)| SheetSolid { kind: part.kind, silhouette: silhouette(&part.mesh, &pose, eye) })
         .collect();
     all.sort_by(|a, b| a.silhouette.depth.total_cmp(&b.silhouette.depth));
     all
 }
 
-/// Low and high corner of a view; the plan shows floor space, too.
-fn bounds(drawing: &Drawing<'_>, view: &[Shown], is_plan: bool) -> (Vector2<f64>, Vector2<f64>) {
+/// Returns the bounds of a view; the plan contains the floor spaces, too.
+fn bounds(drawing: &Drawing<'_>, view: &[SheetSolid], is_plan: bool) -> (Vector2<f64>, Vector2<f64>) {
     let mut points: Vec<Vector2<f64>> =
         view.iter().flat_map(|s| s.silhouette.loops.iter().flatten()).copied().collect();
     let (cell, layout) = (drawing.cell, &drawing.layout);
@@ -130,7 +136,7 @@ fn bounds(drawing: &Drawing<'_>, view: &[Shown], is_plan: bool) -> (Vector2<f64>
     pairs.reduce(|(lo, hi), (p, q)| (lo.inf(&p), hi.sup(&q))).unwrap_or_default()
 }
 
-/// The largest scale that fits the larger paper, and the smallest paper that holds it.
+/// Returns the largest scale that fits the larger paper, and the smallest paper that holds it.
 fn fitting(
     [plan, front]: &[(Vector2<f64>, Vector2<f64>); 2],
     (rows, away): (usize, f64),
@@ -156,21 +162,21 @@ fn heading(out: &mut String, (left, top): (f64, f64), text: &str) {
     );
 }
 
-/// Fill and line of what is drawn.
-fn style(kind: Kind) -> &'static str {
+/// Returns fill and line of a kind of part.
+fn style(kind: PartKind) -> &'static str {
     match kind {
-        Kind::Robot => "fill=\"#fde7d3\" stroke=\"#8a3800\"",
-        Kind::Tool => "fill=\"#f3c9a5\" stroke=\"#8a3800\"",
-        Kind::Held => "fill=\"#cdeee2\" stroke=\"#00543d\"",
-        Kind::Equipment => "fill=\"#f4f6f8\" stroke=\"#000000\"",
-        Kind::Obstacle => "fill=\"#d9dde2\" stroke=\"#000000\"",
-        Kind::Fence => "fill=\"none\" stroke=\"#000000\" stroke-dasharray=\"3 1\"",
-        Kind::KeepOut => "fill=\"none\" stroke=\"#b00020\" stroke-dasharray=\"1.5 1\"",
+        PartKind::Robot => "fill=\"#fde7d3\" stroke=\"#8a3800\"",
+        PartKind::Tool => "fill=\"#f3c9a5\" stroke=\"#8a3800\"",
+        PartKind::Held => "fill=\"#cdeee2\" stroke=\"#00543d\"",
+        PartKind::Equipment => "fill=\"#f4f6f8\" stroke=\"#000000\"",
+        PartKind::Obstacle => "fill=\"#d9dde2\" stroke=\"#000000\"",
+        PartKind::Fence => "fill=\"none\" stroke=\"#000000\" stroke-dasharray=\"3 1\"",
+        PartKind::KeepOut => "fill=\"none\" stroke=\"#b00020\" stroke-dasharray=\"1.5 1\"",
     }
 }
 
-fn draw(out: &mut String, view: &View, solids: Vec<Shown>) {
-    for Shown { kind, silhouette } in solids {
+fn draw(out: &mut String, view: &SheetView, solids: Vec<SheetSolid>) {
+    for SheetSolid { kind, silhouette } in solids {
         let outline: String = silhouette
             .loops
             .iter()
@@ -189,15 +195,15 @@ fn draw(out: &mut String, view: &View, solids: Vec<Shown>) {
     }
 }
 
-fn floor(out: &mut String, drawing: &Drawing<'_>, front: &View) {
+fn floor(out: &mut String, drawing: &Drawing<'_>, front: &SheetView) {
     let [(left, y), (right, _)] =
         [front.low.x, front.high.x].map(|x| front.at(&Vector2::new(x, drawing.floor)));
     let _ =
         writeln!(out, "<path d=\"M{left:.2} {y:.2}H{right:.2}\" stroke=\"#000000\" stroke-width=\"0.5\"/>");
 }
 
-/// Reach, nodes and errors of an operation in plan.
-fn map(out: &mut String, drawing: &Drawing<'_>, view: &View, (k, field): (usize, &Field)) {
+/// Draws working envelope, nodes and errors of an operation in plan.
+fn map(out: &mut String, drawing: &Drawing<'_>, view: &SheetView, (k, field): (usize, &Field)) {
     let (x, y, (width, height)) = (view.left, view.bottom, view.size());
     let reach = drawing.envelopes.get(k).map_or(&[][..], |rings| &rings.at_work);
     let ring = |r: &Vec<Vector3<f64>>| path_data(r.iter().map(|p| view.plan(p)), PathEnd::Closed, 2);
@@ -231,8 +237,8 @@ fn map(out: &mut String, drawing: &Drawing<'_>, view: &View, (k, field): (usize,
     );
 }
 
-/// The spot of an operation in both views.
-fn spot(out: &mut String, drawing: &Drawing<'_>, [plan, front]: [&View; 2], field: &Field) {
+/// Draws the spot of an operation in both views.
+fn spot(out: &mut String, drawing: &Drawing<'_>, [plan, front]: [&SheetView; 2], field: &Field) {
     let Some(at) = field.spot else { return };
     let name = escaped(&drawing.cell.operations[field.operation].name);
     for (x, y) in [plan.plan(&at), front.at(&at.xz())] {

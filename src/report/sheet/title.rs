@@ -1,4 +1,4 @@
-//! Title block, list of what stands where, scale bar.
+//! Title block, list of placements, scale bar.
 
 use super::dimensions::{marks, room};
 use super::{MARGIN, TITLE};
@@ -11,10 +11,10 @@ use std::fmt::Write;
 /// Height of a line and width of the list, mm on paper.
 pub const LINE: f64 = 4.2;
 pub const LIST: f64 = 122.0;
-/// Most characters of a name there.
+/// Greatest number of characters of a name in the list.
 const NAME: usize = 24;
 
-/// Lines of the list, and the room that dimensions need.
+/// Returns the number of lines of the list, and the room that dimensions need.
 pub fn rows(drawing: &Drawing<'_>) -> (usize, f64) {
     (marks(drawing).len() + drawing.fields.len() + 3, room(drawing))
 }
@@ -28,7 +28,7 @@ fn mm(m: f64) -> f64 {
     rounded(mm_from_m(m), 1)
 }
 
-/// Corners and frames of the equipment from the robot base, spots in the world.
+/// Draws the list: corners and frames of the equipment from the robot base, spots in the world.
 pub fn list(out: &mut String, drawing: &Drawing<'_>, (left, top): (f64, f64)) {
     let base = &drawing.layout.base;
     let mut y = top;
@@ -74,7 +74,7 @@ pub fn list(out: &mut String, drawing: &Drawing<'_>, (left, top): (f64, f64)) {
     }
 }
 
-/// Frame of the sheet, title block with scale bar and axes.
+/// Draws the frame of the sheet and the title block with scale bar and axes.
 pub fn block(
     out: &mut String,
     drawing: &Drawing<'_>,
@@ -127,7 +127,7 @@ pub fn block(
     bar(out, (column - 66.0, top + TITLE / 2.0), ratio);
 }
 
-/// A length of 20 to 50 mm on paper and how much it is, with the axes of the plan.
+/// Draws a scale bar of 20 to 50 mm on paper, with the axes of the plan.
 fn bar(out: &mut String, (x, y): (f64, f64), ratio: f64) {
     let length = round_down(40.0 * ratio, ONE_TWO_FIVE);
     let wide = length / ratio;

@@ -6,7 +6,7 @@ use crate::assess::{Account, Tighter};
 use crate::cell::{Reading, Unit};
 use crate::kinematic_error::NEGLIGIBLE;
 use crate::reading::{Figures, Share};
-use crate::report::names;
+use crate::record::parameter_names as names;
 use crate::units::mm_from_m;
 use nalgebra::Vector3;
 use std::fmt::Write;

@@ -1,11 +1,12 @@
 //! Layouts side by side.
 
 use super::table::TextTable;
-use super::{ALWAYS_COUNTED, fixed, mm, mm1, percent1, value_word};
+use super::{ALWAYS_COUNTED, fixed, mm, mm1, percent1};
 use crate::assess::{Assessment, Comparison, Requirement};
 use crate::cell::{Coordinate, Slot, Unit};
 use crate::error_map::NodeSign;
 use crate::layout::Refined;
+use crate::record::value_word;
 use crate::units::{deg_from_rad, rounded};
 use std::fmt::Write;
 

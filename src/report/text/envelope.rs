@@ -2,7 +2,7 @@
 
 use super::table::TextTable;
 use super::{fixed, mm, mm1};
-use crate::assess::{Reachable, Sheet};
+use crate::assess::{Reachable, RobotDataSheet};
 use crate::cell::{Convention, ErrorSet, Joint, JointKind, Robot};
 use crate::files::shown;
 use crate::reach::Size;
@@ -35,7 +35,7 @@ fn first_line(robot: &Robot) -> String {
 }
 
 /// Returns the data sheet of a robot.
-pub fn robot(sheet: &Sheet<'_>) -> String {
+pub fn robot(sheet: &RobotDataSheet<'_>) -> String {
     let robot = sheet.robot;
     let kept = format!("{} axes, {}", robot.axes(), sheet.family);
     let mut out = format!("{}: {kept}\n\n{}{}", shown(&robot.name), dh_table(robot), coupling(robot));

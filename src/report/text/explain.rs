@@ -1,11 +1,12 @@
 //! The error calculation of one posture, step by step.
 
 use super::table::TextTable;
-use super::{fixed, percent, place_words, value_word};
-use crate::assess::{Explanation, Line, Motion, Place};
+use super::{fixed, percent, place_words};
+use crate::assess::{Explanation, MotionFrame, ParameterEffect, ParameterMotion};
 use crate::cell::{Frame, JointKind, Reading, Registration, Unit};
 use crate::pose::Displacement;
-use crate::report::names;
+use crate::record::parameter_names::{self as names, frame_name};
+use crate::record::value_word;
 use crate::units::{deg_from_rad, mm_from_m, rad_from_deg, rounded};
 use nalgebra::Vector3;
 use std::fmt::Write;
@@ -63,8 +64,8 @@ fn frames(e: &Explanation<'_>) -> String {
     table.row(["frame", "origin mm", "x axis", "z axis"]);
     let frames = &e.stance.frames;
     let links = frames.links[..=e.rows.len()].iter().enumerate();
-    let named = links.map(|(k, pose)| (frame_name(Place::Link(k)), pose));
-    for (name, pose) in named.chain([(frame_name(Place::Tcp), &frames.tcp)]) {
+    let named = links.map(|(k, pose)| (frame_name(MotionFrame::Link(k)), pose));
+    for (name, pose) in named.chain([(frame_name(MotionFrame::Tcp), &frames.tcp)]) {
         table.row([
             name,
             triple(&pose.translation, 4, mm_from_m),
@@ -91,22 +92,11 @@ fn motions(e: &Explanation<'_>) -> String {
     format!("\n3. Each error is a small motion of all links behind it\n{}", table.render())
 }
 
-fn motion_words(motion: &Motion) -> String {
+fn motion_words(motion: &ParameterMotion) -> String {
     let axis = ["x", "y", "z"][motion.axis];
     let how = if motion.turns { "turn about" } else { "slide along" };
     let factor = if motion.factor == 1.0 { String::new() } else { format!(", times {}", motion.factor) };
     format!("{how} {axis} of {}{factor}", frame_name(motion.place))
-}
-
-/// Returns the name of a frame.
-pub fn frame_name(place: Place) -> String {
-    match place {
-        Place::Base => "base".into(),
-        Place::Link(k) => format!("frame {k}"),
-        Place::Joint(k) => format!("joint {}", k + 1),
-        Place::Tcp => "TCP".into(),
-        Place::Work => "work".into(),
-    }
 }
 
 fn effects(e: &Explanation<'_>) -> String {
@@ -135,7 +125,7 @@ fn effects(e: &Explanation<'_>) -> String {
     if takes_off {
         sum.push(String::new());
     }
-    sum.push(triple(&e.lines.iter().map(|l: &Line| l.term().position).sum(), 5, mm_from_m));
+    sum.push(triple(&e.lines.iter().map(|l: &ParameterEffect| l.term().position).sum(), 5, mm_from_m));
     table.row(sum);
     format!(
         "\n4. Effect on the TCP: g = w x (p - o) of a turn, w of a slide; unit 1 deg or 1 mm; {sample}\n{}",
@@ -207,7 +197,7 @@ fn taken_words(e: &Explanation<'_>) -> String {
         Registration::Taught => Some("the taught surface frame"),
     };
     let reference = e.stance.situation.reference.as_ref().map(|_| "the error of the pick");
-    let moved = |l: &Line| matches!(l.source.parameter, crate::cell::Parameter::Equipment(..));
+    let moved = |l: &ParameterEffect| matches!(l.source.parameter, crate::cell::Parameter::Equipment(..));
     let moved = e.lines.iter().any(moved).then_some("the error of the equipment's own frame");
     [registration, moved, reference].into_iter().flatten().collect::<Vec<_>>().join(", ")
 }

@@ -4,7 +4,7 @@ use super::fixed;
 use super::table::TextTable;
 use crate::assess::Assessment;
 use crate::cell::{Cell, Goal};
-use crate::report::goals;
+use crate::record::goals;
 use crate::search::SearchRecord;
 
 /// Most rows in the terminal; front.csv has all.

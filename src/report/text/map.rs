@@ -1,12 +1,13 @@
 //! Summary of the error maps, operation by operation.
 
 use super::compare::margin;
-use super::{feasibility, mm1, percent, percent1, value_word};
+use super::{feasibility, mm1, percent, percent1};
 use crate::assess::Assessment;
 use crate::cell::{Cell, Model, Unit};
 use crate::error_map::{NodeSign, OperationMap};
 use crate::kinematic_error::{Discrepancy, discrepancy};
 use crate::reading::{Estimate, Figures};
+use crate::record::value_word;
 use crate::units::deg_from_rad;
 use std::fmt::Write;
 

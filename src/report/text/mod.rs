@@ -17,7 +17,7 @@ mod urdf;
 pub use budget::budget;
 pub use compare::{comparison, comparison_table, feasibility};
 pub use envelope::{envelope, envelope_title, robot, robots};
-pub use explain::{explanation, frame_name};
+pub use explain::explanation;
 pub use front::{front, goals_line};
 pub use map::{distrust, maps};
 pub use proof::proven;
@@ -27,10 +27,10 @@ pub use self_collision_pairs::self_collision_pairs;
 pub use sweep::sweep;
 pub use urdf::derived;
 
-use crate::cell::{Cell, ErrorSet, Quantity, Reading, Registration, Spread, Unit};
+use crate::cell::{Cell, Quantity, Reading, Registration, Unit};
 use crate::error_map::NodeSign;
 
-use crate::assess::Stance;
+use crate::assess::PostureContext;
 use crate::files::shown;
 use crate::units::{mm_from_m, percent_from_share, rounded};
 
@@ -57,30 +57,6 @@ pub fn headline(cell: &Cell) -> String {
         Registration::Taught => ", surface frames taught".into(),
     };
     format!("{}{reading}{registration}", question(cell))
-}
-
-/// Returns what a user must know about how the errors are read.
-pub fn caveats(cell: &Cell) -> Vec<String> {
-    let mut said = Vec::new();
-    let signed = matches!(cell.error_set(), ErrorSet::Signed(_));
-    if signed && cell.reading != Reading::Signed {
-        said.push(format!(
-            "{} is a signed sample: its magnitudes are read as plus-or-minus tolerances ({} sigma of a normal distribution)",
-            cell.error_set().name(),
-            Spread::SIGMAS
-        ));
-    }
-    said
-}
-
-/// Returns the name of the quantity in a map: "error", "worst case", "p95" ...
-pub fn value_word(cell: &Cell) -> &'static str {
-    match (cell.reading, cell.quantity) {
-        (Reading::Signed, _) => "error",
-        (Reading::WorstCase, _) => "worst case",
-        (Reading::Statistical, Quantity::Yield) => "share of failures",
-        (Reading::Statistical, quantity) => quantity.name(),
-    }
 }
 
 /// Signs of nodes that are counted even if there are none.
@@ -121,7 +97,7 @@ fn amount(unit: Unit, si: f64) -> String {
 }
 
 /// Returns operation, surface, node and position in one line.
-fn place_words(stance: &Stance<'_>) -> String {
+fn place_words(stance: &PostureContext<'_>) -> String {
     let operation = &stance.cell.operations[stance.operation];
     let surface = shown(&stance.cell.equipment[operation.equipment].name);
     let at = match stance.node {
@@ -133,7 +109,7 @@ fn place_words(stance: &Stance<'_>) -> String {
 }
 
 /// Returns the quantity that tightening a tolerance reduces, with its article.
-fn tightened_word(stance: &Stance<'_>) -> &'static str {
+fn tightened_word(stance: &PostureContext<'_>) -> &'static str {
     match (stance.gauge.reading, stance.gauge.quantity) {
         (Reading::Statistical, Quantity::Yield) => "the share of failures",
         (Reading::Statistical, Quantity::Rms) => "the rms",

@@ -2,7 +2,7 @@
 
 use super::table::TextTable;
 use super::{amount, fixed, mm1, percent1};
-use crate::assess::{Readings, Row};
+use crate::assess::{ReadingRow, Readings};
 use crate::cell::{ErrorSet, Registration};
 use crate::files::shown;
 use crate::kinematic_error::NEGLIGIBLE;
@@ -34,7 +34,7 @@ pub fn readings(r: &Readings<'_>) -> String {
     out
 }
 
-fn table(rows: &[Row]) -> String {
+fn table(rows: &[ReadingRow]) -> String {
     let mut table = TextTable::indented(3);
     table.row([
         "reading",
@@ -51,7 +51,7 @@ fn table(rows: &[Row]) -> String {
     for row in rows {
         let value = |v: f64| amount(row.unit, v);
         let choice = row.choice.as_ref().ok();
-        let place = |c: &crate::assess::Choice| {
+        let place = |c: &crate::assess::ReadingChoice| {
             let p = c.position;
             format!("{}, {}, {}", mm1(p.x), mm1(p.y), mm1(p.z))
         };

@@ -1,10 +1,11 @@
 //! The effect of misplaced equipment on each operation.
 
-use super::{amount, fixed, percent1, value_word};
+use super::{amount, fixed, percent1};
 use crate::assess::Assessment;
 use crate::cell::{Cell, Slot, Unit};
 use crate::files::shown;
 use crate::layout::{Corner, Largest, Lost, MisplacementEnd, Robustness};
+use crate::record::value_word;
 use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg, rounded};
 use std::fmt::Write;
 

@@ -2,13 +2,13 @@
 
 use super::table::TextTable;
 use crate::files::shown;
-use crate::report::sweep::{Row, Spot, best, groups, word};
+use crate::record::{SweepGroup, SweepRow, SweepSpot, SweepTable};
+use crate::report::sweep::word;
 use std::fmt::Write;
 
 /// Returns the table of all rows with the best marked, then the best of every value.
-pub fn sweep(rows: &[Row]) -> String {
-    let Some(first) = rows.first() else { return String::new() };
-    let best = best(rows.iter()).map(|r| r.index);
+pub fn sweep(document: &SweepTable) -> String {
+    let Some(first) = document.rows.first() else { return String::new() };
     let mut table = TextTable::new(2 + first.set.len());
     let mut head = vec![String::new(), "#".into()];
     head.extend(first.set.keys().map(|path| shown(path)));
@@ -16,8 +16,8 @@ pub fn sweep(rows: &[Row]) -> String {
     head.extend(first.operations.iter().map(|o| shown(&o.name)));
     head.push("evaluations".into());
     table.row(head);
-    for row in rows {
-        let mark = if best == Some(row.index) { "*" } else { "" };
+    for row in &document.rows {
+        let mark = if document.best == Some(row.index) { "*" } else { "" };
         let mut line = vec![mark.to_string(), format!("{:04}", row.index)];
         line.extend(row.set.values().map(|v| shown(&word(v))));
         line.push(objective(row));
@@ -27,18 +27,18 @@ pub fn sweep(rows: &[Row]) -> String {
     }
     let mut out = table.render();
     // Writing to a String cannot fail.
-    let _ = write!(out, "\n{}", summary(rows));
+    let _ = write!(out, "\n{}", summary(document));
     out
 }
 
-fn objective(row: &Row) -> String {
+fn objective(row: &SweepRow) -> String {
     match row.objective {
-        Some(objective) => format!("{objective:.4} {}", row.unit),
+        Some(objective) => format!("{objective:.4} {}", row.unit.word()),
         None => "not feasible".into(),
     }
 }
 
-fn operation(spot: &Spot) -> String {
+fn operation(spot: &SweepSpot) -> String {
     let Some(value) = spot.value else { return "no spot".into() };
     match spot.limit_met {
         Some(true) => format!("{value:.4} met"),
@@ -48,14 +48,15 @@ fn operation(spot: &Spot) -> String {
 }
 
 /// Returns one line for every value of every set.
-fn summary(rows: &[Row]) -> String {
+fn summary(document: &SweepTable) -> String {
     let mut table = TextTable::new(2);
     table.row(["set", "value", "best", "#", "feasible"]);
-    for group in groups(rows) {
-        let best = group.best.map_or("-".into(), objective);
-        let index = group.best.map_or(String::new(), |r| format!("{:04}", r.index));
-        let count = format!("{} of {}", group.feasible, group.rows);
-        table.row([shown(group.path), shown(&word(group.value)), best, index, count]);
+    for group in &document.best_of {
+        let SweepGroup { path, value, combinations, feasible, best, .. } = group;
+        let row = best.and_then(|index| document.row(index));
+        let index = best.map_or(String::new(), |index| format!("{index:04}"));
+        let count = format!("{feasible} of {combinations}");
+        table.row([shown(path), shown(&word(value)), row.map_or("-".into(), objective), index, count]);
     }
     table.render()
 }

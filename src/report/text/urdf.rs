@@ -4,7 +4,7 @@ use super::table::TextTable;
 use crate::cell::{JointKind, Robot, UrdfOrigin};
 use crate::files::shown;
 use crate::pose::Pose;
-use crate::report::urdf::roll_pitch_yaw;
+use crate::record::roll_pitch_yaw;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use nalgebra::Vector3;
 

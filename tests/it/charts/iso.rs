@@ -1,13 +1,13 @@
 //! Tests iso-lines of a surface over a grid.
 
 use sweetspot::geometry::PlanePoint as Point;
-use sweetspot::report::chart::iso::Surface;
+use sweetspot::report::chart::iso::IsoSurface;
 
-fn grid(size: (usize, usize), f: impl Fn(f64, f64) -> Option<f64>) -> Surface {
+fn grid(size: (usize, usize), f: impl Fn(f64, f64) -> Option<f64>) -> IsoSurface {
     let points: Vec<Point> =
         (0..size.0 * size.1).map(|k| ((k % size.0) as f64, (k / size.0) as f64)).collect();
     let values: Vec<_> = points.iter().map(|p| f(p.0, p.1)).collect();
-    Surface::new(size, &points, &values)
+    IsoSurface::new(size, &points, &values)
 }
 
 fn area(polygon: &[Point]) -> f64 {

@@ -2,7 +2,7 @@
 
 use super::{check, number, start};
 use crate::common::workcell;
-use sweetspot::assess::{Account, Assessment, At, Distribution, Stance};
+use sweetspot::assess::{Account, Assessment, ErrorDistribution, NodeChoice, PostureContext};
 use sweetspot::cell::{Reading, Unit};
 use sweetspot::layout::Workcell;
 use sweetspot::report::chart::{Course, convergence, discrepancy, histogram, misplacement, pareto, tornado};
@@ -10,7 +10,8 @@ use sweetspot::search;
 
 /// Checks that the bars of the budget at a spot are as long as its shares.
 fn budget(name: &str, workcell: &Workcell, a: &Assessment<'_>) {
-    let stance = Stance::at(workcell, &a.layout, &a.maps, 0, At::Best).unwrap_or_else(|e| panic!("{e:?}"));
+    let stance = PostureContext::at(workcell, &a.layout, &a.maps, 0, NodeChoice::Best)
+        .unwrap_or_else(|e| panic!("{e:?}"));
     let account = Account::new(stance);
     let svg = tornado(&account);
     check(&format!("tornado-{name}"), &svg);
@@ -58,7 +59,7 @@ fn tornado_bars_are_as_long_as_the_shares_they_show() {
         let workcell = Workcell::new(cell).unwrap();
         let a = start(&workcell);
         budget(name, &workcell, &a);
-        let d = Distribution::at_spot(&a, 0).unwrap();
+        let d = ErrorDistribution::at_spot(&a, 0).unwrap();
         let svg = histogram(a.cell, &d);
         assert_eq!(svg.contains("requirement"), limit.is_some());
         check(&format!("histogram-{name}"), &svg);
@@ -96,10 +97,11 @@ fn a_set_without_errors_has_no_histogram() {
     }
     let workcell = Workcell::new(workcell.cell).unwrap();
     let a = start(&workcell);
-    let why = Distribution::at_spot(&a, 0).unwrap_err();
+    let why = ErrorDistribution::at_spot(&a, 0).unwrap_err();
     assert!(why.contains("no error spreads"), "{why}");
     // A budget without anything to draw states the reason.
-    let stance = Stance::at(&workcell, &a.layout, &a.maps, 0, At::Best).unwrap_or_else(|e| panic!("{e:?}"));
+    let stance = PostureContext::at(&workcell, &a.layout, &a.maps, 0, NodeChoice::Best)
+        .unwrap_or_else(|e| panic!("{e:?}"));
     let svg = tornado(&Account::new(stance));
     check("tornado-none", &svg);
     assert!(svg.contains("no parameter has an effect"));

@@ -1,6 +1,6 @@
 //! Tests scales of numbers and of colours.
 
-use sweetspot::report::chart::axes::Scale;
+use sweetspot::report::chart::axes::AxisScale;
 use sweetspot::report::chart::colour_scale::ColourScale;
 use sweetspot::report::chart::difference::colour;
 
@@ -22,7 +22,7 @@ fn colour_bands_end_at_iso_lines_and_grow_lighter() {
 #[test]
 fn axis_ticks_are_round_numbers_inside_the_range() {
     for (low, high) in [(0.0, 1.0), (-3.7, 12.4), (3.1e-6, 9.9e-6), (1234.5, 99999.0), (5.0, 5.0)] {
-        let scale = Scale::linear(low, high, (0.0, 100.0));
+        let scale = AxisScale::linear(low, high, (0.0, 100.0));
         let ticks = scale.ticks(5.0);
         assert!((2..=11).contains(&ticks.len()), "{low} {high}: {ticks:?}");
         assert!(ticks.iter().all(|(v, _)| (0.0..=100.0).contains(&scale.at(*v))));
@@ -30,7 +30,7 @@ fn axis_ticks_are_round_numbers_inside_the_range() {
         said.dedup();
         assert_eq!(said.len(), ticks.len(), "{said:?}");
     }
-    let scale = Scale::log(1.0, 20_000.0, (0.0, 400.0));
+    let scale = AxisScale::log(1.0, 20_000.0, (0.0, 400.0));
     let said: Vec<_> = scale.ticks(5.0).into_iter().map(|t| t.1).collect();
     assert_eq!(said, ["1", "10", "100", "1000", "10000"]);
     assert!((scale.at(100.0) - 400.0 * 2.0 / 20_000f64.log10()).abs() < 1e-9);
@@ -38,7 +38,7 @@ fn axis_ticks_are_round_numbers_inside_the_range() {
 
 #[test]
 fn every_value_is_placed_on_the_axis() {
-    for scale in [Scale::linear(f64::NAN, 1.0, (0.0, 9.0)), Scale::log(0.0, 0.0, (0.0, 9.0))] {
+    for scale in [AxisScale::linear(f64::NAN, 1.0, (0.0, 9.0)), AxisScale::log(0.0, 0.0, (0.0, 9.0))] {
         for v in [-1.0, 0.0, 0.5, 1e300] {
             assert!((0.0..=9.0).contains(&scale.at(v)), "{scale:?} {v}");
         }

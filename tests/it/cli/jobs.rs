@@ -168,7 +168,8 @@ fn a_damaged_checkpoint_is_refused() {
     };
     refused(sealed("{}\n").as_bytes(), ":2: the checkpoint cannot be read");
     let content = &other[second..];
-    refused(sealed(&content.replacen("\"search\"", "\"robots\"", 1)).as_bytes(), "its command is no search");
+    let unknown = content.replacen("\"settings\"", "\"setting\"", 1);
+    refused(sealed(&unknown).as_bytes(), ":2: the checkpoint cannot be read: unknown field `setting`");
     std::fs::write(shop.path("found/checkpoint.jsonl"), &whole).unwrap();
     assert_eq!(shop.run(&["search", "--resume", "found", "--time", "0.1"]).code, Some(4));
 }

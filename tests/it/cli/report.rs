@@ -213,7 +213,7 @@ fn a_folder_without_a_search_result_is_refused() {
     let shop = shop();
     shop.done(&["map", PAPER, "--out", "mapped"]);
     for (args, said) in [
-        (&["report", "mapped"][..], "its command is no search"),
+        (&["report", "mapped"][..], "it is not the manifest of a search"),
         (&["report", "cells"], "holds no manifest.json and no checkpoint"),
         (&["report", "found", "--sense", "xyz"], "flags cannot change the question"),
         (&["report", "cells/small.toml", "-o", "page.txt"], "must end in .html"),

@@ -2,6 +2,8 @@
 
 use crate::cli::sandbox::*;
 use crate::common::root;
+use serde_json::Value;
+use sweetspot::record::DocumentKind;
 
 const KINDS: [&str; 4] = ["cell", "robot", "equipment", "tool"];
 
@@ -28,7 +30,7 @@ fn all_schemas_are_written_into_a_folder_and_rewritten() {
         "{}",
         ran.err
     );
-    assert_eq!(shop.files("mine/schemas").len(), 4);
+    assert_eq!(shop.files("mine/schemas").len(), KINDS.len() + DocumentKind::ALL.len());
     for kind in KINDS {
         let name = format!("schemas/{kind}.schema.json");
         assert_eq!(shop.read(&format!("mine/{name}")), shop.read(&format!("cells/{name}")), "{kind}");
@@ -68,4 +70,56 @@ fn every_shipped_file_names_its_schema() {
         }
     }
     assert!(count >= 42, "{count} files");
+}
+
+/// Insists that a document validates against the schema that the command prints.
+fn validates(shop: &Sandbox, kind: DocumentKind, document: &Value) {
+    let schema: Value = serde_json::from_str(&shop.done(&["schema", kind.name()]).out).unwrap();
+    let validator = jsonschema::draft7::new(&schema).unwrap();
+    let faults: Vec<_> =
+        validator.iter_errors(document).map(|e| format!("{}: {e}", e.instance_path())).collect();
+    assert!(faults.is_empty(), "{}: {faults:#?}", kind.name());
+    let mut unknown = document.clone();
+    unknown["unknown_field"] = Value::Null;
+    assert!(!validator.is_valid(&unknown), "{}: an unknown field is taken", kind.name());
+}
+
+#[test]
+fn documents_of_commands_validate_against_the_printed_schemas() {
+    let shop = Sandbox::new();
+    let found = shop.json(&["search", CELL, "--budget", "60", "--seed", "2", "--out", "found"]);
+    validates(&shop, DocumentKind::SearchResult, &found);
+    validates(&shop, DocumentKind::SearchResult, &shop.document("found/search.json"));
+    let manifest = shop.document("found/manifest.json");
+    validates(&shop, DocumentKind::Manifest, &manifest);
+    assert_eq!((&manifest["resolved"]["budget"], &manifest["resolved"]["seed"]), (&60.into(), &2.into()));
+    let report = shop.run(&["report", "found", "--json"]);
+    validates(&shop, DocumentKind::Report, &report.document());
+    let sweep = ["sweep", PAPER, "--map", "--set", "errors=table-2,table-3", "--out", "swept"];
+    validates(&shop, DocumentKind::Sweep, &shop.json(&sweep));
+    validates(&shop, DocumentKind::SweepPlan, &shop.document("swept/plan.json"));
+    validates(&shop, DocumentKind::SweepRow, &shop.document("swept/0001.json"));
+    validates(&shop, DocumentKind::Manifest, &shop.document("swept/manifest.json"));
+    validates(&shop, DocumentKind::Check, &shop.json(&["check", "cells/hitachi_urdf.toml"]));
+    validates(&shop, DocumentKind::Robots, &shop.json(&["robots"]));
+    validates(&shop, DocumentKind::RobotSheet, &shop.json(&["robot", "hitachi_pw10"]));
+    validates(&shop, DocumentKind::Envelope, &shop.json(&["envelope", "hitachi_pw10"]));
+}
+
+/// The settings of the manifest are read, not its command line.
+#[test]
+fn a_result_folder_is_read_by_its_settings_and_not_by_its_command() {
+    let shop = Sandbox::new();
+    let args = ["search", CELL, "--budget", "60", "--limit", "30", "--sense", "xyz", "--out", "found"];
+    let code = shop.run(&args).code;
+    let manifest = shop.text("found/manifest.json");
+    shop.write("found/manifest.json", &manifest.replace("\"--limit\"", "\"--a-flag-of-another-version\""));
+    let ran = shop.run(&["report", "found", "--json"]);
+    assert_eq!(ran.code, code, "{}", ran.err);
+    assert_ne!(ran.document()["requirement"], "none");
+    // Another default of the program would be another question.
+    shop.write("found/manifest.json", &manifest.replace("\"budget\": 60", "\"budget\": 61"));
+    let ran = shop.run(&["report", "found"]);
+    assert_eq!(ran.code, Some(2));
+    assert!(ran.err.contains("manifest.json: this program reads other settings"), "{}", ran.err);
 }

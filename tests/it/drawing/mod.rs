@@ -5,7 +5,7 @@ mod mesh;
 
 use crate::common::workcell;
 use sweetspot::assess::Assessment;
-use sweetspot::drawing::{Detail, Drawing, Kind};
+use sweetspot::drawing::{Detail, Drawing, PartKind};
 
 #[test]
 fn a_drawing_shows_the_values_of_the_assessment() {
@@ -74,8 +74,8 @@ fn every_robot_without_solids_is_drawn_as_bars() {
         let a = Assessment::new("start", &workcell, workcell.cell.start());
         let plain = Detail { lenses: false, envelopes: false, nodes: usize::MAX };
         let parts = Drawing::new(&a, &plain).unwrap().parts;
-        let robot: Vec<_> = parts.iter().filter(|p| p.kind == Kind::Robot).collect();
+        let robot: Vec<_> = parts.iter().filter(|p| p.kind == PartKind::Robot).collect();
         assert!(robot.len() > 2, "{name}");
-        assert_eq!(parts.iter().filter(|p| p.kind == Kind::Tool).count(), tools, "{name}");
+        assert_eq!(parts.iter().filter(|p| p.kind == PartKind::Tool).count(), tools, "{name}");
     }
 }

@@ -2,6 +2,7 @@
 
 mod bench;
 mod norm;
+mod normal_quantile;
 mod registration;
 mod sampling;
 mod spread;

@@ -6,7 +6,7 @@ use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 use sweetspot::assess::Assessment;
 use sweetspot::cell::Reading;
-use sweetspot::drawing::{Carrier, Detail, Drawing};
+use sweetspot::drawing::{Detail, Drawing, PartCarrier};
 use sweetspot::report;
 use sweetspot::report::page::{assets, script_json};
 use sweetspot::units::mm_from_m;
@@ -21,7 +21,7 @@ fn same(a: f64, b: f64) {
     assert!((a - b).abs() <= 1e-3 || a.is_nan() && b.is_nan(), "{a} and {b}");
 }
 
-/// Returns a page that shows a document and nothing else, for people and for tests/browser/viewer.mjs.
+/// Returns a page that shows a document and nothing else, for people to look at.
 fn page(document: &Value) -> String {
     let (css, js) = (assets::VIEWER_CSS, assets::viewer_js());
     let policy = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'";
@@ -69,8 +69,8 @@ fn check_parts(drawing: &Drawing<'_>, written: &Value, meshes: &Value) {
         assert_eq!(written["name"], part.name);
         assert_eq!(written["kind"], part.kind.name());
         match part.carrier {
-            Carrier::Link(k) => assert_eq!(written["link"], k),
-            Carrier::World(at) => {
+            PartCarrier::Link(k) => assert_eq!(written["link"], k),
+            PartCarrier::World(at) => {
                 let numbers = written["at"].as_array().unwrap();
                 let p = at.transform(&nalgebra::Vector3::new(0.1, 0.2, 0.3));
                 let n = |k: usize| numbers[k].as_f64().unwrap();

@@ -6,9 +6,9 @@ use sweetspot::assess::Assessment;
 use sweetspot::drawing::Drawing;
 use sweetspot::drawing::{Detail, Mesh};
 use sweetspot::layout::Workcell;
-use sweetspot::report::raster::camera::{Camera, Frame, Seen};
-use sweetspot::report::raster::canvas::Canvas;
-use sweetspot::report::raster::{Shot, Show, View, font, isometric, png, trace};
+use sweetspot::report::raster::camera::{Camera, PictureFrame, ScreenPoint};
+use sweetspot::report::raster::canvas::DepthBuffer;
+use sweetspot::report::raster::{Shot, Show, ViewDirection, font, isometric, png, trace};
 
 fn drawn<T>(cell: sweetspot::cell::Cell, look: impl FnOnce(&Drawing<'_>) -> T) -> T {
     let workcell = Workcell::new(cell).unwrap();
@@ -29,15 +29,15 @@ fn decoded(bytes: &[u8]) -> (u32, u32, Vec<u8>) {
     (info.width, info.height, pixels)
 }
 
-fn seen(x: f64, y: f64, near: f64) -> Seen {
-    Seen { at: Point2::new(x, y), near }
+fn seen(x: f64, y: f64, near: f64) -> ScreenPoint {
+    ScreenPoint { at: Point2::new(x, y), near }
 }
 
 #[test]
 fn a_triangle_covers_the_pixels_whose_centres_it_contains() {
     // The triangle is half of a square of 8 by 8: row k has the centres left of 8 - k - 1/2. Centres on the
     // line belong to one half.
-    let mut canvas = Canvas::new(10, 10, 0u32);
+    let mut canvas = DepthBuffer::new(10, 10, 0u32);
     let (a, b, c, d) = (seen(0.0, 0.0, 1.0), seen(8.0, 0.0, 1.0), seen(0.0, 8.0, 1.0), seen(8.0, 8.0, 1.0));
     canvas.fill(&[a, b, c], false, |v, _| *v += 1);
     let first: u32 = canvas.value.iter().sum();
@@ -51,7 +51,7 @@ fn a_triangle_covers_the_pixels_whose_centres_it_contains() {
 
 #[test]
 fn a_triangle_fan_leaves_no_gap_and_no_overlap() {
-    let mut canvas = Canvas::new(64, 64, 0u32);
+    let mut canvas = DepthBuffer::new(64, 64, 0u32);
     let rim = |k: usize| {
         let (sin, cos) = (std::f64::consts::TAU * k as f64 / 37.0).sin_cos();
         seen(31.3 + 27.9 * cos, 32.6 + 27.9 * sin, 0.0)
@@ -72,7 +72,7 @@ fn the_nearer_of_two_planes_wins_in_any_order() {
     // The planes cross at x = 10: left of it the first is nearer.
     let (flat, tilted) = (plane([0.5; 3]), plane([0.0, 1.0, 0.0]));
     for order in [[0, 1], [1, 0]] {
-        let mut canvas = Canvas::new(20, 20, 9usize);
+        let mut canvas = DepthBuffer::new(20, 20, 9usize);
         for k in order {
             canvas.fill([&flat, &tilted][k], true, |v, _| *v = k);
         }
@@ -87,10 +87,10 @@ fn a_ball_is_rendered_as_a_disc_at_its_place() {
     let centre = Vector3::new(0.4, -0.3, 0.8);
     let radius = 0.25;
     let ball = Mesh::of(&sweetspot::cell::Shape::Sphere { centre, radius }, 0.0);
-    let frame = Frame { left: 10.0, top: 20.0, width: 200.0, height: 160.0 };
-    for view in View::ALL {
+    let frame = PictureFrame { left: 10.0, top: 20.0, width: 200.0, height: 160.0 };
+    for view in ViewDirection::ALL {
         let camera = Camera::fitted(view, false, &Vector3::new(1.0, 1.0, 0.0), &ball.positions, &frame);
-        let mut canvas = Canvas::new(240, 200, 0u32);
+        let mut canvas = DepthBuffer::new(240, 200, 0u32);
         for t in &ball.triangles {
             canvas.fill(&t.map(|i| camera.seen(&ball.positions[i as usize])), true, |v, _| *v = 1);
         }
@@ -111,8 +111,8 @@ fn a_ball_is_rendered_as_a_disc_at_its_place() {
 fn a_camera_frames_its_points_and_orders_them_by_depth() {
     let corner = |k: usize| [k & 1, k >> 1 & 1, k >> 2].map(|b| b as f64 * 2.0 - 0.7);
     let points: Vec<Vector3<f64>> = (0..8).map(|k| Vector3::from(corner(k))).collect();
-    let frame = Frame { left: 30.0, top: 40.0, width: 300.0, height: 200.0 };
-    for (view, perspective) in View::ALL.into_iter().flat_map(|v| [(v, false), (v, true)]) {
+    let frame = PictureFrame { left: 30.0, top: 40.0, width: 300.0, height: 200.0 };
+    for (view, perspective) in ViewDirection::ALL.into_iter().flat_map(|v| [(v, false), (v, true)]) {
         let camera = Camera::fitted(view, perspective, &Vector3::y(), &points, &frame);
         for p in &points {
             let s = camera.seen(p);
@@ -169,7 +169,7 @@ fn a_picture_has_the_requested_size_and_is_deterministic() {
         // Every option changes the picture.
         let others = [
             Shot { operation: None, ..small() },
-            Shot { view: View::Top, ..small() },
+            Shot { view: ViewDirection::Top, ..small() },
             Shot { perspective: false, ..small() },
             Shot { show: Show::Z, ..small() },
             Shot { show: Show::Nothing, ..small() },

@@ -1,10 +1,10 @@
-//! The tables of a DXF file: layers, styles, the view, the records of blocks.
+//! Tables of a DXF file: layers, styles, the view, block records.
 
-use super::{Codes, File, Layer, STYLE, Space, section};
+use super::{Codes, DxfFile, DxfSpace, Layer, STYLE, section};
 use crate::units::mm_from_m;
 use nalgebra::Vector3;
 
-/// Handles of the tables, in the order in which they stand.
+/// Handles of the tables in the order of the file.
 const TABLES: [(&str, u64); 9] = [
     ("VPORT", 1),
     ("LTYPE", 2),
@@ -17,7 +17,7 @@ const TABLES: [(&str, u64); 9] = [
     ("BLOCK_RECORD", 9),
 ];
 
-impl File {
+impl DxfFile {
     pub(super) fn tables(&mut self, body: &mut Codes, layers: &[Layer]) {
         section(body, "TABLES", |out| {
             for (table, owner) in TABLES {
@@ -50,7 +50,7 @@ impl File {
             "APPID" => vec![self.record(table, owner, "AcDbRegAppTableRecord", "ACAD")],
             "DIMSTYLE" => vec![self.dimension_style(owner)],
             "BLOCK_RECORD" => {
-                let record = |space: &Space| {
+                let record = |space: &DxfSpace| {
                     let subclass = "AcDbBlockTableRecord";
                     let mut out = begun(table, (5, space.record), owner, subclass, &space.name);
                     out.handle(340, 0);
@@ -69,7 +69,7 @@ impl File {
         out
     }
 
-    /// From above, all of it to be seen.
+    /// The view is from above and shows everything.
     fn view_port(&mut self, owner: u64) -> Codes {
         let (middle, size) = ((self.low + self.high) / 2.0, self.high - self.low);
         let mut out = self.record("VPORT", owner, "AcDbViewportTableRecord", "*Active");
@@ -134,7 +134,7 @@ impl File {
     }
 }
 
-/// A record of a table begun: its handle under the code that its table has for it, owner, name.
+/// Begins a record of a table: its handle under the group code of the table, owner, name.
 fn begun(table: &str, (code, handle): (u16, u64), owner: u64, subclass: &str, name: &str) -> Codes {
     let mut out = Codes::default();
     out.put(0, table);

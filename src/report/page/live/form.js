@@ -1,7 +1,7 @@
 // The form: every number of the layout.
 
 /**
- * What a number is called.
+ * Names of the numbers by their keys.
  * @type {Record<string, string>}
  */
 const NUMBER_NAMES = {
@@ -115,6 +115,7 @@ class Form {
 }
 
 /**
+ * Makes the input of a number: a list of choices or a field.
  * @param {NumberRecord} number
  * @param {string} unit
  * @param {string} label
@@ -130,6 +131,7 @@ function numberInput(number, unit, label) {
 }
 
 /**
+ * Describes the values that a number may have.
  * @param {NumberRecord} number
  * @param {string} unit
  */

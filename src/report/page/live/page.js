@@ -77,7 +77,7 @@ class Page {
       try {
         // Only a drag in the 3-D view has its map drawn there.
         const answer = await ask(this.view3d?.held ? "try-drawing" : "try", asked);
-        // What was dropped in the meantime counts more.
+        // The answer to a drop in the meantime takes precedence.
         if (serial === this.serial) this.showAttempt(answer);
       } catch (error) {
         if (serial === this.serial) showFault(messageOf(error));
@@ -262,6 +262,7 @@ function allowedValue({ list, min, max }, wanted, isAngle) {
   return Math.min(Math.max(value, min), max);
 }
 
+/** Starts the page. */
 async function begin() {
   const page = new Page(await ask("state"));
   window.sweetspotDrawn = [];

@@ -167,7 +167,7 @@ class Plan {
     const step = KEY_STEPS[event.key];
     if (!step || event.ctrlKey || event.metaKey || event.altKey) return;
     event.preventDefault();
-    // With the shift key, which makes braces of brackets, a step is a tenth.
+    // The shift key, which turns brackets into braces, makes a step a tenth.
     const share = event.shiftKey || "{}".includes(event.key) ? 0.1 : 1;
     const [x, y, z, yaw] = this.answer.placements[index];
     const moved = [x + share * step[0], y + share * step[1], z, yaw + share * step[2]];
@@ -280,6 +280,7 @@ function transform(group, [x, y, , yaw]) {
 }
 
 /**
+ * Sets attributes of an element.
  * @param {Element} element
  * @param {Record<string, number>} attributes
  */

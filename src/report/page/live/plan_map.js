@@ -81,6 +81,7 @@ class PlanMap {
 }
 
 /**
+ * Describes a node: its value and error, or why it has none.
  * @param {NodesRecord} nodes
  * @param {number} k
  * @param {string} unit
@@ -185,6 +186,7 @@ function colourBar() {
 }
 
 /**
+ * Makes an entry of the legend.
  * @param {SVGElement} shape
  * @param {string} text
  */

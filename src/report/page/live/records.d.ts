@@ -89,7 +89,7 @@ interface OperationAnswer {
   nodes: NodesRecord;
 }
 
-/** What a layout is worth. */
+/** Evaluation of a layout. */
 interface AnswerRecord {
   feasible: boolean;
   met: boolean;
@@ -120,7 +120,7 @@ interface StepRecord {
   /** Number of steps that can be undone, and done again. */
   undo: number;
   redo: number;
-  /** What the step changed. */
+  /** Description of the change. */
   what: string;
   question: QuestionRecord;
   numbers: LayoutNumbers;
@@ -186,7 +186,7 @@ interface Answers {
 /** Requests that change the layout shown. */
 type ChangeRequest = "layout" | "question" | "accept" | "undo" | "redo" | "reset";
 
-/** What the server answers to a request that it refuses. */
+/** Answer of the server to a request that it refuses. */
 interface Refusal {
   error?: string;
   /** Whether a file of this name exists. */

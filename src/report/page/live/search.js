@@ -86,7 +86,10 @@ class SearchPanel {
   }
 }
 
-/** @param {SearchRecord} search */
+/**
+ * Describes the state of a search, line by line.
+ * @param {SearchRecord} search
+ */
 function searchLines({
   evaluations,
   budget,

@@ -1,6 +1,7 @@
 // Requests to the server of this page, and elements of the page.
 
 /**
+ * Returns the element with an id.
  * @template {HTMLElement} [Kind=HTMLElement]
  * @param {string} id
  * @returns {Kind}
@@ -12,12 +13,14 @@ const byId = (id) => {
 };
 
 /**
+ * Returns the input with an id.
  * @param {string} id
  * @returns {HTMLInputElement}
  */
 const inputById = (id) => byId(id);
 
 /**
+ * Returns the button with an id.
  * @param {string} id
  * @returns {HTMLButtonElement}
  */
@@ -50,7 +53,10 @@ function showFault(text) {
   byId("fault").textContent = text;
 }
 
-/** @param {unknown} error */
+/**
+ * Returns the message of an error.
+ * @param {unknown} error
+ */
 const messageOf = (error) => (error instanceof Error ? error.message : String(error));
 
 /** A request that the server refused. */

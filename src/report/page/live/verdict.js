@@ -1,6 +1,7 @@
 // The verdict on the layout shown, and what the last step changed.
 
 /**
+ * Shows the error of a layout, whether it is feasible, and what the step changed.
  * @param {AnswerRecord} answer
  * @param {StepRecord | null} step `null` while something is dragged
  */
@@ -18,17 +19,26 @@ function showVerdict(answer, step) {
   byId("change").replaceChildren(...(step ? changeWords(step) : []));
 }
 
-/** @param {AnswerRecord} answer */
+/**
+ * Says whether a layout is feasible and meets its requirements.
+ * @param {AnswerRecord} answer
+ */
 function verdictWords({ feasible, met, operations }) {
   if (!feasible) return "✗ not feasible";
   if (!met) return "✗ requirement missed";
   return hasLimit(operations) ? "✓ requirement met" : "✓ feasible";
 }
 
-/** @param {OperationAnswer[]} operations */
+/**
+ * Returns whether an operation has a limit.
+ * @param {OperationAnswer[]} operations
+ */
 const hasLimit = (operations) => operations.some(({ limit }) => limit !== null);
 
-/** @param {AnswerRecord} answer */
+/**
+ * Shows the table of the operations.
+ * @param {AnswerRecord} answer
+ */
 function showOperations({ operations, unit }) {
   const cells = (/** @type {"td" | "th"} */ tag, /** @type {string[]} */ texts) =>
     make("tr", {}, ...texts.map((text) => make(tag, {}, text)));
@@ -42,7 +52,10 @@ function showOperations({ operations, unit }) {
   byId("operations").replaceChildren(head, ...rows);
 }
 
-/** @param {OperationAnswer} operation */
+/**
+ * Describes the limit of an operation and the margin to it.
+ * @param {OperationAnswer} operation
+ */
 function limitWords({ limit, margin }) {
   if (limit === null || margin === null) return limit === null ? "" : errorFigure(limit);
   const word = margin < 0 ? "exceeded by" : "margin";

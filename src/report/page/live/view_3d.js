@@ -30,7 +30,7 @@ class View3d {
     this.copy = make("canvas", { className: "copy", hidden: true });
     this.viewer.canvas?.after(this.copy);
     afterPaint(() => afterPaint(() => this.measure(written)));
-    // What is asked is chosen at the top of the page; the other switches are folded.
+    // The question is chosen at the top of the page; the switches of the viewer are folded.
     for (const details of this.host.querySelectorAll("details")) details.open = false;
     this.listen();
   }

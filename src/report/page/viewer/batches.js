@@ -46,6 +46,7 @@ function refilled({ gl }, old, data, stride, makeArray) {
 }
 
 /**
+ * Uploads segments: six numbers each.
  * @param {Graphics} graphics
  * @param {Batch | undefined} old
  * @param {Float32Array<ArrayBuffer>} data
@@ -63,6 +64,7 @@ function uploadLines(graphics, old, data) {
 }
 
 /**
+ * Uploads arrows: origin, vector and colour.
  * @param {Graphics} graphics
  * @param {Batch | undefined} old
  * @param {Float32Array<ArrayBuffer>} data
@@ -85,6 +87,7 @@ function uploadArrows(graphics, old, data) {
 }
 
 /**
+ * Uploads glyphs: centre, colour with alpha, code of the mark and size.
  * @param {Graphics} graphics
  * @param {Batch | undefined} old
  * @param {Float32Array<ArrayBuffer>} data
@@ -106,6 +109,7 @@ function uploadGlyphs(graphics, old, data) {
 }
 
 /**
+ * Draws a mesh with a program.
  * @param {Graphics} graphics
  * @param {"solid" | "shadow"} name
  * @param {MeshBuffers} mesh
@@ -135,6 +139,7 @@ function drawInstances(graphics, name, batch, values) {
 }
 
 /**
+ * Draws the floor.
  * @param {Graphics} graphics
  * @param {Uniforms} values
  */

@@ -57,6 +57,7 @@ function showChoices({ list, box }, choices, value) {
 }
 
 /**
+ * Makes a button.
  * @param {string} text
  * @param {() => void} press
  * @param {Record<string, unknown>} [properties]
@@ -124,12 +125,14 @@ function makeControls(view, host, show, look) {
 const indexChoice = (index) => (index === null ? "" : String(index));
 
 /**
+ * Returns names as choices by their index.
  * @param {{ name: string }[]} all
  * @returns {Choices}
  */
 const indexedChoices = (all) => all.map(({ name }, k) => [String(k), name]);
 
 /**
+ * Shows the state of the viewer in the switches.
  * @param {ReturnType<typeof makeControls>} controls
  * @param {View} view
  */

@@ -1,4 +1,4 @@
-// What the script offers to a page: `sweetspotViewer`.
+// Entry point for a page: the global function `sweetspotViewer`.
 
 /** Returns whether the browser offers WebGL 2. */
 function isSupported() {

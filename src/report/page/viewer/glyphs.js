@@ -31,7 +31,10 @@ function nodeColour(view, field, k) {
   return range ? colourOn(VIRIDIS, (value - range.low) / Math.max(range.high - range.low, 1e-12)) : null;
 }
 
-/** @param {View} view */
+/**
+ * Returns the marks of the nodes.
+ * @param {View} view
+ */
 function glyphInstances(view) {
   /** @type {number[]} */
   const instances = [];
@@ -101,7 +104,10 @@ const refinedSpotOf = (view, field) =>
  */
 const ARROW_AXES = { x: [0], y: [1], z: [2], components: [0, 1, 2] };
 
-/** @param {View} view */
+/**
+ * Returns the error arrows of the usable nodes.
+ * @param {View} view
+ */
 function arrowInstances(view) {
   const { drawing, state, lens } = view;
   /** @type {number[]} */

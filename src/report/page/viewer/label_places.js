@@ -23,6 +23,7 @@ const COST_OF_OVERLAP = 30;
 const GREATEST_COST = 28;
 
 /**
+ * Returns whether two rectangles overlap.
  * @param {Rectangle} a
  * @param {Rectangle} b
  */
@@ -71,6 +72,7 @@ function arrange(labels, boxes, points, picture) {
 }
 
 /**
+ * Moves a label into the picture.
  * @param {LabelBox} box
  * @param {LabelPlace} place
  * @param {{ width: number, height: number }} picture
@@ -88,6 +90,7 @@ function insidePicture({ width, height }, place, picture) {
 }
 
 /**
+ * Returns whether a point is covered by a label or close to it.
  * @param {Rectangle} at
  * @param {{ x: number, y: number }} point
  */
@@ -141,6 +144,7 @@ function placesRound(at, width) {
 }
 
 /**
+ * Returns whether a point is inside an outline.
  * @param {{ left: number, right: number, top: number, bottom: number }} outline
  * @param {number} x
  * @param {number} y

@@ -29,6 +29,7 @@ function makeLabels(stage) {
 /** @typedef {ReturnType<typeof makeLabels>} Labels */
 
 /**
+ * Places and shows all labels of a picture.
  * @param {View} view
  * @param {Labels} labels
  */
@@ -38,6 +39,7 @@ function drawLabels(view, labels) {
 }
 
 /**
+ * Shows labels in the elements of the pool.
  * @param {Labels} labels
  * @param {Label[]} wanted
  */
@@ -61,6 +63,7 @@ function showLabels(labels, wanted) {
 }
 
 /**
+ * Returns the labels to be placed, the most important first.
  * @param {View} view
  * @returns {LabelBox[]}
  */
@@ -130,6 +133,7 @@ function equipmentLabels(view) {
 }
 
 /**
+ * Writes the value of a field at its spot.
  * @param {View} view
  * @param {Field} field
  */

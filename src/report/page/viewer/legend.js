@@ -30,7 +30,10 @@ const OTHER_SIGNS = {
   },
 };
 
-/** @param {Element} host */
+/**
+ * Makes the legend.
+ * @param {Element} host
+ */
 function makeLegend(host) {
   const box = element("div", { class: "ss-legend" });
   host.append(box);
@@ -38,6 +41,7 @@ function makeLegend(host) {
 }
 
 /**
+ * Shows the legend of a view.
  * @param {Element} box
  * @param {View} view
  */
@@ -45,10 +49,16 @@ function showLegend(box, view) {
   box.replaceChildren(colourKey(view), arrowKey(view), signKey(view));
 }
 
-/** @param {string} text */
+/**
+ * Makes a paragraph.
+ * @param {string} text
+ */
 const paragraph = (text) => element("p", { textContent: text });
 
-/** @param {string} text */
+/**
+ * Makes a span.
+ * @param {string} text
+ */
 const span = (text) => element("span", { textContent: text });
 
 /**
@@ -61,7 +71,10 @@ function senseWords(view) {
   return [...new Set(own)].join(", ");
 }
 
-/** @param {View} view */
+/**
+ * Explains the colours.
+ * @param {View} view
+ */
 function colourKey(view) {
   const { scale } = view;
   const { reading, model } = view.drawing.lenses[view.lens];
@@ -85,6 +98,7 @@ function colourKey(view) {
 }
 
 /**
+ * Makes the bar of a colour scale.
  * @param {number[][]} scale
  * @param {string} low
  * @param {string} high
@@ -112,7 +126,10 @@ function arrowKey(view) {
   return box;
 }
 
-/** @param {View} view */
+/**
+ * Describes what the arrows show.
+ * @param {View} view
+ */
 function arrowWords(view) {
   const { arrows } = view.state;
   const { signed } = view.drawing.lenses[view.lens];
@@ -122,6 +139,7 @@ function arrowWords(view) {
 }
 
 /**
+ * Makes a scale bar of a round length.
  * @param {number} pixelsPerMm
  * @param {string} what
  */
@@ -157,6 +175,7 @@ function signKey(view) {
 }
 
 /**
+ * Makes an entry of the list of signs.
  * @param {SVGElement} shape
  * @param {string} text
  */

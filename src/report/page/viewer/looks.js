@@ -44,7 +44,10 @@ const LOOKS = {
   },
 };
 
-/** @param {View} view */
+/**
+ * Returns the colours of the theme.
+ * @param {View} view
+ */
 const looksOf = (view) => LOOKS[view.theme];
 
 const ROBOT_KINDS = ["robot", "tool", "held"];
@@ -62,6 +65,7 @@ function visibilityOf({ state }, part) {
 }
 
 /**
+ * Returns the colour of a part.
  * @param {View} view
  * @param {Part} part
  */

@@ -1,6 +1,7 @@
 // Vectors and matrices. A vector has three numbers, a matrix 16 numbers column by column; lengths are in mm.
 
 /**
+ * Adds two vectors.
  * @param {Vector} a
  * @param {Vector} b
  * @returns {Vector}
@@ -8,6 +9,7 @@
 const add = (a, b) => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
 
 /**
+ * Subtracts a vector from another.
  * @param {Vector} a
  * @param {Vector} b
  * @returns {Vector}
@@ -15,6 +17,7 @@ const add = (a, b) => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
 const subtract = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
 
 /**
+ * Multiplies a vector by a number.
  * @param {Vector} vector
  * @param {number} factor
  * @returns {Vector}
@@ -22,25 +25,34 @@ const subtract = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
 const scaled = (vector, factor) => [vector[0] * factor, vector[1] * factor, vector[2] * factor];
 
 /**
+ * Returns the dot product.
  * @param {Vector} a
  * @param {Vector} b
  */
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 
 /**
+ * Returns the cross product.
  * @param {Vector} a
  * @param {Vector} b
  * @returns {Vector}
  */
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 
-/** @param {Vector} vector */
+/**
+ * Returns the length of a vector.
+ * @param {Vector} vector
+ */
 const norm = (vector) => Math.hypot(vector[0], vector[1], vector[2]);
 
-/** @param {Vector} vector */
+/**
+ * Returns the unit vector of a direction.
+ * @param {Vector} vector
+ */
 const normalized = (vector) => scaled(vector, 1 / (norm(vector) || 1));
 
 /**
+ * Limits a value to a range.
  * @param {number} value
  * @param {number} low
  * @param {number} high
@@ -200,8 +212,14 @@ function bytesOf(text) {
   return bytes.buffer;
 }
 
-/** @param {EncodedArray} text */
+/**
+ * Decodes 32-bit floats.
+ * @param {EncodedArray} text
+ */
 const floatsOf = (text) => new Float32Array(bytesOf(text));
 
-/** @param {EncodedArray} text */
+/**
+ * Decodes 32-bit unsigned integers.
+ * @param {EncodedArray} text
+ */
 const integersOf = (text) => new Uint32Array(bytesOf(text));

@@ -14,6 +14,7 @@ function readModel(written, known) {
 }
 
 /**
+ * Reads one layout of a document.
  * @param {DrawingRecord} written
  * @param {Mesh[]} meshes
  * @returns {Drawing}
@@ -36,6 +37,7 @@ function readDrawing(written, meshes) {
 }
 
 /**
+ * Reads an error map.
  * @param {FieldRecord} written
  * @returns {Field}
  */
@@ -52,6 +54,7 @@ function readField(written) {
 }
 
 /**
+ * Reads a mesh, unless it is known.
  * @param {MeshRecord} written
  * @param {Map<string, Mesh>} known
  * @returns {Mesh}
@@ -93,7 +96,10 @@ function extentOf(positions) {
   return extent;
 }
 
-/** @returns {Extent} */
+/**
+ * Returns a box that holds nothing.
+ * @returns {Extent}
+ */
 const emptyExtent = () => ({
   low: [Infinity, Infinity, Infinity],
   high: [-Infinity, -Infinity, -Infinity],

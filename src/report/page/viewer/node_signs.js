@@ -1,4 +1,4 @@
-// Signs of the nodes of an error map: which mark a status has, what it looks like, and what it means.
+// Signs of the nodes of an error map: the mark of every status, its shape and its meaning.
 // Statuses, labels and glyphs come from NODE_SIGN_TABLE, which the program writes before this script.
 
 /** Outline of a circle of radius 1. */
@@ -23,12 +23,19 @@ const SPOT_SIGNS = {
   refined: { mark: "diamond", text: "spot between the nodes" },
 };
 
-/** Returns the path of a glyph. @param {GlyphRecord} glyph */
+/**
+ * Returns the path of a glyph.
+ * @param {GlyphRecord} glyph
+ */
 const glyphPath = ({ ring, strokes }) =>
   (ring ? CIRCLE : "") +
   strokes.map((stroke) => `M${stroke.map(([x, y]) => `${x} ${y}`).join("L")}`).join("");
 
-/** Returns the shape of a status: a usable node is a dot. @param {NodeSignRecord} record @returns {MarkShape} */
+/**
+ * Returns the shape of a status: a usable node is a dot.
+ * @param {NodeSignRecord} record
+ * @returns {MarkShape}
+ */
 const statusShape = ({ glyph }) =>
   glyph
     ? { path: glyphPath(glyph), tone: glyph.tone, dashed: glyph.dashed }

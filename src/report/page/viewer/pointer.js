@@ -1,7 +1,7 @@
 // Mouse, touch and keys: they turn, shift and zoom the picture, and pick nodes.
 
 /**
- * What the pointer may do with a viewer.
+ * Actions of the pointer on a viewer.
  * @typedef {object} PointerTarget
  * @property {(dx: number, dy: number) => void} turn
  * @property {(dx: number, dy: number) => void} shift
@@ -71,6 +71,7 @@ function placeOf(canvas, event) {
 }
 
 /**
+ * Listens to drags, pinches and clicks.
  * @param {PointerTarget} target
  * @param {HTMLCanvasElement} canvas
  * @param {() => void} begin

@@ -259,7 +259,7 @@ type Visibility = "solid" | "clear" | "none";
 type ArrowChoice = "none" | "x" | "y" | "z" | "components" | "resultant";
 type ViewName = "iso" | "top" | "front" | "side";
 
-/** What the switches choose. Pages share it through `show`, `state` and the event `state`. */
+/** Choices of the switches. Pages share them through `show`, `state` and the event `state`. */
 interface ViewerState {
   drawing: number;
   /** Index of the operation; null shows all of them. */

@@ -97,7 +97,10 @@ function drawPicture(view, width, height) {
   }
 }
 
-/** @param {WebGL2RenderingContext} gl */
+/**
+ * Sets the state of WebGL that a picture starts from.
+ * @param {WebGL2RenderingContext} gl
+ */
 function resetState(gl) {
   gl.enable(gl.DEPTH_TEST);
   gl.depthFunc(gl.LEQUAL);
@@ -110,6 +113,7 @@ function resetState(gl) {
 }
 
 /**
+ * Returns the uniforms that all programs share.
  * @param {View} view
  * @param {number} width
  * @param {number} height
@@ -134,6 +138,7 @@ function sharedUniforms(view, width, height) {
 }
 
 /**
+ * Draws the faces of a part.
  * @param {View} view
  * @param {Part} part
  * @param {Uniforms} shared
@@ -167,6 +172,7 @@ function drawOutline(view, part, shared) {
 }
 
 /**
+ * Draws the feature edges of a part.
  * @param {View} view
  * @param {Part} part
  * @param {Uniforms} shared
@@ -202,6 +208,7 @@ function drawGlass(view, part, shared, alpha) {
 }
 
 /**
+ * Draws the floor with its grid and the shadow of the cell.
  * @param {View} view
  * @param {Uniforms} shared
  */

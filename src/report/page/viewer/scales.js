@@ -22,6 +22,7 @@ function settle(view) {
 }
 
 /**
+ * Returns the ranges of the colours, and the comparison with another layout.
  * @param {View} view
  * @returns {ColourScale}
  */

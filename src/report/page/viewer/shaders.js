@@ -1,4 +1,4 @@
-// What the graphics card runs. Colours go in as seen (sRGB) and come out premultiplied.
+// Shaders (GLSL ES 3.00). Input colours are sRGB; output colours have premultiplied alpha.
 
 const SOLID_VERTEX = `#version 300 es
 in vec3 position;
@@ -17,14 +17,14 @@ void main() {
   if (grow > 0.0) {
     vec2 away = (camera * vec4(facing, 0.0)).xy * viewport;
     float far = length(away);
-    // Faces seen from the front stay: moved about they would turn over.
+    // A vertex seen from the front stays in place: moved, its faces would turn over.
     float front = abs(dot(normalize(facing), normalize(eye - place * (1.0 - parallelView))));
     float share = 1.0 - smoothstep(0.6, 0.9, front);
     if (far > 1e-6) gl_Position.xy += away / far * grow * share * 2.0 / viewport * gl_Position.w;
   }
 }`;
 
-// Sky light from above, a key light with a soft shadow, a little shine.
+// Shading: hemisphere light from the sky, a key light with a soft shadow, a weak specular highlight.
 const LIGHT = `
 uniform highp sampler2DShadow shadowMap;
 uniform mat4 shadowCamera;
@@ -35,7 +35,7 @@ float lit(vec3 place, vec3 n, float soft) {
   vec3 at = seen.xyz * 0.5 + 0.5;
   if (at.x <= 0.0 || at.y <= 0.0 || at.x >= 1.0 || at.y >= 1.0 || at.z >= 1.0) return 1.0;
   float sum = 0.0;
-  // From the rim inwards: where four agree, all do.
+  // Percentage-closer filtering from the rim inwards; if four samples agree, the others are skipped.
   for (int k = 15; k >= 0; k--) {
     float turn = 2.399963 * float(k);
     float far = sqrt((float(k) + 0.5) / 16.0) * soft;
@@ -74,7 +74,7 @@ const SHADOW_FRAGMENT = `#version 300 es
 precision mediump float;
 void main() {}`;
 
-// Segments as strips of constant width on the screen.
+// Line segments: strips of constant width on the screen.
 const LINE_VERTEX = `#version 300 es
 in vec2 corner;
 in vec3 start;
@@ -111,7 +111,7 @@ void main() {
   seen = vec4(colour.rgb * a, a);
 }`;
 
-// A round shaft and a cone: the head keeps its form however long the arrow.
+// Arrows: a round shaft and a cone, whose shape does not depend on the length of the arrow.
 const ARROW_VERTEX = `#version 300 es
 in vec2 round_;
 in vec4 form;
@@ -161,7 +161,7 @@ void main() {
   seen = halo.a > 0.0 ? vec4(halo.rgb * halo.a, halo.a) : vec4(c, 1.0);
 }`;
 
-// Signs at nodes: discs that lie on the surface and rise to be seen from the side.
+// Marks of nodes: discs on the surface, which tilt towards a camera that looks from the side.
 const GLYPH_VERTEX = `#version 300 es
 in vec2 corner;
 in vec3 centre;
@@ -233,7 +233,7 @@ void main() {
   seen = vec4(c * b, b);
 }`;
 
-// The floor: lines every 100 and 500 mm that fade out, and the shadow of what stands on it.
+// The floor: lines every 100 and 500 mm that fade out in the distance, and the shadow of the cell.
 const FLOOR_VERTEX = `#version 300 es
 in vec2 corner;
 uniform mat4 camera;

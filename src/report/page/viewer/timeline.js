@@ -32,6 +32,7 @@ function makeTimeline(view, play, show) {
 const durationOf = (movement) => movement.times_s.at(-1) ?? 0;
 
 /**
+ * Shows the time of a view on the time line.
  * @param {ReturnType<typeof makeTimeline>} timeline
  * @param {View} view
  */

@@ -1,6 +1,9 @@
 // The tip beside the node under the pointer.
 
-/** @param {Element} stage */
+/**
+ * Makes the tip.
+ * @param {Element} stage
+ */
 function makeTip(stage) {
   const box = element("div", { class: "ss-tip", role: "status" });
   box.hidden = true;
@@ -9,6 +12,7 @@ function makeTip(stage) {
 }
 
 /**
+ * Shows the tip beside the picked node.
  * @param {HTMLElement} box
  * @param {View} view
  */
@@ -46,6 +50,7 @@ function nodeLines(view, { field, index }) {
 }
 
 /**
+ * Describes values and error of a usable node.
  * @param {View} view
  * @param {Field} field
  * @param {number} index
@@ -72,6 +77,7 @@ function errorLines(view, field, index) {
 }
 
 /**
+ * Writes the value of a joint.
  * @param {JointRecord} joint
  * @param {number} value
  */

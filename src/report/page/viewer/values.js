@@ -1,4 +1,4 @@
-// What is asked of a document: values and errors of nodes, and where the robot is at a time.
+// Look-ups in a document: values and errors of nodes, and the pose of the robot at a time.
 
 /**
  * Returns the fields shown: all, or the one of an operation.

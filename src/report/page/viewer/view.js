@@ -1,6 +1,7 @@
 // The view: what all functions of the viewer draw from.
 
 /**
+ * Returns the view of a document before its first picture.
  * @param {DrawingDocument} written
  * @param {Graphics} graphics
  * @returns {View}

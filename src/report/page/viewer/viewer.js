@@ -117,7 +117,7 @@ class Viewer {
       if (value !== undefined) Reflect.set(state, key, value);
     }
     if (state.drawing !== before.drawing && wanted.lens === undefined) {
-      // The same reading and model of the other layout, wherever its list has them.
+      // Keeps reading and model: their lens may have another index in the other layout.
       const other = view.model.drawings[clamp(state.drawing, 0, view.model.drawings.length - 1)];
       state.lens = Math.max(lensIn(other, lens), 0);
     }
@@ -304,6 +304,7 @@ function timeAfter(movement, halt, time) {
 }
 
 /**
+ * Returns the event of a picked node.
  * @param {NodeReference} node
  * @param {boolean} clicked
  * @returns {PickEvent}

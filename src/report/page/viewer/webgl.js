@@ -2,7 +2,10 @@
 
 const SHADOW_SIZE = 2048;
 
-/** @param {HTMLCanvasElement} canvas */
+/**
+ * Returns the WebGL 2 context of a canvas.
+ * @param {HTMLCanvasElement} canvas
+ */
 function contextOf(canvas) {
   const context = canvas.getContext("webgl2", {
     alpha: true,
@@ -47,6 +50,7 @@ function compiled(gl, vertex, fragment) {
 }
 
 /**
+ * Compiles a shader.
  * @param {WebGL2RenderingContext} gl
  * @param {number} kind
  * @param {string} text
@@ -92,6 +96,7 @@ function makeGraphics(gl) {
 }
 
 /**
+ * Makes a buffer whose content stays.
  * @param {WebGL2RenderingContext} gl
  * @param {ArrayLike<number>} data
  */
@@ -179,6 +184,7 @@ function selectProgram({ gl }, program, values) {
 }
 
 /**
+ * Sets a uniform by its type.
  * @param {WebGL2RenderingContext} gl
  * @param {{ location: WebGLUniformLocation, type: number }} uniform
  * @param {number | number[]} value

@@ -1,72 +1,76 @@
-//! The journal of a search, from which it can be continued.
+//! Journal of a search, from which the search can be resumed.
 //!
-//! Every run of a solver is a function of the seed, its number and the costs it is answered. So a
-//! checkpoint needs no state of a solver: it holds the record as it stood when the run under way
-//! began, and the answers since. Continuing starts that run again, answers its first questions from
-//! the journal, and goes on.
+//! Every run of a solver is a function of the seed, its number and the costs it receives. So a checkpoint
+//! needs no state of a solver. It holds the record at the start of the current run and the answers since.
+//! A resumed search starts that run again, answers its first questions from the journal, and goes on.
 
-use super::aim::Aim;
-use super::front::Front;
+use super::pareto_front::ParetoFront;
 use super::record::{Answer, Record};
-use super::space::Space;
-use super::stopping::{Ended, Stopping};
+use super::scalarization::Scalarization;
+use super::search_space::SearchSpace;
+use super::stopping::{SearchEnd, Stopping};
 use serde::{Deserialize, Serialize};
 
-/// Evaluations of one run at most: bounds the journal to some hundred kilobytes.
-const RUN: u64 = 20_000;
+/// Largest number of evaluations of one run; it limits the journal to some hundred kilobytes.
+const MAX_RUN_EVALUATIONS: u64 = 20_000;
 
-/// Evaluations per dimension, and one more, of one run for a front: many aims, none of them perfectly met.
-const RUN_FOR_FRONT: u64 = 100;
+/// Number of evaluations, per dimension plus one, of one run of a Pareto search.
+///
+/// Many scalarizations, none of them minimized perfectly, give a better front than a few.
+const PARETO_RUN_EVALUATIONS: u64 = 100;
 
 /// Offset and prime of the 64-bit FNV-1a hash (G. Fowler, L. C. Noll, K.-P. Vo).
 const FNV: (u64, u64) = (0xcbf2_9ce4_8422_2325, 0x0000_0100_0000_01b3);
 
-/// All that a search needs to go on; floats must be kept to the bit.
+/// State from which a search can be resumed; its floats must be stored to the bit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Checkpoint {
     stopping: Stopping,
-    /// Number of the run under way.
+    /// Number of the current run.
     run: u64,
-    /// As it stood when that run began.
+    /// Record at the start of that run.
     record: Record,
-    /// Answers to that run, and to the polish that followed it.
+    /// Answers to that run.
     explored: Vec<Answer>,
+    /// Answers to the polish that followed it.
     polished: Vec<Answer>,
-    /// Hashes of the points that were answered.
+    /// Hashes of the points that were answered in each phase.
     asked: [u64; 2],
 }
 
-/// Why a checkpoint cannot be continued.
+/// Reason why a search cannot resume from a checkpoint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Unfit {
-    /// It is of a search in another number of variables.
+    /// The checkpoint belongs to a search with another number of variables.
     Dimensions { has: usize, needs: usize },
-    /// It has more evaluations than the new budget.
+    /// The checkpoint has more evaluations than the new budget.
     Budget { used: u64 },
-    /// It looked for other goals, or kept another number of layouts.
+    /// The checkpoint has other goals, or keeps another number of layouts.
     Kept,
-    /// Under the new rules the search would have ended before.
-    Ended(Ended),
+    /// The search would have ended earlier under the new rules.
+    Ended(SearchEnd),
 }
 
 impl Checkpoint {
-    /// Evaluations that need not be made again.
+    /// Returns the number of evaluations that need not be repeated.
     pub fn evaluations(&self) -> u64 {
         self.record.evaluations + (self.explored.len() + self.polished.len()) as u64
     }
 
-    /// As it stood when the run under way began.
-    pub fn front(&self) -> Option<&Front> {
+    /// Returns the front at the start of the current run.
+    pub fn front(&self) -> Option<&ParetoFront> {
         self.record.front.as_ref()
     }
 
+    /// Returns the stopping rules of the search.
     pub fn stopping(&self) -> &Stopping {
         &self.stopping
     }
 
+    /// Checks that a search can resume with the bytes of one that was never interrupted.
+    ///
     /// # Errors
-    /// Why a search of so many variables under these rules cannot go on from here with the bytes of
-    /// one that was never interrupted.
+    /// Why a search with these dimensions and rules cannot.
     pub fn check(&self, dimensions: usize, stopping: &Stopping) -> Result<(), Unfit> {
         let has = self.record.point.len();
         if has != dimensions {
@@ -78,45 +82,48 @@ impl Checkpoint {
         if self.evaluations() > stopping.budget {
             return Err(Unfit::Budget { used: self.evaluations() });
         }
-        match stopping.ended_before(&self.record) {
+        match self.record.ended_before(stopping) {
             Some(ended) if *stopping != self.stopping => Err(Unfit::Ended(ended)),
             _ => Ok(()),
         }
     }
 }
 
-/// The two parts of a search.
+/// Phase of a search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Phase {
     Explore,
     Polish,
 }
 
-/// The record with its journal.
-pub struct Ledger {
+/// Record of a search with its journal.
+pub struct SearchJournal {
     pub record: Record,
     pub phase: Phase,
-    /// Evaluations at which the run under way, or the polish, ends.
+    /// Number of evaluations at which the current run, or the polish, ends.
     pub until: u64,
+    /// Whether the search has departed from its journal.
     pub diverged: bool,
     checkpoint: Checkpoint,
-    /// How many answers of this phase have been told, and the hash of their points.
+    /// Number of answers given in this phase.
     told: usize,
+    /// Hash of the points of these answers.
     hash: u64,
 }
 
-impl Ledger {
+impl SearchJournal {
+    /// Begins a search at a point.
     pub fn new(point: Vec<f64>, stopping: Stopping) -> Self {
         let record = Record::new(point, &stopping);
         let (explored, polished, asked) = (Vec::new(), Vec::new(), [FNV.0; 2]);
         Self::open(Checkpoint { stopping, run: 0, record, explored, polished, asked })
     }
 
-    /// From a checkpoint that has been checked.
+    /// Resumes from a checkpoint that [`Checkpoint::check`] has accepted.
     pub fn resumed(checkpoint: &Checkpoint, stopping: Stopping) -> Self {
         let mut checkpoint = checkpoint.clone();
         if stopping != checkpoint.stopping {
-            // The exploration may now go on where it ended before: another polish will follow.
+            // The exploration may now continue beyond its former end, and another polish will follow.
             checkpoint.stopping = stopping;
             checkpoint.polished.clear();
             checkpoint.asked[1] = FNV.0;
@@ -127,21 +134,24 @@ impl Ledger {
     fn open(checkpoint: Checkpoint) -> Self {
         let record = checkpoint.record.clone();
         let (phase, diverged, told, hash) = (Phase::Explore, false, 0, FNV.0);
-        let mut ledger = Self { record, phase, until: 0, diverged, checkpoint, told, hash };
-        ledger.allow();
-        ledger
+        let mut journal = Self { record, phase, until: 0, diverged, checkpoint, told, hash };
+        journal.allow();
+        journal
     }
 
+    /// Returns the state from which the search can be resumed.
     pub fn checkpoint(&self) -> &Checkpoint {
         &self.checkpoint
     }
 
+    /// Returns the number of the current run.
     pub fn run(&self) -> u64 {
         self.checkpoint.run
     }
 
+    /// Begins the next run of the global solver.
     pub fn begin_run(&mut self) {
-        // A run that ends before its journal does is another one.
+        // A run that ends before its journal does is not the one that was recorded.
         self.diverged |= self.knows();
         let Checkpoint { run, record, explored, asked, .. } = &mut self.checkpoint;
         *run += 1;
@@ -152,8 +162,9 @@ impl Ledger {
         self.allow();
     }
 
+    /// Begins the polish.
     pub fn begin_polish(&mut self) {
-        // Under new rules the exploration may end before its journal does.
+        // With new rules the exploration may end before its journal does.
         self.checkpoint.explored.truncate(self.told);
         self.checkpoint.asked[0] = self.hash;
         self.phase = Phase::Polish;
@@ -161,56 +172,57 @@ impl Ledger {
         self.allow();
     }
 
-    /// What the polish has left may be used.
-    pub fn begin_poll(&mut self) {
-        self.until = self.checkpoint.stopping.budget.min(self.until + RUN);
+    /// Begins the local search, which may use the rest of the budget.
+    pub fn begin_local_search(&mut self) {
+        self.until = self.checkpoint.stopping.budget.min(self.until + MAX_RUN_EVALUATIONS);
     }
 
     fn allow(&mut self) {
         let stopping = &self.checkpoint.stopping;
         let most = match self.phase {
             Phase::Explore => stopping.exploration(),
-            // An exploration that ended early leaves more.
+            // An exploration that ended early leaves a larger rest.
             Phase::Polish if stopping.keeps_more() => self.record.evaluations + stopping.polish(),
             Phase::Polish => stopping.budget,
         };
-        let run = match self.aim() {
-            Some(_) => RUN_FOR_FRONT * (self.record.point.len() as u64 + 1),
-            None => RUN,
+        let run = match self.scalarization() {
+            Some(_) => PARETO_RUN_EVALUATIONS * (self.record.point.len() as u64 + 1),
+            None => MAX_RUN_EVALUATIONS,
         };
         self.until = most.min(self.record.evaluations + run);
     }
 
-    /// What the run under way makes small instead of the error, told by the record as it stood when the
-    /// run began; None: the error.
-    pub fn aim(&self) -> Option<Aim> {
+    /// Returns the scalarization that the current run minimizes; None if it minimizes the error.
+    ///
+    /// It follows from the record at the start of the run.
+    pub fn scalarization(&self) -> Option<Scalarization> {
         let Checkpoint { run, record, .. } = &self.checkpoint;
         let front = record.front.as_ref().filter(|_| self.phase == Phase::Explore)?;
-        Some(Aim::new(front, *run))
+        Some(Scalarization::new(front, *run))
     }
 
-    /// The rule of stopping that the record meets, if any.
-    pub fn met(&self) -> Option<Ended> {
+    /// Returns the stopping rule that the record meets, if any.
+    pub fn met(&self) -> Option<SearchEnd> {
         let stopping = &self.checkpoint.stopping;
         match self.phase {
-            _ if self.diverged => Some(Ended::Diverged),
-            _ if stopping.closed(&self.record) => Some(Ended::Gap),
-            Phase::Explore if stopping.stagnated(&self.record) => Some(Ended::Stagnation),
+            _ if self.diverged => Some(SearchEnd::Diverged),
+            _ if self.record.has_closed_gap(stopping) => Some(SearchEnd::Gap),
+            Phase::Explore if self.record.has_stagnated(stopping) => Some(SearchEnd::Stagnation),
             _ => None,
         }
     }
 
-    /// How a search ended that nobody stopped.
-    pub fn ended(&self) -> Ended {
+    /// Returns how a search ended that was not interrupted.
+    pub fn ended(&self) -> SearchEnd {
         let stopping = &self.checkpoint.stopping;
         match self.met() {
             Some(ended) => ended,
-            None if stopping.stagnated(&self.record) => Ended::Stagnation,
-            None => Ended::Done,
+            None if self.record.has_stagnated(stopping) => SearchEnd::Stagnation,
+            None => SearchEnd::Done,
         }
     }
 
-    /// Whether the next answer is in the journal.
+    /// Returns whether the next answer is in the journal.
     pub fn knows(&self) -> bool {
         self.told < self.answers().len()
     }
@@ -219,15 +231,15 @@ impl Ledger {
         if self.phase == Phase::Explore { &self.checkpoint.explored } else { &self.checkpoint.polished }
     }
 
-    /// The next answers of the journal, at most so many.
+    /// Returns at most `count` of the next answers in the journal.
     pub fn recall(&self, count: usize) -> Vec<Answer> {
         self.answers()[self.told..].iter().take(count).cloned().collect()
     }
 
-    /// Takes the answers to these points into the record, and into the journal those that are new.
+    /// Adds the answers to these points to the record, and the new ones to the journal.
     pub fn note<'p>(
         &mut self,
-        space: &Space<'_>,
+        space: &SearchSpace<'_>,
         points: impl Iterator<Item = &'p Vec<f64>>,
         answers: &[Answer],
     ) {

@@ -1,28 +1,28 @@
-//! Two layouts node by node, and in words which is better.
+//! Comparison of two layouts node by node, and a verdict in words.
 
 use super::{Assessment, Comparison};
 use crate::cell::Unit;
 use crate::error_map::{NodeRecord, OperationMap};
 use crate::files::shown;
 
-/// Values nearer than this share are called equal.
-const EQUAL: f64 = 0.005;
+/// Relative difference up to which two values count as equal.
+const EQUAL_SHARE: f64 = 0.005;
 
 /// One node of an operation in two layouts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NodePair {
     pub i: usize,
     pub j: usize,
-    /// In the frame of the equipment, m.
+    /// Position in the frame of the equipment, m.
     pub at: (f64, f64),
-    /// What the reading makes small (m, rad or a share) in the first and in the other layout; None where
-    /// the node cannot be used.
+    /// Value of the reading (m, rad or a share) in the first layout; None for an unusable node.
     pub first: Option<f64>,
+    /// Value of the reading in the other layout; None for an unusable node.
     pub other: Option<f64>,
 }
 
 impl NodePair {
-    /// Other less first: negative where the other layout is better.
+    /// Returns the other value minus the first: negative where the other layout is better.
     pub fn difference(&self) -> Option<f64> {
         Some(self.other? - self.first?)
     }
@@ -30,19 +30,19 @@ impl NodePair {
 
 /// An operation in two layouts.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Difference {
+pub struct OperationDifference {
     pub operation: usize,
     pub pairs: Vec<NodePair>,
 }
 
-impl Difference {
-    /// Nodes that both can use: how many are better and worse in the other layout.
+impl OperationDifference {
+    /// Returns how many nodes usable in both layouts are better and worse in the other one.
     pub fn better_and_worse(&self) -> (usize, usize) {
         let all = || self.pairs.iter().filter_map(NodePair::difference);
         (all().filter(|d| *d < 0.0).count(), all().filter(|d| *d > 0.0).count())
     }
 
-    /// Nodes that only the other layout can use, and that only the first can.
+    /// Returns how many nodes are usable only in the other layout, and only in the first.
     pub fn gained_and_lost(&self) -> (usize, usize) {
         let count = |gained: bool| {
             let one = |p: &&NodePair| p.other.is_some() == gained && p.first.is_some() != gained;
@@ -51,18 +51,18 @@ impl Difference {
         (count(true), count(false))
     }
 
-    /// The largest size of a difference: the scale of a picture.
+    /// Returns the largest absolute difference, which scales a picture.
     pub fn largest(&self) -> f64 {
         self.pairs.iter().filter_map(NodePair::difference).fold(0.0, |most, d| most.max(d.abs()))
     }
 }
 
 impl Comparison<'_> {
-    /// Every operation of a column against the first column, node by node.
+    /// Compares every operation of a column with the first column, node by node.
     ///
     /// # Errors
-    /// Why the nodes are not the same places of the surface.
-    pub fn differences(&self, column: usize) -> Result<Vec<Difference>, String> {
+    /// Why the nodes are not at the same places of the surface.
+    pub fn differences(&self, column: usize) -> Result<Vec<OperationDifference>, String> {
         let (first, other) = (&self.columns[0], &self.columns[column]);
         let maps = first.maps.iter().zip(&other.maps).enumerate();
         maps.map(|(k, (a, b))| {
@@ -75,12 +75,12 @@ impl Comparison<'_> {
                 ));
             }
             let pairs = a.nodes.iter().zip(&b.nodes).map(|(x, y)| pair(first, a, x, y));
-            Ok(Difference { operation: a.operation, pairs: pairs.collect() })
+            Ok(OperationDifference { operation: a.operation, pairs: pairs.collect() })
         })
         .collect()
     }
 
-    /// Which layout is better in what, a sentence for each operation of each column but the first.
+    /// Returns a sentence for each operation of each column but the first: which layout is better.
     pub fn in_words(&self) -> Vec<String> {
         let Some((first, others)) = self.columns.split_first() else { return Vec::new() };
         let all = others
@@ -96,7 +96,7 @@ fn pair(first: &Assessment<'_>, map: &OperationMap, x: &NodeRecord, y: &NodeReco
     NodePair { i: x.i, j: x.j, at: (place.x, place.y), first: value(x), other: value(y) }
 }
 
-/// Of a node that can be used.
+/// Returns the value of a usable node.
 fn value(node: &NodeRecord) -> Option<f64> {
     node.usable_posture().map(|p| p.value)
 }
@@ -120,14 +120,14 @@ fn sentence(first: &Assessment<'_>, other: &Assessment<'_>, k: usize) -> String 
         _ => shown(&operation.sense.name),
     };
     let (less, more) = (x.min(y), x.max(y));
-    if more - less <= EQUAL * more {
+    if more - less <= EQUAL_SHARE * more {
         return format!("{name}: {b} is as good as {a} in {what} ({figures})");
     }
     let verb = if y < x { "better" } else { "worse" };
     let by = match more / less {
         ratio if ratio < 1.1 => format!("{:.1} % ", 100.0 * (more - less) / x),
         ratio if ratio < 100.0 => format!("{ratio:.1} times "),
-        // Of next to nothing there is no sensible multiple.
+        // A multiple of almost nothing makes no sense.
         _ => String::new(),
     };
     format!("{name}: {b} is {by}{verb} than {a} in {what} ({figures})")

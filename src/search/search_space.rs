@@ -1,52 +1,65 @@
 //! The search space: every free coordinate of a cell, scaled to [0, 1].
 
-use super::poll::Change;
 use crate::cell::{Cell, Coordinate, Layout, Slot};
 use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg, rounded};
 
-/// Maps the unit cube to layouts.
+/// Change that leads from a point to its neighbours.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum NeighbourChange {
+    /// Another value of one list.
+    List,
+    /// Other values of two lists.
+    Lists,
+    /// A step in one range, by this share of it.
+    Range(f64),
+}
+
+/// Map from the unit cube to layouts.
 #[derive(Debug, Clone)]
-pub struct Space<'c> {
+pub struct SearchSpace<'c> {
     cell: &'c Cell,
     variables: Vec<(Slot, &'c Coordinate)>,
 }
 
-impl<'c> Space<'c> {
+impl<'c> SearchSpace<'c> {
+    /// Returns the search space of a cell.
     pub fn new(cell: &'c Cell) -> Self {
         Self { cell, variables: cell.free() }
     }
 
+    /// Returns the number of variables.
     pub fn dimensions(&self) -> usize {
         self.variables.len()
     }
 
-    /// The start layout as a point.
+    /// Returns the point of the layout in the file.
     pub fn start(&self) -> Vec<f64> {
         self.point(&self.cell.start())
     }
 
-    /// The point of a layout whose free coordinates lie in their ranges.
+    /// Returns the point of a layout whose free coordinates lie in their ranges.
     pub fn point(&self, layout: &Layout) -> Vec<f64> {
         self.variables.iter().map(|(slot, c)| share(c, layout.value(self.cell, *slot))).collect()
     }
 
-    /// The point within the cube that has the same layout: on what coordinates are rounded to, in the
-    /// middle of the share of a listed value.
+    /// Returns the canonical point of the same layout within the cube.
+    ///
+    /// Ranges are at rounded coordinates, lists in the middle of the interval of their value.
     pub fn settled(&self, point: &[f64]) -> Vec<f64> {
         let shares = self.variables.iter().zip(point);
         shares.map(|((slot, c), u)| share(c, value(*slot, c, mirrored(*u)))).collect()
     }
 
-    /// The points that are changed so far within the cube.
-    pub fn neighbours(&self, point: &[f64], change: Change) -> Vec<Vec<f64>> {
+    /// Returns the points within the cube that a change leads to.
+    pub fn neighbours(&self, point: &[f64], change: NeighbourChange) -> Vec<Vec<f64>> {
         match change {
-            Change::List => self.other_values(point, 0),
-            Change::Lists => {
+            NeighbourChange::List => self.other_values(point, 0),
+            NeighbourChange::Lists => {
                 let first = self.other_values(point, 0);
                 let place = |p: &[f64]| p.iter().zip(point).position(|(a, b)| a != b).unwrap_or(0);
                 first.iter().flat_map(|p| self.other_values(p, place(p) + 1)).collect()
             }
-            Change::Range(step) => {
+            NeighbourChange::Range(step) => {
                 let ranges = self.variables.iter().enumerate();
                 let ranges = ranges.filter(|(_, (_, c))| matches!(c, Coordinate::Range { .. }));
                 let both = ranges.flat_map(|(k, _)| [(k, point[k] - step), (k, point[k] + step)]);
@@ -55,7 +68,7 @@ impl<'c> Space<'c> {
         }
     }
 
-    /// The points in which one list from a variable on has another value.
+    /// Returns the points in which one list, among the variables from `from` on, has another value.
     fn other_values(&self, point: &[f64], from: usize) -> Vec<Vec<f64>> {
         let beside = |k: usize| {
             let others = middles(self.variables[k].1).into_iter().filter(move |u| *u != point[k]);
@@ -64,7 +77,7 @@ impl<'c> Space<'c> {
         (from..point.len()).flat_map(beside).collect()
     }
 
-    /// One point for every layout, if there are at most so many: if every variable is a list.
+    /// Returns one point per layout if all variables are lists and there are at most `most` layouts.
     pub fn every_point(&self, most: u64) -> Option<Vec<Vec<f64>>> {
         let lists: Vec<Vec<f64>> = self.variables.iter().map(|(_, c)| middles(c)).collect();
         let count = lists.iter().try_fold(1u64, |count, list| count.checked_mul(list.len() as u64))?;
@@ -78,9 +91,10 @@ impl<'c> Space<'c> {
         Some(all)
     }
 
-    /// The layout of a point. Points outside the cube are folded back like in a mirror, so that
-    /// every point has a layout. Coordinates are rounded to 1 um and 0.0001 degree: what is
-    /// evaluated is exactly what a file can say.
+    /// Returns the layout of a point.
+    ///
+    /// Points outside the cube are mirrored at its faces, so that every point has a layout. Coordinates are
+    /// rounded to 1 um and 0.0001 degree, so that a file holds exactly what was evaluated.
     pub fn layout(&self, point: &[f64]) -> Layout {
         self.cell.layout(|slot, coordinate| {
             let place = self.variables.iter().position(|(s, _)| *s == slot);
@@ -95,18 +109,18 @@ fn with(point: &[f64], k: usize, u: f64) -> Vec<f64> {
     moved
 }
 
-/// Where in [0, 1] the values of a list are; none of a range.
+/// Returns the positions of the values of a list in [0, 1]; none for a range.
 fn middles(coordinate: &Coordinate) -> Vec<f64> {
     let Coordinate::List(values) = coordinate else { return Vec::new() };
     (0..values.len()).map(|k| middle(k, values.len())).collect()
 }
 
-/// The middle of the share of a listed value.
+/// Returns the middle of the interval of listed value `k`.
 fn middle(k: usize, count: usize) -> f64 {
     (k as f64 + 0.5) / count as f64
 }
 
-/// Where in [0, 1] a value of a coordinate is; one of a list in the middle of its share.
+/// Returns the position of a value of a coordinate in [0, 1].
 fn share(coordinate: &Coordinate, value: f64) -> f64 {
     match coordinate {
         Coordinate::Fixed(_) => 0.0,
@@ -125,7 +139,7 @@ fn value(slot: Slot, coordinate: &Coordinate, share: f64) -> f64 {
         Coordinate::Range { min, max, .. } => {
             let value = min + share * (max - min);
             let rounded = if slot.is_angle() { to_ten_thousandth_degree(value) } else { to_um(value) };
-            // A range need not end at a round number.
+            // The ends of a range need not be rounded numbers.
             rounded.clamp(*min, *max)
         }
         Coordinate::List(values) => {
@@ -143,7 +157,7 @@ fn to_um(m: f64) -> f64 {
     m_from_mm(rounded(mm_from_m(m), 3))
 }
 
-/// Folds a number into [0, 1].
+/// Mirrors a number at 0 and 1 into [0, 1].
 fn mirrored(u: f64) -> f64 {
     let phase = u.rem_euclid(2.0);
     if phase > 1.0 { 2.0 - phase } else { phase }

@@ -1,31 +1,32 @@
-//! The layouts seen so far of which none is better than another in every goal.
+//! Pareto front: the layouts seen so far that no other one dominates.
 
 use crate::cell::Goals;
 use serde::{Deserialize, Serialize};
 
-/// Members at most; the most crowded is let go.
-const MOST: usize = 200;
+/// Largest number of members; above it the most crowded one is dropped.
+const MAX_MEMBERS: usize = 200;
 
-/// Two points of the unit cube are different layouts if a coordinate differs by more than this share of
-/// its range (of a list of values: of their number).
+/// Least difference of a coordinate that makes two points of the unit cube different layouts.
+///
+/// It is a share of the range of the coordinate, or of the number of listed values.
 pub const DIFFERENT: f64 = 0.01;
 
-/// A point of the unit cube with what its goals make small.
+/// Member of a front: a point of the unit cube with its losses.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Member {
     pub point: Vec<f64>,
-    /// One per goal; those that are made large negated.
+    /// Value of each goal, negated for goals that are maximized.
     pub losses: Vec<f64>,
 }
 
-/// A set of layouts that do not dominate each other.
+/// Set of layouts that do not dominate each other.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Front {
+pub struct ParetoFront {
     goals: Goals,
     members: Vec<Member>,
 }
 
-/// Least and greatest loss of a front in one goal.
+/// Range of the losses of a front in one goal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Span {
     pub least: f64,
@@ -33,27 +34,30 @@ pub struct Span {
 }
 
 impl Span {
-    /// 0 at the least loss, 1 at the greatest.
+    /// Returns the position of a loss in the range: 0 at the least loss, 1 at the greatest.
     pub fn share(&self, loss: f64) -> f64 {
         let width = self.greatest - self.least;
         (loss - self.least) / if width > 0.0 { width } else { 1.0 }
     }
 }
 
-impl Front {
+impl ParetoFront {
+    /// Returns an empty front.
     pub fn new(goals: Goals) -> Self {
         Self { goals, members: Vec::new() }
     }
 
+    /// Returns the goals of the front.
     pub fn goals(&self) -> &Goals {
         &self.goals
     }
 
+    /// Returns the members of the front.
     pub fn members(&self) -> &[Member] {
         &self.members
     }
 
-    /// One per goal; None while nothing is known.
+    /// Returns the range of each goal; None while the front is empty.
     pub fn spans(&self) -> Option<Vec<Span>> {
         let first = self.members.first()?;
         let span = |k: usize| {
@@ -65,7 +69,7 @@ impl Front {
         Some((0..first.losses.len()).map(span).collect())
     }
 
-    /// Takes a layout unless a member is as good in every goal; says whether it did.
+    /// Adds a layout unless a member is as good in every goal; returns whether it was added.
     pub fn take(&mut self, point: &[f64], losses: &[f64]) -> bool {
         let covers = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| a <= b);
         if self.members.iter().any(|m| covers(&m.losses, losses)) {
@@ -73,7 +77,7 @@ impl Front {
         }
         self.members.retain(|m| !covers(losses, &m.losses));
         self.members.push(Member { point: point.to_vec(), losses: losses.to_vec() });
-        if self.members.len() > MOST {
+        if self.members.len() > MAX_MEMBERS {
             let crowding = self.crowding();
             let least = (0..crowding.len()).min_by(|&a, &b| crowding[a].total_cmp(&crowding[b]));
             least.map(|k| self.members.remove(k));
@@ -81,8 +85,10 @@ impl Front {
         true
     }
 
-    /// How far apart the neighbours of every member are, summed over the goals; infinite at the ends (the
-    /// crowding distance of K. Deb et al., IEEE Trans. Evolutionary Computation 6(2), 2002).
+    /// Returns the crowding distance of every member, infinite at the ends of the front.
+    ///
+    /// It is the distance of the neighbours, summed over the goals (K. Deb et al., "A fast and elitist
+    /// multiobjective genetic algorithm: NSGA-II", IEEE Trans. Evolutionary Computation 6(2), 2002).
     fn crowding(&self) -> Vec<f64> {
         let mut crowding = vec![0.0; self.members.len()];
         for (k, span) in self.spans().unwrap_or_default().iter().enumerate() {
@@ -98,8 +104,10 @@ impl Front {
         crowding
     }
 
-    /// The least in every goal, then one after another the member farthest from all chosen (losses as
-    /// shares of their span), each another layout than those; at most `most`, by their first losses.
+    /// Returns at most `most` members spread over the front, sorted by their first losses.
+    ///
+    /// It takes the least member of every goal, then repeatedly the member farthest from all chosen ones.
+    /// Each is a different layout from those chosen before. Losses count as shares of their span.
     pub fn spread(&self, most: usize) -> Vec<&Member> {
         let spans = self.spans().unwrap_or_default();
         let apart = |a: &Member, b: &Member| {
@@ -114,7 +122,7 @@ impl Front {
             let end = self.members.iter().min_by(|a, b| a.losses[k].total_cmp(&b.losses[k]));
             chosen.extend(end.filter(|m| fits(&chosen, m)));
         }
-        // Distance of every member to the chosen ones.
+        // Squared distance of every member from the chosen ones.
         let mut far: Vec<f64> = self.members.iter().map(|m| to_nearest(m, &chosen, &apart)).collect();
         while let Some(k) = (0..far.len())
             .filter(|&k| fits(&chosen, &self.members[k]))
@@ -138,7 +146,7 @@ fn by_losses(a: &[f64], b: &[f64]) -> std::cmp::Ordering {
     orders.fold(std::cmp::Ordering::Equal, std::cmp::Ordering::then)
 }
 
-/// Whether two points of the unit cube differ by more than `share` in some coordinate.
+/// Returns whether two points of the unit cube differ by more than `share` in some coordinate.
 pub fn differ(a: &[f64], b: &[f64], share: f64) -> bool {
     a.iter().zip(b).any(|(a, b)| (a - b).abs() > share)
 }

@@ -1,4 +1,4 @@
-//! One posture of one operation with what its errors depend on: what `budget` and `explain` look at.
+//! One posture of one operation with everything its errors depend on, for `budget` and `explain`.
 
 use crate::cell::{Cell, JointVector, Layout, Placement, Registration};
 
@@ -9,32 +9,32 @@ use crate::reading::{ErrorEvaluator, WorkContext, WorkFrame};
 use crate::robot::Frames;
 use nalgebra::Vector3;
 
-/// Which node of the grid.
+/// Choice of a node of the grid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum At {
+pub enum NodeChoice {
     Best,
     Node(usize, usize),
 }
 
-/// Why there is no posture to look at.
+/// Reason why there is no posture.
 #[derive(Debug, Clone, PartialEq)]
-pub enum NoStance {
-    /// The question is wrong: the grid has no such node.
+pub enum NoPosture {
+    /// The grid has no such node.
     Outside(String),
-    /// The answer is no: the node cannot be used.
+    /// The node cannot be used.
     Unusable(String),
 }
 
-/// A posture of an operation.
-pub struct Stance<'a> {
+/// Posture of an operation with the context of its errors.
+pub struct PostureContext<'a> {
     pub cell: &'a Cell,
     /// Index into [`Cell::operations`].
     pub operation: usize,
-    /// Robot base in the world.
+    /// Placement of the robot base in the world.
     pub base: Placement,
-    /// (i, j) of the node; None of joints given.
+    /// Indices (i, j) of the node; None for given joint coordinates.
     pub node: Option<(usize, usize)>,
-    /// Of the TCP, world, m.
+    /// Position of the TCP in the world, m.
     pub position: Vector3<f64>,
     pub joints: JointVector,
     pub gauge: ErrorEvaluator,
@@ -42,33 +42,33 @@ pub struct Stance<'a> {
     pub frames: Frames,
 }
 
-impl<'a> Stance<'a> {
-    /// At a node of the map of an operation.
+impl<'a> PostureContext<'a> {
+    /// Returns the posture at a node of the map of an operation.
     ///
     /// # Errors
-    /// Why the node cannot be looked at.
+    /// Why the node has no posture.
     pub fn at(
         workcell: &'a Workcell,
         layout: &Layout,
         maps: &[OperationMap],
         operation: usize,
-        at: At,
-    ) -> Result<Self, NoStance> {
+        at: NodeChoice,
+    ) -> Result<Self, NoPosture> {
         let cell = &workcell.cell;
         let (map, name) = (&maps[operation], shown(&cell.operations[operation].name));
         let node = match at {
-            At::Best => map.best_node().ok_or_else(|| NoStance::Unusable(no_spot(cell, map)))?,
-            At::Node(i, j) => {
+            NodeChoice::Best => map.best_node().ok_or_else(|| NoPosture::Unusable(no_spot(cell, map)))?,
+            NodeChoice::Node(i, j) => {
                 let (m, n) = cell.operations[operation].place.divisions();
                 let inside = (i <= m && j <= n).then(|| map.nodes.get(j * (m + 1) + i)).flatten();
                 inside.ok_or_else(|| {
                     let range = format!("i goes from 0 to {m}, j from 0 to {n}");
-                    NoStance::Outside(format!("the grid of {name} has no node ({i}, {j}): {range}"))
+                    NoPosture::Outside(format!("the grid of {name} has no node ({i}, {j}): {range}"))
                 })?
             }
         };
         let unusable = |why: &str| {
-            NoStance::Unusable(format!("node ({}, {}) of {name} cannot be used: {why}", node.i, node.j))
+            NoPosture::Unusable(format!("node ({}, {}) of {name} cannot be used: {why}", node.i, node.j))
         };
         let posture = match (&node.posture, node.status) {
             (Some(posture), Status::Ok) => posture,
@@ -89,11 +89,13 @@ impl<'a> Stance<'a> {
         })
     }
 
-    /// At joint coordinates, at the layout as drawn. `workcell` is why there is none, if so: of a
-    /// robot without inverse kinematics only frames that nobody teaches are known.
+    /// Returns the posture at joint coordinates in the layout of the file.
+    ///
+    /// `workcell` may be the reason why there is none. Without inverse kinematics, taught frames and picks
+    /// are unknown.
     ///
     /// # Errors
-    /// What the errors depend on and cannot be found.
+    /// What the errors depend on and is unknown.
     pub fn of_joints(
         cell: &'a Cell,
         workcell: Result<&Workcell, &str>,
@@ -120,7 +122,7 @@ impl<'a> Stance<'a> {
     }
 }
 
-/// What the errors of an operation depend on besides the posture, from other postures.
+/// Returns the context of an operation's errors that follows from other postures.
 fn situation_elsewhere(
     cell: &Cell,
     workcell: Result<&Workcell, &str>,
@@ -142,7 +144,7 @@ fn situation_elsewhere(
     posed.map(|(situation, _)| situation).map_err(|why| format!("{name}: {}", why.in_words()))
 }
 
-/// Why a map has no best node.
+/// Returns why a map has no best node.
 pub fn no_usable_node(cell: &Cell, map: &OperationMap) -> String {
     let operation = &cell.operations[map.operation];
     let name = shown(&operation.name);
@@ -165,7 +167,7 @@ pub fn no_usable_node(cell: &Cell, map: &OperationMap) -> String {
     format!("{name} has no usable node: {}{}", counts.join(", "), unjudged.unwrap_or_default())
 }
 
-/// The same, with the overlap that blocks its equipment.
+/// Returns why a map has no best node, with the overlap that blocks its equipment.
 pub fn no_spot(cell: &Cell, map: &OperationMap) -> String {
     let blocked = map.nodes.iter().find(|n| matches!(n.status, Status::Overlap(_)));
     let overlap = blocked.map_or(String::new(), |n| format!("; {}", n.status.reason(cell)));

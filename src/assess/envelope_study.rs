@@ -1,4 +1,4 @@
-//! What an arm can reach, drawn and measured, and what is known of a robot alone.
+//! Working envelope of an arm, drawn and measured, and the data sheet of a robot.
 
 use crate::cell::{Attitude, Operation, Robot};
 use crate::pose::Pose;
@@ -7,56 +7,57 @@ use crate::robot::Chain;
 use crate::units::m_from_mm;
 use nalgebra::Vector3;
 
-/// A working envelope, in the base frame of the robot (m).
+/// Working envelope in the base frame of the robot, m.
 pub struct Reachable<'a> {
     pub robot: &'a Robot,
-    /// The operation whose attitude it is.
+    /// Operation whose attitude is used, if any.
     pub operation: Option<&'a Operation>,
     pub family: &'static str,
     pub attitude: Attitude,
     pub step: f64,
-    /// Azimuth of the section (rad), and its points (r, z).
+    /// Azimuth of the vertical section, rad.
     pub azimuth: f64,
+    /// Vertical section with points (r, z).
     pub section: EnvelopeSection,
-    /// Heights and points (x, y).
+    /// Heights of the horizontal sections, and these sections with points (x, y).
     pub plans: Vec<(f64, EnvelopeSection)>,
     pub size: Size,
-    /// The arm near its greatest reach: the origins of its frames and the TCP.
+    /// Arm near its greatest reach: the origins of its frames and the TCP.
     pub arm: Vec<Vector3<f64>>,
 }
 
-/// What is asked of an envelope.
-pub struct Asked<'a> {
+/// Query of a working envelope.
+pub struct EnvelopeQuery<'a> {
     pub operation: Option<&'a Operation>,
     pub attitude: Attitude,
-    /// Of the surface, rad.
+    /// Yaw of the surface from which azimuths count, rad.
     pub yaw: f64,
-    /// None: the height of the greatest reach, m.
+    /// Heights of the horizontal sections, m; empty for the height of the greatest reach.
     pub heights: Vec<f64>,
-    /// None: [`step_of`] the arm, m.
+    /// Distance of sampled points, m; None for [`step_of`] the arm.
     pub step: Option<f64>,
 }
 
-impl Asked<'_> {
+impl EnvelopeQuery<'_> {
     fn step(&self, robot: &Robot, inverse: &Inverse) -> f64 {
         self.step.unwrap_or_else(|| step_of(robot, inverse))
     }
 
-    /// How many points it takes, bisections not counted.
+    /// Returns the number of sampled points, without bisections.
     pub fn work(&self, robot: &Robot, inverse: &Inverse) -> u64 {
         let envelope = Envelope::new(inverse, &self.attitude, self.yaw);
-        // Without a height the plan is about as large as the largest.
+        // The section at an unknown height counts as the largest one.
         let heights = if self.heights.is_empty() { &[0.0][..] } else { &self.heights };
         envelope.work(1, heights, true, self.step(robot, inverse))
     }
 }
 
 impl<'a> Reachable<'a> {
-    /// `progress` is told how many points of how many were asked.
+    /// Computes an envelope. `progress` receives a number of sampled points and their total.
     pub fn new(
         robot: &'a Robot,
         inverse: &Inverse,
-        asked: Asked<'a>,
+        asked: EnvelopeQuery<'a>,
         progress: &(dyn Fn(u64, u64) + Sync),
     ) -> Self {
         let envelope = Envelope::new(inverse, &asked.attitude, asked.yaw);
@@ -78,7 +79,7 @@ impl<'a> Reachable<'a> {
     }
 }
 
-/// The frames of the arm in the plane of the section, where it reaches far; empty if it does not there.
+/// Returns the frames of the arm in the plane of the section near its greatest reach; empty if out of reach.
 fn drawn_arm(envelope: &Envelope<'_>, inverse: &Inverse, size: &Size, azimuth: f64) -> Vec<Vector3<f64>> {
     let Some(extent) = &size.extent else { return Vec::new() };
     let far = [0.9, 0.8, 0.7, 0.6].map(|share| {
@@ -95,7 +96,7 @@ fn drawn_arm(envelope: &Envelope<'_>, inverse: &Inverse, size: &Size, azimuth: f
     arm
 }
 
-/// A step that draws an arm in about a second, m.
+/// Returns a step, m, with which the envelope of an arm takes about a second.
 pub fn step_of(robot: &Robot, inverse: &Inverse) -> f64 {
     let parts = match inverse.cost() {
         Cost::Low => 200.0,
@@ -108,7 +109,7 @@ pub fn step_of(robot: &Robot, inverse: &Inverse) -> f64 {
     steps.into_iter().find(|step| *step >= wanted).unwrap_or(wanted)
 }
 
-/// How far a crossing may be off: 0.1 mm where that is cheap.
+/// Returns the tolerance of a boundary, m: 0.1 mm for arms with a cheap inverse kinematics.
 pub fn tolerance_of(inverse: &Inverse, step: f64) -> f64 {
     match inverse.cost() {
         Cost::Low | Cost::Middle => m_from_mm(0.1),
@@ -116,20 +117,20 @@ pub fn tolerance_of(inverse: &Inverse, step: f64) -> f64 {
     }
 }
 
-/// A robot alone.
-pub struct Sheet<'a> {
+/// Data sheet of a robot without a cell.
+pub struct RobotDataSheet<'a> {
     pub robot: &'a Robot,
     pub family: &'static str,
-    /// The TCP at home.
+    /// Pose of the TCP at the home position.
     pub pose: Pose,
-    /// The envelope at this elevation (rad) of the tool.
+    /// Elevation of the tool for the envelope, rad.
     pub elevation: f64,
     pub size: Size,
     pub step: f64,
 }
 
-impl<'a> Sheet<'a> {
-    /// At the elevation that the arm keeps, or with the tool pointing down.
+impl<'a> RobotDataSheet<'a> {
+    /// Computes the data sheet for the elevation that the arm keeps, or with the tool pointing down.
     pub fn new(robot: &'a Robot, progress: &(dyn Fn(u64, u64) + Sync)) -> Self {
         let chain = Chain::new(robot);
         let inverse = Inverse::new(&chain);

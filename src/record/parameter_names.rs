@@ -1,10 +1,10 @@
-//! What parameters are called, and in which unit they are told.
+//! Names of error parameters and of frames, and the units of the parameters.
 
+use crate::assess::MotionFrame;
 use crate::cell::{Cell, Convention, JointKind, Parameter, Unit};
-
 use crate::files::shown;
 
-/// dq1, dalpha3, base rx, tool z, joint2 y, worktable rz: joints by their numbers from 1.
+/// Names a parameter: dq1, dalpha3, base rx, tool z, joint2 y, worktable rz. Joints count from 1.
 pub fn parameter(cell: &Cell, parameter: Parameter) -> String {
     let modified = cell.robot.convention == Convention::Modified;
     match parameter {
@@ -20,7 +20,7 @@ pub fn parameter(cell: &Cell, parameter: Parameter) -> String {
     }
 }
 
-/// Millimetres or degrees.
+/// Returns the unit of a parameter: millimetres or degrees.
 pub fn unit(cell: &Cell, parameter: Parameter) -> Unit {
     let turns = match parameter {
         Parameter::Dq(i) => cell.robot.joints[i].kind == JointKind::Revolute,
@@ -30,4 +30,15 @@ pub fn unit(cell: &Cell, parameter: Parameter) -> Unit {
         Parameter::Joint(_, c) | Parameter::Equipment(_, c) => c >= 3,
     };
     if turns { Unit::Angle } else { Unit::Length }
+}
+
+/// Names a frame: base, frame 2, joint 3, TCP or work.
+pub fn frame_name(place: MotionFrame) -> String {
+    match place {
+        MotionFrame::Base => "base".into(),
+        MotionFrame::Link(k) => format!("frame {k}"),
+        MotionFrame::Joint(k) => format!("joint {}", k + 1),
+        MotionFrame::Tcp => "TCP".into(),
+        MotionFrame::Work => "work".into(),
+    }
 }

@@ -12,7 +12,7 @@ use parry3d::bounding_volume::BoundingVolume;
 const TOUCHING: f64 = 1e-7;
 
 /// One solid that a frame of the robot carries.
-pub(super) struct LinkSolid {
+pub(super) struct RobotSolid {
     pub(super) id: SolidRef,
     /// Index of the frame that carries the solid. 0 is the robot base, k the frame after row k.
     pub(super) frame: usize,
@@ -33,27 +33,27 @@ pub(super) struct LinkSolid {
 }
 
 /// Returns links and tool in the order of the robot, then the parts held by each operation.
-pub(super) fn all(cell: &Cell, remember: &mut Remember<'_>) -> Vec<LinkSolid> {
+pub(super) fn all(cell: &Cell, remember: &mut Remember<'_>) -> Vec<RobotSolid> {
     let mut links = Vec::new();
     for (k, s) in cell.robot.solids.iter().enumerate() {
         let carrier =
-            Carried { id: SolidRef::Robot(k), frame: s.link, mount: &Pose::IDENTITY, solid: &s.solid };
+            CarriedSolid { id: SolidRef::Robot(k), frame: s.link, mount: &Pose::IDENTITY, solid: &s.solid };
         links.push(link(&carrier, cell.clearance, remember));
     }
     for (operation, o) in cell.operations.iter().enumerate() {
         for (k, solid) in o.held.solids.iter().enumerate() {
             let (id, frame) = (SolidRef::Held(operation, k), cell.robot.axes());
-            let carrier = Carried { id, frame, mount: &cell.robot.tool, solid };
+            let carrier = CarriedSolid { id, frame, mount: &cell.robot.tool, solid };
             let carried = link(&carrier, cell.clearance, remember);
             let spared = o.held.touches_surface.then_some(o.equipment);
-            links.push(LinkSolid { operation: Some(operation), spared, ..carried });
+            links.push(RobotSolid { operation: Some(operation), spared, ..carried });
         }
     }
     links
 }
 
 /// A solid of the cell with the frame that carries it.
-struct Carried<'a> {
+struct CarriedSolid<'a> {
     id: SolidRef,
     frame: usize,
     /// Pose of the frame of the solid's file in the carrier frame.
@@ -62,8 +62,8 @@ struct Carried<'a> {
 }
 
 /// Prepares one solid for collision checking.
-fn link(carried: &Carried<'_>, clearance: f64, remember: &mut Remember<'_>) -> LinkSolid {
-    let Carried { id, frame, mount, solid } = *carried;
+fn link(carried: &CarriedSolid<'_>, clearance: f64, remember: &mut Remember<'_>) -> RobotSolid {
+    let CarriedSolid { id, frame, mount, solid } = *carried;
     let parts = match &solid.shape {
         Shape::Mesh { vertices, triangles, .. } => hulls(vertices, triangles, remember),
         _ => Vec::new(),
@@ -81,7 +81,7 @@ fn link(carried: &Carried<'_>, clearance: f64, remember: &mut Remember<'_>) -> L
     let core = BoundingCapsule::new(&solid.shape, mount, slack.fold(TOUCHING, f64::max));
     // Points without a hull become a ball, which the capsule need not contain.
     let is_held = core.is_solid || bare.iter().all(|b| b.shape.as_ball().is_none());
-    LinkSolid {
+    RobotSolid {
         id,
         frame,
         operation: None,
@@ -94,7 +94,7 @@ fn link(carried: &Carried<'_>, clearance: f64, remember: &mut Remember<'_>) -> L
     }
 }
 
-impl LinkSolid {
+impl RobotSolid {
     /// Returns the frame that carries the solid, in the robot base.
     ///
     /// Frame 0 of the chain may be elsewhere on the base.
@@ -122,7 +122,7 @@ impl LinkSolid {
     }
 
     /// Returns whether two links touch, without the clearance, given the poses of their frames.
-    pub(super) fn touches(&self, frame: &Pose, other: &LinkSolid, other_frame: &Pose) -> bool {
+    pub(super) fn touches(&self, frame: &Pose, other: &RobotSolid, other_frame: &Pose) -> bool {
         self.is_near(&self.capsule(frame), other, &other.capsule(other_frame))
             && self.touches_near(frame, other, other_frame)
     }
@@ -131,7 +131,7 @@ impl LinkSolid {
     pub(super) fn is_near(
         &self,
         capsule: &BoundingCapsule,
-        other: &LinkSolid,
+        other: &RobotSolid,
         other_capsule: &BoundingCapsule,
     ) -> bool {
         let room = self.core.radius + other.core.radius;
@@ -139,7 +139,7 @@ impl LinkSolid {
     }
 
     /// Returns whether two links whose bounding capsules intersect touch (narrow phase).
-    pub(super) fn touches_near(&self, frame: &Pose, other: &LinkSolid, other_frame: &Pose) -> bool {
+    pub(super) fn touches_near(&self, frame: &Pose, other: &RobotSolid, other_frame: &Pose) -> bool {
         if self.core.is_solid && other.core.is_solid {
             return true;
         }
@@ -156,7 +156,7 @@ impl LinkSolid {
     }
 
     /// Returns whether a point of the other link lies in the closed mesh of this one.
-    pub(super) fn swallows(&self, frame: &Pose, other: &LinkSolid, other_frame: &Pose) -> bool {
+    pub(super) fn swallows(&self, frame: &Pose, other: &RobotSolid, other_frame: &Pose) -> bool {
         let Some(shell) = &self.shell else { return false };
         let inside = |b: &CollisionBody| {
             let point = b.pose_in(other_frame) * b.inside;

@@ -1,0 +1,82 @@
+//! Small motions that the error of a parameter makes: rotations about, or translations along, an axis.
+
+use crate::cell::{JointKind, Parameter};
+use crate::pose::{Displacement, Pose};
+use crate::robot::{Chain, Frames};
+use nalgebra::Vector3;
+
+/// Frame whose axis a motion follows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MotionFrame {
+    Base,
+    /// Frame after this number of D-H rows.
+    Link(usize),
+    /// Frame of a joint, counted from 0.
+    Joint(usize),
+    Tcp,
+    /// Frame of the equipment worked on.
+    Work,
+}
+
+/// Small motion of a parameter, base frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ParameterMotion {
+    pub place: MotionFrame,
+    /// Axis of that frame: 0, 1, 2 for x, y, z.
+    pub axis: usize,
+    /// Whether it is a rotation; otherwise it is a translation.
+    pub turns: bool,
+    /// Size of the motion per unit of the parameter; only a joint coupling makes it differ from 1.
+    pub factor: f64,
+    pub direction: Vector3<f64>,
+    /// Vector from the origin of the frame to the TCP, m.
+    pub lever: Vector3<f64>,
+}
+
+impl ParameterMotion {
+    /// Returns the effect of a unit of the parameter: `w x (p - o)` for a rotation, `w` for a translation.
+    pub fn effect(&self) -> Displacement {
+        let unit = match self.turns {
+            true => Displacement { position: self.direction.cross(&self.lever), rotation: self.direction },
+            false => Displacement { position: self.direction, rotation: Vector3::zeros() },
+        };
+        unit * self.factor
+    }
+}
+
+/// Returns the motions that a unit of a parameter makes at a posture.
+///
+/// A parameter of the equipment moves its frame at `work`.
+pub fn motions(chain: &Chain, frames: &Frames, work: &Pose, parameter: Parameter) -> Vec<ParameterMotion> {
+    let one = |place: MotionFrame, axis: usize, turns: bool, factor: f64| {
+        let frame = match place {
+            MotionFrame::Base => Pose::identity(),
+            MotionFrame::Link(k) => frames.links[k],
+            MotionFrame::Joint(k) => frames.links[k] * chain.joint_frames[k],
+            MotionFrame::Tcp => frames.tcp,
+            MotionFrame::Work => *work,
+        };
+        let direction = frame.rotation.column(axis).into_owned();
+        let lever = frames.tcp.translation - frame.translation;
+        ParameterMotion { place, axis, turns, factor, direction, lever }
+    };
+    let component = |place, c: usize| vec![one(place, c % 3, c >= 3, 1.0)];
+    match parameter {
+        // The actuator moves every D-H coordinate that is coupled to it.
+        Parameter::Dq(i) => (i..chain.axes())
+            .filter(|&j| chain.coupling[j][i] != 0.0)
+            .map(|j| {
+                let turns = chain.links[j].kind == JointKind::Revolute;
+                one(MotionFrame::Link(j), 2, turns, chain.coupling[j][i])
+            })
+            .collect(),
+        Parameter::Dr(i) => vec![one(MotionFrame::Link(i), 2, false, 1.0)],
+        Parameter::Dl(i) => vec![one(MotionFrame::Link(i + 1), 0, false, 1.0)],
+        Parameter::Dalpha(i) => vec![one(MotionFrame::Link(i + 1), 0, true, 1.0)],
+        Parameter::Dbeta(i) => vec![one(MotionFrame::Link(i + 1), 1, true, 1.0)],
+        Parameter::Base(c) => component(MotionFrame::Base, c),
+        Parameter::Tool(c) => component(MotionFrame::Tcp, c),
+        Parameter::Joint(k, c) => component(MotionFrame::Joint(k), c),
+        Parameter::Equipment(_, c) => component(MotionFrame::Work, c),
+    }
+}

@@ -1,0 +1,162 @@
+//! The folder of a search, read again: every file is checked against the hashes of its manifest.
+
+use super::output::path_word;
+use super::packages::Packages;
+use super::results::{INPUTS, portable};
+use super::{Exit, asked, checkpoint, loading, output};
+use crate::cell::Layout;
+use crate::files::{Loaded, Setting, shown};
+use crate::record::{HashedFile, ManifestDocument, ResolvedSettings, SearchResult};
+use crate::report::page::Manifest;
+use std::path::{Path, PathBuf};
+
+/// Folder of a search.
+pub struct SearchFolder {
+    /// The cell under the settings of the search.
+    pub loaded: Loaded,
+    /// The cell file inside the folder.
+    pub file: PathBuf,
+    /// The layout of best.toml; None if no layout is feasible.
+    pub best: Option<Layout>,
+    pub found: SearchResult,
+    pub manifest: Manifest,
+}
+
+/// Origin of the files of a folder.
+struct FolderOrigin {
+    manifest: Manifest,
+    /// Keys of the cell file that the command line has stated.
+    settings: Vec<Setting>,
+    /// Settings of the run; None of a search that was stopped.
+    resolved: Option<ResolvedSettings>,
+}
+
+/// Reads the folder of a search; reports what is wrong with it.
+pub fn read(folder: &Path, packages: &Packages) -> Result<SearchFolder, Exit> {
+    let FolderOrigin { manifest, settings, resolved } = origin(folder)?;
+    untouched(folder, &manifest)?;
+    let name = manifest.inputs.first().map(|(path, _)| portable(path)).ok_or(Exit::BadInput)?;
+    let file = folder.join(INPUTS).join(name);
+    let packages = kept_packages(folder, packages);
+    let loaded = asked::load_for_search(&file, &packages, &settings)?;
+    if resolved.is_some_and(|resolved| resolved != ResolvedSettings::new(&loaded.cell)) {
+        let why = "this program reads other settings from inputs/ than it names: its defaults differ";
+        return Err(refused(folder, "manifest.json", why));
+    }
+    let found: SearchResult = serde_json::from_slice(&bytes(folder, "search.json")?)
+        .map_err(|e| refused(folder, "search.json", &format!("it is not the result of a search: {e}")))?;
+    let best = match found.objective_value {
+        Some(_) => Some(loading::load(&folder.join("best.toml"), &packages)?.cell.start()),
+        None => None,
+    };
+    let best = best.map(|layout| fitting(folder, layout, &loaded)).transpose()?;
+    Ok(SearchFolder { loaded, file, best, found, manifest })
+}
+
+/// Returns the path of best.toml; refuses a folder whose files have changed since the search.
+pub fn best_of(folder: &Path) -> Result<PathBuf, Exit> {
+    untouched(folder, &origin(folder)?.manifest)?;
+    let best = folder.join("best.toml");
+    if best.is_file() {
+        return Ok(best);
+    }
+    let word = path_word(folder);
+    output::error(&format!("the search in {word} has found no feasible layout, so there is no best.toml"));
+    output::talk(&format!("  help: sweetspot report {word} shows why no layout is feasible"));
+    Err(Exit::BadInput)
+}
+
+/// Returns the layout if it fits the cell; refuses it otherwise.
+fn fitting(folder: &Path, layout: Layout, loaded: &Loaded) -> Result<Layout, Exit> {
+    let start = loaded.cell.start();
+    let sizes = |l: &Layout| (l.placements.len(), l.attitudes.len());
+    match sizes(&layout) == sizes(&start) {
+        true => Ok(layout),
+        false => Err(refused(folder, "best.toml", "it does not fit the cell in inputs/")),
+    }
+}
+
+/// Reads the manifest or, of a search that was stopped, the checkpoint.
+fn origin(folder: &Path) -> Result<FolderOrigin, Exit> {
+    let name = "manifest.json";
+    let (source, csv) = (folder.to_string_lossy().into_owned(), "map.csv beside search.json".to_string());
+    if folder.join(name).is_file() {
+        let document: ManifestDocument = serde_json::from_slice(&bytes(folder, name)?)
+            .map_err(|e| refused(folder, name, &format!("it is not the manifest of a search: {e}")))?;
+        let ManifestDocument { version, command, seed, settings, resolved, inputs, outputs, .. } = document;
+        let is_search = outputs.iter().any(|file| file.path == "search.json");
+        let (true, Some(command), Some(seed), Some(settings)) = (is_search, command, seed, settings) else {
+            return Err(refused(folder, name, "it is not the manifest of a search"));
+        };
+        let pairs = |files: Vec<HashedFile>| files.into_iter().map(|f| (f.path, f.sha256)).collect();
+        let (inputs, outputs) = (pairs(inputs), pairs(outputs));
+        let manifest = Manifest { command, version, seed, inputs, outputs, csv, source, is_complete: true };
+        return Ok(FolderOrigin { manifest, settings, resolved });
+    }
+    if !folder.join(loading::CHECKPOINT).is_file() {
+        output::error(&format!("{} holds no manifest.json and no checkpoint", path_word(folder)));
+        output::talk("  help: name a cell file, or a folder that sweetspot search has written");
+        return Err(Exit::BadInput);
+    }
+    let (request, inputs) = checkpoint::begun(folder)?;
+    let manifest = Manifest {
+        command: request.command,
+        version: env!("CARGO_PKG_VERSION").into(),
+        seed: 0,
+        inputs,
+        outputs: Vec::new(),
+        csv,
+        source,
+        is_complete: false,
+    };
+    Ok(FolderOrigin { manifest, settings: request.settings, resolved: None })
+}
+
+/// Refuses a folder in which a file has changed since the search wrote it.
+fn untouched(folder: &Path, manifest: &Manifest) -> Result<(), Exit> {
+    let mut all = places(&manifest.inputs).chain(manifest.outputs.iter().cloned());
+    all.try_for_each(|(place, hash)| check(folder, &place, &hash))
+}
+
+/// Returns the places of the inputs in the folder, with their hashes.
+fn places(inputs: &[(String, String)]) -> impl Iterator<Item = (String, String)> {
+    inputs.iter().enumerate().map(|(k, (path, hash))| {
+        let place = path.replacen("package://", "packages/", 1);
+        (format!("{INPUTS}/{}", if k == 0 { portable(&place) } else { place }), hash.clone())
+    })
+}
+
+fn check(folder: &Path, place: &str, hash: &str) -> Result<(), Exit> {
+    if loading::sha256(&bytes(folder, place)?) == hash {
+        return Ok(());
+    }
+    Err(refused(
+        folder,
+        place,
+        "it has changed since the search wrote it: its hash differs from that in the manifest",
+    ))
+}
+
+fn bytes(folder: &Path, place: &str) -> Result<Vec<u8>, Exit> {
+    loading::read_inside(folder, place, "the search")
+        .map_err(|why| refused(folder, place, &format!("it cannot be read: {why}")))
+}
+
+/// Reports a file of the folder that cannot be used.
+pub fn refused(folder: &Path, place: &str, why: &str) -> Exit {
+    output::error(&format!("{}: {}", path_word(&folder.join(place)), shown(why)));
+    output::talk("  help: run the search again, or report the cell file alone");
+    Exit::BadInput
+}
+
+/// Returns the packages of the command line and those kept with the inputs.
+fn kept_packages(folder: &Path, packages: &Packages) -> Packages {
+    let mut all = packages.clone();
+    for entry in folder.join(INPUTS).join("packages").read_dir().into_iter().flatten().flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        if !all.folders.iter().any(|(given, _)| *given == name) {
+            all.folders.push((name, entry.path()));
+        }
+    }
+    all
+}

@@ -1,0 +1,110 @@
+//! Request of a search: cell file, packages, settings and command line.
+
+use super::arguments::SearchArguments;
+use super::packages::Packages;
+use super::{Exit, asked, output, results};
+use crate::files::{Loaded, Setting};
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+
+/// Settings that a resumed search may state anew: they decide only when it ends.
+const STOPPING_RULES: [&str; 3] = ["search.budget", "search.gap", "search.stagnation"];
+
+/// Request of a search. Its checkpoint keeps it, so that resuming never reads the old command line.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SearchRequest {
+    pub cell: PathBuf,
+    /// Folders of ROS packages, by name.
+    packages: Vec<(String, PathBuf)>,
+    /// Keys of the cell file that the flags state.
+    pub settings: Vec<Setting>,
+    /// Command line that makes the same result without a stop.
+    pub command: Vec<String>,
+}
+
+impl SearchRequest {
+    /// Returns the request of the command line.
+    pub fn new(a: &SearchArguments) -> Result<Self, Exit> {
+        // clap requires a cell file without --resume.
+        let cell = a.cell.clone().ok_or(Exit::BadInput)?;
+        let packages = a.packages.folders.clone();
+        Ok(Self { cell, packages, settings: a.settings(), command: results::typed() })
+    }
+
+    /// Loads the cell under the settings.
+    pub fn load(&self) -> Result<Loaded, Exit> {
+        let packages = Packages { folders: self.packages.clone() };
+        asked::load_for_search(&self.cell, &packages, &self.settings)
+    }
+
+    /// Returns the request with the stopping rules of the command line that resumes it; refuses other changes.
+    pub fn resumed(mut self, a: &SearchArguments) -> Result<Self, Exit> {
+        let is_rule = |s: &Setting| STOPPING_RULES.contains(&s.path.as_str());
+        let (rules, others): (Vec<_>, Vec<_>) = a.settings().into_iter().partition(is_rule);
+        refuse_changes(&self.settings, &others)?;
+        // The cell may be reached by another path: its content decides.
+        self.cell = a.cell.clone().unwrap_or(self.cell);
+        if !a.packages.folders.is_empty() {
+            self.packages = a.packages.folders.clone();
+        }
+        for rule in rules {
+            if self.settings.iter().all(|s| s.path != rule.path || s.value != rule.value) {
+                self.settings.retain(|s| s.path != rule.path);
+                restate(&mut self.command, &rule);
+                self.settings.push(rule);
+            }
+        }
+        Ok(self)
+    }
+}
+
+/// Refuses settings that differ from those with which the search began.
+fn refuse_changes(then: &[Setting], now: &[Setting]) -> Result<(), Exit> {
+    let mut said: Vec<String> = Vec::new();
+    for setting in now {
+        let was = then.iter().find(|s| s.path == setting.path);
+        if was.is_some_and(|was| was.value == setting.value) {
+            continue;
+        }
+        let (option, value) = typed(setting);
+        let was = was.map_or("not given".into(), |was| output::word(&typed(was).1));
+        let is = output::word(&value);
+        let change = format!("{option} was {was} when the search began, now it is {is}");
+        if !said.contains(&change) {
+            said.push(change);
+        }
+    }
+    said.iter().for_each(|change| output::error(change));
+    if said.is_empty() {
+        return Ok(());
+    }
+    output::talk("  help: omit it to resume, or start another search in a new folder");
+    Err(Exit::BadInput)
+}
+
+/// Returns a setting as option and value of the command line.
+fn typed(setting: &Setting) -> (String, String) {
+    match setting.flag.as_deref() {
+        Some(flag) => {
+            let (option, value) = flag.split_once(' ').unwrap_or((flag, "given"));
+            (option.to_string(), value.to_string())
+        }
+        None => (format!("--set {}", setting.path), setting.value.clone()),
+    }
+}
+
+/// Replaces the value of an option in a command.
+fn restate(command: &mut Vec<String>, setting: &Setting) {
+    if setting.flag.is_none() {
+        command.extend(["--set".to_string(), setting.words()]);
+        return;
+    }
+    let (option, value) = typed(setting);
+    let joined = format!("{option}=");
+    if let Some(at) = command.iter().position(|word| *word == option) {
+        command.drain(at..(at + 2).min(command.len()));
+    }
+    command.retain(|word| !word.starts_with(&joined));
+    command.extend([option, value]);
+}

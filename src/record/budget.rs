@@ -1,0 +1,180 @@
+//! The document of `budget --json`.
+
+use super::numbers::{in_unit, joints, nine_digits, percent, position_mm};
+use super::parameter_names as names;
+use super::words::{VALUE_WORDS, value_word};
+use crate::assess::{Account, PostureContext, Tighter};
+use crate::cell::{Cell, Model, Reading, Registration, Unit};
+use crate::reading::{Figures, PostureErrors, Share};
+use crate::units::rounded;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Name and version of the document of `budget --json`.
+pub const BUDGET_SCHEMA: &str = "sweetspot/budget/1";
+
+/// Error budget: which parameter adds how much to the error at the spots.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BudgetDocument {
+    #[schemars(extend("const" = BUDGET_SCHEMA))]
+    pub schema: String,
+    pub cell: String,
+    pub robot: String,
+    /// Name of the error set.
+    pub errors: String,
+    pub model: Model,
+    pub reading: Reading,
+    /// Figure that is minimized.
+    #[schemars(extend("enum" = VALUE_WORDS))]
+    pub quantity: String,
+    pub registration: Registration,
+    pub operations: Vec<OperationBudget>,
+}
+
+/// Error budget of one operation at one node. World frame, mm and degrees.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct OperationBudget {
+    pub name: String,
+    pub equipment: String,
+    pub sense: String,
+    /// Largest error with which the operation succeeds, in the unit of its sense.
+    pub limit: Option<f64>,
+    pub node: Option<[usize; 2]>,
+    pub position_mm: [f64; 3],
+    pub joints_deg: Vec<f64>,
+    /// Whether the linear worst case is exact, not an upper bound.
+    pub worst_linear_exact: bool,
+    pub total: TotalEntry,
+    /// Shares of the parameters, the largest first.
+    pub parameters: Vec<ShareEntry>,
+    /// What half the tolerances of the first parameters would gain.
+    pub tighten: Vec<TightenEntry>,
+    /// Worst case of the linear model, in the unit of the sense.
+    pub linear_worst: f64,
+    /// Standard deviation of the linear model, in the unit of the sense.
+    pub linear_rms: f64,
+}
+
+/// Every figure of a posture in the sense of the operation.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TotalEntry {
+    pub unit: Unit,
+    pub error: f64,
+    pub worst_linear: f64,
+    pub worst: f64,
+    pub rms: f64,
+    pub mean: f64,
+    pub p95: f64,
+    pub p99: f64,
+    /// Share of arms within the tolerances whose error keeps the limit.
+    pub r#yield: Option<f64>,
+}
+
+/// Share of one parameter in the error.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ShareEntry {
+    pub parameter: String,
+    pub unit: Unit,
+    pub signed: f64,
+    pub plus_minus: f64,
+    /// Linear effect of the signed value on the TCP, world frame.
+    pub linear_term_mm: [f64; 3],
+    /// Error in the sense if this parameter alone had its tolerance.
+    pub alone: f64,
+    pub share_of_worst: f64,
+    pub share_of_variance: f64,
+}
+
+/// Gain of halving the tolerance of some parameters.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TightenEntry {
+    pub halved: Vec<String>,
+    pub of: f64,
+    pub to: f64,
+    pub unit: Unit,
+    pub cut_percent: f64,
+}
+
+impl BudgetDocument {
+    pub fn new(cell: &Cell, accounts: &[Account<'_>]) -> Self {
+        Self {
+            schema: BUDGET_SCHEMA.into(),
+            cell: cell.name.clone(),
+            robot: cell.robot.name.clone(),
+            errors: cell.error_set().name().into(),
+            model: cell.model,
+            reading: cell.reading,
+            quantity: value_word(cell).into(),
+            registration: cell.registration,
+            operations: accounts.iter().map(OperationBudget::new).collect(),
+        }
+    }
+}
+
+impl OperationBudget {
+    fn new(a: &Account<'_>) -> Self {
+        let stance = &a.stance;
+        let operation = &stance.cell.operations[stance.operation];
+        let unit = stance.gauge.sense.unit;
+        Self {
+            name: operation.name.clone(),
+            equipment: stance.cell.equipment[operation.equipment].name.clone(),
+            sense: operation.sense.name.clone(),
+            limit: operation.limit.map(|l| in_unit(operation.sense.unit, l)),
+            node: stance.node.map(|(i, j)| [i, j]),
+            position_mm: position_mm(&stance.position),
+            joints_deg: joints(stance.cell, &stance.joints),
+            worst_linear_exact: a.worst.exact,
+            total: TotalEntry::new(stance, &a.judged),
+            parameters: a.budget.shares.iter().map(|s| ShareEntry::new(stance, s)).collect(),
+            tighten: a.tighter.iter().map(|t| TightenEntry::new(a, t)).collect(),
+            linear_worst: in_unit(unit, a.budget.worst),
+            linear_rms: in_unit(unit, a.budget.deviation),
+        }
+    }
+}
+
+impl TotalEntry {
+    pub fn new(stance: &PostureContext<'_>, judged: &PostureErrors) -> Self {
+        let unit = stance.gauge.sense.unit;
+        let Figures { error, worst_linear, worst, rms, mean, p95, p99 } = judged.figures[stance.gauge.own()];
+        let [error, worst_linear, worst, rms, mean, p95, p99] =
+            [error, worst_linear, worst, rms, mean, p95, p99].map(|v| in_unit(unit, v));
+        let r#yield = judged.success.map(nine_digits);
+        Self { unit, error, worst_linear, worst, rms, mean, p95, p99, r#yield }
+    }
+}
+
+impl ShareEntry {
+    fn new(stance: &PostureContext<'_>, s: &Share) -> Self {
+        let unit = names::unit(stance.cell, s.parameter);
+        Self {
+            parameter: names::parameter(stance.cell, s.parameter),
+            unit,
+            signed: in_unit(unit, s.signed),
+            plus_minus: in_unit(unit, s.plus_minus),
+            linear_term_mm: position_mm(&s.term),
+            alone: in_unit(stance.gauge.sense.unit, s.alone),
+            share_of_worst: rounded(s.of_worst, 12),
+            share_of_variance: rounded(s.of_variance, 12),
+        }
+    }
+}
+
+impl TightenEntry {
+    fn new(a: &Account<'_>, t: &Tighter) -> Self {
+        let cell = a.stance.cell;
+        Self {
+            halved: t.parameters.iter().map(|p| names::parameter(cell, *p)).collect(),
+            of: in_unit(a.unit(), a.figure),
+            to: in_unit(a.unit(), t.figure),
+            unit: a.unit(),
+            cut_percent: percent(a.cut(t)),
+        }
+    }
+}

@@ -1,0 +1,124 @@
+//! The document of `check --json`.
+
+use super::numbers::{degrees, millimetres, position_mm};
+use super::placement::ByName;
+use crate::cell::Robot;
+use crate::clearance::{Allowed, SelfCollisionPair};
+use crate::files::{Fault, shown};
+use crate::layout::Workcell;
+use crate::pose::Pose;
+use nalgebra::{Rotation3, Vector3};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Name and version of the document of `check --json`.
+pub const CHECK_SCHEMA: &str = "sweetspot/check/1";
+
+/// Whether a cell file is valid, and everything that is wrong with it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CheckDocument {
+    #[schemars(extend("const" = CHECK_SCHEMA))]
+    pub schema: String,
+    pub valid: bool,
+    pub faults: Vec<Fault>,
+    /// Pairs of solids of the robot.
+    pub self_collision: Vec<OwnPairEntry>,
+    /// What was derived from a URDF; absent of a robot given by Denavit-Hartenberg rows.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub urdf: Option<UrdfEntry>,
+}
+
+/// Two solids of the robot.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct OwnPairEntry {
+    pub a: String,
+    pub b: String,
+    /// Why they may touch; null: a contact is a collision.
+    pub allowed: Option<String>,
+}
+
+impl OwnPairEntry {
+    /// Returns every pair of solids of the robot.
+    pub fn all(workcell: &Workcell) -> Vec<Self> {
+        let pair = |p: &SelfCollisionPair| {
+            let [a, b] = [p.a, p.b].map(|id| id.in_words(&workcell.cell).to_string());
+            Self { a, b, allowed: p.allowed.map(|why| Allowed::in_words(why).into()) }
+        };
+        workcell.self_collision_pairs().iter().map(pair).collect()
+    }
+}
+
+/// Denavit-Hartenberg rows derived from a URDF, and what of the file is not used.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct UrdfEntry {
+    pub file: String,
+    pub base_link: String,
+    pub tip_link: String,
+    pub base_to_frame_0: PoseEntry,
+    pub rows: Vec<UrdfRow>,
+    pub last_frame_to_tip: PoseEntry,
+    /// Number of elements of the file that are not used, by what they are.
+    pub ignored: ByName<usize>,
+}
+
+/// Pose as position and angles about fixed axes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PoseEntry {
+    pub position_mm: [f64; 3],
+    pub rpy_deg: [f64; 3],
+}
+
+/// Denavit-Hartenberg row of a joint of a URDF.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct UrdfRow {
+    pub joint: String,
+    pub theta_deg: f64,
+    pub r_mm: f64,
+    pub l_mm: f64,
+    pub alpha_deg: f64,
+    pub passive: bool,
+}
+
+impl UrdfEntry {
+    /// Returns None of a robot given by Denavit-Hartenberg rows.
+    pub fn new(robot: &Robot) -> Option<Self> {
+        let origin = robot.urdf.as_ref()?;
+        let rows = robot.joints.iter().map(|j| UrdfRow {
+            joint: shown(&j.name),
+            theta_deg: degrees(j.theta),
+            r_mm: millimetres(j.r),
+            l_mm: millimetres(j.l),
+            alpha_deg: degrees(j.alpha),
+            passive: j.is_passive(),
+        });
+        Some(Self {
+            file: shown(&origin.file),
+            base_link: shown(&origin.base_link),
+            tip_link: shown(&origin.tip_link),
+            base_to_frame_0: PoseEntry::new(&robot.mount),
+            rows: rows.collect(),
+            last_frame_to_tip: PoseEntry::new(&origin.tip),
+            ignored: origin.ignored.iter().map(|(what, n)| (shown(what), *n)).collect(),
+        })
+    }
+}
+
+impl PoseEntry {
+    fn new(pose: &Pose) -> Self {
+        Self {
+            position_mm: position_mm(&pose.translation),
+            rpy_deg: roll_pitch_yaw(pose).map(degrees).into(),
+        }
+    }
+}
+
+/// Returns roll, pitch and yaw about fixed axes, rad: the turn of [`Pose::from_translation_rpy`].
+pub fn roll_pitch_yaw(pose: &Pose) -> Vector3<f64> {
+    let (roll, pitch, yaw) = Rotation3::from_matrix_unchecked(pose.rotation).euler_angles();
+    Vector3::new(roll, pitch, yaw)
+}

@@ -1,0 +1,356 @@
+//! The document of `explain --json`.
+
+use super::budget::TotalEntry;
+use super::numbers::{
+    degrees, in_unit, joint_coordinate, joints, millimetres, nine_digits, percent, plain, position_mm,
+    rotation_deg,
+};
+use super::parameter_names::{self as names, frame_name};
+use super::placement::{ByName, PlacementEntry};
+use super::words::{VALUE_WORDS, value_word};
+use crate::assess::{DhRow, Explanation, MotionFrame, ParameterEffect, ParameterMotion, SenseRow};
+use crate::cell::{JointKind, Model, Reading, Registration, Unit};
+use crate::pose::{Displacement, Pose};
+use crate::units::{mm_from_m, rad_from_deg};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Name and version of the document of `explain --json`.
+pub const EXPLANATION_SCHEMA: &str = "sweetspot/explain/1";
+
+/// Numbers of one posture, step by step, to be followed by hand. Lengths in mm, angles in degrees.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ExplanationDocument {
+    #[schemars(extend("const" = EXPLANATION_SCHEMA))]
+    pub schema: String,
+    pub cell: String,
+    pub robot: String,
+    /// Name of the error set.
+    pub errors: String,
+    pub model: Model,
+    pub reading: Reading,
+    /// Figure that is minimized.
+    #[schemars(extend("enum" = VALUE_WORDS))]
+    pub quantity: String,
+    pub registration: Registration,
+    pub name: String,
+    pub equipment: String,
+    pub sense: String,
+    /// Largest error with which the operation succeeds, in the unit of its sense.
+    pub limit: Option<f64>,
+    /// Numbers of the node; null of joints that were given.
+    pub node: Option<[usize; 2]>,
+    /// TCP in the world frame.
+    pub position_mm: [f64; 3],
+    pub joints_deg: Vec<f64>,
+    /// Robot base in the world frame.
+    pub base: PlacementEntry,
+    pub tool_axis_world: [f64; 3],
+    /// Angle of the tool axis above the horizontal.
+    pub tool_elevation_deg: f64,
+    /// Rows of the Denavit-Hartenberg table at the posture.
+    pub dh: Vec<DhEntry>,
+    /// Link frames and the TCP in the base frame.
+    pub frames: Vec<FrameEntry>,
+    pub parameters: Vec<ParameterEntry>,
+    /// Error by the linear model, world frame.
+    pub linear: DisplacementEntry,
+    /// What the second order adds to the linear model, world frame.
+    pub second_order_correction: DisplacementEntry,
+    /// Error by the second-order model, world frame.
+    pub second_order: DisplacementEntry,
+    /// Error by the nonlinear model, world frame.
+    pub nonlinear: DisplacementEntry,
+    /// Error of the robot alone, before anything is taken off, world frame.
+    pub robot_alone_nonlinear: DisplacementEntry,
+    /// What registration and the errors of the equipment take off, world frame.
+    pub taken_off_nonlinear: DisplacementEntry,
+    pub guard: PostureGuardEntry,
+    /// Rows of the sense with the error in each.
+    pub sense_rows: Vec<SenseRowEntry>,
+    /// Sign of every parameter at the corner of the tolerance box that is worst.
+    pub worst_corner: ByName<i8>,
+    pub total: TotalEntry,
+    /// Figure that is minimized, in `unit`.
+    pub value: f64,
+    pub unit: Unit,
+}
+
+/// Row of the Denavit-Hartenberg table: `Rz(theta) Tz(r) Tx(l) Rx(alpha)`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DhEntry {
+    pub kind: JointKindWord,
+    /// Actuator coordinate: degrees, or mm of a joint that slides.
+    pub q: f64,
+    pub within_limits: bool,
+    pub theta_deg: f64,
+    pub r_mm: f64,
+    pub l_mm: f64,
+    pub alpha_deg: f64,
+}
+
+/// Kind of a joint in documents.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum JointKindWord {
+    Revolute,
+    Prismatic,
+    /// A revolute joint that a linkage drives.
+    Passive,
+}
+
+impl From<JointKind> for JointKindWord {
+    fn from(kind: JointKind) -> Self {
+        match kind {
+            JointKind::Revolute => Self::Revolute,
+            JointKind::Prismatic => Self::Prismatic,
+        }
+    }
+}
+
+/// Frame in the base frame.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FrameEntry {
+    pub name: String,
+    pub origin_mm: [f64; 3],
+    pub x_axis: [f64; 3],
+    pub y_axis: [f64; 3],
+    pub z_axis: [f64; 3],
+}
+
+/// Effect of one parameter: motions, lever and effects in the base frame, the linear term in the world.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ParameterEntry {
+    pub parameter: String,
+    pub unit: Unit,
+    /// Value in the sample explained.
+    pub value: f64,
+    pub signed: f64,
+    pub plus_minus: f64,
+    pub standard_deviation: f64,
+    pub motions: Vec<MotionEntry>,
+    pub effect_base_mm_per_unit: [f64; 3],
+    /// What registration takes off the effect.
+    pub taken_off_base_mm_per_unit: [f64; 3],
+    pub linear_term_mm: [f64; 3],
+    pub linear_term_deg: [f64; 3],
+}
+
+/// Small motion that a unit of a parameter makes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MotionEntry {
+    pub kind: MotionKind,
+    /// Axis of the frame: x, y or z.
+    #[schemars(extend("enum" = AXES))]
+    pub axis: String,
+    pub frame: String,
+    /// How much of the motion a unit of the parameter makes.
+    pub factor: f64,
+    pub axis_base: [f64; 3],
+    /// From the origin of the frame to the TCP.
+    pub lever_base_mm: [f64; 3],
+}
+
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// Whether a motion turns about its axis or slides along it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum MotionKind {
+    Turn,
+    Slide,
+}
+
+/// Small displacement of the TCP.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DisplacementEntry {
+    pub position_mm: [f64; 3],
+    pub size_mm: f64,
+    pub rotation_deg: [f64; 3],
+}
+
+/// Distance of the approximate error models from the nonlinear one at a posture.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PostureGuardEntry {
+    pub threshold_percent: f64,
+    pub linear_off_percent: f64,
+    pub second_order_off_percent: f64,
+    /// Distance of the chosen model.
+    pub off_percent: f64,
+    pub trusted: bool,
+}
+
+/// Row of the sense and the error in it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SenseRowEntry {
+    pub kind: SenseRowKind,
+    /// Direction in the base frame; its length is the weight.
+    pub direction_base: [f64; 3],
+    pub value: f64,
+}
+
+/// Whether a row of a sense measures position or rotation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum SenseRowKind {
+    Position,
+    Rotation,
+}
+
+impl ExplanationDocument {
+    pub fn new(e: &Explanation<'_>) -> Self {
+        let stance = &e.stance;
+        let cell = stance.cell;
+        let operation = &cell.operations[stance.operation];
+        let to_world = stance.situation.site.world.transpose();
+        let tool = to_world * stance.frames.tcp.rotation * cell.robot.tool_axis;
+        let world = |d: &Displacement| DisplacementEntry::new(&d.turned(&to_world));
+        Self {
+            schema: EXPLANATION_SCHEMA.into(),
+            cell: cell.name.clone(),
+            robot: cell.robot.name.clone(),
+            errors: cell.error_set().name().into(),
+            model: cell.model,
+            reading: cell.reading,
+            quantity: value_word(cell).into(),
+            registration: cell.registration,
+            name: operation.name.clone(),
+            equipment: cell.equipment[operation.equipment].name.clone(),
+            sense: operation.sense.name.clone(),
+            limit: operation.limit.map(|l| in_unit(operation.sense.unit, l)),
+            node: stance.node.map(|(i, j)| [i, j]),
+            position_mm: position_mm(&stance.position),
+            joints_deg: joints(cell, &stance.joints),
+            base: PlacementEntry::new(&stance.base),
+            tool_axis_world: plain(&tool),
+            tool_elevation_deg: degrees(tool.z.clamp(-1.0, 1.0).asin()),
+            dh: e.rows.iter().map(DhEntry::new).collect(),
+            frames: frames(e),
+            parameters: e.lines.iter().map(|l| ParameterEntry::new(e, l)).collect(),
+            linear: world(&e.judged.linear),
+            second_order_correction: world(&(e.judged.second_order - e.judged.linear)),
+            second_order: world(&e.judged.second_order),
+            nonlinear: world(&e.judged.nonlinear),
+            robot_alone_nonlinear: world(&e.robot),
+            taken_off_nonlinear: world(&(e.robot - e.judged.nonlinear)),
+            guard: PostureGuardEntry::new(e),
+            sense_rows: e.sense.iter().map(|row| SenseRowEntry::new(e, row)).collect(),
+            worst_corner: corner(e),
+            total: TotalEntry::new(stance, &e.judged),
+            value: in_unit(e.unit(), e.judged.value),
+            unit: e.unit(),
+        }
+    }
+}
+
+impl DhEntry {
+    fn new(row: &DhRow) -> Self {
+        Self {
+            kind: row.kind.into(),
+            q: joint_coordinate(row.kind, row.q),
+            within_limits: row.allowed,
+            theta_deg: degrees(row.theta),
+            r_mm: millimetres(row.r),
+            l_mm: millimetres(row.l),
+            alpha_deg: degrees(row.alpha),
+        }
+    }
+}
+
+fn frames(e: &Explanation<'_>) -> Vec<FrameEntry> {
+    let entry = |(name, pose): (String, &Pose)| {
+        let axis = |k: usize| plain(&pose.rotation.column(k).into_owned());
+        let [x_axis, y_axis, z_axis] = [0, 1, 2].map(axis);
+        FrameEntry { name, origin_mm: position_mm(&pose.translation), x_axis, y_axis, z_axis }
+    };
+    let frames = &e.stance.frames;
+    let links = frames.links[..=e.rows.len()].iter().enumerate();
+    let links = links.map(|(k, pose)| (frame_name(MotionFrame::Link(k)), pose));
+    links.chain([(frame_name(MotionFrame::Tcp), &frames.tcp)]).map(entry).collect()
+}
+
+impl ParameterEntry {
+    fn new(e: &Explanation<'_>, line: &ParameterEffect) -> Self {
+        let cell = e.stance.cell;
+        let unit = names::unit(cell, line.source.parameter);
+        let per_unit = |d: &Displacement| match unit {
+            Unit::Angle => plain(&(d.position.map(mm_from_m) * rad_from_deg(1.0))),
+            _ => plain(&d.position),
+        };
+        let term = line.term().turned(&e.stance.situation.site.world.transpose());
+        Self {
+            parameter: names::parameter(cell, line.source.parameter),
+            unit,
+            value: in_unit(unit, line.value),
+            signed: in_unit(unit, line.source.signed),
+            plus_minus: in_unit(unit, line.source.plus_minus),
+            standard_deviation: in_unit(unit, line.source.deviation),
+            motions: line.motions.iter().map(MotionEntry::new).collect(),
+            effect_base_mm_per_unit: per_unit(&line.alone),
+            taken_off_base_mm_per_unit: per_unit(&(line.alone - line.left)),
+            linear_term_mm: position_mm(&term.position),
+            linear_term_deg: rotation_deg(&term.rotation),
+        }
+    }
+}
+
+impl MotionEntry {
+    fn new(m: &ParameterMotion) -> Self {
+        Self {
+            kind: if m.turns { MotionKind::Turn } else { MotionKind::Slide },
+            axis: AXES[m.axis].into(),
+            frame: frame_name(m.place),
+            factor: nine_digits(m.factor),
+            axis_base: plain(&m.direction),
+            lever_base_mm: position_mm(&m.lever),
+        }
+    }
+}
+
+impl DisplacementEntry {
+    fn new(d: &Displacement) -> Self {
+        Self {
+            position_mm: position_mm(&d.position),
+            size_mm: millimetres(d.position.norm()),
+            rotation_deg: rotation_deg(&d.rotation),
+        }
+    }
+}
+
+impl PostureGuardEntry {
+    fn new(e: &Explanation<'_>) -> Self {
+        Self {
+            threshold_percent: percent(e.stance.cell.guard),
+            linear_off_percent: percent(e.linear_off),
+            second_order_off_percent: percent(e.second_order_off),
+            off_percent: percent(e.off()),
+            trusted: e.trusted(),
+        }
+    }
+}
+
+impl SenseRowEntry {
+    fn new(e: &Explanation<'_>, row: &SenseRow) -> Self {
+        Self {
+            kind: if row.turns { SenseRowKind::Rotation } else { SenseRowKind::Position },
+            direction_base: plain(&row.direction),
+            value: in_unit(e.stance.gauge.sense.unit, row.value),
+        }
+    }
+}
+
+fn corner(e: &Explanation<'_>) -> ByName<i8> {
+    let signs = e.lines.iter().zip(e.worst.corner);
+    let sign = |(line, sign): (&ParameterEffect, f64)| {
+        (names::parameter(e.stance.cell, line.source.parameter), if sign < 0.0 { -1 } else { 1 })
+    };
+    signs.map(sign).collect()
+}

@@ -1,0 +1,69 @@
+//! The manifest of a result folder: what made it, its settings and the hashes of its files.
+
+use super::settings::ResolvedSettings;
+use crate::files::Setting;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Name and version of the manifest.
+pub const MANIFEST_SCHEMA: &str = "sweetspot/manifest/1";
+
+/// Manifest of a result folder, `manifest.json`. A folder that has one is complete.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ManifestDocument {
+    #[schemars(extend("const" = MANIFEST_SCHEMA))]
+    pub schema: String,
+    pub program: String,
+    /// Version of the program.
+    pub version: String,
+    /// Command line that makes the folder, for people: programs read `settings`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub command: Option<Vec<String>>,
+    /// Name of the plan in the folder of a sweep, which has no command.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub plan: Option<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cell: Option<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seed: Option<u64>,
+    /// Keys of the cell file that the command line has stated; reading the inputs under them asks the same
+    /// question again.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub settings: Option<Vec<Setting>>,
+    /// Settings of the run after flags, cell file and defaults were merged.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub resolved: Option<ResolvedSettings>,
+    /// Files that were read, the cell file first.
+    pub inputs: Vec<HashedFile>,
+    /// Files that were written.
+    pub outputs: Vec<HashedFile>,
+}
+
+/// File and its SHA-256 in hexadecimal.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct HashedFile {
+    /// Path as the cell names it, or inside the result folder.
+    pub path: String,
+    pub sha256: String,
+}
+
+impl ManifestDocument {
+    /// Makes the manifest of a folder without saying what made it.
+    pub fn new(inputs: Vec<HashedFile>, outputs: Vec<HashedFile>) -> Self {
+        Self {
+            schema: MANIFEST_SCHEMA.into(),
+            program: "sweetspot".into(),
+            version: env!("CARGO_PKG_VERSION").into(),
+            command: None,
+            plan: None,
+            cell: None,
+            seed: None,
+            settings: None,
+            resolved: None,
+            inputs,
+            outputs,
+        }
+    }
+}

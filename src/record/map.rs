@@ -1,0 +1,310 @@
+//! The document of `map --json`.
+
+use super::node::{MapNode, MapNodes};
+use super::numbers::{degrees, in_unit, joints, nine_digits, percent};
+use super::placement::{ByName, PlacementEntry, placements};
+use super::refined::RefinedEntry;
+use super::words::{VALUE_WORDS, caveats, value_word};
+use crate::assess::Assessment;
+use crate::cell::{Cell, JointKind, Model, Over, Reading, Registration, Sense, Unit};
+use crate::error_map::{NodeSign, OperationMap};
+use crate::motion::Transfer;
+use crate::reading::{Estimate, MonteCarlo};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Name and version of the document of `map --json`.
+pub const MAP_SCHEMA: &str = "sweetspot/map/1";
+
+/// Error map of one layout: every node of every operation. World frame, mm and degrees.
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MapDocument<'a> {
+    #[schemars(extend("const" = MAP_SCHEMA))]
+    pub schema: String,
+    pub cell: String,
+    pub robot: String,
+    /// Names and units of the joints, in the order of `joints_deg`.
+    pub joints: Vec<JointEntry>,
+    /// Whether the layout can be used: nothing overlaps and every operation has a spot.
+    pub feasible: bool,
+    /// Objective, if it is a length.
+    pub objective_mm: Option<f64>,
+    /// Objective in `unit`.
+    pub objective: Option<f64>,
+    pub unit: Unit,
+    /// Caveats of how the errors are read.
+    pub notes: Vec<String>,
+    /// Pairs of things that share floor space.
+    pub overlaps: Vec<String>,
+    /// Why the layout is not feasible.
+    pub reasons: Vec<String>,
+    /// Ways between consecutive operations, of a cell that asks for them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub transfers: Option<Vec<TransferEntry>>,
+    /// Placement of every equipment.
+    pub layout: ByName<PlacementEntry>,
+    pub operations: Vec<OperationMapEntry<'a>>,
+}
+
+/// One joint of the robot.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct JointEntry {
+    pub name: String,
+    pub unit: Unit,
+}
+
+/// A direction in which the error is measured.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SenseEntry {
+    pub name: String,
+    pub unit: Unit,
+}
+
+impl SenseEntry {
+    pub fn new(sense: &Sense) -> Self {
+        Self { name: sense.name.clone(), unit: sense.unit }
+    }
+}
+
+/// Error map of one operation.
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct OperationMapEntry<'a> {
+    pub name: String,
+    pub equipment: String,
+    /// Sense of the operation.
+    pub sense: String,
+    /// Senses in which every node is reported.
+    pub senses: Vec<SenseEntry>,
+    pub model: Model,
+    /// Name of the error set.
+    pub errors: String,
+    pub reading: Reading,
+    /// Figure that is minimized.
+    #[schemars(extend("enum" = VALUE_WORDS))]
+    pub quantity: String,
+    pub registration: Registration,
+    /// Largest error with which the operation succeeds, in the unit of its sense.
+    pub limit: Option<f64>,
+    /// Distance to the limit; negative if the limit is missed.
+    pub margin: Option<f64>,
+    pub over: Over,
+    /// Value of the operation: that of its best node, or of all its nodes together.
+    pub value: Option<f64>,
+    pub counts: StatusCounts,
+    pub guard: GuardEntry,
+    /// Monte Carlo check of the spot, of the statistical reading.
+    pub monte_carlo: Option<MonteCarloEntry>,
+    #[schemars(with = "Vec<MapNode>")]
+    pub nodes: MapNodes<'a>,
+    /// The spot: the best usable node.
+    pub best: Option<MapNode>,
+    /// The spot between the nodes.
+    pub refined: Option<RefinedEntry>,
+}
+
+impl<'a> MapDocument<'a> {
+    pub fn new(a: &'a Assessment<'_>) -> Self {
+        let cell = a.cell;
+        let unit = |kind| if kind == JointKind::Revolute { Unit::Angle } else { Unit::Length };
+        let joints = cell.robot.joints.iter();
+        Self {
+            schema: MAP_SCHEMA.into(),
+            cell: cell.name.clone(),
+            robot: cell.robot.name.clone(),
+            joints: joints.map(|j| JointEntry { name: j.name.clone(), unit: unit(j.kind) }).collect(),
+            feasible: a.evaluation.objective.is_some(),
+            objective_mm: a.objective_mm().map(nine_digits),
+            objective: a.objective().map(nine_digits),
+            unit: cell.unit(),
+            notes: caveats(cell),
+            overlaps: a.evaluation.overlaps.iter().map(|o| o.in_words(cell)).collect(),
+            reasons: a.reasons(),
+            transfers: cell.transfer.is_some().then(|| transfers(a)),
+            layout: placements(cell, &a.layout),
+            operations: a.maps.iter().map(|m| OperationMapEntry::new(a, m)).collect(),
+        }
+    }
+}
+
+impl<'a> OperationMapEntry<'a> {
+    fn new(a: &'a Assessment<'_>, map: &'a OperationMap) -> Self {
+        let cell = a.cell;
+        let operation = &cell.operations[map.operation];
+        Self {
+            name: operation.name.clone(),
+            equipment: cell.equipment[operation.equipment].name.clone(),
+            sense: operation.sense.name.clone(),
+            senses: map.senses.iter().map(SenseEntry::new).collect(),
+            model: cell.model,
+            errors: cell.error_set().name().into(),
+            reading: cell.reading,
+            quantity: value_word(cell).into(),
+            registration: cell.registration,
+            limit: operation.limit.map(|l| in_unit(operation.sense.unit, l)),
+            margin: a.requirement(map.operation).map(|r| in_unit(cell.unit(), r.margin)),
+            over: operation.over,
+            value: map.value.map(|v| in_unit(cell.unit(), v)),
+            counts: StatusCounts::new(map),
+            guard: GuardEntry::new(cell, map),
+            monte_carlo: MonteCarloEntry::new(a, map.operation),
+            nodes: MapNodes::OfMap(cell, map),
+            best: map.best_node().map(|n| MapNode::new(cell, map, n)),
+            refined: RefinedEntry::new(a, map.operation),
+        }
+    }
+}
+
+/// Numbers of nodes by status. A status that a cell did not ask about is left out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub struct StatusCounts {
+    pub ok: usize,
+    pub out_of_reach: usize,
+    pub joint_limit: usize,
+    pub collision: usize,
+    pub attitude: usize,
+    pub not_converged: usize,
+    pub unjudged: usize,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub singular: Option<usize>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub approach: Option<usize>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub retract: Option<usize>,
+}
+
+impl StatusCounts {
+    pub fn new(map: &OperationMap) -> Self {
+        let asked = |sign| Some(map.count(sign)).filter(|count| *count > 0);
+        Self {
+            ok: map.count(NodeSign::Usable),
+            out_of_reach: map.count(NodeSign::OutOfReach),
+            joint_limit: map.count(NodeSign::JointLimit),
+            collision: map.count(NodeSign::Collision),
+            attitude: map.count(NodeSign::Attitude),
+            not_converged: map.count(NodeSign::NotConverged),
+            unjudged: map.count(NodeSign::Unjudged),
+            singular: asked(NodeSign::Singular),
+            approach: asked(NodeSign::ApproachBlocked),
+            retract: asked(NodeSign::RetractBlocked),
+        }
+    }
+}
+
+/// Where the approximate error models are not to be trusted, over the usable nodes.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct GuardEntry {
+    pub threshold_percent: f64,
+    pub linear: ModelGuardEntry,
+    pub second_order: ModelGuardEntry,
+    /// Whether the chosen model keeps the threshold at every usable node.
+    pub trusted: bool,
+}
+
+/// Distance of one error model from the nonlinear one.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ModelGuardEntry {
+    pub most_percent: f64,
+    /// Number of nodes above the threshold.
+    pub nodes_above: usize,
+}
+
+impl GuardEntry {
+    pub fn new(cell: &Cell, map: &OperationMap) -> Self {
+        let guard = |model: Model| {
+            let (most, nodes_above, _) = map.off(model, cell.guard);
+            ModelGuardEntry { most_percent: percent(most), nodes_above }
+        };
+        Self {
+            threshold_percent: percent(cell.guard),
+            linear: guard(Model::Linear),
+            second_order: guard(Model::SecondOrder),
+            trusted: map.off(cell.model, cell.guard).1 == 0,
+        }
+    }
+}
+
+/// Monte Carlo check of a spot through the nonlinear model, in the unit of the sense.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MonteCarloEntry {
+    pub samples: usize,
+    pub unit: Unit,
+    pub rms: EstimateEntry,
+    pub mean: EstimateEntry,
+    pub p95: EstimateEntry,
+    pub p99: EstimateEntry,
+    /// Share of samples that keep the limit, of an operation with a limit.
+    pub r#yield: Option<EstimateEntry>,
+    pub share_above_first_order_p95: EstimateEntry,
+    /// Whether the samples confirm the first-order figures.
+    pub first_order_holds: Option<bool>,
+}
+
+/// A figure with its 95 % confidence interval.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct EstimateEntry {
+    pub value: f64,
+    pub low: f64,
+    pub high: f64,
+}
+
+impl EstimateEntry {
+    fn new(e: &Estimate, unit: Unit) -> Self {
+        let [value, low, high] = [e.value, e.low, e.high].map(|v| in_unit(unit, v));
+        Self { value, low, high }
+    }
+}
+
+impl MonteCarloEntry {
+    /// Returns None unless the reading is statistical and the operation has a spot.
+    pub fn new(a: &Assessment<'_>, operation: usize) -> Option<Self> {
+        let unit = a.cell.operations[operation].sense.unit;
+        let MonteCarlo { samples, rms, mean, p95, p99, above, success, .. } =
+            a.samples[operation].as_ref()?;
+        Some(Self {
+            samples: *samples,
+            unit,
+            rms: EstimateEntry::new(rms, unit),
+            mean: EstimateEntry::new(mean, unit),
+            p95: EstimateEntry::new(p95, unit),
+            p99: EstimateEntry::new(p99, unit),
+            r#yield: success.as_ref().map(|s| EstimateEntry::new(s, Unit::Share)),
+            share_above_first_order_p95: EstimateEntry::new(above, Unit::Share),
+            first_order_holds: a.first_order_holds(operation),
+        })
+    }
+}
+
+/// Free way of the joints from one operation to the next.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TransferEntry {
+    pub from: String,
+    pub to: String,
+    pub way: String,
+    /// Measure of its duration: the sum over the moves of how far the slowest joint turns.
+    pub travel_deg: f64,
+    /// Corners of the way in joint space.
+    pub joints_deg: Vec<Vec<f64>>,
+}
+
+/// Returns the ways between consecutive operations; none if one of them is blocked.
+fn transfers(a: &Assessment<'_>) -> Vec<TransferEntry> {
+    let name = |k: usize| a.cell.operations[k].name.clone();
+    let entry = |t: &Transfer| TransferEntry {
+        from: name(t.from),
+        to: name(t.to),
+        way: t.way.in_words().to_string(),
+        travel_deg: degrees(t.travel),
+        joints_deg: t.path.iter().map(|q| joints(a.cell, q)).collect(),
+    };
+    a.evaluation.transfers.iter().map(entry).collect()
+}

@@ -1,0 +1,252 @@
+//! The document of `robust --json`, and the robustness of each operation in the result of a search.
+
+use super::numbers::{degrees, in_unit, millimetres, nine_digits};
+use super::placement::{ByName, PlacementEntry, placements};
+use super::refined::RefinedEntry;
+use super::words::{VALUE_WORDS, value_word};
+use crate::assess::Assessment;
+use crate::cell::{Cell, Slot, Unit};
+use crate::error_map::NodeSign;
+use crate::layout::{Corner, Largest, Lost, MisplacementEnd, Robustness};
+use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Name and version of the document of `robust --json`.
+pub const ROBUST_SCHEMA: &str = "sweetspot/robust/1";
+
+/// Effect of misplaced equipment on the layout as drawn.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RobustDocument {
+    #[schemars(extend("const" = ROBUST_SCHEMA))]
+    pub schema: String,
+    pub cell: String,
+    pub robot: String,
+    /// Name of the error set.
+    pub errors: String,
+    /// Figure that is minimized.
+    #[schemars(extend("enum" = VALUE_WORDS))]
+    pub quantity: String,
+    pub unit: Unit,
+    pub feasible: bool,
+    /// Whether every operation keeps reach, clearance and limit within the placement tolerances.
+    pub holds: bool,
+    pub reasons: Vec<String>,
+    pub layout: ByName<PlacementEntry>,
+    pub base: PlacementEntry,
+    pub operations: Vec<MisplacedOperation>,
+}
+
+/// One operation of a layout whose equipment may be misplaced.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MisplacedOperation {
+    pub name: String,
+    pub equipment: String,
+    pub sense: String,
+    /// Largest error with which the operation succeeds, in the unit of its sense.
+    pub limit: Option<f64>,
+    pub refined: Option<RefinedEntry>,
+    pub robustness: Option<RobustnessEntry>,
+}
+
+/// Effect of misplacement on one operation.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RobustnessEntry {
+    /// Value as drawn, in the unit of the objective.
+    pub value: f64,
+    /// The box of the placement tolerances; empty if everything is placed exactly.
+    pub tolerance: MovesByName,
+    /// Number of corners of the box that were evaluated.
+    pub corners: usize,
+    /// The corner with the greatest value; null without tolerance, or if all are lost.
+    pub worst: Option<CornerEntry>,
+    /// Corners at which the operation is lost.
+    pub lost: Vec<LostEntry>,
+    /// Change of the value per mm or degree.
+    pub gradient: Vec<SlopeEntry>,
+    /// Largest multiple of the tolerance that is kept; null without tolerance.
+    pub largest_times_tolerance: Option<LargestEntry>,
+    /// Largest misplacement in the plan that is kept, in the worst direction.
+    pub largest_in_plan_mm: LargestEntry,
+    /// Largest misplacement about the vertical that is kept, the worse way.
+    pub largest_yaw_deg: LargestEntry,
+    /// Whether the operation keeps reach, clearance and limit within its tolerance.
+    pub holds: bool,
+}
+
+/// Misplacements by the name of the equipment, or of the robot base.
+pub type MovesByName = ByName<MoveEntry>;
+
+/// Misplacement of one thing, mm and degrees.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MoveEntry {
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub x_mm: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub y_mm: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub z_mm: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub yaw_deg: Option<f64>,
+}
+
+/// A misplacement and the value there.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CornerEntry {
+    pub moves: MovesByName,
+    pub value: f64,
+}
+
+/// A misplacement at which the operation is lost, and why.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LostEntry {
+    pub moves: MovesByName,
+    pub status: NodeSign,
+    pub reason: String,
+}
+
+/// Change of the value per unit of one number.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SlopeEntry {
+    /// Name of the equipment, or "robot base".
+    pub of: String,
+    /// Name of the number: `x_mm`, `y_mm`, `z_mm` or `yaw_deg`.
+    pub number: String,
+    /// The slope; null at the end of reach.
+    pub value: Option<f64>,
+    /// Unit of the number.
+    pub per: Unit,
+}
+
+/// Largest misplacement that keeps reach, clearance and limit.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LargestEntry {
+    pub most: f64,
+    /// What happens beyond; null: nothing, as far as it was looked.
+    pub ended: Option<EndedEntry>,
+}
+
+/// Why a misplacement cannot be larger.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum EndedEntry {
+    /// The operation is lost.
+    Lost(LostEntry),
+    /// The value passes the limit.
+    Limit(CornerEntry),
+}
+
+impl RobustDocument {
+    pub fn new(a: &Assessment<'_>) -> Self {
+        let operations = a.cell.operations.iter().enumerate().map(|(k, operation)| MisplacedOperation {
+            name: operation.name.clone(),
+            equipment: a.cell.equipment[operation.equipment].name.clone(),
+            sense: operation.sense.name.clone(),
+            limit: operation.limit.map(|limit| in_unit(operation.sense.unit, limit)),
+            refined: RefinedEntry::new(a, k),
+            robustness: RobustnessEntry::new(a, k),
+        });
+        Self {
+            schema: ROBUST_SCHEMA.into(),
+            cell: a.cell.name.clone(),
+            robot: a.cell.robot.name.clone(),
+            errors: a.cell.error_set().name().into(),
+            quantity: value_word(a.cell).into(),
+            unit: a.cell.unit(),
+            feasible: a.evaluation.objective.is_some(),
+            holds: a.is_robust(),
+            reasons: a.reasons(),
+            layout: placements(a.cell, &a.layout),
+            base: PlacementEntry::new(&a.layout.base),
+            operations: operations.collect(),
+        }
+    }
+}
+
+impl RobustnessEntry {
+    /// Returns None for an operation without a spot, or if misplacement was not asked about.
+    pub fn new(a: &Assessment<'_>, k: usize) -> Option<Self> {
+        let (cell, unit) = (a.cell, a.cell.unit());
+        let r = a.robustness.get(k)?.as_ref()?;
+        let Robustness { value, tolerance, corners, worst, lost, gradient, scale, shift, turn } = r;
+        let slopes = gradient.iter().map(|(slot, slope)| {
+            let (step, per) = match slot.is_angle() {
+                true => (rad_from_deg(1.0), Unit::Angle),
+                false => (m_from_mm(1.0), Unit::Length),
+            };
+            let value = slope.map(|slope| in_unit(unit, slope * step));
+            SlopeEntry { of: body(cell, *slot), number: coordinate_name(*slot).into(), value, per }
+        });
+        Some(Self {
+            value: in_unit(unit, *value),
+            tolerance: moves(cell, tolerance),
+            corners: *corners,
+            worst: worst.as_ref().map(|worst| corner(cell, worst)),
+            lost: lost.iter().map(|at| self::lost(cell, at)).collect(),
+            gradient: slopes.collect(),
+            largest_times_tolerance: scale.as_ref().map(|scale| largest(cell, scale, |s| s)),
+            largest_in_plan_mm: largest(cell, shift, mm_from_m),
+            largest_yaw_deg: largest(cell, turn, deg_from_rad),
+            holds: r.holds(),
+        })
+    }
+}
+
+fn corner(cell: &Cell, corner: &Corner) -> CornerEntry {
+    CornerEntry { moves: moves(cell, &corner.moves), value: in_unit(cell.unit(), corner.value) }
+}
+
+fn lost(cell: &Cell, lost: &Lost) -> LostEntry {
+    let (status, reason) = (lost.status.sign(), lost.status.reason(cell));
+    LostEntry { moves: moves(cell, &lost.moves), status, reason }
+}
+
+fn largest(cell: &Cell, largest: &Largest, shown: impl Fn(f64) -> f64) -> LargestEntry {
+    let ended = largest.ended.as_ref().map(|ended| match ended {
+        MisplacementEnd::Lost(at) => EndedEntry::Lost(lost(cell, at)),
+        MisplacementEnd::Limit(at) => EndedEntry::Limit(corner(cell, at)),
+    });
+    LargestEntry { most: nine_digits(shown(largest.most)), ended }
+}
+
+fn moves(cell: &Cell, moves: &[(Slot, f64)]) -> MovesByName {
+    let mut all = MovesByName::new();
+    for (slot, by) in moves {
+        let entry = all.entry(body(cell, *slot)).or_default();
+        match slot {
+            Slot::Base(axis) | Slot::Equipment(_, axis) => match axis {
+                0 => entry.x_mm = Some(millimetres(*by)),
+                1 => entry.y_mm = Some(millimetres(*by)),
+                2 => entry.z_mm = Some(millimetres(*by)),
+                _ => entry.yaw_deg = Some(degrees(*by)),
+            },
+            // A tool attitude is no placement.
+            Slot::Attitude(..) => {}
+        }
+    }
+    all
+}
+
+/// Returns the name of an equipment, or "robot base".
+fn body(cell: &Cell, slot: Slot) -> String {
+    match slot {
+        Slot::Equipment(k, _) => cell.equipment[k].name.clone(),
+        _ => "robot base".into(),
+    }
+}
+
+/// Returns the key of a free number in a cell file.
+pub fn coordinate_name(slot: Slot) -> &'static str {
+    match slot {
+        Slot::Base(axis) | Slot::Equipment(_, axis) => ["x_mm", "y_mm", "z_mm", "yaw_deg"][axis],
+        Slot::Attitude(_, angle) => ["bend_deg", "azimuth_deg", "spin_deg"][angle],
+    }
+}

@@ -1,0 +1,70 @@
+//! Records: every machine-readable document as one serde type, written and read by the same type.
+//!
+//! JSON, CSV, Parquet, pages and the published JSON Schemas all come from these types. Lengths are in
+//! mm, angles in degrees, rounded to 1e-9; the frame is the world's; joints are in the robot's own
+//! coordinates. A value that is missing is null, not left out. A field that a record does not know is
+//! refused when a document is read.
+
+mod budget;
+mod check;
+mod comparison;
+mod explanation;
+pub mod goals;
+mod manifest;
+mod map;
+mod misplacement;
+mod node;
+mod node_table;
+mod numbers;
+pub mod parameter_names;
+mod placement;
+mod readings;
+mod refined;
+mod robot;
+mod schema;
+mod search;
+mod settings;
+mod spot;
+mod sweep;
+mod verdict;
+mod words;
+
+pub use budget::{BudgetDocument, OperationBudget, ShareEntry, TightenEntry, TotalEntry};
+pub use check::{CHECK_SCHEMA, CheckDocument, OwnPairEntry, PoseEntry, UrdfEntry, UrdfRow, roll_pitch_yaw};
+pub use comparison::{ComparedLayout, ComparisonDocument};
+pub use explanation::{
+    DhEntry, DisplacementEntry, ExplanationDocument, FrameEntry, JointKindWord, MotionEntry, MotionKind,
+    ParameterEntry, PostureGuardEntry, SenseRowEntry, SenseRowKind,
+};
+pub use goals::GoalsEntry;
+pub use manifest::{HashedFile, ManifestDocument};
+pub use map::{
+    EstimateEntry, GuardEntry, JointEntry, MapDocument, ModelGuardEntry, MonteCarloEntry, OperationMapEntry,
+    SenseEntry, StatusCounts, TransferEntry,
+};
+pub use misplacement::{
+    CornerEntry, EndedEntry, LargestEntry, LostEntry, MisplacedOperation, MoveEntry, RobustDocument,
+    RobustnessEntry, SlopeEntry, coordinate_name,
+};
+pub use node::{DiscrepancyEntry, MapNode, MapNodes};
+pub use node_table::{ColumnKind, NodeTable, TableColumn, TableValue};
+pub use numbers::{joints, nine_digits, position_mm};
+pub use placement::{AttitudeEntry, ByName, PlacementEntry};
+pub use readings::{OperationReadings, ReadingEntry, ReadingsDocument, RegretEntry};
+pub use refined::RefinedEntry;
+pub use robot::{
+    EnvelopeDocument, EnvelopeSize, ErrorSetEntry, ErrorSetKind, JointSheet, PlanEntry, PlanOutline,
+    RobotEntry, RobotSheetDocument, RobotsDocument, SectionEntry, SectionOutline, SizeEntry, ToolSheet,
+};
+pub use schema::DocumentKind;
+pub use search::{AlternativeEntry, ProofEntry, ProvenOperation, SearchResult, SearchStatus, StartEntry};
+pub use settings::{ResolvedOperation, ResolvedSettings};
+pub use spot::{RequirementEntry, SpotEntry};
+pub use sweep::{
+    SWEEP_PLAN_SCHEMA, SweepGroup, SweepMode, SweepPlan, SweepRow, SweepSpot, SweepTable, combination,
+};
+pub use verdict::{
+    FactEntry, FactMood, REPORT_SCHEMA, RequirementState, RunnerUpEntry, RunnerUpKind, VerdictAnswer,
+    VerdictDocument, VerdictSpot, VerdictSubject,
+};
+pub use words::{caveats, value_word};

@@ -1,0 +1,171 @@
+//! One node of a map, and all nodes of an operation.
+
+use super::numbers::{degrees, in_unit, joints, nine_digits, percent, position_mm};
+use super::placement::ByName;
+use crate::cell::{Cell, Unit};
+use crate::error_map::{NodeRecord, NodeSign, OperationMap, PostureRecord};
+use crate::kinematic_error::discrepancy;
+use crate::reading::Figures;
+use schemars::JsonSchema;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::borrow::Cow;
+
+/// Values by the name of their sense.
+pub type BySense = ByName<f64>;
+
+/// One node of a map: world frame, mm and degrees. A node without a posture has no numbers.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MapNode {
+    /// Number of the node along x of the surface.
+    pub i: usize,
+    /// Number of the node along y of the surface.
+    pub j: usize,
+    /// Target of the TCP.
+    pub position_mm: [f64; 3],
+    pub status: NodeSign,
+    /// Why the node cannot be used; empty if it can.
+    pub reason: String,
+    /// Coordinates of the joints: degrees, or mm of a joint that slides.
+    pub joints_deg: Option<Vec<f64>>,
+    /// Error of the TCP by the model of the cell.
+    pub error_mm: Option<[f64; 3]>,
+    /// Error in the sense of the operation, if that is a length.
+    pub error_sense_mm: Option<f64>,
+    /// Error in the sense of the operation, if that is an angle.
+    pub error_sense_deg: Option<f64>,
+    /// Figure that the reading minimizes, in the unit of the document.
+    pub value: Option<f64>,
+    /// Whether the node was touched to teach the frame, so that it cannot be the spot.
+    pub touched: Option<bool>,
+    /// Rotation error of the TCP as a rotation vector.
+    pub rotation_deg: Option<[f64; 3]>,
+    pub linear_error_mm: Option<[f64; 3]>,
+    pub nonlinear_error_mm: Option<[f64; 3]>,
+    pub discrepancy_percent: Option<DiscrepancyEntry>,
+    /// Distance of the linear from the nonlinear error, percent of the nonlinear one.
+    pub linear_off_percent: Option<f64>,
+    /// Distance of the second-order from the nonlinear error, percent of the nonlinear one.
+    pub second_order_off_percent: Option<f64>,
+    pub worst_mm: Option<BySense>,
+    pub worst_linear_mm: Option<BySense>,
+    pub rms_mm: Option<BySense>,
+    pub mean_mm: Option<BySense>,
+    pub p95_mm: Option<BySense>,
+    pub p99_mm: Option<BySense>,
+    pub worst_deg: Option<BySense>,
+    pub rms_deg: Option<BySense>,
+    pub mean_deg: Option<BySense>,
+    pub p95_deg: Option<BySense>,
+    pub p99_deg: Option<BySense>,
+    /// Share of arms within the tolerances whose error keeps the limit of the operation.
+    pub r#yield: Option<f64>,
+}
+
+/// Discrepancy of the linear from the nonlinear error, eq. (9): per component and for the resultant r.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DiscrepancyEntry {
+    pub x: Option<f64>,
+    pub y: Option<f64>,
+    pub z: Option<f64>,
+    pub r: Option<f64>,
+}
+
+impl DiscrepancyEntry {
+    fn new(p: &PostureRecord) -> Self {
+        let d = discrepancy(&p.nonlinear, &p.linear);
+        let [x, y, z, r] = [d.x, d.y, d.z, d.resultant].map(|v| v.map(nine_digits));
+        Self { x, y, z, r }
+    }
+}
+
+impl MapNode {
+    pub fn new(cell: &Cell, map: &OperationMap, n: &NodeRecord) -> Self {
+        let p = n.posture.as_ref();
+        let own = &cell.operations[map.operation].sense;
+        let in_sense = |unit| {
+            let p = p.filter(|_| own.unit == unit)?;
+            Some(in_unit(unit, p.figures[map.sense(&own.name)?].error))
+        };
+        let mm = |figure: fn(&Figures) -> f64| p.and_then(|p| by_sense(map, p, Unit::Length, figure));
+        let deg = |figure: fn(&Figures) -> f64| p.and_then(|p| by_sense(map, p, Unit::Angle, figure));
+        Self {
+            i: n.i,
+            j: n.j,
+            position_mm: position_mm(&n.position),
+            status: n.status.sign(),
+            reason: n.status.reason(cell),
+            joints_deg: p.map(|p| joints(cell, &p.joints)),
+            error_mm: p.map(|p| position_mm(&p.error)),
+            error_sense_mm: in_sense(Unit::Length),
+            error_sense_deg: in_sense(Unit::Angle),
+            value: p.map(|p| in_unit(cell.unit(), p.value)),
+            touched: p.map(|p| p.touched),
+            rotation_deg: p.map(|p| p.rotation.map(degrees).into()),
+            linear_error_mm: p.map(|p| position_mm(&p.linear)),
+            nonlinear_error_mm: p.map(|p| position_mm(&p.nonlinear)),
+            discrepancy_percent: p.map(DiscrepancyEntry::new),
+            linear_off_percent: p.map(|p| percent(p.linear_off)),
+            second_order_off_percent: p.map(|p| percent(p.second_order_off)),
+            worst_mm: mm(|f| f.worst),
+            worst_linear_mm: mm(|f| f.worst_linear),
+            rms_mm: mm(|f| f.rms),
+            mean_mm: mm(|f| f.mean),
+            p95_mm: mm(|f| f.p95),
+            p99_mm: mm(|f| f.p99),
+            worst_deg: deg(|f| f.worst),
+            rms_deg: deg(|f| f.rms),
+            mean_deg: deg(|f| f.mean),
+            p95_deg: deg(|f| f.p95),
+            p99_deg: deg(|f| f.p99),
+            r#yield: p.and_then(|p| p.success).map(nine_digits),
+        }
+    }
+}
+
+/// Returns a figure in every reported sense of one unit; None if no sense has that unit.
+fn by_sense(
+    map: &OperationMap,
+    p: &PostureRecord,
+    unit: Unit,
+    figure: fn(&Figures) -> f64,
+) -> Option<BySense> {
+    let pairs = map.senses.iter().zip(&p.figures).filter(|(s, _)| s.unit == unit);
+    let values: BySense = pairs.map(|(s, f)| (s.name.clone(), in_unit(unit, figure(f)))).collect();
+    (!values.is_empty()).then_some(values)
+}
+
+/// Nodes of an operation. A map can have a million of them, so those of a map at hand are made one by
+/// one while they are written.
+#[derive(Debug, Clone)]
+pub enum MapNodes<'a> {
+    /// Nodes of a document that was read.
+    Read(Vec<MapNode>),
+    /// Nodes of a map at hand.
+    OfMap(&'a Cell, &'a OperationMap),
+}
+
+impl MapNodes<'_> {
+    /// Walks the nodes: x runs fastest.
+    pub fn iter(&self) -> Box<dyn Iterator<Item = Cow<'_, MapNode>> + '_> {
+        match self {
+            Self::Read(nodes) => Box::new(nodes.iter().map(Cow::Borrowed)),
+            Self::OfMap(cell, map) => {
+                Box::new(map.nodes.iter().map(|n| Cow::Owned(MapNode::new(cell, map, n))))
+            }
+        }
+    }
+}
+
+impl Serialize for MapNodes<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.iter())
+    }
+}
+
+impl<'de> Deserialize<'de> for MapNodes<'_> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Vec::deserialize(deserializer).map(Self::Read)
+    }
+}

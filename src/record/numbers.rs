@@ -1,0 +1,63 @@
+//! Numbers of documents: millimetres, degrees and percent, rounded to 9 decimals.
+
+use crate::cell::{Cell, JointKind, JointVector, Unit};
+use crate::units::{deg_from_rad, mm_from_m, percent_from_share, rounded};
+use nalgebra::Vector3;
+
+/// Rounds a number that is in the unit of documents already.
+pub fn nine_digits(value: f64) -> f64 {
+    rounded(value, 9)
+}
+
+/// Converts metres to the millimetres of documents.
+pub fn millimetres(m: f64) -> f64 {
+    nine_digits(mm_from_m(m))
+}
+
+/// Converts radians to the degrees of documents.
+pub fn degrees(rad: f64) -> f64 {
+    nine_digits(deg_from_rad(rad))
+}
+
+/// Converts a share to the percent of documents.
+pub fn percent(share: f64) -> f64 {
+    nine_digits(percent_from_share(share))
+}
+
+/// Converts an SI value to its unit in documents.
+pub fn in_unit(unit: Unit, si: f64) -> f64 {
+    nine_digits(unit.from_si(si))
+}
+
+/// Converts a position to millimetres.
+pub fn position_mm(v: &Vector3<f64>) -> [f64; 3] {
+    v.map(millimetres).into()
+}
+
+/// Converts a rotation vector to degrees.
+pub fn rotation_deg(v: &Vector3<f64>) -> [f64; 3] {
+    v.map(degrees).into()
+}
+
+/// Rounds the components of a vector that has no unit, or that of documents already.
+pub fn plain(v: &Vector3<f64>) -> [f64; 3] {
+    v.map(nine_digits).into()
+}
+
+/// Converts one coordinate of a joint: degrees if it turns, mm if it slides.
+pub fn joint_coordinate(kind: JointKind, q: f64) -> f64 {
+    match kind {
+        JointKind::Revolute => degrees(q),
+        JointKind::Prismatic => millimetres(q),
+    }
+}
+
+/// Converts joint coordinates to the robot's own degrees and millimetres.
+pub fn joints(cell: &Cell, q: &JointVector) -> Vec<f64> {
+    cell.robot.joints.iter().zip(q).map(|(joint, &q)| joint_coordinate(joint.kind, q)).collect()
+}
+
+/// Rounds a lower bound down, so that the number written is proven too.
+pub fn rounded_down(bound: f64) -> f64 {
+    (bound * 1e9).floor() / 1e9
+}

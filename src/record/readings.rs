@@ -1,0 +1,144 @@
+//! The document of `readings --json`.
+
+use super::numbers::{in_unit, millimetres, nine_digits, position_mm};
+use super::words::VALUE_WORDS;
+use crate::assess::{ReadingRow, Readings};
+use crate::cell::{Cell, Model, Operation, Reading, Registration, Unit};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Name and version of the document of `readings --json`.
+pub const READINGS_SCHEMA: &str = "sweetspot/readings/1";
+
+/// Layout as drawn in every reading and registration. World frame, mm and degrees.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ReadingsDocument {
+    #[schemars(extend("const" = READINGS_SCHEMA))]
+    pub schema: String,
+    pub cell: String,
+    pub robot: String,
+    /// Name of the error set.
+    pub errors: String,
+    pub model: Model,
+    pub operations: Vec<OperationReadings>,
+    /// Largest cost of choosing by the signed sample; null if nothing was chosen by one.
+    pub largest_regret: Option<RegretEntry>,
+    /// Findings in sentences.
+    pub findings: Vec<String>,
+}
+
+/// Readings of one operation.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct OperationReadings {
+    pub name: String,
+    pub equipment: String,
+    pub sense: String,
+    /// Largest error with which the operation succeeds, in the unit of its sense.
+    pub limit: Option<f64>,
+    pub readings: Vec<ReadingEntry>,
+}
+
+/// One operation in one reading and registration.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ReadingEntry {
+    pub reading: Reading,
+    /// Figure that is minimized.
+    #[schemars(extend("enum" = VALUE_WORDS))]
+    pub quantity: String,
+    pub registration: Registration,
+    pub unit: Unit,
+    /// Best node; null if no node can be used.
+    pub node: Option<[usize; 2]>,
+    pub position_mm: Option<[f64; 3]>,
+    pub value: Option<f64>,
+    /// Value of the posture that the signed sample would choose.
+    pub at_signed_choice: Option<f64>,
+    /// Value of the posture that is best with nothing registered.
+    pub at_unregistered_choice: Option<f64>,
+    /// How many times the least value the signed choice has.
+    pub ratio: Option<f64>,
+    /// Distance from the spot of the signed sample.
+    pub moved_mm: Option<f64>,
+    /// Why no node can be used.
+    pub reason: Option<String>,
+}
+
+/// Where choosing by the signed sample costs most.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RegretEntry {
+    pub operation: String,
+    pub reading: Reading,
+    #[schemars(extend("enum" = VALUE_WORDS))]
+    pub quantity: String,
+    pub registration: Registration,
+    /// How many times the least value the signed choice has.
+    pub ratio: f64,
+}
+
+impl ReadingsDocument {
+    /// Makes the document; `findings` are its sentences.
+    pub fn new(r: &Readings<'_>, findings: Vec<String>) -> Self {
+        let cell = r.cell;
+        let operations = cell.operations.iter().zip(&r.operations);
+        Self {
+            schema: READINGS_SCHEMA.into(),
+            cell: cell.name.clone(),
+            robot: cell.robot.name.clone(),
+            errors: cell.error_set().name().into(),
+            model: cell.model,
+            operations: operations.map(|(o, rows)| OperationReadings::new(cell, o, rows)).collect(),
+            largest_regret: RegretEntry::new(r),
+            findings,
+        }
+    }
+}
+
+impl OperationReadings {
+    fn new(cell: &Cell, operation: &Operation, rows: &[ReadingRow]) -> Self {
+        Self {
+            name: operation.name.clone(),
+            equipment: cell.equipment[operation.equipment].name.clone(),
+            sense: operation.sense.name.clone(),
+            limit: operation.limit.map(|l| in_unit(operation.sense.unit, l)),
+            readings: rows.iter().map(ReadingEntry::new).collect(),
+        }
+    }
+}
+
+impl ReadingEntry {
+    fn new(row: &ReadingRow) -> Self {
+        let choice = row.choice.as_ref().ok();
+        let value = |v: f64| in_unit(row.unit, v);
+        Self {
+            reading: row.reading,
+            quantity: row.quantity_name().into(),
+            registration: row.registration,
+            unit: row.unit,
+            node: choice.map(|c| [c.node.0, c.node.1]),
+            position_mm: choice.map(|c| position_mm(&c.position)),
+            value: choice.map(|c| value(c.value)),
+            at_signed_choice: row.at_signed.map(value),
+            at_unregistered_choice: row.at_unregistered.map(value),
+            ratio: row.ratio().map(nine_digits),
+            moved_mm: choice.and_then(|c| c.moved).map(millimetres),
+            reason: row.choice.as_ref().err().cloned(),
+        }
+    }
+}
+
+impl RegretEntry {
+    fn new(r: &Readings<'_>) -> Option<Self> {
+        let (k, row, ratio) = r.largest_regret()?;
+        Some(Self {
+            operation: r.cell.operations[k].name.clone(),
+            reading: row.reading,
+            quantity: row.quantity_name().into(),
+            registration: row.registration,
+            ratio: nine_digits(ratio),
+        })
+    }
+}

@@ -1,0 +1,41 @@
+//! The spot between the nodes.
+
+use super::numbers::{in_unit, joints, millimetres, percent, position_mm};
+use crate::assess::Assessment;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Best spot between the nodes of the grid, mm and degrees.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RefinedEntry {
+    /// TCP in the world frame.
+    pub position_mm: [f64; 3],
+    /// The spot in the frame of the surface.
+    pub on_surface_mm: [f64; 2],
+    pub joints_deg: Vec<f64>,
+    /// Value at the spot, in the unit of the objective.
+    pub value: f64,
+    /// Value at the best node.
+    pub node_value: f64,
+    pub node_on_surface_mm: [f64; 2],
+    pub gain_percent: f64,
+}
+
+impl RefinedEntry {
+    /// Returns None for an operation that is not free to choose its spot.
+    pub fn new(a: &Assessment<'_>, operation: usize) -> Option<Self> {
+        let refined = a.refined[operation].as_ref()?;
+        let unit = a.cell.unit();
+        let on_surface = |(x, y): (f64, f64)| [millimetres(x), millimetres(y)];
+        Some(Self {
+            position_mm: position_mm(&refined.position),
+            on_surface_mm: on_surface(refined.at),
+            joints_deg: joints(a.cell, &refined.joints),
+            value: in_unit(unit, refined.value),
+            node_value: in_unit(unit, refined.node_value),
+            node_on_surface_mm: on_surface(refined.node_at),
+            gain_percent: percent(refined.gain()),
+        })
+    }
+}

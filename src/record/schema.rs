@@ -1,0 +1,101 @@
+//! The published JSON Schema of every document, made from its record.
+
+use super::{
+    BudgetDocument, CheckDocument, ComparisonDocument, EnvelopeDocument, ExplanationDocument,
+    ManifestDocument, MapDocument, ReadingsDocument, RobotSheetDocument, RobotsDocument, RobustDocument,
+    SearchResult, SweepPlan, SweepRow, SweepTable, VerdictDocument,
+};
+use schemars::JsonSchema;
+use schemars::generate::SchemaSettings;
+use serde_json::Value;
+
+/// Kind of a document that the program writes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DocumentKind {
+    SearchResult,
+    Map,
+    Comparison,
+    Report,
+    Budget,
+    Explanation,
+    Readings,
+    Robust,
+    Sweep,
+    SweepPlan,
+    SweepRow,
+    Manifest,
+    Check,
+    Robots,
+    RobotSheet,
+    Envelope,
+}
+
+impl DocumentKind {
+    pub const ALL: [Self; 16] = [
+        Self::SearchResult,
+        Self::Map,
+        Self::Comparison,
+        Self::Report,
+        Self::Budget,
+        Self::Explanation,
+        Self::Readings,
+        Self::Robust,
+        Self::Sweep,
+        Self::SweepPlan,
+        Self::SweepRow,
+        Self::Manifest,
+        Self::Check,
+        Self::Robots,
+        Self::RobotSheet,
+        Self::Envelope,
+    ];
+
+    /// Returns the name of the schema.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::SearchResult => "search-result",
+            Self::Map => "map",
+            Self::Comparison => "comparison",
+            Self::Report => "report",
+            Self::Budget => "budget",
+            Self::Explanation => "explanation",
+            Self::Readings => "readings",
+            Self::Robust => "robust",
+            Self::Sweep => "sweep",
+            Self::SweepPlan => "sweep-plan",
+            Self::SweepRow => "sweep-row",
+            Self::Manifest => "manifest",
+            Self::Check => "check",
+            Self::Robots => "robots",
+            Self::RobotSheet => "robot-sheet",
+            Self::Envelope => "envelope",
+        }
+    }
+
+    /// Returns the JSON Schema (draft 7) of the document as it is written.
+    pub fn schema(self) -> Value {
+        match self {
+            Self::SearchResult => of::<SearchResult>(),
+            Self::Map => of::<MapDocument<'static>>(),
+            Self::Comparison => of::<ComparisonDocument>(),
+            Self::Report => of::<VerdictDocument>(),
+            Self::Budget => of::<BudgetDocument>(),
+            Self::Explanation => of::<ExplanationDocument>(),
+            Self::Readings => of::<ReadingsDocument>(),
+            Self::Robust => of::<RobustDocument>(),
+            Self::Sweep => of::<SweepTable>(),
+            Self::SweepPlan => of::<SweepPlan>(),
+            Self::SweepRow => of::<SweepRow>(),
+            Self::Manifest => of::<ManifestDocument>(),
+            Self::Check => of::<CheckDocument>(),
+            Self::Robots => of::<RobotsDocument>(),
+            Self::RobotSheet => of::<RobotSheetDocument>(),
+            Self::Envelope => of::<EnvelopeDocument>(),
+        }
+    }
+}
+
+/// Returns the schema of a record. A missing value is null, so that every field is required.
+fn of<T: JsonSchema>() -> Value {
+    SchemaSettings::draft07().for_serialize().into_generator().into_root_schema_for::<T>().into()
+}

@@ -1,0 +1,267 @@
+//! The result of a search: `search.json` and `search --json`.
+
+use super::goals::{self, GoalsEntry};
+use super::numbers::{in_unit, nine_digits, rounded_down};
+use super::placement::{AttitudeEntry, ByName, PlacementEntry, attitudes, placements};
+use super::spot::SpotEntry;
+use super::words::{VALUE_WORDS, caveats, value_word};
+use crate::assess::{Assessment, Comparison};
+use crate::cell::{Cell, Goal, Model, Objective, Operation, Reading, Registration, Solver, Unit};
+use crate::proof::{Covers, OperationBound, Proof, WhyNot};
+use crate::search::{SearchEnd, SearchRecord};
+use crate::units::rounded;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Name and version of the result of a search.
+pub const SEARCH_SCHEMA: &str = "sweetspot/search/1";
+
+/// Result of a search: the best layout found, the layout as drawn and what is proven. World frame, mm
+/// and degrees; the same bytes for any number of threads.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SearchResult {
+    #[schemars(extend("const" = SEARCH_SCHEMA))]
+    pub schema: String,
+    pub status: SearchStatus,
+    /// Objective of the best layout, if it is a length.
+    pub objective_mm: Option<f64>,
+    /// Objective of the best layout, in `unit`; null if none is feasible.
+    pub objective_value: Option<f64>,
+    pub unit: Unit,
+    /// How much less the best layout has than the layout as drawn.
+    pub gain_percent: Option<f64>,
+    /// Proven lower bound of the objective of every layout.
+    pub bound: Option<f64>,
+    /// How much less a layout could have at most, percent of the best one.
+    pub gap_percent: Option<f64>,
+    pub proof: ProofEntry,
+    /// Number of layouts evaluated.
+    pub evaluations: u64,
+    /// Number of feasible layouts among them.
+    pub feasible: u64,
+    /// Why the search ended.
+    pub ended: SearchEnd,
+    pub cell: String,
+    pub robot: String,
+    /// Name of the error set.
+    pub errors: String,
+    pub model: Model,
+    pub reading: Reading,
+    /// Figure that is minimized.
+    #[schemars(extend("enum" = VALUE_WORDS))]
+    pub quantity: String,
+    pub registration: Registration,
+    /// Caveats of how the errors are read.
+    pub notes: Vec<String>,
+    pub objective: Objective,
+    pub solver: Solver,
+    pub seed: u64,
+    /// Largest number of layouts to evaluate.
+    pub budget: u64,
+    /// Whether the worst over the placement tolerances was minimized.
+    pub robust: bool,
+    /// Goals of the Pareto front; null if there is one objective.
+    pub pareto: Option<Vec<Goal>>,
+    /// Number of layouts to keep; null if only the best is kept.
+    pub keep: Option<usize>,
+    /// Why the best layout is not feasible.
+    pub reasons: Vec<String>,
+    /// Goals of the best layout; null if it is not feasible.
+    pub goals: Option<GoalsEntry>,
+    pub layout: ByName<PlacementEntry>,
+    pub base: PlacementEntry,
+    pub attitudes: ByName<AttitudeEntry>,
+    pub operations: Vec<SpotEntry>,
+    pub start: StartEntry,
+    /// Layouts kept beside the best one; null if none were asked for.
+    pub front: Option<Vec<AlternativeEntry>>,
+    /// Number of evaluations and objective at each improvement.
+    pub trace: Vec<(u64, f64)>,
+    /// Duration of the search; only `search --json` tells it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seconds: Option<f64>,
+}
+
+/// Whether a search has found a feasible layout.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum SearchStatus {
+    Found,
+    None,
+}
+
+/// Lower bounds that hold for every layout of a cell.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ProofEntry {
+    /// How much of the objective the bound covers.
+    pub covers: Covers,
+    pub operations: Vec<ProvenOperation>,
+}
+
+/// Lower bound of one operation.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ProvenOperation {
+    pub name: String,
+    /// No spot in any layout has less.
+    pub bound: Option<f64>,
+    /// Unit of the operation's sense.
+    pub unit: Unit,
+    /// Why there is no bound.
+    pub why_not: Option<String>,
+    /// Number of boxes that branch and bound has visited.
+    pub boxes: u64,
+}
+
+/// Layout as drawn, from which the search started.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct StartEntry {
+    pub objective_mm: Option<f64>,
+    pub objective_value: Option<f64>,
+    pub reasons: Vec<String>,
+    pub layout: ByName<PlacementEntry>,
+    pub base: PlacementEntry,
+    pub attitudes: ByName<AttitudeEntry>,
+    pub operations: Vec<SpotEntry>,
+}
+
+/// Layout kept beside the best one.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct AlternativeEntry {
+    /// Cell file of the layout in the folder of the search.
+    pub file: String,
+    pub objective_value: Option<f64>,
+    pub goals: GoalsEntry,
+    pub layout: ByName<PlacementEntry>,
+    pub base: PlacementEntry,
+    pub attitudes: ByName<AttitudeEntry>,
+}
+
+impl SearchResult {
+    /// Makes the result of a search that was assessed: `start` is the layout as drawn.
+    pub fn new(
+        record: &SearchRecord,
+        proof: &Proof,
+        start: &Assessment<'_>,
+        best: &Assessment<'_>,
+        gain_percent: Option<f64>,
+    ) -> Self {
+        let cell = best.cell;
+        let settings = &cell.search;
+        Self {
+            schema: SEARCH_SCHEMA.into(),
+            status: if record.found() { SearchStatus::Found } else { SearchStatus::None },
+            objective_mm: best.objective_mm().map(nine_digits),
+            objective_value: best.objective().map(nine_digits),
+            unit: cell.unit(),
+            gain_percent,
+            bound: record.bound.map(|b| rounded_down(cell.unit().from_si(b))),
+            gap_percent: record.gap().map(|g| rounded(g * 100.0, 6)),
+            proof: ProofEntry::new(cell, proof),
+            evaluations: record.evaluations,
+            feasible: record.feasible,
+            ended: record.ended,
+            cell: cell.name.clone(),
+            robot: cell.robot.name.clone(),
+            errors: cell.error_set().name().into(),
+            model: cell.model,
+            reading: cell.reading,
+            quantity: value_word(cell).into(),
+            registration: cell.registration,
+            notes: caveats(cell),
+            objective: settings.objective,
+            solver: settings.solver,
+            seed: settings.seed,
+            budget: settings.budget,
+            robust: settings.robust,
+            pareto: (!settings.pareto.is_empty()).then(|| settings.pareto.iter().collect()),
+            keep: Some(settings.keep).filter(|keep| *keep > 0),
+            reasons: best.reasons(),
+            goals: best.goals().map(|values| GoalsEntry::new(cell, &values)),
+            layout: placements(cell, &best.layout),
+            base: PlacementEntry::new(&best.layout.base),
+            attitudes: attitudes(cell, &best.layout),
+            operations: SpotEntry::all(best),
+            start: StartEntry::new(start),
+            front: AlternativeEntry::all(cell, record),
+            trace: record.trace.iter().map(|(n, e)| (*n, in_unit(cell.unit(), *e))).collect(),
+            seconds: None,
+        }
+    }
+
+    /// Makes the result of a search from its comparison of start and best; None if that has other columns.
+    pub fn of_comparison(record: &SearchRecord, proof: &Proof, comparison: &Comparison<'_>) -> Option<Self> {
+        let [start, best] = &comparison.columns[..] else { return None };
+        let gain = comparison.change_percent(1, Assessment::objective).map(|c| rounded(-c, 6));
+        Some(Self::new(record, proof, start, best, gain))
+    }
+
+    /// Adds the duration, rounded to milliseconds.
+    pub fn timed(mut self, seconds: f64) -> Self {
+        self.seconds = Some(rounded(seconds, 3));
+        self
+    }
+
+    /// Returns the layouts kept that are not the best layout itself.
+    pub fn others(&self) -> impl Iterator<Item = &AlternativeEntry> {
+        let best = (&self.layout, &self.base, &self.attitudes);
+        self.front.iter().flatten().filter(move |a| (&a.layout, &a.base, &a.attitudes) != best)
+    }
+}
+
+impl ProofEntry {
+    fn new(cell: &Cell, proof: &Proof) -> Self {
+        let operation = |(bound, operation): (&OperationBound, &Operation)| {
+            let unit = operation.sense.unit;
+            ProvenOperation {
+                name: operation.name.clone(),
+                bound: bound.value.ok().map(|v| rounded_down(unit.from_si(v))),
+                unit,
+                why_not: bound.value.err().map(|why| WhyNot::in_words(why).into()),
+                boxes: bound.boxes,
+            }
+        };
+        let operations = proof.operations.iter().zip(&cell.operations).map(operation).collect();
+        Self { covers: proof.covers, operations }
+    }
+}
+
+impl StartEntry {
+    fn new(start: &Assessment<'_>) -> Self {
+        Self {
+            objective_mm: start.objective_mm().map(nine_digits),
+            objective_value: start.objective().map(nine_digits),
+            reasons: start.reasons(),
+            layout: placements(start.cell, &start.layout),
+            base: PlacementEntry::new(&start.layout.base),
+            attitudes: attitudes(start.cell, &start.layout),
+            operations: SpotEntry::all(start),
+        }
+    }
+}
+
+impl AlternativeEntry {
+    /// Returns None if the search was not asked to keep layouts.
+    fn all(cell: &Cell, record: &SearchRecord) -> Option<Vec<Self>> {
+        if cell.search.keep == 0 && cell.search.pareto.is_empty() {
+            return None;
+        }
+        let count = record.alternatives.len();
+        let all = record.alternatives.iter().enumerate().map(|(k, alternative)| {
+            let candidate = &alternative.candidate;
+            Self {
+                file: goals::file_name(k, count),
+                objective_value: candidate.evaluation.objective.map(|o| in_unit(cell.unit(), o)),
+                goals: GoalsEntry::new(cell, &alternative.goals),
+                layout: placements(cell, &candidate.layout),
+                base: PlacementEntry::new(&candidate.layout.base),
+                attitudes: attitudes(cell, &candidate.layout),
+            }
+        });
+        Some(all.collect())
+    }
+}

@@ -1,0 +1,78 @@
+//! The resolved settings of a run: what a result depends on beside its input files.
+
+use super::numbers::in_unit;
+use crate::cell::{Cell, Goal, Model, Objective, Quantity, Reading, Registration, Solver, Unit};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Settings of a run after flags, cell file and defaults were merged.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ResolvedSettings {
+    /// Name of the error set.
+    pub errors: String,
+    pub model: Model,
+    pub reading: Reading,
+    /// Quantity of a random error that the statistical reading minimizes.
+    pub quantity: Quantity,
+    pub registration: Registration,
+    pub operations: Vec<ResolvedOperation>,
+    pub objective: Objective,
+    /// Share by which values may differ and still count as equally good, of the lexicographic objective.
+    pub indifference: f64,
+    pub solver: Solver,
+    pub seed: u64,
+    /// Largest number of layouts to evaluate.
+    pub budget: u64,
+    /// Whether the worst over the placement tolerances is minimized.
+    pub robust: bool,
+    /// Share above the proven bound at which a search ends.
+    pub gap: Option<f64>,
+    /// Number of evaluations without a better layout after which a search ends.
+    pub stagnation: Option<u64>,
+    /// Goals of the Pareto front; empty if there is one objective.
+    pub pareto: Vec<Goal>,
+    /// Number of layouts to keep beside the best one.
+    pub keep: usize,
+}
+
+/// Sense and limit of an operation.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ResolvedOperation {
+    pub name: String,
+    pub sense: String,
+    pub unit: Unit,
+    /// Largest error with which the operation succeeds, in `unit`.
+    pub limit: Option<f64>,
+}
+
+impl ResolvedSettings {
+    pub fn new(cell: &Cell) -> Self {
+        let search = &cell.search;
+        let operations = cell.operations.iter().map(|o| ResolvedOperation {
+            name: o.name.clone(),
+            sense: o.sense.name.clone(),
+            unit: o.sense.unit,
+            limit: o.limit.map(|limit| in_unit(o.sense.unit, limit)),
+        });
+        Self {
+            errors: cell.error_set().name().into(),
+            model: cell.model,
+            reading: cell.reading,
+            quantity: cell.quantity,
+            registration: cell.registration,
+            operations: operations.collect(),
+            objective: search.objective,
+            indifference: search.indifference,
+            solver: search.solver,
+            seed: search.seed,
+            budget: search.budget,
+            robust: search.robust,
+            gap: search.gap,
+            stagnation: search.stagnation,
+            pareto: search.pareto.iter().collect(),
+            keep: search.keep,
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! Operations of a layout in search results and comparisons.
+
+use super::map::{GuardEntry, MonteCarloEntry, StatusCounts};
+use super::misplacement::RobustnessEntry;
+use super::numbers::{in_unit, joints, nine_digits, position_mm};
+use super::refined::RefinedEntry;
+use crate::assess::Assessment;
+use crate::cell::{Over, Unit};
+use crate::reading::Figures;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// One operation of a layout: its spot and the errors there. World frame, mm and degrees.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SpotEntry {
+    pub name: String,
+    pub equipment: String,
+    pub sense: String,
+    /// Where the operation may happen, in words.
+    pub place: String,
+    pub over: Over,
+    /// Value of the operation, in the unit of the objective.
+    pub value: Option<f64>,
+    /// The limit and what is left to it, of an operation with a limit and a spot.
+    pub requirement: Option<RequirementEntry>,
+    /// Numbers of the spot's node along x and y of the surface.
+    pub node: Option<[usize; 2]>,
+    pub position_mm: Option<[f64; 3]>,
+    pub joints_deg: Option<Vec<f64>>,
+    /// The spot between the nodes.
+    pub refined: Option<RefinedEntry>,
+    /// What misplacement does to the operation, if that was computed.
+    pub robustness: Option<RobustnessEntry>,
+    pub error_mm: Option<[f64; 3]>,
+    pub error_sense_mm: Option<f64>,
+    pub error_sense_deg: Option<f64>,
+    pub error_by_sense_mm: OptionBySense,
+    pub worst_mm: OptionBySense,
+    pub rms_mm: OptionBySense,
+    pub p95_mm: OptionBySense,
+    pub r#yield: Option<f64>,
+    pub guard: GuardEntry,
+    pub monte_carlo: Option<MonteCarloEntry>,
+    pub counts: StatusCounts,
+}
+
+/// Values by the name of their sense; null without a spot.
+pub type OptionBySense = super::placement::ByName<Option<f64>>;
+
+/// Limit of an operation and what is left to it, in the unit of the objective.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RequirementEntry {
+    pub limit: f64,
+    /// Distance to the limit; negative if it is missed.
+    pub margin: f64,
+    pub met: bool,
+}
+
+impl SpotEntry {
+    pub fn new(a: &Assessment<'_>, k: usize) -> Self {
+        let map = &a.maps[k];
+        let operation = &a.cell.operations[map.operation];
+        let spot = a.spot(k);
+        let unit = a.cell.unit();
+        let figures = |figure: fn(&Figures) -> f64| {
+            let lengths = map.senses.iter().filter(|s| s.unit == Unit::Length);
+            let value = |name: &str| a.figures(k, name).map(|f| in_unit(Unit::Length, figure(f)));
+            lengths.map(|s| (s.name.clone(), value(&s.name))).collect::<OptionBySense>()
+        };
+        let own = a.figures(k, &operation.sense.name).map(|f| operation.sense.unit.from_si(f.error));
+        let in_sense = |unit| own.filter(|_| operation.sense.unit == unit).map(nine_digits);
+        let requirement = a.requirement(k).map(|r| RequirementEntry {
+            limit: in_unit(unit, r.limit),
+            margin: in_unit(unit, r.margin),
+            met: r.is_met(),
+        });
+        Self {
+            name: operation.name.clone(),
+            equipment: a.cell.equipment[operation.equipment].name.clone(),
+            sense: operation.sense.name.clone(),
+            place: operation.place.in_words(),
+            over: operation.over,
+            value: map.value.map(|value| in_unit(unit, value)),
+            requirement,
+            node: spot.map(|(n, _)| [n.i, n.j]),
+            position_mm: spot.map(|(n, _)| position_mm(&n.position)),
+            joints_deg: spot.map(|(_, p)| joints(a.cell, &p.joints)),
+            refined: RefinedEntry::new(a, k),
+            robustness: RobustnessEntry::new(a, k),
+            error_mm: spot.map(|(_, p)| position_mm(&p.error)),
+            error_sense_mm: in_sense(Unit::Length),
+            error_sense_deg: in_sense(Unit::Angle),
+            error_by_sense_mm: figures(|f| f.error),
+            worst_mm: figures(|f| f.worst),
+            rms_mm: figures(|f| f.rms),
+            p95_mm: figures(|f| f.p95),
+            r#yield: spot.and_then(|(_, p)| p.success).map(nine_digits),
+            guard: GuardEntry::new(a.cell, map),
+            monte_carlo: MonteCarloEntry::new(a, k),
+            counts: StatusCounts::new(map),
+        }
+    }
+
+    /// Returns one entry per operation.
+    pub fn all(a: &Assessment<'_>) -> Vec<Self> {
+        (0..a.maps.len()).map(|k| Self::new(a, k)).collect()
+    }
+}

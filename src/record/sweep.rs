@@ -1,0 +1,247 @@
+//! Documents of a sweep: the plan, one row per combination of settings, the table of all rows.
+
+use super::manifest::HashedFile;
+use super::numbers::{in_unit, nine_digits, position_mm, rounded_down};
+use super::placement::{ByName, PlacementEntry, placements};
+use crate::assess::Assessment;
+use crate::cell::{Solver, Unit};
+use crate::files::{Choices, Setting};
+use crate::search::SearchRecord;
+use crate::units::rounded;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use std::path::PathBuf;
+
+/// Name and version of the plan of a sweep.
+pub const SWEEP_PLAN_SCHEMA: &str = "sweetspot/sweep-plan/1";
+/// Name and version of the table of a sweep.
+pub const SWEEP_SCHEMA: &str = "sweetspot/sweep/1";
+
+/// Plan of a sweep, `plan.json`: the same plan leaves the same files.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SweepPlan {
+    #[schemars(extend("const" = SWEEP_PLAN_SCHEMA))]
+    pub schema: String,
+    /// Version of the program.
+    pub version: String,
+    /// Cell file.
+    pub cell: PathBuf,
+    /// Folders of the packages that URDF files name.
+    pub packages: Vec<(String, PathBuf)>,
+    /// Whether every combination is searched; else its layout as drawn is mapped.
+    pub search: bool,
+    pub sets: Vec<Choices>,
+    /// Seed of every combination; null: that of the cell.
+    pub seed: Option<u64>,
+    pub budget: Option<u64>,
+    pub solver: Option<Solver>,
+    pub combinations: usize,
+    /// Files that any combination reads; empty until they have been read.
+    pub inputs: Vec<HashedFile>,
+}
+
+/// Returns the value of each set in a combination: the last set changes fastest.
+pub fn combination(sets: &[Choices], index: usize) -> Vec<&str> {
+    let mut rest = index;
+    let mut values: Vec<&str> = sets
+        .iter()
+        .rev()
+        .map(|set| {
+            let value = &set.values[rest % set.values.len()];
+            rest /= set.values.len();
+            value.as_str()
+        })
+        .collect();
+    values.reverse();
+    values
+}
+
+impl SweepPlan {
+    /// Returns the settings of a combination.
+    pub fn settings(&self, index: usize) -> Vec<Setting> {
+        let pairs = self.sets.iter().zip(combination(&self.sets, index));
+        pairs.map(|(set, value)| Setting::new(set.path.clone(), value)).collect()
+    }
+}
+
+/// Result of one combination, `NNNN.json`. World frame, mm and degrees.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SweepRow {
+    pub index: usize,
+    /// Value of each set by its path: as JSON where that reads it, else as typed.
+    pub set: ByName<Value>,
+    pub feasible: bool,
+    /// Objective in `unit`; null if no layout is feasible.
+    pub objective: Option<f64>,
+    pub unit: Unit,
+    /// Proven lower bound of the objective of every layout, of a search.
+    pub bound: Option<f64>,
+    pub gap_percent: Option<f64>,
+    /// Number of layouts evaluated.
+    pub evaluations: u64,
+    /// Number of feasible layouts among them.
+    pub feasible_evaluations: u64,
+    pub operations: Vec<SweepSpot>,
+    pub layout: ByName<PlacementEntry>,
+    /// Why the layout is not feasible.
+    pub reasons: Vec<String>,
+}
+
+/// One operation of a combination.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SweepSpot {
+    pub name: String,
+    /// Value of the operation, in the unit of the objective; null without a spot.
+    pub value: Option<f64>,
+    pub position_mm: Option<[f64; 3]>,
+    /// Error in the sense of the operation, in `error_unit`.
+    pub error: Option<f64>,
+    /// Largest error with which the operation succeeds, in `error_unit`.
+    pub limit: Option<f64>,
+    pub error_unit: Unit,
+    /// Whether the limit is kept; null without a limit or a spot.
+    pub limit_met: Option<bool>,
+}
+
+impl SweepRow {
+    /// Makes the row of a combination from the layout that it came to. `record` is that of its search;
+    /// None of a map.
+    pub fn new(sets: &[Choices], index: usize, a: &Assessment<'_>, record: Option<&SearchRecord>) -> Self {
+        let paths = sets.iter().map(|s| s.path.clone());
+        let typed = combination(sets, index).into_iter();
+        let read = typed.map(|v| serde_json::from_str(v).unwrap_or_else(|_| Value::String(v.into())));
+        let feasible = a.evaluation.objective.is_some();
+        Self {
+            index,
+            set: paths.zip(read).collect(),
+            feasible,
+            objective: a.objective().map(nine_digits),
+            unit: a.cell.unit(),
+            bound: record.and_then(|r| r.bound).map(|b| rounded_down(a.cell.unit().from_si(b))),
+            gap_percent: record.and_then(SearchRecord::gap).map(|g| rounded(g * 100.0, 6)),
+            evaluations: record.map_or(1, |r| r.evaluations),
+            feasible_evaluations: record.map_or(u64::from(feasible), |r| r.feasible),
+            operations: (0..a.maps.len()).map(|k| SweepSpot::new(a, k)).collect(),
+            layout: placements(a.cell, &a.layout),
+            reasons: a.reasons(),
+        }
+    }
+}
+
+impl SweepSpot {
+    fn new(a: &Assessment<'_>, k: usize) -> Self {
+        let operation = &a.cell.operations[a.maps[k].operation];
+        let (error_unit, at) = (operation.sense.unit, a.spot(k));
+        let error = a.error_at(k, &operation.sense.name);
+        let limit = operation.limit.map(|limit| error_unit.from_si(limit));
+        Self {
+            name: operation.name.clone(),
+            value: at.map(|(_, p)| in_unit(a.cell.unit(), p.value)),
+            position_mm: at.map(|(n, _)| position_mm(&n.position)),
+            error: error.map(nine_digits),
+            limit: limit.map(nine_digits),
+            error_unit,
+            limit_met: error.zip(limit).map(|(error, limit)| error <= limit),
+        }
+    }
+}
+
+/// Table of a sweep, `table.json`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SweepTable {
+    #[schemars(extend("const" = SWEEP_SCHEMA))]
+    pub schema: String,
+    pub mode: SweepMode,
+    pub combinations: usize,
+    pub feasible: usize,
+    /// Index of the row with the least objective; null if objectives differ in unit.
+    pub best: Option<usize>,
+    /// The best row of every value of every set.
+    pub best_of: Vec<SweepGroup>,
+    pub rows: Vec<SweepRow>,
+}
+
+/// Whether the combinations of a sweep were searched or mapped.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum SweepMode {
+    Search,
+    Map,
+}
+
+/// Value of a set, and the best row that has it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SweepGroup {
+    pub path: String,
+    pub value: Value,
+    /// Number of combinations that have the value.
+    pub combinations: usize,
+    pub feasible: usize,
+    /// Index of the best row.
+    pub best: Option<usize>,
+    pub objective: Option<f64>,
+}
+
+impl SweepTable {
+    /// Makes the table of all rows, the first index first.
+    pub fn new(mode: SweepMode, rows: Vec<SweepRow>) -> Self {
+        Self {
+            schema: SWEEP_SCHEMA.into(),
+            mode,
+            combinations: rows.len(),
+            feasible: rows.iter().filter(|r| r.feasible).count(),
+            best: best_row(rows.iter()).map(|r| r.index),
+            best_of: groups(&rows),
+            rows,
+        }
+    }
+
+    /// Returns the row of an index.
+    pub fn row(&self, index: usize) -> Option<&SweepRow> {
+        self.rows.iter().find(|row| row.index == index)
+    }
+}
+
+/// Returns the row with the least objective, the first of equals; None if objectives differ in unit.
+fn best_row<'a>(rows: impl Iterator<Item = &'a SweepRow> + Clone) -> Option<&'a SweepRow> {
+    let feasible = rows.filter(|r| r.feasible);
+    let unit = feasible.clone().next()?.unit;
+    let is_one_unit = feasible.clone().all(|r| r.unit == unit);
+    let objective = |r: &SweepRow| r.objective.unwrap_or(f64::INFINITY);
+    feasible.min_by(|a, b| objective(a).total_cmp(&objective(b))).filter(|_| is_one_unit)
+}
+
+/// Returns every value of every path, in the order of the rows.
+fn groups(rows: &[SweepRow]) -> Vec<SweepGroup> {
+    let mut groups = Vec::new();
+    let Some(first) = rows.first() else { return groups };
+    for path in first.set.keys() {
+        let mut values: Vec<&Value> = Vec::new();
+        for value in rows.iter().filter_map(|r| r.set.get(path)) {
+            if !values.contains(&value) {
+                values.push(value);
+            }
+        }
+        groups.extend(values.into_iter().map(|value| group(rows, path, value)));
+    }
+    groups
+}
+
+fn group(rows: &[SweepRow], path: &str, value: &Value) -> SweepGroup {
+    let with_value = rows.iter().filter(|r| r.set.get(path) == Some(value));
+    let best = best_row(with_value.clone());
+    SweepGroup {
+        path: path.to_string(),
+        value: value.clone(),
+        combinations: with_value.clone().count(),
+        feasible: with_value.filter(|r| r.feasible).count(),
+        best: best.map(|r| r.index),
+        objective: best.and_then(|r| r.objective),
+    }
+}

@@ -1,0 +1,30 @@
+//! Words that documents, pages and the terminal share.
+
+use crate::cell::{Cell, ErrorSet, Quantity, Reading, Spread};
+
+/// Names the figure that a cell minimizes: "error", "worst case", "p95" and so on.
+pub fn value_word(cell: &Cell) -> &'static str {
+    match (cell.reading, cell.quantity) {
+        (Reading::Signed, _) => "error",
+        (Reading::WorstCase, _) => "worst case",
+        (Reading::Statistical, Quantity::Yield) => "share of failures",
+        (Reading::Statistical, quantity) => quantity.name(),
+    }
+}
+
+/// Every word that [`value_word`] can return.
+pub const VALUE_WORDS: [&str; 7] = ["error", "worst case", "share of failures", "rms", "mean", "p95", "p99"];
+
+/// Returns what a user must know about how the errors are read.
+pub fn caveats(cell: &Cell) -> Vec<String> {
+    let mut said = Vec::new();
+    let signed = matches!(cell.error_set(), ErrorSet::Signed(_));
+    if signed && cell.reading != Reading::Signed {
+        said.push(format!(
+            "{} is a signed sample: its magnitudes are read as plus-or-minus tolerances ({} sigma of a normal distribution)",
+            cell.error_set().name(),
+            Spread::SIGMAS
+        ));
+    }
+    said
+}

@@ -1,0 +1,119 @@
+//! Records that the live page of `view` reads. `records.d.ts` of the page declares them for its scripts.
+
+use crate::cell::{Model, Reading, Unit};
+use crate::error_map::NodeSign;
+use crate::record::{ByName, StatusCounts};
+use serde::Serialize;
+
+/// Everything of a cell that no layout changes.
+#[derive(Serialize)]
+pub struct FormRecord<'a> {
+    pub schema: &'static str,
+    pub cell: &'a str,
+    pub robot: &'a str,
+    /// Name of the error set.
+    pub errors: &'a str,
+    pub form: Vec<FormGroup<'a>>,
+    pub senses: Vec<&'a str>,
+    pub budget: u64,
+    pub seed: u64,
+    pub can_search: bool,
+    pub equipment: Vec<FormEquipment<'a>>,
+    pub base_footprint: [f64; 4],
+    /// Least and greatest corner of every keep-out box in the plan.
+    pub keep_out: Vec<[f64; 4]>,
+    pub fence: Option<Vec<[f64; 2]>>,
+}
+
+/// Equipment in the plan; a rectangle is its centre and its size.
+#[derive(Serialize)]
+pub struct FormEquipment<'a> {
+    pub name: &'a str,
+    pub obstacle: bool,
+    /// Index of the equipment that carries it.
+    pub on: Option<usize>,
+    pub footprint: [f64; 4],
+    pub surface: Option<[f64; 4]>,
+}
+
+/// Numbers of one owner that the page can change.
+#[derive(Serialize)]
+pub struct FormGroup<'a> {
+    pub group: &'static str,
+    pub name: &'a str,
+    /// Index of an equipment.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub index: Option<usize>,
+    pub numbers: Vec<FormNumber>,
+}
+
+/// One number and what the search may make of it.
+#[derive(Serialize)]
+pub struct FormNumber {
+    pub key: &'static str,
+    pub free: bool,
+    pub min: Option<f64>,
+    pub max: Option<f64>,
+    pub list: Option<Vec<f64>>,
+}
+
+/// Numbers of a layout by owner and key.
+#[derive(Default, Serialize)]
+pub struct NumbersRecord {
+    pub robot_base: ByName<f64>,
+    pub equipment: ByName<ByName<f64>>,
+    pub attitude: ByName<ByName<f64>>,
+}
+
+/// Value of a layout, with its maps. A placement is x, y, z (mm) and yaw (degrees).
+#[derive(Serialize)]
+pub struct AnswerRecord<'a> {
+    pub feasible: bool,
+    /// Whether every limit is kept.
+    pub met: bool,
+    pub objective: Option<f64>,
+    pub unit: Unit,
+    /// Figure that is minimized.
+    pub word: &'static str,
+    pub reasons: Vec<String>,
+    pub placements: Vec<[f64; 4]>,
+    pub base: [f64; 4],
+    pub operations: Vec<AnswerOperation<'a>>,
+}
+
+/// Value of one operation, with its map.
+#[derive(Serialize)]
+pub struct AnswerOperation<'a> {
+    pub name: &'a str,
+    pub equipment: usize,
+    pub sense: &'a str,
+    pub value: Option<f64>,
+    pub limit: Option<f64>,
+    pub margin: Option<f64>,
+    pub counts: StatusCounts,
+    pub best: Option<[usize; 2]>,
+    pub nodes: AnswerNodes,
+}
+
+/// Nodes of a map, one list per property. Positions and errors are in mm.
+#[derive(Default, Serialize)]
+pub struct AnswerNodes {
+    pub ij: Vec<[usize; 2]>,
+    pub at: Vec<[f64; 3]>,
+    pub status: Vec<NodeSign>,
+    pub value: Vec<Option<f64>>,
+    pub error: Vec<Option<[f64; 3]>>,
+    /// Index of the reason in `reasons`.
+    pub why: Vec<usize>,
+    pub reasons: Vec<String>,
+    /// Every second, third ... node of the grid is sent.
+    pub every: usize,
+}
+
+/// Model and reading in which a cell has an answer.
+#[derive(Serialize)]
+pub struct LensChoice {
+    pub model: Model,
+    pub reading: Reading,
+    pub word: &'static str,
+}

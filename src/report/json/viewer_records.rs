@@ -1,0 +1,170 @@
+//! Records that the 3-D viewer reads. `records.d.ts` of the viewer declares them for its scripts.
+//!
+//! Long lists of numbers are base64 of little-endian f32 or u32, NaN where there is no value. Positions are in
+//! the world frame, mm; angles in degrees.
+
+use crate::cell::{Model, Unit};
+use crate::error_map::NodeSign;
+use crate::record::{JointEntry, SenseEntry};
+use serde::Serialize;
+
+/// A pose: the three columns of its rotation, then its origin.
+pub type PoseNumbers = [f64; 12];
+
+/// Several layouts to be shown, each mesh once.
+#[derive(Serialize)]
+pub struct DrawingsRecord<'a> {
+    pub schema: &'static str,
+    pub units: DrawingUnits,
+    pub meshes: Vec<MeshRecord>,
+    pub drawings: Vec<DrawingRecord<'a>>,
+}
+
+/// Units of the numbers.
+#[derive(Serialize)]
+pub struct DrawingUnits {
+    pub length: Unit,
+    pub angle: Unit,
+}
+
+/// Triangles of a solid.
+#[derive(Clone, PartialEq, Eq, Hash, Serialize)]
+pub struct MeshRecord {
+    pub positions: String,
+    pub normals: String,
+    pub indices: String,
+}
+
+/// One layout to be shown.
+#[derive(Serialize)]
+pub struct DrawingRecord<'a> {
+    pub name: &'a str,
+    pub cell: &'a str,
+    pub robot: &'a str,
+    pub base: PoseNumbers,
+    pub floor_mm: f64,
+    /// Least and greatest corner of everything shown.
+    pub extent_mm: [[f64; 3]; 2],
+    pub joints: Vec<JointEntry>,
+    pub equipment: Vec<EquipmentRecord<'a>>,
+    pub operations: Vec<OperationRecord<'a>>,
+    pub parts: Vec<PartRecord<'a>>,
+    pub lenses: Vec<LensRecord>,
+    pub fields: Vec<FieldRecord<'a>>,
+    pub envelopes: Vec<EnvelopeRecord>,
+    pub movement: MovementRecord<'a>,
+}
+
+/// Equipment or obstacle.
+#[derive(Serialize)]
+pub struct EquipmentRecord<'a> {
+    pub name: &'a str,
+    pub obstacle: bool,
+    /// Index of the equipment that carries it.
+    pub on: Option<usize>,
+    /// Its pose; null if it has no solid.
+    pub at: Option<PoseNumbers>,
+    pub surface: Option<RectangleRecord>,
+    pub footprint: RectangleRecord,
+}
+
+/// Rectangle in the plan.
+#[derive(Serialize)]
+pub struct RectangleRecord {
+    pub centre_mm: [f64; 2],
+    pub size_mm: [f64; 2],
+}
+
+/// Operation and the index of its equipment.
+#[derive(Serialize)]
+pub struct OperationRecord<'a> {
+    pub name: &'a str,
+    pub equipment: usize,
+    pub sense: &'a str,
+    pub standoff_mm: f64,
+    /// Largest error with which it succeeds, in the unit of its sense.
+    pub limit: Option<f64>,
+}
+
+/// Solid that is carried by a link of the robot, or stands in the world.
+#[derive(Serialize)]
+pub struct PartRecord<'a> {
+    pub name: &'a str,
+    pub owner: &'a str,
+    pub kind: &'static str,
+    pub link: Option<usize>,
+    pub at: Option<PoseNumbers>,
+    pub equipment: Option<usize>,
+    pub operation: Option<usize>,
+    /// Index of its mesh.
+    pub mesh: usize,
+}
+
+/// Model and reading under which errors are shown.
+#[derive(Serialize)]
+pub struct LensRecord {
+    pub model: Model,
+    pub reading: &'static str,
+    pub signed: bool,
+}
+
+/// Nodes of an operation, one list per property.
+#[derive(Serialize)]
+pub struct FieldRecord<'a> {
+    pub operation: usize,
+    pub equipment: usize,
+    pub senses: Vec<SenseEntry>,
+    /// Index of the sense of the operation.
+    pub sense: usize,
+    pub size: [usize; 2],
+    /// Every second, third ... node of the grid is shown.
+    pub every: usize,
+    pub nodes: Vec<[usize; 2]>,
+    pub positions: String,
+    pub status: Vec<NodeSign>,
+    pub reason: Vec<&'a str>,
+    pub joints: Vec<Option<Vec<f64>>>,
+    pub best: Option<usize>,
+    pub spot_mm: Option<[f64; 3]>,
+    pub refined_mm: Option<[f64; 3]>,
+    pub takes: Vec<TakeRecord>,
+}
+
+/// Errors of a field under one lens.
+#[derive(Serialize)]
+pub struct TakeRecord {
+    pub lens: usize,
+    pub error: String,
+    /// One list per sense.
+    pub values: Vec<String>,
+    pub best: Option<usize>,
+}
+
+/// Outlines of the working envelope.
+#[derive(Serialize)]
+pub struct EnvelopeRecord {
+    pub at_work: Vec<String>,
+    pub around: Vec<String>,
+}
+
+/// Movement of the robot from operation to operation.
+#[derive(Serialize)]
+pub struct MovementRecord<'a> {
+    pub checked: bool,
+    pub stops: Vec<StopRecord<'a>>,
+    pub times_s: Vec<f64>,
+    /// Operation whose part is held at each time.
+    pub holding: Vec<Option<usize>>,
+    /// Number of frames at each time.
+    pub links: usize,
+    pub frames: String,
+}
+
+/// Posture in which the robot stops.
+#[derive(Serialize)]
+pub struct StopRecord<'a> {
+    pub operation: Option<usize>,
+    pub name: &'a str,
+    pub joints: Vec<f64>,
+    pub time_s: f64,
+}

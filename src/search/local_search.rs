@@ -1,0 +1,42 @@
+//! Local search around the members of the Pareto front or the shortlist.
+//!
+//! It changes one coordinate of a member at a time: a list through all of its values, a range by steps that
+//! become finer; then two lists at a time. New members are explored in turn (Pareto local search: L. Paquete,
+//! M. Chiarandini, T. Stuetzle, in Metaheuristics for Multiobjective Optimisation, 2004). A space with few
+//! enough layouts is enumerated.
+
+use super::problem::Problem;
+use super::search_space::NeighbourChange;
+use std::collections::BTreeSet;
+
+/// Changes tried: large ones that give another layout of the shortlist, and small ones that improve a member.
+const CHANGES: [NeighbourChange; 7] = [
+    NeighbourChange::List,
+    NeighbourChange::Range(0.1),
+    NeighbourChange::Range(0.051),
+    NeighbourChange::Lists,
+    NeighbourChange::Range(0.02),
+    NeighbourChange::Range(0.01),
+    NeighbourChange::Range(0.005),
+];
+
+/// Explores neighbours until the budget is used up or no neighbour is left.
+pub fn run(problem: &Problem<'_>) {
+    if let Some(all) = problem.space().every_point(problem.left()) {
+        problem.try_points(&all);
+        return;
+    }
+    let bits = |point: &Vec<f64>| point.iter().map(|u| u.to_bits()).collect::<Vec<_>>();
+    let mut asked = BTreeSet::new();
+    for change in CHANGES {
+        let mut polled = BTreeSet::new();
+        while problem.left() > 0
+            && let Some(point) = problem.kept_points().into_iter().find(|p| !polled.contains(&bits(p)))
+        {
+            let mut beside = problem.space().neighbours(&point, change);
+            beside.retain(|p| asked.insert(bits(p)));
+            problem.try_points(&beside);
+            polled.insert(bits(&point));
+        }
+    }
+}

@@ -1,0 +1,66 @@
+//! Scalarization: one number from several goals, which a run of a Pareto search minimizes.
+//!
+//! The augmented weighted Chebyshev distance from the best value seen of each goal,
+//!
+//! ```text
+//! s = max_i w_i g_i + rho sum_i g_i,     g_i = (loss_i - least_i) / (greatest_i - least_i),
+//! ```
+//!
+//! also reaches the points of a non-convex front, which no weighted sum does (A. P. Wierzbicki, "The use of
+//! reference objectives in multiobjective optimization", 1980; R. E. Steuer, E.-U. Choo, Mathematical
+//! Programming 26 (1983) 326-344). The first runs minimize one goal each. Later runs use weights that fill
+//! the simplex evenly.
+
+use super::pareto_front::{ParetoFront, Span};
+use crate::low_discrepancy::halton;
+
+/// Factor rho of the sum: of two layouts with the same maximum the one with the smaller sum wins.
+const AUGMENTATION: f64 = 1e-3;
+
+/// Span of the cost of a run. It is that of errors in m, to which the temperatures of annealing fit.
+const COST_SCALE: f64 = 0.02;
+
+/// Largest cost, which is below that of every infeasible layout.
+const MAX_COST: f64 = 100.0;
+
+/// Scalarized goals of one run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scalarization {
+    weights: Vec<f64>,
+    /// Range of each goal on the front; None while the front is empty.
+    spans: Option<Vec<Span>>,
+}
+
+impl Scalarization {
+    /// Returns the scalarization of a run that begins with this front.
+    pub fn new(front: &ParetoFront, run: u64) -> Self {
+        Self { weights: weights(front.goals().count(), run), spans: front.spans() }
+    }
+
+    /// Returns the cost of a layout, given the losses of its goals.
+    pub fn cost(&self, losses: &[f64]) -> f64 {
+        let share = |k: usize| self.spans.as_ref().map_or(losses[k], |spans| spans[k].share(losses[k]));
+        let weighted = self.weights.iter().enumerate().filter(|(_, w)| **w > 0.0);
+        let farthest = weighted.map(|(k, w)| w * share(k)).fold(f64::NEG_INFINITY, f64::max);
+        let sum: f64 = (0..losses.len()).map(share).sum();
+        // Losses in different units must not be added before their spans are known.
+        let augment = if self.spans.is_some() { AUGMENTATION * sum } else { 0.0 };
+        (COST_SCALE * (farthest + augment)).min(MAX_COST)
+    }
+}
+
+/// Returns the weights of a run, whose sum is 1.
+///
+/// In the first runs one goal has all weight. Then the weights are the gaps between the sorted coordinates
+/// of a Halton point, which fill the simplex evenly (L. Devroye, Non-Uniform Random Variate Generation,
+/// 1986, section V.2).
+pub fn weights(goals: usize, run: u64) -> Vec<f64> {
+    if run < goals as u64 {
+        return (0..goals as u64).map(|k| if k == run { 1.0 } else { 0.0 }).collect();
+    }
+    let number = run + 1 - goals as u64;
+    let mut cuts: Vec<f64> = halton(number).take(goals - 1).collect();
+    cuts.extend([0.0, 1.0]);
+    cuts.sort_by(f64::total_cmp);
+    cuts.windows(2).map(|pair| pair[1] - pair[0]).collect()
+}
