@@ -10,6 +10,7 @@ pub mod front;
 pub mod glb;
 pub mod json;
 pub mod page;
+#[cfg(feature = "parquet")]
 pub mod parquet;
 pub mod raster;
 pub mod sheet;

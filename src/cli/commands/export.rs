@@ -19,6 +19,7 @@ const PNG_SIZE: (usize, usize) = (1600, 1000);
 /// `sweetspot export`
 pub fn export(a: &ExportArguments) -> Result<Exit, Exit> {
     a.out.as_deref().map_or(Ok(()), |out| refuse_other_ending(out, a.to))?;
+    refuse_missing_writer(a.to)?;
     let file = cell_file(&a.of, a.start)?;
     let Loaded { cell, .. } = asked::load(&file, &a.packages, &a.question)?;
     let workcell = workcell(cell, &file)?;
@@ -33,6 +34,16 @@ pub fn export(a: &ExportArguments) -> Result<Exit, Exit> {
     let next = if a.to == ExportFormat::Glb { ExportFormat::Dxf } else { ExportFormat::Glb };
     suggest(&format!("export {} --to {}", path_word(&a.of), next.extension()));
     Ok(Exit::Done)
+}
+
+/// Refuses a format whose writer is not part of this build.
+fn refuse_missing_writer(format: ExportFormat) -> Result<(), Exit> {
+    if format != ExportFormat::Parquet || cfg!(feature = "parquet") {
+        return Ok(());
+    }
+    output::error("this build has no Parquet writer");
+    output::talk("  help: cargo install --path . --features parquet");
+    Err(Exit::BadInput)
 }
 
 /// Refuses a file name with the extension of another format: the program that opens it would be misled.
@@ -99,7 +110,10 @@ fn rendered(a: &Assessment<'_>, format: ExportFormat, operation: Option<usize>) 
     match format {
         ExportFormat::Csv => results::csv(&MapDocument::new(a)),
         ExportFormat::Json => results::pretty(&MapDocument::new(a)),
+        #[cfg(feature = "parquet")]
         ExportFormat::Parquet => report::parquet::map(a).map_err(cannot),
+        #[cfg(not(feature = "parquet"))]
+        ExportFormat::Parquet => refuse_missing_writer(format).map(|()| Vec::new()),
         ExportFormat::Dxf => Ok(report::dxf::dxf(&drawing()?, operation)),
         ExportFormat::Glb => report::glb::glb(&drawing()?, operation).map_err(cannot),
         ExportFormat::Svg => Ok(report::sheet::sheet(&drawing()?, operation).into_bytes()),

@@ -4,7 +4,8 @@
 //! sign.
 
 use super::canvas::{Anchor, ChartCanvas, Ink, SMALL};
-use super::error_map_legend::{MapScales, draw_legend, reach_line};
+use super::error_map_legend::{draw_legend, reach_line};
+use super::error_map_picture::{ErrorMapPicture, MARGIN, MapScales};
 use super::labels::Taken;
 use super::plane_view::{PlaneView, widened};
 use super::{signs, solids, words};
@@ -19,26 +20,14 @@ use crate::report::svg_text::{PathEnd, escaped, path_data};
 
 /// Nodes that are drawn at most: a picture is no table.
 const MAX_NODES: usize = 4000;
-/// Longer side of the drawing area and the space round it, px.
+/// Longer side of the drawing area, px.
 const SIDE: f64 = 820.0;
-pub(super) const MARGIN: f64 = 24.0;
 /// Least width of the picture, px: heading and legend need it however narrow the cell is.
 const MIN_WIDTH: f64 = 740.0;
 /// Floor shown round everything, m.
 const SURROUNDINGS: f64 = 0.25;
 /// Length of the longest arrow, px.
 const LONGEST_ARROW: f64 = 34.0;
-
-/// Picture under construction.
-pub(super) struct ErrorMapPicture<'a> {
-    pub a: &'a Assessment<'a>,
-    pub canvas: ChartCanvas,
-    /// View of the world plan, m.
-    pub view: PlaneView,
-    pub width: f64,
-    /// Places of the labels so far.
-    taken: Taken,
-}
 
 /// Returns the picture of a layout with all its maps.
 pub fn error_map(a: &Assessment<'_>) -> String {

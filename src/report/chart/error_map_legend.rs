@@ -1,7 +1,7 @@
 //! Legend of the error map: colour scale, the signs that occur, scale bar.
 
 use super::canvas::{Anchor, BODY, Ink, LegendEntry};
-use super::error_map::{ErrorMapPicture, MARGIN};
+use super::error_map_picture::{ErrorMapPicture, MARGIN, MapScales};
 use super::{signs, solids, words};
 use crate::drawing::PartKind;
 use crate::drawing::round_numbers::{ONE_TWO_FIVE, round_down};
@@ -20,18 +20,6 @@ const MAX_BAR: f64 = 160.0;
 pub(super) fn reach_line(k: usize) -> String {
     let (ink, dash) = REACH[k % REACH.len()];
     format!("{} stroke-dasharray=\"{dash}\"", ink.line(1.4))
-}
-
-/// Scales of the map, and what thins it.
-pub(super) struct MapScales {
-    /// Ends of the colour scale in the unit of the cell.
-    pub range: (f64, f64),
-    /// Length of an arrow over that of its error.
-    pub enlarged: f64,
-    /// Operations of each line of the reach.
-    pub reach: Vec<String>,
-    /// Nodes mapped for one that is drawn, along each axis.
-    pub every: usize,
 }
 
 pub(super) fn draw_legend(plan: &mut ErrorMapPicture<'_>, scales: &MapScales) {

@@ -16,6 +16,7 @@ mod discrepancy;
 mod envelope;
 mod error_map;
 mod error_map_legend;
+mod error_map_picture;
 mod heat_map;
 #[doc(hidden)] // open for tests/it
 pub mod histogram;

@@ -1,4 +1,4 @@
-//! What the numbers rest on, and where they come from.
+//! Sections on the assumptions and the origin of the numbers.
 
 use super::content::{PageTable, Section, plain};
 use super::subject::{Manifest, Subject};
@@ -9,7 +9,7 @@ use crate::record::{caveats, value_word};
 use crate::report::text::distrust;
 use crate::units::{mm_from_m, percent_from_share, rounded};
 
-/// What was assumed, warnings included.
+/// Returns the section on assumptions, warnings included.
 pub fn section(subject: &Subject<'_>) -> Section {
     let cell = subject.cell();
     let mut rows = vec![
@@ -24,10 +24,7 @@ pub fn section(subject: &Subject<'_>) -> Section {
     rows.extend(caveats(cell).into_iter().map(|note| said("Note", note)));
     rows.extend(subject.warnings.iter().map(|warning| said("Warning", plain(warning))));
     if !subject.manifest.is_complete {
-        rows.push(said(
-            "Warning",
-            "the search was stopped before its end: this is what it had found by then".into(),
-        ));
+        rows.push(said("Warning", "the search was stopped early: these are its results so far".into()));
     }
     let mut section = Section::new("assumptions", "Assumptions and warnings", Vec::new());
     section.tables.push(PageTable::new("", &["what", "said"], rows));
@@ -40,12 +37,12 @@ fn said(what: &str, text: String) -> Vec<String> {
 
 fn registration(cell: &Cell) -> &'static str {
     match cell.registration {
-        Registration::None => "nothing has been measured with the robot itself: its errors count in full",
+        Registration::None => "no registration with the robot: its errors count in full",
         Registration::BestFit => {
-            "the base frame of the robot is fitted to measured points: what a frame can cancel is gone"
+            "the base frame of the robot is fitted to measured points: the errors that a frame can cancel are removed"
         }
         Registration::Taught => {
-            "the frame of every surface is taught with the robot: what the three points cancel is gone"
+            "the frame of every surface is taught with the robot: the errors that three points cancel are removed"
         }
     }
 }
@@ -98,20 +95,22 @@ fn collision(cell: &Cell) -> String {
 
 fn motion(cell: &Cell) -> &'static str {
     match cell.transfer {
-        Some(_) => "the ways between the operations are checked for collision",
-        None => "only the postures at the nodes are checked, NOT the ways between them",
+        Some(_) => "the moves between the operations are checked for collision",
+        None => "only the postures at the nodes are checked for collision, NOT the moves between them",
     }
 }
 
 fn placement(cell: &Cell) -> &'static str {
     match (cell.has_placement_tolerance(), cell.search.robust) {
-        (true, true) => "judged at the worst misplacement within the placement tolerances",
-        (true, false) => "judged as drawn; what its placement tolerances do is told under misplacement",
+        (true, true) => "evaluated at the worst misplacement within the placement tolerances",
+        (true, false) => {
+            "evaluated as drawn; the section on misplacement shows the effect of the placement tolerances"
+        }
         (false, _) => "everything stands exactly where it is drawn",
     }
 }
 
-/// Where the numbers come from.
+/// Returns the section on the origin of the numbers.
 pub fn manifest(subject: &Subject<'_>) -> Section {
     let Manifest { command, version, seed, inputs, outputs, source, .. } = &subject.manifest;
     let command: Vec<String> = command.iter().map(|word| plain(word)).collect();

@@ -1,7 +1,7 @@
-//! Layouts side by side, as a page.
+//! Page that compares layouts side by side.
 
 use super::content::{NOTHING, PageFigure, PageTable, Section};
-use super::verdict::up;
+use super::quantities::up;
 use super::{assets, places, script_json, shell};
 use crate::assess::{Assessment, Comparison};
 use crate::cell::{Goal, Goals};
@@ -14,15 +14,15 @@ use crate::report::{chart, text};
 use crate::units::rounded;
 use serde::Serialize;
 
-/// What the search that found a layout says of it, if one did.
+/// Facts about a layout from the search that found it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Told {
     pub gap_percent: Option<f64>,
-    /// That of the layout alone leaves out what none of its fixed equipment can change.
+    /// Least clearance that the search could change, mm.
     pub clearance_mm: Option<f64>,
 }
 
-/// What the template is filled with.
+/// Content of the template.
 #[derive(Serialize)]
 struct ComparePage<'a> {
     title: String,
@@ -32,7 +32,7 @@ struct ComparePage<'a> {
     policy: String,
     style: &'a str,
     script: &'a str,
-    /// One for each layout.
+    /// Still picture of each layout.
     stills: Vec<PageFigure>,
     /// JSON for the viewers.
     drawings: String,
@@ -40,10 +40,10 @@ struct ComparePage<'a> {
     version: &'static str,
 }
 
-/// The page. `drawings` and `told` are those of the columns.
+/// Returns the page. `drawings` and `told` belong to the columns.
 ///
 /// # Errors
-/// What cannot be rendered.
+/// Fails if there is no layout or a part cannot be rendered.
 pub fn compare(
     comparison: &Comparison<'_>,
     drawings: &[Drawing<'_>],
@@ -81,7 +81,7 @@ pub fn compare(
     shell::rendered(assets::COMPARE_HTML, &page)
 }
 
-/// Which layout has the least objective.
+/// Returns the sentence on the layout with the least objective.
 fn answer(comparison: &Comparison<'_>) -> String {
     let told = |a: &Assessment<'_>| Some((a.objective()?, shown(&a.label), a.cell.unit().word()));
     let mut all: Vec<_> = comparison.columns.iter().filter_map(told).collect();
@@ -98,7 +98,7 @@ fn answer(comparison: &Comparison<'_>) -> String {
     }
 }
 
-/// Node by node against the first layout, all on one scale.
+/// Returns the differences to the first layout, node by node, all on one scale.
 fn differences(comparison: &Comparison<'_>) -> Vec<Section> {
     let Some((first, others)) = comparison.columns.split_first() else { return Vec::new() };
     let text = format!(
@@ -123,7 +123,7 @@ fn differences(comparison: &Comparison<'_>) -> Vec<Section> {
     vec![section]
 }
 
-/// The table of the text, and what the page knows beside it.
+/// Returns the table of the text, with rows that only the page has.
 fn side_by_side(comparison: &Comparison<'_>, told: &[Told]) -> Section {
     let text = vec![
         "Lengths in mm, angles in degrees; in brackets the change from the first layout. Clearance is the least \
@@ -159,7 +159,7 @@ fn side_by_side(comparison: &Comparison<'_>, told: &[Told]) -> Section {
     section
 }
 
-/// Least distance of the robot to anything, mm.
+/// Returns the least clearance of the robot, mm.
 fn clearance(a: &Assessment<'_>) -> Option<f64> {
     let all = a.workcell.goals(&a.layout, &a.evaluation, &Goals::of(&[Goal::Clearance])?)?;
     Some(goals::value(a.cell, Goal::Clearance, *all.first()?))

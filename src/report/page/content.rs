@@ -1,14 +1,14 @@
-//! What a page is made of.
+//! Content of a page: sections, figures, tables.
 
 use serde::Serialize;
 
-/// A part of the page with a heading of its own.
+/// Section of a page with a heading.
 #[derive(Debug, Clone, Serialize)]
 pub struct Section {
-    /// Where a link to it leads.
+    /// Anchor of links to the section.
     pub id: &'static str,
     pub title: String,
-    /// Paragraphs.
+    /// Paragraphs of the section.
     pub text: Vec<String>,
     pub figures: Vec<PageFigure>,
     pub tables: Vec<PageTable>,
@@ -24,12 +24,12 @@ impl Section {
     }
 }
 
-/// A picture with what it shows.
+/// Picture with its caption.
 #[derive(Debug, Clone, Serialize)]
 pub struct PageFigure {
     pub title: String,
     pub caption: String,
-    /// Markup: names in it are escaped already.
+    /// SVG markup; names in it are escaped.
     pub svg: String,
 }
 
@@ -39,17 +39,17 @@ impl PageFigure {
     }
 }
 
-/// Rows of text below a head.
+/// Table: rows of text below a head.
 #[derive(Debug, Clone, Serialize)]
 pub struct PageTable {
     pub title: String,
     pub head: Vec<String>,
     pub rows: Vec<Vec<String>>,
-    /// Said below it.
+    /// Note below the table.
     pub note: String,
-    /// One per column: set to the right.
+    /// Whether each column holds numbers, which are set to the right.
     pub is_number: Vec<bool>,
-    /// Shown only when asked for.
+    /// Whether the table is folded.
     pub is_folded: bool,
 }
 
@@ -71,7 +71,7 @@ impl PageTable {
     }
 }
 
-/// What stands where there is no value.
+/// Text of a cell without a value.
 pub const NOTHING: &str = "–";
 
 /// Whether a column holds numbers, with a unit or without, and nothing else.
@@ -86,7 +86,7 @@ fn is_number(rows: &[Vec<String>], column: usize) -> bool {
     some && all
 }
 
-/// A text of any length without what a terminal or a browser would not show.
+/// Returns a text of any length without characters that a terminal or a browser would not show.
 pub fn plain(text: &str) -> String {
     let hides = |c: char| {
         c.is_control()

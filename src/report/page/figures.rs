@@ -1,9 +1,9 @@
-//! The sections with pictures: what each shows, section by section.
+//! Sections with pictures.
 
 use super::content::{PageFigure, PageTable, Section};
 use super::places::titled;
+use super::quantities::{down, quantity};
 use super::subject::{Subject, si};
-use super::verdict::{down, quantity};
 use crate::assess::{Account, Assessment, ErrorDistribution, NodeChoice, PostureContext};
 use crate::cell::Goal;
 use crate::drawing::Drawing;
@@ -19,8 +19,8 @@ use crate::search;
 use crate::search::{EvaluatedLayout, SearchEnd, SearchRecord};
 use crate::units::{percent_from_share, rounded};
 
-/// All of them in the order of the page; those with nothing to show are left out. `drawings` are those of
-/// [`Subject::layouts`].
+/// Returns the sections with pictures in the order of the page. Empty sections are left out. `drawings`
+/// belong to [`Subject::layouts`].
 pub fn sections(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Vec<Section> {
     let all = [
         map(subject, drawings),
@@ -35,33 +35,32 @@ pub fn sections(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Vec<Section>
     all.into_iter().filter(|section| !section.is_empty()).collect()
 }
 
-/// The picture that stands in for the 3-D view, in print and without WebGL: of the layout that is
-/// recommended, which is the last.
+/// Returns the still picture for print and for browsers without WebGL. It shows the recommended layout, which
+/// is the last.
 ///
 /// # Errors
-/// What cannot be drawn.
+/// Fails if the picture cannot be drawn.
 pub fn still(a: &Assessment<'_>, drawings: &[Drawing<'_>]) -> Result<Vec<PageFigure>, String> {
     let Some(drawing) = drawings.last() else { return Ok(Vec::new()) };
     let stance = (0..a.maps.len()).find(|k| a.spot(*k).is_some());
     let svg = raster::isometric(drawing, &Shot { stance, width: 1200, height: 800, ..Shot::default() })?;
-    let caption = "Arrows are the errors, enlarged as said; rings are nodes out of reach, the large ring marks the \
-                   chosen spot.";
+    let caption = "Arrows are the errors, enlarged as the legend says. The legend names the signs of unusable nodes; the \
+                   large ring marks the chosen spot.";
     Ok(vec![PageFigure::new(titled(a, "the cell"), caption, svg)])
 }
 
 fn map(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Section {
-    let text = "The error over every work surface as the cell asks for it, with lines of equal error: one scale \
-                of colours for all of these maps. Point at a node for its value, or for the reason why it cannot \
-                be used.";
+    let text = "The error over every work surface in the sense and reading of the cell, with iso-lines; all maps share \
+                one colour scale. Point at a node to see its value, or the reason why it cannot be used.";
     let mut section = Section::new("map", "Error map", vec![text.into()]);
     let ranges = drawings.iter().flat_map(|d| &d.fields).filter_map(|field| field.range(0, field.sense));
     let Some(range) = ranges.reduce(|(lo, hi), (a, b)| (lo.min(a), hi.max(b))) else { return section };
-    // The layout that is recommended is looked at first.
+    // The recommended layout comes first.
     for (a, drawing) in subject.layouts().zip(drawings).collect::<Vec<_>>().into_iter().rev() {
         for (k, field) in drawing.fields.iter().enumerate() {
             let caption = match field.every {
                 1 => String::new(),
-                every => format!("Only every node number {every} in both directions is drawn."),
+                every => format!("One node of {every} is drawn along each axis."),
             };
             let title = titled(a, &shown(&a.cell.operations[field.operation].name));
             section.figures.push(PageFigure::new(
@@ -78,8 +77,8 @@ fn envelopes(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Section {
     let (a, Some(drawing)) = (subject.shown(), drawings.last()) else {
         return Section::new("envelope", "Working envelope", Vec::new());
     };
-    let text = "Where the arm can hold its tool as the operation asks, joint limits kept, with the equipment drawn \
-                in: from above at the height of the operation, and from the side.";
+    let text = "Where the arm can hold its tool in the orientation of the operation, within the joint limits: from \
+                above at the height of the operation, and from the side.";
     let mut section = Section::new("envelope", "Working envelope", vec![text.into()]);
     for (k, operation) in a.cell.operations.iter().enumerate() {
         let name = shown(&operation.name);
@@ -90,13 +89,13 @@ fn envelopes(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Section {
     section
 }
 
-/// Parameters told of each spot.
+/// Number of parameters in the budget of a spot.
 const TOLD: usize = 12;
 
 fn budget(subject: &Subject<'_>) -> Section {
     let a = subject.shown();
-    let text = "Which parameter of the arm adds how much at the spot: the first lines are the ones to tighten. \
-                Shares of the worst case and of the variance add up to 100 % each.";
+    let text = "Contribution of every parameter of the arm to the error at the spot. The first lines are the ones to \
+                tighten. The shares of the worst case, and those of the variance, add up to 100 %.";
     let mut section = Section::new("budget", "Error budget", vec![text.into()]);
     for k in 0..a.maps.len() {
         let Ok(stance) = PostureContext::at(a.workcell, &a.layout, &a.maps, k, NodeChoice::Best) else {
@@ -144,19 +143,19 @@ fn budget_table(a: &Assessment<'_>, k: usize, account: &Account<'_>) -> PageTabl
 
 fn discrepancies(subject: &Subject<'_>) -> Section {
     let a = subject.shown();
-    let text = "How far the linear model of the error is from the nonlinear one, node by node: the claim of the \
-                seed paper is less than 1 % (its Fig. 8).";
-    let mut section = Section::new("discrepancy", "Linear against nonlinear model", vec![text.into()]);
+    let text = "Deviation of the linearized from the nonlinear error model, node by node. The seed paper claims less \
+                than 1 % (its Fig. 8).";
+    let mut section = Section::new("discrepancy", "Linearized and nonlinear model", vec![text.into()]);
     section.figures.push(PageFigure::new(titled(a, "discrepancy"), "", chart::discrepancy(a)));
     section
 }
 
-/// How far arms built to the tolerances differ.
+/// Returns the section on the spread of arms built to the tolerances.
 fn distributions(subject: &Subject<'_>) -> Section {
     let a = subject.shown();
-    let text = "Arms drawn at random within their tolerances, each through the nonlinear model: how often which \
-                error comes out at the spot.";
-    let mut section = Section::new("distribution", "ErrorDistribution at the spots", vec![text.into()]);
+    let text = "Monte Carlo simulation: arms with random errors within the tolerances, each through the nonlinear \
+                model, and the distribution of their errors at the spot.";
+    let mut section = Section::new("distribution", "Distribution at the spots", vec![text.into()]);
     for k in 0..a.maps.len() {
         let name = shown(&a.cell.operations[k].name);
         match ErrorDistribution::at_spot(a, k) {
@@ -169,7 +168,7 @@ fn distributions(subject: &Subject<'_>) -> Section {
     section
 }
 
-/// How the search came to its answer.
+/// Returns the section on the course of the search.
 fn convergence(subject: &Subject<'_>) -> Section {
     let mut section = Section::new("convergence", "How the search converged", Vec::new());
     let Some(found) = &subject.found else { return section };
@@ -203,7 +202,7 @@ fn bound_in_words(found: &SearchResult, subject: &Subject<'_>) -> String {
     }
 }
 
-/// The layouts beside the best.
+/// Returns the section on the other layouts of a Pareto front.
 fn pareto(subject: &Subject<'_>) -> Section {
     let mut section = Section::new("front", "Other layouts", Vec::new());
     let Some(found) = &subject.found else { return section };
@@ -213,10 +212,12 @@ fn pareto(subject: &Subject<'_>) -> Section {
     }
     section.text.push(match &found.pareto {
         Some(goals) => format!(
-            "None of these layouts is better than another in all of {}: choosing one is choosing what to give up.",
+            "Pareto front: none of these layouts is better than another in all of {}.",
             goals.iter().map(|g| g.name()).collect::<Vec<_>>().join(", ")
         ),
-        None => "The best layouts that really differ. Each is a cell file in the folder of the search.".into(),
+        None => {
+            "The best layouts that differ noticeably. Each is a cell file in the folder of the search.".into()
+        }
     });
     let heads: Vec<String> = Goal::ALL.into_iter().map(|goal| goals::head(subject.cell(), goal)).collect();
     let head: Vec<&str> = ["file"].into_iter().chain(heads.iter().map(String::as_str)).collect();
@@ -253,11 +254,11 @@ fn record(subject: &Subject<'_>, found: &SearchResult) -> SearchRecord {
     }
 }
 
-/// What misplaced equipment does to the spots.
+/// Returns the section on misplaced equipment.
 fn misplacement(subject: &Subject<'_>) -> Section {
     let a = subject.shown();
-    let text = "How much each operation suffers if things do not stand exactly where they are drawn, the spot and \
-                the posture of the arm kept.";
+    let text = "Change of the error of each operation if equipment does not stand exactly where it is drawn. Spot and \
+                posture of the arm stay the same.";
     let mut section = Section::new("misplacement", "Sensitivity to misplacement", vec![text.into()]);
     let rows = (0..a.maps.len()).flat_map(|k| {
         let Some(Some(r)) = a.robustness.get(k) else { return Vec::new() };

@@ -1,8 +1,8 @@
-//! The page of `view`: it holds no word of the cell, which its script asks for.
+//! Live page of `view`. It contains nothing of the cell; its script requests that.
 
 use super::assets::{LIVE_CSS, LIVE_HTML, VIEWER_CSS, live_js, viewer_js};
 
-/// The page; its scripts and styles are marked with `nonce`, and no other may run.
+/// Returns the page. Scripts and styles carry `nonce`; the browser runs no others.
 pub fn live(nonce: &str) -> String {
     let style = [VIEWER_CSS, LIVE_CSS].concat();
     let script = viewer_js() + &live_js();

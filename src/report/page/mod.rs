@@ -1,9 +1,9 @@
-//! What runs in the browser: the report, one page of HTML that needs nothing else, not even a network, the
-//! 3-D viewer in it, and the live page of `view`.
+//! Pages for the browser: the report with its 3-D viewer, the comparison, and the live page of `view`. A
+//! report is one file of HTML that needs no network.
 //!
-//! A [`Subject`] is what is reported; the sections of the page are plain data made from it, and one
-//! template puts them into markup. Script and style are inside and named by their hashes in the
-//! Content-Security-Policy, so that nothing else runs, whatever a name in a file says.
+//! The sections of a page are plain data made from a [`Subject`], and one template renders them. The
+//! Content-Security-Policy names scripts and styles by their hashes. Nothing else runs, whatever a name in a
+//! file contains.
 
 pub mod assets;
 mod assumptions;
@@ -14,6 +14,7 @@ mod figures;
 mod live;
 mod nodes;
 mod places;
+mod quantities;
 mod readings;
 mod report;
 mod runner_up;
@@ -30,7 +31,7 @@ pub use subject::{Manifest, Subject};
 
 use serde_json::Value;
 
-/// JSON that is safe inside `<script type="application/json">`: no text in it can end the element or
+/// Returns JSON that is safe inside `<script type="application/json">`: no text in it can end the element or
 /// begin a comment.
 pub fn script_json(value: &Value) -> String {
     let mut safe = String::new();

@@ -1,4 +1,4 @@
-//! Every node in numbers.
+//! Section with the numbers of every node.
 
 use super::content::{NOTHING, PageTable, Section, plain};
 use super::places::mm;
@@ -10,23 +10,23 @@ use crate::files::shown;
 use crate::record::value_word;
 use crate::units::{mm_from_m, percent_from_share, rounded};
 
-/// Rows of all tables together; beyond, only the best nodes are told.
-const MOST: usize = 2000;
-/// Of them so many.
-const BEST: usize = 200;
+/// Number of nodes beyond which the tables contain only the best ones.
+const MAX_ROWS: usize = 2000;
+/// Number of best nodes in a table.
+const BEST_ROWS: usize = 200;
 
-/// One table per operation, of the layout that is recommended.
+/// Returns one table per operation of the recommended layout.
 pub fn section(subject: &Subject<'_>) -> Section {
     let a = subject.shown();
     let which = if subject.best.is_some() { "the best layout" } else { "the layout as drawn" };
     let text = vec![format!(
-        "The nodes of {which}. Positions and errors in world axes; joints, every reading and the nodes of the \
-         rest are in {}.",
+        "The nodes of {which}. Positions and errors are in world axes. Joints, every reading and the nodes of the other layouts are \
+         in {}.",
         plain(&subject.manifest.csv)
     )];
     let mut section = Section::new("nodes", "Every node", text);
     let all: usize = a.maps.iter().map(|m| m.nodes.len()).sum();
-    section.tables = a.maps.iter().map(|map| table(a, map, all > MOST, &subject.manifest.csv)).collect();
+    section.tables = a.maps.iter().map(|map| table(a, map, all > MAX_ROWS, &subject.manifest.csv)).collect();
     section
 }
 
@@ -50,14 +50,16 @@ fn table(a: &Assessment<'_>, map: &OperationMap, is_long: bool, csv: &str) -> Pa
     if is_long {
         let value = |n: &NodeRecord| n.usable_posture().map_or(f64::INFINITY, |p| p.value);
         nodes.sort_by(|a, b| value(a).total_cmp(&value(b)));
-        nodes.truncate(BEST);
+        nodes.truncate(BEST_ROWS);
     }
     let rows: Vec<_> = nodes.iter().map(|n| row(a, n)).collect();
     let table = PageTable::new(format!("{name}: {} nodes", map.nodes.len()), &head, rows).folded();
     match is_long {
-        true => {
-            table.with_note(format!("The best {BEST} of {}; all are in {}.", map.nodes.len(), plain(csv)))
-        }
+        true => table.with_note(format!(
+            "The best {BEST_ROWS} of {}; all are in {}.",
+            map.nodes.len(),
+            plain(csv)
+        )),
         false => table,
     }
 }

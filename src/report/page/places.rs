@@ -1,4 +1,4 @@
-//! Placements as numbers to set out with a tape, and the joints at each spot.
+//! Placements for setting out with a tape measure, and the joints at each spot.
 
 use super::content::{NOTHING, PageTable, Section};
 use super::subject::Subject;
@@ -8,14 +8,14 @@ use crate::drawing::floor_corners;
 use crate::files::shown;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 
-/// Where everything stands.
+/// Returns the section on placements.
 pub fn section(subject: &Subject<'_>) -> Section {
     let mut section = empty();
     section.tables = subject.tables(|a| vec![frames(a), outlines(a)]);
     section
 }
 
-/// The same of layouts side by side, folded.
+/// Returns the section on the placements of layouts side by side, folded.
 pub fn of_columns(columns: &[Assessment<'_>]) -> Section {
     let mut section = empty();
     section.tables = columns.iter().flat_map(|a| [frames(a).folded(), outlines(a).folded()]).collect();
@@ -24,18 +24,17 @@ pub fn of_columns(columns: &[Assessment<'_>]) -> Section {
 
 fn empty() -> Section {
     let text = vec![
-        "Corners are those of the floor outline (of what has a work surface: of that surface, too), counted \
-         counterclockwise from the one at the least x and y of the equipment's own axes. World: the axes of the \
-         cell file. From the base: measured along the axes of the robot base, from its origin. Tape: level \
-         distance from the axis of the base to the corner."
+        "Corners are those of the floor outline and of the work surface, counterclockwise from the least x and \
+         y in the axes of the equipment. World: the axes of the cell file. From the base: along the axes of the robot \
+         base, from its origin. Tape: level distance from the base axis to the corner."
             .to_string(),
     ];
     Section::new("placements", "Where everything stands", text)
 }
 
-/// The joints of the robot at home and at the spots.
+/// Returns the section on the joints of the robot at home and at the spots.
 pub fn joints(subject: &Subject<'_>) -> Section {
-    let text = vec!["Joint coordinates as the controller of the robot file counts them.".to_string()];
+    let text = vec!["Joint coordinates in the convention of the robot file.".to_string()];
     let mut section = Section::new("joints", "Joints at the spots", text);
     section.tables = subject.tables(|a| vec![joint_table(a)]);
     section
@@ -49,7 +48,7 @@ pub fn deg(rad: f64) -> String {
     format!("{:.3}", rounded(deg_from_rad(rad), 3))
 }
 
-/// Start and best are told apart by their tables' titles.
+/// Returns the title of a table with the name of its layout.
 pub fn titled(a: &Assessment<'_>, what: &str) -> String {
     match a.label.as_str() {
         "best" => format!("Best layout: {what}"),
@@ -81,12 +80,21 @@ fn frames(a: &Assessment<'_>) -> PageTable {
     PageTable::new(
         titled(a, "origins"),
         &[
-            "what", "x mm", "y mm", "yaw deg", "height above floor mm", "x from base mm", "y from base mm",
-            "z from base mm", "yaw from base deg",
+            "what",
+            "x mm",
+            "y mm",
+            "yaw deg",
+            "height above floor mm",
+            "x from base mm",
+            "y from base mm",
+            "z from base mm",
+            "yaw from base deg",
         ],
         std::iter::once(base).chain(others).collect(),
     )
-    .with_note("The origin of what has a work surface lies in that surface: its height is the height of the table top.")
+    .with_note(
+        "Equipment with a work surface has its origin in that surface: its height is that of the table top.",
+    )
 }
 
 fn named(equipment: &Equipment) -> String {
@@ -112,7 +120,7 @@ fn outlines(a: &Assessment<'_>) -> PageTable {
     )
 }
 
-/// Whether two outlines are told apart at 0.1 mm.
+/// Whether two outlines differ by 0.1 mm.
 fn differ(a: &Rectangle, b: &Rectangle) -> bool {
     let numbers = |r: &Rectangle| [r.centre.0, r.centre.1, r.size.0, r.size.1];
     numbers(a).iter().zip(numbers(b)).any(|(a, b)| mm(*a) != mm(b))

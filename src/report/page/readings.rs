@@ -1,4 +1,4 @@
-//! The spots under every reading, and what became of the nodes.
+//! The spots under every reading, and the numbers of nodes by sign.
 
 use super::content::{PageTable, Section};
 use super::places::titled;
@@ -10,11 +10,11 @@ use crate::files::shown;
 use crate::reading::Figures;
 use crate::units::rounded;
 
-/// What each spot is under each reading.
+/// Returns the section on the spots under every reading.
 pub fn section(subject: &Subject<'_>) -> Section {
     let text = vec![
-        "The same spots, read in every way: the one signed sample, the worst case of the tolerance box, and \
-         statistics over arms built to the tolerances. The row in which the operation is asked is marked."
+        "The same spots under every reading: the signed sample, the worst case of the tolerance box, and \
+         statistics over arms built to the tolerances. The sense of the operation is marked."
             .to_string(),
     ];
     let mut section = Section::new("readings", "The spots under every reading", text);
@@ -22,7 +22,7 @@ pub fn section(subject: &Subject<'_>) -> Section {
     section
 }
 
-/// What is told of a sense.
+/// Figures in a row of the table.
 const COLUMNS: [fn(&Figures) -> f64; 6] =
     [|f| f.error, |f| f.worst, |f| f.rms, |f| f.mean, |f| f.p95, |f| f.p99];
 
@@ -51,7 +51,7 @@ fn number(sense: &Sense, si: f64) -> String {
     format!("{:.4}", rounded(sense.unit.from_si(si), 4))
 }
 
-/// What the samples say of the first-order figures, if they were asked.
+/// Returns whether Monte Carlo samples confirm the first-order figures.
 fn spread(a: &Assessment<'_>) -> String {
     let said = (0..a.maps.len()).filter_map(|k| {
         let samples = a.samples[k].as_ref()?;

@@ -1,4 +1,4 @@
-//! The report, put together.
+//! The report page.
 
 use super::content::{PageFigure, Section};
 use super::subject::Subject;
@@ -12,13 +12,13 @@ use crate::report::chart;
 use crate::report::text::headline;
 use serde::Serialize;
 
-/// A page of HTML with the verdict that it tells.
+/// HTML page of a report with its verdict.
 pub struct Report {
     pub html: String,
     pub verdict: VerdictDocument,
 }
 
-/// What the template is filled with.
+/// Content of the template.
 #[derive(Serialize)]
 struct ReportPage<'a> {
     title: String,
@@ -34,10 +34,10 @@ struct ReportPage<'a> {
     version: &'static str,
 }
 
-/// The page. `drawings` are those of the layouts, the one as drawn first.
+/// Returns the page. `drawings` belong to the layouts, the one as drawn first.
 ///
 /// # Errors
-/// What cannot be rendered.
+/// Fails if a part cannot be rendered.
 pub fn report(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Result<Report, String> {
     let verdict = verdict(subject);
     let (script, style) = (assets::viewer_js() + assets::REPORT_JS, style());
@@ -67,13 +67,13 @@ pub fn report(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Result<Report,
     Ok(Report { html, verdict })
 }
 
-/// What is asked, without the name of the cell, which stands above it.
+/// Returns the question without the name of the cell, which stands above it.
 fn question(cell: &Cell) -> String {
     let line = headline(cell);
     line.strip_prefix(&format!("{}: ", cell.name)).map(str::to_string).unwrap_or(line)
 }
 
-/// On a dark screen charts are dark, too; on paper never.
+/// Returns the style of the report. Charts are dark on a dark screen, but never on paper.
 pub fn style() -> String {
     let dark = chart::dark_rules(".plate");
     format!("{}\n@media screen and (prefers-color-scheme: dark) {{\n{dark}}}\n", assets::REPORT_CSS)

@@ -1,7 +1,7 @@
-//! What comes next after the answer: another layout, or another spot in the same one.
+//! Runner-up: the next best layout, or the next best spot in the same layout.
 
+use super::quantities::quantity;
 use super::subject::Subject;
-use super::verdict::quantity;
 use crate::assess::Assessment;
 use crate::error_map::{NodeRecord, PostureRecord};
 use crate::files::shown;
@@ -29,7 +29,7 @@ fn next_layout(subject: &Subject<'_>) -> Option<RunnerUpEntry> {
         ),
         None => "the next of the layouts that the search kept and that really differ".to_string(),
     };
-    let text = super::verdict::told(unit, value);
+    let text = super::quantities::told(unit, value);
     Some(RunnerUpEntry { kind: RunnerUpKind::Layout, value, text, note: format!("{}: {kept}", next.file) })
 }
 
@@ -41,7 +41,7 @@ fn next_node(a: &Assessment<'_>) -> Option<RunnerUpEntry> {
     let seconds = choices.filter_map(|k| Some((k, second(a, k)?, a.maps[k].value?)));
     let (k, (node, posture), best) =
         seconds.min_by(|(_, a, x), (_, b, y)| (a.1.value - x).total_cmp(&(b.1.value - y)))?;
-    // As the objective counts it: with every other operation where it is.
+    // The other operations stay at their spots.
     let all = (0..a.maps.len()).map(|o| if o == k { Some(posture.value) } else { a.maps[o].value });
     let total = combined(a.cell, &all.collect::<Option<Vec<f64>>>()?);
     let name = shown(&a.cell.operations[k].name);
@@ -56,7 +56,7 @@ fn next_node(a: &Assessment<'_>) -> Option<RunnerUpEntry> {
     Some(RunnerUpEntry { kind: RunnerUpKind::Node, value, text: quantity(unit, total), note })
 }
 
-/// The usable node with the least value but that of the spot.
+/// Returns the usable node with the least value besides the spot.
 fn second<'m>(a: &'m Assessment<'_>, k: usize) -> Option<Posed<'m>> {
     let map = &a.maps[k];
     let others = map.usable().filter(|(at, _, p)| Some(*at) != map.best && !p.touched);

@@ -1,4 +1,4 @@
-//! Sections into markup, and what makes the markup safe.
+//! Rendering of templates, and safety of the markup.
 
 use super::assets::SECTIONS_HTML;
 use base64::Engine;
@@ -8,10 +8,10 @@ use minijinja::{AutoEscape, Environment};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
-/// Renders a template of HTML: every value in it is escaped unless the template says that it is markup.
+/// Renders a template of HTML. Every value is escaped unless the template marks it as markup.
 ///
 /// # Errors
-/// What the template asks for and is not there.
+/// Fails if the template uses a value that does not exist.
 pub fn rendered(template: &str, page: &impl Serialize) -> Result<String, String> {
     let mut environment = Environment::new();
     environment.set_auto_escape_callback(|_| AutoEscape::Html);
@@ -21,8 +21,8 @@ pub fn rendered(template: &str, page: &impl Serialize) -> Result<String, String>
     environment.render_str(template, Serde(page)).map_err(|e| format!("{e:#}"))
 }
 
-/// Nothing is fetched, nothing is sent, and of all scripts and styles only ours, by their hashes, are used
-/// (W3C, Content Security Policy Level 3).
+/// Returns the Content-Security-Policy (W3C, Level 3) of a page. It allows no request, and only our own
+/// scripts and styles, by their hashes.
 pub fn policy(script: &str, style: &str) -> String {
     format!(
         "default-src 'none'; script-src '{}'; style-src '{}'; img-src data:; base-uri 'none'; form-action 'none'",
@@ -31,19 +31,19 @@ pub fn policy(script: &str, style: &str) -> String {
     )
 }
 
-/// The hash of an inline element as a policy names it.
+/// Returns the hash of an inline element as a policy names it.
 fn source(text: &str) -> String {
     format!("sha256-{}", STANDARD.encode(Sha256::digest(text.as_bytes())))
 }
 
-/// A picture with the names of its parts made its own: two pictures in one page may not share them.
+/// Returns a picture whose ids have a number, because two pictures in a page must not share ids.
 pub fn scoped(svg: &str, number: usize) -> String {
     svg.replace(" id=\"", &format!(" id=\"p{number}-"))
         .replace("url(#", &format!("url(#p{number}-"))
         .replace("href=\"#", &format!("href=\"#p{number}-"))
 }
 
-/// A unit stays on the line of its number: a space between them that does not break.
+/// Returns a text in which a no-break space keeps a unit on the line of its number.
 fn tied(text: String) -> String {
     let mut out = String::with_capacity(text.len());
     for (k, word) in text.split(' ').enumerate() {

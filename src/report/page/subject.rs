@@ -1,4 +1,4 @@
-//! What is reported: a layout as drawn, or what a search found.
+//! Subject of a report: a layout as drawn, or the result of a search.
 
 use super::content::PageTable;
 use crate::assess::Assessment;
@@ -15,31 +15,31 @@ pub fn si(unit: Unit, value: f64) -> f64 {
     }
 }
 
-/// Everything that a report is made from.
+/// Input of a report.
 pub struct Subject<'a> {
     /// The layout as drawn.
     pub start: Assessment<'a>,
     /// The best layout of a search that has found a feasible one.
     pub best: Option<Assessment<'a>>,
-    /// What search.json says, of a search.
+    /// Result of the search, from search.json.
     pub found: Option<SearchResult>,
     pub manifest: Manifest,
-    /// What loading the files had to say.
+    /// Notes from loading the files.
     pub warnings: Vec<String>,
 }
 
 impl<'a> Subject<'a> {
-    /// The layout that the report recommends: the best, or the only one.
+    /// Returns the layout that the report recommends: the best, or the only one.
     pub fn shown(&self) -> &Assessment<'a> {
         self.best.as_ref().unwrap_or(&self.start)
     }
 
-    /// Every layout, the one as drawn first.
+    /// Returns every layout, the one as drawn first.
     pub fn layouts(&self) -> impl Iterator<Item = &Assessment<'a>> {
         std::iter::once(&self.start).chain(&self.best)
     }
 
-    /// A table of each layout, the recommended one first; the other is shown when asked for.
+    /// Returns a table of each layout, the recommended one first. The other one is folded.
     pub fn tables(&self, of: impl Fn(&Assessment<'a>) -> Vec<PageTable>) -> Vec<PageTable> {
         let other = self.best.as_ref().map_or(Vec::new(), |_| of(&self.start));
         of(self.shown()).into_iter().chain(other.into_iter().map(PageTable::folded)).collect()
@@ -50,21 +50,21 @@ impl<'a> Subject<'a> {
     }
 }
 
-/// Where the numbers come from.
+/// Origin of the numbers.
 pub struct Manifest {
-    /// As typed.
+    /// Command line as typed.
     pub command: Vec<String>,
-    /// Of the program that made the result.
+    /// Version of the program that made the result.
     pub version: String,
     pub seed: u64,
     /// Path and SHA-256 of every file read, the cell file first.
     pub inputs: Vec<(String, String)>,
-    /// The same of the files of a search.
+    /// Path and SHA-256 of every file that the search read.
     pub outputs: Vec<(String, String)>,
-    /// Where every node is told: a file, or the command that makes one.
+    /// File with every node, or the command that writes one.
     pub csv: String,
-    /// Today is not known to the core: the folder or file, as named by the user.
+    /// Folder or file, as the user named it.
     pub source: String,
-    /// Of a search: it has ended, so that its folder is complete.
+    /// Whether the search has ended, so that its folder is complete.
     pub is_complete: bool,
 }

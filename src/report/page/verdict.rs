@@ -1,6 +1,7 @@
-//! The answer, before anything else.
+//! Verdict: the answer at the top of a report.
 
 use super::content::{NOTHING, plain};
+use super::quantities::{down, quantity, told, up};
 use super::runner_up::runner_up;
 use super::subject::Subject;
 use crate::assess::Assessment;
@@ -11,34 +12,13 @@ use crate::record::{
     FactEntry, FactMood, ProvenOperation, REPORT_SCHEMA, RequirementState, RunnerUpEntry, SearchResult,
     VerdictAnswer, VerdictDocument, VerdictSpot, VerdictSubject, value_word,
 };
-use crate::units::{mm_from_m, percent_from_share, rounded};
-
-/// An SI value with its unit as people read it, a share in percent.
-pub fn quantity(unit: Unit, si: f64) -> String {
-    told(unit, unit.from_si(si))
-}
-
-/// The same of a value in its unit.
-pub fn told(unit: Unit, value: f64) -> String {
-    match unit {
-        Unit::Share => format!("{:.4} %", rounded(percent_from_share(value), 4)),
-        _ => format!("{:.3} {}", rounded(value, 3), unit.word()),
-    }
-}
-
-/// A bound in its unit, rounded down: what is written is proven, too.
-pub fn down(unit: Unit, bound: f64) -> String {
-    match unit {
-        Unit::Share => format!("{:.4} %", (percent_from_share(bound) * 1e4).floor() / 1e4),
-        _ => format!("{:.4} {}", (bound * 1e4).floor() / 1e4, unit.word()),
-    }
-}
+use crate::units::{mm_from_m, rounded};
 
 fn nine(value: f64) -> f64 {
     rounded(value, 9)
 }
 
-/// Draws the verdict of a report.
+/// Returns the verdict of a report.
 pub fn verdict(subject: &Subject<'_>) -> VerdictDocument {
     let (a, cell, found) = (subject.shown(), subject.cell(), subject.found.as_ref());
     let is_found = a.evaluation.objective.is_some() && (found.is_none() || subject.best.is_some());
@@ -77,7 +57,7 @@ pub fn verdict(subject: &Subject<'_>) -> VerdictDocument {
     verdict
 }
 
-/// Why nothing can be recommended.
+/// Returns why nothing can be recommended.
 fn reasons(subject: &Subject<'_>, is_found: bool) -> Vec<String> {
     match (&subject.found, is_found) {
         (_, true) => Vec::new(),
@@ -153,7 +133,7 @@ fn facts(v: &VerdictDocument, subject: &Subject<'_>) -> Vec<FactEntry> {
     facts
 }
 
-/// What the objective adds up.
+/// Returns the words for the parts of the objective.
 fn summed(cell: &Cell) -> String {
     let senses = cell.operations.iter().map(|o| format!("{} in {}", shown(&o.name), shown(&o.sense.name)));
     let names: Vec<String> = senses.collect();
@@ -170,7 +150,7 @@ fn summed(cell: &Cell) -> String {
     format!("{how}{}{misplaced}", names.join(" and "))
 }
 
-/// What a number of this reading means.
+/// Returns the meaning of a number under the reading.
 pub fn reading_in_words(cell: &Cell) -> String {
     let set = shown(cell.error_set().name());
     match value_word(cell) {
@@ -231,7 +211,7 @@ fn gain(v: &VerdictDocument, unit: Unit) -> FactEntry {
     FactEntry { label: "Gain".into(), value: v.gain_percent, text, note, mood }
 }
 
-/// How much better any layout could be at most.
+/// Returns how much better any layout could be at most.
 fn gap(found: &SearchResult, v: &VerdictDocument, unit: Unit) -> FactEntry {
     let covers = match found.proof.covers {
         Covers::Part => format!("; counted as 0: {}", unproven(found)),
@@ -259,12 +239,6 @@ fn gap(found: &SearchResult, v: &VerdictDocument, unit: Unit) -> FactEntry {
         _ => ("none".into(), format!("nothing is proven: {}", unproven(found))),
     };
     FactEntry { label: "Proven gap".into(), value: v.gap_percent, text, note, mood: FactMood::Plain }
-}
-
-/// A percentage that is never told smaller than it is.
-pub fn up(percent: f64) -> f64 {
-    let digits = if percent < 0.1 { 1e4 } else { 1e1 };
-    (percent * digits).ceil() / digits
 }
 
 fn unproven(found: &SearchResult) -> String {

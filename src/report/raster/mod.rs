@@ -134,7 +134,11 @@ fn staged(drawing: &Drawing<'_>, shot: &Shot) -> Result<Staged, String> {
     shot.check(drawing)?;
     let palette = Palette::of(shot.dark);
     let scale = ErrorScale::of(drawing, shot);
-    let mut scene = RasterScene::of(drawing, shot, &palette, &scale);
+    let mut scene = RasterScene::of(drawing, shot, &palette);
+    if shot.show != Show::Nothing {
+        marks::add(&mut scene, drawing, shot, &palette, &scale);
+    }
+    scene.add_names(drawing, shot);
     let shown = drawing.fields.iter().filter(|f| shot.operation.is_none_or(|o| o == f.operation));
     let nodes: Vec<Vector3<f64>> = shown.flat_map(|f| f.nodes.iter().map(|n| n.position)).collect();
     let mean = nodes.iter().sum::<Vector3<f64>>() / nodes.len().max(1) as f64;

@@ -1,9 +1,7 @@
 //! Scene of a picture: bodies, lines and labels; world, m.
 
 use super::Shot;
-use super::marks;
 use super::palette::{Colour, Light, Palette, lit, mixed};
-use super::scale::{ErrorScale, Show};
 use crate::cell::Role;
 use crate::drawing::{Arrow, Drawing, Mesh, PartKind};
 use crate::pose::Pose;
@@ -100,10 +98,10 @@ pub struct RasterScene {
 }
 
 impl RasterScene {
-    pub fn of(drawing: &Drawing<'_>, shot: &Shot, palette: &Palette, scale: &ErrorScale) -> Self {
+    /// Returns the solids and the working envelopes.
+    pub fn of(drawing: &Drawing<'_>, shot: &Shot, palette: &Palette) -> Self {
         let stance = shot.operation.or(shot.stance);
-        let at = stance.and_then(|k| drawing.movement.at(k));
-        let frames = at.unwrap_or(drawing.movement.home());
+        let frames = drawing.movement.frames(stance);
         let mut scene = Self {
             bodies: Vec::new(),
             lines: Vec::new(),
@@ -123,10 +121,6 @@ impl RasterScene {
         if shot.envelope {
             scene.add_envelopes(drawing, shot, palette);
         }
-        if shot.show != Show::Nothing {
-            marks::add(&mut scene, drawing, shot, palette, scale);
-        }
-        scene.add_names(drawing, frames);
         scene
     }
 
@@ -161,7 +155,9 @@ impl RasterScene {
         }
     }
 
-    fn add_names(&mut self, drawing: &Drawing<'_>, frames: &[Pose]) {
+    /// Adds the names of equipment and keep-out spaces.
+    pub fn add_names(&mut self, drawing: &Drawing<'_>, shot: &Shot) {
+        let frames = drawing.movement.frames(shot.operation.or(shot.stance));
         for (k, equipment) in drawing.cell.equipment.iter().enumerate() {
             let parts = drawing.posed(None, frames).filter(|(part, _)| part.equipment == Some(k));
             let points: Vec<_> = parts.filter_map(|(part, pose)| corners(&part.mesh, &pose)).collect();

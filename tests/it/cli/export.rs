@@ -4,7 +4,12 @@ use crate::cli::sandbox::{numbers as numbers_of, *};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-const FORMATS: [&str; 6] = ["dxf", "glb", "svg", "csv", "json", "parquet"];
+/// Formats of this build.
+const FORMATS: &[&str] = if cfg!(feature = "parquet") {
+    &["dxf", "glb", "svg", "csv", "json", "parquet"]
+} else {
+    &["dxf", "glb", "svg", "csv", "json"]
+};
 
 /// Name that would be a command to a spreadsheet, a CAD program and a browser, as a TOML string. The reader
 /// of cells refuses control characters in names.
@@ -262,6 +267,24 @@ fn exported_tables_and_documents_equal_those_of_map() {
         shop.done(&["export", PAPER, "--to", format]);
         assert_eq!(shop.read(&format!("hitachi_paper.{format}")), shop.read(file), "{format}");
     }
+}
+
+#[cfg(not(feature = "parquet"))]
+#[test]
+fn a_build_without_parquet_says_how_to_get_it() {
+    let shop = Sandbox::new();
+    let ran = shop.run(&["export", PAPER, "--to", "parquet"]);
+    assert_eq!(ran.code, Some(2), "{}", ran.err);
+    assert!(ran.err.contains("this build has no Parquet writer"), "{}", ran.err);
+    assert!(ran.err.contains("cargo install --path . --features parquet"), "{}", ran.err);
+    assert!(!shop.path("hitachi_paper.parquet").exists());
+}
+
+#[cfg(feature = "parquet")]
+#[test]
+fn the_exported_parquet_table_equals_the_csv_of_map() {
+    let shop = Sandbox::new();
+    shop.done(&["map", PAPER, "--out", "map"]);
     shop.done(&["export", PAPER, "--to", "parquet"]);
     let bytes = shop.read("hitachi_paper.parquet");
     assert!(bytes.starts_with(b"PAR1") && bytes.ends_with(b"PAR1"));
@@ -300,7 +323,7 @@ fn exported_tables_and_documents_equal_those_of_map() {
 #[test]
 fn one_layout_exports_to_the_same_bytes() {
     let shop = Sandbox::new();
-    for format in FORMATS {
+    for format in FORMATS.iter().copied() {
         for name in ["a", "b"] {
             shop.done(&["export", PAPER, "--to", format, "-o", &format!("{name}.{format}")]);
         }
@@ -356,7 +379,7 @@ fn a_failed_export_leaves_existing_files_untouched() {
     let left: Vec<String> = shop.files(".").into_iter().filter(|f| f.contains(".sweetspot-")).collect();
     assert!(left.is_empty(), "{left:?}");
     // Without a requested spot the robot is drawn at home, in every format.
-    for format in FORMATS {
+    for format in FORMATS.iter().copied() {
         shop.done(&["export", "cells/far.toml", "--to", format, "-o", &format!("far.{format}")]);
     }
 }
@@ -371,7 +394,7 @@ fn hostile_names_are_text_in_every_format() {
         .replace("[equipment.worktable]", &format!("[equipment.\"{HOSTILE}\"]"))
         .replace("on = \"worktable\"", &format!("on = \"{HOSTILE}\""));
     shop.write("cells/hostile.toml", &cell);
-    for format in FORMATS {
+    for format in FORMATS.iter().copied() {
         shop.done(&["export", "cells/hostile.toml", "--to", format]);
     }
     let dxf = shop.text("hostile.dxf");
