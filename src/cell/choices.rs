@@ -19,7 +19,7 @@ pub enum Model {
 impl Model {
     pub const ALL: [Model; 3] = [Model::Nonlinear, Model::Linear, Model::SecondOrder];
 
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Model::Nonlinear => "nonlinear",
             Model::Linear => "linear",
@@ -43,7 +43,7 @@ pub enum Reading {
 impl Reading {
     pub const ALL: [Reading; 3] = [Reading::Signed, Reading::WorstCase, Reading::Statistical];
 
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Reading::Signed => "signed",
             Reading::WorstCase => "worst-case",
@@ -68,7 +68,7 @@ impl Quantity {
     pub const ALL: [Quantity; 5] =
         [Quantity::Rms, Quantity::Mean, Quantity::P95, Quantity::P99, Quantity::Yield];
 
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Quantity::Rms => "rms",
             Quantity::Mean => "mean",
@@ -94,7 +94,7 @@ pub enum Registration {
 impl Registration {
     pub const ALL: [Registration; 3] = [Registration::None, Registration::BestFit, Registration::Taught];
 
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Registration::None => "none",
             Registration::BestFit => "best-fit",
@@ -120,7 +120,7 @@ pub enum Over {
 impl Over {
     pub const ALL: [Over; 4] = [Over::Best, Over::Max, Over::Mean, Over::P95];
 
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Over::Best => "best",
             Over::Max => "max",
@@ -164,7 +164,7 @@ impl Objective {
     pub const ALL: [Objective; 3] =
         [Objective::WeightedSum, Objective::WeightedMaximum, Objective::Lexicographic];
 
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Objective::WeightedSum => "sum",
             Objective::WeightedMaximum => "max",
@@ -184,7 +184,7 @@ pub enum Solver {
 impl Solver {
     pub const ALL: [Solver; 3] = [Solver::CmaEs, Solver::ParticleSwarm, Solver::SimulatedAnnealing];
 
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Solver::CmaEs => "cma-es",
             Solver::ParticleSwarm => "particle-swarm",
@@ -217,21 +217,24 @@ pub struct SearchSettings {
 impl SearchSettings {
     /// Budgets that a search may have, layout evaluations.
     pub const BUDGETS: std::ops::RangeInclusive<u64> = 1..=1_000_000_000;
+
+    /// Settings of a cell that says nothing.
+    pub const DEFAULT: Self = Self {
+        solver: Solver::CmaEs,
+        objective: Objective::WeightedSum,
+        indifference: 0.01,
+        budget: 20_000,
+        seed: 1,
+        robust: false,
+        gap: None,
+        stagnation: None,
+        pareto: Goals::NONE,
+        keep: 0,
+    };
 }
 
 impl Default for SearchSettings {
     fn default() -> Self {
-        Self {
-            solver: Solver::CmaEs,
-            objective: Objective::WeightedSum,
-            indifference: 0.01,
-            budget: 20_000,
-            seed: 1,
-            robust: false,
-            gap: None,
-            stagnation: None,
-            pareto: Goals::default(),
-            keep: 0,
-        }
+        Self::DEFAULT
     }
 }

@@ -132,7 +132,7 @@ impl Distribution {
     pub const ALL: [Distribution; 3] =
         [Distribution::Normal, Distribution::Uniform, Distribution::Triangular];
 
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Distribution::Normal => "normal",
             Distribution::Uniform => "uniform",

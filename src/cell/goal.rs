@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Layouts that may be kept, at most.
-pub const MOST_KEPT: usize = 100;
+pub const MAX_KEPT: usize = 100;
 
 /// One thing that a layout may be good at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -55,6 +55,9 @@ impl Goal {
 pub struct Goals([Option<Goal>; Goal::ALL.len()]);
 
 impl Goals {
+    /// No goal: the search is for the least error alone.
+    pub const NONE: Self = Self([None; Goal::ALL.len()]);
+
     /// None if one is named twice.
     pub fn of(named: &[Goal]) -> Option<Self> {
         let mut goals = Self::default();

@@ -32,7 +32,7 @@ pub enum Convention {
 impl Convention {
     pub const ALL: [Self; 2] = [Self::Standard, Self::Modified];
 
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Self::Standard => "standard",
             Self::Modified => "modified",

@@ -21,7 +21,7 @@ pub enum Frame {
 impl Frame {
     pub const ALL: [Frame; 3] = [Frame::World, Frame::Surface, Frame::Tool];
 
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Frame::World => "world",
             Frame::Surface => "surface",

@@ -31,8 +31,20 @@ pub fn load_for_readings(file: &Path, packages: &Packages, flags: &ErrorFlags) -
     Ok(loaded)
 }
 
+/// Refuses `--set` for a command that writes cell files, which could not state these keys.
+pub fn refuse_sets(settings: &[Setting], command: &str) -> Result<(), Exit> {
+    let Some(set) = settings.iter().find(|setting| setting.flag.is_none()) else { return Ok(()) };
+    output::error(&format!("`{command}` does not take --set: the layout files it writes could not state the key"));
+    output::talk(&format!(
+        "  help: write a cell file with the lines from = \"CELL.toml\" and {}, or run sweetspot sweep",
+        shown(&set.line())
+    ));
+    Err(Exit::BadInput)
+}
+
 /// Loads a cell as a search asks for it.
 pub fn load_for_search(file: &Path, packages: &Packages, settings: &[Setting]) -> Result<Loaded, Exit> {
+    refuse_sets(settings, "search")?;
     let loaded = loading::load_with(file, packages, settings)?;
     say_notes(&loaded, settings);
     let has_sense = settings.iter().filter_map(|s| s.flag.as_deref()).any(|flag| flag.starts_with("--sense"));

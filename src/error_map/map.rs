@@ -84,10 +84,10 @@ impl OperationQuery<'_> {
         candidate: &PostureCandidate,
         memory: &mut PostureMemory,
     ) -> Option<PostureRecord> {
-        let (arm, PostureMemory { reading, frames, .. }) = (&self.placed.mapper.arm, memory);
+        let (arm, PostureMemory { scratch, frames, .. }) = (&self.placed.mapper.arm, memory);
         let branch = arm.inverse.branch_at(&candidate.target, &self.attitudes, candidate.spot.branch)?;
         arm.chain.place(&branch.posture, frames);
-        let judged = self.setup.evaluator.judge(context, frames, reading);
+        let judged = self.setup.evaluator.judge(context, frames, scratch);
         let to_world = context.site.world.transpose();
         let world = |d: &Displacement| d.turned(&to_world);
         let off = |model: &Displacement| deviation(&judged.nonlinear.position, &model.position);

@@ -48,6 +48,22 @@ pub enum Status {
 }
 
 impl Status {
+    /// Returns the class of the status.
+    pub fn sign(&self) -> NodeSign {
+        match self {
+            Self::Ok => NodeSign::Usable,
+            Self::OutOfReach { .. } => NodeSign::OutOfReach,
+            Self::Attitude { .. } => NodeSign::Attitude,
+            Self::NotConverged { .. } => NodeSign::NotConverged,
+            Self::JointLimit { .. } => NodeSign::JointLimit,
+            Self::Collision { .. } | Self::Overlap(_) => NodeSign::Collision,
+            Self::Refused(PostureRefusal::Singular { .. }) => NodeSign::Singular,
+            Self::Refused(PostureRefusal::Approach(_)) => NodeSign::ApproachBlocked,
+            Self::Refused(PostureRefusal::Retract(_)) => NodeSign::RetractBlocked,
+            Self::Unjudged(_) => NodeSign::Unjudged,
+        }
+    }
+
     /// Returns the name of the status in documents.
     pub fn name(&self) -> &'static str {
         self.sign().name()

@@ -3,8 +3,6 @@
 //! Documents, tables, legends and pictures all tell a node by this one enum, so that they cannot
 //! contradict each other.
 
-use super::node_record::Status;
-use crate::motion::PostureRefusal;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -85,23 +83,5 @@ impl NodeSign {
     /// Whether the operation can happen at the node.
     pub fn is_usable(self) -> bool {
         self == Self::Usable
-    }
-}
-
-impl Status {
-    /// Returns the class of the status.
-    pub fn sign(&self) -> NodeSign {
-        match self {
-            Self::Ok => NodeSign::Usable,
-            Self::OutOfReach { .. } => NodeSign::OutOfReach,
-            Self::Attitude { .. } => NodeSign::Attitude,
-            Self::NotConverged { .. } => NodeSign::NotConverged,
-            Self::JointLimit { .. } => NodeSign::JointLimit,
-            Self::Collision { .. } | Self::Overlap(_) => NodeSign::Collision,
-            Self::Refused(PostureRefusal::Singular { .. }) => NodeSign::Singular,
-            Self::Refused(PostureRefusal::Approach(_)) => NodeSign::ApproachBlocked,
-            Self::Refused(PostureRefusal::Retract(_)) => NodeSign::RetractBlocked,
-            Self::Unjudged(_) => NodeSign::Unjudged,
-        }
     }
 }

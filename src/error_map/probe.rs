@@ -50,9 +50,7 @@ impl<'a> Probe<'a> {
         spots: &[Option<Spot>],
     ) -> Result<Self, Unjudged> {
         let query = OperationQuery::new(placed, operation, spots);
-        if let Err(why) = query.context {
-            return Err(why);
-        }
+        query.context.as_ref().map_err(|why| *why)?;
         Ok(Self { query, memory: PostureMemory::new(placed.mapper, operation), candidates: Vec::new() })
     }
 
@@ -141,10 +139,10 @@ impl<'a> Probe<'a> {
     }
 
     fn value(&mut self, posture: &Posture) -> Result<f64, Status> {
-        let Self { query, memory: PostureMemory { frames, reading, .. }, .. } = self;
+        let Self { query, memory: PostureMemory { frames, scratch, .. }, .. } = self;
         let context = query.context.as_ref().map_err(|why| Status::Unjudged(*why))?;
         query.placed.mapper.arm.chain.place(posture, frames);
-        Ok(query.setup.evaluator.value(context, frames, reading))
+        Ok(query.setup.evaluator.value(context, frames, scratch))
     }
 
     /// Solves the joint coordinates of a branch at a point.

@@ -8,7 +8,9 @@ use crate::reading::{ErrorEvaluator, Taught, WorkFrame};
 use crate::robot::Frames;
 use nalgebra::Vector3;
 
-/// Returns the frame of the work at a surface, taught if the cell asks for it, for the error sources of `evaluator`.
+/// Returns the frame of the work at a surface, taught if the cell asks for it.
+///
+/// The error sources are those of `evaluator`.
 ///
 /// # Errors
 /// The robot cannot touch three points that span the frame.

@@ -123,7 +123,7 @@ impl<'a> OperationQuery<'a> {
         visitor: &mut V,
     ) {
         let arm = &self.placed.mapper.arm;
-        let PostureMemory { reading, frames, posture, .. } = memory;
+        let PostureMemory { scratch, frames, posture, .. } = memory;
         let context = self.context.as_ref().ok();
         let context = context.filter(|s| V::JUDGES_TOUCHED || !s.touches(&target));
         let mut reached = false;
@@ -131,7 +131,7 @@ impl<'a> OperationQuery<'a> {
             reached = true;
             if let Some(context) = context {
                 arm.chain.place(posture, frames);
-                let value = self.setup.evaluator.value(context, frames, reading);
+                let value = self.setup.evaluator.value(context, frames, scratch);
                 visitor.candidate(PostureCandidate { spot: Spot { node, branch, value }, target });
             }
         });

@@ -1,4 +1,4 @@
-//! EvaluatorScratch that one thread keeps from layout to layout, so that the node loop does not allocate.
+//! Memory that one thread keeps from layout to layout, so that the node loop does not allocate.
 
 use super::candidate::PostureCandidate;
 use super::mapper::Mapper;
@@ -8,7 +8,7 @@ use crate::reach::ToolAttitudes;
 use crate::reading::EvaluatorScratch;
 use crate::robot::{Frames, Posture};
 
-/// EvaluatorScratch of the search for spots, kept from layout to layout.
+/// Memory of the search for spots, kept from layout to layout.
 #[derive(Default)]
 pub struct MapperWorkspace {
     pub(super) candidates: Vec<PostureCandidate>,
@@ -18,9 +18,9 @@ pub struct MapperWorkspace {
     postures: Vec<PostureMemory>,
 }
 
-/// EvaluatorScratch for judging the postures of one operation.
+/// Memory for judging the postures of one operation.
 pub struct PostureMemory {
-    pub reading: EvaluatorScratch,
+    pub scratch: EvaluatorScratch,
     pub frames: Frames,
     pub contacts: ContactMemory,
     /// The posture that inverse kinematics writes to.
@@ -31,7 +31,7 @@ impl PostureMemory {
     /// Creates the memory of one operation.
     pub fn new(mapper: &Mapper, operation: usize) -> Self {
         Self {
-            reading: mapper.evaluator(operation).memory(),
+            scratch: mapper.evaluator(operation).memory(),
             frames: Frames::default(),
             contacts: ContactMemory::default(),
             posture: mapper.inverse().scratch(),

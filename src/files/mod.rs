@@ -5,23 +5,20 @@
 //! every file in one pass, each with file, line, column, what is wrong and what to do.
 
 pub mod fault;
-mod header;
 mod keys;
 mod mesh;
-mod plausible;
-mod question;
+mod read;
 mod schema;
 mod toml;
 mod urdf;
 
 pub use fault::{Fault, FaultKind, Severity, shown};
-pub use schema::{FileKind, schema};
-#[doc(hidden)] // open for tests/it
-pub use toml::reader::keys_asked_by;
+pub use schema::{FileKind, reference, schema};
 pub use toml::{Choices, ReadFile, Setting, Source, of_setting, toml_string};
 
 use crate::cell::*;
-use keys::{cell as cell_file, robot as robot_file};
+use keys::robot::robot;
+use read::{cell as cell_file, plausible, question, robot as robot_file};
 use std::collections::{HashMap, HashSet};
 use toml::document::Library;
 use toml::reader::Table;
@@ -90,7 +87,8 @@ pub struct LoadedRobot {
 pub fn load_robot(path: &str, read: &mut ReadFile<'_>) -> Result<LoadedRobot, Vec<Fault>> {
     let mut lib = Library::new(read);
     let root = from::load(path, &[], &mut lib);
-    let robot = root.and_then(|root| Table::read(&root, "a robot", &mut lib, robot_file::read));
+    let robot = root
+        .and_then(|root| Table::read(&root, robot::TABLE.what, &robot::TABLE, &mut lib, robot_file::read));
     let faults = sorted(&mut lib);
     match robot {
         Some(robot) if !faults.iter().any(Fault::is_error) => {

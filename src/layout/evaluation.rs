@@ -48,7 +48,7 @@ impl Evaluation {
     }
 }
 
-/// EvaluatorScratch that one thread reuses from layout to layout.
+/// Memory that one thread reuses from layout to layout.
 #[derive(Default)]
 pub struct Workspace {
     overlaps: Vec<Overlap>,

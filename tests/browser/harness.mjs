@@ -19,7 +19,7 @@ const SOFTWARE_WEBGL = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-u
 const NO_WEBGL = ["--disable-3d-apis"];
 
 /** Time that anything may take on a busy machine, ms. */
-export const PATIENCE = 120_000;
+export const PATIENCE = 300_000;
 
 /** Messages about reading a picture back, which only the tests do. */
 const HARMLESS = /GPU stall due to ReadPixels/;
@@ -53,7 +53,7 @@ export async function checkSoon(holds, what) {
  * @param {() => Promise<boolean>} holds
  * @param {number} [patience] ms
  */
-export async function soon(holds, patience = 30_000) {
+export async function soon(holds, patience = 60_000) {
   const end = performance.now() + patience;
   while (!(await holds())) {
     if (performance.now() > end) return false;

@@ -9,8 +9,8 @@ import { fileURLToPath } from "node:url";
 import { check, PATIENCE, run, usage } from "./harness.mjs";
 
 const ROOT = join(dirname(fileURLToPath(import.meta.url)), "../..");
-const program = resolve(process.argv[2] ?? "");
-if (process.argv.length !== 3) usage("node tests/browser/records.mjs PROGRAM");
+const [program, report] = process.argv.slice(2).map((path) => resolve(path));
+if (!report) usage("node tests/browser/records.mjs PROGRAM REPORT.html");
 
 const folder = mkdtempSync(join(tmpdir(), "sweetspot-records-"));
 
@@ -21,10 +21,6 @@ const folder = mkdtempSync(join(tmpdir(), "sweetspot-records-"));
 const records = [];
 
 async function readReport() {
-  const report = join(folder, "report.html");
-  const args = ["report", join(ROOT, "results/hitachi_cell"), "--out", report];
-  const { status, stderr } = spawnSync(program, args, { encoding: "utf8", timeout: PATIENCE });
-  check(status === 0, `sweetspot report succeeds${status === 0 ? "" : `: ${stderr}`}`);
   const page = readFileSync(report, "utf8");
   const drawings = /id="drawings">(.*?)<\/script>/s.exec(page);
   records.push(["DrawingDocument", JSON.parse(drawings?.[1] ?? "null")]);

@@ -1,146 +1,122 @@
-//! Tests that the schema has the keys that the reader asks for, each with a description.
+//! Every key of the tables is read, and every key is described: in the schema and in the reference for people.
 
-use serde_json::Value;
-use std::collections::{BTreeMap, BTreeSet};
-use sweetspot::files::keys_asked_by;
-use sweetspot::files::{FileKind, load, load_robot, schema};
+use crate::common::{document, root};
+use crate::schema::{read, shipped, toml_of};
+use serde_json::{Value, json};
+use std::collections::BTreeSet;
+use sweetspot::files::{FileKind, reference, schema};
 
-type Keys = BTreeMap<String, BTreeSet<String>>;
+/// A table of keys by its description, and one of its keys.
+type TableKey = (String, String);
 
-/// Names of tables in the reader, and the places of their keys in the schema of a cell.
-const TABLES: [(&str, &[&str]); 37] = [
-    ("a cell", &[""]),
-    ("`units`", &["units"]),
-    ("`robot`", &["robot"]),
-    ("`base`", &["robot/base", "robot/errors/*/base"]),
-    ("`base_tolerance`", &["robot/base_tolerance"]),
-    ("a joint", &["robot/joint"]),
-    ("`tool`", &["robot/tool", "robot/errors/*/tool"]),
-    ("`self_collision`", &["robot/self_collision"]),
-    ("an error set", &["robot/errors/*"]),
-    ("a frame error of `joints`", &["robot/errors/*/joints"]),
-    ("`distribution`", &["robot/errors/*/distribution"]),
-    ("`covariance`", &["robot/errors/*/covariance"]),
-    ("an equipment", &["equipment/*"]),
-    ("an obstacle", &["obstacle/*"]),
-    ("`surface`", &["equipment/*/surface"]),
-    ("`footprint`", &["equipment/*/footprint"]),
-    ("`placement`", &["equipment/*/placement"]),
-    ("`placement_tolerance`", &["equipment/*/placement_tolerance"]),
-    ("`errors`", &["equipment/*/errors"]),
-    ("a solid", &["equipment/*/solid", "robot/solid"]),
-    ("`box`", &["equipment/*/solid/box"]),
-    ("`sphere`", &["equipment/*/solid/sphere"]),
-    ("`capsule`", &["equipment/*/solid/capsule"]),
-    ("`cylinder`", &["equipment/*/solid/cylinder"]),
-    ("`mesh`", &["equipment/*/solid/mesh"]),
-    ("`leg`", &["equipment/*/solid/leg"]),
-    ("x_mm", &["equipment/*/placement/x_mm"]),
-    ("a keep-out box", &["keep_out/*"]),
-    ("a sense", &["sense/*"]),
-    ("a term", &["sense/*/term"]),
-    ("an operation", &["operation/*"]),
-    ("`region`", &["operation/*/region"]),
-    ("`held`", &["operation/*/held"]),
-    ("`margins`", &["margins"]),
-    ("`transfer`", &["transfer"]),
-    ("`fence`", &["fence"]),
-    ("`search`", &["search"]),
-];
-
-/// Keys that are requested only to refuse them. No editor shall offer them.
-const REFUSED: [(&str, &[&str]); 2] =
-    [("an obstacle", &["errors", "placement_tolerance", "stands_on"]), ("`errors`", &["covariance"])];
-
-/// Returns the keys of the table at a path of names, through lists and alternatives.
-fn keys_at(schema: &Value, path: &str) -> BTreeSet<String> {
-    let mut at = vec![schema];
-    for name in path.split('/').filter(|name| !name.is_empty()) {
-        let tables = at.iter().flat_map(|s| inside(s));
-        at =
-            tables
-                .filter_map(|s| {
-                    if name == "*" { s.get("additionalProperties") } else { s["properties"].get(name) }
-                })
-                .collect();
-    }
-    let tables = at.iter().flat_map(|s| inside(s));
-    let keys = tables.filter_map(|s| s["properties"].as_object()).flat_map(|keys| keys.keys().cloned());
-    keys.filter(|key| key != "from").collect()
-}
-
+/// The tables of a schema, also those in lists and those that are one of several ways to write a value.
 fn inside(schema: &Value) -> Vec<&Value> {
     let ways = schema["anyOf"].as_array().into_iter().flatten();
     [schema].into_iter().chain(schema.get("items")).chain(ways).collect()
 }
 
-/// Reads all shipped cells and one with every key. Returns the requested keys by table.
-fn asked() -> Keys {
-    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/");
-    let mut read = |path: &str| {
-        let folder = if path.starts_with("every_") { "tests/data/" } else { "cells/" };
-        std::fs::read(format!("{root}{folder}{path}")).map_err(|e| e.to_string())
-    };
-    let asked = keys_asked_by(|| {
-        for cell in [
-            "every_key",
-            "every_other_key",
-            "drilling_cell",
-            "wrist_cell",
-            "palletizer_cell",
-            "hitachi_urdf",
-            "scara_cell",
-        ] {
-            let loaded = load(&format!("{cell}.toml"), &mut read);
-            assert!(loaded.is_ok(), "{cell}: {:#?}", loaded.err());
+fn key_of(table: &Value, key: &str) -> TableKey {
+    // The description of a key stands in place of that of its table: the keys tell tables apart.
+    let names: Vec<_> = table["properties"].as_object().unwrap().keys().map(String::as_str).collect();
+    (names.join(" "), key.to_string())
+}
+
+/// Every key of every table of a schema.
+fn keys_of(schema: &Value, all: &mut BTreeSet<TableKey>) {
+    for table in inside(schema) {
+        for (key, below) in table["properties"].as_object().into_iter().flatten() {
+            all.insert(key_of(table, key));
+            keys_of(below, all);
         }
-        assert!(load_robot("robots/franka_panda.toml", &mut read).is_ok());
-    });
-    let named = |(what, keys): (&String, &BTreeSet<&str>)| {
-        (what.clone(), keys.iter().map(|key| key.to_string()).collect())
-    };
-    asked.iter().map(named).collect()
-}
-
-#[test]
-fn the_schema_has_the_keys_of_the_reader() {
-    let (schema, asked) = (schema(FileKind::Cell), asked());
-    let mut count = 0;
-    for (what, paths) in TABLES {
-        let known: BTreeSet<String> = paths.iter().flat_map(|path| keys_at(&schema, path)).collect();
-        let mut read = asked.get(what).unwrap_or_else(|| panic!("{what} was not read")).clone();
-        let refused = REFUSED.iter().filter(|(of, _)| *of == what).flat_map(|(_, keys)| keys.iter());
-        refused.for_each(|key| assert!(read.remove(*key), "{what} is not asked for {key}"));
-        assert_eq!(read, known, "{what}: the reader, the schema");
-        count += known.len();
+        table.get("additionalProperties").into_iter().for_each(|named| keys_of(named, all));
+        if let Some(items) = table.get("items") {
+            keys_of(items, all);
+        }
     }
-    assert!(count > 180, "{count} keys");
-    let listed: BTreeSet<&str> = TABLES.iter().map(|(what, _)| *what).collect();
-    // A robot file equals the robot of a cell without a placement. Other coordinates equal x_mm.
-    let alike = ["a robot", "y_mm", "z_mm", "yaw_deg", "bend_deg", "azimuth_deg", "spin_deg"];
-    let new: Vec<_> = asked.keys().filter(|what| !listed.contains(what.as_str())).collect();
-    assert!(new.iter().all(|what| alike.contains(&what.as_str())), "{new:?}");
 }
 
-/// A file of another kind has the keys of that part of a cell.
+/// The pointers to all keys of a document, each with the table of the schema that it stands in.
+fn pointers(value: &Value, schemas: Vec<&Value>, path: &str, all: &mut Vec<(String, TableKey)>) {
+    let tables: Vec<&Value> = schemas.into_iter().flat_map(inside).flat_map(inside).collect();
+    match value {
+        Value::Object(entries) => {
+            for (name, below) in entries {
+                let path = format!("{path}/{}", name.replace('~', "~0").replace('/', "~1"));
+                for table in tables.iter().filter(|table| table["properties"].get(name).is_some()) {
+                    all.push((path.clone(), key_of(table, name)));
+                }
+                let keys = tables.iter().filter_map(|table| table["properties"].get(name));
+                let named = tables.iter().filter_map(|table| table.get("additionalProperties"));
+                pointers(below, keys.chain(named).collect(), &path, all);
+            }
+        }
+        Value::Array(items) => {
+            for (i, item) in items.iter().enumerate() {
+                let within = tables.iter().filter_map(|table| table.get("items")).collect();
+                pointers(item, within, &format!("{path}/{i}"), all);
+            }
+        }
+        _ => {}
+    }
+}
+
+/// A key that no reader reads would take any value: a date is the value of none.
+#[test]
+fn every_key_of_the_tables_is_read() {
+    let mut unread = BTreeSet::new();
+    FileKind::ALL.into_iter().for_each(|kind| keys_of(&schema(kind), &mut unread));
+    let count = unread.len();
+    assert!(count > 220, "{count} keys");
+    let data = ["every_key.toml", "every_other_key.toml"].map(|name| {
+        let text = std::fs::read_to_string(root().join("tests/data").join(name)).unwrap();
+        (format!("cells/{name}"), text, "cell".to_string())
+    });
+    for (path, text, kind) in data.into_iter().chain(shipped()) {
+        let document = document(&text).unwrap();
+        let kind_of_file = FileKind::ALL.into_iter().find(|k| k.name() == kind).unwrap();
+        let schema = schema(kind_of_file);
+        let mut all = Vec::new();
+        pointers(&document, vec![&schema], "", &mut all);
+        for (pointer, key) in all {
+            if !unread.contains(&key) {
+                continue;
+            }
+            let mut changed = document.clone();
+            *changed.pointer_mut(&pointer).unwrap() = json!("DATE");
+            let toml = toml_of(&changed).replace("\"DATE\"", "1979-05-27");
+            let faults = read(&kind, &path, &toml).err().unwrap_or_default();
+            let is_refused = faults.iter().any(|fault| fault.message.contains("not a date"));
+            assert!(is_refused, "{path} takes a date at {pointer}: {faults:#?}");
+            unread.remove(&key);
+        }
+    }
+    assert!(unread.is_empty(), "no file has these keys: {unread:#?}");
+}
+
+/// The keys at the top of a schema, or of a table in it.
+fn keys_at(schema: &Value, path: &[&str]) -> BTreeSet<String> {
+    let at = path.iter().fold(schema, |at, name| &at[*name]);
+    at["properties"].as_object().unwrap().keys().cloned().collect()
+}
+
 #[test]
 fn a_part_has_the_same_keys_in_its_file_as_in_a_cell() {
     let cell = schema(FileKind::Cell);
-    let parts = [
-        (FileKind::Robot, "robot", &["base", "base_tolerance"][..]),
-        (FileKind::Tool, "robot/tool", &[]),
-        (FileKind::Equipment, "equipment/*", &[]),
+    let parts: [(_, &[&str], &[&str]); 3] = [
+        (FileKind::Robot, &["properties", "robot"], &["base", "base_tolerance"]),
+        (FileKind::Tool, &["properties", "robot", "properties", "tool"], &[]),
+        (FileKind::Equipment, &["properties", "equipment", "additionalProperties"], &[]),
     ];
     for (kind, path, of_cell) in parts {
         let mut inside = keys_at(&cell, path);
         of_cell.iter().for_each(|key| assert!(inside.remove(*key)));
-        assert_eq!(keys_at(&schema(kind), ""), inside, "{}", kind.name());
+        assert_eq!(keys_at(&schema(kind), &[]), inside, "{}", kind.name());
     }
 }
 
-/// Every key has a description of one sentence and a type or a choice of types.
+/// Every key says what it is, in one sentence, and has a type or a choice of them.
 #[test]
-fn every_key_is_described() {
+fn every_key_is_described_in_the_schema() {
     fn look(schema: &Value, path: &str, count: &mut usize) {
         for (key, below) in schema["properties"].as_object().into_iter().flatten() {
             let path = format!("{path}/{key}");
@@ -163,4 +139,32 @@ fn every_key_is_described() {
     let mut count = 0;
     FileKind::ALL.into_iter().for_each(|kind| look(&schema(kind), kind.name(), &mut count));
     assert!(count > 500, "{count} keys");
+}
+
+/// The reference has a row for every key of the schema, with a value, a meaning and an example that is TOML.
+#[test]
+fn the_reference_has_every_key_of_the_schema() {
+    for kind in FileKind::ALL {
+        let reference = reference(kind);
+        let rows: Vec<Vec<&str>> = reference
+            .lines()
+            .filter(|line| line.starts_with("| `"))
+            .map(|line| line.trim_matches(['|', ' ']).split(" | ").collect())
+            .collect();
+        for row in &rows {
+            let [key, value, default, meaning, example] = row[..] else { panic!("{row:?}") };
+            assert!(!value.is_empty() && !default.is_empty() && meaning.ends_with('.'), "{row:?}");
+            assert!(example.starts_with(&format!("`{} = ", key.trim_matches('`'))), "{row:?}");
+        }
+        let mut keys = BTreeSet::new();
+        keys_of(&schema(kind), &mut keys);
+        let described = |name: &str| rows.iter().filter(|row| row[0] == format!("`{name}`")).count();
+        let names: BTreeSet<&str> = keys.iter().map(|(_, name)| name.as_str()).collect();
+        // A range to search is described where it is written, as { min, max, start }.
+        let ranges = ["min", "max", "start"];
+        for name in names.into_iter().filter(|name| !ranges.contains(name)) {
+            assert!(described(name) > 0, "{}: no row for `{name}`", kind.name());
+        }
+        assert!(rows.len() > 20, "{}: {} rows", kind.name(), rows.len());
+    }
 }

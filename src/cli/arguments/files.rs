@@ -21,7 +21,10 @@ pub struct SchemaArguments {
         conflicts_with = "out"
     )]
     pub kind: String,
-    /// Write all schemas to this folder: cell.schema.json and so on; schemas of another version are replaced
+    /// Print the reference of all keys of such a file for people, in Markdown
+    #[arg(long)]
+    pub markdown: bool,
+    /// Write all schemas (with --markdown, all references) to this folder; those of another version are replaced
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 }

@@ -1,7 +1,8 @@
-//! `schema`: JSON Schemas of the files.
+//! `schema`: JSON Schemas of files and documents, and the reference of all keys for people.
 
 use super::suggest;
 use crate::cli::arguments::SchemaArguments;
+use crate::cli::lookup::unknown;
 use crate::cli::output::path_word;
 use crate::cli::{Exit, loading, output, results};
 use crate::files;
@@ -11,6 +12,9 @@ use serde_json::Value;
 
 /// `sweetspot schema`
 pub fn schema(a: &SchemaArguments) -> Result<Exit, Exit> {
+    if a.markdown {
+        return references(a);
+    }
     let Some(folder) = &a.out else {
         output::data(&text(&schema_of(&a.kind))?)?;
         suggest("schema --out schemas");
@@ -26,6 +30,27 @@ pub fn schema(a: &SchemaArguments) -> Result<Exit, Exit> {
     let first = path_word(&folder.join(file_name(FileKind::Cell.name())));
     output::talk(&format!("wrote {} schemas into {}", all.len(), path_word(folder)));
     output::talk(&format!("editors use a schema if the first line of a file names it: #:schema ./{first}"));
+    suggest("init");
+    Ok(Exit::Done)
+}
+
+/// Prints the reference of the keys of a kind of file, or writes all of them into a folder.
+fn references(a: &SchemaArguments) -> Result<Exit, Exit> {
+    let Some(folder) = &a.out else {
+        let Some(kind) = FileKind::ALL.into_iter().find(|kind| kind.name() == a.kind) else {
+            let what = format!("`{}` has no reference of keys, for a command writes it", a.kind);
+            return Err(unknown(&what, &a.kind, FileKind::ALL.into_iter().map(FileKind::name)));
+        };
+        output::data(&files::reference(kind))?;
+        suggest("schema --markdown --out reference");
+        return Ok(Exit::Done);
+    };
+    loading::make_folder(folder)?;
+    for kind in FileKind::ALL {
+        let path = folder.join(format!("{}.md", kind.name()));
+        loading::write_whole(&path, files::reference(kind).as_bytes())?;
+    }
+    output::talk(&format!("wrote {} references into {}", FileKind::ALL.len(), path_word(folder)));
     suggest("init");
     Ok(Exit::Done)
 }

@@ -16,6 +16,7 @@ use tiny_http::Server;
 
 /// `sweetspot view`. Ctrl-C is its regular end, with exit code 0.
 pub fn view(a: &ViewArguments) -> Result<Exit, Exit> {
+    asked::refuse_sets(&a.question.settings(), "view")?;
     let file = if a.of.is_dir() { results_folder::best_of(&a.of)? } else { a.of.clone() };
     let Loaded { cell, sources, .. } = asked::load(&file, &a.packages, &a.question)?;
     let folder = file.parent().unwrap_or(Path::new(""));

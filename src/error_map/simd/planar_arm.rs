@@ -104,7 +104,7 @@ impl PlanarLanes {
         Some(WristLanes { yaw, u: u * inverse2, v: v * inverse2, k1, cos3, sin3, phi, out })
     }
 
-    /// Solves one elbow: cosines and sines of the angles theta, and the lanes that surely have no such posture.
+    /// Solves one elbow: cosines and sines of the angles theta, and the lanes that surely have no posture.
     #[inline(always)]
     pub fn branch<S: Simd>(
         &self,

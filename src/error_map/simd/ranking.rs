@@ -1,8 +1,8 @@
 //! Lower bounds of the error at the nodes of a surface, and the nodes in their order.
 //!
-//! A bound is below the value of [`ErrorEvaluator::value`] by no more than [`BOUND_MARGIN`] allows. The code for one
-//! node judges nodes in this order until the least value is below all bounds that are left. So the spot is
-//! the same, to the bit, as if every node had been judged.
+//! A bound is below the value of [`ErrorEvaluator::value`] by no more than [`BOUND_MARGIN`] allows. The code
+//! for one node judges nodes in this order until the least value is below all bounds that are left. So the
+//! spot is the same, to the bit, as if every node had been judged.
 
 use super::lanes::{CosSin, Lanes, MAX_LANES};
 use super::perturbed_chain::PerturbedChain;
@@ -77,7 +77,9 @@ impl Ranker {
         !attitudes.is_judged_by_posture()
     }
 
-    /// Ranks the nodes of a surface placed at `at` (base frame); `world` turns world axes into the base frame.
+    /// Ranks the nodes of a surface placed at `at` in the base frame.
+    ///
+    /// `world` is the rotation from world axes to the base frame.
     pub fn rank(
         &self,
         at: &Placement,

@@ -1,234 +1,87 @@
-//! Cell files: robot, equipment, obstacles, operations, search settings.
+//! Keys of the file of a cell, and of `[search]`.
 
-use super::misplacement;
-use super::{constraints, equipment, operation, robot, sense};
+use super::constraints::{fence, margins, transfer};
+use super::equipment::{equipment, keep_out, obstacle};
+use super::key::*;
+use super::operation::operation;
+use super::parts::*;
+use super::robot::robot_in_cell;
+use super::sense::sense;
 use crate::cell::*;
-use crate::files::fault::{did_you_mean, listed, shown};
-use crate::files::toml::document::Library;
-use crate::files::toml::reader::{Table, read_named};
-use crate::files::toml::tree::{Node, Value};
-use crate::files::toml::value;
-use crate::files::toml::value::{Must, is_name, text};
-use crate::units;
+use serde_json::{Value, json};
 
-/// Reads a whole cell; good only if no fault was recorded. `stem` names it by default.
-pub fn read(stem: &str, root: &Node, lib: &mut Library<'_>) -> Option<Cell> {
-    Table::read(root, "a cell", lib, |t, lib| {
-        crate::files::header::header(t, "cell", lib)?;
-        let name = match t.get("name") {
-            Some(_) => t.name(lib),
-            None => Some(if is_name(stem) { stem } else { "cell" }.to_string()),
-        };
-        t.text_or("source", "", lib);
-        let robot = read_robot(t, lib);
-        let errors = read_error_choice(t, lib);
-        let question = read_question(t, lib);
-        let mut equipment = read_equipment(t, lib);
-        equipment::tie(t, &mut equipment, lib);
-        let keep_out = read_named(t, "keep_out", lib, equipment::read_keep_out);
-        let senses = sense::read_all(t, lib);
-        let operations = operation::read_all(t, &equipment, &senses, lib);
-        let collision = t.boolean_or("collision", true, lib);
-        let clearance = t.number_or("clearance_mm", 0.0, Must::NotBeNegative, lib);
-        let floor = t.number_or("floor_mm", 0.0, Must::BeFinite, lib);
-        let built = robot.as_ref().map(|(robot, ..)| robot);
-        let margins = constraints::read_margins(t.get("margins"), built, lib);
-        let transfer = constraints::read_transfer(t.get("transfer"), built, margins, lib);
-        let fence = constraints::read_fence(t.get("fence"), lib);
-        let search = read_search(t, lib);
-        let ((robot, base, base_tolerance), question) = (robot?, question?);
-        let mut cell = Cell {
-            name: name?,
-            robot,
-            base,
-            base_tolerance,
-            errors: errors?,
-            model: question.model,
-            reading: question.reading.unwrap_or(Reading::Signed),
-            quantity: question.quantity,
-            registration: question.registration,
-            guard: question.guard,
-            equipment,
-            keep_out,
-            operations,
-            senses,
-            collision: collision?,
-            clearance: units::m_from_mm(clearance?),
-            floor: units::m_from_mm(floor?),
-            margins: margins?,
-            transfer: transfer?,
-            fence: fence?,
-            search: search?,
-        };
-        refuse_nothing_to_withstand(t, &cell, lib);
-        if question.reading.is_none() {
-            cell.reading = cell.default_reading();
-        }
-        Some(cell)
-    })
-}
+words!(
+    Convention,
+    Distribution,
+    Frame,
+    Goal,
+    Model,
+    Objective,
+    Over,
+    Quantity,
+    Reading,
+    Registration,
+    Solver
+);
 
-/// How the errors are judged.
-struct Question {
-    model: Model,
-    /// None: it follows from the errors.
-    reading: Option<Reading>,
-    quantity: Quantity,
-    registration: Registration,
-    guard: f64,
-}
+const DEFAULT_SEARCH: SearchSettings = SearchSettings::DEFAULT;
 
-fn read_question(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<Question> {
-    let model = t.choice("model", &Model::ALL, Model::name, Some(Model::Nonlinear), lib);
-    let reading = match t.get("reading") {
-        Some(node) => value::choice(node, "reading", &Reading::ALL, Reading::name, lib).map(Some),
-        None => Some(None),
-    };
-    let quantity = t.choice("quantity", &Quantity::ALL, Quantity::name, Some(Quantity::P95), lib);
-    let none = Some(Registration::None);
-    let registration = t.choice("registration", &Registration::ALL, Registration::name, none, lib);
-    let guard = t.number_or("guard_percent", 1.0, Must::BePositive, lib).map(units::share_from_percent);
-    Some(Question {
-        model: model?,
-        reading: reading?,
-        quantity: quantity?,
-        registration: registration?,
-        guard: guard?,
-    })
-}
-
-type Based = (Robot, [Coordinate; 4], PlacementTolerance);
-
-fn read_robot(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<Based> {
-    let node = t.need("robot", "add robot = { from = \"robots/NAME.toml\" }")?;
-    Table::read(node, "`robot`", lib, |t, lib| {
-        let base = match t.get("base") {
-            Some(node) => read_base(node, lib),
-            None => Some([(); 4].map(|()| Coordinate::Fixed(0.0))),
-        };
-        let tolerance = match t.get("base_tolerance") {
-            Some(node) => misplacement::read(node, "`base_tolerance`", Role::Equipment, lib),
-            None => Some(PlacementTolerance::default()),
-        };
-        Some((robot::read(t, lib)?, base?, tolerance?))
-    })
-}
-
-/// A robust search needs something that may be misplaced.
-fn refuse_nothing_to_withstand(t: &mut Table<'_>, cell: &Cell, lib: &mut Library<'_>) {
-    if let Some(node) = t.get("search").and_then(|search| search.value.get("robust"))
-        && cell.search.robust
-        && !cell.has_placement_tolerance()
-    {
-        let help = "add placement_tolerance = { x_mm = 2, y_mm = 2 } to an equipment";
-        lib.error(node.at, "`robust`, but everything is placed exactly".into(), help);
+key_table! {
+    search, "search settings", "How the layout is searched.", {
+        SOLVER = word::<Solver>("solver", "Global solver.").default(Literal::Word(DEFAULT_SEARCH.solver.name()));
+        OBJECTIVE = word::<Objective>("objective", "How the weighted errors of the operations make one number.").default(Literal::Word(DEFAULT_SEARCH.objective.name()));
+        INDIFFERENCE = number("indifference_percent", NumberRange::Positive, "Values that differ by less count as equally good; for the lexicographic objective.").default(Literal::Number(1.0));
+        BUDGET = Key::new("budget", BUDGETS, "Number of layouts to evaluate.").default(Literal::Whole(DEFAULT_SEARCH.budget));
+        SEED = Key::new("seed", Kind::Whole(0, u64::MAX), "Seed of the random numbers: the same seed gives the same bytes.").default(Literal::Whole(DEFAULT_SEARCH.seed));
+        ROBUST = boolean("robust", DEFAULT_SEARCH.robust, "Minimize the worst value over the placement tolerances, not the value as drawn.");
+        GAP = number("gap", NumberRange::NotNegative, "Stop when the best layout is so near the proven bound, as a share: 0.01 is 1 %.").example("0.01");
+        STAGNATION = Key::new("stagnation", BUDGETS, "Stop after so many layouts without improvement.").example("5000");
+        PARETO = Key::new("pareto", Kind::Checked(&GOALS, unique), "Find the layouts none of which is better than another in all of these goals.").example("[\"error\", \"clearance\"]");
+        KEEP = Key::new("keep", Kind::Whole(1, MAX_KEPT as u64), "Number of the best layouts to report, which differ from each other.").example("5");
     }
 }
 
-fn read_base(node: &Node, lib: &mut Library<'_>) -> Option<[Coordinate; 4]> {
-    Table::read(node, "`base`", lib, |t, lib| equipment::read_coordinates(t, Role::Equipment, lib))
+const BUDGETS: Kind = Kind::Whole(*SearchSettings::BUDGETS.start(), *SearchSettings::BUDGETS.end());
+
+const GOALS: Kind = Kind::List(&Kind::word::<Goal>(), (2, Goal::ALL.len()), "goals");
+
+/// JSON Schema of a list without repetition.
+pub fn unique() -> Value {
+    json!({ "uniqueItems": true })
 }
 
-/// `errors = "NAME"`: one of the robot's sets, by the names in its file.
-fn read_error_choice(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<usize> {
-    let node = t.need("errors", "add errors = \"NAME\", one of the error sets of the robot")?;
-    let name = text(node, "errors", lib)?;
-    let robot = t.get("robot")?;
-    let sets = robot.value.get("errors")?.value.entries();
-    let found = sets.iter().position(|(k, ..)| *k == name);
-    if found.is_none() && !robot.value.is_partial() {
-        let names = || sets.iter().map(|(k, ..)| k.as_str());
-        let help = match did_you_mean(&name, names()) {
-            Some(near) => format!("did you mean \"{}\"?", shown(near)),
-            None => format!("the robot has: {}", listed(names())),
-        };
-        lib.error(node.at, format!("the robot has no error set `{}`", shown(&name)), help);
+/// JSON Schema of the names that a sense may have: none of a plain sense, and without @.
+fn names_of_senses() -> Value {
+    json!({ "propertyNames": { "not": { "anyOf": [{ "enum": PLAIN }, { "pattern": "@" }] } } })
+}
+
+const OWN_SENSES: Kind = Kind::Named(&Kind::Table(&sense::TABLE), 0);
+
+key_table! {
+    cell, "a cell", "A cell: robot and base, equipment and obstacles with placements, operations, search.", {
+        FROM = from("\"hitachi_cell.toml\"");
+        SCHEMA = schema("sweetspot/cell/1");
+        UNITS = super::UNITS;
+        NAME = Key::new("name", Kind::Name, "Name of the cell; if left out, the name of its file.");
+        SOURCE = super::SOURCE;
+        ERRORS = text("errors", "Name of the error set of the robot that counts.").required().example("\"placeholder\"").remedy("add errors = \"NAME\", one of the error sets of the robot");
+        MODEL = word::<Model>("model", "Kinematic error model: how errors of the parameters make the error of the TCP.").default(Literal::Word(Model::Nonlinear.name()));
+        READING = word::<Reading>("reading", "How the errors are read: as one signed sample, as the worst corner of tolerances, or as random variables; if left out, signed for a sample, else worst-case.");
+        QUANTITY = word::<Quantity>("quantity", "Quantity of a random error that is minimized.").default(Literal::Word(Quantity::P95.name()));
+        REGISTRATION = word::<Registration>("registration", "What has been measured with the robot itself: nothing, its base frame, or the frame of each surface.").default(Literal::Word(Registration::None.name()));
+        GUARD = number("guard_percent", NumberRange::Positive, "A model that differs from the nonlinear one by more is reported as not trustworthy.").default(Literal::Number(1.0));
+        ROBOT = table("robot", &robot_in_cell::TABLE, "Robot, and where its base stands.").required().remedy("add robot = { from = \"robots/NAME.toml\" }");
+        EQUIPMENT = Key::new("equipment", Kind::Named(&Kind::Table(&equipment::TABLE), 0), "Equipment that stands in the cell, [equipment.NAME] each.");
+        OBSTACLE = Key::new("obstacle", Kind::Named(&Kind::Table(&obstacle::TABLE), 0), "Obstacles, [obstacle.NAME] each.");
+        KEEP_OUT = Key::new("keep_out", Kind::Named(&Kind::Table(&keep_out::TABLE), 0), "Boxes that nothing may enter, [keep_out.NAME] each.");
+        SENSE = Key::new("sense", Kind::Checked(&OWN_SENSES, names_of_senses), "Senses that the cell defines, [sense.NAME] each.");
+        OPERATION = Key::new("operation", Kind::Named(&Kind::Table(&operation::TABLE), 1), "Operations, [operation.NAME] each.").required().remedy("add [operation.NAME] with on, grid, bend_deg and sense");
+        COLLISION = boolean("collision", true, "Whether collisions are checked.");
+        CLEARANCE = number_or_zero("clearance_mm", NumberRange::NotNegative, "Distances less than this count as collision.");
+        FLOOR = number_or_zero("floor_mm", NumberRange::Finite, "Height of the floor in the world.");
+        MARGINS = table("margins", &margins::TABLE, "Distance that postures keep from joint limits and singular postures.");
+        TRANSFER = table("transfer", &transfer::TABLE, "Motions from operation to operation, and from point to point, must be free of collision.");
+        FENCE = table("fence", &fence::TABLE, "Fence inside which the equipment and the robot base stand.");
+        SEARCH = table("search", &search::TABLE, "How the layout is searched.");
     }
-    found
-}
-
-/// The equipment, then the obstacles: no two of the same name.
-fn read_equipment(t: &mut Table<'_>, lib: &mut Library<'_>) -> Vec<Equipment> {
-    let taken = t.get("equipment");
-    let mut all =
-        read_named(t, "equipment", lib, |n, node, lib| equipment::read(n, node, Role::Equipment, lib));
-    all.extend(read_named(t, "obstacle", lib, |n, node, lib| {
-        if taken.is_some_and(|t| t.value.get(n).is_some()) {
-            let message = format!("the name `{}` is already that of an equipment", shown(n));
-            lib.error(node.at, message, "give the obstacle a name of its own");
-        }
-        equipment::read(n, node, Role::Obstacle, lib)
-    }));
-    all
-}
-
-fn read_search(t: &mut Table<'_>, lib: &mut Library<'_>) -> Option<SearchSettings> {
-    let default = SearchSettings::default();
-    let Some(node) = t.get("search") else { return Some(default) };
-    Table::read(node, "`search`", lib, |t, lib| {
-        let solver = t.choice("solver", &Solver::ALL, Solver::name, Some(default.solver), lib);
-        let objective = t.choice("objective", &Objective::ALL, Objective::name, Some(default.objective), lib);
-        let indifference = t.number_or("indifference_percent", 1.0, Must::BePositive, lib);
-        let budget = t.integer_or("budget", default.budget, (1, 1_000_000_000), lib);
-        let seed = t.integer_or("seed", default.seed, (0, u64::MAX), lib);
-        let robust = t.boolean_or("robust", false, lib);
-        let gap = match t.get("gap") {
-            Some(_) => t.number("gap", Must::NotBeNegative, lib).map(Some),
-            None => Some(None),
-        };
-        let stagnation = match t.get("stagnation") {
-            Some(_) => t.integer_or("stagnation", 1, (1, 1_000_000_000), lib).map(Some),
-            None => Some(None),
-        };
-        let (pareto, keep) =
-            (read_pareto(t.get("pareto"), lib), t.integer_or("keep", 0, (1, MOST_KEPT as u64), lib));
-        Some(SearchSettings {
-            solver: solver?,
-            objective: objective?,
-            indifference: units::share_from_percent(indifference?),
-            budget: budget?,
-            seed: seed?,
-            robust: robust?,
-            gap: gap?,
-            stagnation: stagnation?,
-            pareto: pareto?,
-            keep: keep? as usize,
-        })
-    })
-}
-
-/// `pareto = ["error", "clearance"]`: two goals or more.
-fn read_pareto(node: Option<&Node>, lib: &mut Library<'_>) -> Option<Goals> {
-    let Some(node) = node else { return Some(Goals::default()) };
-    let Value::Array(items) = &node.value else {
-        let message = format!("`pareto` must be a list of goals, not {}", node.value.kind());
-        lib.error(node.at, message, "write pareto = [\"error\", \"clearance\"]");
-        return None;
-    };
-    let named = items.iter().map(|item| read_goal(item, lib));
-    let named: Option<Vec<Goal>> = named.collect::<Vec<_>>().into_iter().collect();
-    let named = named?;
-    let goals = Goals::of(&named).filter(|goals| goals.count() > 1);
-    if goals.is_none() {
-        let names = listed(Goal::ALL.map(Goal::name));
-        lib.error(
-            node.at,
-            "`pareto` must name two goals or more, each once".into(),
-            format!("there are: {names}"),
-        );
-    }
-    goals
-}
-
-fn read_goal(node: &Node, lib: &mut Library<'_>) -> Option<Goal> {
-    let word = text(node, "pareto", lib)?;
-    let found = Goal::ALL.into_iter().find(|goal| goal.name() == word);
-    if found.is_none() {
-        let help = match did_you_mean(&word, Goal::ALL.map(Goal::name)) {
-            Some(near) => format!("did you mean \"{near}\"?"),
-            None => format!("there are: {}", listed(Goal::ALL.map(Goal::name))),
-        };
-        lib.error(node.at, format!("\"{}\" is no goal", shown(&word)), help);
-    }
-    found
 }

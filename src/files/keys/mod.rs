@@ -1,20 +1,13 @@
-//! Readers of the keys of each kind of file, one file per table.
+//! All keys of the files: one table per kind of table, from which the reader reads, and from which the
+//! JSON Schemas and the reference for people are made.
 
-pub mod attitude;
 pub mod cell;
 pub mod constraints;
-pub mod coordinate;
-pub mod covariance;
 pub mod equipment;
-pub mod error_set;
-pub mod frame;
-pub mod misplacement;
+pub mod errors;
+pub mod key;
 pub mod operation;
-pub mod place;
+pub mod parts;
 pub mod robot;
-pub mod rows;
 pub mod sense;
 pub mod solid;
-pub mod teach;
-pub mod tolerance;
-pub mod tool;

@@ -1,6 +1,6 @@
 //! Wavefront OBJ: vertices and faces of its text.
 
-use super::{BEYOND, MAX_TRIANGLES, Triangles, Vertices, Wrong, is_beyond, too_many};
+use super::triangles::{BEYOND, MAX_TRIANGLES, Triangles, Vertices, Wrong, is_beyond, too_many};
 use crate::files::fault::shown;
 use nalgebra::Vector3;
 

@@ -1,7 +1,7 @@
 //! STL, binary and text: loose triangles with corners in single precision (at 3 m to 0.2 um). The
 //! normals are not used: the order of the corners says which side is outside.
 
-use super::{BEYOND, MAX_TRIANGLES, Triangles, Vertices, Wrong, is_beyond, too_many};
+use super::triangles::{BEYOND, MAX_TRIANGLES, Triangles, Vertices, Wrong, is_beyond, too_many};
 use crate::files::fault::shown;
 use nalgebra::Vector3;
 use std::io::Cursor;

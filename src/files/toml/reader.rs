@@ -1,52 +1,40 @@
 //! Typed reading of the located tree: every fault is recorded and reading goes on.
 //!
+//! A table is read by the entries of its [`KeyTable`]: name, kind, range, unit and default of a key come
+//! from there, and a key that is not there cannot be read.
 //! What a reader returns is only good if no fault was recorded: [`crate::files::load`] sees to that.
 
 use super::document::Library;
 use super::tree::{At, Entry, Node, Value};
 use super::value;
-use super::value::Must;
 use crate::files::fault::{did_you_mean, listed, shown};
+use crate::files::keys::key::{Key, KeyTable, Kind, Literal, Need, NumberRange, Rule, Word};
 use crate::pose::Pose;
-use crate::units;
 use nalgebra::Vector3;
-use std::cell::RefCell;
-use std::collections::{BTreeMap, BTreeSet};
 
-/// Keys that readers asked for, by the name of their table.
-pub type AskedKeys = BTreeMap<String, BTreeSet<&'static str>>;
-
-thread_local! {
-    static ASKED: RefCell<Option<AskedKeys>> = const { RefCell::new(None) };
-}
-
-/// Returns the keys that `read` asks for in this thread. The test of the schema compares them with its keys;
-/// no message lists more than 20 keys of a table, so that no other way shows them all.
-pub fn keys_asked_by(read: impl FnOnce()) -> AskedKeys {
-    ASKED.set(Some(AskedKeys::new()));
-    read();
-    ASKED.take().unwrap_or_default()
-}
-
-/// A table being read. Keys that are missing, and keys that nobody asked for, are reported at the end
-/// of [`Table::read`]: only then is it known which of them is a misspelling of which.
-pub struct Table<'n> {
+/// A table being read. Missing and unknown keys are reported at the end of [`Table::read`]: only then is
+/// it known which of them is a misspelling of which.
+pub struct Table<'n, 'l, 'a> {
     pub at: At,
+    pub lib: &'l mut Library<'a>,
+    keys: &'static KeyTable,
     entries: &'n [Entry],
-    asked: Vec<&'static str>,
+    /// Keys that do not apply, such as the limits in mm of a joint that turns.
+    excluded: Vec<&'static str>,
     /// Keys of which one must be there, and what to do about it.
     missing: Vec<(Vec<&'static str>, String)>,
-    /// Some keys were lost with a file that could not be read, or it is not the table it should be.
+    /// Whether keys were lost with a file that could not be read, or it is not the table it should be.
     pub partial: bool,
 }
 
-impl<'n> Table<'n> {
+impl<'n, 'l, 'a> Table<'n, 'l, 'a> {
     /// Reads a table with `read` and reports its missing and unknown keys.
     pub fn read<T>(
         node: &'n Node,
         what: &str,
-        lib: &mut Library<'_>,
-        read: impl FnOnce(&mut Self, &mut Library<'_>) -> Option<T>,
+        keys: &'static KeyTable,
+        lib: &'l mut Library<'a>,
+        read: impl FnOnce(&mut Self) -> Option<T>,
     ) -> Option<T> {
         let entries = match &node.value {
             Value::Table(entries) => entries,
@@ -57,212 +45,279 @@ impl<'n> Table<'n> {
                 return None;
             }
         };
-        let partial = node.value.is_partial();
-        let mut table = Self { at: node.at, entries, asked: Vec::new(), missing: Vec::new(), partial };
-        let result = read(&mut table, lib);
-        ASKED.with_borrow_mut(|all| {
-            if let Some(all) = all {
-                all.entry(what.to_string()).or_default().extend(&table.asked);
-            }
-        });
-        table.finish(lib);
+        let (excluded, missing, partial) = (Vec::new(), Vec::new(), node.value.is_partial());
+        let mut table = Self { at: node.at, lib, keys, entries, excluded, missing, partial };
+        let result = read(&mut table);
+        table.finish();
         result
     }
 
-    /// The node of a key that may be missing.
-    pub fn get(&mut self, key: &'static str) -> Option<&'n Node> {
-        if !self.asked.contains(&key) {
-            self.asked.push(key);
-        }
-        self.entries.iter().find(|(k, ..)| k == key).map(|(.., node)| node)
+    /// Whether this kind of table has the key.
+    pub fn has(&self, key: &Key) -> bool {
+        self.keys.key(key.name).is_some()
     }
 
-    /// The node of a key that must be there; `help` says what to write.
-    pub fn need(&mut self, key: &'static str, help: impl Into<String>) -> Option<&'n Node> {
-        let found = self.get(key);
-        if found.is_none() {
-            self.missing.push((vec![key], help.into()));
+    /// Returns the node of a key. A required key that is missing is reported.
+    pub fn get(&mut self, key: &Key) -> Option<&'n Node> {
+        if self.keys.key(key.name).is_none() || self.excluded.contains(&key.name) {
+            return None;
+        }
+        let found = self.entry(key.name);
+        if found.is_none() && self.is_required(key) {
+            self.miss(key);
         }
         found
     }
 
-    /// Says that one of these keys must be there and is not; none of none.
-    pub fn need_one_of(&mut self, keys: &[&'static str], help: impl Into<String>) {
-        if !keys.is_empty() {
-            self.missing.push((keys.to_vec(), help.into()));
+    fn entry(&self, name: &str) -> Option<&'n Node> {
+        self.entries.iter().find(|(k, ..)| k == name).map(|(.., node)| node)
+    }
+
+    fn is_required(&self, key: &Key) -> bool {
+        match key.need {
+            Need::Required => true,
+            Need::Unless(other) => self.entry(other).is_none(),
+            Need::Optional | Need::Default(_) => false,
         }
     }
 
-    /// The rest cannot be judged: report nothing more.
+    /// Reports a key that must be there and is not.
+    fn miss(&mut self, key: &Key) {
+        if !self.missing.iter().any(|(names, _)| *names == [key.name]) {
+            self.missing.push((vec![key.name], key.remedy_in_words()));
+        }
+    }
+
+    /// Reports that one of these keys must be there and is not.
+    pub fn miss_one_of(&mut self, names: &[&'static str], remedy: impl Into<String>) {
+        self.missing.push((names.to_vec(), remedy.into()));
+    }
+
+    /// Applies the rules of the table about a word that a key has: keys that it needs, keys that do not
+    /// apply.
+    pub fn apply_rules(&mut self, chosen: &Key, word: &str) {
+        for rule in self.keys.rules_of_keys() {
+            let Rule::When { key, words, needs, never } = rule else { continue };
+            if *key != chosen.name || !words().iter().any(|w| w == word) {
+                continue;
+            }
+            self.excluded.extend(*never);
+            let needed = needs.iter().filter_map(|name| self.keys.key(name));
+            let missing: Vec<_> = needed.filter(|key| self.entry(key.name).is_none()).collect();
+            missing.into_iter().for_each(|key| self.miss(key));
+        }
+    }
+
+    /// Excludes the keys that the rules of the table forbid beside a given one.
+    pub fn exclude_beside(&mut self, given: &Key) {
+        for rule in self.keys.rules_of_keys() {
+            if let Rule::Excludes(key, others) = rule
+                && *key == given.name
+            {
+                self.excluded.extend(*others);
+            }
+        }
+    }
+
+    /// Stops the reading of a table whose keys cannot be judged: nothing more is reported of it.
     pub fn give_up(&mut self) {
         self.partial = true;
         self.entries = &[];
     }
 
-    pub fn number(&mut self, key: &'static str, must: Must, lib: &mut Library<'_>) -> Option<f64> {
-        let node = self.need(key, format!("add {key} = {}", must.example()))?;
-        value::number(node, &format!("`{key}`"), must, lib)
+    pub fn error(&mut self, at: At, message: impl Into<String>, help: impl Into<String>) {
+        self.lib.error(at, message.into(), help);
     }
 
-    pub fn number_or(
+    /// Reads a key with `read` if it is given.
+    pub fn if_given<T>(
         &mut self,
-        key: &'static str,
-        default: f64,
-        must: Must,
-        lib: &mut Library<'_>,
-    ) -> Option<f64> {
-        self.get(key).map_or(Some(default), |n| value::number(n, &format!("`{key}`"), must, lib))
+        key: &Key,
+        read: impl FnOnce(&mut Self, &Key) -> Option<T>,
+    ) -> Option<Option<T>> {
+        if self.get(key).is_none() { Some(None) } else { read(self, key).map(Some) }
     }
 
-    /// A length given in mm, in m.
-    pub fn length(&mut self, key: &'static str, must: Must, lib: &mut Library<'_>) -> Option<f64> {
-        self.number(key, must, lib).map(units::m_from_mm)
+    /// Reads a number, in SI.
+    pub fn number(&mut self, key: &Key) -> Option<f64> {
+        let range = if let Kind::Number(range) = key.kind { range } else { NumberRange::Finite };
+        let value = match (self.get(key), key.need) {
+            (Some(node), _) => value::number(node, &format!("`{}`", key.name), range, self.lib),
+            (None, Need::Default(Literal::Number(value))) => Some(value),
+            (None, _) => None,
+        };
+        value.map(|value| key.unit().si(value))
     }
 
-    /// An angle given in degrees, in rad.
-    pub fn angle(&mut self, key: &'static str, lib: &mut Library<'_>) -> Option<f64> {
-        self.number(key, Must::BeFinite, lib).map(units::rad_from_deg)
+    /// Reads a list of numbers, in SI; its length is that of the kind.
+    pub fn numbers(&mut self, key: &Key) -> Option<Vec<f64>> {
+        match key.kind.plain() {
+            Kind::List(Kind::Number(range), (len, _), _) => self.numbers_of(key, *len, *range),
+            _ => None,
+        }
     }
 
-    pub fn numbers(
-        &mut self,
-        key: &'static str,
-        len: usize,
-        must: Must,
-        lib: &mut Library<'_>,
-    ) -> Option<Vec<f64>> {
-        let node = self.need(key, format!("add {key} = {}", must.examples(len)))?;
-        value::numbers(node, &format!("`{key}`"), len, must, lib)
+    /// Reads a list of `len` numbers, in SI; zeros, if it is not given and not required.
+    pub fn numbers_of(&mut self, key: &Key, len: usize, range: NumberRange) -> Option<Vec<f64>> {
+        let Some(node) = self.get(key) else { return (!self.is_required(key)).then(|| vec![0.0; len]) };
+        let values = value::numbers(node, &format!("`{}`", key.name), len, range, self.lib)?;
+        Some(values.into_iter().map(|value| key.unit().si(value)).collect())
     }
 
-    pub fn numbers_or_zero(
-        &mut self,
-        key: &'static str,
-        len: usize,
-        must: Must,
-        lib: &mut Library<'_>,
-    ) -> Option<Vec<f64>> {
-        let Some(node) = self.get(key) else { return Some(vec![0.0; len]) };
-        value::numbers(node, &format!("`{key}`"), len, must, lib)
+    /// Reads three numbers, in SI.
+    pub fn vector(&mut self, key: &Key) -> Option<Vector3<f64>> {
+        self.numbers(key).map(Vector3::from_iterator)
     }
 
-    /// Three lengths in mm, in m.
-    pub fn vector(&mut self, key: &'static str, must: Must, lib: &mut Library<'_>) -> Option<Vector3<f64>> {
-        let v = self.numbers(key, 3, must, lib)?;
-        Some(Vector3::from_iterator(v).map(units::m_from_mm))
+    /// Reads two numbers, in SI.
+    pub fn plan(&mut self, key: &Key) -> Option<(f64, f64)> {
+        self.numbers(key).map(|v| (v[0], v[1]))
     }
 
-    /// A pose: a position (mm) under `key` and an optional `rpy_deg`.
-    pub fn pose(&mut self, key: &'static str, lib: &mut Library<'_>) -> Option<Pose> {
-        let position = self.vector(key, Must::BeFinite, lib);
-        let rpy = self.numbers_or_zero("rpy_deg", 3, Must::BeFinite, lib);
-        let rpy = rpy.map(|v| Vector3::from_iterator(v).map(units::rad_from_deg));
+    /// Reads a position and an orientation (roll, pitch, yaw).
+    pub fn pose(&mut self, position: &Key, rpy: &Key) -> Option<Pose> {
+        let (position, rpy) = (self.vector(position), self.vector(rpy));
         Some(Pose::from_translation_rpy(position?, rpy?))
     }
 
-    pub fn text(&mut self, key: &'static str, lib: &mut Library<'_>) -> Option<String> {
-        value::text(self.need(key, format!("add {key} = \"...\""))?, key, lib)
+    pub fn text(&mut self, key: &Key) -> Option<String> {
+        value::text(self.get(key)?, key.name, self.lib)
     }
 
-    pub fn text_or(&mut self, key: &'static str, default: &str, lib: &mut Library<'_>) -> Option<String> {
-        self.get(key).map_or(Some(default.to_string()), |n| value::text(n, key, lib))
+    pub fn text_or(&mut self, key: &Key, default: &str) -> Option<String> {
+        if self.get(key).is_none() { Some(default.to_string()) } else { self.text(key) }
     }
 
-    /// A text under `name` that can be shown and written to files.
-    pub fn name(&mut self, lib: &mut Library<'_>) -> Option<String> {
-        let node = self.need("name", "add name = \"...\"")?;
-        value::checked_name(&value::text(node, "name", lib)?, node.at, lib)
+    /// Reads a text that can be shown and written to files.
+    pub fn name(&mut self, key: &Key) -> Option<String> {
+        let node = self.get(key)?;
+        value::checked_name(&value::text(node, key.name, self.lib)?, node.at, self.lib)
     }
 
-    pub fn boolean_or(&mut self, key: &'static str, default: bool, lib: &mut Library<'_>) -> Option<bool> {
-        let Some(node) = self.get(key) else { return Some(default) };
-        if let Value::Boolean(b) = node.value {
-            return Some(b);
-        }
-        let message = format!("`{key}` must be true or false, not {}", node.value.kind());
-        lib.error(node.at, message, format!("write {key} = true or {key} = false, without quotes"));
-        None
-    }
-
-    /// A whole number of `min` to `max`.
-    pub fn integer_or(
-        &mut self,
-        key: &'static str,
-        default: u64,
-        (min, max): (u64, u64),
-        lib: &mut Library<'_>,
-    ) -> Option<u64> {
-        let Some(node) = self.get(key) else { return Some(default) };
-        value::integer(node, &format!("`{key}`"), (min, max), lib)
-    }
-
-    /// One of a closed set of words.
-    pub fn choice<T: Copy>(
-        &mut self,
-        key: &'static str,
-        all: &[T],
-        name: impl Fn(T) -> &'static str,
-        default: Option<T>,
-        lib: &mut Library<'_>,
-    ) -> Option<T> {
-        match (self.get(key), default) {
-            (None, Some(value)) => Some(value),
-            (None, None) => {
-                self.need(key, format!("add {key} = {}", value::any_of(all, name)));
+    pub fn boolean(&mut self, key: &Key) -> Option<bool> {
+        match (self.get(key), key.need) {
+            (Some(Node { value: Value::Boolean(given), .. }), _) => Some(*given),
+            (Some(node), _) => {
+                let message = format!("`{}` must be true or false, not {}", key.name, node.value.kind());
+                let help = format!("write {0} = true or {0} = false, without quotes", key.name);
+                self.error(node.at, message, help);
                 None
             }
-            (Some(node), _) => value::choice(node, key, all, name, lib),
+            (None, Need::Default(Literal::Boolean(value))) => Some(value),
+            (None, _) => None,
         }
     }
 
-    fn finish(self, lib: &mut Library<'_>) {
-        // Each key that was asked for, with the file that gives it.
+    /// Reads a whole number.
+    pub fn whole(&mut self, key: &Key) -> Option<u64> {
+        let range = if let Kind::Whole(least, most) = key.kind { (least, most) } else { (0, u64::MAX) };
+        match (self.get(key), key.need) {
+            (Some(node), _) => value::whole(node, &format!("`{}`", key.name), range, self.lib),
+            (None, Need::Default(Literal::Whole(value))) => Some(value),
+            (None, _) => None,
+        }
+    }
+
+    /// Reads one word of a closed set.
+    pub fn word<W: Word>(&mut self, key: &Key) -> Option<W> {
+        match (self.get(key), key.need) {
+            (Some(node), _) => value::word(node, key.name, self.lib),
+            (None, Need::Default(Literal::Word(word))) => {
+                W::all().iter().copied().find(|value| value.word() == word)
+            }
+            (None, _) => None,
+        }
+    }
+
+    /// Returns the items of a list.
+    pub fn items(&mut self, key: &Key) -> Option<&'n [Node]> {
+        value::items(self.get(key)?, key, self.lib)
+    }
+
+    /// Reads a table under a key.
+    pub fn table<T>(
+        &mut self,
+        key: &Key,
+        read: impl FnOnce(&mut Table<'n, '_, 'a>) -> Option<T>,
+    ) -> Option<T> {
+        let (node, keys) = (self.get(key)?, key.kind.table()?);
+        Table::read(node, &format!("`{}`", key.name), keys, self.lib, read)
+    }
+
+    /// Reads a table under a key that need not be given.
+    pub fn table_or<T>(
+        &mut self,
+        key: &Key,
+        default: T,
+        read: impl FnOnce(&mut Table<'n, '_, 'a>) -> Option<T>,
+    ) -> Option<T> {
+        if self.get(key).is_none() { Some(default) } else { self.table(key, read) }
+    }
+
+    /// Reads a list of tables: what could be read of each.
+    pub fn tables<T>(
+        &mut self,
+        key: &Key,
+        mut read: impl FnMut(&mut Table<'n, '_, 'a>) -> Option<T>,
+    ) -> Option<Vec<Option<T>>> {
+        let (items, keys) = (self.items(key)?, key.kind.table()?);
+        Some(items.iter().map(|item| Table::read(item, keys.what, keys, self.lib, &mut read)).collect())
+    }
+
+    /// Reads a table of named tables, each with its checked name; a missing one is empty.
+    pub fn named<T>(
+        &mut self,
+        key: &Key,
+        mut read: impl FnMut(&'n str, &mut Table<'n, '_, 'a>) -> Option<T>,
+    ) -> Vec<T> {
+        let (Some(node), Some(keys)) = (self.get(key), key.kind.table()) else { return Vec::new() };
+        if !matches!(node.value, Value::Table(_)) {
+            let message = format!("`{}` must be tables with names, not {}", key.name, node.value.kind());
+            self.error(node.at, message, format!("write [{}.NAME] above the keys of each", key.name));
+        }
+        let read_one = |(name, at, node): &'n Entry| {
+            let known = value::checked_name(name, *at, self.lib).is_some();
+            Table::read(node, keys.what, keys, self.lib, |t| read(name, t)).filter(|_| known)
+        };
+        node.value.entries().iter().filter_map(read_one).collect()
+    }
+
+    fn finish(self) {
         let given = |key: &str| self.entries.iter().find(|(k, ..)| k == key).map(|(_, at, _)| at.file);
-        let asked: Vec<_> = self.asked.iter().map(|&key| (key, given(key))).collect();
+        let names = self.keys.keys().map(|key| key.name).filter(|name| !self.excluded.contains(name));
+        // Each known key, with the file that gives it.
+        let known: Vec<_> = names.map(|name| (name, given(name))).collect();
         let mut missing = if self.partial { Vec::new() } else { self.missing };
         for (key, at, node) in self.entries {
-            if self.asked.contains(&key.as_str()) || matches!(node.value, Value::Unread) {
+            if known.iter().any(|(name, _)| name == key) || matches!(node.value, Value::Unread) {
+                continue;
+            }
+            if let Some(refused) = self.keys.refused_key(key) {
+                // It stands for one of several keys.
+                missing.retain(|(names, _)| names.len() == 1);
+                self.lib.error(node.at, refused.message.into(), refused.remedy);
                 continue;
             }
             // A key given in the same file was not meant again.
-            let meant = asked.iter().filter(|(_, file)| *file != Some(at.file));
-            let near = did_you_mean(key, meant.map(|(k, _)| *k));
-            missing.retain(|(keys, _)| !near.is_some_and(|n| keys.contains(&n)));
+            let meant = known.iter().filter(|(_, file)| *file != Some(at.file));
+            let near = did_you_mean(key, meant.map(|(name, _)| *name));
+            missing.retain(|(names, _)| !near.is_some_and(|n| names.contains(&n)));
             let help = match near {
                 _ if key == "from" => FROM_PLACES.into(),
                 Some(near) => format!("did you mean `{near}`?"),
-                None => format!("known here: {}", listed(self.asked.iter().copied())),
+                None => format!("known here: {}", listed(known.iter().map(|(name, _)| *name))),
             };
-            lib.error(*at, format!("unknown key `{}`", shown(key)), help);
+            self.lib.error(*at, format!("unknown key `{}`", shown(key)), help);
         }
-        for (keys, help) in missing {
-            let message = match &keys[..] {
-                [key] => format!("`{key}` is missing"),
-                keys => format!("one of `{}` is missing", keys.join("`, `")),
+        for (names, help) in missing {
+            let message = match &names[..] {
+                [name] => format!("`{name}` is missing"),
+                names => format!("one of `{}` is missing", names.join("`, `")),
             };
-            lib.error(self.at, message, help);
+            self.lib.error(self.at, message, help);
         }
     }
 }
 
 const FROM_PLACES: &str =
     "it works at the top of a file, in the robot and its tool, in an equipment and in an obstacle";
-
-/// Reads a table of named tables, each with its checked name; a missing one is empty.
-pub fn read_named<'n, T>(
-    table: &mut Table<'n>,
-    key: &'static str,
-    lib: &mut Library<'_>,
-    mut read: impl FnMut(&'n str, &'n Node, &mut Library<'_>) -> Option<T>,
-) -> Vec<T> {
-    let Some(node) = table.get(key) else { return Vec::new() };
-    if !matches!(node.value, Value::Table(_)) {
-        let message = format!("`{key}` must be tables with names, not {}", node.value.kind());
-        lib.error(node.at, message, format!("write [{key}.NAME] above the keys of each"));
-    }
-    let read_one = |(name, at, node): &'n Entry| {
-        let known = value::checked_name(name, *at, lib).is_some();
-        read(name, node, lib).filter(|_| known)
-    };
-    node.value.entries().iter().filter_map(read_one).collect()
-}

@@ -3,6 +3,7 @@
 //! serde stops at the first fault and forgets where a value stood, so the tree keeps the place of
 //! every value and [`super::reader`] reads it.
 
+use crate::files::fault::shown;
 use std::collections::HashMap;
 use std::ops::Range;
 use toml::Spanned;
@@ -62,6 +63,16 @@ impl Value {
         }
     }
 
+    /// Returns the items of a list.
+    pub fn items(&self) -> Option<&[Node]> {
+        if let Value::Array(items) = self { Some(items) } else { None }
+    }
+
+    /// Returns how many items a list has; for anything else its kind.
+    pub fn count_or_kind(&self) -> String {
+        self.items().map_or(self.kind().to_string(), |items| items.len().to_string())
+    }
+
     /// The entries of a table; none of anything else.
     pub fn entries(&self) -> &[Entry] {
         match self {
@@ -95,7 +106,7 @@ pub fn parse(file: usize, text: &str) -> Result<Vec<Entry>, Vec<Wrong>> {
 fn explained(text: &str, message: &str, span: Option<Range<usize>>) -> Wrong {
     let span = span.unwrap_or(0..0);
     let given = text.get(span.clone()).unwrap_or("");
-    let key = crate::files::shown(given.trim_matches(['"', '\'']));
+    let key = shown(given.trim_matches(['"', '\'']));
     let (what, help) = if message == "duplicate key" {
         (format!("`{key}` is given twice"), TWICE)
     } else if message.starts_with("string values must be quoted") && given.is_empty() {
@@ -108,10 +119,7 @@ fn explained(text: &str, message: &str, span: Option<Range<usize>>) -> Wrong {
     } else if message.contains("recursion") {
         (TOO_DEEP.0.into(), TOO_DEEP.1)
     } else {
-        (
-            format!("not TOML: {}", crate::files::shown(message)),
-            "mend the line; https://toml.io shows the syntax",
-        )
+        (format!("not TOML: {}", shown(message)), "mend the line; https://toml.io shows the syntax")
     };
     (span.start, what, help)
 }

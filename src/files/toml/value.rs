@@ -1,59 +1,11 @@
-//! Single values: numbers of a believable size, texts, names.
+//! Single values: numbers of a believable size, texts, words, names, lists.
 
 use super::document::Library;
 use super::tree::{At, Node, Value};
 use crate::files::fault::{did_you_mean, shown};
+use crate::files::keys::key::{Key, Kind, MANY, MAX_NAME, NumberRange, Word, quoted, words_of};
 
-/// Largest length (mm) or angle (degrees) that any file can mean.
-pub const LARGEST: f64 = 1e7;
-
-/// Smallest size or weight that any file can mean.
-pub const SMALLEST: f64 = 1e-6;
-
-/// Longest name, characters.
-pub const LONGEST_NAME: usize = 60;
-
-/// What a number must be besides finite.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Must {
-    BeFinite,
-    BePositive,
-    NotBeNegative,
-    /// Half the width of a tolerance.
-    BePlusMinus,
-}
-
-impl Must {
-    /// A number to write for a missing one.
-    pub fn example(self) -> &'static str {
-        if self == Must::BePositive { "100" } else { "0" }
-    }
-
-    pub fn examples(self, len: usize) -> String {
-        format!("[{}]", vec![self.example(); len].join(", "))
-    }
-
-    /// What is wrong with a value, and what to do.
-    fn refuses(self, value: f64) -> Option<(&'static str, &'static str)> {
-        if !value.is_finite() {
-            Some(("must be a finite number", "write a plain number: nan and inf are no measures"))
-        } else if value.abs() > LARGEST {
-            Some(("must be from -1e7 to 1e7", "is the unit right? lengths are in mm, angles in degrees"))
-        } else if self == Must::BePositive && value <= 0.0 {
-            Some(("must be greater than 0", "write a number greater than 0"))
-        } else if self == Must::BePositive && value < SMALLEST {
-            Some(("must be at least 1e-6", "is the unit right? lengths are in mm"))
-        } else if self == Must::NotBeNegative && value < 0.0 {
-            Some(("must not be negative", "write 0 or a number greater than 0"))
-        } else if self == Must::BePlusMinus && value < 0.0 {
-            Some(("must not be negative", "a plus-or-minus has no sign; a sample has: kind = \"signed\""))
-        } else {
-            None
-        }
-    }
-}
-
-/// A number as someone would write it.
+/// Returns a number as someone would write it.
 pub fn plain(value: f64) -> String {
     let exponent = value != 0.0 && value.is_finite() && !(1e-6..1e15).contains(&value.abs());
     if value.is_nan() {
@@ -65,8 +17,8 @@ pub fn plain(value: f64) -> String {
     }
 }
 
-/// A finite number of a believable size.
-pub fn number(node: &Node, what: &str, must: Must, lib: &mut Library<'_>) -> Option<f64> {
+/// Reads a finite number of a believable size, in the unit of the file.
+pub fn number(node: &Node, what: &str, range: NumberRange, lib: &mut Library) -> Option<f64> {
     let value = match &node.value {
         Value::Integer(i) => *i as f64,
         Value::Float(f) => *f,
@@ -79,32 +31,60 @@ pub fn number(node: &Node, what: &str, must: Must, lib: &mut Library<'_>) -> Opt
             return None;
         }
     };
-    if let Some((wrong, help)) = must.refuses(value) {
+    if let Some((wrong, help)) = range.refuses(value) {
         lib.error(node.at, format!("{what} {wrong}, not {}", plain(value)), help);
         return None;
     }
     Some(value)
 }
 
-/// A list of exactly `len` numbers.
-pub fn numbers(node: &Node, what: &str, len: usize, must: Must, lib: &mut Library<'_>) -> Option<Vec<f64>> {
-    let given = match &node.value {
-        Value::Array(items) if items.len() == len => {
-            let numbered = items.iter().enumerate();
-            let read = |(i, n)| number(n, &format!("number {} of {what}", i + 1), must, lib);
-            let values: Vec<_> = numbered.map(read).collect();
-            return values.into_iter().collect();
-        }
-        Value::Array(items) => items.len().to_string(),
-        other => other.kind().to_string(),
-    };
+/// Reads a list of exactly `len` numbers, in the unit of the file.
+pub fn numbers(
+    node: &Node,
+    what: &str,
+    len: usize,
+    range: NumberRange,
+    lib: &mut Library,
+) -> Option<Vec<f64>> {
     let wanted = if len == 1 { "1 number".to_string() } else { format!("{len} numbers") };
-    let help = format!("write {wanted} in [ ], with commas");
-    lib.error(node.at, format!("{what} must be a list of {wanted}, not {given}"), help);
-    None
+    let Some(items) = node.value.items().filter(|items| items.len() == len) else {
+        let help = format!("write {wanted} in [ ], with commas");
+        let message = format!("{what} must be a list of {wanted}, not {}", node.value.count_or_kind());
+        lib.error(node.at, message, help);
+        return None;
+    };
+    let numbered = items.iter().enumerate();
+    let read = |(i, n)| number(n, &format!("number {} of {what}", i + 1), range, lib);
+    let values: Vec<_> = numbered.map(read).collect();
+    values.into_iter().collect()
 }
 
-pub fn text(node: &Node, key: &str, lib: &mut Library<'_>) -> Option<String> {
+/// Returns the items of a list whose count the kind of the key allows.
+pub fn items<'n>(node: &'n Node, key: &Key, lib: &mut Library) -> Option<&'n [Node]> {
+    let (count, noun) = match key.kind.plain() {
+        Kind::List(_, count, noun) => (*count, *noun),
+        _ => ((0, MANY), "items"),
+    };
+    let items = node.value.items().filter(|items| (count.0..=count.1).contains(&items.len()));
+    if items.is_none() {
+        let many = match count {
+            (0, MANY) => String::new(),
+            (least, MANY) => format!("{least} or more "),
+            (least, most) if least == most => format!("{least} "),
+            (0, most) => format!("at most {most} "),
+            (least, most) => format!("{least} to {most} "),
+        };
+        let given = node.value.count_or_kind();
+        let help = match key.kind.table() {
+            Some(_) if key.example.is_empty() => format!("write [[{}]] above the keys of each", key.name),
+            _ => format!("write for example {} = {}", key.name, key.shown_example()),
+        };
+        lib.error(node.at, format!("`{}` must be a list of {many}{noun}, not {given}", key.name), help);
+    }
+    items
+}
+
+pub fn text(node: &Node, key: &str, lib: &mut Library) -> Option<String> {
     match &node.value {
         Value::Text(s) => Some(s.clone()),
         other => {
@@ -115,34 +95,22 @@ pub fn text(node: &Node, key: &str, lib: &mut Library<'_>) -> Option<String> {
     }
 }
 
-/// One of a closed set of words.
-pub fn choice<T: Copy>(
-    node: &Node,
-    key: &str,
-    all: &[T],
-    name: impl Fn(T) -> &'static str,
-    lib: &mut Library<'_>,
-) -> Option<T> {
-    let word = text(node, key, lib)?;
-    let found = all.iter().copied().find(|&v| name(v) == word);
+/// Reads one word of a closed set.
+pub fn word<W: Word>(node: &Node, key: &str, lib: &mut Library) -> Option<W> {
+    let given = text(node, key, lib)?;
+    let found = W::all().iter().copied().find(|value| value.word() == given);
     if found.is_none() {
-        let help = match did_you_mean(&word, all.iter().map(|&v| name(v))) {
+        let help = match did_you_mean(&given, W::all().iter().map(|value| value.word())) {
             Some(near) => format!("did you mean \"{near}\"?"),
-            None => format!("write {key} = {}", any_of(all, name)),
+            None => format!("write {key} = {}", quoted(&words_of::<W>())),
         };
-        lib.error(node.at, format!("`{key}` cannot be \"{}\"", shown(&word)), help);
+        lib.error(node.at, format!("`{key}` cannot be \"{}\"", shown(&given)), help);
     }
     found
 }
 
-/// The words of a closed set, quoted.
-pub fn any_of<T: Copy>(all: &[T], name: impl Fn(T) -> &'static str) -> String {
-    let names: Vec<_> = all.iter().map(|&v| name(v)).collect();
-    format!("\"{}\"", names.join("\" or \""))
-}
-
-/// A whole number from `min` to `max`.
-pub fn integer(node: &Node, what: &str, (min, max): (u64, u64), lib: &mut Library<'_>) -> Option<u64> {
+/// Reads a whole number from `min` to `max`.
+pub fn whole(node: &Node, what: &str, (min, max): (u64, u64), lib: &mut Library) -> Option<u64> {
     let range = match max {
         u64::MAX => format!("write a whole number from {min} on"),
         _ => format!("write a whole number from {min} to {max}"),
@@ -163,16 +131,16 @@ pub fn integer(node: &Node, what: &str, (min, max): (u64, u64), lib: &mut Librar
     None
 }
 
-/// Names are shown and written to files: short, printable, not blank.
-pub fn checked_name(name: &str, at: At, lib: &mut Library<'_>) -> Option<String> {
+/// Checks that a name can be shown and written to files: short, printable, not blank.
+pub fn checked_name(name: &str, at: At, lib: &mut Library) -> Option<String> {
     if is_name(name) {
         return Some(name.to_string());
     }
     let message = format!("`{}` cannot be a name", shown(name));
-    lib.error(at, message, format!("write 1 to {LONGEST_NAME} printable characters, no blank first or last"));
+    lib.error(at, message, format!("write 1 to {MAX_NAME} printable characters, no blank first or last"));
     None
 }
 
 pub fn is_name(name: &str) -> bool {
-    name.chars().count() <= LONGEST_NAME && shown(name) == name && name.trim() == name && !name.is_empty()
+    name.chars().count() <= MAX_NAME && shown(name) == name && name.trim() == name && !name.is_empty()
 }

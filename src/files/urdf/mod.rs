@@ -15,17 +15,17 @@ mod solids;
 mod tree;
 mod xml;
 
+pub use model::Named;
+pub use packages::Packages;
+
 use super::fault::{Severity, shown};
 use super::toml::document::Library;
-use super::toml::reader::Table;
-use super::toml::tree::{At, Node};
-use super::toml::value;
+use super::toml::tree::At;
 use crate::cell::*;
 use crate::pose::Pose;
 use fault_list::Faults;
-use model::{Named, Urdf};
+use model::Urdf;
 use motion::Motion;
-use packages::Packages;
 use tree::Tree;
 
 /// What a URDF gives of a robot.
@@ -41,14 +41,22 @@ pub struct Arm {
     pub origin: UrdfOrigin,
 }
 
-/// Reads the URDF that a robot names in `urdf`, and the keys that belong to it.
-pub fn read(t: &mut Table<'_>, node: &Node, lib: &mut Library<'_>) -> Option<Arm> {
-    let packages = Packages::read(t, lib);
-    let base = asked(t, "base_link", lib);
-    let tip = asked(t, "tip_link", lib);
-    let named = Named { name: value::text(node, "urdf", lib)?, at: node.at };
+/// The chain of a URDF that a robot file asks for.
+pub struct UrdfChain {
+    pub file: Named,
+    /// Link that stands still; None: the root of the tree.
+    pub base: Option<Named>,
+    /// Link that carries the tool; None: the only end of the chain.
+    pub tip: Option<Named>,
+    pub packages: Packages,
+}
+
+/// Reads the URDF that a robot names.
+pub fn read(chain: UrdfChain, lib: &mut Library) -> Option<Arm> {
+    let UrdfChain { file: named, base, tip, packages } = chain;
+    let at = named.at;
     let path = packages.path(&named, lib)?;
-    let file = lib.text(&path, Some(node.at))?;
+    let file = lib.text(&path, Some(at))?;
     let mut faults = Faults::new(file);
     let urdf = parse::parse(lib.sources[file].text(), &mut faults).filter(|_| faults.is_empty());
     faults.tell(lib);
@@ -56,7 +64,7 @@ pub fn read(t: &mut Table<'_>, node: &Node, lib: &mut Library<'_>) -> Option<Arm
     let tree = Tree::new(&urdf, lib)?;
     let end = |name: Option<Named>, lib: &mut Library<'_>| name.map(|name| tree.link(&name, lib));
     let (base, tip) = (end(base, lib), end(tip, lib));
-    let way = tree.way(base, tip, node.at, lib)?;
+    let way = tree.way(base, tip, at, lib)?;
     let motion = motion::read(&urdf, &way, lib)?;
     let derived = dh::derive(&motion.axes, &motion.flange);
     motion::warn_of_slants(&urdf, &way, &motion, &derived, lib);
@@ -84,12 +92,6 @@ fn arm(urdf: &Urdf, motion: Motion, derived: dh::Derived, solids: Vec<LinkSolid>
     let (name, joints) = (urdf.name.clone(), joints.collect());
     let (mount, joint_frames) = (derived.mount, derived.joint_frames);
     Arm { name, mount, joints, coupling, solids, joint_frames, origin }
-}
-
-/// A link named in the robot file.
-fn asked(t: &mut Table<'_>, key: &'static str, lib: &mut Library<'_>) -> Option<Named> {
-    let node = t.get(key)?;
-    value::text(node, key, lib).map(|name| Named { name, at: node.at })
 }
 
 fn tell_ignored(ignored: &[(String, usize)], at: At, lib: &mut Library<'_>) {

@@ -3,30 +3,14 @@
 use super::model::Named;
 use crate::files::fault::shown;
 use crate::files::toml::document::Library;
-use crate::files::toml::reader::Table;
-use crate::files::toml::tree::Value;
-use crate::files::toml::value;
 
 const SCHEME: &str = "package://";
 
-/// Folders of packages, inside the folder of the cell.
-pub struct Packages(Vec<(String, String)>);
+/// Folders of packages by name, inside the folder of the cell.
+#[derive(Default)]
+pub struct Packages(pub Vec<(String, String)>);
 
 impl Packages {
-    /// `packages = { NAME = "FOLDER" }` of a robot, relative to the naming file.
-    pub fn read(t: &mut Table<'_>, lib: &mut Library<'_>) -> Self {
-        let Some(node) = t.get("packages") else { return Self(Vec::new()) };
-        if !matches!(node.value, Value::Table(_)) {
-            let message = format!("`packages` must be a table, not {}", node.value.kind());
-            lib.error(node.at, message, "write packages = { NAME = \"FOLDER\" }");
-        }
-        let read = |(name, _, node): &(String, _, crate::files::toml::tree::Node)| {
-            let folder = value::text(node, "packages", lib)?;
-            Some((name.clone(), lib.relative(folder.trim_end_matches('/'), node.at)?))
-        };
-        Self(node.value.entries().iter().filter_map(read).collect())
-    }
-
     /// The path of a file that a URDF names: relative to the folder of the cell, or
     /// `package://NAME/PATH` of a package whose folder the file does not give.
     pub fn path(&self, file: &Named, lib: &mut Library<'_>) -> Option<String> {

@@ -38,6 +38,23 @@ fn all_schemas_are_written_into_a_folder_and_rewritten() {
 }
 
 #[test]
+fn the_reference_of_keys_is_printed_and_written() {
+    let shop = Sandbox::new();
+    let cell = shop.done(&["schema", "--markdown"]).out;
+    assert!(
+        cell.starts_with("# Keys of cell files\n") && cell.contains("\n| `budget` | whole number"),
+        "{cell}"
+    );
+    shop.done(&["schema", "--markdown", "--out", "reference"]);
+    assert_eq!(shop.files("reference").len(), KINDS.len());
+    for kind in KINDS {
+        let written = shop.text(&format!("reference/{kind}.md"));
+        assert_eq!(written, shop.done(&["schema", kind, "--markdown"]).out);
+    }
+    assert_eq!(shop.run(&["schema", "search-result", "--markdown"]).code, Some(2));
+}
+
+#[test]
 fn bad_usage_of_schema_is_reported() {
     let shop = Sandbox::new();
     for args in [&["schema", "cells"][..], &["schema", "robot", "--out", "x"], &["schema", "--out"]] {

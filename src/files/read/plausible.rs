@@ -1,13 +1,13 @@
 //! Warnings about sizes that are probably in a wrong unit: 20 times the reach, or a twentieth of it;
 //! tolerances a twentieth of it, or a millionth.
 
-use super::fault::Severity;
-use super::toml::document::Library;
-use super::toml::tree::{At, Node};
 use crate::cell::Coordinate;
 use crate::cell::{Cell, Equipment, Role};
 use crate::cell::{ErrorSet, Parameter, Tolerance};
 use crate::cell::{Shape, extent_of};
+use crate::files::fault::Severity;
+use crate::files::toml::document::Library;
+use crate::files::toml::tree::{At, Node};
 use crate::units::{mm_from_m, rounded};
 
 const FACTOR: f64 = 20.0;

@@ -1,47 +1,38 @@
 //! The covariance of a calibration: normal parameters that vary together.
 
-use super::rows::Arm;
+use super::row_order::Arm;
 use crate::cell::*;
 use crate::files::fault::{did_you_mean, listed, shown};
-use crate::files::toml::document::Library;
+use crate::files::keys::errors::{PARAMETERS, covariance};
+use crate::files::keys::key::NumberRange;
 use crate::files::toml::reader::Table;
 use crate::files::toml::tree::{At, Node, Value};
 use crate::files::toml::value;
-use crate::files::toml::value::{Must, plain};
+use crate::files::toml::value::plain;
 use crate::units;
 use nalgebra::DMatrix;
 
 /// Relative rounding that a symmetric, semidefinite matrix in a file may have.
 const ROUNDING: f64 = 1e-9;
 
-const KNOWN: &str = "dq, dr, dl, dalpha or dbeta and a joint (dl2), or base, tool or a joint and x, y, z, rx, ry or rz (joint2 x)";
-
 /// Reads `covariance`; `values`: the plus-or-minus of all parameters, of which those here have none.
-pub fn read(
-    node: &Node,
-    arm: Arm<'_>,
-    values: Option<&SignedErrors>,
-    lib: &mut Library<'_>,
-) -> Option<Covariance> {
-    Table::read(node, "`covariance`", lib, |t, lib| {
-        let names = t.need("parameters", "add parameters = [\"dq1\", \"dl2\"], what the rows belong to");
-        let rows = t.need("matrix", "add matrix = [[...], ...], a row for each of `parameters`");
-        let items = names.and_then(|names| items_of(names, arm, lib))?;
-        let places = read_parameters(items, arm, lib);
-        let matrix = rows.and_then(|rows| Matrix::read(rows, items.len(), lib));
-        if let (Some(places), Some(values)) = (&places, values) {
-            spread_once(places, items, values, lib);
-        }
-        let matrix = matrix?;
-        matrix.check(&items.iter().map(name_of).collect::<Vec<_>>(), lib)?;
-        let places = places?;
-        let lengths: Vec<_> = Parameter::of_robot(arm.axes).map(|p| is_length(p, arm)).collect();
-        let si = |k: usize, v| if lengths[places[k]] { units::m_from_mm(v) } else { units::rad_from_deg(v) };
-        let product = |i: usize, j: usize| si(i, si(j, matrix.at(i, j)));
-        let half = |i: usize, j: usize| (product(i, j) + product(j, i)) / 2.0;
-        let matrix = DMatrix::from_fn(places.len(), places.len(), |i, j| half(i.min(j), i.max(j)));
-        Some(Covariance { parameters: places, matrix })
-    })
+pub fn read(t: &mut Table, arm: Arm<'_>, values: Option<&SignedErrors>) -> Option<Covariance> {
+    let (names, rows) = (t.get(&covariance::PARAMETERS), t.get(&covariance::MATRIX));
+    let items = names.and_then(|names| items_of(names, arm, t))?;
+    let places = read_parameters(items, arm, t);
+    let matrix = rows.and_then(|rows| Matrix::read(rows, items.len(), t));
+    if let (Some(places), Some(values)) = (&places, values) {
+        spread_once(places, items, values, t);
+    }
+    let matrix = matrix?;
+    matrix.check(&items.iter().map(name_of).collect::<Vec<_>>(), t)?;
+    let places = places?;
+    let lengths: Vec<_> = Parameter::of_robot(arm.axes).map(|p| is_length(p, arm)).collect();
+    let si = |k: usize, v| if lengths[places[k]] { units::m_from_mm(v) } else { units::rad_from_deg(v) };
+    let product = |i: usize, j: usize| si(i, si(j, matrix.at(i, j)));
+    let half = |i: usize, j: usize| (product(i, j) + product(j, i)) / 2.0;
+    let matrix = DMatrix::from_fn(places.len(), places.len(), |i, j| half(i.min(j), i.max(j)));
+    Some(Covariance { parameters: places, matrix })
 }
 
 /// Whether a file gives the parameter in mm.
@@ -56,15 +47,14 @@ fn is_length(parameter: Parameter, arm: Arm<'_>) -> bool {
 }
 
 /// The names in `parameters`, as many as can be.
-fn items_of<'n>(node: &'n Node, arm: Arm<'_>, lib: &mut Library<'_>) -> Option<&'n [Node]> {
+fn items_of<'n>(node: &'n Node, arm: Arm<'_>, t: &mut Table) -> Option<&'n [Node]> {
     let most = Parameter::count(arm.axes);
-    let given = match &node.value {
-        Value::Array(items) if (1..=most).contains(&items.len()) => return Some(items),
-        Value::Array(items) => items.len().to_string(),
-        other => other.kind().to_string(),
-    };
+    if let Some(items) = node.value.items().filter(|items| (1..=most).contains(&items.len())) {
+        return Some(items);
+    }
+    let given = node.value.count_or_kind();
     let message = format!("`parameters` must be a list of 1 to {most} names, not {given}");
-    lib.error(node.at, message, "write for example parameters = [\"dq1\", \"dl2\", \"base x\"]");
+    t.error(node.at, message, "write for example parameters = [\"dq1\", \"dl2\", \"base x\"]");
     None
 }
 
@@ -77,31 +67,31 @@ fn name_of(item: &Node) -> String {
 }
 
 /// Places in the order of [`Parameter::of_robot`].
-fn read_parameters(items: &[Node], arm: Arm<'_>, lib: &mut Library<'_>) -> Option<Vec<usize>> {
+fn read_parameters(items: &[Node], arm: Arm<'_>, t: &mut Table) -> Option<Vec<usize>> {
     let mut names: Vec<_> = Parameter::of_robot(arm.axes).map(Parameter::name).collect();
     arm.in_order(&mut names);
     arm.unused().into_iter().flatten().for_each(|place| names[place].clear());
     let mut places: Vec<Option<usize>> = Vec::new();
     for item in items {
-        let place = read_parameter(item, &names, arm, lib);
+        let place = read_parameter(item, &names, arm, t);
         if let Some(place) = place.filter(|_| places.contains(&place)) {
             let message = format!("`{}` is given twice", names[place]);
-            lib.error(item.at, message, "remove one of the two, with its row and column");
+            t.error(item.at, message, "remove one of the two, with its row and column");
         }
         places.push(place);
     }
     places.into_iter().collect()
 }
 
-fn read_parameter(item: &Node, names: &[String], arm: Arm<'_>, lib: &mut Library<'_>) -> Option<usize> {
+fn read_parameter(item: &Node, names: &[String], arm: Arm<'_>, t: &mut Table) -> Option<usize> {
     let Value::Text(name) = &item.value else {
         let message = format!("`parameters` must be a list of names, not with {}", item.value.kind());
-        lib.error(item.at, message, KNOWN);
+        t.error(item.at, message, PARAMETERS);
         return None;
     };
     let found = names.iter().position(|n| n == name).filter(|_| !name.is_empty());
     if found.is_none() {
-        lib.error(item.at, format!("there is no parameter `{}`", shown(name)), nearest(name, names, arm));
+        t.error(item.at, format!("there is no parameter `{}`", shown(name)), nearest(name, names, arm));
     }
     found
 }
@@ -114,7 +104,7 @@ fn nearest(name: &str, names: &[String], arm: Arm<'_>) -> String {
     }
     match did_you_mean(name, names.iter().map(String::as_str).filter(|n| !n.is_empty())) {
         Some(near) => format!("did you mean \"{near}\"?"),
-        None => KNOWN.into(),
+        None => PARAMETERS.into(),
     }
 }
 
@@ -125,14 +115,14 @@ fn of_joint(name: &str, number: usize) -> Option<String> {
 }
 
 /// A parameter spreads by the covariance or by its plus-or-minus.
-fn spread_once(places: &[usize], items: &[Node], values: &SignedErrors, lib: &mut Library<'_>) {
+fn spread_once(places: &[usize], items: &[Node], values: &SignedErrors, t: &mut Table) {
     let values = values.values();
     for item in places.iter().zip(items).filter(|(place, _)| values[**place] != 0.0).map(|(_, item)| item) {
         let name = name_of(item);
         let message = format!("`{name}` has a plus-or-minus besides its covariance");
         let help =
             format!("write 0 as the plus-or-minus of {name}: its spread is on the diagonal of `matrix`");
-        lib.error(item.at, message, help);
+        t.error(item.at, message, help);
     }
 }
 
@@ -143,21 +133,14 @@ struct Matrix<'n> {
 }
 
 impl<'n> Matrix<'n> {
-    fn read(node: &'n Node, n: usize, lib: &mut Library<'_>) -> Option<Self> {
-        let rows = match &node.value {
-            Value::Array(rows) if rows.len() == n => rows,
-            other => {
-                let given = match other {
-                    Value::Array(rows) => rows.len().to_string(),
-                    other => other.kind().to_string(),
-                };
-                let message = format!("`matrix` must be a list of {n} rows, not {given}");
-                lib.error(node.at, message, "write a row for each of `parameters`, in their order");
-                return None;
-            }
+    fn read(node: &'n Node, n: usize, t: &mut Table) -> Option<Self> {
+        let Some(rows) = node.value.items().filter(|rows| rows.len() == n) else {
+            let message = format!("`matrix` must be a list of {n} rows, not {}", node.value.count_or_kind());
+            t.error(node.at, message, "write a row for each of `parameters`, in their order");
+            return None;
         };
         let read = |(i, row): (usize, &Node)| {
-            value::numbers(row, &format!("row {} of `matrix`", i + 1), n, Must::BeFinite, lib)
+            value::numbers(row, &format!("row {} of `matrix`", i + 1), n, NumberRange::Finite, t.lib)
         };
         let rows: Vec<_> = rows.iter().enumerate().map(read).collect();
         Some(Self { node, rows: rows.into_iter().collect::<Option<_>>()? })
@@ -168,34 +151,31 @@ impl<'n> Matrix<'n> {
     }
 
     fn place(&self, i: usize, j: usize) -> At {
-        let item = |node: &'n Node, k: usize| match &node.value {
-            Value::Array(items) => items.get(k),
-            _ => None,
-        };
+        let item = |node: &'n Node, k: usize| node.value.items()?.get(k);
         item(self.node, i).and_then(|row| item(row, j)).map_or(self.node.at, |entry| entry.at)
     }
 
     /// Symmetric, no correlation beyond 1, positive semidefinite; None with the faults recorded.
-    fn check(&self, names: &[String], lib: &mut Library<'_>) -> Option<()> {
-        let before = lib.errors();
+    fn check(&self, names: &[String], t: &mut Table) -> Option<()> {
+        let before = t.lib.errors();
         for i in 0..names.len() {
-            self.check_variance(i, &names[i], lib);
-            (0..i).for_each(|j| self.check_pair(i, j, names, lib));
+            self.check_variance(i, &names[i], t);
+            (0..i).for_each(|j| self.check_pair(i, j, names, t));
         }
-        (lib.errors() == before).then_some(())?;
-        self.check_definite(names, lib)
+        (t.lib.errors() == before).then_some(())?;
+        self.check_definite(names, t)
     }
 
-    fn check_variance(&self, i: usize, name: &str, lib: &mut Library<'_>) {
+    fn check_variance(&self, i: usize, name: &str, t: &mut Table) {
         if self.at(i, i) < 0.0 {
             let variance = plain(self.at(i, i));
             let message = format!("the variance of `{name}` must not be negative, not {variance}");
-            lib.error(self.place(i, i), message, "write the square of its standard deviation");
+            t.error(self.place(i, i), message, "write the square of its standard deviation");
         }
     }
 
     /// The entry left of the diagonal, and its counterpart.
-    fn check_pair(&self, i: usize, j: usize, names: &[String], lib: &mut Library<'_>) {
+    fn check_pair(&self, i: usize, j: usize, names: &[String], t: &mut Table) {
         let (a, b) = (self.at(i, j), self.at(j, i));
         let (of, and) = (&names[i], &names[j]);
         let deviations = self.at(i, i).max(0.0).sqrt() * self.at(j, j).max(0.0).sqrt();
@@ -208,19 +188,19 @@ impl<'n> Matrix<'n> {
                 j + 1
             );
             let help = format!("write the covariance of {of} and {and} alike in both places");
-            lib.error(self.place(i, j), message, help);
+            t.error(self.place(i, j), message, help);
         } else if a.abs() > deviations * (1.0 + ROUNDING) {
             let message = format!("{of} and {and} cannot vary together by {}", plain(a));
             let help = format!(
                 "at most {}, the product of their standard deviations: are the units those of the file?",
                 plain(deviations)
             );
-            lib.error(self.place(i, j), message, help);
+            t.error(self.place(i, j), message, help);
         }
     }
 
     /// No sum of the parameters has a negative variance. Judged by the correlations, which have no unit.
-    fn check_definite(&self, names: &[String], lib: &mut Library<'_>) -> Option<()> {
+    fn check_definite(&self, names: &[String], t: &mut Table) -> Option<()> {
         let n = names.len();
         let deviation = |k: usize| if self.at(k, k) > 0.0 { self.at(k, k).sqrt() } else { 1.0 };
         let scaled = |i: usize, j: usize| self.at(i, j) / deviation(i) / deviation(j);
@@ -239,7 +219,7 @@ impl<'n> Matrix<'n> {
             plain(units::rounded(value, 9))
         );
         let help = format!("none may be negative: write all digits, and look at {} first", listed(first));
-        lib.error(self.node.at, message, help);
+        t.error(self.node.at, message, help);
         None
     }
 }

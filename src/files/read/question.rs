@@ -1,8 +1,8 @@
 //! Faults of the question that a cell file asks, each at the key that it is about.
 
-use super::toml::document::Library;
-use super::toml::tree::Node;
 use crate::cell::{About, Cell};
+use crate::files::toml::document::Library;
+use crate::files::toml::tree::Node;
 
 /// Records what keeps the question of a cell file from having an answer.
 pub fn check(cell: &Cell, root: &Node, lib: &mut Library<'_>) {

@@ -1,0 +1,138 @@
+//! Keys of the error sets of a robot, and of the errors of an equipment.
+
+use super::cell::unique;
+use super::constraints::POSTURE;
+use super::key::*;
+use super::parts::*;
+use crate::cell::{Distribution, MAX_JOINTS, PER_FRAME, Spread};
+
+/// How the numbers of an error set are meant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ErrorForm {
+    /// One sample: the signs are part of it.
+    Signed,
+    /// Plus-or-minus.
+    Tolerance,
+}
+
+impl ErrorForm {
+    pub const ALL: [Self; 2] = [Self::Signed, Self::Tolerance];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Signed => "signed",
+            Self::Tolerance => "tolerance",
+        }
+    }
+}
+
+words!(ErrorForm);
+
+const FORM: Key = word::<ErrorForm>(
+    "kind",
+    "signed: one sample, the signs are part of it; tolerance: plus-or-minus, which any robot of a series may have.",
+)
+.required();
+
+const SIGMAS: Key = number(
+    "sigmas",
+    NumberRange::Positive,
+    "Number of standard deviations of a normal distribution that its plus-or-minus is.",
+)
+.default(Literal::Number(Spread::SIGMAS));
+
+/// One word for all joints, or one for each.
+const BY_JOINT: Kind = Kind::Either(&[SPREAD, Kind::List(&SPREAD, (1, MAX_JOINTS), "words")]);
+
+/// One word for a frame, or one for each of its components.
+const BY_COMPONENT: Kind = Kind::Either(&[SPREAD, Kind::List(&SPREAD, (PER_FRAME, PER_FRAME), "words")]);
+
+const SPREAD: Kind = Kind::word::<Distribution>();
+
+/// Errors of the joints: one number for each.
+const fn row(name: &'static str, help: &'static str) -> Key {
+    Key::new(name, POSTURE, help).required_unless("joints")
+}
+
+key_table! {
+    frame_error, "a frame error", "Error of a frame, in itself.", {
+        POSITION = vector_or_zero("position_mm", "Errors along x, y and z.");
+        ROTATION = vector_or_zero("rotation_deg", "Errors about x, y and z.");
+    }
+}
+
+key_table! {
+    joint_frame_error, "a frame error of `joints`", "Error of the frame of one joint, in itself.", {
+        JOINT = Key::new("joint", Kind::Either(&[Kind::Whole(1, MAX_JOINTS as u64), Kind::Text]), "Joint, by its number from 1 or by its name.").required().example("1").remedy("add joint = 1, the number or the name of the joint");
+    }
+    extends super::frame_error::TABLE;
+}
+
+key_table! {
+    distribution, "`distribution`", "How the plus-or-minus values spread, by rows and frames.", {
+        DEFAULT = word::<Distribution>("default", "Distribution of everything that is not named.").default(Literal::Word(Distribution::Normal.name()));
+        DQ = Key::new("dq", BY_JOINT, "Distribution of dq_deg and dq_mm: one word, or a list with one for each joint.");
+        DR = Key::new("dr", BY_JOINT, "Distribution of dr_mm: one word, or a list with one for each joint.");
+        DL = Key::new("dl", BY_JOINT, "Distribution of dl_mm: one word, or a list with one for each joint.");
+        DALPHA = Key::new("dalpha", BY_JOINT, "Distribution of dalpha_deg: one word, or a list with one for each joint.");
+        DBETA = Key::new("dbeta", BY_JOINT, "Distribution of dbeta_deg: one word, or a list with one for each joint.");
+        BASE = Key::new("base", BY_COMPONENT, "Distribution of the base frame: one word, or six for x, y, z and the turns about them.");
+        TOOL = Key::new("tool", BY_COMPONENT, "Distribution of the TCP: one word, or six for x, y, z and the turns about them.");
+        JOINTS = Key::new("joints", BY_COMPONENT, "Distribution of every joint frame: one word, or six for x, y, z and the turns about them.");
+    }
+}
+
+/// Names that the parameters of a covariance may have.
+pub const PARAMETERS: &str = "dq, dr, dl, dalpha or dbeta and a joint (dl2), or base, tool or a joint and x, y, z, rx, ry or rz (joint2 x)";
+
+key_table! {
+    covariance, "`covariance`", "Covariance from a calibration: normal parameters that vary together; their plus-or-minus is 0.", {
+        PARAMETERS = Key::new("parameters", Kind::Checked(&Kind::List(&Kind::Text, (1, MANY), "names"), unique), "What the rows belong to: dq, dr, dl, dalpha or dbeta and a joint (dl2), or base, tool or a joint and x, y, z, rx, ry or rz (joint2 x).").required().example("[\"dl2\", \"dalpha3\", \"base x\"]").remedy("add parameters = [\"dq1\", \"dl2\"], what the rows belong to");
+        MATRIX = Key::new("matrix", Kind::List(&Kind::List(&FINITE, (1, MANY), "numbers"), (1, MANY), "rows"), "Covariances, a row for each of the parameters, in products of mm and degrees.").required().example("[[0.25, 0.1], [0.1, 4]]").remedy("add matrix = [[...], ...], a row for each of `parameters`");
+    }
+}
+
+key_table! {
+    error_set, "an error set", "Errors of the robot: one signed sample, or tolerances.", {
+        SOURCE = super::SOURCE.required().example("").remedy("add source = \"...\"");
+        FORM = super::FORM;
+        DQ_DEG = Key::new("dq_deg", POSTURE, "Errors of the coordinates of joints that turn: one for each joint, 0 for one that slides.");
+        DQ_MM = Key::new("dq_mm", POSTURE, "Errors of the coordinates of joints that slide: one for each joint, 0 for one that turns.");
+        DR = row("dr_mm", "Errors of the axial offsets r: one for each joint.");
+        DL = row("dl_mm", "Errors of the common normals l: one for each joint.");
+        DALPHA = row("dalpha_deg", "Errors of the twists alpha: one for each joint.");
+        DBETA = Key::new("dbeta_deg", POSTURE, "Errors of the fifth parameter (Hayati), for parallel axes: one for each joint.");
+        BASE = table("base", &frame_error::TABLE, "Error of the base frame.");
+        TOOL = table("tool", &frame_error::TABLE, "Error of the TCP.");
+        JOINTS = Key::new("joints", Kind::List(&Kind::Table(&joint_frame_error::TABLE), (0, MAX_JOINTS), "frame errors"), "Errors of joint frames; each moves everything from its joint on.").example("[{ joint = 1, rotation_deg = [0, 0, 0.1] }]");
+        DISTRIBUTION = Key::new("distribution", Kind::Either(&[SPREAD, Kind::Table(&distribution::TABLE)]), "How the plus-or-minus values spread: one word for all, or a table by rows and frames.").default(Literal::Word(Distribution::Normal.name()));
+        SIGMAS = super::SIGMAS;
+        COVARIANCE = table("covariance", &covariance::TABLE, "Covariance from a calibration.");
+    }
+    rules [
+        Rule::When { key: "kind", words: signed, needs: &[], never: &["distribution", "sigmas", "covariance"] },
+        Rule::NotNegativeWhen("kind", "tolerance"),
+    ];
+}
+
+key_table! {
+    errors_of_equipment, "`errors`", "Errors of the placement or fixture of an equipment, in its frame.", {
+        FORM = super::FORM;
+        DISTRIBUTION = Key::new("distribution", BY_COMPONENT, "How they spread: one word, or six for x, y, z and the turns about them.").default(Literal::Word(Distribution::Normal.name()));
+        SIGMAS = super::SIGMAS;
+    }
+    extends super::frame_error::TABLE;
+    rules [
+        Rule::When { key: "kind", words: signed, needs: &[], never: &["distribution", "sigmas"] },
+        Rule::NotNegativeWhen("kind", "tolerance"),
+    ];
+    refused [Refused {
+        name: "covariance",
+        message: "the errors of an equipment have no `covariance`",
+        remedy: "give its plus-or-minus in position_mm and rotation_deg",
+    }];
+}
+
+fn signed() -> Vec<String> {
+    vec![ErrorForm::Signed.name().to_string()]
+}

@@ -1,0 +1,134 @@
+//! Constructors of keys, and keys that several tables have.
+
+use super::key::*;
+use serde_json::{Value, json};
+
+/// Declares a table of keys as a module: a constant for each key, and `TABLE` with all of them.
+macro_rules! key_table {
+    ($(#[$doc:meta])* $name:ident, $what:literal, $help:literal,
+     { $($key:ident = $entry:expr;)* } $(extends $base:path;)? $(rules $rules:expr;)? $(refused $refused:expr;)?
+    ) => {
+        $(#[$doc])*
+        pub mod $name {
+            #[allow(unused_imports)]
+            use super::*;
+            $(pub const $key: Key = $entry;)*
+            pub const TABLE: KeyTable =
+                KeyTable::new($what, $help, &[$($key),*])$(.extends(&$base))?$(.rules(&$rules))?$(.refused(&$refused))?;
+        }
+    };
+}
+pub(crate) use key_table;
+
+/// Bounds of a coordinate that may be anywhere.
+const ANYWHERE: Kind = Kind::Coordinate(-LARGEST, LARGEST);
+
+pub const FINITE: Kind = Kind::Number(NumberRange::Finite);
+pub const POSITIVE: Kind = Kind::Number(NumberRange::Positive);
+pub const VECTOR: Kind = Kind::List(&FINITE, (3, 3), "numbers");
+pub const SIZES: Kind = Kind::List(&POSITIVE, (3, 3), "numbers");
+pub const PLAN: Kind = Kind::List(&FINITE, (2, 2), "numbers");
+pub const PLAN_SIZES: Kind = Kind::List(&POSITIVE, (2, 2), "numbers");
+
+pub const fn number(name: &'static str, range: NumberRange, help: &'static str) -> Key {
+    Key::new(name, Kind::Number(range), help)
+}
+
+/// A number that is 0 if it is not given.
+pub const fn number_or_zero(name: &'static str, range: NumberRange, help: &'static str) -> Key {
+    number(name, range, help).default(Literal::Number(0.0))
+}
+
+pub const fn vector(name: &'static str, help: &'static str) -> Key {
+    Key::new(name, VECTOR, help)
+}
+
+/// A vector that is 0 if it is not given.
+pub const fn vector_or_zero(name: &'static str, help: &'static str) -> Key {
+    vector(name, help).default(Literal::Zeros(3))
+}
+
+/// A vector that has a direction.
+pub const fn direction(name: &'static str, help: &'static str) -> Key {
+    Key::new(name, Kind::Checked(&VECTOR, not_zero), help).example("[0, 0, 1]")
+}
+
+fn not_zero() -> Value {
+    json!({ "not": { "enum": [[0, 0, 0]] } })
+}
+
+pub const fn coordinate(name: &'static str, help: &'static str) -> Key {
+    Key::new(name, ANYWHERE, help)
+}
+
+pub const fn text(name: &'static str, help: &'static str) -> Key {
+    Key::new(name, Kind::Text, help)
+}
+
+pub const fn boolean(name: &'static str, default: bool, help: &'static str) -> Key {
+    Key::new(name, Kind::Boolean, help).default(Literal::Boolean(default))
+}
+
+pub const fn table(name: &'static str, of: &'static KeyTable, help: &'static str) -> Key {
+    Key::new(name, Kind::Table(of), help)
+}
+
+pub const fn word<W: Word>(name: &'static str, help: &'static str) -> Key {
+    Key::new(name, Kind::word::<W>(), help)
+}
+
+/// `from`: the file that this one builds on.
+pub const fn from(example: &'static str) -> Key {
+    let help = "File that this one builds on; what stands here wins, lists are replaced whole.";
+    Key::new("from", Kind::Path, help).example(example)
+}
+
+/// `schema`: the kind of the file.
+pub const fn schema(name: &'static str) -> Key {
+    Key::new("schema", Kind::Exactly(name), "Kind of file and its version.").default(Literal::Word(name))
+}
+
+key_table! {
+    units, "`units`", "Units of all numbers of the file.", {
+        LENGTH = Key::new("length", Kind::Exactly("mm"), "Unit of lengths.").required();
+        ANGLE = Key::new("angle", Kind::Exactly("deg"), "Unit of angles.").required();
+    }
+}
+
+/// `units` of a file.
+pub const UNITS: Key = table("units", &units::TABLE, "Units of all numbers of the file.")
+    .example("{ length = \"mm\", angle = \"deg\" }");
+
+pub const SOURCE: Key = text("source", "Where the numbers come from.").example("\"data sheet, revision 3\"");
+
+/// Orientation of a frame or solid.
+pub const RPY: Key = vector_or_zero(
+    "rpy_deg",
+    "Orientation: turns about the fixed x, y and z axes, in this order (roll, pitch, yaw).",
+);
+
+key_table! {
+    placement, "`placement`", "Where something stands: x, y, z and the turn about z.", {
+        X = coordinate("x_mm", "Position along x: a number, { min, max, start } to search it, or a list of allowed values.").required().remedy("add x_mm = 0, or { min = -500, max = 500 } to let it be searched");
+        Y = coordinate("y_mm", "Position along y: a number, { min, max, start } to search it, or a list of allowed values.").required().remedy("add y_mm = 0, or { min = -500, max = 500 } to let it be searched");
+        Z = coordinate("z_mm", "Position along z: a number, { min, max, start } to search it, or a list of allowed values.").required().remedy("add z_mm = 0, or { min = -500, max = 500 } to let it be searched");
+        YAW = coordinate("yaw_deg", "Turn about z: a number, { min, max, start } to search it, or a list of allowed values.").default(Literal::Number(0.0));
+    }
+}
+
+key_table! {
+    range, "a range", "Range to search.", {
+        MIN = number("min", NumberRange::Finite, "Low end, in the unit of the key.").required();
+        MAX = number("max", NumberRange::Finite, "High end, in the unit of the key.").required();
+        START = number("start", NumberRange::Finite, "Value of the layout as drawn; if left out, the middle.");
+    }
+}
+
+key_table! {
+    placement_tolerance, "a placement tolerance", "How far something may stand from where it is meant to stand.", {
+        X = number_or_zero("x_mm", NumberRange::NotNegative, "Plus-or-minus of x.");
+        Y = number_or_zero("y_mm", NumberRange::NotNegative, "Plus-or-minus of y.");
+        Z = number_or_zero("z_mm", NumberRange::NotNegative, "Plus-or-minus of z.");
+        YAW = number_or_zero("yaw_deg", NumberRange::NotNegative, "Plus-or-minus of the turn about z.");
+    }
+}

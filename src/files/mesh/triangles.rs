@@ -1,0 +1,55 @@
+//! Vertices and triangles as mesh files give them.
+
+use nalgebra::Vector3;
+
+/// Most triangles of one mesh.
+pub const MAX_TRIANGLES: usize = 200_000;
+
+/// Farthest believable coordinate, m.
+const MAX_COORDINATE: f64 = 1e4;
+
+pub const BEYOND: &str = "a vertex that is no finite point of a workcell; is the unit right?";
+
+pub type Vertices = Vec<Vector3<f64>>;
+pub type Triangles = Vec<[u32; 3]>;
+
+/// What is wrong with a mesh, and in which line of its file (from 0).
+pub type Wrong = (Option<usize>, String);
+
+/// Whether a coordinate (m) is none of a workcell.
+pub fn is_beyond(coordinate: f64) -> bool {
+    coordinate.is_nan() || coordinate.abs() >= MAX_COORDINATE
+}
+
+pub fn too_many() -> String {
+    format!("more than {MAX_TRIANGLES} triangles: simplify it, a coarse mesh collides much faster")
+}
+
+/// One vertex for all at the same place, in order of first use; triangles without area by their
+/// corners are left out.
+pub fn merged(vertices: Vertices, mut triangles: Triangles) -> Result<(Vertices, Triangles), Wrong> {
+    // Adding 0 makes -0 and 0 the same bits.
+    let bits = |i: u32| vertices[i as usize].map(|c| (c + 0.0).to_bits()).data.0[0];
+    // Sorted and not hashed: a map of all places takes more memory than everything else.
+    let mut order: Vec<u32> = (0..vertices.len() as u32).collect();
+    order.sort_unstable_by_key(|&i| (bits(i), i));
+    let mut first = vec![0; vertices.len()];
+    for alike in order.chunk_by(|&i, &k| bits(i) == bits(k)) {
+        alike.iter().for_each(|&i| first[i as usize] = alike[0]);
+    }
+    let (mut kept, mut index) = (Vec::new(), vec![0; vertices.len()]);
+    for (i, vertex) in vertices.iter().enumerate() {
+        if first[i] == i as u32 {
+            index[i] = kept.len() as u32;
+            kept.push(*vertex);
+        }
+        index[i] = index[first[i] as usize];
+    }
+    triangles.iter_mut().for_each(|t| *t = t.map(|i| index[i as usize]));
+    triangles.retain(|[a, b, c]| a != b && b != c && c != a);
+    match triangles.len() {
+        0 => Err((None, "no triangle in it".into())),
+        n if n > MAX_TRIANGLES => Err((None, too_many())),
+        _ => Ok((kept, triangles)),
+    }
+}

@@ -1,0 +1,88 @@
+//! The attitude of the tool at an operation.
+
+use super::coordinate;
+use crate::cell::{Attitude, Azimuth, Coordinate, Spin};
+use crate::files::fault::shown;
+use crate::files::keys::key::NumberRange;
+use crate::files::keys::operation::{MAX_BEND, MAX_SPINS, operation};
+use crate::files::toml::reader::Table;
+use crate::files::toml::tree::Value;
+use crate::files::toml::value;
+use crate::files::toml::value::plain;
+use crate::units;
+
+/// The attitude as drawn, and its angles that may be searched: elevation, azimuth, spin.
+type Aim = (Attitude, [Option<Coordinate>; 3]);
+
+/// Reads `bend_deg`, `azimuth_deg`, `spin_deg` and `tolerance_deg` of an operation.
+pub fn read(t: &mut Table) -> Option<Aim> {
+    let elevation = read_bend(t);
+    let (azimuth, spin) = (read_azimuth(t), read_spin(t));
+    let tolerance = t.number(&operation::TOLERANCE)?;
+    let (elevation, (azimuth, searched_azimuth), (spin, searched_spin)) = (elevation?, azimuth?, spin?);
+    let attitude = Attitude { elevation: elevation.start(), azimuth, spin, tolerance };
+    // What is fixed stands in the attitude.
+    let angles = [Some(elevation), searched_azimuth, searched_spin];
+    Some((attitude, angles.map(|c| c.filter(Coordinate::is_free))))
+}
+
+/// Reads the elevation of the tool axis, rad.
+fn read_bend(t: &mut Table) -> Option<Coordinate> {
+    let node = t.get(&operation::BEND)?;
+    let bend = coordinate::read(node, &operation::BEND, t)?;
+    let (low, high) = bend.range();
+    let beyond = [low, high].map(units::deg_from_rad).into_iter().find(|deg| deg.abs() > MAX_BEND + 1e-9);
+    if let Some(deg) = beyond {
+        let given = plain(units::rounded(deg, 6));
+        let message = format!("`bend_deg` must be from -{MAX_BEND} to {MAX_BEND}, not {given}");
+        let help = "-90 is the tool pointing down, 0 horizontal, 90 up, -100 down and back by 10";
+        t.error(node.at, message, help);
+    }
+    Some(bend)
+}
+
+/// Reads an angle in the surface or a range of them, "radial" or "free".
+fn read_azimuth(t: &mut Table) -> Option<(Azimuth, Option<Coordinate>)> {
+    let key = operation::AZIMUTH;
+    let Some(node) = t.get(&key) else { return Some((Azimuth::Free, None)) };
+    match &node.value {
+        Value::Text(word) if word == "radial" => Some((Azimuth::Radial, None)),
+        Value::Text(word) if word == "free" => Some((Azimuth::Free, None)),
+        Value::Text(word) => {
+            let message = format!("`azimuth_deg` cannot be \"{}\"", shown(word));
+            t.error(node.at, message, "write an angle in the surface, \"radial\" or \"free\"");
+            None
+        }
+        _ => {
+            let angle = coordinate::read(node, &key, t)?;
+            Some((Azimuth::Surface(angle.start()), Some(angle)))
+        }
+    }
+}
+
+/// Reads one angle, a list of them, a range to choose one from, or "free".
+fn read_spin(t: &mut Table) -> Option<(Spin, Option<Coordinate>)> {
+    let key = operation::SPIN;
+    let Some(node) = t.get(&key) else { return Some((Spin::Free, None)) };
+    match &node.value {
+        Value::Text(word) if word == "free" => Some((Spin::Free, None)),
+        Value::Text(word) => {
+            let message = format!("`spin_deg` cannot be \"{}\"", shown(word));
+            t.error(node.at, message, "write an angle, a list of angles, or \"free\"");
+            None
+        }
+        Value::Array(items) if items.is_empty() || items.len() > MAX_SPINS => {
+            let message = format!("`spin_deg` must be 1 to {MAX_SPINS} angles, not {}", items.len());
+            t.error(node.at, message, "write for example spin_deg = [0, 90, 180, 270], or \"free\"");
+            None
+        }
+        Value::Array(items) => {
+            let angles = value::numbers(node, "`spin_deg`", items.len(), NumberRange::Finite, t.lib)?;
+            Some((Spin::At(angles.into_iter().map(units::rad_from_deg).collect()), None))
+        }
+        _ => {
+            let angle = coordinate::read(node, &key, t)?;
+            Some((Spin::At(vec![angle.start()]), Some(angle)))
+        }
+    }
+}

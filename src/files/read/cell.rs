@@ -1,0 +1,183 @@
+//! Cell files: robot, equipment, obstacles, operations, search settings.
+
+use super::header::header;
+use super::{constraints, equipment, operation, placement, robot, sense};
+use crate::cell::*;
+use crate::files::fault::{did_you_mean, listed, shown};
+use crate::files::keys::cell::{cell, search};
+use crate::files::keys::robot::robot_in_cell;
+use crate::files::toml::document::Library;
+use crate::files::toml::reader::Table;
+use crate::files::toml::tree::Node;
+use crate::files::toml::value::{is_name, text, word};
+
+/// Reads a whole cell; good only if no fault was recorded. `stem` names it by default.
+pub fn read(stem: &str, root: &Node, lib: &mut Library) -> Option<Cell> {
+    Table::read(root, cell::TABLE.what, &cell::TABLE, lib, |t| {
+        header(t, &cell::SCHEMA)?;
+        let stem = if is_name(stem) { stem } else { "cell" };
+        let name = t.if_given(&cell::NAME, Table::name);
+        t.if_given(&cell::SOURCE, Table::text);
+        let robot = read_robot(t);
+        let errors = read_error_choice(t);
+        let question = read_question(t);
+        let mut equipment = read_equipment(t);
+        equipment::tie(t, &mut equipment);
+        let keep_out = t.named(&cell::KEEP_OUT, equipment::read_keep_out);
+        let senses = sense::read_all(t);
+        let operations = operation::read_all(t, &equipment, &senses);
+        let (collision, clearance) = (t.boolean(&cell::COLLISION), t.number(&cell::CLEARANCE));
+        let floor = t.number(&cell::FLOOR);
+        let built = robot.as_ref().map(|(robot, ..)| robot);
+        let margins = constraints::read_margins(t, built);
+        let transfer = constraints::read_transfer(t, built, margins);
+        let fence = constraints::read_fence(t);
+        let search = read_search(t);
+        let ((robot, base, base_tolerance), question) = (robot?, question?);
+        let mut cell = Cell {
+            name: name?.unwrap_or_else(|| stem.to_string()),
+            robot,
+            base,
+            base_tolerance,
+            errors: errors?,
+            model: question.model,
+            reading: question.reading.unwrap_or(Reading::Signed),
+            quantity: question.quantity,
+            registration: question.registration,
+            guard: question.guard,
+            equipment,
+            keep_out,
+            operations,
+            senses,
+            collision: collision?,
+            clearance: clearance?,
+            floor: floor?,
+            margins: margins?,
+            transfer: transfer?,
+            fence: fence?,
+            search: search?,
+        };
+        refuse_nothing_to_withstand(t, &cell);
+        if question.reading.is_none() {
+            cell.reading = cell.default_reading();
+        }
+        Some(cell)
+    })
+}
+
+/// How the errors are judged.
+struct Question {
+    model: Model,
+    /// None: it follows from the errors.
+    reading: Option<Reading>,
+    quantity: Quantity,
+    registration: Registration,
+    guard: f64,
+}
+
+fn read_question(t: &mut Table) -> Option<Question> {
+    let model = t.word(&cell::MODEL);
+    let reading = t.if_given(&cell::READING, Table::word);
+    let quantity = t.word(&cell::QUANTITY);
+    let registration = t.word(&cell::REGISTRATION);
+    let guard = t.number(&cell::GUARD);
+    Some(Question {
+        model: model?,
+        reading: reading?,
+        quantity: quantity?,
+        registration: registration?,
+        guard: guard?,
+    })
+}
+
+type Based = (Robot, [Coordinate; 4], PlacementTolerance);
+
+fn read_robot(t: &mut Table) -> Option<Based> {
+    t.table(&cell::ROBOT, |t| {
+        let origin = [(); 4].map(|()| Coordinate::Fixed(0.0));
+        let base = t.table_or(&robot_in_cell::BASE, origin, placement::read);
+        let exact = PlacementTolerance::default();
+        let tolerance = t.table_or(&robot_in_cell::BASE_TOLERANCE, exact, placement::read_tolerance);
+        Some((robot::read(t)?, base?, tolerance?))
+    })
+}
+
+/// Refuses a robust search of a cell in which nothing may be misplaced.
+fn refuse_nothing_to_withstand(t: &mut Table, read: &Cell) {
+    if let Some(node) = t.get(&cell::SEARCH).and_then(|settings| settings.value.get(search::ROBUST.name))
+        && read.search.robust
+        && !read.has_placement_tolerance()
+    {
+        let help = "add placement_tolerance = { x_mm = 2, y_mm = 2 } to an equipment";
+        t.error(node.at, "`robust`, but everything is placed exactly", help);
+    }
+}
+
+/// Reads `errors = "NAME"`: one of the robot's sets, by the names in its file.
+fn read_error_choice(t: &mut Table) -> Option<usize> {
+    let node = t.get(&cell::ERRORS)?;
+    let name = text(node, cell::ERRORS.name, t.lib)?;
+    let robot = t.get(&cell::ROBOT)?;
+    let sets = robot.value.get("errors")?.value.entries();
+    let found = sets.iter().position(|(k, ..)| *k == name);
+    if found.is_none() && !robot.value.is_partial() {
+        let names = || sets.iter().map(|(k, ..)| k.as_str());
+        let help = match did_you_mean(&name, names()) {
+            Some(near) => format!("did you mean \"{}\"?", shown(near)),
+            None => format!("the robot has: {}", listed(names())),
+        };
+        t.error(node.at, format!("the robot has no error set `{}`", shown(&name)), help);
+    }
+    found
+}
+
+/// Reads the equipment, then the obstacles: no two of the same name.
+fn read_equipment(t: &mut Table) -> Vec<Equipment> {
+    let taken = t.get(&cell::EQUIPMENT);
+    let mut all = t.named(&cell::EQUIPMENT, |name, t| equipment::read(name, t, Role::Equipment));
+    all.extend(t.named(&cell::OBSTACLE, |name, t| {
+        if taken.is_some_and(|taken| taken.value.get(name).is_some()) {
+            let message = format!("the name `{}` is already that of an equipment", shown(name));
+            t.error(t.at, message, "give the obstacle a name of its own");
+        }
+        equipment::read(name, t, Role::Obstacle)
+    }));
+    all
+}
+
+fn read_search(t: &mut Table) -> Option<SearchSettings> {
+    t.table_or(&cell::SEARCH, SearchSettings::default(), |t| {
+        let (solver, objective) = (t.word(&search::SOLVER), t.word(&search::OBJECTIVE));
+        let indifference = t.number(&search::INDIFFERENCE);
+        let (budget, seed) = (t.whole(&search::BUDGET), t.whole(&search::SEED));
+        let robust = t.boolean(&search::ROBUST);
+        let gap = t.if_given(&search::GAP, Table::number);
+        let stagnation = t.if_given(&search::STAGNATION, Table::whole);
+        let (pareto, keep) = (read_pareto(t), t.if_given(&search::KEEP, Table::whole));
+        Some(SearchSettings {
+            solver: solver?,
+            objective: objective?,
+            indifference: indifference?,
+            budget: budget?,
+            seed: seed?,
+            robust: robust?,
+            gap: gap?,
+            stagnation: stagnation?,
+            pareto: pareto?,
+            keep: keep?.unwrap_or(0) as usize,
+        })
+    })
+}
+
+/// Reads `pareto = ["error", "clearance"]`: two goals or more, each once.
+fn read_pareto(t: &mut Table) -> Option<Goals> {
+    let Some(node) = t.get(&search::PARETO) else { return Some(Goals::default()) };
+    let named = t.items(&search::PARETO)?.iter().map(|item| word(item, search::PARETO.name, t.lib));
+    let named: Option<Vec<Goal>> = named.collect::<Vec<_>>().into_iter().collect();
+    let goals = Goals::of(&named?);
+    if goals.is_none() {
+        let help = format!("there are: {}", listed(Goal::ALL.map(Goal::name)));
+        t.error(node.at, "`pareto` must name each goal once", help);
+    }
+    goals
+}

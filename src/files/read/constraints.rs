@@ -1,0 +1,160 @@
+//! `[margins]`, `[transfer]` and `[fence]`.
+
+use crate::cell::*;
+use crate::files::fault::shown;
+use crate::files::keys::cell::cell;
+use crate::files::keys::constraints::{fence, margins, transfer};
+use crate::files::keys::key::NumberRange;
+use crate::files::toml::reader::Table;
+use crate::files::toml::tree::Node;
+use crate::files::toml::value;
+use crate::files::toml::value::plain;
+use crate::units;
+use nalgebra::Vector2;
+
+/// Least area of a fence, m2: less is a slip of units.
+const MIN_AREA: f64 = 1e-4;
+
+/// Least distance of two corners of a fence, m.
+const MIN_EDGE: f64 = 1e-6;
+
+/// Reads `[margins]`; `robot`: for the travel that its joints have left, if it could be read.
+pub fn read_margins(t: &mut Table, robot: Option<&Robot>) -> Option<Margins> {
+    t.table_or(&cell::MARGINS, Margins::default(), |t| {
+        let (turn, slide) = (t.number(&margins::TURN), t.number(&margins::SLIDE));
+        let singularity = t.number(&margins::SINGULARITY);
+        let read = Margins { turn: turn?, slide: slide?, singularity: singularity? };
+        for (key, kind) in [(margins::TURN, JointKind::Revolute), (margins::SLIDE, JointKind::Prismatic)] {
+            let moving = robot.iter().flat_map(|r| &r.joints).filter(|j| j.kind == kind && !j.is_passive());
+            let narrow = |j: &&Joint| {
+                let (low, high) = read.kept(j);
+                low >= high
+            };
+            if let Some((joint, node)) = moving.into_iter().find(narrow).zip(t.get(&key)) {
+                let half = in_file(kind, (joint.limits.1 - joint.limits.0) / 2.0);
+                let message = format!("`{}` leaves no travel to joint `{}`", key.name, shown(&joint.name));
+                t.error(node.at, message, format!("write less than {}, half its travel", plain(half)));
+            }
+        }
+        Some(read)
+    })
+}
+
+/// A coordinate in the unit of files, rounded for print.
+fn in_file(kind: JointKind, q: f64) -> f64 {
+    units::rounded(if kind == JointKind::Revolute { units::deg_from_rad(q) } else { units::mm_from_m(q) }, 6)
+}
+
+/// Reads `[transfer]`; the inner None: transfers are not checked.
+pub fn read_transfer(
+    t: &mut Table,
+    robot: Option<&Robot>,
+    margins: Option<Margins>,
+) -> Option<Option<TransferRules>> {
+    t.table_or(&cell::TRANSFER, None, |t| {
+        let (check, lift) = (t.boolean(&transfer::CHECK), t.number(&transfer::LIFT));
+        let cycle = t.boolean(&transfer::CYCLE);
+        let given = t.get(&transfer::VIA);
+        let (robot, margins) = (robot?, margins?);
+        let via = match given {
+            Some(node) => read_via(node, robot, &margins, t),
+            None => Some(vec![robot.home]),
+        };
+        let rules = TransferRules { lift: lift?, via: via?, cycle: cycle? };
+        Some(check?.then_some(rules))
+    })
+}
+
+/// Reads one posture, or a list of them.
+fn read_via(node: &Node, robot: &Robot, margins: &Margins, t: &mut Table) -> Option<Vec<JointVector>> {
+    let lists = node.value.items().filter(|items| items.iter().all(|item| item.value.items().is_some()));
+    let postures = lists.unwrap_or(std::slice::from_ref(node));
+    let read: Vec<_> = postures.iter().map(|node| read_posture(node, robot, margins, t)).collect();
+    read.into_iter().collect()
+}
+
+fn read_posture(node: &Node, robot: &Robot, margins: &Margins, t: &mut Table) -> Option<JointVector> {
+    let given = value::numbers(node, "a posture of `via`", robot.axes(), NumberRange::Finite, t.lib)?;
+    let mut posture = [0.0; MAX_JOINTS];
+    for (i, (joint, &q)) in robot.joints.iter().zip(&given).enumerate() {
+        let turns = joint.kind == JointKind::Revolute;
+        posture[i] = if turns { units::rad_from_deg(q) } else { units::m_from_mm(q) };
+        let (low, high) = margins.kept(joint);
+        if !(low..=high).contains(&posture[i]) {
+            let (low, high) = (plain(in_file(joint.kind, low)), plain(in_file(joint.kind, high)));
+            let less = if margins.of(joint) > 0.0 { ", less the margin" } else { "" };
+            let message = format!(
+                "number {} of `via` is outside the limits of joint `{}`{less}",
+                i + 1,
+                shown(&joint.name)
+            );
+            let at = node.value.items().map_or(node.at, |items| items[i].at);
+            t.error(at, message, format!("choose it from {low} to {high}, not {}", plain(q)));
+        }
+    }
+    Some(posture)
+}
+
+/// Reads `[fence]`; the inner None: there is no fence.
+pub fn read_fence(t: &mut Table) -> Option<Option<Fence>> {
+    t.table_or(&cell::FENCE, None, |t| {
+        let height = t.if_given(&fence::HEIGHT, Table::number);
+        let corners = read_corners(t.get(&fence::POLYGON)?, t);
+        Some(Some(Fence { corners: corners?, height: height? }))
+    })
+}
+
+/// Reads the corners of a simple polygon; returns them counterclockwise.
+fn read_corners(node: &Node, t: &mut Table) -> Option<Vec<(f64, f64)>> {
+    let items = value::items(node, &fence::POLYGON, t.lib)?;
+    let read = |(i, item)| {
+        let what = format!("corner {} of `polygon_mm`", i + 1);
+        let corner = value::numbers(item, &what, 2, NumberRange::Finite, t.lib);
+        corner.map(|c| Vector2::from_iterator(c).map(units::m_from_mm))
+    };
+    let corners: Vec<_> = items.iter().enumerate().map(read).collect();
+    let corners: Vec<Vector2<f64>> = corners.into_iter().collect::<Option<_>>()?;
+    let n = corners.len();
+    let edge = |k: usize| (corners[k], corners[(k + 1) % n]);
+    if let Some(k) = (0..n).find(|&k| (edge(k).1 - edge(k).0).norm() < MIN_EDGE) {
+        let message = format!("corners {} and {} of `polygon_mm` are one", k + 1, (k + 1) % n + 1);
+        t.error(items[(k + 1) % n].at, message, "remove one of the two: the fence closes by itself");
+        return None;
+    }
+    let pairs = (0..n).flat_map(|i| (i + 1..n).map(move |j| (i, j)));
+    if let Some((i, j)) =
+        pairs.into_iter().find(|&(i, j)| cross(edge(i), edge(j), j == i + 1, j + 1 == n && i == 0))
+    {
+        let message = format!("the fence crosses itself: its edges {} and {}", i + 1, j + 1);
+        t.error(items[j].at, message, "list the corners in the order in which you walk along the fence");
+        return None;
+    }
+    let area: f64 = (0..n).map(|k| edge(k).0.perp(&edge(k).1) / 2.0).sum();
+    if area.abs() < MIN_AREA {
+        t.error(node.at, "the fence holds nearly no floor", "is the unit right? lengths are in mm");
+    }
+    let mut corners: Vec<_> = corners.iter().map(|c| (c.x, c.y)).collect();
+    if area < 0.0 {
+        corners.reverse();
+    }
+    Some(corners)
+}
+
+/// Whether two edges share a point, their common corner aside; `follows`: the second begins where the
+/// first ends, `leads`: it ends where the first begins.
+fn cross(a: Edge, b: Edge, follows: bool, leads: bool) -> bool {
+    let (u, v) = (a.1 - a.0, b.1 - b.0);
+    if follows || leads {
+        // Neighbours meet again only if one runs back over the other.
+        let back = if follows { u.dot(&v) } else { v.dot(&u) };
+        let flat = u.perp(&v).abs() <= 1e-12 * u.norm() * v.norm();
+        return flat && back < 0.0;
+    }
+    let side = |e: Edge, p: Vector2<f64>| (e.1 - e.0).perp(&(p - e.0));
+    let between = |e: Edge, p: Vector2<f64>| side(e, p) == 0.0 && (p - e.0).dot(&(p - e.1)) <= 0.0;
+    let apart = |e: Edge, f: Edge| side(e, f.0) * side(e, f.1) >= 0.0;
+    let proper = !apart(a, b) && !apart(b, a);
+    proper || between(a, b.0) || between(a, b.1) || between(b, a.0) || between(b, a.1)
+}
+
+type Edge = (Vector2<f64>, Vector2<f64>);

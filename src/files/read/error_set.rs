@@ -1,0 +1,99 @@
+//! Error sets of a robot: signed samples or tolerances of its kinematic parameters.
+
+use super::frame_error;
+use super::row_order::Arm;
+use super::tolerance;
+use crate::cell::*;
+use crate::files::keys::errors::{ErrorForm, error_set};
+use crate::files::keys::key::{Key, NumberRange};
+use crate::files::keys::robot::robot;
+use crate::files::toml::reader::Table;
+use crate::files::toml::tree::Value;
+
+/// Reads every `[errors.NAME]`; without the number of axes nothing.
+pub fn read_all(
+    t: &mut Table,
+    axes: Option<usize>,
+    joints: Option<&[Joint]>,
+    convention: Option<Convention>,
+) -> Vec<ErrorSet> {
+    let node = t.get(&robot::ERRORS);
+    let Some(axes) = axes else { return Vec::new() };
+    if let Some(node) = node
+        && matches!(&node.value, Value::Table(entries) if entries.is_empty())
+    {
+        t.error(node.at, "no error set", robot::ERRORS.remedy);
+    }
+    let modified = convention == Some(Convention::Modified);
+    let arm = Arm { axes, joints: joints.unwrap_or(&[]), modified };
+    t.named(&robot::ERRORS, |name, t| read(name, t, arm))
+}
+
+fn read(name: &str, t: &mut Table, arm: Arm<'_>) -> Option<ErrorSet> {
+    t.text(&error_set::SOURCE);
+    let form = t.word(&error_set::FORM);
+    let values = read_values(name, t, arm, tolerance::range_of(form));
+    if form == Some(ErrorForm::Tolerance) {
+        return tolerance::read(t, values, arm).map(ErrorSet::Tolerance);
+    }
+    tolerance::refuse(t, form);
+    values.map(ErrorSet::Signed)
+}
+
+/// Reads the rows and frames: one number for each parameter.
+fn read_values(name: &str, t: &mut Table, arm: Arm<'_>, range: NumberRange) -> Option<SignedErrors> {
+    let n = arm.axes;
+    let keys = [
+        error_set::DQ_DEG,
+        error_set::DQ_MM,
+        error_set::DR,
+        error_set::DL,
+        error_set::DALPHA,
+        error_set::DBETA,
+    ];
+    let [dq_deg, dq_mm, dr, dl, dalpha, dbeta] = keys.map(|key| t.numbers_of(&key, n, range));
+    let base = frame_error::read_part(t, &error_set::BASE, range);
+    let tool = frame_error::read_part(t, &error_set::TOOL, range);
+    let joints = frame_error::read_joints(t, arm, range);
+    let (dq_deg, dq_mm) = (dq_deg?, dq_mm?);
+    check_joint_kinds(t, &error_set::DQ_DEG, &dq_deg, arm, JointKind::Revolute);
+    check_joint_kinds(t, &error_set::DQ_MM, &dq_mm, arm, JointKind::Prismatic);
+    // One of the two is zero for every joint.
+    let dq = dq_deg.iter().zip(dq_mm).map(|(a, b)| a + b).collect();
+    let (dr, dl, dalpha, dbeta) = (dr?, dl?, dalpha?, dbeta?);
+    let (base, tool, joints, name) = (base?, tool?, joints?, name.to_string());
+    if arm.modified {
+        refuse_first_row(t, &base, &joints);
+    }
+    let rows = SignedErrors { name: name.clone(), dq, dr, dl, dalpha, dbeta, base, tool, joints };
+    let mut values = rows.values();
+    arm.in_order(&mut values);
+    Some(SignedErrors::of_values(name, n, &values))
+}
+
+/// Refuses an error of a frame that row 1 of modified rows already has: they begin with the common normal.
+fn refuse_first_row(t: &mut Table, base: &[f64; PER_FRAME], joints: &[[f64; PER_FRAME]]) {
+    let of_base = (error_set::BASE, base[3] != 0.0, "rx of `base` is dalpha", "number 1 of dalpha_deg");
+    let is_joint = joints.first().is_some_and(|joint| joint[0] != 0.0 || joint[4] != 0.0);
+    let place = "number 1 of dl_mm and dbeta_deg";
+    let of_joint = (error_set::JOINTS, is_joint, "x and ry of joint 1 are dl and dbeta", place);
+    for (key, _, what, place) in [of_base, of_joint].into_iter().filter(|of| of.1) {
+        let at = t.get(&key).map_or(t.at, |node| node.at);
+        let message = format!("{what} of row 1: this robot has modified rows");
+        t.error(at, message, format!("give it as {place}"));
+    }
+}
+
+/// Checks that an error of a joint coordinate has the unit of that joint.
+fn check_joint_kinds(t: &mut Table, key: &Key, values: &[f64], arm: Arm<'_>, kind: JointKind) {
+    let Some(node) = t.get(key) else { return };
+    let (is, right) = match kind {
+        JointKind::Revolute => ("slides", "dq_mm"),
+        JointKind::Prismatic => ("turns", "dq_deg"),
+    };
+    let pairs = arm.joints.iter().zip(values).enumerate();
+    for (i, (joint, _)) in pairs.filter(|(_, (j, v))| j.kind != kind && **v != 0.0) {
+        let message = format!("number {} of `{}` must be 0: joint `{}` {is}", i + 1, key.name, joint.name);
+        t.error(node.at, message, format!("give its error in {right}"));
+    }
+}

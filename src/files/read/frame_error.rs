@@ -1,0 +1,85 @@
+//! Errors of a frame: of the robot's base, tool and joints, and of an equipment's placement or fixture.
+
+use super::row_order::Arm;
+use super::tolerance;
+use crate::cell::*;
+use crate::files::fault::{did_you_mean, listed, shown};
+use crate::files::keys::errors::{ErrorForm, error_set, errors_of_equipment, frame_error, joint_frame_error};
+use crate::files::keys::key::{Key, NumberRange};
+use crate::files::toml::reader::Table;
+use crate::files::toml::tree::{Node, Value};
+use crate::files::toml::value;
+
+/// Reads the frame error under a key of an error set; missing: none.
+pub fn read_part(t: &mut Table, key: &Key, range: NumberRange) -> Option<[f64; PER_FRAME]> {
+    t.table_or(key, [0.0; PER_FRAME], |t| read_values(t, range))
+}
+
+/// Reads `position_mm` and `rotation_deg`, each 0 if missing.
+fn read_values(t: &mut Table, range: NumberRange) -> Option<[f64; PER_FRAME]> {
+    let position = t.numbers_of(&frame_error::POSITION, 3, range);
+    let rotation = t.numbers_of(&frame_error::ROTATION, 3, range);
+    let (position, rotation) = (position?, rotation?);
+    let mut all = position.into_iter().chain(rotation);
+    Some([(); PER_FRAME].map(|()| all.next().unwrap_or(0.0)))
+}
+
+/// Reads `joints` of an error set: the frame error of every joint, none of those that are not listed.
+pub fn read_joints(t: &mut Table, arm: Arm<'_>, range: NumberRange) -> Option<Vec<[f64; PER_FRAME]>> {
+    let mut all = vec![[0.0; PER_FRAME]; arm.axes];
+    if t.get(&error_set::JOINTS).is_none() {
+        return Some(all);
+    }
+    let before = t.lib.errors();
+    let mut given = vec![false; arm.axes];
+    let read = t.tables(&error_set::JOINTS, |t| {
+        let values = read_values(t, range);
+        let node = t.get(&joint_frame_error::JOINT)?;
+        let joint = read_joint(node, arm, t)?;
+        if std::mem::replace(&mut given[joint], true) {
+            let message = format!("joint {} is given twice", joint + 1);
+            t.error(node.at, message, "write what is wrong with its frame into one of the two");
+        }
+        Some((joint, values?))
+    });
+    read?.into_iter().flatten().for_each(|(joint, values)| all[joint] = values);
+    (t.lib.errors() == before).then_some(all)
+}
+
+/// Reads a joint by its name, or by its number from 1; returns its index.
+fn read_joint(node: &Node, arm: Arm<'_>, t: &mut Table) -> Option<usize> {
+    let Value::Text(name) = &node.value else {
+        let number = value::whole(node, "`joint`", (1, arm.axes as u64), t.lib)?;
+        return Some(number as usize - 1);
+    };
+    let names = || arm.joints.iter().map(|joint| joint.name.as_str());
+    let found = names().position(|n| n == name);
+    // The names of a robot that could not be read are not known.
+    if found.is_none() && !arm.joints.is_empty() {
+        let help = match did_you_mean(name, names()) {
+            Some(near) => format!("did you mean \"{}\"?", shown(near)),
+            None => format!("the robot has: {}", listed(names())),
+        };
+        t.error(node.at, format!("the robot has no joint `{}`", shown(name)), help);
+    }
+    found
+}
+
+/// Reads `errors` of an equipment.
+pub fn read_errors(t: &mut Table) -> Option<FrameErrors> {
+    let form = t.word(&errors_of_equipment::FORM);
+    let values = read_values(t, tolerance::range_of(form));
+    if form != Some(ErrorForm::Tolerance) {
+        tolerance::refuse(t, form);
+        return values.map(FrameErrors::Signed);
+    }
+    let normal = Distribution::Normal;
+    let distributions = tolerance::read_words(t, &errors_of_equipment::DISTRIBUTION, PER_FRAME, normal);
+    let sigmas = t.number(&errors_of_equipment::SIGMAS);
+    let (values, distributions, sigmas) = (values?, distributions?, sigmas?);
+    let mut spreads = values.map(Spread::of_magnitude);
+    for (spread, distribution) in spreads.iter_mut().zip(distributions) {
+        (spread.distribution, spread.sigmas) = (distribution, sigmas);
+    }
+    Some(FrameErrors::Tolerance(spreads))
+}

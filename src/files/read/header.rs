@@ -1,0 +1,54 @@
+//! The header that every kind of file begins with: `schema` and `units`.
+
+use crate::files::fault::shown;
+use crate::files::keys::key::{Key, Kind};
+use crate::files::keys::parts::{UNITS, units};
+use crate::files::toml::reader::Table;
+use crate::files::toml::tree::Node;
+use crate::files::toml::value;
+
+/// Reads `schema` and `units`. Returns None for a file of another kind, of which nothing more is read. A part
+/// written inside a cell has neither: those of the cell hold.
+pub fn header(t: &mut Table, schema: &Key) -> Option<()> {
+    let given = t.get(schema);
+    if given.is_some_and(|node| !is_schema(node, t, schema)) {
+        t.give_up();
+        return None;
+    }
+    let units = if given.is_some() { UNITS.required() } else { UNITS };
+    t.table(&units, |t| {
+        for key in [units::LENGTH, units::ANGLE] {
+            let (Some(node), Kind::Exactly(wanted)) = (t.get(&key), key.kind) else { continue };
+            let given = value::text(node, key.name, t.lib).filter(|given| given != wanted);
+            let Some(given) = given else { continue };
+            let name = key.name;
+            let message = format!("`{name}` must be in \"{wanted}\", not in \"{}\"", shown(&given));
+            let help = format!("convert the numbers of the file, then write {name} = \"{wanted}\"");
+            t.error(node.at, message, help);
+        }
+        Some(())
+    });
+    Some(())
+}
+
+/// Whether the file is of the wanted kind. If another file brought the wrong one, the fault is where that
+/// file was named.
+fn is_schema(node: &Node, t: &mut Table, schema: &Key) -> bool {
+    let Kind::Exactly(wanted) = schema.kind else { return false };
+    let Some(given) = value::text(node, "schema", t.lib) else { return false };
+    if given == wanted {
+        return true;
+    }
+    let file = shown(&t.lib.sources[node.at.file].path);
+    let named = if node.at.file == t.at.file { node.at } else { t.at };
+    let (at, message) = match KINDS.iter().find(|(kind, _)| given == format!("sweetspot/{kind}/1")) {
+        Some((_, what)) => (named, format!("`{file}` is the file of {what}")),
+        None => (node.at, format!("`{}` is no schema that is read", shown(&given))),
+    };
+    t.error(at, message, format!("a file with schema = \"{wanted}\" is wanted here"));
+    false
+}
+
+/// Kinds of files, with the article.
+const KINDS: [(&str, &str); 4] =
+    [("cell", "a cell"), ("robot", "a robot"), ("tool", "a tool"), ("equipment", "an equipment")];

@@ -1,0 +1,24 @@
+//! Readers of each kind of file: from the located tree to the model, by the tables of keys.
+
+pub mod attitude;
+pub mod cell;
+pub mod constraints;
+pub mod coordinate;
+pub mod covariance;
+pub mod equipment;
+pub mod error_set;
+pub mod frame_error;
+pub mod header;
+pub mod joint;
+pub mod operation;
+pub mod place;
+pub mod placement;
+pub mod plausible;
+pub mod question;
+pub mod robot;
+pub mod row_order;
+pub mod sense;
+pub mod solid;
+pub mod teach;
+pub mod tolerance;
+pub mod tool;

@@ -1,0 +1,217 @@
+//! Operations of a cell: on which surface, where on it, which way the tool points.
+
+use super::{attitude, place, teach, tool};
+use crate::cell::*;
+use crate::files::fault::{did_you_mean, listed, shown};
+use crate::files::keys::cell::cell;
+use crate::files::keys::operation::operation;
+use crate::files::toml::reader::Table;
+use crate::files::toml::tree::{Entry, Node, Value};
+use std::collections::HashMap;
+
+const PICKED: &str = "name the operation in which the part was picked";
+
+/// Reads every `[operation.NAME]`.
+pub fn read_all(t: &mut Table, equipment: &[Equipment], senses: &[Sense]) -> Vec<Operation> {
+    let operations = t.get(&cell::OPERATION);
+    if let Some(node) = operations
+        && matches!(&node.value, Value::Table(entries) if entries.is_empty())
+    {
+        t.error(node.at, "no operation", cell::OPERATION.remedy);
+    }
+    let standing = [cell::EQUIPMENT, cell::OBSTACLE].map(|key| t.get(&key));
+    let named = t.get(&cell::SENSE);
+    let is_table = |node: &&Node| matches!(node.value, Value::Table(_));
+    let complete = !t.partial && standing.iter().chain([&named]).flatten().all(is_table);
+    let around = Around {
+        complete,
+        equipment,
+        entries: standing.into_iter().flatten().flat_map(|node| node.value.entries()).collect(),
+        senses: senses.iter().map(|sense| (sense.name.as_str(), sense)).collect(),
+        sense_names: names(named),
+        sense_entries: entries_of(named),
+        operation_names: names(operations),
+        operations: entries_of(operations),
+    };
+    t.named(&cell::OPERATION, |name, t| read(name, t, &around))
+}
+
+/// What an operation may name.
+struct Around<'c> {
+    /// Whether nothing was lost with a file.
+    complete: bool,
+    /// Equipment and senses that could be read.
+    equipment: &'c [Equipment],
+    senses: HashMap<&'c str, &'c Sense>,
+    /// What is named: what stands, equipment first; senses; operations.
+    entries: Vec<&'c Entry>,
+    sense_names: Places<'c>,
+    sense_entries: &'c [Entry],
+    operation_names: Places<'c>,
+    operations: &'c [Entry],
+}
+
+/// Places of entries by their names.
+type Places<'c> = HashMap<&'c str, usize>;
+
+fn entries_of(node: Option<&Node>) -> &[Entry] {
+    node.map_or(&[], |node| node.value.entries())
+}
+
+fn names(node: Option<&Node>) -> Places<'_> {
+    entries_of(node).iter().enumerate().map(|(k, (name, ..))| (name.as_str(), k)).collect()
+}
+
+fn read(name: &str, t: &mut Table, around: &Around<'_>) -> Option<Operation> {
+    let on = read_surface_choice(t, around);
+    let surface = on.and_then(|k| around.surface(k));
+    let place = place::read(t, surface);
+    let standoff = t.number(&operation::STANDOFF);
+    let attitude = attitude::read(t);
+    let sense = read_sense(t, around);
+    let limit = read_limit(t, sense.as_ref());
+    let relative_to = t.if_given(&operation::RELATIVE_TO, |t, _| read_relative(name, t, around));
+    let teach = t.if_given(&operation::TEACH, |t, _| teach::read(t, surface));
+    let (approach, retract) = (t.number(&operation::APPROACH), t.number(&operation::RETRACT));
+    let weight = t.number(&operation::WEIGHT);
+    let held = t.table_or(&operation::HELD, Held::default(), tool::read_held);
+    let ((place, over), (attitude, angles)) = (place?, attitude?);
+    Some(Operation {
+        name: name.to_string(),
+        equipment: on?,
+        place,
+        over,
+        standoff: standoff?,
+        attitude,
+        angles,
+        sense: sense?,
+        limit: limit?,
+        relative_to: relative_to?,
+        teach: teach?,
+        weight: weight?,
+        held: held?,
+        approach: approach?,
+        retract: retract?,
+    })
+}
+
+impl Around<'_> {
+    /// Returns the surface of what stands at a place of `entries`, if it could be read.
+    fn surface(&self, k: usize) -> Option<Rectangle> {
+        let (name, ..) = self.entries.get(k)?;
+        self.equipment.iter().find(|e| e.name == *name)?.surface
+    }
+}
+
+/// Reads `on = "NAME"`: something with a work surface, by the names in the cell.
+fn read_surface_choice(t: &mut Table, around: &Around<'_>) -> Option<usize> {
+    let node = t.get(&operation::ON)?;
+    let name = t.text(&operation::ON)?;
+    let has_surface = |part: &Node| part.value.get("surface").is_some();
+    let Some(index) = around.entries.iter().position(|(n, ..)| *n == name) else {
+        let fitting = || around.entries.iter().filter(|e| has_surface(&e.2)).map(|e| e.0.as_str());
+        let help = match did_you_mean(&name, fitting()) {
+            Some(near) => format!("did you mean \"{}\"?", shown(near)),
+            None => format!("equipment with a work surface: {}", listed(fitting())),
+        };
+        if around.complete {
+            t.error(node.at, format!("there is no equipment `{}`", shown(&name)), help);
+        }
+        return None;
+    };
+    if around.equipment.iter().any(|e| e.name == name) && !has_surface(&around.entries[index].2) {
+        let message = format!("`{}` has no work surface", shown(&name));
+        t.error(node.at, message, "add to it for example surface = { size_mm = [1500, 700] }");
+    }
+    Some(index)
+}
+
+/// Reads `sense = "WORD"`: a plain one or one of the cell.
+fn read_sense(t: &mut Table, around: &Around<'_>) -> Option<Sense> {
+    let node = t.get(&operation::SENSE)?;
+    let word = t.text(&operation::SENSE)?;
+    if let Some(plain) = Sense::plain(&word) {
+        return Some(plain);
+    }
+    let defined = || around.sense_entries.iter().map(|(name, ..)| name.as_str());
+    if !around.sense_names.contains_key(word.as_str()) && around.complete {
+        let frames = Frame::ALL.map(Frame::name);
+        let framed: Vec<_> = PLAIN.iter().flat_map(|p| frames.map(|f| format!("{p}@{f}"))).collect();
+        let known = || PLAIN.into_iter().chain(defined());
+        let candidates = framed.iter().map(String::as_str).chain(known());
+        let help = match did_you_mean(&word, candidates) {
+            Some(near) => format!("did you mean \"{}\"?", shown(near)),
+            None => format!("known: {}", listed(known())),
+        };
+        t.error(node.at, format!("`sense` cannot be \"{}\"", shown(&word)), help);
+    }
+    around.senses.get(word.as_str()).map(|sense| (*sense).clone())
+}
+
+/// Reads `limit_mm` or `limit_deg`, whichever the sense is measured in.
+fn read_limit(t: &mut Table, sense: Option<&Sense>) -> Option<Option<f64>> {
+    let mut limit = Some(None);
+    for (key, unit) in [(operation::LIMIT_MM, Unit::Length), (operation::LIMIT_DEG, Unit::Angle)] {
+        let Some(node) = t.get(&key) else { continue };
+        // A flag speaks of every operation at once: a limit in the other unit does not apply to this one.
+        let sense_node = t.get(&operation::SENSE);
+        let by_flag = t.lib.is_flag(node.at) || sense_node.is_some_and(|sense| t.lib.is_flag(sense.at));
+        if by_flag && sense.is_some_and(|sense| sense.unit != unit) {
+            continue;
+        }
+        let value = t.number(&key);
+        if let Some(sense) = sense.filter(|sense| sense.unit != unit) {
+            let word = sense.unit.word();
+            let name = key.name;
+            let message = format!("`{name}` is no limit of the sense `{}`, which is in {word}", sense.name);
+            t.error(node.at, message, format!("write limit_{word}, or choose another sense"));
+        } else {
+            limit = value.map(Some);
+        }
+    }
+    limit
+}
+
+/// Reads `relative_to = "NAME"`: an operation before this one, itself relative to none.
+fn read_relative(name: &str, t: &mut Table, around: &Around<'_>) -> Option<usize> {
+    let node = t.get(&operation::RELATIVE_TO)?;
+    let other = t.text(&operation::RELATIVE_TO)?;
+    let place = |wanted: &str| around.operation_names.get(wanted).copied();
+    let found = place(&other);
+    let (message, help) = match found {
+        _ if other == name => ("an operation is not relative to itself".to_string(), PICKED.to_string()),
+        None => {
+            let others = || around.operations.iter().map(|(n, ..)| n.as_str()).filter(|n| *n != name);
+            let help = match did_you_mean(&other, others()) {
+                Some(near) => format!("did you mean \"{}\"?", shown(near)),
+                None => format!("the cell has besides this: {}", listed(others())),
+            };
+            (format!("there is no operation `{}`", shown(&other)), help)
+        }
+        Some(k) if Some(k) > place(name) => {
+            let message = format!("`{}` comes after what is relative to it", shown(&other));
+            (message, format!("write [operation.{}] above [operation.{}]", shown(&other), shown(name)))
+        }
+        Some(k) if around.operations[k].2.value.get("relative_to").is_some() => {
+            let message = format!("`{}` is itself relative to an operation", shown(&other));
+            (message, PICKED.to_string())
+        }
+        Some(k) if is_everywhere(&around.operations[k].2) => {
+            let message = format!("`{}` happens at every one of its nodes", shown(&other));
+            (message, "name an operation with one spot: over = \"best\"".to_string())
+        }
+        Some(k) => return Some(k),
+    };
+    if found.is_some() || around.complete {
+        t.error(node.at, message, help);
+    }
+    None
+}
+
+/// Whether an operation happens at every node.
+fn is_everywhere(node: &Node) -> bool {
+    match node.value.get("over").map(|over| &over.value) {
+        Some(Value::Text(word)) => word != "best",
+        _ => node.value.get("points_mm").is_some(),
+    }
+}

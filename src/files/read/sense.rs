@@ -1,0 +1,153 @@
+//! Senses that a cell defines: `[sense.NAME]`, one term or several, to weighted rows.
+
+use crate::cell::*;
+use crate::files::fault::{did_you_mean, listed, shown};
+use crate::files::keys::cell::cell;
+use crate::files::keys::key::{Key, NumberRange};
+use crate::files::keys::sense::{WAYS, WAYS_OF_SENSE, any_term, sense};
+use crate::files::toml::reader::Table;
+use crate::files::toml::tree::{At, Node};
+use crate::files::toml::value;
+use nalgebra::Vector3;
+
+const ROWS_OF: &str = "a rotation or xyz takes 3, xy or a plane 2, anything else 1";
+
+/// Reads every `[sense.NAME]`.
+pub fn read_all(t: &mut Table) -> Vec<Sense> {
+    t.named(&cell::SENSE, |name, t| {
+        if PLAIN.contains(&name) || name.contains('@') {
+            let message = format!("`{}` cannot be the name of a sense", shown(name));
+            t.error(t.at, message, format!("choose one without @ that is none of {}", listed(PLAIN)));
+        }
+        read(name, t)
+    })
+}
+
+fn read(name: &str, t: &mut Table) -> Option<Sense> {
+    let frame = t.word(&sense::FRAME);
+    let point = t.vector(&sense::POINT);
+    let terms = match t.get(&sense::TERM) {
+        Some(_) => {
+            t.exclude_beside(&sense::TERM);
+            t.tables(&sense::TERM, |t| read_term(t, &WAYS))?.into_iter().collect()
+        }
+        None => read_term(t, &WAYS_OF_SENSE).map(|term| vec![term]),
+    }?;
+    let rows: usize = terms.iter().map(|term: &Term| term.rows.len()).sum();
+    if rows > MAX_ROWS {
+        let message = format!("the sense has {rows} rows: at most {MAX_ROWS} make one");
+        t.error(t.at, message, ROWS_OF);
+    }
+    let unit = unit_of(&terms);
+    for term in terms.iter().filter(|term| unit == Unit::Length && term.lever.is_none() && term.turns()) {
+        let help = "add mm_per_deg, the length that one degree counts as, in place of a weight";
+        t.error(term.at, "a rotation cannot be added to lengths", help);
+    }
+    Some(Sense::new(name, frame?, point?, unit, &weighted(&terms)))
+}
+
+/// A term, its rows of length 1.
+struct Term {
+    at: At,
+    rows: Vec<Row>,
+    weight: f64,
+    /// What makes a rotation a length, m (per rad).
+    lever: Option<f64>,
+}
+
+impl Term {
+    fn turns(&self) -> bool {
+        self.rows.iter().any(|row| row.turns)
+    }
+}
+
+/// Rotations alone are an angle, unless they are made a length.
+fn unit_of(terms: &[Term]) -> Unit {
+    let angle = terms.iter().all(|term| term.turns() && term.lever.is_none());
+    if angle { Unit::Angle } else { Unit::Length }
+}
+
+fn weighted(terms: &[Term]) -> Vec<Row> {
+    let scaled = |term: &Term, row: &Row| {
+        let weight = term.lever.unwrap_or(term.weight);
+        Row { turns: row.turns, direction: row.direction * weight }
+    };
+    terms.iter().flat_map(|term| term.rows.iter().map(move |row| scaled(term, row))).collect()
+}
+
+/// Reads the keys of one term; `ways`: keys of which one makes it, to name if there is none.
+fn read_term(t: &mut Table, ways: &[&'static str]) -> Option<Term> {
+    let keys = [any_term::OF, any_term::DIRECTION, any_term::PLANE, any_term::AXIS];
+    let given: Vec<_> = keys.into_iter().filter_map(|key| t.get(&key).map(|node| (key, node))).collect();
+    let weight = t.number(&any_term::WEIGHT);
+    let lever = t.get(&any_term::LEVER);
+    let [(way, node)] = given[..] else {
+        if given.is_empty() {
+            t.miss_one_of(ways, "add for example of = \"xy\", or direction = [0, 0, 1]");
+        } else {
+            let names: Vec<_> = given.iter().map(|(key, _)| key.name).collect();
+            let message = format!("a term measures one thing, not `{}`", names.join("` and `"));
+            t.error(t.at, message, "write term = [{ ... }, { ... }], with one of them in each");
+        }
+        return None;
+    };
+    let rows = if way.name == "of" { read_axes(node, t) } else { read_rows(&way, node, t) }?;
+    let lever = match lever {
+        Some(lever) => Some(read_lever(lever, rows.iter().any(|row| row.turns), t)?),
+        None => None,
+    };
+    Some(Term { at: t.at, rows, weight: weight?, lever })
+}
+
+/// Reads `mm_per_deg`, m per rad.
+fn read_lever(node: &Node, turns: bool, t: &mut Table) -> Option<f64> {
+    if !turns {
+        let message = "`mm_per_deg` is of a rotation: this term is a length";
+        t.error(node.at, message, "write weight instead");
+        return None;
+    }
+    if t.get(&any_term::WEIGHT).is_some() {
+        let help = "remove weight: mm_per_deg already says how much the rotation counts";
+        t.error(node.at, "a rotation has `weight` or `mm_per_deg`, not both", help);
+    }
+    t.number(&any_term::LEVER)
+}
+
+/// Reads `of = "xy"`: axes of the frame.
+fn read_axes(node: &Node, t: &mut Table) -> Option<Vec<Row>> {
+    let word = value::text(node, any_term::OF.name, t.lib)?;
+    let rows = Sense::plain_rows(&word);
+    if rows.is_none() {
+        let help = match did_you_mean(&word, PLAIN) {
+            Some(near) => format!("did you mean \"{near}\"?"),
+            None => format!("one of: {}", listed(PLAIN)),
+        };
+        t.error(node.at, format!("`of` cannot be \"{}\"", shown(&word)), help);
+    }
+    rows
+}
+
+/// Reads the rows of a vector: along it, in the plane across it, about it.
+fn read_rows(key: &Key, node: &Node, t: &mut Table) -> Option<Vec<Row>> {
+    let way = key.name;
+    let vector = value::numbers(node, &format!("`{way}`"), 3, NumberRange::Finite, t.lib)?;
+    let Some(unit) = Vector3::from_iterator(vector).try_normalize(1e-9) else {
+        t.error(
+            node.at,
+            format!("`{way}` is zero"),
+            format!("write a vector, for example {way} = [0, 0, 1]"),
+        );
+        return None;
+    };
+    let turns = way == "axis";
+    let directions = if way == "plane" { in_plane(&unit).to_vec() } else { vec![unit] };
+    Some(directions.into_iter().map(|direction| Row { turns, direction }).collect())
+}
+
+/// Returns two unit vectors at right angles to `normal` and to each other: (x, y) of (z).
+fn in_plane(normal: &Vector3<f64>) -> [Vector3<f64>; 2] {
+    let mut axis = Vector3::zeros();
+    axis[normal.iamin()] = 1.0;
+    let first = (axis - normal * normal.dot(&axis)).normalize();
+    [first, normal.cross(&first)]
+}

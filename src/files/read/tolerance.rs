@@ -1,0 +1,91 @@
+//! Tolerances: how each plus-or-minus spreads.
+
+use super::covariance;
+use super::row_order::Arm;
+use crate::cell::*;
+use crate::files::keys::errors::{ErrorForm, distribution, error_set};
+use crate::files::keys::key::{Key, NumberRange};
+use crate::files::toml::reader::Table;
+use crate::files::toml::tree::Value;
+use crate::files::toml::value;
+
+/// Returns the values that the numbers of a set may have.
+pub fn range_of(form: Option<ErrorForm>) -> NumberRange {
+    if form == Some(ErrorForm::Tolerance) { NumberRange::PlusMinus } else { NumberRange::Finite }
+}
+
+/// Reads the rest of a tolerance of the robot, whose plus-or-minus are `values`.
+pub fn read(t: &mut Table, values: Option<SignedErrors>, arm: Arm<'_>) -> Option<Tolerance> {
+    let distributions = read_distributions(t, arm.axes);
+    let sigmas = t.number(&error_set::SIGMAS);
+    let covariance = t.if_given(&error_set::COVARIANCE, |t, key| {
+        t.table(key, |t| covariance::read(t, arm, values.as_ref()))
+    });
+    let (values, mut distributions, sigmas) = (values?, distributions?, sigmas?);
+    arm.in_order(&mut distributions);
+    let plus_minus = values.values().into_iter().zip(distributions);
+    let mut spreads: Vec<_> =
+        plus_minus.map(|(plus_minus, distribution)| Spread { plus_minus, distribution, sigmas }).collect();
+    // A covariance that was refused makes the set unreadable.
+    let covariance = covariance?;
+    for (k, &place) in covariance.iter().flat_map(|c| c.parameters.iter().enumerate()) {
+        let deviation = covariance.as_ref().map_or(0.0, |c| c.matrix[(k, k)].sqrt());
+        let plus_minus = sigmas * deviation;
+        spreads[place] = Spread { plus_minus, distribution: Distribution::Normal, sigmas };
+    }
+    Some(Tolerance { name: values.name, spreads, covariance })
+}
+
+/// Refuses in a signed set what only a tolerance has; says nothing about a set of no known form.
+pub fn refuse(t: &mut Table, form: Option<ErrorForm>) {
+    for key in [error_set::DISTRIBUTION, error_set::SIGMAS, error_set::COVARIANCE] {
+        if let Some(node) = t.get(&key)
+            && form == Some(ErrorForm::Signed)
+        {
+            let message = format!("a signed set has no `{}`: it is one sample", key.name);
+            t.error(node.at, message, "write kind = \"tolerance\" if its numbers are plus-or-minus");
+        }
+    }
+}
+
+/// Reads `distribution` of a robot: a word for all, or a table with words for its rows and frames. Returns them
+/// in the order of [`Parameter::of_robot`].
+fn read_distributions(t: &mut Table, axes: usize) -> Option<Vec<Distribution>> {
+    let key = error_set::DISTRIBUTION;
+    let is_table = t.get(&key).is_some_and(|node| matches!(node.value, Value::Table(_)));
+    if !is_table {
+        return t.word(&key).map(|all| vec![all; Parameter::count(axes)]);
+    }
+    t.table(&key, |t| {
+        let default = t.word(&distribution::DEFAULT).unwrap_or(Distribution::Normal);
+        let links =
+            [distribution::DQ, distribution::DR, distribution::DL, distribution::DALPHA, distribution::DBETA];
+        let links = links.map(|key| read_words(t, &key, axes, default));
+        // The words of `joints` are those of every joint.
+        let frames = [distribution::BASE, distribution::TOOL, distribution::JOINTS];
+        let frames = frames.map(|key| read_words(t, &key, PER_FRAME, default));
+        let [links, frames] =
+            [links.to_vec(), frames.to_vec()].map(|w| w.into_iter().collect::<Option<Vec<_>>>());
+        let (links, frames) = (links?, frames?);
+        let by_link = (0..axes).flat_map(|i| links.iter().map(move |row| row[i]));
+        let joints = frames[2].repeat(axes.saturating_sub(1));
+        Some(by_link.chain(frames.into_iter().flatten()).chain(joints).collect())
+    })
+}
+
+/// Reads one word for `len` parameters, or a list of a word for each.
+pub fn read_words(t: &mut Table, key: &Key, len: usize, default: Distribution) -> Option<Vec<Distribution>> {
+    let Some(node) = t.get(key) else { return Some(vec![default; len]) };
+    let Value::Array(items) = &node.value else {
+        return value::word(node, key.name, t.lib).map(|word| vec![word; len]);
+    };
+    if items.len() != len {
+        let message =
+            format!("`{}` must be a word or a list of {len} words, not of {}", key.name, items.len());
+        let all = key.kind.example();
+        t.error(node.at, message, format!("write one word for all, or {len} in [ ]: {all}"));
+        return None;
+    }
+    let words: Vec<_> = items.iter().map(|item| value::word(item, key.name, t.lib)).collect();
+    words.into_iter().collect()
+}

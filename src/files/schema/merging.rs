@@ -1,0 +1,61 @@
+//! What a schema may demand of a table that lies over one of another file.
+
+use serde_json::{Map, Value, json};
+
+/// Key of a schema with what holds of a table where no other file lies under it. No keyword of JSON Schema: it is
+/// taken out when all is put together.
+pub const WHOLE: &str = "whole";
+
+/// Adds what must hold besides.
+pub fn add_rule(keys: &mut Map<String, Value>, rule: Value) {
+    if let Value::Array(rules) = keys.entry("allOf").or_insert_with(|| json!([])) {
+        rules.push(rule);
+    }
+}
+
+/// Returns what holds of a table without this key.
+pub fn unless(key: &str, then: Value) -> Value {
+    json!({ "if": { "not": { "required": [key] } }, "then": then })
+}
+
+/// Takes out of a schema what must be there, where it need not be there: in a table that may lie over one
+/// of another file. Returns it as a schema of its own, for the tables that lie over none.
+///
+/// Lists and ranges are replaced and never merged, so that what is in them is complete; `merges`: not so.
+pub fn separated(schema: &mut Value, merges: bool) -> Option<Value> {
+    let keys = schema.as_object_mut()?;
+    let mut whole = Map::new();
+    let mut needs = keys.remove(WHOLE).and_then(|w| w.as_array().cloned()).unwrap_or_default();
+    if merges {
+        whole.extend(keys.remove("required").map(|required| ("required".to_string(), required)));
+    } else {
+        needs.into_iter().for_each(|need| add_rule(keys, need));
+        needs = Vec::new();
+    }
+    let mut inner = Map::new();
+    for (key, below) in keys.get_mut("properties").and_then(Value::as_object_mut).into_iter().flatten() {
+        inner.extend(separated(below, merges).map(|needed| (key.clone(), needed)));
+    }
+    if !inner.is_empty() {
+        whole.insert("properties".into(), Value::Object(inner));
+    }
+    if let Some(needed) = keys.get_mut("additionalProperties").and_then(|named| separated(named, merges)) {
+        whole.insert("additionalProperties".into(), needed);
+    }
+    for list in ["items", "anyOf"] {
+        match keys.get_mut(list) {
+            Some(Value::Array(ways)) => ways.iter_mut().for_each(|way| drop(separated(way, false))),
+            Some(one) => drop(separated(one, false)),
+            None => {}
+        }
+    }
+    if !needs.is_empty() {
+        whole.insert("allOf".into(), Value::Array(needs));
+    }
+    if whole.is_empty() {
+        return None;
+    }
+    let has_from = keys.get("properties").is_some_and(|p| p.get("from").is_some());
+    let whole = Value::Object(whole);
+    Some(if has_from { unless("from", whole) } else { whole })
+}

@@ -1,0 +1,166 @@
+//! Reference of all keys for people, in Markdown: one document for each kind of file.
+
+use super::FileKind;
+use crate::files::keys::key::{Key, KeyTable, KeyUnit, Kind, MANY, Need, NumberRange, Rule, quoted};
+use std::fmt::Write;
+
+/// Returns the reference of all keys of a kind of file, in Markdown.
+pub fn reference(kind: FileKind) -> String {
+    let mut document = Document { text: String::new(), known: Vec::new(), next: Vec::new() };
+    let name = kind.name();
+    let _ = writeln!(document.text, "# Keys of {name} files\n");
+    let _ = writeln!(document.text, "A file is TOML and begins with `schema = \"sweetspot/{name}/1\"` and");
+    let _ =
+        writeln!(document.text, "`units = {{ length = \"mm\", angle = \"deg\" }}`. Other keys are refused.");
+    document.find(kind.keys(), "Top of the file");
+    let mut at = 0;
+    while let Some((table, place)) = document.next.get(at).cloned() {
+        document.add(table, &place);
+        at += 1;
+    }
+    document.text
+}
+
+struct Document {
+    text: String,
+    /// Tables and the places at which they are described.
+    known: Vec<(&'static KeyTable, String)>,
+    next: Vec<(&'static KeyTable, String)>,
+}
+
+impl Document {
+    /// Returns the place at which a table is described, here if nowhere else.
+    fn find(&mut self, table: &'static KeyTable, place: &str) -> String {
+        if let Some((_, known)) = self.known.iter().find(|(known, _)| known.help == table.help) {
+            return known.clone();
+        }
+        self.known.push((table, place.to_string()));
+        self.next.push((table, place.to_string()));
+        place.to_string()
+    }
+
+    /// Adds the description of a table.
+    fn add(&mut self, table: &'static KeyTable, place: &str) {
+        let _ = writeln!(self.text, "\n## {place}\n\n{}\n", table.help);
+        let _ = writeln!(self.text, "| Key | Value | Default | Meaning | Example |");
+        let _ = writeln!(self.text, "|---|---|---|---|---|");
+        let inside = if place.starts_with('`') { place.trim_matches(['`', '[', ']']) } else { "" };
+        for key in table.keys() {
+            let value = self.value(key, inside);
+            let default = match key.need {
+                Need::Required => "required".to_string(),
+                Need::Unless(other) => format!("required without `{other}`"),
+                Need::Optional => "none".to_string(),
+                Need::Default(value) => format!("`{}`", value.json()),
+            };
+            let (name, help, example) = (key.name, key.help, key.shown_example());
+            let row =
+                [format!("`{name}`"), value, default, help.to_string(), format!("`{name} = {example}`")];
+            let cells: Vec<_> = row.iter().map(|cell| cell.replace('|', "\\|")).collect();
+            let _ = writeln!(self.text, "| {} |", cells.join(" | "));
+        }
+        let rules: Vec<_> = table.rules_of_keys().map(in_words).collect();
+        if !rules.is_empty() {
+            let _ = writeln!(self.text, "\n{}", rules.join("\n"));
+        }
+    }
+
+    /// Returns the kind of value of a key, with range and unit.
+    fn value(&mut self, key: &Key, inside: &str) -> String {
+        let path = if inside.is_empty() { key.name.to_string() } else { format!("{inside}.{}", key.name) };
+        let kind = self.kind(&key.kind, &path);
+        match key.unit() {
+            KeyUnit::None => kind,
+            unit => format!("{kind}; {}", unit.name()),
+        }
+    }
+
+    fn kind(&mut self, kind: &Kind, path: &str) -> String {
+        match kind {
+            Kind::Number(range) => format!("number{}", range_in_words(*range)),
+            Kind::Whole(least, u64::MAX) => format!("whole number from {least} on"),
+            Kind::Whole(least, most) => format!("whole number from {least} to {most}"),
+            Kind::Boolean => "`true` or `false`".into(),
+            Kind::Text => "text".into(),
+            Kind::Name => "name, at most 60 printable characters".into(),
+            Kind::Path => "path from the folder of the file".into(),
+            Kind::Word(words) if words().len() > 12 => {
+                let words = words();
+                format!("`\"{}\"` and {} more words", words[0], words.len() - 1)
+            }
+            Kind::Word(words) => format!("`{}`", quoted(&words()).replace("\" or \"", "\"`, `\"")),
+            Kind::Exactly(word) => format!("`\"{word}\"`"),
+            Kind::Coordinate(low, high) => {
+                format!("number from {low} to {high}, `{{ min, max, start }}`, or list of numbers")
+            }
+            Kind::Table(table) => {
+                let place = self.find(table, &format!("`[{path}]`"));
+                format!("table, see {place}")
+            }
+            Kind::Named(Kind::Table(table), _) => {
+                let place = self.find(table, &format!("`[{path}.NAME]`"));
+                format!("named tables, see {place}")
+            }
+            Kind::Named(kind, _) => format!("table of names, each a {}", self.kind(kind, path)),
+            Kind::List(Kind::Table(table), count, noun) => {
+                let place = self.find(table, &format!("`[[{path}]]`"));
+                format!("list of {}{noun}, see {place}", count_in_words(*count))
+            }
+            Kind::List(kind, count, noun) => {
+                let each = self.kind(kind, path);
+                let each = if each == "number" { String::new() } else { format!(" ({each} each)") };
+                format!("list of {}{noun}{each}", count_in_words(*count))
+            }
+            Kind::Either(kinds) => {
+                let ways: Vec<_> = kinds.iter().map(|kind| self.kind(kind, path)).collect();
+                ways.join("; or ")
+            }
+            Kind::Checked(kind, _) => self.kind(kind, path),
+        }
+    }
+}
+
+fn range_in_words(range: NumberRange) -> String {
+    match range {
+        NumberRange::Finite => String::new(),
+        NumberRange::Positive => " greater than 0".into(),
+        NumberRange::NotNegative | NumberRange::PlusMinus => ", not negative".into(),
+        NumberRange::UpTo(most) => format!(" from 0 to {most}"),
+        NumberRange::Below(end) => format!(" from 0 on, less than {end}"),
+    }
+}
+
+fn count_in_words(count: (usize, usize)) -> String {
+    match count {
+        (0, MANY) => String::new(),
+        (least, MANY) => format!("{least} or more "),
+        (least, most) if least == most => format!("{least} "),
+        (0, most) => format!("at most {most} "),
+        (least, most) => format!("{least} to {most} "),
+    }
+}
+
+/// Returns a rule as an item of a list.
+fn in_words(rule: &Rule) -> String {
+    let list = |keys: &[&str]| format!("`{}`", keys.join("`, `"));
+    match rule {
+        Rule::AnyOf(keys) => format!("- At least one of {} is required.", list(keys)),
+        Rule::OneAtMost(keys) => format!("- At most one of {} may be given.", list(keys)),
+        Rule::Excludes(key, others) => format!("- Beside `{key}` none of {} may be given.", list(others)),
+        Rule::OnlyWith(key, others) => format!("- Without `{key}` none of {} may be given.", list(others)),
+        Rule::Needs(key, other) => format!("- `{key}` requires `{other}`."),
+        Rule::When { key, words, needs, never } => {
+            let words = words();
+            let words = if words.len() > 12 { "such a word".into() } else { quoted(&words) };
+            let mut rule = format!("- If `{key}` is {words}");
+            if !needs.is_empty() {
+                let _ = write!(rule, ", {} are required", list(needs));
+            }
+            if !never.is_empty() {
+                let _ = write!(rule, ", none of {} may be given", list(never));
+            }
+            rule + "."
+        }
+        Rule::NotNegativeWhen(key, word) => format!("- If `{key}` is \"{word}\", no number is negative."),
+    }
+}
