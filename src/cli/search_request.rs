@@ -1,7 +1,7 @@
 //! Request of a search: cell file, packages, settings and command line.
 
 use super::arguments::SearchArguments;
-use super::packages::Packages;
+use super::packages::PackageFolders;
 use super::{Exit, asked, output, results};
 use crate::files::{Loaded, Setting};
 use serde::{Deserialize, Serialize};
@@ -34,7 +34,7 @@ impl SearchRequest {
 
     /// Loads the cell under the settings.
     pub fn load(&self) -> Result<Loaded, Exit> {
-        let packages = Packages { folders: self.packages.clone() };
+        let packages = PackageFolders { folders: self.packages.clone() };
         asked::load_for_search(&self.cell, &packages, &self.settings)
     }
 
