@@ -2,7 +2,7 @@
 
 use super::arguments::SearchArguments;
 use super::packages::PackageFolders;
-use super::{Exit, asked, output, results};
+use super::{Exit, arguments, asked, output};
 use crate::files::{Loaded, Setting};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -29,7 +29,7 @@ impl SearchRequest {
         // clap requires a cell file without --resume.
         let cell = a.cell.clone().ok_or(Exit::BadInput)?;
         let packages = a.packages.folders.clone();
-        Ok(Self { cell, packages, settings: a.settings(), command: results::typed() })
+        Ok(Self { cell, packages, settings: a.settings(), command: arguments::typed() })
     }
 
     /// Loads the cell under the settings.
