@@ -4,7 +4,7 @@ use super::{suggest, warn_of_hopeless, workcell};
 use crate::cell::Cell;
 use crate::cli::arguments::ViewArguments;
 use crate::cli::output::path_word;
-use crate::cli::packages::Packages;
+use crate::cli::packages::PackageFolders;
 use crate::cli::view::{AccessControl, LiveView, Origin, secret, serve};
 use crate::cli::{Exit, asked, loading, output, results_folder};
 use crate::files::Loaded;
@@ -49,7 +49,7 @@ fn failed(why: String) -> Exit {
 }
 
 /// Returns the cell of a result with the ranges that were searched, so that it can be searched again.
-fn searched(cell: Cell, sources: &[PathBuf], packages: &Packages) -> Cell {
+fn searched(cell: Cell, sources: &[PathBuf], packages: &PackageFolders) -> Cell {
     // The first source is best.toml, the second the cell file that it is made from.
     let wide = sources.get(1).and_then(|file| loading::read_cell(file, packages).ok());
     match wide {
