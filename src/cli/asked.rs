@@ -2,14 +2,14 @@
 
 use super::arguments::{ErrorFlags, QuestionFlags};
 use super::loading;
-use super::packages::Packages;
+use super::packages::PackageFolders;
 use super::{Exit, output};
 use crate::cell::{Cell, ErrorSet, Interpretation, Quantity, Reading};
 use crate::files::{Loaded, Setting, shown, toml_string};
 use std::path::Path;
 
 /// Loads a cell under the flags of a question, and prints the notes that belong to it.
-pub fn load(file: &Path, packages: &Packages, flags: &QuestionFlags) -> Result<Loaded, Exit> {
+pub fn load(file: &Path, packages: &PackageFolders, flags: &QuestionFlags) -> Result<Loaded, Exit> {
     let settings = flags.settings();
     let loaded = loading::load_with(file, packages, &settings)?;
     say_notes(&loaded, &settings);
@@ -17,7 +17,7 @@ pub fn load(file: &Path, packages: &Packages, flags: &QuestionFlags) -> Result<L
 }
 
 /// Loads a cell for the table of all readings, for which its own reading does not matter.
-pub fn load_for_readings(file: &Path, packages: &Packages, flags: &ErrorFlags) -> Result<Loaded, Exit> {
+pub fn load_for_readings(file: &Path, packages: &PackageFolders, flags: &ErrorFlags) -> Result<Loaded, Exit> {
     let mut settings = flags.settings();
     if let Some(sense) = &flags.sense {
         // A yield would need a limit in the unit of this sense.
@@ -31,8 +31,22 @@ pub fn load_for_readings(file: &Path, packages: &Packages, flags: &ErrorFlags) -
     Ok(loaded)
 }
 
+/// Refuses `--set` for a command that writes cell files, which could not state these keys.
+pub fn refuse_sets(settings: &[Setting], command: &str) -> Result<(), Exit> {
+    let Some(set) = settings.iter().find(|setting| setting.flag.is_none()) else { return Ok(()) };
+    output::error(&format!(
+        "`{command}` does not take --set: the layout files it writes could not state the key"
+    ));
+    output::talk(&format!(
+        "  help: write a cell file with the lines from = \"CELL.toml\" and {}, or run sweetspot sweep",
+        shown(&set.line())
+    ));
+    Err(Exit::BadInput)
+}
+
 /// Loads a cell as a search asks for it.
-pub fn load_for_search(file: &Path, packages: &Packages, settings: &[Setting]) -> Result<Loaded, Exit> {
+pub fn load_for_search(file: &Path, packages: &PackageFolders, settings: &[Setting]) -> Result<Loaded, Exit> {
+    refuse_sets(settings, "search")?;
     let loaded = loading::load_with(file, packages, settings)?;
     say_notes(&loaded, settings);
     let has_sense = settings.iter().filter_map(|s| s.flag.as_deref()).any(|flag| flag.starts_with("--sense"));

@@ -1,6 +1,6 @@
 //! Reading inside the folder of the cell, and writing files as a whole or not at all.
 
-use super::packages::Packages;
+use super::packages::PackageFolders;
 use super::{Exit, output};
 use crate::files;
 use crate::files::{Fault, FaultKind, Loaded, LoadedRobot, Setting, shown};
@@ -20,12 +20,12 @@ pub const CHECKPOINT: &str = "checkpoint.jsonl";
 const MAX_BYTES: u64 = 128 << 20;
 
 /// Reads a cell and everything it refers to, and prints faults and warnings.
-pub fn load(path: &Path, packages: &Packages) -> Result<Loaded, Exit> {
+pub fn load(path: &Path, packages: &PackageFolders) -> Result<Loaded, Exit> {
     load_with(path, packages, &[])
 }
 
 /// Loads a cell as [`load`] does, with some keys stated on the command line.
-pub fn load_with(path: &Path, packages: &Packages, settings: &[Setting]) -> Result<Loaded, Exit> {
+pub fn load_with(path: &Path, packages: &PackageFolders, settings: &[Setting]) -> Result<Loaded, Exit> {
     let loaded = read_cell_with(path, packages, settings, &FileSnapshot::default()).map_err(|faults| {
         output::faults(&faults);
         exit_of(&faults)
@@ -41,7 +41,7 @@ pub fn exit_of(faults: &[Fault]) -> Exit {
 }
 
 /// Reads a cell and everything it refers to.
-pub fn read_cell(path: &Path, packages: &Packages) -> Result<Loaded, Vec<Fault>> {
+pub fn read_cell(path: &Path, packages: &PackageFolders) -> Result<Loaded, Vec<Fault>> {
     read_cell_with(path, packages, &[], &FileSnapshot::default())
 }
 
@@ -50,7 +50,8 @@ pub fn read_cell(path: &Path, packages: &Packages) -> Result<Loaded, Vec<Fault>>
 pub struct FileSnapshot(Mutex<HashMap<String, Result<Vec<u8>, String>>>);
 
 impl FileSnapshot {
-    /// Adds a file that is not written yet.
+    /// Starts with a file that is not written yet.
+    #[cfg(feature = "view")]
     pub fn with(name: &str, bytes: &[u8]) -> Self {
         Self(Mutex::new(HashMap::from([(name.to_string(), Ok(bytes.to_vec()))])))
     }
@@ -59,7 +60,7 @@ impl FileSnapshot {
 /// Reads a cell with some keys stated on the command line, and everything it refers to.
 pub fn read_cell_with(
     path: &Path,
-    packages: &Packages,
+    packages: &PackageFolders,
     settings: &[Setting],
     kept: &FileSnapshot,
 ) -> Result<Loaded, Vec<Fault>> {
@@ -74,7 +75,7 @@ pub fn read_cell_with(
 }
 
 /// Reads a robot and everything it refers to, and prints faults and warnings.
-pub fn load_robot(path: &Path, packages: &Packages) -> Result<LoadedRobot, Exit> {
+pub fn load_robot(path: &Path, packages: &PackageFolders) -> Result<LoadedRobot, Exit> {
     let (folder, name) = parted(path);
     let loaded =
         files::load_robot(&name, &mut |inside| read_named(&folder, packages, inside)).map_err(|faults| {
@@ -86,7 +87,7 @@ pub fn load_robot(path: &Path, packages: &Packages) -> Result<LoadedRobot, Exit>
 }
 
 /// Returns whether a file is that of a robot.
-pub fn is_robot(path: &Path, packages: &Packages) -> bool {
+pub fn is_robot(path: &Path, packages: &PackageFolders) -> bool {
     let (folder, name) = parted(path);
     files::is_robot(&name, &mut |inside| read_named(&folder, packages, inside))
 }
@@ -111,7 +112,7 @@ fn named(path: &Path, mut faults: Vec<Fault>) -> Vec<Fault> {
 }
 
 /// Reads `package://NAME/PATH` in the folder of that package, and any other file in the folder of the cell.
-fn read_named(folder: &Path, packages: &Packages, name: &str) -> Result<Vec<u8>, String> {
+fn read_named(folder: &Path, packages: &PackageFolders, name: &str) -> Result<Vec<u8>, String> {
     let Some((package, inside)) = name.strip_prefix("package://").and_then(|rest| rest.split_once('/'))
     else {
         return read_inside(folder, name, "the cell file");

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 /// Folders of ROS packages, by name.
 #[derive(Args, Clone, Default)]
-pub struct Packages {
+pub struct PackageFolders {
     /// Folder of package://NAME/... in a URDF; once for each package
     #[arg(long = "package", value_name = "NAME=DIR", value_parser = package)]
     pub folders: Vec<(String, PathBuf)>,

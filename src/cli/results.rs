@@ -1,5 +1,6 @@
 //! Writes a result folder: its files, copies of the inputs, the manifest.
 
+use super::arguments;
 use super::output::path_word;
 use super::search_request::SearchRequest;
 use super::{Exit, loading, output};
@@ -82,13 +83,8 @@ pub struct RunDescription {
 impl RunDescription {
     /// Describes the run of the command line at hand.
     pub fn typed(settings: Vec<Setting>) -> Self {
-        Self { command: typed(), settings }
+        Self { command: arguments::typed(), settings }
     }
-}
-
-/// Returns the command line as typed.
-pub fn typed() -> Vec<String> {
-    std::env::args_os().skip(1).map(|a| a.to_string_lossy().into_owned()).collect()
 }
 
 /// Returns the layouts kept beside the best one: each as a cell file, and all as a table and a picture.
@@ -112,7 +108,7 @@ fn alternatives(
         })?;
         outputs.push(("front.csv".into(), table));
     }
-    let picture = report::front::picture(cell, record);
+    let picture = report::chart::pareto(cell, record);
     outputs.extend(picture.map(|picture| ("front.svg".into(), picture.into_bytes())));
     Ok(outputs)
 }

@@ -1,7 +1,7 @@
 //! The folder of a search, read again: every file is checked against the hashes of its manifest.
 
 use super::output::path_word;
-use super::packages::Packages;
+use super::packages::PackageFolders;
 use super::results::{INPUTS, portable};
 use super::{Exit, asked, checkpoint, loading, output};
 use crate::cell::Layout;
@@ -32,7 +32,7 @@ struct FolderOrigin {
 }
 
 /// Reads the folder of a search; reports what is wrong with it.
-pub fn read(folder: &Path, packages: &Packages) -> Result<SearchFolder, Exit> {
+pub fn read(folder: &Path, packages: &PackageFolders) -> Result<SearchFolder, Exit> {
     let FolderOrigin { manifest, settings, resolved } = origin(folder)?;
     untouched(folder, &manifest)?;
     let name = manifest.inputs.first().map(|(path, _)| portable(path)).ok_or(Exit::BadInput)?;
@@ -150,7 +150,7 @@ pub fn refused(folder: &Path, place: &str, why: &str) -> Exit {
 }
 
 /// Returns the packages of the command line and those kept with the inputs.
-fn kept_packages(folder: &Path, packages: &Packages) -> Packages {
+fn kept_packages(folder: &Path, packages: &PackageFolders) -> PackageFolders {
     let mut all = packages.clone();
     for entry in folder.join(INPUTS).join("packages").read_dir().into_iter().flatten().flatten() {
         let name = entry.file_name().to_string_lossy().into_owned();

@@ -1,8 +1,8 @@
 //! Request of a search: cell file, packages, settings and command line.
 
 use super::arguments::SearchArguments;
-use super::packages::Packages;
-use super::{Exit, asked, output, results};
+use super::packages::PackageFolders;
+use super::{Exit, arguments, asked, output};
 use crate::files::{Loaded, Setting};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -29,12 +29,12 @@ impl SearchRequest {
         // clap requires a cell file without --resume.
         let cell = a.cell.clone().ok_or(Exit::BadInput)?;
         let packages = a.packages.folders.clone();
-        Ok(Self { cell, packages, settings: a.settings(), command: results::typed() })
+        Ok(Self { cell, packages, settings: a.settings(), command: arguments::typed() })
     }
 
     /// Loads the cell under the settings.
     pub fn load(&self) -> Result<Loaded, Exit> {
-        let packages = Packages { folders: self.packages.clone() };
+        let packages = PackageFolders { folders: self.packages.clone() };
         asked::load_for_search(&self.cell, &packages, &self.settings)
     }
 

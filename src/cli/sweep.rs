@@ -7,7 +7,7 @@ use super::arguments::{SweepArguments, common_settings};
 use super::loading;
 use super::loading::FileSnapshot;
 use super::output::path_word;
-use super::packages::Packages;
+use super::packages::PackageFolders;
 use super::results::{hashed, pretty};
 use super::{Exit, output};
 use crate::cell::Solver;
@@ -49,7 +49,7 @@ pub fn asked_plan(a: &SweepArguments) -> Result<SweepPlan, Exit> {
 
 /// Reads the cell of a combination.
 pub fn load(plan: &SweepPlan, index: usize, kept: &FileSnapshot) -> Result<Loaded, Vec<Fault>> {
-    let packages = Packages { folders: plan.packages.clone() };
+    let packages = PackageFolders { folders: plan.packages.clone() };
     let mut settings = plan.settings(index);
     let solver = plan.solver.map(|solver| solver.name().to_string());
     settings.extend(common_settings(plan.seed, plan.budget, solver.as_ref()));

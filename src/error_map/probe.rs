@@ -50,9 +50,7 @@ impl<'a> Probe<'a> {
         spots: &[Option<Spot>],
     ) -> Result<Self, Unjudged> {
         let query = OperationQuery::new(placed, operation, spots);
-        if let Err(why) = query.context {
-            return Err(why);
-        }
+        query.context.as_ref().map_err(|why| *why)?;
         Ok(Self { query, memory: PostureMemory::new(placed.mapper, operation), candidates: Vec::new() })
     }
 

@@ -1,6 +1,6 @@
 //! Figures of the seed paper for any cell: pictures with their captions.
 
-use super::fig8;
+use super::chart;
 use super::raster::{Shot, Show, png};
 use super::svg_text::escaped;
 use crate::assess::Assessment;
@@ -91,7 +91,7 @@ pub fn figures(a: &Assessment<'_>, prefix: &str, format: Format) -> Result<Vec<P
         paper: "How far the linearized model is from the nonlinear one, eq. (9), node by node. The paper's \
                 claim: nowhere above 1 %.",
         ours: a.maps.iter().map(|m| discrepancy_words(a, m)).collect::<Vec<_>>().join(" "),
-        bytes: fig8::chart(a).into_bytes(),
+        bytes: chart::discrepancy(a).into_bytes(),
     });
     Ok(all)
 }

@@ -176,7 +176,7 @@ fn nothing_panics_on_purpose() {
 
 /// units.rs alone knows how many millimetres a metre has.
 ///
-/// One exception is allowed: `files/mesh/mod.rs`, where a mesh file names one of several units and a table
+/// One exception is allowed: `files/keys/solid.rs`, where a mesh file names one of several units and a table
 /// gives the metres in each.
 #[test]
 fn only_units_rs_converts_units() {
@@ -195,7 +195,7 @@ fn only_units_rs_converts_units() {
     assert!(found.is_empty(), "{found:#?}");
     // The exception is no larger than stated.
     let inches = with_words(&["0.0254", "25.4"], |_| false);
-    assert!(inches.len() == 1 && inches[0].starts_with("src/files/mesh/mod.rs:"), "{inches:#?}");
+    assert!(inches.len() == 1 && inches[0].starts_with("src/files/keys/solid.rs:"), "{inches:#?}");
     // The conversions are in units.rs.
     let units = sources().into_iter().find(|f| f.path == "units.rs").unwrap();
     assert!(["to_radians", "to_degrees", "/ 1000.0", "* 1000.0"].iter().all(|w| units.code.contains(w)));

@@ -1,7 +1,7 @@
 //! Arguments of the commands that judge a layout as drawn: `check`, `map`, `compare`, `readings`, `robust`.
 
 use super::question::{ErrorFlags, QuestionFlags};
-use crate::cli::packages::Packages;
+use crate::cli::packages::PackageFolders;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -10,7 +10,7 @@ pub struct CheckArguments {
     /// Cell file (TOML)
     pub cell: PathBuf,
     #[command(flatten)]
-    pub packages: Packages,
+    pub packages: PackageFolders,
     /// Print the errors as JSON on stdout
     #[arg(long)]
     pub json: bool,
@@ -21,7 +21,7 @@ pub struct MapArguments {
     /// Cell file (TOML)
     pub cell: PathBuf,
     #[command(flatten)]
-    pub packages: Packages,
+    pub packages: PackageFolders,
     #[command(flatten)]
     pub question: QuestionFlags,
     /// Print the map as JSON on stdout
@@ -41,7 +41,7 @@ pub struct CompareArguments {
     #[arg(required = true)]
     pub layouts: Vec<PathBuf>,
     #[command(flatten)]
-    pub packages: Packages,
+    pub packages: PackageFolders,
     #[command(flatten)]
     pub question: QuestionFlags,
     /// Write an HTML page that shows the layouts side by side; an existing page is replaced
@@ -57,7 +57,7 @@ pub struct ReadingsArguments {
     /// Cell file (TOML)
     pub cell: PathBuf,
     #[command(flatten)]
-    pub packages: Packages,
+    pub packages: PackageFolders,
     #[command(flatten)]
     pub errors: ErrorFlags,
     /// Write readings.json, readings.csv and manifest.json to this new folder
@@ -73,7 +73,7 @@ pub struct RobustArguments {
     /// Cell file (TOML)
     pub cell: PathBuf,
     #[command(flatten)]
-    pub packages: Packages,
+    pub packages: PackageFolders,
     #[command(flatten)]
     pub question: QuestionFlags,
     /// Print the answer as JSON on stdout

@@ -98,3 +98,8 @@ pub enum Command {
     #[command(before_help = "Example: sweetspot init hitachi")]
     Init(InitArguments),
 }
+
+/// Returns the command line as typed.
+pub fn typed() -> Vec<String> {
+    std::env::args_os().skip(1).map(|a| a.to_string_lossy().into_owned()).collect()
+}

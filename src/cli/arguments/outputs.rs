@@ -1,7 +1,7 @@
 //! Arguments of the commands that make something to look at: `export`, `figures`, `report`, `view`.
 
 use super::question::QuestionFlags;
-use crate::cli::packages::Packages;
+use crate::cli::packages::PackageFolders;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -57,7 +57,7 @@ pub struct ExportArguments {
     #[arg(long, value_name = "OPERATION|home")]
     pub posture: Option<String>,
     #[command(flatten)]
-    pub packages: Packages,
+    pub packages: PackageFolders,
     #[command(flatten)]
     pub question: QuestionFlags,
 }
@@ -68,7 +68,7 @@ pub struct FiguresArguments {
     #[arg(required = true, value_name = "CELL|RESULT")]
     pub cells: Vec<PathBuf>,
     #[command(flatten)]
-    pub packages: Packages,
+    pub packages: PackageFolders,
     #[command(flatten)]
     pub question: QuestionFlags,
     /// Write the pictures, README.md and manifest.json to this new folder
@@ -88,7 +88,7 @@ pub struct ReportArguments {
     #[arg(value_name = "RESULT|CELL")]
     pub of: PathBuf,
     #[command(flatten)]
-    pub packages: Packages,
+    pub packages: PackageFolders,
     #[command(flatten)]
     pub question: QuestionFlags,
     /// Write the page to this file; an existing page is replaced
@@ -105,7 +105,7 @@ pub struct ViewArguments {
     #[arg(value_name = "CELL|RESULT")]
     pub of: PathBuf,
     #[command(flatten)]
-    pub packages: Packages,
+    pub packages: PackageFolders,
     #[command(flatten)]
     pub question: QuestionFlags,
     /// Listen on this port of 127.0.0.1 [default: any free port]

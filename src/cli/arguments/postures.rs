@@ -3,7 +3,7 @@
 use super::question::QuestionFlags;
 use super::value_parsers::{at, finite};
 use crate::assess::NodeChoice;
-use crate::cli::packages::Packages;
+use crate::cli::packages::PackageFolders;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -12,7 +12,7 @@ pub struct BudgetArguments {
     /// Cell file (TOML)
     pub cell: PathBuf,
     #[command(flatten)]
-    pub packages: Packages,
+    pub packages: PackageFolders,
     /// Show only this operation [default: all operations]
     #[arg(long, value_name = "NAME")]
     pub operation: Option<String>,
@@ -31,7 +31,7 @@ pub struct ExplainArguments {
     /// Cell file (TOML)
     pub cell: PathBuf,
     #[command(flatten)]
-    pub packages: Packages,
+    pub packages: PackageFolders,
     /// Show this operation [default: the first]
     #[arg(long, value_name = "NAME")]
     pub operation: Option<String>,

@@ -1,7 +1,7 @@
 //! Arguments of the commands about a robot alone: `robots`, `robot`, `envelope`.
 
 use super::value_parsers::{bend, finite, step};
-use crate::cli::packages::Packages;
+use crate::cli::packages::PackageFolders;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -23,7 +23,7 @@ pub struct RobotArguments {
     #[arg(long)]
     pub json: bool,
     #[command(flatten)]
-    pub packages: Packages,
+    pub packages: PackageFolders,
 }
 
 #[derive(Args)]
@@ -49,7 +49,7 @@ pub struct EnvelopeArguments {
     #[arg(long)]
     pub json: bool,
     #[command(flatten)]
-    pub packages: Packages,
+    pub packages: PackageFolders,
     /// Write section and plan as a picture
     #[arg(long, value_name = "FILE")]
     pub svg: Option<PathBuf>,

@@ -3,7 +3,7 @@
 use super::question::{QuestionFlags, toml_number, word};
 use super::value_parsers::{finite, seconds};
 use crate::cell::{Goal, Solver};
-use crate::cli::packages::Packages;
+use crate::cli::packages::PackageFolders;
 use crate::files::{Setting, toml_string};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
@@ -15,7 +15,7 @@ pub struct SearchArguments {
     #[arg(required_unless_present = "resume")]
     pub cell: Option<PathBuf>,
     #[command(flatten)]
-    pub packages: Packages,
+    pub packages: PackageFolders,
     #[command(flatten)]
     pub question: QuestionFlags,
     /// Seed of all random numbers; the same seed gives the same files, byte for byte

@@ -3,7 +3,7 @@
 use super::question::word;
 use super::search::whole;
 use crate::cell::Solver;
-use crate::cli::packages::Packages;
+use crate::cli::packages::PackageFolders;
 use crate::files::Setting;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
@@ -15,7 +15,7 @@ pub struct SweepArguments {
     #[arg(required_unless_present = "resume", conflicts_with = "resume")]
     pub cell: Option<PathBuf>,
     #[command(flatten)]
-    pub packages: Packages,
+    pub packages: PackageFolders,
     /// A key of the cell file and its values; text needs no quotes, and commas inside brackets do not
     /// separate values; can be given several times
     #[arg(

@@ -4,7 +4,7 @@ use super::{stem, suggest, workcell};
 use crate::assess::Assessment;
 use crate::cli::arguments::FiguresArguments;
 use crate::cli::output::{path_word, word};
-use crate::cli::{Exit, asked, loading, output, results, results_folder};
+use crate::cli::{Exit, arguments, asked, loading, output, results, results_folder};
 use crate::files::Source;
 use crate::report::figures::{Format, PaperFigure, figures as drawn, readme};
 use std::path::Path;
@@ -38,7 +38,7 @@ pub fn figures(a: &FiguresArguments) -> Result<Exit, Exit> {
     }
     let Some((_, _, first)) = loaded.first() else { return Err(Exit::BadInput) };
     let folder = loading::new_folder(Some(&a.out), "")?;
-    let command: Vec<String> = results::typed().iter().map(|w| word(w)).collect();
+    let command: Vec<String> = arguments::typed().iter().map(|w| word(w)).collect();
     let text = readme(&chapters, &command.join(" "));
     let pictures = chapters.into_iter().flat_map(|(_, figures)| figures).map(|f| (f.name, f.bytes));
     let mut outputs: Vec<(String, Vec<u8>)> = pictures.collect();

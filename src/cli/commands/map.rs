@@ -27,7 +27,7 @@ pub fn map(a: &MapArguments) -> Result<Exit, Exit> {
                 ("map.json", results::pretty(&document)?),
                 ("map.csv", results::csv(&document)?),
                 ("map.svg", report::chart::error_map(&assessment).into_bytes()),
-                ("discrepancy.svg", report::fig8::chart(&assessment).into_bytes()),
+                ("discrepancy.svg", report::chart::discrepancy(&assessment).into_bytes()),
             ];
             Some(results::write(
                 &folder,

@@ -6,7 +6,7 @@ use crate::cli::arguments::ReportArguments;
 use crate::cli::output::path_word;
 use crate::cli::results_folder;
 use crate::cli::results_folder::SearchFolder;
-use crate::cli::{Exit, asked, loading, output, results};
+use crate::cli::{Exit, arguments, asked, loading, output, results};
 use crate::drawing::Drawing;
 use crate::files::{Fault, Loaded, Source};
 use crate::record::{SearchResult, VerdictAnswer};
@@ -70,7 +70,7 @@ fn of_cell(a: &ReportArguments) -> Result<ReportSource, Exit> {
     let loaded = asked::load(&a.of, &a.packages, &a.question)?;
     let hashed = |s: &Source| (s.path.clone(), loading::sha256(&s.bytes));
     let manifest = Manifest {
-        command: results::typed(),
+        command: arguments::typed(),
         version: env!("CARGO_PKG_VERSION").into(),
         seed: loaded.cell.search.seed,
         inputs: loaded.sources.iter().map(hashed).collect(),

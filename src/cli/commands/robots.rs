@@ -5,7 +5,7 @@ use crate::assess::{EnvelopeQuery, Reachable, RobotDataSheet};
 use crate::cell::{Attitude, Operation, Robot};
 use crate::cli::arguments::{EnvelopeArguments, RobotArguments, RobotsArguments};
 use crate::cli::output::{path_word, word};
-use crate::cli::packages::Packages;
+use crate::cli::packages::PackageFolders;
 use crate::cli::{Exit, library, loading, lookup, output, results};
 use crate::files::{LoadedRobot, shown};
 use crate::reach::Inverse;
@@ -53,7 +53,7 @@ pub fn robot(a: &RobotArguments) -> Result<Exit, Exit> {
     Ok(Exit::Done)
 }
 
-fn print_file(robot: &Path, packages: &Packages) -> Result<Exit, Exit> {
+fn print_file(robot: &Path, packages: &PackageFolders) -> Result<Exit, Exit> {
     let name = robot.to_string_lossy();
     match library::text(&name) {
         Some(text) => output::data(text)?,
@@ -156,7 +156,7 @@ fn drawn(
 }
 
 /// Returns whether the argument means a robot: a built-in one, the file of one, or a word that is no path.
-fn is_robot(given: &Path, packages: &Packages) -> bool {
+fn is_robot(given: &Path, packages: &PackageFolders) -> bool {
     let name = given.to_string_lossy();
     library::text(&name).is_some() || is_bare(given) || loading::is_robot(given, packages)
 }
@@ -167,7 +167,7 @@ fn is_bare(given: &Path) -> bool {
 }
 
 /// Reads a built-in robot by its name, or the file of a robot.
-fn read(given: &Path, packages: &Packages) -> Result<LoadedRobot, Exit> {
+fn read(given: &Path, packages: &PackageFolders) -> Result<LoadedRobot, Exit> {
     let name = given.to_string_lossy();
     if library::text(&name).is_some() {
         return of_library(&name);

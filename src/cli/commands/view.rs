@@ -4,7 +4,7 @@ use super::{suggest, warn_of_hopeless, workcell};
 use crate::cell::Cell;
 use crate::cli::arguments::ViewArguments;
 use crate::cli::output::path_word;
-use crate::cli::packages::Packages;
+use crate::cli::packages::PackageFolders;
 use crate::cli::view::{AccessControl, LiveView, Origin, secret, serve};
 use crate::cli::{Exit, asked, loading, output, results_folder};
 use crate::files::Loaded;
@@ -16,6 +16,7 @@ use tiny_http::Server;
 
 /// `sweetspot view`. Ctrl-C is its regular end, with exit code 0.
 pub fn view(a: &ViewArguments) -> Result<Exit, Exit> {
+    asked::refuse_sets(&a.question.settings(), "view")?;
     let file = if a.of.is_dir() { results_folder::best_of(&a.of)? } else { a.of.clone() };
     let Loaded { cell, sources, .. } = asked::load(&file, &a.packages, &a.question)?;
     let folder = file.parent().unwrap_or(Path::new(""));
@@ -48,7 +49,7 @@ fn failed(why: String) -> Exit {
 }
 
 /// Returns the cell of a result with the ranges that were searched, so that it can be searched again.
-fn searched(cell: Cell, sources: &[PathBuf], packages: &Packages) -> Cell {
+fn searched(cell: Cell, sources: &[PathBuf], packages: &PackageFolders) -> Cell {
     // The first source is best.toml, the second the cell file that it is made from.
     let wide = sources.get(1).and_then(|file| loading::read_cell(file, packages).ok());
     match wide {

@@ -4,7 +4,7 @@ use super::values::LayoutValues;
 use crate::cell::Cell;
 use crate::cli::loading;
 use crate::cli::loading::FileSnapshot;
-use crate::cli::packages::Packages;
+use crate::cli::packages::PackageFolders;
 use crate::files::shown;
 use crate::report;
 use std::path::{Path, PathBuf};
@@ -57,7 +57,7 @@ pub fn file_name(asked: &str) -> Result<String, String> {
 /// File that is shown, and the files that were read for it.
 pub struct Origin {
     pub file: PathBuf,
-    pub packages: Packages,
+    pub packages: PackageFolders,
     pub sources: Vec<PathBuf>,
 }
 

@@ -29,7 +29,7 @@ impl ViewDirection {
 
     /// Returns the directions of right, up and towards the eye in the world. `work` is the direction from the
     /// robot to the work.
-    fn axes(self, perspective: bool, work: &Vector3<f64>) -> [Vector3<f64>; 3] {
+    pub fn axes(self, perspective: bool, work: &Vector3<f64>) -> [Vector3<f64>; 3] {
         let (x, y, z) = (Vector3::x(), Vector3::y(), Vector3::z());
         match self {
             Self::Top => [x, y, z],

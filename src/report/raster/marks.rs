@@ -75,8 +75,8 @@ fn add_glyph(
         GlyphRing::Full => scene.lines.push(line(circle.to_vec(), true, false)),
         GlyphRing::Dashed => scene.lines.push(line(circle.to_vec(), true, true)),
     }
-    // The y axis of a glyph points down, that of the world up in the plan.
-    let place = |(x, y): &(f64, f64)| node.position + Vector3::new(x * radius, -y * radius, 0.0);
+    let (right, down) = (scene.right, scene.right.cross(&Vector3::z()));
+    let place = |(x, y): &(f64, f64)| node.position + (right * *x + down * *y) * radius;
     let strokes = glyph.strokes.iter().map(|stroke| line(stroke.iter().map(place).collect(), false, false));
     scene.lines.extend(strokes);
 }

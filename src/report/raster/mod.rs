@@ -134,15 +134,17 @@ fn staged(drawing: &Drawing<'_>, shot: &Shot) -> Result<Staged, String> {
     shot.check(drawing)?;
     let palette = Palette::of(shot.dark);
     let scale = ErrorScale::of(drawing, shot);
-    let mut scene = RasterScene::of(drawing, shot, &palette);
-    if shot.show != Show::Nothing {
-        marks::add(&mut scene, drawing, shot, &palette, &scale);
-    }
-    scene.add_names(drawing, shot);
     let shown = drawing.fields.iter().filter(|f| shot.operation.is_none_or(|o| o == f.operation));
     let nodes: Vec<Vector3<f64>> = shown.flat_map(|f| f.nodes.iter().map(|n| n.position)).collect();
     let mean = nodes.iter().sum::<Vector3<f64>>() / nodes.len().max(1) as f64;
     let work = if nodes.is_empty() { Vector3::new(0.0, -1.0, 0.0) } else { mean - drawing.base.translation };
+    let mut scene = RasterScene::of(drawing, shot, &palette);
+    // Glyphs lie level and upright in the picture, as in the legend.
+    scene.right = shot.view.axes(shot.perspective, &work)[0];
+    if shot.show != Show::Nothing {
+        marks::add(&mut scene, drawing, shot, &palette, &scale);
+    }
+    scene.add_names(drawing, shot);
     let camera = Camera::fitted(shot.view, shot.perspective, &work, &scene.points(), &shot.frame());
     floor::lay(&mut scene, &palette, drawing.floor);
     Ok(Staged { scene, camera, palette, scale })

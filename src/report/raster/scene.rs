@@ -95,6 +95,8 @@ pub struct RasterScene {
     pub arrows: Vec<(Arrow, Colour)>,
     /// Diagonal of all bodies, m.
     pub size: f64,
+    /// Level direction to the right of the picture, world.
+    pub right: Vector3<f64>,
 }
 
 impl RasterScene {
@@ -109,6 +111,7 @@ impl RasterScene {
             nodes: Vec::new(),
             arrows: Vec::new(),
             size: 1.0,
+            right: Vector3::x(),
         };
         for (part, pose) in drawing.posed(stance, frames) {
             let (colour, opacity) = palette.of_kind(part.kind);

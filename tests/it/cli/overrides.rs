@@ -263,16 +263,22 @@ fn check_states_how_the_errors_are_read() {
 fn set_changes_any_key_of_the_cell_and_flags_go_through_the_same_validation() {
     let shop = Sandbox::new();
     for command in ["map", "compare", "budget", "explain", "readings", "robust"] {
-        let set = "--set=equipment.worktable.placement.z_mm=5000";
+        let set = "--set=clearance_mm=-1";
         let ran = shop.run(&[command, CELL, set]);
         assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{command}: {}", ran.err);
-        assert!(ran.err.contains("--set equipment.worktable.placement.z_mm=5000: error: "), "{}", ran.err);
+        assert!(ran.err.contains("--set clearance_mm=-1: error: "), "{}", ran.err);
         let same = shop.run(&[command, CELL, "--limit", "1e-320"]);
         assert!(same.err.contains("--limit 1e-320: error: `limit_mm` must be at least 1e-6"), "{}", same.err);
         let both = shop.run(&[command, CELL, "--set", "errors=table-2", "--errors", "table-3"]);
         assert!(both.err.contains("`errors` is given twice"), "{}", both.err);
         let many = shop.run(&[command, CELL, "--set", "errors=table-2,table-3"]);
         assert!(many.err.contains("sweetspot sweep"), "{}", many.err);
+    }
+    // A file that these write could not state the setting.
+    for command in ["search", "view"] {
+        let ran = shop.run(&[command, CELL, "--set", "clearance_mm=10"]);
+        assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{command}: {}", ran.err);
+        assert!(ran.err.contains("help: ") && ran.err.contains("from = "), "{}", ran.err);
     }
     // A setting, a flag and the file say the same thing alike.
     let set = shop.json(&["map", PAPER, "--set", "errors=table-2", "--set", "operation.mapping.sense=z"]);
