@@ -96,7 +96,7 @@ pub fn held(elevation: f64, azimuth: f64, spin: f64) -> Matrix3<f64> {
     Matrix3::from_columns(&[r, d.cross(&r), d])
 }
 
-/// The same columns of the tool in the frame of its TCP; `axis`: the tool axis there, unit length.
+/// Returns the columns of [`held`] in the frame of the TCP; `axis`: the tool axis there, unit length.
 pub fn tool_columns(axis: &Vector3<f64>) -> Matrix3<f64> {
     let unit = [Vector3::x(), Vector3::y(), Vector3::z()];
     let square = unit.into_iter().find(|e| e.dot(axis).abs() < RIGHT_ANGLE);

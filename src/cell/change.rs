@@ -1,7 +1,8 @@
 //! Changes of a validated cell. Each returns a valid cell again, so nothing outside this folder and the reader
 //! of files changes a field of one.
 
-use super::layout::{Coordinate, Slot};
+use super::coordinate::Coordinate;
+use super::layout::Slot;
 use super::model::Cell;
 
 impl Cell {

@@ -48,6 +48,6 @@ pub struct TransferRules {
 pub struct Fence {
     /// Anticlockwise, m.
     pub corners: Vec<(f64, f64)>,
-    /// Of the walls that the robot must not touch, m; None: the fence is a line on the floor.
+    /// Height of walls that the robot must not touch, m; None: the fence is a line on the floor.
     pub height: Option<f64>,
 }

@@ -76,25 +76,26 @@ pub const COMPONENTS: [&str; PER_FRAME] = ["x", "y", "z", "rx", "ry", "rz"];
 #[derive(Debug, Clone, PartialEq)]
 pub struct SignedErrors {
     pub name: String,
-    /// Of the actuator coordinate, rad or m.
+    /// Errors of the actuator coordinates, one per joint, rad or m.
     pub dq: Vec<f64>,
-    /// m
+    /// Errors of the axial offsets, m.
     pub dr: Vec<f64>,
-    /// m
+    /// Errors of the common normals, m.
     pub dl: Vec<f64>,
-    /// rad
+    /// Errors of the twists, rad.
     pub dalpha: Vec<f64>,
-    /// rad
+    /// Errors of the fifth parameter (Hayati), rad.
     pub dbeta: Vec<f64>,
-    /// Of the base frame and of the tool frame (m, rad).
+    /// Error of the base frame, in itself (m, rad).
     pub base: [f64; PER_FRAME],
+    /// Error of the tool frame (TCP), in itself (m, rad).
     pub tool: [f64; PER_FRAME],
-    /// Of every joint frame (m, rad).
+    /// Error of every joint frame, in itself (m, rad).
     pub joints: Vec<[f64; PER_FRAME]>,
 }
 
 impl SignedErrors {
-    /// Of values in the order of [`Parameter::of_robot`].
+    /// Returns the errors of values in the order of [`Parameter::of_robot`] (m, rad).
     pub fn of_values(name: String, axes: usize, values: &[f64]) -> Self {
         let row = |k: usize| (0..axes).map(|i| values[PER_LINK * i + k]).collect();
         let frame = |k: usize| std::array::from_fn(|c| values[PER_LINK * axes + PER_FRAME * k + c]);
@@ -163,7 +164,7 @@ impl Spread {
     /// The usual reading of a tolerance: three standard deviations.
     pub const SIGMAS: f64 = 3.0;
 
-    /// Of a signed value: its magnitude as plus-or-minus, normal, three standard deviations.
+    /// Returns the magnitude of a signed value as plus-or-minus: normal, three standard deviations.
     pub fn of_magnitude(value: f64) -> Self {
         Self { plus_minus: value.abs(), distribution: Distribution::Normal, sigmas: Self::SIGMAS }
     }

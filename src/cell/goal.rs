@@ -44,7 +44,7 @@ impl Goal {
         matches!(self, Goal::Clearance | Goal::JointLimits | Goal::Singularity)
     }
 
-    /// What is to be made small, of its value.
+    /// Returns the value to minimize: a gain is negated.
     pub fn loss(self, value: f64) -> f64 {
         if self.is_gain() { -value } else { value }
     }

@@ -1,54 +1,17 @@
 //! A layout: a value for everything that the search may change.
 
 use super::attitude::{Attitude, Azimuth, Spin};
+use super::coordinate::Coordinate;
 use super::model::{Cell, Placement, PlacementTolerance};
-
-/// One number of a cell file that the search may change.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Coordinate {
-    Fixed(f64),
-    /// A search variable.
-    Range {
-        min: f64,
-        max: f64,
-        start: f64,
-    },
-    /// A search variable that takes one of these values, the first at the start.
-    List(Vec<f64>),
-}
-
-impl Coordinate {
-    pub fn start(&self) -> f64 {
-        match self {
-            Coordinate::Fixed(value) | Coordinate::Range { start: value, .. } => *value,
-            Coordinate::List(values) => values.first().copied().unwrap_or(0.0),
-        }
-    }
-
-    pub fn is_free(&self) -> bool {
-        !matches!(self, Coordinate::Fixed(_))
-    }
-
-    /// Least and greatest value.
-    pub fn range(&self) -> (f64, f64) {
-        match self {
-            Coordinate::Fixed(value) => (*value, *value),
-            Coordinate::Range { min, max, .. } => (*min, *max),
-            Coordinate::List(values) => {
-                values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (lo.min(*v), hi.max(*v)))
-            }
-        }
-    }
-}
 
 /// Which number of a layout a coordinate is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Slot {
-    /// Of the robot base: x, y, z, yaw.
+    /// Coordinate of the robot base: x, y, z, yaw.
     Base(usize),
-    /// Of an equipment, by index, in the frame of what it stands on: x, y, z, yaw.
+    /// Coordinate of an equipment, by index, in the frame of what it stands on: x, y, z, yaw.
     Equipment(usize, usize),
-    /// Of the attitude of an operation, by index: elevation, azimuth, spin.
+    /// Angle of the attitude of an operation, by index: elevation, azimuth, spin.
     Attitude(usize, usize),
 }
 

@@ -3,8 +3,8 @@
 use super::attitude::Attitude;
 use super::choices::*;
 use super::constraints::{Fence, Margins, TransferRules};
+use super::coordinate::Coordinate;
 use super::error_model::{ErrorSet, FrameErrors};
-use super::layout::Coordinate;
 use super::robot_model::Robot;
 use super::sense::{Sense, Unit};
 use super::shape::{Rectangle, Solid};
@@ -88,7 +88,7 @@ pub struct Equipment {
     pub on: Option<usize>,
     /// x, y, z, yaw, in the world or in the frame of what it stands on.
     pub placement: [Coordinate; 4],
-    /// Of its placement or fixture.
+    /// Errors of its placement or fixture, in its frame (m, rad).
     pub errors: Option<FrameErrors>,
     /// How exactly it is placed.
     pub tolerance: PlacementTolerance,
@@ -156,7 +156,7 @@ pub struct Operation {
     pub standoff: f64,
     /// As drawn.
     pub attitude: Attitude,
-    /// Those of elevation, azimuth and spin that may be searched; None: as `attitude` says.
+    /// Search variables for elevation, azimuth and spin, rad; None: the angle of `attitude` holds.
     pub angles: [Option<Coordinate>; 3],
     pub sense: Sense,
     /// Largest error in the sense (m or rad) with which the operation succeeds.
@@ -202,7 +202,7 @@ pub struct Cell {
     pub equipment: Vec<Equipment>,
     pub keep_out: Vec<KeepOut>,
     pub operations: Vec<Operation>,
-    /// Those defined in the cell file.
+    /// Senses that the cell file defines.
     pub senses: Vec<Sense>,
     /// Whether anything is checked for collision and overlap.
     pub collision: bool,

@@ -89,12 +89,12 @@ impl Default for SelfCollision {
 pub struct Robot {
     pub name: String,
     pub source: String,
-    /// Of the rows in its file: reports name the parameters as the file does.
+    /// Convention of the rows in its file: reports name the parameters as the file does.
     pub convention: Convention,
     /// Robot base to D-H frame 0.
     pub mount: Pose,
     pub joints: Vec<Joint>,
-    /// Of every joint its frame in the D-H frame before its row, fixed to the link before it: the
+    /// Frame of every joint in the D-H frame before its row, fixed to the link before it: the
     /// origin frame of a URDF joint, the identity for D-H rows.
     pub joint_frames: Vec<Pose>,
     /// Row i: how the D-H coordinate i follows the actuators, lower triangular with units on the
@@ -106,7 +106,7 @@ pub struct Robot {
     pub tool: Pose,
     /// Working direction of the tool in the frame of the TCP, unit length.
     pub tool_axis: Vector3<f64>,
-    /// Those of the tool come last: they move with the mechanical interface, the last frame.
+    /// Solids on the links. The solids of the tool come last: they move with the mechanical interface.
     pub solids: Vec<LinkSolid>,
     /// How many of them are the tool's.
     pub tool_solids: usize,
@@ -121,7 +121,7 @@ pub struct Robot {
 /// Where rows come from that were derived from a URDF.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UrdfOrigin {
-    /// Its path from the folder of the cell.
+    /// Path of the URDF from the folder of the cell.
     pub file: String,
     pub base_link: String,
     pub tip_link: String,

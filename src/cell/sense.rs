@@ -12,9 +12,9 @@ pub const MAX_ROWS: usize = 6;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Frame {
     World,
-    /// Of the equipment that carries the operation.
+    /// Frame of the equipment that carries the operation.
     Surface,
-    /// Of the TCP at the posture.
+    /// Frame of the TCP at the posture.
     Tool,
 }
 

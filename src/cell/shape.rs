@@ -45,7 +45,7 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// The same shape seen from the frame in which its own is at `pose`. A leg stands on the floor and
+    /// Returns the shape seen from the frame in which its own is at `pose`. A leg stands on the floor and
     /// stays.
     pub fn seen_from(self, pose: &Pose) -> Self {
         let at = |p: Vector3<f64>| pose.transform(&p);

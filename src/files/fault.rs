@@ -1,4 +1,4 @@
-//! What is wrong with a file, where, and what to do about it.
+//! Faults of files: what is wrong, where, and what to do.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -32,37 +32,32 @@ key_table! {
         OBJECTIVE = word::<Objective>("objective", "How the weighted errors of the operations make one number.").default(Literal::Word(DEFAULT_SEARCH.objective.name()));
         INDIFFERENCE = number("indifference_percent", NumberRange::Positive, "Values that differ by less count as equally good; for the lexicographic objective.").default(Literal::Number(1.0));
         BUDGET = Key::new("budget", BUDGETS, "Number of layouts to evaluate.").default(Literal::Whole(DEFAULT_SEARCH.budget));
-        SEED = Key::new("seed", Kind::Whole(0, u64::MAX), "Seed of the random numbers: the same seed gives the same bytes.").default(Literal::Whole(DEFAULT_SEARCH.seed));
+        SEED = Key::new("seed", ValueKind::Whole(0, u64::MAX), "Seed of the random numbers: the same seed gives the same bytes.").default(Literal::Whole(DEFAULT_SEARCH.seed));
         ROBUST = boolean("robust", DEFAULT_SEARCH.robust, "Minimize the worst value over the placement tolerances, not the value as drawn.");
         GAP = number("gap", NumberRange::NotNegative, "Stop when the best layout is so near the proven bound, as a share: 0.01 is 1 %.").example("0.01");
         STAGNATION = Key::new("stagnation", BUDGETS, "Stop after so many layouts without improvement.").example("5000");
-        PARETO = Key::new("pareto", Kind::Checked(&GOALS, unique), "Find the layouts none of which is better than another in all of these goals.").example("[\"error\", \"clearance\"]");
-        KEEP = Key::new("keep", Kind::Whole(1, MAX_KEPT as u64), "Number of the best layouts to report, which differ from each other.").example("5");
+        PARETO = Key::new("pareto", ValueKind::Checked(&GOALS, unique), "Find the layouts none of which is better than another in all of these goals.").example("[\"error\", \"clearance\"]");
+        KEEP = Key::new("keep", ValueKind::Whole(1, MAX_KEPT as u64), "Number of the best layouts to report, which differ from each other.").example("5");
     }
 }
 
-const BUDGETS: Kind = Kind::Whole(*SearchSettings::BUDGETS.start(), *SearchSettings::BUDGETS.end());
+const BUDGETS: ValueKind = ValueKind::Whole(*SearchSettings::BUDGETS.start(), *SearchSettings::BUDGETS.end());
 
-const GOALS: Kind = Kind::List(&Kind::word::<Goal>(), (2, Goal::ALL.len()), "goals");
-
-/// JSON Schema of a list without repetition.
-pub fn unique() -> Value {
-    json!({ "uniqueItems": true })
-}
+const GOALS: ValueKind = ValueKind::List(&ValueKind::word::<Goal>(), (2, Goal::ALL.len()), "goals");
 
 /// JSON Schema of the names that a sense may have: none of a plain sense, and without @.
 fn names_of_senses() -> Value {
     json!({ "propertyNames": { "not": { "anyOf": [{ "enum": PLAIN }, { "pattern": "@" }] } } })
 }
 
-const OWN_SENSES: Kind = Kind::Named(&Kind::Table(&sense::TABLE), 0);
+const OWN_SENSES: ValueKind = ValueKind::Named(&ValueKind::Table(&sense::TABLE), 0);
 
 key_table! {
     cell, "a cell", "A cell: robot and base, equipment and obstacles with placements, operations, search.", {
         FROM = from("\"hitachi_cell.toml\"");
         SCHEMA = schema("sweetspot/cell/1");
         UNITS = super::UNITS;
-        NAME = Key::new("name", Kind::Name, "Name of the cell; if left out, the name of its file.");
+        NAME = Key::new("name", ValueKind::Name, "Name of the cell; if left out, the name of its file.");
         SOURCE = super::SOURCE;
         ERRORS = text("errors", "Name of the error set of the robot that counts.").required().example("\"placeholder\"").remedy("add errors = \"NAME\", one of the error sets of the robot");
         MODEL = word::<Model>("model", "Kinematic error model: how errors of the parameters make the error of the TCP.").default(Literal::Word(Model::Nonlinear.name()));
@@ -71,11 +66,11 @@ key_table! {
         REGISTRATION = word::<Registration>("registration", "What has been measured with the robot itself: nothing, its base frame, or the frame of each surface.").default(Literal::Word(Registration::None.name()));
         GUARD = number("guard_percent", NumberRange::Positive, "A model that differs from the nonlinear one by more is reported as not trustworthy.").default(Literal::Number(1.0));
         ROBOT = table("robot", &robot_in_cell::TABLE, "Robot, and where its base stands.").required().remedy("add robot = { from = \"robots/NAME.toml\" }");
-        EQUIPMENT = Key::new("equipment", Kind::Named(&Kind::Table(&equipment::TABLE), 0), "Equipment that stands in the cell, [equipment.NAME] each.");
-        OBSTACLE = Key::new("obstacle", Kind::Named(&Kind::Table(&obstacle::TABLE), 0), "Obstacles, [obstacle.NAME] each.");
-        KEEP_OUT = Key::new("keep_out", Kind::Named(&Kind::Table(&keep_out::TABLE), 0), "Boxes that nothing may enter, [keep_out.NAME] each.");
-        SENSE = Key::new("sense", Kind::Checked(&OWN_SENSES, names_of_senses), "Senses that the cell defines, [sense.NAME] each.");
-        OPERATION = Key::new("operation", Kind::Named(&Kind::Table(&operation::TABLE), 1), "Operations, [operation.NAME] each.").required().remedy("add [operation.NAME] with on, grid, bend_deg and sense");
+        EQUIPMENT = Key::new("equipment", ValueKind::Named(&ValueKind::Table(&equipment::TABLE), 0), "Equipment that stands in the cell, [equipment.NAME] each.");
+        OBSTACLE = Key::new("obstacle", ValueKind::Named(&ValueKind::Table(&obstacle::TABLE), 0), "Obstacles, [obstacle.NAME] each.");
+        KEEP_OUT = Key::new("keep_out", ValueKind::Named(&ValueKind::Table(&keep_out::TABLE), 0), "Boxes that nothing may enter, [keep_out.NAME] each.");
+        SENSE = Key::new("sense", ValueKind::Checked(&OWN_SENSES, names_of_senses), "Senses that the cell defines, [sense.NAME] each.");
+        OPERATION = Key::new("operation", ValueKind::Named(&ValueKind::Table(&operation::TABLE), 1), "Operations, [operation.NAME] each.").required().remedy("add [operation.NAME] with on, grid, bend_deg and sense");
         COLLISION = boolean("collision", true, "Whether collisions are checked.");
         CLEARANCE = number_or_zero("clearance_mm", NumberRange::NotNegative, "Distances less than this count as collision.");
         FLOOR = number_or_zero("floor_mm", NumberRange::Finite, "Height of the floor in the world.");

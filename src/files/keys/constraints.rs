@@ -5,7 +5,7 @@ use super::parts::*;
 use crate::cell::MAX_JOINTS;
 
 /// One number for each joint.
-pub const POSTURE: Kind = Kind::List(&FINITE, (1, MAX_JOINTS), "numbers");
+pub const POSTURE: ValueKind = ValueKind::List(&FINITE, (1, MAX_JOINTS), "numbers");
 
 key_table! {
     margins, "margins", "Distance that postures keep from joint limits and singular postures.", {
@@ -19,14 +19,14 @@ key_table! {
     transfer, "transfer rules", "Motions from operation to operation, and from point to point, must be free of collision.", {
         CHECK = boolean("check", true, "Whether these motions are checked.");
         LIFT = number_or_zero("lift_mm", NumberRange::NotNegative, "How far the tool may be lifted to pass over obstacles.");
-        VIA = Key::new("via", Kind::Either(&[POSTURE, Kind::List(&POSTURE, (0, MANY), "postures")]), "Posture, or list of postures, through which a motion may go, in degrees and mm; if left out, the home posture.").example("[[0, 0, 0, 0], [90, -10, 10, 20.5]]");
+        VIA = Key::new("via", ValueKind::Either(&[POSTURE, ValueKind::List(&POSTURE, (0, MANY), "postures")]), "Posture, or list of postures, through which a motion may go, in degrees and mm; if left out, the home posture.").example("[[0, 0, 0, 0], [90, -10, 10, 20.5]]");
         CYCLE = boolean("cycle", false, "Whether the last operation is followed by the first.");
     }
 }
 
 key_table! {
     fence, "a fence", "Fence inside which the equipment and the robot base stand.", {
-        POLYGON = Key::new("polygon_mm", Kind::List(&PLAN, (3, MANY), "corners"), "Corners (x and y in the world), in the order in which you walk along the fence; it closes by itself.").required().example("[[-2000, -1500], [2000, -1500], [2000, 2500], [-2000, 2500]]");
+        POLYGON = Key::new("polygon_mm", ValueKind::List(&PLAN, (3, MANY), "corners"), "Corners (x and y in the world), in the order in which you walk along the fence; it closes by itself.").required().example("[[-2000, -1500], [2000, -1500], [2000, 2500], [-2000, 2500]]");
         HEIGHT = number("height_mm", NumberRange::Positive, "Height of walls that the robot must not touch; if left out, the fence is a line on the floor.").example("2200");
     }
 }

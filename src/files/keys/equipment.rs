@@ -18,7 +18,7 @@ key_table! {
         SOURCE = super::SOURCE;
         SURFACE = table("surface", &rectangle::TABLE, "Work surface: a rectangle at height 0 of its frame.").example("{ size_mm = [1500, 700] }");
         FOOTPRINT = table("footprint", &rectangle::TABLE, "Floor space that nothing else may use; if left out, what its solids and surface cover.").example("{ size_mm = [600, 600] }").remedy("add footprint = { size_mm = [600, 600] }");
-        SOLID = Key::new("solid", Kind::List(&Kind::Table(&equipment_solid::TABLE), (0, MANY), "solids"), "Solids, in the frame of the equipment.");
+        SOLID = Key::new("solid", ValueKind::List(&ValueKind::Table(&equipment_solid::TABLE), (0, MANY), "solids"), "Solids, in the frame of the equipment.");
     }
     rules [Rule::AnyOf(&BODY), Rule::Needs("schema", "units")];
 }

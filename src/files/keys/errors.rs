@@ -1,6 +1,5 @@
 //! Keys of the error sets of a robot, and of the errors of an equipment.
 
-use super::cell::unique;
 use super::constraints::POSTURE;
 use super::key::*;
 use super::parts::*;
@@ -42,12 +41,13 @@ const SIGMAS: Key = number(
 .default(Literal::Number(Spread::SIGMAS));
 
 /// One word for all joints, or one for each.
-const BY_JOINT: Kind = Kind::Either(&[SPREAD, Kind::List(&SPREAD, (1, MAX_JOINTS), "words")]);
+const BY_JOINT: ValueKind = ValueKind::Either(&[SPREAD, ValueKind::List(&SPREAD, (1, MAX_JOINTS), "words")]);
 
 /// One word for a frame, or one for each of its components.
-const BY_COMPONENT: Kind = Kind::Either(&[SPREAD, Kind::List(&SPREAD, (PER_FRAME, PER_FRAME), "words")]);
+const BY_COMPONENT: ValueKind =
+    ValueKind::Either(&[SPREAD, ValueKind::List(&SPREAD, (PER_FRAME, PER_FRAME), "words")]);
 
-const SPREAD: Kind = Kind::word::<Distribution>();
+const SPREAD: ValueKind = ValueKind::word::<Distribution>();
 
 /// Errors of the joints: one number for each.
 const fn row(name: &'static str, help: &'static str) -> Key {
@@ -63,7 +63,7 @@ key_table! {
 
 key_table! {
     joint_frame_error, "a frame error of `joints`", "Error of the frame of one joint, in itself.", {
-        JOINT = Key::new("joint", Kind::Either(&[Kind::Whole(1, MAX_JOINTS as u64), Kind::Text]), "Joint, by its number from 1 or by its name.").required().example("1").remedy("add joint = 1, the number or the name of the joint");
+        JOINT = Key::new("joint", ValueKind::Either(&[ValueKind::Whole(1, MAX_JOINTS as u64), ValueKind::Text]), "Joint, by its number from 1 or by its name.").required().example("1").remedy("add joint = 1, the number or the name of the joint");
     }
     extends super::frame_error::TABLE;
 }
@@ -87,8 +87,8 @@ pub const PARAMETERS: &str = "dq, dr, dl, dalpha or dbeta and a joint (dl2), or 
 
 key_table! {
     covariance, "`covariance`", "Covariance from a calibration: normal parameters that vary together; their plus-or-minus is 0.", {
-        PARAMETERS = Key::new("parameters", Kind::Checked(&Kind::List(&Kind::Text, (1, MANY), "names"), unique), "What the rows belong to: dq, dr, dl, dalpha or dbeta and a joint (dl2), or base, tool or a joint and x, y, z, rx, ry or rz (joint2 x).").required().example("[\"dl2\", \"dalpha3\", \"base x\"]").remedy("add parameters = [\"dq1\", \"dl2\"], what the rows belong to");
-        MATRIX = Key::new("matrix", Kind::List(&Kind::List(&FINITE, (1, MANY), "numbers"), (1, MANY), "rows"), "Covariances, a row for each of the parameters, in products of mm and degrees.").required().example("[[0.25, 0.1], [0.1, 4]]").remedy("add matrix = [[...], ...], a row for each of `parameters`");
+        PARAMETERS = Key::new("parameters", ValueKind::Checked(&ValueKind::List(&ValueKind::Text, (1, MANY), "names"), unique), "What the rows belong to: dq, dr, dl, dalpha or dbeta and a joint (dl2), or base, tool or a joint and x, y, z, rx, ry or rz (joint2 x).").required().example("[\"dl2\", \"dalpha3\", \"base x\"]").remedy("add parameters = [\"dq1\", \"dl2\"], what the rows belong to");
+        MATRIX = Key::new("matrix", ValueKind::List(&ValueKind::List(&FINITE, (1, MANY), "numbers"), (1, MANY), "rows"), "Covariances, a row for each of the parameters, in products of mm and degrees.").required().example("[[0.25, 0.1], [0.1, 4]]").remedy("add matrix = [[...], ...], a row for each of `parameters`");
     }
 }
 
@@ -104,8 +104,8 @@ key_table! {
         DBETA = Key::new("dbeta_deg", POSTURE, "Errors of the fifth parameter (Hayati), for parallel axes: one for each joint.");
         BASE = table("base", &frame_error::TABLE, "Error of the base frame.");
         TOOL = table("tool", &frame_error::TABLE, "Error of the TCP.");
-        JOINTS = Key::new("joints", Kind::List(&Kind::Table(&joint_frame_error::TABLE), (0, MAX_JOINTS), "frame errors"), "Errors of joint frames; each moves everything from its joint on.").example("[{ joint = 1, rotation_deg = [0, 0, 0.1] }]");
-        DISTRIBUTION = Key::new("distribution", Kind::Either(&[SPREAD, Kind::Table(&distribution::TABLE)]), "How the plus-or-minus values spread: one word for all, or a table by rows and frames.").default(Literal::Word(Distribution::Normal.name()));
+        JOINTS = Key::new("joints", ValueKind::List(&ValueKind::Table(&joint_frame_error::TABLE), (0, MAX_JOINTS), "frame errors"), "Errors of joint frames; each moves everything from its joint on.").example("[{ joint = 1, rotation_deg = [0, 0, 0.1] }]");
+        DISTRIBUTION = Key::new("distribution", ValueKind::Either(&[SPREAD, ValueKind::Table(&distribution::TABLE)]), "How the plus-or-minus values spread: one word for all, or a table by rows and frames.").default(Literal::Word(Distribution::Normal.name()));
         SIGMAS = super::SIGMAS;
         COVARIANCE = table("covariance", &covariance::TABLE, "Covariance from a calibration.");
     }

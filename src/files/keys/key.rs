@@ -1,14 +1,11 @@
 //! An entry of the tables of keys: name, kind of value, need, default, help and example.
 
-use crate::units;
+pub use super::range::{LARGEST, NumberRange, SMALLEST};
+pub use super::unit::KeyUnit;
+pub(crate) use super::word::words;
+pub use super::word::{Word, quoted, words_of};
 use serde_json::{Value, json};
 use std::iter::successors;
-
-/// Largest length (mm) or angle (degrees) that any file can mean.
-pub const LARGEST: f64 = 1e7;
-
-/// Smallest size or weight that any file can mean.
-pub const SMALLEST: f64 = 1e-6;
 
 /// Longest name, characters.
 pub const MAX_NAME: usize = 60;
@@ -19,23 +16,9 @@ pub const MAX_VALUES: usize = 1000;
 /// Number of items that stands for "any number of them".
 pub const MANY: usize = usize::MAX;
 
-/// Values that a number may have, in the unit of the file. Every number is finite and within 1e7.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum NumberRange {
-    Finite,
-    Positive,
-    NotNegative,
-    /// Half the width of a tolerance: not negative.
-    PlusMinus,
-    /// From 0 to this value.
-    UpTo(f64),
-    /// From 0 on, and less than this value.
-    Below(f64),
-}
-
 /// Kind of value that a key has.
 #[derive(Debug, Clone, Copy)]
-pub enum Kind {
+pub enum ValueKind {
     Number(NumberRange),
     /// Whole number from the first to the second.
     Whole(u64, u64),
@@ -53,12 +36,12 @@ pub enum Kind {
     Coordinate(f64, f64),
     Table(&'static KeyTable),
     /// At least so many values, each under a name that somebody chose.
-    Named(&'static Kind, usize),
+    Named(&'static ValueKind, usize),
     /// List of so many items, from the first number to the second, with their noun.
-    List(&'static Kind, (usize, usize), &'static str),
-    Either(&'static [Kind]),
+    List(&'static ValueKind, (usize, usize), &'static str),
+    Either(&'static [ValueKind]),
     /// Kind whose JSON Schema says more about the value.
-    Checked(&'static Kind, fn() -> Value),
+    Checked(&'static ValueKind, fn() -> Value),
 }
 
 /// Whether a key must be given, and what holds if it is not.
@@ -82,21 +65,11 @@ pub enum Literal {
     Zeros(usize),
 }
 
-/// Unit of the numbers of a key, told by the ending of its name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum KeyUnit {
-    None,
-    Millimetres,
-    Degrees,
-    Percent,
-    MillimetresPerDegree,
-}
-
 /// One key of a table in the files.
 #[derive(Debug, Clone, Copy)]
 pub struct Key {
     pub name: &'static str,
-    pub kind: Kind,
+    pub kind: ValueKind,
     pub need: Need,
     /// Sentence for people, without the unit.
     pub help: &'static str,
@@ -108,7 +81,7 @@ pub struct Key {
 
 impl Key {
     /// An optional key.
-    pub const fn new(name: &'static str, kind: Kind, help: &'static str) -> Self {
+    pub const fn new(name: &'static str, kind: ValueKind, help: &'static str) -> Self {
         Self { name, kind, need: Need::Optional, help, example: "", remedy: "" }
     }
 
@@ -245,49 +218,25 @@ pub enum Rule {
     NotNegativeWhen(&'static str, &'static str),
 }
 
-/// Closed set of values, each with its word in the files.
-pub trait Word: Copy + 'static {
-    fn all() -> &'static [Self];
-    fn word(self) -> &'static str;
-}
-
-/// Returns the words of a closed set.
-pub fn words_of<W: Word>() -> Vec<String> {
-    W::all().iter().map(|value| value.word().to_string()).collect()
-}
-
-/// Implements [`Word`] for types with a list `ALL` and a method `name`.
-macro_rules! words {
-    ($($kind:ty),* $(,)?) => { $(
-        impl $crate::files::keys::key::Word for $kind {
-            fn all() -> &'static [Self] {
-                &<$kind>::ALL
-            }
-            fn word(self) -> &'static str {
-                self.name()
-            }
-        }
-    )* };
-}
-pub(crate) use words;
-
-impl Kind {
+impl ValueKind {
     /// Kind of a word out of a closed set.
     pub const fn word<W: Word>() -> Self {
-        Kind::Word(words_of::<W>)
+        ValueKind::Word(words_of::<W>)
     }
 
     /// Returns the kind without what its JSON Schema says more.
-    pub fn plain(&self) -> &Kind {
-        if let Kind::Checked(kind, _) = self { kind.plain() } else { self }
+    pub fn plain(&self) -> &ValueKind {
+        if let ValueKind::Checked(kind, _) = self { kind.plain() } else { self }
     }
 
     /// Returns the table in a value of this kind, or in its items.
     pub fn table(&self) -> Option<&'static KeyTable> {
         match self {
-            Kind::Table(table) => Some(table),
-            Kind::Named(kind, _) | Kind::List(kind, ..) | Kind::Checked(kind, _) => kind.table(),
-            Kind::Either(kinds) => kinds.iter().find_map(Kind::table),
+            ValueKind::Table(table) => Some(table),
+            ValueKind::Named(kind, _) | ValueKind::List(kind, ..) | ValueKind::Checked(kind, _) => {
+                kind.table()
+            }
+            ValueKind::Either(kinds) => kinds.iter().find_map(ValueKind::table),
             _ => None,
         }
     }
@@ -295,95 +244,25 @@ impl Kind {
     /// Returns a value of this kind, as TOML.
     pub fn example(&self) -> String {
         match self {
-            Kind::Number(range) => range.example().into(),
-            Kind::Coordinate(..) => "0".into(),
-            Kind::Whole(least, _) => least.to_string(),
-            Kind::Boolean => "true".into(),
-            Kind::Text | Kind::Name | Kind::Path => "\"...\"".into(),
-            Kind::Word(words) => quoted(&words()),
-            Kind::Exactly(word) => format!("\"{word}\""),
-            Kind::Table(table) => {
+            ValueKind::Number(range) => range.example().into(),
+            ValueKind::Coordinate(..) => "0".into(),
+            ValueKind::Whole(least, _) => least.to_string(),
+            ValueKind::Boolean => "true".into(),
+            ValueKind::Text | ValueKind::Name | ValueKind::Path => "\"...\"".into(),
+            ValueKind::Word(words) => quoted(&words()),
+            ValueKind::Exactly(word) => format!("\"{word}\""),
+            ValueKind::Table(table) => {
                 let required = table.keys().filter(|key| matches!(key.need, Need::Required));
                 let entries = required.map(|key| format!("{} = {}", key.name, key.shown_example()));
                 format!("{{ {} }}", entries.collect::<Vec<_>>().join(", "))
             }
-            Kind::Named(of, _) => format!("{{ NAME = {} }}", of.example()),
-            Kind::List(of, (least, _), _) => {
+            ValueKind::Named(of, _) => format!("{{ NAME = {} }}", of.example()),
+            ValueKind::List(of, (least, _), _) => {
                 format!("[{}]", vec![of.example(); (*least).clamp(1, 8)].join(", "))
             }
-            Kind::Either(kinds) => kinds.first().map(Kind::example).unwrap_or_default(),
-            Kind::Checked(kind, _) => kind.example(),
+            ValueKind::Either(kinds) => kinds.first().map(ValueKind::example).unwrap_or_default(),
+            ValueKind::Checked(kind, _) => kind.example(),
         }
-    }
-}
-
-/// Returns words in quotes, with "or" between them.
-pub fn quoted(words: &[String]) -> String {
-    format!("\"{}\"", words.join("\" or \""))
-}
-
-impl KeyUnit {
-    /// Converts a number of a file to SI.
-    pub fn si(self, value: f64) -> f64 {
-        match self {
-            KeyUnit::None => value,
-            KeyUnit::Millimetres => units::m_from_mm(value),
-            KeyUnit::Degrees => units::rad_from_deg(value),
-            KeyUnit::Percent => units::share_from_percent(value),
-            KeyUnit::MillimetresPerDegree => units::m_from_mm(value) / units::rad_from_deg(1.0),
-        }
-    }
-
-    /// Returns the unit as people write it.
-    pub fn name(self) -> &'static str {
-        match self {
-            KeyUnit::None => "",
-            KeyUnit::Millimetres => "mm",
-            KeyUnit::Degrees => "degrees",
-            KeyUnit::Percent => "per cent",
-            KeyUnit::MillimetresPerDegree => "mm per degree",
-        }
-    }
-}
-
-impl NumberRange {
-    /// Returns what is wrong with a value, and what to do.
-    pub fn refuses(self, value: f64) -> Option<(String, String)> {
-        let at_least_0 = "write 0 or a number greater than 0";
-        let (wrong, remedy) = match self {
-            _ if !value.is_finite() => {
-                ("must be a finite number", "write a plain number: nan and inf are no measures")
-            }
-            _ if value.abs() > LARGEST => {
-                ("must be from -1e7 to 1e7", "is the unit right? lengths are in mm, angles in degrees")
-            }
-            Self::Positive if value <= 0.0 => ("must be greater than 0", "write a number greater than 0"),
-            Self::Positive if value < SMALLEST => {
-                ("must be at least 1e-6", "is the unit right? lengths are in mm")
-            }
-            Self::NotNegative | Self::UpTo(_) | Self::Below(_) if value < 0.0 => {
-                ("must not be negative", at_least_0)
-            }
-            Self::PlusMinus if value < 0.0 => {
-                ("must not be negative", "a plus-or-minus has no sign; a sample has: kind = \"signed\"")
-            }
-            Self::UpTo(most) if value > most => {
-                return Some((format!("must be at most {most}"), format!("write a number from 0 to {most}")));
-            }
-            Self::Below(end) if value >= end => {
-                return Some((
-                    format!("must be less than {end}"),
-                    format!("write a number from 0 on, below {end}"),
-                ));
-            }
-            _ => return None,
-        };
-        Some((wrong.to_string(), remedy.to_string()))
-    }
-
-    /// Returns a number to write for a missing one.
-    pub fn example(self) -> &'static str {
-        if self == Self::Positive { "100" } else { "0" }
     }
 }
 

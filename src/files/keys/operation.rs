@@ -33,20 +33,24 @@ fn lengths() -> Vec<String> {
 }
 
 /// Name of a sense that the cell defines.
-const OWN_SENSE: Kind = Kind::Checked(&Kind::Text, || serde_json::json!({ "pattern": "^[^@]*$" }));
+const OWN_SENSE: ValueKind =
+    ValueKind::Checked(&ValueKind::Text, || serde_json::json!({ "pattern": "^[^@]*$" }));
 
-const AZIMUTH: Kind =
-    Kind::Either(&[Kind::Coordinate(-LARGEST, LARGEST), Kind::Word(|| vec!["radial".into(), "free".into()])]);
-
-const SPIN: Kind = Kind::Either(&[
-    FINITE,
-    Kind::Table(&range::TABLE),
-    Kind::List(&FINITE, (1, MAX_SPINS), "angles"),
-    Kind::Exactly("free"),
+const AZIMUTH: ValueKind = ValueKind::Either(&[
+    ValueKind::Coordinate(-LARGEST, LARGEST),
+    ValueKind::Word(|| vec!["radial".into(), "free".into()]),
 ]);
 
-const POINTS: Kind = Kind::List(&PLAN, (1, MAX_NODES as usize), "points");
-const DIVISIONS: Kind = Kind::List(&Kind::Whole(1, MAX_NODES / 2 - 1), (2, 2), "whole numbers");
+const SPIN: ValueKind = ValueKind::Either(&[
+    FINITE,
+    ValueKind::Table(&range::TABLE),
+    ValueKind::List(&FINITE, (1, MAX_SPINS), "angles"),
+    ValueKind::Exactly("free"),
+]);
+
+const POINTS: ValueKind = ValueKind::List(&PLAN, (1, MAX_NODES as usize), "points");
+const DIVISIONS: ValueKind =
+    ValueKind::List(&ValueKind::Whole(1, MAX_NODES / 2 - 1), (2, 2), "whole numbers");
 
 key_table! {
     operation, "an operation", "Precision operation: where it happens, how the tool points, which error counts.", {
@@ -56,15 +60,15 @@ key_table! {
         POINTS_MM = Key::new("points_mm", POINTS, "Points of the surface (x and y) at which it happens, in place of a grid.").example("[[-100, 0], [100, 0]]");
         OVER = word::<Over>("over", "best: it happens at the best node; max, mean, p95: at every node, and this of their errors counts; if left out, best for a grid, max for points.");
         STANDOFF = number_or_zero("standoff_mm", NumberRange::NotNegative, "Distance of the TCP above the surface.");
-        BEND = Key::new("bend_deg", Kind::Coordinate(-MAX_BEND, MAX_BEND), "Elevation of the tool axis: -90 points down, 0 is horizontal; a number, a range or a list.").required().example("-90").remedy("add bend_deg = 0");
+        BEND = Key::new("bend_deg", ValueKind::Coordinate(-MAX_BEND, MAX_BEND), "Elevation of the tool axis: -90 points down, 0 is horizontal; a number, a range or a list.").required().example("-90").remedy("add bend_deg = 0");
         AZIMUTH = Key::new("azimuth_deg", super::AZIMUTH, "Heading of the tool axis in the surface (of the x axis, if the tool is vertical): a number, a range, a list, \"radial\" (away from the robot) or \"free\".").default(Literal::Word("free"));
         SPIN = Key::new("spin_deg", super::SPIN, "Turn about the tool axis: a number, a range to search, a list of turns that all do, or \"free\" (every 30 degrees is tried).").default(Literal::Word("free"));
         TOLERANCE = number_or_zero("tolerance_deg", NumberRange::UpTo(MAX_TOLERANCE), "How far the tool axis may be tilted.");
-        SENSE = Key::new("sense", Kind::Either(&[Kind::Word(plain_senses), OWN_SENSE]), "Sense in which the error is measured: x, y, z, xy, xyz, rx, ry, rz or rotation, with @surface or @tool in other axes, or a sense of the cell.").required().example("\"xy\"").remedy("add sense = \"xy\", or another of x, y, z, xy, xyz, rx, ry, rz, rotation");
+        SENSE = Key::new("sense", ValueKind::Either(&[ValueKind::Word(plain_senses), OWN_SENSE]), "Sense in which the error is measured: x, y, z, xy, xyz, rx, ry, rz or rotation, with @surface or @tool in other axes, or a sense of the cell.").required().example("\"xy\"").remedy("add sense = \"xy\", or another of x, y, z, xy, xyz, rx, ry, rz, rotation");
         LIMIT_MM = number("limit_mm", NumberRange::Positive, "Requirement: largest error with which the operation succeeds, for a sense of length.").example("0.5");
         LIMIT_DEG = number("limit_deg", NumberRange::Positive, "Requirement: largest error with which the operation succeeds, for a sense of rotation.").example("0.1");
         RELATIVE_TO = text("relative_to", "Operation above, whose part is placed here: the errors that both share cancel.").example("\"picking\"");
-        TEACH = Key::new("teach_mm", Kind::List(&PLAN, (3, 3), "points"), "Three points of the surface (x and y) that teach its frame when the registration is taught.").example("[[-500, -200], [500, -200], [-500, 200]]");
+        TEACH = Key::new("teach_mm", ValueKind::List(&PLAN, (3, 3), "points"), "Three points of the surface (x and y) that teach its frame when the registration is taught.").example("[[-500, -200], [500, -200], [-500, 200]]");
         APPROACH = number_or_zero("approach_mm", NumberRange::NotNegative, "How far the tool comes in straight along its axis.");
         RETRACT = number_or_zero("retract_mm", NumberRange::NotNegative, "How far the tool goes out straight along its axis.");
         WEIGHT = number("weight", NumberRange::Positive, "How much its error counts in the objective.").default(Literal::Number(1.0));

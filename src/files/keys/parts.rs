@@ -21,17 +21,17 @@ macro_rules! key_table {
 pub(crate) use key_table;
 
 /// Bounds of a coordinate that may be anywhere.
-const ANYWHERE: Kind = Kind::Coordinate(-LARGEST, LARGEST);
+const ANYWHERE: ValueKind = ValueKind::Coordinate(-LARGEST, LARGEST);
 
-pub const FINITE: Kind = Kind::Number(NumberRange::Finite);
-pub const POSITIVE: Kind = Kind::Number(NumberRange::Positive);
-pub const VECTOR: Kind = Kind::List(&FINITE, (3, 3), "numbers");
-pub const SIZES: Kind = Kind::List(&POSITIVE, (3, 3), "numbers");
-pub const PLAN: Kind = Kind::List(&FINITE, (2, 2), "numbers");
-pub const PLAN_SIZES: Kind = Kind::List(&POSITIVE, (2, 2), "numbers");
+pub const FINITE: ValueKind = ValueKind::Number(NumberRange::Finite);
+pub const POSITIVE: ValueKind = ValueKind::Number(NumberRange::Positive);
+pub const VECTOR: ValueKind = ValueKind::List(&FINITE, (3, 3), "numbers");
+pub const SIZES: ValueKind = ValueKind::List(&POSITIVE, (3, 3), "numbers");
+pub const PLAN: ValueKind = ValueKind::List(&FINITE, (2, 2), "numbers");
+pub const PLAN_SIZES: ValueKind = ValueKind::List(&POSITIVE, (2, 2), "numbers");
 
 pub const fn number(name: &'static str, range: NumberRange, help: &'static str) -> Key {
-    Key::new(name, Kind::Number(range), help)
+    Key::new(name, ValueKind::Number(range), help)
 }
 
 /// A number that is 0 if it is not given.
@@ -50,11 +50,16 @@ pub const fn vector_or_zero(name: &'static str, help: &'static str) -> Key {
 
 /// A vector that has a direction.
 pub const fn direction(name: &'static str, help: &'static str) -> Key {
-    Key::new(name, Kind::Checked(&VECTOR, not_zero), help).example("[0, 0, 1]")
+    Key::new(name, ValueKind::Checked(&VECTOR, not_zero), help).example("[0, 0, 1]")
 }
 
 fn not_zero() -> Value {
     json!({ "not": { "enum": [[0, 0, 0]] } })
+}
+
+/// JSON Schema of a list without repetition.
+pub fn unique() -> Value {
+    json!({ "uniqueItems": true })
 }
 
 pub const fn coordinate(name: &'static str, help: &'static str) -> Key {
@@ -62,36 +67,36 @@ pub const fn coordinate(name: &'static str, help: &'static str) -> Key {
 }
 
 pub const fn text(name: &'static str, help: &'static str) -> Key {
-    Key::new(name, Kind::Text, help)
+    Key::new(name, ValueKind::Text, help)
 }
 
 pub const fn boolean(name: &'static str, default: bool, help: &'static str) -> Key {
-    Key::new(name, Kind::Boolean, help).default(Literal::Boolean(default))
+    Key::new(name, ValueKind::Boolean, help).default(Literal::Boolean(default))
 }
 
 pub const fn table(name: &'static str, of: &'static KeyTable, help: &'static str) -> Key {
-    Key::new(name, Kind::Table(of), help)
+    Key::new(name, ValueKind::Table(of), help)
 }
 
 pub const fn word<W: Word>(name: &'static str, help: &'static str) -> Key {
-    Key::new(name, Kind::word::<W>(), help)
+    Key::new(name, ValueKind::word::<W>(), help)
 }
 
 /// `from`: the file that this one builds on.
 pub const fn from(example: &'static str) -> Key {
     let help = "File that this one builds on; what stands here wins, lists are replaced whole.";
-    Key::new("from", Kind::Path, help).example(example)
+    Key::new("from", ValueKind::Path, help).example(example)
 }
 
 /// `schema`: the kind of the file.
 pub const fn schema(name: &'static str) -> Key {
-    Key::new("schema", Kind::Exactly(name), "Kind of file and its version.").default(Literal::Word(name))
+    Key::new("schema", ValueKind::Exactly(name), "Kind of file and its version.").default(Literal::Word(name))
 }
 
 key_table! {
     units, "`units`", "Units of all numbers of the file.", {
-        LENGTH = Key::new("length", Kind::Exactly("mm"), "Unit of lengths.").required();
-        ANGLE = Key::new("angle", Kind::Exactly("deg"), "Unit of angles.").required();
+        LENGTH = Key::new("length", ValueKind::Exactly("mm"), "Unit of lengths.").required();
+        ANGLE = Key::new("angle", ValueKind::Exactly("deg"), "Unit of angles.").required();
     }
 }
 

@@ -30,16 +30,17 @@ impl JointMotion {
 
 words!(JointMotion);
 
-const LIMITS: Kind = Kind::List(&FINITE, (2, 2), "numbers");
+const LIMITS: ValueKind = ValueKind::List(&FINITE, (2, 2), "numbers");
 
-const SOLIDS_OF_LINKS: Kind = Kind::List(&Kind::Table(&link_solid::TABLE), (0, MANY), "solids");
+const SOLIDS_OF_LINKS: ValueKind =
+    ValueKind::List(&ValueKind::Table(&link_solid::TABLE), (0, MANY), "solids");
 
 /// Solids that move, but with no link.
-const SOLIDS: Kind = Kind::List(&Kind::Table(&solid::TABLE), (0, MANY), "solids");
+const SOLIDS: ValueKind = ValueKind::List(&ValueKind::Table(&solid::TABLE), (0, MANY), "solids");
 
 key_table! {
     joint, "a joint", "D-H row, a moving axis: A = Rz(q_offset + q) Tz(r) Tx(l) Rx(alpha).", {
-        NAME = Key::new("name", Kind::Name, "Name of the joint for messages.").required();
+        NAME = Key::new("name", ValueKind::Name, "Name of the joint for messages.").required();
         R = number("r_mm", NumberRange::Finite, "Axial offset r along z; a joint that slides adds its coordinate.").required();
         L = number("l_mm", NumberRange::Finite, "Common normal l along x.").required();
         ALPHA = number("alpha_deg", NumberRange::Finite, "Twist alpha about x.").required();
@@ -56,7 +57,8 @@ key_table! {
     ];
 }
 
-const PAIRS: Kind = Kind::List(&Kind::List(&Kind::Text, (2, 2), "names"), (0, MANY), "pairs");
+const PAIRS: ValueKind =
+    ValueKind::List(&ValueKind::List(&ValueKind::Text, (2, 2), "names"), (0, MANY), "pairs");
 
 key_table! {
     self_collision, "`self_collision`", "Solids of the robot that may touch.", {
@@ -90,21 +92,21 @@ key_table! {
         FROM = from("\"robots/hitachi_pw10.toml\"");
         SCHEMA = schema("sweetspot/robot/1");
         UNITS = super::UNITS;
-        NAME = Key::new("name", Kind::Name, "Name of the robot.").required_unless("urdf");
+        NAME = Key::new("name", ValueKind::Name, "Name of the robot.").required_unless("urdf");
         SOURCE = super::SOURCE.required_unless("urdf").example("").remedy("add source = \"...\"");
         CONVENTION = word::<Convention>("convention", "Order of the rows: Rz Tz Tx Rx (standard) or Tx Rx Rz Tz (modified, Craig).").default(Literal::Word(Convention::Standard.name()));
-        JOINT = Key::new("joint", Kind::List(&Kind::Table(&joint::TABLE), (1, MAX_JOINTS), "D-H rows"), "D-H rows from the base on, [[joint]] for each moving axis.").required_unless("urdf").remedy("add a [[joint]] for every D-H row, with its limits");
-        COUPLING = Key::new("coupling", Kind::List(&POSTURE, (1, MAX_JOINTS), "rows"), "Row i gives the D-H coordinate i as a sum of the actuators: 1 as its number i, after it only 0.").example("[[1, 0], [1, 1]]");
+        JOINT = Key::new("joint", ValueKind::List(&ValueKind::Table(&joint::TABLE), (1, MAX_JOINTS), "D-H rows"), "D-H rows from the base on, [[joint]] for each moving axis.").required_unless("urdf").remedy("add a [[joint]] for every D-H row, with its limits");
+        COUPLING = Key::new("coupling", ValueKind::List(&POSTURE, (1, MAX_JOINTS), "rows"), "Row i gives the D-H coordinate i as a sum of the actuators: 1 as its number i, after it only 0.").example("[[1, 0], [1, 1]]");
         HOME = Key::new("home", POSTURE, "Posture at rest, one number for each joint, degrees or mm; if left out, 0, or the middle of limits without 0.").example("[0, -30, 60, 0]");
         URDF = text("urdf", "URDF file (without xacro) in place of D-H rows, its path from the folder of this file.").example("\"robots/arm.urdf\"");
         BASE_LINK = text("base_link", "Link of the URDF that stands still; if left out, its root.").example("\"base\"");
         TIP_LINK = text("tip_link", "Link of the URDF that carries the tool; if left out, its only end.").example("\"flange\"");
-        PACKAGES = Key::new("packages", Kind::Named(&Kind::Text, 0), "Folders of the ROS packages that the URDF names, from the folder of this file.").example("{ NAME = \"FOLDER\" }");
+        PACKAGES = Key::new("packages", ValueKind::Named(&ValueKind::Text, 0), "Folders of the ROS packages that the URDF names, from the folder of this file.").example("{ NAME = \"FOLDER\" }");
         TOOL = table("tool", &tool::TABLE, "Tool at the mechanical interface.").required().remedy("add tool = { position_mm = [0, 0, 0], axis = [1, 0, 0] }");
         FOOTPRINT = table("footprint", &rectangle::TABLE, "Floor space of the base; if left out, what the solids of link 0 cover.").remedy("add footprint = { size_mm = [600, 600] }");
         SOLID = Key::new("solid", SOLIDS_OF_LINKS, "Solids on the links.");
-        SELF_COLLISION = Key::new("self_collision", Kind::Either(&[Kind::Boolean, Kind::Table(&self_collision::TABLE)]), "Whether the robot is checked against itself; or the pairs of solids that may touch.").default(Literal::Boolean(true));
-        ERRORS = Key::new("errors", Kind::Named(&Kind::Table(&error_set::TABLE), 1), "Error sets, [errors.NAME] each.").required().remedy("add [errors.NAME] with kind = \"signed\", dr_mm, dl_mm and dalpha_deg");
+        SELF_COLLISION = Key::new("self_collision", ValueKind::Either(&[ValueKind::Boolean, ValueKind::Table(&self_collision::TABLE)]), "Whether the robot is checked against itself; or the pairs of solids that may touch.").default(Literal::Boolean(true));
+        ERRORS = Key::new("errors", ValueKind::Named(&ValueKind::Table(&error_set::TABLE), 1), "Error sets, [errors.NAME] each.").required().remedy("add [errors.NAME] with kind = \"signed\", dr_mm, dl_mm and dalpha_deg");
     }
     rules [
         Rule::Excludes("urdf", &["joint", "coupling", "convention"]),

@@ -21,7 +21,7 @@ fn lengths() -> Vec<String> {
 key_table! {
     /// What terms and senses have in common.
     any_term, "a term", "What of the error counts.", {
-        OF = Key::new("of", Kind::Word(plain), "Error along or about axes of the frame.").example("\"xy\"");
+        OF = Key::new("of", ValueKind::Word(plain), "Error along or about axes of the frame.").example("\"xy\"");
         DIRECTION = direction("direction", "Error along this vector.");
         PLANE = direction("plane", "Error in the plane perpendicular to this vector.");
         AXIS = direction("axis", "Rotation about this vector.");
@@ -45,7 +45,7 @@ key_table! {
     sense, "a sense", "Sense in which an error is measured: which part of it counts.", {
         FRAME = word::<Frame>("frame", "Frame that directions are given in.").default(Literal::Word(Frame::World.name()));
         POINT = vector_or_zero("point_mm", "Point whose error is measured, from the TCP in the tool frame.");
-        TERM = Key::new("term", Kind::List(&Kind::Table(&term::TABLE), (1, MANY), "terms"), "Several terms that make one sense together.").example("[{ of = \"xy\" }, { of = \"rz\", mm_per_deg = 1 }]");
+        TERM = Key::new("term", ValueKind::List(&ValueKind::Table(&term::TABLE), (1, MANY), "terms"), "Several terms that make one sense together.").example("[{ of = \"xy\" }, { of = \"rz\", mm_per_deg = 1 }]");
     }
     extends super::any_term::TABLE;
     rules [

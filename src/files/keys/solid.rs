@@ -85,7 +85,7 @@ key_table! {
         CENTRE = vector("centre_mm", "Where the origin of the mesh lies.").required();
         RPY = super::RPY;
         UNITS = word::<MeshUnit>("units", "Length of one unit of the mesh file.").required();
-        FILE = Key::new("file", Kind::Checked(&Kind::Path, obj_or_stl), "STL or OBJ file, its path from the folder of this file.").required().example("\"machine.stl\"").remedy("add file = \"NAME.stl\" or \"NAME.obj\"");
+        FILE = Key::new("file", ValueKind::Checked(&ValueKind::Path, obj_or_stl), "STL or OBJ file, its path from the folder of this file.").required().example("\"machine.stl\"").remedy("add file = \"NAME.stl\" or \"NAME.obj\"");
     }
 }
 
@@ -96,7 +96,7 @@ fn obj_or_stl() -> Value {
 key_table! {
     /// What all solids have in common.
     any_solid, "a solid", "Solid: a name and one shape.", {
-        NAME = Key::new("name", Kind::Name, "Name for messages; no two solids of one robot or equipment have the same.").required();
+        NAME = Key::new("name", ValueKind::Name, "Name for messages; no two solids of one robot or equipment have the same.").required();
         BOX = table("box", &cuboid::TABLE, "Box.").example("{ centre_mm = [0, 0, 0], size_mm = [100, 100, 100] }");
         SPHERE = table("sphere", &sphere::TABLE, "Sphere.");
         CAPSULE = table("capsule", &bar::TABLE, "Segment swept by a ball.");
@@ -119,7 +119,7 @@ key_table! {
 
 key_table! {
     link_solid, "a solid", "Solid on a link: a name, a link and one shape.", {
-        LINK = Key::new("link", Kind::Whole(0, MAX_JOINTS as u64), "What the solid moves with: 0 is the base, k the frame after row k.").required().remedy("add link = 0 for the base, k for the frame after row k");
+        LINK = Key::new("link", ValueKind::Whole(0, MAX_JOINTS as u64), "What the solid moves with: 0 is the base, k the frame after row k.").required().remedy("add link = 0 for the base, k for the frame after row k");
     }
     extends super::solid::TABLE;
 }

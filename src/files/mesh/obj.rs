@@ -1,11 +1,11 @@
 //! Wavefront OBJ: vertices and faces of its text.
 
-use super::triangles::{BEYOND, MAX_TRIANGLES, Triangles, Vertices, Wrong, is_beyond, too_many};
+use super::triangles::{BEYOND, MAX_TRIANGLES, MeshFault, Triangles, Vertices, is_beyond, too_many};
 use crate::files::fault::shown;
 use nalgebra::Vector3;
 
 /// Vertices (scaled to m) and triangles of an OBJ text.
-pub fn parse(text: &str, scale: f64) -> Result<(Vertices, Triangles), Wrong> {
+pub fn parse(text: &str, scale: f64) -> Result<(Vertices, Triangles), MeshFault> {
     let options = tobj::LoadOptions {
         triangulate: true,
         ignore_points: true,
@@ -34,7 +34,7 @@ pub fn parse(text: &str, scale: f64) -> Result<(Vertices, Triangles), Wrong> {
 
 /// The vertices and faces of an OBJ text, line by line: nothing else of it is used, and indices of
 /// texture and normals can make the reader overflow.
-fn geometry_of(text: &str) -> Result<String, Wrong> {
+fn geometry_of(text: &str) -> Result<String, MeshFault> {
     let mut geometry = String::with_capacity(text.len());
     let (mut vertices, mut corners) = (0, 0);
     for line in text.lines() {
@@ -63,7 +63,7 @@ fn geometry_of(text: &str) -> Result<String, Wrong> {
 }
 
 /// The reader's error in words, and its line: the last one `read`, but faces are followed at the end.
-fn explained(e: tobj::LoadError, geometry: &str, read: usize) -> Wrong {
+fn explained(e: tobj::LoadError, geometry: &str, read: usize) -> MeshFault {
     let last = geometry[..read].lines().count().checked_sub(1);
     match e {
         tobj::LoadError::PositionParseError => (last, "a vertex needs three numbers".into()),

@@ -1,7 +1,7 @@
 //! STL, binary and text: loose triangles with corners in single precision (at 3 m to 0.2 um). The
 //! normals are not used: the order of the corners says which side is outside.
 
-use super::triangles::{BEYOND, MAX_TRIANGLES, Triangles, Vertices, Wrong, is_beyond, too_many};
+use super::triangles::{BEYOND, MAX_TRIANGLES, MeshFault, Triangles, Vertices, is_beyond, too_many};
 use crate::files::fault::shown;
 use nalgebra::Vector3;
 use std::io::Cursor;
@@ -11,7 +11,7 @@ const HEADER: usize = 84;
 const TRIANGLE: usize = 50;
 
 /// Vertices (scaled to m), three for each triangle, of an STL file.
-pub fn parse(bytes: &[u8], scale: f64) -> Result<(Vertices, Triangles), Wrong> {
+pub fn parse(bytes: &[u8], scale: f64) -> Result<(Vertices, Triangles), MeshFault> {
     let promised = bytes.get(80..HEADER).and_then(|b| b.try_into().ok()).map(u32::from_le_bytes);
     let promised = promised.map(|count| count as usize);
     // A binary title may start like a text, so the size is asked first.
@@ -35,7 +35,7 @@ pub fn parse(bytes: &[u8], scale: f64) -> Result<(Vertices, Triangles), Wrong> {
 }
 
 /// The file with a blank title, which cannot be taken for a text.
-fn binary(bytes: &[u8]) -> Result<Vec<u8>, Wrong> {
+fn binary(bytes: &[u8]) -> Result<Vec<u8>, MeshFault> {
     if bytes.len() > HEADER + TRIANGLE * MAX_TRIANGLES {
         return Err((None, too_many()));
     }
@@ -49,7 +49,7 @@ fn triangles_of(
     file: Vec<u8>,
     scale: f64,
     place: impl Fn(usize) -> (Option<usize>, String),
-) -> Result<(Vertices, Triangles), Wrong> {
+) -> Result<(Vertices, Triangles), MeshFault> {
     let mut file = Cursor::new(file);
     let refused = |e: std::io::Error| shown(&e.to_string());
     let reader = stl_io::create_stl_reader(&mut file).map_err(|e| (None, refused(e)))?;
@@ -75,7 +75,7 @@ fn triangles_of(
 
 /// The text line by line in the words that the reader knows: lower case, one solid for all, no title,
 /// no normals (some exporters write `nan` there), short lines.
-fn plain(bytes: &[u8]) -> Result<String, Wrong> {
+fn plain(bytes: &[u8]) -> Result<String, MeshFault> {
     let mut text = String::with_capacity(bytes.len());
     let (mut facets, mut last) = (0, None);
     for (k, line) in bytes.split(|b| *b == b'\n').enumerate() {

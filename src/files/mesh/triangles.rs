@@ -13,8 +13,8 @@ pub const BEYOND: &str = "a vertex that is no finite point of a workcell; is the
 pub type Vertices = Vec<Vector3<f64>>;
 pub type Triangles = Vec<[u32; 3]>;
 
-/// What is wrong with a mesh, and in which line of its file (from 0).
-pub type Wrong = (Option<usize>, String);
+/// Line of a mesh file (from 0) with a fault, and what is wrong.
+pub type MeshFault = (Option<usize>, String);
 
 /// Whether a coordinate (m) is none of a workcell.
 pub fn is_beyond(coordinate: f64) -> bool {
@@ -27,7 +27,7 @@ pub fn too_many() -> String {
 
 /// One vertex for all at the same place, in order of first use; triangles without area by their
 /// corners are left out.
-pub fn merged(vertices: Vertices, mut triangles: Triangles) -> Result<(Vertices, Triangles), Wrong> {
+pub fn merged(vertices: Vertices, mut triangles: Triangles) -> Result<(Vertices, Triangles), MeshFault> {
     // Adding 0 makes -0 and 0 the same bits.
     let bits = |i: u32| vertices[i as usize].map(|c| (c + 0.0).to_bits()).data.0[0];
     // Sorted and not hashed: a map of all places takes more memory than everything else.

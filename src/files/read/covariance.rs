@@ -1,6 +1,6 @@
 //! The covariance of a calibration: normal parameters that vary together.
 
-use super::row_order::Arm;
+use super::row_order::ErrorRows;
 use crate::cell::*;
 use crate::files::fault::{did_you_mean, listed, shown};
 use crate::files::keys::errors::{PARAMETERS, covariance};
@@ -16,7 +16,7 @@ use nalgebra::DMatrix;
 const ROUNDING: f64 = 1e-9;
 
 /// Reads `covariance`; `values`: the plus-or-minus of all parameters, of which those here have none.
-pub fn read(t: &mut Table, arm: Arm<'_>, values: Option<&SignedErrors>) -> Option<Covariance> {
+pub fn read(t: &mut Table, arm: ErrorRows<'_>, values: Option<&SignedErrors>) -> Option<Covariance> {
     let (names, rows) = (t.get(&covariance::PARAMETERS), t.get(&covariance::MATRIX));
     let items = names.and_then(|names| items_of(names, arm, t))?;
     let places = read_parameters(items, arm, t);
@@ -36,7 +36,7 @@ pub fn read(t: &mut Table, arm: Arm<'_>, values: Option<&SignedErrors>) -> Optio
 }
 
 /// Whether a file gives the parameter in mm.
-fn is_length(parameter: Parameter, arm: Arm<'_>) -> bool {
+fn is_length(parameter: Parameter, arm: ErrorRows<'_>) -> bool {
     match parameter {
         Parameter::Dq(i) => arm.slides(i),
         Parameter::Dr(_) | Parameter::Dl(_) => true,
@@ -47,7 +47,7 @@ fn is_length(parameter: Parameter, arm: Arm<'_>) -> bool {
 }
 
 /// The names in `parameters`, as many as can be.
-fn items_of<'n>(node: &'n Node, arm: Arm<'_>, t: &mut Table) -> Option<&'n [Node]> {
+fn items_of<'n>(node: &'n Node, arm: ErrorRows<'_>, t: &mut Table) -> Option<&'n [Node]> {
     let most = Parameter::count(arm.axes);
     if let Some(items) = node.value.items().filter(|items| (1..=most).contains(&items.len())) {
         return Some(items);
@@ -67,7 +67,7 @@ fn name_of(item: &Node) -> String {
 }
 
 /// Places in the order of [`Parameter::of_robot`].
-fn read_parameters(items: &[Node], arm: Arm<'_>, t: &mut Table) -> Option<Vec<usize>> {
+fn read_parameters(items: &[Node], arm: ErrorRows<'_>, t: &mut Table) -> Option<Vec<usize>> {
     let mut names: Vec<_> = Parameter::of_robot(arm.axes).map(Parameter::name).collect();
     arm.in_order(&mut names);
     arm.unused().into_iter().flatten().for_each(|place| names[place].clear());
@@ -83,7 +83,7 @@ fn read_parameters(items: &[Node], arm: Arm<'_>, t: &mut Table) -> Option<Vec<us
     places.into_iter().collect()
 }
 
-fn read_parameter(item: &Node, names: &[String], arm: Arm<'_>, t: &mut Table) -> Option<usize> {
+fn read_parameter(item: &Node, names: &[String], arm: ErrorRows<'_>, t: &mut Table) -> Option<usize> {
     let Value::Text(name) = &item.value else {
         let message = format!("`parameters` must be a list of names, not with {}", item.value.kind());
         t.error(item.at, message, PARAMETERS);
@@ -97,7 +97,7 @@ fn read_parameter(item: &Node, names: &[String], arm: Arm<'_>, t: &mut Table) ->
 }
 
 /// What may have been meant by an unknown name.
-fn nearest(name: &str, names: &[String], arm: Arm<'_>) -> String {
+fn nearest(name: &str, names: &[String], arm: ErrorRows<'_>) -> String {
     if let Some(first) = of_joint(name, 1).filter(|first| names.contains(first)) {
         let last = of_joint(name, arm.axes).unwrap_or_default();
         return format!("the robot has joints 1 to {}: {first} to {last}", arm.axes);
@@ -108,7 +108,7 @@ fn nearest(name: &str, names: &[String], arm: Arm<'_>) -> String {
     }
 }
 
-/// The same parameter of another joint: the number in its name replaced.
+/// Returns the name of this parameter for another joint.
 fn of_joint(name: &str, number: usize) -> Option<String> {
     let (before, rest) = name.split_at(name.find(|c: char| c.is_ascii_digit())?);
     Some(format!("{before}{number}{}", rest.trim_start_matches(|c: char| c.is_ascii_digit())))

@@ -1,7 +1,7 @@
 //! Error sets of a robot: signed samples or tolerances of its kinematic parameters.
 
 use super::frame_error;
-use super::row_order::Arm;
+use super::row_order::ErrorRows;
 use super::tolerance;
 use crate::cell::*;
 use crate::files::keys::errors::{ErrorForm, error_set};
@@ -25,11 +25,11 @@ pub fn read_all(
         t.error(node.at, "no error set", robot::ERRORS.remedy);
     }
     let modified = convention == Some(Convention::Modified);
-    let arm = Arm { axes, joints: joints.unwrap_or(&[]), modified };
+    let arm = ErrorRows { axes, joints: joints.unwrap_or(&[]), modified };
     t.named(&robot::ERRORS, |name, t| read(name, t, arm))
 }
 
-fn read(name: &str, t: &mut Table, arm: Arm<'_>) -> Option<ErrorSet> {
+fn read(name: &str, t: &mut Table, arm: ErrorRows<'_>) -> Option<ErrorSet> {
     t.text(&error_set::SOURCE);
     let form = t.word(&error_set::FORM);
     let values = read_values(name, t, arm, tolerance::range_of(form));
@@ -41,7 +41,7 @@ fn read(name: &str, t: &mut Table, arm: Arm<'_>) -> Option<ErrorSet> {
 }
 
 /// Reads the rows and frames: one number for each parameter.
-fn read_values(name: &str, t: &mut Table, arm: Arm<'_>, range: NumberRange) -> Option<SignedErrors> {
+fn read_values(name: &str, t: &mut Table, arm: ErrorRows<'_>, range: NumberRange) -> Option<SignedErrors> {
     let n = arm.axes;
     let keys = [
         error_set::DQ_DEG,
@@ -85,7 +85,7 @@ fn refuse_first_row(t: &mut Table, base: &[f64; PER_FRAME], joints: &[[f64; PER_
 }
 
 /// Checks that an error of a joint coordinate has the unit of that joint.
-fn check_joint_kinds(t: &mut Table, key: &Key, values: &[f64], arm: Arm<'_>, kind: JointKind) {
+fn check_joint_kinds(t: &mut Table, key: &Key, values: &[f64], arm: ErrorRows<'_>, kind: JointKind) {
     let Some(node) = t.get(key) else { return };
     let (is, right) = match kind {
         JointKind::Revolute => ("slides", "dq_mm"),

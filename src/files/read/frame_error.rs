@@ -1,6 +1,6 @@
 //! Errors of a frame: of the robot's base, tool and joints, and of an equipment's placement or fixture.
 
-use super::row_order::Arm;
+use super::row_order::ErrorRows;
 use super::tolerance;
 use crate::cell::*;
 use crate::files::fault::{did_you_mean, listed, shown};
@@ -25,7 +25,7 @@ fn read_values(t: &mut Table, range: NumberRange) -> Option<[f64; PER_FRAME]> {
 }
 
 /// Reads `joints` of an error set: the frame error of every joint, none of those that are not listed.
-pub fn read_joints(t: &mut Table, arm: Arm<'_>, range: NumberRange) -> Option<Vec<[f64; PER_FRAME]>> {
+pub fn read_joints(t: &mut Table, arm: ErrorRows<'_>, range: NumberRange) -> Option<Vec<[f64; PER_FRAME]>> {
     let mut all = vec![[0.0; PER_FRAME]; arm.axes];
     if t.get(&error_set::JOINTS).is_none() {
         return Some(all);
@@ -47,7 +47,7 @@ pub fn read_joints(t: &mut Table, arm: Arm<'_>, range: NumberRange) -> Option<Ve
 }
 
 /// Reads a joint by its name, or by its number from 1; returns its index.
-fn read_joint(node: &Node, arm: Arm<'_>, t: &mut Table) -> Option<usize> {
+fn read_joint(node: &Node, arm: ErrorRows<'_>, t: &mut Table) -> Option<usize> {
     let Value::Text(name) = &node.value else {
         let number = value::whole(node, "`joint`", (1, arm.axes as u64), t.lib)?;
         return Some(number as usize - 1);

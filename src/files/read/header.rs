@@ -1,7 +1,7 @@
 //! The header that every kind of file begins with: `schema` and `units`.
 
 use crate::files::fault::shown;
-use crate::files::keys::key::{Key, Kind};
+use crate::files::keys::key::{Key, ValueKind};
 use crate::files::keys::parts::{UNITS, units};
 use crate::files::toml::reader::Table;
 use crate::files::toml::tree::Node;
@@ -18,7 +18,7 @@ pub fn header(t: &mut Table, schema: &Key) -> Option<()> {
     let units = if given.is_some() { UNITS.required() } else { UNITS };
     t.table(&units, |t| {
         for key in [units::LENGTH, units::ANGLE] {
-            let (Some(node), Kind::Exactly(wanted)) = (t.get(&key), key.kind) else { continue };
+            let (Some(node), ValueKind::Exactly(wanted)) = (t.get(&key), key.kind) else { continue };
             let given = value::text(node, key.name, t.lib).filter(|given| given != wanted);
             let Some(given) = given else { continue };
             let name = key.name;
@@ -34,7 +34,7 @@ pub fn header(t: &mut Table, schema: &Key) -> Option<()> {
 /// Whether the file is of the wanted kind. If another file brought the wrong one, the fault is where that
 /// file was named.
 fn is_schema(node: &Node, t: &mut Table, schema: &Key) -> bool {
-    let Kind::Exactly(wanted) = schema.kind else { return false };
+    let ValueKind::Exactly(wanted) = schema.kind else { return false };
     let Some(given) = value::text(node, "schema", t.lib) else { return false };
     if given == wanted {
         return true;

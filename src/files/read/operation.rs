@@ -43,7 +43,7 @@ struct Around<'c> {
     /// Equipment and senses that could be read.
     equipment: &'c [Equipment],
     senses: HashMap<&'c str, &'c Sense>,
-    /// What is named: what stands, equipment first; senses; operations.
+    /// Entries of equipment and obstacles, equipment first.
     entries: Vec<&'c Entry>,
     sense_names: Places<'c>,
     sense_entries: &'c [Entry],

@@ -13,7 +13,7 @@ use crate::files::toml::reader::Table;
 use crate::files::toml::tree::{Node, Value};
 use crate::files::toml::value;
 use crate::files::urdf;
-use crate::files::urdf::{Named, Packages, UrdfChain};
+use crate::files::urdf::{Named, PackageFolders, UrdfChain};
 use crate::pose::Pose;
 use nalgebra::Vector3;
 use std::collections::HashSet;
@@ -83,7 +83,7 @@ pub fn read(t: &mut Table) -> Option<Robot> {
 }
 
 /// Reads the URDF that a robot names, and the keys that belong to it.
-fn read_urdf(t: &mut Table, node: &Node) -> Option<urdf::Arm> {
+fn read_urdf(t: &mut Table, node: &Node) -> Option<urdf::UrdfRobot> {
     let packages = read_packages(t);
     let [base, tip] = [robot::BASE_LINK, robot::TIP_LINK].map(|key| {
         let at = t.get(&key)?.at;
@@ -94,9 +94,9 @@ fn read_urdf(t: &mut Table, node: &Node) -> Option<urdf::Arm> {
 }
 
 /// Reads `packages = { NAME = "FOLDER" }` of a robot, relative to the naming file.
-fn read_packages(t: &mut Table) -> Packages {
+fn read_packages(t: &mut Table) -> PackageFolders {
     let key = robot::PACKAGES;
-    let Some(node) = t.get(&key) else { return Packages::default() };
+    let Some(node) = t.get(&key) else { return PackageFolders::default() };
     if !matches!(node.value, Value::Table(_)) {
         let message = format!("`packages` must be a table, not {}", node.value.kind());
         t.error(node.at, message, format!("write packages = {}", key.example));
@@ -107,11 +107,15 @@ fn read_packages(t: &mut Table) -> Packages {
         let folder = folder.and_then(|folder| t.lib.relative(folder.trim_end_matches('/'), node.at));
         folders.extend(folder.map(|folder| (name.clone(), folder)));
     }
-    Packages(folders)
+    PackageFolders(folders)
 }
 
 /// Reads `name` and `source`; those of a URDF robot may be missing.
-fn read_names(t: &mut Table, is_urdf: bool, arm: Option<&urdf::Arm>) -> (Option<String>, Option<String>) {
+fn read_names(
+    t: &mut Table,
+    is_urdf: bool,
+    arm: Option<&urdf::UrdfRobot>,
+) -> (Option<String>, Option<String>) {
     if !is_urdf {
         return (t.name(&robot::NAME), t.text(&robot::SOURCE));
     }
@@ -136,7 +140,7 @@ fn read_rows(t: &mut Table) -> Mechanism {
 }
 
 /// Takes the rows derived from a URDF: beside it there are none of the file.
-fn read_derived(t: &mut Table, node: &Node, arm: Option<urdf::Arm>) -> Mechanism {
+fn read_derived(t: &mut Table, node: &Node, arm: Option<urdf::UrdfRobot>) -> Mechanism {
     for key in [robot::JOINT, robot::COUPLING, robot::CONVENTION] {
         if t.get(&key).is_some() {
             let message = format!("`urdf` and `{}` together: the rows come from one of them", key.name);

@@ -5,7 +5,7 @@ use crate::cell::{PER_LINK, Parameter};
 
 /// The joints that errors belong to.
 #[derive(Clone, Copy)]
-pub struct Arm<'j> {
+pub struct ErrorRows<'j> {
     pub axes: usize,
     /// None of a robot that could not be read.
     pub joints: &'j [Joint],
@@ -13,7 +13,7 @@ pub struct Arm<'j> {
     pub modified: bool,
 }
 
-impl Arm<'_> {
+impl ErrorRows<'_> {
     /// Where a modified row 1, `Tx(l + dl) Rx(alpha + dalpha) Ry(dbeta)`, has its dl, dalpha and dbeta:
     /// the first and the last in the frame of joint 1, behind the twist, the other in the base, before
     /// it. So the product is exact: `Tx Rx` commute, and each of the two frames turns but once.

@@ -1,7 +1,7 @@
 //! Tolerances: how each plus-or-minus spreads.
 
 use super::covariance;
-use super::row_order::Arm;
+use super::row_order::ErrorRows;
 use crate::cell::*;
 use crate::files::keys::errors::{ErrorForm, distribution, error_set};
 use crate::files::keys::key::{Key, NumberRange};
@@ -15,7 +15,7 @@ pub fn range_of(form: Option<ErrorForm>) -> NumberRange {
 }
 
 /// Reads the rest of a tolerance of the robot, whose plus-or-minus are `values`.
-pub fn read(t: &mut Table, values: Option<SignedErrors>, arm: Arm<'_>) -> Option<Tolerance> {
+pub fn read(t: &mut Table, values: Option<SignedErrors>, arm: ErrorRows<'_>) -> Option<Tolerance> {
     let distributions = read_distributions(t, arm.axes);
     let sigmas = t.number(&error_set::SIGMAS);
     let covariance = t.if_given(&error_set::COVARIANCE, |t, key| {

@@ -9,7 +9,7 @@
 use super::FileKind;
 use super::merging::{WHOLE, add_rule, separated, unless};
 use crate::files::keys::key::{
-    Key, KeyTable, KeyUnit, Kind, LARGEST, MANY, MAX_NAME, MAX_VALUES, Need, NumberRange, Rule, SMALLEST,
+    Key, KeyTable, KeyUnit, LARGEST, MANY, MAX_NAME, MAX_VALUES, Need, NumberRange, Rule, SMALLEST, ValueKind,
 };
 use crate::files::keys::parts::range;
 use crate::files::toml::tree::{Value as Toml, parse};
@@ -135,30 +135,30 @@ fn of_toml(value: &Toml) -> Option<Value> {
     })
 }
 
-fn of_kind(kind: &Kind) -> Value {
+fn of_kind(kind: &ValueKind) -> Value {
     match kind {
-        Kind::Number(range) => of_number(*range),
-        Kind::Whole(least, u64::MAX) => json!({ "type": "integer", "minimum": least }),
-        Kind::Whole(least, most) => json!({ "type": "integer", "minimum": least, "maximum": most }),
-        Kind::Boolean => json!({ "type": "boolean" }),
-        Kind::Text => json!({ "type": "string" }),
-        Kind::Name => with(json!({ "type": "string" }), printable()),
-        Kind::Path => json!({ "type": "string", "pattern": "^[^/\\\\:]([^\\\\:]*[^/\\\\:])?$" }),
-        Kind::Word(words) => json!({ "type": "string", "enum": words() }),
-        Kind::Exactly(word) => json!({ "type": "string", "enum": [word] }),
-        Kind::Coordinate(low, high) => json!({ "anyOf": of_coordinate(*low, *high) }),
-        Kind::Table(table) => of_table(table),
-        Kind::Named(kind, least) => {
+        ValueKind::Number(range) => of_number(*range),
+        ValueKind::Whole(least, u64::MAX) => json!({ "type": "integer", "minimum": least }),
+        ValueKind::Whole(least, most) => json!({ "type": "integer", "minimum": least, "maximum": most }),
+        ValueKind::Boolean => json!({ "type": "boolean" }),
+        ValueKind::Text => json!({ "type": "string" }),
+        ValueKind::Name => with(json!({ "type": "string" }), printable()),
+        ValueKind::Path => json!({ "type": "string", "pattern": "^[^/\\\\:]([^\\\\:]*[^/\\\\:])?$" }),
+        ValueKind::Word(words) => json!({ "type": "string", "enum": words() }),
+        ValueKind::Exactly(word) => json!({ "type": "string", "enum": [word] }),
+        ValueKind::Coordinate(low, high) => json!({ "anyOf": of_coordinate(*low, *high) }),
+        ValueKind::Table(table) => of_table(table),
+        ValueKind::Named(kind, least) => {
             let named = json!({
                 "type": "object", "additionalProperties": of_kind(kind), "propertyNames": printable(),
             });
             if *least > 0 { with(named, json!({ "minProperties": least })) } else { named }
         }
-        Kind::List(kind, (least, most), _) => {
+        ValueKind::List(kind, (least, most), _) => {
             let list = json!({ "type": "array", "items": of_kind(kind), "minItems": least });
             if *most == MANY { list } else { with(list, json!({ "maxItems": most })) }
         }
-        Kind::Either(kinds) => {
+        ValueKind::Either(kinds) => {
             let mut ways = Vec::new();
             for kind in *kinds {
                 match of_kind(kind) {
@@ -170,7 +170,7 @@ fn of_kind(kind: &Kind) -> Value {
             }
             json!({ "anyOf": ways })
         }
-        Kind::Checked(kind, more) => with(of_kind(kind), more()),
+        ValueKind::Checked(kind, more) => with(of_kind(kind), more()),
     }
 }
 
@@ -261,9 +261,9 @@ fn not_negative(table: &'static KeyTable) -> Option<Value> {
     let list = json!({ "items": { "minimum": 0 } });
     let rules = table.keys().filter_map(|key| {
         let rule = match key.kind {
-            Kind::List(Kind::Number(_), ..) => list.clone(),
-            Kind::Table(inner) => not_negative(inner).map(|rules| json!({ "properties": rules }))?,
-            Kind::List(Kind::Table(inner), ..) => {
+            ValueKind::List(ValueKind::Number(_), ..) => list.clone(),
+            ValueKind::Table(inner) => not_negative(inner).map(|rules| json!({ "properties": rules }))?,
+            ValueKind::List(ValueKind::Table(inner), ..) => {
                 not_negative(inner).map(|rules| json!({ "items": { "properties": rules } }))?
             }
             _ => return None,

@@ -1,7 +1,7 @@
 //! Reference of all keys for people, in Markdown: one document for each kind of file.
 
 use super::FileKind;
-use crate::files::keys::key::{Key, KeyTable, KeyUnit, Kind, MANY, Need, NumberRange, Rule, quoted};
+use crate::files::keys::key::{Key, KeyTable, KeyUnit, MANY, Need, NumberRange, Rule, ValueKind, quoted};
 use std::fmt::Write;
 
 /// Returns the reference of all keys of a kind of file, in Markdown.
@@ -75,47 +75,47 @@ impl Document {
         }
     }
 
-    fn kind(&mut self, kind: &Kind, path: &str) -> String {
+    fn kind(&mut self, kind: &ValueKind, path: &str) -> String {
         match kind {
-            Kind::Number(range) => format!("number{}", range_in_words(*range)),
-            Kind::Whole(least, u64::MAX) => format!("whole number from {least} on"),
-            Kind::Whole(least, most) => format!("whole number from {least} to {most}"),
-            Kind::Boolean => "`true` or `false`".into(),
-            Kind::Text => "text".into(),
-            Kind::Name => "name, at most 60 printable characters".into(),
-            Kind::Path => "path from the folder of the file".into(),
-            Kind::Word(words) if words().len() > 12 => {
+            ValueKind::Number(range) => format!("number{}", range_in_words(*range)),
+            ValueKind::Whole(least, u64::MAX) => format!("whole number from {least} on"),
+            ValueKind::Whole(least, most) => format!("whole number from {least} to {most}"),
+            ValueKind::Boolean => "`true` or `false`".into(),
+            ValueKind::Text => "text".into(),
+            ValueKind::Name => "name, at most 60 printable characters".into(),
+            ValueKind::Path => "path from the folder of the file".into(),
+            ValueKind::Word(words) if words().len() > 12 => {
                 let words = words();
                 format!("`\"{}\"` and {} more words", words[0], words.len() - 1)
             }
-            Kind::Word(words) => format!("`{}`", quoted(&words()).replace("\" or \"", "\"`, `\"")),
-            Kind::Exactly(word) => format!("`\"{word}\"`"),
-            Kind::Coordinate(low, high) => {
+            ValueKind::Word(words) => format!("`{}`", quoted(&words()).replace("\" or \"", "\"`, `\"")),
+            ValueKind::Exactly(word) => format!("`\"{word}\"`"),
+            ValueKind::Coordinate(low, high) => {
                 format!("number from {low} to {high}, `{{ min, max, start }}`, or list of numbers")
             }
-            Kind::Table(table) => {
+            ValueKind::Table(table) => {
                 let place = self.find(table, &format!("`[{path}]`"));
                 format!("table, see {place}")
             }
-            Kind::Named(Kind::Table(table), _) => {
+            ValueKind::Named(ValueKind::Table(table), _) => {
                 let place = self.find(table, &format!("`[{path}.NAME]`"));
                 format!("named tables, see {place}")
             }
-            Kind::Named(kind, _) => format!("table of names, each a {}", self.kind(kind, path)),
-            Kind::List(Kind::Table(table), count, noun) => {
+            ValueKind::Named(kind, _) => format!("table of names, each a {}", self.kind(kind, path)),
+            ValueKind::List(ValueKind::Table(table), count, noun) => {
                 let place = self.find(table, &format!("`[[{path}]]`"));
                 format!("list of {}{noun}, see {place}", count_in_words(*count))
             }
-            Kind::List(kind, count, noun) => {
+            ValueKind::List(kind, count, noun) => {
                 let each = self.kind(kind, path);
                 let each = if each == "number" { String::new() } else { format!(" ({each} each)") };
                 format!("list of {}{noun}{each}", count_in_words(*count))
             }
-            Kind::Either(kinds) => {
+            ValueKind::Either(kinds) => {
                 let ways: Vec<_> = kinds.iter().map(|kind| self.kind(kind, path)).collect();
                 ways.join("; or ")
             }
-            Kind::Checked(kind, _) => self.kind(kind, path),
+            ValueKind::Checked(kind, _) => self.kind(kind, path),
         }
     }
 }

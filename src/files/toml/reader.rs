@@ -8,7 +8,7 @@ use super::document::Library;
 use super::tree::{At, Entry, Node, Value};
 use super::value;
 use crate::files::fault::{did_you_mean, listed, shown};
-use crate::files::keys::key::{Key, KeyTable, Kind, Literal, Need, NumberRange, Rule, Word};
+use crate::files::keys::key::{Key, KeyTable, Literal, Need, NumberRange, Rule, ValueKind, Word};
 use crate::pose::Pose;
 use nalgebra::Vector3;
 
@@ -140,7 +140,7 @@ impl<'n, 'l, 'a> Table<'n, 'l, 'a> {
 
     /// Reads a number, in SI.
     pub fn number(&mut self, key: &Key) -> Option<f64> {
-        let range = if let Kind::Number(range) = key.kind { range } else { NumberRange::Finite };
+        let range = if let ValueKind::Number(range) = key.kind { range } else { NumberRange::Finite };
         let value = match (self.get(key), key.need) {
             (Some(node), _) => value::number(node, &format!("`{}`", key.name), range, self.lib),
             (None, Need::Default(Literal::Number(value))) => Some(value),
@@ -152,7 +152,7 @@ impl<'n, 'l, 'a> Table<'n, 'l, 'a> {
     /// Reads a list of numbers, in SI; its length is that of the kind.
     pub fn numbers(&mut self, key: &Key) -> Option<Vec<f64>> {
         match key.kind.plain() {
-            Kind::List(Kind::Number(range), (len, _), _) => self.numbers_of(key, *len, *range),
+            ValueKind::List(ValueKind::Number(range), (len, _), _) => self.numbers_of(key, *len, *range),
             _ => None,
         }
     }
@@ -210,7 +210,7 @@ impl<'n, 'l, 'a> Table<'n, 'l, 'a> {
 
     /// Reads a whole number.
     pub fn whole(&mut self, key: &Key) -> Option<u64> {
-        let range = if let Kind::Whole(least, most) = key.kind { (least, most) } else { (0, u64::MAX) };
+        let range = if let ValueKind::Whole(least, most) = key.kind { (least, most) } else { (0, u64::MAX) };
         match (self.get(key), key.need) {
             (Some(node), _) => value::whole(node, &format!("`{}`", key.name), range, self.lib),
             (None, Need::Default(Literal::Whole(value))) => Some(value),

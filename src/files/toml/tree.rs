@@ -92,7 +92,7 @@ impl Value {
 }
 
 /// Parses the text of a file: its entries, or what is wrong and at which bytes.
-pub fn parse(file: usize, text: &str) -> Result<Vec<Entry>, Vec<Wrong>> {
+pub fn parse(file: usize, text: &str) -> Result<Vec<Entry>, Vec<SyntaxFault>> {
     let (table, errors) = DeTable::parse_recoverable(text);
     let worth = errors.iter().take(MAX_SLIPS);
     let mut faults: Vec<_> = worth.map(|e| explained(text, e.message(), e.span())).collect();
@@ -103,7 +103,7 @@ pub fn parse(file: usize, text: &str) -> Result<Vec<Entry>, Vec<Wrong>> {
 }
 
 /// What the parser said, in words for someone who has never heard of a literal string.
-fn explained(text: &str, message: &str, span: Option<Range<usize>>) -> Wrong {
+fn explained(text: &str, message: &str, span: Option<Range<usize>>) -> SyntaxFault {
     let span = span.unwrap_or(0..0);
     let given = text.get(span.clone()).unwrap_or("");
     let key = shown(given.trim_matches(['"', '\'']));
@@ -124,11 +124,11 @@ fn explained(text: &str, message: &str, span: Option<Range<usize>>) -> Wrong {
     (span.start, what, help)
 }
 
-type Wrong = (usize, String, &'static str);
+type SyntaxFault = (usize, String, &'static str);
 
 /// The first fault of each line, and of a table given twice only that it is: the parser stumbles
 /// several times over one slip.
-fn one_each(text: &str, mut faults: Vec<Wrong>) -> Vec<Wrong> {
+fn one_each(text: &str, mut faults: Vec<SyntaxFault>) -> Vec<SyntaxFault> {
     faults.sort_by_key(|f| f.0);
     let bytes = text.as_bytes();
     // End of the line of the last fault, and the same if that is in a table given twice.

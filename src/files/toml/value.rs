@@ -3,7 +3,7 @@
 use super::document::Library;
 use super::tree::{At, Node, Value};
 use crate::files::fault::{did_you_mean, shown};
-use crate::files::keys::key::{Key, Kind, MANY, MAX_NAME, NumberRange, Word, quoted, words_of};
+use crate::files::keys::key::{Key, MANY, MAX_NAME, NumberRange, ValueKind, Word, quoted, words_of};
 
 /// Returns a number as someone would write it.
 pub fn plain(value: f64) -> String {
@@ -62,7 +62,7 @@ pub fn numbers(
 /// Returns the items of a list whose count the kind of the key allows.
 pub fn items<'n>(node: &'n Node, key: &Key, lib: &mut Library) -> Option<&'n [Node]> {
     let (count, noun) = match key.kind.plain() {
-        Kind::List(_, count, noun) => (*count, *noun),
+        ValueKind::List(_, count, noun) => (*count, *noun),
         _ => ((0, MANY), "items"),
     };
     let items = node.value.items().filter(|items| (count.0..=count.1).contains(&items.len()));

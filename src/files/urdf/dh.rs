@@ -25,7 +25,7 @@ pub struct Axis {
 
 /// One row, rad and m, as in [`crate::cell::Joint`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Row {
+pub struct DhRow {
     pub theta: f64,
     pub r: f64,
     pub l: f64,
@@ -35,7 +35,7 @@ pub struct Row {
 pub struct Derived {
     /// Base link to frame 0.
     pub mount: Pose,
-    pub rows: Vec<Row>,
+    pub rows: Vec<DhRow>,
     /// Last frame to tip link.
     pub tip: Pose,
     /// Frames 0 to n in the base link at coordinates 0.
@@ -66,7 +66,7 @@ const POSTURES: usize = 24;
 
 /// The rows of a chain; `flange` is the tip link in the frame of the last joint.
 pub fn derive(axes: &[Axis], flange: &Pose) -> Derived {
-    let model = Model { axes, flange };
+    let model = ArmModel { axes, flange };
     let mut best: Option<Derived> = None;
     for parallel in PARALLEL {
         let derived = model.rows(parallel);
@@ -99,12 +99,12 @@ pub fn joint_poses(axes: &[Axis]) -> Vec<Pose> {
     axes.iter().scan(Pose::identity(), step).collect()
 }
 
-struct Model<'a> {
+struct ArmModel<'a> {
     axes: &'a [Axis],
     flange: &'a Pose,
 }
 
-impl Model<'_> {
+impl ArmModel<'_> {
     fn rows(&self, parallel: f64) -> Derived {
         let poses = joint_poses(self.axes);
         let directions = directions(self.axes);
@@ -133,7 +133,7 @@ impl Model<'_> {
     }
 
     /// What follows from mount and rows.
-    fn derived(&self, mount: Pose, rows: Vec<Row>) -> Derived {
+    fn derived(&self, mount: Pose, rows: Vec<DhRow>) -> Derived {
         let mut frames = vec![mount];
         for row in &rows {
             frames.push(frames[frames.len() - 1] * pose_of(row, 0.0, 0.0));
@@ -150,7 +150,7 @@ impl Model<'_> {
     fn rounded(&self, derived: Derived) -> Derived {
         let mut best = self.derived(tidy(derived.mount), derived.rows);
         for k in 0..best.rows.len() {
-            let numbers: [fn(&mut Row); 4] = [
+            let numbers: [fn(&mut DhRow); 4] = [
                 |row| row.theta = right_angle(row.theta),
                 |row| row.r = zero(row.r),
                 |row| row.l = zero(row.l),
@@ -207,7 +207,7 @@ fn moved(axis: &Axis, q: f64) -> Pose {
 }
 
 /// `Rz(theta + turn) Tz(r + slide) Tx(l) Rx(alpha)`.
-fn pose_of(row: &Row, turn: f64, slide: f64) -> Pose {
+fn pose_of(row: &DhRow, turn: f64, slide: f64) -> Pose {
     let (s, c) = (row.theta + turn).sin_cos();
     let (sa, ca) = exact(row.alpha);
     let rotation = Matrix3::new(c, -s * ca, s * sa, s, c * ca, -c * sa, 0.0, sa, ca);
@@ -227,7 +227,7 @@ fn first_frame(z: &Vector3<f64>, point: &Vector3<f64>) -> Pose {
 }
 
 /// The row to an axis through `p` along the unit vector `d`, both in the frame before the row.
-fn between(d: &Vector3<f64>, p: &Vector3<f64>, parallel: f64) -> Row {
+fn between(d: &Vector3<f64>, p: &Vector3<f64>, parallel: f64) -> DhRow {
     let s = d.x.hypot(d.y);
     if s <= parallel {
         let (x, y) = (p.x - d.x * p.z / d.z, p.y - d.y * p.z / d.z);
@@ -240,17 +240,17 @@ fn between(d: &Vector3<f64>, p: &Vector3<f64>, parallel: f64) -> Row {
 }
 
 /// The row to an axis parallel to z, `r` up and at `(x, y)`; `along` is the x axis if it is z itself.
-fn beside(up: f64, (x, y): (f64, f64), r: f64, along: (f64, f64)) -> Row {
+fn beside(up: f64, (x, y): (f64, f64), r: f64, along: (f64, f64)) -> DhRow {
     let alpha = if up < 0.0 { PI } else { 0.0 };
     let l = x.hypot(y);
     if l <= SHORTEST {
-        return Row { theta: along.1.atan2(along.0), r, l: 0.0, alpha };
+        return DhRow { theta: along.1.atan2(along.0), r, l: 0.0, alpha };
     }
     in_sense(r, l, alpha, (x / l, y / l))
 }
 
-/// Of the two senses of the x axis the one that the head of this file tells.
-fn in_sense(r: f64, l: f64, alpha: f64, (x, y): (f64, f64)) -> Row {
+/// Chooses the sense of the x axis by the rule at the head of this file.
+fn in_sense(r: f64, l: f64, alpha: f64, (x, y): (f64, f64)) -> DhRow {
     let square = x.abs() <= NEAR;
     let turn_round = if !square {
         x < 0.0
@@ -260,17 +260,17 @@ fn in_sense(r: f64, l: f64, alpha: f64, (x, y): (f64, f64)) -> Row {
         y < 0.0
     };
     let (l, alpha, x, y) = if turn_round { (-l, -alpha, -x, -y) } else { (l, alpha, x, y) };
-    Row { theta: y.atan2(x), r, l, alpha: if alpha == -PI { PI } else { alpha } }
+    DhRow { theta: y.atan2(x), r, l, alpha: if alpha == -PI { PI } else { alpha } }
 }
 
 /// The row after the last axis; `tip` is the tip link in the frame before it.
-fn last(tip: &Pose) -> Row {
+fn last(tip: &Pose) -> DhRow {
     let (x, d, p) = (tip.rotation.column(0), tip.rotation.column(2).into_owned(), tip.translation);
     let s = d.x.hypot(d.y);
     if s <= NEAR {
         beside(d.z, (p.x, p.y), p.z, (x[0], x[1]))
     } else if s < SLANTED {
-        Row::default()
+        DhRow::default()
     } else {
         between(&d, &p, 0.0)
     }

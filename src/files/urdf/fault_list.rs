@@ -7,7 +7,7 @@ use crate::files::toml::tree::At;
 /// Most faults kept; the library lists fewer.
 const MOST: usize = 600;
 
-pub struct Wrong {
+pub struct UrdfFault {
     at: At,
     message: String,
     help: String,
@@ -16,7 +16,7 @@ pub struct Wrong {
 pub struct Faults {
     /// Index of the URDF among the sources.
     file: usize,
-    found: Vec<Wrong>,
+    found: Vec<UrdfFault>,
 }
 
 impl Faults {
@@ -28,15 +28,15 @@ impl Faults {
         At { file: self.file, offset }
     }
 
-    pub fn wrong(&self, offset: usize, message: String, help: impl Into<String>) -> Wrong {
-        Wrong { at: self.at(offset), message, help: help.into() }
+    pub fn wrong(&self, offset: usize, message: String, help: impl Into<String>) -> UrdfFault {
+        UrdfFault { at: self.at(offset), message, help: help.into() }
     }
 
     pub fn error(&mut self, at: At, message: String, help: impl Into<String>) {
-        self.push(Wrong { at, message, help: help.into() });
+        self.push(UrdfFault { at, message, help: help.into() });
     }
 
-    pub fn push(&mut self, wrong: Wrong) {
+    pub fn push(&mut self, wrong: UrdfFault) {
         if self.found.len() < MOST {
             self.found.push(wrong);
         }

@@ -16,7 +16,7 @@ mod tree;
 mod xml;
 
 pub use model::Named;
-pub use packages::Packages;
+pub use packages::PackageFolders;
 
 use super::fault::{Severity, shown};
 use super::toml::document::Library;
@@ -29,7 +29,7 @@ use motion::Motion;
 use tree::Tree;
 
 /// What a URDF gives of a robot.
-pub struct Arm {
+pub struct UrdfRobot {
     /// The name in the file, if it can be one.
     pub name: Option<String>,
     /// Base link to D-H frame 0.
@@ -48,11 +48,11 @@ pub struct UrdfChain {
     pub base: Option<Named>,
     /// Link that carries the tool; None: the only end of the chain.
     pub tip: Option<Named>,
-    pub packages: Packages,
+    pub packages: PackageFolders,
 }
 
 /// Reads the URDF that a robot names.
-pub fn read(chain: UrdfChain, lib: &mut Library) -> Option<Arm> {
+pub fn read(chain: UrdfChain, lib: &mut Library) -> Option<UrdfRobot> {
     let UrdfChain { file: named, base, tip, packages } = chain;
     let at = named.at;
     let path = packages.path(&named, lib)?;
@@ -78,7 +78,13 @@ pub fn read(chain: UrdfChain, lib: &mut Library) -> Option<Arm> {
     Some(arm(&urdf, motion, derived, solids, origin))
 }
 
-fn arm(urdf: &Urdf, motion: Motion, derived: dh::Derived, solids: Vec<LinkSolid>, origin: UrdfOrigin) -> Arm {
+fn arm(
+    urdf: &Urdf,
+    motion: Motion,
+    derived: dh::Derived,
+    solids: Vec<LinkSolid>,
+    origin: UrdfOrigin,
+) -> UrdfRobot {
     let kinds = motion.axes.iter().map(|axis| axis.kind);
     let coupling = motion.movers.iter().map(|m| m.coupling.clone()).collect();
     let joints = motion.movers.into_iter().zip(kinds).zip(&derived.rows).map(|((mover, kind), row)| {
@@ -91,7 +97,7 @@ fn arm(urdf: &Urdf, motion: Motion, derived: dh::Derived, solids: Vec<LinkSolid>
     });
     let (name, joints) = (urdf.name.clone(), joints.collect());
     let (mount, joint_frames) = (derived.mount, derived.joint_frames);
-    Arm { name, mount, joints, coupling, solids, joint_frames, origin }
+    UrdfRobot { name, mount, joints, coupling, solids, joint_frames, origin }
 }
 
 fn tell_ignored(ignored: &[(String, usize)], at: At, lib: &mut Library<'_>) {

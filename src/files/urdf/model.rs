@@ -53,7 +53,7 @@ pub enum Geometry {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum UrdfJointKind {
     Revolute,
     Continuous,
     Prismatic,
@@ -62,7 +62,7 @@ pub enum Kind {
     Planar,
 }
 
-impl Kind {
+impl UrdfJointKind {
     pub const ALL: [Self; 6] =
         [Self::Revolute, Self::Continuous, Self::Prismatic, Self::Fixed, Self::Floating, Self::Planar];
 
@@ -81,7 +81,7 @@ impl Kind {
 #[derive(Debug, Clone, PartialEq)]
 pub struct UrdfJoint {
     pub name: Named,
-    pub kind: Kind,
+    pub kind: UrdfJointKind,
     pub parent: Named,
     pub child: Named,
     /// Frame of the parent link to that of the joint at coordinate 0.
@@ -89,7 +89,7 @@ pub struct UrdfJoint {
     pub origin_at: At,
     /// Unit vector in the frame of the joint.
     pub axis: Vector3<f64>,
-    /// Those that are written, with the place of `<limit>`.
+    /// Limits as the file gives them, with the place of `<limit>`.
     pub limits: Option<(f64, f64, At)>,
     pub mimic: Option<Mimic>,
 }

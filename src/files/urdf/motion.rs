@@ -26,9 +26,9 @@ const NEARLY: f64 = 1e-3;
 pub struct Mover {
     pub name: String,
     pub limits: (f64, f64),
-    /// Its coordinate where all actuators are at 0 (rad or m): the offset of a mimic joint.
+    /// Coordinate where all actuators are at 0 (rad or m): the offset of a mimic joint.
     pub offset: f64,
-    /// Its row of the coupling.
+    /// Row of the joint in the coupling.
     pub coupling: Vec<f64>,
 }
 
@@ -44,7 +44,7 @@ pub fn read(urdf: &Urdf, way: &Way, lib: &mut Library<'_>) -> Option<Motion> {
     let before = lib.errors();
     let joints: Vec<_> = way.joints.iter().map(|&j| &urdf.joints[j]).collect();
     joints.iter().for_each(|joint| refuse_length(joint, lib));
-    let moving: Vec<_> = joints.iter().copied().filter(|j| j.kind != Kind::Fixed).collect();
+    let moving: Vec<_> = joints.iter().copied().filter(|j| j.kind != UrdfJointKind::Fixed).collect();
     refuse_count(urdf, &moving, lib);
     let mut movers: Vec<Mover> = Vec::new();
     for (i, joint) in moving.iter().enumerate().take(MAX_JOINTS) {
@@ -59,8 +59,8 @@ pub fn read(urdf: &Urdf, way: &Way, lib: &mut Library<'_>) -> Option<Motion> {
     for joint in joints {
         at = at * joint.origin;
         let kind = match joint.kind {
-            Kind::Fixed => continue,
-            Kind::Prismatic => JointKind::Prismatic,
+            UrdfJointKind::Fixed => continue,
+            UrdfJointKind::Prismatic => JointKind::Prismatic,
             _ => JointKind::Revolute,
         };
         axes.push(Axis { kind, origin: std::mem::replace(&mut at, Pose::identity()), direction: joint.axis });
@@ -104,7 +104,7 @@ fn read_mover(
     lib: &mut Library<'_>,
 ) -> Option<Mover> {
     let name = value::checked_name(&joint.name.name, joint.name.at, lib);
-    if matches!(joint.kind, Kind::Floating | Kind::Planar) {
+    if matches!(joint.kind, UrdfJointKind::Floating | UrdfJointKind::Planar) {
         let message = format!("joint `{}` is {}", shown(&joint.name.name), joint.kind.name());
         lib.error(
             joint.name.at,
@@ -122,7 +122,7 @@ fn read_mover(
 
 fn read_limits(joint: &UrdfJoint, lib: &mut Library<'_>) -> Option<(f64, f64)> {
     let name = shown(&joint.name.name);
-    if joint.kind == Kind::Continuous {
+    if joint.kind == UrdfJointKind::Continuous {
         let message = format!("the continuous joint `{name}` is taken with limits of -360 and 360 degrees");
         let help = "make it revolute with limits, if its cables end sooner";
         lib.fault(joint.name.at, Severity::Warning, message, help);
@@ -137,7 +137,7 @@ fn read_limits(joint: &UrdfJoint, lib: &mut Library<'_>) -> Option<(f64, f64)> {
     };
     let farthest = lower.abs().max(upper.abs());
     let (most, unit) = match joint.kind {
-        Kind::Prismatic => (TOO_LONG, "m: are they in mm?"),
+        UrdfJointKind::Prismatic => (TOO_LONG, "m: are they in mm?"),
         _ => (TOO_MANY_TURNS, "rad: are they in degrees?"),
     };
     if lower > upper {
@@ -149,7 +149,7 @@ fn read_limits(joint: &UrdfJoint, lib: &mut Library<'_>) -> Option<(f64, f64)> {
     } else if farthest > most {
         let message = format!("a limit of joint `{name}` is {farthest}");
         lib.error(at, message, format!("limits of a URDF are in {unit}"));
-    } else if joint.kind == Kind::Revolute && farthest > MANY_TURNS {
+    } else if joint.kind == UrdfJointKind::Revolute && farthest > MANY_TURNS {
         let message = format!("joint `{name}` turns by up to {farthest} rad, more than four turns");
         lib.fault(at, Severity::Warning, message, "limits of a URDF are in rad: are these in degrees?");
     }
@@ -206,7 +206,7 @@ fn warn_beyond(joint: &UrdfJoint, mover: &Mover, before: &[Mover], lib: &mut Lib
 
 /// Says where axes are parallel or square but for a little, and where that costs truth.
 pub fn warn_of_slants(urdf: &Urdf, way: &Way, motion: &Motion, derived: &dh::Derived, lib: &mut Library<'_>) {
-    let moving = way.joints.iter().map(|&j| &urdf.joints[j]).filter(|j| j.kind != Kind::Fixed);
+    let moving = way.joints.iter().map(|&j| &urdf.joints[j]).filter(|j| j.kind != UrdfJointKind::Fixed);
     let moving: Vec<_> = moving.collect();
     for (k, pair) in dh::directions(&motion.axes).windows(2).enumerate() {
         let angle = dh::angle(&pair[0], &pair[1]);

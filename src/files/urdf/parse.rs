@@ -171,7 +171,7 @@ fn read_joint(e: Node<'_, '_>, faults: &mut Faults) -> Option<UrdfJoint> {
         None => Some(None),
     };
     let (kind, axis) = (kind?, Vector3::from(axis?));
-    let unit = axis.try_normalize(1e-9).or_else(|| (kind == Kind::Fixed).then(Vector3::x));
+    let unit = axis.try_normalize(1e-9).or_else(|| (kind == UrdfJointKind::Fixed).then(Vector3::x));
     if unit.is_none() {
         faults.error(axis_at, "the axis has no direction".into(), "write for example xyz=\"0 0 1\"");
     }
@@ -189,13 +189,13 @@ fn read_joint(e: Node<'_, '_>, faults: &mut Faults) -> Option<UrdfJoint> {
     })
 }
 
-fn read_kind(e: Node<'_, '_>, faults: &mut Faults) -> Option<Kind> {
+fn read_kind(e: Node<'_, '_>, faults: &mut Faults) -> Option<UrdfJointKind> {
     let word = xml::text(e, "type", faults)?;
-    let found = Kind::ALL.into_iter().find(|k| k.name() == word.name);
+    let found = UrdfJointKind::ALL.into_iter().find(|k| k.name() == word.name);
     if found.is_none() {
-        let help = match did_you_mean(&word.name, Kind::ALL.map(Kind::name)) {
+        let help = match did_you_mean(&word.name, UrdfJointKind::ALL.map(UrdfJointKind::name)) {
             Some(near) => format!("did you mean \"{near}\"?"),
-            None => format!("there is: {}", Kind::ALL.map(Kind::name).join(", ")),
+            None => format!("there is: {}", UrdfJointKind::ALL.map(UrdfJointKind::name).join(", ")),
         };
         faults.error(word.at, format!("a joint cannot be \"{}\"", shown(&word.name)), help);
     }

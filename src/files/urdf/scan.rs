@@ -3,7 +3,7 @@
 //! The parser reserves memory for every `<` and `=` of the text and compares the attributes of a tag
 //! pair by pair, so these are counted first.
 
-use super::fault_list::{Faults, Wrong};
+use super::fault_list::{Faults, UrdfFault};
 
 /// Longest URDF file, bytes.
 const MAX_BYTES: usize = 4_000_000;
@@ -22,7 +22,7 @@ const MAX_TAG: usize = 4_000;
 const LARGE: &str = "is this the URDF of one robot? cut what is no link or joint of it";
 
 /// The first reason not to parse the text.
-pub fn refuse(text: &str, faults: &Faults) -> Option<Wrong> {
+pub fn refuse(text: &str, faults: &Faults) -> Option<UrdfFault> {
     let many = |what: &str, most: usize| {
         Some(faults.wrong(0, format!("more than {most} {what}"), LARGE)) // the file as a whole
     };

@@ -3,7 +3,7 @@
 use super::dh::Derived;
 use super::model::*;
 use super::motion::{Motion, TOO_LONG};
-use super::packages::Packages;
+use super::packages::PackageFolders;
 use super::tree::{Tree, Way};
 use crate::cell::LinkSolid;
 use crate::cell::{Shape, Solid};
@@ -30,7 +30,7 @@ pub fn carried(urdf: &Urdf, tree: &Tree<'_>, way: &Way, lib: &mut Library<'_>) -
     while let Some(at) = open.pop() {
         for &j in &tree.below[at.link] {
             let joint = &urdf.joints[j];
-            let moves = joint.kind != Kind::Fixed;
+            let moves = joint.kind != UrdfJointKind::Fixed;
             if moves && !way.joints.contains(&j) {
                 continue;
             }
@@ -49,7 +49,7 @@ pub fn read(
     urdf: &Urdf,
     carried: &[Carried],
     derived: &Derived,
-    packages: &Packages,
+    packages: &PackageFolders,
     lib: &mut Library<'_>,
 ) -> Vec<LinkSolid> {
     let mut solids = Vec::new();
@@ -73,7 +73,7 @@ fn shape(
     link: &str,
     collision: &Collision,
     pose: Pose,
-    packages: &Packages,
+    packages: &PackageFolders,
     lib: &mut Library<'_>,
 ) -> Option<Shape> {
     let size = match &collision.geometry {
@@ -103,7 +103,7 @@ fn read_mesh(
     file: &Named,
     scale: &Vector3<f64>,
     pose: &Pose,
-    packages: &Packages,
+    packages: &PackageFolders,
     lib: &mut Library<'_>,
 ) -> Option<Shape> {
     let path = packages.path(file, lib)?;

@@ -1,0 +1,62 @@
+//! Ranges of the numbers in the files.
+
+/// Largest length (mm) or angle (degrees) that any file can mean.
+pub const LARGEST: f64 = 1e7;
+
+/// Smallest size or weight that any file can mean.
+pub const SMALLEST: f64 = 1e-6;
+
+/// Values that a number may have, in the unit of the file. Every number is finite and within 1e7.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum NumberRange {
+    Finite,
+    Positive,
+    NotNegative,
+    /// Half the width of a tolerance: not negative.
+    PlusMinus,
+    /// From 0 to this value.
+    UpTo(f64),
+    /// From 0 on, and less than this value.
+    Below(f64),
+}
+
+impl NumberRange {
+    /// Returns what is wrong with a value, and what to do.
+    pub fn refuses(self, value: f64) -> Option<(String, String)> {
+        let at_least_0 = "write 0 or a number greater than 0";
+        let (wrong, remedy) = match self {
+            _ if !value.is_finite() => {
+                ("must be a finite number", "write a plain number: nan and inf are no measures")
+            }
+            _ if value.abs() > LARGEST => {
+                ("must be from -1e7 to 1e7", "is the unit right? lengths are in mm, angles in degrees")
+            }
+            Self::Positive if value <= 0.0 => ("must be greater than 0", "write a number greater than 0"),
+            Self::Positive if value < SMALLEST => {
+                ("must be at least 1e-6", "is the unit right? lengths are in mm")
+            }
+            Self::NotNegative | Self::UpTo(_) | Self::Below(_) if value < 0.0 => {
+                ("must not be negative", at_least_0)
+            }
+            Self::PlusMinus if value < 0.0 => {
+                ("must not be negative", "a plus-or-minus has no sign; a sample has: kind = \"signed\"")
+            }
+            Self::UpTo(most) if value > most => {
+                return Some((format!("must be at most {most}"), format!("write a number from 0 to {most}")));
+            }
+            Self::Below(end) if value >= end => {
+                return Some((
+                    format!("must be less than {end}"),
+                    format!("write a number from 0 on, below {end}"),
+                ));
+            }
+            _ => return None,
+        };
+        Some((wrong.to_string(), remedy.to_string()))
+    }
+
+    /// Returns a number to write for a missing one.
+    pub fn example(self) -> &'static str {
+        if self == Self::Positive { "100" } else { "0" }
+    }
+}

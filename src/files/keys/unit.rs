@@ -1,0 +1,37 @@
+//! Units of the numbers in the files, and their conversion to SI.
+
+use crate::units;
+
+/// Unit of the numbers of a key, told by the ending of its name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum KeyUnit {
+    None,
+    Millimetres,
+    Degrees,
+    Percent,
+    MillimetresPerDegree,
+}
+
+impl KeyUnit {
+    /// Converts a number of a file to SI.
+    pub fn si(self, value: f64) -> f64 {
+        match self {
+            KeyUnit::None => value,
+            KeyUnit::Millimetres => units::m_from_mm(value),
+            KeyUnit::Degrees => units::rad_from_deg(value),
+            KeyUnit::Percent => units::share_from_percent(value),
+            KeyUnit::MillimetresPerDegree => units::m_from_mm(value) / units::rad_from_deg(1.0),
+        }
+    }
+
+    /// Returns the unit as people write it.
+    pub fn name(self) -> &'static str {
+        match self {
+            KeyUnit::None => "",
+            KeyUnit::Millimetres => "mm",
+            KeyUnit::Degrees => "degrees",
+            KeyUnit::Percent => "per cent",
+            KeyUnit::MillimetresPerDegree => "mm per degree",
+        }
+    }
+}
