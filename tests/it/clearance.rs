@@ -1109,7 +1109,7 @@ fn collision_false_switches_every_check_off() {
 
 // --- the search's question and the map's --------------------------------------------------------
 
-/// Returns layouts of peer set D, evenly spaced.
+/// Returns every tenth of the 2 000 layouts of peer set D.
 fn layouts(cell: &Cell) -> Vec<Layout> {
     let place = |x: f64, y: f64, z: f64, yaw: f64| placement(x / 1e3, y / 1e3, z / 1e3, yaw.to_radians());
     let of = |x: &[f64]| {
@@ -1118,7 +1118,7 @@ fn layouts(cell: &Cell) -> Vec<Layout> {
         layout.placements[1] = place(x[4], x[5], 600.0, x[6]);
         layout
     };
-    data("d_layouts.bin").chunks_exact(7).step_by(2000 / cases(50, 200)).map(of).collect()
+    data("d_layouts.bin").chunks_exact(7).step_by(10).map(of).collect()
 }
 
 #[test]
@@ -1144,7 +1144,7 @@ fn agree_on_layouts(cell: Cell) -> [usize; 3] {
     let lean = Workcell::new(lean).unwrap();
     let mut seen = [0; 3];
     let layouts = layouts(&whole.cell);
-    assert_eq!(layouts.len(), cases(50, 200));
+    assert_eq!(layouts.len(), 200);
     for layout in &layouts {
         let (evaluation, free) = (evaluate(&whole, layout), evaluate(&lean, layout));
         assert_eq!(evaluation.outcomes, free.outcomes);

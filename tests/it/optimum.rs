@@ -1,8 +1,8 @@
 //! Tests the search on small random cells whose optimum is known by enumeration: the search finds it, its
 //! feasible layouts are feasible, and the proven bound is never above it.
 
+use crate::common::from_text;
 use crate::common::random_cells::{RandomArm, random_cell};
-use crate::common::{cases, from_text};
 use rayon::prelude::*;
 use std::sync::atomic::AtomicBool;
 use sweetspot::assess::Assessment;
@@ -11,11 +11,8 @@ use sweetspot::layout::{Workcell, Workspace, evaluate, evaluate_in};
 use sweetspot::proof::{Covers, ProofOptions, prove};
 use sweetspot::search::{SearchSpace, Watch, search};
 
-/// Returns the number of random cells whose optimum is enumerated.
-fn cell_count() -> usize {
-    cases(16, 50)
-}
-
+/// Number of random cells whose optimum is enumerated.
+const CELLS: usize = 50;
 /// Number of random cells whose coordinates are lists of allowed values.
 const LISTED: usize = 12;
 
@@ -138,7 +135,7 @@ fn cells() -> Vec<(u64, RandomArm, Workcell, Enumerated)> {
             let enumerated = enumerate(&workcell);
             cells.push((seed, arm, workcell, enumerated));
         }
-        if cells.len() == cell_count() {
+        if cells.len() == CELLS {
             break;
         }
     }
@@ -149,16 +146,16 @@ fn cells() -> Vec<(u64, RandomArm, Workcell, Enumerated)> {
 fn the_search_finds_the_optimum_of_random_cells() {
     let cells = cells();
     for arm in [RandomArm::Planar, RandomArm::Hitachi, RandomArm::Scara, RandomArm::SixAxes] {
-        assert!(cells.iter().filter(|c| c.1 == arm).count() >= cell_count() / 16, "too few of {arm:?}");
+        assert!(cells.iter().filter(|c| c.1 == arm).count() >= 3, "too few of {arm:?}");
     }
     let two = cells.iter().filter(|c| c.2.cell.operations.len() > 1).count();
-    assert!(two >= cell_count() / 5, "{two} cells with two operations");
+    assert!(two >= 10, "{two} cells with two operations");
     let told: Vec<(String, f64)> = cells.par_iter().map(judged).collect();
     told.iter().for_each(|(line, _)| println!("{line}"));
     // Below a micrometre a relative difference means nothing.
     let missed = cells.iter().zip(&told).filter(|(c, t)| t.1 > c.3.least + (0.01 * c.3.least).max(1e-6));
     let missed: Vec<&str> = missed.map(|(_, t)| t.0.as_str()).collect();
-    assert!(missed.is_empty(), "missed {} of {}: {missed:#?}", missed.len(), cells.len());
+    assert!(missed.is_empty(), "missed {} of {CELLS}: {missed:#?}", missed.len());
 }
 
 /// Among finitely many layouts the search finds the best, to the bit.
