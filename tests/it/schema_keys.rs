@@ -16,9 +16,8 @@ fn inside(schema: &Value) -> Vec<&Value> {
 }
 
 fn key_of(table: &Value, key: &str) -> TableKey {
-    // The description of a key stands in place of that of its table: the keys tell tables apart.
-    let names: Vec<_> = table["properties"].as_object().unwrap().keys().map(String::as_str).collect();
-    (names.join(" "), key.to_string())
+    // One entry of the tables of keys has one schema, in whichever tables it stands.
+    (table["properties"][key].to_string(), key.to_string())
 }
 
 /// Every key of every table of a schema.
@@ -66,7 +65,7 @@ fn every_key_of_the_tables_is_read() {
     let mut unread = BTreeSet::new();
     FileKind::ALL.into_iter().for_each(|kind| keys_of(&schema(kind), &mut unread));
     let count = unread.len();
-    assert!(count > 220, "{count} keys");
+    assert!(count > 180, "{count} keys");
     let data = ["every_key.toml", "every_other_key.toml"].map(|name| {
         let text = std::fs::read_to_string(root().join("tests/data").join(name)).unwrap();
         (format!("cells/{name}"), text, "cell".to_string())

@@ -83,8 +83,8 @@ fn the_requested_number_of_layouts_is_kept() {
 fn invalid_pareto_goals_are_refused() {
     let shop = Sandbox::new();
     for (wrong, said) in [
-        ("--pareto=error", "two goals or more"),
-        ("--pareto=error,error", "two goals or more"),
+        ("--pareto=error", "2 to 6 goals"),
+        ("--pareto=error,error", "must name each goal once"),
         ("--pareto=error,cost", "invalid value 'cost'"),
         ("--pareto=error,clearence", "'clearance'"),
         ("--keep=0", "0"),
