@@ -24,7 +24,7 @@ pub struct CheckDocument {
     pub faults: Vec<Fault>,
     /// Pairs of solids of the robot.
     pub self_collision: Vec<OwnPairEntry>,
-    /// What was derived from a URDF; absent of a robot given by Denavit-Hartenberg rows.
+    /// Facts derived from a URDF; absent for a robot given by Denavit-Hartenberg rows.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub urdf: Option<UrdfEntry>,
 }

@@ -11,7 +11,7 @@ use crate::units::{deg_from_rad, mm_from_m, rounded};
 /// Writes the nodes of all operations, with a header. World frame, mm and degrees.
 ///
 /// # Errors
-/// Those of the csv writer, which writes to memory here.
+/// Passes on the errors of the csv writer, which writes to memory here.
 pub fn map(document: &MapDocument<'_>) -> Result<Vec<u8>, String> {
     let mut writer = ::csv::Writer::from_writer(Vec::new());
     let table = NodeTable::new(document);
@@ -44,7 +44,7 @@ pub fn or_empty(value: Option<f64>) -> String {
 /// Writes one row.
 ///
 /// # Errors
-/// Those of the csv writer.
+/// Passes on the errors of the csv writer.
 pub fn put(writer: &mut ::csv::Writer<Vec<u8>>, row: &[String]) -> Result<(), String> {
     writer.write_record(row).map_err(|e| e.to_string())
 }
@@ -52,7 +52,7 @@ pub fn put(writer: &mut ::csv::Writer<Vec<u8>>, row: &[String]) -> Result<(), St
 /// Writes the layouts kept by a search, with a header: goals, then free coordinates (mm, degrees).
 ///
 /// # Errors
-/// Those of the csv writer, which writes to memory here.
+/// Passes on the errors of the csv writer, which writes to memory here.
 pub fn front(cell: &Cell, record: &SearchRecord) -> Result<Vec<u8>, String> {
     let mut writer = ::csv::Writer::from_writer(Vec::new());
     let free = cell.free();
@@ -87,7 +87,7 @@ fn variable(cell: &Cell, slot: Slot) -> String {
 /// Writes the readings of all operations, with a header. World frame, mm and degrees.
 ///
 /// # Errors
-/// Those of the csv writer, which writes to memory here.
+/// Passes on the errors of the csv writer, which writes to memory here.
 pub fn readings(document: &ReadingsDocument) -> Result<Vec<u8>, String> {
     let mut writer = ::csv::Writer::from_writer(Vec::new());
     put(&mut writer, &READINGS.map(str::to_string))?;

@@ -79,7 +79,7 @@ impl ColumnValues {
 /// columns.
 ///
 /// # Errors
-/// Those of the parquet writer, which writes to memory here.
+/// Passes on the errors of the Parquet writer, which writes to memory here.
 pub fn map(a: &Assessment<'_>) -> Result<Vec<u8>, String> {
     let document = MapDocument::new(a);
     let table = NodeTable::new(&document);

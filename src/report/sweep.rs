@@ -17,7 +17,7 @@ const COORDINATES: [&str; 4] = ["x_mm", "y_mm", "z_mm", "yaw_deg"];
 /// Writes table.csv: one line per row, with a header. Lengths in mm, angles in degrees, world frame.
 ///
 /// # Errors
-/// Those of the csv writer, which writes to memory here.
+/// Passes on the errors of the csv writer, which writes to memory here.
 pub fn csv(table: &SweepTable) -> Result<Vec<u8>, String> {
     let rows = &table.rows;
     let operations = distinct(rows.iter().flat_map(|r| r.operations.iter().map(|o| o.name.as_str())));

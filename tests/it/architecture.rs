@@ -2,7 +2,9 @@
 //!
 //! Comments and strings are blanked before looking.
 
+mod circles;
 pub mod sources;
+mod words;
 
 use sources::{File, paths_from, sources, uses_crate, with_words};
 use std::collections::BTreeSet;

@@ -16,7 +16,7 @@ const FACTOR: f64 = 20.0;
 const STANDS: f64 = 1e-6;
 
 /// No link is made as true as this share of the reach.
-const LEAST: f64 = 1e-6;
+const LEAST_DEVIATION: f64 = 1e-6;
 
 /// Something with a size, m.
 struct Thing {
@@ -70,7 +70,7 @@ fn warn_of_tolerance(set: &Tolerance, axes: usize, reach: f64, at: At, lib: &mut
     let largest = lengths.map(|(k, _)| set.spreads[k].plus_minus).fold(0.0, f64::max);
     let share = if largest > reach / FACTOR {
         "more than a twentieth"
-    } else if largest > 0.0 && largest < reach * LEAST {
+    } else if largest > 0.0 && largest < reach * LEAST_DEVIATION {
         "less than a millionth"
     } else {
         return;

@@ -13,7 +13,7 @@ use crate::files::toml::reader::Table;
 use crate::files::toml::tree::{Node, Value};
 use crate::files::toml::value;
 use crate::files::urdf;
-use crate::files::urdf::{Named, PackageFolders, UrdfChain};
+use crate::files::urdf::{Named, RosPackages, UrdfChain};
 use crate::pose::Pose;
 use nalgebra::Vector3;
 use std::collections::HashSet;
@@ -94,9 +94,9 @@ fn read_urdf(t: &mut Table, node: &Node) -> Option<urdf::UrdfRobot> {
 }
 
 /// Reads `packages = { NAME = "FOLDER" }` of a robot, relative to the naming file.
-fn read_packages(t: &mut Table) -> PackageFolders {
+fn read_packages(t: &mut Table) -> RosPackages {
     let key = robot::PACKAGES;
-    let Some(node) = t.get(&key) else { return PackageFolders::default() };
+    let Some(node) = t.get(&key) else { return RosPackages::default() };
     if !matches!(node.value, Value::Table(_)) {
         let message = format!("`packages` must be a table, not {}", node.value.kind());
         t.error(node.at, message, format!("write packages = {}", key.example));
@@ -107,7 +107,7 @@ fn read_packages(t: &mut Table) -> PackageFolders {
         let folder = folder.and_then(|folder| t.lib.relative(folder.trim_end_matches('/'), node.at));
         folders.extend(folder.map(|folder| (name.clone(), folder)));
     }
-    PackageFolders(folders)
+    RosPackages(folders)
 }
 
 /// Reads `name` and `source`; those of a URDF robot may be missing.

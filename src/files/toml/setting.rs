@@ -89,7 +89,7 @@ impl Choices {
     /// Reads `PATH=a,b,c`; commas in brackets, braces and quotes part nothing.
     ///
     /// # Errors
-    /// What is wrong with it.
+    /// Fault of the setting.
     pub fn parse(text: &str) -> Result<Self, Vec<Fault>> {
         let fault = |message: &str, help: &str| Err(vec![of_setting(text, message.to_string(), help)]);
         if text.chars().any(char::is_control) {

@@ -25,7 +25,7 @@ pub struct Axis {
 
 /// One row, rad and m, as in [`crate::cell::Joint`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct DhRow {
+pub struct UrdfDhRow {
     pub theta: f64,
     pub r: f64,
     pub l: f64,
@@ -35,7 +35,7 @@ pub struct DhRow {
 pub struct Derived {
     /// Base link to frame 0.
     pub mount: Pose,
-    pub rows: Vec<DhRow>,
+    pub rows: Vec<UrdfDhRow>,
     /// Last frame to tip link.
     pub tip: Pose,
     /// Frames 0 to n in the base link at coordinates 0.
@@ -133,7 +133,7 @@ impl ArmModel<'_> {
     }
 
     /// What follows from mount and rows.
-    fn derived(&self, mount: Pose, rows: Vec<DhRow>) -> Derived {
+    fn derived(&self, mount: Pose, rows: Vec<UrdfDhRow>) -> Derived {
         let mut frames = vec![mount];
         for row in &rows {
             frames.push(frames[frames.len() - 1] * pose_of(row, 0.0, 0.0));
@@ -150,7 +150,7 @@ impl ArmModel<'_> {
     fn rounded(&self, derived: Derived) -> Derived {
         let mut best = self.derived(tidy(derived.mount), derived.rows);
         for k in 0..best.rows.len() {
-            let numbers: [fn(&mut DhRow); 4] = [
+            let numbers: [fn(&mut UrdfDhRow); 4] = [
                 |row| row.theta = right_angle(row.theta),
                 |row| row.r = zero(row.r),
                 |row| row.l = zero(row.l),
@@ -207,7 +207,7 @@ fn moved(axis: &Axis, q: f64) -> Pose {
 }
 
 /// `Rz(theta + turn) Tz(r + slide) Tx(l) Rx(alpha)`.
-fn pose_of(row: &DhRow, turn: f64, slide: f64) -> Pose {
+fn pose_of(row: &UrdfDhRow, turn: f64, slide: f64) -> Pose {
     let (s, c) = (row.theta + turn).sin_cos();
     let (sa, ca) = exact(row.alpha);
     let rotation = Matrix3::new(c, -s * ca, s * sa, s, c * ca, -c * sa, 0.0, sa, ca);
@@ -227,7 +227,7 @@ fn first_frame(z: &Vector3<f64>, point: &Vector3<f64>) -> Pose {
 }
 
 /// The row to an axis through `p` along the unit vector `d`, both in the frame before the row.
-fn between(d: &Vector3<f64>, p: &Vector3<f64>, parallel: f64) -> DhRow {
+fn between(d: &Vector3<f64>, p: &Vector3<f64>, parallel: f64) -> UrdfDhRow {
     let s = d.x.hypot(d.y);
     if s <= parallel {
         let (x, y) = (p.x - d.x * p.z / d.z, p.y - d.y * p.z / d.z);
@@ -240,17 +240,17 @@ fn between(d: &Vector3<f64>, p: &Vector3<f64>, parallel: f64) -> DhRow {
 }
 
 /// The row to an axis parallel to z, `r` up and at `(x, y)`; `along` is the x axis if it is z itself.
-fn beside(up: f64, (x, y): (f64, f64), r: f64, along: (f64, f64)) -> DhRow {
+fn beside(up: f64, (x, y): (f64, f64), r: f64, along: (f64, f64)) -> UrdfDhRow {
     let alpha = if up < 0.0 { PI } else { 0.0 };
     let l = x.hypot(y);
     if l <= SHORTEST {
-        return DhRow { theta: along.1.atan2(along.0), r, l: 0.0, alpha };
+        return UrdfDhRow { theta: along.1.atan2(along.0), r, l: 0.0, alpha };
     }
     in_sense(r, l, alpha, (x / l, y / l))
 }
 
 /// Chooses the sense of the x axis by the rule at the head of this file.
-fn in_sense(r: f64, l: f64, alpha: f64, (x, y): (f64, f64)) -> DhRow {
+fn in_sense(r: f64, l: f64, alpha: f64, (x, y): (f64, f64)) -> UrdfDhRow {
     let square = x.abs() <= NEAR;
     let turn_round = if !square {
         x < 0.0
@@ -260,17 +260,17 @@ fn in_sense(r: f64, l: f64, alpha: f64, (x, y): (f64, f64)) -> DhRow {
         y < 0.0
     };
     let (l, alpha, x, y) = if turn_round { (-l, -alpha, -x, -y) } else { (l, alpha, x, y) };
-    DhRow { theta: y.atan2(x), r, l, alpha: if alpha == -PI { PI } else { alpha } }
+    UrdfDhRow { theta: y.atan2(x), r, l, alpha: if alpha == -PI { PI } else { alpha } }
 }
 
 /// The row after the last axis; `tip` is the tip link in the frame before it.
-fn last(tip: &Pose) -> DhRow {
+fn last(tip: &Pose) -> UrdfDhRow {
     let (x, d, p) = (tip.rotation.column(0), tip.rotation.column(2).into_owned(), tip.translation);
     let s = d.x.hypot(d.y);
     if s <= NEAR {
         beside(d.z, (p.x, p.y), p.z, (x[0], x[1]))
     } else if s < SLANTED {
-        DhRow::default()
+        UrdfDhRow::default()
     } else {
         between(&d, &p, 0.0)
     }

@@ -5,7 +5,7 @@ use crate::files::toml::document::Library;
 use crate::files::toml::tree::At;
 
 /// Most faults kept; the library lists fewer.
-const MOST: usize = 600;
+const MAX_FAULTS: usize = 600;
 
 pub struct UrdfFault {
     at: At,
@@ -37,7 +37,7 @@ impl Faults {
     }
 
     pub fn push(&mut self, wrong: UrdfFault) {
-        if self.found.len() < MOST {
+        if self.found.len() < MAX_FAULTS {
             self.found.push(wrong);
         }
     }

@@ -16,7 +16,7 @@ mod tree;
 mod xml;
 
 pub use model::Named;
-pub use packages::PackageFolders;
+pub use packages::RosPackages;
 
 use super::fault::{Severity, shown};
 use super::toml::document::Library;
@@ -48,7 +48,7 @@ pub struct UrdfChain {
     pub base: Option<Named>,
     /// Link that carries the tool; None: the only end of the chain.
     pub tip: Option<Named>,
-    pub packages: PackageFolders,
+    pub packages: RosPackages,
 }
 
 /// Reads the URDF that a robot names.

@@ -8,9 +8,9 @@ const SCHEME: &str = "package://";
 
 /// Folders of packages by name, inside the folder of the cell.
 #[derive(Default)]
-pub struct PackageFolders(pub Vec<(String, String)>);
+pub struct RosPackages(pub Vec<(String, String)>);
 
-impl PackageFolders {
+impl RosPackages {
     /// The path of a file that a URDF names: relative to the folder of the cell, or
     /// `package://NAME/PATH` of a package whose folder the file does not give.
     pub fn path(&self, file: &Named, lib: &mut Library<'_>) -> Option<String> {

@@ -10,7 +10,7 @@ use roxmltree::{Document, Node, ParsingOptions};
 use std::collections::{BTreeMap, HashSet};
 
 /// Most links, most joints and most collision elements.
-const MOST: usize = 1_000;
+const MAX_ELEMENTS: usize = 1_000;
 
 /// Kinds of unused elements that are counted by name.
 const MOST_KINDS: usize = 20;
@@ -66,9 +66,9 @@ fn read_robot(root: Node<'_, '_>, faults: &mut Faults) -> Option<Urdf> {
     let mut urdf = Urdf { at, name, links: Vec::new(), joints: Vec::new(), ignored: BTreeMap::new() };
     let is = |name| move |c: &Node<'_, '_>| c.has_tag_name(name);
     for (name, plural) in [("link", "links"), ("joint", "joints")] {
-        if let Some(extra) = root.children().filter(is(name)).nth(MOST) {
+        if let Some(extra) = root.children().filter(is(name)).nth(MAX_ELEMENTS) {
             let help = "name the URDF of one robot";
-            faults.error(faults.at(extra.range().start), format!("more than {MOST} {plural}"), help);
+            faults.error(faults.at(extra.range().start), format!("more than {MAX_ELEMENTS} {plural}"), help);
             return None;
         }
     }
@@ -76,8 +76,12 @@ fn read_robot(root: Node<'_, '_>, faults: &mut Faults) -> Option<Urdf> {
     urdf.joints = root.children().filter(is("joint")).filter_map(|e| read_joint(e, faults)).collect();
     refuse_twins(urdf.links.iter().map(|l| &l.name), "links", faults);
     refuse_twins(urdf.joints.iter().map(|j| &j.name), "joints", faults);
-    if urdf.links.iter().map(|l| l.collisions.len()).sum::<usize>() > MOST {
-        faults.error(at, format!("more than {MOST} collision elements"), "simplify the shapes of the links");
+    if urdf.links.iter().map(|l| l.collisions.len()).sum::<usize>() > MAX_ELEMENTS {
+        faults.error(
+            at,
+            format!("more than {MAX_ELEMENTS} collision elements"),
+            "simplify the shapes of the links",
+        );
     }
     urdf.ignored = unused(root);
     Some(urdf)

@@ -3,7 +3,7 @@
 use super::dh::Derived;
 use super::model::*;
 use super::motion::{Motion, TOO_LONG};
-use super::packages::PackageFolders;
+use super::packages::RosPackages;
 use super::tree::{Tree, Way};
 use crate::cell::LinkSolid;
 use crate::cell::{Shape, Solid};
@@ -49,7 +49,7 @@ pub fn read(
     urdf: &Urdf,
     carried: &[Carried],
     derived: &Derived,
-    packages: &PackageFolders,
+    packages: &RosPackages,
     lib: &mut Library<'_>,
 ) -> Vec<LinkSolid> {
     let mut solids = Vec::new();
@@ -73,7 +73,7 @@ fn shape(
     link: &str,
     collision: &Collision,
     pose: Pose,
-    packages: &PackageFolders,
+    packages: &RosPackages,
     lib: &mut Library<'_>,
 ) -> Option<Shape> {
     let size = match &collision.geometry {
@@ -103,7 +103,7 @@ fn read_mesh(
     file: &Named,
     scale: &Vector3<f64>,
     pose: &Pose,
-    packages: &PackageFolders,
+    packages: &RosPackages,
     lib: &mut Library<'_>,
 ) -> Option<Shape> {
     let path = packages.path(file, lib)?;

@@ -62,7 +62,7 @@ pub struct EquipmentRecord<'a> {
     pub obstacle: bool,
     /// Index of the equipment that carries it.
     pub on: Option<usize>,
-    /// Its pose; null if it has no solid.
+    /// Pose of the part; null if it has no solid.
     pub at: Option<PoseNumbers>,
     pub surface: Option<RectangleRecord>,
     pub footprint: RectangleRecord,

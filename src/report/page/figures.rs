@@ -90,7 +90,7 @@ fn envelopes(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Section {
 }
 
 /// Number of parameters in the budget of a spot.
-const TOLD: usize = 12;
+const MAX_PARAMETERS_SHOWN: usize = 12;
 
 fn budget(subject: &Subject<'_>) -> Section {
     let a = subject.shown();
@@ -122,10 +122,10 @@ fn budget_table(a: &Assessment<'_>, k: usize, account: &Account<'_>) -> PageTabl
             percent(share.of_variance),
         ]
     };
-    let rows: Vec<_> = account.budget.shares.iter().take(TOLD).map(row).collect();
+    let rows: Vec<_> = account.budget.shares.iter().take(MAX_PARAMETERS_SHOWN).map(row).collect();
     let alone = format!("alone {}", unit.word());
     let head = ["parameter", "plus or minus", &alone, "of worst case %", "of variance %"];
-    let left = account.budget.shares.len().saturating_sub(TOLD);
+    let left = account.budget.shares.len().saturating_sub(MAX_PARAMETERS_SHOWN);
     let more = if left > 0 { format!("and {left} parameters more with less. ") } else { String::new() };
     let cut = account.tighter.first().map_or(String::new(), |t| {
         let name = names::parameter(a.cell, t.parameters[0]);
