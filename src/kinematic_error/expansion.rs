@@ -66,7 +66,7 @@ impl MotionTerm {
 
 /// Returns the motions from base to tool by their indices in the list of parameters.
 ///
-/// With `joints`, each joint frame comes before its row.
+/// Each joint frame of `joints`, if given, comes before its row.
 fn outwards(axes: usize, joints: bool) -> impl Iterator<Item = usize> {
     let (base, tool) = (PER_LINK * axes, PER_LINK * axes + PER_FRAME);
     let frame = |first: usize| [0, 1, 2, 5, 4, 3].map(|k| first + k);

@@ -17,7 +17,7 @@ pub struct AttitudeSet {
     pub(super) vertical: bool,
     /// Columns r, d x r, d of the tool (see [`crate::cell::held`]) for every attitude.
     ///
-    /// With `radial` they are in the frame whose x axis points from the base axis to the target.
+    /// If `radial` is set, they are in the frame whose x axis points from the base axis to the target.
     pub(super) columns: Vec<Matrix3<f64>>,
     pub(super) radial: bool,
     pub(super) spin_is_free: bool,

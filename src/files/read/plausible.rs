@@ -12,7 +12,7 @@ use crate::units::{mm_from_m, rounded};
 
 const FACTOR: f64 = 20.0;
 
-/// What stands on a surface may be so far off it, m.
+/// Largest distance between an equipment and the surface that it stands on, m.
 const STANDS: f64 = 1e-6;
 
 /// No link is made as true as this share of the reach.

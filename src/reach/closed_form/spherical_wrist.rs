@@ -83,7 +83,7 @@ impl SphericalWrist {
     /// up to a singularity or to theta_3 = 180 degrees. An arm that changes posture without a singularity has
     /// no better number.
     ///
-    /// With axes 4 and 6 aligned, theta_4 is 0 and the wrist is not flipped. A wrist centre on axis 1 or 2
+    /// If axes 4 and 6 are aligned, theta_4 is 0 and the wrist is not flipped. A wrist centre on axis 1 or 2
     /// leaves that theta 0. For a spherical shoulder all this holds from flange to base.
     ///
     /// Returns the distance (m) of the wrist centre from the reach of the first three joints. Even at 0 an
