@@ -1,4 +1,4 @@
-//! How an operation holds the tool.
+//! Attitude: how an operation holds the tool.
 //!
 //! The tool axis points at an elevation above the horizontal and, seen from above, along an azimuth.
 //! With `h` the horizontal unit vector of the azimuth,
@@ -9,67 +9,72 @@
 //! r = cos(spin) w + sin(spin) (d x w)              the reference axis of the tool
 //! ```
 //!
-//! so that a tool pointing down with spin 0 has its reference axis along the azimuth. The reference
-//! axis is the first of the x, y, z axes of the TCP that is perpendicular to the tool axis.
+//! Then a tool pointing down with spin 0 has its reference axis along the azimuth. The reference axis is the
+//! first of the x, y, z axes of the TCP that is perpendicular to the tool axis.
 
 use crate::pose::exact_sin_cos;
 use nalgebra::{Matrix3, Vector3};
 
-/// Values tried for a free angle: every 30 degrees.
+/// Number of values tried for a free angle, in steps of 30 degrees.
 pub const FREE_STEPS: usize = 12;
 
-/// Cosines below this are those of a right angle.
+/// Absolute cosine below which an angle counts as a right angle.
 const RIGHT_ANGLE: f64 = 1e-12;
 
-/// Where the tool axis points, seen from above.
+/// Azimuth of the tool axis: its heading seen from above.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Azimuth {
-    /// Anywhere.
+    /// Any azimuth is allowed.
     Free,
-    /// In the vertical plane through the base axis of the robot: outward or, where the arm can, inward.
+    /// The tool axis lies in the vertical plane through the base axis of the robot: outward or, where the arm
+    /// can, inward.
     Radial,
-    /// At an angle from the x axis of the surface, rad.
+    /// The tool axis heads at this angle from the x axis of the surface, rad.
     Surface(f64),
 }
 
-/// The turn about the tool axis.
+/// Spin of the tool: its rotation about the tool axis.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Spin {
-    /// Any: [`FREE_STEPS`] values are tried by an arm that can choose.
+    /// Any spin is allowed; an arm that can choose its spin tries [`FREE_STEPS`] values.
     Free,
-    /// One of these, rad.
+    /// The spin is one of these angles, rad.
     At(Vec<f64>),
 }
 
-/// The attitude of the tool at an operation.
+/// Attitude of the tool at an operation: elevation, azimuth and spin, with a tolerance.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Attitude {
-    /// The paper's tool bending angle: of the tool axis above the horizontal, rad; -pi/2 points down.
+    /// Elevation of the tool axis above the horizontal, rad; -pi/2 points down.
+    ///
+    /// The seed paper calls it the tool bending angle.
     pub elevation: f64,
     pub azimuth: Azimuth,
     pub spin: Spin,
-    /// The tool axis may be tilted by so much; heading and spin of an arm that cannot choose them may
-    /// be off by so much, too, rad.
+    /// Largest allowed tilt of the tool axis, rad.
+    ///
+    /// An arm that cannot choose azimuth and spin may miss these by the same angle.
     pub tolerance: f64,
 }
 
 impl Attitude {
-    /// An elevation alone (rad).
+    /// Returns an attitude with this elevation (rad), free azimuth and spin, and no tolerance.
     pub fn elevation(elevation: f64) -> Self {
         Self { elevation, azimuth: Azimuth::Free, spin: Spin::Free, tolerance: 0.0 }
     }
 
-    /// Whether the tool is vertical: the azimuth then says only where the spin counts from.
+    /// Returns whether the tool is vertical. The azimuth is then only the direction from which the spin
+    /// counts.
     pub fn is_vertical(&self) -> bool {
         self.elevation.cos().abs() < RIGHT_ANGLE
     }
 
-    /// The spins to try where any will do, rad.
+    /// Returns the spins to try if the spin is free, rad.
     pub fn free_spins() -> impl Iterator<Item = f64> {
         (0..FREE_STEPS).map(free_step)
     }
 
-    /// The azimuths to try, rad, from the x axis of the surface or the radial direction.
+    /// Returns the azimuths to try, rad, from the x axis of the surface or from the radial direction.
     pub fn azimuths(&self) -> Vec<f64> {
         match self.azimuth {
             Azimuth::Free if self.is_vertical() => vec![0.0],
@@ -85,7 +90,7 @@ fn free_step(k: usize) -> f64 {
     std::f64::consts::TAU * k as f64 / FREE_STEPS as f64
 }
 
-/// Columns r, d x r, d of a tool held at these angles (rad), with the azimuth from x.
+/// Returns the axes r, d x r, d of a tool with these angles (rad) as columns; the azimuth counts from x.
 pub fn held(elevation: f64, azimuth: f64, spin: f64) -> Matrix3<f64> {
     let (sin, cos) = exact_sin_cos(elevation);
     let (h_y, h_x) = exact_sin_cos(azimuth);
@@ -96,7 +101,8 @@ pub fn held(elevation: f64, azimuth: f64, spin: f64) -> Matrix3<f64> {
     Matrix3::from_columns(&[r, d.cross(&r), d])
 }
 
-/// Returns the columns of [`held`] in the frame of the TCP; `axis`: the tool axis there, unit length.
+/// Returns the axes of [`held`] as columns in the frame of the TCP, given the tool axis in that frame (unit
+/// length).
 pub fn tool_columns(axis: &Vector3<f64>) -> Matrix3<f64> {
     let unit = [Vector3::x(), Vector3::y(), Vector3::z()];
     let square = unit.into_iter().find(|e| e.dot(axis).abs() < RIGHT_ANGLE);

@@ -1,5 +1,6 @@
-//! Changes of a validated cell. Each returns a valid cell again, so nothing outside this folder and the reader
-//! of files changes a field of one.
+//! Changes of a validated cell: each function returns a valid cell again.
+//!
+//! Only this folder and the reader of files change the fields of a cell.
 
 use super::coordinate::Coordinate;
 use super::layout::Slot;
@@ -23,8 +24,10 @@ impl Cell {
         }
     }
 
-    /// Returns this cell with other start values (m or rad). With `frees`, a coordinate that is fixed and gets
-    /// another value becomes a range, so that a file can state it.
+    /// Returns this cell with other start values (m or rad).
+    ///
+    /// If `frees` is true, a fixed coordinate that gets another value becomes a range, so that a file can
+    /// state it.
     pub fn starting_at(&self, values: impl Iterator<Item = (Slot, f64)>, frees: bool) -> Cell {
         let mut cell = self.clone();
         for (slot, value) in values {
@@ -35,8 +38,11 @@ impl Cell {
         cell
     }
 
-    /// Returns this cell with the ranges of another one of the same equipment and operations, wherever a
-    /// fixed coordinate lies in the range: a result becomes searchable again.
+    /// Returns this cell with the ranges of `wide` for its fixed coordinates, so that a result can be
+    /// searched again.
+    ///
+    /// A coordinate becomes free only if its value lies in the range. The cell stays unchanged if `wide` has
+    /// other equipment or operations.
     pub fn with_ranges_of(mut self, wide: &Cell) -> Cell {
         let same = |a: &Cell, b: &Cell| {
             a.equipment.iter().map(|e| &e.name).eq(b.equipment.iter().map(|e| &e.name))
@@ -70,7 +76,7 @@ impl Cell {
     /// Returns this cell with another seed or budget of its search.
     ///
     /// # Errors
-    /// That the budget is out of range.
+    /// Returns an error if the budget is out of range.
     pub fn searching(mut self, seed: Option<u64>, budget: Option<u64>) -> Result<Cell, String> {
         let range = super::choices::SearchSettings::BUDGETS;
         self.search.seed = seed.unwrap_or(self.search.seed);
@@ -83,7 +89,9 @@ impl Cell {
 }
 
 impl Coordinate {
-    /// Returns this coordinate with another start value; with `frees`, a fixed one becomes a range.
+    /// Returns this coordinate with another start value.
+    ///
+    /// If `frees` is true, a fixed coordinate with another value becomes a range.
     fn starting_at(&self, value: f64, frees: bool) -> Coordinate {
         match self {
             Coordinate::Fixed(was) if frees && *was != value => {

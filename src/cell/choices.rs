@@ -1,18 +1,18 @@
-//! What a cell asks for by a word: error model, reading, registration, search.
+//! Choices that a cell file names by a word: error model, reading, registration and search.
 
 use super::goal::Goals;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// How the errors of the parameters make that of the TCP.
+/// Error model: how parameter errors become the error of the TCP.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Model {
-    /// Eqs. (4)-(6).
+    /// Nonlinear model, eqs. (4)-(6).
     Nonlinear,
-    /// Eqs. (7)-(8).
+    /// Linear model, eqs. (7)-(8).
     Linear,
-    /// Linear plus the quadratic form (section 2.3).
+    /// Second-order model: the linear one plus the quadratic form (section 2.3).
     SecondOrder,
 }
 
@@ -28,15 +28,15 @@ impl Model {
     }
 }
 
-/// How the errors are read.
+/// Reading: how a set of errors is interpreted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Reading {
-    /// As one signed sample.
+    /// One signed sample of the errors.
     Signed,
-    /// As plus-or-minus: the largest error of any corner of the tolerance box.
+    /// Worst case: the largest error over all corners of the tolerance box.
     WorstCase,
-    /// As random variables.
+    /// Statistics of random errors.
     Statistical,
 }
 
@@ -52,7 +52,7 @@ impl Reading {
     }
 }
 
-/// What of a random error is made small.
+/// Quantity of a random error that the search minimizes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Quantity {
@@ -60,7 +60,7 @@ pub enum Quantity {
     Mean,
     P95,
     P99,
-    /// The share of failures, one less the yield: P(error > limit).
+    /// Share of failures, P(error > limit): 1 minus the yield.
     Yield,
 }
 
@@ -79,15 +79,15 @@ impl Quantity {
     }
 }
 
-/// What has been measured with the robot itself, so that its errors cancel there.
+/// Registration: what has been measured with the robot itself, which removes part of its errors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Registration {
-    /// Nothing: the robot base stands where the drawing says.
+    /// Nothing: the robot base is placed as drawn.
     None,
-    /// The base frame, fitted over the workspace.
+    /// Base frame, as a best fit over the workspace.
     BestFit,
-    /// The frame of each work surface, taught by touching three points.
+    /// Frame of each work surface, taught by touching three points.
     Taught,
 }
 
@@ -103,17 +103,17 @@ impl Registration {
     }
 }
 
-/// What of the nodes of an operation counts.
+/// Rule that combines the values of an operation's nodes into one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Over {
-    /// The best node: the operation happens there.
+    /// Least value: the operation happens at the best node.
     Best,
-    /// The operation happens at every node: the worst of them, ...
+    /// Greatest value: the operation happens at every node.
     Max,
-    /// ... their mean, ...
+    /// Mean value: the operation happens at every node.
     Mean,
-    /// ... or what 95 % of them do not pass.
+    /// Least value that at least 95 % of the nodes do not exceed: the operation happens at every node.
     P95,
 }
 
@@ -129,12 +129,12 @@ impl Over {
         }
     }
 
-    /// Whether every node must be reached.
+    /// Returns whether every node must be reached.
     pub fn takes_all(self) -> bool {
         self != Over::Best
     }
 
-    /// One number of the values of all nodes.
+    /// Combines the values of all nodes into one; sorts `values`.
     pub fn of(self, values: &mut [f64]) -> f64 {
         values.sort_by(f64::total_cmp);
         let count = values.len();
@@ -148,7 +148,7 @@ impl Over {
     }
 }
 
-/// How the errors of several operations make one objective.
+/// Rule that combines the values of several operations into one objective.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Objective {
@@ -156,7 +156,7 @@ pub enum Objective {
     WeightedSum,
     #[serde(rename = "max")]
     WeightedMaximum,
-    /// The operations in the order of the file: a later one counts where those before it are as good.
+    /// Operations in the order of the file: a later one decides only where all earlier ones are equally good.
     Lexicographic,
 }
 
@@ -197,28 +197,28 @@ impl Solver {
 pub struct SearchSettings {
     pub solver: Solver,
     pub objective: Objective,
-    /// Share by which values may differ and still count as equally good, of the lexicographic objective.
+    /// Relative step of the lexicographic objective: values within one step count as equally good.
     pub indifference: f64,
-    /// Layout evaluations.
+    /// Largest number of layout evaluations.
     pub budget: u64,
     pub seed: u64,
-    /// Whether the worst over the placement tolerances is made small, not the value as drawn.
+    /// Whether to minimize the worst value over the placement tolerances instead of the value as drawn.
     pub robust: bool,
-    /// Share above the proven bound at which the best layout is good enough.
+    /// Relative gap to the proven bound at which the search ends.
     pub gap: Option<f64>,
-    /// Evaluations without improvement after which the global solver ends.
+    /// Number of evaluations without improvement after which the global solver ends.
     pub stagnation: Option<u64>,
-    /// If any: a front of layouts none of which is better than another in all of these.
+    /// Goals of a Pareto search; empty for a search for the least error.
     pub pareto: Goals,
-    /// How many of the best layouts that differ are told; 0: the best alone, or the whole front.
+    /// Number of differing layouts to report; 0 means the best alone, or the whole front.
     pub keep: usize,
 }
 
 impl SearchSettings {
-    /// Budgets that a search may have, layout evaluations.
+    /// Allowed budgets, in layout evaluations.
     pub const BUDGETS: std::ops::RangeInclusive<u64> = 1..=1_000_000_000;
 
-    /// Settings of a cell that says nothing.
+    /// Settings of a cell file that states none.
     pub const DEFAULT: Self = Self {
         solver: Solver::CmaEs,
         objective: Objective::WeightedSum,

@@ -1,20 +1,20 @@
-//! What a layout must keep besides reach and collision: margins, ways between operations, a fence.
+//! Constraints of a layout besides reach and collision: margins, transfers between operations, fence.
 
 use super::robot_model::{Joint, JointKind, JointVector};
 
-/// Postures nearer than this to a limit or a singularity are not used; 0: every posture is.
+/// Margins to joint limits and singularities that every posture must keep; 0 allows every posture.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Margins {
-    /// From the limits of turning joints, rad.
+    /// Distance from the limits of revolute joints, rad.
     pub turn: f64,
-    /// From the limits of slides, m.
+    /// Distance from the limits of prismatic joints, m.
     pub slide: f64,
-    /// Least singular value of the Jacobian, lengths in arm reaches.
+    /// Least allowed singular value of the Jacobian, with lengths divided by the arm reach.
     pub singularity: f64,
 }
 
 impl Margins {
-    /// The limits that a joint keeps; a passive joint has none of its own.
+    /// Returns the limits of a joint less its margin; those of a passive joint stay unchanged.
     pub fn kept(&self, joint: &Joint) -> (f64, f64) {
         if joint.is_passive() {
             return joint.limits;
@@ -23,7 +23,7 @@ impl Margins {
         (joint.limits.0 + margin, joint.limits.1 - margin)
     }
 
-    /// From the limits of this joint, rad or m.
+    /// Returns the margin to the limits of a joint, rad or m.
     pub fn of(&self, joint: &Joint) -> f64 {
         match joint.kind {
             JointKind::Revolute => self.turn,
@@ -32,22 +32,22 @@ impl Margins {
     }
 }
 
-/// The moves between the operations are to be free.
+/// Rules for the transfers between operations, which must be free of collision.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TransferRules {
-    /// How far the TCP may be lifted before and after a move, m; 0: it is not.
+    /// Height by which the TCP may be lifted before and after a move, m; 0 means no lift.
     pub lift: f64,
-    /// Postures through which a move may go, each alone.
+    /// Via postures; a transfer may go through one of them.
     pub via: Vec<JointVector>,
-    /// Whether the last operation is followed by the first.
+    /// Whether a transfer leads from the last operation back to the first.
     pub cycle: bool,
 }
 
-/// A simple polygon in the world within which equipment and robot base stand.
+/// Fence: a simple polygon in the world that encloses equipment and robot base.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fence {
-    /// Anticlockwise, m.
+    /// Corners (x, y) in anticlockwise order, m.
     pub corners: Vec<(f64, f64)>,
-    /// Height of walls that the robot must not touch, m; None: the fence is a line on the floor.
+    /// Height of the walls that the robot must not touch, m; None if the fence is only a line on the floor.
     pub height: Option<f64>,
 }

@@ -1,16 +1,16 @@
-//! Numbers of a cell that the search may change.
+//! Numbers of a cell that the search may change, or that are fixed.
 
-/// One number of a cell file that the search may change.
+/// Number of a cell file: fixed, or a variable of the search.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Coordinate {
     Fixed(f64),
-    /// A search variable.
+    /// Search variable in a range.
     Range {
         min: f64,
         max: f64,
         start: f64,
     },
-    /// A search variable that takes one of these values, the first at the start.
+    /// Search variable that takes one of these values; the first is the start value.
     List(Vec<f64>),
 }
 
@@ -26,7 +26,7 @@ impl Coordinate {
         !matches!(self, Coordinate::Fixed(_))
     }
 
-    /// Least and greatest value.
+    /// Returns the least and the greatest value.
     pub fn range(&self) -> (f64, f64) {
         match self {
             Coordinate::Fixed(value) => (*value, *value),

@@ -1,4 +1,4 @@
-//! Errors as data: a signed sample or a tolerance, of the robot's parameters or of a frame.
+//! Error sets: signed samples and tolerances of the parameters of a robot or of a frame.
 
 use nalgebra::DMatrix;
 
@@ -8,32 +8,37 @@ pub const PER_LINK: usize = 5;
 /// Components of a frame error: x, y, z (m), then rx, ry, rz (rad), `Trans(x, y, z) Rz(rz) Ry(ry) Rx(rx)`.
 pub const PER_FRAME: usize = 6;
 
-/// What can be wrong. Joints and equipment by index, components of a frame from 0 to 5.
+/// Parameter that can have an error.
+///
+/// Joints and equipment are given by index, components of a frame by a number from 0 to 5.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Parameter {
-    /// The actuator coordinate; it reaches the D-H coordinates through the joint coupling.
+    /// Actuator coordinate, whose error reaches the D-H coordinates through the joint coupling.
     Dq(usize),
-    /// The axial offset.
+    /// Axial offset r of a link.
     Dr(usize),
-    /// The common normal.
+    /// Common normal l of a link.
     Dl(usize),
-    /// The twist.
+    /// Twist alpha of a link.
     Dalpha(usize),
-    /// The fifth parameter (Hayati): a turn about y after the twist.
+    /// Fifth parameter beta of a link (Hayati): a rotation about y after the twist.
     Dbeta(usize),
-    /// The robot's base frame, in itself.
+    /// Component of the robot's base frame, in its own axes.
     Base(usize),
-    /// The tool frame (the TCP), in itself.
+    /// Component of the tool frame (TCP), in its own axes.
     Tool(usize),
-    /// A joint frame ([`super::Robot::joint_frames`]), in itself: everything from the joint on moves.
+    /// Joint and component of its frame ([`super::Robot::joint_frames`]), in its own axes.
+    ///
+    /// The error moves everything from the joint on.
     Joint(usize, usize),
-    /// An equipment's placement or fixture, in its own frame.
+    /// Equipment and component of its placement or fixture, in its own frame.
     Equipment(usize, usize),
 }
 
 impl Parameter {
-    /// The parameters of a robot of `axes` joints, in the order of every list of their values:
-    /// link by link, then base, then tool, then joint frame by joint frame.
+    /// Returns the parameters of a robot with `axes` joints, in the order of every list of their values.
+    ///
+    /// The order is link by link, then base, then tool, then joint frame by joint frame.
     pub fn of_robot(axes: usize) -> impl Iterator<Item = Parameter> {
         let links = (0..axes).flat_map(|i| {
             [Self::Dq(i), Self::Dr(i), Self::Dl(i), Self::Dalpha(i), Self::Dbeta(i)].into_iter()
@@ -42,7 +47,7 @@ impl Parameter {
         links.chain((0..PER_FRAME).map(Self::Base)).chain((0..PER_FRAME).map(Self::Tool)).chain(joints)
     }
 
-    /// As a file names it: `dl2`, `base rx`, `joint3 rx`; of an equipment its component alone.
+    /// Returns the name used in files: `dl2`, `base rx`, `joint3 rx`; for equipment the component alone.
     pub fn name(self) -> String {
         match self {
             Self::Dq(i) => format!("dq{}", i + 1),
@@ -57,22 +62,23 @@ impl Parameter {
         }
     }
 
-    /// Place of the first joint frame: before it are the links, the base and the tool.
+    /// Returns the index of the first joint-frame parameter, which follows those of links, base and tool.
     pub const fn first_joint(axes: usize) -> usize {
         PER_LINK * axes + 2 * PER_FRAME
     }
 
-    /// How many they are.
+    /// Returns the number of parameters of a robot with `axes` joints.
     pub fn count(axes: usize) -> usize {
         Self::first_joint(axes) + PER_FRAME * axes
     }
 }
 
-/// Components of a frame error by name.
+/// Names of the components of a frame error.
 pub const COMPONENTS: [&str; PER_FRAME] = ["x", "y", "z", "rx", "ry", "rz"];
 
-/// A signed sample of the kinematic errors, one value per joint (the reading of the paper's
-/// Tables 2 and 3). Not a tolerance: the signs are part of it.
+/// Signed sample of the kinematic errors, with one value per joint.
+///
+/// It is how the seed paper reads its Tables 2 and 3. It is not a tolerance: the signs are part of the data.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SignedErrors {
     pub name: String,
@@ -86,16 +92,16 @@ pub struct SignedErrors {
     pub dalpha: Vec<f64>,
     /// Errors of the fifth parameter (Hayati), rad.
     pub dbeta: Vec<f64>,
-    /// Error of the base frame, in itself (m, rad).
+    /// Error of the base frame in its own axes (m, rad).
     pub base: [f64; PER_FRAME],
-    /// Error of the tool frame (TCP), in itself (m, rad).
+    /// Error of the tool frame (TCP) in its own axes (m, rad).
     pub tool: [f64; PER_FRAME],
-    /// Error of every joint frame, in itself (m, rad).
+    /// Error of every joint frame in its own axes (m, rad).
     pub joints: Vec<[f64; PER_FRAME]>,
 }
 
 impl SignedErrors {
-    /// Returns the errors of values in the order of [`Parameter::of_robot`] (m, rad).
+    /// Returns the sample with the given values (m, rad), in the order of [`Parameter::of_robot`].
     pub fn of_values(name: String, axes: usize, values: &[f64]) -> Self {
         let row = |k: usize| (0..axes).map(|i| values[PER_LINK * i + k]).collect();
         let frame = |k: usize| std::array::from_fn(|c| values[PER_LINK * axes + PER_FRAME * k + c]);
@@ -104,7 +110,7 @@ impl SignedErrors {
         Self { name, dq, dr, dl, dalpha, dbeta, base: frame(0), tool: frame(1), joints }
     }
 
-    /// The values in the order of [`Parameter::of_robot`].
+    /// Returns the values in the order of [`Parameter::of_robot`].
     pub fn values(&self) -> Vec<f64> {
         let value = |parameter| match parameter {
             Parameter::Dq(i) => self.dq[i],
@@ -121,7 +127,7 @@ impl SignedErrors {
     }
 }
 
-/// How a parameter spreads inside its tolerance.
+/// Distribution of a parameter within its tolerance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Distribution {
     Normal,
@@ -141,7 +147,7 @@ impl Distribution {
         }
     }
 
-    /// Fourth cumulant of the parameter scaled to unit variance.
+    /// Returns the excess kurtosis: the fourth cumulant at unit variance.
     pub fn excess_kurtosis(self) -> f64 {
         match self {
             Distribution::Normal => 0.0,
@@ -151,25 +157,25 @@ impl Distribution {
     }
 }
 
-/// Plus or minus, m or rad.
+/// Tolerance of one parameter with its distribution, m or rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spread {
     pub plus_minus: f64,
     pub distribution: Distribution,
-    /// How many standard deviations of a normal the plus-or-minus is.
+    /// Half width in standard deviations, for a normal distribution.
     pub sigmas: f64,
 }
 
 impl Spread {
-    /// The usual reading of a tolerance: three standard deviations.
+    /// Usual half width of a tolerance in standard deviations.
     pub const SIGMAS: f64 = 3.0;
 
-    /// Returns the magnitude of a signed value as plus-or-minus: normal, three standard deviations.
+    /// Returns a normal spread with the size of a signed value as half width, three standard deviations.
     pub fn of_magnitude(value: f64) -> Self {
         Self { plus_minus: value.abs(), distribution: Distribution::Normal, sigmas: Self::SIGMAS }
     }
 
-    /// Standard deviation.
+    /// Returns the standard deviation.
     pub fn deviation(&self) -> f64 {
         match self.distribution {
             Distribution::Normal => self.plus_minus / self.sigmas,
@@ -179,25 +185,28 @@ impl Spread {
     }
 }
 
-/// Normal parameters that vary together, as a calibration reports them.
+/// Covariance of normally distributed parameters, as a calibration reports it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Covariance {
-    /// Places in the order of [`Parameter::of_robot`].
+    /// Indices of the parameters in the order of [`Parameter::of_robot`].
     pub parameters: Vec<usize>,
-    /// Symmetric, positive semidefinite (products of m and rad).
+    /// Symmetric, positive semidefinite matrix (products of m and rad).
     pub matrix: DMatrix<f64>,
 }
 
-/// What the parameters may be: plus or minus. Not a sample: it has no signs.
+/// Tolerances of the parameters of a robot.
+///
+/// They are not a sample, since they have no signs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tolerance {
     pub name: String,
-    /// In the order of [`Parameter::of_robot`]. Those of a covariance spread by its diagonal.
+    /// Spreads in the order of [`Parameter::of_robot`]. Parameters of the covariance take theirs from its
+    /// diagonal.
     pub spreads: Vec<Spread>,
     pub covariance: Option<Covariance>,
 }
 
-/// The errors of a robot under one name.
+/// Named error set of a robot.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ErrorSet {
     Signed(SignedErrors),
@@ -212,7 +221,7 @@ impl ErrorSet {
         }
     }
 
-    /// The set as a tolerance: of a signed sample the magnitudes.
+    /// Returns the set as a tolerance; a signed sample gives the magnitudes of its values.
     pub fn tolerance(&self) -> Tolerance {
         match self {
             ErrorSet::Tolerance(t) => t.clone(),
@@ -225,7 +234,7 @@ impl ErrorSet {
     }
 }
 
-/// The error of an equipment's placement or fixture, in its own frame.
+/// Errors of the placement or fixture of a piece of equipment, in its own frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum FrameErrors {
     Signed([f64; PER_FRAME]),
@@ -233,7 +242,7 @@ pub enum FrameErrors {
 }
 
 impl FrameErrors {
-    /// The sample; of a tolerance there is none.
+    /// Returns the signed sample; None for a tolerance.
     pub fn signed(&self) -> Option<&[f64; PER_FRAME]> {
         match self {
             FrameErrors::Signed(values) => Some(values),

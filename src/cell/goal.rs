@@ -1,26 +1,26 @@
-//! What a layout may be good at: goals of a search for more than one.
+//! Goals of a layout, for a search with several of them (Pareto search).
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Layouts that may be kept, at most.
+/// Largest number of layouts that a search may keep.
 pub const MAX_KEPT: usize = 100;
 
-/// One thing that a layout may be good at.
+/// Goal of a layout, which a search minimizes or maximizes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Goal {
-    /// The objective: m, rad or a share; small.
+    /// Objective, minimized: m, rad or a share.
     Error,
-    /// How far the robot at its spots and the floor spaces stay from everything, m; large.
+    /// Distance of the robot at its spots, and of the floor spaces, from everything else, m, maximized.
     Clearance,
-    /// How far a joint stays from its nearer limit, as a share of half its range; large.
+    /// Distance of a joint from its nearer limit, as a share of half its range, maximized.
     JointLimits,
-    /// The least singular value of the Jacobian, lengths in arm reaches; large.
+    /// Least singular value of the Jacobian, with lengths divided by the arm reach, maximized.
     Singularity,
-    /// How far the joints go from operation to operation, rad; small.
+    /// Joint travel from operation to operation, rad, minimized.
     Travel,
-    /// Floor space, m2; small.
+    /// Floor space, m2, minimized.
     Footprint,
 }
 
@@ -39,26 +39,26 @@ impl Goal {
         }
     }
 
-    /// Whether more of it is better.
+    /// Returns whether a greater value is better.
     pub fn is_gain(self) -> bool {
         matches!(self, Goal::Clearance | Goal::JointLimits | Goal::Singularity)
     }
 
-    /// Returns the value to minimize: a gain is negated.
+    /// Returns the value to minimize: a goal that is maximized is negated.
     pub fn loss(self, value: f64) -> f64 {
         if self.is_gain() { -value } else { value }
     }
 }
 
-/// Some goals, each once, in the order in which they were named.
+/// Distinct goals, in the order in which they were named.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Goals([Option<Goal>; Goal::ALL.len()]);
 
 impl Goals {
-    /// No goal: the search is for the least error alone.
+    /// No goals: the search minimizes the error alone.
     pub const NONE: Self = Self([None; Goal::ALL.len()]);
 
-    /// None if one is named twice.
+    /// Returns the named goals; None if one is named twice.
     pub fn of(named: &[Goal]) -> Option<Self> {
         let mut goals = Self::default();
         for (k, goal) in named.iter().enumerate() {

@@ -1,35 +1,35 @@
-//! A layout: a value for everything that the search may change.
+//! Layout: one value for each number that the search may change.
 
 use super::attitude::{Attitude, Azimuth, Spin};
 use super::coordinate::Coordinate;
 use super::model::{Cell, Placement, PlacementTolerance};
 
-/// Which number of a layout a coordinate is.
+/// Place of a coordinate in a layout.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Slot {
     /// Coordinate of the robot base: x, y, z, yaw.
     Base(usize),
-    /// Coordinate of an equipment, by index, in the frame of what it stands on: x, y, z, yaw.
+    /// Index of the equipment, and coordinate (x, y, z, yaw) in the frame of what it stands on.
     Equipment(usize, usize),
-    /// Angle of the attitude of an operation, by index: elevation, azimuth, spin.
+    /// Index of the operation, and angle of its attitude: elevation, azimuth, spin.
     Attitude(usize, usize),
 }
 
 impl Slot {
-    /// Whether it is an angle; else a length.
+    /// Returns whether the coordinate is an angle; otherwise it is a length.
     pub fn is_angle(self) -> bool {
         matches!(self, Slot::Base(3) | Slot::Equipment(_, 3) | Slot::Attitude(..))
     }
 }
 
-/// Robot base, equipment and attitudes of one candidate.
+/// Candidate of a search: robot base, equipment and attitudes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Layout {
     /// Robot base in the world.
     pub base: Placement,
-    /// One per equipment, in the order of [`Cell::equipment`], in the world.
+    /// Placements in the world, in the order of [`Cell::equipment`].
     pub placements: Vec<Placement>,
-    /// One per operation, in the order of [`Cell::operations`].
+    /// Attitudes in the order of [`Cell::operations`].
     pub attitudes: Vec<Attitude>,
 }
 
@@ -52,12 +52,12 @@ impl Layout {
 }
 
 impl Cell {
-    /// The layout as drawn: fixed coordinates and the start of each other.
+    /// Returns the layout as drawn: free coordinates are at their start values.
     pub fn start(&self) -> Layout {
         self.layout(|_, coordinate| coordinate.start())
     }
 
-    /// The layout in which every coordinate has the value that `value` says.
+    /// Returns the layout in which every coordinate has the value that `value` returns.
     pub fn layout(&self, mut value: impl FnMut(Slot, &Coordinate) -> f64) -> Layout {
         let mut four = |slot: &dyn Fn(usize) -> Slot, c: &[Coordinate; 4]| {
             Placement::from_values([0, 1, 2, 3].map(|axis| value(slot(axis), &c[axis])))
@@ -84,7 +84,7 @@ impl Cell {
         Layout { base, placements, attitudes }
     }
 
-    /// Everything that the search may change.
+    /// Returns every coordinate that the search may change, with its slot.
     pub fn free(&self) -> Vec<(Slot, &Coordinate)> {
         let base = self.base.iter().enumerate().map(|(axis, c)| (Slot::Base(axis), c));
         let equipment = self.equipment.iter().enumerate().flat_map(|(k, e)| {
@@ -97,7 +97,7 @@ impl Cell {
         base.chain(equipment).chain(attitudes).filter(|(_, c)| c.is_free()).collect()
     }
 
-    /// The placement of an equipment in the frame of what it stands on: as its file says it.
+    /// Returns the placement of a piece of equipment in the frame of what it stands on, as in its file.
     pub fn own_placement(&self, layout: &Layout, equipment: usize) -> Placement {
         let at = layout.placements[equipment];
         match self.equipment[equipment].on {
@@ -106,8 +106,9 @@ impl Cell {
         }
     }
 
-    /// How exactly the robot base and every equipment is placed: the numbers that may be off (m, rad),
-    /// one group for each body.
+    /// Returns the coordinates of robot base and equipment that may be misplaced, with half widths (m, rad).
+    ///
+    /// There is one group for each body that has a tolerance.
     pub fn placement_tolerances(&self) -> Vec<Vec<(Slot, f64)>> {
         let off = |t: PlacementTolerance, slot: &dyn Fn(usize) -> Slot| {
             let axes = t.0.into_iter().enumerate().filter(|(_, half)| *half > 0.0);
@@ -123,7 +124,7 @@ impl Cell {
         !self.placement_tolerances().is_empty()
     }
 
-    /// A layout with some of its numbers off by so much (m, rad).
+    /// Returns the layout with `moves` (m, rad) added to its coordinates.
     pub fn misplaced(&self, layout: &Layout, moves: &[(Slot, f64)]) -> Layout {
         let mut moved = layout.clone();
         let off = |slot: Slot| moves.iter().filter(|(s, _)| *s == slot).map(|(_, by)| by).sum::<f64>();
@@ -147,7 +148,7 @@ impl Cell {
         moved
     }
 
-    /// Whether an equipment moves when another does: it is that, or stands on it.
+    /// Returns whether a piece of equipment moves with another: it is that one, or stands on it.
     pub fn rides_on(&self, equipment: usize, other: usize) -> bool {
         equipment == other || self.equipment[equipment].on.is_some_and(|under| self.rides_on(under, other))
     }

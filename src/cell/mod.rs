@@ -1,4 +1,4 @@
-//! The model of what exists: robot, equipment, operations and the question that is asked of them.
+//! Model of what exists: robot, equipment and operations, and how the errors are interpreted.
 //!
 //! A [`Cell`] is plain data in m and rad. [`crate::files`] reads and validates it, so nothing downstream
 //! checks it again.

@@ -1,4 +1,4 @@
-//! What exists in a workcell: plain data in SI units, valid by construction.
+//! Model of a workcell: plain data in SI units, valid by construction.
 
 use super::attitude::Attitude;
 use super::choices::*;
@@ -11,7 +11,7 @@ use super::shape::{Rectangle, Solid};
 use crate::pose::Pose;
 use nalgebra::{Matrix3, Vector3};
 
-/// Where an equipment stands: its frame in the world, m and rad.
+/// Placement of the robot base or of equipment, m and rad, in the world or in the frame of what it stands on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Placement {
     pub x: f64,
@@ -25,13 +25,13 @@ impl Placement {
         Pose::from_translation_yaw(Vector3::new(self.x, self.y, self.z), self.yaw)
     }
 
-    /// Turns world axes into this frame.
+    /// Returns the rotation from world axes to the axes of this frame.
     pub fn from_world(&self) -> Matrix3<f64> {
         let (s, c) = self.yaw.sin_cos();
         Matrix3::new(c, s, 0.0, -s, c, 0.0, 0.0, 0.0, 1.0)
     }
 
-    /// x, y, z, yaw.
+    /// Returns x, y, z and yaw.
     pub fn values(&self) -> [f64; 4] {
         [self.x, self.y, self.z, self.yaw]
     }
@@ -40,7 +40,7 @@ impl Placement {
         Self { x, y, z, yaw }
     }
 
-    /// The placement of something that stands at `own` in this frame.
+    /// Converts a placement from this frame to the frame in which `self` is given.
     pub fn carrying(&self, own: &Placement) -> Placement {
         let (s, c) = self.yaw.sin_cos();
         Placement {
@@ -51,7 +51,7 @@ impl Placement {
         }
     }
 
-    /// This placement in the frame of another.
+    /// Returns this placement in the frame of another one.
     pub fn seen_from(&self, other: &Placement) -> Placement {
         let (dx, dy) = (self.x - other.x, self.y - other.y);
         let (s, c) = other.yaw.sin_cos();
@@ -59,19 +59,18 @@ impl Placement {
     }
 }
 
-/// How far something may stand from where it is meant to: plus-or-minus x, y, z (m) and yaw (rad), in the
-/// frame in which its placement is given.
+/// Placement tolerance: half widths of x, y, z (m) and yaw (rad), in the frame of the placement.
 ///
-/// Where it ends up is known to those who program the robot, who then work from there; what they do not
-/// know of it belongs to its `errors`.
+/// The programmer of the robot knows the actual placement and programs for it. Errors of the placement that
+/// remain unknown belong to the `errors` of the equipment.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PlacementTolerance(pub [f64; 4]);
 
-/// What an equipment is to the search.
+/// Role of a piece of equipment in the search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
     Equipment,
-    /// Always where it is; two obstacles may touch.
+    /// It never moves; two obstacles may overlap.
     Obstacle,
 }
 
@@ -79,22 +78,22 @@ pub enum Role {
 pub struct Equipment {
     pub name: String,
     pub role: Role,
-    /// The work surface: horizontal rectangle at z = 0 of the equipment's frame.
+    /// Work surface: horizontal rectangle at z = 0 of the equipment's frame.
     pub surface: Option<Rectangle>,
-    /// Floor space: contains every solid in plan.
+    /// Floor space, which contains every solid in plan.
     pub footprint: Rectangle,
     pub solids: Vec<Solid>,
-    /// Index of the equipment that it stands on, and moves with.
+    /// Index of the equipment that this one stands on and moves with.
     pub on: Option<usize>,
-    /// x, y, z, yaw, in the world or in the frame of what it stands on.
+    /// Coordinates x, y, z, yaw, in the world or in the frame of what it stands on.
     pub placement: [Coordinate; 4],
-    /// Errors of its placement or fixture, in its frame (m, rad).
+    /// Errors of the placement or fixture, in the equipment's frame (m, rad).
     pub errors: Option<FrameErrors>,
-    /// How exactly it is placed.
+    /// Tolerance of the placement.
     pub tolerance: PlacementTolerance,
 }
 
-/// A box that no equipment may enter, in the world.
+/// Keep-out box in the world, which no equipment may enter.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KeepOut {
     pub name: String,
@@ -102,30 +101,31 @@ pub struct KeepOut {
     pub max: Vector3<f64>,
 }
 
-/// Three points that teach a frame span a triangle at least so high, m: a flatter one teaches no
-/// plane, for its frame turns by errors over height.
+/// Least height, m, of the triangle of three points that teach a frame.
+///
+/// A taught frame turns by the errors divided by this height, so a flatter triangle teaches no plane.
 pub const TEACH_HEIGHT: f64 = 0.02;
 
-/// What the robot carries to or from an operation.
+/// Part that the robot carries to or from an operation.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Held {
-    /// In the frame of the TCP.
+    /// Solids of the part, in the frame of the TCP.
     pub solids: Vec<Solid>,
-    /// It rests on the equipment of the operation: touching that is no collision.
+    /// Whether the part rests on the equipment of the operation, so that touching it is no collision.
     pub touches_surface: bool,
 }
 
-/// The nodes of an operation, in the frame of its equipment.
+/// Nodes of an operation, in the frame of its equipment.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Place {
-    /// Divisions along x and y of a part of the surface: (m + 1)(n + 1) nodes.
+    /// Grid of (m + 1)(n + 1) nodes on a part of the surface, with m and n divisions along x and y.
     Grid { area: Rectangle, divisions: (usize, usize) },
-    /// x and y, m.
+    /// Listed nodes (x, y), m.
     Points(Vec<(f64, f64)>),
 }
 
 impl Place {
-    /// Nodes along x and along y, less one; of points all along x.
+    /// Returns the number of divisions along x and y; n listed points count as n - 1 divisions along x.
     pub fn divisions(&self) -> (usize, usize) {
         match self {
             Place::Grid { divisions, .. } => *divisions,
@@ -133,7 +133,7 @@ impl Place {
         }
     }
 
-    /// "grid 10 by 8" or "4 points".
+    /// Returns a description: "grid 10 by 8" or "4 points".
     pub fn in_words(&self) -> String {
         match self {
             Place::Grid { divisions: (m, n), .. } => format!("grid {m} by {n}"),
@@ -142,35 +142,38 @@ impl Place {
     }
 }
 
-/// A precision operation: somewhere on a surface, the tool at one elevation.
+/// Precision operation: what the robot does on a surface.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Operation {
     pub name: String,
-    /// Index of the equipment whose surface carries it.
+    /// Index of the equipment on whose surface the operation happens.
     pub equipment: usize,
-    /// Where on the surface.
+    /// Nodes on the surface.
     pub place: Place,
-    /// What of its nodes counts.
+    /// Rule that combines the values of the nodes.
     pub over: Over,
-    /// TCP above the surface, m.
+    /// Height of the TCP above the surface, m.
     pub standoff: f64,
-    /// As drawn.
+    /// Attitude of the tool as drawn.
     pub attitude: Attitude,
-    /// Search variables for elevation, azimuth and spin, rad; None: the angle of `attitude` holds.
+    /// Search variables for elevation, azimuth and spin, rad; None for an angle that `attitude` fixes.
     pub angles: [Option<Coordinate>; 3],
     pub sense: Sense,
     /// Largest error in the sense (m or rad) with which the operation succeeds.
     pub limit: Option<f64>,
-    /// The operation before this one in which the part was picked: what counts is the error of the
-    /// placed part, in which common errors cancel.
+    /// Index of the earlier operation that picks the part.
+    ///
+    /// The error of the placed part then counts, in which errors common to both operations cancel.
     pub relative_to: Option<usize>,
-    /// Points of the surface (its frame, m) at which a frame is taught; None: the reachable nodes
-    /// nearest to three corners of the grid.
+    /// Points (x, y) of the surface at which its frame is taught, in that frame, m.
+    ///
+    /// None means the reachable nodes nearest to three corners of the grid.
     pub teach: Option<[(f64, f64); 3]>,
     pub weight: f64,
     pub held: Held,
-    /// Lengths of the straight ways along the tool axis to the spot and back, m; 0: not checked.
+    /// Length of the straight approach along the tool axis to the spot, m; 0 means that it is not checked.
     pub approach: f64,
+    /// Length of the straight retract along the tool axis from the spot, m; 0 means that it is not checked.
     pub retract: f64,
 }
 
@@ -181,54 +184,54 @@ impl Operation {
     }
 }
 
-/// A whole workcell.
+/// Workcell: robot, equipment, obstacles and operations, with what a search may change.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cell {
     pub name: String,
     pub robot: Robot,
     /// Robot base in the world: x, y, z, yaw.
     pub base: [Coordinate; 4],
-    /// How exactly the robot base is placed.
+    /// Tolerance of the placement of the robot base.
     pub base_tolerance: PlacementTolerance,
-    /// Index into [`Robot::errors`].
+    /// Index of the chosen error set in [`Robot::errors`].
     pub errors: usize,
     pub model: Model,
     pub reading: Reading,
-    /// What the statistical reading makes small.
+    /// Quantity that the search minimizes in the statistical reading.
     pub quantity: Quantity,
     pub registration: Registration,
-    /// A model is not trusted where it is off by more than this share of the resultant error.
+    /// Largest deviation of a trusted error model, as a share of the resultant error.
     pub guard: f64,
     pub equipment: Vec<Equipment>,
     pub keep_out: Vec<KeepOut>,
     pub operations: Vec<Operation>,
     /// Senses that the cell file defines.
     pub senses: Vec<Sense>,
-    /// Whether anything is checked for collision and overlap.
+    /// Whether collisions and overlaps are checked.
     pub collision: bool,
     /// Least distance between solids, m; at 0 touching counts as collision.
     pub clearance: f64,
     /// Height of the floor in the world, m.
     pub floor: f64,
     pub margins: Margins,
-    /// None: the moves between operations are not checked.
+    /// Rules for transfers; None if the moves between operations are not checked.
     pub transfer: Option<TransferRules>,
     pub fence: Option<Fence>,
     pub search: SearchSettings,
 }
 
 impl Cell {
-    /// The chosen errors of the robot.
+    /// Returns the chosen error set of the robot.
     pub fn error_set(&self) -> &ErrorSet {
         &self.robot.errors[self.errors]
     }
 
-    /// A sense by its word: a plain one, or one of the cell file.
+    /// Returns a sense by its name: a plain one, or one that the cell file defines.
     pub fn sense(&self, word: &str) -> Option<Sense> {
         Sense::plain(word).or_else(|| self.senses.iter().find(|s| s.name == word).cloned())
     }
 
-    /// What the objective adds up.
+    /// Returns the unit of the values that the objective combines.
     pub fn unit(&self) -> Unit {
         match (self.reading, self.quantity) {
             (Reading::Statistical, Quantity::Yield) => Unit::Share,

@@ -1,7 +1,7 @@
-//! The question that is asked of a cell: error model, reading, quantity, registration and sense together.
+//! Interpretation of a cell's errors: error model, reading, quantity, registration and sense together.
 //!
-//! A cell file, a flag, the page of `view` and every table of readings ask through [`Cell::asked`] or end in
-//! [`Cell::question_faults`], so the rules are here once.
+//! Cell files, flags, the page of `view` and every table of readings are checked by [`Cell::asked`] or
+//! [`Cell::question_faults`]. So the rules are stated only here.
 
 use super::choices::{Model, Quantity, Reading, Registration};
 use super::error_model::{ErrorSet, FrameErrors};
@@ -20,7 +20,7 @@ pub struct Interpretation {
     pub sense: Option<Sense>,
 }
 
-/// Key of the question that a fault is about.
+/// Key of the interpretation that a fault concerns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum About {
     Reading,
@@ -29,7 +29,7 @@ pub enum About {
     Sense(usize),
 }
 
-/// Reason why a cell cannot be judged as asked, and what to do.
+/// Reason why the errors of a cell cannot be interpreted as requested, and what to do.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct QuestionFault {
     pub about: About,
@@ -74,16 +74,17 @@ impl Cell {
     /// Returns this cell under another interpretation of its errors.
     ///
     /// # Errors
-    /// Every fault that keeps the question from having an answer.
+    /// Returns every fault of the interpretation.
     pub fn asked(&self, interpretation: &Interpretation) -> Result<Cell, Vec<QuestionFault>> {
         self.asked_but_for(interpretation, |_| false)
     }
 
-    /// Returns this cell under another interpretation, where each operation is judged alone: values in
-    /// different units are not added up, so they are no fault.
+    /// Returns this cell under another interpretation in which each operation is judged alone.
+    ///
+    /// Senses of different units are allowed then, since their values are not added up.
     ///
     /// # Errors
-    /// Every other fault that keeps the question from having an answer.
+    /// Returns every other fault of the interpretation.
     pub fn asked_apart(&self, interpretation: &Interpretation) -> Result<Cell, Vec<QuestionFault>> {
         self.asked_but_for(interpretation, |fault| matches!(fault.about, About::Sense(_)))
     }
@@ -109,12 +110,12 @@ impl Cell {
         Ok(cell)
     }
 
-    /// Returns every fault that keeps the question of this cell from having an answer; none of a cell as loaded.
+    /// Returns every fault of this cell's own interpretation; a cell read from a file has none.
     pub fn question_faults(&self) -> Vec<QuestionFault> {
         self.faults_of(&self.interpretation())
     }
 
-    /// Returns every fault that keeps this cell from having an answer under an interpretation.
+    /// Returns every fault of an interpretation of this cell.
     pub fn faults_of(&self, interpretation: &Interpretation) -> Vec<QuestionFault> {
         let fault = |about, message, help: &str| QuestionFault { about, message, help: help.to_string() };
         let mut faults = Vec::new();
@@ -145,7 +146,7 @@ impl Cell {
         faults
     }
 
-    /// Returns the errors that count and are tolerances, each with its verb.
+    /// Returns the errors that count and are tolerances, each as the beginning of a sentence: "`name` is".
     fn tolerances(&self, registration: Registration) -> Vec<String> {
         let robot = self.robot.errors.get(self.errors);
         let robot = robot.filter(|set| matches!(set, ErrorSet::Tolerance(_)));

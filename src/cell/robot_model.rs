@@ -1,4 +1,4 @@
-//! A robot: plain data in SI units, valid by construction.
+//! Model of a robot: plain data in SI units, valid by construction.
 
 use super::error_model::{ErrorSet, PER_FRAME, PER_LINK};
 use super::shape::{Rectangle, Solid};
@@ -8,10 +8,11 @@ use nalgebra::Vector3;
 /// Longest chain of joints. Joint vectors are arrays of this length; the unused tail is zero.
 pub const MAX_JOINTS: usize = 8;
 
-/// Most error parameters of a robot: those of its links, of its base, tool and joint frames.
+/// Largest number of error parameters of a robot: those of its links, base, tool and joint frames.
 pub const MAX_PARAMETERS: usize = (PER_LINK + PER_FRAME) * MAX_JOINTS + 2 * PER_FRAME;
 
-/// Actuator coordinates, rad (revolute) or m (prismatic), in the robot's own (the paper's) zero.
+/// Actuator coordinates, rad (revolute) or m (prismatic), from the zero posture of the robot as in the seed
+/// paper.
 pub type JointVector = [f64; MAX_JOINTS];
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -20,12 +21,12 @@ pub enum JointKind {
     Prismatic,
 }
 
-/// How the rows of a file are meant. Inside there are standard rows only.
+/// Denavit-Hartenberg convention of the rows of a file. The crate itself uses standard rows only.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Convention {
     /// `A = Rz(theta) Tz(r) Tx(l) Rx(alpha)`: a row ends with its common normal.
     Standard,
-    /// Craig's `A = Tx(l) Rx(alpha) Rz(theta) Tz(r)`: a row begins with it.
+    /// Craig's `A = Tx(l) Rx(alpha) Rz(theta) Tz(r)`: a row begins with its common normal.
     Modified,
 }
 
@@ -53,8 +54,9 @@ pub struct Joint {
     pub l: f64,
     /// Twist, rad.
     pub alpha: f64,
-    /// Lower and upper limit of the actuator coordinate; both 0 of a passive joint, which follows the
-    /// others by the coupling alone.
+    /// Lower and upper limit of the actuator coordinate, rad or m.
+    ///
+    /// Both are 0 for a passive joint, which follows the others through the coupling alone.
     pub limits: (f64, f64),
 }
 
@@ -64,14 +66,14 @@ impl Joint {
     }
 }
 
-/// A solid that moves with a link: 0 is the base, k the frame after `A_k`.
+/// Solid that moves with a link: link 0 is the robot base, link k has the frame after `A_k`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinkSolid {
     pub link: usize,
     pub solid: Solid,
 }
 
-/// Whether the robot is checked against itself.
+/// Self-collision check of a robot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SelfCollision {
     pub checked: bool,
@@ -89,45 +91,47 @@ impl Default for SelfCollision {
 pub struct Robot {
     pub name: String,
     pub source: String,
-    /// Convention of the rows in its file: reports name the parameters as the file does.
+    /// Convention of the rows in the robot's file, by which reports name the parameters.
     pub convention: Convention,
-    /// Robot base to D-H frame 0.
+    /// Pose of D-H frame 0 in the robot base.
     pub mount: Pose,
     pub joints: Vec<Joint>,
-    /// Frame of every joint in the D-H frame before its row, fixed to the link before it: the
-    /// origin frame of a URDF joint, the identity for D-H rows.
+    /// Pose of every joint frame in the D-H frame before its row, fixed to the link before the joint.
+    ///
+    /// It is the origin frame of a URDF joint, and the identity for D-H rows.
     pub joint_frames: Vec<Pose>,
-    /// Row i: how the D-H coordinate i follows the actuators, lower triangular with units on the
-    /// diagonal; the identity for a serial arm.
+    /// Matrix that maps actuator to D-H coordinates: lower triangular with a unit diagonal.
+    ///
+    /// Row i gives D-H coordinate i. A serial arm has the identity.
     pub coupling: Vec<Vec<f64>>,
-    /// Where the arm rests: actuator coordinates inside the limits, rad or m.
+    /// Home posture: actuator coordinates inside the limits, rad or m.
     pub home: JointVector,
-    /// Last D-H frame to TCP: the tip link of a URDF comes first, then the tool.
+    /// Pose of the TCP in the last D-H frame: that of a URDF's tip link, followed by that of the tool.
     pub tool: Pose,
     /// Working direction of the tool in the frame of the TCP, unit length.
     pub tool_axis: Vector3<f64>,
-    /// Solids on the links. The solids of the tool come last: they move with the mechanical interface.
+    /// Solids on the links; those of the tool come last and move with the mechanical interface.
     pub solids: Vec<LinkSolid>,
-    /// How many of them are the tool's.
+    /// Number of the solids that belong to the tool.
     pub tool_solids: usize,
     pub self_collision: SelfCollision,
     /// Floor space of the base, in its frame.
     pub footprint: Rectangle,
     pub errors: Vec<ErrorSet>,
-    /// None of a robot written as D-H rows.
+    /// URDF from which the rows were derived; None for a robot written as D-H rows.
     pub urdf: Option<UrdfOrigin>,
 }
 
-/// Where rows come from that were derived from a URDF.
+/// Origin of D-H rows that were derived from a URDF.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UrdfOrigin {
-    /// Path of the URDF from the folder of the cell.
+    /// Path of the URDF, relative to the folder of the cell.
     pub file: String,
     pub base_link: String,
     pub tip_link: String,
-    /// Last D-H frame to tip link.
+    /// Pose of the tip link in the last D-H frame.
     pub tip: Pose,
-    /// What of it is not used, and how often it is there.
+    /// Elements of the URDF that are not used, and how often each occurs.
     pub ignored: Vec<(String, usize)>,
 }
 
@@ -136,7 +140,7 @@ impl Robot {
         self.joints.len()
     }
 
-    /// Theta and r at coordinate 0, l and alpha of every row as its file has them (rad, m).
+    /// Returns theta and r at coordinate 0, l and alpha of every row as in its file (rad, m).
     pub fn rows_of_file(&self) -> Vec<[f64; 4]> {
         let turned = &self.mount.rotation;
         let first = (self.mount.translation.x, turned[(2, 1)].atan2(turned[(1, 1)]));
@@ -149,7 +153,7 @@ impl Robot {
         .collect()
     }
 
-    /// An upper bound of the distance from the base axis that the TCP can reach, m.
+    /// Returns an upper bound of the distance of the TCP from the base axis, m.
     pub fn reach(&self) -> f64 {
         let upright = self.mount.rotation.m33.abs() > 1.0 - 1e-12;
         let links = self.joints.iter().enumerate().map(|(i, joint)| {
@@ -161,7 +165,8 @@ impl Robot {
         aside + links.sum::<f64>() + self.tool.translation.norm()
     }
 
-    /// How far the D-H coordinate of a sliding joint can be from 0, by its own and coupled actuators.
+    /// Returns the largest distance of a prismatic D-H coordinate from 0, m, with all coupled actuators; 0 if
+    /// revolute.
     fn travel(&self, i: usize) -> f64 {
         let farthest = |joint: &Joint| joint.limits.0.abs().max(joint.limits.1.abs());
         match self.joints[i].kind {

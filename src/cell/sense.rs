@@ -1,14 +1,14 @@
-//! In which sense an error is measured: weighted rows of the error of a point.
+//! Senses: which components of an error count, as weighted rows of the error of a point.
 
 use crate::units;
 use nalgebra::Vector3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Most rows of a sense: three of position, three of rotation.
+/// Largest number of rows of a sense: three of position, three of rotation.
 pub const MAX_ROWS: usize = 6;
 
-/// The frame that directions are given in.
+/// Frame in which directions are given.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Frame {
     World,
@@ -30,8 +30,10 @@ impl Frame {
     }
 }
 
-/// One row: the error along a direction, or the rotation about it. The length of the direction is
-/// the weight: 1 for plain senses; m of a rotation row that is added to lengths.
+/// Row of a sense: the error along a direction, or the rotation about it.
+///
+/// The length of the direction is the weight. It is 1 for plain senses, and in m for a rotation that is added
+/// to lengths.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Row {
     pub turns: bool,
@@ -42,7 +44,7 @@ impl Row {
     const ZERO: Self = Self { turns: false, direction: Vector3::new(0.0, 0.0, 0.0) };
 }
 
-/// What the rows are measured in.
+/// Unit of the value of an operation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Unit {
@@ -57,7 +59,7 @@ pub enum Unit {
 impl Unit {
     pub const ALL: [Unit; 3] = [Unit::Length, Unit::Angle, Unit::Share];
 
-    /// The unit of files and reports.
+    /// Returns the name of the unit in files and reports.
     pub fn word(self) -> &'static str {
         match self {
             Unit::Length => "mm",
@@ -66,7 +68,7 @@ impl Unit {
         }
     }
 
-    /// A value in SI in the unit of files and reports.
+    /// Converts a value from SI to the unit of files and reports.
     pub fn from_si(self, value: f64) -> f64 {
         match self {
             Unit::Length => units::mm_from_m(value),
@@ -76,26 +78,26 @@ impl Unit {
     }
 }
 
-/// A sense: the size of the vector of its rows.
+/// Sense: the size of an error as the norm of its weighted rows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sense {
     pub name: String,
     pub frame: Frame,
-    /// The point whose error is meant, from the TCP in the tool frame, m.
+    /// Point whose error counts, from the TCP in the tool frame, m.
     pub point: Vector3<f64>,
     pub unit: Unit,
     rows: [Row; MAX_ROWS],
     count: usize,
 }
 
-/// The senses that need no definition, in world, surface or tool axes.
+/// Names of the built-in senses, which exist in world, surface and tool axes.
 pub const PLAIN: [&str; 9] = ["x", "y", "z", "xy", "xyz", "rx", "ry", "rz", "rotation"];
 
-/// The paper's senses, in which every node is reported.
+/// Names of the seed paper's senses, in which every node is reported.
 pub const PAPER: [&str; 5] = ["x", "y", "z", "xy", "xyz"];
 
 impl Sense {
-    /// A sense of up to [`MAX_ROWS`] rows; further ones are left out.
+    /// Returns a sense of at most [`MAX_ROWS`] rows; further ones are left out.
     pub fn new(name: &str, frame: Frame, point: Vector3<f64>, unit: Unit, given: &[Row]) -> Self {
         let mut rows = [Row::ZERO; MAX_ROWS];
         let count = given.len().min(MAX_ROWS);
@@ -103,7 +105,7 @@ impl Sense {
         Self { name: name.to_string(), frame, point, unit, rows, count }
     }
 
-    /// One of [`PLAIN`], in world axes, or in others by `xy@tool` and `xy@surface`.
+    /// Returns one of [`PLAIN`] by name, in world axes, or in other axes as in `xy@tool` and `xy@surface`.
     pub fn plain(name: &str) -> Option<Self> {
         let (word, frame) = match name.split_once('@') {
             Some((word, frame)) => (word, Frame::ALL.into_iter().find(|f| f.name() == frame)?),
@@ -116,7 +118,7 @@ impl Sense {
         Some(Self::new(name, frame, Vector3::zeros(), unit, &rows))
     }
 
-    /// The rows of one of [`PLAIN`].
+    /// Returns the rows of one of [`PLAIN`]; None for any other word.
     pub fn plain_rows(word: &str) -> Option<Vec<Row>> {
         let (turns, axes) = match word {
             "rotation" => (true, "xyz"),
@@ -132,7 +134,7 @@ impl Sense {
         Some(axes.chars().map(|c| Row { turns, direction: axis(c) }).collect())
     }
 
-    /// The paper's five senses.
+    /// Returns the five senses of the seed paper.
     pub fn paper() -> Vec<Self> {
         PAPER.iter().filter_map(|name| Self::plain(name)).collect()
     }
@@ -141,7 +143,7 @@ impl Sense {
         &self.rows[..self.count]
     }
 
-    /// Whether the position error of the TCP in world axes is all it needs.
+    /// Returns whether the sense needs only the position error of the TCP in world axes.
     pub fn is_of_position(&self) -> bool {
         self.frame == Frame::World && self.point == Vector3::zeros() && self.rows().iter().all(|r| !r.turns)
     }

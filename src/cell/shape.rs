@@ -1,12 +1,12 @@
-//! Solids: what they look like and how far they extend, m.
+//! Shapes of solids, and their bounding boxes, m.
 
 use crate::pose::Pose;
 use nalgebra::Vector3;
 
-/// The shapes a solid can have, in the frame of the link or equipment that carries it, m.
+/// Shape of a solid, in the frame of the link or equipment that carries it, m.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Shape {
-    /// `size`: full edge lengths; `pose`: its centre.
+    /// Box with full edge lengths `size` and its centre at `pose`.
     Box {
         pose: Pose,
         size: Vector3<f64>,
@@ -27,8 +27,9 @@ pub enum Shape {
         b: Vector3<f64>,
         radius: f64,
     },
-    /// Upright rectangular leg: from the floor up to `top`, so that its length follows the height
-    /// at which the equipment is placed.
+    /// Upright rectangular leg from the floor up to `top`.
+    ///
+    /// The length of the leg depends on the height at which the equipment is placed.
     Leg {
         x: f64,
         y: f64,
@@ -45,8 +46,9 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// Returns the shape seen from the frame in which its own is at `pose`. A leg stands on the floor and
-    /// stays.
+    /// Returns the shape in another frame, given the pose of its present frame in that one.
+    ///
+    /// A leg stays unchanged, since it stands on the floor.
     pub fn seen_from(self, pose: &Pose) -> Self {
         let at = |p: Vector3<f64>| pose.transform(&p);
         match self {
@@ -68,18 +70,19 @@ pub struct Solid {
     pub shape: Shape,
 }
 
-/// A rectangle in plan: centre and full size in the frame of its owner, m.
+/// Rectangle in plan: centre and full size, m, in the frame of the object that it belongs to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rectangle {
     pub centre: (f64, f64),
     pub size: (f64, f64),
 }
 
-/// Low and high corner.
+/// Low and high corner of an axis-aligned box.
 pub type Extent = (Vector3<f64>, Vector3<f64>);
 
-/// Extent of a shape in the frame of its carrier: low and high corner, m. A leg has no bottom of
-/// its own: its low z is its top.
+/// Returns the bounding box of a shape in the frame of its carrier, m.
+///
+/// The box of a leg is flat, at the height of its top, because its lower end depends on the placement.
 pub fn extent(shape: &Shape) -> Extent {
     match shape {
         Shape::Box { pose, size } => {
@@ -105,7 +108,7 @@ pub fn extent(shape: &Shape) -> Extent {
     }
 }
 
-/// Extent of several shapes together, None if there are none.
+/// Returns the common bounding box of several shapes; None if there are none.
 pub fn extent_of<'s>(shapes: impl IntoIterator<Item = &'s Shape>) -> Option<Extent> {
     shapes.into_iter().map(extent).reduce(|(a, b), (c, d)| (a.inf(&c), b.sup(&d)))
 }
