@@ -4,10 +4,10 @@ use super::posture_context::PostureContext;
 use crate::cell::{Parameter, Reading, Unit};
 use crate::reading::{Budget, ErrorEvaluator, EvaluatorScratch, PostureErrors, WorstCase};
 
-/// Number of parameters whose tolerance is halved on trial.
+/// Number of parameters whose tolerance is halved as a trial.
 const TIGHTENED: usize = 3;
 
-/// Figure that results from half the tolerance of some parameters.
+/// Figure that results if the tolerances of some parameters are halved.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tighter {
     pub parameters: Vec<Parameter>,
@@ -23,7 +23,8 @@ pub struct Account<'a> {
     pub worst: WorstCase,
     /// Figure that tightening reduces: the worst case, or the statistical quantity.
     pub figure: f64,
-    /// First parameters of the budget, each halved alone; then all of them at once.
+    /// Trials that halve one tolerance each, for the first parameters of the budget, and one that halves them
+    /// all.
     pub tighter: Vec<Tighter>,
 }
 

@@ -7,7 +7,7 @@ use crate::kinematic_error::NEGLIGIBLE;
 use crate::layout::Workcell;
 use crate::reading::{Figures, MonteCarlo, monte_carlo};
 
-/// Distribution of the error's size in the operation's sense at its spot, m or rad.
+/// Distribution of the error's size at the spot of an operation, in the operation's sense, m or rad.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ErrorDistribution {
     pub operation: usize,
@@ -25,7 +25,7 @@ impl ErrorDistribution {
     /// Samples the error at the spot of an operation.
     ///
     /// # Errors
-    /// Why there is nothing to sample.
+    /// Returns the reason if the operation has no spot, or if its error has no distribution.
     pub fn at_spot(a: &Assessment<'_>, operation: usize) -> Result<Self, String> {
         let cell = a.cell;
         let (_, posture) = a.spot(operation).ok_or("the operation has no usable node")?;
@@ -45,7 +45,7 @@ impl ErrorDistribution {
     }
 }
 
-/// Returns the cell in another model and reading, and the figures of a posture in it.
+/// Returns the workcell under another model and reading, and the figures of a posture under them.
 fn judged(
     a: &Assessment<'_>,
     operation: usize,

@@ -34,7 +34,7 @@ pub struct EnvelopeQuery<'a> {
     pub yaw: f64,
     /// Heights of the horizontal sections, m; empty for the height of the greatest reach.
     pub heights: Vec<f64>,
-    /// Distance of sampled points, m; None for [`step_of`] the arm.
+    /// Distance between sampled points, m; None for the step that [`step_of`] returns.
     pub step: Option<f64>,
 }
 
@@ -79,7 +79,9 @@ impl<'a> Reachable<'a> {
     }
 }
 
-/// Returns the frames of the arm in the plane of the section near its greatest reach; empty if out of reach.
+/// Returns the origins of the arm's frames near its greatest reach, in the plane of the section.
+///
+/// They are empty if the arm reaches none of the points tried.
 fn drawn_arm(envelope: &Envelope<'_>, inverse: &Inverse, size: &Size, azimuth: f64) -> Vec<Vector3<f64>> {
     let Some(extent) = &size.extent else { return Vec::new() };
     let far = [0.9, 0.8, 0.7, 0.6].map(|share| {
@@ -109,7 +111,7 @@ pub fn step_of(robot: &Robot, inverse: &Inverse) -> f64 {
     steps.into_iter().find(|step| *step >= wanted).unwrap_or(wanted)
 }
 
-/// Returns the tolerance of a boundary, m: 0.1 mm for arms with a cheap inverse kinematics.
+/// Returns the tolerance of a boundary, m: 0.1 mm, or a share of `step` for an expensive inverse kinematics.
 pub fn tolerance_of(inverse: &Inverse, step: f64) -> f64 {
     match inverse.cost() {
         Cost::Low | Cost::Middle => m_from_mm(0.1),
@@ -130,7 +132,8 @@ pub struct RobotDataSheet<'a> {
 }
 
 impl<'a> RobotDataSheet<'a> {
-    /// Computes the data sheet for the elevation that the arm keeps, or with the tool pointing down.
+    /// Computes the data sheet for the elevation that is fixed by the arm's build, or else with the tool
+    /// pointing down.
     pub fn new(robot: &'a Robot, progress: &(dyn Fn(u64, u64) + Sync)) -> Self {
         let chain = Chain::new(robot);
         let inverse = Inverse::new(&chain);

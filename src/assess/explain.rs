@@ -32,7 +32,7 @@ pub struct ParameterEffect {
     pub value: f64,
     /// Effect of a unit of the parameter on the robot alone.
     pub alone: Displacement,
-    /// Effect of a unit that registration and pick leave.
+    /// Effect of a unit of the parameter that registration and pick do not remove.
     pub left: Displacement,
 }
 
@@ -42,7 +42,10 @@ impl ParameterEffect {
         self.left * self.value
     }
 
-    /// Returns the sum of the effects of its motions on the robot or on the work.
+    /// Returns the sum of the effects of a parameter's motions on the TCP.
+    ///
+    /// Motions of the equipment worked on count with the opposite sign, since the TCP is seen from the work.
+    /// Other equipment has no effect.
     fn alone(parameter: Parameter, own: usize, motions: &[ParameterMotion]) -> Displacement {
         let sum = motions.iter().fold(Displacement::NONE, |sum, motion| sum + motion.effect());
         match parameter {
@@ -54,7 +57,7 @@ impl ParameterEffect {
     }
 }
 
-/// Row of the sense and the error in it, m or rad.
+/// Row of a sense, and the error in that row, m or rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SenseRow {
     pub turns: bool,
@@ -70,7 +73,7 @@ pub struct Explanation<'a> {
     pub lines: Vec<ParameterEffect>,
     pub judged: PostureErrors,
     pub worst: WorstCase,
-    /// Nonlinear error of the robot alone, before registration and pick remove any.
+    /// Nonlinear error of the robot alone, before registration and pick remove a part of it.
     pub robot: Displacement,
     pub sense: Vec<SenseRow>,
     /// Deviation of the linear model from the nonlinear one, as a share.
@@ -168,7 +171,7 @@ fn dh_rows(stance: &PostureContext<'_>) -> Vec<DhRow> {
     rows.collect()
 }
 
-/// The rows of the operation's sense, base frame.
+/// Returns the rows of the operation's sense, base frame.
 fn sense_rows(stance: &PostureContext<'_>, error: &Displacement) -> Vec<SenseRow> {
     let PostureContext { gauge, situation, frames, .. } = stance;
     let axes: &Matrix3<f64> = match gauge.sense.frame {

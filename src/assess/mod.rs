@@ -1,8 +1,8 @@
 //! Assessment of layouts, alone and side by side.
 //!
-//! An [`Assessment`] is the full evaluation of one layout. A [`Comparison`] holds several that answer the
-//! same question. [`Account`] (the error budget), [`Explanation`] and [`ErrorDistribution`] concern one
-//! posture, [`Readings`] one layout in every reading.
+//! An [`Assessment`] is the full evaluation of one layout. A [`Comparison`] holds several with the same
+//! operations, readings and objective. [`Account`] (the error budget), [`Explanation`] and
+//! [`ErrorDistribution`] concern one posture. [`Readings`] concern one layout in every reading.
 
 mod budget;
 mod distribution;
@@ -39,7 +39,7 @@ pub struct Assessment<'a> {
     pub layout: Layout,
     pub evaluation: Evaluation,
     pub maps: Vec<OperationMap>,
-    /// Spot of every operation refined between the nodes, where the place is free.
+    /// Spots refined between the nodes, one per operation; None for an operation without a spot or without a choice.
     pub refined: Vec<Option<Refined>>,
     /// Effect of misplacement on every operation; empty unless [`Self::misplaced`] was called.
     pub robustness: Vec<Option<Robustness>>,
@@ -80,7 +80,7 @@ impl<'a> Assessment<'a> {
 
     /// Returns whether the layout stays feasible and within its limits for all placements in tolerance.
     ///
-    /// It needs [`Self::misplaced`] before.
+    /// Call [`Self::misplaced`] first.
     pub fn is_robust(&self) -> bool {
         let holds = |r: &Option<Robustness>| r.as_ref().is_some_and(Robustness::holds);
         self.evaluation.objective.is_some() && self.robustness.iter().all(holds)
@@ -136,7 +136,7 @@ impl<'a> Assessment<'a> {
         self.evaluation.objective.map(|o| self.cell.unit().from_si(o))
     }
 
-    /// Returns the objective in mm; None if it is no length.
+    /// Returns the objective in mm; None if it is not a length.
     pub fn objective_mm(&self) -> Option<f64> {
         self.objective().filter(|_| self.cell.unit() == Unit::Length)
     }
@@ -210,7 +210,7 @@ fn sampled(workcell: &Workcell, layout: &Layout, maps: &[OperationMap], k: usize
     Some(monte_carlo(gauge, &situation, &frames, SAMPLES, workcell.cell.search.seed, p95))
 }
 
-/// Layouts that answer the same question.
+/// Layouts with the same operations, reading, registration and objective, side by side.
 pub struct Comparison<'a> {
     pub columns: Vec<Assessment<'a>>,
 }
@@ -219,7 +219,7 @@ impl<'a> Comparison<'a> {
     /// Returns a comparison of layouts; the first one is the reference.
     ///
     /// # Errors
-    /// Why the layouts cannot be compared.
+    /// Returns the reason if the layouts cannot be compared.
     pub fn new(columns: Vec<Assessment<'a>>) -> Result<Self, String> {
         if let [first, others @ ..] = &columns[..] {
             for other in others {

@@ -28,7 +28,7 @@ impl NodePair {
     }
 }
 
-/// An operation in two layouts.
+/// Comparison of one operation in two layouts, node by node.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OperationDifference {
     pub operation: usize,
@@ -61,7 +61,7 @@ impl Comparison<'_> {
     /// Compares every operation of a column with the first column, node by node.
     ///
     /// # Errors
-    /// Why the nodes are not at the same places of the surface.
+    /// Returns a message if the nodes are at other places of the surface.
     pub fn differences(&self, column: usize) -> Result<Vec<OperationDifference>, String> {
         let (first, other) = (&self.columns[0], &self.columns[column]);
         let maps = first.maps.iter().zip(&other.maps).enumerate();

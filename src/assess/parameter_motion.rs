@@ -1,4 +1,4 @@
-//! Small motions that the error of a parameter makes: rotations about, or translations along, an axis.
+//! Small motions that a parameter error causes: rotations about, or translations along, an axis.
 
 use crate::cell::{JointKind, Parameter};
 use crate::pose::{Displacement, Pose};
@@ -46,7 +46,7 @@ impl ParameterMotion {
 
 /// Returns the motions that a unit of a parameter makes at a posture.
 ///
-/// A parameter of the equipment moves its frame at `work`.
+/// A parameter of the equipment moves the frame `work`.
 pub fn motions(chain: &Chain, frames: &Frames, work: &Pose, parameter: Parameter) -> Vec<ParameterMotion> {
     let one = |place: MotionFrame, axis: usize, turns: bool, factor: f64| {
         let frame = match place {

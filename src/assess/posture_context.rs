@@ -1,4 +1,4 @@
-//! One posture of one operation with everything its errors depend on, for `budget` and `explain`.
+//! Context of one posture of one operation: everything that its errors depend on, for `budget` and `explain`.
 
 use crate::cell::{Cell, JointVector, Layout, Placement, Registration};
 
@@ -46,7 +46,7 @@ impl<'a> PostureContext<'a> {
     /// Returns the posture at a node of the map of an operation.
     ///
     /// # Errors
-    /// Why the node has no posture.
+    /// Returns the reason if the node has no posture.
     pub fn at(
         workcell: &'a Workcell,
         layout: &Layout,
@@ -91,11 +91,11 @@ impl<'a> PostureContext<'a> {
 
     /// Returns the posture at joint coordinates in the layout of the file.
     ///
-    /// `workcell` may be the reason why there is none. Without inverse kinematics, taught frames and picks
-    /// are unknown.
+    /// `workcell` is the reason as text if the workcell cannot be prepared. Only a taught frame or a pick
+    /// needs the workcell, because they depend on the inverse kinematics.
     ///
     /// # Errors
-    /// What the errors depend on and is unknown.
+    /// Returns the reason if a taught frame or a pick is unknown.
     pub fn of_joints(
         cell: &'a Cell,
         workcell: Result<&Workcell, &str>,
@@ -122,7 +122,8 @@ impl<'a> PostureContext<'a> {
     }
 }
 
-/// Returns the context of an operation's errors that follows from other postures.
+/// Returns the context of the errors of an operation with a taught frame or a pick, from the postures of
+/// other points.
 fn situation_elsewhere(
     cell: &Cell,
     workcell: Result<&Workcell, &str>,

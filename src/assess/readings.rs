@@ -1,5 +1,6 @@
-//! The layout of the file under every reading and registration: the spot that each would choose, and the
-//! regret of choosing by the signed sample.
+//! Comparison of readings: the layout of the file under every reading and registration.
+//!
+//! It gives the spot that each of them would choose, and the regret if the signed sample chooses instead.
 
 use super::posture_context::no_spot;
 use crate::cell::{About, Cell, Interpretation, Quantity, Reading, Registration, Unit};
@@ -30,7 +31,7 @@ pub struct ReadingRow {
     pub choice: Result<ReadingChoice, String>,
     /// Value of the posture that the signed reading chooses under this registration.
     pub at_signed: Option<f64>,
-    /// Value of the posture that this reading chooses without registration.
+    /// Value of the posture that this reading would choose without registration.
     pub at_unregistered: Option<f64>,
     pub unit: Unit,
 }
@@ -68,7 +69,7 @@ impl<'a> Readings<'a> {
     /// Computes the results of a cell.
     ///
     /// # Errors
-    /// Why the robot cannot be used.
+    /// Returns the reason if the robot cannot be used.
     pub fn new(cell: &'a Cell) -> Result<Self, String> {
         let own = Workcell::new(cell.clone())?;
         let mut operations = vec![Vec::new(); cell.operations.len()];
@@ -123,7 +124,7 @@ impl<'a> Readings<'a> {
 /// Maps of all operations.
 type Maps = Vec<OperationMap>;
 
-/// Returns every reading in which a cell has an answer under a registration, the signed one first.
+/// Returns every reading that suits a cell under a registration, the signed one first.
 fn answerable(cell: &Cell, registration: Registration) -> Vec<Interpretation> {
     let kinds = [
         (Reading::Signed, cell.quantity),
