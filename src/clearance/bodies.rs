@@ -22,7 +22,8 @@ pub(super) struct CollisionBody {
     pub(super) pieces: Vec<SharedShape>,
     /// Solid before it was rounded, and the radius (m) of the rounding.
     ///
-    /// For a rounded solid and a ball parry3d errs by up to 4e-5 m; swelling the ball instead is exact.
+    /// A check against a ball uses this solid and enlarges the ball by the radius, which is exact. On the
+    /// rounded solid parry3d errs by up to 4e-5 m.
     pub(super) unswollen: Option<(SharedShape, f64)>,
     /// Bounding box in the frame of the shape.
     pub(super) bounds: Aabb,
@@ -33,7 +34,8 @@ pub(super) struct CollisionBody {
 }
 
 impl CollisionBody {
-    /// Returns the body in the carrier frame, given the pose `mount` of its file's frame in that one.
+    /// Returns the body in the carrier frame, given the pose `mount` of the frame of its file in the carrier
+    /// frame.
     pub(super) fn mounted(self, mount: &Pose) -> Self {
         let local = *mount * self.local;
         Self { is_at_origin: local == Pose::identity(), local, ..self }
@@ -73,12 +75,12 @@ pub(super) fn touching(a: &CollisionBody, relative: &pm::Pose, b: &CollisionBody
 
 /// Asks parry3d whether two shapes intersect.
 ///
-/// It supports every pair of the shapes built here. A collision would be the safe answer otherwise.
+/// It supports every pair of the shapes built here. For any other pair the answer would be a collision.
 pub(super) fn intersecting(a: &dyn ParryShape, b_in_a: &pm::Pose, b: &dyn ParryShape) -> bool {
     DefaultQueryDispatcher.intersection_test(b_in_a, a, b).map_or(true, |answer| answer.intersecting)
 }
 
-/// One solid of an equipment: fixed in shape, or a leg whose length follows from the placement.
+/// Solid of a piece of equipment: fixed in shape, or a leg whose length follows from the placement.
 pub(super) enum EquipmentSolid {
     Convex(CollisionBody),
     Mesh { body: CollisionBody, closed: bool },
@@ -115,7 +117,7 @@ fn swollen(shape: &Shape, by: f64) -> CollisionBody {
     }
 }
 
-/// Returns the body of a shape as it is. Legs do not come here: their length follows from the placement.
+/// Returns the body of a shape as it is. It must not be a leg, whose length follows from the placement.
 pub(super) fn body(shape: &Shape) -> CollisionBody {
     match shape {
         Shape::Box { pose, size } => {
@@ -134,7 +136,7 @@ pub(super) fn body(shape: &Shape) -> CollisionBody {
     }
 }
 
-/// Returns one solid of an equipment.
+/// Returns one solid of a piece of equipment.
 pub(super) fn part(shape: &Shape) -> EquipmentSolid {
     match shape {
         Shape::Leg { x, y, size, top } => {

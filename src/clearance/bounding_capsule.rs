@@ -26,7 +26,7 @@ pub(super) enum ContactVerdict {
     Unclear,
 }
 
-/// All points within `radius` of the segment from `a` to `b`, m: a solid itself, or the bound of one.
+/// All points within `radius` of the segment from `a` to `b`, m. The capsule is a solid or contains one.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct BoundingCapsule {
     pub(super) a: Vector3<f64>,
@@ -36,7 +36,7 @@ pub(super) struct BoundingCapsule {
     pub(super) is_solid: bool,
 }
 
-/// Box along the axes of its frame, m: a solid itself, or the bound of one.
+/// Box along the axes of its frame, m. The box is a solid or contains one.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct BoundingBox {
     pub(super) centre: Vector3<f64>,
@@ -47,7 +47,7 @@ pub(super) struct BoundingBox {
 }
 
 impl BoundingCapsule {
-    /// Returns the bounding capsule of a shape swollen by `slack` (m), with its file's frame at `mount`.
+    /// Returns the bounding capsule of a shape swollen by `slack` (m), with the frame of its file at `mount`.
     pub(super) fn new(shape: &Shape, mount: &Pose, slack: f64) -> Self {
         let new = |a: &Vector3<f64>, b: &Vector3<f64>, radius: f64, is_solid| {
             let (a, b) = (mount.transform(a), mount.transform(b));
@@ -85,7 +85,8 @@ impl BoundingCapsule {
 
     /// Returns the verdict for a squared distance (m2) of the segment from another solid.
     ///
-    /// `both_solid` says that capsule and partner are the solids themselves, so that nearness is contact.
+    /// `both_solid` says that capsule and partner are the solids themselves. Only then does a small distance
+    /// mean contact.
     fn verdict(&self, squared: f64, both_solid: bool) -> ContactVerdict {
         if squared > (self.radius + UNSURE).powi(2) {
             ContactVerdict::Apart
@@ -141,7 +142,7 @@ pub(super) fn overlapping(a: (&Vector3<f64>, &Vector3<f64>), b: (&Vector3<f64>, 
     (0..3).all(|i| a.0[i] <= b.1[i] && b.0[i] <= a.1[i])
 }
 
-/// Returns the squared distance of the segments ab and cd, m2.
+/// Returns the squared distance between the segments ab and cd, m2.
 ///
 /// It takes the nearest points of the two lines and clamps them to the segments in turn (C. Ericson,
 /// Real-Time Collision Detection, 2005, section 5.1.9).
@@ -168,10 +169,10 @@ fn point_to_segment_squared(p: &Vector3<f64>, a: &Vector3<f64>, b: &Vector3<f64>
     (from - along * t).norm_squared()
 }
 
-/// Returns the squared distance of the segment from `a` along `along` and the box |x| <= `half`, m2.
+/// Returns the squared distance between the segment from `a` along `along` and the box |x| <= `half`, m2.
 ///
-/// As a function of the parameter t on the segment it is convex, and quadratic between the six planes of
-/// the box. So the planes bracket the zero of its slope, which is linear in between.
+/// The squared distance is convex in the parameter t on the segment, and quadratic between the six planes of
+/// the box. Its slope is therefore linear between the planes, which bracket the zero of the slope.
 fn segment_to_box_squared(a: &Vector3<f64>, along: &Vector3<f64>, half: &Vector3<f64>) -> f64 {
     let outside = |t: f64| {
         let x = a + along * t;
@@ -198,7 +199,7 @@ fn segment_to_box_squared(a: &Vector3<f64>, along: &Vector3<f64>, half: &Vector3
     outside(low.0 - low.1 * (high.0 - low.0) / (high.1 - low.1)).norm_squared()
 }
 
-/// Returns the squared distance of the segment ab and a triangle, m2; 0 if the segment pierces it.
+/// Returns the squared distance between the segment ab and a triangle, m2; 0 if the segment pierces it.
 fn segment_to_triangle_squared(a: &Vector3<f64>, b: &Vector3<f64>, corners: &[Vector3<f64>; 3]) -> f64 {
     let [p, q, r] = corners;
     let edges = [(p, q), (q, r), (r, p)];

@@ -1,9 +1,9 @@
 //! Convex decomposition of link meshes into parts that contain them.
 //!
-//! Every triangle belongs to one part, and a part is the convex hull of its triangles. So the parts
-//! contain the whole surface, whatever the division. A part that bridges a hollow collides where the
-//! mesh would not: the decomposition is conservative. A division from a cache is therefore safe if it
-//! names one part for each triangle.
+//! Every triangle belongs to one part, and a part is the convex hull of its triangles. So the parts contain
+//! the whole surface, however the mesh is divided. A part that bridges a hollow collides where the mesh would
+//! not: the decomposition is conservative. A division from a cache is therefore safe if it names one part for
+//! each triangle.
 
 use nalgebra::Vector3;
 use parry3d::math as pm;
@@ -73,11 +73,13 @@ pub(super) fn hulls(
     (0..MAX_PARTS).map(points).filter(|p| !p.is_empty()).map(|p| hull(&p)).collect()
 }
 
-/// Returns a closed mesh as one convex solid if it is convex: exact, solid and much faster than triangles.
+/// Returns a closed mesh as one convex solid, or None if it is not convex.
+///
+/// The solid is exact, and checks of it are much faster than checks of its triangles.
 pub(super) fn convex(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Option<SharedShape> {
     /// Number of vertices above which support points cost more than checks of the triangles.
     const MAX_VERTICES: usize = 200;
-    /// Share of the volume by which a mesh may differ from its hull: rounding of a file.
+    /// Share of the volume by which a mesh may differ from its hull: rounding of coordinates in a file.
     const ROUNDING: f64 = 1e-9;
     if vertices.len() > MAX_VERTICES {
         return None;
@@ -90,7 +92,9 @@ pub(super) fn convex(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Optio
     same.then(|| SharedShape::new(solid))
 }
 
-/// Returns the part of every triangle. The part with the most to gain is cut at the best of nine planes.
+/// Returns the part of every triangle.
+///
+/// The part whose cut removes the most volume is cut at the best of nine planes.
 fn division(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Vec<u8> {
     let centre = |t: u32| triangles[t as usize].iter().map(|&i| vertices[i as usize]).sum::<Vector3<f64>>();
     let volume = |part: &[u32]| {
@@ -132,7 +136,7 @@ fn division(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Vec<u8> {
     part_of
 }
 
-/// Everything that a division depends on.
+/// Returns the cache key: everything that a division depends on.
 fn key(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Vec<u8> {
     let mut key = b"sweetspot division 1\n".to_vec();
     key.extend(vertices.iter().flat_map(|v| [v.x, v.y, v.z]).flat_map(f64::to_le_bytes));

@@ -1,9 +1,9 @@
 //! Distance queries: how far the robot is from what it must not touch.
 //!
-//! parry3d's distances of rounded shapes are off by up to 1.2e-5 m. So rounded solids are asked as the
-//! solids before rounding, capsules as their segments, and the radius is subtracted. parry3d gives a
-//! direction between the nearest points of two convex solids. The answer is the width of the slab across
-//! that direction that both solids leave free. It never exceeds the true distance.
+//! parry3d's distances of rounded shapes are off by up to 1.2e-5 m. So distances are measured from the solids
+//! before rounding and from the segments of capsules, and the radius is subtracted. parry3d gives a direction
+//! between the nearest points of two convex solids. The distance returned is the width of the free slab
+//! between the solids across that direction. It never exceeds the true distance.
 
 use super::bodies::{CollisionBody, EquipmentSolid, parry_pose, vector};
 use super::contact::Hit;
@@ -20,10 +20,10 @@ use parry3d::shape::{Cuboid, Shape, SharedShape};
 /// Largest amount, m, by which a computed distance may exceed the true one.
 pub const ACCURACY: f64 = 1e-6;
 
-/// Distance from a mesh, m, above which its bounding box is asked instead of its triangles.
+/// Distance from a mesh, m, above which its bounding box is checked instead of its triangles.
 const BOUNDS_ONLY_DISTANCE: f64 = 0.1;
 
-/// Distance of the robot from anything else, and the pair of solids that it lies between.
+/// Distance of the robot from anything else, with the nearest pair of solids.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Nearness {
     /// Distance, m: 0 at contact, at most the maximum of the query.
@@ -35,9 +35,9 @@ pub struct Nearness {
 impl Scene {
     /// Returns the least distance of the robot from equipment, floor and fence, at most `max` (m).
     ///
-    /// The link frames (robot base) are at `frames`, and `operation` selects the held parts. The solids
-    /// count as drawn, without the clearance. The robot is not checked against itself. The function
-    /// belongs to the public interface; the program itself asks [`Self::distance_at_work`].
+    /// The link frames (robot base) are at `frames`, and `operation` selects the held parts. The solids count
+    /// as drawn, without the clearance. The robot is not checked against itself. The function belongs to the
+    /// public interface; the program itself calls [`Self::distance_at_work`].
     pub fn distance(
         &self,
         placed: &PlacedSolids,
@@ -48,10 +48,12 @@ impl Scene {
         self.nearest(placed, frames, self.outer_pairs(placed, Load::of(operation)), max)
     }
 
-    /// Returns the least distance while an operation is done, without the pairs that say nothing of a layout.
+    /// Returns the least distance while an operation is done, without pairs that tell nothing about the layout.
     ///
-    /// Left out: solids behind the last joint against the equipment worked on, whose distance the
-    /// standoff sets; and solids that only the first joint moves against the floor.
+    /// Two kinds of pairs are left out:
+    ///
+    /// - solids behind the last joint with the equipment worked on, whose distance the standoff sets;
+    /// - solids that only the first joint moves with the floor.
     pub fn distance_at_work(
         &self,
         placed: &PlacedSolids,
@@ -114,7 +116,7 @@ impl Scene {
         matches!(self.equipment[body.id.0].parts[body.id.1], EquipmentSolid::Mesh { .. })
     }
 
-    /// Returns the distance of a pair, at most `max` (m).
+    /// Returns the distance between the solids of a pair, at most `max` (m).
     fn gap(&self, placed: &PlacedSolids, frames: &LinkFrames, pair: Pair, max: f64) -> f64 {
         let link = &self.links[pair.link];
         match pair.against {
@@ -166,7 +168,7 @@ fn bounds_of(body: &PlacedSolid) -> Aabb {
     Aabb::from_half_extents(vector(&body.bounds.centre), vector(&body.bounds.half))
 }
 
-/// Returns the distance of two solids of the robot, at most `max` (m).
+/// Returns the distance between two solids of the robot, at most `max` (m).
 fn gap_of_links(link: &RobotSolid, other: &RobotSolid, frames: &LinkFrames, max: f64) -> f64 {
     let (frame, there) = (link.carrier(frames), other.carrier(frames));
     if link.swallows(frame, other, there) || other.swallows(there, link, frame) {
@@ -185,12 +187,13 @@ fn gap_of_links(link: &RobotSolid, other: &RobotSolid, frames: &LinkFrames, max:
     gap
 }
 
-/// Returns whether the bounding box of a body, at `relative` in the frame of `bounds`, is within `by` of it.
+/// Returns whether the bounding box of a body, at `relative` in the frame of `bounds`, is within the distance
+/// `by`.
 fn near(body: &CollisionBody, relative: &pm::Pose, bounds: &Aabb, by: f64) -> bool {
     body.bounds_in(relative).loosened(by).intersects(bounds)
 }
 
-/// Shape before it was rounded, and the radius (m) that it was rounded by.
+/// Shape before it was rounded, and the radius (m) of the rounding.
 type Core<'b> = (&'b dyn Shape, f64);
 
 fn core(body: &CollisionBody) -> Core<'_> {
@@ -211,7 +214,7 @@ fn gap_to_mesh(mesh: &dyn Shape, relative: &pm::Pose, body: &CollisionBody, max:
     pieces.iter().fold(max, |gap, shape| piece(shape, gap))
 }
 
-/// Returns the distance of two solids, at most `max` (m), with `b` at `relative` in the frame of `a`.
+/// Returns the distance between two solids, at most `max` (m), with `b` at `relative` in the frame of `a`.
 fn gap_of_cores((a, ra): Core<'_>, relative: &pm::Pose, (b, rb): Core<'_>, max: f64) -> f64 {
     let round = ra + rb;
     let found = DefaultQueryDispatcher.closest_points(relative, a, b, max + round);

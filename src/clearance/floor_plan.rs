@@ -44,7 +44,8 @@ pub struct Separation {
 const TOUCHING: f64 = 1e-9;
 
 impl Overlap {
-    /// Returns whether an equipment takes part. A robot base outside the fence concerns every equipment.
+    /// Returns whether the overlap involves a piece of equipment. A robot base outside the fence involves all
+    /// of it.
     pub fn concerns(&self, equipment: usize) -> bool {
         let parties = [self.a, self.b];
         parties.contains(&Party::Equipment(equipment)) || parties == [Party::RobotBase, Party::Fence]
@@ -93,9 +94,10 @@ impl FencePolygon {
         }
     }
 
-    /// Returns how far a floor space passes the fence, m; 0 if it is inside by the clearance.
+    /// Returns how far a floor space reaches beyond the fence, m; 0 if it is inside by the clearance.
     ///
-    /// It is the distance of the farthest corner outside, or the depth of an edge inside the floor space.
+    /// It is the largest of the distances of corners outside, and of the depths of fence edges inside the
+    /// floor space.
     fn passed_by(&self, stand: &PlacedRectangle, clearance: f64) -> f64 {
         let outside = stand.corners().map(|corner| match fence::locate(&self.corners, corner) {
             (true, _) => 0.0,
@@ -105,7 +107,8 @@ impl FencePolygon {
         outside.into_iter().chain(edges).fold(0.0, f64::max)
     }
 
-    /// Returns, for each edge of a convex fence, the inward direction and the missing distance (m).
+    /// Returns, for each edge of a convex fence, the inward direction and the move (m) that brings the floor
+    /// space inside.
     fn separations(&self, stand: &PlacedRectangle, clearance: f64) -> impl Iterator<Item = AxisDepth> {
         let edges = if self.is_convex { &self.edges[..] } else { &[] };
         edges.iter().map(move |edge| {
@@ -117,7 +120,7 @@ impl FencePolygon {
     }
 }
 
-/// Floor space and heights of one equipment.
+/// Floor space and heights of one piece of equipment.
 pub(super) struct EquipmentFootprint {
     footprint: Rectangle,
     role: Role,
@@ -193,7 +196,7 @@ impl FloorPlan {
         self.on[equipment].is_some_and(|under| under == other || self.rides(under, other))
     }
 
-    /// Returns the separation of every pair of floor spaces of which the layout may move one.
+    /// Returns the separation of every pair of floor spaces that includes equipment which may move.
     pub fn separations(&self, layout: &Layout) -> Vec<Separation> {
         let mut pairs = Vec::new();
         let all = || self.equipment.iter().zip(&layout.placements).enumerate();

@@ -73,7 +73,7 @@ fn overlap_along(u: PlanePoint, a: &PlacedRectangle, b: &PlacedRectangle, cleara
 
 /// Returns the direction from `b` to `a` of the least overlap; a negative depth is a distance.
 ///
-/// At corners this asks for a little more than the clearance, never for less.
+/// At corners the separation is a little larger than the clearance requires, never smaller.
 pub(super) fn least_overlap(a: &PlacedRectangle, b: &PlacedRectangle, clearance: f64) -> AxisDepth {
     let shallower = |best: AxisDepth, next: AxisDepth| if next.depth < best.depth { next } else { best };
     let all = axes(a, b).into_iter().map(|u| overlap_along(u, a, b, clearance));

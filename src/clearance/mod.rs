@@ -1,4 +1,4 @@
-//! Collision checking: posed solids against posed solids. The only user of parry3d.
+//! Collision checking of posed solids against posed solids. No other module uses parry3d.
 //!
 //! - Broad phase: axis-aligned bounding boxes (`placed_solids`) and bounding capsules of the links
 //!   (`bounding_capsule`).
@@ -7,9 +7,9 @@
 //! - Distances and bounding spheres serve continuous collision checking in [`crate::motion`].
 //!
 //! parry3d runs in f64 here, so that no margin for single precision is needed. A clearance is kept by
-//! swelling the robot's solids once, when the cell is loaded. A ball swept over a convex solid is exact
-//! for capsules, spheres, rounded boxes and rounded cylinders. So every check is a plain intersection
-//! test. Touching counts as collision, but floor spaces side by side may touch.
+//! swelling the robot's solids once, when the cell is loaded. The swollen solids are exact for capsules,
+//! spheres, boxes and cylinders, since parry3d has rounded shapes for them. So every check is a plain
+//! intersection test. Touching counts as collision, but floor spaces side by side may touch.
 //!
 //! Equipment meshes are checked triangle by triangle, so that the verdict is exact; a convex mesh becomes
 //! a solid polyhedron. Link meshes, which move, are checked as convex parts that contain them. The robot

@@ -37,7 +37,7 @@ impl Load {
         Self { held: [operation.map(|o| (o, true)), None] }
     }
 
-    /// Returns the load on the way between two operations: the parts of either of them.
+    /// Returns the load on the way between two operations: the parts held at either of them.
     ///
     /// Each operation comes with a flag that says whether its part still rests on the surface.
     pub fn between(from: (usize, bool), to: (usize, bool)) -> Self {

@@ -1,4 +1,4 @@
-//! The solids that stand in the cell under one layout, and the poses of the robot's links among them.
+//! Solids of the cell posed under one layout, and the poses of the robot's links.
 
 use super::bodies::{EquipmentSolid, plain};
 use super::bounding_capsule::{BoundingBox, BoundingCapsule, UNSURE};
@@ -23,14 +23,14 @@ pub struct PlacedSolids {
 /// It changes no verdict, so one memory serves any layout.
 #[derive(Default)]
 pub struct ContactMemory {
-    /// Link and placed solid of the last contact, asked first because the next posture most likely has it
-    /// too.
+    /// Link and placed solid of the last contact. They are checked first, since the next posture most likely
+    /// collides there too.
     pub(super) suspect: Option<(usize, usize)>,
     /// Bounding capsules of the links in the last posture, world frame.
     pub(super) capsules: Vec<BoundingCapsule>,
 }
 
-/// One solid of an equipment, or one wall of the fence, posed for a layout.
+/// Solid of a piece of equipment, or wall of the fence, posed for a layout.
 #[derive(Clone, Copy)]
 pub(super) struct PlacedSolid {
     /// Indices of the equipment and of its solid.
@@ -43,7 +43,7 @@ pub(super) struct PlacedSolid {
     pub(super) bounds: BoundingBox,
 }
 
-/// All solids of one equipment, ready for collision checking.
+/// All solids of one piece of equipment, ready for collision checking.
 pub(super) struct EquipmentSolids {
     pub(super) parts: Vec<EquipmentSolid>,
     /// Placement in the cell file, where obstacles always stand.
@@ -55,7 +55,8 @@ pub(super) struct EquipmentSolids {
 /// Frames of the links in the robot base.
 pub(super) type LinkFrames = [Pose; MAX_JOINTS + 1];
 
-/// Poses of the links: their frames in the robot base, and the base in the world unless these agree.
+/// Poses of the links: their frames in the robot base, and the pose of the base in the world unless both
+/// agree.
 #[derive(Clone, Copy)]
 pub(super) struct LinkPoses<'a> {
     pub(super) frames: &'a LinkFrames,
@@ -79,7 +80,7 @@ impl LinkPoses<'_> {
 }
 
 impl PlacedSolids {
-    /// Returns a frame of the robot base, in the world.
+    /// Converts a frame given in the robot base to the world.
     #[inline]
     pub(super) fn in_world(&self, frame: &Pose) -> Pose {
         self.base.map_or(*frame, |base| base * *frame)

@@ -22,7 +22,7 @@ pub(super) struct RobotSolid {
     pub(super) spared: Option<usize>,
     /// Solid swollen by the clearance: one body, or the convex parts of a mesh.
     pub(super) bodies: Vec<CollisionBody>,
-    /// Solid swollen by rounding alone, for checks of the robot against itself.
+    /// Solid swollen by [`TOUCHING`] alone, for checks of the robot against itself.
     pub(super) bare: Vec<CollisionBody>,
     /// Closed mesh of several parts, which tells whether another solid lies wholly inside.
     pub(super) shell: Option<CollisionBody>,
@@ -97,7 +97,7 @@ fn link(carried: &CarriedSolid<'_>, clearance: f64, remember: &mut Remember<'_>)
 impl RobotSolid {
     /// Returns the frame that carries the solid, in the robot base.
     ///
-    /// Frame 0 of the chain may be elsewhere on the base.
+    /// It is the identity for the base, since frame 0 of the chain may be elsewhere on the base.
     pub(super) fn carrier<'f>(&self, frames: &'f [Pose; MAX_JOINTS + 1]) -> &'f Pose {
         if self.frame == 0 { &Pose::IDENTITY } else { &frames[self.frame] }
     }

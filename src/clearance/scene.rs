@@ -192,7 +192,7 @@ impl Scene {
         found.map(|k| (Hit { solid: link.id, other: self.name(bodies[k].id) }, Some(k)))
     }
 
-    /// Returns what a placed solid is: a solid of an equipment, or a wall of the fence.
+    /// Returns a reference to a placed solid: a solid of a piece of equipment, or a wall of the fence.
     pub(super) fn name(&self, (e, s): (usize, usize)) -> SolidRef {
         if e + 1 == self.equipment.len() { SolidRef::Fence(s) } else { SolidRef::Equipment(e, s) }
     }

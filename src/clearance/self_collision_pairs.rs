@@ -6,7 +6,7 @@ use crate::cell::{Cell, JointVector, MAX_JOINTS};
 use crate::low_discrepancy::RobertsSequence;
 use crate::robot::Chain;
 
-/// Number of sampled postures; a pair that touches in all of them counts as drawn overlapping.
+/// Number of sampled postures. Solids that touch in all of them count as drawn with an overlap.
 const SAMPLES: usize = 400;
 
 /// Reason why a pair of robot solids may touch.
@@ -18,7 +18,7 @@ pub enum Allowed {
     Neighbours,
     /// The robot file allows the contact.
     Given,
-    /// They touch in every sampled posture, so that they are drawn overlapping.
+    /// They touch in every sampled posture, so they count as drawn with an overlap.
     AlwaysTouch,
 }
 
@@ -43,7 +43,7 @@ pub struct SelfCollisionPair {
     pub allowed: Option<Allowed>,
 }
 
-/// Returns every pair that can meet; none if the robot is not checked against itself.
+/// Returns every pair of solids that exist at the same time; none if the robot is not checked against itself.
 pub(super) fn find(cell: &Cell, links: &[RobotSolid]) -> Vec<SelfCollisionPair> {
     if !cell.robot.self_collision.checked {
         return Vec::new();

@@ -7,9 +7,9 @@ use crate::cell::{Cell, Coordinate, Layout, Role};
 use crate::geometry::{PlanePoint, convex_hull, polygon_area};
 
 impl FloorPlan {
-    /// Returns the least distance in plan of floor spaces that must not overlap, at most `max` (m).
+    /// Returns the least distance in plan between floor spaces that must not overlap, at most `max` (m).
     ///
-    /// It is 0 if two overlap. Pairs of which the search moves neither do not count: their distance is
+    /// It is 0 if any two overlap. Pairs that the search cannot move do not count, since their distance is
     /// the same in every layout.
     pub fn spacing(&self, cell: &Cell, layout: &Layout, max: f64) -> f64 {
         if !self.enabled {
@@ -46,13 +46,13 @@ impl FloorPlan {
     }
 }
 
-/// Returns whether the search may move an equipment.
+/// Returns whether the search may move a piece of equipment.
 fn is_moved(cell: &Cell, k: usize) -> bool {
     let below = cell.equipment.iter().enumerate().filter(|(under, _)| cell.rides_on(k, *under));
     below.flat_map(|(_, e)| &e.placement).any(Coordinate::is_free)
 }
 
-/// Returns the distance of two rectangles in plan, m.
+/// Returns the distance between two rectangles in plan, m.
 fn apart(a: &PlacedRectangle, b: &PlacedRectangle) -> f64 {
     if overlap_depth(a, b, 0.0) > 0.0 {
         return 0.0;
@@ -69,7 +69,7 @@ fn within(cell: &Cell, stand: &PlacedRectangle, max: f64) -> f64 {
     if inside { boundaries_apart(&corners, &fence.corners) } else { 0.0 }
 }
 
-/// Returns the distance of the boundaries of two polygons that do not cross; it occurs at a corner.
+/// Returns the distance between the boundaries of two polygons that do not cross. It is attained at a corner.
 fn boundaries_apart(a: &[PlanePoint], b: &[PlanePoint]) -> f64 {
     let from = |points: &[PlanePoint], polygon: &[PlanePoint]| {
         points.iter().map(|p| fence::locate(polygon, *p).1).fold(f64::INFINITY, f64::min)
