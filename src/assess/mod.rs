@@ -39,7 +39,7 @@ pub struct Assessment<'a> {
     pub layout: Layout,
     pub evaluation: Evaluation,
     pub maps: Vec<OperationMap>,
-    /// Spots refined between the nodes, one per operation; None for an operation without a spot or without a choice.
+    /// Spots refined between the nodes, one per operation; None without a spot or without a choice.
     pub refined: Vec<Option<Refined>>,
     /// Effect of misplacement on every operation; empty unless [`Self::misplaced`] was called.
     pub robustness: Vec<Option<Robustness>>,

@@ -48,9 +48,9 @@ impl Scene {
         self.nearest(placed, frames, self.outer_pairs(placed, Load::of(operation)), max)
     }
 
-    /// Returns the least distance while an operation is done, without pairs that tell nothing about the layout.
+    /// Returns the least distance while an operation is done.
     ///
-    /// Two kinds of pairs are left out:
+    /// It leaves out two kinds of pairs, whose distance tells nothing about the layout:
     ///
     /// - solids behind the last joint with the equipment worked on, whose distance the standoff sets;
     /// - solids that only the first joint moves with the floor.

@@ -4,10 +4,10 @@ use super::outcome::Spot;
 use nalgebra::Vector3;
 use std::cmp::Ordering;
 
-/// A posture that might be the spot of an operation.
+/// Posture that might be the spot of an operation.
 ///
-/// Candidates are ordered by value, then node, then branch, and reversed: the greatest is the best, as a
-/// binary heap wants it.
+/// Candidates are ordered by value, then node, then branch, the best one last: a
+/// [`std::collections::BinaryHeap`] then returns the best one first.
 #[derive(Clone, Copy)]
 pub struct PostureCandidate {
     pub spot: Spot,

@@ -1,5 +1,4 @@
-//! An operation that happens at every one of its nodes: all of them must be usable, and their values make
-//! one.
+//! Operations that happen at every one of their nodes: all nodes must be usable, and one value results.
 
 use super::candidate::PostureCandidate;
 use super::outcome::{Outcome, Spot, Unjudged};
@@ -8,7 +7,7 @@ use super::walk::{OperationQuery, PostureVisitor, VisitedNode};
 use super::workspace::{MapperWorkspace, PostureMemory};
 use crate::reach::Gap;
 
-/// Collects the candidates node by node, best first, and what is missing to reach the other nodes.
+/// Candidates of each node in turn, best first, and the gaps of the nodes that cannot be reached.
 #[derive(Default)]
 struct CandidatesByNode {
     candidates: Vec<PostureCandidate>,
@@ -51,8 +50,7 @@ impl UnreachedNodes {
         }
     }
 
-    /// Returns the mean gap over all nodes, which falls with every node that comes nearer; None if all are
-    /// reached.
+    /// Returns the mean gap over all nodes, which falls as any node comes nearer; None if all are reached.
     fn gap(&self, nodes: usize) -> Option<Gap> {
         if self.out_of_reach > 0 {
             let reach = (self.reach / nodes as f64).max(f64::MIN_POSITIVE);
@@ -63,9 +61,9 @@ impl UnreachedNodes {
 }
 
 impl PlacedLayout<'_> {
-    /// Finds what an operation gets: its least-error spot, or the value of all its nodes.
+    /// Finds the least-error spot of an operation, or the value of all its nodes.
     ///
-    /// `spots` are those of the operations before it.
+    /// `spots` holds the spots of the operations before it.
     pub fn outcome(
         &self,
         operation: usize,
@@ -79,7 +77,7 @@ impl PlacedLayout<'_> {
             .map_or_else(|why| why, |free| self.value_of_all(operation, &free))
     }
 
-    /// Combines the values of all nodes; the spot is the worst node, the first of several.
+    /// Combines the values of all nodes; the spot is the worst node, the first one among equals.
     fn value_of_all(&self, operation: usize, free: &[Spot]) -> Outcome {
         let by_value = |a: &&Spot, b: &&Spot| a.value.total_cmp(&b.value);
         let Some(worst) = free.iter().rev().max_by(by_value) else {
@@ -93,7 +91,7 @@ impl PlacedLayout<'_> {
     /// Finds the least-error usable spot of every node, in the order of the nodes.
     ///
     /// # Errors
-    /// A node has none; the outcome says why.
+    /// Returns the outcome if some node has no usable spot.
     pub fn every_free(
         &self,
         operation: usize,

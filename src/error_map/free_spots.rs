@@ -1,4 +1,4 @@
-//! The usable spots of an operation in ascending order of value: what a robust search asks.
+//! Usable spots of an operation in ascending order of value, for the robust search.
 
 use super::candidate::PostureCandidate;
 use super::outcome::Spot;
@@ -9,7 +9,9 @@ use std::collections::BinaryHeap;
 
 impl PlacedLayout<'_> {
     /// Calls `take` with the best usable spot of each node, in ascending order of value, until it returns
-    /// false. The first is that of [`Self::least_error`].
+    /// false.
+    ///
+    /// The first spot is the one that [`Self::least_error`] finds.
     pub fn free_spots(
         &self,
         operation: usize,

@@ -8,9 +8,10 @@ use nalgebra::Vector3;
 /// A grid has (m + 1)(n + 1) nodes. Their order runs over x, then y, from the low corner.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grid {
-    /// Divisions m and n along x and y; of listed nodes their count less one, and 0.
+    /// Divisions m and n along x and y; k listed nodes have k - 1 and 0.
     pub divisions: (usize, usize),
-    /// Coordinates of the columns (x) and rows (y), m; of listed nodes the least and the greatest.
+    /// Coordinates of the columns (x) and rows (y), m; for listed nodes the least and the greatest
+    /// coordinate.
     xs: Vec<f64>,
     ys: Vec<f64>,
     /// Nodes listed one by one (x, y, m); empty if every column crosses every row.
@@ -20,7 +21,7 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// Lays the nodes of an operation out.
+    /// Computes the nodes of an operation.
     pub fn new(operation: &Operation) -> Self {
         let standoff = operation.standoff;
         match &operation.place {

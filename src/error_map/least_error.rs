@@ -1,4 +1,4 @@
-//! The least-error spot of an operation: what a search asks of every layout.
+//! Search for the least-error spot of an operation, once for every layout.
 //!
 //! Cheap tests come first: geometry, limits, error. Collisions are checked only for candidates that can
 //! still win.
@@ -11,7 +11,7 @@ use super::workspace::{MapperWorkspace, PostureMemory, WalkMemory};
 use crate::reach::{Gap, ToolAttitudes};
 use std::collections::BinaryHeap;
 
-/// Collects the candidates of all nodes, and the least gap of the nodes that are out of reach.
+/// Candidates of all nodes, and the least gap of the nodes that are out of reach.
 struct AllCandidates<'c> {
     candidates: &'c mut Vec<PostureCandidate>,
     is_reached: bool,
@@ -33,8 +33,8 @@ impl PostureVisitor for AllCandidates<'_> {
 }
 
 impl PlacedLayout<'_> {
-    /// Finds the least-error spot of an operation that can be used; `spots` are those of the operations
-    /// before it.
+    /// Finds the least-error usable spot of an operation; `spots` holds the spots of the operations before
+    /// it.
     pub fn least_error(
         &self,
         operation: usize,
@@ -53,9 +53,9 @@ impl PlacedLayout<'_> {
         outcome
     }
 
-    /// Returns what is missing if the link lengths alone rule out every node; None otherwise.
+    /// Returns the gap if the link lengths alone show that no node is in reach; None otherwise.
     ///
-    /// The gap is that of the node nearest to reach, so that it joins the gap of the walk without a step.
+    /// It is the gap of the node nearest to reach. So it has no step to the gap that the walk returns.
     fn beyond_reach(&self, surface: &PlacedSurface<'_>, attitudes: &mut ToolAttitudes) -> Option<Gap> {
         let shell = self.mapper.shells[surface.operation].as_ref()?;
         let (grid, inverse) = (self.mapper.grid(surface.operation), self.mapper.inverse());

@@ -1,4 +1,4 @@
-//! The whole map of an operation: every node with its posture and errors, or why it has none.
+//! Map of an operation: every node with its posture and errors, or the reason why it has none.
 
 use super::candidate::PostureCandidate;
 use super::node_record::{NodeRecord, OperationMap, PostureRecord, Status};
@@ -11,7 +11,7 @@ use crate::kinematic_error::deviation;
 use crate::pose::Displacement;
 use crate::reading::WorkContext;
 
-/// Records every node of a walk.
+/// Recorder of every node of a walk.
 #[derive(Default)]
 struct NodeRecorder {
     /// Candidates of the present node.
@@ -37,7 +37,7 @@ impl PostureVisitor for NodeRecorder {
 }
 
 impl PlacedLayout<'_> {
-    /// Maps an operation; `spots` are those of the operations before it.
+    /// Maps an operation; `spots` holds the spots of the operations before it.
     pub fn map(&self, operation: usize, spots: &[Option<Spot>]) -> OperationMap {
         let query = OperationQuery::new(self, operation, spots);
         let mut memory = PostureMemory::new(self.mapper, operation);

@@ -17,11 +17,11 @@ pub struct Mapper {
     pub(super) arm: ArmKinematics,
     pub(super) scene: Arc<Scene>,
     pub(super) setups: Vec<OperationSetup>,
-    /// The rules of motion; None if the cell has none.
+    /// Rules of motion; None if the cell has none.
     pub(super) guard: Option<Guard>,
-    /// One per operation; None where the nodes cannot be ranked.
+    /// Ranker of each operation; None where the nodes cannot be ranked.
     pub(super) rankers: Vec<Option<Ranker>>,
-    /// One per operation: the shell that bounds its reach, where inverse kinematics is expensive.
+    /// Shell that bounds the reach of each operation; None where inverse kinematics is cheap.
     pub(super) shells: Vec<Option<Shell>>,
 }
 
@@ -35,7 +35,7 @@ impl Mapper {
     /// Prepares a cell whose solids are `scene`.
     ///
     /// # Errors
-    /// An operation needs an attitude that the robot cannot hold by its build.
+    /// Returns the reason if the build of the robot cannot hold the attitude of an operation.
     pub fn new(cell: &Cell, scene: Arc<Scene>) -> Result<Self, String> {
         let chain = Chain::with_margins(&cell.robot, &cell.margins);
         let inverse = Inverse::new(&chain);

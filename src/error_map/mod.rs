@@ -1,8 +1,8 @@
 //! Section 3 of the seed paper: the error at every node of a work surface, and the node with the least
 //! error in a sense.
 //!
-//! A [`PlacedLayout`] is the context: a layout of a cell with its solids posed. The walk over its nodes
-//! stands once, in `walk.rs`, and has several visitors:
+//! A [`PlacedLayout`] is the context: a layout of a cell with its solids posed. Only `walk.rs` walks over its
+//! nodes; the walk has several visitors:
 //!
 //! - [`PlacedLayout::outcome`], for the search: the least-error spot that can be used, or the value of all
 //!   nodes;

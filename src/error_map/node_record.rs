@@ -11,7 +11,7 @@ use crate::reading::Figures;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use nalgebra::Vector3;
 
-/// Whether a node can be used, and why not.
+/// Status of a node: usable, or the reason why not.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Status {
     Ok,
@@ -19,12 +19,12 @@ pub enum Status {
     OutOfReach {
         by: f64,
     },
-    /// The node is in reach, but the attitude is missed by so much (rad), with this joint at its limit.
+    /// The node is in reach, but the attitude is missed by the angle `by` (rad), with `joint` at its limit.
     Attitude {
         by: f64,
         joint: Option<usize>,
     },
-    /// Numeric inverse kinematics came no nearer than this (m, rad); there may be a posture.
+    /// The numeric inverse kinematics left these errors (m, rad); a posture may exist all the same.
     NotConverged {
         position: f64,
         angle: f64,
@@ -134,10 +134,10 @@ impl NodeRecord {
     }
 }
 
-/// The posture reported for a node, with its errors in the world frame.
+/// Posture reported for a node, with its errors in the world frame.
 ///
-/// The errors are those of the signed sample; of a tolerance, those of the corner that is worst in the
-/// sense of the operation.
+/// The errors are those of the signed sample. For tolerances they are those of the corner that is worst in
+/// the sense of the operation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PostureRecord {
     pub branch: u32,
@@ -156,7 +156,7 @@ pub struct PostureRecord {
     pub touched: bool,
     /// Value that the reading minimizes: m, rad or a share of failures.
     pub value: f64,
-    /// One per sense of [`OperationMap::senses`].
+    /// Figures in each of [`OperationMap::senses`].
     pub figures: Vec<Figures>,
     /// Probability that the error keeps the limit; None without a limit.
     pub success: Option<f64>,

@@ -1,7 +1,7 @@
 //! Signs of nodes: every way in which a node can be used or fail, without its details.
 //!
-//! Documents, tables, legends and pictures all tell a node by this one enum, so that they cannot
-//! contradict each other.
+//! Documents, tables, legends and pictures all classify nodes by this enum, so that they cannot contradict
+//! each other.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -18,7 +18,7 @@ pub enum NodeSign {
     JointLimit,
     /// The position is in reach, the orientation of the tool is not.
     Attitude,
-    /// The numeric inverse kinematics found no solution and proved none impossible.
+    /// The numeric inverse kinematics found no solution, but did not prove that there is none.
     NotConverged,
     /// Every posture collides, or the equipment under the node overlaps another.
     Collision,
@@ -64,7 +64,7 @@ impl NodeSign {
         }
     }
 
-    /// Returns the words for people: they stand alone in a legend, and after a number of nodes.
+    /// Returns the words for people, which fit a legend as well as a count of nodes: "12 in collision".
     pub fn label(self) -> &'static str {
         match self {
             Self::Usable => "usable",
@@ -80,7 +80,7 @@ impl NodeSign {
         }
     }
 
-    /// Whether the operation can happen at the node.
+    /// Returns whether the operation can happen at the node.
     pub fn is_usable(self) -> bool {
         self == Self::Usable
     }

@@ -1,4 +1,5 @@
-//! One operation of a cell, prepared for any layout: its nodes, its error evaluator, how its frame is taught.
+//! Operation of a cell, prepared for any layout: its nodes, its error evaluator and the points that teach its
+//! frame.
 
 use super::grid::Grid;
 use crate::cell::{Cell, Operation, Over, Registration};
@@ -9,7 +10,7 @@ pub struct OperationSetup {
     /// Index of the equipment that carries the surface.
     pub equipment: usize,
     pub grid: Grid,
-    /// How the values of the nodes make the value of the operation.
+    /// Rule that combines the values of the nodes.
     pub over: Over,
     pub evaluator: ErrorEvaluator,
     /// Index of the pick that this operation places relative to.

@@ -18,12 +18,11 @@ pub struct Spot {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Outcome {
     Found(Spot),
-    /// Postures within the joint limits exist, and all of them collide; the least-error one.
+    /// All postures within the joint limits collide; `nearest` is the one with the least error.
     AllCollide {
         nearest: Spot,
     },
-    /// Collision-free postures exist, and the rules of motion refuse all of them; the least-error one and
-    /// the reason.
+    /// The rules of motion refuse all collision-free postures; `nearest` is the one with the least error.
     Refused {
         nearest: Spot,
         refusal: PostureRefusal,

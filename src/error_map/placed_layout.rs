@@ -33,7 +33,7 @@ impl<'a> PlacedLayout<'a> {
         Self::reusing(mapper, layout, PlacedSolids::default())
     }
 
-    /// Poses the solids of a layout in memory that held those of another.
+    /// Poses the solids of a layout, reusing the memory of another layout's solids.
     pub fn reusing(mapper: &'a Mapper, layout: &'a Layout, mut solids: PlacedSolids) -> Self {
         mapper.scene.place(layout, &mut solids);
         Self { mapper, layout, solids }
@@ -44,7 +44,7 @@ impl<'a> PlacedLayout<'a> {
         self.layout
     }
 
-    /// Gives the memory of the solids back for the next layout.
+    /// Returns the solids, so that the next layout can reuse their memory.
     pub fn into_solids(self) -> PlacedSolids {
         self.solids
     }

@@ -28,7 +28,8 @@ pub struct HeldPosture {
     /// Point in the frame of the equipment, m.
     pub at: (f64, f64),
     pub branch: u32,
-    /// Joint coordinates; they identify the branch of an arm without lasting branch indices.
+    /// Joint coordinates. They identify the posture of an arm whose branch indices change from target to
+    /// target.
     pub joints: JointVector,
 }
 
@@ -40,10 +41,10 @@ pub struct Probe<'a> {
 }
 
 impl<'a> Probe<'a> {
-    /// Prepares an operation; `spots` are those of the operations before it.
+    /// Prepares an operation; `spots` holds the spots of the operations before it.
     ///
     /// # Errors
-    /// Something is missing, so that no point can be judged.
+    /// Returns the reason if the errors of the operation cannot be computed.
     pub fn new(
         placed: &'a PlacedLayout<'a>,
         operation: usize,
@@ -76,7 +77,7 @@ impl<'a> Probe<'a> {
     /// Finds the least-error usable posture at a point, judged as at a node.
     ///
     /// # Errors
-    /// The point cannot be used; the status says why.
+    /// Returns the status of the point if it cannot be used.
     pub fn best(&mut self, at: (f64, f64)) -> Result<PointSpot, Status> {
         let target = self.target(at);
         if self.context()?.touches(&target) {
@@ -98,11 +99,10 @@ impl<'a> Probe<'a> {
 
     /// Computes the value with a held posture, whose joints follow the surface.
     ///
-    /// An arm with numeric inverse kinematics takes the posture nearest to it, as its branch indices do not
-    /// last.
+    /// For numeric inverse kinematics it takes the nearest posture, because branch indices change there.
     ///
     /// # Errors
-    /// The posture cannot be held; the status says why.
+    /// Returns the status of the point if the posture cannot be held.
     pub fn holding(&mut self, held: &HeldPosture) -> Result<f64, Status> {
         let target = self.target(held.at);
         let inverse = &self.query.placed.mapper.arm.inverse;

@@ -1,4 +1,4 @@
-//! How the frame of a surface is taught: three points that the robot touches with empty hands.
+//! Teaching of a surface frame: three points that the robot touches with empty hands.
 
 use super::operation_setup::TeachPoints;
 use super::outcome::Unjudged;
@@ -13,7 +13,7 @@ use nalgebra::Vector3;
 /// The error sources are those of `evaluator`.
 ///
 /// # Errors
-/// The robot cannot touch three points that span the frame.
+/// Returns an error if the robot cannot touch three points that span the frame.
 pub fn work_frame(
     placed: &PlacedLayout<'_>,
     evaluator: &ErrorEvaluator,
@@ -31,8 +31,10 @@ pub fn work_frame(
     Ok(WorkFrame { equipment: setup.equipment, work: surface.at.pose(), world: surface.world, taught })
 }
 
-/// Finds the postures that touch the three points. Nodes in one line give way to the widest triangle of all
-/// nodes that the robot can touch.
+/// Finds the postures that touch the three points.
+///
+/// If nodes are missing or lie nearly in one line, it takes a wide triangle of the nodes that the robot can
+/// touch.
 fn touching_postures(
     placed: &PlacedLayout<'_>,
     surface: &PlacedSurface<'_>,

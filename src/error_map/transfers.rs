@@ -6,11 +6,13 @@ use super::workspace::MapperWorkspace;
 use crate::motion::{Blocked, OperationPosture, Transfer};
 
 impl PlacedLayout<'_> {
-    /// Plans the moves between the operations, from spot to spot, and between the points of an operation at
-    /// many points. Returns none if the cell has no transfer rules or a spot is missing.
+    /// Plans the moves between the spots of the operations, and between the listed points of an operation at
+    /// all of them.
+    ///
+    /// It returns no moves if the cell has no transfer rules or a spot is missing.
     ///
     /// # Errors
-    /// A move is blocked; the first one is returned.
+    /// Returns the first move that is blocked.
     pub fn transfers(&self, spots: &[Option<Spot>]) -> Result<Vec<Transfer>, Blocked> {
         let Some(guard) = self.mapper.guard.as_ref().filter(|guard| guard.asks_transfers()) else {
             return Ok(Vec::new());
@@ -22,8 +24,9 @@ impl PlacedLayout<'_> {
         })
     }
 
-    /// Returns the postures of an operation in their order: at its spot, or at every listed point. A region
-    /// gives no order to its nodes, so that only its worst node is a stop.
+    /// Returns the postures of an operation in their order: at its spot, or at every listed point.
+    ///
+    /// The nodes of a grid have no order, so its worst node is the only stop of an operation at all nodes.
     fn stops(&self, operation: usize, spots: &[Option<Spot>]) -> Option<Vec<OperationPosture>> {
         let (setup, spot) = (&self.mapper.setups[operation], spots[operation]?);
         if !setup.over.takes_all() || !setup.grid.is_listed() {

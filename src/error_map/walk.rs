@@ -1,4 +1,4 @@
-//! The walk: every branch of every node, judged, and the best free one.
+//! Walk over all nodes: it judges every branch of every node, and finds the best free one.
 //!
 //! An [`OperationQuery`] is one operation in one placed layout. Its [walk](OperationQuery::walk) solves the
 //! inverse kinematics of each node, computes the value of each posture within the joint limits, and hands
@@ -27,19 +27,19 @@ pub struct OperationQuery<'a> {
     pub at: Placement,
     /// Attitudes of the tool over the surface.
     pub attitudes: ToolAttitudes,
-    /// What the errors depend on besides the posture, or why they cannot be computed.
+    /// Everything besides the posture that the errors depend on, or the reason why they cannot be computed.
     pub context: Result<WorkContext, Unjudged>,
 }
 
-/// Receives the postures of a walk.
+/// Visitor that receives the postures of a walk.
 pub trait PostureVisitor {
-    /// Whether points that were touched to teach the frame are judged, too. They cannot be the spot.
+    /// Whether to judge points that were touched to teach the frame, too. They cannot be the spot.
     const JUDGES_TOUCHED: bool = false;
 
-    /// Takes a posture within the joint limits.
+    /// Receives a posture within the joint limits.
     fn candidate(&mut self, candidate: PostureCandidate);
 
-    /// Takes the end of a node; its candidates came before.
+    /// Is called at the end of a node, after its candidates.
     fn end_of_node(&mut self, _query: &OperationQuery<'_>, _node: &VisitedNode, _memory: &mut PostureMemory) {
     }
 }
@@ -54,7 +54,7 @@ pub struct VisitedNode {
     pub missed: Option<Gap>,
 }
 
-/// Result of asking candidates, best first, until one can be used.
+/// Result of checking candidates, best first, until one can be used.
 #[derive(Default)]
 pub struct FirstFree {
     /// The first candidate that can be used.
@@ -89,12 +89,12 @@ impl FirstFree {
 }
 
 impl<'a> OperationQuery<'a> {
-    /// Prepares an operation; `spots` are those of the operations before it.
+    /// Prepares an operation; `spots` holds the spots of the operations before it.
     pub fn new(placed: &'a PlacedLayout<'a>, operation: usize, spots: &[Option<Spot>]) -> Self {
         Self::reusing(placed, &placed.surface(operation), spots, ToolAttitudes::default())
     }
 
-    /// Prepares the operation of a surface in memory that held other attitudes.
+    /// Prepares the operation of a surface, reusing the memory of other attitudes.
     pub fn reusing(
         placed: &'a PlacedLayout<'a>,
         surface: &PlacedSurface<'_>,
@@ -113,7 +113,7 @@ impl<'a> OperationQuery<'a> {
         self.setup.grid.targets(&self.at, |node, target| self.visit(node, target, memory, visitor));
     }
 
-    /// Visits one node: every branch within the joint limits, judged.
+    /// Visits one node: judges every branch within the joint limits.
     #[inline]
     pub fn visit<V: PostureVisitor>(
         &self,
@@ -139,10 +139,10 @@ impl<'a> OperationQuery<'a> {
         visitor.end_of_node(self, &VisitedNode { node, target, missed }, memory);
     }
 
-    /// Asks candidates in the order of `next`, best first, until one can be used.
+    /// Checks candidates in the order of `next`, best first, until one can be used.
     ///
-    /// The target of a candidate is solved again for its posture: storing the postures of all nodes costs
-    /// more, and few candidates are ever asked.
+    /// The inverse kinematics of a candidate is solved again here. That costs less than storing the postures
+    /// of all nodes, because few candidates are checked.
     pub fn first_free(
         &self,
         memory: &mut PostureMemory,
@@ -192,7 +192,7 @@ impl<'a> OperationQuery<'a> {
         collision.or_else(|| self.refusal(target, branch).map(Status::Refused))
     }
 
-    /// Returns why none of the candidates of one target can be used: the trouble of the best one.
+    /// Returns why none of the candidates of one target can be used: the reason for the best one.
     pub fn why_none(&self, target: &Vector3<f64>, found: &FirstFree, memory: &mut PostureMemory) -> Status {
         let arm = &self.placed.mapper.arm;
         let trouble = found.nearest.and_then(|PostureCandidate { spot, .. }| {
@@ -206,7 +206,7 @@ impl<'a> OperationQuery<'a> {
         trouble.unwrap_or_else(|| self.why_unreached(target, |_| true))
     }
 
-    /// Returns why no branch that `counts` keeps the joint limits at a target.
+    /// Returns why a target cannot be reached by any of the branches that `counts` selects.
     pub fn why_unreached(&self, target: &Vector3<f64>, counts: impl Fn(&Branch) -> bool) -> Status {
         match self.placed.mapper.arm.inverse.branches(target, &self.attitudes) {
             Reach::OutOfReach { by } => Status::OutOfReach { by },
@@ -220,7 +220,8 @@ impl<'a> OperationQuery<'a> {
     }
 }
 
-/// Returns the joint limit that the most nearly allowed branch passes, or the attitude that it misses.
+/// Returns the smallest violation of a joint limit among the branches, or of the attitude if only that is
+/// missed.
 fn least_violation(branches: &[Branch]) -> Status {
     let passed = branches.iter().filter_map(|b| b.violation.map(|v| (v, b.joints[v.joint])));
     let least = passed.min_by(|a, b| a.0.by.total_cmp(&b.0.by));

@@ -1,4 +1,4 @@
-//! What the errors of an operation depend on in one layout besides its own posture.
+//! Context of an operation in one layout: everything besides its own posture that its errors depend on.
 
 use super::outcome::{Spot, Unjudged};
 use super::placed_layout::PlacedLayout;
@@ -6,12 +6,12 @@ use super::teaching::work_frame;
 use crate::reading::WorkContext;
 
 impl PlacedLayout<'_> {
-    /// Computes what the errors of an operation depend on besides its posture.
+    /// Computes everything besides the posture that the errors of an operation depend on.
     ///
-    /// `spots` are those of the operations before it.
+    /// `spots` holds the spots of the operations before it.
     ///
     /// # Errors
-    /// Something is missing, so that no posture can be judged.
+    /// Returns the reason if the errors of the operation cannot be computed.
     pub fn work_context(&self, operation: usize, spots: &[Option<Spot>]) -> Result<WorkContext, Unjudged> {
         let setup = &self.mapper.setups[operation];
         let site = work_frame(self, &setup.evaluator, &self.surface(operation))?;

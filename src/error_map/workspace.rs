@@ -14,7 +14,7 @@ pub struct MapperWorkspace {
     pub(super) candidates: Vec<PostureCandidate>,
     pub(super) attitudes: ToolAttitudes,
     pub(super) ranking: Ranking,
-    /// One per operation.
+    /// Memory of each operation.
     postures: Vec<PostureMemory>,
 }
 

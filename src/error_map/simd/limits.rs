@@ -4,8 +4,9 @@ use super::lanes::{CosSin, Mask};
 use crate::reach::LimitCone;
 use pulp::Simd;
 
-/// Slack added to the joint limits, in the cosine of the angle from the middle of the range: a posture
-/// refused here is refused by the code for one node, too.
+/// Slack added to the joint limits, in the cosine of the angle from the middle of the range.
+///
+/// So every posture that is refused here is also refused by the code for one node.
 const SLACK: f64 = 1e-9;
 
 /// Returns the lanes in which the unit vector of a joint surely lies outside its range.

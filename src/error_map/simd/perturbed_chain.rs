@@ -1,8 +1,8 @@
 //! The chain as built, with its errors: eqs. (4)-(6) as a product of constant motions and joint turns.
 //!
 //! In `T' = B_0 Rz(theta_1) B_1 Rz(theta_2) B_2 ... B_N` all errors are in the constant motions `B`, which
-//! are computed once. The error is then a difference of two positions some metres away, good to 1e-14 m:
-//! enough to rank nodes.
+//! are computed once. The error is then a difference of two positions some metres away. It is accurate to
+//! 1e-14 m, which is enough to rank nodes.
 
 use super::lanes::{CosSin, Lanes};
 use crate::cell::JointKind;

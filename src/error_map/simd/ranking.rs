@@ -1,4 +1,4 @@
-//! Lower bounds of the error at the nodes of a surface, and the nodes in their order.
+//! Lower bounds of the error at the nodes of a surface, and the nodes in ascending order of these bounds.
 //!
 //! A bound is below the value of [`ErrorEvaluator::value`] by no more than [`BOUND_MARGIN`] allows. The code
 //! for one node judges nodes in this order until the least value is below all bounds that are left. So the
@@ -15,14 +15,14 @@ use crate::reading::ErrorEvaluator;
 use nalgebra::{Matrix3, Vector3};
 use pulp::{Arch, Simd, WithSimd};
 
-/// Margin by which a bound is lowered (m, and as a share). Rounding makes 1e-14 m at most postures, and
+/// Margin by which a bound is lowered (m, and as a share). Rounding errors are 1e-14 m at most postures, and
 /// 1e-10 m next to a singular one.
 const BOUND_MARGIN: f64 = 1e-9;
 
 /// Number of nodes in a group: the least bound is found among the groups, then in its group.
 const GROUP: usize = 2 * MAX_LANES;
 
-/// Computes the lower bounds of one operation.
+/// Ranker of the nodes of one operation by lower bounds of their errors.
 #[derive(Debug, Clone)]
 pub struct Ranker {
     arm: PlanarLanes,
@@ -105,7 +105,7 @@ impl Ranking {
         least(&self.groups)
     }
 
-    /// Takes out the node with the least bound, the first of several.
+    /// Removes and returns the node with the least bound, the first one among equals.
     pub fn pop(&mut self) -> Option<usize> {
         let bound = self.bound();
         let group = self.groups.iter().position(|b| *b == bound && *b < f64::INFINITY)?;
@@ -121,7 +121,7 @@ fn least(bounds: &[f64]) -> f64 {
     bounds.iter().fold(f64::INFINITY, |a, &b| if b < a { b } else { a })
 }
 
-/// The computation of all bounds of one layout, to be compiled for every kind of processor.
+/// Computation of all bounds of one layout, which is compiled for every kind of processor.
 struct RankingPass<'a> {
     ranker: &'a Ranker,
     at: &'a Placement,
