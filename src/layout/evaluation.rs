@@ -1,4 +1,4 @@
-//! The evaluation of one layout: overlaps, reach, limits, errors, collisions, and the cost of them all.
+//! Evaluation of one layout: overlaps, reach, limits, errors, collisions and the resulting cost.
 
 use super::misplaced_overlaps::overlap_depth;
 use super::objective::combined;
@@ -23,21 +23,24 @@ const REFUSED_PENALTY: f64 = 0.4;
 /// Penalty of a blocked move between operations, m.
 const BLOCKED_PENALTY: f64 = 0.25;
 
-/// What a layout is worth. Every layout has a value: an infeasible one says why it is.
+/// Evaluation of a layout. Every layout has a cost; an infeasible one has the reasons, too.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Evaluation {
     pub overlaps: Vec<Overlap>,
-    /// One per operation.
+    /// Outcome of each operation.
     pub outcomes: Vec<Outcome>,
-    /// Moves between consecutive operations, if the cell asks for them and nothing else is amiss.
+    /// Moves between consecutive operations; empty if the cell asks for none, or if something prevents them.
     pub transfers: Vec<Transfer>,
     /// The first move that is blocked.
     pub blocked: Option<Blocked>,
-    /// Objective of the values (m, rad or shares), of a robust search of the worst values over the placement
-    /// tolerances; None if the layout is infeasible.
+    /// Objective of the values (m, rad or shares); None if the layout is infeasible.
+    ///
+    /// A robust search combines the worst values over the placement tolerances.
     pub objective: Option<f64>,
-    /// Finite for every layout: the objective; if a limit is missed, 100 times the weights and more; if the
-    /// layout is infeasible, 1000 times and more, falling towards feasibility.
+    /// Cost, finite for every layout: the objective of a layout that is feasible and keeps every limit.
+    ///
+    /// A missed limit costs more than 100 times the weights. An infeasible layout costs at least 1000 times
+    /// the weights, less as it comes nearer to feasibility.
     pub cost: f64,
 }
 
@@ -120,7 +123,7 @@ impl Operations {
     }
 }
 
-/// Plans the moves between the operations of a layout without overlaps; a blocked one leaves none.
+/// Plans the moves between the operations of a layout without overlaps; returns none if one is blocked.
 fn transfers(
     placed: &PlacedLayout<'_>,
     overlaps: &[Overlap],

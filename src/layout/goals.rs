@@ -26,14 +26,15 @@ impl Workcell {
     /// Computes the values of goals (m, rad, m2 or shares) of a layout; None if it is not feasible.
     ///
     /// - error: the objective.
-    /// - clearance: the least distance of the robot with what it holds to anything, at every node that
-    ///   counts, and the least distance of floor spaces in plan; at most [`MAX_CLEARANCE`]. Three kinds of
-    ///   pairs do not count: what is mounted behind the last joint and the equipment it works on (the
-    ///   standoff decides that), what only the first joint moves and the floor, and two floor spaces that
-    ///   cannot move. [`MAX_CLEARANCE`] if collision is not checked.
-    /// - joint limits, singularity: the least of [`measures`] at the same nodes, by the limits of the robot
-    ///   without margins.
-    /// - travel: that of the transfers; if they are not checked, of direct moves from spot to spot.
+    /// - clearance: the least distance of the robot and the parts it holds from anything else at every node
+    ///   that counts, and of floor spaces in plan. It is at most [`MAX_CLEARANCE`], which is also its value
+    ///   if collision is not checked. Three kinds of pairs do not count: solids behind the last joint with
+    ///   the equipment worked on (the standoff sets their distance); solids that only the first joint moves
+    ///   with the floor; floor spaces that cannot move.
+    /// - joint limits, singularity: the least value of [`measures`] at the same nodes, by the limits of the
+    ///   robot without margins.
+    /// - travel: the joint travel of the transfers or, if they are not checked, of direct moves from spot to
+    ///   spot.
     /// - footprint: area of the convex hull of the floor spaces of robot base and equipment.
     pub fn goals(&self, layout: &Layout, evaluation: &Evaluation, goals: &Goals) -> Option<Vec<f64>> {
         let objective = evaluation.objective?;

@@ -31,10 +31,10 @@ impl Workcell {
         maps
     }
 
-    /// Returns what the errors of a posture of a map depend on, and its frames.
+    /// Returns the context and the frames of a posture of a map, from which its errors can be computed.
     ///
     /// # Errors
-    /// Something is missing in this layout, so that the errors cannot be computed.
+    /// Returns the reason if the errors cannot be computed in this layout.
     pub fn posed(
         &self,
         layout: &Layout,

@@ -1,4 +1,4 @@
-//! Overlaps of floor spaces where equipment is misplaced.
+//! Overlaps of floor spaces that occur if equipment is misplaced.
 
 use super::misplacement::{Moves, in_plan};
 use super::workcell::Workcell;

@@ -21,8 +21,8 @@ pub enum BoxPoints {
 
 /// Boxes of placement tolerances, seen from one operation.
 ///
-/// The operation depends on the robot base, on its equipment and what that stands on, and on the same of the
-/// pick that it is relative to.
+/// The operation depends on the robot base, on its equipment and on what that stands on. If it is relative to
+/// a pick, it also depends on these bodies of the pick.
 pub struct ToleranceBoxes {
     /// One box for each body that the operation depends on.
     pub own: Vec<Moves>,
@@ -100,7 +100,7 @@ fn is_height(slot: Slot) -> bool {
     matches!(slot, Slot::Base(2) | Slot::Equipment(_, 2))
 }
 
-/// Bounds by how much misplacements bring any two floor spaces nearer to each other, m.
+/// Returns an upper bound of how much nearer to each other misplacements bring any two floor spaces, m.
 pub fn slack(cell: &Cell) -> f64 {
     let of =
         |tolerance: [f64; 4], far: f64| tolerance[0].hypot(tolerance[1]) + tolerance[2] + far * tolerance[3];
@@ -109,7 +109,8 @@ pub fn slack(cell: &Cell) -> f64 {
     base + equipment.sum::<f64>()
 }
 
-/// Bounds the distance of the floor space of an equipment, and of all that stands on it, from its origin, m.
+/// Returns an upper bound of the distance, m, from the origin of a piece of equipment to any point of its
+/// floor space and of all that stands on it.
 fn farthest_on(cell: &Cell, k: usize) -> f64 {
     let riders = cell.equipment.iter().enumerate().filter(|(_, e)| e.on == Some(k));
     let of = |(rider, e): (usize, &Equipment)| {

@@ -1,4 +1,4 @@
-//! One candidate layout: [`evaluate`] is the seam that search, what-if questions and reports share.
+//! Evaluation of one candidate layout: search, what-if questions and reports all call [`evaluate`].
 
 mod evaluation;
 mod goals;

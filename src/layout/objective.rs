@@ -1,4 +1,4 @@
-//! From the values of the operations to one number.
+//! Objective: combines the values of the operations into one number.
 
 use super::workcell::Workcell;
 use crate::cell::{Cell, Objective, Unit};
@@ -7,13 +7,14 @@ use crate::cell::{Cell, Objective, Unit};
 /// limits, better than every infeasible one.
 const LIMIT_PENALTY: f64 = 1e2;
 
-/// Values that differ by less than this are one step of [`lexicographic`] (m, rad or a share).
+/// Value below which all values are in the first step of [`lexicographic`] (m, rad or a share).
 const LEAST_STEP: f64 = 1e-9;
 /// Value at which a later operation uses up half of a step (m, rad or a share).
 const HALF_STEP: f64 = 1e-3;
 
 impl Workcell {
-    /// Returns what the weights multiply errors by in the objective: their sum, or the largest of them.
+    /// Returns the weight of the objective as a whole: the sum of the weights, the largest one, or 1 if
+    /// lexicographic.
     pub fn weight(&self) -> f64 {
         let weights = self.cell.operations.iter().map(|o| o.weight);
         match self.cell.search.objective {
@@ -48,8 +49,9 @@ pub fn combined(cell: &Cell, values: &[f64]) -> f64 {
 
 /// Combines values so that an earlier operation always comes first.
 ///
-/// The first value is cut into steps that are `indifference` (a share of it) wide; within a step the second
-/// value decides in the same way, and so on. The result is near the first value and rises with each.
+/// The first value is divided into steps with the relative width `indifference`. Within a step the second
+/// value decides in the same way, and so on for later values. The result is near the first value and rises
+/// with each value.
 fn lexicographic(values: &[f64], indifference: f64) -> f64 {
     let [first, later @ ..] = values else { return 0.0 };
     if later.is_empty() {

@@ -1,9 +1,10 @@
-//! The operation spot between the nodes: compass search over the surface, from the best nodes on.
+//! Refined spot of an operation between the nodes, by compass search over the surface from the best nodes.
 //!
-//! Eight directions are polled at one distance; the best that gains is taken, and if none does the distance
-//! is halved, from half the spacing of the nodes down to a micrometre (Kolda, Lewis and Torczon, SIAM Review
-//! 45 (2003) 385-482). The golden angle turns the directions from poll to poll, so that the search meets no
-//! edge of the usable area at one angle only. Only gains are taken, so the spot is never worse than the node.
+//! Eight directions are polled at one distance, and the step with the largest gain is taken. If no direction
+//! gains, the distance is halved, from half the spacing of the nodes down to a micrometre (Kolda, Lewis and
+//! Torczon, SIAM Review 45 (2003) 385-482). The directions rotate by the golden angle from poll to poll, so
+//! that they meet an edge of the usable area at many angles. Only gains are taken, so the spot is never worse
+//! than the node.
 //!
 //! The posture is held on the way. At the end of a search every posture is judged, as at a node; if another
 //! is better there, the search goes on with it. The other operations stay at their nodes: an operation
@@ -43,7 +44,7 @@ pub struct Refined {
     pub branch: u32,
     pub joints: JointVector,
     pub value: f64,
-    /// Value of the best node, which is never less.
+    /// Value of the best node, at least `value`.
     pub node_value: f64,
 }
 
@@ -55,7 +56,7 @@ impl Refined {
 }
 
 impl Workcell {
-    /// Refines the spot of every operation; None for one that has no spot, or no choice.
+    /// Refines the spot of every operation; None for an operation without a spot or without a choice of one.
     pub fn refined(&self, layout: &Layout, maps: &[OperationMap]) -> Vec<Option<Refined>> {
         let placed = self.placed(layout);
         let spots: Vec<_> = maps.iter().map(OperationMap::spot).collect();

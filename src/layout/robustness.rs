@@ -1,19 +1,20 @@
 //! Tolerance analysis of a layout: what misplaced equipment does to every operation.
 //!
-//! The point of the surface and the branch of the posture are held. The bodies that move inside their
-//! placement tolerances are the robot base, the equipment that carries the point, what that stands on, and
-//! the same of the pick that the operation is relative to. The controller knows where they are: errors that
-//! it does not know are the `errors` of the equipment. So misplacement acts through the posture, in every
-//! registration. For a taught frame the touching postures move, too.
+//! The point of the surface and the branch of the posture are held. Several bodies move inside their
+//! placement tolerances: the robot base, the equipment that carries the point, and what that stands on. If
+//! the operation is relative to a pick, these bodies of the pick move, too. The controller knows where they
+//! are: errors that it does not know are the `errors` of the equipment. So misplacement acts through the
+//! posture, in every registration. For a taught frame the touching postures move, too.
 //!
-//! - Worst corner: all corners of the box of tolerances, up to 8 dimensions. For a larger box the corners of
-//!   each body with the others as drawn, and the corner that is worst to first order. A corner that loses the
-//!   posture, collides or makes floor spaces overlap says so, also for another body that gets in the way.
+//! - Worst corner: all corners of the box of tolerances, up to 8 dimensions. For a larger box, the corners of
+//!   each body are checked with the others as drawn, and the corner that is worst to first order. A corner is
+//!   lost if the posture cannot be reached, if it collides, or if floor spaces overlap. Another body that
+//!   gets in the way counts, too.
 //! - Gradient: central differences.
-//! - Largest misplacement that keeps value and limit: a share of the box, a distance in plan and a yaw.
-//!   Checked are the corners and the middles of all edges and faces of the box, or 16 directions in plan, or
-//!   both turns. The scale grows by [`STRIDE`] until a check fails, then bisection follows. A failure between
-//!   two scales that is over at the next one is missed.
+//! - Largest misplacement that keeps posture and limit: a multiple of the box, a distance in plan and a yaw.
+//!   The checks take the corners and the middles of all edges and faces of the box, 16 directions in plan, or
+//!   both directions of yaw. The scale grows by [`STRIDE`] until a check fails, then bisection follows. A
+//!   failure that occurs only between two scales is missed.
 
 use super::misplaced_overlaps::is_between_solids;
 use super::misplacement::{BoxPoints, Moves, ToleranceBoxes};
@@ -38,8 +39,10 @@ const SCALE_STEPS: i32 = 19;
 const BISECTIONS: usize = 26;
 /// Number of directions of a displacement in plan.
 const DIRECTIONS: usize = 16;
-/// Share of the displacement found that holds in every direction: between two checked directions a straight
-/// edge of the allowed region comes nearer by the cosine of half their angle.
+/// Share of the displacement found that holds in every direction.
+///
+/// A straight edge of the allowed region may lie between two checked directions. It is nearer there by at
+/// most the cosine of half their angle.
 const SURE_SHARE: f64 = 0.98; // cos(11.25 deg) = 0.9808
 
 /// A misplacement, and the value of the operation there (m, rad or a share).
@@ -49,7 +52,7 @@ pub struct Corner {
     pub value: f64,
 }
 
-/// A misplacement at which the held posture cannot be used, and why.
+/// Misplacement at which the held posture cannot be used, with the reason.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lost {
     pub moves: Moves,
@@ -67,9 +70,9 @@ pub enum MisplacementEnd {
 /// The largest misplacement that keeps reach, clearance and limit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Largest {
-    /// Multiple of the tolerance, or m, or rad.
+    /// Size of the misplacement: a multiple of the tolerance, or a value in m or rad.
     pub most: f64,
-    /// What happens beyond it; None if nothing does up to the largest misplacement checked.
+    /// Reason why it cannot be larger; None if every misplacement checked is allowed.
     pub ended: Option<MisplacementEnd>,
 }
 
@@ -78,7 +81,8 @@ pub struct Largest {
 pub struct Robustness {
     /// Value as drawn, m, rad or a share.
     pub value: f64,
-    /// The box of tolerances: what may be misplaced by how much (m, rad); empty if nothing may.
+    /// Box of tolerances: coordinates that may be misplaced, with half widths (m, rad); empty without
+    /// tolerance.
     pub tolerance: Moves,
     /// Number of corners checked.
     pub corners: usize,
@@ -86,14 +90,15 @@ pub struct Robustness {
     pub worst: Option<Corner>,
     /// Corners that lose the posture.
     pub lost: Vec<Lost>,
-    /// Change of the value per m or rad, for the equipment and everything else in the box, joint limits
-    /// aside; None at the end of reach.
+    /// Change of the value per m or rad, without regard to joint limits; None at the end of reach.
+    ///
+    /// It has an entry for each coordinate of the equipment and for everything else in the box.
     pub gradient: Vec<(Slot, Option<f64>)>,
     /// Largest multiple of the box; None without tolerance.
     pub scale: Option<Largest>,
     /// Largest displacement of the equipment in plan, in the worst direction, m.
     pub shift: Largest,
-    /// Largest turn of the equipment about the vertical, the worse way, rad.
+    /// Largest rotation of the equipment about the vertical, in the worse direction, rad.
     pub turn: Largest,
 }
 
@@ -202,7 +207,10 @@ impl HeldOperation<'_> {
         })
     }
 
-    /// Computes the value at a misplacement, or why there is none.
+    /// Computes the value at a misplacement.
+    ///
+    /// # Errors
+    /// Returns the status if the posture cannot be used there.
     fn value(&self, moves: &[(Slot, f64)]) -> Result<f64, Status> {
         let layout = self.workcell.cell.misplaced(self.layout, moves);
         let mut overlaps = Vec::new();
@@ -246,7 +254,7 @@ fn uphill(tolerance: &[(Slot, f64)], gradient: &[(Slot, Option<f64>)]) -> Moves 
     tolerance.iter().map(|(slot, half)| (*slot, half.copysign(slope(*slot)))).collect()
 }
 
-/// Finds the largest scale up to `max` at which nothing ends.
+/// Finds the largest scale up to `max` that `ends` allows.
 fn largest(max: f64, ends: impl Fn(f64) -> Option<MisplacementEnd>) -> Largest {
     if let Some(ended) = ends(0.0) {
         return Largest { most: 0.0, ended: Some(ended) };

@@ -43,7 +43,7 @@ impl FreeCoordinate {
     }
 }
 
-/// Finds the layout without overlaps that is nearest to `layout`, as far as a few convex programs find it.
+/// Finds a layout without overlaps as near to `layout` as a few convex programs can bring it.
 ///
 /// Returns None if they find none. A layout without overlaps is returned unchanged.
 pub fn separated(workcell: &Workcell, layout: &Layout) -> Option<Layout> {

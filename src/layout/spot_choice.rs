@@ -1,10 +1,10 @@
 //! The choice of the spot of one operation, for evaluation and maps alike.
 //!
-//! A robust search chooses otherwise: the value of an operation is its worst over the corners of the box of
-//! its placement tolerances, and as drawn, with the point of the surface and the posture held. Usable spots
-//! are taken in ascending order of their value as drawn, and the one with the least worst value is chosen.
-//! No spot is worth less than as drawn, so the choice is exact once the next value as drawn is above the
-//! least worst value; at most [`MAX_NODES`] nodes are looked at.
+//! A robust search judges a spot by its worst value: as drawn, and at the corners of the box of placement
+//! tolerances with the point of the surface and the posture held. Usable spots are taken in ascending order
+//! of their value as drawn, and the one with the least worst value is chosen. The worst value is never below
+//! the value as drawn. So the choice is exact once the next value as drawn reaches the least worst value. At
+//! most [`MAX_NODES`] nodes are judged.
 
 use super::misplacement::{BoxPoints, Moves, ToleranceBoxes};
 use super::workcell::Workcell;
@@ -15,7 +15,7 @@ use crate::reach::Cost;
 /// Nodes judged at the corners, at most.
 const MAX_NODES: usize = 16;
 
-/// Penalty of a spot that is lost at every corner, m: less than having no spot even as drawn.
+/// Penalty of a spot that is lost at every corner, m. It is less than that of an operation without any spot.
 const LOST_PENALTY: f64 = 0.1;
 
 /// One operation whose spot is to be chosen in a placed layout.
@@ -27,7 +27,7 @@ pub struct SpotQuery<'a> {
     pub spots: &'a [Option<Spot>],
 }
 
-/// What the spot of an operation counts in the objective.
+/// Contribution of an operation's spot to the objective.
 pub enum SpotValue {
     /// Value of the spot (m, rad or a share); in a robust search the worst over the placement tolerances.
     Kept(f64),
@@ -36,7 +36,7 @@ pub enum SpotValue {
 }
 
 impl SpotQuery<'_> {
-    /// Chooses the spot: the least-error one, in a robust search the one whose worst value is least.
+    /// Chooses the least-error spot or, in a robust search, the spot with the least worst value.
     pub fn choose(&self, memory: &mut MapperWorkspace) -> (Outcome, Option<SpotValue>) {
         match self.placed.outcome(self.operation, self.spots, memory) {
             Outcome::Found(first) if self.workcell.cell.search.robust => {
@@ -101,7 +101,7 @@ impl LeastWorst {
     }
 }
 
-/// Returns the posture to hold at a spot, with joints where branch indices do not last.
+/// Returns the posture to hold at a spot, with joint coordinates if the kinematics is numeric.
 fn held(query: &SpotQuery<'_>, spot: &Spot) -> Option<HeldPosture> {
     let at = query.workcell.mapper.grid(query.operation).local(spot.node);
     let joints = match query.workcell.inverse().cost() {
@@ -120,7 +120,7 @@ struct Corners<'a> {
 }
 
 impl Corners<'_> {
-    /// Computes the worst value with points and postures held: that as drawn and those of the corners.
+    /// Computes the worst of the value as drawn and the values at the corners, with points and postures held.
     fn worst(&mut self, drawn: f64, held: &[HeldPosture]) -> SpotValue {
         let (mut worst, mut lost) = (drawn, 0.0);
         let over = self.query.workcell.cell.operations[self.query.operation].over;

@@ -13,8 +13,9 @@ pub struct Workcell {
     pub cell: Cell,
     pub(super) mapper: Mapper,
     pub(super) plan: Arc<FloorPlan>,
-    /// Floor plan with the largest misplacement as extra clearance: a layout without overlap here has none
-    /// wherever it is misplaced. Only a robust search has one.
+    /// Floor plan with the largest misplacement as extra clearance; None unless the search is robust.
+    ///
+    /// A layout without overlap in this plan has no overlap at any misplacement.
     pub(super) wide: Option<Arc<FloorPlan>>,
 }
 
@@ -22,7 +23,7 @@ impl Workcell {
     /// Prepares a cell.
     ///
     /// # Errors
-    /// The robot cannot do what the cell asks of it.
+    /// Returns the reason if the robot cannot hold the attitude of an operation.
     pub fn new(cell: Cell) -> Result<Self, String> {
         Self::remembering(cell, &mut |_, compute| compute())
     }
@@ -30,7 +31,7 @@ impl Workcell {
     /// Prepares a cell with a cache for the convex decomposition of link meshes.
     ///
     /// # Errors
-    /// The robot cannot do what the cell asks of it.
+    /// Returns the reason if the robot cannot hold the attitude of an operation.
     pub fn remembering(cell: Cell, remember: &mut Remember<'_>) -> Result<Self, String> {
         let mapper = Mapper::new(&cell, Arc::new(Scene::remembering(&cell, remember)))?;
         let plan = Arc::new(FloorPlan::new(&cell));
@@ -44,7 +45,8 @@ impl Workcell {
     /// Returns this workcell under another interpretation of its errors; the solids are shared.
     ///
     /// # Errors
-    /// The question has no answer, or the robot cannot do what the cell asks of it.
+    /// Returns the reason if the interpretation does not suit the cell, or if the robot cannot hold an
+    /// attitude.
     pub fn interpreted(&self, interpretation: &Interpretation) -> Result<Self, String> {
         self.sharing(self.cell.asked(interpretation).map_err(|faults| first_of(&faults))?)
     }
@@ -52,7 +54,7 @@ impl Workcell {
     /// Returns this workcell under another interpretation, in which each operation is judged alone.
     ///
     /// # Errors
-    /// The errors of [`Workcell::interpreted`]; units that cannot be added up are no fault.
+    /// Returns the reason as [`Workcell::interpreted`] does, but allows senses in different units.
     pub fn interpreted_apart(&self, interpretation: &Interpretation) -> Result<Self, String> {
         self.sharing(self.cell.asked_apart(interpretation).map_err(|faults| first_of(&faults))?)
     }
