@@ -5,9 +5,9 @@
 //!
 //! A robot is built with small errors `e` in its link parameters, so its end effector is not where its
 //! controller believes. This project grew from a 1990s journal paper on a *kinematic error mapping and layout
-//! facility* (AutoCAD and AutoLISP, Hitachi PW 10-II); its author, title and year are not known to us, and the
-//! documentation calls it the seed paper. The link matrix of its eq. (1), after Denavit and Hartenberg, with the
-//! fifth parameter of Hayati (section 2.3) is
+//! facility* (AutoCAD and AutoLISP, Hitachi PW 10-II); its author, title and year are not known to us, and
+//! the documentation calls it the seed paper. The link matrix of its eq. (1), after Denavit and Hartenberg,
+//! with the fifth parameter of Hayati (section 2.3) is
 //!
 //! ```text
 //! A_i  = Rz(q_i) Tz(r_i) Tx(l_i) Rx(alpha_i) [Ry(beta_i)]             (1)
@@ -17,17 +17,18 @@
 //!
 //! Errors of the base, of the tool, of joint frames and of the fixture enter the product in the same way. The
 //! inverse kinematics `Q(x)` is the set of all postures that hold the tool at `x` as asked, inside the joint
-//! limits. We choose the layout `L`, which places every movable equipment, and for every operation `k` a node
-//! `x_k` of the grid `G_k(L)` on its surface:
+//! limits. We choose a layout `L`, which places all movable equipment. For every operation `k` we choose a
+//! node `x_k` of the grid `G_k(L)` on its surface:
 //!
 //! ```text
 //! minimize over L:   sum_k w_k  min { R |dT(q, e)|_k :  x in G_k(L),  q in Q(x),  q hits nothing }
 //! such that          equipment, robot base, obstacles and keep-out boxes share no floor space.
 //! ```
 //!
-//! The sense `|.|_k` is what operation `k` cares about: x, y, z, xy (parts that mate in the plane), xyz, a
-//! direction, plane or rotation in world, surface or tool axes, at a point off the TCP. The reading `R` interprets
-//! the errors: as one signed sample, as a tolerance box (worst case), or as random variables ([`reading`]).
+//! The sense `|.|_k` is the component of the error that operation `k` cares about: x, y, z, xy (parts that
+//! mate in the plane), xyz, a direction, a plane or a rotation. It is in world, surface or tool axes, at the
+//! TCP or at a point off it. The reading `R` interprets the errors: as one signed sample, as a tolerance box
+//! (worst case), or as random variables ([`reading`]).
 //!
 //! # The flow
 //!
@@ -44,7 +45,7 @@
 //! | [`clearance`] | does it hit | layout and frames to the first contact, or none |
 //! | [`motion`] | can it get there | two postures to a collision-free motion, or the first contact |
 //! | [`error_map`] | where is it best | surface to the spot of least error, or to the whole map |
-//! | [`layout`] | what is it worth | **[`layout::evaluate`]: layout to evaluation, the seam** |
+//! | [`layout`] | what is it worth | **[`layout::evaluate`]: layout to evaluation** |
 //! | [`search`] | choose | cell to the best layout found |
 //! | [`proof`] | what is possible | cell to a lower bound that no layout beats |
 //! | [`assess`] | what is known | layout to everything known of it; layouts side by side |
@@ -53,37 +54,39 @@
 //! | [`report`] | say it | records to JSON, CSV, SVG, TOML, text |
 //! | [`cli`] | edge | arguments, files, progress, exit codes |
 //!
-//! Below them all, [`units`] converts, [`geometry`] knows the plane and [`pose`] holds rigid transforms.
+//! Below these modules, [`units`] converts units, [`geometry`] does plane geometry and [`pose`] has rigid
+//! transforms.
 //!
-//! `evaluate` takes a [`layout::Workcell`], a cell made ready (chain, inverse kinematics, parry shapes), and not the
-//! bare cell: a search prepares once and evaluates hundreds of thousands of times.
+//! `evaluate` takes a [`layout::Workcell`]: a cell with its chain, inverse kinematics and parry3d shapes
+//! prepared. A search prepares it once and evaluates hundreds of thousands of layouts.
 //!
 //! # What holds everywhere
 //!
-//! - SI inside: m, rad, f64. Millimetres and degrees live in files and reports, where every name carries its unit;
-//!   [`units`] alone converts.
+//! - SI inside: m, rad, f64. Millimetres and degrees live in files and reports, where every name carries its
+//!   unit; [`units`] alone converts.
 //! - The core does no input or output: only [`cli`] touches files, clock and terminal.
-//! - A [`cell::Cell`] is valid by construction. Faults come all at once, each with file, line, column, what is wrong
-//!   and what to do.
-//! - [`layout::evaluate`] is pure and total: the same input gives the same bits. An infeasible layout is a value with
-//!   its reason, never a panic, an `Err`, NaN or infinity.
-//! - Out of reach, joint limit, orientation, not converged and collision are different answers, each naming the joint
-//!   or the solids.
-//! - A signed sample of errors is not a tolerance: [`cell::SignedErrors`] and [`cell::Tolerance`] are two types.
+//! - A [`cell::Cell`] is valid by construction. The reader reports all faults at once. Each names file, line
+//!   and column, what is wrong and what to do.
+//! - [`layout::evaluate`] is pure and total: the same input gives the same bits. An infeasible layout gives a
+//!   cost and a reason, never a panic, an `Err`, NaN or infinity.
+//! - Out of reach, joint limit, orientation, not converged and collision are different answers, each naming
+//!   the joint or the solids.
+//! - A signed sample of errors is not a tolerance: [`cell::SignedErrors`] and [`cell::Tolerance`] are two
+//!   types.
 //! - Errors are computed as differences; two nearly equal numbers are never subtracted.
-//! - Results are deterministic: an explicit seed, a random stream per restart, results in order. One thread or sixteen
-//!   give the same bytes.
+//! - Results are deterministic: an explicit seed, a random stream per restart, results in order. One thread
+//!   or sixteen give the same bytes.
 //! - The optimizer proposes, `evaluate` decides.
 //!
-//! CONTRIBUTING.md has a glossary, says how to add a robot, an error source, a sense, a family of inverse kinematics or
-//! an exporter, and how we write.
+//! CONTRIBUTING.md has a glossary and our rules for texts. It says how to add a robot, an error source, a
+//! sense, a family of inverse kinematics or an exporter.
 //!
 //! # Example
 //!
 //! ```
 //! use sweetspot::{error_map, files, layout};
 //!
-//! // The core reads through a function: here from the shipped cells.
+//! // The core reads files through a function, which reads the shipped cells here.
 //! let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/cells/");
 //! let mut read = |path: &str| std::fs::read(format!("{folder}{path}")).map_err(|e| e.to_string());
 //! let loaded = files::load("hitachi_paper.toml", &mut read).map_err(|faults| format!("{faults:?}"))?;
