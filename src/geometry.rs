@@ -12,7 +12,9 @@ pub fn turn(a: PlanePoint, b: PlanePoint, c: PlanePoint) -> f64 {
 }
 
 /// Returns the corners of the convex hull, anticlockwise: the monotone chain (A. M. Andrew, Information
-/// Processing Letters 9 (1979) 216-219). Points without an area come back sorted, each once.
+/// Processing Letters 9 (1979) 216-219).
+///
+/// Points that span no area are returned sorted, without duplicates.
 pub fn convex_hull(mut points: Vec<PlanePoint>) -> Vec<PlanePoint> {
     points.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
     points.dedup();
@@ -110,7 +112,7 @@ pub fn simplified_line<const N: usize>(points: &[SVector<f64, N>], tolerance: f6
     (0..points.len()).filter(|k| keep[*k]).collect()
 }
 
-/// Returns the low and the high corner of the bounding box; nothing for no points.
+/// Returns the low and the high corner of the bounding box; None without points.
 pub fn bounding_box(points: impl Iterator<Item = PlanePoint>) -> Option<(PlanePoint, PlanePoint)> {
     let corners = points.map(|p| (p, p));
     corners.reduce(|(lo, hi), (a, b)| ((lo.0.min(a.0), lo.1.min(a.1)), (hi.0.max(b.0), hi.1.max(b.1))))

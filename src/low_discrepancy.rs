@@ -26,7 +26,7 @@ pub fn radical_inverse(mut number: u64, base: u32) -> f64 {
     value
 }
 
-/// Returns the coordinates of point `number` of the Halton sequence, as many as are asked for.
+/// Returns an iterator over the coordinates of point `number` of the Halton sequence, one per prime.
 ///
 /// Point 0 is the origin; useful points begin with number 1.
 pub fn halton(number: u64) -> impl Iterator<Item = f64> {
@@ -43,7 +43,7 @@ pub struct RobertsSequence {
 impl RobertsSequence {
     /// Prepares the sequence in `dimensions` dimensions.
     pub fn new(dimensions: usize) -> Self {
-        /// The fixed-point iteration converges to the last digit in fewer steps for up to 8 dimensions.
+        /// Number of fixed-point iterations; fewer reach the last digit in up to 8 dimensions.
         const ITERATIONS: usize = 64;
         let exponent = 1.0 / (dimensions as f64 + 1.0);
         Self { root: (0..ITERATIONS).fold(2.0, |root: f64, _| (1.0 + root).powf(exponent)) }

@@ -1,4 +1,4 @@
-//! Rigid poses, and small rigid motions whose digits survive.
+//! Rigid poses, and small rigid motions computed without loss of digits.
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 

@@ -13,7 +13,7 @@ pub struct Discrepancy {
     pub resultant: Option<f64>,
 }
 
-/// Returns the discrepancy of two position errors; for the resultant it compares sizes, as the paper does.
+/// Returns the discrepancy of two position errors. The resultant compares their sizes, as in the seed paper.
 pub fn discrepancy(nonlinear: &Vector3<f64>, linear: &Vector3<f64>) -> Discrepancy {
     Discrepancy {
         x: percent(nonlinear.x, linear.x),
@@ -23,7 +23,7 @@ pub fn discrepancy(nonlinear: &Vector3<f64>, linear: &Vector3<f64>) -> Discrepan
     }
 }
 
-/// Size, m or rad, below which an error is rounding: a registration has removed it.
+/// Size, m or rad, below which an error is only rounding, for example after a registration has removed it.
 pub const NEGLIGIBLE: f64 = 1e-12;
 
 /// Returns the deviation of a model from the nonlinear one, as a share of the nonlinear resultant.

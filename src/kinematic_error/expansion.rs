@@ -18,7 +18,7 @@ pub struct MotionTerm {
 impl MotionTerm {
     const NONE: Self = Self { g: Vector3::new(0.0, 0.0, 0.0), w: Vector3::new(0.0, 0.0, 0.0) };
 
-    /// Returns motion `k` of those before the joint frames, in the order of [`Parameter::of_robot`].
+    /// Returns motion `k` in the order of [`Parameter::of_robot`]; it must not be that of a joint frame.
     ///
     /// The motion of dq is always the rotation dtheta: the translation of a prismatic joint is that of dr.
     #[inline(always)]

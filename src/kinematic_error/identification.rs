@@ -7,23 +7,24 @@
 //! A chain of n revolute joints has 4 n + 6 independent parameters, base and tool included (Everett,
 //! Driels and Mooring 1987). The links alone have the 4 n parameters of either set:
 //!
-//! - four parameters, dq, dr, dl, dalpha of every link: for two parallel neighbouring axes, dr of both
-//!   is the same translation; for nearly parallel ones they differ by the angle between the axes alone;
-//! - five parameters (Hayati 1983): there dbeta, the rotation that the four cannot make, replaces dr.
+//! - four parameters: dq, dr, dl, dalpha of every link. For two parallel neighbouring axes, the two dr are
+//!   the same translation. For nearly parallel ones they differ by the angle between the axes alone;
+//! - five parameters (Hayati 1983): at parallel axes dbeta, the rotation that the four cannot make, replaces
+//!   dr.
 //!
-//! A prismatic joint has fewer independent parameters. Its dr is its dq. Since it rotates nothing, all
-//! translations between two revolute joints are vectors in one body, of which three are independent.
-//! Both sets leave out the dependent ones, and the six of every joint frame, which depend on the rows.
-//! Neither set has a parameter for the rotation of a prismatic joint about its axis. Other dependencies
-//! show in the condition number: coincident axes, or postures that do not move a joint.
+//! A prismatic joint has fewer independent parameters. Its dr is its dq. The joint rotates nothing, so all
+//! translations between two revolute joints are vectors in one body. Three of these are independent. Both
+//! sets leave out the dependent ones, and the six of every joint frame, which depend on the rows. Neither set
+//! has a parameter for the rotation of a prismatic joint about its axis. Other dependencies show in the
+//! condition number: coincident axes, or postures that do not move a joint.
 
 use super::Expansion;
 use crate::cell::{JointKind, MAX_JOINTS, Parameter};
 use crate::robot::{Chain, Frames, Posture};
 use nalgebra::{DMatrix, Vector3};
 
-/// Sine of the angle (6 degrees) below which axes count as parallel. At smaller angles the uncertainty
-/// of dr would be more than ten times as large as it need be.
+/// Sine of the angle (6 degrees) below which axes count as parallel. At smaller angles the uncertainty of dr
+/// would be more than ten times as large as necessary.
 const NEARLY_PARALLEL: f64 = 0.1;
 
 /// Parameters per link that a calibration identifies.

@@ -56,7 +56,7 @@ fn moved(motion: &SmallMotion<'_>, x: &Vector3<f64>) -> Vector3<f64> {
     }
 }
 
-/// Visits the small motions from the tool back to the base; with `JOINTS` those of the joint frames too.
+/// Visits the small motions from the tool back to the base; `JOINTS` includes those of the joint frames.
 #[inline]
 fn walk_back<const JOINTS: bool>(
     frames: &Frames,

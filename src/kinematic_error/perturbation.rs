@@ -7,7 +7,7 @@ use crate::robot::Chain;
 /// Small rotation angle with sine and versine, computed without subtracting nearly equal numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Turn {
-    /// rad
+    /// Angle, rad.
     pub angle: f64,
     pub sin: f64,
     /// `1 - cos(angle)`, computed from the half angle.
@@ -29,7 +29,7 @@ impl Turn {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct LinkError {
     pub dtheta: Turn,
-    /// m
+    /// Error of the axial offset, m.
     pub dr: f64,
     pub dl: f64,
     pub dalpha: Turn,

@@ -1,9 +1,9 @@
 //! Continuous collision checking of a straight move in joint coordinates.
 //!
-//! A stretch of the move is free if, in its middle, every pair of solids is farther apart than the two
-//! can approach each other over half of it; otherwise the stretch is halved (F. Schwarzer, M. Saha, J.-C.
-//! Latombe, "Adaptive dynamic collision checking for single and multiple articulated robots in complex
-//! environments", IEEE Transactions on Robotics 21, 2005). A point that joint i rotates moves by at most
+//! A stretch of the move is free if, over half of it, no pair of solids can approach each other by its
+//! distance in the middle. Otherwise the stretch is halved (F. Schwarzer, M. Saha, J.-C. Latombe, "Adaptive
+//! dynamic collision checking for single and multiple articulated robots in complex environments", IEEE
+//! Transactions on Robotics 21, 2005). A point that joint i rotates moves by at most
 //!
 //! ```text
 //! |dtheta_i| (|l_i| + sum over the rows k after it of hypot(l_k, max |r_k|) + radius of the solid),

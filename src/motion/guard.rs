@@ -1,4 +1,4 @@
-//! Motion rules for the postures of an operation: not singular, approach and retract free.
+//! Motion rules for the postures of an operation: distance from singularities, free approach, free retract.
 
 use super::continuous_collision::{Move, PathHit, first_hit};
 use super::measures::singularity;
@@ -26,16 +26,16 @@ pub struct Guard {
 pub enum PostureRefusal {
     /// The posture, or the line to or from it, is too near to a singularity; see [`singularity`].
     Singular { measure: f64 },
-    /// The straight line to the spot is blocked; metres count from the spot.
+    /// The straight line to the spot is blocked; lengths along it count from the spot.
     Approach(Hindrance),
-    /// The straight line back from the spot is blocked; metres count from the spot.
+    /// The straight line back from the spot is blocked; lengths along it count from the spot.
     Retract(Hindrance),
 }
 
 /// Obstacle of a move.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Hindrance {
-    /// A contact. Its share counts from the spot for a line to a spot.
+    /// Contact with a solid. On a line to a spot, [`PathHit::at`] counts from the spot.
     Hit(PathHit),
     /// The arm cannot follow the line.
     Stopped(Stopped),
@@ -61,7 +61,7 @@ impl Guard {
     /// Checks whether a collision-free posture can be used for an operation; cheap checks come first.
     ///
     /// # Errors
-    /// Why it cannot be used.
+    /// Returns the reason if the posture cannot be used.
     pub fn admits(
         &self,
         scene: &Scene,
@@ -111,7 +111,9 @@ impl Guard {
         straight(&self.chain, joints, &(axis * -length), self.reach)
     }
 
-    /// Returns the first contact along several moves. Its share is one of all moves, taken as equally long.
+    /// Returns the first contact along several moves, with its share of the whole path.
+    ///
+    /// All moves count as equally long.
     pub(super) fn first_hit(
         &self,
         scene: &Scene,

@@ -36,9 +36,9 @@ pub fn measures(chain: &Chain, joints: &JointVector, reach: f64) -> Measures {
 /// Returns the least singular value of the geometric Jacobian, with lengths divided by `reach` (m).
 ///
 /// It is a measure of manipulability, 0 in a singular posture (C. A. Klein, B. E. Blaho, "Dexterity measures
-/// for the design and control of kinematically redundant manipulators", IJRR 6(2), 1987). On the division by
-/// a characteristic length see J. Angeles, Fundamentals of Robotic Mechanical Systems. An arm with n < 6
-/// actuators moves the TCP in n directions only; then the n-th largest value counts.
+/// for the design and control of kinematically redundant manipulators", IJRR 6(2), 1987). J. Angeles,
+/// Fundamentals of Robotic Mechanical Systems, explains the division by a characteristic length. An arm with
+/// n < 6 actuators moves the TCP in n directions only; then the n-th largest value counts.
 pub fn singularity(chain: &Chain, frames: &Frames, reach: f64) -> f64 {
     let actuators = chain.links.iter().filter(|link| is_moving(link.limits)).count();
     let mut values: [f64; 6] = scaled_jacobian(chain, frames, reach).singular_values().into();

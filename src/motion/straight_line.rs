@@ -43,7 +43,7 @@ pub enum Stopped {
 /// characteristic length of the arm, m.
 ///
 /// # Errors
-/// Where the line ends, and why.
+/// Returns where the line ends, and why.
 pub fn straight(
     chain: &Chain,
     from: &JointVector,

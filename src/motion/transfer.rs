@@ -44,7 +44,7 @@ pub struct Transfer {
     /// It is proportional to the time if all joints start and stop together with equal top speeds. A
     /// prismatic travel by the arm's reach counts as 1 rad.
     pub travel: f64,
-    /// Joint vector of the next operation at its spot, in the nearest turns of the joints.
+    /// Joint vector of the next operation at its spot, with every joint in its nearest turn.
     pub arrival: JointVector,
 }
 
@@ -67,7 +67,7 @@ impl Guard {
     /// There are none if the cell does not ask for them.
     ///
     /// # Errors
-    /// The first transfer that is blocked.
+    /// Returns the first transfer that is blocked.
     pub fn transfers(
         &self,
         scene: &Scene,
@@ -95,7 +95,7 @@ impl Guard {
     /// Returns the first free transfer between two operations, checked with the parts that either holds.
     ///
     /// # Errors
-    /// The obstacle of every route.
+    /// Returns the obstacle of every route if no route is free.
     pub fn transfer(
         &self,
         scene: &Scene,
