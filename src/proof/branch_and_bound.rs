@@ -1,10 +1,10 @@
 //! Branch and bound over boxes of joint coordinates, with interval bounds from Taylor models.
 //!
-//! In every box the constraints are expanded first. A constraint that cannot be met discards the box, the
-//! others contract it. Then, for any multipliers lambda, `phi - sum lambda_m c_m` over the whole box and
-//! `lambda_m c_m` over the allowed `c_m` bound the value from below (Lagrangian relaxation). With the
-//! multipliers of the box's own optimum the bound is of second order, so that boxes need not get small
-//! where constraints are active.
+//! In every box the constraints are expanded first. A constraint that cannot be met discards the box; the
+//! others contract it. Then Lagrangian relaxation bounds the value from below, for any multipliers lambda: a
+//! lower bound of `phi - sum lambda_m c_m` over the whole box is added to those of `lambda_m c_m` over the
+//! allowed `c_m`. With the multipliers of the box's own optimum the bound is of second order, so that boxes
+//! need not get small where constraints are active.
 
 use super::coordinates::Coordinates;
 use super::region::Constraint;

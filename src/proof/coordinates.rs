@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 
 /// Sine below which axes count as parallel: far above rounding, far below any tolerance.
 const PARALLEL_SINE: f64 = 1e-12;
-/// Tolerance, rad or m, with which the inverse kinematics keeps limits.
+/// Tolerance, rad or m, of the joint limits in the inverse kinematics.
 ///
 /// The cosine of an angle may be off by 1e-12, a prismatic coordinate by 1e-9 m.
 const LIMIT_TOLERANCE: f64 = 2e-6;

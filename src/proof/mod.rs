@@ -1,10 +1,10 @@
 //! Proof: a lower bound of the objective of every layout, by branch and bound with Taylor models.
 //!
-//! The problem is relaxed. Collisions and overlaps do not count. Each operation chooses its spot alone,
-//! anywhere its height, its elevation and its distance from the base allow ([`OperationRegion`]). A posture
-//! is all that is left, so that the least error is a minimum over joint coordinates within their limits.
-//! Errors behind a vertical first axis rotate with it. So that joint drops out, unless the sense or an error
-//! before it depends on directions. Branch and bound over the other joints closes the gap:
+//! The problem is relaxed. Collisions and overlaps do not count. Each operation chooses its spot
+//! independently, wherever height, elevation and distance from the base allow it ([`OperationRegion`]). Only
+//! the posture remains unknown, so the least error is a minimum over joint coordinates within their limits.
+//! Errors behind a vertical first axis rotate with it. The first joint then drops out, unless the sense or an
+//! error before it depends on directions. Branch and bound over the other joints closes the gap:
 //!
 //! | file | content |
 //! |---|---|
@@ -49,7 +49,8 @@ pub struct ProofOptions {
     pub gap: f64,
     /// Largest number of boxes per operation.
     pub boxes: u64,
-    /// Values of the operations in some layout, which discard boxes above; None if none is known.
+    /// Values of the operations in some layout; None if none is known. Boxes with larger bounds are
+    /// discarded.
     pub known: Option<Vec<f64>>,
 }
 

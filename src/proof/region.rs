@@ -131,7 +131,7 @@ fn farthest(place: &Place) -> f64 {
     }
 }
 
-/// Ranges of the position of an equipment's frame, seen from the robot base, m.
+/// Ranges of the position of the frame of a piece of equipment, seen from the robot base, m.
 struct EquipmentRange {
     x: (f64, f64),
     y: (f64, f64),

@@ -1,8 +1,8 @@
 //! A chain as screw axes at a reference posture (product of exponentials).
 //!
-//! With `theta` counted from the reference, `T(theta) = exp(S_1 theta_1) ... exp(S_n theta_n) T(0)`
-//! (R. W. Brockett 1984). A chain with errors differs by its axes and its end alone. The places of the
-//! frames of its rows do not matter, so that rows with huge offsets that cancel are harmless.
+//! With `theta` counted from the reference, `T(theta) = exp(S_1 theta_1) ... exp(S_n theta_n) T(0)` (R. W.
+//! Brockett 1984). A chain with errors differs by its axes and its end alone. It does not matter where the
+//! frames of its rows are. So rows with huge offsets that cancel are harmless.
 
 use crate::cell::{JointKind, MAX_JOINTS, PER_FRAME, Parameter};
 use crate::kinematic_error::{FrameError, Perturbation};

@@ -47,7 +47,7 @@ impl<'a> Task<'a> {
     /// Prepares an operation in a region.
     ///
     /// # Errors
-    /// Why there is no bound.
+    /// Returns the reason if there is no bound.
     pub fn new(workcell: &'a Workcell, region: &OperationRegion) -> Result<Self, WhyNot> {
         let cell = &workcell.cell;
         let (operation, gauge) = (&cell.operations[region.operation], workcell.evaluator(region.operation));
@@ -125,9 +125,9 @@ impl<'a> Task<'a> {
 
     /// Returns the largest difference, m, of the cell's model from the one that is bounded.
     ///
-    /// In a worst case two opposite corners share the even orders: `max |+-L + E + O| >= |L| - |O|`. A
-    /// second-order model lacks the third order of the nonlinear one. For motions with rotations `a_k` and
-    /// displacements `b_k` both differences are at most `sum_k b_k (sum_j a_j)^2 / 2`.
+    /// In a worst case, two opposite corners have equal even orders E, so that
+    /// `max |+-L + E + O| >= |L| - |O|`. A second-order model lacks the third order of the nonlinear one. For
+    /// motions with rotations `a_k` and displacements `b_k` both differences are at most `sum_k b_k (sum_j a_j)^2 / 2`.
     fn lost(&self) -> f64 {
         let sizes: Vec<f64> = match (self.gauge.reading, self.gauge.model) {
             (Reading::Signed, Model::SecondOrder) => self.gauge.sources.signed(),

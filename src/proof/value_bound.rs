@@ -6,7 +6,7 @@
 //! ```text
 //! signed        u = e / |e|:  |e| >= u . e
 //! worst-case    the farthest corner s at c is one of the corners everywhere
-//! statistical   |e| ~ N(mu, S):  a mean makes each quantity larger, so that mu = 0 is below; with
+//! statistical   |e| ~ N(mu, S):  a mean enlarges each quantity, so mu = 0 gives a lower bound; with
 //!               A = d(quantity^2)/dS at c:  quantity^2 >= <A, S>  (rms: A = 1, equality)
 //! ```
 //!
@@ -48,7 +48,7 @@ impl EffectSum {
     /// Returns the rule of an evaluator for a sense with this number of rows.
     ///
     /// # Errors
-    /// Why the reading has no bound.
+    /// Returns the reason if the reading has no bound.
     pub fn new(gauge: &ErrorEvaluator, rows: usize) -> Result<Self, WhyNot> {
         let list = &gauge.sources.list;
         match gauge.reading {

@@ -14,7 +14,7 @@ const TOLERANCE: f64 = 1e-9;
 /// Returns a posture in a box that keeps limits and constraints, with its value.
 ///
 /// It takes least-norm Newton steps from `y`, clamped to the box from `low` to `high`. A violation up to
-/// [`TOLERANCE`] counts as kept: the best posture is often in a corner of what is allowed, and no bound
+/// [`TOLERANCE`] is accepted, since the best posture is often in a corner of the allowed set. No bound
 /// depends on it.
 pub(super) fn near(
     task: &Task<'_>,
