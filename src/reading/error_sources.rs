@@ -7,7 +7,7 @@ use crate::kinematic_error::{Expansion, FrameError, Perturbation};
 use crate::robot::Chain;
 use nalgebra::DMatrix;
 
-/// Largest number of sources of one operation: those of the robot and of two pieces of equipment.
+/// Largest number of sources of one operation: all parameters of the robot and of two pieces of equipment.
 pub const MAX_SOURCES: usize = MAX_PARAMETERS + 2 * PER_FRAME;
 
 /// One parameter with an error.

@@ -21,7 +21,7 @@ pub struct ErrorEvaluator {
     pub sources: ErrorSources,
     best_fit: Option<BestFit>,
     pub sense: Sense,
-    /// Senses reported at every node: those of the paper and the operation's own.
+    /// Senses reported at every node: the seed paper's and the operation's own.
     pub reported: Vec<Sense>,
     pub model: Model,
     pub reading: Reading,
@@ -106,7 +106,7 @@ impl ErrorEvaluator {
         ErrorPropagation { chain: &self.chain, sources: &self.sources, best_fit: self.best_fit.as_ref() }
     }
 
-    /// Returns a pick at `frames`, with its effects as the evaluator of the placing operation sees them.
+    /// Returns a pick at `frames`, with the error effects that this evaluator computes for it.
     pub fn pick_reference(&self, site: WorkFrame, frames: Frames) -> PickReference {
         let mut effects = Effects::default();
         let mut expansion = self.sources.expansion(&self.chain);
@@ -114,7 +114,7 @@ impl ErrorEvaluator {
         PickReference { site, frames, effects }
     }
 
-    /// Returns whether second-order means count.
+    /// Returns whether second-order means are included.
     pub fn takes_mean(&self) -> bool {
         self.model != Model::Linear
     }

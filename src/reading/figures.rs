@@ -19,7 +19,7 @@ pub struct Figures {
 }
 
 impl Figures {
-    /// Returns the figure of a reading; for a yield, which has no unit of error, the 95th percentile.
+    /// Returns the figure of a reading. A yield has no unit of error; its figure is the 95th percentile.
     pub fn in_reading(&self, reading: Reading, quantity: Quantity) -> f64 {
         match (reading, quantity) {
             (Reading::Signed, _) => self.error,

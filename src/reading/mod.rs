@@ -1,7 +1,7 @@
 //! Tolerance analysis: the parameter errors of section 2 read as a sample, a worst case or a distribution.
 //!
-//! The paper maps one signed sample. Read as tolerances, the same numbers are a box of samples, of which
-//! the worst counts, or random variables, of which the spread counts (root sum of squares, RSS):
+//! The seed paper maps one signed sample. Read as tolerances, the same numbers are a box of samples, and the
+//! worst of these counts. Read as random variables, their spread counts (root sum of squares, RSS):
 //!
 //! ```text
 //! signed        |e|                        e = the model's error of the sample
@@ -10,8 +10,8 @@
 //! ```
 //!
 //! Here `g_k` is the effect of [`ErrorSource`] k at its tolerance (or its standard deviation) in the rows of
-//! a sense ([`SenseRows`]). It does not include what the cell has measured itself ([`BestFit`], [`Taught`])
-//! nor, for a picked part, the error of the pick ([`PickReference`]).
+//! a sense ([`SenseRows`]). It excludes the error that a registration removes ([`BestFit`], [`Taught`]) and,
+//! for a picked part, the error of the pick ([`PickReference`]).
 
 mod budget;
 mod effects;

@@ -51,7 +51,7 @@ pub struct MonteCarlo {
     pub p99: Estimate,
     /// Probability that |error| <= limit; None for an operation without a limit.
     pub success: Option<Estimate>,
-    /// Share of samples that exceed the p95 asked about.
+    /// Share of samples that exceed the given first-order p95.
     pub above: Estimate,
     pub histogram: Histogram,
 }

@@ -1,10 +1,10 @@
 //! Distribution of the norm of a nearly normal vector: `|e|` with `e ~ N(mu, sum_k g_k g_k^T)`.
 //!
-//! It is a generalized chi distribution, known by the characteristic function (here the Laplace transform)
-//! of `|e|^2`. `P(|e| <= c)` is computed by its inverse transform, not by fitting moments. It is accurate
-//! to 1e-10 for normal parameters, whatever the ratios of the eigenvalues. Parameters that are not normal
-//! enter by their fourth and sixth cumulants, to second order: ten uniform ones in space are accurate within
-//! 0.2 %, five within 3 %. The method does not suit fewer.
+//! It is a generalized chi distribution, known by the characteristic function (here the Laplace transform) of
+//! `|e|^2`. `P(|e| <= c)` is computed by its inverse transform, not by fitting moments. It is accurate to
+//! 1e-10 for normal parameters, whatever the ratios of the eigenvalues. For parameters that are not normal,
+//! the fourth and sixth cumulants correct it to second order. With ten uniform parameters in three dimensions
+//! it is accurate within 0.2 %, with five within 3 %. It does not suit fewer parameters.
 
 mod bromwich;
 mod cumulants;

@@ -1,8 +1,8 @@
 //! Registration: frames measured with the robot itself, a best-fitted base and taught surfaces.
 //!
-//! A registration is a rigid motion M that follows the errors E at some points as well as its rule can. The
-//! controller works in the moved frame, and the error left at a node is `M^-1 E`. To first order that is
-//! a difference of twists. For the exact models the rule is applied again to the error left, which converges
+//! A registration is a rigid motion M that a rule fits to the errors E at some points. The controller works
+//! in the moved frame, and the error left at a node is `M^-1 E`. To first order that is a difference of
+//! twists. For the exact models the rule is applied repeatedly to the remaining error. This converges
 //! quadratically and keeps the digits of small errors.
 
 use super::{Effects, ErrorSources};

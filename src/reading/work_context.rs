@@ -1,4 +1,4 @@
-//! The work of an operation under one layout: its frame, and the pick of the part before.
+//! Work of an operation under one layout: its frame, and the pick of the part that it places.
 
 use super::effects::Effects;
 use super::registration::Taught;
@@ -38,7 +38,7 @@ pub struct WorkContext {
 impl WorkContext {
     /// Returns whether a target (base frame, m) was touched to teach the frame.
     ///
-    /// The remaining error there is zero by the rule of the frame and tells nothing of the surface.
+    /// The remaining error there is zero by definition of the frame, so it tells nothing about the surface.
     pub fn touches(&self, target: &Vector3<f64>) -> bool {
         self.site.taught.as_ref().is_some_and(|taught| taught.touches(target))
     }

@@ -31,7 +31,7 @@ const MAX_EXHAUSTIVE: usize = 7;
 const MAX_EXHAUSTIVE_MERGED: usize = 11;
 /// Sine of the angle below which generators count as parallel.
 ///
-/// Parallel generators take signs that add up, unless they are smaller than this part of the sum.
+/// Parallel generators take signs that add up, except those that are smaller than this share of the sum.
 const PARALLEL_SINE: f64 = 1e-13;
 /// Cosine below which directions count as perpendicular.
 const PERPENDICULAR: f64 = 1e-14;

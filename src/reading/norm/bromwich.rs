@@ -1,12 +1,12 @@
 //! Inverse Laplace transform (Bromwich integral): `P(Q <= x)`, its density and the slope of the density.
 //!
-//! All three come from the same values of the transform. All singularities lie on the negative real axis.
-//! So the trapezoidal rule on a contour around it converges geometrically, whatever the ratios of the
+//! All three come from the same values of the transform. All singularities lie on the negative real axis. So
+//! the trapezoidal rule on a contour around it converges geometrically, whatever the ratios of the
 //! eigenvalues. For a small mean the contour is the parabola of J. A. C. Weideman and L. N. Trefethen,
 //! "Parabolic and hyperbolic contours for computing the Bromwich integral", Math. Comp. 76 (2007):
 //! `z x = M (1 + i t)^2`, `M = pi N / 12`, steps of `3 / N`, error about `8.12^-N`, the same points for every
-//! x. A large mean brings exponentials that grow to the left of the discs over `[-1/(2 l_i), 0]`. There a
-//! steep hyperbola through the saddle point of the integrand keeps every term small.
+//! x. With a large mean, the integrand has exponentials that grow to the left of the discs over
+//! `[-1/(2 l_i), 0]`. There a steep hyperbola through the saddle point of the integrand keeps every term small.
 
 use super::spectrum::Spectrum;
 use nalgebra::Complex;

@@ -16,7 +16,8 @@
 
 use nalgebra::{Complex, Vector6};
 
-/// Ratio `six / gamma^2` of the uniform distribution and of sums of equal uniform ones, as the triangular.
+/// Ratio `six / gamma^2` of the uniform distribution and of sums of equal uniform ones, such as the
+/// triangular distribution.
 const SIXTH_CUMULANT_RATIO: f64 = 100.0 / 21.0;
 
 /// Axes of the covariance with a positive eigenvalue.

@@ -117,7 +117,8 @@ fn across(axis: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
 
 /// Solves the 3-D case in which every generator is along one axis or perpendicular to it.
 ///
-/// The signs follow along the axis and in the plane separately. Returns false if there is no such axis.
+/// The signs along the axis and those in the plane are found separately. Returns false if there is no such
+/// axis.
 pub(super) fn split(generators: &[Vector3<f64>], walk: &mut CircleWalk, signs: &mut [f64]) -> bool {
     let Some(axis) = axis(generators) else { return false };
     let (e1, e2) = across(&axis);
