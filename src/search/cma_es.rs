@@ -2,7 +2,8 @@
 //! adaptation. Formulas and default parameters: N. Hansen, "The CMA Evolution Strategy: A
 //! Tutorial", arXiv:1604.00772, equations and Table 1 as numbered there.
 //!
-//! The method uses only ranks of costs. So the jumps of the cost at infeasible layouts do no harm.
+//! The method uses only ranks of costs. So it is not disturbed by the jumps of the cost at infeasible
+//! layouts.
 
 use argmin::core::{
     CostFunction, Error, IterState, KV, Problem, Solver, State, TerminationReason, TerminationStatus,

@@ -45,7 +45,7 @@ pub enum Unfit {
     Dimensions { has: usize, needs: usize },
     /// The checkpoint has more evaluations than the new budget.
     Budget { used: u64 },
-    /// The checkpoint has other goals, or keeps another number of layouts.
+    /// The checkpoint has other goals or another number of layouts to keep.
     Kept,
     /// The search would have ended earlier under the new rules.
     Ended(SearchEnd),
@@ -67,10 +67,10 @@ impl Checkpoint {
         &self.stopping
     }
 
-    /// Checks that a search can resume with the bytes of one that was never interrupted.
+    /// Checks that a resumed search would give the same bytes as one that was never interrupted.
     ///
     /// # Errors
-    /// Why a search with these dimensions and rules cannot.
+    /// Returns the reason if a search with these dimensions and rules cannot resume.
     pub fn check(&self, dimensions: usize, stopping: &Stopping) -> Result<(), Unfit> {
         let has = self.record.point.len();
         if has != dimensions {

@@ -1,10 +1,10 @@
-//! Search of the best layout: the placement of every movable equipment, by argmin solvers.
+//! Search for the best layout: the placement of all movable equipment, by argmin solvers.
 //!
 //! The free coordinates of all placements form a point of the unit cube ([`SearchSpace`]). The cost of a
 //! point is that of [`crate::layout::evaluate`], with a penalty for infeasible layouts. A global solver with
-//! restarts (CMA-ES by default) takes most of the budget, a Nelder-Mead polish from the best layout the
-//! rest. The solvers propose, `evaluate` decides: the problem keeps the best feasible layout ever seen,
-//! whatever the best of a solver is. The same cell, seed and budget give the same bytes for any number of
+//! restarts (CMA-ES by default) uses most of the budget. A Nelder-Mead polish of the best layout uses the
+//! rest. The solvers propose, `evaluate` decides: the problem keeps the best feasible layout ever seen, even
+//! if the solver's own best is another. The same cell, seed and budget give the same bytes for any number of
 //! threads.
 //!
 //! A Pareto search minimizes another scalarization of its goals in every run, and offers every feasible
@@ -65,7 +65,7 @@ pub struct SearchRecord {
     pub feasible: u64,
     /// Number of evaluations and objective (m) at each improvement of the best feasible layout.
     pub trace: Vec<(u64, f64)>,
-    /// Lower bound of the objective that was given, m.
+    /// Lower bound of the objective, m, if one was given.
     pub bound: Option<f64>,
     pub ended: SearchEnd,
     /// Pareto front sorted by its first goal, or the shortlist with the best layout first.
@@ -97,12 +97,12 @@ pub struct SearchJob<'a> {
     pub keep: Keep<'a>,
 }
 
-/// Searches the best layout of a cell.
+/// Searches for the best layout of a cell.
 pub fn search(workcell: &Workcell, settings: &SearchSettings, watch: &Watch<'_>) -> SearchRecord {
     search_job(workcell, settings, watch, &SearchJob { bound: None, from: None, keep: &|_, _| () })
 }
 
-/// Searches the best layout of a cell, resuming from a checkpoint if there is one.
+/// Searches for the best layout of a cell, resuming from a checkpoint if there is one.
 ///
 /// A resumed search ends in the same bits as one with the same settings that was never interrupted.
 pub fn search_job(

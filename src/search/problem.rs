@@ -69,7 +69,7 @@ pub struct Problem<'a> {
     scalarization: Mutex<Option<Scalarization>>,
     /// Working memory of the threads, reused between calls.
     workspaces: Mutex<Vec<Workspace>>,
-    /// Random stream of [`Anneal`], which argmin calls without one.
+    /// Random stream of [`Anneal`], to which argmin passes none.
     annealing: Mutex<ChaCha8Rng>,
 }
 

@@ -19,7 +19,7 @@ pub struct Answer {
     pub losses: Vec<f64>,
 }
 
-/// Answer in few characters, so that a journal of thousands stays small.
+/// Compact form of an [`Answer`], so that a journal of thousands stays small.
 #[derive(Serialize, Deserialize)]
 #[serde(untagged)]
 enum CompactAnswer {

@@ -13,7 +13,7 @@ const RESERVE_FACTOR: usize = 4;
 
 /// Best layouts seen, each of which really differs from every better one.
 ///
-/// A layout that a better neighbour has replaced does not return when that one is replaced in turn.
+/// A layout that a better neighbour has replaced does not return, even if that neighbour is replaced later.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Shortlist {
     keep: usize,

@@ -35,7 +35,7 @@ const POLISH_TOLERANCE: f64 = 1e-10;
 type IterationState = IterState<Vec<f64>, (), (), (), (), f64>;
 type SwarmState = PopulationState<Particle<Vec<f64>, f64>, f64>;
 
-/// Runs the global solver repeatedly from other points until its budget is used up.
+/// Runs the global solver repeatedly, each time from another point, until its budget is used up.
 ///
 /// The first run starts from the layout in the file, if the solver takes a start point.
 pub fn explore(problem: &Problem<'_>, settings: &SearchSettings, start: Vec<f64>) {

@@ -10,7 +10,7 @@ pub(super) struct Lease<'a> {
 }
 
 impl<'a> Lease<'a> {
-    /// Takes working memory from the pool, or makes new one.
+    /// Takes working memory from the pool, or creates it.
     pub(super) fn new(free: &'a Mutex<Vec<Workspace>>) -> Self {
         let workspace = locked(free).pop().unwrap_or_default();
         Self { free, workspace }
