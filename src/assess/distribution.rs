@@ -1,4 +1,4 @@
-//! Monte Carlo distribution of the error at a spot, whatever the reading under which it was chosen.
+//! Monte Carlo distribution of the error at a spot, which may be chosen in any reading.
 
 use super::{Assessment, SAMPLES};
 use crate::cell::{Interpretation, Model, Quantity, Reading, Unit};

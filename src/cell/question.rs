@@ -24,7 +24,7 @@ pub struct Interpretation {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum About {
     Reading,
-    /// An operation by its index.
+    /// Operation by its index.
     Operation(usize),
     Sense(usize),
 }

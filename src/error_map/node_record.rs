@@ -178,7 +178,7 @@ impl PostureRecord {
 pub struct OperationMap {
     /// Index into [`Cell::operations`].
     pub operation: usize,
-    /// The senses in which every node is reported: the paper's, and the operation's own.
+    /// Senses in which every node is reported: the seed paper's and the operation's own.
     pub senses: Vec<Sense>,
     pub nodes: Vec<NodeRecord>,
     /// Index of the usable node with the least value. For an operation at every node: the node with the

@@ -120,7 +120,7 @@ impl<'a> Probe<'a> {
         }
     }
 
-    /// Computes the value with a held posture, whatever it touches and whichever joint limit it passes.
+    /// Computes the value with a held posture, even if it collides or passes a joint limit.
     pub fn beyond_limits(&mut self, held: &HeldPosture) -> Option<f64> {
         let branch = self.branch_near(held)?;
         self.value(&branch.posture).ok()

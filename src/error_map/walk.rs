@@ -39,7 +39,7 @@ pub trait PostureVisitor {
     /// Receives a posture within the joint limits.
     fn candidate(&mut self, candidate: PostureCandidate);
 
-    /// Is called at the end of a node, after its candidates.
+    /// Receives the end of a node, after its candidates.
     fn end_of_node(&mut self, _query: &OperationQuery<'_>, _node: &VisitedNode, _memory: &mut PostureMemory) {
     }
 }

@@ -109,8 +109,10 @@ pub fn slack(cell: &Cell) -> f64 {
     base + equipment.sum::<f64>()
 }
 
-/// Returns an upper bound of the distance, m, from the origin of a piece of equipment to any point of its
-/// floor space and of all that stands on it.
+/// Returns an upper bound of the distance, m, from the origin of a piece of equipment to its farthest point
+/// in plan.
+///
+/// All equipment that stands on it counts, too.
 fn farthest_on(cell: &Cell, k: usize) -> f64 {
     let riders = cell.equipment.iter().enumerate().filter(|(_, e)| e.on == Some(k));
     let of = |(rider, e): (usize, &Equipment)| {

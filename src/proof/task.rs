@@ -127,7 +127,8 @@ impl<'a> Task<'a> {
     ///
     /// In a worst case, two opposite corners have equal even orders E, so that
     /// `max |+-L + E + O| >= |L| - |O|`. A second-order model lacks the third order of the nonlinear one. For
-    /// motions with rotations `a_k` and displacements `b_k` both differences are at most `sum_k b_k (sum_j a_j)^2 / 2`.
+    /// motions with rotations `a_k` and displacements `b_k` both differences are at most
+    /// `sum_k b_k (sum_j a_j)^2 / 2`.
     fn lost(&self) -> f64 {
         let sizes: Vec<f64> = match (self.gauge.reading, self.gauge.model) {
             (Reading::Signed, Model::SecondOrder) => self.gauge.sources.signed(),

@@ -63,10 +63,10 @@ const PARALLEL_SINE: f64 = 1e-6;
 /// Returns the worst case by a model whose error at a corner is `error`.
 ///
 /// The local search starts from the linear corner and its opposite, whose errors differ in size by the even
-/// orders alone. It flips signs, alone or with all parallel ones. Only signs are flipped that matter less than
-/// the models differ, or less than `quadratic`, the size of the products of errors. Groups matter: on a planar
-/// arm the lateral effects are perpendicular to all others. Linear corners then come in pairs which no single
-/// flip joins. `largest` are the corners of the largest motions.
+/// orders alone. It flips signs, alone or with all parallel ones. Only signs are flipped that matter less
+/// than the models differ, or less than `quadratic`, the size of the products of errors. Groups matter: on a
+/// planar arm the lateral effects are perpendicular to all others. Linear corners then come in pairs which no
+/// single flip joins. `largest` are the corners of the largest motions.
 pub fn by_model(
     columns: &[Vector6<f64>],
     linear: &Farthest,

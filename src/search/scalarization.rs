@@ -17,8 +17,8 @@ use crate::low_discrepancy::halton;
 /// Factor rho of the sum: of two layouts with the same maximum the one with the smaller sum wins.
 const AUGMENTATION: f64 = 1e-3;
 
-/// Span of the cost of a run. It is similar to that of errors in m, for which the temperatures of annealing are
-/// chosen.
+/// Span of the cost of a run. It is similar to the span of errors in m, which the temperatures of annealing
+/// suit.
 const COST_SCALE: f64 = 0.02;
 
 /// Largest cost, which is below that of every infeasible layout.

@@ -10,7 +10,7 @@ pub enum NeighbourChange {
     List,
     /// Other values of two lists.
     Lists,
-    /// A step in one range, by this share of it.
+    /// A step in one range, as a share of that range.
     Range(f64),
 }
 

@@ -28,7 +28,7 @@ pub enum SearchEnd {
     Interrupted,
     /// The time limit was reached. The caller sets it, because a search sees only an interruption.
     TimeLimit,
-    /// The search departed from its checkpoint, which another build or another rounding has made.
+    /// The search departed from its checkpoint, which comes from another build or another rounding.
     Diverged,
     /// Every placement is fixed.
     NothingToSearch,

@@ -6,7 +6,8 @@
 //! "Parabolic and hyperbolic contours for computing the Bromwich integral", Math. Comp. 76 (2007):
 //! `z x = M (1 + i t)^2`, `M = pi N / 12`, steps of `3 / N`, error about `8.12^-N`, the same points for every
 //! x. With a large mean, the integrand has exponentials that grow to the left of the discs over
-//! `[-1/(2 l_i), 0]`. There a steep hyperbola through the saddle point of the integrand keeps every term small.
+//! `[-1/(2 l_i), 0]`. There a steep hyperbola through the saddle point of the integrand keeps every
+//! term small.
 
 use super::spectrum::Spectrum;
 use nalgebra::Complex;
@@ -151,8 +152,10 @@ fn arm(term: &impl Fn(f64) -> [f64; 3], from: f64, step: f64) -> [f64; 3] {
     sum
 }
 
-/// Returns a point near the saddle of `exp(z x) L(z) / z` on the positive axis, the width of the saddle and
-/// the log of `exp(z x) L(z)` there, an upper bound of log P(Q <= x).
+/// Returns a point near the saddle of `exp(z x) L(z) / z` on the positive axis, the width of the saddle, and
+/// the log of `exp(z x) L(z)` there.
+///
+/// The log is an upper bound of log P(Q <= x).
 fn saddle(spectrum: &Spectrum, above: f64) -> (f64, f64, f64) {
     let slope = |z: f64| {
         let part = |(l, mean2): (f64, f64)| {

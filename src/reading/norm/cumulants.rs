@@ -1,10 +1,10 @@
 //! Correction of the transform for parameters that are not normal, to second order in their cumulants.
 //!
-//! A unit-variance parameter with cumulants `gamma_k` (the fourth, its excess kurtosis) and `six_k`
-//! adds `gamma_k (g_k.t)^4 / 24 - six_k (g_k.t)^6 / 720` to the log of the characteristic function of
-//! `e`. With `exp(-z |e|^2) = E_w exp(i sqrt(2z) w.e)`, `w ~ N(0, I)`, the normal part of `e` turns `w`
-//! into a normal vector of covariance `A^-1 = (I + 2 z S)^-1` and mean `i sqrt(2z) A^-1 mu`. So, with
-//! `q_kl = z g_k^T A^-1 g_l`, `q_k = q_kk` and `b_k = z g_k^T A^-1 mu`,
+//! Let `gamma_k` and `six_k` be the fourth cumulant (excess kurtosis) and the sixth cumulant of a
+//! unit-variance parameter. The parameter adds `gamma_k (g_k.t)^4 / 24 - six_k (g_k.t)^6 / 720` to the log of
+//! the characteristic function of `e`. With `exp(-z |e|^2) = E_w exp(i sqrt(2z) w.e)`, `w ~ N(0, I)`, the
+//! normal part of `e` turns `w` into a normal vector of covariance `A^-1 = (I + 2 z S)^-1` and mean
+//! `i sqrt(2z) A^-1 mu`. So, with `q_kl = z g_k^T A^-1 g_l`, `q_k = q_kk` and `b_k = z g_k^T A^-1 mu`,
 //!
 //! ```text
 //! L -> L [1 + t + t^2 / 2 + sum_k (-2 gamma_k b_k^2 q_k + 2/3 gamma_k b_k^4 - 1/6 six_k q_k^3)
