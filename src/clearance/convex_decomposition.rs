@@ -73,7 +73,7 @@ pub(super) fn hulls(
     (0..MAX_PARTS).map(points).filter(|p| !p.is_empty()).map(|p| hull(&p)).collect()
 }
 
-/// Returns a closed mesh as one convex solid, or None if it is not convex.
+/// Returns a closed mesh as one convex solid, or None if it is not convex or has too many vertices.
 ///
 /// The solid is exact, and checks of it are much faster than checks of its triangles.
 pub(super) fn convex(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Option<SharedShape> {

@@ -52,8 +52,8 @@ impl Scene {
     ///
     /// It leaves out two kinds of pairs, whose distance tells nothing about the layout:
     ///
-    /// - solids behind the last joint with the equipment worked on, whose distance the standoff sets;
-    /// - solids that only the first joint moves with the floor.
+    /// - the equipment worked on and solids behind the last joint, whose distance the standoff sets;
+    /// - the floor and solids that only the first joint moves.
     pub fn distance_at_work(
         &self,
         placed: &PlacedSolids,

@@ -44,8 +44,8 @@ pub struct Separation {
 const TOUCHING: f64 = 1e-9;
 
 impl Overlap {
-    /// Returns whether the overlap involves a piece of equipment. A robot base outside the fence involves all
-    /// of it.
+    /// Returns whether the overlap involves a piece of equipment. A robot base outside the fence involves
+    /// all equipment.
     pub fn concerns(&self, equipment: usize) -> bool {
         let parties = [self.a, self.b];
         parties.contains(&Party::Equipment(equipment)) || parties == [Party::RobotBase, Party::Fence]

@@ -28,9 +28,9 @@ impl Workcell {
     /// - error: the objective.
     /// - clearance: the least distance of the robot and the parts it holds from anything else at every node
     ///   that counts, and of floor spaces in plan. It is at most [`MAX_CLEARANCE`], which is also its value
-    ///   if collision is not checked. Three kinds of pairs do not count: solids behind the last joint with
-    ///   the equipment worked on (the standoff sets their distance); solids that only the first joint moves
-    ///   with the floor; floor spaces that cannot move.
+    ///   if collision is not checked. Three kinds of pairs do not count: the equipment worked on and
+    ///   solids behind the last joint (the standoff sets their distance); the floor and solids that only the
+    ///   first joint moves; two floor spaces that cannot move.
     /// - joint limits, singularity: the least value of [`measures`] at the same nodes, by the limits of the
     ///   robot without margins.
     /// - travel: the joint travel of the transfers or, if they are not checked, of direct moves from spot to
