@@ -291,9 +291,9 @@ pub struct TransferEntry {
     pub from: String,
     pub to: String,
     pub way: String,
-    /// Joint travel: sum over the moves of the largest joint rotation. It measures the duration.
+    /// Measure of the transfer time: the sum over the moves of the largest joint travel.
     pub travel_deg: f64,
-    /// Via points of the motion in joint space.
+    /// Joint vectors along the motion, with straight moves between them.
     pub joints_deg: Vec<Vec<f64>>,
 }
 

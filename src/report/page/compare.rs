@@ -18,7 +18,7 @@ use serde::Serialize;
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Told {
     pub gap_percent: Option<f64>,
-    /// Least clearance that the search could change, mm.
+    /// Least clearance that depends on the layout, as the search computed it, mm.
     pub clearance_mm: Option<f64>,
 }
 
@@ -40,7 +40,7 @@ struct ComparePage<'a> {
     version: &'static str,
 }
 
-/// Returns the page. `drawings` and `told` belong to the columns.
+/// Returns the page. `drawings` and `told` have one entry per column of the comparison.
 ///
 /// # Errors
 /// Fails if there is no layout or a part cannot be rendered.
@@ -98,7 +98,7 @@ fn answer(comparison: &Comparison<'_>) -> String {
     }
 }
 
-/// Returns the differences to the first layout, node by node, all on one scale.
+/// Returns the section on the differences from the first layout, node by node, on one scale.
 fn differences(comparison: &Comparison<'_>) -> Vec<Section> {
     let Some((first, others)) = comparison.columns.split_first() else { return Vec::new() };
     let text = format!(
@@ -123,7 +123,7 @@ fn differences(comparison: &Comparison<'_>) -> Vec<Section> {
     vec![section]
 }
 
-/// Returns the table of the text, with rows that only the page has.
+/// Returns the section with the table of the terminal and some more rows.
 fn side_by_side(comparison: &Comparison<'_>, told: &[Told]) -> Section {
     let text = vec![
         "Lengths in mm, angles in degrees; in brackets the change from the first layout. Clearance is the least \

@@ -19,8 +19,8 @@ use crate::search;
 use crate::search::{EvaluatedLayout, SearchEnd, SearchRecord};
 use crate::units::{percent_from_share, rounded};
 
-/// Returns the sections with pictures in the order of the page. Empty sections are left out. `drawings`
-/// belong to [`Subject::layouts`].
+/// Returns the sections with pictures in the order of the page. Empty sections are left out. `drawings` has
+/// one entry per layout of [`Subject::layouts`].
 pub fn sections(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Vec<Section> {
     let all = [
         map(subject, drawings),
@@ -35,8 +35,8 @@ pub fn sections(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Vec<Section>
     all.into_iter().filter(|section| !section.is_empty()).collect()
 }
 
-/// Returns the still picture for print and for browsers without WebGL. It shows the recommended layout, which
-/// is the last.
+/// Returns the still picture for print and for browsers without WebGL. It shows the recommended layout, the
+/// last of `drawings`.
 ///
 /// # Errors
 /// Fails if the picture cannot be drawn.
@@ -89,7 +89,7 @@ fn envelopes(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Section {
     section
 }
 
-/// Number of parameters in the budget of a spot.
+/// Largest number of parameters in the budget table of a spot.
 const MAX_PARAMETERS_SHOWN: usize = 12;
 
 fn budget(subject: &Subject<'_>) -> Section {
@@ -150,7 +150,7 @@ fn discrepancies(subject: &Subject<'_>) -> Section {
     section
 }
 
-/// Returns the section on the spread of arms built to the tolerances.
+/// Returns the section on the error distribution of arms built to the tolerances.
 fn distributions(subject: &Subject<'_>) -> Section {
     let a = subject.shown();
     let text = "Monte Carlo simulation: arms with random errors within the tolerances, each through the nonlinear \
@@ -168,7 +168,7 @@ fn distributions(subject: &Subject<'_>) -> Section {
     section
 }
 
-/// Returns the section on the course of the search.
+/// Returns the section on the convergence of the search.
 fn convergence(subject: &Subject<'_>) -> Section {
     let mut section = Section::new("convergence", "How the search converged", Vec::new());
     let Some(found) = &subject.found else { return section };
@@ -202,7 +202,7 @@ fn bound_in_words(found: &SearchResult, subject: &Subject<'_>) -> String {
     }
 }
 
-/// Returns the section on the other layouts of a Pareto front.
+/// Returns the section on the kept layouts: a Pareto front or a shortlist.
 fn pareto(subject: &Subject<'_>) -> Section {
     let mut section = Section::new("front", "Other layouts", Vec::new());
     let Some(found) = &subject.found else { return section };
@@ -233,7 +233,7 @@ fn pareto(subject: &Subject<'_>) -> Section {
     section
 }
 
-/// The search again as far as its front is drawn.
+/// Returns a search record that contains what the picture of the front needs.
 fn record(subject: &Subject<'_>, found: &SearchResult) -> SearchRecord {
     let cell = subject.cell();
     let candidate =

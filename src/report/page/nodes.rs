@@ -10,9 +10,9 @@ use crate::files::shown;
 use crate::record::value_word;
 use crate::units::{mm_from_m, percent_from_share, rounded};
 
-/// Number of nodes beyond which the tables contain only the best ones.
+/// Number of nodes above which the tables list only the best ones.
 const MAX_ROWS: usize = 2000;
-/// Number of best nodes in a table.
+/// Number of nodes in a table that lists only the best ones.
 const BEST_ROWS: usize = 200;
 
 /// Returns one table per operation of the recommended layout.

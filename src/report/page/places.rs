@@ -15,7 +15,7 @@ pub fn section(subject: &Subject<'_>) -> Section {
     section
 }
 
-/// Returns the section on the placements of layouts side by side, folded.
+/// Returns the section on the placements of compared layouts, with folded tables.
 pub fn of_columns(columns: &[Assessment<'_>]) -> Section {
     let mut section = empty();
     section.tables = columns.iter().flat_map(|a| [frames(a).folded(), outlines(a).folded()]).collect();
@@ -120,7 +120,7 @@ fn outlines(a: &Assessment<'_>) -> PageTable {
     )
 }
 
-/// Whether two outlines differ by 0.1 mm.
+/// Returns whether two outlines differ after rounding to 0.1 mm.
 fn differ(a: &Rectangle, b: &Rectangle) -> bool {
     let numbers = |r: &Rectangle| [r.centre.0, r.centre.1, r.size.0, r.size.1];
     numbers(a).iter().zip(numbers(b)).any(|(a, b)| mm(*a) != mm(b))

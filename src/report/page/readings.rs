@@ -22,7 +22,7 @@ pub fn section(subject: &Subject<'_>) -> Section {
     section
 }
 
-/// Figures in a row of the table.
+/// Figures in the columns of the table.
 const COLUMNS: [fn(&Figures) -> f64; 6] =
     [|f| f.error, |f| f.worst, |f| f.rms, |f| f.mean, |f| f.p95, |f| f.p99];
 

@@ -9,8 +9,8 @@ use crate::layout::combined;
 use crate::record::{RunnerUpEntry, RunnerUpKind};
 use crate::units::rounded;
 
-/// The next layout that the search kept; of a search that kept none, and of a layout as drawn, the
-/// operation's next best node that costs least.
+/// Returns the best other layout that the search kept. Without one, returns the next best node that costs
+/// least over all operations.
 pub fn runner_up(subject: &Subject<'_>) -> Option<RunnerUpEntry> {
     let shown_layout = subject.shown();
     shown_layout.evaluation.objective?;

@@ -57,7 +57,7 @@ pub fn verdict(subject: &Subject<'_>) -> VerdictDocument {
     verdict
 }
 
-/// Returns why nothing can be recommended.
+/// Returns the reasons why nothing can be recommended.
 fn reasons(subject: &Subject<'_>, is_found: bool) -> Vec<String> {
     match (&subject.found, is_found) {
         (_, true) => Vec::new(),
@@ -133,7 +133,7 @@ fn facts(v: &VerdictDocument, subject: &Subject<'_>) -> Vec<FactEntry> {
     facts
 }
 
-/// Returns the words for the parts of the objective.
+/// Describes how the objective combines the operations.
 fn summed(cell: &Cell) -> String {
     let senses = cell.operations.iter().map(|o| format!("{} in {}", shown(&o.name), shown(&o.sense.name)));
     let names: Vec<String> = senses.collect();
@@ -150,7 +150,7 @@ fn summed(cell: &Cell) -> String {
     format!("{how}{}{misplaced}", names.join(" and "))
 }
 
-/// Returns the meaning of a number under the reading.
+/// Describes the meaning of a figure under the reading.
 pub fn reading_in_words(cell: &Cell) -> String {
     let set = shown(cell.error_set().name());
     match value_word(cell) {
@@ -211,7 +211,7 @@ fn gain(v: &VerdictDocument, unit: Unit) -> FactEntry {
     FactEntry { label: "Gain".into(), value: v.gain_percent, text, note, mood }
 }
 
-/// Returns how much better any layout could be at most.
+/// Returns the fact on the proven gap: how much better any layout could be at most.
 fn gap(found: &SearchResult, v: &VerdictDocument, unit: Unit) -> FactEntry {
     let covers = match found.proof.covers {
         Covers::Part => format!("; counted as 0: {}", unproven(found)),
