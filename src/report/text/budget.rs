@@ -67,7 +67,7 @@ fn terms(v: &Vector3<f64>) -> [String; 3] {
     [v.x, v.y, v.z].map(|m| fixed(mm_from_m(m), 4))
 }
 
-/// Returns the value of a parameter, rounded.
+/// Returns the value of a parameter in its unit, rounded to 6 decimals.
 fn value(unit: Unit, si: f64) -> String {
     crate::units::rounded(unit.from_si(si), 6).to_string()
 }

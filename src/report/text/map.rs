@@ -28,7 +28,7 @@ pub fn maps(a: &Assessment<'_>) -> String {
     out
 }
 
-/// Returns the limit of an operation and whether it is met.
+/// Returns the limit of an operation and the margin to it; None without a limit.
 fn limit_in_words(a: &Assessment<'_>, operation: usize) -> Option<String> {
     let (r, unit) = (a.requirement(operation)?, a.cell.unit());
     Some(format!("limit {:.4} {}: {}", unit.from_si(r.limit), unit.word(), margin(a, r)))
@@ -86,7 +86,7 @@ fn map_summary(a: &Assessment<'_>, map: &OperationMap) -> String {
     out
 }
 
-/// Returns the refined spot between the nodes and its gain.
+/// Returns the spot refined between the nodes, and its gain over the best node.
 fn refined_summary(a: &Assessment<'_>, k: usize) -> Option<String> {
     let (refined, unit) = (a.refined[k].as_ref()?, a.cell.unit());
     let [x, y, z] = [refined.position.x, refined.position.y, refined.position.z].map(mm1);
@@ -127,7 +127,8 @@ fn samples_summary(a: &Assessment<'_>, k: usize) -> Option<String> {
     ))
 }
 
-/// Returns the largest error of each model, and whether the chosen one can be trusted.
+/// Returns the largest difference of each model from the nonlinear one, and whether the chosen model can be
+/// trusted.
 fn guard_summary(cell: &Cell, map: &OperationMap) -> String {
     let most = |model| percent(map.off(model, cell.guard).0);
     let trust = distrust(cell, map)
@@ -139,7 +140,8 @@ fn guard_summary(cell: &Cell, map: &OperationMap) -> String {
     )
 }
 
-/// Returns where the chosen model cannot be trusted; None if it can be everywhere.
+/// Returns the warning that the chosen model cannot be trusted; None if it can be trusted at every usable
+/// node.
 pub fn distrust(cell: &Cell, map: &OperationMap) -> Option<String> {
     let (most, above, all) = map.off(cell.model, cell.guard);
     (above > 0).then(|| {
@@ -152,7 +154,8 @@ pub fn distrust(cell: &Cell, map: &OperationMap) -> Option<String> {
     })
 }
 
-/// Returns the largest discrepancy of the linear model: section 4.3 of the seed paper claims at most 1 %.
+/// Returns the largest discrepancy of the linear model (section 4.3 of the seed paper, which claims at most 1
+/// %).
 fn discrepancy_summary(map: &OperationMap) -> String {
     let all: Vec<Discrepancy> = map.usable().map(|(_, _, p)| discrepancy(&p.nonlinear, &p.linear)).collect();
     let of = |f: fn(&Discrepancy) -> Option<f64>| {

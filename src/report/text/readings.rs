@@ -99,7 +99,7 @@ fn regret(r: &Readings<'_>) -> Vec<String> {
     )]
 }
 
-/// Returns how registration changes the worst case at the spot that is best without it.
+/// Returns how registration changes the worst case at the spot that is best without registration.
 fn registered(r: &Readings<'_>) -> Vec<String> {
     let mut said = Vec::new();
     for (k, operation) in r.cell.operations.iter().enumerate() {
