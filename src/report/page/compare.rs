@@ -102,8 +102,8 @@ fn answer(comparison: &Comparison<'_>) -> String {
 fn differences(comparison: &Comparison<'_>) -> Vec<Section> {
     let Some((first, others)) = comparison.columns.split_first() else { return Vec::new() };
     let text = format!(
-        "Every node against {}: blue where the other layout is better, orange where it is worse. Point at a node \
-         for both values.",
+        "Difference of every node from {}: blue where the other layout is better, orange where it is worse. Point at \
+         a node to see both values.",
         shown(&first.label)
     );
     let mut section = Section::new("differences", "Node by node", vec![text]);
@@ -111,7 +111,7 @@ fn differences(comparison: &Comparison<'_>) -> Vec<Section> {
     let most = all.iter().flatten().flatten().map(|d| d.largest()).fold(0.0, f64::max);
     for (other, found) in others.iter().zip(&all) {
         match found {
-            Err(why) => section.text.push(format!("No map of differences: {}.", shown(why))),
+            Err(why) => section.text.push(format!("There is no map of differences: {}.", shown(why))),
             Ok(found) => section.figures.extend(found.iter().map(|d| {
                 let names = (first.label.as_str(), other.label.as_str());
                 let name = shown(&first.cell.operations[d.operation].name);
@@ -126,8 +126,8 @@ fn differences(comparison: &Comparison<'_>) -> Vec<Section> {
 /// Returns the section with the table of the terminal and some more rows.
 fn side_by_side(comparison: &Comparison<'_>, told: &[Told]) -> Section {
     let text = vec![
-        "Lengths in mm, angles in degrees; in brackets the change from the first layout. Clearance is the least \
-         distance of the robot, with what it holds, to anything at the spots."
+        "Lengths are in mm and angles in degrees. Parentheses give the change from the first layout. Clearance is the \
+         least distance between the robot, with the part it holds, and any other object at the spots."
             .to_string(),
     ];
     let mut section = Section::new("table", "In numbers", text);

@@ -20,7 +20,7 @@ pub fn section(subject: &Subject<'_>) -> Section {
     let a = subject.shown();
     let which = if subject.best.is_some() { "the best layout" } else { "the layout as drawn" };
     let text = vec![format!(
-        "The nodes of {which}. Positions and errors are in world axes. Joints, every reading and the nodes of the other layouts are \
+        "The nodes of {which}. Positions and errors are in world axes. Joints, all readings and the nodes of the other layouts are \
          in {}.",
         plain(&subject.manifest.csv)
     )];
@@ -44,7 +44,7 @@ fn table(a: &Assessment<'_>, map: &OperationMap, is_long: bool, csv: &str) -> Pa
         "error x mm",
         "error y mm",
         "error z mm",
-        "what of it",
+        "status",
     ];
     let mut nodes: Vec<&NodeRecord> = map.nodes.iter().collect();
     if is_long {

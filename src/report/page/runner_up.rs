@@ -24,10 +24,10 @@ fn next_layout(subject: &Subject<'_>) -> Option<RunnerUpEntry> {
     let (next, value) = valued.min_by(|a, b| a.1.total_cmp(&b.1))?;
     let kept = match &found.pareto {
         Some(goals) => format!(
-            "the least error of the other layouts of the front in {}",
+            "least error among the other layouts of the Pareto front in {}",
             goals.iter().map(|g| g.name()).collect::<Vec<_>>().join(", ")
         ),
-        None => "the next of the layouts that the search kept and that really differ".to_string(),
+        None => "next best of the clearly different layouts that the search kept".to_string(),
     };
     let text = super::quantities::told(unit, value);
     Some(RunnerUpEntry { kind: RunnerUpKind::Layout, value, text, note: format!("{}: {kept}", next.file) })

@@ -128,7 +128,7 @@ fn effects(e: &Explanation<'_>) -> String {
     sum.push(triple(&e.lines.iter().map(|l: &ParameterEffect| l.term().position).sum(), 5, mm_from_m));
     table.row(sum);
     format!(
-        "\n4. Effect on the TCP: g = w x (p - o) of a turn, w of a slide; unit 1 deg or 1 mm; {sample}\n{}",
+        "\n4. Effect on the TCP: g = w x (p - o) for a turn, g = w for a slide; unit 1 deg or 1 mm; {sample}\n{}",
         table.render()
     )
 }

@@ -71,7 +71,8 @@ fn map_summary(a: &Assessment<'_>, map: &OperationMap) -> String {
                 let _ = write!(out, "\n  {said}");
             }
             if let Some(k) = map.sense(sense) {
-                let _ = write!(out, "\n  there {}", risk(&p.figures[k], operation.sense.unit, p.success));
+                let _ =
+                    write!(out, "\n  at this node: {}", risk(&p.figures[k], operation.sense.unit, p.success));
             }
             if let Some(said) = samples_summary(a, map.operation) {
                 let _ = write!(out, "\n  {said}");
@@ -173,5 +174,5 @@ fn discrepancy_summary(map: &OperationMap) -> String {
         said("y", of(|d| d.y)),
         said("z", of(|d| d.z)),
     ];
-    format!("largest discrepancy of the linear from the nonlinear model: {}", parts.join(", "))
+    format!("largest discrepancy between linear and nonlinear model: {}", parts.join(", "))
 }

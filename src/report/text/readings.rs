@@ -38,7 +38,7 @@ fn table(rows: &[ReadingRow]) -> String {
     let mut table = TextTable::indented(3);
     table.row([
         "reading",
-        "of",
+        "quantity",
         "registration",
         "node",
         "x, y, z mm",
@@ -79,7 +79,7 @@ pub fn findings(r: &Readings<'_>) -> Vec<String> {
 fn regret(r: &Readings<'_>) -> Vec<String> {
     if matches!(r.cell.error_set(), ErrorSet::Tolerance(_)) {
         return vec![format!(
-            "{} is a tolerance: there is no signed sample to choose by",
+            "{} is a tolerance: there is no signed sample that could choose a spot",
             shown(r.cell.error_set().name())
         )];
     }

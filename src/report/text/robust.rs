@@ -56,7 +56,7 @@ pub fn robust_lines(cell: &Cell, k: usize, r: &Robustness) -> Vec<String> {
     if r.lost.len() > MAX_LOST_SHOWN {
         lines.push(format!("LOST at {} of {} corners in all", r.lost.len(), r.corners));
     }
-    lines.push(format!("changes by {}", slopes(cell, r)));
+    lines.push(format!("gradient: {}", slopes(cell, r)));
     let has_limit = cell.operations[k].limit.is_some() && cell.unit() != Unit::Share;
     let keeps = if has_limit { "its limit, reach and clearance" } else { "reach and clearance" };
     if let Some(scale) = &r.scale {
