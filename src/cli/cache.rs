@@ -1,7 +1,7 @@
 //! Cache of results that take long to compute: the convex decompositions of link meshes.
 //!
 //! The cache is the folder that the environment variable `SWEETSPOT_CACHE` names, otherwise the cache folder
-//! of the user. The value `off` disables it. If it cannot be written, the results are computed again.
+//! of the user. The value `off` disables it. If the folder cannot be written, the results are computed again.
 
 use super::loading::sha256;
 use std::io::{Read, Write};

@@ -17,7 +17,7 @@ pub const FRONT: Eye =
 
 /// Projected share of its area below which a face counts as edge-on.
 const EDGE_ON: f64 = 1e-6;
-/// Cosine of the angle between two faces (60 degrees) above which the edge between them is drawn.
+/// Cosine of 60 degrees: an edge is drawn if the angle between its two faces is larger.
 const SHARP: f64 = 0.5;
 
 /// Outline of a solid in the plane of a view (right, up), m.

@@ -178,7 +178,8 @@ fn searched(workcell: &Workcell, stop: &AtomicBool) -> Option<SearchRecord> {
     (!proof.interrupted && record.ended != SearchEnd::Interrupted).then_some(record)
 }
 
-/// Writes NNNN.toml, the cell with its layout fixed. Copies the cell with its settings to the inputs.
+/// Writes NNNN.toml, the cell with its layout fixed. Among the inputs, writes the file that it includes: the
+/// cell with the settings of the combination.
 fn write_cell(sweep: &CheckedSweep, index: usize, a: &Assessment<'_>) -> Result<(), Exit> {
     let settings = sweep.plan.settings(index);
     let lines: Vec<_> = settings.iter().map(|s| s.line()).collect();

@@ -94,7 +94,7 @@ const MAX_PARAMETERS_SHOWN: usize = 12;
 
 fn budget(subject: &Subject<'_>) -> Section {
     let a = subject.shown();
-    let text = "The budget lists the contribution of every parameter to the error at the spot. Tighten the first ones \
+    let text = "The budget lists the contribution of every parameter to the error at the spot. Tighten the top ones \
                 first. The shares of the worst case add up to 100 %, and so do the shares of the variance.";
     let mut section = Section::new("budget", "Error budget", vec![text.into()]);
     for k in 0..a.maps.len() {

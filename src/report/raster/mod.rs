@@ -1,8 +1,8 @@
 //! 3-D pictures without a browser: PNG by a software rasteriser, SVG with hidden lines.
 //!
 //! A [`Drawing`] becomes a scene of bodies, lines and labels in the world, with a camera fitted to it. Both
-//! formats show that scene. The same drawing gives the same bytes on every machine, because no font file,
-//! driver or random number is used.
+//! formats show that scene. The same drawing gives the same bytes, because no font file, driver or random
+//! number is used.
 
 #[doc(hidden)] // open for tests/it
 pub mod camera;

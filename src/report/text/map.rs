@@ -155,8 +155,7 @@ pub fn distrust(cell: &Cell, map: &OperationMap) -> Option<String> {
     })
 }
 
-/// Returns the largest discrepancy of the linear model (section 4.3 of the seed paper, which claims at most 1
-/// %).
+/// Returns the largest discrepancy of the linear model. Section 4.3 of the seed paper claims at most 1 %.
 fn discrepancy_summary(map: &OperationMap) -> String {
     let all: Vec<Discrepancy> = map.usable().map(|(_, _, p)| discrepancy(&p.nonlinear, &p.linear)).collect();
     let of = |f: fn(&Discrepancy) -> Option<f64>| {
