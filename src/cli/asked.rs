@@ -1,4 +1,4 @@
-//! A cell as the command line asks for it: its file with the settings of the flags, validated together.
+//! Loading of a cell with the settings of the command-line flags, which are validated together with its file.
 
 use super::arguments::{ErrorFlags, QuestionFlags};
 use super::loading;
@@ -8,7 +8,7 @@ use crate::cell::{Cell, ErrorSet, Interpretation, Quantity, Reading};
 use crate::files::{Loaded, Setting, shown, toml_string};
 use std::path::Path;
 
-/// Loads a cell under the flags of a question, and prints the notes that belong to it.
+/// Loads a cell with the settings of the flags, and prints notes on the chosen errors and limits.
 pub fn load(file: &Path, packages: &PackageFolders, flags: &QuestionFlags) -> Result<Loaded, Exit> {
     let settings = flags.settings();
     let loaded = loading::load_with(file, packages, &settings)?;
@@ -16,7 +16,7 @@ pub fn load(file: &Path, packages: &PackageFolders, flags: &QuestionFlags) -> Re
     Ok(loaded)
 }
 
-/// Loads a cell for the table of all readings, for which its own reading does not matter.
+/// Loads a cell for the table of all readings; the reading that the cell file states is ignored.
 pub fn load_for_readings(file: &Path, packages: &PackageFolders, flags: &ErrorFlags) -> Result<Loaded, Exit> {
     let mut settings = flags.settings();
     if let Some(sense) = &flags.sense {
@@ -31,7 +31,7 @@ pub fn load_for_readings(file: &Path, packages: &PackageFolders, flags: &ErrorFl
     Ok(loaded)
 }
 
-/// Refuses `--set` for a command that writes cell files, which could not state these keys.
+/// Refuses `--set` for a command that writes cell files, because those files could not state such keys.
 pub fn refuse_sets(settings: &[Setting], command: &str) -> Result<(), Exit> {
     let Some(set) = settings.iter().find(|setting| setting.flag.is_none()) else { return Ok(()) };
     output::error(&format!(
@@ -44,7 +44,7 @@ pub fn refuse_sets(settings: &[Setting], command: &str) -> Result<(), Exit> {
     Err(Exit::BadInput)
 }
 
-/// Loads a cell as a search asks for it.
+/// Loads a cell for a search: refuses `--set`, prints notes, and refuses a sense that loses a limit.
 pub fn load_for_search(file: &Path, packages: &PackageFolders, settings: &[Setting]) -> Result<Loaded, Exit> {
     refuse_sets(settings, "search")?;
     let loaded = loading::load_with(file, packages, settings)?;
@@ -56,8 +56,8 @@ pub fn load_for_search(file: &Path, packages: &PackageFolders, settings: &[Setti
     Ok(loaded)
 }
 
-/// Refuses a sense in whose unit the cell file, `drawn`, has no limit: best.toml takes its limits from that
-/// file, where one in another unit would be an error.
+/// Refuses a sense whose unit does not suit a limit of the cell file `drawn`. The file best.toml inherits
+/// these limits, and a limit in another unit would be a fault there.
 fn refuse_lost_limits(cell: &Cell, drawn: &Cell) -> Result<(), Exit> {
     let pairs = cell.operations.iter().zip(&drawn.operations);
     let Some((lost, _)) = pairs.into_iter().find(|(now, drawn)| now.limit.is_none() && drawn.limit.is_some())

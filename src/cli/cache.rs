@@ -1,7 +1,7 @@
 //! Cache of results that take long to compute: the convex decompositions of link meshes.
 //!
-//! It is the folder that the environment variable `SWEETSPOT_CACHE` names (`off`: no cache), otherwise the
-//! cache folder of the user. If it cannot be written, the results are computed again.
+//! The cache is the folder that the environment variable `SWEETSPOT_CACHE` names, otherwise the cache folder
+//! of the user. The value `off` disables it. If the folder cannot be written, the results are computed again.
 
 use super::loading::sha256;
 use std::io::{Read, Write};
@@ -36,7 +36,7 @@ fn folder() -> Option<PathBuf> {
     }
 }
 
-/// Returns the content of a cached file if the hash in front of it is right.
+/// Returns the content of a cached file if it matches the hash at the start of the file.
 fn read(path: &Path) -> Option<Vec<u8>> {
     let mut bytes = Vec::new();
     std::fs::File::open(path).ok()?.take(MAX_BYTES).read_to_end(&mut bytes).ok()?;

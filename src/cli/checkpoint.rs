@@ -1,7 +1,7 @@
 //! The checkpoint, from which a stopped search resumes.
 //!
-//! It has two lines of JSON. The first names schema and version and has the hash of the second. The second
-//! has the request, the hashes of the inputs and the state. A file whose hash is wrong is refused.
+//! The file has two lines of JSON. Line 1 contains the schema, the version and the hash of line 2. Line 2
+//! contains the request, the hashes of the inputs and the state. A file whose hash does not match is refused.
 
 use super::arguments::SearchArguments;
 use super::loading::CHECKPOINT;
@@ -41,7 +41,7 @@ struct CheckpointContent<S> {
     state: S,
 }
 
-/// Writer of checkpoints when they are due.
+/// Writer of periodic checkpoints.
 pub struct CheckpointWriter {
     path: PathBuf,
     request: SearchRequest,
@@ -59,7 +59,7 @@ impl CheckpointWriter {
         Self { path: folder.join(CHECKPOINT), request: request.clone(), inputs, period, last }
     }
 
-    /// Writes the state if a checkpoint is due; returns false if that has failed, now or before.
+    /// Writes the state if a checkpoint is due. Returns false if this or an earlier write failed.
     pub fn keep(&self, state: &search::Checkpoint, moment: Moment) -> bool {
         let mut last = self.last.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         if last.is_ok_and(|at| moment != Moment::Going || at.elapsed() >= self.period) {
@@ -77,7 +77,7 @@ impl CheckpointWriter {
         loading::write_whole(&self.path, (super::results::line(&header)? + &content).as_bytes())
     }
 
-    /// Reports what keeps the search from having a result.
+    /// Fails, and prints the reason, if a checkpoint could not be written or the resumed search diverged.
     pub fn verdict(&self, record: &SearchRecord) -> Result<(), Exit> {
         let last = *self.last.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         let folder = path_word(self.path.parent().unwrap_or(Path::new(".")));
@@ -100,7 +100,7 @@ impl CheckpointWriter {
         Ok(())
     }
 
-    /// Removes the checkpoint of a search that has its result.
+    /// Removes the checkpoint of a finished search.
     pub fn remove(&self) -> Result<(), Exit> {
         match std::fs::remove_file(&self.path) {
             Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
@@ -115,13 +115,13 @@ impl CheckpointWriter {
 /// Search that was stopped, with its checkpoint.
 pub struct StoppedSearch {
     pub folder: PathBuf,
-    /// The request of the search, with the stopping rules of the command line at hand.
+    /// Request of the search, with the stopping rules of the current command line.
     pub request: SearchRequest,
     content: CheckpointContent<search::Checkpoint>,
 }
 
 impl StoppedSearch {
-    /// Reads the checkpoint of a folder, which the command line `asked` resumes.
+    /// Reads the checkpoint of a folder and applies the stopping rules of the command line `asked`.
     pub fn read(folder: &Path, asked: &SearchArguments) -> Result<Self, Exit> {
         let path = folder.join(CHECKPOINT);
         if !path.is_file() {
@@ -178,7 +178,7 @@ impl StoppedSearch {
     }
 }
 
-/// Returns the request and the inputs with which the search of a folder began.
+/// Returns the original request and inputs of the search in a folder.
 pub fn begun(folder: &Path) -> Result<(SearchRequest, Vec<InputHash>), Exit> {
     let path = folder.join(CHECKPOINT);
     let bytes = std::fs::read(&path).map_err(|e| {
@@ -195,7 +195,7 @@ fn refused(path: &Path, line: usize, why: &str) -> Exit {
     Exit::BadInput
 }
 
-/// Parses a checkpoint; returns the line and the fault if it is damaged.
+/// Parses a checkpoint. Returns the line number and the fault if the file cannot be used.
 fn understood(bytes: &[u8]) -> Result<CheckpointContent<search::Checkpoint>, (usize, String)> {
     let split = bytes.iter().position(|&b| b == b'\n').map_or(bytes.len(), |end| end + 1);
     let (first, second) = bytes.split_at(split);
@@ -214,7 +214,7 @@ fn understood(bytes: &[u8]) -> Result<CheckpointContent<search::Checkpoint>, (us
     serde_json::from_slice(second).map_err(|e| (2, format!("the checkpoint cannot be read: {e}")))
 }
 
-/// Returns the differences between the inputs of then and now.
+/// Returns the differences between the inputs at the start of the search and the current ones.
 fn changes(then: &[InputHash], now: &[InputHash]) -> Vec<String> {
     let mut said = Vec::new();
     for (path, hash) in then {

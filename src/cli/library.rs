@@ -27,7 +27,7 @@ pub const ROBOTS: [(&str, &str); 16] = [
 const URDFS: [(&str, &str); 1] =
     [("hitachi_pw10.urdf", include_str!("../../cells/robots/hitachi_pw10.urdf"))];
 
-/// Name and text of the equipment of the first cells.
+/// Name and text of the equipment files that the first cells use.
 const EQUIPMENT: [(&str, &str); 5] = [
     ("bench", include_str!("../../cells/equipment/bench.toml")),
     ("conveyor", include_str!("../../cells/equipment/conveyor.toml")),

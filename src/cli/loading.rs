@@ -1,4 +1,4 @@
-//! Reading inside the folder of the cell, and writing files as a whole or not at all.
+//! Reading of files inside the folder of the cell, and atomic writing of files.
 
 use super::packages::PackageFolders;
 use super::{Exit, output};
@@ -16,7 +16,7 @@ pub const UNFINISHED: &str = ".sweetspot-";
 /// Name of the checkpoint in the folder of a search.
 pub const CHECKPOINT: &str = "checkpoint.jsonl";
 
-/// Largest file that is read, bytes; a mesh of a million triangles has about 60 MB.
+/// Largest size of an input file, bytes; a mesh of a million triangles has about 60 MB.
 const MAX_BYTES: u64 = 128 << 20;
 
 /// Reads a cell and everything it refers to, and prints faults and warnings.
@@ -34,7 +34,7 @@ pub fn load_with(path: &Path, packages: &PackageFolders, settings: &[Setting]) -
     Ok(loaded)
 }
 
-/// Returns the exit code of faults: a cell file that cannot be read is an I/O error, all others are bad input.
+/// Returns the exit code of faults: I/O error if a file cannot be read, otherwise bad input.
 pub fn exit_of(faults: &[Fault]) -> Exit {
     let is_unreadable = faults.iter().any(|fault| fault.kind == FaultKind::Unreadable);
     if is_unreadable { Exit::Io } else { Exit::BadInput }
@@ -45,12 +45,12 @@ pub fn read_cell(path: &Path, packages: &PackageFolders) -> Result<Loaded, Vec<F
     read_cell_with(path, packages, &[], &FileSnapshot::default())
 }
 
-/// Files as they were first read, so that every combination of a sweep sees the same bytes.
+/// Snapshot of the files at their first read, so that every combination of a sweep sees the same bytes.
 #[derive(Default)]
 pub struct FileSnapshot(Mutex<HashMap<String, Result<Vec<u8>, String>>>);
 
 impl FileSnapshot {
-    /// Starts with a file that is not written yet.
+    /// Returns a snapshot that contains one file, which does not exist on disk yet.
     #[cfg(feature = "view")]
     pub fn with(name: &str, bytes: &[u8]) -> Self {
         Self(Mutex::new(HashMap::from([(name.to_string(), Ok(bytes.to_vec()))])))
@@ -86,13 +86,13 @@ pub fn load_robot(path: &Path, packages: &PackageFolders) -> Result<LoadedRobot,
     Ok(loaded)
 }
 
-/// Returns whether a file is that of a robot.
+/// Returns whether a file describes a robot.
 pub fn is_robot(path: &Path, packages: &PackageFolders) -> bool {
     let (folder, name) = parted(path);
     files::is_robot(&name, &mut |inside| read_named(&folder, packages, inside))
 }
 
-/// Returns the folder of a file, and its name there.
+/// Splits a path into folder and file name.
 fn parted(path: &Path) -> (PathBuf, String) {
     let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     match path.parent() {
@@ -101,7 +101,7 @@ fn parted(path: &Path) -> (PathBuf, String) {
     }
 }
 
-/// Names the files of faults as the user does, so that an editor can jump there.
+/// Prefixes the file names of faults with the folder of `path`, so that an editor can jump to them.
 fn named(path: &Path, mut faults: Vec<Fault>) -> Vec<Fault> {
     let prefix = path.parent().unwrap_or(Path::new(""));
     // A fault without a line is in a setting, not in a file.
@@ -149,7 +149,7 @@ fn reason(e: &std::io::Error) -> String {
     }
 }
 
-/// Writes a file as a whole or not at all: to a temporary file in the same folder, synced, then renamed.
+/// Writes a file atomically: writes a temporary file in the same folder, syncs it and renames it.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Exit> {
     let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
@@ -169,7 +169,7 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Exit> {
     })
 }
 
-/// Syncs a folder: a renamed file is safe on the disk only when its folder is.
+/// Syncs a folder. A renamed file is safe on the disk only after its folder is synced.
 #[cfg(unix)]
 fn sync(folder: &Path) -> std::io::Result<()> {
     std::fs::File::open(folder)?.sync_all()
@@ -192,7 +192,7 @@ pub fn sweep(folder: &Path) {
     }
 }
 
-/// Makes a temporary file, which is private, readable for everyone who may read the folder.
+/// Makes a temporary file readable for everyone who may read its folder. It is created private.
 #[cfg(unix)]
 fn share(file: &tempfile::NamedTempFile) -> std::io::Result<()> {
     use std::os::unix::fs::PermissionsExt;
@@ -216,8 +216,7 @@ pub fn make_folder(path: &Path) -> Result<(), Exit> {
     })
 }
 
-/// Makes a result folder: the one asked for, which must be new or empty, or the first free
-/// `results/STEM-NNN`.
+/// Makes a result folder: `asked`, which must be new or empty, or else the first free `results/STEM-NNN`.
 pub fn new_folder(asked: Option<&Path>, stem: &str) -> Result<PathBuf, Exit> {
     let cannot = |path: &Path, e: &std::io::Error| {
         output::error(&format!("cannot create the folder {}: {}", shown(&path.to_string_lossy()), reason(e)));

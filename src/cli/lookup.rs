@@ -1,11 +1,11 @@
-//! Names on the command line: what they refer to, or which names there are.
+//! Look-up of names on the command line, with the list of known names if one is unknown.
 
 use super::{Exit, output};
 use crate::cell::Cell;
 use crate::files::fault::did_you_mean;
 use crate::files::shown;
 
-/// Returns the index of the operation of a name.
+/// Returns the index of the operation with a name.
 pub fn operation(cell: &Cell, name: &str) -> Result<usize, Exit> {
     let names = || cell.operations.iter().map(|o| o.name.as_str());
     let found = names().position(|n| n == name);

@@ -1,6 +1,6 @@
 //! The command-line interface: arguments, files, progress, exit codes.
 //!
-//! It is the only part that touches the file system, the clock or the terminal.
+//! Only this module touches the file system, the clock or the terminal.
 
 mod arguments;
 mod asked;
@@ -26,12 +26,12 @@ use clap::Parser;
 use clap::error::ErrorKind;
 use std::process::ExitCode;
 
-/// Exit code of a command; the numbers are the contract with scripts.
+/// Exit code of a command. Scripts rely on the numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Exit {
-    /// It succeeded.
+    /// The command succeeded.
     Done = 0,
-    /// It ran, and the answer is no: no feasible layout, or a limit is exceeded.
+    /// The command ran, and the answer is no: no layout is feasible, or a limit is exceeded.
     AnswerIsNo = 1,
     /// The usage or the input is invalid.
     BadInput = 2,
@@ -39,7 +39,7 @@ pub enum Exit {
     Io = 3,
     /// A time limit was reached; the command can be resumed.
     Limit = 4,
-    /// Ctrl-C or SIGTERM stopped it; the command can be resumed.
+    /// Ctrl-C or SIGTERM stopped the command, which can be resumed.
     Interrupted = 130,
 }
 

@@ -28,7 +28,7 @@ pub fn error(text: &str) {
     talk(&format!("error: {text}"));
 }
 
-/// Prints the faults of files, and how many there are.
+/// Prints the faults of files and their number.
 pub fn faults(faults: &[Fault]) {
     for fault in faults {
         talk(&format!("{fault}\n"));
@@ -39,7 +39,7 @@ pub fn faults(faults: &[Fault]) {
     }
 }
 
-/// Returns a progress bar of layouts on stderr, hidden if that is no terminal.
+/// Returns a progress bar of layouts on stderr, hidden if stderr is no terminal.
 pub fn progress_bar(length: u64) -> ProgressBar {
     let bar = ProgressBar::new(length);
     if let Ok(style) = ProgressStyle::with_template("{bar:24} {pos}/{len} layouts, {eta} left, best {msg}") {
@@ -76,12 +76,12 @@ pub fn advance(bar: &ProgressBar, count: u64, of: u64) {
     bar.inc(count);
 }
 
-/// Returns a path as one would type it in a shell.
+/// Returns a path quoted for a shell.
 pub fn path_word(path: &Path) -> String {
     word(&path.to_string_lossy())
 }
 
-/// Returns a word as one would type it in a shell, quoted if necessary.
+/// Returns a word quoted for a shell, if it needs quotes.
 pub fn word(text: &str) -> String {
     let text = shown(text);
     let plain = |c: char| c.is_alphanumeric() || "-_./,:@+=%~\\".contains(c);

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 /// Folders of ROS packages, by name.
 #[derive(Args, Clone, Default)]
 pub struct PackageFolders {
-    /// Folder of package://NAME/... in a URDF; once for each package
+    /// Folder that package://NAME/... in a URDF refers to; can be given once per package
     #[arg(long = "package", value_name = "NAME=DIR", value_parser = package)]
     pub folders: Vec<(String, PathBuf)>,
 }

@@ -20,20 +20,21 @@ enum ProgressForm {
     Silent,
 }
 
-/// Reports the progress of a search on stderr.
+/// Reporter of the progress of a search on stderr.
 pub struct Reporter {
     manner: ProgressForm,
     unit: Unit,
     bound: Option<f64>,
-    /// Evaluations of the process that was stopped before.
+    /// Number of evaluations before this process, if it resumes a stopped search.
     before: u64,
     clock: Instant,
-    /// Time of the last line, and the progress that no line has reported yet.
+    /// Time of the last line, and the progress not yet reported.
     last: Mutex<(Instant, Option<Progress>)>,
 }
 
 impl Reporter {
-    /// Reports in the form asked for, or by default a bar on a terminal and lines of JSON elsewhere.
+    /// Returns a reporter in the form `manner`. The default is a bar on a terminal and lines of JSON
+    /// elsewhere.
     pub fn new(manner: Option<&str>, workcell: &Workcell, bound: Option<f64>, before: u64) -> Self {
         let bar = || ProgressForm::Bar(output::progress_bar(workcell.cell.search.budget));
         let manner = match manner {
@@ -78,13 +79,13 @@ impl Reporter {
         }
     }
 
-    /// Returns the gap: by which share of the lower bound the best layout lies above it.
+    /// Returns the relative gap between the best layout and the lower bound, as a share of the bound.
     fn gap(&self, p: Progress) -> Option<f64> {
         let bound = self.bound.filter(|b| *b > 0.0)?;
         Some(p.best? / bound - 1.0)
     }
 
-    /// Returns the evaluations per second of this process.
+    /// Returns the number of evaluations per second in this process.
     fn rate(&self, p: Progress) -> f64 {
         let own = p.evaluations.saturating_sub(self.before);
         own as f64 / self.clock.elapsed().as_secs_f64().max(1e-3)

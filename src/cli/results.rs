@@ -1,4 +1,4 @@
-//! Writes a result folder: its files, copies of the inputs, the manifest.
+//! Writing of a result folder: its files, copies of the inputs, and the manifest.
 
 use super::arguments;
 use super::output::path_word;
@@ -14,7 +14,7 @@ use crate::search::{Alternative, SearchRecord};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// Folder of the copies of the inputs, which make a result folder complete in itself.
+/// Folder with copies of the inputs, which make a result folder self-contained.
 pub const INPUTS: &str = "inputs";
 
 /// Result folder with the names of the files written to it.
@@ -31,8 +31,8 @@ impl WrittenFolder {
 
 /// Writes the files of a search.
 ///
-/// There is no best.toml if no layout is feasible, and no manifest without a request: the search was
-/// interrupted.
+/// Writes no best.toml if no layout is feasible. Writes no manifest if `request` is None, as for an
+/// interrupted search.
 pub fn write_search(
     folder: &Path,
     cell_file: &Path,
@@ -74,20 +74,21 @@ pub fn write_search(
     }
 }
 
-/// Description of a run: its command line, and the keys of the cell file that the flags state.
+/// Description of a run: its command line, and the keys of the cell file that its flags set.
 pub struct RunDescription {
     command: Vec<String>,
     settings: Vec<Setting>,
 }
 
 impl RunDescription {
-    /// Describes the run of the command line at hand.
+    /// Describes the run of the current command line.
     pub fn typed(settings: Vec<Setting>) -> Self {
         Self { command: arguments::typed(), settings }
     }
 }
 
-/// Returns the layouts kept beside the best one: each as a cell file, and all as a table and a picture.
+/// Returns the files of the alternative layouts: a cell file for each, front.csv, and front.svg for a Pareto
+/// front.
 fn alternatives(
     cell: &Cell,
     record: &SearchRecord,
@@ -118,7 +119,7 @@ pub fn portable(name: &str) -> String {
     name.chars().map(|c| if c.is_ascii_alphanumeric() || "._-".contains(c) { c } else { '_' }).collect()
 }
 
-/// Copies every file that was read to its place; the cell file comes first and is renamed.
+/// Copies every input file into the result folder. The first one, the cell file, is renamed to `cell_name`.
 pub fn keep_inputs(folder: &Path, cell_name: &str, sources: &[Source]) -> Result<(), Exit> {
     for (k, source) in sources.iter().enumerate() {
         // Some file systems allow no colon in a name.
@@ -135,7 +136,7 @@ pub fn keep_inputs(folder: &Path, cell_name: &str, sources: &[Source]) -> Result
     Ok(())
 }
 
-/// Writes files and, last, the manifest: a folder that has one is complete.
+/// Writes files and then the manifest, so that a folder with a manifest is complete.
 pub fn write<N: AsRef<str>>(
     folder: &Path,
     cell: &Cell,

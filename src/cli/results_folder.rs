@@ -1,4 +1,4 @@
-//! The folder of a search, read again: every file is checked against the hashes of its manifest.
+//! Reading of a search's result folder. Every file is checked against the hashes of the manifest.
 
 use super::output::path_word;
 use super::packages::PackageFolders;
@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 
 /// Folder of a search.
 pub struct SearchFolder {
-    /// The cell under the settings of the search.
+    /// Cell with the settings of the search.
     pub loaded: Loaded,
     /// The cell file inside the folder.
     pub file: PathBuf,
@@ -25,13 +25,13 @@ pub struct SearchFolder {
 /// Origin of the files of a folder.
 struct FolderOrigin {
     manifest: Manifest,
-    /// Keys of the cell file that the command line has stated.
+    /// Keys of the cell file that the command line set.
     settings: Vec<Setting>,
-    /// Settings of the run; None of a search that was stopped.
+    /// Settings of the run; None for a search that was stopped.
     resolved: Option<ResolvedSettings>,
 }
 
-/// Reads the folder of a search; reports what is wrong with it.
+/// Reads the folder of a search, and prints what is wrong with it.
 pub fn read(folder: &Path, packages: &PackageFolders) -> Result<SearchFolder, Exit> {
     let FolderOrigin { manifest, settings, resolved } = origin(folder)?;
     untouched(folder, &manifest)?;
@@ -66,7 +66,7 @@ pub fn best_of(folder: &Path) -> Result<PathBuf, Exit> {
     Err(Exit::BadInput)
 }
 
-/// Returns the layout if it fits the cell; refuses it otherwise.
+/// Returns the layout if it has the coordinates of the cell, otherwise refuses best.toml.
 fn fitting(folder: &Path, layout: Layout, loaded: &Loaded) -> Result<Layout, Exit> {
     let start = loaded.cell.start();
     let sizes = |l: &Layout| (l.placements.len(), l.attitudes.len());
@@ -76,7 +76,7 @@ fn fitting(folder: &Path, layout: Layout, loaded: &Loaded) -> Result<Layout, Exi
     }
 }
 
-/// Reads the manifest or, of a search that was stopped, the checkpoint.
+/// Reads the manifest or, for a search that was stopped, the checkpoint.
 fn origin(folder: &Path) -> Result<FolderOrigin, Exit> {
     let name = "manifest.json";
     let (source, csv) = (folder.to_string_lossy().into_owned(), "map.csv beside search.json".to_string());
@@ -118,7 +118,7 @@ fn untouched(folder: &Path, manifest: &Manifest) -> Result<(), Exit> {
     all.try_for_each(|(place, hash)| check(folder, &place, &hash))
 }
 
-/// Returns the places of the inputs in the folder, with their hashes.
+/// Returns the path of each input inside the folder, with its hash.
 fn places(inputs: &[(String, String)]) -> impl Iterator<Item = (String, String)> {
     inputs.iter().enumerate().map(|(k, (path, hash))| {
         let place = path.replacen("package://", "packages/", 1);
@@ -149,7 +149,7 @@ pub fn refused(folder: &Path, place: &str, why: &str) -> Exit {
     Exit::BadInput
 }
 
-/// Returns the packages of the command line and those kept with the inputs.
+/// Returns the package folders of the command line and those copied with the inputs.
 fn kept_packages(folder: &Path, packages: &PackageFolders) -> PackageFolders {
     let mut all = packages.clone();
     for entry in folder.join(INPUTS).join("packages").read_dir().into_iter().flatten().flatten() {

@@ -7,24 +7,24 @@ use crate::files::{Loaded, Setting};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-/// Settings that a resumed search may state anew: they decide only when it ends.
+/// Settings that may change when a search is resumed, because they only decide when it ends.
 const STOPPING_RULES: [&str; 3] = ["search.budget", "search.gap", "search.stagnation"];
 
-/// Request of a search. Its checkpoint keeps it, so that resuming never reads the old command line.
+/// Request of a search. The checkpoint stores it, so a resumed search does not need the old command line.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SearchRequest {
     pub cell: PathBuf,
     /// Folders of ROS packages, by name.
     packages: Vec<(String, PathBuf)>,
-    /// Keys of the cell file that the flags state.
+    /// Keys of the cell file that the flags set.
     pub settings: Vec<Setting>,
-    /// Command line that makes the same result without a stop.
+    /// Command line that gives the same result in one run.
     pub command: Vec<String>,
 }
 
 impl SearchRequest {
-    /// Returns the request of the command line.
+    /// Returns the request that the command line states.
     pub fn new(a: &SearchArguments) -> Result<Self, Exit> {
         // clap requires a cell file without --resume.
         let cell = a.cell.clone().ok_or(Exit::BadInput)?;
@@ -32,13 +32,13 @@ impl SearchRequest {
         Ok(Self { cell, packages, settings: a.settings(), command: arguments::typed() })
     }
 
-    /// Loads the cell under the settings.
+    /// Loads the cell with the settings.
     pub fn load(&self) -> Result<Loaded, Exit> {
         let packages = PackageFolders { folders: self.packages.clone() };
         asked::load_for_search(&self.cell, &packages, &self.settings)
     }
 
-    /// Returns the request with the stopping rules of the command line that resumes it; refuses other changes.
+    /// Returns the request with the stopping rules of the resuming command line. Refuses any other change.
     pub fn resumed(mut self, a: &SearchArguments) -> Result<Self, Exit> {
         let is_rule = |s: &Setting| STOPPING_RULES.contains(&s.path.as_str());
         let (rules, others): (Vec<_>, Vec<_>) = a.settings().into_iter().partition(is_rule);
@@ -83,7 +83,7 @@ fn refuse_changes(then: &[Setting], now: &[Setting]) -> Result<(), Exit> {
     Err(Exit::BadInput)
 }
 
-/// Returns a setting as option and value of the command line.
+/// Returns a setting as a command-line option and its value.
 fn typed(setting: &Setting) -> (String, String) {
     match setting.flag.as_deref() {
         Some(flag) => {

@@ -1,7 +1,7 @@
 //! Plan and folder of a sweep, which can be stopped and resumed.
 //!
-//! A combination depends on the plan and its index alone. Its file `NNNN.json` exists as a whole or not at all.
-//! The table is made from these files.
+//! A combination depends only on the plan and on its index. The file `NNNN.json` of a combination is complete
+//! or absent. The table is made from these files.
 
 use super::arguments::{SweepArguments, common_settings};
 use super::loading;
@@ -20,7 +20,7 @@ const MAX_COMBINATIONS: usize = 10_000;
 
 const PLAN: &str = "plan.json";
 
-/// Returns the plan that the command line asks for or, of a sweep to be resumed, the plan of its folder.
+/// Returns the plan of the command line or, with `--resume`, the plan stored in the folder.
 pub fn asked_plan(a: &SweepArguments) -> Result<SweepPlan, Exit> {
     let version = env!("CARGO_PKG_VERSION").to_string();
     if let Some(folder) = &a.resume {
@@ -66,7 +66,7 @@ pub fn add_inputs(plan: &mut SweepPlan, all: &mut Vec<Source>, sources: Vec<Sour
     }
 }
 
-/// Returns what keeps a plan from continuing an older one.
+/// Returns the differences that prevent a plan from continuing the older plan `old`.
 fn changes(plan: &SweepPlan, old: &SweepPlan) -> Vec<String> {
     let mut changed = Vec::new();
     let mut note = |same: bool, what: &str| {
@@ -122,7 +122,7 @@ fn count(sets: &[Choices]) -> Result<usize, Exit> {
     })
 }
 
-/// Reads the plan of a folder; None if there is none.
+/// Reads the plan of a folder; returns None if the folder has no plan.
 fn read_plan(folder: &Path) -> Result<Option<SweepPlan>, Exit> {
     let path = folder.join(PLAN);
     let bytes = match std::fs::read(&path) {
@@ -139,7 +139,7 @@ fn read_plan(folder: &Path) -> Result<Option<SweepPlan>, Exit> {
     })
 }
 
-/// Opens the folder of a plan: that of the same sweep, or a new one to which the plan is written.
+/// Opens the folder of the same sweep, or makes a new folder and writes the plan to it.
 pub fn open(plan: &SweepPlan, asked: Option<&Path>, stem: &str) -> Result<PathBuf, Exit> {
     if let Some(folder) = asked
         && let Some(old) = read_plan(folder)?
@@ -168,12 +168,12 @@ pub fn open(plan: &SweepPlan, asked: Option<&Path>, stem: &str) -> Result<PathBu
     Ok(folder)
 }
 
-/// Returns the stem of the files of a combination.
+/// Returns the stem of the file names of a combination.
 pub fn number(index: usize) -> String {
     format!("{index:04}")
 }
 
-/// Reads the row of a combination; None if it is not finished.
+/// Reads the row of a combination; returns None if the combination is not finished.
 pub fn row(folder: &Path, index: usize) -> Option<SweepRow> {
     let bytes = std::fs::read(folder.join(number(index) + ".json")).ok()?;
     serde_json::from_slice(&bytes).ok().filter(|row: &SweepRow| row.index == index)

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 /// Name and version of the document of `budget --json`.
 pub const BUDGET_SCHEMA: &str = "sweetspot/budget/1";
 
-/// Error budget: which parameter adds how much to the error at the spots.
+/// Error budget: contribution of every parameter to the error at the spots.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BudgetDocument {
@@ -25,7 +25,7 @@ pub struct BudgetDocument {
     pub errors: String,
     pub model: Model,
     pub reading: Reading,
-    /// Figure that is minimized.
+    /// Name of the figure that the search minimizes.
     #[schemars(extend("enum" = VALUE_WORDS))]
     pub quantity: String,
     pub registration: Registration,
@@ -39,17 +39,17 @@ pub struct OperationBudget {
     pub name: String,
     pub equipment: String,
     pub sense: String,
-    /// Largest error with which the operation succeeds, in the unit of its sense.
+    /// Largest allowed error of the operation, in the unit of its sense.
     pub limit: Option<f64>,
     pub node: Option<[usize; 2]>,
     pub position_mm: [f64; 3],
     pub joints_deg: Vec<f64>,
-    /// Whether the linear worst case is exact, not an upper bound.
+    /// Whether the linear worst case is exact; otherwise it is an upper bound.
     pub worst_linear_exact: bool,
     pub total: TotalEntry,
     /// Shares of the parameters, the largest first.
     pub parameters: Vec<ShareEntry>,
-    /// What half the tolerances of the first parameters would gain.
+    /// Gains from halving the tolerances of the first parameters.
     pub tighten: Vec<TightenEntry>,
     /// Worst case of the linear model, in the unit of the sense.
     pub linear_worst: f64,
@@ -57,7 +57,7 @@ pub struct OperationBudget {
     pub linear_rms: f64,
 }
 
-/// Every figure of a posture in the sense of the operation.
+/// Error figures of a posture, measured in the sense of the operation.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TotalEntry {
@@ -69,7 +69,7 @@ pub struct TotalEntry {
     pub mean: f64,
     pub p95: f64,
     pub p99: f64,
-    /// Share of arms within the tolerances whose error keeps the limit.
+    /// Share of arms within the tolerances whose error does not exceed the limit.
     pub r#yield: Option<f64>,
 }
 
@@ -83,7 +83,7 @@ pub struct ShareEntry {
     pub plus_minus: f64,
     /// Linear effect of the signed value on the TCP, world frame.
     pub linear_term_mm: [f64; 3],
-    /// Error in the sense if this parameter alone had its tolerance.
+    /// Error in the sense if all other tolerances were zero.
     pub alone: f64,
     pub share_of_worst: f64,
     pub share_of_variance: f64,

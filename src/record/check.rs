@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 /// Name and version of the document of `check --json`.
 pub const CHECK_SCHEMA: &str = "sweetspot/check/1";
 
-/// Whether a cell file is valid, and everything that is wrong with it.
+/// Result of a check: whether a cell file is valid, and all its faults.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CheckDocument {
@@ -22,20 +22,20 @@ pub struct CheckDocument {
     pub schema: String,
     pub valid: bool,
     pub faults: Vec<Fault>,
-    /// Pairs of solids of the robot.
+    /// Pairs of the robot's solids, with the reason if they may touch.
     pub self_collision: Vec<OwnPairEntry>,
     /// Facts derived from a URDF; absent for a robot given by Denavit-Hartenberg rows.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub urdf: Option<UrdfEntry>,
 }
 
-/// Two solids of the robot.
+/// Pair of the robot's solids.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct OwnPairEntry {
     pub a: String,
     pub b: String,
-    /// Why they may touch; null: a contact is a collision.
+    /// Reason why the two solids may touch; null if a contact is a collision.
     pub allowed: Option<String>,
 }
 
@@ -50,7 +50,7 @@ impl OwnPairEntry {
     }
 }
 
-/// Denavit-Hartenberg rows derived from a URDF, and what of the file is not used.
+/// Denavit-Hartenberg rows derived from a URDF, and the unused elements of the file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct UrdfEntry {
@@ -60,7 +60,7 @@ pub struct UrdfEntry {
     pub base_to_frame_0: PoseEntry,
     pub rows: Vec<UrdfRow>,
     pub last_frame_to_tip: PoseEntry,
-    /// Number of elements of the file that are not used, by what they are.
+    /// Number of unused elements of the file by kind.
     pub ignored: ByName<usize>,
 }
 
@@ -85,7 +85,7 @@ pub struct UrdfRow {
 }
 
 impl UrdfEntry {
-    /// Returns None of a robot given by Denavit-Hartenberg rows.
+    /// Makes the entry; None for a robot given by Denavit-Hartenberg rows.
     pub fn new(robot: &Robot) -> Option<Self> {
         let origin = robot.urdf.as_ref()?;
         let rows = robot.joints.iter().map(|j| UrdfRow {
@@ -117,7 +117,7 @@ impl PoseEntry {
     }
 }
 
-/// Returns roll, pitch and yaw about fixed axes, rad: the turn of [`Pose::from_translation_rpy`].
+/// Returns roll, pitch and yaw about fixed axes, rad, as [`Pose::from_translation_rpy`] takes them.
 pub fn roll_pitch_yaw(pose: &Pose) -> Vector3<f64> {
     let (roll, pitch, yaw) = Rotation3::from_matrix_unchecked(pose.rotation).euler_angles();
     Vector3::new(roll, pitch, yaw)

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 /// Name and version of the document of `compare --json`.
 pub const COMPARISON_SCHEMA: &str = "sweetspot/compare/1";
 
-/// Layouts side by side, the first being the reference.
+/// Comparison of layouts; the first one is the reference.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ComparisonDocument {
@@ -31,9 +31,9 @@ pub struct ComparedLayout {
     /// Objective in `unit`.
     pub objective: Option<f64>,
     pub unit: Unit,
-    /// Change of the objective from the first layout.
+    /// Change of the objective from the first layout, percent.
     pub change_percent: Option<f64>,
-    /// Why the layout is not feasible.
+    /// Reasons why the layout is not feasible.
     pub reasons: Vec<String>,
     pub layout: ByName<PlacementEntry>,
     pub base: PlacementEntry,

@@ -18,7 +18,8 @@ use serde::{Deserialize, Serialize};
 /// Name and version of the document of `explain --json`.
 pub const EXPLANATION_SCHEMA: &str = "sweetspot/explain/1";
 
-/// Numbers of one posture, step by step, to be followed by hand. Lengths in mm, angles in degrees.
+/// Error calculation of one posture, step by step, so that it can be checked by hand. Lengths in mm, angles
+/// in degrees.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ExplanationDocument {
@@ -30,16 +31,16 @@ pub struct ExplanationDocument {
     pub errors: String,
     pub model: Model,
     pub reading: Reading,
-    /// Figure that is minimized.
+    /// Name of the figure that the search minimizes.
     #[schemars(extend("enum" = VALUE_WORDS))]
     pub quantity: String,
     pub registration: Registration,
     pub name: String,
     pub equipment: String,
     pub sense: String,
-    /// Largest error with which the operation succeeds, in the unit of its sense.
+    /// Largest allowed error of the operation, in the unit of its sense.
     pub limit: Option<f64>,
-    /// Numbers of the node; null of joints that were given.
+    /// Indices of the node; null if joint values were given.
     pub node: Option<[usize; 2]>,
     /// TCP in the world frame.
     pub position_mm: [f64; 3],
@@ -56,23 +57,23 @@ pub struct ExplanationDocument {
     pub parameters: Vec<ParameterEntry>,
     /// Error by the linear model, world frame.
     pub linear: DisplacementEntry,
-    /// What the second order adds to the linear model, world frame.
+    /// Second-order correction of the linear model, world frame.
     pub second_order_correction: DisplacementEntry,
     /// Error by the second-order model, world frame.
     pub second_order: DisplacementEntry,
     /// Error by the nonlinear model, world frame.
     pub nonlinear: DisplacementEntry,
-    /// Error of the robot alone, before anything is taken off, world frame.
+    /// Error of the robot alone, before registration and equipment errors are subtracted, world frame.
     pub robot_alone_nonlinear: DisplacementEntry,
-    /// What registration and the errors of the equipment take off, world frame.
+    /// Part that registration and the errors of the equipment subtract, world frame.
     pub taken_off_nonlinear: DisplacementEntry,
     pub guard: PostureGuardEntry,
-    /// Rows of the sense with the error in each.
+    /// Rows of the sense, each with its error.
     pub sense_rows: Vec<SenseRowEntry>,
-    /// Sign of every parameter at the corner of the tolerance box that is worst.
+    /// Sign of every parameter at the worst corner of the tolerance box.
     pub worst_corner: ByName<i8>,
     pub total: TotalEntry,
-    /// Figure that is minimized, in `unit`.
+    /// Value of the minimized figure, in `unit`.
     pub value: f64,
     pub unit: Unit,
 }
@@ -82,7 +83,7 @@ pub struct ExplanationDocument {
 #[serde(deny_unknown_fields)]
 pub struct DhEntry {
     pub kind: JointKindWord,
-    /// Actuator coordinate: degrees, or mm of a joint that slides.
+    /// Actuator coordinate: degrees, or mm for a prismatic joint.
     pub q: f64,
     pub within_limits: bool,
     pub theta_deg: f64,
@@ -97,7 +98,7 @@ pub struct DhEntry {
 pub enum JointKindWord {
     Revolute,
     Prismatic,
-    /// A revolute joint that a linkage drives.
+    /// Revolute joint that a linkage drives.
     Passive,
 }
 
@@ -110,7 +111,7 @@ impl From<JointKind> for JointKindWord {
     }
 }
 
-/// Frame in the base frame.
+/// Origin and axes of a frame, expressed in the base frame.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FrameEntry {
@@ -121,26 +122,27 @@ pub struct FrameEntry {
     pub z_axis: [f64; 3],
 }
 
-/// Effect of one parameter: motions, lever and effects in the base frame, the linear term in the world.
+/// Effect of one parameter. Motions, lever and effect are in the base frame, the linear term is in the world
+/// frame.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ParameterEntry {
     pub parameter: String,
     pub unit: Unit,
-    /// Value in the sample explained.
+    /// Value of the parameter in the explained sample.
     pub value: f64,
     pub signed: f64,
     pub plus_minus: f64,
     pub standard_deviation: f64,
     pub motions: Vec<MotionEntry>,
     pub effect_base_mm_per_unit: [f64; 3],
-    /// What registration takes off the effect.
+    /// Part of the effect that registration subtracts.
     pub taken_off_base_mm_per_unit: [f64; 3],
     pub linear_term_mm: [f64; 3],
     pub linear_term_deg: [f64; 3],
 }
 
-/// Small motion that a unit of a parameter makes.
+/// Small motion per unit of a parameter.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MotionEntry {
@@ -149,16 +151,16 @@ pub struct MotionEntry {
     #[schemars(extend("enum" = AXES))]
     pub axis: String,
     pub frame: String,
-    /// How much of the motion a unit of the parameter makes.
+    /// Amount of the motion per unit of the parameter.
     pub factor: f64,
     pub axis_base: [f64; 3],
-    /// From the origin of the frame to the TCP.
+    /// Vector from the origin of the frame to the TCP.
     pub lever_base_mm: [f64; 3],
 }
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
-/// Whether a motion turns about its axis or slides along it.
+/// Kind of a motion: a rotation about its axis or a translation along it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum MotionKind {
@@ -182,7 +184,7 @@ pub struct PostureGuardEntry {
     pub threshold_percent: f64,
     pub linear_off_percent: f64,
     pub second_order_off_percent: f64,
-    /// Distance of the chosen model.
+    /// Distance of the chosen model from the nonlinear one.
     pub off_percent: f64,
     pub trusted: bool,
 }

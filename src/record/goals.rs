@@ -16,16 +16,16 @@ pub struct GoalsEntry {
     /// Objective, in the unit of the document.
     pub error: f64,
     pub clearance_mm: f64,
-    /// Distance of the joints from their limits, percent of half their range.
+    /// Least distance of a joint from its limits, in percent of half its range.
     pub joint_limits_percent: f64,
-    /// Least singular value of the Jacobian, lengths in arm reaches.
+    /// Least singular value of the Jacobian, with lengths in units of the arm's reach.
     pub singularity: f64,
     pub travel_deg: f64,
     pub footprint_m2: f64,
 }
 
 impl GoalsEntry {
-    /// Makes the entry of SI values, one per [`Goal::ALL`].
+    /// Makes the entry from SI values in the order of [`Goal::ALL`].
     pub fn new(cell: &Cell, values: &[f64]) -> Self {
         let of = |goal: Goal| {
             let place = Goal::ALL.iter().position(|g| *g == goal);
@@ -90,12 +90,12 @@ pub fn word(cell: &Cell, goal: Goal) -> &'static str {
     }
 }
 
-/// Returns goal and unit, the head of a column.
+/// Returns the head of a column: the name and the unit of a goal.
 pub fn head(cell: &Cell, goal: Goal) -> String {
     format!("{} {}", goal.name(), word(cell, goal)).trim_end().to_string()
 }
 
-/// Returns the key of a goal in documents. The unit of the error is that of the document.
+/// Returns the key of a goal in documents. The unit of the error is the unit of the document.
 pub fn key(goal: Goal) -> &'static str {
     match goal {
         Goal::Error => "error",
@@ -107,7 +107,7 @@ pub fn key(goal: Goal) -> &'static str {
     }
 }
 
-/// Describes the layouts kept beside the best one.
+/// Describes the Pareto front or the shortlist of layouts.
 pub fn in_words(goals: &Goals, record: &SearchRecord) -> String {
     let count = record.alternatives.len();
     match goals.is_empty() {
@@ -119,7 +119,7 @@ pub fn in_words(goals: &Goals, record: &SearchRecord) -> String {
     }
 }
 
-/// Returns the file name of a kept layout, by its place among `count`.
+/// Returns the file name of an alternative layout from its rank among `count` layouts.
 pub fn file_name(place: usize, count: usize) -> String {
     let digits = count.to_string().len().max(2);
     format!("layout-{:0digits$}.toml", place + 1)

@@ -1,4 +1,4 @@
-//! The manifest of a result folder: what made it, its settings and the hashes of its files.
+//! The manifest of a result folder: program, command, settings and hashes of the files.
 
 use super::settings::ResolvedSettings;
 use crate::files::Setting;
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// Name and version of the manifest.
 pub const MANIFEST_SCHEMA: &str = "sweetspot/manifest/1";
 
-/// Manifest of a result folder, `manifest.json`. A folder that has one is complete.
+/// Manifest of a result folder, `manifest.json`. A folder with a manifest is complete.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ManifestDocument {
@@ -17,18 +17,18 @@ pub struct ManifestDocument {
     pub program: String,
     /// Version of the program.
     pub version: String,
-    /// Command line that makes the folder, for people: programs read `settings`.
+    /// Command line that makes the folder. It is meant for people; programs read `settings`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub command: Option<Vec<String>>,
-    /// Name of the plan in the folder of a sweep, which has no command.
+    /// Name of the plan file of a sweep, whose manifest has no command.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub plan: Option<String>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cell: Option<String>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seed: Option<u64>,
-    /// Keys of the cell file that the command line has stated; reading the inputs under them asks the same
-    /// question again.
+    /// Keys of the cell file that the command line set. The inputs with these settings give the same cell
+    /// again.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub settings: Option<Vec<Setting>>,
     /// Settings of the run after flags, cell file and defaults were merged.
@@ -44,13 +44,13 @@ pub struct ManifestDocument {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HashedFile {
-    /// Path as the cell names it, or inside the result folder.
+    /// Path as the cell file states it (inputs), or inside the result folder (outputs).
     pub path: String,
     pub sha256: String,
 }
 
 impl ManifestDocument {
-    /// Makes the manifest of a folder without saying what made it.
+    /// Makes a manifest with inputs and outputs only, without command, plan and settings.
     pub fn new(inputs: Vec<HashedFile>, outputs: Vec<HashedFile>) -> Self {
         Self {
             schema: MANIFEST_SCHEMA.into(),

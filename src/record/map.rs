@@ -33,13 +33,14 @@ pub struct MapDocument<'a> {
     /// Objective in `unit`.
     pub objective: Option<f64>,
     pub unit: Unit,
-    /// Caveats of how the errors are read.
+    /// Caveats on the interpretation of the errors.
     pub notes: Vec<String>,
-    /// Pairs of things that share floor space.
+    /// Pairs of objects whose floor spaces overlap.
     pub overlaps: Vec<String>,
-    /// Why the layout is not feasible.
+    /// Reasons why the layout is not feasible.
     pub reasons: Vec<String>,
-    /// Ways between consecutive operations, of a cell that asks for them.
+    /// Motions between consecutive operations, empty if one is blocked; left out for a cell without
+    /// `[transfer]`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub transfers: Option<Vec<TransferEntry>>,
     /// Placement of every equipment.
@@ -55,7 +56,7 @@ pub struct JointEntry {
     pub unit: Unit,
 }
 
-/// A direction in which the error is measured.
+/// Sense in which the error is measured.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SenseEntry {
@@ -77,32 +78,32 @@ pub struct OperationMapEntry<'a> {
     pub equipment: String,
     /// Sense of the operation.
     pub sense: String,
-    /// Senses in which every node is reported.
+    /// Senses in which the errors of every node are reported.
     pub senses: Vec<SenseEntry>,
     pub model: Model,
     /// Name of the error set.
     pub errors: String,
     pub reading: Reading,
-    /// Figure that is minimized.
+    /// Name of the figure that the search minimizes.
     #[schemars(extend("enum" = VALUE_WORDS))]
     pub quantity: String,
     pub registration: Registration,
-    /// Largest error with which the operation succeeds, in the unit of its sense.
+    /// Largest allowed error of the operation, in the unit of its sense.
     pub limit: Option<f64>,
     /// Distance to the limit; negative if the limit is missed.
     pub margin: Option<f64>,
     pub over: Over,
-    /// Value of the operation: that of its best node, or of all its nodes together.
+    /// Value of the operation: the value of its best node, or the combined value of all its nodes.
     pub value: Option<f64>,
     pub counts: StatusCounts,
     pub guard: GuardEntry,
-    /// Monte Carlo check of the spot, of the statistical reading.
+    /// Monte Carlo check of the spot; null unless the reading is statistical.
     pub monte_carlo: Option<MonteCarloEntry>,
     #[schemars(with = "Vec<MapNode>")]
     pub nodes: MapNodes<'a>,
-    /// The spot: the best usable node.
+    /// Spot: the best usable node.
     pub best: Option<MapNode>,
-    /// The spot between the nodes.
+    /// Spot refined between the nodes of the grid.
     pub refined: Option<RefinedEntry>,
 }
 
@@ -158,7 +159,7 @@ impl<'a> OperationMapEntry<'a> {
     }
 }
 
-/// Numbers of nodes by status. A status that a cell did not ask about is left out.
+/// Numbers of nodes by status. The last three are left out if no node has that status.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub struct StatusCounts {
@@ -195,18 +196,18 @@ impl StatusCounts {
     }
 }
 
-/// Where the approximate error models are not to be trusted, over the usable nodes.
+/// Check of the approximate error models against the nonlinear one over the usable nodes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GuardEntry {
     pub threshold_percent: f64,
     pub linear: ModelGuardEntry,
     pub second_order: ModelGuardEntry,
-    /// Whether the chosen model keeps the threshold at every usable node.
+    /// Whether the chosen model is within the threshold at every usable node.
     pub trusted: bool,
 }
 
-/// Distance of one error model from the nonlinear one.
+/// Difference of one error model from the nonlinear one.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ModelGuardEntry {
@@ -240,7 +241,7 @@ pub struct MonteCarloEntry {
     pub mean: EstimateEntry,
     pub p95: EstimateEntry,
     pub p99: EstimateEntry,
-    /// Share of samples that keep the limit, of an operation with a limit.
+    /// Share of samples within the limit; null if the operation has no limit.
     pub r#yield: Option<EstimateEntry>,
     pub share_above_first_order_p95: EstimateEntry,
     /// Whether the samples confirm the first-order figures.
@@ -264,7 +265,7 @@ impl EstimateEntry {
 }
 
 impl MonteCarloEntry {
-    /// Returns None unless the reading is statistical and the operation has a spot.
+    /// Makes the entry; None unless the reading is statistical and the operation has a spot.
     pub fn new(a: &Assessment<'_>, operation: usize) -> Option<Self> {
         let unit = a.cell.operations[operation].sense.unit;
         let MonteCarlo { samples, rms, mean, p95, p99, above, success, .. } =
@@ -283,20 +284,20 @@ impl MonteCarloEntry {
     }
 }
 
-/// Free way of the joints from one operation to the next.
+/// Collision-free joint motion from one operation to the next.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TransferEntry {
     pub from: String,
     pub to: String,
     pub way: String,
-    /// Measure of its duration: the sum over the moves of how far the slowest joint turns.
+    /// Measure of the transfer time: the sum over the moves of the largest joint travel.
     pub travel_deg: f64,
-    /// Corners of the way in joint space.
+    /// Joint vectors along the motion, with straight moves between them.
     pub joints_deg: Vec<Vec<f64>>,
 }
 
-/// Returns the ways between consecutive operations; none if one of them is blocked.
+/// Returns the motions between consecutive operations; empty if one of them is blocked.
 fn transfers(a: &Assessment<'_>) -> Vec<TransferEntry> {
     let name = |k: usize| a.cell.operations[k].name.clone();
     let entry = |t: &Transfer| TransferEntry {

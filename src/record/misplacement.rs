@@ -25,12 +25,12 @@ pub struct RobustDocument {
     pub robot: String,
     /// Name of the error set.
     pub errors: String,
-    /// Figure that is minimized.
+    /// Name of the figure that the search minimizes.
     #[schemars(extend("enum" = VALUE_WORDS))]
     pub quantity: String,
     pub unit: Unit,
     pub feasible: bool,
-    /// Whether every operation keeps reach, clearance and limit within the placement tolerances.
+    /// Whether every operation stays feasible and within its limit over the placement tolerances.
     pub holds: bool,
     pub reasons: Vec<String>,
     pub layout: ByName<PlacementEntry>,
@@ -45,7 +45,7 @@ pub struct MisplacedOperation {
     pub name: String,
     pub equipment: String,
     pub sense: String,
-    /// Largest error with which the operation succeeds, in the unit of its sense.
+    /// Largest allowed error of the operation, in the unit of its sense.
     pub limit: Option<f64>,
     pub refined: Option<RefinedEntry>,
     pub robustness: Option<RobustnessEntry>,
@@ -57,30 +57,30 @@ pub struct MisplacedOperation {
 pub struct RobustnessEntry {
     /// Value as drawn, in the unit of the objective.
     pub value: f64,
-    /// The box of the placement tolerances; empty if everything is placed exactly.
+    /// Placement tolerances, which span a box; empty if everything is placed exactly.
     pub tolerance: MovesByName,
     /// Number of corners of the box that were evaluated.
     pub corners: usize,
-    /// The corner with the greatest value; null without tolerance, or if all are lost.
+    /// Corner with the greatest value; null without tolerances, or if the operation is lost at all corners.
     pub worst: Option<CornerEntry>,
-    /// Corners at which the operation is lost.
+    /// Corners at which the operation cannot be done.
     pub lost: Vec<LostEntry>,
-    /// Change of the value per mm or degree.
+    /// Gradient: change of the value per mm or degree of every coordinate.
     pub gradient: Vec<SlopeEntry>,
-    /// Largest multiple of the tolerance that is kept; null without tolerance.
+    /// Largest multiple of the tolerances that the operation withstands; null without tolerances.
     pub largest_times_tolerance: Option<LargestEntry>,
-    /// Largest misplacement in the plan that is kept, in the worst direction.
+    /// Largest misplacement in the plan that the operation withstands, in the worst direction.
     pub largest_in_plan_mm: LargestEntry,
-    /// Largest misplacement about the vertical that is kept, the worse way.
+    /// Largest yaw misplacement that the operation withstands, in the worse direction.
     pub largest_yaw_deg: LargestEntry,
-    /// Whether the operation keeps reach, clearance and limit within its tolerance.
+    /// Whether the operation stays feasible and within its limit over the tolerances.
     pub holds: bool,
 }
 
 /// Misplacements by the name of the equipment, or of the robot base.
 pub type MovesByName = ByName<MoveEntry>;
 
-/// Misplacement of one thing, mm and degrees.
+/// Misplacement of one equipment or of the robot base, mm and degrees.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MoveEntry {
@@ -94,7 +94,7 @@ pub struct MoveEntry {
     pub yaw_deg: Option<f64>,
 }
 
-/// A misplacement and the value there.
+/// Misplacement, and the value of the operation there.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CornerEntry {
@@ -102,7 +102,7 @@ pub struct CornerEntry {
     pub value: f64,
 }
 
-/// A misplacement at which the operation is lost, and why.
+/// Misplacement at which the operation cannot be done, with the reason.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LostEntry {
@@ -111,36 +111,36 @@ pub struct LostEntry {
     pub reason: String,
 }
 
-/// Change of the value per unit of one number.
+/// Change of the value per unit of one coordinate.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SlopeEntry {
     /// Name of the equipment, or "robot base".
     pub of: String,
-    /// Name of the number: `x_mm`, `y_mm`, `z_mm` or `yaw_deg`.
+    /// Name of the coordinate: `x_mm`, `y_mm`, `z_mm` or `yaw_deg`.
     pub number: String,
-    /// The slope; null at the end of reach.
+    /// Slope; null at the end of reach.
     pub value: Option<f64>,
-    /// Unit of the number.
+    /// Unit of the coordinate.
     pub per: Unit,
 }
 
-/// Largest misplacement that keeps reach, clearance and limit.
+/// Largest misplacement that the operation withstands.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LargestEntry {
     pub most: f64,
-    /// What happens beyond; null: nothing, as far as it was looked.
+    /// What happens beyond it; null if nothing happens up to the largest misplacement checked.
     pub ended: Option<EndedEntry>,
 }
 
-/// Why a misplacement cannot be larger.
+/// Reason why a misplacement cannot be larger.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum EndedEntry {
-    /// The operation is lost.
+    /// The operation cannot be done.
     Lost(LostEntry),
-    /// The value passes the limit.
+    /// The value exceeds the limit.
     Limit(CornerEntry),
 }
 
@@ -172,7 +172,7 @@ impl RobustDocument {
 }
 
 impl RobustnessEntry {
-    /// Returns None for an operation without a spot, or if misplacement was not asked about.
+    /// Makes the entry; None for an operation without a spot, or if misplacement was not computed.
     pub fn new(a: &Assessment<'_>, k: usize) -> Option<Self> {
         let (cell, unit) = (a.cell, a.cell.unit());
         let r = a.robustness.get(k)?.as_ref()?;
@@ -243,7 +243,7 @@ fn body(cell: &Cell, slot: Slot) -> String {
     }
 }
 
-/// Returns the key of a free number in a cell file.
+/// Returns the key of a coordinate in a cell file.
 pub fn coordinate_name(slot: Slot) -> &'static str {
     match slot {
         Slot::Base(axis) | Slot::Equipment(_, axis) => ["x_mm", "y_mm", "z_mm", "yaw_deg"][axis],

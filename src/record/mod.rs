@@ -1,9 +1,8 @@
-//! Records: every machine-readable document as one serde type, written and read by the same type.
+//! Records: one serde type for every machine-readable document, which writes and reads it.
 //!
-//! JSON, CSV, Parquet, pages and the published JSON Schemas all come from these types. Lengths are in
-//! mm, angles in degrees, rounded to 1e-9; the frame is the world's; joints are in the robot's own
-//! coordinates. A value that is missing is null, not left out. A field that a record does not know is
-//! refused when a document is read.
+//! JSON, CSV, Parquet, pages and the published JSON Schemas all come from these types. Lengths are in mm and
+//! angles in degrees, rounded to 1e-9. Vectors are in the world frame, joints in the robot's own coordinates.
+//! A missing value is null; its field is not left out. Reading a document refuses unknown fields.
 
 mod budget;
 mod check;

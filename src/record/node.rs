@@ -10,25 +10,25 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::borrow::Cow;
 
-/// Values by the name of their sense.
+/// Values by the name of the sense.
 pub type BySense = ByName<f64>;
 
-/// One node of a map: world frame, mm and degrees. A node without a posture has no numbers.
+/// One node of a map: world frame, mm and degrees. A node without a posture has no errors.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MapNode {
-    /// Number of the node along x of the surface.
+    /// Index of the node along x of the surface.
     pub i: usize,
-    /// Number of the node along y of the surface.
+    /// Index of the node along y of the surface.
     pub j: usize,
     /// Target of the TCP.
     pub position_mm: [f64; 3],
     pub status: NodeSign,
-    /// Why the node cannot be used; empty if it can.
+    /// Reason why the node cannot be used; empty if it can.
     pub reason: String,
-    /// Coordinates of the joints: degrees, or mm of a joint that slides.
+    /// Joint coordinates: degrees, or mm for a prismatic joint.
     pub joints_deg: Option<Vec<f64>>,
-    /// Error of the TCP by the model of the cell.
+    /// Error of the TCP according to the model of the cell.
     pub error_mm: Option<[f64; 3]>,
     /// Error in the sense of the operation, if that is a length.
     pub error_sense_mm: Option<f64>,
@@ -43,9 +43,9 @@ pub struct MapNode {
     pub linear_error_mm: Option<[f64; 3]>,
     pub nonlinear_error_mm: Option<[f64; 3]>,
     pub discrepancy_percent: Option<DiscrepancyEntry>,
-    /// Distance of the linear from the nonlinear error, percent of the nonlinear one.
+    /// Distance of the linear error from the nonlinear one, in percent of the nonlinear one.
     pub linear_off_percent: Option<f64>,
-    /// Distance of the second-order from the nonlinear error, percent of the nonlinear one.
+    /// Distance of the second-order error from the nonlinear one, in percent of the nonlinear one.
     pub second_order_off_percent: Option<f64>,
     pub worst_mm: Option<BySense>,
     pub worst_linear_mm: Option<BySense>,
@@ -58,11 +58,12 @@ pub struct MapNode {
     pub mean_deg: Option<BySense>,
     pub p95_deg: Option<BySense>,
     pub p99_deg: Option<BySense>,
-    /// Share of arms within the tolerances whose error keeps the limit of the operation.
+    /// Share of arms within the tolerances whose error does not exceed the limit of the operation.
     pub r#yield: Option<f64>,
 }
 
-/// Discrepancy of the linear from the nonlinear error, eq. (9): per component and for the resultant r.
+/// Discrepancy between linear and nonlinear error, eq. (9) of the seed paper, percent: per component and for
+/// the resultant r.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DiscrepancyEntry {
@@ -124,7 +125,7 @@ impl MapNode {
     }
 }
 
-/// Returns a figure in every reported sense of one unit; None if no sense has that unit.
+/// Returns a figure in every reported sense that has the unit `unit`; None if there is no such sense.
 fn by_sense(
     map: &OperationMap,
     p: &PostureRecord,
@@ -136,18 +137,18 @@ fn by_sense(
     (!values.is_empty()).then_some(values)
 }
 
-/// Nodes of an operation. A map can have a million of them, so those of a map at hand are made one by
-/// one while they are written.
+/// Nodes of an operation. A map can have a million nodes. They are therefore converted one by one while they
+/// are written.
 #[derive(Debug, Clone)]
 pub enum MapNodes<'a> {
     /// Nodes of a document that was read.
     Read(Vec<MapNode>),
-    /// Nodes of a map at hand.
+    /// Nodes of a map in memory.
     OfMap(&'a Cell, &'a OperationMap),
 }
 
 impl MapNodes<'_> {
-    /// Walks the nodes: x runs fastest.
+    /// Iterates over the nodes; x runs fastest.
     pub fn iter(&self) -> Box<dyn Iterator<Item = Cow<'_, MapNode>> + '_> {
         match self {
             Self::Read(nodes) => Box::new(nodes.iter().map(Cow::Borrowed)),

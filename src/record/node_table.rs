@@ -1,4 +1,4 @@
-//! The nodes of a map as a table with typed columns: what map.csv and map.parquet hold.
+//! The nodes of a map as a table with typed columns, the content of map.csv and map.parquet.
 
 use super::map::{MapDocument, OperationMapEntry, SenseEntry};
 use super::node::{BySense, MapNode};
@@ -26,11 +26,11 @@ pub enum TableValue {
     Text(String),
     Count(usize),
     Flag(bool),
-    /// None: there is no value.
+    /// Number; None if there is no value.
     Number(Option<f64>),
 }
 
-/// Figure of a sense: its name, and its values at a node for lengths and for angles.
+/// Figure of a sense: its name, and a function that returns its values at a node for lengths and for angles.
 type FigureColumns = (&'static str, fn(&MapNode) -> [&Option<BySense>; 2]);
 
 const FIGURES: [FigureColumns; 5] = [
@@ -41,7 +41,7 @@ const FIGURES: [FigureColumns; 5] = [
     ("p99", |n| [&n.p99_mm, &n.p99_deg]),
 ];
 
-/// Columns before and after the joints, and at the end.
+/// Columns before the joints; the columns after the joints and at the end follow below.
 const PLACE_COLUMNS: [(&str, ColumnKind); 9] = [
     ("operation", ColumnKind::Text),
     ("equipment", ColumnKind::Text),
@@ -79,7 +79,7 @@ const REFINED_COLUMNS: [&str; 4] = ["refined_x_mm", "refined_y_mm", "refined_z_m
 /// Nodes of all operations of a map, one row each. World frame, mm and degrees.
 pub struct NodeTable<'d> {
     document: &'d MapDocument<'d>,
-    /// Every sense that any operation reports.
+    /// All senses that the operations report.
     senses: Vec<&'d SenseEntry>,
 }
 
@@ -94,7 +94,7 @@ impl<'d> NodeTable<'d> {
         Self { document, senses }
     }
 
-    /// Returns the columns in their order.
+    /// Returns the columns in the order of the table.
     pub fn columns(&self) -> Vec<TableColumn> {
         let column = |name: String, kind| TableColumn { name, kind };
         let number = |name: String| column(name, ColumnKind::Number);
@@ -110,7 +110,7 @@ impl<'d> NodeTable<'d> {
         place.chain(joints).chain(errors).chain(figures.map(number)).chain([best]).chain(refined).collect()
     }
 
-    /// Walks the rows, one by one: a map can have a million of them.
+    /// Iterates over the rows. A map can have a million of them, so they are made one by one.
     pub fn rows(&self) -> impl Iterator<Item = Vec<TableValue>> + '_ {
         self.document
             .operations

@@ -4,7 +4,7 @@ use crate::cell::{Cell, JointKind, JointVector, Unit};
 use crate::units::{deg_from_rad, mm_from_m, percent_from_share, rounded};
 use nalgebra::Vector3;
 
-/// Rounds a number that is in the unit of documents already.
+/// Rounds a number to 9 decimals. It must already be in the unit of the document.
 pub fn nine_digits(value: f64) -> f64 {
     rounded(value, 9)
 }
@@ -39,12 +39,12 @@ pub fn rotation_deg(v: &Vector3<f64>) -> [f64; 3] {
     v.map(degrees).into()
 }
 
-/// Rounds the components of a vector that has no unit, or that of documents already.
+/// Rounds the components of a vector without a unit, or already in the unit of the document.
 pub fn plain(v: &Vector3<f64>) -> [f64; 3] {
     v.map(nine_digits).into()
 }
 
-/// Converts one coordinate of a joint: degrees if it turns, mm if it slides.
+/// Converts a joint coordinate: to degrees for a revolute joint, to mm for a prismatic one.
 pub fn joint_coordinate(kind: JointKind, q: f64) -> f64 {
     match kind {
         JointKind::Revolute => degrees(q),
@@ -57,7 +57,7 @@ pub fn joints(cell: &Cell, q: &JointVector) -> Vec<f64> {
     cell.robot.joints.iter().zip(q).map(|(joint, &q)| joint_coordinate(joint.kind, q)).collect()
 }
 
-/// Rounds a lower bound down, so that the number written is proven too.
+/// Rounds a lower bound down, so that the written number is proven, too.
 pub fn rounded_down(bound: f64) -> f64 {
     (bound * 1e9).floor() / 1e9
 }

@@ -4,7 +4,8 @@ use crate::assess::MotionFrame;
 use crate::cell::{Cell, Convention, JointKind, Parameter, Unit};
 use crate::files::shown;
 
-/// Names a parameter: dq1, dalpha3, base rx, tool z, joint2 y, worktable rz. Joints count from 1.
+/// Returns the name of a parameter, such as dq1, dalpha3, base rx, tool z, joint2 y or worktable rz. Joints
+/// count from 1.
 pub fn parameter(cell: &Cell, parameter: Parameter) -> String {
     let modified = cell.robot.convention == Convention::Modified;
     match parameter {
@@ -32,7 +33,7 @@ pub fn unit(cell: &Cell, parameter: Parameter) -> Unit {
     if turns { Unit::Angle } else { Unit::Length }
 }
 
-/// Names a frame: base, frame 2, joint 3, TCP or work.
+/// Returns the name of a frame, such as base, frame 2, joint 3, TCP or work.
 pub fn frame_name(place: MotionFrame) -> String {
     match place {
         MotionFrame::Base => "base".into(),

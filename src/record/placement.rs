@@ -1,4 +1,4 @@
-//! Layouts in documents: placements and free angles by name.
+//! Layouts in documents: placements, and the angles that a search may change, by name.
 
 use super::numbers::{degrees, millimetres};
 use crate::cell::{Cell, Layout, Placement, Role, Slot};
@@ -38,7 +38,8 @@ pub struct AttitudeEntry {
     pub spin_deg: Option<f64>,
 }
 
-/// Returns the placements by the name of the equipment; obstacles are not placed by a layout.
+/// Returns the placements by the name of the equipment. Obstacles are left out, because a layout does not
+/// place them.
 pub fn placements(cell: &Cell, layout: &Layout) -> ByName<PlacementEntry> {
     let placed = cell.equipment.iter().zip(&layout.placements).filter(|(e, _)| e.role == Role::Equipment);
     placed.map(|(e, at)| (e.name.clone(), PlacementEntry::new(at))).collect()

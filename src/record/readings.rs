@@ -22,7 +22,7 @@ pub struct ReadingsDocument {
     pub errors: String,
     pub model: Model,
     pub operations: Vec<OperationReadings>,
-    /// Largest cost of choosing by the signed sample; null if nothing was chosen by one.
+    /// Largest cost of choosing the spot by the signed sample; null if there is no such choice.
     pub largest_regret: Option<RegretEntry>,
     /// Findings in sentences.
     pub findings: Vec<String>,
@@ -35,7 +35,7 @@ pub struct OperationReadings {
     pub name: String,
     pub equipment: String,
     pub sense: String,
-    /// Largest error with which the operation succeeds, in the unit of its sense.
+    /// Largest allowed error of the operation, in the unit of its sense.
     pub limit: Option<f64>,
     pub readings: Vec<ReadingEntry>,
 }
@@ -45,7 +45,7 @@ pub struct OperationReadings {
 #[serde(deny_unknown_fields)]
 pub struct ReadingEntry {
     pub reading: Reading,
-    /// Figure that is minimized.
+    /// Name of the figure that the search minimizes.
     #[schemars(extend("enum" = VALUE_WORDS))]
     pub quantity: String,
     pub registration: Registration,
@@ -54,19 +54,19 @@ pub struct ReadingEntry {
     pub node: Option<[usize; 2]>,
     pub position_mm: Option<[f64; 3]>,
     pub value: Option<f64>,
-    /// Value of the posture that the signed sample would choose.
+    /// Value at the posture that is best for the signed sample.
     pub at_signed_choice: Option<f64>,
-    /// Value of the posture that is best with nothing registered.
+    /// Value at the posture that is best without registration.
     pub at_unregistered_choice: Option<f64>,
-    /// How many times the least value the signed choice has.
+    /// Ratio of the value at the signed sample's choice to the least value.
     pub ratio: Option<f64>,
-    /// Distance from the spot of the signed sample.
+    /// Distance between this spot and the spot of the signed sample.
     pub moved_mm: Option<f64>,
-    /// Why no node can be used.
+    /// Reason why no node can be used.
     pub reason: Option<String>,
 }
 
-/// Where choosing by the signed sample costs most.
+/// Largest regret: the reading in which choosing the spot by the signed sample costs most.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RegretEntry {
@@ -75,12 +75,12 @@ pub struct RegretEntry {
     #[schemars(extend("enum" = VALUE_WORDS))]
     pub quantity: String,
     pub registration: Registration,
-    /// How many times the least value the signed choice has.
+    /// Ratio of the value at the signed sample's choice to the least value.
     pub ratio: f64,
 }
 
 impl ReadingsDocument {
-    /// Makes the document; `findings` are its sentences.
+    /// Makes the document with the sentences `findings`.
     pub fn new(r: &Readings<'_>, findings: Vec<String>) -> Self {
         let cell = r.cell;
         let operations = cell.operations.iter().zip(&r.operations);

@@ -1,4 +1,4 @@
-//! The spot between the nodes.
+//! Document part for the spot refined between the nodes.
 
 use super::numbers::{in_unit, joints, millimetres, percent, position_mm};
 use crate::assess::Assessment;
@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 pub struct RefinedEntry {
     /// TCP in the world frame.
     pub position_mm: [f64; 3],
-    /// The spot in the frame of the surface.
+    /// Spot in the frame of the surface.
     pub on_surface_mm: [f64; 2],
     pub joints_deg: Vec<f64>,
     /// Value at the spot, in the unit of the objective.
@@ -23,7 +23,7 @@ pub struct RefinedEntry {
 }
 
 impl RefinedEntry {
-    /// Returns None for an operation that is not free to choose its spot.
+    /// Makes the entry; None for an operation that may not choose its spot.
     pub fn new(a: &Assessment<'_>, operation: usize) -> Option<Self> {
         let refined = a.refined[operation].as_ref()?;
         let unit = a.cell.unit();

@@ -29,20 +29,20 @@ pub struct RobotsDocument {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RobotEntry {
-    /// Name in the library, as cell files call it.
+    /// Name in the library, which cell files use.
     pub robot: String,
     pub name: String,
     pub axes: usize,
-    /// How its inverse kinematics is solved.
+    /// Method that solves the inverse kinematics.
     pub family: String,
     pub reach_mm: f64,
     pub error_sets: usize,
-    /// Where its numbers come from.
+    /// Source of the numbers of the robot.
     pub source: String,
 }
 
 impl RobotsDocument {
-    /// Makes the list of name in the library, robot and family.
+    /// Makes the list from library names, robots and families of inverse kinematics.
     pub fn new(all: &[(&str, Robot, &str)]) -> Self {
         let robots = all.iter().map(|(stem, robot, family)| RobotEntry {
             robot: stem.to_string(),
@@ -64,28 +64,28 @@ pub struct RobotSheetDocument {
     #[schemars(extend("const" = ROBOT_SHEET_SCHEMA))]
     pub schema: String,
     pub name: String,
-    /// Where its numbers come from.
+    /// Source of the numbers of the robot.
     pub source: String,
-    /// How its inverse kinematics is solved.
+    /// Method that solves the inverse kinematics.
     pub family: String,
-    /// Denavit-Hartenberg convention of its rows.
+    /// Denavit-Hartenberg convention of the rows.
     pub convention: String,
     pub joints: Vec<JointSheet>,
-    /// Rows of the matrix that makes joint angles from actuator coordinates.
+    /// Rows of the matrix that converts actuator coordinates to joint angles.
     pub coupling: Vec<Vec<f64>>,
     pub tool: ToolSheet,
     pub reach_mm: f64,
-    /// Home posture: degrees, or mm of a joint that slides.
+    /// Home posture: degrees, or mm for a prismatic joint.
     pub home: Vec<f64>,
     /// TCP in the home posture, base frame.
     pub home_position_mm: [f64; 3],
-    /// Names of the solids of its links.
+    /// Names of the solids of the links.
     pub solids: Vec<String>,
     pub errors: Vec<ErrorSetEntry>,
     pub envelope: EnvelopeSize,
 }
 
-/// Joint of a robot with its row of the Denavit-Hartenberg table.
+/// Joint of a robot with its Denavit-Hartenberg row.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct JointSheet {
@@ -128,9 +128,9 @@ pub enum ErrorSetKind {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EnvelopeSize {
-    /// Elevation of the tool axis.
+    /// Elevation of the tool axis above the horizontal.
     pub bend_deg: f64,
-    /// Distance of the points asked.
+    /// Distance between the sample points.
     pub step_mm: f64,
     pub size: SizeEntry,
 }
@@ -140,14 +140,14 @@ pub struct EnvelopeSize {
 #[serde(deny_unknown_fields)]
 pub struct SizeEntry {
     pub volume_m3: f64,
-    /// Half the width of the interval in which the volume is.
+    /// Half width of the interval that contains the volume.
     pub volume_error_m3: f64,
     pub rotationally_symmetric: bool,
-    /// Least and greatest distance from the vertical through the base; null if nothing is reached.
+    /// Least and greatest distance from the vertical axis through the base; null if nothing is reached.
     pub radius_mm: Option<[f64; 2]>,
     /// Least and greatest height.
     pub height_mm: Option<[f64; 2]>,
-    /// Accuracy of radius and height.
+    /// Accuracy of radius and height, mm.
     pub extent_within_mm: Option<f64>,
 }
 
@@ -225,15 +225,15 @@ pub struct EnvelopeDocument {
     #[schemars(extend("const" = ENVELOPE_SCHEMA))]
     pub schema: String,
     pub robot: String,
-    /// How its inverse kinematics is solved.
+    /// Method that solves the inverse kinematics.
     pub family: String,
-    /// Operation whose attitude is kept; null of an attitude that was given.
+    /// Operation whose attitude the tool keeps; null if the attitude was given.
     pub operation: Option<String>,
     #[schemars(extend("const" = BASE_FRAME))]
     pub frame: String,
-    /// Elevation of the tool axis.
+    /// Elevation of the tool axis above the horizontal.
     pub bend_deg: f64,
-    /// Distance of the points asked.
+    /// Distance between the sample points.
     pub step_mm: f64,
     pub size: SizeEntry,
     pub section: SectionEntry,
@@ -260,7 +260,7 @@ pub struct PlanEntry {
     pub outlines: Vec<PlanOutline>,
 }
 
-/// Closed line in a vertical section: counterclockwise outside, clockwise round a hole.
+/// Closed line in a vertical section. Outer lines run counterclockwise, holes clockwise.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SectionOutline {
@@ -269,7 +269,7 @@ pub struct SectionOutline {
     pub z_mm: Vec<f64>,
 }
 
-/// Closed line in a horizontal section: counterclockwise outside, clockwise round a hole.
+/// Closed line in a horizontal section. Outer lines run counterclockwise, holes clockwise.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlanOutline {
@@ -308,7 +308,8 @@ impl EnvelopeDocument {
     }
 }
 
-/// Makes an outline of whether it is a hole, and its coordinates along both axes.
+/// Converts the outlines of a region. `make` gets whether an outline is a hole and its coordinates along both
+/// axes, mm.
 fn outlines<O>(region: &EnvelopeSection, make: impl Fn(bool, [Vec<f64>; 2]) -> O) -> Vec<O> {
     let outlines = region.outlines.iter();
     let axes = |o: &crate::reach::Outline| {

@@ -72,7 +72,7 @@ impl DocumentKind {
         }
     }
 
-    /// Returns the JSON Schema (draft 7) of the document as it is written.
+    /// Returns the JSON Schema (draft 7) of the written document.
     pub fn schema(self) -> Value {
         match self {
             Self::SearchResult => of::<SearchResult>(),
@@ -95,7 +95,7 @@ impl DocumentKind {
     }
 }
 
-/// Returns the schema of a record. A missing value is null, so that every field is required.
+/// Returns the schema of a record. Every field is required, because a missing value is written as null.
 fn of<T: JsonSchema>() -> Value {
     SchemaSettings::draft07().for_serialize().into_generator().into_root_schema_for::<T>().into()
 }

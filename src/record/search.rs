@@ -16,8 +16,8 @@ use serde::{Deserialize, Serialize};
 /// Name and version of the result of a search.
 pub const SEARCH_SCHEMA: &str = "sweetspot/search/1";
 
-/// Result of a search: the best layout found, the layout as drawn and what is proven. World frame, mm
-/// and degrees; the same bytes for any number of threads.
+/// Result of a search: the best layout found, the layout as drawn and the proven bound. World frame, mm and
+/// degrees. The bytes do not depend on the number of threads.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SearchResult {
@@ -26,19 +26,19 @@ pub struct SearchResult {
     pub status: SearchStatus,
     /// Objective of the best layout, if it is a length.
     pub objective_mm: Option<f64>,
-    /// Objective of the best layout, in `unit`; null if none is feasible.
+    /// Objective of the best layout, in `unit`; null if no layout is feasible.
     pub objective_value: Option<f64>,
     pub unit: Unit,
-    /// How much less the best layout has than the layout as drawn.
+    /// Reduction of the objective from the layout as drawn to the best layout, percent.
     pub gain_percent: Option<f64>,
     /// Proven lower bound of the objective of every layout.
     pub bound: Option<f64>,
-    /// How much less a layout could have at most, percent of the best one.
+    /// Gap: how far the best layout lies above the bound, in percent of the bound.
     pub gap_percent: Option<f64>,
     pub proof: ProofEntry,
     /// Number of layouts evaluated.
     pub evaluations: u64,
-    /// Number of feasible layouts among them.
+    /// Number of feasible layouts among those evaluated.
     pub feasible: u64,
     /// Why the search ended.
     pub ended: SearchEnd,
@@ -48,37 +48,37 @@ pub struct SearchResult {
     pub errors: String,
     pub model: Model,
     pub reading: Reading,
-    /// Figure that is minimized.
+    /// Name of the figure that the search minimizes.
     #[schemars(extend("enum" = VALUE_WORDS))]
     pub quantity: String,
     pub registration: Registration,
-    /// Caveats of how the errors are read.
+    /// Caveats on the interpretation of the errors.
     pub notes: Vec<String>,
     pub objective: Objective,
     pub solver: Solver,
     pub seed: u64,
     /// Largest number of layouts to evaluate.
     pub budget: u64,
-    /// Whether the worst over the placement tolerances was minimized.
+    /// Whether the worst case over the placement tolerances was minimized.
     pub robust: bool,
     /// Goals of the Pareto front; null if there is one objective.
     pub pareto: Option<Vec<Goal>>,
     /// Number of layouts to keep; null if only the best is kept.
     pub keep: Option<usize>,
-    /// Why the best layout is not feasible.
+    /// Reasons why the best layout is not feasible.
     pub reasons: Vec<String>,
-    /// Goals of the best layout; null if it is not feasible.
+    /// Goals of the best layout; null if that layout is not feasible.
     pub goals: Option<GoalsEntry>,
     pub layout: ByName<PlacementEntry>,
     pub base: PlacementEntry,
     pub attitudes: ByName<AttitudeEntry>,
     pub operations: Vec<SpotEntry>,
     pub start: StartEntry,
-    /// Layouts kept beside the best one; null if none were asked for.
+    /// Pareto front or shortlist of layouts; null if the search was not asked to keep layouts.
     pub front: Option<Vec<AlternativeEntry>>,
     /// Number of evaluations and objective at each improvement.
     pub trace: Vec<(u64, f64)>,
-    /// Duration of the search; only `search --json` tells it.
+    /// Duration of the search; only `search --json` has it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seconds: Option<f64>,
 }
@@ -95,7 +95,7 @@ pub enum SearchStatus {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ProofEntry {
-    /// How much of the objective the bound covers.
+    /// Part of the objective that the bound covers.
     pub covers: Covers,
     pub operations: Vec<ProvenOperation>,
 }
@@ -105,13 +105,13 @@ pub struct ProofEntry {
 #[serde(deny_unknown_fields)]
 pub struct ProvenOperation {
     pub name: String,
-    /// No spot in any layout has less.
+    /// Value that no spot in any layout can beat.
     pub bound: Option<f64>,
     /// Unit of the operation's sense.
     pub unit: Unit,
-    /// Why there is no bound.
+    /// Reason why there is no bound.
     pub why_not: Option<String>,
-    /// Number of boxes that branch and bound has visited.
+    /// Number of boxes that branch and bound visited.
     pub boxes: u64,
 }
 
@@ -128,7 +128,7 @@ pub struct StartEntry {
     pub operations: Vec<SpotEntry>,
 }
 
-/// Layout kept beside the best one.
+/// Layout of the Pareto front or of the shortlist.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AlternativeEntry {
@@ -142,7 +142,7 @@ pub struct AlternativeEntry {
 }
 
 impl SearchResult {
-    /// Makes the result of a search that was assessed: `start` is the layout as drawn.
+    /// Makes the result of a search from its two assessed layouts: `start`, the layout as drawn, and `best`.
     pub fn new(
         record: &SearchRecord,
         proof: &Proof,
@@ -193,7 +193,8 @@ impl SearchResult {
         }
     }
 
-    /// Makes the result of a search from its comparison of start and best; None if that has other columns.
+    /// Makes the result of a search from the comparison of start and best; None if the comparison has not
+    /// exactly these columns.
     pub fn of_comparison(record: &SearchRecord, proof: &Proof, comparison: &Comparison<'_>) -> Option<Self> {
         let [start, best] = &comparison.columns[..] else { return None };
         let gain = comparison.change_percent(1, Assessment::objective).map(|c| rounded(-c, 6));
@@ -206,7 +207,7 @@ impl SearchResult {
         self
     }
 
-    /// Returns the layouts kept that are not the best layout itself.
+    /// Returns the kept layouts except the best layout itself.
     pub fn others(&self) -> impl Iterator<Item = &AlternativeEntry> {
         let best = (&self.layout, &self.base, &self.attitudes);
         self.front.iter().flatten().filter(move |a| (&a.layout, &a.base, &a.attitudes) != best)
@@ -245,7 +246,7 @@ impl StartEntry {
 }
 
 impl AlternativeEntry {
-    /// Returns None if the search was not asked to keep layouts.
+    /// Makes one entry per kept layout; None if the search was not asked to keep layouts.
     fn all(cell: &Cell, record: &SearchRecord) -> Option<Vec<Self>> {
         if cell.search.keep == 0 && cell.search.pareto.is_empty() {
             return None;

@@ -1,4 +1,4 @@
-//! The resolved settings of a run: what a result depends on beside its input files.
+//! The resolved settings of a run, on which a result depends besides its input files.
 
 use super::numbers::in_unit;
 use crate::cell::{Cell, Goal, Model, Objective, Quantity, Reading, Registration, Solver, Unit};
@@ -13,26 +13,26 @@ pub struct ResolvedSettings {
     pub errors: String,
     pub model: Model,
     pub reading: Reading,
-    /// Quantity of a random error that the statistical reading minimizes.
+    /// Quantity of the random error that the statistical reading minimizes.
     pub quantity: Quantity,
     pub registration: Registration,
     pub operations: Vec<ResolvedOperation>,
     pub objective: Objective,
-    /// Share by which values may differ and still count as equally good, of the lexicographic objective.
+    /// Relative difference up to which the lexicographic objective treats values as equally good.
     pub indifference: f64,
     pub solver: Solver,
     pub seed: u64,
     /// Largest number of layouts to evaluate.
     pub budget: u64,
-    /// Whether the worst over the placement tolerances is minimized.
+    /// Whether the worst case over the placement tolerances is minimized.
     pub robust: bool,
-    /// Share above the proven bound at which a search ends.
+    /// Relative gap above the proven bound at which a search ends.
     pub gap: Option<f64>,
     /// Number of evaluations without a better layout after which a search ends.
     pub stagnation: Option<u64>,
     /// Goals of the Pareto front; empty if there is one objective.
     pub pareto: Vec<Goal>,
-    /// Number of layouts to keep beside the best one.
+    /// Number of layouts to keep.
     pub keep: usize,
 }
 
@@ -43,7 +43,7 @@ pub struct ResolvedOperation {
     pub name: String,
     pub sense: String,
     pub unit: Unit,
-    /// Largest error with which the operation succeeds, in `unit`.
+    /// Largest allowed error of the operation, in `unit`.
     pub limit: Option<f64>,
 }
 

@@ -22,15 +22,15 @@ pub struct SpotEntry {
     pub over: Over,
     /// Value of the operation, in the unit of the objective.
     pub value: Option<f64>,
-    /// The limit and what is left to it, of an operation with a limit and a spot.
+    /// Limit and margin; null without a limit or a spot.
     pub requirement: Option<RequirementEntry>,
-    /// Numbers of the spot's node along x and y of the surface.
+    /// Indices of the spot's node along x and y of the surface.
     pub node: Option<[usize; 2]>,
     pub position_mm: Option<[f64; 3]>,
     pub joints_deg: Option<Vec<f64>>,
-    /// The spot between the nodes.
+    /// Spot refined between the nodes of the grid.
     pub refined: Option<RefinedEntry>,
-    /// What misplacement does to the operation, if that was computed.
+    /// Effect of misplacement on the operation, if it was computed.
     pub robustness: Option<RobustnessEntry>,
     pub error_mm: Option<[f64; 3]>,
     pub error_sense_mm: Option<f64>,
@@ -45,10 +45,10 @@ pub struct SpotEntry {
     pub counts: StatusCounts,
 }
 
-/// Values by the name of their sense; null without a spot.
+/// Values by the name of the sense; null without a spot.
 pub type OptionBySense = super::placement::ByName<Option<f64>>;
 
-/// Limit of an operation and what is left to it, in the unit of the objective.
+/// Limit of an operation and the margin to it, in the unit of the objective.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RequirementEntry {

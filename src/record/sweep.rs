@@ -18,7 +18,7 @@ pub const SWEEP_PLAN_SCHEMA: &str = "sweetspot/sweep-plan/1";
 /// Name and version of the table of a sweep.
 pub const SWEEP_SCHEMA: &str = "sweetspot/sweep/1";
 
-/// Plan of a sweep, `plan.json`: the same plan leaves the same files.
+/// Plan of a sweep, `plan.json`. Equal plans give equal files.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SweepPlan {
@@ -30,10 +30,10 @@ pub struct SweepPlan {
     pub cell: PathBuf,
     /// Folders of the packages that URDF files name.
     pub packages: Vec<(String, PathBuf)>,
-    /// Whether every combination is searched; else its layout as drawn is mapped.
+    /// Whether every combination is searched; otherwise its layout as drawn is mapped.
     pub search: bool,
     pub sets: Vec<Choices>,
-    /// Seed of every combination; null: that of the cell.
+    /// Seed of every combination; null means the seed of the cell.
     pub seed: Option<u64>,
     pub budget: Option<u64>,
     pub solver: Option<Solver>,
@@ -71,22 +71,22 @@ impl SweepPlan {
 #[serde(deny_unknown_fields)]
 pub struct SweepRow {
     pub index: usize,
-    /// Value of each set by its path: as JSON where that reads it, else as typed.
+    /// Value of every set by its path: parsed as JSON if possible, otherwise text.
     pub set: ByName<Value>,
     pub feasible: bool,
     /// Objective in `unit`; null if no layout is feasible.
     pub objective: Option<f64>,
     pub unit: Unit,
-    /// Proven lower bound of the objective of every layout, of a search.
+    /// Proven lower bound of the objective of every layout; null if no bound is known or the row is a map.
     pub bound: Option<f64>,
     pub gap_percent: Option<f64>,
     /// Number of layouts evaluated.
     pub evaluations: u64,
-    /// Number of feasible layouts among them.
+    /// Number of feasible layouts among those evaluated.
     pub feasible_evaluations: u64,
     pub operations: Vec<SweepSpot>,
     pub layout: ByName<PlacementEntry>,
-    /// Why the layout is not feasible.
+    /// Reasons why the layout is not feasible.
     pub reasons: Vec<String>,
 }
 
@@ -100,16 +100,16 @@ pub struct SweepSpot {
     pub position_mm: Option<[f64; 3]>,
     /// Error in the sense of the operation, in `error_unit`.
     pub error: Option<f64>,
-    /// Largest error with which the operation succeeds, in `error_unit`.
+    /// Largest allowed error of the operation, in `error_unit`.
     pub limit: Option<f64>,
     pub error_unit: Unit,
-    /// Whether the limit is kept; null without a limit or a spot.
+    /// Whether the limit is met; null without a limit or a spot.
     pub limit_met: Option<bool>,
 }
 
 impl SweepRow {
-    /// Makes the row of a combination from the layout that it came to. `record` is that of its search;
-    /// None of a map.
+    /// Makes the row of a combination from its resulting layout. `record` is the record of the search, None
+    /// for a map.
     pub fn new(sets: &[Choices], index: usize, a: &Assessment<'_>, record: Option<&SearchRecord>) -> Self {
         let paths = sets.iter().map(|s| s.path.clone());
         let typed = combination(sets, index).into_iter();
@@ -161,7 +161,7 @@ pub struct SweepTable {
     pub feasible: usize,
     /// Index of the row with the least objective; null if objectives differ in unit.
     pub best: Option<usize>,
-    /// The best row of every value of every set.
+    /// Best row for every value of every set.
     pub best_of: Vec<SweepGroup>,
     pub rows: Vec<SweepRow>,
 }
@@ -174,7 +174,7 @@ pub enum SweepMode {
     Map,
 }
 
-/// Value of a set, and the best row that has it.
+/// Value of a set, and the best row with that value.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SweepGroup {
@@ -189,7 +189,7 @@ pub struct SweepGroup {
 }
 
 impl SweepTable {
-    /// Makes the table of all rows, the first index first.
+    /// Makes the table of all rows, in the order of their indices.
     pub fn new(mode: SweepMode, rows: Vec<SweepRow>) -> Self {
         Self {
             schema: SWEEP_SCHEMA.into(),
@@ -202,13 +202,14 @@ impl SweepTable {
         }
     }
 
-    /// Returns the row of an index.
+    /// Returns the row with an index.
     pub fn row(&self, index: usize) -> Option<&SweepRow> {
         self.rows.iter().find(|row| row.index == index)
     }
 }
 
-/// Returns the row with the least objective, the first of equals; None if objectives differ in unit.
+/// Returns the row with the least objective, the first one among equals. Returns None if the objectives
+/// differ in unit.
 fn best_row<'a>(rows: impl Iterator<Item = &'a SweepRow> + Clone) -> Option<&'a SweepRow> {
     let feasible = rows.filter(|r| r.feasible);
     let unit = feasible.clone().next()?.unit;
@@ -217,7 +218,7 @@ fn best_row<'a>(rows: impl Iterator<Item = &'a SweepRow> + Clone) -> Option<&'a 
     feasible.min_by(|a, b| objective(a).total_cmp(&objective(b))).filter(|_| is_one_unit)
 }
 
-/// Returns every value of every path, in the order of the rows.
+/// Returns a group for every value of every path, in the order of the rows.
 fn groups(rows: &[SweepRow]) -> Vec<SweepGroup> {
     let mut groups = Vec::new();
     let Some(first) = rows.first() else { return groups };

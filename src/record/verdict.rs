@@ -21,10 +21,10 @@ pub struct VerdictDocument {
     pub answer: VerdictAnswer,
     pub headline: String,
     pub feasible: bool,
-    /// Why the search ended; null of a layout as drawn.
+    /// Reason why the search ended; null for a layout as drawn.
     pub ended: Option<SearchEnd>,
     pub unit: Unit,
-    /// Figure that is minimized.
+    /// Name of the figure that the search minimizes.
     #[schemars(extend("enum" = VALUE_WORDS))]
     pub quantity: String,
     pub objective: Objective,
@@ -37,7 +37,7 @@ pub struct VerdictDocument {
     pub runner_up: Option<RunnerUpEntry>,
     pub facts: Vec<FactEntry>,
     pub operations: Vec<VerdictSpot>,
-    /// Why the answer is no.
+    /// Reasons why the answer is no.
     pub reasons: Vec<String>,
 }
 
@@ -45,9 +45,9 @@ pub struct VerdictDocument {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum VerdictSubject {
-    /// The result of a search.
+    /// Result of a search.
     Search,
-    /// A layout as drawn.
+    /// Layout as drawn.
     Layout,
 }
 
@@ -59,7 +59,7 @@ pub enum VerdictAnswer {
     No,
 }
 
-/// Whether the operations keep their limits.
+/// Whether the operations meet their limits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum RequirementState {
@@ -69,19 +69,19 @@ pub enum RequirementState {
     None,
 }
 
-/// One number of the answer in words.
+/// Key figure of the verdict, with its description.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FactEntry {
     pub label: String,
-    /// The number, as precise as it is known.
+    /// Value of the figure in full precision.
     pub value: Option<f64>,
     pub text: String,
     pub note: String,
     pub mood: FactMood,
 }
 
-/// How a fact is to be taken.
+/// Whether a fact is good news, bad news or neither.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum FactMood {
@@ -90,7 +90,7 @@ pub enum FactMood {
     Plain,
 }
 
-/// The next best answer.
+/// Runner-up: the next best layout or node.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RunnerUpEntry {
@@ -109,7 +109,7 @@ pub enum RunnerUpKind {
     Node,
 }
 
-/// Where an operation happens.
+/// Spot of an operation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct VerdictSpot {
@@ -120,8 +120,8 @@ pub struct VerdictSpot {
     pub position_mm: Option<[f64; 3]>,
     pub value: Option<f64>,
     pub limit: Option<f64>,
-    /// Distance to the limit; negative: it is missed.
+    /// Distance to the limit; negative if the limit is missed.
     pub margin: Option<f64>,
-    /// All of it in one sentence.
+    /// Spot, value and position in one sentence.
     pub text: String,
 }

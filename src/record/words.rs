@@ -2,7 +2,7 @@
 
 use crate::cell::{Cell, ErrorSet, Quantity, Reading, Spread};
 
-/// Names the figure that a cell minimizes: "error", "worst case", "p95" and so on.
+/// Returns the name of the figure that a cell minimizes: "error", "worst case", "p95" and so on.
 pub fn value_word(cell: &Cell) -> &'static str {
     match (cell.reading, cell.quantity) {
         (Reading::Signed, _) => "error",
@@ -12,10 +12,10 @@ pub fn value_word(cell: &Cell) -> &'static str {
     }
 }
 
-/// Every word that [`value_word`] can return.
+/// All words that [`value_word`] can return.
 pub const VALUE_WORDS: [&str; 7] = ["error", "worst case", "share of failures", "rms", "mean", "p95", "p99"];
 
-/// Returns what a user must know about how the errors are read.
+/// Returns caveats on the interpretation of the errors, in sentences.
 pub fn caveats(cell: &Cell) -> Vec<String> {
     let mut said = Vec::new();
     let signed = matches!(cell.error_set(), ErrorSet::Signed(_));

@@ -1,6 +1,7 @@
-//! Colours that colour-blind readers can tell apart, also on grey printers.
+//! Colours that colour-blind readers can tell apart, even in a grey print.
 
-/// Colour map viridis (M. Bigot, S. van der Walt and N. Smith; CC0) at equal steps, even in lightness.
+/// Colour map viridis (M. Bigot, S. van der Walt and N. Smith; CC0), sampled at equal steps. Its lightness
+/// rises evenly.
 const VIRIDIS: [[f64; 3]; 6] = [
     [68.0, 1.0, 84.0],
     [65.0, 68.0, 135.0],
@@ -10,7 +11,7 @@ const VIRIDIS: [[f64; 3]; 6] = [
     [253.0, 231.0, 37.0],
 ];
 
-/// Colours of Okabe and Ito (2008).
+/// Blue of the palette of Okabe and Ito (2008), as are the colours that follow.
 pub const BLUE: &str = "#0072b2";
 pub const ORANGE: &str = "#e69f00";
 pub const GREEN: &str = "#009e73";
@@ -27,7 +28,7 @@ pub fn viridis(share: f64) -> [u8; 3] {
     [0, 1, 2].map(|c| (a[c] + (b[c] - a[c]) * f).round() as u8)
 }
 
-/// Returns the colour of viridis at a share as markup.
+/// Returns the viridis colour at a share from 0 to 1 as a hexadecimal colour.
 pub fn viridis_hex(share: f64) -> String {
     let [r, g, b] = viridis(share);
     format!("#{r:02x}{g:02x}{b:02x}")

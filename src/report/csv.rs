@@ -8,10 +8,10 @@ use crate::record::{
 use crate::search::SearchRecord;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 
-/// Writes the nodes of all operations, with a header. World frame, mm and degrees.
+/// Writes the nodes of all operations as CSV with a header. World frame, mm and degrees.
 ///
 /// # Errors
-/// Passes on the errors of the csv writer, which writes to memory here.
+/// Fails if the csv writer does; it writes to memory here.
 pub fn map(document: &MapDocument<'_>) -> Result<Vec<u8>, String> {
     let mut writer = ::csv::Writer::from_writer(Vec::new());
     let table = NodeTable::new(document);
@@ -31,12 +31,12 @@ fn field(value: TableValue) -> String {
     }
 }
 
-/// Writes a truth value: 1 or 0.
+/// Returns a truth value as 1 or 0.
 pub fn flag_word(flag: bool) -> &'static str {
     if flag { "1" } else { "0" }
 }
 
-/// Writes a number that may be missing.
+/// Returns a number as text, empty if it is missing.
 pub fn or_empty(value: Option<f64>) -> String {
     value.map_or(String::new(), |v| v.to_string())
 }
@@ -44,15 +44,16 @@ pub fn or_empty(value: Option<f64>) -> String {
 /// Writes one row.
 ///
 /// # Errors
-/// Passes on the errors of the csv writer.
+/// Fails if the csv writer does.
 pub fn put(writer: &mut ::csv::Writer<Vec<u8>>, row: &[String]) -> Result<(), String> {
     writer.write_record(row).map_err(|e| e.to_string())
 }
 
-/// Writes the layouts kept by a search, with a header: goals, then free coordinates (mm, degrees).
+/// Writes the kept layouts of a search as CSV with a header. The goals come first, then the free coordinates
+/// (mm, degrees).
 ///
 /// # Errors
-/// Passes on the errors of the csv writer, which writes to memory here.
+/// Fails if the csv writer does; it writes to memory here.
 pub fn front(cell: &Cell, record: &SearchRecord) -> Result<Vec<u8>, String> {
     let mut writer = ::csv::Writer::from_writer(Vec::new());
     let free = cell.free();
@@ -74,7 +75,7 @@ pub fn front(cell: &Cell, record: &SearchRecord) -> Result<Vec<u8>, String> {
     writer.into_inner().map_err(|e| e.to_string())
 }
 
-/// Names a free number by its owner and its key in the cell file: "table x_mm".
+/// Returns the name of a free coordinate, owner and key of the cell file, such as "table x_mm".
 fn variable(cell: &Cell, slot: Slot) -> String {
     let owner = match slot {
         Slot::Base(_) => "base",
@@ -87,7 +88,7 @@ fn variable(cell: &Cell, slot: Slot) -> String {
 /// Writes the readings of all operations, with a header. World frame, mm and degrees.
 ///
 /// # Errors
-/// Passes on the errors of the csv writer, which writes to memory here.
+/// Fails if the csv writer does; it writes to memory here.
 pub fn readings(document: &ReadingsDocument) -> Result<Vec<u8>, String> {
     let mut writer = ::csv::Writer::from_writer(Vec::new());
     put(&mut writer, &READINGS.map(str::to_string))?;
@@ -141,7 +142,7 @@ fn reading_columns(operation: &str, r: &ReadingEntry) -> [String; 16] {
     ]
 }
 
-/// Puts an apostrophe before a text that a spreadsheet would take for a formula.
+/// Puts an apostrophe before a text that a spreadsheet would read as a formula.
 pub fn inert(text: &str) -> String {
     if text.starts_with(['=', '+', '-', '@', '\t', '\r']) { format!("'{text}") } else { text.to_string() }
 }

@@ -18,9 +18,9 @@ pub struct PaperFigure {
     pub name: String,
     /// Figure of the paper that the picture corresponds to.
     pub of: &'static str,
-    /// Content of that figure in the paper.
+    /// Caption that describes the figure of the paper.
     pub paper: &'static str,
-    /// Content of this picture.
+    /// Caption that describes this picture.
     pub ours: String,
     pub bytes: Vec<u8>,
 }
@@ -28,12 +28,12 @@ pub struct PaperFigure {
 /// Format of the pictures: size and background.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Format {
-    /// px; the height is five eighths of it.
+    /// Width, px; the height is five eighths of the width.
     pub width: usize,
     pub dark: bool,
 }
 
-/// Map of the paper: name, figure, component drawn, and content in the paper.
+/// Error map of the paper: file name, figure, component drawn, and caption in the paper.
 type Map = (&'static str, &'static str, Show, &'static str);
 const COMPONENT: &str = "One component of the error at every node of the worktop as an arrow; circles on the \
                          nodes that the robot cannot reach.";
@@ -51,8 +51,8 @@ const MAPS: [Map; 5] = [
     ),
 ];
 
-/// Draws all figures. The maps are those of the first operation, or of all together. Every name begins with
-/// `prefix`.
+/// Draws all figures. The maps show the first operation, and in Fig. 7 all operations together. Every name
+/// begins with `prefix`.
 ///
 /// # Errors
 /// Fails if a picture cannot be drawn.
@@ -96,7 +96,7 @@ pub fn figures(a: &Assessment<'_>, prefix: &str, format: Format) -> Result<Vec<P
     Ok(all)
 }
 
-/// Returns a name from a file as Markdown.
+/// Returns a name with its Markdown and HTML characters escaped.
 fn marked(name: &str) -> String {
     let special = |c: char| "\\`*_{}[]()#|!~".contains(c);
     escaped(&shown(name)).chars().flat_map(|c| special(c).then_some('\\').into_iter().chain([c])).collect()
@@ -140,7 +140,7 @@ fn map_words(a: &Assessment<'_>, map: &OperationMap, sense: &str) -> String {
     words + "."
 }
 
-/// Returns the least and the greatest value in its unit, and the node of the least.
+/// Returns the least value, the greatest value and the node of the least; values in the unit of the sense.
 fn range(a: &Assessment<'_>, map: &OperationMap, sense: &str) -> Option<(f64, f64, usize)> {
     let sense = map.sense(sense)?;
     let unit = match (a.cell.reading, a.cell.quantity) {

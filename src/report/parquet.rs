@@ -1,4 +1,4 @@
-//! The nodes of a map as Apache Parquet, for data frames: the columns of map.csv.
+//! The nodes of a map as Apache Parquet for data frames, with the columns of map.csv.
 
 use crate::assess::Assessment;
 use crate::record::{ColumnKind, MapDocument, NodeTable, TableColumn, TableValue};
@@ -17,7 +17,7 @@ enum ColumnValues {
     Text(Vec<ByteArray>),
     Count(Vec<i32>),
     Flag(Vec<bool>),
-    /// None becomes null.
+    /// Numbers; None becomes null.
     Number(Vec<Option<f64>>),
 }
 
@@ -75,11 +75,11 @@ impl ColumnValues {
     }
 }
 
-/// Writes the nodes of all operations in one row group. World frame, mm and degrees by the names of the
-/// columns.
+/// Writes the nodes of all operations in one row group. World frame, mm and degrees; the names of the columns
+/// state the units.
 ///
 /// # Errors
-/// Passes on the errors of the Parquet writer, which writes to memory here.
+/// Fails if the Parquet writer does; it writes to memory here.
 pub fn map(a: &Assessment<'_>) -> Result<Vec<u8>, String> {
     let document = MapDocument::new(a);
     let table = NodeTable::new(&document);

@@ -9,21 +9,21 @@ use std::collections::BTreeMap;
 /// Axes of a view in the world: right, up, and towards the eye; right-handed.
 pub type Eye = [Vector3<f64>; 3];
 
-/// View from above, and view from the front (along y).
+/// View from above; [`FRONT`] is the view from the front, along y.
 pub const ABOVE: Eye =
     [Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 1.0, 0.0), Vector3::new(0.0, 0.0, 1.0)];
 pub const FRONT: Eye =
     [Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 0.0, 1.0), Vector3::new(0.0, -1.0, 0.0)];
 
-/// Share of its area from which a face counts as edge-on.
+/// Projected share of its area below which a face counts as edge-on.
 const EDGE_ON: f64 = 1e-6;
-/// Cosine of the angle between faces (60 degrees) from which their edge is drawn.
+/// Cosine of 60 degrees: an edge is drawn if the angle between its two faces is larger.
 const SHARP: f64 = 0.5;
 
-/// Solid in a view, m: right and up.
+/// Outline of a solid in the plane of a view (right, up), m.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Silhouette {
-    /// Closed outlines; filled by the nonzero rule they are the area that the solid covers.
+    /// Closed outlines. Filled by the nonzero rule, they cover the area of the solid.
     pub loops: Vec<Vec<Vector2<f64>>>,
     /// Sharp edges inside of the outlines.
     pub edges: Vec<[Vector2<f64>; 2]>,
@@ -31,8 +31,8 @@ pub struct Silhouette {
     pub depth: f64,
 }
 
-/// Returns the outline of the faces that look at the eye: their edges without a neighbour that looks there,
-/// too.
+/// Returns the outline of the faces towards the eye, that is, their edges without a neighbour towards the
+/// eye.
 pub fn silhouette(mesh: &Mesh, pose: &Pose, [right, up, eye]: &Eye) -> Silhouette {
     let placed: Vec<Vector3<f64>> = mesh.positions.iter().map(|p| pose.transform(p)).collect();
     let joined = joined(&mesh.positions);
@@ -55,14 +55,15 @@ pub fn silhouette(mesh: &Mesh, pose: &Pose, [right, up, eye]: &Eye) -> Silhouett
     Silhouette { loops, edges, depth: sum / placed.len().max(1) as f64 }
 }
 
-/// Returns, for every corner, the first one at the same place. A mesh has one corner per normal.
+/// Returns for every corner the index of the first corner at the same place. A mesh repeats a corner for
+/// every normal.
 fn joined(positions: &[Vector3<f64>]) -> Vec<usize> {
     let mut first: BTreeMap<[u64; 3], usize> = BTreeMap::new();
     let key = |p: &Vector3<f64>| [p.x, p.y, p.z].map(|v| (v + 0.0).to_bits());
     positions.iter().enumerate().map(|(k, p)| *first.entry(key(p)).or_insert(k)).collect()
 }
 
-/// Returns the closed rings of directed edges.
+/// Joins directed edges and returns the closed rings.
 fn rings(edges: &[(usize, usize)]) -> impl Iterator<Item = Vec<usize>> {
     let lines = join_edges(edges, |_, free| free[0]);
     lines.into_iter().map(|line| line.corners).filter(|ring| ring.len() > 2)

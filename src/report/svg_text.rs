@@ -3,7 +3,7 @@
 use crate::units::rounded;
 use std::fmt::Write;
 
-/// Returns a text made safe for markup; a character that XML does not allow becomes U+FFFD.
+/// Escapes a text for markup. Characters that XML does not allow become U+FFFD.
 pub fn escaped(text: &str) -> String {
     let is_bad =
         |c: char| c.is_control() && !matches!(c, '\t' | '\n' | '\r') || matches!(c, '\u{fffe}' | '\u{ffff}');
@@ -22,7 +22,7 @@ pub enum PathEnd {
     Closed,
 }
 
-/// Returns the path data of a polyline, with at most so many decimals; nothing for no points.
+/// Returns the path data of a polyline with at most `decimals` decimals; empty if there are no points.
 pub fn path_data(points: impl Iterator<Item = (f64, f64)>, end: PathEnd, decimals: i32) -> String {
     let mut d = String::new();
     for (k, (x, y)) in points.enumerate() {

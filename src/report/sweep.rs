@@ -4,7 +4,7 @@ use super::csv::{flag_word, inert, or_empty, put};
 use crate::record::{PlacementEntry, SweepRow, SweepTable};
 use serde_json::Value;
 
-/// Writes a value of a set as text.
+/// Returns a value of a set as text.
 pub fn word(value: &Value) -> String {
     match value {
         Value::String(text) => text.clone(),
@@ -55,7 +55,7 @@ fn header(paths: &[&str], operations: &[&str], equipment: &[&str]) -> Vec<String
     header
 }
 
-/// Writes a value of a set. A minus before a number makes no formula.
+/// Returns a value of a set for CSV. Numbers stay as they are, because a leading minus makes no formula.
 fn cell(value: &Value) -> String {
     if value.is_number() { word(value) } else { inert(&word(value)) }
 }

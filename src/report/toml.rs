@@ -1,11 +1,11 @@
-//! best.toml: the cell again with its placements fixed, runnable where it lies.
+//! best.toml: the cell with its placements fixed, which runs from its folder.
 
 use crate::cell::{Cell, Layout, Slot, Unit};
 use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg, rounded};
 use std::fmt::Write;
 
-/// Returns a cell file that takes everything `from` another. It fixes the free coordinates, the error set,
-/// the model, the reading, and the senses and limits asked for. `comment` is one line.
+/// Returns a cell file that includes another file with `from`. It fixes the free coordinates, the error set,
+/// the model, the reading, and the chosen senses and limits. `comment` is one line.
 pub fn fixed(from: &str, comment: &str, cell: &Cell, layout: &Layout) -> String {
     let mut out = String::new();
     // Writing to a String cannot fail.
@@ -57,7 +57,7 @@ pub fn fixed(from: &str, comment: &str, cell: &Cell, layout: &Layout) -> String 
     out
 }
 
-/// Returns a free coordinate as the file has it.
+/// Returns the TOML line of a free coordinate.
 fn line(slot: Slot, value: f64) -> String {
     let key = match slot {
         Slot::Base(axis) | Slot::Equipment(_, axis) => ["x_mm", "y_mm", "z_mm", "yaw_deg"][axis],
@@ -75,10 +75,11 @@ fn quoted(text: &str) -> String {
     format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
 }
 
-/// Rounding error of a coordinate that went to another frame and back, m or rad.
+/// Rounding error of a coordinate after conversion to another frame and back, m or rad.
 const ROUNDING: f64 = 1e-13;
 
-/// Returns an SI value in the unit of the file, with as few digits as keep it. TOML reads it as a float.
+/// Returns an SI value in the unit of the file, with the fewest digits that preserve it. TOML reads it as a
+/// float.
 fn shortest(si: f64, to_file: fn(f64) -> f64, from_file: fn(f64) -> f64, digits: i32) -> String {
     let few = rounded(to_file(si), digits);
     let value = if (from_file(few) - si).abs() <= ROUNDING { few } else { to_file(si) };

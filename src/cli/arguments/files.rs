@@ -1,4 +1,4 @@
-//! Arguments of the commands about files to write by hand: `schema` and `init`.
+//! Arguments of the commands that help to write cell files: `schema` and `init`.
 
 use crate::files::FileKind;
 use crate::record::DocumentKind;
@@ -13,7 +13,7 @@ fn kinds() -> impl Iterator<Item = &'static str> {
 
 #[derive(Args)]
 pub struct SchemaArguments {
-    /// Kind of file that people write, or of document that a command writes
+    /// Kind of input file, or of document that a command writes
     #[arg(
         value_name = "KIND",
         default_value = FileKind::Cell.name(),
@@ -21,10 +21,10 @@ pub struct SchemaArguments {
         conflicts_with = "out"
     )]
     pub kind: String,
-    /// Print the reference of all keys of such a file for people, in Markdown
+    /// Print the reference of all keys of an input file as Markdown
     #[arg(long)]
     pub markdown: bool,
-    /// Write all schemas (with --markdown, all references) to this folder; those of another version are replaced
+    /// Write all schemas to this folder (with --markdown, all references); existing files are replaced
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 }

@@ -21,8 +21,8 @@ pub use sweep::{SweepArguments, common_settings};
 
 use clap::{Parser, Subcommand};
 
-/// Finds where in a robot workcell a precision operation should happen, and where worktable and
-/// conveyor must stand so that it can.
+/// Finds the spot of least error for a precision operation in a robot workcell, and the layout of worktable
+/// and conveyor that allows it.
 #[derive(Parser)]
 #[command(
     version,
@@ -48,7 +48,7 @@ pub enum Command {
         before_help = "Example: sweetspot search cells/hitachi_cell.toml --seed 2 --out results/second-try"
     )]
     Search(SearchArguments),
-    /// Search or map a cell for every combination of values of some of its keys
+    /// Search or map a cell for every combination of the values given for some of its keys
     #[command(
         before_help = "Example: sweetspot sweep cells/hitachi_cell.toml --set errors=table-2,table-3 --set equipment.worktable.placement.z_mm=600,700"
     )]
@@ -67,7 +67,7 @@ pub enum Command {
     /// Compare all readings (signed, worst case, statistical) and registrations of the layout as drawn
     #[command(before_help = "Example: sweetspot readings cells/hitachi_cell.toml --out results/readings")]
     Readings(ReadingsArguments),
-    /// Analyse the sensitivity to misplaced equipment, and how much misplacement is allowed
+    /// Analyse the sensitivity to misplaced equipment, and report how much misplacement is allowed
     #[command(before_help = "Example: sweetspot robust cells/hitachi_cell.toml --limit 15")]
     Robust(RobustArguments),
     /// Export a layout: CAD drawing, 3-D scene, scale drawing, table or picture
@@ -94,12 +94,12 @@ pub enum Command {
     /// Draw the figures of the seed paper for your own cells
     #[command(before_help = "Example: sweetspot figures cells/hitachi_paper.toml --out figures")]
     Figures(FiguresArguments),
-    /// Write a first cell around a built-in robot, commented and ready to run
+    /// Write a first cell file for a built-in robot, commented and ready to run
     #[command(before_help = "Example: sweetspot init hitachi")]
     Init(InitArguments),
 }
 
-/// Returns the command line as typed.
+/// Returns the command line that the user typed.
 pub fn typed() -> Vec<String> {
     std::env::args_os().skip(1).map(|a| a.to_string_lossy().into_owned()).collect()
 }

@@ -1,4 +1,4 @@
-//! Arguments of the commands that make something to look at: `export`, `figures`, `report`, `view`.
+//! Arguments of the commands that make drawings and pages: `export`, `figures`, `report`, `view`.
 
 use super::question::QuestionFlags;
 use crate::cli::packages::PackageFolders;
@@ -41,7 +41,7 @@ impl ExportFormat {
 
 #[derive(Args)]
 pub struct ExportArguments {
-    /// Cell file (TOML), or a result folder of `search`: its best layout
+    /// Cell file (TOML), or a result folder of `search`, whose best layout is exported
     #[arg(value_name = "RESULT|CELL")]
     pub of: PathBuf,
     /// Format to write

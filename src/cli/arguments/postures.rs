@@ -16,7 +16,7 @@ pub struct BudgetArguments {
     /// Show only this operation [default: all operations]
     #[arg(long, value_name = "NAME")]
     pub operation: Option<String>,
-    /// Node of the grid: `best`, or its indices along x and y
+    /// Node of the grid: `best`, or the indices along x and y
     #[arg(long, value_name = "best|I,J", value_parser = at, default_value = "best", hide_default_value = true, allow_hyphen_values = true)]
     pub at: NodeChoice,
     #[command(flatten)]
@@ -35,7 +35,7 @@ pub struct ExplainArguments {
     /// Show this operation [default: the first]
     #[arg(long, value_name = "NAME")]
     pub operation: Option<String>,
-    /// Node of the grid: `best`, or its indices along x and y
+    /// Node of the grid: `best`, or the indices along x and y
     #[arg(long, value_name = "best|I,J", value_parser = at, default_value = "best", hide_default_value = true, allow_hyphen_values = true)]
     pub at: NodeChoice,
     /// Joint values instead of a node, in degrees or mm

@@ -1,4 +1,4 @@
-//! Flags that ask a cell otherwise than its file does; each becomes a setting that the reader validates.
+//! Flags that override keys of the cell file. Each becomes a setting that the reader of the file validates.
 
 use super::value_parsers::{number, setting};
 use crate::cell::{Model, Quantity, Reading, Registration};
@@ -7,7 +7,7 @@ use crate::files::{Setting, toml_string};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 
-/// Flags that choose the errors, their model, and the sense and limit in which they count.
+/// Flags that choose error set, error model, sense and limit.
 #[derive(Args)]
 pub struct ErrorFlags {
     /// Use this error set of the robot
@@ -16,11 +16,11 @@ pub struct ErrorFlags {
     /// Use this error model
     #[arg(long, value_parser = PossibleValuesParser::new(Model::ALL.map(Model::name)))]
     pub model: Option<String>,
-    /// Measure every operation in this sense: x, y, z, xy, xyz, rx, ry, rz or rotation, each with
-    /// @surface or @tool for the axes of the surface or the tool, or a sense defined in the cell file
+    /// Sense of every operation: x, y, z, xy, xyz, rx, ry, rz or rotation (append @surface or @tool for other
+    /// axes), or a sense defined in the cell file
     #[arg(long, value_name = "SENSE")]
     pub sense: Option<String>,
-    /// Largest error with which every operation succeeds: mm, or degrees if the sense is a rotation
+    /// Largest allowed error of every operation, in mm, or in degrees if the sense is a rotation
     #[arg(long, value_name = "MM", value_parser = number, allow_hyphen_values = true)]
     pub limit: Option<f64>,
     /// Set any key of the cell file, for example --set clearance_mm=10; can be given several times
@@ -28,18 +28,19 @@ pub struct ErrorFlags {
     pub sets: Vec<Setting>,
 }
 
-/// Flags that choose the errors and how they are read.
+/// Flags that choose the errors and their interpretation.
 #[derive(Args)]
 pub struct QuestionFlags {
     #[command(flatten)]
     pub errors: ErrorFlags,
-    /// Read the errors as one signed sample, as worst-case tolerances or as random variables
+    /// Interpret the errors as one signed sample, as worst-case tolerances or as random variables
     #[arg(long, value_parser = PossibleValuesParser::new(Reading::ALL.map(Reading::name)))]
     pub reading: Option<String>,
-    /// Quantity of the random error to minimize; implies --reading statistical
+    /// Statistic of the random error to minimize; implies --reading statistical
     #[arg(long, value_parser = PossibleValuesParser::new(Quantity::ALL.map(Quantity::name)))]
     pub quantity: Option<String>,
-    /// Frames registered with the robot itself: none, the base frame (best-fit) or the surface frames (taught)
+    /// Frames that were measured with the robot itself: none, the base frame (best-fit) or the surface frames
+    /// (taught)
     #[arg(long, value_parser = PossibleValuesParser::new(Registration::ALL.map(Registration::name)))]
     pub registration: Option<String>,
 }
@@ -55,7 +56,7 @@ pub fn toml_number(value: f64) -> String {
 }
 
 impl ErrorFlags {
-    /// Returns the settings that these flags state.
+    /// Returns the settings of these flags.
     pub fn settings(&self) -> Vec<Setting> {
         let Self { errors, model, sense, limit, sets } = self;
         let mut settings = sets.clone();
@@ -79,7 +80,7 @@ impl ErrorFlags {
 }
 
 impl QuestionFlags {
-    /// Returns the settings that these flags state.
+    /// Returns the settings of these flags.
     pub fn settings(&self) -> Vec<Setting> {
         let Self { errors, reading, quantity, registration } = self;
         let mut settings = errors.settings();
@@ -99,7 +100,7 @@ impl QuestionFlags {
 }
 
 impl QuestionFlags {
-    /// Returns the flags as one would type them again, with a space before each.
+    /// Returns the given flags as shell words, with a space before each.
     pub fn words(&self) -> String {
         let Self {
             errors: ErrorFlags { errors, model, sense, limit, sets },
@@ -123,7 +124,7 @@ impl QuestionFlags {
     }
 }
 
-/// Returns a number as one types it.
+/// Returns a number as a user types it: whole numbers have no decimal point.
 fn typed(value: f64) -> String {
     if value.fract() == 0.0 && value.abs() < 1e15 { value.to_string() } else { toml_number(value) }
 }

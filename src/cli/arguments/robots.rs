@@ -16,7 +16,7 @@ pub struct RobotsArguments {
 pub struct RobotArguments {
     /// Name of a built-in robot, or a robot file (TOML)
     pub robot: PathBuf,
-    /// Print the robot file, as a start for your own
+    /// Print the robot file, as a template for your own
     #[arg(long, conflicts_with = "json")]
     pub toml: bool,
     /// Print the robot as JSON on stdout
@@ -34,15 +34,15 @@ pub struct EnvelopeArguments {
     /// Hold the tool as in this operation of the cell [default: the first]
     #[arg(long, value_name = "NAME")]
     pub operation: Option<String>,
-    /// Elevation of the tool axis in degrees: -90 points down, 0 is horizontal [default: that of the
+    /// Elevation of the tool axis in degrees: -90 points down, 0 is horizontal [default: the bend of the
     /// operation, or -90]
     #[arg(long, value_name = "DEG", value_parser = bend, allow_hyphen_values = true)]
     pub bend: Option<f64>,
-    /// Draw the plan at this height above the robot base; can be given several times [default: the height
-    /// of the operation, or of the widest reach]
+    /// Draw the plan at this height above the robot base; can be given several times [default: the height of
+    /// the operation, or that of the widest reach]
     #[arg(long, value_name = "MM", value_parser = finite, allow_hyphen_values = true)]
     pub height: Vec<f64>,
-    /// Distance of the sample points [default: depends on the robot]
+    /// Distance between sample points [default: depends on the robot]
     #[arg(long, value_name = "MM", value_parser = step, allow_hyphen_values = true)]
     pub step: Option<f64>,
     /// Print the envelope as JSON on stdout

@@ -34,7 +34,8 @@ pub struct SearchArguments {
         value_parser = PossibleValuesParser::new(Goal::ALL.map(Goal::name))
     )]
     pub pareto: Option<Vec<String>>,
-    /// Keep this many of the best layouts that differ; with --pareto, of the front
+    /// Number of clearly different layouts to keep, the best first; with --pareto, number of layouts of the
+    /// front
     #[arg(long, value_name = "N")]
     pub keep: Option<u64>,
     /// Global solver
@@ -68,7 +69,7 @@ pub struct StoppingFlags {
     /// Stop after this many layout evaluations
     #[arg(long, value_name = "N")]
     pub budget: Option<u64>,
-    /// Stop when the best layout is proven to be within this share of the lower bound: 0.01 is 1 %
+    /// Stop when the best layout is within this relative gap of the proven lower bound: 0.01 is 1 %
     #[arg(long, value_name = "SHARE", value_parser = finite)]
     pub gap: Option<f64>,
     /// Stop after this many evaluations without a better layout
@@ -85,7 +86,7 @@ pub fn whole(name: &str, path: &str, value: Option<u64>) -> Option<Setting> {
 }
 
 impl SearchArguments {
-    /// Returns the settings that the flags state.
+    /// Returns the settings of the flags.
     pub fn settings(&self) -> Vec<Setting> {
         let mut settings = self.question.settings();
         settings.extend(whole("seed", "search.seed", self.seed));

@@ -28,7 +28,7 @@ pub struct SweepArguments {
     /// Map the layout as drawn instead of searching
     #[arg(long, conflicts_with = "resume")]
     pub map: bool,
-    /// Seed of all random numbers of every combination [default: that of the cell]
+    /// Seed of all random numbers of every combination [default: the seed of the cell]
     #[arg(long, conflicts_with = "resume")]
     pub seed: Option<u64>,
     /// Number of layout evaluations per combination
@@ -40,15 +40,15 @@ pub struct SweepArguments {
     /// Number of combinations to process in parallel; the result does not depend on it [default: all cores]
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub jobs: Option<u16>,
-    /// Write to this folder: a new one, or that of the same sweep, which is then continued
-    /// [default: results/CELL-NNN]
+    /// Write to this folder: a new one, or the folder of the same sweep, which is then resumed [default:
+    /// results/CELL-NNN]
     #[arg(long, value_name = "DIR", conflicts_with = "resume")]
     pub out: Option<PathBuf>,
     /// Resume the sweep in this folder
     #[arg(long, value_name = "DIR")]
     pub resume: Option<PathBuf>,
-    /// Process only this combination, numbered from 0, and write no table: for array jobs on a cluster;
-    /// finish with --resume
+    /// Process only this combination (numbered from 0) and write no table; meant for array jobs on a cluster,
+    /// then finish with --resume
     #[arg(long, value_name = "INDEX")]
     pub only: Option<usize>,
     /// Print the table as JSON on stdout
@@ -56,7 +56,7 @@ pub struct SweepArguments {
     pub json: bool,
 }
 
-/// Returns the settings of the flags that hold for every combination of a sweep.
+/// Returns the settings that apply to every combination of a sweep.
 pub fn common_settings(seed: Option<u64>, budget: Option<u64>, solver: Option<&String>) -> Vec<Setting> {
     let seed = whole("seed", "search.seed", seed);
     let budget = whole("budget", "search.budget", budget);

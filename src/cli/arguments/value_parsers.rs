@@ -1,7 +1,7 @@
 //! Parsers of option values (clap `value_parser`s).
 //!
-//! A quantity that a cell file can state has no range here: its flag becomes a setting, which the reader of
-//! the file checks.
+//! Values that a cell file can hold are not checked against a range here. Their flags become settings, which
+//! the reader of the file checks.
 
 use crate::assess::NodeChoice;
 use crate::files::{Choices, Setting};
@@ -18,7 +18,7 @@ pub fn step(text: &str) -> Result<f64, String> {
     if number >= 1.0 { Ok(number) } else { Err("it must be at least 1".into()) }
 }
 
-/// Parses any number that floating point can hold, NaN and infinity included.
+/// Parses any floating-point number, including NaN and infinity.
 pub fn number(text: &str) -> Result<f64, String> {
     text.trim().parse().map_err(|_| "it is not a number".to_string())
 }

@@ -63,7 +63,7 @@ pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
     Ok(Exit::Done)
 }
 
-/// Returns the count of error sets, and the kind of the chosen one.
+/// Returns the number of error sets, and the kind of the chosen one.
 fn error_sets(cell: &Cell) -> String {
     let kind = match cell.error_set() {
         ErrorSet::Signed(_) => "a signed sample",

@@ -46,7 +46,7 @@ fn refuse_missing_writer(format: ExportFormat) -> Result<(), Exit> {
     Err(Exit::BadInput)
 }
 
-/// Refuses a file name with the extension of another format: the program that opens it would be misled.
+/// Refuses a file name with the extension of another format, which would mislead the program that opens it.
 fn refuse_other_ending(out: &Path, format: ExportFormat) -> Result<(), Exit> {
     let given = out.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     let others = ExportFormat::value_variants().iter().filter(|f| **f != format);
@@ -61,7 +61,7 @@ fn refuse_other_ending(out: &Path, format: ExportFormat) -> Result<(), Exit> {
     Err(Exit::BadInput)
 }
 
-/// Returns the best layout of a result folder, or with `start` the cell that the search began with.
+/// Returns the file of the best layout in a result folder or, with `start`, the cell file of the search.
 fn cell_file(of: &Path, start: bool) -> Result<PathBuf, Exit> {
     if !of.is_dir() {
         if start {
@@ -84,7 +84,7 @@ fn cell_file(of: &Path, start: bool) -> Result<PathBuf, Exit> {
     })
 }
 
-/// Returns the operation at whose spot the robot is shown; None: at home.
+/// Returns the operation at whose spot the robot is shown; None shows it at home.
 fn posture(a: &Assessment<'_>, asked: Option<&str>) -> Result<Option<usize>, Exit> {
     match asked {
         None => Ok((0..a.maps.len()).find(|k| a.spot(*k).is_some())),

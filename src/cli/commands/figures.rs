@@ -1,4 +1,4 @@
-//! `figures`: the figures of the seed paper for cells of one's own.
+//! `figures`: the figures of the seed paper for any cell.
 
 use super::{stem, suggest, workcell};
 use crate::assess::Assessment;

@@ -50,7 +50,7 @@ pub fn compare(a: &CompareArguments) -> Result<Exit, Exit> {
     Ok(Exit::Done)
 }
 
-/// Renders the page, with as much detail as fits.
+/// Renders the page with as much detail as its size limit allows.
 fn page(comparison: &Comparison<'_>, paths: &[PathBuf]) -> Result<String, Exit> {
     let told: Vec<Told> = paths.iter().map(|p| told(p)).collect();
     within_size(|detail| {
@@ -60,7 +60,7 @@ fn page(comparison: &Comparison<'_>, paths: &[PathBuf]) -> Result<String, Exit> 
     })
 }
 
-/// Reads gap and clearance of the best layout from the folder of a search.
+/// Reads gap and clearance of the best layout from search.json in a result folder.
 fn told(folder: &Path) -> Told {
     let text = std::fs::read(folder.join("search.json")).unwrap_or_default();
     let found: Option<SearchResult> = serde_json::from_slice(&text).ok();
@@ -70,7 +70,7 @@ fn told(folder: &Path) -> Told {
     }
 }
 
-/// Labels layouts of the same name by the parts in which their paths differ.
+/// Labels layouts of the same name by the differing parts of their paths.
 fn name_apart(cells: &mut [(String, Workcell)], paths: &[PathBuf]) {
     let labels: Vec<String> = cells.iter().map(|(label, _)| label.clone()).collect();
     let is_twin = |label: &String| labels.iter().filter(|l| *l == label).count() > 1;
@@ -84,7 +84,7 @@ fn name_apart(cells: &mut [(String, Workcell)], paths: &[PathBuf]) {
     }
 }
 
-/// Returns the label of a layout: for a best.toml, which every result has, the name of its folder.
+/// Returns the label of a layout: the file stem, or the folder name for a best.toml.
 fn label_of(file: &Path) -> String {
     match file.parent().and_then(Path::file_name) {
         Some(folder) if file.file_stem().is_some_and(|s| s == "best") => shown(&folder.to_string_lossy()),

@@ -47,10 +47,10 @@ use crate::layout::{Workcell, evaluate};
 use crate::report::text;
 use std::path::Path;
 
-/// Help for a tool orientation that the kinematics of the robot does not allow.
+/// Remedy for a tool orientation that the kinematics of the robot does not allow.
 const UNSOLVED: &str = "relax the orientation of the tool, or use another robot: see `sweetspot robots`";
 
-/// Warns of overlaps that no search can resolve, because neither body can move.
+/// Warns of overlaps between bodies that no search can move.
 fn warn_of_hopeless(workcell: &Workcell) {
     let cell = &workcell.cell;
     let moves = |k: usize| {
@@ -101,7 +101,7 @@ fn refuse_other_pages(out: &Path) -> Result<(), Exit> {
     Err(Exit::BadInput)
 }
 
-/// Largest page, bytes.
+/// Largest size of a page, bytes.
 const MAX_PAGE_BYTES: usize = 8 << 20;
 
 /// Returns the page with the most detail that fits.

@@ -99,7 +99,7 @@ fn told(a: &ExplainArguments, explanation: &Explanation<'_>) -> Result<Exit, Exi
     Ok(Exit::Done)
 }
 
-/// Returns the operation that was named, or the only one; None: all of them.
+/// Returns the operation with the given name, or the only operation; None means all operations.
 fn one_operation(cell: &Cell, name: Option<&str>, at: NodeChoice) -> Result<Option<usize>, Exit> {
     match (name, at) {
         (Some(name), _) => lookup::operation(cell, name).map(Some),
@@ -114,7 +114,7 @@ fn one_operation(cell: &Cell, name: Option<&str>, at: NodeChoice) -> Result<Opti
     }
 }
 
-/// Prints which operations are not explained.
+/// Prints the names of the operations that are not explained.
 fn say_others(cell: &Cell) {
     let names: Vec<String> = cell.operations.iter().map(|o| shown(&o.name)).collect();
     if let [first, others @ ..] = &names[..] {
@@ -152,7 +152,7 @@ fn joints(cell: &Cell, given: &[f64]) -> Result<JointVector, Exit> {
     Ok(joints)
 }
 
-/// Returns operation, node and flags as one would type them for another command.
+/// Returns operation, node and flags as arguments for another command.
 fn asked_again(operation: Option<&str>, at: NodeChoice, flags: &QuestionFlags) -> String {
     let operation = operation.map_or(String::new(), |name| format!(" --operation {}", word(name)));
     let at = match at {

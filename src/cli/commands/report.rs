@@ -42,7 +42,7 @@ pub fn report(a: &ReportArguments) -> Result<Exit, Exit> {
     Ok(if report.verdict.answer == VerdictAnswer::Yes { Exit::Done } else { Exit::AnswerIsNo })
 }
 
-/// Subject of a report as read, before it is assessed.
+/// Input of a report after reading, before the layouts are assessed.
 struct ReportSource {
     loaded: Loaded,
     file: PathBuf,
@@ -86,7 +86,7 @@ fn warning(fault: &Fault) -> String {
     format!("{}:{}: {}", fault.file, fault.line, fault.message)
 }
 
-/// Refuses a search.json whose numbers are not those of its layouts.
+/// Refuses a search.json whose numbers differ from those of its reassessed layouts.
 fn refuse_other_numbers(folder: &Path, subject: &Subject<'_>) -> Result<(), Exit> {
     let Some(found) = &subject.found else { return Ok(()) };
     let best = subject.best.as_ref().and_then(Assessment::objective);

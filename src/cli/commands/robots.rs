@@ -15,7 +15,7 @@ use crate::robot::Chain;
 use crate::units::{m_from_mm, rad_from_deg};
 use std::path::Path;
 
-/// Most sample points of one envelope: minutes with closed-form inverse kinematics.
+/// Largest number of sample points of one envelope; takes minutes with closed-form inverse kinematics.
 const MAX_POINTS: u64 = 300_000_000;
 
 /// `sweetspot robots`
@@ -103,7 +103,7 @@ pub fn envelope(a: &EnvelopeArguments) -> Result<Exit, Exit> {
     drawn(a, &cell.robot, &inverse, (Some(operation), attitude, at.yaw, Some(height)))
 }
 
-/// Operation, orientation of the tool, yaw of the surface and height of an envelope.
+/// Operation, orientation of the tool, yaw of the surface (rad) and height of the plan (m) of an envelope.
 type EnvelopeSubject<'a> = (Option<&'a Operation>, Attitude, f64, Option<f64>);
 
 fn drawn(
@@ -155,7 +155,7 @@ fn drawn(
     Ok(Exit::Done)
 }
 
-/// Returns whether the argument means a robot: a built-in one, the file of one, or a word that is no path.
+/// Returns whether the argument means a robot: a built-in robot, a robot file, or a word that is no path.
 fn is_robot(given: &Path, packages: &PackageFolders) -> bool {
     let name = given.to_string_lossy();
     library::text(&name).is_some() || is_bare(given) || loading::is_robot(given, packages)
@@ -166,7 +166,7 @@ fn is_bare(given: &Path) -> bool {
     given.extension().is_none() && given.components().count() == 1 && !given.exists()
 }
 
-/// Reads a built-in robot by its name, or the file of a robot.
+/// Reads a built-in robot by its name, or a robot file.
 fn read(given: &Path, packages: &PackageFolders) -> Result<LoadedRobot, Exit> {
     let name = given.to_string_lossy();
     if library::text(&name).is_some() {

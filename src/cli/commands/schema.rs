@@ -1,4 +1,4 @@
-//! `schema`: JSON Schemas of files and documents, and the reference of all keys for people.
+//! `schema`: JSON Schemas of files and documents, and a readable reference of all keys.
 
 use super::suggest;
 use crate::cli::arguments::SchemaArguments;
@@ -34,7 +34,7 @@ pub fn schema(a: &SchemaArguments) -> Result<Exit, Exit> {
     Ok(Exit::Done)
 }
 
-/// Prints the reference of the keys of a kind of file, or writes all of them into a folder.
+/// Prints the reference of the keys of one kind of file, or writes all references into a folder.
 fn references(a: &SchemaArguments) -> Result<Exit, Exit> {
     let Some(folder) = &a.out else {
         let Some(kind) = FileKind::ALL.into_iter().find(|kind| kind.name() == a.kind) else {
@@ -62,7 +62,7 @@ fn schema_of(name: &str) -> Value {
     document.map_or_else(|| files::schema(file), DocumentKind::schema)
 }
 
-/// Returns name and text of the schemas of the files that people write.
+/// Returns the names and texts of the schemas of all input files.
 pub fn of_files() -> Result<Vec<(String, String)>, Exit> {
     FileKind::ALL.into_iter().map(|kind| Ok((file_name(kind.name()), text(&files::schema(kind))?))).collect()
 }

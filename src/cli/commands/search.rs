@@ -31,7 +31,7 @@ pub fn search(a: &SearchArguments) -> Result<Exit, Exit> {
     }
 }
 
-/// Runs the search of a request; threads, time limit and output follow `now`, the arguments at hand.
+/// Runs the search of a request. Threads, time limit and output follow the current arguments `now`.
 fn run(request: &SearchRequest, now: &SearchArguments, kept: Option<&StoppedSearch>) -> Result<Exit, Exit> {
     let file = &request.cell;
     let Loaded { cell, sources, .. } = request.load()?;
@@ -83,7 +83,7 @@ fn run(request: &SearchRequest, now: &SearchArguments, kept: Option<&StoppedSear
     Ok(exit(&record, misses))
 }
 
-/// Returns the exit code; `misses`: an operation of the best layout exceeds its limit.
+/// Returns the exit code. `misses` states that an operation of the best layout exceeds its limit.
 fn exit(record: &SearchRecord, misses: bool) -> Exit {
     match (record.ended, record.found()) {
         (SearchEnd::Interrupted, _) => Exit::Interrupted,
@@ -155,8 +155,8 @@ fn run_search(
     Ok(record)
 }
 
-/// Returns a flag that Ctrl-C or SIGTERM raises. The second time the program ends at once; the last
-/// checkpoint remains.
+/// Returns a flag that Ctrl-C or SIGTERM sets. A second signal ends the program at once; the last checkpoint
+/// remains.
 fn stop_at_signals() -> Arc<AtomicBool> {
     let stop = Arc::new(AtomicBool::new(false));
     let asked = stop.clone();

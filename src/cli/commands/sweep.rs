@@ -1,4 +1,4 @@
-//! `sweep`.
+//! `sweep`: searches or maps every combination of settings.
 
 use super::{UNSOLVED, stem, suggest};
 use crate::assess::Assessment;
@@ -20,7 +20,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 
-/// Sweep whose combinations have all been read and checked.
+/// Sweep after all its combinations have been read and checked.
 struct CheckedSweep {
     plan: SweepPlan,
     kept: FileSnapshot,
@@ -99,7 +99,8 @@ fn check_all(plan: &mut SweepPlan, kept: &FileSnapshot, jobs: usize) -> Result<V
     if faults.iter().any(Fault::is_error) { Err(loading::exit_of(&faults)) } else { Ok(all) }
 }
 
-/// Adds to the help of a fault in which combinations it occurs, unless it is in all that have its setting.
+/// Adds to the help text of a fault in which combinations it occurs. Adds nothing if every combination with
+/// that setting has the fault.
 fn whose(plan: &SweepPlan, (fault, first, count): (Fault, usize, usize)) -> Fault {
     let settings = plan.settings(first);
     let own = settings.iter().position(|s| fault.file == format!("--set {}", s.words()));
@@ -119,7 +120,7 @@ fn pool(threads: usize) -> Result<rayon::ThreadPool, Exit> {
     })
 }
 
-/// Works on the missing combinations; each gets an equal share of the threads.
+/// Processes the missing combinations in parallel; each gets an equal share of the threads.
 fn run_all(sweep: &CheckedSweep, missing: &[usize], jobs: usize) -> Result<(), Exit> {
     let asked = sweep.stop.clone();
     let _ = ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed));
@@ -144,7 +145,7 @@ fn run_all(sweep: &CheckedSweep, missing: &[usize], jobs: usize) -> Result<(), E
     failed.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner()).map_or(Ok(()), Err)
 }
 
-/// Works on one combination and writes its files; writes nothing if it is stopped.
+/// Processes one combination and writes its files. Writes nothing if the sweep is stopped.
 fn run_one(sweep: &CheckedSweep, index: usize) -> Result<(), Exit> {
     let CheckedSweep { plan, kept, folder, .. } = sweep;
     let loaded = load(plan, index, kept).map_err(|faults| {
@@ -167,7 +168,7 @@ fn run_one(sweep: &CheckedSweep, index: usize) -> Result<(), Exit> {
     loading::write_whole(&folder.join(number(index) + ".json"), &pretty(&row)?)
 }
 
-/// Searches as `search` does, with the proven bound first; returns None if it is stopped.
+/// Proves the lower bound and then searches, as `search` does. Returns None if the sweep is stopped.
 fn searched(workcell: &Workcell, stop: &AtomicBool) -> Option<SearchRecord> {
     let proof = prove(workcell, &ProofOptions::default(), stop);
     let job = SearchJob { bound: proof.bound, from: None, keep: &|_, _| () };
@@ -177,7 +178,8 @@ fn searched(workcell: &Workcell, stop: &AtomicBool) -> Option<SearchRecord> {
     (!proof.interrupted && record.ended != SearchEnd::Interrupted).then_some(record)
 }
 
-/// Writes NNNN.toml, the cell with its layout fixed, and among the inputs the cell with its settings.
+/// Writes NNNN.toml, the cell with its layout fixed. Among the inputs, writes the file that it includes: the
+/// cell with the settings of the combination.
 fn write_cell(sweep: &CheckedSweep, index: usize, a: &Assessment<'_>) -> Result<(), Exit> {
     let settings = sweep.plan.settings(index);
     let lines: Vec<_> = settings.iter().map(|s| s.line()).collect();
@@ -221,9 +223,9 @@ fn finish(sweep: &CheckedSweep, rows: Vec<SweepRow>, as_json: bool) -> Result<Ex
     Ok(if document.feasible > 0 { Exit::Done } else { Exit::AnswerIsNo })
 }
 
-/// Writes the tables and, last, the manifest: a folder that has one is complete.
+/// Writes the tables and then the manifest, so that a folder with a manifest is complete.
 ///
-/// The manifest has no command, so that a resumed sweep ends in the same bytes.
+/// The manifest contains no command, so that a resumed sweep writes the same bytes.
 fn write_table(sweep: &CheckedSweep, outputs: Vec<(&str, Vec<u8>)>) -> Result<(), Exit> {
     let write = |name: &str, bytes: &[u8]| loading::write_whole(&sweep.folder.join(name), bytes);
     outputs.iter().try_for_each(|(name, bytes)| write(name, bytes))?;

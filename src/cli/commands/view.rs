@@ -14,7 +14,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use tiny_http::Server;
 
-/// `sweetspot view`. Ctrl-C is its regular end, with exit code 0.
+/// `sweetspot view`. Ends with exit code 0 at Ctrl-C.
 pub fn view(a: &ViewArguments) -> Result<Exit, Exit> {
     asked::refuse_sets(&a.question.settings(), "view")?;
     let file = if a.of.is_dir() { results_folder::best_of(&a.of)? } else { a.of.clone() };
@@ -48,7 +48,7 @@ fn failed(why: String) -> Exit {
     Exit::Io
 }
 
-/// Returns the cell of a result with the ranges that were searched, so that it can be searched again.
+/// Returns the cell of a result with the ranges of the search, so that the page can search it again.
 fn searched(cell: Cell, sources: &[PathBuf], packages: &PackageFolders) -> Cell {
     // The first source is best.toml, the second the cell file that it is made from.
     let wide = sources.get(1).and_then(|file| loading::read_cell(file, packages).ok());
@@ -58,7 +58,7 @@ fn searched(cell: Cell, sources: &[PathBuf], packages: &PackageFolders) -> Cell 
     }
 }
 
-/// Returns a flag that Ctrl-C or SIGTERM raises; the server then stops waiting.
+/// Returns a flag that Ctrl-C or SIGTERM sets. The server then stops waiting for requests.
 fn end_at_signals(server: &Arc<Server>) -> Arc<AtomicBool> {
     let over = Arc::new(AtomicBool::new(false));
     let (asked, server) = (over.clone(), server.clone());

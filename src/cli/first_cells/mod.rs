@@ -1,4 +1,4 @@
-//! First cells: the text of a commented cell file around each built-in robot.
+//! First cells: the text of a commented cell file for each built-in robot.
 //!
 //! Lengths are in mm here, as in the file that is written.
 
@@ -18,7 +18,7 @@ pub struct Sketch {
     work: SketchedEquipment,
     supply: SketchedEquipment,
     standoff: i32,
-    /// Whether few spins about the tool axis are tried, because a redundant arm takes long for each.
+    /// Whether fewer spins about the tool axis are tried, because each one takes long for a redundant arm.
     few_spins: bool,
 }
 
@@ -57,7 +57,7 @@ const fn sketch(
     Sketch { name, robot, about, errors, pedestal, work, supply, standoff: 100, few_spins: false }
 }
 
-/// The arm of the seed paper, which has three files.
+/// Returns the first cell of the arm of the seed paper, which has three robot files.
 const fn hitachi(name: &'static str, about: &'static str, robot: &'static str) -> Sketch {
     let table = stand("worktable", (300, 1000, 600), 10, 1800).ranging(300, 900);
     sketch(
@@ -68,13 +68,14 @@ const fn hitachi(name: &'static str, about: &'static str, robot: &'static str) -
     )
 }
 
-/// Large arms of Universal Robots.
+/// Returns the first cell of a large arm of Universal Robots.
 const fn large_ur(name: &'static str, about: &'static str) -> Sketch {
     let table = stand("worktable", (0, 850, 750), 0, 1300).ranging(500, 1000);
     sketch([name, about, name, "placeholder"], 700, table, stand("conveyor", (950, -650, 700), 90, 1500))
 }
 
-/// Arms of about one metre of reach, with a bench in front and a feeder at the side, both at distance `far`.
+/// Returns the first cell of an arm with about one metre of reach. A bench in front and a feeder at the side
+/// are at distance `far`.
 const fn small(
     [name, about, robot]: [&'static str; 3],
     (pedestal, far): (i32, i32),
@@ -189,7 +190,7 @@ pub const SKETCHES: [Sketch; ROBOTS.len()] = [
     ),
 ];
 
-/// Returns the first cell of a short name or of a robot.
+/// Returns the first cell with a short name, or that of a robot.
 pub fn find(name: &str) -> Option<&'static Sketch> {
     SKETCHES.iter().find(|s| s.name == name || s.robot == name)
 }

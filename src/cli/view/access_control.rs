@@ -1,14 +1,15 @@
 //! Access control of the local server: secret URL, Host check against DNS rebinding, Origin check against CSRF.
 //!
-//! The URL holds 128 random bits; a request without them is answered 404. A page elsewhere may make its own
-//! domain name resolve to 127.0.0.1 (DNS rebinding), so the Host header must name this server. It may also
-//! post to this server from the user's browser (cross-site request forgery, CSRF), so the Origin header of
-//! every POST must be that of our page. A content security policy keeps the page from loading anything else.
+//! The URL contains 128 random bits; a request without them gets status 404. A page elsewhere may make its
+//! own domain name resolve to 127.0.0.1 (DNS rebinding), so the Host header must name this server. Such a
+//! page may also post to this server from the user's browser (cross-site request forgery, CSRF). The Origin
+//! header of every POST must therefore be that of our page. A content security policy keeps the page from
+//! loading anything else.
 
 use std::io::Read;
 use tiny_http::{Header, Method, Request};
 
-/// Largest body of a request, bytes; those of the page have a few hundred.
+/// Largest body of a request, bytes; requests of the page have a few hundred bytes.
 const MAX_BODY_BYTES: usize = 64 << 10;
 
 /// Secret URL of the page, and the checks of every request.
@@ -23,7 +24,7 @@ pub struct HttpResponse {
     /// Media type of the body.
     pub kind: &'static str,
     pub body: Vec<u8>,
-    /// Nonce of the scripts and styles of the page; None: the body is no page.
+    /// Nonce of the scripts and styles of the page; None if the body is no page.
     pub nonce: Option<String>,
 }
 
@@ -40,10 +41,10 @@ impl HttpResponse {
     }
 }
 
-/// Returns 128 random bits of the operating system in hexadecimal.
+/// Returns 128 random bits from the operating system in hexadecimal.
 ///
 /// # Errors
-/// That the system provides none.
+/// Fails if the operating system provides no random bits.
 pub fn secret() -> Result<String, String> {
     let mut bytes = [0u8; 16];
     getrandom::fill(&mut bytes)
@@ -52,12 +53,12 @@ pub fn secret() -> Result<String, String> {
 }
 
 impl AccessControl {
-    /// Guards the server on a port with a secret.
+    /// Returns the access control of a server on a port, with its secret.
     pub fn new(token: String, port: u16) -> Self {
         Self { token, port }
     }
 
-    /// Returns the URL of the page, secret included.
+    /// Returns the URL of the page, including the secret.
     pub fn url(&self) -> String {
         format!("http://127.0.0.1:{}/{}/", self.port, self.token)
     }
@@ -65,7 +66,7 @@ impl AccessControl {
     /// Returns the path behind the secret of a request that passes all checks.
     ///
     /// # Errors
-    /// The response to a request that fails one.
+    /// Returns the response to a request that fails a check.
     pub fn admit(&self, request: &Request) -> Result<String, HttpResponse> {
         let inside = request.url().strip_prefix('/').and_then(|path| path.split_once('/'));
         let inside = inside.filter(|(token, _)| same(token, &self.token)).map(|(_, inside)| inside);
@@ -97,7 +98,7 @@ impl AccessControl {
 /// Reads the whole body of a request.
 ///
 /// # Errors
-/// The response to a request whose body has no length or is too long.
+/// Returns the response to a request whose body has no length or is too long.
 pub fn body(request: &mut Request) -> Result<Vec<u8>, HttpResponse> {
     let length = request.body_length().filter(|_| header(request, "Transfer-Encoding").is_empty());
     let length = length.ok_or_else(|| HttpResponse::refused(400, "the request has no Content-Length"))?;
@@ -112,7 +113,7 @@ pub fn body(request: &mut Request) -> Result<Vec<u8>, HttpResponse> {
     }
 }
 
-/// Returns the values of all headers of a name.
+/// Returns the values of all headers with a name.
 fn header<'r>(request: &'r Request, name: &'static str) -> Vec<&'r str> {
     let of_name = |h: &&Header| h.field.equiv(name);
     request.headers().iter().filter(of_name).map(|h| h.value.as_str().trim()).collect()
@@ -123,7 +124,7 @@ fn same(a: &str, b: &str) -> bool {
     a.len() == b.len() && a.bytes().zip(b.bytes()).fold(0, |differs, (a, b)| differs | (a ^ b)) == 0
 }
 
-/// Sends a response; `is_read`: the body of the request was read, or it has none.
+/// Sends a response. `is_read` states that the body of the request was read or is empty.
 pub fn send(request: Request, answer: &HttpResponse, is_read: bool) {
     let headers = headers(answer);
     if !is_read {

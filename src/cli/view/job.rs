@@ -1,4 +1,4 @@
-//! A search from the layout on the page, in its own thread.
+//! Search in its own thread, started from the layout on the page.
 
 use super::locked;
 use crate::cell::{Cell, Layout};
@@ -25,13 +25,13 @@ struct SearchState {
 /// Result of a search from the page.
 #[derive(Clone)]
 pub struct LiveResult {
-    /// Best layout; None if it is not feasible.
+    /// Best layout; None if no feasible layout was found.
     pub layout: Option<Layout>,
     objective: Option<f64>,
     ended: SearchEnd,
 }
 
-/// A search that runs or has ended.
+/// Thread of a search that is running or has ended.
 pub struct SearchThread {
     board: Arc<Mutex<SearchState>>,
     stop: Arc<AtomicBool>,
@@ -44,7 +44,7 @@ impl SearchThread {
     /// Starts a search.
     ///
     /// # Errors
-    /// Why no thread could be started.
+    /// Fails with the reason if no thread can be started.
     pub fn start(cell: Cell) -> Result<Self, String> {
         let progress = Progress { evaluations: 0, budget: cell.search.budget, feasible: 0, best: None };
         let board = Arc::new(Mutex::new(SearchState { progress, start: None, found: None, seconds: 0.0 }));
@@ -61,7 +61,7 @@ impl SearchThread {
         Ok(Self { board, stop, thread, cell, clock })
     }
 
-    /// Returns whether the search still runs.
+    /// Returns whether the search is still running.
     pub fn is_running(&self) -> bool {
         !self.thread.is_finished() && locked(&self.board).found.is_none()
     }

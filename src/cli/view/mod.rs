@@ -1,8 +1,8 @@
 //! `view`: a local web server with a page for editing a layout.
 //!
-//! The session lives in the server and not in the page: the undo history, the question asked, a running
-//! search. Closing a page ends nothing, a page opened again continues, and several pages show the same.
-//! Every number comes from [`crate::layout::evaluate`] and the maps, as everywhere.
+//! The server, not the page, holds the session: undo history, evaluation settings and running search. Closing
+//! a page ends nothing, a reopened page continues, and all open pages show the same state. Every number comes
+//! from [`crate::layout::evaluate`] and the error maps, as in the other commands.
 
 mod access_control;
 mod job;
@@ -32,13 +32,13 @@ use values::LayoutValues;
 
 /// Decimals of numbers in documents.
 const DIGITS: i32 = 9;
-/// Detail of drawings: one lens, no envelope, few enough nodes to follow the mouse.
+/// Detail of drawings: one lens, no envelope, and few enough nodes to redraw while the mouse drags.
 const DETAIL: Detail = Detail { lenses: false, envelopes: false, nodes: 1500 };
 
-/// A cell with everything that its pages share.
+/// Cell and session that all open pages share.
 pub struct LiveView {
     workcells: Workcells,
-    /// Cell as the cell file asks it.
+    /// Cell with the evaluation settings of its file.
     cell: crate::cell::Cell,
     origin: Origin,
     session: Mutex<Session>,
@@ -51,10 +51,10 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
 }
 
-/// Answers requests until `over` is raised and the server is unblocked.
+/// Answers requests until the flag `over` is set and the server is unblocked.
 ///
 /// # Errors
-/// Why the server cannot continue.
+/// Fails with the reason if the server cannot continue.
 pub fn serve(
     view: LiveView,
     server: &Server,
@@ -90,7 +90,7 @@ impl LiveView {
         }
     }
 
-    /// Returns everything that a page needs to begin.
+    /// Returns the document that a page loads first.
     fn state(&self) -> Result<Value, String> {
         let mut state = json::form(&self.cell);
         state["file"] = json!(crate::files::shown(&self.origin.file.to_string_lossy()));
@@ -98,7 +98,7 @@ impl LiveView {
         Ok(state)
     }
 
-    /// Returns the step that is shown, with its value and that of the step before.
+    /// Returns the current step with its value and the value of the previous step.
     fn now(&self) -> Result<Value, String> {
         let (question, values, before, mut document) = {
             let session = locked(&self.session);
@@ -126,7 +126,7 @@ impl LiveView {
         Ok(document)
     }
 
-    /// Evaluates a layout while it is dragged; with `draws`, also draws it for the 3-D view.
+    /// Evaluates a layout while equipment is dragged. With `draws`, adds the drawing for the 3-D view.
     fn attempt(&self, asked: &Value, draws: bool) -> Result<Value, String> {
         let (question, values) = {
             let session = locked(&self.session);
@@ -147,7 +147,7 @@ impl LiveView {
         drawn(&assessed(&workcell, layout, false))
     }
 
-    /// Takes the coordinates of a request as a new step.
+    /// Adds the coordinates of a request as a new step of the history.
     fn change(&self, asked: &Value) -> Result<(), String> {
         let mut session = locked(&self.session);
         let values = session.now().values.changed(&self.cell, asked)?;
@@ -163,7 +163,7 @@ impl LiveView {
         session.step(start, "back to the layout as drawn".into());
     }
 
-    /// Changes the question.
+    /// Changes sense, model and reading.
     fn ask(&self, asked: &Value) -> Result<(), String> {
         let word = |key: &str| asked.get(key).and_then(Value::as_str);
         let model = Model::ALL.into_iter().find(|m| Some(m.name()) == word("model"));
@@ -193,7 +193,7 @@ impl LiveView {
         Ok(json!({ "outlines": (0..a.maps.len()).map(of).collect::<Vec<_>>() }))
     }
 
-    /// Returns the workcell of the question and the layout that is shown.
+    /// Returns the workcell with the current evaluation settings, and the current layout.
     fn shown(&self) -> Result<(Arc<Workcell>, Layout), String> {
         let (question, values) = {
             let session = locked(&self.session);
@@ -204,7 +204,7 @@ impl LiveView {
         Ok((workcell, layout))
     }
 
-    /// Starts a search from the layout that is shown, under the question asked now.
+    /// Starts a search from the current layout, with the current sense, model and reading.
     fn search(&self, asked: &Value) -> Result<(), String> {
         let whole = |key: &str| match asked.get(key) {
             None | Some(Value::Null) => Ok(None),
@@ -235,7 +235,7 @@ impl LiveView {
         }
     }
 
-    /// Takes the best layout of the search as a new step.
+    /// Adds the best layout of the search as a new step of the history.
     fn accept(&self) -> Result<(), String> {
         let best = locked(&self.job).as_ref().and_then(SearchThread::best);
         let best = best.ok_or("no search has found a feasible layout yet")?;
@@ -244,7 +244,7 @@ impl LiveView {
         Ok(())
     }
 
-    /// Returns what may change without a request of the page.
+    /// Returns the revision and the state of the search, which may change without a request of this page.
     fn pulse(&self) -> Value {
         let search = locked(&self.job).as_ref().map(SearchThread::document);
         json!({ "revision": locked(&self.session).revision, "search": search })
@@ -255,7 +255,7 @@ fn drawn(a: &Assessment<'_>) -> Result<Value, String> {
     Ok(json::drawings(&[Drawing::new(a, &DETAIL)?]))
 }
 
-/// Assesses a layout for the page: spots at nodes only, no Monte Carlo samples, no misplacement.
+/// Assesses a layout for the page: spots at nodes only, without Monte Carlo samples and misplacement.
 fn assessed<'a>(workcell: &'a Workcell, layout: Layout, is_settled: bool) -> Assessment<'a> {
     let evaluation = evaluate(workcell, &layout);
     let maps = workcell.maps(&layout);

@@ -1,31 +1,31 @@
-//! The question that the page asks of the layout: sense, model, reading; one workcell for each.
+//! Evaluation settings of the page (sense, model and reading), with one workcell for each combination.
 
 use crate::cell::{Cell, Interpretation, Model, Quantity, Reading};
 use crate::layout::Workcell;
 use std::sync::{Arc, Mutex};
 
-/// Most workcells kept: a page can ask in about 27 senses under nine lenses.
+/// Largest number of workcells kept: about 27 senses times nine lenses.
 const MAX_WORKCELLS: usize = 300;
 
-/// Question that the page asks.
+/// Evaluation settings of the page: sense, model and reading.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PageQuestion {
-    /// Sense by its name; None: each operation in its own.
+    /// Name of the sense; None if each operation is measured in its own sense.
     pub sense: Option<String>,
     pub model: Model,
     pub reading: Reading,
 }
 
 impl PageQuestion {
-    /// Returns the question that the cell file asks.
+    /// Returns the evaluation settings of the cell file.
     pub fn of(cell: &Cell) -> Self {
         Self { sense: None, model: cell.model, reading: cell.reading }
     }
 
-    /// Returns the interpretation of the errors of a cell that this question asks for.
+    /// Returns how these settings interpret the errors of a cell.
     ///
     /// # Errors
-    /// That the cell has no such sense.
+    /// Fails if the cell has no sense of that name.
     fn interpretation(&self, cell: &Cell) -> Result<Interpretation, String> {
         let named = |word: &String| cell.sense(word).ok_or_else(|| format!("unknown sense `{word}`"));
         let sense = self.sense.as_ref().map(named).transpose()?;
@@ -37,23 +37,23 @@ impl PageQuestion {
     }
 }
 
-/// Workcells made ready for every question asked so far, that of the cell file first.
+/// Cache of the workcells for all evaluation settings used so far; the cell file's own comes first.
 pub struct Workcells {
     own: Arc<Workcell>,
     ready: Mutex<Vec<(PageQuestion, Arc<Workcell>)>>,
 }
 
 impl Workcells {
-    /// Keeps the workcell of the question that the cell file asks.
+    /// Returns a cache that contains the workcell `own` of the cell file.
     pub fn new(own: Workcell) -> Self {
         let own = Arc::new(own.in_own_senses());
         Self { ready: Mutex::new(vec![(PageQuestion::of(&own.cell), own.clone())]), own }
     }
 
-    /// Returns the workcell of a question.
+    /// Returns the workcell for the evaluation settings `question`.
     ///
     /// # Errors
-    /// Why the question has no answer.
+    /// Fails with the reason if the cell cannot be evaluated with these settings.
     pub fn ask(&self, question: &PageQuestion) -> Result<Arc<Workcell>, String> {
         let mut ready = super::locked(&self.ready);
         if let Some((_, workcell)) = ready.iter().find(|(known, _)| known == question) {

@@ -1,4 +1,4 @@
-//! Routes of the local server: what each path answers.
+//! Routes of the local server: the response to each path.
 
 use super::LiveView;
 use super::access_control;
@@ -40,7 +40,7 @@ fn got(view: &LiveView, inside: &str) -> HttpResponse {
     said(document)
 }
 
-/// Returns the page; its scripts and styles carry a nonce that no other has.
+/// Returns the page. Its scripts and styles carry a nonce that is unique to this response.
 fn page() -> HttpResponse {
     match access_control::secret() {
         Ok(nonce) => {

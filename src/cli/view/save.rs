@@ -1,4 +1,4 @@
-//! Saving: the layout on the page as a cell file beside the one that is shown.
+//! Saving of the layout on the page as a cell file, in the folder of the file shown.
 
 use super::values::LayoutValues;
 use crate::cell::Cell;
@@ -27,7 +27,7 @@ pub enum Unsaved {
 /// Returns a file name with the extension `.toml`.
 ///
 /// # Errors
-/// Why the name is refused.
+/// Fails with the reason if the name is refused.
 pub fn file_name(asked: &str) -> Result<String, String> {
     let stem = asked.trim();
     let stem = stem.strip_suffix(".toml").unwrap_or(stem);
@@ -54,7 +54,7 @@ pub fn file_name(asked: &str) -> Result<String, String> {
     Ok(name)
 }
 
-/// File that is shown, and the files that were read for it.
+/// Cell file shown on the page, and all files that were read for it.
 pub struct Origin {
     pub file: PathBuf,
     pub packages: PackageFolders,
@@ -66,10 +66,10 @@ impl Origin {
         self.file.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
     }
 
-    /// Writes the layout of `values` under the question of `cell`; returns the path.
+    /// Writes the layout `values` with the evaluation settings of `cell`, and returns the path.
     ///
     /// # Errors
-    /// Why nothing was written.
+    /// Returns the reason if nothing was written.
     pub fn save(
         &self,
         asked: &str,
@@ -100,7 +100,7 @@ impl Origin {
         Ok(path)
     }
 
-    /// Validates the text before it is written, so that every saved file is a valid cell.
+    /// Validates a cell file before it is written, so that every saved file is valid.
     fn check(&self, path: &Path, name: &str, text: &str) -> Result<(), Unsaved> {
         let kept = FileSnapshot::with(name, text.as_bytes());
         match loading::read_cell_with(path, &self.packages, &[], &kept) {

@@ -1,9 +1,9 @@
-//! State that all open pages share: the undo history, the step shown, and the question asked.
+//! State that all open pages share: undo history, current step, and evaluation settings.
 
 use super::question::PageQuestion;
 use super::values::LayoutValues;
 
-/// Most steps kept; the start is always kept.
+/// Largest number of steps kept; the first step is always kept.
 const MAX_STEPS: usize = 1000;
 
 /// One state of the layout in the undo history.
@@ -13,9 +13,9 @@ pub struct Step {
     pub what: String,
 }
 
-/// Undo history and question of one `view`.
+/// Undo history and evaluation settings of one `view`.
 pub struct Session {
-    /// Count of changes, by which a page sees that another page made one.
+    /// Number of changes, from which a page sees that another page made one.
     pub revision: u64,
     pub question: PageQuestion,
     steps: Vec<Step>,
@@ -23,23 +23,23 @@ pub struct Session {
 }
 
 impl Session {
-    /// Starts a history at a layout.
+    /// Returns a session whose history starts at a layout.
     pub fn new(start: LayoutValues, question: PageQuestion) -> Self {
         let steps = vec![Step { values: start, what: "the layout as drawn".into() }];
         Self { revision: 1, question, steps, at: 0 }
     }
 
-    /// Returns the step that is shown.
+    /// Returns the current step.
     pub fn now(&self) -> &Step {
         &self.steps[self.at]
     }
 
-    /// Returns the step before the one that is shown.
+    /// Returns the step before the current one.
     pub fn before(&self) -> Option<&Step> {
         self.at.checked_sub(1).map(|k| &self.steps[k])
     }
 
-    /// Returns the numbers of the first step.
+    /// Returns the coordinates of the first step.
     pub fn start(&self) -> &LayoutValues {
         &self.steps[0].values
     }
@@ -49,7 +49,7 @@ impl Session {
         (self.at, self.steps.len() - 1 - self.at)
     }
 
-    /// Adds a step after the one that is shown and drops the undone ones; does nothing if nothing changes.
+    /// Adds a step after the current one and drops the undone steps. Does nothing if the layout is unchanged.
     pub fn step(&mut self, values: LayoutValues, what: String) {
         if self.now().values == values {
             return;
@@ -72,7 +72,7 @@ impl Session {
         }
     }
 
-    /// Changes the question.
+    /// Changes sense, model and reading.
     pub fn ask(&mut self, question: PageQuestion) {
         if self.question != question {
             self.question = question;

@@ -10,7 +10,7 @@ use serde_json::Value;
 
 /// Largest magnitude of a coordinate that is fixed in the file, m and rad.
 const MAX_FREE: (f64, f64) = (100.0, std::f64::consts::TAU);
-/// Digits of mm and degrees to which a number may equal the end of its range.
+/// Number of decimals (mm and degrees) to which a number is compared with the ends of its range.
 const DIGITS: i32 = 9;
 
 /// Every coordinate of a layout, in the order of [`Cell::layout`].
@@ -33,7 +33,7 @@ impl LayoutValues {
         Self { slots, si }
     }
 
-    /// Returns the coordinates of the layout as drawn, to the last bit.
+    /// Returns the exact coordinates of the layout as drawn, without rounding.
     pub fn start(cell: &Cell) -> Self {
         let mut values = Self { slots: Vec::new(), si: Vec::new() };
         cell.layout(|slot, coordinate| {
@@ -44,7 +44,7 @@ impl LayoutValues {
         values
     }
 
-    /// Returns the layout of these coordinates.
+    /// Returns the layout with these coordinates.
     pub fn layout(&self, cell: &Cell) -> Layout {
         cell.layout(|slot, coordinate| self.get(slot).unwrap_or_else(|| coordinate.start()))
     }
@@ -58,10 +58,10 @@ impl LayoutValues {
         self.slots.iter().position(|s| *s == slot).map(|k| self.si[k])
     }
 
-    /// Returns these coordinates with those changed that a request names.
+    /// Returns a copy of the coordinates with the changes of a request.
     ///
     /// # Errors
-    /// Why the request is refused, in words for the page.
+    /// Fails with a message for the page if the request is refused.
     pub fn changed(&self, cell: &Cell, asked: &Value) -> Result<Self, String> {
         let mut values = self.clone();
         let groups = asked.as_object().ok_or("the numbers must be an object")?;
@@ -107,7 +107,7 @@ impl LayoutValues {
         self.slots.iter().position(|s| *s == slot)
     }
 
-    /// Returns the change from another layout, in words.
+    /// Describes the change from the layout `before`.
     pub fn difference(&self, before: &Self, cell: &Cell) -> String {
         let pairs = self.slots.iter().zip(self.si.iter().zip(&before.si));
         let moved: Vec<String> = pairs
@@ -161,7 +161,7 @@ fn in_file(slot: Slot, si: f64) -> f64 {
     if slot.is_angle() { deg_from_rad(si) } else { mm_from_m(si) }
 }
 
-/// Converts a number of the page (mm or degrees) to SI, if the coordinate allows it.
+/// Converts a number of the page (mm or degrees) to SI. Fails if the coordinate does not allow it.
 fn allowed(coordinate: &Coordinate, slot: Slot, number: f64) -> Result<f64, String> {
     let si = if slot.is_angle() { rad_from_deg(number) } else { m_from_mm(number) };
     let same = |v: f64| rounded(in_file(slot, v), DIGITS) == rounded(number, DIGITS);

@@ -3,12 +3,12 @@
 use super::canvas::{Anchor, ChartCanvas, Ink, SMALL};
 use super::words;
 
-/// Axis: its span of values and its place in the picture.
+/// Axis: span of values and position in the picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxisScale {
     pub low: f64,
     pub high: f64,
-    /// px of `low` and of `high`.
+    /// Positions of `low` and `high`, px.
     pub px: (f64, f64),
     is_log: bool,
 }
@@ -28,7 +28,7 @@ impl AxisScale {
         Self { low, high, px, is_log: true }
     }
 
-    /// Returns the place of a value, px. Values beyond the ends lie on the ends.
+    /// Returns the position of a value, px. Values beyond an end are moved to that end.
     pub fn at(&self, value: f64) -> f64 {
         let value = if value.is_nan() { self.low } else { value.clamp(self.low, self.high) };
         let share = match self.is_log {
@@ -38,7 +38,7 @@ impl AxisScale {
         self.px.0 + share * (self.px.1 - self.px.0)
     }
 
-    /// Returns about so many round numbers with their texts.
+    /// Returns about `about` round numbers with their texts.
     pub fn ticks(&self, about: f64) -> Vec<(f64, String)> {
         if self.is_log {
             return self.decades();
@@ -47,7 +47,7 @@ impl AxisScale {
         round_numbers(self.low, self.high, step).map(|v| (v, words::number(v, step))).collect()
     }
 
-    /// Returns powers of ten; over less than three decades also 2 and 5 times each.
+    /// Returns the powers of ten on the axis; for less than three decades also 2 and 5 times each power.
     fn decades(&self) -> Vec<(f64, String)> {
         let few = (self.high / self.low).log10() < 3.0;
         let parts = if few { &[1.0, 2.0, 5.0][..] } else { &[1.0] };
@@ -58,7 +58,7 @@ impl AxisScale {
     }
 }
 
-/// Returns 1, 2 or 5 times a power of ten so that a span has about so many steps.
+/// Returns a round step, 1, 2 or 5 times a power of ten, that divides a span into about `about` steps.
 pub fn step(span: f64, about: f64) -> f64 {
     let apart = (span / about).max(f64::MIN_POSITIVE);
     let decade = 10f64.powf(apart.log10().floor());
@@ -73,7 +73,7 @@ pub fn round_numbers(low: f64, high: f64, step: f64) -> impl Iterator<Item = f64
     (0..count as usize).map(move |k| (first + k as f64) * step)
 }
 
-/// Draws gridlines, numbers and names of a plot: x to the right, y up.
+/// Draws both axes of a plot with gridlines, numbers and names: x to the right, y up.
 pub fn draw(canvas: &mut ChartCanvas, x: &AxisScale, y: &AxisScale, names: (&str, &str)) {
     across(canvas, x, y, names.0);
     upwards(canvas, x, y, names.1);
@@ -82,7 +82,7 @@ pub fn draw(canvas: &mut ChartCanvas, x: &AxisScale, y: &AxisScale, names: (&str
     canvas.y = canvas.y.max(bottom + if names.0.is_empty() { 22.0 } else { 40.0 });
 }
 
-/// Draws the axis to the right.
+/// Draws the horizontal axis.
 pub fn across(canvas: &mut ChartCanvas, x: &AxisScale, y: &AxisScale, name: &str) {
     let ((left, right), (bottom, top)) = (x.px, y.px);
     let mut free = f64::MIN;
@@ -99,7 +99,7 @@ pub fn across(canvas: &mut ChartCanvas, x: &AxisScale, y: &AxisScale, name: &str
     canvas.text((right, bottom + 36.0), Anchor::End, Ink::Text, &name);
 }
 
-/// Draws the axis up.
+/// Draws the vertical axis.
 pub fn upwards(canvas: &mut ChartCanvas, x: &AxisScale, y: &AxisScale, name: &str) {
     let ((left, right), (bottom, top)) = (x.px, y.px);
     for (value, said) in y.ticks(((bottom - top) / 52.0).max(2.0)) {

@@ -7,14 +7,14 @@ use std::fmt::Write;
 
 /// Margin at the left and the right, px.
 pub const EDGE: f64 = 16.0;
-/// Sizes of text, px.
+/// Size of heading text, px.
 pub const HEAD: f64 = 16.0;
 pub const BODY: f64 = 13.0;
 /// Width of bold letters relative to regular ones.
 const BOLD: f64 = 1.14;
 pub const SMALL: f64 = 12.0;
 
-/// Colour of a chart: one on white paper, one on black, and the class that a style sheet repaints.
+/// Colour of a chart: a value on white, a value on black, and a class that a style sheet can repaint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ink {
     Paper,
@@ -75,7 +75,7 @@ impl Ink {
         format!("class=\"fill-{class}\" fill=\"{light}\"")
     }
 
-    /// Returns the attributes of a text with a halo of paper.
+    /// Returns the attributes of a text with a halo in the colour of the paper.
     fn haloed(self) -> String {
         let ((class, light, _), (paper, white, _)) = (self.told(), Ink::Paper.told());
         format!(
@@ -84,7 +84,7 @@ impl Ink {
         )
     }
 
-    /// Returns the attributes of a line of a width in px.
+    /// Returns the attributes of a line with a width in px.
     pub fn line(self, width: f64) -> String {
         let (class, light, _) = self.told();
         format!("class=\"line-{class}\" fill=\"none\" stroke=\"{light}\" stroke-width=\"{width}\"")
@@ -139,7 +139,7 @@ impl ChartCanvas {
         Self::wide(heading, under, WIDTH)
     }
 
-    /// Begins a chart of a width in px.
+    /// Begins a chart with a given width, px.
     pub fn wide(heading: &str, under: &[String], width: f64) -> Self {
         let mut canvas = Self { name: heading.to_string(), body: String::new(), width, y: EDGE };
         let room = width - 2.0 * EDGE;
@@ -169,7 +169,7 @@ impl ChartCanvas {
         }
     }
 
-    /// Writes a text from its baseline.
+    /// Writes a text at a position on its baseline.
     pub fn text(&mut self, (x, y): (f64, f64), anchor: Anchor, ink: Ink, said: &str) {
         let (fill, anchor) = (ink.fill(), anchor.word());
         self.put(&format!(
@@ -178,7 +178,7 @@ impl ChartCanvas {
         ));
     }
 
-    /// Writes a text over a picture, with a halo of paper.
+    /// Writes a text over a picture, with a halo in the colour of the paper.
     pub fn label(&mut self, (x, y): (f64, f64), anchor: Anchor, ink: Ink, said: &str) {
         let (paint, anchor, said) = (ink.haloed(), anchor.word(), escaped(said));
         self.put(&format!(
@@ -186,7 +186,7 @@ impl ChartCanvas {
         ));
     }
 
-    /// Writes a bold text that stands over a panel.
+    /// Writes a bold heading over a panel.
     pub fn heading(&mut self, (x, y): (f64, f64), said: &str) {
         let fill = Ink::Text.fill();
         self.put(&format!(

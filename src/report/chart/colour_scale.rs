@@ -8,16 +8,16 @@ use crate::report::colours::viridis_hex;
 /// Number of colour bands from one iso-line to the next.
 const BANDS: f64 = 4.0;
 
-/// Span of the colours, in the unit of the chart.
+/// Span of values that the colours cover, in the unit of the chart.
 pub struct ColourScale {
     low: f64,
     high: f64,
-    /// Distance of the iso-lines.
+    /// Difference between the values of neighbouring iso-lines.
     pub step: f64,
 }
 
 impl ColourScale {
-    /// Values that differ by rounding alone are one value.
+    /// Returns the scale of a span. Values that differ only by rounding count as equal.
     pub fn new(low: f64, high: f64) -> Self {
         let high = if high - low > 1e-9 * high.abs() { high } else { low };
         Self { low, high, step: step(high - low, 8.0) }
@@ -50,7 +50,7 @@ impl ColourScale {
         below.map_or_else(|| viridis_hex(0.5), |(_, colour)| colour.clone())
     }
 
-    /// Draws the colours with their values. Returns the lower end.
+    /// Draws the colour bar with its values. Returns its lower end, px.
     pub fn draw_bar(&self, canvas: &mut ChartCanvas, word: &str, (left, top): (f64, f64), tall: f64) -> f64 {
         let Self { low, high, .. } = *self;
         if high <= low {

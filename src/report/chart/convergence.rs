@@ -11,12 +11,12 @@ use crate::search::SearchRecord;
 use crate::units::percent_from_share;
 
 const HEIGHT: f64 = 300.0;
-/// Factor of the span from which the axis is logarithmic.
+/// Ratio of greatest to least value above which the axis is logarithmic.
 const LOGARITHMIC_SPAN: f64 = 30.0;
 
-/// Course of a search; objectives in m, rad or shares.
+/// Convergence history of a search; objectives in m, rad or shares.
 pub struct Course<'a> {
-    /// Evaluations and objective at each improvement.
+    /// Number of evaluations and objective at each improvement.
     pub trace: &'a [(u64, f64)],
     pub evaluations: u64,
     /// Objective of the layout as drawn, if it is feasible.
@@ -67,7 +67,7 @@ pub fn convergence(course: &Course<'_>) -> String {
     canvas.finish()
 }
 
-/// Returns the corners of the line, which is level until the next improvement.
+/// Returns the corners of the step line, which is horizontal until the next improvement.
 fn steps(course: &Course<'_>) -> Vec<(f64, f64)> {
     let mut corners: Vec<(f64, f64)> = Vec::new();
     for &(evaluations, value) in course.trace {
@@ -80,7 +80,7 @@ fn steps(course: &Course<'_>) -> Vec<(f64, f64)> {
     corners
 }
 
-/// Draws the range between the best objective and the bound, which is not ruled out.
+/// Draws the gap: the range between the bound and the best objective, in which a better layout may lie.
 fn gap(canvas: &mut ChartCanvas, course: &Course<'_>, x: &AxisScale, y: &AxisScale) {
     let (Some(best), Some(bound)) = (course.best(), course.bound) else { return };
     let (best, bound) = (y.at(course.unit.from_si(best)), y.at(course.unit.from_si(bound)));

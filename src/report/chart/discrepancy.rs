@@ -12,7 +12,7 @@ use crate::report::svg_text::{PathEnd, path_data};
 const PANEL: f64 = 260.0;
 /// Span of the axis, percent. Smaller values lie on the lower edge.
 const AXIS_PERCENT: (f64, f64) = (1e-3, 1e2);
-/// Greatest number of nodes in a panel.
+/// Largest number of nodes in a panel.
 const MAX_NODES: usize = 2000;
 
 /// Curve of a panel: name, ink, value in percent.

@@ -12,14 +12,14 @@ use crate::units::{deg_from_rad, mm_from_m, rounded};
 
 /// Height of the panels, px.
 const PANEL_HEIGHT: f64 = 460.0;
-/// Room left of a panel, for the numbers of its axis, px.
+/// Space on the left of a panel for the numbers of its axis, px.
 const PANEL_LEFT: f64 = 66.0;
 const MIN_WIDTH: f64 = 760.0;
 
 /// Dashes of the base axis and of the cutting plane.
 const DASH_DOT: &str = "stroke-dasharray=\"12 4 2 4\"";
 
-/// Cut through the envelope, mm.
+/// Panel with a section of the envelope, mm.
 struct Panel {
     name: String,
     axes: (&'static str, &'static str),
@@ -50,7 +50,7 @@ impl Panel {
     }
 }
 
-/// Returns the section and the first plan of a working envelope.
+/// Draws the section and the first plan of a working envelope.
 pub fn envelope(e: &Reachable<'_>) -> String {
     let empty = EnvelopeSection::default();
     let (height, plan) = e.plans.first().map_or((0.0, &empty), |(z, plan)| (*z, plan));
@@ -103,7 +103,7 @@ fn draw_panel(canvas: &mut ChartCanvas, panel: &Panel, view: &PlaneView) {
     canvas.path(&d, &Ink::Blue.line(1.6));
 }
 
-/// Returns the line in which the section cuts the plan, from edge to edge through the base axis.
+/// Returns the trace of the section plane in the plan: a line through the base axis from edge to edge.
 fn cut(view: &PlaneView, azimuth: f64) -> String {
     let (sin, cos) = azimuth.sin_cos();
     let room = |d: f64, low: f64, high: f64| match d {

@@ -18,13 +18,13 @@ use crate::geometry::{PlanePoint, bounding_box};
 use crate::report::colours::viridis_hex;
 use crate::report::svg_text::{PathEnd, escaped, path_data};
 
-/// Nodes that are drawn at most: a picture is no table.
+/// Largest number of nodes of a map that are drawn.
 const MAX_NODES: usize = 4000;
 /// Longer side of the drawing area, px.
 const SIDE: f64 = 820.0;
-/// Least width of the picture, px: heading and legend need it however narrow the cell is.
+/// Least width of the picture, px, which heading and legend need.
 const MIN_WIDTH: f64 = 740.0;
-/// Floor shown round everything, m.
+/// Width of the floor shown round all objects, m.
 const SURROUNDINGS: f64 = 0.25;
 /// Length of the longest arrow, px.
 const LONGEST_ARROW: f64 = 34.0;
@@ -103,8 +103,8 @@ impl<'a> ErrorMapPicture<'a> {
         path_data(points.iter().map(|p| self.view.at(p)), end, 1)
     }
 
-    /// Draws how far the arm reaches at the height of each operation, cut off at the frame of the drawing.
-    /// Returns the operations of each line.
+    /// Draws the reach of the arm at the height of each operation, clipped at the frame of the drawing.
+    /// Returns the names of the operations of each line.
     fn draw_envelopes(&mut self) -> Vec<String> {
         let (a, view) = (self.a, self.view);
         self.canvas.put(&format!(
@@ -153,7 +153,7 @@ impl<'a> ErrorMapPicture<'a> {
         }
     }
 
-    /// Draws a name round a point, moved so that it is inside the picture and, if there is room, over no other.
+    /// Draws a name centred on a point. Moves it into the picture and, if there is room, off other names.
     fn draw_name(&mut self, name: &str, (x, y): (f64, f64)) {
         let said = words::shortened(name, SMALL, self.width - 16.0);
         let half = words::width(&said, SMALL) / 2.0;
@@ -163,7 +163,8 @@ impl<'a> ErrorMapPicture<'a> {
         self.canvas.label((x, free.unwrap_or(y)), Anchor::Middle, Ink::Text, &said);
     }
 
-    /// Returns by how much arrows are longer than the errors: the longest spans [`LONGEST_ARROW`].
+    /// Returns the enlargement of the arrows over the errors: the longest arrow spans about
+    /// [`LONGEST_ARROW`].
     fn enlargement(&self) -> f64 {
         let errors = self.a.maps.iter().flat_map(OperationMap::usable).map(|(_, _, p)| p.error.xy().norm());
         let longest = errors.fold(0.0, f64::max);
@@ -227,15 +228,14 @@ fn middle(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
     ((a.0 + b.0) / 2.0, (a.1 + b.1) / 2.0)
 }
 
-/// Returns the middle of the edge that is farthest from the robot: the name of a surface full of nodes
-/// stands there.
+/// Returns the middle of the edge farthest from the robot, where the name of a surface is placed.
 fn far_edge(corners: &[(f64, f64); 4], base: &Placement) -> Option<(f64, f64)> {
     let edges = (0..4).map(|k| middle(corners[k], corners[(k + 1) % 4]));
     let away = |p: &(f64, f64)| (p.0 - base.x).hypot(p.1 - base.y);
     edges.max_by(|p, q| away(p).total_cmp(&away(q)))
 }
 
-/// Returns the least and the greatest value over all maps, in the unit of the cell: one scale for all.
+/// Returns the least and the greatest value over all maps, in the unit of the cell.
 fn error_range(a: &Assessment<'_>) -> (f64, f64) {
     let errors =
         || a.maps.iter().flat_map(OperationMap::usable).map(|(_, _, p)| a.cell.unit().from_si(p.value));
@@ -247,13 +247,13 @@ fn is_kept(node: &NodeRecord, every: usize) -> bool {
     node.i.is_multiple_of(every) && node.j.is_multiple_of(every)
 }
 
-/// Returns how many nodes of a map there are for one that is drawn, along each axis.
+/// Returns the thinning `n` of a map: every n-th node along each axis is drawn.
 fn thinning(map: &OperationMap) -> usize {
     let kept = |every: usize| map.nodes.iter().filter(|n| is_kept(n, every)).count();
     (1..).find(|every| kept(*every) <= MAX_NODES).unwrap_or(1)
 }
 
-/// Returns the path of an arrow from a point: shaft and head.
+/// Returns the path of an arrow: shaft and head.
 fn arrow((x, y): (f64, f64), (dx, dy): (f64, f64)) -> String {
     let head = |turn: f64| {
         let (sin, cos) = turn.sin_cos();

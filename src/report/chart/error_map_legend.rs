@@ -1,4 +1,4 @@
-//! Legend of the error map: colour scale, the signs that occur, scale bar.
+//! Legend of the error map: colour scale, signs in the picture, scale bar.
 
 use super::canvas::{Anchor, BODY, Ink, LegendEntry};
 use super::error_map_picture::{ErrorMapPicture, MARGIN, MapScales};
@@ -9,14 +9,14 @@ use crate::report::colours::viridis_hex;
 
 use crate::units::{m_from_mm, mm_from_m, rounded};
 
-/// Lines of the reach of operations at different heights, in turn.
+/// Line styles for the reach at different heights, used in turn.
 const REACH: [(Ink, &str); 4] =
     [(Ink::Blue, "7 3"), (Ink::Green, "2 3"), (Ink::Purple, "12 3 2 3"), (Ink::Orange, "14 5")];
 
 /// Longest scale bar, px.
 const MAX_BAR: f64 = 160.0;
 
-/// Returns the look of the k-th line of the reach of the arm.
+/// Returns the attributes of the k-th line of the reach.
 pub(super) fn reach_line(k: usize) -> String {
     let (ink, dash) = REACH[k % REACH.len()];
     format!("{} stroke-dasharray=\"{dash}\"", ink.line(1.4))
@@ -37,7 +37,7 @@ pub(super) fn draw_legend(plan: &mut ErrorMapPicture<'_>, scales: &MapScales) {
     plan.canvas.legend(&all);
 }
 
-/// Returns an entry for everything that is in the picture.
+/// Returns the legend entries of all signs and lines in the picture.
 fn entries(plan: &ErrorMapPicture<'_>, scales: &MapScales) -> Vec<LegendEntry> {
     let a = plan.a;
     let spot = |mark: String, said: &str| LegendEntry { mark, said: said.to_string() };
@@ -79,7 +79,7 @@ fn draw_colours(plan: &mut ErrorMapPicture<'_>, scales: &MapScales) {
     canvas.y = y + 4.0;
 }
 
-/// Draws a round length and the directions of the world axes.
+/// Draws a scale bar of a round length and the directions of the world axes.
 fn draw_scale_bar(plan: &mut ErrorMapPicture<'_>) {
     let (view, canvas) = (plan.view, &mut plan.canvas);
     let length = m_from_mm(round_down(mm_from_m(MAX_BAR / view.scale), ONE_TWO_FIVE));

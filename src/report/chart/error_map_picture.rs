@@ -15,18 +15,18 @@ pub(super) struct ErrorMapPicture<'a> {
     /// View of the world plan, m.
     pub view: PlaneView,
     pub width: f64,
-    /// Places of the labels so far.
+    /// Boxes of the labels placed so far.
     pub taken: Taken,
 }
 
-/// Scales of the map, and what thins it.
+/// Scales of the map, and its thinning.
 pub(super) struct MapScales {
     /// Ends of the colour scale in the unit of the cell.
     pub range: (f64, f64),
-    /// Length of an arrow over that of its error.
+    /// Ratio of the length of an arrow to its error.
     pub enlarged: f64,
-    /// Operations of each line of the reach.
+    /// Names of the operations of each line of the reach.
     pub reach: Vec<String>,
-    /// Nodes mapped for one that is drawn, along each axis.
+    /// Thinning: every n-th node along each axis is drawn.
     pub every: usize,
 }

@@ -19,10 +19,10 @@ use nalgebra::Vector3;
 const PLOT: (f64, f64, f64) = (62.0, WIDTH - EDGE - 112.0, 470.0);
 /// Least span of the plot before its margin, mm.
 const MIN_SPAN: f64 = 100.0;
-/// Fields with more nodes have no titles on their nodes.
+/// Largest number of nodes with tooltips. A map with more nodes has none.
 const MAX_TITLES: usize = 400;
 
-/// Draws a field in one take (index into [`Field::takes`]) and sense (index into [`Field::senses`]). The
+/// Draws an error map in one take (index into [`Field::takes`]) and sense (index into [`Field::senses`]). The
 /// colours span `range` (m or rad), which several maps may share. The axes are those of the surface.
 pub fn heat_map(drawing: &Drawing<'_>, field: usize, take: usize, sense: usize, range: (f64, f64)) -> String {
     let field = &drawing.fields[field];
@@ -54,7 +54,7 @@ pub fn heat_map(drawing: &Drawing<'_>, field: usize, take: usize, sense: usize, 
     canvas.finish()
 }
 
-/// Field in the surface frame (mm) and in the unit of the sense.
+/// Error map with positions in the surface frame (mm) and values in the unit of the sense.
 struct HeatMap<'a> {
     drawing: &'a Drawing<'a>,
     field: &'a Field,
@@ -145,7 +145,7 @@ impl<'a> HeatMap<'a> {
         canvas.path(&outline, &Ink::Axis.line(1.2));
     }
 
-    /// Draws the bands from the lowest up, each over those below it, so that no seam shows.
+    /// Draws the bands from the lowest up, each one over the lower ones, so that no seam is visible.
     fn draw_bands(&self, canvas: &mut ChartCanvas, surface: &IsoSurface) {
         let Some((least, most)) = surface.range() else { return };
         let bands = self.scale.bands();
@@ -239,7 +239,7 @@ impl<'a> HeatMap<'a> {
         canvas.label((x + dx, y + 4.3), anchor, Ink::Spot, &said);
     }
 
-    /// Returns the spot under this lens if it is not the chosen one.
+    /// Returns the spot under this lens, if it differs from the chosen spot.
     fn other_spot(&self) -> Option<usize> {
         self.take.best.filter(|k| Some(*k) != self.field.best)
     }

@@ -10,10 +10,10 @@ use crate::cell::Cell;
 use crate::units::percent_from_share;
 
 const HEIGHT: f64 = 250.0;
-/// Limit of the axis in multiples of the greatest sample. Figures beyond it are named at the edge.
+/// Limit of the axis in multiples of the greatest sample. Figures beyond the axis are named at its edge.
 const AXIS_LIMIT: f64 = 1.7;
 
-/// Figure in the histogram: name, value in the unit of the chart, ink.
+/// Marked figure of the histogram: name, value in the unit of the chart, ink.
 struct HistogramMark {
     name: &'static str,
     value: f64,
@@ -70,7 +70,7 @@ fn marks(d: &ErrorDistribution) -> Vec<HistogramMark> {
     marks
 }
 
-/// Place of the name of a mark: its left end and its row above the plot.
+/// Position of the name of a mark: left end, and row above the plot.
 struct Name {
     said: String,
     x: f64,
@@ -89,8 +89,8 @@ fn names(marks: &[&HistogramMark], x: &AxisScale, word: &str) -> Vec<Name> {
     placed.into_iter().zip(rows).map(|((said, _, x, _), row)| Name { said, x, row }).collect()
 }
 
-/// Returns the rows of names beside their lines, counted upwards. A name is given by its line, its left and
-/// its right end, px. No name crosses a line or another name.
+/// Returns the rows of names beside their lines, counted upwards. A mark is the position of its line and the
+/// left and right end of its name, px. No name crosses a line or another name.
 pub fn rows(marks: &[(f64, f64, f64)]) -> Vec<usize> {
     let mut rows = vec![0; marks.len()];
     let crosses =

@@ -1,8 +1,9 @@
 //! Iso-lines of a field on a grid with holes, and the areas above them.
 //!
-//! A grid cell with four values is four triangles round its middle, which has their mean (the bilinear
-//! value). A cell with three values is one triangle, a cell with fewer is a hole. The field is linear in a
-//! triangle. A level therefore crosses it in one straight line, and the middle decides a saddle.
+//! A grid cell with four values consists of four triangles round its centre, whose value is their mean (the
+//! bilinear value). A cell with three values is one triangle; a cell with fewer is a hole. The field is
+//! linear in a triangle. A level therefore crosses a triangle in one straight line, and the centre value
+//! resolves a saddle.
 
 use crate::geometry::{PlanePoint, join_edges};
 
@@ -13,7 +14,7 @@ pub struct IsoSurface {
     cells: Vec<GridCell>,
 }
 
-/// Grid cell: its row, its corners in turn, and its middle if it has four.
+/// Grid cell: its row, its corners in cyclic order, and its centre if it has four corners.
 struct GridCell {
     row: usize,
     corners: Vec<usize>,
@@ -21,7 +22,8 @@ struct GridCell {
 }
 
 impl IsoSurface {
-    /// `size`: nodes along the first and second axis, row by row along the first.
+    /// Makes the surface. `size` is the number of nodes along both axes; nodes are listed row by row along
+    /// the first axis.
     pub fn new(size: (usize, usize), points: &[PlanePoint], values: &[Option<f64>]) -> Self {
         let (m, n) = size;
         let mut surface = Self {
@@ -58,18 +60,19 @@ impl IsoSurface {
         self.cells.push(GridCell { row, corners, middle });
     }
 
-    /// Whether a node is a corner of an area.
+    /// Returns whether a node is a corner of a triangle.
     pub fn covers(&self, node: usize) -> bool {
         self.cells.iter().any(|cell| cell.corners.contains(&node))
     }
 
-    /// Returns the least and the greatest value; nothing without an area.
+    /// Returns the least and the greatest value; None without a triangle.
     pub fn range(&self) -> Option<(f64, f64)> {
         let values = self.cells.iter().flat_map(|c| &c.corners).map(|&k| (self.values[k], self.values[k]));
         values.reduce(|(lo, hi), (a, b)| (lo.min(a), hi.max(b)))
     }
 
-    /// Returns the area where the field is at least a level: polygons that turn one way and do not overlap.
+    /// Returns the area where the field is at least a level, as polygons of equal orientation that do not
+    /// overlap.
     pub fn above(&self, level: f64) -> Vec<Vec<PlanePoint>> {
         let mut polygons: Vec<Vec<PlanePoint>> = Vec::new();
         // Whole cells of one row are drawn as one polygon.
@@ -106,7 +109,7 @@ impl IsoSurface {
         part
     }
 
-    /// Returns the point of an edge that has the value of a level.
+    /// Returns the point on an edge at which the field has the value of a level.
     fn crossing(&self, a: usize, b: usize, level: f64) -> PlanePoint {
         let t = (level - self.values[a]) / (self.values[b] - self.values[a]);
         let ((ax, ay), (bx, by)) = (self.points[a], self.points[b]);

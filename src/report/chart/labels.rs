@@ -1,11 +1,11 @@
-//! Places of labels that do not cover each other.
+//! Positions of labels that do not cover each other.
 
-/// Boxes that are taken: left, top, right, bottom, px.
+/// Occupied boxes: left, top, right, bottom, px.
 #[derive(Default)]
 pub struct Taken(Vec<[f64; 4]>);
 
 impl Taken {
-    /// Takes a box if it is free, and returns whether it is.
+    /// Occupies a box if it is free. Returns whether it was free.
     pub fn take(&mut self, [left, top, right, bottom]: [f64; 4]) -> bool {
         let free = self.0.iter().all(|[l, t, r, b]| right <= *l || left >= *r || bottom <= *t || top >= *b);
         if free {
@@ -14,7 +14,7 @@ impl Taken {
         free
     }
 
-    /// Takes a box whether it is free or not.
+    /// Occupies a box, free or not.
     pub fn keep(&mut self, place: [f64; 4]) {
         self.0.push(place);
     }

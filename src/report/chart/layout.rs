@@ -18,7 +18,8 @@ use nalgebra::Vector3;
 /// Left end, right end and greatest height of the plot, px.
 const PLOT: (f64, f64, f64) = (66.0, WIDTH - EDGE, 560.0);
 
-/// Draws the layout from above in world axes: the envelope at the height of the TCP, the robot at its spot.
+/// Draws the layout from above in world axes, with the envelope at the height of the TCP and the robot at its
+/// spot.
 pub fn layout_plan(a: &Assessment<'_>, drawing: &Drawing<'_>, operation: usize) -> String {
     let rings = a.reachable(operation);
     let envelope = rings.iter().map(|r| r.iter().map(|p| (mm_from_m(p.0), mm_from_m(p.1))).collect());
@@ -41,8 +42,8 @@ pub fn layout_plan(a: &Assessment<'_>, drawing: &Drawing<'_>, operation: usize) 
     view.draw()
 }
 
-/// Draws the layout from the side. The vertical plane through base axis and spot cuts the envelope;
-/// everything else is projected on it.
+/// Draws the layout from the side. The vertical plane through base axis and spot cuts the envelope; all other
+/// objects are projected onto this plane.
 pub fn layout_section(a: &Assessment<'_>, drawing: &Drawing<'_>, operation: usize) -> String {
     let inverse = a.workcell.inverse();
     let of = &a.cell.operations[operation];
@@ -86,7 +87,7 @@ fn height_of(a: &Assessment<'_>, operation: usize) -> f64 {
     a.layout.placements[operation.equipment].z + operation.standoff
 }
 
-/// Layout seen from one side; the plane of the picture is in mm.
+/// Layout as seen in a view; coordinates in the plane of the picture are in mm.
 struct LayoutView<'a> {
     drawing: &'a Drawing<'a>,
     operation: usize,
@@ -97,11 +98,11 @@ struct LayoutView<'a> {
     heading: String,
     said: String,
     names: (&'static str, &'static str),
-    /// Lines across: name and height, m.
+    /// Horizontal lines: name and height, m.
     levels: Vec<(&'static str, f64)>,
 }
 
-/// Part as the view shows it.
+/// Part of the cell in a view.
 struct VisiblePart<'a> {
     part: &'a DrawnPart,
     silhouette: Silhouette,
@@ -133,7 +134,7 @@ impl LayoutView<'_> {
         canvas.finish()
     }
 
-    /// Returns a point of the world in the plane of the picture, mm.
+    /// Projects a point of the world onto the plane of the picture, mm.
     fn seen(&self, p: &Vector3<f64>) -> PlanePoint {
         let from = p - self.origin;
         (mm_from_m(from.dot(&self.eye[0])), mm_from_m(from.dot(&self.eye[1])))
@@ -156,7 +157,7 @@ impl LayoutView<'_> {
         rings.map(|ring| ring.iter().map(|p| view.at(p)).collect())
     }
 
-    /// Returns everything to be seen with the tool at the spot, the lowest first.
+    /// Returns all visible parts with the tool at the spot, the lowest first.
     fn parts(&self) -> Vec<VisiblePart<'_>> {
         let movement = &self.drawing.movement;
         let frames = movement.at(self.operation).unwrap_or(movement.home());
@@ -202,7 +203,7 @@ impl LayoutView<'_> {
         }
     }
 
-    /// Draws the name of each equipment where it covers no other.
+    /// Draws the name of each equipment where it covers no other name.
     fn draw_names(
         &self,
         canvas: &mut ChartCanvas,

@@ -1,5 +1,5 @@
-//! Effect of misplaced equipment on an operation: how its value changes with every coordinate, and how far
-//! each may move.
+//! Effect of misplaced equipment on an operation: the change of its value with every coordinate, and the
+//! allowed misplacement.
 
 use super::axes;
 
@@ -43,7 +43,7 @@ pub fn misplacement(cell: &Cell, operation: usize, r: &Robustness) -> String {
     canvas.finish()
 }
 
-/// "worktable yaw / deg" and the change for one of it, SI.
+/// Returns a label such as "worktable yaw / deg", and the change for 1 mm or 1 degree, SI.
 fn row(cell: &Cell, slot: Slot, slope: Option<f64>) -> (String, Option<f64>) {
     let (whose, axis) = match slot {
         Slot::Equipment(k, axis) => (cell.equipment[k].name.as_str(), axis),

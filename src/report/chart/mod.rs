@@ -1,8 +1,8 @@
 //! Charts of a report: each is a pure function from records to one `<svg>`, for a file or inline in a page.
 //!
 //! A chart has neither a style element nor a style attribute, which a Content-Security-Policy would forbid.
-//! Colours are presentation attributes. A class beside each (`fill-blue`, `line-grid`) lets the style sheet
-//! of a page repaint it, as [`dark_rules`] does.
+//! Colours are presentation attributes. Each one comes with a class (`fill-blue`, `line-grid`), through which
+//! the style sheet of a page can repaint it, as [`dark_rules`] does.
 
 #[doc(hidden)] // open for tests/it
 pub mod axes;
@@ -47,5 +47,5 @@ pub use misplacement::misplacement;
 pub use pareto::pareto;
 pub use tornado::tornado;
 
-/// Width of a chart, px; a page scales it to its own width.
+/// Width of a chart, px; a page scales the chart to its own width.
 pub const WIDTH: f64 = 720.0;

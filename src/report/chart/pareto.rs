@@ -1,4 +1,4 @@
-//! Pareto front of layouts by two of their goals.
+//! Pareto front of layouts in the plane of two goals.
 
 use super::axes;
 
@@ -13,8 +13,8 @@ use crate::units::rounded;
 
 const HEIGHT: f64 = 330.0;
 
-/// Draws the front by its error (up) and the first other goal (across); without the error, by the first two
-/// goals. Returns nothing if the front is empty.
+/// Draws the front with the error upwards and the first other goal to the right. Without the error, it uses
+/// the first two goals. Returns None if the front is empty.
 pub fn pareto(cell: &Cell, record: &SearchRecord) -> Option<String> {
     let asked: Vec<Goal> = cell.search.pareto.iter().collect();
     let up = *asked.iter().find(|g| **g == Goal::Error).or(asked.first())?;

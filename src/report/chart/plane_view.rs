@@ -1,21 +1,21 @@
-//! Window of a plane in a picture, at one scale along both axes.
+//! Part of a plane that a picture shows, with one scale for both axes.
 
 use super::axes::AxisScale;
 use crate::geometry::PlanePoint;
 
-/// Rectangle of a plane (y up) and where it lies in a picture (px, y down).
+/// Rectangle of a plane (y up), and its position in a picture (px, y down).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlaneView {
     pub low: PlanePoint,
     pub high: PlanePoint,
-    /// px per unit of the plane.
+    /// Scale, px per unit of the plane.
     pub scale: f64,
     pub left: f64,
     pub top: f64,
 }
 
 impl PlaneView {
-    /// Makes the rectangle as large as the room (px) allows.
+    /// Returns a view that shows the rectangle as large as the given space (px) allows.
     pub fn fitted(
         (low, high): (PlanePoint, PlanePoint),
         (width, height): (f64, f64),
@@ -25,7 +25,7 @@ impl PlaneView {
         Self { low, high, scale, left, top }
     }
 
-    /// Returns the place of a point in the picture.
+    /// Returns the position of a point in the picture, px.
     pub fn at(&self, p: &PlanePoint) -> (f64, f64) {
         (self.left + (p.0 - self.low.0) * self.scale, self.top + (self.high.1 - p.1) * self.scale)
     }
@@ -46,7 +46,7 @@ impl PlaneView {
         self.top + self.height()
     }
 
-    /// Returns the axes to the right and up.
+    /// Returns the horizontal and the vertical axis.
     pub fn scales(&self) -> (AxisScale, AxisScale) {
         (
             AxisScale::linear(self.low.0, self.high.0, (self.left, self.right())),
@@ -60,7 +60,7 @@ pub fn widened((low, high): (PlanePoint, PlanePoint), margin: f64) -> (PlanePoin
     ((low.0 - margin, low.1 - margin), (high.0 + margin, high.1 + margin))
 }
 
-/// Returns the longer side of bounds.
+/// Returns the length of the longer side of bounds.
 pub fn longer_side((low, high): (PlanePoint, PlanePoint)) -> f64 {
     (high.0 - low.0).max(high.1 - low.1)
 }

@@ -15,12 +15,13 @@ pub const KINDS: [PartKind; 7] = [
     PartKind::Tool,
 ];
 
-/// Returns the place of a kind in [`KINDS`].
+/// Returns the index of a kind in [`KINDS`].
 pub fn rank(kind: PartKind) -> usize {
     KINDS.iter().position(|k| *k == kind).unwrap_or(KINDS.len())
 }
 
-/// Fill and line of a kind of part. A line is twice as wide as it looks where a fill covers its inner half.
+/// Returns the fill and line attributes of a kind of part. Where the fill covers the inner half of a line,
+/// the line is twice as wide as it looks.
 fn look(kind: PartKind) -> (String, String) {
     let none = "fill=\"none\"".to_string();
     match kind {
@@ -34,7 +35,7 @@ fn look(kind: PartKind) -> (String, String) {
     }
 }
 
-/// Returns the outline of closed rings (px) and over it their fill, by the nonzero rule.
+/// Returns the outline of closed rings (px), covered by their fill under the nonzero rule.
 pub fn drawn(rings: impl Iterator<Item = Vec<(f64, f64)>>, kind: PartKind) -> String {
     let d: String = rings.map(|ring| path_data(ring.into_iter(), PathEnd::Closed, 1)).collect();
     if d.is_empty() {

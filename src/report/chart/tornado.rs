@@ -11,12 +11,12 @@ use crate::reading::Share;
 use crate::record::parameter_names as names;
 use crate::units::{percent_from_share, rounded};
 
-/// Number of bars drawn one by one; the other parameters share a bar.
+/// Number of parameters with a bar of their own; the others share one bar.
 const BARS: usize = 16;
 const ROW: f64 = 24.0;
 
-/// Draws the share of each parameter in the worst case or in the variance, the largest first. Each bar names
-/// the gain of half the tolerance.
+/// Draws the share of each parameter in the worst case or in the variance, the largest first. Each bar is
+/// labelled with the gain of halving the tolerance.
 pub fn tornado(a: &Account<'_>) -> String {
     let cell = a.stance.cell;
     let of = share_of(a);
@@ -75,7 +75,7 @@ fn under(a: &Account<'_>, count: usize) -> Vec<String> {
     )]
 }
 
-/// Draws the name with its tolerance, the share, and the gain of halving.
+/// Returns the texts of a bar and its share: name with tolerance, share, and gain of halving.
 fn row(a: &Account<'_>, share: &Share, part: f64) -> (String, f64, String) {
     let cell = a.stance.cell;
     let unit = names::unit(cell, share.parameter);
@@ -113,7 +113,7 @@ fn bar(
     canvas.text((WIDTH - EDGE, base), Anchor::End, Ink::Faint, gain);
 }
 
-/// Returns the gain of all halvings together.
+/// Returns one line on halving several tolerances together.
 fn gains(a: &Account<'_>) -> Vec<String> {
     let Some(all) = a.tighter.iter().find(|t| t.parameters.len() > 1) else { return Vec::new() };
     let (unit, cell) = (a.unit(), a.stance.cell);

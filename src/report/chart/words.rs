@@ -1,7 +1,7 @@
-//! Widths of texts, shortening and line breaks.
+//! Width, shortening and line breaks of texts.
 
-/// Returns an upper estimate of the width of a text, px, as the font is not known. Wide characters (Chinese,
-/// Japanese, Korean, pictures) count double.
+/// Returns an upper estimate of the width of a text, px, because the font is not known. Wide characters
+/// (Chinese, Japanese, Korean, emoji) count double.
 pub fn width(text: &str, size: f64) -> f64 {
     text.chars().map(|c| ems(c) * size).sum()
 }
@@ -23,7 +23,7 @@ fn is_wide(c: char) -> bool {
         | 0xff00..=0xff60 | 0xffe0..=0xffe6 | 0x1f300..=0x1faff | 0x20000..=0x3fffd)
 }
 
-/// Returns a text cut with an ellipsis to what fits.
+/// Returns a text that is cut with an ellipsis if it does not fit.
 pub fn shortened(text: &str, size: f64, room: f64) -> String {
     if width(text, size) <= room {
         return text.to_string();
@@ -40,8 +40,8 @@ pub fn shortened(text: &str, size: f64, room: f64) -> String {
     kept.trim_end().to_string() + "\u{2026}"
 }
 
-/// Returns a text broken into lines at spaces, or inside a word that is longer than a line. The last of
-/// `most` lines is cut.
+/// Returns a text broken into at most `most` lines at spaces, or inside a word longer than a line. The last
+/// line is shortened if the text does not fit.
 pub fn wrapped(text: &str, size: f64, room: f64, most: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     let mut rest = text.trim();
@@ -72,7 +72,7 @@ fn line_end(text: &str, size: f64, room: f64) -> usize {
     text.len()
 }
 
-/// Returns a number with so many decimals that steps of this size differ. Very large and very small numbers
+/// Returns a number with enough decimals to tell multiples of `step` apart. Very large and very small numbers
 /// have a power of ten.
 pub fn number(value: f64, step: f64) -> String {
     if value == 0.0 || value.abs() < step * 1e-6 {
@@ -85,7 +85,7 @@ pub fn number(value: f64, step: f64) -> String {
     format!("{:.*}", digits as usize, crate::units::rounded(value, digits as i32))
 }
 
-/// Returns a number with four leading digits.
+/// Returns a number with four significant digits.
 pub fn figure(value: f64) -> String {
     let size = value.abs();
     if size == 0.0 || !size.is_finite() {

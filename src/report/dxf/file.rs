@@ -1,8 +1,7 @@
 //! DXF file of release 2000 (AC1015): group codes, tables, blocks, objects.
 //!
-//! The writer follows the DXF reference of Autodesk. Every table, record, block and entity has a handle of
-//! its own and names its owner, which the dxf crate does not support. Lengths come in m and are written in
-//! mm.
+//! The writer follows the DXF reference of Autodesk. Every table, record, block and entity has a unique
+//! handle and names its owner. The dxf crate does not support this. Lengths are given in m and written in mm.
 
 mod tables;
 
@@ -11,7 +10,7 @@ use crate::units::{mm_from_m, rounded};
 use nalgebra::Vector3;
 use std::fmt::{Display, Write};
 
-/// Lines of group code and value.
+/// Lines of group codes and values.
 #[derive(Default)]
 struct Codes(String);
 
@@ -39,13 +38,13 @@ impl Codes {
     }
 }
 
-/// Layer: its name and its colour of the AutoCAD index.
+/// Layer: name and AutoCAD colour index.
 pub type Layer = (&'static str, u16);
 
 /// Space of entities: model space, paper space or the block of a dimension.
 struct DxfSpace {
     name: String,
-    /// Returns the handles of its record, of the beginning and of the end of its block.
+    /// Handle of the block record; `begin` and `end` are the handles of the BLOCK and ENDBLK entities.
     record: u64,
     begin: u64,
     end: u64,
@@ -53,7 +52,7 @@ struct DxfSpace {
 }
 
 impl DxfSpace {
-    /// Writes the beginning or the end of its block.
+    /// Writes the beginning or the end of the block of this space.
     fn edge(&self, out: &mut Codes, kind: &str, handle: u64, subclass: &str) {
         out.put(0, kind);
         out.handle(5, handle);
@@ -64,10 +63,10 @@ impl DxfSpace {
     }
 }
 
-/// Handles of the dictionaries; the tables have smaller ones.
+/// Handle of the root dictionary; the tables have smaller handles.
 const ROOT: u64 = 0xA;
 const GROUPS: u64 = 0xB;
-/// First handle of everything else.
+/// First handle of all other objects.
 const FIRST: u64 = 0x10;
 
 /// Name of the dimension style.
@@ -77,7 +76,7 @@ const STYLE: &str = "MM";
 pub struct DxfFile {
     next: u64,
     spaces: Vec<DxfSpace>,
-    /// Space of the next entities.
+    /// Index of the space that gets the next entities.
     space: usize,
     /// Height of texts, m.
     pub height: f64,
@@ -104,7 +103,7 @@ impl DxfFile {
         self.spaces.push(DxfSpace { name, record, begin, end, content: Codes::default() });
     }
 
-    /// Begins an entity.
+    /// Begins an entity on a layer in the current space.
     fn entity(&mut self, kind: &str, layer: &str) -> &mut Codes {
         let handle = self.handle();
         let DxfSpace { record, content, .. } = &mut self.spaces[self.space];
@@ -150,7 +149,7 @@ impl DxfFile {
         corners.iter().for_each(|p| self.seen(p));
     }
 
-    /// Writes a closed level outline at a height, world plan, m.
+    /// Writes a closed horizontal outline at height `z`; world frame, m.
     pub fn outline(&mut self, layer: &str, points: &[(f64, f64)], z: f64) {
         let out = self.entity("LWPOLYLINE", layer);
         out.put(100, "AcDbPolyline");
@@ -182,7 +181,7 @@ impl DxfFile {
         self.entity("SEQEND", layer);
     }
 
-    /// Writes a text from `at`, or centred on it, turned by `angle`, rad.
+    /// Writes a text that starts at `at` or is centred on it, rotated by `angle` (rad).
     pub fn text(&mut self, layer: &str, at: &Vector3<f64>, text: &str, (angle, centred): (f64, bool)) {
         let (height, text) = (self.height, safe(text));
         let out = self.entity("TEXT", layer);
@@ -199,8 +198,8 @@ impl DxfFile {
         self.seen(at);
     }
 
-    /// Writes the distance from `a` to `b` along x or (`upright`) y, with its line through `through`. It is
-    /// an associative dimension for AutoCAD, with a block that other programs draw.
+    /// Writes the dimension from `a` to `b` along x, or along y if `upright`. The dimension line passes
+    /// through `through`. AutoCAD reads an associative dimension; other programs draw its block.
     pub fn dimension(
         &mut self,
         layer: &str,
@@ -273,7 +272,7 @@ impl DxfFile {
         (head.0 + &body.0).into_bytes()
     }
 
-    /// Without a date and an identity the same drawing is the same file.
+    /// Writes the header. It has no date and no GUID, so equal drawings give equal files.
     fn header(&self, out: &mut Codes) {
         let name = |out: &mut Codes, name: &str| out.put(9, name);
         name(out, "$ACADVER");

@@ -1,4 +1,4 @@
-//! CAD drawing: DXF of release 2000 in mm, z up, every kind of thing on a layer of its own.
+//! CAD drawing: DXF of release 2000 in mm, z up, with one layer for each kind of object.
 
 mod file;
 #[doc(hidden)] // open for tests/it
@@ -20,8 +20,8 @@ const SPOT: &str = "SPOT";
 const DIMENSIONS: &str = "DIMENSIONS";
 const TEXT: &str = "TEXT";
 
-/// Colours with a contrast of 3 and more both on white and on AutoCAD's black; 7 is black on white and
-/// white on black.
+/// Layers with their colours. Every colour has a contrast of at least 3 on white and on AutoCAD's black;
+/// colour 7 is black on white and white on black.
 const LAYERS: [Layer; 15] = [
     (ROBOT, 32),
     (ENVELOPE, 134),
@@ -40,14 +40,15 @@ const LAYERS: [Layer; 15] = [
     (TEXT, 7),
 ];
 
-/// Cosine of the angle between faces that make one plane: the edge between them is not drawn.
+/// Cosine of the angle between two faces above which they count as one plane; the edge between them is not
+/// drawn.
 const PLANE: f64 = 1.0 - 1e-9;
-/// Height of a text as a share of the cell's longer side, and what it is at least, m.
+/// Height of a text as a share of the cell's longer side, and the least height, m.
 const HEIGHT: (f64, f64) = (1.0 / 90.0, 0.015);
 /// Length of the axes at the frame of an equipment, m.
 const AXIS: f64 = 0.1;
 
-/// Returns the drawing with the robot at the spot of an operation, or at home. The errors are those of the
+/// Returns the drawing with the robot at the spot of an operation, or at home. It shows the errors under the
 /// model and the reading of the cell. Empty layers are left out.
 pub fn dxf(drawing: &Drawing<'_>, operation: Option<usize>) -> Vec<u8> {
     let (low, high) = drawing.extent();
@@ -92,7 +93,7 @@ fn layer_of(kind: PartKind) -> &'static str {
     }
 }
 
-/// Writes the triangles of a part. Edges inside a plane are invisible.
+/// Writes the triangles of a part. Edges between coplanar faces are invisible.
 fn solid(file: &mut DxfFile, layer: &str, mesh: &Mesh, pose: &Pose) {
     let placed: Vec<Vector3<f64>> = mesh.positions.iter().map(|p| pose.transform(p)).collect();
     let normal = |t: &[u32; 3]| {
@@ -174,8 +175,8 @@ fn spot(file: &mut DxfFile, drawing: &Drawing<'_>, field: &Field) {
     file.text(SPOT, &beside, &said, (0.0, false));
 }
 
-/// Writes dimensions from the robot base to the frame of every equipment along x and y, below and left of
-/// everything.
+/// Writes the dimensions from the robot base to the frame of every equipment along x and y, below and left of
+/// all objects.
 fn dimensions(file: &mut DxfFile, drawing: &Drawing<'_>, low: &Vector3<f64>) {
     let base = Vector3::new(drawing.base.translation.x, drawing.base.translation.y, drawing.floor);
     let all = drawing.cell.equipment.iter().zip(&drawing.layout.placements);
@@ -196,7 +197,7 @@ fn dimensions(file: &mut DxfFile, drawing: &Drawing<'_>, low: &Vector3<f64>) {
     }
 }
 
-/// Writes the title above everything.
+/// Writes the title above all objects.
 fn titles(file: &mut DxfFile, drawing: &Drawing<'_>, high: &Vector3<f64>, operation: Option<usize>) {
     let cell = drawing.cell;
     let stands = operation.map_or("at home".into(), |k| format!("at {}", cell.operations[k].name));

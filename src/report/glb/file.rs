@@ -27,7 +27,7 @@ pub struct GlbSurface<'s> {
     pub indices: Vec<u32>,
 }
 
-/// Returns numbers in single precision, as the format has them.
+/// Returns vectors as numbers in single precision, which the format uses.
 fn single<'v>(vectors: impl IntoIterator<Item = &'v Vector3<f64>>) -> Vec<f32> {
     vectors.into_iter().flat_map(|v| [v.x as f32, v.y as f32, v.z as f32]).collect()
 }
@@ -54,7 +54,7 @@ impl GlbFile {
         Index::push(&mut self.root.buffer_views, view)
     }
 
-    /// Adds numbers with so many components, with their bounds if asked.
+    /// Adds an accessor of numbers with the components of `kind`, and with their bounds if `bounds` is set.
     fn floats(&mut self, kind: Type, values: &[f32], of: Option<Target>, bounds: bool) -> Index<Accessor> {
         let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
         let width = kind.multiplicity();
@@ -136,7 +136,7 @@ impl GlbFile {
         Some(Index::push(&mut self.root.meshes, mesh))
     }
 
-    /// Adds a material: linear red, green, blue and opacity; roughness.
+    /// Adds a material with a colour (linear red, green, blue and opacity) and a roughness.
     pub fn material(&mut self, name: &str, colour: [f64; 4], roughness: f32) -> Index<Material> {
         let material = Material {
             name: Some(name.to_string()),
@@ -157,19 +157,19 @@ impl GlbFile {
         Index::push(&mut self.root.nodes, node)
     }
 
-    /// Adds a node that only holds others, if there are any.
+    /// Adds a node that groups others; None if there are none.
     pub fn group(&mut self, name: &str, children: Vec<Index<Node>>) -> Option<Index<Node>> {
         let node = Node { name: Some(name.to_string()), children: Some(children), ..Node::default() };
         (!node.children.as_ref()?.is_empty()).then(|| self.node(node))
     }
 
-    /// Adds the moments of an animation, s.
+    /// Adds the times of an animation, s.
     pub fn times(&mut self, times: &[f64]) -> Index<Accessor> {
         let times: Vec<f32> = times.iter().map(|t| *t as f32).collect();
         self.floats(Type::Scalar, &times, None, true)
     }
 
-    /// Adds the motion of a node. A rotation has four numbers per moment, anything else three.
+    /// Adds the motion of a node. A rotation has four numbers per time, anything else three.
     pub fn channel(
         &mut self,
         to: &mut Animation,
@@ -203,7 +203,7 @@ impl GlbFile {
         }
     }
 
-    /// Returns the file: header, JSON and buffer, each a whole number of words.
+    /// Returns the file: header, JSON and buffer, each padded to whole 4-byte words.
     ///
     /// # Errors
     /// Fails if the JSON writer does, or if the file exceeds 4 GB.

@@ -1,4 +1,4 @@
-//! 3-D scene of the cell with its motion: binary glTF 2.0 in m. The z axis of the world points up; the first
+//! 3-D scene of the cell with its motion: binary glTF 2.0 in m. The z axis of the world points up. The root
 //! node turns it to the y axis of the format.
 
 mod file;
@@ -71,7 +71,7 @@ impl GlbBuilder {
         self.solid(&part.name, &part.mesh, (part.kind.name(), look(part.kind)))
     }
 
-    /// Adds closed lines (world) as a node of their own.
+    /// Adds closed lines (world frame, m) as a node of their own.
     fn rings(&mut self, name: &str, rings: &[Vec<Vector3<f64>>], what: (&str, Look)) -> Option<Index<Node>> {
         let mut indices = Vec::new();
         let mut first = 0;
@@ -89,7 +89,7 @@ impl GlbBuilder {
 }
 
 /// Returns the scene with the robot at the spot of an operation, or at home. An animation goes from home to
-/// every spot and back. Arrows are the resultant errors of the model and the reading of the cell.
+/// every spot and back. Arrows show the resultant errors under the model and the reading of the cell.
 ///
 /// # Errors
 /// Fails if the writer does.
@@ -133,7 +133,7 @@ fn placed(name: &str, pose: &Pose, children: Vec<Index<Node>>) -> Node {
     }
 }
 
-/// Adds the robot: a node for each link, moving in the world, with its solids; the TCP last.
+/// Adds the robot: one moving node for each link with its solids, then a node for the TCP.
 fn robot(scene: &mut GlbBuilder, drawing: &Drawing<'_>, operation: Option<usize>) -> Option<Index<Node>> {
     let movement = &drawing.movement;
     let input = scene.file.times(&movement.times);
@@ -162,7 +162,7 @@ fn robot(scene: &mut GlbBuilder, drawing: &Drawing<'_>, operation: Option<usize>
     scene.file.group(&drawing.cell.robot.name, links)
 }
 
-/// Adds the channels of a link. Neighbouring rotations get neighbouring quaternions.
+/// Adds the channels of a link. The sign of each quaternion is chosen to be near the previous one.
 fn moving(scene: &mut GlbBuilder, link: Index<Node>, poses: &[Pose], input: Index<gltf_json::Accessor>) {
     let GlbBuilder { file, animation, .. } = scene;
     let places: Vec<f32> = poses.iter().flat_map(translation).collect();
@@ -181,7 +181,7 @@ fn moving(scene: &mut GlbBuilder, link: Index<Node>, poses: &[Pose], input: Inde
     file.channel(animation, (link, Property::Rotation), input, &turns);
 }
 
-/// Adds a held part, visible only while it is held.
+/// Adds a held part that is visible only while the robot holds it.
 fn held(
     scene: &mut GlbBuilder,
     drawing: &Drawing<'_>,
@@ -203,7 +203,7 @@ fn held(
     Some(node)
 }
 
-/// Adds equipment and obstacles at their frames, fence and keep-out spaces.
+/// Adds fence, keep-out spaces, and equipment and obstacles at their frames.
 fn stands(scene: &mut GlbBuilder, drawing: &Drawing<'_>) -> Vec<Index<Node>> {
     let mut all = Vec::new();
     for (k, equipment) in drawing.cell.equipment.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Drawings as the 3-D viewer reads them: everything there is to see of one or several layouts.
+//! Drawings of one or several layouts as the 3-D viewer reads them.
 
 use super::viewer_records::{
     DrawingRecord, DrawingUnits, DrawingsRecord, EnvelopeRecord, EquipmentRecord, FieldRecord, LensRecord,
@@ -21,13 +21,12 @@ use nalgebra::Vector3;
 use serde_json::Value;
 use std::collections::HashMap;
 
-/// Pictures of the movement that follow each other more closely than this (s) are left out: the viewer
-/// interpolates.
+/// Least time between two frames of the movement, s. The viewer interpolates between them.
 const TICK: f64 = 0.099;
-/// Accuracy of the outlines of the envelope, m.
+/// Tolerance of the simplified outlines of the envelope, m.
 const STRAIGHT: f64 = 1e-3;
 
-/// Returns the document of the viewer: the drawings in the order given, each mesh once.
+/// Returns the document of the viewer: the drawings in the given order, with each mesh once.
 pub fn drawings(drawings: &[Drawing<'_>]) -> Value {
     let mut meshes = MeshList::default();
     let drawings = drawings.iter().map(|d| drawing(d, &mut meshes)).collect();
@@ -41,7 +40,7 @@ pub fn drawings(drawings: &[Drawing<'_>]) -> Value {
     serde_json::to_value(&document).unwrap_or_default()
 }
 
-/// Meshes, each once.
+/// List of meshes without duplicates.
 #[derive(Default)]
 struct MeshList {
     places: HashMap<MeshRecord, usize>,
@@ -49,7 +48,7 @@ struct MeshList {
 }
 
 impl MeshList {
-    /// Returns the place of a mesh, which is added if it is new.
+    /// Returns the index of a mesh, which is added if it is new.
     fn index(&mut self, mesh: &Mesh) -> usize {
         let record = MeshRecord {
             positions: floats(mesh.positions.iter().flat_map(millimetres)),
@@ -90,7 +89,7 @@ fn drawing<'a>(d: &'a Drawing<'_>, meshes: &mut MeshList) -> DrawingRecord<'a> {
     }
 }
 
-/// Where an equipment stands, told by its solids; None if it has none.
+/// Returns the pose of an equipment, taken from its solids; None if it has no solid.
 fn pose_of(d: &Drawing<'_>, equipment: usize) -> Option<Pose> {
     let own = d.parts.iter().filter(|p| p.equipment == Some(equipment));
     own.map(|p| d.pose_of(p, d.movement.home())).next()
@@ -191,7 +190,7 @@ fn envelope(rings: &Rings) -> EnvelopeRecord {
     }
 }
 
-/// Returns a closed line without the points that are within [`STRAIGHT`] of the line through those kept.
+/// Returns a closed line without the points within [`STRAIGHT`] of the line through the kept points.
 fn thinned(ring: &[Vector3<f64>]) -> Vec<&Vector3<f64>> {
     // The last point is joined to the first.
     let closed: Vec<Vector3<f64>> = ring.iter().chain(ring.first()).copied().collect();
@@ -221,7 +220,8 @@ fn movement<'a>(m: &Movement, cell: &'a Cell) -> MovementRecord<'a> {
     }
 }
 
-/// The moments that are shown: every stop, the last, and between them no closer than [`TICK`].
+/// Returns the indices of the frames that are sent: every stop, the last frame, and frames at least [`TICK`]
+/// apart.
 fn kept(m: &Movement) -> Vec<usize> {
     let mut kept: Vec<usize> = Vec::new();
     for (k, t) in m.times.iter().enumerate() {

@@ -1,5 +1,5 @@
-//! State of the live page of `view`: the form of a cell once, and the value of a layout as compactly as
-//! possible.
+//! State of the live page of `view`: the constant form of a cell, and a compact document for the value of a
+//! layout.
 
 use super::live_records::{
     AnswerNodes, AnswerOperation, AnswerRecord, FormEquipment, FormGroup, FormNumber, FormRecord, LensChoice,
@@ -15,12 +15,12 @@ use nalgebra::Vector3;
 use serde::Serialize;
 use serde_json::Value;
 
-/// Largest number of nodes of a map that are sent; of more, every second, third ... is.
+/// Largest number of nodes of a map that are sent. A larger map is thinned to every second, third, ... node.
 const MAX_NODES: usize = 4000;
-/// Decimals of mm that can be seen.
+/// Number of decimals of mm that are visible.
 const VISIBLE_DECIMALS: i32 = 4;
 
-/// Returns a record as a value: plain numbers and texts always make one.
+/// Converts a record to a JSON value, which cannot fail for plain numbers and texts.
 fn value(record: &impl Serialize) -> Value {
     serde_json::to_value(record).unwrap_or_default()
 }
@@ -29,7 +29,7 @@ fn in_file(slot: Slot, si: f64) -> f64 {
     length(if slot.is_angle() { deg_from_rad(si) } else { mm_from_m(si) })
 }
 
-/// Returns everything of a cell that no layout changes.
+/// Returns the part of a cell that does not depend on the layout.
 pub fn form(cell: &Cell) -> Value {
     let defined = cell.senses.iter().map(|s| s.name.as_str());
     let equipment = cell.equipment.iter().map(|e| FormEquipment {
@@ -58,8 +58,8 @@ pub fn form(cell: &Cell) -> Value {
     })
 }
 
-/// Returns the numbers that the page can change, owner by owner; those of an equipment also where they are
-/// fixed.
+/// Returns the coordinates that the page can change, by owner. Equipment also has the coordinates that the
+/// file fixes.
 fn groups(cell: &Cell) -> Vec<FormGroup<'_>> {
     let four = |slot: &dyn Fn(usize) -> Slot, c: &[Coordinate; 4]| {
         c.iter().enumerate().map(|(axis, c)| form_number(slot(axis), c)).collect::<Vec<_>>()
@@ -96,7 +96,7 @@ fn form_number(slot: Slot, c: &Coordinate) -> FormNumber {
     }
 }
 
-/// Returns the numbers of a layout under the names of [`form`].
+/// Returns the coordinates of a layout under the names of [`form`].
 pub fn numbers(cell: &Cell, layout: &Layout) -> Value {
     let mut all = NumbersRecord::default();
     // To make a layout visits every number of the cell.
@@ -128,7 +128,7 @@ pub fn answer(a: &Assessment<'_>) -> Value {
     })
 }
 
-/// Returns the models and readings in which a cell has an answer.
+/// Returns the models and readings in which a cell can be evaluated.
 pub fn lens_list(cell: &Cell) -> Value {
     let choice = |l: &Lens| LensChoice { model: l.model, reading: l.reading, word: l.reading_word() };
     value(&lenses(cell).iter().map(choice).collect::<Vec<_>>())
@@ -176,12 +176,12 @@ fn nodes(cell: &Cell, map: &OperationMap) -> AnswerNodes {
     AnswerNodes { reasons: reasons.into_keys().collect(), ..all }
 }
 
-/// x, y, z, yaw.
+/// Returns x, y, z (mm) and yaw (degrees).
 fn placed(at: &Placement) -> [f64; 4] {
     [mm(at.x), mm(at.y), mm(at.z), rounded(deg_from_rad(at.yaw), VISIBLE_DECIMALS)]
 }
 
-/// Centre and size.
+/// Returns centre and size of a rectangle, mm.
 fn rectangle(r: &Rectangle) -> [f64; 4] {
     [mm(r.centre.0), mm(r.centre.1), mm(r.size.0), mm(r.size.1)]
 }

@@ -5,7 +5,7 @@ use crate::error_map::NodeSign;
 use crate::record::{ByName, StatusCounts};
 use serde::Serialize;
 
-/// Everything of a cell that no layout changes.
+/// Part of a cell that does not depend on the layout.
 #[derive(Serialize)]
 pub struct FormRecord<'a> {
     pub schema: &'static str,
@@ -25,29 +25,29 @@ pub struct FormRecord<'a> {
     pub fence: Option<Vec<[f64; 2]>>,
 }
 
-/// Equipment in the plan; a rectangle is its centre and its size.
+/// Equipment in the plan. A rectangle is given by centre and size, mm.
 #[derive(Serialize)]
 pub struct FormEquipment<'a> {
     pub name: &'a str,
     pub obstacle: bool,
-    /// Index of the equipment that carries it.
+    /// Index of the equipment that carries this one.
     pub on: Option<usize>,
     pub footprint: [f64; 4],
     pub surface: Option<[f64; 4]>,
 }
 
-/// Numbers of one owner that the page can change.
+/// Coordinates of one owner that the page can change.
 #[derive(Serialize)]
 pub struct FormGroup<'a> {
     pub group: &'static str,
     pub name: &'a str,
-    /// Index of an equipment.
+    /// Index of the equipment, if the owner is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub index: Option<usize>,
     pub numbers: Vec<FormNumber>,
 }
 
-/// One number and what the search may make of it.
+/// One coordinate and the range in which the search may change it.
 #[derive(Serialize)]
 pub struct FormNumber {
     pub key: &'static str,
@@ -57,7 +57,7 @@ pub struct FormNumber {
     pub list: Option<Vec<f64>>,
 }
 
-/// Numbers of a layout by owner and key.
+/// Coordinates of a layout by owner and key, mm and degrees.
 #[derive(Default, Serialize)]
 pub struct NumbersRecord {
     pub robot_base: ByName<f64>,
@@ -69,11 +69,11 @@ pub struct NumbersRecord {
 #[derive(Serialize)]
 pub struct AnswerRecord<'a> {
     pub feasible: bool,
-    /// Whether every limit is kept.
+    /// Whether every limit is met.
     pub met: bool,
     pub objective: Option<f64>,
     pub unit: Unit,
-    /// Figure that is minimized.
+    /// Name of the figure that the search minimizes.
     pub word: &'static str,
     pub reasons: Vec<String>,
     pub placements: Vec<[f64; 4]>,
@@ -106,11 +106,11 @@ pub struct AnswerNodes {
     /// Index of the reason in `reasons`.
     pub why: Vec<usize>,
     pub reasons: Vec<String>,
-    /// Every second, third ... node of the grid is sent.
+    /// Thinning of the grid: every n-th node along each axis is sent.
     pub every: usize,
 }
 
-/// Model and reading in which a cell has an answer.
+/// Model and reading in which a cell can be evaluated.
 #[derive(Serialize)]
 pub struct LensChoice {
     pub model: Model,

@@ -1,4 +1,4 @@
-//! Documents that programs of ours read: the drawings of the 3-D viewer, the state of the live page.
+//! Documents that only our own pages read: the drawings of the 3-D viewer and the state of the live page.
 //!
 //! Every other document is a record, see [`crate::record`].
 

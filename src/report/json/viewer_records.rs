@@ -1,17 +1,17 @@
 //! Records that the 3-D viewer reads. `records.d.ts` of the viewer declares them for its scripts.
 //!
-//! Long lists of numbers are base64 of little-endian f32 or u32, NaN where there is no value. Positions are in
-//! the world frame, mm; angles in degrees.
+//! Long lists of numbers are base64 of little-endian f32 or u32. NaN means that there is no value. Positions
+//! are in the world frame, mm; angles in degrees.
 
 use crate::cell::{Model, Unit};
 use crate::error_map::NodeSign;
 use crate::record::{JointEntry, SenseEntry};
 use serde::Serialize;
 
-/// A pose: the three columns of its rotation, then its origin.
+/// Pose as the three columns of the rotation matrix, then the origin.
 pub type PoseNumbers = [f64; 12];
 
-/// Several layouts to be shown, each mesh once.
+/// Layouts for the viewer, with each mesh once.
 #[derive(Serialize)]
 pub struct DrawingsRecord<'a> {
     pub schema: &'static str,
@@ -20,7 +20,7 @@ pub struct DrawingsRecord<'a> {
     pub drawings: Vec<DrawingRecord<'a>>,
 }
 
-/// Units of the numbers.
+/// Units of the numbers in the document.
 #[derive(Serialize)]
 pub struct DrawingUnits {
     pub length: Unit,
@@ -35,7 +35,7 @@ pub struct MeshRecord {
     pub indices: String,
 }
 
-/// One layout to be shown.
+/// One layout for the viewer.
 #[derive(Serialize)]
 pub struct DrawingRecord<'a> {
     pub name: &'a str,
@@ -60,9 +60,9 @@ pub struct DrawingRecord<'a> {
 pub struct EquipmentRecord<'a> {
     pub name: &'a str,
     pub obstacle: bool,
-    /// Index of the equipment that carries it.
+    /// Index of the equipment that carries this one.
     pub on: Option<usize>,
-    /// Pose of the part; null if it has no solid.
+    /// Pose of the equipment; null if it has no solid.
     pub at: Option<PoseNumbers>,
     pub surface: Option<RectangleRecord>,
     pub footprint: RectangleRecord,
@@ -82,11 +82,11 @@ pub struct OperationRecord<'a> {
     pub equipment: usize,
     pub sense: &'a str,
     pub standoff_mm: f64,
-    /// Largest error with which it succeeds, in the unit of its sense.
+    /// Largest allowed error, in the unit of the sense.
     pub limit: Option<f64>,
 }
 
-/// Solid that is carried by a link of the robot, or stands in the world.
+/// Solid that is fixed to a link of the robot or to the world.
 #[derive(Serialize)]
 pub struct PartRecord<'a> {
     pub name: &'a str,
@@ -96,11 +96,11 @@ pub struct PartRecord<'a> {
     pub at: Option<PoseNumbers>,
     pub equipment: Option<usize>,
     pub operation: Option<usize>,
-    /// Index of its mesh.
+    /// Index of the mesh.
     pub mesh: usize,
 }
 
-/// Model and reading under which errors are shown.
+/// Lens: model and reading under which errors are shown.
 #[derive(Serialize)]
 pub struct LensRecord {
     pub model: Model,
@@ -117,7 +117,7 @@ pub struct FieldRecord<'a> {
     /// Index of the sense of the operation.
     pub sense: usize,
     pub size: [usize; 2],
-    /// Every second, third ... node of the grid is shown.
+    /// Thinning of the grid: every n-th node along each axis is shown.
     pub every: usize,
     pub nodes: Vec<[usize; 2]>,
     pub positions: String,
@@ -130,12 +130,12 @@ pub struct FieldRecord<'a> {
     pub takes: Vec<TakeRecord>,
 }
 
-/// Errors of a field under one lens.
+/// Errors of a field under one lens (model and reading).
 #[derive(Serialize)]
 pub struct TakeRecord {
     pub lens: usize,
     pub error: String,
-    /// One list per sense.
+    /// Values of all nodes, one list per sense.
     pub values: Vec<String>,
     pub best: Option<usize>,
 }

@@ -1,4 +1,4 @@
-//! Scripts, styles and templates of the pages. All of them are ours: no library, no request.
+//! Scripts, styles and templates of the pages. They use no library and make no request.
 
 use crate::drawing::{GlyphRing, NodeGlyph, node_glyph};
 use crate::error_map::NodeSign;
@@ -60,31 +60,31 @@ pub const LIVE_CSS: &str = include_str!("live/page.css");
 /// The sections of a page: paragraphs, figures, tables.
 pub const SECTIONS_HTML: &str = include_str!("sections.html");
 
-/// Template, style and script of the report. Its style contains that of the viewer; its script follows the viewer.
+/// Template of the report. The style of the report includes the viewer's style, and its script follows the
+/// viewer's.
 pub const REPORT_HTML: &str = include_str!("report.html");
 pub const REPORT_CSS: &str = concat!(include_str!("viewer/viewer.css"), include_str!("report.css"));
 pub const REPORT_JS: &str = include_str!("report.js");
 
-/// Template, style and script of layouts side by side, in the style of the report.
+/// Template of the page that compares layouts, in the style of the report.
 pub const COMPARE_HTML: &str = include_str!("compare.html");
 pub const COMPARE_CSS: &str = include_str!("compare.css");
 pub const COMPARE_JS: &str = include_str!("compare.js");
 
-/// Returns the script of the 3-D viewer. It defines `sweetspotViewer(host, document, options)` and no other
-/// global name. The table of node signs stands before it.
+/// Returns the script of the 3-D viewer. The script defines `sweetspotViewer(host, document, options)` and no
+/// other global name. It begins with the table of node signs.
 pub fn viewer_js() -> String {
     let table = node_signs();
     format!("\"use strict\";\n(() => {{\nconst NODE_SIGN_TABLE = {table};\n{VIEWER_PARTS}}})();\n")
 }
 
-/// Returns the script of the live page. It comes after that of the viewer.
+/// Returns the script of the live page. It must follow the script of the viewer.
 #[cfg(feature = "view")]
 pub fn live_js() -> String {
     format!("\"use strict\";\n(() => {{\n{LIVE_PARTS}}})();\n")
 }
 
-/// Returns the signs of nodes as the scripts know them (`NodeSignRecord` in records.d.ts), by their names in
-/// documents.
+/// Returns the signs of nodes (`NodeSignRecord` in records.d.ts) by their names in documents.
 pub fn node_signs() -> Value {
     let glyph = |glyph: NodeGlyph| {
         let is_dashed = glyph.ring == GlyphRing::Dashed;

@@ -24,10 +24,13 @@ pub fn section(subject: &Subject<'_>) -> Section {
     rows.extend(caveats(cell).into_iter().map(|note| said("Note", note)));
     rows.extend(subject.warnings.iter().map(|warning| said("Warning", plain(warning))));
     if !subject.manifest.is_complete {
-        rows.push(said("Warning", "the search was stopped early: these are its results so far".into()));
+        rows.push(said(
+            "Warning",
+            "the search was stopped early; the report shows its results so far".into(),
+        ));
     }
     let mut section = Section::new("assumptions", "Assumptions and warnings", Vec::new());
-    section.tables.push(PageTable::new("", &["what", "said"], rows));
+    section.tables.push(PageTable::new("", &["subject", "statement"], rows));
     section
 }
 
@@ -50,7 +53,7 @@ fn registration(cell: &Cell) -> &'static str {
 fn errors(cell: &Cell) -> String {
     let name = shown(cell.error_set().name());
     let placeholder = match name.contains("placeholder") {
-        true => ": a PLACEHOLDER of a plausible size; put measured or agreed tolerances in its place",
+        true => ": a PLACEHOLDER of plausible size; replace it by measured or agreed tolerances",
         false => "",
     };
     match cell.error_set() {
@@ -64,7 +67,7 @@ fn distributions(tolerance: &Tolerance) -> String {
         |d: &Distribution| tolerance.spreads.iter().any(|s| s.plus_minus > 0.0 && s.distribution == *d);
     let names: Vec<_> = Distribution::ALL.into_iter().filter(is_used).map(Distribution::name).collect();
     match &tolerance.covariance {
-        Some(_) => "some of them by a covariance".to_string(),
+        Some(_) => "some of them given by a covariance".to_string(),
         None => names.join(" and "),
     }
 }
@@ -78,7 +81,9 @@ fn trust(subject: &Subject<'_>) -> String {
     let distrusted: Vec<String> = distrusted.collect();
     let guard = rounded(percent_from_share(a.cell.guard), 3);
     match distrusted.is_empty() {
-        true => format!("it is within {guard} % of the nonlinear one at every node and can be trusted"),
+        true => format!(
+            "its error is within {guard} % of the nonlinear model at every node, so it can be trusted"
+        ),
         false => distrusted.join("; "),
     }
 }
@@ -106,7 +111,7 @@ fn placement(cell: &Cell) -> &'static str {
         (true, false) => {
             "evaluated as drawn; the section on misplacement shows the effect of the placement tolerances"
         }
-        (false, _) => "everything stands exactly where it is drawn",
+        (false, _) => "all equipment and the robot base are assumed to stand exactly where they are drawn",
     }
 }
 
@@ -132,8 +137,8 @@ pub fn manifest(subject: &Subject<'_>) -> Section {
         rows.push(said("Search", search));
     }
     let hashes = |files: &[(String, String)]| files.iter().map(|(p, h)| vec![plain(p), plain(h)]).collect();
-    let mut section = Section::new("manifest", "Where the numbers come from", Vec::new());
-    section.tables.push(PageTable::new("", &["what", "said"], rows));
+    let mut section = Section::new("manifest", "Origin of the numbers", Vec::new());
+    section.tables.push(PageTable::new("", &["subject", "statement"], rows));
     section.tables.push(PageTable::new("Files read", &["file", "SHA-256"], hashes(inputs)));
     if !outputs.is_empty() {
         let checked = "Each file of the folder has been read and agrees with its hash.";

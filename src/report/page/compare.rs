@@ -18,7 +18,7 @@ use serde::Serialize;
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Told {
     pub gap_percent: Option<f64>,
-    /// Least clearance that the search could change, mm.
+    /// Least clearance that depends on the layout, as the search computed it, mm.
     pub clearance_mm: Option<f64>,
 }
 
@@ -40,7 +40,7 @@ struct ComparePage<'a> {
     version: &'static str,
 }
 
-/// Returns the page. `drawings` and `told` belong to the columns.
+/// Returns the page. `drawings` and `told` have one entry per column of the comparison.
 ///
 /// # Errors
 /// Fails if there is no layout or a part cannot be rendered.
@@ -98,12 +98,12 @@ fn answer(comparison: &Comparison<'_>) -> String {
     }
 }
 
-/// Returns the differences to the first layout, node by node, all on one scale.
+/// Returns the section on the differences from the first layout, node by node, on one scale.
 fn differences(comparison: &Comparison<'_>) -> Vec<Section> {
     let Some((first, others)) = comparison.columns.split_first() else { return Vec::new() };
     let text = format!(
-        "Every node against {}: blue where the other layout is better, orange where it is worse. Point at a node \
-         for both values.",
+        "Difference of every node from {}: blue where the other layout is better, orange where it is worse. Point at \
+         a node to see both values.",
         shown(&first.label)
     );
     let mut section = Section::new("differences", "Node by node", vec![text]);
@@ -111,7 +111,7 @@ fn differences(comparison: &Comparison<'_>) -> Vec<Section> {
     let most = all.iter().flatten().flatten().map(|d| d.largest()).fold(0.0, f64::max);
     for (other, found) in others.iter().zip(&all) {
         match found {
-            Err(why) => section.text.push(format!("No map of differences: {}.", shown(why))),
+            Err(why) => section.text.push(format!("There is no map of differences: {}.", shown(why))),
             Ok(found) => section.figures.extend(found.iter().map(|d| {
                 let names = (first.label.as_str(), other.label.as_str());
                 let name = shown(&first.cell.operations[d.operation].name);
@@ -123,11 +123,11 @@ fn differences(comparison: &Comparison<'_>) -> Vec<Section> {
     vec![section]
 }
 
-/// Returns the table of the text, with rows that only the page has.
+/// Returns the section with the table of the terminal and some more rows.
 fn side_by_side(comparison: &Comparison<'_>, told: &[Told]) -> Section {
     let text = vec![
-        "Lengths in mm, angles in degrees; in brackets the change from the first layout. Clearance is the least \
-         distance of the robot, with what it holds, to anything at the spots."
+        "Lengths are in mm and angles in degrees. Parentheses give the change from the first layout. Clearance is the \
+         least distance between the robot, with the part it holds, and any other object at the spots."
             .to_string(),
     ];
     let mut section = Section::new("table", "In numbers", text);

@@ -47,7 +47,7 @@ pub struct PageTable {
     pub rows: Vec<Vec<String>>,
     /// Note below the table.
     pub note: String,
-    /// Whether each column holds numbers, which are set to the right.
+    /// Whether each column contains numbers, which are aligned to the right.
     pub is_number: Vec<bool>,
     /// Whether the table is folded.
     pub is_folded: bool,
@@ -74,7 +74,7 @@ impl PageTable {
 /// Text of a cell without a value.
 pub const NOTHING: &str = "–";
 
-/// Whether a column holds numbers, with a unit or without, and nothing else.
+/// Returns whether a column contains only numbers, with or without a unit.
 fn is_number(rows: &[Vec<String>], column: usize) -> bool {
     let starts = |text: &str| text.trim_start_matches(['+', '-']).starts_with(|c: char| c.is_ascii_digit());
     let mut cells = rows.iter().filter_map(|row| row.get(column)).filter(|c| !c.is_empty() && *c != NOTHING);
@@ -86,7 +86,7 @@ fn is_number(rows: &[Vec<String>], column: usize) -> bool {
     some && all
 }
 
-/// Returns a text of any length without characters that a terminal or a browser would not show.
+/// Returns a text, not shortened, without characters that a terminal or a browser would not show.
 pub fn plain(text: &str) -> String {
     let hides = |c: char| {
         c.is_control()

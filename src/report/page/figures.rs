@@ -19,8 +19,8 @@ use crate::search;
 use crate::search::{EvaluatedLayout, SearchEnd, SearchRecord};
 use crate::units::{percent_from_share, rounded};
 
-/// Returns the sections with pictures in the order of the page. Empty sections are left out. `drawings`
-/// belong to [`Subject::layouts`].
+/// Returns the sections with pictures in the order of the page. Empty sections are left out. `drawings` has
+/// one entry per layout of [`Subject::layouts`].
 pub fn sections(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Vec<Section> {
     let all = [
         map(subject, drawings),
@@ -35,8 +35,8 @@ pub fn sections(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Vec<Section>
     all.into_iter().filter(|section| !section.is_empty()).collect()
 }
 
-/// Returns the still picture for print and for browsers without WebGL. It shows the recommended layout, which
-/// is the last.
+/// Returns the still picture for print and for browsers without WebGL. It shows the recommended layout, the
+/// last of `drawings`.
 ///
 /// # Errors
 /// Fails if the picture cannot be drawn.
@@ -50,8 +50,8 @@ pub fn still(a: &Assessment<'_>, drawings: &[Drawing<'_>]) -> Result<Vec<PageFig
 }
 
 fn map(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Section {
-    let text = "The error over every work surface in the sense and reading of the cell, with iso-lines; all maps share \
-                one colour scale. Point at a node to see its value, or the reason why it cannot be used.";
+    let text = "The maps show the error over every work surface in the sense and reading of the cell, with iso-lines. All \
+                maps share one colour scale. Point at a node to see its value, or the reason why it cannot be used.";
     let mut section = Section::new("map", "Error map", vec![text.into()]);
     let ranges = drawings.iter().flat_map(|d| &d.fields).filter_map(|field| field.range(0, field.sense));
     let Some(range) = ranges.reduce(|(lo, hi), (a, b)| (lo.min(a), hi.max(b))) else { return section };
@@ -77,8 +77,8 @@ fn envelopes(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Section {
     let (a, Some(drawing)) = (subject.shown(), drawings.last()) else {
         return Section::new("envelope", "Working envelope", Vec::new());
     };
-    let text = "Where the arm can hold its tool in the orientation of the operation, within the joint limits: from \
-                above at the height of the operation, and from the side.";
+    let text = "The envelope is the region in which the arm can hold its tool in the orientation of the operation, within \
+                the joint limits. It is drawn from above at the height of the operation, and from the side.";
     let mut section = Section::new("envelope", "Working envelope", vec![text.into()]);
     for (k, operation) in a.cell.operations.iter().enumerate() {
         let name = shown(&operation.name);
@@ -89,13 +89,13 @@ fn envelopes(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Section {
     section
 }
 
-/// Number of parameters in the budget of a spot.
+/// Largest number of parameters in the budget table of a spot.
 const MAX_PARAMETERS_SHOWN: usize = 12;
 
 fn budget(subject: &Subject<'_>) -> Section {
     let a = subject.shown();
-    let text = "Contribution of every parameter of the arm to the error at the spot. The first lines are the ones to \
-                tighten. The shares of the worst case, and those of the variance, add up to 100 %.";
+    let text = "The budget lists the contribution of every parameter to the error at the spot. Tighten the top ones \
+                first. The shares of the worst case add up to 100 %, and so do the shares of the variance.";
     let mut section = Section::new("budget", "Error budget", vec![text.into()]);
     for k in 0..a.maps.len() {
         let Ok(stance) = PostureContext::at(a.workcell, &a.layout, &a.maps, k, NodeChoice::Best) else {
@@ -124,15 +124,15 @@ fn budget_table(a: &Assessment<'_>, k: usize, account: &Account<'_>) -> PageTabl
     };
     let rows: Vec<_> = account.budget.shares.iter().take(MAX_PARAMETERS_SHOWN).map(row).collect();
     let alone = format!("alone {}", unit.word());
-    let head = ["parameter", "plus or minus", &alone, "of worst case %", "of variance %"];
+    let head = ["parameter", "plus or minus", &alone, "share of worst case %", "share of variance %"];
     let left = account.budget.shares.len().saturating_sub(MAX_PARAMETERS_SHOWN);
-    let more = if left > 0 { format!("and {left} parameters more with less. ") } else { String::new() };
+    let more = if left > 0 { format!("{left} more parameters contribute less. ") } else { String::new() };
     let cut = account.tighter.first().map_or(String::new(), |t| {
         let name = names::parameter(a.cell, t.parameters[0]);
         let percent = rounded(percent_from_share(account.cut(t)), 1);
         let unit = account.unit();
         format!(
-            "Half the tolerance of {name} takes {percent:.1} % off: from {} to {}.",
+            "Halving the tolerance of {name} lowers the figure from {} to {} ({percent:.1} % less).",
             quantity(unit, account.figure),
             quantity(unit, t.figure)
         )
@@ -143,18 +143,18 @@ fn budget_table(a: &Assessment<'_>, k: usize, account: &Account<'_>) -> PageTabl
 
 fn discrepancies(subject: &Subject<'_>) -> Section {
     let a = subject.shown();
-    let text = "Deviation of the linearized from the nonlinear error model, node by node. The seed paper claims less \
-                than 1 % (its Fig. 8).";
+    let text = "The chart shows how far the linearized error model deviates from the nonlinear one, node by node. The \
+                seed paper claims less than 1 % (its Fig. 8).";
     let mut section = Section::new("discrepancy", "Linearized and nonlinear model", vec![text.into()]);
     section.figures.push(PageFigure::new(titled(a, "discrepancy"), "", chart::discrepancy(a)));
     section
 }
 
-/// Returns the section on the spread of arms built to the tolerances.
+/// Returns the section on the error distribution of arms built to the tolerances.
 fn distributions(subject: &Subject<'_>) -> Section {
     let a = subject.shown();
-    let text = "Monte Carlo simulation: arms with random errors within the tolerances, each through the nonlinear \
-                model, and the distribution of their errors at the spot.";
+    let text = "Monte Carlo simulation of arms with random errors within the tolerances. The nonlinear model gives the \
+                error of each arm; the chart shows the distribution of these errors at the spot.";
     let mut section = Section::new("distribution", "Distribution at the spots", vec![text.into()]);
     for k in 0..a.maps.len() {
         let name = shown(&a.cell.operations[k].name);
@@ -168,7 +168,7 @@ fn distributions(subject: &Subject<'_>) -> Section {
     section
 }
 
-/// Returns the section on the course of the search.
+/// Returns the section on the convergence of the search.
 fn convergence(subject: &Subject<'_>) -> Section {
     let mut section = Section::new("convergence", "How the search converged", Vec::new());
     let Some(found) = &subject.found else { return section };
@@ -197,12 +197,14 @@ fn convergence(subject: &Subject<'_>) -> Section {
 fn bound_in_words(found: &SearchResult, subject: &Subject<'_>) -> String {
     let unit = subject.cell().unit();
     match found.bound {
-        Some(bound) => format!("It is proven that none of them has less than {}.", down(unit, bound)),
+        Some(bound) => {
+            format!("It is proven that no layout within the ranges has less than {}.", down(unit, bound))
+        }
         None => "There is no proven bound.".into(),
     }
 }
 
-/// Returns the section on the other layouts of a Pareto front.
+/// Returns the section on the kept layouts: a Pareto front or a shortlist.
 fn pareto(subject: &Subject<'_>) -> Section {
     let mut section = Section::new("front", "Other layouts", Vec::new());
     let Some(found) = &subject.found else { return section };
@@ -216,7 +218,7 @@ fn pareto(subject: &Subject<'_>) -> Section {
             goals.iter().map(|g| g.name()).collect::<Vec<_>>().join(", ")
         ),
         None => {
-            "The best layouts that differ noticeably. Each is a cell file in the folder of the search.".into()
+            "These are the best layouts that clearly differ. Each one is a cell file in the folder of the search.".into()
         }
     });
     let heads: Vec<String> = Goal::ALL.into_iter().map(|goal| goals::head(subject.cell(), goal)).collect();
@@ -227,13 +229,13 @@ fn pareto(subject: &Subject<'_>) -> Section {
     };
     section.tables.push(PageTable::new("", &head, all.iter().map(row).collect()));
     let picture = chart::pareto(subject.cell(), &record(subject, found));
-    section
-        .figures
-        .extend(picture.map(|svg| PageFigure::new("Front", "Numbers are those of the files.", svg)));
+    section.figures.extend(
+        picture.map(|svg| PageFigure::new("Front", "Numbers refer to the layout files in the table.", svg)),
+    );
     section
 }
 
-/// The search again as far as its front is drawn.
+/// Returns a search record that contains what the picture of the front needs.
 fn record(subject: &Subject<'_>, found: &SearchResult) -> SearchRecord {
     let cell = subject.cell();
     let candidate =
@@ -257,8 +259,8 @@ fn record(subject: &Subject<'_>, found: &SearchResult) -> SearchRecord {
 /// Returns the section on misplaced equipment.
 fn misplacement(subject: &Subject<'_>) -> Section {
     let a = subject.shown();
-    let text = "Change of the error of each operation if equipment does not stand exactly where it is drawn. Spot and \
-                posture of the arm stay the same.";
+    let text = "The error of each operation changes if equipment does not stand exactly where it is drawn. Spot and \
+                posture branch stay the same.";
     let mut section = Section::new("misplacement", "Sensitivity to misplacement", vec![text.into()]);
     let rows = (0..a.maps.len()).flat_map(|k| {
         let Some(Some(r)) = a.robustness.get(k) else { return Vec::new() };
@@ -269,7 +271,7 @@ fn misplacement(subject: &Subject<'_>) -> Section {
     });
     let rows: Vec<_> = rows.collect();
     if !rows.is_empty() {
-        section.tables.push(PageTable::new(titled(a, "misplaced"), &["operation", "what it does"], rows));
+        section.tables.push(PageTable::new(titled(a, "misplacement"), &["operation", "effect"], rows));
     }
     section
 }

@@ -1,8 +1,8 @@
-//! Live page of `view`. It contains nothing of the cell; its script requests that.
+//! Live page of `view`. The page contains no data of the cell; its script requests them.
 
 use super::assets::{LIVE_CSS, LIVE_HTML, VIEWER_CSS, live_js, viewer_js};
 
-/// Returns the page. Scripts and styles carry `nonce`; the browser runs no others.
+/// Returns the page. Scripts and styles carry `nonce`; the browser blocks all others.
 pub fn live(nonce: &str) -> String {
     let style = [VIEWER_CSS, LIVE_CSS].concat();
     let script = viewer_js() + &live_js();

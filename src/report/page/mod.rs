@@ -2,8 +2,8 @@
 //! report is one file of HTML that needs no network.
 //!
 //! The sections of a page are plain data made from a [`Subject`], and one template renders them. The
-//! Content-Security-Policy names scripts and styles by their hashes. Nothing else runs, whatever a name in a
-//! file contains.
+//! Content-Security-Policy allows only scripts and styles with known hashes. Markup in a name of a file
+//! therefore never runs.
 
 pub mod assets;
 mod assumptions;
@@ -31,8 +31,8 @@ pub use subject::{Manifest, Subject};
 
 use serde_json::Value;
 
-/// Returns JSON that is safe inside `<script type="application/json">`: no text in it can end the element or
-/// begin a comment.
+/// Returns JSON that is safe inside `<script type="application/json">`: it cannot end the element or begin a
+/// comment.
 pub fn script_json(value: &Value) -> String {
     let mut safe = String::new();
     for c in value.to_string().chars() {

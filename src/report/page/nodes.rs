@@ -10,9 +10,9 @@ use crate::files::shown;
 use crate::record::value_word;
 use crate::units::{mm_from_m, percent_from_share, rounded};
 
-/// Number of nodes beyond which the tables contain only the best ones.
+/// Number of nodes above which the tables list only the best ones.
 const MAX_ROWS: usize = 2000;
-/// Number of best nodes in a table.
+/// Number of nodes in a table that lists only the best ones.
 const BEST_ROWS: usize = 200;
 
 /// Returns one table per operation of the recommended layout.
@@ -20,7 +20,7 @@ pub fn section(subject: &Subject<'_>) -> Section {
     let a = subject.shown();
     let which = if subject.best.is_some() { "the best layout" } else { "the layout as drawn" };
     let text = vec![format!(
-        "The nodes of {which}. Positions and errors are in world axes. Joints, every reading and the nodes of the other layouts are \
+        "The nodes of {which}. Positions and errors are in world axes. Joints, all readings and the nodes of the other layouts are \
          in {}.",
         plain(&subject.manifest.csv)
     )];
@@ -44,7 +44,7 @@ fn table(a: &Assessment<'_>, map: &OperationMap, is_long: bool, csv: &str) -> Pa
         "error x mm",
         "error y mm",
         "error z mm",
-        "what of it",
+        "status",
     ];
     let mut nodes: Vec<&NodeRecord> = map.nodes.iter().collect();
     if is_long {

@@ -15,7 +15,7 @@ pub fn section(subject: &Subject<'_>) -> Section {
     section
 }
 
-/// Returns the section on the placements of layouts side by side, folded.
+/// Returns the section on the placements of compared layouts, with folded tables.
 pub fn of_columns(columns: &[Assessment<'_>]) -> Section {
     let mut section = empty();
     section.tables = columns.iter().flat_map(|a| [frames(a).folded(), outlines(a).folded()]).collect();
@@ -24,12 +24,12 @@ pub fn of_columns(columns: &[Assessment<'_>]) -> Section {
 
 fn empty() -> Section {
     let text = vec![
-        "Corners are those of the floor outline and of the work surface, counterclockwise from the least x and \
-         y in the axes of the equipment. World: the axes of the cell file. From the base: along the axes of the robot \
-         base, from its origin. Tape: level distance from the base axis to the corner."
+        "The corners of floor outline and work surface are listed counterclockwise, beginning with the least x and \
+         y in the axes of the equipment. Coordinates x and y are in the world frame. Coordinates from base are in the \
+         frame of the robot base. Tape is the horizontal distance from the base axis to the corner."
             .to_string(),
     ];
-    Section::new("placements", "Where everything stands", text)
+    Section::new("placements", "Placements", text)
 }
 
 /// Returns the section on the joints of the robot at home and at the spots.
@@ -93,7 +93,7 @@ fn frames(a: &Assessment<'_>) -> PageTable {
         std::iter::once(base).chain(others).collect(),
     )
     .with_note(
-        "Equipment with a work surface has its origin in that surface: its height is that of the table top.",
+        "The origin of equipment with a work surface lies in that surface, so its height is the height of the table top.",
     )
 }
 
@@ -120,7 +120,7 @@ fn outlines(a: &Assessment<'_>) -> PageTable {
     )
 }
 
-/// Whether two outlines differ by 0.1 mm.
+/// Returns whether two outlines differ after rounding to 0.1 mm.
 fn differ(a: &Rectangle, b: &Rectangle) -> bool {
     let numbers = |r: &Rectangle| [r.centre.0, r.centre.1, r.size.0, r.size.1];
     numbers(a).iter().zip(numbers(b)).any(|(a, b)| mm(*a) != mm(b))
@@ -153,7 +153,7 @@ fn corner_rows(
 fn joint_table(a: &Assessment<'_>) -> PageTable {
     let mut head = vec!["joint".to_string(), "unit".into(), "home".into()];
     head.extend(a.cell.operations.iter().map(|o| shown(&o.name)));
-    head.extend(["least".to_string(), "most".into()]);
+    head.extend(["lower limit".to_string(), "upper limit".into()]);
     let row = |(k, joint): (usize, &Joint)| {
         let told = |value: f64| match joint.kind {
             JointKind::Revolute => deg(value),

@@ -8,7 +8,7 @@ pub fn quantity(unit: Unit, si: f64) -> String {
     told(unit, unit.from_si(si))
 }
 
-/// Returns a value in its unit with the unit.
+/// Returns a value, given in its unit, with the unit.
 pub fn told(unit: Unit, value: f64) -> String {
     match unit {
         Unit::Share => format!("{:.4} %", rounded(percent_from_share(value), 4)),
@@ -16,7 +16,7 @@ pub fn told(unit: Unit, value: f64) -> String {
     }
 }
 
-/// Returns a bound in its unit, rounded down, so that the printed number is proven, too.
+/// Returns a bound with its unit, rounded down, so that the printed number is proven, too.
 pub fn down(unit: Unit, bound: f64) -> String {
     match unit {
         Unit::Share => format!("{:.4} %", (percent_from_share(bound) * 1e4).floor() / 1e4),
@@ -24,7 +24,7 @@ pub fn down(unit: Unit, bound: f64) -> String {
     }
 }
 
-/// Returns a percentage rounded up, so that it is never stated smaller than it is.
+/// Returns a percentage rounded up, so that the printed gap is never too small.
 pub fn up(percent: f64) -> f64 {
     let digits = if percent < 0.1 { 1e4 } else { 1e1 };
     (percent * digits).ceil() / digits

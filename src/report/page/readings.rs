@@ -13,8 +13,8 @@ use crate::units::rounded;
 /// Returns the section on the spots under every reading.
 pub fn section(subject: &Subject<'_>) -> Section {
     let text = vec![
-        "The same spots under every reading: the signed sample, the worst case of the tolerance box, and \
-         statistics over arms built to the tolerances. The sense of the operation is marked."
+        "The table shows the spots under every reading: the signed sample, the worst case of the tolerance box, and \
+         statistics over arms built to the tolerances. The sense of the operation itself is marked as own."
             .to_string(),
     ];
     let mut section = Section::new("readings", "The spots under every reading", text);
@@ -22,7 +22,7 @@ pub fn section(subject: &Subject<'_>) -> Section {
     section
 }
 
-/// Figures in a row of the table.
+/// Figures in the columns of the table.
 const COLUMNS: [fn(&Figures) -> f64; 6] =
     [|f| f.error, |f| f.worst, |f| f.rms, |f| f.mean, |f| f.p95, |f| f.p99];
 
@@ -36,7 +36,7 @@ fn figures(a: &Assessment<'_>) -> PageTable {
         let operation = &a.cell.operations[map.operation];
         for sense in &map.senses {
             let Some(f) = a.figures(k, &sense.name) else { continue };
-            let asked = if sense.name == operation.sense.name { "asked" } else { "" };
+            let asked = if sense.name == operation.sense.name { "own" } else { "" };
             let mut row =
                 vec![shown(&operation.name), shown(&sense.name), asked.into(), sense.unit.word().into()];
             row.extend(COLUMNS.map(|figure| number(sense, figure(f))));
@@ -58,7 +58,7 @@ fn spread(a: &Assessment<'_>) -> String {
         let (name, unit) = (shown(&a.cell.operations[k].name), a.cell.operations[k].sense.unit);
         let holds = match a.first_order_holds(k)? {
             true => "the first-order figures hold",
-            false => "the first-order figures do NOT hold, trust the samples",
+            false => "the first-order figures do NOT hold: use those of the samples",
         };
         let [p95, low, high] = [samples.p95.value, samples.p95.low, samples.p95.high].map(|v| unit.from_si(v));
         Some(format!(

@@ -1,5 +1,5 @@
-// The report reads without this script. It puts the 3-D view in the place of the picture, and opens what is
-// folded for print.
+// The report is readable without this script. The script replaces the picture by the 3-D view, and opens
+// folded parts for printing.
 (() => {
   const host = document.getElementById("viewer");
   const written = document.getElementById("drawings")?.textContent;

@@ -34,7 +34,7 @@ struct ReportPage<'a> {
     version: &'static str,
 }
 
-/// Returns the page. `drawings` belong to the layouts, the one as drawn first.
+/// Returns the page. `drawings` has one entry per layout, the layout as drawn first.
 ///
 /// # Errors
 /// Fails if a part cannot be rendered.
@@ -67,13 +67,13 @@ pub fn report(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Result<Report,
     Ok(Report { html, verdict })
 }
 
-/// Returns the question without the name of the cell, which stands above it.
+/// Returns robot, error set, model, reading and registration. The page shows the name of the cell above.
 fn question(cell: &Cell) -> String {
     let line = headline(cell);
     line.strip_prefix(&format!("{}: ", cell.name)).map(str::to_string).unwrap_or(line)
 }
 
-/// Returns the style of the report. Charts are dark on a dark screen, but never on paper.
+/// Returns the style of the report. Charts have a dark background on a dark screen, but never on paper.
 pub fn style() -> String {
     let dark = chart::dark_rules(".plate");
     format!("{}\n@media screen and (prefers-color-scheme: dark) {{\n{dark}}}\n", assets::REPORT_CSS)

@@ -9,8 +9,8 @@ use crate::layout::combined;
 use crate::record::{RunnerUpEntry, RunnerUpKind};
 use crate::units::rounded;
 
-/// The next layout that the search kept; of a search that kept none, and of a layout as drawn, the
-/// operation's next best node that costs least.
+/// Returns the best other layout that the search kept. Without one, returns the next best node that costs
+/// least over all operations.
 pub fn runner_up(subject: &Subject<'_>) -> Option<RunnerUpEntry> {
     let shown_layout = subject.shown();
     shown_layout.evaluation.objective?;
@@ -24,10 +24,10 @@ fn next_layout(subject: &Subject<'_>) -> Option<RunnerUpEntry> {
     let (next, value) = valued.min_by(|a, b| a.1.total_cmp(&b.1))?;
     let kept = match &found.pareto {
         Some(goals) => format!(
-            "the least error of the other layouts of the front in {}",
+            "least error among the other layouts of the Pareto front in {}",
             goals.iter().map(|g| g.name()).collect::<Vec<_>>().join(", ")
         ),
-        None => "the next of the layouts that the search kept and that really differ".to_string(),
+        None => "next best of the clearly different layouts that the search kept".to_string(),
     };
     let text = super::quantities::told(unit, value);
     Some(RunnerUpEntry { kind: RunnerUpKind::Layout, value, text, note: format!("{}: {kept}", next.file) })

@@ -1,4 +1,4 @@
-//! Rendering of templates, and safety of the markup.
+//! Rendering of templates, and protection against markup in names.
 
 use super::assets::SECTIONS_HTML;
 use base64::Engine;
@@ -21,8 +21,8 @@ pub fn rendered(template: &str, page: &impl Serialize) -> Result<String, String>
     environment.render_str(template, Serde(page)).map_err(|e| format!("{e:#}"))
 }
 
-/// Returns the Content-Security-Policy (W3C, Level 3) of a page. It allows no request, and only our own
-/// scripts and styles, by their hashes.
+/// Returns the Content-Security-Policy (W3C, Level 3) of a page. It allows no request, and only scripts and
+/// styles with the hashes of our own.
 pub fn policy(script: &str, style: &str) -> String {
     format!(
         "default-src 'none'; script-src '{}'; style-src '{}'; img-src data:; base-uri 'none'; form-action 'none'",
@@ -31,12 +31,12 @@ pub fn policy(script: &str, style: &str) -> String {
     )
 }
 
-/// Returns the hash of an inline element as a policy names it.
+/// Returns the hash of an inline element in the form of a policy source.
 fn source(text: &str) -> String {
     format!("sha256-{}", STANDARD.encode(Sha256::digest(text.as_bytes())))
 }
 
-/// Returns a picture whose ids have a number, because two pictures in a page must not share ids.
+/// Returns a picture with `number` added to its ids, because two pictures in a page must not share ids.
 pub fn scoped(svg: &str, number: usize) -> String {
     svg.replace(" id=\"", &format!(" id=\"p{number}-"))
         .replace("url(#", &format!("url(#p{number}-"))

@@ -6,7 +6,7 @@ use crate::cell::{Cell, Unit};
 use crate::record::SearchResult;
 use crate::units::{m_from_mm, rad_from_deg};
 
-/// A value of a document in SI.
+/// Converts a value of a document to SI.
 pub fn si(unit: Unit, value: f64) -> f64 {
     match unit {
         Unit::Length => m_from_mm(value),
@@ -34,12 +34,13 @@ impl<'a> Subject<'a> {
         self.best.as_ref().unwrap_or(&self.start)
     }
 
-    /// Returns every layout, the one as drawn first.
+    /// Returns all layouts, the layout as drawn first.
     pub fn layouts(&self) -> impl Iterator<Item = &Assessment<'a>> {
         std::iter::once(&self.start).chain(&self.best)
     }
 
-    /// Returns a table of each layout, the recommended one first. The other one is folded.
+    /// Returns the tables of each layout, the recommended layout first. The tables of the other layout are
+    /// folded.
     pub fn tables(&self, of: impl Fn(&Assessment<'a>) -> Vec<PageTable>) -> Vec<PageTable> {
         let other = self.best.as_ref().map_or(Vec::new(), |_| of(&self.start));
         of(self.shown()).into_iter().chain(other.into_iter().map(PageTable::folded)).collect()
@@ -59,7 +60,7 @@ pub struct Manifest {
     pub seed: u64,
     /// Path and SHA-256 of every file read, the cell file first.
     pub inputs: Vec<(String, String)>,
-    /// Path and SHA-256 of every file that the search read.
+    /// Path and SHA-256 of every file that the search wrote; empty for a layout as drawn.
     pub outputs: Vec<(String, String)>,
     /// File with every node, or the command that writes one.
     pub csv: String,

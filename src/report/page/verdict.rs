@@ -57,7 +57,7 @@ pub fn verdict(subject: &Subject<'_>) -> VerdictDocument {
     verdict
 }
 
-/// Returns why nothing can be recommended.
+/// Returns the reasons why nothing can be recommended.
 fn reasons(subject: &Subject<'_>, is_found: bool) -> Vec<String> {
     match (&subject.found, is_found) {
         (_, true) => Vec::new(),
@@ -69,8 +69,8 @@ fn reasons(subject: &Subject<'_>, is_found: bool) -> Vec<String> {
 fn headline(v: &VerdictDocument, unit: Unit) -> String {
     let Some(value) = v.objective_value else {
         return match v.of {
-            VerdictSubject::Search => "No: the search has found no layout that works".into(),
-            VerdictSubject::Layout => "No: the layout as drawn does not work".into(),
+            VerdictSubject::Search => "No: the search has found no feasible layout".into(),
+            VerdictSubject::Layout => "No: the layout as drawn is not feasible".into(),
         };
     };
     let (what, value) = (&v.quantity, told(unit, value));
@@ -84,10 +84,10 @@ fn headline(v: &VerdictDocument, unit: Unit) -> String {
             format!("the best layout found has {value} {what}, {gain:.1} % less than as drawn")
         }
         (VerdictSubject::Search, Some(_)) => {
-            format!("no layout was found that beats the one as drawn: {value} {what}")
+            format!("no layout was found that is clearly better than the layout as drawn: {value} {what}")
         }
         (VerdictSubject::Search, None) => {
-            format!("the best layout found has {value} {what}; as drawn nothing works")
+            format!("the best layout found has {value} {what}; the layout as drawn is not feasible")
         }
         (VerdictSubject::Layout, _) => format!("the layout as drawn has {value} {what}"),
     };
@@ -133,7 +133,7 @@ fn facts(v: &VerdictDocument, subject: &Subject<'_>) -> Vec<FactEntry> {
     facts
 }
 
-/// Returns the words for the parts of the objective.
+/// Describes how the objective combines the operations.
 fn summed(cell: &Cell) -> String {
     let senses = cell.operations.iter().map(|o| format!("{} in {}", shown(&o.name), shown(&o.sense.name)));
     let names: Vec<String> = senses.collect();
@@ -142,23 +142,25 @@ fn summed(cell: &Cell) -> String {
         (1, _) => "",
         (_, Objective::WeightedSum) if weighted => "weighted sum of ",
         (_, Objective::WeightedSum) => "sum of ",
-        (_, Objective::WeightedMaximum) if weighted => "weighted greatest of ",
-        (_, Objective::WeightedMaximum) => "greatest of ",
-        (_, Objective::Lexicographic) => "the first that counts of ",
+        (_, Objective::WeightedMaximum) if weighted => "weighted maximum of ",
+        (_, Objective::WeightedMaximum) => "maximum of ",
+        (_, Objective::Lexicographic) => "in order of priority: ",
     };
     let misplaced = if cell.search.robust { ", at the worst misplacement" } else { "" };
     format!("{how}{}{misplaced}", names.join(" and "))
 }
 
-/// Returns the meaning of a number under the reading.
+/// Describes the meaning of a figure under the reading.
 pub fn reading_in_words(cell: &Cell) -> String {
     let set = shown(cell.error_set().name());
     match value_word(cell) {
-        "error" => format!("of the one arm whose link errors are those of {set}"),
-        "worst case" => format!("the worst that any arm within the tolerances {set} can have"),
-        "p95" => format!("95 of 100 arms built to the tolerances {set} stay below it"),
-        "p99" => format!("99 of 100 arms built to the tolerances {set} stay below it"),
-        "share of failures" => format!("so many of the arms built to the tolerances {set} pass the limit"),
+        "error" => format!("for the one arm with the errors {set}"),
+        "worst case" => format!("largest value for any arm within the tolerances {set}"),
+        "p95" => format!("95 of 100 arms built to the tolerances {set} have a smaller error"),
+        "p99" => format!("99 of 100 arms built to the tolerances {set} have a smaller error"),
+        "share of failures" => {
+            format!("share of the arms built to the tolerances {set} that exceed the limit")
+        }
         word => format!("the {word} over the arms built to the tolerances {set}"),
     }
 }
@@ -168,7 +170,7 @@ fn requirement(a: &Assessment<'_>) -> FactEntry {
     let all = (0..a.maps.len()).filter_map(|k| Some((k, a.requirement(k)?)));
     let tightest = all.min_by(|(_, x), (_, y)| x.margin.total_cmp(&y.margin));
     let Some((k, r)) = tightest else {
-        let note = "no operation of the cell has a limit that its error could pass".to_string();
+        let note = "no operation of the cell has a limit that applies to this figure".to_string();
         return FactEntry {
             label: "Requirement".into(),
             value: None,
@@ -180,8 +182,10 @@ fn requirement(a: &Assessment<'_>) -> FactEntry {
     let (name, limit) = (shown(&a.cell.operations[k].name), quantity(unit, r.limit));
     let margin = quantity(unit, r.margin.abs());
     let (text, note, mood) = match r.is_met() {
-        true => ("met", format!("{name} keeps its limit of {limit} with {margin} to spare"), FactMood::Good),
-        false => ("missed", format!("{name} passes its limit of {limit} by {margin}"), FactMood::Bad),
+        true => {
+            ("met", format!("{name} meets its limit of {limit} with a margin of {margin}"), FactMood::Good)
+        }
+        false => ("missed", format!("{name} exceeds its limit of {limit} by {margin}"), FactMood::Bad),
     };
     FactEntry {
         label: "Requirement".into(),
@@ -204,14 +208,14 @@ fn gain(v: &VerdictDocument, unit: Unit) -> FactEntry {
         }
         _ => (
             NOTHING.into(),
-            "the layout as drawn does not work, so that there is nothing to gain on".into(),
+            "the layout as drawn is not feasible, so there is nothing to compare with".into(),
             FactMood::Plain,
         ),
     };
     FactEntry { label: "Gain".into(), value: v.gain_percent, text, note, mood }
 }
 
-/// Returns how much better any layout could be at most.
+/// Returns the fact on the proven gap: how much better any layout could be at most.
 fn gap(found: &SearchResult, v: &VerdictDocument, unit: Unit) -> FactEntry {
     let covers = match found.proof.covers {
         Covers::Part => format!("; counted as 0: {}", unproven(found)),
@@ -222,19 +226,19 @@ fn gap(found: &SearchResult, v: &VerdictDocument, unit: Unit) -> FactEntry {
             // Rounded up, for the same reason.
             if gap <= 0.0 { "0 %".into() } else { format!("{} %", up(gap)) },
             format!(
-                "it is proven that no layout of these ranges has less than {}{covers}",
+                "it is proven that no layout within the ranges has less than {}{covers}",
                 down(unit, bound)
             ),
         ),
         (None, Some(bound)) => (
             "none".into(),
             format!(
-                "it is proven that no layout of these ranges has less than {}{covers}",
+                "it is proven that no layout within the ranges has less than {}{covers}",
                 down(unit, bound)
             ),
         ),
         _ if found.proof.covers == Covers::Infeasible => {
-            ("no layout".into(), format!("it is proven that no layout works: {}", unproven(found)))
+            ("no layout".into(), format!("it is proven that no layout is feasible: {}", unproven(found)))
         }
         _ => ("none".into(), format!("nothing is proven: {}", unproven(found))),
     };

@@ -11,7 +11,7 @@ pub enum ViewDirection {
     Top,
     /// View along y.
     Front,
-    /// View against x.
+    /// View along negative x.
     Side,
 }
 
@@ -27,8 +27,8 @@ impl ViewDirection {
         }
     }
 
-    /// Returns the directions of right, up and towards the eye in the world. `work` is the direction from the
-    /// robot to the work.
+    /// Returns the right, up and backward (towards the eye) directions of the view in the world frame. `work`
+    /// is the direction from the robot to the work.
     pub fn axes(self, perspective: bool, work: &Vector3<f64>) -> [Vector3<f64>; 3] {
         let (x, y, z) = (Vector3::x(), Vector3::y(), Vector3::z());
         match self {
@@ -48,8 +48,8 @@ impl ViewDirection {
     }
 }
 
-/// Projected point, px to the right and down. Its nearness orders points that cover each other and is linear
-/// over every plane.
+/// Projected point, px to the right and down. `near` orders points that cover each other, and is linear over
+/// every plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ScreenPoint {
     pub at: Point2<f64>,
@@ -65,22 +65,22 @@ pub struct PictureFrame {
     pub height: f64,
 }
 
-/// Camera that keeps its subject inside a frame.
+/// Camera that fits its subject into a frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Camera {
     pub right: Vector3<f64>,
     pub up: Vector3<f64>,
-    /// Towards the eye.
+    /// Direction towards the eye, world frame.
     pub back: Vector3<f64>,
     centre: Vector3<f64>,
-    /// Distance of the eye from the centre, m; nothing for a parallel projection.
+    /// Distance of the eye from the centre, m; None for a parallel projection.
     distance: Option<f64>,
-    /// px per m at the centre.
+    /// Scale at the centre, px per m.
     pub scale: f64,
     shift: (f64, f64),
 }
 
-/// Distance of the eye in radii of the scene.
+/// Distance of the eye from the centre in radii of the scene.
 const EYE_DISTANCE: f64 = 4.2;
 
 impl Camera {

@@ -1,12 +1,13 @@
-//! Depth buffer: triangles and lines to samples, the nearest wins.
+//! Depth buffer: draws triangles and lines into samples, where the nearest surface wins.
 
 use super::camera::ScreenPoint;
 use nalgebra::{Point2, Vector2};
 
-/// Parts of a sample. Corners lie on this grid, so that whole numbers decide exactly what covers a sample.
+/// Number of subdivisions of a sample along each side. Corners are rounded to this grid, so that integers
+/// decide exactly which triangle covers a sample.
 const PARTS: f64 = 256.0;
 const PART: i64 = 256;
-/// Greatest coordinate of what is drawn, samples.
+/// Largest coordinate of a drawn corner, samples.
 const FARTHEST: f64 = 1e5;
 
 /// Samples row by row from the top left, each with the nearest surface.
@@ -22,8 +23,8 @@ impl<T: Copy> DepthBuffer<T> {
         Self { width, height, near: vec![f32::MIN; width * height], value: vec![value; width * height] }
     }
 
-    /// Paints a triangle where it is nearest. `paint` gets the barycentric coordinates. Triangles that share
-    /// an edge leave no gap and share no sample. A triangle that is not `solid` hides nothing.
+    /// Paints a triangle where it is nearest. `paint` gets the barycentric coordinates. Triangles with a
+    /// common edge leave no gap and have no sample in common. A triangle that is not `solid` hides nothing.
     pub fn fill(&mut self, corners: &[ScreenPoint; 3], solid: bool, mut paint: impl FnMut(&mut T, [f32; 3])) {
         let is_drawn = |c: &ScreenPoint| c.near.is_finite() && c.at.coords.iter().all(|v| v.abs() < FARTHEST);
         if !corners.iter().all(is_drawn) {
@@ -63,7 +64,7 @@ impl<T: Copy> DepthBuffer<T> {
         }
     }
 
-    /// Paints a line of a width, samples.
+    /// Paints a line. Its width is in samples.
     pub fn stroke(&mut self, a: &ScreenPoint, b: &ScreenPoint, width: f64, mut paint: impl FnMut(&mut T)) {
         let along = (b.at - a.at).try_normalize(1e-9).unwrap_or_else(Vector2::x);
         let (side, end) = (Vector2::new(-along.y, along.x) * (width / 2.0), along * (width / 4.0));
@@ -78,7 +79,7 @@ impl<T: Copy> DepthBuffer<T> {
     }
 }
 
-/// Returns twice the signed area of a triangle, in squared parts of a sample.
+/// Returns twice the signed area of a triangle, in squared grid units ([`PARTS`]).
 fn cross(a: [i64; 2], b: [i64; 2], c: [i64; 2]) -> i64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
@@ -88,20 +89,20 @@ fn least(p: &[[i64; 2]; 3], axis: usize) -> (i64, i64) {
     (all.into_iter().fold(i64::MAX, i64::min), all.into_iter().fold(i64::MIN, i64::max))
 }
 
-/// Returns the samples whose middle lies between two coordinates.
+/// Returns the indices of the samples whose centres lie between two coordinates.
 fn range((low, high): (i64, i64), count: usize) -> std::ops::Range<usize> {
     let first = (low - PART / 2).div_euclid(PART).max(0);
     let last = (high - PART / 2).div_euclid(PART) + 1;
     first as usize..last.clamp(first, count.max(first as usize) as i64) as usize
 }
 
-/// Side of a triangle: its edge function grows inwards.
+/// Edge function of a triangle's side, which grows inwards.
 struct TriangleEdge {
     from: [i64; 2],
     along: [i64; 2],
-    /// Step of the function from a sample to the next one to the right.
+    /// Change of the edge function from one sample to the next on the right.
     step: i64,
-    /// Least value of a covered sample. A sample on the line belongs to one of both triangles alone.
+    /// Least value of a covered sample. A sample on the line belongs to only one of the two triangles.
     least: i64,
 }
 

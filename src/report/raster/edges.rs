@@ -5,7 +5,7 @@ use super::scene::SceneBody;
 use nalgebra::Vector3;
 use std::collections::HashMap;
 
-/// Edge of a mesh: its ends, their corners, and what the triangles beside it look like.
+/// Edge of a mesh: its ends, their corners, and properties of the adjacent triangles.
 struct FeatureEdge {
     ends: [Vector3<f64>; 2],
     corners: [u32; 2],
@@ -15,7 +15,7 @@ struct FeatureEdge {
     is_sharp: bool,
 }
 
-/// Number of sharp edges from which they are noise.
+/// Number of sharp edges from which none is drawn, because a scanned surface is sharp everywhere.
 const MAX_SHARP_EDGES: usize = 400;
 
 pub fn of(body: &SceneBody, camera: &Camera) -> Vec<[Vector3<f64>; 2]> {
@@ -56,7 +56,8 @@ pub fn of(body: &SceneBody, camera: &Camera) -> Vec<[Vector3<f64>; 2]> {
     sides.into_iter().filter(is_drawn).map(|s| s.ends).collect()
 }
 
-/// Returns the number of the place of each corner. Corners with different normals may share a place.
+/// Returns for each corner an index that is equal for corners at the same place. Such corners may differ in
+/// their normals.
 fn places(positions: &[Vector3<f64>]) -> Vec<u32> {
     let mut known: HashMap<[u64; 3], u32> = HashMap::new();
     let key = |p: &Vector3<f64>| [p.x, p.y, p.z].map(f64::to_bits);

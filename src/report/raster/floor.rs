@@ -1,4 +1,4 @@
-//! Floor: a plate with a grid, darkened under solids that stand on it or near above it.
+//! Floor: a plate with a grid, darkened under solids on it or close above it.
 
 use super::camera::ScreenPoint;
 use super::canvas::DepthBuffer;
@@ -7,9 +7,9 @@ use super::scene::{RasterScene, SceneBody, SceneLine};
 use crate::drawing::Mesh;
 use nalgebra::{Point2, Vector3};
 
-/// Number of fields of the floor along each side.
+/// Number of tiles of the floor along each side.
 const FIELDS: usize = 160;
-/// Height of a solid above which it darkens little, m.
+/// Height above the floor at which a solid darkens it little, m.
 const NEAR: f64 = 0.35;
 /// Distance of the grid lines, m.
 const GRID: f64 = 0.5;
@@ -70,7 +70,7 @@ fn add_grid(scene: &mut RasterScene, colour: Colour, low: [f64; 2], high: [f64; 
     }
 }
 
-/// Returns the share of light from above that is missing at the corners of the fields, blurred.
+/// Returns the blurred share of the light from above that is blocked at the corners of the tiles.
 fn shade(scene: &RasterScene, low: [f64; 2], high: [f64; 2], floor: f64) -> Vec<f32> {
     let across = FIELDS + 1;
     let mut lowest = DepthBuffer::new(across, across, ());
@@ -97,7 +97,7 @@ fn shade(scene: &RasterScene, low: [f64; 2], high: [f64; 2], floor: f64) -> Vec<
     dark
 }
 
-/// Returns the mean of each value and its neighbours along one direction of a square.
+/// Returns for each value of a square grid the mean of itself and its neighbours along one direction.
 fn blurred(values: &[f32], across: usize, step: usize) -> Vec<f32> {
     const REACH: isize = 2;
     let place = |k: usize| if step == 1 { k % across } else { k / across };

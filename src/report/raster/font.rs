@@ -1,8 +1,8 @@
 //! Stroke font, so that a picture has text without font files.
 //!
-//! The grid has the baseline at 3, small letters up to 9, capitals up to 12 (c), descenders down to 0. A
-//! point is two hexadecimal digits, right and up. A stroke that begins with ~ is round; a stroke of one point
-//! is a dot.
+//! The grid has the baseline at 3, small letters up to 9, capitals up to 12 (c) and descenders down to 0. Two
+//! hexadecimal digits give a point: right, then up. A stroke that begins with ~ is round; a stroke of one
+//! point is a dot.
 
 use nalgebra::Vector2;
 
@@ -131,7 +131,7 @@ fn advance(c: char) -> f64 {
     if c == ' ' { SPACE + GAP } else { strokes.map(|p| p.x).fold(0.0, f64::max) + GAP }
 }
 
-/// Returns the strokes of a text from `at` on the baseline; y points down.
+/// Returns the strokes of a text that starts at `at` on the baseline; y points down.
 pub fn strokes(text: &str, at: Vector2<f64>, capital: f64) -> Vec<Vec<Vector2<f64>>> {
     let unit = capital / CAPITAL;
     let (mut x, mut all) = (0.0, Vec::new());
@@ -151,7 +151,8 @@ fn points(stroke: &str) -> Vec<Vector2<f64>> {
     digits.chunks_exact(2).map(|p| Vector2::new(p[0], p[1])).collect()
 }
 
-/// Returns a line whose corners are cut twice (Chaikin 1974). The ends stay, and a closed line stays closed.
+/// Returns a line after two rounds of corner cutting (Chaikin 1974). The ends stay, and a closed line stays
+/// closed.
 fn rounded(line: &[Vector2<f64>]) -> Vec<Vector2<f64>> {
     let closed = line.first() == line.last();
     let mut line = line.to_vec();

@@ -1,4 +1,4 @@
-//! Finished picture: samples averaged to pixels, with text and signs on top.
+//! Finished picture: pixels averaged from samples, with text and signs on top.
 
 use super::canvas::DepthBuffer;
 use super::font;
@@ -29,7 +29,7 @@ impl PixelImage {
         Self { width, height, pixels }
     }
 
-    /// Draws a line with round ends and a width, px.
+    /// Draws a line with round ends; points and width in px.
     pub fn line(&mut self, points: &[Vector2<f64>], width: f64, colour: Colour) {
         let dot = [points.first().copied().unwrap_or_default(); 2];
         let spans: Vec<&[Vector2<f64>]> =
@@ -73,14 +73,14 @@ impl PixelImage {
         }
     }
 
-    /// Writes a text with capitals `capital` px high from `at` on the baseline.
+    /// Writes a text that starts at `at` on the baseline, with capitals `capital` px high.
     pub fn text(&mut self, text: &str, at: Vector2<f64>, capital: f64, colour: Colour) {
         for stroke in font::strokes(text, at, capital) {
             self.line(&stroke, weight(capital), colour);
         }
     }
 
-    /// Writes a text with a rim, which can be read over anything.
+    /// Writes a text with a rim that keeps it readable over any background.
     pub fn rimmed(&mut self, text: &str, at: Vector2<f64>, capital: f64, colour: Colour, rim: Colour) {
         for stroke in font::strokes(text, at, capital) {
             self.line(&stroke, weight(capital) + 0.55 * capital, rim);
@@ -94,7 +94,7 @@ fn weight(capital: f64) -> f64 {
     (0.135 * capital).max(1.0)
 }
 
-/// Returns the distance of a point from the line between two.
+/// Returns the distance of a point from the segment between two points.
 pub fn distance(p: Vector2<f64>, a: Vector2<f64>, b: Vector2<f64>) -> f64 {
     let along = b - a;
     let share = ((p - a).dot(&along) / along.norm_squared().max(1e-12)).clamp(0.0, 1.0);

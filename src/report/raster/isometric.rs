@@ -1,7 +1,7 @@
-//! The scene as SVG with hidden lines, for print and for browsers without WebGL.
+//! The scene as SVG with hidden lines removed, for print and for browsers without WebGL.
 //!
-//! Visibility is found sample by sample as in the PNG. Areas of one tone are traced, and lines are cut to
-//! their visible parts.
+//! A depth buffer decides visibility sample by sample, as for the PNG. Areas of one tone are traced, and
+//! lines are cut to their visible parts.
 
 use super::camera::{Camera, ScreenPoint};
 use super::canvas::DepthBuffer;
@@ -14,11 +14,11 @@ use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-/// Samples of a pixel along each side.
+/// Number of samples per pixel along each side.
 const SAMPLES: f64 = 2.0;
 /// Number of tones of a body.
 const TONES: f32 = 16.0;
-/// Tolerance of an outline and its least area, samples.
+/// Tolerance of an outline, samples; [`MIN_AREA`] is its least area, squared samples.
 const TOLERANCE: f64 = 0.8;
 const MIN_AREA: f64 = 8.0;
 
@@ -61,7 +61,7 @@ fn sampled(camera: &Camera, p: &Vector3<f64>) -> ScreenPoint {
     ScreenPoint { at: seen.at * SAMPLES, ..seen }
 }
 
-/// Draws solids and floor as areas of one tone each. Returns the depth buffer.
+/// Draws solids and floor as areas of uniform tone. Returns the depth buffer.
 fn draw_areas(out: &mut String, stage: &Staged, shot: &Shot) -> DepthBuffer<u32> {
     let size = [shot.width, shot.height].map(|side| (side as f64 * SAMPLES) as usize);
     let mut canvas = DepthBuffer::new(size[0], size[1], 0u32);
@@ -98,7 +98,7 @@ fn draw_areas(out: &mut String, stage: &Staged, shot: &Shot) -> DepthBuffer<u32>
     canvas
 }
 
-/// Visibility of points.
+/// Visibility test of points.
 struct Seeing<'a> {
     camera: &'a Camera,
     canvas: &'a DepthBuffer<u32>,
@@ -117,7 +117,7 @@ impl Seeing<'_> {
         })
     }
 
-    /// Returns the visible parts of a line as path data, px.
+    /// Appends the visible parts of a line to the path data `d`, px.
     fn add(&self, d: &mut String, [a, b]: &[Vector3<f64>; 2], lift: f64) {
         let [a, b] = [a, b].map(|p| self.camera.before(p, lift));
         let far = (self.camera.seen(&b).at - self.camera.seen(&a).at).norm();
@@ -143,7 +143,7 @@ impl Seeing<'_> {
     }
 }
 
-/// Draws edges and lines, grouped by colour and width.
+/// Draws edges and lines in groups of equal colour and width.
 fn draw_lines(out: &mut String, stage: &Staged, seeing: &Seeing<'_>, pixel: f64) {
     let lift = stage.scene.size * 0.002;
     let mut groups: Vec<(Colour, f64, String)> = Vec::new();
@@ -169,7 +169,7 @@ fn draw_lines(out: &mut String, stage: &Staged, seeing: &Seeing<'_>, pixel: f64)
     }
 }
 
-/// Draws transparent bodies: far sides, then near sides.
+/// Draws transparent bodies: their far sides first, then their near sides.
 fn draw_clear(out: &mut String, stage: &Staged, canvas: &DepthBuffer<u32>) {
     for body in stage.scene.bodies.iter().filter(|b| b.opacity < 1.0) {
         for front in [false, true] {

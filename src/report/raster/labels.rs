@@ -1,4 +1,4 @@
-//! Labels: names and values where they cover the least.
+//! Labels: placement of names and values where they cover the least.
 
 use super::font;
 use super::ink::{PixelImage, distance};
@@ -33,7 +33,7 @@ pub fn write(sheet: &mut PixelImage, stage: &Staged, shot: &Shot) {
     }
 }
 
-/// Labels of spots come first.
+/// Returns the labels with their places. Labels of spots are placed first.
 pub fn placed(stage: &Staged, shot: &Shot) -> Vec<PlacedLabel> {
     let place = |p: &nalgebra::Vector3<f64>| stage.camera.seen(p).at.coords;
     let mut taken: Vec<Vector2<f64>> = stage.scene.nodes.iter().map(|n| place(&n.at)).collect();
@@ -99,7 +99,8 @@ fn choices(label: &Label, stage: &Staged, shot: &Shot) -> Vec<PlacedLabel> {
     }
 }
 
-/// Returns the cost of a place: nodes and labels that it covers, and how far it leaves the frame.
+/// Returns the cost of a place. Covered nodes and labels add to it, and so does the distance outside the
+/// frame.
 fn cost(p: &PlacedLabel, all: &[PlacedLabel], taken: &[Vector2<f64>], frame: &PictureFrame) -> f64 {
     let inside = |q: &&Vector2<f64>| (0..2).all(|k| p.low[k] < q[k] && q[k] < p.high[k]);
     let nodes = taken.iter().filter(inside).count() as f64;

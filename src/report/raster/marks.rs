@@ -8,7 +8,7 @@ use crate::drawing::{Arrow, Drawing, Field, FieldNode, GlyphRing, Mesh, node_gly
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 
-/// Corners of the ring round a spot.
+/// Number of corners of the ring round a spot.
 const RING_CORNERS: usize = 48;
 
 pub fn add(
@@ -52,7 +52,7 @@ pub fn add(
     }
 }
 
-/// Adds the glyph of a node that cannot be used, level, round the node.
+/// Adds the horizontal glyph of an unusable node, centred on the node.
 fn add_glyph(
     scene: &mut RasterScene,
     node: &FieldNode,

@@ -1,8 +1,8 @@
 //! 3-D pictures without a browser: PNG by a software rasteriser, SVG with hidden lines.
 //!
 //! A [`Drawing`] becomes a scene of bodies, lines and labels in the world, with a camera fitted to it. Both
-//! formats show that scene. Neither fonts nor drivers nor chance matter: the same drawing gives the same
-//! bytes.
+//! formats show that scene. The same drawing gives the same bytes, because no font file, driver or random
+//! number is used.
 
 #[doc(hidden)] // open for tests/it
 pub mod camera;
@@ -39,12 +39,12 @@ use scene::{RasterScene, SceneBody};
 /// Settings of a picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shot {
-    /// Operation whose field alone is shown, with the robot at its spot. None shows all fields and the robot
-    /// at home.
+    /// Operation whose error map alone is shown, with the robot at its spot. None shows all maps and the
+    /// robot at home.
     pub operation: Option<usize>,
     /// Operation at whose spot the robot stands if `operation` is none.
     pub stance: Option<usize>,
-    /// px
+    /// Width of the picture, px.
     pub width: usize,
     pub height: usize,
     pub view: ViewDirection,
@@ -53,12 +53,12 @@ pub struct Shot {
     pub show: Show,
     /// Index into [`Drawing::lenses`].
     pub take: usize,
-    /// Name of the sense of the colours. None stands for that of the operation, or for the axis shown.
+    /// Name of the sense of the colours; None for the sense of the operation.
     pub sense: Option<String>,
     pub envelope: bool,
-    /// Whether the equipment has names and the spots have values.
+    /// Whether equipment names and spot values are drawn.
     pub labels: bool,
-    /// Whether there is a title above and a legend below.
+    /// Whether a title above and a legend below are drawn.
     pub legend: bool,
     pub dark: bool,
 }
@@ -83,14 +83,14 @@ impl Default for Shot {
     }
 }
 
-/// Greatest width and height of a picture, px.
+/// Largest width and height of a picture, px.
 const MAX_SIDE: usize = 6000;
 /// Samples of a pixel along each side.
 const SAMPLES: usize = 3;
 
 impl Shot {
     /// # Errors
-    /// Fails if the settings do not fit the drawing. The message says why.
+    /// Fails if the settings do not suit the drawing. The message says why.
     fn check(&self, drawing: &Drawing<'_>) -> Result<(), String> {
         if !(64..=MAX_SIDE).contains(&self.width) || !(64..=MAX_SIDE).contains(&self.height) {
             return Err(format!(
@@ -153,7 +153,7 @@ fn staged(drawing: &Drawing<'_>, shot: &Shot) -> Result<Staged, String> {
 /// Returns the picture as PNG with 8 bits per colour.
 ///
 /// # Errors
-/// Fails if the size is not possible, or if there is no such take or operation.
+/// Fails if the size is out of range, or if the take or the operation does not exist.
 pub fn png(drawing: &Drawing<'_>, shot: &Shot) -> Result<Vec<u8>, String> {
     let stage = staged(drawing, shot)?;
     let mut sheet = PixelImage::of(&rendered(&stage, shot), SAMPLES);

@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 /// Red, green and blue, 0 to 1.
 pub type Colour = [f32; 3];
 
-/// Colours of everything but the errors.
+/// Colours of everything except the errors.
 pub struct Palette {
     pub paper: Colour,
     pub floor: Colour,
@@ -68,7 +68,7 @@ impl Palette {
         mixed(colour, [0.0, 0.0, 0.05], if self.is_dark { 0.62 } else { 0.58 })
     }
 
-    /// Returns the colour of the rim of an arrow, which stands out from the ground.
+    /// Returns a colour for the rim of an arrow that contrasts with the background.
     pub fn rim(&self, colour: Colour) -> Colour {
         if self.is_dark { mixed(colour, [1.0; 3], 0.4) } else { mixed(colour, [0.0; 3], 0.35) }
     }
@@ -97,7 +97,7 @@ pub fn hex(colour: Colour) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// Lambertian shading by two lamps that move with the eye, and by ambient light.
+/// Lambertian shading by ambient light and by two lamps that move with the eye.
 pub struct Light {
     key: Vector3<f64>,
     fill: Vector3<f64>,
@@ -110,7 +110,7 @@ impl Light {
         Self { key: towards(-0.55, 0.75, 0.45), fill: towards(0.85, 0.1, 0.4) }
     }
 
-    /// Returns the brightness of a surface with a normal.
+    /// Returns the brightness of a surface from its normal.
     pub fn on(&self, normal: &Vector3<f64>) -> f32 {
         let (key, fill) = (normal.dot(&self.key).max(0.0), normal.dot(&self.fill).max(0.0));
         (0.56 + 0.46 * key + 0.16 * fill) as f32

@@ -7,19 +7,19 @@ use crate::drawing::{Arrow, Component, Drawing, Field};
 /// Component of the errors that arrows show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Show {
-    /// Picture without error maps.
+    /// No component: a picture without error maps.
     Nothing,
     X,
     Y,
     Z,
-    /// Error in x and y together.
+    /// Error vector in the x-y plane.
     InPlane,
     #[default]
     Resultant,
 }
 
 impl Show {
-    /// Returns the sense in which the size of the component is reported.
+    /// Returns the name of the sense that measures the component.
     pub fn sense(self) -> Option<&'static str> {
         match self {
             Self::Nothing => None,
@@ -53,11 +53,11 @@ impl Show {
     }
 }
 
-/// Colour scale for all fields in the picture.
+/// Colour scale of all error maps in the picture.
 pub struct ErrorScale {
-    /// Names of the senses of the colours.
+    /// Names of the senses that the colours show.
     pub senses: Vec<String>,
-    /// Least and greatest value, m, rad or share; none without usable nodes.
+    /// Least and greatest value, m, rad or share; None without usable nodes.
     pub range: Option<(f64, f64)>,
     pub unit: Unit,
 }
@@ -82,7 +82,7 @@ impl ErrorScale {
         Self { senses, range, unit }
     }
 
-    /// Returns the place of a value between the least (0) and the greatest (1).
+    /// Returns the position of a value on the scale: 0 for the least value, 1 for the greatest.
     pub fn share(&self, value: f64) -> f64 {
         let (low, high) = self.range.unwrap_or((0.0, 1.0));
         if high > low { (value - low) / (high - low) } else { 0.5 }
@@ -94,19 +94,19 @@ impl ErrorScale {
     }
 }
 
-/// Returns the index of the sense of the colours of a field.
+/// Returns the index of the sense that the colours of a field show.
 pub fn sense(field: &Field, shot: &Shot) -> usize {
     let named = |name: &str| field.senses.iter().position(|s| s.name == name);
     shot.sense.as_deref().and_then(named).unwrap_or(field.sense)
 }
 
-/// Returns the figure of the reading for a node in that sense.
+/// Returns the figure of a node in the sense and the take shown.
 pub fn value(field: &Field, shot: &Shot, node: usize) -> Option<f64> {
     *field.takes.get(shot.take)?.values[sense(field, shot)].get(node)?
 }
 
-/// Returns the best node in the sense shown. In the sense of the operation it is the spot, otherwise the
-/// usable node of least value.
+/// Returns the best node in the sense shown: the spot for the sense of the operation, otherwise the usable
+/// node of least value.
 pub fn best(field: &Field, shot: &Shot) -> Option<usize> {
     if sense(field, shot) == field.sense {
         return field.takes.get(shot.take)?.best;

@@ -1,4 +1,4 @@
-//! Scene of a picture: bodies, lines and labels; world, m.
+//! Scene of a picture: bodies, lines and labels in the world frame, m.
 
 use super::Shot;
 use super::palette::{Colour, Light, Palette, lit, mixed};
@@ -11,7 +11,8 @@ use nalgebra::Vector3;
 pub struct SceneBody {
     pub mesh: Mesh,
     pub colour: Colour,
-    /// Shares of the corners between `dark` (0) and the colour (1) of an unlit body; empty means 1.
+    /// Colour of an unlit body at a share of 0. `shares` gives the share of every corner between `dark` and
+    /// `colour`; empty means 1.
     pub dark: Colour,
     pub shares: Vec<f32>,
     pub opacity: f32,
@@ -43,7 +44,7 @@ impl SceneBody {
 pub struct SceneLine {
     pub points: Vec<Vector3<f64>>,
     pub closed: bool,
-    /// Whether every second part is left out.
+    /// Whether every second pair of segments is left out.
     pub dashed: bool,
     pub colour: Colour,
     /// Width in tenths of the height of capitals.
@@ -52,7 +53,7 @@ pub struct SceneLine {
 }
 
 impl SceneLine {
-    /// Returns the parts that are drawn.
+    /// Returns the segments that are drawn.
     pub fn spans(&self) -> impl Iterator<Item = [Vector3<f64>; 2]> {
         let count = if self.closed { self.points.len() } else { self.points.len().saturating_sub(1) };
         let kept = (0..count).filter(|k| !self.dashed || k % 4 < 2);
@@ -60,20 +61,20 @@ impl SceneLine {
     }
 }
 
-/// Place of a label beside its thing.
+/// Position of a label relative to its object.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LabelSide {
     Above,
-    /// Below the nearest of the points.
+    /// Below the nearest of the object's points.
     Below,
-    /// Beside a spot, with a line that leads to it.
+    /// Beside a spot, with a leader line to the spot.
     Spot,
 }
 
-/// Text beside a thing.
+/// Text beside an object.
 pub struct Label {
     pub text: String,
-    /// Points of the thing.
+    /// Points of the labelled object.
     pub points: Vec<Vector3<f64>>,
     pub side: LabelSide,
 }
@@ -83,7 +84,7 @@ pub struct NodeMark {
     pub at: Vector3<f64>,
     /// Colour of a usable node.
     pub colour: Option<Colour>,
-    /// Title that a pointer on the node shows.
+    /// Tooltip of the node.
     pub title: String,
 }
 
@@ -95,12 +96,12 @@ pub struct RasterScene {
     pub arrows: Vec<(Arrow, Colour)>,
     /// Diagonal of all bodies, m.
     pub size: f64,
-    /// Level direction to the right of the picture, world.
+    /// Horizontal direction to the right of the picture, world frame.
     pub right: Vector3<f64>,
 }
 
 impl RasterScene {
-    /// Returns the solids and the working envelopes.
+    /// Returns the scene with its solids and working envelopes, before maps and names are added.
     pub fn of(drawing: &Drawing<'_>, shot: &Shot, palette: &Palette) -> Self {
         let stance = shot.operation.or(shot.stance);
         let frames = drawing.movement.frames(stance);
@@ -127,7 +128,7 @@ impl RasterScene {
         scene
     }
 
-    /// Returns all points that the picture must show.
+    /// Returns all points of bodies and lines, which the picture must show.
     pub fn points(&self) -> Vec<Vector3<f64>> {
         let bodies = self.bodies.iter().flat_map(|b| &b.mesh.positions);
         bodies.chain(self.lines.iter().flat_map(|l| &l.points)).copied().collect()

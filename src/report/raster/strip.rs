@@ -15,7 +15,7 @@ use nalgebra::Vector2;
 use std::f64::consts::TAU;
 use std::fmt::Write;
 
-/// Height of the legend in heights of capitals.
+/// Height of the legend, in heights of capitals.
 pub const HEIGHT: f64 = 8.6;
 
 /// Font size in a browser for capitals of height 1.
@@ -25,7 +25,7 @@ pub const TEXT: f64 = 1.38;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LegendSign {
     Spot,
-    /// Sign of nodes that cannot be used.
+    /// Sign of unusable nodes.
     Node(NodeSign),
     Envelope,
 }
@@ -89,7 +89,7 @@ impl Words {
     }
 }
 
-/// Returns the entries for the signs that are in the picture.
+/// Returns the legend entries of the signs in the picture.
 pub fn signs(drawing: &Drawing<'_>, shot: &Shot) -> Vec<LegendSign> {
     let shown = || drawing.fields.iter().filter(|f| shot.operation.is_none_or(|o| o == f.operation));
     let occurs = |sign: &NodeSign| shown().flat_map(|f| &f.nodes).any(|n| n.sign == *sign);
@@ -107,15 +107,15 @@ pub fn signs(drawing: &Drawing<'_>, shot: &Shot) -> Vec<LegendSign> {
     signs
 }
 
-/// Places of the columns of the legend, in heights of capitals.
+/// Positions of the columns of the legend, in heights of capitals.
 pub const COLUMNS: [f64; 3] = [2.2, 38.5, 78.0];
-/// Most signs below each other.
+/// Largest number of signs in a column.
 const MAX_ROWS: usize = 4;
 pub const BAR: f64 = 31.0;
 
 /// Item of the legend, px.
 pub enum Item {
-    /// Text with its place and the height of its capitals.
+    /// Text with its position, height of capitals and colour.
     Text(String, Vector2<f64>, f64, Colour),
     Line(Vec<Vector2<f64>>, f64, Colour),
     Area(Vector2<f64>, Vector2<f64>, Colour),
@@ -167,7 +167,7 @@ pub fn items(drawing: &Drawing<'_>, stage: &Staged, shot: &Shot) -> Vec<Item> {
     items
 }
 
-/// Returns the signs with their labels, column by column, made smaller where they would not fit.
+/// Returns the signs with their labels, column by column, scaled down if they would not fit.
 fn sign_table(
     signs: &[LegendSign],
     place: Vector2<f64>,
@@ -228,7 +228,7 @@ fn glyph_items(glyph: &NodeGlyph, at: Vector2<f64>, unit: f64, palette: &Palette
     lines.map(|points| Item::Line(points, thin, colour)).collect()
 }
 
-/// Returns points on an arc from one angle to another, rad.
+/// Returns points on an arc between two angles, rad.
 fn arc(at: Vector2<f64>, radius: f64, from: f64, to: f64) -> Vec<Vector2<f64>> {
     let angle = |k: usize| from + (to - from) * k as f64 / 24.0;
     (0..=24).map(|k| at + Vector2::new(angle(k).cos(), angle(k).sin()) * radius).collect()

@@ -1,4 +1,4 @@
-//! Contour tracing: outlines of the areas of one value in a grid.
+//! Contour tracing: outlines of the areas of equal value in a grid.
 
 use crate::geometry::{join_edges, simplified_line};
 use nalgebra::Vector2;
@@ -7,8 +7,8 @@ use std::collections::BTreeMap;
 /// Corner of the grid.
 type GridPoint = [i32; 2];
 
-/// Returns the closed outlines of all areas of each value, as corners of the grid. Small areas are left out.
-/// Outlines are simplified by at most `tolerance`.
+/// Returns the closed outlines of all areas of each value, as grid corners. Areas below `least_area` are left
+/// out. Outlines are simplified within `tolerance`.
 pub fn outlines(
     values: &[u32],
     width: usize,
@@ -23,7 +23,8 @@ pub fn outlines(
     loops.filter(|(_, rings): &(u32, Vec<_>)| !rings.is_empty()).collect()
 }
 
-/// Returns the sides between each value and others, from corner to corner, with the value to the right.
+/// Returns for each value the cell sides that separate it from other values. A side is directed, with the
+/// value on its right.
 fn sides(values: &[u32], width: usize) -> BTreeMap<u32, Vec<(GridPoint, GridPoint)>> {
     let height = values.len() / width.max(1);
     let at = |x: i32, y: i32| {
@@ -48,7 +49,7 @@ fn sides(values: &[u32], width: usize) -> BTreeMap<u32, Vec<(GridPoint, GridPoin
     sides
 }
 
-/// Joins sides to rings. Where two areas meet in a corner, each keeps to its own.
+/// Joins sides to closed rings. Where two areas meet only in a corner, each ring stays with its own area.
 fn rings(sides: &[(GridPoint, GridPoint)]) -> Vec<Vec<GridPoint>> {
     let way = |k: usize| {
         let (a, b) = sides[k];
@@ -68,8 +69,8 @@ fn area(ring: &[GridPoint]) -> f64 {
         / 2.0
 }
 
-/// Returns a ring with fewer points (Douglas and Peucker 1973). It is cut in two at its least point, which is
-/// a corner, and at the point farthest from that.
+/// Returns a ring with fewer points (Douglas and Peucker 1973). The ring is split at its least point, which
+/// is a corner, and at the point farthest from it.
 fn simplified(ring: &[GridPoint], tolerance: f64) -> Vec<GridPoint> {
     let Some(start) = (0..ring.len()).min_by_key(|k| ring[*k]) else { return Vec::new() };
     let ring: Vec<GridPoint> = ring[start..].iter().chain(&ring[..=start]).copied().collect();
@@ -90,7 +91,7 @@ fn thinned(line: &[GridPoint], tolerance: f64) -> Vec<GridPoint> {
     simplified_line(&places, tolerance).into_iter().map(|k| line[k]).collect()
 }
 
-/// Returns the path data of rings, in whole numbers.
+/// Returns the SVG path data of rings, as whole numbers.
 pub fn path(rings: &[Vec<GridPoint>]) -> String {
     use std::fmt::Write;
     let mut d = String::new();

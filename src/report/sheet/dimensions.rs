@@ -9,13 +9,13 @@ use crate::units::{mm_from_m, rounded};
 use nalgebra::Vector2;
 use std::fmt::Write;
 
-/// Distance of the first dimension line from the view, and of the next ones, mm on paper.
+/// Distance between the view and the first dimension line, mm on paper; the next lines are [`NEXT`] apart.
 const FIRST: f64 = 7.0;
 const NEXT: f64 = 6.0;
 /// Length of the head of an arrow, mm on paper.
 const HEAD: f64 = 2.2;
 
-/// Returns the letter of each equipment, its index, and its corner nearest to the robot base (world, m).
+/// Returns for each equipment a letter, its index, and its corner nearest to the robot base (world frame, m).
 pub fn marks(drawing: &Drawing<'_>) -> Vec<(String, usize, Vector2<f64>)> {
     let (cell, layout) = (drawing.cell, &drawing.layout);
     let base = Vector2::new(layout.base.x, layout.base.y);
@@ -28,13 +28,13 @@ pub fn marks(drawing: &Drawing<'_>) -> Vec<(String, usize, Vector2<f64>)> {
     nearest.enumerate().map(|(n, (k, corner))| (letter(n), k, corner)).collect()
 }
 
-/// Returns A to Z, then A1, B1, ...
+/// Returns the letter with number `n`: A to Z, then A1, B1, ...
 fn letter(n: usize) -> String {
     let first = char::from(b'A' + (n % 26) as u8);
     if n < 26 { first.to_string() } else { format!("{first}{}", n / 26) }
 }
 
-/// Returns the room of the dimension lines beside and below the plan, mm on paper.
+/// Returns the space that the dimension lines need beside and below the plan, mm on paper.
 pub fn room(drawing: &Drawing<'_>) -> f64 {
     let count = drawing.cell.equipment.iter().filter(|e| e.role == Role::Equipment).count();
     FIRST + NEXT * count as f64
@@ -77,8 +77,8 @@ pub fn draw(out: &mut String, drawing: &Drawing<'_>, view: &SheetView) {
     }
 }
 
-/// Draws a dimension line with heads and its number above, or left of a vertical line. A short line has its
-/// heads outside and its number beside.
+/// Draws a dimension line with arrow heads and its number above, or left of a vertical line. A short line has
+/// its heads outside and its number beside it.
 fn ruled(out: &mut String, (from, to): (f64, f64), across: f64, upright: bool, number: &str) {
     let (low, high) = (from.min(to), from.max(to));
     let wide = 1.6 * number.len() as f64;

@@ -1,7 +1,7 @@
 //! Drawing of the cell on paper: plan and front view to scale, with dimensions and a title block.
 //!
-//! Sizes are mm on paper: A4 or A3 landscape (ISO 216), a scale of ISO 5455, lines 0.35 and 0.18 mm wide (ISO
-//! 128). It is printed at 100 %.
+//! Sizes are in mm on paper. The sheet is A4 or A3 landscape (ISO 216) with a scale of ISO 5455 and lines
+//! 0.35 and 0.18 mm wide (ISO 128). Print it at 100 %.
 
 mod dimensions;
 mod title;
@@ -13,11 +13,11 @@ use crate::units::mm_from_m;
 use nalgebra::{Vector2, Vector3};
 use std::fmt::Write;
 
-/// Scales of ISO 5455, 1 to so many.
+/// Scales of ISO 5455; the entry `n` means 1:n.
 const SCALES: [f64; 13] = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1e3, 2e3, 5e3, 1e4];
-/// Papers: name, width and height.
+/// Paper formats: name, width and height, mm.
 const PAPERS: [(&str, f64, f64); 2] = [("A4", 297.0, 210.0), ("A3", 420.0, 297.0)];
-/// Margin round the frame, and inside it round the views.
+/// Margin round the frame, mm; [`INSIDE`] is the margin between frame and views.
 const MARGIN: f64 = 8.0;
 const INSIDE: f64 = 6.0;
 const HEADING: f64 = 8.0;
@@ -25,20 +25,20 @@ const GAP: f64 = 14.0;
 /// Height of the title block.
 const TITLE: f64 = 30.0;
 
-/// Solid as a view shows it.
+/// Solid with its silhouette in a view.
 struct SheetSolid {
     kind: PartKind,
     silhouette: Silhouette,
 }
 
-/// View: from the world (m, right and up) to the paper (mm).
+/// Mapping of a view from the world (m, right and up) to the paper (mm).
 pub struct SheetView {
     low: Vector2<f64>,
     high: Vector2<f64>,
-    /// Place of the lower left corner on the paper.
+    /// Position of the lower left corner on the paper, mm.
     left: f64,
     bottom: f64,
-    /// Scale of the view, 1 to so many.
+    /// Scale of the view, 1:ratio.
     ratio: f64,
 }
 
@@ -62,7 +62,7 @@ fn size(low: &Vector2<f64>, high: &Vector2<f64>, ratio: f64) -> (f64, f64) {
     (size.x, size.y)
 }
 
-/// Returns the sheet with the robot at the spot of an operation, or at home. The errors are those of the
+/// Returns the sheet with the robot at the spot of an operation, or at home. It shows the errors under the
 /// model and the reading of the cell.
 pub fn sheet(drawing: &Drawing<'_>, operation: Option<usize>) -> String {
     let views = [ABOVE, FRONT].map(|eye| seen(drawing, operation, &eye));
@@ -110,7 +110,7 @@ pub fn sheet(drawing: &Drawing<'_>, operation: Option<usize>) -> String {
     out
 }
 
-/// Returns the solids of a view from far to near.
+/// Returns the solids of a view, the farthest first.
 fn seen(drawing: &Drawing<'_>, operation: Option<usize>, eye: &Eye) -> Vec<SheetSolid> {
     let parts = drawing.posed(operation, drawing.movement.frames(operation));
     let mut all: Vec<SheetSolid> = parts
@@ -120,7 +120,7 @@ fn seen(drawing: &Drawing<'_>, operation: Option<usize>, eye: &Eye) -> Vec<Sheet
     all
 }
 
-/// Returns the bounds of a view; the plan contains the floor spaces, too.
+/// Returns the bounds of a view. The bounds of the plan include the floor spaces.
 fn bounds(drawing: &Drawing<'_>, view: &[SheetSolid], is_plan: bool) -> (Vector2<f64>, Vector2<f64>) {
     let mut points: Vec<Vector2<f64>> =
         view.iter().flat_map(|s| s.silhouette.loops.iter().flatten()).copied().collect();
@@ -136,7 +136,7 @@ fn bounds(drawing: &Drawing<'_>, view: &[SheetSolid], is_plan: bool) -> (Vector2
     pairs.reduce(|(lo, hi), (p, q)| (lo.inf(&p), hi.sup(&q))).unwrap_or_default()
 }
 
-/// Returns the largest scale that fits the larger paper, and the smallest paper that holds it.
+/// Returns the largest scale at which the views fit the larger paper, and the smallest paper that holds them.
 fn fitting(
     [plan, front]: &[(Vector2<f64>, Vector2<f64>); 2],
     (rows, away): (usize, f64),
@@ -162,7 +162,7 @@ fn heading(out: &mut String, (left, top): (f64, f64), text: &str) {
     );
 }
 
-/// Returns fill and line of a kind of part.
+/// Returns the fill and line attributes of a kind of part.
 fn style(kind: PartKind) -> &'static str {
     match kind {
         PartKind::Robot => "fill=\"#fde7d3\" stroke=\"#8a3800\"",

@@ -8,13 +8,13 @@ use crate::report::svg_text::escaped;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use std::fmt::Write;
 
-/// Height of a line and width of the list, mm on paper.
+/// Height of a line of the list, mm on paper.
 pub const LINE: f64 = 4.2;
 pub const LIST: f64 = 122.0;
-/// Greatest number of characters of a name in the list.
+/// Largest number of characters of a name in the list.
 const NAME: usize = 24;
 
-/// Returns the number of lines of the list, and the room that dimensions need.
+/// Returns the number of lines of the list, and the space that the dimensions need, mm on paper.
 pub fn rows(drawing: &Drawing<'_>) -> (usize, f64) {
     (marks(drawing).len() + drawing.fields.len() + 3, room(drawing))
 }
@@ -28,7 +28,8 @@ fn mm(m: f64) -> f64 {
     rounded(mm_from_m(m), 1)
 }
 
-/// Draws the list: corners and frames of the equipment from the robot base, spots in the world.
+/// Draws the list: corners and frames of the equipment relative to the robot base, and spots in the world
+/// frame.
 pub fn list(out: &mut String, drawing: &Drawing<'_>, (left, top): (f64, f64)) {
     let base = &drawing.layout.base;
     let mut y = top;

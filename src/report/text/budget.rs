@@ -16,14 +16,14 @@ pub fn budget(a: &Account<'_>) -> String {
     let gauge = &a.stance.gauge;
     let by = if gauge.reading == Reading::Statistical { "variance" } else { "worst case" };
     let at = match gauge.reading {
-        Reading::Signed => "at their signed values",
-        _ => "at plus",
+        Reading::Signed => "of the signed values",
+        _ => "of the positive tolerances",
     };
     let mut out = place_words(&a.stance);
     if a.judged.figures[gauge.own()].worst <= NEGLIGIBLE {
         // Shares of rounding errors would mean nothing.
         out.push_str(match a.stance.situation.site.taught.is_some() {
-            true => "  this point was touched to teach the frame: no error is left here\n",
+            true => "  this point was touched to teach the frame: no error remains here\n",
             false => "  no parameter has an effect here\n",
         });
         return out;
@@ -67,7 +67,7 @@ fn terms(v: &Vector3<f64>) -> [String; 3] {
     [v.x, v.y, v.z].map(|m| fixed(mm_from_m(m), 4))
 }
 
-/// Returns the value of a parameter, rounded.
+/// Returns the value of a parameter in its unit, rounded to 6 decimals.
 fn value(unit: Unit, si: f64) -> String {
     crate::units::rounded(unit.from_si(si), 6).to_string()
 }

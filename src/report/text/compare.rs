@@ -1,4 +1,4 @@
-//! Layouts side by side.
+//! Comparison of layouts.
 
 use super::table::TextTable;
 use super::{ALWAYS_COUNTED, fixed, mm, mm1, percent1};
@@ -10,7 +10,7 @@ use crate::record::value_word;
 use crate::units::{deg_from_rad, rounded};
 use std::fmt::Write;
 
-/// Returns layouts side by side.
+/// Returns the comparison table, then the objective or the reasons of infeasible layouts.
 pub fn comparison(comparison: &Comparison<'_>) -> String {
     let mut out = comparison_table(comparison).render();
     for column in comparison.columns.iter().filter(|c| c.evaluation.objective.is_none()) {
@@ -19,7 +19,8 @@ pub fn comparison(comparison: &Comparison<'_>) -> String {
     out
 }
 
-/// Returns the table of [`comparison`]: group, label, and one cell for each layout; the first row names them.
+/// Returns the table of [`comparison`]: group, label, and one cell for each layout. The first row names the
+/// layouts.
 pub fn comparison_table(comparison: &Comparison<'_>) -> TextTable {
     let mut table = TextTable::new(2);
     let columns = &comparison.columns;
@@ -44,7 +45,7 @@ pub fn comparison_table(comparison: &Comparison<'_>) -> TextTable {
     table
 }
 
-/// Returns the objective of a layout, or line by line why it has none.
+/// Returns the objective of a layout, or the reasons why it is not feasible, one per line.
 pub fn feasibility(a: &Assessment<'_>) -> String {
     match a.objective() {
         Some(objective) => {
@@ -69,7 +70,7 @@ fn placement_rows(table: &mut TextTable, name: &str, columns: &[Assessment<'_>])
     table.labelled("", "yaw deg", cells(|p| rounded(deg_from_rad(p.yaw), 4).to_string()).into_iter());
 }
 
-/// Adds the placement of the robot base, if a layout may move it.
+/// Adds the placement of the robot base, if a layout may move the base.
 fn base_rows(table: &mut TextTable, columns: &[Assessment<'_>]) {
     if !columns.iter().any(|c| c.cell.base.iter().any(Coordinate::is_free)) {
         return;
@@ -92,7 +93,7 @@ fn attitude_rows(table: &mut TextTable, k: usize, columns: &[Assessment<'_>]) {
     }
 }
 
-/// Adds the value of an operation that uses every node, and its margin to the limit.
+/// Adds the value of an operation that uses every node, and the margin of any operation with a limit.
 fn worth_rows(table: &mut TextTable, k: usize, columns: &[Assessment<'_>]) {
     let (operation, unit) = (&columns[0].cell.operations[k], columns[0].cell.unit());
     if operation.over.takes_all() {

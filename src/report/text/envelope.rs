@@ -10,7 +10,7 @@ use crate::units::{deg_from_rad, mm_from_m, percent_from_share, rounded};
 use nalgebra::Vector3;
 use std::fmt::Write;
 
-/// Returns the table of built-in robots: file stem, robot, family of the inverse kinematics.
+/// Returns the table of built-in robots and the sources of their numbers.
 pub fn robots(all: &[(&str, Robot, &str)]) -> String {
     let mut table = TextTable::new(3);
     table.row(["robot", "name", "inverse kinematics", "axes", "reach mm", "error sets"]);
@@ -135,7 +135,7 @@ pub fn size(size: &Size) -> String {
     )
 }
 
-/// Returns the title of an envelope: robot, operation and elevation of the tool.
+/// Returns the title of an envelope: robot, operation and elevation of the tool axis.
 pub fn envelope_title(envelope: &Reachable<'_>) -> String {
     let elevation = rounded(deg_from_rad(envelope.attitude.elevation), 3);
     let of = envelope.operation.map_or(String::new(), |o| format!(" of {}", shown(&o.name)));

@@ -11,7 +11,7 @@ use crate::units::{deg_from_rad, mm_from_m, rad_from_deg, rounded};
 use nalgebra::Vector3;
 use std::fmt::Write;
 
-/// Returns all steps in the order of the calculation.
+/// Returns all steps of an explanation in the order of the calculation.
 pub fn explanation(e: &Explanation<'_>) -> String {
     [place(e), dh_table(e), frames(e), motions(e), effects(e), models(e), sense(e), risk(e)].concat()
 }
@@ -128,7 +128,7 @@ fn effects(e: &Explanation<'_>) -> String {
     sum.push(triple(&e.lines.iter().map(|l: &ParameterEffect| l.term().position).sum(), 5, mm_from_m));
     table.row(sum);
     format!(
-        "\n4. Effect on the TCP: g = w x (p - o) of a turn, w of a slide; unit 1 deg or 1 mm; {sample}\n{}",
+        "\n4. Effect on the TCP: g = w x (p - o) for a turn, g = w for a slide; unit 1 deg or 1 mm; {sample}\n{}",
         table.render()
     )
 }
@@ -140,7 +140,7 @@ fn sample_word(e: &Explanation<'_>) -> &'static str {
     }
 }
 
-/// Returns the effect of 1 degree or 1 mm, in mm.
+/// Converts an effect per SI unit to the effect of 1 degree or 1 mm, in mm.
 fn per_unit(g: &Vector3<f64>, unit: Unit) -> Vector3<f64> {
     match unit {
         Unit::Angle => g.map(mm_from_m) * rad_from_deg(1.0),
@@ -189,7 +189,7 @@ fn models(e: &Explanation<'_>) -> String {
     out
 }
 
-/// Returns what reduces the error of the robot alone.
+/// Returns the names of the parts that are subtracted from the error of the robot alone.
 fn taken_words(e: &Explanation<'_>) -> String {
     let registration = match e.stance.cell.registration {
         Registration::None => None,
@@ -257,7 +257,7 @@ fn risk(e: &Explanation<'_>) -> String {
     out
 }
 
-/// Returns a vector in brackets.
+/// Returns a vector in parentheses; `outside` converts its components from SI.
 fn triple(v: &Vector3<f64>, digits: usize, outside: fn(f64) -> f64) -> String {
     let [x, y, z] = [v.x, v.y, v.z].map(|c| fixed(outside(c), digits));
     format!("({x}, {y}, {z})")

@@ -1,4 +1,4 @@
-//! Goals of a layout besides the error, and the Pareto front or shortlist of layouts.
+//! Goals of a layout, and the Pareto front or shortlist of layouts.
 
 use super::fixed;
 use super::table::TextTable;
@@ -7,14 +7,14 @@ use crate::cell::{Cell, Goal};
 use crate::record::goals;
 use crate::search::SearchRecord;
 
-/// Most rows in the terminal; front.csv has all.
+/// Largest number of rows in the terminal; front.csv has all rows.
 const MAX_ROWS_SHOWN: usize = 40;
 
 fn cells<'a>(cell: &'a Cell, values: &'a [f64]) -> impl Iterator<Item = String> + 'a {
     Goal::ALL.into_iter().zip(values).map(|(goal, si)| fixed(goals::value(cell, goal, *si), 4))
 }
 
-/// Returns the goals of a layout in one line; empty if it is not feasible.
+/// Returns the goals of a layout except the error in one line; empty if the layout is not feasible.
 pub fn goals_line(a: &Assessment<'_>) -> String {
     let Some(values) = a.goals() else { return String::new() };
     let others = Goal::ALL.into_iter().zip(cells(a.cell, &values)).skip(1);
@@ -23,7 +23,7 @@ pub fn goals_line(a: &Assessment<'_>) -> String {
     format!("{} layout: {}\n", a.label, said.join(", "))
 }
 
-/// Returns the Pareto front or the shortlist as a table; empty if there is none.
+/// Returns the Pareto front or the shortlist as a table; empty if the search kept no layouts.
 pub fn front(cell: &Cell, record: &SearchRecord) -> String {
     let count = record.alternatives.len();
     if count == 0 {

@@ -28,7 +28,7 @@ pub fn maps(a: &Assessment<'_>) -> String {
     out
 }
 
-/// Returns the limit of an operation and whether it is met.
+/// Returns the limit of an operation and the margin to it; None without a limit.
 fn limit_in_words(a: &Assessment<'_>, operation: usize) -> Option<String> {
     let (r, unit) = (a.requirement(operation)?, a.cell.unit());
     Some(format!("limit {:.4} {}: {}", unit.from_si(r.limit), unit.word(), margin(a, r)))
@@ -71,7 +71,8 @@ fn map_summary(a: &Assessment<'_>, map: &OperationMap) -> String {
                 let _ = write!(out, "\n  {said}");
             }
             if let Some(k) = map.sense(sense) {
-                let _ = write!(out, "\n  there {}", risk(&p.figures[k], operation.sense.unit, p.success));
+                let _ =
+                    write!(out, "\n  at this node: {}", risk(&p.figures[k], operation.sense.unit, p.success));
             }
             if let Some(said) = samples_summary(a, map.operation) {
                 let _ = write!(out, "\n  {said}");
@@ -86,7 +87,7 @@ fn map_summary(a: &Assessment<'_>, map: &OperationMap) -> String {
     out
 }
 
-/// Returns the refined spot between the nodes and its gain.
+/// Returns the spot refined between the nodes, and its gain over the best node.
 fn refined_summary(a: &Assessment<'_>, k: usize) -> Option<String> {
     let (refined, unit) = (a.refined[k].as_ref()?, a.cell.unit());
     let [x, y, z] = [refined.position.x, refined.position.y, refined.position.z].map(mm1);
@@ -127,7 +128,8 @@ fn samples_summary(a: &Assessment<'_>, k: usize) -> Option<String> {
     ))
 }
 
-/// Returns the largest error of each model, and whether the chosen one can be trusted.
+/// Returns the largest difference of each model from the nonlinear one, and whether the chosen model can be
+/// trusted.
 fn guard_summary(cell: &Cell, map: &OperationMap) -> String {
     let most = |model| percent(map.off(model, cell.guard).0);
     let trust = distrust(cell, map)
@@ -139,7 +141,8 @@ fn guard_summary(cell: &Cell, map: &OperationMap) -> String {
     )
 }
 
-/// Returns where the chosen model cannot be trusted; None if it can be everywhere.
+/// Returns the warning that the chosen model cannot be trusted; None if it can be trusted at every usable
+/// node.
 pub fn distrust(cell: &Cell, map: &OperationMap) -> Option<String> {
     let (most, above, all) = map.off(cell.model, cell.guard);
     (above > 0).then(|| {
@@ -152,7 +155,7 @@ pub fn distrust(cell: &Cell, map: &OperationMap) -> Option<String> {
     })
 }
 
-/// Returns the largest discrepancy of the linear model: section 4.3 of the seed paper claims at most 1 %.
+/// Returns the largest discrepancy of the linear model. Section 4.3 of the seed paper claims at most 1 %.
 fn discrepancy_summary(map: &OperationMap) -> String {
     let all: Vec<Discrepancy> = map.usable().map(|(_, _, p)| discrepancy(&p.nonlinear, &p.linear)).collect();
     let of = |f: fn(&Discrepancy) -> Option<f64>| {
@@ -170,5 +173,5 @@ fn discrepancy_summary(map: &OperationMap) -> String {
         said("y", of(|d| d.y)),
         said("z", of(|d| d.z)),
     ];
-    format!("largest discrepancy of the linear from the nonlinear model: {}", parts.join(", "))
+    format!("largest discrepancy between linear and nonlinear model: {}", parts.join(", "))
 }

@@ -83,7 +83,7 @@ fn percent1(share: f64) -> String {
     format!("{} %", fixed(percent_from_share(share), 1))
 }
 
-/// Returns a number with a fixed count of decimals, never as negative zero.
+/// Returns a number with a fixed number of decimals, never as negative zero.
 fn fixed(value: f64, digits: usize) -> String {
     format!("{:.digits$}", rounded(value, digits as i32))
 }
@@ -108,7 +108,7 @@ fn place_words(stance: &PostureContext<'_>) -> String {
     format!("{} on {surface}: {at}, x {x} y {y} z {z} mm\n", shown(&operation.name))
 }
 
-/// Returns the quantity that tightening a tolerance reduces, with its article.
+/// Returns the name of the figure that tightening a tolerance reduces, with its article.
 fn tightened_word(stance: &PostureContext<'_>) -> &'static str {
     match (stance.gauge.reading, stance.gauge.quantity) {
         (Reading::Statistical, Quantity::Yield) => "the share of failures",

@@ -38,7 +38,7 @@ fn table(rows: &[ReadingRow]) -> String {
     let mut table = TextTable::indented(3);
     table.row([
         "reading",
-        "of",
+        "quantity",
         "registration",
         "node",
         "x, y, z mm",
@@ -79,7 +79,7 @@ pub fn findings(r: &Readings<'_>) -> Vec<String> {
 fn regret(r: &Readings<'_>) -> Vec<String> {
     if matches!(r.cell.error_set(), ErrorSet::Tolerance(_)) {
         return vec![format!(
-            "{} is a tolerance: there is no signed sample to choose by",
+            "{} is a tolerance: there is no signed sample that could choose a spot",
             shown(r.cell.error_set().name())
         )];
     }
@@ -99,7 +99,7 @@ fn regret(r: &Readings<'_>) -> Vec<String> {
     )]
 }
 
-/// Returns how registration changes the worst case at the spot that is best without it.
+/// Returns how registration changes the worst case at the spot that is best without registration.
 fn registered(r: &Readings<'_>) -> Vec<String> {
     let mut said = Vec::new();
     for (k, operation) in r.cell.operations.iter().enumerate() {

@@ -9,10 +9,10 @@ use crate::record::value_word;
 use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg, rounded};
 use std::fmt::Write;
 
-/// Most corners listed at which an operation is lost.
+/// Largest number of listed corners at which an operation cannot be done.
 const MAX_LOST_SHOWN: usize = 3;
 
-/// Returns the effect of misplacement on each operation of a layout; empty if it was not computed.
+/// Returns the effect of misplacement on each operation of a layout; empty if misplacement was not computed.
 pub fn robustness(a: &Assessment<'_>) -> String {
     let mut out = String::new();
     for (k, robustness) in a.robustness.iter().enumerate() {
@@ -56,7 +56,7 @@ pub fn robust_lines(cell: &Cell, k: usize, r: &Robustness) -> Vec<String> {
     if r.lost.len() > MAX_LOST_SHOWN {
         lines.push(format!("LOST at {} of {} corners in all", r.lost.len(), r.corners));
     }
-    lines.push(format!("changes by {}", slopes(cell, r)));
+    lines.push(format!("gradient: {}", slopes(cell, r)));
     let has_limit = cell.operations[k].limit.is_some() && cell.unit() != Unit::Share;
     let keeps = if has_limit { "its limit, reach and clearance" } else { "reach and clearance" };
     if let Some(scale) = &r.scale {

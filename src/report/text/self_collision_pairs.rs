@@ -4,8 +4,8 @@ use crate::clearance::{Allowed, SelfCollisionPair};
 use crate::files::shown;
 use crate::layout::Workcell;
 
-/// Returns one line: how many pairs are checked, and which may touch; pairs that follow from the chain are
-/// only counted.
+/// Returns one line: the number of checked pairs and the pairs that may touch. Pairs on the same link or on
+/// neighbouring links are only counted.
 pub fn self_collision_pairs(workcell: &Workcell) -> String {
     let pairs = workcell.self_collision_pairs();
     if pairs.is_empty() {

@@ -6,7 +6,7 @@ use crate::record::{SweepGroup, SweepRow, SweepSpot, SweepTable};
 use crate::report::sweep::word;
 use std::fmt::Write;
 
-/// Returns the table of all rows with the best marked, then the best of every value.
+/// Returns the table of all rows with the best row marked, then the best row of every value.
 pub fn sweep(document: &SweepTable) -> String {
     let Some(first) = document.rows.first() else { return String::new() };
     let mut table = TextTable::new(2 + first.set.len());

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-/// Rows of cells; the first `left` columns are aligned left, the others right.
+/// Table of text cells. The first `left` columns are aligned left, the others right.
 pub struct TextTable {
     rows: Vec<Vec<String>>,
     left: usize,

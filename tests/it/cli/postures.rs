@@ -117,7 +117,7 @@ fn a_taught_point_has_no_error_left() {
     let taught = ["--registration", "taught", "--reading", "worst-case"];
     let at = ["--operation", "assembly", "--at", "0,2"];
     let ran = shop.done(&[&["budget", CELL][..], &at, &taught].concat());
-    assert!(ran.out.contains("this point was touched to teach the frame: no error is left"), "{}", ran.out);
+    assert!(ran.out.contains("this point was touched to teach the frame: no error remains"), "{}", ran.out);
     assert!(!ran.out.contains("halving"), "{}", ran.out);
     // A taught point is no spot: the least error that counts is at another node.
     let map = shop.done(&[&["map", CELL][..], &taught].concat());

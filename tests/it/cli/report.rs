@@ -272,7 +272,7 @@ fn a_search_without_a_layout_reports_no_and_the_reason() {
     assert!(!items(&verdict["reasons"]).is_empty());
     let html = shop.text("report.html");
     assert_sound(&html);
-    assert!(html.contains("No: the search has found no layout that works"));
+    assert!(html.contains("No: the search has found no feasible layout"));
     assert!(html.contains("has no usable node"));
 }
 

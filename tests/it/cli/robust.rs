@@ -14,7 +14,7 @@ fn robust_reports_worst_corner_slopes_and_allowed_misplacement() {
     let told = shop.done(&["robust", "cells/loose.toml", "--limit", "14"]);
     for words in [
         "placement tolerance: worst ",
-        "changes by x ",
+        "gradient: x ",
         " times the tolerances",
         "may be misplaced by at most ",
     ] {

@@ -69,7 +69,7 @@ impl DxfFile {
         out
     }
 
-    /// The view is from above and shows everything.
+    /// Writes the active view: from above, showing the whole drawing.
     fn view_port(&mut self, owner: u64) -> Codes {
         let (middle, size) = ((self.low + self.high) / 2.0, self.high - self.low);
         let mut out = self.record("VPORT", owner, "AcDbViewportTableRecord", "*Active");
@@ -119,7 +119,7 @@ impl DxfFile {
         out
     }
 
-    /// Numbers in mm with a decimal above their lines.
+    /// Writes the dimension style: numbers in mm with one decimal, above the dimension lines.
     fn dimension_style(&mut self, owner: u64) -> Codes {
         let handle = self.handle();
         let mut out = begun("DIMSTYLE", (105, handle), owner, "AcDbDimStyleTableRecord", STYLE);
@@ -134,7 +134,7 @@ impl DxfFile {
     }
 }
 
-/// Begins a record of a table: its handle under the group code of the table, owner, name.
+/// Begins a record of a table with its handle (under the table's group code), owner and name.
 fn begun(table: &str, (code, handle): (u16, u64), owner: u64, subclass: &str, name: &str) -> Codes {
     let mut out = Codes::default();
     out.put(0, table);

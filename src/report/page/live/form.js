@@ -15,7 +15,7 @@ const NUMBER_NAMES = {
 };
 
 /**
- * Returns what is sent to the server for one number.
+ * Returns the request that changes one number.
  * @param {NumberGroup} group
  * @param {string} key
  * @param {number} value
@@ -136,7 +136,7 @@ function numberInput(number, unit, label) {
  * @param {string} unit
  */
 function rangeWords({ list, min, max }, unit) {
-  if (list) return `${unit}, one of ${list.length}`;
+  if (list) return `${unit}, one of ${list.length} values`;
   if (min === null || max === null) return `${unit}, fixed in the file`;
   return `${unit}, ${shortNumber(min)} … ${shortNumber(max)}`;
 }

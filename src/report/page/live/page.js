@@ -1,6 +1,6 @@
-// The page of `sweetspot view`: the step shown, and everything that asks for another.
+// The page of `sweetspot view`: the step shown, and the controls that change it.
 
-/** Time after the last change before what takes longer is asked for, ms. */
+/** Delay between the last change and the slow requests, ms. */
 const PAUSE = 150;
 
 class Page {
@@ -82,7 +82,7 @@ class Page {
       } catch (error) {
         if (serial === this.serial) showFault(messageOf(error));
       }
-      // Not faster than it can be seen: pictures in a queue would delay the drop.
+      // Waits until the picture is shown: a queue of pictures would delay the drop.
       await new Promise((done) => afterPaint(() => done(null)));
     }
     this.isTrying = false;
@@ -246,7 +246,7 @@ function mayMove({ numbers }, k) {
 }
 
 /**
- * Returns the value nearest to the one wanted that a number may have.
+ * Returns the allowed value of a number that is nearest to the wanted one.
  * @param {NumberRecord} number
  * @param {number} wanted
  * @param {boolean} isAngle

@@ -23,7 +23,7 @@ class PlanFrame {
   }
 
   /**
-   * Shows everything that stands, with room to move it.
+   * Shows all equipment and obstacles, with room to move them.
    * @param {AnswerRecord} answer
    */
   fit(answer) {
@@ -33,7 +33,7 @@ class PlanFrame {
     const size = this.element.getBoundingClientRect();
     const shape = size.width / Math.max(size.height, 1) || 1;
     const { box } = this;
-    // Kept while everything stays inside: nothing jumps while it is dragged.
+    // The frame is kept while everything is inside, so that nothing jumps during a drag.
     const isInside = box && x0 > box[0] && x1 < box[0] + box[2] && y0 > box[1] && y1 < box[1] + box[3];
     if (isInside && Math.abs(box[2] / box[3] - shape) < 0.01 * shape) return;
     const margin = 0.16 * Math.max(x1 - x0, y1 - y0) + 120;

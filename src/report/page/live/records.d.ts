@@ -1,5 +1,5 @@
-// Types of what the server of `sweetspot view` answers (src/report/json/live.rs and src/cli/view), and of
-// what the page asks. Lengths are in mm, angles in degrees. A placement is x, y, z and yaw.
+// Types of the answers of the `sweetspot view` server (src/report/json/live.rs and src/cli/view), and of the
+// requests of the page. Lengths are in mm, angles in degrees. A placement is x, y, z and yaw.
 
 /** x, y and z in mm, and the yaw in degrees. */
 type Placement = number[];
@@ -34,7 +34,7 @@ interface CellEquipment {
   surface: RectangleNumbers | null;
 }
 
-/** Everything of a cell that no layout changes, and the layout shown. */
+/** Part of a cell that does not depend on the layout, and the layout shown. */
 interface CellRecord {
   schema: "sweetspot/live/1";
   cell: string;

@@ -1,6 +1,6 @@
 // The panels: a search from the layout shown, and the layout as a file.
 
-/** Intervals between two looks at the server, ms: while a search runs, and else. */
+/** Intervals between two requests to the server, ms: while a search runs, and otherwise. */
 const SEARCH_INTERVAL = 250;
 const IDLE_INTERVAL = 1000;
 
@@ -59,7 +59,7 @@ class SearchPanel {
     byId("found").replaceChildren(...searchLines(search).flatMap((line) => [line, make("br")]));
   }
 
-  /** Looks whether another page has changed the layout and how far a search is; returns whether one runs. */
+  /** Asks for changes by other pages and for the progress of a search; returns whether a search runs. */
   async look() {
     const { page } = this;
     const fault = byId("fault");
@@ -79,7 +79,7 @@ class SearchPanel {
     }
   }
 
-  /** Looks again and again, while the page is seen. */
+  /** Polls the server while the page is visible. */
   async watch() {
     const isRunning = document.hidden ? false : await this.look();
     setTimeout(() => this.watch(), isRunning ? SEARCH_INTERVAL : IDLE_INTERVAL);
@@ -125,7 +125,7 @@ function connectSaving() {
     byId("overwrite").hidden = true;
     try {
       const { saved } = await ask("save", { name: inputById("name").value, overwrite });
-      say(`saved: sweetspot map ${saved}`, false);
+      say(`saved; next: sweetspot map ${saved}`, false);
     } catch (error) {
       say(messageOf(error), true);
       byId("overwrite").hidden = !(error instanceof Refused && error.answer?.taken);

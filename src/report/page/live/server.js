@@ -93,7 +93,7 @@ async function ask(name, body) {
 }
 
 /**
- * Calls back after the next picture was shown.
+ * Calls back after the next frame is shown.
  * @param {() => void} then
  */
 const afterPaint = (then) => {

@@ -42,7 +42,7 @@ const hasLimit = (operations) => operations.some(({ limit }) => limit !== null);
 function showOperations({ operations, unit }) {
   const cells = (/** @type {"td" | "th"} */ tag, /** @type {string[]} */ texts) =>
     make("tr", {}, ...texts.map((text) => make(tag, {}, text)));
-  const head = cells("th", ["operation", "at its spot", hasLimit(operations) ? "limit" : "", "usable nodes"]);
+  const head = cells("th", ["operation", "at the spot", hasLimit(operations) ? "limit" : "", "usable nodes"]);
   const rows = operations.map((operation) => {
     const { name, value, counts } = operation;
     const nodes = Object.values(counts).reduce((sum, count) => sum + count, 0);

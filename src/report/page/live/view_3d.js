@@ -1,6 +1,6 @@
 // The 3-D view beside the plan. Equipment is dragged there as well.
 
-/** Time for a picture within which the view follows a drag in the plan, ms. */
+/** Longest time for a picture at which the view follows a drag in the plan, ms. */
 const QUICK = 40;
 
 /**
@@ -30,7 +30,7 @@ class View3d {
     this.copy = make("canvas", { className: "copy", hidden: true });
     this.viewer.canvas?.after(this.copy);
     afterPaint(() => afterPaint(() => this.measure(written)));
-    // The question is chosen at the top of the page; the switches of the viewer are folded.
+    // Sense, reading and model are chosen at the top of the page; the switches of the viewer are folded.
     for (const details of this.host.querySelectorAll("details")) details.open = false;
     this.listen();
   }
@@ -141,7 +141,7 @@ class View3d {
     );
   }
 
-  /** Shows a copy while nobody looks: without a graphics card a live picture slows the rest of the page. */
+  /** Shows a still copy while the view is not used: without a graphics card a live picture slows the page. */
   rest() {
     this.isLookedAt = false;
     const { canvas } = this.viewer;

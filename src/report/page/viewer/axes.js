@@ -62,7 +62,7 @@ function numbersAlong(view, axis, [low, high], pointOf) {
     const label = floorNumber(view, value, pointOf(value));
     if (label) labels.push(label);
   }
-  // The last one says which axis and unit.
+  // The last number also names the axis and the unit.
   const last = labels.at(-1);
   if (last) last.text = `${axis} ${last.text} mm`;
   return labels;

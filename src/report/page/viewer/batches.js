@@ -1,11 +1,11 @@
 // Meshes and batches of instances on the graphics card: how they are uploaded and drawn.
 
-/** Numbers of an instance: of a segment its two ends, of an arrow or a glyph nine. */
+/** Numbers per instance: six for a segment (its two ends), nine for an arrow or a glyph. */
 const SEGMENT_STRIDE = 6;
 const INSTANCE_STRIDE = 9;
 
 /**
- * Brings a mesh to the graphics card.
+ * Uploads a mesh to the graphics card.
  * @param {Graphics} graphics
  * @param {Mesh} mesh
  * @returns {MeshBuffers}

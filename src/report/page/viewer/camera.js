@@ -23,7 +23,7 @@ function axesOf({ azimuth, elevation }) {
 }
 
 /**
- * Returns the azimuth from which the robot stands behind its work, turned a little.
+ * Returns the azimuth of a view in which the robot is behind its work, turned a little.
  * @param {Model} model
  */
 function bestAzimuth({ drawings }) {

@@ -39,7 +39,7 @@ function makeChooser(name, choose) {
 }
 
 /**
- * Shows choices; a single one is no choice and is hidden.
+ * Shows choices; hides the list if it has only one choice.
  * @param {ReturnType<typeof makeChooser>} chooser
  * @param {Choices} choices
  * @param {string} value
@@ -93,7 +93,7 @@ function makeControls(view, host, show, look) {
   const choosers = {
     drawing: makeChooser("Layout", (value) => show({ drawing: Number(value) })),
     operation: makeChooser("Operation", (value) => show({ operation: indexOf(value) })),
-    // The names of senses are free: a mark before them tells them from the empty choice.
+    // Names of senses are arbitrary: a prefix distinguishes them from the empty choice.
     sense: makeChooser("Sense", (value) => show({ sense: value === "" ? null : value.slice(1) })),
     reading: makeChooser("Reading", (value) => show({ lens: lensWith(view, lens().model, value) })),
     model: makeChooser("Model", (value) => show({ lens: lensWith(view, value, lens().reading) })),

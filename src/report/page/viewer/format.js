@@ -7,7 +7,7 @@
  */
 const colourOf = (text) => [1, 3, 5].map((k) => Number.parseInt(text.slice(k, k + 2), 16) / 255);
 
-/** Viridis at equal steps, as in src/report/legend.rs. */
+/** Viridis at equal steps, as in src/report/colours.rs. */
 const VIRIDIS = [
   [68, 1, 84],
   [65, 68, 135],

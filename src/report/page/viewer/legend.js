@@ -120,9 +120,9 @@ function arrowKey(view) {
   const { magnification } = view;
   const factor = magnification >= 1 ? String(magnification) : figure(magnification);
   box.append(paragraph(`Arrows: ${arrowWords(view)}, magnified ${factor} \u00d7`));
-  const where = view.camera.parallel ? "" : " (mid-picture)";
-  box.append(scaleBar(pixelsPerMm * magnification, `of error${where}`));
-  box.append(scaleBar(pixelsPerMm, `of cell${where}`));
+  const where = view.camera.parallel ? "" : " (picture centre)";
+  box.append(scaleBar(pixelsPerMm * magnification, `error${where}`));
+  box.append(scaleBar(pixelsPerMm, `in the cell${where}`));
   return box;
 }
 
@@ -133,7 +133,7 @@ function arrowKey(view) {
 function arrowWords(view) {
   const { arrows } = view.state;
   const { signed } = view.drawing.lenses[view.lens];
-  if (arrows === "resultant") return signed ? "resultant error" : "resultant error, towards its worst corner";
+  if (arrows === "resultant") return signed ? "resultant error" : "resultant error at the worst corner";
   const what = arrows === "components" ? "x, y and z error" : `${arrows} error`;
   return signed ? what : `${what}, in both directions (plus or minus)`;
 }

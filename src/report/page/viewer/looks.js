@@ -1,4 +1,4 @@
-// Looks: colours of the picture, and how parts are seen.
+// Looks: colours of the picture, and visibility of parts.
 
 /** Colours of the picture, and strengths of shadow, edges and grid. */
 const LOOKS = {

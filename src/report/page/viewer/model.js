@@ -97,7 +97,7 @@ function extentOf(positions) {
 }
 
 /**
- * Returns a box that holds nothing.
+ * Returns an empty box.
  * @returns {Extent}
  */
 const emptyExtent = () => ({
@@ -106,7 +106,7 @@ const emptyExtent = () => ({
 });
 
 /**
- * Makes a box hold a point as well.
+ * Extends a box to contain a point.
  * @param {Extent} extent
  * @param {Vector} point
  */
@@ -169,7 +169,7 @@ function anchorsOf(positions, indices) {
 }
 
 /**
- * Returns where a node is without displacement, mm.
+ * Returns the position of a node without displacement, mm.
  * @param {Field} field
  * @param {number} k
  */
@@ -211,7 +211,7 @@ function modelExtent(drawings) {
 }
 
 /**
- * Returns what must be in the picture: corners of all parts, and all nodes.
+ * Returns the points that must be in the picture: corners of all parts, and all nodes.
  * @param {Drawing} drawing
  * @returns {Vector[]}
  */

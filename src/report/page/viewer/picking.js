@@ -1,4 +1,4 @@
-// Picking: what lies under a place in the picture.
+// Picking: nodes and equipment under a point of the picture.
 
 /**
  * Returns the line of sight through a place in the picture.
@@ -51,7 +51,7 @@ function equipmentUnder(view, x, y, obstacles) {
 }
 
 /**
- * Returns how far along a line a box is met; null if it is not.
+ * Returns the distance along a line to a box; null if the line misses the box.
  * @param {Extent} box
  * @param {Vector} from
  * @param {Vector} along

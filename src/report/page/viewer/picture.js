@@ -71,7 +71,7 @@ class Picture {
   }
 
   /**
-   * Draws coarsely where drawing is slow (no graphics card) while things move, and finely at rest.
+   * Draws at low resolution while things move, if drawing is slow (no graphics card), and finely at rest.
    * @param {number} now ms
    */
   keepPace(now) {

@@ -131,7 +131,7 @@ function pinch(target, before, at, other) {
 }
 
 /**
- * Acts on a key; returns whether it means something.
+ * Handles a key; returns whether the key has an action.
  * @param {PointerTarget} target
  * @param {KeyboardEvent} event
  */

@@ -23,7 +23,7 @@ function fillBatches(view) {
 }
 
 /**
- * Draws the arrows with a rim that parts them, the net between the nodes and the reach.
+ * Draws the arrows with a rim that separates them, the lines between nodes, and the reach.
  * @param {View} view
  * @param {Uniforms} shared
  */
@@ -51,7 +51,7 @@ function drawErrorMap(view, shared) {
 }
 
 /**
- * Draws the edges of the equipment where the layout compared with has it.
+ * Draws the edges of the equipment at its place in the other layout.
  * @param {View} view
  * @param {Uniforms} shared
  */

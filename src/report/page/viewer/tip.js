@@ -29,7 +29,7 @@ function showTip(box, view) {
 }
 
 /**
- * Returns what is known of a node, line by line.
+ * Describes a node, line by line.
  * @param {View} view
  * @param {NodeReference} node
  */

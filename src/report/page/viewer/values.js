@@ -27,7 +27,7 @@ function senseIn(field, name) {
 }
 
 /**
- * Returns the sense shown of a field.
+ * Returns the sense that is shown for a field.
  * @param {View} view
  * @param {Field} field
  */
@@ -127,7 +127,7 @@ function resultant(field, lens, k, signed) {
 }
 
 /**
- * Returns the errors along x, y and z. Those of an unsigned reading hold to both sides.
+ * Returns the errors along x, y and z. Under an unsigned reading they apply in both directions.
  * @param {Field} field
  * @param {number} lens
  * @param {number} k
@@ -195,7 +195,7 @@ function heldAt({ times_s: moments, holding }, time) {
   return holding.length ? holding[index] : null;
 }
 
-/** Rest of the robot at a stop after which it is surely shown there, s. */
+/** Time after the start of a stop at which the robot is certainly shown there, s. */
 const REST = 0.3;
 
 /**

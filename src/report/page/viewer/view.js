@@ -1,4 +1,4 @@
-// The view: what all functions of the viewer draw from.
+// The view: the state from which all functions of the viewer draw.
 
 /**
  * Returns the view of a document before its first picture.
