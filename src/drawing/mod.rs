@@ -69,7 +69,7 @@ impl<'a> Drawing<'a> {
     ///
     /// # Errors
     ///
-    /// The message why the cell cannot be evaluated under another model or reading.
+    /// Fails if the cell cannot be evaluated under another model or reading. The message says why.
     pub fn new(a: &Assessment<'a>, detail: &Detail) -> Result<Self, String> {
         let (lenses, fields) = field::fields(a, detail)?;
         let envelopes = if detail.envelopes {
