@@ -23,13 +23,13 @@ pub fn reference(kind: FileKind) -> String {
 
 struct Document {
     text: String,
-    /// Tables and the places at which they are described.
+    /// Tables that are described, each with the place of its description.
     known: Vec<(&'static KeyTable, String)>,
     next: Vec<(&'static KeyTable, String)>,
 }
 
 impl Document {
-    /// Returns the place at which a table is described, here if nowhere else.
+    /// Returns the place at which a table is described; a table that is new is described at `place`.
     fn find(&mut self, table: &'static KeyTable, place: &str) -> String {
         if let Some((_, known)) = self.known.iter().find(|(known, _)| known.help == table.help) {
             return known.clone();
@@ -140,7 +140,7 @@ fn count_in_words(count: (usize, usize)) -> String {
     }
 }
 
-/// Returns a rule as an item of a list.
+/// Returns a rule in words, as an item of a Markdown list.
 fn in_words(rule: &Rule) -> String {
     let list = |keys: &[&str]| format!("`{}`", keys.join("`, `"));
     match rule {

@@ -1,4 +1,4 @@
-//! The joints on the way from base to tip: which move, within what limits, and what follows what.
+//! Joints between base and tip: which of them move, their limits and their coupling.
 
 use super::dh;
 
@@ -12,23 +12,24 @@ use crate::files::toml::value;
 use crate::pose::Pose;
 use std::f64::consts::TAU;
 
-/// Longer than any arm, m: the file is probably in mm.
+/// Length, m, above which a value is probably in mm: it is longer than any arm.
 pub const TOO_LONG: f64 = 20.0;
 
-/// Limits of more turns are probably in degrees, rad; and what no joint can mean.
+/// Joint limit, rad, above which a warning says that it is probably in degrees.
 const MANY_TURNS: f64 = 4.0 * TAU;
+/// Joint limit, rad, above which a URDF is refused.
 const TOO_MANY_TURNS: f64 = 1e3;
 
-/// Axes nearer to parallel or to a right angle than this (rad) may be meant to be it.
+/// Deviation, rad, below which axes are probably meant to be parallel or at right angles.
 const NEARLY: f64 = 1e-3;
 
-/// A joint that moves, with what the rows do not hold.
+/// Moving joint: the properties that its D-H row does not hold.
 pub struct Mover {
     pub name: String,
     pub limits: (f64, f64),
-    /// Coordinate where all actuators are at 0 (rad or m): the offset of a mimic joint.
+    /// Coordinate of the joint with all actuators at 0 (rad or m): the offset of a mimic joint.
     pub offset: f64,
-    /// Row of the joint in the coupling.
+    /// Row of the joint in the coupling matrix.
     pub coupling: Vec<f64>,
 }
 
@@ -39,7 +40,7 @@ pub struct Motion {
     pub flange: Pose,
 }
 
-/// Every fault of the chain; good only if none was recorded.
+/// Reads the joints between base and tip and records every fault. The result is valid only if there is none.
 pub fn read(urdf: &Urdf, way: &Way, lib: &mut Library<'_>) -> Option<Motion> {
     let before = lib.errors();
     let joints: Vec<_> = way.joints.iter().map(|&j| &urdf.joints[j]).collect();
@@ -156,7 +157,7 @@ fn read_limits(joint: &UrdfJoint, lib: &mut Library<'_>) -> Option<(f64, f64)> {
     Some((lower, upper))
 }
 
-/// A mimic joint follows one before it on the chain: a row of the coupling and an offset.
+/// Reads a mimic joint, which follows a joint before it on the chain, as a row of the coupling and an offset.
 fn read_mimic(
     i: usize,
     joint: &UrdfJoint,
@@ -188,7 +189,8 @@ fn read_mimic(
     Some(mover)
 }
 
-/// The limits of a mimic joint hold nothing back: those that it follows must.
+/// Warns if a mimic joint leaves its limits. They are not enforced: only those of the joints that it follows
+/// are.
 fn warn_beyond(joint: &UrdfJoint, mover: &Mover, before: &[Mover], lib: &mut Library<'_>) {
     let Some((lower, upper, at)) = joint.limits else { return };
     let (mut low, mut high) = (mover.offset, mover.offset);
@@ -204,7 +206,8 @@ fn warn_beyond(joint: &UrdfJoint, mover: &Mover, before: &[Mover], lib: &mut Lib
     }
 }
 
-/// Says where axes are parallel or square but for a little, and where that costs truth.
+/// Warns of axes that are almost parallel or almost at right angles, and of rows that do not reproduce the
+/// URDF.
 pub fn warn_of_slants(urdf: &Urdf, way: &Way, motion: &Motion, derived: &dh::Derived, lib: &mut Library<'_>) {
     let moving = way.joints.iter().map(|&j| &urdf.joints[j]).filter(|j| j.kind != UrdfJointKind::Fixed);
     let moving: Vec<_> = moving.collect();

@@ -1,4 +1,4 @@
-//! The tree of links, and the way through it from base to tip.
+//! Tree of links, and the chain through it from base to tip.
 
 use super::model::*;
 use crate::files::fault::{did_you_mean, listed, shown};
@@ -10,13 +10,13 @@ use std::collections::HashMap;
 pub struct Tree<'u> {
     urdf: &'u Urdf,
     links: HashMap<&'u str, usize>,
-    /// The joint of which a link is the child.
+    /// Joint whose child is the link, for every link.
     above: Vec<Option<usize>>,
-    /// The joints of which it is the parent.
+    /// Joints whose parent is the link, for every link.
     pub below: Vec<Vec<usize>>,
 }
 
-/// From base to tip.
+/// Chain of links from base to tip.
 pub struct Way {
     pub base: usize,
     pub tip: usize,
@@ -24,7 +24,7 @@ pub struct Way {
 }
 
 impl<'u> Tree<'u> {
-    /// None with faults recorded if it is no tree: unknown links, two parents, circles.
+    /// Builds the tree. Returns None and records faults for unknown links, links with two parents and loops.
     pub fn new(urdf: &'u Urdf, lib: &mut Library<'_>) -> Option<Self> {
         let links: HashMap<_, _> = urdf.links.iter().enumerate().map(|(i, l)| (&*l.name.name, i)).collect();
         let none = vec![None; urdf.links.len()];
@@ -49,7 +49,7 @@ impl<'u> Tree<'u> {
         (lib.errors() == before).then_some(tree)
     }
 
-    /// The link of a name, or a fault.
+    /// Returns the link with a name; records a fault if there is none.
     pub fn link(&self, name: &Named, lib: &mut Library<'_>) -> Option<usize> {
         let found = self.links.get(&*name.name).copied();
         if found.is_none() {
@@ -68,7 +68,7 @@ impl<'u> Tree<'u> {
         self.links.get(&*self.urdf.joints[joint].parent.name).copied()
     }
 
-    /// Every circle once: each link is walked up from, links seen before need no second walk.
+    /// Records a fault for every loop of links, once per loop.
     fn refuse_circles(&self, lib: &mut Library<'_>) {
         let mut walk = vec![0; self.above.len()];
         for start in 0..self.above.len() {
@@ -84,8 +84,10 @@ impl<'u> Tree<'u> {
         }
     }
 
-    /// The way from the base link (none: the root) to the tip link (none: the only leaf below it); `at`
-    /// is where the file was named.
+    /// Returns the chain from the base link to the tip link.
+    ///
+    /// The default base is the root of the tree. The default tip is the only leaf below the base. `at` is the
+    /// place where the file is named.
     pub fn way(
         &self,
         base: Option<Option<usize>>,
