@@ -45,7 +45,7 @@ const BUDGETS: ValueKind = ValueKind::Whole(*SearchSettings::BUDGETS.start(), *S
 
 const GOALS: ValueKind = ValueKind::List(&ValueKind::word::<Goal>(), (2, Goal::ALL.len()), "goals");
 
-/// JSON Schema of the names that a sense may have: none of a plain sense, and without @.
+/// Returns the JSON Schema of the names of own senses: not that of a built-in sense, and without @.
 fn names_of_senses() -> Value {
     json!({ "propertyNames": { "not": { "anyOf": [{ "enum": PLAIN }, { "pattern": "@" }] } } })
 }

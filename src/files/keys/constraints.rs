@@ -4,7 +4,7 @@ use super::key::*;
 use super::parts::*;
 use crate::cell::MAX_JOINTS;
 
-/// One number for each joint.
+/// List with one number for each joint.
 pub const POSTURE: ValueKind = ValueKind::List(&FINITE, (1, MAX_JOINTS), "numbers");
 
 key_table! {

@@ -5,11 +5,11 @@ use super::key::*;
 use super::parts::*;
 use super::solid::{equipment_solid, rectangle};
 
-/// Keys of which an equipment needs one: they give the floor space.
+/// Keys that give the floor space; an equipment needs one of them.
 pub const BODY: [&str; 3] = ["footprint", "solid", "surface"];
 
 key_table! {
-    /// What equipment and obstacles have in common.
+    /// Keys that equipment and obstacles have in common.
     body, "a body", "Something that stands in the cell.", {
         FROM = from("\"equipment/worktable.toml\"");
         SCHEMA = schema("sweetspot/equipment/1");

@@ -5,12 +5,12 @@ use super::key::*;
 use super::parts::*;
 use crate::cell::{Distribution, MAX_JOINTS, PER_FRAME, Spread};
 
-/// How the numbers of an error set are meant.
+/// Meaning of the numbers of an error set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ErrorForm {
-    /// One sample: the signs are part of it.
+    /// Errors of one robot, with their signs.
     Signed,
-    /// Plus-or-minus.
+    /// Plus-or-minus values: half widths of the ranges of the errors.
     Tolerance,
 }
 
@@ -49,7 +49,7 @@ const BY_COMPONENT: ValueKind =
 
 const SPREAD: ValueKind = ValueKind::word::<Distribution>();
 
-/// Errors of the joints: one number for each.
+/// Returns the key of an error of the D-H rows: one number for each joint.
 const fn row(name: &'static str, help: &'static str) -> Key {
     Key::new(name, POSTURE, help).required_unless("joints")
 }

@@ -6,19 +6,19 @@ use super::robot::held;
 use super::solid::rectangle;
 use crate::cell::{Frame, Over, PLAIN};
 
-/// Most nodes of one grid: a map of more is no picture, and takes hours and gigabytes.
+/// Largest number of nodes of one grid. A map of more nodes takes hours and gigabytes.
 pub const MAX_NODES: u64 = 1_000_000;
 
-/// Most spins of one operation.
+/// Largest number of spins of one operation.
 pub const MAX_SPINS: usize = 72;
 
-/// Widest tolerance of the tool axis, degrees.
+/// Largest tolerance of the tool axis, degrees.
 pub const MAX_TOLERANCE: f64 = 45.0;
 
-/// Steepest elevation, degrees: past the vertical the tool leans back.
+/// Largest elevation up or down, degrees. Beyond 90 degrees the tool leans back.
 pub const MAX_BEND: f64 = 135.0;
 
-/// Returns the senses that need no definition, in all frames.
+/// Returns the names of the built-in senses, without a frame and in every frame.
 fn plain_senses() -> Vec<String> {
     let framed = PLAIN.iter().flat_map(|p| Frame::ALL.map(|f| format!("{p}@{}", f.name())));
     PLAIN.iter().map(|p| p.to_string()).chain(framed).collect()

@@ -1,9 +1,9 @@
 //! Ranges of the numbers in the files.
 
-/// Largest length (mm) or angle (degrees) that any file can mean.
+/// Largest length (mm) or angle (degrees) that a file may contain.
 pub const LARGEST: f64 = 1e7;
 
-/// Smallest size or weight that any file can mean.
+/// Smallest size or weight that a file may contain.
 pub const SMALLEST: f64 = 1e-6;
 
 /// Values that a number may have, in the unit of the file. Every number is finite and within 1e7.

@@ -7,12 +7,12 @@ use super::parts::*;
 use super::solid::{link_solid, rectangle, solid};
 use crate::cell::{Convention, MAX_JOINTS};
 
-/// How a joint moves.
+/// Kind of motion of a joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum JointMotion {
     Revolute,
     Prismatic,
-    /// It turns with others, by the coupling alone.
+    /// Revolute joint without an actuator: the coupling alone moves it.
     Passive,
 }
 
@@ -35,7 +35,7 @@ const LIMITS: ValueKind = ValueKind::List(&FINITE, (2, 2), "numbers");
 const SOLIDS_OF_LINKS: ValueKind =
     ValueKind::List(&ValueKind::Table(&link_solid::TABLE), (0, MANY), "solids");
 
-/// Solids that move, but with no link.
+/// Solids of a tool or a held part, which belong to no link.
 const SOLIDS: ValueKind = ValueKind::List(&ValueKind::Table(&solid::TABLE), (0, MANY), "solids");
 
 key_table! {

@@ -4,10 +4,10 @@ use super::key::*;
 use super::parts::*;
 use crate::cell::{Frame, PLAIN};
 
-/// What a term can measure.
+/// Keys that say what a term measures.
 pub const WAYS: [&str; 4] = ["of", "direction", "plane", "axis"];
 
-/// What makes a sense: one term, or a list of them.
+/// Keys that define a sense: those of one term, or a list of terms.
 pub const WAYS_OF_SENSE: [&str; 5] = ["of", "direction", "plane", "axis", "term"];
 
 fn plain() -> Vec<String> {
@@ -19,7 +19,7 @@ fn lengths() -> Vec<String> {
 }
 
 key_table! {
-    /// What terms and senses have in common.
+    /// Keys that terms and senses have in common.
     any_term, "a term", "What of the error counts.", {
         OF = Key::new("of", ValueKind::Word(plain), "Error along or about axes of the frame.").example("\"xy\"");
         DIRECTION = direction("direction", "Error along this vector.");

@@ -30,7 +30,7 @@ impl MeshUnit {
         }
     }
 
-    /// Returns its length, m.
+    /// Returns the length of the unit, m.
     pub fn metres(self) -> f64 {
         match self {
             Self::Millimetre => 1e-3,
@@ -94,7 +94,7 @@ fn obj_or_stl() -> Value {
 }
 
 key_table! {
-    /// What all solids have in common.
+    /// Keys that all solids have in common.
     any_solid, "a solid", "Solid: a name and one shape.", {
         NAME = Key::new("name", ValueKind::Name, "Name for messages; no two solids of one robot or equipment have the same.").required();
         BOX = table("box", &cuboid::TABLE, "Box.").example("{ centre_mm = [0, 0, 0], size_mm = [100, 100, 100] }");

@@ -1,4 +1,4 @@
-//! `[margins]`, `[transfer]` and `[fence]`.
+//! Readers of `[margins]`, `[transfer]` and `[fence]`.
 
 use crate::cell::*;
 use crate::files::fault::shown;
@@ -12,13 +12,13 @@ use crate::files::toml::value::plain;
 use crate::units;
 use nalgebra::Vector2;
 
-/// Least area of a fence, m2: less is a slip of units.
+/// Least area of a fence, m2. A smaller area is probably in the wrong unit.
 const MIN_AREA: f64 = 1e-4;
 
 /// Least distance of two corners of a fence, m.
 const MIN_EDGE: f64 = 1e-6;
 
-/// Reads `[margins]`; `robot`: for the travel that its joints have left, if it could be read.
+/// Reads `[margins]`. If `robot` could be read, checks that its joints keep some travel.
 pub fn read_margins(t: &mut Table, robot: Option<&Robot>) -> Option<Margins> {
     t.table_or(&cell::MARGINS, Margins::default(), |t| {
         let (turn, slide) = (t.number(&margins::TURN), t.number(&margins::SLIDE));
@@ -40,12 +40,12 @@ pub fn read_margins(t: &mut Table, robot: Option<&Robot>) -> Option<Margins> {
     })
 }
 
-/// A coordinate in the unit of files, rounded for print.
+/// Returns a coordinate in the unit of files, rounded for display.
 fn in_file(kind: JointKind, q: f64) -> f64 {
     units::rounded(if kind == JointKind::Revolute { units::deg_from_rad(q) } else { units::mm_from_m(q) }, 6)
 }
 
-/// Reads `[transfer]`; the inner None: transfers are not checked.
+/// Reads `[transfer]`; the inner None if transfers are not checked.
 pub fn read_transfer(
     t: &mut Table,
     robot: Option<&Robot>,
@@ -95,7 +95,7 @@ fn read_posture(node: &Node, robot: &Robot, margins: &Margins, t: &mut Table) ->
     Some(posture)
 }
 
-/// Reads `[fence]`; the inner None: there is no fence.
+/// Reads `[fence]`; the inner None if there is no fence.
 pub fn read_fence(t: &mut Table) -> Option<Option<Fence>> {
     t.table_or(&cell::FENCE, None, |t| {
         let height = t.if_given(&fence::HEIGHT, Table::number);
@@ -140,8 +140,10 @@ fn read_corners(node: &Node, t: &mut Table) -> Option<Vec<(f64, f64)>> {
     Some(corners)
 }
 
-/// Whether two edges share a point, their common corner aside; `follows`: the second begins where the
-/// first ends, `leads`: it ends where the first begins.
+/// Returns whether two edges share a point other than a common corner.
+///
+/// `follows` says that the second edge begins where the first ends, `leads` that it ends where the first
+/// begins.
 fn cross(a: Edge, b: Edge, follows: bool, leads: bool) -> bool {
     let (u, v) = (a.1 - a.0, b.1 - b.0);
     if follows || leads {

@@ -1,4 +1,4 @@
-//! Joints of a robot: D-H rows, their coupling and the posture at rest.
+//! Reader of the joints of a robot: D-H rows, their coupling and the home posture.
 
 use crate::cell::*;
 use crate::files::fault::{Severity, shown};
@@ -11,7 +11,7 @@ use crate::files::toml::value::plain;
 use crate::units;
 use std::collections::HashSet;
 
-/// Limits of at most so many degrees on every joint look like radians.
+/// Limit in degrees. If no joint has a larger one, the limits are probably in radians.
 const RADIANS: f64 = 7.0;
 
 /// Reads the D-H rows.
@@ -75,7 +75,9 @@ fn read_limits(t: &mut Table, key: &Key) -> Option<(f64, f64)> {
     Some((key.unit().si(limits[0]), key.unit().si(limits[1])))
 }
 
-/// Reads row i of `coupling`: how the D-H coordinate i follows the actuators; missing: as they are.
+/// Reads the matrix `coupling`: row i gives D-H coordinate i as a combination of the actuators.
+///
+/// If it is missing, every coordinate equals its actuator.
 pub fn read_coupling(t: &mut Table, n: usize) -> Option<Vec<Vec<f64>>> {
     let Some(node) = t.get(&robot::COUPLING) else {
         let unit = |i| (0..n).map(|j| f64::from(u8::from(i == j))).collect();
@@ -101,7 +103,9 @@ fn read_coupling_row(row: &Node, i: usize, n: usize, t: &mut Table) -> Option<Ve
     Some(values)
 }
 
-/// Reads the posture at rest, one number for each joint in its unit; missing: 0, or the middle of limits without 0.
+/// Reads the home posture, one number for each joint in its unit.
+///
+/// If it is missing, each coordinate is 0, or the middle of its limits if they exclude 0.
 pub fn read_home(t: &mut Table, joints: &[Joint]) -> Option<JointVector> {
     let mut home = [0.0; MAX_JOINTS];
     let Some(node) = t.get(&robot::HOME) else {
@@ -127,7 +131,7 @@ pub fn read_home(t: &mut Table, joints: &[Joint]) -> Option<JointVector> {
     Some(home)
 }
 
-/// Refuses a passive joint that nothing moves.
+/// Refuses a passive joint that follows no actuator.
 pub fn refuse_idle(rows: &[Node], joints: &[Joint], coupling: &[Vec<f64>], t: &mut Table) {
     for (i, joint) in joints.iter().enumerate().filter(|(_, joint)| joint.is_passive()) {
         let meant = rows[i].value.get("kind").is_some();

@@ -1,4 +1,4 @@
-//! Where something stands, and how exactly it is placed.
+//! Reader of placements and placement tolerances.
 
 use super::coordinate;
 use crate::cell::{Coordinate, PlacementTolerance};
@@ -34,7 +34,7 @@ fn read_number(t: &mut Table, key: &Key) -> Option<f64> {
     None
 }
 
-/// Reads plus-or-minus x, y, z and yaw; what is missing is exact.
+/// Reads the plus-or-minus of x, y, z and yaw. A missing one is 0.
 pub fn read_tolerance(t: &mut Table) -> Option<PlacementTolerance> {
     let keys =
         [placement_tolerance::X, placement_tolerance::Y, placement_tolerance::Z, placement_tolerance::YAW];
