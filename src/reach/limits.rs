@@ -65,7 +65,11 @@ impl Limits {
         };
         let n = chain.axes();
         if (0..n).any(|j| turns_more(j) && (j + 1..n).any(|i| geared(i, j))) {
-            return Err("a joint with a range of more than one turn drives another by a fraction".into());
+            return Err(
+                "a joint with a range of more than one turn drives a prismatic joint, or another joint \
+                        by a factor that is not a whole number"
+                    .into(),
+            );
         }
         let below = |i: usize| (0..i).map(move |j| (i, j));
         let factors = (0..n).flat_map(below).map(|(i, j)| (i, j, chain.coupling[i][j]));

@@ -84,7 +84,8 @@ pub const fn word<W: Word>(name: &'static str, help: &'static str) -> Key {
 
 /// Returns the key `from`, which names the file that this one builds on.
 pub const fn from(example: &'static str) -> Key {
-    let help = "File that this one builds on; what stands here wins, lists are replaced whole.";
+    let help =
+        "File that this one builds on; keys given here override its keys, and lists are replaced whole.";
     Key::new("from", ValueKind::Path, help).example(example)
 }
 
@@ -113,7 +114,7 @@ pub const RPY: Key = vector_or_zero(
 );
 
 key_table! {
-    placement, "`placement`", "Where something stands: x, y, z and the turn about z.", {
+    placement, "`placement`", "Placement: x, y, z and the turn about z.", {
         X = coordinate("x_mm", "Position along x: a number, { min, max, start } to search it, or a list of allowed values.").required().remedy("add x_mm = 0, or { min = -500, max = 500 } to let it be searched");
         Y = coordinate("y_mm", "Position along y: a number, { min, max, start } to search it, or a list of allowed values.").required().remedy("add y_mm = 0, or { min = -500, max = 500 } to let it be searched");
         Z = coordinate("z_mm", "Position along z: a number, { min, max, start } to search it, or a list of allowed values.").required().remedy("add z_mm = 0, or { min = -500, max = 500 } to let it be searched");
@@ -130,7 +131,7 @@ key_table! {
 }
 
 key_table! {
-    placement_tolerance, "a placement tolerance", "How far something may stand from where it is meant to stand.", {
+    placement_tolerance, "a placement tolerance", "Tolerance of a placement.", {
         X = number_or_zero("x_mm", NumberRange::NotNegative, "Plus-or-minus of x.");
         Y = number_or_zero("y_mm", NumberRange::NotNegative, "Plus-or-minus of y.");
         Z = number_or_zero("z_mm", NumberRange::NotNegative, "Plus-or-minus of z.");

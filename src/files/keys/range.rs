@@ -26,7 +26,7 @@ impl NumberRange {
         let at_least_0 = "write 0 or a number greater than 0";
         let (wrong, remedy) = match self {
             _ if !value.is_finite() => {
-                ("must be a finite number", "write a plain number: nan and inf are no measures")
+                ("must be a finite number", "write a plain number; nan and inf are not allowed")
             }
             _ if value.abs() > LARGEST => {
                 ("must be from -1e7 to 1e7", "is the unit right? lengths are in mm, angles in degrees")

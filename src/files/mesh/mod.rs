@@ -20,7 +20,7 @@ pub fn is_mesh(name: &str, at: At, lib: &mut Library<'_>) -> bool {
     let lower = name.to_ascii_lowercase();
     let known = [".obj", ".stl"].iter().any(|end| lower.ends_with(end));
     if !known {
-        let message = format!("`{}` is no OBJ or STL file", shown(name));
+        let message = format!("`{}` is not an OBJ or STL file", shown(name));
         lib.error(at, message, "export the mesh as STL or Wavefront OBJ");
     }
     known
@@ -56,7 +56,7 @@ fn read_file(path: &str, at: At, scale: f64, lib: &mut Library<'_>) -> Option<(V
                 None => (at, format!("mesh `{}`: {why}", shown(path))),
             };
             let kind = if is_obj { "Wavefront OBJ" } else { "STL" };
-            let help = format!("export the mesh anew as {kind}, and look at it in a mesh viewer");
+            let help = format!("export the mesh again as {kind}, and check it in a mesh viewer");
             lib.error(at, why, help);
             None
         }

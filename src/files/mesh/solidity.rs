@@ -26,8 +26,9 @@ impl Solidity {
     }
 }
 
-const HOLLOW: &str = "what lies wholly in a hollow touches nothing: remove its inner walls to make it solid";
-const OPEN: &str = "its inside is not solid, a link wholly inside would not be seen: close its holes";
+const HOLLOW: &str = "an object wholly inside a hollow is not seen as a collision: remove the inner walls";
+const OPEN: &str =
+    "its inside is not solid, so a link wholly inside is not seen as a collision: close the holes";
 
 /// Returns whether the surface bounds a solid, and orients it.
 ///

@@ -32,7 +32,7 @@ pub fn parse(bytes: &[u8], scale: f64) -> Result<(Vertices, Triangles), MeshFaul
         None,
         match promised {
             Some(n) => format!("its header promises {n} triangles, the file has room for {has}"),
-            None => format!("{} bytes are no STL file", bytes.len()),
+            None => format!("a file of {} bytes is not an STL file", bytes.len()),
         },
     ))
 }
@@ -65,7 +65,7 @@ fn triangles_of(
             (line, format!("{why}{which}"))
         };
         let triangle =
-            triangle.map_err(|e| wrong(&format!("a facet that is no three points: {}", refused(e))))?;
+            triangle.map_err(|e| wrong(&format!("a facet does not have three points: {}", refused(e))))?;
         let corners = triangle.vertices.map(|c| Vector3::from(c.0).cast::<f64>() * scale);
         if corners.iter().any(|c| c.iter().any(|c| is_beyond(*c))) {
             return Err(wrong(BEYOND));
@@ -108,7 +108,7 @@ fn plain(bytes: &[u8]) -> Result<String, MeshFault> {
         last = if first.is_empty() { last } else { Some(first) };
     }
     if last.as_deref() != Some(b"endsolid") {
-        return Err((None, "it is cut off: the last line is no `endsolid`".into()));
+        return Err((None, "it is cut off: the last line is not `endsolid`".into()));
     }
     text.push_str("endsolid\n");
     Ok(text)

@@ -8,7 +8,7 @@ pub const MAX_TRIANGLES: usize = 200_000;
 /// Coordinate, m, from which on a vertex cannot belong to a workcell.
 const MAX_COORDINATE: f64 = 1e4;
 
-pub const BEYOND: &str = "a vertex that is no finite point of a workcell; is the unit right?";
+pub const BEYOND: &str = "a vertex is not finite, or too far away for a workcell; is the unit right?";
 
 pub type Vertices = Vec<Vector3<f64>>;
 pub type Triangles = Vec<[u32; 3]>;
@@ -49,7 +49,7 @@ pub fn merged(vertices: Vertices, mut triangles: Triangles) -> Result<(Vertices,
     triangles.iter_mut().for_each(|t| *t = t.map(|i| index[i as usize]));
     triangles.retain(|[a, b, c]| a != b && b != c && c != a);
     match triangles.len() {
-        0 => Err((None, "no triangle in it".into())),
+        0 => Err((None, "it has no triangles".into())),
         n if n > MAX_TRIANGLES => Err((None, too_many())),
         _ => Ok((kept, triangles)),
     }

@@ -141,7 +141,7 @@ fn read_equipment(t: &mut Table) -> Vec<Equipment> {
     let mut all = t.named(&cell::EQUIPMENT, |name, t| equipment::read(name, t, Role::Equipment));
     all.extend(t.named(&cell::OBSTACLE, |name, t| {
         if taken.is_some_and(|taken| taken.value.get(name).is_some()) {
-            let message = format!("the name `{}` is already that of an equipment", shown(name));
+            let message = format!("the name `{}` is already used by an equipment", shown(name));
             t.error(t.at, message, "give the obstacle a name of its own");
         }
         equipment::read(name, t, Role::Obstacle)

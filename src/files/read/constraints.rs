@@ -32,7 +32,7 @@ pub fn read_margins(t: &mut Table, robot: Option<&Robot>) -> Option<Margins> {
             };
             if let Some((joint, node)) = moving.into_iter().find(narrow).zip(t.get(&key)) {
                 let half = in_file(kind, (joint.limits.1 - joint.limits.0) / 2.0);
-                let message = format!("`{}` leaves no travel to joint `{}`", key.name, shown(&joint.name));
+                let message = format!("`{}` leaves joint `{}` no travel", key.name, shown(&joint.name));
                 t.error(node.at, message, format!("write less than {}, half its travel", plain(half)));
             }
         }
@@ -117,8 +117,12 @@ fn read_corners(node: &Node, t: &mut Table) -> Option<Vec<(f64, f64)>> {
     let n = corners.len();
     let edge = |k: usize| (corners[k], corners[(k + 1) % n]);
     if let Some(k) = (0..n).find(|&k| (edge(k).1 - edge(k).0).norm() < MIN_EDGE) {
-        let message = format!("corners {} and {} of `polygon_mm` are one", k + 1, (k + 1) % n + 1);
-        t.error(items[(k + 1) % n].at, message, "remove one of the two: the fence closes by itself");
+        let message = format!("corners {} and {} of `polygon_mm` are the same point", k + 1, (k + 1) % n + 1);
+        t.error(
+            items[(k + 1) % n].at,
+            message,
+            "remove one of the two: the last corner is joined to the first",
+        );
         return None;
     }
     let pairs = (0..n).flat_map(|i| (i + 1..n).map(move |j| (i, j)));
@@ -126,12 +130,12 @@ fn read_corners(node: &Node, t: &mut Table) -> Option<Vec<(f64, f64)>> {
         pairs.into_iter().find(|&(i, j)| cross(edge(i), edge(j), j == i + 1, j + 1 == n && i == 0))
     {
         let message = format!("the fence crosses itself: its edges {} and {}", i + 1, j + 1);
-        t.error(items[j].at, message, "list the corners in the order in which you walk along the fence");
+        t.error(items[j].at, message, "list the corners in their order along the fence");
         return None;
     }
     let area: f64 = (0..n).map(|k| edge(k).0.perp(&edge(k).1) / 2.0).sum();
     if area.abs() < MIN_AREA {
-        t.error(node.at, "the fence holds nearly no floor", "is the unit right? lengths are in mm");
+        t.error(node.at, "the fence encloses almost no area", "is the unit right? lengths are in mm");
     }
     let mut corners: Vec<_> = corners.iter().map(|c| (c.x, c.y)).collect();
     if area < 0.0 {

@@ -87,7 +87,7 @@ fn read_parameters(items: &[Node], arm: ErrorRows<'_>, t: &mut Table) -> Option<
 
 fn read_parameter(item: &Node, names: &[String], arm: ErrorRows<'_>, t: &mut Table) -> Option<usize> {
     let Value::Text(name) = &item.value else {
-        let message = format!("`parameters` must be a list of names, not with {}", item.value.kind());
+        let message = format!("`parameters` must be a list of names, but has {}", item.value.kind());
         t.error(item.at, message, PARAMETERS);
         return None;
     };
@@ -194,7 +194,7 @@ impl<'n> Matrix<'n> {
             let help = format!("write the covariance of {of} and {and} alike in both places");
             t.error(self.place(i, j), message, help);
         } else if a.abs() > deviations * (1.0 + ROUNDING) {
-            let message = format!("{of} and {and} cannot vary together by {}", plain(a));
+            let message = format!("{of} and {and} cannot have the covariance {}", plain(a));
             let help = format!(
                 "at most {}, the product of their standard deviations: are the units those of the file?",
                 plain(deviations)
@@ -221,10 +221,11 @@ impl<'n> Matrix<'n> {
         weights.sort_by(|a, b| b.1.total_cmp(&a.1));
         let first = weights.iter().take(3).map(|(k, _)| names[*k].as_str());
         let message = format!(
-            "`matrix` is no covariance: its correlations have the eigenvalue {}",
+            "`matrix` is not a covariance: its correlation matrix has the eigenvalue {}",
             plain(units::rounded(value, 9))
         );
-        let help = format!("none may be negative: write all digits, and look at {} first", listed(first));
+        let help =
+            format!("no eigenvalue may be negative: write all digits, and check {} first", listed(first));
         t.error(self.node.at, message, help);
         None
     }

@@ -81,7 +81,7 @@ fn refuse_first_row(t: &mut Table, base: &[f64; PER_FRAME], joints: &[[f64; PER_
     let of_joint = (error_set::JOINTS, is_joint, "x and ry of joint 1 are dl and dbeta", place);
     for (key, _, what, place) in [of_base, of_joint].into_iter().filter(|of| of.1) {
         let at = t.get(&key).map_or(t.at, |node| node.at);
-        let message = format!("{what} of row 1: this robot has modified rows");
+        let message = format!("{what} of row 1, because this robot has modified rows");
         t.error(at, message, format!("give it as {place}"));
     }
 }

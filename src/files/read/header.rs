@@ -46,9 +46,9 @@ fn is_schema(node: &Node, t: &mut Table, schema: &Key) -> bool {
     let named = if node.at.file == t.at.file { node.at } else { t.at };
     let (at, message) = match KINDS.iter().find(|(kind, _)| given == format!("sweetspot/{kind}/1")) {
         Some((_, what)) => (named, format!("`{file}` is the file of {what}")),
-        None => (node.at, format!("`{}` is no schema that is read", shown(&given))),
+        None => (node.at, format!("`{}` is not a known schema", shown(&given))),
     };
-    t.error(at, message, format!("a file with schema = \"{wanted}\" is wanted here"));
+    t.error(at, message, format!("a file with schema = \"{wanted}\" is expected here"));
     false
 }
 

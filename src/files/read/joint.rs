@@ -66,7 +66,7 @@ fn read_limits(t: &mut Table, key: &Key) -> Option<(f64, f64)> {
     let limits = value::numbers(node, &format!("`{name}`"), 2, NumberRange::Finite, t.lib)?;
     let (low, high) = (plain(limits[0]), plain(limits[1]));
     if limits[0] > limits[1] {
-        let message = format!("`{name}` reversed: {low} is above {high}");
+        let message = format!("`{name}` are reversed: {low} is above {high}");
         t.error(node.at, message, format!("write {name} = [{high}, {low}]"));
     } else if limits[0] == limits[1] {
         let message = format!("`{name}` leave no travel: both are {low}");
@@ -97,7 +97,7 @@ fn read_coupling_row(row: &Node, i: usize, n: usize, t: &mut Table) -> Option<Ve
     let what = format!("row {} of `coupling`", i + 1);
     let values = value::numbers(row, &what, n, NumberRange::Finite, t.lib)?;
     if values[i] != 1.0 || values[i + 1..].iter().any(|&v| v != 0.0) {
-        let message = format!("{what} must have 1 as its number {}, and after it only 0", i + 1);
+        let message = format!("{what} must have 1 as number {} and 0 after it", i + 1);
         t.error(row.at, message, "a coordinate follows its own actuator and those before it");
     }
     Some(values)

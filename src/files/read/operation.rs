@@ -163,7 +163,7 @@ fn read_limit(t: &mut Table, sense: Option<&Sense>) -> Option<Option<f64>> {
         if let Some(sense) = sense.filter(|sense| sense.unit != unit) {
             let word = sense.unit.word();
             let name = key.name;
-            let message = format!("`{name}` is no limit of the sense `{}`, which is in {word}", sense.name);
+            let message = format!("`{name}` does not fit the sense `{}`, which is in {word}", sense.name);
             t.error(node.at, message, format!("write limit_{word}, or choose another sense"));
         } else {
             limit = value.map(Some);
@@ -186,12 +186,12 @@ fn read_relative(name: &str, t: &mut Table, around: &Around<'_>) -> Option<usize
             let others = || around.operations.iter().map(|(n, ..)| n.as_str()).filter(|n| *n != name);
             let help = match did_you_mean(&other, others()) {
                 Some(near) => format!("did you mean \"{}\"?", shown(near)),
-                None => format!("the cell has besides this: {}", listed(others())),
+                None => format!("the other operations are: {}", listed(others())),
             };
             (format!("there is no operation `{}`", shown(&other)), help)
         }
         Some(k) if Some(k) > place(name) => {
-            let message = format!("`{}` comes after what is relative to it", shown(&other));
+            let message = format!("`{}` comes after the operation that is relative to it", shown(&other));
             (message, format!("write [operation.{}] above [operation.{}]", shown(&other), shown(name)))
         }
         Some(k) if around.operations[k].2.value.get("relative_to").is_some() => {

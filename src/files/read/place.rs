@@ -30,7 +30,7 @@ pub fn read(t: &mut Table, surface: Option<Rectangle>) -> Option<(Place, Over)> 
             // A grid of the file that this one is made from is replaced by the points.
             if let Some(besides) = t.get(&key).filter(|besides| besides.at.file == node.at.file) {
                 let name = key.name;
-                let message = format!("`{name}` besides `points_mm`: the points are the nodes");
+                let message = format!("`{name}` cannot be given with `points_mm`: the points are the nodes");
                 t.error(besides.at, message, format!("remove {name}, or points_mm"));
             }
         }
@@ -83,7 +83,7 @@ fn read_grid(t: &mut Table) -> Option<(usize, usize)> {
     if nodes > MAX_NODES as f64 {
         let (minutes, gigabytes) = (about(nodes * NODE_COST.0 / 60.0), about(nodes * NODE_COST.1 / 1e9));
         let nodes = plain(nodes);
-        let message = format!("a grid of {nodes} nodes: about {minutes} minutes and {gigabytes} GB a map");
+        let message = format!("a grid of {nodes} nodes: about {minutes} minutes and {gigabytes} GB per map");
         t.error(node.at, message, format!("at most {MAX_NODES} nodes; [10, 8] makes 99"));
         return None;
     }

@@ -143,7 +143,7 @@ fn read_rows(t: &mut Table) -> Mechanism {
 fn read_derived(t: &mut Table, node: &Node, arm: Option<urdf::UrdfRobot>) -> Mechanism {
     for key in [robot::JOINT, robot::COUPLING, robot::CONVENTION] {
         if t.get(&key).is_some() {
-            let message = format!("`urdf` and `{}` together: the rows come from one of them", key.name);
+            let message = format!("`urdf` and `{}` cannot be given together: both define the rows", key.name);
             t.error(node.at, message, format!("remove `{}`, or name another robot file in `from`", key.name));
         }
     }

@@ -40,7 +40,7 @@ fn read(name: &str, t: &mut Table) -> Option<Sense> {
     }
     let unit = unit_of(&terms);
     for term in terms.iter().filter(|term| unit == Unit::Length && term.lever.is_none() && term.turns()) {
-        let help = "add mm_per_deg, the length that one degree counts as, in place of a weight";
+        let help = "add mm_per_deg, the length in mm that counts as much as one degree, in place of a weight";
         t.error(term.at, "a rotation cannot be added to lengths", help);
     }
     Some(Sense::new(name, frame?, point?, unit, &weighted(&terms)))
@@ -105,7 +105,7 @@ fn read_term(t: &mut Table, ways: &[&'static str]) -> Option<Term> {
 /// Reads `mm_per_deg`, m per rad.
 fn read_lever(node: &Node, turns: bool, t: &mut Table) -> Option<f64> {
     if !turns {
-        let message = "`mm_per_deg` is of a rotation: this term is a length";
+        let message = "`mm_per_deg` applies to a rotation, and this term is a length";
         t.error(node.at, message, "write weight instead");
         return None;
     }

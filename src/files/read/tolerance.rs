@@ -82,7 +82,7 @@ pub fn read_words(t: &mut Table, key: &Key, len: usize, default: Distribution) -
     };
     if items.len() != len {
         let message =
-            format!("`{}` must be a word or a list of {len} words, not of {}", key.name, items.len());
+            format!("`{}` must be a word or a list of {len} words, not a list of {}", key.name, items.len());
         let all = key.kind.example();
         t.error(node.at, message, format!("write one word for all, or {len} in [ ]: {all}"));
         return None;

@@ -53,7 +53,8 @@ pub fn mount(
     let Some(tool) = tool else { return };
     for solid in &tool.solids {
         if solids.iter().any(|s| s.solid.name == solid.name) {
-            let message = format!("a solid of the tool has the name of one of the robot: `{}`", solid.name);
+            let message =
+                format!("a solid of the tool has the same name as a solid of the robot: `{}`", solid.name);
             t.error(tool.at, message, "give each a name of its own: messages name the solids");
         }
         let Solid { name, shape } = solid.clone();

@@ -198,7 +198,7 @@ fn of_coordinate(low: f64, high: f64) -> [Value; 3] {
         *key = with(key.take(), number.clone());
     }
     let values = json!({
-        "description": "Allowed values; the layout as drawn has the first.",
+        "description": "Allowed values; the layout as drawn uses the first.",
         "type": "array", "items": number, "minItems": 1, "maxItems": MAX_VALUES, "uniqueItems": true,
     });
     [with(json!({ "description": "Fixed value." }), number), table, values]

@@ -83,7 +83,7 @@ impl Document {
             ValueKind::Boolean => "`true` or `false`".into(),
             ValueKind::Text => "text".into(),
             ValueKind::Name => "name, at most 60 printable characters".into(),
-            ValueKind::Path => "path from the folder of the file".into(),
+            ValueKind::Path => "path relative to the folder of the file".into(),
             ValueKind::Word(words) if words().len() > 12 => {
                 let words = words();
                 format!("`\"{}\"` and {} more words", words[0], words.len() - 1)
@@ -146,7 +146,9 @@ fn in_words(rule: &Rule) -> String {
     match rule {
         Rule::AnyOf(keys) => format!("- At least one of {} is required.", list(keys)),
         Rule::OneAtMost(keys) => format!("- At most one of {} may be given.", list(keys)),
-        Rule::Excludes(key, others) => format!("- Beside `{key}` none of {} may be given.", list(others)),
+        Rule::Excludes(key, others) => {
+            format!("- If `{key}` is given, none of {} may be given.", list(others))
+        }
         Rule::OnlyWith(key, others) => format!("- Without `{key}` none of {} may be given.", list(others)),
         Rule::Needs(key, other) => format!("- `{key}` requires `{other}`."),
         Rule::When { key, words, needs, never } => {

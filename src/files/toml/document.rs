@@ -14,9 +14,9 @@ const MAX_TOML: usize = 4_000_000;
 /// Largest total size, bytes, of files named by other files. A file named twice counts twice.
 const MAX_NAMED: usize = 100_000_000;
 
-const PACKAGE: &str = "say in which folder the package lies: --package NAME=DIR";
+const PACKAGE: &str = "give the folder of the package: --package NAME=DIR";
 
-const NAMING: &str = "write its path from the folder of the file that names it";
+const NAMING: &str = "write its path relative to the folder of the file that names it";
 
 /// A file as it was read.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -71,7 +71,7 @@ impl<'a> Library<'a> {
         let (message, help) = match listed.cmp(&MAX_FAULTS) {
             Ordering::Less => (message, help.into()),
             Ordering::Equal => {
-                (format!("more than {MAX_FAULTS} faults"), "mend the listed ones first".into())
+                (format!("more than {MAX_FAULTS} faults"), "correct the listed ones first".into())
             }
             Ordering::Greater => return,
         };
@@ -110,7 +110,7 @@ impl<'a> Library<'a> {
         self.named = self.named.saturating_add(self.sources[file].bytes.len());
         if let Some(at) = at.filter(|_| self.named > MAX_NAMED) {
             let most = MAX_NAMED / 1_000_000;
-            let message = format!("the files named up to here add up to more than {most} MB");
+            let message = format!("the files named so far add up to more than {most} MB");
             self.error(at, message, "simplify the meshes, or name fewer files");
             return None;
         }
@@ -147,7 +147,7 @@ impl<'a> Library<'a> {
         let text = self.sources[file].text();
         let parsed = if text.len() > MAX_TOML {
             let message = format!("{} MB of text", text.len() / 1_000_000);
-            let help = "a file of this kind has at most 4 MB: put shapes that large into a mesh";
+            let help = "a file of this kind has at most 4 MB: put shapes of that size into a mesh";
             Err(vec![(0, message, help)])
         } else {
             parse(file, text)
@@ -182,7 +182,7 @@ impl<'a> Library<'a> {
         } else if leaves {
             ("leaves the folder of the cell file", "put the file beside the cell file or below it")
         } else if parts.is_empty() || name.ends_with('/') || name.contains('\0') {
-            ("is no file", NAMING)
+            ("is not a file", NAMING)
         } else {
             return Some(parts.join("/"));
         };

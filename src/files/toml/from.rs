@@ -91,13 +91,13 @@ fn follow(from: &Node, chain: &mut Vec<String>, lib: &mut Library<'_>) -> Option
     let path = lib.relative(name, from.at)?;
     if let Some(start) = chain.iter().position(|p| *p == path) {
         let names: Vec<_> = chain[start..].iter().chain([&path]).map(|p| shown(p)).collect();
-        let message = format!("`from` goes round in a circle: {}", names.join(" -> "));
-        lib.error(from.at, message, "let one of these files stand on its own");
+        let message = format!("the `from` keys form a loop: {}", names.join(" -> "));
+        lib.error(from.at, message, "remove `from` from one of these files");
         return None;
     }
     if chain.len() >= MAX_CHAIN {
-        let message = format!("`from` goes through more than {MAX_CHAIN} files");
-        lib.error(from.at, message, "let this file stand on its own");
+        let message = format!("the chain of `from` keys has more than {MAX_CHAIN} files");
+        lib.error(from.at, message, "remove this `from`");
         return None;
     }
     let file = lib.text(&path, Some(from.at))?;

@@ -99,8 +99,9 @@ impl Choices {
         let path = path.trim().to_string();
         let keys = keys(&path);
         if keys.is_empty() {
-            let help = "write keys with points between them; quote a name of other characters than a-z, A-Z, 0-9, _ and -";
-            return fault("its left side is no path of a cell file", help);
+            let help =
+                "separate keys with dots; quote a name with characters other than a-z, A-Z, 0-9, _ and -";
+            return fault("its left side is not the path of a key", help);
         }
         if keys == ["from"] {
             return fault("the cell file itself cannot be changed", "run a sweep for each cell file");

@@ -12,7 +12,7 @@ use toml::de::{DeString, DeTable, DeValue};
 /// Deepest nesting at which recursion over the tree is safe.
 const MAX_NESTING: usize = 32;
 
-const TOO_DEEP: (&str, &str) = ("nested too deep", "no key of a cell file stands that deep");
+const TOO_DEEP: (&str, &str) = ("nested too deep", "no key of a cell file is nested that deep");
 
 /// Largest number of syntax faults that are examined.
 const MAX_SLIPS: usize = 5_000;
@@ -115,13 +115,13 @@ fn explained(text: &str, message: &str, span: Option<Range<usize>>) -> SyntaxFau
         ("a value is missing".into(), "write one after the =")
     } else if message.starts_with("string values must be quoted") {
         (
-            format!("`{key}` is no value"),
+            format!("`{key}` is not a value"),
             "quote a text; write a number without unit, with a point; put commas between numbers",
         )
     } else if message.contains("recursion") {
         (TOO_DEEP.0.into(), TOO_DEEP.1)
     } else {
-        (format!("not TOML: {}", shown(message)), "mend the line; https://toml.io shows the syntax")
+        (format!("not TOML: {}", shown(message)), "correct the line; https://toml.io shows the syntax")
     };
     (span.start, what, help)
 }

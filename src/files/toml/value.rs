@@ -137,7 +137,11 @@ pub fn checked_name(name: &str, at: At, lib: &mut Library) -> Option<String> {
         return Some(name.to_string());
     }
     let message = format!("`{}` cannot be a name", shown(name));
-    lib.error(at, message, format!("write 1 to {MAX_NAME} printable characters, no blank first or last"));
+    lib.error(
+        at,
+        message,
+        format!("write 1 to {MAX_NAME} printable characters, without a blank at the start or end"),
+    );
     None
 }
 

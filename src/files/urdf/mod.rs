@@ -105,7 +105,7 @@ fn tell_ignored(ignored: &[(String, usize)], at: At, lib: &mut Library<'_>) {
         return;
     }
     let counts: Vec<_> = ignored.iter().map(|(what, n)| format!("{n} {}", shown(what))).collect();
-    let message = format!("not used of this URDF: {}", counts.join(", "));
-    let help = "only joints and collision shapes of the chain from base to tip link count";
+    let message = format!("elements of this URDF that are not used: {}", counts.join(", "));
+    let help = "only joints and collision shapes of the chain from base to tip link are used";
     lib.fault(at, Severity::Warning, message, help);
 }

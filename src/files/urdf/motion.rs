@@ -89,9 +89,12 @@ fn refuse_count(urdf: &Urdf, moving: &[&UrdfJoint], lib: &mut Library<'_>) {
         let at = moving.get(MAX_JOINTS).map_or(urdf.at, |j| j.name.at);
         let own = moving.iter().filter(|j| j.mimic.is_none()).count();
         let message = if moving.len() > MAX_JOINTS {
-            format!("{} joints move between base and tip link, at most {MAX_JOINTS} may", moving.len())
+            format!(
+                "{} joints move between base and tip link; at most {MAX_JOINTS} are allowed",
+                moving.len()
+            )
         } else {
-            format!("{own} joints move of their own between base and tip link")
+            format!("{own} joints between base and tip link move independently")
         };
         lib.error(at, message, "choose the chain of the arm with base_link and tip_link");
     }
@@ -124,15 +127,15 @@ fn read_mover(
 fn read_limits(joint: &UrdfJoint, lib: &mut Library<'_>) -> Option<(f64, f64)> {
     let name = shown(&joint.name.name);
     if joint.kind == UrdfJointKind::Continuous {
-        let message = format!("the continuous joint `{name}` is taken with limits of -360 and 360 degrees");
-        let help = "make it revolute with limits, if its cables end sooner";
+        let message = format!("the continuous joint `{name}` is read with limits of -360 and 360 degrees");
+        let help = "if its cables allow less, make it revolute and give limits";
         lib.fault(joint.name.at, Severity::Warning, message, help);
         return Some((-TAU, TAU));
     }
     let Some((lower, upper, at)) = joint.limits else {
         let message = format!("joint `{name}` has no limits");
-        let help =
-            "add <limit lower=\"...\" upper=\"...\"/>: others take what is missing as 0 to 0, no travel";
+        let help = "add <limit lower=\"...\" upper=\"...\"/>: other programs read missing limits as \
+                    0 to 0, which leaves no travel";
         lib.error(joint.name.at, message, help);
         return None;
     };
@@ -169,8 +172,9 @@ fn read_mimic(
     let name = shown(&joint.name.name);
     let followed = before.len().min(i);
     let Some(j) = moving[..followed].iter().position(|other| other.name.name == mimic.joint.name) else {
-        let message = format!("joint `{name}` mimics `{}`, no joint before it", shown(&mimic.joint.name));
-        let help = "a joint can follow one that stands before it on the way from base to tip link";
+        let message =
+            format!("joint `{name}` mimics `{}`, which is not a joint before it", shown(&mimic.joint.name));
+        let help = "a joint can only follow one that comes before it in the chain from base to tip link";
         lib.error(mimic.joint.at, message, help);
         return None;
     };
@@ -200,8 +204,7 @@ fn warn_beyond(joint: &UrdfJoint, mover: &Mover, before: &[Mover], lib: &mut Lib
     }
     if low < lower - 1e-9 || high > upper + 1e-9 {
         let name = shown(&joint.name.name);
-        let message =
-            format!("the mimic joint `{name}` is led from {low:.4} to {high:.4}, beyond its limits");
+        let message = format!("the mimic joint `{name}` moves from {low:.4} to {high:.4}, beyond its limits");
         lib.fault(at, Severity::Warning, message, "narrow the limits of the joint that it follows");
     }
 }
@@ -222,20 +225,22 @@ pub fn warn_of_slants(urdf: &Urdf, way: &Way, motion: &Motion, derived: &dh::Der
             let away = derived.rows[k].r.abs().max(derived.rows.get(k + 1).map_or(0.0, |row| row.r.abs()));
             (
                 "parallel",
-                format!("; their rows lead {away:.3} m along the axes, where row errors mean little"),
+                format!(
+                    "; their rows have an offset of {away:.3} m along the axes, so row errors mean little"
+                ),
             )
         } else {
             ("at right angles", String::new())
         };
         let message =
-            format!("the axes of `{}` and `{}` are {what} but for {off:.1e} rad{so}", names.0, names.1);
+            format!("the axes of `{}` and `{}` are {what} except for {off:.1e} rad{so}", names.0, names.1);
         let help = "if they are meant to be, write the angles with all digits: 1.5707963267948966";
         lib.fault(moving[k + 1].origin_at, Severity::Warning, message, help);
     }
     if derived.gap >= dh::TRUE || derived.gap.is_nan() {
         let message =
-            format!("no D-H rows are true to this URDF: they miss it by up to {:.1e} m", derived.gap);
-        let help = "axes that are almost parallel are why: write the angles with all digits";
+            format!("no D-H rows reproduce this URDF exactly: they differ by up to {:.1e} m", derived.gap);
+        let help = "almost parallel axes are the cause: write the angles with all digits";
         lib.fault(urdf.at, Severity::Warning, message, help);
     }
 }

@@ -26,7 +26,7 @@ impl RosPackages {
         };
         let inside = whole.split_once('/').and_then(|(name, path)| Some((name, normal(path)?)));
         let Some((name, path)) = inside.filter(|(name, _)| is_package(name)) else {
-            let message = format!("`{}` is no file of a package", shown(&file.name));
+            let message = format!("`{}` does not name a file of a package", shown(&file.name));
             lib.error(file.at, message, "write package://NAME/PATH, with a path that stays in the package");
             return None;
         };

@@ -30,7 +30,7 @@ pub fn parse(text: &str, faults: &mut Faults) -> Option<Urdf> {
         Err(e) => {
             let message = format!("not XML: {}", shown(&e.to_string()));
             let at = faults.at(offset_of(text, e.pos()));
-            faults.error(at, message, "mend the line, or export the URDF anew");
+            faults.error(at, message, "correct the line, or export the URDF again");
             return None;
         }
     };

@@ -18,7 +18,7 @@ const MAX_ATTRIBUTES: usize = 64;
 /// Largest size of a tag, bytes.
 const MAX_TAG: usize = 4_000;
 
-const LARGE: &str = "is this the URDF of one robot? cut what is no link or joint of it";
+const LARGE: &str = "is this the URDF of one robot? remove everything but its links and joints";
 
 /// Returns the first reason why the text must not be parsed, if there is one.
 pub fn refuse(text: &str, faults: &Faults) -> Option<UrdfFault> {
@@ -63,7 +63,7 @@ fn walk(text: &str) -> Result<(), Refusal> {
             }
             if depth > MAX_NESTING {
                 let message = format!("nested deeper than {MAX_NESTING} elements");
-                return Err((start, message, "no element of a URDF stands that deep"));
+                return Err((start, message, "no element of a URDF is nested that deep"));
             }
             end
         };

@@ -40,7 +40,11 @@ impl<'u> Tree<'u> {
             if let Some(other) = tree.above[child].replace(j) {
                 let names = (shown(&joint.child.name), shown(&urdf.joints[other].name.name));
                 let message = format!("link `{}` is already the child of joint `{}`", names.0, names.1);
-                lib.error(joint.child.at, message, "a link hangs on one joint: a closed loop cannot be read");
+                lib.error(
+                    joint.child.at,
+                    message,
+                    "a link has one parent joint: a closed loop cannot be read",
+                );
             }
         }
         if lib.errors() == before {
@@ -79,8 +83,8 @@ impl<'u> Tree<'u> {
             }
             let Some(again) = link.filter(|&l| walk[l] == start + 1) else { continue };
             let Some(joint) = self.above[again].map(|j| &self.urdf.joints[j]) else { continue };
-            let message = format!("link `{}` hangs on itself", shown(&joint.child.name));
-            lib.error(joint.name.at, message, "follow its joints upwards and cut the circle");
+            let message = format!("link `{}` is its own ancestor", shown(&joint.child.name));
+            lib.error(joint.name.at, message, "follow its parent joints and break the loop");
         }
     }
 
@@ -103,7 +107,8 @@ impl<'u> Tree<'u> {
         while link != base {
             let (Some(joint), Some(parent)) = (self.above[link], self.parent(link)) else {
                 let name = |l: usize| shown(&self.urdf.links[l].name.name);
-                let message = format!("tip_link `{}` does not hang on base_link `{}`", name(tip), name(base));
+                let message =
+                    format!("tip_link `{}` is not a descendant of base_link `{}`", name(tip), name(base));
                 lib.error(at, message, "name two links of one chain, the base first");
                 return None;
             };
@@ -116,7 +121,7 @@ impl<'u> Tree<'u> {
 
     fn root(&self, at: At, lib: &mut Library<'_>) -> Option<usize> {
         let roots: Vec<_> = (0..self.above.len()).filter(|&l| self.above[l].is_none()).collect();
-        self.single(&roots, "links that hang on nothing", "base_link", at, lib)
+        self.single(&roots, "links without a parent joint", "base_link", at, lib)
     }
 
     fn leaf(&self, base: usize, at: At, lib: &mut Library<'_>) -> Option<usize> {

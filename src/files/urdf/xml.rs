@@ -11,7 +11,7 @@ use roxmltree::Node;
 /// Largest number that is accepted in a URDF.
 const LARGEST: f64 = 1e7;
 
-const NO_MEASURE: &str = "write plain numbers, with blanks between them: nan and inf are no measures";
+const NO_MEASURE: &str = "write plain numbers, with blanks between them; nan and inf are not allowed";
 
 /// Returns the place of an attribute's value.
 pub fn place(e: Node<'_, '_>, name: &str, faults: &Faults) -> At {
@@ -61,7 +61,7 @@ pub fn numbers<const N: usize>(
                 return None;
             }
             Err(_) => {
-                faults.error(at, format!("`{}` in `{name}` is no number", shown(word)), NO_MEASURE);
+                faults.error(at, format!("`{}` in `{name}` is not a number", shown(word)), NO_MEASURE);
                 return None;
             }
         }

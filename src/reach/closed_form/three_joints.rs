@@ -59,7 +59,7 @@ impl ThreeJoints {
         let small = |x: f64| x != 0.0 && x.abs() < 1e-6;
         let (ca, sa) = self.forms.twist1;
         if small(self.forms.l1) || small(ca) || small(sa) {
-            return Err("l_1 or alpha_1 is nearly, but not exactly, a special case".into());
+            return Err("l_1, sin alpha_1 or cos alpha_1 is nearly, but not exactly, 0".into());
         }
         if !self.point.moves_in_space() {
             return Err("the first three joints cannot put the wrist centre anywhere in space".into());

@@ -126,7 +126,8 @@ fn budget_table(a: &Assessment<'_>, k: usize, account: &Account<'_>) -> PageTabl
     let alone = format!("alone {}", unit.word());
     let head = ["parameter", "plus or minus", &alone, "of worst case %", "of variance %"];
     let left = account.budget.shares.len().saturating_sub(MAX_PARAMETERS_SHOWN);
-    let more = if left > 0 { format!("and {left} parameters more with less. ") } else { String::new() };
+    let more =
+        if left > 0 { format!("and {left} more parameters with smaller shares. ") } else { String::new() };
     let cut = account.tighter.first().map_or(String::new(), |t| {
         let name = names::parameter(a.cell, t.parameters[0]);
         let percent = rounded(percent_from_share(account.cut(t)), 1);
@@ -227,9 +228,9 @@ fn pareto(subject: &Subject<'_>) -> Section {
     };
     section.tables.push(PageTable::new("", &head, all.iter().map(row).collect()));
     let picture = chart::pareto(subject.cell(), &record(subject, found));
-    section
-        .figures
-        .extend(picture.map(|svg| PageFigure::new("Front", "Numbers are those of the files.", svg)));
+    section.figures.extend(
+        picture.map(|svg| PageFigure::new("Front", "The numbers are those in the names of the files.", svg)),
+    );
     section
 }
 

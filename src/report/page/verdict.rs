@@ -87,7 +87,7 @@ fn headline(v: &VerdictDocument, unit: Unit) -> String {
             format!("no layout was found that beats the one as drawn: {value} {what}")
         }
         (VerdictSubject::Search, None) => {
-            format!("the best layout found has {value} {what}; as drawn nothing works")
+            format!("the best layout found has {value} {what}; the layout as drawn does not work")
         }
         (VerdictSubject::Layout, _) => format!("the layout as drawn has {value} {what}"),
     };
@@ -144,7 +144,7 @@ fn summed(cell: &Cell) -> String {
         (_, Objective::WeightedSum) => "sum of ",
         (_, Objective::WeightedMaximum) if weighted => "weighted greatest of ",
         (_, Objective::WeightedMaximum) => "greatest of ",
-        (_, Objective::Lexicographic) => "the first that counts of ",
+        (_, Objective::Lexicographic) => "the first decisive one of ",
     };
     let misplaced = if cell.search.robust { ", at the worst misplacement" } else { "" };
     format!("{how}{}{misplaced}", names.join(" and "))
@@ -154,11 +154,13 @@ fn summed(cell: &Cell) -> String {
 pub fn reading_in_words(cell: &Cell) -> String {
     let set = shown(cell.error_set().name());
     match value_word(cell) {
-        "error" => format!("of the one arm whose link errors are those of {set}"),
+        "error" => format!("for one arm, with the signed errors {set}"),
         "worst case" => format!("the worst that any arm within the tolerances {set} can have"),
         "p95" => format!("95 of 100 arms built to the tolerances {set} stay below it"),
         "p99" => format!("99 of 100 arms built to the tolerances {set} stay below it"),
-        "share of failures" => format!("so many of the arms built to the tolerances {set} pass the limit"),
+        "share of failures" => {
+            format!("share of the arms built to the tolerances {set} whose error exceeds the limit")
+        }
         word => format!("the {word} over the arms built to the tolerances {set}"),
     }
 }
@@ -168,7 +170,7 @@ fn requirement(a: &Assessment<'_>) -> FactEntry {
     let all = (0..a.maps.len()).filter_map(|k| Some((k, a.requirement(k)?)));
     let tightest = all.min_by(|(_, x), (_, y)| x.margin.total_cmp(&y.margin));
     let Some((k, r)) = tightest else {
-        let note = "no operation of the cell has a limit that its error could pass".to_string();
+        let note = "no operation of the cell has a limit for its error".to_string();
         return FactEntry {
             label: "Requirement".into(),
             value: None,
@@ -181,7 +183,7 @@ fn requirement(a: &Assessment<'_>) -> FactEntry {
     let margin = quantity(unit, r.margin.abs());
     let (text, note, mood) = match r.is_met() {
         true => ("met", format!("{name} keeps its limit of {limit} with {margin} to spare"), FactMood::Good),
-        false => ("missed", format!("{name} passes its limit of {limit} by {margin}"), FactMood::Bad),
+        false => ("missed", format!("{name} exceeds its limit of {limit} by {margin}"), FactMood::Bad),
     };
     FactEntry {
         label: "Requirement".into(),
@@ -204,7 +206,7 @@ fn gain(v: &VerdictDocument, unit: Unit) -> FactEntry {
         }
         _ => (
             NOTHING.into(),
-            "the layout as drawn does not work, so that there is nothing to gain on".into(),
+            "the layout as drawn does not work, so there is no gain to state".into(),
             FactMood::Plain,
         ),
     };

@@ -79,7 +79,7 @@ pub fn findings(r: &Readings<'_>) -> Vec<String> {
 fn regret(r: &Readings<'_>) -> Vec<String> {
     if matches!(r.cell.error_set(), ErrorSet::Tolerance(_)) {
         return vec![format!(
-            "{} is a tolerance: there is no signed sample to choose by",
+            "{} is a tolerance: there is no signed sample by which to choose a spot",
             shown(r.cell.error_set().name())
         )];
     }
