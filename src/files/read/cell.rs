@@ -117,7 +117,7 @@ fn refuse_nothing_to_withstand(t: &mut Table, read: &Cell) {
 
 /// Reads `errors = "NAME"` and returns the index of that error set of the robot.
 ///
-/// The name is looked up in the file, because the error sets may not have been read.
+/// The name is looked up among the entries of the file.
 fn read_error_choice(t: &mut Table) -> Option<usize> {
     let node = t.get(&cell::ERRORS)?;
     let name = text(node, cell::ERRORS.name, t.lib)?;

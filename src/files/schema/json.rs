@@ -210,7 +210,8 @@ fn printable() -> Value {
     json!({ "minLength": 1, "maxLength": MAX_NAME, "pattern": pattern })
 }
 
-/// Returns the schemas of a rule: one for tables that are not merged over another file, and those that always apply.
+/// Returns the schemas of a rule: one for tables that are not merged over another file, and those that always
+/// apply.
 fn of_rule(rule: &Rule, table: &'static KeyTable) -> (Option<Value>, Vec<Value>) {
     match rule {
         Rule::AnyOf(keys) => {
