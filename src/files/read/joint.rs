@@ -30,7 +30,7 @@ pub fn read_all(t: &mut Table) -> Option<Vec<Joint>> {
     let mut turning = joints.iter().filter(turns).peekable();
     let small = |j: &Joint| j.limits.0.abs().max(j.limits.1.abs()) <= units::rad_from_deg(RADIANS);
     if turning.peek().is_some() && turning.all(small) {
-        let message = format!("no joint may turn more than {RADIANS} degrees");
+        let message = format!("no revolute joint has a limit beyond {RADIANS} degrees");
         t.lib.fault(
             node.at,
             Severity::Warning,

@@ -30,7 +30,7 @@ fn read_number(t: &mut Table, key: &Key) -> Option<f64> {
     let range = t.get(key).filter(|node| matches!(node.value, Value::Table(_) | Value::Array(_)));
     let Some(node) = range else { return t.number(key) };
     let message = format!("`{}` of an obstacle cannot be a range", key.name);
-    t.error(node.at, message, "give it one number, or make it an [equipment.NAME]");
+    t.error(node.at, message, "give one number, or make the obstacle an [equipment.NAME]");
     None
 }
 
