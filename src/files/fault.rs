@@ -25,7 +25,7 @@ pub enum FaultKind {
 /// Fault in one file: where it is, what is wrong and what to do. Lines and columns count from 1.
 ///
 /// A fault of a setting has no place in a file: `file` is then the setting as typed, and line and column are
-/// 0.
+/// both zero.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Fault {
     pub severity: Severity,

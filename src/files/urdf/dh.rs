@@ -1,7 +1,8 @@
 //! Conversion of joint axes to standard Denavit-Hartenberg rows (Denavit and Hartenberg 1955).
 //!
-//! At coordinate 0 axis k is a line. Row k leads from a frame with z along axis k to one with z along axis k
-//! + 1 and x along their common normal. Where this leaves a choice, the following rules hold:
+//! At coordinate 0 axis k is a line. Row k leads from a frame with z along axis k to a frame with z along the
+//! next axis. Its x axis is the common normal of the two axes. Where this leaves a choice, the following
+//! rules hold:
 //!
 //! - frame 0: its origin is the point of axis 1 nearest to the origin of the base. Its x axis is as near as
 //!   possible to the base x axis, or to the base y axis if axis 1 lies along x;

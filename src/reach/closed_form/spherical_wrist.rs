@@ -77,11 +77,11 @@ impl SphericalWrist {
     /// values of the chain.
     ///
     /// Bit 0 of the branch is the flip of the wrist. For the usual industrial arm bit 1 is the elbow, and bit
-    /// 2 says that the arm leans back over its base. For other arms bit 1 numbers the two solutions of joint
-    /// 2. Bit 2 says whether Pieper's equation rises at the solution for joint 3. Bit 3 numbers the solutions
-    /// with equal bit 2 in ascending order from theta_3 = -180 degrees, or from the lowest r_3. These numbers
-    /// change only at a singularity or at theta_3 = 180 degrees. There is no better numbering for an arm that
-    /// can change posture without passing a singularity.
+    /// 2 says that the arm leans back over its base. For other arms bit 1 numbers the two solutions of the
+    /// second joint. Bit 2 says whether Pieper's equation rises at the solution for joint 3. Bit 3 numbers
+    /// the solutions with equal bit 2 in ascending order from theta_3 = -180 degrees, or from the lowest r_3.
+    /// These numbers change only at a singularity or at theta_3 = 180 degrees. There is no better numbering
+    /// for an arm that can change posture without passing a singularity.
     ///
     /// If axes 4 and 6 are aligned, theta_4 is 0 and the wrist is not flipped. If the wrist centre lies on
     /// axis 1 or 2, theta of that axis is 0. For a spherical shoulder, axes and bits count from flange to

@@ -111,7 +111,7 @@ impl ThreeParallel {
     /// distances from axis 2.
     ///
     /// If the wrist centre is on axis 1 and the arm has no offset along axis 2, theta_1 is free and bit 2 is
-    /// 0. Then theta_1 is the first angle of a scan that has a solution.
+    /// zero. Then theta_1 is the first angle of a scan that has a solution.
     ///
     /// Returns how far (m) the wrist centre is out of reach. If no theta_1 exists, the wrist centre is too
     /// near to axis 1. Otherwise the distance lies in the plane of the arm. If it is 0, oblique axes 4 to 6

@@ -107,8 +107,8 @@ impl<'a> Envelope<'a> {
         Lattice::round([centre.x, centre.y], (outer * outer - away * away).sqrt(), step)
     }
 
-    /// Returns whether the envelope is exactly symmetric about the base axis, except for the limits of joint
-    /// 1.
+    /// Returns whether the envelope is exactly symmetric about the base axis, apart from the limits of its
+    /// first joint.
     ///
     /// This holds if the first axis is the base axis and drives no other joint, and if the attitude rotates
     /// with it. An arm that samples a free angle from a fixed direction is symmetric only if joint 1 makes
