@@ -164,7 +164,7 @@ impl<'a> Assessment<'a> {
         let mut all: Vec<String> =
             overlaps.chain(self.nearest_without_overlap()).chain(spotless).chain(blocked).collect();
         if all.is_empty() && self.evaluation.objective.is_none() {
-            all.push("feasible as drawn, but not wherever its placement tolerances let it stand".into());
+            all.push("feasible as drawn, but not everywhere within its placement tolerances".into());
         }
         all
     }
@@ -275,7 +275,9 @@ fn same_question(a: &Assessment<'_>, b: &Assessment<'_>) -> Result<(), String> {
         return refuse(format!("the objective of one is {x}, of the other {y}"));
     }
     if a.cell.search.robust != b.cell.search.robust {
-        return refuse("one is judged as drawn, the other misplaced (robust = true)".into());
+        return refuse(
+            "one is evaluated as drawn, the other with its placement tolerances (robust = true)".into(),
+        );
     }
     let question = |o: &Operation| {
         (o.sense.clone(), o.place.in_words(), o.over, o.weight.to_bits(), o.limit.map(f64::to_bits))

@@ -68,7 +68,7 @@ impl Comparison<'_> {
         maps.map(|(k, (a, b))| {
             if first.cell.operations[k].place != other.cell.operations[k].place {
                 return Err(format!(
-                    "{}: the nodes lie at other places of the surface in {} than in {}",
+                    "{}: the nodes of {} and {} are not at the same places of the surface",
                     shown(&first.cell.operations[k].name),
                     shown(&other.label),
                     shown(&first.label)

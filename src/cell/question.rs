@@ -122,16 +122,18 @@ impl Cell {
         if interpretation.reading == Reading::Signed {
             let help = "choose the reading worst-case or statistical";
             let told =
-                |what| fault(About::Reading, format!("{what} a tolerance: no sample to read signed"), help);
+                |what| fault(About::Reading, format!("{what} a tolerance, which has no signed sample"), help);
             faults.extend(self.tolerances(interpretation.registration).into_iter().map(told));
         }
         if interpretation.is_yield() {
             let unlimited = |o: &Operation| interpretation.limit_of(o).is_none();
             for (k, operation) in self.operations.iter().enumerate().filter(|(_, o)| unlimited(o)) {
-                let message =
-                    format!("`{}` has no limit: its yield is the share of errors within one", operation.name);
+                let message = format!(
+                    "`{}` has no limit, which the yield needs: it is the share of errors within the limit",
+                    operation.name
+                );
                 let word = interpretation.sense_of(operation).unit.word();
-                let help = format!("add limit_{word}, the largest error that it tolerates");
+                let help = format!("add limit_{word}, the largest allowed error");
                 faults.push(fault(About::Operation(k), message, &help));
             }
             return faults;

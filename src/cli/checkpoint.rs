@@ -84,14 +84,16 @@ impl CheckpointWriter {
         if let Err(exit) = last {
             if self.path.is_file() {
                 output::talk(&format!(
-                    "  help: the checkpoint before it stands; make room, then sweetspot search --resume {folder}"
+                    "  help: the previous checkpoint is intact; free some disk space, then run \
+                     sweetspot search --resume {folder}"
                 ));
             }
             return Err(exit);
         }
         if record.ended == SearchEnd::Diverged {
             output::error(&format!(
-                "{}: this program does not meet its own steps again: the checkpoint is of another build or machine",
+                "{}: this program does not reproduce the steps of the search: \
+                 the checkpoint is from another build or machine",
                 path_word(&self.path)
             ));
             output::talk("  help: resume it there, or start again in another folder with --out");
@@ -127,7 +129,7 @@ impl StoppedSearch {
         if !path.is_file() {
             let folder = path_word(folder);
             output::error(&format!("{folder} holds no {CHECKPOINT}: there is nothing to resume"));
-            output::talk("  help: a search that has ended has none; start one with sweetspot search CELL");
+            output::talk("  help: a finished search has no checkpoint; start one with sweetspot search CELL");
             return Err(Exit::BadInput);
         }
         let bytes = std::fs::read(&path).map_err(|e| {
@@ -154,7 +156,7 @@ impl StoppedSearch {
         changes.iter().for_each(|change| output::error(change));
         if !changes.is_empty() {
             output::talk(
-                "  help: put back what the search began with, or start again in another folder with --out",
+                "  help: restore the inputs with which the search began, or start again in another folder with --out",
             );
             return Err(Exit::BadInput);
         }
@@ -171,7 +173,7 @@ impl StoppedSearch {
             };
             output::error(&format!("{}: {why}", path_word(&self.folder)));
             output::talk(
-                "  help: resume with the rules it began with, or start again in another folder with --out",
+                "  help: resume with the rules with which it began, or start again in another folder with --out",
             );
             Exit::BadInput
         })
@@ -200,7 +202,7 @@ fn understood(bytes: &[u8]) -> Result<CheckpointContent<search::Checkpoint>, (us
     let split = bytes.iter().position(|&b| b == b'\n').map_or(bytes.len(), |end| end + 1);
     let (first, second) = bytes.split_at(split);
     let header: CheckpointHeader = serde_json::from_slice(first)
-        .map_err(|_| (1, "this is no checkpoint, or a damaged one".to_string()))?;
+        .map_err(|_| (1, "this is not a checkpoint, or it is damaged".to_string()))?;
     if header.schema != SCHEMA {
         return Err((1, format!("the schema is {}, this program reads {SCHEMA}", shown(&header.schema))));
     }
@@ -222,10 +224,10 @@ fn changes(then: &[InputHash], now: &[InputHash]) -> Vec<String> {
         match now.iter().find(|(p, _)| shown(p) == path) {
             Some((_, same)) if same == hash => {}
             Some(_) => said.push(format!("{path} has changed since the search began")),
-            None => said.push(format!("{path} is no longer read, the search began with it")),
+            None => said.push(format!("{path} is no longer read, but the search began with it")),
         }
     }
     let new = now.iter().filter(|(path, _)| !then.iter().any(|(p, _)| p == path));
-    said.extend(new.map(|(path, _)| format!("{} is read now, the search began without it", shown(path))));
+    said.extend(new.map(|(path, _)| format!("{} is read now, but the search began without it", shown(path))));
     said
 }

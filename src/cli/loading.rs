@@ -129,14 +129,14 @@ pub fn read_inside(folder: &Path, inside: &str, whose: &str) -> Result<Vec<u8>, 
     let real = path.canonicalize().map_err(|e| reason(&e))?;
     let home = folder.canonicalize().map_err(|e| reason(&e))?;
     if !real.starts_with(&home) {
-        return Err(format!("it leads out of the folder of {whose}"));
+        return Err(format!("it is outside the folder of {whose}"));
     }
     let about = real.metadata().map_err(|e| reason(&e))?;
     if !about.is_file() {
         return Err("it is not a file".into());
     }
     if about.len() > MAX_BYTES {
-        return Err(format!("it has {} MB, more than {} MB", about.len() >> 20, MAX_BYTES >> 20));
+        return Err(format!("its size is {} MB, more than {} MB", about.len() >> 20, MAX_BYTES >> 20));
     }
     std::fs::read(&real).map_err(|e| reason(&e))
 }

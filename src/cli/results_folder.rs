@@ -40,7 +40,8 @@ pub fn read(folder: &Path, packages: &PackageFolders) -> Result<SearchFolder, Ex
     let packages = kept_packages(folder, packages);
     let loaded = asked::load_for_search(&file, &packages, &settings)?;
     if resolved.is_some_and(|resolved| resolved != ResolvedSettings::new(&loaded.cell)) {
-        let why = "this program reads other settings from inputs/ than it names: its defaults differ";
+        let why =
+            "this program reads other settings from inputs/ than the manifest names: its defaults differ";
         return Err(refused(folder, "manifest.json", why));
     }
     let found: SearchResult = serde_json::from_slice(&bytes(folder, "search.json")?)

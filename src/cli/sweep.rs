@@ -25,7 +25,7 @@ pub fn asked_plan(a: &SweepArguments) -> Result<SweepPlan, Exit> {
     let version = env!("CARGO_PKG_VERSION").to_string();
     if let Some(folder) = &a.resume {
         let plan = read_plan(folder)?.ok_or_else(|| {
-            output::error(&format!("{} has no {PLAN}: it is no folder of a sweep", path_word(folder)));
+            output::error(&format!("{} has no {PLAN}: it is not the folder of a sweep", path_word(folder)));
             Exit::BadInput
         })?;
         return Ok(SweepPlan { inputs: Vec::new(), version, ..plan });
@@ -117,7 +117,7 @@ fn count(sets: &[Choices]) -> Result<usize, Exit> {
         output::error(&format!(
             "{factors} values make more than {MAX_COMBINATIONS} combinations; nothing was done"
         ));
-        output::talk("  help: set fewer values, or part them into several sweeps");
+        output::talk("  help: set fewer values, or split them into several sweeps");
         Exit::BadInput
     })
 }
@@ -134,7 +134,7 @@ fn read_plan(folder: &Path) -> Result<Option<SweepPlan>, Exit> {
         }
     };
     serde_json::from_slice(&bytes).map(Some).map_err(|e| {
-        output::error(&format!("{} is no plan of a sweep: {e}", path_word(&path)));
+        output::error(&format!("{} is not the plan of a sweep: {e}", path_word(&path)));
         Exit::BadInput
     })
 }
@@ -149,7 +149,7 @@ pub fn open(plan: &SweepPlan, asked: Option<&Path>, stem: &str) -> Result<PathBu
             return Ok(folder.to_path_buf());
         }
         let folder = path_word(folder);
-        output::error(&format!("{folder} is of another sweep; changed since: {}", changed.join(", ")));
+        output::error(&format!("{folder} belongs to another sweep; these differ: {}", changed.join(", ")));
         output::talk("  help: take the changes back, or name a new folder with --out");
         return Err(Exit::BadInput);
     }

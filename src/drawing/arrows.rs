@@ -1,7 +1,7 @@
 //! Errors as arrows and unusable nodes as circles: the lines that every picture and CAD file shows.
 //!
-//! World frame, m. Errors are too small to be seen. One [`exaggeration`] therefore enlarges all arrows of a
-//! drawing under one lens, so that they can be compared.
+//! World frame, m. Errors are too small to be seen. One factor, the [`exaggeration`], therefore enlarges all
+//! arrows of a drawing under one lens (model and reading), so that they can be compared.
 
 use super::round_numbers::{HALF_DIGITS, round_down};
 use super::{Drawing, Field, Mesh};
@@ -10,13 +10,13 @@ use std::f64::consts::TAU;
 
 /// Length of the longest arrow in distances between nodes.
 const LONGEST_ARROW: f64 = 1.5;
-/// Length of a head as a share of its arrow, and its limit as a share of the distance between nodes.
+/// Length of an arrow head: as a share of its arrow, and at most this share of the distance between nodes.
 const HEAD_LENGTH: (f64, f64) = (0.3, 0.25);
-/// Half width of a head as a share of its length, and of the shaft.
+/// Half width of an arrow head and half width of the shaft, both as shares of the head's length.
 const HALF_WIDTH: (f64, f64) = (0.35, 0.12);
 /// Radius of the circle round a node as a share of the distance between nodes.
 const CIRCLE_RADIUS: f64 = 0.25;
-/// Distance between nodes that a map of one node is drawn with, m.
+/// Distance between nodes that is assumed for a map of one node, m.
 const LONE_SPACING: f64 = 0.1;
 /// Corners of a circle round a node.
 const CIRCLE_CORNERS: usize = 24;
@@ -51,7 +51,7 @@ impl Component {
         if self == Self::Resultant { "xyz" } else { self.name() }
     }
 
-    /// Returns the direction of the component of an error (world); nothing for the resultant of no error.
+    /// Returns the direction of the component of an error (world); None for the resultant of a zero error.
     fn direction(self, error: &Vector3<f64>) -> Option<Vector3<f64>> {
         match self {
             Self::X => Some(Vector3::x()),
@@ -82,7 +82,7 @@ impl Arrow {
         [neck + level * half, neck - level * half, neck + upright * half, neck - upright * half]
     }
 
-    /// Returns the direction along the arrow, a level one across it, and the one across both.
+    /// Returns three axes: along the arrow, horizontal across it, and perpendicular to both.
     fn axes(&self) -> [Vector3<f64>; 3] {
         let along = (self.tip - self.tail).try_normalize(0.0).unwrap_or_else(Vector3::z);
         // Every direction across an upright arrow is level.
@@ -118,8 +118,10 @@ impl Arrow {
 }
 
 impl Field {
-    /// Returns the mean distance between neighbouring nodes, m, along the axis of the grid along which it is
-    /// less. The neighbour of a single point is the next point.
+    /// Returns the mean distance between neighbouring nodes, m: the smaller of the means along the two grid
+    /// axes.
+    ///
+    /// Single points are neighbours in the order of the list.
     pub fn spacing(&self) -> f64 {
         let (along, _) = self.size;
         let mean = |pairs: Vec<(usize, usize)>| {
@@ -135,7 +137,7 @@ impl Field {
         both.into_iter().flatten().reduce(f64::min).unwrap_or(LONE_SPACING)
     }
 
-    /// Returns the level circle round an unusable node: a closed line, world, m.
+    /// Returns the level circle round an unusable node: a closed line in the world frame, m.
     pub fn circle(&self, node: usize) -> [Vector3<f64>; CIRCLE_CORNERS] {
         let (centre, radius) = (self.nodes[node].position, self.radius());
         std::array::from_fn(|k| {
@@ -149,8 +151,10 @@ impl Field {
         CIRCLE_RADIUS * self.spacing()
     }
 
-    /// Returns the size of a component of the error of a node under a lens, m. A signed sample gives it a
-    /// sign; otherwise it is what the reading says, plus or minus. Nodes without a posture have none.
+    /// Returns the size of one component of the error at a node under a lens, m.
+    ///
+    /// With `is_signed` a component along an axis has a sign. Otherwise the size is the figure of the
+    /// reading, without a sign. It is None for a node without a posture.
     pub fn size_of(&self, take: usize, component: Component, node: usize, is_signed: bool) -> Option<f64> {
         let take = &self.takes[take];
         let error = take.error[node]?;
@@ -164,9 +168,10 @@ impl Field {
 }
 
 impl Drawing<'_> {
-    /// Returns by how much arrows under a lens are longer than the errors. The longest arrow of any operation
-    /// spans about 1.5 distances between its nodes. The factor is 1, 1.5, 2, ... 9.5 times a power of ten; 1
-    /// without errors.
+    /// Returns the factor by which arrows under a lens are longer than the errors.
+    ///
+    /// The longest arrow of any operation spans about 1.5 distances between its nodes. The factor is 1, 1.5,
+    /// 2, ... 9.5 times a power of ten. Without errors it is 1.
     pub fn exaggeration(&self, take: usize) -> f64 {
         let is_signed = self.lenses[take].is_signed();
         let raw = self.fields.iter().filter_map(|field| {
@@ -179,7 +184,7 @@ impl Drawing<'_> {
     }
 
     /// Returns the errors of the usable nodes of an operation under a lens, enlarged by
-    /// [`Self::exaggeration`]. An error without a sign is plus or minus: it has two arrows, one either way.
+    /// [`Self::exaggeration`]. An error without a sign has two arrows in opposite directions.
     pub fn arrows(&self, field: usize, take: usize, component: Component) -> Vec<Arrow> {
         let (is_signed, enlarged) = (self.lenses[take].is_signed(), self.exaggeration(take));
         let field = &self.fields[field];

@@ -12,11 +12,14 @@ const LEVELS: usize = 9;
 pub struct Rings {
     /// Cut at the height of the TCP of the operation.
     pub at_work: Vec<Vec<Vector3<f64>>>,
-    /// Cuts at other heights, and the section in the vertical plane of the arm with its joints in the middle.
+    /// Cuts at other heights, and a vertical section through the base axis, at the azimuth of the TCP with
+    /// every joint in mid-range.
     pub around: Vec<Vec<Vector3<f64>>>,
 }
 
-/// Returns the working envelope of an operation: its tool orientation, within the joint limits, coarsely.
+/// Returns the working envelope of an operation in its tool orientation, within the joint limits.
+///
+/// The step is twice that of [`step_of`].
 pub fn rings(a: &Assessment<'_>, operation: usize) -> Rings {
     let inverse = a.workcell.inverse();
     let attitude = &a.layout.attitudes[operation];

@@ -1,4 +1,4 @@
-//! Error maps as they are drawn: every node under every model and reading.
+//! Error maps as they are drawn: all nodes under each model and reading.
 
 use super::Detail;
 use crate::assess::Assessment;
@@ -16,7 +16,7 @@ pub struct Lens {
 }
 
 impl Lens {
-    /// Returns the lens that the cell asks for.
+    /// Returns the model, reading and quantity of the cell.
     pub fn of(cell: &Cell) -> Self {
         Self { model: cell.model, reading: cell.reading, quantity: cell.quantity }
     }
@@ -27,7 +27,8 @@ impl Lens {
         Interpretation { model, reading, quantity, ..cell.interpretation() }
     }
 
-    /// Whether errors have a sign under this lens; otherwise they are plus or minus.
+    /// Returns whether errors have a sign under this lens; otherwise they are magnitudes, to be read as plus
+    /// or minus.
     pub fn is_signed(&self) -> bool {
         self.reading == Reading::Signed
     }
@@ -44,7 +45,7 @@ impl Lens {
     }
 }
 
-/// Returns the lenses under which a cell can be evaluated, its own first.
+/// Returns the lenses under which a cell can be evaluated, the one of the cell first.
 pub fn lenses(cell: &Cell) -> Vec<Lens> {
     let own = Lens::of(cell);
     let quantity = if cell.reading == Reading::Statistical { cell.quantity } else { Quantity::P95 };
@@ -59,7 +60,7 @@ pub fn lenses(cell: &Cell) -> Vec<Lens> {
     lenses
 }
 
-/// Node of a map.
+/// Node of an error map as pictures show it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FieldNode {
     pub i: usize,
@@ -78,17 +79,19 @@ impl FieldNode {
     }
 }
 
-/// Nodes under one lens. A node without a usable posture has no values.
+/// Errors of all nodes under one lens (model and reading). A node without a usable posture has no values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Take {
     /// Index into [`super::Drawing::lenses`].
     pub lens: usize,
-    /// Error of each node (world, m): that of the signed sample, or that of the worst corner of the tolerance
-    /// box in the sense of the operation.
+    /// Error of each node (world, m).
+    ///
+    /// In a signed reading it is the error of the signed sample. Otherwise it is the error at the worst
+    /// corner of the tolerance box, in the sense of the operation.
     pub error: Vec<Option<Vector3<f64>>>,
     /// Figures of the reading, one list per sense, m or rad.
     pub values: Vec<Vec<Option<f64>>>,
-    /// Spot under this lens: index into [`Field::nodes`].
+    /// Spot under this model and reading: index into [`Field::nodes`].
     pub best: Option<usize>,
 }
 
@@ -110,7 +113,7 @@ pub struct Field {
     pub spot: Option<Vector3<f64>>,
     /// Refined spot between the nodes, world, m.
     pub refined: Option<Vector3<f64>>,
-    /// Number of nodes mapped for one that is kept, along each axis.
+    /// Stride of the nodes that are kept: one of every so many mapped nodes along each axis.
     pub every: usize,
     pub takes: Vec<Take>,
 }
@@ -129,7 +132,7 @@ impl Field {
     }
 }
 
-/// Maps a layout under the lenses asked for.
+/// Maps a layout under the lens of the cell or, if `detail` asks for them, under all lenses.
 pub(super) fn fields(a: &Assessment<'_>, detail: &Detail) -> Result<(Vec<Lens>, Vec<Field>), String> {
     let lenses = if detail.lenses { lenses(a.cell) } else { vec![Lens::of(a.cell)] };
     let mut fields: Vec<Field> = (0..a.maps.len()).map(|k| field(a, k, detail)).collect();

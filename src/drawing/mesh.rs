@@ -8,10 +8,11 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 /// Number of sides of a round solid. Neighbouring sides differ by less than [`CREASE`].
 const SIDES: usize = 32;
 
-/// Cosine of the angle between faces (25 degrees) from which an edge is drawn sharp.
+/// Cosine of 25 degrees: the edge between two faces is drawn sharp if their normals differ by at least this
+/// angle.
 const CREASE: f64 = 0.906_307_787_036_65;
 
-/// Triangle mesh with one normal per corner, m. Corners with the same place and normal are one.
+/// Triangle mesh with one normal per corner, m. Corners with equal position and normal are merged.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Mesh {
     pub positions: Vec<Vector3<f64>>,
@@ -40,8 +41,9 @@ impl Mesh {
         Self::creased(&vertices, &triangles)
     }
 
-    /// Returns a surface whose edges are soft or sharp by the angle between the faces. Triangles without area
-    /// are left out.
+    /// Returns a shaded surface: edges are smooth or sharp, depending on the angle between the faces.
+    ///
+    /// Triangles without area are left out.
     pub fn creased(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Self {
         let corner = |i: u32| vertices[i as usize];
         let area = |[a, b, c]: &[u32; 3]| (corner(*b) - corner(*a)).cross(&(corner(*c) - corner(*a)));
@@ -82,7 +84,7 @@ impl Mesh {
         i
     }
 
-    /// Returns the mesh in the frame in which its own frame is at `pose`.
+    /// Returns the mesh transformed by `pose`, the pose of the mesh's own frame in the new frame.
     pub fn seen_from(&self, pose: &Pose) -> Self {
         Self {
             positions: self.positions.iter().map(|p| pose.transform(p)).collect(),

@@ -38,7 +38,7 @@ pub struct Drawing<'a> {
     /// Height of the floor, m.
     pub floor: f64,
     pub parts: Vec<DrawnPart>,
-    /// Model and reading of each take of a field. The first lens is that of the cell.
+    /// Lenses (model and reading) of the takes of a field. The first is the lens of the cell.
     pub lenses: Vec<Lens>,
     /// Error map of every operation.
     pub fields: Vec<Field>,
@@ -51,10 +51,10 @@ pub struct Drawing<'a> {
 /// Amount of detail of a drawing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Detail {
-    /// Whether every model and reading is evaluated, and not only that of the cell.
+    /// Whether every model and reading is evaluated. Otherwise only those of the cell are.
     pub lenses: bool,
     pub envelopes: bool,
-    /// Greatest number of nodes of a field. A larger field keeps every second, third, ... node along both
+    /// Largest number of nodes of a field. A larger field keeps every second, third, ... node along both
     /// axes.
     pub nodes: usize,
 }
@@ -65,8 +65,11 @@ impl Detail {
 }
 
 impl<'a> Drawing<'a> {
+    /// Makes the drawing of an assessed layout.
+    ///
     /// # Errors
-    /// Fails if the cell cannot be evaluated under another reading. The message says why.
+    ///
+    /// Fails if the cell cannot be evaluated under another model or reading. The message says why.
     pub fn new(a: &Assessment<'a>, detail: &Detail) -> Result<Self, String> {
         let (lenses, fields) = field::fields(a, detail)?;
         let envelopes = if detail.envelopes {
@@ -88,7 +91,8 @@ impl<'a> Drawing<'a> {
         })
     }
 
-    /// Returns the pose of a part. `frames` are those of the posture of the robot, world.
+    /// Returns the pose of a part in the world frame. `frames` are the robot's frames in its posture, world
+    /// frame.
     pub fn pose_of(&self, part: &DrawnPart, frames: &[Pose]) -> Pose {
         match part.carrier {
             PartCarrier::World(pose) => pose,
@@ -96,7 +100,7 @@ impl<'a> Drawing<'a> {
         }
     }
 
-    /// Returns the parts that are visible while the tool is at an operation, or at none, with their poses.
+    /// Returns the parts that are visible at an operation, with their poses; None is for no operation.
     pub fn posed<'d>(
         &'d self,
         operation: Option<usize>,
@@ -106,7 +110,7 @@ impl<'a> Drawing<'a> {
         self.parts.iter().filter(seen).map(move |part| (part, self.pose_of(part, frames)))
     }
 
-    /// Returns the bounding box of everything, with the robot at home.
+    /// Returns the bounding box of all visible parts in the world frame, m, with the robot at home.
     pub fn extent(&self) -> (Vector3<f64>, Vector3<f64>) {
         let home = self.movement.home();
         let base = (self.base.translation, self.base.translation);

@@ -5,7 +5,7 @@ use crate::cell::{JointKind, JointVector};
 use crate::pose::Pose;
 use crate::robot::Chain;
 
-/// Speed of the fastest joint, rad/s. A slide by the reach of the arm counts as 1 rad.
+/// Speed of the fastest joint, rad/s. A prismatic travel equal to the reach of the arm counts as 1 rad.
 const SPEED: f64 = 0.8;
 /// Rest at a spot, s.
 const REST: f64 = 0.6;
@@ -28,7 +28,7 @@ pub struct MovementStop {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Movement {
     pub stops: Vec<MovementStop>,
-    /// Moments, s, rising.
+    /// Time of each frame of the animation, s, in ascending order.
     pub times: Vec<f64>,
     /// Operation whose part the gripper holds at each moment.
     pub holding: Vec<Option<usize>>,
@@ -83,7 +83,7 @@ impl Movement {
         self.frames.get(k).map(Vec::as_slice)
     }
 
-    /// Returns the frames at the spot of an operation, or at home without a spot.
+    /// Returns the frames at the spot of an operation; those at home if there is no spot.
     pub fn frames(&self, operation: Option<usize>) -> &[Pose] {
         operation.and_then(|k| self.at(k)).unwrap_or(self.home())
     }
@@ -128,7 +128,7 @@ impl MovementBuilder<'_> {
         }
     }
 
-    /// Returns the distance of the joint that moves farthest, rad.
+    /// Returns the largest travel of a joint, rad. A prismatic travel is divided by the reach.
     fn way(&self, from: &JointVector, to: &JointVector) -> f64 {
         let links = self.chain.links.iter().zip(from.iter().zip(to));
         let gone = links.map(|(link, (a, b))| match link.kind {

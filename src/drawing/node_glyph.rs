@@ -1,6 +1,6 @@
-//! Glyphs of nodes: the one table from which every picture draws the signs of nodes.
+//! Glyphs of nodes: one table that all pictures use to mark unusable nodes.
 //!
-//! The pictures in Rust match on it; the JavaScript of the viewer and of the live page gets it as JSON.
+//! The pictures in Rust use it directly; the JavaScript of the viewer and of the live page gets it as JSON.
 
 use crate::error_map::NodeSign;
 
@@ -12,19 +12,19 @@ pub enum GlyphRing {
     Dashed,
 }
 
-/// How strongly a glyph asks for attention; each picture has its own colours for it.
+/// Severity of a glyph; each picture has its own colours for it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum GlyphTone {
-    /// The arm cannot stand there.
+    /// The arm cannot hold its tool at the node, or the error is unknown.
     Quiet,
-    /// The arm moves badly there.
+    /// The posture is nearly singular.
     Warning,
-    /// Something is in the way.
+    /// A collision is in the way.
     Alarm,
 }
 
 impl GlyphTone {
-    /// Returns the class of its colour in style sheets.
+    /// Returns the name of the style sheet class with the glyph's colour.
     pub fn name(self) -> &'static str {
         match self {
             Self::Quiet => "grey",

@@ -7,7 +7,7 @@ use crate::pose::Pose;
 use crate::robot::Chain;
 use nalgebra::Vector3;
 
-/// Kind of thing that a part belongs to.
+/// Kind of object that a part belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum PartKind {
     Robot,
@@ -52,7 +52,7 @@ pub struct DrawnPart {
     pub carrier: PartCarrier,
     /// Index of the equipment that the solid belongs to.
     pub equipment: Option<usize>,
-    /// Operation at which alone the part is visible.
+    /// The only operation at which the part is visible; None if it is always visible.
     pub operation: Option<usize>,
     /// Mesh in the frame of the carrier, m.
     pub mesh: Mesh,
@@ -116,7 +116,9 @@ fn robot(cell: &Cell) -> Vec<DrawnPart> {
     parts
 }
 
-/// Returns bars along the links of a chain, each with its frame. They stand for a robot without solids.
+/// Returns bars along the links of a chain, each with the index of its frame.
+///
+/// They are drawn for a robot without solids.
 fn skeleton(chain: &Chain, radius: f64) -> Vec<(usize, Shape)> {
     let mut bars = Vec::new();
     let mut bar = |link: usize, a: Vector3<f64>, b: Vector3<f64>| {

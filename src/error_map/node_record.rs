@@ -102,7 +102,7 @@ impl Status {
                 format!("the attitude is missed by {:.2} deg{}", deg_from_rad(*by), at.unwrap_or_default())
             }
             Status::NotConverged { position, angle } => format!(
-                "no posture found, and none ruled out: the nearest is off by {:.3} mm and {:.3} deg",
+                "no posture was found, but one may exist: the nearest is off by {:.3} mm and {:.3} deg",
                 mm_from_m(*position),
                 deg_from_rad(*angle)
             ),

@@ -51,7 +51,7 @@ impl Unjudged {
     pub fn in_words(self) -> &'static str {
         match self {
             Unjudged::NotTaught => {
-                "the surface frame cannot be taught: three points, in no line, cannot all be touched"
+                "the surface frame cannot be taught: the robot cannot touch three points that are not in line"
             }
             Unjudged::OnlyTouched => "only the points touched to teach the frame can be reached",
             Unjudged::NoPick => "the operation it is relative to has no spot",

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// An error refuses the file; a warning lets it through.
+/// Severity of a fault: an error refuses the file, a warning lets it through.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Severity {
@@ -15,15 +15,17 @@ pub enum Severity {
 /// Kind of a fault, which decides the exit code.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum FaultKind {
-    /// The file was read; its content is wrong.
+    /// The file was read, but its content is wrong.
     #[default]
     Content,
     /// The cell or robot file itself cannot be read.
     Unreadable,
 }
 
-/// One fault of one file: located (line and column from 1), with what is wrong and what to do. A fault
-/// of a setting has no place: its words stand for the file, line and column are 0.
+/// Fault in one file: where it is, what is wrong and what to do. Lines and columns count from 1.
+///
+/// A fault of a setting has no place in a file: `file` is then the setting as typed, and line and column are
+/// both zero.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Fault {
     pub severity: Severity,
@@ -34,16 +36,16 @@ pub struct Fault {
     pub help: String,
     #[serde(skip)]
     pub kind: FaultKind,
-    /// The line of the file, for the reader: of a long line the part round the fault.
+    /// Line of the file, for display. A long line is cut to the part around the fault.
     #[serde(skip)]
     pub excerpt: String,
-    /// Characters of the excerpt before the fault.
+    /// Number of characters of the excerpt before the fault.
     #[serde(skip)]
     pub caret: usize,
 }
 
 impl Fault {
-    /// A fault of a file as a whole (missing, too large, not text).
+    /// Returns the fault of a file as a whole (missing, too large, not text).
     pub fn of_file(file: &str, message: impl Into<String>, help: impl Into<String>) -> Self {
         Self {
             severity: Severity::Error,
@@ -63,7 +65,7 @@ impl Fault {
         Self { kind: FaultKind::Unreadable, ..Self::of_file(file, message, help) }
     }
 
-    /// An error at a byte offset of the text of a file.
+    /// Returns an error at a byte offset of the text of a file.
     pub fn in_text(file: &str, text: &str, offset: usize, message: String, help: String) -> Self {
         let offset = (0..=offset.min(text.len())).rev().find(|&i| text.is_char_boundary(i)).unwrap_or(0);
         let start = text[..offset].rfind('\n').map_or(0, |i| i + 1);
@@ -83,7 +85,7 @@ impl Fault {
     }
 }
 
-/// Widest excerpt up to the fault, characters.
+/// Number of characters before the fault above which the start of the line is cut off.
 const WIDEST: usize = 100;
 
 impl fmt::Display for Fault {
@@ -106,7 +108,8 @@ impl fmt::Display for Fault {
     }
 }
 
-/// Text from a file made safe to show: control characters and the like escaped, at most 80 characters.
+/// Returns text from a file that is safe to display: special characters are escaped, at most 80 characters
+/// kept.
 pub fn shown(text: &str) -> String {
     let safe: String = text
         .chars()
@@ -120,7 +123,7 @@ pub fn shown(text: &str) -> String {
     if text.chars().nth(80).is_some() { safe + "..." } else { safe }
 }
 
-/// A few names for a help.
+/// Returns a few names as a list for a help text.
 pub fn listed<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
     let mut names: Vec<_> = names.into_iter().take(21).map(shown).collect();
     match names.len() {
@@ -131,17 +134,19 @@ pub fn listed<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
     names.join(", ")
 }
 
-/// Characters that reorder or hide text on a terminal.
+/// Returns whether a character reorders or hides text on a terminal.
 fn hides(c: char) -> bool {
     matches!(c, '\u{ad}' | '\u{61c}' | '\u{180e}' | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}'
         | '\u{2060}'..='\u{206f}' | '\u{feff}' | '\u{fff9}'..='\u{fffb}' | '\u{e0000}'..='\u{e0fff}')
 }
 
-/// Most names that are compared with a mistyped one.
+/// Largest number of names that are compared with a mistyped one.
 const MOST_CANDIDATES: usize = 100;
 
-/// The candidate nearest to a mistyped `word`, if one is near enough to suggest: the same quantity in
-/// another unit or none (`x` or `x_m` for `x_mm`), or a few letters off.
+/// Returns the candidate nearest to a mistyped `word`, if one is near enough to suggest.
+///
+/// A candidate is near if it is the same quantity in another unit or none (`x` or `x_m` for `x_mm`), or if it
+/// differs by a few letters.
 pub fn did_you_mean<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let length = word.chars().count();
     let quantity = word.rsplit_once('_').map_or(word, |(stem, _)| stem);

@@ -1,8 +1,8 @@
-//! Readers of cell, robot, equipment and tool files, down to a validated [`Cell`].
+//! Readers that turn cell, robot, equipment and tool files into a validated [`Cell`].
 //!
-//! Files are TOML, lengths in mm and angles in degrees, every name with its unit. [`load`] takes a
-//! function that reads a file and never touches the file system itself; it reports every fault of
-//! every file in one pass, each with file, line, column, what is wrong and what to do.
+//! Files are TOML. Lengths are in mm and angles in degrees, and the name of every such key ends with its
+//! unit. [`load`] never touches the file system: the caller passes a function that reads a file. It reports
+//! every fault of every file in one pass, each with file, line, column, message and help.
 
 pub mod fault;
 mod keys;
@@ -32,15 +32,18 @@ pub struct Loaded {
     /// Every file read, the cell file first, in the order of reading.
     pub sources: Vec<Source>,
     pub warnings: Vec<Fault>,
-    /// Whether nobody states the reading, so that it follows from the errors.
+    /// Whether neither file nor command line states the reading, so that it follows from the kind of the
+    /// error set.
     pub follows_errors: bool,
 }
 
-/// Reads the cell file at `path` (relative to its own folder, so just its name) and every file it
-/// refers to.
+/// Reads a cell file and every file that it refers to.
+///
+/// `path` is relative to the folder of the cell file, so it is the bare file name.
 ///
 /// # Errors
-/// All faults of all files, errors and warnings, in the order of files and lines.
+///
+/// Returns all faults of all files, errors and warnings, in the order of files and lines.
 pub fn load(path: &str, read: &mut ReadFile<'_>) -> Result<Loaded, Vec<Fault>> {
     load_with(path, &[], read)
 }
@@ -48,7 +51,7 @@ pub fn load(path: &str, read: &mut ReadFile<'_>) -> Result<Loaded, Vec<Fault>> {
 /// Reads a cell as [`load`] does, with some keys stated on the command line instead of in the file.
 ///
 /// # Errors
-/// As [`load`]; faults of a setting name its flag instead of a file, at line 0.
+/// Returns faults as [`load`] does. A fault of a setting names its flag instead of a file, at line 0.
 pub fn load_with(path: &str, settings: &[Setting], read: &mut ReadFile<'_>) -> Result<Loaded, Vec<Fault>> {
     let mut lib = Library::new(read);
     let root = from::load(path, settings, &mut lib);
@@ -80,10 +83,13 @@ pub struct LoadedRobot {
     pub warnings: Vec<Fault>,
 }
 
-/// Reads the robot file at `path` (relative to its own folder) and every file it refers to.
+/// Reads a robot file and every file that it refers to.
+///
+/// `path` is relative to the folder of the robot file.
 ///
 /// # Errors
-/// As [`load`].
+///
+/// Returns faults as [`load`] does.
 pub fn load_robot(path: &str, read: &mut ReadFile<'_>) -> Result<LoadedRobot, Vec<Fault>> {
     let mut lib = Library::new(read);
     let root = from::load(path, &[], &mut lib);
@@ -98,14 +104,14 @@ pub fn load_robot(path: &str, read: &mut ReadFile<'_>) -> Result<LoadedRobot, Ve
     }
 }
 
-/// Whether the file at `path` says, itself or through its `from`, that it is the file of a robot.
+/// Returns whether the file at `path` states, itself or through its `from`, that it is a robot file.
 pub fn is_robot(path: &str, read: &mut ReadFile<'_>) -> bool {
     let root = from::load(path, &[], &mut Library::new(read));
     let schema = root.as_ref().and_then(|root| root.value.get("schema"));
     schema.is_some_and(|node| matches!(&node.value, Value::Text(word) if word == "sweetspot/robot/1"))
 }
 
-/// The faults in the order of files and lines; those of a file that is named twice once.
+/// Returns the faults in the order of files and lines. Faults of a file that is named twice are listed once.
 fn sorted(lib: &mut Library<'_>) -> Vec<Fault> {
     let mut faults = std::mem::take(&mut lib.faults);
     let order: HashMap<_, _> = lib.sources.iter().enumerate().map(|(i, s)| (&s.path, i)).collect();

@@ -27,7 +27,7 @@ impl Hindrance {
         match self {
             Self::Hit(hit) => {
                 let share = percent_from_share(hit.at);
-                format!("{} after {share:.0} % of the way", hit.hit.in_words(cell))
+                format!("{} after {share:.0} % of the path", hit.hit.in_words(cell))
             }
             Self::Stopped(Stopped::Limit { joint, after }) => {
                 let name = shown(&cell.robot.joints[*joint].name);

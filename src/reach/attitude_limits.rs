@@ -5,18 +5,19 @@ use super::solver::ChainSolver;
 use crate::cell::{Attitude, Azimuth, Spin};
 use crate::units::{deg_from_rad, rounded};
 
-/// Elevations that differ by less, rad, count as equal: the rounding of degrees in a file.
+/// Largest difference, rad, of elevations that count as equal. It allows for the rounding of degrees in a
+/// file.
 const SAME_ELEVATION: f64 = 1e-6;
 
 impl Inverse {
-    /// Returns why the arm cannot hold its tool in this attitude anywhere; None if it may.
+    /// Returns why the arm cannot hold its tool in this attitude anywhere; None if no such reason is known.
     pub fn refusal(&self, attitude: &Attitude) -> Option<String> {
         let degrees = |rad: f64| rounded(deg_from_rad(rad), 3);
         if let Some(fixed) = self.fixed_elevation
             && (fixed - attitude.elevation).abs() > attitude.tolerance + SAME_ELEVATION
         {
             return Some(format!(
-                "the arm keeps its tool at an elevation of {} deg by its build: write bend_deg = {0}",
+                "the arm always holds its tool at an elevation of {} deg: write bend_deg = {0}",
                 degrees(fixed)
             ));
         }
@@ -24,15 +25,15 @@ impl Inverse {
         let exact = attitude.tolerance == 0.0;
         if exact && !attitude.is_vertical() && matches!(attitude.azimuth, Azimuth::Surface(_)) {
             return Some(
-                "the arm heads where its base turns, so that azimuth_deg cannot be an angle of the surface: \
+                "the base yaw of the arm decides the heading, so azimuth_deg cannot be an angle of the surface: \
                  write azimuth_deg = \"radial\", or allow a tolerance_deg"
                     .into(),
             );
         }
         if exact && !arm.rolls() && matches!(attitude.spin, Spin::At(_)) {
             return Some(
-                "the arm has no axis that turns the tool about itself, so that spin_deg cannot be chosen: \
-                 leave it out, or allow a tolerance_deg"
+                "the arm has no axis that rotates the tool about itself, so spin_deg cannot be chosen: \
+                 omit it, or allow a tolerance_deg"
                     .into(),
             );
         }

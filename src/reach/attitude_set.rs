@@ -6,13 +6,13 @@ use crate::units::wrapped;
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::FRAC_PI_2;
 
-/// Rounding allowed for an attitude that an arm cannot choose, rad.
+/// Attitude error, rad, that counts as rounding and therefore as 0.
 const ROUNDING: f64 = 1e-9;
 
 /// Allowed attitudes of the tool, in the base frame.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct AttitudeSet {
-    /// Elevations to try, rad; the wanted one comes first.
+    /// Elevations to try, rad; the nominal one comes first.
     pub(super) elevations: Vec<f64>,
     pub(super) vertical: bool,
     /// Columns r, d x r, d of the tool (see [`crate::cell::held`]) for every attitude.
@@ -22,10 +22,10 @@ pub struct AttitudeSet {
     pub(super) radial: bool,
     pub(super) spin_is_free: bool,
     pub(super) azimuth_is_free: bool,
-    /// Azimuth from which spins count if the tool is vertical, rad.
+    /// Azimuth from which the spins of a vertical tool are measured, rad.
     pub(super) zero: f64,
     pub(super) spins: Vec<f64>,
-    /// Wanted azimuth, rad; None if any will do.
+    /// Required azimuth, rad; None if every azimuth is allowed.
     heading: Option<f64>,
     pub(super) tolerance: f64,
     tilts_sideways: bool,
@@ -34,7 +34,7 @@ pub struct AttitudeSet {
 impl AttitudeSet {
     /// Sets the attitudes over a surface rotated by `yaw` (rad) in the base frame, without the columns.
     ///
-    /// `fixed_elevation` is the elevation that the arm keeps by construction, if it does.
+    /// `fixed_elevation` is the elevation of an arm that keeps it by construction; None for any other arm.
     pub fn update(&mut self, attitude: &Attitude, yaw: f64, fixed_elevation: Option<f64>) {
         self.vertical = attitude.is_vertical();
         self.radial = attitude.azimuth == Azimuth::Radial;
@@ -61,7 +61,8 @@ impl AttitudeSet {
         self.columns.clear();
     }
 
-    /// Sets the columns of all attitudes, for an arm that takes whole poses; after [`Self::update`].
+    /// Sets the columns of all attitudes, for a solver that needs whole poses. [`Self::update`] must come
+    /// first.
     pub fn update_columns(&mut self, attitude: &Attitude, yaw: f64) {
         let turned = if self.radial { 0.0 } else { yaw };
         for azimuth in attitude.azimuths() {
@@ -93,9 +94,10 @@ impl AttitudeSet {
         Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0) * self.columns[k]
     }
 
-    /// Returns the error of heading and spin beyond the tolerance (rad) of a tool with these columns.
+    /// Returns the attitude error (rad) of a tool with these columns, as far as it exceeds the tolerance.
     ///
-    /// It serves arms that cannot choose heading or spin. `rolls` says that the arm can choose the spin.
+    /// The function serves arms that cannot choose heading or spin. `rolls` says that the arm can choose the
+    /// spin.
     pub(super) fn off(&self, columns: &Matrix3<f64>, target: &Vector3<f64>, rolls: bool) -> f64 {
         let [r, d] = [0, 2].map(|k| columns.column(k).into_owned());
         let actual = d.y.atan2(d.x);
@@ -123,7 +125,7 @@ impl AttitudeSet {
         self.heading.is_some() || !self.spin_is_free && !rolls
     }
 
-    /// Returns the horizontal unit vector from which spins of a vertical tool count.
+    /// Returns the horizontal unit vector from which the spins of a vertical tool are measured.
     #[inline]
     pub(super) fn zero_heading(&self, target: &Vector3<f64>) -> (f64, f64) {
         if self.radial {
@@ -134,7 +136,7 @@ impl AttitudeSet {
     }
 }
 
-/// Returns the elevations to try: the wanted one, then those tilted down and up by the tolerance.
+/// Returns the elevations to try: the nominal one, then one lower and one higher by the tolerance.
 fn tilted(elevation: f64, tolerance: f64) -> impl Iterator<Item = f64> {
     let around = [-tolerance, tolerance].map(|by| (elevation + by).clamp(-FRAC_PI_2, FRAC_PI_2));
     let around = around.into_iter().filter(move |e| *e != elevation);

@@ -1,4 +1,4 @@
-//! Answers of the inverse kinematics: branches, or what is missing.
+//! Results of the inverse kinematics: branches, or the reason why there are none.
 
 use super::limits::LimitViolation;
 use crate::cell::JointVector;
@@ -27,10 +27,10 @@ pub struct Gap {
 }
 
 impl Gap {
-    /// The gap before any branch was tried.
+    /// Gap before any branch was tried.
     pub const ALL: Self = Self { reach: f64::INFINITY, limits: f64::INFINITY };
 
-    /// Returns whether this gap is smaller: by reach first, by limits among equals.
+    /// Returns whether this gap is smaller. Equal distances to the reach are ranked by the limits.
     pub fn is_less(&self, other: &Self) -> bool {
         (self.reach, self.limits) < (other.reach, other.limits)
     }
@@ -46,7 +46,7 @@ pub struct Branch {
     pub posture: Posture,
     /// The worst violated joint limit; None inside the limits.
     pub violation: Option<LimitViolation>,
-    /// Attitude error beyond the tolerance, rad, for an arm that cannot choose the attitude.
+    /// Attitude error beyond the tolerance, rad, of an arm that cannot choose the attitude.
     pub off: f64,
 }
 
@@ -57,15 +57,16 @@ impl Branch {
     }
 }
 
-/// Answer of the inverse kinematics for one target.
+/// Result of the inverse kinematics for one target.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Reach {
     /// No posture exists; `by` is the distance to the reachable points, m.
     OutOfReach { by: f64 },
-    /// The position is within reach, but the attitude misses by an angle (rad). `joint` is the joint at
-    /// its limit that prevents it, if one does.
+    /// The position is within reach, but the attitude misses by an angle (rad).
+    ///
+    /// `joint` is the joint whose limit prevents the attitude; None if the geometry does.
     Attitude { by: f64, joint: Option<usize> },
-    /// The numeric solver came no nearer than this (m, rad): a posture may exist.
+    /// The numeric solver came no nearer than this (m, rad). A posture may exist.
     NotConverged { position: f64, angle: f64 },
     /// Every branch, inside the joint limits or not.
     Branches(Vec<Branch>),

@@ -11,7 +11,7 @@ use crate::robot::{Chain, Link, Posture};
 pub(super) struct HeldJoint {
     /// Closed form of the other joints.
     pub solver: PoseSolver,
-    /// The closed form without the expensive distance of an unreachable target; None if it is cheap.
+    /// Variant of `solver` that skips the distance to an unreachable target; None if that distance is cheap.
     pub fast: Option<PoseSolver>,
     /// Numeric solver for targets at the edge of the reach.
     pub numeric: Numeric,
@@ -63,7 +63,7 @@ impl HeldJoint {
         Some(Self { solver, fast, numeric, template, link, first, axes: n, values })
     }
 
-    /// Returns the words for the family of the arm.
+    /// Returns the family of the arm in words.
     pub fn family(&self) -> &'static str {
         match (&self.solver, self.first) {
             (PoseSolver::SphericalWrist(_), true) => "spherical wrist, first joint free (closed form)",
@@ -110,7 +110,7 @@ impl HeldJoint {
         if self.first { *inverse * *flange } else { *flange * *inverse }
     }
 
-    /// Writes the whole posture of the held row and the other joints.
+    /// Writes the posture of the whole arm from the rows of the other joints and the held row.
     pub fn join(&self, rest: &Posture, held: &(f64, f64, f64), whole: &mut Posture) {
         let (at, from) = if self.first { (0, 1) } else { (self.axes - 1, 0) };
         for k in 0..self.axes - 1 {
@@ -120,7 +120,9 @@ impl HeldJoint {
         (whole.cos[at], whole.sin[at], whole.r[at]) = *held;
     }
 
-    /// Returns the distance, m, beyond which a target out of reach at all samples stays so between them.
+    /// Returns a distance to the reach, m, above which the values between the samples need not be searched.
+    ///
+    /// A target that is farther from the reach at every sample counts as out of reach.
     pub fn sample_reach(&self) -> f64 {
         let step = (self.values[Self::SAMPLES - 1] - self.values[0]) / (Self::SAMPLES - 1) as f64;
         match self.link.kind {

@@ -56,10 +56,9 @@ impl Inverse {
         self.solver.family()
     }
 
-    /// Returns the arm with its redundant joint held at its coordinate in `q` alone.
+    /// Returns the arm with its redundant joint fixed at its coordinate in `q`.
     ///
-    /// An arm without a redundant joint is returned unchanged. The function belongs to the public
-    /// interface: it answers what the arm reaches with one value of the redundant joint.
+    /// An arm without a redundant joint is returned unchanged.
     pub fn held_at(&self, q: &JointVector) -> Self {
         let mut inverse = self.clone();
         if let ChainSolver::Redundant(joint) = &mut inverse.solver {
@@ -105,14 +104,15 @@ impl Inverse {
         }
     }
 
-    /// Returns a posture to pass to [`Self::visit`] again and again.
+    /// Returns a posture to pass to [`Self::visit`] as scratch memory.
     pub fn scratch(&self) -> Posture {
         self.template
     }
 
     /// Calls `found` with every branch inside the joint limits; returns the gap if there is none.
     ///
-    /// `target` is the TCP in the base frame, m. Closed forms do not allocate: this is the node loop.
+    /// `target` is the TCP in the base frame, m. Closed forms do not allocate, because this function runs for
+    /// every node.
     #[inline]
     pub fn visit(
         &self,

@@ -1,12 +1,12 @@
-//! Joint limits as cones: an actuator keeps its range where its unit vector lies in a cone.
+//! Joint limits as cones: an actuator is within its range if its unit vector lies in a cone.
 
 use super::limits::Limits;
 use crate::cell::JointKind;
 
 /// Range of one revolute joint as a cone of unit vectors.
 ///
-/// With `theta_i` the angle of the joint and `a_j` the unit vectors of the joints that drive it,
-/// `a_i = theta_i / a_j^factor`; the offsets of all of them are in the axis of the cone.
+/// Angles are unit complex numbers. The actuator of joint i is `a_i = theta_i / a_j^factor`, divided for
+/// every joint j that drives it. The axis of the cone includes the D-H offsets of all these joints.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LimitCone {
     /// Cosine and sine of the middle of the range.
@@ -18,7 +18,7 @@ pub struct LimitCone {
 }
 
 impl Limits {
-    /// Returns one cone per joint; None if a joint is prismatic or driven by a fraction.
+    /// Returns one cone per joint; None if a joint is prismatic or a coupling factor is no whole number.
     pub fn cones(&self) -> Option<Vec<LimitCone>> {
         let whole = self.whole.as_ref()?;
         if self.ranges.iter().any(|r| r.kind == JointKind::Prismatic) {

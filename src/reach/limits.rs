@@ -38,7 +38,7 @@ pub(super) struct ActuatorRange {
     pub cos_half: f64,
 }
 
-/// Joint limits of a chain, judged on sines and cosines where possible.
+/// Joint limits of a chain, checked on sines and cosines where possible.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Limits {
     pub(super) ranges: Vec<ActuatorRange>,
@@ -52,7 +52,7 @@ impl Limits {
     /// Prepares the limits of a chain.
     ///
     /// # Errors
-    /// Why the posture alone cannot tell whether it keeps the limits.
+    /// Fails if a posture alone does not tell whether it keeps the limits. The message says why.
     pub fn new(chain: &Chain) -> Result<Self, String> {
         let turns_more = |j: usize| {
             let link = &chain.links[j];
@@ -65,7 +65,11 @@ impl Limits {
         };
         let n = chain.axes();
         if (0..n).any(|j| turns_more(j) && (j + 1..n).any(|i| geared(i, j))) {
-            return Err("a joint with a range of more than one turn drives another by a fraction".into());
+            return Err(
+                "a joint with a range of more than one turn drives a prismatic joint, or another joint \
+                        by a factor that is not a whole number"
+                    .into(),
+            );
         }
         let below = |i: usize| (0..i).map(move |j| (i, j));
         let factors = (0..n).flat_map(below).map(|(i, j)| (i, j, chain.coupling[i][j]));
@@ -110,8 +114,8 @@ impl Limits {
 
     /// Returns the actuator coordinates of a posture and the joint that is farthest outside its limits.
     ///
-    /// Each coordinate is in the turn nearest to the middle of its range. The joint is a violation if
-    /// [`Self::excess`] is not 0; otherwise it is the one nearest to its limit.
+    /// Each coordinate is in the turn nearest to the middle of its range. If [`Self::excess`] is 0, no limit
+    /// is violated, and the joint is the one nearest to its limit.
     pub fn joints(&self, posture: &Posture) -> (JointVector, LimitViolation) {
         let mut q = [0.0; MAX_JOINTS];
         let mut worst = LimitViolation { joint: 0, by: f64::NEG_INFINITY };

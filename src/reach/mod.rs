@@ -2,7 +2,7 @@
 //!
 //! | file | content |
 //! |---|---|
-//! | `inverse` | [`Inverse`]: the one entrance; every branch of a target, within the limits |
+//! | `inverse` | [`Inverse`]: the single entry point; every branch of a target, within the limits |
 //! | `solver`, `pose_solver` | the choice of the closed form, tried on the chain before it is trusted |
 //! | `closed_form` | one file per family of arms, or per mathematical tool |
 //! | `held_joint`, `redundancy` | redundancy resolution by a sweep of one joint |

@@ -34,7 +34,7 @@ impl Inverse {
         gap
     }
 
-    /// Returns every branch of the numeric solver, or what is missing.
+    /// Returns every branch of the numeric solver, or the reason why there is none.
     pub(super) fn numeric_branches(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes) -> Reach {
         let (mut all, mut joints, mut nearest) = (Vec::new(), Vec::new(), Shortfall::None);
         for (k, goal) in self.goals(target, attitudes).iter().enumerate() {
@@ -87,8 +87,8 @@ impl Inverse {
 
 /// Returns whether `a` is nearer to a solution than `b`.
 ///
-/// A missed attitude ranks before not converged, and that before out of reach; among equals the smaller
-/// amount ranks first.
+/// A missed attitude is nearest, a search that did not converge is next, and a target out of reach is
+/// farthest. Within one class the smaller amount is nearer.
 fn is_nearer(a: &Shortfall, b: &Shortfall) -> bool {
     let key = |missing: &Shortfall| match missing {
         Shortfall::Attitude { by, .. } => (0, *by),

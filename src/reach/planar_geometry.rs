@@ -1,4 +1,4 @@
-//! What code that solves many targets at once needs of a planar arm.
+//! Geometry of a planar arm as plain data, for code that solves many targets at once.
 
 use super::Inverse;
 use super::closed_form::planar;
@@ -27,13 +27,14 @@ pub struct PlanarGeometry {
 impl PlanarGeometry {
     /// Number of axes.
     pub const AXES: usize = 4;
-    /// Cosines up to 1 plus this count as 1, so that rounding does not lose the stretched arm.
+    /// Excess over 1 up to which a cosine counts as 1, so that rounding does not lose the stretched arm.
     pub const STRETCHED: f64 = planar::STRETCHED;
 }
 
 impl Inverse {
-    /// Returns the geometry of a planar arm with four axes; None for other arms, and where sines and cosines
-    /// do not decide the joint limits.
+    /// Returns the geometry of a planar arm with four axes.
+    ///
+    /// It is None for other arms, and if the joint limits cannot be checked on sines and cosines.
     pub fn planar_geometry(&self) -> Option<PlanarGeometry> {
         let ChainSolver::Planar(arm) = &self.solver else { return None };
         let cones = self.limits.as_ref()?.cones()?.try_into().ok()?;
@@ -44,7 +45,7 @@ impl Inverse {
 }
 
 impl ToolAttitudes {
-    /// Returns whether an attitude asks for something that must be judged posture by posture.
+    /// Returns whether an attitude sets a heading or spin, which must be checked for every posture.
     pub fn is_judged_by_posture(&self) -> bool {
         self.set.is_checked(false)
     }

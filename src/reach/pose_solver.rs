@@ -9,7 +9,8 @@ use crate::robot::{Chain, Posture};
 /// Number of postures on which a closed form is tried.
 const TRIALS: usize = 16;
 
-/// Largest error of a closed form at these postures, m (translation) and without unit (rotation).
+/// Largest error of a closed form at these postures, in m for the translation and without unit for the
+/// rotation.
 const MAX_ERROR: f64 = 1e-9;
 
 /// Closed-form inverse kinematics of the pose of the last D-H frame.
@@ -21,7 +22,7 @@ pub(super) enum PoseSolver {
 }
 
 impl PoseSolver {
-    /// Returns the closed form of a chain, if there is one that returns the chain's own postures.
+    /// Returns the closed form of a chain, if there is one that reproduces sampled poses of the chain.
     pub fn new(chain: &Chain) -> Option<Self> {
         let scara = || Scara::new(chain).ok().map(Self::Scara);
         let wrist = || SphericalWrist::new(chain).ok().map(|arm| Self::SphericalWrist(Box::new(arm)));
@@ -30,7 +31,7 @@ impl PoseSolver {
         found.is_exact(chain).then_some(found)
     }
 
-    /// Returns the words for the family of the arm.
+    /// Returns the family of the arm in words.
     pub fn family(&self) -> &'static str {
         match self {
             Self::Scara(_) => "SCARA (closed form)",
@@ -39,7 +40,7 @@ impl PoseSolver {
         }
     }
 
-    /// Returns a solver that does not compute the distance of an unreachable target; None if that is cheap.
+    /// Returns a variant that skips the distance to an unreachable target; None if that distance is cheap.
     pub fn fast(&self) -> Option<Self> {
         match self {
             Self::SphericalWrist(arm) => arm.fast().map(|arm| Self::SphericalWrist(Box::new(arm))),

@@ -1,4 +1,5 @@
-//! Redundancy resolution: a sweep of the held joint over sampled values, refined where a posture may hide.
+//! Redundancy resolution: a sweep of the held joint over sampled values, refined where the samples may have
+//! missed a posture.
 
 use super::branch::Gap;
 use super::held_joint::{HeldJoint, HeldSample};
@@ -7,10 +8,10 @@ use super::tool_attitudes::ToolAttitudes;
 use crate::robot::Posture;
 use nalgebra::Vector3;
 
-/// Number of times that an interval around a dip of the gap is refined.
+/// Number of times that an interval around a local minimum of the gap is refined.
 const REFINEMENTS: usize = 5;
 
-/// Number of values inside such an interval.
+/// Number of values that are tried inside such an interval at each refinement.
 const INNER_VALUES: usize = 11;
 
 /// Distance, m, within which a target may still be reached at a value between those tried.
@@ -40,7 +41,9 @@ impl Inverse {
         missing
     }
 
-    /// Visits the branches of a redundant arm at the sampled values; if none is usable, between them.
+    /// Visits the branches of a redundant arm at the sampled values.
+    ///
+    /// If no sample has a usable branch, values between the samples are searched.
     pub(super) fn visit_redundant(
         &self,
         joint: &HeldJoint,
@@ -115,10 +118,10 @@ impl Inverse {
     }
 }
 
-/// Searches between the samples, around every dip of the gap, for a value with a usable posture.
+/// Searches between the samples, around every local minimum of the gap, for a value with a usable posture.
 ///
 /// # Errors
-/// The least gap, if there is no such value.
+/// Returns the least gap if there is no such value.
 fn search_between<'a>(
     joint: &'a HeldJoint,
     gaps: &[Gap; HeldJoint::SAMPLES],

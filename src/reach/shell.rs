@@ -1,11 +1,11 @@
 //! Bounding shell of the reach: a cheap and safe test before any inverse kinematics.
 //!
-//! Every D-H row moves its frame by `r_i` along z_(i-1) and `l_i` along x_i. Joint i + 1 rotates about
-//! z_i, so that `l_i x_i + r_(i+1) z_i` is rigid. The last row with the tool is a rigid vector v, too.
-//! The TCP is a fixed point of the first axis plus vectors of these lengths in any direction. So its
-//! distance from that point is at most their sum and at least the longest minus the others (polygon
-//! inequality). Joint limits and attitude only reduce the reach. A fixed elevation e of the tool axis a
-//! makes the vertical part `(v . a) sin(e)` of v known, which shifts the centre.
+//! Every D-H row moves its frame by `r_i` along z_(i-1) and `l_i` along x_i. Joint i + 1 rotates about z_i,
+//! so that `l_i x_i + r_(i+1) z_i` is rigid. The last row with the tool is a rigid vector v, too. The TCP is
+//! a fixed point of the first axis plus vectors of these lengths in any direction. The distance of the TCP
+//! from that point is at most the sum of the lengths. It is at least the longest length minus the others
+//! (polygon inequality). Joint limits and attitude only reduce the reach. A fixed elevation e of the tool
+//! axis a makes the vertical part `(v . a) sin(e)` of v known, which shifts the centre.
 
 use super::Inverse;
 use crate::cell::{Attitude, JointKind};
@@ -24,10 +24,10 @@ pub struct Shell {
 }
 
 impl Shell {
-    /// Returns a lower bound of the distance, m, of some points from every reachable one.
+    /// Returns a lower bound of the distance, m, between a set of points and the reachable points.
     ///
-    /// The points are at distances from `near` to `far` (m) of the centre. The bound is 0 if some of them
-    /// may be reachable.
+    /// The points of the set are at distances from `near` to `far` (m) from the centre of the shell. The
+    /// bound is 0 if some of them may be reachable.
     pub fn gap(&self, near: f64, far: f64) -> f64 {
         (near - self.outer).max(self.inner - far).max(0.0)
     }
@@ -96,10 +96,10 @@ fn tip(chain: &Chain, elevation: Option<f64>) -> (f64, LengthRange) {
     (0.0, LengthRange { rigid: whole, travel: 0.0 })
 }
 
-/// Returns common normal and offset of the last row in the last frame, where z_(n-1) is
-/// `(0, sin alpha, cos alpha)`.
+/// Returns common normal and offset of the last row in the last frame, where z_(n-1) is `(0, sin alpha, cos
+/// alpha)`.
 ///
-/// The offset of a first or prismatic row is counted elsewhere.
+/// The offset of a first or prismatic row is 0 here, because [`offset`] returns it.
 fn along_last(chain: &Chain, link: &Link) -> Vector3<f64> {
     let r = if link.kind == JointKind::Revolute && chain.axes() > 1 { link.r } else { 0.0 };
     Vector3::new(link.l, r * link.sin_alpha, r * link.cos_alpha)

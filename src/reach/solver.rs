@@ -22,8 +22,8 @@ pub(super) enum ChainSolver {
 impl ChainSolver {
     /// Returns the solver of a chain.
     ///
-    /// `limits_by_posture` says that a posture alone tells whether it keeps the joint limits, which the
-    /// closed forms need.
+    /// `limits_by_posture` says that a posture alone tells whether it keeps the joint limits. The closed
+    /// forms need this.
     pub fn new(chain: &Chain, limits_by_posture: bool) -> Self {
         if limits_by_posture {
             if let Ok(arm) = PlanarArm::new(chain) {
@@ -39,7 +39,7 @@ impl ChainSolver {
         Self::Numeric(Box::new(Numeric::new(chain)))
     }
 
-    /// Returns the words for the family of the arm.
+    /// Returns the family of the arm in words.
     pub fn family(&self) -> &'static str {
         match self {
             Self::Planar(arm) if arm.rolls() => "base yaw, three parallel axes, roll (closed form)",

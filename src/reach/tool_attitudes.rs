@@ -8,7 +8,8 @@ use super::attitude_set::AttitudeSet;
 pub struct PlanarAttitude {
     pub cos_phi: f64,
     pub sin_phi: f64,
-    /// Position of the TCP relative to the wrist along and across the plane's horizontal, m.
+    /// Horizontal part of the vector from the wrist to the TCP, in the plane of the arm, m. `v` is the part
+    /// perpendicular to it in that plane.
     pub u: f64,
     pub v: f64,
     /// Cosine of the elevation; negative if the tool points against theta_1.

@@ -70,7 +70,7 @@ impl ColumnValues {
                 let there: Vec<i16> = all.iter().map(|v| i16::from(v.is_some())).collect();
                 to.write_batch(&values, Some(&there), None)
             }
-            _ => Err(ParquetError::General("a column of another type than said".into())),
+            _ => Err(ParquetError::General("a column does not have the type that was declared".into())),
         }
     }
 }

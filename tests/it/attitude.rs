@@ -104,17 +104,23 @@ fn an_orientation_beyond_the_arm_is_refused_with_the_reason() {
     let told = |stem: &str, attitude: Attitude| Inverse::new(&Chain::new(&robot(stem))).refusal(&attitude);
     let level = || Attitude::elevation(0.0);
     for stem in ["adept_cobra_s600", "abb_irb460"] {
-        assert!(told(stem, level()).unwrap().contains("keeps its tool at an elevation of -90 deg"), "{stem}");
+        assert!(
+            told(stem, level()).unwrap().contains("always holds its tool at an elevation of -90 deg"),
+            "{stem}"
+        );
         assert_eq!(told(stem, Attitude::elevation(-std::f64::consts::FRAC_PI_2)), None);
     }
     for stem in ["hitachi_pw10", "kuka_youbot"] {
         let fixed = || Attitude { azimuth: Azimuth::Surface(0.1), ..level() };
-        assert!(told(stem, fixed()).unwrap().contains("heads where its base turns"), "{stem}");
+        assert!(
+            told(stem, fixed()).unwrap().contains("the base yaw of the arm decides the heading"),
+            "{stem}"
+        );
         assert_eq!(told(stem, Attitude { tolerance: 0.2, ..fixed() }), None);
         assert_eq!(told(stem, Attitude { azimuth: Azimuth::Radial, ..level() }), None);
     }
     let spun = Attitude { spin: Spin::At(vec![0.0]), ..level() };
-    assert!(told("hitachi_pw10", spun.clone()).unwrap().contains("no axis that turns the tool"));
+    assert!(told("hitachi_pw10", spun.clone()).unwrap().contains("no axis that rotates the tool"));
     assert_eq!(told("kuka_youbot", spun.clone()), None);
     assert_eq!(told("ur10", Attitude { azimuth: Azimuth::Surface(0.1), ..spun }), None);
 }

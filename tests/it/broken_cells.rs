@@ -113,7 +113,7 @@ fn long_chains_of_from_are_refused() {
         assert_eq!(result.is_ok(), fits, "{length}");
         if !fits {
             let told = told(&result.unwrap_err()[0]);
-            assert_eq!(told[0], "15.toml:1:8: error: `from` goes through more than 16 files");
+            assert_eq!(told[0], "15.toml:1:8: error: the chain of `from` keys has more than 16 files");
         }
     }
 }

@@ -233,9 +233,9 @@ fn crafted() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     let mega = |t: &str| t.repeat(3_000_000 / t.len()).into_bytes();
     let point = |c: f32| c.to_le_bytes();
     vec![
-        ("part.stl", Vec::new(), "0 bytes are no STL file"),
-        ("part.stl", vec![0; 83], "83 bytes are no STL file"),
-        ("part.stl", vec![0; 84], "no triangle in it"),
+        ("part.stl", Vec::new(), "a file of 0 bytes is not an STL file"),
+        ("part.stl", vec![0; 83], "a file of 83 bytes is not an STL file"),
+        ("part.stl", vec![0; 84], "it has no triangles"),
         ("part.stl", vec![0; 134], "promises 0 triangles, the file has room for 1"),
         ("part.stl", vec![0xff; 500], "promises 4294967295 triangles, the file has room for 8"),
         ("part.stl", with(80, &u32::MAX.to_le_bytes()), "promises 4294967295 triangles"),
@@ -244,11 +244,11 @@ fn crafted() -> Vec<(&'static str, Vec<u8>, &'static str)> {
         (
             "part.stl",
             with(84 + 12, &point(f32::NAN)),
-            "no finite point of a workcell; is the unit right?, in triangle 1",
+            "is not finite, or too far away for a workcell; is the unit right?, in triangle 1",
         ),
         ("part.stl", with(84 + 50 + 20, &point(f32::INFINITY)), "in triangle 2"),
         ("part.stl", with(84 + 12, &point(1e30)), "in triangle 1"),
-        ("part.stl", binary_stl(&(vec![[1.0; 3]; 3], vec![[0, 1, 2]; 5]), ""), "no triangle in it"),
+        ("part.stl", binary_stl(&(vec![[1.0; 3]; 3], vec![[0, 1, 2]; 5]), ""), "it has no triangles"),
         ("part.stl", text("vertex 0 0 0", "vertex nan 0 0"), "part.stl:2:1"),
         ("part.stl", text("vertex 0 0 0", "vertex 0 0"), "part.stl:2:1"),
         ("part.stl", text("vertex 0 0 0", "vertex 0 0 1e99"), "part.stl:2:1"),
@@ -256,7 +256,7 @@ fn crafted() -> Vec<(&'static str, Vec<u8>, &'static str)> {
         ("part.stl", text("endloop", "endlop"), "part.stl:2:1"),
         ("part.stl", whole.as_bytes()[..whole.len() / 2].to_vec(), "it is cut off"),
         ("part.stl", b"solid".to_vec(), "it is cut off"),
-        ("part.stl", b"solid x\nendsolid".to_vec(), "no triangle in it"),
+        ("part.stl", b"solid x\nendsolid".to_vec(), "it has no triangles"),
         ("part.stl", [whole.as_bytes(), b"  vertex \xff\n"].concat(), "no text"),
         ("part.stl", mega("solid "), "it is cut off"),
         ("part.stl", mega("solid\nfacet\n"), "more than 200000 triangles"),
@@ -266,24 +266,28 @@ fn crafted() -> Vec<(&'static str, Vec<u8>, &'static str)> {
             [b"solid\n".to_vec(), mega("vertex "), b"\nendsolid".to_vec()].concat(),
             "invalid facet",
         ),
-        ("part.stl", [b"solid\n".to_vec(), mega("\n"), b"\nendsolid".to_vec()].concat(), "no triangle in it"),
+        (
+            "part.stl",
+            [b"solid\n".to_vec(), mega("\n"), b"\nendsolid".to_vec()].concat(),
+            "it has no triangles",
+        ),
         (
             "part.stl",
             binary_stl(&(vec![[1.0; 3]; 3], vec![[0, 1, 2]; 200_001]), ""),
             "more than 200000 triangles",
         ),
-        ("part.obj", mega(v), "no triangle in it"),
+        ("part.obj", mega(v), "it has no triangles"),
         ("part.obj", [mega(v), mega(v)].concat(), "more than 200000 triangles"),
         ("part.obj", mega(f), "more than 200000 triangles"),
         ("part.obj", [corners.as_bytes(), b"f", &mega(" 1 2 3")].concat(), "more than 200000 triangles"),
         (
             "part.obj",
             [corners.as_bytes(), &f.repeat(190_000).into_bytes(), b"f 1 2 4"].concat(),
-            "is not there",
+            "does not exist",
         ),
         ("part.obj", b"\xff\xfe".to_vec(), "it is not UTF-8 text"),
         ("part.obj", [corners.as_bytes(), b"f 1 2 99999999999999999999"].concat(), "whole numbers"),
-        ("part.obj", [corners.as_bytes(), b"f 1 2 -9"].concat(), "is not there"),
+        ("part.obj", [corners.as_bytes(), b"f 1 2 -9"].concat(), "does not exist"),
     ]
 }
 

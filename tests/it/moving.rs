@@ -89,7 +89,10 @@ fn wrong_tools_are_refused() {
     let named = GRIPPER.replace("jaws", "forearm");
     let cell = "from = \"hitachi_paper.toml\"\n[robot]\ntool = { from = \"gripper.toml\" }\n";
     let faults = load(&[("cell.toml", cell), ("gripper.toml", &named)]).unwrap_err();
-    assert!(faults[0].message.contains("has the name of one of the robot: `forearm`"), "{faults:#?}");
+    assert!(
+        faults[0].message.contains("has the same name as a solid of the robot: `forearm`"),
+        "{faults:#?}"
+    );
     let faults =
         refused("from = \"hitachi_paper.toml\"\n[robot]\ntool = { from = \"equipment/worktable.toml\" }\n");
     assert!(

@@ -52,7 +52,7 @@ pub fn setting(text: &str) -> Result<Setting, String> {
     match &choices.values[..] {
         [value] => Ok(Setting::new(choices.path, value.clone())),
         values => Err(format!(
-            "it has {} values; give one, or run `sweetspot sweep` for all (a list stands in [ ])",
+            "it has {} values; give one, or run `sweetspot sweep` for all (write a list in [ ])",
             values.len()
         )),
     }

@@ -53,7 +53,7 @@ struct ReportSource {
 
 fn of_folder(a: &ReportArguments) -> Result<ReportSource, Exit> {
     if !a.question.words().is_empty() {
-        output::error("flags cannot change the question of a finished search");
+        output::error("flags cannot change the settings of a finished search");
         let best = path_word(&a.of.join("best.toml"));
         output::talk(&format!(
             "  help: report its best layout: sweetspot report {best}{}",

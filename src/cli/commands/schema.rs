@@ -38,7 +38,7 @@ pub fn schema(a: &SchemaArguments) -> Result<Exit, Exit> {
 fn references(a: &SchemaArguments) -> Result<Exit, Exit> {
     let Some(folder) = &a.out else {
         let Some(kind) = FileKind::ALL.into_iter().find(|kind| kind.name() == a.kind) else {
-            let what = format!("`{}` has no reference of keys, for a command writes it", a.kind);
+            let what = format!("`{}` has no reference of keys, because a command writes such files", a.kind);
             return Err(unknown(&what, &a.kind, FileKind::ALL.into_iter().map(FileKind::name)));
         };
         output::data(&files::reference(kind))?;

@@ -37,7 +37,7 @@ pub fn file_name(asked: &str) -> Result<String, String> {
     }
     if !stem.chars().all(is_plain) || stem.starts_with(['.', '-', ' ']) || stem.ends_with(['.', ' ']) {
         return Err(
-            "a file name has letters, digits, - and _, and begins with a letter or digit; it names no folder"
+            "a file name has letters, digits, - and _, and begins with a letter or digit; it cannot name a folder"
                 .into(),
         );
     }

@@ -4,29 +4,29 @@ use super::key::*;
 use super::parts::*;
 use crate::cell::MAX_JOINTS;
 
-/// One number for each joint.
+/// List with one number for each joint.
 pub const POSTURE: ValueKind = ValueKind::List(&FINITE, (1, MAX_JOINTS), "numbers");
 
 key_table! {
-    margins, "margins", "Distance that postures keep from joint limits and singular postures.", {
-        TURN = number_or_zero("joint_deg", NumberRange::NotNegative, "Distance from the limits of joints that turn.");
-        SLIDE = number_or_zero("joint_mm", NumberRange::NotNegative, "Distance from the limits of joints that slide.");
+    margins, "margins", "Least distance of postures from joint limits and singular postures.", {
+        TURN = number_or_zero("joint_deg", NumberRange::NotNegative, "Least distance from the limits of revolute joints.");
+        SLIDE = number_or_zero("joint_mm", NumberRange::NotNegative, "Least distance from the limits of prismatic joints.");
         SINGULARITY = number_or_zero("singularity", NumberRange::Below(1.0), "Least singular value of the Jacobian, with lengths divided by the reach of the arm.").example("0.02");
     }
 }
 
 key_table! {
-    transfer, "transfer rules", "Motions from operation to operation, and from point to point, must be free of collision.", {
+    transfer, "transfer rules", "Check of the motions from operation to operation, and from point to point, for collision.", {
         CHECK = boolean("check", true, "Whether these motions are checked.");
-        LIFT = number_or_zero("lift_mm", NumberRange::NotNegative, "How far the tool may be lifted to pass over obstacles.");
+        LIFT = number_or_zero("lift_mm", NumberRange::NotNegative, "Largest lift of the tool to pass over obstacles.");
         VIA = Key::new("via", ValueKind::Either(&[POSTURE, ValueKind::List(&POSTURE, (0, MANY), "postures")]), "Posture, or list of postures, through which a motion may go, in degrees and mm; if left out, the home posture.").example("[[0, 0, 0, 0], [90, -10, 10, 20.5]]");
-        CYCLE = boolean("cycle", false, "Whether the last operation is followed by the first.");
+        CYCLE = boolean("cycle", false, "Whether the motion from the last operation back to the first is checked, too.");
     }
 }
 
 key_table! {
-    fence, "a fence", "Fence inside which the equipment and the robot base stand.", {
-        POLYGON = Key::new("polygon_mm", ValueKind::List(&PLAN, (3, MANY), "corners"), "Corners (x and y in the world), in the order in which you walk along the fence; it closes by itself.").required().example("[[-2000, -1500], [2000, -1500], [2000, 2500], [-2000, 2500]]");
+    fence, "a fence", "Fence around the equipment and the robot base.", {
+        POLYGON = Key::new("polygon_mm", ValueKind::List(&PLAN, (3, MANY), "corners"), "Corners (x and y in the world), in their order along the fence; the last corner is joined to the first.").required().example("[[-2000, -1500], [2000, -1500], [2000, 2500], [-2000, 2500]]");
         HEIGHT = number("height_mm", NumberRange::Positive, "Height of walls that the robot must not touch; if left out, the fence is a line on the floor.").example("2200");
     }
 }

@@ -5,36 +5,36 @@ use super::key::*;
 use super::parts::*;
 use super::solid::{equipment_solid, rectangle};
 
-/// Keys of which an equipment needs one: they give the floor space.
+/// Keys that give the floor space; an equipment needs one of them.
 pub const BODY: [&str; 3] = ["footprint", "solid", "surface"];
 
 key_table! {
-    /// What equipment and obstacles have in common.
-    body, "a body", "Something that stands in the cell.", {
+    /// Keys that equipment and obstacles have in common.
+    body, "a body", "Equipment or obstacle.", {
         FROM = from("\"equipment/worktable.toml\"");
         SCHEMA = schema("sweetspot/equipment/1");
         UNITS = super::UNITS;
         NAME = text("name", "Name of the equipment in its file.");
         SOURCE = super::SOURCE;
         SURFACE = table("surface", &rectangle::TABLE, "Work surface: a rectangle at height 0 of its frame.").example("{ size_mm = [1500, 700] }");
-        FOOTPRINT = table("footprint", &rectangle::TABLE, "Floor space that nothing else may use; if left out, what its solids and surface cover.").example("{ size_mm = [600, 600] }").remedy("add footprint = { size_mm = [600, 600] }");
+        FOOTPRINT = table("footprint", &rectangle::TABLE, "Floor space that nothing else may use; if left out, the rectangle that covers its solids and surface.").example("{ size_mm = [600, 600] }").remedy("add footprint = { size_mm = [600, 600] }");
         SOLID = Key::new("solid", ValueKind::List(&ValueKind::Table(&equipment_solid::TABLE), (0, MANY), "solids"), "Solids, in the frame of the equipment.");
     }
     rules [Rule::AnyOf(&BODY), Rule::Needs("schema", "units")];
 }
 
 key_table! {
-    equipment, "an equipment", "Equipment: a work surface, solids, floor space, and where it stands.", {
-        PLACEMENT = table("placement", &placement::TABLE, "Where it stands: in the world, or in the frame of what it stands on.").required().remedy("add placement = { x_mm = 0, y_mm = 1000, z_mm = 600 }");
-        STANDS_ON = text("stands_on", "Equipment that it stands on and moves with; its placement is in the frame of that.").example("\"worktable\"");
-        TOLERANCE = table("placement_tolerance", &placement_tolerance::TABLE, "How exactly it will be placed: used by robust and search --robust.").example("{ x_mm = 2, y_mm = 2 }");
-        ERRORS = table("errors", &errors_of_equipment::TABLE, "Errors of its placement or fixture, in its frame.");
+    equipment, "an equipment", "Equipment: work surface, solids, floor space and placement.", {
+        PLACEMENT = table("placement", &placement::TABLE, "Placement in the world, or in the frame of the equipment that it stands on.").required().remedy("add placement = { x_mm = 0, y_mm = 1000, z_mm = 600 }");
+        STANDS_ON = text("stands_on", "Equipment on which this one stands and with which it moves; the placement is then in its frame.").example("\"worktable\"");
+        TOLERANCE = table("placement_tolerance", &placement_tolerance::TABLE, "Tolerance of the placement, for the commands robust and search --robust.").example("{ x_mm = 2, y_mm = 2 }");
+        ERRORS = table("errors", &errors_of_equipment::TABLE, "Errors of the placement or the fixture, in the frame of the equipment.");
     }
     extends super::body::TABLE;
 }
 
 key_table! {
-    fixed_placement, "`placement`", "Where an obstacle stands in the world.", {
+    fixed_placement, "`placement`", "Placement of an obstacle in the world.", {
         X = number("x_mm", NumberRange::Finite, "Position along x.").required();
         Y = number("y_mm", NumberRange::Finite, "Position along y.").required();
         Z = number("z_mm", NumberRange::Finite, "Position along z.").required();
@@ -43,14 +43,14 @@ key_table! {
 }
 
 key_table! {
-    obstacle, "an obstacle", "Obstacle: it stands still, and no work is done on it.", {
-        PLACEMENT = table("placement", &fixed_placement::TABLE, "Where it stands in the world.").required().remedy("add placement = { x_mm = 0, y_mm = 1000, z_mm = 600 }");
+    obstacle, "an obstacle", "Obstacle: fixed in the world, with no work done on it.", {
+        PLACEMENT = table("placement", &fixed_placement::TABLE, "Placement in the world.").required().remedy("add placement = { x_mm = 0, y_mm = 1000, z_mm = 600 }");
     }
     extends super::body::TABLE;
     refused [
-        Refused { name: "errors", message: "an obstacle has no `errors`", remedy: "make it an [equipment.NAME] if work is done on it, or remove them" },
-        Refused { name: "stands_on", message: "an obstacle stands still: it has no `stands_on`", remedy: "make it an [equipment.NAME], or give its place in the world" },
-        Refused { name: "placement_tolerance", message: "an obstacle has no `placement_tolerance`", remedy: "make it an [equipment.NAME] if it can be misplaced, or remove it" },
+        Refused { name: "errors", message: "an obstacle has no `errors`", remedy: "make the obstacle an [equipment.NAME] if work is done on it, or remove the errors" },
+        Refused { name: "stands_on", message: "an obstacle stands still: it has no `stands_on`", remedy: "make the obstacle an [equipment.NAME], or give its placement in the world" },
+        Refused { name: "placement_tolerance", message: "an obstacle has no `placement_tolerance`", remedy: "make the obstacle an [equipment.NAME] if it can be misplaced, or remove the tolerance" },
     ];
 }
 

@@ -5,12 +5,12 @@ use super::key::*;
 use super::parts::*;
 use crate::cell::{Distribution, MAX_JOINTS, PER_FRAME, Spread};
 
-/// How the numbers of an error set are meant.
+/// Meaning of the numbers of an error set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ErrorForm {
-    /// One sample: the signs are part of it.
+    /// Errors of one robot, with their signs.
     Signed,
-    /// Plus-or-minus.
+    /// Plus-or-minus values: half widths of the ranges of the errors.
     Tolerance,
 }
 
@@ -29,14 +29,14 @@ words!(ErrorForm);
 
 const FORM: Key = word::<ErrorForm>(
     "kind",
-    "signed: one sample, the signs are part of it; tolerance: plus-or-minus, which any robot of a series may have.",
+    "signed: errors of one robot, with their signs; tolerance: plus-or-minus values for all robots of a series.",
 )
 .required();
 
 const SIGMAS: Key = number(
     "sigmas",
     NumberRange::Positive,
-    "Number of standard deviations of a normal distribution that its plus-or-minus is.",
+    "Number of standard deviations in the plus-or-minus of a normal distribution.",
 )
 .default(Literal::Number(Spread::SIGMAS));
 
@@ -49,27 +49,27 @@ const BY_COMPONENT: ValueKind =
 
 const SPREAD: ValueKind = ValueKind::word::<Distribution>();
 
-/// Errors of the joints: one number for each.
+/// Returns the key of an error of the D-H rows: one number for each joint.
 const fn row(name: &'static str, help: &'static str) -> Key {
     Key::new(name, POSTURE, help).required_unless("joints")
 }
 
 key_table! {
-    frame_error, "a frame error", "Error of a frame, in itself.", {
+    frame_error, "a frame error", "Error of a frame, in its own axes.", {
         POSITION = vector_or_zero("position_mm", "Errors along x, y and z.");
         ROTATION = vector_or_zero("rotation_deg", "Errors about x, y and z.");
     }
 }
 
 key_table! {
-    joint_frame_error, "a frame error of `joints`", "Error of the frame of one joint, in itself.", {
+    joint_frame_error, "a frame error of `joints`", "Error of the frame of one joint, in its own axes.", {
         JOINT = Key::new("joint", ValueKind::Either(&[ValueKind::Whole(1, MAX_JOINTS as u64), ValueKind::Text]), "Joint, by its number from 1 or by its name.").required().example("1").remedy("add joint = 1, the number or the name of the joint");
     }
     extends super::frame_error::TABLE;
 }
 
 key_table! {
-    distribution, "`distribution`", "How the plus-or-minus values spread, by rows and frames.", {
+    distribution, "`distribution`", "Distributions of the plus-or-minus values, by rows and frames.", {
         DEFAULT = word::<Distribution>("default", "Distribution of everything that is not named.").default(Literal::Word(Distribution::Normal.name()));
         DQ = Key::new("dq", BY_JOINT, "Distribution of dq_deg and dq_mm: one word, or a list with one for each joint.");
         DR = Key::new("dr", BY_JOINT, "Distribution of dr_mm: one word, or a list with one for each joint.");
@@ -83,11 +83,11 @@ key_table! {
 }
 
 /// Names that the parameters of a covariance may have.
-pub const PARAMETERS: &str = "dq, dr, dl, dalpha or dbeta and a joint (dl2), or base, tool or a joint and x, y, z, rx, ry or rz (joint2 x)";
+pub const PARAMETERS: &str = "dq, dr, dl, dalpha or dbeta with a joint number (dl2), or a frame (base, tool, joint2) with x, y, z, rx, ry or rz (joint2 x)";
 
 key_table! {
-    covariance, "`covariance`", "Covariance from a calibration: normal parameters that vary together; their plus-or-minus is 0.", {
-        PARAMETERS = Key::new("parameters", ValueKind::Checked(&ValueKind::List(&ValueKind::Text, (1, MANY), "names"), unique), "What the rows belong to: dq, dr, dl, dalpha or dbeta and a joint (dl2), or base, tool or a joint and x, y, z, rx, ry or rz (joint2 x).").required().example("[\"dl2\", \"dalpha3\", \"base x\"]").remedy("add parameters = [\"dq1\", \"dl2\"], what the rows belong to");
+    covariance, "`covariance`", "Covariance from a calibration: normally distributed, correlated parameters; their plus-or-minus is 0.", {
+        PARAMETERS = Key::new("parameters", ValueKind::Checked(&ValueKind::List(&ValueKind::Text, (1, MANY), "names"), unique), "Parameters of the rows: dq, dr, dl, dalpha or dbeta with a joint number (dl2), or a frame (base, tool, joint2) with x, y, z, rx, ry or rz (joint2 x).").required().example("[\"dl2\", \"dalpha3\", \"base x\"]").remedy("add parameters = [\"dq1\", \"dl2\"], the parameters of the rows");
         MATRIX = Key::new("matrix", ValueKind::List(&ValueKind::List(&FINITE, (1, MANY), "numbers"), (1, MANY), "rows"), "Covariances, a row for each of the parameters, in products of mm and degrees.").required().example("[[0.25, 0.1], [0.1, 4]]").remedy("add matrix = [[...], ...], a row for each of `parameters`");
     }
 }
@@ -96,16 +96,16 @@ key_table! {
     error_set, "an error set", "Errors of the robot: one signed sample, or tolerances.", {
         SOURCE = super::SOURCE.required().example("").remedy("add source = \"...\"");
         FORM = super::FORM;
-        DQ_DEG = Key::new("dq_deg", POSTURE, "Errors of the coordinates of joints that turn: one for each joint, 0 for one that slides.");
-        DQ_MM = Key::new("dq_mm", POSTURE, "Errors of the coordinates of joints that slide: one for each joint, 0 for one that turns.");
+        DQ_DEG = Key::new("dq_deg", POSTURE, "Errors of the coordinates of revolute joints: one for each joint, 0 for a prismatic one.");
+        DQ_MM = Key::new("dq_mm", POSTURE, "Errors of the coordinates of prismatic joints: one for each joint, 0 for a revolute one.");
         DR = row("dr_mm", "Errors of the axial offsets r: one for each joint.");
         DL = row("dl_mm", "Errors of the common normals l: one for each joint.");
         DALPHA = row("dalpha_deg", "Errors of the twists alpha: one for each joint.");
         DBETA = Key::new("dbeta_deg", POSTURE, "Errors of the fifth parameter (Hayati), for parallel axes: one for each joint.");
         BASE = table("base", &frame_error::TABLE, "Error of the base frame.");
         TOOL = table("tool", &frame_error::TABLE, "Error of the TCP.");
-        JOINTS = Key::new("joints", ValueKind::List(&ValueKind::Table(&joint_frame_error::TABLE), (0, MAX_JOINTS), "frame errors"), "Errors of joint frames; each moves everything from its joint on.").example("[{ joint = 1, rotation_deg = [0, 0, 0.1] }]");
-        DISTRIBUTION = Key::new("distribution", ValueKind::Either(&[SPREAD, ValueKind::Table(&distribution::TABLE)]), "How the plus-or-minus values spread: one word for all, or a table by rows and frames.").default(Literal::Word(Distribution::Normal.name()));
+        JOINTS = Key::new("joints", ValueKind::List(&ValueKind::Table(&joint_frame_error::TABLE), (0, MAX_JOINTS), "frame errors"), "Errors of joint frames; each moves its joint and everything after it.").example("[{ joint = 1, rotation_deg = [0, 0, 0.1] }]");
+        DISTRIBUTION = Key::new("distribution", ValueKind::Either(&[SPREAD, ValueKind::Table(&distribution::TABLE)]), "Distribution of the plus-or-minus values: one word for all, or a table by rows and frames.").default(Literal::Word(Distribution::Normal.name()));
         SIGMAS = super::SIGMAS;
         COVARIANCE = table("covariance", &covariance::TABLE, "Covariance from a calibration.");
     }
@@ -116,9 +116,9 @@ key_table! {
 }
 
 key_table! {
-    errors_of_equipment, "`errors`", "Errors of the placement or fixture of an equipment, in its frame.", {
+    errors_of_equipment, "`errors`", "Errors of the placement or the fixture of an equipment, in its frame.", {
         FORM = super::FORM;
-        DISTRIBUTION = Key::new("distribution", BY_COMPONENT, "How they spread: one word, or six for x, y, z and the turns about them.").default(Literal::Word(Distribution::Normal.name()));
+        DISTRIBUTION = Key::new("distribution", BY_COMPONENT, "Distribution of the errors: one word, or six for x, y, z and the turns about them.").default(Literal::Word(Distribution::Normal.name()));
         SIGMAS = super::SIGMAS;
     }
     extends super::frame_error::TABLE;

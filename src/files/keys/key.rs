@@ -1,4 +1,4 @@
-//! An entry of the tables of keys: name, kind of value, need, default, help and example.
+//! Entry of the tables of keys: name, kind of value, need, default, help and example.
 
 pub use super::range::{LARGEST, NumberRange, SMALLEST};
 pub use super::unit::KeyUnit;
@@ -7,13 +7,13 @@ pub use super::word::{Word, quoted, words_of};
 use serde_json::{Value, json};
 use std::iter::successors;
 
-/// Longest name, characters.
+/// Largest number of characters of a name.
 pub const MAX_NAME: usize = 60;
 
-/// Most allowed values of a coordinate.
+/// Largest number of allowed values of a coordinate.
 pub const MAX_VALUES: usize = 1000;
 
-/// Number of items that stands for "any number of them".
+/// Maximum of a list without an upper limit on its length.
 pub const MANY: usize = usize::MAX;
 
 /// Kind of value that a key has.
@@ -35,20 +35,20 @@ pub enum ValueKind {
     /// Number that may be searched, within these bounds: fixed, a range, or a list of values.
     Coordinate(f64, f64),
     Table(&'static KeyTable),
-    /// At least so many values, each under a name that somebody chose.
+    /// Table of values under names chosen by the user, with the least number of entries.
     Named(&'static ValueKind, usize),
-    /// List of so many items, from the first number to the second, with their noun.
+    /// List of items: kind of the items, least and greatest number of items, and noun for messages.
     List(&'static ValueKind, (usize, usize), &'static str),
     Either(&'static [ValueKind]),
-    /// Kind whose JSON Schema says more about the value.
+    /// Kind with additions to its JSON Schema.
     Checked(&'static ValueKind, fn() -> Value),
 }
 
-/// Whether a key must be given, and what holds if it is not.
+/// Requirement of a key: whether it must be given, and its default if not.
 #[derive(Debug, Clone, Copy)]
 pub enum Need {
     Required,
-    /// Required in a table without this other key.
+    /// Required if this other key is missing.
     Unless(&'static str),
     Optional,
     Default(Literal),
@@ -61,26 +61,26 @@ pub enum Literal {
     Whole(u64),
     Boolean(bool),
     Word(&'static str),
-    /// List of so many zeros.
+    /// List of this many zeros.
     Zeros(usize),
 }
 
-/// One key of a table in the files.
+/// Key of a table in the files.
 #[derive(Debug, Clone, Copy)]
 pub struct Key {
     pub name: &'static str,
     pub kind: ValueKind,
     pub need: Need,
-    /// Sentence for people, without the unit.
+    /// Explanation of the key for users: a sentence, without the unit.
     pub help: &'static str,
-    /// Value to show, as TOML; empty: any value of the kind.
+    /// Example of a value, as TOML. If it is empty, any value of the kind is shown.
     pub example: &'static str,
-    /// What to do if the key is missing; empty: add the example.
+    /// Help text for a missing key. If it is empty, the text says to add the example.
     pub remedy: &'static str,
 }
 
 impl Key {
-    /// An optional key.
+    /// Returns an optional key.
     pub const fn new(name: &'static str, kind: ValueKind, help: &'static str) -> Self {
         Self { name, kind, need: Need::Optional, help, example: "", remedy: "" }
     }
@@ -105,7 +105,7 @@ impl Key {
         Self { remedy, ..self }
     }
 
-    /// Returns the unit that the ending of the name tells.
+    /// Returns the unit that the ending of the name gives.
     pub fn unit(&self) -> KeyUnit {
         let endings = [
             ("mm_per_deg", KeyUnit::MillimetresPerDegree),
@@ -116,7 +116,7 @@ impl Key {
         endings.into_iter().find(|(end, _)| self.name.ends_with(end)).map_or(KeyUnit::None, |(_, unit)| unit)
     }
 
-    /// Returns a value to show, as TOML.
+    /// Returns an example of a value, as TOML.
     pub fn shown_example(&self) -> String {
         if self.example.is_empty() { self.kind.example() } else { self.example.to_string() }
     }
@@ -130,12 +130,12 @@ impl Key {
     }
 }
 
-/// Keys of one kind of table: nothing else is read from such a table.
+/// Keys of one kind of table: no other key is accepted in such a table.
 #[derive(Debug)]
 pub struct KeyTable {
-    /// What messages call such a table, with its article.
+    /// Name of such a table in messages, with its article.
     pub what: &'static str,
-    /// Sentence for people.
+    /// Explanation of the table for users: a sentence.
     pub help: &'static str,
     own: &'static [Key],
     extends: Option<&'static KeyTable>,
@@ -171,7 +171,7 @@ impl KeyTable {
         self.and_extended().flat_map(|table| table.own_rules)
     }
 
-    /// Returns a key that somebody might expect in the table, but that it has not.
+    /// Returns the refused key of this name: one that users might expect, but that the table does not have.
     pub fn refused_key(&'static self, name: &str) -> Option<&'static Refused> {
         self.and_extended().flat_map(|table| table.own_refused).find(|refused| refused.name == name)
     }
@@ -185,11 +185,11 @@ impl KeyTable {
     }
 }
 
-/// Key that a table has not, although somebody might expect it.
+/// Key that a table does not have, although users might expect it.
 #[derive(Debug)]
 pub struct Refused {
     pub name: &'static str,
-    /// Why the table has no such key.
+    /// Message that says why the table has no such key.
     pub message: &'static str,
     pub remedy: &'static str,
 }
@@ -199,13 +199,13 @@ pub struct Refused {
 pub enum Rule {
     /// At least one of the keys must be given.
     AnyOf(&'static [&'static str]),
-    /// No two of the keys stand together.
+    /// At most one of the keys may be given.
     OneAtMost(&'static [&'static str]),
-    /// Beside the first key none of the others stands.
+    /// If the first key is given, none of the others may be given.
     Excludes(&'static str, &'static [&'static str]),
-    /// None of the others stands without the first key.
+    /// The other keys may be given only together with the first.
     OnlyWith(&'static str, &'static [&'static str]),
-    /// The first key needs the second.
+    /// If the first key is given, the second must be given.
     Needs(&'static str, &'static str),
     /// If `key` has one of `words`, `needs` must be given and `never` must not.
     When {
@@ -219,12 +219,12 @@ pub enum Rule {
 }
 
 impl ValueKind {
-    /// Kind of a word out of a closed set.
+    /// Returns the kind of a word out of a closed set.
     pub const fn word<W: Word>() -> Self {
         ValueKind::Word(words_of::<W>)
     }
 
-    /// Returns the kind without what its JSON Schema says more.
+    /// Returns the kind without the additions to its JSON Schema.
     pub fn plain(&self) -> &ValueKind {
         if let ValueKind::Checked(kind, _) = self { kind.plain() } else { self }
     }

@@ -1,5 +1,6 @@
-//! All keys of the files: one table per kind of table, from which the reader reads, and from which the
-//! JSON Schemas and the reference for people are made.
+//! All keys of the files, in one table for each kind of table.
+//!
+//! The reader, the JSON Schemas and the reference for users are all made from these tables.
 
 pub mod cell;
 pub mod constraints;

@@ -6,19 +6,19 @@ use super::robot::held;
 use super::solid::rectangle;
 use crate::cell::{Frame, Over, PLAIN};
 
-/// Most nodes of one grid: a map of more is no picture, and takes hours and gigabytes.
+/// Largest number of nodes of one grid. A map of more nodes takes hours and gigabytes.
 pub const MAX_NODES: u64 = 1_000_000;
 
-/// Most spins of one operation.
+/// Largest number of spins of one operation.
 pub const MAX_SPINS: usize = 72;
 
-/// Widest tolerance of the tool axis, degrees.
+/// Largest tolerance of the tool axis, degrees.
 pub const MAX_TOLERANCE: f64 = 45.0;
 
-/// Steepest elevation, degrees: past the vertical the tool leans back.
+/// Largest elevation up or down, degrees. Beyond 90 degrees the tool leans back.
 pub const MAX_BEND: f64 = 135.0;
 
-/// Returns the senses that need no definition, in all frames.
+/// Returns the names of the built-in senses, without a frame and in every frame.
 fn plain_senses() -> Vec<String> {
     let framed = PLAIN.iter().flat_map(|p| Frame::ALL.map(|f| format!("{p}@{}", f.name())));
     PLAIN.iter().map(|p| p.to_string()).chain(framed).collect()
@@ -53,26 +53,26 @@ const DIVISIONS: ValueKind =
     ValueKind::List(&ValueKind::Whole(1, MAX_NODES / 2 - 1), (2, 2), "whole numbers");
 
 key_table! {
-    operation, "an operation", "Precision operation: where it happens, how the tool points, which error counts.", {
-        ON = text("on", "Equipment on whose work surface it happens.").required().example("\"worktable\"").remedy("add on = \"NAME\" of an equipment with a work surface");
+    operation, "an operation", "Precision operation: its place, the attitude of the tool, and the error that counts.", {
+        ON = text("on", "Equipment on whose work surface the operation happens.").required().example("\"worktable\"").remedy("add on = \"NAME\" of an equipment with a work surface");
         GRID = Key::new("grid", DIVISIONS, "Divisions along x and y of the surface: [10, 8] makes 11 x 9 nodes.").required_unless("points_mm").example("[10, 8]").remedy("add grid = [10, 8], the divisions along x and y");
         REGION = table("region", &rectangle::TABLE, "Part of the surface that the grid covers; if left out, all of it.").example("{ centre_mm = [100, 50], size_mm = [200, 100] }");
-        POINTS_MM = Key::new("points_mm", POINTS, "Points of the surface (x and y) at which it happens, in place of a grid.").example("[[-100, 0], [100, 0]]");
-        OVER = word::<Over>("over", "best: it happens at the best node; max, mean, p95: at every node, and this of their errors counts; if left out, best for a grid, max for points.");
+        POINTS_MM = Key::new("points_mm", POINTS, "Points of the surface (x and y) at which the operation happens, in place of a grid.").example("[[-100, 0], [100, 0]]");
+        OVER = word::<Over>("over", "best: the operation happens at the best node; max, mean, p95: it happens at every node, and the maximum, mean or 95th percentile of their errors counts; if left out, best for a grid, max for points.");
         STANDOFF = number_or_zero("standoff_mm", NumberRange::NotNegative, "Distance of the TCP above the surface.");
         BEND = Key::new("bend_deg", ValueKind::Coordinate(-MAX_BEND, MAX_BEND), "Elevation of the tool axis: -90 points down, 0 is horizontal; a number, a range or a list.").required().example("-90").remedy("add bend_deg = 0");
-        AZIMUTH = Key::new("azimuth_deg", super::AZIMUTH, "Heading of the tool axis in the surface (of the x axis, if the tool is vertical): a number, a range, a list, \"radial\" (away from the robot) or \"free\".").default(Literal::Word("free"));
-        SPIN = Key::new("spin_deg", super::SPIN, "Turn about the tool axis: a number, a range to search, a list of turns that all do, or \"free\" (every 30 degrees is tried).").default(Literal::Word("free"));
-        TOLERANCE = number_or_zero("tolerance_deg", NumberRange::UpTo(MAX_TOLERANCE), "How far the tool axis may be tilted.");
+        AZIMUTH = Key::new("azimuth_deg", super::AZIMUTH, "Azimuth: heading of the tool axis in the surface, or of the tool's x axis if the tool is vertical; a number, a range, a list, \"radial\" (away from the robot) or \"free\".").default(Literal::Word("free"));
+        SPIN = Key::new("spin_deg", super::SPIN, "Spin: turn about the tool axis; a number, a range to search, a list of allowed turns, or \"free\" (every 30 degrees is tried).").default(Literal::Word("free"));
+        TOLERANCE = number_or_zero("tolerance_deg", NumberRange::UpTo(MAX_TOLERANCE), "Angle by which the tool axis may be tilted from the attitude.");
         SENSE = Key::new("sense", ValueKind::Either(&[ValueKind::Word(plain_senses), OWN_SENSE]), "Sense in which the error is measured: x, y, z, xy, xyz, rx, ry, rz or rotation, with @surface or @tool in other axes, or a sense of the cell.").required().example("\"xy\"").remedy("add sense = \"xy\", or another of x, y, z, xy, xyz, rx, ry, rz, rotation");
-        LIMIT_MM = number("limit_mm", NumberRange::Positive, "Requirement: largest error with which the operation succeeds, for a sense of length.").example("0.5");
-        LIMIT_DEG = number("limit_deg", NumberRange::Positive, "Requirement: largest error with which the operation succeeds, for a sense of rotation.").example("0.1");
-        RELATIVE_TO = text("relative_to", "Operation above, whose part is placed here: the errors that both share cancel.").example("\"picking\"");
+        LIMIT_MM = number("limit_mm", NumberRange::Positive, "Requirement: largest allowed error, for a sense measured in mm.").example("0.5");
+        LIMIT_DEG = number("limit_deg", NumberRange::Positive, "Requirement: largest allowed error, for a sense measured in degrees.").example("0.1");
+        RELATIVE_TO = text("relative_to", "Earlier operation that picked the part placed here: errors common to both cancel.").example("\"picking\"");
         TEACH = Key::new("teach_mm", ValueKind::List(&PLAN, (3, 3), "points"), "Three points of the surface (x and y) that teach its frame when the registration is taught.").example("[[-500, -200], [500, -200], [-500, 200]]");
-        APPROACH = number_or_zero("approach_mm", NumberRange::NotNegative, "How far the tool comes in straight along its axis.");
-        RETRACT = number_or_zero("retract_mm", NumberRange::NotNegative, "How far the tool goes out straight along its axis.");
-        WEIGHT = number("weight", NumberRange::Positive, "How much its error counts in the objective.").default(Literal::Number(1.0));
-        HELD = table("held", &held::TABLE, "Part that the robot holds there; it is checked for collision, too.");
+        APPROACH = number_or_zero("approach_mm", NumberRange::NotNegative, "Length of the straight approach along the tool axis.");
+        RETRACT = number_or_zero("retract_mm", NumberRange::NotNegative, "Length of the straight retreat along the tool axis.");
+        WEIGHT = number("weight", NumberRange::Positive, "Weight of the operation's error in the objective.").default(Literal::Number(1.0));
+        HELD = table("held", &held::TABLE, "Part that the robot holds at the operation; it is checked for collision, too.");
     }
     rules [
         Rule::When { key: "sense", words: rotations, needs: &[], never: &["limit_mm"] },

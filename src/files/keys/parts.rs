@@ -1,4 +1,4 @@
-//! Constructors of keys, and keys that several tables have.
+//! Constructors of keys, and keys that several tables share.
 
 use super::key::*;
 use serde_json::{Value, json};
@@ -34,7 +34,7 @@ pub const fn number(name: &'static str, range: NumberRange, help: &'static str) 
     Key::new(name, ValueKind::Number(range), help)
 }
 
-/// A number that is 0 if it is not given.
+/// Returns the key of a number that defaults to 0.
 pub const fn number_or_zero(name: &'static str, range: NumberRange, help: &'static str) -> Key {
     number(name, range, help).default(Literal::Number(0.0))
 }
@@ -43,12 +43,12 @@ pub const fn vector(name: &'static str, help: &'static str) -> Key {
     Key::new(name, VECTOR, help)
 }
 
-/// A vector that is 0 if it is not given.
+/// Returns the key of a vector that defaults to 0.
 pub const fn vector_or_zero(name: &'static str, help: &'static str) -> Key {
     vector(name, help).default(Literal::Zeros(3))
 }
 
-/// A vector that has a direction.
+/// Returns the key of a direction: a vector that is not 0.
 pub const fn direction(name: &'static str, help: &'static str) -> Key {
     Key::new(name, ValueKind::Checked(&VECTOR, not_zero), help).example("[0, 0, 1]")
 }
@@ -57,7 +57,7 @@ fn not_zero() -> Value {
     json!({ "not": { "enum": [[0, 0, 0]] } })
 }
 
-/// JSON Schema of a list without repetition.
+/// Returns the JSON Schema of a list without repetition.
 pub fn unique() -> Value {
     json!({ "uniqueItems": true })
 }
@@ -82,13 +82,14 @@ pub const fn word<W: Word>(name: &'static str, help: &'static str) -> Key {
     Key::new(name, ValueKind::word::<W>(), help)
 }
 
-/// `from`: the file that this one builds on.
+/// Returns the key `from`, which names the file that this one builds on.
 pub const fn from(example: &'static str) -> Key {
-    let help = "File that this one builds on; what stands here wins, lists are replaced whole.";
+    let help =
+        "File that this one builds on; keys given here override its keys, and lists are replaced whole.";
     Key::new("from", ValueKind::Path, help).example(example)
 }
 
-/// `schema`: the kind of the file.
+/// Returns the key `schema`, which states the kind of the file.
 pub const fn schema(name: &'static str) -> Key {
     Key::new("schema", ValueKind::Exactly(name), "Kind of file and its version.").default(Literal::Word(name))
 }
@@ -100,20 +101,20 @@ key_table! {
     }
 }
 
-/// `units` of a file.
+/// Key `units` of a file.
 pub const UNITS: Key = table("units", &units::TABLE, "Units of all numbers of the file.")
     .example("{ length = \"mm\", angle = \"deg\" }");
 
 pub const SOURCE: Key = text("source", "Where the numbers come from.").example("\"data sheet, revision 3\"");
 
-/// Orientation of a frame or solid.
+/// Key of the orientation of a frame or solid.
 pub const RPY: Key = vector_or_zero(
     "rpy_deg",
     "Orientation: turns about the fixed x, y and z axes, in this order (roll, pitch, yaw).",
 );
 
 key_table! {
-    placement, "`placement`", "Where something stands: x, y, z and the turn about z.", {
+    placement, "`placement`", "Placement: x, y, z and the turn about z.", {
         X = coordinate("x_mm", "Position along x: a number, { min, max, start } to search it, or a list of allowed values.").required().remedy("add x_mm = 0, or { min = -500, max = 500 } to let it be searched");
         Y = coordinate("y_mm", "Position along y: a number, { min, max, start } to search it, or a list of allowed values.").required().remedy("add y_mm = 0, or { min = -500, max = 500 } to let it be searched");
         Z = coordinate("z_mm", "Position along z: a number, { min, max, start } to search it, or a list of allowed values.").required().remedy("add z_mm = 0, or { min = -500, max = 500 } to let it be searched");
@@ -130,7 +131,7 @@ key_table! {
 }
 
 key_table! {
-    placement_tolerance, "a placement tolerance", "How far something may stand from where it is meant to stand.", {
+    placement_tolerance, "a placement tolerance", "Tolerance of a placement.", {
         X = number_or_zero("x_mm", NumberRange::NotNegative, "Plus-or-minus of x.");
         Y = number_or_zero("y_mm", NumberRange::NotNegative, "Plus-or-minus of y.");
         Z = number_or_zero("z_mm", NumberRange::NotNegative, "Plus-or-minus of z.");

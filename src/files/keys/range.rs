@@ -1,9 +1,9 @@
 //! Ranges of the numbers in the files.
 
-/// Largest length (mm) or angle (degrees) that any file can mean.
+/// Largest length (mm) or angle (degrees) that a file may contain.
 pub const LARGEST: f64 = 1e7;
 
-/// Smallest size or weight that any file can mean.
+/// Smallest size or weight that a file may contain.
 pub const SMALLEST: f64 = 1e-6;
 
 /// Values that a number may have, in the unit of the file. Every number is finite and within 1e7.
@@ -26,7 +26,7 @@ impl NumberRange {
         let at_least_0 = "write 0 or a number greater than 0";
         let (wrong, remedy) = match self {
             _ if !value.is_finite() => {
-                ("must be a finite number", "write a plain number: nan and inf are no measures")
+                ("must be a finite number", "write a plain number; nan and inf are not allowed")
             }
             _ if value.abs() > LARGEST => {
                 ("must be from -1e7 to 1e7", "is the unit right? lengths are in mm, angles in degrees")

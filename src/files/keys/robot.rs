@@ -7,12 +7,12 @@ use super::parts::*;
 use super::solid::{link_solid, rectangle, solid};
 use crate::cell::{Convention, MAX_JOINTS};
 
-/// How a joint moves.
+/// Kind of motion of a joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum JointMotion {
     Revolute,
     Prismatic,
-    /// It turns with others, by the coupling alone.
+    /// Revolute joint without an actuator: the coupling alone moves it.
     Passive,
 }
 
@@ -35,20 +35,20 @@ const LIMITS: ValueKind = ValueKind::List(&FINITE, (2, 2), "numbers");
 const SOLIDS_OF_LINKS: ValueKind =
     ValueKind::List(&ValueKind::Table(&link_solid::TABLE), (0, MANY), "solids");
 
-/// Solids that move, but with no link.
+/// Solids of a tool or a held part, which belong to no link.
 const SOLIDS: ValueKind = ValueKind::List(&ValueKind::Table(&solid::TABLE), (0, MANY), "solids");
 
 key_table! {
     joint, "a joint", "D-H row, a moving axis: A = Rz(q_offset + q) Tz(r) Tx(l) Rx(alpha).", {
         NAME = Key::new("name", ValueKind::Name, "Name of the joint for messages.").required();
-        R = number("r_mm", NumberRange::Finite, "Axial offset r along z; a joint that slides adds its coordinate.").required();
+        R = number("r_mm", NumberRange::Finite, "Axial offset r along z; a prismatic joint adds its coordinate to it.").required();
         L = number("l_mm", NumberRange::Finite, "Common normal l along x.").required();
         ALPHA = number("alpha_deg", NumberRange::Finite, "Twist alpha about x.").required();
-        MOTION = word::<JointMotion>("kind", "It turns, it slides, or it follows others by the coupling alone.").default(Literal::Word(JointMotion::Revolute.name()));
-        Q_OFFSET = number("q_offset_deg", NumberRange::Finite, "Angle theta at coordinate 0 of a joint that turns.");
-        THETA = number("theta_deg", NumberRange::Finite, "Angle theta of a joint that slides.");
-        LIMITS_DEG = Key::new("limits_deg", LIMITS, "Lower and upper limit of a joint that turns.").example("[-90, 90]");
-        LIMITS_MM = Key::new("limits_mm", LIMITS, "Lower and upper limit of a joint that slides.").example("[-90, 90]");
+        MOTION = word::<JointMotion>("kind", "Kind of joint; a passive joint turns with others, by the coupling alone.").default(Literal::Word(JointMotion::Revolute.name()));
+        Q_OFFSET = number("q_offset_deg", NumberRange::Finite, "Angle theta of a revolute joint at coordinate 0.");
+        THETA = number("theta_deg", NumberRange::Finite, "Angle theta of a prismatic joint.");
+        LIMITS_DEG = Key::new("limits_deg", LIMITS, "Lower and upper limit of a revolute joint.").example("[-90, 90]");
+        LIMITS_MM = Key::new("limits_mm", LIMITS, "Lower and upper limit of a prismatic joint.").example("[-90, 90]");
     }
     rules [
         Rule::When { key: "kind", words: || vec!["revolute".into()], needs: &["q_offset_deg", "limits_deg"], never: &["theta_deg", "limits_mm"] },
@@ -83,7 +83,7 @@ key_table! {
 key_table! {
     held, "`held`", "Part that the robot holds at an operation; it is checked for collision, too.", {
         SOLID = Key::new("solid", SOLIDS, "Solids of the part, in the frame of the TCP.").required().remedy("add solid = [{ name = \"part\", box = { centre_mm = [0, 0, 0], size_mm = [50, 50, 50] } }]");
-        TOUCHES = boolean("touches_surface", false, "The part rests on the surface, and is not checked against that equipment.");
+        TOUCHES = boolean("touches_surface", false, "Whether the part rests on the surface; it is then not checked against that equipment.");
     }
 }
 
@@ -96,17 +96,17 @@ key_table! {
         SOURCE = super::SOURCE.required_unless("urdf").example("").remedy("add source = \"...\"");
         CONVENTION = word::<Convention>("convention", "Order of the rows: Rz Tz Tx Rx (standard) or Tx Rx Rz Tz (modified, Craig).").default(Literal::Word(Convention::Standard.name()));
         JOINT = Key::new("joint", ValueKind::List(&ValueKind::Table(&joint::TABLE), (1, MAX_JOINTS), "D-H rows"), "D-H rows from the base on, [[joint]] for each moving axis.").required_unless("urdf").remedy("add a [[joint]] for every D-H row, with its limits");
-        COUPLING = Key::new("coupling", ValueKind::List(&POSTURE, (1, MAX_JOINTS), "rows"), "Row i gives the D-H coordinate i as a sum of the actuators: 1 as its number i, after it only 0.").example("[[1, 0], [1, 1]]");
-        HOME = Key::new("home", POSTURE, "Posture at rest, one number for each joint, degrees or mm; if left out, 0, or the middle of limits without 0.").example("[0, -30, 60, 0]");
-        URDF = text("urdf", "URDF file (without xacro) in place of D-H rows, its path from the folder of this file.").example("\"robots/arm.urdf\"");
+        COUPLING = Key::new("coupling", ValueKind::List(&POSTURE, (1, MAX_JOINTS), "rows"), "Coupling: row i gives D-H coordinate i as a weighted sum of the actuators; number i is 1, and those after it are 0.").example("[[1, 0], [1, 1]]");
+        HOME = Key::new("home", POSTURE, "Home posture, one number for each joint, degrees or mm; if left out, each is 0, or the middle of its limits if they exclude 0.").example("[0, -30, 60, 0]");
+        URDF = text("urdf", "URDF file (without xacro) in place of D-H rows, with its path relative to the folder of this file.").example("\"robots/arm.urdf\"");
         BASE_LINK = text("base_link", "Link of the URDF that stands still; if left out, its root.").example("\"base\"");
-        TIP_LINK = text("tip_link", "Link of the URDF that carries the tool; if left out, its only end.").example("\"flange\"");
-        PACKAGES = Key::new("packages", ValueKind::Named(&ValueKind::Text, 0), "Folders of the ROS packages that the URDF names, from the folder of this file.").example("{ NAME = \"FOLDER\" }");
+        TIP_LINK = text("tip_link", "Link of the URDF that carries the tool; if left out, the only end of the chain.").example("\"flange\"");
+        PACKAGES = Key::new("packages", ValueKind::Named(&ValueKind::Text, 0), "Folders of the ROS packages that the URDF names, relative to the folder of this file.").example("{ NAME = \"FOLDER\" }");
         TOOL = table("tool", &tool::TABLE, "Tool at the mechanical interface.").required().remedy("add tool = { position_mm = [0, 0, 0], axis = [1, 0, 0] }");
-        FOOTPRINT = table("footprint", &rectangle::TABLE, "Floor space of the base; if left out, what the solids of link 0 cover.").remedy("add footprint = { size_mm = [600, 600] }");
+        FOOTPRINT = table("footprint", &rectangle::TABLE, "Floor space of the base; if left out, the rectangle that covers the solids of link 0.").remedy("add footprint = { size_mm = [600, 600] }");
         SOLID = Key::new("solid", SOLIDS_OF_LINKS, "Solids on the links.");
         SELF_COLLISION = Key::new("self_collision", ValueKind::Either(&[ValueKind::Boolean, ValueKind::Table(&self_collision::TABLE)]), "Whether the robot is checked against itself; or the pairs of solids that may touch.").default(Literal::Boolean(true));
-        ERRORS = Key::new("errors", ValueKind::Named(&ValueKind::Table(&error_set::TABLE), 1), "Error sets, [errors.NAME] each.").required().remedy("add [errors.NAME] with kind = \"signed\", dr_mm, dl_mm and dalpha_deg");
+        ERRORS = Key::new("errors", ValueKind::Named(&ValueKind::Table(&error_set::TABLE), 1), "Error sets: one table [errors.NAME] for each.").required().remedy("add [errors.NAME] with kind = \"signed\", dr_mm, dl_mm and dalpha_deg");
     }
     rules [
         Rule::Excludes("urdf", &["joint", "coupling", "convention"]),
@@ -116,9 +116,9 @@ key_table! {
 
 key_table! {
     /// `[robot]` of a cell.
-    robot_in_cell, "`robot`", "Robot of a cell, and where it stands.", {
-        BASE = table("base", &placement::TABLE, "Where the robot base stands in the world; if left out, at the origin.");
-        BASE_TOLERANCE = table("base_tolerance", &placement_tolerance::TABLE, "How exactly the robot base will be placed.").example("{ x_mm = 0.5, yaw_deg = 0.05 }");
+    robot_in_cell, "`robot`", "Robot of a cell and the placement of its base.", {
+        BASE = table("base", &placement::TABLE, "Placement of the robot base in the world; if left out, the origin.");
+        BASE_TOLERANCE = table("base_tolerance", &placement_tolerance::TABLE, "Tolerance of the placement of the robot base.").example("{ x_mm = 0.5, yaw_deg = 0.05 }");
     }
     extends super::robot::TABLE;
     rules [Rule::Needs("schema", "units")];

@@ -4,10 +4,10 @@ use super::key::*;
 use super::parts::*;
 use crate::cell::{Frame, PLAIN};
 
-/// What a term can measure.
+/// Keys that say what a term measures.
 pub const WAYS: [&str; 4] = ["of", "direction", "plane", "axis"];
 
-/// What makes a sense: one term, or a list of them.
+/// Keys that define a sense: those of one term, or a list of terms.
 pub const WAYS_OF_SENSE: [&str; 5] = ["of", "direction", "plane", "axis", "term"];
 
 fn plain() -> Vec<String> {
@@ -19,14 +19,14 @@ fn lengths() -> Vec<String> {
 }
 
 key_table! {
-    /// What terms and senses have in common.
-    any_term, "a term", "What of the error counts.", {
+    /// Keys that terms and senses have in common.
+    any_term, "a term", "Component of the error that counts.", {
         OF = Key::new("of", ValueKind::Word(plain), "Error along or about axes of the frame.").example("\"xy\"");
         DIRECTION = direction("direction", "Error along this vector.");
         PLANE = direction("plane", "Error in the plane perpendicular to this vector.");
         AXIS = direction("axis", "Rotation about this vector.");
-        WEIGHT = number("weight", NumberRange::Positive, "How much it counts.").default(Literal::Number(1.0));
-        LEVER = number("mm_per_deg", NumberRange::Positive, "Length that one degree of a rotation counts as, so that it can be added to lengths.").example("2");
+        WEIGHT = number("weight", NumberRange::Positive, "Weight of the term.").default(Literal::Number(1.0));
+        LEVER = number("mm_per_deg", NumberRange::Positive, "Length in mm that counts as much as one degree, so that rotations and lengths can be added.").example("2");
     }
     rules [
         Rule::OneAtMost(&WAYS),
@@ -42,10 +42,10 @@ key_table! {
 }
 
 key_table! {
-    sense, "a sense", "Sense in which an error is measured: which part of it counts.", {
-        FRAME = word::<Frame>("frame", "Frame that directions are given in.").default(Literal::Word(Frame::World.name()));
-        POINT = vector_or_zero("point_mm", "Point whose error is measured, from the TCP in the tool frame.");
-        TERM = Key::new("term", ValueKind::List(&ValueKind::Table(&term::TABLE), (1, MANY), "terms"), "Several terms that make one sense together.").example("[{ of = \"xy\" }, { of = \"rz\", mm_per_deg = 1 }]");
+    sense, "a sense", "Sense: the component of the error that counts.", {
+        FRAME = word::<Frame>("frame", "Frame of the directions.").default(Literal::Word(Frame::World.name()));
+        POINT = vector_or_zero("point_mm", "Point whose error is measured, relative to the TCP, in the tool frame.");
+        TERM = Key::new("term", ValueKind::List(&ValueKind::Table(&term::TABLE), (1, MANY), "terms"), "Terms that together make one sense.").example("[{ of = \"xy\" }, { of = \"rz\", mm_per_deg = 1 }]");
     }
     extends super::any_term::TABLE;
     rules [

@@ -30,7 +30,7 @@ impl MeshUnit {
         }
     }
 
-    /// Returns its length, m.
+    /// Returns the length of the unit, m.
     pub fn metres(self) -> f64 {
         match self {
             Self::Millimetre => 1e-3,
@@ -73,7 +73,7 @@ key_table! {
 }
 
 key_table! {
-    leg, "a leg", "Upright leg from the floor: its length follows the height at which the equipment stands.", {
+    leg, "a leg", "Upright leg down to the floor; its length follows from the height of the equipment.", {
         CENTRE = Key::new("centre_mm", PLAN, "Centre in plan.").required();
         SIZE = Key::new("size_mm", PLAN_SIZES, "Size along x and y.").required();
         TOP = number("top_mm", NumberRange::Finite, "Height of its top in the frame of the equipment.").required();
@@ -82,10 +82,10 @@ key_table! {
 
 key_table! {
     mesh, "a mesh", "Triangles of a mesh file.", {
-        CENTRE = vector("centre_mm", "Where the origin of the mesh lies.").required();
+        CENTRE = vector("centre_mm", "Position of the origin of the mesh.").required();
         RPY = super::RPY;
         UNITS = word::<MeshUnit>("units", "Length of one unit of the mesh file.").required();
-        FILE = Key::new("file", ValueKind::Checked(&ValueKind::Path, obj_or_stl), "STL or OBJ file, its path from the folder of this file.").required().example("\"machine.stl\"").remedy("add file = \"NAME.stl\" or \"NAME.obj\"");
+        FILE = Key::new("file", ValueKind::Checked(&ValueKind::Path, obj_or_stl), "STL or OBJ file, with its path relative to the folder of this file.").required().example("\"machine.stl\"").remedy("add file = \"NAME.stl\" or \"NAME.obj\"");
     }
 }
 
@@ -94,9 +94,9 @@ fn obj_or_stl() -> Value {
 }
 
 key_table! {
-    /// What all solids have in common.
+    /// Keys that all solids have in common.
     any_solid, "a solid", "Solid: a name and one shape.", {
-        NAME = Key::new("name", ValueKind::Name, "Name for messages; no two solids of one robot or equipment have the same.").required();
+        NAME = Key::new("name", ValueKind::Name, "Name for messages; no two solids of one robot or equipment may have the same name.").required();
         BOX = table("box", &cuboid::TABLE, "Box.").example("{ centre_mm = [0, 0, 0], size_mm = [100, 100, 100] }");
         SPHERE = table("sphere", &sphere::TABLE, "Sphere.");
         CAPSULE = table("capsule", &bar::TABLE, "Segment swept by a ball.");
@@ -119,14 +119,14 @@ key_table! {
 
 key_table! {
     link_solid, "a solid", "Solid on a link: a name, a link and one shape.", {
-        LINK = Key::new("link", ValueKind::Whole(0, MAX_JOINTS as u64), "What the solid moves with: 0 is the base, k the frame after row k.").required().remedy("add link = 0 for the base, k for the frame after row k");
+        LINK = Key::new("link", ValueKind::Whole(0, MAX_JOINTS as u64), "Frame that the solid moves with: 0 is the base, k the frame after row k.").required().remedy("add link = 0 for the base, k for the frame after row k");
     }
     extends super::solid::TABLE;
 }
 
 key_table! {
     equipment_solid, "a solid", "Solid of an equipment: a name and one shape.", {
-        LEG = table("leg", &leg::TABLE, "Upright leg from the floor: its length follows the height at which the equipment stands.");
+        LEG = table("leg", &leg::TABLE, "Upright leg down to the floor; its length follows from the height of the equipment.");
     }
     extends super::any_solid::TABLE;
     rules [Rule::AnyOf(&EQUIPMENT_SHAPES), Rule::OneAtMost(&EQUIPMENT_SHAPES)];

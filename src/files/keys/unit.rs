@@ -2,7 +2,7 @@
 
 use crate::units;
 
-/// Unit of the numbers of a key, told by the ending of its name.
+/// Unit of the numbers of a key, given by the ending of its name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum KeyUnit {
     None,

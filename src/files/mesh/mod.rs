@@ -1,4 +1,4 @@
-//! Triangle meshes of equipment and links: reading them, and whether they bound a solid.
+//! Triangle meshes of equipment and links: reading, and checking whether they bound a solid.
 
 mod obj;
 mod solidity;
@@ -15,18 +15,20 @@ use nalgebra::Vector3;
 use solidity::{Solidity, solidity};
 use triangles::{Triangles, Vertices, merged};
 
-/// Whether the name is that of a mesh that can be read; a fault if not.
+/// Returns whether the file name is that of an OBJ or STL file; records a fault if not.
 pub fn is_mesh(name: &str, at: At, lib: &mut Library<'_>) -> bool {
     let lower = name.to_ascii_lowercase();
     let known = [".obj", ".stl"].iter().any(|end| lower.ends_with(end));
     if !known {
-        let message = format!("`{}` is no OBJ or STL file", shown(name));
+        let message = format!("`{}` is not an OBJ or STL file", shown(name));
         lib.error(at, message, "export the mesh as STL or Wavefront OBJ");
     }
     known
 }
 
-/// The mesh in the file at `path`, named at `at`, its coordinates times `scale` in m.
+/// Reads the mesh in the file at `path` and multiplies its coordinates by `scale` to get m.
+///
+/// `at` is the place that names the file; faults point to it.
 pub fn load(path: &str, at: At, scale: &Vector3<f64>, pose: Pose, lib: &mut Library<'_>) -> Option<Shape> {
     let (mut vertices, mut triangles) = read_file(path, at, scale.amax(), lib)?;
     let even = scale / scale.amax();
@@ -39,7 +41,7 @@ pub fn load(path: &str, at: At, scale: &Vector3<f64>, pose: Pose, lib: &mut Libr
     Some(Shape::Mesh { pose, vertices, triangles, closed })
 }
 
-/// The vertices of a mesh file (in m, each place once) and its triangles.
+/// Returns the vertices of a mesh file (in m, duplicates merged) and its triangles.
 fn read_file(path: &str, at: At, scale: f64, lib: &mut Library<'_>) -> Option<(Vertices, Triangles)> {
     let is_obj = path.to_ascii_lowercase().ends_with(".obj");
     let file = if is_obj { lib.text(path, Some(at))? } else { lib.file(path, Some(at))? };
@@ -54,7 +56,7 @@ fn read_file(path: &str, at: At, scale: f64, lib: &mut Library<'_>) -> Option<(V
                 None => (at, format!("mesh `{}`: {why}", shown(path))),
             };
             let kind = if is_obj { "Wavefront OBJ" } else { "STL" };
-            let help = format!("export the mesh anew as {kind}, and look at it in a mesh viewer");
+            let help = format!("export the mesh again as {kind}, and check it in a mesh viewer");
             lib.error(at, why, help);
             None
         }

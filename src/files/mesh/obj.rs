@@ -1,10 +1,10 @@
-//! Wavefront OBJ: vertices and faces of its text.
+//! Reader of Wavefront OBJ text: vertices and faces.
 
 use super::triangles::{BEYOND, MAX_TRIANGLES, MeshFault, Triangles, Vertices, is_beyond, too_many};
 use crate::files::fault::shown;
 use nalgebra::Vector3;
 
-/// Vertices (scaled to m) and triangles of an OBJ text.
+/// Returns the vertices (scaled to m) and the triangles of an OBJ text.
 pub fn parse(text: &str, scale: f64) -> Result<(Vertices, Triangles), MeshFault> {
     let options = tobj::LoadOptions {
         triangulate: true,
@@ -32,8 +32,9 @@ pub fn parse(text: &str, scale: f64) -> Result<(Vertices, Triangles), MeshFault>
     Ok((vertices, triangles))
 }
 
-/// The vertices and faces of an OBJ text, line by line: nothing else of it is used, and indices of
-/// texture and normals can make the reader overflow.
+/// Returns only the vertices and faces of an OBJ text, line by line.
+///
+/// Everything else is dropped: indices of textures and normals can make the OBJ reader overflow.
 fn geometry_of(text: &str) -> Result<String, MeshFault> {
     let mut geometry = String::with_capacity(text.len());
     let (mut vertices, mut corners) = (0, 0);
@@ -62,7 +63,10 @@ fn geometry_of(text: &str) -> Result<String, MeshFault> {
     Ok(geometry)
 }
 
-/// The reader's error in words, and its line: the last one `read`, but faces are followed at the end.
+/// Returns the error of the OBJ reader in words, with its line.
+///
+/// That is the last line that was `read`. Faces with a bad vertex are searched for, because the OBJ reader
+/// checks them only at the end.
 fn explained(e: tobj::LoadError, geometry: &str, read: usize) -> MeshFault {
     let last = geometry[..read].lines().count().checked_sub(1);
     match e {
@@ -72,13 +76,13 @@ fn explained(e: tobj::LoadError, geometry: &str, read: usize) -> MeshFault {
             let count = geometry.lines().filter(|l| l.starts_with('v')).count() as u64;
             let is_none = |i: i64| i == 0 || i.unsigned_abs() > count;
             let line = line_with(geometry, "f", |i| i.parse().is_ok_and(is_none));
-            (line, format!("a face with a vertex that is not there (the file has {count})"))
+            (line, format!("a face refers to a vertex that does not exist (the file has {count})"))
         }
         other => (None, shown(&other.to_string())),
     }
 }
 
-/// The first line of a kind of which a word after the first is `wrong`.
+/// Returns the first line that begins with `kind` and has a later word that is `wrong`.
 fn line_with(geometry: &str, kind: &str, wrong: impl Fn(&str) -> bool) -> Option<usize> {
     let has = |line: &str| line.starts_with(kind) && line.split(' ').skip(1).any(&wrong);
     geometry.lines().position(has)

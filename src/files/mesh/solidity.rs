@@ -4,13 +4,14 @@ use super::triangles::Triangles;
 use nalgebra::Vector3;
 use std::collections::HashMap;
 
-/// Whether a surface bounds a solid.
+/// Result of the check whether a surface bounds a solid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Solidity {
     Solid,
-    /// Closed shells lie in others with their outside inwards: hollows.
+    /// The surface has this many hollows: closed shells inside another shell, with their outside facing
+    /// inwards.
     Hollow(usize),
-    /// There are holes, edges of three triangles, or sides that do not agree.
+    /// The surface has holes, edges of three triangles, or neighbouring triangles with opposite orientation.
     Open,
 }
 
@@ -25,11 +26,13 @@ impl Solidity {
     }
 }
 
-const HOLLOW: &str = "what lies wholly in a hollow touches nothing: remove its inner walls to make it solid";
-const OPEN: &str = "its inside is not solid, a link wholly inside would not be seen: close its holes";
+const HOLLOW: &str = "an object wholly inside a hollow is not seen as a collision: remove the inner walls";
+const OPEN: &str =
+    "its inside is not solid, so a link wholly inside is not seen as a collision: close the holes";
 
-/// Whether the surface is that of a solid; it, and shells that lie in no other, are turned outside
-/// outwards.
+/// Returns whether the surface bounds a solid, and orients it.
+///
+/// The surface, and every shell inside no other, is turned so that its normals point outwards.
 pub fn solidity(vertices: &[Vector3<f64>], triangles: &mut Triangles) -> Solidity {
     if !is_closed(triangles) {
         return Solidity::Open;
@@ -65,7 +68,7 @@ pub fn solidity(vertices: &[Vector3<f64>], triangles: &mut Triangles) -> Solidit
     }
 }
 
-/// For every triangle the number of its shell: triangles that hang together by vertices.
+/// Returns the number of the shell of every triangle. A shell is a set of triangles connected by vertices.
 fn shells(vertices: usize, triangles: &Triangles) -> Vec<usize> {
     let mut parent: Vec<u32> = (0..vertices as u32).collect();
     for t in triangles {
@@ -82,7 +85,7 @@ fn shells(vertices: usize, triangles: &Triangles) -> Vec<usize> {
     triangles.iter().map(number).collect()
 }
 
-/// The vertex that stands for all of a shell; the way there is halved as it is walked.
+/// Returns the representative vertex of a shell (union-find with path halving).
 fn root(parent: &mut [u32], mut vertex: u32) -> u32 {
     while parent[vertex as usize] != vertex {
         let above = parent[parent[vertex as usize] as usize];
@@ -92,7 +95,7 @@ fn root(parent: &mut [u32], mut vertex: u32) -> u32 {
     vertex
 }
 
-/// Whether every edge is used once in each direction: a closed, consistently oriented surface.
+/// Returns whether every edge is used once in each direction: a closed, consistently oriented surface.
 fn is_closed(triangles: &Triangles) -> bool {
     let mut balance: HashMap<(u32, u32), (i32, i32)> = HashMap::new();
     for &[a, b, c] in triangles {
@@ -104,7 +107,7 @@ fn is_closed(triangles: &Triangles) -> bool {
     balance.values().all(|&(forth, back)| forth == 1 && back == 1)
 }
 
-/// Volume inside a closed surface, negative if its outside is inwards.
+/// Returns the volume inside a closed surface; negative if its normals point inwards.
 fn signed_volume(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> f64 {
     let v = |i: u32| &vertices[i as usize];
     triangles.iter().map(|&[a, b, c]| v(a).dot(&v(b).cross(v(c))) / 6.0).sum()

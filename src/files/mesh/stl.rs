@@ -1,16 +1,19 @@
-//! STL, binary and text: loose triangles with corners in single precision (at 3 m to 0.2 um). The
-//! normals are not used: the order of the corners says which side is outside.
+//! Reader of binary and text STL: separate triangles with corners in single precision.
+//!
+//! At 3 m single precision resolves 0.2 um. The normals are not used: the order of the corners says which
+//! side is outside.
 
 use super::triangles::{BEYOND, MAX_TRIANGLES, MeshFault, Triangles, Vertices, is_beyond, too_many};
 use crate::files::fault::shown;
 use nalgebra::Vector3;
 use std::io::Cursor;
 
-/// Bytes before the triangles of a binary file (80 of a title, 4 of their count), and of each.
+/// Bytes before the triangles of a binary file: a title of 80 and the number of triangles in 4.
 const HEADER: usize = 84;
+/// Bytes of one triangle of a binary file.
 const TRIANGLE: usize = 50;
 
-/// Vertices (scaled to m), three for each triangle, of an STL file.
+/// Returns the vertices (scaled to m, three per triangle) and the triangles of an STL file.
 pub fn parse(bytes: &[u8], scale: f64) -> Result<(Vertices, Triangles), MeshFault> {
     let promised = bytes.get(80..HEADER).and_then(|b| b.try_into().ok()).map(u32::from_le_bytes);
     let promised = promised.map(|count| count as usize);
@@ -29,12 +32,12 @@ pub fn parse(bytes: &[u8], scale: f64) -> Result<(Vertices, Triangles), MeshFaul
         None,
         match promised {
             Some(n) => format!("its header promises {n} triangles, the file has room for {has}"),
-            None => format!("{} bytes are no STL file", bytes.len()),
+            None => format!("a file of {} bytes is not an STL file", bytes.len()),
         },
     ))
 }
 
-/// The file with a blank title, which cannot be taken for a text.
+/// Returns a binary file with a blank title, which cannot be mistaken for text.
 fn binary(bytes: &[u8]) -> Result<Vec<u8>, MeshFault> {
     if bytes.len() > HEADER + TRIANGLE * MAX_TRIANGLES {
         return Err((None, too_many()));
@@ -44,7 +47,8 @@ fn binary(bytes: &[u8]) -> Result<Vec<u8>, MeshFault> {
     Ok(blank)
 }
 
-/// The triangles of a file made plain; `place` says where its triangle k is.
+/// Returns the triangles of a file from [`binary`] or [`plain`]. `place` says where triangle k is, for
+/// messages.
 fn triangles_of(
     file: Vec<u8>,
     scale: f64,
@@ -61,7 +65,7 @@ fn triangles_of(
             (line, format!("{why}{which}"))
         };
         let triangle =
-            triangle.map_err(|e| wrong(&format!("a facet that is no three points: {}", refused(e))))?;
+            triangle.map_err(|e| wrong(&format!("a facet does not have three points: {}", refused(e))))?;
         let corners = triangle.vertices.map(|c| Vector3::from(c.0).cast::<f64>() * scale);
         if corners.iter().any(|c| c.iter().any(|c| is_beyond(*c))) {
             return Err(wrong(BEYOND));
@@ -73,8 +77,10 @@ fn triangles_of(
     Ok((vertices, triangles))
 }
 
-/// The text line by line in the words that the reader knows: lower case, one solid for all, no title,
-/// no normals (some exporters write `nan` there), short lines.
+/// Returns a text file line by line in the form that the STL reader expects.
+///
+/// That is lower case, one solid for all, no title, no normals (some exporters write `nan` there) and short
+/// lines.
 fn plain(bytes: &[u8]) -> Result<String, MeshFault> {
     let mut text = String::with_capacity(bytes.len());
     let (mut facets, mut last) = (0, None);
@@ -102,13 +108,13 @@ fn plain(bytes: &[u8]) -> Result<String, MeshFault> {
         last = if first.is_empty() { last } else { Some(first) };
     }
     if last.as_deref() != Some(b"endsolid") {
-        return Err((None, "it is cut off: the last line is no `endsolid`".into()));
+        return Err((None, "it is cut off: the last line is not `endsolid`".into()));
     }
     text.push_str("endsolid\n");
     Ok(text)
 }
 
-/// The line of the facet k, from 0.
+/// Returns the line of facet `k`; both count from 0.
 fn facet_line(text: &str, k: usize) -> Option<usize> {
     let facets = text.lines().enumerate().filter(|(_, line)| line.starts_with("facet"));
     facets.map(|(line, _)| line).nth(k)

@@ -2,21 +2,21 @@
 
 use nalgebra::Vector3;
 
-/// Most triangles of one mesh.
+/// Largest number of triangles of one mesh.
 pub const MAX_TRIANGLES: usize = 200_000;
 
-/// Farthest believable coordinate, m.
+/// Coordinate, m, from which on a vertex cannot belong to a workcell.
 const MAX_COORDINATE: f64 = 1e4;
 
-pub const BEYOND: &str = "a vertex that is no finite point of a workcell; is the unit right?";
+pub const BEYOND: &str = "a vertex is not finite, or too far away for a workcell; is the unit right?";
 
 pub type Vertices = Vec<Vector3<f64>>;
 pub type Triangles = Vec<[u32; 3]>;
 
-/// Line of a mesh file (from 0) with a fault, and what is wrong.
+/// Fault of a mesh file: its line (from 0) if known, and what is wrong.
 pub type MeshFault = (Option<usize>, String);
 
-/// Whether a coordinate (m) is none of a workcell.
+/// Returns whether a coordinate (m) is NaN or too large for a workcell.
 pub fn is_beyond(coordinate: f64) -> bool {
     coordinate.is_nan() || coordinate.abs() >= MAX_COORDINATE
 }
@@ -25,8 +25,9 @@ pub fn too_many() -> String {
     format!("more than {MAX_TRIANGLES} triangles: simplify it, a coarse mesh collides much faster")
 }
 
-/// One vertex for all at the same place, in order of first use; triangles without area by their
-/// corners are left out.
+/// Merges vertices at the same place, in the order of first use.
+///
+/// Triangles with two equal corners are left out.
 pub fn merged(vertices: Vertices, mut triangles: Triangles) -> Result<(Vertices, Triangles), MeshFault> {
     // Adding 0 makes -0 and 0 the same bits.
     let bits = |i: u32| vertices[i as usize].map(|c| (c + 0.0).to_bits()).data.0[0];
@@ -48,7 +49,7 @@ pub fn merged(vertices: Vertices, mut triangles: Triangles) -> Result<(Vertices,
     triangles.iter_mut().for_each(|t| *t = t.map(|i| index[i as usize]));
     triangles.retain(|[a, b, c]| a != b && b != c && c != a);
     match triangles.len() {
-        0 => Err((None, "no triangle in it".into())),
+        0 => Err((None, "it has no triangles".into())),
         n if n > MAX_TRIANGLES => Err((None, too_many())),
         _ => Ok((kept, triangles)),
     }

@@ -1,4 +1,4 @@
-//! The attitude of the tool at an operation.
+//! Reader of the tool attitude of an operation.
 
 use super::coordinate;
 use crate::cell::{Attitude, Azimuth, Coordinate, Spin};
@@ -11,7 +11,7 @@ use crate::files::toml::value;
 use crate::files::toml::value::plain;
 use crate::units;
 
-/// The attitude as drawn, and its angles that may be searched: elevation, azimuth, spin.
+/// Attitude as drawn, and those of elevation, azimuth and spin that are search variables.
 type Aim = (Attitude, [Option<Coordinate>; 3]);
 
 /// Reads `bend_deg`, `azimuth_deg`, `spin_deg` and `tolerance_deg` of an operation.
@@ -41,7 +41,7 @@ fn read_bend(t: &mut Table) -> Option<Coordinate> {
     Some(bend)
 }
 
-/// Reads an angle in the surface or a range of them, "radial" or "free".
+/// Reads the azimuth: an angle in the surface, a range or list of angles, "radial" or "free".
 fn read_azimuth(t: &mut Table) -> Option<(Azimuth, Option<Coordinate>)> {
     let key = operation::AZIMUTH;
     let Some(node) = t.get(&key) else { return Some((Azimuth::Free, None)) };
@@ -60,7 +60,7 @@ fn read_azimuth(t: &mut Table) -> Option<(Azimuth, Option<Coordinate>)> {
     }
 }
 
-/// Reads one angle, a list of them, a range to choose one from, or "free".
+/// Reads the spin: one angle, a list of allowed angles, a range to search, or "free".
 fn read_spin(t: &mut Table) -> Option<(Spin, Option<Coordinate>)> {
     let key = operation::SPIN;
     let Some(node) = t.get(&key) else { return Some((Spin::Free, None)) };

@@ -1,4 +1,4 @@
-//! Cell files: robot, equipment, obstacles, operations, search settings.
+//! Reader of cell files: robot, equipment, obstacles, operations, search settings.
 
 use super::header::header;
 use super::{constraints, equipment, operation, placement, robot, sense};
@@ -11,7 +11,9 @@ use crate::files::toml::reader::Table;
 use crate::files::toml::tree::Node;
 use crate::files::toml::value::{is_name, text, word};
 
-/// Reads a whole cell; good only if no fault was recorded. `stem` names it by default.
+/// Reads a whole cell. The result is valid only if no fault was recorded.
+///
+/// `stem` is the name of the cell if the file gives none.
 pub fn read(stem: &str, root: &Node, lib: &mut Library) -> Option<Cell> {
     Table::read(root, cell::TABLE.what, &cell::TABLE, lib, |t| {
         header(t, &cell::SCHEMA)?;
@@ -65,10 +67,10 @@ pub fn read(stem: &str, root: &Node, lib: &mut Library) -> Option<Cell> {
     })
 }
 
-/// How the errors are judged.
+/// Settings of a cell that say how its errors are modelled and interpreted.
 struct Question {
     model: Model,
-    /// None: it follows from the errors.
+    /// Reading that the file states; None if it follows from the errors.
     reading: Option<Reading>,
     quantity: Quantity,
     registration: Registration,
@@ -102,7 +104,7 @@ fn read_robot(t: &mut Table) -> Option<Based> {
     })
 }
 
-/// Refuses a robust search of a cell in which nothing may be misplaced.
+/// Refuses a robust search of a cell in which every placement is exact.
 fn refuse_nothing_to_withstand(t: &mut Table, read: &Cell) {
     if let Some(node) = t.get(&cell::SEARCH).and_then(|settings| settings.value.get(search::ROBUST.name))
         && read.search.robust
@@ -113,7 +115,9 @@ fn refuse_nothing_to_withstand(t: &mut Table, read: &Cell) {
     }
 }
 
-/// Reads `errors = "NAME"`: one of the robot's sets, by the names in its file.
+/// Reads `errors = "NAME"` and returns the index of that error set of the robot.
+///
+/// The name is looked up among the entries of the file.
 fn read_error_choice(t: &mut Table) -> Option<usize> {
     let node = t.get(&cell::ERRORS)?;
     let name = text(node, cell::ERRORS.name, t.lib)?;
@@ -131,13 +135,13 @@ fn read_error_choice(t: &mut Table) -> Option<usize> {
     found
 }
 
-/// Reads the equipment, then the obstacles: no two of the same name.
+/// Reads the equipment, then the obstacles. No two may have the same name.
 fn read_equipment(t: &mut Table) -> Vec<Equipment> {
     let taken = t.get(&cell::EQUIPMENT);
     let mut all = t.named(&cell::EQUIPMENT, |name, t| equipment::read(name, t, Role::Equipment));
     all.extend(t.named(&cell::OBSTACLE, |name, t| {
         if taken.is_some_and(|taken| taken.value.get(name).is_some()) {
-            let message = format!("the name `{}` is already that of an equipment", shown(name));
+            let message = format!("the name `{}` is already used by an equipment", shown(name));
             t.error(t.at, message, "give the obstacle a name of its own");
         }
         equipment::read(name, t, Role::Obstacle)
@@ -169,7 +173,7 @@ fn read_search(t: &mut Table) -> Option<SearchSettings> {
     })
 }
 
-/// Reads `pareto = ["error", "clearance"]`: two goals or more, each once.
+/// Reads `pareto = ["error", "clearance"]`: at least two goals, each once.
 fn read_pareto(t: &mut Table) -> Option<Goals> {
     let Some(node) = t.get(&search::PARETO) else { return Some(Goals::default()) };
     let named = t.items(&search::PARETO)?.iter().map(|item| word(item, search::PARETO.name, t.lib));

@@ -1,4 +1,4 @@
-//! `[margins]`, `[transfer]` and `[fence]`.
+//! Readers of `[margins]`, `[transfer]` and `[fence]`.
 
 use crate::cell::*;
 use crate::files::fault::shown;
@@ -12,13 +12,13 @@ use crate::files::toml::value::plain;
 use crate::units;
 use nalgebra::Vector2;
 
-/// Least area of a fence, m2: less is a slip of units.
+/// Least area of a fence, m2. A smaller area is probably in the wrong unit.
 const MIN_AREA: f64 = 1e-4;
 
 /// Least distance of two corners of a fence, m.
 const MIN_EDGE: f64 = 1e-6;
 
-/// Reads `[margins]`; `robot`: for the travel that its joints have left, if it could be read.
+/// Reads `[margins]`. If `robot` could be read, checks that its joints keep some travel.
 pub fn read_margins(t: &mut Table, robot: Option<&Robot>) -> Option<Margins> {
     t.table_or(&cell::MARGINS, Margins::default(), |t| {
         let (turn, slide) = (t.number(&margins::TURN), t.number(&margins::SLIDE));
@@ -32,7 +32,7 @@ pub fn read_margins(t: &mut Table, robot: Option<&Robot>) -> Option<Margins> {
             };
             if let Some((joint, node)) = moving.into_iter().find(narrow).zip(t.get(&key)) {
                 let half = in_file(kind, (joint.limits.1 - joint.limits.0) / 2.0);
-                let message = format!("`{}` leaves no travel to joint `{}`", key.name, shown(&joint.name));
+                let message = format!("`{}` leaves joint `{}` no travel", key.name, shown(&joint.name));
                 t.error(node.at, message, format!("write less than {}, half its travel", plain(half)));
             }
         }
@@ -40,12 +40,12 @@ pub fn read_margins(t: &mut Table, robot: Option<&Robot>) -> Option<Margins> {
     })
 }
 
-/// A coordinate in the unit of files, rounded for print.
+/// Returns a coordinate in the unit of files, rounded for display.
 fn in_file(kind: JointKind, q: f64) -> f64 {
     units::rounded(if kind == JointKind::Revolute { units::deg_from_rad(q) } else { units::mm_from_m(q) }, 6)
 }
 
-/// Reads `[transfer]`; the inner None: transfers are not checked.
+/// Reads `[transfer]`; the inner None if transfers are not checked.
 pub fn read_transfer(
     t: &mut Table,
     robot: Option<&Robot>,
@@ -95,7 +95,7 @@ fn read_posture(node: &Node, robot: &Robot, margins: &Margins, t: &mut Table) ->
     Some(posture)
 }
 
-/// Reads `[fence]`; the inner None: there is no fence.
+/// Reads `[fence]`; the inner None if there is no fence.
 pub fn read_fence(t: &mut Table) -> Option<Option<Fence>> {
     t.table_or(&cell::FENCE, None, |t| {
         let height = t.if_given(&fence::HEIGHT, Table::number);
@@ -117,8 +117,12 @@ fn read_corners(node: &Node, t: &mut Table) -> Option<Vec<(f64, f64)>> {
     let n = corners.len();
     let edge = |k: usize| (corners[k], corners[(k + 1) % n]);
     if let Some(k) = (0..n).find(|&k| (edge(k).1 - edge(k).0).norm() < MIN_EDGE) {
-        let message = format!("corners {} and {} of `polygon_mm` are one", k + 1, (k + 1) % n + 1);
-        t.error(items[(k + 1) % n].at, message, "remove one of the two: the fence closes by itself");
+        let message = format!("corners {} and {} of `polygon_mm` are the same point", k + 1, (k + 1) % n + 1);
+        t.error(
+            items[(k + 1) % n].at,
+            message,
+            "remove one of the two: the last corner is joined to the first",
+        );
         return None;
     }
     let pairs = (0..n).flat_map(|i| (i + 1..n).map(move |j| (i, j)));
@@ -126,12 +130,12 @@ fn read_corners(node: &Node, t: &mut Table) -> Option<Vec<(f64, f64)>> {
         pairs.into_iter().find(|&(i, j)| cross(edge(i), edge(j), j == i + 1, j + 1 == n && i == 0))
     {
         let message = format!("the fence crosses itself: its edges {} and {}", i + 1, j + 1);
-        t.error(items[j].at, message, "list the corners in the order in which you walk along the fence");
+        t.error(items[j].at, message, "list the corners in their order along the fence");
         return None;
     }
     let area: f64 = (0..n).map(|k| edge(k).0.perp(&edge(k).1) / 2.0).sum();
     if area.abs() < MIN_AREA {
-        t.error(node.at, "the fence holds nearly no floor", "is the unit right? lengths are in mm");
+        t.error(node.at, "the fence encloses almost no area", "is the unit right? lengths are in mm");
     }
     let mut corners: Vec<_> = corners.iter().map(|c| (c.x, c.y)).collect();
     if area < 0.0 {
@@ -140,8 +144,10 @@ fn read_corners(node: &Node, t: &mut Table) -> Option<Vec<(f64, f64)>> {
     Some(corners)
 }
 
-/// Whether two edges share a point, their common corner aside; `follows`: the second begins where the
-/// first ends, `leads`: it ends where the first begins.
+/// Returns whether two edges share a point other than a common corner.
+///
+/// `follows` says that the second edge begins where the first ends, `leads` that it ends where the first
+/// begins.
 fn cross(a: Edge, b: Edge, follows: bool, leads: bool) -> bool {
     let (u, v) = (a.1 - a.0, b.1 - b.0);
     if follows || leads {

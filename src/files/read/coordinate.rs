@@ -1,4 +1,4 @@
-//! Numbers of a cell file that may be search variables.
+//! Reader of numbers of a cell file that may be search variables.
 
 use crate::cell::Coordinate;
 use crate::files::keys::key::{Key, MAX_VALUES, NumberRange};
@@ -8,8 +8,10 @@ use crate::files::toml::tree::{Node, Value};
 use crate::files::toml::value;
 use crate::files::toml::value::plain;
 
-/// Reads a number (fixed), `{ min, max, start }` (a search variable; it starts in the middle by default) or a
-/// list of the allowed values (it starts at the first), in SI.
+/// Reads a coordinate, in SI.
+///
+/// A number is fixed. `{ min, max, start }` is a search variable, which starts in the middle by default. A
+/// list of allowed values starts at the first.
 pub fn read(node: &Node, key: &Key, t: &mut Table) -> Option<Coordinate> {
     match &node.value {
         Value::Table(_) => read_range(node, key, t),

@@ -1,4 +1,4 @@
-//! The covariance of a calibration: normal parameters that vary together.
+//! Reader of the covariance of a calibration: normally distributed parameters that are correlated.
 
 use super::row_order::ErrorRows;
 use crate::cell::*;
@@ -12,10 +12,12 @@ use crate::files::toml::value::plain;
 use crate::units;
 use nalgebra::DMatrix;
 
-/// Relative rounding that a symmetric, semidefinite matrix in a file may have.
+/// Relative rounding error that is allowed for a symmetric, semidefinite matrix in a file.
 const ROUNDING: f64 = 1e-9;
 
-/// Reads `covariance`; `values`: the plus-or-minus of all parameters, of which those here have none.
+/// Reads `covariance`.
+///
+/// `values` are the plus-or-minus of all parameters; they must be 0 for the parameters of the covariance.
 pub fn read(t: &mut Table, arm: ErrorRows<'_>, values: Option<&SignedErrors>) -> Option<Covariance> {
     let (names, rows) = (t.get(&covariance::PARAMETERS), t.get(&covariance::MATRIX));
     let items = names.and_then(|names| items_of(names, arm, t))?;
@@ -35,7 +37,7 @@ pub fn read(t: &mut Table, arm: ErrorRows<'_>, values: Option<&SignedErrors>) ->
     Some(Covariance { parameters: places, matrix })
 }
 
-/// Whether a file gives the parameter in mm.
+/// Returns whether a file gives the parameter in mm.
 fn is_length(parameter: Parameter, arm: ErrorRows<'_>) -> bool {
     match parameter {
         Parameter::Dq(i) => arm.slides(i),
@@ -46,7 +48,7 @@ fn is_length(parameter: Parameter, arm: ErrorRows<'_>) -> bool {
     }
 }
 
-/// The names in `parameters`, as many as can be.
+/// Returns the names in `parameters`; records a fault if there are none or more than the robot has.
 fn items_of<'n>(node: &'n Node, arm: ErrorRows<'_>, t: &mut Table) -> Option<&'n [Node]> {
     let most = Parameter::count(arm.axes);
     if let Some(items) = node.value.items().filter(|items| (1..=most).contains(&items.len())) {
@@ -58,7 +60,7 @@ fn items_of<'n>(node: &'n Node, arm: ErrorRows<'_>, t: &mut Table) -> Option<&'n
     None
 }
 
-/// A name as given, for messages.
+/// Returns a name as given, for messages.
 fn name_of(item: &Node) -> String {
     match &item.value {
         Value::Text(name) => shown(name),
@@ -66,7 +68,7 @@ fn name_of(item: &Node) -> String {
     }
 }
 
-/// Places in the order of [`Parameter::of_robot`].
+/// Reads the names of the parameters; returns their indices in the order of [`Parameter::of_robot`].
 fn read_parameters(items: &[Node], arm: ErrorRows<'_>, t: &mut Table) -> Option<Vec<usize>> {
     let mut names: Vec<_> = Parameter::of_robot(arm.axes).map(Parameter::name).collect();
     arm.in_order(&mut names);
@@ -85,7 +87,7 @@ fn read_parameters(items: &[Node], arm: ErrorRows<'_>, t: &mut Table) -> Option<
 
 fn read_parameter(item: &Node, names: &[String], arm: ErrorRows<'_>, t: &mut Table) -> Option<usize> {
     let Value::Text(name) = &item.value else {
-        let message = format!("`parameters` must be a list of names, not with {}", item.value.kind());
+        let message = format!("`parameters` must be a list of names, but has {}", item.value.kind());
         t.error(item.at, message, PARAMETERS);
         return None;
     };
@@ -96,7 +98,7 @@ fn read_parameter(item: &Node, names: &[String], arm: ErrorRows<'_>, t: &mut Tab
     found
 }
 
-/// What may have been meant by an unknown name.
+/// Returns a help text for an unknown name: similar names, or all that are allowed.
 fn nearest(name: &str, names: &[String], arm: ErrorRows<'_>) -> String {
     if let Some(first) = of_joint(name, 1).filter(|first| names.contains(first)) {
         let last = of_joint(name, arm.axes).unwrap_or_default();
@@ -114,7 +116,7 @@ fn of_joint(name: &str, number: usize) -> Option<String> {
     Some(format!("{before}{number}{}", rest.trim_start_matches(|c: char| c.is_ascii_digit())))
 }
 
-/// A parameter spreads by the covariance or by its plus-or-minus.
+/// Records a fault for every parameter that has a plus-or-minus besides its covariance.
 fn spread_once(places: &[usize], items: &[Node], values: &SignedErrors, t: &mut Table) {
     let values = values.values();
     for item in places.iter().zip(items).filter(|(place, _)| values[**place] != 0.0).map(|(_, item)| item) {
@@ -126,7 +128,7 @@ fn spread_once(places: &[usize], items: &[Node], values: &SignedErrors, t: &mut 
     }
 }
 
-/// The matrix as the file gives it, with the place of every entry.
+/// Matrix as the file gives it, with the place of every entry.
 struct Matrix<'n> {
     node: &'n Node,
     rows: Vec<Vec<f64>>,
@@ -155,7 +157,9 @@ impl<'n> Matrix<'n> {
         item(self.node, i).and_then(|row| item(row, j)).map_or(self.node.at, |entry| entry.at)
     }
 
-    /// Symmetric, no correlation beyond 1, positive semidefinite; None with the faults recorded.
+    /// Checks that the matrix is symmetric and positive semidefinite with no correlation beyond 1.
+    ///
+    /// Returns None and records the faults if it is not.
     fn check(&self, names: &[String], t: &mut Table) -> Option<()> {
         let before = t.lib.errors();
         for i in 0..names.len() {
@@ -174,7 +178,7 @@ impl<'n> Matrix<'n> {
         }
     }
 
-    /// The entry left of the diagonal, and its counterpart.
+    /// Checks an entry left of the diagonal against its counterpart and against the standard deviations.
     fn check_pair(&self, i: usize, j: usize, names: &[String], t: &mut Table) {
         let (a, b) = (self.at(i, j), self.at(j, i));
         let (of, and) = (&names[i], &names[j]);
@@ -190,7 +194,7 @@ impl<'n> Matrix<'n> {
             let help = format!("write the covariance of {of} and {and} alike in both places");
             t.error(self.place(i, j), message, help);
         } else if a.abs() > deviations * (1.0 + ROUNDING) {
-            let message = format!("{of} and {and} cannot vary together by {}", plain(a));
+            let message = format!("{of} and {and} cannot have the covariance {}", plain(a));
             let help = format!(
                 "at most {}, the product of their standard deviations: are the units those of the file?",
                 plain(deviations)
@@ -199,7 +203,9 @@ impl<'n> Matrix<'n> {
         }
     }
 
-    /// No sum of the parameters has a negative variance. Judged by the correlations, which have no unit.
+    /// Checks that no linear combination of the parameters has a negative variance.
+    ///
+    /// The check uses the correlations, because they have no unit.
     fn check_definite(&self, names: &[String], t: &mut Table) -> Option<()> {
         let n = names.len();
         let deviation = |k: usize| if self.at(k, k) > 0.0 { self.at(k, k).sqrt() } else { 1.0 };
@@ -215,10 +221,11 @@ impl<'n> Matrix<'n> {
         weights.sort_by(|a, b| b.1.total_cmp(&a.1));
         let first = weights.iter().take(3).map(|(k, _)| names[*k].as_str());
         let message = format!(
-            "`matrix` is no covariance: its correlations have the eigenvalue {}",
+            "`matrix` is not a covariance: its correlation matrix has the eigenvalue {}",
             plain(units::rounded(value, 9))
         );
-        let help = format!("none may be negative: write all digits, and look at {} first", listed(first));
+        let help =
+            format!("no eigenvalue may be negative: write all digits, and check {} first", listed(first));
         t.error(self.node.at, message, help);
         None
     }

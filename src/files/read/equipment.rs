@@ -1,4 +1,4 @@
-//! Equipment: work surface, solids, floor space and placement.
+//! Reader of equipment: work surface, solids, floor space and placement.
 
 use super::frame_error;
 use super::header::header;
@@ -48,7 +48,7 @@ fn top(surface: &Rectangle) -> Extent {
     (centre - half, centre + half)
 }
 
-/// Finds by their names what stands on what; reports what cannot be.
+/// Resolves the names in `stands_on`; records a fault for unknown names and loops.
 pub fn tie(root: &mut Table, all: &mut [Equipment]) {
     let names: Vec<String> = all.iter().map(|e| e.name.clone()).collect();
     let entries = root.get(&cell::EQUIPMENT).into_iter().flat_map(|node| node.value.entries());
@@ -77,7 +77,7 @@ pub fn tie(root: &mut Table, all: &mut [Equipment]) {
     }
 }
 
-/// Whether the ties from one equipment lead back to it.
+/// Returns whether an equipment stands, directly or indirectly, on itself.
 fn circular(all: &[Equipment], k: usize) -> bool {
     let mut under = all[k].on;
     while let Some(next) = under {

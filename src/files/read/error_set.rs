@@ -1,4 +1,4 @@
-//! Error sets of a robot: signed samples or tolerances of its kinematic parameters.
+//! Reader of the error sets of a robot: signed samples or tolerances of its kinematic parameters.
 
 use super::frame_error;
 use super::row_order::ErrorRows;
@@ -10,7 +10,7 @@ use crate::files::keys::robot::robot;
 use crate::files::toml::reader::Table;
 use crate::files::toml::tree::Value;
 
-/// Reads every `[errors.NAME]`; without the number of axes nothing.
+/// Reads every `[errors.NAME]`; returns none if the number of axes is unknown.
 pub fn read_all(
     t: &mut Table,
     axes: Option<usize>,
@@ -40,7 +40,7 @@ fn read(name: &str, t: &mut Table, arm: ErrorRows<'_>) -> Option<ErrorSet> {
     values.map(ErrorSet::Signed)
 }
 
-/// Reads the rows and frames: one number for each parameter.
+/// Reads the values of the rows and frames: one number for each parameter.
 fn read_values(name: &str, t: &mut Table, arm: ErrorRows<'_>, range: NumberRange) -> Option<SignedErrors> {
     let n = arm.axes;
     let keys = [
@@ -71,7 +71,9 @@ fn read_values(name: &str, t: &mut Table, arm: ErrorRows<'_>, range: NumberRange
     Some(SignedErrors::of_values(name, n, &values))
 }
 
-/// Refuses an error of a frame that row 1 of modified rows already has: they begin with the common normal.
+/// Refuses errors of the base and of joint 1 that duplicate those of row 1 in modified convention.
+///
+/// Modified rows begin with the common normal, so that dalpha, dl and dbeta of row 1 already describe them.
 fn refuse_first_row(t: &mut Table, base: &[f64; PER_FRAME], joints: &[[f64; PER_FRAME]]) {
     let of_base = (error_set::BASE, base[3] != 0.0, "rx of `base` is dalpha", "number 1 of dalpha_deg");
     let is_joint = joints.first().is_some_and(|joint| joint[0] != 0.0 || joint[4] != 0.0);
@@ -79,7 +81,7 @@ fn refuse_first_row(t: &mut Table, base: &[f64; PER_FRAME], joints: &[[f64; PER_
     let of_joint = (error_set::JOINTS, is_joint, "x and ry of joint 1 are dl and dbeta", place);
     for (key, _, what, place) in [of_base, of_joint].into_iter().filter(|of| of.1) {
         let at = t.get(&key).map_or(t.at, |node| node.at);
-        let message = format!("{what} of row 1: this robot has modified rows");
+        let message = format!("{what} of row 1, because this robot has modified rows");
         t.error(at, message, format!("give it as {place}"));
     }
 }

@@ -1,4 +1,4 @@
-//! Errors of a frame: of the robot's base, tool and joints, and of an equipment's placement or fixture.
+//! Readers of frame errors: of the robot's base, tool and joints, and of an equipment's placement or fixture.
 
 use super::row_order::ErrorRows;
 use super::tolerance;
@@ -10,7 +10,7 @@ use crate::files::toml::reader::Table;
 use crate::files::toml::tree::{Node, Value};
 use crate::files::toml::value;
 
-/// Reads the frame error under a key of an error set; missing: none.
+/// Reads the frame error under a key of an error set; zeros if the key is missing.
 pub fn read_part(t: &mut Table, key: &Key, range: NumberRange) -> Option<[f64; PER_FRAME]> {
     t.table_or(key, [0.0; PER_FRAME], |t| read_values(t, range))
 }
@@ -24,7 +24,7 @@ fn read_values(t: &mut Table, range: NumberRange) -> Option<[f64; PER_FRAME]> {
     Some([(); PER_FRAME].map(|()| all.next().unwrap_or(0.0)))
 }
 
-/// Reads `joints` of an error set: the frame error of every joint, none of those that are not listed.
+/// Reads `joints` of an error set: the frame errors of all joints, zeros for those that are not listed.
 pub fn read_joints(t: &mut Table, arm: ErrorRows<'_>, range: NumberRange) -> Option<Vec<[f64; PER_FRAME]>> {
     let mut all = vec![[0.0; PER_FRAME]; arm.axes];
     if t.get(&error_set::JOINTS).is_none() {
@@ -38,7 +38,7 @@ pub fn read_joints(t: &mut Table, arm: ErrorRows<'_>, range: NumberRange) -> Opt
         let joint = read_joint(node, arm, t)?;
         if std::mem::replace(&mut given[joint], true) {
             let message = format!("joint {} is given twice", joint + 1);
-            t.error(node.at, message, "write what is wrong with its frame into one of the two");
+            t.error(node.at, message, "put all its errors into one of the two");
         }
         Some((joint, values?))
     });

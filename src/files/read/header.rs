@@ -1,4 +1,4 @@
-//! The header that every kind of file begins with: `schema` and `units`.
+//! Reader of the header of every file: `schema` and `units`.
 
 use crate::files::fault::shown;
 use crate::files::keys::key::{Key, ValueKind};
@@ -7,8 +7,10 @@ use crate::files::toml::reader::Table;
 use crate::files::toml::tree::Node;
 use crate::files::toml::value;
 
-/// Reads `schema` and `units`. Returns None for a file of another kind, of which nothing more is read. A part
-/// written inside a cell has neither: those of the cell hold.
+/// Reads `schema` and `units`.
+///
+/// Returns None for a file of another kind; no other key of it is then read. A part written inside a cell has
+/// neither key: it uses those of the cell.
 pub fn header(t: &mut Table, schema: &Key) -> Option<()> {
     let given = t.get(schema);
     if given.is_some_and(|node| !is_schema(node, t, schema)) {
@@ -31,8 +33,9 @@ pub fn header(t: &mut Table, schema: &Key) -> Option<()> {
     Some(())
 }
 
-/// Whether the file is of the wanted kind. If another file brought the wrong one, the fault is where that
-/// file was named.
+/// Returns whether the file is of the required kind; records a fault if not.
+///
+/// If another file contributes the wrong kind, the fault is at the place that names that file.
 fn is_schema(node: &Node, t: &mut Table, schema: &Key) -> bool {
     let ValueKind::Exactly(wanted) = schema.kind else { return false };
     let Some(given) = value::text(node, "schema", t.lib) else { return false };
@@ -43,12 +46,12 @@ fn is_schema(node: &Node, t: &mut Table, schema: &Key) -> bool {
     let named = if node.at.file == t.at.file { node.at } else { t.at };
     let (at, message) = match KINDS.iter().find(|(kind, _)| given == format!("sweetspot/{kind}/1")) {
         Some((_, what)) => (named, format!("`{file}` is the file of {what}")),
-        None => (node.at, format!("`{}` is no schema that is read", shown(&given))),
+        None => (node.at, format!("`{}` is not a known schema", shown(&given))),
     };
-    t.error(at, message, format!("a file with schema = \"{wanted}\" is wanted here"));
+    t.error(at, message, format!("a file with schema = \"{wanted}\" is expected here"));
     false
 }
 
-/// Kinds of files, with the article.
+/// Kinds of files, with their article.
 const KINDS: [(&str, &str); 4] =
     [("cell", "a cell"), ("robot", "a robot"), ("tool", "a tool"), ("equipment", "an equipment")];

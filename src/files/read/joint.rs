@@ -1,4 +1,4 @@
-//! Joints of a robot: D-H rows, their coupling and the posture at rest.
+//! Reader of the joints of a robot: D-H rows, their coupling and the home posture.
 
 use crate::cell::*;
 use crate::files::fault::{Severity, shown};
@@ -11,7 +11,7 @@ use crate::files::toml::value::plain;
 use crate::units;
 use std::collections::HashSet;
 
-/// Limits of at most so many degrees on every joint look like radians.
+/// Limit in degrees. If no joint has a larger one, the limits are probably in radians.
 const RADIANS: f64 = 7.0;
 
 /// Reads the D-H rows.
@@ -30,7 +30,7 @@ pub fn read_all(t: &mut Table) -> Option<Vec<Joint>> {
     let mut turning = joints.iter().filter(turns).peekable();
     let small = |j: &Joint| j.limits.0.abs().max(j.limits.1.abs()) <= units::rad_from_deg(RADIANS);
     if turning.peek().is_some() && turning.all(small) {
-        let message = format!("no joint may turn more than {RADIANS} degrees");
+        let message = format!("no revolute joint has a limit beyond {RADIANS} degrees");
         t.lib.fault(
             node.at,
             Severity::Warning,
@@ -66,7 +66,7 @@ fn read_limits(t: &mut Table, key: &Key) -> Option<(f64, f64)> {
     let limits = value::numbers(node, &format!("`{name}`"), 2, NumberRange::Finite, t.lib)?;
     let (low, high) = (plain(limits[0]), plain(limits[1]));
     if limits[0] > limits[1] {
-        let message = format!("`{name}` reversed: {low} is above {high}");
+        let message = format!("`{name}` are reversed: {low} is above {high}");
         t.error(node.at, message, format!("write {name} = [{high}, {low}]"));
     } else if limits[0] == limits[1] {
         let message = format!("`{name}` leave no travel: both are {low}");
@@ -75,7 +75,9 @@ fn read_limits(t: &mut Table, key: &Key) -> Option<(f64, f64)> {
     Some((key.unit().si(limits[0]), key.unit().si(limits[1])))
 }
 
-/// Reads row i of `coupling`: how the D-H coordinate i follows the actuators; missing: as they are.
+/// Reads the matrix `coupling`: row i gives D-H coordinate i as a combination of the actuators.
+///
+/// If it is missing, every coordinate equals its actuator.
 pub fn read_coupling(t: &mut Table, n: usize) -> Option<Vec<Vec<f64>>> {
     let Some(node) = t.get(&robot::COUPLING) else {
         let unit = |i| (0..n).map(|j| f64::from(u8::from(i == j))).collect();
@@ -95,13 +97,15 @@ fn read_coupling_row(row: &Node, i: usize, n: usize, t: &mut Table) -> Option<Ve
     let what = format!("row {} of `coupling`", i + 1);
     let values = value::numbers(row, &what, n, NumberRange::Finite, t.lib)?;
     if values[i] != 1.0 || values[i + 1..].iter().any(|&v| v != 0.0) {
-        let message = format!("{what} must have 1 as its number {}, and after it only 0", i + 1);
+        let message = format!("{what} must have 1 as number {} and 0 after it", i + 1);
         t.error(row.at, message, "a coordinate follows its own actuator and those before it");
     }
     Some(values)
 }
 
-/// Reads the posture at rest, one number for each joint in its unit; missing: 0, or the middle of limits without 0.
+/// Reads the home posture, one number for each joint in its unit.
+///
+/// If it is missing, each coordinate is 0, or the middle of its limits if they exclude 0.
 pub fn read_home(t: &mut Table, joints: &[Joint]) -> Option<JointVector> {
     let mut home = [0.0; MAX_JOINTS];
     let Some(node) = t.get(&robot::HOME) else {
@@ -127,7 +131,7 @@ pub fn read_home(t: &mut Table, joints: &[Joint]) -> Option<JointVector> {
     Some(home)
 }
 
-/// Refuses a passive joint that nothing moves.
+/// Refuses a passive joint that follows no actuator.
 pub fn refuse_idle(rows: &[Node], joints: &[Joint], coupling: &[Vec<f64>], t: &mut Table) {
     for (i, joint) in joints.iter().enumerate().filter(|(_, joint)| joint.is_passive()) {
         let meant = rows[i].value.get("kind").is_some();

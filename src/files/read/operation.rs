@@ -1,4 +1,4 @@
-//! Operations of a cell: on which surface, where on it, which way the tool points.
+//! Reader of the operations of a cell: surface, place on it, tool attitude, sense and limit.
 
 use super::{attitude, place, teach, tool};
 use crate::cell::*;
@@ -36,11 +36,11 @@ pub fn read_all(t: &mut Table, equipment: &[Equipment], senses: &[Sense]) -> Vec
     t.named(&cell::OPERATION, |name, t| read(name, t, &around))
 }
 
-/// What an operation may name.
+/// Parts of the cell that an operation may refer to.
 struct Around<'c> {
-    /// Whether nothing was lost with a file.
+    /// Whether every table could be read, so that an unknown name is a fault.
     complete: bool,
-    /// Equipment and senses that could be read.
+    /// Equipment that could be read; `senses` likewise.
     equipment: &'c [Equipment],
     senses: HashMap<&'c str, &'c Sense>,
     /// Entries of equipment and obstacles, equipment first.
@@ -51,7 +51,7 @@ struct Around<'c> {
     operations: &'c [Entry],
 }
 
-/// Places of entries by their names.
+/// Indices of entries by their names.
 type Places<'c> = HashMap<&'c str, usize>;
 
 fn entries_of(node: Option<&Node>) -> &[Entry] {
@@ -96,14 +96,14 @@ fn read(name: &str, t: &mut Table, around: &Around<'_>) -> Option<Operation> {
 }
 
 impl Around<'_> {
-    /// Returns the surface of what stands at a place of `entries`, if it could be read.
+    /// Returns the work surface of entry `k` of [`Self::entries`], if it could be read.
     fn surface(&self, k: usize) -> Option<Rectangle> {
         let (name, ..) = self.entries.get(k)?;
         self.equipment.iter().find(|e| e.name == *name)?.surface
     }
 }
 
-/// Reads `on = "NAME"`: something with a work surface, by the names in the cell.
+/// Reads `on = "NAME"`; returns the index of that equipment or obstacle. It must have a work surface.
 fn read_surface_choice(t: &mut Table, around: &Around<'_>) -> Option<usize> {
     let node = t.get(&operation::ON)?;
     let name = t.text(&operation::ON)?;
@@ -126,7 +126,7 @@ fn read_surface_choice(t: &mut Table, around: &Around<'_>) -> Option<usize> {
     Some(index)
 }
 
-/// Reads `sense = "WORD"`: a plain one or one of the cell.
+/// Reads `sense = "WORD"`: a built-in sense, or one that the cell defines.
 fn read_sense(t: &mut Table, around: &Around<'_>) -> Option<Sense> {
     let node = t.get(&operation::SENSE)?;
     let word = t.text(&operation::SENSE)?;
@@ -148,7 +148,7 @@ fn read_sense(t: &mut Table, around: &Around<'_>) -> Option<Sense> {
     around.senses.get(word.as_str()).map(|sense| (*sense).clone())
 }
 
-/// Reads `limit_mm` or `limit_deg`, whichever the sense is measured in.
+/// Reads `limit_mm` or `limit_deg`, depending on the unit of the sense.
 fn read_limit(t: &mut Table, sense: Option<&Sense>) -> Option<Option<f64>> {
     let mut limit = Some(None);
     for (key, unit) in [(operation::LIMIT_MM, Unit::Length), (operation::LIMIT_DEG, Unit::Angle)] {
@@ -163,7 +163,7 @@ fn read_limit(t: &mut Table, sense: Option<&Sense>) -> Option<Option<f64>> {
         if let Some(sense) = sense.filter(|sense| sense.unit != unit) {
             let word = sense.unit.word();
             let name = key.name;
-            let message = format!("`{name}` is no limit of the sense `{}`, which is in {word}", sense.name);
+            let message = format!("`{name}` does not fit the sense `{}`, which is in {word}", sense.name);
             t.error(node.at, message, format!("write limit_{word}, or choose another sense"));
         } else {
             limit = value.map(Some);
@@ -172,7 +172,9 @@ fn read_limit(t: &mut Table, sense: Option<&Sense>) -> Option<Option<f64>> {
     limit
 }
 
-/// Reads `relative_to = "NAME"`: an operation before this one, itself relative to none.
+/// Reads `relative_to = "NAME"`; returns the index of that operation.
+///
+/// It must come before this one, have a single spot and not be relative to another operation.
 fn read_relative(name: &str, t: &mut Table, around: &Around<'_>) -> Option<usize> {
     let node = t.get(&operation::RELATIVE_TO)?;
     let other = t.text(&operation::RELATIVE_TO)?;
@@ -184,12 +186,12 @@ fn read_relative(name: &str, t: &mut Table, around: &Around<'_>) -> Option<usize
             let others = || around.operations.iter().map(|(n, ..)| n.as_str()).filter(|n| *n != name);
             let help = match did_you_mean(&other, others()) {
                 Some(near) => format!("did you mean \"{}\"?", shown(near)),
-                None => format!("the cell has besides this: {}", listed(others())),
+                None => format!("the other operations are: {}", listed(others())),
             };
             (format!("there is no operation `{}`", shown(&other)), help)
         }
         Some(k) if Some(k) > place(name) => {
-            let message = format!("`{}` comes after what is relative to it", shown(&other));
+            let message = format!("`{}` comes after the operation that is relative to it", shown(&other));
             (message, format!("write [operation.{}] above [operation.{}]", shown(&other), shown(name)))
         }
         Some(k) if around.operations[k].2.value.get("relative_to").is_some() => {
@@ -208,7 +210,7 @@ fn read_relative(name: &str, t: &mut Table, around: &Around<'_>) -> Option<usize
     None
 }
 
-/// Whether an operation happens at every node.
+/// Returns whether an operation happens at every node.
 fn is_everywhere(node: &Node) -> bool {
     match node.value.get("over").map(|over| &over.value) {
         Some(Value::Text(word)) => word != "best",

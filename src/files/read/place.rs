@@ -1,4 +1,4 @@
-//! Where on its surface an operation happens: `grid`, `region`, `points_mm`, `over`.
+//! Reader of the place of an operation on its surface: `grid`, `region`, `points_mm`, `over`.
 
 use super::solid;
 use crate::cell::{Over, Place, Rectangle};
@@ -10,15 +10,16 @@ use crate::files::toml::value;
 use crate::files::toml::value::plain;
 use crate::units;
 
-/// What rounding may put a point beyond the edge of its surface, m.
+/// Largest distance, m, of a point beyond the edge of its surface that counts as rounding.
 const EDGE: f64 = 1e-9;
 
-/// Time (s) and memory (bytes) that `map --json` takes for a node, measured with a quarter of a million nodes
+/// Time (s) and memory (bytes) that `map --json` takes per node, measured with a quarter of a million nodes
 /// on hitachi_cell.
 const NODE_COST: (f64, f64) = (1.2e-4, 1600.0);
 
-/// Reads where the nodes are and what of them counts; `surface`: that of the equipment, if it could be
-/// read.
+/// Reads the nodes of an operation, and which of their errors counts.
+///
+/// `surface` is the work surface of the equipment, if it could be read.
 pub fn read(t: &mut Table, surface: Option<Rectangle>) -> Option<(Place, Over)> {
     let points = t.get(&operation::POINTS_MM);
     let default = if points.is_some() { Over::Max } else { Over::Best };
@@ -29,7 +30,7 @@ pub fn read(t: &mut Table, surface: Option<Rectangle>) -> Option<(Place, Over)> 
             // A grid of the file that this one is made from is replaced by the points.
             if let Some(besides) = t.get(&key).filter(|besides| besides.at.file == node.at.file) {
                 let name = key.name;
-                let message = format!("`{name}` besides `points_mm`: the points are the nodes");
+                let message = format!("`{name}` cannot be given with `points_mm`: the points are the nodes");
                 t.error(besides.at, message, format!("remove {name}, or points_mm"));
             }
         }
@@ -82,7 +83,7 @@ fn read_grid(t: &mut Table) -> Option<(usize, usize)> {
     if nodes > MAX_NODES as f64 {
         let (minutes, gigabytes) = (about(nodes * NODE_COST.0 / 60.0), about(nodes * NODE_COST.1 / 1e9));
         let nodes = plain(nodes);
-        let message = format!("a grid of {nodes} nodes: about {minutes} minutes and {gigabytes} GB a map");
+        let message = format!("a grid of {nodes} nodes: about {minutes} minutes and {gigabytes} GB per map");
         t.error(node.at, message, format!("at most {MAX_NODES} nodes; [10, 8] makes 99"));
         return None;
     }
@@ -93,14 +94,14 @@ fn about(value: f64) -> String {
     if value < 1e6 { format!("{value:.1}") } else { format!("{value:.1e}") }
 }
 
-/// Whether a point of the frame of the equipment (m) lies on the surface.
+/// Returns whether a point (m, frame of the equipment) lies on the surface.
 pub fn is_on(surface: &Rectangle, (x, y): (f64, f64)) -> bool {
     let Rectangle { centre, size } = surface;
     let beyond = |v: f64, centre: f64, size: f64| (v - centre).abs() - size / 2.0;
     beyond(x, centre.0, size.0).max(beyond(y, centre.1, size.1)) <= EDGE
 }
 
-/// "x from -750 to 750, y from -350 to 350".
+/// Returns the extent of a surface in words: "x from -750 to 750, y from -350 to 350".
 pub fn extent_in_words(surface: &Rectangle) -> String {
     let end = |centre: f64, half: f64| plain(units::rounded(units::mm_from_m(centre + half), 6));
     let range = |c: f64, s: f64| format!("{} to {}", end(c, -s / 2.0), end(c, s / 2.0));

@@ -1,4 +1,4 @@
-//! Where something stands, and how exactly it is placed.
+//! Reader of placements and placement tolerances.
 
 use super::coordinate;
 use crate::cell::{Coordinate, PlacementTolerance};
@@ -30,11 +30,11 @@ fn read_number(t: &mut Table, key: &Key) -> Option<f64> {
     let range = t.get(key).filter(|node| matches!(node.value, Value::Table(_) | Value::Array(_)));
     let Some(node) = range else { return t.number(key) };
     let message = format!("`{}` of an obstacle cannot be a range", key.name);
-    t.error(node.at, message, "give it one number, or make it an [equipment.NAME]");
+    t.error(node.at, message, "give one number, or make the obstacle an [equipment.NAME]");
     None
 }
 
-/// Reads plus-or-minus x, y, z and yaw; what is missing is exact.
+/// Reads the plus-or-minus of x, y, z and yaw. A missing one is 0.
 pub fn read_tolerance(t: &mut Table) -> Option<PlacementTolerance> {
     let keys =
         [placement_tolerance::X, placement_tolerance::Y, placement_tolerance::Z, placement_tolerance::YAW];

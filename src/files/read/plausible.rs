@@ -1,5 +1,7 @@
-//! Warnings about sizes that are probably in a wrong unit: 20 times the reach, or a twentieth of it;
-//! tolerances a twentieth of it, or a millionth.
+//! Warnings about sizes that are probably in a wrong unit.
+//!
+//! A size is suspicious if it is more than 20 times the reach, or less than a twentieth of it. A tolerance is
+//! suspicious if it is more than a twentieth of the reach, or less than a millionth of it.
 
 use crate::cell::Coordinate;
 use crate::cell::{Cell, Equipment, Role};
@@ -15,17 +17,17 @@ const FACTOR: f64 = 20.0;
 /// Largest distance between an equipment and the surface that it stands on, m.
 const STANDS: f64 = 1e-6;
 
-/// No link is made as true as this share of the reach.
+/// Share of the reach below which a tolerance is too small to be manufactured.
 const LEAST_DEVIATION: f64 = 1e-6;
 
-/// Something with a size, m.
+/// Object with a size, m, and the place to warn at.
 struct Thing {
     what: String,
     at: At,
     size: f64,
 }
 
-/// Compares everything that stands in the cell, and the links, with the reach of the robot.
+/// Warns of objects, link solids and tolerances whose size does not fit the reach of the robot.
 pub fn warn(cell: &Cell, root: &Node, lib: &mut Library<'_>) {
     let reach = cell.robot.reach();
     let side = |thing: &Thing| side(thing.size, reach);
@@ -61,7 +63,9 @@ pub fn warn(cell: &Cell, root: &Node, lib: &mut Library<'_>) {
     }
 }
 
-/// Offsets, common normals and slides of joint frames: angles look alike in degrees and radians.
+/// Warns of suspicious length tolerances: offsets, common normals and positions of joint frames.
+///
+/// Angles are not compared, because values in degrees and in radians are alike.
 fn warn_of_tolerance(set: &Tolerance, axes: usize, reach: f64, at: At, lib: &mut Library<'_>) {
     let varies_alone = |k: &usize| !set.covariance.iter().any(|c| c.parameters.contains(k));
     let is_length =
@@ -92,7 +96,7 @@ fn side(size: f64, reach: f64) -> Option<&'static str> {
     }
 }
 
-/// Warns of equipment that stands in what it stands on, or beside it, in the cell as drawn.
+/// Warns of equipment that intersects its supporting surface or stands beside it, in the cell as drawn.
 fn warn_of_stands(cell: &Cell, root: &Node, lib: &mut Library<'_>) {
     for e in &cell.equipment {
         let Some(under) = e.on.map(|k| &cell.equipment[k]) else { continue };
@@ -123,7 +127,7 @@ fn warn_of_stands(cell: &Cell, root: &Node, lib: &mut Library<'_>) {
     }
 }
 
-/// Equipment, obstacles and keep-out boxes.
+/// Returns equipment, obstacles and keep-out boxes with their sizes.
 fn standing(cell: &Cell, root: &Node) -> Vec<Thing> {
     let at = |group: &str, name: &str| root.value.get(group).map(|node| place_of(node, name));
     let equipment = cell.equipment.iter().map(|e| {

@@ -1,10 +1,10 @@
-//! Faults of the question that a cell file asks, each at the key that it is about.
+//! Checks of the settings that belong together: errors, reading, quantity, senses and limits.
 
 use crate::cell::{About, Cell};
 use crate::files::toml::document::Library;
 use crate::files::toml::tree::Node;
 
-/// Records what keeps the question of a cell file from having an answer.
+/// Records a fault, at the key concerned, for every combination of settings that cannot be evaluated.
 pub fn check(cell: &Cell, root: &Node, lib: &mut Library<'_>) {
     for fault in cell.question_faults() {
         let at = match fault.about {

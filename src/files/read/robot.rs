@@ -1,4 +1,4 @@
-//! Robot files: D-H rows, joint coupling, tool, solids, error sets.
+//! Reader of robot files: D-H rows, joint coupling, tool, solids, error sets.
 
 use super::error_set;
 use super::header::header;
@@ -18,7 +18,7 @@ use crate::pose::Pose;
 use nalgebra::Vector3;
 use std::collections::HashSet;
 
-/// The joints of a robot, from rows or from a URDF; None is what could not be read.
+/// Joints of a robot, from rows or from a URDF. A field is None if it could not be read.
 struct Mechanism {
     axes: Option<usize>,
     convention: Option<Convention>,
@@ -28,7 +28,7 @@ struct Mechanism {
     joint_frames: Vec<Pose>,
 }
 
-/// Reads the robot part of a table that may hold more (the cell's base pose).
+/// Reads the keys of a robot from a table that may have others, such as the base pose in a cell.
 pub fn read(t: &mut Table) -> Option<Robot> {
     header(t, &robot::SCHEMA)?;
     let urdf = t.get(&robot::URDF);
@@ -82,7 +82,7 @@ pub fn read(t: &mut Table) -> Option<Robot> {
     })
 }
 
-/// Reads the URDF that a robot names, and the keys that belong to it.
+/// Reads the URDF that a robot file names, with its keys `base_link`, `tip_link` and `packages`.
 fn read_urdf(t: &mut Table, node: &Node) -> Option<urdf::UrdfRobot> {
     let packages = read_packages(t);
     let [base, tip] = [robot::BASE_LINK, robot::TIP_LINK].map(|key| {
@@ -93,7 +93,7 @@ fn read_urdf(t: &mut Table, node: &Node) -> Option<urdf::UrdfRobot> {
     urdf::read(UrdfChain { file, base, tip, packages }, t.lib)
 }
 
-/// Reads `packages = { NAME = "FOLDER" }` of a robot, relative to the naming file.
+/// Reads `packages = { NAME = "FOLDER" }` of a robot. Folders are relative to the file that names them.
 fn read_packages(t: &mut Table) -> RosPackages {
     let key = robot::PACKAGES;
     let Some(node) = t.get(&key) else { return RosPackages::default() };
@@ -110,7 +110,7 @@ fn read_packages(t: &mut Table) -> RosPackages {
     RosPackages(folders)
 }
 
-/// Reads `name` and `source`; those of a URDF robot may be missing.
+/// Reads `name` and `source`, which a URDF robot may omit.
 fn read_names(
     t: &mut Table,
     is_urdf: bool,
@@ -139,11 +139,11 @@ fn read_rows(t: &mut Table) -> Mechanism {
     Mechanism { axes, convention, mount: Pose::identity(), joints, coupling, joint_frames }
 }
 
-/// Takes the rows derived from a URDF: beside it there are none of the file.
+/// Takes the rows derived from a URDF. The file may then have no rows of its own.
 fn read_derived(t: &mut Table, node: &Node, arm: Option<urdf::UrdfRobot>) -> Mechanism {
     for key in [robot::JOINT, robot::COUPLING, robot::CONVENTION] {
         if t.get(&key).is_some() {
-            let message = format!("`urdf` and `{}` together: the rows come from one of them", key.name);
+            let message = format!("`urdf` and `{}` cannot be given together: both define the rows", key.name);
             t.error(node.at, message, format!("remove `{}`, or name another robot file in `from`", key.name));
         }
     }
@@ -154,7 +154,9 @@ fn read_derived(t: &mut Table, node: &Node, arm: Option<urdf::UrdfRobot>) -> Mec
     Mechanism { axes, convention: Some(Convention::Standard), mount, joints, coupling, joint_frames }
 }
 
-/// The solids of a URDF and those of the file; reasons name them, so that names differ.
+/// Joins the solids of a URDF and those of the robot file.
+///
+/// Names are made unique, because messages name the solids.
 fn joined(mut drawn: Vec<LinkSolid>, own: Vec<LinkSolid>) -> Vec<LinkSolid> {
     let mut names: HashSet<String> = own.iter().map(|s| s.solid.name.clone()).collect();
     for solid in &mut drawn {
@@ -166,8 +168,10 @@ fn joined(mut drawn: Vec<LinkSolid>, own: Vec<LinkSolid>) -> Vec<LinkSolid> {
     drawn
 }
 
-/// Makes standard rows of modified ones: a row's common normal and twist go to the row before it, for
-/// `Tx Rx` commute; those of the first are where the chain stands on the base.
+/// Converts modified D-H rows to standard rows; returns the mount of the chain on the base.
+///
+/// The common normal and twist of a row move to the row before it. Those of the first row become the mount.
+/// The conversion is exact because Tx and Rx commute.
 fn standard_rows(joints: &mut [Joint]) -> Pose {
     let mount = common_normal(&joints[0]);
     for i in 0..joints.len() {
@@ -176,8 +180,9 @@ fn standard_rows(joints: &mut [Joint]) -> Pose {
     mount
 }
 
-/// The solids of link k are drawn in the frame after row k of the file, from which the standard one is
-/// the next common normal away.
+/// Moves the solids of every link from the frame after its modified row to that after its standard row.
+///
+/// The two frames differ by the common normal and twist of the next row.
 fn onto_standard_rows(solids: &mut [LinkSolid], rows: &[Joint]) {
     for solid in solids.iter_mut().filter(|s| s.link > 0 && s.link < rows.len()) {
         let shape = solid.solid.shape.clone();
@@ -185,7 +190,7 @@ fn onto_standard_rows(solids: &mut [LinkSolid], rows: &[Joint]) {
     }
 }
 
-/// `Tx(l) Rx(alpha)` of a row.
+/// Returns the transform `Tx(l) Rx(alpha)` of a row.
 fn common_normal(row: &Joint) -> Pose {
     Pose::from_translation_rpy(Vector3::new(row.l, 0.0, 0.0), Vector3::new(row.alpha, 0.0, 0.0))
 }

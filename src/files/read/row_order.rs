@@ -1,40 +1,43 @@
-//! The robot as its error sets see it.
+//! Order of error parameters: rows of the file, standard or modified, to standard rows.
 
 use crate::cell::{Joint, JointKind};
 use crate::cell::{PER_LINK, Parameter};
 
-/// The joints that errors belong to.
+/// Joints of the robot whose errors are read.
 #[derive(Clone, Copy)]
 pub struct ErrorRows<'j> {
     pub axes: usize,
-    /// None of a robot that could not be read.
+    /// Joints; empty if the robot could not be read.
     pub joints: &'j [Joint],
-    /// Whether its rows begin with the common normal.
+    /// Whether the rows are in modified convention, beginning with the common normal.
     pub modified: bool,
 }
 
 impl ErrorRows<'_> {
-    /// Where a modified row 1, `Tx(l + dl) Rx(alpha + dalpha) Ry(dbeta)`, has its dl, dalpha and dbeta:
-    /// the first and the last in the frame of joint 1, behind the twist, the other in the base, before
-    /// it. So the product is exact: `Tx Rx` commute, and each of the two frames turns but once.
+    /// Returns the parameters that hold dl, dalpha and dbeta of a modified row 1.
+    ///
+    /// The row is `Tx(l + dl) Rx(alpha + dalpha) Ry(dbeta)`. dl and dbeta become errors of the frame of joint
+    /// 1, after the twist; dalpha becomes an error of the base frame, before it. This is exact, because Tx
+    /// and Rx commute and each of the two frames has one rotation only.
     fn of_first_row(&self) -> [usize; 3] {
         let (base, joint) = (PER_LINK * self.axes, Parameter::first_joint(self.axes));
         [joint, base + 3, joint + 4]
     }
 
-    /// The places of dl, dalpha and dbeta of a row.
+    /// Returns the indices of dl, dalpha and dbeta of a row.
     fn of_row(&self, row: usize) -> [usize; 3] {
         [2, 3, 4].map(|k| PER_LINK * row + k)
     }
 
-    /// The places that nothing in the file is about: of modified rows, what ends the last standard one.
+    /// Returns the parameters that no key of the file sets: of modified rows, those of the last standard row.
     pub fn unused(&self) -> Option<[usize; 3]> {
         (self.modified && self.axes > 0).then(|| self.of_row(self.axes - 1))
     }
 
-    /// Brings what is listed by the rows of the file into the order of [`Parameter::of_robot`]: dl,
-    /// dalpha and dbeta of a modified row belong to the standard row before it, of the first to where
-    /// [`Self::of_first_row`] says. What the file says there, nothing, goes to [`Self::unused`].
+    /// Reorders a list from the rows of the file to the order of [`Parameter::of_robot`].
+    ///
+    /// dl, dalpha and dbeta of a modified row belong to the standard row before it. Those of the first row go
+    /// to [`Self::of_first_row`], and the values there go to [`Self::unused`].
     pub fn in_order<T>(&self, list: &mut [T]) {
         let Some(last) = self.unused() else { return };
         for (k, first) in self.of_first_row().into_iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Senses that a cell defines: `[sense.NAME]`, one term or several, to weighted rows.
+//! Reader of the senses that a cell defines: `[sense.NAME]`, with one or several terms.
 
 use crate::cell::*;
 use crate::files::fault::{did_you_mean, listed, shown};
@@ -40,18 +40,18 @@ fn read(name: &str, t: &mut Table) -> Option<Sense> {
     }
     let unit = unit_of(&terms);
     for term in terms.iter().filter(|term| unit == Unit::Length && term.lever.is_none() && term.turns()) {
-        let help = "add mm_per_deg, the length that one degree counts as, in place of a weight";
+        let help = "add mm_per_deg, the length in mm that counts as much as one degree, in place of a weight";
         t.error(term.at, "a rotation cannot be added to lengths", help);
     }
     Some(Sense::new(name, frame?, point?, unit, &weighted(&terms)))
 }
 
-/// A term, its rows of length 1.
+/// Term of a sense. Its rows have length 1 and are not yet weighted.
 struct Term {
     at: At,
     rows: Vec<Row>,
     weight: f64,
-    /// What makes a rotation a length, m (per rad).
+    /// Factor that converts a rotation to a length, m per rad.
     lever: Option<f64>,
 }
 
@@ -61,7 +61,8 @@ impl Term {
     }
 }
 
-/// Rotations alone are an angle, unless they are made a length.
+/// Returns the unit of a sense: an angle if it has only rotations without a factor to length, otherwise a
+/// length.
 fn unit_of(terms: &[Term]) -> Unit {
     let angle = terms.iter().all(|term| term.turns() && term.lever.is_none());
     if angle { Unit::Angle } else { Unit::Length }
@@ -75,7 +76,9 @@ fn weighted(terms: &[Term]) -> Vec<Row> {
     terms.iter().flat_map(|term| term.rows.iter().map(move |row| scaled(term, row))).collect()
 }
 
-/// Reads the keys of one term; `ways`: keys of which one makes it, to name if there is none.
+/// Reads the keys of one term.
+///
+/// `ways` are the keys of which a term needs one, for the message if none is given.
 fn read_term(t: &mut Table, ways: &[&'static str]) -> Option<Term> {
     let keys = [any_term::OF, any_term::DIRECTION, any_term::PLANE, any_term::AXIS];
     let given: Vec<_> = keys.into_iter().filter_map(|key| t.get(&key).map(|node| (key, node))).collect();
@@ -102,7 +105,7 @@ fn read_term(t: &mut Table, ways: &[&'static str]) -> Option<Term> {
 /// Reads `mm_per_deg`, m per rad.
 fn read_lever(node: &Node, turns: bool, t: &mut Table) -> Option<f64> {
     if !turns {
-        let message = "`mm_per_deg` is of a rotation: this term is a length";
+        let message = "`mm_per_deg` applies to a rotation, and this term is a length";
         t.error(node.at, message, "write weight instead");
         return None;
     }
@@ -113,7 +116,7 @@ fn read_lever(node: &Node, turns: bool, t: &mut Table) -> Option<f64> {
     t.number(&any_term::LEVER)
 }
 
-/// Reads `of = "xy"`: axes of the frame.
+/// Reads `of = "xy"` and returns the rows of these axes.
 fn read_axes(node: &Node, t: &mut Table) -> Option<Vec<Row>> {
     let word = value::text(node, any_term::OF.name, t.lib)?;
     let rows = Sense::plain_rows(&word);
@@ -127,7 +130,7 @@ fn read_axes(node: &Node, t: &mut Table) -> Option<Vec<Row>> {
     rows
 }
 
-/// Reads the rows of a vector: along it, in the plane across it, about it.
+/// Reads a vector; returns rows along it, in the plane perpendicular to it, or about it.
 fn read_rows(key: &Key, node: &Node, t: &mut Table) -> Option<Vec<Row>> {
     let way = key.name;
     let vector = value::numbers(node, &format!("`{way}`"), 3, NumberRange::Finite, t.lib)?;
@@ -144,7 +147,7 @@ fn read_rows(key: &Key, node: &Node, t: &mut Table) -> Option<Vec<Row>> {
     Some(directions.into_iter().map(|direction| Row { turns, direction }).collect())
 }
 
-/// Returns two unit vectors at right angles to `normal` and to each other: (x, y) of (z).
+/// Returns two unit vectors perpendicular to `normal` and to each other, right-handed with it.
 fn in_plane(normal: &Vector3<f64>) -> [Vector3<f64>; 2] {
     let mut axis = Vector3::zeros();
     axis[normal.iamin()] = 1.0;

@@ -1,4 +1,4 @@
-//! Solids of links and equipment, rectangles and footprints.
+//! Readers of solids of links and equipment, rectangles and footprints.
 
 use crate::cell::{Extent, Rectangle, Shape, Solid};
 use crate::files::keys::key::Key;
@@ -30,7 +30,9 @@ pub fn read_all(t: &mut Table, key: &Key) -> Vec<Solid> {
     read_each(t, key, |_, solid| solid)
 }
 
-/// Reads the list of solids; `read_one` reads what the carrier adds to a solid.
+/// Reads the list of solids; a missing one is empty.
+///
+/// `read_one` reads the keys that belong to the carrier of a solid, such as its link.
 pub fn read_each<T>(
     t: &mut Table,
     key: &Key,
@@ -119,8 +121,10 @@ fn read_bar(kind: &str, t: &mut Table) -> Option<Shape> {
     Some(if kind == "capsule" { Shape::Capsule { a, b, radius } } else { Shape::Cylinder { a, b, radius } })
 }
 
-/// Reads `footprint`, or takes the plan extent of what stands on it; a fault if something sticks out.
-/// `needed`: keys that could give one, if there is none.
+/// Reads `footprint`; if it is missing, returns the plan extent of the solids and the surface.
+///
+/// Records a fault if something is outside the footprint, or if there is none. `needed` are the keys that
+/// could provide one.
 pub fn read_footprint(
     t: &mut Table,
     key: &Key,

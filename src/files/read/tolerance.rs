@@ -1,4 +1,4 @@
-//! Tolerances: how each plus-or-minus spreads.
+//! Reader of tolerances: the distribution of each plus-or-minus value.
 
 use super::covariance;
 use super::row_order::ErrorRows;
@@ -9,12 +9,12 @@ use crate::files::toml::reader::Table;
 use crate::files::toml::tree::Value;
 use crate::files::toml::value;
 
-/// Returns the values that the numbers of a set may have.
+/// Returns the range of the numbers of an error set: not negative in a tolerance.
 pub fn range_of(form: Option<ErrorForm>) -> NumberRange {
     if form == Some(ErrorForm::Tolerance) { NumberRange::PlusMinus } else { NumberRange::Finite }
 }
 
-/// Reads the rest of a tolerance of the robot, whose plus-or-minus are `values`.
+/// Reads distributions, sigmas and covariance of a robot's tolerance. `values` are its plus-or-minus values.
 pub fn read(t: &mut Table, values: Option<SignedErrors>, arm: ErrorRows<'_>) -> Option<Tolerance> {
     let distributions = read_distributions(t, arm.axes);
     let sigmas = t.number(&error_set::SIGMAS);
@@ -36,7 +36,7 @@ pub fn read(t: &mut Table, values: Option<SignedErrors>, arm: ErrorRows<'_>) -> 
     Some(Tolerance { name: values.name, spreads, covariance })
 }
 
-/// Refuses in a signed set what only a tolerance has; says nothing about a set of no known form.
+/// Refuses keys that only a tolerance has in a signed set. A set of unknown kind gets no fault.
 pub fn refuse(t: &mut Table, form: Option<ErrorForm>) {
     for key in [error_set::DISTRIBUTION, error_set::SIGMAS, error_set::COVARIANCE] {
         if let Some(node) = t.get(&key)
@@ -48,8 +48,9 @@ pub fn refuse(t: &mut Table, form: Option<ErrorForm>) {
     }
 }
 
-/// Reads `distribution` of a robot: a word for all, or a table with words for its rows and frames. Returns them
-/// in the order of [`Parameter::of_robot`].
+/// Reads `distribution` of a robot: one word, or a table with words for rows and frames.
+///
+/// Returns the distributions of all parameters, rows in the order of the file.
 fn read_distributions(t: &mut Table, axes: usize) -> Option<Vec<Distribution>> {
     let key = error_set::DISTRIBUTION;
     let is_table = t.get(&key).is_some_and(|node| matches!(node.value, Value::Table(_)));
@@ -73,7 +74,7 @@ fn read_distributions(t: &mut Table, axes: usize) -> Option<Vec<Distribution>> {
     })
 }
 
-/// Reads one word for `len` parameters, or a list of a word for each.
+/// Reads one word for all `len` parameters, or a list with one word for each.
 pub fn read_words(t: &mut Table, key: &Key, len: usize, default: Distribution) -> Option<Vec<Distribution>> {
     let Some(node) = t.get(key) else { return Some(vec![default; len]) };
     let Value::Array(items) = &node.value else {
@@ -81,7 +82,7 @@ pub fn read_words(t: &mut Table, key: &Key, len: usize, default: Distribution) -
     };
     if items.len() != len {
         let message =
-            format!("`{}` must be a word or a list of {len} words, not of {}", key.name, items.len());
+            format!("`{}` must be a word or a list of {len} words, not a list of {}", key.name, items.len());
         let all = key.kind.example();
         t.error(node.at, message, format!("write one word for all, or {len} in [ ]: {all}"));
         return None;

@@ -1,4 +1,4 @@
-//! Tools, held parts, and which solids of a robot may touch each other.
+//! Readers of tools, held parts, and pairs of solids of a robot that may touch each other.
 
 use super::header::header;
 use super::solid;
@@ -11,7 +11,7 @@ use crate::files::toml::value;
 use crate::pose::Pose;
 use nalgebra::Vector3;
 
-/// A tool in the frame of the mechanical interface.
+/// Tool in the frame of the mechanical interface.
 pub struct Tool {
     /// Pose of the TCP.
     pub pose: Pose,
@@ -21,8 +21,9 @@ pub struct Tool {
     at: At,
 }
 
-/// Reads `[tool]`, or the file that it is `from`: the TCP in the mechanical interface, the working direction,
-/// and solids in the frame of the mechanical interface.
+/// Reads `[tool]`: TCP, working direction and solids.
+///
+/// The TCP and the solids are in the frame of the mechanical interface.
 pub fn read(t: &mut Table) -> Option<Tool> {
     t.table(&robot::TOOL, |t| {
         header(t, &tool::SCHEMA)?;
@@ -40,8 +41,9 @@ pub fn read(t: &mut Table) -> Option<Tool> {
     })
 }
 
-/// Puts the solids of the tool behind those of the links; the mechanical interface is at `tip` in the
-/// frame after the last row.
+/// Appends the solids of the tool to those of the links.
+///
+/// The mechanical interface is at `tip` in the frame after the last row.
 pub fn mount(
     tool: &Option<Tool>,
     (interface, tip): (usize, &Pose),
@@ -51,7 +53,8 @@ pub fn mount(
     let Some(tool) = tool else { return };
     for solid in &tool.solids {
         if solids.iter().any(|s| s.solid.name == solid.name) {
-            let message = format!("a solid of the tool has the name of one of the robot: `{}`", solid.name);
+            let message =
+                format!("a solid of the tool has the same name as a solid of the robot: `{}`", solid.name);
             t.error(tool.at, message, "give each a name of its own: messages name the solids");
         }
         let Solid { name, shape } = solid.clone();

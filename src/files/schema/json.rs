@@ -1,10 +1,11 @@
 //! JSON Schema of the files.
 //!
-//! Draft 7: the oldest that has `if`, which the keys of joints and of files with `from` need, and the
-//! newest that editors of TOML read whole. There is no `$ref`, so that every key shows its description.
+//! The schemas use draft 7. It is the oldest draft with `if`, which the keys of joints and of files with
+//! `from` need. It is also the newest draft that TOML editors support fully. There is no `$ref`, so that
+//! every key shows its description.
 //!
-//! The reader stays the judge. A schema sees one file and no name in it: it knows keys, types, ranges and
-//! words, and neither what another file brings nor what a name refers to.
+//! Only the reader decides whether a file is valid. A schema sees a single file: it knows keys, types, ranges
+//! and words. It knows neither the keys that another file contributes nor what a name refers to.
 
 use super::FileKind;
 use super::merging::{WHOLE, add_rule, separated, unless};
@@ -15,8 +16,9 @@ use crate::files::keys::parts::range;
 use crate::files::toml::tree::{Value as Toml, parse};
 use serde_json::{Map, Value, json};
 
-/// Characters that [`crate::files::shown`] escapes, but for the tags beyond U+FFFF, which not every validator can
-/// name.
+/// Characters that [`crate::files::shown`] escapes.
+///
+/// The tags beyond U+FFFF are left out, because not every validator can name them.
 const HIDDEN: &str = "\\u0000-\\u001f\\u007f-\\u009f\\u00ad\\u061c\\u180e\\u200b-\\u200f\\u2028-\\u202e\\u2060-\\u206f\\ufeff\\ufff9-\\ufffb";
 
 /// Returns the JSON Schema (draft 7) of a kind of file.
@@ -42,7 +44,7 @@ pub fn schema(kind: FileKind) -> Value {
     schema
 }
 
-/// Lays the keys of the second schema over those of the first, and merges objects in both.
+/// Merges the second schema into the first. Its keys replace those of the first; objects in both are merged.
 fn with(mut schema: Value, more: Value) -> Value {
     if let (Value::Object(keys), Value::Object(more)) = (&mut schema, more) {
         for (key, value) in more {
@@ -86,7 +88,7 @@ fn of_table(table: &'static KeyTable) -> Value {
     schema
 }
 
-/// Returns the key without which this one is required.
+/// Returns the other key of [`Need::Unless`]: without that key, this one is required.
 fn other_key(need: Need) -> Option<&'static str> {
     if let Need::Unless(other) = need { Some(other) } else { None }
 }
@@ -188,7 +190,7 @@ fn of_number(range: NumberRange) -> Value {
     schema
 }
 
-/// Returns the ways to write a number that may be searched: a number, a range, a list.
+/// Returns the schemas of a coordinate, which may be a fixed number, a range or a list of allowed values.
 fn of_coordinate(low: f64, high: f64) -> [Value; 3] {
     let number = json!({ "type": "number", "minimum": low, "maximum": high });
     let mut table = of_table(&range::TABLE);
@@ -196,7 +198,7 @@ fn of_coordinate(low: f64, high: f64) -> [Value; 3] {
         *key = with(key.take(), number.clone());
     }
     let values = json!({
-        "description": "Allowed values; the layout as drawn has the first.",
+        "description": "Allowed values; the layout as drawn uses the first.",
         "type": "array", "items": number, "minItems": 1, "maxItems": MAX_VALUES, "uniqueItems": true,
     });
     [with(json!({ "description": "Fixed value." }), number), table, values]
@@ -208,7 +210,8 @@ fn printable() -> Value {
     json!({ "minLength": 1, "maxLength": MAX_NAME, "pattern": pattern })
 }
 
-/// Returns what a rule demands where no other file lies under the table, and what it demands always.
+/// Returns the schemas of a rule: one for tables that are not merged over another file, and those that always
+/// apply.
 fn of_rule(rule: &Rule, table: &'static KeyTable) -> (Option<Value>, Vec<Value>) {
     match rule {
         Rule::AnyOf(keys) => {
@@ -245,7 +248,7 @@ fn of_rule(rule: &Rule, table: &'static KeyTable) -> (Option<Value>, Vec<Value>)
     }
 }
 
-/// Returns what holds of a table in which a key has one of these words.
+/// Returns a schema that applies `then` to tables in which a key has one of these words.
 fn when(key: &str, words: &[String], then: Value) -> Value {
     json!({ "if": { "properties": { key: { "enum": words } }, "required": [key] }, "then": then })
 }
@@ -256,7 +259,7 @@ fn without(keys: &[&str]) -> Value {
     json!({ "properties": none })
 }
 
-/// Returns for every list of numbers, also in tables within, that none is negative.
+/// Returns the property schemas that forbid negative numbers in every list of numbers, also in nested tables.
 fn not_negative(table: &'static KeyTable) -> Option<Value> {
     let list = json!({ "items": { "minimum": 0 } });
     let rules = table.keys().filter_map(|key| {

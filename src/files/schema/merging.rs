@@ -1,27 +1,31 @@
-//! What a schema may demand of a table that lies over one of another file.
+//! Schema rules for tables that are merged over a table of another file.
 
 use serde_json::{Map, Value, json};
 
-/// Key of a schema with what holds of a table where no other file lies under it. No keyword of JSON Schema: it is
-/// taken out when all is put together.
+/// Schema key that holds the rules for tables which are not merged over another file.
+///
+/// It is no keyword of JSON Schema; [`separated`] removes it.
 pub const WHOLE: &str = "whole";
 
-/// Adds what must hold besides.
+/// Adds a rule to a schema, in its `allOf`.
 pub fn add_rule(keys: &mut Map<String, Value>, rule: Value) {
     if let Value::Array(rules) = keys.entry("allOf").or_insert_with(|| json!([])) {
         rules.push(rule);
     }
 }
 
-/// Returns what holds of a table without this key.
+/// Returns a schema that applies `then` to tables without this key.
 pub fn unless(key: &str, then: Value) -> Value {
     json!({ "if": { "not": { "required": [key] } }, "then": then })
 }
 
-/// Takes out of a schema what must be there, where it need not be there: in a table that may lie over one
-/// of another file. Returns it as a schema of its own, for the tables that lie over none.
+/// Moves the requirements of a schema into a schema of their own and returns that.
 ///
-/// Lists and ranges are replaced and never merged, so that what is in them is complete; `merges`: not so.
+/// A table that is merged over another file may lack required keys, because the other file may have them. The
+/// returned schema applies to tables that are complete by themselves.
+///
+/// `merges` is false for items of lists and ranges. They are replaced and never merged, so their requirements
+/// stay.
 pub fn separated(schema: &mut Value, merges: bool) -> Option<Value> {
     let keys = schema.as_object_mut()?;
     let mut whole = Map::new();

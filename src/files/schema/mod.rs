@@ -1,5 +1,4 @@
-//! What editors, validators and people are told of the keys of the files: JSON Schemas and a reference in
-//! Markdown, both made from the tables of keys that the reader reads by.
+//! JSON Schemas and a Markdown reference of the keys of all files, made from the reader's own tables of keys.
 
 mod json;
 mod merging;

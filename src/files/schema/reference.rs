@@ -23,13 +23,13 @@ pub fn reference(kind: FileKind) -> String {
 
 struct Document {
     text: String,
-    /// Tables and the places at which they are described.
+    /// Tables that are described, each with the place of its description.
     known: Vec<(&'static KeyTable, String)>,
     next: Vec<(&'static KeyTable, String)>,
 }
 
 impl Document {
-    /// Returns the place at which a table is described, here if nowhere else.
+    /// Returns the place at which a table is described; a table that is new is described at `place`.
     fn find(&mut self, table: &'static KeyTable, place: &str) -> String {
         if let Some((_, known)) = self.known.iter().find(|(known, _)| known.help == table.help) {
             return known.clone();
@@ -83,7 +83,7 @@ impl Document {
             ValueKind::Boolean => "`true` or `false`".into(),
             ValueKind::Text => "text".into(),
             ValueKind::Name => "name, at most 60 printable characters".into(),
-            ValueKind::Path => "path from the folder of the file".into(),
+            ValueKind::Path => "path relative to the folder of the file".into(),
             ValueKind::Word(words) if words().len() > 12 => {
                 let words = words();
                 format!("`\"{}\"` and {} more words", words[0], words.len() - 1)
@@ -140,13 +140,15 @@ fn count_in_words(count: (usize, usize)) -> String {
     }
 }
 
-/// Returns a rule as an item of a list.
+/// Returns a rule in words, as an item of a Markdown list.
 fn in_words(rule: &Rule) -> String {
     let list = |keys: &[&str]| format!("`{}`", keys.join("`, `"));
     match rule {
         Rule::AnyOf(keys) => format!("- At least one of {} is required.", list(keys)),
         Rule::OneAtMost(keys) => format!("- At most one of {} may be given.", list(keys)),
-        Rule::Excludes(key, others) => format!("- Beside `{key}` none of {} may be given.", list(others)),
+        Rule::Excludes(key, others) => {
+            format!("- If `{key}` is given, none of {} may be given.", list(others))
+        }
         Rule::OnlyWith(key, others) => format!("- Without `{key}` none of {} may be given.", list(others)),
         Rule::Needs(key, other) => format!("- `{key}` requires `{other}`."),
         Rule::When { key, words, needs, never } => {

@@ -5,37 +5,38 @@ use crate::files::fault::{Fault, Severity, shown};
 use std::cmp::Ordering;
 use std::collections::HashMap;
 
-/// Most errors, and most warnings, that are worth listing.
+/// Largest number of errors, and of warnings, that are listed.
 const MAX_FAULTS: usize = 500;
 
-/// Longest TOML file, bytes.
+/// Largest size of a TOML file, bytes.
 const MAX_TOML: usize = 4_000_000;
 
-/// Most bytes of files that other files name, each counted as often as it is named.
+/// Largest total size, bytes, of files named by other files. A file named twice counts twice.
 const MAX_NAMED: usize = 100_000_000;
 
-const PACKAGE: &str = "say in which folder the package lies: --package NAME=DIR";
+const PACKAGE: &str = "give the folder of the package: --package NAME=DIR";
 
-const NAMING: &str = "write its path from the folder of the file that names it";
+const NAMING: &str = "write its path relative to the folder of the file that names it";
 
 /// A file as it was read.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Source {
-    /// Relative to the folder of the cell file, with forward slashes.
+    /// Path relative to the folder of the cell file, with forward slashes.
     pub path: String,
     pub bytes: Vec<u8>,
 }
 
 impl Source {
-    /// The text of the file; empty if it is none (a binary mesh).
+    /// Returns the text of the file; empty if it is not UTF-8 (a binary mesh).
     pub fn text(&self) -> &str {
         std::str::from_utf8(&self.bytes).unwrap_or("")
     }
 }
 
-/// Gives the bytes of the file at a path relative to the cell's folder, or says why not.
-/// The path has been normalized and does not leave that folder; `package://NAME/PATH` is a file of a
-/// package named in a URDF robot, of which the cell does not say where it lies.
+/// Function that returns the bytes of the file at a path, or says why it cannot.
+///
+/// The path is relative to the folder of the cell and never leads out of it. It is `package://NAME/PATH` if
+/// the cell does not say where a package of a URDF is.
 pub type ReadFile<'a> = dyn FnMut(&str) -> Result<Vec<u8>, String> + 'a;
 
 /// All files read so far and all faults found so far.
@@ -43,10 +44,10 @@ pub struct Library<'a> {
     read: &'a mut ReadFile<'a>,
     pub sources: Vec<Source>,
     pub faults: Vec<Fault>,
-    /// Source of the settings by its index, and whether each of its lines comes from a flag.
+    /// Index of the source that holds the settings, and for each of its lines whether it comes from a flag.
     pub flags: Option<(usize, Vec<bool>)>,
     parsed: HashMap<usize, Option<Vec<Entry>>>,
-    /// Bytes of the files named so far.
+    /// Total size, bytes, of the files named so far.
     named: usize,
 }
 
@@ -55,7 +56,7 @@ impl<'a> Library<'a> {
         Self { read, sources: Vec::new(), faults: Vec::new(), flags: None, parsed: HashMap::new(), named: 0 }
     }
 
-    /// Returns whether a flag of the command line states what stands at a place.
+    /// Returns whether the value at a place comes from a flag of the command line.
     pub fn is_flag(&self, at: At) -> bool {
         let Some((file, flags)) = self.flags.as_ref().filter(|(file, _)| *file == at.file) else {
             return false;
@@ -70,7 +71,7 @@ impl<'a> Library<'a> {
         let (message, help) = match listed.cmp(&MAX_FAULTS) {
             Ordering::Less => (message, help.into()),
             Ordering::Equal => {
-                (format!("more than {MAX_FAULTS} faults"), "mend the listed ones first".into())
+                (format!("more than {MAX_FAULTS} faults"), "correct the listed ones first".into())
             }
             Ordering::Greater => return,
         };
@@ -83,12 +84,12 @@ impl<'a> Library<'a> {
         self.fault(at, Severity::Error, message, help);
     }
 
-    /// How many errors were found so far.
+    /// Returns the number of errors found so far.
     pub fn errors(&self) -> usize {
         self.faults.iter().filter(|f| f.is_error()).count()
     }
 
-    /// The index among the sources of a file of text.
+    /// Reads a text file, unless it has been read, and returns its index among the sources.
     pub fn text(&mut self, path: &str, at: Option<At>) -> Option<usize> {
         let file = self.file(path, at)?;
         if std::str::from_utf8(&self.sources[file].bytes).is_ok() {
@@ -98,7 +99,9 @@ impl<'a> Library<'a> {
         None
     }
 
-    /// The index among the sources of a file named at `at` (the cell file: nowhere).
+    /// Reads a file, unless it has been read, and returns its index among the sources.
+    ///
+    /// `at` is the place that names the file; None for the cell file.
     pub fn file(&mut self, path: &str, at: Option<At>) -> Option<usize> {
         let file = match self.sources.iter().position(|s| s.path == path) {
             Some(known) => known,
@@ -107,7 +110,7 @@ impl<'a> Library<'a> {
         self.named = self.named.saturating_add(self.sources[file].bytes.len());
         if let Some(at) = at.filter(|_| self.named > MAX_NAMED) {
             let most = MAX_NAMED / 1_000_000;
-            let message = format!("the files named up to here add up to more than {most} MB");
+            let message = format!("the files named so far add up to more than {most} MB");
             self.error(at, message, "simplify the meshes, or name fewer files");
             return None;
         }
@@ -134,7 +137,9 @@ impl<'a> Library<'a> {
         }
     }
 
-    /// The entries at the top of a file, parsed once, or None with the faults recorded once.
+    /// Returns the top-level entries of a file; None if it has faults.
+    ///
+    /// A file is parsed once, and its faults are recorded once.
     pub fn entries(&mut self, file: usize) -> Option<Vec<Entry>> {
         if let Some(known) = self.parsed.get(&file) {
             return known.clone();
@@ -142,7 +147,7 @@ impl<'a> Library<'a> {
         let text = self.sources[file].text();
         let parsed = if text.len() > MAX_TOML {
             let message = format!("{} MB of text", text.len() / 1_000_000);
-            let help = "a file of this kind has at most 4 MB: put shapes that large into a mesh";
+            let help = "a file of this kind has at most 4 MB: put shapes of that size into a mesh";
             Err(vec![(0, message, help)])
         } else {
             parse(file, text)
@@ -156,7 +161,8 @@ impl<'a> Library<'a> {
         self.parsed.get(&file).cloned().flatten()
     }
 
-    /// A path named in the file at `at`, made relative to the cell's folder; a fault if it leaves it.
+    /// Returns a path named at `at`, relative to the folder of the cell; records a fault if it leaves that
+    /// folder.
     pub fn relative(&mut self, name: &str, at: At) -> Option<String> {
         let naming = &self.sources[at.file].path;
         let mut parts: Vec<&str> = naming.split('/').collect();
@@ -176,7 +182,7 @@ impl<'a> Library<'a> {
         } else if leaves {
             ("leaves the folder of the cell file", "put the file beside the cell file or below it")
         } else if parts.is_empty() || name.ends_with('/') || name.contains('\0') {
-            ("is no file", NAMING)
+            ("is not a file", NAMING)
         } else {
             return Some(parts.join("/"));
         };

@@ -1,8 +1,8 @@
-//! `from = "other.toml"`: the keys of another file laid under those that stand beside it.
+//! `from = "other.toml"`: a table takes the keys that it does not have from another file.
 //!
-//! `from` is a key like any other and the nearest one wins: a cell made `from` another cell that
-//! names its own robot file takes nothing from the robot file of the other. It may stand at the top
-//! of a file, in the robot, in its tool, in an equipment and in an obstacle; elsewhere it is an unknown key.
+//! `from` is itself such a key. If a cell is `from` another cell but names its own robot file, it takes
+//! nothing from the other's robot file. The key is allowed at the top of a file, in the robot and its tool,
+//! in equipment and in obstacles; elsewhere it is unknown.
 
 use super::document::Library;
 use super::setting;
@@ -13,8 +13,7 @@ use crate::files::fault::shown;
 /// Longest chain of files.
 const MAX_CHAIN: usize = 16;
 
-/// The tree of a file with every `from` followed and the settings laid over it, or None with the faults
-/// recorded.
+/// Returns the tree of a file, with every `from` followed and the settings applied; None if there are faults.
 pub fn load(path: &str, settings: &[Setting], lib: &mut Library<'_>) -> Option<Node> {
     let file = lib.text(path, None)?;
     let at = At { file, offset: 0 };
@@ -36,8 +35,10 @@ pub fn load(path: &str, settings: &[Setting], lib: &mut Library<'_>) -> Option<N
     Some(root)
 }
 
-/// A robot and its tool. A tool that is `from` a file beside the robot's own `from` takes the place of
-/// that of the robot file: half of one and half of the other would be neither.
+/// Follows the `from` of a robot and of its tool.
+///
+/// A tool with its own `from` replaces the tool of the robot file completely. A mix of the two would be
+/// neither tool.
 fn lay_robot(node: &mut Node, chain: &[String], lib: &mut Library<'_>) {
     let Value::Table(entries) = &mut node.value else { return lay_part(node, chain, lib) };
     let is_own = |e: &Entry| e.0 == "tool" && e.2.value.get("from").is_some();
@@ -62,8 +63,9 @@ fn lay_part(node: &mut Node, chain: &[String], lib: &mut Library<'_>) {
     }
 }
 
-/// Lays under a table the file that its `from` names, then the one that this names, and so on;
-/// returns the lowest. A `from` that cannot be followed stays, unread.
+/// Merges a table over the file that its `from` names, then over the `from` of that file, and so on.
+///
+/// Returns the last file of the chain. A `from` that cannot be followed stays as [`Value::Unread`].
 fn lay(node: &mut Node, chain: &mut Vec<String>, lib: &mut Library<'_>) -> Option<usize> {
     let Value::Table(entries) = &mut node.value else { return None };
     let mut lowest = None;
@@ -79,7 +81,7 @@ fn lay(node: &mut Node, chain: &mut Vec<String>, lib: &mut Library<'_>) -> Optio
     lowest
 }
 
-/// The file that a `from` names, and its entries.
+/// Returns the file that a `from` names, and its entries.
 fn follow(from: &Node, chain: &mut Vec<String>, lib: &mut Library<'_>) -> Option<(usize, Vec<Entry>)> {
     let Value::Text(name) = &from.value else {
         let message = format!("`from` must be the path of a file, not {}", from.value.kind());
@@ -89,13 +91,13 @@ fn follow(from: &Node, chain: &mut Vec<String>, lib: &mut Library<'_>) -> Option
     let path = lib.relative(name, from.at)?;
     if let Some(start) = chain.iter().position(|p| *p == path) {
         let names: Vec<_> = chain[start..].iter().chain([&path]).map(|p| shown(p)).collect();
-        let message = format!("`from` goes round in a circle: {}", names.join(" -> "));
-        lib.error(from.at, message, "let one of these files stand on its own");
+        let message = format!("the `from` keys form a loop: {}", names.join(" -> "));
+        lib.error(from.at, message, "remove `from` from one of these files");
         return None;
     }
     if chain.len() >= MAX_CHAIN {
-        let message = format!("`from` goes through more than {MAX_CHAIN} files");
-        lib.error(from.at, message, "let this file stand on its own");
+        let message = format!("the chain of `from` keys has more than {MAX_CHAIN} files");
+        lib.error(from.at, message, "remove this `from`");
         return None;
     }
     let file = lib.text(&path, Some(from.at))?;
@@ -104,7 +106,7 @@ fn follow(from: &Node, chain: &mut Vec<String>, lib: &mut Library<'_>) -> Option
     Some((file, entries))
 }
 
-/// Every file says what it is, itself or through its `from`.
+/// Checks that a file has a `schema`, itself or through its `from`.
 fn has_schema(root: &Node, at: At, lib: &mut Library<'_>) {
     if root.value.get("schema").is_none() && !root.value.is_partial() {
         let help = "start it with schema = \"sweetspot/cell/1\", sweetspot/robot/1, sweetspot/tool/1 or sweetspot/equipment/1";

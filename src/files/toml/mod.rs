@@ -1,4 +1,5 @@
-//! TOML documents as located trees: parsing, `from`, settings laid over a file, readers of tables and values.
+//! TOML documents as located trees: parsing, `from`, settings that override a file, and readers of tables and
+//! values.
 
 pub mod document;
 pub mod from;

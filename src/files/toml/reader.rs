@@ -1,8 +1,9 @@
-//! Typed reading of the located tree: every fault is recorded and reading goes on.
+//! Typed reading of the located tree: every fault is recorded, and reading continues.
 //!
-//! A table is read by the entries of its [`KeyTable`]: name, kind, range, unit and default of a key come
-//! from there, and a key that is not there cannot be read.
-//! What a reader returns is only good if no fault was recorded: [`crate::files::load`] sees to that.
+//! A table is read through its [`KeyTable`]. The name, kind, range, unit and default of a key come from
+//! there, and no other key can be read.
+//!
+//! The result of a reader is valid only if no fault was recorded; [`crate::files::load`] checks that.
 
 use super::document::Library;
 use super::tree::{At, Entry, Node, Value};
@@ -12,8 +13,10 @@ use crate::files::keys::key::{Key, KeyTable, Literal, Need, NumberRange, Rule, V
 use crate::pose::Pose;
 use nalgebra::Vector3;
 
-/// A table being read. Missing and unknown keys are reported at the end of [`Table::read`]: only then is
-/// it known which of them is a misspelling of which.
+/// Table that is being read.
+///
+/// Missing and unknown keys are reported at the end of [`Table::read`]. Only then can an unknown key be
+/// recognised as a misspelling of a missing one.
 pub struct Table<'n, 'l, 'a> {
     pub at: At,
     pub lib: &'l mut Library<'a>,
@@ -21,9 +24,9 @@ pub struct Table<'n, 'l, 'a> {
     entries: &'n [Entry],
     /// Keys that do not apply, such as the limits in mm of a joint that turns.
     excluded: Vec<&'static str>,
-    /// Keys of which one must be there, and what to do about it.
+    /// Groups of keys of which one is required and none is given, each with a remedy.
     missing: Vec<(Vec<&'static str>, String)>,
-    /// Whether keys were lost with a file that could not be read, or it is not the table it should be.
+    /// Whether keys may be missing because a file could not be read, or because reading was given up.
     pub partial: bool,
 }
 
@@ -52,7 +55,7 @@ impl<'n, 'l, 'a> Table<'n, 'l, 'a> {
         result
     }
 
-    /// Whether this kind of table has the key.
+    /// Returns whether this kind of table has the key.
     pub fn has(&self, key: &Key) -> bool {
         self.keys.key(key.name).is_some()
     }
@@ -81,20 +84,19 @@ impl<'n, 'l, 'a> Table<'n, 'l, 'a> {
         }
     }
 
-    /// Reports a key that must be there and is not.
+    /// Records that a required key is missing.
     fn miss(&mut self, key: &Key) {
         if !self.missing.iter().any(|(names, _)| *names == [key.name]) {
             self.missing.push((vec![key.name], key.remedy_in_words()));
         }
     }
 
-    /// Reports that one of these keys must be there and is not.
+    /// Records that none of these keys is given although one is required.
     pub fn miss_one_of(&mut self, names: &[&'static str], remedy: impl Into<String>) {
         self.missing.push((names.to_vec(), remedy.into()));
     }
 
-    /// Applies the rules of the table about a word that a key has: keys that it needs, keys that do not
-    /// apply.
+    /// Applies the rules for a key with this word: some keys become required, others do not apply.
     pub fn apply_rules(&mut self, chosen: &Key, word: &str) {
         for rule in self.keys.rules_of_keys() {
             let Rule::When { key, words, needs, never } = rule else { continue };
@@ -119,7 +121,7 @@ impl<'n, 'l, 'a> Table<'n, 'l, 'a> {
         }
     }
 
-    /// Stops the reading of a table whose keys cannot be judged: nothing more is reported of it.
+    /// Stops the reading of a table whose keys cannot be checked. No further fault of it is reported.
     pub fn give_up(&mut self) {
         self.partial = true;
         self.entries = &[];
@@ -149,7 +151,7 @@ impl<'n, 'l, 'a> Table<'n, 'l, 'a> {
         value.map(|value| key.unit().si(value))
     }
 
-    /// Reads a list of numbers, in SI; its length is that of the kind.
+    /// Reads a list of numbers, in SI. The kind of the key gives the length.
     pub fn numbers(&mut self, key: &Key) -> Option<Vec<f64>> {
         match key.kind.plain() {
             ValueKind::List(ValueKind::Number(range), (len, _), _) => self.numbers_of(key, *len, *range),
@@ -157,7 +159,7 @@ impl<'n, 'l, 'a> Table<'n, 'l, 'a> {
         }
     }
 
-    /// Reads a list of `len` numbers, in SI; zeros, if it is not given and not required.
+    /// Reads a list of `len` numbers, in SI; zeros if it is neither given nor required.
     pub fn numbers_of(&mut self, key: &Key, len: usize, range: NumberRange) -> Option<Vec<f64>> {
         let Some(node) = self.get(key) else { return (!self.is_required(key)).then(|| vec![0.0; len]) };
         let values = value::numbers(node, &format!("`{}`", key.name), len, range, self.lib)?;
@@ -254,7 +256,7 @@ impl<'n, 'l, 'a> Table<'n, 'l, 'a> {
         if self.get(key).is_none() { Some(default) } else { self.table(key, read) }
     }
 
-    /// Reads a list of tables: what could be read of each.
+    /// Reads a list of tables and returns those that could be read.
     pub fn tables<T>(
         &mut self,
         key: &Key,
@@ -264,7 +266,7 @@ impl<'n, 'l, 'a> Table<'n, 'l, 'a> {
         Some(items.iter().map(|item| Table::read(item, keys.what, keys, self.lib, &mut read)).collect())
     }
 
-    /// Reads a table of named tables, each with its checked name; a missing one is empty.
+    /// Reads a table of named tables, each with its checked name. A missing table counts as empty.
     pub fn named<T>(
         &mut self,
         key: &Key,

@@ -1,7 +1,7 @@
 //! Settings: keys of a cell stated on the command line instead of in its file, `--set` and flags alike.
 //!
-//! The settings are read like a small file that lies over the cell file, before anything is checked. So
-//! every check of the cell applies to them, and a fault in one names the flag as its place.
+//! The settings are read like a small file that overrides the cell file, before anything is checked. So every
+//! check of the cell applies to them, and a fault in one names the flag as its place.
 
 use super::document::{Library, Source};
 use super::tree::{Entry, Node, Value, is_range, parse};
@@ -9,25 +9,25 @@ use crate::files::fault::{Fault, did_you_mean, listed, shown};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Stands for the settings among the sources; no file can have this name.
+/// Path of the settings among the sources. No file can have this name.
 const PLACE: &str = "--set:";
 
-/// Tables of the cell in which every key is a name that somebody chose.
+/// Tables of the cell whose keys are names chosen by the user.
 const NAMED: [&str; 5] = ["equipment", "obstacle", "keep_out", "operation", "sense"];
 
-/// Name that stands for every entry of a table of [`NAMED`].
+/// Name that selects every entry of a table of [`NAMED`].
 const EVERY: &str = "*";
 
 const SHAPE: &str = "write --set PATH=VALUE or PATH=VALUE,VALUE,..., for example clearance_mm=0,10";
 
-/// One key of a cell stated on the command line.
+/// Key of a cell with its value, stated on the command line.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Setting {
     /// Dotted path, as in TOML: `equipment.worktable.placement.z_mm`.
     pub path: String,
-    /// Value, as in TOML; a text may stand without quotes.
+    /// Value, as in TOML; a text may be written without quotes.
     pub value: String,
-    /// Flag that states it, as typed: `--limit 5`; None: `--set`.
+    /// Flag that states the setting, as typed: `--limit 5`; None for `--set`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub flag: Option<String>,
 }
@@ -48,7 +48,7 @@ impl Setting {
         Self::of_flag(flag, &format!("operation.\"{EVERY}\".{key}"), value)
     }
 
-    /// Returns path and value as they are typed behind `--set`.
+    /// Returns path and value as they are typed after `--set`.
     pub fn words(&self) -> String {
         format!("{}={}", self.path, self.value)
     }
@@ -78,7 +78,7 @@ pub fn toml_string(text: &str) -> String {
     format!("\"{}\"", text.chars().map(escaped).collect::<String>())
 }
 
-/// A key of a cell, and every value that it is to have in turn.
+/// Key of a cell, with all the values that a sweep gives it in turn.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Choices {
     pub path: String,
@@ -86,10 +86,10 @@ pub struct Choices {
 }
 
 impl Choices {
-    /// Reads `PATH=a,b,c`; commas in brackets, braces and quotes part nothing.
+    /// Reads `PATH=a,b,c`; commas in brackets, braces and quotes do not separate values.
     ///
     /// # Errors
-    /// Fault of the setting.
+    /// Returns the fault of the setting.
     pub fn parse(text: &str) -> Result<Self, Vec<Fault>> {
         let fault = |message: &str, help: &str| Err(vec![of_setting(text, message.to_string(), help)]);
         if text.chars().any(char::is_control) {
@@ -99,8 +99,9 @@ impl Choices {
         let path = path.trim().to_string();
         let keys = keys(&path);
         if keys.is_empty() {
-            let help = "write keys with points between them; quote a name of other characters than a-z, A-Z, 0-9, _ and -";
-            return fault("its left side is no path of a cell file", help);
+            let help =
+                "separate keys with dots; quote a name with characters other than a-z, A-Z, 0-9, _ and -";
+            return fault("its left side is not the path of a key", help);
         }
         if keys == ["from"] {
             return fault("the cell file itself cannot be changed", "run a sweep for each cell file");
@@ -112,7 +113,7 @@ impl Choices {
         Ok(Self { path, values })
     }
 
-    /// Whether both set the same key, or one a key inside the table of the other.
+    /// Returns whether both set the same key, or one sets a key inside the other's table.
     pub fn meets(&self, other: &Self) -> bool {
         let (a, b) = (keys(&self.path), keys(&other.path));
         a.iter().zip(&b).all(|(a, b)| a == b)
@@ -128,7 +129,7 @@ fn without_line(place: &str, message: String, help: &str) -> Fault {
     Fault { line: 0, column: 0, ..Fault::of_file(place, message, help) }
 }
 
-/// The keys of a dotted path; none if it is no path.
+/// Returns the keys of a dotted path; none if the path is invalid.
 fn keys(path: &str) -> Vec<String> {
     let Ok(entries) = parse(0, &format!("{path} = 0")) else { return Vec::new() };
     let (mut keys, mut entries) = (Vec::new(), &entries[..]);
@@ -139,7 +140,7 @@ fn keys(path: &str) -> Vec<String> {
     keys
 }
 
-/// The parts of a text between marks that stand outside of brackets, braces and quotes.
+/// Splits a text at marks outside of brackets, braces and quotes, into at most `most` parts.
 fn parted(text: &str, mark: char, most: usize) -> Vec<&str> {
     let (mut parts, mut start, mut depth, mut quote) = (Vec::new(), 0, 0, None);
     for (at, c) in text.char_indices() {
@@ -159,7 +160,7 @@ fn parted(text: &str, mark: char, most: usize) -> Vec<&str> {
     parts
 }
 
-/// Lays the settings over the tree of a cell, of which nothing but its own `from` was followed yet.
+/// Applies the settings to the tree of a cell, after its own `from` and before the others are followed.
 pub fn apply(root: &mut Node, settings: &[Setting], lib: &mut Library<'_>) {
     if settings.is_empty() {
         return;
@@ -175,8 +176,9 @@ pub fn apply(root: &mut Node, settings: &[Setting], lib: &mut Library<'_>) {
     lay(entries, under);
 }
 
-/// Removes `reading = "signed"` of the file where a flag chooses other errors and no reading: how errors
-/// are read then follows from them, for a tolerance has no signed sample.
+/// Removes `reading = "signed"` of the file if a flag chooses other errors or registration, but no reading.
+///
+/// The reading then follows from the errors, because a tolerance has no signed sample.
 fn take_back_signed(settings: &[Setting], under: &mut Vec<Entry>) {
     let is_set = |key: &str| settings.iter().any(|s| s.path == key);
     let chooses = |s: &Setting| s.flag.is_some() && (s.path == "errors" || s.path == "registration");
@@ -186,7 +188,9 @@ fn take_back_signed(settings: &[Setting], under: &mut Vec<Entry>) {
     }
 }
 
-/// A table of named tables without names that the cell does not have, unless a whole table is set.
+/// Removes named tables that the cell does not have from a setting, and records a fault for each.
+///
+/// A setting that gives a whole table may add it.
 fn without_strangers(entry: Entry, settings: &[Setting], under: &[Entry], lib: &mut Library<'_>) -> Entry {
     let (key, at, mut node) = entry;
     if !NAMED.contains(&key.as_str()) {
@@ -212,7 +216,7 @@ fn without_strangers(entry: Entry, settings: &[Setting], under: &[Entry], lib: &
     (key, at, node)
 }
 
-/// Replaces the entry of the name `*` by one for each known name; what is set for a name alone stays.
+/// Replaces the entry named `*` by one for each known name. Settings of a single name take precedence.
 fn spread<'n>(named: &mut Vec<Entry>, known: impl Iterator<Item = &'n str>) {
     let Some(place) = named.iter().position(|(name, ..)| name == EVERY) else { return };
     let (_, at, every) = named.remove(place);
@@ -229,8 +233,9 @@ fn spread<'n>(named: &mut Vec<Entry>, known: impl Iterator<Item = &'n str>) {
     }
 }
 
-/// Like `from`: tables are merged, all else is replaced. A table keeps its place: what is wrong with
-/// its other keys is no matter of the settings.
+/// Merges settings over entries, like `from`: tables are merged, everything else is replaced.
+///
+/// A table keeps its place, so that faults of its other keys still point to the file.
 fn lay(settings: Vec<Entry>, under: &mut Vec<Entry>) {
     for (key, at, node) in settings {
         match under.iter_mut().find(|e| e.0 == key) {
@@ -243,7 +248,7 @@ fn lay(settings: Vec<Entry>, under: &mut Vec<Entry>) {
     }
 }
 
-/// Gives the faults of settings the place of their flags, and takes the settings out of the sources.
+/// Gives the faults of settings the place of their flags, and removes the settings from the sources.
 pub fn put_in_words(settings: &[Setting], faults: &mut [Fault], sources: &mut Vec<Source>) {
     sources.retain(|s| s.path != PLACE);
     for fault in faults.iter_mut().filter(|f| f.file == PLACE) {

@@ -1,7 +1,7 @@
-//! TOML text to a tree of located nodes.
+//! Parser of TOML text to a tree of located nodes.
 //!
-//! serde stops at the first fault and forgets where a value stood, so the tree keeps the place of
-//! every value and [`super::reader`] reads it.
+//! serde stops at the first fault and does not keep the place of a value. The tree keeps the place of every
+//! value, and [`super::reader`] reads it.
 
 use crate::files::fault::shown;
 use std::collections::HashMap;
@@ -9,18 +9,18 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeString, DeTable, DeValue};
 
-/// Deepest nesting: recursion over the tree is safe below it.
+/// Deepest nesting at which recursion over the tree is safe.
 const MAX_NESTING: usize = 32;
 
-const TOO_DEEP: (&str, &str) = ("nested too deep", "no key of a cell file stands that deep");
+const TOO_DEEP: (&str, &str) = ("nested too deep", "no key of a cell file is nested that deep");
 
-/// Most slips of syntax that are looked at.
+/// Largest number of syntax faults that are examined.
 const MAX_SLIPS: usize = 5_000;
 
-/// What to do about a key given twice.
+/// Help text for a key that is given twice.
 const TWICE: &str = "remove or rename one of the two";
 
-/// A place in one of the sources: index of the file, byte offset.
+/// Place in a source: index of the file and byte offset.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct At {
     pub file: usize,
@@ -44,9 +44,11 @@ pub enum Value {
     Boolean(bool),
     Datetime,
     Array(Vec<Node>),
-    /// In the order of the file.
+    /// Entries in the order of the file.
     Table(Vec<Entry>),
-    /// Lost, with its fault recorded. As the `from` of a table: any key may have been in there.
+    /// Value that could not be read; its fault is recorded.
+    ///
+    /// If it is the `from` of a table, any key may be missing from that table.
     Unread,
 }
 
@@ -68,12 +70,12 @@ impl Value {
         if let Value::Array(items) = self { Some(items) } else { None }
     }
 
-    /// Returns how many items a list has; for anything else its kind.
+    /// Returns the number of items of a list, or the kind of any other value.
     pub fn count_or_kind(&self) -> String {
         self.items().map_or(self.kind().to_string(), |items| items.len().to_string())
     }
 
-    /// The entries of a table; none of anything else.
+    /// Returns the entries of a table; none for any other value.
     pub fn entries(&self) -> &[Entry] {
         match self {
             Value::Table(entries) => entries,
@@ -85,13 +87,13 @@ impl Value {
         self.entries().iter().find(|(k, ..)| k == key).map(|(.., node)| node)
     }
 
-    /// Whether keys of this table may have been lost.
+    /// Returns whether keys of this table may be missing because a file could not be read.
     pub fn is_partial(&self) -> bool {
         self.get("from").is_some_and(|n| matches!(n.value, Value::Unread))
     }
 }
 
-/// Parses the text of a file: its entries, or what is wrong and at which bytes.
+/// Parses the text of a file; returns its entries, or its faults with their byte offsets.
 pub fn parse(file: usize, text: &str) -> Result<Vec<Entry>, Vec<SyntaxFault>> {
     let (table, errors) = DeTable::parse_recoverable(text);
     let worth = errors.iter().take(MAX_SLIPS);
@@ -102,7 +104,7 @@ pub fn parse(file: usize, text: &str) -> Result<Vec<Entry>, Vec<SyntaxFault>> {
     if faults.is_empty() { Ok(entries) } else { Err(one_each(text, faults)) }
 }
 
-/// What the parser said, in words for someone who has never heard of a literal string.
+/// Returns a fault of the TOML parser in words for people who do not know the terms of TOML.
 fn explained(text: &str, message: &str, span: Option<Range<usize>>) -> SyntaxFault {
     let span = span.unwrap_or(0..0);
     let given = text.get(span.clone()).unwrap_or("");
@@ -113,21 +115,22 @@ fn explained(text: &str, message: &str, span: Option<Range<usize>>) -> SyntaxFau
         ("a value is missing".into(), "write one after the =")
     } else if message.starts_with("string values must be quoted") {
         (
-            format!("`{key}` is no value"),
+            format!("`{key}` is not a value"),
             "quote a text; write a number without unit, with a point; put commas between numbers",
         )
     } else if message.contains("recursion") {
         (TOO_DEEP.0.into(), TOO_DEEP.1)
     } else {
-        (format!("not TOML: {}", shown(message)), "mend the line; https://toml.io shows the syntax")
+        (format!("not TOML: {}", shown(message)), "correct the line; https://toml.io shows the syntax")
     };
     (span.start, what, help)
 }
 
 type SyntaxFault = (usize, String, &'static str);
 
-/// The first fault of each line, and of a table given twice only that it is: the parser stumbles
-/// several times over one slip.
+/// Keeps the first fault of each line, because the parser reports several faults for one mistake.
+///
+/// Of a table that is given twice only this fault is kept.
 fn one_each(text: &str, mut faults: Vec<SyntaxFault>) -> Vec<SyntaxFault> {
     faults.sort_by_key(|f| f.0);
     let bytes = text.as_bytes();
@@ -192,7 +195,7 @@ impl Reader {
     }
 }
 
-/// `own` over `under`: own keys win, tables in both are merged, lists are replaced whole.
+/// Merges `own` over `under`: own keys win, tables in both are merged, lists are replaced whole.
 pub fn laid_over(own: Vec<Entry>, mut under: Vec<Entry>) -> Vec<Entry> {
     let known: HashMap<String, usize> = under.iter().enumerate().map(|(i, e)| (e.0.clone(), i)).collect();
     for (key, at, node) in own {
@@ -216,7 +219,7 @@ fn merged(own: Node, under: Value) -> Node {
     }
 }
 
-/// A range `{ min, max, start }` is one value: it is replaced, never merged.
+/// Returns whether a table is a range `{ min, max, start }`, which is replaced and never merged.
 pub fn is_range(table: &[Entry]) -> bool {
     table.iter().any(|(k, ..)| k == "min" || k == "max")
 }

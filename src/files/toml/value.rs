@@ -1,11 +1,11 @@
-//! Single values: numbers of a believable size, texts, words, names, lists.
+//! Readers of single values: numbers of a plausible size, texts, words, names, lists.
 
 use super::document::Library;
 use super::tree::{At, Node, Value};
 use crate::files::fault::{did_you_mean, shown};
 use crate::files::keys::key::{Key, MANY, MAX_NAME, NumberRange, ValueKind, Word, quoted, words_of};
 
-/// Returns a number as someone would write it.
+/// Returns a number in plain notation; with an exponent only if it is very large or very small.
 pub fn plain(value: f64) -> String {
     let exponent = value != 0.0 && value.is_finite() && !(1e-6..1e15).contains(&value.abs());
     if value.is_nan() {
@@ -17,7 +17,7 @@ pub fn plain(value: f64) -> String {
     }
 }
 
-/// Reads a finite number of a believable size, in the unit of the file.
+/// Reads a finite number of a plausible size, in the unit of the file.
 pub fn number(node: &Node, what: &str, range: NumberRange, lib: &mut Library) -> Option<f64> {
     let value = match &node.value {
         Value::Integer(i) => *i as f64,
@@ -59,7 +59,7 @@ pub fn numbers(
     values.into_iter().collect()
 }
 
-/// Returns the items of a list whose count the kind of the key allows.
+/// Returns the items of a list whose length the kind of the key allows; records a fault otherwise.
 pub fn items<'n>(node: &'n Node, key: &Key, lib: &mut Library) -> Option<&'n [Node]> {
     let (count, noun) = match key.kind.plain() {
         ValueKind::List(_, count, noun) => (*count, *noun),
@@ -137,7 +137,11 @@ pub fn checked_name(name: &str, at: At, lib: &mut Library) -> Option<String> {
         return Some(name.to_string());
     }
     let message = format!("`{}` cannot be a name", shown(name));
-    lib.error(at, message, format!("write 1 to {MAX_NAME} printable characters, no blank first or last"));
+    lib.error(
+        at,
+        message,
+        format!("write 1 to {MAX_NAME} printable characters, without a blank at the start or end"),
+    );
     None
 }
 

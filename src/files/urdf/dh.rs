@@ -1,29 +1,34 @@
-//! From the lines of the joint axes to standard Denavit-Hartenberg rows (Denavit and Hartenberg 1955).
+//! Conversion of joint axes to standard Denavit-Hartenberg rows (Denavit and Hartenberg 1955).
 //!
-//! At coordinate 0 axis k is a line; row k leads from a frame with its z on axis k to one with its z
-//! on axis k + 1 and its x on their common normal. Where that leaves a choice:
+//! At coordinate 0 axis k is a line. Row k leads from a frame with z along axis k to a frame with z along the
+//! next axis. Its x axis is the common normal of the two axes. Where this leaves a choice, the following
+//! rules hold:
 //!
-//! - frame 0 has its origin on axis 1 nearest to that of the base, and its x nearest to that of the
-//!   base (to y if axis 1 lies along x);
-//! - parallel axes: r = 0; the same line twice: theta = 0 and l = 0, too;
-//! - the sense of x: a row turns it by less than a right angle, so that l may be negative as in many
-//!   data sheets; at a right angle l > 0, and between axes that meet theta = +90 degrees;
-//! - the last row leads to the z axis of the tip link, at its origin if parallel to the last axis. If
-//!   the two are almost but not quite parallel it is empty, and the pose of the tip holds all.
+//! - frame 0: its origin is the point of axis 1 nearest to the origin of the base. Its x axis is as near as
+//!   possible to the base x axis, or to the base y axis if axis 1 lies along x;
+//! - parallel axes: r = 0. Two axes on the same line: theta = 0 and l = 0, too;
+//! - direction of x: a row rotates x by less than a right angle, so that l may be negative, as in many data
+//!   sheets. If the rotation is a right angle, l > 0; if the axes also intersect, theta = +90 degrees;
+//! - the last row leads to the z axis of the tip link. It ends at the origin of the tip link if that axis is
+//!   parallel to the last joint axis. If the two are almost but not quite parallel, the row is empty, and the
+//!   pose of the tip holds the whole transform.
 
 use crate::cell::JointKind;
 use crate::pose::Pose;
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// A moving joint: its frame at coordinate 0 in that of the joint before it, its unit axis in its own.
+/// Moving joint at coordinate 0.
+///
+/// `origin` is its frame in the frame of the joint before it, and `direction` is a unit vector in its own
+/// frame.
 pub struct Axis {
     pub kind: JointKind,
     pub origin: Pose,
     pub direction: Vector3<f64>,
 }
 
-/// One row, rad and m, as in [`crate::cell::Joint`].
+/// One D-H row, rad and m, with the variables of [`crate::cell::Joint`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct UrdfDhRow {
     pub theta: f64,
@@ -33,38 +38,39 @@ pub struct UrdfDhRow {
 }
 
 pub struct Derived {
-    /// Base link to frame 0.
+    /// Pose of frame 0 in the base link.
     pub mount: Pose,
     pub rows: Vec<UrdfDhRow>,
-    /// Last frame to tip link.
+    /// Pose of the tip link in the last frame.
     pub tip: Pose,
-    /// Frames 0 to n in the base link at coordinates 0.
+    /// Frames 0 to n in the base link with all coordinates at 0.
     pub frames: Vec<Pose>,
     /// Frame of joint k in frame k - 1.
     pub joint_frames: Vec<Pose>,
-    /// Largest distance between the tip link by the rows and by the URDF (m, with 1 m for a rad).
+    /// Largest difference of the tip pose between the rows and the URDF, m. A rotation of 1 rad counts as
+    /// about 1 m.
     pub gap: f64,
 }
 
-/// Rows are true to the URDF if they miss it by less, m.
+/// Difference, m, below which the rows reproduce the URDF exactly.
 pub const TRUE: f64 = 1e-12;
 
-/// Angles (rad) and lengths (m) so near to a multiple of a right angle, or to 0, may be it.
+/// Largest deviation, rad or m, at which a value is rounded to a multiple of a right angle or to 0.
 const NEAR: f64 = 1e-9;
 
-/// Shortest common normal that gives a direction, m.
+/// Shortest common normal, m, that defines a direction.
 const SHORTEST: f64 = 1e-13;
 
-/// Two axes are parallel within these angles, rad: the first that gives true rows is taken.
+/// Angles, rad, below which two axes count as parallel. They are tried in turn until the rows are exact.
 const PARALLEL: [f64; 9] = [1e-14, 1e-13, 1e-12, 1e-11, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6];
 
-/// Least sine of the angle between last axis and tip z of which a row is made.
+/// Least sine of the angle between the last axis and the tip's z axis for which the last row is made.
 const SLANTED: f64 = 0.01;
 
-/// Postures at which rows and URDF are compared.
+/// Number of postures at which rows and URDF are compared.
 const POSTURES: usize = 24;
 
-/// The rows of a chain; `flange` is the tip link in the frame of the last joint.
+/// Returns the D-H rows of a chain. `flange` is the tip link in the frame of the last joint.
 pub fn derive(axes: &[Axis], flange: &Pose) -> Derived {
     let model = ArmModel { axes, flange };
     let mut best: Option<Derived> = None;
@@ -80,17 +86,17 @@ pub fn derive(axes: &[Axis], flange: &Pose) -> Derived {
     model.rounded(best.unwrap_or_else(|| model.rows(NEAR)))
 }
 
-/// Angle between two axes by their directions, folded to [0, pi/2], rad.
+/// Returns the angle between two axes as lines, in [0, pi/2], rad.
 pub fn angle(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
     a.cross(b).norm().atan2(a.dot(b).abs())
 }
 
-/// Directions of the axes in the base link at coordinates 0.
+/// Returns the directions of the axes in the base link with all coordinates at 0.
 pub fn directions(axes: &[Axis]) -> Vec<Vector3<f64>> {
     joint_poses(axes).iter().zip(axes).map(|(pose, axis)| pose.rotation * axis.direction).collect()
 }
 
-/// Frames of the joints in the base link at coordinates 0.
+/// Returns the frames of the joints in the base link with all coordinates at 0.
 pub fn joint_poses(axes: &[Axis]) -> Vec<Pose> {
     let step = |t: &mut Pose, axis: &Axis| {
         *t = *t * axis.origin;
@@ -127,12 +133,12 @@ impl ArmModel<'_> {
         self.derived(mount, rows)
     }
 
-    /// The tip link in the base link at coordinates 0.
+    /// Returns the tip link in the base link with all coordinates at 0.
     fn tip(&self) -> Pose {
         joint_poses(self.axes).last().map_or(*self.flange, |last| *last * *self.flange)
     }
 
-    /// What follows from mount and rows.
+    /// Computes frames, tip and gap from the mount and the rows.
     fn derived(&self, mount: Pose, rows: Vec<UrdfDhRow>) -> Derived {
         let mut frames = vec![mount];
         for row in &rows {
@@ -146,7 +152,7 @@ impl ArmModel<'_> {
         derived
     }
 
-    /// Makes 0 and right angles exact where the rows stay as true as they are.
+    /// Makes values near 0 and right angles exact, if the rows reproduce the URDF as well as before.
     fn rounded(&self, derived: Derived) -> Derived {
         let mut best = self.derived(tidy(derived.mount), derived.rows);
         for k in 0..best.rows.len() {
@@ -189,13 +195,15 @@ impl ArmModel<'_> {
     }
 }
 
-/// Coordinate k of posture i in [-1, 1]: multiples of square roots spread evenly (Weyl 1916).
+/// Returns coordinate k of sample posture i in [-1, 1].
+///
+/// The multiples of square roots spread evenly (Weyl 1916).
 fn coordinate(i: usize, k: usize) -> f64 {
     const PRIMES: [f64; 8] = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0];
     2.0 * ((i + 1) as f64 * PRIMES[k % 8].sqrt()).fract() - 1.0
 }
 
-/// The motion of a joint in its own frame.
+/// Returns the displacement of a joint in its own frame.
 fn moved(axis: &Axis, q: f64) -> Pose {
     match axis.kind {
         JointKind::Revolute => {
@@ -206,7 +214,7 @@ fn moved(axis: &Axis, q: f64) -> Pose {
     }
 }
 
-/// `Rz(theta + turn) Tz(r + slide) Tx(l) Rx(alpha)`.
+/// Returns the transform of a row: `Rz(theta + turn) Tz(r + slide) Tx(l) Rx(alpha)`.
 fn pose_of(row: &UrdfDhRow, turn: f64, slide: f64) -> Pose {
     let (s, c) = (row.theta + turn).sin_cos();
     let (sa, ca) = exact(row.alpha);
@@ -214,7 +222,7 @@ fn pose_of(row: &UrdfDhRow, turn: f64, slide: f64) -> Pose {
     Pose { rotation, translation: Vector3::new(row.l * c, row.l * s, row.r + slide) }
 }
 
-/// Sine and cosine as the chain takes them: exact at right angles.
+/// Returns sine and cosine as the chain computes them: exact at right angles.
 fn exact(angle: f64) -> (f64, f64) {
     let zero = |v: f64| if v.abs() < 1e-15 { 0.0 } else { v };
     (zero(angle.sin()), zero(angle.cos()))
@@ -226,7 +234,7 @@ fn first_frame(z: &Vector3<f64>, point: &Vector3<f64>) -> Pose {
     Pose { rotation: Matrix3::from_columns(&[x, z.cross(&x), *z]), translation: point - z * z.dot(point) }
 }
 
-/// The row to an axis through `p` along the unit vector `d`, both in the frame before the row.
+/// Returns the row to an axis through `p` along the unit vector `d`, both in the frame before the row.
 fn between(d: &Vector3<f64>, p: &Vector3<f64>, parallel: f64) -> UrdfDhRow {
     let s = d.x.hypot(d.y);
     if s <= parallel {
@@ -239,7 +247,9 @@ fn between(d: &Vector3<f64>, p: &Vector3<f64>, parallel: f64) -> UrdfDhRow {
     in_sense(r, p.dot(&normal), s.atan2(d.z), (normal.x, normal.y))
 }
 
-/// The row to an axis parallel to z, `r` up and at `(x, y)`; `along` is the x axis if it is z itself.
+/// Returns the row to an axis parallel to z, at `(x, y)` and with the axial offset `r`.
+///
+/// `along` is the x axis of the new frame if the axis is z itself.
 fn beside(up: f64, (x, y): (f64, f64), r: f64, along: (f64, f64)) -> UrdfDhRow {
     let alpha = if up < 0.0 { PI } else { 0.0 };
     let l = x.hypot(y);
@@ -249,7 +259,7 @@ fn beside(up: f64, (x, y): (f64, f64), r: f64, along: (f64, f64)) -> UrdfDhRow {
     in_sense(r, l, alpha, (x / l, y / l))
 }
 
-/// Chooses the sense of the x axis by the rule at the head of this file.
+/// Chooses the direction of the x axis by the rule in the module documentation.
 fn in_sense(r: f64, l: f64, alpha: f64, (x, y): (f64, f64)) -> UrdfDhRow {
     let square = x.abs() <= NEAR;
     let turn_round = if !square {
@@ -263,7 +273,7 @@ fn in_sense(r: f64, l: f64, alpha: f64, (x, y): (f64, f64)) -> UrdfDhRow {
     UrdfDhRow { theta: y.atan2(x), r, l, alpha: if alpha == -PI { PI } else { alpha } }
 }
 
-/// The row after the last axis; `tip` is the tip link in the frame before it.
+/// Returns the row after the last axis. `tip` is the tip link in the frame before the row.
 fn last(tip: &Pose) -> UrdfDhRow {
     let (x, d, p) = (tip.rotation.column(0), tip.rotation.column(2).into_owned(), tip.translation);
     let s = d.x.hypot(d.y);
@@ -276,7 +286,7 @@ fn last(tip: &Pose) -> UrdfDhRow {
     }
 }
 
-/// Entries of a pose that are 0, 1 or -1 but for rounding.
+/// Rounds entries of a pose that differ from 0, 1 or -1 only by rounding errors.
 fn tidy(pose: Pose) -> Pose {
     let near = |v: f64| if (v - v.round()).abs() < 1e-14 { v.round() + 0.0 } else { v };
     let zero = |v: f64| if v.abs() < 1e-14 { 0.0 } else { v };

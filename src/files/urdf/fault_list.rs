@@ -1,10 +1,10 @@
-//! Faults found while the text of the file is borrowed; the library gets them afterwards.
+//! List of faults found while the text of the file is borrowed. They are moved to the library afterwards.
 
 use crate::files::fault::Severity;
 use crate::files::toml::document::Library;
 use crate::files::toml::tree::At;
 
-/// Most faults kept; the library lists fewer.
+/// Largest number of faults that are kept. The library lists fewer.
 const MAX_FAULTS: usize = 600;
 
 pub struct UrdfFault {

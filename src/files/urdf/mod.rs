@@ -1,8 +1,8 @@
 //! Robots from URDF files (the XML of ROS): a chain of links to standard D-H rows and solids.
 //!
-//! Of the file are used the links and joints from `base_link` to `tip_link` with what is fixed to
-//! them, and of those the joints and the collision shapes. All else is counted and told once. Lengths
-//! are in m and angles in rad, as in the format.
+//! Only the chain from `base_link` to `tip_link` and the links fixed to it are used: their joints and
+//! collision shapes. All other elements are counted and reported once. Lengths are in m and angles in rad, as
+//! in the format.
 
 mod dh;
 mod fault_list;
@@ -28,11 +28,11 @@ use model::Urdf;
 use motion::Motion;
 use tree::Tree;
 
-/// What a URDF gives of a robot.
+/// Robot as read from a URDF.
 pub struct UrdfRobot {
-    /// The name in the file, if it can be one.
+    /// Name of the robot in the file, if it is a valid name.
     pub name: Option<String>,
-    /// Base link to D-H frame 0.
+    /// Pose of D-H frame 0 in the base link.
     pub mount: Pose,
     pub joints: Vec<Joint>,
     pub coupling: Vec<Vec<f64>>,
@@ -41,17 +41,17 @@ pub struct UrdfRobot {
     pub origin: UrdfOrigin,
 }
 
-/// The chain of a URDF that a robot file asks for.
+/// Request for a chain of a URDF, as a robot file states it.
 pub struct UrdfChain {
     pub file: Named,
-    /// Link that stands still; None: the root of the tree.
+    /// Link that stands still; None for the root of the tree.
     pub base: Option<Named>,
-    /// Link that carries the tool; None: the only end of the chain.
+    /// Link that carries the tool; None for the only end of the chain.
     pub tip: Option<Named>,
     pub packages: RosPackages,
 }
 
-/// Reads the URDF that a robot names.
+/// Reads the chain of a URDF that a robot file names.
 pub fn read(chain: UrdfChain, lib: &mut Library) -> Option<UrdfRobot> {
     let UrdfChain { file: named, base, tip, packages } = chain;
     let at = named.at;
@@ -105,7 +105,7 @@ fn tell_ignored(ignored: &[(String, usize)], at: At, lib: &mut Library<'_>) {
         return;
     }
     let counts: Vec<_> = ignored.iter().map(|(what, n)| format!("{n} {}", shown(what))).collect();
-    let message = format!("not used of this URDF: {}", counts.join(", "));
-    let help = "only joints and collision shapes of the chain from base to tip link count";
+    let message = format!("elements of this URDF that are not used: {}", counts.join(", "));
+    let help = "only joints and collision shapes of the chain from base to tip link are used";
     lib.fault(at, Severity::Warning, message, help);
 }

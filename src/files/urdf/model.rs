@@ -1,11 +1,11 @@
-//! What a URDF says, m and rad, before anything is made of it.
+//! Content of a URDF file as read, m and rad, before conversion to D-H rows.
 
 use crate::files::toml::tree::At;
 use crate::pose::Pose;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
-/// A word of the file and its place.
+/// Name in a file, with its place.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Named {
     pub name: String,
@@ -18,7 +18,7 @@ pub struct Urdf {
     pub name: Option<String>,
     pub links: Vec<UrdfLink>,
     pub joints: Vec<UrdfJoint>,
-    /// How many elements of each name are not used.
+    /// Number of unused elements by their tag.
     pub ignored: BTreeMap<String, usize>,
 }
 
@@ -31,16 +31,16 @@ pub struct UrdfLink {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Collision {
     pub at: At,
-    /// In the frame of its link.
+    /// Pose in the frame of the link.
     pub pose: Pose,
     pub geometry: Geometry,
 }
 
 #[derive(Debug, Clone, PartialEq)]
 pub enum Geometry {
-    /// Full edge lengths.
+    /// Box with its full edge lengths.
     Box(Vector3<f64>),
-    /// Centred, along z.
+    /// Cylinder centred at the origin, with its axis along z.
     Cylinder {
         radius: f64,
         length: f64,
@@ -84,7 +84,7 @@ pub struct UrdfJoint {
     pub kind: UrdfJointKind,
     pub parent: Named,
     pub child: Named,
-    /// Frame of the parent link to that of the joint at coordinate 0.
+    /// Frame of the joint at coordinate 0 in the frame of the parent link.
     pub origin: Pose,
     pub origin_at: At,
     /// Unit vector in the frame of the joint.
@@ -94,7 +94,7 @@ pub struct UrdfJoint {
     pub mimic: Option<Mimic>,
 }
 
-/// Coordinate = `multiplier` * that of `joint` + `offset`.
+/// Relation of a mimic joint: its coordinate is `multiplier` times that of `joint`, plus `offset`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mimic {
     pub joint: Named,

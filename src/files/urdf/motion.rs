@@ -1,4 +1,4 @@
-//! The joints on the way from base to tip: which move, within what limits, and what follows what.
+//! Joints between base and tip: which of them move, their limits and their coupling.
 
 use super::dh;
 
@@ -12,23 +12,24 @@ use crate::files::toml::value;
 use crate::pose::Pose;
 use std::f64::consts::TAU;
 
-/// Longer than any arm, m: the file is probably in mm.
+/// Length, m, above which a value is probably in mm: it is longer than any arm.
 pub const TOO_LONG: f64 = 20.0;
 
-/// Limits of more turns are probably in degrees, rad; and what no joint can mean.
+/// Joint limit, rad, above which a warning says that it is probably in degrees.
 const MANY_TURNS: f64 = 4.0 * TAU;
+/// Joint limit, rad, above which a URDF is refused.
 const TOO_MANY_TURNS: f64 = 1e3;
 
-/// Axes nearer to parallel or to a right angle than this (rad) may be meant to be it.
+/// Deviation, rad, below which axes are probably meant to be parallel or at right angles.
 const NEARLY: f64 = 1e-3;
 
-/// A joint that moves, with what the rows do not hold.
+/// Moving joint: the properties that its D-H row does not hold.
 pub struct Mover {
     pub name: String,
     pub limits: (f64, f64),
-    /// Coordinate where all actuators are at 0 (rad or m): the offset of a mimic joint.
+    /// Coordinate of the joint with all actuators at 0 (rad or m): the offset of a mimic joint.
     pub offset: f64,
-    /// Row of the joint in the coupling.
+    /// Row of the joint in the coupling matrix.
     pub coupling: Vec<f64>,
 }
 
@@ -39,7 +40,7 @@ pub struct Motion {
     pub flange: Pose,
 }
 
-/// Every fault of the chain; good only if none was recorded.
+/// Reads the joints between base and tip and records every fault. The result is valid only if there is none.
 pub fn read(urdf: &Urdf, way: &Way, lib: &mut Library<'_>) -> Option<Motion> {
     let before = lib.errors();
     let joints: Vec<_> = way.joints.iter().map(|&j| &urdf.joints[j]).collect();
@@ -88,9 +89,12 @@ fn refuse_count(urdf: &Urdf, moving: &[&UrdfJoint], lib: &mut Library<'_>) {
         let at = moving.get(MAX_JOINTS).map_or(urdf.at, |j| j.name.at);
         let own = moving.iter().filter(|j| j.mimic.is_none()).count();
         let message = if moving.len() > MAX_JOINTS {
-            format!("{} joints move between base and tip link, at most {MAX_JOINTS} may", moving.len())
+            format!(
+                "{} joints move between base and tip link; at most {MAX_JOINTS} are allowed",
+                moving.len()
+            )
         } else {
-            format!("{own} joints move of their own between base and tip link")
+            format!("{own} joints between base and tip link move independently")
         };
         lib.error(at, message, "choose the chain of the arm with base_link and tip_link");
     }
@@ -123,15 +127,15 @@ fn read_mover(
 fn read_limits(joint: &UrdfJoint, lib: &mut Library<'_>) -> Option<(f64, f64)> {
     let name = shown(&joint.name.name);
     if joint.kind == UrdfJointKind::Continuous {
-        let message = format!("the continuous joint `{name}` is taken with limits of -360 and 360 degrees");
-        let help = "make it revolute with limits, if its cables end sooner";
+        let message = format!("the continuous joint `{name}` is read with limits of -360 and 360 degrees");
+        let help = "if its cables allow less, make it revolute and give limits";
         lib.fault(joint.name.at, Severity::Warning, message, help);
         return Some((-TAU, TAU));
     }
     let Some((lower, upper, at)) = joint.limits else {
         let message = format!("joint `{name}` has no limits");
-        let help =
-            "add <limit lower=\"...\" upper=\"...\"/>: others take what is missing as 0 to 0, no travel";
+        let help = "add <limit lower=\"...\" upper=\"...\"/>: other programs read missing limits as \
+                    0 to 0, which leaves no travel";
         lib.error(joint.name.at, message, help);
         return None;
     };
@@ -156,7 +160,7 @@ fn read_limits(joint: &UrdfJoint, lib: &mut Library<'_>) -> Option<(f64, f64)> {
     Some((lower, upper))
 }
 
-/// A mimic joint follows one before it on the chain: a row of the coupling and an offset.
+/// Reads a mimic joint, which follows a joint before it on the chain, as a row of the coupling and an offset.
 fn read_mimic(
     i: usize,
     joint: &UrdfJoint,
@@ -168,8 +172,9 @@ fn read_mimic(
     let name = shown(&joint.name.name);
     let followed = before.len().min(i);
     let Some(j) = moving[..followed].iter().position(|other| other.name.name == mimic.joint.name) else {
-        let message = format!("joint `{name}` mimics `{}`, no joint before it", shown(&mimic.joint.name));
-        let help = "a joint can follow one that stands before it on the way from base to tip link";
+        let message =
+            format!("joint `{name}` mimics `{}`, which is not a joint before it", shown(&mimic.joint.name));
+        let help = "a joint can only follow one that comes before it in the chain from base to tip link";
         lib.error(mimic.joint.at, message, help);
         return None;
     };
@@ -188,7 +193,8 @@ fn read_mimic(
     Some(mover)
 }
 
-/// The limits of a mimic joint hold nothing back: those that it follows must.
+/// Warns if a mimic joint leaves its limits. They are not enforced: only those of the joints that it follows
+/// are.
 fn warn_beyond(joint: &UrdfJoint, mover: &Mover, before: &[Mover], lib: &mut Library<'_>) {
     let Some((lower, upper, at)) = joint.limits else { return };
     let (mut low, mut high) = (mover.offset, mover.offset);
@@ -198,13 +204,13 @@ fn warn_beyond(joint: &UrdfJoint, mover: &Mover, before: &[Mover], lib: &mut Lib
     }
     if low < lower - 1e-9 || high > upper + 1e-9 {
         let name = shown(&joint.name.name);
-        let message =
-            format!("the mimic joint `{name}` is led from {low:.4} to {high:.4}, beyond its limits");
+        let message = format!("the mimic joint `{name}` moves from {low:.4} to {high:.4}, beyond its limits");
         lib.fault(at, Severity::Warning, message, "narrow the limits of the joint that it follows");
     }
 }
 
-/// Says where axes are parallel or square but for a little, and where that costs truth.
+/// Warns of axes that are almost parallel or almost at right angles, and of rows that do not reproduce the
+/// URDF.
 pub fn warn_of_slants(urdf: &Urdf, way: &Way, motion: &Motion, derived: &dh::Derived, lib: &mut Library<'_>) {
     let moving = way.joints.iter().map(|&j| &urdf.joints[j]).filter(|j| j.kind != UrdfJointKind::Fixed);
     let moving: Vec<_> = moving.collect();
@@ -219,20 +225,22 @@ pub fn warn_of_slants(urdf: &Urdf, way: &Way, motion: &Motion, derived: &dh::Der
             let away = derived.rows[k].r.abs().max(derived.rows.get(k + 1).map_or(0.0, |row| row.r.abs()));
             (
                 "parallel",
-                format!("; their rows lead {away:.3} m along the axes, where row errors mean little"),
+                format!(
+                    "; their rows have an offset of {away:.3} m along the axes, so row errors mean little"
+                ),
             )
         } else {
             ("at right angles", String::new())
         };
         let message =
-            format!("the axes of `{}` and `{}` are {what} but for {off:.1e} rad{so}", names.0, names.1);
+            format!("the axes of `{}` and `{}` are {what} except for {off:.1e} rad{so}", names.0, names.1);
         let help = "if they are meant to be, write the angles with all digits: 1.5707963267948966";
         lib.fault(moving[k + 1].origin_at, Severity::Warning, message, help);
     }
     if derived.gap >= dh::TRUE || derived.gap.is_nan() {
         let message =
-            format!("no D-H rows are true to this URDF: they miss it by up to {:.1e} m", derived.gap);
-        let help = "axes that are almost parallel are why: write the angles with all digits";
+            format!("no D-H rows reproduce this URDF exactly: they differ by up to {:.1e} m", derived.gap);
+        let help = "almost parallel axes are the cause: write the angles with all digits";
         lib.fault(urdf.at, Severity::Warning, message, help);
     }
 }

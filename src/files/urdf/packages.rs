@@ -1,4 +1,4 @@
-//! `package://NAME/PATH`: where the packages of ROS lie.
+//! Folders of ROS packages, for paths of the form `package://NAME/PATH`.
 
 use super::model::Named;
 use crate::files::fault::shown;
@@ -11,8 +11,10 @@ const SCHEME: &str = "package://";
 pub struct RosPackages(pub Vec<(String, String)>);
 
 impl RosPackages {
-    /// The path of a file that a URDF names: relative to the folder of the cell, or
-    /// `package://NAME/PATH` of a package whose folder the file does not give.
+    /// Returns the path of a file that a URDF names.
+    ///
+    /// The path is relative to the folder of the cell. If the robot file does not give the folder of the
+    /// package, the path stays `package://NAME/PATH`.
     pub fn path(&self, file: &Named, lib: &mut Library<'_>) -> Option<String> {
         let naming =
             lib.sources[file.at.file].path.strip_prefix(SCHEME).and_then(|path| path.rsplit_once('/'));
@@ -24,7 +26,7 @@ impl RosPackages {
         };
         let inside = whole.split_once('/').and_then(|(name, path)| Some((name, normal(path)?)));
         let Some((name, path)) = inside.filter(|(name, _)| is_package(name)) else {
-            let message = format!("`{}` is no file of a package", shown(&file.name));
+            let message = format!("`{}` does not name a file of a package", shown(&file.name));
             lib.error(file.at, message, "write package://NAME/PATH, with a path that stays in the package");
             return None;
         };
@@ -35,12 +37,12 @@ impl RosPackages {
     }
 }
 
-/// Letters, digits, `_` and `-`: no way out of a folder.
+/// Returns whether a package name consists of letters, digits, `_` and `-`, and so cannot leave a folder.
 fn is_package(name: &str) -> bool {
     !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-')
 }
 
-/// A path without `.` and `..`; none if it leaves its folder or is no file.
+/// Returns a path without `.` and `..`; None if it leaves its folder or does not name a file.
 fn normal(path: &str) -> Option<String> {
     let mut parts: Vec<&str> = Vec::new();
     for part in path.split('/') {

@@ -1,4 +1,4 @@
-//! XML text to links and joints: every fault of the text, none of the tree.
+//! Parser of URDF text: XML to links and joints. Faults of the tree of links are found elsewhere.
 
 use super::fault_list::Faults;
 use super::model::*;
@@ -9,16 +9,16 @@ use nalgebra::Vector3;
 use roxmltree::{Document, Node, ParsingOptions};
 use std::collections::{BTreeMap, HashSet};
 
-/// Most links, most joints and most collision elements.
+/// Largest number of links, of joints and of collision elements.
 const MAX_ELEMENTS: usize = 1_000;
 
-/// Kinds of unused elements that are counted by name.
+/// Largest number of unused tags that are counted by name.
 const MOST_KINDS: usize = 20;
 
-/// Shortest size of a collision shape, m.
+/// Least size of a collision shape, m.
 const SMALLEST: f64 = 1e-9;
 
-/// Reads the text; good only if no fault was recorded.
+/// Parses the text and records every fault. The result is valid only if there is none.
 pub fn parse(text: &str, faults: &mut Faults) -> Option<Urdf> {
     if let Some(wrong) = scan::refuse(text, faults) {
         faults.push(wrong);
@@ -30,14 +30,14 @@ pub fn parse(text: &str, faults: &mut Faults) -> Option<Urdf> {
         Err(e) => {
             let message = format!("not XML: {}", shown(&e.to_string()));
             let at = faults.at(offset_of(text, e.pos()));
-            faults.error(at, message, "mend the line, or export the URDF anew");
+            faults.error(at, message, "correct the line, or export the URDF again");
             return None;
         }
     };
     read_robot(document.root_element(), faults)
 }
 
-/// Bytes before a row and column from 1.
+/// Returns the byte offset of a row and column, which count from 1.
 fn offset_of(text: &str, pos: roxmltree::TextPos) -> usize {
     let row = text.split_inclusive('\n').take(pos.row.saturating_sub(1) as usize).map(str::len).sum();
     let line = text.get(row..).unwrap_or("");
@@ -206,7 +206,7 @@ fn read_kind(e: Node<'_, '_>, faults: &mut Faults) -> Option<UrdfJointKind> {
     found
 }
 
-/// The link of `<parent>` or `<child>`.
+/// Returns the link that `<parent>` or `<child>` names.
 fn end(e: Node<'_, '_>, tag: &str, faults: &mut Faults) -> Option<Named> {
     let Some(end) = xml::only(e, tag, faults) else {
         let at = faults.at(e.range().start);
@@ -216,7 +216,9 @@ fn end(e: Node<'_, '_>, tag: &str, faults: &mut Faults) -> Option<Named> {
     xml::text(end, "link", faults)
 }
 
-/// `lower` and `upper`; none if neither is written, for others take that as 0.
+/// Returns `lower` and `upper`; the inner None if neither is given.
+///
+/// URDF takes a missing limit as 0. That holds if only one is missing.
 #[allow(clippy::option_option)]
 fn read_limits(
     e: Node<'_, '_>,
@@ -241,7 +243,7 @@ fn read_mimic(e: Node<'_, '_>, faults: &mut Faults) -> Option<Mimic> {
     Some(Mimic { joint: joint?, multiplier, offset })
 }
 
-/// Counts the elements that nothing is made of, by name.
+/// Counts the elements that are not used, by their tag.
 fn unused(root: Node<'_, '_>) -> BTreeMap<String, usize> {
     let mut counts = BTreeMap::new();
     for top in root.children().filter(Node::is_element) {

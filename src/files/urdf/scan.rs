@@ -1,27 +1,26 @@
-//! Cheap checks of XML text before it is parsed: what would make a parser slow, deep or large.
-//!
-//! The parser reserves memory for every `<` and `=` of the text and compares the attributes of a tag
-//! pair by pair, so these are counted first.
+//! Cheap checks of XML text before it is parsed. They refuse text that would make the parser slow or deep, or
+//! use much memory.
 
 use super::fault_list::{Faults, UrdfFault};
 
-/// Longest URDF file, bytes.
+/// Largest size of a URDF file, bytes.
 const MAX_BYTES: usize = 4_000_000;
 
 const MAX_TAGS: usize = 150_000;
 const MAX_EQUALS: usize = 300_000;
 const MAX_NAMESPACES: usize = 100;
 
-/// Deepest nesting of elements; a collision shape stands at 5.
+/// Deepest nesting of elements. A collision shape is at depth 5.
 const MAX_NESTING: usize = 64;
 
-/// Most attributes of one tag, and longest tag, bytes.
+/// Largest number of attributes of one tag.
 const MAX_ATTRIBUTES: usize = 64;
+/// Largest size of a tag, bytes.
 const MAX_TAG: usize = 4_000;
 
-const LARGE: &str = "is this the URDF of one robot? cut what is no link or joint of it";
+const LARGE: &str = "is this the URDF of one robot? remove everything but its links and joints";
 
-/// The first reason not to parse the text.
+/// Returns the first reason why the text must not be parsed, if there is one.
 pub fn refuse(text: &str, faults: &Faults) -> Option<UrdfFault> {
     let many = |what: &str, most: usize| {
         Some(faults.wrong(0, format!("more than {most} {what}"), LARGE)) // the file as a whole
@@ -41,7 +40,7 @@ pub fn refuse(text: &str, faults: &Faults) -> Option<UrdfFault> {
 
 type Refusal = (usize, String, &'static str);
 
-/// Follows the tags; what is not closed is left to the parser.
+/// Checks tags and nesting depth. Unclosed tags are left to the parser.
 fn walk(text: &str) -> Result<(), Refusal> {
     let (mut at, mut depth) = (0, 0usize);
     while let Some(start) = text[at..].find('<').map(|i| at + i) {
@@ -64,7 +63,7 @@ fn walk(text: &str) -> Result<(), Refusal> {
             }
             if depth > MAX_NESTING {
                 let message = format!("nested deeper than {MAX_NESTING} elements");
-                return Err((start, message, "no element of a URDF stands that deep"));
+                return Err((start, message, "no element of a URDF is nested that deep"));
             }
             end
         };
@@ -74,7 +73,7 @@ fn walk(text: &str) -> Result<(), Refusal> {
     Ok(())
 }
 
-/// The byte of the `>` that closes the tag at the start of `rest`.
+/// Returns the offset of the `>` that closes the tag at the start of `rest`.
 fn end_of_tag(rest: &str) -> Result<Option<usize>, (String, &'static str)> {
     let (mut quote, mut attributes) = (None, 0);
     for (i, byte) in rest.bytes().enumerate() {

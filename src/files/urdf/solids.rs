@@ -14,16 +14,16 @@ use crate::files::toml::value;
 use crate::pose::Pose;
 use nalgebra::Vector3;
 
-/// A link that moves with a D-H frame.
+/// Link that moves with a D-H frame.
 pub struct Carried {
     link: usize,
-    /// How many joints move it.
+    /// Number of joints that move the link.
     frame: usize,
-    /// In the base link at coordinates 0.
+    /// Pose in the base link with all coordinates at 0.
     pose: Pose,
 }
 
-/// The links on the way and those fixed to them.
+/// Returns the links of the chain and the links fixed to them.
 pub fn carried(urdf: &Urdf, tree: &Tree<'_>, way: &Way, lib: &mut Library<'_>) -> Vec<Carried> {
     let mut open = vec![Carried { link: way.base, frame: 0, pose: Pose::identity() }];
     let mut all = Vec::new();
@@ -44,7 +44,7 @@ pub fn carried(urdf: &Urdf, tree: &Tree<'_>, way: &Way, lib: &mut Library<'_>) -
     all
 }
 
-/// Their solids, named after their links.
+/// Reads the collision shapes of the carried links, named after the links.
 pub fn read(
     urdf: &Urdf,
     carried: &[Carried],
@@ -98,7 +98,7 @@ fn shape(
     })
 }
 
-/// A collision mesh, `scale` of its coordinates to m.
+/// Reads a collision mesh. `scale` converts its coordinates to m.
 fn read_mesh(
     file: &Named,
     scale: &Vector3<f64>,
@@ -115,7 +115,7 @@ fn read_mesh(
     mesh::load(&path, file.at, scale, *pose, lib)
 }
 
-/// Counts what lies off the chain among what is not used.
+/// Counts the elements that are not used, including links and joints off the chain.
 pub fn ignored(urdf: &Urdf, carried: &[Carried], motion: &Motion) -> Vec<(String, usize)> {
     let links = urdf.links.len() - carried.len();
     let fixed = carried.len().saturating_sub(motion.axes.len() + 1);

@@ -1,4 +1,4 @@
-//! The tree of links, and the way through it from base to tip.
+//! Tree of links, and the chain through it from base to tip.
 
 use super::model::*;
 use crate::files::fault::{did_you_mean, listed, shown};
@@ -10,13 +10,13 @@ use std::collections::HashMap;
 pub struct Tree<'u> {
     urdf: &'u Urdf,
     links: HashMap<&'u str, usize>,
-    /// The joint of which a link is the child.
+    /// Joint whose child is the link, for every link.
     above: Vec<Option<usize>>,
-    /// The joints of which it is the parent.
+    /// Joints whose parent is the link, for every link.
     pub below: Vec<Vec<usize>>,
 }
 
-/// From base to tip.
+/// Chain of links from base to tip.
 pub struct Way {
     pub base: usize,
     pub tip: usize,
@@ -24,7 +24,7 @@ pub struct Way {
 }
 
 impl<'u> Tree<'u> {
-    /// None with faults recorded if it is no tree: unknown links, two parents, circles.
+    /// Builds the tree. Returns None and records faults for unknown links, links with two parents and loops.
     pub fn new(urdf: &'u Urdf, lib: &mut Library<'_>) -> Option<Self> {
         let links: HashMap<_, _> = urdf.links.iter().enumerate().map(|(i, l)| (&*l.name.name, i)).collect();
         let none = vec![None; urdf.links.len()];
@@ -40,7 +40,11 @@ impl<'u> Tree<'u> {
             if let Some(other) = tree.above[child].replace(j) {
                 let names = (shown(&joint.child.name), shown(&urdf.joints[other].name.name));
                 let message = format!("link `{}` is already the child of joint `{}`", names.0, names.1);
-                lib.error(joint.child.at, message, "a link hangs on one joint: a closed loop cannot be read");
+                lib.error(
+                    joint.child.at,
+                    message,
+                    "a link has one parent joint: a closed loop cannot be read",
+                );
             }
         }
         if lib.errors() == before {
@@ -49,7 +53,7 @@ impl<'u> Tree<'u> {
         (lib.errors() == before).then_some(tree)
     }
 
-    /// The link of a name, or a fault.
+    /// Returns the link with a name; records a fault if there is none.
     pub fn link(&self, name: &Named, lib: &mut Library<'_>) -> Option<usize> {
         let found = self.links.get(&*name.name).copied();
         if found.is_none() {
@@ -68,7 +72,7 @@ impl<'u> Tree<'u> {
         self.links.get(&*self.urdf.joints[joint].parent.name).copied()
     }
 
-    /// Every circle once: each link is walked up from, links seen before need no second walk.
+    /// Records a fault for every loop of links, once per loop.
     fn refuse_circles(&self, lib: &mut Library<'_>) {
         let mut walk = vec![0; self.above.len()];
         for start in 0..self.above.len() {
@@ -79,13 +83,15 @@ impl<'u> Tree<'u> {
             }
             let Some(again) = link.filter(|&l| walk[l] == start + 1) else { continue };
             let Some(joint) = self.above[again].map(|j| &self.urdf.joints[j]) else { continue };
-            let message = format!("link `{}` hangs on itself", shown(&joint.child.name));
-            lib.error(joint.name.at, message, "follow its joints upwards and cut the circle");
+            let message = format!("link `{}` is its own ancestor", shown(&joint.child.name));
+            lib.error(joint.name.at, message, "follow its parent joints and break the loop");
         }
     }
 
-    /// The way from the base link (none: the root) to the tip link (none: the only leaf below it); `at`
-    /// is where the file was named.
+    /// Returns the chain from the base link to the tip link.
+    ///
+    /// The default base is the root of the tree. The default tip is the only leaf below the base. `at` is the
+    /// place where the file is named.
     pub fn way(
         &self,
         base: Option<Option<usize>>,
@@ -101,7 +107,8 @@ impl<'u> Tree<'u> {
         while link != base {
             let (Some(joint), Some(parent)) = (self.above[link], self.parent(link)) else {
                 let name = |l: usize| shown(&self.urdf.links[l].name.name);
-                let message = format!("tip_link `{}` does not hang on base_link `{}`", name(tip), name(base));
+                let message =
+                    format!("tip_link `{}` is not a descendant of base_link `{}`", name(tip), name(base));
                 lib.error(at, message, "name two links of one chain, the base first");
                 return None;
             };
@@ -114,7 +121,7 @@ impl<'u> Tree<'u> {
 
     fn root(&self, at: At, lib: &mut Library<'_>) -> Option<usize> {
         let roots: Vec<_> = (0..self.above.len()).filter(|&l| self.above[l].is_none()).collect();
-        self.single(&roots, "links that hang on nothing", "base_link", at, lib)
+        self.single(&roots, "links without a parent joint", "base_link", at, lib)
     }
 
     fn leaf(&self, base: usize, at: At, lib: &mut Library<'_>) -> Option<usize> {

@@ -8,18 +8,18 @@ use crate::pose::Pose;
 use nalgebra::Vector3;
 use roxmltree::Node;
 
-/// Largest number that any URDF can mean.
+/// Largest number that is accepted in a URDF.
 const LARGEST: f64 = 1e7;
 
-const NO_MEASURE: &str = "write plain numbers, with blanks between them: nan and inf are no measures";
+const NO_MEASURE: &str = "write plain numbers, with blanks between them; nan and inf are not allowed";
 
-/// The place of an attribute's value.
+/// Returns the place of an attribute's value.
 pub fn place(e: Node<'_, '_>, name: &str, faults: &Faults) -> At {
     let found = e.attributes().find(|a| a.name() == name).map(|a| a.range_value().start);
     faults.at(found.unwrap_or(e.range().start))
 }
 
-/// The text of an attribute that must be there.
+/// Returns the text of a required attribute.
 pub fn text(e: Node<'_, '_>, name: &str, faults: &mut Faults) -> Option<Named> {
     let at = place(e, name, faults);
     let Some(value) = e.attribute(name).filter(|v| !v.is_empty()) else {
@@ -30,7 +30,7 @@ pub fn text(e: Node<'_, '_>, name: &str, faults: &mut Faults) -> Option<Named> {
     Some(Named { name: value.to_string(), at })
 }
 
-/// The numbers of an attribute; `default` if it is missing, and none of none.
+/// Returns the numbers of an attribute; `default` if it is missing. Without a default it is required.
 pub fn numbers<const N: usize>(
     e: Node<'_, '_>,
     name: &str,
@@ -61,7 +61,7 @@ pub fn numbers<const N: usize>(
                 return None;
             }
             Err(_) => {
-                faults.error(at, format!("`{}` in `{name}` is no number", shown(word)), NO_MEASURE);
+                faults.error(at, format!("`{}` in `{name}` is not a number", shown(word)), NO_MEASURE);
                 return None;
             }
         }
@@ -69,7 +69,7 @@ pub fn numbers<const N: usize>(
     Some(all)
 }
 
-/// The only child of a name; a fault if there are several.
+/// Returns the only child element of a name; records a fault if there are several.
 pub fn only<'a, 'i>(e: Node<'a, 'i>, name: &str, faults: &mut Faults) -> Option<Node<'a, 'i>> {
     let mut all = e.children().filter(|c| c.has_tag_name(name));
     let first = all.next();
@@ -80,7 +80,7 @@ pub fn only<'a, 'i>(e: Node<'a, 'i>, name: &str, faults: &mut Faults) -> Option<
     first
 }
 
-/// Refuses attributes that are not known: a misspelt one would count as 0.
+/// Refuses unknown attributes, because a misspelt one would be read as 0.
 pub fn refuse_unknown(e: Node<'_, '_>, known: &[&'static str], faults: &mut Faults) {
     for a in e.attributes().filter(|a| a.namespace().is_none() && !known.contains(&a.name())) {
         let help = match did_you_mean(a.name(), known.iter().copied()) {
@@ -92,7 +92,7 @@ pub fn refuse_unknown(e: Node<'_, '_>, known: &[&'static str], faults: &mut Faul
     }
 }
 
-/// `<origin xyz rpy>` (m, rad) of an element; identity without one.
+/// Returns `<origin xyz rpy>` of an element (m, rad); the identity if there is none.
 pub fn origin(e: Node<'_, '_>, faults: &mut Faults) -> Option<Pose> {
     let Some(origin) = only(e, "origin", faults) else { return Some(Pose::identity()) };
     refuse_unknown(origin, &["xyz", "rpy"], faults);

@@ -1,4 +1,4 @@
-//! The equation for joint 3 of any three joints that put a point at a target.
+//! Equation for joint 3 of three arbitrary joints that put a point at a target.
 //!
 //! D. L. Pieper, "The Kinematics of Manipulators under Computer Control", thesis, Stanford 1968.
 
@@ -8,10 +8,10 @@ use crate::cell::JointKind::{self, Prismatic, Revolute};
 use crate::robot::Link;
 use nalgebra::Vector3;
 
-/// Coordinates of the point that three joints move, as forms of joint 3; lengths in m.
+/// Coordinates of the point that three joints move, as linear forms of joint 3; lengths in m.
 ///
-/// A form is a triple of factors: of 1, cos theta_3 and sin theta_3 for a revolute joint 3, or of 1, r_3
-/// and nothing for a prismatic one.
+/// A form has three coefficients. For a revolute joint 3 they belong to 1, cos theta_3 and sin theta_3. For a
+/// prismatic joint 3 they belong to 1 and r_3, and the third is 0.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::reach) struct PointForms {
     pub kinds: [JointKind; 3],
@@ -20,11 +20,11 @@ pub(in crate::reach) struct PointForms {
     /// Cosines and sines of theta_1 and theta_2 at coordinate 0.
     pub zero: [Angle; 2],
     pub l1: f64,
-    /// Point in frame 1, rotated back by theta_2: x, y, and z without a free r_2.
+    /// Coordinate x of the point in frame 1, rotated back by theta_2. `v` is y; `h` is z without a free r_2.
     pub u: Quadratic,
     pub v: Quadratic,
     pub h: Quadratic,
-    /// Square of the distance from the origin of frame 1: a form, plus the square of another.
+    /// Square of the distance from the origin of frame 1: the first form plus the square of the second.
     pub distance2: (Quadratic, Quadratic),
 }
 
@@ -36,7 +36,8 @@ pub(in crate::reach) struct PointTarget {
     pub height: f64,
     /// Square of the distance from the origin of frame 1, less l_1 squared, m2.
     pub distance2: f64,
-    /// Coordinates in the frame rotated by theta_1, m; used if joint 1 is prismatic.
+    /// Coordinate x of the target in the frame rotated by theta_1, m; `y` likewise. Used if joint 1 is
+    /// prismatic.
     pub x: f64,
     pub y: f64,
 }
@@ -84,8 +85,10 @@ impl PointForms {
         Self { kinds, twist1, zero, l1: a.l, u, v, h, distance2: (form, z) }
     }
 
-    /// Returns the path of joint 3: a circle by the tangent of half the angle from `origin`, or a line by
-    /// r_3.
+    /// Returns the path of joint 3.
+    ///
+    /// For a revolute joint it is a circle; the parameter is the tangent of half the angle from the origin
+    /// `(c, s)`. For a prismatic joint it is a line; the parameter is r_3.
     pub fn path(&self, (c, s): Angle) -> Path {
         match self.kinds[2] {
             Revolute => Path { one: [1.0, 0.0, 1.0], a: [c, -2.0 * s, -c], b: [s, 2.0 * c, -s] },
@@ -178,7 +181,9 @@ fn weighted(terms: &[(f64, Polynomial)]) -> Polynomial {
     std::array::from_fn(|k| terms.iter().map(|(w, p)| w * p[k]).sum())
 }
 
-/// Returns the squared distance from axis 2, given that from the origin of frame 1 and the height.
+/// Returns the squared distance from axis 2.
+///
+/// `far` is the squared distance from the origin of frame 1, and `h` is the height along axis 2.
 fn radius2(far: &Quadratic, h: &Quadratic, path: &Path) -> Polynomial {
     weighted(&[(1.0, product(far, &path.one)), (-1.0, product(h, h))])
 }

@@ -1,14 +1,14 @@
-//! The arm of the seed paper in closed form: a base yaw, then three parallel axes that move the tool in
-//! a vertical plane, then perhaps a roll about the tool axis.
+//! The arm of the seed paper in closed form: a base yaw, then three parallel axes that move the tool in a
+//! vertical plane, then perhaps a roll about the tool axis.
 //!
-//! Palletizers are of this kind, with a passive third parallel axis.
+//! Palletizers belong to this family: their third parallel axis is passive.
 //!
-//! Let `s` be the signed distance in that plane (front > 0, back < 0) and phi the angle of the last
-//! parallel link. The wrist lies at `u = s - l_1 - U(phi)`, `v = z - r_1 - V(phi)`. The law of cosines
-//! gives two elbows, and theta_4 = phi - theta_2 - theta_3. The elevation of the tool (its bending
-//! angle) leaves two phi: the tool points away from the base axis or towards it. Both are one if the
-//! tool is vertical. So a target has up to 2 x 2 x 2 branches. The solver takes square roots only; it
-//! forms no angle until a branch is reported.
+//! Let `s` be the signed distance in that plane (front > 0, back < 0) and phi the angle of the last parallel
+//! link. The wrist lies at `u = s - l_1 - U(phi)`, `v = z - r_1 - V(phi)`. The law of cosines gives two
+//! elbows, and theta_4 = phi - theta_2 - theta_3. A given elevation of the tool (its bending angle) allows
+//! two values of phi: the tool points away from the base axis or towards it. The two coincide if the tool is
+//! vertical. So a target has up to 2 x 2 x 2 branches. The solver takes square roots only; it forms no angle
+//! until a branch is reported.
 
 use crate::cell::{JointKind, tool_columns};
 use crate::pose::exact_sin_cos;
@@ -19,7 +19,7 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 
 /// Excess over 1 up to which a cosine counts as 1.
 ///
-/// So rounding loses neither the stretched arm nor the one in the vertical plane of the base axis.
+/// It keeps rounding from losing the stretched arm, and an arm whose plane only just reaches the target.
 pub(in crate::reach) const STRETCHED: f64 = 1e-12;
 
 /// Deviation below which directions (no unit) and points (m) count as exact.
@@ -58,7 +58,7 @@ impl PlanarArm {
     /// Returns the closed form of a chain, if it is a planar arm.
     ///
     /// # Errors
-    /// Why the chain is not of this family.
+    /// Fails if the chain is not of this family. The message says why.
     pub fn new(chain: &Chain) -> Result<Self, String> {
         let [a, b, c, d, ref rest @ ..] = chain.links[..] else {
             return Err(format!("it has {} axes, not 4 or 5", chain.axes()));
@@ -142,8 +142,8 @@ impl PlanarArm {
     /// Calls `found` with every branch for the TCP at `target` (frame 0, m), inside the joint limits or not.
     ///
     /// Bit 0 of the branch is the elbow. Bit 1 says that the arm leans back over the base. Bit 2 says that
-    /// the tool points against theta_1. The tilts follow above, and above them the spins. Returns the
-    /// distance of the nearest branch, m; 0 if there is a branch.
+    /// the tool points against theta_1. The next bits number the tilts, and the bits above them number the
+    /// spins. Returns the distance of the nearest branch, m; 0 if there is a branch.
     #[inline]
     pub(in crate::reach) fn solve(
         &self,

@@ -6,7 +6,7 @@ pub(in crate::reach) type Polynomial = [f64; 5];
 /// Polynomial up to the second degree: coefficients of 1, x, x^2.
 pub(in crate::reach) type Quadratic = [f64; 3];
 
-/// Share of the sum of its terms below which an extremum counts as a double root.
+/// Value at an extremum, as a share of the sum of absolute terms, below which it counts as a double root.
 const DOUBLE_ROOT: f64 = 1e-7;
 
 /// Up to four real roots in ascending order.
@@ -57,8 +57,8 @@ fn derivative(p: &Polynomial) -> Polynomial {
 
 /// Returns the real roots of a polynomial, each multiple root once.
 ///
-/// A polynomial is monotonic between neighbouring roots of its derivative. So these bracket its own
-/// roots, and cancellation loses none.
+/// A polynomial is monotonic between neighbouring roots of its derivative. The roots of the derivative
+/// therefore bracket those of the polynomial, and no root is lost by cancellation.
 pub(in crate::reach) fn real_roots(p: &Polynomial) -> Roots {
     let largest = p.iter().fold(0.0f64, |m, c| m.max(c.abs()));
     let degree = (1..5).rev().find(|&k| p[k].abs() > 1e-14 * largest).unwrap_or(0);

@@ -13,7 +13,7 @@ use nalgebra::{Complex, ComplexField};
 /// Vector of a plane as a complex number.
 type Plane = Complex<f64>;
 
-/// Excess over 1 up to which the cosine of the elbow counts as that of a stretched arm.
+/// Excess over 1 up to which the cosine of the elbow angle counts as 1: the arm is stretched or folded.
 const STRETCHED_ELBOW: f64 = 1e-12;
 
 /// Closed form of a SCARA; lengths in m.
@@ -23,7 +23,7 @@ pub struct Scara {
     turning: [usize; 3],
     /// Index of the prismatic row.
     sliding: usize,
-    /// Direction of each revolute axis against axis z of frame 0: +1 or -1.
+    /// Direction of each revolute axis relative to axis z of frame 0: +1 or -1.
     senses: [f64; 3],
     sliding_sense: f64,
     flange_sense: f64,
@@ -39,7 +39,7 @@ impl Scara {
     /// Returns the closed form of a chain, if it is a SCARA.
     ///
     /// # Errors
-    /// Why the chain is not of this family.
+    /// Fails if the chain is not of this family. The message says why.
     pub fn new(chain: &Chain) -> Result<Self, String> {
         let kinds: Vec<_> = chain.links.iter().map(|l| l.kind).collect();
         let of = |kind| (0..kinds.len()).filter(|&i| kinds[i] == kind).collect::<Vec<_>>();

@@ -1,7 +1,7 @@
 //! Six-axis arms with three neighbouring axes that meet in one point: a spherical wrist or shoulder.
 //!
 //! The first three joints put the wrist centre at its place, the last three set the orientation (Pieper
-//! 1968). A spherical shoulder is solved as the wrist of the arm reversed end for end.
+//! 1968). An arm with a spherical shoulder is reversed, from flange to base; the shoulder is then its wrist.
 
 use super::anthropomorphic::Anthropomorphic;
 use super::subproblems::{ALIGNED, Twists, before_twist, turned_back};
@@ -35,7 +35,7 @@ impl SphericalWrist {
     /// Returns the closed form of a chain, if it has a spherical wrist or shoulder.
     ///
     /// # Errors
-    /// Why the chain is not of this family.
+    /// Fails if the chain is not of this family. The message says why.
     pub fn new(chain: &Chain) -> Result<Self, String> {
         let links: [Link; 6] =
             chain.links[..].try_into().map_err(|_| format!("it has {} axes, not 6", chain.axes()))?;
@@ -73,21 +73,22 @@ impl SphericalWrist {
 
     /// Calls `found` with every posture that puts the last D-H frame at `flange`, without joint limits.
     ///
-    /// `flange` is a pose in frame 0, without the tool. `posture` is memory that carries the fixed D-H
+    /// `flange` is a pose in frame 0, without the tool. `posture` is scratch memory that holds the fixed D-H
     /// values of the chain.
     ///
-    /// Bit 0 of the branch is the flip of the wrist. For the usual industrial arm bit 1 is the elbow, and
-    /// bit 2 says that the arm leans back over its base. For other arms bit 1 numbers the two solutions of
-    /// joint 2. Bit 2 says whether Pieper's equation rises at the solution for joint 3. Bit 3 counts these
-    /// solutions from theta_3 = -180 degrees, or from the lowest r_3. Neighbouring targets keep that number
-    /// up to a singularity or to theta_3 = 180 degrees. An arm that changes posture without a singularity has
-    /// no better number.
+    /// Bit 0 of the branch is the flip of the wrist. For the usual industrial arm bit 1 is the elbow, and bit
+    /// 2 says that the arm leans back over its base. For other arms bit 1 numbers the two solutions of the
+    /// second joint. Bit 2 says whether Pieper's equation rises at the solution for joint 3. Bit 3 numbers
+    /// the solutions with equal bit 2 in ascending order from theta_3 = -180 degrees, or from the lowest r_3.
+    /// These numbers change only at a singularity or at theta_3 = 180 degrees. There is no better numbering
+    /// for an arm that can change posture without passing a singularity.
     ///
-    /// If axes 4 and 6 are aligned, theta_4 is 0 and the wrist is not flipped. A wrist centre on axis 1 or 2
-    /// leaves that theta 0. For a spherical shoulder all this holds from flange to base.
+    /// If axes 4 and 6 are aligned, theta_4 is 0 and the wrist is not flipped. If the wrist centre lies on
+    /// axis 1 or 2, theta of that axis is 0. For a spherical shoulder, axes and bits count from flange to
+    /// base.
     ///
-    /// Returns the distance (m) of the wrist centre from the reach of the first three joints. Even at 0 an
-    /// oblique wrist may be unable to take the orientation.
+    /// Returns the distance (m) of the wrist centre from the reach of the first three joints. If it is 0, an
+    /// oblique wrist may still be unable to reach the orientation.
     #[inline]
     pub fn solve(&self, flange: &Pose, posture: &mut Posture, found: &mut impl FnMut(u8, &Posture)) -> f64 {
         let Some(lead) = &self.reversed else { return self.reach(flange, posture, found) };

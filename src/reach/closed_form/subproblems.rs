@@ -4,15 +4,15 @@
 //! section 3.2; A. J. Elias, J. T. Wen, "IK-Geo: Unified robot inverse kinematics using subproblem
 //! decomposition" (2022).
 //!
-//! Every angle is a pair (cosine, sine). Roots are taken such that the result fits the pose to rounding
-//! even where it is a double root.
+//! Every angle is a pair (cosine, sine). Roots are computed so that the result fits the pose to rounding,
+//! even at a double root.
 
 use nalgebra::{Matrix3, Vector3};
 
 /// Excess over 1 up to which a cosine counts as 1, so that rounding does not lose the boundary.
 pub(in crate::reach) const BOUNDARY: f64 = 1e-12;
 
-/// Sine below which two axes count as aligned: it carries no direction.
+/// Sine below which two axes count as aligned, because their common normal has no reliable direction.
 pub(in crate::reach) const ALIGNED: f64 = 1e-12;
 
 /// Cosine and sine of an angle.
@@ -46,10 +46,10 @@ impl TwoLinks {
 
     /// Returns (t, s) for both elbows with the tip at (u, v), m: first sin s <= 0, then sin s >= 0.
     ///
-    /// A tip on the first axis leaves t free, which then is 0.
+    /// If the tip is on the first axis, t is free and is set to 0.
     ///
     /// # Errors
-    /// How far the tip is out of reach, m.
+    /// Returns how far the tip is out of reach, m.
     #[inline]
     pub fn solve(&self, u: f64, v: f64) -> Result<[(Angle, Angle); 2], f64> {
         let (a, b) = (self.a, self.b);

@@ -35,14 +35,15 @@ struct Third {
     rising: bool,
 }
 
-/// Distance, m, that stands for an unknown one.
+/// Distance, m, that [`ThreeJoints::solve`] returns for an unreachable target if `fast` is set.
 const UNKNOWN_DISTANCE: f64 = 1e-6;
 
 impl ThreeJoints {
     /// Prepares three joints and the point on axis 4 at a distance `r4` (m) from the origin of frame 3.
     ///
     /// # Errors
-    /// Why the joints cannot put the point anywhere, or not well.
+    /// Fails if the joints cannot move the point in all directions, or if their geometry is nearly
+    /// degenerate. The message says why.
     pub fn new(links: &[Link; 3], r4: f64) -> Result<Self, String> {
         let arm = Self {
             forms: PointForms::new(links, r4),
@@ -58,7 +59,7 @@ impl ThreeJoints {
         let small = |x: f64| x != 0.0 && x.abs() < 1e-6;
         let (ca, sa) = self.forms.twist1;
         if small(self.forms.l1) || small(ca) || small(sa) {
-            return Err("l_1 or alpha_1 is nearly, but not exactly, a special case".into());
+            return Err("l_1, sin alpha_1 or cos alpha_1 is nearly, but not exactly, 0".into());
         }
         if !self.point.moves_in_space() {
             return Err("the first three joints cannot put the wrist centre anywhere in space".into());
@@ -68,10 +69,10 @@ impl ThreeJoints {
 
     /// Calls `found` with every solution for the first three joints that puts the point at `p` (m, frame 0).
     ///
-    /// Bit 0 of the branch numbers the two solutions for joint 2. Bit 1 says whether Pieper's equation
-    /// rises at the solution for joint 3. Bit 2 counts these solutions from -180 degrees, or from the
-    /// lowest r_3. Neighbouring targets keep their numbers up to a singularity or to theta_3 = 180
-    /// degrees. A joint whose axis holds the point gets theta = 0.
+    /// Bit 0 of the branch numbers the two solutions for joint 2. Bit 1 says whether Pieper's equation rises
+    /// at the solution for joint 3. Bit 2 numbers the solutions with equal bit 1 in ascending order from -180
+    /// degrees, or from the lowest r_3. These numbers change only at a singularity or at theta_3 = 180
+    /// degrees. If the point lies on the axis of a joint, theta of that joint is 0.
     ///
     /// Returns the distance of `p` from the reachable points, m.
     pub fn solve(
@@ -155,8 +156,8 @@ impl ThreeJoints {
 
     /// Returns the angle from which theta_3 is measured.
     ///
-    /// No root may lie where the tangent of the half angle is infinite. So the origin is opposite to the
-    /// largest value of the equation.
+    /// No root may lie where the tangent of the half angle is infinite. The angle opposite to the origin is
+    /// therefore the one where the equation is largest, of six candidates.
     fn origin(&self, target: &PointTarget) -> Angle {
         let p = self.forms.equation(target, &self.forms.path((1.0, 0.0)));
         let (ca, sa) = self.forms.twist1;
@@ -208,7 +209,7 @@ impl ThreeJoints {
         (angles.map(|theta| (theta, r2)), count)
     }
 
-    /// Returns all three joints; joint 1 turns the point to the target, or lifts it to its height.
+    /// Returns all three joints; joint 1 turns the point to the target, or moves it to the target's height.
     fn joints(&self, target: &PointTarget, third: &Third, theta2: Angle, r2: f64) -> ThreeJointState {
         let links = &self.point.links;
         let (theta3, r3) = match self.forms.kinds[2] {
@@ -222,7 +223,9 @@ impl ThreeJoints {
     }
 }
 
-/// Returns the rotations of (u, v) to x, to y or to both; the polish resolves contradictions by rounding.
+/// Returns the rotations that bring (u, v) to x, to y or to both.
+///
+/// Rounding may make x and y contradict each other; the later polish resolves that.
 fn from_plane((u, v): Angle, x: Option<f64>, y: Option<f64>) -> ([Angle; 2], usize) {
     let size = u.hypot(v);
     if size < ALIGNED {

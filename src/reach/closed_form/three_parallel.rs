@@ -1,11 +1,11 @@
 //! Six-axis arms with parallel axes 2, 3 and 4 and intersecting axes 5 and 6, such as Universal Robots.
 //!
-//! K. P. Hawkins, "Analytic inverse kinematics for the Universal Robots UR-5/UR-10 arms", 2013; in IK-Geo
-//! the family of three parallel and two intersecting axes.
+//! K. P. Hawkins, "Analytic inverse kinematics for the Universal Robots UR-5/UR-10 arms", 2013. IK-Geo calls
+//! the family "three parallel and two intersecting axes".
 //!
-//! The wrist centre, where axes 5 and 6 meet, lies at a fixed distance along axis 2, which gives theta_1.
-//! The angle between axes 2 and 6 gives theta_5. The direction of axis 2 in the flange gives theta_6. Two
-//! links in a plane give theta_2, theta_3 and theta_4.
+//! The wrist centre, where axes 5 and 6 meet, lies at a fixed distance along axis 2, which gives theta_1. The
+//! angle between axes 2 and 6 gives theta_5. The direction of axis 2 in the flange gives theta_6. Two links
+//! in a plane give theta_2, theta_3 and theta_4.
 
 use super::subproblems::{ALIGNED, Angle, BOUNDARY, Twists, TwoLinks, before_twist, difference};
 use crate::cell::JointKind;
@@ -30,7 +30,7 @@ pub struct ThreeParallel {
     centre: Vector3<f64>,
 }
 
-/// One solution for theta_1, with its bit of the branch.
+/// One solution for theta_1, and its bit of the branch index.
 #[derive(Clone, Copy)]
 struct Yaw {
     bit: u8,
@@ -55,8 +55,9 @@ struct WristAngles {
     theta5: Angle,
     theta6: Angle,
     x4: Vector3<f64>,
-    /// Point where the common normal of axes 3 and 4 meets axis 4, relative to the wrist centre, without
-    /// its distance along axis 4.
+    /// Point where the common normal of axes 3 and 4 meets axis 4, relative to the wrist centre.
+    ///
+    /// Its component along axis 4 is left out.
     elbow: Vector3<f64>,
 }
 
@@ -64,7 +65,7 @@ impl ThreeParallel {
     /// Returns the closed form of a chain, if it has three parallel axes.
     ///
     /// # Errors
-    /// Why the chain is not of this family.
+    /// Fails if the chain is not of this family. The message says why.
     pub fn new(chain: &Chain) -> Result<Self, String> {
         let [a, b, c, d, e, f] = chain.links[..] else {
             return Err(format!("it has {} axes, not 6", chain.axes()));
@@ -103,14 +104,18 @@ impl ThreeParallel {
     ///
     /// `flange` is a pose in frame 0, without the tool. `posture` is scratch memory.
     ///
-    /// Bit 0 of the branch is the elbow, bit 1 the sign of sin theta_5, bit 2 the side of axis 1. With axis
-    /// 6 parallel to axis 2, theta_6 is free and bit 1 is 0: theta_6 is 0 if the arm reaches the target so,
-    /// otherwise such that the arm is bent half way. With the wrist centre on axis 1 and no offset from
-    /// it, theta_1 is free and bit 2 is 0: theta_1 is the first angle of a scan that has a solution.
+    /// Bit 0 of the branch is the elbow, bit 1 the sign of sin theta_5, bit 2 the side of axis 1.
     ///
-    /// Returns how far (m) the wrist centre is out of reach: from the distance of axis 2 from axis 1 if no
-    /// theta_1 gives that, otherwise in the plane of the arm. Even at 0, oblique axes 4 to 6 may be unable
-    /// to take the orientation.
+    /// If axis 6 is parallel to axis 2, theta_6 is free and bit 1 is 0. Then theta_6 is 0 if the arm reaches
+    /// the target so. Otherwise theta_6 puts the elbow point of axis 4 in the middle of its possible
+    /// distances from axis 2.
+    ///
+    /// If the wrist centre is on axis 1 and the arm has no offset along axis 2, theta_1 is free and bit 2 is
+    /// zero. Then theta_1 is the first angle of a scan that has a solution.
+    ///
+    /// Returns how far (m) the wrist centre is out of reach. If no theta_1 exists, the wrist centre is too
+    /// near to axis 1. Otherwise the distance lies in the plane of the arm. If it is 0, oblique axes 4 to 6
+    /// may still be unable to reach the orientation.
     #[inline]
     pub fn solve(&self, flange: &Pose, posture: &mut Posture, found: &mut impl FnMut(u8, &Posture)) -> f64 {
         let (p, a) = (flange.transform(&self.centre), &self.first);
@@ -175,7 +180,7 @@ impl ThreeParallel {
     }
 
     /// Solves for one theta_1; returns the distance (m) out of reach of the plane, infinite if axes 4 to 6
-    /// cannot take the orientation.
+    /// cannot reach the orientation.
     #[inline]
     fn side(
         &self,

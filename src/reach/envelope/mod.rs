@@ -1,7 +1,7 @@
 //! Working envelope: the points at which an arm can hold its tool in an attitude, within its joint limits.
 //!
-//! A point belongs to the envelope if [`Inverse::reaches`] says so, as in map and search. Collisions do not
-//! count. All points are in the base frame of the robot, m.
+//! A point belongs to the envelope if [`Inverse::reaches`] returns true. Collisions are not considered. All
+//! points are in the base frame of the robot, m.
 
 mod outline;
 mod size;
@@ -42,18 +42,18 @@ pub struct Envelope<'a> {
 }
 
 impl<'a> Envelope<'a> {
-    /// Prepares an envelope. `yaw` (rad) is the rotation of the surface from which azimuths count.
+    /// Prepares an envelope. `yaw` (rad) is the rotation of the surface from which azimuths are measured.
     pub fn new(inverse: &'a Inverse, attitude: &Attitude, yaw: f64) -> Self {
         let attitudes = inverse.tool_attitudes(attitude, yaw);
         Self { inverse, attitude: attitude.clone(), attitudes, shell: inverse.shell(attitude) }
     }
 
-    /// Returns whether the TCP can be at a point, m.
+    /// Returns whether the TCP can be at a point (m, base frame) in the attitude.
     pub fn has(&self, target: &Vector3<f64>) -> bool {
         self.inverse.reaches(target, &self.attitudes, &mut self.inverse.scratch())
     }
 
-    /// Returns a posture with the TCP at a point, m, if there is one.
+    /// Returns a posture with the TCP at a point (m, base frame), if there is one.
     pub fn posture(&self, target: &Vector3<f64>) -> Option<Posture> {
         let mut first = None;
         let mut scratch = self.inverse.scratch();
@@ -107,12 +107,12 @@ impl<'a> Envelope<'a> {
         Lattice::round([centre.x, centre.y], (outer * outer - away * away).sqrt(), step)
     }
 
-    /// Returns whether the envelope is exactly symmetric about the base axis, except for the limits of
-    /// joint 1.
+    /// Returns whether the envelope is exactly symmetric about the base axis, apart from the limits of its
+    /// first joint.
     ///
-    /// Then the first axis is the base axis and drives no other joint, and the attitude rotates with it.
-    /// An arm that samples a free angle from a fixed direction is symmetric only if joint 1 makes whole
-    /// turns and the tool is vertical.
+    /// This holds if the first axis is the base axis and drives no other joint, and if the attitude rotates
+    /// with it. An arm that samples a free angle from a fixed direction is symmetric only if joint 1 makes
+    /// whole turns and the tool is vertical.
     pub fn is_symmetric(&self) -> bool {
         let chain = &self.inverse.chain;
         let Some(first) = chain.links.first() else { return false };

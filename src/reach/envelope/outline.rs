@@ -1,7 +1,7 @@
 //! Outline of a region in a plane by marching squares, every crossing refined by bisection.
 //!
-//! W. E. Lorensen, H. E. Cline, "Marching cubes", 1987, in two dimensions. A function says whether a point
-//! lies in the region.
+//! The method is that of W. E. Lorensen, H. E. Cline, "Marching cubes", 1987, reduced to two dimensions. A
+//! function says whether a point lies in the region.
 
 use rayon::prelude::*;
 
@@ -49,7 +49,7 @@ impl EnvelopeSection {
 }
 
 impl Outline {
-    /// Signed: negative of a hole, m^2.
+    /// Returns the signed area, m^2, which is negative for a hole.
     pub fn area(&self) -> f64 {
         let next = self.points.iter().cycle().skip(1);
         self.points.iter().zip(next).map(|(a, b)| (a[0] * b[1] - a[1] * b[0]) / 2.0).sum()

@@ -30,9 +30,9 @@ pub struct EnvelopeExtent {
     pub radius: (f64, f64),
     /// Least and greatest height.
     pub height: (f64, f64),
-    /// Height of the greatest distance.
+    /// Height at which the distance from the base axis is greatest.
     pub widest: f64,
-    /// Accuracy of these lengths.
+    /// Accuracy of all lengths of the extent.
     pub within: f64,
 }
 
@@ -163,7 +163,9 @@ impl Envelope<'_> {
     }
 }
 
-/// Returns the change from line to line that counts as a jump: a wall along the lattice, not a round end.
+/// Returns the change between two lines that counts as a jump.
+///
+/// A boundary parallel to the lines exceeds it, a rounded end does not.
 fn jump_between_lines(values: &[f64]) -> f64 {
     0.2 * values.iter().copied().fold(f64::MIN_POSITIVE, f64::max)
 }

@@ -40,12 +40,14 @@ impl<'a> DistinctSolutions<'a> {
         }
     }
 
-    /// Returns whether more starts are not worth while.
+    /// Returns whether more starts are unlikely to find more solutions, or enough have been found.
     pub fn is_done(&self) -> bool {
         self.found.len() >= MAX_COLLECTED || !self.found.is_empty() && self.idle >= MAX_IDLE_STARTS
     }
 
-    /// Writes the solutions sorted by their coordinates; of too many, those that are farthest apart.
+    /// Writes the solutions, sorted by their coordinates, to `out`.
+    ///
+    /// If there are more than [`MAX_SOLUTIONS`], those farthest apart are chosen.
     pub fn into_sorted(self, out: &mut Vec<JointVector>) {
         let distance = |q: &JointVector, chosen: &[JointVector]| {
             chosen.iter().map(|other| self.joints.apart(other, q)).fold(f64::INFINITY, f64::min)

@@ -17,11 +17,11 @@ const MIN_GAIN: f64 = 2.0;
 const MAX_STRIDE: f64 = 1.0;
 /// Damping per unit of cost.
 const DAMPING: f64 = 0.1;
-/// Least damping; it is small because a nearly singular posture needs its large steps.
+/// Least damping. It is small because the descent needs the large steps of a nearly singular posture.
 const MIN_DAMPING: f64 = 1e-15;
 /// Damping of a Hessian that is singular to rounding, and of every redundant chain.
 const SINGULAR_DAMPING: f64 = 1e-12;
-/// Share of the distance to the middle of its ranges that a redundant chain goes in one step.
+/// Strength of the pull of a redundant chain towards the middle of its ranges, per unit of damping.
 const PULL: f64 = 0.1;
 
 impl Numeric {

@@ -14,15 +14,15 @@ const MAX_STEPS: usize = 100;
 const MAX_STRIDE: f64 = 0.7;
 /// First damping, as a share of the largest diagonal entry of H.
 const FIRST_DAMPING: f64 = 1e-3;
-/// Factor of the damping after a step that lowers the cost.
+/// Factor applied to the damping after a step that lowers the cost.
 const DAMPING_DECREASE: f64 = 0.2;
-/// Factor of the damping after a step that does not.
+/// Factor applied to the damping after a step that does not lower the cost.
 const DAMPING_INCREASE: f64 = 5.0;
 /// Damping, as a share of the largest diagonal entry of H, at which no joint moves any more.
 const MAX_DAMPING: f64 = 1e10;
 /// Least damping.
 const MIN_DAMPING: f64 = 1e-15;
-/// Largest number of quadratic programs of one descent: each costs a hundred steps.
+/// Largest number of quadratic programs of one descent: each takes as long as a hundred steps.
 const MAX_PROGRAMS: usize = 4;
 /// Share of the cost below which the gain of a step ends the descent.
 const MIN_GAIN: f64 = 1e-13;
@@ -62,9 +62,9 @@ impl Numeric {
     /// Minimizes the cost by the Levenberg-Marquardt method within the limits; `scale` (1/m) multiplies
     /// lengths.
     ///
-    /// Every step lowers the cost. The quadratic program is solved where a step would not, and holds a joint
-    /// at a bound that it should leave. A goal of the position alone uses the exact Hessian, so that the
-    /// convergence is quadratic even if the goal is out of reach.
+    /// Every accepted step lowers the cost. If a trial step does not, and holds a joint at a bound that it
+    /// should leave, the quadratic program is solved instead. A goal without attitude uses the exact Hessian,
+    /// so that the convergence is quadratic even if the goal is out of reach.
     pub(super) fn descend_to_rest(
         &self,
         goal: &TcpGoal,

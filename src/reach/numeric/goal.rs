@@ -36,7 +36,7 @@ pub enum AttitudeGoal {
 impl TcpGoal {
     /// Returns the goal in a form that can be solved: a vertical elevation becomes an axis.
     ///
-    /// It is None if the goal is not finite, or has no direction or rotation.
+    /// It is None if a number is not finite, the axis is zero or the matrix is not a rotation.
     pub(super) fn checked(&self) -> Option<Self> {
         let attitude = match self.attitude {
             AttitudeGoal::Any => AttitudeGoal::Any,
@@ -68,7 +68,7 @@ impl TcpGoal {
         }
     }
 
-    /// Returns the twist from the TCP to the goal.
+    /// Returns the twist from the TCP to the goal, base frame.
     #[inline]
     pub(super) fn miss(&self, tcp: &Pose, tool_axis: &Vector3<f64>) -> TwistError {
         let position = self.position - tcp.translation;

@@ -11,7 +11,8 @@ use std::f64::consts::{PI, TAU};
 pub(super) struct JointRange {
     pub lo: f64,
     pub hi: f64,
-    /// Whether the range spans a whole turn that changes no frame; then there are no limits to keep.
+    /// Whether the range is a whole turn or more and a whole turn changes no frame. Such a joint has no
+    /// limits.
     pub turns: bool,
     pub kind: JointKind,
 }
@@ -33,7 +34,7 @@ impl JointRange {
         q.clamp(self.lo, self.hi)
     }
 
-    /// Returns the difference of two coordinates, without whole turns where these do not matter.
+    /// Returns the difference of two coordinates, reduced by whole turns if [`Self::turns`] is set.
     pub fn apart(&self, a: f64, b: f64) -> f64 {
         if self.turns { wrapped(a - b).abs() } else { (a - b).abs() }
     }
@@ -128,7 +129,7 @@ impl JointRanges {
         kept
     }
 
-    /// Returns the largest difference of a coordinate, without whole turns where these do not matter.
+    /// Returns the largest difference of a coordinate; see [`JointRange::apart`].
     pub fn apart(&self, a: &JointVector, b: &JointVector) -> f64 {
         let each = self.0.iter().zip(a.iter().zip(b));
         each.map(|(range, (a, b))| range.apart(*a, *b)).fold(0.0, f64::max)

@@ -4,10 +4,10 @@
 //!
 //! Damped Gauss-Newton steps within the limits reduce the twist from the TCP to the goal (`fast_descent`).
 //! They start from a fixed set of postures, the nearest to the goal first (`starts`). A descent that stalls
-//! is abandoned after a few steps, because another start is cheaper. Only if all have failed, descents
-//! that go on as long as the cost falls (`full_descent`) try again, with a quadratic program where limits
-//! are active (`quadratic_program`). They also tell what is missing (`shortfall`). The result depends
-//! neither on chance nor on an earlier call.
+//! is abandoned after a few steps, because another start is cheaper. If all descents fail, a few full
+//! descents follow (`full_descent`), which go on as long as the cost falls. They solve a quadratic program
+//! where limits are active (`quadratic_program`). They also explain why there is no solution (`shortfall`).
+//! The result depends neither on chance nor on an earlier call.
 
 mod distinct;
 mod fast_descent;
@@ -55,7 +55,7 @@ impl Numeric {
 
     /// Returns one solution inside the limits: the first that the starts lead to.
     ///
-    /// It is one of [`Self::all`], and exists exactly if these are not empty.
+    /// It is one of the solutions that [`Self::all`] collects, and is None only if there are none.
     pub fn one(&self, goal: &TcpGoal) -> Option<JointVector> {
         let goal = goal.checked().filter(|goal| self.spans(goal))?;
         let mut frames = Frames::default();
@@ -67,10 +67,10 @@ impl Numeric {
         })
     }
 
-    /// Writes the distinct solutions inside the limits to `out`, sorted; returns what is missing if none.
+    /// Writes the distinct solutions inside the limits to `out`, sorted; returns why there are none.
     ///
-    /// A joint whose range spans several turns is in the one nearest to the middle. A redundant chain has a
-    /// continuum of solutions; then `out` holds some points spread over it.
+    /// A joint whose range spans several turns is given in the turn nearest to the middle. A redundant chain
+    /// has a continuum of solutions; then `out` holds some points spread over it.
     pub fn all(&self, goal: &TcpGoal, out: &mut Vec<JointVector>) -> Shortfall {
         out.clear();
         let Some(goal) = goal.checked() else {

@@ -7,7 +7,8 @@ use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, NonnegativeCone
 
 /// Returns the minimizer of `d^T H d / 2 - b . d` within `bounds`; H is given by its lower triangle.
 ///
-/// It costs a hundred times as much as [`super::step::bounded_step`], but a joint may leave its bound again.
+/// It takes a hundred times as long as [`super::step::bounded_step`]. Unlike there, a joint may leave its
+/// bound again.
 pub(super) fn exact_step(
     n: usize,
     h: &NormalMatrix,

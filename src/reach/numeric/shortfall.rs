@@ -23,13 +23,13 @@ pub enum Shortfall {
     None,
     /// The TCP stays at this distance (m) inside the limits, in any attitude.
     OutOfReach { by: f64 },
-    /// The position is reached, but the attitude misses by at least this angle (rad), as far as searched.
+    /// The position is reached, but the attitude misses by this angle (rad), the least that was found.
     ///
-    /// `joint` is the joint whose limit restricts it the most; None if the geometry does.
+    /// `joint` is the joint whose limit restricts the attitude the most; None if no limit does.
     Attitude { by: f64, joint: Option<usize> },
     /// The search found neither a solution nor a reason; the least distance (m) and its angle (rad) remain.
     ///
-    /// Both are infinite for a goal that is not finite or no rotation.
+    /// Both are infinite if the goal is not finite or its matrix is not a rotation.
     NotConverged { position: f64, angle: f64 },
 }
 

@@ -40,7 +40,7 @@ impl Starts {
         Self { all: all.collect(), tool_axis: chain.tool_axis }
     }
 
-    /// Returns the starts from the nearest to the farthest of the goal; `scale` (1/m) multiplies lengths.
+    /// Returns the starts in ascending order of their distance to the goal; `scale` (1/m) multiplies lengths.
     pub fn ranked(&self, goal: &TcpGoal, scale: f64) -> Ranked<'_> {
         let mut far = [0.0; STARTS];
         for (far, start) in far.iter_mut().zip(&self.all) {

@@ -37,7 +37,7 @@ pub(super) fn bounded_step(
 
 /// Returns whether a step of [`bounded_step`] is not the minimizer.
 ///
-/// Then the multiplier of a joint at its bound has the wrong sign: the cost falls inward.
+/// It is not if the multiplier of a joint at its bound has the wrong sign: the cost falls inward.
 pub(super) fn holds_too_much(
     n: usize,
     h: &NormalMatrix,

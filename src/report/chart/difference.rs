@@ -51,7 +51,7 @@ fn remarks(d: &OperationDifference, names: (&str, &str)) -> Vec<String> {
     let mut said =
         vec![format!("of the nodes that both can use, {b} is better at {better} and worse at {worse}")];
     if gained + lost > 0 {
-        said.push(format!("{gained} nodes only {b} can use, {lost} only {a}"));
+        said.push(format!("only {b} can use {gained} nodes, only {a} can use {lost}"));
     }
     said
 }

@@ -133,7 +133,8 @@ impl<'a> HeatMap<'a> {
         if !self.scale.levels().is_empty() {
             let step = words::number(self.scale.step, self.scale.step);
             said.push(format!(
-                "iso-lines every {step} {word}; between nodes linear, the middle of four has their mean"
+                "iso-lines every {step} {word}; linear between nodes; the centre of a grid square has the mean of \
+                 its corners"
             ));
         }
         said

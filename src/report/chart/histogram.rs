@@ -137,7 +137,7 @@ fn bars(
 
 fn told(d: &ErrorDistribution) -> Vec<String> {
     let mut told = vec![format!(
-        "{} samples through the nonlinear model; up: share of the samples in each part / %",
+        "{} samples through the nonlinear model; vertical: share of the samples in each bin / %",
         d.samples.samples
     )];
     if let Some(success) = d.samples.success {

@@ -33,7 +33,7 @@ pub fn layout_plan(a: &Assessment<'_>, drawing: &Drawing<'_>, operation: usize) 
         envelope: envelope.collect(),
         heading: format!("{name}: the layout from above ({})", drawing.name),
         said: format!(
-            "envelope at the height of the tool there, z = {} mm; joint limits kept, collisions not looked at",
+            "envelope at the height of the tool there, z = {} mm; within the joint limits, collisions not checked",
             rounded(mm_from_m(height), 1)
         ),
         names: ("x of the world / mm", "y of the world / mm"),
@@ -71,8 +71,8 @@ pub fn layout_section(a: &Assessment<'_>, drawing: &Drawing<'_>, operation: usiz
         envelope: section.outlines.iter().map(|o| ring(&o.points)).collect(),
         heading: format!("{}: the layout from the side ({})", of.name, drawing.name),
         said: format!(
-            "cut through the base axis and the spot, {} deg from the x axis of the base; what stands before or \
-             behind is projected on it",
+            "cut through the base axis and the spot, {} deg from the x axis of the base; everything in front \
+             of or behind the plane is projected onto it",
             rounded(deg_from_rad(azimuth), 1)
         ),
         names: ("away from the base axis / mm", "z of the world / mm"),

@@ -275,7 +275,7 @@ fn envelopes(scene: &mut GlbBuilder, drawing: &Drawing<'_>) -> Option<Index<Node
     let mut all = Vec::new();
     for (operation, rings) in drawing.cell.operations.iter().zip(&drawing.envelopes) {
         let at_work = scene.rings("at the height of the work", &rings.at_work, ("reach", REACH));
-        let around = scene.rings("at other heights and upright", &rings.around, ("reach", REACH));
+        let around = scene.rings("at other heights and in a vertical plane", &rings.around, ("reach", REACH));
         all.extend(scene.file.group(&operation.name, at_work.into_iter().chain(around).collect()));
     }
     scene.file.group("envelope", all)

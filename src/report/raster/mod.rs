@@ -99,7 +99,11 @@ impl Shot {
             ));
         }
         if self.take >= drawing.lenses.len() {
-            return Err(format!("there are {} takes, none numbered {}", drawing.lenses.len(), self.take));
+            return Err(format!(
+                "there are {} combinations of model and reading, none numbered {}",
+                drawing.lenses.len(),
+                self.take
+            ));
         }
         match self.operation {
             Some(k) if k >= drawing.cell.operations.len() => Err(format!("there is no operation {k}")),

@@ -169,7 +169,8 @@ pub fn envelope(envelope: &Reachable<'_>) -> String {
     };
     let _ = writeln!(
         out,
-        "{how}; +- is the change from twice the step ({share:.1} %); step {} mm: narrower gaps may be missed",
+        "{how}; +- is the difference from the volume at twice the step ({share:.1} %); step {} mm: \
+         narrower gaps may be missed",
         mm(envelope.step)
     );
     let _ = writeln!(

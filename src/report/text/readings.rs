@@ -43,7 +43,7 @@ fn table(rows: &[ReadingRow]) -> String {
         "node",
         "x, y, z mm",
         "value",
-        "at the signed choice",
+        "at signed spot",
         "ratio",
         "moved mm",
     ]);

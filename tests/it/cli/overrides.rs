@@ -141,7 +141,7 @@ fn a_tolerance_set_is_read_as_worst_case_unless_requested() {
         let args = [command, PAPER, "--errors", "table-3-tolerance", "--reading", "signed"];
         let ran = shop.run(&args);
         assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{command}");
-        assert!(ran.err.contains("no sample to read signed"), "{}", ran.err);
+        assert!(ran.err.contains("has no signed sample"), "{}", ran.err);
         assert!(ran.err.contains("help: choose the reading worst-case or statistical"), "{}", ran.err);
     }
 }

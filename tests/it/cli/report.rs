@@ -215,7 +215,7 @@ fn a_folder_without_a_search_result_is_refused() {
     for (args, said) in [
         (&["report", "mapped"][..], "it is not the manifest of a search"),
         (&["report", "cells"], "holds no manifest.json and no checkpoint"),
-        (&["report", "found", "--sense", "xyz"], "flags cannot change the question"),
+        (&["report", "found", "--sense", "xyz"], "flags cannot change the settings"),
         (&["report", "cells/small.toml", "-o", "page.txt"], "must end in .html"),
     ] {
         let ran = shop.run(args);

@@ -139,22 +139,22 @@ fn a_changed_sweep_is_not_resumed_and_names_the_change() {
     ] {
         let ran = shop.run(&sweep("swept", more));
         assert_eq!(ran.code, Some(2), "{more:?}: {}", ran.err);
-        assert!(ran.err.contains(&format!("changed since: {named}\n")), "{}", ran.err);
+        assert!(ran.err.contains(&format!("these differ: {named}\n")), "{}", ran.err);
     }
     let robot = shop.text("cells/robots/hitachi_pw10.toml");
     shop.write("cells/robots/hitachi_pw10.toml", &(robot + "# a remark\n"));
     for args in [sweep("swept", &[]), vec!["sweep", "--resume", "swept"]] {
         let ran = shop.run(&args);
         assert_eq!(ran.code, Some(2), "{}", ran.err);
-        assert!(ran.err.contains("changed since: robots/hitachi_pw10.toml\n"), "{}", ran.err);
+        assert!(ran.err.contains("these differ: robots/hitachi_pw10.toml\n"), "{}", ran.err);
     }
     assert!(bytes(&shop, "swept") == before, "a refused sweep wrote something");
     // A folder of something else is refused.
     shop.write("cells/plan.json", "{}");
     for (args, said) in [
         (sweep("cells/robots", &[]), "is not empty"),
-        (vec!["sweep", "--resume", "cells/robots"], "no folder of a sweep"),
-        (vec!["sweep", "--resume", "cells"], "is no plan"),
+        (vec!["sweep", "--resume", "cells/robots"], "not the folder of a sweep"),
+        (vec!["sweep", "--resume", "cells"], "is not the plan"),
     ] {
         let ran = shop.run(&args);
         assert_eq!(ran.code, Some(2), "{}", ran.err);
@@ -183,7 +183,7 @@ fn faults_of_a_sweep_name_the_setting() {
             &["clearance_mm=-1: ", "sense=xyzz: ", "sense=w: ", "3 errors; nothing was done"],
         ),
         (&["clearance_mm"], &["--set clearance_mm: error: there is no ="]),
-        (&["a..b=3"], &["no path of a cell file"]),
+        (&["a..b=3"], &["not the path of a key"]),
         (&["clearance_mm=1,,2"], &["a value is missing"]),
         (&["search.seed=1", "search.seed=2"], &["search.seed is set already"]),
         (

@@ -50,7 +50,7 @@ fn an_arm_without_inverse_kinematics_shows_its_rows() {
     );
     let ran = shop.run(&["check", "cells/ur5.toml"]);
     assert!(ran.out.contains("-392.25") && ran.out.contains("not used: 1 gazebo"), "{}{}", ran.out, ran.err);
-    assert!(ran.err.contains("warning: not used of this URDF: 1 gazebo"), "{}", ran.err);
+    assert!(ran.err.contains("warning: elements of this URDF that are not used: 1 gazebo"), "{}", ran.err);
 }
 
 #[test]
@@ -79,5 +79,5 @@ fn a_symbolic_link_out_of_a_package_is_refused() {
     std::os::unix::fs::symlink(&outside, &inside).unwrap();
     let ran = shop.run(&["check", "cells/packaged.toml", "--package", "pw10=ros/pw10"]);
     assert_eq!(ran.code, Some(2), "{}", ran.err);
-    assert!(ran.err.contains("leads out of the folder of its package"), "{}", ran.err);
+    assert!(ran.err.contains("is outside the folder of its package"), "{}", ran.err);
 }

@@ -73,7 +73,12 @@ fn the_tree_of_a_urdf_is_checked() {
         "already the child of joint `j2`",
         "loop",
     );
-    one(&[("<parent link=\"base\"", "<parent link=\"tool\"")], (3, "j1\""), "`upper` hangs on itself", "cut");
+    one(
+        &[("<parent link=\"base\"", "<parent link=\"tool\"")],
+        (3, "j1\""),
+        "`upper` is its own ancestor",
+        "break",
+    );
     one(
         &[("link name=\"tool\"", "link name=\"base\""), ("child link=\"tool\"", "child link=\"base\"")],
         (8, "base\""),
@@ -92,7 +97,7 @@ fn the_tree_of_a_urdf_is_checked() {
     assert!(wrong.len() == 1 && wrong[0].file == "arm.toml", "{wrong:#?}");
     assert_eq!(wrong[0].help, "did you mean `tool`?");
     let turned = faults(&[], "tip_link = \"base\"\nbase_link = \"tool\"");
-    assert!(turned[0].message.contains("does not hang on"), "{turned:#?}");
+    assert!(turned[0].message.contains("is not a descendant of"), "{turned:#?}");
     let none = faults(&[], "base_link = \"lower\"");
     assert!(none[0].message.starts_with("0 joints move"), "{none:#?}");
 }
@@ -114,7 +119,7 @@ fn unreadable_joints_are_refused() {
         "did you mean \"revolute\"",
     );
     one(&[("xyz=\"0 0 0.5\"", "xyz=\"0 0 500\"")], (3, "<origin"), "500 m away", "in mm?");
-    one(&[("xyz=\"0 0 0.5\"", "xyz=\"0 nan 0\"")], (3, "0 nan"), "must be finite", "no measures");
+    one(&[("xyz=\"0 0 0.5\"", "xyz=\"0 nan 0\"")], (3, "0 nan"), "must be finite", "not allowed");
     one(
         &[("xyz=\"0 0 0.5\"", "xzy=\"0 0 0.5\"")],
         (3, "xzy"),
@@ -155,8 +160,18 @@ fn a_mimic_joint_follows_one_before_it() {
         let tip = chain.forward(&chain.posture(&q)).translation;
         assert!((tip.z - (0.5 - 0.3 * f64::sin(bend))).abs() < 1e-15, "{tip}");
     }
-    one(&[(second, &mimic("j3"))], (5, "j3\" mult"), "mimics `j3`, no joint before it", "before it");
-    one(&[(second, &mimic("j2"))], (5, "j2\" mult"), "mimics `j2`, no joint before it", "before it");
+    one(
+        &[(second, &mimic("j3"))],
+        (5, "j3\" mult"),
+        "mimics `j3`, which is not a joint before it",
+        "before it",
+    );
+    one(
+        &[(second, &mimic("j2"))],
+        (5, "j2\" mult"),
+        "mimics `j2`, which is not a joint before it",
+        "before it",
+    );
 }
 
 #[test]
@@ -166,7 +181,7 @@ fn unused_urdf_elements_are_reported_once() {
     let faults =
         faults(&[("<link name=\"upper\"/>", &format!("<link name=\"upper\">{more}"))], "tip_link = \"tool\"");
     assert_eq!(faults.len(), 1, "{faults:#?}");
-    let told = "not used of this URDF: 1 links off the chain, 1 joints off the chain, 1 gazebo, 1 inertial, \
+    let told = "elements of this URDF that are not used: 1 links off the chain, 1 joints off the chain, 1 gazebo, 1 inertial, \
                 1 transmission, 2 visual";
     assert_eq!((faults[0].message.as_str(), faults[0].severity), (told, Severity::Warning));
 }
@@ -177,9 +192,12 @@ fn almost_parallel_and_perpendicular_axes_are_derived() {
     let parallel = [("<axis xyz=\"0 1 0\"", "<axis xyz=\"0 1e-5 1\"")];
     let faults_of = |replace: &[(&str, &str)]| faults(replace, "");
     let told = faults_of(&parallel);
-    assert!(told.len() == 1 && told[0].message.contains("parallel but for 1.0e-5 rad"), "{told:#?}");
+    assert!(told.len() == 1 && told[0].message.contains("parallel except for 1.0e-5 rad"), "{told:#?}");
     let told = faults_of(&[("xyz=\"0.4 0 0\"", "xyz=\"0.4 0 0\" rpy=\"1e-4 0 0\"")]);
-    assert!(told.len() == 1 && told[0].message.contains("at right angles but for 1.0e-4 rad"), "{told:#?}");
+    assert!(
+        told.len() == 1 && told[0].message.contains("at right angles except for 1.0e-4 rad"),
+        "{told:#?}"
+    );
     let text = ARM.replace("<axis xyz=\"0 1 0\"", "<axis xyz=\"0 1e-4 1\"");
     let robot = load(&text, 2, "").0.unwrap().cell.robot;
     assert!((robot.joints[0].alpha.abs() - 1e-4).abs() < 1e-8, "{robot:#?}");
@@ -188,7 +206,10 @@ fn almost_parallel_and_perpendicular_axes_are_derived() {
 #[test]
 fn rows_and_urdf_exclude_each_other() {
     let faults = faults(&[], "coupling = [[1, 0], [0, 1]]");
-    assert!(faults.len() == 1 && faults[0].message.contains("`urdf` and `coupling` together"), "{faults:#?}");
+    assert!(
+        faults.len() == 1 && faults[0].message.contains("`urdf` and `coupling` cannot be given together"),
+        "{faults:#?}"
+    );
 }
 
 /// A mesh in mm moves with its link. A URDF in robots/ finds equipment/ beside its folder.
