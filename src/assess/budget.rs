@@ -11,13 +11,13 @@ const TIGHTENED: usize = 3;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tighter {
     pub parameters: Vec<Parameter>,
-    /// Figure in SI units; [`Account::unit`] says which.
+    /// Figure in SI units; [`BudgetReport::unit`] says which.
     pub figure: f64,
 }
 
 /// Error budget of one spot with all its figures.
-pub struct Account<'a> {
-    pub stance: PostureContext<'a>,
+pub struct BudgetReport<'a> {
+    pub context: PostureContext<'a>,
     pub budget: Budget,
     pub judged: PostureErrors,
     pub worst: WorstCase,
@@ -28,10 +28,10 @@ pub struct Account<'a> {
     pub tighter: Vec<Tighter>,
 }
 
-impl<'a> Account<'a> {
+impl<'a> BudgetReport<'a> {
     /// Computes the error budget of a posture.
-    pub fn new(stance: PostureContext<'a>) -> Self {
-        let PostureContext { gauge, situation, frames, .. } = &stance;
+    pub fn new(context: PostureContext<'a>) -> Self {
+        let PostureContext { gauge, situation, frames, .. } = &context;
         let mut memory = gauge.memory();
         let budget = Budget::new(gauge, situation, frames, &mut memory);
         let judged = gauge.judge(situation, frames, &mut memory);
@@ -43,18 +43,18 @@ impl<'a> Account<'a> {
             tried.push(first);
         }
         let tighter = tried.into_iter().map(|parameters| {
-            let figure = figure(&halved(gauge, &parameters), &stance, &mut memory);
+            let figure = figure(&halved(gauge, &parameters), &context, &mut memory);
             Tighter { parameters, figure }
         });
         let tighter = tighter.collect();
-        let figure = figure(gauge, &stance, &mut memory);
-        Self { budget, judged, worst, figure, tighter, stance }
+        let figure = figure(gauge, &context, &mut memory);
+        Self { budget, judged, worst, figure, tighter, context }
     }
 
     /// Returns the unit of [`Self::figure`].
     pub fn unit(&self) -> Unit {
-        let gauge = &self.stance.gauge;
-        match (gauge.reading, self.stance.cell.unit()) {
+        let gauge = &self.context.gauge;
+        match (gauge.reading, self.context.cell.unit()) {
             (Reading::Statistical, Unit::Share) => Unit::Share,
             _ => gauge.sense.unit,
         }
@@ -67,8 +67,8 @@ impl<'a> Account<'a> {
 }
 
 /// Returns the quantity of the statistical reading, or the worst case in any other reading.
-fn figure(gauge: &ErrorEvaluator, stance: &PostureContext<'_>, memory: &mut EvaluatorScratch) -> f64 {
-    let PostureContext { situation, frames, .. } = stance;
+fn figure(gauge: &ErrorEvaluator, context: &PostureContext<'_>, memory: &mut EvaluatorScratch) -> f64 {
+    let PostureContext { situation, frames, .. } = context;
     if gauge.reading == Reading::Statistical {
         return gauge.value(situation, frames, memory);
     }

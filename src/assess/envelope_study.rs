@@ -63,7 +63,7 @@ impl<'a> Reachable<'a> {
         let envelope = Envelope::new(inverse, &asked.attitude, asked.yaw);
         let (step, work) = (asked.step(robot, inverse), asked.work(robot, inverse));
         let told = |count: u64| progress(count, work);
-        let fine = Fineness { step, tolerance: tolerance_of(inverse, step), asked: &told };
+        let fine = Fineness { step, tolerance: tolerance_of(inverse, step), on_progress: &told };
         let size = envelope.size(&fine);
         let azimuth = envelope.middle();
         let section = envelope.section(azimuth, &fine);
@@ -143,7 +143,8 @@ impl<'a> RobotDataSheet<'a> {
         let step = step_of(robot, &inverse);
         let work = envelope.work(0, &[], true, step);
         let told = |count: u64| progress(count, work);
-        let size = envelope.size(&Fineness { step, tolerance: tolerance_of(&inverse, step), asked: &told });
+        let size =
+            envelope.size(&Fineness { step, tolerance: tolerance_of(&inverse, step), on_progress: &told });
         let pose = chain.forward(&chain.posture(&robot.home));
         Self { robot, family: inverse.family(), pose, elevation, size, step }
     }

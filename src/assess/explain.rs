@@ -68,7 +68,7 @@ pub struct SenseRow {
 
 /// All numbers behind the error of one posture; base frame, m and rad.
 pub struct Explanation<'a> {
-    pub stance: PostureContext<'a>,
+    pub context: PostureContext<'a>,
     pub rows: Vec<DhRow>,
     pub lines: Vec<ParameterEffect>,
     pub judged: PostureErrors,
@@ -84,8 +84,8 @@ pub struct Explanation<'a> {
 
 impl<'a> Explanation<'a> {
     /// Explains the error of a posture.
-    pub fn new(stance: PostureContext<'a>) -> Self {
-        let PostureContext { gauge, situation, frames, .. } = &stance;
+    pub fn new(context: PostureContext<'a>) -> Self {
+        let PostureContext { gauge, situation, frames, .. } = &context;
         let mut memory = gauge.memory();
         let judged = gauge.judge(situation, frames, &mut memory);
         gauge.prepare(situation, frames, &mut memory);
@@ -113,18 +113,18 @@ impl<'a> Explanation<'a> {
         let robot = pose_error(frames, sample.errors(), Model::Nonlinear);
         let off = |model: &Displacement| deviation(&judged.nonlinear.position, &model.position);
         let (linear_off, second_order_off) = (off(&judged.linear), off(&judged.second_order));
-        let (rows, sense) = (dh_rows(&stance), sense_rows(&stance, &judged.error));
-        Self { rows, lines, worst, robot, sense, linear_off, second_order_off, judged, stance }
+        let (rows, sense) = (dh_rows(&context), sense_rows(&context, &judged.error));
+        Self { rows, lines, worst, robot, sense, linear_off, second_order_off, judged, context }
     }
 
     /// Returns the figures in the operation's sense.
     pub fn figures(&self) -> &Figures {
-        &self.judged.figures[self.stance.gauge.own()]
+        &self.judged.figures[self.context.gauge.own()]
     }
 
     /// Returns the deviation of the chosen model from the nonlinear one, as a share.
     pub fn off(&self) -> f64 {
-        match self.stance.gauge.model {
+        match self.context.gauge.model {
             Model::Nonlinear => 0.0,
             Model::Linear => self.linear_off,
             Model::SecondOrder => self.second_order_off,
@@ -133,36 +133,36 @@ impl<'a> Explanation<'a> {
 
     /// Returns whether the chosen model is within the guard of the cell.
     pub fn trusted(&self) -> bool {
-        self.off() <= self.stance.cell.guard
+        self.off() <= self.context.cell.guard
     }
 
     /// Returns whether a registration, equipment errors or a pick change the robot's error.
     pub fn takes_off(&self) -> bool {
-        let situation = &self.stance.situation;
+        let situation = &self.context.situation;
         situation.reference.is_some()
             || situation.site.taught.is_some()
-            || self.stance.cell.registration != crate::cell::Registration::None
+            || self.context.cell.registration != crate::cell::Registration::None
             || self.lines.iter().any(|l| matches!(l.source.parameter, Parameter::Equipment(..)))
     }
 
     /// Returns the unit of the reading's value.
     pub fn unit(&self) -> Unit {
-        match (self.stance.gauge.reading, self.stance.cell.unit()) {
+        match (self.context.gauge.reading, self.context.cell.unit()) {
             (Reading::Statistical, Unit::Share) => Unit::Share,
-            _ => self.stance.gauge.sense.unit,
+            _ => self.context.gauge.sense.unit,
         }
     }
 }
 
-fn dh_rows(stance: &PostureContext<'_>) -> Vec<DhRow> {
-    let robot = &stance.cell.robot;
+fn dh_rows(context: &PostureContext<'_>) -> Vec<DhRow> {
+    let robot = &context.cell.robot;
     let rows = robot.joints.iter().enumerate().map(|(i, joint)| {
-        let coordinate: f64 = robot.coupling[i].iter().zip(&stance.joints).map(|(c, q)| c * q).sum();
+        let coordinate: f64 = robot.coupling[i].iter().zip(&context.joints).map(|(c, q)| c * q).sum();
         let (turn, slide) = match joint.kind {
             JointKind::Revolute => (coordinate, 0.0),
             JointKind::Prismatic => (0.0, coordinate),
         };
-        let q = stance.joints[i];
+        let q = context.joints[i];
         // Rounding of degrees must not take a posture at its limit for one beyond.
         let allowed = q >= joint.limits.0 - 1e-9 && q <= joint.limits.1 + 1e-9;
         let (theta, r) = (joint.theta + turn, joint.r + slide);
@@ -172,14 +172,14 @@ fn dh_rows(stance: &PostureContext<'_>) -> Vec<DhRow> {
 }
 
 /// Returns the rows of the operation's sense, base frame.
-fn sense_rows(stance: &PostureContext<'_>, error: &Displacement) -> Vec<SenseRow> {
-    let PostureContext { gauge, situation, frames, .. } = stance;
+fn sense_rows(context: &PostureContext<'_>, error: &Displacement) -> Vec<SenseRow> {
+    let PostureContext { gauge, situation, frames, .. } = context;
     let axes: &Matrix3<f64> = match gauge.sense.frame {
         Frame::World => &situation.site.world,
         Frame::Surface => &situation.site.work.rotation,
         Frame::Tool => &frames.tcp.rotation,
     };
-    let at_point = error.at(&arm(stance, frames));
+    let at_point = error.at(&arm(context, frames));
     let row = |row: &crate::cell::Row| {
         let direction = axes * row.direction;
         let value = direction.dot(if row.turns { &at_point.rotation } else { &at_point.position });
@@ -189,6 +189,6 @@ fn sense_rows(stance: &PostureContext<'_>, error: &Displacement) -> Vec<SenseRow
 }
 
 /// Returns the vector from the TCP to the point of the sense, base frame, m.
-fn arm(stance: &PostureContext<'_>, frames: &Frames) -> Vector3<f64> {
-    frames.tcp.rotation * stance.gauge.sense.point
+fn arm(context: &PostureContext<'_>, frames: &Frames) -> Vector3<f64> {
+    frames.tcp.rotation * context.gauge.sense.point
 }

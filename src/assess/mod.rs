@@ -1,7 +1,7 @@
 //! Assessment of layouts, alone and side by side.
 //!
 //! An [`Assessment`] is the full evaluation of one layout. A [`Comparison`] holds several with the same
-//! operations, readings and objective. [`Account`] (the error budget), [`Explanation`] and
+//! operations, readings and objective. [`BudgetReport`] (the error budget), [`Explanation`] and
 //! [`ErrorDistribution`] concern one posture. [`Readings`] concern one layout in every reading.
 
 mod budget;
@@ -13,7 +13,7 @@ mod parameter_motion;
 mod posture_context;
 mod readings;
 
-pub use budget::{Account, Tighter};
+pub use budget::{BudgetReport, Tighter};
 pub use distribution::ErrorDistribution;
 pub use envelope_study::{EnvelopeQuery, Reachable, RobotDataSheet, step_of, tolerance_of};
 pub use explain::{DhRow, Explanation, ParameterEffect, SenseRow};
@@ -94,7 +94,7 @@ impl<'a> Assessment<'a> {
         let (at, base) = (&self.layout.placements[operation.equipment], &self.layout.base);
         let envelope = Envelope::new(inverse, attitude, at.yaw - base.yaw);
         let step = 2.0 * step_of(&self.cell.robot, inverse);
-        let fine = Fineness { step, tolerance: tolerance_of(inverse, step), asked: &|_| () };
+        let fine = Fineness { step, tolerance: tolerance_of(inverse, step), on_progress: &|_| () };
         let plan = envelope.plan(at.z + operation.standoff - base.z, &fine);
         let (sin, cos) = base.yaw.sin_cos();
         let world = |[x, y]: [f64; 2]| (base.x + cos * x - sin * y, base.y + sin * x + cos * y);

@@ -149,7 +149,8 @@ fn situation_elsewhere(
 pub fn no_usable_node(cell: &Cell, map: &OperationMap) -> String {
     let operation = &cell.operations[map.operation];
     let name = shown(&operation.name);
-    let first = map.nodes.iter().find(|n| n.status != Status::Ok).filter(|_| operation.over.takes_all());
+    let first =
+        map.nodes.iter().find(|n| n.status != Status::Ok).filter(|_| operation.over.needs_every_node());
     if let Some(node) = first {
         let (failing, all) = (map.nodes.len() - map.count(NodeSign::Usable), map.nodes.len());
         let why = node.status.reason(cell);

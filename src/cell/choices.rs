@@ -106,7 +106,7 @@ impl Registration {
 /// Rule that combines the values of an operation's nodes into one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
-pub enum Over {
+pub enum NodeAggregation {
     /// Least value: the operation happens at the best node.
     Best,
     /// Greatest value: the operation happens at every node.
@@ -117,21 +117,22 @@ pub enum Over {
     P95,
 }
 
-impl Over {
-    pub const ALL: [Over; 4] = [Over::Best, Over::Max, Over::Mean, Over::P95];
+impl NodeAggregation {
+    pub const ALL: [NodeAggregation; 4] =
+        [NodeAggregation::Best, NodeAggregation::Max, NodeAggregation::Mean, NodeAggregation::P95];
 
     pub const fn name(self) -> &'static str {
         match self {
-            Over::Best => "best",
-            Over::Max => "max",
-            Over::Mean => "mean",
-            Over::P95 => "p95",
+            NodeAggregation::Best => "best",
+            NodeAggregation::Max => "max",
+            NodeAggregation::Mean => "mean",
+            NodeAggregation::P95 => "p95",
         }
     }
 
     /// Returns whether every node must be reached.
-    pub fn takes_all(self) -> bool {
-        self != Over::Best
+    pub fn needs_every_node(self) -> bool {
+        self != NodeAggregation::Best
     }
 
     /// Combines the values of all nodes into one; sorts `values`.
@@ -139,11 +140,11 @@ impl Over {
         values.sort_by(f64::total_cmp);
         let count = values.len();
         match self {
-            Over::Best => values.first().copied().unwrap_or(0.0),
-            Over::Max => values.last().copied().unwrap_or(0.0),
-            Over::Mean => values.iter().sum::<f64>() / count.max(1) as f64,
+            NodeAggregation::Best => values.first().copied().unwrap_or(0.0),
+            NodeAggregation::Max => values.last().copied().unwrap_or(0.0),
+            NodeAggregation::Mean => values.iter().sum::<f64>() / count.max(1) as f64,
             // The least value that at least 95 % of the nodes do not pass.
-            Over::P95 => values[(count * 19).div_ceil(20).max(1) - 1],
+            NodeAggregation::P95 => values[(count * 19).div_ceil(20).max(1) - 1],
         }
     }
 }

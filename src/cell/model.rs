@@ -108,7 +108,7 @@ pub const TEACH_HEIGHT: f64 = 0.02;
 
 /// Part that the robot carries to or from an operation.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Held {
+pub struct HeldPart {
     /// Solids of the part, in the frame of the TCP.
     pub solids: Vec<Solid>,
     /// Whether the part rests on the equipment of the operation, so that touching it is no collision.
@@ -151,7 +151,7 @@ pub struct Operation {
     /// Nodes on the surface.
     pub place: Place,
     /// Rule that combines the values of the nodes.
-    pub over: Over,
+    pub over: NodeAggregation,
     /// Height of the TCP above the surface, m.
     pub standoff: f64,
     /// Attitude of the tool as drawn.
@@ -170,7 +170,7 @@ pub struct Operation {
     /// None means the reachable nodes nearest to three corners of the grid.
     pub teach: Option<[(f64, f64); 3]>,
     pub weight: f64,
-    pub held: Held,
+    pub held: HeldPart,
     /// Length of the straight approach along the tool axis to the spot, m; 0 means that it is not checked.
     pub approach: f64,
     /// Length of the straight retract along the tool axis from the spot, m; 0 means that it is not checked.

@@ -1,7 +1,7 @@
 //! Interpretation of a cell's errors: error model, reading, quantity, registration and sense together.
 //!
-//! Cell files, flags, the page of `view` and every table of readings are checked by [`Cell::asked`] or
-//! [`Cell::question_faults`]. So the rules are stated only here.
+//! Cell files, flags, the page of `view` and every table of readings are checked by [`Cell::with_interpretation`] or
+//! [`Cell::interpretation_faults`]. So the rules are stated only here.
 
 use super::choices::{Model, Quantity, Reading, Registration};
 use super::error_model::{ErrorSet, FrameErrors};
@@ -75,7 +75,7 @@ impl Cell {
     ///
     /// # Errors
     /// Returns every fault of the interpretation.
-    pub fn asked(&self, interpretation: &Interpretation) -> Result<Cell, Vec<QuestionFault>> {
+    pub fn with_interpretation(&self, interpretation: &Interpretation) -> Result<Cell, Vec<QuestionFault>> {
         self.asked_but_for(interpretation, |_| false)
     }
 
@@ -85,7 +85,10 @@ impl Cell {
     ///
     /// # Errors
     /// Returns every other fault of the interpretation.
-    pub fn asked_apart(&self, interpretation: &Interpretation) -> Result<Cell, Vec<QuestionFault>> {
+    pub fn with_interpretation_per_operation(
+        &self,
+        interpretation: &Interpretation,
+    ) -> Result<Cell, Vec<QuestionFault>> {
         self.asked_but_for(interpretation, |fault| matches!(fault.about, About::Sense(_)))
     }
 
@@ -111,7 +114,7 @@ impl Cell {
     }
 
     /// Returns every fault of this cell's own interpretation; a cell read from a file has none.
-    pub fn question_faults(&self) -> Vec<QuestionFault> {
+    pub fn interpretation_faults(&self) -> Vec<QuestionFault> {
         self.faults_of(&self.interpretation())
     }
 

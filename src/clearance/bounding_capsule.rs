@@ -13,14 +13,14 @@ use parry3d::shape::TriMesh;
 ///
 /// It exceeds the errors of parry3d (4e-5 m for a hull and a ball, 1.2e-5 m for capsules) and, by far, the
 /// rounding of the closed forms.
-pub(super) const UNSURE: f64 = 1e-4;
+pub(super) const CONTACT_MARGIN: f64 = 1e-4;
 
 /// Verdict of the closed forms on two solids.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum ContactVerdict {
-    /// The solids are farther apart than [`UNSURE`].
+    /// The solids are farther apart than [`CONTACT_MARGIN`].
     Apart,
-    /// The solids overlap deeper than [`UNSURE`].
+    /// The solids overlap deeper than [`CONTACT_MARGIN`].
     Touching,
     /// The closed forms cannot tell.
     Unclear,
@@ -88,9 +88,12 @@ impl BoundingCapsule {
     /// `both_solid` says that capsule and partner are the solids themselves. Only then does a small distance
     /// mean contact.
     fn verdict(&self, squared: f64, both_solid: bool) -> ContactVerdict {
-        if squared > (self.radius + UNSURE).powi(2) {
+        if squared > (self.radius + CONTACT_MARGIN).powi(2) {
             ContactVerdict::Apart
-        } else if both_solid && self.radius > UNSURE && squared < (self.radius - UNSURE).powi(2) {
+        } else if both_solid
+            && self.radius > CONTACT_MARGIN
+            && squared < (self.radius - CONTACT_MARGIN).powi(2)
+        {
             ContactVerdict::Touching
         } else {
             ContactVerdict::Unclear
@@ -100,7 +103,7 @@ impl BoundingCapsule {
     /// Checks the capsule against a box in the same frame.
     pub(super) fn against_box(&self, other: &BoundingBox) -> ContactVerdict {
         let (a, along) = (self.a - other.centre, self.b - self.a);
-        let room = other.half.add_scalar(self.radius + UNSURE) + along.abs() / 2.0;
+        let room = other.half.add_scalar(self.radius + CONTACT_MARGIN) + along.abs() / 2.0;
         let middle = (a + along / 2.0).abs();
         if middle.x > room.x || middle.y > room.y || middle.z > room.z {
             return ContactVerdict::Apart;
@@ -112,10 +115,10 @@ impl BoundingCapsule {
     ///
     /// The search visits the nearest nodes of the bounding volume hierarchy first and stops at a verdict.
     pub(super) fn against_mesh(&self, mesh: &TriMesh) -> ContactVerdict {
-        let (least, most) = (self.radius - UNSURE, self.radius + UNSURE);
+        let (least, most) = (self.radius - CONTACT_MARGIN, self.radius + CONTACT_MARGIN);
         let enough = if self.is_solid { least } else { most };
         let (low, high) = self.bounds();
-        let (low, high) = (low.add_scalar(-UNSURE), high.add_scalar(UNSURE));
+        let (low, high) = (low.add_scalar(-CONTACT_MARGIN), high.add_scalar(CONTACT_MARGIN));
         let from_node = |node: &BvhNode, best: f64| {
             let (from, to) = (plain(node.mins()), plain(node.maxs()));
             if best < enough || !overlapping((&low, &high), (&from, &to)) {

@@ -8,7 +8,7 @@ pub enum SolidRef {
     /// Index into [`crate::cell::Robot::solids`].
     Robot(usize),
     /// Index into [`Cell::operations`], and index of the solid held there.
-    Held(usize, usize),
+    HeldPart(usize, usize),
     /// Index into [`Cell::equipment`], and index of its solid.
     Equipment(usize, usize),
     Floor,
@@ -28,7 +28,7 @@ impl SolidRef {
     pub fn in_words(self, cell: &Cell) -> String {
         match self {
             Self::Robot(k) => cell.robot.solids[k].solid.name.clone(),
-            Self::Held(operation, k) => cell.operations[operation].held.solids[k].name.clone(),
+            Self::HeldPart(operation, k) => cell.operations[operation].held.solids[k].name.clone(),
             Self::Equipment(e, s) => {
                 let equipment = &cell.equipment[e];
                 format!("{} ({})", equipment.name, equipment.solids[s].name)

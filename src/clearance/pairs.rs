@@ -50,7 +50,7 @@ impl Load {
 
     fn spares(&self, link: &RobotSolid, equipment: usize) -> bool {
         let rests = || self.held.iter().flatten().any(|h| Some(h.0) == link.operation && h.1);
-        link.spared == Some(equipment) && rests()
+        link.may_touch == Some(equipment) && rests()
     }
 }
 

@@ -1,7 +1,7 @@
 //! Solids of the cell posed under one layout, and the poses of the robot's links.
 
 use super::bodies::{EquipmentSolid, plain};
-use super::bounding_capsule::{BoundingBox, BoundingCapsule, UNSURE};
+use super::bounding_capsule::{BoundingBox, BoundingCapsule, CONTACT_MARGIN};
 use super::contact::Hit;
 use super::robot_solids::RobotSolid;
 use crate::cell::{MAX_JOINTS, Placement};
@@ -36,7 +36,7 @@ pub(super) struct PlacedSolid {
     /// Indices of the equipment and of its solid.
     pub(super) id: (usize, usize),
     pub(super) pose: Pose,
-    /// Corners of an axis-aligned bounding box in the world, [`UNSURE`] wider than the solid.
+    /// Corners of an axis-aligned bounding box in the world, [`CONTACT_MARGIN`] wider than the solid.
     pub(super) low: Vector3<f64>,
     pub(super) high: Vector3<f64>,
     /// Bounding box in the frame of the solid; the length of a leg depends on the layout.
@@ -90,7 +90,7 @@ impl PlacedSolids {
 impl PlacedSolid {
     fn new(id: (usize, usize), pose: Pose, bounds: BoundingBox) -> Self {
         let middle = pose.transform(&bounds.centre);
-        let room = (pose.rotation.abs() * bounds.half).add_scalar(UNSURE);
+        let room = (pose.rotation.abs() * bounds.half).add_scalar(CONTACT_MARGIN);
         Self { id, pose, low: middle - room, high: middle + room, bounds }
     }
 }

@@ -19,7 +19,7 @@ pub(super) struct RobotSolid {
     /// Operation that holds the part; None if the solid is always there.
     pub(super) operation: Option<usize>,
     /// Equipment that the held part may touch.
-    pub(super) spared: Option<usize>,
+    pub(super) may_touch: Option<usize>,
     /// Solid swollen by the clearance: one body, or the convex parts of a mesh.
     pub(super) bodies: Vec<CollisionBody>,
     /// Solid swollen by [`TOUCHING`] alone, for checks of the robot against itself.
@@ -42,11 +42,11 @@ pub(super) fn all(cell: &Cell, remember: &mut Remember<'_>) -> Vec<RobotSolid> {
     }
     for (operation, o) in cell.operations.iter().enumerate() {
         for (k, solid) in o.held.solids.iter().enumerate() {
-            let (id, frame) = (SolidRef::Held(operation, k), cell.robot.axes());
+            let (id, frame) = (SolidRef::HeldPart(operation, k), cell.robot.axes());
             let carrier = CarriedSolid { id, frame, mount: &cell.robot.tool, solid };
             let carried = link(&carrier, cell.clearance, remember);
-            let spared = o.held.touches_surface.then_some(o.equipment);
-            links.push(RobotSolid { operation: Some(operation), spared, ..carried });
+            let may_touch = o.held.touches_surface.then_some(o.equipment);
+            links.push(RobotSolid { operation: Some(operation), may_touch, ..carried });
         }
     }
     links
@@ -85,7 +85,7 @@ fn link(carried: &CarriedSolid<'_>, clearance: f64, remember: &mut Remember<'_>)
         id,
         frame,
         operation: None,
-        spared: None,
+        may_touch: None,
         bodies: bodies(clearance + TOUCHING),
         shell,
         reach: if is_held { core.radius + clearance } else { f64::INFINITY },

@@ -129,7 +129,7 @@ impl Scene {
         if let Some((k, body)) = *suspect
             && let (Some(link), Some(body)) = (self.links.get(k), placed.bodies.get(body))
             && link.is_there(operation)
-            && link.spared != Some(body.id.0)
+            && link.may_touch != Some(body.id.0)
             && self.touches(link, &poses.capsule(link), poses, body)
         {
             return false;
@@ -186,7 +186,7 @@ impl Scene {
         }
         let found = bodies.iter().position(|b| {
             overlapping((&low, &high), (&b.low, &b.high))
-                && link.spared != Some(b.id.0)
+                && link.may_touch != Some(b.id.0)
                 && self.touches(link, capsule, poses, b)
         });
         found.map(|k| (Hit { solid: link.id, other: self.name(bodies[k].id) }, Some(k)))

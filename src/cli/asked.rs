@@ -27,7 +27,7 @@ pub fn load_for_readings(file: &Path, packages: &PackageFolders, flags: &ErrorFl
     let loaded = loading::load_with(file, packages, &settings)?;
     // The table reads the errors as magnitudes, too.
     let magnitudes = Interpretation { reading: Reading::WorstCase, ..loaded.cell.interpretation() };
-    loaded.cell.asked_apart(&magnitudes).iter().for_each(say_caveats);
+    loaded.cell.with_interpretation_per_operation(&magnitudes).iter().for_each(say_caveats);
     Ok(loaded)
 }
 

@@ -27,7 +27,7 @@ pub fn rings(a: &Assessment<'_>, operation: usize) -> Rings {
     let (at, base) = (&a.layout.placements[operation.equipment], &a.layout.base);
     let envelope = Envelope::new(inverse, attitude, at.yaw - base.yaw);
     let step = 2.0 * step_of(&a.cell.robot, inverse);
-    let fine = Fineness { step, tolerance: tolerance_of(inverse, step), asked: &|_| () };
+    let fine = Fineness { step, tolerance: tolerance_of(inverse, step), on_progress: &|_| () };
     let frame = base.pose();
     let world =
         |region: &EnvelopeSection, lift: &dyn Fn([f64; 2]) -> Vector3<f64>| -> Vec<Vec<Vector3<f64>>> {

@@ -8,14 +8,14 @@ use nalgebra::Vector3;
 
 /// Model and reading under which errors are shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Lens {
+pub struct ErrorView {
     pub model: Model,
     pub reading: Reading,
     /// Statistic of the statistical reading.
     pub quantity: Quantity,
 }
 
-impl Lens {
+impl ErrorView {
     /// Returns the model, reading and quantity of the cell.
     pub fn of(cell: &Cell) -> Self {
         Self { model: cell.model, reading: cell.reading, quantity: cell.quantity }
@@ -46,16 +46,17 @@ impl Lens {
 }
 
 /// Returns the lenses under which a cell can be evaluated, the one of the cell first.
-pub fn lenses(cell: &Cell) -> Vec<Lens> {
-    let own = Lens::of(cell);
+pub fn lenses(cell: &Cell) -> Vec<ErrorView> {
+    let own = ErrorView::of(cell);
     let quantity = if cell.reading == Reading::Statistical { cell.quantity } else { Quantity::P95 };
     let models = [own.model].into_iter().chain(Model::ALL.into_iter().filter(|m| *m != own.model));
     let readings = [own.reading].into_iter().chain(Reading::ALL.into_iter().filter(|r| *r != own.reading));
     let readings: Vec<Reading> = readings.collect();
-    let all = models.flat_map(|model| readings.iter().map(move |&reading| Lens { model, reading, quantity }));
-    let answers = |lens: &Lens| cell.faults_of(&lens.interpretation(cell)).is_empty();
+    let all =
+        models.flat_map(|model| readings.iter().map(move |&reading| ErrorView { model, reading, quantity }));
+    let answers = |lens: &ErrorView| cell.faults_of(&lens.interpretation(cell)).is_empty();
     let mut lenses = vec![own];
-    let is_other = |lens: &Lens| (lens.reading, lens.model) != (own.reading, own.model);
+    let is_other = |lens: &ErrorView| (lens.reading, lens.model) != (own.reading, own.model);
     lenses.extend(all.filter(is_other).filter(answers));
     lenses
 }
@@ -81,7 +82,7 @@ impl FieldNode {
 
 /// Errors of all nodes under one lens (model and reading). A node without a usable posture has no values.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Take {
+pub struct ViewedErrors {
     /// Index into [`super::Drawing::lenses`].
     pub lens: usize,
     /// Error of each node (world, m).
@@ -115,7 +116,7 @@ pub struct Field {
     pub refined: Option<Vector3<f64>>,
     /// Stride of the nodes that are kept: one of every so many mapped nodes along each axis.
     pub every: usize,
-    pub takes: Vec<Take>,
+    pub takes: Vec<ViewedErrors>,
 }
 
 impl Field {
@@ -133,8 +134,8 @@ impl Field {
 }
 
 /// Maps a layout under the lens of the cell or, if `detail` asks for them, under all lenses.
-pub(super) fn fields(a: &Assessment<'_>, detail: &Detail) -> Result<(Vec<Lens>, Vec<Field>), String> {
-    let lenses = if detail.lenses { lenses(a.cell) } else { vec![Lens::of(a.cell)] };
+pub(super) fn fields(a: &Assessment<'_>, detail: &Detail) -> Result<(Vec<ErrorView>, Vec<Field>), String> {
+    let lenses = if detail.lenses { lenses(a.cell) } else { vec![ErrorView::of(a.cell)] };
     let mut fields: Vec<Field> = (0..a.maps.len()).map(|k| field(a, k, detail)).collect();
     for (l, lens) in lenses.iter().enumerate() {
         if l == 0 {
@@ -185,14 +186,14 @@ fn is_kept(n: &NodeRecord, every: usize) -> bool {
     n.i.is_multiple_of(every) && n.j.is_multiple_of(every)
 }
 
-fn take(field: &Field, map: &OperationMap, lens: usize, cell: &Cell) -> Take {
+fn take(field: &Field, map: &OperationMap, lens: usize, cell: &Cell) -> ViewedErrors {
     let kept: Vec<&NodeRecord> = map.nodes.iter().filter(|n| is_kept(n, field.every)).collect();
     let values = (0..field.senses.len()).map(|s| {
         let value = |p: &PostureRecord| p.figures[s].in_reading(cell.reading, cell.quantity);
         kept.iter().map(|n| n.usable_posture().map(value)).collect()
     });
     let best = map.best_node().and_then(|best| kept.iter().position(|n| (n.i, n.j) == (best.i, best.j)));
-    Take {
+    ViewedErrors {
         lens,
         error: kept.iter().map(|n| n.usable_posture().map(|p| p.error)).collect(),
         values: values.collect(),

@@ -15,7 +15,7 @@ pub mod round_numbers;
 
 pub use arrows::{Arrow, Component};
 pub use envelope::{Rings, rings};
-pub use field::{Field, FieldNode, Lens, Take, lenses};
+pub use field::{ErrorView, Field, FieldNode, ViewedErrors, lenses};
 pub use floor::floor_corners;
 pub use mesh::Mesh;
 pub use movement::{Movement, MovementStop};
@@ -39,7 +39,7 @@ pub struct Drawing<'a> {
     pub floor: f64,
     pub parts: Vec<DrawnPart>,
     /// Lenses (model and reading) of the takes of a field. The first is the lens of the cell.
-    pub lenses: Vec<Lens>,
+    pub lenses: Vec<ErrorView>,
     /// Error map of every operation.
     pub fields: Vec<Field>,
     /// Working envelope of each operation; empty if not asked for.

@@ -12,7 +12,7 @@ use nalgebra::Vector3;
 pub enum PartKind {
     Robot,
     Tool,
-    Held,
+    HeldPart,
     Equipment,
     Obstacle,
     Fence,
@@ -24,7 +24,7 @@ impl PartKind {
         match self {
             Self::Robot => "robot",
             Self::Tool => "tool",
-            Self::Held => "held",
+            Self::HeldPart => "held",
             Self::Equipment => "equipment",
             Self::Obstacle => "obstacle",
             Self::Fence => "fence",
@@ -71,7 +71,7 @@ pub fn parts(a: &Assessment<'_>) -> Vec<DrawnPart> {
         parts.extend(operation.held.solids.iter().map(|solid| DrawnPart {
             name: solid.name.clone(),
             owner: operation.name.clone(),
-            kind: PartKind::Held,
+            kind: PartKind::HeldPart,
             carrier: PartCarrier::Link(cell.robot.axes()),
             equipment: None,
             operation: Some(k),

@@ -70,7 +70,7 @@ impl PlacedLayout<'_> {
         spots: &[Option<Spot>],
         workspace: &mut MapperWorkspace,
     ) -> Outcome {
-        if !self.mapper.setups[operation].over.takes_all() {
+        if !self.mapper.setups[operation].over.needs_every_node() {
             return self.least_error(operation, spots, workspace);
         }
         self.every_free(operation, spots, workspace)

@@ -6,7 +6,7 @@ use super::outcome::Spot;
 use super::placed_layout::PlacedLayout;
 use super::walk::{OperationQuery, PostureVisitor, VisitedNode};
 use super::workspace::PostureMemory;
-use crate::cell::Over;
+use crate::cell::NodeAggregation;
 use crate::kinematic_error::deviation;
 use crate::pose::Displacement;
 use crate::reading::WorkContext;
@@ -110,9 +110,9 @@ impl OperationQuery<'_> {
 }
 
 /// Returns the node shown as the spot and the value of the operation, from the usable nodes and their values.
-fn chosen(over: Over, values: &[(usize, f64)], all_usable: bool) -> (Option<usize>, Option<f64>) {
+fn chosen(over: NodeAggregation, values: &[(usize, f64)], all_usable: bool) -> (Option<usize>, Option<f64>) {
     let by_value = |a: &&(usize, f64), b: &&(usize, f64)| a.1.total_cmp(&b.1);
-    if !over.takes_all() {
+    if !over.needs_every_node() {
         let best = values.iter().min_by(by_value);
         return (best.map(|b| b.0), best.map(|b| b.1));
     }

@@ -2,7 +2,7 @@
 //! frame.
 
 use super::grid::Grid;
-use crate::cell::{Cell, Operation, Over, Registration};
+use crate::cell::{Cell, NodeAggregation, Operation, Registration};
 use crate::reading::ErrorEvaluator;
 
 /// Everything about one operation that no layout changes.
@@ -11,7 +11,7 @@ pub struct OperationSetup {
     pub equipment: usize,
     pub grid: Grid,
     /// Rule that combines the values of the nodes.
-    pub over: Over,
+    pub over: NodeAggregation,
     pub evaluator: ErrorEvaluator,
     /// Index of the pick that this operation places relative to.
     pub relative_to: Option<usize>,

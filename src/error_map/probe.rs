@@ -70,8 +70,8 @@ impl<'a> Probe<'a> {
     }
 
     /// Returns the distance from the nearest point touched to teach the frame, m; infinite without any.
-    pub fn from_touched(&self, at: (f64, f64)) -> f64 {
-        self.context().map_or(f64::INFINITY, |context| context.from_touched(&self.target(at)))
+    pub fn distance_from_touched(&self, at: (f64, f64)) -> f64 {
+        self.context().map_or(f64::INFINITY, |context| context.distance_from_touched(&self.target(at)))
     }
 
     /// Finds the least-error usable posture at a point, judged as at a node.
@@ -114,7 +114,7 @@ impl<'a> Probe<'a> {
             return Err(self.query.why_unreached(&target, |branch| branch.index == held.branch));
         };
         let value = self.value(&posture)?;
-        match self.query.trouble(&target, held.branch, &self.memory) {
+        match self.query.refusal_status(&target, held.branch, &self.memory) {
             Some(trouble) => Err(trouble),
             None => Ok(value),
         }

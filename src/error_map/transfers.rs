@@ -29,7 +29,7 @@ impl PlacedLayout<'_> {
     /// The nodes of a grid have no order, so its worst node is the only stop of an operation at all nodes.
     fn stops(&self, operation: usize, spots: &[Option<Spot>]) -> Option<Vec<OperationPosture>> {
         let (setup, spot) = (&self.mapper.setups[operation], spots[operation]?);
-        if !setup.over.takes_all() || !setup.grid.is_listed() {
+        if !setup.over.needs_every_node() || !setup.grid.is_listed() {
             return Some(vec![self.operation_posture(operation, &spot)?]);
         }
         let all = self.every_free(operation, spots, &mut MapperWorkspace::default()).ok()?;

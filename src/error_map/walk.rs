@@ -185,7 +185,12 @@ impl<'a> OperationQuery<'a> {
     }
 
     /// Returns why a posture within the joint limits cannot be used, with its frames in `memory`.
-    pub fn trouble(&self, target: &Vector3<f64>, branch: u32, memory: &PostureMemory) -> Option<Status> {
+    pub fn refusal_status(
+        &self,
+        target: &Vector3<f64>,
+        branch: u32,
+        memory: &PostureMemory,
+    ) -> Option<Status> {
         let PlacedLayout { mapper, solids, .. } = self.placed;
         let hit = mapper.scene.hit(solids, &memory.frames.links, Some(self.operation));
         let collision = hit.map(|hit| Status::Collision { hit });
@@ -195,15 +200,15 @@ impl<'a> OperationQuery<'a> {
     /// Returns why none of the candidates of one target can be used: the reason for the best one.
     pub fn why_none(&self, target: &Vector3<f64>, found: &FirstFree, memory: &mut PostureMemory) -> Status {
         let arm = &self.placed.mapper.arm;
-        let trouble = found.nearest.and_then(|PostureCandidate { spot, .. }| {
+        let refusal_status = found.nearest.and_then(|PostureCandidate { spot, .. }| {
             if let Some((_, refusal)) = found.refused.filter(|(refused, _)| refused.branch == spot.branch) {
                 return Some(Status::Refused(refusal));
             }
             let posture = arm.inverse.posture(target, &self.attitudes, spot.branch)?;
             arm.chain.place(&posture, &mut memory.frames);
-            self.trouble(target, spot.branch, memory)
+            self.refusal_status(target, spot.branch, memory)
         });
-        trouble.unwrap_or_else(|| self.why_unreached(target, |_| true))
+        refusal_status.unwrap_or_else(|| self.why_unreached(target, |_| true))
     }
 
     /// Returns why a target cannot be reached by any of the branches that `counts` selects.

@@ -141,7 +141,7 @@ fn hides(c: char) -> bool {
 }
 
 /// Largest number of names that are compared with a mistyped one.
-const MOST_CANDIDATES: usize = 100;
+const MAX_CANDIDATES: usize = 100;
 
 /// Returns the candidate nearest to a mistyped `word`, if one is near enough to suggest.
 ///
@@ -164,7 +164,7 @@ pub fn did_you_mean<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str
         let near = apart <= most && (2 * apart < length || sorted(word) == sorted(c));
         near.then_some((apart, length.abs_diff(other)))
     };
-    let candidates = candidates.into_iter().take(MOST_CANDIDATES);
+    let candidates = candidates.into_iter().take(MAX_CANDIDATES);
     candidates.filter_map(|c| Some((distance(c)?, c))).min_by_key(|(d, _)| *d).map(|(_, c)| c)
 }
 

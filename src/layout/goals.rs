@@ -60,7 +60,7 @@ impl<'a> WorkingPostures<'a> {
         for (k, spot) in all.iter().enumerate() {
             let joints = |spot: &Spot| Some(placed.operation_posture(k, spot)?.joints);
             spots.push(joints(spot.as_ref()?)?);
-            if workcell.cell.operations[k].over.takes_all() {
+            if workcell.cell.operations[k].over.needs_every_node() {
                 let every = placed.every_free(k, &all, &mut memory).ok()?;
                 postures.extend(every.iter().filter_map(|spot| Some((k, joints(spot)?))));
             } else {

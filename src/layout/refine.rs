@@ -63,7 +63,7 @@ impl Workcell {
         let refine = |map: &OperationMap| {
             let operation = &self.cell.operations[map.operation];
             let Place::Grid { area, divisions } = &operation.place else { return None };
-            if operation.over.takes_all() {
+            if operation.over.needs_every_node() {
                 return None;
             }
             let probe = Probe::new(&placed, map.operation, &spots).ok()?;
@@ -84,7 +84,7 @@ impl Workcell {
         let spacing = (area.size.0 / divisions.0 as f64, area.size.1 / divisions.1 as f64);
         // At a touched point the taught frame has no error by definition, and little beside it: that says
         // nothing of the surface.
-        let apart = probe.from_touched(node_at).min(spacing.0.min(spacing.1)) - LEAST_STEP;
+        let apart = probe.distance_from_touched(node_at).min(spacing.0.min(spacing.1)) - LEAST_STEP;
         let mut best = PointSpot { at: node_at, branch: node.branch, value: node.value };
         for start in starts(map) {
             let at = self.mapper.grid(map.operation).local(start);
@@ -94,7 +94,7 @@ impl Workcell {
                 let Some(joints) = probe.joints(from.at, from.branch) else { break };
                 let branch = from.branch;
                 let found = descend(from, area, step, |at| {
-                    let is_apart = probe.from_touched(at) >= apart;
+                    let is_apart = probe.distance_from_touched(at) >= apart;
                     let value = is_apart
                         .then(|| probe.holding(&HeldPosture { at, branch, joints }).ok())
                         .flatten()?;

@@ -43,7 +43,7 @@ const DIRECTIONS: usize = 16;
 ///
 /// A straight edge of the allowed region may lie between two checked directions. It is nearer there by at
 /// most the cosine of half their angle.
-const SURE_SHARE: f64 = 0.98; // cos(11.25 deg) = 0.9808
+const DIRECTION_FACTOR: f64 = 0.98; // cos(11.25 deg) = 0.9808
 
 /// A misplacement, and the value of the operation there (m, rad or a share).
 #[derive(Debug, Clone, PartialEq)]
@@ -128,7 +128,7 @@ impl Workcell {
         let spots: Vec<_> = maps.iter().map(OperationMap::spot).collect();
         let all = maps.iter().map(|map| {
             let operation = &self.cell.operations[map.operation];
-            let all = operation.over.takes_all();
+            let all = operation.over.needs_every_node();
             let nodes = map.nodes.iter().enumerate().filter(|(k, _)| all || map.best == Some(*k));
             let held = nodes.filter_map(|(k, node)| {
                 let posture = node.posture.as_ref()?;
@@ -187,7 +187,7 @@ impl HeldOperation<'_> {
             });
             self.first_end(&moves.collect::<Vec<_>>())
         });
-        Largest { most: found.most * SURE_SHARE, ..found }
+        Largest { most: found.most * DIRECTION_FACTOR, ..found }
     }
 
     fn turn(&self) -> Largest {
@@ -218,10 +218,10 @@ impl HeldOperation<'_> {
         if let Some(overlap) = overlaps.into_iter().find(is_between_solids) {
             return Err(Status::Overlap(overlap));
         }
-        self.asked(&layout, |probe, held| probe.holding(held))
+        self.probed(&layout, |probe, held| probe.holding(held))
     }
 
-    fn asked(
+    fn probed(
         &self,
         layout: &Layout,
         mut ask: impl FnMut(&mut Probe<'_>, &HeldPosture) -> Result<f64, Status>,
@@ -240,7 +240,7 @@ impl HeldOperation<'_> {
                 let layout = self.workcell.cell.misplaced(self.layout, &[(slot, by)]);
                 // The best spot is often at a joint limit, which must not stop the slope.
                 let missing = Status::OutOfReach { by: 0.0 };
-                self.asked(&layout, |probe, held| probe.beyond_limits(held).ok_or(missing)).ok()
+                self.probed(&layout, |probe, held| probe.beyond_limits(held).ok_or(missing)).ok()
             });
             Some((high? - low?) / (2.0 * DIFFERENCE_STEP))
         };

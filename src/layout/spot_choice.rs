@@ -61,7 +61,7 @@ fn hardened(query: &SpotQuery<'_>, first: Spot, memory: &mut MapperWorkspace) ->
         layouts.iter().map(|layout| workcell.placed(layout)).collect();
     let probe = |placed| Probe::new(placed, operation, spots);
     let mut corners = Corners { query, probes: placed_corners.iter().map(probe).collect() };
-    if workcell.cell.operations[operation].over.takes_all() {
+    if workcell.cell.operations[operation].over.needs_every_node() {
         let all = placed.every_free(operation, spots, memory).unwrap_or_default();
         let held: Vec<_> = all.iter().filter_map(|spot| held(query, spot)).collect();
         return (first, corners.worst(first.value, &held));

@@ -48,7 +48,7 @@ impl Workcell {
     /// Returns the reason if the interpretation does not suit the cell, or if the robot cannot hold an
     /// attitude.
     pub fn interpreted(&self, interpretation: &Interpretation) -> Result<Self, String> {
-        self.sharing(self.cell.asked(interpretation).map_err(|faults| first_of(&faults))?)
+        self.sharing(self.cell.with_interpretation(interpretation).map_err(|faults| first_of(&faults))?)
     }
 
     /// Returns this workcell under another interpretation, in which each operation is judged alone.
@@ -56,7 +56,11 @@ impl Workcell {
     /// # Errors
     /// Returns the reason as [`Workcell::interpreted`] does, but allows senses in different units.
     pub fn interpreted_apart(&self, interpretation: &Interpretation) -> Result<Self, String> {
-        self.sharing(self.cell.asked_apart(interpretation).map_err(|faults| first_of(&faults))?)
+        self.sharing(
+            self.cell
+                .with_interpretation_per_operation(interpretation)
+                .map_err(|faults| first_of(&faults))?,
+        )
     }
 
     /// Returns a workcell of the same solids and placements as this one.

@@ -77,10 +77,10 @@ impl Guard {
         let mut found: Vec<Transfer> = Vec::new();
         let (Some(rules), Some(first)) = (&self.transfer, stances.first()) else { return Ok(found) };
         let mut here = *first;
-        for stance in &stances[1..] {
+        for context in &stances[1..] {
             let next = OperationPosture {
-                joints: nearest_turns(&self.chain, &here.joints, &stance.joints),
-                ..*stance
+                joints: nearest_turns(&self.chain, &here.joints, &context.joints),
+                ..*context
             };
             found.push(self.transfer(scene, placed, &here, &next)?);
             here = next;
@@ -134,9 +134,9 @@ impl Guard {
     }
 
     /// Returns the posture at the end of the straight line back from a spot.
-    fn end_of(&self, stance: &OperationPosture, length: f64) -> Result<JointVector, Hindrance> {
-        let knots = self.back(&stance.joints, length).map_err(Hindrance::Stopped)?;
-        Ok(knots.last().copied().unwrap_or(stance.joints))
+    fn end_of(&self, context: &OperationPosture, length: f64) -> Result<JointVector, Hindrance> {
+        let knots = self.back(&context.joints, length).map_err(Hindrance::Stopped)?;
+        Ok(knots.last().copied().unwrap_or(context.joints))
     }
 
     fn ways(&self) -> Vec<TransferRoute> {

@@ -67,7 +67,7 @@ impl HeldJoint {
     pub fn family(&self) -> &'static str {
         match (&self.solver, self.first) {
             (PoseSolver::SphericalWrist(_), true) => "spherical wrist, first joint free (closed form)",
-            (PoseSolver::SphericalWrist(_), false) => "spherical joint, last joint free (closed form)",
+            (PoseSolver::SphericalWrist(_), false) => "spherical shoulder, last joint free (closed form)",
             (PoseSolver::ThreeParallel(_), true) => "three parallel axes, first joint free (closed form)",
             (PoseSolver::ThreeParallel(_), false) => "three parallel axes, last joint free (closed form)",
             (PoseSolver::Scara(_), _) => "SCARA, one joint free (closed form)",

@@ -131,7 +131,9 @@ impl Inverse {
         };
         let reach = match &self.solver {
             ChainSolver::Numeric(_) => return self.visit_numeric(target, attitudes, found),
-            ChainSolver::Redundant(joint) => return self.visit_redundant(joint, target, attitudes, found),
+            ChainSolver::Redundant(joint) => {
+                return self.visit_redundant(joint, target, attitudes, &mut found);
+            }
             _ => self.solve(target, attitudes, scratch, &mut judge),
         };
         Gap { reach, limits: if reach > 0.0 { 0.0 } else { least } }
@@ -226,10 +228,10 @@ impl Inverse {
                     by
                 } else {
                     // Between the sampled values.
-                    let keep = |index, posture: &Posture| {
+                    let mut keep = |index: u32, posture: &Posture| {
                         all.push(self.branch(index, posture, target, attitudes));
                     };
-                    self.visit_redundant(joint, target, attitudes, keep).reach
+                    self.visit_redundant(joint, target, attitudes, &mut keep).reach
                 }
             }
             _ => self.solve(target, attitudes, &mut self.scratch(), &mut keep),

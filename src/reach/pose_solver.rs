@@ -52,7 +52,7 @@ impl PoseSolver {
     ///
     /// Returns how far the target is out of reach, m.
     #[inline]
-    pub fn solve(&self, flange: &Pose, posture: &mut Posture, found: &mut impl FnMut(u8, &Posture)) -> f64 {
+    pub fn solve(&self, flange: &Pose, posture: &mut Posture, found: &mut dyn FnMut(u8, &Posture)) -> f64 {
         match self {
             Self::Scara(arm) if arm.can_hold(flange) => arm.solve(flange, posture, found),
             Self::Scara(_) => f64::INFINITY,

@@ -24,7 +24,7 @@ impl Inverse {
         sample: &HeldSample<'_>,
         target: &Vector3<f64>,
         attitudes: &ToolAttitudes,
-        found: &mut impl FnMut(u32, &Posture),
+        found: &mut dyn FnMut(u32, &Posture),
     ) -> f64 {
         let joint = sample.joint;
         let (held, inverse) = joint.at(sample.value);
@@ -49,7 +49,7 @@ impl Inverse {
         joint: &HeldJoint,
         target: &Vector3<f64>,
         attitudes: &ToolAttitudes,
-        mut found: impl FnMut(u32, &Posture),
+        found: &mut dyn FnMut(u32, &Posture),
     ) -> Gap {
         if let Some(fast) = &joint.fast {
             let mut any = false;
@@ -66,7 +66,7 @@ impl Inverse {
                 return Gap { reach: 0.0, limits: 0.0 };
             }
         }
-        let mut gap_at = |sample: &HeldSample<'_>| self.gap_at(sample, target, attitudes, &mut found);
+        let mut gap_at = |sample: &HeldSample<'_>| self.gap_at(sample, target, attitudes, &mut *found);
         let mut any = false;
         let gaps: [Gap; HeldJoint::SAMPLES] = std::array::from_fn(|k| {
             let (gap, usable) = gap_at(&joint.sample(&joint.solver, k));
@@ -103,7 +103,7 @@ impl Inverse {
         sample: &HeldSample<'_>,
         target: &Vector3<f64>,
         attitudes: &ToolAttitudes,
-        found: &mut impl FnMut(u32, &Posture),
+        found: &mut dyn FnMut(u32, &Posture),
     ) -> (Gap, bool) {
         let (mut limits, mut usable) = (f64::INFINITY, false);
         let reach = self.solve_held(sample, target, attitudes, &mut |index, posture| {

@@ -44,7 +44,7 @@ impl WorkContext {
     }
 
     /// Returns the distance of a target (base frame, m) from the nearest touched point; infinite if none.
-    pub fn from_touched(&self, target: &Vector3<f64>) -> f64 {
+    pub fn distance_from_touched(&self, target: &Vector3<f64>) -> f64 {
         self.site.taught.as_ref().map_or(f64::INFINITY, |taught| taught.distance(target))
     }
 }

@@ -3,7 +3,7 @@
 use super::numbers::{in_unit, joints, nine_digits, percent, position_mm};
 use super::parameter_names as names;
 use super::words::{VALUE_WORDS, value_word};
-use crate::assess::{Account, PostureContext, Tighter};
+use crate::assess::{BudgetReport, PostureContext, Tighter};
 use crate::cell::{Cell, Model, Reading, Registration, Unit};
 use crate::reading::{Figures, PostureErrors, Share};
 use crate::units::rounded;
@@ -101,7 +101,7 @@ pub struct TightenEntry {
 }
 
 impl BudgetDocument {
-    pub fn new(cell: &Cell, accounts: &[Account<'_>]) -> Self {
+    pub fn new(cell: &Cell, accounts: &[BudgetReport<'_>]) -> Self {
         Self {
             schema: BUDGET_SCHEMA.into(),
             cell: cell.name.clone(),
@@ -117,21 +117,21 @@ impl BudgetDocument {
 }
 
 impl OperationBudget {
-    fn new(a: &Account<'_>) -> Self {
-        let stance = &a.stance;
-        let operation = &stance.cell.operations[stance.operation];
-        let unit = stance.gauge.sense.unit;
+    fn new(a: &BudgetReport<'_>) -> Self {
+        let context = &a.context;
+        let operation = &context.cell.operations[context.operation];
+        let unit = context.gauge.sense.unit;
         Self {
             name: operation.name.clone(),
-            equipment: stance.cell.equipment[operation.equipment].name.clone(),
+            equipment: context.cell.equipment[operation.equipment].name.clone(),
             sense: operation.sense.name.clone(),
             limit: operation.limit.map(|l| in_unit(operation.sense.unit, l)),
-            node: stance.node.map(|(i, j)| [i, j]),
-            position_mm: position_mm(&stance.position),
-            joints_deg: joints(stance.cell, &stance.joints),
+            node: context.node.map(|(i, j)| [i, j]),
+            position_mm: position_mm(&context.position),
+            joints_deg: joints(context.cell, &context.joints),
             worst_linear_exact: a.worst.exact,
-            total: TotalEntry::new(stance, &a.judged),
-            parameters: a.budget.shares.iter().map(|s| ShareEntry::new(stance, s)).collect(),
+            total: TotalEntry::new(context, &a.judged),
+            parameters: a.budget.shares.iter().map(|s| ShareEntry::new(context, s)).collect(),
             tighten: a.tighter.iter().map(|t| TightenEntry::new(a, t)).collect(),
             linear_worst: in_unit(unit, a.budget.worst),
             linear_rms: in_unit(unit, a.budget.deviation),
@@ -140,9 +140,9 @@ impl OperationBudget {
 }
 
 impl TotalEntry {
-    pub fn new(stance: &PostureContext<'_>, judged: &PostureErrors) -> Self {
-        let unit = stance.gauge.sense.unit;
-        let Figures { error, worst_linear, worst, rms, mean, p95, p99 } = judged.figures[stance.gauge.own()];
+    pub fn new(context: &PostureContext<'_>, judged: &PostureErrors) -> Self {
+        let unit = context.gauge.sense.unit;
+        let Figures { error, worst_linear, worst, rms, mean, p95, p99 } = judged.figures[context.gauge.own()];
         let [error, worst_linear, worst, rms, mean, p95, p99] =
             [error, worst_linear, worst, rms, mean, p95, p99].map(|v| in_unit(unit, v));
         let r#yield = judged.success.map(nine_digits);
@@ -151,15 +151,15 @@ impl TotalEntry {
 }
 
 impl ShareEntry {
-    fn new(stance: &PostureContext<'_>, s: &Share) -> Self {
-        let unit = names::unit(stance.cell, s.parameter);
+    fn new(context: &PostureContext<'_>, s: &Share) -> Self {
+        let unit = names::unit(context.cell, s.parameter);
         Self {
-            parameter: names::parameter(stance.cell, s.parameter),
+            parameter: names::parameter(context.cell, s.parameter),
             unit,
             signed: in_unit(unit, s.signed),
             plus_minus: in_unit(unit, s.plus_minus),
             linear_term_mm: position_mm(&s.term),
-            alone: in_unit(stance.gauge.sense.unit, s.alone),
+            alone: in_unit(context.gauge.sense.unit, s.alone),
             share_of_worst: rounded(s.of_worst, 12),
             share_of_variance: rounded(s.of_variance, 12),
         }
@@ -167,8 +167,8 @@ impl ShareEntry {
 }
 
 impl TightenEntry {
-    fn new(a: &Account<'_>, t: &Tighter) -> Self {
-        let cell = a.stance.cell;
+    fn new(a: &BudgetReport<'_>, t: &Tighter) -> Self {
+        let cell = a.context.cell;
         Self {
             halved: t.parameters.iter().map(|p| names::parameter(cell, *p)).collect(),
             of: in_unit(a.unit(), a.figure),

@@ -209,11 +209,11 @@ pub enum SenseRowKind {
 
 impl ExplanationDocument {
     pub fn new(e: &Explanation<'_>) -> Self {
-        let stance = &e.stance;
-        let cell = stance.cell;
-        let operation = &cell.operations[stance.operation];
-        let to_world = stance.situation.site.world.transpose();
-        let tool = to_world * stance.frames.tcp.rotation * cell.robot.tool_axis;
+        let context = &e.context;
+        let cell = context.cell;
+        let operation = &cell.operations[context.operation];
+        let to_world = context.situation.site.world.transpose();
+        let tool = to_world * context.frames.tcp.rotation * cell.robot.tool_axis;
         let world = |d: &Displacement| DisplacementEntry::new(&d.turned(&to_world));
         Self {
             schema: EXPLANATION_SCHEMA.into(),
@@ -228,10 +228,10 @@ impl ExplanationDocument {
             equipment: cell.equipment[operation.equipment].name.clone(),
             sense: operation.sense.name.clone(),
             limit: operation.limit.map(|l| in_unit(operation.sense.unit, l)),
-            node: stance.node.map(|(i, j)| [i, j]),
-            position_mm: position_mm(&stance.position),
-            joints_deg: joints(cell, &stance.joints),
-            base: PlacementEntry::new(&stance.base),
+            node: context.node.map(|(i, j)| [i, j]),
+            position_mm: position_mm(&context.position),
+            joints_deg: joints(cell, &context.joints),
+            base: PlacementEntry::new(&context.base),
             tool_axis_world: plain(&tool),
             tool_elevation_deg: degrees(tool.z.clamp(-1.0, 1.0).asin()),
             dh: e.rows.iter().map(DhEntry::new).collect(),
@@ -246,7 +246,7 @@ impl ExplanationDocument {
             guard: PostureGuardEntry::new(e),
             sense_rows: e.sense.iter().map(|row| SenseRowEntry::new(e, row)).collect(),
             worst_corner: corner(e),
-            total: TotalEntry::new(stance, &e.judged),
+            total: TotalEntry::new(context, &e.judged),
             value: in_unit(e.unit(), e.judged.value),
             unit: e.unit(),
         }
@@ -273,7 +273,7 @@ fn frames(e: &Explanation<'_>) -> Vec<FrameEntry> {
         let [x_axis, y_axis, z_axis] = [0, 1, 2].map(axis);
         FrameEntry { name, origin_mm: position_mm(&pose.translation), x_axis, y_axis, z_axis }
     };
-    let frames = &e.stance.frames;
+    let frames = &e.context.frames;
     let links = frames.links[..=e.rows.len()].iter().enumerate();
     let links = links.map(|(k, pose)| (frame_name(MotionFrame::Link(k)), pose));
     links.chain([(frame_name(MotionFrame::Tcp), &frames.tcp)]).map(entry).collect()
@@ -281,13 +281,13 @@ fn frames(e: &Explanation<'_>) -> Vec<FrameEntry> {
 
 impl ParameterEntry {
     fn new(e: &Explanation<'_>, line: &ParameterEffect) -> Self {
-        let cell = e.stance.cell;
+        let cell = e.context.cell;
         let unit = names::unit(cell, line.source.parameter);
         let per_unit = |d: &Displacement| match unit {
             Unit::Angle => plain(&(d.position.map(mm_from_m) * rad_from_deg(1.0))),
             _ => plain(&d.position),
         };
-        let term = line.term().turned(&e.stance.situation.site.world.transpose());
+        let term = line.term().turned(&e.context.situation.site.world.transpose());
         Self {
             parameter: names::parameter(cell, line.source.parameter),
             unit,
@@ -330,7 +330,7 @@ impl DisplacementEntry {
 impl PostureGuardEntry {
     fn new(e: &Explanation<'_>) -> Self {
         Self {
-            threshold_percent: percent(e.stance.cell.guard),
+            threshold_percent: percent(e.context.cell.guard),
             linear_off_percent: percent(e.linear_off),
             second_order_off_percent: percent(e.second_order_off),
             off_percent: percent(e.off()),
@@ -344,7 +344,7 @@ impl SenseRowEntry {
         Self {
             kind: if row.turns { SenseRowKind::Rotation } else { SenseRowKind::Position },
             direction_base: plain(&row.direction),
-            value: in_unit(e.stance.gauge.sense.unit, row.value),
+            value: in_unit(e.context.gauge.sense.unit, row.value),
         }
     }
 }
@@ -352,7 +352,7 @@ impl SenseRowEntry {
 fn corner(e: &Explanation<'_>) -> ByName<i8> {
     let signs = e.lines.iter().zip(e.worst.corner);
     let sign = |(line, sign): (&ParameterEffect, f64)| {
-        (names::parameter(e.stance.cell, line.source.parameter), if sign < 0.0 { -1 } else { 1 })
+        (names::parameter(e.context.cell, line.source.parameter), if sign < 0.0 { -1 } else { 1 })
     };
     signs.map(sign).collect()
 }

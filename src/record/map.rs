@@ -6,7 +6,7 @@ use super::placement::{ByName, PlacementEntry, placements};
 use super::refined::RefinedEntry;
 use super::words::{VALUE_WORDS, caveats, value_word};
 use crate::assess::Assessment;
-use crate::cell::{Cell, JointKind, Model, Over, Reading, Registration, Sense, Unit};
+use crate::cell::{Cell, JointKind, Model, NodeAggregation, Reading, Registration, Sense, Unit};
 use crate::error_map::{NodeSign, OperationMap};
 use crate::motion::Transfer;
 use crate::reading::{Estimate, MonteCarlo};
@@ -92,7 +92,7 @@ pub struct OperationMapEntry<'a> {
     pub limit: Option<f64>,
     /// Distance to the limit; negative if the limit is missed.
     pub margin: Option<f64>,
-    pub over: Over,
+    pub over: NodeAggregation,
     /// Value of the operation: the value of its best node, or the combined value of all its nodes.
     pub value: Option<f64>,
     pub counts: StatusCounts,

@@ -5,7 +5,7 @@ use super::misplacement::RobustnessEntry;
 use super::numbers::{in_unit, joints, nine_digits, position_mm};
 use super::refined::RefinedEntry;
 use crate::assess::Assessment;
-use crate::cell::{Over, Unit};
+use crate::cell::{NodeAggregation, Unit};
 use crate::reading::Figures;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -19,7 +19,7 @@ pub struct SpotEntry {
     pub sense: String,
     /// Where the operation may happen, in words.
     pub place: String,
-    pub over: Over,
+    pub over: NodeAggregation,
     /// Value of the operation, in the unit of the objective.
     pub value: Option<f64>,
     /// Limit and margin; null without a limit or a spot.

@@ -7,12 +7,12 @@ use nalgebra::{Vector2, Vector3};
 use std::collections::BTreeMap;
 
 /// Axes of a view in the world: right, up, and towards the eye; right-handed.
-pub type Eye = [Vector3<f64>; 3];
+pub type ViewAxes = [Vector3<f64>; 3];
 
 /// View from above; [`FRONT`] is the view from the front, along y.
-pub const ABOVE: Eye =
+pub const ABOVE: ViewAxes =
     [Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 1.0, 0.0), Vector3::new(0.0, 0.0, 1.0)];
-pub const FRONT: Eye =
+pub const FRONT: ViewAxes =
     [Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 0.0, 1.0), Vector3::new(0.0, -1.0, 0.0)];
 
 /// Projected share of its area below which a face counts as edge-on.
@@ -33,7 +33,7 @@ pub struct Silhouette {
 
 /// Returns the outline of the faces towards the eye, that is, their edges without a neighbour towards the
 /// eye.
-pub fn silhouette(mesh: &Mesh, pose: &Pose, [right, up, eye]: &Eye) -> Silhouette {
+pub fn silhouette(mesh: &Mesh, pose: &Pose, [right, up, eye]: &ViewAxes) -> Silhouette {
     let placed: Vec<Vector3<f64>> = mesh.positions.iter().map(|p| pose.transform(p)).collect();
     let joined = joined(&mesh.positions);
     let flat = |i: usize| Vector2::new(placed[i].dot(right), placed[i].dot(up));

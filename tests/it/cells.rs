@@ -47,7 +47,7 @@ fn a_cell_without_optional_keys_has_the_defaults() {
     let errors = signed(&cell);
     assert_eq!(errors.dbeta, [0.0; 4]);
     assert_eq!((errors.base, errors.tool), ([0.0; 6], [0.0; 6]));
-    assert_eq!(cell.question_faults(), []);
+    assert_eq!(cell.interpretation_faults(), []);
 }
 
 #[test]
@@ -311,9 +311,12 @@ fn free_coordinates_places_and_stopping_rules_are_read() {
     let cell = every_key();
     let [.., welding, dotting] = &cell.operations[..] else { panic!("{:?}", cell.operations) };
     let area = Rectangle { centre: (0.1, 0.05), size: (0.2, 0.1) };
-    assert_eq!((&welding.place, welding.over), (&Place::Grid { area, divisions: (4, 4) }, Over::P95));
+    assert_eq!(
+        (&welding.place, welding.over),
+        (&Place::Grid { area, divisions: (4, 4) }, NodeAggregation::P95)
+    );
     assert_eq!(dotting.place, Place::Points(vec![(-0.04, 0.0), (0.04, 0.0)]));
-    assert_eq!(dotting.over, Over::Mean);
+    assert_eq!(dotting.over, NodeAggregation::Mean);
     let shelf = cell.equipment.iter().position(|e| e.name == "shelf").unwrap();
     assert_eq!(cell.equipment[shelf].on.map(|k| cell.equipment[k].name.as_str()), Some("worktable"));
     let free: Vec<_> = cell.free().into_iter().map(|(slot, _)| slot).collect();
@@ -328,8 +331,8 @@ fn free_coordinates_places_and_stopping_rules_are_read() {
 #[test]
 fn changes_from_the_command_line_are_validated_again() {
     let mut cell = every_key();
-    assert_eq!(cell.question_faults(), []);
-    let about = |cell: &Cell| cell.question_faults().iter().map(|f| f.about).collect::<Vec<_>>();
+    assert_eq!(cell.interpretation_faults(), []);
+    let about = |cell: &Cell| cell.interpretation_faults().iter().map(|f| f.about).collect::<Vec<_>>();
     cell.quantity = Quantity::Yield;
     assert_eq!(about(&cell), [2, 3, 4].map(About::Operation));
     cell.reading = Reading::Signed;
@@ -343,7 +346,7 @@ fn changes_from_the_command_line_are_validated_again() {
     cell.reading = Reading::Statistical;
     assert_eq!(about(&cell), [2, 3, 4].map(About::Operation));
     cell.operations[2..].iter_mut().for_each(|o| o.limit = Some(0.001));
-    assert_eq!(cell.question_faults(), []);
+    assert_eq!(cell.interpretation_faults(), []);
 }
 
 #[test]

@@ -84,7 +84,7 @@ fn on_track() -> Robot {
 }
 
 fn fine(step: f64) -> Fineness<'static> {
-    Fineness { step, tolerance: 1e-5, asked: &|_| () }
+    Fineness { step, tolerance: 1e-5, on_progress: &|_| () }
 }
 
 fn inverse(robot: &Robot) -> Inverse {
@@ -258,7 +258,7 @@ fn monte_carlo(envelope: &Envelope<'_>, low: [f64; 3], high: [f64; 3], n: u32) -
     let mut rng = ChaCha8Rng::seed_from_u64(7);
     let hits = (0..n).filter(|_| {
         let p: [f64; 3] = std::array::from_fn(|k| rng.random_range(low[k]..high[k]));
-        envelope.has(&Vector3::from(p))
+        envelope.contains(&Vector3::from(p))
     });
     let share = hits.count() as f64 / f64::from(n);
     let all: f64 = (0..3).map(|k| high[k] - low[k]).product();
@@ -292,7 +292,7 @@ fn a_track_lengthens_the_envelope() {
     let attitude = Attitude { spin: Spin::At(vec![0.0]), ..Attitude::elevation(DOWN) };
     let envelope = Envelope::new(&arm, &attitude, 0.0);
     // Every target costs 25 times as much here.
-    let coarse = |step: f64| Fineness { step, tolerance: 2e-3, asked: &|_| () };
+    let coarse = |step: f64| Fineness { step, tolerance: 2e-3, on_progress: &|_| () };
     let plan = envelope.plan(0.6, &coarse(0.08));
     let exact = PI * 0.49 + 1.4;
     assert!(near(plan.area(), exact, 0.02), "{} {exact}, {}", plan.area(), arm.family());

@@ -16,7 +16,7 @@ const FAMILIES: [(&str, &str); 9] = [
     ("scara", "SCARA (closed form)"),
     ("wrist", "six axes with three that meet in a point (closed form)"),
     ("ur", "six axes with three parallel ones (closed form)"),
-    ("panda", "spherical joint, last joint free (closed form)"),
+    ("panda", "spherical shoulder, last joint free (closed form)"),
     ("track", "spherical wrist, first joint free (closed form)"),
     ("offset_wrist", "general chain (numeric)"),
 ];

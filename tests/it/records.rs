@@ -7,7 +7,9 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 use std::sync::atomic::AtomicBool;
-use sweetspot::assess::{Account, Assessment, Comparison, Explanation, NodeChoice, PostureContext, Readings};
+use sweetspot::assess::{
+    Assessment, BudgetReport, Comparison, Explanation, NodeChoice, PostureContext, Readings,
+};
 use sweetspot::layout::Workcell;
 use sweetspot::proof::{ProofOptions, prove};
 use sweetspot::record::{
@@ -65,9 +67,9 @@ fn with_unknown_field(document: &Value) -> Vec<Value> {
     all
 }
 
-fn accounts<'a>(workcell: &'a Workcell, a: &Assessment<'a>) -> Vec<Account<'a>> {
-    let stance = |k| PostureContext::at(workcell, &a.layout, &a.maps, k, NodeChoice::Best).ok();
-    (0..a.maps.len()).filter_map(|k| stance(k).map(Account::new)).collect()
+fn accounts<'a>(workcell: &'a Workcell, a: &Assessment<'a>) -> Vec<BudgetReport<'a>> {
+    let context = |k| PostureContext::at(workcell, &a.layout, &a.maps, k, NodeChoice::Best).ok();
+    (0..a.maps.len()).filter_map(|k| context(k).map(BudgetReport::new)).collect()
 }
 
 #[test]
@@ -81,9 +83,9 @@ fn documents_of_shipped_cells_validate_against_their_schemas() {
         let accounts = accounts(&workcell, &a);
         assert!(!accounts.is_empty(), "{name}");
         holds::<BudgetDocument>(DocumentKind::Budget, &BudgetDocument::new(cell, &accounts), name);
-        let stance = PostureContext::at(&workcell, &a.layout, &a.maps, 0, NodeChoice::Best);
-        if let Ok(stance) = stance {
-            let document = ExplanationDocument::new(&Explanation::new(stance));
+        let context = PostureContext::at(&workcell, &a.layout, &a.maps, 0, NodeChoice::Best);
+        if let Ok(context) = context {
+            let document = ExplanationDocument::new(&Explanation::new(context));
             holds::<ExplanationDocument>(DocumentKind::Explanation, &document, name);
         }
         let row = SweepRow::new(&[], 0, &a, None);
@@ -142,7 +144,9 @@ fn rows_of_the_node_table_have_the_kinds_of_its_columns() {
 /// A word in a document is the word of the program's own name of it.
 #[test]
 fn words_of_documents_equal_the_names_in_the_program() {
-    use sweetspot::cell::{Goal, Model, Objective, Over, Quantity, Reading, Registration, Solver, Unit};
+    use sweetspot::cell::{
+        Goal, Model, NodeAggregation, Objective, Quantity, Reading, Registration, Solver, Unit,
+    };
     use sweetspot::error_map::NodeSign;
     fn same<T: Serialize + Copy>(all: &[T], name: impl Fn(T) -> &'static str) {
         all.iter().for_each(|word| assert_eq!(json!(word), json!(name(*word))));
@@ -151,7 +155,7 @@ fn words_of_documents_equal_the_names_in_the_program() {
     same(&Reading::ALL, Reading::name);
     same(&Quantity::ALL, Quantity::name);
     same(&Registration::ALL, Registration::name);
-    same(&Over::ALL, Over::name);
+    same(&NodeAggregation::ALL, NodeAggregation::name);
     same(&Objective::ALL, Objective::name);
     same(&Solver::ALL, Solver::name);
     same(&Goal::ALL, Goal::name);

@@ -118,7 +118,7 @@ fn rendered(a: &Assessment<'_>, format: ExportFormat, operation: Option<usize>) 
         ExportFormat::Glb => report::glb::glb(&drawing()?, operation).map_err(cannot),
         ExportFormat::Svg => Ok(report::sheet::sheet(&drawing()?, operation).into_bytes()),
         ExportFormat::Png => {
-            let shot = Shot { stance: operation, width: PNG_SIZE.0, height: PNG_SIZE.1, ..Shot::default() };
+            let shot = Shot { context: operation, width: PNG_SIZE.0, height: PNG_SIZE.1, ..Shot::default() };
             report::raster::png(&drawing()?, &shot).map_err(cannot)
         }
     }

@@ -10,7 +10,7 @@ use crate::files::shown;
 use crate::layout::Workcell;
 use crate::record::{ComparisonDocument, SearchResult};
 use crate::report;
-use crate::report::page::Told;
+use crate::report::page::SearchFacts;
 use std::path::{Path, PathBuf};
 
 /// `sweetspot compare`
@@ -52,7 +52,7 @@ pub fn compare(a: &CompareArguments) -> Result<Exit, Exit> {
 
 /// Renders the page with as much detail as its size limit allows.
 fn page(comparison: &Comparison<'_>, paths: &[PathBuf]) -> Result<String, Exit> {
-    let told: Vec<Told> = paths.iter().map(|p| told(p)).collect();
+    let told: Vec<SearchFacts> = paths.iter().map(|p| told(p)).collect();
     within_size(|detail| {
         let drawings =
             comparison.columns.iter().map(|a| Drawing::new(a, detail)).collect::<Result<Vec<_>, _>>()?;
@@ -61,10 +61,10 @@ fn page(comparison: &Comparison<'_>, paths: &[PathBuf]) -> Result<String, Exit> 
 }
 
 /// Reads gap and clearance of the best layout from search.json in a result folder.
-fn told(folder: &Path) -> Told {
+fn told(folder: &Path) -> SearchFacts {
     let text = std::fs::read(folder.join("search.json")).unwrap_or_default();
     let found: Option<SearchResult> = serde_json::from_slice(&text).ok();
-    Told {
+    SearchFacts {
         gap_percent: found.as_ref().and_then(|found| found.gap_percent),
         clearance_mm: found.and_then(|found| found.goals).map(|goals| goals.clearance_mm),
     }

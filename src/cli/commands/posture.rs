@@ -1,7 +1,7 @@
 //! `budget` and `explain`: the errors of one posture.
 
 use super::{suggest, workcell};
-use crate::assess::{Account, Explanation, NoPosture, NodeChoice, PostureContext};
+use crate::assess::{BudgetReport, Explanation, NoPosture, NodeChoice, PostureContext};
 use crate::cell::{Cell, JointKind, JointVector, MAX_JOINTS};
 use crate::cli::arguments::{BudgetArguments, ExplainArguments, QuestionFlags};
 use crate::cli::output::{path_word, word};
@@ -25,14 +25,16 @@ pub fn budget(a: &BudgetArguments) -> Result<Exit, Exit> {
     let maps = workcell.maps(&layout);
     let mut accounts = Vec::new();
     for k in operations {
-        accounts.push(Account::new(PostureContext::at(&workcell, &layout, &maps, k, a.at).map_err(refused)?));
+        accounts.push(BudgetReport::new(
+            PostureContext::at(&workcell, &layout, &maps, k, a.at).map_err(refused)?,
+        ));
     }
     if a.json {
         output::data(&results::line(&BudgetDocument::new(cell, &accounts))?)?;
     } else {
         let budgets: Vec<String> = accounts.iter().map(report::text::budget).collect();
         output::data(&format!("{}\n{}", report::text::headline(cell), budgets.join("\n")))?;
-        let first = accounts.first().map(|account| &cell.operations[account.stance.operation].name);
+        let first = accounts.first().map(|account| &cell.operations[account.context.operation].name);
         let same = asked_again(first.map(String::as_str), a.at, &a.question);
         suggest(&format!("explain {}{same}", path_word(&a.cell)));
     }
@@ -53,13 +55,13 @@ pub fn explain(a: &ExplainArguments) -> Result<Exit, Exit> {
         let cell = loaded.cell;
         let joints = joints(&cell, given)?;
         let ready = Workcell::remembering(cell.clone(), &mut cache::remember);
-        let stance = PostureContext::of_joints(&cell, ready.as_ref().map_err(String::as_str), k, joints);
-        let stance = stance.map_err(|why| {
+        let context = PostureContext::of_joints(&cell, ready.as_ref().map_err(String::as_str), k, joints);
+        let context = context.map_err(|why| {
             output::error(&why);
             output::talk("  help: choose another registration or another layout");
             Exit::BadInput
         })?;
-        return told(a, &Explanation::new(stance));
+        return told(a, &Explanation::new(context));
     }
     let workcell = workcell(loaded.cell, &a.cell)?;
     let layout = workcell.cell.start();
@@ -68,7 +70,7 @@ pub fn explain(a: &ExplainArguments) -> Result<Exit, Exit> {
 }
 
 fn told(a: &ExplainArguments, explanation: &Explanation<'_>) -> Result<Exit, Exit> {
-    let cell = explanation.stance.cell;
+    let cell = explanation.context.cell;
     for (row, joint) in explanation.rows.iter().zip(&cell.robot.joints) {
         if !row.allowed {
             output::talk(&format!("note: joint {} is outside its limits", shown(&joint.name)));
@@ -84,7 +86,7 @@ fn told(a: &ExplainArguments, explanation: &Explanation<'_>) -> Result<Exit, Exi
     }
     let text = report::text::explanation(explanation);
     output::data(&format!("{}\n{text}", report::text::headline(cell)))?;
-    let name = &cell.operations[explanation.stance.operation].name;
+    let name = &cell.operations[explanation.context.operation].name;
     let file = path_word(&a.cell);
     match &a.joints {
         Some(joints) => {

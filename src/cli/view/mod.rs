@@ -22,7 +22,7 @@ use crate::layout::{Workcell, evaluate, separated};
 use crate::report::json;
 use crate::units::{mm_from_m, rounded};
 use job::SearchThread;
-use question::{PageQuestion, Workcells};
+use question::{EvaluationSettings, Workcells};
 use serde_json::{Value, json};
 use session::Session;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -78,7 +78,7 @@ impl LiveView {
     /// Starts a session at the layout as drawn.
     pub fn new(workcell: Workcell, origin: Origin) -> Self {
         let cell = workcell.cell.clone();
-        let session = Session::new(LayoutValues::start(&cell), PageQuestion::of(&cell));
+        let session = Session::new(LayoutValues::start(&cell), EvaluationSettings::of(&cell));
         let workcells = Workcells::new(workcell);
         Self {
             workcells,
@@ -103,7 +103,7 @@ impl LiveView {
         let (question, values, before, mut document) = {
             let session = locked(&self.session);
             let (undo, redo) = session.depth();
-            let PageQuestion { sense, model, reading } = &session.question;
+            let EvaluationSettings { sense, model, reading } = &session.question;
             let document = json!({
                 "revision": session.revision,
                 "undo": undo,
@@ -173,7 +173,7 @@ impl LiveView {
             Some(Value::String(word)) => Some(word.clone()),
             Some(_) => return Err("`sense` must be a string or null".into()),
         };
-        let question = PageQuestion {
+        let question = EvaluationSettings {
             sense,
             model: model.ok_or("unknown `model`")?,
             reading: reading.ok_or("unknown `reading`")?,

@@ -9,14 +9,14 @@ const MAX_WORKCELLS: usize = 300;
 
 /// Evaluation settings of the page: sense, model and reading.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct PageQuestion {
+pub struct EvaluationSettings {
     /// Name of the sense; None if each operation is measured in its own sense.
     pub sense: Option<String>,
     pub model: Model,
     pub reading: Reading,
 }
 
-impl PageQuestion {
+impl EvaluationSettings {
     /// Returns the evaluation settings of the cell file.
     pub fn of(cell: &Cell) -> Self {
         Self { sense: None, model: cell.model, reading: cell.reading }
@@ -40,21 +40,21 @@ impl PageQuestion {
 /// Cache of the workcells for all evaluation settings used so far; the cell file's own comes first.
 pub struct Workcells {
     own: Arc<Workcell>,
-    ready: Mutex<Vec<(PageQuestion, Arc<Workcell>)>>,
+    ready: Mutex<Vec<(EvaluationSettings, Arc<Workcell>)>>,
 }
 
 impl Workcells {
     /// Returns a cache that contains the workcell `own` of the cell file.
     pub fn new(own: Workcell) -> Self {
         let own = Arc::new(own.in_own_senses());
-        Self { ready: Mutex::new(vec![(PageQuestion::of(&own.cell), own.clone())]), own }
+        Self { ready: Mutex::new(vec![(EvaluationSettings::of(&own.cell), own.clone())]), own }
     }
 
     /// Returns the workcell for the evaluation settings `question`.
     ///
     /// # Errors
     /// Fails with the reason if the cell cannot be evaluated with these settings.
-    pub fn ask(&self, question: &PageQuestion) -> Result<Arc<Workcell>, String> {
+    pub fn ask(&self, question: &EvaluationSettings) -> Result<Arc<Workcell>, String> {
         let mut ready = super::locked(&self.ready);
         if let Some((_, workcell)) = ready.iter().find(|(known, _)| known == question) {
             return Ok(workcell.clone());

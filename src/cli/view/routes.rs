@@ -112,7 +112,7 @@ fn save(view: &LiveView, asked: &Value) -> HttpResponse {
             output::talk(&format!("wrote {path}"));
             HttpResponse::json(200, &json!({ "saved": path }))
         }
-        Err(Unsaved::Taken) => HttpResponse::json(
+        Err(Unsaved::OccupiedBoxes) => HttpResponse::json(
             409,
             &json!({
                 "error": format!("the file `{}` already exists", shown(name.trim())), "taken": true

@@ -1,6 +1,6 @@
 //! State that all open pages share: undo history, current step, and evaluation settings.
 
-use super::question::PageQuestion;
+use super::question::EvaluationSettings;
 use super::values::LayoutValues;
 
 /// Largest number of steps kept; the first step is always kept.
@@ -17,14 +17,14 @@ pub struct Step {
 pub struct Session {
     /// Number of changes, from which a page sees that another page made one.
     pub revision: u64,
-    pub question: PageQuestion,
+    pub question: EvaluationSettings,
     steps: Vec<Step>,
     at: usize,
 }
 
 impl Session {
     /// Returns a session whose history starts at a layout.
-    pub fn new(start: LayoutValues, question: PageQuestion) -> Self {
+    pub fn new(start: LayoutValues, question: EvaluationSettings) -> Self {
         let steps = vec![Step { values: start, what: "the layout as drawn".into() }];
         Self { revision: 1, question, steps, at: 0 }
     }
@@ -73,7 +73,7 @@ impl Session {
     }
 
     /// Changes sense, model and reading.
-    pub fn ask(&mut self, question: PageQuestion) {
+    pub fn ask(&mut self, question: EvaluationSettings) {
         if self.question != question {
             self.question = question;
             self.revision += 1;

@@ -17,7 +17,7 @@ words!(
     Goal,
     Model,
     Objective,
-    Over,
+    NodeAggregation,
     Quantity,
     Reading,
     Registration,

@@ -219,6 +219,15 @@ pub enum Rule {
 }
 
 impl ValueKind {
+    /// Returns whether the value is a table whose keys are names chosen by the user.
+    pub fn is_named(&self) -> bool {
+        match self {
+            ValueKind::Named(..) => true,
+            ValueKind::Checked(kind, _) => kind.is_named(),
+            _ => false,
+        }
+    }
+
     /// Returns the kind of a word out of a closed set.
     pub const fn word<W: Word>() -> Self {
         ValueKind::Word(words_of::<W>)

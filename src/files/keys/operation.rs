@@ -4,7 +4,7 @@ use super::key::*;
 use super::parts::*;
 use super::robot::held;
 use super::solid::rectangle;
-use crate::cell::{Frame, Over, PLAIN};
+use crate::cell::{Frame, NodeAggregation, PLAIN};
 
 /// Largest number of nodes of one grid. A map of more nodes takes hours and gigabytes.
 pub const MAX_NODES: u64 = 1_000_000;
@@ -58,7 +58,7 @@ key_table! {
         GRID = Key::new("grid", DIVISIONS, "Divisions along x and y of the surface: [10, 8] makes 11 x 9 nodes.").required_unless("points_mm").example("[10, 8]").remedy("add grid = [10, 8], the divisions along x and y");
         REGION = table("region", &rectangle::TABLE, "Part of the surface that the grid covers; if left out, all of it.").example("{ centre_mm = [100, 50], size_mm = [200, 100] }");
         POINTS_MM = Key::new("points_mm", POINTS, "Points of the surface (x and y) at which the operation happens, in place of a grid.").example("[[-100, 0], [100, 0]]");
-        OVER = word::<Over>("over", "best: the operation happens at the best node; max, mean, p95: it happens at every node, and the maximum, mean or 95th percentile of their errors counts; if left out, best for a grid, max for points.");
+        OVER = word::<NodeAggregation>("over", "best: the operation happens at the best node; max, mean, p95: it happens at every node, and the maximum, mean or 95th percentile of their errors counts; if left out, best for a grid, max for points.");
         STANDOFF = number_or_zero("standoff_mm", NumberRange::NotNegative, "Distance of the TCP above the surface.");
         BEND = Key::new("bend_deg", ValueKind::Coordinate(-MAX_BEND, MAX_BEND), "Elevation of the tool axis: -90 points down, 0 is horizontal; a number, a range or a list.").required().example("-90").remedy("add bend_deg = 0");
         AZIMUTH = Key::new("azimuth_deg", super::AZIMUTH, "Azimuth: heading of the tool axis in the surface, or of the tool's x axis if the tool is vertical; a number, a range, a list, \"radial\" (away from the robot) or \"free\".").default(Literal::Word("free"));

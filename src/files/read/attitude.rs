@@ -12,10 +12,10 @@ use crate::files::toml::value::plain;
 use crate::units;
 
 /// Attitude as drawn, and those of elevation, azimuth and spin that are search variables.
-type Aim = (Attitude, [Option<Coordinate>; 3]);
+type SearchedAttitude = (Attitude, [Option<Coordinate>; 3]);
 
 /// Reads `bend_deg`, `azimuth_deg`, `spin_deg` and `tolerance_deg` of an operation.
-pub fn read(t: &mut Table) -> Option<Aim> {
+pub fn read(t: &mut Table) -> Option<SearchedAttitude> {
     let elevation = read_bend(t);
     let (azimuth, spin) = (read_azimuth(t), read_spin(t));
     let tolerance = t.number(&operation::TOLERANCE)?;

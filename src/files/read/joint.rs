@@ -12,7 +12,7 @@ use crate::units;
 use std::collections::HashSet;
 
 /// Limit in degrees. If no joint has a larger one, the limits are probably in radians.
-const RADIANS: f64 = 7.0;
+const SUSPICIOUS_LIMIT_DEG: f64 = 7.0;
 
 /// Reads the D-H rows.
 pub fn read_all(t: &mut Table) -> Option<Vec<Joint>> {
@@ -28,9 +28,10 @@ pub fn read_all(t: &mut Table) -> Option<Vec<Joint>> {
     }
     let turns = |j: &&Joint| j.kind == JointKind::Revolute && !j.is_passive();
     let mut turning = joints.iter().filter(turns).peekable();
-    let small = |j: &Joint| j.limits.0.abs().max(j.limits.1.abs()) <= units::rad_from_deg(RADIANS);
+    let small =
+        |j: &Joint| j.limits.0.abs().max(j.limits.1.abs()) <= units::rad_from_deg(SUSPICIOUS_LIMIT_DEG);
     if turning.peek().is_some() && turning.all(small) {
-        let message = format!("no revolute joint has a limit beyond {RADIANS} degrees");
+        let message = format!("no revolute joint has a limit beyond {SUSPICIOUS_LIMIT_DEG} degrees");
         t.lib.fault(
             node.at,
             Severity::Warning,

@@ -23,7 +23,7 @@ pub fn read_all(t: &mut Table, equipment: &[Equipment], senses: &[Sense]) -> Vec
     let named = t.get(&cell::SENSE);
     let is_table = |node: &&Node| matches!(node.value, Value::Table(_));
     let complete = !t.partial && standing.iter().chain([&named]).flatten().all(is_table);
-    let around = Around {
+    let around = References {
         complete,
         equipment,
         entries: standing.into_iter().flatten().flat_map(|node| node.value.entries()).collect(),
@@ -37,7 +37,7 @@ pub fn read_all(t: &mut Table, equipment: &[Equipment], senses: &[Sense]) -> Vec
 }
 
 /// Parts of the cell that an operation may refer to.
-struct Around<'c> {
+struct References<'c> {
     /// Whether every table could be read, so that an unknown name is a fault.
     complete: bool,
     /// Equipment that could be read; `senses` likewise.
@@ -62,7 +62,7 @@ fn names(node: Option<&Node>) -> Places<'_> {
     entries_of(node).iter().enumerate().map(|(k, (name, ..))| (name.as_str(), k)).collect()
 }
 
-fn read(name: &str, t: &mut Table, around: &Around<'_>) -> Option<Operation> {
+fn read(name: &str, t: &mut Table, around: &References<'_>) -> Option<Operation> {
     let on = read_surface_choice(t, around);
     let surface = on.and_then(|k| around.surface(k));
     let place = place::read(t, surface);
@@ -74,7 +74,7 @@ fn read(name: &str, t: &mut Table, around: &Around<'_>) -> Option<Operation> {
     let teach = t.if_given(&operation::TEACH, |t, _| teach::read(t, surface));
     let (approach, retract) = (t.number(&operation::APPROACH), t.number(&operation::RETRACT));
     let weight = t.number(&operation::WEIGHT);
-    let held = t.table_or(&operation::HELD, Held::default(), tool::read_held);
+    let held = t.table_or(&operation::HELD, HeldPart::default(), tool::read_held);
     let ((place, over), (attitude, angles)) = (place?, attitude?);
     Some(Operation {
         name: name.to_string(),
@@ -95,7 +95,7 @@ fn read(name: &str, t: &mut Table, around: &Around<'_>) -> Option<Operation> {
     })
 }
 
-impl Around<'_> {
+impl References<'_> {
     /// Returns the work surface of entry `k` of [`Self::entries`], if it could be read.
     fn surface(&self, k: usize) -> Option<Rectangle> {
         let (name, ..) = self.entries.get(k)?;
@@ -104,7 +104,7 @@ impl Around<'_> {
 }
 
 /// Reads `on = "NAME"`; returns the index of that equipment or obstacle. It must have a work surface.
-fn read_surface_choice(t: &mut Table, around: &Around<'_>) -> Option<usize> {
+fn read_surface_choice(t: &mut Table, around: &References<'_>) -> Option<usize> {
     let node = t.get(&operation::ON)?;
     let name = t.text(&operation::ON)?;
     let has_surface = |part: &Node| part.value.get("surface").is_some();
@@ -127,7 +127,7 @@ fn read_surface_choice(t: &mut Table, around: &Around<'_>) -> Option<usize> {
 }
 
 /// Reads `sense = "WORD"`: a built-in sense, or one that the cell defines.
-fn read_sense(t: &mut Table, around: &Around<'_>) -> Option<Sense> {
+fn read_sense(t: &mut Table, around: &References<'_>) -> Option<Sense> {
     let node = t.get(&operation::SENSE)?;
     let word = t.text(&operation::SENSE)?;
     if let Some(plain) = Sense::plain(&word) {
@@ -175,7 +175,7 @@ fn read_limit(t: &mut Table, sense: Option<&Sense>) -> Option<Option<f64>> {
 /// Reads `relative_to = "NAME"`; returns the index of that operation.
 ///
 /// It must come before this one, have a single spot and not be relative to another operation.
-fn read_relative(name: &str, t: &mut Table, around: &Around<'_>) -> Option<usize> {
+fn read_relative(name: &str, t: &mut Table, around: &References<'_>) -> Option<usize> {
     let node = t.get(&operation::RELATIVE_TO)?;
     let other = t.text(&operation::RELATIVE_TO)?;
     let place = |wanted: &str| around.operation_names.get(wanted).copied();

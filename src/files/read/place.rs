@@ -1,7 +1,7 @@
 //! Reader of the place of an operation on its surface: `grid`, `region`, `points_mm`, `over`.
 
 use super::solid;
-use crate::cell::{Over, Place, Rectangle};
+use crate::cell::{NodeAggregation, Place, Rectangle};
 use crate::files::keys::key::NumberRange;
 use crate::files::keys::operation::{MAX_NODES, operation};
 use crate::files::toml::reader::Table;
@@ -20,9 +20,9 @@ const NODE_COST: (f64, f64) = (1.2e-4, 1600.0);
 /// Reads the nodes of an operation, and which of their errors counts.
 ///
 /// `surface` is the work surface of the equipment, if it could be read.
-pub fn read(t: &mut Table, surface: Option<Rectangle>) -> Option<(Place, Over)> {
+pub fn read(t: &mut Table, surface: Option<Rectangle>) -> Option<(Place, NodeAggregation)> {
     let points = t.get(&operation::POINTS_MM);
-    let default = if points.is_some() { Over::Max } else { Over::Best };
+    let default = if points.is_some() { NodeAggregation::Max } else { NodeAggregation::Best };
     let over = t.if_given(&operation::OVER, Table::word).map(|over| over.unwrap_or(default));
     if let Some(node) = points {
         let points = read_points(t, surface);

@@ -15,13 +15,13 @@ use crate::units::{mm_from_m, rounded};
 const FACTOR: f64 = 20.0;
 
 /// Largest distance between an equipment and the surface that it stands on, m.
-const STANDS: f64 = 1e-6;
+const MAX_STAND_GAP: f64 = 1e-6;
 
 /// Share of the reach below which a tolerance is too small to be manufactured.
 const LEAST_DEVIATION: f64 = 1e-6;
 
 /// Object with a size, m, and the place to warn at.
-struct Thing {
+struct SizedObject {
     what: String,
     at: At,
     size: f64,
@@ -30,7 +30,7 @@ struct Thing {
 /// Warns of objects, link solids and tolerances whose size does not fit the reach of the robot.
 pub fn warn(cell: &Cell, root: &Node, lib: &mut Library<'_>) {
     let reach = cell.robot.reach();
-    let side = |thing: &Thing| side(thing.size, reach);
+    let side = |thing: &SizedObject| side(thing.size, reach);
     let reach_mm = millimetres(reach);
     let robot = place_of(root, "robot");
     if let ErrorSet::Tolerance(set) = cell.error_set() {
@@ -48,7 +48,7 @@ pub fn warn(cell: &Cell, root: &Node, lib: &mut Library<'_>) {
     }
     let sizes = cell.robot.solids.iter().map(|s| extent_size([&s.solid.shape]));
     let what = "the largest solid of the robot".to_string();
-    let links = sizes.reduce(f64::max).map(|size| Thing { what, at: robot, size });
+    let links = sizes.reduce(f64::max).map(|size| SizedObject { what, at: robot, size });
     for thing in standing.iter().chain(&links) {
         let Some(side) = side(thing) else { continue };
         let size = millimetres(thing.size);
@@ -103,7 +103,7 @@ fn warn_of_stands(cell: &Cell, root: &Node, lib: &mut Library<'_>) {
         let at = root.value.get("equipment").map_or(root.at, |node| place_of(node, &e.name));
         let [x, y, z, _] = e.placement.each_ref().map(Coordinate::start);
         let low = extent_of(e.solids.iter().map(|s| &s.shape)).map_or(0.0, |(low, _)| low.z);
-        if z + low < -STANDS {
+        if z + low < -MAX_STAND_GAP {
             let by = millimetres(-(z + low));
             let message = format!("`{}` reaches {by} mm below the surface of `{}`", e.name, under.name);
             lib.fault(
@@ -114,7 +114,7 @@ fn warn_of_stands(cell: &Cell, root: &Node, lib: &mut Library<'_>) {
             );
         }
         let top = under.surface.unwrap_or(under.footprint);
-        let beside = |v: f64, centre: f64, size: f64| (v - centre).abs() > size / 2.0 + STANDS;
+        let beside = |v: f64, centre: f64, size: f64| (v - centre).abs() > size / 2.0 + MAX_STAND_GAP;
         if beside(x, top.centre.0, top.size.0) || beside(y, top.centre.1, top.size.1) {
             let message = format!("`{}` stands beside `{}`, not on it", e.name, under.name);
             lib.fault(
@@ -128,17 +128,17 @@ fn warn_of_stands(cell: &Cell, root: &Node, lib: &mut Library<'_>) {
 }
 
 /// Returns equipment, obstacles and keep-out boxes with their sizes.
-fn standing(cell: &Cell, root: &Node) -> Vec<Thing> {
+fn standing(cell: &Cell, root: &Node) -> Vec<SizedObject> {
     let at = |group: &str, name: &str| root.value.get(group).map(|node| place_of(node, name));
     let equipment = cell.equipment.iter().map(|e| {
         let group = if e.role == Role::Equipment { "equipment" } else { "obstacle" };
-        Thing {
+        SizedObject {
             what: format!("`{}`", e.name),
             at: at(group, &e.name).unwrap_or(root.at),
             size: equipment_size(e),
         }
     });
-    let keep_out = cell.keep_out.iter().map(|k| Thing {
+    let keep_out = cell.keep_out.iter().map(|k| SizedObject {
         what: format!("keep-out box `{}`", k.name),
         at: at("keep_out", &k.name).unwrap_or(root.at),
         size: (k.max - k.min).max(),

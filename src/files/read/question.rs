@@ -6,7 +6,7 @@ use crate::files::toml::tree::Node;
 
 /// Records a fault, at the key concerned, for every combination of settings that cannot be evaluated.
 pub fn check(cell: &Cell, root: &Node, lib: &mut Library<'_>) {
-    for fault in cell.question_faults() {
+    for fault in cell.interpretation_faults() {
         let at = match fault.about {
             About::Reading => {
                 ["reading", "errors"].into_iter().find_map(|key| root.value.get(key)).map(|n| n.at)

@@ -2,7 +2,7 @@
 
 use super::header::header;
 use super::solid;
-use crate::cell::{Held, LinkSolid, SelfCollision, Solid};
+use crate::cell::{HeldPart, LinkSolid, SelfCollision, Solid};
 use crate::files::fault::{did_you_mean, listed, shown};
 use crate::files::keys::robot::{held, robot, self_collision, tool};
 use crate::files::toml::reader::Table;
@@ -63,10 +63,10 @@ pub fn mount(
 }
 
 /// Reads `held` of an operation: solids in the frame of the TCP.
-pub fn read_held(t: &mut Table) -> Option<Held> {
+pub fn read_held(t: &mut Table) -> Option<HeldPart> {
     let solids = solid::read_all(t, &held::SOLID);
     let touches_surface = t.boolean(&held::TOUCHES);
-    Some(Held { solids, touches_surface: touches_surface? })
+    Some(HeldPart { solids, touches_surface: touches_surface? })
 }
 
 /// Reads `self_collision = false`, or `{ allowed = [["NAME", "NAME"], ...] }`: pairs that may touch.

@@ -19,7 +19,7 @@ pub fn load(path: &str, settings: &[Setting], lib: &mut Library<'_>) -> Option<N
     let at = At { file, offset: 0 };
     let mut root = Node { at, value: Value::Table(lib.entries(file)?) };
     let mut chain = vec![path.to_string()];
-    lay(&mut root, &mut chain, lib);
+    merge_over(&mut root, &mut chain, lib);
     has_schema(&root, at, lib);
     setting::apply(&mut root, settings, lib);
     let Value::Table(entries) = &mut root.value else { return None };
@@ -58,7 +58,7 @@ fn lay_robot(node: &mut Node, chain: &[String], lib: &mut Library<'_>) {
 
 fn lay_part(node: &mut Node, chain: &[String], lib: &mut Library<'_>) {
     let mut chain = chain.to_vec();
-    if let Some(lowest) = lay(node, &mut chain, lib) {
+    if let Some(lowest) = merge_over(node, &mut chain, lib) {
         has_schema(node, At { file: lowest, offset: 0 }, lib);
     }
 }
@@ -66,7 +66,7 @@ fn lay_part(node: &mut Node, chain: &[String], lib: &mut Library<'_>) {
 /// Merges a table over the file that its `from` names, then over the `from` of that file, and so on.
 ///
 /// Returns the last file of the chain. A `from` that cannot be followed stays as [`Value::Unread`].
-fn lay(node: &mut Node, chain: &mut Vec<String>, lib: &mut Library<'_>) -> Option<usize> {
+fn merge_over(node: &mut Node, chain: &mut Vec<String>, lib: &mut Library<'_>) -> Option<usize> {
     let Value::Table(entries) = &mut node.value else { return None };
     let mut lowest = None;
     while let Some(place) = entries.iter().position(|(k, ..)| k == "from") {

@@ -6,16 +6,14 @@
 use super::document::{Library, Source};
 use super::tree::{Entry, Node, Value, is_range, parse};
 use crate::files::fault::{Fault, did_you_mean, listed, shown};
+use crate::files::keys::cell::cell;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Path of the settings among the sources. No file can have this name.
 const PLACE: &str = "--set:";
 
-/// Tables of the cell whose keys are names chosen by the user.
-const NAMED: [&str; 5] = ["equipment", "obstacle", "keep_out", "operation", "sense"];
-
-/// Name that selects every entry of a table of [`NAMED`].
+/// Name that selects every entry of a table whose keys are names chosen by the user.
 const EVERY: &str = "*";
 
 const SHAPE: &str = "write --set PATH=VALUE or PATH=VALUE,VALUE,..., for example clearance_mm=0,10";
@@ -173,7 +171,7 @@ pub fn apply(root: &mut Node, settings: &[Setting], lib: &mut Library<'_>) {
     let Value::Table(under) = &mut root.value else { return };
     take_back_signed(settings, under);
     let entries = entries.into_iter().map(|entry| without_strangers(entry, settings, under, lib)).collect();
-    lay(entries, under);
+    merge_over(entries, under);
 }
 
 /// Removes `reading = "signed"` of the file if a flag chooses other errors or registration, but no reading.
@@ -193,7 +191,7 @@ fn take_back_signed(settings: &[Setting], under: &mut Vec<Entry>) {
 /// A setting that gives a whole table may add it.
 fn without_strangers(entry: Entry, settings: &[Setting], under: &[Entry], lib: &mut Library<'_>) -> Entry {
     let (key, at, mut node) = entry;
-    if !NAMED.contains(&key.as_str()) {
+    if !cell::TABLE.keys().any(|k| k.name == key && k.kind.is_named()) {
         return (key, at, node);
     }
     let known =
@@ -236,12 +234,12 @@ fn spread<'n>(named: &mut Vec<Entry>, known: impl Iterator<Item = &'n str>) {
 /// Merges settings over entries, like `from`: tables are merged, everything else is replaced.
 ///
 /// A table keeps its place, so that faults of its other keys still point to the file.
-fn lay(settings: Vec<Entry>, under: &mut Vec<Entry>) {
+fn merge_over(settings: Vec<Entry>, under: &mut Vec<Entry>) {
     for (key, at, node) in settings {
         match under.iter_mut().find(|e| e.0 == key) {
             None => under.push((key, at, node)),
             Some((_, place, old)) => match (node.value, &mut old.value) {
-                (Value::Table(own), Value::Table(below)) if !is_range(below) => lay(own, below),
+                (Value::Table(own), Value::Table(below)) if !is_range(below) => merge_over(own, below),
                 (value, _) => (*place, *old) = (at, Node { at: node.at, value }),
             },
         }

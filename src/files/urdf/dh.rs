@@ -53,7 +53,7 @@ pub struct Derived {
 }
 
 /// Difference, m, below which the rows reproduce the URDF exactly.
-pub const TRUE: f64 = 1e-12;
+pub const MAX_EXACT_GAP: f64 = 1e-12;
 
 /// Largest deviation, rad or m, at which a value is rounded to a multiple of a right angle or to 0.
 const NEAR: f64 = 1e-9;
@@ -77,7 +77,7 @@ pub fn derive(axes: &[Axis], flange: &Pose) -> Derived {
     for parallel in PARALLEL {
         let derived = model.rows(parallel);
         let better = best.as_ref().is_none_or(|b| derived.gap < b.gap);
-        let done = derived.gap < TRUE;
+        let done = derived.gap < MAX_EXACT_GAP;
         best = if better { Some(derived) } else { best };
         if done {
             break;
@@ -167,7 +167,7 @@ impl ArmModel<'_> {
                 round(&mut rows[k]);
                 if rows[k] != best.rows[k] {
                     let tried = self.derived(best.mount, rows);
-                    best = if tried.gap < TRUE.max(best.gap) { tried } else { best };
+                    best = if tried.gap < MAX_EXACT_GAP.max(best.gap) { tried } else { best };
                 }
             }
         }

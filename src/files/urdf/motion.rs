@@ -4,7 +4,7 @@ use super::dh;
 
 use super::dh::Axis;
 use super::model::*;
-use super::tree::Way;
+use super::tree::LinkChain;
 use crate::cell::{JointKind, MAX_JOINTS};
 use crate::files::fault::{Severity, shown};
 use crate::files::toml::document::Library;
@@ -24,7 +24,7 @@ const TOO_MANY_TURNS: f64 = 1e3;
 const NEARLY: f64 = 1e-3;
 
 /// Moving joint: the properties that its D-H row does not hold.
-pub struct Mover {
+pub struct MovingJoint {
     pub name: String,
     pub limits: (f64, f64),
     /// Coordinate of the joint with all actuators at 0 (rad or m): the offset of a mimic joint.
@@ -35,22 +35,22 @@ pub struct Mover {
 
 pub struct Motion {
     pub axes: Vec<Axis>,
-    pub movers: Vec<Mover>,
+    pub movers: Vec<MovingJoint>,
     /// Tip link in the frame of the last moving joint.
     pub flange: Pose,
 }
 
 /// Reads the joints between base and tip and records every fault. The result is valid only if there is none.
-pub fn read(urdf: &Urdf, way: &Way, lib: &mut Library<'_>) -> Option<Motion> {
+pub fn read(urdf: &Urdf, way: &LinkChain, lib: &mut Library<'_>) -> Option<Motion> {
     let before = lib.errors();
     let joints: Vec<_> = way.joints.iter().map(|&j| &urdf.joints[j]).collect();
     joints.iter().for_each(|joint| refuse_length(joint, lib));
     let moving: Vec<_> = joints.iter().copied().filter(|j| j.kind != UrdfJointKind::Fixed).collect();
     refuse_count(urdf, &moving, lib);
-    let mut movers: Vec<Mover> = Vec::new();
+    let mut movers: Vec<MovingJoint> = Vec::new();
     for (i, joint) in moving.iter().enumerate().take(MAX_JOINTS) {
         let mover = read_mover(i, joint, &moving, &movers, lib);
-        movers.push(mover.unwrap_or_else(|| Mover::alone(i, moving.len(), String::new(), (0.0, 0.0))));
+        movers.push(mover.unwrap_or_else(|| MovingJoint::alone(i, moving.len(), String::new(), (0.0, 0.0))));
     }
     if lib.errors() > before {
         return None;
@@ -69,7 +69,7 @@ pub fn read(urdf: &Urdf, way: &Way, lib: &mut Library<'_>) -> Option<Motion> {
     Some(Motion { axes, movers, flange: at })
 }
 
-impl Mover {
+impl MovingJoint {
     fn alone(i: usize, n: usize, name: String, limits: (f64, f64)) -> Self {
         let coupling = (0..n).map(|j| f64::from(u8::from(i == j))).collect();
         Self { name, limits, offset: 0.0, coupling }
@@ -104,9 +104,9 @@ fn read_mover(
     i: usize,
     joint: &UrdfJoint,
     moving: &[&UrdfJoint],
-    before: &[Mover],
+    before: &[MovingJoint],
     lib: &mut Library<'_>,
-) -> Option<Mover> {
+) -> Option<MovingJoint> {
     let name = value::checked_name(&joint.name.name, joint.name.at, lib);
     if matches!(joint.kind, UrdfJointKind::Floating | UrdfJointKind::Planar) {
         let message = format!("joint `{}` is {}", shown(&joint.name.name), joint.kind.name());
@@ -121,7 +121,7 @@ fn read_mover(
         return read_mimic(i, joint, mimic, moving, before, lib);
     }
     let limits = read_limits(joint, lib);
-    Some(Mover::alone(i, moving.len(), name?, limits?))
+    Some(MovingJoint::alone(i, moving.len(), name?, limits?))
 }
 
 fn read_limits(joint: &UrdfJoint, lib: &mut Library<'_>) -> Option<(f64, f64)> {
@@ -166,9 +166,9 @@ fn read_mimic(
     joint: &UrdfJoint,
     mimic: &Mimic,
     moving: &[&UrdfJoint],
-    before: &[Mover],
+    before: &[MovingJoint],
     lib: &mut Library<'_>,
-) -> Option<Mover> {
+) -> Option<MovingJoint> {
     let name = shown(&joint.name.name);
     let followed = before.len().min(i);
     let Some(j) = moving[..followed].iter().position(|other| other.name.name == mimic.joint.name) else {
@@ -179,7 +179,7 @@ fn read_mimic(
         return None;
     };
     let other = &before[j];
-    let mut mover = Mover::alone(i, moving.len(), joint.name.name.clone(), (0.0, 0.0));
+    let mut mover = MovingJoint::alone(i, moving.len(), joint.name.name.clone(), (0.0, 0.0));
     mover.offset = mimic.multiplier * other.offset + mimic.offset;
     for k in (0..=j).filter(|&k| k < j || moving[j].mimic.is_none()) {
         mover.coupling[k] = mimic.multiplier * other.coupling[k];
@@ -195,7 +195,7 @@ fn read_mimic(
 
 /// Warns if a mimic joint leaves its limits. They are not enforced: only those of the joints that it follows
 /// are.
-fn warn_beyond(joint: &UrdfJoint, mover: &Mover, before: &[Mover], lib: &mut Library<'_>) {
+fn warn_beyond(joint: &UrdfJoint, mover: &MovingJoint, before: &[MovingJoint], lib: &mut Library<'_>) {
     let Some((lower, upper, at)) = joint.limits else { return };
     let (mut low, mut high) = (mover.offset, mover.offset);
     for (c, other) in mover.coupling.iter().zip(before) {
@@ -211,13 +211,19 @@ fn warn_beyond(joint: &UrdfJoint, mover: &Mover, before: &[Mover], lib: &mut Lib
 
 /// Warns of axes that are almost parallel or almost at right angles, and of rows that do not reproduce the
 /// URDF.
-pub fn warn_of_slants(urdf: &Urdf, way: &Way, motion: &Motion, derived: &dh::Derived, lib: &mut Library<'_>) {
+pub fn warn_of_slants(
+    urdf: &Urdf,
+    way: &LinkChain,
+    motion: &Motion,
+    derived: &dh::Derived,
+    lib: &mut Library<'_>,
+) {
     let moving = way.joints.iter().map(|&j| &urdf.joints[j]).filter(|j| j.kind != UrdfJointKind::Fixed);
     let moving: Vec<_> = moving.collect();
     for (k, pair) in dh::directions(&motion.axes).windows(2).enumerate() {
         let angle = dh::angle(&pair[0], &pair[1]);
         let off = angle.min(std::f64::consts::FRAC_PI_2 - angle);
-        if off <= dh::TRUE || off >= NEARLY {
+        if off <= dh::MAX_EXACT_GAP || off >= NEARLY {
             continue;
         }
         let names = (shown(&motion.movers[k].name), shown(&motion.movers[k + 1].name));
@@ -237,7 +243,7 @@ pub fn warn_of_slants(urdf: &Urdf, way: &Way, motion: &Motion, derived: &dh::Der
         let help = "if they are meant to be, write the angles with all digits: 1.5707963267948966";
         lib.fault(moving[k + 1].origin_at, Severity::Warning, message, help);
     }
-    if derived.gap >= dh::TRUE || derived.gap.is_nan() {
+    if derived.gap >= dh::MAX_EXACT_GAP || derived.gap.is_nan() {
         let message =
             format!("no D-H rows reproduce this URDF exactly: they differ by up to {:.1e} m", derived.gap);
         let help = "almost parallel axes are the cause: write the angles with all digits";

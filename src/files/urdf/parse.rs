@@ -13,7 +13,7 @@ use std::collections::{BTreeMap, HashSet};
 const MAX_ELEMENTS: usize = 1_000;
 
 /// Largest number of unused tags that are counted by name.
-const MOST_KINDS: usize = 20;
+const MAX_UNUSED_TAGS: usize = 20;
 
 /// Least size of a collision shape, m.
 const SMALLEST: f64 = 1e-9;
@@ -263,6 +263,7 @@ fn unused(root: Node<'_, '_>) -> BTreeMap<String, usize> {
 
 fn count(counts: &mut BTreeMap<String, usize>, name: &str) {
     let name = shown(name);
-    let key = if counts.len() < MOST_KINDS || counts.contains_key(&name) { name } else { "other".into() };
+    let key =
+        if counts.len() < MAX_UNUSED_TAGS || counts.contains_key(&name) { name } else { "other".into() };
     *counts.entry(key).or_default() += 1;
 }

@@ -4,7 +4,7 @@ use super::dh::Derived;
 use super::model::*;
 use super::motion::{Motion, TOO_LONG};
 use super::packages::RosPackages;
-use super::tree::{Tree, Way};
+use super::tree::{LinkChain, Tree};
 use crate::cell::LinkSolid;
 use crate::cell::{Shape, Solid};
 use crate::files::fault::shown;
@@ -24,7 +24,7 @@ pub struct Carried {
 }
 
 /// Returns the links of the chain and the links fixed to them.
-pub fn carried(urdf: &Urdf, tree: &Tree<'_>, way: &Way, lib: &mut Library<'_>) -> Vec<Carried> {
+pub fn carried(urdf: &Urdf, tree: &Tree<'_>, way: &LinkChain, lib: &mut Library<'_>) -> Vec<Carried> {
     let mut open = vec![Carried { link: way.base, frame: 0, pose: Pose::identity() }];
     let mut all = Vec::new();
     while let Some(at) = open.pop() {

@@ -17,7 +17,7 @@ pub struct Tree<'u> {
 }
 
 /// Chain of links from base to tip.
-pub struct Way {
+pub struct LinkChain {
     pub base: usize,
     pub tip: usize,
     pub joints: Vec<usize>,
@@ -98,7 +98,7 @@ impl<'u> Tree<'u> {
         tip: Option<Option<usize>>,
         at: At,
         lib: &mut Library<'_>,
-    ) -> Option<Way> {
+    ) -> Option<LinkChain> {
         let base = base.unwrap_or_else(|| self.root(at, lib));
         let tip = tip.unwrap_or_else(|| self.leaf(base?, at, lib));
         let (base, tip) = (base?, tip?);
@@ -116,7 +116,7 @@ impl<'u> Tree<'u> {
             link = parent;
         }
         joints.reverse();
-        Some(Way { base, tip, joints })
+        Some(LinkChain { base, tip, joints })
     }
 
     fn root(&self, at: At, lib: &mut Library<'_>) -> Option<usize> {

@@ -97,7 +97,7 @@ impl Scara {
         &self,
         flange: &Pose,
         posture: &mut Posture,
-        found: &mut impl FnMut(u8, &Posture),
+        found: &mut dyn FnMut(u8, &Posture),
     ) -> f64 {
         let x = flange.rotation.column(0);
         // Rotation of L_3 by all three joints.

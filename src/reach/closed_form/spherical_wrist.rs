@@ -90,7 +90,7 @@ impl SphericalWrist {
     /// Returns the distance (m) of the wrist centre from the reach of the first three joints. If it is 0, an
     /// oblique wrist may still be unable to reach the orientation.
     #[inline]
-    pub fn solve(&self, flange: &Pose, posture: &mut Posture, found: &mut impl FnMut(u8, &Posture)) -> f64 {
+    pub fn solve(&self, flange: &Pose, posture: &mut Posture, found: &mut dyn FnMut(u8, &Posture)) -> f64 {
         let Some(lead) = &self.reversed else { return self.reach(flange, posture, found) };
         let mut mirror = mirrored(posture);
         self.reach(&(*lead * flange.inverse()), &mut mirror, &mut |branch, mirror| {
@@ -110,7 +110,7 @@ impl SphericalWrist {
     }
 
     #[inline]
-    fn reach(&self, flange: &Pose, posture: &mut Posture, found: &mut impl FnMut(u8, &Posture)) -> f64 {
+    fn reach(&self, flange: &Pose, posture: &mut Posture, found: &mut dyn FnMut(u8, &Posture)) -> f64 {
         let p = flange.transform(&self.centre);
         let last = &self.links[5];
         let [x, _, z] = before_twist(&flange.rotation, (last.cos_alpha, last.sin_alpha));
@@ -131,7 +131,7 @@ impl SphericalWrist {
         mut x: Vector3<f64>,
         mut z: Vector3<f64>,
         posture: &mut Posture,
-        found: &mut impl FnMut(u8, &Posture),
+        found: &mut dyn FnMut(u8, &Posture),
     ) {
         for (k, link) in self.links[..3].iter().enumerate() {
             let (theta, alpha) = ((posture.cos[k], posture.sin[k]), (link.cos_alpha, link.sin_alpha));

@@ -117,7 +117,7 @@ impl ThreeParallel {
     /// near to axis 1. Otherwise the distance lies in the plane of the arm. If it is 0, oblique axes 4 to 6
     /// may still be unable to reach the orientation.
     #[inline]
-    pub fn solve(&self, flange: &Pose, posture: &mut Posture, found: &mut impl FnMut(u8, &Posture)) -> f64 {
+    pub fn solve(&self, flange: &Pose, posture: &mut Posture, found: &mut dyn FnMut(u8, &Posture)) -> f64 {
         let (p, a) = (flange.transform(&self.centre), &self.first);
         // sin alpha_1 (x sin theta_1 - y cos theta_1) = along, minus the part of the height.
         let lateral = (self.along - a.cos_alpha * (p.z - a.r)) / a.sin_alpha;
@@ -147,7 +147,7 @@ impl ThreeParallel {
         p: &Vector3<f64>,
         axes: &[Vector3<f64>; 3],
         posture: &mut Posture,
-        found: &mut impl FnMut(u8, &Posture),
+        found: &mut dyn FnMut(u8, &Posture),
     ) -> f64 {
         const TURNS: usize = 64;
         let angle = |turn: f64| (turn.cos(), turn.sin());
@@ -188,7 +188,7 @@ impl ThreeParallel {
         p: &Vector3<f64>,
         [x6, y6, z6]: &[Vector3<f64>; 3],
         posture: &mut Posture,
-        found: &mut impl FnMut(u8, &Posture),
+        found: &mut dyn FnMut(u8, &Posture),
     ) -> f64 {
         let (a, (c, s)) = (&self.first, theta);
         let (ca, sa) = (a.cos_alpha, a.sin_alpha);
@@ -240,7 +240,7 @@ impl ThreeParallel {
         side: &ShoulderSide,
         wrist: &WristAngles,
         posture: &mut Posture,
-        found: &mut impl FnMut(u8, &Posture),
+        found: &mut dyn FnMut(u8, &Posture),
     ) -> f64 {
         let o3 = side.centre + wrist.elbow;
         let elbows = match self.links.solve(side.x.dot(&o3), side.y.dot(&o3)) {
@@ -270,7 +270,7 @@ impl ThreeParallel {
         axes: [&Vector3<f64>; 3],
         theta5: Angle,
         posture: &mut Posture,
-        found: &mut impl FnMut(u8, &Posture),
+        found: &mut dyn FnMut(u8, &Posture),
     ) -> f64 {
         let wrist = self.wrist(axes, theta5, (1.0, 0.0));
         let missing = self.plane(0, side, &wrist, posture, found);

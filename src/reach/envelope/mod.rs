@@ -30,7 +30,7 @@ pub struct Fineness<'a> {
     /// Progress: called from any thread with the number of points sampled since the last call.
     ///
     /// [`Envelope::work`] is their total.
-    pub asked: &'a (dyn Fn(u64) + Sync),
+    pub on_progress: &'a (dyn Fn(u64) + Sync),
 }
 
 /// Working envelope of one arm in one attitude of its tool.
@@ -49,7 +49,7 @@ impl<'a> Envelope<'a> {
     }
 
     /// Returns whether the TCP can be at a point (m, base frame) in the attitude.
-    pub fn has(&self, target: &Vector3<f64>) -> bool {
+    pub fn contains(&self, target: &Vector3<f64>) -> bool {
         self.inverse.reaches(target, &self.attitudes, &mut self.inverse.scratch())
     }
 
@@ -78,14 +78,15 @@ impl<'a> Envelope<'a> {
     /// The points of the outline are (r, z); r < 0 lies behind the axis.
     pub fn section(&self, azimuth: f64, fine: &Fineness<'_>) -> EnvelopeSection {
         let (sin, cos) = exact_sin_cos(azimuth);
-        self.upright(azimuth, fine.step)
-            .region(fine.tolerance, fine.asked, |[r, z]| self.has(&Vector3::new(r * cos, r * sin, z)))
+        self.upright(azimuth, fine.step).region(fine.tolerance, fine.on_progress, |[r, z]| {
+            self.contains(&Vector3::new(r * cos, r * sin, z))
+        })
     }
 
     /// Returns the section by a horizontal plane at a height (m), with points (x, y).
     pub fn plan(&self, height: f64, fine: &Fineness<'_>) -> EnvelopeSection {
-        let at = |[x, y]: [f64; 2]| self.has(&Vector3::new(x, y, height));
-        self.level(height, fine.step).region(fine.tolerance, fine.asked, at)
+        let at = |[x, y]: [f64; 2]| self.contains(&Vector3::new(x, y, height));
+        self.level(height, fine.step).region(fine.tolerance, fine.on_progress, at)
     }
 
     /// Returns the number of points that sections, plans at these heights and [`Self::size`] sample.

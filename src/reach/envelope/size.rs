@@ -94,7 +94,7 @@ impl Envelope<'_> {
             };
             let heights = lattice.line(1);
             let told = |z: &f64| {
-                (fine.asked)(radii.len() as u64);
+                (fine.on_progress)(radii.len() as u64);
                 row(*z)
             };
             // Collected in order, so that the sum is the same on any number of threads.
@@ -103,8 +103,9 @@ impl Envelope<'_> {
             let samples = Samples { line: &heights, values: &rows, tolerance: fine.tolerance, jump };
             integral(samples, row, |z| z)
         });
-        let turned =
-            self.upright(0.0, fine.step).region(fine.tolerance, fine.asked, |[r, z]| angle(r.abs(), z) > 0.0);
+        let turned = self
+            .upright(0.0, fine.step)
+            .region(fine.tolerance, fine.on_progress, |[r, z]| angle(r.abs(), z) > 0.0);
         // An outline on both sides of the axis crosses it.
         let on = |o: &Outline, side: f64| o.points.iter().any(|p| p[0] * side > 0.0);
         let crosses = turned.outlines.iter().any(|o| on(o, 1.0) && on(o, -1.0));
@@ -115,7 +116,7 @@ impl Envelope<'_> {
 
     /// Returns the angle (rad) about the base axis over which a point at azimuth 0 stays reachable.
     fn angle(&self, opened: Option<&FreedArm>, target: &Vector3<f64>) -> f64 {
-        let Some(opened) = opened else { return if self.has(target) { TAU } else { 0.0 } };
+        let Some(opened) = opened else { return if self.contains(target) { TAU } else { 0.0 } };
         let Reach::Branches(branches) = opened.inverse.branches(target, &self.attitudes) else { return 0.0 };
         let usable = branches.iter().filter(|b| b.is_usable());
         // Joint 1 rotates with the target.
@@ -128,7 +129,7 @@ impl Envelope<'_> {
             let step = factor * fine.step;
             let heights = self.upright(0.0, step).line(1);
             let told = |z: &f64| {
-                (fine.asked)(self.level(*z, step).count());
+                (fine.on_progress)(self.level(*z, step).count());
                 self.layer(*z, step, fine.tolerance)
             };
             let layers: Vec<(f64, Vec<(f64, f64)>)> = heights.par_iter().map(told).collect();
@@ -146,7 +147,7 @@ impl Envelope<'_> {
     fn layer(&self, z: f64, step: f64, tolerance: f64) -> (f64, Vec<(f64, f64)>) {
         let lattice = self.level(z, step);
         let (xs, ys) = (lattice.line(0), lattice.line(1));
-        let held = |x: f64, y: f64| f64::from(u8::from(self.has(&Vector3::new(x, y, z))));
+        let held = |x: f64, y: f64| f64::from(u8::from(self.contains(&Vector3::new(x, y, z))));
         let row = |y: f64| xs.iter().map(|x| held(*x, y)).collect::<Vec<f64>>();
         let width = |y: f64, values: &[f64]| {
             integral(Samples { line: &xs, values, tolerance, jump: JUMP }, |x| held(x, y), |x| x)

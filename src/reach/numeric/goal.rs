@@ -73,21 +73,21 @@ impl TcpGoal {
     pub(super) fn miss(&self, tcp: &Pose, tool_axis: &Vector3<f64>) -> TwistError {
         let position = self.position - tcp.translation;
         let (rotation, seen) = match self.attitude {
-            AttitudeGoal::Any => (Vector3::zeros(), SeenRotation::Nothing),
+            AttitudeGoal::Any => (Vector3::zeros(), ConstrainedRotation::Nothing),
             AttitudeGoal::Elevation(angle) => {
                 let axis = tcp.rotation * tool_axis;
                 let across = axis.x.hypot(axis.y);
                 // A rotation about the horizontal axis x z raises the tool; for a vertical tool, about any
                 // axis.
                 let about = if across > 0.0 { vector![axis.y, -axis.x, 0.0] / across } else { Vector3::x() };
-                (about * (angle - axis.z.atan2(across)), SeenRotation::Along(about))
+                (about * (angle - axis.z.atan2(across)), ConstrainedRotation::Along(about))
             }
             AttitudeGoal::Axis(wanted) => {
                 let axis = tcp.rotation * tool_axis;
-                (least_turn(&axis, &wanted), SeenRotation::Across(axis))
+                (least_turn(&axis, &wanted), ConstrainedRotation::Across(axis))
             }
             AttitudeGoal::Rotation(wanted) => {
-                (rotation_vector(&(wanted * tcp.rotation.transpose())), SeenRotation::All)
+                (rotation_vector(&(wanted * tcp.rotation.transpose())), ConstrainedRotation::All)
             }
         };
         TwistError { position, rotation, seen }
@@ -113,7 +113,7 @@ impl TcpGoal {
 
 /// Rotations of the TCP (base frame) that a goal constrains.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum SeenRotation {
+pub(super) enum ConstrainedRotation {
     /// No rotation.
     Nothing,
     /// Rotations about this unit vector.
@@ -124,15 +124,15 @@ pub(super) enum SeenRotation {
     All,
 }
 
-impl SeenRotation {
+impl ConstrainedRotation {
     /// Returns the constrained part of a rotation vector.
     #[inline]
     pub fn of(&self, turn: &Vector3<f64>) -> Vector3<f64> {
         match self {
-            SeenRotation::Nothing => Vector3::zeros(),
-            SeenRotation::Along(axis) => axis * axis.dot(turn),
-            SeenRotation::Across(axis) => turn - axis * axis.dot(turn),
-            SeenRotation::All => *turn,
+            ConstrainedRotation::Nothing => Vector3::zeros(),
+            ConstrainedRotation::Along(axis) => axis * axis.dot(turn),
+            ConstrainedRotation::Across(axis) => turn - axis * axis.dot(turn),
+            ConstrainedRotation::All => *turn,
         }
     }
 }
@@ -144,7 +144,7 @@ pub(super) struct TwistError {
     pub position: Vector3<f64>,
     /// Rotation vector, rad.
     pub rotation: Vector3<f64>,
-    pub seen: SeenRotation,
+    pub seen: ConstrainedRotation,
 }
 
 impl TwistError {

@@ -15,7 +15,7 @@ const HEIGHT: f64 = 300.0;
 const LOGARITHMIC_SPAN: f64 = 30.0;
 
 /// Convergence history of a search; objectives in m, rad or shares.
-pub struct Course<'a> {
+pub struct ConvergenceHistory<'a> {
     /// Number of evaluations and objective at each improvement.
     pub trace: &'a [(u64, f64)],
     pub evaluations: u64,
@@ -26,7 +26,7 @@ pub struct Course<'a> {
     pub unit: Unit,
 }
 
-impl<'a> Course<'a> {
+impl<'a> ConvergenceHistory<'a> {
     pub fn of(record: &'a SearchRecord, unit: Unit) -> Self {
         let start = record.start.evaluation.objective;
         let SearchRecord { trace, evaluations, bound, .. } = record;
@@ -39,7 +39,7 @@ impl<'a> Course<'a> {
 }
 
 /// Draws the best objective so far against the evaluations.
-pub fn convergence(course: &Course<'_>) -> String {
+pub fn convergence(course: &ConvergenceHistory<'_>) -> String {
     let (unit, word) = (course.unit, course.unit.word());
     let mut canvas = ChartCanvas::new("Convergence of the search", &told(course));
     let values = course.trace.iter().map(|t| t.1).chain(course.start).chain(course.bound);
@@ -68,7 +68,7 @@ pub fn convergence(course: &Course<'_>) -> String {
 }
 
 /// Returns the corners of the step line, which is horizontal until the next improvement.
-fn steps(course: &Course<'_>) -> Vec<(f64, f64)> {
+fn steps(course: &ConvergenceHistory<'_>) -> Vec<(f64, f64)> {
     let mut corners: Vec<(f64, f64)> = Vec::new();
     for &(evaluations, value) in course.trace {
         if let Some(&(_, before)) = corners.last() {
@@ -81,7 +81,7 @@ fn steps(course: &Course<'_>) -> Vec<(f64, f64)> {
 }
 
 /// Draws the gap: the range between the bound and the best objective, in which a better layout may lie.
-fn gap(canvas: &mut ChartCanvas, course: &Course<'_>, x: &AxisScale, y: &AxisScale) {
+fn gap(canvas: &mut ChartCanvas, course: &ConvergenceHistory<'_>, x: &AxisScale, y: &AxisScale) {
     let (Some(best), Some(bound)) = (course.best(), course.bound) else { return };
     let (best, bound) = (y.at(course.unit.from_si(best)), y.at(course.unit.from_si(bound)));
     let (left, right) = x.px;
@@ -97,7 +97,7 @@ fn dashed() -> String {
 }
 
 /// Draws start and end with their values.
-fn marks(canvas: &mut ChartCanvas, course: &Course<'_>, x: &AxisScale, y: &AxisScale) {
+fn marks(canvas: &mut ChartCanvas, course: &ConvergenceHistory<'_>, x: &AxisScale, y: &AxisScale) {
     let unit = course.unit;
     let said = |si: f64| format!("{} {}", words::figure(unit.from_si(si)), unit.word());
     if let Some(start) = course.start {
@@ -124,7 +124,7 @@ fn marks(canvas: &mut ChartCanvas, course: &Course<'_>, x: &AxisScale, y: &AxisS
     }
 }
 
-fn told(course: &Course<'_>) -> Vec<String> {
+fn told(course: &ConvergenceHistory<'_>) -> Vec<String> {
     let (unit, count) = (course.unit, course.evaluations);
     let Some(best) = course.best() else {
         return vec![format!("no feasible layout among {count} evaluated")];
@@ -149,7 +149,7 @@ fn told(course: &Course<'_>) -> Vec<String> {
     told
 }
 
-fn legend(course: &Course<'_>) -> Vec<LegendEntry> {
+fn legend(course: &ConvergenceHistory<'_>) -> Vec<LegendEntry> {
     let dot = |ink: Ink| format!("<circle r=\"5\" {}/>", ink.fill());
     let line = |paint: &str| format!("<path d=\"M-12 0H12\" {paint}/>");
     let ground = format!("<path d=\"M-12 -6H12V6H-12Z\" {} fill-opacity=\"0.14\"/>", Ink::Green.fill());

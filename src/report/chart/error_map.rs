@@ -6,7 +6,7 @@
 use super::canvas::{Anchor, ChartCanvas, Ink, SMALL};
 use super::error_map_legend::{draw_legend, reach_line};
 use super::error_map_picture::{ErrorMapPicture, MARGIN, MapScales};
-use super::labels::Taken;
+use super::labels::OccupiedBoxes;
 use super::plane_view::{PlaneView, widened};
 use super::{signs, solids, words};
 use crate::assess::Assessment;
@@ -66,7 +66,7 @@ impl<'a> ErrorMapPicture<'a> {
         let width = (view.width() + 2.0 * MARGIN).max(MIN_WIDTH);
         let canvas = ChartCanvas::wide(&crate::report::text::headline(a.cell), &[], width);
         view.top = canvas.y + 6.0;
-        Self { a, canvas, view, width, taken: Taken::default() }
+        Self { a, canvas, view, width, taken: OccupiedBoxes::default() }
     }
 
     /// Draws floor spaces, keep-out spaces, the fence and the base axis.

@@ -1,7 +1,7 @@
 //! State of the picture of error maps, shared by the map and its legend.
 
 use super::canvas::ChartCanvas;
-use super::labels::Taken;
+use super::labels::OccupiedBoxes;
 use super::plane_view::PlaneView;
 use crate::assess::Assessment;
 
@@ -16,7 +16,7 @@ pub(super) struct ErrorMapPicture<'a> {
     pub view: PlaneView,
     pub width: f64,
     /// Boxes of the labels placed so far.
-    pub taken: Taken,
+    pub taken: OccupiedBoxes,
 }
 
 /// Scales of the map, and its thinning.

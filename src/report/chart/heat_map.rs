@@ -4,11 +4,11 @@ use super::axes;
 use super::canvas::{Anchor, ChartCanvas, EDGE, Ink, LegendEntry, SMALL};
 use super::colour_scale::ColourScale;
 use super::iso::IsoSurface;
-use super::labels::Taken;
+use super::labels::OccupiedBoxes;
 use super::plane_view::{PlaneView, longer_side, widened};
 use super::{WIDTH, signs, words};
 use crate::cell::Unit;
-use crate::drawing::{Drawing, Field, PartCarrier, Take};
+use crate::drawing::{Drawing, Field, PartCarrier, ViewedErrors};
 use crate::geometry::{PlanePoint, bounding_box};
 use crate::pose::Pose;
 use crate::report::svg_text::{PathEnd, escaped, path_data};
@@ -38,7 +38,7 @@ pub fn heat_map(drawing: &Drawing<'_>, field: usize, take: usize, sense: usize, 
     let points: Vec<PlanePoint> = map.points.iter().map(place).collect();
     let surface = IsoSurface::new(field.size, &points, &map.values);
     map.draw_bands(&mut canvas, &surface);
-    let mut taken = Taken::default();
+    let mut taken = OccupiedBoxes::default();
     map.draw_nodes(&mut canvas, &surface, &points);
     map.draw_spots(&mut canvas, &place, &mut taken);
     map.draw_lines(&mut canvas, &surface, &mut taken);
@@ -58,7 +58,7 @@ pub fn heat_map(drawing: &Drawing<'_>, field: usize, take: usize, sense: usize, 
 struct HeatMap<'a> {
     drawing: &'a Drawing<'a>,
     field: &'a Field,
-    take: &'a Take,
+    take: &'a ViewedErrors,
     sense: usize,
     unit: Unit,
     /// Frame of the surface in the world.
@@ -76,7 +76,7 @@ impl<'a> HeatMap<'a> {
     fn new(
         drawing: &'a Drawing<'a>,
         field: &'a Field,
-        take: &'a Take,
+        take: &'a ViewedErrors,
         sense: usize,
         range: (f64, f64),
     ) -> Self {
@@ -165,7 +165,7 @@ impl<'a> HeatMap<'a> {
         }
     }
 
-    fn draw_lines(&self, canvas: &mut ChartCanvas, surface: &IsoSurface, taken: &mut Taken) {
+    fn draw_lines(&self, canvas: &mut ChartCanvas, surface: &IsoSurface, taken: &mut OccupiedBoxes) {
         for level in self.scale.levels() {
             let lines = surface.lines(level);
             let d: String = lines.iter().map(|l| path_data(l.iter().copied(), PathEnd::Open, 1)).collect();
@@ -218,7 +218,7 @@ impl<'a> HeatMap<'a> {
         &self,
         canvas: &mut ChartCanvas,
         place: &impl Fn(&PlanePoint) -> (f64, f64),
-        taken: &mut Taken,
+        taken: &mut OccupiedBoxes,
     ) {
         let at = |p: &Vector3<f64>| place(&in_mm(&self.frame, p));
         if let Some(k) = self.other_spot() {
@@ -271,7 +271,7 @@ impl<'a> HeatMap<'a> {
         let entry = |is_there: bool, mark: String, said: &str| {
             is_there.then(|| LegendEntry { mark, said: said.to_string() })
         };
-        let all = self.drawing.cell.operations[self.field.operation].over.takes_all();
+        let all = self.drawing.cell.operations[self.field.operation].over.needs_every_node();
         let spot = if all { "the worst node, which counts" } else { "spot chosen" };
         let spots = [
             entry(self.field.spot.is_some(), signs::spot(origin), spot),

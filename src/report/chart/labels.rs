@@ -2,9 +2,9 @@
 
 /// Occupied boxes: left, top, right, bottom, px.
 #[derive(Default)]
-pub struct Taken(Vec<[f64; 4]>);
+pub struct OccupiedBoxes(Vec<[f64; 4]>);
 
-impl Taken {
+impl OccupiedBoxes {
     /// Occupies a box if it is free. Returns whether it was free.
     pub fn take(&mut self, [left, top, right, bottom]: [f64; 4]) -> bool {
         let free = self.0.iter().all(|[l, t, r, b]| right <= *l || left >= *r || bottom <= *t || top >= *b);

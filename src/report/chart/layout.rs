@@ -2,7 +2,7 @@
 
 use super::axes::{self, AxisScale};
 use super::canvas::{Anchor, ChartCanvas, EDGE, Ink, LegendEntry, SMALL};
-use super::labels::Taken;
+use super::labels::OccupiedBoxes;
 use super::plane_view::{PlaneView, longer_side, widened};
 use super::solids::{KINDS, drawn, entry, rank};
 use super::{WIDTH, signs, words};
@@ -10,7 +10,7 @@ use crate::assess::{Assessment, step_of, tolerance_of};
 use crate::drawing::{Drawing, DrawnPart, PartKind};
 use crate::geometry::{PlanePoint, bounding_box};
 use crate::reach::{Envelope, Fineness};
-use crate::report::silhouette::{ABOVE, Eye, Silhouette, silhouette};
+use crate::report::silhouette::{ABOVE, Silhouette, ViewAxes, silhouette};
 use crate::report::svg_text::{PathEnd, path_data};
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use nalgebra::Vector3;
@@ -55,7 +55,7 @@ pub fn layout_section(a: &Assessment<'_>, drawing: &Drawing<'_>, operation: usiz
         _ => envelope.middle(),
     };
     let step = 2.0 * step_of(&a.cell.robot, inverse);
-    let fine = Fineness { step, tolerance: tolerance_of(inverse, step), asked: &|_| () };
+    let fine = Fineness { step, tolerance: tolerance_of(inverse, step), on_progress: &|_| () };
     let section = envelope.section(azimuth, &fine);
     let ring =
         |points: &Vec<[f64; 2]>| points.iter().map(|[r, z]| (mm_from_m(*r), mm_from_m(z + base.z))).collect();
@@ -91,7 +91,7 @@ fn height_of(a: &Assessment<'_>, operation: usize) -> f64 {
 struct LayoutView<'a> {
     drawing: &'a Drawing<'a>,
     operation: usize,
-    eye: Eye,
+    eye: ViewAxes,
     /// Point of the world (m) at the origin of the picture.
     origin: Vector3<f64>,
     envelope: Vec<Vec<PlanePoint>>,
@@ -126,7 +126,7 @@ impl LayoutView<'_> {
             canvas.put(&drawn(self.rings(part, &view), part.part.kind));
         }
         canvas.path(&reach, &Ink::Blue.line(1.6));
-        let mut taken = Taken::default();
+        let mut taken = OccupiedBoxes::default();
         self.draw_levels(&mut canvas, &x, &y, &mut taken);
         self.draw_spots(&mut canvas, &view, &mut taken);
         self.draw_names(&mut canvas, &parts, &view, &mut taken);
@@ -180,7 +180,7 @@ impl LayoutView<'_> {
         widened(bounds, 0.04 * longer_side(bounds).max(100.0))
     }
 
-    fn draw_levels(&self, canvas: &mut ChartCanvas, x: &AxisScale, y: &AxisScale, taken: &mut Taken) {
+    fn draw_levels(&self, canvas: &mut ChartCanvas, x: &AxisScale, y: &AxisScale, taken: &mut OccupiedBoxes) {
         for (k, (name, height)) in self.levels.iter().enumerate() {
             let (py, dash) =
                 (y.at(mm_from_m(*height)), if k == 0 { "" } else { " stroke-dasharray=\"9 4\"" });
@@ -192,7 +192,7 @@ impl LayoutView<'_> {
         }
     }
 
-    fn draw_spots(&self, canvas: &mut ChartCanvas, view: &PlaneView, taken: &mut Taken) {
+    fn draw_spots(&self, canvas: &mut ChartCanvas, view: &PlaneView, taken: &mut OccupiedBoxes) {
         let field = &self.drawing.fields[self.operation];
         let (x, y) = view.at(&self.seen(&self.drawing.base.translation));
         canvas.put(&format!("<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\" {}/>", Ink::Text.fill()));
@@ -209,7 +209,7 @@ impl LayoutView<'_> {
         canvas: &mut ChartCanvas,
         parts: &[VisiblePart<'_>],
         view: &PlaneView,
-        taken: &mut Taken,
+        taken: &mut OccupiedBoxes,
     ) {
         let named = |kind| matches!(kind, PartKind::Equipment | PartKind::Obstacle | PartKind::KeepOut);
         let mut owners: Vec<(&str, Vec<PlanePoint>)> = Vec::new();

@@ -35,7 +35,7 @@ mod tornado;
 pub mod words;
 
 pub use canvas::{Ink, dark_rules};
-pub use convergence::{Course, convergence};
+pub use convergence::{ConvergenceHistory, convergence};
 pub use difference::difference;
 pub use discrepancy::discrepancy;
 pub use envelope::envelope;

@@ -4,7 +4,7 @@ use super::axes;
 
 use super::axes::AxisScale;
 use super::canvas::{Anchor, ChartCanvas, EDGE, Ink, SMALL};
-use super::labels::Taken;
+use super::labels::OccupiedBoxes;
 use super::{WIDTH, words};
 use crate::cell::{Cell, Goal};
 use crate::record::goals;
@@ -32,7 +32,7 @@ pub fn pareto(cell: &Cell, record: &SearchRecord) -> Option<String> {
     let x = scale(&xs, (78.0, WIDTH - EDGE - 20.0));
     let y = scale(&ys, (top + HEIGHT, top));
     axes::draw(&mut canvas, &x, &y, (&name(cell, across), &name(cell, up)));
-    let mut taken = Taken::default();
+    let mut taken = OccupiedBoxes::default();
     let at: Vec<_> = xs.iter().zip(&ys).map(|(a, b)| (x.at(*a), y.at(*b))).collect();
     at.iter().for_each(|(px, py)| taken.keep([px - 4.0, py - 4.0, px + 4.0, py + 4.0]));
     for (k, (px, py)) in at.iter().enumerate() {

@@ -10,7 +10,7 @@ pub const KINDS: [PartKind; 7] = [
     PartKind::KeepOut,
     PartKind::Equipment,
     PartKind::Obstacle,
-    PartKind::Held,
+    PartKind::HeldPart,
     PartKind::Robot,
     PartKind::Tool,
 ];
@@ -29,7 +29,7 @@ fn look(kind: PartKind) -> (String, String) {
         PartKind::Obstacle => (Ink::Grid.fill(), Ink::Faint.line(2.4)),
         PartKind::Fence => (none, Ink::Text.line(1.8)),
         PartKind::KeepOut => (none, format!("{} stroke-dasharray=\"6 4\"", Ink::Vermilion.line(1.6))),
-        PartKind::Held => (Ink::Purple.fill(), Ink::Faint.line(2.0)),
+        PartKind::HeldPart => (Ink::Purple.fill(), Ink::Faint.line(2.0)),
         PartKind::Robot => (Ink::Orange.fill(), Ink::Faint.line(2.0)),
         PartKind::Tool => (Ink::Vermilion.fill(), Ink::Faint.line(2.0)),
     }

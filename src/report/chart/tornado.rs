@@ -5,7 +5,7 @@ use super::axes;
 use super::axes::AxisScale;
 use super::canvas::{Anchor, BODY, ChartCanvas, EDGE, Ink};
 use super::{WIDTH, words};
-use crate::assess::Account;
+use crate::assess::BudgetReport;
 use crate::cell::Reading;
 use crate::reading::Share;
 use crate::record::parameter_names as names;
@@ -17,14 +17,14 @@ const ROW: f64 = 24.0;
 
 /// Draws the share of each parameter in the worst case or in the variance, the largest first. Each bar is
 /// labelled with the gain of halving the tolerance.
-pub fn tornado(a: &Account<'_>) -> String {
-    let cell = a.stance.cell;
+pub fn tornado(a: &BudgetReport<'_>) -> String {
+    let cell = a.context.cell;
     let of = share_of(a);
-    let what = if a.stance.gauge.reading == Reading::Statistical { "variance" } else { "worst case" };
-    let name = &cell.operations[a.stance.operation].name;
+    let what = if a.context.gauge.reading == Reading::Statistical { "variance" } else { "worst case" };
+    let name = &cell.operations[a.context.operation].name;
     let shares: Vec<&Share> = a.budget.shares.iter().filter(|s| of(s).abs() > 1e-6).collect();
     let mut canvas = ChartCanvas::new(
-        &format!("{name}: share of the {what} in {}", a.stance.gauge.sense.name),
+        &format!("{name}: share of the {what} in {}", a.context.gauge.sense.name),
         &under(a, shares.len()),
     );
     if shares.is_empty() {
@@ -56,14 +56,14 @@ pub fn tornado(a: &Account<'_>) -> String {
 }
 
 /// Returns the share that counts under the reading.
-fn share_of(a: &Account<'_>) -> fn(&Share) -> f64 {
-    match a.stance.gauge.reading {
+fn share_of(a: &BudgetReport<'_>) -> fn(&Share) -> f64 {
+    match a.context.gauge.reading {
         Reading::Statistical => |s| s.of_variance,
         _ => |s| s.of_worst,
     }
 }
 
-fn under(a: &Account<'_>, count: usize) -> Vec<String> {
+fn under(a: &BudgetReport<'_>, count: usize) -> Vec<String> {
     let unit = a.unit();
     let word = unit.word();
     if count == 0 {
@@ -76,8 +76,8 @@ fn under(a: &Account<'_>, count: usize) -> Vec<String> {
 }
 
 /// Returns the texts of a bar and its share: name with tolerance, share, and gain of halving.
-fn row(a: &Account<'_>, share: &Share, part: f64) -> (String, f64, String) {
-    let cell = a.stance.cell;
+fn row(a: &BudgetReport<'_>, share: &Share, part: f64) -> (String, f64, String) {
+    let cell = a.context.cell;
     let unit = names::unit(cell, share.parameter);
     let tolerance = rounded(unit.from_si(share.plus_minus), 4);
     let name = format!("{} \u{b1}{tolerance} {}", names::parameter(cell, share.parameter), unit.word());
@@ -114,9 +114,9 @@ fn bar(
 }
 
 /// Returns one line on halving several tolerances together.
-fn gains(a: &Account<'_>) -> Vec<String> {
+fn gains(a: &BudgetReport<'_>) -> Vec<String> {
     let Some(all) = a.tighter.iter().find(|t| t.parameters.len() > 1) else { return Vec::new() };
-    let (unit, cell) = (a.unit(), a.stance.cell);
+    let (unit, cell) = (a.unit(), a.context.cell);
     let names: Vec<String> = all.parameters.iter().map(|p| names::parameter(cell, *p)).collect();
     let [from, to] = [a.figure, all.figure].map(|v| words::figure(unit.from_si(v)));
     vec![format!(

@@ -85,7 +85,7 @@ fn used(drawing: &Drawing<'_>) -> Vec<Layer> {
 
 fn layer_of(kind: PartKind) -> &'static str {
     match kind {
-        PartKind::Robot | PartKind::Tool | PartKind::Held => ROBOT,
+        PartKind::Robot | PartKind::Tool | PartKind::HeldPart => ROBOT,
         PartKind::Equipment => EQUIPMENT,
         PartKind::Obstacle => "OBSTACLES",
         PartKind::Fence => "FENCE",

@@ -22,7 +22,7 @@ fn look(kind: PartKind) -> Look {
     match kind {
         PartKind::Robot => ([230, 159, 0], 1.0, 0.45),
         PartKind::Tool => ([87, 96, 106], 1.0, 0.35),
-        PartKind::Held => ([0, 158, 115], 1.0, 0.5),
+        PartKind::HeldPart => ([0, 158, 115], 1.0, 0.5),
         PartKind::Equipment => ([200, 208, 217], 1.0, 0.8),
         PartKind::Obstacle => ([140, 147, 156], 1.0, 0.9),
         PartKind::Fence => ([240, 228, 66], 0.35, 0.9),

@@ -7,7 +7,8 @@ use super::viewer_records::{
 };
 use crate::cell::{Cell, Equipment, JointKind, Rectangle, Role, Sense, Unit};
 use crate::drawing::{
-    Drawing, DrawnPart, Field, FieldNode, Lens, Mesh, Movement, MovementStop, PartCarrier, Rings, Take,
+    Drawing, DrawnPart, ErrorView, Field, FieldNode, Mesh, Movement, MovementStop, PartCarrier, Rings,
+    ViewedErrors,
 };
 use crate::geometry::simplified_line;
 use crate::pose::Pose;
@@ -139,7 +140,7 @@ fn part<'a>(part: &'a DrawnPart, meshes: &mut MeshList) -> PartRecord<'a> {
     }
 }
 
-fn lens(lens: &Lens) -> LensRecord {
+fn lens(lens: &ErrorView) -> LensRecord {
     LensRecord { model: lens.model, reading: lens.reading_word(), signed: lens.is_signed() }
 }
 
@@ -168,7 +169,7 @@ fn joints(node: &FieldNode, cell: &Cell) -> Option<Vec<f64>> {
     all.map(|all| all.into_iter().map(|q| rounded(q, 2)).collect())
 }
 
-fn take(take: &Take, senses: &[Sense]) -> TakeRecord {
+fn take(take: &ViewedErrors, senses: &[Sense]) -> TakeRecord {
     let none = Vector3::repeat(f64::NAN);
     let values =
         take.values.iter().zip(senses).map(|(values, sense)| {

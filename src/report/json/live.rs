@@ -7,7 +7,7 @@ use super::live_records::{
 };
 use crate::assess::Assessment;
 use crate::cell::{Cell, Coordinate, Layout, PLAIN, Placement, Rectangle, Role, Slot};
-use crate::drawing::{Lens, lenses};
+use crate::drawing::{ErrorView, lenses};
 use crate::error_map::OperationMap;
 use crate::record::{ByName, StatusCounts, coordinate_name, nine_digits as length, value_word};
 use crate::units::{deg_from_rad, mm_from_m, rounded};
@@ -130,7 +130,7 @@ pub fn answer(a: &Assessment<'_>) -> Value {
 
 /// Returns the models and readings in which a cell can be evaluated.
 pub fn lens_list(cell: &Cell) -> Value {
-    let choice = |l: &Lens| LensChoice { model: l.model, reading: l.reading, word: l.reading_word() };
+    let choice = |l: &ErrorView| LensChoice { model: l.model, reading: l.reading, word: l.reading_word() };
     value(&lenses(cell).iter().map(choice).collect::<Vec<_>>())
 }
 

@@ -16,7 +16,7 @@ use serde::Serialize;
 
 /// Facts about a layout from the search that found it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Told {
+pub struct SearchFacts {
     pub gap_percent: Option<f64>,
     /// Least clearance that depends on the layout, as the search computed it, mm.
     pub clearance_mm: Option<f64>,
@@ -47,15 +47,15 @@ struct ComparePage<'a> {
 pub fn compare(
     comparison: &Comparison<'_>,
     drawings: &[Drawing<'_>],
-    told: &[Told],
+    told: &[SearchFacts],
 ) -> Result<String, String> {
     let Some(first) = comparison.columns.first() else { return Err("there is nothing to compare".into()) };
     let (script, css) = (assets::viewer_js() + assets::COMPARE_JS, super::report::style());
     let style = css + assets::COMPARE_CSS;
     let mut stills = Vec::new();
     for (a, drawing) in comparison.columns.iter().zip(drawings) {
-        let stance = (0..a.maps.len()).find(|k| a.spot(*k).is_some());
-        let shot = Shot { stance, width: 900, height: 640, ..Shot::default() };
+        let context = (0..a.maps.len()).find(|k| a.spot(*k).is_some());
+        let shot = Shot { context, width: 900, height: 640, ..Shot::default() };
         let svg = raster::isometric(drawing, &shot)?;
         stills.push(PageFigure::new(shown(&drawing.name), "", svg));
     }
@@ -124,7 +124,7 @@ fn differences(comparison: &Comparison<'_>) -> Vec<Section> {
 }
 
 /// Returns the section with the table of the terminal and some more rows.
-fn side_by_side(comparison: &Comparison<'_>, told: &[Told]) -> Section {
+fn side_by_side(comparison: &Comparison<'_>, told: &[SearchFacts]) -> Section {
     let text = vec![
         "Lengths are in mm and angles in degrees. Parentheses give the change from the first layout. Clearance is the \
          least distance between the robot, with the part it holds, and any other object at the spots."

@@ -4,14 +4,14 @@ use super::content::{PageFigure, PageTable, Section};
 use super::places::titled;
 use super::quantities::{down, quantity};
 use super::subject::{Subject, si};
-use crate::assess::{Account, Assessment, ErrorDistribution, NodeChoice, PostureContext};
+use crate::assess::{Assessment, BudgetReport, ErrorDistribution, NodeChoice, PostureContext};
 use crate::cell::Goal;
 use crate::drawing::Drawing;
 use crate::files::shown;
 use crate::reading::Share;
 use crate::record::{AlternativeEntry, SearchResult, goals, parameter_names as names};
 use crate::report::chart;
-use crate::report::chart::Course;
+use crate::report::chart::ConvergenceHistory;
 use crate::report::raster;
 use crate::report::raster::Shot;
 use crate::report::text;
@@ -42,8 +42,8 @@ pub fn sections(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Vec<Section>
 /// Fails if the picture cannot be drawn.
 pub fn still(a: &Assessment<'_>, drawings: &[Drawing<'_>]) -> Result<Vec<PageFigure>, String> {
     let Some(drawing) = drawings.last() else { return Ok(Vec::new()) };
-    let stance = (0..a.maps.len()).find(|k| a.spot(*k).is_some());
-    let svg = raster::isometric(drawing, &Shot { stance, width: 1200, height: 800, ..Shot::default() })?;
+    let context = (0..a.maps.len()).find(|k| a.spot(*k).is_some());
+    let svg = raster::isometric(drawing, &Shot { context, width: 1200, height: 800, ..Shot::default() })?;
     let caption = "Arrows are the errors, enlarged as the legend says. The legend names the signs of unusable nodes; the \
                    large ring marks the chosen spot.";
     Ok(vec![PageFigure::new(titled(a, "the cell"), caption, svg)])
@@ -98,10 +98,10 @@ fn budget(subject: &Subject<'_>) -> Section {
                 first. The shares of the worst case add up to 100 %, and so do the shares of the variance.";
     let mut section = Section::new("budget", "Error budget", vec![text.into()]);
     for k in 0..a.maps.len() {
-        let Ok(stance) = PostureContext::at(a.workcell, &a.layout, &a.maps, k, NodeChoice::Best) else {
+        let Ok(context) = PostureContext::at(a.workcell, &a.layout, &a.maps, k, NodeChoice::Best) else {
             continue;
         };
-        let account = Account::new(stance);
+        let account = BudgetReport::new(context);
         let title = titled(a, &shown(&a.cell.operations[k].name));
         section.figures.push(PageFigure::new(title, "", chart::tornado(&account)));
         section.tables.push(budget_table(a, k, &account).folded());
@@ -109,8 +109,8 @@ fn budget(subject: &Subject<'_>) -> Section {
     section
 }
 
-fn budget_table(a: &Assessment<'_>, k: usize, account: &Account<'_>) -> PageTable {
-    let unit = account.stance.gauge.sense.unit;
+fn budget_table(a: &Assessment<'_>, k: usize, account: &BudgetReport<'_>) -> PageTable {
+    let unit = account.context.gauge.sense.unit;
     let row = |share: &Share| {
         let own = names::unit(a.cell, share.parameter);
         let percent = |share: f64| format!("{:.1}", rounded(percent_from_share(share), 1));
@@ -184,7 +184,7 @@ fn convergence(subject: &Subject<'_>) -> Section {
     if !rows.is_empty() {
         let trace: Vec<(u64, f64)> = found.trace.iter().map(|(n, value)| (*n, si(unit, *value))).collect();
         let (start, bound) = (subject.start.evaluation.objective, found.bound.map(|b| si(unit, b)));
-        let course = Course { trace: &trace, evaluations: found.evaluations, start, bound, unit };
+        let course = ConvergenceHistory { trace: &trace, evaluations: found.evaluations, start, bound, unit };
         section.figures.push(PageFigure::new("Convergence", "", chart::convergence(&course)));
         section.tables.push(
             PageTable::new("Improvements", &["evaluations", &format!("best so far {}", unit.word())], rows)

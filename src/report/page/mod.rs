@@ -22,7 +22,7 @@ mod shell;
 mod subject;
 mod verdict;
 
-pub use compare::{Told, compare};
+pub use compare::{SearchFacts, compare};
 pub use content::{PageFigure, PageTable, Section};
 #[cfg(feature = "view")]
 pub use live::live;

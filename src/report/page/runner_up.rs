@@ -37,7 +37,7 @@ type Posed<'m> = (&'m NodeRecord, &'m PostureRecord);
 
 fn next_node(a: &Assessment<'_>) -> Option<RunnerUpEntry> {
     let unit = a.cell.unit();
-    let choices = (0..a.maps.len()).filter(|k| !a.cell.operations[*k].over.takes_all());
+    let choices = (0..a.maps.len()).filter(|k| !a.cell.operations[*k].over.needs_every_node());
     let seconds = choices.filter_map(|k| Some((k, second(a, k)?, a.maps[k].value?)));
     let (k, (node, posture), best) =
         seconds.min_by(|(_, a, x), (_, b, y)| (a.1.value - x).total_cmp(&(b.1.value - y)))?;

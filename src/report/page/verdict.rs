@@ -280,7 +280,7 @@ fn sentence(a: &Assessment<'_>, k: usize) -> String {
     let said =
         format!("{} {} in {}", quantity(unit, value), value_word(a.cell), shown(&operation.sense.name));
     let at = format!("node ({}, {}), tool at x {x}, y {y}, z {z} mm", node.i, node.j);
-    match operation.over.takes_all() {
+    match operation.over.needs_every_node() {
         true => format!("at all nodes on {on}: {} {said}; the worst is {at}", operation.over.name()),
         false => format!("on {on} at {at}: {said}"),
     }

@@ -7,7 +7,7 @@ use super::camera::{Camera, ScreenPoint};
 use super::canvas::DepthBuffer;
 use super::palette::{Colour, Light, hex};
 use super::scene::SceneLine;
-use super::{Shot, Staged, edges, labels, staged, strip, trace};
+use super::{FittedScene, Shot, edges, labels, staged, strip, trace};
 use crate::drawing::Drawing;
 use crate::report::svg_text::escaped;
 use nalgebra::Vector3;
@@ -41,7 +41,7 @@ pub fn isometric(drawing: &Drawing<'_>, shot: &Shot) -> Result<String, String> {
         hex(stage.palette.paper)
     );
     let canvas = draw_areas(&mut out, &stage, shot);
-    let seeing = Seeing { camera: &stage.camera, canvas: &canvas };
+    let seeing = VisibilityTest { camera: &stage.camera, canvas: &canvas };
     let pixel = shot.capital() / 10.0;
     draw_lines(&mut out, &stage, &seeing, pixel);
     draw_clear(&mut out, &stage, &canvas);
@@ -62,7 +62,7 @@ fn sampled(camera: &Camera, p: &Vector3<f64>) -> ScreenPoint {
 }
 
 /// Draws solids and floor as areas of uniform tone. Returns the depth buffer.
-fn draw_areas(out: &mut String, stage: &Staged, shot: &Shot) -> DepthBuffer<u32> {
+fn draw_areas(out: &mut String, stage: &FittedScene, shot: &Shot) -> DepthBuffer<u32> {
     let size = [shot.width, shot.height].map(|side| (side as f64 * SAMPLES) as usize);
     let mut canvas = DepthBuffer::new(size[0], size[1], 0u32);
     let light = Light::of(&stage.camera);
@@ -99,12 +99,12 @@ fn draw_areas(out: &mut String, stage: &Staged, shot: &Shot) -> DepthBuffer<u32>
 }
 
 /// Visibility test of points.
-struct Seeing<'a> {
+struct VisibilityTest<'a> {
     camera: &'a Camera,
     canvas: &'a DepthBuffer<u32>,
 }
 
-impl Seeing<'_> {
+impl VisibilityTest<'_> {
     fn sees(&self, p: &Vector3<f64>) -> bool {
         let seen = sampled(self.camera, p);
         let (width, height) = (self.canvas.width as i64, self.canvas.height as i64);
@@ -144,7 +144,7 @@ impl Seeing<'_> {
 }
 
 /// Draws edges and lines in groups of equal colour and width.
-fn draw_lines(out: &mut String, stage: &Staged, seeing: &Seeing<'_>, pixel: f64) {
+fn draw_lines(out: &mut String, stage: &FittedScene, seeing: &VisibilityTest<'_>, pixel: f64) {
     let lift = stage.scene.size * 0.002;
     let mut groups: Vec<(Colour, f64, String)> = Vec::new();
     let mut add = |colour: Colour, width: f64, span: &[Vector3<f64>; 2], lift: f64| {
@@ -170,7 +170,7 @@ fn draw_lines(out: &mut String, stage: &Staged, seeing: &Seeing<'_>, pixel: f64)
 }
 
 /// Draws transparent bodies: their far sides first, then their near sides.
-fn draw_clear(out: &mut String, stage: &Staged, canvas: &DepthBuffer<u32>) {
+fn draw_clear(out: &mut String, stage: &FittedScene, canvas: &DepthBuffer<u32>) {
     for body in stage.scene.bodies.iter().filter(|b| b.opacity < 1.0) {
         for front in [false, true] {
             let mut mask = DepthBuffer::new(canvas.width, canvas.height, 0u32);
@@ -196,7 +196,7 @@ fn draw_clear(out: &mut String, stage: &Staged, canvas: &DepthBuffer<u32>) {
 }
 
 /// Draws nodes and the arrows on them, the farthest first.
-fn draw_nodes(out: &mut String, stage: &Staged, seeing: &Seeing<'_>, pixel: f64) {
+fn draw_nodes(out: &mut String, stage: &FittedScene, seeing: &VisibilityTest<'_>, pixel: f64) {
     let lift = stage.scene.size * 0.006;
     for mark in &stage.scene.nodes {
         if !seeing.sees(&seeing.camera.before(&mark.at, lift)) {
@@ -218,7 +218,12 @@ fn draw_nodes(out: &mut String, stage: &Staged, seeing: &Seeing<'_>, pixel: f64)
     draw_arrows(out, stage, seeing, (lift, pixel));
 }
 
-fn draw_arrows(out: &mut String, stage: &Staged, seeing: &Seeing<'_>, (lift, pixel): (f64, f64)) {
+fn draw_arrows(
+    out: &mut String,
+    stage: &FittedScene,
+    seeing: &VisibilityTest<'_>,
+    (lift, pixel): (f64, f64),
+) {
     let near = |a: &Vector3<f64>| seeing.camera.seen(a).near;
     let mut arrows: Vec<_> = stage.scene.arrows.iter().collect();
     arrows.sort_by(|a, b| near(&a.0.tail).total_cmp(&near(&b.0.tail)));
@@ -242,7 +247,7 @@ fn draw_arrows(out: &mut String, stage: &Staged, seeing: &Seeing<'_>, (lift, pix
     }
 }
 
-fn draw_labels(out: &mut String, stage: &Staged, shot: &Shot) {
+fn draw_labels(out: &mut String, stage: &FittedScene, shot: &Shot) {
     let (unit, palette) = (shot.capital(), &stage.palette);
     let all = labels::placed(stage, shot);
     for [a, b] in all.iter().filter_map(|l| l.leader) {

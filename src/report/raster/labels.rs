@@ -3,7 +3,7 @@
 use super::font;
 use super::ink::{PixelImage, distance};
 use super::scene::{Label, LabelSide};
-use super::{Shot, Staged};
+use super::{FittedScene, Shot};
 use crate::files::shown;
 use crate::report::raster::camera::PictureFrame;
 use nalgebra::Vector2;
@@ -20,7 +20,7 @@ pub struct PlacedLabel {
     high: Vector2<f64>,
 }
 
-pub fn write(sheet: &mut PixelImage, stage: &Staged, shot: &Shot) {
+pub fn write(sheet: &mut PixelImage, stage: &FittedScene, shot: &Shot) {
     let (unit, palette) = (shot.capital(), &stage.palette);
     let all = placed(stage, shot);
     for leader in all.iter().filter_map(|l| l.leader) {
@@ -34,7 +34,7 @@ pub fn write(sheet: &mut PixelImage, stage: &Staged, shot: &Shot) {
 }
 
 /// Returns the labels with their places. Labels of spots are placed first.
-pub fn placed(stage: &Staged, shot: &Shot) -> Vec<PlacedLabel> {
+pub fn placed(stage: &FittedScene, shot: &Shot) -> Vec<PlacedLabel> {
     let place = |p: &nalgebra::Vector3<f64>| stage.camera.seen(p).at.coords;
     let mut taken: Vec<Vector2<f64>> = stage.scene.nodes.iter().map(|n| place(&n.at)).collect();
     let round = stage.scene.bodies.iter().filter(|b| b.is_lit && !b.is_sign && b.mesh.positions.len() > 40);
@@ -52,7 +52,7 @@ pub fn placed(stage: &Staged, shot: &Shot) -> Vec<PlacedLabel> {
 }
 
 /// Returns the possible places of a label, the best first.
-fn choices(label: &Label, stage: &Staged, shot: &Shot) -> Vec<PlacedLabel> {
+fn choices(label: &Label, stage: &FittedScene, shot: &Shot) -> Vec<PlacedLabel> {
     let unit = shot.capital();
     let text: String = shown(&label.text);
     let half = font::width(&text, unit) / 2.0;

@@ -43,7 +43,7 @@ pub struct Shot {
     /// robot at home.
     pub operation: Option<usize>,
     /// Operation at whose spot the robot stands if `operation` is none.
-    pub stance: Option<usize>,
+    pub context: Option<usize>,
     /// Width of the picture, px.
     pub width: usize,
     pub height: usize,
@@ -67,7 +67,7 @@ impl Default for Shot {
     fn default() -> Self {
         Self {
             operation: None,
-            stance: None,
+            context: None,
             width: 1600,
             height: 1000,
             view: ViewDirection::Iso,
@@ -127,14 +127,14 @@ impl Shot {
 }
 
 /// Scene with the camera that is fitted to it.
-struct Staged {
+struct FittedScene {
     scene: RasterScene,
     camera: Camera,
     palette: Palette,
     scale: ErrorScale,
 }
 
-fn staged(drawing: &Drawing<'_>, shot: &Shot) -> Result<Staged, String> {
+fn staged(drawing: &Drawing<'_>, shot: &Shot) -> Result<FittedScene, String> {
     shot.check(drawing)?;
     let palette = Palette::of(shot.dark);
     let scale = ErrorScale::of(drawing, shot);
@@ -151,7 +151,7 @@ fn staged(drawing: &Drawing<'_>, shot: &Shot) -> Result<Staged, String> {
     scene.add_names(drawing, shot);
     let camera = Camera::fitted(shot.view, shot.perspective, &work, &scene.points(), &shot.frame());
     floor::lay(&mut scene, &palette, drawing.floor);
-    Ok(Staged { scene, camera, palette, scale })
+    Ok(FittedScene { scene, camera, palette, scale })
 }
 
 /// Returns the picture as PNG with 8 bits per colour.
@@ -170,7 +170,7 @@ pub fn png(drawing: &Drawing<'_>, shot: &Shot) -> Result<Vec<u8>, String> {
     encoded(&sheet)
 }
 
-fn rendered(stage: &Staged, shot: &Shot) -> DepthBuffer<[u8; 3]> {
+fn rendered(stage: &FittedScene, shot: &Shot) -> DepthBuffer<[u8; 3]> {
     let (width, height) = (shot.width * SAMPLES, shot.height * SAMPLES);
     let mut canvas = DepthBuffer::new(width, height, bytes(stage.palette.paper));
     let light = Light::of(&stage.camera);

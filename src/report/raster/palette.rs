@@ -54,7 +54,7 @@ impl Palette {
         let (light, dark, opacity) = match kind {
             PartKind::Robot => (0xf0a04b, 0xd9853a, 1.0),
             PartKind::Tool => (0x6b7683, 0x8a95a1, 1.0),
-            PartKind::Held => (0x56b4e9, 0x56b4e9, 1.0),
+            PartKind::HeldPart => (0x56b4e9, 0x56b4e9, 1.0),
             PartKind::Equipment => (0xc6ced8, 0x56626f, 1.0),
             PartKind::Obstacle => (0x98a2ae, 0x434c57, 1.0),
             PartKind::Fence => (0xe69f00, 0xe69f00, 0.13),

@@ -103,8 +103,8 @@ pub struct RasterScene {
 impl RasterScene {
     /// Returns the scene with its solids and working envelopes, before maps and names are added.
     pub fn of(drawing: &Drawing<'_>, shot: &Shot, palette: &Palette) -> Self {
-        let stance = shot.operation.or(shot.stance);
-        let frames = drawing.movement.frames(stance);
+        let context = shot.operation.or(shot.context);
+        let frames = drawing.movement.frames(context);
         let mut scene = Self {
             bodies: Vec::new(),
             lines: Vec::new(),
@@ -114,7 +114,7 @@ impl RasterScene {
             size: 1.0,
             right: Vector3::x(),
         };
-        for (part, pose) in drawing.posed(stance, frames) {
+        for (part, pose) in drawing.posed(context, frames) {
             let (colour, opacity) = palette.of_kind(part.kind);
             let mesh = part.mesh.seen_from(&pose);
             scene.bodies.push(SceneBody::solid(mesh, colour, opacity));
@@ -161,7 +161,7 @@ impl RasterScene {
 
     /// Adds the names of equipment and keep-out spaces.
     pub fn add_names(&mut self, drawing: &Drawing<'_>, shot: &Shot) {
-        let frames = drawing.movement.frames(shot.operation.or(shot.stance));
+        let frames = drawing.movement.frames(shot.operation.or(shot.context));
         for (k, equipment) in drawing.cell.equipment.iter().enumerate() {
             let parts = drawing.posed(None, frames).filter(|(part, _)| part.equipment == Some(k));
             let points: Vec<_> = parts.filter_map(|(part, pose)| corners(&part.mesh, &pose)).collect();

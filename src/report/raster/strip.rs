@@ -3,7 +3,7 @@
 use super::ink::PixelImage;
 use super::palette::{Colour, Palette, hex, scale as colour_of};
 use super::scale::Show;
-use super::{Shot, Staged, font};
+use super::{FittedScene, Shot, font};
 use crate::cell::Unit;
 use crate::drawing::round_numbers::{ONE_TWO_FIVE, round_down};
 use crate::drawing::{Drawing, GlyphRing, GlyphStroke, NodeGlyph, node_glyph};
@@ -41,7 +41,7 @@ impl LegendSign {
 }
 
 /// Texts of the title and the legend.
-pub struct Words {
+pub struct LegendTexts {
     pub title: String,
     pub line: String,
     /// Colour scale: quantity, least and greatest value.
@@ -51,8 +51,8 @@ pub struct Words {
     pub signs: Vec<LegendSign>,
 }
 
-impl Words {
-    pub fn of(drawing: &Drawing<'_>, stage: &Staged, shot: &Shot) -> Self {
+impl LegendTexts {
+    pub fn of(drawing: &Drawing<'_>, stage: &FittedScene, shot: &Shot) -> Self {
         let (cell, lens) = (drawing.cell, drawing.lenses[shot.take]);
         let is_map = shot.show != Show::Nothing;
         let model = format!(
@@ -114,7 +114,7 @@ const MAX_ROWS: usize = 4;
 pub const BAR: f64 = 31.0;
 
 /// Item of the legend, px.
-pub enum Item {
+pub enum LegendItem {
     /// Text with its position, height of capitals and colour.
     Text(String, Vector2<f64>, f64, Colour),
     Line(Vec<Vector2<f64>>, f64, Colour),
@@ -122,22 +122,22 @@ pub enum Item {
 }
 
 /// Returns title and legend.
-pub fn items(drawing: &Drawing<'_>, stage: &Staged, shot: &Shot) -> Vec<Item> {
+pub fn items(drawing: &Drawing<'_>, stage: &FittedScene, shot: &Shot) -> Vec<LegendItem> {
     let (unit, palette) = (shot.capital(), &stage.palette);
-    let words = Words::of(drawing, stage, shot);
+    let words = LegendTexts::of(drawing, stage, shot);
     let top = shot.height as f64 / unit - HEIGHT;
     let at = |x: f64, y: f64| Vector2::new(x * unit, y * unit);
     // In a small picture the columns move together, and the letters keep their size.
     let narrow = (shot.width as f64 / unit / 125.0).min(1.0);
     let [first, second, third] = [COLUMNS[0], COLUMNS[1] * narrow, COLUMNS[2] * narrow];
     let bar = BAR * narrow;
-    let text = |s: &str, x: f64, y: f64| Item::Text(s.to_string(), at(x, y), unit, palette.text);
+    let text = |s: &str, x: f64, y: f64| LegendItem::Text(s.to_string(), at(x, y), unit, palette.text);
     let (width, line) = (shot.width as f64 / unit, vec![at(0.0, top), at(shot.width as f64 / unit, top)]);
     let mut items = vec![
-        Item::Area(at(0.0, top), at(width, top + HEIGHT), palette.paper),
-        Item::Line(line, 0.1 * unit, palette.grid),
-        Item::Text(words.title, at(2.2, 2.9), 1.35 * unit, palette.text),
-        Item::Text(words.line, at(2.2, 4.9), unit, palette.faint),
+        LegendItem::Area(at(0.0, top), at(width, top + HEIGHT), palette.paper),
+        LegendItem::Line(line, 0.1 * unit, palette.grid),
+        LegendItem::Text(words.title, at(2.2, 2.9), 1.35 * unit, palette.text),
+        LegendItem::Text(words.line, at(2.2, 4.9), unit, palette.faint),
     ];
     if let Some([what, least, most]) = &words.colours {
         let width = font::width(most, 1.0);
@@ -149,7 +149,7 @@ pub fn items(drawing: &Drawing<'_>, stage: &Staged, shot: &Shot) -> Vec<Item> {
             let x = |k: u32| first + bar * f64::from(k) / f64::from(STEPS);
             let colour = colour_of(f64::from(k) / f64::from(STEPS - 1));
             // Each step reaches to the end, so that no gap shows.
-            Item::Area(at(x(k), top + 3.1), at(x(STEPS), top + 4.5), colour)
+            LegendItem::Area(at(x(k), top + 3.1), at(x(STEPS), top + 4.5), colour)
         }));
     }
     if let Some((length, said)) = &words.arrows {
@@ -157,7 +157,7 @@ pub fn items(drawing: &Drawing<'_>, stage: &Staged, shot: &Shot) -> Vec<Item> {
         let (left, right) = (second, second + length * stage.camera.scale / unit);
         let lines = [[(left, 3.8), (right, 3.8)], [(left, 3.2), (left, 4.4)], [(right, 3.2), (right, 4.4)]];
         let line = |l: [(f64, f64); 2]| {
-            Item::Line(l.map(|(x, y)| at(x, top + y)).to_vec(), 0.18 * unit, palette.text)
+            LegendItem::Line(l.map(|(x, y)| at(x, top + y)).to_vec(), 0.18 * unit, palette.text)
         };
         items.extend(lines.map(line));
     }
@@ -174,7 +174,7 @@ fn sign_table(
     room: f64,
     unit: f64,
     palette: &Palette,
-) -> Vec<Item> {
+) -> Vec<LegendItem> {
     let rows = if signs.len() <= 6 { 3 } else { MAX_ROWS };
     let columns: Vec<&[LegendSign]> = signs.chunks(rows).collect();
     // A sign is 3 heights of capitals wide, and as much lies between two columns.
@@ -190,28 +190,28 @@ fn sign_table(
             let y = place.y + (1.9 + step * k as f64) * unit;
             let at = |x: f64, down: f64| Vector2::new(place.x + (left + x) * size, y + down * size);
             items.extend(sign_items(*sign, at(0.8, 0.0), size, palette));
-            items.push(Item::Text(sign.label().into(), at(3.0, 0.5), size, palette.text));
+            items.push(LegendItem::Text(sign.label().into(), at(3.0, 0.5), size, palette.text));
         }
         left += wide(column);
     }
     items
 }
 
-fn sign_items(sign: LegendSign, at: Vector2<f64>, unit: f64, palette: &Palette) -> Vec<Item> {
+fn sign_items(sign: LegendSign, at: Vector2<f64>, unit: f64, palette: &Palette) -> Vec<LegendItem> {
     let thin = 0.14 * unit;
     match sign {
         LegendSign::Node(sign) => {
             node_glyph(sign).map_or(Vec::new(), |glyph| glyph_items(&glyph, at, unit, palette))
         }
-        LegendSign::Spot => vec![Item::Line(arc(at, 0.75 * unit, 0.0, TAU), 0.3 * unit, palette.spot)],
+        LegendSign::Spot => vec![LegendItem::Line(arc(at, 0.75 * unit, 0.0, TAU), 0.3 * unit, palette.spot)],
         LegendSign::Envelope => {
             let half = Vector2::new(unit, 0.0);
-            vec![Item::Line(vec![at - half, at + half], thin, palette.envelope)]
+            vec![LegendItem::Line(vec![at - half, at + half], thin, palette.envelope)]
         }
     }
 }
 
-fn glyph_items(glyph: &NodeGlyph, at: Vector2<f64>, unit: f64, palette: &Palette) -> Vec<Item> {
+fn glyph_items(glyph: &NodeGlyph, at: Vector2<f64>, unit: f64, palette: &Palette) -> Vec<LegendItem> {
     let (radius, thin, colour) = (0.65 * unit, 0.14 * unit, palette.of_tone(glyph.tone));
     let dash = TAU / 6.0;
     let arcs = match glyph.ring {
@@ -225,7 +225,7 @@ fn glyph_items(glyph: &NodeGlyph, at: Vector2<f64>, unit: f64, palette: &Palette
         points.iter().map(|(x, y)| at + Vector2::new(*x, *y) * radius).collect()
     };
     let lines = arcs.into_iter().chain(glyph.strokes.iter().map(stroke));
-    lines.map(|points| Item::Line(points, thin, colour)).collect()
+    lines.map(|points| LegendItem::Line(points, thin, colour)).collect()
 }
 
 /// Returns points on an arc between two angles, rad.
@@ -234,12 +234,12 @@ fn arc(at: Vector2<f64>, radius: f64, from: f64, to: f64) -> Vec<Vector2<f64>> {
     (0..=24).map(|k| at + Vector2::new(angle(k).cos(), angle(k).sin()) * radius).collect()
 }
 
-pub fn write(sheet: &mut PixelImage, items: &[Item]) {
+pub fn write(sheet: &mut PixelImage, items: &[LegendItem]) {
     for item in items {
         match item {
-            Item::Text(text, at, capital, colour) => sheet.text(text, *at, *capital, *colour),
-            Item::Line(points, width, colour) => sheet.line(points, *width, *colour),
-            Item::Area(low, high, colour) => {
+            LegendItem::Text(text, at, capital, colour) => sheet.text(text, *at, *capital, *colour),
+            LegendItem::Line(points, width, colour) => sheet.line(points, *width, *colour),
+            LegendItem::Area(low, high, colour) => {
                 sheet.rectangle(low.map(f64::round), high.map(f64::round), *colour)
             }
         }
@@ -247,11 +247,11 @@ pub fn write(sheet: &mut PixelImage, items: &[Item]) {
 }
 
 /// Writes the items as SVG.
-pub fn draw(out: &mut String, items: &[Item]) {
+pub fn draw(out: &mut String, items: &[LegendItem]) {
     for item in items {
         // Writing to a String cannot fail.
         let _ = match item {
-            Item::Text(text, at, capital, colour) => writeln!(
+            LegendItem::Text(text, at, capital, colour) => writeln!(
                 out,
                 "<text x=\"{:.1}\" y=\"{:.1}\" font-size=\"{:.1}\" fill=\"{}\">{}</text>",
                 at.x,
@@ -260,7 +260,7 @@ pub fn draw(out: &mut String, items: &[Item]) {
                 hex(*colour),
                 escaped(text)
             ),
-            Item::Line(points, width, colour) => {
+            LegendItem::Line(points, width, colour) => {
                 let points: Vec<String> = points.iter().map(|p| format!("{:.1},{:.1}", p.x, p.y)).collect();
                 let (points, stroke) = (points.join(" "), hex(*colour));
                 writeln!(
@@ -268,7 +268,7 @@ pub fn draw(out: &mut String, items: &[Item]) {
                     "<polyline points=\"{points}\" fill=\"none\" stroke=\"{stroke}\" stroke-width=\"{width:.2}\"/>"
                 )
             }
-            Item::Area(low, high, colour) => {
+            LegendItem::Area(low, high, colour) => {
                 let ([x, y], size, fill) = ([low.x, low.y], high - low, hex(*colour));
                 writeln!(
                     out,

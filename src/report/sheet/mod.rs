@@ -7,7 +7,7 @@ mod dimensions;
 mod title;
 
 use crate::drawing::{Component, Drawing, Field, PartKind, floor_corners};
-use crate::report::silhouette::{ABOVE, Eye, FRONT, Silhouette, silhouette};
+use crate::report::silhouette::{ABOVE, FRONT, Silhouette, ViewAxes, silhouette};
 use crate::report::svg_text::{PathEnd, escaped, path_data};
 use crate::units::mm_from_m;
 use nalgebra::{Vector2, Vector3};
@@ -111,7 +111,7 @@ pub fn sheet(drawing: &Drawing<'_>, operation: Option<usize>) -> String {
 }
 
 /// Returns the solids of a view, the farthest first.
-fn seen(drawing: &Drawing<'_>, operation: Option<usize>, eye: &Eye) -> Vec<SheetSolid> {
+fn seen(drawing: &Drawing<'_>, operation: Option<usize>, eye: &ViewAxes) -> Vec<SheetSolid> {
     let parts = drawing.posed(operation, drawing.movement.frames(operation));
     let mut all: Vec<SheetSolid> = parts
         .map(|(part, pose)| SheetSolid { kind: part.kind, silhouette: silhouette(&part.mesh, &pose, eye) })
@@ -167,7 +167,7 @@ fn style(kind: PartKind) -> &'static str {
     match kind {
         PartKind::Robot => "fill=\"#fde7d3\" stroke=\"#8a3800\"",
         PartKind::Tool => "fill=\"#f3c9a5\" stroke=\"#8a3800\"",
-        PartKind::Held => "fill=\"#cdeee2\" stroke=\"#00543d\"",
+        PartKind::HeldPart => "fill=\"#cdeee2\" stroke=\"#00543d\"",
         PartKind::Equipment => "fill=\"#f4f6f8\" stroke=\"#000000\"",
         PartKind::Obstacle => "fill=\"#d9dde2\" stroke=\"#000000\"",
         PartKind::Fence => "fill=\"none\" stroke=\"#000000\" stroke-dasharray=\"3 1\"",

@@ -2,7 +2,7 @@
 
 use super::table::TextTable;
 use super::{amount, fixed, percent1, place_words};
-use crate::assess::{Account, Tighter};
+use crate::assess::{BudgetReport, Tighter};
 use crate::cell::{Reading, Unit};
 use crate::kinematic_error::NEGLIGIBLE;
 use crate::reading::{Figures, Share};
@@ -12,17 +12,17 @@ use nalgebra::Vector3;
 use std::fmt::Write;
 
 /// Returns the error budget of one spot.
-pub fn budget(a: &Account<'_>) -> String {
-    let gauge = &a.stance.gauge;
+pub fn budget(a: &BudgetReport<'_>) -> String {
+    let gauge = &a.context.gauge;
     let by = if gauge.reading == Reading::Statistical { "variance" } else { "worst case" };
     let at = match gauge.reading {
         Reading::Signed => "of the signed values",
         _ => "of the positive tolerances",
     };
-    let mut out = place_words(&a.stance);
+    let mut out = place_words(&a.context);
     if a.judged.figures[gauge.own()].worst <= NEGLIGIBLE {
         // Shares of rounding errors would mean nothing.
-        out.push_str(match a.stance.situation.site.taught.is_some() {
+        out.push_str(match a.context.situation.site.taught.is_some() {
             true => "  this point was touched to teach the frame: no error remains here\n",
             false => "  no parameter has an effect here\n",
         });
@@ -39,12 +39,12 @@ pub fn budget(a: &Account<'_>) -> String {
     out
 }
 
-fn shares(a: &Account<'_>) -> String {
-    let unit = a.stance.gauge.sense.unit;
+fn shares(a: &BudgetReport<'_>) -> String {
+    let unit = a.context.gauge.sense.unit;
     let mut table = TextTable::indented(1);
     let alone = format!("alone {}", unit.word());
     table.row(["parameter", "+-", "x mm", "y mm", "z mm", &alone, "of worst case", "of variance"]);
-    let cell = a.stance.cell;
+    let cell = a.context.cell;
     for share in &a.budget.shares {
         let own = names::unit(cell, share.parameter);
         let mut row = vec![
@@ -56,7 +56,7 @@ fn shares(a: &Account<'_>) -> String {
         row.extend([share.of_worst, share.of_variance].map(percent1));
         table.row(row);
     }
-    if a.stance.gauge.reading == Reading::Signed {
+    if a.context.gauge.reading == Reading::Signed {
         let sum = a.budget.shares.iter().map(|s: &Share| s.term).sum::<Vector3<f64>>();
         table.row(["sum".to_string(), String::new()].into_iter().chain(terms(&sum)));
     }
@@ -72,8 +72,8 @@ fn value(unit: Unit, si: f64) -> String {
     crate::units::rounded(unit.from_si(si), 6).to_string()
 }
 
-fn totals(a: &Account<'_>) -> String {
-    let gauge = &a.stance.gauge;
+fn totals(a: &BudgetReport<'_>) -> String {
+    let gauge = &a.context.gauge;
     let unit = gauge.sense.unit;
     let Figures { worst_linear, worst, rms, mean, p95, p99, .. } = a.judged.figures[gauge.own()];
     let [worst_linear, worst, rms, mean, p95, p99] =
@@ -88,9 +88,9 @@ fn totals(a: &Account<'_>) -> String {
     )
 }
 
-fn tighten(a: &Account<'_>) -> String {
-    let cell = a.stance.cell;
-    let figure = super::tightened_word(&a.stance);
+fn tighten(a: &BudgetReport<'_>) -> String {
+    let cell = a.context.cell;
+    let figure = super::tightened_word(&a.context);
     let unit = a.unit();
     let mut out = String::new();
     for tighter @ Tighter { parameters, figure: left } in &a.tighter {

@@ -96,7 +96,7 @@ fn attitude_rows(table: &mut TextTable, k: usize, columns: &[Assessment<'_>]) {
 /// Adds the value of an operation that uses every node, and the margin of any operation with a limit.
 fn worth_rows(table: &mut TextTable, k: usize, columns: &[Assessment<'_>]) {
     let (operation, unit) = (&columns[0].cell.operations[k], columns[0].cell.unit());
-    if operation.over.takes_all() {
+    if operation.over.needs_every_node() {
         let word = format!("{} of {} {}", operation.over.name(), operation.place.in_words(), unit.word());
         let value = |a: &Assessment<'_>| a.maps[k].value.map_or("-".into(), |v| fixed(unit.from_si(v), 4));
         table.labelled("", &word, columns.iter().map(value));
@@ -155,7 +155,7 @@ fn operation_rows(table: &mut TextTable, k: usize, comparison: &Comparison<'_>) 
     let cell = columns[0].cell;
     let word = if cell.unit() == Unit::Share { "p95" } else { value_word(cell) };
     for sense in &columns[0].maps[k].senses {
-        let asked = if *sense == operation.sense { " <- asked" } else { "" };
+        let asked = if *sense == operation.sense { " <- own sense" } else { "" };
         let error = |a: &Assessment<'_>| a.error_at(k, &sense.name);
         let cells = (0..columns.len()).map(|c| with_change(comparison, c, &error));
         table.labelled("", &format!("{word} {} {}{asked}", sense.name, sense.unit.word()), cells);

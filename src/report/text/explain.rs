@@ -17,11 +17,11 @@ pub fn explanation(e: &Explanation<'_>) -> String {
 }
 
 fn place(e: &Explanation<'_>) -> String {
-    let (stance, cell) = (&e.stance, e.stance.cell);
-    let mut out = place_words(stance);
-    let base = &stance.base;
-    let tool = stance.situation.site.world.transpose() * stance.frames.tcp.rotation * cell.robot.tool_axis;
-    let tip = stance.position;
+    let (context, cell) = (&e.context, e.context.cell);
+    let mut out = place_words(context);
+    let base = &context.base;
+    let tool = context.situation.site.world.transpose() * context.frames.tcp.rotation * cell.robot.tool_axis;
+    let tip = context.position;
     let _ = writeln!(out, "  TCP, world: {} mm", triple(&tip, 4, mm_from_m));
     let _ = writeln!(
         out,
@@ -62,7 +62,7 @@ fn dh_table(e: &Explanation<'_>) -> String {
 fn frames(e: &Explanation<'_>) -> String {
     let mut table = TextTable::indented(1);
     table.row(["frame", "origin mm", "x axis", "z axis"]);
-    let frames = &e.stance.frames;
+    let frames = &e.context.frames;
     let links = frames.links[..=e.rows.len()].iter().enumerate();
     let named = links.map(|(k, pose)| (frame_name(MotionFrame::Link(k)), pose));
     for (name, pose) in named.chain([(frame_name(MotionFrame::Tcp), &frames.tcp)]) {
@@ -82,7 +82,7 @@ fn motions(e: &Explanation<'_>) -> String {
     for line in &e.lines {
         for motion in &line.motions {
             table.row([
-                names::parameter(e.stance.cell, line.source.parameter),
+                names::parameter(e.context.cell, line.source.parameter),
                 motion_words(motion),
                 triple(&motion.direction, 5, |v| v),
                 triple(&motion.lever, 4, mm_from_m),
@@ -107,7 +107,7 @@ fn effects(e: &Explanation<'_>) -> String {
         head.push("subtracted from g");
     }
     table.row(head.into_iter().chain(["linear term mm"]));
-    let cell = e.stance.cell;
+    let cell = e.context.cell;
     for line in &e.lines {
         let unit = names::unit(cell, line.source.parameter);
         let mut row = vec![
@@ -134,7 +134,7 @@ fn effects(e: &Explanation<'_>) -> String {
 }
 
 fn sample_word(e: &Explanation<'_>) -> &'static str {
-    match e.stance.gauge.reading {
+    match e.context.gauge.reading {
         Reading::Signed => "values of the signed sample",
         _ => "values of the worst corner",
     }
@@ -150,7 +150,7 @@ fn per_unit(g: &Vector3<f64>, unit: Unit) -> Vector3<f64> {
 
 fn models(e: &Explanation<'_>) -> String {
     let judged = &e.judged;
-    let world = |d: &Displacement| d.turned(&e.stance.situation.site.world.transpose());
+    let world = |d: &Displacement| d.turned(&e.context.situation.site.world.transpose());
     let mut table = TextTable::indented(1);
     table.row(["model", "position mm", "size mm", "rotation deg", "difference from nonlinear"]);
     let mut row = |name: &str, d: &Displacement, off: Option<f64>| {
@@ -172,8 +172,8 @@ fn models(e: &Explanation<'_>) -> String {
         row("subtracted from it", &(e.robot - judged.nonlinear), None);
     }
     let mut out = format!("\n5. Models, world axes\n{}", table.render());
-    let model = e.stance.gauge.model.name();
-    let guard = percent(e.stance.cell.guard);
+    let model = e.context.gauge.model.name();
+    let guard = percent(e.context.cell.guard);
     let _ = match e.trusted() {
         true if e.off() == 0.0 => writeln!(out, "  the {model} model is exact"),
         true => {
@@ -191,19 +191,19 @@ fn models(e: &Explanation<'_>) -> String {
 
 /// Returns the names of the parts that are subtracted from the error of the robot alone.
 fn taken_words(e: &Explanation<'_>) -> String {
-    let registration = match e.stance.cell.registration {
+    let registration = match e.context.cell.registration {
         Registration::None => None,
         Registration::BestFit => Some("the best-fitted base frame"),
         Registration::Taught => Some("the taught surface frame"),
     };
-    let reference = e.stance.situation.reference.as_ref().map(|_| "the error of the pick");
+    let reference = e.context.situation.reference.as_ref().map(|_| "the error of the pick");
     let moved = |l: &ParameterEffect| matches!(l.source.parameter, crate::cell::Parameter::Equipment(..));
     let moved = e.lines.iter().any(moved).then_some("the error of the equipment's own frame");
     [registration, moved, reference].into_iter().flatten().collect::<Vec<_>>().join(", ")
 }
 
 fn sense(e: &Explanation<'_>) -> String {
-    let gauge = &e.stance.gauge;
+    let gauge = &e.context.gauge;
     let (sense, unit) = (&gauge.sense, gauge.sense.unit);
     let axes = match sense.frame {
         Frame::World => "world axes",
@@ -226,7 +226,7 @@ fn sense(e: &Explanation<'_>) -> String {
 }
 
 fn risk(e: &Explanation<'_>) -> String {
-    let gauge = &e.stance.gauge;
+    let gauge = &e.context.gauge;
     let unit = gauge.sense.unit;
     let f = e.figures();
     let [worst_linear, worst, rms, mean, p95, p99] =
@@ -234,7 +234,7 @@ fn risk(e: &Explanation<'_>) -> String {
     let sign = |s: f64| if s < 0.0 { "-" } else { "+" };
     let corner = e.lines.iter().zip(e.worst.corner);
     let corner: Vec<String> = corner
-        .map(|(l, s)| format!("{}{}", sign(s), names::parameter(e.stance.cell, l.source.parameter)))
+        .map(|(l, s)| format!("{}{}", sign(s), names::parameter(e.context.cell, l.source.parameter)))
         .collect();
     let word = unit.word();
     let mut out = format!(
@@ -251,7 +251,7 @@ fn risk(e: &Explanation<'_>) -> String {
         out,
         "\n{} reading: {} {value} {}",
         gauge.reading.name(),
-        value_word(e.stance.cell),
+        value_word(e.context.cell),
         e.unit().word()
     );
     out

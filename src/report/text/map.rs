@@ -54,7 +54,7 @@ fn map_summary(a: &Assessment<'_>, map: &OperationMap) -> String {
             let (word, value) = (value_word(cell), unit.from_si(p.value));
             let at = format!("at node ({}, {}), x {x} y {y} z {z} mm", node.i, node.j);
             let word_of_unit = unit.word();
-            let _ = match map.value.filter(|_| operation.over.takes_all()) {
+            let _ = match map.value.filter(|_| operation.over.needs_every_node()) {
                 Some(all) => write!(
                     out,
                     "\n  {word} in {sense}, {} of {}: {:.6} {word_of_unit}; the worst node {value:.6} {word_of_unit} {at}",

@@ -97,20 +97,20 @@ fn amount(unit: Unit, si: f64) -> String {
 }
 
 /// Returns operation, surface, node and position in one line.
-fn place_words(stance: &PostureContext<'_>) -> String {
-    let operation = &stance.cell.operations[stance.operation];
-    let surface = shown(&stance.cell.equipment[operation.equipment].name);
-    let at = match stance.node {
+fn place_words(context: &PostureContext<'_>) -> String {
+    let operation = &context.cell.operations[context.operation];
+    let surface = shown(&context.cell.equipment[operation.equipment].name);
+    let at = match context.node {
         Some((i, j)) => format!("node ({i}, {j})"),
         None => "the joints given".to_string(),
     };
-    let [x, y, z] = [stance.position.x, stance.position.y, stance.position.z].map(mm1);
+    let [x, y, z] = [context.position.x, context.position.y, context.position.z].map(mm1);
     format!("{} on {surface}: {at}, x {x} y {y} z {z} mm\n", shown(&operation.name))
 }
 
 /// Returns the name of the figure that tightening a tolerance reduces, with its article.
-fn tightened_word(stance: &PostureContext<'_>) -> &'static str {
-    match (stance.gauge.reading, stance.gauge.quantity) {
+fn tightened_word(context: &PostureContext<'_>) -> &'static str {
+    match (context.gauge.reading, context.gauge.quantity) {
         (Reading::Statistical, Quantity::Yield) => "the share of failures",
         (Reading::Statistical, Quantity::Rms) => "the rms",
         (Reading::Statistical, Quantity::Mean) => "the mean",

@@ -5,10 +5,10 @@ use sweetspot::cell::Shape;
 use sweetspot::drawing::Mesh;
 use sweetspot::geometry::{convex_hull, join_edges, polygon_area, simplified_line};
 use sweetspot::pose::Pose;
-use sweetspot::report::silhouette::{ABOVE, Eye, FRONT, silhouette};
+use sweetspot::report::silhouette::{ABOVE, FRONT, ViewAxes, silhouette};
 
 /// Signed areas of the outlines of a mesh.
-fn areas(mesh: &Mesh, eye: &Eye) -> Vec<f64> {
+fn areas(mesh: &Mesh, eye: &ViewAxes) -> Vec<f64> {
     let loops = silhouette(mesh, &Pose::IDENTITY, eye).loops;
     let plane = |ring: &Vec<Vector2<f64>>| ring.iter().map(|p| (p.x, p.y)).collect::<Vec<_>>();
     loops.iter().map(|ring| polygon_area(&plane(ring))).collect()

@@ -2,23 +2,25 @@
 
 use super::{check, number, start};
 use crate::common::workcell;
-use sweetspot::assess::{Account, Assessment, ErrorDistribution, NodeChoice, PostureContext};
+use sweetspot::assess::{Assessment, BudgetReport, ErrorDistribution, NodeChoice, PostureContext};
 use sweetspot::cell::{Reading, Unit};
 use sweetspot::layout::Workcell;
-use sweetspot::report::chart::{Course, convergence, discrepancy, histogram, misplacement, pareto, tornado};
+use sweetspot::report::chart::{
+    ConvergenceHistory, convergence, discrepancy, histogram, misplacement, pareto, tornado,
+};
 use sweetspot::search;
 
 /// Checks that the bars of the budget at a spot are as long as its shares.
 fn budget(name: &str, workcell: &Workcell, a: &Assessment<'_>) {
-    let stance = PostureContext::at(workcell, &a.layout, &a.maps, 0, NodeChoice::Best)
+    let context = PostureContext::at(workcell, &a.layout, &a.maps, 0, NodeChoice::Best)
         .unwrap_or_else(|e| panic!("{e:?}"));
-    let account = Account::new(stance);
+    let account = BudgetReport::new(context);
     let svg = tornado(&account);
     check(&format!("tornado-{name}"), &svg);
     let document = roxmltree::Document::parse(&svg).unwrap();
     let bars = document.descendants().filter(|n| n.has_attribute("x") && n.tag_name().name() == "rect");
     let widths: Vec<f64> = bars.map(|n| number(&n, "width")).collect();
-    let statistical = account.stance.gauge.reading == Reading::Statistical;
+    let statistical = account.context.gauge.reading == Reading::Statistical;
     let shares = account.budget.shares.iter();
     let shares: Vec<f64> = shares.map(|s| if statistical { s.of_variance } else { s.of_worst }).collect();
     assert!(widths.len() > 2, "{name}");
@@ -31,7 +33,7 @@ fn budget(name: &str, workcell: &Workcell, a: &Assessment<'_>) {
 #[test]
 fn a_convergence_chart_is_drawn_with_and_without_a_bound() {
     let trace = [(3, 0.0061), (17, 0.0052), (140, 0.0041), (2900, 0.00383)];
-    let full = Course {
+    let full = ConvergenceHistory {
         trace: &trace,
         evaluations: 20_000,
         start: Some(0.0068),
@@ -41,11 +43,12 @@ fn a_convergence_chart_is_drawn_with_and_without_a_bound() {
     let svg = convergence(&full);
     check("convergence-full", &svg);
     assert!(svg.contains("3.23 % above"), "{svg}");
-    let bare = Course { start: None, bound: None, ..full };
+    let bare = ConvergenceHistory { start: None, bound: None, ..full };
     check("convergence-bare", &convergence(&bare));
     assert!(convergence(&bare).contains("no bound was proven"));
     for (name, trace) in [("none", &trace[..0]), ("one", &trace[..1])] {
-        let course = Course { trace, evaluations: 1, start: None, bound: None, unit: Unit::Length };
+        let course =
+            ConvergenceHistory { trace, evaluations: 1, start: None, bound: None, unit: Unit::Length };
         check(&format!("convergence-{name}"), &convergence(&course));
     }
 }
@@ -100,9 +103,9 @@ fn a_set_without_errors_has_no_histogram() {
     let why = ErrorDistribution::at_spot(&a, 0).unwrap_err();
     assert!(why.contains("the error does not vary here"), "{why}");
     // A budget without anything to draw states the reason.
-    let stance = PostureContext::at(&workcell, &a.layout, &a.maps, 0, NodeChoice::Best)
+    let context = PostureContext::at(&workcell, &a.layout, &a.maps, 0, NodeChoice::Best)
         .unwrap_or_else(|e| panic!("{e:?}"));
-    let svg = tornado(&Account::new(stance));
+    let svg = tornado(&BudgetReport::new(context));
     check("tornado-none", &svg);
     assert!(svg.contains("no parameter has an effect"));
     check("discrepancy-none", &discrepancy(&a));
@@ -154,7 +157,7 @@ fn a_pareto_chart_has_one_point_per_layout() {
     let svg = pareto(&workcell.cell, &record).unwrap();
     check("pareto-hitachi_cell", &svg);
     assert_eq!(svg.matches("<circle").count(), record.alternatives.len());
-    check("convergence-hitachi_cell", &convergence(&Course::of(&record, workcell.cell.unit())));
+    check("convergence-hitachi_cell", &convergence(&ConvergenceHistory::of(&record, workcell.cell.unit())));
     for name in ["hitachi_cell", "hitachi_paper"] {
         let workcell = crate::common::workcell(&format!("{name}.toml"));
         check(&format!("discrepancy-{name}"), &discrepancy(&start(&workcell)));

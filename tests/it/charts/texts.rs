@@ -1,7 +1,7 @@
 //! Tests the texts of the charts: wrapped, formatted, and placed without covering each other.
 
 use sweetspot::report::chart::histogram::rows;
-use sweetspot::report::chart::labels::Taken;
+use sweetspot::report::chart::labels::OccupiedBoxes;
 use sweetspot::report::chart::words::{figure, number, shortened, width, wrapped};
 
 #[test]
@@ -38,7 +38,7 @@ fn histogram_labels_cover_neither_lines_nor_labels() {
 
 #[test]
 fn a_label_place_is_taken_only_once() {
-    let mut taken = Taken::default();
+    let mut taken = OccupiedBoxes::default();
     assert!(taken.take([0.0, 0.0, 5.0, 2.0]) && taken.take([5.0, 0.0, 9.0, 2.0]));
     assert!(!taken.take([4.0, 1.0, 6.0, 3.0]) && taken.take([4.0, 2.0, 6.0, 3.0]));
 }
