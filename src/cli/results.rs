@@ -12,6 +12,7 @@ use crate::record::{HashedFile, ManifestDocument, MapDocument, ResolvedSettings,
 use crate::report;
 use crate::search::{Alternative, SearchRecord};
 use serde::Serialize;
+use serde_json::Value;
 use std::path::{Path, PathBuf};
 
 /// Folder with copies of the inputs, which make a result folder self-contained.
@@ -174,15 +175,18 @@ fn write_outputs<N: AsRef<str>>(folder: &Path, outputs: &[(N, Vec<u8>)]) -> Resu
 }
 
 /// Returns a document as the text of a JSON file.
+///
+/// Every document becomes a [`Value`] first, so that each is compiled for one serializer only.
 pub fn pretty(document: &impl Serialize) -> Result<Vec<u8>, Exit> {
-    let mut bytes = serde_json::to_vec_pretty(document).map_err(not_json)?;
+    let value = serde_json::to_value(document).map_err(not_json)?;
+    let mut bytes = serde_json::to_vec_pretty(&value).map_err(not_json)?;
     bytes.push(b'\n');
     Ok(bytes)
 }
 
 /// Returns a document as one line of JSON.
 pub fn line(document: &impl Serialize) -> Result<String, Exit> {
-    Ok(serde_json::to_string(document).map_err(not_json)? + "\n")
+    Ok(serde_json::to_value(document).map_err(not_json)?.to_string() + "\n")
 }
 
 fn not_json(e: serde_json::Error) -> Exit {
