@@ -12,7 +12,6 @@ use crate::record::{HashedFile, ManifestDocument, MapDocument, ResolvedSettings,
 use crate::report;
 use crate::search::{Alternative, SearchRecord};
 use serde::Serialize;
-use serde_json::Value;
 use std::path::{Path, PathBuf};
 
 /// Folder with copies of the inputs, which make a result folder self-contained.
@@ -176,7 +175,7 @@ fn write_outputs<N: AsRef<str>>(folder: &Path, outputs: &[(N, Vec<u8>)]) -> Resu
 
 /// Returns a document as the text of a JSON file.
 ///
-/// Every document becomes a [`Value`] first, so that each is compiled for one serializer only.
+/// Every document becomes a [`serde_json::Value`] first, so that each is compiled for one serializer only.
 pub fn pretty(document: &impl Serialize) -> Result<Vec<u8>, Exit> {
     let value = serde_json::to_value(document).map_err(not_json)?;
     let mut bytes = serde_json::to_vec_pretty(&value).map_err(not_json)?;
