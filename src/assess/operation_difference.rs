@@ -36,7 +36,9 @@ pub struct OperationDifference {
 }
 
 impl OperationDifference {
-    /// Returns how many nodes usable in both layouts are better and worse in the other one.
+    /// Returns how many nodes have a smaller and how many a larger error in the other layout.
+    ///
+    /// Nodes that are not usable in both layouts do not count.
     pub fn better_and_worse(&self) -> (usize, usize) {
         let all = || self.pairs.iter().filter_map(NodePair::difference);
         (all().filter(|d| *d < 0.0).count(), all().filter(|d| *d > 0.0).count())

@@ -107,13 +107,15 @@ impl Registration {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum NodeAggregation {
-    /// Least value: the operation happens at the best node.
+    /// Least value, for an operation that happens at the best node.
     Best,
-    /// Greatest value: the operation happens at every node.
+    /// Greatest value, for an operation that happens at every node.
     Max,
-    /// Mean value: the operation happens at every node.
+    /// Mean value, for an operation that happens at every node.
     Mean,
-    /// Least value that at least 95 % of the nodes do not exceed: the operation happens at every node.
+    /// 95th percentile of the values, for an operation that happens at every node.
+    ///
+    /// It is the least value that at least 95 % of the nodes do not exceed.
     P95,
 }
 

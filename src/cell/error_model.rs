@@ -170,7 +170,9 @@ impl Spread {
     /// Usual half width of a tolerance in standard deviations.
     pub const SIGMAS: f64 = 3.0;
 
-    /// Returns a normal spread with the size of a signed value as half width, three standard deviations.
+    /// Returns a normal spread whose half width is the absolute value of a signed value.
+    ///
+    /// The half width is three standard deviations.
     pub fn of_magnitude(value: f64) -> Self {
         Self { plus_minus: value.abs(), distribution: Distribution::Normal, sigmas: Self::SIGMAS }
     }

@@ -140,7 +140,9 @@ impl Robot {
         self.joints.len()
     }
 
-    /// Returns theta and r at coordinate 0, l and alpha of every row as in its file (rad, m).
+    /// Returns theta, r, l and alpha (rad, m) of every row in the convention of the robot file.
+    ///
+    /// Theta and r are those at coordinate 0.
     pub fn rows_of_file(&self) -> Vec<[f64; 4]> {
         let turned = &self.mount.rotation;
         let first = (self.mount.translation.x, turned[(2, 1)].atan2(turned[(1, 1)]));

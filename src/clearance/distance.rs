@@ -52,7 +52,7 @@ impl Scene {
     ///
     /// It leaves out two kinds of pairs, whose distance tells nothing about the layout:
     ///
-    /// - the equipment worked on and solids behind the last joint, whose distance the standoff sets;
+    /// - the equipment worked on and solids after the last joint, whose distance the standoff sets;
     /// - the floor and solids that only the first joint moves.
     pub fn distance_at_work(
         &self,
@@ -230,7 +230,10 @@ fn gap_of_cores((a, ra): Core<'_>, relative: &pm::Pose, (b, rb): Core<'_>, max: 
     (core_gap - round).clamp(0.0, max)
 }
 
-/// Returns the width of the slab that two convex solids leave free across a direction from `a` to `b`.
+/// Returns the gap between two convex solids along a direction from `a` to `b`.
+///
+/// The gap is the width of the empty slab between two planes perpendicular to the direction. It is a lower
+/// bound of the distance, and negative if the direction does not separate the solids.
 fn certified(a: &dyn Shape, relative: &pm::Pose, b: &dyn Shape, direction: &pm::Vector) -> Option<f64> {
     let (a, b, n) = (a.as_support_map()?, b.as_support_map()?, direction.try_normalize()?);
     let far = a.local_support_point(n).dot(n);

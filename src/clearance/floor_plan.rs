@@ -96,8 +96,8 @@ impl FencePolygon {
 
     /// Returns how far a floor space reaches beyond the fence, m; 0 if it is inside by the clearance.
     ///
-    /// It is the largest of the distances of corners outside, and of the depths of fence edges inside the
-    /// floor space.
+    /// It is the largest of two kinds of lengths: the distances from the fence to corners outside it, and the
+    /// depths by which fence edges enter the floor space. The clearance is added to both.
     fn passed_by(&self, stand: &PlacedRectangle, clearance: f64) -> f64 {
         let outside = stand.corners().map(|corner| match fence::locate(&self.corners, corner) {
             (true, _) => 0.0,

@@ -6,7 +6,7 @@ use crate::cell::{Cell, JointVector, MAX_JOINTS};
 use crate::low_discrepancy::RobertsSequence;
 use crate::robot::Chain;
 
-/// Number of sampled postures. Solids that touch in all of them count as drawn with an overlap.
+/// Number of sampled postures. If two solids touch in all of them, the drawing itself is taken to overlap.
 const SAMPLES: usize = 400;
 
 /// Reason why a pair of robot solids may touch.
@@ -18,7 +18,7 @@ pub enum Allowed {
     Neighbours,
     /// The robot file allows the contact.
     Given,
-    /// They touch in every sampled posture, so they count as drawn with an overlap.
+    /// The solids touch in every sampled posture, so the drawing itself is taken to overlap.
     AlwaysTouch,
 }
 

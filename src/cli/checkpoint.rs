@@ -168,7 +168,7 @@ impl StoppedSearch {
                 Unfit::Budget { used } => format!("{used} layouts are evaluated, more than --budget"),
                 Unfit::Kept => "it was searched for other goals, or kept another number of layouts".into(),
                 Unfit::Ended(ended) => {
-                    format!("with these rules the search would have ended before: {}", ended.in_words())
+                    format!("these stopping rules would have ended the search earlier: {}", ended.in_words())
                 }
             };
             output::error(&format!("{}: {why}", path_word(&self.folder)));

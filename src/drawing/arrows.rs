@@ -1,7 +1,7 @@
 //! Errors as arrows and unusable nodes as circles: the lines that every picture and CAD file shows.
 //!
 //! World frame, m. Errors are too small to be seen. One factor, the [`exaggeration`], therefore enlarges all
-//! arrows of a drawing under one lens (model and reading), so that they can be compared.
+//! arrows of a drawing under one model and reading, so that they can be compared.
 
 use super::round_numbers::{HALF_DIGITS, round_down};
 use super::{Drawing, Field, Mesh};
@@ -151,8 +151,9 @@ impl Field {
         CIRCLE_RADIUS * self.spacing()
     }
 
-    /// Returns the size of one component of the error at a node under a lens, m.
+    /// Returns the size of one component of the error at a node, m.
     ///
+    /// `take` selects model and reading (index into [`Field::takes`]).
     /// With `is_signed` a component along an axis has a sign. Otherwise the size is the figure of the
     /// reading, without a sign. It is None for a node without a posture.
     pub fn size_of(&self, take: usize, component: Component, node: usize, is_signed: bool) -> Option<f64> {
@@ -168,8 +169,9 @@ impl Field {
 }
 
 impl Drawing<'_> {
-    /// Returns the factor by which arrows under a lens are longer than the errors.
+    /// Returns the factor by which arrows are longer than the errors.
     ///
+    /// `take` selects model and reading (index into [`Field::takes`]).
     /// The longest arrow of any operation spans about 1.5 distances between its nodes. The factor is 1, 1.5,
     /// 2, ... 9.5 times a power of ten. Without errors it is 1.
     pub fn exaggeration(&self, take: usize) -> f64 {
@@ -183,8 +185,10 @@ impl Drawing<'_> {
         raw.reduce(f64::min).map_or(1.0, |limit| round_down(limit, HALF_DIGITS))
     }
 
-    /// Returns the errors of the usable nodes of an operation under a lens, enlarged by
-    /// [`Self::exaggeration`]. An error without a sign has two arrows in opposite directions.
+    /// Returns the errors of the usable nodes of an operation as arrows, enlarged by [`Self::exaggeration`].
+    ///
+    /// `take` selects model and reading (index into [`Field::takes`]). An error without a sign has two arrows
+    /// in opposite directions.
     pub fn arrows(&self, field: usize, take: usize, component: Component) -> Vec<Arrow> {
         let (is_signed, enlarged) = (self.lenses[take].is_signed(), self.exaggeration(take));
         let field = &self.fields[field];

@@ -21,13 +21,13 @@ impl ErrorView {
         Self { model: cell.model, reading: cell.reading, quantity: cell.quantity }
     }
 
-    /// Returns how the errors of a cell are interpreted under this lens.
+    /// Returns how the errors of a cell are interpreted under this model and reading.
     pub fn interpretation(&self, cell: &Cell) -> Interpretation {
         let Self { model, reading, quantity } = *self;
         Interpretation { model, reading, quantity, ..cell.interpretation() }
     }
 
-    /// Returns whether errors have a sign under this lens; otherwise they are magnitudes, to be read as plus
+    /// Returns whether errors have a sign in this reading. Otherwise they are magnitudes, to be read as plus
     /// or minus.
     pub fn is_signed(&self) -> bool {
         self.reading == Reading::Signed
@@ -45,7 +45,7 @@ impl ErrorView {
     }
 }
 
-/// Returns the lenses under which a cell can be evaluated, the one of the cell first.
+/// Returns the combinations of model and reading under which a cell can be evaluated, its own first.
 pub fn lenses(cell: &Cell) -> Vec<ErrorView> {
     let own = ErrorView::of(cell);
     let quantity = if cell.reading == Reading::Statistical { cell.quantity } else { Quantity::P95 };
@@ -80,7 +80,7 @@ impl FieldNode {
     }
 }
 
-/// Errors of all nodes under one lens (model and reading). A node without a usable posture has no values.
+/// Errors of all nodes under one model and reading. A node without a usable posture has no values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ViewedErrors {
     /// Index into [`super::Drawing::lenses`].
@@ -125,7 +125,9 @@ impl Field {
         self.nodes.iter().enumerate().filter(|(_, n)| n.is_ok()).map(|(k, _)| k)
     }
 
-    /// Returns the least and the greatest value of the usable nodes in a sense under a lens, m or rad.
+    /// Returns the least and the greatest value of the usable nodes in a sense, m or rad.
+    ///
+    /// `take` selects model and reading (index into [`Self::takes`]).
     pub fn range(&self, take: usize, sense: usize) -> Option<(f64, f64)> {
         let values = &self.takes.get(take)?.values[sense];
         let values = self.usable().filter_map(|k| values[k]).map(|v| (v, v));
@@ -133,7 +135,7 @@ impl Field {
     }
 }
 
-/// Maps a layout under the lens of the cell or, if `detail` asks for them, under all lenses.
+/// Maps a layout under the model and reading of the cell or, if `detail` asks for them, under all.
 pub(super) fn fields(a: &Assessment<'_>, detail: &Detail) -> Result<(Vec<ErrorView>, Vec<Field>), String> {
     let lenses = if detail.lenses { lenses(a.cell) } else { vec![ErrorView::of(a.cell)] };
     let mut fields: Vec<Field> = (0..a.maps.len()).map(|k| field(a, k, detail)).collect();

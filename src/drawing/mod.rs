@@ -38,7 +38,7 @@ pub struct Drawing<'a> {
     /// Height of the floor, m.
     pub floor: f64,
     pub parts: Vec<DrawnPart>,
-    /// Lenses (model and reading) of the takes of a field. The first is the lens of the cell.
+    /// Model and reading of each entry of [`Field::takes`]. The first are those of the cell.
     pub lenses: Vec<ErrorView>,
     /// Error map of every operation.
     pub fields: Vec<Field>,

@@ -40,7 +40,7 @@ pub struct Evaluation {
     /// Cost, finite for every layout: the objective of a layout that is feasible and keeps every limit.
     ///
     /// A missed limit costs more than 100 times the weights. An infeasible layout costs at least 1000 times
-    /// the weights, less as it comes nearer to feasibility.
+    /// the weights, and more the farther it is from feasibility.
     pub cost: f64,
 }
 

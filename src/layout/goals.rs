@@ -29,7 +29,7 @@ impl Workcell {
     /// - clearance: the least distance of the robot and the parts it holds from anything else at every node
     ///   that counts, and of floor spaces in plan. It is at most [`MAX_CLEARANCE`], which is also its value
     ///   if collision is not checked. Three kinds of pairs do not count: the equipment worked on and
-    ///   solids behind the last joint (the standoff sets their distance); the floor and solids that only the
+    ///   solids after the last joint (the standoff sets their distance); the floor and solids that only the
     ///   first joint moves; two floor spaces that cannot move.
     /// - joint limits, singularity: the least value of [`measures`] at the same nodes, by the limits of the
     ///   robot without margins.

@@ -7,7 +7,7 @@ use crate::clearance::{Overlap, Party};
 
 /// Measures the deepest overlap over all misplacements of a layout, m.
 ///
-/// A table on a lower floor does not overlap it, so the floor does not count.
+/// Overlaps with the floor do not count: if equipment stands lower than drawn, the floor is lower there, too.
 pub fn overlap_depth(workcell: &Workcell, layout: &Layout, found: &mut Vec<Overlap>) -> f64 {
     if let Some(wide) = &workcell.wide {
         wide.overlaps(layout, found);

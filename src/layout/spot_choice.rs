@@ -51,7 +51,7 @@ impl SpotQuery<'_> {
 
 /// Chooses the spot with the least worst value, and returns both; `first` is the least-error spot.
 ///
-/// An operation at all of its nodes has no choice: `first` stays.
+/// If the operation happens at every node, there is no choice: the function returns `first`.
 fn hardened(query: &SpotQuery<'_>, first: Spot, memory: &mut MapperWorkspace) -> (Spot, SpotValue) {
     let SpotQuery { workcell, placed, operation, spots } = *query;
     let corners = ToleranceBoxes::of(&workcell.cell, operation).moves(1.0, BoxPoints::Corners);

@@ -1,6 +1,6 @@
 //! Coordinates of the boxes: for joints with parallel axes, the sums of their angles.
 //!
-//! A sum rotates one link and shifts what is behind it. So a planar arm decouples into independent links,
+//! A sum rotates one link and shifts the links after it. So a planar arm decouples into independent links,
 //! and the elevation of its tool is a coordinate. Let `y` be the coordinates. Then `theta = D y`, and the
 //! actuators are `q = q_0 + G y`, each between its limits.
 

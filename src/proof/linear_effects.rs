@@ -17,7 +17,8 @@ pub(super) struct Effect {
     pub g: Vector3<f64>,
     /// Rotation axis; 0 for a translation.
     pub w: Vector3<f64>,
-    /// Distance from the axis of the motion to the first joint axis behind it, m.
+    /// Distance from the axis of a rotation to the next joint axis (or the point, after the last joint), m;
+    /// 0 for a translation.
     own: f64,
 }
 
@@ -87,7 +88,8 @@ type LinkSums = [Matrix3<f64>; MAX_JOINTS + 1];
 
 /// Returns first and second derivatives by theta.
 ///
-/// Joint i rotates the motions behind it as a whole (F), and moves the point under those before it (P).
+/// Joint i rotates the motions that come after it in the chain as a whole (F). For the motions before it, it
+/// moves the point (P).
 fn by_theta(
     screws: &Screws,
     placed: &PosedScrews,

@@ -3,8 +3,9 @@
 //! The problem is relaxed. Collisions and overlaps do not count. Each operation chooses its spot
 //! independently, wherever height, elevation and distance from the base allow it ([`OperationRegion`]). Only
 //! the posture remains unknown, so the least error is a minimum over joint coordinates within their limits.
-//! Errors behind a vertical first axis rotate with it. The first joint then drops out, unless the sense or an
-//! error before it depends on directions. Branch and bound over the other joints closes the gap:
+//! Errors that come after a vertical first axis in the chain rotate with it. The first joint then drops out,
+//! unless the sense or an error before it depends on directions. Branch and bound over the other joints
+//! closes the gap:
 //!
 //! | file | content |
 //! |---|---|

@@ -136,12 +136,14 @@ impl RigidPieces {
         pieces
     }
 
-    /// Returns the total length of the pieces behind a link, m.
+    /// Returns the total length of the pieces between a link and the end of the chain, m.
     pub fn from(&self, link: usize) -> f64 {
         self.lengths[link + 1..=self.count].iter().sum()
     }
 
-    /// Returns `sum |s| rho^power` over the pieces behind a link, a bound of derivatives of that power.
+    /// Returns `sum |s| rho^power` over the pieces from a link to the end of the chain.
+    ///
+    /// It bounds the derivatives of that power.
     ///
     /// `own` are the coordinates that rotate a factor on that link; each piece adds its own coordinates.
     pub fn turned(

@@ -23,7 +23,9 @@ use crate::reading::zonotope::{ZonotopeScratch, farthest_1, farthest_2, farthest
 use crate::reading::{ErrorEvaluator, MAX_SOURCES};
 use nalgebra::{DMatrix, Matrix3, Vector2, Vector3, Vector6};
 
-/// Largest number of rows for which the bound of a percentile is tested.
+/// Largest number of rows of a sense whose mean, percentiles and worst case have a bound.
+///
+/// With more rows only the RMS, the signed sample and the worst case by the linear model have a bound.
 const MAX_ROWS_OF_PERCENTILE: usize = 3;
 /// Step of a numeric derivative, as a share of the trace.
 const DERIVATIVE_STEP: f64 = 1e-3;

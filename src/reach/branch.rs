@@ -7,7 +7,7 @@ use crate::robot::Posture;
 /// Computing time of one target, in classes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Cost {
-    /// Some ten nanoseconds.
+    /// Tens of nanoseconds.
     Low,
     /// About a microsecond per attitude.
     Middle,

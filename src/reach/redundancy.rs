@@ -14,7 +14,9 @@ const REFINEMENTS: usize = 5;
 /// Number of values that are tried inside such an interval at each refinement.
 const INNER_VALUES: usize = 11;
 
-/// Distance, m, within which a target may still be reached at a value between those tried.
+/// Largest distance out of reach, m, at which the numeric solver is tried after all samples have failed.
+///
+/// A range of joint values that reaches the target may be narrower than the distance between samples.
 const GRAZING: f64 = 0.01;
 
 impl Inverse {

@@ -12,7 +12,7 @@ pub struct PlanarAttitude {
     /// perpendicular to it in that plane.
     pub u: f64,
     pub v: f64,
-    /// Cosine of the elevation; negative if the tool points against theta_1.
+    /// Cosine of the elevation; negative if the tool points backwards, opposite to the heading theta_1.
     pub(in crate::reach) cos_elevation: f64,
     /// Sine of the elevation.
     pub(in crate::reach) sin_elevation: f64,

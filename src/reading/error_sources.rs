@@ -38,7 +38,7 @@ pub struct ErrorSources {
     pub factors: Vec<Vec<(usize, f64)>>,
     /// Number of robot parameters in a sample; it includes joint frames only if one has an error.
     parameters: usize,
-    /// Equipment that takes part.
+    /// Indices of the equipment whose errors count: the one worked on, and the one the part was picked from.
     at: [Option<usize>; 2],
 }
 

@@ -11,7 +11,7 @@ use super::search_space::SearchSpace;
 use super::stopping::{SearchEnd, Stopping};
 use serde::{Deserialize, Serialize};
 
-/// Largest number of evaluations of one run; it limits the journal to some hundred kilobytes.
+/// Largest number of evaluations of one run; it limits the journal to several hundred kilobytes.
 const MAX_RUN_EVALUATIONS: u64 = 20_000;
 
 /// Number of evaluations, per dimension plus one, of one run of a Pareto search.

@@ -1,7 +1,7 @@
 //! Local search around the members of the Pareto front or the shortlist.
 //!
-//! It changes one coordinate of a member at a time: a list through all of its values, a range by steps that
-//! become finer; then two lists at a time. New members are explored in turn (Pareto local search: L. Paquete,
+//! It changes one coordinate of a member at a time, or two lists at once. A list takes all of its values, and
+//! a range takes steps that become finer. New members are explored in turn (Pareto local search: L. Paquete,
 //! M. Chiarandini, T. Stuetzle, in Metaheuristics for Multiobjective Optimisation, 2004). A space with few
 //! enough layouts is enumerated.
 

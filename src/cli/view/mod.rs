@@ -32,7 +32,9 @@ use values::LayoutValues;
 
 /// Decimals of numbers in documents.
 const DIGITS: i32 = 9;
-/// Detail of drawings: one lens, no envelope, and few enough nodes to redraw while the mouse drags.
+/// Detail of drawings: one model and reading, no envelope, and few nodes.
+///
+/// The page can redraw such a drawing while the mouse drags.
 const DETAIL: Detail = Detail { lenses: false, envelopes: false, nodes: 1500 };
 
 /// Cell and session that all open pages share.

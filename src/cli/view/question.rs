@@ -4,7 +4,7 @@ use crate::cell::{Cell, Interpretation, Model, Quantity, Reading};
 use crate::layout::Workcell;
 use std::sync::{Arc, Mutex};
 
-/// Largest number of workcells kept: about 27 senses times nine lenses.
+/// Largest number of workcells kept: about 27 senses times nine combinations of model and reading.
 const MAX_WORKCELLS: usize = 300;
 
 /// Evaluation settings of the page: sense, model and reading.

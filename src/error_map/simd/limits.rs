@@ -6,7 +6,7 @@ use pulp::Simd;
 
 /// Slack added to the joint limits, in the cosine of the angle from the middle of the range.
 ///
-/// So every posture that is refused here is also refused by the code for one node.
+/// Because of it, every posture refused here is also refused by the scalar code, which judges single nodes.
 const SLACK: f64 = 1e-9;
 
 /// Returns the lanes in which the unit vector of a joint surely lies outside its range.
@@ -16,7 +16,7 @@ pub fn is_passed<S: Simd>(cone: &LimitCone, (cos, sin): CosSin<S>) -> Mask<S> {
     along.is_below(along.like(cone.cos_half - SLACK))
 }
 
-/// Adds to `out` the lanes in which a joint behind the first passes its limit.
+/// Adds to `out` the lanes in which a joint other than the first passes its limit.
 #[inline(always)]
 pub fn any_passed<S: Simd, const N: usize>(
     cones: &[LimitCone; N],

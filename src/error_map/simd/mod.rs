@@ -1,8 +1,8 @@
 //! Ranking of nodes: a lower bound of the error at every node, computed for several nodes at once in SIMD
 //! lanes.
 //!
-//! The bounds only order the nodes and reject hopeless ones; the code for one node judges those that are
-//! left. So no result depends on the processor. This is the only user of pulp.
+//! The bounds only order the nodes and reject hopeless ones; the scalar code judges those that are left, one
+//! by one. So no result depends on the processor. This is the only user of pulp.
 
 mod lanes;
 mod limits;

@@ -19,7 +19,7 @@ pub struct PerturbedChain {
     pub base: Pose,
     /// The constant motions `B_1` to `B_(N-1)`.
     between: Vec<ConstantMotion>,
-    /// TCP behind the last turn, m.
+    /// TCP in the frame after the last turn, m.
     tip: Vector3<f64>,
 }
 
@@ -64,7 +64,7 @@ impl PerturbedChain {
         Some(Self { base, between, tip: last.translation })
     }
 
-    /// Computes the TCP in the frame behind [`Self::base`], from cosines and sines of every theta.
+    /// Computes the TCP in the frame after the motion [`Self::base`], from cosines and sines of every theta.
     #[inline(always)]
     pub fn tip<S: Simd>(&self, turns: &[CosSin<S>]) -> [Lanes<S>; 3] {
         let any = turns[0].0;

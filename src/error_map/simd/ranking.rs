@@ -1,8 +1,8 @@
 //! Lower bounds of the error at the nodes of a surface, and the nodes in ascending order of these bounds.
 //!
-//! A bound is below the value of [`ErrorEvaluator::value`] by no more than [`BOUND_MARGIN`] allows. The code
-//! for one node judges nodes in this order until the least value is below all bounds that are left. So the
-//! spot is the same, to the bit, as if every node had been judged.
+//! A bound is below the value of [`ErrorEvaluator::value`] by no more than [`BOUND_MARGIN`] allows. The
+//! scalar code judges single nodes in this order until the least value is below all bounds that are left. So
+//! the spot is the same, to the bit, as if every node had been judged.
 
 use super::lanes::{CosSin, Lanes, MAX_LANES};
 use super::perturbed_chain::PerturbedChain;
@@ -38,7 +38,7 @@ pub struct Ranker {
 
 /// One row of the sense, made ready for one layout.
 ///
-/// The error in the row is `built . p - (wanted . target - offset)`, with p the TCP in the frame behind the
+/// The error in the row is `built . p - (wanted . target - offset)`, with p the TCP in the frame after the
 /// first motion of the chain.
 #[derive(Debug, Clone, Copy)]
 struct RankingRow {

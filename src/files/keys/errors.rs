@@ -86,7 +86,7 @@ key_table! {
 pub const PARAMETERS: &str = "dq, dr, dl, dalpha or dbeta with a joint number (dl2), or a frame (base, tool, joint2) with x, y, z, rx, ry or rz (joint2 x)";
 
 key_table! {
-    covariance, "`covariance`", "Covariance from a calibration: normally distributed, correlated parameters; their plus-or-minus is 0.", {
+    covariance, "`covariance`", "Covariance from a calibration: normally distributed, correlated parameters, whose plus-or-minus values must be 0.", {
         PARAMETERS = Key::new("parameters", ValueKind::Checked(&ValueKind::List(&ValueKind::Text, (1, MANY), "names"), unique), "Parameters of the rows: dq, dr, dl, dalpha or dbeta with a joint number (dl2), or a frame (base, tool, joint2) with x, y, z, rx, ry or rz (joint2 x).").required().example("[\"dl2\", \"dalpha3\", \"base x\"]").remedy("add parameters = [\"dq1\", \"dl2\"], the parameters of the rows");
         MATRIX = Key::new("matrix", ValueKind::List(&ValueKind::List(&FINITE, (1, MANY), "numbers"), (1, MANY), "rows"), "Covariances, a row for each of the parameters, in products of mm and degrees.").required().example("[[0.25, 0.1], [0.1, 4]]").remedy("add matrix = [[...], ...], a row for each of `parameters`");
     }

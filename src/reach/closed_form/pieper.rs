@@ -87,8 +87,9 @@ impl PointForms {
 
     /// Returns the path of joint 3.
     ///
-    /// For a revolute joint it is a circle; the parameter is the tangent of half the angle from the origin
-    /// `(c, s)`. For a prismatic joint it is a line; the parameter is r_3.
+    /// For a revolute joint it is a circle. Its parameter is the tangent of half the joint angle, measured
+    /// from the angle with cosine `c` and sine `s`. For a prismatic joint it is a line with the parameter
+    /// r_3.
     pub fn path(&self, (c, s): Angle) -> Path {
         match self.kinds[2] {
             Revolute => Path { one: [1.0, 0.0, 1.0], a: [c, -2.0 * s, -c], b: [s, 2.0 * c, -s] },

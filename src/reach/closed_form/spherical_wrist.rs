@@ -45,7 +45,7 @@ impl SphericalWrist {
             let rotation = Matrix3::new(1.0, 0.0, 0.0, 0.0, c, -s, 0.0, s, c);
             let lead = Pose { rotation, translation: Vector3::new(last.l, 0.0, 0.0) };
             Self::forward(end_for_end(&links), Some(lead))
-                .map_err(|shoulder| format!("{wrist}; from its flange to its base, {shoulder}"))
+                .map_err(|shoulder| format!("{wrist}; with base and flange exchanged, {shoulder}"))
         })
     }
 

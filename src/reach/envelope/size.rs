@@ -164,9 +164,9 @@ impl Envelope<'_> {
     }
 }
 
-/// Returns the change between two lines that counts as a jump.
+/// Returns the least change between neighbouring sample lines that counts as a jump of the integrand.
 ///
-/// A boundary parallel to the lines exceeds it, a rounded end does not.
+/// The integrand jumps where the boundary is parallel to the lines, but not at a rounded end.
 fn jump_between_lines(values: &[f64]) -> f64 {
     0.2 * values.iter().copied().fold(f64::MIN_POSITIVE, f64::max)
 }

@@ -36,11 +36,13 @@ pub struct Cumulants {
     four: [f64; 126],
 }
 
-/// Sums over the parameters: `sum_k gamma_k g_a g_b g_c g_d`, sorted and as `[a][b][c]` with d = a, and
-/// `sum_k six_k / 6 g_a^2 g_b^2 g_c^2`, sorted.
+/// Sums over the parameters k, for combinations of the axes a, b, c and d.
 struct Sums {
+    /// Sum of `gamma_k g_a g_b g_c g_d` for each a <= b <= c <= d, in the order of the loops below.
     four: [f64; 126],
+    /// Sum of `gamma_k g_a^2 g_b g_c` at `[a][b][c]`, for b <= c.
     twice: [[[f64; 6]; 6]; 6],
+    /// Sum of `six_k / 6 g_a^2 g_b^2 g_c^2` for each a <= b <= c, in the order of the loops below.
     six: [f64; 56],
 }
 

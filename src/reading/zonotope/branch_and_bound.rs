@@ -120,7 +120,9 @@ impl BranchAndBound {
         v.norm_squared() + 2.0 * sum + self.rest[j]
     }
 
-    /// Searches all corners with the signs before `j` as in `trial`, where `v` is their sum.
+    /// Searches all corners whose first `j` signs are those in `trial`.
+    ///
+    /// `v` is the sum of the first `j` generators with these signs.
     fn visit(&mut self, j: usize, v: Vector6<f64>) {
         let n = self.search.count;
         if j == n - WIDTH {

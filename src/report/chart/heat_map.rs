@@ -22,8 +22,10 @@ const MIN_SPAN: f64 = 100.0;
 /// Largest number of nodes with tooltips. A map with more nodes has none.
 const MAX_TITLES: usize = 400;
 
-/// Draws an error map in one take (index into [`Field::takes`]) and sense (index into [`Field::senses`]). The
-/// colours span `range` (m or rad), which several maps may share. The axes are those of the surface.
+/// Draws an error map under one model and reading in one sense.
+///
+/// `take` is the index into [`Field::takes`], `sense` the index into [`Field::senses`]. The colours span
+/// `range` (m or rad), which several maps may share. The axes are those of the surface.
 pub fn heat_map(drawing: &Drawing<'_>, field: usize, take: usize, sense: usize, range: (f64, f64)) -> String {
     let field = &drawing.fields[field];
     let map = HeatMap::new(drawing, field, &field.takes[take], sense, range);
@@ -240,7 +242,7 @@ impl<'a> HeatMap<'a> {
         canvas.label((x + dx, y + 4.3), anchor, Ink::Spot, &said);
     }
 
-    /// Returns the spot under this lens, if it differs from the chosen spot.
+    /// Returns the spot under this model and reading, if it differs from the chosen spot.
     fn other_spot(&self) -> Option<usize> {
         self.take.best.filter(|k| Some(*k) != self.field.best)
     }

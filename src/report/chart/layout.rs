@@ -33,7 +33,7 @@ pub fn layout_plan(a: &Assessment<'_>, drawing: &Drawing<'_>, operation: usize) 
         envelope: envelope.collect(),
         heading: format!("{name}: the layout from above ({})", drawing.name),
         said: format!(
-            "envelope at the height of the tool there, z = {} mm; within the joint limits, collisions not checked",
+            "envelope at the TCP height of the operation, z = {} mm; within the joint limits, collisions not checked",
             rounded(mm_from_m(height), 1)
         ),
         names: ("x of the world / mm", "y of the world / mm"),

@@ -100,7 +100,7 @@ pub struct PartRecord<'a> {
     pub mesh: usize,
 }
 
-/// Lens: model and reading under which errors are shown.
+/// Model and reading under which errors are shown.
 #[derive(Serialize)]
 pub struct LensRecord {
     pub model: Model,
@@ -130,7 +130,7 @@ pub struct FieldRecord<'a> {
     pub takes: Vec<TakeRecord>,
 }
 
-/// Errors of a field under one lens (model and reading).
+/// Errors of a field under one model and reading.
 #[derive(Serialize)]
 pub struct TakeRecord {
     pub lens: usize,

@@ -45,7 +45,7 @@ fn registration(cell: &Cell) -> &'static str {
             "the base frame of the robot is fitted to measured points: the errors that a frame can cancel are removed"
         }
         Registration::Taught => {
-            "the frame of every surface is taught with the robot: the errors that three points cancel are removed"
+            "the frame of every surface is taught with the robot at three points: the errors that this frame cancels are removed"
         }
     }
 }

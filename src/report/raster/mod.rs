@@ -51,7 +51,7 @@ pub struct Shot {
     /// Whether the projection is in perspective; otherwise it is parallel.
     pub perspective: bool,
     pub show: Show,
-    /// Index into [`Drawing::lenses`].
+    /// Model and reading shown: index into [`Drawing::lenses`].
     pub take: usize,
     /// Name of the sense of the colours; None for the sense of the operation.
     pub sense: Option<String>,
@@ -157,7 +157,8 @@ fn staged(drawing: &Drawing<'_>, shot: &Shot) -> Result<FittedScene, String> {
 /// Returns the picture as PNG with 8 bits per colour.
 ///
 /// # Errors
-/// Fails if the size is out of range, or if the take or the operation does not exist.
+/// Fails if the size is out of range, or if `shot` names a missing operation or combination of model and
+/// reading.
 pub fn png(drawing: &Drawing<'_>, shot: &Shot) -> Result<Vec<u8>, String> {
     let stage = staged(drawing, shot)?;
     let mut sheet = PixelImage::of(&rendered(&stage, shot), SAMPLES);

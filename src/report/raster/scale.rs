@@ -100,7 +100,7 @@ pub fn sense(field: &Field, shot: &Shot) -> usize {
     shot.sense.as_deref().and_then(named).unwrap_or(field.sense)
 }
 
-/// Returns the figure of a node in the sense and the take shown.
+/// Returns the figure of a node in the sense, model and reading shown.
 pub fn value(field: &Field, shot: &Shot, node: usize) -> Option<f64> {
     *field.takes.get(shot.take)?.values[sense(field, shot)].get(node)?
 }
