@@ -46,13 +46,15 @@ pub fn polygon_area(corners: &[PlanePoint]) -> f64 {
 /// Line of joined edges.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JoinedLine<K> {
-    /// Corners in turn; a closed line does not repeat the first.
+    /// Corners in the order of the edges; a closed line does not repeat the first one.
     pub corners: Vec<K>,
     pub is_closed: bool,
 }
 
-/// Joins directed edges to lines, every edge in exactly one of them: open lines first, then closed ones.
-/// Where several edges leave a corner, `choose` picks one of them by its index.
+/// Joins directed edges to lines: open lines first, then closed ones. Every edge is in exactly one line.
+///
+/// If several edges leave a corner, `choose` receives the index of the edge that arrives and the indices of
+/// the edges that leave. It returns one of the latter.
 pub fn join_edges<K: Copy + Ord>(
     edges: &[(K, K)],
     mut choose: impl FnMut(usize, &[usize]) -> usize,
@@ -90,8 +92,9 @@ pub fn join_edges<K: Copy + Ord>(
     lines
 }
 
-/// Returns the indices of the points that a line keeps so that no other is farther than `tolerance` from it
-/// (Ramer 1972; Douglas and Peucker 1973). The first and the last point stay.
+/// Returns the indices of the points that a simplified line keeps (Ramer 1972; Douglas and Peucker 1973).
+///
+/// No removed point is farther than `tolerance` from the simplified line. The first and the last point stay.
 pub fn simplified_line<const N: usize>(points: &[SVector<f64, N>], tolerance: f64) -> Vec<usize> {
     let mut keep = vec![false; points.len()];
     let mut parts = vec![(0, points.len().saturating_sub(1))];

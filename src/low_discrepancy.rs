@@ -43,13 +43,13 @@ pub struct RobertsSequence {
 impl RobertsSequence {
     /// Prepares the sequence in `dimensions` dimensions.
     pub fn new(dimensions: usize) -> Self {
-        /// Number of fixed-point iterations; fewer reach the last digit in up to 8 dimensions.
+        /// Number of fixed-point iterations: more than full precision needs in up to 8 dimensions.
         const ITERATIONS: usize = 64;
         let exponent = 1.0 / (dimensions as f64 + 1.0);
         Self { root: (0..ITERATIONS).fold(2.0, |root: f64, _| (1.0 + root).powf(exponent)) }
     }
 
-    /// Returns coordinate `axis` of point `number`: the fraction of `1/2 + number / g^(axis + 1)`.
+    /// Returns coordinate `axis` of point `number`: the fractional part of `1/2 + number / g^(axis + 1)`.
     pub fn coordinate(&self, number: usize, axis: usize) -> f64 {
         (0.5 + number as f64 / self.root.powi(axis as i32 + 1)).fract()
     }
