@@ -67,7 +67,7 @@ pub struct Chain {
     pub coupling: Vec<Vec<f64>>,
     /// Pose of the TCP in the mechanical interface.
     pub tool: Pose,
-    /// Whether the tool is rotated against the mechanical interface.
+    /// Whether the tool is rotated relative to the mechanical interface.
     turned_tool: bool,
     /// Unit vector along the tool, in the frame of the TCP.
     pub tool_axis: Vector3<f64>,
@@ -121,7 +121,7 @@ impl Chain {
         posture
     }
 
-    /// Returns the posture at actuator coordinates 0, which carries the fixed D-H values of the chain.
+    /// Returns the posture at actuator coordinates 0, where theta and r have the values of the D-H table.
     pub fn zero_posture(&self) -> Posture {
         self.posture(&[0.0; MAX_JOINTS])
     }
