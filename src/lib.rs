@@ -54,8 +54,8 @@
 //! | [`report`] | say it | records to JSON, CSV, SVG, TOML, text |
 //! | [`cli`] | edge | arguments, files, progress, exit codes |
 //!
-//! Below these modules, [`units`] converts units, [`geometry`] does plane geometry and [`pose`] has rigid
-//! transforms.
+//! All these modules may also use [`units`] for conversions, [`geometry`] for plane geometry and [`pose`] for
+//! rigid transforms.
 //!
 //! `evaluate` takes a [`layout::Workcell`]: a cell with its chain, inverse kinematics and parry3d shapes
 //! prepared. A search prepares it once and evaluates hundreds of thousands of layouts.
@@ -73,7 +73,7 @@
 //!   the joint or the solids.
 //! - A signed sample of errors is not a tolerance: [`cell::SignedErrors`] and [`cell::Tolerance`] are two
 //!   types.
-//! - Errors are computed as differences; two nearly equal numbers are never subtracted.
+//! - Errors are computed directly as small motions, never as the difference of two nearly equal numbers.
 //! - Results are deterministic: an explicit seed, a random stream per restart, results in order. One thread
 //!   or sixteen give the same bytes.
 //! - The optimizer proposes, `evaluate` decides.
