@@ -1,16 +1,17 @@
 //! Continuous collision checking of a straight move in joint coordinates.
 //!
-//! A stretch of the move is free if, over half of it, no pair of solids can approach each other by its
-//! distance in the middle. Otherwise the stretch is halved (F. Schwarzer, M. Saha, J.-C. Latombe, "Adaptive
-//! dynamic collision checking for single and multiple articulated robots in complex environments", IEEE
-//! Transactions on Robotics 21, 2005). A point that joint i rotates moves by at most
+//! Every pair of solids has a distance in the middle of a stretch of the move. The stretch is free if no pair
+//! can come nearer by its distance within half the stretch. Otherwise the stretch is halved
+//! (F. Schwarzer, M. Saha, J.-C. Latombe, "Adaptive dynamic collision checking for single and multiple
+//! articulated robots in complex environments", IEEE Transactions on Robotics 21, 2005). A point that joint i
+//! rotates moves by at most
 //!
 //! ```text
 //! |dtheta_i| (|l_i| + sum over the rows k after it of hypot(l_k, max |r_k|) + radius of the solid),
 //! ```
 //!
-//! and by |dr_i| if joint i is prismatic. The last row and the solid are rigid and count together. Two
-//! solids of the robot approach each other by the joints between them alone.
+//! and by |dr_i| if joint i is prismatic. The solid is rigidly fixed to the last row, so both count as one
+//! lever arm. Only the joints between two solids of the robot change their distance.
 
 use crate::cell::{JointKind, JointVector, MAX_JOINTS};
 use crate::clearance::{BoundingSphere, Hit, Load, Pair, PlacedSolids, Scene};
@@ -80,8 +81,8 @@ impl MoveCheck<'_> {
 
     /// Returns the first contact between the shares `low` and `high` of the move.
     ///
-    /// Each pair comes with its largest approach over the whole move, m. Pairs that are apart over a
-    /// stretch are apart over its halves.
+    /// Each pair comes with its largest approach over the whole move, m. Pairs that stay apart over a stretch
+    /// are not checked again in its halves.
     fn first_hit_in(&self, low: f64, high: f64, pairs: &[(Pair, f64)]) -> Option<PathHit> {
         let (middle, half) = ((low + high) / 2.0, (high - low) / 2.0);
         let frames = self.frames(middle);
@@ -102,7 +103,7 @@ struct MotionBounds<'c> {
     chain: &'c Chain,
     /// Travel of each D-H coordinate, rad or m.
     travel: JointVector,
-    /// Axial offsets of each row at both ends, m.
+    /// Axial offset r of each row at the start and at the end of the move, m.
     offsets: [(f64, f64); MAX_JOINTS],
 }
 

@@ -16,12 +16,12 @@ const MAX_STEP: f64 = 0.02;
 /// Length of the shortest piece of a line, m.
 const MIN_STEP: f64 = 1e-4;
 
-/// Convergence threshold of Newton's method: position in arm reaches, rotation in rad.
+/// Convergence threshold of Newton's method: position as a share of the arm's reach, rotation in rad.
 const CONVERGED: f64 = 1e-10;
 
 const MAX_ITERATIONS: usize = 20;
 
-/// Singular value below which the arm counts as unable to move in that direction.
+/// Singular value of the Jacobian below which the arm counts as unable to move in its singular direction.
 const RANK_TOLERANCE: f64 = 1e-9;
 
 /// Tolerance of a joint limit, rad or m: rounding of a posture at its limit.

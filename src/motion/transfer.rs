@@ -44,7 +44,10 @@ pub struct Transfer {
     /// It is proportional to the time if all joints start and stop together with equal top speeds. A
     /// prismatic travel by the arm's reach counts as 1 rad.
     pub travel: f64,
-    /// Joint vector of the next operation at its spot, with every joint in its nearest turn.
+    /// Joint vector of the next operation at its spot.
+    ///
+    /// Every joint is in the turn nearest to the operation before. At the end of a cycle it is in the turn in
+    /// which it started.
     pub arrival: JointVector,
 }
 
@@ -92,7 +95,7 @@ impl Guard {
         Ok(found)
     }
 
-    /// Returns the first free transfer between two operations, checked with the parts that either holds.
+    /// Returns the first free transfer between two operations, checked with the parts held at either of them.
     ///
     /// # Errors
     /// Returns the obstacle of every route if no route is free.
@@ -187,7 +190,9 @@ fn travel(chain: &Chain, path: &[JointVector], reach: f64) -> f64 {
     path.windows(2).map(farthest).sum()
 }
 
-/// Returns the [`Transfer::travel`] of direct moves from posture to posture, every joint in its nearest turn.
+/// Returns the [`Transfer::travel`] of direct moves from posture to posture.
+///
+/// Every joint is in the turn nearest to the posture before.
 pub fn direct_travel(chain: &Chain, stops: &[JointVector], reach: f64) -> f64 {
     let mut path: Vec<JointVector> = Vec::with_capacity(stops.len());
     for stop in stops {
