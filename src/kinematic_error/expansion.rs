@@ -18,9 +18,10 @@ pub struct MotionTerm {
 impl MotionTerm {
     const NONE: Self = Self { g: Vector3::new(0.0, 0.0, 0.0), w: Vector3::new(0.0, 0.0, 0.0) };
 
-    /// Returns motion `k` in the order of [`Parameter::of_robot`]; it must not be that of a joint frame.
+    /// Returns motion `k` in the order of [`Parameter::of_robot`], which must not be a motion of a joint
+    /// frame.
     ///
-    /// The motion of dq is always the rotation dtheta: the translation of a prismatic joint is that of dr.
+    /// The motion of dq is always the rotation dtheta. A prismatic joint translates by the motion of dr.
     #[inline(always)]
     fn of(frames: &Frames, axes: usize, k: usize) -> Self {
         let links = PER_LINK * axes;

@@ -14,9 +14,10 @@
 //!
 //! A prismatic joint has fewer independent parameters. Its dr is its dq. The joint rotates nothing, so all
 //! translations between two revolute joints are vectors in one body. Three of these are independent. Both
-//! sets leave out the dependent ones, and the six of every joint frame, which depend on the rows. Neither set
-//! has a parameter for the rotation of a prismatic joint about its axis. Other dependencies show in the
-//! condition number: coincident axes, or postures that do not move a joint.
+//! sets leave out the dependent translations. They also leave out the six parameters of every joint frame,
+//! because these depend on the parameters of the rows. Neither set has a parameter for the rotation of a
+//! prismatic joint about its axis. Other dependencies show in the condition number: coincident axes, or
+//! postures that do not move a joint.
 
 use super::Expansion;
 use crate::cell::{JointKind, MAX_JOINTS, Parameter};

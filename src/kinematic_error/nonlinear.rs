@@ -5,7 +5,7 @@ use crate::pose::{Displacement, Pose, SmallRotation};
 use crate::robot::Frames;
 use nalgebra::{Matrix3, Vector3};
 
-/// Small motion of everything between itself and the tool.
+/// Small motion at one place in the chain, which moves everything from there to the tool.
 enum SmallMotion<'a> {
     Slide(Vector3<f64>),
     Turn { axis: Vector3<f64>, through: &'a Vector3<f64>, by: &'a Turn },

@@ -77,7 +77,7 @@ impl JointErrors {
 
 /// Largest number of motions before those of the joint frames, which seldom have errors.
 ///
-/// Samples are made by the million, so that their memory is kept small.
+/// Samples are made by the million, so each must take little memory.
 const MAX_MOTIONS: usize = Parameter::first_joint(MAX_JOINTS);
 
 /// One signed sample of the parameter errors, for one chain.
