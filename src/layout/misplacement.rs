@@ -22,7 +22,7 @@ pub enum BoxPoints {
 /// Boxes of placement tolerances, seen from one operation.
 ///
 /// The operation depends on the robot base, on its equipment and on what that stands on. If it is relative to
-/// a pick, it also depends on these bodies of the pick.
+/// a pick, it also depends on the equipment of the pick and on what that stands on.
 pub struct ToleranceBoxes {
     /// One box for each body that the operation depends on.
     pub own: Vec<Moves>,

@@ -2,14 +2,15 @@
 //!
 //! The point of the surface and the branch of the posture are held. Several bodies move inside their
 //! placement tolerances: the robot base, the equipment that carries the point, and what that stands on. If
-//! the operation is relative to a pick, these bodies of the pick move, too. The controller knows where they
-//! are: errors that it does not know are the `errors` of the equipment. So misplacement acts through the
-//! posture, in every registration. For a taught frame the touching postures move, too.
+//! the operation is relative to a pick, the equipment of the pick and what that stands on move, too. The
+//! controller knows where the bodies are; errors unknown to it are the `errors` of the equipment. So
+//! misplacement acts through the posture, in every registration. For a taught frame, the postures in which
+//! the robot touches the taught points change, too.
 //!
-//! - Worst corner: all corners of the box of tolerances, up to 8 dimensions. For a larger box, the corners of
-//!   each body are checked with the others as drawn, and the corner that is worst to first order. A corner is
-//!   lost if the posture cannot be reached, if it collides, or if floor spaces overlap. Another body that
-//!   gets in the way counts, too.
+//! - Worst corner: all corners of the box of tolerances are checked, up to 8 dimensions. For a larger box,
+//!   the corners of each body are checked with the other bodies as drawn. In addition, the corner of the
+//!   whole box that is worst to first order is checked. A corner is lost if the posture cannot be reached, if
+//!   it collides, or if floor spaces overlap. Another body that gets in the way counts, too.
 //! - Gradient: central differences.
 //! - Largest misplacement that keeps posture and limit: a multiple of the box, a distance in plan and a yaw.
 //!   The checks take the corners and the middles of all edges and faces of the box, 16 directions in plan, or
@@ -39,10 +40,10 @@ const SCALE_STEPS: i32 = 19;
 const BISECTIONS: usize = 26;
 /// Number of directions of a displacement in plan.
 const DIRECTIONS: usize = 16;
-/// Share of the displacement found that holds in every direction.
+/// Factor that reduces the displacement found, so that it is allowed in every direction.
 ///
-/// A straight edge of the allowed region may lie between two checked directions. It is nearer there by at
-/// most the cosine of half their angle.
+/// A straight edge of the allowed region may be nearest between two checked directions. Its distance is then
+/// at least the displacement found, times the cosine of half the angle between them.
 const DIRECTION_FACTOR: f64 = 0.98; // cos(11.25 deg) = 0.9808
 
 /// A misplacement, and the value of the operation there (m, rad or a share).

@@ -81,7 +81,7 @@ fn hardened(query: &SpotQuery<'_>, first: Spot, memory: &mut MapperWorkspace) ->
     }
 }
 
-/// The least worst value so far and its spot; without any, the least penalty.
+/// The least worst value so far with its spot, or the least penalty if every judged spot is lost.
 struct LeastWorst {
     best: Option<(f64, Spot)>,
     lost: f64,

@@ -63,7 +63,7 @@ impl Workcell {
         )
     }
 
-    /// Returns a workcell of the same solids and placements as this one.
+    /// Prepares a cell that has the same solids and placements as this workcell, and shares them.
     fn sharing(&self, cell: Cell) -> Result<Self, String> {
         let mapper = Mapper::new(&cell, self.mapper.scene().clone())?;
         Ok(Self { cell, mapper, plan: self.plan.clone(), wide: self.wide.clone() })
