@@ -26,8 +26,8 @@ impl Cell {
 
     /// Returns this cell with other start values (m or rad).
     ///
-    /// If `frees` is true, a fixed coordinate that gets another value becomes a range, so that a file can
-    /// state it.
+    /// If `frees` is true, a fixed coordinate that gets another value becomes the range from the old value to
+    /// the new one.
     pub fn starting_at(&self, values: impl Iterator<Item = (Slot, f64)>, frees: bool) -> Cell {
         let mut cell = self.clone();
         for (slot, value) in values {
@@ -91,7 +91,8 @@ impl Cell {
 impl Coordinate {
     /// Returns this coordinate with another start value.
     ///
-    /// If `frees` is true, a fixed coordinate with another value becomes a range.
+    /// If `frees` is true, a fixed coordinate that gets another value becomes the range from the old value to
+    /// the new one.
     fn starting_at(&self, value: f64, frees: bool) -> Coordinate {
         match self {
             Coordinate::Fixed(was) if frees && *was != value => {

@@ -14,7 +14,7 @@ pub struct Margins {
 }
 
 impl Margins {
-    /// Returns the limits of a joint less its margin; those of a passive joint stay unchanged.
+    /// Returns the limits of a joint, moved inwards by its margin; those of a passive joint stay unchanged.
     pub fn kept(&self, joint: &Joint) -> (f64, f64) {
         if joint.is_passive() {
             return joint.limits;

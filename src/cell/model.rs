@@ -103,7 +103,8 @@ pub struct KeepOut {
 
 /// Least height, m, of the triangle of three points that teach a frame.
 ///
-/// A taught frame turns by the errors divided by this height, so a flatter triangle teaches no plane.
+/// The rotation error of a taught frame is about the error of its points divided by this height. So a flatter
+/// triangle is refused.
 pub const TEACH_HEIGHT: f64 = 0.02;
 
 /// Part that the robot carries to or from an operation.

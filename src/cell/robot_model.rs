@@ -11,8 +11,7 @@ pub const MAX_JOINTS: usize = 8;
 /// Largest number of error parameters of a robot: those of its links, base, tool and joint frames.
 pub const MAX_PARAMETERS: usize = (PER_LINK + PER_FRAME) * MAX_JOINTS + 2 * PER_FRAME;
 
-/// Actuator coordinates, rad (revolute) or m (prismatic), from the zero posture of the robot as in the seed
-/// paper.
+/// Actuator coordinates, rad (revolute) or m (prismatic), counted from the zero posture as in the seed paper.
 pub type JointVector = [f64; MAX_JOINTS];
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -106,7 +105,9 @@ pub struct Robot {
     pub coupling: Vec<Vec<f64>>,
     /// Home posture: actuator coordinates inside the limits, rad or m.
     pub home: JointVector,
-    /// Pose of the TCP in the last D-H frame: that of a URDF's tip link, followed by that of the tool.
+    /// Pose of the TCP in the last D-H frame.
+    ///
+    /// For a URDF it is the pose of the tip link, followed by the pose of the tool on that link.
     pub tool: Pose,
     /// Working direction of the tool in the frame of the TCP, unit length.
     pub tool_axis: Vector3<f64>,
