@@ -47,7 +47,9 @@ pub(super) struct BoundingBox {
 }
 
 impl BoundingCapsule {
-    /// Returns the bounding capsule of a shape swollen by `slack` (m), with the frame of its file at `mount`.
+    /// Returns the bounding capsule, in the carrier frame, of a shape swollen by `slack` (m).
+    ///
+    /// `mount` is the pose of the frame of the shape's file in the carrier frame.
     pub(super) fn new(shape: &Shape, mount: &Pose, slack: f64) -> Self {
         let new = |a: &Vector3<f64>, b: &Vector3<f64>, radius: f64, is_solid| {
             let (a, b) = (mount.transform(a), mount.transform(b));

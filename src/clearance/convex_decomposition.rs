@@ -94,7 +94,7 @@ pub(super) fn convex(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Optio
 
 /// Returns the part of every triangle.
 ///
-/// The part whose cut removes the most volume is cut at the best of nine planes.
+/// It repeatedly cuts the part whose cut removes the most volume, at the best of nine planes.
 fn division(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Vec<u8> {
     let centre = |t: u32| triangles[t as usize].iter().map(|&i| vertices[i as usize]).sum::<Vector3<f64>>();
     let volume = |part: &[u32]| {

@@ -2,8 +2,8 @@
 //!
 //! parry3d's distances of rounded shapes are off by up to 1.2e-5 m. So distances are measured from the solids
 //! before rounding and from the segments of capsules, and the radius is subtracted. parry3d gives a direction
-//! between the nearest points of two convex solids. The distance returned is the width of the free slab
-//! between the solids across that direction. It never exceeds the true distance.
+//! between the nearest points of two convex solids. The distance returned is the width, along that direction,
+//! of the empty slab between the solids. It never exceeds the true distance.
 
 use super::bodies::{CollisionBody, EquipmentSolid, parry_pose, vector};
 use super::contact::Hit;

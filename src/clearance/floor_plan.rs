@@ -1,4 +1,4 @@
-//! Floor plan: equipment whose floor spaces overlap each other, the robot base, a keep-out box or the fence.
+//! Floor plan: overlaps of equipment with other equipment, the robot base, keep-out boxes, floor and fence.
 
 use super::fence;
 use super::floor_rectangle::{AxisDepth, PlacedRectangle, least_overlap, overlap_depth};
@@ -140,7 +140,8 @@ impl EquipmentFootprint {
         if *at == self.drawn.0 { self.drawn.1 } else { PlacedRectangle::new(&self.footprint, at) }
     }
 
-    /// Returns whether the equipment, placed at height `z`, reaches into a box between two heights (m).
+    /// Returns whether the equipment, placed at height `z`, comes nearer than `clearance` to a range of
+    /// heights (m).
     pub(super) fn meets(&self, z: f64, (bottom, top): (f64, f64), clearance: f64) -> bool {
         let above = !self.legs && z + self.low >= top + clearance - TOUCHING;
         let below = z + self.high + clearance <= bottom + TOUCHING;

@@ -64,7 +64,7 @@ fn axes(a: &PlacedRectangle, b: &PlacedRectangle) -> [PlanePoint; 4] {
     [(a.cos, a.sin), (-a.sin, a.cos), (b.cos, b.sin), (-b.sin, b.cos)]
 }
 
-/// Returns the overlap along an axis, directed from `b` to `a`, when both keep `clearance`.
+/// Returns the overlap along an axis plus the `clearance` required between both, directed from `b` to `a`.
 fn overlap_along(u: PlanePoint, a: &PlacedRectangle, b: &PlacedRectangle, clearance: f64) -> AxisDepth {
     let apart = (a.centre.0 - b.centre.0) * u.0 + (a.centre.1 - b.centre.1) * u.1;
     let direction = if apart < 0.0 { (-u.0, -u.1) } else { u };
@@ -80,7 +80,7 @@ pub(super) fn least_overlap(a: &PlacedRectangle, b: &PlacedRectangle, clearance:
     all.fold(AxisDepth { direction: (1.0, 0.0), depth: f64::INFINITY }, shallower)
 }
 
-/// Returns how deep two rectangles overlap (m) when both keep `clearance`; 0 if an axis separates them.
+/// Returns how far two rectangles must move apart (m) to keep `clearance` between them; 0 if they keep it.
 pub(super) fn overlap_depth(a: &PlacedRectangle, b: &PlacedRectangle, clearance: f64) -> f64 {
     let mut least = f64::INFINITY;
     for u in axes(a, b) {

@@ -138,7 +138,7 @@ impl RobotSolid {
         segments_apart_squared(&capsule.a, &capsule.b, &other_capsule.a, &other_capsule.b) <= room * room
     }
 
-    /// Returns whether two links whose bounding capsules intersect touch (narrow phase).
+    /// Returns whether two links touch, given that their bounding capsules intersect (narrow phase).
     pub(super) fn touches_near(&self, frame: &Pose, other: &RobotSolid, other_frame: &Pose) -> bool {
         if self.core.is_solid && other.core.is_solid {
             return true;

@@ -14,7 +14,7 @@ const SAMPLES: usize = 400;
 pub enum Allowed {
     /// Both belong to one rigid body.
     SameLink,
-    /// They share a joint, where drawings overlap.
+    /// They share a joint, where the solids of a robot file usually overlap.
     Neighbours,
     /// The robot file allows the contact.
     Given,
