@@ -212,7 +212,7 @@ impl SearchJournal {
         }
     }
 
-    /// Returns how a search ended that was not interrupted.
+    /// Returns how the search ended, provided that it was not interrupted.
     pub fn ended(&self) -> SearchEnd {
         let stopping = &self.checkpoint.stopping;
         match self.met() {

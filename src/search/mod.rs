@@ -63,9 +63,9 @@ pub struct SearchRecord {
     pub evaluations: u64,
     /// Number of evaluated layouts that were feasible.
     pub feasible: u64,
-    /// Number of evaluations and objective (m) at each improvement of the best feasible layout.
+    /// Evaluations so far and objective (m, rad or a share) at each improvement of the best feasible layout.
     pub trace: Vec<(u64, f64)>,
-    /// Lower bound of the objective, m, if one was given.
+    /// Lower bound of the objective (m or rad), if one was given.
     pub bound: Option<f64>,
     pub ended: SearchEnd,
     /// Pareto front sorted by its first goal, or the shortlist with the best layout first.
@@ -80,7 +80,7 @@ impl SearchRecord {
         self.best.evaluation.objective.is_some()
     }
 
-    /// Returns by which share of the bound the best layout exceeds it.
+    /// Returns the relative gap of the best layout to the bound: `objective / bound - 1`.
     pub fn gap(&self) -> Option<f64> {
         let best = self.best.evaluation.objective?;
         self.bound.filter(|b| *b > 0.0).map(|bound| best / bound - 1.0)
@@ -89,7 +89,7 @@ impl SearchRecord {
 
 /// Options of a search: a known bound, a checkpoint to resume from, and a sink for checkpoints.
 pub struct SearchJob<'a> {
-    /// Proven lower bound of the objective, m.
+    /// Proven lower bound of the objective, m or rad.
     pub bound: Option<f64>,
     /// Checkpoint of an interrupted search that [`Checkpoint::check`] has accepted.
     pub from: Option<&'a Checkpoint>,

@@ -106,8 +106,8 @@ impl ParetoFront {
 
     /// Returns at most `most` members spread over the front, sorted by their first losses.
     ///
-    /// It takes the least member of every goal, then repeatedly the member farthest from all chosen ones.
-    /// Each is a different layout from those chosen before. Losses count as shares of their span.
+    /// For every goal it takes the member with the least loss, then repeatedly the one farthest from all
+    /// chosen. Each is a different layout from those chosen before. Losses count as shares of their span.
     pub fn spread(&self, most: usize) -> Vec<&Member> {
         let spans = self.spans().unwrap_or_default();
         let apart = |a: &Member, b: &Member| {

@@ -29,7 +29,7 @@ pub struct Progress {
     pub budget: u64,
     /// Number of evaluated layouts that were feasible.
     pub feasible: u64,
-    /// Objective of the best feasible layout, m.
+    /// Objective of the best feasible layout, m, rad or a share.
     pub best: Option<f64>,
 }
 

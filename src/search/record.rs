@@ -56,7 +56,7 @@ pub struct Record {
     /// Point of the unit cube with the least cost.
     pub point: Vec<f64>,
     pub cost: Option<f64>,
-    /// Number of evaluations and objective (m) at each improvement of the best feasible layout.
+    /// Evaluations so far and objective (m, rad or a share) at each improvement of the best feasible layout.
     pub trace: Vec<(u64, f64)>,
     /// Longest series of evaluations without improvement, updated after each batch.
     pub stillness: u64,
@@ -82,7 +82,7 @@ impl Record {
         Self { point, front, shortlist, ..Self::default() }
     }
 
-    /// Returns the objective of the best feasible layout, m.
+    /// Returns the objective of the best feasible layout, m, rad or a share.
     pub fn best(&self) -> Option<f64> {
         self.trace.last().map(|t| t.1)
     }

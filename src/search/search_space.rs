@@ -44,7 +44,7 @@ impl<'c> SearchSpace<'c> {
 
     /// Returns the canonical point of the same layout within the cube.
     ///
-    /// Ranges are at rounded coordinates, lists in the middle of the interval of their value.
+    /// A range is at its rounded coordinate, and a list is in the middle of the interval of its value.
     pub fn settled(&self, point: &[f64]) -> Vec<f64> {
         let shares = self.variables.iter().zip(point);
         shares.map(|((slot, c), u)| share(c, value(*slot, c, mirrored(*u)))).collect()

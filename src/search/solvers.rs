@@ -15,7 +15,7 @@ use rand_chacha::ChaCha8Rng;
 const SIGMA_FROM_FILE: f64 = 0.15;
 /// First step of CMA-ES from a random point, as a share of the search range.
 const SIGMA: f64 = 0.3;
-/// Number of restarts of which one is global; the others, which are shorter, are local.
+/// Period of the restarts of CMA-ES: the first one is global, the others are local with a short first step.
 const RESTART_PERIOD: u64 = 3;
 /// Number of particles of a swarm.
 const PARTICLES: usize = 40;

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 const POLISH_SHARE: f64 = 0.1;
 /// Share of the budget for polish and local search, if the search keeps a front or a shortlist.
 const POLISH_AND_LOCAL_SHARE: f64 = 0.25;
-/// Part of that share for the polish.
+/// Part of [`POLISH_AND_LOCAL_SHARE`] that the polish may use.
 const POLISH_PART: f64 = 0.3;
 
 /// End of a search.
@@ -69,7 +69,7 @@ pub struct Stopping {
     pub budget: u64,
     /// Relative gap: the search ends when the best objective is at most `bound (1 + gap)`.
     pub gap: Option<f64>,
-    /// Proven lower bound of the objective, m.
+    /// Proven lower bound of the objective, m or rad.
     pub bound: Option<f64>,
     /// Number of evaluations without an improvement by 1e-6 of the objective after which the polish begins.
     pub stagnation: Option<u64>,
