@@ -1,8 +1,8 @@
 //! Branch and bound over boxes of joint coordinates, with interval bounds from Taylor models.
 //!
 //! In every box the constraints are expanded first. A constraint that cannot be met discards the box; the
-//! others contract it. Then Lagrangian relaxation bounds the value from below, for any multipliers lambda: a
-//! lower bound of `phi - sum lambda_m c_m` over the whole box is added to those of `lambda_m c_m` over the
+//! others contract it. Then Lagrangian relaxation bounds the value from below, for any multipliers lambda. It
+//! adds two lower bounds: of `phi - sum lambda_m c_m` over the whole box, and of `sum lambda_m c_m` over the
 //! allowed `c_m`. With the multipliers of the box's own optimum the bound is of second order, so that boxes
 //! need not get small where constraints are active.
 
@@ -27,13 +27,15 @@ const WITNESSES_PER_ROUND: usize = 8;
 const MIN_SHRINKAGE: f64 = 0.8;
 /// Largest number of contraction passes over one box.
 const MAX_PASSES: usize = 8;
-/// Margin subtracted from every bound for rounding, m or rad and as a share; values are accurate to 1e-13.
+/// Margin subtracted from the bound for rounding: this share of it and, in addition, this many m or rad.
+///
+/// Values are accurate to 1e-13.
 const ROUNDING: f64 = 1e-11;
 /// Length of a side, m or rad, below which it is not bisected.
 const MIN_SIDE: f64 = 1e-12;
 /// Difference of two values, m or rad, that does not matter.
 const NEGLIGIBLE: f64 = 1e-9;
-/// Value, m or rad, below which the bound 0 closes the search.
+/// Least value found, m or rad, below which the search accepts 0 as the bound.
 pub(super) const VANISHES: f64 = 1e-6;
 
 /// Result of the search over boxes.

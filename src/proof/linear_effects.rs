@@ -1,8 +1,8 @@
 //! Weighted sum of the linear effects of all error sources, with its derivatives.
 //!
-//! A rotation has the effect `g = w x (p - o)` on the point p and the axis `w`; for a translation `g` is the
-//! axis and `w` is 0. The sum is `phi = sum eta_k . g_k + zeta_k . w_k`. All its derivatives follow from sums
-//! over the motions of each link: `F = sum eta g^T + zeta w^T` and `P = sum eta w^T`.
+//! A rotation about an axis `w` through a point o moves the point p by `g = w x (p - o)`. For a translation,
+//! `g` is the axis and `w` is 0. The sum is `phi = sum eta_k . g_k + zeta_k . w_k`. All its derivatives
+//! follow from sums over the motions of each link: `F = sum eta g^T + zeta w^T` and `P = sum eta w^T`.
 
 use super::coordinates::JointMatrix;
 use super::screws::{JointValues, PosedScrews, ScrewMotion, Screws};

@@ -159,7 +159,7 @@ pub struct Proof {
 }
 
 impl Proof {
-    /// Returns by which share of its objective a layout could still be improved at most.
+    /// Returns the largest share by which other layouts could still reduce `objective` (m or rad).
     pub fn gap(&self, objective: f64) -> Option<f64> {
         self.bound.filter(|_| objective > 0.0).map(|bound| (1.0 - bound / objective).max(0.0))
     }

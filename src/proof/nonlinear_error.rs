@@ -57,7 +57,9 @@ impl ChainDifference {
         self.turns[0] < 1e-12 && self.shifts[0] < 1e-12
     }
 
-    /// Expands `eta . d` about the nominal chain posed at `at`, the chain with errors posed at `with`.
+    /// Expands `eta . d` over a box of the given radii about one posture.
+    ///
+    /// `at` is the nominal chain at that posture, `with` the chain with errors.
     pub fn expand(
         &self,
         ChainGeometry { screws: nominal, coordinates, pieces }: ChainGeometry<'_>,

@@ -118,7 +118,9 @@ impl Screws {
     }
 }
 
-/// Small motion of everything between itself and the tool, at the reference posture, base frame.
+/// Small motion at one place in the chain, which moves everything from there to the tool.
+///
+/// It is given at the reference posture in the base frame.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ScrewMotion {
     /// Number of joints before it.

@@ -57,8 +57,8 @@ impl Taylor {
 
     /// Returns a lower bound of the quantity in a box of these radii.
     ///
-    /// `|h t_i t_j|` is split such that it vanishes with either factor, so that an inner minimum stays
-    /// visible.
+    /// A mixed term is bounded by squares: `|h t_i t_j| <= |h| (t_i^2 r_j / r_i + t_j^2 r_i / r_j) / 2`. Each
+    /// square vanishes with its coordinate, so a minimum inside the box is not lost.
     pub fn least(&self, radii: &JointValues, count: usize) -> f64 {
         let one = |i: usize| {
             let r = radii[i];
@@ -143,9 +143,10 @@ impl RigidPieces {
 
     /// Returns `sum |s| rho^power` over the pieces from a link to the end of the chain.
     ///
-    /// It bounds the derivatives of that power.
+    /// It bounds the derivative of order `power` along any step within the box. A prismatic coordinate adds a
+    /// term, because it lengthens its piece.
     ///
-    /// `own` are the coordinates that rotate a factor on that link; each piece adds its own coordinates.
+    /// `own` holds, as bits, the coordinates that rotate a factor on that link. Each piece adds its own ones.
     pub fn turned(
         &self,
         coordinates: &Coordinates,
