@@ -91,8 +91,8 @@ impl<'a> PostureContext<'a> {
 
     /// Returns the posture at joint coordinates in the layout of the file.
     ///
-    /// `workcell` is the reason as text if the workcell cannot be prepared. Only a taught frame or a pick
-    /// needs the workcell, because they depend on the inverse kinematics.
+    /// `workcell` is the prepared workcell, or the reason why it cannot be prepared. Only a taught frame or a
+    /// pick needs the workcell, because they depend on the inverse kinematics.
     ///
     /// # Errors
     /// Returns the reason if a taught frame or a pick is unknown.

@@ -1,6 +1,7 @@
 //! Comparison of readings: the layout of the file under every reading and registration.
 //!
-//! It gives the spot that each of them would choose, and the regret if the signed sample chooses instead.
+//! It gives the spot that each of them would choose, and the regret of the signed choice: its value divided
+//! by the least value.
 
 use super::posture_context::no_spot;
 use crate::cell::{About, Cell, Interpretation, Quantity, Reading, Registration, Unit};
