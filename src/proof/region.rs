@@ -136,7 +136,7 @@ struct EquipmentRange {
     x: (f64, f64),
     y: (f64, f64),
     z: (f64, f64),
-    /// Largest additional distance by the yaw of the equipment that it stands on.
+    /// Largest additional distance, m, caused by the yaw of the equipment that it stands on.
     aside: f64,
 }
 

@@ -295,7 +295,7 @@ fn grams(rows: &[Row]) -> [Matrix3<f64>; 2] {
     [gram(false), gram(true)]
 }
 
-/// Returns whether sizes are invariant under rotations about z.
+/// Returns whether the size of an error in these rows is invariant under rotations about z.
 fn turns_with_z(rows: &[Row]) -> bool {
     grams(rows).iter().all(|g| {
         let off = (g[(0, 0)] - g[(1, 1)]).abs() + g[(0, 1)].abs() + g[(0, 2)].abs() + g[(1, 2)].abs();
@@ -303,7 +303,7 @@ fn turns_with_z(rows: &[Row]) -> bool {
     })
 }
 
-/// Returns whether sizes are invariant under all rotations.
+/// Returns whether the size of an error in these rows is invariant under all rotations.
 fn is_isotropic(rows: &[Row]) -> bool {
     turns_with_z(rows)
         && grams(rows).iter().all(|g| (g[(0, 0)] - g[(2, 2)]).abs() <= DIRECTION_ROUNDING * g.trace())
