@@ -99,7 +99,7 @@ struct Operations {
     spots: Vec<Option<Spot>>,
     /// Values of the operations that have one.
     values: Vec<f64>,
-    /// Penalty of the spots that misplacement loses, m.
+    /// Penalty of the spots that are lost at a corner of the placement tolerances, m.
     lost: f64,
 }
 

@@ -6,9 +6,9 @@
 //! that they meet an edge of the usable area at many angles. Only gains are taken, so the spot is never worse
 //! than the node.
 //!
-//! The posture is held on the way. At the end of a search every posture is judged, as at a node; if another
-//! is better there, the search goes on with it. The other operations stay at their nodes: an operation
-//! relative to a pick is relative to the pick's node.
+//! The branch of the posture is held during a search. At its end every branch is judged, as at a node. If
+//! another branch is better there, the search goes on with it. The other operations stay at their nodes: an
+//! operation relative to a pick is relative to the pick's node.
 
 use super::workcell::Workcell;
 use crate::cell::{JointVector, Layout, Place, Rectangle};
@@ -29,7 +29,7 @@ const LEAST_STEP: f64 = 1e-6;
 const LEAST_GAIN: f64 = 1e-9;
 /// Postures tried one after the other from one start, at most.
 const MAX_POSTURES: usize = 4;
-/// Polls of one search, at most; some hundred are usual.
+/// Polls of one search, at most; a few hundred are usual.
 const MAX_POLLS: usize = 1000;
 
 /// The spot of an operation between the nodes.

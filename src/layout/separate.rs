@@ -7,7 +7,7 @@
 //! minimize |d|^2   such that   n_ab . (d_a - d_b) >= depth_ab,   min <= x + d <= max,
 //! ```
 //!
-//! which clarabel solves in some tens of microseconds. The new layout has other best axes, so the program is
+//! which clarabel solves in a few tens of microseconds. The new layout has other best axes, so the program is
 //! solved a few times. Heights and yaws stay.
 
 use super::workcell::Workcell;

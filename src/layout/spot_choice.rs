@@ -15,7 +15,7 @@ use crate::reach::Cost;
 /// Nodes judged at the corners, at most.
 const MAX_NODES: usize = 16;
 
-/// Penalty of a spot that is lost at every corner, m. It is less than that of an operation without any spot.
+/// Largest penalty of a lost spot, m. The penalty of an operation without a spot is larger.
 const LOST_PENALTY: f64 = 0.1;
 
 /// One operation whose spot is to be chosen in a placed layout.
@@ -31,7 +31,7 @@ pub struct SpotQuery<'a> {
 pub enum SpotValue {
     /// Value of the spot (m, rad or a share); in a robust search the worst over the placement tolerances.
     Kept(f64),
-    /// Penalty (m) of a posture that misplacement loses.
+    /// Penalty (m) of a spot whose posture cannot be used at a corner of the placement tolerances.
     Lost(f64),
 }
 
@@ -81,7 +81,7 @@ fn hardened(query: &SpotQuery<'_>, first: Spot, memory: &mut MapperWorkspace) ->
     }
 }
 
-/// The least worst value so far with its spot, or the least penalty if every judged spot is lost.
+/// The least worst value so far with its spot, or the least penalty if every judged spot is lost at a corner.
 struct LeastWorst {
     best: Option<(f64, Spot)>,
     lost: f64,
