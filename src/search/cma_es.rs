@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 
-/// Step size below which a run has converged; the polish does the rest.
+/// Step size, as a share of the search range, below which a run has converged; the polish does the rest.
 const TOL_X: f64 = 1e-5;
 /// Relative difference of the best costs of many generations below which a run has converged.
 const TOL_COST: f64 = 1e-5;
