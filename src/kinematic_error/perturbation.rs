@@ -133,10 +133,10 @@ impl Perturbation {
         all
     }
 
-    /// Returns the sizes of the motions in the order of [`Parameter::of_robot`], dq and dr as D-H
-    /// coordinates.
+    /// Returns the sizes of the motions in the order of [`Parameter::of_robot`].
     ///
-    /// The second slice holds the motions of the joint frames. It is empty if these have no errors.
+    /// The errors dq and dr are those of the D-H coordinates, with the joint coupling. The second slice holds
+    /// the motions of the joint frames. It is empty if these have no errors.
     pub fn sizes(&self) -> [&[f64]; 2] {
         let joints = self.joints.as_ref().map_or(&[][..], |joints| &joints.sizes[..PER_FRAME * self.axes]);
         [&self.sizes[..Parameter::first_joint(self.axes)], joints]
