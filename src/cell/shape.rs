@@ -46,7 +46,7 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// Returns the shape in another frame, given the pose of its present frame in that one.
+    /// Returns the shape in another frame; `pose` is the pose of its present frame in the new one.
     ///
     /// A leg stays unchanged, since it stands on the floor.
     pub fn seen_from(self, pose: &Pose) -> Self {
