@@ -110,7 +110,7 @@ pub struct Field {
     pub nodes: Vec<FieldNode>,
     /// Spot of the operation: index into [`Self::nodes`].
     pub best: Option<usize>,
-    /// Position of the spot (world, m), also if its node is not kept.
+    /// Position of the spot (world, m), given even if its node is not kept.
     pub spot: Option<Vector3<f64>>,
     /// Refined spot between the nodes, world, m.
     pub refined: Option<Vector3<f64>>,
