@@ -21,7 +21,7 @@ const MAX_CHAIN_LENGTHS: f64 = 1e6;
 pub enum Shortfall {
     /// There is a solution.
     None,
-    /// The TCP stays at this distance (m) inside the limits, in any attitude.
+    /// The TCP comes no nearer to the goal than this distance (m) within the limits, in any attitude.
     OutOfReach { by: f64 },
     /// The position is reached, but the attitude misses by this angle (rad), the least that was found.
     ///
