@@ -114,7 +114,7 @@ pub struct Field {
     pub spot: Option<Vector3<f64>>,
     /// Refined spot between the nodes, world, m.
     pub refined: Option<Vector3<f64>>,
-    /// Stride of the nodes that are kept: one of every so many mapped nodes along each axis.
+    /// Stride k of the nodes that are kept: every k-th mapped node along each axis.
     pub every: usize,
     pub takes: Vec<ViewedErrors>,
 }
