@@ -15,7 +15,7 @@ pub struct Grid {
     /// coordinate.
     xs: Vec<f64>,
     ys: Vec<f64>,
-    /// Nodes listed one by one (x, y, m); empty if every column crosses every row.
+    /// Nodes listed one by one (x, y, m); empty for a grid of columns and rows.
     points: Vec<(f64, f64)>,
     /// Height of the TCP targets above the surface, m.
     standoff: f64,

@@ -1,4 +1,4 @@
-//! Search for the least-error spot of an operation, once for every layout.
+//! Search for the least-error spot of an operation, run once for every layout.
 //!
 //! Cheap tests come first: geometry, limits, error. Collisions are checked only for candidates that can
 //! still win.

@@ -24,7 +24,7 @@ pub enum Status {
         by: f64,
         joint: Option<usize>,
     },
-    /// The numeric inverse kinematics left these errors (m, rad); a posture may exist all the same.
+    /// The numeric inverse kinematics stopped with these errors (m, rad); a posture may still exist.
     NotConverged {
         position: f64,
         angle: f64,
