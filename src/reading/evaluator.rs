@@ -199,7 +199,7 @@ impl ErrorEvaluator {
         propagation.error(context, frames, &propagation.sample(values, model), model)
     }
 
-    /// Computes the effects at a posture, which serve every sense.
+    /// Computes the effects at a posture, from which the figures of every sense follow.
     pub fn prepare(&self, context: &WorkContext, frames: &Frames, memory: &mut EvaluatorScratch) {
         let mean = self.takes_mean();
         self.propagation().effects(context, frames, &mut memory.expansion, mean, &mut memory.effects);

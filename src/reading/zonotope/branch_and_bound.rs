@@ -42,7 +42,7 @@ pub(super) struct BranchAndBound {
 #[derive(Default)]
 struct BranchState {
     count: usize,
-    /// Squared norm of the best corner so far.
+    /// Squared norm of the farthest corner so far.
     square: f64,
     /// Highest bound left open at the node limit.
     open: f64,
@@ -65,7 +65,9 @@ impl Default for BranchAndBound {
 }
 
 impl BranchAndBound {
-    /// Writes the signs of the best corner; returns a proven upper bound of the norm unless that is exact.
+    /// Writes the signs of the farthest corner found.
+    ///
+    /// Returns a proven upper bound of the norm of all corners; None if the corner is proven farthest.
     pub(super) fn farthest(&mut self, generators: &[Vector6<f64>], corner: &mut [f64]) -> Option<f64> {
         let n = generators.len();
         if n <= MAX_EXHAUSTIVE {
