@@ -215,7 +215,7 @@ impl PlanarArm {
 }
 
 impl Roll {
-    /// Turns the last axis so that the tool has each spin of `set`.
+    /// Turns the last axis so that the tool takes each spin of `set` in turn.
     fn turn(
         &self,
         set: &AttitudeSet,
