@@ -62,7 +62,7 @@ impl Component {
     }
 }
 
-/// Error as drawn, world, m.
+/// Arrow that shows the error of a node, world frame, m.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Arrow {
     /// Index into [`Field::nodes`].
@@ -82,7 +82,8 @@ impl Arrow {
         [neck + level * half, neck - level * half, neck + upright * half, neck - upright * half]
     }
 
-    /// Returns three axes: along the arrow, horizontal across it, and perpendicular to both.
+    /// Returns three axes: along the arrow, horizontal and perpendicular to it, and perpendicular to
+    /// both.
     fn axes(&self) -> [Vector3<f64>; 3] {
         let along = (self.tip - self.tail).try_normalize(0.0).unwrap_or_else(Vector3::z);
         // Every direction across an upright arrow is level.

@@ -19,7 +19,7 @@ pub struct Rings {
 
 /// Returns the working envelope of an operation in its tool orientation, within the joint limits.
 ///
-/// The step is twice that of [`step_of`].
+/// The distance between sampled points is twice the one of [`step_of`].
 pub fn rings(a: &Assessment<'_>, operation: usize) -> Rings {
     let inverse = a.workcell.inverse();
     let attitude = &a.layout.attitudes[operation];

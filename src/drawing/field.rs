@@ -110,11 +110,11 @@ pub struct Field {
     pub nodes: Vec<FieldNode>,
     /// Spot of the operation: index into [`Self::nodes`].
     pub best: Option<usize>,
-    /// Position of the spot (world, m), also if its node is not kept.
+    /// Position of the spot (world, m), given even if its node is not kept.
     pub spot: Option<Vector3<f64>>,
     /// Refined spot between the nodes, world, m.
     pub refined: Option<Vector3<f64>>,
-    /// Stride of the nodes that are kept: one of every so many mapped nodes along each axis.
+    /// Stride k of the nodes that are kept: every k-th mapped node along each axis.
     pub every: usize,
     pub takes: Vec<ViewedErrors>,
 }

@@ -5,7 +5,8 @@ use crate::pose::Pose;
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// Number of sides of a round solid. Neighbouring sides differ by less than [`CREASE`].
+/// Number of sides of a round solid. The normals of neighbouring sides differ by less than 25 degrees, the
+/// angle of [`CREASE`], so the edges are smooth.
 const SIDES: usize = 32;
 
 /// Cosine of 25 degrees: the edge between two faces is drawn sharp if their normals differ by at least this

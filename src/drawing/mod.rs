@@ -100,7 +100,9 @@ impl<'a> Drawing<'a> {
         }
     }
 
-    /// Returns the parts that are visible at an operation, with their poses; None is for no operation.
+    /// Returns the parts that are visible at an operation, with their poses.
+    ///
+    /// If the operation is None, these are the parts that are always visible.
     pub fn posed<'d>(
         &'d self,
         operation: Option<usize>,

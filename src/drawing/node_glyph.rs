@@ -45,7 +45,7 @@ pub struct NodeGlyph {
     pub tone: GlyphTone,
 }
 
-/// Corner of a stroke on the ring, at 45 degrees.
+/// Size of both coordinates of the points at 45 degrees on the ring, in units of its radius.
 const C: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 const RISING: GlyphStroke = &[(-C, C), (C, -C)];

@@ -5,16 +5,17 @@ use nalgebra::Vector3;
 
 /// Nodes of a work surface, in the frame of its equipment.
 ///
-/// A grid has (m + 1)(n + 1) nodes. Their order runs over x, then y, from the low corner.
+/// A grid with m by n divisions has (m + 1)(n + 1) nodes. They are numbered row by row from the low corner: x
+/// varies faster than y.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grid {
-    /// Divisions m and n along x and y; k listed nodes have k - 1 and 0.
+    /// Divisions m and n along x and y. A list of k nodes counts as one row: k - 1 and 0 divisions.
     pub divisions: (usize, usize),
     /// Coordinates of the columns (x) and rows (y), m; for listed nodes the least and the greatest
     /// coordinate.
     xs: Vec<f64>,
     ys: Vec<f64>,
-    /// Nodes listed one by one (x, y, m); empty if every column crosses every row.
+    /// Nodes listed one by one (x, y, m); empty for a grid of columns and rows.
     points: Vec<(f64, f64)>,
     /// Height of the TCP targets above the surface, m.
     standoff: f64,
@@ -81,18 +82,22 @@ impl Grid {
         self.standoff
     }
 
-    /// Computes the TCP target over a point (frame of the equipment, m) of a surface placed at `at`, m.
+    /// Computes the TCP target over a point (frame of the equipment, m) of a surface placed at `at`.
+    ///
+    /// The target (m) is in the frame in which `at` is given.
     pub fn point(&self, at: &Placement, (x, y): (f64, f64)) -> Vector3<f64> {
         let (sin, cos) = at.yaw.sin_cos();
         Vector3::new(at.x + cos * x - sin * y, at.y + sin * x + cos * y, at.z + self.standoff)
     }
 
-    /// Computes the TCP target of one node, m.
+    /// Computes the TCP target of one node, m, in the frame in which `at` is given.
     pub fn target(&self, at: &Placement, node: usize) -> Vector3<f64> {
         self.point(at, self.local(node))
     }
 
-    /// Computes bounds on the distance of the TCP targets from a point: least and greatest, m.
+    /// Computes a lower and an upper bound of the distances from a point to the TCP targets, m.
+    ///
+    /// `from` and `at` are in one frame.
     pub fn distances(&self, at: &Placement, from: &Vector3<f64>) -> (f64, f64) {
         let (sin, cos) = at.yaw.sin_cos();
         let (dx, dy) = (from.x - at.x, from.y - at.y);
@@ -109,6 +114,8 @@ impl Grid {
     }
 
     /// Calls `each` with the index and the TCP target of every node of a surface placed at `at`.
+    ///
+    /// The targets (m) are in the frame in which `at` is given.
     #[inline]
     pub fn targets(&self, at: &Placement, mut each: impl FnMut(usize, Vector3<f64>)) {
         let (sin, cos) = at.yaw.sin_cos();

@@ -1,4 +1,4 @@
-//! Search for the least-error spot of an operation, once for every layout.
+//! Search for the least-error spot of an operation, run once for every layout.
 //!
 //! Cheap tests come first: geometry, limits, error. Collisions are checked only for candidates that can
 //! still win.
@@ -55,7 +55,8 @@ impl PlacedLayout<'_> {
 
     /// Returns the gap if the link lengths alone show that no node is in reach; None otherwise.
     ///
-    /// It is the gap of the node nearest to reach. So it has no step to the gap that the walk returns.
+    /// It is the gap of the node nearest to the reach, by inverse kinematics. The walk returns that gap, too,
+    /// so the gap does not jump between layouts judged here and layouts judged by the walk.
     fn beyond_reach(&self, surface: &PlacedSurface<'_>, attitudes: &mut ToolAttitudes) -> Option<Gap> {
         let shell = self.mapper.shells[surface.operation].as_ref()?;
         let (grid, inverse) = (self.mapper.grid(surface.operation), self.mapper.inverse());
@@ -91,8 +92,10 @@ impl OperationQuery<'_> {
         found.outcome().unwrap_or(Outcome::Unjudged(Unjudged::OnlyTouched))
     }
 
-    /// Finds the same spot, to the bit, by judging only nodes whose lower bound can still win; None if the
-    /// nodes cannot be ranked or none can be reached.
+    /// Finds the spot by judging only nodes whose lower bound can still win; None if the nodes cannot be
+    /// ranked or none can be reached.
+    ///
+    /// The spot is that of [`Self::judged`], to the bit.
     fn ranked(&self, memory: &mut WalkMemory<'_>) -> Option<Outcome> {
         let ranker = self.placed.mapper.rankers[self.operation].as_ref()?;
         let context = self.context.as_ref().ok()?;

@@ -35,7 +35,7 @@ impl Mapper {
     /// Prepares a cell whose solids are `scene`.
     ///
     /// # Errors
-    /// Returns the reason if the build of the robot cannot hold the attitude of an operation.
+    /// Returns the reason if the geometry of the robot cannot hold the attitude of an operation.
     pub fn new(cell: &Cell, scene: Arc<Scene>) -> Result<Self, String> {
         let chain = Chain::with_margins(&cell.robot, &cell.margins);
         let inverse = Inverse::new(&chain);

@@ -7,7 +7,8 @@
 //! - [`PlacedLayout::outcome`], for the search: the least-error spot that can be used, or the value of all
 //!   nodes;
 //! - [`PlacedLayout::free_spots`], for the robust search: usable spots in ascending order of value;
-//! - [`PlacedLayout::map`], for people: every node with its posture and errors, or the reason why not;
+//! - [`PlacedLayout::map`], for people: every node with its posture and errors, or the reason why it has
+//!   none;
 //! - [`Probe`]: any point between the nodes.
 //!
 //! Ranking (`simd`) orders nodes by a lower bound of their error before they are judged, with the same

@@ -24,7 +24,7 @@ pub enum Status {
         by: f64,
         joint: Option<usize>,
     },
-    /// The numeric inverse kinematics left these errors (m, rad); a posture may exist all the same.
+    /// The numeric inverse kinematics stopped with these errors (m, rad); a posture may still exist.
     NotConverged {
         position: f64,
         angle: f64,
@@ -128,7 +128,8 @@ pub struct NodeRecord {
 }
 
 impl NodeRecord {
-    /// Returns the posture if the node is usable: a colliding node has a posture, too.
+    /// Returns the posture if the node is usable; None otherwise, although a colliding node may have a
+    /// posture.
     pub fn usable_posture(&self) -> Option<&PostureRecord> {
         self.posture.as_ref().filter(|_| self.status.sign().is_usable())
     }
@@ -146,11 +147,13 @@ pub struct PostureRecord {
     pub error: Vector3<f64>,
     /// Rotation error by the model of the cell, as a rotation vector, rad.
     pub rotation: Vector3<f64>,
-    /// Position error by the nonlinear model and by the linear model, m.
+    /// Position error by the nonlinear model, m.
     pub nonlinear: Vector3<f64>,
+    /// Position error by the linear model, m.
     pub linear: Vector3<f64>,
-    /// Deviation of the linear and second-order models from the nonlinear one, as a share of its resultant.
+    /// Deviation of the linear model from the nonlinear one, as a share of the nonlinear resultant.
     pub linear_off: f64,
+    /// Deviation of the second-order model from the nonlinear one, as a share of the nonlinear resultant.
     pub second_order_off: f64,
     /// Whether the node was touched to teach the frame, so that it cannot be the spot.
     pub touched: bool,
@@ -163,7 +166,7 @@ pub struct PostureRecord {
 }
 
 impl PostureRecord {
-    /// Returns the deviation of a model from the nonlinear one, as a share of its resultant.
+    /// Returns the deviation of a model from the nonlinear one, as a share of the nonlinear resultant.
     pub fn off(&self, model: Model) -> f64 {
         match model {
             Model::Nonlinear => 0.0,

@@ -99,7 +99,8 @@ impl<'a> Probe<'a> {
 
     /// Computes the value with a held posture, whose joints follow the surface.
     ///
-    /// For numeric inverse kinematics it takes the nearest posture, because branch indices change there.
+    /// For numeric inverse kinematics it takes the posture nearest to the held joints, because branch indices
+    /// change from target to target.
     ///
     /// # Errors
     /// Returns the status of the point if the posture cannot be held.

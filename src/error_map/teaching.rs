@@ -1,4 +1,4 @@
-//! Teaching of a surface frame: three points that the robot touches with empty hands.
+//! Teaching of a surface frame: three points that the robot touches with an empty gripper.
 
 use super::operation_setup::TeachPoints;
 use super::outcome::Unjudged;
@@ -33,8 +33,8 @@ pub fn work_frame(
 
 /// Finds the postures that touch the three points.
 ///
-/// If nodes are missing or lie nearly in one line, it takes a wide triangle of the nodes that the robot can
-/// touch.
+/// Teach points that are nodes are replaced if the robot cannot touch them or they lie nearly in one line. A
+/// wide triangle of nodes that the robot can touch then takes their place.
 fn touching_postures(
     placed: &PlacedLayout<'_>,
     surface: &PlacedSurface<'_>,
@@ -74,7 +74,8 @@ fn height(p: &[Frames; 3]) -> f64 {
     (b - a).cross(&(c - a)).norm() / longest.max(f64::MIN_POSITIVE)
 }
 
-/// Picks a wide triangle: the first posture, the one farthest from it, and the one farthest from their line.
+/// Picks a wide triangle: the first posture, the one farthest from it, and the one farthest from the line
+/// through both.
 fn widest(all: &[Frames]) -> Option<[Frames; 3]> {
     let first = all.first()?;
     let from = |f: &Frames| (f.tcp.translation - first.tcp.translation).norm();

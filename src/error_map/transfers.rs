@@ -6,8 +6,9 @@ use super::workspace::MapperWorkspace;
 use crate::motion::{Blocked, OperationPosture, Transfer};
 
 impl PlacedLayout<'_> {
-    /// Plans the moves between the spots of the operations, and between the listed points of an operation at
-    /// all of them.
+    /// Plans the moves between the spots of the operations.
+    ///
+    /// An operation that happens at every one of its listed points adds the moves between these points.
     ///
     /// It returns no moves if the cell has no transfer rules or a spot is missing.
     ///

@@ -39,7 +39,7 @@ pub trait PostureVisitor {
     /// Receives a posture within the joint limits.
     fn candidate(&mut self, candidate: PostureCandidate);
 
-    /// Receives the end of a node, after its candidates.
+    /// Handles the end of a node, after all of its candidates were received.
     fn end_of_node(&mut self, _query: &OperationQuery<'_>, _node: &VisitedNode, _memory: &mut PostureMemory) {
     }
 }
@@ -50,7 +50,7 @@ pub struct VisitedNode {
     pub node: usize,
     /// TCP target, base frame, m.
     pub target: Vector3<f64>,
-    /// Gap to the reach of the node; None if a posture within the joint limits reaches it.
+    /// Gap between the node and the reach of the arm; None if a posture within the joint limits reaches it.
     pub missed: Option<Gap>,
 }
 
@@ -59,7 +59,7 @@ pub struct VisitedNode {
 pub struct FirstFree {
     /// The first candidate that can be used.
     pub free: Option<PostureCandidate>,
-    /// The first candidate of all.
+    /// The first candidate, usable or not.
     pub nearest: Option<PostureCandidate>,
     /// The first collision-free candidate that the rules of motion refuse, and why.
     pub refused: Option<(Spot, PostureRefusal)>,
@@ -184,7 +184,9 @@ impl<'a> OperationQuery<'a> {
         guard.admits(&mapper.scene, solids, self.operation, &joints).err()
     }
 
-    /// Returns why a posture within the joint limits cannot be used, with its frames in `memory`.
+    /// Returns why a posture within the joint limits cannot be used; None if it can.
+    ///
+    /// `memory` must hold the frames of the posture.
     pub fn refusal_status(
         &self,
         target: &Vector3<f64>,

@@ -96,8 +96,8 @@ impl AttitudeSet {
 
     /// Returns the attitude error (rad) of a tool with these columns, as far as it exceeds the tolerance.
     ///
-    /// The function serves arms that cannot choose heading or spin. `rolls` says that the arm can choose the
-    /// spin.
+    /// The function is needed only for arms that cannot choose heading or spin. `rolls` says that the arm can
+    /// choose the spin.
     pub(super) fn off(&self, columns: &Matrix3<f64>, target: &Vector3<f64>, rolls: bool) -> f64 {
         let [r, d] = [0, 2].map(|k| columns.column(k).into_owned());
         let actual = d.y.atan2(d.x);

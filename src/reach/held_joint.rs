@@ -11,7 +11,8 @@ use crate::robot::{Chain, Link, Posture};
 pub(super) struct HeldJoint {
     /// Closed form of the other joints.
     pub solver: PoseSolver,
-    /// Variant of `solver` that skips the distance to an unreachable target; None if that distance is cheap.
+    /// Variant of `solver` that does not compute the distance to an unreachable target; None if computing it
+    /// is cheap.
     pub fast: Option<PoseSolver>,
     /// Numeric solver for targets at the edge of the reach.
     pub numeric: Numeric,

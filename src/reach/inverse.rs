@@ -27,7 +27,7 @@ pub struct Inverse {
     pub(super) to_zero: Option<Pose>,
     /// Transform from the TCP to the last D-H frame.
     to_flange: Pose,
-    /// Rows r, a x r, a of the tool in the frame of the TCP.
+    /// Rows r, a x r, a in the frame of the TCP: reference axis r and axis a of the tool.
     pub(super) tool_rows: Matrix3<f64>,
     /// Elevation of the tool, rad, if the arm keeps it by construction.
     pub(super) fixed_elevation: Option<f64>,

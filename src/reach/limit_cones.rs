@@ -5,8 +5,9 @@ use crate::cell::JointKind;
 
 /// Range of one revolute joint as a cone of unit vectors.
 ///
-/// Angles are unit complex numbers. The actuator of joint i is `a_i = theta_i / a_j^factor`, divided for
-/// every joint j that drives it. The axis of the cone includes the D-H offsets of all these joints.
+/// Angles are unit complex numbers. The actuator of joint i is `a_i = theta_i / a_j^factor`, with one
+/// division for every joint j that drives it. The axis of the cone includes the D-H offsets of all these
+/// joints.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LimitCone {
     /// Cosine and sine of the middle of the range.

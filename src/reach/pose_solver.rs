@@ -40,7 +40,8 @@ impl PoseSolver {
         }
     }
 
-    /// Returns a variant that skips the distance to an unreachable target; None if that distance is cheap.
+    /// Returns a variant that does not compute the distance to an unreachable target; None if computing it is
+    /// cheap.
     pub fn fast(&self) -> Option<Self> {
         match self {
             Self::SphericalWrist(arm) => arm.fast().map(|arm| Self::SphericalWrist(Box::new(arm))),

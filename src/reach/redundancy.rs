@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 /// Number of times that an interval around a local minimum of the gap is refined.
 const REFINEMENTS: usize = 5;
 
-/// Number of values that are tried inside such an interval at each refinement.
+/// Number of values that each refinement tries inside an interval around a local minimum of the gap.
 const INNER_VALUES: usize = 11;
 
 /// Largest distance out of reach, m, at which the numeric solver is tried after all samples have failed.

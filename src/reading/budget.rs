@@ -15,7 +15,9 @@ pub struct Share {
     pub signed: f64,
     /// Half width of the tolerance, m or rad.
     pub plus_minus: f64,
-    /// Linear effect on the position of the TCP in world axes, m, at the signed value or the upper limit.
+    /// Linear effect on the position of the TCP in world axes, m.
+    ///
+    /// It is taken at the signed value in the signed reading, otherwise at the upper limit of the tolerance.
     pub term: Vector3<f64>,
     /// Size of the effect in the sense with this source alone at its tolerance, m or rad.
     pub alone: f64,

@@ -21,7 +21,8 @@ impl Default for Effects {
 }
 
 impl Effects {
-    /// Sets the effects of the robot at the posture of `expansion`, with `mean` also the second-order mean.
+    /// Sets the effects of the robot at the posture of `expansion`; if `mean` is set, also the second-order
+    /// mean.
     pub fn set(&mut self, sources: &ErrorSources, expansion: &Expansion, mean: bool) {
         self.count = sources.list.len();
         for k in 0..self.count {
@@ -30,8 +31,9 @@ impl Effects {
         self.mean = if mean { second_order_mean(sources, expansion) } else { Displacement::NONE };
     }
 
-    /// Subtracts the effect of the equipment's frame errors at the point `p`; `work` is that frame in the
-    /// base.
+    /// Subtracts the effect of the equipment's frame errors at the point `p` (base frame, m).
+    ///
+    /// `work` is the pose of the equipment in the base frame.
     pub fn less_equipment(
         &mut self,
         sources: &ErrorSources,

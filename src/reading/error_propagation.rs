@@ -68,7 +68,7 @@ impl ErrorPropagation<'_> {
 
     /// Returns the error of a sample at a posture, seen from the work.
     ///
-    /// It does not serve the linear model, whose errors are sums of [`Self::effects`].
+    /// Do not call it for the linear model, whose errors are sums of [`Self::effects`].
     pub fn error(
         &self,
         context: &WorkContext,

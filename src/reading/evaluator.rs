@@ -106,7 +106,7 @@ impl ErrorEvaluator {
         ErrorPropagation { chain: &self.chain, sources: &self.sources, best_fit: self.best_fit.as_ref() }
     }
 
-    /// Returns a pick at `frames`, with the error effects that this evaluator computes for it.
+    /// Returns the pick of a part in the posture with the link frames `frames`, with its error effects.
     pub fn pick_reference(&self, site: WorkFrame, frames: Frames) -> PickReference {
         let mut effects = Effects::default();
         let mut expansion = self.sources.expansion(&self.chain);
@@ -199,13 +199,13 @@ impl ErrorEvaluator {
         propagation.error(context, frames, &propagation.sample(values, model), model)
     }
 
-    /// Computes the effects at a posture, which serve every sense.
+    /// Computes the effects at a posture, from which the figures of every sense follow.
     pub fn prepare(&self, context: &WorkContext, frames: &Frames, memory: &mut EvaluatorScratch) {
         let mean = self.takes_mean();
         self.propagation().effects(context, frames, &mut memory.expansion, mean, &mut memory.effects);
     }
 
-    /// Returns the worst case in a sense; after [`Self::prepare`].
+    /// Returns the worst case in a sense. [`Self::prepare`] must come first.
     pub fn worst(
         &self,
         sense: &Sense,
@@ -251,7 +251,8 @@ impl ErrorEvaluator {
         })
     }
 
-    /// Returns the size of products of errors: a typical rotation of the box times a typical displacement.
+    /// Returns the size of products of errors: root sum square of the rotations that the sources
+    /// cause at their tolerances, times the root sum square of the displacements.
     fn quadratic(&self, effects: &Effects) -> f64 {
         let pairs = self.sources.list.iter().zip(&effects.columns);
         let (turn, shift) = pairs.fold((0.0, 0.0), |(turn, shift), (source, effect)| {
@@ -262,7 +263,8 @@ impl ErrorEvaluator {
         (turn * shift).sqrt()
     }
 
-    /// Returns the farthest corner by the linear model, one sign per source; after [`Self::prepare`].
+    /// Returns the farthest corner by the linear model, one sign per source. [`Self::prepare`] must come
+    /// first.
     pub fn linear_corner(
         &self,
         measure: &SenseRows,
@@ -284,7 +286,7 @@ impl ErrorEvaluator {
         }
     }
 
-    /// Returns the distribution of the error's size in a sense; after [`Self::prepare`].
+    /// Returns the distribution of the error's size in a sense. [`Self::prepare`] must come first.
     pub fn norm(
         &self,
         sense: &Sense,

@@ -21,7 +21,7 @@ use std::f64::consts::PI;
 pub struct NormDistribution {
     /// Transform of `|e|^2`; None if `e` is zero or does not vary.
     spectrum: Option<Spectrum>,
-    /// Size of the spectrum's unit, in the unit of the columns.
+    /// Unit of length of the spectrum, measured in the unit of the columns.
     unit: f64,
 }
 

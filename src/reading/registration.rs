@@ -32,12 +32,12 @@ pub struct BestFit {
     centre: Vector3<f64>,
     /// Inverse of the inertia matrix `sum |r|^2 - r r^T` about the centre.
     inverse: Matrix3<f64>,
-    /// Part of each source that the fit removes, seen at the centre.
+    /// Part of each source's effect that the fit removes, seen at the centre.
     pub effects: Effects,
 }
 
 impl BestFit {
-    /// Prepares the best fit of a chain; with `mean` it includes the second-order mean.
+    /// Prepares the best fit of a chain; if `mean` is set, the fit includes the second-order mean.
     pub fn new(chain: &Chain, sources: &ErrorSources, mean: bool) -> Self {
         let postures: Vec<Frames> =
             (0..POSTURES).map(|k| chain.frames(&chain.posture(&chain.halton_sample(k)))).collect();
@@ -67,7 +67,7 @@ impl BestFit {
         &self.postures
     }
 
-    /// Returns the vector from the centre to the TCP, m.
+    /// Returns the vector from the centre to the TCP, base frame, m.
     pub fn arm(&self, frames: &Frames) -> Vector3<f64> {
         frames.tcp.translation - self.centre
     }
@@ -80,7 +80,7 @@ impl BestFit {
         Displacement { position, rotation: self.inverse * moment }
     }
 
-    /// Returns the part of each source that the fit removes, seen at the centre.
+    /// Returns the part of each source's effect that the fit removes, seen at the centre.
     fn of_sources(&self, chain: &Chain, sources: &ErrorSources, mean: bool) -> Effects {
         let mut expansion = sources.expansion(chain);
         let each: Vec<Effects> = self
@@ -109,12 +109,12 @@ impl BestFit {
 pub struct Taught {
     /// Postures that touch the points.
     pub postures: [Frames; 3],
-    /// Part of each source that the taught frame removes, seen at the origin.
+    /// Part of each source's effect that the taught frame removes, seen at the origin of that frame.
     pub effects: Effects,
 }
 
 impl Taught {
-    /// Prepares a taught frame; with `mean` it includes the second-order mean.
+    /// Prepares a taught frame; if `mean` is set, the frame includes the second-order mean.
     pub fn new(chain: &Chain, sources: &ErrorSources, postures: [Frames; 3], mean: bool) -> Self {
         let mut taught = Self { postures, effects: Effects::default() };
         let mut expansion = sources.expansion(chain);
@@ -152,7 +152,7 @@ impl Taught {
         distances.fold(f64::INFINITY, f64::min)
     }
 
-    /// Returns the vector from the origin to the TCP, m.
+    /// Returns the vector from the origin of the taught frame to the TCP, base frame, m.
     pub fn arm(&self, frames: &Frames) -> Vector3<f64> {
         frames.tcp.translation - self.point(0)
     }

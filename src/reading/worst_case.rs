@@ -4,7 +4,7 @@ use super::MAX_SOURCES;
 use super::zonotope::{Farthest, ZonotopeScratch, farthest_1, farthest_2, farthest_3, farthest_6};
 use nalgebra::{Vector2, Vector3, Vector6};
 
-/// Largest number of rounds of the local search; it ends when no flip is better.
+/// Largest number of rounds of the local search; it ends when no flip increases the error.
 const MAX_ROUNDS: usize = 12;
 
 /// Largest error in a sense over the tolerance box.
@@ -15,7 +15,7 @@ pub struct WorstCase {
     /// Whether `linear` is the exact maximum. Only senses of more than three rows with very many sources
     /// may leave a bound.
     pub exact: bool,
-    /// Error by the chosen model at the best corner found from the linear one.
+    /// Error by the chosen model at the worst corner that the local search finds.
     pub by_model: f64,
     /// Corner of `by_model`, one sign per source.
     pub corner: [f64; MAX_SOURCES],
@@ -63,10 +63,11 @@ const PARALLEL_SINE: f64 = 1e-6;
 /// Returns the worst case by a model whose error at a corner is `error`.
 ///
 /// The local search starts from the linear corner and its opposite, whose errors differ in size by the even
-/// orders alone. It flips signs, alone or with all parallel ones. Only signs are flipped that matter less
-/// than the models differ, or less than `quadratic`, the size of the products of errors. Groups matter: on a
-/// planar arm the lateral effects are perpendicular to all others. Linear corners then come in pairs which no
-/// single flip joins. `largest` are the corners of the largest motions.
+/// orders alone. It flips signs, alone or with all parallel ones. A flip is tried only if it changes the
+/// linear error by no more than a gap. The gap is the largest of three: twice the difference of the models,
+/// the share `NEAR_SHARE` of the linear worst case, and `quadratic`, the size of the products of errors.
+/// Groups matter: on a planar arm the lateral effects are perpendicular to all others. Linear corners then
+/// come in pairs which no single flip joins. `largest` are the corners of the largest motions.
 pub fn by_model(
     columns: &[Vector6<f64>],
     linear: &Farthest,
@@ -142,7 +143,7 @@ struct SearchCorner {
     sum: Vector6<f64>,
 }
 
-/// Returns the best corner that flips of single signs and of parallel groups reach, with its error.
+/// Returns the largest error that flips of single signs and of parallel groups reach, and its corner.
 fn polished(
     columns: &[Vector6<f64>],
     groups: &[u128],
@@ -179,7 +180,8 @@ fn polished(
     (best.value, best.signs)
 }
 
-/// Flips the first two signs that matter little to the linear model and are better flipped together.
+/// Flips the first two signs that matter little to the linear model and increase the error if flipped
+/// together.
 ///
 /// Products of errors may dominate where the first order is small.
 fn flip_pair(

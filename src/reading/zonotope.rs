@@ -6,11 +6,12 @@
 //!
 //! - 2-D: rotate a direction by half a turn; one sign after another flips, in the order of angle;
 //! - 3-D: every cell lies beside some great circle, so walk along each circle as in 2-D and take both
-//!   sides (`circle_walk`); arms with parallel axes split into a plane and its normal, a 2-D problem;
+//!   sides (`circle_walk`); with parallel axes all generators lie in one plane or along its normal, a
+//!   2-D problem;
 //! - 4-D to 6-D: branch and bound (`branch_and_bound`).
 //!
 //! For a few generators all corners are tried at once (`sign_table`). Every candidate is a true corner, so
-//! that ties and rounding never invent a maximum. Its value is summed anew from the signs returned.
+//! that ties and rounding never invent a maximum. The returned value is summed anew from the returned signs.
 //! Squares must neither overflow nor underflow: sizes are between 1e-150 and 1e150.
 
 mod branch_and_bound;

@@ -4,7 +4,8 @@ use std::ops::{Add, BitOr, Mul, Neg, Sub};
 
 use pulp::Simd;
 
-/// Upper bound on the number of f64 lanes. A multiple of it fills the lanes of every processor.
+/// Upper bound on the number of f64 lanes. A multiple of this number of nodes fills all lanes of every
+/// processor.
 pub const MAX_LANES: usize = 8;
 
 /// One number per node, in lanes.
@@ -74,13 +75,13 @@ impl<S: Simd> Lanes<S> {
         Self { of: self.simd.mul_add_e_f64s(self.of, by.of, plus.of), ..self }
     }
 
-    /// Compares lane by lane; false where a number is NaN.
+    /// Returns the lanes in which the number is greater than `other`; false where a number is NaN.
     #[inline(always)]
     pub fn is_above(self, other: f64) -> Mask<S> {
         Mask { simd: self.simd, of: self.simd.greater_than_f64s(self.of, self.simd.splat_f64s(other)) }
     }
 
-    /// Compares lane by lane; false where a number is NaN.
+    /// Returns the lanes in which the number is less than that in `other`; false where a number is NaN.
     #[inline(always)]
     pub fn is_below(self, other: Self) -> Mask<S> {
         Mask { simd: self.simd, of: self.simd.less_than_f64s(self.of, other.of) }

@@ -100,7 +100,7 @@ impl ConstantMotion {
     }
 }
 
-/// Returns the motion that an error of a frame makes: the slides, then the turns about z, y and x.
+/// Returns the motion that an error of a frame makes: the translations, then the rotations about z, y and x.
 fn moved(error: &FrameError) -> Pose {
     let axes = [Vector3::z(), Vector3::y(), Vector3::x()];
     let slide = Pose { translation: Vector3::from(error.slides), ..Pose::identity() };

@@ -2,7 +2,7 @@
 //! limit.
 //!
 //! The formulas and their order are those of `reach::closed_form::planar` wherever a rounding error could
-//! grow: near the stretched arm, and with the tool above the base axis. Limits are a little wider. So no
+//! grow: near the stretched arm, and for targets near the base axis. Limits are a little wider. So no
 //! branch that [`Inverse::visit`](crate::reach::Inverse::visit) finds is missed.
 
 use super::lanes::{CosSin, Lanes, Mask};
@@ -42,7 +42,8 @@ pub struct TargetLanes<S: Simd> {
 /// The wrist at one attitude of the tool, on one side of the base axis.
 pub struct WristLanes<S: Simd> {
     yaw: CosSin<S>,
-    /// Vector from the shoulder in the plane of the arm, over the square of its length, 1/m.
+    /// Vector (u, v) from the shoulder to the wrist in the plane of the arm, divided by its squared length,
+    /// 1/m.
     u: Lanes<S>,
     v: Lanes<S>,
     k1: Lanes<S>,

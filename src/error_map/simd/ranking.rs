@@ -1,8 +1,9 @@
 //! Lower bounds of the error at the nodes of a surface, and the nodes in ascending order of these bounds.
 //!
-//! A bound is below the value of [`ErrorEvaluator::value`] by no more than [`BOUND_MARGIN`] allows. The
-//! scalar code judges single nodes in this order until the least value is below all bounds that are left. So
-//! the spot is the same, to the bit, as if every node had been judged.
+//! A bound is the least error of all branches at a node, lowered by [`BOUND_MARGIN`] for rounding. So no
+//! posture at the node has a value ([`ErrorEvaluator::value`]) below its bound. The scalar code judges single
+//! nodes in this order until the least value is below all bounds that are left. So the spot is the same, to
+//! the bit, as if every node had been judged.
 
 use super::lanes::{CosSin, Lanes, MAX_LANES};
 use super::perturbed_chain::PerturbedChain;
@@ -15,11 +16,11 @@ use crate::reading::ErrorEvaluator;
 use nalgebra::{Matrix3, Vector3};
 use pulp::{Arch, Simd, WithSimd};
 
-/// Margin by which a bound is lowered (m, and as a share). Rounding errors are 1e-14 m at most postures, and
-/// 1e-10 m next to a singular one.
+/// Margin by which a bound is lowered: as a share of itself, and in m. Rounding errors are 1e-14 m at most
+/// postures, and 1e-10 m next to a singular one.
 const BOUND_MARGIN: f64 = 1e-9;
 
-/// Number of nodes in a group: the least bound is found among the groups, then in its group.
+/// Number of nodes in a group: a search compares the groups first, then the nodes of the best group.
 const GROUP: usize = 2 * MAX_LANES;
 
 /// Ranker of the nodes of one operation by lower bounds of their errors.
@@ -29,7 +30,8 @@ pub struct Ranker {
     chain: PerturbedChain,
     /// Directions of the sense, world frame.
     rows: Vec<Vector3<f64>>,
-    /// Nodes in the frame of the equipment, m; the last one is repeated to fill the last group.
+    /// Coordinate x of every node in the frame of the equipment, m; `ys` likewise. The last node is repeated
+    /// to fill the last group.
     xs: Vec<f64>,
     ys: Vec<f64>,
     count: usize,
@@ -72,7 +74,7 @@ impl Ranker {
         Some(Self { arm, chain, rows, xs, ys, count, standoff: grid.standoff() })
     }
 
-    /// Returns whether the attitudes of an operation can be ranked.
+    /// Returns whether the nodes can be ranked for these attitudes of an operation.
     pub fn takes(&self, attitudes: &ToolAttitudes) -> bool {
         !attitudes.is_judged_by_posture()
     }

@@ -42,7 +42,9 @@ pub(in crate::reach) struct PointTarget {
     pub y: f64,
 }
 
-/// Path of joint 3: polynomials of a parameter t in the ratio 1 : a : b of [`PointForms`].
+/// Path of joint 3: three polynomials of a parameter t, in the ratio of the terms of [`PointForms`].
+///
+/// The ratio is 1 : cos theta_3 : sin theta_3 for a revolute joint 3, and 1 : r_3 : 0 for a prismatic one.
 pub(in crate::reach) struct Path {
     pub one: Quadratic,
     pub a: Quadratic,
@@ -128,7 +130,8 @@ impl PointForms {
 
     /// Returns the equation for a prismatic joint 1 and a revolute joint 2.
     ///
-    /// x and y across joint 1 give x and y in frame 1. These give the distance from axis 2.
+    /// The coordinates x and y of the target perpendicular to axis 1 give x and y in frame 1. These give the
+    /// distance from axis 2.
     fn slide_turns(&self, target: &PointTarget, path: &Path, h: &Quadratic) -> Polynomial {
         let (ca, sa) = self.twist1;
         let y = path.minus(target.y, &h.map(|k| -sa * k));

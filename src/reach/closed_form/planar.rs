@@ -142,8 +142,9 @@ impl PlanarArm {
     /// Calls `found` with every branch for the TCP at `target` (frame 0, m), inside the joint limits or not.
     ///
     /// Bit 0 of the branch is the elbow. Bit 1 says that the arm leans back over the base. Bit 2 says that
-    /// the tool points against theta_1. The next bits number the tilts, and the bits above them number the
-    /// spins. Returns the distance of the nearest branch, m; 0 if there is a branch.
+    /// the tool points backwards, opposite to the heading theta_1. The next bits number the tilts, and the
+    /// bits above them number the spins. Returns the distance of the nearest branch, m; 0 if there is a
+    /// branch.
     #[inline]
     pub(in crate::reach) fn solve(
         &self,
@@ -214,7 +215,7 @@ impl PlanarArm {
 }
 
 impl Roll {
-    /// Turns the last axis so that the tool has each spin of `set`.
+    /// Turns the last axis so that the tool takes each spin of `set` in turn.
     fn turn(
         &self,
         set: &AttitudeSet,

@@ -99,7 +99,8 @@ impl SphericalWrist {
         })
     }
 
-    /// Returns a solver that skips the distance of an unreachable target; None if that is cheap.
+    /// Returns a solver that does not compute the distance of an unreachable target; None if computing it is
+    /// cheap.
     pub fn fast(&self) -> Option<Self> {
         let mut fast = self.clone();
         match &mut fast.arm {

@@ -74,7 +74,8 @@ impl TwoLinks {
 
 /// Rotation about the middle one of three axes, given the angle between the outer axes.
 ///
-/// The axes are twisted by `first` and `second` against each other (IK-Geo, subproblem 4).
+/// `first` is the twist between the first and the middle axis, `second` between the middle and the last one
+/// (IK-Geo, subproblem 4).
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::reach) struct Twists {
     pub first: Angle,

@@ -19,7 +19,8 @@ const ACCURACY: f64 = 1e-10;
 /// Three joints that put a point somewhere; lengths in m.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::reach) struct ThreeJoints {
-    /// Whether to skip the distance of an unreachable target, which costs a hundred times the solutions.
+    /// Whether to skip computing the distance of an unreachable target, which takes a hundred times as long
+    /// as the solutions.
     pub fast: bool,
     forms: PointForms,
     r1: f64,

@@ -17,9 +17,9 @@ use nalgebra::Vector3;
 #[derive(Debug, Clone, PartialEq)]
 pub struct ThreeParallel {
     first: Link,
-    /// Direction of axes 3 and 4 against axis 2, 1 or -1: cos alpha_2 and cos alpha_2 cos alpha_3.
+    /// Direction of axes 3 and 4 relative to axis 2, 1 or -1: cos alpha_2 and cos alpha_2 cos alpha_3.
     sense: (f64, f64),
-    /// Distance from axis 1 to the wrist centre along axis 2, without the part of r_1.
+    /// Distance from axis 1 to the wrist centre along axis 2, without the contribution of r_1.
     along: f64,
     links: TwoLinks,
     l4: f64,

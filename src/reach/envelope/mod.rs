@@ -75,7 +75,7 @@ impl<'a> Envelope<'a> {
 
     /// Returns the section by a vertical plane through the base axis at an azimuth (rad).
     ///
-    /// The points of the outline are (r, z); r < 0 lies behind the axis.
+    /// The points of the outline are (r, z); r < 0 lies on the side of the axis opposite to the azimuth.
     pub fn section(&self, azimuth: f64, fine: &Fineness<'_>) -> EnvelopeSection {
         let (sin, cos) = exact_sin_cos(azimuth);
         self.upright(azimuth, fine.step).region(fine.tolerance, fine.on_progress, |[r, z]| {

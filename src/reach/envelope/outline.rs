@@ -62,7 +62,8 @@ impl Outline {
 }
 
 impl Lattice {
-    /// Returns a lattice over a disc of `radius` (m) about `centre`, with a frame of points outside.
+    /// Returns a lattice over a disc of `radius` (m) about `centre`, with a border of points outside the
+    /// disc.
     pub fn round(centre: [f64; 2], radius: f64, step: f64) -> Self {
         let first = centre.map(|c| ((c - radius) / step).floor() as i64 - 1);
         let last = centre.map(|c| ((c + radius) / step).ceil() as i64 + 1);
@@ -90,7 +91,8 @@ impl Lattice {
 
     /// Returns the region where `inside` holds; parts narrower than a step may be missed.
     ///
-    /// A crossing is off by at most `tolerance` (m). `row_done` is called after every row with its length.
+    /// A crossing is off by at most `tolerance` (m). `row_done` is called after every row
+    /// with the number of its points.
     pub fn region(
         &self,
         tolerance: f64,

@@ -9,8 +9,9 @@ use nalgebra::Vector3;
 
 /// Returns the geometric Jacobian: column j is the motion of the TCP per unit of actuator j, base frame.
 ///
-/// A rotation about z_i gives `z_i x (p - o_i)` and `z_i`, a translation `z_i` and 0. An actuator adds up
-/// the D-H coordinates that it drives. Columns beyond the chain are 0.
+/// A rotation about z_i gives `z_i x (p - o_i)` and `z_i`, a translation `z_i` and 0. The column of an
+/// actuator is the sum of the columns of the D-H coordinates that it drives, times the coupling factors.
+/// Columns beyond the chain are 0.
 pub fn jacobian(chain: &Chain, frames: &Frames) -> [Displacement; MAX_JOINTS] {
     let mut columns = uncoupled(chain, frames);
     // The coupling is lower triangular: the columns after j are still those of the D-H coordinates.

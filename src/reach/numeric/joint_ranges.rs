@@ -80,7 +80,7 @@ impl JointRanges {
         bounds
     }
 
-    /// Returns `q` moved by a step, clamped to the limits against rounding.
+    /// Returns `q` moved by a step, clamped to the limits because rounding may exceed them.
     #[inline]
     pub fn moved(&self, q: &JointVector, step: &JointVector) -> JointVector {
         let mut moved = *q;

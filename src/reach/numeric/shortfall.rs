@@ -11,7 +11,7 @@ const POSITION_STARTS: usize = 12;
 const ATTITUDE_STARTS: usize = 16;
 /// Weight of the position when the angle is minimized, so that the position is met first.
 const POSITION_WEIGHT: f64 = 1e4;
-/// Distance or angle, m or rad, below which a solution exists but was not found.
+/// Least distance or angle, m or rad, that counts as the reason for a missing solution.
 const MIN_SHORTFALL: f64 = 1e-6;
 /// Number of chain lengths beyond which only the direction of a goal counts.
 const MAX_CHAIN_LENGTHS: f64 = 1e6;
@@ -21,7 +21,7 @@ const MAX_CHAIN_LENGTHS: f64 = 1e6;
 pub enum Shortfall {
     /// There is a solution.
     None,
-    /// The TCP stays at this distance (m) inside the limits, in any attitude.
+    /// The TCP comes no nearer to the goal than this distance (m) within the limits, in any attitude.
     OutOfReach { by: f64 },
     /// The position is reached, but the attitude misses by this angle (rad), the least that was found.
     ///

@@ -35,9 +35,9 @@ pub(super) fn bounded_step(
     }
 }
 
-/// Returns whether a step of [`bounded_step`] is not the minimizer.
+/// Returns whether a step of [`bounded_step`] holds a joint at a bound that the minimizer would leave.
 ///
-/// It is not if the multiplier of a joint at its bound has the wrong sign: the cost falls inward.
+/// The multiplier of such a joint has the wrong sign: the cost falls inward.
 pub(super) fn holds_too_much(
     n: usize,
     h: &NormalMatrix,

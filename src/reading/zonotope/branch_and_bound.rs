@@ -9,7 +9,7 @@
 //!
 //! and `K_j` is known, because the rest alone is a smaller problem of the same kind, solved before (Russian
 //! doll search: G. Verfaillie, M. Lemaitre, T. Schiex, AAAI 1996). The bound is so tight that 64 random
-//! generators in 6-D take some ten thousand nodes.
+//! generators in 6-D take on the order of ten thousand nodes.
 
 use super::MAX_GENERATORS;
 use super::climb;
@@ -42,7 +42,7 @@ pub(super) struct BranchAndBound {
 #[derive(Default)]
 struct BranchState {
     count: usize,
-    /// Squared norm of the best corner so far.
+    /// Squared norm of the farthest corner so far.
     square: f64,
     /// Highest bound left open at the node limit.
     open: f64,
@@ -65,7 +65,9 @@ impl Default for BranchAndBound {
 }
 
 impl BranchAndBound {
-    /// Writes the signs of the best corner; returns a proven upper bound of the norm unless that is exact.
+    /// Writes the signs of the farthest corner found.
+    ///
+    /// Returns a proven upper bound of the norm of all corners; None if the corner is proven farthest.
     pub(super) fn farthest(&mut self, generators: &[Vector6<f64>], corner: &mut [f64]) -> Option<f64> {
         let n = generators.len();
         if n <= MAX_EXHAUSTIVE {
@@ -102,7 +104,10 @@ impl BranchAndBound {
         }
     }
 
-    /// Starts with a good corner of the generators from `from`: the best one of the rest, with one more.
+    /// Starts a search over the generators from index `from` on, with a good corner of them.
+    ///
+    /// It is the best corner of the generators after `from`, with the sign +1 for `from`, improved by flips
+    /// of single signs.
     fn start(&mut self, from: usize, n: usize) {
         let (generators, signs) = (&self.sorted[from..n], &mut self.best[from..n]);
         signs[0] = 1.0;

@@ -44,7 +44,8 @@ impl CircleWalk {
         self.key[k] = f64::from_bits(key.to_bits() & !PLACES | k as u64);
     }
 
-    /// Returns the farthest sum of the first `n` generators and one of this size along the axis.
+    /// Returns the farthest sum of the first `n` generators and one more generator of length `size` along the
+    /// axis.
     pub(super) fn farthest(&mut self, n: usize, size: f64) -> WalkMaximum {
         self.sort(n);
         let mut sum: Vector3<f64> = self.at[..n].iter().sum();
@@ -135,7 +136,8 @@ pub(super) fn split(generators: &[Vector3<f64>], walk: &mut CircleWalk, signs: &
     true
 }
 
-/// Returns the common axis: the first generator, or the first across it, or the perpendicular to both.
+/// Returns the common axis: the first generator, the first one not parallel to it, or the perpendicular
+/// to both.
 fn axis(generators: &[Vector3<f64>]) -> Option<Vector3<f64>> {
     let a = generators.iter().find(|g| g.norm_squared() > 0.0)?.normalize();
     let sine = |g: &&Vector3<f64>| a.cross(g).norm_squared() > 0.01 * g.norm_squared();
