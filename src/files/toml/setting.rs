@@ -158,7 +158,9 @@ fn parted(text: &str, mark: char, most: usize) -> Vec<&str> {
     parts
 }
 
-/// Applies the settings to the tree of a cell, after its own `from` and before the others are followed.
+/// Applies the settings to the tree of a cell.
+///
+/// Before that, the `from` at the top of the cell must be followed; after that, every other `from`.
 pub fn apply(root: &mut Node, settings: &[Setting], lib: &mut Library<'_>) {
     if settings.is_empty() {
         return;
@@ -186,9 +188,9 @@ fn take_back_signed(settings: &[Setting], under: &mut Vec<Entry>) {
     }
 }
 
-/// Removes named tables that the cell does not have from a setting, and records a fault for each.
+/// Removes from a setting the named tables that the cell does not have, and records a fault for each.
 ///
-/// A setting that gives a whole table may add it.
+/// A setting that gives such a table as a whole may add it to the cell.
 fn without_strangers(entry: Entry, settings: &[Setting], under: &[Entry], lib: &mut Library<'_>) -> Entry {
     let (key, at, mut node) = entry;
     if !cell::TABLE.keys().any(|k| k.name == key && k.kind.is_named()) {
