@@ -17,7 +17,7 @@ const EDGE: f64 = 1e-9;
 /// on hitachi_cell.
 const NODE_COST: (f64, f64) = (1.2e-4, 1600.0);
 
-/// Reads the nodes of an operation, and which of their errors counts.
+/// Reads the nodes of an operation, and how their errors are aggregated.
 ///
 /// `surface` is the work surface of the equipment, if it could be read.
 pub fn read(t: &mut Table, surface: Option<Rectangle>) -> Option<(Place, NodeAggregation)> {

@@ -65,7 +65,7 @@ pub fn warn(cell: &Cell, root: &Node, lib: &mut Library<'_>) {
 
 /// Warns of suspicious length tolerances: offsets, common normals and positions of joint frames.
 ///
-/// Angles are not compared, because values in degrees and in radians are alike.
+/// Angles are not checked, because an angle in a wrong unit has a plausible size, too.
 fn warn_of_tolerance(set: &Tolerance, axes: usize, reach: f64, at: At, lib: &mut Library<'_>) {
     let varies_alone = |k: &usize| !set.covariance.iter().any(|c| c.parameters.contains(k));
     let is_length =
