@@ -10,7 +10,7 @@ use crate::files::toml::value;
 use crate::files::toml::value::plain;
 use crate::units;
 
-/// Largest distance, m, of a point beyond the edge of its surface that counts as rounding.
+/// Largest distance, m, by which rounding may put a point beyond the edge of its surface.
 const EDGE: f64 = 1e-9;
 
 /// Time (s) and memory (bytes) that `map --json` takes per node, measured with a quarter of a million nodes

@@ -14,7 +14,7 @@ use crate::units::{mm_from_m, rounded};
 
 const FACTOR: f64 = 20.0;
 
-/// Largest distance between an equipment and the surface that it stands on, m.
+/// Largest depth below, or distance beside, the supporting surface that counts as rounding, m.
 const MAX_STAND_GAP: f64 = 1e-6;
 
 /// Share of the reach below which a tolerance is too small to be manufactured.

@@ -51,7 +51,7 @@ impl Setting {
         format!("{}={}", self.path, self.value)
     }
 
-    /// Returns the place that faults of this setting name.
+    /// Returns the setting as typed, which its faults give as their place.
     fn place(&self) -> String {
         self.flag.clone().unwrap_or_else(|| format!("--set {}", self.words()))
     }
@@ -248,7 +248,7 @@ fn merge_over(settings: Vec<Entry>, under: &mut Vec<Entry>) {
     }
 }
 
-/// Gives the faults of settings the place of their flags, and removes the settings from the sources.
+/// Replaces the file and line of each fault of a setting by its flag; removes the settings from the sources.
 pub fn put_in_words(settings: &[Setting], faults: &mut [Fault], sources: &mut Vec<Source>) {
     sources.retain(|s| s.path != PLACE);
     for fault in faults.iter_mut().filter(|f| f.file == PLACE) {
