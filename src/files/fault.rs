@@ -123,7 +123,7 @@ pub fn shown(text: &str) -> String {
     if text.chars().nth(80).is_some() { safe + "..." } else { safe }
 }
 
-/// Returns a few names as a list for a help text.
+/// Returns at most 20 names as a list for a help text, and "..." if there are more.
 pub fn listed<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
     let mut names: Vec<_> = names.into_iter().take(21).map(shown).collect();
     match names.len() {

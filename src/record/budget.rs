@@ -49,7 +49,7 @@ pub struct OperationBudget {
     pub total: TotalEntry,
     /// Shares of the parameters, the largest first.
     pub parameters: Vec<ShareEntry>,
-    /// Gains from halving the tolerances of the first parameters.
+    /// Gains from halving the tolerances of the parameters with the largest shares.
     pub tighten: Vec<TightenEntry>,
     /// Worst case of the linear model, in the unit of the sense.
     pub linear_worst: f64,
@@ -69,7 +69,7 @@ pub struct TotalEntry {
     pub mean: f64,
     pub p95: f64,
     pub p99: f64,
-    /// Share of arms within the tolerances whose error does not exceed the limit.
+    /// Share of the arms built to the tolerances whose error does not exceed the limit.
     pub r#yield: Option<f64>,
 }
 

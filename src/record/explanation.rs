@@ -189,7 +189,7 @@ pub struct PostureGuardEntry {
     pub trusted: bool,
 }
 
-/// Row of the sense and the error in it.
+/// Row of a sense: a direction or an axis, with the error along or about it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SenseRowEntry {

@@ -55,7 +55,7 @@ impl GoalsEntry {
     }
 }
 
-/// Converts the value of a goal from SI to the unit of [`word`].
+/// Converts the value of a goal from SI to the unit that [`word`] names.
 pub fn value(cell: &Cell, goal: Goal, si: f64) -> f64 {
     match goal {
         Goal::Error => cell.unit().from_si(si),
@@ -66,7 +66,7 @@ pub fn value(cell: &Cell, goal: Goal, si: f64) -> f64 {
     }
 }
 
-/// Converts the value of a goal from the unit of [`word`] to SI.
+/// Converts the value of a goal from the unit that [`word`] names to SI.
 pub fn si(cell: &Cell, goal: Goal, value: f64) -> f64 {
     match goal {
         Goal::Error if cell.unit() == Unit::Angle => rad_from_deg(value),

@@ -159,7 +159,7 @@ impl<'a> OperationMapEntry<'a> {
     }
 }
 
-/// Numbers of nodes by status. The last three are left out if no node has that status.
+/// Numbers of nodes by status. Each of the last three is left out if no node has that status.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub struct StatusCounts {

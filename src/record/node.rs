@@ -34,7 +34,7 @@ pub struct MapNode {
     pub error_sense_mm: Option<f64>,
     /// Error in the sense of the operation, if that is an angle.
     pub error_sense_deg: Option<f64>,
-    /// Figure that the reading minimizes, in the unit of the document.
+    /// Value of the figure that the search minimizes, in the unit of the document.
     pub value: Option<f64>,
     /// Whether the node was touched to teach the frame, so that it cannot be the spot.
     pub touched: Option<bool>,
@@ -58,7 +58,7 @@ pub struct MapNode {
     pub mean_deg: Option<BySense>,
     pub p95_deg: Option<BySense>,
     pub p99_deg: Option<BySense>,
-    /// Share of arms within the tolerances whose error does not exceed the limit of the operation.
+    /// Share of the arms built to the tolerances whose error does not exceed the limit of the operation.
     pub r#yield: Option<f64>,
 }
 

@@ -41,7 +41,7 @@ const FIGURES: [FigureColumns; 5] = [
     ("p99", |n| [&n.p99_mm, &n.p99_deg]),
 ];
 
-/// Columns before the joints; the columns after the joints and at the end follow below.
+/// Columns before the joint coordinates. [`ERROR_COLUMNS`] come after them, [`REFINED_COLUMNS`] at the end.
 const PLACE_COLUMNS: [(&str, ColumnKind); 9] = [
     ("operation", ColumnKind::Text),
     ("equipment", ColumnKind::Text),

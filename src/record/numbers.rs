@@ -52,7 +52,7 @@ pub fn joint_coordinate(kind: JointKind, q: f64) -> f64 {
     }
 }
 
-/// Converts joint coordinates to the robot's own degrees and millimetres.
+/// Converts the coordinates of all joints: to degrees for revolute joints, to mm for prismatic ones.
 pub fn joints(cell: &Cell, q: &JointVector) -> Vec<f64> {
     cell.robot.joints.iter().zip(q).map(|(joint, &q)| joint_coordinate(joint.kind, q)).collect()
 }

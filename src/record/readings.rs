@@ -22,7 +22,7 @@ pub struct ReadingsDocument {
     pub errors: String,
     pub model: Model,
     pub operations: Vec<OperationReadings>,
-    /// Largest cost of choosing the spot by the signed sample; null if there is no such choice.
+    /// Largest cost of choosing the spot by the signed sample; null if no signed sample can choose one.
     pub largest_regret: Option<RegretEntry>,
     /// Findings in sentences.
     pub findings: Vec<String>,

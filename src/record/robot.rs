@@ -140,12 +140,12 @@ pub struct EnvelopeSize {
 #[serde(deny_unknown_fields)]
 pub struct SizeEntry {
     pub volume_m3: f64,
-    /// Half width of the interval that contains the volume.
+    /// Estimated error of the volume: its difference from the volume found with twice the step.
     pub volume_error_m3: f64,
     pub rotationally_symmetric: bool,
     /// Least and greatest distance from the vertical axis through the base; null if nothing is reached.
     pub radius_mm: Option<[f64; 2]>,
-    /// Least and greatest height.
+    /// Least and greatest height above the origin of the base; null if nothing is reached.
     pub height_mm: Option<[f64; 2]>,
     /// Accuracy of radius and height, mm.
     pub extent_within_mm: Option<f64>,

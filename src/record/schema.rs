@@ -95,7 +95,9 @@ impl DocumentKind {
     }
 }
 
-/// Returns the schema of a record. Every field is required, because a missing value is written as null.
+/// Returns the schema of a record.
+///
+/// A field is required if it is always written; its value may then be null.
 fn of<T: JsonSchema>() -> Value {
     SchemaSettings::draft07().for_serialize().into_generator().into_root_schema_for::<T>().into()
 }

@@ -193,8 +193,9 @@ impl SearchResult {
         }
     }
 
-    /// Makes the result of a search from the comparison of start and best; None if the comparison has not
-    /// exactly these columns.
+    /// Makes the result of a search from the comparison of start and best layout.
+    ///
+    /// Returns None unless the comparison has exactly two layouts.
     pub fn of_comparison(record: &SearchRecord, proof: &Proof, comparison: &Comparison<'_>) -> Option<Self> {
         let [start, best] = &comparison.columns[..] else { return None };
         let gain = comparison.change_percent(1, Assessment::objective).map(|c| rounded(-c, 6));

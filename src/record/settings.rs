@@ -13,7 +13,7 @@ pub struct ResolvedSettings {
     pub errors: String,
     pub model: Model,
     pub reading: Reading,
-    /// Quantity of the random error that the statistical reading minimizes.
+    /// Statistic of the random error that is minimized in the statistical reading.
     pub quantity: Quantity,
     pub registration: Registration,
     pub operations: Vec<ResolvedOperation>,

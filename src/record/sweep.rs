@@ -42,7 +42,7 @@ pub struct SweepPlan {
     pub inputs: Vec<HashedFile>,
 }
 
-/// Returns the value of each set in a combination: the last set changes fastest.
+/// Returns the value of each `--set` option in a combination. The last option changes fastest.
 pub fn combination(sets: &[Choices], index: usize) -> Vec<&str> {
     let mut rest = index;
     let mut values: Vec<&str> = sets
@@ -71,7 +71,7 @@ impl SweepPlan {
 #[serde(deny_unknown_fields)]
 pub struct SweepRow {
     pub index: usize,
-    /// Value of every set by its path: parsed as JSON if possible, otherwise text.
+    /// Value of every `--set` option by its path: parsed as JSON if possible, otherwise text.
     pub set: ByName<Value>,
     pub feasible: bool,
     /// Objective in `unit`; null if no layout is feasible.
@@ -161,7 +161,7 @@ pub struct SweepTable {
     pub feasible: usize,
     /// Index of the row with the least objective; null if objectives differ in unit.
     pub best: Option<usize>,
-    /// Best row for every value of every set.
+    /// Best row for every value of every `--set` option.
     pub best_of: Vec<SweepGroup>,
     pub rows: Vec<SweepRow>,
 }
@@ -174,7 +174,7 @@ pub enum SweepMode {
     Map,
 }
 
-/// Value of a set, and the best row with that value.
+/// Value of a `--set` option, and the best row with that value.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SweepGroup {
@@ -218,7 +218,7 @@ fn best_row<'a>(rows: impl Iterator<Item = &'a SweepRow> + Clone) -> Option<&'a 
     feasible.min_by(|a, b| objective(a).total_cmp(&objective(b))).filter(|_| is_one_unit)
 }
 
-/// Returns a group for every value of every path, in the order of the rows.
+/// Returns a group for every value of every `--set` option, in the order of the rows.
 fn groups(rows: &[SweepRow]) -> Vec<SweepGroup> {
     let mut groups = Vec::new();
     let Some(first) = rows.first() else { return groups };

@@ -34,7 +34,10 @@ struct CheckedSweep {
 pub fn sweep(a: &SweepArguments) -> Result<Exit, Exit> {
     let mut plan = asked_plan(a)?;
     if let Some(index) = a.only.filter(|index| *index >= plan.combinations) {
-        output::error(&format!("there is no combination {index}: they are 0 to {}", plan.combinations - 1));
+        output::error(&format!(
+            "there is no combination {index}: the combinations are numbered from 0 to {}",
+            plan.combinations - 1
+        ));
         return Err(Exit::BadInput);
     }
     let jobs =

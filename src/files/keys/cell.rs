@@ -45,7 +45,9 @@ const BUDGETS: ValueKind = ValueKind::Whole(*SearchSettings::BUDGETS.start(), *S
 
 const GOALS: ValueKind = ValueKind::List(&ValueKind::word::<Goal>(), (2, Goal::ALL.len()), "goals");
 
-/// Returns the JSON Schema of the names of own senses: not that of a built-in sense, and without @.
+/// Returns the JSON Schema of the names of senses that a cell defines.
+///
+/// Such a name has no @ and is not the name of a built-in sense.
 fn names_of_senses() -> Value {
     json!({ "propertyNames": { "not": { "anyOf": [{ "enum": PLAIN }, { "pattern": "@" }] } } })
 }

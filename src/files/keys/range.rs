@@ -55,7 +55,7 @@ impl NumberRange {
         Some((wrong.to_string(), remedy.to_string()))
     }
 
-    /// Returns a number to write for a missing one.
+    /// Returns a number that a message suggests for a missing key.
     pub fn example(self) -> &'static str {
         if self == Self::Positive { "100" } else { "0" }
     }

@@ -65,8 +65,8 @@ fn geometry_of(text: &str) -> Result<String, MeshFault> {
 
 /// Returns the error of the OBJ reader in words, with its line.
 ///
-/// That is the last line that was `read`. Faces with a bad vertex are searched for, because the OBJ reader
-/// checks them only at the end.
+/// The OBJ reader stops in the faulty line, so that is the last of the first `read` bytes. It checks the
+/// vertices of faces only at the end, so a face with a bad vertex is searched for.
 fn explained(e: tobj::LoadError, geometry: &str, read: usize) -> MeshFault {
     let last = geometry[..read].lines().count().checked_sub(1);
     match e {

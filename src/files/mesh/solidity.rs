@@ -30,9 +30,10 @@ const HOLLOW: &str = "an object wholly inside a hollow is not seen as a collisio
 const OPEN: &str =
     "its inside is not solid, so a link wholly inside is not seen as a collision: close the holes";
 
-/// Returns whether the surface bounds a solid, and orients it.
+/// Returns whether the surface bounds a solid, and orients the triangles of a closed surface.
 ///
-/// The surface, and every shell inside no other, is turned so that its normals point outwards.
+/// If the enclosed volume is negative, all triangles are turned. Then every shell that is not a hollow is
+/// turned so that its normals point outwards.
 pub fn solidity(vertices: &[Vector3<f64>], triangles: &mut Triangles) -> Solidity {
     if !is_closed(triangles) {
         return Solidity::Open;

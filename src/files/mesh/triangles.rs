@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 /// Largest number of triangles of one mesh.
 pub const MAX_TRIANGLES: usize = 200_000;
 
-/// Coordinate, m, from which on a vertex cannot belong to a workcell.
+/// Least absolute coordinate, m, that no vertex of a workcell has.
 const MAX_COORDINATE: f64 = 1e4;
 
 pub const BEYOND: &str = "a vertex is not finite, or too far away for a workcell; is the unit right?";

@@ -11,7 +11,7 @@ use crate::files::toml::value;
 use crate::files::toml::value::plain;
 use crate::units;
 
-/// Attitude as drawn, and those of elevation, azimuth and spin that are search variables.
+/// Attitude as drawn; then elevation, azimuth and spin, each None unless it is a search variable.
 type SearchedAttitude = (Attitude, [Option<Coordinate>; 3]);
 
 /// Reads `bend_deg`, `azimuth_deg`, `spin_deg` and `tolerance_deg` of an operation.

@@ -73,7 +73,7 @@ fn read_values(name: &str, t: &mut Table, arm: ErrorRows<'_>, range: NumberRange
 
 /// Refuses errors of the base and of joint 1 that duplicate those of row 1 in modified convention.
 ///
-/// Modified rows begin with the common normal, so that dalpha, dl and dbeta of row 1 already describe them.
+/// Modified rows begin with the common normal, so dalpha, dl and dbeta of row 1 describe the same errors.
 fn refuse_first_row(t: &mut Table, base: &[f64; PER_FRAME], joints: &[[f64; PER_FRAME]]) {
     let of_base = (error_set::BASE, base[3] != 0.0, "rx of `base` is dalpha", "number 1 of dalpha_deg");
     let is_joint = joints.first().is_some_and(|joint| joint[0] != 0.0 || joint[4] != 0.0);

@@ -35,7 +35,7 @@ pub fn header(t: &mut Table, schema: &Key) -> Option<()> {
 
 /// Returns whether the file is of the required kind; records a fault if not.
 ///
-/// If another file contributes the wrong kind, the fault is at the place that names that file.
+/// If it is another file that has the wrong kind, the fault is at the place that names that file.
 fn is_schema(node: &Node, t: &mut Table, schema: &Key) -> bool {
     let ValueKind::Exactly(wanted) = schema.kind else { return false };
     let Some(given) = value::text(node, "schema", t.lib) else { return false };

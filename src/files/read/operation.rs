@@ -40,8 +40,9 @@ pub fn read_all(t: &mut Table, equipment: &[Equipment], senses: &[Sense]) -> Vec
 struct References<'c> {
     /// Whether every table could be read, so that an unknown name is a fault.
     complete: bool,
-    /// Equipment that could be read; `senses` likewise.
+    /// Equipment that could be read.
     equipment: &'c [Equipment],
+    /// Senses that could be read, by name.
     senses: HashMap<&'c str, &'c Sense>,
     /// Entries of equipment and obstacles, equipment first.
     entries: Vec<&'c Entry>,

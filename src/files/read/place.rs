@@ -10,14 +10,14 @@ use crate::files::toml::value;
 use crate::files::toml::value::plain;
 use crate::units;
 
-/// Largest distance, m, of a point beyond the edge of its surface that counts as rounding.
+/// Largest distance, m, by which rounding may put a point beyond the edge of its surface.
 const EDGE: f64 = 1e-9;
 
 /// Time (s) and memory (bytes) that `map --json` takes per node, measured with a quarter of a million nodes
 /// on hitachi_cell.
 const NODE_COST: (f64, f64) = (1.2e-4, 1600.0);
 
-/// Reads the nodes of an operation, and which of their errors counts.
+/// Reads the nodes of an operation, and how their errors are aggregated.
 ///
 /// `surface` is the work surface of the equipment, if it could be read.
 pub fn read(t: &mut Table, surface: Option<Rectangle>) -> Option<(Place, NodeAggregation)> {

@@ -14,7 +14,7 @@ use crate::units::{mm_from_m, rounded};
 
 const FACTOR: f64 = 20.0;
 
-/// Largest distance between an equipment and the surface that it stands on, m.
+/// Largest depth below, or distance beside, the supporting surface that counts as rounding, m.
 const MAX_STAND_GAP: f64 = 1e-6;
 
 /// Share of the reach below which a tolerance is too small to be manufactured.
@@ -65,7 +65,7 @@ pub fn warn(cell: &Cell, root: &Node, lib: &mut Library<'_>) {
 
 /// Warns of suspicious length tolerances: offsets, common normals and positions of joint frames.
 ///
-/// Angles are not compared, because values in degrees and in radians are alike.
+/// Angles are not checked, because an angle in a wrong unit has a plausible size, too.
 fn warn_of_tolerance(set: &Tolerance, axes: usize, reach: f64, at: At, lib: &mut Library<'_>) {
     let varies_alone = |k: &usize| !set.covariance.iter().any(|c| c.parameters.contains(k));
     let is_length =

@@ -139,7 +139,7 @@ fn read_rows(t: &mut Table) -> Mechanism {
     Mechanism { axes, convention, mount: Pose::identity(), joints, coupling, joint_frames }
 }
 
-/// Takes the rows derived from a URDF. The file may then have no rows of its own.
+/// Takes the rows derived from a URDF. Records a fault if the robot file has rows of its own, too.
 fn read_derived(t: &mut Table, node: &Node, arm: Option<urdf::UrdfRobot>) -> Mechanism {
     for key in [robot::JOINT, robot::COUPLING, robot::CONVENTION] {
         if t.get(&key).is_some() {
@@ -180,7 +180,8 @@ fn standard_rows(joints: &mut [Joint]) -> Pose {
     mount
 }
 
-/// Moves the solids of every link from the frame after its modified row to that after its standard row.
+/// Converts the solids of every link from the frame after its modified row to the frame after its standard
+/// row. The solids stay in place.
 ///
 /// The two frames differ by the common normal and twist of the next row.
 fn onto_standard_rows(solids: &mut [LinkSolid], rows: &[Joint]) {

@@ -1,4 +1,4 @@
-//! Order of error parameters: rows of the file, standard or modified, to standard rows.
+//! Conversion of error parameters from the rows of a file, standard or modified, to standard rows.
 
 use crate::cell::{Joint, JointKind};
 use crate::cell::{PER_LINK, Parameter};
@@ -29,15 +29,17 @@ impl ErrorRows<'_> {
         [2, 3, 4].map(|k| PER_LINK * row + k)
     }
 
-    /// Returns the parameters that no key of the file sets: of modified rows, those of the last standard row.
+    /// Returns the parameters that no key of a file with modified rows sets; None for standard rows.
+    ///
+    /// They are dl, dalpha and dbeta of the last standard row.
     pub fn unused(&self) -> Option<[usize; 3]> {
         (self.modified && self.axes > 0).then(|| self.of_row(self.axes - 1))
     }
 
     /// Reorders a list from the rows of the file to the order of [`Parameter::of_robot`].
     ///
-    /// dl, dalpha and dbeta of a modified row belong to the standard row before it. Those of the first row go
-    /// to [`Self::of_first_row`], and the values there go to [`Self::unused`].
+    /// dl, dalpha and dbeta of a modified row belong to the standard row before it. Values of the first row
+    /// move to the parameters of [`Self::of_first_row`]; the values of these move to [`Self::unused`].
     pub fn in_order<T>(&self, list: &mut [T]) {
         let Some(last) = self.unused() else { return };
         for (k, first) in self.of_first_row().into_iter().enumerate() {

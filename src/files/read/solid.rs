@@ -123,8 +123,8 @@ fn read_bar(kind: &str, t: &mut Table) -> Option<Shape> {
 
 /// Reads `footprint`; if it is missing, returns the plan extent of the solids and the surface.
 ///
-/// Records a fault if something is outside the footprint, or if there is none. `needed` are the keys that
-/// could provide one.
+/// Records a fault if a solid or the surface reaches beyond the footprint, or if nothing gives a footprint.
+/// `needed` are the keys of which one must then be given.
 pub fn read_footprint(
     t: &mut Table,
     key: &Key,

@@ -88,7 +88,7 @@ fn of_table(table: &'static KeyTable) -> Value {
     schema
 }
 
-/// Returns the other key of [`Need::Unless`]: without that key, this one is required.
+/// Returns the key in [`Need::Unless`]: a table without it must give the key that has this need.
 fn other_key(need: Need) -> Option<&'static str> {
     if let Need::Unless(other) = need { Some(other) } else { None }
 }
@@ -114,7 +114,7 @@ fn of_key(key: &Key) -> Value {
     schema
 }
 
-/// Returns the example of a key, if it has one of its own.
+/// Returns the example of a key as JSON; None if the key states no example.
 fn example(key: &Key) -> Option<Value> {
     let entries = parse(0, &format!("example = {}", key.example)).ok()?;
     entries.first().and_then(|(.., node)| of_toml(&node.value))

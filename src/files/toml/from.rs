@@ -1,8 +1,8 @@
 //! `from = "other.toml"`: a table takes the keys that it does not have from another file.
 //!
-//! `from` is itself such a key. If a cell is `from` another cell but names its own robot file, it takes
-//! nothing from the other's robot file. The key is allowed at the top of a file, in the robot and its tool,
-//! in equipment and in obstacles; elsewhere it is unknown.
+//! The same holds for the key `from`: if a table has one, it does not take another. So a cell that is `from`
+//! another cell but names its own robot file takes nothing from the other cell's robot file. `from` is
+//! allowed at the top of a file, in the robot and its tool, in equipment and in obstacles.
 
 use super::document::Library;
 use super::setting;

@@ -51,7 +51,7 @@ impl Setting {
         format!("{}={}", self.path, self.value)
     }
 
-    /// Returns the place that faults of this setting name.
+    /// Returns the setting as typed, which its faults give as their place.
     fn place(&self) -> String {
         self.flag.clone().unwrap_or_else(|| format!("--set {}", self.words()))
     }
@@ -158,7 +158,9 @@ fn parted(text: &str, mark: char, most: usize) -> Vec<&str> {
     parts
 }
 
-/// Applies the settings to the tree of a cell, after its own `from` and before the others are followed.
+/// Applies the settings to the tree of a cell.
+///
+/// Before that, the `from` at the top of the cell must be followed; after that, every other `from`.
 pub fn apply(root: &mut Node, settings: &[Setting], lib: &mut Library<'_>) {
     if settings.is_empty() {
         return;
@@ -186,9 +188,9 @@ fn take_back_signed(settings: &[Setting], under: &mut Vec<Entry>) {
     }
 }
 
-/// Removes named tables that the cell does not have from a setting, and records a fault for each.
+/// Removes from a setting the named tables that the cell does not have, and records a fault for each.
 ///
-/// A setting that gives a whole table may add it.
+/// A setting that gives such a table as a whole may add it to the cell.
 fn without_strangers(entry: Entry, settings: &[Setting], under: &[Entry], lib: &mut Library<'_>) -> Entry {
     let (key, at, mut node) = entry;
     if !cell::TABLE.keys().any(|k| k.name == key && k.kind.is_named()) {
@@ -246,7 +248,7 @@ fn merge_over(settings: Vec<Entry>, under: &mut Vec<Entry>) {
     }
 }
 
-/// Gives the faults of settings the place of their flags, and removes the settings from the sources.
+/// Replaces the file and line of each fault of a setting by its flag; removes the settings from the sources.
 pub fn put_in_words(settings: &[Setting], faults: &mut [Fault], sources: &mut Vec<Source>) {
     sources.retain(|s| s.path != PLACE);
     for fault in faults.iter_mut().filter(|f| f.file == PLACE) {

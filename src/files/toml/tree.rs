@@ -130,7 +130,7 @@ type SyntaxFault = (usize, String, &'static str);
 
 /// Keeps the first fault of each line, because the parser reports several faults for one mistake.
 ///
-/// Of a table that is given twice only this fault is kept.
+/// If a table is given twice, the faults of its repeated keys are dropped.
 fn one_each(text: &str, mut faults: Vec<SyntaxFault>) -> Vec<SyntaxFault> {
     faults.sort_by_key(|f| f.0);
     let bytes = text.as_bytes();

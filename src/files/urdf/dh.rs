@@ -1,17 +1,17 @@
 //! Conversion of joint axes to standard Denavit-Hartenberg rows (Denavit and Hartenberg 1955).
 //!
 //! At coordinate 0 axis k is a line. Row k leads from a frame with z along axis k to a frame with z along the
-//! next axis. Its x axis is the common normal of the two axes. Where this leaves a choice, the following
-//! rules hold:
+//! next axis. The x axis of the second frame lies along the common normal of the two axes. Where this leaves
+//! a choice, the following rules hold:
 //!
 //! - frame 0: its origin is the point of axis 1 nearest to the origin of the base. Its x axis is as near as
 //!   possible to the base x axis, or to the base y axis if axis 1 lies along x;
 //! - parallel axes: r = 0. Two axes on the same line: theta = 0 and l = 0, too;
 //! - direction of x: a row rotates x by less than a right angle, so that l may be negative, as in many data
 //!   sheets. If the rotation is a right angle, l > 0; if the axes also intersect, theta = +90 degrees;
-//! - the last row leads to the z axis of the tip link. It ends at the origin of the tip link if that axis is
-//!   parallel to the last joint axis. If the two are almost but not quite parallel, the row is empty, and the
-//!   pose of the tip holds the whole transform.
+//! - the last row leads from the last joint axis to the z axis of the tip link. If the two are parallel, this
+//!   row ends at the origin of the tip link. If they are almost but not quite parallel, the row is empty, and
+//!   the pose of the tip holds the whole transform.
 
 use crate::cell::JointKind;
 use crate::pose::Pose;

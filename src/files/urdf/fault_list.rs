@@ -1,10 +1,10 @@
-//! List of faults found while the text of the file is borrowed. They are moved to the library afterwards.
+//! List of faults found while the text of a URDF is borrowed. They are moved to the [`Library`] afterwards.
 
 use crate::files::fault::Severity;
 use crate::files::toml::document::Library;
 use crate::files::toml::tree::At;
 
-/// Largest number of faults that are kept. The library lists fewer.
+/// Largest number of faults that are kept. It exceeds the number that [`Library`] lists.
 const MAX_FAULTS: usize = 600;
 
 pub struct UrdfFault {

@@ -1,4 +1,4 @@
-//! Robots from URDF files (the XML of ROS): a chain of links to standard D-H rows and solids.
+//! Reader of URDF files (the XML of ROS): converts a chain of links to standard D-H rows and solids.
 //!
 //! Only the chain from `base_link` to `tip_link` and the links fixed to it are used: their joints and
 //! collision shapes. All other elements are counted and reported once. Lengths are in m and angles in rad, as

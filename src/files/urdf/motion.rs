@@ -193,8 +193,9 @@ fn read_mimic(
     Some(mover)
 }
 
-/// Warns if a mimic joint leaves its limits. They are not enforced: only those of the joints that it follows
-/// are.
+/// Warns if a mimic joint can leave its limits.
+///
+/// These limits are not enforced, unlike the limits of the joints that it follows.
 fn warn_beyond(joint: &UrdfJoint, mover: &MovingJoint, before: &[MovingJoint], lib: &mut Library<'_>) {
     let Some((lower, upper, at)) = joint.limits else { return };
     let (mut low, mut high) = (mover.offset, mover.offset);

@@ -58,7 +58,7 @@ fn read_robot(root: Node<'_, '_>, faults: &mut Faults) -> Option<Urdf> {
         faults.error(
             faults.at(macro_call.range().start),
             message,
-            "run xacro on it, and name what comes out",
+            "run xacro on it, and name the URDF that it writes",
         );
         return None;
     }
@@ -216,9 +216,9 @@ fn end(e: Node<'_, '_>, tag: &str, faults: &mut Faults) -> Option<Named> {
     xml::text(end, "link", faults)
 }
 
-/// Returns `lower` and `upper`; the inner None if neither is given.
+/// Returns `lower` and `upper` of `<limit>`; the inner None if neither is given.
 ///
-/// URDF takes a missing limit as 0. That holds if only one is missing.
+/// If only one of them is missing, it is 0, as URDF defines it.
 #[allow(clippy::option_option)]
 fn read_limits(
     e: Node<'_, '_>,

@@ -91,7 +91,7 @@ impl<'u> Tree<'u> {
     /// Returns the chain from the base link to the tip link.
     ///
     /// The default base is the root of the tree. The default tip is the only leaf below the base. `at` is the
-    /// place where the file is named.
+    /// place where the robot file names the URDF.
     pub fn way(
         &self,
         base: Option<Option<usize>>,

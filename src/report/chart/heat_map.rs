@@ -130,7 +130,7 @@ impl<'a> HeatMap<'a> {
         let mut said = vec![format!("{} of {} nodes are usable{spans}", usable.count(), self.values.len())];
         if self.field.every > 1 {
             let every = self.field.every;
-            said.push(format!("drawn thinner than mapped: one node of {every} along both axes"));
+            said.push(format!("not all nodes are drawn: one of {every} along each axis"));
         }
         if !self.scale.levels().is_empty() {
             let step = words::number(self.scale.step, self.scale.step);

@@ -107,7 +107,7 @@ fn told(cell: &Cell, operation: usize, r: &Robustness) -> Vec<String> {
 fn most(largest: &Largest, said: &dyn Fn(f64) -> String) -> String {
     let ended = match &largest.ended {
         None => " and more",
-        Some(MisplacementEnd::Limit(_)) => " (then beyond its requirement)",
+        Some(MisplacementEnd::Limit(_)) => " (then it exceeds its limit)",
         Some(MisplacementEnd::Lost(_)) => " (then lost)",
     };
     said(largest.most) + ended

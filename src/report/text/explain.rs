@@ -89,7 +89,7 @@ fn motions(e: &Explanation<'_>) -> String {
             ]);
         }
     }
-    format!("\n3. Each error is a small motion of all links from there to the TCP\n{}", table.render())
+    format!("\n3. Each error is a small motion of all links from its frame to the TCP\n{}", table.render())
 }
 
 fn motion_words(motion: &ParameterMotion) -> String {
