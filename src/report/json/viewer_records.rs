@@ -155,7 +155,7 @@ pub struct MovementRecord<'a> {
     pub times_s: Vec<f64>,
     /// Operation whose part is held at each time.
     pub holding: Vec<Option<usize>>,
-    /// Number of frames at each time.
+    /// Number of link frames (poses) at each time.
     pub links: usize,
     pub frames: String,
 }
