@@ -49,7 +49,7 @@ impl LayoutValues {
         cell.layout(|slot, coordinate| self.get(slot).unwrap_or_else(|| coordinate.start()))
     }
 
-    /// Returns a cell with this layout as its start; see [`Cell::starting_at`].
+    /// Returns a cell with this layout as its start. [`Cell::starting_at`] explains `frees`.
     pub fn starting(&self, cell: &Cell, frees: bool) -> Cell {
         cell.starting_at(self.slots.iter().copied().zip(self.si.iter().copied()), frees)
     }
@@ -136,7 +136,8 @@ fn owner(cell: &Cell, slot: Slot) -> String {
     }
 }
 
-/// Returns the coordinates of a placement or of a tool orientation that a request names.
+/// Returns a function from the index of an axis or angle to its coordinate. The request names the equipment
+/// or, for a tool orientation, the operation.
 fn slot_of(cell: &Cell, group: &str, name: &str) -> Result<Box<dyn Fn(usize) -> Slot>, String> {
     let unknown = |what: &str| format!("the cell has no {what} `{}`", shown(name));
     match group {
