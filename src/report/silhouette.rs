@@ -17,7 +17,7 @@ pub const FRONT: ViewAxes =
 
 /// Projected area, as a share of the area of the face, up to which a face counts as edge-on.
 const EDGE_ON: f64 = 1e-6;
-/// Cosine of 60 degrees: an edge is drawn if the angle between its two faces is larger.
+/// Cosine of 60 degrees: an edge is drawn if the angle between the normals of its two faces is larger.
 const SHARP: f64 = 0.5;
 
 /// Outline of a solid in the plane of a view (right, up), m.

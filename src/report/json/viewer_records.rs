@@ -108,7 +108,7 @@ pub struct LensRecord {
     pub signed: bool,
 }
 
-/// Nodes of an operation, one list per property.
+/// Error map of an operation: its nodes, one list per property.
 #[derive(Serialize)]
 pub struct FieldRecord<'a> {
     pub operation: usize,
@@ -130,7 +130,7 @@ pub struct FieldRecord<'a> {
     pub takes: Vec<TakeRecord>,
 }
 
-/// Errors of a field under one model and reading.
+/// Errors at the nodes of an operation under one model and reading.
 #[derive(Serialize)]
 pub struct TakeRecord {
     pub lens: usize,

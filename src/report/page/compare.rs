@@ -22,7 +22,7 @@ pub struct SearchFacts {
     pub clearance_mm: Option<f64>,
 }
 
-/// Content of the template.
+/// Values that fill the template of the comparison.
 #[derive(Serialize)]
 struct ComparePage<'a> {
     title: String,

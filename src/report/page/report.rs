@@ -18,7 +18,7 @@ pub struct Report {
     pub verdict: VerdictDocument,
 }
 
-/// Content of the template.
+/// Values that fill the template of the report.
 #[derive(Serialize)]
 struct ReportPage<'a> {
     title: String,
