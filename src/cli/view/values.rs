@@ -8,7 +8,7 @@ use crate::record::coordinate_name;
 use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg, rounded};
 use serde_json::Value;
 
-/// Largest magnitude of a coordinate that is fixed in the file, m and rad.
+/// Largest magnitude that the page may give to a coordinate that the file fixes, m and rad.
 const MAX_FREE: (f64, f64) = (100.0, std::f64::consts::TAU);
 /// Number of decimals (mm and degrees) to which a number is compared with the ends of its range.
 const DIGITS: i32 = 9;
