@@ -44,7 +44,8 @@ pub fn refuse_sets(settings: &[Setting], command: &str) -> Result<(), Exit> {
     Err(Exit::BadInput)
 }
 
-/// Loads a cell for a search: refuses `--set`, prints notes, and refuses a sense that loses a limit.
+/// Loads a cell for a search: refuses `--set`, prints notes, and refuses a sense to which a limit of the cell
+/// file does not apply.
 pub fn load_for_search(file: &Path, packages: &PackageFolders, settings: &[Setting]) -> Result<Loaded, Exit> {
     refuse_sets(settings, "search")?;
     let loaded = loading::load_with(file, packages, settings)?;

@@ -77,7 +77,8 @@ impl CheckpointWriter {
         loading::write_whole(&self.path, (super::results::line(&header)? + &content).as_bytes())
     }
 
-    /// Fails, and prints the reason, if a checkpoint could not be written or the resumed search diverged.
+    /// Fails, and prints the reason, if a checkpoint could not be written, or if the resumed search did not
+    /// repeat the steps of the stopped one.
     pub fn verdict(&self, record: &SearchRecord) -> Result<(), Exit> {
         let last = *self.last.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         let folder = path_word(self.path.parent().unwrap_or(Path::new(".")));

@@ -123,7 +123,8 @@ fn read_named(folder: &Path, packages: &PackageFolders, name: &str) -> Result<Ve
     }
 }
 
-/// Reads a file that must be inside `folder`, which belongs to `whose`; symbolic links are followed.
+/// Reads a file that must be inside `folder` after symbolic links are followed. `whose` names the owner of
+/// the folder in the error message.
 pub fn read_inside(folder: &Path, inside: &str, whose: &str) -> Result<Vec<u8>, String> {
     let path = folder.join(inside);
     let real = path.canonicalize().map_err(|e| reason(&e))?;

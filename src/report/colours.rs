@@ -11,7 +11,7 @@ const VIRIDIS: [[f64; 3]; 6] = [
     [253.0, 231.0, 37.0],
 ];
 
-/// Blue of the palette of Okabe and Ito (2008), as are the colours that follow.
+/// Blue. This colour and those declared after it are from the palette of Okabe and Ito (2008).
 pub const BLUE: &str = "#0072b2";
 pub const ORANGE: &str = "#e69f00";
 pub const GREEN: &str = "#009e73";

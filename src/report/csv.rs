@@ -11,7 +11,7 @@ use crate::units::{deg_from_rad, mm_from_m, rounded};
 /// Writes the nodes of all operations as CSV with a header. World frame, mm and degrees.
 ///
 /// # Errors
-/// Fails if the csv writer does; it writes to memory here.
+/// Fails if the csv writer fails, which is not expected because it writes to memory.
 pub fn map(document: &MapDocument<'_>) -> Result<Vec<u8>, String> {
     let mut writer = ::csv::Writer::from_writer(Vec::new());
     let table = NodeTable::new(document);
@@ -53,7 +53,7 @@ pub fn put(writer: &mut ::csv::Writer<Vec<u8>>, row: &[String]) -> Result<(), St
 /// (mm, degrees).
 ///
 /// # Errors
-/// Fails if the csv writer does; it writes to memory here.
+/// Fails if the csv writer fails, which is not expected because it writes to memory.
 pub fn front(cell: &Cell, record: &SearchRecord) -> Result<Vec<u8>, String> {
     let mut writer = ::csv::Writer::from_writer(Vec::new());
     let free = cell.free();
@@ -88,7 +88,7 @@ fn variable(cell: &Cell, slot: Slot) -> String {
 /// Writes the readings of all operations, with a header. World frame, mm and degrees.
 ///
 /// # Errors
-/// Fails if the csv writer does; it writes to memory here.
+/// Fails if the csv writer fails, which is not expected because it writes to memory.
 pub fn readings(document: &ReadingsDocument) -> Result<Vec<u8>, String> {
     let mut writer = ::csv::Writer::from_writer(Vec::new());
     put(&mut writer, &READINGS.map(str::to_string))?;

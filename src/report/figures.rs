@@ -51,8 +51,8 @@ const MAPS: [Map; 5] = [
     ),
 ];
 
-/// Draws all figures. The maps show the first operation, and in Fig. 7 all operations together. Every name
-/// begins with `prefix`.
+/// Draws all figures. The maps show the first operation; the map of Fig. 7 shows all operations together.
+/// Every file name begins with `prefix`.
 ///
 /// # Errors
 /// Fails if a picture cannot be drawn.
@@ -140,7 +140,8 @@ fn map_words(a: &Assessment<'_>, map: &OperationMap, sense: &str) -> String {
     words + "."
 }
 
-/// Returns the least value, the greatest value and the node of the least; values in the unit of the sense.
+/// Returns the least value of a map in a sense, the greatest value, and the node with the least value. Values
+/// are in the unit of the sense; a yield is in the unit of the cell.
 fn range(a: &Assessment<'_>, map: &OperationMap, sense: &str) -> Option<(f64, f64, usize)> {
     let sense = map.sense(sense)?;
     let unit = match (a.cell.reading, a.cell.quantity) {

@@ -79,7 +79,7 @@ impl ColumnValues {
 /// state the units.
 ///
 /// # Errors
-/// Fails if the Parquet writer does; it writes to memory here.
+/// Fails if the Parquet writer fails, which is not expected because it writes to memory.
 pub fn map(a: &Assessment<'_>) -> Result<Vec<u8>, String> {
     let document = MapDocument::new(a);
     let table = NodeTable::new(&document);

@@ -15,9 +15,9 @@ pub const ABOVE: ViewAxes =
 pub const FRONT: ViewAxes =
     [Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 0.0, 1.0), Vector3::new(0.0, -1.0, 0.0)];
 
-/// Projected share of its area below which a face counts as edge-on.
+/// Projected area, as a share of the area of the face, up to which a face counts as edge-on.
 const EDGE_ON: f64 = 1e-6;
-/// Cosine of 60 degrees: an edge is drawn if the angle between its two faces is larger.
+/// Cosine of 60 degrees: an edge is drawn if the angle between the normals of its two faces is larger.
 const SHARP: f64 = 0.5;
 
 /// Outline of a solid in the plane of a view (right, up), m.
@@ -27,12 +27,12 @@ pub struct Silhouette {
     pub loops: Vec<Vec<Vector2<f64>>>,
     /// Sharp edges inside of the outlines.
     pub edges: Vec<[Vector2<f64>; 2]>,
-    /// Distance of the middle towards the eye, m; nearer solids are drawn later.
+    /// Mean coordinate of the corners towards the eye, m; nearer solids are drawn later.
     pub depth: f64,
 }
 
-/// Returns the outline of the faces towards the eye, that is, their edges without a neighbour towards the
-/// eye.
+/// Returns the silhouette of a solid. Its outline consists of the edges that belong to only one face towards
+/// the eye.
 pub fn silhouette(mesh: &Mesh, pose: &Pose, [right, up, eye]: &ViewAxes) -> Silhouette {
     let placed: Vec<Vector3<f64>> = mesh.positions.iter().map(|p| pose.transform(p)).collect();
     let joined = joined(&mesh.positions);

@@ -15,7 +15,7 @@ pub fn escaped(text: &str) -> String {
         .replace('\'', "&#39;")
 }
 
-/// End of a path.
+/// Ending of a path: open, or closed to the first point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PathEnd {
     Open,

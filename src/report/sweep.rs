@@ -4,7 +4,7 @@ use super::csv::{flag_word, inert, or_empty, put};
 use crate::record::{PlacementEntry, SweepRow, SweepTable};
 use serde_json::Value;
 
-/// Returns a value of a set as text.
+/// Returns a value of a `--set` option as text.
 pub fn word(value: &Value) -> String {
     match value {
         Value::String(text) => text.clone(),
@@ -17,7 +17,7 @@ const COORDINATES: [&str; 4] = ["x_mm", "y_mm", "z_mm", "yaw_deg"];
 /// Writes table.csv: one line per row, with a header. Lengths in mm, angles in degrees, world frame.
 ///
 /// # Errors
-/// Passes on the errors of the csv writer, which writes to memory here.
+/// Fails if the csv writer fails, which is not expected because it writes to memory.
 pub fn csv(table: &SweepTable) -> Result<Vec<u8>, String> {
     let rows = &table.rows;
     let operations = distinct(rows.iter().flat_map(|r| r.operations.iter().map(|o| o.name.as_str())));
@@ -55,7 +55,8 @@ fn header(paths: &[&str], operations: &[&str], equipment: &[&str]) -> Vec<String
     header
 }
 
-/// Returns a value of a set for CSV. Numbers stay as they are, because a leading minus makes no formula.
+/// Returns a value of a `--set` option for CSV. A number gets no apostrophe, because its leading minus does
+/// not make it a formula.
 fn cell(value: &Value) -> String {
     if value.is_number() { word(value) } else { inert(&word(value)) }
 }

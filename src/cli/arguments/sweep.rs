@@ -47,8 +47,8 @@ pub struct SweepArguments {
     /// Resume the sweep in this folder
     #[arg(long, value_name = "DIR")]
     pub resume: Option<PathBuf>,
-    /// Process only this combination (numbered from 0) and write no table; meant for array jobs on a cluster,
-    /// then finish with --resume
+    /// Process only this combination (numbered from 0) and write no table, for array jobs on a cluster;
+    /// --resume then writes the table
     #[arg(long, value_name = "INDEX")]
     pub only: Option<usize>,
     /// Print the table as JSON on stdout

@@ -11,7 +11,7 @@ use crate::layout::Workcell;
 use crate::record::{CHECK_SCHEMA, CheckDocument, OwnPairEntry, UrdfEntry};
 use crate::report;
 
-/// `sweetspot check`
+/// Runs `sweetspot check`.
 pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
     if a.json {
         let (mut pairs, mut urdf) = (Vec::new(), None);

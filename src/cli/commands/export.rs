@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 /// Size of a picture, px.
 const PNG_SIZE: (usize, usize) = (1600, 1000);
 
-/// `sweetspot export`
+/// Runs `sweetspot export`.
 pub fn export(a: &ExportArguments) -> Result<Exit, Exit> {
     a.out.as_deref().map_or(Ok(()), |out| refuse_other_ending(out, a.to))?;
     refuse_missing_writer(a.to)?;

@@ -9,7 +9,7 @@ use crate::files::Source;
 use crate::report::figures::{Format, PaperFigure, figures as drawn, readme};
 use std::path::Path;
 
-/// `sweetspot figures`
+/// Runs `sweetspot figures`.
 pub fn figures(a: &FiguresArguments) -> Result<Exit, Exit> {
     let format = Format { width: usize::from(a.width), dark: a.dark };
     let mut loaded = Vec::new();

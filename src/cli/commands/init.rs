@@ -12,7 +12,7 @@ use std::path::Path;
 /// Name of the cell file that is written.
 const CELL: &str = "cell.toml";
 
-/// `sweetspot init`
+/// Runs `sweetspot init`.
 pub fn init(a: &InitArguments) -> Result<Exit, Exit> {
     let Some(name) = &a.name else {
         output::data(&list())?;

@@ -13,7 +13,7 @@ use crate::report;
 use crate::report::page::SearchFacts;
 use std::path::{Path, PathBuf};
 
-/// `sweetspot compare`
+/// Runs `sweetspot compare`.
 pub fn compare(a: &CompareArguments) -> Result<Exit, Exit> {
     a.out.as_deref().map_or(Ok(()), refuse_other_pages)?;
     let mut cells = Vec::new();

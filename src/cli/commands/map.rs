@@ -11,7 +11,7 @@ use crate::files::Loaded;
 use crate::record::MapDocument;
 use crate::report;
 
-/// `sweetspot map`
+/// Runs `sweetspot map`.
 pub fn map(a: &MapArguments) -> Result<Exit, Exit> {
     let Loaded { cell, sources, .. } = asked::load(&a.cell, &a.packages, &a.question)?;
     let workcell = workcell(cell, &a.cell)?;

@@ -12,7 +12,7 @@ use crate::record::{BudgetDocument, ExplanationDocument};
 use crate::report;
 use crate::units::{m_from_mm, rad_from_deg};
 
-/// `sweetspot budget`
+/// Runs `sweetspot budget`.
 pub fn budget(a: &BudgetArguments) -> Result<Exit, Exit> {
     let loaded = asked::load(&a.cell, &a.packages, &a.question)?;
     let workcell = workcell(loaded.cell, &a.cell)?;
@@ -41,7 +41,7 @@ pub fn budget(a: &BudgetArguments) -> Result<Exit, Exit> {
     Ok(Exit::Done)
 }
 
-/// `sweetspot explain`
+/// Runs `sweetspot explain`.
 pub fn explain(a: &ExplainArguments) -> Result<Exit, Exit> {
     let loaded = asked::load(&a.cell, &a.packages, &a.question)?;
     let k = match one_operation(&loaded.cell, a.operation.as_deref(), a.at)? {

@@ -10,7 +10,7 @@ use crate::cli::{Exit, asked, loading, output};
 use crate::record::ReadingsDocument;
 use crate::report;
 
-/// `sweetspot readings`
+/// Runs `sweetspot readings`.
 pub fn readings(a: &ReadingsArguments) -> Result<Exit, Exit> {
     let loaded = asked::load_for_readings(&a.cell, &a.packages, &a.errors)?;
     let cell = &loaded.cell;

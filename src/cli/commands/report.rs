@@ -15,7 +15,7 @@ use crate::report::page::{Manifest, Report, Subject};
 use crate::search::SearchEnd;
 use std::path::{Path, PathBuf};
 
-/// `sweetspot report`
+/// Runs `sweetspot report`.
 pub fn report(a: &ReportArguments) -> Result<Exit, Exit> {
     refuse_other_pages(&a.out)?;
     let read = if a.of.is_dir() { of_folder(a)? } else { of_cell(a)? };

@@ -18,7 +18,7 @@ use std::path::Path;
 /// Largest number of sample points of one envelope; takes minutes with closed-form inverse kinematics.
 const MAX_POINTS: u64 = 300_000_000;
 
-/// `sweetspot robots`
+/// Runs `sweetspot robots`.
 pub fn robots(a: &RobotsArguments) -> Result<Exit, Exit> {
     let mut all = Vec::new();
     for (name, _) in library::ROBOTS {
@@ -35,7 +35,7 @@ pub fn robots(a: &RobotsArguments) -> Result<Exit, Exit> {
     Ok(Exit::Done)
 }
 
-/// `sweetspot robot`
+/// Runs `sweetspot robot`.
 pub fn robot(a: &RobotArguments) -> Result<Exit, Exit> {
     if a.toml {
         return print_file(&a.robot, &a.packages);
@@ -66,7 +66,7 @@ fn print_file(robot: &Path, packages: &PackageFolders) -> Result<Exit, Exit> {
     Ok(Exit::Done)
 }
 
-/// `sweetspot envelope`
+/// Runs `sweetspot envelope`.
 pub fn envelope(a: &EnvelopeArguments) -> Result<Exit, Exit> {
     if is_robot(&a.of, &a.packages) {
         if a.operation.is_some() {

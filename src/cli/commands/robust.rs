@@ -8,7 +8,7 @@ use crate::cli::{Exit, asked, output, results};
 use crate::record::RobustDocument;
 use crate::report;
 
-/// `sweetspot robust`
+/// Runs `sweetspot robust`.
 pub fn robust(a: &RobustArguments) -> Result<Exit, Exit> {
     let cell = asked::load(&a.cell, &a.packages, &a.question)?.cell;
     let workcell = workcell(cell, &a.cell)?;

@@ -10,7 +10,7 @@ use crate::files::FileKind;
 use crate::record::DocumentKind;
 use serde_json::Value;
 
-/// `sweetspot schema`
+/// Runs `sweetspot schema`.
 pub fn schema(a: &SchemaArguments) -> Result<Exit, Exit> {
     if a.markdown {
         return references(a);

@@ -20,7 +20,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-/// `sweetspot search`
+/// Runs `sweetspot search`.
 pub fn search(a: &SearchArguments) -> Result<Exit, Exit> {
     match &a.resume {
         Some(folder) => {

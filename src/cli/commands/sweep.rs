@@ -30,7 +30,7 @@ struct CheckedSweep {
     stop: Arc<AtomicBool>,
 }
 
-/// `sweetspot sweep`
+/// Runs `sweetspot sweep`.
 pub fn sweep(a: &SweepArguments) -> Result<Exit, Exit> {
     let mut plan = asked_plan(a)?;
     if let Some(index) = a.only.filter(|index| *index >= plan.combinations) {
@@ -102,8 +102,8 @@ fn check_all(plan: &mut SweepPlan, kept: &FileSnapshot, jobs: usize) -> Result<V
     if faults.iter().any(Fault::is_error) { Err(loading::exit_of(&faults)) } else { Ok(all) }
 }
 
-/// Adds to the help text of a fault in which combinations it occurs. Adds nothing if every combination with
-/// that setting has the fault.
+/// Appends the combinations that have a fault to its help text. Appends nothing if every combination has the
+/// fault, or every one with the `--set` value at fault.
 fn whose(plan: &SweepPlan, (fault, first, count): (Fault, usize, usize)) -> Fault {
     let settings = plan.settings(first);
     let own = settings.iter().position(|s| fault.file == format!("--set {}", s.words()));
@@ -181,8 +181,8 @@ fn searched(workcell: &Workcell, stop: &AtomicBool) -> Option<SearchRecord> {
     (!proof.interrupted && record.ended != SearchEnd::Interrupted).then_some(record)
 }
 
-/// Writes NNNN.toml, the cell with its layout fixed. Among the inputs, writes the file that it includes: the
-/// cell with the settings of the combination.
+/// Writes NNNN.toml, the cell with its layout fixed. NNNN.toml includes a file with the settings of the
+/// combination, which is written to the folder of the inputs.
 fn write_cell(sweep: &CheckedSweep, index: usize, a: &Assessment<'_>) -> Result<(), Exit> {
     let settings = sweep.plan.settings(index);
     let lines: Vec<_> = settings.iter().map(|s| s.line()).collect();

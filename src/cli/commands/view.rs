@@ -14,7 +14,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use tiny_http::Server;
 
-/// `sweetspot view`. Ends with exit code 0 at Ctrl-C.
+/// Runs `sweetspot view`. Ends with exit code 0 at Ctrl-C.
 pub fn view(a: &ViewArguments) -> Result<Exit, Exit> {
     asked::refuse_sets(&a.question.settings(), "view")?;
     let file = if a.of.is_dir() { results_folder::best_of(&a.of)? } else { a.of.clone() };

@@ -3,7 +3,7 @@
 use crate::cli::arguments::ViewArguments;
 use crate::cli::{Exit, output};
 
-/// `sweetspot view`
+/// Runs `sweetspot view`.
 pub fn view(_: &ViewArguments) -> Result<Exit, Exit> {
     output::error("this build has no `view`");
     output::talk("  help: cargo install --path . --features view");

@@ -74,8 +74,8 @@ const fn large_ur(name: &'static str, about: &'static str) -> Sketch {
     sketch([name, about, name, "placeholder"], 700, table, stand("conveyor", (950, -650, 700), 90, 1500))
 }
 
-/// Returns the first cell of an arm with about one metre of reach. A bench in front and a feeder at the side
-/// are at distance `far`.
+/// Returns the first cell of an arm with about one metre of reach. The bench starts at (0, `far`) and the
+/// feeder at (`far`, -100), mm in the world frame.
 const fn small(
     [name, about, robot]: [&'static str; 3],
     (pedestal, far): (i32, i32),
@@ -190,7 +190,7 @@ pub const SKETCHES: [Sketch; ROBOTS.len()] = [
     ),
 ];
 
-/// Returns the first cell with a short name, or that of a robot.
+/// Finds the first cell that has this short name or is for the robot of this name.
 pub fn find(name: &str) -> Option<&'static Sketch> {
     SKETCHES.iter().find(|s| s.name == name || s.robot == name)
 }

@@ -63,7 +63,7 @@ impl AccessControl {
         format!("http://127.0.0.1:{}/{}/", self.port, self.token)
     }
 
-    /// Returns the path behind the secret of a request that passes all checks.
+    /// Checks a request and returns the part of its path after the secret.
     ///
     /// # Errors
     /// Returns the response to a request that fails a check.

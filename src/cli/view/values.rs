@@ -8,7 +8,7 @@ use crate::record::coordinate_name;
 use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg, rounded};
 use serde_json::Value;
 
-/// Largest magnitude of a coordinate that is fixed in the file, m and rad.
+/// Largest magnitude that the page may give to a coordinate that the file fixes, m and rad.
 const MAX_FREE: (f64, f64) = (100.0, std::f64::consts::TAU);
 /// Number of decimals (mm and degrees) to which a number is compared with the ends of its range.
 const DIGITS: i32 = 9;
@@ -49,7 +49,7 @@ impl LayoutValues {
         cell.layout(|slot, coordinate| self.get(slot).unwrap_or_else(|| coordinate.start()))
     }
 
-    /// Returns a cell with this layout as its start; see [`Cell::starting_at`].
+    /// Returns a cell with this layout as its start. [`Cell::starting_at`] explains `frees`.
     pub fn starting(&self, cell: &Cell, frees: bool) -> Cell {
         cell.starting_at(self.slots.iter().copied().zip(self.si.iter().copied()), frees)
     }
@@ -136,7 +136,8 @@ fn owner(cell: &Cell, slot: Slot) -> String {
     }
 }
 
-/// Returns the coordinates of a placement or of a tool orientation that a request names.
+/// Returns a function from the index of an axis or angle to its coordinate. The request names the equipment
+/// or, for a tool orientation, the operation.
 fn slot_of(cell: &Cell, group: &str, name: &str) -> Result<Box<dyn Fn(usize) -> Slot>, String> {
     let unknown = |what: &str| format!("the cell has no {what} `{}`", shown(name));
     match group {

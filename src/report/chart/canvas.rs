@@ -118,7 +118,7 @@ impl Anchor {
     }
 }
 
-/// Entry of a legend: a mark round the origin, at most 24 px wide, and its meaning.
+/// Entry of a legend: SVG of a mark drawn around (0, 0), at most 24 px wide, and the meaning of the mark.
 pub struct LegendEntry {
     pub mark: String,
     pub said: String,

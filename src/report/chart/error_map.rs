@@ -104,7 +104,7 @@ impl<'a> ErrorMapPicture<'a> {
     }
 
     /// Draws the reach of the arm at the height of each operation, clipped at the frame of the drawing.
-    /// Returns the names of the operations of each line.
+    /// Returns for each drawn outline the names of its operations.
     fn draw_envelopes(&mut self) -> Vec<String> {
         let (a, view) = (self.a, self.view);
         self.canvas.put(&format!(
@@ -163,8 +163,8 @@ impl<'a> ErrorMapPicture<'a> {
         self.canvas.label((x, free.unwrap_or(y)), Anchor::Middle, Ink::Text, &said);
     }
 
-    /// Returns the enlargement of the arrows over the errors: the longest arrow spans about
-    /// [`LONGEST_ARROW`].
+    /// Returns the factor by which arrows are longer than the errors at the scale of the picture. The longest
+    /// arrow has about the length [`LONGEST_ARROW`].
     fn enlargement(&self) -> f64 {
         let errors = self.a.maps.iter().flat_map(OperationMap::usable).map(|(_, _, p)| p.error.xy().norm());
         let longest = errors.fold(0.0, f64::max);

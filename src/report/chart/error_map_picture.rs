@@ -23,9 +23,9 @@ pub(super) struct ErrorMapPicture<'a> {
 pub(super) struct MapScales {
     /// Ends of the colour scale in the unit of the cell.
     pub range: (f64, f64),
-    /// Ratio of the length of an arrow to its error.
+    /// Factor by which arrows are longer than the errors at the scale of the picture.
     pub enlarged: f64,
-    /// Names of the operations of each line of the reach.
+    /// Names of the operations that share each drawn outline of the reach.
     pub reach: Vec<String>,
     /// Thinning: every n-th node along each axis is drawn.
     pub every: usize,

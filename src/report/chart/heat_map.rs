@@ -17,7 +17,7 @@ use nalgebra::Vector3;
 
 /// Left end, right end and greatest height of the plot, px.
 const PLOT: (f64, f64, f64) = (62.0, WIDTH - EDGE - 112.0, 470.0);
-/// Least span of the plot before its margin, mm.
+/// Least span from which the margin of the plot is computed, mm.
 const MIN_SPAN: f64 = 100.0;
 /// Largest number of nodes with tooltips. A map with more nodes has none.
 const MAX_TITLES: usize = 400;

@@ -157,7 +157,8 @@ impl LayoutView<'_> {
         rings.map(|ring| ring.iter().map(|p| view.at(p)).collect())
     }
 
-    /// Returns all visible parts with the tool at the spot, the lowest first.
+    /// Returns all visible parts with the tool at the spot in the order of drawing: by kind, then the
+    /// farthest from the eye first.
     fn parts(&self) -> Vec<VisiblePart<'_>> {
         let movement = &self.drawing.movement;
         let frames = movement.at(self.operation).unwrap_or(movement.home());

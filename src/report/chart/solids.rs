@@ -35,7 +35,8 @@ fn look(kind: PartKind) -> (String, String) {
     }
 }
 
-/// Returns the outline of closed rings (px), covered by their fill under the nonzero rule.
+/// Returns SVG paths of closed rings (px): the line, then the fill over it. The fill follows the nonzero
+/// rule.
 pub fn drawn(rings: impl Iterator<Item = Vec<(f64, f64)>>, kind: PartKind) -> String {
     let d: String = rings.map(|ring| path_data(ring.into_iter(), PathEnd::Closed, 1)).collect();
     if d.is_empty() {

@@ -55,7 +55,7 @@ pub fn tornado(a: &BudgetReport<'_>) -> String {
     canvas.finish()
 }
 
-/// Returns the share that counts under the reading.
+/// Returns the function that picks the share under the reading: of the variance or of the worst case.
 fn share_of(a: &BudgetReport<'_>) -> fn(&Share) -> f64 {
     match a.context.gauge.reading {
         Reading::Statistical => |s| s.of_variance,

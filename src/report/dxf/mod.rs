@@ -40,8 +40,8 @@ const LAYERS: [Layer; 15] = [
     (TEXT, 7),
 ];
 
-/// Cosine of the angle between two faces above which they count as one plane; the edge between them is not
-/// drawn.
+/// Cosine of the angle between the normals of two faces. Above it the faces count as one plane, and the edge
+/// between them is not drawn.
 const PLANE: f64 = 1.0 - 1e-9;
 /// Height of a text as a share of the cell's longer side, and the least height, m.
 const HEIGHT: (f64, f64) = (1.0 / 90.0, 0.015);

@@ -54,7 +54,8 @@ impl GlbFile {
         Index::push(&mut self.root.buffer_views, view)
     }
 
-    /// Adds an accessor of numbers with the components of `kind`, and with their bounds if `bounds` is set.
+    /// Adds an accessor of elements of the type `kind`, such as vectors. States their bounds if `bounds` is
+    /// true.
     fn floats(&mut self, kind: Type, values: &[f32], of: Option<Target>, bounds: bool) -> Index<Accessor> {
         let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
         let width = kind.multiplicity();
@@ -157,7 +158,7 @@ impl GlbFile {
         Index::push(&mut self.root.nodes, node)
     }
 
-    /// Adds a node that groups others; None if there are none.
+    /// Adds a node that groups its children; returns None if there are no children.
     pub fn group(&mut self, name: &str, children: Vec<Index<Node>>) -> Option<Index<Node>> {
         let node = Node { name: Some(name.to_string()), children: Some(children), ..Node::default() };
         (!node.children.as_ref()?.is_empty()).then(|| self.node(node))

@@ -220,7 +220,8 @@ fn stands(scene: &mut GlbBuilder, drawing: &Drawing<'_>) -> Vec<Index<Node>> {
     all
 }
 
-/// Adds the error maps: arrows, circles round unusable nodes, the spot; one node for each operation.
+/// Adds the error maps, one glTF node for each operation. A map shows arrows, the spot, and circles round
+/// unusable nodes of the grid.
 fn maps(scene: &mut GlbBuilder, drawing: &Drawing<'_>) -> Option<Index<Node>> {
     let ranges = drawing.fields.iter().filter_map(|f| f.range(0, f.sense));
     let range = ranges.reduce(|(lo, hi), (a, b)| (lo.min(a), hi.max(b))).unwrap_or_default();
@@ -270,7 +271,7 @@ fn arrows(
     Some(scene.file.node(Node { mesh, name: Some(name), ..Node::default() }))
 }
 
-/// Adds the working envelopes, one node for each operation.
+/// Adds the working envelopes, one glTF node for each operation.
 fn envelopes(scene: &mut GlbBuilder, drawing: &Drawing<'_>) -> Option<Index<Node>> {
     let mut all = Vec::new();
     for (operation, rings) in drawing.cell.operations.iter().zip(&drawing.envelopes) {

@@ -1,5 +1,5 @@
-//! State of the live page of `view`: the constant form of a cell, and a compact document for the value of a
-//! layout.
+//! State of the live page of `view`: the part of a cell that does not depend on the layout (the form), and a
+//! compact document for the value of a layout.
 
 use super::live_records::{
     AnswerNodes, AnswerOperation, AnswerRecord, FormEquipment, FormGroup, FormNumber, FormRecord, LensChoice,
@@ -17,7 +17,7 @@ use serde_json::Value;
 
 /// Largest number of nodes of a map that are sent. A larger map is thinned to every second, third, ... node.
 const MAX_NODES: usize = 4000;
-/// Number of decimals of mm that are visible.
+/// Number of decimals of the mm and degrees that are sent; more would not be visible.
 const VISIBLE_DECIMALS: i32 = 4;
 
 /// Converts a record to a JSON value, which cannot fail for plain numbers and texts.

@@ -20,7 +20,7 @@ pub struct FormRecord<'a> {
     pub can_search: bool,
     pub equipment: Vec<FormEquipment<'a>>,
     pub base_footprint: [f64; 4],
-    /// Least and greatest corner of every keep-out box in the plan.
+    /// Least and greatest corner of every keep-out box in the plan: x, y, x, y in the world frame, mm.
     pub keep_out: Vec<[f64; 4]>,
     pub fence: Option<Vec<[f64; 2]>>,
 }

@@ -108,7 +108,7 @@ pub struct LensRecord {
     pub signed: bool,
 }
 
-/// Nodes of an operation, one list per property.
+/// Error map of an operation: its nodes, one list per property.
 #[derive(Serialize)]
 pub struct FieldRecord<'a> {
     pub operation: usize,
@@ -130,7 +130,7 @@ pub struct FieldRecord<'a> {
     pub takes: Vec<TakeRecord>,
 }
 
-/// Errors of a field under one model and reading.
+/// Errors at the nodes of an operation under one model and reading.
 #[derive(Serialize)]
 pub struct TakeRecord {
     pub lens: usize,
@@ -155,7 +155,7 @@ pub struct MovementRecord<'a> {
     pub times_s: Vec<f64>,
     /// Operation whose part is held at each time.
     pub holding: Vec<Option<usize>>,
-    /// Number of frames at each time.
+    /// Number of link frames (poses) at each time.
     pub links: usize,
     pub frames: String,
 }

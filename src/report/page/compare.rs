@@ -18,11 +18,11 @@ use serde::Serialize;
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SearchFacts {
     pub gap_percent: Option<f64>,
-    /// Least clearance that depends on the layout, as the search computed it, mm.
+    /// Clearance from search.json: least distance of the robot and the floor spaces from everything else, mm.
     pub clearance_mm: Option<f64>,
 }
 
-/// Content of the template.
+/// Values that fill the template of the comparison.
 #[derive(Serialize)]
 struct ComparePage<'a> {
     title: String,
@@ -123,7 +123,8 @@ fn differences(comparison: &Comparison<'_>) -> Vec<Section> {
     vec![section]
 }
 
-/// Returns the section with the table of the terminal and some more rows.
+/// Returns the section with the comparison table that the terminal shows, and rows for requirement, clearance
+/// and gap.
 fn side_by_side(comparison: &Comparison<'_>, told: &[SearchFacts]) -> Section {
     let text = vec![
         "Lengths are in mm and angles in degrees. Parentheses give the change from the first layout. Clearance is the \

@@ -71,7 +71,7 @@ impl PageTable {
     }
 }
 
-/// Text of a cell without a value.
+/// Text of a table cell without a value.
 pub const NOTHING: &str = "–";
 
 /// Returns whether a column contains only numbers, with or without a unit.

@@ -3,12 +3,12 @@
 use crate::cell::Unit;
 use crate::units::{percent_from_share, rounded};
 
-/// Returns an SI value with its unit; a share is in percent.
+/// Returns an SI value as text in `unit`, with the unit; a share is in percent.
 pub fn quantity(unit: Unit, si: f64) -> String {
     told(unit, unit.from_si(si))
 }
 
-/// Returns a value, given in its unit, with the unit.
+/// Returns a value that is already in `unit` as text with the unit; a share is in percent.
 pub fn told(unit: Unit, value: f64) -> String {
     match unit {
         Unit::Share => format!("{:.4} %", rounded(percent_from_share(value), 4)),

@@ -1,4 +1,4 @@
-//! The spots under every reading, and the numbers of nodes by sign.
+//! The spots under every reading, and the number of nodes of each kind (usable, out of reach, ...).
 
 use super::content::{PageTable, Section};
 use super::places::titled;

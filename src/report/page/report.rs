@@ -18,7 +18,7 @@ pub struct Report {
     pub verdict: VerdictDocument,
 }
 
-/// Content of the template.
+/// Values that fill the template of the report.
 #[derive(Serialize)]
 struct ReportPage<'a> {
     title: String,
@@ -67,7 +67,8 @@ pub fn report(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Result<Report,
     Ok(Report { html, verdict })
 }
 
-/// Returns robot, error set, model, reading and registration. The page shows the name of the cell above.
+/// Returns robot, error set, model, reading and registration. The name of the cell is left out, because the
+/// page shows it in its heading.
 fn question(cell: &Cell) -> String {
     let line = headline(cell);
     line.strip_prefix(&format!("{}: ", cell.name)).map(str::to_string).unwrap_or(line)

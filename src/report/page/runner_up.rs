@@ -9,8 +9,8 @@ use crate::layout::combined;
 use crate::record::{RunnerUpEntry, RunnerUpKind};
 use crate::units::rounded;
 
-/// Returns the best other layout that the search kept. Without one, returns the next best node that costs
-/// least over all operations.
+/// Returns the best other layout that the search kept. Without one, returns the next best node of the
+/// operation whose value increases least at that node.
 pub fn runner_up(subject: &Subject<'_>) -> Option<RunnerUpEntry> {
     let shown_layout = subject.shown();
     shown_layout.evaluation.objective?;

@@ -102,7 +102,8 @@ struct TriangleEdge {
     along: [i64; 2],
     /// Change of the edge function from one sample to the next on the right.
     step: i64,
-    /// Least value of a covered sample. A sample on the line belongs to only one of the two triangles.
+    /// Least value of the edge function at a covered sample. A sample on a common edge belongs to only one of
+    /// the two triangles.
     least: i64,
 }
 

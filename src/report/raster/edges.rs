@@ -5,7 +5,8 @@ use super::scene::SceneBody;
 use nalgebra::Vector3;
 use std::collections::HashMap;
 
-/// Edge of a mesh: its ends, their corners, and properties of the adjacent triangles.
+/// Edge of a mesh: positions of its ends, indices of the corners there, and properties of the adjacent
+/// triangles.
 struct FeatureEdge {
     ends: [Vector3<f64>; 2],
     corners: [u32; 2],
@@ -15,7 +16,8 @@ struct FeatureEdge {
     is_sharp: bool,
 }
 
-/// Number of sharp edges from which none is drawn, because a scanned surface is sharp everywhere.
+/// A body with at least this number of sharp edges is drawn without them: it is a scan, which is sharp
+/// everywhere.
 const MAX_SHARP_EDGES: usize = 400;
 
 pub fn of(body: &SceneBody, camera: &Camera) -> Vec<[Vector3<f64>; 2]> {

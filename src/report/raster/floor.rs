@@ -9,7 +9,7 @@ use nalgebra::{Point2, Vector3};
 
 /// Number of tiles of the floor along each side.
 const FIELDS: usize = 160;
-/// Height above the floor at which a solid darkens it little, m.
+/// Height above the floor, m, at which a solid darkens the floor half as much as a solid that stands on it.
 const NEAR: f64 = 0.35;
 /// Distance of the grid lines, m.
 const GRID: f64 = 0.5;

@@ -1,15 +1,15 @@
 //! Stroke font, so that a picture has text without font files.
 //!
-//! The grid has the baseline at 3, small letters up to 9, capitals up to 12 (c) and descenders down to 0. Two
-//! hexadecimal digits give a point: right, then up. A stroke that begins with ~ is round; a stroke of one
-//! point is a dot.
+//! The grid has the baseline at 3, small letters up to 9, capitals up to 12 (hexadecimal c) and descenders
+//! down to 0. Two hexadecimal digits give a point: right, then up. A stroke that begins with ~ is round; a
+//! stroke of one point is a dot.
 
 use nalgebra::Vector2;
 
 /// Height of capitals on the grid.
 pub const CAPITAL: f64 = 9.0;
 const BASE: f64 = 3.0;
-/// Gap between letters.
+/// Gap between letters, in steps of the grid.
 const GAP: f64 = 2.3;
 const SPACE: f64 = 2.2;
 

@@ -39,10 +39,10 @@ use scene::{RasterScene, SceneBody};
 /// Settings of a picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shot {
-    /// Operation whose error map alone is shown, with the robot at its spot. None shows all maps and the
-    /// robot at home.
+    /// Operation whose error map alone is shown, with the robot at its spot. None shows all maps.
     pub operation: Option<usize>,
-    /// Operation at whose spot the robot stands if `operation` is none.
+    /// Operation at whose spot the robot stands if `operation` is None. If both are None, the robot is at
+    /// home.
     pub context: Option<usize>,
     /// Width of the picture, px.
     pub width: usize,
@@ -53,7 +53,7 @@ pub struct Shot {
     pub show: Show,
     /// Model and reading shown: index into [`Drawing::lenses`].
     pub take: usize,
-    /// Name of the sense of the colours; None for the sense of the operation.
+    /// Name of the sense that the colours show; None for the sense of the operation.
     pub sense: Option<String>,
     pub envelope: bool,
     /// Whether equipment names and spot values are drawn.
@@ -89,6 +89,8 @@ const MAX_SIDE: usize = 6000;
 const SAMPLES: usize = 3;
 
 impl Shot {
+    /// Checks the settings against the drawing.
+    ///
     /// # Errors
     /// Fails if the settings do not suit the drawing. The message says why.
     fn check(&self, drawing: &Drawing<'_>) -> Result<(), String> {

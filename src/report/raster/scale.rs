@@ -31,7 +31,7 @@ impl Show {
         }
     }
 
-    /// Returns the errors of a field as arrows.
+    /// Returns the errors of an error map (field) as arrows.
     pub fn arrows(self, drawing: &Drawing<'_>, field: usize, take: usize) -> Vec<Arrow> {
         let component = match self {
             Self::Nothing => return Vec::new(),
@@ -94,7 +94,7 @@ impl ErrorScale {
     }
 }
 
-/// Returns the index of the sense that the colours of a field show.
+/// Returns the index of the sense that the colours of an error map (field) show.
 pub fn sense(field: &Field, shot: &Shot) -> usize {
     let named = |name: &str| field.senses.iter().position(|s| s.name == name);
     shot.sense.as_deref().and_then(named).unwrap_or(field.sense)

@@ -11,12 +11,12 @@ use nalgebra::Vector3;
 pub struct SceneBody {
     pub mesh: Mesh,
     pub colour: Colour,
-    /// Colour of an unlit body at a share of 0. `shares` gives the share of every corner between `dark` and
-    /// `colour`; empty means 1.
+    /// Colour of a corner of share 0 if the body is unlit; a corner of share 1 has `colour`. `shares` has one
+    /// share per corner; if it is empty, every share is 1.
     pub dark: Colour,
     pub shares: Vec<f32>,
     pub opacity: f32,
-    /// Whether lamps light the body. Signs look the same from all sides.
+    /// Whether lamps light the body. An unlit body, such as a sign, looks the same from all sides.
     pub is_lit: bool,
     /// Whether the body is an arrow or a node, which SVG draws in its own way.
     pub is_sign: bool,
@@ -94,7 +94,7 @@ pub struct RasterScene {
     pub labels: Vec<Label>,
     pub nodes: Vec<NodeMark>,
     pub arrows: Vec<(Arrow, Colour)>,
-    /// Diagonal of all bodies, m.
+    /// Diagonal of the bounding box of all bodies, m.
     pub size: f64,
     /// Horizontal direction to the right of the picture, world frame.
     pub right: Vector3<f64>,

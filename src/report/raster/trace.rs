@@ -23,8 +23,8 @@ pub fn outlines(
     loops.filter(|(_, rings): &(u32, Vec<_>)| !rings.is_empty()).collect()
 }
 
-/// Returns for each value the cell sides that separate it from other values. A side is directed, with the
-/// value on its right.
+/// Returns for each value the sides of grid cells that separate it from other values. A side is directed,
+/// with the value on its right.
 fn sides(values: &[u32], width: usize) -> BTreeMap<u32, Vec<(GridPoint, GridPoint)>> {
     let height = values.len() / width.max(1);
     let at = |x: i32, y: i32| {
@@ -69,8 +69,8 @@ fn area(ring: &[GridPoint]) -> f64 {
         / 2.0
 }
 
-/// Returns a ring with fewer points (Douglas and Peucker 1973). The ring is split at its least point, which
-/// is a corner, and at the point farthest from it.
+/// Returns a ring with fewer points (Douglas and Peucker 1973). The ring is split at two points: its leftmost
+/// point (the uppermost if there are several), which is a corner, and the point farthest from that corner.
 fn simplified(ring: &[GridPoint], tolerance: f64) -> Vec<GridPoint> {
     let Some(start) = (0..ring.len()).min_by_key(|k| ring[*k]) else { return Vec::new() };
     let ring: Vec<GridPoint> = ring[start..].iter().chain(&ring[..=start]).copied().collect();

@@ -22,7 +22,7 @@ const MARGIN: f64 = 8.0;
 const INSIDE: f64 = 6.0;
 const HEADING: f64 = 8.0;
 const GAP: f64 = 14.0;
-/// Height of the title block.
+/// Height of the title block, mm on paper.
 const TITLE: f64 = 30.0;
 
 /// Solid with its silhouette in a view.

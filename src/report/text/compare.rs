@@ -10,7 +10,7 @@ use crate::record::value_word;
 use crate::units::{deg_from_rad, rounded};
 use std::fmt::Write;
 
-/// Returns the comparison table, then the objective or the reasons of infeasible layouts.
+/// Returns the comparison table, then the reasons why layouts are not feasible.
 pub fn comparison(comparison: &Comparison<'_>) -> String {
     let mut out = comparison_table(comparison).render();
     for column in comparison.columns.iter().filter(|c| c.evaluation.objective.is_none()) {
@@ -19,8 +19,8 @@ pub fn comparison(comparison: &Comparison<'_>) -> String {
     out
 }
 
-/// Returns the table of [`comparison`]: group, label, and one cell for each layout. The first row names the
-/// layouts.
+/// Returns the table of [`comparison`]: group, label, and one table cell for each layout. The first row names
+/// the layouts.
 pub fn comparison_table(comparison: &Comparison<'_>) -> TextTable {
     let mut table = TextTable::new(2);
     let columns = &comparison.columns;

@@ -189,7 +189,7 @@ fn models(e: &Explanation<'_>) -> String {
     out
 }
 
-/// Returns the names of the parts that are subtracted from the error of the robot alone.
+/// Returns the names of the terms that are subtracted from the robot's own error.
 fn taken_words(e: &Explanation<'_>) -> String {
     let registration = match e.context.cell.registration {
         Registration::None => None,

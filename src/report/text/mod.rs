@@ -59,7 +59,7 @@ pub fn headline(cell: &Cell) -> String {
     format!("{}{reading}{registration}", question(cell))
 }
 
-/// Signs of nodes that are counted even if there are none.
+/// Kinds of nodes whose number is printed even if it is 0.
 const ALWAYS_COUNTED: [NodeSign; 4] =
     [NodeSign::Usable, NodeSign::Collision, NodeSign::JointLimit, NodeSign::OutOfReach];
 

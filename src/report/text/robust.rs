@@ -9,7 +9,8 @@ use crate::record::value_word;
 use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg, rounded};
 use std::fmt::Write;
 
-/// Largest number of listed corners at which an operation cannot be done.
+/// Largest number of lost corners in the list. The operation cannot be done at such a corner of the placement
+/// tolerances.
 const MAX_LOST_SHOWN: usize = 3;
 
 /// Returns the effect of misplacement on each operation of a layout; empty if misplacement was not computed.
@@ -77,7 +78,7 @@ fn most(largest: &Largest, said: impl Fn(f64) -> String) -> String {
     said(largest.most) + more
 }
 
-/// Returns what limits the misplacement.
+/// Returns what ends the range of allowed misplacement; empty if nothing does.
 fn because(cell: &Cell, largest: &Largest) -> String {
     match &largest.ended {
         None => String::new(),
@@ -120,7 +121,8 @@ fn axis(slot: Slot) -> &'static str {
     }
 }
 
-/// Returns the gradient, in the unit of the objective per mm and per degree.
+/// Returns the gradient of the value with respect to misplacement, in the unit of the objective per mm and
+/// per degree.
 fn slopes(cell: &Cell, r: &Robustness) -> String {
     let unit = cell.unit();
     let one = |(slot, slope): &(Slot, Option<f64>)| {

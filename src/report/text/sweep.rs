@@ -6,7 +6,8 @@ use crate::record::{SweepGroup, SweepRow, SweepSpot, SweepTable};
 use crate::report::sweep::word;
 use std::fmt::Write;
 
-/// Returns the table of all rows with the best row marked, then the best row of every value.
+/// Returns the table of all rows with the best row marked, then the best row for every value of every `--set`
+/// option.
 pub fn sweep(document: &SweepTable) -> String {
     let Some(first) = document.rows.first() else { return String::new() };
     let mut table = TextTable::new(2 + first.set.len());
@@ -47,7 +48,7 @@ fn operation(spot: &SweepSpot) -> String {
     }
 }
 
-/// Returns one line for every value of every set.
+/// Returns one line for every value of every `--set` option.
 fn summary(document: &SweepTable) -> String {
     let mut table = TextTable::new(2);
     table.row(["set", "value", "best", "#", "feasible"]);
