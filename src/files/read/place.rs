@@ -11,7 +11,7 @@ use crate::files::toml::value::plain;
 use crate::units;
 
 /// Largest distance, m, by which rounding may put a point beyond the edge of its surface.
-const EDGE: f64 = 1e-9;
+const EDGE_ROUNDING: f64 = 1e-9;
 
 /// Time (s) and memory (bytes) that `map --json` takes per node, measured with a quarter of a million nodes
 /// on hitachi_cell.
@@ -98,7 +98,7 @@ fn about(value: f64) -> String {
 pub fn is_on(surface: &Rectangle, (x, y): (f64, f64)) -> bool {
     let Rectangle { centre, size } = surface;
     let beyond = |v: f64, centre: f64, size: f64| (v - centre).abs() - size / 2.0;
-    beyond(x, centre.0, size.0).max(beyond(y, centre.1, size.1)) <= EDGE
+    beyond(x, centre.0, size.0).max(beyond(y, centre.1, size.1)) <= EDGE_ROUNDING
 }
 
 /// Returns the extent of a surface in words: "x from -750 to 750, y from -350 to 350".

@@ -56,7 +56,7 @@ pub struct Derived {
 pub const MAX_EXACT_GAP: f64 = 1e-12;
 
 /// Largest deviation, rad or m, at which a value is rounded to a multiple of a right angle or to 0.
-const NEAR: f64 = 1e-9;
+const MAX_ROUNDING: f64 = 1e-9;
 
 /// Shortest common normal, m, that defines a direction.
 const SHORTEST: f64 = 1e-13;
@@ -83,7 +83,7 @@ pub fn derive(axes: &[Axis], flange: &Pose) -> Derived {
             break;
         }
     }
-    model.rounded(best.unwrap_or_else(|| model.rows(NEAR)))
+    model.rounded(best.unwrap_or_else(|| model.rows(MAX_ROUNDING)))
 }
 
 /// Returns the angle between two axes as lines, in [0, pi/2], rad.
@@ -261,10 +261,10 @@ fn beside(up: f64, (x, y): (f64, f64), r: f64, along: (f64, f64)) -> UrdfDhRow {
 
 /// Chooses the direction of the x axis by the rule in the module documentation.
 fn in_sense(r: f64, l: f64, alpha: f64, (x, y): (f64, f64)) -> UrdfDhRow {
-    let square = x.abs() <= NEAR;
+    let square = x.abs() <= MAX_ROUNDING;
     let turn_round = if !square {
         x < 0.0
-    } else if l.abs() > NEAR {
+    } else if l.abs() > MAX_ROUNDING {
         l < 0.0
     } else {
         y < 0.0
@@ -277,7 +277,7 @@ fn in_sense(r: f64, l: f64, alpha: f64, (x, y): (f64, f64)) -> UrdfDhRow {
 fn last(tip: &Pose) -> UrdfDhRow {
     let (x, d, p) = (tip.rotation.column(0), tip.rotation.column(2).into_owned(), tip.translation);
     let s = d.x.hypot(d.y);
-    if s <= NEAR {
+    if s <= MAX_ROUNDING {
         beside(d.z, (p.x, p.y), p.z, (x[0], x[1]))
     } else if s < SLANTED {
         UrdfDhRow::default()
@@ -295,9 +295,9 @@ fn tidy(pose: Pose) -> Pose {
 
 fn right_angle(angle: f64) -> f64 {
     let exact = (angle / FRAC_PI_2).round() * FRAC_PI_2 + 0.0;
-    if (angle - exact).abs() < NEAR { exact } else { angle }
+    if (angle - exact).abs() < MAX_ROUNDING { exact } else { angle }
 }
 
 fn zero(length: f64) -> f64 {
-    if length.abs() < NEAR { 0.0 } else { length }
+    if length.abs() < MAX_ROUNDING { 0.0 } else { length }
 }

@@ -21,7 +21,7 @@ use crate::report::svg_text::{PathEnd, escaped, path_data};
 /// Largest number of nodes of a map that are drawn.
 const MAX_NODES: usize = 4000;
 /// Longer side of the drawing area, px.
-const SIDE: f64 = 820.0;
+const LONGER_SIDE: f64 = 820.0;
 /// Least width of the picture, px, which heading and legend need.
 const MIN_WIDTH: f64 = 740.0;
 /// Width of the floor shown round all objects, m.
@@ -62,7 +62,7 @@ fn bounds(a: &Assessment<'_>) -> (PlanePoint, PlanePoint) {
 impl<'a> ErrorMapPicture<'a> {
     fn new(a: &'a Assessment<'a>) -> Self {
         let bounds = bounds(a);
-        let mut view = PlaneView::fitted(bounds, (SIDE, SIDE), (MARGIN, 0.0));
+        let mut view = PlaneView::fitted(bounds, (LONGER_SIDE, LONGER_SIDE), (MARGIN, 0.0));
         let width = (view.width() + 2.0 * MARGIN).max(MIN_WIDTH);
         let canvas = ChartCanvas::wide(&crate::report::text::headline(a.cell), &[], width);
         view.top = canvas.y + 6.0;

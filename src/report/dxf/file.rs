@@ -67,7 +67,7 @@ impl DxfSpace {
 const ROOT: u64 = 0xA;
 const GROUPS: u64 = 0xB;
 /// First handle of all other objects.
-const FIRST: u64 = 0x10;
+const FIRST_HANDLE: u64 = 0x10;
 
 /// Name of the dimension style.
 const STYLE: &str = "MM";
@@ -87,7 +87,7 @@ pub struct DxfFile {
 impl DxfFile {
     pub fn new(height: f64) -> Self {
         let (low, high) = (Vector3::repeat(f64::MAX), Vector3::repeat(f64::MIN));
-        let mut file = Self { next: FIRST, spaces: Vec::new(), space: 0, height, low, high };
+        let mut file = Self { next: FIRST_HANDLE, spaces: Vec::new(), space: 0, height, low, high };
         file.add_space("*Model_Space".into());
         file.add_space("*Paper_Space".into());
         file

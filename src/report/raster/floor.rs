@@ -10,7 +10,7 @@ use nalgebra::{Point2, Vector3};
 /// Number of tiles of the floor along each side.
 const FIELDS: usize = 160;
 /// Height above the floor, m, at which a solid darkens the floor half as much as a solid that stands on it.
-const NEAR: f64 = 0.35;
+const HALF_SHADE_HEIGHT: f64 = 0.35;
 /// Distance of the grid lines, m.
 const GRID: f64 = 0.5;
 
@@ -87,7 +87,11 @@ fn shade(scene: &RasterScene, low: [f64; 2], high: [f64; 2], floor: f64) -> Vec<
         }
     }
     let share = |near: f32| {
-        if near == f32::MIN { 0.0 } else { 1.0 / (1.0 + (f64::from(-near).max(0.0) / NEAR).powi(2)) }
+        if near == f32::MIN {
+            0.0
+        } else {
+            1.0 / (1.0 + (f64::from(-near).max(0.0) / HALF_SHADE_HEIGHT).powi(2))
+        }
     };
     let mut dark: Vec<f32> = lowest.near.iter().map(|n| share(*n) as f32).collect();
     for _ in 0..3 {

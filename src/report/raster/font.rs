@@ -10,7 +10,7 @@ use nalgebra::Vector2;
 pub const CAPITAL: f64 = 9.0;
 const BASE: f64 = 3.0;
 /// Gap between letters, in steps of the grid.
-const GAP: f64 = 2.3;
+const LETTER_GAP: f64 = 2.3;
 const SPACE: f64 = 2.2;
 
 /// Glyphs from the space (32) to the tilde (126).
@@ -123,12 +123,12 @@ fn glyph(c: char) -> &'static str {
 /// Returns the width of a text without margins, with capitals `capital` high.
 pub fn width(text: &str, capital: f64) -> f64 {
     let all: f64 = text.chars().map(advance).sum();
-    (all - GAP).max(0.0) * capital / CAPITAL
+    (all - LETTER_GAP).max(0.0) * capital / CAPITAL
 }
 
 fn advance(c: char) -> f64 {
     let strokes = glyph(c).split(' ').flat_map(points);
-    if c == ' ' { SPACE + GAP } else { strokes.map(|p| p.x).fold(0.0, f64::max) + GAP }
+    if c == ' ' { SPACE + LETTER_GAP } else { strokes.map(|p| p.x).fold(0.0, f64::max) + LETTER_GAP }
 }
 
 /// Returns the strokes of a text that starts at `at` on the baseline; y points down.

@@ -9,9 +9,9 @@ use crate::units::{mm_from_m, rounded};
 use nalgebra::Vector2;
 use std::fmt::Write;
 
-/// Distance between the view and the first dimension line, mm on paper; the next lines are [`NEXT`] apart.
-const FIRST: f64 = 7.0;
-const NEXT: f64 = 6.0;
+/// Distance between the view and the first dimension line, mm on paper; the next lines are [`LINE_SPACING`] apart.
+const FIRST_LINE: f64 = 7.0;
+const LINE_SPACING: f64 = 6.0;
 /// Length of the head of an arrow, mm on paper.
 const HEAD: f64 = 2.2;
 
@@ -37,7 +37,7 @@ fn letter(n: usize) -> String {
 /// Returns the space that the dimension lines need beside and below the plan, mm on paper.
 pub fn room(drawing: &Drawing<'_>) -> f64 {
     let count = drawing.cell.equipment.iter().filter(|e| e.role == Role::Equipment).count();
-    FIRST + NEXT * count as f64
+    FIRST_LINE + LINE_SPACING * count as f64
 }
 
 pub fn draw(out: &mut String, drawing: &Drawing<'_>, view: &SheetView) {
@@ -51,7 +51,7 @@ pub fn draw(out: &mut String, drawing: &Drawing<'_>, view: &SheetView) {
     );
     for (n, (letter, _, corner)) in marks(drawing).iter().enumerate() {
         let (x, y) = view.at(corner);
-        let away = FIRST + NEXT * n as f64;
+        let away = FIRST_LINE + LINE_SPACING * n as f64;
         let distance = (corner - base).map(|m| rounded(mm_from_m(m), 1));
         let (line, post) = (view.bottom + away, view.left - away);
         let _ = writeln!(

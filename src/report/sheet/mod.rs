@@ -17,11 +17,14 @@ use std::fmt::Write;
 const SCALES: [f64; 13] = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1e3, 2e3, 5e3, 1e4];
 /// Paper formats: name, width and height, mm.
 const PAPERS: [(&str, f64, f64); 2] = [("A4", 297.0, 210.0), ("A3", 420.0, 297.0)];
-/// Margin round the frame, mm; [`INSIDE`] is the margin between frame and views.
+/// Margin around the frame, mm on paper.
 const MARGIN: f64 = 8.0;
-const INSIDE: f64 = 6.0;
+/// Margin between the frame and the views, mm on paper.
+const VIEW_MARGIN: f64 = 6.0;
+/// Height of the heading of a view, mm on paper.
 const HEADING: f64 = 8.0;
-const GAP: f64 = 14.0;
+/// Distance between two views, mm on paper.
+const VIEW_GAP: f64 = 14.0;
 /// Height of the title block, mm on paper.
 const TITLE: f64 = 30.0;
 
@@ -72,11 +75,16 @@ pub fn sheet(drawing: &Drawing<'_>, operation: Option<usize>) -> String {
     let (name, width, height) = paper;
     let away = dimensions::room(drawing);
     let [plan, front] = bounds;
-    let bottom = height - MARGIN - TITLE - INSIDE;
-    let plan =
-        SheetView { low: plan.0, high: plan.1, left: MARGIN + INSIDE + away, bottom: bottom - away, ratio };
-    let left = plan.left + plan.size().0 + GAP;
-    let top = MARGIN + INSIDE + HEADING;
+    let bottom = height - MARGIN - TITLE - VIEW_MARGIN;
+    let plan = SheetView {
+        low: plan.0,
+        high: plan.1,
+        left: MARGIN + VIEW_MARGIN + away,
+        bottom: bottom - away,
+        ratio,
+    };
+    let left = plan.left + plan.size().0 + VIEW_GAP;
+    let top = MARGIN + VIEW_MARGIN + HEADING;
     let front = SheetView {
         low: front.0,
         high: front.1,
@@ -104,7 +112,7 @@ pub fn sheet(drawing: &Drawing<'_>, operation: Option<usize>) -> String {
     }
     (0..drawing.fields.len()).for_each(|k| spot(&mut out, drawing, [&plan, &front], &drawing.fields[k]));
     dimensions::draw(&mut out, drawing, &plan);
-    title::list(&mut out, drawing, (front.left, front.bottom + 2.0 * INSIDE));
+    title::list(&mut out, drawing, (front.left, front.bottom + 2.0 * VIEW_MARGIN));
     title::block(&mut out, drawing, (name, width, height), (ratio, operation));
     out.push_str("</svg>\n");
     out
@@ -143,10 +151,10 @@ fn fitting(
 ) -> ((&'static str, f64, f64), f64) {
     let fits = |(_, width, height): &(&str, f64, f64), ratio: f64| {
         let (plan, front) = (size(&plan.0, &plan.1, ratio), size(&front.0, &front.1, ratio));
-        let list = 2.0 * INSIDE + title::LINE * rows as f64;
-        let inside = 2.0 * (MARGIN + INSIDE);
+        let list = 2.0 * VIEW_MARGIN + title::LINE * rows as f64;
+        let inside = 2.0 * (MARGIN + VIEW_MARGIN);
         let tall = (plan.1 + away).max(front.1 + list);
-        away + plan.0 + GAP + front.0.max(title::LIST) <= width - inside
+        away + plan.0 + VIEW_GAP + front.0.max(title::LIST) <= width - inside
             && HEADING + tall <= height - inside - TITLE
     };
     let last = SCALES.len() - 1;
