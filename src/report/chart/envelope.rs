@@ -1,7 +1,7 @@
 //! Picture of a working envelope: section and plan side by side at one scale.
 
 use super::axes;
-use super::canvas::{ChartCanvas, EDGE, Ink};
+use super::canvas::{Anchor, ChartCanvas, EDGE, Ink};
 use super::plane_view::{PlaneView, longer_side, widened};
 use crate::assess::Reachable;
 use crate::geometry::{PlanePoint, bounding_box};
@@ -96,7 +96,8 @@ pub fn envelope(e: &Reachable<'_>) -> String {
 fn draw_panel(canvas: &mut ChartCanvas, panel: &Panel, view: &PlaneView) {
     let (x, y) = view.scales();
     canvas.heading((view.left, view.top - 26.0), &panel.name);
-    axes::draw(canvas, &x, &y, panel.axes);
+    axes::draw(canvas, &x, &y, (panel.axes.0, ""));
+    canvas.text((view.left - PANEL_LEFT + EDGE, view.top - 10.0), Anchor::Start, Ink::Text, panel.axes.1);
     let ring = |o: &Vec<PlanePoint>| path_data(o.iter().map(|p| view.at(p)), PathEnd::Closed, 1);
     let d: String = panel.region.iter().map(ring).collect();
     canvas.path(&d, &format!("{} fill-opacity=\"0.16\" fill-rule=\"evenodd\"", Ink::Sky.fill()));

@@ -151,3 +151,18 @@ fn the_envelope_of_a_cell_holds_the_tool_of_its_operation() {
     let map = shop.done(&["map", CELL, "--svg", "map.svg"]);
     assert!(map.out.contains("assembly") && shop.text("map.svg").contains("reach at the height of"));
 }
+
+#[test]
+fn every_text_of_the_envelope_picture_has_a_place_of_its_own() {
+    let shop = Sandbox::new();
+    shop.done(&["envelope", "hitachi_pw10", "--step", "40", "--svg", "e.svg"]);
+    let svg = shop.text("e.svg");
+    let document = roxmltree::Document::parse(&svg).unwrap();
+    let mut places = std::collections::BTreeMap::new();
+    for node in document.descendants().filter(|n| n.tag_name().name() == "text") {
+        let place = (node.attribute("x"), node.attribute("y"), node.attribute("text-anchor"));
+        let other = places.insert(place, node.text());
+        assert!(other.is_none() || node.text().is_none(), "{:?} covers {other:?} at {place:?}", node.text());
+    }
+    assert!(places.len() > 10);
+}
