@@ -1,7 +1,7 @@
 //! Attitude: how an operation holds the tool.
 //!
 //! The tool axis points at an elevation above the horizontal and, seen from above, along an azimuth.
-//! With `h` the horizontal unit vector of the azimuth,
+//! The horizontal unit vector of the azimuth is `h`, and `z` points up:
 //!
 //! ```text
 //! d = cos(elevation) h + sin(elevation) z          the tool axis

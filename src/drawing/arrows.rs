@@ -154,9 +154,9 @@ impl Field {
 
     /// Returns the size of one component of the error at a node, m.
     ///
-    /// `take` selects model and reading (index into [`Field::takes`]).
-    /// With `is_signed` a component along an axis has a sign. Otherwise the size is the figure of the
-    /// reading, without a sign. It is None for a node without a posture.
+    /// `take` selects model and reading (index into [`Field::takes`]). If `is_signed` is true, the component
+    /// along an axis is returned with its sign; otherwise the unsigned figure of the reading is returned.
+    /// Returns None for a node without a posture.
     pub fn size_of(&self, take: usize, component: Component, node: usize, is_signed: bool) -> Option<f64> {
         let take = &self.takes[take];
         let error = take.error[node]?;

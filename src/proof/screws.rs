@@ -1,8 +1,9 @@
 //! A chain as screw axes at a reference posture (product of exponentials).
 //!
-//! With `theta` counted from the reference, `T(theta) = exp(S_1 theta_1) ... exp(S_n theta_n) T(0)` (R. W.
-//! Brockett 1984). A chain with errors differs by its axes and its end alone. It does not matter where the
-//! frames of its rows are. So rows with huge offsets that cancel are harmless.
+//! The TCP pose is `T(theta) = exp(S_1 theta_1) ... exp(S_n theta_n) T(0)`, where `theta_i` is the
+//! displacement of joint i from the reference posture and `S_i` its screw axis there (R. W. Brockett 1984).
+//! Errors of the chain change only the screw axes and `T(0)`. Where the frames of the Denavit-Hartenberg rows
+//! lie does not matter, so rows with huge offsets that cancel are harmless.
 
 use crate::cell::{JointKind, MAX_JOINTS, PER_FRAME, Parameter};
 use crate::kinematic_error::{FrameError, Perturbation};

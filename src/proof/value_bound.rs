@@ -25,7 +25,7 @@ use nalgebra::{DMatrix, Matrix3, Vector2, Vector3, Vector6};
 
 /// Largest number of rows of a sense whose mean, percentiles and worst case have a bound.
 ///
-/// With more rows only the RMS, the signed sample and the worst case by the linear model have a bound.
+/// A sense with more rows has a bound of the RMS, of the signed sample and of the linear worst case only.
 const MAX_ROWS_OF_PERCENTILE: usize = 3;
 /// Step of a numeric derivative, as a share of the trace.
 const DERIVATIVE_STEP: f64 = 1e-3;

@@ -1,7 +1,7 @@
-//! `from = "other.toml"`: a table takes the keys that it does not have from another file.
+//! The key `from = "other.toml"`: a table takes the keys that it does not have from another file.
 //!
-//! The same holds for the key `from`: if a table has one, it does not take another. So a cell that is `from`
-//! another cell but names its own robot file takes nothing from the other cell's robot file. `from` is
+//! A table that states its own `from` does not take the `from` of the included table. So a cell may include
+//! another cell and name its own robot file; it then takes nothing from the other robot file. `from` is
 //! allowed at the top of a file, in the robot and its tool, in equipment and in obstacles.
 
 use super::document::Library;

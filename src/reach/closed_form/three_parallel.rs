@@ -55,9 +55,7 @@ struct WristAngles {
     theta5: Angle,
     theta6: Angle,
     x4: Vector3<f64>,
-    /// Point where the common normal of axes 3 and 4 meets axis 4, relative to the wrist centre.
-    ///
-    /// Its component along axis 4 is left out.
+    /// Vector from the wrist centre to the common normal of axes 3 and 4, without the component along axis 4.
     elbow: Vector3<f64>,
 }
 
