@@ -3,7 +3,7 @@
 use super::sources::{File, sources};
 use std::collections::BTreeMap;
 
-/// Beginnings of doc comments that say nothing without their neighbours.
+/// Beginnings of sentences that say nothing without their neighbours.
 const ELLIPSES: [&str; 6] = ["Of", "The same", "Its", "What is", "Those", "With"];
 
 /// Returns the names of the types that a file defines, each with its line. Associated types are not counted.
@@ -19,15 +19,18 @@ fn types(file: &File) -> Vec<(String, usize)> {
     file.code.lines().enumerate().filter_map(|(k, line)| Some((name(line)?, k + 1))).collect()
 }
 
-/// Returns the first line of every doc comment, with its place.
-fn first_lines(file: &File) -> Vec<(String, usize)> {
+/// Returns every line of a doc comment with which a sentence begins, with its place.
+fn sentences(file: &File) -> Vec<(String, usize)> {
     let text = |line: &str| {
         let line = line.trim_start();
         let marked = line.strip_prefix("///").or(line.strip_prefix("//!"))?;
         (!marked.starts_with('/')).then(|| marked.trim().to_string())
     };
     let lines: Vec<Option<String>> = file.text.lines().map(text).collect();
-    let is_first = |k: &usize| lines[*k].is_some() && (*k == 0 || lines[*k - 1].is_none());
+    let ends = |line: &Option<String>| {
+        line.as_ref().is_none_or(|text| text.is_empty() || text.ends_with(['.', ':']))
+    };
+    let is_first = |k: &usize| *k == 0 || ends(&lines[*k - 1]);
     (0..lines.len()).filter(is_first).filter_map(|k| Some((lines[k].clone()?, k + 1))).collect()
 }
 
@@ -55,7 +58,7 @@ fn every_doc_comment_means_something_alone() {
     let mut count = 0;
     let mut found = Vec::new();
     for file in sources() {
-        for (text, line) in first_lines(&file) {
+        for (text, line) in sentences(&file) {
             count += 1;
             if ELLIPSES.iter().any(|start| begins_with(&text, start)) {
                 found.push(format!("src/{}:{line}: {text}", file.path));
@@ -63,5 +66,9 @@ fn every_doc_comment_means_something_alone() {
         }
     }
     assert!(count > 3000, "only {count} doc comments seen");
-    assert!(found.is_empty(), "doc comments that begin with one of {ELLIPSES:?}:\n{}", found.join("\n"));
+    assert!(
+        found.is_empty(),
+        "sentences of doc comments that begin with one of {ELLIPSES:?}:\n{}",
+        found.join("\n")
+    );
 }
