@@ -103,19 +103,19 @@ fn readings(c: &mut Criterion) {
     let situation = WorkContext { site, reference: None };
     for (model, reading) in [(Model::Nonlinear, "signed"), (Model::Linear, "worst case and covariance")] {
         cell.model = model;
-        let gauge = ErrorEvaluator::new(&cell, &cell.operations[0]);
-        let mut memory = gauge.memory();
+        let evaluator = ErrorEvaluator::new(&cell, &cell.operations[0]);
+        let mut memory = evaluator.memory();
         c.bench_function(&format!("node, {reading}"), |b| {
             b.iter(|| {
                 let mut sum = 0.0;
                 arm.visit(black_box(&target), &approach, &mut scratch, |_, posture| {
                     chain.place(posture, &mut frames);
                     if reading == "signed" {
-                        sum += gauge.value(&situation, &frames, &mut memory);
+                        sum += evaluator.value(&situation, &frames, &mut memory);
                     } else {
-                        gauge.prepare(&situation, &frames, &mut memory);
-                        sum += gauge.worst(&gauge.sense, &situation, &frames, &mut memory).linear;
-                        sum += gauge.norm(&gauge.sense, &situation, &frames, &mut memory).rms();
+                        evaluator.prepare(&situation, &frames, &mut memory);
+                        sum += evaluator.worst(&evaluator.sense, &situation, &frames, &mut memory).linear;
+                        sum += evaluator.norm(&evaluator.sense, &situation, &frames, &mut memory).rms();
                     }
                 });
                 sum
@@ -125,15 +125,15 @@ fn readings(c: &mut Criterion) {
     cell.model = Model::Nonlinear;
     for reading in [Reading::WorstCase, Reading::Statistical] {
         cell.reading = reading;
-        let gauge = ErrorEvaluator::new(&cell, &cell.operations[0]);
-        let mut memory = gauge.memory();
+        let evaluator = ErrorEvaluator::new(&cell, &cell.operations[0]);
+        let mut memory = evaluator.memory();
         let posture = chain.posture(&[0.3, 0.2, 0.1, -0.4, 0.0, 0.0, 0.0, 0.0]);
         chain.place(&posture, &mut frames);
         c.bench_function(&format!("posture, nonlinear {}", reading.name()), |b| {
-            b.iter(|| gauge.value(&situation, black_box(&frames), &mut memory))
+            b.iter(|| evaluator.value(&situation, black_box(&frames), &mut memory))
         });
         c.bench_function(&format!("posture, everything, {}", reading.name()), |b| {
-            b.iter(|| gauge.judge(&situation, black_box(&frames), &mut memory))
+            b.iter(|| evaluator.judge(&situation, black_box(&frames), &mut memory))
         });
     }
 }

@@ -13,7 +13,7 @@ use sweetspot::reach::{AttitudeGoal, Inverse, Numeric, SphericalWrist, TcpGoal, 
 use sweetspot::reading::{BestFit, ErrorEvaluator, ErrorSources, Taught, WorkContext, WorkFrame};
 use sweetspot::robot::{Chain, Frames};
 
-fn situations(cell: &Cell, gauge: &ErrorEvaluator, chain: &Chain) -> Vec<WorkContext> {
+fn situations(cell: &Cell, evaluator: &ErrorEvaluator, chain: &Chain) -> Vec<WorkContext> {
     let site = || WorkFrame {
         equipment: 0,
         work: Pose::identity(),
@@ -25,10 +25,10 @@ fn situations(cell: &Cell, gauge: &ErrorEvaluator, chain: &Chain) -> Vec<WorkCon
     let postures = [[0.3, 0.2, 0.1, -0.4], [-0.6, 0.1, 0.2, -0.2], [0.4, -0.5, 0.1, 0.3]].map(frames);
     let mut all = vec![WorkContext { site: site(), reference: None }];
     if cell.registration == Registration::Taught {
-        let taught = Some(Box::new(Taught::new(chain, &gauge.sources, postures, true)));
+        let taught = Some(Box::new(Taught::new(chain, &evaluator.sources, postures, true)));
         all = vec![WorkContext { site: WorkFrame { taught, ..site() }, reference: None }];
     }
-    let picked = gauge.pick_reference(site(), postures[1]);
+    let picked = evaluator.pick_reference(site(), postures[1]);
     all.push(WorkContext { site: site(), reference: Some(Box::new(picked)) });
     all
 }
@@ -45,16 +45,16 @@ fn the_node_loop_does_not_allocate() {
             for sense in ["xy", "xyz@tool", "rz", "rotation"] {
                 (cell.registration, cell.reading, cell.model) = (registration, reading, model);
                 cell.operations[0].sense = Sense::plain(sense).unwrap();
-                let gauge = ErrorEvaluator::new(&cell, &cell.operations[0]);
-                let mut memory = gauge.memory();
+                let evaluator = ErrorEvaluator::new(&cell, &cell.operations[0]);
+                let mut memory = evaluator.memory();
                 let (mut scratch, mut frames) = (arm.scratch(), Frames::default());
-                for situation in situations(&cell, &gauge, &chain) {
+                for situation in situations(&cell, &evaluator, &chain) {
                     let target = nalgebra::Vector3::new(0.2, 0.95, 0.7);
                     let mut sum = 0.0;
                     let used = measure(|| {
                         arm.visit(&target, &approach, &mut scratch, |_, posture| {
                             chain.place(posture, &mut frames);
-                            sum += gauge.value(&situation, &frames, &mut memory);
+                            sum += evaluator.value(&situation, &frames, &mut memory);
                             postures += 1;
                         });
                     });

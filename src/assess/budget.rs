@@ -31,32 +31,32 @@ pub struct BudgetReport<'a> {
 impl<'a> BudgetReport<'a> {
     /// Computes the error budget of a posture.
     pub fn new(context: PostureContext<'a>) -> Self {
-        let PostureContext { gauge, situation, frames, .. } = &context;
-        let mut memory = gauge.memory();
-        let budget = Budget::new(gauge, situation, frames, &mut memory);
-        let judged = gauge.judge(situation, frames, &mut memory);
-        gauge.prepare(situation, frames, &mut memory);
-        let worst = gauge.worst(&gauge.sense, situation, frames, &mut memory);
+        let PostureContext { evaluator, situation, frames, .. } = &context;
+        let mut memory = evaluator.memory();
+        let budget = Budget::new(evaluator, situation, frames, &mut memory);
+        let judged = evaluator.judge(situation, frames, &mut memory);
+        evaluator.prepare(situation, frames, &mut memory);
+        let worst = evaluator.worst(&evaluator.sense, situation, frames, &mut memory);
         let first: Vec<Parameter> = budget.shares.iter().take(TIGHTENED).map(|s| s.parameter).collect();
         let mut tried: Vec<Vec<Parameter>> = first.iter().map(|p| vec![*p]).collect();
         if first.len() > 1 {
             tried.push(first);
         }
         let tighter = tried.into_iter().map(|parameters| {
-            let figure = figure(&halved(gauge, &parameters), &context, &mut memory);
+            let figure = figure(&halved(evaluator, &parameters), &context, &mut memory);
             Tighter { parameters, figure }
         });
         let tighter = tighter.collect();
-        let figure = figure(gauge, &context, &mut memory);
+        let figure = figure(evaluator, &context, &mut memory);
         Self { budget, judged, worst, figure, tighter, context }
     }
 
     /// Returns the unit of [`Self::figure`].
     pub fn unit(&self) -> Unit {
-        let gauge = &self.context.gauge;
-        match (gauge.reading, self.context.cell.unit()) {
+        let evaluator = &self.context.evaluator;
+        match (evaluator.reading, self.context.cell.unit()) {
             (Reading::Statistical, Unit::Share) => Unit::Share,
-            _ => gauge.sense.unit,
+            _ => evaluator.sense.unit,
         }
     }
 
@@ -67,18 +67,18 @@ impl<'a> BudgetReport<'a> {
 }
 
 /// Returns the quantity of the statistical reading, or the worst case in any other reading.
-fn figure(gauge: &ErrorEvaluator, context: &PostureContext<'_>, memory: &mut EvaluatorScratch) -> f64 {
+fn figure(evaluator: &ErrorEvaluator, context: &PostureContext<'_>, memory: &mut EvaluatorScratch) -> f64 {
     let PostureContext { situation, frames, .. } = context;
-    if gauge.reading == Reading::Statistical {
-        return gauge.value(situation, frames, memory);
+    if evaluator.reading == Reading::Statistical {
+        return evaluator.value(situation, frames, memory);
     }
-    gauge.prepare(situation, frames, memory);
-    gauge.worst(&gauge.sense, situation, frames, memory).by_model
+    evaluator.prepare(situation, frames, memory);
+    evaluator.worst(&evaluator.sense, situation, frames, memory).by_model
 }
 
 /// Returns the evaluator with half the tolerance of some parameters.
-fn halved(gauge: &ErrorEvaluator, parameters: &[Parameter]) -> ErrorEvaluator {
-    let mut tighter = gauge.clone();
+fn halved(evaluator: &ErrorEvaluator, parameters: &[Parameter]) -> ErrorEvaluator {
+    let mut tighter = evaluator.clone();
     let sources = &mut tighter.sources;
     for (k, source) in sources.list.iter_mut().enumerate() {
         if parameters.contains(&source.parameter) {

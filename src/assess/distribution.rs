@@ -61,8 +61,8 @@ fn judged(
     let read = a.workcell.interpreted(&interpretation)?;
     let posed = read.posed(&a.layout, &a.maps, operation, posture);
     let (situation, frames) = posed.map_err(|why| why.in_words().to_string())?;
-    let gauge = read.evaluator(operation);
-    let figures = gauge.judge(&situation, &frames, &mut gauge.memory()).figures[gauge.own()];
+    let evaluator = read.evaluator(operation);
+    let figures = evaluator.judge(&situation, &frames, &mut evaluator.memory()).figures[evaluator.own()];
     Ok((read, figures))
 }
 
@@ -75,6 +75,6 @@ fn sampled(
 ) -> Result<MonteCarlo, String> {
     let posed = read.posed(&a.layout, &a.maps, operation, posture);
     let (situation, frames) = posed.map_err(|why| why.in_words().to_string())?;
-    let gauge = read.evaluator(operation);
-    Ok(monte_carlo(gauge, &situation, &frames, SAMPLES, a.cell.search.seed, p95))
+    let evaluator = read.evaluator(operation);
+    Ok(monte_carlo(evaluator, &situation, &frames, SAMPLES, a.cell.search.seed, p95))
 }

@@ -85,18 +85,18 @@ pub struct Explanation<'a> {
 impl<'a> Explanation<'a> {
     /// Explains the error of a posture.
     pub fn new(context: PostureContext<'a>) -> Self {
-        let PostureContext { gauge, situation, frames, .. } = &context;
-        let mut memory = gauge.memory();
-        let judged = gauge.judge(situation, frames, &mut memory);
-        gauge.prepare(situation, frames, &mut memory);
-        let worst = gauge.worst(&gauge.sense, situation, frames, &mut memory);
-        let sources = &gauge.sources;
+        let PostureContext { evaluator, situation, frames, .. } = &context;
+        let mut memory = evaluator.memory();
+        let judged = evaluator.judge(situation, frames, &mut memory);
+        evaluator.prepare(situation, frames, &mut memory);
+        let worst = evaluator.worst(&evaluator.sense, situation, frames, &mut memory);
+        let sources = &evaluator.sources;
         let mut values = [0.0; MAX_SOURCES];
-        match gauge.reading {
+        match evaluator.reading {
             Reading::Signed => values.iter_mut().zip(sources.signed()).for_each(|(v, s)| *v = s),
-            _ => gauge.corner(&worst.corner, &mut values),
+            _ => evaluator.corner(&worst.corner, &mut values),
         }
-        let theory = gauge.propagation();
+        let theory = evaluator.propagation();
         let line = |(k, source): (usize, &ErrorSource)| {
             let motions = motions(theory.chain, frames, &situation.site.work, source.parameter);
             let alone = ParameterEffect::alone(source.parameter, situation.site.equipment, &motions);
@@ -119,12 +119,12 @@ impl<'a> Explanation<'a> {
 
     /// Returns the figures in the operation's sense.
     pub fn figures(&self) -> &Figures {
-        &self.judged.figures[self.context.gauge.own()]
+        &self.judged.figures[self.context.evaluator.own()]
     }
 
     /// Returns the deviation of the chosen model from the nonlinear one, as a share.
     pub fn off(&self) -> f64 {
-        match self.context.gauge.model {
+        match self.context.evaluator.model {
             Model::Nonlinear => 0.0,
             Model::Linear => self.linear_off,
             Model::SecondOrder => self.second_order_off,
@@ -147,9 +147,9 @@ impl<'a> Explanation<'a> {
 
     /// Returns the unit of the reading's value.
     pub fn unit(&self) -> Unit {
-        match (self.context.gauge.reading, self.context.cell.unit()) {
+        match (self.context.evaluator.reading, self.context.cell.unit()) {
             (Reading::Statistical, Unit::Share) => Unit::Share,
-            _ => self.context.gauge.sense.unit,
+            _ => self.context.evaluator.sense.unit,
         }
     }
 }
@@ -173,8 +173,8 @@ fn dh_rows(context: &PostureContext<'_>) -> Vec<DhRow> {
 
 /// Returns the rows of the operation's sense, base frame.
 fn sense_rows(context: &PostureContext<'_>, error: &Displacement) -> Vec<SenseRow> {
-    let PostureContext { gauge, situation, frames, .. } = context;
-    let axes: &Matrix3<f64> = match gauge.sense.frame {
+    let PostureContext { evaluator, situation, frames, .. } = context;
+    let axes: &Matrix3<f64> = match evaluator.sense.frame {
         Frame::World => &situation.site.world,
         Frame::Surface => &situation.site.work.rotation,
         Frame::Tool => &frames.tcp.rotation,
@@ -185,10 +185,10 @@ fn sense_rows(context: &PostureContext<'_>, error: &Displacement) -> Vec<SenseRo
         let value = direction.dot(if row.turns { &at_point.rotation } else { &at_point.position });
         SenseRow { turns: row.turns, direction, value }
     };
-    gauge.sense.rows().iter().map(row).collect()
+    evaluator.sense.rows().iter().map(row).collect()
 }
 
 /// Returns the vector from the TCP to the point of the sense, base frame, m.
 fn arm(context: &PostureContext<'_>, frames: &Frames) -> Vector3<f64> {
-    frames.tcp.rotation * context.gauge.sense.point
+    frames.tcp.rotation * context.evaluator.sense.point
 }

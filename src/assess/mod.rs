@@ -205,9 +205,9 @@ fn sampled(workcell: &Workcell, layout: &Layout, maps: &[OperationMap], k: usize
     }
     let posture = maps[k].best_node()?.posture.as_ref()?;
     let (situation, frames) = workcell.posed(layout, maps, k, posture).ok()?;
-    let gauge = workcell.evaluator(k);
-    let p95 = posture.figures[gauge.own()].p95;
-    Some(monte_carlo(gauge, &situation, &frames, SAMPLES, workcell.cell.search.seed, p95))
+    let evaluator = workcell.evaluator(k);
+    let p95 = posture.figures[evaluator.own()].p95;
+    Some(monte_carlo(evaluator, &situation, &frames, SAMPLES, workcell.cell.search.seed, p95))
 }
 
 /// Layouts with the same operations, reading, registration and objective, side by side.

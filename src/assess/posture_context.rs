@@ -37,7 +37,7 @@ pub struct PostureContext<'a> {
     /// Position of the TCP in the world, m.
     pub position: Vector3<f64>,
     pub joints: JointVector,
-    pub gauge: ErrorEvaluator,
+    pub evaluator: ErrorEvaluator,
     pub situation: WorkContext,
     pub frames: Frames,
 }
@@ -83,7 +83,7 @@ impl<'a> PostureContext<'a> {
             node: Some((node.i, node.j)),
             position: node.position,
             joints: posture.joints,
-            gauge: workcell.evaluator(operation).clone(),
+            evaluator: workcell.evaluator(operation).clone(),
             situation,
             frames,
         })
@@ -102,8 +102,8 @@ impl<'a> PostureContext<'a> {
         operation: usize,
         joints: JointVector,
     ) -> Result<Self, String> {
-        let gauge = ErrorEvaluator::new(cell, &cell.operations[operation]);
-        let chain = gauge.propagation().chain;
+        let evaluator = ErrorEvaluator::new(cell, &cell.operations[operation]);
+        let chain = evaluator.propagation().chain;
         let frames = chain.frames(&chain.posture(&joints));
         let layout = cell.start();
         let depends =
@@ -118,7 +118,7 @@ impl<'a> PostureContext<'a> {
         };
         let position = layout.base.pose().transform(&frames.tcp.translation);
         let base = layout.base;
-        Ok(Self { cell, operation, base, node: None, position, joints, gauge, situation, frames })
+        Ok(Self { cell, operation, base, node: None, position, joints, evaluator, situation, frames })
     }
 }
 

@@ -180,6 +180,6 @@ fn value_at_choice(workcell: &Workcell, maps: &Maps, chosen: &Maps, k: usize) ->
         return Some(own.value);
     }
     let (situation, frames) = workcell.posed(&workcell.cell.start(), chosen, k, posture).ok()?;
-    let gauge = workcell.evaluator(k);
-    Some(gauge.value(&situation, &frames, &mut gauge.memory()))
+    let evaluator = workcell.evaluator(k);
+    Some(evaluator.value(&situation, &frames, &mut evaluator.memory()))
 }

@@ -19,7 +19,7 @@ const DIRECTION_ROUNDING: f64 = 1e-12;
 
 /// Bounding task of one operation.
 pub(super) struct Task<'a> {
-    gauge: &'a ErrorEvaluator,
+    evaluator: &'a ErrorEvaluator,
     workcell: &'a Workcell,
     situation: WorkContext,
     screws: Screws,
@@ -50,26 +50,27 @@ impl<'a> Task<'a> {
     /// Returns the reason if there is no bound.
     pub fn new(workcell: &'a Workcell, region: &OperationRegion) -> Result<Self, WhyNot> {
         let cell = &workcell.cell;
-        let (operation, gauge) = (&cell.operations[region.operation], workcell.evaluator(region.operation));
+        let (operation, evaluator) =
+            (&cell.operations[region.operation], workcell.evaluator(region.operation));
         let chain = workcell.inverse().chain();
         refuse(cell, region.operation)?;
-        let rows = rows(cell, gauge, region.operation)?;
-        let sample = gauge.reading == Reading::Signed && gauge.model != Model::Linear;
+        let rows = rows(cell, evaluator, region.operation)?;
+        let sample = evaluator.reading == Reading::Signed && evaluator.model != Model::Linear;
         if rows.iter().any(|r| r.turns)
-            && gauge.model != Model::Linear
-            && gauge.reading != Reading::Statistical
+            && evaluator.model != Model::Linear
+            && evaluator.reading != Reading::Statistical
         {
             return Err(WhyNot::Rotation);
         }
         let frames = chain.frames(&chain.posture(&middle(chain)));
-        let screws = Screws::nominal(chain, &frames, &gauge.sense.point);
-        let sum = EffectSum::new(gauge, rows.len())?;
-        let sources = gauge.sources.list.iter().enumerate();
+        let screws = Screws::nominal(chain, &frames, &evaluator.sense.point);
+        let sum = EffectSum::new(evaluator, rows.len())?;
+        let sources = evaluator.sources.list.iter().enumerate();
         let motions: Vec<ScrewMotion> =
             sources.flat_map(|(k, source)| motions(chain, &frames, source.parameter, k)).collect();
         let free = Coordinates::new(chain, &screws, &[false; MAX_JOINTS]);
         let pieces = RigidPieces::new(&screws, &screws.point, &free);
-        let errors = gauge.sources.perturbation(chain, &gauge.sources.signed());
+        let errors = evaluator.sources.perturbation(chain, &evaluator.sources.signed());
         let difference =
             sample.then(|| ChainDifference::new(&screws, screws.perturbed(&frames, &errors), &pieces));
         let turns_along = match &difference {
@@ -104,7 +105,7 @@ impl<'a> Task<'a> {
         let limits = |c: &Constraint| (centred || !held[0]) && (c.low > 0.0 || c.high < reach * reach);
         constraints.retain(|c| c.of != ConstrainedQuantity::RadiusSquared || limits(c));
         let mut task = Self {
-            gauge,
+            evaluator,
             workcell,
             situation: WorkContext { site, reference: None },
             to_tip,
@@ -130,10 +131,10 @@ impl<'a> Task<'a> {
     /// motions with rotations `a_k` and displacements `b_k` both differences are at most
     /// `sum_k b_k (sum_j a_j)^2 / 2`.
     fn lost(&self) -> f64 {
-        let sizes: Vec<f64> = match (self.gauge.reading, self.gauge.model) {
-            (Reading::Signed, Model::SecondOrder) => self.gauge.sources.signed(),
+        let sizes: Vec<f64> = match (self.evaluator.reading, self.evaluator.model) {
+            (Reading::Signed, Model::SecondOrder) => self.evaluator.sources.signed(),
             (Reading::WorstCase, Model::Nonlinear) => {
-                self.gauge.sources.list.iter().map(|s| s.plus_minus).collect()
+                self.evaluator.sources.list.iter().map(|s| s.plus_minus).collect()
             }
             _ => return 0.0,
         };
@@ -231,14 +232,14 @@ impl<'a> Task<'a> {
 
     /// Returns working memory for [`Self::value`].
     pub fn memory(&self) -> EvaluatorScratch {
-        self.gauge.memory()
+        self.evaluator.memory()
     }
 
     /// Returns the value that the search assigns to coordinates y.
     pub fn value(&self, y: &JointValues, memory: &mut EvaluatorScratch) -> f64 {
         let chain = self.workcell.inverse().chain();
         let frames = chain.frames(&chain.posture(&self.joints(y)));
-        self.gauge.value(&self.situation, &frames, memory)
+        self.evaluator.value(&self.situation, &frames, memory)
     }
 }
 
@@ -258,8 +259,8 @@ fn refuse(cell: &Cell, operation: usize) -> Result<(), WhyNot> {
 }
 
 /// Returns the rows of the sense in the base frame.
-fn rows(cell: &Cell, gauge: &ErrorEvaluator, operation: usize) -> Result<Vec<Row>, WhyNot> {
-    let sense = &gauge.sense;
+fn rows(cell: &Cell, evaluator: &ErrorEvaluator, operation: usize) -> Result<Vec<Row>, WhyNot> {
+    let sense = &evaluator.sense;
     let turned = |by: &Matrix3<f64>| -> Vec<Row> {
         sense.rows().iter().map(|row| Row { direction: by * row.direction, ..*row }).collect()
     };

@@ -51,17 +51,17 @@ impl EffectSum {
     ///
     /// # Errors
     /// Returns the reason if the reading has no bound.
-    pub fn new(gauge: &ErrorEvaluator, rows: usize) -> Result<Self, WhyNot> {
-        let list = &gauge.sources.list;
-        match gauge.reading {
-            Reading::Signed => Ok(Self::Sample(gauge.sources.signed())),
-            Reading::WorstCase if rows > MAX_ROWS_OF_PERCENTILE && gauge.model != Model::Linear => {
+    pub fn new(evaluator: &ErrorEvaluator, rows: usize) -> Result<Self, WhyNot> {
+        let list = &evaluator.sources.list;
+        match evaluator.reading {
+            Reading::Signed => Ok(Self::Sample(evaluator.sources.signed())),
+            Reading::WorstCase if rows > MAX_ROWS_OF_PERCENTILE && evaluator.model != Model::Linear => {
                 Err(WhyNot::ManyRows)
             }
             Reading::WorstCase => Ok(Self::Box(list.iter().map(|s| s.plus_minus).collect())),
             Reading::Statistical => {
-                let exact = gauge.quantity == Quantity::Rms;
-                if gauge.quantity == Quantity::Yield {
+                let exact = evaluator.quantity == Quantity::Rms;
+                if evaluator.quantity == Quantity::Yield {
                     return Err(WhyNot::Share);
                 }
                 if !exact && list.iter().any(|s| s.spread.is_some() && s.kurtosis != 0.0) {
@@ -72,8 +72,8 @@ impl EffectSum {
                 }
                 let alone = list.iter().enumerate().filter(|(_, s)| s.spread.is_some());
                 let mut factors: Vec<_> = alone.map(|(k, s)| vec![(k, s.deviation)]).collect();
-                factors.extend(gauge.sources.factors.iter().cloned());
-                Ok(Self::Random(factors, gauge.quantity))
+                factors.extend(evaluator.sources.factors.iter().cloned());
+                Ok(Self::Random(factors, evaluator.quantity))
             }
         }
     }

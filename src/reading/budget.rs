@@ -40,15 +40,15 @@ pub struct Budget {
 impl Budget {
     /// Computes the budget of a posture.
     pub fn new(
-        gauge: &ErrorEvaluator,
+        evaluator: &ErrorEvaluator,
         context: &WorkContext,
         frames: &Frames,
         memory: &mut EvaluatorScratch,
     ) -> Self {
-        gauge.prepare(context, frames, memory);
-        let measure = gauge.measure(&gauge.sense, context, frames);
-        let (worst, corner) = gauge.linear_corner(&measure, memory);
-        let sources = &gauge.sources;
+        evaluator.prepare(context, frames, memory);
+        let measure = evaluator.measure(&evaluator.sense, context, frames);
+        let (worst, corner) = evaluator.linear_corner(&measure, memory);
+        let sources = &evaluator.sources;
         let unit: Vec<Vector6<f64>> =
             (0..sources.list.len()).map(|k| measure.column(&memory.effects().columns[k])).collect();
         let sum: Vector6<f64> =
@@ -61,7 +61,7 @@ impl Budget {
             .iter()
             .enumerate()
             .map(|(k, source)| {
-                let at = if gauge.reading == Reading::Signed { source.signed } else { source.plus_minus };
+                let at = if evaluator.reading == Reading::Signed { source.signed } else { source.plus_minus };
                 let term: Displacement = memory.effects().columns[k] * at;
                 Share {
                     parameter: source.parameter,
@@ -74,7 +74,8 @@ impl Budget {
                 }
             })
             .collect();
-        let key = |s: &Share| if gauge.reading == Reading::Statistical { s.of_variance } else { s.of_worst };
+        let key =
+            |s: &Share| if evaluator.reading == Reading::Statistical { s.of_variance } else { s.of_worst };
         shares.sort_by(|a, b| key(b).total_cmp(&key(a)));
         Self { shares, worst: worst.value, deviation: total.sqrt() }
     }

@@ -99,7 +99,7 @@ impl MonteCarlo {
 ///
 /// `p95` is the first-order figure whose coverage is estimated.
 pub fn monte_carlo(
-    gauge: &ErrorEvaluator,
+    evaluator: &ErrorEvaluator,
     context: &WorkContext,
     frames: &Frames,
     samples: usize,
@@ -107,12 +107,12 @@ pub fn monte_carlo(
     p95: f64,
 ) -> MonteCarlo {
     let each = samples.div_ceil(REPLICATES).max(1);
-    let measure = gauge.measure(&gauge.sense, context, frames);
-    let propagation = gauge.propagation();
+    let measure = evaluator.measure(&evaluator.sense, context, frames);
+    let propagation = evaluator.propagation();
     let replicate = |r: usize| {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(r as u64);
-        let mut points = SampleStream::new(gauge, &mut rng);
+        let mut points = SampleStream::new(evaluator, &mut rng);
         let mut sizes: Vec<f64> = (0..each)
             .map(|_| {
                 let sample = propagation.sample(points.next(), Model::Nonlinear);
@@ -141,7 +141,7 @@ pub fn monte_carlo(
         mean: estimate(&|s| s.iter().sum::<f64>() / s.len() as f64),
         p95: estimate(&|s| percentile(s, 0.95)),
         p99: estimate(&|s| percentile(s, 0.99)),
-        success: gauge.limit.map(|limit| estimate(&|s| share(s, limit))),
+        success: evaluator.limit.map(|limit| estimate(&|s| share(s, limit))),
         above: estimate(&|s| 1.0 - share(s, p95)),
         histogram: Histogram::of(&all),
     }
@@ -157,26 +157,26 @@ fn percentile(sorted: &[f64], p: f64) -> f64 {
 
 /// Stream of samples, one value per source.
 struct SampleStream<'a> {
-    gauge: &'a ErrorEvaluator,
+    evaluator: &'a ErrorEvaluator,
     /// Current point in the unit cube and the step of each dimension.
     at: Vec<(f64, f64)>,
     values: Vec<f64>,
 }
 
 impl<'a> SampleStream<'a> {
-    fn new(gauge: &'a ErrorEvaluator, rng: &mut ChaCha8Rng) -> Self {
-        let sources = &gauge.sources;
+    fn new(evaluator: &'a ErrorEvaluator, rng: &mut ChaCha8Rng) -> Self {
+        let sources = &evaluator.sources;
         let dimensions = sources.list.len() + sources.factors.len();
         let steps = richtmyer_steps().take(dimensions);
         let at = steps.map(|step| (rng.random::<f64>(), step)).collect();
-        Self { gauge, at, values: vec![0.0; sources.list.len()] }
+        Self { evaluator, at, values: vec![0.0; sources.list.len()] }
     }
 
     fn next(&mut self) -> &[f64] {
         for (at, step) in &mut self.at {
             *at = (*at + *step).fract();
         }
-        let sources = &self.gauge.sources;
+        let sources = &self.evaluator.sources;
         let (own, factors) = self.at.split_at(sources.list.len());
         for ((value, source), (u, _)) in self.values.iter_mut().zip(&sources.list).zip(own) {
             *value = source.spread.map_or(0.0, |spread| drawn(&spread, *u));

@@ -120,7 +120,7 @@ impl OperationBudget {
     fn new(a: &BudgetReport<'_>) -> Self {
         let context = &a.context;
         let operation = &context.cell.operations[context.operation];
-        let unit = context.gauge.sense.unit;
+        let unit = context.evaluator.sense.unit;
         Self {
             name: operation.name.clone(),
             equipment: context.cell.equipment[operation.equipment].name.clone(),
@@ -141,8 +141,9 @@ impl OperationBudget {
 
 impl TotalEntry {
     pub fn new(context: &PostureContext<'_>, judged: &PostureErrors) -> Self {
-        let unit = context.gauge.sense.unit;
-        let Figures { error, worst_linear, worst, rms, mean, p95, p99 } = judged.figures[context.gauge.own()];
+        let unit = context.evaluator.sense.unit;
+        let Figures { error, worst_linear, worst, rms, mean, p95, p99 } =
+            judged.figures[context.evaluator.own()];
         let [error, worst_linear, worst, rms, mean, p95, p99] =
             [error, worst_linear, worst, rms, mean, p95, p99].map(|v| in_unit(unit, v));
         let r#yield = judged.success.map(nine_digits);
@@ -159,7 +160,7 @@ impl ShareEntry {
             signed: in_unit(unit, s.signed),
             plus_minus: in_unit(unit, s.plus_minus),
             linear_term_mm: position_mm(&s.term),
-            alone: in_unit(context.gauge.sense.unit, s.alone),
+            alone: in_unit(context.evaluator.sense.unit, s.alone),
             share_of_worst: rounded(s.of_worst, 12),
             share_of_variance: rounded(s.of_variance, 12),
         }

@@ -344,7 +344,7 @@ impl SenseRowEntry {
         Self {
             kind: if row.turns { SenseRowKind::Rotation } else { SenseRowKind::Position },
             direction_base: plain(&row.direction),
-            value: in_unit(e.context.gauge.sense.unit, row.value),
+            value: in_unit(e.context.evaluator.sense.unit, row.value),
         }
     }
 }

@@ -46,7 +46,7 @@ fn the_bound_of_hitachi_cell_closes_its_gap() {
 /// kinematics.
 fn at(workcell: &Workcell, radius: f64, height: f64) -> f64 {
     let operation = &workcell.cell.operations[0];
-    let (inverse, gauge) = (workcell.inverse(), workcell.evaluator(0));
+    let (inverse, evaluator) = (workcell.inverse(), workcell.evaluator(0));
     let site = WorkFrame {
         equipment: operation.equipment,
         work: Pose::identity(),
@@ -55,9 +55,9 @@ fn at(workcell: &Workcell, radius: f64, height: f64) -> f64 {
     };
     let situation = WorkContext { site, reference: None };
     let approach = inverse.tool_attitudes(&operation.attitude, 0.0);
-    let (mut memory, mut least) = (gauge.memory(), f64::INFINITY);
+    let (mut memory, mut least) = (evaluator.memory(), f64::INFINITY);
     inverse.visit(&Vector3::new(radius, 0.0, height), &approach, &mut inverse.scratch(), |_, posture| {
-        let value = gauge.value(&situation, &inverse.chain().frames(posture), &mut memory);
+        let value = evaluator.value(&situation, &inverse.chain().frames(posture), &mut memory);
         least = least.min(value);
     });
     least
@@ -89,7 +89,7 @@ fn brute(workcell: &Workcell, (low, high): (f64, f64)) -> f64 {
 
 /// Says whether joint coordinates keep limits, height and elevation and have the stated value.
 fn is_allowed(workcell: &Workcell, region: &OperationRegion, value: f64, q: &[f64; 8]) -> bool {
-    let (gauge, chain) = (workcell.evaluator(0), workcell.inverse().chain());
+    let (evaluator, chain) = (workcell.evaluator(0), workcell.inverse().chain());
     let frames = chain.frames(&chain.posture(q));
     let elevation = (frames.tcp.rotation * chain.tool_axis).z.asin();
     let (low, high) = region.elevation.unwrap();
@@ -99,7 +99,7 @@ fn is_allowed(workcell: &Workcell, region: &OperationRegion, value: f64, q: &[f6
         world: nalgebra::Matrix3::identity(),
         taught: None,
     };
-    let again = gauge.value(&WorkContext { site, reference: None }, &frames, &mut gauge.memory());
+    let again = evaluator.value(&WorkContext { site, reference: None }, &frames, &mut evaluator.memory());
     let within = |x: f64, (low, high): (f64, f64), by: f64| low - by <= x && x <= high + by;
     chain.links.iter().zip(q).all(|(link, q)| within(*q, link.limits, 3e-6))
         && within(frames.tcp.translation.z, region.height, 1e-8)
@@ -186,7 +186,8 @@ fn nothing_is_below(name: &str, cell: &Cell, boxes: u64, tries: usize) -> Proof 
     let mut rng = ChaCha8Rng::seed_from_u64(11);
     for (k, found) in proof.operations.iter().enumerate() {
         let Ok(bound) = found.value else { continue };
-        let (operation, gauge, inverse) = (&cell.operations[k], workcell.evaluator(k), workcell.inverse());
+        let (operation, evaluator, inverse) =
+            (&cell.operations[k], workcell.evaluator(k), workcell.inverse());
         let region = OperationRegion::new(cell, k, inverse.fixed_elevation());
         let site = WorkFrame {
             equipment: operation.equipment,
@@ -195,7 +196,7 @@ fn nothing_is_below(name: &str, cell: &Cell, boxes: u64, tries: usize) -> Proof 
             taught: None,
         };
         let situation = WorkContext { site, reference: None };
-        let (mut memory, mut scratch) = (gauge.memory(), inverse.scratch());
+        let (mut memory, mut scratch) = (evaluator.memory(), inverse.scratch());
         let mut least = f64::INFINITY;
         for _ in 0..tries {
             let approach = inverse.tool_attitudes(&operation.attitude, rng.random_range(-PI..PI));
@@ -205,7 +206,7 @@ fn nothing_is_below(name: &str, cell: &Cell, boxes: u64, tries: usize) -> Proof 
             let height = rng.random_range(region.height.0..region.height.1);
             let target = Vector3::new(radius * turn.cos(), radius * turn.sin(), height);
             inverse.visit(&target, &approach, &mut scratch, |_, posture| {
-                let value = gauge.value(&situation, &inverse.chain().frames(posture), &mut memory);
+                let value = evaluator.value(&situation, &inverse.chain().frames(posture), &mut memory);
                 least = least.min(value);
             });
         }
@@ -374,7 +375,7 @@ fn the_bound_holds_for_joint_limits_of_no_width() {
     let table = &mut cell.equipment[cell.operations[0].equipment].placement;
     table[2] = Coordinate::Range { min: -1.0, max: 2.0, start: 0.0 };
     let workcell = ready(&cell);
-    let (inverse, gauge) = (workcell.inverse(), workcell.evaluator(0));
+    let (inverse, evaluator) = (workcell.inverse(), workcell.evaluator(0));
     // With the tool down q4 follows.
     let q = [0.0, still[1].unwrap(), still[2].unwrap(), rad_from_deg(-78.0), 0.0, 0.0, 0.0, 0.0];
     let frames = inverse.chain().frames(&inverse.chain().posture(&q));
@@ -385,7 +386,7 @@ fn the_bound_holds_for_joint_limits_of_no_width() {
         world: nalgebra::Matrix3::identity(),
         taught: None,
     };
-    let value = gauge.value(&WorkContext { site, reference: None }, &frames, &mut gauge.memory());
+    let value = evaluator.value(&WorkContext { site, reference: None }, &frames, &mut evaluator.memory());
     let bound = proof_of(&workcell, 1000).bound.unwrap();
     assert!(bound <= value && bound > 0.9995 * value, "{bound} {value}");
 }

@@ -20,11 +20,11 @@ const ROW: f64 = 24.0;
 pub fn tornado(a: &BudgetReport<'_>) -> String {
     let cell = a.context.cell;
     let of = share_of(a);
-    let what = if a.context.gauge.reading == Reading::Statistical { "variance" } else { "worst case" };
+    let what = if a.context.evaluator.reading == Reading::Statistical { "variance" } else { "worst case" };
     let name = &cell.operations[a.context.operation].name;
     let shares: Vec<&Share> = a.budget.shares.iter().filter(|s| of(s).abs() > 1e-6).collect();
     let mut canvas = ChartCanvas::new(
-        &format!("{name}: share of the {what} in {}", a.context.gauge.sense.name),
+        &format!("{name}: share of the {what} in {}", a.context.evaluator.sense.name),
         &under(a, shares.len()),
     );
     if shares.is_empty() {
@@ -57,7 +57,7 @@ pub fn tornado(a: &BudgetReport<'_>) -> String {
 
 /// Returns the function that picks the share under the reading: of the variance or of the worst case.
 fn share_of(a: &BudgetReport<'_>) -> fn(&Share) -> f64 {
-    match a.context.gauge.reading {
+    match a.context.evaluator.reading {
         Reading::Statistical => |s| s.of_variance,
         _ => |s| s.of_worst,
     }

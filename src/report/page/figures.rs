@@ -110,7 +110,7 @@ fn budget(subject: &Subject<'_>) -> Section {
 }
 
 fn budget_table(a: &Assessment<'_>, k: usize, account: &BudgetReport<'_>) -> PageTable {
-    let unit = account.context.gauge.sense.unit;
+    let unit = account.context.evaluator.sense.unit;
     let row = |share: &Share| {
         let own = names::unit(a.cell, share.parameter);
         let percent = |share: f64| format!("{:.1}", rounded(percent_from_share(share), 1));

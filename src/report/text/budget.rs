@@ -13,14 +13,14 @@ use std::fmt::Write;
 
 /// Returns the error budget of one spot.
 pub fn budget(a: &BudgetReport<'_>) -> String {
-    let gauge = &a.context.gauge;
-    let by = if gauge.reading == Reading::Statistical { "variance" } else { "worst case" };
-    let at = match gauge.reading {
+    let evaluator = &a.context.evaluator;
+    let by = if evaluator.reading == Reading::Statistical { "variance" } else { "worst case" };
+    let at = match evaluator.reading {
         Reading::Signed => "of the signed values",
         _ => "of the positive tolerances",
     };
     let mut out = place_words(&a.context);
-    if a.judged.figures[gauge.own()].worst <= NEGLIGIBLE {
+    if a.judged.figures[evaluator.own()].worst <= NEGLIGIBLE {
         // Shares of rounding errors would mean nothing.
         out.push_str(match a.context.situation.site.taught.is_some() {
             true => "  this point was touched to teach the frame: no error remains here\n",
@@ -31,7 +31,7 @@ pub fn budget(a: &BudgetReport<'_>) -> String {
     let _ = writeln!(
         out,
         "  in {}, largest share of the {by} first; linear terms {at}, world axes",
-        gauge.sense.name
+        evaluator.sense.name
     );
     out.push_str(&shares(a));
     out.push_str(&totals(a));
@@ -40,7 +40,7 @@ pub fn budget(a: &BudgetReport<'_>) -> String {
 }
 
 fn shares(a: &BudgetReport<'_>) -> String {
-    let unit = a.context.gauge.sense.unit;
+    let unit = a.context.evaluator.sense.unit;
     let mut table = TextTable::indented(1);
     let alone = format!("alone {}", unit.word());
     table.row(["parameter", "+-", "x mm", "y mm", "z mm", &alone, "of worst case", "of variance"]);
@@ -56,7 +56,7 @@ fn shares(a: &BudgetReport<'_>) -> String {
         row.extend([share.of_worst, share.of_variance].map(percent1));
         table.row(row);
     }
-    if a.context.gauge.reading == Reading::Signed {
+    if a.context.evaluator.reading == Reading::Signed {
         let sum = a.budget.shares.iter().map(|s: &Share| s.term).sum::<Vector3<f64>>();
         table.row(["sum".to_string(), String::new()].into_iter().chain(terms(&sum)));
     }
@@ -73,9 +73,9 @@ fn value(unit: Unit, si: f64) -> String {
 }
 
 fn totals(a: &BudgetReport<'_>) -> String {
-    let gauge = &a.context.gauge;
-    let unit = gauge.sense.unit;
-    let Figures { worst_linear, worst, rms, mean, p95, p99, .. } = a.judged.figures[gauge.own()];
+    let evaluator = &a.context.evaluator;
+    let unit = evaluator.sense.unit;
+    let Figures { worst_linear, worst, rms, mean, p95, p99, .. } = a.judged.figures[evaluator.own()];
     let [worst_linear, worst, rms, mean, p95, p99] =
         [worst_linear, worst, rms, mean, p95, p99].map(|v| fixed(unit.from_si(v), 4));
     let bound = if a.worst.exact { "" } else { " at most" };
@@ -84,7 +84,7 @@ fn totals(a: &BudgetReport<'_>) -> String {
     format!(
         "  worst case {worst_linear} {word}{bound} by the linear model, {worst} {word} by the {} one\n  \
          rms {rms}, mean {mean}, p95 {p95}, p99 {p99} {word}{success}, to first order\n",
-        gauge.model.name()
+        evaluator.model.name()
     )
 }
 

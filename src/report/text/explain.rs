@@ -134,7 +134,7 @@ fn effects(e: &Explanation<'_>) -> String {
 }
 
 fn sample_word(e: &Explanation<'_>) -> &'static str {
-    match e.context.gauge.reading {
+    match e.context.evaluator.reading {
         Reading::Signed => "values of the signed sample",
         _ => "values of the worst corner",
     }
@@ -172,7 +172,7 @@ fn models(e: &Explanation<'_>) -> String {
         row("subtracted from it", &(e.robot - judged.nonlinear), None);
     }
     let mut out = format!("\n5. Models, world axes\n{}", table.render());
-    let model = e.context.gauge.model.name();
+    let model = e.context.evaluator.model.name();
     let guard = percent(e.context.cell.guard);
     let _ = match e.trusted() {
         true if e.off() == 0.0 => writeln!(out, "  the {model} model is exact"),
@@ -203,8 +203,8 @@ fn taken_words(e: &Explanation<'_>) -> String {
 }
 
 fn sense(e: &Explanation<'_>) -> String {
-    let gauge = &e.context.gauge;
-    let (sense, unit) = (&gauge.sense, gauge.sense.unit);
+    let evaluator = &e.context.evaluator;
+    let (sense, unit) = (&evaluator.sense, evaluator.sense.unit);
     let axes = match sense.frame {
         Frame::World => "world axes",
         Frame::Surface => "axes of the surface",
@@ -214,7 +214,8 @@ fn sense(e: &Explanation<'_>) -> String {
         true => "the TCP".to_string(),
         false => format!("the point {} mm from the TCP", triple(&sense.point, 3, mm_from_m)),
     };
-    let mut out = format!("\n6. Sense {}: of {point}, {axes}, {} model\n", sense.name, gauge.model.name());
+    let mut out =
+        format!("\n6. Sense {}: of {point}, {axes}, {} model\n", sense.name, evaluator.model.name());
     for (row, given) in e.sense.iter().zip(sense.rows()) {
         let how = if row.turns { "about" } else { "along" };
         let axis = triple(&given.direction, 4, |v| v);
@@ -226,8 +227,8 @@ fn sense(e: &Explanation<'_>) -> String {
 }
 
 fn risk(e: &Explanation<'_>) -> String {
-    let gauge = &e.context.gauge;
-    let unit = gauge.sense.unit;
+    let evaluator = &e.context.evaluator;
+    let unit = evaluator.sense.unit;
     let f = e.figures();
     let [worst_linear, worst, rms, mean, p95, p99] =
         [f.worst_linear, f.worst, f.rms, f.mean, f.p95, f.p99].map(|v| fixed(unit.from_si(v), 5));
@@ -240,7 +241,7 @@ fn risk(e: &Explanation<'_>) -> String {
     let mut out = format!(
         "\n7. As plus-or-minus tolerances\n  worst case: {worst_linear} {word} by the linear model, {worst} {word} by the {} one, at\n    \
          {}\n  rms {rms}, mean {mean}, p95 {p95}, p99 {p99} {word}, to first order\n",
-        gauge.model.name(),
+        evaluator.model.name(),
         corner.join(" ")
     );
     if let Some(success) = e.judged.success {
@@ -250,7 +251,7 @@ fn risk(e: &Explanation<'_>) -> String {
     let _ = writeln!(
         out,
         "\n{} reading: {} {value} {}",
-        gauge.reading.name(),
+        evaluator.reading.name(),
         value_word(e.context.cell),
         e.unit().word()
     );

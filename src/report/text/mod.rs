@@ -110,7 +110,7 @@ fn place_words(context: &PostureContext<'_>) -> String {
 
 /// Returns the name of the figure that tightening a tolerance reduces, with its article.
 fn tightened_word(context: &PostureContext<'_>) -> &'static str {
-    match (context.gauge.reading, context.gauge.quantity) {
+    match (context.evaluator.reading, context.evaluator.quantity) {
         (Reading::Statistical, Quantity::Yield) => "the share of failures",
         (Reading::Statistical, Quantity::Rms) => "the rms",
         (Reading::Statistical, Quantity::Mean) => "the mean",

@@ -20,7 +20,7 @@ fn budget(name: &str, workcell: &Workcell, a: &Assessment<'_>) {
     let document = roxmltree::Document::parse(&svg).unwrap();
     let bars = document.descendants().filter(|n| n.has_attribute("x") && n.tag_name().name() == "rect");
     let widths: Vec<f64> = bars.map(|n| number(&n, "width")).collect();
-    let statistical = account.context.gauge.reading == Reading::Statistical;
+    let statistical = account.context.evaluator.reading == Reading::Statistical;
     let shares = account.budget.shares.iter();
     let shares: Vec<f64> = shares.map(|s| if statistical { s.of_variance } else { s.of_worst }).collect();
     assert!(widths.len() > 2, "{name}");

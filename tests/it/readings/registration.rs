@@ -57,8 +57,8 @@ fn a_taught_frame_leaves_the_error_of_its_rule() {
         }
         for model in Model::ALL {
             cell.model = model;
-            let gauge = gauge_of(&cell);
-            let taught = Taught::new(&chain, &gauge.sources, postures, false);
+            let evaluator = gauge_of(&cell);
+            let taught = Taught::new(&chain, &evaluator.sources, postures, false);
             let site = WorkFrame {
                 equipment: 0,
                 work: Pose::identity(),
@@ -66,10 +66,10 @@ fn a_taught_frame_leaves_the_error_of_its_rule() {
                 taught: Some(Box::new(taught)),
             };
             let situation = WorkContext { site, reference: None };
-            let values = gauge.sources.signed();
-            let mut memory = gauge.memory();
+            let values = evaluator.sources.signed();
+            let mut memory = evaluator.memory();
             let [a, b, c] =
-                postures.map(|f| gauge.error_of(&values, &situation, &f, model, &mut memory).position);
+                postures.map(|f| evaluator.error_of(&values, &situation, &f, model, &mut memory).position);
             let [o, p, q] = postures.map(|f| f.tcp.translation);
             let (x, normal) = ((p - o).normalize(), (p - o).cross(&(q - o)).normalize());
             assert!(a.norm() < 1e-14, "{model:?}: {a}");
@@ -168,7 +168,7 @@ fn the_relative_error_is_the_error_of_the_placed_part() {
     for _ in 0..50 {
         let mut cell = all_wrong(&mut rng);
         cell.equipment[0].errors = None;
-        let gauge = gauge_of(&cell);
+        let evaluator = gauge_of(&cell);
         let errors = crate::common::signed(&cell).clone();
         let [pick, place] = [0, 1].map(|_| random_joints(&mut rng, &cell.robot));
         let [p, q] = [&pick, &place].map(|q| frames_at(&cell.robot, q));
@@ -178,11 +178,11 @@ fn the_relative_error_is_the_error_of_the_placed_part() {
             world: nalgebra::Matrix3::identity(),
             taught: None,
         };
-        let reference = gauge.pick_reference(site(), p);
+        let reference = evaluator.pick_reference(site(), p);
         let situation = WorkContext { site: site(), reference: Some(Box::new(reference)) };
-        let values = gauge.sources.signed();
-        let mut memory = gauge.memory();
-        let got = gauge.error_of(&values, &situation, &q, Model::Nonlinear, &mut memory);
+        let values = evaluator.sources.signed();
+        let mut memory = evaluator.memory();
+        let got = evaluator.error_of(&values, &situation, &q, Model::Nonlinear, &mut memory);
         // T2' (T1'^-1 T1) is the pose of the part, T2 the intended one.
         let [t1, t2] = [&p, &q].map(|f| homogeneous(&f.tcp));
         let [wrong1, wrong2] =
@@ -193,10 +193,10 @@ fn the_relative_error_is_the_error_of_the_placed_part() {
         assert!((got.position - position).norm() < 1e-12, "{}", got.position - position);
         assert!((Rotation3::new(got.rotation).into_inner() - turn).norm() < 1e-12);
         // Both agree to first order and vanish at the same posture.
-        let linear = gauge.error_of(&values, &situation, &q, Model::Linear, &mut memory);
+        let linear = evaluator.error_of(&values, &situation, &q, Model::Linear, &mut memory);
         let off = (linear.position - position).norm();
         assert!(off < 5e-4, "{off}");
-        let same = gauge.error_of(&values, &situation, &p, Model::Nonlinear, &mut memory);
+        let same = evaluator.error_of(&values, &situation, &p, Model::Nonlinear, &mut memory);
         assert!(same.position.norm() < 1e-13 && same.rotation.norm() < 1e-13);
     }
 }

@@ -21,12 +21,12 @@ fn robots(rng: &mut ChaCha8Rng) -> Vec<Robot> {
 
 /// Returns the computed and the sampled figures of one posture.
 fn both(cell: &Cell, q: &JointVector, seed: u64) -> (Figures, f64, MonteCarlo) {
-    let gauge = gauge_of(cell);
+    let evaluator = gauge_of(cell);
     let frames = frames_at(&cell.robot, q);
-    let mut memory = gauge.memory();
-    let judged = gauge.judge(&alone(), &frames, &mut memory);
-    let figures = judged.figures[gauge.own()];
-    let sampled = monte_carlo(&gauge, &alone(), &frames, SAMPLES, seed, figures.p95);
+    let mut memory = evaluator.memory();
+    let judged = evaluator.judge(&alone(), &frames, &mut memory);
+    let figures = judged.figures[evaluator.own()];
+    let sampled = monte_carlo(&evaluator, &alone(), &frames, SAMPLES, seed, figures.p95);
     (figures, judged.success.unwrap(), sampled)
 }
 

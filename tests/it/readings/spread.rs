@@ -57,26 +57,26 @@ fn a_covariance_is_propagated_to_the_tool() {
             [("x", vec![0]), ("y", vec![1]), ("z", vec![2]), ("xy", vec![0, 1]), ("xyz", vec![0, 1, 2])]
         {
             cell.operations[0].sense = Sense::plain(sense).unwrap();
-            let gauge = gauge_of(&cell);
-            let mut memory = gauge.memory();
-            gauge.prepare(&alone(), &frames, &mut memory);
-            let rms = gauge.norm(&gauge.sense, &alone(), &frames, &mut memory).rms();
+            let evaluator = gauge_of(&cell);
+            let mut memory = evaluator.memory();
+            evaluator.prepare(&alone(), &frames, &mut memory);
+            let rms = evaluator.norm(&evaluator.sense, &alone(), &frames, &mut memory).rms();
             let variance: f64 = kept.iter().map(|&i| want[(i, i)]).sum();
             assert!(
                 (rms * rms - variance).abs() <= 1e-12 * want.trace(),
                 "{k} {sense}: {} {variance}",
                 rms * rms
             );
-            let budget = Budget::new(&gauge, &alone(), &frames, &mut memory);
+            let budget = Budget::new(&evaluator, &alone(), &frames, &mut memory);
             assert!((budget.deviation - rms).abs() <= 1e-12 * rms.max(1e-9));
             let shares: f64 = budget.shares.iter().map(|s| s.of_variance).sum();
             assert!((shares - 1.0).abs() < 1e-9, "{shares}");
         }
-        let gauge = gauge_of(&cell);
-        let judged = gauge.judge(&alone(), &frames, &mut gauge.memory());
-        let first = judged.figures[gauge.own()];
+        let evaluator = gauge_of(&cell);
+        let judged = evaluator.judge(&alone(), &frames, &mut evaluator.memory());
+        let first = judged.figures[evaluator.own()];
         if k < 5 {
-            let sampled = monte_carlo(&gauge, &alone(), &frames, 1 << 17, 7, first.p95);
+            let sampled = monte_carlo(&evaluator, &alone(), &frames, 1 << 17, 7, first.p95);
             assert!(sampled.confirms(&first), "{first:?} {sampled:?}");
         }
     }
@@ -97,14 +97,14 @@ fn the_distributions_of_the_parameters_matter() {
         let mut cell = cell_of(robot.clone(), tolerance, Sense::plain(["xyz", "xy"][k % 2]).unwrap());
         (cell.reading, cell.model) = (Reading::Statistical, Model::Nonlinear);
         let frames = frames_at(&robot, &random_joints(&mut rng, &robot));
-        let gauge = gauge_of(&cell);
-        let budget = Budget::new(&gauge, &alone(), &frames, &mut gauge.memory());
+        let evaluator = gauge_of(&cell);
+        let budget = Budget::new(&evaluator, &alone(), &frames, &mut evaluator.memory());
         if budget.shares.iter().any(|s| s.of_variance > 0.25) {
             continue;
         }
         judged += 1;
-        let first = gauge.judge(&alone(), &frames, &mut gauge.memory()).figures[gauge.own()];
-        let sampled = monte_carlo(&gauge, &alone(), &frames, 1 << 17, 3, first.p95);
+        let first = evaluator.judge(&alone(), &frames, &mut evaluator.memory()).figures[evaluator.own()];
+        let sampled = monte_carlo(&evaluator, &alone(), &frames, 1 << 17, 3, first.p95);
         assert!((sampled.above.value - 0.05).abs() < 0.004, "{k}: {first:?} {sampled:?}");
         assert!((first.p99 / sampled.p99.value - 1.0).abs() < 0.01, "{k}: {first:?} {sampled:?}");
         let half = (sampled.rms.high - sampled.rms.low) / 2.0;
@@ -125,9 +125,9 @@ fn monte_carlo_can_refute_the_first_order_figures() {
     let mut cell = cell_of(robot.clone(), tolerance, Sense::plain("xyz").unwrap());
     (cell.reading, cell.model) = (Reading::Statistical, Model::Nonlinear);
     let frames = frames_at(&robot, &random_joints(&mut rng, &robot));
-    let gauge = gauge_of(&cell);
-    let first = gauge.judge(&alone(), &frames, &mut gauge.memory()).figures[gauge.own()];
-    let sampled = monte_carlo(&gauge, &alone(), &frames, 1 << 16, 3, first.p95);
+    let evaluator = gauge_of(&cell);
+    let first = evaluator.judge(&alone(), &frames, &mut evaluator.memory()).figures[evaluator.own()];
+    let sampled = monte_carlo(&evaluator, &alone(), &frames, 1 << 16, 3, first.p95);
     // |U(-1, 1) mm|: its 95th percentile is 0.95 mm, its mean 0.5 mm.
     assert!((sampled.p95.value - 0.95e-3).abs() < 1e-6 && (sampled.mean.value - 0.5e-3).abs() < 1e-6);
     assert!(!sampled.confirms(&first), "{first:?}");
@@ -144,12 +144,12 @@ fn the_error_budget_adds_up() {
         let q = random_joints(&mut rng, &robot);
         let want = columns(&robot, &q, &tolerance);
         let cell = cell_of(robot.clone(), tolerance, Sense::plain("xyz").unwrap());
-        let (gauge, frames) = (gauge_of(&cell), frames_at(&robot, &q));
-        let budget = Budget::new(&gauge, &alone(), &frames, &mut gauge.memory());
+        let (evaluator, frames) = (gauge_of(&cell), frames_at(&robot, &q));
+        let budget = Budget::new(&evaluator, &alone(), &frames, &mut evaluator.memory());
         let total: f64 = budget.shares.iter().map(|s| s.of_worst).sum();
         assert!((total - 1.0).abs() < 1e-12, "{total}");
         assert!(budget.shares.windows(2).all(|w| w[0].of_worst >= w[1].of_worst));
-        for (place, source) in gauge.sources.list.iter().enumerate() {
+        for (place, source) in evaluator.sources.list.iter().enumerate() {
             let share = budget.shares.iter().find(|s| s.parameter == source.parameter).unwrap();
             assert!((share.term - want[place]).norm() < 1e-12, "{:?}", share.parameter);
             assert!((share.alone - want[place].norm()).abs() < 1e-12);

@@ -71,10 +71,10 @@ fn the_worst_case_of_random_chains_agrees_with_every_corner() {
         let (frames, columns) = (frames_at(&robot, &q), columns(&robot, &q, &tolerance));
         for (name, kept) in axes_of {
             let cell = cell_of(robot.clone(), tolerance.clone(), Sense::plain(name).unwrap());
-            let gauge = gauge_of(&cell);
-            let mut memory = gauge.memory();
-            gauge.prepare(&alone(), &frames, &mut memory);
-            let worst = gauge.worst(&gauge.sense, &alone(), &frames, &mut memory);
+            let evaluator = gauge_of(&cell);
+            let mut memory = evaluator.memory();
+            evaluator.prepare(&alone(), &frames, &mut memory);
+            let worst = evaluator.worst(&evaluator.sense, &alone(), &frames, &mut memory);
             let keep = Matrix3::from_diagonal(&Vector3::from(kept.map(f64::from)));
             let want = brute(&columns, &keep);
             let scale = columns.iter().map(|c| c.norm()).sum::<f64>();
@@ -101,12 +101,15 @@ fn the_worst_case_of_table_3_at_the_initial_position_is_exact() {
     let rss = [("x", 8.558761), ("y", 1.732051), ("z", 2f64.sqrt())];
     let judge = |name: &str, cell: &mut Cell| {
         cell.operations[0].sense = Sense::plain(name).unwrap();
-        let gauge = gauge_of(cell);
-        let mut memory = gauge.memory();
-        gauge.prepare(&alone(), &frames, &mut memory);
-        let worst = gauge.worst(&gauge.sense, &alone(), &frames, &mut memory).linear;
+        let evaluator = gauge_of(cell);
+        let mut memory = evaluator.memory();
+        evaluator.prepare(&alone(), &frames, &mut memory);
+        let worst = evaluator.worst(&evaluator.sense, &alone(), &frames, &mut memory).linear;
         // The RSS of the tolerances is three times the RMS at 3 sigma.
-        (mm_from_m(worst), 3.0 * mm_from_m(gauge.norm(&gauge.sense, &alone(), &frames, &mut memory).rms()))
+        (
+            mm_from_m(worst),
+            3.0 * mm_from_m(evaluator.norm(&evaluator.sense, &alone(), &frames, &mut memory).rms()),
+        )
     };
     for (name, want) in worst {
         let digits = if name == "x" { 5e-4 } else { 5e-6 };
@@ -138,22 +141,22 @@ fn the_nonlinear_worst_case_agrees_with_every_corner() {
         // The error sets are Tables 2 and 3. In the plane, corners tie in the linear model.
         let (sense, kept) = SENSES[k / 2 % 5];
         (cell.errors, cell.operations[0].sense) = (k % 2, Sense::plain(sense).unwrap());
-        let gauge = gauge_of(&cell);
+        let evaluator = gauge_of(&cell);
         let chain = Chain::new(&cell.robot);
-        let (n, mut memory) = (gauge.sources.list.len(), gauge.memory());
+        let (n, mut memory) = (evaluator.sources.list.len(), evaluator.memory());
         assert!(n == 11 || n == 12);
         let frames = frames_at(&cell.robot, &random_joints(&mut rng, &cell.robot));
-        gauge.prepare(&alone(), &frames, &mut memory);
-        let worst = gauge.worst(&gauge.sense, &alone(), &frames, &mut memory);
+        evaluator.prepare(&alone(), &frames, &mut memory);
+        let worst = evaluator.worst(&evaluator.sense, &alone(), &frames, &mut memory);
         let error = |bits: u32| {
-            let values: Vec<f64> = gauge
+            let values: Vec<f64> = evaluator
                 .sources
                 .list
                 .iter()
                 .enumerate()
                 .map(|(k, s)| if bits >> k & 1 == 1 { s.plus_minus } else { -s.plus_minus })
                 .collect();
-            let all: Perturbation = gauge.sources.perturbation(&chain, &values);
+            let all: Perturbation = evaluator.sources.perturbation(&chain, &values);
             let e = position_error(&frames, &all, Model::Nonlinear);
             let [x, y, z] = kept;
             Vector3::new(e.x * x, e.y * y, e.z * z).norm()
