@@ -171,6 +171,9 @@ impl ChartCanvas {
 
     /// Writes a text at a position on its baseline.
     pub fn text(&mut self, (x, y): (f64, f64), anchor: Anchor, ink: Ink, said: &str) {
+        if said.is_empty() {
+            return;
+        }
         let (fill, anchor) = (ink.fill(), anchor.word());
         self.put(&format!(
             "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\" {fill}>{}</text>",
