@@ -37,7 +37,6 @@
 //! | module | question | what goes in and out |
 //! |---|---|---|
 //! | [`cell`] | what exists | the model: plain data, valid by construction |
-//! | [`files`] | what is written | TOML, URDF and mesh files to a validated [`cell::Cell`], and their schema |
 //! | [`robot`] | what moves | joint coordinates to frames |
 //! | [`kinematic_error`] | how wrong | frames and a sample of errors to position and rotation error |
 //! | [`reading`] | how bad | frames and a tolerance to worst case, percentiles, yield, budget |
@@ -49,13 +48,18 @@
 //! | [`search`] | choose | cell to the best layout found |
 //! | [`proof`] | what is possible | cell to a lower bound that no layout beats |
 //! | [`assess`] | what is known | layout to everything known of it; layouts side by side |
-//! | [`record`] | what is written down | assessments to typed documents: JSON, CSV, Parquet, schemas |
 //! | [`drawing`] | show it | an assessment to solids, arrows, envelope, motion |
+//! | [`raster`] | picture it | a drawing to an isometric picture: PNG and SVG |
+//! | [`files`] | what is written | TOML, URDF and mesh files to a validated [`cell::Cell`], and their schema |
+//! | [`record`] | what is written down | assessments to typed documents: JSON, CSV, Parquet, schemas |
 //! | [`report`] | say it | records to JSON, CSV, SVG, TOML, text |
 //! | [`cli`] | edge | arguments, files, progress, exit codes |
 //!
-//! All these modules may also use [`units`] for conversions, [`geometry`] for plane geometry and [`pose`] for
-//! rigid transforms.
+//! All these modules may also use [`units`] for conversions, [`safe_text`], [`geometry`] for plane geometry and
+//! [`pose`] for rigid transforms.
+//!
+//! The modules up to [`raster`] compute. They are the package `sweetspot-core`, which the compiler optimises
+//! fully; this package shows them under the same names.
 //!
 //! `evaluate` takes a [`layout::Workcell`]: a cell with its chain, inverse kinematics and parry3d shapes
 //! prepared. A search prepares it once and evaluates hundreds of thousands of layouts.
@@ -102,24 +106,13 @@
 //! # Ok::<(), String>(())
 //! ```
 
-pub mod assess;
-pub mod cell;
-pub mod clearance;
+#[doc(inline)]
+pub use sweetspot_core::{
+    assess, cell, clearance, colours, drawing, error_map, geometry, kinematic_error, layout, low_discrepancy,
+    mesh, motion, pose, proof, raster, reach, reading, robot, safe_text, search, svg_text, units,
+};
+
 pub mod cli;
-pub mod drawing;
-pub mod error_map;
 pub mod files;
-pub mod geometry;
-pub mod kinematic_error;
-pub mod layout;
-pub mod low_discrepancy;
-pub mod motion;
-pub mod pose;
-pub mod proof;
-pub mod reach;
-pub mod reading;
 pub mod record;
 pub mod report;
-pub mod robot;
-pub mod search;
-pub mod units;

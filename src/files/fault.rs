@@ -1,5 +1,7 @@
 //! Faults of files: what is wrong, where, and what to do.
 
+use crate::safe_text::hides;
+pub use crate::safe_text::shown;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -108,21 +110,6 @@ impl fmt::Display for Fault {
     }
 }
 
-/// Returns text from a file that is safe to display: special characters are escaped, at most 80 characters
-/// kept.
-pub fn shown(text: &str) -> String {
-    let safe: String = text
-        .chars()
-        .take(80)
-        .flat_map(|c| {
-            let plain = !c.is_control() && !hides(c);
-            let escaped = (!plain).then(|| c.escape_default());
-            escaped.into_iter().flatten().chain(plain.then_some(c))
-        })
-        .collect();
-    if text.chars().nth(80).is_some() { safe + "..." } else { safe }
-}
-
 /// Returns at most 20 names as a list for a help text, and "..." if there are more.
 pub fn listed<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
     let mut names: Vec<_> = names.into_iter().take(21).map(shown).collect();
@@ -132,12 +119,6 @@ pub fn listed<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
         _ => {}
     }
     names.join(", ")
-}
-
-/// Returns whether a character reorders or hides text on a terminal.
-fn hides(c: char) -> bool {
-    matches!(c, '\u{ad}' | '\u{61c}' | '\u{180e}' | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}'
-        | '\u{2060}'..='\u{206f}' | '\u{feff}' | '\u{fff9}'..='\u{fffb}' | '\u{e0000}'..='\u{e0fff}')
 }
 
 /// Largest number of names that are compared with a mistyped one.

@@ -1,14 +1,14 @@
 //! Figures of the seed paper for any cell: pictures with their captions.
 
 use super::chart;
-use super::raster::{Shot, Show, png};
-use super::svg_text::escaped;
 use crate::assess::Assessment;
 use crate::cell::{Quantity, Reading};
 use crate::drawing::{Detail, Drawing};
 use crate::error_map::{NodeSign, OperationMap, PostureRecord};
 use crate::files::shown;
 use crate::kinematic_error::{Discrepancy, discrepancy};
+use crate::raster::{Shot, Show, png};
+use crate::svg_text::escaped;
 use crate::units::{mm_from_m, rounded};
 use std::fmt::Write;
 

@@ -7,9 +7,9 @@ use crate::cli::output::path_word;
 use crate::cli::{Exit, asked, loading, lookup, output, results, results_folder};
 use crate::drawing::{Detail, Drawing};
 use crate::files::{Loaded, shown};
+use crate::raster::{self, Shot};
 use crate::record::MapDocument;
 use crate::report;
-use crate::report::raster::Shot;
 use clap::ValueEnum;
 use std::path::{Path, PathBuf};
 
@@ -119,7 +119,7 @@ fn rendered(a: &Assessment<'_>, format: ExportFormat, operation: Option<usize>) 
         ExportFormat::Svg => Ok(report::sheet::sheet(&drawing()?, operation).into_bytes()),
         ExportFormat::Png => {
             let shot = Shot { context: operation, width: PNG_SIZE.0, height: PNG_SIZE.1, ..Shot::default() };
-            report::raster::png(&drawing()?, &shot).map_err(cannot)
+            raster::png(&drawing()?, &shot).map_err(cannot)
         }
     }
 }

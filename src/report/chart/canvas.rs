@@ -1,8 +1,8 @@
 //! Canvas of a chart: heading, shapes, texts, legend.
 
 use super::{WIDTH, words};
-use crate::report::colours;
-use crate::report::svg_text::escaped;
+use crate::colours;
+use crate::svg_text::escaped;
 use std::fmt::Write;
 
 /// Margin at the left and the right, px.

@@ -3,7 +3,7 @@
 use super::axes::{AxisScale, round_numbers, step};
 use super::canvas::{Anchor, ChartCanvas, Ink};
 use super::words;
-use crate::report::colours::viridis_hex;
+use crate::colours::viridis_hex;
 
 /// Number of colour bands from one iso-line to the next.
 const BANDS: f64 = 4.0;

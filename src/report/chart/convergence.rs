@@ -6,8 +6,8 @@ use super::axes::AxisScale;
 use super::canvas::{Anchor, ChartCanvas, EDGE, Ink, LegendEntry};
 use super::{WIDTH, words};
 use crate::cell::Unit;
-use crate::report::svg_text::{PathEnd, path_data};
 use crate::search::SearchRecord;
+use crate::svg_text::{PathEnd, path_data};
 use crate::units::percent_from_share;
 
 const HEIGHT: f64 = 300.0;

@@ -7,7 +7,7 @@ use super::{WIDTH, words};
 use crate::assess::{NodePair, OperationDifference};
 use crate::cell::{Cell, Unit};
 use crate::geometry::bounding_box;
-use crate::report::svg_text::escaped;
+use crate::svg_text::escaped;
 use crate::units::mm_from_m;
 
 /// Left end, right end and greatest height of the plot, px.

@@ -7,7 +7,7 @@ use super::canvas::{Anchor, ChartCanvas, EDGE, Ink, LegendEntry};
 use crate::assess::Assessment;
 use crate::error_map::OperationMap;
 use crate::kinematic_error::{Discrepancy, discrepancy as between};
-use crate::report::svg_text::{PathEnd, path_data};
+use crate::svg_text::{PathEnd, path_data};
 
 const PANEL: f64 = 260.0;
 /// Span of the axis, percent. Smaller values lie on the lower edge.

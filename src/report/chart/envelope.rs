@@ -6,8 +6,8 @@ use super::plane_view::{PlaneView, longer_side, widened};
 use crate::assess::Reachable;
 use crate::geometry::{PlanePoint, bounding_box};
 use crate::reach::{EnvelopeExtent, EnvelopeSection};
-use crate::report::svg_text::{PathEnd, path_data};
 use crate::report::text::envelope_title;
+use crate::svg_text::{PathEnd, path_data};
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 
 /// Height of the panels, px.

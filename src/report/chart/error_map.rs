@@ -11,12 +11,12 @@ use super::plane_view::{PlaneView, widened};
 use super::{signs, solids, words};
 use crate::assess::Assessment;
 use crate::cell::{Placement, Role};
+use crate::colours::viridis_hex;
 use crate::drawing::round_numbers::{DIGITS, round_down};
 use crate::drawing::{PartKind, floor_corners};
 use crate::error_map::{NodeRecord, OperationMap};
 use crate::geometry::{PlanePoint, bounding_box};
-use crate::report::colours::viridis_hex;
-use crate::report::svg_text::{PathEnd, escaped, path_data};
+use crate::svg_text::{PathEnd, escaped, path_data};
 
 /// Largest number of nodes of a map that are drawn.
 const MAX_NODES: usize = 4000;

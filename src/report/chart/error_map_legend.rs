@@ -3,9 +3,9 @@
 use super::canvas::{Anchor, BODY, Ink, LegendEntry};
 use super::error_map_picture::{ErrorMapPicture, MARGIN, MapScales};
 use super::{signs, solids, words};
+use crate::colours::viridis_hex;
 use crate::drawing::PartKind;
 use crate::drawing::round_numbers::{ONE_TWO_FIVE, round_down};
-use crate::report::colours::viridis_hex;
 
 use crate::units::{m_from_mm, mm_from_m, rounded};
 

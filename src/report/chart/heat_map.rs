@@ -11,7 +11,7 @@ use crate::cell::Unit;
 use crate::drawing::{Drawing, Field, PartCarrier, ViewedErrors};
 use crate::geometry::{PlanePoint, bounding_box};
 use crate::pose::Pose;
-use crate::report::svg_text::{PathEnd, escaped, path_data};
+use crate::svg_text::{PathEnd, escaped, path_data};
 use crate::units::mm_from_m;
 use nalgebra::Vector3;
 

@@ -7,11 +7,11 @@ use super::plane_view::{PlaneView, longer_side, widened};
 use super::solids::{KINDS, drawn, entry, rank};
 use super::{WIDTH, signs, words};
 use crate::assess::{Assessment, step_of, tolerance_of};
+use crate::drawing::silhouette::{ABOVE, Silhouette, ViewAxes, silhouette};
 use crate::drawing::{Drawing, DrawnPart, PartKind};
 use crate::geometry::{PlanePoint, bounding_box};
 use crate::reach::{Envelope, Fineness};
-use crate::report::silhouette::{ABOVE, Silhouette, ViewAxes, silhouette};
-use crate::report::svg_text::{PathEnd, path_data};
+use crate::svg_text::{PathEnd, path_data};
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use nalgebra::Vector3;
 

@@ -3,7 +3,7 @@
 use super::canvas::{Ink, LegendEntry};
 use crate::drawing::{GlyphRing, GlyphTone, NodeGlyph, node_glyph};
 use crate::error_map::NodeSign;
-use crate::report::svg_text::{PathEnd, path_data};
+use crate::svg_text::{PathEnd, path_data};
 use std::f64::consts::SQRT_2;
 
 /// Returns the sign of a node, centred on a point and about `2 r` wide; empty for a usable node.

@@ -2,7 +2,7 @@
 
 use super::canvas::{Ink, LegendEntry};
 use crate::drawing::PartKind;
-use crate::report::svg_text::{PathEnd, path_data};
+use crate::svg_text::{PathEnd, path_data};
 
 /// Kinds of parts in the order in which they are drawn.
 pub const KINDS: [PartKind; 7] = [

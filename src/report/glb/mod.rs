@@ -4,9 +4,9 @@
 mod file;
 
 use crate::cell::Shape;
+use crate::colours::viridis;
 use crate::drawing::{Component, Drawing, DrawnPart, Field, Mesh, PartCarrier, PartKind};
 use crate::pose::Pose;
-use crate::report::colours::viridis;
 use crate::units::rounded;
 use file::{GlbFile, GlbSurface, quaternion};
 use gltf_json::animation::Property;

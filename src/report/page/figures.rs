@@ -8,12 +8,12 @@ use crate::assess::{Assessment, BudgetReport, ErrorDistribution, NodeChoice, Pos
 use crate::cell::Goal;
 use crate::drawing::Drawing;
 use crate::files::shown;
+use crate::raster;
+use crate::raster::Shot;
 use crate::reading::Share;
 use crate::record::{AlternativeEntry, SearchResult, goals, parameter_names as names};
 use crate::report::chart;
 use crate::report::chart::ConvergenceHistory;
-use crate::report::raster;
-use crate::report::raster::Shot;
 use crate::report::text;
 use crate::search;
 use crate::search::{EvaluatedLayout, SearchEnd, SearchRecord};

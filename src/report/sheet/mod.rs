@@ -6,9 +6,9 @@
 mod dimensions;
 mod title;
 
+use crate::drawing::silhouette::{ABOVE, FRONT, Silhouette, ViewAxes, silhouette};
 use crate::drawing::{Component, Drawing, Field, PartKind, floor_corners};
-use crate::report::silhouette::{ABOVE, FRONT, Silhouette, ViewAxes, silhouette};
-use crate::report::svg_text::{PathEnd, escaped, path_data};
+use crate::svg_text::{PathEnd, escaped, path_data};
 use crate::units::mm_from_m;
 use nalgebra::{Vector2, Vector3};
 use std::fmt::Write;

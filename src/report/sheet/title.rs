@@ -4,7 +4,7 @@ use super::dimensions::{marks, room};
 use super::{MARGIN, TITLE};
 use crate::drawing::Drawing;
 use crate::drawing::round_numbers::{ONE_TWO_FIVE, round_down};
-use crate::report::svg_text::escaped;
+use crate::svg_text::escaped;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use std::fmt::Write;
 

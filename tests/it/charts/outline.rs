@@ -3,9 +3,9 @@
 use nalgebra::{Vector2, Vector3};
 use sweetspot::cell::Shape;
 use sweetspot::drawing::Mesh;
+use sweetspot::drawing::silhouette::{ABOVE, FRONT, ViewAxes, silhouette};
 use sweetspot::geometry::{convex_hull, join_edges, polygon_area, simplified_line};
 use sweetspot::pose::Pose;
-use sweetspot::report::silhouette::{ABOVE, FRONT, ViewAxes, silhouette};
 
 /// Signed areas of the outlines of a mesh.
 fn areas(mesh: &Mesh, eye: &ViewAxes) -> Vec<f64> {

@@ -1,6 +1,6 @@
 //! Tests the colours of the pictures.
 
-use sweetspot::report::colours::{viridis, viridis_hex};
+use sweetspot::colours::{viridis, viridis_hex};
 
 /// The palette grows lighter (luma of Rec. 709), as grey printers need it.
 #[test]

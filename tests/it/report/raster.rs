@@ -6,9 +6,9 @@ use sweetspot::assess::Assessment;
 use sweetspot::drawing::Drawing;
 use sweetspot::drawing::{Detail, Mesh};
 use sweetspot::layout::Workcell;
-use sweetspot::report::raster::camera::{Camera, PictureFrame, ScreenPoint};
-use sweetspot::report::raster::canvas::DepthBuffer;
-use sweetspot::report::raster::{Shot, Show, ViewDirection, font, isometric, png, trace};
+use sweetspot::raster::camera::{Camera, PictureFrame, ScreenPoint};
+use sweetspot::raster::canvas::DepthBuffer;
+use sweetspot::raster::{Shot, Show, ViewDirection, font, isometric, png, trace};
 
 fn drawn<T>(cell: sweetspot::cell::Cell, look: impl FnOnce(&Drawing<'_>) -> T) -> T {
     let workcell = Workcell::new(cell).unwrap();

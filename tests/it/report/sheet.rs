@@ -3,8 +3,8 @@
 use nalgebra::{Vector2, Vector3};
 use sweetspot::cell::Shape;
 use sweetspot::drawing::Mesh;
+use sweetspot::drawing::silhouette::{ABOVE, FRONT, Silhouette, silhouette};
 use sweetspot::pose::Pose;
-use sweetspot::report::silhouette::{ABOVE, FRONT, Silhouette, silhouette};
 
 fn area(s: &Silhouette) -> f64 {
     let ring =

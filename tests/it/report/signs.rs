@@ -6,9 +6,9 @@ use sweetspot::assess::Assessment;
 use sweetspot::drawing::{Detail, Drawing, node_glyph};
 use sweetspot::error_map::NodeSign;
 use sweetspot::layout::Workcell;
+use sweetspot::raster::{Shot, isometric};
 use sweetspot::report;
 use sweetspot::report::page::assets;
-use sweetspot::report::raster::{Shot, isometric};
 
 /// Calls back with a cell in which nodes are refused for a singularity alone.
 fn with_singular_nodes(look: impl FnOnce(&Assessment<'_>, &Drawing<'_>)) {
@@ -141,7 +141,7 @@ fn the_legend_of_a_picture_has_room_for_every_sign() {
                 .map(|n| {
                     let number = |name: &str| n.attribute(name).unwrap().parse::<f64>().unwrap();
                     let (x, y, size) = (number("x"), number("y"), number("font-size"));
-                    let wide = report::raster::font::width(n.text().unwrap(), size / 1.38);
+                    let wide = sweetspot::raster::font::width(n.text().unwrap(), size / 1.38);
                     [x, y - 0.7 * size, x + wide, y]
                 })
                 .collect();

@@ -4,10 +4,10 @@ use super::node_sign::NodeSign;
 use super::outcome::{Spot, Unjudged};
 use crate::cell::{Cell, JointKind, JointVector, Model, Sense};
 use crate::clearance::{Hit, Overlap};
-use crate::files::shown;
 use crate::motion::PostureRefusal;
 use crate::reach::LimitViolation;
 use crate::reading::Figures;
+use crate::safe_text::shown;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use nalgebra::Vector3;
 

@@ -9,7 +9,7 @@ use super::palette::{Colour, Light, hex};
 use super::scene::SceneLine;
 use super::{FittedScene, Shot, edges, labels, staged, strip, trace};
 use crate::drawing::Drawing;
-use crate::report::svg_text::escaped;
+use crate::svg_text::escaped;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -37,7 +37,7 @@ pub fn isometric(drawing: &Drawing<'_>, shot: &Shot) -> Result<String, String> {
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\" \
          font-family=\"system-ui, sans-serif\" stroke-linejoin=\"round\" stroke-linecap=\"round\">\n<title>{}</title>\n\
          <rect width=\"100%\" height=\"100%\" fill=\"{}\"/>",
-        escaped(&crate::files::shown(&drawing.cell.name)),
+        escaped(&crate::safe_text::shown(&drawing.cell.name)),
         hex(stage.palette.paper)
     );
     let canvas = draw_areas(&mut out, &stage, shot);

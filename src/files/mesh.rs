@@ -1,19 +1,12 @@
-//! Triangle meshes of equipment and links: reading, and checking whether they bound a solid.
-
-mod obj;
-mod solidity;
-mod stl;
-mod triangles;
+//! Mesh files that cells and robots name.
 
 use super::fault::{Severity, shown};
 use super::toml::document::Library;
 use super::toml::tree::At;
 use crate::cell::Shape;
-
+use crate::mesh::{Solidity, Triangles, Vertices, from_obj, from_stl, solidity};
 use crate::pose::Pose;
 use nalgebra::Vector3;
-use solidity::{Solidity, solidity};
-use triangles::{Triangles, Vertices, merged};
 
 /// Returns whether the file name is that of an OBJ or STL file; records a fault if not.
 pub fn is_mesh(name: &str, at: At, lib: &mut Library<'_>) -> bool {
@@ -46,8 +39,7 @@ fn read_file(path: &str, at: At, scale: f64, lib: &mut Library<'_>) -> Option<(V
     let is_obj = path.to_ascii_lowercase().ends_with(".obj");
     let file = if is_obj { lib.text(path, Some(at))? } else { lib.file(path, Some(at))? };
     let source = &lib.sources[file];
-    let raw = if is_obj { obj::parse(source.text(), scale) } else { stl::parse(&source.bytes, scale) };
-    match raw.and_then(|(vertices, triangles)| merged(vertices, triangles)) {
+    match if is_obj { from_obj(source.text(), scale) } else { from_stl(&source.bytes, scale) } {
         Ok(mesh) => Some(mesh),
         Err((line, why)) => {
             let start = |line| source.text().split_inclusive('\n').take(line).map(str::len).sum();

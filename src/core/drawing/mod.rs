@@ -12,6 +12,7 @@ mod movement;
 mod node_glyph;
 mod parts;
 pub mod round_numbers;
+pub mod silhouette;
 
 pub use arrows::{Arrow, Component};
 pub use envelope::{Rings, rings};

@@ -1,6 +1,6 @@
 //! Silhouettes: the outline and the sharp edges of a solid seen from one direction.
 
-use crate::drawing::Mesh;
+use super::mesh::Mesh;
 use crate::geometry::join_edges;
 use crate::pose::Pose;
 use nalgebra::{Vector2, Vector3};

@@ -3,10 +3,10 @@
 use crate::cell::{Cell, JointVector, Layout, Placement, Registration};
 
 use crate::error_map::{NodeSign, OperationMap, Status};
-use crate::files::shown;
 use crate::layout::Workcell;
 use crate::reading::{ErrorEvaluator, WorkContext, WorkFrame};
 use crate::robot::Frames;
+use crate::safe_text::shown;
 use nalgebra::Vector3;
 
 /// Choice of a node of the grid.

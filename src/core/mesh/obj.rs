@@ -1,7 +1,7 @@
 //! Reader of Wavefront OBJ text: vertices and faces.
 
 use super::triangles::{BEYOND, MAX_TRIANGLES, MeshFault, Triangles, Vertices, is_beyond, too_many};
-use crate::files::fault::shown;
+use crate::safe_text::shown;
 use nalgebra::Vector3;
 
 /// Returns the vertices (scaled to m) and the triangles of an OBJ text.

@@ -36,8 +36,8 @@ pub use region::OperationRegion;
 pub use value_bound::tangent;
 
 use crate::cell::{JointVector, Quantity, Reading};
-use crate::files::shown;
 use crate::layout::{Workcell, combined};
+use crate::safe_text::shown;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::AtomicBool;

@@ -5,11 +5,11 @@ use super::operation_setup::OperationSetup;
 use super::simd::Ranker;
 use crate::cell::{Cell, Coordinate, JointVector, Operation};
 use crate::clearance::Scene;
-use crate::files::shown;
 use crate::motion::Guard;
 use crate::reach::{Cost, Inverse, Shell};
 use crate::reading::ErrorEvaluator;
 use crate::robot::{Chain, Frames};
+use crate::safe_text::shown;
 use std::sync::Arc;
 
 /// Robot, solids, errors and operations of a cell, prepared for any layout.

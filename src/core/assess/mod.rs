@@ -25,10 +25,10 @@ pub use readings::{ReadingChoice, ReadingRow, Readings};
 use crate::cell::{Cell, Goals, Layout, Operation, Reading, Role, Unit};
 
 use crate::error_map::{NodeRecord, OperationMap, PostureRecord};
-use crate::files::shown;
 use crate::layout::{Evaluation, Refined, Robustness, Workcell, evaluate, separated};
 use crate::reach::{Envelope, Fineness};
 use crate::reading::{Figures, MonteCarlo, monte_carlo};
+use crate::safe_text::shown;
 use crate::units::mm_from_m;
 
 /// Full evaluation of one layout, with maps and figures.

@@ -4,8 +4,8 @@ use super::font;
 use super::ink::{PixelImage, distance};
 use super::scene::{Label, LabelSide};
 use super::{FittedScene, Shot};
-use crate::files::shown;
-use crate::report::raster::camera::PictureFrame;
+use crate::raster::camera::PictureFrame;
+use crate::safe_text::shown;
 use nalgebra::Vector2;
 use std::f64::consts::TAU;
 

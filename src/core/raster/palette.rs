@@ -1,8 +1,8 @@
 //! Colours and light.
 
 use super::camera::Camera;
+use crate::colours;
 use crate::drawing::{GlyphTone, PartKind};
-use crate::report::colours;
 use nalgebra::Vector3;
 
 /// Red, green and blue, 0 to 1.

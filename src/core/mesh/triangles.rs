@@ -28,7 +28,7 @@ pub fn too_many() -> String {
 /// Merges vertices at the same place, in the order of first use.
 ///
 /// Triangles with two equal corners are left out.
-pub fn merged(vertices: Vertices, mut triangles: Triangles) -> Result<(Vertices, Triangles), MeshFault> {
+pub fn merged((vertices, mut triangles): (Vertices, Triangles)) -> Result<(Vertices, Triangles), MeshFault> {
     // Adding 0 makes -0 and 0 the same bits.
     let bits = |i: u32| vertices[i as usize].map(|c| (c + 0.0).to_bits()).data.0[0];
     // Sorted and not hashed: a map of all places takes more memory than everything else.

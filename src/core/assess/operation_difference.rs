@@ -3,7 +3,7 @@
 use super::{Assessment, Comparison};
 use crate::cell::Unit;
 use crate::error_map::{NodeRecord, OperationMap};
-use crate::files::shown;
+use crate::safe_text::shown;
 
 /// Relative difference up to which two values count as equal.
 const EQUAL_SHARE: f64 = 0.005;

@@ -4,7 +4,7 @@ use super::guard::{Hindrance, PostureRefusal};
 use super::straight_line::Stopped;
 use super::transfer::{Blocked, TransferRoute};
 use crate::cell::Cell;
-use crate::files::shown;
+use crate::safe_text::shown;
 use crate::units::{mm_from_m, percent_from_share};
 
 impl PostureRefusal {

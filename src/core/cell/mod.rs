@@ -1,7 +1,7 @@
 //! Model of what exists: robot, equipment and operations, and how the errors are interpreted.
 //!
-//! A [`Cell`] is plain data in m and rad. [`crate::files`] reads and validates it, so nothing downstream
-//! checks it again.
+//! A [`Cell`] is plain data in m and rad. The reader of files validates it, so nothing downstream checks it
+//! again.
 
 mod attitude;
 mod change;

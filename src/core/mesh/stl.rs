@@ -4,7 +4,7 @@
 //! side is outside.
 
 use super::triangles::{BEYOND, MAX_TRIANGLES, MeshFault, Triangles, Vertices, is_beyond, too_many};
-use crate::files::fault::shown;
+use crate::safe_text::shown;
 use nalgebra::Vector3;
 use std::io::Cursor;
 

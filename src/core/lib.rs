@@ -1,0 +1,28 @@
+//! The core of sweetspot: the mathematics from the model of a cell to the best layout.
+//!
+//! It reads and writes nothing. The crate `sweetspot` adds files, documents, pictures and the command, and
+//! its documentation explains the problem and the flow. The core is a crate of its own so that the compiler
+//! optimises the mathematics fully and spends little time on the text around it.
+
+pub mod assess;
+pub mod cell;
+pub mod clearance;
+pub mod colours;
+pub mod drawing;
+pub mod error_map;
+pub mod geometry;
+pub mod kinematic_error;
+pub mod layout;
+pub mod low_discrepancy;
+pub mod mesh;
+pub mod motion;
+pub mod pose;
+pub mod proof;
+pub mod raster;
+pub mod reach;
+pub mod reading;
+pub mod robot;
+pub mod safe_text;
+pub mod search;
+pub mod svg_text;
+pub mod units;
