@@ -17,16 +17,16 @@ fn settings(solver: Solver, budget: u64) -> SearchSettings {
     SearchSettings { solver, budget, seed: 3, ..shipped("hitachi_cell.toml").search }
 }
 
-/// Runs to the end, from a checkpoint if there is one. Returns every checkpoint on the way as text.
+/// Runs to the end, from a checkpoint read from text if there is one. Returns every checkpoint on the way.
 fn run(
     workcell: &Workcell,
     settings: &SearchSettings,
     bound: Option<f64>,
     from: Option<&str>,
-) -> (SearchRecord, Vec<String>) {
+) -> (SearchRecord, Vec<Checkpoint>) {
     let kept = Mutex::new(Vec::new());
-    let keep = |c: &Checkpoint, _: Moment| kept.lock().unwrap().push(serde_json::to_string(c).unwrap());
-    let from: Option<Checkpoint> = from.map(|text| serde_json::from_str(text).unwrap());
+    let keep = |c: &Checkpoint, _: Moment| kept.lock().unwrap().push(c.clone());
+    let from = from.map(checkpoint);
     let watch = Watch { progress: &|_| (), stop: &AtomicBool::new(false) };
     let record =
         search_job(workcell, settings, &watch, &SearchJob { bound, from: from.as_ref(), keep: &keep });
@@ -44,6 +44,10 @@ fn checkpoint(text: &str) -> Checkpoint {
     serde_json::from_str(text).unwrap()
 }
 
+fn text(checkpoint: &Checkpoint) -> String {
+    serde_json::to_string(checkpoint).unwrap()
+}
+
 #[test]
 fn every_checkpoint_resumes_to_the_same_bits() {
     let workcell = workcell();
@@ -52,12 +56,17 @@ fn every_checkpoint_resumes_to_the_same_bits() {
         let (whole, kept) = run(&workcell, &settings, None, None);
         assert!(kept.len() > 6, "{}: {} checkpoints", solver.name(), kept.len());
         let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
-        for (k, text) in kept.iter().enumerate() {
-            let again = || run(&workcell, &settings, None, Some(text));
+        for (k, from) in kept.iter().enumerate() {
+            let again = || run(&workcell, &settings, None, Some(&text(from)));
             let (record, after) = if k % 2 == 0 { again() } else { pool.install(again) };
             assert_eq!(bits(&record), bits(&whole), "{} from checkpoint {k}", solver.name());
             // The following checkpoints are equal, too, so the search may be killed again.
-            assert_eq!(after.last(), kept.last(), "{} from checkpoint {k}", solver.name());
+            assert_eq!(
+                after.last().map(text),
+                kept.last().map(text),
+                "{} from checkpoint {k}",
+                solver.name()
+            );
         }
     }
 }
@@ -69,10 +78,10 @@ fn checkpoints_of_any_run_resume_to_the_same_bits() {
     for solver in Solver::ALL {
         let settings = settings(solver, 9_000);
         let (whole, kept) = run(&workcell, &settings, None, None);
-        let runs = |text: &str| serde_json::from_str::<serde_json::Value>(text).unwrap()["run"].as_u64();
+        let runs = |c: &Checkpoint| serde_json::to_value(c).unwrap()["run"].as_u64();
         assert!(runs(kept.last().unwrap()) > Some(0), "{}: no restart", solver.name());
-        for text in kept.iter().step_by(kept.len() / 6).chain(kept.last()) {
-            let (record, _) = run(&workcell, &settings, None, Some(text));
+        for from in kept.iter().step_by(kept.len() / 6).chain(kept.last()) {
+            let (record, _) = run(&workcell, &settings, None, Some(&text(from)));
             assert_eq!(bits(&record), bits(&whole), "{}", solver.name());
         }
     }
@@ -125,19 +134,19 @@ fn stopping_rules_may_change_on_resume() {
             let bound = next.gap.map(|_| 0.020429669);
             let (whole, _) = run(&workcell, &next, bound, None);
             let rules = Stopping::new(&next, bound);
-            for text in kept.iter().step_by(1 + kept.len() / 8).chain(kept.last()) {
-                match checkpoint(text).check(7, &rules) {
+            for from in kept.iter().step_by(1 + kept.len() / 8).chain(kept.last()) {
+                match from.check(7, &rules) {
                     Ok(()) => {
-                        let (record, after) = run(&workcell, &next, bound, Some(text));
+                        let (record, after) = run(&workcell, &next, bound, Some(&text(from)));
                         assert_eq!(bits(&record), bits(&whole), "{} {next:?}", solver.name());
                         // The resumed search may be killed again.
-                        let (record, _) =
-                            run(&workcell, &next, bound, after.get(after.len() / 2).map(|t| &**t));
+                        let middle = after.get(after.len() / 2).map(text);
+                        let (record, _) = run(&workcell, &next, bound, middle.as_deref());
                         assert_eq!(bits(&record), bits(&whole), "{} {next:?}", solver.name());
                     }
                     // The refusal is right: the whole search ended earlier.
                     Err(why) => assert!(
-                        matches!(why, Unfit::Ended(_)) && whole.evaluations < checkpoint(text).evaluations(),
+                        matches!(why, Unfit::Ended(_)) && whole.evaluations < from.evaluations(),
                         "{why:?}"
                     ),
                 }
@@ -151,7 +160,7 @@ fn a_checkpoint_of_another_search_is_refused() {
     let workcell = workcell();
     let settings = settings(Solver::CmaEs, 400);
     let (_, kept) = run(&workcell, &settings, None, None);
-    let last = checkpoint(kept.last().unwrap());
+    let last = kept.last().unwrap();
     let rules = Stopping::new(&settings, None);
     assert_eq!(last.check(7, &rules), Ok(()));
     assert_eq!(last.check(6, &rules), Err(Unfit::Dimensions { has: 7, needs: 6 }));
@@ -161,10 +170,11 @@ fn a_checkpoint_of_another_search_is_refused() {
     assert_eq!(last.check(7, &Stopping { budget: used, ..rules }), Ok(()));
     // Another seed evaluates other points, so the journal does not match.
     let other = SearchSettings { seed: 4, ..settings };
-    let (record, _) = run(&workcell, &other, None, kept.last().map(|t| &**t));
+    let (record, _) = run(&workcell, &other, None, Some(&text(last)));
     assert_eq!(record.ended, SearchEnd::Diverged);
     // One bit of one point is changed.
-    let middle: Vec<&str> = kept[kept.len() / 2].split("\"asked\":[").collect();
+    let middle = text(&kept[kept.len() / 2]);
+    let middle: Vec<&str> = middle.split("\"asked\":[").collect();
     let (hash, rest) = middle[1].split_once(',').unwrap();
     let changed = format!("{}\"asked\":[{},{rest}", middle[0], hash.parse::<u64>().unwrap() ^ 1);
     assert_eq!(run(&workcell, &settings, None, Some(&changed)).0.ended, SearchEnd::Diverged);
