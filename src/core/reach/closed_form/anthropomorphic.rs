@@ -1,5 +1,5 @@
-//! The first three joints of the usual industrial arm in closed form: a yaw, then two parallel axes
-//! perpendicular to it, with offsets.
+//! Closed form of the first three joints of most industrial arms: a yaw, then two parallel axes
+//! perpendicular to the yaw axis. The arm may have offsets along its axes and between them.
 //!
 //! M. Brandstoetter, A. Angerer, M. Hofbaur, "An analytical solution of the inverse kinematics problem of
 //! industrial serial manipulators with an ortho-parallel basis and a spherical wrist", 2014.
@@ -9,25 +9,26 @@ use crate::cell::JointKind;
 use crate::robot::{Link, Posture};
 use nalgebra::Vector3;
 
-/// The joints up to the wrist centre; lengths in m.
+/// Closed form of the joints up to the wrist centre; lengths in m.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::reach) struct Anthropomorphic {
-    /// sin alpha_1, which is 1 or -1.
+    /// Sine of alpha_1, the D-H twist between axes 1 and 2: 1 or -1.
     side: f64,
-    /// cos alpha_2, which is 1 or -1.
+    /// Cosine of alpha_2, the D-H twist between axes 2 and 3: 1 or -1.
     flip: f64,
     r1: f64,
     l1: f64,
-    /// Coordinate y of the wrist centre in the frame rotated by theta_1.
+    /// Coordinate y of the wrist centre in frame 0 rotated by theta_1 about its z axis.
     lateral: f64,
     links: TwoLinks,
-    /// Direction of the wrist centre from axis 3 in the frame rotated by theta_3.
+    /// Angle of the line from axis 3 to the wrist centre at theta_3 = 0, positive in the sense of axis 2.
     forearm: Angle,
 }
 
 impl Anthropomorphic {
-    /// Returns the closed form of three links with the wrist centre `tip`, given in the frame rotated by
-    /// theta_3 (m); None if the arm is of another kind.
+    /// Returns the closed form of the first three D-H rows; None if the arm is of another kind.
+    ///
+    /// `tip` is the wrist centre, m, in frame 2 rotated by theta_3 about its z axis.
     pub fn new([a, b, c]: &[Link; 3], tip: &Vector3<f64>) -> Option<Self> {
         let turning = [a, b, c].iter().all(|l| l.kind == JointKind::Revolute);
         let forearm = tip.x.hypot(tip.y);
@@ -47,11 +48,12 @@ impl Anthropomorphic {
         })
     }
 
-    /// Calls `found` with theta_1 to theta_3 of every branch that puts the wrist centre at `p` (m).
+    /// Calls `found` with every solution (branch index, theta_1 to theta_3) for the wrist centre `p`.
     ///
-    /// Bit 0 of the branch is the elbow; bit 1 says that the arm leans back over its base. A wrist centre
-    /// on axis 1 leaves theta_1 free, which then is 0. Returns the distance to the nearest reachable
-    /// point, m.
+    /// `p` is in frame 0, m. Bit 0 of the branch index tells the two elbow solutions apart. Bit 1 is set if
+    /// the arm leans back over its base. If the wrist centre lies on axis 1, theta_1 is free and becomes 0.
+    ///
+    /// Returns the distance from `p` to the nearest reachable point, m; 0 if there is a solution.
     #[inline]
     pub fn solve(
         &self,
@@ -86,10 +88,13 @@ impl Anthropomorphic {
         if any { 0.0 } else { self.missing(radius2.sqrt(), self.side * (p.z - self.r1)) }
     }
 
-    /// Returns the distance (m) of a target at (radius, height) from the points that the arm reaches.
+    /// Returns the distance (m) from a target to the nearest point that the arm reaches.
     ///
-    /// It alternates between the nearest point in the plane of the arm and the best yaw. Each step
-    /// shortens the distance.
+    /// `radius` is the distance of the target from axis 1. `height` is its height above the origin of frame
+    /// 1, negated if alpha_1 is -90 degrees.
+    ///
+    /// The function alternates between two steps, and each of them shortens the distance. One finds the
+    /// nearest point in the plane of the arm for a fixed yaw; the other finds the best yaw for that point.
     fn missing(&self, radius: f64, height: f64) -> f64 {
         const MAX_STEPS: usize = 100;
         let (least, most) = self.links.range();

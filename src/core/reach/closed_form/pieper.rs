@@ -1,4 +1,4 @@
-//! Equation for joint 3 of three arbitrary joints that put a point at a target.
+//! Pieper's equation for three arbitrary joints that put a point at a target; joint 3 is its unknown.
 //!
 //! D. L. Pieper, "The Kinematics of Manipulators under Computer Control", thesis, Stanford 1968.
 
@@ -10,41 +10,46 @@ use nalgebra::Vector3;
 
 /// Coordinates of the point that three joints move, as linear forms of joint 3; lengths in m.
 ///
-/// A form has three coefficients. For a revolute joint 3 they belong to 1, cos theta_3 and sin theta_3. For a
-/// prismatic joint 3 they belong to 1 and r_3, and the third is 0.
+/// A form has three coefficients. For a revolute joint 3 they multiply 1, cos theta_3 and sin theta_3. For
+/// a prismatic joint 3 the first two multiply 1 and r_3, and the third is 0.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::reach) struct PointForms {
     pub kinds: [JointKind; 3],
-    /// Cosine and sine of alpha_1.
+    /// Cosine and sine of alpha_1, the D-H twist between axes 1 and 2.
     pub twist1: Angle,
-    /// Cosines and sines of theta_1 and theta_2 at coordinate 0.
+    /// Cosine and sine of theta_1 and of theta_2 while the coordinates of joints 1 and 2 are 0.
     pub zero: [Angle; 2],
     pub l1: f64,
-    /// Coordinate x of the point in frame 1, rotated back by theta_2. `v` is y; `h` is z without a free r_2.
+    /// Coordinate x of the point in frame 1 rotated by theta_2 about its z axis.
     pub u: Quadratic,
+    /// Coordinate y of the point in the frame of `u`.
     pub v: Quadratic,
+    /// Coordinate z of the point in frame 1, without r_2 if joint 2 is prismatic.
     pub h: Quadratic,
-    /// Square of the distance from the origin of frame 1: the first form plus the square of the second.
+    /// Squared distance of the point from the origin of frame 1: the first form plus the square of the
+    /// second. Used only if joint 2 is revolute.
     pub distance2: (Quadratic, Quadratic),
 }
 
-/// Target of the point, in the quantities that joints 2 and 3 can change.
+/// Target of the point, in frame 0 and as quantities that joint 1 does not change.
 pub(in crate::reach) struct PointTarget {
     /// Target in frame 0, m.
     pub p: Vector3<f64>,
-    /// Height above the origin of frame 1 along axis 1, m.
+    /// Height above the origin of frame 1 along axis 1, m. Used only if joint 1 is revolute.
     pub height: f64,
-    /// Square of the distance from the origin of frame 1, less l_1 squared, m2.
+    /// Squared distance of the target from the point where the common normal of axes 1 and 2 meets axis 1,
+    /// less l_1 squared, m2. Used only if joint 1 is revolute.
     pub distance2: f64,
-    /// Coordinate x of the target in the frame rotated by theta_1, m; `y` likewise. Used if joint 1 is
-    /// prismatic.
+    /// Coordinate x of the target in frame 0 rotated by the fixed theta_1 of a prismatic joint 1, m.
     pub x: f64,
+    /// Coordinate y of the target in the frame of `x`, m.
     pub y: f64,
 }
 
-/// Path of joint 3: three polynomials of a parameter t, in the ratio of the terms of [`PointForms`].
+/// Values of joint 3 as ratios of three polynomials of a parameter t.
 ///
-/// The ratio is 1 : cos theta_3 : sin theta_3 for a revolute joint 3, and 1 : r_3 : 0 for a prismatic one.
+/// For a revolute joint 3, `one : a : b` is 1 : cos theta_3 : sin theta_3. For a prismatic joint 3 the
+/// ratio is 1 : r_3 : 0.
 pub(in crate::reach) struct Path {
     pub one: Quadratic,
     pub a: Quadratic,
@@ -52,19 +57,19 @@ pub(in crate::reach) struct Path {
 }
 
 impl Path {
-    /// Returns a form along the path, as a polynomial.
+    /// Returns the form `f` (see [`PointForms`]), multiplied by `one`, as a polynomial of the parameter t.
     fn on(&self, f: &Quadratic) -> Quadratic {
         std::array::from_fn(|k| f[0] * self.one[k] + f[1] * self.a[k] + f[2] * self.b[k])
     }
 
-    /// Returns a constant minus a form along the path, as a polynomial.
+    /// Returns `constant - p`, multiplied by `one`, where `p` is a polynomial that `on` returned.
     fn minus(&self, constant: f64, p: &Quadratic) -> Quadratic {
         std::array::from_fn(|k| constant * self.one[k] - p[k])
     }
 }
 
 impl PointForms {
-    /// Returns the forms of the point on axis 4 at a distance `r4` (m) from the origin of frame 3.
+    /// Returns the linear forms of the point on axis 4 at a distance `r4` (m) from the origin of frame 3.
     pub fn new(links: &[Link; 3], r4: f64) -> Self {
         let [a, b, c] = links;
         let kinds = [a.kind, b.kind, c.kind];
@@ -87,11 +92,10 @@ impl PointForms {
         Self { kinds, twist1, zero, l1: a.l, u, v, h, distance2: (form, z) }
     }
 
-    /// Returns the path of joint 3.
+    /// Returns the values of joint 3 as polynomials of a parameter t.
     ///
-    /// For a revolute joint it is a circle. Its parameter is the tangent of half the joint angle, measured
-    /// from the angle with cosine `c` and sine `s`. For a prismatic joint it is a line with the parameter
-    /// r_3.
+    /// For a prismatic joint 3, t is r_3. For a revolute joint 3, t is the tangent of half the angle
+    /// between theta_3 and an origin. The origin is the angle with the cosine `c` and the sine `s`.
     pub fn path(&self, (c, s): Angle) -> Path {
         match self.kinds[2] {
             Revolute => Path { one: [1.0, 0.0, 1.0], a: [c, -2.0 * s, -c], b: [s, 2.0 * c, -s] },
@@ -99,7 +103,9 @@ impl PointForms {
         }
     }
 
-    /// Returns the equation that joint 3 must fulfil so that joints 1 and 2 can do the rest.
+    /// Returns Pieper's equation: a polynomial of the parameter t of `path` that is 0 at every solution.
+    ///
+    /// Some roots are not solutions, because joints 1 and 2 cannot bring the point to the target.
     pub fn equation(&self, target: &PointTarget, path: &Path) -> Polynomial {
         let (u, v, h) = (path.on(&self.u), path.on(&self.v), path.on(&self.h));
         match (self.kinds[0], self.kinds[1]) {
@@ -110,10 +116,10 @@ impl PointForms {
         }
     }
 
-    /// Returns the equation for revolute joints 1 and 2.
+    /// Returns Pieper's equation for revolute joints 1 and 2.
     ///
-    /// The distance from the origin of frame 1 and the height along axis 1 give x and y in frame 1. These
-    /// give the distance from axis 2.
+    /// The squared distances of target and point give coordinate x of the point in frame 1; their heights
+    /// along axis 1 give y. The equation states that x and y match the distance from axis 2.
     fn both_turn(&self, target: &PointTarget, path: &Path, h: &Quadratic) -> Polynomial {
         let ((ca, sa), l1, far) = (self.twist1, self.l1, self.distance2_on(path));
         let (e, z) = (path.minus(target.distance2, &far), path.minus(target.height, &h.map(|k| ca * k)));
@@ -128,10 +134,10 @@ impl PointForms {
         weighted(&[squares[0], squares[1], (-k * sa * sa, radius2(&far, h, path))])
     }
 
-    /// Returns the equation for a prismatic joint 1 and a revolute joint 2.
+    /// Returns Pieper's equation for a prismatic joint 1 and a revolute joint 2.
     ///
-    /// The coordinates x and y of the target perpendicular to axis 1 give x and y in frame 1. These give the
-    /// distance from axis 2.
+    /// The coordinates x and y of the target perpendicular to axis 1 give x and y of the point in frame 1.
+    /// The equation states that they agree with the distance of the point from axis 2.
     fn slide_turns(&self, target: &PointTarget, path: &Path, h: &Quadratic) -> Polynomial {
         let (ca, sa) = self.twist1;
         let y = path.minus(target.y, &h.map(|k| -sa * k));
@@ -144,9 +150,10 @@ impl PointForms {
         weighted(&[(x * x, one2), (1.0, product(&y, &y)), (-ca * ca, radius2)])
     }
 
-    /// Returns the equation for a revolute joint 1 and a prismatic joint 2.
+    /// Returns Pieper's equation for a revolute joint 1 and a prismatic joint 2.
     ///
-    /// The height along axis 1 gives r_2. All coordinates then give the distance from the origin of frame 1.
+    /// The height along axis 1 gives coordinate z of the point in frame 1. The equation states that x, y
+    /// and z agree with the distance of the target from axis 1.
     fn turn_slides(&self, target: &PointTarget, path: &Path, (x, y): &(Quadratic, Quadratic)) -> Polynomial {
         let (ca, sa) = self.twist1;
         let z = path.minus(target.height, &y.map(|k| sa * k));
@@ -159,7 +166,8 @@ impl PointForms {
         weighted(&[plane[0], plane[1], (1.0, product(&z, &z)), (-k, product(&rest, &path.one))])
     }
 
-    /// Returns the squared distance of the point from the origin of frame 1, as a polynomial.
+    /// Returns the squared distance of the point from the origin of frame 1, as a polynomial of the
+    /// parameter t.
     fn distance2_on(&self, path: &Path) -> Quadratic {
         let (form, z) = &self.distance2;
         let square = match self.kinds[2] {
@@ -170,7 +178,7 @@ impl PointForms {
         std::array::from_fn(|k| form[k] + square[k])
     }
 
-    /// Returns x and y of the point in frame 1 for a fixed theta_2.
+    /// Returns coordinates x and y of the point in frame 1 for a prismatic joint 2, whose theta_2 is fixed.
     fn turned(&self, u: &Quadratic, v: &Quadratic) -> (Quadratic, Quadratic) {
         let (c, s) = self.zero[1];
         (combined(c, u, -s, v, 0.0), combined(s, u, c, v, 0.0))
@@ -185,9 +193,9 @@ fn weighted(terms: &[(f64, Polynomial)]) -> Polynomial {
     std::array::from_fn(|k| terms.iter().map(|(w, p)| w * p[k]).sum())
 }
 
-/// Returns the squared distance from axis 2.
+/// Returns the squared distance of the point from axis 2, as a polynomial of the parameter t.
 ///
-/// `far` is the squared distance from the origin of frame 1, and `h` is the height along axis 2.
+/// `far` is the squared distance of the point from the origin of frame 1, and `h` its height along axis 2.
 fn radius2(far: &Quadratic, h: &Quadratic, path: &Path) -> Polynomial {
     weighted(&[(1.0, product(far, &path.one)), (-1.0, product(h, h))])
 }

@@ -1,14 +1,18 @@
-//! The arm of the seed paper in closed form: a base yaw, then three parallel axes that move the tool in a
-//! vertical plane, then perhaps a roll about the tool axis.
+//! Closed form of the arm of the seed paper: a base yaw, then three parallel axes that move the tool in a
+//! vertical plane. An optional fifth axis rolls the tool about its own axis.
 //!
 //! Palletizers belong to this family: their third parallel axis is passive.
 //!
-//! Let `s` be the signed distance in that plane (front > 0, back < 0) and phi the angle of the last parallel
-//! link. The wrist lies at `u = s - l_1 - U(phi)`, `v = z - r_1 - V(phi)`. The law of cosines gives two
-//! elbows, and theta_4 = phi - theta_2 - theta_3. A given elevation of the tool (its bending angle) allows
-//! two values of phi: the tool points away from the base axis or towards it. The two coincide if the tool is
-//! vertical. So a target has up to 2 x 2 x 2 branches. The solver takes square roots only; it forms no angle
-//! until a branch is reported.
+//! Let s be the signed horizontal distance of the TCP from the base axis in that plane: positive in front,
+//! negative behind. Let z be the height of the TCP, and phi the angle of the last parallel link. Let (U, V)
+//! be the vector from the wrist to the TCP, a function of phi. The wrist then lies at `u = s - l_1 -
+//! U(phi)` and `v = z - r_1 - V(phi)` relative to axis 2.
+//!
+//! The law of cosines gives two solutions for the elbow, and theta_4 = phi - theta_2 - theta_3. A given
+//! elevation of the tool (its bending angle) allows two values of phi. With one, the tool points away from
+//! the base axis; with the other, towards it. The two values coincide if the tool is vertical. A target has
+//! up to 2 x 2 x 2 branches: two signs of s, two values of phi and two elbows. The solver computes sines
+//! and cosines by square roots alone; angles are computed only for branches that are reported.
 
 use crate::cell::{JointKind, tool_columns};
 use crate::pose::exact_sin_cos;
@@ -17,48 +21,49 @@ use crate::reach::tool_attitudes::{PlanarAttitude, ToolAttitudes};
 use crate::robot::{Chain, Link, Posture};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
-/// Excess over 1 up to which a cosine counts as 1.
+/// Excess over 1 up to which the cosine of the elbow angle counts as 1.
 ///
-/// It keeps rounding from losing the stretched arm, and an arm whose plane only just reaches the target.
+/// Rounding would otherwise lose the solution of a stretched arm. An equal share is allowed where the
+/// distance of a target from the base axis equals the lateral offset of the arm.
 pub(in crate::reach) const STRETCHED: f64 = 1e-12;
 
-/// Deviation below which directions (no unit) and points (m) count as exact.
+/// Deviation below which a direction (no unit) or a point (m) counts as exact.
 const IN_PLACE: f64 = 1e-9;
 
 /// Closed form of the planar arm; lengths in m.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlanarArm {
-    /// +1 if alpha_1 is +90 degrees, -1 if it is -90.
+    /// Sine of alpha_1, the D-H twist between axes 1 and 2: 1 or -1.
     pub(in crate::reach) side: f64,
     pub(in crate::reach) r1: f64,
     pub(in crate::reach) l: [f64; 3],
-    /// Distance of the tool from the vertical plane through the base axis.
+    /// Signed distance from the base axis to the vertical plane in which the TCP moves, along axis 2.
     pub(in crate::reach) lateral: f64,
     /// Cosine and sine of theta_1 in the middle of the range of joint 1.
     middle_yaw: (f64, f64),
-    /// TCP in the plane, in the frame rotated by theta_4.
+    /// Coordinates x and y of the TCP in frame 3 rotated by theta_4.
     tool: (f64, f64),
-    /// Direction of the tool axis in the plane, in the frame rotated by theta_4.
+    /// Components x and y of the tool axis in frame 3 rotated by theta_4.
     axis: (f64, f64),
     roll: Option<Roll>,
 }
 
-/// The last axis of a five-axis arm, which rolls the tool about its axis.
+/// Last axis of a five-axis arm, which rolls the tool about the tool axis.
 #[derive(Debug, Clone, PartialEq)]
 struct Roll {
-    /// Sign of sin alpha_1, as in [`PlanarArm`].
+    /// Sine of alpha_1, the D-H twist between axes 1 and 2: 1 or -1.
     side: f64,
-    /// Cosine and sine of alpha_4.
+    /// Cosine and sine of alpha_4, the D-H twist between axes 4 and 5.
     twist: (f64, f64),
-    /// The reference axis of the tool at theta_5 = 0, in frame 4.
+    /// Direction of the tool from which its spin is measured: components x and y in frame 4 at theta_5 = 0.
     reference: (f64, f64),
 }
 
 impl PlanarArm {
-    /// Returns the closed form of a chain, if it is a planar arm.
+    /// Returns the closed form of a planar arm.
     ///
     /// # Errors
-    /// Fails if the chain is not of this family. The message says why.
+    /// Fails if the chain is not a planar arm. The message says why.
     pub fn new(chain: &Chain) -> Result<Self, String> {
         let [a, b, c, d, ref rest @ ..] = chain.links[..] else {
             return Err(format!("it has {} axes, not 4 or 5", chain.axes()));
@@ -112,12 +117,12 @@ impl PlanarArm {
         })
     }
 
-    /// Returns whether the arm has a roll axis and so can choose the spin of its tool.
+    /// Returns whether the arm has a roll axis, with which it can choose the spin of its tool.
     pub fn rolls(&self) -> bool {
         self.roll.is_some()
     }
 
-    /// Writes the attitudes in the plane of the arm at the elevations of `set`.
+    /// Writes into `planar` the tool attitudes in the plane of the arm: one or two per elevation of `set`.
     pub(in crate::reach) fn attitudes(&self, set: &AttitudeSet, planar: &mut Vec<PlanarAttitude>) {
         planar.clear();
         for &elevation in &set.elevations {
@@ -139,12 +144,13 @@ impl PlanarArm {
         PlanarAttitude { cos_phi, sin_phi, u, v, cos_elevation, sin_elevation }
     }
 
-    /// Calls `found` with every branch for the TCP at `target` (frame 0, m), inside the joint limits or not.
+    /// Calls `found` with every branch that puts the TCP at `target` (frame 0, m), without joint limits.
     ///
-    /// Bit 0 of the branch is the elbow. Bit 1 says that the arm leans back over the base. Bit 2 says that
-    /// the tool points backwards, opposite to the heading theta_1. The next bits number the tilts, and the
-    /// bits above them number the spins. Returns the distance of the nearest branch, m; 0 if there is a
-    /// branch.
+    /// Bit 0 of the branch index tells the two elbow solutions apart. Bit 1 is set if the arm leans back
+    /// over the base. Bit 2 is set if the tool points backwards, opposite to the heading theta_1. Bits 3 to
+    /// 5 number the elevations of the tool, and the bits above them number the spins.
+    ///
+    /// Returns the least distance, m, by which a branch misses the target; 0 if a branch reaches it.
     #[inline]
     pub(in crate::reach) fn solve(
         &self,
@@ -202,9 +208,10 @@ impl PlanarArm {
         missing.max(0.0)
     }
 
-    /// Returns cosine and sine of the theta_1 that rotates (s, -lateral) to the target.
+    /// Returns cosine and sine of the theta_1 that rotates the point (s, -lateral) about the base axis to
+    /// the target.
     ///
-    /// A target on the base axis leaves theta_1 free: then it is the middle of the range.
+    /// If the target is on the base axis, theta_1 is free and is set to the middle of its range.
     #[inline]
     fn base_yaw(&self, target: &Vector3<f64>, s: f64, lateral: f64, radius2: f64) -> (f64, f64) {
         if radius2 < 1e-24 {
@@ -215,7 +222,7 @@ impl PlanarArm {
 }
 
 impl Roll {
-    /// Turns the last axis so that the tool takes each spin of `set` in turn.
+    /// Calls `found` for each spin of `set`, with the last axis turned so that the tool has that spin.
     fn turn(
         &self,
         set: &AttitudeSet,
@@ -254,10 +261,13 @@ impl Roll {
     }
 }
 
-/// TCP, tool axis and reference axis in frame 4.
+/// TCP (m), tool axis, and x and y of the zero direction of the spin, in frame 4 with theta_5 = 0.
 type Rolled = (Vector3<f64>, Vector3<f64>, (f64, f64));
 
-/// Returns TCP, tool axis and reference axis in frame 4 of an arm that ends with a roll about its tool axis.
+/// Returns TCP, tool axis and zero direction of the spin of a five-axis arm, in frame 4 with theta_5 = 0.
+///
+/// # Errors
+/// Fails if the last axis is not the tool axis through the TCP.
 fn rolled(chain: &Chain, last: &Link) -> Result<Rolled, String> {
     let twist = Rotation3::from_matrix_unchecked(Matrix3::new(
         1.0,

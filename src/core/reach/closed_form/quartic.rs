@@ -6,7 +6,7 @@ pub(in crate::reach) type Polynomial = [f64; 5];
 /// Polynomial up to the second degree: coefficients of 1, x, x^2.
 pub(in crate::reach) type Quadratic = [f64; 3];
 
-/// Value at an extremum, as a share of the sum of absolute terms, below which it counts as a double root.
+/// Largest value of an extremum that counts as a double root, as a share of the sum of the absolute terms.
 const DOUBLE_ROOT: f64 = 1e-7;
 
 /// Up to four real roots in ascending order.
@@ -17,7 +17,7 @@ pub(in crate::reach) struct Roots {
 }
 
 impl Roots {
-    /// Returns the roots.
+    /// Returns the roots in ascending order.
     pub fn all(&self) -> &[f64] {
         &self.x[..self.count]
     }
@@ -41,12 +41,12 @@ pub(in crate::reach) fn product(a: &Quadratic, b: &Quadratic) -> Polynomial {
     p
 }
 
-/// Returns `f a + g b + constant`.
+/// Returns the quadratic `f a + g b + constant`.
 pub(in crate::reach) fn combined(f: f64, a: &Quadratic, g: f64, b: &Quadratic, constant: f64) -> Quadratic {
     [f * a[0] + g * b[0] + constant, f * a[1] + g * b[1], f * a[2] + g * b[2]]
 }
 
-/// Returns the value of a polynomial at `x` (Horner).
+/// Returns the value of a polynomial at `x` by Horner's method.
 pub(in crate::reach) fn value(p: &Polynomial, x: f64) -> f64 {
     p.iter().rev().fold(0.0, |sum, c| sum * x + c)
 }
@@ -58,7 +58,7 @@ fn derivative(p: &Polynomial) -> Polynomial {
 /// Returns the real roots of a polynomial, each multiple root once.
 ///
 /// A polynomial is monotonic between neighbouring roots of its derivative. The roots of the derivative
-/// therefore bracket those of the polynomial, and no root is lost by cancellation.
+/// therefore bracket the roots of the polynomial, and cancellation cannot lose a root.
 pub(in crate::reach) fn real_roots(p: &Polynomial) -> Roots {
     let largest = p.iter().fold(0.0f64, |m, c| m.max(c.abs()));
     let degree = (1..5).rev().find(|&k| p[k].abs() > 1e-14 * largest).unwrap_or(0);
@@ -75,7 +75,9 @@ pub(in crate::reach) fn real_roots(p: &Polynomial) -> Roots {
     roots
 }
 
-/// Returns the roots of `p`, given those of its derivative.
+/// Returns the real roots of the polynomial `p`.
+///
+/// `leading` is the leading coefficient of `p`, and `critical` holds the real roots of its derivative.
 fn between(p: &Polynomial, leading: f64, critical: &Roots) -> Roots {
     // Cauchy's bound of the roots.
     let bound = 1.0 + p.iter().fold(0.0f64, |m, c| m.max((c / leading).abs()));
@@ -101,7 +103,7 @@ fn touches(p: &Polynomial, x: f64) -> bool {
     value(p, x).abs() <= DOUBLE_ROOT * terms
 }
 
-/// Returns the root in a bracket by Newton's method, safeguarded by bisection.
+/// Returns the root between `lo` and `hi` by Newton's method, safeguarded by bisection.
 fn bracketed(p: &Polynomial, mut lo: f64, mut hi: f64) -> f64 {
     const MAX_STEPS: usize = 100;
     let slope = derivative(p);

@@ -1,45 +1,45 @@
-//! The SCARA in closed form: three revolute axes and one prismatic axis, all parallel, in any order.
+//! Closed form of the SCARA: three revolute axes and one prismatic axis, all parallel, in any order.
 //!
-//! Seen along the axes the chain is a polygon of four vectors, `p = L_0 + L_1 + L_2 + L_3`, each rotated
-//! by the revolute joints before it. The orientation of the flange gives the direction of L_3. The law
-//! of cosines gives the two elbows of L_1 and L_2. The prismatic joint sets the height. Complex numbers
-//! represent plane vectors.
+//! Seen along the axes, the chain is a polygon of four vectors L_0 to L_3, and their sum is the place of
+//! the flange. Each vector is rotated by the revolute joints before it. The orientation of the flange gives
+//! the direction of L_3. The law of cosines gives two solutions (elbows) for L_1 and L_2. The prismatic
+//! joint sets the height. Vectors in the plane are complex numbers.
 
 use crate::cell::JointKind;
 use crate::pose::Pose;
 use crate::robot::{Chain, Posture};
 use nalgebra::{Complex, ComplexField};
 
-/// Vector of a plane as a complex number.
+/// Vector in the plane normal to the axes, as a complex number.
 type Plane = Complex<f64>;
 
-/// Excess over 1 up to which the cosine of the elbow angle counts as 1: the arm is stretched or folded.
+/// Excess over 1 up to which the absolute cosine of the elbow angle counts as 1: a stretched or folded arm.
 const STRETCHED_ELBOW: f64 = 1e-12;
 
 /// Closed form of a SCARA; lengths in m.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scara {
-    /// Indices of the revolute rows.
+    /// Indices of the D-H rows of the revolute joints.
     turning: [usize; 3],
-    /// Index of the prismatic row.
+    /// Index of the D-H row of the prismatic joint.
     sliding: usize,
     /// Direction of each revolute axis relative to axis z of frame 0: +1 or -1.
     senses: [f64; 3],
     sliding_sense: f64,
     flange_sense: f64,
-    /// Sides of the polygon with every revolute joint at theta = 0.
+    /// Vectors L_0 to L_3 from joint to joint, seen along the axes, with every revolute joint at theta = 0.
     sides: [Plane; 4],
-    /// The x axis of the flange with every revolute joint at theta = 0.
+    /// Direction of the x axis of the flange with every revolute joint at theta = 0.
     flange: Plane,
-    /// Height of the flange at r = 0 of the prismatic row, m.
+    /// Height of the flange if r of the prismatic joint is 0, m.
     height: f64,
 }
 
 impl Scara {
-    /// Returns the closed form of a chain, if it is a SCARA.
+    /// Returns the closed form of a SCARA.
     ///
     /// # Errors
-    /// Fails if the chain is not of this family. The message says why.
+    /// Fails if the chain is not a SCARA. The message says why.
     pub fn new(chain: &Chain) -> Result<Self, String> {
         let kinds: Vec<_> = chain.links.iter().map(|l| l.kind).collect();
         let of = |kind| (0..kinds.len()).filter(|&i| kinds[i] == kind).collect::<Vec<_>>();
@@ -68,7 +68,7 @@ impl Scara {
         Ok(arm)
     }
 
-    /// Measures the polygon with every revolute joint at theta = 0.
+    /// Computes the vectors from joint to joint, and height and direction of the flange, at theta = 0.
     fn measure(&mut self, chain: &Chain) {
         let (mut sense, mut direction, mut side) = (1.0, Plane::new(1.0, 0.0), 0);
         for (i, link) in chain.links.iter().enumerate() {
@@ -90,9 +90,11 @@ impl Scara {
         (self.flange, self.flange_sense) = (direction, sense);
     }
 
-    /// Calls `found` with both elbows that put the last frame at `flange` (frame 0, z axes parallel).
+    /// Calls `found` with the two postures that put the last D-H frame at `flange`.
     ///
-    /// Returns how far the target is out of reach, m; 0 if there is a solution.
+    /// `flange` is a pose in frame 0 with a z axis that [`Self::can_hold`] accepts. The two postures differ
+    /// in the elbow and have the branch indices 0 and 1. Returns how far the target is out of reach, m; 0
+    /// if there is a solution.
     pub(in crate::reach) fn solve(
         &self,
         flange: &Pose,
@@ -131,7 +133,7 @@ impl Scara {
         0.0
     }
 
-    /// Returns whether the z axis of a flange pose is the one that the arm keeps.
+    /// Returns whether the z axis of the pose `flange` has the direction that the arm cannot change.
     pub(in crate::reach) fn can_hold(&self, flange: &Pose) -> bool {
         (flange.rotation[(2, 2)] - self.flange_sense).abs() < 1e-12
     }

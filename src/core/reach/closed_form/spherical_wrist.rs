@@ -1,7 +1,8 @@
-//! Six-axis arms with three neighbouring axes that meet in one point: a spherical wrist or shoulder.
+//! Six-axis arms whose last or first three axes meet in one point: a spherical wrist or shoulder.
 //!
-//! The first three joints put the wrist centre at its place, the last three set the orientation (Pieper
-//! 1968). An arm with a spherical shoulder is reversed, from flange to base; the shoulder is then its wrist.
+//! The first three joints put the wrist centre at its place, and the last three set the orientation (Pieper
+//! 1968). An arm with a spherical shoulder is solved as the reversed chain, from flange to base. In that
+//! chain the shoulder takes the place of the wrist.
 
 use super::anthropomorphic::Anthropomorphic;
 use super::subproblems::{ALIGNED, Twists, before_twist, turned_back};
@@ -14,17 +15,18 @@ use nalgebra::{Matrix3, Vector3};
 /// Closed form of an arm with a spherical wrist or shoulder; lengths in m.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SphericalWrist {
-    /// Links in the order in which they are solved.
+    /// D-H rows from base to flange, or of the reversed chain if the arm has a spherical shoulder.
     links: [Link; 6],
     arm: PositioningArm,
     twists: Twists,
-    /// Wrist centre in the last frame.
+    /// Wrist centre in the last D-H frame.
     centre: Vector3<f64>,
-    /// `Tx(l_6) Rx(alpha_6)` of an arm that is solved from flange to base; None for a spherical wrist.
+    /// Constant transform `Tx(l_6) Rx(alpha_6)` of an arm that is solved from flange to base; None for a
+    /// spherical wrist.
     reversed: Option<Pose>,
 }
 
-/// The joints up to the wrist centre.
+/// Solver of the joints up to the wrist centre.
 #[derive(Debug, Clone, PartialEq)]
 enum PositioningArm {
     Anthropomorphic(Anthropomorphic),
@@ -32,10 +34,10 @@ enum PositioningArm {
 }
 
 impl SphericalWrist {
-    /// Returns the closed form of a chain, if it has a spherical wrist or shoulder.
+    /// Returns the closed form of an arm with a spherical wrist or shoulder.
     ///
     /// # Errors
-    /// Fails if the chain is not of this family. The message says why.
+    /// Fails if the chain is not such an arm. The message says why.
     pub fn new(chain: &Chain) -> Result<Self, String> {
         let links: [Link; 6] =
             chain.links[..].try_into().map_err(|_| format!("it has {} axes, not 6", chain.axes()))?;
@@ -71,24 +73,29 @@ impl SphericalWrist {
         Ok(Self { links, arm, twists, centre, reversed })
     }
 
-    /// Calls `found` with every posture that puts the last D-H frame at `flange`, without joint limits.
+    /// Calls `found` with every posture that puts the last D-H frame at `flange`; joint limits are ignored.
     ///
-    /// `flange` is a pose in frame 0, without the tool. `posture` is scratch memory that holds the fixed D-H
-    /// values of the chain.
+    /// `flange` is a pose in frame 0, without the tool. `posture` is scratch memory that holds the fixed
+    /// D-H values of the chain.
     ///
-    /// Bit 0 of the branch is the flip of the wrist. For the usual industrial arm bit 1 is the elbow, and bit
-    /// 2 says that the arm leans back over its base. For other arms bit 1 numbers the two solutions of the
-    /// second joint. Bit 2 says whether Pieper's equation rises at the solution for joint 3. Bit 3 numbers
-    /// the solutions with equal bit 2 in ascending order from theta_3 = -180 degrees, or from the lowest r_3.
-    /// These numbers change only at a singularity or at theta_3 = 180 degrees. There is no better numbering
-    /// for an arm that can change posture without passing a singularity.
+    /// Bit 0 of the branch index is set if the wrist is flipped. For the usual industrial arm, bit 1 tells
+    /// the two elbow solutions apart. Bit 2 is set if such an arm leans back over its base.
+    ///
+    /// For other arms, bit 1 numbers the two solutions of joint 2. Bit 2 is set if the polynomial of
+    /// Pieper's equation increases at the solution for joint 3. Bit 3 numbers solutions with equal bit 2 in
+    /// ascending order of theta_3 from -180 degrees, or of r_3.
+    ///
+    /// The index of a posture in continuous motion changes only at a singularity or at theta_3 = 180
+    /// degrees. No better numbering exists for an arm that can change posture without passing a
+    /// singularity.
     ///
     /// If axes 4 and 6 are aligned, theta_4 is 0 and the wrist is not flipped. If the wrist centre lies on
-    /// axis 1 or 2, theta of that axis is 0. For a spherical shoulder, axes and bits count from flange to
-    /// base.
+    /// axis 1 or 2, the angle theta of that axis is 0. For a spherical shoulder, all these axes are
+    /// numbered from flange to base.
     ///
-    /// Returns the distance (m) of the wrist centre from the reach of the first three joints. If it is 0, an
-    /// oblique wrist may still be unable to reach the orientation.
+    /// Returns the distance (m) from the wrist centre to the nearest point that the first three joints
+    /// reach. Even if this distance is 0, a wrist without right angles may be unable to reach the
+    /// orientation.
     #[inline]
     pub fn solve(&self, flange: &Pose, posture: &mut Posture, found: &mut dyn FnMut(u8, &Posture)) -> f64 {
         let Some(lead) = &self.reversed else { return self.reach(flange, posture, found) };
@@ -99,8 +106,8 @@ impl SphericalWrist {
         })
     }
 
-    /// Returns a solver that does not compute the distance of an unreachable target; None if computing it is
-    /// cheap.
+    /// Returns a variant of the solver that does not compute the distance to an unreachable target; None if
+    /// computing it is cheap.
     pub fn fast(&self) -> Option<Self> {
         let mut fast = self.clone();
         match &mut fast.arm {
@@ -122,9 +129,10 @@ impl SphericalWrist {
         }
     }
 
-    /// Calls `found` with theta_4 to theta_6 that rotate the last frame, before its twist, to `x` and `z`.
+    /// Calls `found` with theta_4 to theta_6 that bring the last frame, before its twist, to `x` and `z`.
     ///
-    /// `posture` holds theta_1 to theta_3.
+    /// `x` and `z` are the required axes of that frame, as unit vectors in frame 0. `posture` holds theta_1
+    /// to theta_3.
     #[inline]
     fn turn(
         &self,
@@ -165,8 +173,10 @@ impl SphericalWrist {
     }
 }
 
-/// Returns the chain from flange to base: row k is `Rz(-theta) Tz(-r)` of joint 7 - k with the common
-/// normal before it.
+/// Returns the D-H rows of the reversed chain, from flange to base.
+///
+/// Row k (from 1) is `Rz(-theta) Tz(-r)` of joint 7 - k, then `Tx(-l) Rx(-alpha)` of row 6 - k. Row 6 has
+/// only the first part.
 fn end_for_end(links: &[Link; 6]) -> [Link; 6] {
     std::array::from_fn(|k| {
         let (joint, before) = (&links[5 - k], 4usize.checked_sub(k).map(|i| &links[i]));
@@ -176,7 +186,7 @@ fn end_for_end(links: &[Link; 6]) -> [Link; 6] {
     })
 }
 
-/// Returns the posture of the chain from flange to base.
+/// Converts a posture of the chain to one of the reversed chain, or back.
 #[inline]
 fn mirrored(posture: &Posture) -> Posture {
     let mut mirror = *posture;

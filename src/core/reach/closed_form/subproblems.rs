@@ -1,18 +1,21 @@
-//! Geometric subproblems that the six-axis solvers share, in the manner of Paden and Kahan.
+//! Geometric subproblems, in the manner of Paden and Kahan, that the solvers of six-axis arms share.
 //!
 //! Sources: R. M. Murray, Z. Li, S. S. Sastry, A Mathematical Introduction to Robotic Manipulation, 1994,
 //! section 3.2; A. J. Elias, J. T. Wen, "IK-Geo: Unified robot inverse kinematics using subproblem
 //! decomposition" (2022).
 //!
-//! Every angle is a pair (cosine, sine). Roots are computed so that the result fits the pose to rounding,
-//! even at a double root.
+//! Every angle is a pair (cosine, sine). The formulas keep their digits where two solutions coincide, and
+//! such a solution fits the pose to rounding.
 
 use nalgebra::{Matrix3, Vector3};
 
-/// Excess over 1 up to which a cosine counts as 1, so that rounding does not lose the boundary.
+/// Excess over 1 up to which a cosine counts as 1; rounding could otherwise lose a target at the edge of
+/// the reach.
 pub(in crate::reach) const BOUNDARY: f64 = 1e-12;
 
 /// Sine below which two axes count as aligned, because their common normal has no reliable direction.
+///
+/// Likewise the distance (m) from an axis below which a point counts as lying on the axis.
 pub(in crate::reach) const ALIGNED: f64 = 1e-12;
 
 /// Cosine and sine of an angle.
@@ -24,7 +27,7 @@ pub(in crate::reach) fn difference(b: Angle, a: Angle) -> Angle {
     (b.0 * a.0 + b.1 * a.1, b.1 * a.0 - b.0 * a.1)
 }
 
-/// Two links in a plane: `a` at the angle t, `b` at t + s; lengths in m, of either sign.
+/// Two links in a plane: link `a` at the angle t, link `b` at t + s. Lengths are in m and may be negative.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::reach) struct TwoLinks {
     a: f64,
@@ -34,22 +37,23 @@ pub(in crate::reach) struct TwoLinks {
 }
 
 impl TwoLinks {
-    /// Prepares two links of given lengths, m.
+    /// Returns two links of the lengths `a` and `b`, m.
     pub fn new(a: f64, b: f64) -> Self {
         Self { a, b, per_twice_a: 0.5 / a, per_twice_ab: 0.5 / (a * b) }
     }
 
-    /// Returns the least and greatest distance of the tip from the first axis, m.
+    /// Returns the least and greatest distance from the axis of link `a` to the tip of link `b`, m.
     pub fn range(&self) -> (f64, f64) {
         ((self.a.abs() - self.b.abs()).abs(), self.a.abs() + self.b.abs())
     }
 
-    /// Returns (t, s) for both elbows with the tip at (u, v), m: first sin s <= 0, then sin s >= 0.
+    /// Returns both solutions (t, s) that put the tip of link `b` at (u, v), m.
     ///
-    /// If the tip is on the first axis, t is free and is set to 0.
+    /// Link `a` has the angle t, and link `b` the angle t + s. The first solution has sin s <= 0, and the
+    /// second has sin s >= 0. If the tip is on the axis of link `a`, t is free and is set to 0.
     ///
     /// # Errors
-    /// Returns how far the tip is out of reach, m.
+    /// Returns how far (u, v) is out of reach, m.
     #[inline]
     pub fn solve(&self, u: f64, v: f64) -> Result<[(Angle, Angle); 2], f64> {
         let (a, b) = (self.a, self.b);
@@ -72,23 +76,23 @@ impl TwoLinks {
     }
 }
 
-/// Rotation about the middle one of three axes, given the angle between the outer axes.
+/// Solver for the rotation about the middle one of three axes, given the angle between the outer axes.
 ///
-/// `first` is the twist between the first and the middle axis, `second` between the middle and the last one
-/// (IK-Geo, subproblem 4).
+/// `first` is the D-H twist between the first and the middle axis. `second` is the twist between the middle
+/// and the last axis (IK-Geo, subproblem 4).
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::reach) struct Twists {
     pub first: Angle,
     pub second: Angle,
     per_sines: f64,
-    /// `1 - cos` and `1 + cos` of first + second.
+    /// `1 - cos` and `1 + cos` of the angle first + second.
     sum: (f64, f64),
-    /// `1 - cos` and `1 + cos` of first - second.
+    /// `1 - cos` and `1 + cos` of the angle first - second.
     apart: (f64, f64),
 }
 
 impl Twists {
-    /// Prepares two twists, neither of them a multiple of pi.
+    /// Returns the solver for two twists, neither of which may be a multiple of pi.
     pub fn new(first: Angle, second: Angle) -> Self {
         let ((ca, sa), (cb, sb)) = (first, second);
         let (sum, apart) = (ca * cb - sa * sb, ca * cb + sa * sb);
@@ -96,10 +100,9 @@ impl Twists {
         Self { first, second, per_sines: 1.0 / (sa * sb), sum: sides(sum), apart: sides(apart) }
     }
 
-    /// Returns the rotation with sine >= 0, given cosine and squared sine of the angle between the outer
-    /// axes.
+    /// Returns the rotation about the middle axis with sine >= 0; None if the twists do not allow one.
     ///
-    /// It is None if the twists do not allow that angle.
+    /// `cosine` and `sine2` are cosine and squared sine of the angle between the outer axes.
     #[inline]
     pub fn turn(&self, cosine: f64, sine2: f64) -> Option<Angle> {
         let cos = (self.first.0 * self.second.0 - cosine) * self.per_sines;
@@ -116,14 +119,15 @@ impl Twists {
     }
 }
 
-/// Returns a vector in the frame after the rotations of one D-H row: `Rx(-alpha) Rz(-theta) v`.
+/// Returns `Rx(-alpha) Rz(-theta) v`: the components of `v` in the frame after the rotations of one D-H
+/// row.
 #[inline]
 pub(in crate::reach) fn turned_back(v: &Vector3<f64>, theta: Angle, alpha: Angle) -> Vector3<f64> {
     let (x, y) = (theta.0 * v.x + theta.1 * v.y, theta.0 * v.y - theta.1 * v.x);
     Vector3::new(x, alpha.0 * y + alpha.1 * v.z, alpha.0 * v.z - alpha.1 * y)
 }
 
-/// Returns the axes of the last frame before its twist: the columns of `rotation * Rx(-alpha)`.
+/// Returns the axes of the last D-H frame before its twist: the columns of `rotation * Rx(-alpha)`.
 #[inline]
 pub(in crate::reach) fn before_twist(rotation: &Matrix3<f64>, alpha: Angle) -> [Vector3<f64>; 3] {
     let (x, y, z) = (rotation.column(0), rotation.column(1), rotation.column(2));

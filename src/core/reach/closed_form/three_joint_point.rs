@@ -1,4 +1,5 @@
-//! A point moved by three joints: damped least squares brings it to a target, or as near as it goes.
+//! Numeric solution for three joints that move a point to a target, or as near to it as possible, by damped
+//! least squares.
 
 use super::subproblems::Angle;
 use crate::cell::JointKind::{Prismatic, Revolute};
@@ -21,7 +22,7 @@ pub(super) struct ThreeJointState {
 }
 
 impl ThreeJointPoint {
-    /// Returns the point in frame `from`; 0 is the base of the chain.
+    /// Returns the point in frame `from`, m; frame 0 is the base of the chain.
     fn seen_from(&self, from: usize, joints: &ThreeJointState) -> Vector3<f64> {
         let mut p = Vector3::new(0.0, 0.0, self.r4);
         for k in (from..3).rev() {
@@ -49,7 +50,8 @@ impl ThreeJointPoint {
         (self.seen_from(0, joints), moves)
     }
 
-    /// Sets joint 1 alone: rotated to the direction of `p`, or moved to its height.
+    /// Sets joint 1 alone. A revolute joint turns the point to the heading of `p`; a prismatic joint moves
+    /// the point to the height of `p`.
     pub fn aim(&self, p: &Vector3<f64>, joints: &mut ThreeJointState) {
         let first = &self.links[0];
         (joints.theta[0], joints.r[0]) = match first.kind {
@@ -68,7 +70,8 @@ impl ThreeJointPoint {
         }
     }
 
-    /// Polishes the joints by Newton's method with steps of least length; returns the remaining distance, m.
+    /// Refines the joints by Newton's method with least-norm steps; returns the remaining distance from the
+    /// point to `p`, m.
     pub fn polish(&self, p: &Vector3<f64>, joints: &mut ThreeJointState) -> f64 {
         const MAX_STEPS: usize = 10;
         let mut missed = f64::INFINITY;
@@ -86,9 +89,9 @@ impl ThreeJointPoint {
         missed
     }
 
-    /// Returns the least distance of the point from `p`, m, and the joints there.
+    /// Returns the least distance from the point to `p`, m, and the joints at that distance.
     ///
-    /// It starts the Levenberg-Marquardt method from the best of many postures.
+    /// The function starts the Levenberg-Marquardt method from the best postures of a grid.
     pub fn nearest(&self, p: &Vector3<f64>) -> (f64, ThreeJointState) {
         const STARTS: usize = 4;
         let mut best = [(f64::INFINITY, ThreeJointState { theta: [(1.0, 0.0); 3], r: [0.0; 3] }); STARTS];
@@ -106,7 +109,8 @@ impl ThreeJointPoint {
         rest.into_iter().fold(first, |a, b| if b.0 < a.0 { b } else { a })
     }
 
-    /// Returns a posture of a grid over all angles of joints 2 and 3; prismatic joints are at zero.
+    /// Returns the posture at `place` in a grid over the angles of joints 2 and 3; prismatic joints have
+    /// coordinate 0.
     fn on_grid(&self, place: [usize; 2]) -> ThreeJointState {
         let mut joints =
             ThreeJointState { theta: [(1.0, 0.0); 3], r: std::array::from_fn(|k| self.links[k].r) };
@@ -121,7 +125,8 @@ impl ThreeJointPoint {
         joints
     }
 
-    /// Descends to the nearest posture by the Levenberg-Marquardt method; returns the distance, m.
+    /// Moves the point towards `p` by the Levenberg-Marquardt method; returns the remaining distance, m,
+    /// and the joints.
     fn approached(&self, p: &Vector3<f64>, mut joints: ThreeJointState) -> (f64, ThreeJointState) {
         const MAX_STEPS: usize = 200;
         let (mut rest, mut damping) = ((p - self.seen_from(0, &joints)).norm(), 1e-2);
@@ -145,7 +150,7 @@ impl ThreeJointPoint {
         (rest, joints)
     }
 
-    /// Returns whether the joints can move the point in all directions in some posture.
+    /// Returns whether there is a posture in which the joints can move the point in all directions.
     pub fn moves_in_space(&self) -> bool {
         (0..GRID * GRID).any(|k| {
             let mut joints = self.on_grid([k % GRID, k / GRID]);
@@ -180,10 +185,11 @@ impl ThreeJointPoint {
     }
 }
 
-/// Number of angles tried for joint 2 and for joint 3.
+/// Number of angles of the grid for each of joints 2 and 3.
 const GRID: usize = 12;
 
-/// Returns the damped least-squares step for `moves * step = rest`.
+/// Returns the damped least-squares solution of `moves * step = rest`, where `moves` is the Jacobian; None
+/// if there is none.
 fn damped(moves: &Matrix3<f64>, rest: &Vector3<f64>, damping: f64) -> Option<Vector3<f64>> {
     let normal = moves.tr_mul(moves);
     let damping = damping * normal.trace();

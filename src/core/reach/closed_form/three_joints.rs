@@ -1,9 +1,10 @@
-//! Any first three joints, revolute or prismatic, that must put a point of the third link at a target.
+//! Closed form of three arbitrary joints, revolute or prismatic, that must put a point at a target.
 //!
-//! Joint 3 moves the point on a circle or on a line; in the frame of joint 2 its coordinates are
-//! linear in (1, cos theta_3, sin theta_3) or (1, r_3). The quantities that joints 1 and 2 cannot change
-//! (distances from their axes, heights along them) give one equation of at most the fourth degree
-//! (Pieper 1968). Joints 2 and 1 follow. Newton's method on the point polishes and checks each solution.
+//! Joint 3 moves the point on a circle or on a line. In the frame of joint 2, the coordinates of the point
+//! are linear in (1, cos theta_3, sin theta_3) or in (1, r_3). Joints 1 and 2 cannot change certain
+//! quantities, such as distances from a revolute axis and heights along it. These quantities give one
+//! equation of at most the fourth degree for joint 3 (Pieper 1968). Joint 2 then follows from joint 3, and
+//! joint 1 from both. Newton's method refines and checks each solution.
 
 use super::pieper::{PointForms, PointTarget};
 use super::quartic::{Quadratic, real_roots, value};
@@ -16,23 +17,23 @@ use nalgebra::Vector3;
 /// Largest distance of an accepted solution from its target, m.
 const ACCURACY: f64 = 1e-10;
 
-/// Three joints that put a point somewhere; lengths in m.
+/// Closed form of three joints that put a point at a target; lengths in m.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::reach) struct ThreeJoints {
-    /// Whether to skip computing the distance of an unreachable target, which takes a hundred times as long
-    /// as the solutions.
+    /// Whether to return a constant instead of the distance to an unreachable target. Computing that
+    /// distance takes a hundred times as long as the solutions.
     pub fast: bool,
     forms: PointForms,
     r1: f64,
     point: ThreeJointPoint,
 }
 
-/// Solution for joint 3: a = cos theta_3 or r_3, b = sin theta_3.
+/// Solution for joint 3: `a` is cos theta_3 or, for a prismatic joint, r_3; `b` is sin theta_3 or 0.
 #[derive(Clone, Copy)]
 struct Third {
     a: f64,
     b: f64,
-    /// Whether Pieper's equation rises at the solution.
+    /// Whether the polynomial of Pieper's equation increases at the solution.
     rising: bool,
 }
 
@@ -40,7 +41,7 @@ struct Third {
 const UNKNOWN_DISTANCE: f64 = 1e-6;
 
 impl ThreeJoints {
-    /// Prepares three joints and the point on axis 4 at a distance `r4` (m) from the origin of frame 3.
+    /// Returns the closed form for the point on axis 4 at a distance `r4` (m) from the origin of frame 3.
     ///
     /// # Errors
     /// Fails if the joints cannot move the point in all directions, or if their geometry is nearly
@@ -55,7 +56,8 @@ impl ThreeJoints {
         arm.check().map(|()| arm)
     }
 
-    /// Checks that the joints can move the point in all directions.
+    /// Checks that the joints can move the point in all directions, and that their geometry is not nearly
+    /// degenerate.
     fn check(&self) -> Result<(), String> {
         let small = |x: f64| x != 0.0 && x.abs() < 1e-6;
         let (ca, sa) = self.forms.twist1;
@@ -68,14 +70,16 @@ impl ThreeJoints {
         Ok(())
     }
 
-    /// Calls `found` with every solution for the first three joints that puts the point at `p` (m, frame 0).
+    /// Calls `found` with every solution for the first three joints that puts the point at `p`.
     ///
-    /// Bit 0 of the branch numbers the two solutions for joint 2. Bit 1 says whether Pieper's equation rises
-    /// at the solution for joint 3. Bit 2 numbers the solutions with equal bit 1 in ascending order from -180
-    /// degrees, or from the lowest r_3. These numbers change only at a singularity or at theta_3 = 180
-    /// degrees. If the point lies on the axis of a joint, theta of that joint is 0.
+    /// `p` is in frame 0, m. Bit 0 of the branch index numbers the two solutions for joint 2. Bit 1 is set
+    /// if the polynomial of Pieper's equation increases at the solution for joint 3. Bit 2 numbers
+    /// solutions with equal bit 1 in ascending order of theta_3 from -180 degrees, or of r_3. The index of
+    /// a solution in continuous motion changes only at a singularity or at theta_3 = 180 degrees.
     ///
-    /// Returns the distance of `p` from the reachable points, m.
+    /// If the point lies on the axis of a joint, the angle theta of that joint is 0.
+    ///
+    /// Returns the distance from `p` to the nearest reachable point, m; 0 if there is a solution.
     pub fn solve(
         &self,
         p: &Vector3<f64>,
@@ -132,7 +136,8 @@ impl ThreeJoints {
         PointTarget { p: *p, height, distance2, x: c * p.x + s * p.y, y: c * p.y - s * p.x }
     }
 
-    /// Returns the solutions for joint 3 in ascending order from -180 degrees, or from the lowest r_3.
+    /// Returns the solutions for joint 3 and their number, in ascending order of theta_3 from -180 degrees,
+    /// or of r_3.
     fn thirds(&self, target: &PointTarget) -> ([Third; 4], usize) {
         let origin = if self.forms.kinds[2] == Revolute { self.origin(target) } else { (1.0, 0.0) };
         let path = self.forms.path(origin);
@@ -155,10 +160,11 @@ impl ThreeJoints {
         (thirds, count)
     }
 
-    /// Returns the angle from which theta_3 is measured.
+    /// Returns the angle from which theta_3 is measured in Pieper's equation.
     ///
-    /// No root may lie where the tangent of the half angle is infinite. The angle opposite to the origin is
-    /// therefore the one where the equation is largest, of six candidates.
+    /// The unknown of the equation is the tangent of half the angle between theta_3 and this origin. The
+    /// tangent is infinite opposite to the origin, so no root may lie there. Among six candidates, the
+    /// function chooses the origin for which the polynomial is largest at the opposite angle.
     fn origin(&self, target: &PointTarget) -> Angle {
         let p = self.forms.equation(target, &self.forms.path((1.0, 0.0)));
         let (ca, sa) = self.forms.twist1;
@@ -178,7 +184,7 @@ impl ThreeJoints {
         origin
     }
 
-    /// Returns up to two solutions (theta, r) for joint 2.
+    /// Returns up to two solutions (theta_2, r_2) for joint 2, and their number.
     fn seconds(&self, target: &PointTarget, third: &Third) -> ([(Angle, f64); 2], usize) {
         let at = |f: &Quadratic| f[0] + f[1] * third.a + f[2] * third.b;
         let (u, v, h) = (at(&self.forms.u), at(&self.forms.v), at(&self.forms.h));
@@ -210,7 +216,8 @@ impl ThreeJoints {
         (angles.map(|theta| (theta, r2)), count)
     }
 
-    /// Returns all three joints; joint 1 turns the point to the target, or moves it to the target's height.
+    /// Returns the values of all three joints. Joint 1 turns the point to the heading of the target, or
+    /// moves it to the height of the target.
     fn joints(&self, target: &PointTarget, third: &Third, theta2: Angle, r2: f64) -> ThreeJointState {
         let links = &self.point.links;
         let (theta3, r3) = match self.forms.kinds[2] {
@@ -224,9 +231,11 @@ impl ThreeJoints {
     }
 }
 
-/// Returns the rotations that bring (u, v) to x, to y or to both.
+/// Returns up to two rotations that give the vector (u, v) the coordinates `x` and `y`, and their number.
 ///
-/// Rounding may make x and y contradict each other; the later polish resolves that.
+/// A coordinate that is None is not prescribed.
+///
+/// Rounding may make `x` and `y` contradict each other; Newton's method later corrects the result.
 fn from_plane((u, v): Angle, x: Option<f64>, y: Option<f64>) -> ([Angle; 2], usize) {
     let size = u.hypot(v);
     if size < ALIGNED {

@@ -1,11 +1,13 @@
-//! Six-axis arms with parallel axes 2, 3 and 4 and intersecting axes 5 and 6, such as Universal Robots.
+//! Six-axis arms with parallel axes 2, 3 and 4 and intersecting axes 5 and 6, such as those of Universal
+//! Robots.
 //!
-//! K. P. Hawkins, "Analytic inverse kinematics for the Universal Robots UR-5/UR-10 arms", 2013. IK-Geo calls
-//! the family "three parallel and two intersecting axes".
+//! K. P. Hawkins, "Analytic inverse kinematics for the Universal Robots UR-5/UR-10 arms", 2013. IK-Geo (A.
+//! J. Elias, J. T. Wen, 2022) calls the family "three parallel and two intersecting axes".
 //!
-//! The wrist centre, where axes 5 and 6 meet, lies at a fixed distance along axis 2, which gives theta_1. The
-//! angle between axes 2 and 6 gives theta_5. The direction of axis 2 in the flange gives theta_6. Two links
-//! in a plane give theta_2, theta_3 and theta_4.
+//! The wrist centre is the point where axes 5 and 6 meet. The coordinate of this point along axis 2 is
+//! fixed, which gives theta_1. The angle between axes 2 and 6 gives theta_5. The direction of axis 2 in the
+//! flange frame gives theta_6. Links 2 and 3, which move in a plane, then give theta_2, theta_3 and
+//! theta_4.
 
 use super::subproblems::{ALIGNED, Angle, BOUNDARY, Twists, TwoLinks, before_twist, difference};
 use crate::cell::JointKind;
@@ -17,53 +19,55 @@ use nalgebra::Vector3;
 #[derive(Debug, Clone, PartialEq)]
 pub struct ThreeParallel {
     first: Link,
-    /// Direction of axes 3 and 4 relative to axis 2, 1 or -1: cos alpha_2 and cos alpha_2 cos alpha_3.
+    /// Directions of axes 3 and 4 relative to axis 2, 1 or -1: cos alpha_2 and cos alpha_2 cos alpha_3.
     sense: (f64, f64),
-    /// Distance from axis 1 to the wrist centre along axis 2, without the contribution of r_1.
+    /// Coordinate of the wrist centre along axis 2, measured from the origin of frame 1.
     along: f64,
     links: TwoLinks,
     l4: f64,
     r5: f64,
     twists: Twists,
     twist6: Angle,
-    /// Wrist centre in the last frame.
+    /// Wrist centre in the last D-H frame.
     centre: Vector3<f64>,
 }
 
-/// One solution for theta_1, and its bit of the branch index.
+/// One solution for theta_1, with bit 2 of its branch index.
 #[derive(Clone, Copy)]
 struct Yaw {
     bit: u8,
     theta: Angle,
 }
 
-/// Quantities that follow from theta_1, all in frame 0.
+/// Quantities that follow from theta_1; vectors are in frame 0.
 struct ShoulderSide {
     bit: u8,
     theta: Angle,
-    /// Axes x and y of frame 1, both normal to axis 2.
+    /// Axis x of frame 1, normal to axis 2.
     x: Vector3<f64>,
+    /// Axis y of frame 1, normal to axis 2.
     y: Vector3<f64>,
-    /// Axis 2.
+    /// Direction of axis 2, which is axis z of frame 1.
     z: Vector3<f64>,
     /// Wrist centre relative to the origin of frame 1.
     centre: Vector3<f64>,
 }
 
-/// Quantities that follow from theta_5 and theta_6.
+/// Quantities that follow from theta_5 and theta_6; vectors are in frame 0.
 struct WristAngles {
     theta5: Angle,
     theta6: Angle,
     x4: Vector3<f64>,
-    /// Vector from the wrist centre to the common normal of axes 3 and 4, without the component along axis 4.
+    /// Vector from the wrist centre to the point where axis 4 meets its common normal with axis 5.
     elbow: Vector3<f64>,
 }
 
 impl ThreeParallel {
-    /// Returns the closed form of a chain, if it has three parallel axes.
+    /// Returns the closed form of an arm with three parallel axes.
     ///
     /// # Errors
-    /// Fails if the chain is not of this family. The message says why.
+    /// Fails if the chain is not of this family: six revolute joints, axes 2 to 4 parallel, axes 5 and 6
+    /// intersecting. The message says why.
     pub fn new(chain: &Chain) -> Result<Self, String> {
         let [a, b, c, d, e, f] = chain.links[..] else {
             return Err(format!("it has {} axes, not 6", chain.axes()));
@@ -98,22 +102,24 @@ impl ThreeParallel {
         })
     }
 
-    /// Calls `found` with every posture that puts the last D-H frame at `flange`, without joint limits.
+    /// Calls `found` with every posture that puts the last D-H frame at `flange`; joint limits are ignored.
     ///
     /// `flange` is a pose in frame 0, without the tool. `posture` is scratch memory.
     ///
-    /// Bit 0 of the branch is the elbow, bit 1 the sign of sin theta_5, bit 2 the side of axis 1.
+    /// Bit 0 of the branch index tells the two elbow solutions apart. Bit 1 is set if sin theta_5 < 0. Bit
+    /// 2 tells the two solutions for theta_1 apart.
     ///
-    /// If axis 6 is parallel to axis 2, theta_6 is free and bit 1 is 0. Then theta_6 is 0 if the arm reaches
-    /// the target so. Otherwise theta_6 puts the elbow point of axis 4 in the middle of its possible
-    /// distances from axis 2.
+    /// If axis 6 is parallel to axis 2, theta_6 is free and bit 1 is 0. The solver sets theta_6 to 0 if the
+    /// arm then reaches the target. If not, theta_6 puts the distance between axes 2 and 4 in the middle of
+    /// its possible range.
     ///
-    /// If the wrist centre is on axis 1 and the arm has no offset along axis 2, theta_1 is free and bit 2 is
-    /// zero. Then theta_1 is the first angle of a scan that has a solution.
+    /// If the wrist centre is on axis 1 and the arm has no offset along axis 2, theta_1 is free. In that
+    /// case bit 2 is 0, and theta_1 is the first angle of a scan that has a solution.
     ///
-    /// Returns how far (m) the wrist centre is out of reach. If no theta_1 exists, the wrist centre is too
-    /// near to axis 1. Otherwise the distance lies in the plane of the arm. If it is 0, oblique axes 4 to 6
-    /// may still be unable to reach the orientation.
+    /// Returns the distance (m) by which the wrist centre is out of reach. If it is too near to axis 1 for
+    /// every theta_1, this distance is measured along axis 2. If not, it is measured in the plane of the
+    /// arm, normal to axis 2. Even if the distance is 0, axes 4 to 6 without right angles may be unable to
+    /// reach the orientation.
     #[inline]
     pub fn solve(&self, flange: &Pose, posture: &mut Posture, found: &mut dyn FnMut(u8, &Posture)) -> f64 {
         let (p, a) = (flange.transform(&self.centre), &self.first);
@@ -138,7 +144,8 @@ impl ThreeParallel {
         if missing.is_finite() { missing } else { 0.0 }
     }
 
-    /// Solves for a wrist centre on axis 1 by a scan of theta_1, which is free.
+    /// Solves for a wrist centre on axis 1 by a scan of theta_1, which is free. Returns the distance (m) by
+    /// which the wrist centre is out of reach.
     #[cold]
     fn any_yaw(
         &self,
@@ -177,8 +184,8 @@ impl ThreeParallel {
         if least.is_finite() { least } else { 0.0 }
     }
 
-    /// Solves for one theta_1; returns the distance (m) out of reach of the plane, infinite if axes 4 to 6
-    /// cannot reach the orientation.
+    /// Solves for one theta_1. Returns the distance (m) by which the target is out of reach in the plane of
+    /// the arm. The distance is infinite if axes 4 to 6 cannot reach the orientation.
     #[inline]
     fn side(
         &self,
@@ -220,7 +227,7 @@ impl ThreeParallel {
         missing
     }
 
-    /// Returns theta_5 and theta_6 and the quantities that follow from them.
+    /// Returns the given theta_5 and theta_6 with the quantities that follow from them.
     #[inline]
     fn wrist(&self, [x6, y6, z6]: [&Vector3<f64>; 3], theta5: Angle, theta6: Angle) -> WristAngles {
         let (ce, se) = self.twists.second;
@@ -230,7 +237,8 @@ impl ThreeParallel {
         WristAngles { theta5, theta6, x4, elbow: -(axis5 * self.r5 + x4 * self.l4) }
     }
 
-    /// Solves for theta_2 to theta_4 in the plane of the arm; returns the distance (m) out of reach.
+    /// Solves for theta_2 to theta_4 in the plane of the arm. Returns the distance (m) by which the target
+    /// is out of reach.
     #[inline]
     fn plane(
         &self,
@@ -259,8 +267,8 @@ impl ThreeParallel {
         0.0
     }
 
-    /// Solves with axis 6 parallel to axis 2: theta_6 is free and rotates the elbow point of axis 4 about
-    /// the wrist centre.
+    /// Solves for a target with axis 6 parallel to axis 2, where theta_6 is free and rotates axis 4 about
+    /// the wrist centre. Returns the distance (m) by which the target is out of reach.
     #[cold]
     fn in_line(
         &self,
