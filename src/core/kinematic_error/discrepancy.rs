@@ -4,8 +4,8 @@ use nalgebra::Vector3;
 
 /// Discrepancy `D_i = |dNL_i - dL_i| / |dNL_i|` in percent, eq. (9) of the seed paper.
 ///
-/// Here `dNL_i` and `dL_i` are the errors of the nonlinear and the linear model, and i is x, y, z or the
-/// resultant, the length of the vector. A field is None if the nonlinear error is 0 up to rounding.
+/// Here `dNL_i` and `dL_i` are the errors of the nonlinear and the linear model. The index i is x, y, z or
+/// the resultant (length of the vector). A field is None if the nonlinear error is 0 up to rounding.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Discrepancy {
     pub x: Option<f64>,

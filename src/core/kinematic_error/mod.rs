@@ -19,8 +19,8 @@
 //! holds exactly. All models follow from this product. Let p be the position of the TCP, `w_k` the axis of
 //! motion k and `o_k` a point on the axis:
 //!
-//! - nonlinear, eqs. (4)-(6): the product itself. It is evaluated from the tool back to the base as a sum of
-//!   displacements, so errors of 1 nm keep their digits;
+//! - nonlinear, eqs. (4)-(6): the product itself, evaluated from the tool back to the base. It is computed
+//!   as a sum of displacements, so errors of 1 nm keep their digits;
 //! - linear, eqs. (7)-(8): the position error is `e = sum_k a_k g_k`. The displacement per unit is
 //!   `g_k = w_k x (p - o_k)` for a rotation and `g_k = w_k` for a translation;
 //! - second-order (section 2.3): the linear model plus `sum_(j<k) a_j a_k w_j x g_k + 1/2 sum_k a_k^2

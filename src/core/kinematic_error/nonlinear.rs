@@ -50,8 +50,8 @@ pub fn pose_error(frames: &Frames, errors: &Perturbation) -> Displacement {
 
 /// Returns the displacement of the point `x` by a motion.
 ///
-/// For a rotation matrix R about an axis through the point o, it is `(R - 1)(x - o)`, computed by
-/// Rodrigues' formula.
+/// A rotation by the matrix R about an axis through the point o displaces it by `(R - 1)(x - o)`. This is
+/// computed by Rodrigues' formula.
 #[inline]
 fn moved(motion: &SmallMotion<'_>, x: &Vector3<f64>) -> Vector3<f64> {
     match motion {

@@ -17,8 +17,8 @@ pub struct AttitudeSet {
     pub(super) vertical: bool,
     /// Rotation matrix with the columns r, d x r, d for every attitude: tool axis d and reference axis r.
     ///
-    /// The function [`crate::cell::held`] defines both axes. If `radial` is set, the matrices are in the
-    /// frame whose x axis points from the base axis to the target, otherwise in the base frame.
+    /// The function [`crate::cell::held`] defines both axes. The matrices are in the base frame. If `radial`
+    /// is set, they are in the frame whose x axis points from the base axis to the target instead.
     pub(super) columns: Vec<Matrix3<f64>>,
     pub(super) radial: bool,
     pub(super) spin_is_free: bool,

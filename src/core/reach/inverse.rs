@@ -14,8 +14,8 @@ use nalgebra::{Matrix3, Vector3};
 
 /// Inverse kinematics of one arm.
 ///
-/// The index of a branch holds the number of the solution in its lowest bits and the number of the attitude
-/// above them. For a redundant arm, the bits from 16 on hold the number of the sample of the held joint.
+/// The lowest bits of a branch index are the number of the solution; the bits above are the number of the
+/// attitude. For a redundant arm, the bits from 16 on are the number of the sample of the held joint.
 #[derive(Debug, Clone)]
 pub struct Inverse {
     pub(super) chain: Chain,

@@ -86,8 +86,8 @@ impl Limits {
     /// Returns a measure of how far a posture exceeds its joint limits; 0 within the limits.
     ///
     /// It is a sum over the joints that exceed a limit. A prismatic joint adds the distance to its limit, m.
-    /// A revolute joint adds the cosine at its limit minus the cosine at the posture, with angles measured from
-    /// the middle of the range.
+    /// A revolute joint adds the cosine at its limit minus the cosine at the posture. Both angles are
+    /// measured from the middle of the range.
     #[inline]
     pub fn excess(&self, posture: &Posture) -> f64 {
         let Some(whole) = &self.whole else {

@@ -3,7 +3,7 @@
 //! Row i of the D-H table moves its frame by the offset `r_i` along z_(i-1) and the length `l_i` along x_i.
 //! Joint i + 1 rotates about z_i, so the vector `l_i x_i + r_(i+1) z_i` has a constant length. The vector v
 //! of the last row and the tool has a constant length, too. The position of the TCP is a fixed point of the
-//! first axis plus the sum of these vectors, whose directions are taken as arbitrary. The distance of the
+//! first axis plus the sum of these vectors. Their directions are taken as arbitrary. The distance of the
 //! TCP from that point is at most the sum of the lengths. It is at least the longest length minus the sum
 //! of the others (polygon inequality). Joint limits and attitude only reduce the reach.
 //!
@@ -82,10 +82,10 @@ fn offset(chain: &Chain, i: usize) -> (f64, f64) {
     (middle, half)
 }
 
-/// Returns the known vertical part, m, of the vector of the last D-H row and the tool, and the length of
-/// the rest.
+/// Returns the known vertical part (m) of the vector of the last D-H row and the tool.
 ///
-/// The vertical part is known if `elevation` (rad) is the elevation of the tool axis. It is 0 otherwise.
+/// It is known if `elevation` (rad) is the elevation of the tool axis, and 0 otherwise. The second value is
+/// the length of the rest of the vector.
 fn tip(chain: &Chain, elevation: Option<f64>) -> (f64, LengthRange) {
     let row = chain.links.last().map_or_else(Vector3::zeros, |link| along_last(chain, link));
     let v = row + chain.tool.translation;

@@ -116,9 +116,9 @@ impl<'a> Envelope<'a> {
 
     /// Returns whether the envelope would be exactly symmetric about the base axis without limits of joint 1.
     ///
-    /// This holds if joint 1 rotates about the base axis and drives no other joint, and if the required
-    /// attitude rotates with joint 1. Some solvers sample a free angle from a fixed direction. Then the
-    /// envelope is symmetric only if joint 1 makes whole turns and the tool is vertical.
+    /// Joint 1 must rotate about the base axis and drive no other joint, and the required attitude must
+    /// rotate with joint 1. Some solvers sample a free angle from a fixed direction. Then the envelope is
+    /// symmetric only if joint 1 makes whole turns and the tool is vertical.
     pub fn is_symmetric(&self) -> bool {
         let chain = &self.inverse.chain;
         let Some(first) = chain.links.first() else { return false };

@@ -178,7 +178,7 @@ fn bisected(
     middle(yes, no)
 }
 
-/// Returns the closed polygons that follow from the next crossing of every crossing.
+/// Returns the closed polygons that result from following `next` from crossing to crossing.
 fn walked(crossings: &[[f64; 2]], mut next: Vec<u32>) -> Vec<Outline> {
     let mut outlines = Vec::new();
     for start in 0..next.len() {

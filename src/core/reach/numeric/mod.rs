@@ -68,7 +68,7 @@ impl Numeric {
         })
     }
 
-    /// Writes the distinct solutions within the limits to `out`, sorted; returns the reason if there are none.
+    /// Writes the distinct solutions within the limits to `out`, sorted; returns why there are none.
     ///
     /// A coordinate whose range spans several turns is in the turn nearest to the middle of the range. A
     /// redundant chain has a continuum of solutions; then `out` holds solutions spread over it.

@@ -31,8 +31,8 @@ pub enum Shortfall {
     Attitude { by: f64, joint: Option<usize> },
     /// The search found neither a solution nor a reason why there is none.
     ///
-    /// `position` (m) and `angle` (rad) are the errors of the best attempt. Both are infinite if no attempt came
-    /// near, if the goal is not finite, or if its matrix is not a rotation.
+    /// `position` (m) and `angle` (rad) are the errors of the best attempt. Both are infinite if the goal is
+    /// not valid, or if no attempt came near its position.
     NotConverged { position: f64, angle: f64 },
 }
 

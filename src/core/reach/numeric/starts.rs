@@ -25,7 +25,9 @@ pub(super) struct Starts {
 }
 
 impl Starts {
-    /// Returns the points of the low-discrepancy sequence R_d over `ranges`; the first is their middle.
+    /// Returns start postures at the points of the low-discrepancy sequence R_d, scaled to `ranges`.
+    ///
+    /// The first posture is in the middle of all ranges.
     pub fn new(chain: &Chain, ranges: &[(f64, f64)]) -> Self {
         let sequence = RobertsSequence::new(ranges.len());
         let mut frames = Frames::default();
