@@ -42,7 +42,7 @@ pub enum ParameterSet {
     FiveParameter,
 }
 
-/// Returns the independent parameters of a set for a chain, in the order of [`Parameter::of_robot`].
+/// Returns the linearly independent parameters of a set for a chain, in the order of [`Parameter::of_robot`].
 pub fn identifiable(chain: &Chain, set: ParameterSet) -> Vec<Parameter> {
     let axes = chain.axes();
     let next_is_parallel = |i: usize| i + 1 < axes && chain.links[i].sin_alpha.abs() < NEARLY_PARALLEL;

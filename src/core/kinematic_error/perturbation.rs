@@ -15,7 +15,7 @@ pub struct Turn {
 }
 
 impl Turn {
-    /// Returns the rotation by `angle` (rad).
+    /// Returns the small rotation by `angle` (rad).
     pub fn new(angle: f64) -> Self {
         if angle == 0.0 {
             return Self::default();

@@ -12,7 +12,7 @@ const ROUNDING: f64 = 1e-9;
 /// Allowed attitudes of the tool, in the base frame.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct AttitudeSet {
-    /// Elevations to try, rad; the nominal one comes first.
+    /// Elevations of the tool axis to try, rad; the nominal elevation comes first.
     pub(super) elevations: Vec<f64>,
     pub(super) vertical: bool,
     /// Rotation matrix with the columns r, d x r, d for every attitude: tool axis d and reference axis r.

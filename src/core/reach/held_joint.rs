@@ -13,7 +13,7 @@ pub(super) struct HeldJoint {
     pub solver: PoseSolver,
     /// Variant of `solver` without the distance to an unreachable target; None if the distance is cheap.
     pub fast: Option<PoseSolver>,
-    /// Numeric solver for targets at the edge of the reach.
+    /// Numeric solver of the whole arm, for targets at the edge of the reach.
     pub numeric: Numeric,
     /// Posture of the joints that are not held, copied as scratch memory.
     pub template: Posture,
@@ -84,12 +84,12 @@ impl HeldJoint {
         self.values = [q[if self.first { 0 } else { self.axes - 1 }]; Self::SAMPLES];
     }
 
-    /// Returns sample `number` of the held joint.
+    /// Returns sample `number` of the held joint, to be solved by `solver`.
     pub fn sample<'a>(&'a self, solver: &'a PoseSolver, number: usize) -> HeldSample<'a> {
         HeldSample { joint: self, solver, number, value: self.values[number] }
     }
 
-    /// Returns all samples of the held joint.
+    /// Returns all samples of the held joint, to be solved by `solver`.
     pub fn samples<'a>(&'a self, solver: &'a PoseSolver) -> impl Iterator<Item = HeldSample<'a>> {
         (0..Self::SAMPLES).map(move |number| self.sample(solver, number))
     }

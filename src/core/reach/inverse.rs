@@ -68,7 +68,7 @@ impl Inverse {
         inverse
     }
 
-    /// Returns the chain that is solved.
+    /// Returns the chain that this inverse kinematics solves.
     pub fn chain(&self) -> &Chain {
         &self.chain
     }

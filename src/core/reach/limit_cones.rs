@@ -12,7 +12,7 @@ use crate::cell::JointKind;
 /// actuator j. The axis of the cone includes the D-H offsets of all these joints.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LimitCone {
-    /// Cosine and sine of the middle of the range.
+    /// Cosine and sine of the axis of the cone: the middle of the range plus D-H offsets.
     pub axis: (f64, f64),
     /// Cosine of half the range; -2 if every angle is allowed.
     pub cos_half: f64,
@@ -21,7 +21,9 @@ pub struct LimitCone {
 }
 
 impl Limits {
-    /// Returns one cone per joint; None if a joint is prismatic or a coupling factor is no whole number.
+    /// Returns one cone per joint.
+    ///
+    /// It is None if a joint is prismatic, or if a coupling factor is not a small whole number.
     pub fn cones(&self) -> Option<Vec<LimitCone>> {
         let whole = self.whole.as_ref()?;
         if self.ranges.iter().any(|r| r.kind == JointKind::Prismatic) {

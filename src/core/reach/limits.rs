@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 /// Tolerance of the limit of a revolute joint, for the cosine of the angle from the middle of the range.
 ///
-/// With this tolerance a posture exactly at its limit is not refused because of rounding.
+/// It prevents that rounding refuses a posture exactly at its limit.
 const COSINE_TOLERANCE: f64 = 1e-12;
 
 /// Tolerance of the limit of a prismatic joint, m.
@@ -20,7 +20,7 @@ pub struct LimitViolation {
     pub by: f64,
 }
 
-/// Allowed range of one actuator.
+/// Allowed range of the coordinate of one actuator.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ActuatorRange {
     pub kind: JointKind,
@@ -34,7 +34,7 @@ pub(super) struct ActuatorRange {
     pub centre: f64,
     /// Half width of the range, rad or m.
     half: f64,
-    /// Cosine of the half width of a revolute joint; -2 if every angle is allowed.
+    /// Cosine of the half width of the range of a revolute joint; -2 if every angle is allowed.
     pub cos_half: f64,
 }
 

@@ -14,7 +14,7 @@ pub struct PlanarGeometry {
     pub side: f64,
     /// Height of the shoulder above the origin of D-H frame 0, m.
     pub r1: f64,
-    /// Lengths of the first three links, m.
+    /// Lengths l_1, l_2 and l_3 of the first three links, m.
     pub l: [f64; 3],
     /// Distance of the tool from the vertical plane through the base axis, m.
     pub lateral: f64,

@@ -17,7 +17,7 @@ pub struct Link {
     pub l: f64,
     /// Twist angle alpha, rad, from the joint axis before the link to the one after it.
     pub alpha: f64,
-    /// Cosine of alpha, exact at multiples of a right angle so that parallel axes stay parallel.
+    /// Cosine of alpha. It is exact at multiples of a right angle, so parallel axes stay parallel.
     pub cos_alpha: f64,
     /// Sine of alpha, exact at multiples of a right angle.
     pub sin_alpha: f64,
@@ -78,7 +78,7 @@ pub struct Chain {
 }
 
 impl Chain {
-    /// Returns the chain of a robot, with the joint limits of its file.
+    /// Returns the chain of a robot, with the joint limits of the robot file.
     pub fn new(robot: &Robot) -> Self {
         let links = robot.joints.iter().map(|j| {
             let (sin_alpha, cos_alpha) = exact_sin_cos(j.alpha);

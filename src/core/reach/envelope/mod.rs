@@ -20,10 +20,10 @@ use outline::Lattice;
 /// Distance from the base axis, m, below which the azimuth of a point is taken as 0.
 const ON_AXIS: f64 = 1e-3;
 
-/// Resolution of an envelope.
+/// Resolution at which an envelope is sampled.
 #[derive(Clone, Copy)]
 pub struct Fineness<'a> {
-    /// Distance between sampled points, m; narrower parts may be missed.
+    /// Distance between sampled points, m; parts of the envelope narrower than this may be missed.
     pub step: f64,
     /// Largest error of the points on the boundary of the envelope, m.
     pub tolerance: f64,

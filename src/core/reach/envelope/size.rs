@@ -15,7 +15,7 @@ const JUMP: f64 = 0.05;
 /// Volume and extent of an envelope.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Size {
-    /// Volume, m^3.
+    /// Volume of the envelope, m^3.
     pub volume: f64,
     /// Estimated error of the volume, m^3: its difference from the volume computed with twice the step.
     pub error: f64,
@@ -34,7 +34,7 @@ pub struct EnvelopeExtent {
     pub height: (f64, f64),
     /// Height at which the distance from the base axis is greatest.
     pub widest: f64,
-    /// Accuracy of all lengths of the extent.
+    /// Largest error of all lengths of the extent, m: the distance between sampled points.
     pub within: f64,
 }
 
@@ -168,7 +168,7 @@ impl Envelope<'_> {
     }
 }
 
-/// Returns the least change between neighbouring sample lines that counts as a jump of the integrand.
+/// Returns the least change from one sample line to the next that counts as a jump of the integrand.
 ///
 /// The integrand jumps where the boundary of the envelope is parallel to the lines. It does not jump at a
 /// rounded end of the envelope.

@@ -13,7 +13,7 @@ const MAX_STEPS: usize = 40;
 const PATIENCE: usize = 6;
 /// Least factor by which the cost must fall in [`PATIENCE`] steps.
 const MIN_GAIN: f64 = 2.0;
-/// Largest step of a joint, rad.
+/// Largest step of a joint, rad; for a prismatic joint, in lengths of the chain.
 const MAX_STRIDE: f64 = 1.0;
 /// Damping divided by the cost.
 const DAMPING: f64 = 0.1;

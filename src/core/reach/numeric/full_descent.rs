@@ -10,7 +10,7 @@ use crate::robot::Frames;
 
 /// Largest number of steps of one descent.
 const MAX_STEPS: usize = 100;
-/// Largest step of a joint, rad.
+/// Largest step of a joint, rad; for a prismatic joint, in lengths of the chain.
 const MAX_STRIDE: f64 = 0.7;
 /// Damping of the first step, as a share of the largest diagonal entry of the Hessian.
 const FIRST_DAMPING: f64 = 1e-3;

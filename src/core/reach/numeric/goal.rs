@@ -117,13 +117,13 @@ impl TcpGoal {
 /// Rotations of the TCP (base frame) that a goal constrains.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum ConstrainedRotation {
-    /// No rotation.
+    /// The goal constrains no rotation.
     Nothing,
     /// Rotations about this unit vector alone.
     Along(Vector3<f64>),
     /// Rotations that change the direction of this unit vector.
     Across(Vector3<f64>),
-    /// All rotations.
+    /// The goal constrains all rotations.
     All,
 }
 
@@ -143,9 +143,9 @@ impl ConstrainedRotation {
 /// Twist from the TCP to the goal, base frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct TwistError {
-    /// Translation, m.
+    /// Translation from the TCP to the position of the goal, m.
     pub position: Vector3<f64>,
-    /// Rotation vector, rad.
+    /// Rotation vector from the orientation of the TCP to that of the goal, rad.
     pub rotation: Vector3<f64>,
     pub seen: ConstrainedRotation,
 }

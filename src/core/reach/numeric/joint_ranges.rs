@@ -6,7 +6,7 @@ use crate::robot::Chain;
 use crate::units::wrapped;
 use std::f64::consts::{PI, TAU};
 
-/// Range of one actuator, rad or m.
+/// Range of the coordinate of one actuator, rad or m.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct JointRange {
     pub lo: f64,
@@ -79,7 +79,7 @@ impl JointRanges {
         bounds
     }
 
-    /// Returns `q` moved by a step, clamped to the limits because rounding may exceed them.
+    /// Returns `q` moved by a step; the result is clamped, because rounding may move it beyond a limit.
     #[inline]
     pub fn moved(&self, q: &JointVector, step: &JointVector) -> JointVector {
         let mut moved = *q;
