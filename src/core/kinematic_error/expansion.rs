@@ -1,5 +1,6 @@
-//! The linear model, eqs. (7)-(8), and the second-order model (section 2.3): derivatives of the
-//! TCP pose by every parameter.
+//! The linear and the second-order error model: derivatives of the TCP pose by every parameter.
+//!
+//! They are eqs. (7)-(8) and section 2.3 of the seed paper.
 
 use super::Perturbation;
 use crate::cell::{JointKind, MAX_PARAMETERS, PER_FRAME, PER_LINK, Parameter};
@@ -7,7 +8,9 @@ use crate::pose::{Displacement, Pose};
 use crate::robot::{Chain, Frames};
 use nalgebra::Vector3;
 
-/// Effect of a unit of one small motion on the TCP: `g = S p` (m per unit), and the rotation axis `w`,
+/// Effect of one unit of a small motion on the TCP: its displacement `g` and its rotation `w`.
+///
+/// The displacement is in m per unit. The rotation is the unit vector along the axis of the motion; it is
 /// zero for a translation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MotionTerm {
@@ -18,10 +21,10 @@ pub struct MotionTerm {
 impl MotionTerm {
     const NONE: Self = Self { g: Vector3::new(0.0, 0.0, 0.0), w: Vector3::new(0.0, 0.0, 0.0) };
 
-    /// Returns motion `k` in the order of [`Parameter::of_robot`], which must not be a motion of a joint
-    /// frame.
+    /// Returns motion `k` in the order of [`Parameter::of_robot`]; it must not be a motion of a joint frame.
     ///
-    /// The motion of dq is always the rotation dtheta. A prismatic joint translates by the motion of dr.
+    /// The motion at the place of the parameter dq is the rotation about the joint axis, also for a prismatic
+    /// joint. Such a joint moves by the translation at the place of dr.
     #[inline(always)]
     fn of(frames: &Frames, axes: usize, k: usize) -> Self {
         let links = PER_LINK * axes;
@@ -42,9 +45,9 @@ impl MotionTerm {
         Self::about(frames, frame, axis, turns)
     }
 
-    /// Returns motion `k` of the joint frames, whose poses are `joints`.
+    /// Returns motion `k` of the joint frames, where `joints` are their poses in the D-H frames before them.
     ///
-    /// It is a function of its own so that [`Self::of`] stays small enough to be inlined.
+    /// This function is separate because [`Self::of`] must stay small enough to be inlined.
     #[inline(never)]
     fn of_joint(frames: &Frames, joints: &[Pose], k: usize) -> Self {
         let (joint, component) = (k / PER_FRAME, k % PER_FRAME);
@@ -52,9 +55,9 @@ impl MotionTerm {
         Self::about(frames, &frame, component % 3, component >= 3)
     }
 
-    /// Returns the rotation about, or the translation along, an axis of a frame.
+    /// Returns the rotation about (`turns`), or the translation along, an axis of a frame.
     ///
-    /// It must be inlined by force: otherwise the linear model takes twice as long.
+    /// The attribute forces inlining: without it the linear model takes twice as long.
     #[inline(always)]
     fn about(frames: &Frames, frame: &Pose, axis: usize, turns: bool) -> Self {
         let axis = frame.rotation.column(axis).into_owned();
@@ -65,9 +68,9 @@ impl MotionTerm {
     }
 }
 
-/// Returns the motions from base to tool by their indices in the list of parameters.
+/// Returns the indices of all motions in the list of parameters, in their order from base to tool.
 ///
-/// Each joint frame of `joints`, if given, comes before its row.
+/// If `joints` is true, the motions of the joint frames are included, each frame before its D-H row.
 fn outwards(axes: usize, joints: bool) -> impl Iterator<Item = usize> {
     let (base, tool) = (PER_LINK * axes, PER_LINK * axes + PER_FRAME);
     let frame = |first: usize| [0, 1, 2, 5, 4, 3].map(|k| first + k);
@@ -76,7 +79,7 @@ fn outwards(axes: usize, joints: bool) -> impl Iterator<Item = usize> {
     frame(base).into_iter().chain((0..axes).flat_map(row)).chain(frame(tool))
 }
 
-/// Returns the error by the linear model, eqs. (7)-(8): the sum of all motions.
+/// Returns the error by the linear model, eqs. (7)-(8) of the seed paper: the sum of all small motions.
 pub fn linear(frames: &Frames, errors: &Perturbation) -> Displacement {
     let axes = errors.links().len();
     let [sizes, of_joints] = errors.sizes();
@@ -90,8 +93,9 @@ pub fn linear(frames: &Frames, errors: &Perturbation) -> Displacement {
     wrong.fold(sum, |sum, (k, size)| add(sum, MotionTerm::of_joint(frames, errors.joint_frames(), k), *size))
 }
 
-/// Returns the error by the second-order model: each motion is rotated by the motions before it, and by
-/// half of itself.
+/// Returns the error by the second-order model.
+///
+/// Each small motion is rotated by the sum of the rotations nearer to the base and half of its own rotation.
 pub fn second_order(frames: &Frames, errors: &Perturbation) -> Displacement {
     let axes = errors.links().len();
     let (mut sum, mut turned) = (Displacement::NONE, Vector3::zeros());
@@ -119,14 +123,14 @@ pub struct Expansion {
     axes: usize,
     joint_frames: Vec<Pose>,
     terms: [MotionTerm; MAX_PARAMETERS],
-    /// Motions that a unit error of each actuator makes, with their sizes: the joint coupling.
+    /// Motions (index and size) that a unit error of each actuator causes through the joint coupling.
     drives: Vec<Vec<(usize, f64)>>,
-    /// Motions that [`Self::set`] updates.
+    /// Indices of the motions that [`Self::set`] updates.
     wanted: Vec<usize>,
 }
 
 impl Expansion {
-    /// Returns an expansion by all parameters of the robot.
+    /// Returns an expansion with derivatives by all parameters of the robot.
     pub fn new(chain: &Chain) -> Self {
         let axes = chain.axes();
         let drives = (0..axes).map(|j| {
@@ -142,7 +146,7 @@ impl Expansion {
         Self { axes, joint_frames, terms: [MotionTerm::NONE; MAX_PARAMETERS], drives, wanted }
     }
 
-    /// Returns an expansion by `parameters` alone; the derivatives by others are undefined.
+    /// Returns an expansion with derivatives by `parameters` alone; those by other parameters are undefined.
     pub fn of(chain: &Chain, parameters: &[usize]) -> Self {
         let mut expansion = Self::new(chain);
         let mut wanted: Vec<usize> =
@@ -153,7 +157,7 @@ impl Expansion {
         expansion
     }
 
-    /// Updates the derivatives for another posture.
+    /// Updates the derivatives for another posture, given by its `frames`.
     pub fn set(&mut self, frames: &Frames) {
         for &k in &self.wanted {
             self.terms[k] = match k.checked_sub(Parameter::first_joint(self.axes)) {
@@ -163,14 +167,14 @@ impl Expansion {
         }
     }
 
-    /// Returns the first derivative by a parameter.
+    /// Returns the first derivative of the TCP pose by a parameter.
     pub fn first(&self, parameter: usize) -> Displacement {
         self.motions(parameter).fold(Displacement::NONE, |sum, (k, size)| {
             sum + Displacement { position: self.terms[k].g, rotation: self.terms[k].w } * size
         })
     }
 
-    /// Returns the second derivative by two parameters, of the position and of the rotation vector.
+    /// Returns the second derivative of position and rotation vector of the TCP by parameters `a` and `b`.
     pub fn second(&self, a: usize, b: usize) -> Displacement {
         let mut sum = Displacement::NONE;
         for (j, size_j) in self.motions(a) {
@@ -184,7 +188,7 @@ impl Expansion {
         sum
     }
 
-    /// Returns the motions that a unit of a parameter makes, with their sizes.
+    /// Returns the motions (index and size) that one unit of a parameter causes.
     fn motions(&self, parameter: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
         let is_actuator = parameter < PER_LINK * self.axes && parameter.is_multiple_of(PER_LINK);
         let driven: &[_] = if is_actuator { &self.drives[parameter / PER_LINK] } else { &[] };

@@ -1,43 +1,48 @@
 //! Identifiability of parameter errors from measured poses: the identification Jacobian and its condition.
 //!
-//! The rows are the pose errors at every posture: position in m, rotation in rad times a length. The
-//! columns are the parameters of a [`ParameterSet`], scaled to unit length so that m and rad weigh alike.
-//! Driels and Pathre (1990) use the condition number; Schroer et al. ask for less than 100.
+//! The rows of the Jacobian are the pose errors at every posture: position in m, rotation in rad times a
+//! length. The columns are the parameters of a [`ParameterSet`]. They are scaled to unit length, so m and
+//! rad have equal weight. Driels and Pathre (1990) use the condition number of this matrix; Schroer et al.
+//! ask for less than 100.
 //!
 //! A chain of n revolute joints has 4 n + 6 independent parameters, base and tool included (Everett,
-//! Driels and Mooring 1987). The links alone have the 4 n parameters of either set:
+//! Driels and Mooring 1987). The links alone have 4 n parameters in each of the two sets:
 //!
-//! - four parameters: dq, dr, dl, dalpha of every link. For two parallel neighbouring axes, the two dr are
-//!   the same translation. For nearly parallel ones they differ by the angle between the axes alone;
-//! - five parameters (Hayati 1983): at parallel axes dbeta, the rotation that the four cannot make, replaces
-//!   dr.
+//! - four parameters per link: the errors dq of the joint coordinate, dr of the axial offset, dl of the
+//!   length and dalpha of the twist. If two neighbouring axes are parallel, their two dr are one translation.
+//!   If the axes are nearly parallel, the two translations differ only by the small angle between the axes;
+//! - five parameters (Hayati 1983): where axes are parallel, dbeta replaces dr. It is the rotation about the
+//!   y axis after the link, which the other four cannot make.
 //!
-//! A prismatic joint has fewer independent parameters. Its dr is its dq. The joint rotates nothing, so all
-//! translations between two revolute joints are vectors in one body. Three of these are independent. Both
-//! sets leave out the dependent translations. They also leave out the six parameters of every joint frame,
-//! because these depend on the parameters of the rows. Neither set has a parameter for the rotation of a
-//! prismatic joint about its axis. Other dependencies show in the condition number: coincident axes, or
-//! postures that do not move a joint.
+//! A prismatic joint has fewer independent parameters. Its dr is the same translation as its dq. The joint
+//! rotates nothing, so all translations between two revolute joints are vectors in one body. At most three
+//! of these are independent. Both sets leave out the dependent translations. They also leave out the six
+//! parameters of every joint frame, because these depend on the parameters of the D-H rows. Neither set has
+//! a parameter for the rotation of a prismatic joint about its axis. Other dependencies increase the
+//! condition number: coincident axes, or postures that do not move a joint.
 
 use super::Expansion;
 use crate::cell::{JointKind, MAX_JOINTS, Parameter};
 use crate::robot::{Chain, Frames, Posture};
 use nalgebra::{DMatrix, Vector3};
 
-/// Sine of the angle (6 degrees) below which axes count as parallel. At smaller angles the uncertainty of dr
-/// would be more than ten times as large as necessary.
+/// Sine of the angle (6 degrees) below which axes count as parallel.
+///
+/// At smaller angles the uncertainty of the offset error dr would be more than ten times as large as
+/// necessary.
 const NEARLY_PARALLEL: f64 = 0.1;
 
 /// Parameters per link that a calibration identifies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ParameterSet {
-    /// dq, dr, dl, dalpha of every link (Denavit and Hartenberg).
+    /// Errors dq, dr, dl and dalpha of every link (Denavit and Hartenberg).
     FourParameter,
-    /// dbeta instead of dr where neighbouring axes are parallel (Hayati 1983).
+    /// Errors of the four-parameter set, but dbeta instead of dr where neighbouring axes are parallel (Hayati
+    /// 1983).
     FiveParameter,
 }
 
-/// Returns the independent parameters of a set for a chain, in the order of [`Parameter::of_robot`].
+/// Returns the linearly independent parameters of a set for a chain, in the order of [`Parameter::of_robot`].
 pub fn identifiable(chain: &Chain, set: ParameterSet) -> Vec<Parameter> {
     let axes = chain.axes();
     let next_is_parallel = |i: usize| i + 1 < axes && chain.links[i].sin_alpha.abs() < NEARLY_PARALLEL;
@@ -56,7 +61,7 @@ pub fn identifiable(chain: &Chain, set: ParameterSet) -> Vec<Parameter> {
 
 /// Returns the identification Jacobian: six rows per posture, one unscaled column per parameter.
 ///
-/// `length` (m) is the weight of a rad of rotation: 1, or the reach of the arm.
+/// `length` (m) is the factor of the rows of the rotation: 1 m, or the reach of the arm.
 pub fn identification_jacobian(
     chain: &Chain,
     postures: &[Posture],
@@ -81,7 +86,8 @@ pub fn identification_jacobian(
 
 /// Returns the condition number of the identification Jacobian with columns scaled to unit length.
 ///
-/// It is infinite (or above 1e12, by rounding) if the postures cannot identify all parameters of the set.
+/// `length` (m) is the factor of the rows of the rotation. If the postures cannot identify all parameters
+/// of the set, the condition number is infinite, or above 1e12 because of rounding.
 pub fn condition(chain: &Chain, postures: &[Posture], set: ParameterSet, length: f64) -> f64 {
     let mut jacobian = identification_jacobian(chain, postures, &identifiable(chain, set), length);
     if jacobian.nrows() < jacobian.ncols() {
@@ -98,7 +104,8 @@ pub fn condition(chain: &Chain, postures: &[Posture], set: ParameterSet, length:
     values.max() / values.min()
 }
 
-/// Returns the translations around each run of prismatic joints that depend linearly on the others.
+/// Returns the translational parameters that depend linearly on others, because prismatic joints are between
+/// them.
 fn spare_slides(chain: &Chain, parameters: &[Parameter]) -> Vec<Parameter> {
     // Nothing rotates within a run, so that the angles between its translations are the same in any posture.
     let frames = chain.frames(&chain.posture(&[0.0; MAX_JOINTS]));
@@ -128,7 +135,9 @@ fn spare_slides(chain: &Chain, parameters: &[Parameter]) -> Vec<Parameter> {
     spare
 }
 
-/// Returns the direction of a translational parameter: z before the link for dr and dq, x after it for dl.
+/// Returns the direction of a translational parameter, base frame.
+///
+/// It is the z axis before the link for dr and dq, and the x axis after the link for dl.
 fn direction(frames: &Frames, slide: Parameter) -> Vector3<f64> {
     match slide {
         Parameter::Dl(i) => frames.links[i + 1].rotation.column(0).into_owned(),

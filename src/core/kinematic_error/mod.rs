@@ -1,28 +1,31 @@
 //! Kinematic error (section 2 of the seed paper): from parameter errors to the error of the TCP.
 //!
-//! Every model reads one representation of the chain, its [`Frames`] at a posture. A parameter error
+//! Every model uses the same description of the chain: its [`Frames`] at a posture. A parameter error
 //! is a small motion about or along an axis of one of these frames:
 //!
-//! - dtheta about and dr along the z axis before the link;
-//! - dl along and dalpha about the x axis after the link;
-//! - dbeta about the y axis after the link (the fifth parameter of Hayati);
-//! - six components each of the base, of the tool and of every joint frame, which precedes its row.
+//! - dtheta, a rotation about the z axis before the link, and dr, a translation along that axis;
+//! - dl, a translation along the x axis after the link, and dalpha, a rotation about that axis;
+//! - dbeta, a rotation about the y axis after the link (the fifth parameter of Hayati);
+//! - six components each of the base frame, the tool frame and every joint frame. A joint frame lies before
+//!   the D-H row of its joint.
 //!
-//! Let `S_k` be the twist of motion k in the base frame and `a_k` its size, counted from the base. Then
+//! Number the motions from the base on. Let `S_k` be the twist of motion k per unit in the base frame and
+//! `a_k` its size. Let T be the pose of the TCP without errors and T' the pose with errors. Then
 //!
 //! ```text
 //! T' T^-1 = exp(S_1 a_1) exp(S_2 a_2) ... exp(S_K a_K)
 //! ```
 //!
-//! holds exactly. All models follow from it, for the TCP at p:
+//! holds exactly. All models follow from this product. Let p be the position of the TCP, `w_k` the axis of
+//! motion k and `o_k` a point on the axis:
 //!
-//! - nonlinear, eqs. (4)-(6): the product itself, evaluated from the tool back to the base as a sum of
-//!   displacements, so that errors of 1 nm keep their digits;
-//! - linear, eqs. (7)-(8): `e = sum_k a_k g_k` with `g_k = S_k p`, that is `w_k x (p - o_k)` for a
-//!   rotation and `w_k` for a translation;
+//! - nonlinear, eqs. (4)-(6): the product itself, evaluated from the tool back to the base. It is computed
+//!   as a sum of displacements, so errors of 1 nm keep their digits;
+//! - linear, eqs. (7)-(8): the position error is `e = sum_k a_k g_k`. The displacement per unit is
+//!   `g_k = w_k x (p - o_k)` for a rotation and `g_k = w_k` for a translation;
 //! - second-order (section 2.3): the linear model plus `sum_(j<k) a_j a_k w_j x g_k + 1/2 sum_k a_k^2
-//!   w_k x g_k` over the rotations j. This is the exact quadratic form: a motion nearer to the base
-//!   acts on what the later ones have done.
+//!   w_k x g_k`. In these sums `w_j` and `w_k` are rotation axes; translations do not contribute. This is the
+//!   exact quadratic form: a motion nearer to the base rotates the displacements by the later motions.
 //!
 //! Errors are in the base frame: position in m, rotation as a rotation vector in rad.
 
@@ -42,7 +45,7 @@ use crate::pose::Displacement;
 use crate::robot::Frames;
 use nalgebra::Vector3;
 
-/// Returns the position error of the TCP, m, base frame; a search asks for it at every node.
+/// Returns the position error of the TCP, m, base frame. A search calls this function at every node.
 pub fn position_error(frames: &Frames, errors: &Perturbation, model: Model) -> Vector3<f64> {
     match model {
         Model::Nonlinear => nonlinear::position_error(frames, errors),
@@ -51,7 +54,7 @@ pub fn position_error(frames: &Frames, errors: &Perturbation, model: Model) -> V
     }
 }
 
-/// Returns position and rotation error of the TCP, base frame.
+/// Returns the position error (m) and the rotation error (rad) of the TCP, base frame.
 pub fn pose_error(frames: &Frames, errors: &Perturbation, model: Model) -> Displacement {
     match model {
         Model::Nonlinear => nonlinear::pose_error(frames, errors),

@@ -1,11 +1,14 @@
-//! The nonlinear model, eqs. (4)-(6): `dT = prod(A_i + dA_i) - T`, as one small motion after another.
+//! The nonlinear model, eqs. (4)-(6) of the seed paper: `dT = prod(A_i + dA_i) - T`.
+//!
+//! Here `A_i` is the transform of link i, `dA_i` its change by the errors, and T the pose of the TCP without
+//! errors. The product is evaluated as a sequence of small motions.
 
 use super::{FrameError, Perturbation, Turn};
 use crate::pose::{Displacement, Pose, SmallRotation};
 use crate::robot::Frames;
 use nalgebra::{Matrix3, Vector3};
 
-/// Small motion at one place in the chain, which moves everything from there to the tool.
+/// Small motion at one place in the chain; it moves all frames from that place to the tool.
 enum SmallMotion<'a> {
     Slide(Vector3<f64>),
     Turn { axis: Vector3<f64>, through: &'a Vector3<f64>, by: &'a Turn },
@@ -20,9 +23,10 @@ pub fn position_error(frames: &Frames, errors: &Perturbation) -> Vector3<f64> {
     }
 }
 
-/// Returns the position error with or without errors of joint frames.
+/// Returns the position error of the TCP; `JOINTS` says whether joint frames have errors.
 ///
-/// The two cases are compiled apart: one loop for both takes 50 % longer without such errors.
+/// The two cases are compiled separately. One loop for both would take 50 % longer if no joint frame has
+/// errors.
 #[inline]
 fn position_walk<const JOINTS: bool>(frames: &Frames, errors: &Perturbation) -> Vector3<f64> {
     let p = &frames.tcp.translation;
@@ -31,7 +35,7 @@ fn position_walk<const JOINTS: bool>(frames: &Frames, errors: &Perturbation) -> 
     e
 }
 
-/// Returns position and rotation error of the TCP, base frame.
+/// Returns the position error (m) and the rotation error (rad) of the TCP, base frame.
 pub fn pose_error(frames: &Frames, errors: &Perturbation) -> Displacement {
     let p = &frames.tcp.translation;
     let (mut e, mut rotation) = (Vector3::zeros(), SmallRotation::none());
@@ -44,7 +48,10 @@ pub fn pose_error(frames: &Frames, errors: &Perturbation) -> Displacement {
     Displacement { position: e, rotation: rotation.vector() }
 }
 
-/// Returns the displacement of a point by a motion: `(R - 1)(x - o)` for a rotation (Rodrigues' formula).
+/// Returns the displacement of the point `x` by a motion.
+///
+/// A rotation by the matrix R about an axis through the point o displaces it by `(R - 1)(x - o)`. This is
+/// computed by Rodrigues' formula.
 #[inline]
 fn moved(motion: &SmallMotion<'_>, x: &Vector3<f64>) -> Vector3<f64> {
     match motion {
@@ -56,7 +63,9 @@ fn moved(motion: &SmallMotion<'_>, x: &Vector3<f64>) -> Vector3<f64> {
     }
 }
 
-/// Visits the small motions from the tool back to the base; `JOINTS` includes those of the joint frames.
+/// Calls `visit` with the small motions from the tool back to the base.
+///
+/// If `JOINTS` is true, the motions of the joint frames are included.
 #[inline]
 fn walk_back<const JOINTS: bool>(
     frames: &Frames,
@@ -85,7 +94,7 @@ fn walk_back<const JOINTS: bool>(
     }
 }
 
-/// Visits the rotation about an axis of a frame.
+/// Calls `visit` with the rotation about an axis of a frame; omits a rotation by 0.
 #[inline]
 fn turn_back(frame: &Pose, axis: usize, by: &Turn, visit: &mut impl FnMut(SmallMotion<'_>)) {
     if by.angle != 0.0 {
@@ -94,7 +103,7 @@ fn turn_back(frame: &Pose, axis: usize, by: &Turn, visit: &mut impl FnMut(SmallM
     }
 }
 
-/// Visits the error of one frame, its rotation about x first.
+/// Calls `visit` with the motions of one frame error: rotations about x, y and z, then the translation.
 fn frame_back(
     error: &FrameError,
     axes: &Matrix3<f64>,

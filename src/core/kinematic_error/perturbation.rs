@@ -4,18 +4,18 @@ use crate::cell::{JointKind, MAX_JOINTS, PER_FRAME, PER_LINK, Parameter, SignedE
 use crate::pose::Pose;
 use crate::robot::Chain;
 
-/// Small rotation angle with sine and versine, computed without subtracting nearly equal numbers.
+/// Small rotation angle with sine and versine (1 minus cosine), computed without loss of digits.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Turn {
     /// Angle, rad.
     pub angle: f64,
     pub sin: f64,
-    /// `1 - cos(angle)`, computed from the half angle.
+    /// Versine `1 - cos(angle)`, computed from half the angle.
     pub versine: f64,
 }
 
 impl Turn {
-    /// Returns the rotation by `angle` (rad).
+    /// Returns the small rotation by `angle` (rad).
     pub fn new(angle: f64) -> Self {
         if angle == 0.0 {
             return Self::default();
@@ -25,7 +25,9 @@ impl Turn {
     }
 }
 
-/// Errors of one link, eq. (4) with the fifth parameter. dtheta and dr include the joint coupling.
+/// Errors of one link: those of eq. (4) of the seed paper, and dbeta about the y axis after the link.
+///
+/// The values of dtheta and dr include the joint coupling.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct LinkError {
     pub dtheta: Turn,
@@ -36,16 +38,16 @@ pub struct LinkError {
     pub dbeta: Turn,
 }
 
-/// Error of a frame in its own axes: translations along x, y, z (m), then rotations about z, y, x.
+/// Error of a frame in its own axes: translation along x, y, z (m), then rotations about z, y, x.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrameError {
     pub slides: [f64; 3],
-    /// Rotations about x, y, z.
+    /// Rotations in the order of their axes x, y, z.
     pub turns: [Turn; 3],
 }
 
 impl FrameError {
-    /// Returns the error of six components; None if all are 0.
+    /// Returns the frame error with these six components (m, then rad); None if all are 0.
     pub fn new(values: &[f64]) -> Option<Self> {
         let value = |k: usize| values.get(k).copied().unwrap_or(0.0);
         let any = (0..PER_FRAME).any(|k| value(k) != 0.0);
@@ -54,7 +56,7 @@ impl FrameError {
     }
 }
 
-/// Errors of the joint frames, and the poses of these frames in the D-H frame before their row.
+/// Errors of the joint frames, and the pose of each frame in the D-H frame before its row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointErrors {
     sizes: [f64; PER_FRAME * MAX_JOINTS],
@@ -63,7 +65,7 @@ pub struct JointErrors {
 }
 
 impl JointErrors {
-    /// Returns the errors given by six values per joint.
+    /// Returns the errors of the joint frames, given by six values per joint.
     fn new(chain: &Chain, values: &[f64]) -> Self {
         let (sizes, frames) = ([0.0; PER_FRAME * MAX_JOINTS], [Pose::identity(); MAX_JOINTS]);
         let mut all = Self { sizes, frames, errors: [None; MAX_JOINTS] };
@@ -75,9 +77,10 @@ impl JointErrors {
     }
 }
 
-/// Largest number of motions before those of the joint frames, which seldom have errors.
+/// Largest number of small motions of a chain, without those of the joint frames.
 ///
-/// Samples are made by the million, so each must take little memory.
+/// Joint frames seldom have errors and are stored separately. Samples are made by the million, so each must
+/// take little memory.
 const MAX_MOTIONS: usize = Parameter::first_joint(MAX_JOINTS);
 
 /// One signed sample of the parameter errors, for one chain.
@@ -92,12 +95,13 @@ pub struct Perturbation {
 }
 
 impl Perturbation {
-    /// Prepares a signed sample of a cell file.
+    /// Prepares the signed sample of a cell file for the error models.
     pub fn new(chain: &Chain, errors: &SignedErrors) -> Self {
         Self::of_values(chain, &errors.values())
     }
 
-    /// Prepares values in the order of [`Parameter::of_robot`], with or without those of the joint frames.
+    /// Prepares parameter errors in the order of [`Parameter::of_robot`], with or without those of the joint
+    /// frames.
     ///
     /// The error dq belongs to the actuators and reaches the D-H coordinates through the joint coupling.
     /// The function does not allocate.
@@ -133,21 +137,22 @@ impl Perturbation {
         all
     }
 
-    /// Returns the sizes of the motions in the order of [`Parameter::of_robot`].
+    /// Returns the sizes of the small motions (m or rad) in the order of [`Parameter::of_robot`].
     ///
-    /// The errors dq and dr are those of the D-H coordinates, with the joint coupling. The second slice holds
-    /// the motions of the joint frames. It is empty if these have no errors.
+    /// At the places of dq and dr are the errors of the D-H coordinates theta and r, which include the joint
+    /// coupling. The second slice holds the motions of the joint frames. It is empty if no joint frame has an
+    /// error.
     pub fn sizes(&self) -> [&[f64]; 2] {
         let joints = self.joints.as_ref().map_or(&[][..], |joints| &joints.sizes[..PER_FRAME * self.axes]);
         [&self.sizes[..Parameter::first_joint(self.axes)], joints]
     }
 
-    /// Returns the poses of the joint frames in the D-H frame before their row; empty if none has an error.
+    /// Returns the pose of every joint frame in the D-H frame before its row; empty if no frame has an error.
     pub fn joint_frames(&self) -> &[Pose] {
         self.joints.as_ref().map_or(&[], |joints| &joints.frames[..self.axes])
     }
 
-    /// Returns the errors of the links.
+    /// Returns the errors of the links, from the base on.
     pub fn links(&self) -> &[LinkError] {
         &self.links[..self.axes]
     }

@@ -5,12 +5,13 @@ use super::solver::ChainSolver;
 use crate::cell::{Attitude, Azimuth, Spin};
 use crate::units::{deg_from_rad, rounded};
 
-/// Largest difference, rad, of elevations that count as equal. It allows for the rounding of degrees in a
-/// file.
+/// Largest difference, rad, of elevations that count as equal.
+///
+/// It is larger than the rounding of an angle that a file gives in degrees.
 const SAME_ELEVATION: f64 = 1e-6;
 
 impl Inverse {
-    /// Returns why the arm cannot hold its tool in this attitude anywhere; None if no such reason is known.
+    /// Returns the reason why the arm cannot hold its tool in this attitude anywhere; None if none is known.
     pub fn refusal(&self, attitude: &Attitude) -> Option<String> {
         let degrees = |rad: f64| rounded(deg_from_rad(rad), 3);
         if let Some(fixed) = self.fixed_elevation

@@ -12,17 +12,18 @@ const ROUNDING: f64 = 1e-9;
 /// Allowed attitudes of the tool, in the base frame.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct AttitudeSet {
-    /// Elevations to try, rad; the nominal one comes first.
+    /// Elevations of the tool axis to try, rad; the nominal elevation comes first.
     pub(super) elevations: Vec<f64>,
     pub(super) vertical: bool,
-    /// Columns r, d x r, d of the tool (see [`crate::cell::held`]) for every attitude.
+    /// Rotation matrix with the columns r, d x r, d for every attitude: tool axis d and reference axis r.
     ///
-    /// If `radial` is set, they are in the frame whose x axis points from the base axis to the target.
+    /// The function [`crate::cell::held`] defines both axes. The matrices are in the base frame. If `radial`
+    /// is set, they are in the frame whose x axis points from the base axis to the target instead.
     pub(super) columns: Vec<Matrix3<f64>>,
     pub(super) radial: bool,
     pub(super) spin_is_free: bool,
     pub(super) azimuth_is_free: bool,
-    /// Azimuth from which the spins of a vertical tool are measured, rad.
+    /// Azimuth, rad, from which the spin angles of a vertical tool are measured.
     pub(super) zero: f64,
     pub(super) spins: Vec<f64>,
     /// Required azimuth, rad; None if every azimuth is allowed.
@@ -32,9 +33,10 @@ pub struct AttitudeSet {
 }
 
 impl AttitudeSet {
-    /// Sets the attitudes over a surface rotated by `yaw` (rad) in the base frame, without the columns.
+    /// Sets the attitudes over a surface rotated by `yaw` (rad) in the base frame, without rotation matrices.
     ///
-    /// `fixed_elevation` is the elevation of an arm that keeps it by construction; None for any other arm.
+    /// [`Self::update_columns`] adds the matrices. `fixed_elevation` is the elevation (rad) of the tool of an
+    /// arm that cannot change it; None for any other arm.
     pub fn update(&mut self, attitude: &Attitude, yaw: f64, fixed_elevation: Option<f64>) {
         self.vertical = attitude.is_vertical();
         self.radial = attitude.azimuth == Azimuth::Radial;
@@ -61,8 +63,9 @@ impl AttitudeSet {
         self.columns.clear();
     }
 
-    /// Sets the columns of all attitudes, for a solver that needs whole poses. [`Self::update`] must come
-    /// first.
+    /// Sets the rotation matrices of all attitudes, for a solver that needs whole poses.
+    ///
+    /// [`Self::update`] must be called first.
     pub fn update_columns(&mut self, attitude: &Attitude, yaw: f64) {
         let turned = if self.radial { 0.0 } else { yaw };
         for azimuth in attitude.azimuths() {
@@ -78,13 +81,13 @@ impl AttitudeSet {
         }
     }
 
-    /// Returns how many of [`Self::columns`] belong to one azimuth.
+    /// Returns the number of rotation matrices that belong to one azimuth.
     pub(super) fn columns_per_azimuth(&self) -> usize {
         let tilts = self.elevations.len() + if self.tilts_sideways { 2 } else { 0 };
         self.spins.len() * tilts
     }
 
-    /// Returns the columns of attitude `k` at a target.
+    /// Returns the rotation matrix r, d x r, d of the tool in attitude `k` at a target, base frame.
     #[inline]
     pub(super) fn columns_at(&self, k: usize, target: &Vector3<f64>) -> Matrix3<f64> {
         if !self.radial {
@@ -94,10 +97,10 @@ impl AttitudeSet {
         Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0) * self.columns[k]
     }
 
-    /// Returns the attitude error (rad) of a tool with these columns, as far as it exceeds the tolerance.
+    /// Returns the part of the attitude error (rad) of a tool that exceeds the tolerance; 0 if none does.
     ///
-    /// The function is needed only for arms that cannot choose heading or spin. `rolls` says that the arm can
-    /// choose the spin.
+    /// `columns` is the rotation matrix r, d x r, d of the tool. Only an arm that cannot choose heading or
+    /// spin needs this check. `rolls` says that the arm can choose the spin.
     pub(super) fn off(&self, columns: &Matrix3<f64>, target: &Vector3<f64>, rolls: bool) -> f64 {
         let [r, d] = [0, 2].map(|k| columns.column(k).into_owned());
         let actual = d.y.atan2(d.x);
@@ -120,12 +123,12 @@ impl AttitudeSet {
         if off > ROUNDING { off } else { 0.0 }
     }
 
-    /// Returns whether [`Self::off`] has anything to check.
+    /// Returns whether [`Self::off`] is needed: a heading is required, or a spin that the arm cannot choose.
     pub(super) fn is_checked(&self, rolls: bool) -> bool {
         self.heading.is_some() || !self.spin_is_free && !rolls
     }
 
-    /// Returns the horizontal unit vector from which the spins of a vertical tool are measured.
+    /// Returns the horizontal unit vector (x, y) from which the spin angles of a vertical tool are measured.
     #[inline]
     pub(super) fn zero_heading(&self, target: &Vector3<f64>) -> (f64, f64) {
         if self.radial {
@@ -136,14 +139,14 @@ impl AttitudeSet {
     }
 }
 
-/// Returns the elevations to try: the nominal one, then one lower and one higher by the tolerance.
+/// Returns the elevations to try (rad): the nominal one, then the nominal one minus and plus the tolerance.
 fn tilted(elevation: f64, tolerance: f64) -> impl Iterator<Item = f64> {
     let around = [-tolerance, tolerance].map(|by| (elevation + by).clamp(-FRAC_PI_2, FRAC_PI_2));
     let around = around.into_iter().filter(move |e| *e != elevation);
     std::iter::once(elevation).chain(around)
 }
 
-/// Returns the columns tilted to one side of the vertical plane of the tool.
+/// Returns the rotation matrix of a tool that is tilted by an angle (rad) out of its vertical plane.
 fn sideways(columns: &Matrix3<f64>, by: f64) -> Matrix3<f64> {
     let d = columns.column(2).into_owned();
     let level = Vector3::new(-d.y, d.x, 0.0).try_normalize(1e-9);
@@ -151,7 +154,9 @@ fn sideways(columns: &Matrix3<f64>, by: f64) -> Matrix3<f64> {
     nalgebra::Rotation3::from_scaled_axis(upright * by).into_inner() * columns
 }
 
-/// Returns the direction from the base axis to the target; the x axis for a target on the base axis.
+/// Returns the horizontal unit vector (x, y) from the base axis to the target.
+///
+/// For a target on the base axis it is the x axis.
 fn heading_of(target: &Vector3<f64>) -> (f64, f64) {
     let radius = target.x.hypot(target.y);
     if radius > 0.0 { (target.x / radius, target.y / radius) } else { (1.0, 0.0) }

@@ -1,36 +1,38 @@
-//! Results of the inverse kinematics: branches, or the reason why there are none.
+//! Results of the inverse kinematics: the branches of a target, or the reason why it has none.
 
 use super::limits::LimitViolation;
 use crate::cell::JointVector;
 use crate::robot::Posture;
 
-/// Computing time of one target, in classes.
+/// Class of the computing time that the inverse kinematics of one target takes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Cost {
-    /// Tens of nanoseconds.
+    /// Tens of nanoseconds per target.
     Low,
     /// About a microsecond per attitude.
     Middle,
-    /// About a microsecond per attitude and value of the redundant joint.
+    /// About a microsecond per attitude and sampled value of the redundant joint.
     High,
-    /// About a millisecond.
+    /// About a millisecond per target, because the solver is numeric.
     Numeric,
 }
 
-/// Distance of a target from a usable posture.
+/// Measure of how far a target is from having a usable posture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gap {
     /// Distance to the nearest reachable point, m; 0 if a branch exists.
     pub reach: f64,
-    /// Least violation of joint limits and attitude among the branches; 0 if a branch keeps them.
+    /// Least violation of joint limits and attitude among all branches; 0 if a branch violates neither.
+    ///
+    /// It is also 0 if the target is out of reach.
     pub limits: f64,
 }
 
 impl Gap {
-    /// Gap before any branch was tried.
+    /// Gap without any branch, with which a search begins.
     pub const ALL: Self = Self { reach: f64::INFINITY, limits: f64::INFINITY };
 
-    /// Returns whether this gap is smaller. Equal distances to the reach are ranked by the limits.
+    /// Returns whether this gap is smaller: by `reach`, or by `limits` if `reach` is equal.
     pub fn is_less(&self, other: &Self) -> bool {
         (self.reach, self.limits) < (other.reach, other.limits)
     }
@@ -39,19 +41,21 @@ impl Gap {
 /// One posture that puts the TCP at the target.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Branch {
-    /// Number of the solution, the attitude and the value of a redundant joint; see [`super::Inverse`].
+    /// Number that encodes the solution, the attitude and the sample of a redundant joint.
+    ///
+    /// See [`super::Inverse`] for its bits.
     pub index: u32,
     /// Actuator coordinates, rad or m.
     pub joints: JointVector,
     pub posture: Posture,
-    /// The worst violated joint limit; None inside the limits.
+    /// Joint limit that is exceeded the most; None if the posture is within the limits.
     pub violation: Option<LimitViolation>,
-    /// Attitude error beyond the tolerance, rad, of an arm that cannot choose the attitude.
+    /// Part of the attitude error that exceeds the tolerance, rad; 0 for an arm that can choose the attitude.
     pub off: f64,
 }
 
 impl Branch {
-    /// Returns whether the branch keeps joint limits and attitude.
+    /// Returns whether the branch keeps the joint limits and the required attitude.
     pub fn is_usable(&self) -> bool {
         self.violation.is_none() && self.off == 0.0
     }
@@ -60,14 +64,14 @@ impl Branch {
 /// Result of the inverse kinematics for one target.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Reach {
-    /// No posture exists; `by` is the distance to the reachable points, m.
+    /// No posture exists; `by` is the distance from the target to the nearest reachable point, m.
     OutOfReach { by: f64 },
-    /// The position is within reach, but the attitude misses by an angle (rad).
+    /// The position is within reach, but not in the required attitude; `by` is the least angle error (rad).
     ///
     /// `joint` is the joint whose limit prevents the attitude; None if the geometry does.
     Attitude { by: f64, joint: Option<usize> },
-    /// The numeric solver came no nearer than this (m, rad). A posture may exist.
+    /// The numeric solver came no nearer than `position` (m) and `angle` (rad), but a posture may exist.
     NotConverged { position: f64, angle: f64 },
-    /// Every branch, inside the joint limits or not.
+    /// Every branch found, within the joint limits or not.
     Branches(Vec<Branch>),
 }

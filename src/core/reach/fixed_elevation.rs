@@ -1,14 +1,14 @@
-//! Arms that hold their tool at one elevation by construction, such as a SCARA or a palletizer.
+//! Arms whose tool has the same elevation in every posture, such as a SCARA or a palletizer.
 
 use crate::robot::Chain;
 
-/// Number of postures compared.
+/// Number of postures whose elevations are compared.
 const POSTURES: usize = 32;
 
 /// Largest difference, rad, of elevations that count as equal.
 const SAME_ELEVATION: f64 = 1e-9;
 
-/// Returns the elevation of the tool axis (rad) if it is the same in every posture of the chain.
+/// Returns the elevation of the tool axis (rad) if it is the same in all sampled postures of the chain.
 pub(super) fn fixed_elevation(chain: &Chain) -> Option<f64> {
     let elevation = |k: usize| {
         let tcp = chain.forward(&chain.posture(&chain.halton_sample(k)));

@@ -1,4 +1,4 @@
-//! A redundant arm with its first or last joint held: a closed form solves the rest.
+//! Redundant arms whose first or last joint is held at a value: a closed form solves the other joints.
 
 use super::numeric::Numeric;
 use super::pose_solver::PoseSolver;
@@ -6,41 +6,40 @@ use crate::cell::{JointKind, JointVector};
 use crate::pose::Pose;
 use crate::robot::{Chain, Link, Posture};
 
-/// Redundancy resolution of one arm: one joint takes sampled values, the other joints have a closed form.
+/// Redundancy resolution of one arm: one joint is held at sampled values, a closed form solves the others.
 #[derive(Debug, Clone)]
 pub(super) struct HeldJoint {
-    /// Closed form of the other joints.
+    /// Closed form that solves the joints that are not held.
     pub solver: PoseSolver,
-    /// Variant of `solver` that does not compute the distance to an unreachable target; None if computing it
-    /// is cheap.
+    /// Variant of `solver` without the distance to an unreachable target; None if the distance is cheap.
     pub fast: Option<PoseSolver>,
-    /// Numeric solver for targets at the edge of the reach.
+    /// Numeric solver of the whole arm, for targets at the edge of the reach.
     pub numeric: Numeric,
-    /// Posture of the other joints, used as scratch memory.
+    /// Posture of the joints that are not held, copied as scratch memory.
     pub template: Posture,
     link: Link,
-    /// Whether the held joint is the first one; otherwise it is the last.
+    /// Whether the held joint is the first joint of the arm; otherwise it is the last.
     first: bool,
     axes: usize,
     /// Sampled coordinates of the held joint, rad or m.
     pub values: [f64; Self::SAMPLES],
 }
 
-/// One value of the held joint, and the closed form that solves the rest.
+/// One value of the held joint, and the closed form that solves the other joints.
 pub(super) struct HeldSample<'a> {
     pub joint: &'a HeldJoint,
     pub solver: &'a PoseSolver,
     /// Number of the sample, which becomes part of the branch index.
     pub number: usize,
-    /// Coordinate, rad or m.
+    /// Coordinate of the held joint, rad or m.
     pub value: f64,
 }
 
 impl HeldJoint {
-    /// Number of sampled values.
+    /// Number of sampled values of the held joint.
     pub const SAMPLES: usize = 13;
 
-    /// Prepares a chain with its first or last joint held; None if the rest has no closed form.
+    /// Prepares a chain with its first or last joint held; None if no closed form solves the other joints.
     pub fn new(chain: &Chain, first: bool) -> Option<Self> {
         let n = chain.axes();
         let held = if first { 0 } else { n.checked_sub(1)? };
@@ -75,27 +74,27 @@ impl HeldJoint {
         }
     }
 
-    /// Returns the solver that finds all branches at the least cost.
+    /// Returns the fastest solver that finds all branches.
     pub fn fastest(&self) -> &PoseSolver {
         self.fast.as_ref().unwrap_or(&self.solver)
     }
 
-    /// Restricts the held joint to its coordinate in `q`.
+    /// Sets all samples of the held joint to its coordinate in `q`.
     pub fn hold(&mut self, q: &JointVector) {
         self.values = [q[if self.first { 0 } else { self.axes - 1 }]; Self::SAMPLES];
     }
 
-    /// Returns sample `number` of the held joint.
+    /// Returns sample `number` of the held joint, to be solved by `solver`.
     pub fn sample<'a>(&'a self, solver: &'a PoseSolver, number: usize) -> HeldSample<'a> {
         HeldSample { joint: self, solver, number, value: self.values[number] }
     }
 
-    /// Returns all samples of the held joint.
+    /// Returns all samples of the held joint, to be solved by `solver`.
     pub fn samples<'a>(&'a self, solver: &'a PoseSolver) -> impl Iterator<Item = HeldSample<'a>> {
         (0..Self::SAMPLES).map(move |number| self.sample(solver, number))
     }
 
-    /// Returns the held link at a coordinate: its row of the posture, and the inverse of its transform.
+    /// Returns cosine, sine and offset r (m) of the held row at a coordinate, and its inverse link transform.
     pub fn at(&self, value: f64) -> ((f64, f64, f64), Pose) {
         let (turn, slide) = match self.link.kind {
             JointKind::Revolute => (value, 0.0),
@@ -106,12 +105,14 @@ impl HeldJoint {
         ((cos, sin, r), self.link.pose(cos, sin, r).inverse())
     }
 
-    /// Returns the part of a flange pose that the other joints must reach.
+    /// Returns the pose that the other joints must reach, so that the last D-H frame is at `flange`.
+    ///
+    /// `inverse` is the inverse transform of the held link.
     pub fn rest_of(&self, flange: &Pose, inverse: &Pose) -> Pose {
         if self.first { *inverse * *flange } else { *flange * *inverse }
     }
 
-    /// Writes the posture of the whole arm from the rows of the other joints and the held row.
+    /// Writes the posture of the whole arm: `rest` are the rows of the other joints, `held` is the held row.
     pub fn join(&self, rest: &Posture, held: &(f64, f64, f64), whole: &mut Posture) {
         let (at, from) = if self.first { (0, 1) } else { (self.axes - 1, 0) };
         for k in 0..self.axes - 1 {
@@ -121,9 +122,9 @@ impl HeldJoint {
         (whole.cos[at], whole.sin[at], whole.r[at]) = *held;
     }
 
-    /// Returns a distance to the reach, m, above which the values between the samples need not be searched.
+    /// Returns a distance, m, that limits the search between the samples of the held joint.
     ///
-    /// A target that is farther from the reach at every sample counts as out of reach.
+    /// If a target is farther than this from the reachable points at every sample, it counts as out of reach.
     pub fn sample_reach(&self) -> f64 {
         let step = (self.values[Self::SAMPLES - 1] - self.values[0]) / (Self::SAMPLES - 1) as f64;
         match self.link.kind {

@@ -1,6 +1,6 @@
-//! Inverse kinematics of any chain: the closed form of its family if it has one, the numeric one otherwise.
+//! Inverse kinematics of any chain: by the closed form of its family if there is one, otherwise numerically.
 //!
-//! It includes all attitudes of an operation, the joint limits, and redundancy resolution.
+//! It covers all attitudes of an operation, the joint limits, and redundancy resolution.
 
 use super::branch::{Branch, Cost, Gap, Reach};
 use super::fixed_elevation::fixed_elevation;
@@ -14,22 +14,23 @@ use nalgebra::{Matrix3, Vector3};
 
 /// Inverse kinematics of one arm.
 ///
-/// A branch index numbers the solution in its low bits and, above them, the attitude. For a redundant
-/// arm the number of the held value follows from bit 16 on.
+/// The lowest bits of a branch index are the number of the solution; the bits above are the number of the
+/// attitude. For a redundant arm, the bits from 16 on are the number of the sample of the held joint.
 #[derive(Debug, Clone)]
 pub struct Inverse {
     pub(super) chain: Chain,
     pub(super) solver: ChainSolver,
-    /// Joint limits; None if a posture alone cannot tell whether it keeps them. Then the chain is
-    /// solved numerically, within the limits.
+    /// Joint limits; None if the sines and cosines of a posture cannot tell whether it keeps them.
+    ///
+    /// If this is None, the chain is solved numerically, within the limits.
     pub(super) limits: Option<Limits>,
-    /// Transform from the base to D-H frame 0; None for the identity.
+    /// Pose of the base frame in D-H frame 0; None for the identity.
     pub(super) to_zero: Option<Pose>,
-    /// Transform from the TCP to the last D-H frame.
+    /// Pose of the last D-H frame in the frame of the TCP.
     to_flange: Pose,
-    /// Rows r, a x r, a in the frame of the TCP: reference axis r and axis a of the tool.
+    /// Matrix with the rows r, a x r, a in the frame of the TCP: tool axis a and reference axis r.
     pub(super) tool_rows: Matrix3<f64>,
-    /// Elevation of the tool, rad, if the arm keeps it by construction.
+    /// Elevation of the tool axis, rad, if it is the same in every posture.
     pub(super) fixed_elevation: Option<f64>,
     pub(super) template: Posture,
 }
@@ -56,7 +57,7 @@ impl Inverse {
         self.solver.family()
     }
 
-    /// Returns the arm with its redundant joint fixed at its coordinate in `q`.
+    /// Returns the inverse kinematics with the redundant joint fixed at its coordinate in `q`.
     ///
     /// An arm without a redundant joint is returned unchanged.
     pub fn held_at(&self, q: &JointVector) -> Self {
@@ -67,7 +68,7 @@ impl Inverse {
         inverse
     }
 
-    /// Returns the chain that is solved.
+    /// Returns the chain that this inverse kinematics solves.
     pub fn chain(&self) -> &Chain {
         &self.chain
     }
@@ -77,7 +78,7 @@ impl Inverse {
         self.fixed_elevation
     }
 
-    /// Returns the class of computing time per target.
+    /// Returns the class of the computing time per target.
     pub fn cost(&self) -> Cost {
         match &self.solver {
             ChainSolver::Planar(_) => Cost::Low,
@@ -87,7 +88,7 @@ impl Inverse {
         }
     }
 
-    /// Returns the tool attitudes over a surface rotated by `yaw` (rad) in the base frame.
+    /// Returns the allowed tool attitudes over a surface rotated by `yaw` (rad) in the base frame.
     pub fn tool_attitudes(&self, attitude: &Attitude, yaw: f64) -> ToolAttitudes {
         let mut attitudes = ToolAttitudes::default();
         self.set_attitudes(&mut attitudes, attitude, yaw);
@@ -109,10 +110,12 @@ impl Inverse {
         self.template
     }
 
-    /// Calls `found` with every branch inside the joint limits; returns the gap if there is none.
+    /// Calls `found` with every branch that keeps joint limits and attitude.
     ///
-    /// `target` is the TCP in the base frame, m. Closed forms do not allocate, because this function runs for
-    /// every node.
+    /// Returns the [`Gap`] of the target: its distance from a usable posture.
+    ///
+    /// `target` is the position of the TCP in the base frame, m. Closed forms do not allocate, because this
+    /// function runs for every node.
     #[inline]
     pub fn visit(
         &self,
@@ -139,9 +142,9 @@ impl Inverse {
         Gap { reach, limits: if reach > 0.0 { 0.0 } else { least } }
     }
 
-    /// Returns whether a branch keeps the joint limits; stops at the first one.
+    /// Returns whether any branch keeps joint limits and attitude; stops at the first such branch.
     ///
-    /// A redundant joint takes its sampled values only, none between them.
+    /// A redundant joint takes only its sampled values, no values between them.
     pub fn reaches(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes, scratch: &mut Posture) -> bool {
         let usable = |posture: &Posture| self.excess(posture, target, attitudes) == 0.0;
         match &self.solver {
@@ -172,7 +175,7 @@ impl Inverse {
         }
     }
 
-    /// Returns the posture of one branch that [`Self::visit`] has found.
+    /// Returns the posture of the branch with index `wanted`, which [`Self::visit`] has found.
     pub fn posture(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes, wanted: u32) -> Option<Posture> {
         let mut found = None;
         let mut keep = |index: u32, posture: &Posture| {
@@ -198,7 +201,7 @@ impl Inverse {
         found
     }
 
-    /// Returns one branch that [`Self::visit`] has found, with its joint coordinates.
+    /// Returns the branch with index `wanted`, which [`Self::visit`] has found, with its joint coordinates.
     pub fn branch_at(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes, wanted: u32) -> Option<Branch> {
         if let ChainSolver::Numeric(_) = &self.solver {
             let Reach::Branches(all) = self.numeric_branches(target, attitudes) else { return None };
@@ -208,12 +211,12 @@ impl Inverse {
         Some(self.branch(wanted, &posture, target, attitudes))
     }
 
-    /// Returns the posture of a branch if it still exists and keeps joint limits and attitude.
+    /// Returns the posture of the branch with index `wanted` if it keeps joint limits and attitude.
     pub fn usable(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes, wanted: u32) -> Option<Posture> {
         self.posture(target, attitudes, wanted).filter(|p| self.excess(p, target, attitudes) == 0.0)
     }
 
-    /// Returns every branch with its joint coordinates, including those outside the limits.
+    /// Returns every branch with its joint coordinates, including branches outside the joint limits.
     pub fn branches(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes) -> Reach {
         let mut all = Vec::new();
         let mut keep =
@@ -258,14 +261,16 @@ impl Inverse {
         Branch { index, joints, posture: *posture, violation, off }
     }
 
-    /// Returns the violation of joint limits and attitude by a posture; 0 if it keeps both.
+    /// Returns the violation of joint limits and attitude by a posture; 0 if the posture keeps both.
     #[inline]
     pub(super) fn excess(&self, posture: &Posture, target: &Vector3<f64>, attitudes: &ToolAttitudes) -> f64 {
         let limits = self.limits.as_ref().map_or(0.0, |limits| limits.excess(posture));
         limits + self.off(posture, target, attitudes)
     }
 
-    /// Returns the attitude error beyond the tolerance, rad, of an arm that cannot choose its attitude.
+    /// Returns the part of the attitude error that exceeds the tolerance, rad.
+    ///
+    /// It is 0 for an arm that can choose the attitude.
     #[inline]
     fn off(&self, posture: &Posture, target: &Vector3<f64>, attitudes: &ToolAttitudes) -> f64 {
         let rolls = match &self.solver {
@@ -279,7 +284,9 @@ impl Inverse {
         attitudes.set.off(&columns, target, rolls)
     }
 
-    /// Solves the geometry without limits; returns the distance (m) of the nearest branch, 0 if one exists.
+    /// Solves the geometry without joint limits, for all attitudes, and calls `found` with every branch.
+    ///
+    /// Returns the distance of the target from the nearest reachable point, m; 0 if a branch exists.
     #[inline]
     fn solve(
         &self,
@@ -300,7 +307,9 @@ impl Inverse {
         }
     }
 
-    /// Solves one attitude of an arm with a closed form for whole poses.
+    /// Solves attitude `k` of an arm that has a closed form for whole poses.
+    ///
+    /// Returns the distance of the target from the nearest reachable point, m.
     #[inline]
     fn solve_one(
         &self,
@@ -317,7 +326,7 @@ impl Inverse {
         })
     }
 
-    /// Returns the last D-H frame in frame 0 with the tool at a target in attitude `k`.
+    /// Returns the pose of the last D-H frame in frame 0 when the tool is at `target` in attitude `k`.
     #[inline]
     pub(super) fn flange(&self, k: usize, target: &Vector3<f64>, attitudes: &ToolAttitudes) -> Pose {
         let rotation = attitudes.set.columns_at(k, target) * self.tool_rows;

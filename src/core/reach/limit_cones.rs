@@ -1,25 +1,29 @@
-//! Joint limits as cones: an actuator is within its range if its unit vector lies in a cone.
+//! Joint limits as cones in the plane of cosine and sine of an actuator coordinate.
+//!
+//! The actuator is within its range if the unit vector (cosine, sine) lies in its cone.
 
 use super::limits::Limits;
 use crate::cell::JointKind;
 
 /// Range of one revolute joint as a cone of unit vectors.
 ///
-/// Angles are unit complex numbers. The actuator of joint i is `a_i = theta_i / a_j^factor`, with one
-/// division for every joint j that drives it. The axis of the cone includes the D-H offsets of all these
-/// joints.
+/// Every angle is written as a complex number of length 1. The coordinate of actuator i is the D-H angle
+/// `theta_i`, divided by `a_j^factor` for every joint j that drives joint i; `a_j` is the coordinate of
+/// actuator j. The axis of the cone includes the D-H offsets of all these joints.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LimitCone {
-    /// Cosine and sine of the middle of the range.
+    /// Cosine and sine of the axis of the cone: the middle of the range plus D-H offsets.
     pub axis: (f64, f64),
     /// Cosine of half the range; -2 if every angle is allowed.
     pub cos_half: f64,
-    /// Joints that drive this one, and their coupling factors.
+    /// Index and coupling factor of every other joint that drives this joint.
     pub factors: Vec<(usize, i32)>,
 }
 
 impl Limits {
-    /// Returns one cone per joint; None if a joint is prismatic or a coupling factor is no whole number.
+    /// Returns one cone per joint.
+    ///
+    /// It is None if a joint is prismatic, or if a coupling factor is not a small whole number.
     pub fn cones(&self) -> Option<Vec<LimitCone>> {
         let whole = self.whole.as_ref()?;
         if self.ranges.iter().any(|r| r.kind == JointKind::Prismatic) {

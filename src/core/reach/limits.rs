@@ -1,40 +1,40 @@
-//! Joint limits with wrap-around, on sines and cosines where the coupling allows it.
+//! Joint limits of angles that repeat after a turn, checked on sines and cosines if the coupling allows it.
 
 use crate::cell::{JointKind, JointVector, MAX_JOINTS};
 use crate::robot::{Chain, Posture};
 use crate::units::wrapped;
 use std::f64::consts::PI;
 
-/// Tolerance of a revolute limit, in the cosine of the angle from the middle of the range.
+/// Tolerance of the limit of a revolute joint, for the cosine of the angle from the middle of the range.
 ///
-/// It keeps rounding from refusing a posture exactly at its limit.
+/// It prevents that rounding refuses a posture exactly at its limit.
 const COSINE_TOLERANCE: f64 = 1e-12;
 
-/// Tolerance of a prismatic limit, m.
+/// Tolerance of the limit of a prismatic joint, m.
 const SLIDE_TOLERANCE: f64 = 1e-9;
 
-/// The joint that exceeds its limit the most, and the excess (rad or m).
+/// Joint that exceeds its limit the most, and the excess `by` (rad or m).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LimitViolation {
     pub joint: usize,
     pub by: f64,
 }
 
-/// Allowed range of one actuator.
+/// Allowed range of the coordinate of one actuator.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ActuatorRange {
     pub kind: JointKind,
-    /// Cosine and sine of the D-H offset theta.
+    /// Cosine and sine of the joint angle theta at coordinate 0.
     pub zero: (f64, f64),
     /// Cosine and sine of the middle of the range.
     middle: (f64, f64),
-    /// Axial offset at coordinate 0, m.
+    /// Axial offset r at coordinate 0, m.
     r: f64,
     /// Middle of the range of the actuator coordinate, rad or m.
     pub centre: f64,
     /// Half width of the range, rad or m.
     half: f64,
-    /// Cosine of the half width of a revolute joint; -2 if every angle is allowed.
+    /// Cosine of the half width of the range of a revolute joint; -2 if every angle is allowed.
     pub cos_half: f64,
 }
 
@@ -43,8 +43,9 @@ pub(super) struct ActuatorRange {
 pub(super) struct Limits {
     pub(super) ranges: Vec<ActuatorRange>,
     coupling: Vec<Vec<f64>>,
-    /// Coupling below the diagonal as (row, column, factor), if every factor is a whole number between
-    /// revolute joints.
+    /// Coupling factors below the diagonal as (row, column, factor).
+    ///
+    /// It is None if a factor is not a small whole number, or couples a prismatic joint.
     pub(super) whole: Option<Vec<(usize, usize, i32)>>,
 }
 
@@ -52,7 +53,8 @@ impl Limits {
     /// Prepares the limits of a chain.
     ///
     /// # Errors
-    /// Fails if a posture alone does not tell whether it keeps the limits. The message says why.
+    /// Fails if the sines and cosines of a posture cannot tell whether it keeps the limits. The message gives
+    /// the reason.
     pub fn new(chain: &Chain) -> Result<Self, String> {
         let turns_more = |j: usize| {
             let link = &chain.links[j];
@@ -81,10 +83,11 @@ impl Limits {
         Ok(Self { ranges: chain.links.iter().map(range).collect(), coupling: chain.coupling.clone(), whole })
     }
 
-    /// Returns how far a posture violates the limits; 0 inside them.
+    /// Returns a measure of how far a posture exceeds its joint limits; 0 within the limits.
     ///
-    /// It is the sum over the joints of the missing cosine (revolute) or metres (prismatic), a measure that
-    /// increases with the distance.
+    /// It is a sum over the joints that exceed a limit. A prismatic joint adds the distance to its limit, m.
+    /// A revolute joint adds the cosine at its limit minus the cosine at the posture. Both angles are
+    /// measured from the middle of the range.
     #[inline]
     pub fn excess(&self, posture: &Posture) -> f64 {
         let Some(whole) = &self.whole else {
@@ -115,7 +118,7 @@ impl Limits {
     /// Returns the actuator coordinates of a posture and the joint that is farthest outside its limits.
     ///
     /// Each coordinate is in the turn nearest to the middle of its range. If [`Self::excess`] is 0, no limit
-    /// is violated, and the joint is the one nearest to its limit.
+    /// is violated, and the returned joint is nearest to its limit.
     pub fn joints(&self, posture: &Posture) -> (JointVector, LimitViolation) {
         let mut q = [0.0; MAX_JOINTS];
         let mut worst = LimitViolation { joint: 0, by: f64::NEG_INFINITY };
@@ -139,7 +142,7 @@ impl Limits {
 }
 
 impl ActuatorRange {
-    /// Returns the violation by an actuator coordinate, in the measure of [`Limits::excess`].
+    /// Returns the amount that an actuator coordinate `q` (rad or m) adds to [`Limits::excess`].
     fn missed(&self, q: f64) -> f64 {
         match self.kind {
             JointKind::Revolute => (self.cos_half - (q - self.centre).cos()).max(0.0),
@@ -170,7 +173,7 @@ fn cos_sin(angle: f64) -> (f64, f64) {
     (angle.cos(), angle.sin())
 }
 
-/// Returns the difference of two angles, `a` minus `b`, as cosine and sine.
+/// Returns the cosine and sine of the difference of two angles, `a` minus `b`.
 fn times_conjugate(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
     (a.0 * b.0 + a.1 * b.1, a.1 * b.0 - a.0 * b.1)
 }

@@ -3,15 +3,15 @@
 //! | file | content |
 //! |---|---|
 //! | `inverse` | [`Inverse`]: the single entry point; every branch of a target, within the limits |
-//! | `solver`, `pose_solver` | the choice of the closed form, tried on the chain before it is trusted |
+//! | `solver`, `pose_solver` | the choice of the closed form, tested on the chain before it is used |
 //! | `closed_form` | one file per family of arms, or per mathematical tool |
 //! | `held_joint`, `redundancy` | redundancy resolution by a sweep of one joint |
 //! | `numeric`, `numeric_branches` | damped least squares for every other chain |
 //! | `attitude_set`, `tool_attitudes`, `attitude_limits`, `fixed_elevation` | attitudes of the tool |
-//! | `limits` | joint limits with wrap-around |
+//! | `limits` | joint limits, also of angles that repeat after a turn |
 //! | `shell` | a bounding shell of the reach, a cheap test before any inverse kinematics |
 //! | `envelope` | sections, volume and extent of the reach |
-//! | `planar_geometry`, `limit_cones` | the planar arm as plain data, for code that solves many targets at once |
+//! | `planar_geometry`, `limit_cones` | the planar arm as plain data, to solve many targets at once |
 
 mod attitude_limits;
 mod attitude_set;

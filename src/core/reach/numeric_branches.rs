@@ -1,4 +1,6 @@
-//! Branches of the numeric solver: each attitude becomes a goal, whose solutions keep the joint limits.
+//! Branches of the numeric solver: each attitude becomes a goal of the TCP.
+//!
+//! All solutions of a goal keep the joint limits.
 
 use super::branch::{Branch, Gap, Reach};
 use super::inverse::Inverse;
@@ -10,7 +12,7 @@ use crate::robot::Posture;
 use nalgebra::{Matrix3, Vector3};
 
 impl Inverse {
-    /// Calls `found` with every branch of the numeric solver; returns the gap if there is none.
+    /// Calls `found` with every branch of the numeric solver; returns the [`Gap`] of the target.
     pub(super) fn visit_numeric(
         &self,
         target: &Vector3<f64>,
@@ -67,7 +69,9 @@ impl Inverse {
         }
     }
 
-    /// Returns the goals of the TCP for all attitudes; the solver chooses free angles itself.
+    /// Returns the goals of the TCP for all attitudes.
+    ///
+    /// A free spin or azimuth is not part of a goal, because the numeric solver chooses it.
     pub(super) fn goals(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes) -> Vec<TcpGoal> {
         let set = &attitudes.set;
         let goal = |attitude| TcpGoal { position: *target, attitude };
@@ -88,7 +92,7 @@ impl Inverse {
 /// Returns whether `a` is nearer to a solution than `b`.
 ///
 /// A missed attitude is nearest, a search that did not converge is next, and a target out of reach is
-/// farthest. Within one class the smaller amount is nearer.
+/// farthest. Within one of these three classes the smaller distance or angle is nearer.
 fn is_nearer(a: &Shortfall, b: &Shortfall) -> bool {
     let key = |missing: &Shortfall| match missing {
         Shortfall::Attitude { by, .. } => (0, *by),

@@ -10,31 +10,31 @@ use crate::pose::Pose;
 /// Geometry and joint limits of a planar arm with four axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlanarGeometry {
-    /// Sign of alpha_1: +1 at +90 degrees, -1 at -90 degrees.
+    /// Sign of the twist alpha_1 of link 1: +1 for +90 degrees, -1 for -90 degrees.
     pub side: f64,
-    /// Height of the shoulder above frame 0, m.
+    /// Height of the shoulder above the origin of D-H frame 0, m.
     pub r1: f64,
-    /// Lengths of the first three links, m.
+    /// Lengths l_1, l_2 and l_3 of the first three links, m.
     pub l: [f64; 3],
     /// Distance of the tool from the vertical plane through the base axis, m.
     pub lateral: f64,
-    /// Joint limits.
+    /// Joint limits of the four axes.
     pub cones: [LimitCone; Self::AXES],
-    /// Motion from the base frame to frame 0; None if they are the same.
+    /// Pose of the base frame in D-H frame 0; None if the frames are the same.
     pub to_zero: Option<Pose>,
 }
 
 impl PlanarGeometry {
-    /// Number of axes.
+    /// Number of axes of the arm.
     pub const AXES: usize = 4;
-    /// Excess over 1 up to which a cosine counts as 1, so that rounding does not lose the stretched arm.
+    /// Excess over 1 up to which a cosine counts as 1: rounding must not make the stretched arm unreachable.
     pub const STRETCHED: f64 = planar::STRETCHED;
 }
 
 impl Inverse {
     /// Returns the geometry of a planar arm with four axes.
     ///
-    /// It is None for other arms, and if the joint limits cannot be checked on sines and cosines.
+    /// It is None for other arms, or if the joint limits cannot be checked on sines and cosines.
     pub fn planar_geometry(&self) -> Option<PlanarGeometry> {
         let ChainSolver::Planar(arm) = &self.solver else { return None };
         let cones = self.limits.as_ref()?.cones()?.try_into().ok()?;
@@ -45,7 +45,7 @@ impl Inverse {
 }
 
 impl ToolAttitudes {
-    /// Returns whether an attitude sets a heading or spin, which must be checked for every posture.
+    /// Returns whether the attitude requires a heading or a spin, which must be checked for every posture.
     pub fn is_judged_by_posture(&self) -> bool {
         self.set.is_checked(false)
     }

@@ -1,4 +1,4 @@
-//! Closed forms that take the pose of the last D-H frame, tried on the chain before they are trusted.
+//! Closed forms that solve for a pose of the last D-H frame, tested on the chain before they are used.
 
 use super::closed_form::scara::Scara;
 use super::closed_form::spherical_wrist::SphericalWrist;
@@ -6,14 +6,13 @@ use super::closed_form::three_parallel::ThreeParallel;
 use crate::pose::Pose;
 use crate::robot::{Chain, Posture};
 
-/// Number of postures on which a closed form is tried.
+/// Number of sampled postures on which a closed form is tested.
 const TRIALS: usize = 16;
 
-/// Largest error of a closed form at these postures, in m for the translation and without unit for the
-/// rotation.
+/// Largest error of a closed form at a sampled posture: of the translation (m) and of the rotation matrix.
 const MAX_ERROR: f64 = 1e-9;
 
-/// Closed-form inverse kinematics of the pose of the last D-H frame.
+/// Closed-form inverse kinematics for a given pose of the last D-H frame.
 #[derive(Debug, Clone)]
 pub(super) enum PoseSolver {
     Scara(Scara),
@@ -40,8 +39,7 @@ impl PoseSolver {
         }
     }
 
-    /// Returns a variant that does not compute the distance to an unreachable target; None if computing it is
-    /// cheap.
+    /// Returns a variant without the distance to an unreachable target; None if the distance is cheap.
     pub fn fast(&self) -> Option<Self> {
         match self {
             Self::SphericalWrist(arm) => arm.fast().map(|arm| Self::SphericalWrist(Box::new(arm))),
@@ -49,9 +47,9 @@ impl PoseSolver {
         }
     }
 
-    /// Calls `found` with every solution for the last D-H frame at `flange` in frame 0.
+    /// Calls `found` with every solution for the pose `flange` of the last D-H frame in frame 0.
     ///
-    /// Returns how far the target is out of reach, m.
+    /// Returns the distance by which the target is out of reach, m.
     #[inline]
     pub fn solve(&self, flange: &Pose, posture: &mut Posture, found: &mut dyn FnMut(u8, &Posture)) -> f64 {
         match self {
@@ -62,7 +60,7 @@ impl PoseSolver {
         }
     }
 
-    /// Returns whether the solver reproduces the flange of sampled postures.
+    /// Returns whether the solver reproduces the pose of the last D-H frame at sampled postures.
     fn is_exact(&self, chain: &Chain) -> bool {
         let mut scratch = chain.zero_posture();
         (0..TRIALS).all(|k| {
@@ -80,7 +78,7 @@ impl PoseSolver {
     }
 }
 
-/// Returns the last D-H frame in frame 0.
+/// Returns the pose of the last D-H frame in frame 0.
 fn flange_of(chain: &Chain, posture: &Posture) -> Pose {
     chain.mount.inverse() * chain.frames(posture).links[chain.axes()]
 }

@@ -1,5 +1,6 @@
-//! Redundancy resolution: a sweep of the held joint over sampled values, refined where the samples may have
-//! missed a posture.
+//! Redundancy resolution: one joint is held at sampled values while the other joints are solved.
+//!
+//! The samples are refined where a posture may lie between them.
 
 use super::branch::Gap;
 use super::held_joint::{HeldJoint, HeldSample};
@@ -8,19 +9,23 @@ use super::tool_attitudes::ToolAttitudes;
 use crate::robot::Posture;
 use nalgebra::Vector3;
 
-/// Number of times that an interval around a local minimum of the gap is refined.
+/// Number of refinements of an interval of the held joint's coordinate.
+///
+/// The interval is around a sample where the target is nearer to a usable posture than at the next samples.
 const REFINEMENTS: usize = 5;
 
-/// Number of values that each refinement tries inside an interval around a local minimum of the gap.
+/// Number of values of the held joint that each refinement tries inside its interval.
 const INNER_VALUES: usize = 11;
 
 /// Largest distance out of reach, m, at which the numeric solver is tried after all samples have failed.
 ///
-/// A range of joint values that reaches the target may be narrower than the distance between samples.
+/// The values of the held joint that reach the target may lie between two neighbouring samples.
 const GRAZING: f64 = 0.01;
 
 impl Inverse {
-    /// Solves all attitudes with the redundant joint at one value; returns the distance out of reach, m.
+    /// Solves all attitudes with the redundant joint held at one value.
+    ///
+    /// Returns the distance by which the target is out of reach, m.
     pub(super) fn solve_held(
         &self,
         sample: &HeldSample<'_>,
@@ -43,9 +48,10 @@ impl Inverse {
         missing
     }
 
-    /// Visits the branches of a redundant arm at the sampled values.
+    /// Calls `found` with the usable branches of a redundant arm; returns the [`Gap`] of the target.
     ///
-    /// If no sample has a usable branch, values between the samples are searched.
+    /// The redundant joint is held at sampled values. If no sample has a usable branch, values between the
+    /// samples are searched.
     pub(super) fn visit_redundant(
         &self,
         joint: &HeldJoint,
@@ -99,7 +105,9 @@ impl Inverse {
         best
     }
 
-    /// Visits the usable branches at one value of the held joint; returns the gap and whether there was one.
+    /// Calls `found` with the usable branches at one value of the held joint.
+    ///
+    /// Returns the [`Gap`] of the target at this value, and whether a usable branch exists.
     fn gap_at(
         &self,
         sample: &HeldSample<'_>,
@@ -120,10 +128,12 @@ impl Inverse {
     }
 }
 
-/// Searches between the samples, around every local minimum of the gap, for a value with a usable posture.
+/// Searches values between the samples of the held joint for a usable posture.
+///
+/// The search is around every sample whose [`Gap`] is not larger than those of its neighbours.
 ///
 /// # Errors
-/// Returns the least gap if there is no such value.
+/// Returns the least gap if no searched value has a usable posture.
 fn search_between<'a>(
     joint: &'a HeldJoint,
     gaps: &[Gap; HeldJoint::SAMPLES],

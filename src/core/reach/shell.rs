@@ -1,21 +1,24 @@
 //! Bounding shell of the reach: a cheap and safe test before any inverse kinematics.
 //!
-//! Every D-H row moves its frame by `r_i` along z_(i-1) and `l_i` along x_i. Joint i + 1 rotates about z_i,
-//! so that `l_i x_i + r_(i+1) z_i` is rigid. The last row with the tool is a rigid vector v, too. The TCP is
-//! a fixed point of the first axis plus vectors of these lengths in any direction. The distance of the TCP
-//! from that point is at most the sum of the lengths. It is at least the longest length minus the others
-//! (polygon inequality). Joint limits and attitude only reduce the reach. A fixed elevation e of the tool
-//! axis a makes the vertical part `(v . a) sin(e)` of v known, which shifts the centre.
+//! Row i of the D-H table moves its frame by the offset `r_i` along z_(i-1) and the length `l_i` along x_i.
+//! Joint i + 1 rotates about z_i, so the vector `l_i x_i + r_(i+1) z_i` has a constant length. The vector v
+//! of the last row and the tool has a constant length, too. The position of the TCP is a fixed point of the
+//! first axis plus the sum of these vectors. Their directions are taken as arbitrary. The distance of the
+//! TCP from that point is at most the sum of the lengths. It is at least the longest length minus the sum
+//! of the others (polygon inequality). Joint limits and attitude only reduce the reach.
+//!
+//! If the tool axis, a unit vector a, has a fixed elevation e, the vertical part of v along a is known:
+//! `(v . a) sin(e)`. This part shifts the centre of the shell.
 
 use super::Inverse;
 use crate::cell::{Attitude, JointKind};
 use crate::robot::{Chain, Link};
 use nalgebra::Vector3;
 
-/// Margin, m, above the tolerances of every inverse kinematics.
+/// Length, m, by which the shell is enlarged; it exceeds the tolerance of every inverse kinematics.
 const MARGIN: f64 = 1e-6;
 
-/// Spherical shell that contains every reachable TCP, base frame, m.
+/// Spherical shell that contains every reachable TCP position, base frame, m.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shell {
     pub centre: Vector3<f64>,
@@ -26,15 +29,15 @@ pub struct Shell {
 impl Shell {
     /// Returns a lower bound of the distance, m, between a set of points and the reachable points.
     ///
-    /// The points of the set are at distances from `near` to `far` (m) from the centre of the shell. The
-    /// bound is 0 if some of them may be reachable.
+    /// The distance of every point of the set from the centre of the shell is between `near` and `far` (m).
+    /// The bound is 0 if a point of the set may be reachable.
     pub fn gap(&self, near: f64, far: f64) -> f64 {
         (near - self.outer).max(self.inner - far).max(0.0)
     }
 }
 
 impl Inverse {
-    /// Returns the shell outside which the arm cannot hold its TCP in an attitude.
+    /// Returns a shell that contains every position where the arm can hold its TCP in an attitude.
     pub fn shell(&self, attitude: &Attitude) -> Shell {
         let chain = &self.chain;
         let known = self.fixed_elevation.or((attitude.tolerance == 0.0).then_some(attitude.elevation));
@@ -60,13 +63,13 @@ impl Inverse {
     }
 }
 
-/// Range of the length of a vector: from `rigid - travel` to `rigid + travel`, m.
+/// Range of the length of a vector, m: from `rigid - travel` to `rigid + travel`.
 struct LengthRange {
     rigid: f64,
     travel: f64,
 }
 
-/// Returns the axial offset of a row in the middle of its travel, and half the travel, m.
+/// Returns the axial offset of D-H row `i` in the middle of its travel, and half the travel, m.
 fn offset(chain: &Chain, i: usize) -> (f64, f64) {
     let link = &chain.links[i];
     let (mut middle, mut half) = (link.r, 0.0);
@@ -79,8 +82,10 @@ fn offset(chain: &Chain, i: usize) -> (f64, f64) {
     (middle, half)
 }
 
-/// Returns the known vertical part, m, of the vector from the last but one frame to the TCP, and the
-/// length of the rest.
+/// Returns the known vertical part (m) of the vector of the last D-H row and the tool.
+///
+/// It is known if `elevation` (rad) is the elevation of the tool axis, and 0 otherwise. The second value is
+/// the length of the rest of the vector.
 fn tip(chain: &Chain, elevation: Option<f64>) -> (f64, LengthRange) {
     let row = chain.links.last().map_or_else(Vector3::zeros, |link| along_last(chain, link));
     let v = row + chain.tool.translation;
@@ -96,10 +101,10 @@ fn tip(chain: &Chain, elevation: Option<f64>) -> (f64, LengthRange) {
     (0.0, LengthRange { rigid: whole, travel: 0.0 })
 }
 
-/// Returns common normal and offset of the last row in the last frame, where z_(n-1) is `(0, sin alpha, cos
-/// alpha)`.
+/// Returns the vector of the last D-H row, its common normal and its axial offset, in the last frame, m.
 ///
-/// The offset of a first or prismatic row is 0 here, because [`offset`] returns it.
+/// The axial offset is along the joint axis, which is `(0, sin alpha, cos alpha)` in that frame. For a
+/// prismatic joint or a chain of one joint the offset is left out, because [`offset`] returns it.
 fn along_last(chain: &Chain, link: &Link) -> Vector3<f64> {
     let r = if link.kind == JointKind::Revolute && chain.axes() > 1 { link.r } else { 0.0 };
     Vector3::new(link.l, r * link.sin_alpha, r * link.cos_alpha)

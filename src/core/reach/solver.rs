@@ -1,4 +1,4 @@
-//! Choice of the solver for a chain: the closed form of its family, or the numeric one.
+//! Choice of the inverse kinematics for a chain: the closed form of its family, or the numeric solver.
 
 use super::closed_form::planar::PlanarArm;
 use super::held_joint::HeldJoint;
@@ -6,14 +6,14 @@ use super::numeric::Numeric;
 use super::pose_solver::PoseSolver;
 use crate::robot::Chain;
 
-/// Solver of one chain.
+/// Inverse kinematics of one chain.
 #[derive(Debug, Clone)]
 pub(super) enum ChainSolver {
-    /// Arm in a vertical plane, solved for a point and an elevation.
+    /// Arm whose links move in a vertical plane, solved for a point and an elevation of the tool.
     Planar(PlanarArm),
-    /// Closed form for a whole pose.
+    /// Closed form for a whole pose of the last D-H frame.
     Pose(PoseSolver),
-    /// Redundant arm: one joint held, the rest in closed form.
+    /// Redundant arm: one joint is held, a closed form solves the other joints.
     Redundant(Box<HeldJoint>),
     /// Iterative solver for any other chain.
     Numeric(Box<Numeric>),
@@ -22,8 +22,8 @@ pub(super) enum ChainSolver {
 impl ChainSolver {
     /// Returns the solver of a chain.
     ///
-    /// `limits_by_posture` says that a posture alone tells whether it keeps the joint limits. The closed
-    /// forms need this.
+    /// `limits_by_posture` says whether joint limits can be checked on the sines and cosines of a posture. If
+    /// it is false, only the numeric solver can be used.
     pub fn new(chain: &Chain, limits_by_posture: bool) -> Self {
         if limits_by_posture {
             if let Ok(arm) = PlanarArm::new(chain) {

@@ -2,25 +2,27 @@
 
 use super::attitude_set::AttitudeSet;
 
-/// One way to hold the tool in the vertical plane of a planar arm: one value of phi, the angle of the last
-/// parallel link.
+/// One way to hold the tool in the vertical plane of a planar arm: one value of the angle phi.
+///
+/// This is the angle of the last link that moves in the plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlanarAttitude {
     pub cos_phi: f64,
     pub sin_phi: f64,
-    /// Horizontal part of the vector from the wrist to the TCP, in the plane of the arm, m. `v` is the part
-    /// perpendicular to it in that plane.
+    /// Horizontal part of the vector from the wrist to the TCP in the plane of the arm, m.
+    ///
+    /// The field `v` is the part perpendicular to it in the same plane, m.
     pub u: f64,
     pub v: f64,
-    /// Cosine of the elevation; negative if the tool points backwards, opposite to the heading theta_1.
+    /// Cosine of the tool's elevation; negative if the tool points backwards, against the heading of the arm.
     pub(in crate::reach) cos_elevation: f64,
-    /// Sine of the elevation.
+    /// Sine of the tool's elevation.
     pub(in crate::reach) sin_elevation: f64,
 }
 
 /// Tool attitudes of an operation over one surface, prepared for one arm.
 ///
-/// The memory is reused from layout to layout.
+/// A search reuses one instance for all layouts, so it allocates no memory per layout.
 #[derive(Debug, Clone, Default)]
 pub struct ToolAttitudes {
     pub(super) set: AttitudeSet,

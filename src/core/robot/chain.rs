@@ -5,7 +5,7 @@ use crate::low_discrepancy::halton;
 use crate::pose::{Pose, exact_sin_cos};
 use nalgebra::{Matrix3, Vector3};
 
-/// One Denavit-Hartenberg row, with sines and cosines precomputed for the node loop.
+/// One row of the Denavit-Hartenberg table, with the sine and cosine of its twist precomputed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Link {
     pub kind: JointKind,
@@ -15,9 +15,9 @@ pub struct Link {
     pub r: f64,
     /// Length l of the common normal, m.
     pub l: f64,
-    /// Twist alpha, rad.
+    /// Twist angle alpha, rad, from the joint axis before the link to the one after it.
     pub alpha: f64,
-    /// Cosine of alpha, exact at multiples of a right angle so that parallel axes stay parallel.
+    /// Cosine of alpha. It is exact at multiples of a right angle, so parallel axes stay parallel.
     pub cos_alpha: f64,
     /// Sine of alpha, exact at multiples of a right angle.
     pub sin_alpha: f64,
@@ -26,13 +26,15 @@ pub struct Link {
 }
 
 impl Link {
-    /// Returns the link transform of eq. (1), given the cosine and sine of theta, and r (m).
+    /// Returns the link transform of eq. (1) of the seed paper for the cosine and sine of theta, and r (m).
     pub fn pose(&self, cos: f64, sin: f64, r: f64) -> Pose {
         step(&Pose::identity(), self, cos, sin, r)
     }
 }
 
-/// One configuration of the chain: the cosine and sine of each theta, and each r (m).
+/// One configuration of the chain: cosine, sine and axial offset `r` (m) of every D-H row.
+///
+/// The cosine and sine are those of the joint angle theta of the row.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Posture {
     pub cos: [f64; MAX_JOINTS],
@@ -40,12 +42,14 @@ pub struct Posture {
     pub r: [f64; MAX_JOINTS],
 }
 
-/// Frames of a chain at one posture, in the robot base.
+/// Frames of a chain at one posture, in the base frame of the robot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Frames {
-    /// Frame 0 is the mount of the chain, frame k follows `A_k`; unused entries are the identity.
+    /// D-H frames: entry 0 is the mount of the chain, entry k the frame after link k.
+    ///
+    /// Unused entries are the identity.
     pub links: [Pose; MAX_JOINTS + 1],
-    /// Tool centre point (TCP).
+    /// Frame of the tool centre point (TCP).
     pub tcp: Pose,
 }
 
@@ -58,12 +62,12 @@ impl Default for Frames {
 /// A serial chain with joint coupling and tool.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chain {
-    /// Pose of D-H frame 0 in the robot base.
+    /// Pose of D-H frame 0 in the base frame of the robot.
     pub mount: Pose,
     pub links: Vec<Link>,
-    /// Pose of joint frame k in D-H frame k, before row k.
+    /// Pose of every joint frame in the D-H frame before its row, fixed to the link before the joint.
     pub joint_frames: Vec<Pose>,
-    /// Matrix that maps actuator to D-H coordinates: lower triangular with a unit diagonal.
+    /// Matrix that maps actuator coordinates to D-H coordinates: lower triangular with a unit diagonal.
     pub coupling: Vec<Vec<f64>>,
     /// Pose of the TCP in the mechanical interface.
     pub tool: Pose,
@@ -74,7 +78,7 @@ pub struct Chain {
 }
 
 impl Chain {
-    /// Returns the chain of a robot, with the joint limits of its file.
+    /// Returns the chain of a robot, with the joint limits of the robot file.
     pub fn new(robot: &Robot) -> Self {
         let links = robot.joints.iter().map(|j| {
             let (sin_alpha, cos_alpha) = exact_sin_cos(j.alpha);
@@ -126,7 +130,7 @@ impl Chain {
         self.posture(&[0.0; MAX_JOINTS])
     }
 
-    /// Returns sample `k` of the box of joint limits: point k + 1 of the Halton sequence.
+    /// Returns point `k` + 1 of the Halton sequence, scaled to the joint ranges (rad or m).
     pub fn halton_sample(&self, k: usize) -> JointVector {
         let mut q = [0.0; MAX_JOINTS];
         for ((q, link), share) in q.iter_mut().zip(&self.links).zip(halton(k as u64 + 1)) {
@@ -142,7 +146,7 @@ impl Chain {
         frames
     }
 
-    /// Writes every frame of the chain at a posture, without a new allocation of [`Frames`].
+    /// Writes every frame of the chain at a posture into the existing `frames`.
     #[inline]
     pub fn place(&self, posture: &Posture, frames: &mut Frames) {
         let mut t = self.mount;
@@ -157,13 +161,15 @@ impl Chain {
         };
     }
 
-    /// Returns the pose of the TCP in the robot base: eq. (2) with the tool.
+    /// Returns the pose of the TCP in the base frame of the robot: mount, eq. (2) of the seed paper and tool.
     pub fn forward(&self, posture: &Posture) -> Pose {
         self.frames(posture).tcp
     }
 }
 
-/// Returns `T A` for one link; skips the products with the zeros of `A`.
+/// Returns the frame after a link, `T A`, where `T` is the frame `t` before it and `A` the link transform.
+///
+/// Products with the zeros of `A` are skipped.
 #[inline]
 fn step(t: &Pose, link: &Link, c: f64, s: f64, r: f64) -> Pose {
     let (x, y, z) = (t.rotation.column(0), t.rotation.column(1), t.rotation.column(2));

@@ -1,6 +1,6 @@
 //! Working envelope: the points at which an arm can hold its tool in an attitude, within its joint limits.
 //!
-//! A point belongs to the envelope if [`Inverse::reaches`] returns true. Collisions are not considered. All
+//! A point belongs to the envelope if [`Inverse::reaches`] returns true for it. Collisions are ignored. All
 //! points are in the base frame of the robot, m.
 
 mod outline;
@@ -17,23 +17,23 @@ use crate::robot::Posture;
 use nalgebra::Vector3;
 use outline::Lattice;
 
-/// Distance from the base axis, m, below which a point has no azimuth.
+/// Distance from the base axis, m, below which the azimuth of a point is taken as 0.
 const ON_AXIS: f64 = 1e-3;
 
-/// Resolution of an envelope.
+/// Resolution at which an envelope is sampled.
 #[derive(Clone, Copy)]
 pub struct Fineness<'a> {
-    /// Distance between sampled points, m; narrower parts may be missed.
+    /// Distance between sampled points, m; parts of the envelope narrower than this may be missed.
     pub step: f64,
-    /// Largest error of a crossing of the boundary, m.
+    /// Largest error of the points on the boundary of the envelope, m.
     pub tolerance: f64,
-    /// Progress: called from any thread with the number of points sampled since the last call.
+    /// Function called from any thread with the number of points sampled since the last call.
     ///
-    /// [`Envelope::work`] is their total.
+    /// The sum of these numbers is [`Envelope::work`].
     pub on_progress: &'a (dyn Fn(u64) + Sync),
 }
 
-/// Working envelope of one arm in one attitude of its tool.
+/// Working envelope of one arm for one attitude of its tool.
 pub struct Envelope<'a> {
     inverse: &'a Inverse,
     attitude: Attitude,
@@ -42,18 +42,20 @@ pub struct Envelope<'a> {
 }
 
 impl<'a> Envelope<'a> {
-    /// Prepares an envelope. `yaw` (rad) is the rotation of the surface from which azimuths are measured.
+    /// Prepares an envelope.
+    ///
+    /// `yaw` (rad) is the rotation, in the base frame, of the surface from which azimuths are measured.
     pub fn new(inverse: &'a Inverse, attitude: &Attitude, yaw: f64) -> Self {
         let attitudes = inverse.tool_attitudes(attitude, yaw);
         Self { inverse, attitude: attitude.clone(), attitudes, shell: inverse.shell(attitude) }
     }
 
-    /// Returns whether the TCP can be at a point (m, base frame) in the attitude.
+    /// Returns whether the TCP can be at a point (m, base frame) with the attitude of the envelope.
     pub fn contains(&self, target: &Vector3<f64>) -> bool {
         self.inverse.reaches(target, &self.attitudes, &mut self.inverse.scratch())
     }
 
-    /// Returns a posture with the TCP at a point (m, base frame), if there is one.
+    /// Returns a posture whose TCP is at a point (m, base frame); None if the envelope has none there.
     pub fn posture(&self, target: &Vector3<f64>) -> Option<Posture> {
         let mut first = None;
         let mut scratch = self.inverse.scratch();
@@ -63,7 +65,7 @@ impl<'a> Envelope<'a> {
         first
     }
 
-    /// Returns the azimuth (rad) of the TCP with every joint in the middle of its range.
+    /// Returns the azimuth (rad) of the TCP when every joint is in the middle of its range.
     pub fn middle(&self) -> f64 {
         let chain = &self.inverse.chain;
         let mut q = [0.0; MAX_JOINTS];
@@ -73,9 +75,10 @@ impl<'a> Envelope<'a> {
         if turning && tcp.x.hypot(tcp.y) > ON_AXIS { tcp.y.atan2(tcp.x) } else { 0.0 }
     }
 
-    /// Returns the section by a vertical plane through the base axis at an azimuth (rad).
+    /// Returns the section of the envelope by a vertical plane through the base axis at an azimuth (rad).
     ///
-    /// The points of the outline are (r, z); r < 0 lies on the side of the axis opposite to the azimuth.
+    /// The points of the outline are (r, z): distance from the base axis and height, m. Points with r < 0 lie
+    /// on the side of the axis opposite to the azimuth.
     pub fn section(&self, azimuth: f64, fine: &Fineness<'_>) -> EnvelopeSection {
         let (sin, cos) = exact_sin_cos(azimuth);
         self.upright(azimuth, fine.step).region(fine.tolerance, fine.on_progress, |[r, z]| {
@@ -83,13 +86,16 @@ impl<'a> Envelope<'a> {
         })
     }
 
-    /// Returns the section by a horizontal plane at a height (m), with points (x, y).
+    /// Returns the section of the envelope by a horizontal plane at a height (m); its points are (x, y), m.
     pub fn plan(&self, height: f64, fine: &Fineness<'_>) -> EnvelopeSection {
         let at = |[x, y]: [f64; 2]| self.contains(&Vector3::new(x, y, height));
         self.level(height, fine.step).region(fine.tolerance, fine.on_progress, at)
     }
 
-    /// Returns the number of points that sections, plans at these heights and [`Self::size`] sample.
+    /// Returns the number of points that must be sampled.
+    ///
+    /// They are those of `sections` vertical sections, of plans at these heights and, if `size` is true, of
+    /// [`Self::size`].
     pub fn work(&self, sections: u64, heights: &[f64], size: bool, step: f64) -> u64 {
         let plans: u64 = heights.iter().map(|z| self.level(*z, step).count()).sum();
         let size = if size { self.size_work(step) } else { 0 };
@@ -108,12 +114,11 @@ impl<'a> Envelope<'a> {
         Lattice::round([centre.x, centre.y], (outer * outer - away * away).sqrt(), step)
     }
 
-    /// Returns whether the envelope is exactly symmetric about the base axis, apart from the limits of its
-    /// first joint.
+    /// Returns whether the envelope would be exactly symmetric about the base axis without limits of joint 1.
     ///
-    /// This holds if the first axis is the base axis and drives no other joint, and if the attitude rotates
-    /// with it. An arm that samples a free angle from a fixed direction is symmetric only if joint 1 makes
-    /// whole turns and the tool is vertical.
+    /// Joint 1 must rotate about the base axis and drive no other joint, and the required attitude must
+    /// rotate with joint 1. Some solvers sample a free angle from a fixed direction. Then the envelope is
+    /// symmetric only if joint 1 makes whole turns and the tool is vertical.
     pub fn is_symmetric(&self) -> bool {
         let chain = &self.inverse.chain;
         let Some(first) = chain.links.first() else { return false };
@@ -124,7 +129,7 @@ impl<'a> Envelope<'a> {
         upright && central && alone && turns && self.attitude_turns()
     }
 
-    /// Returns whether the attitude rotates with joint 1.
+    /// Returns whether the required attitude rotates with joint 1.
     fn attitude_turns(&self) -> bool {
         use crate::cell::{Azimuth, Spin};
         let (attitude, solver) = (&self.attitude, &self.inverse.solver);

@@ -1,7 +1,8 @@
-//! Outline of a region in a plane by marching squares, every crossing refined by bisection.
+//! Outline of a region in a plane by marching squares.
 //!
 //! The method is that of W. E. Lorensen, H. E. Cline, "Marching cubes", 1987, reduced to two dimensions. A
-//! function says whether a point lies in the region.
+//! function says whether a point lies in the region. A crossing is a point where an edge of the lattice
+//! meets the outline; it is located by bisection.
 
 use rayon::prelude::*;
 
@@ -11,28 +12,31 @@ pub struct EnvelopeSection {
     pub outlines: Vec<Outline>,
 }
 
-/// Closed polygon; the last point is joined to the first.
+/// Closed polygon, whose last point is joined to the first.
 ///
-/// The region lies to its left: an outer boundary runs anticlockwise, the boundary of a hole clockwise.
+/// The region lies to the left of the polygon: an outer boundary runs anticlockwise, the boundary of a hole
+/// clockwise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outline {
     pub points: Vec<[f64; 2]>,
 }
 
-/// Lattice of points half a step off the axes, so that none lies on the base axis.
+/// Square lattice of points in a plane; no point lies on the base axis.
+///
+/// For this the coordinates are whole steps plus half a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Lattice {
-    /// Indices of the first column and row, in steps from the origin.
+    /// Number of the first column and the first row, counted in steps from the origin.
     first: [i64; 2],
     size: [usize; 2],
     step: f64,
 }
 
-/// Mark of an edge without a crossing.
+/// Value that marks an edge of the lattice which does not cross the outline.
 const NO_CROSSING: u32 = u32::MAX;
 
 impl EnvelopeSection {
-    /// Returns the area without the holes, m^2.
+    /// Returns the area of the section, m^2; holes do not count.
     pub fn area(&self) -> f64 {
         self.outlines.iter().map(Outline::area).sum()
     }
@@ -42,7 +46,7 @@ impl EnvelopeSection {
         self.outlines.is_empty()
     }
 
-    /// Returns the corners of all outlines.
+    /// Returns the vertices of all outlines.
     pub fn points(&self) -> impl Iterator<Item = [f64; 2]> {
         self.outlines.iter().flat_map(|o| o.points.iter().copied())
     }
@@ -62,25 +66,24 @@ impl Outline {
 }
 
 impl Lattice {
-    /// Returns a lattice over a disc of `radius` (m) about `centre`, with a border of points outside the
-    /// disc.
+    /// Returns a lattice that covers a disc of `radius` (m) about `centre` and has a border outside the disc.
     pub fn round(centre: [f64; 2], radius: f64, step: f64) -> Self {
         let first = centre.map(|c| ((c - radius) / step).floor() as i64 - 1);
         let last = centre.map(|c| ((c + radius) / step).ceil() as i64 + 1);
         Self { first, size: [0, 1].map(|k| (last[k] - first[k]).max(2) as usize), step }
     }
 
-    /// Returns the number of points.
+    /// Returns the number of points of the lattice.
     pub fn count(&self) -> u64 {
         (self.size[0] * self.size[1]) as u64
     }
 
-    /// Returns the coordinate of column (axis 0) or row (axis 1) `k`.
+    /// Returns x of column `k` (axis 0) or y of row `k` (axis 1), m.
     fn coordinate(&self, axis: usize, k: usize) -> f64 {
         (self.first[axis] as f64 + k as f64 + 0.5) * self.step
     }
 
-    /// Returns the coordinates of all columns (axis 0) or rows (axis 1).
+    /// Returns x of all columns (axis 0) or y of all rows (axis 1), m.
     pub fn line(&self, axis: usize) -> Vec<f64> {
         (0..self.size[axis]).map(|k| self.coordinate(axis, k)).collect()
     }
@@ -89,10 +92,10 @@ impl Lattice {
         [self.coordinate(0, node % self.size[0]), self.coordinate(1, node / self.size[0])]
     }
 
-    /// Returns the region where `inside` holds; parts narrower than a step may be missed.
+    /// Returns the region in which `inside` returns true; parts narrower than a step may be missed.
     ///
-    /// A crossing is off by at most `tolerance` (m). `row_done` is called after every row
-    /// with the number of its points.
+    /// The error of a vertex of the outline is at most `tolerance` (m). `row_done` is called after every row
+    /// of the lattice with the number of points in the row.
     pub fn region(
         &self,
         tolerance: f64,
@@ -127,7 +130,7 @@ impl Lattice {
         EnvelopeSection { outlines: walked(&crossings, next) }
     }
 
-    /// Returns, for every crossing, the next one along the outline.
+    /// Returns, for every crossing of the outline with an edge, the next crossing along the outline.
     fn linked(
         &self,
         held: &[bool],
@@ -160,7 +163,7 @@ impl Lattice {
     }
 }
 
-/// Returns the point between `yes` and `no` where `inside` changes, by bisection.
+/// Returns the point between `yes` and `no` where `inside` changes, found by bisection.
 fn bisected(
     mut yes: [f64; 2],
     mut no: [f64; 2],
@@ -175,7 +178,7 @@ fn bisected(
     middle(yes, no)
 }
 
-/// Returns the closed polygons along `next`.
+/// Returns the closed polygons that result from following `next` from crossing to crossing.
 fn walked(crossings: &[[f64; 2]], mut next: Vec<u32>) -> Vec<Outline> {
     let mut outlines = Vec::new();
     for start in 0..next.len() {

@@ -7,19 +7,21 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 
-/// Change from point to point (rad, or between 0 and 1) above which the integrand has a jump.
+/// Change between neighbouring points above which the integrand counts as discontinuous.
+///
+/// The integrand is an angle in rad, or 1 at reachable points and 0 at other points.
 const JUMP: f64 = 0.05;
 
 /// Volume and extent of an envelope.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Size {
-    /// Volume, m^3.
+    /// Volume of the envelope, m^3.
     pub volume: f64,
-    /// Estimate of the error, m^3: the difference from the volume at twice the step.
+    /// Estimated error of the volume, m^3: its difference from the volume computed with twice the step.
     pub error: f64,
-    /// Whether the integration used the symmetry about the base axis.
+    /// Whether the integration used the symmetry of the envelope about the base axis.
     pub symmetric: bool,
-    /// Extent; None if no point is reachable.
+    /// Extent of the envelope; None if no point is reachable.
     pub extent: Option<EnvelopeExtent>,
 }
 
@@ -28,11 +30,11 @@ pub struct Size {
 pub struct EnvelopeExtent {
     /// Least and greatest distance from the base axis.
     pub radius: (f64, f64),
-    /// Least and greatest height.
+    /// Least and greatest height of the envelope.
     pub height: (f64, f64),
     /// Height at which the distance from the base axis is greatest.
     pub widest: f64,
-    /// Accuracy of all lengths of the extent.
+    /// Largest error of all lengths of the extent, m: the distance between sampled points.
     pub within: f64,
 }
 
@@ -54,17 +56,17 @@ pub(super) fn turns_whole(inverse: &Inverse) -> bool {
     inverse.chain.links.first().is_some_and(|link| link.limits.1 - link.limits.0 >= TAU)
 }
 
-/// Arm with joint 1 free to turn, and the true limits of joint 1.
+/// Arm whose joint 1 may turn freely, and the actual limits of joint 1 (rad).
 struct FreedArm {
     inverse: Inverse,
     limits: (f64, f64),
 }
 
 impl Envelope<'_> {
-    /// Returns volume and extent, integrated line by line with jumps located by bisection.
+    /// Returns volume and extent, integrated along lines; discontinuities are located by bisection.
     ///
-    /// A [symmetric](Self::is_symmetric) envelope is integrated over (r, z) times the reachable angle, any
-    /// other over (x, y, z).
+    /// If the envelope is [symmetric](Self::is_symmetric), the reachable angle about the base axis is
+    /// integrated over radius and height (r, z). Any other envelope is integrated over (x, y, z).
     pub fn size(&self, fine: &Fineness<'_>) -> Size {
         if self.is_symmetric() { self.turned_size(fine) } else { self.counted_size(fine) }
     }
@@ -114,7 +116,9 @@ impl Envelope<'_> {
         Size { volume, error: (volume - coarse).abs(), symmetric: true, extent }
     }
 
-    /// Returns the angle (rad) about the base axis over which a point at azimuth 0 stays reachable.
+    /// Returns the angle (rad) about the base axis in which a point at this radius and height is reachable.
+    ///
+    /// `opened` is the arm without limits of joint 1; None if joint 1 makes whole turns.
     fn angle(&self, opened: Option<&FreedArm>, target: &Vector3<f64>) -> f64 {
         let Some(opened) = opened else { return if self.contains(target) { TAU } else { 0.0 } };
         let Reach::Branches(branches) = opened.inverse.branches(target, &self.attitudes) else { return 0.0 };
@@ -143,7 +147,7 @@ impl Envelope<'_> {
         Size { volume, error: (volume - coarse).abs(), symmetric: false, extent }
     }
 
-    /// Returns the area at a height, and the (radius, height) of the reachable lattice points there.
+    /// Returns the area (m^2) of the envelope at height `z`, and (radius, height) of its lattice points.
     fn layer(&self, z: f64, step: f64, tolerance: f64) -> (f64, Vec<(f64, f64)>) {
         let lattice = self.level(z, step);
         let (xs, ys) = (lattice.line(0), lattice.line(1));
@@ -164,27 +168,28 @@ impl Envelope<'_> {
     }
 }
 
-/// Returns the least change between neighbouring sample lines that counts as a jump of the integrand.
+/// Returns the least change from one sample line to the next that counts as a jump of the integrand.
 ///
-/// The integrand jumps where the boundary is parallel to the lines, but not at a rounded end.
+/// The integrand jumps where the boundary of the envelope is parallel to the lines. It does not jump at a
+/// rounded end of the envelope.
 fn jump_between_lines(values: &[f64]) -> f64 {
     0.2 * values.iter().copied().fold(f64::MIN_POSITIVE, f64::max)
 }
 
-/// Samples of an integrand along a line, and how its jumps are located.
+/// Samples of an integrand along a line, and the parameters for locating its jumps.
 struct Samples<'a> {
     /// Coordinates of the samples, m.
     line: &'a [f64],
     values: &'a [f64],
-    /// Accuracy of the place of a jump, m.
+    /// Largest error of the position of a jump, m.
     tolerance: f64,
-    /// Change between two samples that counts as a jump.
+    /// Least change between two neighbouring samples that counts as a jump.
     jump: f64,
 }
 
-/// Returns the integral of sampled values times the derivative of `moment`.
+/// Returns the integral of the sampled function times the derivative of `moment`.
 ///
-/// `value` evaluates the integrand between samples to locate a jump.
+/// `value` evaluates the function between the samples to locate a jump.
 fn integral(
     Samples { line, values, tolerance, jump }: Samples<'_>,
     value: impl Fn(f64) -> f64,
@@ -214,7 +219,9 @@ impl FreedArm {
     }
 }
 
-/// Returns how much of a circle these arcs cover, rad; an arc runs from its first to its second angle.
+/// Returns the angle (rad) of a circle that these arcs cover together.
+///
+/// An arc runs from its first to its second angle (rad).
 fn covered(mut arcs: Vec<(f64, f64)>) -> f64 {
     for arc in &mut arcs {
         let turns = (arc.0 / TAU).floor() * TAU;

@@ -1,36 +1,36 @@
-//! The set of distinct solutions found so far.
+//! The set of distinct solutions that the numeric solver has found so far.
 
 use super::joint_ranges::JointRanges;
 use crate::cell::JointVector;
 
-/// Number of consecutive starts without a new solution that ends the search.
+/// Number of consecutive start postures without a new solution after which the search ends.
 const MAX_IDLE_STARTS: usize = 256;
-/// Largest number of reported solutions: a chain of six joints has up to 16.
+/// Largest number of reported solutions: a chain of six revolute joints has up to 16.
 const MAX_SOLUTIONS: usize = 16;
-/// Largest number of collected points of a continuum, from which the reported ones are chosen.
+/// Largest number of solutions collected from a continuum; the reported solutions are chosen from them.
 const MAX_COLLECTED: usize = 64;
-/// Difference below which two solutions are the same, rad (m for a prismatic joint).
+/// Largest joint difference of two solutions that count as the same, rad (m for a prismatic joint).
 const SAME_SOLUTION: f64 = 1e-4;
-/// Least difference of two collected points of a continuum, rad (m for a prismatic joint).
+/// Least joint difference of two solutions collected from a continuum, rad (m for a prismatic joint).
 const CONTINUUM_SPACING: f64 = 0.1;
 
-/// Distinct solutions so far.
+/// Set of the distinct solutions found so far.
 pub(super) struct DistinctSolutions<'a> {
     pub found: Vec<JointVector>,
     joints: &'a JointRanges,
     apart: f64,
-    /// Number of starts since the last new solution.
+    /// Number of start postures tried since the last new solution.
     idle: usize,
 }
 
 impl<'a> DistinctSolutions<'a> {
-    /// Returns an empty set for a goal with this number of task rows.
+    /// Returns an empty set for a goal with this number of scalar conditions (`rows`).
     pub fn new(joints: &'a JointRanges, rows: usize) -> Self {
         let apart = if rows < joints.ranges().len() { CONTINUUM_SPACING } else { SAME_SOLUTION };
         Self { found: Vec::new(), joints, apart, idle: 0 }
     }
 
-    /// Adds the result of one start.
+    /// Adds the result of one start posture, if it is a new solution.
     pub fn take(&mut self, q: Option<JointVector>) {
         self.idle += 1;
         if let Some(q) = q.filter(|q| self.found.iter().all(|other| self.joints.apart(other, q) > self.apart))
@@ -40,14 +40,14 @@ impl<'a> DistinctSolutions<'a> {
         }
     }
 
-    /// Returns whether more starts are unlikely to find more solutions, or enough have been found.
+    /// Returns whether enough solutions have been found, or more start postures are unlikely to find others.
     pub fn is_done(&self) -> bool {
         self.found.len() >= MAX_COLLECTED || !self.found.is_empty() && self.idle >= MAX_IDLE_STARTS
     }
 
     /// Writes the solutions, sorted by their coordinates, to `out`.
     ///
-    /// If there are more than [`MAX_SOLUTIONS`], those farthest apart are chosen.
+    /// If there are more than [`MAX_SOLUTIONS`], solutions that are far from each other are chosen.
     pub fn into_sorted(self, out: &mut Vec<JointVector>) {
         let distance = |q: &JointVector, chosen: &[JointVector]| {
             chosen.iter().map(|other| self.joints.apart(other, q)).fold(f64::INFINITY, f64::min)

@@ -1,4 +1,4 @@
-//! Fast descent from one start to the goal, abandoned as soon as it stalls.
+//! Fast descent from one start posture to the goal, abandoned as soon as it stalls.
 
 use super::Numeric;
 use super::goal::TcpGoal;
@@ -9,26 +9,31 @@ use crate::robot::Frames;
 
 /// Largest number of steps of one descent.
 const MAX_STEPS: usize = 40;
-/// Number of steps within which the cost must fall by [`MIN_GAIN`].
+/// Number of steps within which the cost must fall by the factor [`MIN_GAIN`].
 const PATIENCE: usize = 6;
-/// Least factor by which the cost must fall.
+/// Least factor by which the cost must fall in [`PATIENCE`] steps.
 const MIN_GAIN: f64 = 2.0;
-/// Largest step of a joint, rad.
+/// Largest step of a joint, rad; for a prismatic joint, in lengths of the chain.
 const MAX_STRIDE: f64 = 1.0;
-/// Damping per unit of cost.
+/// Damping divided by the cost.
 const DAMPING: f64 = 0.1;
-/// Least damping. It is small because the descent needs the large steps of a nearly singular posture.
+/// Least damping of a chain that is not redundant.
+///
+/// It is small because the descent needs the large steps of a nearly singular posture.
 const MIN_DAMPING: f64 = 1e-15;
-/// Damping of a Hessian that is singular to rounding, and of every redundant chain.
+/// Damping added if the Hessian is singular up to rounding, and for every redundant chain.
 const SINGULAR_DAMPING: f64 = 1e-12;
-/// Strength of the pull of a redundant chain towards the middle of its ranges, per unit of damping.
+/// Factor of the term that pulls a redundant chain towards the middle of its joint ranges.
+///
+/// It is multiplied by the damping and by the cost.
 const PULL: f64 = 0.1;
 
 impl Numeric {
-    /// Solves by damped Gauss-Newton steps within the limits; None if the descent stalls.
+    /// Solves for a goal by damped Gauss-Newton steps within the limits; None if the descent stalls.
     ///
-    /// The damping is proportional to the cost `|e|^2 / 2`. It needs neither trial steps nor rejections and
-    /// leaves the convergence quadratic (T. Sugihara 2011, doi:10.1109/TRO.2011.2148230).
+    /// The damping is proportional to the cost `|e|^2 / 2`, where e is the twist from the TCP to the goal. No
+    /// step is tried and rejected, and the convergence stays quadratic (T. Sugihara 2011,
+    /// doi:10.1109/TRO.2011.2148230).
     pub(super) fn descend_fast(
         &self,
         goal: &TcpGoal,

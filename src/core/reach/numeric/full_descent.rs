@@ -1,4 +1,4 @@
-//! Full descent from one start to a local minimum of the cost, whether the goal is reached or not.
+//! Full descent from one start posture to a local minimum of the cost, even if the goal is out of reach.
 
 use super::Numeric;
 use super::goal::{AttitudeGoal, TcpGoal, TwistError};
@@ -8,37 +8,42 @@ use super::step::{NormalMatrix, bounded_step, holds_too_much};
 use crate::cell::JointVector;
 use crate::robot::Frames;
 
-/// Largest number of steps.
+/// Largest number of steps of one descent.
 const MAX_STEPS: usize = 100;
-/// Largest step of a joint, rad.
+/// Largest step of a joint, rad; for a prismatic joint, in lengths of the chain.
 const MAX_STRIDE: f64 = 0.7;
-/// First damping, as a share of the largest diagonal entry of H.
+/// Damping of the first step, as a share of the largest diagonal entry of the Hessian.
 const FIRST_DAMPING: f64 = 1e-3;
 /// Factor applied to the damping after a step that lowers the cost.
 const DAMPING_DECREASE: f64 = 0.2;
 /// Factor applied to the damping after a step that does not lower the cost.
 const DAMPING_INCREASE: f64 = 5.0;
-/// Damping, as a share of the largest diagonal entry of H, at which no joint moves any more.
+/// Largest damping, at which no joint moves any more.
+///
+/// It is a multiple of the largest diagonal entry of the Hessian.
 const MAX_DAMPING: f64 = 1e10;
-/// Least damping.
+/// Least damping after a step that lowers the cost.
 const MIN_DAMPING: f64 = 1e-15;
-/// Largest number of quadratic programs of one descent: each takes as long as a hundred steps.
+/// Largest number of quadratic programs of one descent; each of them takes as long as a hundred steps.
 const MAX_PROGRAMS: usize = 4;
-/// Share of the cost below which the gain of a step ends the descent.
+/// Least share of the cost that a step must remove; a smaller gain ends the descent.
 const MIN_GAIN: f64 = 1e-13;
 
-/// End of a descent.
+/// Posture and state in which a descent ends.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RestingPoint {
     pub q: JointVector,
     pub miss: TwistError,
-    /// Joint whose limit restricts the descent the most.
+    /// Joint whose limit restricts the descent the most; None if no limit does.
     pub joint: Option<usize>,
     /// Whether the descent converged; false if the steps ran out.
     pub still: bool,
 }
 
-/// Linearization of a goal: the cost `|e|^2 / 2` and the model `d^T H d / 2 - b . d` of its change.
+/// Quadratic model of the cost at a posture.
+///
+/// The cost is `|e|^2 / 2` for the twist e to the goal. A step d of the joints changes it by about
+/// `d^T H d / 2 - b . d`, where H is the Hessian and -b the gradient.
 struct Linearization {
     miss: TwistError,
     cost: f64,
@@ -46,25 +51,25 @@ struct Linearization {
     b: JointVector,
 }
 
-/// State of a descent.
+/// State of a descent between two steps.
 struct Descent<'a> {
     solver: &'a Numeric,
     goal: &'a TcpGoal,
-    /// Weight of lengths, 1/m.
+    /// Factor of lengths in the cost, 1/m.
     scale: f64,
     frames: &'a mut Frames,
     damping: f64,
-    /// Number of quadratic programs that may still be solved.
+    /// Number of quadratic programs that this descent may still solve.
     programs: usize,
 }
 
 impl Numeric {
-    /// Minimizes the cost by the Levenberg-Marquardt method within the limits; `scale` (1/m) multiplies
-    /// lengths.
+    /// Minimizes the cost by the Levenberg-Marquardt method within the limits.
     ///
-    /// Every accepted step lowers the cost. If a trial step does not, and holds a joint at a bound that it
-    /// should leave, the quadratic program is solved instead. A goal without attitude uses the exact Hessian,
-    /// so that the convergence is quadratic even if the goal is out of reach.
+    /// The factor `scale` (1/m) multiplies lengths in the cost. Every accepted step lowers the cost. A trial
+    /// step may fail to do so while it holds a joint at a bound that the joint should leave. Then the
+    /// quadratic program is solved instead. A goal without attitude uses the exact Hessian, so the
+    /// convergence is quadratic even if the goal is out of reach.
     pub(super) fn descend_to_rest(
         &self,
         goal: &TcpGoal,
@@ -94,7 +99,7 @@ impl Numeric {
 }
 
 impl Descent<'_> {
-    /// Returns the linearization of the goal at q.
+    /// Returns the quadratic model of the cost at the joint coordinates `q`.
     fn local(&mut self, q: &JointVector) -> Linearization {
         let chain = &self.solver.chain;
         chain.place(&chain.posture(q), self.frames);
@@ -107,7 +112,9 @@ impl Descent<'_> {
         Linearization { miss, cost: miss.cost(self.scale), h, b }
     }
 
-    /// Returns a step that lowers the cost, damped as much as necessary; None if there is none.
+    /// Returns the joint coordinates and the model after a step that lowers the cost; None if no step does.
+    ///
+    /// The damping is increased until the step lowers the cost.
     fn downhill(&mut self, q: &JointVector, here: &Linearization) -> Option<(JointVector, Linearization)> {
         let (n, joints, length) = (self.solver.chain.axes(), &self.solver.joints, 1.0 / self.solver.scale);
         let bounds = joints.bounds(q, MAX_STRIDE, length);
@@ -142,7 +149,7 @@ impl Descent<'_> {
 }
 
 impl Linearization {
-    /// Returns the largest diagonal entry of H.
+    /// Returns the largest diagonal entry of the Hessian.
     fn stiffness(&self) -> f64 {
         self.h.iter().enumerate().map(|(i, row)| row[i].abs()).fold(0.0, f64::max)
     }

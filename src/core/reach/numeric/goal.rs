@@ -1,21 +1,21 @@
-//! Goals of the TCP, and the twist from a pose to its goal.
+//! Goals of the TCP, and the twist from a pose of the TCP to its goal.
 
 use crate::pose::Pose;
 use nalgebra::{Matrix3, Vector3, vector};
 
-/// Largest error of a solution, m and rad: half of the documented accuracy.
+/// Largest error of a solution, m and rad: half of the documented accuracy of 1e-9.
 const REACHED: f64 = 5e-10;
 
-/// Angle from the vertical, rad, below which a tool axis has no azimuth.
+/// Angle from the vertical, rad, below which a tool axis counts as vertical.
 const VERTICAL: f64 = 1e-9;
 
-/// Largest deviation of a given rotation from an orthogonal matrix with determinant 1.
+/// Largest entry of `R R^T - 1` for which a given matrix R counts as a rotation.
 const ORTHOGONAL_TOLERANCE: f64 = 1e-6;
 
 /// Goal of the TCP, in the base frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TcpGoal {
-    /// Position, m.
+    /// Required position of the TCP, m.
     pub position: Vector3<f64>,
     pub attitude: AttitudeGoal,
 }
@@ -23,20 +23,21 @@ pub struct TcpGoal {
 /// Goal of the tool's attitude.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum AttitudeGoal {
-    /// Any attitude.
+    /// Any attitude of the tool.
     Any,
     /// Elevation (rad) of the tool axis above the horizontal xy plane of the base.
     Elevation(f64),
     /// Unit vector along the tool axis; the rotation about it is free.
     Axis(Vector3<f64>),
-    /// Orientation of the TCP.
+    /// Orientation of the TCP in the base frame.
     Rotation(Matrix3<f64>),
 }
 
 impl TcpGoal {
-    /// Returns the goal in a form that can be solved: a vertical elevation becomes an axis.
+    /// Returns the goal in a form that can be solved; None if it is not valid.
     ///
-    /// It is None if a number is not finite, the axis is zero or the matrix is not a rotation.
+    /// The elevation of a vertical tool becomes an axis. The goal is not valid if a number is not finite, the
+    /// axis is zero or the matrix is not a rotation.
     pub(super) fn checked(&self) -> Option<Self> {
         let attitude = match self.attitude {
             AttitudeGoal::Any => AttitudeGoal::Any,
@@ -58,7 +59,7 @@ impl TcpGoal {
         finite(&self.position).then_some(Self { attitude, ..*self })
     }
 
-    /// Returns the number of task rows: conditions on position and attitude together.
+    /// Returns the number of scalar conditions on position and attitude together.
     pub(super) fn rows(&self) -> usize {
         match self.attitude {
             AttitudeGoal::Any => 3,
@@ -68,7 +69,7 @@ impl TcpGoal {
         }
     }
 
-    /// Returns the twist from the TCP to the goal, base frame.
+    /// Returns the twist from the pose `tcp` to the goal, base frame; `tool_axis` is in the frame of the TCP.
     #[inline]
     pub(super) fn miss(&self, tcp: &Pose, tool_axis: &Vector3<f64>) -> TwistError {
         let position = self.position - tcp.translation;
@@ -93,7 +94,9 @@ impl TcpGoal {
         TwistError { position, rotation, seen }
     }
 
-    /// Returns a cheap measure of the distance for ranking, with lengths multiplied by `scale` (1/m).
+    /// Returns a measure of the distance from the pose `tcp` to the goal, cheap to compute, for ranking.
+    ///
+    /// Lengths are multiplied by `scale` (1/m).
     #[inline]
     pub(super) fn far(&self, tcp: &Pose, tool_axis: &Vector3<f64>, scale: f64) -> f64 {
         let position = (self.position - tcp.translation).norm_squared() * scale * scale;
@@ -114,18 +117,18 @@ impl TcpGoal {
 /// Rotations of the TCP (base frame) that a goal constrains.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum ConstrainedRotation {
-    /// No rotation.
+    /// The goal constrains no rotation.
     Nothing,
-    /// Rotations about this unit vector.
+    /// Rotations about this unit vector alone.
     Along(Vector3<f64>),
-    /// Rotations that move this unit vector.
+    /// Rotations that change the direction of this unit vector.
     Across(Vector3<f64>),
-    /// All rotations.
+    /// The goal constrains all rotations.
     All,
 }
 
 impl ConstrainedRotation {
-    /// Returns the constrained part of a rotation vector.
+    /// Returns the part of a rotation vector that the goal constrains.
     #[inline]
     pub fn of(&self, turn: &Vector3<f64>) -> Vector3<f64> {
         match self {
@@ -140,15 +143,15 @@ impl ConstrainedRotation {
 /// Twist from the TCP to the goal, base frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct TwistError {
-    /// Translation, m.
+    /// Translation from the TCP to the position of the goal, m.
     pub position: Vector3<f64>,
-    /// Rotation vector, rad.
+    /// Rotation vector from the orientation of the TCP to that of the goal, rad.
     pub rotation: Vector3<f64>,
     pub seen: ConstrainedRotation,
 }
 
 impl TwistError {
-    /// Returns the cost `|e|^2 / 2`, with lengths multiplied by `scale` (1/m).
+    /// Returns the cost `|e|^2 / 2` of this twist e, with lengths multiplied by `scale` (1/m).
     pub fn cost(&self, scale: f64) -> f64 {
         (self.position.norm_squared() * scale * scale + self.rotation.norm_squared()) / 2.0
     }
@@ -163,7 +166,7 @@ fn finite(v: &Vector3<f64>) -> bool {
     v.iter().all(|x| x.is_finite())
 }
 
-/// Returns the shortest rotation of one unit vector to another as a rotation vector (rad).
+/// Returns the rotation by the least angle that turns one unit vector to another, as a rotation vector (rad).
 pub fn least_turn(from: &Vector3<f64>, to: &Vector3<f64>) -> Vector3<f64> {
     let (cross, cosine) = (from.cross(to), from.dot(to));
     let sine = cross.norm();
@@ -178,7 +181,7 @@ pub fn least_turn(from: &Vector3<f64>, to: &Vector3<f64>) -> Vector3<f64> {
     from.cross(&other).normalize() * std::f64::consts::PI
 }
 
-/// Returns the logarithm of a rotation matrix: the rotation vector of length at most pi.
+/// Returns the rotation vector (rad) of a rotation matrix, its logarithm; the length is at most pi.
 pub fn rotation_vector(m: &Matrix3<f64>) -> Vector3<f64> {
     let v = vector![m.m32 - m.m23, m.m13 - m.m31, m.m21 - m.m12] / 2.0;
     let (sine, cosine) = (v.norm(), (m.trace() - 1.0) / 2.0);

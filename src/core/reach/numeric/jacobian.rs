@@ -1,4 +1,4 @@
-//! The geometric Jacobian and the normal equations of a goal.
+//! The geometric Jacobian of a chain and the normal equations of a goal.
 
 use super::goal::TwistError;
 use super::step::NormalMatrix;
@@ -9,9 +9,10 @@ use nalgebra::Vector3;
 
 /// Returns the geometric Jacobian: column j is the motion of the TCP per unit of actuator j, base frame.
 ///
-/// A rotation about z_i gives `z_i x (p - o_i)` and `z_i`, a translation `z_i` and 0. The column of an
-/// actuator is the sum of the columns of the D-H coordinates that it drives, times the coupling factors.
-/// Columns beyond the chain are 0.
+/// Let z_i be the axis of joint i, o_i a point on it and p the position of the TCP. A revolute joint moves
+/// the TCP by `z_i x (p - o_i)` and rotates it by `z_i`; a prismatic joint moves it by `z_i`. The column of
+/// an actuator is the sum of these motions for all joints that it drives, times the coupling factors. Columns
+/// beyond the number of joints are 0.
 pub fn jacobian(chain: &Chain, frames: &Frames) -> [Displacement; MAX_JOINTS] {
     let mut columns = uncoupled(chain, frames);
     // The coupling is lower triangular: the columns after j are still those of the D-H coordinates.
@@ -23,7 +24,7 @@ pub fn jacobian(chain: &Chain, frames: &Frames) -> [Displacement; MAX_JOINTS] {
     columns
 }
 
-/// Returns the Jacobian by the D-H coordinates.
+/// Returns the geometric Jacobian by the D-H coordinates, without the joint coupling.
 fn uncoupled(chain: &Chain, frames: &Frames) -> [Displacement; MAX_JOINTS] {
     let mut columns = [Displacement::NONE; MAX_JOINTS];
     let tcp = frames.tcp.translation;
@@ -39,7 +40,9 @@ fn uncoupled(chain: &Chain, frames: &Frames) -> [Displacement; MAX_JOINTS] {
     columns
 }
 
-/// Returns `J^T J` and `J^T e` for the twist e to the goal, with lengths multiplied by `scale` (1/m).
+/// Returns `J^T J` and `J^T e` for the Jacobian J and the twist e to the goal.
+///
+/// Lengths are multiplied by `scale` (1/m). Rotations that the goal does not constrain are left out.
 pub(super) fn normal_equations(
     n: usize,
     columns: &[Displacement; MAX_JOINTS],
@@ -61,10 +64,13 @@ pub(super) fn normal_equations(
     (matrix, right)
 }
 
-/// Adds the second-order part of the Hessian of `|e|^2 / 2` for the position, `-e . d2p / dq_i dq_j`.
+/// Adds the second-order part of the Hessian of the position cost `|e|^2 / 2` to `matrix`.
 ///
-/// Here `d2p / dq_i dq_j = w_i x J_j` for i <= j (lower triangle), and `scale` (1/m) multiplies lengths. With
-/// this part Newton's method converges quadratically even if the goal is out of reach.
+/// Let e be the vector from the TCP position p to the goal and q_i the joint coordinates. The part is
+/// `-e . d2p / dq_i dq_j`. For i <= j the derivative is `w_i x J_j`. Here w_i is the rotation of the TCP per
+/// unit of joint i, and J_j its translation per unit of joint j. Only the lower triangle is set, and `scale`
+/// (1/m) multiplies lengths. Including this part, Newton's method converges quadratically even if the goal
+/// is out of reach.
 pub(super) fn add_curvature(
     chain: &Chain,
     frames: &Frames,

@@ -6,19 +6,18 @@ use crate::robot::Chain;
 use crate::units::wrapped;
 use std::f64::consts::{PI, TAU};
 
-/// Range of one actuator, rad or m.
+/// Range of the coordinate of one actuator, rad or m.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct JointRange {
     pub lo: f64,
     pub hi: f64,
-    /// Whether the range is a whole turn or more and a whole turn changes no frame. Such a joint has no
-    /// limits.
+    /// Whether the joint has no limits: its range is at least one turn, and a whole turn changes no frame.
     pub turns: bool,
     pub kind: JointKind,
 }
 
 impl JointRange {
-    /// Returns the middle of the range.
+    /// Returns the middle of the range, rad or m.
     pub fn middle(&self) -> f64 {
         self.lo + (self.hi - self.lo) / 2.0
     }
@@ -28,13 +27,13 @@ impl JointRange {
         if self.turns { (self.middle() - PI, self.middle() + PI) } else { (self.lo, self.hi) }
     }
 
-    /// Returns the equivalent coordinate inside the limits, in the turn nearest to the middle.
+    /// Returns the equivalent of the coordinate `q` within the limits, in the turn nearest to the middle.
     pub fn kept(&self, q: f64) -> f64 {
         let q = if self.turns { self.middle() + wrapped(q - self.middle()) } else { q };
         q.clamp(self.lo, self.hi)
     }
 
-    /// Returns the difference of two coordinates, reduced by whole turns if [`Self::turns`] is set.
+    /// Returns the absolute difference of two coordinates; whole turns are removed if [`Self::turns`] is set.
     pub fn apart(&self, a: f64, b: f64) -> f64 {
         if self.turns { wrapped(a - b).abs() } else { (a - b).abs() }
     }
@@ -67,9 +66,9 @@ impl JointRanges {
         &self.0
     }
 
-    /// Returns the bounds of a step from q by the limits and by `most` (rad).
+    /// Returns the bounds of a step from the joint coordinates `q`: the limits and the largest step.
     ///
-    /// A prismatic joint may move by `most` times `length` (m).
+    /// A revolute joint may move by `most` (rad), a prismatic joint by `most` times `length` (m).
     pub fn bounds(&self, q: &JointVector, most: f64, length: f64) -> StepBounds {
         let mut bounds = [(0.0, 0.0); MAX_JOINTS];
         for ((bound, range), q) in bounds.iter_mut().zip(&self.0).zip(q) {
@@ -80,7 +79,7 @@ impl JointRanges {
         bounds
     }
 
-    /// Returns `q` moved by a step, clamped to the limits because rounding may exceed them.
+    /// Returns `q` moved by a step; the result is clamped, because rounding may move it beyond a limit.
     #[inline]
     pub fn moved(&self, q: &JointVector, step: &JointVector) -> JointVector {
         let mut moved = *q;
@@ -90,8 +89,9 @@ impl JointRanges {
         moved
     }
 
-    /// Adds the damping to the diagonal. A prismatic travel of `1 / scale`, the chain's length, counts as 1
-    /// rad.
+    /// Adds the damping to the diagonal of the matrix `h`.
+    ///
+    /// For a prismatic joint, a travel of `1 / scale` (the length of the chain, m) has the weight of 1 rad.
     #[inline]
     pub fn damp(&self, h: &mut NormalMatrix, damping: f64, scale: f64) {
         for (i, range) in self.0.iter().enumerate() {
@@ -99,7 +99,9 @@ impl JointRanges {
         }
     }
 
-    /// Adds to `b` a pull of every joint with limits to the middle of its range, scaled as in [`Self::damp`].
+    /// Adds a term to `b` for every joint that has limits, which pulls it towards the middle of its range.
+    ///
+    /// Prismatic joints are scaled as in [`Self::damp`].
     pub fn pull(&self, b: &mut JointVector, q: &JointVector, strength: f64, scale: f64) {
         for (i, range) in self.0.iter().enumerate().filter(|(_, range)| !range.turns) {
             let strength =
@@ -108,7 +110,7 @@ impl JointRanges {
         }
     }
 
-    /// Returns the joint at its limit that the descent direction `b` pushes outward the most.
+    /// Returns the joint at its limit which the descent direction `b` pushes outward the most.
     pub fn held(&self, q: &JointVector, b: &JointVector) -> Option<usize> {
         let push = |i: usize| {
             let (range, b) = (&self.0[i], b[i]);
@@ -122,14 +124,14 @@ impl JointRanges {
         held.max_by(|&i, &j| push(i).total_cmp(&push(j)))
     }
 
-    /// Returns the equivalent joint vector inside the limits; see [`JointRange::kept`].
+    /// Returns the equivalent of the joint coordinates `q` within the limits; see [`JointRange::kept`].
     pub fn kept(&self, q: &JointVector) -> JointVector {
         let mut kept = *q;
         kept.iter_mut().zip(&self.0).for_each(|(q, range)| *q = range.kept(*q));
         kept
     }
 
-    /// Returns the largest difference of a coordinate; see [`JointRange::apart`].
+    /// Returns the largest difference of two postures in one coordinate; see [`JointRange::apart`].
     pub fn apart(&self, a: &JointVector, b: &JointVector) -> f64 {
         let each = self.0.iter().zip(a.iter().zip(b));
         each.map(|(range, (a, b))| range.apart(*a, *b)).fold(0.0, f64::max)

@@ -1,13 +1,14 @@
-//! Numeric inverse kinematics for every serial chain without a closed form: damped least squares.
+//! Numeric inverse kinematics by damped least squares, for every serial chain without a closed form.
 //!
 //! The chains have 3 to 8 revolute or prismatic joints, coupled or not, with limits.
 //!
 //! Damped Gauss-Newton steps within the limits reduce the twist from the TCP to the goal (`fast_descent`).
-//! They start from a fixed set of postures, the nearest to the goal first (`starts`). A descent that stalls
-//! is abandoned after a few steps, because another start is cheaper. If all descents fail, a few full
-//! descents follow (`full_descent`), which go on as long as the cost falls. They solve a quadratic program
-//! where limits are active (`quadratic_program`). They also explain why there is no solution (`shortfall`).
-//! The result depends neither on chance nor on an earlier call.
+//! They start from a fixed set of postures; the one whose TCP is nearest to the goal comes first (`starts`).
+//! A descent that stalls is abandoned after a few steps, because another start is cheaper. If all descents
+//! fail, a few full descents follow (`full_descent`), which go on as long as the cost falls. The cost is half
+//! the squared length of the twist. Where joint limits are active, full descents solve a quadratic program
+//! (`quadratic_program`). They also explain why there is no solution (`shortfall`). The result depends
+//! neither on chance nor on an earlier call.
 
 mod distinct;
 mod fast_descent;
@@ -30,7 +31,7 @@ use distinct::DistinctSolutions;
 use joint_ranges::JointRanges;
 use starts::Starts;
 
-/// Number of full descents after all fast ones have failed.
+/// Number of full descents that follow when all fast descents have failed.
 const FULL_DESCENTS: usize = 12;
 
 /// Numeric solver of one chain.
@@ -38,13 +39,13 @@ const FULL_DESCENTS: usize = 12;
 pub struct Numeric {
     chain: Chain,
     joints: JointRanges,
-    /// One over the length of the chain, 1/m: a rotation of 1 rad weighs as much as that length.
+    /// Factor of lengths in the cost, 1/m: an error of the length of the chain counts as much as 1 rad.
     scale: f64,
     starts: Starts,
 }
 
 impl Numeric {
-    /// Prepares the solver of a chain.
+    /// Prepares the numeric solver of a chain.
     pub fn new(chain: &Chain) -> Self {
         let joints = JointRanges::new(chain);
         let searched: Vec<_> = joints.ranges().iter().map(|range| range.searched()).collect();
@@ -53,9 +54,9 @@ impl Numeric {
         Self { chain: chain.clone(), scale, starts: Starts::new(chain, &searched), joints }
     }
 
-    /// Returns one solution inside the limits: the first that the starts lead to.
+    /// Returns one solution within the limits: the first that a start posture leads to.
     ///
-    /// It is one of the solutions that [`Self::all`] collects, and is None only if there are none.
+    /// It is one of the solutions that [`Self::all`] collects, and None only if `all` collects none.
     pub fn one(&self, goal: &TcpGoal) -> Option<JointVector> {
         let goal = goal.checked().filter(|goal| self.spans(goal))?;
         let mut frames = Frames::default();
@@ -67,10 +68,10 @@ impl Numeric {
         })
     }
 
-    /// Writes the distinct solutions inside the limits to `out`, sorted; returns why there are none.
+    /// Writes the distinct solutions within the limits to `out`, sorted; returns why there are none.
     ///
-    /// A joint whose range spans several turns is given in the turn nearest to the middle. A redundant chain
-    /// has a continuum of solutions; then `out` holds some points spread over it.
+    /// A coordinate whose range spans several turns is in the turn nearest to the middle of the range. A
+    /// redundant chain has a continuum of solutions; then `out` holds solutions spread over it.
     pub fn all(&self, goal: &TcpGoal, out: &mut Vec<JointVector>) -> Shortfall {
         out.clear();
         let Some(goal) = goal.checked() else {
@@ -96,7 +97,7 @@ impl Numeric {
         if out.is_empty() { self.missing(&goal, &mut frames) } else { Shortfall::None }
     }
 
-    /// Returns the solution that the descent from `start` leads to.
+    /// Returns the solution that a descent from `start` leads to; None if it leads to no solution.
     pub fn from(&self, goal: &TcpGoal, start: &JointVector) -> Option<JointVector> {
         let goal = goal.checked().filter(|goal| self.spans(goal))?;
         let mut frames = Frames::default();
@@ -107,7 +108,7 @@ impl Numeric {
         })
     }
 
-    /// Solves by full descents, for a goal that every fast descent has missed.
+    /// Solves by full descents for a goal that every fast descent has missed.
     fn solve_fully(&self, goal: &TcpGoal, frames: &mut Frames) -> Option<JointVector> {
         let mut starts = self.starts.ranked(goal, self.scale).take(FULL_DESCENTS);
         starts.find_map(|start| {
@@ -116,13 +117,13 @@ impl Numeric {
         })
     }
 
-    /// Returns whether the chain is long enough for the goal.
+    /// Returns whether the chain is long enough to reach the position of the goal.
     fn spans(&self, goal: &TcpGoal) -> bool {
         goal.position.norm() * self.scale <= 1.0 + 1e-9
     }
 }
 
-/// Returns an upper bound of the distance of the TCP from the base, m.
+/// Returns an upper bound of the distance of the TCP from the origin of the base frame, m.
 fn reach(chain: &Chain) -> f64 {
     let links = chain.links.iter().enumerate().map(|(i, link)| {
         let farthest = |j: usize| chain.links[j].limits.0.abs().max(chain.links[j].limits.1.abs());

@@ -1,14 +1,14 @@
-//! The bounded step as a quadratic program, solved exactly by clarabel.
+//! The bounded step of the joints as a quadratic program, solved by the library clarabel.
 
 use super::step::{NormalMatrix, StepBounds};
 use crate::cell::{JointVector, MAX_JOINTS};
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus};
 
-/// Returns the minimizer of `d^T H d / 2 - b . d` within `bounds`; H is given by its lower triangle.
+/// Returns the step d that minimizes `d^T H d / 2 - b . d` within `bounds`; None if the solver fails.
 ///
-/// It takes a hundred times as long as [`super::step::bounded_step`]. Unlike there, a joint may leave its
-/// bound again.
+/// The matrix H is given by its lower triangle `h`. This solution takes a hundred times as long as
+/// [`super::step::bounded_step`]. That function may hold a joint at a bound that the minimizer leaves.
 pub(super) fn exact_step(
     n: usize,
     h: &NormalMatrix,

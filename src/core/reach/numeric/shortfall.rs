@@ -5,44 +5,47 @@ use super::full_descent::RestingPoint;
 use super::goal::{AttitudeGoal, TcpGoal};
 use crate::robot::Frames;
 
-/// Number of descents that minimize the distance.
+/// Number of descents that minimize the distance of the TCP from the position of the goal.
 const POSITION_STARTS: usize = 12;
-/// Number of descents that minimize the angle.
+/// Number of descents that minimize the orientation error at the position of the goal.
 const ATTITUDE_STARTS: usize = 16;
-/// Weight of the position when the angle is minimized, so that the position is met first.
+/// Factor of the position error when the orientation error is minimized.
+///
+/// It is large, so a descent reaches the position of the goal before it reduces the orientation error.
 const POSITION_WEIGHT: f64 = 1e4;
-/// Least distance or angle, m or rad, that counts as the reason for a missing solution.
+/// Least position error (m) or orientation error (rad) that counts as the reason for a missing solution.
 const MIN_SHORTFALL: f64 = 1e-6;
-/// Number of chain lengths beyond which only the direction of a goal counts.
+/// Distance of a goal from the base, in lengths of the chain, beyond which only its direction is used.
 const MAX_CHAIN_LENGTHS: f64 = 1e6;
 
-/// Reason why there is no solution.
+/// Reason why the numeric solver has no solution for a goal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Shortfall {
-    /// There is a solution.
+    /// There is at least one solution.
     None,
-    /// The TCP comes no nearer to the goal than this distance (m) within the limits, in any attitude.
+    /// The TCP comes no nearer to the goal than `by` (m) within the limits, in any attitude.
     OutOfReach { by: f64 },
-    /// The position is reached, but the attitude misses by this angle (rad), the least that was found.
+    /// The position is reached, but not the attitude; `by` is the least orientation error found (rad).
     ///
     /// `joint` is the joint whose limit restricts the attitude the most; None if no limit does.
     Attitude { by: f64, joint: Option<usize> },
-    /// The search found neither a solution nor a reason; the least distance (m) and its angle (rad) remain.
+    /// The search found neither a solution nor a reason why there is none.
     ///
-    /// Both are infinite if the goal is not finite or its matrix is not a rotation.
+    /// `position` (m) and `angle` (rad) are the errors of the best attempt. Both are infinite if the goal is
+    /// not valid, or if no attempt came near its position.
     NotConverged { position: f64, angle: f64 },
 }
 
 impl Numeric {
-    /// Returns how far a checked goal is out of reach in any attitude, m.
+    /// Returns the distance, m, by which a checked goal is out of reach in any attitude.
     ///
-    /// It is None if the goal is within reach or the search cannot tell.
+    /// It is None if the goal is within reach, or if the search cannot tell.
     pub(super) fn out_of_reach(&self, goal: &TcpGoal, frames: &mut Frames) -> Option<f64> {
         let (by, still) = self.least_distance(&TcpGoal { attitude: AttitudeGoal::Any, ..*goal }, frames);
         (by > MIN_SHORTFALL && still).then_some(by)
     }
 
-    /// Returns the reason why a checked goal within reach has no solution.
+    /// Returns the reason why a checked goal has no solution although its position is within reach.
     pub(super) fn missing(&self, goal: &TcpGoal, frames: &mut Frames) -> Shortfall {
         let starts = self.starts.ranked(goal, self.scale).take(ATTITUDE_STARTS);
         let rests =
@@ -60,7 +63,7 @@ impl Numeric {
         }
     }
 
-    /// Returns the least distance of the TCP from a position, m, and whether the descent to it converged.
+    /// Returns the least distance found between the TCP and the goal, m, and whether its descent converged.
     fn least_distance(&self, goal: &TcpGoal, frames: &mut Frames) -> (f64, bool) {
         // Scaled before the norm, so that squares of huge numbers stay finite.
         let size = goal.position.amax();

@@ -10,14 +10,14 @@ use nalgebra::Vector3;
 /// Number of start postures.
 pub(super) const STARTS: usize = 384;
 
-/// Start posture with the pose of its TCP.
+/// Joint coordinates of a start posture, and the pose of its TCP.
 #[derive(Debug, Clone, PartialEq)]
 struct Start {
     q: JointVector,
     tcp: Pose,
 }
 
-/// Start postures of a chain.
+/// All start postures of a chain.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Starts {
     all: Vec<Start>,
@@ -25,7 +25,9 @@ pub(super) struct Starts {
 }
 
 impl Starts {
-    /// Spreads the R_d sequence over `ranges`; the first posture is in their middle.
+    /// Returns start postures at the points of the low-discrepancy sequence R_d, scaled to `ranges`.
+    ///
+    /// The first posture is in the middle of all ranges.
     pub fn new(chain: &Chain, ranges: &[(f64, f64)]) -> Self {
         let sequence = RobertsSequence::new(ranges.len());
         let mut frames = Frames::default();
@@ -40,7 +42,9 @@ impl Starts {
         Self { all: all.collect(), tool_axis: chain.tool_axis }
     }
 
-    /// Returns the starts in ascending order of their distance to the goal; `scale` (1/m) multiplies lengths.
+    /// Returns the start postures in ascending order of the distance of their TCP to the goal.
+    ///
+    /// The factor `scale` (1/m) multiplies lengths in this distance.
     pub fn ranked(&self, goal: &TcpGoal, scale: f64) -> Ranked<'_> {
         let mut far = [0.0; STARTS];
         for (far, start) in far.iter_mut().zip(&self.all) {
@@ -50,7 +54,7 @@ impl Starts {
     }
 }
 
-/// Iterator that finds the next start on demand, since most goals need one or two.
+/// Iterator over the start postures; each is found on demand, because most goals need one or two.
 pub(super) struct Ranked<'a> {
     starts: &'a Starts,
     far: [f64; STARTS],

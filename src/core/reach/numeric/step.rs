@@ -1,4 +1,6 @@
-//! Bounded step: an approximate minimizer of `d^T H d / 2 - b . d` within bounds, on stack arrays.
+//! Bounded step of the joints: a step d that approximately minimizes `d^T H d / 2 - b . d` within bounds.
+//!
+//! Here H is the Hessian of the cost and -b its gradient. All arrays are on the stack.
 
 use crate::cell::{JointVector, MAX_JOINTS};
 
@@ -8,9 +10,10 @@ pub(super) type NormalMatrix = [[f64; MAX_JOINTS]; MAX_JOINTS];
 /// Least and greatest step of each joint, rad or m.
 pub(super) type StepBounds = [(f64, f64); MAX_JOINTS];
 
-/// Returns a step within `bounds` by an active set that only grows; None if H is not positive definite.
+/// Returns a step d within `bounds` that approximately minimizes `d^T H d / 2 - b . d`.
 ///
-/// Joints whose step violates a bound are fixed at it, and the rest is solved again.
+/// The method is an active set that only grows: a joint whose step violates a bound is fixed at the bound,
+/// and the step of the other joints is solved again. The result is None if H is not positive definite.
 pub(super) fn bounded_step(
     n: usize,
     h: &NormalMatrix,
@@ -37,7 +40,7 @@ pub(super) fn bounded_step(
 
 /// Returns whether a step of [`bounded_step`] holds a joint at a bound that the minimizer would leave.
 ///
-/// The multiplier of such a joint has the wrong sign: the cost falls inward.
+/// The cost falls if such a joint moves from its bound inward: its Lagrange multiplier has the wrong sign.
 pub(super) fn holds_too_much(
     n: usize,
     h: &NormalMatrix,
@@ -52,7 +55,7 @@ pub(super) fn holds_too_much(
     })
 }
 
-/// Solves for the joints that are not held; the others keep their values in `step`.
+/// Solves for the steps of the joints that are not held; held joints keep their values in `step`.
 fn solve_free(
     n: usize,
     h: &NormalMatrix,
@@ -81,7 +84,7 @@ fn solve_free(
     Some(())
 }
 
-/// Replaces b by `H^-1 b` by Cholesky decomposition; None if H is not positive definite.
+/// Replaces `b` by the solution of `H x = b` (Cholesky decomposition); None if H is not positive definite.
 #[inline]
 fn solve(n: usize, h: &NormalMatrix, b: &mut JointVector) -> Option<()> {
     let mut lower = *h;
