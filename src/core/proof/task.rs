@@ -130,10 +130,10 @@ impl<'a> Task<'a> {
     /// Returns the largest difference, m, of the error by the model of the cell from the error that is
     /// bounded.
     ///
-    /// Let the error at a corner of the tolerance box be L + E + O: the linear term, the terms of even order,
-    /// and the odd terms from third order on. The opposite corner has the error -L + E - O. So the worst case
-    /// is at least `|L| - |O|`, and the difference is at most `|O|`. A second-order model lacks the
-    /// third-order terms of the nonlinear model. Let `a_k` be the rotation and `b_k` the displacement by
+    /// Let the error at a corner of the tolerance box be L + E + O. L is the linear term, E the terms of even
+    /// order, and O the odd terms from third order on. The opposite corner has the error -L + E - O. So the
+    /// worst case is at least `|L| - |O|`, and the difference is at most `|O|`. A second-order model lacks
+    /// the third-order terms of the nonlinear model. Let `a_k` be the rotation and `b_k` the displacement by
     /// motion k. Then both differences are at most `sum_k b_k (sum_j a_j)^2 / 2`.
     fn lost(&self) -> f64 {
         let sizes: Vec<f64> = match (self.evaluator.reading, self.evaluator.model) {

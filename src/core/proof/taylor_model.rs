@@ -118,8 +118,8 @@ pub(super) fn along(
     (gradient, hessian)
 }
 
-/// Rigid segments of a chain: segment k leads from joint axis k to the next axis or, on the last link, to the
-/// end point.
+/// Rigid segments of a chain: segment k leads from joint axis k to the next axis, the last one to the end
+/// point.
 ///
 /// Joints are counted from 1, and segment k belongs to link k, which comes after k joints.
 #[derive(Debug, Clone)]
@@ -155,8 +155,8 @@ impl RigidPieces {
 
     /// Returns `sum s rho^power` over the segments after a link, up to the end of the chain.
     ///
-    /// Here `s` is the length of a segment, and `rho` is the sum of the radii of the coordinates that rotate
-    /// the product of this segment with another factor.
+    /// Here `s` is the length of a segment. Consider the product of this segment with another factor: `rho`
+    /// is the sum of the radii of the coordinates that rotate it.
     ///
     /// The sum bounds the derivative of order `power` along any step within the box. A prismatic coordinate
     /// adds a term, because it lengthens its segment.

@@ -240,8 +240,9 @@ impl ErrorEvaluator {
         })
     }
 
-    /// Returns the corners of the tolerance box with the largest linear displacement and the largest linear
-    /// rotation of the TCP, each as one sign per source.
+    /// Returns two corners of the tolerance box, each as one sign per source.
+    ///
+    /// The first has the largest linear displacement of the TCP, the second the largest linear rotation.
     fn largest(&self, memory: &mut EvaluatorScratch) -> [[f64; MAX_SOURCES]; 2] {
         [false, true].map(|turns| {
             for (k, source) in self.sources.list.iter().enumerate() {
