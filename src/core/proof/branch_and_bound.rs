@@ -1,10 +1,11 @@
 //! Branch and bound over boxes of joint coordinates, with interval bounds from Taylor models.
 //!
-//! In every box the constraints are expanded first. A constraint that cannot be met discards the box; the
-//! others contract it. Then Lagrangian relaxation bounds the value from below, for any multipliers lambda. It
-//! adds two lower bounds: of `phi - sum lambda_m c_m` over the whole box, and of `sum lambda_m c_m` over the
-//! allowed `c_m`. With the multipliers of the box's own optimum the bound is of second order, so that boxes
-//! need not get small where constraints are active.
+//! In every box the constraints are expanded first. If one of them cannot be met, the box is discarded;
+//! otherwise the constraints contract the box. Then Lagrangian relaxation bounds the value `phi` from below.
+//! Let `c_m` be the constrained quantities and `lambda_m` any multipliers. The bound is the sum of two lower
+//! bounds: of `phi - sum lambda_m c_m` over the whole box, and of `sum lambda_m c_m` over the allowed values
+//! of `c_m`. With the multipliers of the optimum in the box, the error of the bound decreases with the square
+//! of the size of the box. So boxes need not become small where constraints are active.
 
 use super::coordinates::Coordinates;
 use super::region::Constraint;
@@ -19,50 +20,52 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::sync::atomic::{AtomicBool, Ordering as MemoryOrdering};
 
-/// Number of boxes per round: enough for all threads, few enough to stay near the least bound.
+/// Number of boxes examined per round: enough for all threads, but only boxes with nearly the least bound.
 const BOXES_PER_ROUND: usize = 64;
-/// Number of boxes per round in which a better posture is sought near the centre.
+/// Number of boxes per round in which a posture with a lower value is sought near the centre.
 const WITNESSES_PER_ROUND: usize = 8;
-/// Share of a side below which a contraction is worth another pass.
+/// Share of its former length below which a contracted side of a box justifies another pass.
 const MIN_SHRINKAGE: f64 = 0.8;
 /// Largest number of contraction passes over one box.
 const MAX_PASSES: usize = 8;
-/// Margin subtracted from the bound for rounding: this share of it and, in addition, this many m or rad.
+/// Margin subtracted from the bound for rounding: this share of the bound, plus this value in m or rad.
 ///
-/// Values are accurate to 1e-13.
+/// The values that are bounded are accurate to 1e-13.
 const ROUNDING: f64 = 1e-11;
-/// Length of a side, m or rad, below which it is not bisected.
+/// Length of a side of a box, m or rad, below which the side is not bisected.
 const MIN_SIDE: f64 = 1e-12;
-/// Difference of two values, m or rad, that does not matter.
+/// Difference of two values, m or rad, below which the search treats them as equal.
 const NEGLIGIBLE: f64 = 1e-9;
-/// Least value found, m or rad, below which the search accepts 0 as the bound.
+/// Value, m or rad: if the least value found is smaller, the search accepts 0 as lower bound.
 pub(super) const VANISHES: f64 = 1e-6;
 
 /// Result of the search over boxes.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct BoxSearchResult {
-    /// Lower bound of the value of every posture.
+    /// Lower bound of the value of every posture that keeps the constraints, m or rad.
     pub bound: f64,
     /// Number of boxes examined.
     pub boxes: u64,
-    /// Least value found of a posture that keeps the constraints, with its joint coordinates.
+    /// Least value found among postures that keep the constraints, with the joint coordinates of the posture.
     pub best: Option<(f64, JointVector)>,
     pub interrupted: bool,
 }
 
-/// Box of the joint space.
+/// Box in the space of coordinates (see [`Coordinates`]), with a lower bound of the value in it.
 #[derive(Debug, Clone)]
 struct JointBox {
     low: JointValues,
     high: JointValues,
     bound: f64,
-    /// Coordinate to bisect.
+    /// Index of the coordinate in which the box is bisected.
     cut: usize,
     number: u64,
 }
 
 impl Ord for JointBox {
-    /// Orders boxes such that the heap returns the least bound first, among equals the youngest and smallest.
+    /// Orders boxes such that the heap returns the box with the least bound first.
+    ///
+    /// Among boxes with equal bounds, the heap returns the youngest first, which is also the smallest.
     fn cmp(&self, other: &Self) -> Ordering {
         other.bound.total_cmp(&self.bound).then(self.number.cmp(&other.number))
     }
@@ -84,8 +87,9 @@ impl Eq for JointBox {}
 
 /// Bounds the least value over all postures that keep the constraints; None if no posture keeps them.
 ///
-/// The search ends at a relative gap of `gap`, or after a number of `boxes`. `known` is a value that some
-/// posture has. The result does not depend on the number of threads.
+/// The search ends when the relative gap between bound and least value found is `gap`, or after `boxes`
+/// boxes. `known` is a value that some posture is known to have. The result does not depend on the number of
+/// threads.
 pub(super) fn least(
     task: &Task<'_>,
     known: f64,
@@ -191,7 +195,7 @@ fn judge(task: &Task<'_>, mut part: JointBox) -> Option<JointBox> {
     None
 }
 
-/// Contracts a box to what the actuators can reach; None if nothing is left.
+/// Contracts a box to the coordinates within the actuator limits; None if nothing is left.
 fn within_limits(coordinates: &Coordinates, part: &mut JointBox) -> Option<()> {
     for (row, low, high) in &coordinates.limits {
         let (mut least, mut most) = (0.0, 0.0);
@@ -212,7 +216,9 @@ fn within_limits(coordinates: &Coordinates, part: &mut JointBox) -> Option<()> {
     Some(())
 }
 
-/// Contracts a box by a constraint, using its expansion at the centre `y`; None if nothing is left.
+/// Contracts a box by a constraint, using the Taylor model of the constraint at the centre `y` of the box.
+///
+/// Returns None if nothing of the box is left.
 fn contract(
     constraint: &Constraint,
     taylor: &Taylor,
@@ -247,7 +253,8 @@ fn clip(part: &mut JointBox, i: usize, low: f64, high: f64) -> Option<()> {
     (part.low[i] <= part.high[i]).then_some(())
 }
 
-/// Returns a lower bound of the value in a box, and the coordinate whose bisection promises the most.
+/// Returns a lower bound of the value in a box, and the coordinate whose bisection is likely to raise the
+/// bound most.
 fn bound(
     worth: Option<Taylor>,
     constraints: &[(Constraint, Taylor)],
@@ -283,7 +290,10 @@ fn bound(
     (best.max(0.0), widest(Some(&judged), radii, count))
 }
 
-/// Returns the multipliers that leave the least slope over the box, by least squares.
+/// Returns the Lagrange multipliers of the constraints in `set`, by least squares.
+///
+/// These multipliers minimize the gradient of the value minus the weighted constrained quantities. Each
+/// component of the gradient is scaled by the radius of the box.
 fn multipliers(worth: &Taylor, set: &[&(Constraint, Taylor)], radii: &JointValues) -> Vector4<f64> {
     let (mut normal, mut right) = (Matrix4::identity(), Vector4::zeros());
     let product = |a: &JointValues, b: &JointValues| -> f64 {
@@ -300,7 +310,8 @@ fn multipliers(worth: &Taylor, set: &[&(Constraint, Taylor)], radii: &JointValue
     if found.iter().all(|v| v.is_finite()) { found } else { Vector4::zeros() }
 }
 
-/// Returns the coordinate that contributes most to the distance of the bound from the value at the centre.
+/// Returns the coordinate that contributes most to the difference between the value at the centre and the
+/// lower bound.
 fn widest(taylor: Option<&Taylor>, radii: &JointValues, count: usize) -> usize {
     let sum: f64 = radii.iter().sum();
     let weight = |i: usize| match taylor {

@@ -1,43 +1,47 @@
-//! Coordinates of the boxes: for joints with parallel axes, the sums of their angles.
+//! Coordinates of the boxes of the search: for successive joints with parallel axes, the sums of their
+//! angles.
 //!
-//! A sum rotates one link and shifts the links after it. So a planar arm decouples into independent links,
-//! and the elevation of its tool is a coordinate. Let `y` be the coordinates. Then `theta = D y`, and the
-//! actuators are `q = q_0 + G y`, each between its limits.
+//! If such a sum changes alone, it rotates one link and shifts the links after it. So a planar arm decouples
+//! into independent links, and the elevation of its tool is a coordinate. Let `y` be the coordinates and
+//! `theta` the displacements of the joints from the middle of their limits. Then `theta = D y`. The actuator
+//! coordinates are `q = q_0 + G y`, each between its limits, where `q_0` is the middle of the limits.
 
 use super::screws::{JointValues, Screws};
 use crate::cell::{JointKind, JointVector, MAX_JOINTS};
 use crate::robot::Chain;
 use std::f64::consts::PI;
 
-/// Sine below which axes count as parallel: far above rounding, far below any tolerance.
+/// Sine of the angle below which axes count as parallel: far above rounding, far below any tolerance.
 const PARALLEL_SINE: f64 = 1e-12;
 /// Tolerance, rad or m, of the joint limits in the inverse kinematics.
 ///
-/// The cosine of an angle may be off by 1e-12, a prismatic coordinate by 1e-9 m.
+/// It covers the errors of the inverse kinematics: 1e-12 in the cosine of an angle, 1e-9 m in a prismatic
+/// coordinate.
 const LIMIT_TOLERANCE: f64 = 2e-6;
 
-/// Matrix with one row and one column per joint; the unused tail is zero.
+/// Matrix with one row and one column per joint; unused rows and columns are zero.
 pub(super) type JointMatrix = [[f64; MAX_JOINTS]; MAX_JOINTS];
 
-/// Coordinates of the boxes, and their relation to joint angles and actuators.
+/// Coordinates `y` of the boxes of the search, and their relation to joint displacements and actuators.
 #[derive(Debug, Clone)]
 pub(super) struct Coordinates {
     pub count: usize,
-    /// Matrix D of `theta = D y`.
+    /// Matrix D of `theta = D y`, where `y` are the coordinates and `theta` the joint displacements.
     pub to_theta: JointMatrix,
-    /// Joint limits as rows: `low <= row . y <= high`.
+    /// Joint limits as triples (row, low, high): `low <= row . y <= high` for the coordinates `y`.
     pub limits: Vec<(JointValues, f64, f64)>,
-    /// Low corner of the box of all postures.
+    /// Least value of each coordinate in the box that holds all postures within the limits.
     pub low: JointValues,
-    /// High corner of the box of all postures.
+    /// Greatest value of each coordinate in the box that holds all postures within the limits.
     pub high: JointValues,
-    /// Coordinates that rotate link k (after k joints), as bits.
+    /// Coordinates that rotate link k, as bits; link k comes after k joints.
     pub turning: [u8; MAX_JOINTS + 1],
-    /// Sum of the changes of all joint angles per unit of a coordinate.
+    /// Sum of the absolute changes of all joint angles per unit of each coordinate.
     pub angles: JointValues,
 }
 
-/// Returns the posture in the middle of the limits, from which `theta` counts.
+/// Returns the joint coordinates in the middle of the limits: the posture with zero joint displacement
+/// `theta`.
 pub(super) fn middle(chain: &Chain) -> JointVector {
     let mut q = [0.0; MAX_JOINTS];
     q.iter_mut().zip(&chain.links).for_each(|(q, link)| *q = (link.limits.0 + link.limits.1) / 2.0);
@@ -45,7 +49,9 @@ pub(super) fn middle(chain: &Chain) -> JointVector {
 }
 
 impl Coordinates {
-    /// Returns the coordinates of a chain; joints marked in `held` change nothing and stay in the middle.
+    /// Returns the coordinates of a chain.
+    ///
+    /// Joints marked in `held` do not influence the value; they stay in the middle of their limits.
     pub fn new(chain: &Chain, screws: &Screws, held: &[bool; MAX_JOINTS]) -> Self {
         let count = chain.axes();
         let (mut to_theta, mut turning) = ([[0.0; MAX_JOINTS]; MAX_JOINTS], [0; MAX_JOINTS + 1]);
@@ -83,8 +89,10 @@ impl Coordinates {
         this
     }
 
-    /// Sets the limits as rows of `q = q_0 + G y`, with `G = C^-1 D` and the coupling C, and their bounding
-    /// box.
+    /// Sets the actuator limits as rows in the coordinates `y`, and the box that bounds them.
+    ///
+    /// The actuators are `q = q_0 + G y` with `G = C^-1 D`, where C is the joint coupling, D is `to_theta`,
+    /// and `q_0` is the middle of the limits.
     fn set_limits(&mut self, chain: &Chain, held: &[bool; MAX_JOINTS]) {
         let mut half = [0.0; MAX_JOINTS];
         let mut rows = [[0.0; MAX_JOINTS]; MAX_JOINTS];
@@ -117,7 +125,7 @@ impl Coordinates {
         }
     }
 
-    /// Returns theta at coordinates y.
+    /// Returns the joint displacements `theta = D y` at the coordinates `y`.
     pub fn theta(&self, y: &JointValues) -> JointValues {
         let mut theta = [0.0; MAX_JOINTS];
         for (theta, row) in theta.iter_mut().zip(&self.to_theta).take(self.count) {
@@ -126,7 +134,7 @@ impl Coordinates {
         theta
     }
 
-    /// Returns the actuators at coordinates y, without `q_0`.
+    /// Returns the actuator displacements from the middle of the limits at the coordinates `y`.
     pub fn actuators(&self, y: &JointValues) -> JointValues {
         let mut q = [0.0; MAX_JOINTS];
         for (q, (row, ..)) in q.iter_mut().zip(&self.limits) {
@@ -135,7 +143,9 @@ impl Coordinates {
         q
     }
 
-    /// Converts derivatives by theta to those by the coordinates: `D^T g` and `D^T H D`.
+    /// Converts derivatives with respect to theta to those with respect to y, where `theta = D y`.
+    ///
+    /// The gradient g becomes `D^T g`, and the Hessian H becomes `D^T H D`.
     pub fn derivatives(&self, gradient: &JointValues, hessian: &JointMatrix) -> (JointValues, JointMatrix) {
         let n = self.count;
         let (mut g, mut half, mut h) =
@@ -156,7 +166,9 @@ impl Coordinates {
     }
 }
 
-/// Returns half the range of an actuator, at most half a turn if every posture repeats after one turn.
+/// Returns half the range of an actuator, including the tolerance of the limits.
+///
+/// It is at most half a turn if every posture repeats after one turn of the actuator.
 fn half_range(chain: &Chain, joint: usize) -> f64 {
     let link = &chain.links[joint];
     let half = (link.limits.1 - link.limits.0) / 2.0 + LIMIT_TOLERANCE;

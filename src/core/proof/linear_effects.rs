@@ -1,8 +1,10 @@
 //! Weighted sum of the linear effects of all error sources, with its derivatives.
 //!
-//! A rotation about an axis `w` through a point o moves the point p by `g = w x (p - o)`. For a translation,
-//! `g` is the axis and `w` is 0. The sum is `phi = sum eta_k . g_k + zeta_k . w_k`. All its derivatives
-//! follow from sums over the motions of each link: `F = sum eta g^T + zeta w^T` and `P = sum eta w^T`.
+//! A small rotation about an axis `w` through a point o moves the point p by `g = w x (p - o)` per unit. For
+//! a translation, `g` is the axis and `w` is 0. The weighted sum over all motions k is
+//! `phi = sum eta_k . g_k + zeta_k . w_k`, where the weights `eta_k` and `zeta_k` are vectors. The
+//! derivatives of `phi` follow from two sums over the motions of each link: `F = sum eta g^T + zeta w^T` and
+//! `P = sum eta w^T`.
 
 use super::coordinates::JointMatrix;
 use super::screws::{JointValues, PosedScrews, ScrewMotion, Screws};
@@ -10,19 +12,20 @@ use super::taylor_model::{ChainGeometry, Taylor, radius};
 use crate::cell::{JointKind, MAX_JOINTS};
 use nalgebra::{Matrix3, Vector3};
 
-/// Effect of a motion at a posture on the point whose error counts.
+/// Effect of one small motion in the chain, at a posture, on the point whose error counts.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Effect {
-    /// Displacement of the point per unit of the motion.
+    /// Displacement of the point whose error counts, per unit of the motion.
     pub g: Vector3<f64>,
     /// Rotation axis; 0 for a translation.
     pub w: Vector3<f64>,
-    /// Distance from the axis of a rotation to the next joint axis (or the point, after the last joint), m;
-    /// 0 for a translation.
+    /// Distance from the axis of a rotation to the next joint axis, m; 0 for a translation.
+    ///
+    /// After the last joint, it is the distance to the point whose error counts.
     own: f64,
 }
 
-/// Returns the effect of every motion at a posture of a chain with this number of joints.
+/// Returns the effect of every motion at a posture; `joints` is the number of joints of the chain.
 pub(super) fn effects(motions: &[ScrewMotion], placed: &PosedScrews, joints: usize) -> Vec<Effect> {
     let effect = |motion: &ScrewMotion| {
         let link = &placed.links[motion.link];
@@ -42,13 +45,16 @@ pub(super) fn effects(motions: &[ScrewMotion], placed: &PosedScrews, joints: usi
 pub(super) struct WeightedMotions<'a> {
     pub motions: &'a [ScrewMotion],
     pub effects: &'a [Effect],
-    /// Weights (eta, zeta) of each motion.
+    /// Weights (eta, zeta) of each motion: for the displacement of the point and for the rotation axis.
     pub weights: &'a [(Vector3<f64>, Vector3<f64>)],
 }
 
-/// Expands `phi` over a box of the given radii about a posture.
+/// Expands the weighted sum of effects over a box of the given radii about a posture, as a Taylor model.
 ///
-/// `rates` are the derivatives of the point by the joints.
+/// The sum is `phi = sum eta_k . g_k + zeta_k . w_k` over the motions k, with the weights (eta, zeta) and the
+/// effects (g, w).
+///
+/// `rates` are the derivatives of the point with respect to the joint displacements.
 pub(super) fn expand(
     geometry: ChainGeometry<'_>,
     placed: &PosedScrews,
@@ -83,13 +89,14 @@ pub(super) fn expand(
     Taylor { value, gradient, hessian, rest: rest.sum::<f64>() / 6.0 }
 }
 
-/// One matrix per link.
+/// Sums over the motions of each link: one matrix per link.
 type LinkSums = [Matrix3<f64>; MAX_JOINTS + 1];
 
-/// Returns first and second derivatives by theta.
+/// Returns the first and second derivatives of the weighted sum of effects with respect to the joint
+/// displacements.
 ///
-/// Joint i rotates the motions that come after it in the chain as a whole (F). For the motions before it, it
-/// moves the point (P).
+/// Joint i rotates the effects of the motions after it in the chain (the sums `f`). For the motions before
+/// it, joint i moves the point on which they act (the sums `p`).
 fn by_theta(
     screws: &Screws,
     placed: &PosedScrews,
@@ -126,7 +133,7 @@ fn by_theta(
     (gradient, hessian)
 }
 
-/// Returns `sum g x eta`, given `sum eta g^T`.
+/// Returns `sum g x eta`, given the matrix `m = sum eta g^T` of vectors eta and g.
 fn axial(m: &Matrix3<f64>) -> Vector3<f64> {
     Vector3::new(m[(2, 1)] - m[(1, 2)], m[(0, 2)] - m[(2, 0)], m[(1, 0)] - m[(0, 1)])
 }

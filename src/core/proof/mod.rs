@@ -1,11 +1,12 @@
 //! Proof: a lower bound of the objective of every layout, by branch and bound with Taylor models.
 //!
 //! The problem is relaxed. Collisions and overlaps do not count. Each operation chooses its spot
-//! independently, wherever height, elevation and distance from the base allow it ([`OperationRegion`]). Only
-//! the posture remains unknown, so the least error is a minimum over joint coordinates within their limits.
-//! Errors that come after a vertical first axis in the chain rotate with it. The first joint then drops out,
-//! unless the sense or an error before it depends on directions. Branch and bound over the other joints
-//! closes the gap:
+//! independently, wherever height, elevation and distance from the base allow the spot ([`OperationRegion`]).
+//! Only the posture remains unknown, so the least error is a minimum over joint coordinates within their
+//! limits. If the first joint axis is vertical, errors that come after this axis in the chain rotate with it.
+//! Then the first joint does not matter, unless the sense or an error before this joint depends on
+//! directions. Branch and bound over the other joints closes the gap between the lower bound and the least
+//! value found:
 //!
 //! | file | content |
 //! |---|---|
@@ -18,8 +19,9 @@
 //! | `task` | one operation, prepared for bounding |
 //! | `branch_and_bound`, `witness` | the search over boxes, and postures in them |
 //!
-//! The bound holds for [`crate::layout::evaluate`]: a weighted sum is at least the sum of the bounds, a
-//! weighted maximum at least the largest of them. An operation without a bound counts as 0.
+//! The bound holds for the objective of [`crate::layout::evaluate`], which combines the values of the
+//! operations. A weighted sum is at least the weighted sum of their bounds, and a weighted maximum at least
+//! the largest weighted bound. An operation without a bound counts as 0.
 
 mod branch_and_bound;
 mod coordinates;
@@ -46,12 +48,13 @@ use task::Task;
 /// Effort of a proof.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ProofOptions {
-    /// Relative gap between bound and least value at which the proof of an operation ends.
+    /// Relative gap between the lower bound and the least value found at which the proof of an operation
+    /// ends.
     pub gap: f64,
-    /// Largest number of boxes per operation.
+    /// Largest number of boxes of joint coordinates that are examined per operation.
     pub boxes: u64,
-    /// Values of the operations in some layout; None if none is known. Boxes with larger bounds are
-    /// discarded.
+    /// Values of the operations in a known layout, if any. The proof discards postures with larger lower
+    /// bounds.
     pub known: Option<Vec<f64>>,
 }
 
@@ -64,34 +67,35 @@ impl Default for ProofOptions {
 /// Reason why an operation has no bound.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WhyNot {
-    /// No posture within the joint limits has the height and the attitude: no layout is feasible.
+    /// No posture within the joint limits has the height and attitude of the operation: no layout is
+    /// feasible.
     Infeasible,
-    /// The error is relative to a pick.
+    /// The error is relative to the pick of the part.
     Relative,
     /// A registration removes part of the error.
     Registered,
     /// Signed errors of the equipment may cancel those of the robot.
     EquipmentErrors,
-    /// The sense is in axes of the tool.
+    /// The sense is stated in the axes of the tool.
     ToolAxes,
-    /// The sense is in axes of a surface that can rotate.
+    /// The sense is stated in the axes of a surface that can rotate.
     SurfaceAxes,
-    /// The sense is in axes of the world and the robot base can rotate.
+    /// The sense is stated in the axes of the world, and the robot base can rotate.
     WorldAxes,
-    /// The sense has rotations, which only the linear model bounds.
+    /// The sense includes rotations, for which only the linear model has a bound.
     Rotation,
     /// The parameters are not normally distributed.
     NotNormal,
-    /// The sense has more than three rows.
+    /// The sense has more than three rows (components of error that count).
     ManyRows,
-    /// The value is a share of failures.
+    /// The value is a share of failures, which has no lower bound above 0.
     Share,
-    /// The bound did not rise above 0 within the boxes allowed.
+    /// The lower bound did not rise above 0 within the allowed number of boxes of joint coordinates.
     Boxes,
 }
 
 impl WhyNot {
-    /// Returns the reason in words.
+    /// Returns the reason in words, as a clause about the operation.
     pub fn in_words(self) -> &'static str {
         match self {
             Self::Infeasible => "no posture within the joint limits has its height and attitude",
@@ -110,14 +114,14 @@ impl WhyNot {
     }
 }
 
-/// Proven bound of one operation.
+/// Proven lower bound of the value of one operation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OperationBound {
-    /// Lower bound of the value at any spot of any layout, m or rad, or why there is none.
+    /// Lower bound of the value at any spot in any layout, m or rad, or the reason why there is no bound.
     pub value: Result<f64, WhyNot>,
-    /// Number of boxes examined.
+    /// Number of boxes of joint coordinates that were examined.
     pub boxes: u64,
-    /// Least value found in the relaxed problem, with its joint coordinates.
+    /// Least value found in the relaxed problem, with the joint coordinates of the posture that has it.
     pub witness: Option<(f64, JointVector)>,
 }
 
@@ -136,7 +140,7 @@ pub enum Covers {
 }
 
 impl Covers {
-    /// Returns the word used in documents.
+    /// Returns the word for this variant in documents.
     pub fn name(self) -> &'static str {
         match self {
             Covers::Everything => "everything",
@@ -150,7 +154,8 @@ impl Covers {
 /// Proven lower bound of the objective of a cell.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Proof {
-    /// Lower bound of the objective of every layout; None without a bound, or if no layout is feasible.
+    /// Lower bound of the objective of every layout; None if no operation has a bound or no layout is
+    /// feasible.
     pub bound: Option<f64>,
     pub operations: Vec<OperationBound>,
     pub covers: Covers,
@@ -159,7 +164,7 @@ pub struct Proof {
 }
 
 impl Proof {
-    /// Returns the largest share by which other layouts could still reduce `objective` (m or rad).
+    /// Returns the largest share by which another layout could still reduce `objective` (m or rad).
     pub fn gap(&self, objective: f64) -> Option<f64> {
         self.bound.filter(|_| objective > 0.0).map(|bound| (1.0 - bound / objective).max(0.0))
     }
@@ -219,7 +224,7 @@ pub fn prove(workcell: &Workcell, options: &ProofOptions, stop: &AtomicBool) -> 
     Proof { bound, operations, covers, interrupted }
 }
 
-/// Bounds one operation over several regions: the least bound counts.
+/// Bounds the value of one operation over several regions: the least of their bounds.
 fn of_regions(
     workcell: &Workcell,
     regions: &[OperationRegion],
@@ -247,7 +252,7 @@ fn of_regions(
     (all, interrupted)
 }
 
-/// Bounds one operation over a region; `known` is a value that it has in some layout.
+/// Bounds the value of one operation over a region; `known` is its value in some layout.
 fn of_operation(
     workcell: &Workcell,
     region: &OperationRegion,

@@ -1,9 +1,11 @@
-//! Nonlinear error of a signed sample: the difference of the ends of two chains of screws.
+//! Nonlinear error of a signed sample: the difference of the end points of the chain with errors and the
+//! nominal chain.
 //!
-//! Two chains with the same joints differ by one small motion before every axis and one before the end.
-//! To first order the difference is `d = sum_k a_k g_k`, whose third derivatives are those of linear
-//! effects. The rest is of second order in the motions. In any direction of joint space, products of the
-//! sizes of the motions bound it.
+//! Two chains with the same joints differ by one small motion before every axis and one before the end. Let
+//! `a_k` be the size of motion k and `g_k` its effect on the end point. To first order in the motions the
+//! difference is `d = sum_k a_k g_k`, and its third derivatives are those of linear effects. The remainder is
+//! of second order in the motions. In any direction of joint space, products of the sizes of the motions
+//! bound its derivatives.
 
 use super::coordinates::Coordinates;
 use super::screws::{JointValues, PosedScrews, Screws, about};
@@ -11,18 +13,18 @@ use super::taylor_model::{ChainGeometry, RigidPieces, Taylor, along, radius, rat
 use crate::cell::{JointKind, MAX_JOINTS};
 use nalgebra::{Matrix3, Vector3};
 
-/// Difference of a chain with errors from the nominal one.
+/// Difference of a chain with errors from the nominal chain.
 #[derive(Debug, Clone)]
 pub(super) struct ChainDifference {
-    /// The chain with errors.
+    /// Screw axes of the chain with errors.
     pub screws: Screws,
-    /// Angle of the small motion of every link, rad.
+    /// Angle of the small motion that the errors cause at every link, rad.
     turns: [f64; MAX_JOINTS + 1],
-    /// Translation of the small motion of every link, m.
+    /// Translation of the small motion that the errors cause at every link, m.
     shifts: [f64; MAX_JOINTS + 1],
-    /// Bound of the second-order part, m.
+    /// Upper bound of the part of the difference that is of second order in the small motions, m.
     second: f64,
-    /// Bound of the second-order part per metre of prismatic travel.
+    /// Upper bound of the second-order part per metre of prismatic travel.
     second_per_slide: f64,
 }
 
@@ -57,9 +59,10 @@ impl ChainDifference {
         self.turns[0] < 1e-12 && self.shifts[0] < 1e-12
     }
 
-    /// Expands `eta . d` over a box of the given radii about one posture.
+    /// Expands `eta . d` over a box of the given radii about a posture, where `d` is the difference of the
+    /// end points.
     ///
-    /// `at` is the nominal chain at that posture, `with` the chain with errors.
+    /// `at` is the nominal chain at this posture, and `with` is the chain with errors at this posture.
     pub fn expand(
         &self,
         ChainGeometry { screws: nominal, coordinates, pieces }: ChainGeometry<'_>,
@@ -80,7 +83,7 @@ impl ChainDifference {
         Taylor { value, gradient, hessian, rest: eta.norm() * self.rest(coordinates, pieces, radii) }
     }
 
-    /// Returns the bound of the third-order rest of `d`, m.
+    /// Returns an upper bound of the third-order remainder of the difference of the end points, m.
     fn rest(&self, coordinates: &Coordinates, pieces: &RigidPieces, radii: &JointValues) -> f64 {
         let first = (0..=coordinates.count).map(|m| {
             let own = coordinates.turning[m];
@@ -99,7 +102,7 @@ impl ChainDifference {
     }
 }
 
-/// Returns the least rotation that takes one unit vector to another.
+/// Returns the rotation of least angle that takes the unit vector `from` to `to`.
 fn least(from: &Vector3<f64>, to: &Vector3<f64>) -> Matrix3<f64> {
     let cross = from.cross(to);
     let sine = cross.norm();
@@ -109,7 +112,7 @@ fn least(from: &Vector3<f64>, to: &Vector3<f64>) -> Matrix3<f64> {
     about(&(cross / sine), &Vector3::zeros(), sine.atan2(from.dot(to))).rotation
 }
 
-/// Returns the angle of a rotation, rad, accurate to the last digit for small ones.
+/// Returns the angle of a rotation, rad; small angles are accurate to the last digit.
 fn angle(r: &Matrix3<f64>) -> f64 {
     let twice = Vector3::new(r[(2, 1)] - r[(1, 2)], r[(0, 2)] - r[(2, 0)], r[(1, 0)] - r[(0, 1)]);
     twice.norm().atan2(r.trace() - 1.0)

@@ -1,10 +1,12 @@
-//! Relaxed operation that chooses its spot alone: bounds of height, elevation and radius in any layout.
+//! Region of the TCP of an operation over all layouts: bounds of height, elevation and distance from the base
+//! axis.
 
 use crate::cell::{Cell, Coordinate, Operation, Place};
 use nalgebra::Vector3;
 use std::f64::consts::FRAC_PI_2;
 
-/// Margin, m and rad: far above the errors of the inverse kinematics, far below what matters.
+/// Margin of the bounds of a region, m and rad: far above the errors of the inverse kinematics, far below
+/// relevant sizes.
 const SLACK: f64 = 1e-6;
 
 /// Region in which the TCP of one operation can be in any layout. Azimuth and spin are free.
@@ -13,9 +15,11 @@ pub struct OperationRegion {
     pub operation: usize,
     /// Range of the height of the TCP above the robot base, m.
     pub height: (f64, f64),
-    /// Range of the elevation of the tool axis, rad; None if the arm keeps it by construction.
+    /// Range of the elevation of the tool axis, rad; None if the construction of the arm fixes this
+    /// elevation.
     pub elevation: Option<(f64, f64)>,
-    /// Range of the distance from the z axis of the robot base, m; None if the layout does not limit it.
+    /// Range of the distance of the TCP from the z axis of the robot base, m; None if this distance is not
+    /// limited.
     pub radius: Option<(f64, f64)>,
 }
 
@@ -51,7 +55,7 @@ impl OperationRegion {
         }
     }
 
-    /// Returns the constraints of height, radius and tool axis.
+    /// Returns the constraints on height, distance from the base axis and tool axis.
     pub(super) fn constraints(&self) -> Vec<Constraint> {
         let mut all =
             vec![Constraint { of: ConstrainedQuantity::Height, low: self.height.0, high: self.height.1 }];
@@ -83,13 +87,13 @@ impl OperationRegion {
 pub(super) enum ConstrainedQuantity {
     /// Height of the TCP above the base, m.
     Height,
-    /// Component of the tool axis.
+    /// Component of the tool axis with this index, base frame.
     Axis(usize),
     /// Squared distance of the TCP from the z axis of the base, m^2.
     RadiusSquared,
 }
 
-/// Constraint `low <= quantity <= high`.
+/// Constraint `low <= quantity <= high` on the posture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Constraint {
     pub of: ConstrainedQuantity,
@@ -98,7 +102,7 @@ pub(super) struct Constraint {
 }
 
 impl Constraint {
-    /// Returns the quantity for a TCP position and a tool axis in the base frame.
+    /// Returns the constrained quantity for a TCP position and a tool axis in the base frame.
     pub fn value(&self, tip: &Vector3<f64>, tool: &Vector3<f64>) -> f64 {
         match self.of {
             ConstrainedQuantity::Height => tip.z,
@@ -108,7 +112,7 @@ impl Constraint {
     }
 }
 
-/// Returns the range of elevations that the search may choose, extended by the tolerance.
+/// Returns the range of tool elevations (rad) that the search may choose, extended by the attitude tolerance.
 fn elevations(asked: &Operation) -> (f64, f64) {
     let chosen =
         asked.angles[0].as_ref().map_or((asked.attitude.elevation, asked.attitude.elevation), |c| c.range());
@@ -131,7 +135,8 @@ fn farthest(place: &Place) -> f64 {
     }
 }
 
-/// Ranges of the position of the frame of a piece of equipment, seen from the robot base, m.
+/// Ranges of the position of the frame of a piece of equipment relative to the robot base, along world axes,
+/// m.
 struct EquipmentRange {
     x: (f64, f64),
     y: (f64, f64),
@@ -158,9 +163,10 @@ impl EquipmentRange {
         }
     }
 
-    /// Returns least and greatest distance of a node from the base axis for any yaw.
+    /// Returns the least and greatest distance (m) of a node from the base axis, for any yaw of equipment and
+    /// base.
     ///
-    /// `around` is the distance of the farthest node from the frame, m.
+    /// `around` is the distance of the farthest node from the origin of the frame of the equipment, m.
     fn distances(&self, around: f64) -> (f64, f64) {
         let around = around + self.aside;
         let near = |r: (f64, f64)| r.0.max(-r.1).max(0.0);

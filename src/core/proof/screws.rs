@@ -1,9 +1,9 @@
-//! A chain as screw axes at a reference posture (product of exponentials).
+//! Kinematic chain as screw axes at a reference posture (product of exponentials).
 //!
 //! The TCP pose is `T(theta) = exp(S_1 theta_1) ... exp(S_n theta_n) T(0)`, where `theta_i` is the
 //! displacement of joint i from the reference posture and `S_i` its screw axis there (R. W. Brockett 1984).
-//! Errors of the chain change only the screw axes and `T(0)`. Where the frames of the Denavit-Hartenberg rows
-//! lie does not matter, so rows with huge offsets that cancel are harmless.
+//! Errors of the chain change only the screw axes and `T(0)`. The positions of the Denavit-Hartenberg frames
+//! do not matter, so rows with huge offsets that cancel are harmless.
 
 use crate::cell::{JointKind, MAX_JOINTS, PER_FRAME, Parameter};
 use crate::kinematic_error::{FrameError, Perturbation};
@@ -14,21 +14,21 @@ use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 /// One value per joint; the unused tail is zero.
 pub(super) type JointValues = [f64; MAX_JOINTS];
 
-/// Axes and end of a chain at the reference posture, base frame.
+/// Joint axes and end points of a chain at the reference posture, base frame.
 #[derive(Debug, Clone)]
 pub(super) struct Screws {
     pub kinds: Vec<JointKind>,
     pub axes: [Vector3<f64>; MAX_JOINTS],
     pub points: [Vector3<f64>; MAX_JOINTS],
-    /// TCP, m.
+    /// Position of the TCP, m.
     pub tip: Vector3<f64>,
-    /// Point whose error counts, m.
+    /// Position of the point whose error counts, m.
     pub point: Vector3<f64>,
     /// Unit vector along the tool.
     pub tool: Vector3<f64>,
 }
 
-/// Axes and end of a chain at some posture, and the motion of each link from the reference posture.
+/// Joint axes and end points of a chain at a posture, and the motion of each link from the reference posture.
 pub(super) struct PosedScrews {
     pub axes: [Vector3<f64>; MAX_JOINTS],
     pub points: [Vector3<f64>; MAX_JOINTS],
@@ -39,7 +39,9 @@ pub(super) struct PosedScrews {
 }
 
 impl Screws {
-    /// Returns the nominal chain at `frames`. `point` is the point whose error counts, in the TCP frame, m.
+    /// Returns the nominal chain with `frames` as reference posture.
+    ///
+    /// `point` is the point whose error counts, in the TCP frame, m.
     pub fn nominal(chain: &Chain, frames: &Frames, point: &Vector3<f64>) -> Self {
         let (mut axes, mut points) = ([Vector3::z(); MAX_JOINTS], [Vector3::zeros(); MAX_JOINTS]);
         for i in 0..chain.axes() {
@@ -56,9 +58,9 @@ impl Screws {
         }
     }
 
-    /// Returns the chain with a sample of errors at the same joint coordinates.
+    /// Returns the chain with a sample of errors, at the joint coordinates of the reference posture.
     ///
-    /// Each axis is given by its point nearest to the nominal one.
+    /// Each axis is given by its point nearest to the point that gives the nominal axis.
     pub fn perturbed(&self, frames: &Frames, errors: &Perturbation) -> Self {
         let mut moved = Pose::identity();
         let of_frame = |moved: &mut Pose, frame: &Pose, error: &FrameError| {
@@ -92,7 +94,7 @@ impl Screws {
         with
     }
 
-    /// Returns axes and end at joint angles theta.
+    /// Returns the joint axes and end points for the joint displacements `theta` from the reference posture.
     pub fn place(&self, theta: &JointValues) -> PosedScrews {
         let mut placed = PosedScrews {
             axes: self.axes,
@@ -119,14 +121,14 @@ impl Screws {
     }
 }
 
-/// Small motion at one place in the chain, which moves everything from there to the tool.
+/// Small motion at one place in the chain, which moves all parts from this place to the tool.
 ///
-/// It is given at the reference posture in the base frame.
+/// Axis and point are those at the reference posture, in the base frame.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ScrewMotion {
-    /// Number of joints before it.
+    /// Number of joints before the motion in the chain.
     pub link: usize,
-    /// Whether it is a rotation; otherwise it is a translation.
+    /// Whether the motion is a rotation; otherwise it is a translation.
     pub turns: bool,
     pub axis: Vector3<f64>,
     pub through: Vector3<f64>,
@@ -136,7 +138,9 @@ pub(super) struct ScrewMotion {
     pub factor: f64,
 }
 
-/// Returns the motions that a unit of a parameter makes; a parameter of the equipment makes none.
+/// Returns the small motions that one unit of an error parameter causes in the chain.
+///
+/// A parameter of the equipment causes no motion of the chain.
 pub(super) fn motions(
     chain: &Chain,
     frames: &Frames,
@@ -181,7 +185,7 @@ fn slide(by: Vector3<f64>) -> Pose {
     Pose { rotation: Matrix3::identity(), translation: by }
 }
 
-/// Returns the rotation by an angle (rad) about the line along `axis` through a point.
+/// Returns the rotation by `angle` (rad) about the line along `axis` through the point `through`.
 pub(super) fn about(axis: &Vector3<f64>, through: &Vector3<f64>, angle: f64) -> Pose {
     if angle == 0.0 {
         return Pose::IDENTITY;

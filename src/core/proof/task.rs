@@ -1,4 +1,4 @@
-//! One operation prepared for bounding: its chain, its error and its constraints.
+//! Task of bounding the value of one operation from below: chain, error and constraints.
 
 use super::WhyNot;
 use super::coordinates::{Coordinates, middle};
@@ -14,40 +14,43 @@ use crate::pose::Pose;
 use crate::reading::{ErrorEvaluator, EvaluatorScratch, WorkContext, WorkFrame};
 use nalgebra::{Matrix3, Vector3};
 
-/// Rounding, without unit, within which directions agree.
+/// Difference of unit vectors up to which directions count as equal.
 const DIRECTION_ROUNDING: f64 = 1e-12;
 
-/// Bounding task of one operation.
+/// Task of bounding the value of one operation from below.
 pub(super) struct Task<'a> {
     evaluator: &'a ErrorEvaluator,
     workcell: &'a Workcell,
     situation: WorkContext,
     screws: Screws,
     pub coordinates: Coordinates,
-    /// Pieces of the chain out to the TCP.
+    /// Segments of the chain from joint axis to joint axis, and from the last axis to the TCP.
     to_tip: RigidPieces,
-    /// Pieces of the chain out to the point whose error counts.
+    /// Segments of the chain from joint axis to joint axis, and from the last axis to the point whose error
+    /// counts.
     to_point: RigidPieces,
     rows: Vec<Row>,
     error: BoundedError,
-    /// Largest difference between the models, m, which is subtracted from the bound.
+    /// Largest difference, m, of the error by the model of the cell from the error that is bounded.
+    ///
+    /// It is subtracted from the bound.
     lost: f64,
     pub constraints: Vec<Constraint>,
 }
 
-/// Error that is bounded.
+/// Error whose size is bounded from below.
 enum BoundedError {
-    /// Nonlinear error of a signed sample.
+    /// Nonlinear error of a signed sample: the difference of two chains.
     ChainDifference(Box<ChainDifference>),
-    /// Weighted sum of linear effects.
+    /// Weighted sum of the linear effects of motions in the chain.
     Columns(Vec<ScrewMotion>, EffectSum),
 }
 
 impl<'a> Task<'a> {
-    /// Prepares an operation in a region.
+    /// Prepares the task of bounding the value of an operation over a region.
     ///
     /// # Errors
-    /// Returns the reason if there is no bound.
+    /// Returns the reason if no bound is known for this operation.
     pub fn new(workcell: &'a Workcell, region: &OperationRegion) -> Result<Self, WhyNot> {
         let cell = &workcell.cell;
         let (operation, evaluator) =
@@ -124,12 +127,14 @@ impl<'a> Task<'a> {
         Ok(task)
     }
 
-    /// Returns the largest difference, m, of the cell's model from the one that is bounded.
+    /// Returns the largest difference, m, of the error by the model of the cell from the error that is
+    /// bounded.
     ///
-    /// In a worst case, two opposite corners have equal even orders E, so that
-    /// `max |+-L + E + O| >= |L| - |O|`. A second-order model lacks the third order of the nonlinear one. For
-    /// motions with rotations `a_k` and displacements `b_k` both differences are at most
-    /// `sum_k b_k (sum_j a_j)^2 / 2`.
+    /// Let the error at a corner of the tolerance box be L + E + O. L is the linear term, E the terms of even
+    /// order, and O the odd terms from third order on. The opposite corner has the error -L + E - O. So the
+    /// worst case is at least `|L| - |O|`, and the difference is at most `|O|`. A second-order model lacks
+    /// the third-order terms of the nonlinear model. Let `a_k` be the rotation and `b_k` the displacement by
+    /// motion k. Then both differences are at most `sum_k b_k (sum_j a_j)^2 / 2`.
     fn lost(&self) -> f64 {
         let sizes: Vec<f64> = match (self.evaluator.reading, self.evaluator.model) {
             (Reading::Signed, Model::SecondOrder) => self.evaluator.sources.signed(),
@@ -153,12 +158,12 @@ impl<'a> Task<'a> {
         rows * (moved + slid) * sum * sum / 2.0
     }
 
-    /// Returns the chain at coordinates y.
+    /// Returns the nominal chain at the coordinates `y` of a box.
     pub fn place(&self, y: &JointValues) -> PosedScrews {
         self.screws.place(&self.coordinates.theta(y))
     }
 
-    /// Expands a constraint over a box of the given radii.
+    /// Expands the quantity of a constraint over a box of the given radii, as a Taylor model.
     pub fn constraint(&self, constraint: &Constraint, placed: &PosedScrews, radii: &JointValues) -> Taylor {
         let (gradient, hessian, rest) = match constraint.of {
             ConstrainedQuantity::Height => {
@@ -195,7 +200,9 @@ impl<'a> Task<'a> {
         Taylor { value: constraint.value(&placed.tip, &placed.tool), gradient, hessian, rest: rest / 6.0 }
     }
 
-    /// Expands a lower bound of the value over a box of the given radii; None where it is zero.
+    /// Expands a lower bound of the value over a box of the given radii about `y`, as a Taylor model.
+    ///
+    /// Returns None if the value is zero at `y`.
     pub fn worth(&self, y: &JointValues, placed: &PosedScrews, radii: &JointValues) -> Option<Taylor> {
         let (screws, coordinates) = (&self.screws, &self.coordinates);
         let geometry = ChainGeometry { screws, coordinates, pieces: &self.to_point };
@@ -223,7 +230,7 @@ impl<'a> Task<'a> {
         Some(taylor)
     }
 
-    /// Returns the joint vector at coordinates y.
+    /// Returns the joint coordinates of the actuators at the coordinates `y` of a box.
     pub fn joints(&self, y: &JointValues) -> JointVector {
         let mut q = middle(self.workcell.inverse().chain());
         q.iter_mut().zip(self.coordinates.actuators(y)).for_each(|(q, by)| *q += by);
@@ -235,7 +242,8 @@ impl<'a> Task<'a> {
         self.evaluator.memory()
     }
 
-    /// Returns the value that the search assigns to coordinates y.
+    /// Returns the value of the operation (as in the layout search) in the posture at the coordinates `y` of
+    /// a box.
     pub fn value(&self, y: &JointValues, memory: &mut EvaluatorScratch) -> f64 {
         let chain = self.workcell.inverse().chain();
         let frames = chain.frames(&chain.posture(&self.joints(y)));
@@ -243,7 +251,7 @@ impl<'a> Task<'a> {
     }
 }
 
-/// Refuses operations without a known bound.
+/// Returns an error if no bound is known for an operation with this registration, pick or equipment error.
 fn refuse(cell: &Cell, operation: usize) -> Result<(), WhyNot> {
     let asked = &cell.operations[operation];
     if asked.relative_to.is_some() {
@@ -258,7 +266,7 @@ fn refuse(cell: &Cell, operation: usize) -> Result<(), WhyNot> {
     Ok(())
 }
 
-/// Returns the rows of the sense in the base frame.
+/// Returns the rows of the sense in the base frame, or the reason why they depend on the layout.
 fn rows(cell: &Cell, evaluator: &ErrorEvaluator, operation: usize) -> Result<Vec<Row>, WhyNot> {
     let sense = &evaluator.sense;
     let turned = |by: &Matrix3<f64>| -> Vec<Row> {
@@ -285,7 +293,7 @@ fn rows(cell: &Cell, evaluator: &ErrorEvaluator, operation: usize) -> Result<Vec
     }
 }
 
-/// Returns `sum r r^T` over the rows of position, and over those of rotation.
+/// Returns `sum r r^T` over the directions r of the position rows, and over those of the rotation rows.
 fn grams(rows: &[Row]) -> [Matrix3<f64>; 2] {
     let gram = |turns: bool| {
         rows.iter()
@@ -310,7 +318,7 @@ fn is_isotropic(rows: &[Row]) -> bool {
         && grams(rows).iter().all(|g| (g[(0, 0)] - g[(2, 2)]).abs() <= DIRECTION_ROUNDING * g.trace())
 }
 
-/// Returns whether a motion before the first joint is about or along its axis.
+/// Returns whether a motion before the first joint is a rotation about its axis or a translation along it.
 fn is_of_first_axis(motion: &ScrewMotion, screws: &Screws) -> bool {
     let (axis, arm) = (&screws.axes[0], motion.through - screws.points[0]);
     motion.axis.cross(axis).norm() < DIRECTION_ROUNDING

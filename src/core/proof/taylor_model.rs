@@ -1,17 +1,18 @@
-//! Taylor models: second-order expansions over a box with a bound of the remainder.
+//! Taylor models: second-order expansions over a box of coordinates, with a bound of the remainder.
 //!
-//! Every quantity here is a sum of products of vectors fixed to links. A joint rotates a product as a
-//! whole, one factor of it, or nothing. So each mixed partial derivative of a product is a single product
-//! again, bounded by the lengths of its factors. Consider a product of length `s` that coordinates with
-//! radii summing to `rho` rotate. Its third-order term over the box is at most `s rho^3 / 6`, plus
-//! `3 rho^2 r_t / 6` if a prismatic joint `t` of radius `r_t` lengthens a factor.
+//! Every expanded quantity is a sum of products of vectors fixed to links. A joint rotates a product as a
+//! whole, one factor of it, or nothing. So each mixed partial derivative of a product is again a single
+//! product, bounded by the lengths of its factors. The radius of a coordinate is half its range in the box.
+//! Let `s` be the length of a product, and `rho` the sum of the radii of the coordinates that rotate it. Then
+//! the third-order term of the product over the box is at most `s rho^3 / 6`. If a prismatic joint with the
+//! radius `r_t` lengthens a factor, `3 rho^2 r_t / 6` is added.
 
 use super::coordinates::{Coordinates, JointMatrix};
 use super::screws::{JointValues, PosedScrews, Screws};
 use crate::cell::{JointKind, MAX_JOINTS};
 use nalgebra::Vector3;
 
-/// Geometry of a chain that expansions share.
+/// Geometry of a chain, shared by all its Taylor models.
 #[derive(Clone, Copy)]
 pub(super) struct ChainGeometry<'a> {
     pub screws: &'a Screws,
@@ -19,7 +20,8 @@ pub(super) struct ChainGeometry<'a> {
     pub pieces: &'a RigidPieces,
 }
 
-/// Taylor model: value, derivatives by the coordinates, and a bound of the remainder over the box.
+/// Taylor model: value, derivatives with respect to the coordinates, and a bound of the remainder over the
+/// box.
 #[derive(Debug, Clone)]
 pub(super) struct Taylor {
     pub value: f64,
@@ -29,13 +31,13 @@ pub(super) struct Taylor {
 }
 
 impl Taylor {
-    /// Returns the largest deviation from the value in a box of these radii.
+    /// Returns an upper bound of the deviation from the value at the centre in a box of these radii.
     pub fn spread(&self, radii: &JointValues) -> f64 {
         let linear: f64 = self.gradient.iter().zip(radii).map(|(g, r)| g.abs() * r).sum();
         linear + self.bend(radii)
     }
 
-    /// Returns the largest deviation from the linear part in a box of these radii.
+    /// Returns an upper bound of the deviation from the linear part in a box of these radii.
     pub fn bend(&self, radii: &JointValues) -> f64 {
         let rows = self
             .hessian
@@ -57,8 +59,10 @@ impl Taylor {
 
     /// Returns a lower bound of the quantity in a box of these radii.
     ///
-    /// A mixed term is bounded by squares: `|h t_i t_j| <= |h| (t_i^2 r_j / r_i + t_j^2 r_i / r_j) / 2`. Each
-    /// square vanishes with its coordinate, so a minimum inside the box is not lost.
+    /// Let `t_i` be the deviation of coordinate i from the centre, `r_i` its radius and h an entry of the
+    /// Hessian. A mixed term is bounded by squares:
+    /// `|h t_i t_j| <= |h| (t_i^2 r_j / r_i + t_j^2 r_i / r_j) / 2`. Each square vanishes with its
+    /// coordinate, so the bound remains tight if the minimum is at the centre.
     pub fn least(&self, radii: &JointValues, count: usize) -> f64 {
         let one = |i: usize| {
             let r = radii[i];
@@ -74,7 +78,8 @@ impl Taylor {
     }
 }
 
-/// Returns the derivatives by the joints of a point, or of the tool axis if `point` is None.
+/// Returns the derivatives of a point with respect to the joint displacements; if `point` is None, those of
+/// the tool axis.
 pub(super) fn rates(
     screws: &Screws,
     placed: &PosedScrews,
@@ -92,7 +97,10 @@ pub(super) fn rates(
     rates
 }
 
-/// Returns first and second derivatives by theta of `eta . x`, given the rates of x: `d_ij x = z_i x rate_j`.
+/// Returns the first and second derivatives of `eta . x` with respect to the joint displacements.
+///
+/// Here x is the point or axis with the first derivatives `rates`. The second derivatives of x are
+/// `z_i x rate_j` for a revolute joint i <= j, where `z_i` is its axis.
 pub(super) fn along(
     screws: &Screws,
     placed: &PosedScrews,
@@ -110,18 +118,22 @@ pub(super) fn along(
     (gradient, hessian)
 }
 
-/// Rigid pieces from axis to axis out to the end; piece k belongs to link k.
+/// Rigid segments of a chain: segment k leads from joint axis k to the next axis, the last one to the end
+/// point.
+///
+/// Joints are counted from 1, and segment k belongs to link k, which comes after k joints.
 #[derive(Debug, Clone)]
 pub(super) struct RigidPieces {
-    /// Largest length of each piece, m, including prismatic travel.
+    /// Largest length of each segment, m, including prismatic travel.
     pub lengths: [f64; MAX_JOINTS + 1],
-    /// Prismatic coordinate within each piece.
+    /// Index of the prismatic coordinate that lengthens each segment, if any.
     pub slide: [Option<usize>; MAX_JOINTS + 1],
     pub count: usize,
 }
 
 impl RigidPieces {
-    /// Measures the pieces of a chain out to the point `end`.
+    /// Computes the segments of a chain from joint axis to joint axis, and from the last axis to the point
+    /// `end`.
     pub fn new(screws: &Screws, end: &Vector3<f64>, coordinates: &Coordinates) -> Self {
         let n = screws.kinds.len();
         let mut pieces = Self { lengths: [0.0; MAX_JOINTS + 1], slide: [None; MAX_JOINTS + 1], count: n };
@@ -136,17 +148,21 @@ impl RigidPieces {
         pieces
     }
 
-    /// Returns the total length of the pieces between a link and the end of the chain, m.
+    /// Returns the total length of the segments after a link, up to the end of the chain, m.
     pub fn from(&self, link: usize) -> f64 {
         self.lengths[link + 1..=self.count].iter().sum()
     }
 
-    /// Returns `sum |s| rho^power` over the pieces from a link to the end of the chain.
+    /// Returns `sum s rho^power` over the segments after a link, up to the end of the chain.
     ///
-    /// It bounds the derivative of order `power` along any step within the box. A prismatic coordinate adds a
-    /// term, because it lengthens its piece.
+    /// Here `s` is the length of a segment. Consider the product of this segment with another factor: `rho`
+    /// is the sum of the radii of the coordinates that rotate it.
     ///
-    /// `own` holds, as bits, the coordinates that rotate a factor on that link. Each piece adds its own ones.
+    /// The sum bounds the derivative of order `power` along any step within the box. A prismatic coordinate
+    /// adds a term, because it lengthens its segment.
+    ///
+    /// `own` holds, as bits, the coordinates that rotate the other factor, which is fixed to `link`. The
+    /// coordinates that rotate a segment are added to them.
     pub fn turned(
         &self,
         coordinates: &Coordinates,
@@ -164,7 +180,7 @@ impl RigidPieces {
     }
 }
 
-/// Returns the sum of the radii of some coordinates, given as bits.
+/// Returns the sum of the radii of the coordinates whose bits are set.
 pub(super) fn radius(radii: &JointValues, bits: u8) -> f64 {
     radii.iter().enumerate().filter(|(i, _)| bits >> i & 1 == 1).map(|(_, r)| r).sum()
 }

@@ -1,7 +1,8 @@
-//! Lower bound of a posture's value in any reading: a weighted sum of effects in fixed directions.
+//! Lower bound of the value of a posture in any reading: a weighted sum of the effects of motions in the
+//! chain.
 //!
-//! At a posture c the reading gives directions `eta_k` such that its value is `sum eta_k . g_k` at c and at
-//! least that at every other posture:
+//! Let `g_k` be the effect of motion k, and c a posture. The reading gives directions `eta_k` such that the
+//! value is equal to `sum eta_k . g_k` at c, and not less than this sum at every other posture:
 //!
 //! ```text
 //! signed        u = e / |e|:  |e| >= u . e
@@ -10,9 +11,10 @@
 //!               A = d(quantity^2)/dS at c:  quantity^2 >= <A, S>  (rms: A = 1, equality)
 //! ```
 //!
-//! For the mean of |e| this is the tangent of a convex function of the effects. For percentiles it assumes
-//! that their squares are convex in the covariance of up to three rows. No proof is known to us;
-//! tests/it/proof.rs tests it for 95 % and 99 %, and [`super::Proof::in_words`] states the assumption.
+//! For the mean of |e| this bound is the tangent of a convex function of the effects. For percentiles it
+//! assumes that their squares are convex functions of the covariance S, for up to three rows. We know no
+//! proof of this assumption. tests/it/proof.rs tests it for 95 % and 99 %, and [`super::Proof::in_words`]
+//! states it.
 
 use super::WhyNot;
 use super::linear_effects::Effect;
@@ -25,32 +27,33 @@ use nalgebra::{DMatrix, Matrix3, Vector2, Vector3, Vector6};
 
 /// Largest number of rows of a sense whose mean, percentiles and worst case have a bound.
 ///
-/// A sense with more rows has a bound of the RMS, of the signed sample and of the linear worst case only.
+/// For a sense with more rows, only the RMS, the signed sample and the linear worst case have a bound.
 const MAX_ROWS_OF_PERCENTILE: usize = 3;
-/// Step of a numeric derivative, as a share of the trace.
+/// Step of a numeric derivative by an eigenvalue of the covariance, as a share of the trace.
 const DERIVATIVE_STEP: f64 = 1e-3;
-/// Bound of the relative error of a numeric derivative.
+/// Upper bound of the relative error of a numeric derivative by an eigenvalue of the covariance.
 const DERIVATIVE_ERROR: f64 = 1e-5;
 
-/// Directions (eta, zeta) of one motion: for its displacement of the point, and for its rotation.
+/// Weights (eta, zeta) of one motion: eta for the displacement of the point, zeta for the rotation.
 pub(super) type Weight = (Vector3<f64>, Vector3<f64>);
 
-/// Rule by which effects add up to a value.
+/// Way in which a reading makes one value of the effects of all sources.
 #[derive(Debug, Clone)]
 pub(super) enum EffectSum {
-    /// A signed sample: values of the sources.
+    /// Signed sample: the values of the sources.
     Sample(Vec<f64>),
-    /// The worst case: half widths of the sources.
+    /// Worst case: the half widths of the tolerances of the sources.
     Box(Vec<f64>),
-    /// A statistic of independent factors, each a list of (source, value at one standard deviation).
+    /// Statistic of independent random factors; each is a list of (source, value at one standard deviation).
     Random(Vec<Vec<(usize, f64)>>, Quantity),
 }
 
 impl EffectSum {
-    /// Returns the rule of an evaluator for a sense with this number of rows.
+    /// Returns the way in which the reading of `evaluator` makes a value of effects, for a sense with `rows`
+    /// rows.
     ///
     /// # Errors
-    /// Returns the reason if the reading has no bound.
+    /// Returns the reason if the value has no lower bound in this reading.
     pub fn new(evaluator: &ErrorEvaluator, rows: usize) -> Result<Self, WhyNot> {
         let list = &evaluator.sources.list;
         match evaluator.reading {
@@ -78,7 +81,10 @@ impl EffectSum {
         }
     }
 
-    /// Returns the directions of all motions at a posture; None where the value is zero.
+    /// Returns the weights of all motions whose weighted sum bounds the value from below; None if the value
+    /// is zero.
+    ///
+    /// The sum is equal to the value at the posture of `effects`, and not greater at other postures.
     pub fn weights(&self, rows: &[Row], motions: &[ScrewMotion], effects: &[Effect]) -> Option<Vec<Weight>> {
         let mut columns = [Vector6::zeros(); MAX_SOURCES];
         for (motion, effect) in motions.iter().zip(effects) {
@@ -106,7 +112,10 @@ impl EffectSum {
     }
 }
 
-/// Writes the directions of `|sum a_k e_k|`, given the values a_k.
+/// Writes the vectors `a_k u` for the lower bound `sum a_k u . e_k` of `|sum a_k e_k|`.
+///
+/// Here `e_k` is the effect of source k (`columns`) and `a_k` its value, and u is the unit vector along the
+/// sum.
 fn towards(columns: &[Vector6<f64>], values: &[f64], out: &mut [Vector6<f64>]) -> Option<()> {
     let sum: Vector6<f64> = columns.iter().zip(values).map(|(c, v)| c * *v).sum();
     let unit = sum.try_normalize(f64::MIN_POSITIVE)?;
@@ -114,7 +123,7 @@ fn towards(columns: &[Vector6<f64>], values: &[f64], out: &mut [Vector6<f64>]) -
     Some(())
 }
 
-/// Returns the farthest corner as signed values.
+/// Returns the values of the sources at the corner of the tolerance box with the largest linear error.
 fn corner(columns: &[Vector6<f64>], widths: &[f64], rows: usize) -> Vec<f64> {
     let scaled: Vec<Vector6<f64>> = columns.iter().zip(widths).map(|(c, w)| c * *w).collect();
     let mut signs = vec![1.0; widths.len()];
@@ -134,7 +143,9 @@ fn corner(columns: &[Vector6<f64>], widths: &[f64], rows: usize) -> Vec<f64> {
     signs.iter().zip(widths).map(|(s, w)| s * w).collect()
 }
 
-/// Writes the directions of a statistic, `A e_f / value`, converted from factors to sources.
+/// Writes the vectors `A e_f / value` of a statistic, converted from random factors to sources.
+///
+/// Here `e_f` is the effect of factor f, and A is the derivative of the squared statistic by the covariance.
 fn spread(
     columns: &[Vector6<f64>],
     factors: &[Vec<(usize, f64)>],
@@ -171,9 +182,12 @@ fn spread(
     Some(())
 }
 
-/// Returns A with `<A, S> <= quantity(S)^2` for every covariance S of `rows` rows; None if nothing varies.
+/// Returns the matrix A with `<A, S> <= quantity(S)^2` for every covariance S of `rows` rows.
 ///
-/// Equality holds at the given covariance, except for the error of numeric derivatives, which is subtracted.
+/// `<A, S>` is the sum of the products of the entries. Returns None if the given covariance is zero.
+///
+/// At the given covariance both sides are equal, except for the error of numeric derivatives, which is
+/// subtracted.
 pub fn tangent(covariance: &Matrix3<f64>, rows: usize, quantity: Quantity) -> Option<Matrix3<f64>> {
     let trace = covariance.trace();
     if trace < f64::MIN_POSITIVE {
@@ -212,7 +226,7 @@ pub fn tangent(covariance: &Matrix3<f64>, rows: usize, quantity: Quantity) -> Op
     Some(a)
 }
 
-/// Returns the squared quantity of a centred normal vector with these variances.
+/// Returns the squared quantity of the norm of a normal vector with mean zero and these variances.
 fn square(variances: &[f64], quantity: Quantity) -> f64 {
     let mut columns = [Vector6::zeros(); 3];
     variances.iter().enumerate().for_each(|(k, l)| columns[k][k] = l.max(0.0).sqrt());

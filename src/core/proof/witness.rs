@@ -1,4 +1,4 @@
-//! Witnesses: postures that show how low a value can really be, upper bounds of the minimum.
+//! Witnesses: postures that keep all constraints, whose values are upper bounds of the minimum.
 
 use super::region::Constraint;
 use super::screws::JointValues;
@@ -8,14 +8,14 @@ use crate::cell::{JointVector, MAX_JOINTS};
 use crate::reading::EvaluatorScratch;
 use nalgebra::{Matrix4, Vector4};
 
-/// Largest violation of limits and constraints by a witness, m or rad.
+/// Largest violation of joint limits and constraints that is accepted in a witness, m or rad.
 const TOLERANCE: f64 = 1e-9;
 
-/// Returns a posture in a box that keeps limits and constraints, with its value.
+/// Returns a posture in a box that keeps joint limits and constraints, with its value; None if none is found.
 ///
-/// It takes least-norm Newton steps from `y`, clamped to the box from `low` to `high`. A violation up to
-/// [`TOLERANCE`] is accepted, since the best posture is often in a corner of the allowed set. No bound
-/// depends on it.
+/// The search takes least-norm Newton steps from `y`, clamped to the box from `low` to `high`. A violation up
+/// to [`TOLERANCE`] is accepted, since the best posture is often in a corner of the allowed set. No lower
+/// bound depends on this tolerance.
 pub(super) fn near(
     task: &Task<'_>,
     mut y: JointValues,

@@ -15,15 +15,16 @@ pub struct Share {
     pub signed: f64,
     /// Half width of the tolerance, m or rad.
     pub plus_minus: f64,
-    /// Linear effect on the position of the TCP in world axes, m.
+    /// Linear position error of the TCP that this source causes, in world axes, m.
     ///
-    /// It is taken at the signed value in the signed reading, otherwise at the upper limit of the tolerance.
+    /// In the signed reading the source has its signed value, otherwise the upper limit of its tolerance.
     pub term: Vector3<f64>,
-    /// Size of the effect in the sense with this source alone at its tolerance, m or rad.
+    /// Size of the linear error in the operation's sense if only this source errs, by its tolerance, m or
+    /// rad.
     pub alone: f64,
-    /// Share of the linear worst case; all shares add up to 1.
+    /// Share of the linear worst case; the shares of all sources add up to 1.
     pub of_worst: f64,
-    /// Share of the variance; all shares add up to 1.
+    /// Share of the variance of the linear error; the shares of all sources add up to 1.
     pub of_variance: f64,
 }
 
@@ -31,9 +32,9 @@ pub struct Share {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Budget {
     pub shares: Vec<Share>,
-    /// Linear worst case, m or rad.
+    /// Linear worst case of the error in the operation's sense, m or rad.
     pub worst: f64,
-    /// Standard deviation, m or rad.
+    /// Standard deviation of the linear error in the operation's sense, m or rad.
     pub deviation: f64,
 }
 
@@ -81,7 +82,9 @@ impl Budget {
     }
 }
 
-/// Returns each source's part of the variance: `g_k . sum_j C_kj g_j`.
+/// Returns the part of each source k in the variance: `g_k . sum_j C_kj g_j`.
+///
+/// Here `g_k` is the effect of one unit of source k (`unit`), and `C` is the covariance of the sources.
 fn variances(sources: &ErrorSources, unit: &[Vector6<f64>]) -> Vec<f64> {
     let alone = |(k, s): (usize, &super::ErrorSource)| match s.spread {
         Some(_) => unit[k].norm_squared() * s.deviation * s.deviation,

@@ -1,4 +1,4 @@
-//! First-order effects of the error sources on the TCP, seen from the work.
+//! First-order effects of the error sources on the TCP, relative to the equipment worked on.
 
 use super::error_sources::{ErrorSources, MAX_SOURCES};
 use crate::cell::Parameter;
@@ -6,7 +6,10 @@ use crate::kinematic_error::Expansion;
 use crate::pose::{Displacement, Pose};
 use nalgebra::Vector3;
 
-/// First-order effect of a unit of each source on the TCP (base frame), and the second-order mean.
+/// First-order effect of one unit of each error source on the TCP, and its second-order mean error (base
+/// frame).
+///
+/// The second-order mean is the mean error that the second-order terms of random sources cause.
 #[derive(Debug, Clone)]
 pub struct Effects {
     pub columns: [Displacement; MAX_SOURCES],
@@ -21,8 +24,8 @@ impl Default for Effects {
 }
 
 impl Effects {
-    /// Sets the effects of the robot at the posture of `expansion`; if `mean` is set, also the second-order
-    /// mean.
+    /// Sets the effects of the robot at the posture of `expansion`; if `mean` is true, also the mean error
+    /// that the second-order terms cause.
     pub fn set(&mut self, sources: &ErrorSources, expansion: &Expansion, mean: bool) {
         self.count = sources.list.len();
         for k in 0..self.count {
@@ -55,7 +58,7 @@ impl Effects {
         }
     }
 
-    /// Subtracts other effects, each transformed by `change` first.
+    /// Subtracts the effects and the mean of `other`, each transformed by `change` first.
     pub fn less(&mut self, other: &Effects, change: impl Fn(&Displacement) -> Displacement) {
         for k in 0..self.count {
             self.columns[k] = self.columns[k] - change(&other.columns[k]);
@@ -63,7 +66,7 @@ impl Effects {
         self.mean = self.mean - change(&other.mean);
     }
 
-    /// Calls `add` with every independent random factor: its effect at one standard deviation, and its
+    /// Calls `add` for every independent random factor, with its effect at one standard deviation and its
     /// excess kurtosis.
     pub fn independent(&self, sources: &ErrorSources, mut add: impl FnMut(Displacement, f64)) {
         for (k, source) in sources.list.iter().enumerate().filter(|(_, s)| s.spread.is_some()) {
@@ -75,14 +78,17 @@ impl Effects {
         }
     }
 
-    /// Returns the linear error of a sample, given one value per source.
+    /// Returns the linear error of a sample; `values` holds one value per source.
     pub fn of_sample(&self, values: &[f64]) -> Displacement {
         let columns = self.columns[..self.count].iter().zip(values);
         columns.fold(Displacement::NONE, |sum, (column, value)| sum + *column * *value)
     }
 }
 
-/// Returns `1/2 sum_jk H_jk C_jk`; for independent sources only the diagonal counts.
+/// Returns the mean of the second-order terms of the TCP error: `1/2 sum_jk H_jk C_jk`.
+///
+/// `H_jk` is the second derivative of the TCP pose by sources j and k, and `C` is their covariance. For
+/// independent sources, only the terms with j = k are not zero.
 fn second_order_mean(sources: &ErrorSources, expansion: &Expansion) -> Displacement {
     let mut mean = Displacement::NONE;
     for (k, source) in sources.list.iter().enumerate().filter(|(_, s)| s.spread.is_some()) {

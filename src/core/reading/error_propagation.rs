@@ -1,4 +1,4 @@
-//! Propagation of parameter errors to the error of an operation, seen from the work.
+//! Propagation of parameter errors to the error of an operation, relative to the equipment worked on.
 
 use super::effects::Effects;
 use super::error_sources::ErrorSources;
@@ -18,7 +18,8 @@ pub struct ErrorPropagation<'a> {
 }
 
 impl ErrorPropagation<'_> {
-    /// Computes the first-order effects at a posture, seen from the work.
+    /// Computes the first-order effects at a posture, relative to the work and to the pick of the part, if
+    /// any.
     pub fn effects(
         &self,
         context: &WorkContext,
@@ -34,7 +35,7 @@ impl ErrorPropagation<'_> {
         }
     }
 
-    /// Computes the first-order effects at a posture, seen from a work frame, without a pick.
+    /// Computes the first-order effects at a posture, relative to a work frame; a pick is ignored.
     pub fn effects_at(
         &self,
         site: &WorkFrame,
@@ -58,7 +59,7 @@ impl ErrorPropagation<'_> {
         }
     }
 
-    /// Prepares a signed sample, given one value per source.
+    /// Prepares a signed sample for a model; `values` holds one value per source.
     pub fn sample(&self, values: &[f64], model: Model) -> PreparedSample {
         let errors = self.sources.perturbation(self.chain, values);
         let fitted = self.best_fit.map(|fit| fit.motion(&errors, model));
@@ -66,9 +67,9 @@ impl ErrorPropagation<'_> {
         PreparedSample { errors, fitted, equipment }
     }
 
-    /// Returns the error of a sample at a posture, seen from the work.
+    /// Returns the error of a sample at a posture, relative to the work and to the pick of the part, if any.
     ///
-    /// Do not call it for the linear model, whose errors are sums of [`Self::effects`].
+    /// Do not call this function for the linear model, whose errors are sums of [`Self::effects`].
     pub fn error(
         &self,
         context: &WorkContext,
@@ -84,7 +85,7 @@ impl ErrorPropagation<'_> {
         picked.inverse().turned(&turn).then(&placed)
     }
 
-    /// Returns the error of a sample seen from a work frame, without a pick.
+    /// Returns the error of a sample relative to a work frame; a pick is ignored.
     fn error_at(
         &self,
         site: &WorkFrame,
@@ -110,9 +111,10 @@ impl ErrorPropagation<'_> {
 #[derive(Debug, Clone)]
 pub struct PreparedSample {
     errors: Perturbation,
-    /// Motion by which the best fit of the base follows the sample, seen at the centre of the fit.
+    /// Rigid motion that the best fit of the base finds for the sample, with the translation of the centre of
+    /// the fit.
     fitted: Option<Displacement>,
-    /// Errors of the equipment frames, with the indices of the equipment.
+    /// Index and frame error of each piece of equipment whose errors count.
     equipment: [Option<(usize, FrameError)>; 2],
 }
 
@@ -123,9 +125,9 @@ impl PreparedSample {
     }
 }
 
-/// Returns the displacement of a point of the work by the error of its frame.
+/// Returns the displacement of the point `p` (base frame, m) if the error of a work frame moves the work.
 ///
-/// The rotations about x, y and z come first, then the translations.
+/// The work is rotated about x, y and z of its frame in this order, then translated.
 fn work_moved(error: &FrameError, work: &Pose, p: &Vector3<f64>) -> Displacement {
     let arm = p - work.translation;
     let turns = (0..3).fold(SmallRotation::none(), |sum, k| {

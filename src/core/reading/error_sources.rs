@@ -1,4 +1,4 @@
-//! Error sources of an operation: parameters of robot and equipment with sample, tolerance and spread.
+//! Error sources of an operation: parameters of robot and equipment with their errors.
 
 use crate::cell::{
     Cell, ErrorSet, MAX_JOINTS, MAX_PARAMETERS, PER_FRAME, Parameter, Registration, Spread, Tolerance,
@@ -10,7 +10,7 @@ use nalgebra::DMatrix;
 /// Largest number of sources of one operation: all parameters of the robot and of two pieces of equipment.
 pub const MAX_SOURCES: usize = MAX_PARAMETERS + 2 * PER_FRAME;
 
-/// One parameter with an error.
+/// Parameter of robot or equipment that has an error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErrorSource {
     pub parameter: Parameter,
@@ -18,9 +18,9 @@ pub struct ErrorSource {
     pub signed: f64,
     /// Half width of the tolerance, m or rad.
     pub plus_minus: f64,
-    /// Standard deviation, m or rad.
+    /// Standard deviation of the parameter, m or rad.
     pub deviation: f64,
-    /// Excess kurtosis.
+    /// Excess kurtosis of the distribution of the parameter.
     pub kurtosis: f64,
     /// Distribution of the parameter; None if it is correlated with others.
     pub spread: Option<Spread>,
@@ -34,11 +34,13 @@ pub struct ErrorSources {
     pub list: Vec<ErrorSource>,
     /// Independent normal factors of correlated sources.
     ///
-    /// Each factor lists sources with their values at one standard deviation of the factor.
+    /// Each factor is a list of source indices with the value of the source at one standard deviation of the
+    /// factor.
     pub factors: Vec<Vec<(usize, f64)>>,
-    /// Number of robot parameters in a sample; it includes joint frames only if one has an error.
+    /// Number of robot parameters in a sample; joint frames are included only if one of them has an error.
     parameters: usize,
-    /// Indices of the equipment whose errors count: the one worked on, and the one the part was picked from.
+    /// Indices of the equipment whose errors count: the equipment worked on, and the equipment the part was
+    /// picked from.
     at: [Option<usize>; 2],
 }
 
@@ -79,7 +81,7 @@ impl ErrorSources {
         self.list.iter().map(|s| s.signed).collect()
     }
 
-    /// Returns the robot errors of a sample, given one value per source.
+    /// Returns the robot errors of a sample; `values` holds one value per source.
     pub fn perturbation(&self, chain: &Chain, values: &[f64]) -> Perturbation {
         // A shorter buffer is cheaper to clear, which every tried corner needs.
         match self.parameters <= Parameter::first_joint(MAX_JOINTS) {
@@ -96,7 +98,7 @@ impl ErrorSources {
         Perturbation::of_values(chain, &all[..self.parameters])
     }
 
-    /// Returns the errors of the equipment frames in a sample, with the indices of the equipment.
+    /// Returns the index and the frame error of each piece of equipment in a sample.
     pub fn equipment(&self, values: &[f64]) -> [Option<(usize, FrameError)>; 2] {
         let error = |wanted: usize| {
             let mut all = [0.0; PER_FRAME];
@@ -111,7 +113,7 @@ impl ErrorSources {
         self.at.map(|e| e.and_then(error))
     }
 
-    /// Returns an expansion by the robot parameters among these sources.
+    /// Returns an expansion of the TCP error in the robot parameters among these sources.
     pub fn expansion(&self, chain: &Chain) -> Expansion {
         let parameters: Vec<usize> = self.list.iter().filter_map(|s| s.robot).collect();
         Expansion::of(chain, &parameters)
@@ -138,7 +140,9 @@ fn signed_values(set: &ErrorSet, axes: usize) -> Vec<f64> {
     }
 }
 
-/// Returns the principal axes `v_f` of a covariance, `C = sum_f v_f v_f^T`, as sparse vectors of sources.
+/// Returns independent factors `v_f` of the covariance `C = sum_f v_f v_f^T` of a tolerance.
+///
+/// Each factor is a sparse vector: source indices with their values. `place` maps a parameter to its source.
 fn factors(tolerance: &Tolerance, place: &[Option<usize>]) -> Vec<Vec<(usize, f64)>> {
     let Some(covariance) = &tolerance.covariance else { return Vec::new() };
     // The axes are those of the correlation matrix, because m and rad must not be compared.

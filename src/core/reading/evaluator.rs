@@ -1,4 +1,4 @@
-//! Error of an operation at a posture: one number that the search minimizes.
+//! Error of an operation at a posture as one number, which the search minimizes.
 
 use super::error_propagation::{ErrorPropagation, PreparedSample};
 use super::error_sources::ErrorSources;
@@ -14,14 +14,14 @@ use crate::pose::Displacement;
 use crate::robot::{Chain, Frames};
 use nalgebra::{Matrix3, Vector3, Vector6};
 
-/// Error evaluator of one operation: errors in its sense, by its model and in its reading.
+/// Error evaluator of one operation, with the sense of the operation and the model and reading of the cell.
 #[derive(Debug, Clone)]
 pub struct ErrorEvaluator {
     chain: Chain,
     pub sources: ErrorSources,
     best_fit: Option<BestFit>,
     pub sense: Sense,
-    /// Senses reported at every node: the seed paper's and the operation's own.
+    /// Senses reported at every node: those of the seed paper and that of the operation.
     pub reported: Vec<Sense>,
     pub model: Model,
     pub reading: Reading,
@@ -30,7 +30,7 @@ pub struct ErrorEvaluator {
     /// Values of the signed sample, one per source.
     pub(super) signed_values: Vec<f64>,
     signed: PreparedSample,
-    /// Whether only the robot has errors and no registration or pick removes any.
+    /// Whether only the robot has errors, and neither a registration nor a pick removes a part of them.
     alone: bool,
 }
 
@@ -44,12 +44,12 @@ pub struct EvaluatorScratch {
 }
 
 impl EvaluatorScratch {
-    /// Returns the expansion at the posture last prepared.
+    /// Returns the expansion of the TCP error at the last posture for which effects were computed.
     pub fn expansion(&mut self) -> &mut Expansion {
         &mut self.expansion
     }
 
-    /// Returns the effects at the posture last prepared.
+    /// Returns the effects at the last posture for which they were computed.
     pub fn effects(&self) -> &Effects {
         &self.effects
     }
@@ -106,7 +106,8 @@ impl ErrorEvaluator {
         ErrorPropagation { chain: &self.chain, sources: &self.sources, best_fit: self.best_fit.as_ref() }
     }
 
-    /// Returns the pick of a part in the posture with the link frames `frames`, with its error effects.
+    /// Returns the pick of a part in the posture with the link frames `frames`, and the effects of errors on
+    /// it.
     pub fn pick_reference(&self, site: WorkFrame, frames: Frames) -> PickReference {
         let mut effects = Effects::default();
         let mut expansion = self.sources.expansion(&self.chain);
@@ -114,12 +115,12 @@ impl ErrorEvaluator {
         PickReference { site, frames, effects }
     }
 
-    /// Returns whether second-order means are included.
+    /// Returns whether statistics include the mean error that second-order terms cause.
     pub fn takes_mean(&self) -> bool {
         self.model != Model::Linear
     }
 
-    /// Returns the rows of a sense at a posture.
+    /// Returns the rows of a sense at a posture: the directions in which the error counts.
     pub fn measure(&self, sense: &Sense, context: &WorkContext, frames: &Frames) -> SenseRows {
         SenseRows::new(sense, frames, &context.site.world, &context.site.work.rotation)
     }
@@ -153,9 +154,11 @@ impl ErrorEvaluator {
         }
     }
 
-    /// Returns the sample and the rows of the sense (world frame) if the value is a plain position error.
+    /// Returns the signed sample and the rows of the sense (world frame) if the value is a position error of
+    /// the TCP.
     ///
-    /// Then [`Self::value`] is the size of the TCP's nonlinear position error in these rows, in any context.
+    /// Then [`Self::value`] is the size of the nonlinear position error in these rows. The context does not
+    /// influence it.
     pub fn plain(&self) -> Option<(&Perturbation, Vec<Vector3<f64>>)> {
         let signed = self.reading == Reading::Signed && self.model == Model::Nonlinear;
         let is_plain = signed && self.alone && self.sense.is_of_position();
@@ -163,7 +166,8 @@ impl ErrorEvaluator {
         is_plain.then(|| (self.signed.errors(), rows()))
     }
 
-    /// Returns the size of a position error (base frame) in the rows of a plain sense.
+    /// Returns the size of a position error (base frame) in a sense whose rows are directions in the world
+    /// frame.
     fn size_of_position(&self, e: &Vector3<f64>, world: &Matrix3<f64>) -> f64 {
         let world = world.transpose() * e;
         self.sense.rows().iter().map(|row| row.direction.dot(&world).powi(2)).sum::<f64>().sqrt()
@@ -182,7 +186,7 @@ impl ErrorEvaluator {
         }
     }
 
-    /// Returns the error of a sample by a model, base frame, given one value per source.
+    /// Returns the error of a sample by a model, in the base frame; `values` holds one value per source.
     pub fn error_of(
         &self,
         values: &[f64],
@@ -199,13 +203,13 @@ impl ErrorEvaluator {
         propagation.error(context, frames, &propagation.sample(values, model), model)
     }
 
-    /// Computes the effects at a posture, from which the figures of every sense follow.
+    /// Computes the first-order effects at a posture, which the figures of every sense use.
     pub fn prepare(&self, context: &WorkContext, frames: &Frames, memory: &mut EvaluatorScratch) {
         let mean = self.takes_mean();
         self.propagation().effects(context, frames, &mut memory.expansion, mean, &mut memory.effects);
     }
 
-    /// Returns the worst case in a sense. [`Self::prepare`] must come first.
+    /// Returns the worst case in a sense. Call [`Self::prepare`] first.
     pub fn worst(
         &self,
         sense: &Sense,
@@ -236,7 +240,9 @@ impl ErrorEvaluator {
         })
     }
 
-    /// Returns the corners with the largest displacement and with the largest rotation of the TCP.
+    /// Returns two corners of the tolerance box, each as one sign per source.
+    ///
+    /// The first has the largest linear displacement of the TCP, the second the largest linear rotation.
     fn largest(&self, memory: &mut EvaluatorScratch) -> [[f64; MAX_SOURCES]; 2] {
         [false, true].map(|turns| {
             for (k, source) in self.sources.list.iter().enumerate() {
@@ -251,8 +257,8 @@ impl ErrorEvaluator {
         })
     }
 
-    /// Returns the size of products of errors: root sum square of the rotations that the sources
-    /// cause at their tolerances, times the root sum square of the displacements.
+    /// Returns an estimate of the size of the second-order terms. It is the root sum square of the rotations
+    /// of the TCP that the sources cause at their tolerances, times that of the displacements.
     fn quadratic(&self, effects: &Effects) -> f64 {
         let pairs = self.sources.list.iter().zip(&effects.columns);
         let (turn, shift) = pairs.fold((0.0, 0.0), |(turn, shift), (source, effect)| {
@@ -263,8 +269,8 @@ impl ErrorEvaluator {
         (turn * shift).sqrt()
     }
 
-    /// Returns the farthest corner by the linear model, one sign per source. [`Self::prepare`] must come
-    /// first.
+    /// Returns the corner of the tolerance box with the largest linear error, as one sign per source. Call
+    /// [`Self::prepare`] first.
     pub fn linear_corner(
         &self,
         measure: &SenseRows,
@@ -279,14 +285,14 @@ impl ErrorEvaluator {
         (found, corner)
     }
 
-    /// Writes the values of the sources at a corner of the tolerance box.
+    /// Writes the values of the sources at the corner of the tolerance box that `signs` name.
     pub fn corner(&self, signs: &[f64], values: &mut [f64]) {
         for ((value, source), sign) in values.iter_mut().zip(&self.sources.list).zip(signs) {
             *value = source.plus_minus * sign;
         }
     }
 
-    /// Returns the distribution of the error's size in a sense. [`Self::prepare`] must come first.
+    /// Returns the distribution of the size of the error in a sense. Call [`Self::prepare`] first.
     pub fn norm(
         &self,
         sense: &Sense,
@@ -304,7 +310,7 @@ impl ErrorEvaluator {
         NormDistribution::new(measure.rows(), &columns[..n], &kurtosis[..n], &measure.column(&effects.mean))
     }
 
-    /// Restricts the reported senses to the operation's own, which is several times faster.
+    /// Restricts the reported senses to that of the operation, which makes reports several times faster.
     pub fn report_own_sense(&mut self) {
         self.reported = vec![self.sense.clone()];
     }

@@ -6,7 +6,8 @@ use crate::pose::Displacement;
 /// Error figures of one sense at one posture, m or rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Figures {
-    /// Error of the signed sample, or of the corner that is worst in the operation's sense.
+    /// Error of the signed sample, or of the corner of the tolerance box that is worst in the operation's
+    /// sense.
     pub error: f64,
     /// Exact worst case by the linear model.
     pub worst_linear: f64,
@@ -19,7 +20,8 @@ pub struct Figures {
 }
 
 impl Figures {
-    /// Returns the figure of a reading. A yield has no unit of error; its figure is the 95th percentile.
+    /// Returns the figure of a reading. For a yield, which is not an error in m or rad, this is the 95th
+    /// percentile.
     pub fn in_reading(&self, reading: Reading, quantity: Quantity) -> f64 {
         match (reading, quantity) {
             (Reading::Signed, _) => self.error,

@@ -1,7 +1,8 @@
-//! Tolerance analysis: the parameter errors of section 2 read as a sample, a worst case or a distribution.
+//! Tolerance analysis: the error of an operation for a signed sample, a tolerance box or a distribution.
 //!
-//! The seed paper maps one signed sample. Read as tolerances, the same numbers are a box of samples, and the
-//! worst of these counts. Read as random variables, their spread counts (root sum of squares, RSS):
+//! The seed paper maps one signed sample of the parameter errors (section 2). If the numbers are tolerances
+//! instead, they bound a box of samples, and the worst sample counts. If they are random variables, the
+//! spread of the error counts (root sum of squares, RSS):
 //!
 //! ```text
 //! signed        |e|                        e = the model's error of the sample
@@ -9,9 +10,10 @@
 //! statistical   |N(mu, sum_k g_k g_k^T)|   its RMS, mean, percentiles, P(|e| <= limit)
 //! ```
 //!
-//! Here `g_k` is the effect of [`ErrorSource`] k at its tolerance (or its standard deviation) in the rows of
-//! a sense ([`SenseRows`]). It excludes the error that a registration removes ([`BestFit`], [`Taught`]) and,
-//! for a picked part, the error of the pick ([`PickReference`]).
+//! Here `g_k` is the effect of [`ErrorSource`] k in the rows of a sense ([`SenseRows`]). In the worst case
+//! the source is at its tolerance, in a statistic at its standard deviation; `mu` is the mean error. The
+//! effect excludes the error that a registration removes ([`BestFit`], [`Taught`]). For a picked part it also
+//! excludes the error of the pick ([`PickReference`]).
 
 mod budget;
 mod effects;

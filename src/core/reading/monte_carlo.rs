@@ -1,6 +1,6 @@
-//! Quasi-Monte Carlo check of the statistical reading: samples through the nonlinear model.
+//! Quasi-Monte Carlo check of the statistical reading by samples of the nonlinear model.
 //!
-//! The samples are a Richtmyer sequence in replicates, each shifted at random from an explicit seed. The
+//! Each replicate is a Richtmyer sequence with a random shift, which follows from an explicit seed. The
 //! scatter of the replicates gives the confidence interval.
 
 use super::normal_quantile::normal_quantile;
@@ -16,16 +16,17 @@ use rayon::prelude::*;
 /// Number of independently shifted replicates.
 const REPLICATES: usize = 32;
 
-/// Student's t for 97.5 % and 31 degrees of freedom.
+/// Quantile of Student's t distribution for 97.5 % and 31 degrees of freedom.
 const STUDENT_T: f64 = 2.039_513_446;
 
-/// Relative deviation up to which a first-order figure agrees even outside the interval.
+/// Relative deviation up to which a first-order figure agrees with an estimate, even outside the confidence
+/// interval.
 pub const RELATIVE_TOLERANCE: f64 = 0.01;
 
 /// Number of bins of a [`Histogram`].
 const BINS: usize = 72;
 
-/// A figure with its 95 % interval.
+/// Estimated figure with its 95 % confidence interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate {
     pub value: f64,
@@ -34,7 +35,7 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// Returns whether a figure agrees: inside the interval, or within 1 % of the value.
+    /// Returns whether `figure` agrees: it is inside the confidence interval, or within 1 % of the value.
     pub fn agrees(&self, figure: f64) -> bool {
         (self.low..=self.high).contains(&figure)
             || (figure - self.value).abs() <= RELATIVE_TOLERANCE * self.value.abs()
@@ -56,7 +57,7 @@ pub struct MonteCarlo {
     pub histogram: Histogram,
 }
 
-/// Numbers of samples in equal bins over their range, m or rad.
+/// Histogram of the error: numbers of samples in bins of equal width from `low` to `high`, m or rad.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Histogram {
     pub low: f64,
@@ -83,7 +84,7 @@ impl Histogram {
 }
 
 impl MonteCarlo {
-    /// Returns whether the first-order figures agree.
+    /// Returns whether the first-order figures agree with the estimates.
     pub fn confirms(&self, first_order: &Figures) -> bool {
         let pairs = [
             (self.rms, first_order.rms),
@@ -95,9 +96,10 @@ impl MonteCarlo {
     }
 }
 
-/// Samples the error in the operation's sense at one posture by the nonlinear model.
+/// Estimates the figures of the error in the operation's sense at one posture, by samples of the nonlinear
+/// model.
 ///
-/// `p95` is the first-order figure whose coverage is estimated.
+/// `p95` is the first-order 95th percentile; the share of samples above it is estimated, too.
 pub fn monte_carlo(
     evaluator: &ErrorEvaluator,
     context: &WorkContext,
@@ -158,7 +160,7 @@ fn percentile(sorted: &[f64], p: f64) -> f64 {
 /// Stream of samples, one value per source.
 struct SampleStream<'a> {
     evaluator: &'a ErrorEvaluator,
-    /// Current point in the unit cube and the step of each dimension.
+    /// Coordinate of the current point of the unit cube and step of the sequence, for each dimension.
     at: Vec<(f64, f64)>,
     values: Vec<f64>,
 }
@@ -189,7 +191,7 @@ impl<'a> SampleStream<'a> {
     }
 }
 
-/// Returns the quantile of a spread.
+/// Returns the quantile of the distribution of a parameter at the probability `u`.
 fn drawn(spread: &Spread, u: f64) -> f64 {
     match spread.distribution {
         Distribution::Normal => spread.deviation() * bounded_normal(u),
@@ -199,7 +201,7 @@ fn drawn(spread: &Spread, u: f64) -> f64 {
     }
 }
 
-/// Returns the normal quantile with the ends of the unit interval clamped, so that it stays finite.
+/// Returns the standard normal quantile at the probability `u`, clamped away from 0 and 1 to keep it finite.
 fn bounded_normal(u: f64) -> f64 {
     normal_quantile(u.clamp(1e-16, 1.0 - 1e-16))
 }

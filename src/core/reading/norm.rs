@@ -1,10 +1,13 @@
-//! Distribution of the norm of a nearly normal vector: `|e|` with `e ~ N(mu, sum_k g_k g_k^T)`.
+//! Distribution of the norm `|e|` of a nearly normal vector `e ~ N(mu, sum_k g_k g_k^T)`.
 //!
-//! It is a generalized chi distribution, known by the characteristic function (here the Laplace transform) of
-//! `|e|^2`. `P(|e| <= c)` is computed by its inverse transform, not by fitting moments. It is accurate to
-//! 1e-10 for normal parameters, whatever the ratios of the eigenvalues. For parameters that are not normal,
-//! the fourth and sixth cumulants correct it to second order. With ten uniform parameters in three dimensions
-//! it is accurate within 0.2 %, with five within 3 %. It does not suit fewer parameters.
+//! Here `mu` is the mean of `e`, and `g_k` is the effect of parameter k at one standard deviation.
+//!
+//! This is a generalized chi distribution. The Laplace transform of the density of `|e|^2` has a closed form,
+//! and its inverse transform gives the probability `P(|e| <= c)`; no moments are fitted. For normal
+//! parameters the probability is accurate to 1e-10, whatever the ratios of the eigenvalues of the covariance.
+//! For other parameters, the fourth and sixth cumulants correct the transform to second order. In three
+//! dimensions, the result is accurate within 0.2 % for ten uniform parameters and within 3 % for five. The
+//! method does not suit fewer parameters that are not normal.
 
 mod bromwich;
 mod cumulants;
@@ -17,20 +20,21 @@ use nalgebra::Vector6;
 use spectrum::Spectrum;
 use std::f64::consts::PI;
 
-/// Distribution of `|e|`.
+/// Distribution of the norm `|e|` of a nearly normal vector `e`.
 pub struct NormDistribution {
-    /// Transform of `|e|^2`; None if `e` is zero or does not vary.
+    /// Laplace transform of `|e|^2`; None if `e` is zero or does not vary.
     spectrum: Option<Spectrum>,
-    /// Unit of length of the spectrum, measured in the unit of the columns.
+    /// Unit of length of `spectrum`: the RMS of `|e|`, in m or rad as in the columns.
     unit: f64,
 }
 
 impl NormDistribution {
-    /// Returns the distribution of the norm of the first `m` rows.
+    /// Returns the distribution of `|e|`, where `e` are the first `m` components of a random vector.
     ///
-    /// `columns` are the effects of unit-variance parameters and `mean` is the mean of `e`. `kurtosis` is the
-    /// excess kurtosis of the parameters, 0 beyond the end of the slice. A negative one must be that of a
-    /// sum of equal uniform parameters: -1.2 for uniform, -0.6 for triangular ones.
+    /// `columns` are the effects of parameters of unit variance on `e`, and `mean` is the mean of `e`.
+    /// `kurtosis` is the excess kurtosis of the parameters, 0 beyond the end of the slice. A negative excess
+    /// kurtosis must be that of a sum of equal uniform variables: -1.2 for one (uniform), -0.6 for two
+    /// (triangular).
     pub fn new(m: usize, columns: &[Vector6<f64>], kurtosis: &[f64], mean: &Vector6<f64>) -> Self {
         match Spectrum::new(m, columns, kurtosis, mean) {
             None => Self { spectrum: None, unit: 0.0 },
@@ -38,14 +42,15 @@ impl NormDistribution {
         }
     }
 
-    /// Returns `sqrt(E |e|^2)`, exact for any distribution of the parameters.
+    /// Returns the RMS `sqrt(E |e|^2)`, which is exact for any distribution of the parameters.
     pub fn rms(&self) -> f64 {
         self.unit
     }
 
     /// Returns the mean `E |e| = 1 / (2 sqrt(pi)) int_0^inf (1 - L(z)) z^(-3/2) dz`.
     ///
-    /// The integral is a trapezoidal sum in `log z`, whose tails are geometric series.
+    /// Here `L(z) = E exp(-z |e|^2)` is the Laplace transform. The integral is a trapezoidal sum in `log z`,
+    /// whose tails are geometric series.
     pub fn mean(&self) -> f64 {
         let Some(spectrum) = &self.spectrum else { return self.unit };
         let step = 0.5; // accurate to 5e-12, however far from zero
@@ -62,7 +67,7 @@ impl NormDistribution {
         self.unit * step * sum / (2.0 * PI.sqrt())
     }
 
-    /// Returns `P(|e| <= c)`.
+    /// Returns the probability `P(|e| <= c)`.
     pub fn cdf(&self, c: f64) -> f64 {
         let Some(spectrum) = &self.spectrum else { return if c >= self.unit { 1.0 } else { 0.0 } };
         let c = c / self.unit;
@@ -73,7 +78,7 @@ impl NormDistribution {
         invert(spectrum, ((c - rest) * (c + rest)).min(1e100))[0].clamp(0.0, 1.0)
     }
 
-    /// Returns the least c with `P(|e| <= c) = p`; a p above 1 - 1e-9 counts as 1 - 1e-9.
+    /// Returns the least c with `P(|e| <= c) = p`; if p is above 1 - 1e-9, it is replaced by 1 - 1e-9.
     pub fn quantile(&self, p: f64) -> f64 {
         let Some(spectrum) = &self.spectrum else { return self.unit };
         if p <= 0.0 {
@@ -84,8 +89,9 @@ impl NormDistribution {
 
     /// Returns a lower bound of `quantile(p)` at almost no cost; 0 unless all parameters are normal.
     ///
-    /// No component exceeds the norm, and a mean only enlarges a component. The function belongs to the
-    /// public interface: it discards hopeless postures before the exact quantile.
+    /// The bound is the quantile of the component with the largest variance, taken without its mean. No
+    /// component exceeds the norm, and a mean only enlarges the quantile of a component. Callers can discard
+    /// hopeless postures by this bound before they compute the exact quantile.
     pub fn quantile_lower_bound(&self, p: f64) -> f64 {
         let Some(spectrum) = &self.spectrum else { return self.unit };
         if spectrum.correction.is_some() || p <= 0.0 {
@@ -97,7 +103,9 @@ impl NormDistribution {
     }
 }
 
-/// Returns the quantile of `Q - shift` by Halley's method on the log of the nearer tail, in a bracket.
+/// Returns the quantile of `Q - shift` by Halley's method on the log of the nearer tail, within a bracket.
+///
+/// Here `Q` is `|e|^2` in the unit of the spectrum, and `shift` is its constant part.
 fn above(spectrum: &Spectrum, p: f64) -> f64 {
     const MAX_STEPS: usize = 200;
     let mut x = start(spectrum, p);
@@ -136,7 +144,8 @@ fn above(spectrum: &Spectrum, p: f64) -> f64 {
     x
 }
 
-/// Returns a start value: the quantile of the chi-square distribution with the first three cumulants of Q.
+/// Returns a start value for the quantile: that of a chi-square distribution, shifted and scaled to have the
+/// first three cumulants of `|e|^2`.
 ///
 /// E. B. Wilson, M. M. Hilferty, "The distribution of chi-square", PNAS 17 (1931) 684-688.
 fn start(spectrum: &Spectrum, p: f64) -> f64 {

@@ -1,8 +1,8 @@
 //! Registration: frames measured with the robot itself, a best-fitted base and taught surfaces.
 //!
-//! A registration is a rigid motion M that a rule fits to the errors E at some points. The controller works
-//! in the moved frame, and the error left at a node is `M^-1 E`. To first order that is a difference of
-//! twists. For the exact models the rule is applied repeatedly to the remaining error. This converges
+//! A registration is a rigid motion M that a rule fits to the errors at some points. The controller works in
+//! the moved frame, so an error E at a node becomes `M^-1 E`. To first order this is a difference of twists.
+//! For the other models the rule is applied again to the errors that remain. This iteration converges
 //! quadratically and keeps the digits of small errors.
 
 use super::{Effects, ErrorSources};
@@ -15,7 +15,7 @@ use nalgebra::{Matrix3, Vector3};
 /// Number of postures over which the base frame is fitted.
 const POSTURES: usize = 64;
 
-/// Largest number of iterations of an exact fit. Errors of millimetres take three or four.
+/// Largest number of iterations of an exact fit. Three or four suffice for errors of millimetres.
 const MAX_ITERATIONS: usize = 16;
 
 /// Size of a correction (m and rad) below which an exact fit has converged.
@@ -24,20 +24,22 @@ const CONVERGED: f64 = 1e-17;
 /// Distance, m, below which two points are the same.
 const SAME_POINT: f64 = 1e-6;
 
-/// Best fit of the base frame: least squares of the positions over low-discrepancy postures between the
-/// joint limits.
+/// Best fit of the base frame: the least squares of the TCP position errors at 64 low-discrepancy postures
+/// between the joint limits.
 #[derive(Debug, Clone)]
 pub struct BestFit {
     postures: Vec<Frames>,
     centre: Vector3<f64>,
-    /// Inverse of the inertia matrix `sum |r|^2 - r r^T` about the centre.
+    /// Inverse of the inertia matrix `sum (|r|^2 I - r r^T)`, where r are the vectors from the centre to the
+    /// TCP positions of the fit.
     inverse: Matrix3<f64>,
-    /// Part of each source's effect that the fit removes, seen at the centre.
+    /// Part of the effect of each source that the fit removes: a twist with the translation of the centre.
     pub effects: Effects,
 }
 
 impl BestFit {
-    /// Prepares the best fit of a chain; if `mean` is set, the fit includes the second-order mean.
+    /// Prepares the best fit of a chain; if `mean` is true, the fit includes the mean error of the
+    /// second-order terms.
     pub fn new(chain: &Chain, sources: &ErrorSources, mean: bool) -> Self {
         let postures: Vec<Frames> =
             (0..POSTURES).map(|k| chain.frames(&chain.posture(&chain.halton_sample(k)))).collect();
@@ -52,7 +54,7 @@ impl BestFit {
         fit
     }
 
-    /// Returns the fitted motion of a sample, seen at the centre.
+    /// Returns the rigid motion fitted to a sample, with the translation of the centre of the fit.
     pub fn motion(&self, errors: &Perturbation, model: Model) -> Displacement {
         let mut moved = [Vector3::zeros(); POSTURES];
         for (moved, posture) in moved.iter_mut().zip(&self.postures) {
@@ -67,12 +69,12 @@ impl BestFit {
         &self.postures
     }
 
-    /// Returns the vector from the centre to the TCP, base frame, m.
+    /// Returns the vector from the centre of the fit to the TCP, base frame, m.
     pub fn arm(&self, frames: &Frames) -> Vector3<f64> {
         frames.tcp.translation - self.centre
     }
 
-    /// Returns the least-squares twist of small displacements, seen at the centre.
+    /// Returns the least-squares twist of small displacements, with the translation of the centre of the fit.
     fn twist(&self, moved: &[Vector3<f64>]) -> Displacement {
         let position = moved.iter().sum::<Vector3<f64>>() / POSTURES as f64;
         let arms = self.postures.iter().map(|f| f.tcp.translation - self.centre);
@@ -80,7 +82,8 @@ impl BestFit {
         Displacement { position, rotation: self.inverse * moment }
     }
 
-    /// Returns the part of each source's effect that the fit removes, seen at the centre.
+    /// Returns the part of the effect of each source that the fit removes: a twist with the translation of
+    /// the centre.
     fn of_sources(&self, chain: &Chain, sources: &ErrorSources, mean: bool) -> Effects {
         let mut expansion = sources.expansion(chain);
         let each: Vec<Effects> = self
@@ -104,17 +107,20 @@ impl BestFit {
     }
 }
 
-/// Surface frame taught by touching three points: its origin, one on its x axis, one in its plane.
+/// Surface frame taught by touching three points: the origin, a point on the x axis and a point in the xy
+/// plane.
 #[derive(Debug, Clone)]
 pub struct Taught {
     /// Postures that touch the points.
     pub postures: [Frames; 3],
-    /// Part of each source's effect that the taught frame removes, seen at the origin of that frame.
+    /// Part of the effect of each source that the taught frame removes: a twist with the translation of the
+    /// origin.
     pub effects: Effects,
 }
 
 impl Taught {
-    /// Prepares a taught frame; if `mean` is set, the frame includes the second-order mean.
+    /// Prepares a taught frame; if `mean` is true, the frame includes the mean error of the second-order
+    /// terms.
     pub fn new(chain: &Chain, sources: &ErrorSources, postures: [Frames; 3], mean: bool) -> Self {
         let mut taught = Self { postures, effects: Effects::default() };
         let mut expansion = sources.expansion(chain);
@@ -134,19 +140,19 @@ impl Taught {
         taught
     }
 
-    /// Returns the motion of the taught frame for a sample, seen at the origin.
+    /// Returns the rigid motion of the taught frame for a sample, with the translation of its origin.
     pub fn motion(&self, errors: &Perturbation, model: Model) -> Displacement {
         let mut moved = [0, 1, 2].map(|i| position_error(&self.postures[i], errors, model));
         let point = |k: usize| self.point(k);
         exact(&point, &mut moved, &self.point(0), |moved| self.twist(moved))
     }
 
-    /// Returns whether a point is one of those touched.
+    /// Returns whether a point (base frame, m) is one of the touched points.
     pub fn touches(&self, p: &Vector3<f64>) -> bool {
         self.distance(p) < SAME_POINT
     }
 
-    /// Returns the distance of a target from the nearest touched point, m.
+    /// Returns the distance of a target (base frame, m) from the nearest touched point, m.
     pub fn distance(&self, p: &Vector3<f64>) -> f64 {
         let distances = self.postures.iter().map(|f| (f.tcp.translation - p).norm());
         distances.fold(f64::INFINITY, f64::min)
@@ -161,7 +167,8 @@ impl Taught {
         self.postures[k].tcp.translation
     }
 
-    /// Returns the twist of the taught frame for small displacements of the three points, seen at the origin.
+    /// Returns the twist of the taught frame, with the translation of its origin, for small displacements of
+    /// the three points.
     fn twist(&self, moved: &[Vector3<f64>]) -> Displacement {
         let [along, third] = [1, 2].map(|k| self.point(k) - self.point(0));
         let x = along.normalize();
@@ -174,7 +181,9 @@ impl Taught {
     }
 }
 
-/// Returns the motion, seen at `centre`, after which the rule finds no displacement left.
+/// Returns the rigid motion, with the translation of `centre`, that an exact fit by `rule` finds.
+///
+/// The displacements `moved` of the points are reduced by the fitted motion until the rule finds none left.
 fn exact(
     point: &dyn Fn(usize) -> Vector3<f64>,
     moved: &mut [Vector3<f64>],

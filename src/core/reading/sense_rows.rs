@@ -1,4 +1,4 @@
-//! Rows of a sense at a posture: the components of a point's error that count.
+//! Rows of a sense at a posture: the directions in which the error of a point counts.
 
 use crate::cell::{Frame, MAX_ROWS, Sense};
 use crate::pose::Displacement;
@@ -10,13 +10,15 @@ use nalgebra::{Matrix3, Vector3, Vector6};
 pub struct SenseRows {
     /// Vector from the TCP to the point, base frame, m.
     arm: Vector3<f64>,
-    /// Direction of each row, and whether it selects the rotation.
+    /// Direction of each row (base frame), and whether the row is a component of the rotation, not of the
+    /// position.
     rows: [(bool, Vector3<f64>); MAX_ROWS],
     count: usize,
 }
 
 impl SenseRows {
-    /// Returns the rows of a sense; `world` and `surface` rotate these frames into the base frame.
+    /// Returns the rows of a sense; `world` and `surface` are the rotations from the world axes and the
+    /// surface axes to the base frame.
     pub fn new(sense: &Sense, frames: &Frames, world: &Matrix3<f64>, surface: &Matrix3<f64>) -> Self {
         let axes = match sense.frame {
             Frame::World => world,
@@ -40,7 +42,8 @@ impl SenseRows {
         self.arm == Vector3::zeros() && self.rows[..self.count].iter().all(|(turns, _)| !turns)
     }
 
-    /// Returns the size of a position error of the TCP; valid if [`Self::is_of_position`].
+    /// Returns the size of a position error of the TCP in the sense; valid only if [`Self::is_of_position`]
+    /// is true.
     pub fn size_of_position(&self, e: &Vector3<f64>) -> f64 {
         self.rows[..self.count].iter().map(|(_, row)| row.dot(e).powi(2)).sum::<f64>().sqrt()
     }
@@ -50,7 +53,7 @@ impl SenseRows {
         self.vector(&error.at(&self.arm)).norm()
     }
 
-    /// Returns the rows of a first-order effect on the TCP; unused rows are 0.
+    /// Returns the components of a first-order effect on the TCP along the rows; unused components are 0.
     pub fn column(&self, effect: &Displacement) -> Vector6<f64> {
         self.vector(&effect.linear_at(&self.arm))
     }

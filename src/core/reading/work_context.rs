@@ -1,4 +1,4 @@
-//! Work of an operation under one layout: its frame, and the pick of the part that it places.
+//! Work of an operation in one layout: the work frame, and the pick of the part that the operation places.
 
 use super::effects::Effects;
 use super::registration::Taught;
@@ -6,7 +6,7 @@ use crate::pose::Pose;
 use crate::robot::Frames;
 use nalgebra::{Matrix3, Vector3};
 
-/// Frame of the work of one operation under one layout.
+/// Work frame of one operation in one layout.
 #[derive(Debug, Clone)]
 pub struct WorkFrame {
     /// Index of the equipment worked on.
@@ -19,7 +19,7 @@ pub struct WorkFrame {
     pub taught: Option<Box<Taught>>,
 }
 
-/// Pick of the part that the operation places, with its error effects.
+/// Pick of the part that the operation places, and the effects of errors on the pick.
 #[derive(Debug, Clone)]
 pub struct PickReference {
     pub site: WorkFrame,
@@ -36,14 +36,16 @@ pub struct WorkContext {
 }
 
 impl WorkContext {
-    /// Returns whether a target (base frame, m) was touched to teach the frame.
+    /// Returns whether a target (base frame, m) was touched to teach the surface frame.
     ///
-    /// The remaining error there is zero by definition of the frame, so it tells nothing about the surface.
+    /// At a touched point the remaining error is zero by definition. It says nothing about the rest of the
+    /// surface.
     pub fn touches(&self, target: &Vector3<f64>) -> bool {
         self.site.taught.as_ref().is_some_and(|taught| taught.touches(target))
     }
 
-    /// Returns the distance of a target (base frame, m) from the nearest touched point; infinite if none.
+    /// Returns the distance (m) of a target (base frame, m) from the nearest touched point; infinite if no
+    /// point was touched.
     pub fn distance_from_touched(&self, target: &Vector3<f64>) -> f64 {
         self.site.taught.as_ref().map_or(f64::INFINITY, |taught| taught.distance(target))
     }

@@ -4,7 +4,7 @@ use super::MAX_SOURCES;
 use super::zonotope::{Farthest, ZonotopeScratch, farthest_1, farthest_2, farthest_3, farthest_6};
 use nalgebra::{Vector2, Vector3, Vector6};
 
-/// Largest number of rounds of the local search; it ends when no flip increases the error.
+/// Largest number of rounds of the local search, which ends earlier if no flip of a sign increases the error.
 const MAX_ROUNDS: usize = 12;
 
 /// Largest error in a sense over the tolerance box.
@@ -12,18 +12,19 @@ const MAX_ROUNDS: usize = 12;
 pub struct WorstCase {
     /// Maximum by the linear model, or a proven upper bound if `exact` is false.
     pub linear: f64,
-    /// Whether `linear` is the exact maximum. Only senses of more than three rows with very many sources
-    /// may leave a bound.
+    /// Whether `linear` is the exact maximum. It can be only a bound if the sense has more than three rows
+    /// and there are very many sources.
     pub exact: bool,
     /// Error by the chosen model at the worst corner that the local search finds.
     pub by_model: f64,
-    /// Corner of `by_model`, one sign per source.
+    /// Corner of the tolerance box with the error `by_model`, one sign per source.
     pub corner: [f64; MAX_SOURCES],
 }
 
-/// Returns the farthest vertex of the zonotope of `columns` in `rows` rows, and writes its signs to `corner`.
+/// Returns the maximum of `|sum_k s_k g_k|` over all signs `s`, and writes the maximizing signs to `corner`.
 ///
-/// The columns are the effects of the sources at their tolerance.
+/// The `g_k` are the first `rows` components of `columns`: the effects of the sources at their tolerances.
+/// The maximum is the farthest vertex of a zonotope.
 pub fn farthest(
     columns: &[Vector6<f64>],
     rows: usize,
@@ -51,23 +52,25 @@ pub fn farthest(
     }
 }
 
-/// Share of the linear worst case within which other corners are always tried.
+/// Share of the linear worst case: flips of signs that change the linear error by less are always tried.
 const NEAR_SHARE: f64 = 0.02;
 
 /// Largest number of sources whose signs are tried in every combination.
 const MAX_EXHAUSTIVE: usize = 8;
 
-/// Sine of the angle within which columns count as one parallel group of the local search.
+/// Sine of the angle below which columns count as parallel and are flipped as one group in the local search.
 const PARALLEL_SINE: f64 = 1e-6;
 
-/// Returns the worst case by a model whose error at a corner is `error`.
+/// Returns the worst case by a model, where `error` gives its error at a corner of the tolerance box.
 ///
-/// The local search starts from the linear corner and its opposite, whose errors differ in size by the even
-/// orders alone. It flips signs, alone or with all parallel ones. A flip is tried only if it changes the
-/// linear error by no more than a gap. The gap is the largest of three: twice the difference of the models,
-/// the share `NEAR_SHARE` of the linear worst case, and `quadratic`, the size of the products of errors.
-/// Groups matter: on a planar arm the lateral effects are perpendicular to all others. Linear corners then
-/// come in pairs which no single flip joins. `largest` are the corners of the largest motions.
+/// A local search starts from the corner that is worst by the linear model, `corner`, and from the opposite
+/// corner. The sizes of their errors differ only by terms of even order. The search flips signs: one alone,
+/// or those of all parallel columns together. A flip is tried only if it changes the linear error by no more
+/// than a threshold. The threshold is the largest of three values: twice the difference of the models, the
+/// share `NEAR_SHARE` of the linear worst case, and `quadratic`, the size of the second-order terms. Groups
+/// are needed, for example, on a planar arm, whose lateral effects are perpendicular to all others. There the
+/// worst linear corners come in pairs, and no single flip leads from one to the other. `largest` are the
+/// corners with the largest displacement and rotation of the TCP, which serve as further starts.
 pub fn by_model(
     columns: &[Vector6<f64>],
     linear: &Farthest,
@@ -120,7 +123,9 @@ pub fn by_model(
     WorstCase { linear: linear.upper.max(linear.value), exact, by_model: best, corner: at }
 }
 
-/// Returns, for every column, the later parallel columns as bits; none if an earlier one is parallel.
+/// Returns, for every column, the set of later columns parallel to it, as bits.
+///
+/// The set is empty if an earlier column is parallel to this one.
 fn groups(columns: &[Vector6<f64>]) -> [u128; MAX_SOURCES] {
     let mut groups = [0; MAX_SOURCES];
     let mut taken = 0u128;
@@ -134,16 +139,18 @@ fn groups(columns: &[Vector6<f64>]) -> [u128; MAX_SOURCES] {
     groups
 }
 
-/// Corner of the local search.
+/// Corner of the tolerance box that the local search has reached.
 struct SearchCorner {
-    /// Error by the model.
+    /// Size of the error by the model at this corner.
     value: f64,
     signs: [f64; MAX_SOURCES],
-    /// Sum of the columns with these signs: the linear error.
+    /// Linear error at this corner: the sum of the columns with its signs.
     sum: Vector6<f64>,
 }
 
-/// Returns the largest error that flips of single signs and of parallel groups reach, and its corner.
+/// Returns the largest error that the local search reaches from `start`, and the corner with this error.
+///
+/// The search flips single signs, groups of parallel columns and, if these no longer help, pairs.
 fn polished(
     columns: &[Vector6<f64>],
     groups: &[u128],
@@ -180,10 +187,9 @@ fn polished(
     (best.value, best.signs)
 }
 
-/// Flips the first two signs that matter little to the linear model and increase the error if flipped
-/// together.
+/// Flips the first pair of signs that increases the error and changes the linear error by at most `gap`.
 ///
-/// Products of errors may dominate where the first order is small.
+/// Pairs matter because products of errors may dominate where the linear effects are small.
 fn flip_pair(
     columns: &[Vector6<f64>],
     gap: f64,

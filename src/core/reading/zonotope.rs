@@ -1,18 +1,20 @@
-//! Farthest vertex of a zonotope: `max |sum s_k g_k|` over all signs `s`, exact and with the signs.
+//! Farthest vertex of a zonotope: the exact `max |sum s_k g_k|` over all signs `s`, and the maximizing signs.
 //!
-//! It is the largest sum of effects if each source may take either end of its tolerance. A vertex is
-//! farthest only if its own direction is inside its normal cone. So it suffices to visit every cell that
-//! the planes perpendicular to the generators cut out of the sphere of directions:
+//! The vectors `g_k` are the generators, and a choice of signs is a corner.
 //!
-//! - 2-D: rotate a direction by half a turn; one sign after another flips, in the order of angle;
-//! - 3-D: every cell lies beside some great circle, so walk along each circle as in 2-D and take both
-//!   sides (`circle_walk`); with parallel axes all generators lie in one plane or along its normal, a
-//!   2-D problem;
+//! The maximum is the largest sum of effects if each source may take either end of its tolerance. A vertex is
+//! farthest only if its own direction is inside its normal cone. The planes perpendicular to the generators
+//! cut the sphere of directions into cells, one per vertex. So it suffices to visit every cell:
+//!
+//! - 2-D: rotate a direction by half a turn; the signs flip one after another, in the order of the angles;
+//! - 3-D: the planes cut the sphere in great circles, and every cell borders on one; walk along each circle
+//!   as in 2-D and visit the cells on both sides (`circle_walk`). If all generators lie in one plane or along
+//!   its normal, as for parallel joint axes, the problem is 2-D;
 //! - 4-D to 6-D: branch and bound (`branch_and_bound`).
 //!
-//! For a few generators all corners are tried at once (`sign_table`). Every candidate is a true corner, so
-//! that ties and rounding never invent a maximum. The returned value is summed anew from the returned signs.
-//! Squares must neither overflow nor underflow: sizes are between 1e-150 and 1e150.
+//! For a few generators all corners are tried (`sign_table`). Every candidate is a true corner, so ties and
+//! rounding never invent a maximum. The returned value is computed from the returned signs. Squares must
+//! neither overflow nor underflow: the sizes of generators must be between 1e-150 and 1e150.
 
 mod branch_and_bound;
 mod circle_walk;
@@ -23,21 +25,24 @@ use circle_walk::{CircleWalk, split, walk_circles};
 use nalgebra::{SVector, Vector2, Vector3, Vector6};
 use sign_table::{SignTable, try_all};
 
-/// Largest number of generators: a power of two, at least as many as there can be sources.
+/// Largest number of generators: a power of two, not less than the largest number of error sources.
 pub const MAX_GENERATORS: usize = 128;
 
-/// Number of 3-D generators up to which trying all corners beats looking for structure.
+/// Number of 3-D generators up to which it is faster to try all signs than to look for parallel generators.
 const MAX_EXHAUSTIVE: usize = 7;
-/// Number of merged 3-D generators up to which trying all corners beats walking along circles.
+/// Number of 3-D generators, parallel ones merged, up to which it is faster to try all signs than to walk
+/// along circles.
 const MAX_EXHAUSTIVE_MERGED: usize = 11;
 /// Sine of the angle below which generators count as parallel.
 ///
-/// Parallel generators take signs that add up, except those that are smaller than this share of the sum.
+/// Parallel generators get signs with which they add up, except generators smaller than this share of the
+/// sum.
 const PARALLEL_SINE: f64 = 1e-13;
 /// Cosine below which directions count as perpendicular.
 const PERPENDICULAR: f64 = 1e-14;
 
-/// Working memory, about 20 kB; its content never matters.
+/// Working memory of the functions `farthest_2` to `farthest_6`, about 20 kB; its content does not affect
+/// results.
 #[derive(Default)]
 pub struct ZonotopeScratch {
     walk: CircleWalk,
@@ -47,16 +52,16 @@ pub struct ZonotopeScratch {
     merged_6: MergedGenerators<6>,
 }
 
-/// The farthest corner found.
+/// Largest norm found of a sum of generators with signs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Farthest {
-    /// Norm at the corner returned.
+    /// Norm of the sum with the returned signs.
     pub value: f64,
-    /// Upper bound of the norm at any corner; equal to `value` if that is exact.
+    /// Upper bound of the norm for all signs; equal to `value` if `value` is the exact maximum.
     pub upper: f64,
 }
 
-/// Returns the farthest corner in 1-D, where all sizes add up, and writes its signs.
+/// Maximizes `|sum s_k g_k|` over the signs `s` in 1-D, where the sizes add up, and writes the signs.
 pub fn farthest_1(generators: &[f64], signs: &mut [f64]) -> Farthest {
     let first = generators.iter().find(|g| **g != 0.0).map_or(1.0, |g| g.signum());
     let mut value = 0.0;
@@ -67,7 +72,7 @@ pub fn farthest_1(generators: &[f64], signs: &mut [f64]) -> Farthest {
     Farthest { value, upper: value }
 }
 
-/// Returns the farthest corner in 2-D by one walk round the zonogon, and writes its signs.
+/// Maximizes `|sum s_k g_k|` over the signs `s` in 2-D by one walk round the zonogon, and writes the signs.
 pub fn farthest_2(generators: &[Vector2<f64>], scratch: &mut ZonotopeScratch, signs: &mut [f64]) -> Farthest {
     let n = generators.len().min(MAX_GENERATORS);
     let (generators, signs) = (&generators[..n], &mut signs[..n]);
@@ -80,7 +85,10 @@ pub fn farthest_2(generators: &[Vector2<f64>], scratch: &mut ZonotopeScratch, si
     exact(generators, signs)
 }
 
-/// Returns the farthest corner in 3-D by a walk along each of n great circles, and writes its signs.
+/// Maximizes `|sum s_k g_k|` over the signs `s` in 3-D by walks along great circles, and writes the signs.
+///
+/// Each circle of directions is perpendicular to a generator. A few generators are tried with all signs
+/// instead.
 pub fn farthest_3(generators: &[Vector3<f64>], scratch: &mut ZonotopeScratch, signs: &mut [f64]) -> Farthest {
     let n = generators.len().min(MAX_GENERATORS);
     let (generators, signs) = (&generators[..n], &mut signs[..n]);
@@ -100,9 +108,11 @@ pub fn farthest_3(generators: &[Vector3<f64>], scratch: &mut ZonotopeScratch, si
     exact(generators, signs)
 }
 
-/// Returns the farthest corner in 4-D to 6-D, padded with zeros, by branch and bound, and writes its signs.
+/// Maximizes `|sum s_k g_k|` over the signs `s` in 4-D to 6-D by branch and bound, and writes the signs.
 ///
-/// It is exact except for the hardest cases, which have `upper` above `value`.
+/// Unused components of the generators `g_k` must be zero.
+///
+/// The result is exact except in the hardest cases, in which `upper` is greater than `value`.
 pub fn farthest_6(generators: &[Vector6<f64>], scratch: &mut ZonotopeScratch, signs: &mut [f64]) -> Farthest {
     let n = generators.len().min(MAX_GENERATORS);
     let (generators, signs) = (&generators[..n], &mut signs[..n]);
@@ -114,7 +124,10 @@ pub fn farthest_6(generators: &[Vector6<f64>], scratch: &mut ZonotopeScratch, si
     Farthest { upper: upper.map_or(found.value, |u| u.max(found.value)), ..found }
 }
 
-/// Removes effects of rounding, makes the signs unique and sums anew.
+/// Improves the signs by single flips, normalizes them, and returns the norm of the sum with them.
+///
+/// Opposite sign vectors have equal norms. The normalized one has +1 for the first generator that is not
+/// zero, and for all zero generators.
 fn exact<const M: usize>(generators: &[SVector<f64, M>], signs: &mut [f64]) -> Farthest {
     climb(generators, signs);
     let zero = SVector::zeros();
@@ -128,7 +141,7 @@ fn exact<const M: usize>(generators: &[SVector<f64, M>], signs: &mut [f64]) -> F
     Farthest { value, upper: value }
 }
 
-/// Flips single signs as long as the sum grows by more than rounding.
+/// Flips single signs as long as a flip increases the norm of the sum by more than rounding.
 fn climb<const M: usize>(generators: &[SVector<f64, M>], signs: &mut [f64]) {
     let mut sum = SVector::<f64, M>::zeros();
     for (g, s) in generators.iter().zip(&*signs) {
@@ -150,12 +163,12 @@ fn climb<const M: usize>(generators: &[SVector<f64, M>], signs: &mut [f64]) {
     }
 }
 
-/// Generators with parallel ones added up, and the map back to the single ones.
+/// Generators in which parallel ones are merged into a sum, and the map back to the single generators.
 struct MergedGenerators<const M: usize> {
     count: usize,
     sum: [SVector<f64, M>; MAX_GENERATORS],
     unit: [SVector<f64, M>; MAX_GENERATORS],
-    /// Sum that contains each generator, and the sign of its direction in the sum.
+    /// Index of the sum that contains each generator, and the sign with which the generator enters it.
     place: [(usize, f64); MAX_GENERATORS],
 }
 
@@ -194,7 +207,7 @@ impl<const M: usize> MergedGenerators<M> {
         }
     }
 
-    /// Converts signs of the sums to signs of the generators.
+    /// Converts the signs of the merged sums (`corner`) to signs of the single generators.
     fn spread(&self, corner: &[f64], signs: &mut [f64]) {
         for (s, (at, turn)) in signs.iter_mut().zip(self.place) {
             *s = corner[at] * turn;

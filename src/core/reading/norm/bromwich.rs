@@ -1,13 +1,16 @@
-//! Inverse Laplace transform (Bromwich integral): `P(Q <= x)`, its density and the slope of the density.
+//! Inverse Laplace transform (Bromwich integral): `P(Q <= x)` for `Q = |e|^2`, its density and the slope of
+//! the density.
 //!
-//! All three come from the same values of the transform. All singularities lie on the negative real axis. So
-//! the trapezoidal rule on a contour around it converges geometrically, whatever the ratios of the
-//! eigenvalues. For a small mean the contour is the parabola of J. A. C. Weideman and L. N. Trefethen,
-//! "Parabolic and hyperbolic contours for computing the Bromwich integral", Math. Comp. 76 (2007):
-//! `z x = M (1 + i t)^2`, `M = pi N / 12`, steps of `3 / N`, error about `8.12^-N`, the same points for every
-//! x. With a large mean, the integrand has exponentials that grow to the left of the discs over
-//! `[-1/(2 l_i), 0]`. There a steep hyperbola through the saddle point of the integrand keeps every
-//! term small.
+//! The three results use the same values of the transform. All singularities of the transform lie on the
+//! negative real axis. So the trapezoidal rule on a contour around this axis converges geometrically,
+//! whatever the ratios of the eigenvalues `l_i` of the covariance.
+//!
+//! For a small mean the contour is a parabola: `z x = M (1 + i t)^2` with `M = pi N / 12` and steps of
+//! `3 / N` in t. The points `z x` do not depend on x, and the error is about `8.12^-N` (J. A. C. Weideman, L.
+//! N. Trefethen, "Parabolic and hyperbolic contours for computing the Bromwich integral", Math. Comp. 76
+//! (2007)). For a large mean, the integrand contains exponentials that grow to the left of the discs with the
+//! diameters `[-1/(2 l_i), 0]`. In this case a steep hyperbola through the saddle point of the integrand
+//! keeps every term small.
 
 use super::spectrum::Spectrum;
 use nalgebra::Complex;
@@ -16,25 +19,33 @@ use std::sync::LazyLock;
 
 /// Number of points on the upper half of the parabola.
 const N: usize = 14;
-/// Noncentrality `sum mu_i^2 / l_i` up to which the parabola is accurate to 1e-10.
+/// Noncentrality up to which the parabola is accurate to 1e-10.
+///
+/// The noncentrality is `sum mu_i^2 / l_i`, where `l_i` is an eigenvalue and `mu_i` the component of the mean
+/// along its axis.
 const MAX_CENTRAL: f64 = 6.0;
-/// Square, in the spectrum's unit, below which the probability is 0: no nearly normal vector is that short.
+/// Squared norm below which the probability is set to 0, because nearly normal vectors are practically never
+/// that short.
+///
+/// The unit is that in which the mean of the squared norm is 1.
 const MIN_SQUARE: f64 = 1e-100;
-/// Slope of the hyperbola's arms: they leave the vertical by 20 degrees.
+/// Slope of the arms of the hyperbola: 20 degrees off the vertical.
 const TILT: f64 = 0.36;
 
 /// Points and weights on the parabola.
 struct Parabola {
     s: [Complex<f64>; N],
     weight: [Complex<f64>; N],
-    /// Real and imaginary parts of `s` and `s^2`, as the loop over the points uses them.
+    /// Real parts of the points `s`; the other arrays hold their imaginary parts, and both parts of `s^2`.
     re: [f64; N],
     im: [f64; N],
     re2: [f64; N],
     im2: [f64; N],
 }
 
-/// Points `s = z x` of the upper half and their weights `step / pi * exp(s) ds/dt / s`.
+/// Points `s = z x` on the upper half of the parabola, and their weights `step / pi * exp(s) ds/dt / s`.
+///
+/// Here t is the parameter of the parabola, and `step` is the step of the trapezoidal rule in t.
 static PARABOLA: LazyLock<Parabola> = LazyLock::new(|| {
     let step = 3.0 / N as f64;
     let root = |k: usize| Complex::new(1.0, step * (k as f64 + 0.5));
@@ -51,7 +62,9 @@ static PARABOLA: LazyLock<Parabola> = LazyLock::new(|| {
     }
 });
 
-/// Returns `P(Q <= x)`, its density and the slope of the density, at `x = shift + above`.
+/// Returns `P(Q <= x)`, its density and the slope of the density at `x = shift + above`.
+///
+/// Here `Q` is the squared norm, and `shift` is the constant part of Q in `spectrum`.
 pub fn invert(spectrum: &Spectrum, above: f64) -> [f64; 3] {
     if above < MIN_SQUARE {
         return [0.0; 3];
@@ -84,9 +97,11 @@ fn on_parabola(spectrum: &Spectrum, x: f64) -> [f64; 3] {
     [sum[0], sum[1] / x, sum[2] / (x * x)]
 }
 
-/// Returns `prod_i sqrt(1 + 2 l_i z)` at all points.
+/// Returns the real and imaginary parts of `prod_i sqrt(1 + 2 l_i z)` at all points z of the parabola.
 ///
-/// Two factors share a square root: the argument of their product stays between 0 and pi after the root.
+/// Here `l_i` is the i-th eigenvalue of the covariance.
+///
+/// One square root serves two factors: the root of their product has an argument between 0 and pi.
 fn roots(spectrum: &Spectrum, x: f64, at: &Parabola) -> ([f64; N], [f64; N]) {
     let (mut re, mut im) = ([1.0; N], [0.0; N]);
     for pair in spectrum.l[..spectrum.rank.next_multiple_of(2)].chunks_exact(2) {
@@ -103,8 +118,10 @@ fn roots(spectrum: &Spectrum, x: f64, at: &Parabola) -> ([f64; N], [f64; N]) {
     (re, im)
 }
 
-/// Sums on the hyperbola `z = saddle + width (i sinh u - TILT (cosh u - 1))`; halves the step until two
-/// sums agree.
+/// Integrates on the hyperbola `z = saddle + width (i sinh u - TILT (cosh u - 1))` by the trapezoidal rule in
+/// u.
+///
+/// The step is halved until two sums agree.
 fn on_hyperbola(spectrum: &Spectrum, above: f64) -> [f64; 3] {
     let x = above - (spectrum.square - spectrum.shift);
     let (saddle, width, log_bound) = saddle(spectrum, above);
@@ -137,7 +154,7 @@ fn add(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|k| a[k] + b[k])
 }
 
-/// Returns the sum over one arm of the hyperbola until its terms vanish.
+/// Returns the sum of `term(u)` along one arm of the hyperbola, from `u = from` until the terms vanish.
 fn arm(term: &impl Fn(f64) -> [f64; 3], from: f64, step: f64) -> [f64; 3] {
     let mut sum = [0.0; 3];
     let mut u = from;
@@ -152,10 +169,12 @@ fn arm(term: &impl Fn(f64) -> [f64; 3], from: f64, step: f64) -> [f64; 3] {
     sum
 }
 
-/// Returns a point near the saddle of `exp(z x) L(z) / z` on the positive axis, the width of the saddle, and
-/// the log of `exp(z x) L(z)` there.
+/// Returns a point near the saddle of `exp(z x) L(z) / z`, the width of the saddle, and `log(exp(z x) L(z))`
+/// at this point.
 ///
-/// The log is an upper bound of log P(Q <= x).
+/// Here `L` is the Laplace transform, and the point is on the positive real axis.
+///
+/// The logarithm is an upper bound of `log P(Q <= x)`.
 fn saddle(spectrum: &Spectrum, above: f64) -> (f64, f64, f64) {
     let slope = |z: f64| {
         let part = |(l, mean2): (f64, f64)| {

@@ -1,35 +1,43 @@
-//! Correction of the transform for parameters that are not normal, to second order in their cumulants.
+//! Correction of the Laplace transform `L(z)` of `|e|^2` for parameters that are not normal, to second order
+//! in their cumulants.
 //!
-//! Let `gamma_k` and `six_k` be the fourth cumulant (excess kurtosis) and the sixth cumulant of a
-//! unit-variance parameter. The parameter adds `gamma_k (g_k.t)^4 / 24 - six_k (g_k.t)^6 / 720` to the log of
-//! the characteristic function of `e`. With `exp(-z |e|^2) = E_w exp(i sqrt(2z) w.e)`, `w ~ N(0, I)`, the
-//! normal part of `e` turns `w` into a normal vector of covariance `A^-1 = (I + 2 z S)^-1` and mean
-//! `i sqrt(2z) A^-1 mu`. So, with `q_kl = z g_k^T A^-1 g_l`, `q_k = q_kk` and `b_k = z g_k^T A^-1 mu`,
+//! Let parameter k have unit variance, the fourth cumulant (excess kurtosis) `gamma_k`, the sixth cumulant
+//! `six_k` and the effect `g_k` on `e`. Let `mu` be the mean and `S` the covariance of `e`. The parameter
+//! adds `gamma_k (g_k.t)^4 / 24 - six_k (g_k.t)^6 / 720` to the log of the characteristic function of `e` at
+//! `t`. The transform is a mean over normal vectors `w ~ N(0, I)`: `exp(-z |e|^2) = E_w exp(i sqrt(2z) w.e)`.
+//! The normal part of `e` turns `w` into a normal vector of covariance `A^-1 = (I + 2 z S)^-1` and mean
+//! `i sqrt(2z) A^-1 mu`. With `q_kl = z g_k^T A^-1 g_l`, `q_k = q_kk` and `b_k = z g_k^T A^-1 mu`, the
+//! transform becomes
 //!
 //! ```text
 //! L -> L [1 + t + t^2 / 2 + sum_k (-2 gamma_k b_k^2 q_k + 2/3 gamma_k b_k^4 - 1/6 six_k q_k^3)
 //!           + sum_kl gamma_k gamma_l (q_k q_l q_kl^2 + q_kl^4 / 3)],   t = 1/2 sum_k gamma_k q_k^2
 //! ```
 //!
-//! The first order is complete. The second order leaves out the terms that also contain the mean.
-//! In the eigenbasis all this is a polynomial in `z r_i`, whatever the number of parameters.
+//! The first order is complete. The second order leaves out the terms that also contain the mean. In the
+//! eigenbasis of `S` with the eigenvalues `l_i`, the factor of L is a polynomial in `z r_i`, where
+//! `r_i = 1 / (1 + 2 l_i z)`. The number of its terms does not depend on the number of parameters.
 
 use nalgebra::{Complex, Vector6};
 
-/// Ratio `six / gamma^2` of the uniform distribution and of sums of equal uniform ones, such as the
-/// triangular distribution.
+/// Ratio of the sixth cumulant to the square of the fourth cumulant, for the uniform distribution.
+///
+/// A sum of equal uniform variables, such as a triangular one, has the same ratio.
 const SIXTH_CUMULANT_RATIO: f64 = 100.0 / 21.0;
 
-/// Axes of the covariance with a positive eigenvalue.
+/// Principal axes of the covariance, without those whose eigenvalue is zero.
 ///
-/// `m` components of each axis count, and `scale` converts a column to the spectrum's unit.
+/// `m` components of each axis count. `scale` converts the effects of parameters to the unit of the spectrum.
 pub struct Axes<'a> {
     pub rows: &'a [[f64; 6]],
     pub m: usize,
     pub scale: f64,
 }
 
-/// Coefficients of the sorted products of two, three and four `z r_i`, in the order of the loops below.
+/// Polynomial in `z r_i` that corrects the Laplace transform: coefficients of the products of two, three and
+/// four `z r_i`.
+///
+/// Here `r_i = 1 / (1 + 2 l_i z)`, where `l_i` is the i-th eigenvalue. Products are sorted by their indices.
 pub struct Cumulants {
     two: [f64; 21],
     three: [f64; 56],
@@ -37,17 +45,20 @@ pub struct Cumulants {
 }
 
 /// Sums over the parameters k, for combinations of the axes a, b, c and d.
+///
+/// `g_a` is the effect of parameter k along axis a, `gamma_k` its fourth and `six_k` its sixth cumulant.
 struct Sums {
-    /// Sum of `gamma_k g_a g_b g_c g_d` for each a <= b <= c <= d, in the order of the loops below.
+    /// Sum over k of `gamma_k g_a g_b g_c g_d` for each a <= b <= c <= d, in lexicographic order.
     four: [f64; 126],
-    /// Sum of `gamma_k g_a^2 g_b g_c` at `[a][b][c]`, for b <= c.
+    /// Sum over k of `gamma_k g_a^2 g_b g_c` at `[a][b][c]`, for b <= c.
     twice: [[[f64; 6]; 6]; 6],
-    /// Sum of `six_k / 6 g_a^2 g_b^2 g_c^2` for each a <= b <= c, in the order of the loops below.
+    /// Sum over k of `six_k / 6 g_a^2 g_b^2 g_c^2` for each a <= b <= c, in lexicographic order.
     six: [f64; 56],
 }
 
 impl Cumulants {
-    /// Returns the correction for a mean `mu` along the axes; None if all parameters are normal.
+    /// Returns the correction for a mean with the components `mu` along the axes; None if all parameters are
+    /// normal.
     pub fn new(axes: &Axes, columns: &[Vector6<f64>], kurtosis: &[f64], mu: &[f64; 6]) -> Option<Self> {
         if kurtosis.iter().take(columns.len()).all(|&gamma| gamma == 0.0) {
             return None;
@@ -64,7 +75,8 @@ impl Cumulants {
         Some(sums.coefficients(n, mu))
     }
 
-    /// Returns the factor of the transform for the values `z r_i` along the axes.
+    /// Returns the factor by which the Laplace transform is corrected; `zr` are the values `z r_i` of the
+    /// axes.
     pub fn factor(&self, zr: &[Complex<f64>]) -> Complex<f64> {
         let n = zr.len();
         let (mut at2, mut at3, mut at4) = (0, 0, 0);
@@ -90,7 +102,10 @@ impl Cumulants {
         1.0 + t + 0.5 * t * t + rest
     }
 
-    /// Returns the contribution `sum gamma_k |g_k|^4` to the variance of `|e - mu|^2`.
+    /// Returns the contribution of the fourth cumulants to the variance of `|e - mu|^2`: `sum gamma_k
+    /// |g_k|^4`.
+    ///
+    /// Here `mu` is the mean of `e`, and `g_k` the effect and `gamma_k` the fourth cumulant of parameter k.
     pub fn variance(&self) -> f64 {
         2.0 * self.two.iter().sum::<f64>()
     }

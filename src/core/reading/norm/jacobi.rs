@@ -1,18 +1,19 @@
-//! Eigenvalues and axes of a small covariance matrix by the cyclic Jacobi method.
+//! Eigenvalues and eigenvectors of a small covariance matrix by the cyclic Jacobi method.
 //!
 //! G. H. Golub, C. F. Van Loan, Matrix Computations, section 8.5.
 //!
-//! The number of rows (1 to 6) is known only at run time, and the node loop must not allocate. nalgebra's
-//! `symmetric_eigen` needs a fixed size or an allocation. At a fixed size both are equally fast
-//! (measured: 0.4 against 0.5 us for 3 rows, 5.0 against 4.9 us for 6). Padded to six rows, nalgebra's takes
-//! three times as long for the usual 3 rows (2.6 against 0.9 us in one run).
+//! The number of rows (1 to 6) is known only at run time, and the loop over nodes must not allocate memory.
+//! The function `symmetric_eigen` of nalgebra needs a fixed size or an allocation. At a fixed size both
+//! methods are equally fast (measured: 0.4 against 0.5 us for 3 rows, 5.0 against 4.9 us for 6). For matrices
+//! of the usual 3 rows, padded to 6 rows, nalgebra takes three times as long (2.6 against 0.9 us in one run).
 
 use nalgebra::Vector6;
 
-/// Largest number of sweeps, more than any matrix of six rows needs.
+/// Largest number of Jacobi sweeps; matrices of six rows need fewer.
 const MAX_SWEEPS: usize = 16;
 
-/// Returns the covariance `sum_k g_k g_k^T` of the scaled columns in the upper left m by m block.
+/// Returns the covariance `sum_k g_k g_k^T` in the upper left m by m block, where `g_k` is column k times
+/// `scale`.
 pub fn covariance(m: usize, columns: &[Vector6<f64>], scale: f64) -> [[f64; 6]; 6] {
     let mut s = [[0.0; 6]; 6];
     for column in columns {
@@ -31,7 +32,7 @@ pub fn covariance(m: usize, columns: &[Vector6<f64>], scale: f64) -> [[f64; 6]; 
     s
 }
 
-/// Leaves the eigenvalues on the diagonal of `s` and returns the axes as rows.
+/// Leaves the eigenvalues on the diagonal of `s` and returns the eigenvectors as rows.
 pub fn diagonalize(m: usize, s: &mut [[f64; 6]; 6]) -> [[f64; 6]; 6] {
     let mut axes = [[0.0; 6]; 6];
     for (i, axis) in axes.iter_mut().enumerate() {
@@ -55,7 +56,7 @@ pub fn diagonalize(m: usize, s: &mut [[f64; 6]; 6]) -> [[f64; 6]; 6] {
     axes
 }
 
-/// Applies the rotation in the plane (p, q) that makes `s[p][q]` zero.
+/// Applies the Jacobi rotation in the plane (p, q), which makes `s[p][q]` zero, to `s` and `axes`.
 fn rotate(m: usize, s: &mut [[f64; 6]; 6], axes: &mut [[f64; 6]; 6], p: usize, q: usize) {
     let theta = 0.5 * (s[q][q] - s[p][p]) / s[p][q];
     let t = 1.0_f64.copysign(theta) / (theta.abs() + (theta * theta + 1.0).sqrt());

@@ -1,7 +1,7 @@
 //! Laplace transform of the squared norm `Q = |e|^2` of a nearly normal vector `e`.
 //!
-//! In the eigenbasis of the covariance, with eigenvalues `l_i`, mean components `mu_i` and
-//! `r_i = 1 / (1 + 2 l_i z)`,
+//! In the eigenbasis of the covariance of `e`, with the eigenvalues `l_i`, the components `mu_i` of the mean
+//! and `r_i = 1 / (1 + 2 l_i z)`, the transform of normal `e` is
 //!
 //! ```text
 //! L(z) = E exp(-z Q) = prod_i sqrt(r_i) exp(-mu_i^2 z r_i)
@@ -11,27 +11,29 @@ use super::cumulants::{Axes, Cumulants};
 use super::jacobi::{covariance, diagonalize};
 use nalgebra::{Complex, Vector6};
 
-/// Share of the trace below which an eigenvalue is rounding.
+/// Share of the trace of the covariance below which an eigenvalue counts as zero, because it may be rounding.
 const EIGENVALUE_ROUNDING: f64 = 8.0 * f64::EPSILON;
-/// Size below which a vector counts as zero.
+/// Largest absolute component below which a vector counts as zero.
 const MIN_SIZE: f64 = 1e-300;
 
-/// Transform of Q, in the unit in which the normal part has `E Q = 1`.
+/// Laplace transform of `Q = |e|^2` for a nearly normal vector `e`, in the unit of length in which `Q` has
+/// the mean 1.
 #[derive(Default)]
 pub struct Spectrum {
-    /// Number of positive eigenvalues.
+    /// Number of positive eigenvalues of the covariance of `e`.
     pub rank: usize,
-    /// Positive eigenvalues.
+    /// Positive eigenvalues of the covariance of `e`; the unused tail is zero.
     pub l: [f64; 6],
-    /// Squares of the mean along the axes of these eigenvalues.
+    /// Squares of the components of the mean of `e` along the eigenvectors with a positive eigenvalue.
     pub mean2: [f64; 6],
-    /// Square of the mean along the axes without variation, a constant part of Q.
+    /// Constant part of `|e|^2`: the squared length of the mean in the directions in which `e` does not vary.
     pub shift: f64,
-    /// Square of the whole mean.
+    /// Squared length of the mean of `e`.
     pub square: f64,
-    /// Noncentrality `sum mu_i^2 / l_i`.
+    /// Noncentrality `sum mu_i^2 / l_i`, where `l_i` is an eigenvalue and `mu_i` the component of the mean
+    /// along its eigenvector.
     pub noncentrality: f64,
-    /// Correction for parameters that are not normal; None if all are.
+    /// Correction for parameters that are not normal; None if all parameters are normal.
     pub correction: Option<Cumulants>,
 }
 
@@ -74,7 +76,10 @@ impl Spectrum {
         Some((this, size * unit))
     }
 
-    /// Returns cumulants 1 to 3 of `Q - shift`; the second includes the fourth cumulant of `e`.
+    /// Returns the first three cumulants of `Q - shift`, where `Q = |e|^2` and `shift` is its constant part.
+    ///
+    /// The second cumulant includes the effect of the excess kurtosis of the parameters, the third an
+    /// estimate of it.
     pub fn cumulants(&self) -> [f64; 3] {
         let mut k = [0.0; 3];
         for (l, mean2) in self.varying() {
@@ -87,12 +92,12 @@ impl Spectrum {
         [k[0], k[1] * ratio, k[2] * ratio * ratio.sqrt()]
     }
 
-    /// Returns eigenvalue and squared mean along each axis with a positive eigenvalue.
+    /// Returns each positive eigenvalue, with the squared component of the mean along its eigenvector.
     pub fn varying(&self) -> impl Iterator<Item = (f64, f64)> {
         self.l.iter().copied().zip(self.mean2).take(self.rank)
     }
 
-    /// Returns the transform at a real z.
+    /// Returns the Laplace transform of `|e|^2` at a real z.
     pub fn real(&self, z: f64) -> f64 {
         let (mut product, mut exponent) = (1.0, self.shift * z);
         let mut zr = [Complex::new(0.0, 0.0); 6];
@@ -106,16 +111,21 @@ impl Spectrum {
             * self.correction.as_ref().map_or(1.0, |f| f.factor(&zr[..self.rank]).re)
     }
 
-    /// Returns the transform without mean and correction, `prod_i sqrt(r_i)`.
+    /// Returns the Laplace transform for a zero mean and normal parameters: `prod_i sqrt(r_i)`.
+    ///
+    /// Here `r_i = 1 / (1 + 2 l_i z)`, where `l_i` is the i-th eigenvalue of the covariance.
     pub fn central(&self, z: Complex<f64>) -> Complex<f64> {
         let one = Complex::new(1.0, 0.0);
         self.varying().fold(one, |product, (l, _)| product * principal_root(1.0 + 2.0 * l * z)).inv()
     }
 
-    /// Returns `(h, f)` such that the transform is `central(z) exp(h - |mu|^2 z) f`.
+    /// Returns `(h, f)` such that the Laplace transform of `|e|^2` is `central(z) exp(h - |mu|^2 z) f`.
     ///
-    /// `h = sum 2 l_i mu_i^2 z^2 r_i` is due to mean and variance along the same axis, `f` to higher
-    /// cumulants.
+    /// Here `mu` is the mean of `e`.
+    ///
+    /// The term `h = sum 2 l_i mu_i^2 z^2 r_i` is due to mean and variance along the same axis. Here `l_i` is
+    /// the i-th eigenvalue, `mu_i` the component of the mean along its axis, and `r_i = 1 / (1 + 2 l_i z)`.
+    /// The factor `f` is due to the higher cumulants of the parameters.
     pub fn factors(&self, z: Complex<f64>) -> (Complex<f64>, Complex<f64>) {
         let mut h = Complex::new(0.0, 0.0);
         let mut zr = [h; 6];
@@ -128,7 +138,7 @@ impl Spectrum {
     }
 }
 
-/// Returns the square root with a real part that is not negative.
+/// Returns the square root whose real part is not negative.
 fn principal_root(w: Complex<f64>) -> Complex<f64> {
     let t = (0.5 * (w.re.abs() + (w.re * w.re + w.im * w.im).sqrt())).sqrt();
     let other = 0.5 * w.im / t;

@@ -1,28 +1,29 @@
-//! Branch and bound over the signs, for more than three dimensions.
+//! Branch and bound over the signs of the generators, for more than three dimensions.
 //!
-//! The generators are sorted by size, the largest first; the last six are looked up in a table. Let `v` be
-//! the sum of the generators with chosen signs. The rest `g_j, g_j+1, ..` can bring it at most as far as
+//! The generators are sorted by size, the largest first; a table holds all sums of the last six. Let `v` be
+//! the sum of the generators whose signs are chosen. Let `w` be a sum of the others, `g_j, g_j+1, ..`, with
+//! any signs. Then
 //!
 //! ```text
 //! |v + w|^2 <= |v|^2 + 2 sum |v . g_k| + K_j,     K_j = max |w|^2
 //! ```
 //!
-//! and `K_j` is known, because the rest alone is a smaller problem of the same kind, solved before (Russian
-//! doll search: G. Verfaillie, M. Lemaitre, T. Schiex, AAAI 1996). The bound is so tight that 64 random
-//! generators in 6-D take on the order of ten thousand nodes.
+//! The maximum `K_j` over all `w` is known, because the others alone are a smaller problem of the same kind,
+//! solved before. This is Russian doll search (G. Verfaillie, M. Lemaitre, T. Schiex, AAAI 1996). The bound
+//! is tight: 64 random generators in 6-D take about ten thousand nodes.
 
 use super::MAX_GENERATORS;
 use super::climb;
 use super::sign_table::{SignTable, WIDTH, try_all};
 use nalgebra::Vector6;
 
-/// Number of generators up to which all corners are tried.
+/// Number of generators up to which all combinations of signs are tried.
 const MAX_EXHAUSTIVE: usize = 11;
-/// Largest number of nodes in one smaller problem.
+/// Largest number of nodes in the search of a subproblem, which leaves out the largest generators.
 const MAX_SUBPROBLEM_NODES: usize = 20_000;
-/// Largest number of nodes in the whole problem.
+/// Largest number of nodes in the search over all generators.
 const MAX_NODES: usize = 200_000;
-/// Ratio of squares up to which two corners count as equally far.
+/// Ratio up to which the squared norms of two sums count as equal.
 const EQUAL_RATIO: f64 = 1.0 + 1e-14;
 
 /// Branch and bound with its working memory.
@@ -31,7 +32,7 @@ pub(super) struct BranchAndBound {
     sorted: [Vector6<f64>; MAX_GENERATORS],
     /// Original index of each sorted generator.
     from: [usize; MAX_GENERATORS],
-    /// Proven bounds `K_j`.
+    /// Proven upper bounds `K_j` of the squared norm of any sum of the sorted generators from index j on.
     rest: [f64; MAX_GENERATORS],
     trial: [f64; MAX_GENERATORS],
     best: [f64; MAX_GENERATORS],
@@ -42,9 +43,9 @@ pub(super) struct BranchAndBound {
 #[derive(Default)]
 struct BranchState {
     count: usize,
-    /// Squared norm of the farthest corner so far.
+    /// Largest squared norm found so far.
     square: f64,
-    /// Highest bound left open at the node limit.
+    /// Largest bound of a node that was not visited because of the node limit.
     open: f64,
     /// Number of nodes left until the limit.
     nodes: usize,
@@ -65,9 +66,10 @@ impl Default for BranchAndBound {
 }
 
 impl BranchAndBound {
-    /// Writes the signs of the farthest corner found.
+    /// Writes the signs with the largest norm of the sum that is found to `corner`.
     ///
-    /// Returns a proven upper bound of the norm of all corners; None if the corner is proven farthest.
+    /// Returns a proven upper bound of the norm for all signs; None if the signs found are proven to be the
+    /// best.
     pub(super) fn farthest(&mut self, generators: &[Vector6<f64>], corner: &mut [f64]) -> Option<f64> {
         let n = generators.len();
         if n <= MAX_EXHAUSTIVE {
@@ -104,10 +106,10 @@ impl BranchAndBound {
         }
     }
 
-    /// Starts a search over the generators from index `from` on, with a good corner of them.
+    /// Starts a search over the sorted generators from index `from` on, with good signs.
     ///
-    /// It is the best corner of the generators after `from`, with the sign +1 for `from`, improved by flips
-    /// of single signs.
+    /// The generators after `from` have the signs of their own best sum, and generator `from` has +1. Flips
+    /// of single signs then improve these signs.
     fn start(&mut self, from: usize, n: usize) {
         let (generators, signs) = (&self.sorted[from..n], &mut self.best[from..n]);
         signs[0] = 1.0;
@@ -116,7 +118,8 @@ impl BranchAndBound {
         self.search = BranchState { count: n, square: sum.norm_squared(), ..BranchState::default() };
     }
 
-    /// Returns an upper bound of the squared norm that the generators from `j` can bring `v` to.
+    /// Returns an upper bound of the squared norm of `v` plus the sorted generators from index `j` on, with
+    /// any signs.
     fn bound(&self, j: usize, v: &Vector6<f64>) -> f64 {
         let mut sum = 0.0;
         for g in &self.sorted[j..self.search.count] {
@@ -125,7 +128,7 @@ impl BranchAndBound {
         v.norm_squared() + 2.0 * sum + self.rest[j]
     }
 
-    /// Searches all corners whose first `j` signs are those in `trial`.
+    /// Searches all combinations of signs whose first `j` signs are those in `trial`.
     ///
     /// `v` is the sum of the first `j` generators with these signs.
     fn visit(&mut self, j: usize, v: Vector6<f64>) {

@@ -1,12 +1,13 @@
-//! Walks round a zonogon in 2-D, and along every great circle in 3-D.
+//! Search for the longest sum of generators with signs: a walk round a zonogon in 2-D, walks along great
+//! circles in 3-D.
 
 use super::{MAX_GENERATORS, PERPENDICULAR, climb};
 use nalgebra::Vector3;
 
-/// Mask of the low bits of a key, which hold the index so that keys differ and need no second array.
+/// Mask of the low bits of a sort key, which hold the index of the generator to make all keys different.
 const PLACES: u64 = MAX_GENERATORS as u64 - 1;
 
-/// Generators seen along a circle: x, y in its plane, folded to y >= 0, and z along its axis.
+/// Generators in the frame of a circle: x and y in its plane, z along its axis; those with y < 0 are negated.
 pub(super) struct CircleWalk {
     at: [Vector3<f64>; MAX_GENERATORS],
     fold: [f64; MAX_GENERATORS],
@@ -14,7 +15,8 @@ pub(super) struct CircleWalk {
     order: [u8; MAX_GENERATORS],
 }
 
-/// Farthest corner of a walk: its squared norm, the number of flips before it, and the side of the circle.
+/// Longest sum on a walk: its squared norm, the number of signs flipped before it, and its side of the
+/// circle.
 pub(super) struct WalkMaximum {
     square: f64,
     flips: usize,
@@ -44,8 +46,8 @@ impl CircleWalk {
         self.key[k] = f64::from_bits(key.to_bits() & !PLACES | k as u64);
     }
 
-    /// Returns the farthest sum of the first `n` generators and one more generator of length `size` along the
-    /// axis.
+    /// Returns the longest sum on a walk over the first `n` generators and another one of length `size` along
+    /// the axis.
     pub(super) fn farthest(&mut self, n: usize, size: f64) -> WalkMaximum {
         self.sort(n);
         let mut sum: Vector3<f64> = self.at[..n].iter().sum();
@@ -61,7 +63,7 @@ impl CircleWalk {
         stop
     }
 
-    /// Reports the signs at a corner of the latest walk.
+    /// Calls `set` with the index and the sign of every generator in the sum `stop` of the latest walk.
     pub(super) fn signs_at(&self, stop: &WalkMaximum, mut set: impl FnMut(usize, f64), n: usize) {
         for (place, k) in self.order[..n].iter().enumerate() {
             let k = usize::from(*k) % MAX_GENERATORS;
@@ -69,7 +71,9 @@ impl CircleWalk {
         }
     }
 
-    /// Sorts by counting the smaller keys: without branches, faster than `sort_unstable` up to 64 keys.
+    /// Sorts the keys: the place of a key is the number of smaller keys.
+    ///
+    /// Without branches, this is faster than `sort_unstable` for up to 64 keys.
     fn sort(&mut self, n: usize) {
         let keys = &self.key[..n];
         for (k, key) in keys.iter().enumerate() {
@@ -79,9 +83,10 @@ impl CircleWalk {
     }
 }
 
-/// Finds the farthest corner in 3-D by walks along all circles but one.
+/// Finds the signs of the longest sum in 3-D by walks along the great circles of all generators but one.
 ///
-/// Every cell of directions lies beside at least two circles.
+/// The circles cut the sphere of directions into cells, each with one choice of signs. One circle can be left
+/// out, because every cell borders on at least two.
 pub(super) fn walk_circles(generators: &[Vector3<f64>], walk: &mut CircleWalk, corner: &mut [f64]) {
     climb(generators, corner);
     let sum: Vector3<f64> = generators.iter().zip(&*corner).map(|(g, s)| g * *s).sum();
@@ -116,7 +121,7 @@ fn across(axis: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
     )
 }
 
-/// Solves the 3-D case in which every generator is along one axis or perpendicular to it.
+/// Solves the 3-D case in which every generator is parallel or perpendicular to one axis.
 ///
 /// The signs along the axis and those in the plane are found separately. Returns false if there is no such
 /// axis.
@@ -136,8 +141,9 @@ pub(super) fn split(generators: &[Vector3<f64>], walk: &mut CircleWalk, signs: &
     true
 }
 
-/// Returns the common axis: the first generator, the first one not parallel to it, or the perpendicular
-/// to both.
+/// Returns an axis to which every generator is parallel or perpendicular.
+///
+/// The candidates are the first generator, the first one not parallel to it, and the perpendicular to both.
 fn axis(generators: &[Vector3<f64>]) -> Option<Vector3<f64>> {
     let a = generators.iter().find(|g| g.norm_squared() > 0.0)?.normalize();
     let sine = |g: &&Vector3<f64>| a.cross(g).norm_squared() > 0.01 * g.norm_squared();

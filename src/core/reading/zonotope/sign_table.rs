@@ -1,11 +1,13 @@
-//! Table of all corners of a few generators.
+//! Table of the sums of a few generators with all combinations of signs.
 
 use nalgebra::SVector;
 
 /// Number of generators in a table.
 pub(super) const WIDTH: usize = 6;
 
-/// Sums of up to six generators for all signs, up to the overall sign, in blocks of four.
+/// Sums of up to six generators with all combinations of signs, in blocks of four.
+///
+/// Only one of each sum and its negative is stored.
 pub(super) struct SignTable<const M: usize> {
     blocks: [SignBlock<M>; 1 << (WIDTH - 3)],
     used: usize,
@@ -52,7 +54,7 @@ impl<const M: usize> SignTable<M> {
         }
     }
 
-    /// Returns the maximum of `|v + w|^2 - |v|^2` over the table's sums `w` of either sign.
+    /// Returns the maximum of `|v + w|^2 - |v|^2` over the sums `w` in the table and their negatives.
     #[inline]
     pub(super) fn most(&self, v: &SVector<f64, M>) -> f64 {
         let mut top = [0.0; 4];
@@ -64,7 +66,7 @@ impl<const M: usize> SignTable<M> {
         top[0].max(top[1]).max(top[2]).max(top[3])
     }
 
-    /// Writes the signs where [`Self::most`] is attained.
+    /// Writes the signs of the sum `w` that attains the maximum [`Self::most`].
     pub(super) fn write(&self, v: &SVector<f64, M>, signs: &mut [f64]) {
         let (mut best, mut place, mut overall) = (-1.0, 0, 1.0);
         for (b, block) in self.blocks[..self.used].iter().enumerate() {
@@ -98,7 +100,7 @@ impl<const M: usize> SignBlock<M> {
     }
 }
 
-/// Tries all corners: the last six generators by the table, the others in Gray code order.
+/// Tries all combinations of signs: the last six generators by the table, the others in Gray code order.
 pub(super) fn try_all<const M: usize>(g: &[SVector<f64, M>], table: &mut SignTable<M>, signs: &mut [f64]) {
     if g.is_empty() {
         return;
