@@ -48,8 +48,9 @@ impl OperationSetup {
     }
 }
 
-/// Returns the nodes in three orders: by distance from the corner (least x, least y), from the corner
-/// (greatest x, least y), and from the corner (least x, greatest y).
+/// Returns three lists of all nodes, each sorted by distance from one corner of the grid.
+///
+/// The corners are (least x, least y), (greatest x, least y) and (least x, greatest y).
 fn nodes_by_corner(grid: &Grid) -> [Vec<usize>; 3] {
     let [(left, right), (low, high)] = grid.extent();
     [(left, low), (right, low), (left, high)].map(|corner| {

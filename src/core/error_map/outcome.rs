@@ -9,8 +9,8 @@ pub struct Spot {
     /// Index of the node.
     pub node: usize,
     pub branch: u32,
-    /// The value that the reading minimizes: the error in the sense of the operation (m or rad), a statistic
-    /// of this error, or a share of failures.
+    /// Value that the reading minimizes: an error in the sense of the operation or a statistic of it (m or
+    /// rad), or a share of failures.
     pub value: f64,
 }
 

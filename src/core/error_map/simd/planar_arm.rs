@@ -42,8 +42,8 @@ pub struct TargetLanes<S: Simd> {
 /// The wrist at one attitude of the tool, on one side of the base axis.
 pub struct WristLanes<S: Simd> {
     yaw: CosSin<S>,
-    /// Horizontal component of the vector from the shoulder to the wrist in the plane of the arm, divided by
-    /// the squared length of this vector, 1/m; `v` is the vertical one.
+    /// Vector from the shoulder to the wrist, divided by its squared length: `u` is its component
+    /// perpendicular to the base axis, `v` the component along the axis, 1/m.
     u: Lanes<S>,
     v: Lanes<S>,
     k1: Lanes<S>,

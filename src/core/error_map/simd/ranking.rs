@@ -40,8 +40,8 @@ pub struct Ranker {
 
 /// One direction of the sense, prepared for one layout.
 ///
-/// The error in this direction is `built . p - (wanted . target - offset)`, where `p` is the TCP in the frame
-/// after the constant motion [`PerturbedChain::base`].
+/// The error in this direction is `built . p - (wanted . target - offset)`, where `p` is the TCP, computed by
+/// [`PerturbedChain::tip`].
 #[derive(Debug, Clone, Copy)]
 struct RankingRow {
     built: Vector3<f64>,
