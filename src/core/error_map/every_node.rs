@@ -1,4 +1,5 @@
-//! Operations that happen at every one of their nodes: all nodes must be usable, and one value results.
+//! Operations that happen at every one of their nodes: all nodes must be usable, and their values combine
+//! into one.
 
 use super::candidate::PostureCandidate;
 use super::outcome::{Outcome, Spot, Unjudged};
@@ -7,11 +8,12 @@ use super::walk::{OperationQuery, PostureVisitor, VisitedNode};
 use super::workspace::{MapperWorkspace, PostureMemory};
 use crate::reach::Gap;
 
-/// Candidates of each node in turn, best first, and the gaps of the nodes that cannot be reached.
+/// Candidates of each node in turn, best first, and the missing distances of the nodes that cannot be
+/// reached.
 #[derive(Default)]
 struct CandidatesByNode {
     candidates: Vec<PostureCandidate>,
-    /// Start of the candidates of the present node.
+    /// Index of the first candidate of the current node.
     first: usize,
     unreached: UnreachedNodes,
 }
@@ -30,7 +32,7 @@ impl PostureVisitor for CandidatesByNode {
     }
 }
 
-/// Sums of the gaps of the nodes that cannot be reached.
+/// Sums of the missing distances ([`Gap`]) of the nodes that cannot be reached.
 #[derive(Default)]
 struct UnreachedNodes {
     out_of_reach: usize,
@@ -50,7 +52,9 @@ impl UnreachedNodes {
         }
     }
 
-    /// Returns the mean gap over all nodes, which falls as any node comes nearer; None if all are reached.
+    /// Returns the mean missing distance over all nodes; None if all nodes are reached.
+    ///
+    /// The mean falls as any node comes nearer to the reach of the arm.
     fn gap(&self, nodes: usize) -> Option<Gap> {
         if self.out_of_reach > 0 {
             let reach = (self.reach / nodes as f64).max(f64::MIN_POSITIVE);
@@ -63,7 +67,7 @@ impl UnreachedNodes {
 impl PlacedLayout<'_> {
     /// Finds the least-error spot of an operation, or the value of all its nodes.
     ///
-    /// `spots` holds the spots of the operations before it.
+    /// `spots` holds the spots of the earlier operations.
     pub fn outcome(
         &self,
         operation: usize,
@@ -77,7 +81,8 @@ impl PlacedLayout<'_> {
             .map_or_else(|why| why, |free| self.value_of_all(operation, &free))
     }
 
-    /// Combines the values of all nodes; the spot is the worst node, the first one among equals.
+    /// Combines the values of all nodes; the spot is the worst node, or the first of several equally bad
+    /// nodes.
     fn value_of_all(&self, operation: usize, free: &[Spot]) -> Outcome {
         let by_value = |a: &&Spot, b: &&Spot| a.value.total_cmp(&b.value);
         let Some(worst) = free.iter().rev().max_by(by_value) else {

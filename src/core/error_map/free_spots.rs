@@ -8,7 +8,7 @@ use super::workspace::MapperWorkspace;
 use std::collections::BinaryHeap;
 
 impl PlacedLayout<'_> {
-    /// Calls `take` with the best usable spot of each node, in ascending order of value, until it returns
+    /// Calls `take` with the best usable spot of each node, in ascending order of value, until `take` returns
     /// false.
     ///
     /// The first spot is the one that [`Self::least_error`] finds.

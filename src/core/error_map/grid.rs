@@ -5,14 +5,14 @@ use nalgebra::Vector3;
 
 /// Nodes of a work surface, in the frame of its equipment.
 ///
-/// A grid with m by n divisions has (m + 1)(n + 1) nodes. They are numbered row by row from the low corner: x
-/// varies faster than y.
+/// A grid with m by n divisions has (m + 1)(n + 1) nodes. They are numbered row by row from the corner of
+/// least x and y: x varies faster than y.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grid {
     /// Divisions m and n along x and y. A list of k nodes counts as one row: k - 1 and 0 divisions.
     pub divisions: (usize, usize),
-    /// Coordinates of the columns (x) and rows (y), m; for listed nodes the least and the greatest
-    /// coordinate.
+    /// Coordinates x of the columns, m; `ys` holds the coordinates y of the rows. For listed nodes both hold
+    /// only the least and the greatest coordinate.
     xs: Vec<f64>,
     ys: Vec<f64>,
     /// Nodes listed one by one (x, y, m); empty for a grid of columns and rows.
@@ -61,12 +61,13 @@ impl Grid {
         !self.points.is_empty()
     }
 
-    /// Returns the least and greatest x, then y, of the nodes in the frame of the equipment, m.
+    /// Returns the least and greatest x, and the least and greatest y, of the nodes (frame of the equipment,
+    /// m).
     pub fn extent(&self) -> [(f64, f64); 2] {
         [&self.xs, &self.ys].map(|line| (line[0], line[line.len() - 1]))
     }
 
-    /// Returns a node in the frame of the equipment, m.
+    /// Returns x and y of a node in the frame of the equipment, m.
     pub fn local(&self, node: usize) -> (f64, f64) {
         let (i, j) = self.index(node);
         self.points.get(node).copied().unwrap_or_else(|| (self.xs[i], self.ys[j]))
@@ -97,7 +98,7 @@ impl Grid {
 
     /// Computes a lower and an upper bound of the distances from a point to the TCP targets, m.
     ///
-    /// `from` and `at` are in one frame.
+    /// `from` and `at` must be given in the same frame.
     pub fn distances(&self, at: &Placement, from: &Vector3<f64>) -> (f64, f64) {
         let (sin, cos) = at.yaw.sin_cos();
         let (dx, dy) = (from.x - at.x, from.y - at.y);

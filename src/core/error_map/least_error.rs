@@ -1,7 +1,7 @@
 //! Search for the least-error spot of an operation, run once for every layout.
 //!
-//! Cheap tests come first: geometry, limits, error. Collisions are checked only for candidates that can
-//! still win.
+//! Cheap tests come first: geometry, limits, error. Collisions are checked only for candidates that can still
+//! be the spot.
 
 use super::candidate::PostureCandidate;
 use super::outcome::{Outcome, Spot, Unjudged};
@@ -11,7 +11,7 @@ use super::workspace::{MapperWorkspace, PostureMemory, WalkMemory};
 use crate::reach::{Gap, ToolAttitudes};
 use std::collections::BinaryHeap;
 
-/// Candidates of all nodes, and the least gap of the nodes that are out of reach.
+/// Candidates of all nodes, and the least missing distance ([`Gap`]) of the nodes that are out of reach.
 struct AllCandidates<'c> {
     candidates: &'c mut Vec<PostureCandidate>,
     is_reached: bool,
@@ -33,8 +33,7 @@ impl PostureVisitor for AllCandidates<'_> {
 }
 
 impl PlacedLayout<'_> {
-    /// Finds the least-error usable spot of an operation; `spots` holds the spots of the operations before
-    /// it.
+    /// Finds the least-error usable spot of an operation; `spots` holds the spots of the earlier operations.
     pub fn least_error(
         &self,
         operation: usize,
@@ -53,10 +52,11 @@ impl PlacedLayout<'_> {
         outcome
     }
 
-    /// Returns the gap if the link lengths alone show that no node is in reach; None otherwise.
+    /// Returns the missing distance if the link lengths alone show that no node is in reach; None otherwise.
     ///
-    /// It is the gap of the node nearest to the reach, by inverse kinematics. The walk returns that gap, too,
-    /// so the gap does not jump between layouts judged here and layouts judged by the walk.
+    /// Inverse kinematics computes the missing distance for the node nearest to the reach of the arm. A
+    /// [walk](OperationQuery::walk) over all nodes finds the same distance. The cost therefore does not jump
+    /// between layouts judged here and layouts judged by a walk.
     fn beyond_reach(&self, surface: &PlacedSurface<'_>, attitudes: &mut ToolAttitudes) -> Option<Gap> {
         let shell = self.mapper.shells[surface.operation].as_ref()?;
         let (grid, inverse) = (self.mapper.grid(surface.operation), self.mapper.inverse());
@@ -92,10 +92,10 @@ impl OperationQuery<'_> {
         found.outcome().unwrap_or(Outcome::Unjudged(Unjudged::OnlyTouched))
     }
 
-    /// Finds the spot by judging only nodes whose lower bound can still win; None if the nodes cannot be
-    /// ranked or none can be reached.
+    /// Finds the spot by judging only nodes whose lower bound is not above the least error found; None if the
+    /// nodes cannot be ranked or no node can be reached.
     ///
-    /// The spot is that of [`Self::judged`], to the bit.
+    /// The spot has the same bits as the one that [`Self::judged`] finds.
     fn ranked(&self, memory: &mut WalkMemory<'_>) -> Option<Outcome> {
         let ranker = self.placed.mapper.rankers[self.operation].as_ref()?;
         let context = self.context.as_ref().ok()?;

@@ -14,7 +14,7 @@ use crate::reading::WorkContext;
 /// Recorder of every node of a walk.
 #[derive(Default)]
 struct NodeRecorder {
-    /// Candidates of the present node.
+    /// Candidates of the current node.
     candidates: Vec<PostureCandidate>,
     nodes: Vec<NodeRecord>,
 }
@@ -37,7 +37,7 @@ impl PostureVisitor for NodeRecorder {
 }
 
 impl PlacedLayout<'_> {
-    /// Maps an operation; `spots` holds the spots of the operations before it.
+    /// Maps an operation; `spots` holds the spots of the earlier operations.
     pub fn map(&self, operation: usize, spots: &[Option<Spot>]) -> OperationMap {
         let query = OperationQuery::new(self, operation, spots);
         let mut memory = PostureMemory::new(self.mapper, operation);
@@ -56,7 +56,7 @@ impl PlacedLayout<'_> {
 }
 
 impl OperationQuery<'_> {
-    /// Judges one node by its candidates, best first.
+    /// Judges one node by its candidates, which must be sorted with the best one first.
     fn judge(
         &self,
         node: &VisitedNode,

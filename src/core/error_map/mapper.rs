@@ -17,15 +17,15 @@ pub struct Mapper {
     pub(super) arm: ArmKinematics,
     pub(super) scene: Arc<Scene>,
     pub(super) setups: Vec<OperationSetup>,
-    /// Rules of motion; None if the cell has none.
+    /// Motion rules of the cell; None if it has none.
     pub(super) guard: Option<Guard>,
-    /// Ranker of each operation; None where the nodes cannot be ranked.
+    /// Ranker of the nodes of each operation; None if these nodes cannot be ranked.
     pub(super) rankers: Vec<Option<Ranker>>,
-    /// Shell that bounds the reach of each operation; None where inverse kinematics is cheap.
+    /// Spherical shell that bounds the reach of the arm in each operation; None if it would save no time.
     pub(super) shells: Vec<Option<Shell>>,
 }
 
-/// Forward and inverse kinematics of one arm, with the joint limits less the margins.
+/// Forward and inverse kinematics of one arm, with the joint limits reduced by the margins of the cell.
 pub struct ArmKinematics {
     pub chain: Chain,
     pub inverse: Inverse,
@@ -35,7 +35,7 @@ impl Mapper {
     /// Prepares a cell whose solids are `scene`.
     ///
     /// # Errors
-    /// Returns the reason if the geometry of the robot cannot hold the attitude of an operation.
+    /// Returns the reason if the geometry of the robot does not allow the attitude of an operation.
     pub fn new(cell: &Cell, scene: Arc<Scene>) -> Result<Self, String> {
         let chain = Chain::with_margins(&cell.robot, &cell.margins);
         let inverse = Inverse::new(&chain);
@@ -61,7 +61,7 @@ impl Mapper {
         &self.arm.inverse
     }
 
-    /// Returns the kinematic chain of the arm; its limits are those of the robot less the margins.
+    /// Returns the kinematic chain of the arm, with the joint limits reduced by the margins of the cell.
     pub fn chain(&self) -> &Chain {
         &self.arm.chain
     }
@@ -81,12 +81,12 @@ impl Mapper {
         &self.setups[operation].grid
     }
 
-    /// Limits the maps to the own sense of each operation.
+    /// Restricts each map to its operation's own sense.
     pub fn report_own_senses(&mut self) {
         self.setups.iter_mut().for_each(|setup| setup.evaluator.report_own_sense());
     }
 
-    /// Turns the ranking of nodes off, so that every node is judged.
+    /// Switches off the ranking of nodes, so that every node is judged.
     pub fn forget_ranks(&mut self) {
         self.rankers.fill(None);
     }
@@ -102,7 +102,9 @@ impl Mapper {
     }
 }
 
-/// Bounds the reach of an operation by a spherical shell; None where the shell saves nothing.
+/// Bounds the reach of the arm in an operation by a spherical shell; None if this would save no time.
+///
+/// It saves none if inverse kinematics is cheap, or if a search may change the attitude.
 fn shell(inverse: &Inverse, operation: &Operation) -> Option<Shell> {
     // A searched attitude would need one shell for each of its values.
     let is_fixed = !operation.angles.iter().flatten().any(Coordinate::is_free);

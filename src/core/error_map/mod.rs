@@ -1,18 +1,18 @@
 //! Section 3 of the seed paper: the error at every node of a work surface, and the node with the least
 //! error in a sense.
 //!
-//! A [`PlacedLayout`] is the context: a layout of a cell with its solids posed. Only `walk.rs` walks over its
-//! nodes; the walk has several visitors:
+//! A [`PlacedLayout`] is the context: a layout of a cell with its solids posed. Only `walk.rs` loops over the
+//! nodes of a surface. Several functions use this loop:
 //!
 //! - [`PlacedLayout::outcome`], for the search: the least-error spot that can be used, or the value of all
 //!   nodes;
 //! - [`PlacedLayout::free_spots`], for the robust search: usable spots in ascending order of value;
 //! - [`PlacedLayout::map`], for people: every node with its posture and errors, or the reason why it has
 //!   none;
-//! - [`Probe`]: any point between the nodes.
+//! - [`Probe`], for any point between the nodes.
 //!
-//! Ranking (`simd`) orders nodes by a lower bound of their error before they are judged, with the same
-//! result to the bit.
+//! Ranking (`simd`) orders nodes by a lower bound of their error before they are judged. The result has the
+//! same bits as without ranking.
 
 mod candidate;
 mod every_node;

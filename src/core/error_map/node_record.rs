@@ -29,26 +29,26 @@ pub enum Status {
         position: f64,
         angle: f64,
     },
-    /// Every posture passes a joint limit; this is the least violation.
+    /// Every posture exceeds a joint limit. `violation` is the least violation, and `needs` the coordinate
+    /// (rad or m) that its joint would need.
     JointLimit {
         violation: LimitViolation,
         needs: f64,
     },
-    /// Every posture within the limits collides; this is the contact of the least-error one.
+    /// No posture within the joint limits can be used; the least-error posture has the contact `hit`.
     Collision {
         hit: Hit,
     },
-    /// Every posture within the limits collides or is refused by the rules of motion; this is the refusal of
-    /// the least-error one.
+    /// No posture within the joint limits can be used; the motion rules refuse the least-error posture.
     Refused(PostureRefusal),
     /// The equipment that carries the node overlaps something.
     Overlap(Overlap),
-    /// The node can be reached, but its error depends on something that is missing.
+    /// The node can be reached, but its error cannot be computed.
     Unjudged(Unjudged),
 }
 
 impl Status {
-    /// Returns the class of the status.
+    /// Returns the class of the status, which leaves out its details.
     pub fn sign(&self) -> NodeSign {
         match self {
             Self::Ok => NodeSign::Usable,
@@ -69,7 +69,9 @@ impl Status {
         self.sign().name()
     }
 
-    /// Returns the reason as a phrase with the names of the cell; empty if the node is ok.
+    /// Describes in words why the node cannot be used, with the names of joints and solids in the cell.
+    ///
+    /// The text is empty if the node is usable.
     pub fn reason(&self, cell: &Cell) -> String {
         match self {
             Status::Ok => String::new(),
@@ -116,7 +118,8 @@ impl Status {
 
 /// One node of a map.
 ///
-/// The posture is the least-error usable one; if none is usable, the least-error one within the limits.
+/// `posture` is the least-error usable posture. If no posture is usable, it is the least-error posture within
+/// the joint limits.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NodeRecord {
     pub i: usize,
@@ -128,8 +131,7 @@ pub struct NodeRecord {
 }
 
 impl NodeRecord {
-    /// Returns the posture if the node is usable; None otherwise, although a colliding node may have a
-    /// posture.
+    /// Returns the posture if the node is usable; None otherwise, even if a colliding posture is recorded.
     pub fn usable_posture(&self) -> Option<&PostureRecord> {
         self.posture.as_ref().filter(|_| self.status.sign().is_usable())
     }
@@ -137,8 +139,8 @@ impl NodeRecord {
 
 /// Posture reported for a node, with its errors in the world frame.
 ///
-/// The errors are those of the signed sample. For tolerances they are those of the corner that is worst in
-/// the sense of the operation.
+/// The errors are those of the signed sample. For tolerances they are the errors at the corner of the
+/// tolerance box that is worst in the sense of the operation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PostureRecord {
     pub branch: u32,
@@ -155,11 +157,11 @@ pub struct PostureRecord {
     pub linear_off: f64,
     /// Deviation of the second-order model from the nonlinear one, as a share of the nonlinear resultant.
     pub second_order_off: f64,
-    /// Whether the node was touched to teach the frame, so that it cannot be the spot.
+    /// Whether the robot touches the node to teach the surface frame; if so, the node cannot be the spot.
     pub touched: bool,
     /// Value that the reading minimizes: m, rad or a share of failures.
     pub value: f64,
-    /// Figures in each of [`OperationMap::senses`].
+    /// Figures of the error in each sense of [`OperationMap::senses`], in the same order.
     pub figures: Vec<Figures>,
     /// Probability that the error keeps the limit; None without a limit.
     pub success: Option<f64>,
@@ -181,18 +183,18 @@ impl PostureRecord {
 pub struct OperationMap {
     /// Index into [`Cell::operations`].
     pub operation: usize,
-    /// Senses in which every node is reported: the seed paper's and the operation's own.
+    /// Senses in which every node is reported: those of the seed paper and the operation's own sense.
     pub senses: Vec<Sense>,
     pub nodes: Vec<NodeRecord>,
-    /// Index of the usable node with the least value. For an operation at every node: the node with the
-    /// greatest value, if all are usable.
+    /// Index of the node shown as the spot: the usable node with the least value. For an operation at every
+    /// node it is the node with the greatest value; None unless all nodes are usable.
     pub best: Option<usize>,
-    /// Value of the operation: that of the best node, or of all nodes together.
+    /// Value of the operation: the value of the best node, or the combined value of all nodes.
     pub value: Option<f64>,
 }
 
 impl OperationMap {
-    /// Marks every reachable node as blocked, since the equipment overlaps something.
+    /// Marks every reachable node as blocked, because its equipment overlaps something.
     pub fn block(&mut self, overlap: Overlap) {
         let blocked = |n: &&mut NodeRecord| {
             matches!(
@@ -204,7 +206,7 @@ impl OperationMap {
         (self.best, self.value) = (None, None);
     }
 
-    /// Returns the usable nodes with their numbers and postures.
+    /// Returns the usable nodes with their indices and postures.
     pub fn usable(&self) -> impl Iterator<Item = (usize, &NodeRecord, &PostureRecord)> {
         self.nodes.iter().enumerate().filter_map(|(k, node)| Some((k, node, node.usable_posture()?)))
     }
@@ -227,15 +229,15 @@ impl OperationMap {
 
     /// Compares a model with the nonlinear one over the usable nodes.
     ///
-    /// Returns the largest deviation (a share of the resultant), the number of nodes with more than `guard`,
-    /// and the number of usable nodes.
+    /// Returns the largest deviation (a share of the nonlinear resultant), the number of nodes whose
+    /// deviation exceeds `guard`, and the number of usable nodes.
     pub fn off(&self, model: Model, guard: f64) -> (f64, usize, usize) {
         self.usable().map(|(_, _, p)| p.off(model)).fold((0.0, 0, 0), |(most, above, all), off| {
             (f64::max(most, off), above + usize::from(off > guard), all + 1)
         })
     }
 
-    /// Returns the number of nodes with this sign.
+    /// Returns the number of nodes in the class `sign`.
     pub fn count(&self, sign: NodeSign) -> usize {
         self.nodes.iter().filter(|n| n.status.sign() == sign).count()
     }

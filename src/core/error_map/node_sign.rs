@@ -1,4 +1,4 @@
-//! Signs of nodes: every way in which a node can be used or fail, without its details.
+//! Classes of nodes: usable, or the reason why a node cannot be used, without details.
 //!
 //! Documents, tables, legends and pictures all classify nodes by this enum, so that they cannot contradict
 //! each other.
@@ -16,13 +16,14 @@ pub enum NodeSign {
     OutOfReach,
     /// Every solution violates a joint limit.
     JointLimit,
-    /// The position is in reach, the orientation of the tool is not.
+    /// The position is in reach, but the orientation of the tool is not.
     Attitude,
     /// The numeric inverse kinematics found no solution, but did not prove that there is none.
     NotConverged,
-    /// Every posture collides, or the equipment under the node overlaps another.
+    /// No posture can be used: the least-error one collides, or the equipment of the surface overlaps
+    /// something.
     Collision,
-    /// Every posture is too near a singularity.
+    /// No posture can be used: the least-error one is too near to a singularity.
     Singular,
     /// The straight line to the node is blocked.
     #[serde(rename = "approach")]
@@ -48,7 +49,7 @@ impl NodeSign {
         Self::Unjudged,
     ];
 
-    /// Returns the name of the sign in documents (JSON, CSV, Parquet).
+    /// Returns the name of the class in documents (JSON, CSV, Parquet).
     pub fn name(self) -> &'static str {
         match self {
             Self::Usable => "ok",
@@ -64,7 +65,7 @@ impl NodeSign {
         }
     }
 
-    /// Returns the words for people, which fit a legend as well as a count of nodes: "12 in collision".
+    /// Returns the class in words that suit both a legend and a count of nodes: "12 in collision".
     pub fn label(self) -> &'static str {
         match self {
             Self::Usable => "usable",

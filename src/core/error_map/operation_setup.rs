@@ -22,7 +22,7 @@ pub struct OperationSetup {
 pub enum TeachPoints {
     /// The frame is not taught.
     None,
-    /// Nodes in the order of trying, one list for each point.
+    /// Nodes to touch: each of the three points has a list of nodes in the order in which they are tried.
     Nodes([Vec<usize>; 3]),
     /// Points given by the user, frame of the equipment, m.
     Given([(f64, f64); 3]),
@@ -48,7 +48,9 @@ impl OperationSetup {
     }
 }
 
-/// Sorts the nodes three times: by distance from the low corner, the corner along x and the corner along y.
+/// Returns three lists of all nodes, each sorted by distance from one corner of the grid.
+///
+/// The corners are (least x, least y), (greatest x, least y) and (least x, greatest y).
 fn nodes_by_corner(grid: &Grid) -> [Vec<usize>; 3] {
     let [(left, right), (low, high)] = grid.extent();
     [(left, low), (right, low), (left, high)].map(|corner| {

@@ -9,8 +9,8 @@ pub struct Spot {
     /// Index of the node.
     pub node: usize,
     pub branch: u32,
-    /// The value that the reading minimizes: the error in the sense of the operation (m or rad), one of its
-    /// statistics, or a share of failures.
+    /// Value that the reading minimizes: an error in the sense of the operation or a statistic of it (m or
+    /// rad), or a share of failures.
     pub value: f64,
 }
 
@@ -18,11 +18,11 @@ pub struct Spot {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Outcome {
     Found(Spot),
-    /// All postures within the joint limits collide; `nearest` is the one with the least error.
+    /// All postures within the joint limits collide; `nearest` is the least-error posture.
     AllCollide {
         nearest: Spot,
     },
-    /// The rules of motion refuse all collision-free postures; `nearest` is the one with the least error.
+    /// The motion rules refuse all collision-free postures; `nearest` is the least-error one of these.
     Refused {
         nearest: Spot,
         refusal: PostureRefusal,

@@ -17,7 +17,7 @@ pub struct PlacedLayout<'a> {
     pub(super) solids: PlacedSolids,
 }
 
-/// The surface of one operation in one layout, robot base frame.
+/// Surface of one operation in one layout, described in the robot base frame.
 pub struct PlacedSurface<'a> {
     pub operation: usize,
     /// Frame of the equipment in the robot base frame.
@@ -57,7 +57,7 @@ impl<'a> PlacedLayout<'a> {
         PlacedSurface { operation, at, attitude, world }
     }
 
-    /// Solves the joint coordinates of an operation at its spot.
+    /// Computes the joint coordinates of an operation at its spot.
     pub fn operation_posture(&self, operation: usize, spot: &Spot) -> Option<OperationPosture> {
         let surface = self.surface(operation);
         let (target, attitudes) = (self.target(&surface, spot.node), self.attitudes(&surface));

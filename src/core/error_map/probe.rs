@@ -1,4 +1,5 @@
-//! One operation in one placed layout, judged at any point of its surface, between the nodes too.
+//! One operation in one placed layout, judged at any point of its surface, including points between the
+//! nodes.
 
 use super::candidate::PostureCandidate;
 use super::node_record::Status;
@@ -22,7 +23,7 @@ pub struct PointSpot {
     pub value: f64,
 }
 
-/// A point and a posture to keep while the layout moves a little.
+/// Point and posture that are kept while the layout changes a little.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeldPosture {
     /// Point in the frame of the equipment, m.
@@ -41,7 +42,7 @@ pub struct Probe<'a> {
 }
 
 impl<'a> Probe<'a> {
-    /// Prepares an operation; `spots` holds the spots of the operations before it.
+    /// Prepares an operation; `spots` holds the spots of the earlier operations.
     ///
     /// # Errors
     /// Returns the reason if the errors of the operation cannot be computed.
@@ -69,7 +70,8 @@ impl<'a> Probe<'a> {
         self.query.context.as_ref().map_err(|why| Status::Unjudged(*why))
     }
 
-    /// Returns the distance from the nearest point touched to teach the frame, m; infinite without any.
+    /// Returns the distance from the nearest point touched to teach the frame, m; infinite if no point is
+    /// touched.
     pub fn distance_from_touched(&self, at: (f64, f64)) -> f64 {
         self.context().map_or(f64::INFINITY, |context| context.distance_from_touched(&self.target(at)))
     }
@@ -97,10 +99,11 @@ impl<'a> Probe<'a> {
         }
     }
 
-    /// Computes the value with a held posture, whose joints follow the surface.
+    /// Computes the value at a held point, with joint coordinates that follow the moved surface in the held
+    /// branch.
     ///
-    /// For numeric inverse kinematics it takes the posture nearest to the held joints, because branch indices
-    /// change from target to target.
+    /// Numeric inverse kinematics does not keep branch indices from target to target. The posture nearest to
+    /// the held joints is taken then.
     ///
     /// # Errors
     /// Returns the status of the point if the posture cannot be held.
@@ -121,13 +124,13 @@ impl<'a> Probe<'a> {
         }
     }
 
-    /// Computes the value with a held posture, even if it collides or passes a joint limit.
+    /// Computes the value with a held posture, even if this posture collides or exceeds a joint limit.
     pub fn beyond_limits(&mut self, held: &HeldPosture) -> Option<f64> {
         let branch = self.branch_near(held)?;
         self.value(&branch.posture).ok()
     }
 
-    /// Finds the branch of a held posture, inside its joint limits or not.
+    /// Finds the branch of a held posture, which may exceed a joint limit.
     fn branch_near(&self, held: &HeldPosture) -> Option<Branch> {
         let inverse = &self.query.placed.mapper.arm.inverse;
         let Reach::Branches(all) = inverse.branches(&self.target(held.at), &self.query.attitudes) else {
@@ -146,7 +149,7 @@ impl<'a> Probe<'a> {
         Ok(query.setup.evaluator.value(context, frames, scratch))
     }
 
-    /// Solves the joint coordinates of a branch at a point.
+    /// Computes the joint coordinates of a branch at a point of the surface.
     pub fn joints(&self, at: (f64, f64), branch: u32) -> Option<JointVector> {
         let inverse = &self.query.placed.mapper.arm.inverse;
         let Reach::Branches(all) = inverse.branches(&self.target(at), &self.query.attitudes) else {

@@ -8,9 +8,9 @@ use crate::reading::{ErrorEvaluator, Taught, WorkFrame};
 use crate::robot::Frames;
 use nalgebra::Vector3;
 
-/// Returns the frame of the work at a surface, taught if the cell asks for it.
+/// Returns the frame of a work surface, which is a taught frame if the cell asks for teaching.
 ///
-/// The error sources are those of `evaluator`.
+/// A taught frame has the error sources of `evaluator`.
 ///
 /// # Errors
 /// Returns an error if the robot cannot touch three points that span the frame.
@@ -33,8 +33,8 @@ pub fn work_frame(
 
 /// Finds the postures that touch the three points.
 ///
-/// Teach points that are nodes are replaced if the robot cannot touch them or they lie nearly in one line. A
-/// wide triangle of nodes that the robot can touch then takes their place.
+/// If the points are nodes, the robot may be unable to touch them, or they may lie nearly in one line. Then a
+/// wide triangle of nodes that the robot can touch replaces them.
 fn touching_postures(
     placed: &PlacedLayout<'_>,
     surface: &PlacedSurface<'_>,
@@ -67,15 +67,17 @@ fn touching_postures(
     widest(&all).filter(is_wide)
 }
 
-/// Computes the height of the triangle over its longest side, m.
+/// Computes the height of the triangle of three TCPs over its longest side, m.
 fn height(p: &[Frames; 3]) -> f64 {
     let [a, b, c] = [0, 1, 2].map(|k| p[k].tcp.translation);
     let longest = (b - a).norm().max((c - a).norm()).max((c - b).norm());
     (b - a).cross(&(c - a)).norm() / longest.max(f64::MIN_POSITIVE)
 }
 
-/// Picks a wide triangle: the first posture, the one farthest from it, and the one farthest from the line
-/// through both.
+/// Picks three postures whose TCPs form a wide triangle.
+///
+/// The first posture is taken, then the posture farthest from it, then the posture farthest from the line
+/// through these two.
 fn widest(all: &[Frames]) -> Option<[Frames; 3]> {
     let first = all.first()?;
     let from = |f: &Frames| (f.tcp.translation - first.tcp.translation).norm();

@@ -10,7 +10,7 @@ impl PlacedLayout<'_> {
     ///
     /// An operation that happens at every one of its listed points adds the moves between these points.
     ///
-    /// It returns no moves if the cell has no transfer rules or a spot is missing.
+    /// No moves are returned if the cell has no transfer rules or an operation has no spot.
     ///
     /// # Errors
     /// Returns the first move that is blocked.

@@ -1,10 +1,10 @@
-//! Walk over all nodes: it judges every branch of every node, and finds the best free one.
+//! Walk over all nodes: it judges every branch of every node, and finds the best usable one.
 //!
 //! An [`OperationQuery`] is one operation in one placed layout. Its [walk](OperationQuery::walk) solves the
-//! inverse kinematics of each node, computes the value of each posture within the joint limits, and hands
-//! the posture to a [`PostureVisitor`]. [`OperationQuery::first_free`] then takes candidates, best first,
-//! until one is free of collisions and allowed by the rules of motion. Search, map and probe are visitors of
-//! this one walk, so they judge alike.
+//! inverse kinematics of each node, computes the value of each posture within the joint limits, and hands the
+//! posture to a [`PostureVisitor`]. [`OperationQuery::first_free`] then takes candidates, best first, until
+//! one is free of collisions and allowed by the motion rules. Search, map and probe all use these functions,
+//! so they apply the same rules.
 
 use super::candidate::PostureCandidate;
 use super::node_record::Status;
@@ -33,7 +33,7 @@ pub struct OperationQuery<'a> {
 
 /// Visitor that receives the postures of a walk.
 pub trait PostureVisitor {
-    /// Whether to judge points that were touched to teach the frame, too. They cannot be the spot.
+    /// Whether to judge also the nodes that the robot touches to teach the frame, which cannot be the spot.
     const JUDGES_TOUCHED: bool = false;
 
     /// Receives a posture within the joint limits.
@@ -50,7 +50,7 @@ pub struct VisitedNode {
     pub node: usize,
     /// TCP target, base frame, m.
     pub target: Vector3<f64>,
-    /// Gap between the node and the reach of the arm; None if a posture within the joint limits reaches it.
+    /// Missing distance to a posture that reaches the node within the joint limits; None if there is one.
     pub missed: Option<Gap>,
 }
 
@@ -61,7 +61,7 @@ pub struct FirstFree {
     pub free: Option<PostureCandidate>,
     /// The first candidate, usable or not.
     pub nearest: Option<PostureCandidate>,
-    /// The first collision-free candidate that the rules of motion refuse, and why.
+    /// The first collision-free candidate that the motion rules refuse, and the reason.
     pub refused: Option<(Spot, PostureRefusal)>,
 }
 
@@ -78,7 +78,8 @@ impl PostureVisitor for std::collections::BinaryHeap<PostureCandidate> {
 }
 
 impl FirstFree {
-    /// Returns the outcome of the operation if these were all of its candidates; None without any.
+    /// Returns the outcome of the operation if no candidate is left unchecked; None if there was no
+    /// candidate.
     pub fn outcome(&self) -> Option<Outcome> {
         match (self.free, self.refused) {
             (Some(free), _) => Some(Outcome::Found(free.spot)),
@@ -89,12 +90,12 @@ impl FirstFree {
 }
 
 impl<'a> OperationQuery<'a> {
-    /// Prepares an operation; `spots` holds the spots of the operations before it.
+    /// Prepares an operation; `spots` holds the spots of the earlier operations.
     pub fn new(placed: &'a PlacedLayout<'a>, operation: usize, spots: &[Option<Spot>]) -> Self {
         Self::reusing(placed, &placed.surface(operation), spots, ToolAttitudes::default())
     }
 
-    /// Prepares the operation of a surface, reusing the memory of other attitudes.
+    /// Prepares the operation of a surface, reusing the memory of `attitudes`.
     pub fn reusing(
         placed: &'a PlacedLayout<'a>,
         surface: &PlacedSurface<'_>,
@@ -107,7 +108,7 @@ impl<'a> OperationQuery<'a> {
         Self { placed, setup: &mapper.setups[operation], operation, at, attitudes, context }
     }
 
-    /// Visits every node in its order.
+    /// Visits every node, in the order of the grid.
     #[inline]
     pub fn walk<V: PostureVisitor>(&self, memory: &mut PostureMemory, visitor: &mut V) {
         self.setup.grid.targets(&self.at, |node, target| self.visit(node, target, memory, visitor));
@@ -165,7 +166,7 @@ impl<'a> OperationQuery<'a> {
         found
     }
 
-    /// Returns whether the posture of a candidate touches nothing.
+    /// Returns whether the posture of a candidate is free of collisions.
     fn is_free(&self, candidate: &PostureCandidate, memory: &mut PostureMemory) -> bool {
         let PostureMemory { frames, contacts, .. } = memory;
         let PlacedLayout { mapper, solids, .. } = self.placed;
@@ -176,7 +177,7 @@ impl<'a> OperationQuery<'a> {
         })
     }
 
-    /// Returns why the rules of motion refuse a collision-free posture; None if they allow it.
+    /// Returns why the motion rules refuse a collision-free posture; None if they allow it.
     fn refusal(&self, target: &Vector3<f64>, branch: u32) -> Option<PostureRefusal> {
         let PlacedLayout { mapper, solids, .. } = self.placed;
         let guard = mapper.guard.as_ref().filter(|guard| guard.asks_postures(self.operation))?;
@@ -199,7 +200,8 @@ impl<'a> OperationQuery<'a> {
         collision.or_else(|| self.refusal(target, branch).map(Status::Refused))
     }
 
-    /// Returns why none of the candidates of one target can be used: the reason for the best one.
+    /// Returns why none of the candidates of one target can be used: the reason that applies to the best
+    /// candidate.
     pub fn why_none(&self, target: &Vector3<f64>, found: &FirstFree, memory: &mut PostureMemory) -> Status {
         let arm = &self.placed.mapper.arm;
         let refusal_status = found.nearest.and_then(|PostureCandidate { spot, .. }| {
@@ -227,8 +229,9 @@ impl<'a> OperationQuery<'a> {
     }
 }
 
-/// Returns the smallest violation of a joint limit among the branches, or of the attitude if only that is
-/// missed.
+/// Returns the least attitude error of the branches that keep the joint limits.
+///
+/// If no branch keeps the limits, it returns the least violation of a joint limit.
 fn least_violation(branches: &[Branch]) -> Status {
     let passed = branches.iter().filter_map(|b| b.violation.map(|v| (v, b.joints[v.joint])));
     let least = passed.min_by(|a, b| a.0.by.total_cmp(&b.0.by));

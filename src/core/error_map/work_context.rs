@@ -8,7 +8,7 @@ use crate::reading::WorkContext;
 impl PlacedLayout<'_> {
     /// Computes everything besides the posture that the errors of an operation depend on.
     ///
-    /// `spots` holds the spots of the operations before it.
+    /// `spots` holds the spots of the earlier operations.
     ///
     /// # Errors
     /// Returns the reason if the errors of the operation cannot be computed.

@@ -47,7 +47,7 @@ pub struct WalkMemory<'w> {
 }
 
 impl MapperWorkspace {
-    /// Lends the memory of one operation, created when it is missing.
+    /// Lends the memory of one operation, and creates it first if it is missing.
     pub(super) fn of(&mut self, mapper: &Mapper, operation: usize) -> WalkMemory<'_> {
         for missing in self.postures.len()..=operation {
             self.postures.push(PostureMemory::new(mapper, missing));

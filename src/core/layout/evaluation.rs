@@ -9,8 +9,10 @@ use crate::clearance::{Overlap, PlacedSolids};
 use crate::error_map::{MapperWorkspace, Outcome, PlacedLayout, Spot};
 use crate::motion::{Blocked, Transfer};
 
-/// Penalty of every infeasible layout, times the weights: more than any weighted error in m, so that no
-/// infeasible layout ever ranks before a feasible one.
+/// Penalty of every infeasible layout, multiplied by [`Workcell::weight`].
+///
+/// The penalty is greater than any weighted error in m, so that no infeasible layout ranks before a feasible
+/// one.
 const INFEASIBLE_PENALTY: f64 = 1e3;
 
 // Penalties of an operation without a spot, m: being out of reach is worse than passing a joint limit, which
@@ -23,29 +25,32 @@ const REFUSED_PENALTY: f64 = 0.4;
 /// Penalty of a blocked move between operations, m.
 const BLOCKED_PENALTY: f64 = 0.25;
 
-/// Evaluation of a layout. Every layout has a cost; an infeasible one has the reasons, too.
+/// Evaluation of a layout: a cost and, if the layout is infeasible, the reasons.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Evaluation {
     pub overlaps: Vec<Overlap>,
     /// Outcome of each operation.
     pub outcomes: Vec<Outcome>,
-    /// Moves between consecutive operations; empty if the cell asks for none, or if something prevents them.
+    /// Moves between consecutive operations; empty if the cell asks for no transfers, or if an overlap, a
+    /// missing spot or a blocked move prevents them.
     pub transfers: Vec<Transfer>,
     /// The first move that is blocked.
     pub blocked: Option<Blocked>,
-    /// Objective of the values (m, rad or shares); None if the layout is infeasible.
+    /// Objective computed from the values of all operations (m, rad or shares); None if the layout is
+    /// infeasible.
     ///
     /// A robust search combines the worst values over the placement tolerances.
     pub objective: Option<f64>,
-    /// Cost, finite for every layout: the objective of a layout that is feasible and keeps every limit.
+    /// Cost, finite for every layout. It equals the objective if the layout is feasible and keeps every
+    /// limit.
     ///
-    /// A missed limit costs more than 100 times the weights. An infeasible layout costs at least 1000 times
-    /// the weights, and more the farther it is from feasibility.
+    /// The cost is more than 100 times [`Workcell::weight`] if a limit is missed. For an infeasible layout it
+    /// is at least 1000 times this weight, and grows with the distance from feasibility.
     pub cost: f64,
 }
 
 impl Evaluation {
-    /// Returns whether the layout is feasible and keeps every limit: what a search looks for.
+    /// Returns whether the layout is feasible and keeps every limit, as a search requires.
     pub fn is_accepted(&self) -> bool {
         self.objective == Some(self.cost)
     }
@@ -59,13 +64,14 @@ pub struct Workspace {
     mapper: MapperWorkspace,
 }
 
-/// Evaluates one layout: overlaps, reach, limits, errors, collisions. Pure and total: the same layout gives
-/// the same bits, and every layout gives a value.
+/// Evaluates one layout: overlaps, reach, limits, errors, collisions.
+///
+/// The function is pure and total: the same layout gives the same bits, and every layout has a cost.
 pub fn evaluate(workcell: &Workcell, layout: &Layout) -> Evaluation {
     evaluate_in(workcell, layout, &mut Workspace::default())
 }
 
-/// Evaluates one layout like [`evaluate`], with memory that is kept from call to call.
+/// Evaluates one layout like [`evaluate`], with memory that the caller keeps from call to call.
 pub fn evaluate_in(workcell: &Workcell, layout: &Layout, workspace: &mut Workspace) -> Evaluation {
     let Workspace { overlaps: found, solids, mapper: memory } = workspace;
     workcell.plan.overlaps(layout, found);
@@ -97,9 +103,10 @@ pub fn evaluate_in(workcell: &Workcell, layout: &Layout, workspace: &mut Workspa
 struct Operations {
     outcomes: Vec<Outcome>,
     spots: Vec<Option<Spot>>,
-    /// Values of the operations that have one.
+    /// Values of the operations, leaving out those without one.
     values: Vec<f64>,
-    /// Penalty of the spots that are lost at a corner of the placement tolerances, m.
+    /// Sum of the penalties (m) of spots whose posture cannot be used at a corner of the placement
+    /// tolerances.
     lost: f64,
 }
 
@@ -123,7 +130,7 @@ impl Operations {
     }
 }
 
-/// Plans the moves between the operations of a layout without overlaps; returns none if one is blocked.
+/// Plans the moves between the operations; returns no moves if the layout has overlaps or a move is blocked.
 fn transfers(
     placed: &PlacedLayout<'_>,
     overlaps: &[Overlap],
@@ -138,7 +145,7 @@ fn transfers(
     }
 }
 
-/// Measures how far an operation is from having a spot, m.
+/// Returns the penalty of an operation without a spot, m; 0 if the operation has a spot.
 fn shortfall(cell: &Cell, outcome: &Outcome) -> f64 {
     match outcome {
         Outcome::Found(_) => 0.0,

@@ -1,4 +1,4 @@
-//! Goals of a Pareto search besides the error, measured from the evaluation of a layout.
+//! Goals of a Pareto search, measured from the evaluation of a layout.
 
 use super::evaluation::Evaluation;
 use super::workcell::Workcell;
@@ -8,7 +8,7 @@ use crate::error_map::{MapperWorkspace, Outcome, PlacedLayout, Spot};
 use crate::motion::{Measures, direct_travel, measures};
 use crate::robot::Chain;
 
-/// Upper bound on the clearance goal, m: larger distances count as this one.
+/// Upper bound on the clearance goal, m: larger distances count as this value.
 pub const MAX_CLEARANCE: f64 = 0.5;
 
 /// A feasible layout with the postures in which its operations happen.
@@ -18,7 +18,7 @@ struct WorkingPostures<'a> {
     evaluation: &'a Evaluation,
     /// Joint coordinates at the spot of every operation.
     spots: Vec<JointVector>,
-    /// Operation and joint coordinates at every node that counts.
+    /// Operation and joint coordinates at every node where an operation happens.
     postures: Vec<(usize, JointVector)>,
 }
 
@@ -26,13 +26,13 @@ impl Workcell {
     /// Computes the values of goals (m, rad, m2 or shares) of a layout; None if it is not feasible.
     ///
     /// - error: the objective.
-    /// - clearance: the least distance of the robot and the parts it holds from anything else at every node
-    ///   that counts, and of floor spaces in plan. It is at most [`MAX_CLEARANCE`], which is also its value
-    ///   if collision is not checked. Three kinds of pairs do not count: the equipment worked on and
-    ///   solids after the last joint (the standoff sets their distance); the floor and solids that only the
-    ///   first joint moves; two floor spaces that cannot move.
-    /// - joint limits, singularity: the least value of [`measures`] at the same nodes, by the limits of the
-    ///   robot without margins.
+    /// - clearance: the least distance between the robot, with the parts it holds, and anything else at the
+    ///   nodes where an operation happens. Distances between floor spaces in plan count, too. The value is at
+    ///   most [`MAX_CLEARANCE`], which is also the value if collision is not checked. Three kinds of pairs do
+    ///   not count: the equipment worked on and solids after the last joint (the standoff sets their
+    ///   distance); the floor and solids that only the first joint moves; two floor spaces that cannot move.
+    /// - joint limits, singularity: the least value of [`measures`] at these nodes, by joint limits without
+    ///   margins.
     /// - travel: the joint travel of the transfers or, if they are not checked, of direct moves from spot to
     ///   spot.
     /// - footprint: area of the convex hull of the floor spaces of robot base and equipment.

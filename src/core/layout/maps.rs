@@ -8,7 +8,7 @@ use crate::reading::WorkContext;
 use crate::robot::Frames;
 
 impl Workcell {
-    /// Maps every operation. Nodes on equipment that overlaps something are blocked.
+    /// Maps every operation. Nodes on equipment that overlaps something are marked as blocked.
     pub fn maps(&self, layout: &Layout) -> Vec<OperationMap> {
         let placed = self.placed(layout);
         let mut overlaps = Vec::new();
@@ -31,7 +31,7 @@ impl Workcell {
         maps
     }
 
-    /// Returns the context and the frames of a posture of a map, from which its errors can be computed.
+    /// Returns the context and the link frames from which the errors of a posture of a map can be computed.
     ///
     /// # Errors
     /// Returns the reason if the errors cannot be computed in this layout.

@@ -5,9 +5,12 @@ use super::workcell::Workcell;
 use crate::cell::Layout;
 use crate::clearance::{Overlap, Party};
 
-/// Measures the deepest overlap over all misplacements of a layout, m.
+/// Returns the greatest sum of overlap depths over all misplacements of a layout, m.
 ///
-/// Overlaps with the floor do not count: if equipment stands lower than drawn, the floor is lower there, too.
+/// Overlaps with the floor do not count: if equipment stands lower than drawn, the floor under it is lower,
+/// too.
+///
+/// `found` is memory that the function overwrites.
 pub fn overlap_depth(workcell: &Workcell, layout: &Layout, found: &mut Vec<Overlap>) -> f64 {
     if let Some(wide) = &workcell.wide {
         wide.overlaps(layout, found);
@@ -22,7 +25,7 @@ pub fn overlap_depth(workcell: &Workcell, layout: &Layout, found: &mut Vec<Overl
     in_plan(&workcell.cell).iter().map(depth).fold(0.0, f64::max)
 }
 
-/// Returns whether an overlap is with something other than the floor.
+/// Returns whether neither party of an overlap is the floor.
 pub fn is_between_solids(overlap: &Overlap) -> bool {
     ![overlap.a, overlap.b].contains(&Party::Floor)
 }

@@ -1,11 +1,11 @@
-//! The misplacements that are checked: points of the boxes that placement tolerances span.
+//! Misplacements that are checked: points of the boxes of placement tolerances.
 
 use crate::cell::{Cell, Equipment, Rectangle, Slot};
 
 /// Coordinates of a layout that are misplaced, and by how much (m, rad).
 pub type Moves = Vec<(Slot, f64)>;
 
-/// Dimensions of the largest box whose corners are all checked; a larger one is checked body by body.
+/// Largest number of dimensions of a box whose corners are all checked; a larger box is checked body by body.
 const MAX_WHOLE_BOX: usize = 8;
 
 /// A point of a box: low (-1), middle (0) or high (1) in each dimension.
@@ -19,10 +19,10 @@ pub enum BoxPoints {
     Surface,
 }
 
-/// Boxes of placement tolerances, seen from one operation.
+/// Boxes of placement tolerances, divided by whether one operation depends on them.
 ///
-/// The operation depends on the robot base, on its equipment and on what that stands on. If it is relative to
-/// a pick, it also depends on the equipment of the pick and on what that stands on.
+/// An operation depends on the robot base, on its equipment and on the equipment that carries it. An
+/// operation relative to a pick also depends on the equipment of the pick and its carriers.
 pub struct ToleranceBoxes {
     /// One box for each body that the operation depends on.
     pub own: Vec<Moves>,
@@ -31,7 +31,7 @@ pub struct ToleranceBoxes {
 }
 
 impl ToleranceBoxes {
-    /// Sorts the tolerances of a cell for one operation.
+    /// Divides the placement tolerances of a cell by whether an operation depends on them.
     pub fn of(cell: &Cell, operation: usize) -> Self {
         let operation = &cell.operations[operation];
         let pick = operation.relative_to.map(|pick| cell.operations[pick].equipment);
@@ -44,10 +44,11 @@ impl ToleranceBoxes {
         Self { own, others }
     }
 
-    /// Returns the misplacements to check with the boxes scaled.
+    /// Returns the misplacements to check: points of all tolerance boxes, multiplied by `scale`.
     ///
-    /// The bodies of the operation come first, all at once or, if they are many, one by one. Then comes every
-    /// other body, which may get in the way.
+    /// First the bodies that the operation depends on are misplaced: together, or one at a time if their box
+    /// has more than [`MAX_WHOLE_BOX`] dimensions. Then every other body is misplaced alone, because it may
+    /// get in the way.
     pub fn moves(&self, scale: f64, points: BoxPoints) -> Vec<Moves> {
         let own: Moves = self.own.concat();
         let mut all = match own.len() {
@@ -58,13 +59,14 @@ impl ToleranceBoxes {
         all
     }
 
-    /// Returns whether every corner of the box of the operation is checked.
+    /// Returns whether the bodies that the operation depends on are misplaced together, to every corner of
+    /// their box.
     pub fn is_whole(&self) -> bool {
         self.own.concat().len() <= MAX_WHOLE_BOX
     }
 }
 
-/// Returns points of one box; none if it has no dimensions.
+/// Returns the selected points of one box, multiplied by `scale`; none if the box has no dimensions.
 pub fn points_of(axes: &[(Slot, f64)], scale: f64, points: BoxPoints) -> Vec<Moves> {
     let n = axes.len();
     let wanted = |signs: &BoxSigns| {
@@ -78,9 +80,9 @@ pub fn points_of(axes: &[(Slot, f64)], scale: f64, points: BoxPoints) -> Vec<Mov
     patterns.filter(wanted).map(|signs| moves(signs).collect()).collect()
 }
 
-/// Returns the misplacements of one body and of two at once that can make floor spaces overlap.
+/// Returns the misplacements of one body, and of two bodies at once, that can make floor spaces overlap.
 ///
-/// Two bodies at once are misplaced in plan alone, since their heights do not matter to each other.
+/// Two bodies at once are misplaced only in plan, because the height of one does not affect the other.
 pub fn in_plan(cell: &Cell) -> Vec<Moves> {
     let bodies = cell.placement_tolerances();
     let flat: Vec<Moves> =
@@ -91,7 +93,7 @@ pub fn in_plan(cell: &Cell) -> Vec<Moves> {
     alone.chain(both.flat_map(|(a, b)| points_of(&[&a[..], b].concat(), 1.0, BoxPoints::Corners))).collect()
 }
 
-/// Returns the distance of the farthest point of a rectangle from the origin, m.
+/// Returns the distance from the origin to the farthest point of a rectangle, m.
 fn farthest(r: &Rectangle) -> f64 {
     (r.centre.0.abs() + r.size.0 / 2.0).hypot(r.centre.1.abs() + r.size.1 / 2.0)
 }
@@ -100,7 +102,7 @@ fn is_height(slot: Slot) -> bool {
     matches!(slot, Slot::Base(2) | Slot::Equipment(_, 2))
 }
 
-/// Returns an upper bound of how much nearer to each other misplacements bring any two floor spaces, m.
+/// Returns an upper bound of the distance, m, by which misplacements bring two floor spaces nearer together.
 pub fn slack(cell: &Cell) -> f64 {
     let of =
         |tolerance: [f64; 4], far: f64| tolerance[0].hypot(tolerance[1]) + tolerance[2] + far * tolerance[3];
@@ -112,7 +114,7 @@ pub fn slack(cell: &Cell) -> f64 {
 /// Returns an upper bound of the distance, m, from the origin of a piece of equipment to its farthest point
 /// in plan.
 ///
-/// All equipment that stands on it counts, too.
+/// The points of all equipment that stands on it count, too.
 fn farthest_on(cell: &Cell, k: usize) -> f64 {
     let riders = cell.equipment.iter().enumerate().filter(|(_, e)| e.on == Some(k));
     let of = |(rider, e): (usize, &Equipment)| {

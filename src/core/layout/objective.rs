@@ -3,18 +3,21 @@
 use super::workcell::Workcell;
 use crate::cell::{Cell, Objective, Unit};
 
-/// Penalty of a layout that misses a limit, times the weights: worse than every layout that keeps its
-/// limits, better than every infeasible one.
+/// Penalty of a feasible layout that misses a limit, multiplied by [`Workcell::weight`].
+///
+/// Such a layout ranks after every layout that keeps its limits, and before every infeasible layout.
 const LIMIT_PENALTY: f64 = 1e2;
 
 /// Value below which all values are in the first step of [`lexicographic`] (m, rad or a share).
 const LEAST_STEP: f64 = 1e-9;
-/// Value at which a later operation uses up half of a step (m, rad or a share).
+/// Value of a later operation that fills half a step of the operation before it (m, rad or a share).
 const HALF_STEP: f64 = 1e-3;
 
 impl Workcell {
-    /// Returns the weight of the objective as a whole: the sum of the weights, the largest one, or 1 if
-    /// lexicographic.
+    /// Returns the weight of the objective as a whole.
+    ///
+    /// It is the sum of the operations' weights for a weighted sum, the largest weight for a weighted
+    /// maximum, and 1 for a lexicographic objective.
     pub fn weight(&self) -> f64 {
         let weights = self.cell.operations.iter().map(|o| o.weight);
         match self.cell.search.objective {
@@ -37,7 +40,8 @@ impl Workcell {
 
 /// Combines the values of all operations (m, rad or shares) into the objective of the cell.
 ///
-/// The result falls when any value falls, so that lower bounds of the values give a lower bound.
+/// The objective never rises when a value falls. Lower bounds of the values therefore give a lower bound of
+/// the objective.
 pub fn combined(cell: &Cell, values: &[f64]) -> f64 {
     let weighted = cell.operations.iter().zip(values).map(|(operation, value)| operation.weight * value);
     match cell.search.objective {
@@ -47,11 +51,11 @@ pub fn combined(cell: &Cell, values: &[f64]) -> f64 {
     }
 }
 
-/// Combines values so that an earlier operation always comes first.
+/// Combines values so that an earlier operation takes priority over all later operations.
 ///
-/// The first value is divided into steps with the relative width `indifference`. Within a step the second
-/// value decides in the same way, and so on for later values. The result is near the first value and rises
-/// with each value.
+/// The range of the first value is divided into steps of relative width `indifference`. Among first values in
+/// one step, the second value decides in the same way, and so on for later values. The result is near the
+/// first value and rises with each value.
 fn lexicographic(values: &[f64], indifference: f64) -> f64 {
     let [first, later @ ..] = values else { return 0.0 };
     if later.is_empty() {

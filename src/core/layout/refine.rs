@@ -1,62 +1,65 @@
 //! Refined spot of an operation between the nodes, by compass search over the surface from the best nodes.
 //!
 //! Eight directions are polled at one distance, and the step with the largest gain is taken. If no direction
-//! gains, the distance is halved, from half the spacing of the nodes down to a micrometre (Kolda, Lewis and
-//! Torczon, SIAM Review 45 (2003) 385-482). The directions rotate by the golden angle from poll to poll, so
-//! that they meet an edge of the usable area at many angles. Only gains are taken, so the spot is never worse
-//! than the node.
+//! gains, the distance is halved. It starts at half the spacing of the nodes and ends at a micrometre (Kolda,
+//! Lewis and Torczon, SIAM Review 45 (2003) 385-482). The directions rotate by the golden angle from poll to
+//! poll, so that they meet an edge of the usable area at many angles. Only gains are accepted, so the refined
+//! spot is never worse than the best node.
 //!
-//! The branch of the posture is held during a search. At its end every branch is judged, as at a node. If
-//! another branch is better there, the search goes on with it. The other operations stay at their nodes: an
-//! operation relative to a pick is relative to the pick's node.
+//! The branch of the posture stays the same during a search. At the end point every branch is judged, as at a
+//! node. If another branch is better there, a search with that branch follows. The other operations stay at
+//! their nodes: an operation relative to a pick is relative to the pick's node.
 
 use super::workcell::Workcell;
 use crate::cell::{JointVector, Layout, Place, Rectangle};
 use crate::error_map::{HeldPosture, OperationMap, PointSpot, Probe, Status};
 use nalgebra::Vector3;
 
-/// Nodes from which the search starts, at most.
+/// Greatest number of nodes from which searches start.
 const MAX_STARTS: usize = 4;
-/// Least distance of two starts along x or y, in nodes.
+/// Least distance between two start nodes along x or along y, in divisions of the grid.
 const START_SPACING: usize = 3;
-/// Directions of one poll.
+/// Number of directions of one poll.
 const DIRECTIONS: usize = 8;
 /// The golden angle, rad.
 const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
-/// Last polling distance of the search, m.
+/// Least polling distance of a search, m.
 const LEAST_STEP: f64 = 1e-6;
-/// Least gain, as a share: smaller ones are rounding.
+/// Least gain that counts, as a share of the value; smaller gains are rounding errors.
 const LEAST_GAIN: f64 = 1e-9;
-/// Postures tried one after the other from one start, at most.
+/// Greatest number of postures tried one after the other from one start node.
 const MAX_POSTURES: usize = 4;
-/// Polls of one search, at most; a few hundred are usual.
+/// Greatest number of polls of one search; a few hundred are usual.
 const MAX_POLLS: usize = 1000;
 
-/// The spot of an operation between the nodes.
+/// Spot of an operation, refined between the nodes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Refined {
     /// Point in the frame of the equipment, m.
     pub at: (f64, f64),
-    /// The best node, frame of the equipment, m.
+    /// Coordinates x and y of the best node in the frame of the equipment, m.
     pub node_at: (f64, f64),
-    /// TCP, world frame, m.
+    /// TCP at the refined spot, world frame, m.
     pub position: Vector3<f64>,
     pub branch: u32,
     pub joints: JointVector,
     pub value: f64,
-    /// Value of the best node, at least `value`.
+    /// Value of the best node, never less than `value`.
     pub node_value: f64,
 }
 
 impl Refined {
-    /// Returns by how much the value is less than at the node, as a share.
+    /// Returns the reduction of the value from the best node to the refined spot, as a share of the value at
+    /// the node.
     pub fn gain(&self) -> f64 {
         if self.node_value > 0.0 { (self.node_value - self.value) / self.node_value } else { 0.0 }
     }
 }
 
 impl Workcell {
-    /// Refines the spot of every operation; None for an operation without a spot or without a choice of one.
+    /// Refines the spot of every operation.
+    ///
+    /// The entry is None for an operation that has no spot, has listed points, or happens at every node.
     pub fn refined(&self, layout: &Layout, maps: &[OperationMap]) -> Vec<Option<Refined>> {
         let placed = self.placed(layout);
         let spots: Vec<_> = maps.iter().map(OperationMap::spot).collect();
@@ -115,7 +118,7 @@ impl Workcell {
     }
 }
 
-/// Picks the best usable nodes that are far enough apart.
+/// Picks the best usable nodes that are at least [`START_SPACING`] apart.
 fn starts(map: &OperationMap) -> Vec<usize> {
     let usable = |k: &usize| map.nodes[*k].status == Status::Ok;
     let value = |k: usize| map.nodes[k].posture.as_ref().filter(|p| !p.touched).map(|p| (p.value, k));

@@ -1,21 +1,23 @@
 //! Tolerance analysis of a layout: what misplaced equipment does to every operation.
 //!
-//! The point of the surface and the branch of the posture are held. Several bodies move inside their
-//! placement tolerances: the robot base, the equipment that carries the point, and what that stands on. If
-//! the operation is relative to a pick, the equipment of the pick and what that stands on move, too. The
-//! controller knows where the bodies are; errors unknown to it are the `errors` of the equipment. So
-//! misplacement acts through the posture, in every registration. For a taught frame, the postures in which
-//! the robot touches the taught points change, too.
+//! The point of the surface and the branch of the posture stay the same. Several bodies move inside their
+//! placement tolerances: the robot base, the equipment with the point, and the equipment that carries it. If
+//! the operation is relative to a pick, the equipment of the pick and its carriers move, too. The controller
+//! is assumed to know where the bodies are. Place errors that it does not know are given as `errors` of the
+//! equipment. A misplacement therefore acts only through the posture, with every registration. For a taught
+//! frame, the postures in which the robot touches the taught points change, too.
 //!
 //! - Worst corner: all corners of the box of tolerances are checked, up to 8 dimensions. For a larger box,
 //!   the corners of each body are checked with the other bodies as drawn. In addition, the corner of the
-//!   whole box that is worst to first order is checked. A corner is lost if the posture cannot be reached, if
-//!   it collides, or if floor spaces overlap. Another body that gets in the way counts, too.
+//!   whole box that is worst to first order is checked. A corner is called lost if the posture there is out
+//!   of reach or collides, or if floor spaces overlap. The corners of every other body are checked, too,
+//!   because it may get in the way.
 //! - Gradient: central differences.
-//! - Largest misplacement that keeps posture and limit: a multiple of the box, a distance in plan and a yaw.
-//!   The checks take the corners and the middles of all edges and faces of the box, 16 directions in plan, or
-//!   both directions of yaw. The scale grows by [`STRIDE`] until a check fails, then bisection follows. A
-//!   failure that occurs only between two scales is missed.
+//! - Largest misplacement that is allowed, that is with a usable posture and a value within its limit. It is
+//!   given as a multiple of the box, as a distance in plan and as a yaw. The checks take the corners and the
+//!   middles of all edges and faces of the box, 16 directions in plan, or both directions of yaw. The scale
+//!   grows by [`STRIDE`] until a check fails, then bisection follows. A failure that occurs only between two
+//!   scales is missed.
 
 use super::misplaced_overlaps::is_between_solids;
 use super::misplacement::{BoxPoints, Moves, ToleranceBoxes};
@@ -24,36 +26,37 @@ use crate::cell::{Layout, Slot, Unit};
 use crate::error_map::{HeldPosture, OperationMap, Probe, Spot, Status};
 use crate::units::rad_from_deg;
 
-/// Half the distance of the two points of a central difference, m and rad.
+/// Half the distance between the two points of a central difference, m and rad.
 const DIFFERENCE_STEP: f64 = 1e-4;
-/// Largest multiple of the box that is checked.
+/// Largest checked multiple of the box of placement tolerances.
 const MAX_SCALE: f64 = 100.0;
 /// Largest displacement in plan that is checked, m.
 const MAX_SHIFT: f64 = 0.25;
 /// Largest yaw that is checked, degrees.
 const MAX_TURN_DEG: f64 = 30.0;
-/// Ratio of one scale to the one before it.
+/// Ratio of each checked scale to the scale before it.
 const STRIDE: f64 = 1.6;
 /// Number of steps from the first scale to the last: the first is 1/7500 of the last.
 const SCALE_STEPS: i32 = 19;
-/// Bisection steps between the last scale that holds and the first that fails.
+/// Number of bisection steps between the last scale that is allowed and the first that is not.
 const BISECTIONS: usize = 26;
 /// Number of directions of a displacement in plan.
 const DIRECTIONS: usize = 16;
-/// Factor that reduces the displacement found, so that it is allowed in every direction.
+/// Factor by which the displacement allowed in all checked directions is reduced, so that every direction
+/// allows it.
 ///
 /// A straight edge of the allowed region may be nearest between two checked directions. Its distance is then
-/// at least the displacement found, times the cosine of half the angle between them.
+/// at least the displacement found, times the cosine of half the angle between these directions.
 const DIRECTION_FACTOR: f64 = 0.98; // cos(11.25 deg) = 0.9808
 
-/// A misplacement, and the value of the operation there (m, rad or a share).
+/// Misplacement, with the value of the operation at it (m, rad or a share).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Corner {
     pub moves: Moves,
     pub value: f64,
 }
 
-/// Misplacement at which the held posture cannot be used, with the reason.
+/// Misplacement at which the posture of the operation cannot be used, with the reason.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lost {
     pub moves: Moves,
@@ -64,16 +67,16 @@ pub struct Lost {
 #[derive(Debug, Clone, PartialEq)]
 pub enum MisplacementEnd {
     Lost(Lost),
-    /// The value passes the limit of the operation.
+    /// The value exceeds the limit of the operation.
     Limit(Corner),
 }
 
-/// The largest misplacement that keeps reach, clearance and limit.
+/// Largest misplacement at which the operation keeps reach, clearance and limit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Largest {
-    /// Size of the misplacement: a multiple of the tolerance, or a value in m or rad.
+    /// Size of the misplacement: a multiple of the tolerance box, a distance in m, or an angle in rad.
     pub most: f64,
-    /// Reason why it cannot be larger; None if every misplacement checked is allowed.
+    /// Reason why the misplacement cannot be larger; None if every checked misplacement is allowed.
     pub ended: Option<MisplacementEnd>,
 }
 
@@ -82,24 +85,26 @@ pub struct Largest {
 pub struct Robustness {
     /// Value as drawn, m, rad or a share.
     pub value: f64,
-    /// Box of tolerances: coordinates that may be misplaced, with half widths (m, rad); empty without
-    /// tolerance.
+    /// Box of tolerances: coordinates that may be misplaced, with half widths (m, rad); empty if there are no
+    /// tolerances.
     pub tolerance: Moves,
-    /// Number of corners checked.
+    /// Number of corners of the placement tolerances that were checked.
     pub corners: usize,
-    /// The corner with the greatest value; None without tolerance, or if every corner is lost.
+    /// Corner with the greatest value; None if there are no tolerances, or if every corner is in `lost`.
     pub worst: Option<Corner>,
-    /// Corners that lose the posture.
+    /// Corners of the placement tolerances at which the posture of the operation cannot be used.
     pub lost: Vec<Lost>,
-    /// Change of the value per m or rad, without regard to joint limits; None at the end of reach.
+    /// Derivative of the value with respect to each coordinate, per m or rad; None if the arm cannot reach so
+    /// far.
     ///
-    /// It has an entry for each coordinate of the equipment and for everything else in the box.
+    /// Joint limits are ignored. The list has an entry for x, y, z and yaw of the equipment, and for every
+    /// other coordinate in `tolerance`.
     pub gradient: Vec<(Slot, Option<f64>)>,
-    /// Largest multiple of the box; None without tolerance.
+    /// Largest allowed multiple of the box of tolerances; None if there are no tolerances.
     pub scale: Option<Largest>,
-    /// Largest displacement of the equipment in plan, in the worst direction, m.
+    /// Largest displacement of the equipment in plan that is allowed in every direction, m.
     pub shift: Largest,
-    /// Largest rotation of the equipment about the vertical, in the worse direction, rad.
+    /// Largest rotation of the equipment about the vertical that is allowed in both directions, rad.
     pub turn: Largest,
 }
 
@@ -112,7 +117,7 @@ impl Robustness {
     }
 }
 
-/// One operation with the postures that it holds while the layout moves.
+/// One operation with the postures that it keeps while bodies are misplaced.
 struct HeldOperation<'a> {
     workcell: &'a Workcell,
     layout: &'a Layout,
@@ -124,7 +129,7 @@ struct HeldOperation<'a> {
 }
 
 impl Workcell {
-    /// Analyses every operation of a layout with these maps; None for one without a spot.
+    /// Analyses every operation of a layout, given its maps; None for an operation without a spot.
     pub fn robustness(&self, layout: &Layout, maps: &[OperationMap]) -> Vec<Option<Robustness>> {
         let spots: Vec<_> = maps.iter().map(OperationMap::spot).collect();
         let all = maps.iter().map(|map| {
@@ -197,7 +202,7 @@ impl HeldOperation<'_> {
         })
     }
 
-    /// Returns the first misplacement that loses the posture or passes the limit.
+    /// Returns the first misplacement at which the posture cannot be used or the value exceeds the limit.
     fn first_end(&self, all: &[Moves]) -> Option<MisplacementEnd> {
         all.iter().find_map(|moves| match self.value(moves) {
             Err(status) => Some(MisplacementEnd::Lost(Lost { moves: moves.clone(), status })),
@@ -249,13 +254,13 @@ impl HeldOperation<'_> {
     }
 }
 
-/// Returns the corner of a box that is worst to first order.
+/// Returns the corner of a tolerance box at which the value is greatest to first order.
 fn uphill(tolerance: &[(Slot, f64)], gradient: &[(Slot, Option<f64>)]) -> Moves {
     let slope = |slot: Slot| gradient.iter().find(|(s, _)| *s == slot).and_then(|(_, g)| *g).unwrap_or(0.0);
     tolerance.iter().map(|(slot, half)| (*slot, half.copysign(slope(*slot)))).collect()
 }
 
-/// Finds the largest scale up to `max` that `ends` allows.
+/// Finds the largest scale up to `max` that is allowed, that is for which `ends` returns None.
 fn largest(max: f64, ends: impl Fn(f64) -> Option<MisplacementEnd>) -> Largest {
     if let Some(ended) = ends(0.0) {
         return Largest { most: 0.0, ended: Some(ended) };

@@ -1,14 +1,16 @@
 //! The nearest layout without overlaps: a sequence of convex programs.
 //!
-//! Two rectangles are apart if they are apart along one axis (separating axis). With that axis fixed,
-//! "apart" is linear in the shifts of the equipment, and the least shift is a quadratic program,
+//! Two rectangles are apart if they are apart along one axis (separating axis). With that axis fixed, this
+//! condition is linear in the shifts of the equipment. The least shift then solves a quadratic program:
 //!
 //! ```text
 //! minimize |d|^2   such that   n_ab . (d_a - d_b) >= depth_ab,   min <= x + d <= max,
 //! ```
 //!
-//! which clarabel solves in a few tens of microseconds. The new layout has other best axes, so the program is
-//! solved a few times. Heights and yaws stay.
+//! Here x holds the free coordinates, d their shifts, and min and max their ranges. The shift of body a in
+//! plan is d_a; n_ab is the separating axis of bodies a and b, and depth_ab their overlap along it. The crate
+//! `clarabel` solves the program in a few tens of microseconds. In the new layout other axes may separate the
+//! bodies better, so the program is solved a few times. Heights and yaws do not change.
 
 use super::workcell::Workcell;
 use crate::cell::{Cell, Coordinate, Layout, Slot};
@@ -16,15 +18,17 @@ use crate::clearance::Separation;
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus};
 
-/// Programs solved, at most.
+/// Greatest number of quadratic programs solved for one layout.
 const MAX_PROGRAMS: usize = 8;
 /// Distance added to the clearance, m: more than the rounding of placements.
 const SPARE_DISTANCE: f64 = 2e-6;
 
-/// Least shift, m: smaller ones are rounding of the solver.
+/// Least shift that is applied, m; smaller shifts are rounding errors of the solver.
 const LEAST_SHIFT: f64 = 1e-7;
 
-/// One coordinate that may move, in the frame of what the equipment stands on.
+/// Coordinate x or y of equipment that a search may change.
+///
+/// It is given in the frame of the equipment that carries it, or in the world frame if there is no carrier.
 struct FreeCoordinate {
     /// Index of the equipment.
     equipment: usize,
@@ -35,7 +39,7 @@ struct FreeCoordinate {
 }
 
 impl FreeCoordinate {
-    /// Returns the direction of the coordinate in plan, world frame.
+    /// Returns the unit vector in plan along which the coordinate moves its equipment, world frame.
     fn direction(&self, cell: &Cell, layout: &Layout) -> (f64, f64) {
         let under = cell.equipment[self.equipment].on;
         let (sin, cos) = under.map_or(0.0, |under| layout.placements[under].yaw).sin_cos();
@@ -45,7 +49,7 @@ impl FreeCoordinate {
 
 /// Finds a layout without overlaps as near to `layout` as a few convex programs can bring it.
 ///
-/// Returns None if they find none. A layout without overlaps is returned unchanged.
+/// Returns None if these programs find no such layout. A layout without overlaps is returned unchanged.
 pub fn separated(workcell: &Workcell, layout: &Layout) -> Option<Layout> {
     let free = free_coordinates(workcell);
     let mut moved = layout.clone();
@@ -68,7 +72,7 @@ pub fn separated(workcell: &Workcell, layout: &Layout) -> Option<Layout> {
     None
 }
 
-/// Lists the coordinates in plan that may move.
+/// Lists the coordinates x and y of equipment that a search may change.
 fn free_coordinates(workcell: &Workcell) -> Vec<FreeCoordinate> {
     let mut free = Vec::new();
     for (equipment, e) in workcell.cell.equipment.iter().enumerate() {
@@ -81,7 +85,7 @@ fn free_coordinates(workcell: &Workcell) -> Vec<FreeCoordinate> {
     free
 }
 
-/// Solves one quadratic program: shifts of the free coordinates, m.
+/// Solves one quadratic program and returns the shifts of the free coordinates, m; None without a solution.
 fn least_shift(
     cell: &Cell,
     free: &[FreeCoordinate],

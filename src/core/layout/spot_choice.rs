@@ -1,10 +1,11 @@
 //! The choice of the spot of one operation, for evaluation and maps alike.
 //!
-//! A robust search judges a spot by its worst value: as drawn, and at the corners of the box of placement
-//! tolerances with the point of the surface and the posture held. Usable spots are taken in ascending order
-//! of their value as drawn, and the one with the least worst value is chosen. The worst value is never below
-//! the value as drawn. So the choice is exact once the next value as drawn reaches the least worst value. At
-//! most [`MAX_NODES`] nodes are judged.
+//! A robust search judges a spot by its worst value in the layout as drawn and at the corners of the box of
+//! placement tolerances. The point of the surface and the posture stay the same. Usable spots are taken in
+//! ascending order of their value as drawn, and the one with the least worst value is chosen. The worst value
+//! is never below the value as drawn. So no later spot can be better once the next value as drawn reaches the
+//! least worst value. At most [`MAX_NODES`] nodes are judged; if the search stops there, a better spot may
+//! exist.
 
 use super::misplacement::{BoxPoints, Moves, ToleranceBoxes};
 use super::workcell::Workcell;
@@ -12,10 +13,12 @@ use crate::cell::Layout;
 use crate::error_map::{HeldPosture, MapperWorkspace, Outcome, PlacedLayout, Probe, Spot, Status, Unjudged};
 use crate::reach::Cost;
 
-/// Nodes judged at the corners, at most.
+/// Greatest number of nodes judged at the corners of the placement tolerances.
 const MAX_NODES: usize = 16;
 
-/// Largest penalty of a lost spot, m. The penalty of an operation without a spot is larger.
+/// Largest penalty of a spot whose posture cannot be used at a corner of the placement tolerances, m.
+///
+/// The penalty of an operation without a spot is larger.
 const LOST_PENALTY: f64 = 0.1;
 
 /// One operation whose spot is to be chosen in a placed layout.
@@ -23,13 +26,14 @@ pub struct SpotQuery<'a> {
     pub workcell: &'a Workcell,
     pub placed: &'a PlacedLayout<'a>,
     pub operation: usize,
-    /// Spots of the operations before it.
+    /// Spots of the earlier operations.
     pub spots: &'a [Option<Spot>],
 }
 
 /// Contribution of an operation's spot to the objective.
 pub enum SpotValue {
-    /// Value of the spot (m, rad or a share); in a robust search the worst over the placement tolerances.
+    /// Value of the spot (m, rad or a share); in a robust search, the worst value over the placement
+    /// tolerances.
     Kept(f64),
     /// Penalty (m) of a spot whose posture cannot be used at a corner of the placement tolerances.
     Lost(f64),
@@ -49,7 +53,7 @@ impl SpotQuery<'_> {
     }
 }
 
-/// Chooses the spot with the least worst value, and returns both; `first` is the least-error spot.
+/// Returns the spot with the least worst value, and this value; `first` is the least-error spot.
 ///
 /// If the operation happens at every node, there is no choice: the function returns `first`.
 fn hardened(query: &SpotQuery<'_>, first: Spot, memory: &mut MapperWorkspace) -> (Spot, SpotValue) {
@@ -81,7 +85,7 @@ fn hardened(query: &SpotQuery<'_>, first: Spot, memory: &mut MapperWorkspace) ->
     }
 }
 
-/// The least worst value so far with its spot, or the least penalty if every judged spot is lost at a corner.
+/// Least worst value so far with its spot, or the least penalty if no judged spot can be used at all corners.
 struct LeastWorst {
     best: Option<(f64, Spot)>,
     lost: f64,
@@ -101,7 +105,7 @@ impl LeastWorst {
     }
 }
 
-/// Returns the posture to hold at a spot, with joint coordinates if the kinematics is numeric.
+/// Returns the posture that is kept at a spot, with joint coordinates if the inverse kinematics is numeric.
 fn held(query: &SpotQuery<'_>, spot: &Spot) -> Option<HeldPosture> {
     let at = query.workcell.mapper.grid(query.operation).local(spot.node);
     let joints = match query.workcell.inverse().cost() {
@@ -120,7 +124,9 @@ struct Corners<'a> {
 }
 
 impl Corners<'_> {
-    /// Computes the worst of the value as drawn and the values at the corners, with points and postures held.
+    /// Computes the worst of the value as drawn and the values at the corners of the placement tolerances.
+    ///
+    /// The points and postures in `held` stay the same.
     fn worst(&mut self, drawn: f64, held: &[HeldPosture]) -> SpotValue {
         let (mut worst, mut lost) = (drawn, 0.0);
         let over = self.query.workcell.cell.operations[self.query.operation].over;
@@ -139,7 +145,7 @@ impl Corners<'_> {
     }
 }
 
-/// Returns the penalty of one lost corner, at most [`LOST_PENALTY`], m.
+/// Returns the penalty of one corner at which the posture cannot be used, at most [`LOST_PENALTY`], m.
 fn penalty(status: &Status) -> f64 {
     let share = match status {
         Status::OutOfReach { by } => 0.5 + by.min(0.5),

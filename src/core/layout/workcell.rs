@@ -63,20 +63,20 @@ impl Workcell {
         )
     }
 
-    /// Prepares a cell that has the same solids and placements as this workcell, and shares them.
+    /// Prepares a cell with the same solids and placements as this workcell; both workcells share them.
     fn sharing(&self, cell: Cell) -> Result<Self, String> {
         let mapper = Mapper::new(&cell, self.mapper.scene().clone())?;
         Ok(Self { cell, mapper, plan: self.plan.clone(), wide: self.wide.clone() })
     }
 
-    /// Turns the ranking of nodes off: every node is judged, which is slower and gives the same bits.
+    /// Switches off the ranking of nodes. Every node is then judged, which is slower and gives the same bits.
     #[must_use]
     pub fn unranked(mut self) -> Self {
         self.mapper.forget_ranks();
         self
     }
 
-    /// Limits the maps to the own sense of each operation, which is several times faster.
+    /// Restricts each map to its operation's own sense, which is several times faster.
     #[must_use]
     pub fn in_own_senses(mut self) -> Self {
         self.mapper.report_own_senses();

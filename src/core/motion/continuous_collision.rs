@@ -1,7 +1,7 @@
 //! Continuous collision checking of a straight move in joint coordinates.
 //!
-//! Every pair of solids has a distance in the middle of a stretch of the move. The stretch is free if no pair
-//! can come nearer by its distance within half the stretch. Otherwise the stretch is halved
+//! The distance of every pair of solids is known in the middle of an interval of the move. The interval is
+//! free if no pair can approach by its distance within half the interval. Otherwise the interval is halved
 //! (F. Schwarzer, M. Saha, J.-C. Latombe, "Adaptive dynamic collision checking for single and multiple
 //! articulated robots in complex environments", IEEE Transactions on Robotics 21, 2005). A point that joint i
 //! rotates moves by at most
@@ -10,21 +10,23 @@
 //! |dtheta_i| (|l_i| + sum over the rows k after it of hypot(l_k, max |r_k|) + radius of the solid),
 //! ```
 //!
-//! and by |dr_i| if joint i is prismatic. The solid is rigidly fixed to the last row, so both count as one
-//! lever arm. Only the joints between two solids of the robot change their distance.
+//! and by |dr_i| if joint i is prismatic. Here dtheta_i and dr_i are the changes of the D-H coordinates of
+//! joint i, and l and r the length and offset of a D-H row. The solid is rigidly fixed to the last row, so
+//! this row and the solid form one lever arm. Only the joints between two solids of the robot change the
+//! distance of these solids.
 
 use crate::cell::{JointKind, JointVector, MAX_JOINTS};
 use crate::clearance::{BoundingSphere, Hit, Load, Pair, PlacedSolids, Scene};
 use crate::pose::Pose;
 use crate::robot::Chain;
 
-/// Distance, m, within which solids count as touching: the check takes no smaller steps.
+/// Distance, m, below which solids may count as touching: the check resolves no smaller motions.
 pub const RESOLUTION: f64 = 1e-4;
 
 /// First contact on a move.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PathHit {
-    /// Share of the move before the contact, 0 to 1.
+    /// Share of the move that is completed at the contact, 0 to 1.
     pub at: f64,
     pub hit: Hit,
 }
@@ -36,10 +38,10 @@ pub struct Move<'a> {
     pub to: &'a JointVector,
 }
 
-/// Returns the first contact of the robot on a straight move, with the clearance of the cell.
+/// Returns the first point of a straight move at which the robot comes nearer than the clearance of the cell.
 ///
-/// None proves that there is no contact. A reported contact may also be a passage nearer than
-/// [`RESOLUTION`].
+/// The result None proves that there is no contact. A reported contact may also be a near miss: solids that
+/// pass each other within [`RESOLUTION`] of the clearance.
 pub fn first_hit(
     chain: &Chain,
     scene: &Scene,
@@ -65,7 +67,7 @@ pub(super) fn between(from: &JointVector, to: &JointVector, share: f64) -> Joint
     std::array::from_fn(|i| from[i] + (to[i] - from[i]) * share)
 }
 
-/// Check of one move.
+/// Collision check of one move.
 struct MoveCheck<'w> {
     chain: &'w Chain,
     scene: &'w Scene,
@@ -81,8 +83,8 @@ impl MoveCheck<'_> {
 
     /// Returns the first contact between the shares `low` and `high` of the move.
     ///
-    /// Each pair comes with its largest approach over the whole move, m. Pairs that stay apart over a stretch
-    /// are not checked again in its halves.
+    /// `pairs` gives each pair of solids with the greatest possible decrease of its distance over the whole
+    /// move, m. Pairs that stay apart in an interval are not checked again in the halves of that interval.
     fn first_hit_in(&self, low: f64, high: f64, pairs: &[(Pair, f64)]) -> Option<PathHit> {
         let (middle, half) = ((low + high) / 2.0, (high - low) / 2.0);
         let frames = self.frames(middle);
@@ -98,7 +100,7 @@ impl MoveCheck<'_> {
     }
 }
 
-/// Bounds of the motion of points on the robot during one move.
+/// Upper bounds of the motion of points on the robot during one move.
 struct MotionBounds<'c> {
     chain: &'c Chain,
     /// Travel of each D-H coordinate, rad or m.

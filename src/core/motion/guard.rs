@@ -14,7 +14,7 @@ pub struct Guard {
     pub(super) chain: Chain,
     /// Characteristic length of the arm, m.
     pub(super) reach: f64,
-    /// Least allowed [`singularity`] measure; 0 allows all.
+    /// Least allowed [`singularity`] measure; 0 allows every posture.
     singularity: f64,
     /// Lengths of approach and retract of every operation, m.
     pub(super) lengths: Vec<(f64, f64)>,
@@ -24,18 +24,20 @@ pub struct Guard {
 /// Reason why a posture cannot be used.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PostureRefusal {
-    /// The posture, or the line to or from it, is too near to a singularity; see [`singularity`].
+    /// The posture, or a posture on its approach or retract line, is too near to a singularity. The measure
+    /// is explained at [`singularity`].
     Singular { measure: f64 },
-    /// The straight line to the spot is blocked; lengths along it count from the spot.
+    /// The straight line to the spot is blocked. Lengths along the line are measured from the spot.
     Approach(Hindrance),
-    /// The straight line back from the spot is blocked; lengths along it count from the spot.
+    /// The straight line back from the spot is blocked. Lengths along the line are measured from the spot.
     Retract(Hindrance),
 }
 
-/// Obstacle of a move.
+/// Obstacle that blocks a move.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Hindrance {
-    /// Contact with a solid. On a line to a spot, [`PathHit::at`] counts from the spot.
+    /// Contact with a solid. On an approach or retract line, [`PathHit::at`] is the share of the line
+    /// measured from the spot.
     Hit(PathHit),
     /// The arm cannot follow the line.
     Stopped(Stopped),
@@ -53,7 +55,7 @@ impl Guard {
         Some(Self { chain, reach: cell.robot.reach(), singularity, lengths, transfer: cell.transfer.clone() })
     }
 
-    /// Returns whether [`Self::admits`] has anything to check.
+    /// Returns whether [`Self::admits`] has anything to check for an operation.
     pub fn asks_postures(&self, operation: usize) -> bool {
         self.singularity > 0.0 || self.lengths[operation] != (0.0, 0.0)
     }
@@ -104,7 +106,7 @@ impl Guard {
         if measure < self.singularity { Err(PostureRefusal::Singular { measure }) } else { Ok(()) }
     }
 
-    /// Returns joint vectors from a spot back along the tool axis over a length (m).
+    /// Returns joint vectors that take the TCP from a spot back along the tool axis by a length (m).
     pub(super) fn back(&self, joints: &JointVector, length: f64) -> Result<Vec<JointVector>, Stopped> {
         let tcp = self.chain.forward(&self.chain.posture(joints));
         let axis: Vector3<f64> = tcp.rotation * self.chain.tool_axis;
@@ -113,7 +115,7 @@ impl Guard {
 
     /// Returns the first contact along several moves, with its share of the whole path.
     ///
-    /// All moves count as equally long.
+    /// The share is computed as if all moves were equally long.
     pub(super) fn first_hit(
         &self,
         scene: &Scene,

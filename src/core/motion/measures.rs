@@ -13,7 +13,7 @@ pub(super) type ScaledJacobian = SMatrix<f64, 6, MAX_JOINTS>;
 pub struct Measures {
     /// Least distance of a joint from its limit, as a share of half its range.
     ///
-    /// 1 is the middle of the range, 0 the limit, and a negative value is beyond it.
+    /// 1 is the middle of the range, 0 the limit, and a negative value is beyond the limit.
     pub limits: f64,
     /// Joint that is nearest to a limit.
     pub joint: usize,
@@ -21,7 +21,8 @@ pub struct Measures {
     pub singularity: f64,
 }
 
-/// Returns both measures at joint coordinates (rad, m); `reach` is a characteristic length of the arm, m.
+/// Returns the joint-limit distance and the manipulability at joint coordinates (rad, m); `reach` is a
+/// characteristic length of the arm, m.
 pub fn measures(chain: &Chain, joints: &JointVector, reach: f64) -> Measures {
     let frames = chain.frames(&chain.posture(joints));
     let moving = chain.links.iter().zip(joints).enumerate().filter(|(_, (link, _))| is_moving(link.limits));
@@ -38,7 +39,7 @@ pub fn measures(chain: &Chain, joints: &JointVector, reach: f64) -> Measures {
 /// It is a measure of manipulability, 0 in a singular posture (C. A. Klein, B. E. Blaho, "Dexterity measures
 /// for the design and control of kinematically redundant manipulators", IJRR 6(2), 1987). J. Angeles,
 /// Fundamentals of Robotic Mechanical Systems, explains the division by a characteristic length. An arm with
-/// n < 6 actuators moves the TCP in n directions only; then the n-th largest value counts.
+/// n < 6 actuators moves the TCP in only n directions. The measure is then the n-th largest singular value.
 pub fn singularity(chain: &Chain, frames: &Frames, reach: f64) -> f64 {
     let actuators = chain.links.iter().filter(|link| is_moving(link.limits)).count();
     let mut values: [f64; 6] = scaled_jacobian(chain, frames, reach).singular_values().into();
@@ -46,7 +47,7 @@ pub fn singularity(chain: &Chain, frames: &Frames, reach: f64) -> f64 {
     actuators.min(6).checked_sub(1).map_or(0.0, |last| values[last])
 }
 
-/// Returns the Jacobian with lengths divided by `reach` (m). The column of a passive joint is 0.
+/// Returns the geometric Jacobian with lengths divided by `reach` (m). The column of a passive joint is 0.
 pub(super) fn scaled_jacobian(chain: &Chain, frames: &Frames, reach: f64) -> ScaledJacobian {
     let mut columns = ScaledJacobian::zeros();
     let all = jacobian(chain, frames);

@@ -1,4 +1,4 @@
-//! Messages about refused postures and blocked transfers, with the names of the cell.
+//! Messages about refused postures and blocked transfers, with the names that the cell gives to its parts.
 
 use super::guard::{Hindrance, PostureRefusal};
 use super::straight_line::Stopped;
@@ -8,7 +8,7 @@ use crate::safe_text::shown;
 use crate::units::{mm_from_m, percent_from_share};
 
 impl PostureRefusal {
-    /// Returns the reason with the names of the cell.
+    /// Describes the reason in words, with the names that the cell gives to its parts.
     pub fn in_words(&self, cell: &Cell) -> String {
         match self {
             Self::Singular { measure } => {
@@ -22,7 +22,7 @@ impl PostureRefusal {
 }
 
 impl Hindrance {
-    /// Returns the obstacle with the names of the cell.
+    /// Describes the obstacle in words, with the names that the cell gives to its parts.
     pub fn in_words(&self, cell: &Cell) -> String {
         match self {
             Self::Hit(hit) => {
@@ -41,7 +41,7 @@ impl Hindrance {
 }
 
 impl TransferRoute {
-    /// Returns the route in words.
+    /// Describes the route in words.
     pub fn in_words(self) -> String {
         match self {
             Self::Direct => "direct".into(),
@@ -53,7 +53,7 @@ impl TransferRoute {
 }
 
 impl Blocked {
-    /// Returns the obstacle of every route, with the names of the cell.
+    /// Describes the obstacle of every route in words, with the names that the cell gives to its parts.
     pub fn in_words(&self, cell: &Cell) -> String {
         let name = |k: usize| shown(&cell.operations[k].name);
         let tries =

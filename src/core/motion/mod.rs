@@ -2,7 +2,7 @@
 //! and the distance of a posture from joint limits and singularities.
 //!
 //! [`Guard`] holds the motion rules of a cell. A move is a straight line in joint coordinates, checked by
-//! [`first_hit`]. A straight line of the TCP consists of such moves, made by [`straight`].
+//! [`first_hit`]. A straight line of the TCP is approximated by short moves, which [`straight`] computes.
 
 mod continuous_collision;
 mod guard;

@@ -1,4 +1,5 @@
-//! A straight line of the TCP with constant attitude, as a sequence of moves straight in joint coordinates.
+//! A straight line of the TCP with constant attitude, as a sequence of short moves that are straight in joint
+//! coordinates.
 
 use super::continuous_collision::between;
 use super::measures::scaled_jacobian;
@@ -7,13 +8,13 @@ use crate::pose::Pose;
 use crate::robot::Chain;
 use nalgebra::{SVector, Vector3};
 
-/// Largest deviation of the TCP from the line, m, measured in the middle between two joint vectors.
+/// Largest allowed deviation of the TCP from the line, m, measured in the middle of each move.
 pub const DEVIATION: f64 = 5e-4;
 
-/// Length of the longest piece of a line, m.
+/// Greatest length of the line that one move covers, m.
 const MAX_STEP: f64 = 0.02;
 
-/// Length of the shortest piece of a line, m.
+/// Least length of the line that one move covers, m; if a shorter move is needed, the line fails.
 const MIN_STEP: f64 = 1e-4;
 
 /// Convergence threshold of Newton's method: position as a share of the arm's reach, rotation in rad.
@@ -24,23 +25,23 @@ const MAX_ITERATIONS: usize = 20;
 /// Singular value of the Jacobian below which the arm counts as unable to move in its singular direction.
 const RANK_TOLERANCE: f64 = 1e-9;
 
-/// Tolerance of a joint limit, rad or m: rounding of a posture at its limit.
+/// Tolerance of a joint limit, rad or m, for rounding errors of a posture at its limit.
 const LIMIT_TOLERANCE: f64 = 1e-6;
 
 /// Reason why the TCP cannot follow a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Stopped {
-    /// A joint reaches its limit after this length of the line, m.
+    /// The joint `joint` exceeds its limit after the length `after` of the line, m.
     Limit { joint: usize, after: f64 },
-    /// The arm cannot keep the attitude after this length of the line, m: out of reach or singular.
+    /// The arm cannot keep the attitude after the length `after` of the line, m: out of reach or singular.
     Lost { after: f64 },
 }
 
 /// Returns joint vectors, beginning with `from`, that take the TCP along `way` (base frame, m).
 ///
-/// The attitude is constant. Each vector is computed from the one before, so that the branch stays the
-/// same. All vectors keep the joint limits, and so do the straight moves between them. `reach` is a
-/// characteristic length of the arm, m.
+/// The attitude is constant. Each vector is computed from the vector before it, so that the branch stays the
+/// same. All vectors and the straight moves between them keep the joint limits. `reach` is a characteristic
+/// length of the arm, m.
 ///
 /// # Errors
 /// Returns where the line ends, and why.
@@ -89,7 +90,8 @@ fn passed(chain: &Chain, q: &JointVector) -> Option<usize> {
     chain.links.iter().zip(q).position(outside)
 }
 
-/// Solves for a pose by Newton's method from a near posture, with least-norm steps; None if it diverges.
+/// Solves for joint coordinates at a pose by Newton's method with least-norm steps from a near posture; None
+/// if the method does not converge.
 fn follow(chain: &Chain, from: &JointVector, to: &Pose, reach: f64) -> Option<JointVector> {
     let mut q = *from;
     for _ in 0..MAX_ITERATIONS {

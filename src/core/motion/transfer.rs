@@ -8,16 +8,16 @@ use crate::robot::Chain;
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 
-/// Route from one posture to another, in the order in which routes are tried.
+/// Route from one posture to another. The variants are in the order in which they are tried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TransferRoute {
     /// One move in joint coordinates.
     Direct,
-    /// A straight lift of the TCP at both ends, and one move between.
+    /// Straight lifts of the TCP at both ends, and one move between them.
     Lift,
-    /// Moves through a via posture of the cell, by its index.
+    /// Moves through a via posture, given by its index in the cell.
     Via(usize),
-    /// A lift at both ends, and moves through a via posture.
+    /// Straight lifts of the TCP at both ends, and moves through a via posture between them.
     LiftVia(usize),
 }
 
@@ -29,7 +29,7 @@ pub struct OperationPosture {
     pub joints: JointVector,
 }
 
-/// Collision-free path from the end of one operation's retract to the start of the next one's approach.
+/// Collision-free path from the end of one operation's retract to the start of the next operation's approach.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Transfer {
     /// Index of the operation before.
@@ -37,21 +37,21 @@ pub struct Transfer {
     /// Index of the operation after.
     pub to: usize,
     pub way: TransferRoute,
-    /// Joint vectors with straight moves between them, rad or m.
+    /// Joint vectors (rad or m) of the path, which consists of straight moves between them.
     pub path: Vec<JointVector>,
     /// Measure of the transfer time, rad: the sum over the moves of the largest joint travel.
     ///
-    /// It is proportional to the time if all joints start and stop together with equal top speeds. A
+    /// The measure is proportional to the time if all joints start and stop together with equal top speeds. A
     /// prismatic travel by the arm's reach counts as 1 rad.
     pub travel: f64,
     /// Joint vector of the next operation at its spot.
     ///
-    /// Every joint is in the turn nearest to the operation before. At the end of a cycle it is in the turn in
-    /// which it started.
+    /// Joint angles may be changed by whole turns, so that they are nearest to those of the operation before.
+    /// At the end of a cycle they are the angles with which the cycle started.
     pub arrival: JointVector,
 }
 
-/// Failure of a transfer: the obstacle of every route that was tried.
+/// Failure of a transfer, with the obstacle on every route that was tried.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Blocked {
     pub from: usize,
@@ -65,9 +65,9 @@ impl Guard {
         self.transfer.is_some()
     }
 
-    /// Returns the transfers between consecutive operations, in a cycle also back to the first.
+    /// Returns the transfers between consecutive operations, and in a cycle also from the last to the first.
     ///
-    /// There are none if the cell does not ask for them.
+    /// The list is empty if the cell does not ask for transfers.
     ///
     /// # Errors
     /// Returns the first transfer that is blocked.
@@ -95,10 +95,12 @@ impl Guard {
         Ok(found)
     }
 
-    /// Returns the first free transfer between two operations, checked with the parts held at either of them.
+    /// Returns the first free transfer between two operations.
+    ///
+    /// Collisions are checked with the parts that the robot holds in either operation.
     ///
     /// # Errors
-    /// Returns the obstacle of every route if no route is free.
+    /// Returns the obstacles on all routes if no route is free.
     pub fn transfer(
         &self,
         scene: &Scene,
@@ -192,7 +194,7 @@ fn travel(chain: &Chain, path: &[JointVector], reach: f64) -> f64 {
 
 /// Returns the [`Transfer::travel`] of direct moves from posture to posture.
 ///
-/// Every joint is in the turn nearest to the posture before.
+/// Joint angles are first changed by whole turns to come nearest to the posture before.
 pub fn direct_travel(chain: &Chain, stops: &[JointVector], reach: f64) -> f64 {
     let mut path: Vec<JointVector> = Vec::with_capacity(stops.len());
     for stop in stops {
@@ -201,7 +203,8 @@ pub fn direct_travel(chain: &Chain, stops: &[JointVector], reach: f64) -> f64 {
     travel(chain, &path, reach)
 }
 
-/// Returns a posture with every joint in the turn nearest to `from`, inside its limits.
+/// Returns the joint vector `to` with angles changed by whole turns to come nearest to `from`, within the
+/// joint limits.
 fn nearest_turns(chain: &Chain, from: &JointVector, to: &JointVector) -> JointVector {
     let mut near = *to;
     for j in 0..chain.axes() {

@@ -1,4 +1,4 @@
-//! Arithmetic in SIMD lanes: one f64 for each of several nodes, as many as the processor has.
+//! Arithmetic in SIMD lanes: one f64 for each of several nodes, as many nodes as the processor has lanes.
 
 use std::ops::{Add, BitOr, Mul, Neg, Sub};
 
@@ -69,7 +69,7 @@ impl<S: Simd> Lanes<S> {
         Self { of: self.simd.min_f64s(up, self.simd.splat_f64s(high)), ..self }
     }
 
-    /// Computes `self * by + plus`, rounded once where the processor can.
+    /// Computes `self * by + plus`, rounded only once if the processor has a fused instruction.
     #[inline(always)]
     pub fn times_plus(self, by: Self, plus: Self) -> Self {
         Self { of: self.simd.mul_add_e_f64s(self.of, by.of, plus.of), ..self }
@@ -89,7 +89,7 @@ impl<S: Simd> Lanes<S> {
 }
 
 impl<S: Simd> Mask<S> {
-    /// Takes `yes` in the lanes that are true, `no` in the others.
+    /// Returns `yes` in the lanes where the mask is true, and `no` in the others.
     #[inline(always)]
     pub fn choose(self, yes: Lanes<S>, no: Lanes<S>) -> Lanes<S> {
         Lanes { simd: self.simd, of: self.simd.select_f64s(self.of, yes.of, no.of) }

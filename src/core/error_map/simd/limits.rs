@@ -4,19 +4,20 @@ use super::lanes::{CosSin, Mask};
 use crate::reach::LimitCone;
 use pulp::Simd;
 
-/// Slack added to the joint limits, in the cosine of the angle from the middle of the range.
+/// Amount by which the cosine of half a joint's range is lowered, which widens the joint limits a little.
 ///
-/// Because of it, every posture refused here is also refused by the scalar code, which judges single nodes.
+/// Because of this slack, every posture refused here is also refused by the scalar code, which judges single
+/// nodes.
 const SLACK: f64 = 1e-9;
 
-/// Returns the lanes in which the unit vector of a joint surely lies outside its range.
+/// Returns the lanes in which a joint, given by cosine and sine of its angle, surely lies outside its range.
 #[inline(always)]
 pub fn is_passed<S: Simd>(cone: &LimitCone, (cos, sin): CosSin<S>) -> Mask<S> {
     let along = cos * cone.axis.0 + sin * cone.axis.1;
     along.is_below(along.like(cone.cos_half - SLACK))
 }
 
-/// Adds to `out` the lanes in which a joint other than the first passes its limit.
+/// Adds to `out` the lanes in which any joint except the first exceeds its limits.
 #[inline(always)]
 pub fn any_passed<S: Simd, const N: usize>(
     cones: &[LimitCone; N],

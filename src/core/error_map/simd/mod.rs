@@ -2,7 +2,7 @@
 //! lanes.
 //!
 //! The bounds only order the nodes and reject hopeless ones; the scalar code judges those that are left, one
-//! by one. So no result depends on the processor. This is the only user of pulp.
+//! by one. So no result depends on the processor. Only this module uses the SIMD crate `pulp`.
 
 mod lanes;
 mod limits;

@@ -1,8 +1,10 @@
-//! The chain as built, with its errors: eqs. (4)-(6) as a product of constant motions and joint turns.
+//! The chain as built, with its errors: eqs. (4)-(6) of the seed paper as a product of constant motions and
+//! joint rotations.
 //!
-//! In `T' = B_0 Rz(theta_1) B_1 Rz(theta_2) B_2 ... B_N` all errors are in the constant motions `B`, which
-//! are computed once. The error is then a difference of two positions some metres away. It is accurate to
-//! 1e-14 m, which is enough to rank nodes.
+//! The pose of the TCP is `T' = B_0 Rz(theta_1) B_1 Rz(theta_2) B_2 ... B_N`, where `Rz(theta_i)` is the
+//! rotation of joint i about its axis. The constant motions `B_i` contain all errors and are computed once.
+//! The error is then the difference of two positions some metres from the base. It is accurate to 1e-14 m,
+//! which is enough to rank nodes.
 
 use super::lanes::{CosSin, Lanes};
 use crate::cell::JointKind;
@@ -15,19 +17,20 @@ use pulp::Simd;
 /// A chain with a signed sample of its errors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PerturbedChain {
-    /// The first constant motion `B_0`, base frame.
+    /// Constant motion before the first joint (`B_0` in the formula of the module), base frame.
     pub base: Pose,
-    /// The constant motions `B_1` to `B_(N-1)`.
+    /// Constant motions from each joint to the next (`B_1` to `B_(N-1)` in the formula of the module).
     between: Vec<ConstantMotion>,
-    /// TCP in the frame after the last turn, m.
+    /// TCP in the frame that the last joint rotates, m.
     tip: Vector3<f64>,
 }
 
-/// A constant motion between two joint turns.
+/// Constant motion between two consecutive joints.
 #[derive(Debug, Clone, PartialEq)]
 struct ConstantMotion {
     pose: Pose,
-    /// Whether it turns about x alone, as most links do: no dtheta, dbeta or error of a joint frame.
+    /// Whether the motion rotates about x alone, as for most links: no error dtheta, dbeta or of a joint
+    /// frame.
     twists: bool,
 }
 
@@ -64,7 +67,8 @@ impl PerturbedChain {
         Some(Self { base, between, tip: last.translation })
     }
 
-    /// Computes the TCP in the frame after the motion [`Self::base`], from cosines and sines of every theta.
+    /// Computes the TCP in the frame after the motion [`Self::base`], from the cosine and sine of every joint
+    /// angle.
     #[inline(always)]
     pub fn tip<S: Simd>(&self, turns: &[CosSin<S>]) -> [Lanes<S>; 3] {
         let any = turns[0].0;
@@ -81,7 +85,7 @@ impl PerturbedChain {
 }
 
 impl ConstantMotion {
-    /// Moves a point.
+    /// Applies the motion to a point.
     #[inline(always)]
     fn moved<S: Simd>(&self, p: &[Lanes<S>; 3]) -> [Lanes<S>; 3] {
         let Pose { rotation: r, translation: t } = &self.pose;
@@ -100,7 +104,7 @@ impl ConstantMotion {
     }
 }
 
-/// Returns the motion that an error of a frame makes: the translations, then the rotations about z, y and x.
+/// Returns the motion of a frame by its error: the translations, then the rotations about z, y and x.
 fn moved(error: &FrameError) -> Pose {
     let axes = [Vector3::z(), Vector3::y(), Vector3::x()];
     let slide = Pose { translation: Vector3::from(error.slides), ..Pose::identity() };

@@ -1,9 +1,9 @@
-//! Inverse kinematics of the planar arm with four axes, in lanes: every branch, and whether it passes a joint
-//! limit.
+//! Inverse kinematics of the planar arm with four axes, in lanes: every branch, and whether it exceeds a
+//! joint limit.
 //!
 //! The formulas and their order are those of `reach::closed_form::planar` wherever a rounding error could
-//! grow: near the stretched arm, and for targets near the base axis. Limits are a little wider. So no
-//! branch that [`Inverse::visit`](crate::reach::Inverse::visit) finds is missed.
+//! grow: near the stretched arm, and for targets near the base axis. The joint limits are a little wider
+//! here. So no branch that [`Inverse::visit`](crate::reach::Inverse::visit) finds is missed.
 
 use super::lanes::{CosSin, Lanes, Mask};
 use super::limits::{any_passed, is_passed};
@@ -31,9 +31,9 @@ pub struct TargetLanes<S: Simd> {
     x: Lanes<S>,
     y: Lanes<S>,
     z: Lanes<S>,
-    /// Distance in front of the base axis, in the plane of the arm, m.
+    /// Distance of the target in front of the base axis, in the plane of the arm, m.
     along: Lanes<S>,
-    /// Reciprocal of `x^2 + y^2`.
+    /// Reciprocal of the squared distance `x^2 + y^2` from the base axis, 1/m2.
     inverse2: Lanes<S>,
     /// Lanes with a target nearer to the base axis than the tool can come.
     beside: Mask<S>,
@@ -42,13 +42,13 @@ pub struct TargetLanes<S: Simd> {
 /// The wrist at one attitude of the tool, on one side of the base axis.
 pub struct WristLanes<S: Simd> {
     yaw: CosSin<S>,
-    /// Vector (u, v) from the shoulder to the wrist in the plane of the arm, divided by its squared length,
-    /// 1/m.
+    /// Vector from the shoulder to the wrist, divided by its squared length: `u` is its component
+    /// perpendicular to the base axis, `v` the component along the axis, 1/m.
     u: Lanes<S>,
     v: Lanes<S>,
     k1: Lanes<S>,
     cos3: Lanes<S>,
-    /// Sine of theta_3 with the elbow up.
+    /// Sine of the third joint angle with the elbow up.
     sin3: Lanes<S>,
     phi: (f64, f64),
     out: Mask<S>,
@@ -63,7 +63,7 @@ impl PlanarLanes {
 
 // Closures would not be compiled for the lanes, so there are none here.
 impl PlanarLanes {
-    /// Moves targets to frame 0.
+    /// Transforms targets from the base frame to frame 0.
     #[inline(always)]
     pub fn targets<S: Simd>(&self, level: &Level<S>) -> TargetLanes<S> {
         let [x, y, z] = self.in_zero(level);
@@ -77,7 +77,7 @@ impl PlanarLanes {
         TargetLanes { x, y, z, along: along2.max(0.0).sqrt(), inverse2, beside }
     }
 
-    /// Places the wrist; None if no lane has a posture.
+    /// Computes the position of the wrist for every target; None if no lane has a posture.
     #[inline(always)]
     pub fn wrist<S: Simd>(
         &self,
@@ -105,7 +105,9 @@ impl PlanarLanes {
         Some(WristLanes { yaw, u: u * inverse2, v: v * inverse2, k1, cos3, sin3, phi, out })
     }
 
-    /// Solves one elbow: cosines and sines of the angles theta, and the lanes that surely have no posture.
+    /// Solves for the joint angles with the elbow up or down.
+    ///
+    /// Returns the cosine and sine of each joint angle, and the lanes that surely have no posture.
     #[inline(always)]
     pub fn branch<S: Simd>(
         &self,

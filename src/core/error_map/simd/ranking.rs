@@ -2,8 +2,8 @@
 //!
 //! A bound is the least error of all branches at a node, lowered by [`BOUND_MARGIN`] for rounding. So no
 //! posture at the node has a value ([`ErrorEvaluator::value`]) below its bound. The scalar code judges single
-//! nodes in this order until the least value is below all bounds that are left. So the spot is the same, to
-//! the bit, as if every node had been judged.
+//! nodes in this order until the least value is below the bounds of all other nodes. The spot therefore has
+//! the same bits as if every node had been judged.
 
 use super::lanes::{CosSin, Lanes, MAX_LANES};
 use super::perturbed_chain::PerturbedChain;
@@ -16,8 +16,8 @@ use crate::reading::ErrorEvaluator;
 use nalgebra::{Matrix3, Vector3};
 use pulp::{Arch, Simd, WithSimd};
 
-/// Margin by which a bound is lowered: as a share of itself, and in m. Rounding errors are 1e-14 m at most
-/// postures, and 1e-10 m next to a singular one.
+/// Amount by which a bound is lowered: this share of the bound plus this length in m. Rounding errors are
+/// 1e-14 m at most postures, and 1e-10 m next to a singular one.
 const BOUND_MARGIN: f64 = 1e-9;
 
 /// Number of nodes in a group: a search compares the groups first, then the nodes of the best group.
@@ -30,7 +30,7 @@ pub struct Ranker {
     chain: PerturbedChain,
     /// Directions of the sense, world frame.
     rows: Vec<Vector3<f64>>,
-    /// Coordinate x of every node in the frame of the equipment, m; `ys` likewise. The last node is repeated
+    /// Coordinate x of every node in the frame of the equipment, m; `ys` holds y. The last node is repeated
     /// to fill the last group.
     xs: Vec<f64>,
     ys: Vec<f64>,
@@ -38,10 +38,10 @@ pub struct Ranker {
     standoff: f64,
 }
 
-/// One row of the sense, made ready for one layout.
+/// One direction of the sense, prepared for one layout.
 ///
-/// The error in the row is `built . p - (wanted . target - offset)`, with p the TCP in the frame after the
-/// first motion of the chain.
+/// The error in this direction is `built . p - (wanted . target - offset)`, where `p` is the TCP, computed by
+/// [`PerturbedChain::tip`].
 #[derive(Debug, Clone, Copy)]
 struct RankingRow {
     built: Vector3<f64>,
@@ -49,12 +49,12 @@ struct RankingRow {
     wanted: Vector3<f64>,
 }
 
-/// The bounds of one layout, in memory kept from layout to layout.
+/// Lower bounds of the errors in one layout, in memory that is reused from layout to layout.
 #[derive(Default)]
 pub struct Ranking {
-    /// One bound per node, m; infinite where nothing is in reach.
+    /// One bound per node, m; infinite if no posture reaches the node.
     bounds: Vec<f64>,
-    /// The least bound of each group.
+    /// Least bound in each group of nodes.
     groups: Vec<f64>,
 }
 
@@ -102,12 +102,12 @@ impl Ranker {
 }
 
 impl Ranking {
-    /// Returns the least bound of the nodes that are left.
+    /// Returns the least bound of the nodes that were not removed yet.
     pub fn bound(&self) -> f64 {
         least(&self.groups)
     }
 
-    /// Removes and returns the node with the least bound, the first one among equals.
+    /// Removes and returns the node with the least bound, or the first of several with equal bounds.
     pub fn pop(&mut self) -> Option<usize> {
         let bound = self.bound();
         let group = self.groups.iter().position(|b| *b == bound && *b < f64::INFINITY)?;
@@ -127,7 +127,7 @@ fn least(bounds: &[f64]) -> f64 {
 struct RankingPass<'a> {
     ranker: &'a Ranker,
     at: &'a Placement,
-    /// Cosine and sine of the yaw.
+    /// Cosine and sine of the yaw of the surface in the base frame.
     turn: (f64, f64),
     attitudes: &'a ToolAttitudes,
     rows: &'a [RankingRow],
@@ -174,7 +174,7 @@ impl Ranker {
         RankingRow { built: rotation.transpose() * wanted, offset: wanted.dot(translation), wanted: *wanted }
     }
 
-    /// Computes the least error of the targets over all branches, less the margin.
+    /// Computes the least error over all branches of each target, less the margin.
     #[inline(always)]
     fn bound<S: Simd>(
         &self,
