@@ -58,7 +58,7 @@ pub struct Alternative {
 #[derive(Debug, Clone)]
 pub struct SearchRecord {
     pub start: EvaluatedLayout,
-    /// Best feasible layout, or the one nearest to feasible if none was found.
+    /// Best feasible layout; if none was found, the layout that comes nearest to being feasible.
     pub best: EvaluatedLayout,
     pub evaluations: u64,
     /// Number of evaluated layouts that were feasible.

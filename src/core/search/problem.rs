@@ -198,7 +198,7 @@ impl<'a> Problem<'a> {
 
     /// Returns the point of the front that has the least cost for the scalarization of the current run.
     ///
-    /// The front is the one at the start of that run.
+    /// The front is that at the start of the run.
     pub fn best_for_scalarization(&self) -> Option<Vec<f64>> {
         let (journal, scalarization) = (locked(&self.journal), locked(&self.scalarization));
         let (front, scalarization) = (journal.checkpoint().front()?, scalarization.as_ref()?);
