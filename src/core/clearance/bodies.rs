@@ -190,7 +190,7 @@ fn along_y(a: &Vector3<f64>, b: &Vector3<f64>) -> Pose {
     Pose { rotation: turn.into_inner(), translation: (a + b) / 2.0 }
 }
 
-/// Returns a triangle mesh. A closed mesh is oriented, because then it can tell inner from outer points.
+/// Returns a triangle mesh. A closed mesh gets an orientation, which tells inner from outer points.
 ///
 /// A mesh that parry3d refuses is replaced by a box around the origin that contains it. Empty meshes do not
 /// occur here, because the reader refuses them.

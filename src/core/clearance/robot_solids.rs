@@ -144,7 +144,7 @@ impl RobotSolid {
         segments_apart_squared(&capsule.a, &capsule.b, &other_capsule.a, &other_capsule.b) <= room * room
     }
 
-    /// Returns whether two robot solids touch whose bounding capsules intersect (narrow phase).
+    /// Returns whether two robot solids touch, given that their bounding capsules intersect (narrow phase).
     pub(super) fn touches_near(&self, frame: &Pose, other: &RobotSolid, other_frame: &Pose) -> bool {
         if self.core.is_solid && other.core.is_solid {
             return true;

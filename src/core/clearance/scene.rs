@@ -145,7 +145,7 @@ impl Scene {
 
     /// Returns the index of the first moving robot solid with a contact, and the contact as in `first_hit`.
     ///
-    /// Checked are contacts with equipment, fence and floor.
+    /// The method checks contacts with equipment, fence and floor, but not of the robot with itself.
     fn outside_hit(
         &self,
         bodies: &[PlacedSolid],
