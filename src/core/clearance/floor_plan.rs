@@ -202,7 +202,7 @@ impl FloorPlan {
         self.on[equipment].is_some_and(|under| under == other || self.rides(under, other))
     }
 
-    /// Returns the separation of every pair of floor spaces in which at least one piece of equipment may move.
+    /// Returns the separation of every pair of floor spaces that includes movable equipment.
     pub fn separations(&self, layout: &Layout) -> Vec<Separation> {
         let mut pairs = Vec::new();
         let all = || self.equipment.iter().zip(&layout.placements).enumerate();

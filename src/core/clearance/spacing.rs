@@ -9,8 +9,8 @@ use crate::geometry::{PlanePoint, convex_hull, polygon_area};
 impl FloorPlan {
     /// Returns the least distance in plan between floor spaces that must not overlap, at most `max` (m).
     ///
-    /// The distance is 0 if any two of them overlap. A pair that the search cannot move does not count, because
-    /// the distance of the pair is the same in every layout.
+    /// The distance is 0 if any two of them overlap. A pair that the search cannot move does not count,
+    /// because the distance of the pair is the same in every layout.
     pub fn spacing(&self, cell: &Cell, layout: &Layout, max: f64) -> f64 {
         if !self.enabled {
             return max;
