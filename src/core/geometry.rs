@@ -1,9 +1,9 @@
-//! Geometry of the plane: convex hull, area, joined edges, simplified lines.
+//! Geometry of the plane: convex hull, area, joined edges, simplified polylines.
 
 use nalgebra::SVector;
 use std::collections::BTreeMap;
 
-/// Point of a plane, in the unit of its user.
+/// Point of a plane, in a unit that the caller chooses.
 pub type PlanePoint = (f64, f64);
 
 /// Returns twice the signed area of a triangle: positive if `a`, `b`, `c` turn to the left.
@@ -11,10 +11,10 @@ pub fn turn(a: PlanePoint, b: PlanePoint, c: PlanePoint) -> f64 {
     (b.0 - a.0) * (c.1 - a.1) - (b.1 - a.1) * (c.0 - a.0)
 }
 
-/// Returns the corners of the convex hull, anticlockwise: the monotone chain (A. M. Andrew, Information
-/// Processing Letters 9 (1979) 216-219).
+/// Returns the corners of the convex hull, anticlockwise.
 ///
-/// Points that span no area are returned sorted, without duplicates.
+/// The method is the monotone chain (A. M. Andrew, Information Processing Letters 9 (1979) 216-219). Points
+/// that span no area are returned sorted, without duplicates.
 pub fn convex_hull(mut points: Vec<PlanePoint>) -> Vec<PlanePoint> {
     points.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
     points.dedup();
@@ -43,18 +43,19 @@ pub fn polygon_area(corners: &[PlanePoint]) -> f64 {
     corners.iter().zip(next).map(|(a, b)| a.0 * b.1 - a.1 * b.0).sum::<f64>() / 2.0
 }
 
-/// Line of joined edges.
+/// Open or closed polyline that consists of joined edges.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JoinedLine<K> {
-    /// Corners in the order of the edges; a closed line does not repeat the first one.
+    /// Corners in the order of the edges; a closed polyline does not repeat the first one.
     pub corners: Vec<K>,
     pub is_closed: bool,
 }
 
-/// Joins directed edges to lines: open lines first, then closed ones. Every edge is in exactly one line.
+/// Joins directed edges into polylines, and returns open polylines first, then closed ones.
 ///
-/// If several edges leave a corner, `choose` receives the index of the edge that arrives and the indices of
-/// the edges that leave. It returns one of the latter.
+/// Every edge is in exactly one polyline. If several edges leave a corner, `choose` selects the edge with
+/// which the polyline continues. It receives the index of the arriving edge and the indices of the leaving
+/// edges, and returns the index of a leaving edge.
 pub fn join_edges<K: Copy + Ord>(
     edges: &[(K, K)],
     mut choose: impl FnMut(usize, &[usize]) -> usize,
@@ -92,9 +93,10 @@ pub fn join_edges<K: Copy + Ord>(
     lines
 }
 
-/// Returns the indices of the points that a simplified line keeps (Ramer 1972; Douglas and Peucker 1973).
+/// Returns the indices of the points that a simplified polyline keeps (Ramer 1972; Douglas and Peucker 1973).
 ///
-/// No removed point is farther than `tolerance` from the simplified line. The first and the last point stay.
+/// No removed point is farther than `tolerance` from the simplified polyline, which keeps the first and the
+/// last point.
 pub fn simplified_line<const N: usize>(points: &[SVector<f64, N>], tolerance: f64) -> Vec<usize> {
     let mut keep = vec![false; points.len()];
     let mut parts = vec![(0, points.len().saturating_sub(1))];
@@ -115,7 +117,7 @@ pub fn simplified_line<const N: usize>(points: &[SVector<f64, N>], tolerance: f6
     (0..points.len()).filter(|k| keep[*k]).collect()
 }
 
-/// Returns the low and the high corner of the bounding box; None without points.
+/// Returns the low and the high corner of the bounding box; None if there are no points.
 pub fn bounding_box(points: impl Iterator<Item = PlanePoint>) -> Option<(PlanePoint, PlanePoint)> {
     let corners = points.map(|p| (p, p));
     corners.reduce(|(lo, hi), (a, b)| ((lo.0.min(a.0), lo.1.min(a.1)), (hi.0.max(b.0), hi.1.max(b.1))))

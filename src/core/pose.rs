@@ -4,8 +4,9 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 
 /// Pose `{}^a T_b` of frame b in frame a.
 ///
-/// `rotation` maps vectors of b to a, `translation` is the origin of b in a (m). The rotation is a matrix,
-/// not a quaternion: six Denavit-Hartenberg links multiply in 122 ns instead of 409 ns.
+/// `rotation` maps vectors of b to a, and `translation` is the origin of b in a (m). The rotation is stored
+/// as a matrix, not as a quaternion. With matrices, the product of six Denavit-Hartenberg transforms takes
+/// 122 ns instead of 409 ns.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pose {
     pub rotation: Matrix3<f64>,
@@ -13,7 +14,7 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// The pose that changes nothing.
+    /// Pose without translation and rotation.
     pub const IDENTITY: Self = Self {
         rotation: Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0),
         translation: Vector3::new(0.0, 0.0, 0.0),
@@ -39,13 +40,13 @@ impl Pose {
         Self { rotation, translation }
     }
 
-    /// Returns the inverse pose: frame a in frame b.
+    /// Returns the inverse pose: that of frame a in frame b, if `self` is the pose of b in a.
     pub fn inverse(&self) -> Self {
         let rotation = self.rotation.transpose();
         Self { rotation, translation: -(rotation * self.translation) }
     }
 
-    /// Returns the point `p` (m) of frame b in frame a.
+    /// Returns the coordinates (m) in frame a of the point `p` in frame b, if `self` is the pose of b in a.
     pub fn transform(&self, p: &Vector3<f64>) -> Vector3<f64> {
         self.rotation * p + self.translation
     }
@@ -61,11 +62,11 @@ pub struct Displacement {
 }
 
 impl Displacement {
-    /// No motion at all.
+    /// Displacement of 0 and rotation by 0.
     pub const NONE: Self =
         Self { position: Vector3::new(0.0, 0.0, 0.0), rotation: Vector3::new(0.0, 0.0, 0.0) };
 
-    /// Returns the same motion seen at a point that lies `arm` (m) away, exactly.
+    /// Returns the motion as seen at a point that lies `arm` (m) away, without approximation.
     pub fn at(&self, arm: &Vector3<f64>) -> Self {
         if *arm == Vector3::zeros() {
             return *self;
@@ -73,12 +74,16 @@ impl Displacement {
         Self { position: self.position + SmallRotation::of(&self.rotation).moved(arm), ..*self }
     }
 
-    /// Returns the motion seen at a point that lies `arm` (m) away, to first order: `p + w x arm`.
+    /// Returns the motion as seen at a point that lies `arm` (m) away, to first order.
+    ///
+    /// The displacement of that point is `p + w x arm`, where p is `position` and w is `rotation`.
     pub fn linear_at(&self, arm: &Vector3<f64>) -> Self {
         Self { position: self.position + self.rotation.cross(arm), ..*self }
     }
 
-    /// Returns the motion `self` followed by `next`, which moves the point that `self` has moved.
+    /// Returns the motion `self` followed by the motion `next`.
+    ///
+    /// Both motions are given at the place where the point is before `self`.
     pub fn then(&self, next: &Self) -> Self {
         let turn = SmallRotation::of(&next.rotation);
         let rotation = turn.after(&SmallRotation::of(&self.rotation)).vector();
@@ -91,7 +96,10 @@ impl Displacement {
         Self { position: -(self.position + turn.moved(&self.position)), rotation: -self.rotation }
     }
 
-    /// Returns the motion in axes rotated by `rotation`.
+    /// Returns the motion with `position` and `rotation` multiplied by a rotation matrix.
+    ///
+    /// If the matrix maps vectors of frame b to frame a, it converts a motion in the axes of b to the axes of
+    /// a.
     pub fn turned(&self, rotation: &Matrix3<f64>) -> Self {
         Self { position: rotation * self.position, rotation: rotation * self.rotation }
     }
@@ -118,7 +126,9 @@ impl std::ops::Mul<f64> for Displacement {
     }
 }
 
-/// Rotation as a unit quaternion (w; v). The small part v is never the difference of large numbers.
+/// Rotation as a unit quaternion with the scalar part w and the vector part v.
+///
+/// For a small rotation v is small, and no step computes it as the difference of large numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SmallRotation {
     w: f64,
@@ -137,7 +147,7 @@ impl SmallRotation {
         Self { w: c, v: axis * s }
     }
 
-    /// Returns the exponential of a rotation vector (rad).
+    /// Returns the rotation that a rotation vector (rad) describes: the exponential map.
     pub fn of(rotation: &Vector3<f64>) -> Self {
         let angle = rotation.norm();
         // sin(x / 2) / x; below 1e-8 it is 1 / 2 to the last digit.
@@ -151,13 +161,13 @@ impl SmallRotation {
         Self { w: a.w * b.w - a.v.dot(&b.v), v: b.v * a.w + a.v * b.w + a.v.cross(&b.v) }
     }
 
-    /// Returns the displacement `R arm - arm` of the end of a lever arm (m).
+    /// Returns the displacement `R arm - arm` of the end of a lever arm (m), where R is the rotation.
     pub fn moved(&self, arm: &Vector3<f64>) -> Vector3<f64> {
         let t = self.v.cross(arm) * 2.0;
         t * self.w + self.v.cross(&t)
     }
 
-    /// Returns the logarithm: the rotation vector of length at most pi.
+    /// Returns the rotation vector (rad), whose length is at most pi: the logarithm of the rotation.
     pub fn vector(&self) -> Vector3<f64> {
         let (w, v) = if self.w < 0.0 { (-self.w, -self.v) } else { (self.w, self.v) };
         let size = v.norm();
@@ -174,7 +184,9 @@ impl std::ops::Mul for Pose {
     }
 }
 
-/// Returns sine and cosine of an angle (rad); values below 1e-15, the rounding of degrees, become 0.
+/// Returns sine and cosine of an angle (rad).
+///
+/// Values below 1e-15 in size become 0, because they come from rounding in the conversion of degrees.
 pub fn exact_sin_cos(angle: f64) -> (f64, f64) {
     let (s, c) = angle.sin_cos();
     let snap = |v: f64| if v.abs() < 1e-15 { 0.0 } else { v };

@@ -1,7 +1,8 @@
-//! Display of text that a file supplied: it can neither steer a terminal nor flood it.
+//! Display of text from files: the text can neither send control codes to a terminal nor flood it.
 
-/// Returns text from a file that is safe to display: special characters are escaped, at most 80 characters
-/// kept.
+/// Returns text from a file in a form that is safe to display.
+///
+/// Special characters are escaped, and at most 80 characters are kept.
 pub fn shown(text: &str) -> String {
     let safe: String = text
         .chars()

@@ -1,9 +1,9 @@
-//! Safe text and path data of SVG.
+//! Text and path data that are safe to write into SVG.
 
 use crate::units::rounded;
 use std::fmt::Write;
 
-/// Escapes a text for markup. Characters that XML does not allow become U+FFFD.
+/// Escapes a text for use in markup. Characters that XML does not allow become U+FFFD.
 pub fn escaped(text: &str) -> String {
     let is_bad =
         |c: char| c.is_control() && !matches!(c, '\t' | '\n' | '\r') || matches!(c, '\u{fffe}' | '\u{ffff}');
@@ -15,14 +15,14 @@ pub fn escaped(text: &str) -> String {
         .replace('\'', "&#39;")
 }
 
-/// Ending of a path: open, or closed to the first point.
+/// Kind of end of a path: open, or closed to the first point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PathEnd {
     Open,
     Closed,
 }
 
-/// Returns the path data of a polyline with at most `decimals` decimals; empty if there are no points.
+/// Returns the path data of a polyline, with at most `decimals` decimals; empty if there are no points.
 pub fn path_data(points: impl Iterator<Item = (f64, f64)>, end: PathEnd, decimals: i32) -> String {
     let mut d = String::new();
     for (k, (x, y)) in points.enumerate() {

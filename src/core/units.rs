@@ -1,12 +1,12 @@
 //! Unit conversion between files or reports (mm, degrees) and the crate (m, rad).
 //!
-//! No other module converts. Inside the crate every length is in m and every angle in rad; a name
-//! that carries a unit (`x_mm`, `yaw_deg`) holds a value of a file or a report.
+//! No other module converts units. Inside the crate every length is in m and every angle in rad. A name that
+//! carries a unit (`x_mm`, `yaw_deg`) holds a value of a file or a report.
 
 /// Converts millimetres to metres.
 ///
-/// It divides because division rounds correctly, unlike multiplication by 0.001. So a length written
-/// with few digits comes back with the same digits.
+/// The function divides by 1000, because division rounds correctly and multiplication by 0.001 does not. So a
+/// length that a file gives with few digits is reported with the same digits.
 pub fn m_from_mm(mm: f64) -> f64 {
     mm / 1000.0
 }
@@ -36,14 +36,14 @@ pub fn percent_from_share(share: f64) -> f64 {
     share * 100.0
 }
 
-/// Rounds a value to `digits` decimals for print; never returns negative zero.
+/// Rounds a value to `digits` decimals; never returns negative zero.
 pub fn rounded(value: f64, digits: i32) -> f64 {
     let scale = 10f64.powi(digits);
     let r = (value * scale).round() / scale;
     if r == 0.0 { 0.0 } else { r }
 }
 
-/// Returns the angle in (-pi, pi] that differs from `rad` by whole turns.
+/// Returns the angle in (-pi, pi] that differs from `rad` by a whole number of turns.
 pub fn wrapped(rad: f64) -> f64 {
     let turn = std::f64::consts::TAU;
     let w = rad - turn * (rad / turn).round();

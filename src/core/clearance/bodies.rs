@@ -9,55 +9,56 @@ use parry3d::math as pm;
 use parry3d::query::{DefaultQueryDispatcher, QueryDispatcher};
 use parry3d::shape::{Ball, Shape as ParryShape, SharedShape, TriMesh, TriMeshFlags};
 
-/// One solid as a shape of parry3d. It is convex, except for the meshes of equipment.
+/// One solid as a shape of parry3d. It is convex unless it is a triangle mesh.
 pub(super) struct CollisionBody {
     pub(super) shape: SharedShape,
     /// Pose of the shape in the frame that carries it.
     pub(super) local: Pose,
-    /// Point inside the solid, for checks against closed meshes.
+    /// Point inside the solid. The solid can lie wholly inside a closed mesh only if this point does.
     pub(super) inside: pm::Vector,
-    /// Shorter capsules that together make up a capsule, for checks against meshes; otherwise empty.
+    /// Shorter capsules whose union is the capsule, for checks against meshes; empty for other shapes.
     ///
     /// The bounding box of a long oblique capsule would contain most triangles of a mesh.
     pub(super) pieces: Vec<SharedShape>,
-    /// Solid before it was rounded, and the radius (m) of the rounding.
+    /// Solid before the rounding that enlarges it, and the radius (m) of the rounding; None without rounding.
     ///
-    /// A check against a ball uses this solid and enlarges the ball by the radius, which is exact. On the
+    /// A check against a ball uses this solid and enlarges the ball by the radius, which is exact. For the
     /// rounded solid parry3d errs by up to 4e-5 m.
     pub(super) unswollen: Option<(SharedShape, f64)>,
     /// Bounding box in the frame of the shape.
     pub(super) bounds: Aabb,
-    /// Whether the solid has many vertices, so that rotating `bounds` is faster than computing a new box.
+    /// Whether the solid has many vertices; then rotating `bounds` is faster than computing a new box.
     pub(super) is_hull: bool,
     /// Whether `local` is the identity.
     is_at_origin: bool,
 }
 
 impl CollisionBody {
-    /// Returns the body in the carrier frame, given the pose `mount` of the frame of its file in the carrier
-    /// frame.
+    /// Returns the body in the frame that carries it.
+    ///
+    /// `mount` is the pose, in that frame, of the frame in which the file gives the solid.
     pub(super) fn mounted(self, mount: &Pose) -> Self {
         let local = *mount * self.local;
         Self { is_at_origin: local == Pose::identity(), local, ..self }
     }
 
-    /// Returns the pose of the shape, given the pose `frame` of its carrier.
+    /// Returns the pose of the shape if the frame that carries it has the pose `frame`.
     pub(super) fn pose_in(&self, frame: &Pose) -> pm::Pose {
         if self.is_at_origin { parry_pose(frame) } else { parry_pose(&(*frame * self.local)) }
     }
 
-    /// Returns a bounding box in another frame.
+    /// Returns the bounding box in a frame in which the shape has the pose `pose`.
     pub(super) fn bounds_in(&self, pose: &pm::Pose) -> Aabb {
         if self.is_hull { self.bounds.transform_by(pose) } else { self.shape.compute_aabb(pose) }
     }
 
-    /// Returns whether a point, in the frame of the shape, lies inside.
+    /// Returns whether a point lies inside the solid. The point is given in the frame of the shape.
     pub(super) fn holds(&self, point: &pm::Vector) -> bool {
         self.bounds.contains_local_point(*point) && self.shape.contains_local_point(*point)
     }
 }
 
-/// Returns whether two convex solids share a point, with `b` at `relative` in the frame of `a`.
+/// Returns whether two convex solids share a point. `relative` is the pose of `b` in the frame of `a`.
 pub(super) fn touching(a: &CollisionBody, relative: &pm::Pose, b: &CollisionBody) -> bool {
     let swelled = |ball: &Ball, by: f64| Ball::new(ball.radius + by);
     if let Some((shape, by)) = &b.unswollen
@@ -73,9 +74,10 @@ pub(super) fn touching(a: &CollisionBody, relative: &pm::Pose, b: &CollisionBody
     intersecting(&*a.shape, relative, &*b.shape)
 }
 
-/// Asks parry3d whether two shapes intersect.
+/// Returns whether two shapes intersect, as computed by parry3d.
 ///
-/// It supports every pair of the shapes built here. For any other pair the answer would be a collision.
+/// parry3d supports every pair of the shapes that this module builds. An unsupported pair would count as a
+/// collision.
 pub(super) fn intersecting(a: &dyn ParryShape, b_in_a: &pm::Pose, b: &dyn ParryShape) -> bool {
     DefaultQueryDispatcher.intersection_test(b_in_a, a, b).map_or(true, |answer| answer.intersecting)
 }
@@ -87,7 +89,7 @@ pub(super) enum EquipmentSolid {
     Leg { x: f64, y: f64, half: (f64, f64), top: f64 },
 }
 
-/// Returns the bodies of a link solid, swollen by `by` (m): one body, or one for each part of a mesh.
+/// Returns the bodies of a link solid enlarged by `by` (m): one body, or one for each part of a mesh.
 pub(super) fn link_bodies(shape: &Shape, parts: &[Hull], by: f64) -> Vec<CollisionBody> {
     let Shape::Mesh { pose, .. } = shape else { return vec![swollen(shape, by)] };
     let body = |hull: &Hull| {
@@ -97,7 +99,10 @@ pub(super) fn link_bodies(shape: &Shape, parts: &[Hull], by: f64) -> Vec<Collisi
     parts.iter().map(body).collect()
 }
 
-/// Returns a solid swollen by `by` (m). It is exact: parry3d has shapes for balls swept over these solids.
+/// Returns a box, sphere, capsule or cylinder enlarged by `by` (m) on all sides; other shapes stay as they
+/// are.
+///
+/// The enlarged solid is exact, because parry3d has rounded boxes and cylinders.
 fn swollen(shape: &Shape, by: f64) -> CollisionBody {
     let rounded = |shape: &Shape, round: SharedShape| {
         let plain = body(shape);
@@ -117,7 +122,9 @@ fn swollen(shape: &Shape, by: f64) -> CollisionBody {
     }
 }
 
-/// Returns the body of a shape as it is. It must not be a leg, whose length follows from the placement.
+/// Returns the body of a shape without enlarging it.
+///
+/// The shape must not be a leg, whose length follows from the placement.
 pub(super) fn body(shape: &Shape) -> CollisionBody {
     match shape {
         Shape::Box { pose, size } => {
@@ -183,9 +190,10 @@ fn along_y(a: &Vector3<f64>, b: &Vector3<f64>) -> Pose {
     Pose { rotation: turn.into_inner(), translation: (a + b) / 2.0 }
 }
 
-/// Returns a triangle mesh, oriented if it is closed so that it can tell inner from outer points.
+/// Returns a triangle mesh. A closed mesh gets an orientation, which tells inner from outer points.
 ///
-/// A mesh that parry3d refuses is replaced by its bounding box. The reader has refused empty meshes.
+/// A mesh that parry3d refuses is replaced by a box around the origin that contains it. Empty meshes do not
+/// occur here, because the reader refuses them.
 fn mesh(vertices: &[Vector3<f64>], triangles: &[[u32; 3]], closed: bool) -> SharedShape {
     let flags = if closed { TriMeshFlags::ORIENTED } else { TriMeshFlags::empty() };
     let points: Vec<_> = vertices.iter().map(vector).collect();

@@ -1,6 +1,6 @@
-//! Bounding capsules and bounding boxes: closed forms that settle most pairs of solids.
+//! Bounding capsules and bounding boxes, whose closed-form distances settle most pairs of solids.
 //!
-//! parry3d decides only near contact.
+//! Only pairs near contact are left to parry3d.
 
 use super::bodies::plain;
 use crate::cell::{Shape, extent};
@@ -9,10 +9,10 @@ use nalgebra::Vector3;
 use parry3d::partitioning::BvhNode;
 use parry3d::shape::TriMesh;
 
-/// Distance from contact, m, within which parry3d decides.
+/// Distance from contact, m, within which parry3d decides instead of the closed forms.
 ///
-/// It exceeds the errors of parry3d (4e-5 m for a hull and a ball, 1.2e-5 m for capsules) and, by far, the
-/// rounding of the closed forms.
+/// It exceeds the errors of parry3d: 4e-5 m for a hull and a ball, 1.2e-5 m for capsules. The rounding errors
+/// of the closed forms are far smaller.
 pub(super) const CONTACT_MARGIN: f64 = 1e-4;
 
 /// Verdict of the closed forms on two solids.
@@ -26,7 +26,7 @@ pub(super) enum ContactVerdict {
     Unclear,
 }
 
-/// All points within `radius` of the segment from `a` to `b`, m. The capsule is a solid or contains one.
+/// Capsule that is a solid or contains one: all points within `radius` of the segment from `a` to `b`, m.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct BoundingCapsule {
     pub(super) a: Vector3<f64>,
@@ -36,7 +36,7 @@ pub(super) struct BoundingCapsule {
     pub(super) is_solid: bool,
 }
 
-/// Box along the axes of its frame, m. The box is a solid or contains one.
+/// Box that is a solid or contains one, m. The edges are parallel to the axes of the frame.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct BoundingBox {
     pub(super) centre: Vector3<f64>,
@@ -47,9 +47,9 @@ pub(super) struct BoundingBox {
 }
 
 impl BoundingCapsule {
-    /// Returns the bounding capsule, in the carrier frame, of a shape swollen by `slack` (m).
+    /// Returns the bounding capsule, in the carrier frame, of a shape enlarged by `slack` (m).
     ///
-    /// `mount` is the pose of the frame of the shape's file in the carrier frame.
+    /// `mount` is the pose, in the carrier frame, of the frame in which the file gives the shape.
     pub(super) fn new(shape: &Shape, mount: &Pose, slack: f64) -> Self {
         let new = |a: &Vector3<f64>, b: &Vector3<f64>, radius: f64, is_solid| {
             let (a, b) = (mount.transform(a), mount.transform(b));
@@ -69,12 +69,12 @@ impl BoundingCapsule {
         }
     }
 
-    /// Returns the capsule with its frame at `pose`.
+    /// Converts the capsule to a frame in which its present frame has the pose `pose`.
     pub(super) fn at(&self, pose: &Pose) -> Self {
         Self { a: pose.transform(&self.a), b: pose.transform(&self.b), ..*self }
     }
 
-    /// Returns the capsule in the frame at `pose`.
+    /// Converts the capsule to a frame that has the pose `pose` in its present frame.
     pub(super) fn seen_from(&self, pose: &Pose) -> Self {
         let seen = |p: &Vector3<f64>| pose.rotation.tr_mul(&(p - pose.translation));
         Self { a: seen(&self.a), b: seen(&self.b), ..*self }
@@ -85,10 +85,10 @@ impl BoundingCapsule {
         (self.a.inf(&self.b).add_scalar(-self.radius), self.a.sup(&self.b).add_scalar(self.radius))
     }
 
-    /// Returns the verdict for a squared distance (m2) of the segment from another solid.
+    /// Returns the verdict, given the squared distance (m2) of the capsule's segment from another shape.
     ///
-    /// `both_solid` says that capsule and partner are the solids themselves. Only then does a small distance
-    /// mean contact.
+    /// `both_solid` says that the capsule and the other shape are solids and do not only contain one. Only
+    /// then does a small distance mean contact.
     fn verdict(&self, squared: f64, both_solid: bool) -> ContactVerdict {
         if squared > (self.radius + CONTACT_MARGIN).powi(2) {
             ContactVerdict::Apart
@@ -115,7 +115,7 @@ impl BoundingCapsule {
 
     /// Checks the capsule against the triangles of a mesh in the same frame.
     ///
-    /// The search visits the nearest nodes of the bounding volume hierarchy first and stops at a verdict.
+    /// The traversal of the bounding volume hierarchy visits the nearest nodes first and stops at a verdict.
     pub(super) fn against_mesh(&self, mesh: &TriMesh) -> ContactVerdict {
         let (least, most) = (self.radius - CONTACT_MARGIN, self.radius + CONTACT_MARGIN);
         let enough = if self.is_solid { least } else { most };
@@ -142,7 +142,7 @@ impl BoundingCapsule {
     }
 }
 
-/// Returns whether two boxes, each a low and a high corner, share a point.
+/// Returns whether two axis-aligned boxes, each given by its low and its high corner, share a point.
 pub(super) fn overlapping(a: (&Vector3<f64>, &Vector3<f64>), b: (&Vector3<f64>, &Vector3<f64>)) -> bool {
     (0..3).all(|i| a.0[i] <= b.1[i] && b.0[i] <= a.1[i])
 }
@@ -174,10 +174,11 @@ fn point_to_segment_squared(p: &Vector3<f64>, a: &Vector3<f64>, b: &Vector3<f64>
     (from - along * t).norm_squared()
 }
 
-/// Returns the squared distance between the segment from `a` along `along` and the box |x| <= `half`, m2.
+/// Returns the squared distance (m2) of the segment from `a` to `a + along` from a box around the origin.
 ///
-/// The squared distance is convex in the parameter t on the segment, and quadratic between the six planes of
-/// the box. Its slope is therefore linear between the planes, which bracket the zero of the slope.
+/// The box has the half edge lengths `half`. The squared distance of the point `a + t along` from the box is
+/// a convex function of t. It is quadratic between the six planes of the faces, so its derivative is linear
+/// there. The function finds the two planes between which the derivative is zero.
 fn segment_to_box_squared(a: &Vector3<f64>, along: &Vector3<f64>, half: &Vector3<f64>) -> f64 {
     let outside = |t: f64| {
         let x = a + along * t;

@@ -7,15 +7,15 @@ use nalgebra::Vector3;
 /// Sphere that contains one solid of the robot and moves with it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BoundingSphere {
-    /// Index of the frame that carries the solid. 0 is the robot base, k the frame after row k.
+    /// Index of the frame that carries the solid: 0 is the robot base, k the frame after row k of the chain.
     pub frame: usize,
-    /// Centre in that frame, m.
+    /// Centre in the frame that carries the solid, m.
     pub centre: Vector3<f64>,
     /// Radius, m.
     pub radius: f64,
 }
 
-/// Returns the bounding sphere of every link solid, in their order.
+/// Returns the bounding sphere of every robot solid, in the order of `links`.
 pub(super) fn bounding_spheres(links: &[RobotSolid]) -> Vec<BoundingSphere> {
     let ball = |body: &CollisionBody| {
         let ball = body.shape.compute_local_bounding_sphere();

@@ -2,14 +2,14 @@
 
 use crate::cell::Cell;
 
-/// Reference to a solid of a cell, to its floor or to a wall of its fence.
+/// Reference to a solid of a cell, to the floor or to a wall of the fence.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SolidRef {
     /// Index into [`crate::cell::Robot::solids`].
     Robot(usize),
-    /// Index into [`Cell::operations`], and index of the solid held there.
+    /// Index into [`Cell::operations`], and index of the solid among those that the operation holds.
     HeldPart(usize, usize),
-    /// Index into [`Cell::equipment`], and index of its solid.
+    /// Index into [`Cell::equipment`], and index of the solid of that equipment.
     Equipment(usize, usize),
     Floor,
     /// Index of the edge of the fence, which starts at the corner of the same index.
@@ -24,7 +24,7 @@ pub struct Hit {
 }
 
 impl SolidRef {
-    /// Returns the name of the solid in the cell.
+    /// Returns the name that the cell gives to the solid.
     pub fn in_words(self, cell: &Cell) -> String {
         match self {
             Self::Robot(k) => cell.robot.solids[k].solid.name.clone(),
@@ -40,7 +40,7 @@ impl SolidRef {
 }
 
 impl Hit {
-    /// Returns a description with the names of the cell.
+    /// Describes the contact with the names that the cell gives to the solids.
     pub fn in_words(&self, cell: &Cell) -> String {
         format!("{} touches {}", self.solid.in_words(cell), self.other.in_words(cell))
     }

@@ -1,43 +1,46 @@
-//! Convex decomposition of link meshes into parts that contain them.
+//! Convex decomposition of link meshes: convex parts whose union contains the mesh.
 //!
 //! Every triangle belongs to one part, and a part is the convex hull of its triangles. So the parts contain
-//! the whole surface, however the mesh is divided. A part that bridges a hollow collides where the mesh would
-//! not: the decomposition is conservative. A division from a cache is therefore safe if it names one part for
-//! each triangle.
+//! the whole surface, however the triangles are divided among them. A part that bridges a hollow may collide
+//! where the mesh does not: the decomposition is conservative. A division from a cache is therefore safe if
+//! it names one part for each triangle.
 
 use nalgebra::Vector3;
 use parry3d::math as pm;
 use parry3d::query::PointQuery;
 use parry3d::shape::{ConvexPolyhedron, RoundShape, SharedShape};
 
-/// Largest number of parts of a mesh; each is checked against every solid.
+/// Largest number of parts of a mesh. It is limited because each part is checked against every solid.
 const MAX_PARTS: usize = 16;
 
-/// Share of the hull's volume that a cut must remove to be made.
+/// Least share of the volume of a mesh's hull by which a cut must reduce the volume of the parts.
 const MIN_GAIN: f64 = 0.01;
 
 /// Largest number of points from which the volume of a hull is estimated.
 const MAX_POINTS: usize = 400;
 
-/// Cache: returns the bytes stored for a key, or those that the function computes.
+/// Cache: returns the bytes stored for a key, or the bytes that the given function computes.
 ///
-/// The bytes are validated here, so that they may come from any storage.
+/// The bytes may come from any storage, because this module validates them.
 pub type Remember<'a> = dyn FnMut(&[u8], &dyn Fn() -> Vec<u8>) -> Vec<u8> + 'a;
 
-/// Convex solid that contains the points of a part.
+/// Convex solid that contains the points of one part of a mesh.
 pub(super) struct Hull {
-    /// Hull of the points; None if parry3d cannot compute it.
+    /// Convex hull of the points; None if parry3d cannot compute it.
     solid: Option<ConvexPolyhedron>,
-    /// Largest distance of a point outside the hull, m.
+    /// Largest distance, m, by which one of the points lies outside the hull.
     slack: f64,
-    /// Largest distance of a point from the origin, m.
+    /// Largest distance of one of the points from the origin, m.
     reach: f64,
-    /// Point of the mesh.
+    /// One of the points.
     pub(super) inside: pm::Vector,
 }
 
 impl Hull {
-    /// Returns the hull swollen by `by` (m), and the shape before rounding with the radius of the rounding.
+    /// Returns the hull enlarged by `by` (m), and how it was enlarged.
+    ///
+    /// The second value is the shape before its rounding and the radius (m) of the rounding. It is None if
+    /// the returned shape has no rounding.
     pub(super) fn swollen(&self, by: f64) -> (SharedShape, Option<(SharedShape, f64)>) {
         let by = by + self.slack;
         match &self.solid {
@@ -75,11 +78,12 @@ pub(super) fn hulls(
 
 /// Returns a closed mesh as one convex solid, or None if it is not convex or has too many vertices.
 ///
-/// The solid is exact, and checks of it are much faster than checks of its triangles.
+/// The solid equals the mesh, and a check of it is much faster than a check of the triangles.
 pub(super) fn convex(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Option<SharedShape> {
-    /// Number of vertices above which support points cost more than checks of the triangles.
+    /// Number of vertices above which a check of the convex solid costs more than a check of the triangles.
     const MAX_VERTICES: usize = 200;
-    /// Share of the volume by which a mesh may differ from its hull: rounding of coordinates in a file.
+    /// Largest relative difference in volume of a convex mesh from its hull: rounding of coordinates in a
+    /// file.
     const ROUNDING: f64 = 1e-9;
     if vertices.len() > MAX_VERTICES {
         return None;
@@ -92,9 +96,10 @@ pub(super) fn convex(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Optio
     same.then(|| SharedShape::new(solid))
 }
 
-/// Returns the part of every triangle.
+/// Returns, for every triangle, the index of the part to which it belongs.
 ///
-/// It repeatedly cuts the part whose cut removes the most volume, at the best of nine planes.
+/// The function repeatedly cuts the part whose cut reduces the volume of the hulls most. Each cut is made at
+/// the best of nine planes.
 fn division(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Vec<u8> {
     let centre = |t: u32| triangles[t as usize].iter().map(|&i| vertices[i as usize]).sum::<Vector3<f64>>();
     let volume = |part: &[u32]| {
@@ -179,7 +184,7 @@ fn polyhedron(points: &[pm::Vector]) -> Option<ConvexPolyhedron> {
     made.ok().flatten()
 }
 
-/// Returns the largest distance of a point outside the hull, m.
+/// Returns the largest distance, m, by which one of the points lies outside the hull.
 fn slack(solid: &ConvexPolyhedron, points: &[pm::Vector]) -> f64 {
     let outside = points.iter().map(|p| solid.distance_to_local_point(*p, true));
     let most = outside.fold(0.0, f64::max);

@@ -1,9 +1,10 @@
-//! Distance queries: how far the robot is from what it must not touch.
+//! Distance queries: the distance of the robot from the solids that it must not touch.
 //!
-//! parry3d's distances of rounded shapes are off by up to 1.2e-5 m. So distances are measured from the solids
-//! before rounding and from the segments of capsules, and the radius is subtracted. parry3d gives a direction
-//! between the nearest points of two convex solids. The distance returned is the width, along that direction,
-//! of the empty slab between the solids. It never exceeds the true distance.
+//! For rounded shapes the distances computed by parry3d are wrong by up to 1.2e-5 m. So distances are
+//! measured from the solids before their rounding and from the segments of capsules. The radii are then
+//! subtracted. parry3d gives the nearest points of two convex solids. The returned distance is the width,
+//! along the line through these points, of the empty slab between the solids. It never exceeds the true
+//! distance.
 
 use super::bodies::{CollisionBody, EquipmentSolid, parry_pose, vector};
 use super::contact::Hit;
@@ -20,24 +21,24 @@ use parry3d::shape::{Cuboid, Shape, SharedShape};
 /// Largest amount, m, by which a computed distance may exceed the true one.
 pub const ACCURACY: f64 = 1e-6;
 
-/// Distance from a mesh, m, above which its bounding box is checked instead of its triangles.
+/// Requested distance from a mesh, m, above which the bounding box of the mesh is checked, not its triangles.
 const BOUNDS_ONLY_DISTANCE: f64 = 0.1;
 
-/// Distance of the robot from anything else, with the nearest pair of solids.
+/// Result of a distance query: the least distance, and the two solids that have it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Nearness {
-    /// Distance, m: 0 at contact, at most the maximum of the query.
+    /// Least distance, m: 0 at contact, and at most the largest distance that the query asked for.
     pub distance: f64,
-    /// The nearest two solids; None if nothing is nearer than the maximum of the query.
+    /// Nearest two solids; None if no pair is nearer than the largest distance that the query asked for.
     pub pair: Option<Hit>,
 }
 
 impl Scene {
     /// Returns the least distance of the robot from equipment, floor and fence, at most `max` (m).
     ///
-    /// The link frames (robot base) are at `frames`, and `operation` selects the held parts. The solids count
-    /// as drawn, without the clearance. The robot is not checked against itself. The function belongs to the
-    /// public interface; the program itself calls [`Self::distance_at_work`].
+    /// `frames` are the link frames in the robot base, and `operation` selects the held parts. The solids are
+    /// not enlarged by the clearance. The robot is not checked against itself. The program itself calls
+    /// [`Self::distance_at_work`]; this function is for users of the library.
     pub fn distance(
         &self,
         placed: &PlacedSolids,
@@ -48,11 +49,11 @@ impl Scene {
         self.nearest(placed, frames, self.outer_pairs(placed, Load::of(operation)), max)
     }
 
-    /// Returns the least distance while an operation is done.
+    /// Returns the least distance of the robot from its surroundings during an operation, at most `max` (m).
     ///
-    /// It leaves out two kinds of pairs, whose distance tells nothing about the layout:
+    /// Two kinds of pairs are left out, because their distance tells nothing about the layout:
     ///
-    /// - the equipment worked on and solids after the last joint, whose distance the standoff sets;
+    /// - the equipment of the operation and solids after the last joint, whose distance the standoff sets;
     /// - the floor and solids that only the first joint moves.
     pub fn distance_at_work(
         &self,
@@ -93,9 +94,10 @@ impl Scene {
         nearest
     }
 
-    /// Returns whether every point of the first solid may move by `by` (m) and still keep the clearance.
+    /// Returns whether a pair keeps the clearance if every point of the first solid moves by at most `by`
+    /// (m).
     ///
-    /// Two solids of the robot need no clearance: they must not touch.
+    /// Two solids of the robot must not touch, but need no clearance.
     pub fn is_apart(&self, placed: &PlacedSolids, frames: &LinkFrames, pair: Pair, by: f64) -> bool {
         let clearance = if pair.partner().is_some() { 0.0 } else { self.clearance };
         let wanted = clearance + by + ACCURACY;
@@ -187,13 +189,14 @@ fn gap_of_links(link: &RobotSolid, other: &RobotSolid, frames: &LinkFrames, max:
     gap
 }
 
-/// Returns whether the bounding box of a body, at `relative` in the frame of `bounds`, is within the distance
-/// `by`.
+/// Returns whether the bounding box of a body is within the distance `by` (m) of the box `bounds`.
+///
+/// `relative` is the pose of the body in the frame of `bounds`.
 fn near(body: &CollisionBody, relative: &pm::Pose, bounds: &Aabb, by: f64) -> bool {
     body.bounds_in(relative).loosened(by).intersects(bounds)
 }
 
-/// Shape before it was rounded, and the radius (m) of the rounding.
+/// Shape before its rounding, and the radius (m) of the rounding.
 type Core<'b> = (&'b dyn Shape, f64);
 
 fn core(body: &CollisionBody) -> Core<'_> {
@@ -214,7 +217,8 @@ fn gap_to_mesh(mesh: &dyn Shape, relative: &pm::Pose, body: &CollisionBody, max:
     pieces.iter().fold(max, |gap, shape| piece(shape, gap))
 }
 
-/// Returns the distance between two solids, at most `max` (m), with `b` at `relative` in the frame of `a`.
+/// Returns the distance between two solids, at most `max` (m). `relative` is the pose of `b` in the frame of
+/// `a`.
 fn gap_of_cores((a, ra): Core<'_>, relative: &pm::Pose, (b, rb): Core<'_>, max: f64) -> f64 {
     let round = ra + rb;
     let found = DefaultQueryDispatcher.closest_points(relative, a, b, max + round);
@@ -230,10 +234,10 @@ fn gap_of_cores((a, ra): Core<'_>, relative: &pm::Pose, (b, rb): Core<'_>, max: 
     (core_gap - round).clamp(0.0, max)
 }
 
-/// Returns the gap between two convex solids along a direction from `a` to `b`.
+/// Returns the width of the empty slab between two convex solids, measured along a direction from `a` to `b`.
 ///
-/// The gap is the width of the empty slab between two planes perpendicular to the direction. It is a lower
-/// bound of the distance, and negative if the direction does not separate the solids.
+/// The planes of the slab are perpendicular to the direction. The width is a lower bound of the distance, and
+/// negative if no such plane separates the solids.
 fn certified(a: &dyn Shape, relative: &pm::Pose, b: &dyn Shape, direction: &pm::Vector) -> Option<f64> {
     let (a, b, n) = (a.as_support_map()?, b.as_support_map()?, direction.try_normalize()?);
     let far = a.local_support_point(n).dot(n);

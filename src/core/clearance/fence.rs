@@ -1,4 +1,4 @@
-//! The fence: a simple polygon that encloses equipment and robot base, and its walls.
+//! Fence: a simple polygon that encloses equipment and robot base, with walls on its edges.
 
 use super::bodies::{EquipmentSolid, part};
 use crate::cell::{Cell, Fence, Shape};

@@ -20,8 +20,8 @@ pub enum Party {
 
 /// Overlap of two floor spaces.
 ///
-/// A move by `depth` (m) separates them, clearance included. If `b` is the fence, `a` stands outside it by
-/// `depth`.
+/// A move by `depth` (m) separates them, clearance included. If `b` is the fence, `depth` is the distance by
+/// which `a` reaches beyond it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Overlap {
     pub a: Party,
@@ -31,7 +31,8 @@ pub struct Overlap {
 
 /// Shortest way to separate two floor spaces: move `a` along `direction` (unit, plan) by `depth` (m).
 ///
-/// `depth` is negative if they are apart already. `b` is None for a partner that does not move.
+/// `depth` is negative if the floor spaces are apart already. `b` is None for the robot base, a keep-out box
+/// or an edge of the fence.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Separation {
     pub a: usize,
@@ -40,18 +41,19 @@ pub struct Separation {
     pub depth: f64,
 }
 
-/// Overlap, m, below which two floor spaces only touch: rounding must not make that an overlap.
+/// Computed overlap, m, up to which two floor spaces only touch; it exceeds the effect of rounding.
 const TOUCHING: f64 = 1e-9;
 
 impl Overlap {
-    /// Returns whether the overlap involves a piece of equipment. A robot base outside the fence involves
-    /// all equipment.
+    /// Returns whether the overlap involves a piece of equipment.
+    ///
+    /// A robot base that reaches beyond the fence involves all equipment.
     pub fn concerns(&self, equipment: usize) -> bool {
         let parties = [self.a, self.b];
         parties.contains(&Party::Equipment(equipment)) || parties == [Party::RobotBase, Party::Fence]
     }
 
-    /// Returns a description with the names of the cell.
+    /// Describes the overlap with the names that the cell gives to its objects.
     pub fn in_words(&self, cell: &Cell) -> String {
         let name = |party: Party| match party {
             Party::Equipment(i) => cell.equipment[i].name.clone(),
@@ -65,7 +67,7 @@ impl Overlap {
     }
 }
 
-/// Fence of a cell, prepared once.
+/// Fence of a cell, prepared once for all layouts.
 struct FencePolygon {
     corners: Vec<PlanePoint>,
     /// Edges as rectangles of zero width.
@@ -94,10 +96,11 @@ impl FencePolygon {
         }
     }
 
-    /// Returns how far a floor space reaches beyond the fence, m; 0 if it is inside by the clearance.
+    /// Returns how far a floor space reaches beyond the fence, m; 0 if it is inside and keeps the clearance.
     ///
-    /// It is the largest of two kinds of lengths: the distances from the fence to corners outside it, and the
-    /// depths by which fence edges enter the floor space. The clearance is added to both.
+    /// The result is the largest of two kinds of lengths: the distances from the fence to corners outside it,
+    /// and the depths by which edges of the fence enter the floor space. The clearance is added to each
+    /// length.
     fn passed_by(&self, stand: &PlacedRectangle, clearance: f64) -> f64 {
         let outside = stand.corners().map(|corner| match fence::locate(&self.corners, corner) {
             (true, _) => 0.0,
@@ -107,8 +110,10 @@ impl FencePolygon {
         outside.into_iter().chain(edges).fold(0.0, f64::max)
     }
 
-    /// Returns, for each edge of a convex fence, the inward direction and the move (m) that brings the floor
-    /// space inside.
+    /// Returns, for each edge of a convex fence, the move (m) inwards that brings the floor space inside that
+    /// edge.
+    ///
+    /// A fence that is not convex gives no moves.
     fn separations(&self, stand: &PlacedRectangle, clearance: f64) -> impl Iterator<Item = AxisDepth> {
         let edges = if self.is_convex { &self.edges[..] } else { &[] };
         edges.iter().map(move |edge| {
@@ -124,13 +129,13 @@ impl FencePolygon {
 pub(super) struct EquipmentFootprint {
     footprint: Rectangle,
     role: Role,
-    /// Lowest point of solids and surface over the frame of the equipment, m.
+    /// Height of the lowest point of solids and surface above the origin of the equipment's frame, m.
     low: f64,
-    /// Highest point of solids and surface over the frame of the equipment, m.
+    /// Height of the highest point of solids and surface above the origin of the equipment's frame, m.
     high: f64,
-    /// Whether legs occupy the space down to the floor.
+    /// Whether the equipment has legs, which occupy the space down to the floor.
     legs: bool,
-    /// Placement in the cell file, where obstacles always stand, and the floor space there.
+    /// Placement in the cell file, and the floor space there. An obstacle always stands there.
     drawn: (Placement, PlacedRectangle),
 }
 
@@ -149,10 +154,10 @@ impl EquipmentFootprint {
     }
 }
 
-/// Floor spaces of a cell, prepared once.
+/// Floor spaces of a cell, prepared once for all layouts.
 pub struct FloorPlan {
     pub(super) equipment: Vec<EquipmentFootprint>,
-    /// Equipment that each equipment stands on.
+    /// Index of the equipment on which each piece of equipment stands, if any.
     on: Vec<Option<usize>>,
     base: Rectangle,
     pub(super) keep_out: Vec<(PlacedRectangle, (f64, f64))>,
@@ -192,12 +197,12 @@ impl FloorPlan {
         }
     }
 
-    /// Returns whether one equipment stands on another, directly or through others.
+    /// Returns whether a piece of equipment stands on another, directly or on equipment that does.
     fn rides(&self, equipment: usize, other: usize) -> bool {
         self.on[equipment].is_some_and(|under| under == other || self.rides(under, other))
     }
 
-    /// Returns the separation of every pair of floor spaces that includes equipment which may move.
+    /// Returns the separation of every pair of floor spaces that includes movable equipment.
     pub fn separations(&self, layout: &Layout) -> Vec<Separation> {
         let mut pairs = Vec::new();
         let all = || self.equipment.iter().zip(&layout.placements).enumerate();
@@ -232,10 +237,10 @@ impl FloorPlan {
         pairs
     }
 
-    /// Writes all overlaps of a layout to `found`; two obstacles may overlap.
+    /// Writes all overlaps of a layout to `found`. An overlap of two obstacles is allowed and left out.
     ///
-    /// Each equipment is checked against those after it, the robot base, the keep-out boxes, the floor and
-    /// the fence.
+    /// Each piece of equipment is checked against the later ones in the cell, the robot base, the keep-out
+    /// boxes, the floor and the fence.
     pub fn overlaps(&self, layout: &Layout, found: &mut Vec<Overlap>) {
         found.clear();
         if !self.enabled {

@@ -3,13 +3,13 @@
 use crate::cell::{KeepOut, Placement, Rectangle};
 use crate::geometry::PlanePoint;
 
-/// Rectangle placed in plan; lengths in m.
+/// Rectangle in plan, world frame; lengths in m.
 #[derive(Clone, Copy)]
 pub(super) struct PlacedRectangle {
     pub(super) centre: PlanePoint,
     /// Half lengths of the sides.
     pub(super) half: PlanePoint,
-    /// Cosine and sine of the yaw of the first side.
+    /// Cosine of the yaw of the first side; `sin` is the sine.
     pub(super) cos: f64,
     pub(super) sin: f64,
 }
@@ -33,7 +33,7 @@ impl PlacedRectangle {
         }
     }
 
-    /// Returns the plan of a keep-out box.
+    /// Returns the rectangle that a keep-out box covers in plan.
     pub(super) fn of_keep_out(keep_out: &KeepOut) -> Self {
         let (lo, hi) = (keep_out.min, keep_out.max);
         Self {
@@ -44,7 +44,7 @@ impl PlacedRectangle {
         }
     }
 
-    /// Returns the corners, anticlockwise.
+    /// Returns the corners of the rectangle, anticlockwise.
     pub(super) fn corners(&self) -> [PlanePoint; 4] {
         [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)].map(|(i, j)| {
             let (x, y) = (i * self.half.0, j * self.half.1);
@@ -52,7 +52,7 @@ impl PlacedRectangle {
         })
     }
 
-    /// Returns half the width of the projection on a unit direction.
+    /// Returns half the length (m) of the projection of the rectangle on a unit direction.
     pub(super) fn half_width(&self, (ux, uy): PlanePoint) -> f64 {
         self.half.0 * (self.cos * ux + self.sin * uy).abs()
             + self.half.1 * (self.cos * uy - self.sin * ux).abs()
@@ -64,23 +64,26 @@ fn axes(a: &PlacedRectangle, b: &PlacedRectangle) -> [PlanePoint; 4] {
     [(a.cos, a.sin), (-a.sin, a.cos), (b.cos, b.sin), (-b.sin, b.cos)]
 }
 
-/// Returns the overlap along an axis plus the `clearance` required between both, directed from `b` to `a`.
+/// Returns the overlap along the unit direction `u`, increased by the required `clearance`.
+///
+/// The returned direction is `u` or `-u`, whichever points from `b` to `a`.
 fn overlap_along(u: PlanePoint, a: &PlacedRectangle, b: &PlacedRectangle, clearance: f64) -> AxisDepth {
     let apart = (a.centre.0 - b.centre.0) * u.0 + (a.centre.1 - b.centre.1) * u.1;
     let direction = if apart < 0.0 { (-u.0, -u.1) } else { u };
     AxisDepth { direction, depth: a.half_width(u) + b.half_width(u) + clearance - apart.abs() }
 }
 
-/// Returns the direction from `b` to `a` of the least overlap; a negative depth is a distance.
+/// Returns the least overlap over the separating axes, directed from `b` to `a`.
 ///
-/// At corners the separation is a little larger than the clearance requires, never smaller.
+/// A negative depth means that the rectangles are apart. Where two corners are nearest to each other, the
+/// distance kept is a little larger than the clearance, never smaller.
 pub(super) fn least_overlap(a: &PlacedRectangle, b: &PlacedRectangle, clearance: f64) -> AxisDepth {
     let shallower = |best: AxisDepth, next: AxisDepth| if next.depth < best.depth { next } else { best };
     let all = axes(a, b).into_iter().map(|u| overlap_along(u, a, b, clearance));
     all.fold(AxisDepth { direction: (1.0, 0.0), depth: f64::INFINITY }, shallower)
 }
 
-/// Returns how far two rectangles must move apart (m) to keep `clearance` between them; 0 if they keep it.
+/// Returns how far two rectangles must move apart (m) to keep `clearance`; 0 if they already keep it.
 pub(super) fn overlap_depth(a: &PlacedRectangle, b: &PlacedRectangle, clearance: f64) -> f64 {
     let mut least = f64::INFINITY;
     for u in axes(a, b) {

@@ -1,19 +1,19 @@
-//! Collision checking of posed solids against posed solids. No other module uses parry3d.
+//! Collision checking between solids at given poses. No other module uses parry3d.
 //!
 //! - Broad phase: axis-aligned bounding boxes (`placed_solids`) and bounding capsules of the links
 //!   (`bounding_capsule`).
 //! - Narrow phase: closed forms for capsules against boxes, triangles and each other
-//!   (`bounding_capsule`); parry3d for the pairs that these leave unclear (`scene`).
+//!   (`bounding_capsule`); parry3d for the pairs that the closed forms leave unclear (`scene`).
 //! - Distances and bounding spheres serve continuous collision checking in [`crate::motion`].
 //!
-//! parry3d runs in f64 here, so that no margin for single precision is needed. A clearance is kept by
-//! swelling the robot's solids once, when the cell is loaded. The swollen solids are exact for capsules,
-//! spheres, boxes and cylinders, since parry3d has rounded shapes for them. So every check is a plain
-//! intersection test. Touching counts as collision, but floor spaces side by side may touch.
+//! parry3d runs in f64 here, so no margin for single precision is needed. To keep a clearance, the robot's
+//! solids are enlarged by it once, when the cell is loaded. So every check is a plain intersection test.
+//! Enlarged capsules, spheres, boxes and cylinders are exact, because parry3d has rounded shapes for them.
+//! Solids that touch collide, but floor spaces may touch.
 //!
-//! Equipment meshes are checked triangle by triangle, so that the verdict is exact; a convex mesh becomes
-//! a solid polyhedron. Link meshes, which move, are checked as convex parts that contain them. The robot
-//! is checked against itself without the clearance.
+//! Equipment meshes are checked triangle by triangle, so the verdict is exact. A convex equipment mesh
+//! becomes a convex polyhedron, which is exact, too. Link meshes, which move, are checked as convex parts
+//! that contain them. The robot is checked against itself without the clearance.
 
 mod bodies;
 mod bounding_capsule;

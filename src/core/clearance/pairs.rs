@@ -9,14 +9,14 @@ use super::scene::Scene;
 /// Parts that the robot holds during a move.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Load {
-    /// Operations whose parts are held, and whether these may touch the surface that they rest on.
+    /// Index of each operation whose parts are held, and whether these may touch the equipment they rest on.
     held: [Option<(usize, bool)>; 2],
 }
 
 /// Two solids that may collide. The robot moves at least one of them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Pair {
-    /// Index into [`Scene::bounding_spheres`].
+    /// Index of the first solid in [`Scene::bounding_spheres`].
     pub link: usize,
     pub(super) against: Against,
 }
@@ -25,14 +25,14 @@ pub struct Pair {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Against {
     Floor,
-    /// Index into the placed solids of a layout.
+    /// Index of a solid among the placed solids of a layout.
     Placed(usize),
-    /// Index of another link solid, which moves less than the first.
+    /// Index of another solid of the robot, which is nearer to the base than the first.
     Own(usize),
 }
 
 impl Load {
-    /// Returns the load while an operation is done; None means empty hands.
+    /// Returns the load during an operation; with None the robot holds nothing.
     pub fn of(operation: Option<usize>) -> Self {
         Self { held: [operation.map(|o| (o, true)), None] }
     }
@@ -55,7 +55,7 @@ impl Load {
 }
 
 impl Pair {
-    /// Returns the index of the second solid if it is a link; None if it stands still.
+    /// Returns the index of the second solid if it belongs to the robot; None for equipment, fence and floor.
     pub fn partner(&self) -> Option<usize> {
         if let Against::Own(other) = self.against { Some(other) } else { None }
     }
@@ -67,7 +67,7 @@ impl Scene {
         &self.bounding_spheres
     }
 
-    /// Returns the contact of the robot base, which no posture can avoid.
+    /// Returns the contact of the robot base, if there is one. No posture can avoid it.
     pub fn base_hit(&self, placed: &PlacedSolids) -> Option<Hit> {
         placed.base_hit
     }

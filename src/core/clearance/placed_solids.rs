@@ -11,20 +11,21 @@ use nalgebra::Vector3;
 /// Solids of the equipment posed for one layout; the memory is reused between layouts.
 #[derive(Default)]
 pub struct PlacedSolids {
-    /// Pose of the robot base in the world; None if both frames are the same.
+    /// Pose of the robot base in the world; None if the base frame is the world frame.
     pub(super) base: Option<Pose>,
     pub(super) bodies: Vec<PlacedSolid>,
-    /// Contact of the robot base itself, which no posture can avoid.
+    /// Contact of the robot base itself, if there is one. No posture can avoid it.
     pub(super) base_hit: Option<Hit>,
 }
 
 /// Memory that speeds up [`Scene::is_free`](super::Scene::is_free) over a series of postures.
 ///
-/// It changes no verdict, so one memory serves any layout.
+/// The memory never changes a verdict, so it may be used for several layouts.
 #[derive(Default)]
 pub struct ContactMemory {
-    /// Link and placed solid of the last contact. They are checked first, since the next posture most likely
-    /// collides there too.
+    /// Indices of the robot solid and of the placed solid in the last contact.
+    ///
+    /// This pair is checked first, because it most likely collides in the next posture, too.
     pub(super) suspect: Option<(usize, usize)>,
     /// Bounding capsules of the links in the last posture, world frame.
     pub(super) capsules: Vec<BoundingCapsule>,
@@ -33,13 +34,15 @@ pub struct ContactMemory {
 /// Solid of a piece of equipment, or wall of the fence, posed for a layout.
 #[derive(Clone, Copy)]
 pub(super) struct PlacedSolid {
-    /// Indices of the equipment and of its solid.
+    /// Index of the equipment, and index of the solid of that equipment.
     pub(super) id: (usize, usize),
     pub(super) pose: Pose,
-    /// Corners of an axis-aligned bounding box in the world, [`CONTACT_MARGIN`] wider than the solid.
+    /// Low corner of an axis-aligned bounding box in the world; `high` is the high corner.
+    ///
+    /// The box is [`CONTACT_MARGIN`] larger than the bounding box of the solid, on every side.
     pub(super) low: Vector3<f64>,
     pub(super) high: Vector3<f64>,
-    /// Bounding box in the frame of the solid; the length of a leg depends on the layout.
+    /// Bounding box in the frame of the solid. The height of a leg depends on the layout.
     pub(super) bounds: BoundingBox,
 }
 
@@ -52,11 +55,12 @@ pub(super) struct EquipmentSolids {
     pub(super) posed: Vec<PlacedSolid>,
 }
 
-/// Frames of the links in the robot base.
+/// Poses of the link frames in the frame of the robot base.
 pub(super) type LinkFrames = [Pose; MAX_JOINTS + 1];
 
-/// Poses of the links: their frames in the robot base, and the pose of the base in the world unless both
-/// agree.
+/// Poses of the link frames in the robot base (`frames`), and pose of the robot base in the world (`base`).
+///
+/// `base` is None if the base frame is the world frame.
 #[derive(Clone, Copy)]
 pub(super) struct LinkPoses<'a> {
     pub(super) frames: &'a LinkFrames,
@@ -64,7 +68,7 @@ pub(super) struct LinkPoses<'a> {
 }
 
 impl LinkPoses<'_> {
-    /// Returns the frame that carries a link, in the world.
+    /// Returns the pose, in the world, of the frame that carries a link.
     #[inline]
     pub(super) fn carrier(&self, link: &RobotSolid) -> Pose {
         let frame = link.carrier(self.frames);
@@ -80,7 +84,7 @@ impl LinkPoses<'_> {
 }
 
 impl PlacedSolids {
-    /// Converts a frame given in the robot base to the world.
+    /// Converts the pose of a frame from the robot base to the world.
     #[inline]
     pub(super) fn in_world(&self, frame: &Pose) -> Pose {
         self.base.map_or(*frame, |base| base * *frame)
@@ -102,7 +106,9 @@ impl EquipmentSolids {
         solids
     }
 
-    /// Poses the solids of equipment number `e` at a placement.
+    /// Returns the solids of equipment number `e` posed at a placement.
+    ///
+    /// `floor` is the height (m) of the floor, where the legs end.
     pub(super) fn at(&self, e: usize, at: &Placement, floor: f64) -> impl Iterator<Item = PlacedSolid> {
         let frame = at.pose();
         self.parts.iter().enumerate().filter_map(move |(s, part)| match part {

@@ -8,31 +8,33 @@ use crate::cell::{Cell, MAX_JOINTS, Shape, Solid};
 use crate::pose::Pose;
 use parry3d::bounding_volume::BoundingVolume;
 
-/// Distance, m, within which solids touch; it exceeds the rounding of parry3d, so that no contact is missed.
+/// Distance, m, below which two solids count as touching.
+///
+/// It exceeds the rounding of parry3d, so no contact is missed.
 const TOUCHING: f64 = 1e-7;
 
 /// One solid that a frame of the robot carries.
 pub(super) struct RobotSolid {
     pub(super) id: SolidRef,
-    /// Index of the frame that carries the solid. 0 is the robot base, k the frame after row k.
+    /// Index of the frame that carries the solid: 0 is the robot base, k the frame after row k of the chain.
     pub(super) frame: usize,
-    /// Operation that holds the part; None if the solid is always there.
+    /// Index of the operation that holds the solid; None if the robot always carries it.
     pub(super) operation: Option<usize>,
-    /// Equipment that the held part may touch.
+    /// Index of the equipment that the held part may touch, if any.
     pub(super) may_touch: Option<usize>,
-    /// Solid swollen by the clearance: one body, or the convex parts of a mesh.
+    /// Solid enlarged by the clearance: one body, or the convex parts of a mesh.
     pub(super) bodies: Vec<CollisionBody>,
-    /// Solid swollen by [`TOUCHING`] alone, for checks of the robot against itself.
+    /// Solid enlarged by [`TOUCHING`] alone, for distances and for checks of the robot against itself.
     pub(super) bare: Vec<CollisionBody>,
-    /// Closed mesh of several parts, which tells whether another solid lies wholly inside.
+    /// Closed mesh of a solid with several parts. It tells whether another solid lies wholly inside.
     pub(super) shell: Option<CollisionBody>,
-    /// Bounding capsule of the bare solid, in the carrier frame.
+    /// Bounding capsule of the solid without the clearance, in the carrier frame.
     pub(super) core: BoundingCapsule,
-    /// Radius (m) with which the core contains every body.
+    /// Radius (m) with which the capsule `core` contains all `bodies`; infinite if no such radius is known.
     reach: f64,
 }
 
-/// Returns links and tool in the order of the robot, then the parts held by each operation.
+/// Returns the solids of links and tool in the order of the robot, then the parts held by each operation.
 pub(super) fn all(cell: &Cell, remember: &mut Remember<'_>) -> Vec<RobotSolid> {
     let mut links = Vec::new();
     for (k, s) in cell.robot.solids.iter().enumerate() {
@@ -56,12 +58,12 @@ pub(super) fn all(cell: &Cell, remember: &mut Remember<'_>) -> Vec<RobotSolid> {
 struct CarriedSolid<'a> {
     id: SolidRef,
     frame: usize,
-    /// Pose of the frame of the solid's file in the carrier frame.
+    /// Pose, in the carrier frame, of the frame in which the file gives the solid.
     mount: &'a Pose,
     solid: &'a Solid,
 }
 
-/// Prepares one solid for collision checking.
+/// Prepares one solid of the robot for collision checking.
 fn link(carried: &CarriedSolid<'_>, clearance: f64, remember: &mut Remember<'_>) -> RobotSolid {
     let CarriedSolid { id, frame, mount, solid } = *carried;
     let parts = match &solid.shape {
@@ -95,24 +97,26 @@ fn link(carried: &CarriedSolid<'_>, clearance: f64, remember: &mut Remember<'_>)
 }
 
 impl RobotSolid {
-    /// Returns the frame that carries the solid, in the robot base.
+    /// Returns the pose, in the robot base, of the frame that carries the solid.
     ///
-    /// It is the identity for the base, since frame 0 of the chain may be elsewhere on the base.
+    /// For a solid of the base it is the identity, because frame 0 of the chain may be elsewhere on the base.
     pub(super) fn carrier<'f>(&self, frames: &'f [Pose; MAX_JOINTS + 1]) -> &'f Pose {
         if self.frame == 0 { &Pose::IDENTITY } else { &frames[self.frame] }
     }
 
-    /// Returns whether the robot has the solid during an operation; None means empty hands.
+    /// Returns whether the robot carries the solid during an operation; with None the robot holds nothing.
     pub(super) fn is_there(&self, operation: Option<usize>) -> bool {
         self.operation.is_none() || self.operation == operation
     }
 
-    /// Returns the bounding capsule of every body, with the carrier frame at `pose`.
+    /// Returns a capsule that contains all bodies of the solid, with the carrier frame at `pose`.
     pub(super) fn capsule(&self, pose: &Pose) -> BoundingCapsule {
         BoundingCapsule { radius: self.reach, ..self.core.at(pose) }
     }
 
-    /// Returns the height of the lowest point (m) of the swollen solid, with the carrier frame at `pose`.
+    /// Returns the height (m) of the lowest point of the solid enlarged by the clearance.
+    ///
+    /// `pose` is the pose of the carrier frame in the world, and `capsule` is [`Self::capsule`] at that pose.
     pub(super) fn lowest(&self, capsule: &BoundingCapsule, pose: &Pose) -> f64 {
         if self.core.is_solid {
             return capsule.bounds().0.z;
@@ -121,13 +125,15 @@ impl RobotSolid {
         self.bodies.iter().map(low).fold(f64::INFINITY, f64::min)
     }
 
-    /// Returns whether two links touch, without the clearance, given the poses of their frames.
+    /// Returns whether two solids of the robot touch; no clearance is required between them.
+    ///
+    /// `frame` and `other_frame` are the poses of the frames that carry the two solids.
     pub(super) fn touches(&self, frame: &Pose, other: &RobotSolid, other_frame: &Pose) -> bool {
         self.is_near(&self.capsule(frame), other, &other.capsule(other_frame))
             && self.touches_near(frame, other, other_frame)
     }
 
-    /// Returns whether the bounding capsules of two links share a point (broad phase).
+    /// Returns whether the bounding capsules of two robot solids share a point (broad phase).
     pub(super) fn is_near(
         &self,
         capsule: &BoundingCapsule,
@@ -138,7 +144,7 @@ impl RobotSolid {
         segments_apart_squared(&capsule.a, &capsule.b, &other_capsule.a, &other_capsule.b) <= room * room
     }
 
-    /// Returns whether two links touch, given that their bounding capsules intersect (narrow phase).
+    /// Returns whether two robot solids touch, given that their bounding capsules intersect (narrow phase).
     pub(super) fn touches_near(&self, frame: &Pose, other: &RobotSolid, other_frame: &Pose) -> bool {
         if self.core.is_solid && other.core.is_solid {
             return true;
@@ -155,7 +161,7 @@ impl RobotSolid {
             || other.swallows(other_frame, self, frame)
     }
 
-    /// Returns whether a point of the other link lies in the closed mesh of this one.
+    /// Returns whether the closed mesh of this solid contains a point of the other solid.
     pub(super) fn swallows(&self, frame: &Pose, other: &RobotSolid, other_frame: &Pose) -> bool {
         let Some(shell) = &self.shell else { return false };
         let inside = |b: &CollisionBody| {

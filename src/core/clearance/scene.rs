@@ -1,7 +1,7 @@
-//! Collision checking in three dimensions: robot solids against equipment, fence, floor and themselves.
+//! Collision checking in three dimensions: the robot against equipment, fence, floor and itself.
 //!
-//! Broad phase: bounding boxes and bounding capsules. Narrow phase: closed forms for capsules, then
-//! parry3d for the pairs that these leave unclear.
+//! Broad phase: bounding boxes and bounding capsules. Narrow phase: closed forms for capsules, then parry3d
+//! for the pairs that the closed forms leave unclear.
 
 use super::bodies::{CollisionBody, EquipmentSolid, intersecting, parry_pose, part, touching, vector};
 use super::bounding_capsule::{BoundingCapsule, ContactVerdict, overlapping};
@@ -20,16 +20,16 @@ use parry3d::bounding_volume::BoundingVolume;
 use parry3d::math as pm;
 use parry3d::shape::{Cuboid, SharedShape};
 
-/// All solids of a cell, prepared once for collision checking. Robot solids are swollen by the clearance.
+/// All solids of a cell, prepared once for collision checking. Robot solids are enlarged by the clearance.
 pub struct Scene {
     pub(super) links: Vec<RobotSolid>,
-    /// Bounding spheres, one per link solid.
+    /// Bounding spheres of the robot solids, in the order of `links`.
     pub(super) bounding_spheres: Vec<BoundingSphere>,
-    /// Pairs of robot solids, and why some of them may touch.
+    /// Pairs of robot solids, each with the reason why it may touch, if any.
     self_collision_pairs: Vec<SelfCollisionPair>,
-    /// Pairs of link solids that must not touch, as indices into `links`.
+    /// Pairs of robot solids that must not touch, as indices into `links`.
     pub(super) checked: Vec<(usize, usize)>,
-    /// Solids of every equipment; the walls of the fence follow as the last entry.
+    /// Solids of each piece of equipment; the last entry holds the walls of the fence.
     pub(super) equipment: Vec<EquipmentSolids>,
     /// Index of the frame after the last joint.
     pub(super) last: usize,
@@ -45,7 +45,7 @@ impl Scene {
         Self::remembering(cell, &mut |_, compute| compute())
     }
 
-    /// Prepares the solids like [`Self::new`], with a cache for the convex decomposition of link meshes.
+    /// Prepares the solids like [`Self::new`]. `remember` caches the convex decomposition of link meshes.
     pub fn remembering(cell: &Cell, remember: &mut Remember<'_>) -> Self {
         let links = robot_solids::all(cell, remember);
         let self_collision_pairs =
@@ -71,7 +71,8 @@ impl Scene {
         }
     }
 
-    /// Returns every pair of robot solids, tool and held parts included, and why it may touch.
+    /// Returns every pair of robot solids, tool and held parts included, with the reason why it may touch, if
+    /// any.
     pub fn self_collision_pairs(&self) -> &[SelfCollisionPair] {
         &self.self_collision_pairs
     }
@@ -100,9 +101,10 @@ impl Scene {
         placed.base_hit = hits.next().map(|(hit, _)| hit);
     }
 
-    /// Returns the first contact of the robot with its link frames (robot base) at `frames`.
+    /// Returns the first contact of the robot with equipment, fence, floor or itself, if there is one.
     ///
-    /// `operation` selects the held parts that are checked too; None means that nothing is held.
+    /// `frames` are the link frames in the robot base. `operation` selects the held parts to check; with None
+    /// the robot holds nothing.
     pub fn hit(&self, placed: &PlacedSolids, frames: &LinkFrames, operation: Option<usize>) -> Option<Hit> {
         if !self.enabled || placed.base_hit.is_some() {
             return placed.base_hit;
@@ -113,7 +115,7 @@ impl Scene {
         outside.map(|(_, (hit, _))| hit).or_else(|| self.own_hit(frames, &capsules, operation))
     }
 
-    /// Returns whether [`Self::hit`] finds no contact; faster for a series of postures.
+    /// Returns whether [`Self::hit`] finds no contact. `memory` speeds up a series of postures.
     pub fn is_free(
         &self,
         placed: &PlacedSolids,
@@ -141,7 +143,9 @@ impl Scene {
         outside.is_none() && self.own_hit(frames, capsules, operation).is_none()
     }
 
-    /// Returns the first contact of a moving link with equipment or floor, and the index of that link.
+    /// Returns the index of the first moving robot solid with a contact, and the contact as in `first_hit`.
+    ///
+    /// The method checks contacts with equipment, fence and floor, but not of the robot with itself.
     fn outside_hit(
         &self,
         bodies: &[PlacedSolid],
@@ -171,7 +175,9 @@ impl Scene {
         pairs.find(touch).map(|&(i, j)| Hit { solid: self.links[j].id, other: self.links[i].id })
     }
 
-    /// Returns the first contact of a link with the floor or a placed solid, and the index of that solid.
+    /// Returns the first contact of a link with floor, equipment or fence.
+    ///
+    /// The index of the placed solid comes with it; None for the floor.
     fn first_hit(
         &self,
         link: &RobotSolid,
@@ -231,7 +237,7 @@ impl Scene {
     }
 }
 
-/// Returns whether a closed link mesh contains a point of the other solid.
+/// Returns whether the closed mesh of a link contains a point of a solid of equipment.
 pub(super) fn swallows(link: &RobotSolid, frame: &Pose, part: &EquipmentSolid, pose: &pm::Pose) -> bool {
     let Some(shell) = &link.shell else { return false };
     let inside = match part {
@@ -241,8 +247,9 @@ pub(super) fn swallows(link: &RobotSolid, frame: &Pose, part: &EquipmentSolid, p
     shell.holds(&(shell.pose_in(frame).inverse() * (*pose * inside)))
 }
 
-/// Asks parry3d whether a link body, at `relative` in the frame of the other solid, touches that solid:
-/// bounding boxes first, then the shapes.
+/// Returns whether a link body touches another solid: bounding boxes first, then the shapes by parry3d.
+///
+/// `relative` is the pose of the body in the frame of the other solid.
 fn touches_part(
     link: &CollisionBody,
     relative: &pm::Pose,

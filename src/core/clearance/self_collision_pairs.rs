@@ -6,19 +6,21 @@ use crate::cell::{Cell, JointVector, MAX_JOINTS};
 use crate::low_discrepancy::RobertsSequence;
 use crate::robot::Chain;
 
-/// Number of sampled postures. If two solids touch in all of them, the drawing itself is taken to overlap.
+/// Number of sampled postures.
+///
+/// Two solids that touch in all of them are taken to overlap in the model of the robot, not to collide.
 const SAMPLES: usize = 400;
 
 /// Reason why a pair of robot solids may touch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Allowed {
-    /// Both belong to one rigid body.
+    /// The two solids belong to one rigid body.
     SameLink,
-    /// They share a joint, where the solids of a robot file usually overlap.
+    /// The two solids share a joint, where the solids of a robot file usually overlap.
     Neighbours,
     /// The robot file allows the contact.
     Given,
-    /// The solids touch in every sampled posture, so the drawing itself is taken to overlap.
+    /// The solids touch in every sampled posture, so they are taken to overlap in the model of the robot.
     AlwaysTouch,
 }
 
@@ -43,7 +45,7 @@ pub struct SelfCollisionPair {
     pub allowed: Option<Allowed>,
 }
 
-/// Returns every pair of solids that exist at the same time; none if the robot is not checked against itself.
+/// Returns every pair of robot solids that exist at the same time; none if self-collision is not checked.
 pub(super) fn find(cell: &Cell, links: &[RobotSolid]) -> Vec<SelfCollisionPair> {
     if !cell.robot.self_collision.checked {
         return Vec::new();
@@ -87,7 +89,7 @@ fn by_rule(cell: &Cell, a: &RobotSolid, b: &RobotSolid) -> Option<Allowed> {
     }
 }
 
-/// Returns sample `k` of the box of joint limits: point k + 1 of the R_d sequence.
+/// Returns posture `k` of a sample within the joint limits: point k + 1 of the R_d low-discrepancy sequence.
 fn posture(cell: &Cell, k: usize) -> JointVector {
     let joints = &cell.robot.joints;
     let sequence = RobertsSequence::new(joints.len());

@@ -9,8 +9,8 @@ use crate::geometry::{PlanePoint, convex_hull, polygon_area};
 impl FloorPlan {
     /// Returns the least distance in plan between floor spaces that must not overlap, at most `max` (m).
     ///
-    /// It is 0 if any two overlap. Pairs that the search cannot move do not count, since their distance is
-    /// the same in every layout.
+    /// The distance is 0 if any two of them overlap. A pair that the search cannot move does not count,
+    /// because the distance of the pair is the same in every layout.
     pub fn spacing(&self, cell: &Cell, layout: &Layout, max: f64) -> f64 {
         if !self.enabled {
             return max;
@@ -46,7 +46,7 @@ impl FloorPlan {
     }
 }
 
-/// Returns whether the search may move a piece of equipment.
+/// Returns whether the search may move a piece of equipment, also by moving equipment that carries it.
 fn is_moved(cell: &Cell, k: usize) -> bool {
     let below = cell.equipment.iter().enumerate().filter(|(under, _)| cell.rides_on(k, *under));
     below.flat_map(|(_, e)| &e.placement).any(Coordinate::is_free)
@@ -61,7 +61,9 @@ fn apart(a: &PlacedRectangle, b: &PlacedRectangle) -> f64 {
     boundaries_apart(&a, &b)
 }
 
-/// Returns how far inside the fence a floor space is, m; `max` without a fence.
+/// Returns the distance of a floor space from the fence around it, m; `max` without a fence.
+///
+/// The distance is 0 if a corner of the floor space is outside.
 fn within(cell: &Cell, stand: &PlacedRectangle, max: f64) -> f64 {
     let Some(fence) = &cell.fence else { return max };
     let corners = stand.corners();
@@ -69,7 +71,9 @@ fn within(cell: &Cell, stand: &PlacedRectangle, max: f64) -> f64 {
     if inside { boundaries_apart(&corners, &fence.corners) } else { 0.0 }
 }
 
-/// Returns the distance between the boundaries of two polygons that do not cross. It is attained at a corner.
+/// Returns the distance between the boundaries of two polygons that do not cross.
+///
+/// One of the two nearest points is a corner of a polygon.
 fn boundaries_apart(a: &[PlanePoint], b: &[PlanePoint]) -> f64 {
     let from = |points: &[PlanePoint], polygon: &[PlanePoint]| {
         points.iter().map(|p| fence::locate(polygon, *p).1).fold(f64::INFINITY, f64::min)

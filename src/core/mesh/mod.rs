@@ -1,4 +1,4 @@
-//! Triangle meshes of equipment and links: reading their bytes, and checking whether they bound a solid.
+//! Triangle meshes of equipment and links: readers of mesh files, and a check whether a mesh bounds a solid.
 
 mod obj;
 mod solidity;

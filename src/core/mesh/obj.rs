@@ -34,7 +34,7 @@ pub fn parse(text: &str, scale: f64) -> Result<(Vertices, Triangles), MeshFault>
 
 /// Returns only the vertices and faces of an OBJ text, line by line.
 ///
-/// Everything else is dropped: indices of textures and normals can make the OBJ reader overflow.
+/// Everything else is dropped, because indices of textures and normals can make the OBJ reader overflow.
 fn geometry_of(text: &str) -> Result<String, MeshFault> {
     let mut geometry = String::with_capacity(text.len());
     let (mut vertices, mut corners) = (0, 0);
@@ -63,10 +63,11 @@ fn geometry_of(text: &str) -> Result<String, MeshFault> {
     Ok(geometry)
 }
 
-/// Returns the error of the OBJ reader in words, with its line.
+/// Describes the error of the OBJ reader, with its line.
 ///
-/// The OBJ reader stops in the faulty line, so that is the last of the first `read` bytes. It checks the
-/// vertices of faces only at the end, so a face with a bad vertex is searched for.
+/// The OBJ reader stops in the faulty line, which is therefore the last line of the first `read` bytes. The
+/// reader checks the vertices of faces only at the end, so this function searches for the face with a bad
+/// vertex.
 fn explained(e: tobj::LoadError, geometry: &str, read: usize) -> MeshFault {
     let last = geometry[..read].lines().count().checked_sub(1);
     match e {
@@ -82,7 +83,7 @@ fn explained(e: tobj::LoadError, geometry: &str, read: usize) -> MeshFault {
     }
 }
 
-/// Returns the first line that begins with `kind` and has a later word that is `wrong`.
+/// Returns the index of the first line that begins with `kind` and has a later word that `wrong` rejects.
 fn line_with(geometry: &str, kind: &str, wrong: impl Fn(&str) -> bool) -> Option<usize> {
     let has = |line: &str| line.starts_with(kind) && line.split(' ').skip(1).any(&wrong);
     geometry.lines().position(has)

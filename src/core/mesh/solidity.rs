@@ -1,4 +1,4 @@
-//! Whether the triangles of a mesh bound a solid.
+//! Check whether the triangles of a mesh bound a solid.
 
 use super::triangles::Triangles;
 use nalgebra::Vector3;
@@ -8,10 +8,10 @@ use std::collections::HashMap;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Solidity {
     Solid,
-    /// The surface has this many hollows: closed shells inside another shell, with their outside facing
-    /// inwards.
+    /// The surface has this many hollows: closed shells inside another shell, with normals into the hollow.
     Hollow(usize),
-    /// The surface has holes, edges of three triangles, or neighbouring triangles with opposite orientation.
+    /// The surface has a hole, an edge of more than two triangles, or neighbouring triangles of opposite
+    /// orientation.
     Open,
 }
 
@@ -32,8 +32,8 @@ const OPEN: &str =
 
 /// Returns whether the surface bounds a solid, and orients the triangles of a closed surface.
 ///
-/// If the enclosed volume is negative, all triangles are turned. Then every shell that is not a hollow is
-/// turned so that its normals point outwards.
+/// If the enclosed volume is negative, all triangles are reversed. Then every shell that is not a hollow is
+/// reversed if its normals point inwards.
 pub fn solidity(vertices: &[Vector3<f64>], triangles: &mut Triangles) -> Solidity {
     if !is_closed(triangles) {
         return Solidity::Open;
@@ -69,7 +69,7 @@ pub fn solidity(vertices: &[Vector3<f64>], triangles: &mut Triangles) -> Solidit
     }
 }
 
-/// Returns the number of the shell of every triangle. A shell is a set of triangles connected by vertices.
+/// Returns, for every triangle, the number of its shell: a set of triangles connected by vertices.
 fn shells(vertices: usize, triangles: &Triangles) -> Vec<usize> {
     let mut parent: Vec<u32> = (0..vertices as u32).collect();
     for t in triangles {
@@ -96,7 +96,9 @@ fn root(parent: &mut [u32], mut vertex: u32) -> u32 {
     vertex
 }
 
-/// Returns whether every edge is used once in each direction: a closed, consistently oriented surface.
+/// Returns whether the surface is closed and consistently oriented.
+///
+/// Every edge is then used once in each direction.
 fn is_closed(triangles: &Triangles) -> bool {
     let mut balance: HashMap<(u32, u32), (i32, i32)> = HashMap::new();
     for &[a, b, c] in triangles {

@@ -8,9 +8,9 @@ use crate::safe_text::shown;
 use nalgebra::Vector3;
 use std::io::Cursor;
 
-/// Bytes before the triangles of a binary file: a title of 80 and the number of triangles in 4.
+/// Number of bytes before the triangles of a binary file: 80 of a title and 4 of the number of triangles.
 const HEADER: usize = 84;
-/// Bytes of one triangle of a binary file.
+/// Number of bytes of one triangle of a binary file.
 const TRIANGLE: usize = 50;
 
 /// Returns the vertices (scaled to m, three per triangle) and the triangles of an STL file.
@@ -37,7 +37,7 @@ pub fn parse(bytes: &[u8], scale: f64) -> Result<(Vertices, Triangles), MeshFaul
     ))
 }
 
-/// Returns a binary file with a blank title, which cannot be mistaken for text.
+/// Returns the bytes of a binary file with a blank title, so the STL reader cannot mistake them for text.
 fn binary(bytes: &[u8]) -> Result<Vec<u8>, MeshFault> {
     if bytes.len() > HEADER + TRIANGLE * MAX_TRIANGLES {
         return Err((None, too_many()));
@@ -47,8 +47,9 @@ fn binary(bytes: &[u8]) -> Result<Vec<u8>, MeshFault> {
     Ok(blank)
 }
 
-/// Returns the triangles of a file from [`binary`] or [`plain`]. `place` says where triangle k is, for
-/// messages.
+/// Returns the triangles of a file that [`binary`] or [`plain`] has prepared.
+///
+/// `place` gives the place of triangle k in the file, for messages.
 fn triangles_of(
     file: Vec<u8>,
     scale: f64,
@@ -79,8 +80,8 @@ fn triangles_of(
 
 /// Returns a text file line by line in the form that the STL reader expects.
 ///
-/// That is lower case, one solid for all, no title, no normals (some exporters write `nan` there) and short
-/// lines.
+/// The result is in lower case, with short lines, without a title, and with one solid for all triangles. All
+/// normals are 0, because some exporters write `nan` as a normal.
 fn plain(bytes: &[u8]) -> Result<String, MeshFault> {
     let mut text = String::with_capacity(bytes.len());
     let (mut facets, mut last) = (0, None);

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 /// Largest number of triangles of one mesh.
 pub const MAX_TRIANGLES: usize = 200_000;
 
-/// Least absolute coordinate, m, that no vertex of a workcell has.
+/// Limit of the absolute coordinates of a vertex, m; a vertex of a workcell is always nearer.
 const MAX_COORDINATE: f64 = 1e4;
 
 pub const BEYOND: &str = "a vertex is not finite, or too far away for a workcell; is the unit right?";
@@ -25,7 +25,7 @@ pub fn too_many() -> String {
     format!("more than {MAX_TRIANGLES} triangles: simplify it, a coarse mesh collides much faster")
 }
 
-/// Merges vertices at the same place, in the order of first use.
+/// Merges vertices at the same place, and keeps the order in which each place first occurs.
 ///
 /// Triangles with two equal corners are left out.
 pub fn merged((vertices, mut triangles): (Vertices, Triangles)) -> Result<(Vertices, Triangles), MeshFault> {

@@ -1,9 +1,10 @@
-//! CMA-ES as an argmin solver: the (mu/mu_w, lambda) evolution strategy with covariance matrix
-//! adaptation. Formulas and default parameters: N. Hansen, "The CMA Evolution Strategy: A
-//! Tutorial", arXiv:1604.00772, equations and Table 1 as numbered there.
+//! CMA-ES as an argmin solver: the (mu/mu_w, lambda) evolution strategy with covariance matrix adaptation.
 //!
-//! The method uses only ranks of costs. So it is not disturbed by the jumps of the cost at infeasible
-//! layouts.
+//! Formulas and default parameters are those of N. Hansen, "The CMA Evolution Strategy: A Tutorial",
+//! arXiv:1604.00772. Equations, sections and Table 1 are numbered as there.
+//!
+//! The method uses only the order of the costs. So the jumps of the cost at infeasible layouts do not disturb
+//! it.
 
 use argmin::core::{
     CostFunction, Error, IterState, KV, Problem, Solver, State, TerminationReason, TerminationStatus,
@@ -12,19 +13,23 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 
-/// Step size, as a share of the search range, below which a run has converged; the polish does the rest.
+/// Step size, as a share of the search range, below which a run has converged.
+///
+/// The local polish refines the result.
 const TOL_X: f64 = 1e-5;
-/// Relative difference of the best costs of many generations below which a run has converged.
+/// Relative difference between the best costs of the last generations below which a run has converged.
 const TOL_COST: f64 = 1e-5;
 /// Condition number of the covariance above which a run ends.
 const MAX_CONDITION: f64 = 1e14;
 
-/// One run of CMA-ES from one start point.
+/// One run of CMA-ES (covariance matrix adaptation evolution strategy) from one start point.
 pub struct CmaEs {
     rng: ChaCha8Rng,
-    /// Weights of the better half of a generation; they sum to 1.
+    /// Weights of the better half of a generation; their sum is 1.
     weights: DVector<f64>,
-    /// Negative weights of the worse half, which shrink the covariance along bad steps (eqs. 49-53).
+    /// Negative weights of the worse half of a generation, which shrink the covariance along bad steps.
+    ///
+    /// Source: eqs. (49)-(53) of N. Hansen, arXiv:1604.00772.
     worse: Vec<f64>,
     lambda: usize,
     mu_eff: f64,
@@ -46,7 +51,9 @@ pub struct CmaEs {
 }
 
 impl CmaEs {
-    /// Prepares a run from `mean` with steps of `sigma`, by Table 1 with `scale` times its population.
+    /// Prepares a run from `mean` with the initial step size `sigma`.
+    ///
+    /// The parameters are those of Table 1 of N. Hansen, arXiv:1604.00772, with `scale` times its population.
     pub fn new(mean: Vec<f64>, sigma: f64, scale: u32, rng: ChaCha8Rng) -> Self {
         let n = mean.len() as f64;
         let lambda = (4 + (3.0 * n.ln()).floor() as usize) * scale as usize;
@@ -90,9 +97,9 @@ impl CmaEs {
         })
     }
 
-    /// Updates mean, step size and covariance by eqs. (41)-(47) from the steps y, best first.
+    /// Updates mean, step size and covariance matrix C by eqs. (41)-(47) of N. Hansen, arXiv:1604.00772.
     ///
-    /// `whiten` is C^(-1/2).
+    /// `steps` are the steps of one generation divided by the step size, best first. `whiten` is C^(-1/2).
     fn adapt(&mut self, steps: &[DVector<f64>], whiten: &DMatrix<f64>, generation: u64) {
         let n = self.mean.len() as f64;
         let zero = DVector::zeros(self.mean.len());
@@ -121,7 +128,9 @@ impl CmaEs {
         self.sigma *= ((self.c_sigma / self.d_sigma) * (length / self.chi - 1.0)).min(1.0).exp();
     }
 
-    /// Checks the stopping rules of section B.3 that matter on a unit cube.
+    /// Returns whether one of the stopping rules that matter on a unit cube ends the run.
+    ///
+    /// Source: section B.3 of N. Hansen, arXiv:1604.00772.
     fn has_settled(&mut self, best: f64, eigenvalues: &DVector<f64>) -> bool {
         self.history.push(best);
         let span = 10 + (30.0 * self.mean.len() as f64 / self.lambda as f64).ceil() as usize;
@@ -135,7 +144,9 @@ impl CmaEs {
     }
 }
 
-/// Returns the weights of the worse half, scaled such that the covariance stays positive (eqs. 50-53).
+/// Returns the weights of the worse half, scaled so that the covariance matrix stays positive definite.
+///
+/// Source: eqs. (50)-(53) of N. Hansen, arXiv:1604.00772.
 fn negative(raw: &[f64], mu_eff: f64, c_1: f64, c_mu: f64, n: f64) -> Vec<f64> {
     // The middle weight of an odd number may exceed zero by rounding.
     let raw: Vec<f64> = raw.iter().map(|w| w.min(0.0)).collect();

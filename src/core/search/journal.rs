@@ -1,8 +1,9 @@
 //! Journal of a search, from which the search can be resumed.
 //!
-//! Every run of a solver is a function of the seed, its number and the costs it receives. So a checkpoint
-//! needs no state of a solver. It holds the record at the start of the current run and the answers since.
-//! A resumed search starts that run again, answers its first questions from the journal, and goes on.
+//! Every run of a solver is a function of the seed, the number of the run and the costs that the solver
+//! receives. So a checkpoint needs no state of a solver. It holds the record at the start of the current run
+//! and the results of all evaluations since then. A resumed search starts that run again. It takes the
+//! results of the first evaluations from the journal and computes the others.
 
 use super::pareto_front::ParetoFront;
 use super::record::{Answer, Record};
@@ -11,30 +12,30 @@ use super::search_space::SearchSpace;
 use super::stopping::{SearchEnd, Stopping};
 use serde::{Deserialize, Serialize};
 
-/// Largest number of evaluations of one run; it limits the journal to several hundred kilobytes.
+/// Largest number of evaluations of one run, which limits the journal to several hundred kilobytes.
 const MAX_RUN_EVALUATIONS: u64 = 20_000;
 
-/// Number of evaluations, per dimension plus one, of one run of a Pareto search.
+/// Number of evaluations in one run of a Pareto search, divided by the number of variables plus one.
 ///
-/// Many scalarizations, none of them minimized perfectly, give a better front than a few.
+/// Many scalarizations that are minimized roughly give a better front than a few minimized exactly.
 const PARETO_RUN_EVALUATIONS: u64 = 100;
 
 /// Offset and prime of the 64-bit FNV-1a hash (G. Fowler, L. C. Noll, K.-P. Vo).
 const FNV: (u64, u64) = (0xcbf2_9ce4_8422_2325, 0x0000_0100_0000_01b3);
 
-/// State from which a search can be resumed; its floats must be stored to the bit.
+/// State from which a search can be resumed. Floating-point numbers must be stored without rounding.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Checkpoint {
     stopping: Stopping,
     /// Number of the current run.
     run: u64,
-    /// Record at the start of that run.
+    /// Record at the start of the current run.
     record: Record,
-    /// Answers to that run.
+    /// Results of the evaluations in the current run.
     explored: Vec<Answer>,
-    /// Answers to the polish that followed it.
+    /// Results of the evaluations in the polish that followed the current run.
     polished: Vec<Answer>,
-    /// Hashes of the points that were answered in each phase.
+    /// Hash of the evaluated points in each phase: exploration, polish.
     asked: [u64; 2],
 }
 
@@ -45,19 +46,19 @@ pub enum Unfit {
     Dimensions { has: usize, needs: usize },
     /// The checkpoint has more evaluations than the new budget.
     Budget { used: u64 },
-    /// The checkpoint has other goals or another number of layouts to keep.
+    /// The checkpoint belongs to a search with other goals or another number of layouts to keep.
     Kept,
-    /// The search would have ended earlier under the new rules.
+    /// The search would have ended before this checkpoint under the new stopping rules.
     Ended(SearchEnd),
 }
 
 impl Checkpoint {
-    /// Returns the number of evaluations that need not be repeated.
+    /// Returns the number of evaluations that a resumed search need not repeat.
     pub fn evaluations(&self) -> u64 {
         self.record.evaluations + (self.explored.len() + self.polished.len()) as u64
     }
 
-    /// Returns the front at the start of the current run.
+    /// Returns the Pareto front at the start of the current run; None unless the search is a Pareto search.
     pub fn front(&self) -> Option<&ParetoFront> {
         self.record.front.as_ref()
     }
@@ -67,10 +68,10 @@ impl Checkpoint {
         &self.stopping
     }
 
-    /// Checks that a resumed search would give the same bytes as one that was never interrupted.
+    /// Checks that a search resumed from here would give the same bytes as one that was never interrupted.
     ///
     /// # Errors
-    /// Returns the reason if a search with these dimensions and rules cannot resume.
+    /// Returns the reason if a search with these dimensions and stopping rules cannot resume.
     pub fn check(&self, dimensions: usize, stopping: &Stopping) -> Result<(), Unfit> {
         let has = self.record.point.len();
         if has != dimensions {
@@ -96,23 +97,23 @@ pub enum Phase {
     Polish,
 }
 
-/// Record of a search with its journal.
+/// Record of a search, with the journal from which the search can be resumed.
 pub struct SearchJournal {
     pub record: Record,
     pub phase: Phase,
     /// Number of evaluations at which the current run, or the polish, ends.
     pub until: u64,
-    /// Whether the search has departed from its journal.
+    /// Whether the resumed search has evaluated other points than its journal says.
     pub diverged: bool,
     checkpoint: Checkpoint,
-    /// Number of answers given in this phase.
+    /// Number of evaluations in the current phase of the current run.
     told: usize,
-    /// Hash of the points of these answers.
+    /// Hash of the points evaluated in the current phase of the current run.
     hash: u64,
 }
 
 impl SearchJournal {
-    /// Begins a search at a point.
+    /// Begins a search at a point of the unit cube.
     pub fn new(point: Vec<f64>, stopping: Stopping) -> Self {
         let record = Record::new(point, &stopping);
         let (explored, polished, asked) = (Vec::new(), Vec::new(), [FNV.0; 2]);
@@ -194,14 +195,14 @@ impl SearchJournal {
 
     /// Returns the scalarization that the current run minimizes; None if it minimizes the error.
     ///
-    /// It follows from the record at the start of the run.
+    /// The scalarization depends only on the record at the start of the run.
     pub fn scalarization(&self) -> Option<Scalarization> {
         let Checkpoint { run, record, .. } = &self.checkpoint;
         let front = record.front.as_ref().filter(|_| self.phase == Phase::Explore)?;
         Some(Scalarization::new(front, *run))
     }
 
-    /// Returns the stopping rule that the record meets, if any.
+    /// Returns the stopping rule that ends the current phase now, if there is one.
     pub fn met(&self) -> Option<SearchEnd> {
         let stopping = &self.checkpoint.stopping;
         match self.phase {
@@ -222,7 +223,7 @@ impl SearchJournal {
         }
     }
 
-    /// Returns whether the next answer is in the journal.
+    /// Returns whether the journal holds the result of the next evaluation.
     pub fn knows(&self) -> bool {
         self.told < self.answers().len()
     }
@@ -231,12 +232,12 @@ impl SearchJournal {
         if self.phase == Phase::Explore { &self.checkpoint.explored } else { &self.checkpoint.polished }
     }
 
-    /// Returns at most `count` of the next answers in the journal.
+    /// Returns the results of the next evaluations that the journal holds, at most `count`.
     pub fn recall(&self, count: usize) -> Vec<Answer> {
         self.answers()[self.told..].iter().take(count).cloned().collect()
     }
 
-    /// Adds the answers to these points to the record, and the new ones to the journal.
+    /// Adds evaluated points to the record. Results that the journal does not hold yet are added to it.
     pub fn note<'p>(
         &mut self,
         space: &SearchSpace<'_>,

@@ -1,15 +1,18 @@
 //! Local search around the members of the Pareto front or the shortlist.
 //!
-//! It changes one coordinate of a member at a time, or two lists at once. A list takes all of its values, and
-//! a range takes steps that become finer. New members are explored in turn (Pareto local search: L. Paquete,
-//! M. Chiarandini, T. Stuetzle, in Metaheuristics for Multiobjective Optimisation, 2004). A space with few
-//! enough layouts is enumerated.
+//! It changes one coordinate of a member at a time, or two coordinates with listed values. A coordinate with
+//! listed values takes all of them. A coordinate with a range takes steps that become smaller. New members
+//! are explored in turn (Pareto local search: L. Paquete, M. Chiarandini, T. Stuetzle, in Metaheuristics for
+//! Multiobjective Optimisation, 2004). If the budget suffices for every layout of the space, the search
+//! evaluates all of them.
 
 use super::problem::Problem;
 use super::search_space::NeighbourChange;
 use std::collections::BTreeSet;
 
-/// Changes tried: large ones that give another layout of the shortlist, and small ones that improve a member.
+/// Changes in the order in which they are tried.
+///
+/// Large changes find other layouts for the shortlist, small ones improve a member.
 const CHANGES: [NeighbourChange; 7] = [
     NeighbourChange::List,
     NeighbourChange::Range(0.1),
@@ -20,7 +23,7 @@ const CHANGES: [NeighbourChange; 7] = [
     NeighbourChange::Range(0.005),
 ];
 
-/// Explores neighbours until the budget is used up or no neighbour is left.
+/// Explores the neighbours of all members until the budget is used up or no neighbour is left.
 pub fn run(problem: &Problem<'_>) {
     if let Some(all) = problem.space().every_point(problem.left()) {
         problem.try_points(&all);

@@ -1,16 +1,16 @@
-//! Search for the best layout: the placement of all movable equipment, by argmin solvers.
+//! Search for the best layout: solvers of argmin place all movable equipment.
 //!
 //! The free coordinates of all placements form a point of the unit cube ([`SearchSpace`]). The cost of a
 //! point is that of [`crate::layout::evaluate`], with a penalty for infeasible layouts. A global solver with
 //! restarts (CMA-ES by default) uses most of the budget. A Nelder-Mead polish of the best layout uses the
-//! rest. The solvers propose, `evaluate` decides: the problem keeps the best feasible layout ever seen, even
-//! if the solver's own best is another. The same cell, seed and budget give the same bytes for any number of
-//! threads.
+//! rest. The problem keeps the best feasible layout that `evaluate` has ever seen, even if the solver reports
+//! another. The same cell, seed and budget give the same bytes for any number of threads.
 //!
 //! A Pareto search minimizes another scalarization of its goals in every run, and offers every feasible
-//! layout to a Pareto front. A search that keeps several layouts offers them to a shortlist of the best
-//! that really differ. Both are part of the record and so of every checkpoint. At the end a local search
-//! explores the neighbours of their members; with the polish it takes a quarter of the budget.
+//! layout to a Pareto front. A search that keeps several layouts offers every feasible layout to a shortlist:
+//! the best layouts that differ clearly from each other. Front and shortlist are part of the record and so of
+//! every checkpoint. At the end a local search explores the neighbours of their members. Polish and local
+//! search together use a quarter of the budget.
 
 mod cma_es;
 mod journal;
@@ -50,7 +50,7 @@ pub struct EvaluatedLayout {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Alternative {
     pub candidate: EvaluatedLayout,
-    /// Value of each of [`crate::cell::Goal::ALL`]: m, rad, m2 or a share.
+    /// Value of each goal in the order of [`crate::cell::Goal::ALL`]: m, rad, m2 or a share.
     pub goals: Vec<f64>,
 }
 
@@ -58,24 +58,25 @@ pub struct Alternative {
 #[derive(Debug, Clone)]
 pub struct SearchRecord {
     pub start: EvaluatedLayout,
-    /// Best feasible layout, or the one nearest to feasible if none was found.
+    /// Best feasible layout; if none was found, the layout that comes nearest to being feasible.
     pub best: EvaluatedLayout,
     pub evaluations: u64,
     /// Number of evaluated layouts that were feasible.
     pub feasible: u64,
-    /// Evaluations so far and objective (m, rad or a share) at each improvement of the best feasible layout.
+    /// Number of evaluations and objective (m, rad or a share) at each improvement of the best feasible
+    /// layout.
     pub trace: Vec<(u64, f64)>,
     /// Lower bound of the objective (m or rad), if one was given.
     pub bound: Option<f64>,
     pub ended: SearchEnd,
-    /// Pareto front sorted by its first goal, or the shortlist with the best layout first.
+    /// Members of the Pareto front, sorted by the first goal, or the shortlist with the best layout first.
     ///
-    /// It is empty if neither was requested.
+    /// The list is empty if neither was requested.
     pub alternatives: Vec<Alternative>,
 }
 
 impl SearchRecord {
-    /// Returns whether a feasible layout was found; none is a normal outcome.
+    /// Returns whether a feasible layout was found. A search may end normally without one.
     pub fn found(&self) -> bool {
         self.best.evaluation.objective.is_some()
     }
@@ -87,13 +88,13 @@ impl SearchRecord {
     }
 }
 
-/// Options of a search: a known bound, a checkpoint to resume from, and a sink for checkpoints.
+/// Options of a search: a known bound, a checkpoint to resume from, and a receiver of checkpoints.
 pub struct SearchJob<'a> {
     /// Proven lower bound of the objective, m or rad.
     pub bound: Option<f64>,
     /// Checkpoint of an interrupted search that [`Checkpoint::check`] has accepted.
     pub from: Option<&'a Checkpoint>,
-    /// Receives the state of the search.
+    /// Function that receives the state of the search.
     pub keep: Keep<'a>,
 }
 
@@ -104,7 +105,7 @@ pub fn search(workcell: &Workcell, settings: &SearchSettings, watch: &Watch<'_>)
 
 /// Searches for the best layout of a cell, resuming from a checkpoint if there is one.
 ///
-/// A resumed search ends in the same bits as one with the same settings that was never interrupted.
+/// A resumed search gives bit for bit the same result as an uninterrupted one with the same settings.
 pub fn search_job(
     workcell: &Workcell,
     settings: &SearchSettings,
@@ -162,7 +163,7 @@ fn alternative(workcell: &Workcell, layout: Layout) -> Option<Alternative> {
     Some(Alternative { candidate, goals })
 }
 
-/// Returns the layouts that the record has kept beside the best.
+/// Returns the layouts other than the best that the record has kept.
 fn alternatives(
     workcell: &Workcell,
     space: &SearchSpace<'_>,

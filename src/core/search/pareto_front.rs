@@ -1,17 +1,17 @@
-//! Pareto front: the layouts seen so far that no other one dominates.
+//! Pareto front: the layouts seen so far that no other layout dominates.
 
 use crate::cell::Goals;
 use serde::{Deserialize, Serialize};
 
-/// Largest number of members; above it the most crowded one is dropped.
+/// Largest number of members. If there are more, the most crowded member is dropped.
 const MAX_MEMBERS: usize = 200;
 
 /// Least difference of a coordinate that makes two points of the unit cube different layouts.
 ///
-/// It is a share of the range of the coordinate, or of the number of listed values.
+/// The difference is a share of the range of the coordinate, or of the number of listed values.
 pub const DIFFERENT: f64 = 0.01;
 
-/// Member of a front: a point of the unit cube with its losses.
+/// Member of a Pareto front: a point of the unit cube with the losses of the goals.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Member {
     pub point: Vec<f64>,
@@ -26,7 +26,7 @@ pub struct ParetoFront {
     members: Vec<Member>,
 }
 
-/// Range of the losses of a front in one goal.
+/// Least and greatest loss in one goal among the members of a Pareto front.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Span {
     pub least: f64,
@@ -57,7 +57,7 @@ impl ParetoFront {
         &self.members
     }
 
-    /// Returns the range of each goal; None while the front is empty.
+    /// Returns the range of the losses in each goal; None while the front is empty.
     pub fn spans(&self) -> Option<Vec<Span>> {
         let first = self.members.first()?;
         let span = |k: usize| {
@@ -69,7 +69,7 @@ impl ParetoFront {
         Some((0..first.losses.len()).map(span).collect())
     }
 
-    /// Adds a layout unless a member is as good in every goal; returns whether it was added.
+    /// Adds a layout unless a member is at least as good in every goal; returns whether it was added.
     pub fn take(&mut self, point: &[f64], losses: &[f64]) -> bool {
         let covers = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| a <= b);
         if self.members.iter().any(|m| covers(&m.losses, losses)) {
@@ -87,8 +87,9 @@ impl ParetoFront {
 
     /// Returns the crowding distance of every member, infinite at the ends of the front.
     ///
-    /// It is the distance of the neighbours, summed over the goals (K. Deb et al., "A fast and elitist
-    /// multiobjective genetic algorithm: NSGA-II", IEEE Trans. Evolutionary Computation 6(2), 2002).
+    /// The crowding distance is the difference between the losses of the two neighbours of a member, summed
+    /// over the goals (K. Deb et al., "A fast and elitist multiobjective genetic algorithm: NSGA-II", IEEE
+    /// Trans. Evolutionary Computation 6(2), 2002). Each difference is a share of the range of that loss.
     fn crowding(&self) -> Vec<f64> {
         let mut crowding = vec![0.0; self.members.len()];
         for (k, span) in self.spans().unwrap_or_default().iter().enumerate() {
@@ -104,10 +105,11 @@ impl ParetoFront {
         crowding
     }
 
-    /// Returns at most `most` members spread over the front, sorted by their first losses.
+    /// Returns at most `most` members spread over the front, sorted by the loss in the first goal.
     ///
-    /// For every goal it takes the member with the least loss, then repeatedly the one farthest from all
-    /// chosen. Each is a different layout from those chosen before. Losses count as shares of their span.
+    /// The member with the least loss in each goal is chosen first. Then the member farthest from all chosen
+    /// ones is added repeatedly. Members that differ from a chosen one by no more than [`DIFFERENT`] are left
+    /// out. A distance is computed from losses as shares of their ranges.
     pub fn spread(&self, most: usize) -> Vec<&Member> {
         let spans = self.spans().unwrap_or_default();
         let apart = |a: &Member, b: &Member| {

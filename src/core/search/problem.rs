@@ -19,7 +19,7 @@ use std::borrow::Borrow;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Number of decimals of a loss (m, rad, m2 or share) that count; smaller differences are rounding.
+/// Number of decimals to which a loss (m, rad, m2 or share) is rounded; smaller differences are rounding.
 const LOSS_DIGITS: i32 = 9;
 
 /// Progress of a search.
@@ -50,13 +50,14 @@ pub enum Moment {
     Stopped,
 }
 
-/// Sink for checkpoints.
+/// Function that receives the checkpoints of a search.
 pub type Keep<'a> = &'a (dyn Fn(&Checkpoint, Moment) + Sync);
 
 /// Cost function on the unit cube with a budget.
 ///
-/// Once the budget is used up, every point costs minus infinity, at which every argmin solver stops. (An
-/// error would stop them too, but argmin's Nelder-Mead panics at one.) The record keeps the best layouts.
+/// Once the budget is used up, every point costs minus infinity, which stops every argmin solver. (An error
+/// would stop the solvers, too, but the Nelder-Mead solver of argmin panics at an error.) The record keeps
+/// the best layouts.
 pub struct Problem<'a> {
     workcell: &'a Workcell,
     space: &'a SearchSpace<'a>,
@@ -65,11 +66,11 @@ pub struct Problem<'a> {
     budget: u64,
     goals: Goals,
     journal: Mutex<SearchJournal>,
-    /// Scalarization that the current run minimizes; None for the error.
+    /// Scalarization that the current run minimizes; None if it minimizes the error.
     scalarization: Mutex<Option<Scalarization>>,
     /// Working memory of the threads, reused between calls.
     workspaces: Mutex<Vec<Workspace>>,
-    /// Random stream of [`Anneal`], to which argmin passes none.
+    /// Random numbers for [`Anneal`], because argmin passes none to it.
     annealing: Mutex<ChaCha8Rng>,
 }
 
@@ -89,7 +90,7 @@ impl<'a> Problem<'a> {
         Self { workcell, space, watch, keep, budget, goals, journal, scalarization, workspaces, annealing }
     }
 
-    /// Sets the random stream of simulated annealing.
+    /// Sets the random numbers of simulated annealing.
     pub fn anneal_with(&self, rng: ChaCha8Rng) {
         *locked(&self.annealing) = rng;
     }
@@ -116,7 +117,7 @@ impl<'a> Problem<'a> {
         locked(&self.journal).run()
     }
 
-    /// Begins the next run; returns whether there is one.
+    /// Begins the next run if another one is allowed; returns whether it began.
     pub fn begin_run(&self) -> bool {
         let mut journal = locked(&self.journal);
         let over = journal.record.evaluations >= journal.checkpoint().stopping().exploration();
@@ -128,7 +129,7 @@ impl<'a> Problem<'a> {
         goes_on
     }
 
-    /// Begins the polish; returns whether there is one.
+    /// Begins the polish if it is allowed; returns whether it began.
     pub fn begin_polish(&self) -> bool {
         let mut journal = locked(&self.journal);
         let goes_on = !matches!(journal.met(), Some(SearchEnd::Gap | SearchEnd::Diverged));
@@ -139,7 +140,7 @@ impl<'a> Problem<'a> {
         goes_on
     }
 
-    /// Begins the local search around the kept layouts; returns whether there is one.
+    /// Begins the local search around the kept layouts if several are kept; returns whether it began.
     pub fn begin_local_search(&self) -> bool {
         let mut journal = locked(&self.journal);
         let goes_on = journal.phase == Phase::Polish && journal.checkpoint().stopping().keeps_more();
@@ -149,7 +150,7 @@ impl<'a> Problem<'a> {
         goes_on
     }
 
-    /// Returns the points of the layouts kept beside the best.
+    /// Returns the points of the layouts that the front or the shortlist keeps.
     pub fn kept_points(&self) -> Vec<Vec<f64>> {
         let journal = locked(&self.journal);
         let front = journal.record.front.iter().flat_map(|front| front.members()).map(|m| &m.point);
@@ -167,17 +168,17 @@ impl<'a> Problem<'a> {
         self.space.dimensions()
     }
 
-    /// Evaluates one point for the record.
+    /// Evaluates one point and adds the result to the record.
     pub fn try_point(&self, point: &Vec<f64>) {
         self.costs(&[point]);
     }
 
-    /// Evaluates several points for the record.
+    /// Evaluates several points and adds the results to the record.
     pub fn try_points(&self, points: &[Vec<f64>]) {
         self.costs(&points.iter().collect::<Vec<_>>());
     }
 
-    /// Returns the nearest point without overlaps, or the point itself if none is found.
+    /// Returns the nearest point at which no floor spaces overlap, or the point itself if none is found.
     pub fn separated(&self, point: Vec<f64>) -> Vec<f64> {
         match separated(self.workcell, &self.space.layout(&point)) {
             Some(layout) => self.space.point(&layout),
@@ -195,7 +196,9 @@ impl<'a> Problem<'a> {
         locked(&self.scalarization).is_some()
     }
 
-    /// Returns the member of the front, at the start of the run, that is best for its scalarization.
+    /// Returns the point of the front that has the least cost for the scalarization of the current run.
+    ///
+    /// The front is that at the start of the run.
     pub fn best_for_scalarization(&self) -> Option<Vec<f64>> {
         let (journal, scalarization) = (locked(&self.journal), locked(&self.scalarization));
         let (front, scalarization) = (journal.checkpoint().front()?, scalarization.as_ref()?);
@@ -208,7 +211,7 @@ impl<'a> Problem<'a> {
         self.journal.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner())
     }
 
-    /// Returns the costs of several points, and updates the record in their order.
+    /// Returns the costs of several points, and adds them to the record in the order given.
     fn costs(&self, points: &[&Vec<f64>]) -> Vec<f64> {
         // Solvers ask one question at a time, so that no thread waits for this lock.
         let mut journal = locked(&self.journal);
@@ -278,7 +281,7 @@ impl Anneal for &Problem<'_> {
     type Output = Vec<f64>;
     type Float = f64;
 
-    /// Moves about a third of the coordinates, sometimes all of them, by steps of many sizes.
+    /// Returns a random neighbour: some or all coordinates make steps, whose size differs from call to call.
     fn anneal(&self, point: &Vec<f64>, _temperature: f64) -> Result<Vec<f64>, Error> {
         let mut rng = locked(&self.annealing);
         let size = 0.5 * 10f64.powf(-4.0 * rng.random::<f64>());

@@ -6,20 +6,20 @@ use super::shortlist::Shortlist;
 use super::stopping::{SearchEnd, Stopping};
 use serde::{Deserialize, Serialize};
 
-/// Relative decrease of the objective that counts as an improvement for the rule of stagnation.
+/// Relative decrease of the objective that counts as an improvement for the stagnation rule.
 const MIN_IMPROVEMENT: f64 = 1e-6;
 
-/// Answer of one evaluation, as the journal stores it.
+/// Result of one evaluation, as the journal stores it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(from = "CompactAnswer", into = "CompactAnswer")]
 pub struct Answer {
     pub cost: f64,
     pub feasible: bool,
-    /// Losses of the goals for a feasible layout in a Pareto search; otherwise empty.
+    /// Losses in the goals for a feasible layout in a Pareto search; otherwise empty.
     pub losses: Vec<f64>,
 }
 
-/// Compact form of an [`Answer`], so that a journal of thousands stays small.
+/// Compact form of an [`Answer`], which keeps a journal of thousands of evaluations small.
 #[derive(Serialize, Deserialize)]
 #[serde(untagged)]
 enum CompactAnswer {
@@ -48,7 +48,7 @@ impl From<Answer> for CompactAnswer {
     }
 }
 
-/// Summary of the evaluations so far, and the best of them.
+/// Summary of all evaluations so far, with the best point.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Record {
     pub evaluations: u64,
@@ -56,18 +56,19 @@ pub struct Record {
     /// Point of the unit cube with the least cost.
     pub point: Vec<f64>,
     pub cost: Option<f64>,
-    /// Evaluations so far and objective (m, rad or a share) at each improvement of the best feasible layout.
+    /// Number of evaluations and objective (m, rad or a share) at each improvement of the best feasible
+    /// layout.
     pub trace: Vec<(u64, f64)>,
     /// Longest series of evaluations without improvement, updated after each batch.
     pub stillness: u64,
     /// Number of evaluations and cost at the last significant improvement.
     ///
-    /// In a Pareto search the number is that at the last new member of the front.
+    /// In a Pareto search, a new member of the front also sets the number.
     improved: (u64, f64),
-    /// Pareto front; None unless it is searched for.
+    /// Pareto front; None unless the search is a Pareto search.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub front: Option<ParetoFront>,
-    /// Shortlist; None unless more than the best layout is kept.
+    /// Shortlist of the best layouts; None in a Pareto search, and if only the best layout is kept.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shortlist: Option<Shortlist>,
 }
@@ -82,7 +83,7 @@ impl Record {
         Self { point, front, shortlist, ..Self::default() }
     }
 
-    /// Returns the objective of the best feasible layout, m, rad or a share.
+    /// Returns the objective of the best feasible layout (m, rad or a share), if there is one.
     pub fn best(&self) -> Option<f64> {
         self.trace.last().map(|t| t.1)
     }
@@ -108,7 +109,7 @@ impl Record {
         }
     }
 
-    /// Offers a feasible layout to the front or the shortlist.
+    /// Adds a feasible layout to the front or the shortlist, if it is good enough for them.
     fn collect(&mut self, settled: &[f64], answer: &Answer) {
         if let Some(front) = &mut self.front
             && !answer.losses.is_empty()
@@ -121,12 +122,12 @@ impl Record {
         }
     }
 
-    /// Updates the stillness after a batch of evaluations, which is when the stopping rules are checked.
+    /// Updates `stillness` after a batch of evaluations, just before the stopping rules are checked.
     pub fn pause(&mut self) {
         self.stillness = self.stillness.max(self.evaluations - self.improved.0);
     }
 
-    /// Returns whether the best layout is within the gap to the bound.
+    /// Returns whether the objective of the best layout is within the requested gap to the proven bound.
     pub fn has_closed_gap(&self, stopping: &Stopping) -> bool {
         if !stopping.pareto.is_empty() {
             return false;
@@ -135,12 +136,13 @@ impl Record {
         enough.zip(self.best()).is_some_and(|(enough, best)| best <= enough)
     }
 
-    /// Returns whether the search has stagnated for as long as allowed.
+    /// Returns whether the number of evaluations without improvement has reached the limit of the stopping
+    /// rules.
     pub fn has_stagnated(&self, stopping: &Stopping) -> bool {
         stopping.stagnation.is_some_and(|n| self.stillness >= n)
     }
 
-    /// Returns the rule by which the search would have ended before this record, if any.
+    /// Returns the rule by which a search with these stopping rules would have ended earlier, if any.
     pub fn ended_before(&self, stopping: &Stopping) -> Option<SearchEnd> {
         match () {
             () if self.has_closed_gap(stopping) => Some(SearchEnd::Gap),

@@ -1,34 +1,38 @@
 //! Scalarization: one number from several goals, which a run of a Pareto search minimizes.
 //!
-//! The augmented weighted Chebyshev distance from the best value seen of each goal,
+//! The number is the augmented weighted Chebyshev distance from the best value seen of each goal,
 //!
 //! ```text
 //! s = max_i w_i g_i + rho sum_i g_i,     g_i = (loss_i - least_i) / (greatest_i - least_i),
 //! ```
 //!
-//! also reaches the points of a non-convex front, which no weighted sum does (A. P. Wierzbicki, "The use of
-//! reference objectives in multiobjective optimization", 1980; R. E. Steuer, E.-U. Choo, Mathematical
-//! Programming 26 (1983) 326-344). The first runs minimize one goal each. Later runs use weights that fill
-//! the simplex evenly.
+//! where w_i is the weight of goal i, and least_i and greatest_i are the extreme losses on the front. The
+//! factor rho is small. Minima of s include the points of a non-convex front, which no weighted sum reaches
+//! (A. P. Wierzbicki, "The use of reference objectives in multiobjective optimization", 1980; R. E. Steuer,
+//! E.-U. Choo, Mathematical Programming 26 (1983) 326-344). The first runs minimize one goal each. Later
+//! runs use weights that fill the simplex evenly.
 
 use super::pareto_front::{ParetoFront, Span};
 use crate::low_discrepancy::halton;
 
-/// Factor rho of the sum: of two layouts with the same maximum the one with the smaller sum wins.
+/// Factor of the sum of all goals in the scalarization.
+///
+/// It makes the layout with the smaller sum win if two layouts have the same maximum.
 const AUGMENTATION: f64 = 1e-3;
 
-/// Span of the cost of a run. It is similar to the span of errors in m, which the temperatures of annealing
-/// suit.
+/// Range of the cost in a run.
+///
+/// It is similar to the range of errors in m, for which the temperatures of annealing are chosen.
 const COST_SCALE: f64 = 0.02;
 
-/// Largest cost, which is below that of every infeasible layout.
+/// Largest cost of a feasible layout; every infeasible layout costs more.
 const MAX_COST: f64 = 100.0;
 
 /// Scalarized goals of one run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scalarization {
     weights: Vec<f64>,
-    /// Range of each goal on the front; None while the front is empty.
+    /// Range of the losses in each goal on the front; None while the front is empty.
     spans: Option<Vec<Span>>,
 }
 
@@ -50,11 +54,11 @@ impl Scalarization {
     }
 }
 
-/// Returns the weights of a run, whose sum is 1.
+/// Returns the weights of the goals in a run; their sum is 1.
 ///
-/// In the first runs one goal has all weight. Then the weights are the gaps between the sorted coordinates
-/// of a Halton point, which fill the simplex evenly (L. Devroye, Non-Uniform Random Variate Generation,
-/// 1986, section V.2).
+/// In each of the first runs one goal has all weight. Later weights are the differences between successive
+/// sorted coordinates of a Halton point. Such weights fill the simplex evenly (L. Devroye, Non-Uniform Random
+/// Variate Generation, 1986, section V.2).
 pub fn weights(goals: usize, run: u64) -> Vec<f64> {
     if run < goals as u64 {
         return (0..goals as u64).map(|k| if k == run { 1.0 } else { 0.0 }).collect();

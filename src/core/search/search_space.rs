@@ -6,11 +6,11 @@ use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg, rounded};
 /// Change that leads from a point to its neighbours.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum NeighbourChange {
-    /// Another value of one list.
+    /// Change of one coordinate to another of its listed values.
     List,
-    /// Other values of two lists.
+    /// Change of two coordinates to others of their listed values.
     Lists,
-    /// A step in one range, as a share of that range.
+    /// Step of one coordinate that has a range, as a share of that range.
     Range(f64),
 }
 
@@ -32,7 +32,7 @@ impl<'c> SearchSpace<'c> {
         self.variables.len()
     }
 
-    /// Returns the point of the layout in the file.
+    /// Returns the point of the layout in the cell file.
     pub fn start(&self) -> Vec<f64> {
         self.point(&self.cell.start())
     }
@@ -42,15 +42,16 @@ impl<'c> SearchSpace<'c> {
         self.variables.iter().map(|(slot, c)| share(c, layout.value(self.cell, *slot))).collect()
     }
 
-    /// Returns the canonical point of the same layout within the cube.
+    /// Returns the canonical one of all points with the same layout; it lies within the cube.
     ///
-    /// A range is at its rounded coordinate, and a list is in the middle of the interval of its value.
+    /// A variable with a range has its rounded value there. A variable with listed values is in the middle of
+    /// the interval that stands for its value.
     pub fn settled(&self, point: &[f64]) -> Vec<f64> {
         let shares = self.variables.iter().zip(point);
         shares.map(|((slot, c), u)| share(c, value(*slot, c, mirrored(*u)))).collect()
     }
 
-    /// Returns the points within the cube that a change leads to.
+    /// Returns the points within the cube to which one change of this kind leads.
     pub fn neighbours(&self, point: &[f64], change: NeighbourChange) -> Vec<Vec<f64>> {
         match change {
             NeighbourChange::List => self.other_values(point, 0),
@@ -68,7 +69,9 @@ impl<'c> SearchSpace<'c> {
         }
     }
 
-    /// Returns the points in which one list, among the variables from `from` on, has another value.
+    /// Returns the points that differ from `point` in one listed value.
+    ///
+    /// Only the variables from index `from` on are changed.
     fn other_values(&self, point: &[f64], from: usize) -> Vec<Vec<f64>> {
         let beside = |k: usize| {
             let others = middles(self.variables[k].1).into_iter().filter(move |u| *u != point[k]);
@@ -77,7 +80,9 @@ impl<'c> SearchSpace<'c> {
         (from..point.len()).flat_map(beside).collect()
     }
 
-    /// Returns one point per layout if all variables are lists and there are at most `most` layouts.
+    /// Returns one point per layout if all variables have listed values and at most `most` layouts exist.
+    ///
+    /// Otherwise returns None.
     pub fn every_point(&self, most: u64) -> Option<Vec<Vec<f64>>> {
         let lists: Vec<Vec<f64>> = self.variables.iter().map(|(_, c)| middles(c)).collect();
         let count = lists.iter().try_fold(1u64, |count, list| count.checked_mul(list.len() as u64))?;
@@ -93,8 +98,8 @@ impl<'c> SearchSpace<'c> {
 
     /// Returns the layout of a point.
     ///
-    /// Points outside the cube are mirrored at its faces, so that every point has a layout. Coordinates are
-    /// rounded to 1 um and 0.0001 degree, so that a file holds exactly what was evaluated.
+    /// Points outside the cube are mirrored at its faces, so every point has a layout. Coordinates are
+    /// rounded to 1 um and 0.0001 degree, so a file can hold exactly the layout that was evaluated.
     pub fn layout(&self, point: &[f64]) -> Layout {
         self.cell.layout(|slot, coordinate| {
             let place = self.variables.iter().position(|(s, _)| *s == slot);
@@ -109,13 +114,13 @@ fn with(point: &[f64], k: usize, u: f64) -> Vec<f64> {
     moved
 }
 
-/// Returns the positions of the values of a list in [0, 1]; none for a range.
+/// Returns the positions in [0, 1] that stand for the listed values of a coordinate; none for a range.
 fn middles(coordinate: &Coordinate) -> Vec<f64> {
     let Coordinate::List(values) = coordinate else { return Vec::new() };
     (0..values.len()).map(|k| middle(k, values.len())).collect()
 }
 
-/// Returns the middle of the interval of listed value `k`.
+/// Returns the middle of the interval of [0, 1] that stands for value `k` in a list of `count` values.
 fn middle(k: usize, count: usize) -> f64 {
     (k as f64 + 0.5) / count as f64
 }

@@ -1,23 +1,25 @@
-//! Shortlist: the best layouts that really differ.
+//! Shortlist: the best layouts that differ from each other by [`REALLY_DIFFERENT`].
 
 use super::pareto_front::differ;
 use serde::{Deserialize, Serialize};
 
-/// Least difference of a coordinate between two layouts that really differ.
+/// Least difference of a coordinate between any two layouts of a shortlist.
 ///
-/// It is a share of the range of the coordinate, or of the number of listed values.
+/// The difference is a share of the range of the coordinate, or of the number of listed values.
 pub const REALLY_DIFFERENT: f64 = 0.05;
 
-/// Number of members per requested layout: a better layout may replace several at once.
+/// Number of stored layouts per requested layout.
+///
+/// More are stored than requested, because one better layout may replace several.
 const RESERVE_FACTOR: usize = 4;
 
-/// Best layouts seen, each of which really differs from every better one.
+/// Best layouts seen, each of which differs from every better one by more than [`REALLY_DIFFERENT`].
 ///
-/// A layout that a better neighbour has replaced does not return, even if that neighbour is replaced later.
+/// A layout that a similar, better one has replaced does not return, even if that one is replaced later.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Shortlist {
     keep: usize,
-    /// Cost and point of the unit cube, best first.
+    /// Cost of each member and its point of the unit cube, best first.
     members: Vec<(f64, Vec<f64>)>,
 }
 
@@ -27,7 +29,7 @@ impl Shortlist {
         Self { keep, members: Vec::new() }
     }
 
-    /// Offers a layout to the shortlist.
+    /// Adds a layout, unless a similar one is at least as good or the shortlist is full of better ones.
     pub fn take(&mut self, point: &[f64], cost: f64) {
         // Among equals the first stays.
         let place = self.members.partition_point(|m| m.0 <= cost);
@@ -42,7 +44,7 @@ impl Shortlist {
         self.members.truncate(RESERVE_FACTOR * self.keep);
     }
 
-    /// Returns the points of the best layouts.
+    /// Returns the points of the best layouts, as many as were requested.
     pub fn best(&self) -> impl Iterator<Item = &Vec<f64>> {
         self.members.iter().take(self.keep).map(|m| &m.1)
     }

@@ -11,11 +11,11 @@ use rand::Rng;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-/// First step of CMA-ES from the layout in the file, as a share of the search range.
+/// Initial step size of CMA-ES from the layout in the cell file, as a share of the search range.
 const SIGMA_FROM_FILE: f64 = 0.15;
-/// First step of CMA-ES from a random point, as a share of the search range.
+/// Initial step size of CMA-ES from a random point, as a share of the search range.
 const SIGMA: f64 = 0.3;
-/// Period of the restarts of CMA-ES: the first one is global, the others are local with a short first step.
+/// Period of the restarts of CMA-ES: the first is global, the others are local with a small first step.
 const RESTART_PERIOD: u64 = 3;
 /// Number of particles of a swarm.
 const PARTICLES: usize = 40;
@@ -37,7 +37,7 @@ type SwarmState = PopulationState<Particle<Vec<f64>, f64>, f64>;
 
 /// Runs the global solver repeatedly, each time from another point, until its budget is used up.
 ///
-/// The first run starts from the layout in the file, if the solver takes a start point.
+/// The first run starts from the layout in the cell file, if the solver accepts a start point.
 pub fn explore(problem: &Problem<'_>, settings: &SearchSettings, start: Vec<f64>) {
     loop {
         let run = problem.run();
@@ -86,12 +86,13 @@ pub fn explore(problem: &Problem<'_>, settings: &SearchSettings, start: Vec<f64>
     }
 }
 
-/// Returns the first step and the population (as a multiple of the default) of a run of CMA-ES.
+/// Returns the initial step size and the population (as a multiple of the default) of a run of CMA-ES.
 ///
-/// The first run stays near the layout in the file. Later runs start anywhere, in two ways as in BIPOP-CMA-ES
-/// (N. Hansen, "Benchmarking a BI-population CMA-ES on the BBOB-2009 function testbed", GECCO 2009). Long
-/// steps and a population that doubles up to eight times the default find the large valleys. A short first
-/// step stays on one side of an obstacle, where a small island of feasible layouts can be the best.
+/// The first run stays near the layout in the cell file. Later runs start anywhere, in two ways as in
+/// BIPOP-CMA-ES (N. Hansen, "Benchmarking a BI-population CMA-ES on the BBOB-2009 function testbed", GECCO
+/// 2009). Large steps and a population that doubles up to eight times the default find wide minima of the
+/// cost. A small first step keeps the run on one side of an obstacle. There the best layout may lie in a
+/// small feasible region.
 fn restart(run: u64, rng: &mut ChaCha8Rng) -> (f64, u32) {
     match run.checked_sub(1) {
         None => (SIGMA_FROM_FILE, 1),
@@ -100,7 +101,7 @@ fn restart(run: u64, rng: &mut ChaCha8Rng) -> (f64, u32) {
     }
 }
 
-/// Polishes the best point so far by the Nelder-Mead method.
+/// Improves the best point so far by the Nelder-Mead method.
 pub fn polish(problem: &Problem<'_>) {
     if !problem.begin_polish() {
         return;

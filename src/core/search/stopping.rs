@@ -26,16 +26,19 @@ pub enum SearchEnd {
     Stagnation,
     /// The search was interrupted.
     Interrupted,
-    /// The time limit was reached. The caller sets it, because a search sees only an interruption.
+    /// The time limit was reached. The caller sets this variant, because the search itself sees only an
+    /// interruption.
     TimeLimit,
-    /// The search departed from its checkpoint, which comes from another build or another rounding.
+    /// The resumed search evaluated other points than its checkpoint says.
+    ///
+    /// The checkpoint comes from another build, or from a machine with another rounding.
     Diverged,
     /// Every placement is fixed.
     NothingToSearch,
 }
 
 impl SearchEnd {
-    /// Returns the word used in documents.
+    /// Returns the name of the end in documents.
     pub fn name(self) -> &'static str {
         match self {
             SearchEnd::Done => "done",
@@ -48,7 +51,7 @@ impl SearchEnd {
         }
     }
 
-    /// Returns the end in words.
+    /// Describes how the search ended.
     pub fn in_words(self) -> &'static str {
         match self {
             SearchEnd::Done => "the budget is used up, or the polish has converged",
@@ -71,21 +74,21 @@ pub struct Stopping {
     pub gap: Option<f64>,
     /// Proven lower bound of the objective, m or rad.
     pub bound: Option<f64>,
-    /// Number of evaluations without an improvement by 1e-6 of the objective after which the polish begins.
+    /// Number of evaluations without a relative improvement by 1e-6 after which the polish begins.
     pub stagnation: Option<u64>,
-    /// Goals of a Pareto search; empty for a search of the least error.
+    /// Goals of a Pareto search; empty for a search that minimizes the error alone.
     ///
-    /// The gap concerns the error alone and does not end a Pareto search. A new member of the front counts as
-    /// an improvement.
+    /// A Pareto search does not end by the relative gap, because the bound is one of the error alone. A new
+    /// member of the front counts as an improvement.
     #[serde(default)]
     pub pareto: Goals,
-    /// Number of layouts kept; 0 means the best alone, or the whole front.
+    /// Number of layouts to keep; 0 keeps only the best one, or the whole front of a Pareto search.
     #[serde(default)]
     pub keep: usize,
 }
 
 impl Stopping {
-    /// Returns the stopping rules of search settings.
+    /// Returns the stopping rules that search settings give.
     pub fn new(settings: &SearchSettings, bound: Option<f64>) -> Self {
         let SearchSettings { budget, gap, stagnation, pareto, keep, .. } = *settings;
         Self { budget, gap, bound, stagnation, pareto, keep }

@@ -10,7 +10,7 @@ pub(super) struct Lease<'a> {
 }
 
 impl<'a> Lease<'a> {
-    /// Takes working memory from the pool, or creates it.
+    /// Takes working memory from the pool, or creates it if the pool is empty.
     pub(super) fn new(free: &'a Mutex<Vec<Workspace>>) -> Self {
         let workspace = locked(free).pop().unwrap_or_default();
         Self { free, workspace }
@@ -23,7 +23,7 @@ impl Drop for Lease<'_> {
     }
 }
 
-/// Locks a mutex even if it is poisoned: no thread can leave half a record behind.
+/// Locks a mutex even if it is poisoned, because a thread that panics leaves no half-written record.
 pub(super) fn locked<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
 }
