@@ -4,7 +4,7 @@ use super::posture_context::PostureContext;
 use crate::cell::{Parameter, Reading, Unit};
 use crate::reading::{Budget, ErrorEvaluator, EvaluatorScratch, PostureErrors, WorstCase};
 
-/// Number of parameters, the largest of the budget, whose tolerance is halved as a trial.
+/// Number of trial parameters: the tolerances with the largest shares of the budget are halved one by one.
 const TIGHTENED: usize = 3;
 
 /// Result of a trial: the worst case or statistical quantity after the tolerances of `parameters` are halved.

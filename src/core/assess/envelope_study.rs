@@ -17,13 +17,13 @@ pub struct Reachable<'a> {
     pub step: f64,
     /// Azimuth of the vertical section, rad.
     pub azimuth: f64,
-    /// Vertical section at [`Self::azimuth`]: points (r, z), r being the distance from the base axis.
+    /// Vertical section through the base axis, with points (r, z). The distance r from the axis is negative
+    /// on the side opposite to [`Self::azimuth`].
     pub section: EnvelopeSection,
     /// Horizontal sections, each with its height (m) and its points (x, y).
     pub plans: Vec<(f64, EnvelopeSection)>,
     pub size: Size,
-    /// Outline of the arm in a posture near its greatest reach: the origins of the link frames, then the TCP,
-    /// m.
+    /// Points of the arm in a posture near its greatest reach, m: origins of the link frames, then the TCP.
     pub arm: Vec<Vector3<f64>>,
 }
 

@@ -32,7 +32,7 @@ pub struct ParameterEffect {
     pub value: f64,
     /// Effect of one unit (1 m or 1 rad) of the parameter on the TCP, without registration and pick.
     pub alone: Displacement,
-    /// Effect of one unit of the parameter that is left after registration and pick have removed their part.
+    /// Effect of one unit of the parameter on the TCP that remains after registration and pick.
     pub left: Displacement,
 }
 
@@ -138,7 +138,7 @@ impl<'a> Explanation<'a> {
 
     /// Returns whether the explained error differs from that of the robot alone.
     ///
-    /// A registration, a pick and errors of the equipment make it differ.
+    /// A registration, a pick or an error of the equipment makes the two errors differ.
     pub fn takes_off(&self) -> bool {
         let situation = &self.context.situation;
         situation.reference.is_some()

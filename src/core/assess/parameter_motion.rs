@@ -36,8 +36,8 @@ pub struct ParameterMotion {
 impl ParameterMotion {
     /// Returns the displacement of the TCP per unit of the parameter.
     ///
-    /// A rotation moves it by `w x (p - o)` and a translation by `w`. Here `w` is the axis, `p` the TCP and
-    /// `o` the origin of the frame.
+    /// A rotation moves the TCP by `w x (p - o)`, a translation by `w`. Here `w` is the axis, `p` the TCP and
+    /// `o` the origin of the frame. The result is multiplied by [`Self::factor`].
     pub fn effect(&self) -> Displacement {
         let unit = match self.turns {
             true => Displacement { position: self.direction.cross(&self.lever), rotation: self.direction },
