@@ -102,7 +102,7 @@ fn drawn_arm(envelope: &Envelope<'_>, inverse: &Inverse, size: &Size, azimuth: f
     arm
 }
 
-/// Returns the distance between sampled points, m, with which an envelope takes about a second to compute.
+/// Returns a distance between sampled points, m, for which the envelope takes about a second to compute.
 pub fn step_of(robot: &Robot, inverse: &Inverse) -> f64 {
     let parts = match inverse.cost() {
         Cost::Low => 200.0,

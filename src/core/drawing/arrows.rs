@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 
 /// Length of the longest arrow, as a multiple of the distance between nodes.
 const LONGEST_ARROW: f64 = 1.5;
-/// Length of an arrow head, as a share of the arrow length, and its upper limit, as a share of the node
+/// Length of an arrow head as a share of the arrow length; the second value limits it, as a share of the node
 /// distance.
 const HEAD_LENGTH: (f64, f64) = (0.3, 0.25);
 /// Half width of an arrow head and half width of its shaft, each as a share of the length of the head.

@@ -94,8 +94,9 @@ pub struct ViewedErrors {
     pub error: Vec<Option<Vector3<f64>>>,
     /// Values of the reading, m, rad or a share: one list per sense, with one entry per node.
     pub values: Vec<Vec<Option<f64>>>,
-    /// Spot under this model and reading, as an index into [`Field::nodes`]; None if there is none or its
-    /// node is not kept.
+    /// Spot under this model and reading, as an index into [`Field::nodes`].
+    ///
+    /// The field is None if there is no spot, or if its node is not kept.
     pub best: Option<usize>,
 }
 
@@ -112,8 +113,9 @@ pub struct Field {
     pub size: (usize, usize),
     /// Kept nodes, row by row; the nodes of a row follow the first axis of the grid.
     pub nodes: Vec<FieldNode>,
-    /// Spot of the operation, as an index into [`Self::nodes`]; None if there is none or its node is not
-    /// kept.
+    /// Spot of the operation, as an index into [`Self::nodes`].
+    ///
+    /// The field is None if there is no spot, or if its node is not kept.
     pub best: Option<usize>,
     /// Position of the spot, world frame, m; present even if the node of the spot is not kept.
     pub spot: Option<Vector3<f64>>,

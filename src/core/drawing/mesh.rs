@@ -145,8 +145,9 @@ fn bar(a: &Vector3<f64>, b: &Vector3<f64>, radius: f64, round: bool) -> Surface 
     (vertices, bar_triangles(rings.len()))
 }
 
-/// Returns the triangles of a bar whose corners are a first point, `rings` rings of [`SIDES`] corners and a
-/// last point.
+/// Returns the triangles of a bar with `rings` rings of [`SIDES`] corners.
+///
+/// The bar begins and ends with a single point, so the corners are: first point, rings, last point.
 fn bar_triangles(rings: usize) -> Vec<[u32; 3]> {
     let at = |ring: usize, k: usize| (1 + ring * SIDES + k % SIDES) as u32;
     let last = (1 + rings * SIDES) as u32;

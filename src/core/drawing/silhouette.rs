@@ -17,7 +17,7 @@ pub const FRONT: ViewAxes =
 
 /// Largest projected area of a face that counts as edge-on, as a share of the true area of the face.
 const EDGE_ON: f64 = 1e-6;
-/// Cosine of 60 degrees: an edge is sharp, and drawn, if the normals of its two faces differ by a larger
+/// Cosine of 60 degrees. An edge is drawn as sharp if the normals of its two faces differ by more than this
 /// angle.
 const SHARP: f64 = 0.5;
 

@@ -92,8 +92,10 @@ fn least(p: &[[i64; 2]; 3], axis: usize) -> (i64, i64) {
     (all.into_iter().fold(i64::MAX, i64::min), all.into_iter().fold(i64::MIN, i64::max))
 }
 
-/// Returns the indices, below `count`, of the samples whose centres lie between two coordinates in units of
-/// the grid of [`PARTS`].
+/// Returns the indices of the samples whose centres lie from `low` to `high`, in units of the grid of
+/// [`PARTS`].
+///
+/// All indices are below `count`.
 fn range((low, high): (i64, i64), count: usize) -> std::ops::Range<usize> {
     let first = (low - PART / 2).div_euclid(PART).max(0);
     let last = (high - PART / 2).div_euclid(PART) + 1;

@@ -94,8 +94,8 @@ impl Shot {
     /// Checks that the settings are possible and suit the drawing.
     ///
     /// # Errors
-    /// Fails if the size is out of range, or if the operation or the combination of model and reading does
-    /// not exist. The message says why.
+    /// Fails if the size is out of range. Also fails if the drawing lacks the operation or the combination of
+    /// model and reading. The message says why.
     fn check(&self, drawing: &Drawing<'_>) -> Result<(), String> {
         if !(64..=MAX_SIDE).contains(&self.width) || !(64..=MAX_SIDE).contains(&self.height) {
             return Err(format!(
@@ -162,8 +162,8 @@ fn staged(drawing: &Drawing<'_>, shot: &Shot) -> Result<FittedScene, String> {
 /// Returns the picture as PNG with 8 bits per colour.
 ///
 /// # Errors
-/// Fails if the size is out of range, or if `shot` names an operation, or a combination of model and reading,
-/// that the drawing does not have.
+/// Fails if the size is out of range. Also fails if the operation or the combination of model and reading in
+/// `shot` does not exist.
 pub fn png(drawing: &Drawing<'_>, shot: &Shot) -> Result<Vec<u8>, String> {
     let stage = staged(drawing, shot)?;
     let mut sheet = PixelImage::of(&rendered(&stage, shot), SAMPLES);

@@ -202,8 +202,9 @@ impl SceneBody {
     }
 }
 
-/// Returns the corners of the bounding box of a mesh, transformed by `pose` to the world frame; None if it is
-/// empty.
+/// Returns the corners of the bounding box of a mesh, transformed by `pose` to the world frame.
+///
+/// Returns None if the mesh is empty.
 fn corners(mesh: &Mesh, pose: &Pose) -> Option<[Vector3<f64>; 8]> {
     let (low, high) = mesh.extent()?;
     Some(std::array::from_fn(|k| {

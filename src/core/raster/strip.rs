@@ -167,7 +167,7 @@ pub fn items(drawing: &Drawing<'_>, stage: &FittedScene, shot: &Shot) -> Vec<Leg
     items
 }
 
-/// Returns the symbols with their labels, column by column; they are scaled down if they need more than
+/// Returns the symbols with their labels, column by column. The table is scaled down if it is wider than
 /// `room` px.
 fn sign_table(
     signs: &[LegendSign],
