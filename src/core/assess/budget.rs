@@ -4,27 +4,28 @@ use super::posture_context::PostureContext;
 use crate::cell::{Parameter, Reading, Unit};
 use crate::reading::{Budget, ErrorEvaluator, EvaluatorScratch, PostureErrors, WorstCase};
 
-/// Number of parameters whose tolerance is halved as a trial.
+/// Number of trial parameters: the tolerances with the largest shares of the budget are halved one by one.
 const TIGHTENED: usize = 3;
 
-/// Figure that results if the tolerances of some parameters are halved.
+/// Result of a trial: the worst case or statistical quantity after the tolerances of `parameters` are halved.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tighter {
     pub parameters: Vec<Parameter>,
-    /// Figure in SI units; [`BudgetReport::unit`] says which.
+    /// Worst case or statistical quantity with the halved tolerances, m, rad or a share
+    /// ([`BudgetReport::unit`]).
     pub figure: f64,
 }
 
-/// Error budget of one spot with all its figures.
+/// Error budget of one posture, with the gain from tightening its largest contributions.
 pub struct BudgetReport<'a> {
     pub context: PostureContext<'a>,
     pub budget: Budget,
     pub judged: PostureErrors,
     pub worst: WorstCase,
-    /// Figure that tightening reduces: the worst case, or the statistical quantity.
+    /// Figure that smaller tolerances reduce: the quantity of the statistical reading, else the worst case.
     pub figure: f64,
-    /// Trials that halve one tolerance each, for the first parameters of the budget, and one that halves them
-    /// all.
+    /// Trials on the parameters with the largest shares of the budget. Each trial halves the tolerance of one
+    /// parameter; the last halves the tolerances of all these parameters.
     pub tighter: Vec<Tighter>,
 }
 
@@ -51,7 +52,7 @@ impl<'a> BudgetReport<'a> {
         Self { budget, judged, worst, figure, tighter, context }
     }
 
-    /// Returns the unit of [`Self::figure`].
+    /// Returns the unit of [`Self::figure`], which is in m, rad or a share.
     pub fn unit(&self) -> Unit {
         let evaluator = &self.context.evaluator;
         match (evaluator.reading, self.context.cell.unit()) {
@@ -60,7 +61,7 @@ impl<'a> BudgetReport<'a> {
         }
     }
 
-    /// Returns the reduction of the figure by a tightening, as a share.
+    /// Returns the relative reduction of [`Self::figure`] by the halved tolerances of a trial, 0 to 1.
     pub fn cut(&self, tighter: &Tighter) -> f64 {
         if self.figure > 0.0 { 1.0 - tighter.figure / self.figure } else { 0.0 }
     }
@@ -76,7 +77,7 @@ fn figure(evaluator: &ErrorEvaluator, context: &PostureContext<'_>, memory: &mut
     evaluator.worst(&evaluator.sense, situation, frames, memory).by_model
 }
 
-/// Returns the evaluator with half the tolerance of some parameters.
+/// Returns a copy of an evaluator in which the tolerances of `parameters` are halved.
 fn halved(evaluator: &ErrorEvaluator, parameters: &[Parameter]) -> ErrorEvaluator {
     let mut tighter = evaluator.clone();
     let sources = &mut tighter.sources;

@@ -1,4 +1,4 @@
-//! Monte Carlo distribution of the error at a spot, which may be chosen in any reading.
+//! Monte Carlo distribution of the error at a spot, whatever reading the spot was chosen with.
 
 use super::{Assessment, SAMPLES};
 use crate::cell::{Interpretation, Model, Quantity, Reading, Unit};
@@ -7,16 +7,16 @@ use crate::kinematic_error::NEGLIGIBLE;
 use crate::layout::Workcell;
 use crate::reading::{Figures, MonteCarlo, monte_carlo};
 
-/// Distribution of the error's size at the spot of an operation, in the operation's sense, m or rad.
+/// Distribution of the size of the error at an operation's spot, in the sense of that operation, m or rad.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ErrorDistribution {
     pub operation: usize,
     pub unit: Unit,
-    /// Monte Carlo estimates through the nonlinear model.
+    /// Monte Carlo estimates, computed with the nonlinear model.
     pub samples: MonteCarlo,
-    /// First-order figures and the worst case.
+    /// Figures of the first-order statistics (RMS, mean, percentiles) and the worst case.
     pub figures: Figures,
-    /// Error of the signed sample by the model of the cell, if there is one.
+    /// Error of the signed sample under the model of the cell; None if the error set has no signed sample.
     pub signed: Option<f64>,
     pub limit: Option<f64>,
 }
@@ -45,7 +45,7 @@ impl ErrorDistribution {
     }
 }
 
-/// Returns the workcell under another model and reading, and the figures of a posture under them.
+/// Returns the workcell with another model and reading, and the error figures of `posture` in that workcell.
 fn judged(
     a: &Assessment<'_>,
     operation: usize,

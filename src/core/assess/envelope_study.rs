@@ -1,4 +1,4 @@
-//! Working envelope of an arm, drawn and measured, and the data sheet of a robot.
+//! Working envelope of an arm (sections and dimensions), and the data sheet of a robot.
 
 use crate::cell::{Attitude, Operation, Robot};
 use crate::pose::Pose;
@@ -10,29 +10,31 @@ use nalgebra::Vector3;
 /// Working envelope in the base frame of the robot, m.
 pub struct Reachable<'a> {
     pub robot: &'a Robot,
-    /// Operation whose attitude is used, if any.
+    /// Operation whose tool attitude the envelope is computed for; None if the attitude was given directly.
     pub operation: Option<&'a Operation>,
     pub family: &'static str,
     pub attitude: Attitude,
     pub step: f64,
     /// Azimuth of the vertical section, rad.
     pub azimuth: f64,
-    /// Vertical section with points (r, z).
+    /// Vertical section through the base axis, with points (r, z). The distance r from the axis is negative
+    /// on the side opposite to [`Self::azimuth`].
     pub section: EnvelopeSection,
-    /// Heights of the horizontal sections, and these sections with points (x, y).
+    /// Horizontal sections, each with its height (m) and its points (x, y).
     pub plans: Vec<(f64, EnvelopeSection)>,
     pub size: Size,
-    /// Arm near its greatest reach: the origins of its frames and the TCP.
+    /// Points of the arm in a posture near its greatest reach, m: origins of the link frames, then the TCP.
     pub arm: Vec<Vector3<f64>>,
 }
 
-/// Query of a working envelope.
+/// Request for a working envelope: attitude, sections and resolution.
 pub struct EnvelopeQuery<'a> {
     pub operation: Option<&'a Operation>,
     pub attitude: Attitude,
-    /// Yaw of the surface from which azimuths count, rad.
+    /// Yaw of the work surface in the base frame, rad; azimuths of the attitude are measured from its x axis.
     pub yaw: f64,
-    /// Heights of the horizontal sections, m; empty for the height of the greatest reach.
+    /// Heights of the horizontal sections, m. If the list is empty, one section is at the height of the
+    /// greatest reach.
     pub heights: Vec<f64>,
     /// Distance between sampled points, m; None for the step that [`step_of`] returns.
     pub step: Option<f64>,
@@ -43,7 +45,8 @@ impl EnvelopeQuery<'_> {
         self.step.unwrap_or_else(|| step_of(robot, inverse))
     }
 
-    /// Returns the number of sampled points, without bisections.
+    /// Returns the number of points that the envelope samples, not counting those that refine a boundary by
+    /// bisection.
     pub fn work(&self, robot: &Robot, inverse: &Inverse) -> u64 {
         let envelope = Envelope::new(inverse, &self.attitude, self.yaw);
         // The section at an unknown height counts as the largest one.
@@ -53,7 +56,7 @@ impl EnvelopeQuery<'_> {
 }
 
 impl<'a> Reachable<'a> {
-    /// Computes an envelope. `progress` receives a number of sampled points and their total.
+    /// Computes an envelope. `progress` receives the number of points sampled so far and their total.
     pub fn new(
         robot: &'a Robot,
         inverse: &Inverse,
@@ -79,9 +82,10 @@ impl<'a> Reachable<'a> {
     }
 }
 
-/// Returns the origins of the arm's frames near its greatest reach, in the plane of the section.
+/// Returns the origins of the link frames and the TCP in a posture near the greatest reach, in the vertical
+/// section.
 ///
-/// They are empty if the arm reaches none of the points tried.
+/// The list is empty if the arm reaches none of the points that are tried.
 fn drawn_arm(envelope: &Envelope<'_>, inverse: &Inverse, size: &Size, azimuth: f64) -> Vec<Vector3<f64>> {
     let Some(extent) = &size.extent else { return Vec::new() };
     let far = [0.9, 0.8, 0.7, 0.6].map(|share| {
@@ -98,7 +102,7 @@ fn drawn_arm(envelope: &Envelope<'_>, inverse: &Inverse, size: &Size, azimuth: f
     arm
 }
 
-/// Returns a step, m, with which the envelope of an arm takes about a second.
+/// Returns a distance between sampled points, m, for which the envelope takes about a second to compute.
 pub fn step_of(robot: &Robot, inverse: &Inverse) -> f64 {
     let parts = match inverse.cost() {
         Cost::Low => 200.0,
@@ -111,7 +115,9 @@ pub fn step_of(robot: &Robot, inverse: &Inverse) -> f64 {
     steps.into_iter().find(|step| *step >= wanted).unwrap_or(wanted)
 }
 
-/// Returns the tolerance of a boundary, m: 0.1 mm, or a share of `step` for an expensive inverse kinematics.
+/// Returns the tolerance with which a boundary of the envelope is located, m.
+///
+/// The tolerance is 0.1 mm, or a twentieth of `step` if the inverse kinematics is expensive.
 pub fn tolerance_of(inverse: &Inverse, step: f64) -> f64 {
     match inverse.cost() {
         Cost::Low | Cost::Middle => m_from_mm(0.1),
@@ -119,21 +125,23 @@ pub fn tolerance_of(inverse: &Inverse, step: f64) -> f64 {
     }
 }
 
-/// Data sheet of a robot without a cell.
+/// Data sheet of a robot alone, without a cell: home pose and size of the working envelope.
 pub struct RobotDataSheet<'a> {
     pub robot: &'a Robot,
     pub family: &'static str,
     /// Pose of the TCP at the home position.
     pub pose: Pose,
-    /// Elevation of the tool for the envelope, rad.
+    /// Elevation of the tool axis at which the envelope is computed, rad.
     pub elevation: f64,
     pub size: Size,
     pub step: f64,
 }
 
 impl<'a> RobotDataSheet<'a> {
-    /// Computes the data sheet for the elevation that is fixed by the arm's build, or else with the tool
-    /// pointing down.
+    /// Computes the data sheet of a robot.
+    ///
+    /// The tool has the elevation that the build of the arm enforces. If the arm can choose it, the tool
+    /// points down.
     pub fn new(robot: &'a Robot, progress: &(dyn Fn(u64, u64) + Sync)) -> Self {
         let chain = Chain::new(robot);
         let inverse = Inverse::new(&chain);

@@ -9,13 +9,13 @@ use crate::reading::{ErrorSource, Figures, MAX_SOURCES, PostureErrors, WorstCase
 use crate::robot::Frames;
 use nalgebra::{Matrix3, Vector3};
 
-/// Row of the D-H table at the posture: `Rz(theta) Tz(r) Tx(l) Rx(alpha)`.
+/// Row of the Denavit-Hartenberg table at the explained posture: `Rz(theta) Tz(r) Tx(l) Rx(alpha)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DhRow {
     pub kind: JointKind,
-    /// Actuator coordinate, rad or m.
+    /// Coordinate of the actuator (before joint coupling), rad or m.
     pub q: f64,
-    /// Whether the coordinate is within its limits.
+    /// Whether the actuator coordinate `q` is within the joint limits.
     pub allowed: bool,
     pub theta: f64,
     pub r: f64,
@@ -23,29 +23,29 @@ pub struct DhRow {
     pub alpha: f64,
 }
 
-/// Effect of one parameter, base frame.
+/// Effect of one error parameter on the TCP, base frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ParameterEffect {
     pub source: ErrorSource,
     pub motions: Vec<ParameterMotion>,
-    /// Value in the explained sample, m or rad.
+    /// Value of the parameter in the explained sample (the signed sample or the worst corner), m or rad.
     pub value: f64,
-    /// Effect of a unit of the parameter on the robot alone.
+    /// Effect of one unit (1 m or 1 rad) of the parameter on the TCP, without registration and pick.
     pub alone: Displacement,
-    /// Effect of a unit of the parameter that registration and pick do not remove.
+    /// Effect of one unit of the parameter on the TCP that remains after registration and pick.
     pub left: Displacement,
 }
 
 impl ParameterEffect {
-    /// Returns the linear term: the remaining effect times the value.
+    /// Returns the linear term of this parameter: [`Self::left`] times [`Self::value`].
     pub fn term(&self) -> Displacement {
         self.left * self.value
     }
 
-    /// Returns the sum of the effects of a parameter's motions on the TCP.
+    /// Returns the effect of a parameter on the TCP: the sum over the small motions that it causes.
     ///
-    /// Motions of the equipment worked on count with the opposite sign, since the TCP is seen from the work.
-    /// Other equipment has no effect.
+    /// Motions of the operation's own equipment (index `own`) have the opposite sign, because the error is
+    /// relative to that equipment. Other equipment has no effect.
     fn alone(parameter: Parameter, own: usize, motions: &[ParameterMotion]) -> Displacement {
         let sum = motions.iter().fold(Displacement::NONE, |sum, motion| sum + motion.effect());
         match parameter {
@@ -57,11 +57,11 @@ impl ParameterEffect {
     }
 }
 
-/// Row of a sense, and the error in that row, m or rad.
+/// Row of a sense, with the component of the error that the row measures, m or rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SenseRow {
     pub turns: bool,
-    /// Direction in the base frame; its length is the weight.
+    /// Direction of the row in the base frame; the length of this vector is the weight.
     pub direction: Vector3<f64>,
     pub value: f64,
 }
@@ -76,9 +76,9 @@ pub struct Explanation<'a> {
     /// Nonlinear error of the robot alone, before registration and pick remove a part of it.
     pub robot: Displacement,
     pub sense: Vec<SenseRow>,
-    /// Deviation of the linear model from the nonlinear one, as a share.
+    /// Deviation of the linear model from the nonlinear model, as a share of the nonlinear error.
     pub linear_off: f64,
-    /// Deviation of the second-order model from the nonlinear one, as a share.
+    /// Deviation of the second-order model from the nonlinear model, as a share of the nonlinear error.
     pub second_order_off: f64,
 }
 
@@ -117,12 +117,12 @@ impl<'a> Explanation<'a> {
         Self { rows, lines, worst, robot, sense, linear_off, second_order_off, judged, context }
     }
 
-    /// Returns the figures in the operation's sense.
+    /// Returns the error figures of the posture in the operation's sense, m or rad.
     pub fn figures(&self) -> &Figures {
         &self.judged.figures[self.context.evaluator.own()]
     }
 
-    /// Returns the deviation of the chosen model from the nonlinear one, as a share.
+    /// Returns the deviation of the cell's model from the nonlinear model, as a share of the nonlinear error.
     pub fn off(&self) -> f64 {
         match self.context.evaluator.model {
             Model::Nonlinear => 0.0,
@@ -131,12 +131,14 @@ impl<'a> Explanation<'a> {
         }
     }
 
-    /// Returns whether the chosen model is within the guard of the cell.
+    /// Returns whether the deviation of the cell's model is at most the guard, the cell's threshold of trust.
     pub fn trusted(&self) -> bool {
         self.off() <= self.context.cell.guard
     }
 
-    /// Returns whether a registration, equipment errors or a pick change the robot's error.
+    /// Returns whether the explained error differs from that of the robot alone.
+    ///
+    /// A registration, a pick or an error of the equipment makes the two errors differ.
     pub fn takes_off(&self) -> bool {
         let situation = &self.context.situation;
         situation.reference.is_some()
@@ -145,7 +147,7 @@ impl<'a> Explanation<'a> {
             || self.lines.iter().any(|l| matches!(l.source.parameter, Parameter::Equipment(..)))
     }
 
-    /// Returns the unit of the reading's value.
+    /// Returns the unit of the value that the reading gives: length, angle or share.
     pub fn unit(&self) -> Unit {
         match (self.context.evaluator.reading, self.context.cell.unit()) {
             (Reading::Statistical, Unit::Share) => Unit::Share,
@@ -171,7 +173,7 @@ fn dh_rows(context: &PostureContext<'_>) -> Vec<DhRow> {
     rows.collect()
 }
 
-/// Returns the rows of the operation's sense, base frame.
+/// Returns the rows of the operation's sense in the base frame, each with its component of `error`.
 fn sense_rows(context: &PostureContext<'_>, error: &Displacement) -> Vec<SenseRow> {
     let PostureContext { evaluator, situation, frames, .. } = context;
     let axes: &Matrix3<f64> = match evaluator.sense.frame {
@@ -188,7 +190,7 @@ fn sense_rows(context: &PostureContext<'_>, error: &Displacement) -> Vec<SenseRo
     evaluator.sense.rows().iter().map(row).collect()
 }
 
-/// Returns the vector from the TCP to the point of the sense, base frame, m.
+/// Returns the vector from the TCP to the point whose error the sense measures, base frame, m.
 fn arm(context: &PostureContext<'_>, frames: &Frames) -> Vector3<f64> {
     frames.tcp.rotation * context.evaluator.sense.point
 }

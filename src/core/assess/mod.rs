@@ -2,7 +2,7 @@
 //!
 //! An [`Assessment`] is the full evaluation of one layout. A [`Comparison`] holds several with the same
 //! operations, readings and objective. [`BudgetReport`] (the error budget), [`Explanation`] and
-//! [`ErrorDistribution`] concern one posture. [`Readings`] concern one layout in every reading.
+//! [`ErrorDistribution`] concern one posture. [`Readings`] compares every reading of one layout.
 
 mod budget;
 mod distribution;
@@ -39,18 +39,20 @@ pub struct Assessment<'a> {
     pub layout: Layout,
     pub evaluation: Evaluation,
     pub maps: Vec<OperationMap>,
-    /// Spots refined between the nodes, one per operation; None without a spot or without a choice.
+    /// Spots refined between the nodes of the grid, one per operation.
+    ///
+    /// An entry is None if the operation has no spot, lists its points, or happens at all of its nodes.
     pub refined: Vec<Option<Refined>>,
-    /// Effect of misplacement on every operation; empty unless [`Self::misplaced`] was called.
+    /// Effect of the placement tolerances on every operation; empty unless [`Self::misplaced`] was called.
     pub robustness: Vec<Option<Robustness>>,
-    /// Monte Carlo estimates of each spot in the statistical reading.
+    /// Monte Carlo estimates at the spot of each operation; None unless the reading is statistical.
     pub samples: Vec<Option<MonteCarlo>>,
-    /// Nearest layout without overlap, if equipment overlaps.
+    /// Nearest layout found without overlaps; None if no equipment overlaps, or if none was found.
     pub apart: Option<Layout>,
 }
 
 impl<'a> Assessment<'a> {
-    /// Assesses one layout.
+    /// Evaluates one layout, maps its operations and refines their spots.
     pub fn new(label: &str, workcell: &'a Workcell, layout: Layout) -> Self {
         let evaluation = evaluate(workcell, &layout);
         let maps = workcell.maps(&layout);
@@ -72,13 +74,13 @@ impl<'a> Assessment<'a> {
         }
     }
 
-    /// Adds the effect of misplacement.
+    /// Adds the effect of the placement tolerances ([`Self::robustness`]).
     pub fn misplaced(mut self) -> Self {
         self.robustness = self.workcell.robustness(&self.layout, &self.maps);
         self
     }
 
-    /// Returns whether the layout stays feasible and within its limits for all placements in tolerance.
+    /// Returns whether the layout is feasible and within its limits for all placements inside the tolerances.
     ///
     /// Call [`Self::misplaced`] first.
     pub fn is_robust(&self) -> bool {
@@ -86,7 +88,9 @@ impl<'a> Assessment<'a> {
         self.evaluation.objective.is_some() && self.robustness.iter().all(holds)
     }
 
-    /// Returns coarse outlines, in plan (world, m), of the reach at the height of an operation's TCP.
+    /// Returns coarse outlines of the region that the arm reaches at the height of an operation's TCP.
+    ///
+    /// Points are (x, y) in the world frame, m. The tool has the attitude of the operation.
     pub fn reachable(&self, operation: usize) -> Vec<Vec<(f64, f64)>> {
         let inverse = self.workcell.inverse();
         let attitude = &self.layout.attitudes[operation];
@@ -101,56 +105,65 @@ impl<'a> Assessment<'a> {
         plan.outlines.iter().map(|o| o.points.iter().map(|p| world(*p)).collect()).collect()
     }
 
-    /// Returns the spot of an operation: its best usable node.
+    /// Returns the spot of an operation, which is its best usable node, with the posture there.
     pub fn spot(&self, operation: usize) -> Option<(&NodeRecord, &PostureRecord)> {
         let node = self.maps[operation].best_node()?;
         Some((node, node.posture.as_ref()?))
     }
 
-    /// Returns the figures at the spot of an operation in a reported sense, m or rad.
+    /// Returns the error figures at the spot of an operation in the sense of that name, m or rad.
+    ///
+    /// Returns None without a spot, or if the map does not report the sense.
     pub fn figures(&self, operation: usize, sense: &str) -> Option<&Figures> {
         let place = self.maps[operation].sense(sense)?;
         self.spot(operation).map(|(_, posture)| &posture.figures[place])
     }
 
-    /// Returns the value of the reading at the spot of an operation in a reported sense, mm or degrees.
+    /// Returns the value of the reading at the spot of an operation in the sense of that name, mm or degrees.
+    ///
+    /// Returns None without a spot, or if the map does not report the sense.
     pub fn error_at(&self, operation: usize, sense: &str) -> Option<f64> {
         let unit = self.maps[operation].senses[self.maps[operation].sense(sense)?].unit;
         let figures = self.figures(operation, sense)?;
         Some(unit.from_si(figures.in_reading(self.cell.reading, self.cell.quantity)))
     }
 
-    /// Returns whether the samples confirm the first-order figures of a spot; None without samples.
+    /// Returns whether the Monte Carlo samples confirm the first-order figures at the spot of an operation.
+    ///
+    /// Returns None if the operation has no samples.
     pub fn first_order_holds(&self, operation: usize) -> Option<bool> {
         let name = &self.cell.operations[operation].sense.name;
         Some(self.samples[operation].as_ref()?.confirms(self.figures(operation, name)?))
     }
 
-    /// Returns the value of each of [`crate::cell::Goal::ALL`]: m, rad, m2 or a share; None if infeasible.
+    /// Returns the values of all goals in the order of [`crate::cell::Goal::ALL`]: m, rad, m2 or a share.
+    ///
+    /// Returns None if the layout is infeasible.
     pub fn goals(&self) -> Option<Vec<f64>> {
         self.workcell.goals(&self.layout, &self.evaluation, &Goals::all())
     }
 
-    /// Returns the objective in mm, degrees or as a share; None if infeasible.
+    /// Returns the objective in mm, degrees or as a share; None if the layout is infeasible.
     pub fn objective(&self) -> Option<f64> {
         self.evaluation.objective.map(|o| self.cell.unit().from_si(o))
     }
 
-    /// Returns the objective in mm; None if it is not a length.
+    /// Returns the objective in mm; None if it is not a length or the layout is infeasible.
     pub fn objective_mm(&self) -> Option<f64> {
         self.objective().filter(|_| self.cell.unit() == Unit::Length)
     }
 
-    /// Returns the limit of an operation and the margin to it.
+    /// Returns the limit of an operation and the margin that is left.
     ///
-    /// It is None without a spot, without a limit, or if the limit is part of the quantity (yield).
+    /// Returns None if the operation has no spot or no limit. Under the quantity yield it is None as well,
+    /// because the yield already contains the limit.
     pub fn requirement(&self, operation: usize) -> Option<Requirement> {
         let limit = self.cell.operations[operation].limit.filter(|_| self.cell.unit() != Unit::Share)?;
         let value = self.maps[operation].value?;
         Some(Requirement { limit, margin: limit - value })
     }
 
-    /// Returns whether every operation with a limit keeps it.
+    /// Returns whether every operation that has a limit and a spot keeps this limit.
     pub fn meets_requirements(&self) -> bool {
         (0..self.maps.len()).filter_map(|k| self.requirement(k)).all(Requirement::is_met)
     }
@@ -169,7 +182,7 @@ impl<'a> Assessment<'a> {
         all
     }
 
-    /// Returns the nearest placement of the overlapping equipment without overlap, in words.
+    /// Describes in words where to move overlapping equipment: the nearest placements found without overlap.
     fn nearest_without_overlap(&self) -> Option<String> {
         let apart = self.apart.as_ref()?;
         let moves = self.cell.equipment.iter().zip(self.layout.placements.iter().zip(&apart.placements));
@@ -181,22 +194,22 @@ impl<'a> Assessment<'a> {
     }
 }
 
-/// Limit of an operation and the margin to it, m or rad.
+/// Largest allowed error of an operation, with the margin that is left, m or rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Requirement {
     pub limit: f64,
-    /// Limit minus value; negative if the limit is exceeded.
+    /// Limit minus the value of the operation; negative if the limit is exceeded.
     pub margin: f64,
 }
 
 impl Requirement {
-    /// Returns whether the limit is kept.
+    /// Returns whether the value of the operation is at most the limit.
     pub fn is_met(self) -> bool {
         self.margin >= 0.0
     }
 }
 
-/// Number of Monte Carlo samples of a spot.
+/// Number of Monte Carlo samples that are drawn at a spot.
 pub const SAMPLES: usize = 1 << 16;
 
 fn sampled(workcell: &Workcell, layout: &Layout, maps: &[OperationMap], k: usize) -> Option<MonteCarlo> {
@@ -216,7 +229,7 @@ pub struct Comparison<'a> {
 }
 
 impl<'a> Comparison<'a> {
-    /// Returns a comparison of layouts; the first one is the reference.
+    /// Returns a comparison of layouts; the first column is the reference.
     ///
     /// # Errors
     /// Returns the reason if the layouts cannot be compared.
@@ -229,7 +242,9 @@ impl<'a> Comparison<'a> {
         Ok(Self { columns })
     }
 
-    /// Returns the change of an error from the first column in percent; None where it is undefined.
+    /// Returns the relative change of an error from the first column to `column`, in percent.
+    ///
+    /// Returns None for the first column itself, and if either error is missing or the first one is zero.
     pub fn change_percent(
         &self,
         column: usize,
@@ -239,7 +254,7 @@ impl<'a> Comparison<'a> {
         (column > 0 && first > 0.0).then(|| (this - first) / first * 100.0)
     }
 
-    /// Returns the names of the equipment of all layouts, without obstacles.
+    /// Returns the names of all equipment of the compared layouts, each name once and without obstacles.
     pub fn equipment(&self) -> Vec<&str> {
         let mut names: Vec<&str> = Vec::new();
         let all = self.columns.iter().flat_map(|c| &c.cell.equipment);

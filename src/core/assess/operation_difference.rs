@@ -1,4 +1,4 @@
-//! Comparison of two layouts node by node, and a verdict in words.
+//! Comparison of layouts node by node, and a sentence that says which layout is better.
 
 use super::{Assessment, Comparison};
 use crate::cell::Unit;
@@ -8,12 +8,12 @@ use crate::safe_text::shown;
 /// Relative difference up to which two values count as equal.
 const EQUAL_SHARE: f64 = 0.005;
 
-/// One node of an operation in two layouts.
+/// Node of an operation, with its values in two layouts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NodePair {
     pub i: usize,
     pub j: usize,
-    /// Position in the frame of the equipment, m.
+    /// Position (x, y) of the node in the frame of the equipment, m.
     pub at: (f64, f64),
     /// Value of the reading (m, rad or a share) in the first layout; None for an unusable node.
     pub first: Option<f64>,
@@ -22,7 +22,9 @@ pub struct NodePair {
 }
 
 impl NodePair {
-    /// Returns the other value minus the first: negative where the other layout is better.
+    /// Returns the value in the other layout minus the value in the first; negative if the other is better.
+    ///
+    /// Returns None if the node is unusable in either layout.
     pub fn difference(&self) -> Option<f64> {
         Some(self.other? - self.first?)
     }
@@ -36,15 +38,15 @@ pub struct OperationDifference {
 }
 
 impl OperationDifference {
-    /// Returns how many nodes have a smaller and how many a larger error in the other layout.
+    /// Returns the number of nodes with a smaller error in the other layout, and of those with a larger one.
     ///
-    /// Nodes that are not usable in both layouts do not count.
+    /// Only nodes that are usable in both layouts count.
     pub fn better_and_worse(&self) -> (usize, usize) {
         let all = || self.pairs.iter().filter_map(NodePair::difference);
         (all().filter(|d| *d < 0.0).count(), all().filter(|d| *d > 0.0).count())
     }
 
-    /// Returns how many nodes are usable only in the other layout, and only in the first.
+    /// Returns the number of nodes usable only in the other layout, and of those usable only in the first.
     pub fn gained_and_lost(&self) -> (usize, usize) {
         let count = |gained: bool| {
             let one = |p: &&NodePair| p.other.is_some() == gained && p.first.is_some() != gained;
@@ -53,17 +55,17 @@ impl OperationDifference {
         (count(true), count(false))
     }
 
-    /// Returns the largest absolute difference, which scales a picture.
+    /// Returns the largest absolute difference of all nodes, from which a picture scales its colours.
     pub fn largest(&self) -> f64 {
         self.pairs.iter().filter_map(NodePair::difference).fold(0.0, |most, d| most.max(d.abs()))
     }
 }
 
 impl Comparison<'_> {
-    /// Compares every operation of a column with the first column, node by node.
+    /// Compares every operation of layout `column` with the first layout, node by node.
     ///
     /// # Errors
-    /// Returns a message if the nodes are at other places of the surface.
+    /// Returns a message if the two layouts have their nodes at different places of the surface.
     pub fn differences(&self, column: usize) -> Result<Vec<OperationDifference>, String> {
         let (first, other) = (&self.columns[0], &self.columns[column]);
         let maps = first.maps.iter().zip(&other.maps).enumerate();
@@ -82,7 +84,7 @@ impl Comparison<'_> {
         .collect()
     }
 
-    /// Returns a sentence for each operation of each column but the first: which layout is better.
+    /// Returns one sentence per operation of each layout after the first: which of the two layouts is better.
     pub fn in_words(&self) -> Vec<String> {
         let Some((first, others)) = self.columns.split_first() else { return Vec::new() };
         let all = others
@@ -98,7 +100,7 @@ fn pair(first: &Assessment<'_>, map: &OperationMap, x: &NodeRecord, y: &NodeReco
     NodePair { i: x.i, j: x.j, at: (place.x, place.y), first: value(x), other: value(y) }
 }
 
-/// Returns the value of a usable node.
+/// Returns the value of a node; None if the node is not usable.
 fn value(node: &NodeRecord) -> Option<f64> {
     node.usable_posture().map(|p| p.value)
 }

@@ -1,32 +1,32 @@
-//! Small motions that a parameter error causes: rotations about, or translations along, an axis.
+//! Small motions that a parameter error causes: rotations about an axis, or translations along it.
 
 use crate::cell::{JointKind, Parameter};
 use crate::pose::{Displacement, Pose};
 use crate::robot::{Chain, Frames};
 use nalgebra::Vector3;
 
-/// Frame whose axis a motion follows.
+/// Frame whose axis is the axis of a small motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MotionFrame {
     Base,
-    /// Frame after this number of D-H rows.
+    /// Link frame after this number of Denavit-Hartenberg rows.
     Link(usize),
     /// Frame of a joint, counted from 0.
     Joint(usize),
     Tcp,
-    /// Frame of the equipment worked on.
+    /// Frame of the equipment on which the operation happens.
     Work,
 }
 
-/// Small motion of a parameter, base frame.
+/// Small motion that a parameter error causes, base frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ParameterMotion {
     pub place: MotionFrame,
-    /// Axis of that frame: 0, 1, 2 for x, y, z.
+    /// Index of the axis in the frame `place`: 0, 1, 2 for x, y, z.
     pub axis: usize,
-    /// Whether it is a rotation; otherwise it is a translation.
+    /// Whether the motion is a rotation; otherwise it is a translation.
     pub turns: bool,
-    /// Size of the motion per unit of the parameter; only a joint coupling makes it differ from 1.
+    /// Size of the motion per unit of the parameter; always 1 unless the joints are coupled.
     pub factor: f64,
     pub direction: Vector3<f64>,
     /// Vector from the origin of the frame to the TCP, m.
@@ -34,7 +34,10 @@ pub struct ParameterMotion {
 }
 
 impl ParameterMotion {
-    /// Returns the effect of a unit of the parameter: `w x (p - o)` for a rotation, `w` for a translation.
+    /// Returns the displacement of the TCP per unit of the parameter.
+    ///
+    /// A rotation moves the TCP by `w x (p - o)`, a translation by `w`. Here `w` is the axis, `p` the TCP and
+    /// `o` the origin of the frame. The result is multiplied by [`Self::factor`].
     pub fn effect(&self) -> Displacement {
         let unit = match self.turns {
             true => Displacement { position: self.direction.cross(&self.lever), rotation: self.direction },
@@ -44,9 +47,9 @@ impl ParameterMotion {
     }
 }
 
-/// Returns the motions that a unit of a parameter makes at a posture.
+/// Returns the small motions that one unit of a parameter causes at a posture (given by `frames`).
 ///
-/// A parameter of the equipment moves the frame `work`.
+/// If the parameter belongs to equipment, the moved frame is `work`.
 pub fn motions(chain: &Chain, frames: &Frames, work: &Pose, parameter: Parameter) -> Vec<ParameterMotion> {
     let one = |place: MotionFrame, axis: usize, turns: bool, factor: f64| {
         let frame = match place {

@@ -1,4 +1,4 @@
-//! Context of one posture of one operation: everything that its errors depend on, for `budget` and `explain`.
+//! Context of one posture of an operation: all data that `budget` and `explain` need for its errors.
 
 use crate::cell::{Cell, JointVector, Layout, Placement, Registration};
 
@@ -9,30 +9,30 @@ use crate::robot::Frames;
 use crate::safe_text::shown;
 use nalgebra::Vector3;
 
-/// Choice of a node of the grid.
+/// Choice of a node of the grid: the best one, or the one with given indices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NodeChoice {
     Best,
     Node(usize, usize),
 }
 
-/// Reason why there is no posture.
+/// Reason why a node has no posture; the text is the message for the user.
 #[derive(Debug, Clone, PartialEq)]
 pub enum NoPosture {
-    /// The grid has no such node.
+    /// The grid has no node with the given indices.
     Outside(String),
-    /// The node cannot be used.
+    /// The node exists but cannot be used.
     Unusable(String),
 }
 
-/// Posture of an operation with the context of its errors.
+/// Posture of an operation with all data that its errors depend on.
 pub struct PostureContext<'a> {
     pub cell: &'a Cell,
-    /// Index into [`Cell::operations`].
+    /// Operation as an index into [`Cell::operations`].
     pub operation: usize,
     /// Placement of the robot base in the world.
     pub base: Placement,
-    /// Indices (i, j) of the node; None for given joint coordinates.
+    /// Indices (i, j) of the node; None if the posture was given as joint coordinates.
     pub node: Option<(usize, usize)>,
     /// Position of the TCP in the world, m.
     pub position: Vector3<f64>,
@@ -43,10 +43,10 @@ pub struct PostureContext<'a> {
 }
 
 impl<'a> PostureContext<'a> {
-    /// Returns the posture at a node of the map of an operation.
+    /// Returns the posture at a node of an operation's map, with its context.
     ///
     /// # Errors
-    /// Returns the reason if the node has no posture.
+    /// Returns the reason if the node does not exist or has no usable posture.
     pub fn at(
         workcell: &'a Workcell,
         layout: &Layout,
@@ -89,13 +89,13 @@ impl<'a> PostureContext<'a> {
         })
     }
 
-    /// Returns the posture at joint coordinates in the layout of the file.
+    /// Returns the posture with given joint coordinates, with its context in the layout of the file.
     ///
-    /// `workcell` is the prepared workcell, or the reason why it cannot be prepared. Only a taught frame or a
-    /// pick needs the workcell, because they depend on the inverse kinematics.
+    /// `workcell` is the prepared workcell, or the reason why it cannot be prepared. It is needed only for a
+    /// taught frame or a pick, which depend on the inverse kinematics.
     ///
     /// # Errors
-    /// Returns the reason if a taught frame or a pick is unknown.
+    /// Returns the reason if the taught frame or the pick of the operation cannot be computed.
     pub fn of_joints(
         cell: &'a Cell,
         workcell: Result<&Workcell, &str>,
@@ -122,8 +122,7 @@ impl<'a> PostureContext<'a> {
     }
 }
 
-/// Returns the context of the errors of an operation with a taught frame or a pick, from the postures of
-/// other points.
+/// Returns the context of the errors of an operation whose taught frame or pick depends on other postures.
 fn situation_elsewhere(
     cell: &Cell,
     workcell: Result<&Workcell, &str>,
@@ -169,7 +168,7 @@ pub fn no_usable_node(cell: &Cell, map: &OperationMap) -> String {
     format!("{name} has no usable node: {}{}", counts.join(", "), unjudged.unwrap_or_default())
 }
 
-/// Returns why a map has no best node, with the overlap that blocks its equipment.
+/// Returns why a map has no best node, including any overlap that blocks the equipment.
 pub fn no_spot(cell: &Cell, map: &OperationMap) -> String {
     let blocked = map.nodes.iter().find(|n| matches!(n.status, Status::Overlap(_)));
     let overlap = blocked.map_or(String::new(), |n| format!("; {}", n.status.reason(cell)));

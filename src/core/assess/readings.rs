@@ -1,7 +1,8 @@
 //! Comparison of readings: the layout of the file under every reading and registration.
 //!
-//! It gives the spot that each of them would choose, and the regret of the signed choice: its value divided
-//! by the least value.
+//! For each reading the comparison gives the spot that this reading would choose, and the regret of the
+//! signed spot. The regret is the value of the signed spot under that reading, divided by the least value
+//! under it.
 
 use super::posture_context::no_spot;
 use crate::cell::{About, Cell, Interpretation, Quantity, Reading, Registration, Unit};
@@ -14,11 +15,11 @@ use nalgebra::Vector3;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReadingChoice {
     pub node: (usize, usize),
-    /// Position in the world, m.
+    /// Position of the node in the world, m.
     pub position: Vector3<f64>,
-    /// Value: m, rad or a share of failures.
+    /// Value of the node under the reading: m, rad or a share of failures.
     pub value: f64,
-    /// Distance from the spot of the signed reading, m; None if that has none.
+    /// Distance from the spot of the signed reading, m; None if the signed reading has no spot.
     pub moved: Option<f64>,
 }
 
@@ -28,11 +29,11 @@ pub struct ReadingRow {
     pub reading: Reading,
     pub quantity: Quantity,
     pub registration: Registration,
-    /// Best node, or why there is none.
+    /// Best node, or the reason why no node can be used.
     pub choice: Result<ReadingChoice, String>,
-    /// Value of the posture that the signed reading chooses under this registration.
+    /// Value, under this reading, of the posture that the signed reading chooses with the same registration.
     pub at_signed: Option<f64>,
-    /// Value of the posture that this reading would choose without registration.
+    /// Value, under this registration, of the posture that the same reading chooses without registration.
     pub at_unregistered: Option<f64>,
     pub unit: Unit,
 }
@@ -53,7 +54,7 @@ impl ReadingRow {
         self.choice.as_ref().ok().map(|c| c.value)
     }
 
-    /// Returns the ratio of the value at the signed choice to the least value.
+    /// Returns the regret: the value at the signed spot ([`Self::at_signed`]) divided by the least value.
     pub fn ratio(&self) -> Option<f64> {
         let value = self.value().filter(|v| *v > NEGLIGIBLE)?;
         Some(self.at_signed? / value).filter(|r| r.is_finite())
@@ -67,7 +68,7 @@ pub struct Readings<'a> {
 }
 
 impl<'a> Readings<'a> {
-    /// Computes the results of a cell.
+    /// Computes the spots of a cell under all readings and registrations.
     ///
     /// # Errors
     /// Returns the reason if the robot cannot be used.
@@ -105,7 +106,8 @@ impl<'a> Readings<'a> {
         self.operations.iter().flatten().any(|row| row.choice.is_ok())
     }
 
-    /// Returns the row with the largest regret, with its operation and the ratio.
+    /// Returns the largest regret: the index of the operation, the row and the regret itself
+    /// ([`ReadingRow::ratio`]).
     pub fn largest_regret(&self) -> Option<(usize, &ReadingRow, f64)> {
         let all = self.operations.iter().enumerate().flat_map(|(k, rows)| rows.iter().map(move |r| (k, r)));
         let ratios = all.filter_map(|(k, row)| Some((k, row, row.ratio()?)));
@@ -115,17 +117,17 @@ impl<'a> Readings<'a> {
         })
     }
 
-    /// Returns the worst case of an operation under a registration.
+    /// Returns the row of the worst-case reading of an operation under a registration.
     pub fn worst_case(&self, operation: usize, registration: Registration) -> Option<&ReadingRow> {
         let wanted = |r: &&ReadingRow| r.reading == Reading::WorstCase && r.registration == registration;
         self.operations[operation].iter().find(wanted)
     }
 }
 
-/// Maps of all operations.
+/// Error maps of one workcell, one per operation.
 type Maps = Vec<OperationMap>;
 
-/// Returns every reading that suits a cell under a registration, the signed one first.
+/// Returns every reading that the error set of a cell allows under a registration, the signed reading first.
 fn answerable(cell: &Cell, registration: Registration) -> Vec<Interpretation> {
     let kinds = [
         (Reading::Signed, cell.quantity),
@@ -140,9 +142,9 @@ fn answerable(cell: &Cell, registration: Registration) -> Vec<Interpretation> {
     kinds.into_iter().map(read).filter(answers).collect()
 }
 
-/// Returns the result of one operation under the reading of the workcell.
+/// Returns the result of operation `k` under the reading of the workcell, whose maps are `maps`.
 ///
-/// `signed` are the maps of the signed reading, `plain` those without registration.
+/// The maps of the signed reading are `signed`; the maps without registration are `plain`.
 fn row(
     workcell: &Workcell,
     maps: &Maps,
@@ -171,7 +173,8 @@ fn row(
     }
 }
 
-/// Returns the value, in the reading of the workcell, of the posture that other maps choose.
+/// Returns the value, under the reading of the workcell, of the posture at the best node of the maps
+/// `chosen`.
 fn value_at_choice(workcell: &Workcell, maps: &Maps, chosen: &Maps, k: usize) -> Option<f64> {
     let place = chosen[k].best?;
     let posture = chosen[k].nodes[place].posture.as_ref()?;

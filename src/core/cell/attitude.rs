@@ -1,7 +1,7 @@
 //! Attitude: how an operation holds the tool.
 //!
-//! The tool axis points at an elevation above the horizontal and, seen from above, along an azimuth.
-//! The horizontal unit vector of the azimuth is `h`, and `z` points up:
+//! The tool axis points at an elevation above the horizontal and, seen from above, along an azimuth. Let `h`
+//! be the horizontal unit vector along the azimuth and `z` the upward unit vector. Then:
 //!
 //! ```text
 //! d = cos(elevation) h + sin(elevation) z          the tool axis
@@ -9,16 +9,16 @@
 //! r = cos(spin) w + sin(spin) (d x w)              the reference axis of the tool
 //! ```
 //!
-//! Then a tool pointing down with spin 0 has its reference axis along the azimuth. The reference axis is the
-//! first of the x, y, z axes of the TCP that is perpendicular to the tool axis.
+//! The reference axis is the first of the x, y and z axes of the TCP that is perpendicular to the tool axis.
+//! If the tool points down with spin 0, the reference axis lies along the azimuth.
 
 use crate::pose::exact_sin_cos;
 use nalgebra::{Matrix3, Vector3};
 
-/// Number of values tried for a free angle, in steps of 30 degrees.
+/// Number of values that are tried for a free azimuth or spin: one every 30 degrees.
 pub const FREE_STEPS: usize = 12;
 
-/// Absolute cosine below which an angle counts as a right angle.
+/// Largest absolute cosine of an angle that counts as a right angle.
 const RIGHT_ANGLE: f64 = 1e-12;
 
 /// Azimuth of the tool axis: its heading seen from above.
@@ -26,8 +26,8 @@ const RIGHT_ANGLE: f64 = 1e-12;
 pub enum Azimuth {
     /// Any azimuth is allowed.
     Free,
-    /// The tool axis lies in the vertical plane through the base axis of the robot: outward or, where the arm
-    /// can, inward.
+    /// The tool axis lies in the vertical plane through the robot's base axis. It points outward, or inward
+    /// if the arm allows that.
     Radial,
     /// The tool axis heads at this angle from the x axis of the surface, rad.
     Surface(f64),
@@ -36,9 +36,9 @@ pub enum Azimuth {
 /// Spin of the tool: its rotation about the tool axis.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Spin {
-    /// Any spin is allowed; an arm that can choose its spin tries [`FREE_STEPS`] values.
+    /// Any spin is allowed. If the arm can choose the spin, [`FREE_STEPS`] values are tried.
     Free,
-    /// The spin is one of these angles, rad.
+    /// The spin must be one of these angles, rad.
     At(Vec<f64>),
 }
 
@@ -47,13 +47,13 @@ pub enum Spin {
 pub struct Attitude {
     /// Elevation of the tool axis above the horizontal, rad; -pi/2 points down.
     ///
-    /// The seed paper calls it the tool bending angle.
+    /// The seed paper calls this elevation the tool bending angle.
     pub elevation: f64,
     pub azimuth: Azimuth,
     pub spin: Spin,
     /// Largest allowed tilt of the tool axis, rad.
     ///
-    /// An arm that cannot choose azimuth and spin may miss these by the same angle.
+    /// If the arm cannot choose azimuth and spin, they may differ from the required ones by this angle, too.
     pub tolerance: f64,
 }
 
@@ -63,18 +63,18 @@ impl Attitude {
         Self { elevation, azimuth: Azimuth::Free, spin: Spin::Free, tolerance: 0.0 }
     }
 
-    /// Returns whether the tool is vertical. The azimuth is then only the direction from which the spin
-    /// counts.
+    /// Returns whether the tool axis is vertical. The azimuth then only defines the direction of spin 0.
     pub fn is_vertical(&self) -> bool {
         self.elevation.cos().abs() < RIGHT_ANGLE
     }
 
-    /// Returns the spins to try if the spin is free, rad.
+    /// Returns the spins that are tried if the spin is free, rad.
     pub fn free_spins() -> impl Iterator<Item = f64> {
         (0..FREE_STEPS).map(free_step)
     }
 
-    /// Returns the azimuths to try, rad, from the x axis of the surface or from the radial direction.
+    /// Returns the azimuths to try, rad. They are measured from the x axis of the surface, or from the
+    /// outward radial direction if the azimuth is [`Azimuth::Radial`].
     pub fn azimuths(&self) -> Vec<f64> {
         match self.azimuth {
             Azimuth::Free if self.is_vertical() => vec![0.0],
@@ -90,7 +90,10 @@ fn free_step(k: usize) -> f64 {
     std::f64::consts::TAU * k as f64 / FREE_STEPS as f64
 }
 
-/// Returns the axes r, d x r, d of a tool with these angles (rad) as columns; the azimuth counts from x.
+/// Returns the rotation matrix of a tool with these angles (rad), where the azimuth is measured from the x
+/// axis.
+///
+/// The columns are r, d x r and d: r is the reference axis, d the tool axis.
 pub fn held(elevation: f64, azimuth: f64, spin: f64) -> Matrix3<f64> {
     let (sin, cos) = exact_sin_cos(elevation);
     let (h_y, h_x) = exact_sin_cos(azimuth);
@@ -101,8 +104,9 @@ pub fn held(elevation: f64, azimuth: f64, spin: f64) -> Matrix3<f64> {
     Matrix3::from_columns(&[r, d.cross(&r), d])
 }
 
-/// Returns the axes of [`held`] as columns in the frame of the TCP, given the tool axis in that frame (unit
-/// length).
+/// Returns the axes r, d x r and d of [`held`] as columns in the frame of the TCP.
+///
+/// Here r is the reference axis of the tool, and d is the tool axis `axis` (unit length).
 pub fn tool_columns(axis: &Vector3<f64>) -> Matrix3<f64> {
     let unit = [Vector3::x(), Vector3::y(), Vector3::z()];
     let square = unit.into_iter().find(|e| e.dot(axis).abs() < RIGHT_ANGLE);

@@ -1,13 +1,13 @@
-//! Changes of a validated cell: each function returns a valid cell again.
+//! Changes of a validated cell; each function returns a cell that is valid, too.
 //!
-//! Only this folder and the reader of files change the fields of a cell.
+//! No code outside this folder changes the fields of a cell, except the reader of cell files.
 
 use super::coordinate::Coordinate;
 use super::layout::Slot;
 use super::model::Cell;
 
 impl Cell {
-    /// Returns the coordinate of a slot of the layout.
+    /// Returns the coordinate in a slot of the layout; None if the cell has no such coordinate.
     pub fn coordinate(&self, slot: Slot) -> Option<&Coordinate> {
         match slot {
             Slot::Base(axis) => self.base.get(axis),
@@ -24,7 +24,7 @@ impl Cell {
         }
     }
 
-    /// Returns this cell with other start values (m or rad).
+    /// Returns this cell with other start values (m or rad) in the given slots.
     ///
     /// If `frees` is true, a fixed coordinate that gets another value becomes the range from the old value to
     /// the new one.
@@ -38,11 +38,12 @@ impl Cell {
         cell
     }
 
-    /// Returns this cell with the ranges of `wide` for its fixed coordinates, so that a result can be
-    /// searched again.
+    /// Returns this cell with fixed coordinates made free again: each gets its range in the cell `wide`.
     ///
-    /// A coordinate becomes free only if its value lies in the range. The cell stays unchanged if `wide` has
-    /// other equipment or operations.
+    /// A result, whose coordinates are fixed, can thus be searched further.
+    ///
+    /// A coordinate becomes free only if its value lies in its range in `wide`. The cell stays unchanged if
+    /// the names of equipment or operations in `wide` differ.
     pub fn with_ranges_of(mut self, wide: &Cell) -> Cell {
         let same = |a: &Cell, b: &Cell| {
             a.equipment.iter().map(|e| &e.name).eq(b.equipment.iter().map(|e| &e.name))
@@ -73,7 +74,7 @@ impl Cell {
         self
     }
 
-    /// Returns this cell with another seed or budget of its search.
+    /// Returns this cell with another seed or budget of its search; None keeps the present value.
     ///
     /// # Errors
     /// Returns an error if the budget is out of range.

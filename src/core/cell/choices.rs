@@ -8,11 +8,11 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Model {
-    /// Nonlinear model, eqs. (4)-(6).
+    /// Nonlinear model, eqs. (4)-(6) of the seed paper.
     Nonlinear,
-    /// Linear model, eqs. (7)-(8).
+    /// Linear model, eqs. (7)-(8) of the seed paper.
     Linear,
-    /// Second-order model: the linear one plus the quadratic form (section 2.3).
+    /// Second-order model: the linear model plus the quadratic terms (section 2.3 of the seed paper).
     SecondOrder,
 }
 
@@ -79,15 +79,16 @@ impl Quantity {
     }
 }
 
-/// Registration: what has been measured with the robot itself, which removes part of its errors.
+/// Registration: frame that has been measured with the robot itself, which removes a part of the robot's
+/// errors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Registration {
-    /// Nothing: the robot base is placed as drawn.
+    /// No frame is measured: the robot base is placed as drawn.
     None,
-    /// Base frame, as a best fit over the workspace.
+    /// The base frame is measured, as a best fit over the workspace.
     BestFit,
-    /// Frame of each work surface, taught by touching three points.
+    /// The frame of each work surface is taught by touching three points.
     Taught,
 }
 
@@ -115,7 +116,7 @@ pub enum NodeAggregation {
     Mean,
     /// 95th percentile of the values, for an operation that happens at every node.
     ///
-    /// It is the least value that at least 95 % of the nodes do not exceed.
+    /// The percentile is the least value that at least 95 % of the nodes do not exceed.
     P95,
 }
 
@@ -132,12 +133,12 @@ impl NodeAggregation {
         }
     }
 
-    /// Returns whether every node must be reached.
+    /// Returns whether the operation happens at every node, so that all nodes must be usable.
     pub fn needs_every_node(self) -> bool {
         self != NodeAggregation::Best
     }
 
-    /// Combines the values of all nodes into one; sorts `values`.
+    /// Combines the values of all nodes into one value, and sorts `values` in place.
     pub fn of(self, values: &mut [f64]) -> f64 {
         values.sort_by(f64::total_cmp);
         let count = values.len();
@@ -159,7 +160,8 @@ pub enum Objective {
     WeightedSum,
     #[serde(rename = "max")]
     WeightedMaximum,
-    /// Operations in the order of the file: a later one decides only where all earlier ones are equally good.
+    /// Values compared in the order of the operations in the file. A later operation decides only between
+    /// layouts that are equally good for all earlier ones.
     Lexicographic,
 }
 
@@ -200,20 +202,23 @@ impl Solver {
 pub struct SearchSettings {
     pub solver: Solver,
     pub objective: Objective,
-    /// Relative step of the lexicographic objective: values within one step count as equally good.
+    /// Relative difference up to which the lexicographic objective takes two values as equally good.
     pub indifference: f64,
     /// Largest number of layout evaluations.
     pub budget: u64,
     pub seed: u64,
-    /// Whether to minimize the worst value over the placement tolerances instead of the value as drawn.
+    /// Whether the search minimizes the worst value over the placement tolerances instead of the value as
+    /// drawn.
     pub robust: bool,
-    /// Relative gap to the proven bound at which the search ends.
+    /// Relative optimality gap (best value to proven lower bound) at which the search ends; None if no gap
+    /// ends it.
     pub gap: Option<f64>,
-    /// Number of evaluations without improvement after which the global solver ends.
+    /// Number of evaluations without improvement after which the global solver ends; None for no such limit.
     pub stagnation: Option<u64>,
     /// Goals of a Pareto search; empty for a search for the least error.
     pub pareto: Goals,
-    /// Number of differing layouts to report; 0 means the best alone, or the whole front.
+    /// Number of distinct layouts to report. If 0, a Pareto search reports the whole front, any other search
+    /// the best layout alone.
     pub keep: usize,
 }
 
@@ -221,7 +226,7 @@ impl SearchSettings {
     /// Allowed budgets, in layout evaluations.
     pub const BUDGETS: std::ops::RangeInclusive<u64> = 1..=1_000_000_000;
 
-    /// Settings of a cell file that states none.
+    /// Search settings of a cell file that states none.
     pub const DEFAULT: Self = Self {
         solver: Solver::CmaEs,
         objective: Objective::WeightedSum,

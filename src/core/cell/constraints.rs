@@ -1,20 +1,21 @@
-//! Constraints of a layout besides reach and collision: margins, transfers between operations, fence.
+//! Further constraints of a layout: margins, transfers between operations, and the fence.
 
 use super::robot_model::{Joint, JointKind, JointVector};
 
-/// Margins to joint limits and singularities that every posture must keep; 0 allows every posture.
+/// Margins to joint limits and singular postures that every posture must keep; a margin of 0 excludes none.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Margins {
-    /// Distance from the limits of revolute joints, rad.
+    /// Least distance from the limits of revolute joints, rad.
     pub turn: f64,
-    /// Distance from the limits of prismatic joints, m.
+    /// Least distance from the limits of prismatic joints, m.
     pub slide: f64,
     /// Least allowed singular value of the Jacobian, with lengths divided by the arm reach.
     pub singularity: f64,
 }
 
 impl Margins {
-    /// Returns the limits of a joint, moved inwards by its margin; those of a passive joint stay unchanged.
+    /// Returns the limits of a joint, moved inwards by the margin. The limits of a passive joint stay
+    /// unchanged.
     pub fn kept(&self, joint: &Joint) -> (f64, f64) {
         if joint.is_passive() {
             return joint.limits;
@@ -37,9 +38,9 @@ impl Margins {
 pub struct TransferRules {
     /// Height by which the TCP may be lifted before and after a move, m; 0 means no lift.
     pub lift: f64,
-    /// Via postures; a transfer may go through one of them.
+    /// Intermediate postures (via points); a transfer may pass through one of these postures.
     pub via: Vec<JointVector>,
-    /// Whether a transfer leads from the last operation back to the first.
+    /// Whether a transfer from the last operation back to the first is planned, too.
     pub cycle: bool,
 }
 

@@ -1,10 +1,10 @@
-//! Numbers of a cell that the search may change, or that are fixed.
+//! Coordinate of a cell: a fixed number, or a variable of the search.
 
-/// Number of a cell file: fixed, or a variable of the search.
+/// Coordinate (m or rad) of a cell: a fixed number, or a variable of the search.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Coordinate {
     Fixed(f64),
-    /// Search variable in a range.
+    /// Search variable that takes any value from `min` to `max`, m or rad.
     Range {
         min: f64,
         max: f64,
@@ -26,7 +26,7 @@ impl Coordinate {
         !matches!(self, Coordinate::Fixed(_))
     }
 
-    /// Returns the least and the greatest value.
+    /// Returns the least and the greatest value that the coordinate can take.
     pub fn range(&self) -> (f64, f64) {
         match self {
             Coordinate::Fixed(value) => (*value, *value),

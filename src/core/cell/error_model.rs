@@ -2,18 +2,21 @@
 
 use nalgebra::DMatrix;
 
-/// Parameters of one link: dq, dr, dl, dalpha, dbeta.
+/// Number of error parameters of one link: dq, dr, dl, dalpha and dbeta.
 pub const PER_LINK: usize = 5;
 
-/// Components of a frame error: x, y, z (m), then rx, ry, rz (rad), `Trans(x, y, z) Rz(rz) Ry(ry) Rx(rx)`.
+/// Number of components of a frame error: x, y, z (m), then rx, ry, rz (rad).
+///
+/// The erroneous frame is the nominal one times `Trans(x, y, z) Rz(rz) Ry(ry) Rx(rx)`.
 pub const PER_FRAME: usize = 6;
 
 /// Parameter that can have an error.
 ///
-/// Joints and equipment are given by index, components of a frame by a number from 0 to 5.
+/// Links, joints and equipment are given by index from 0. Components of a frame are 0 to 5: x, y, z, rx, ry,
+/// rz.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Parameter {
-    /// Actuator coordinate, whose error reaches the D-H coordinates through the joint coupling.
+    /// Actuator coordinate. The joint coupling passes its error on to the Denavit-Hartenberg coordinates.
     Dq(usize),
     /// Axial offset r of a link.
     Dr(usize),
@@ -21,22 +24,25 @@ pub enum Parameter {
     Dl(usize),
     /// Twist alpha of a link.
     Dalpha(usize),
-    /// Fifth parameter beta of a link (Hayati): a rotation about y after the twist.
+    /// Fifth parameter beta of a link (Hayati): a rotation about the y axis after the twist.
     Dbeta(usize),
-    /// Component of the robot's base frame, in its own axes.
+    /// Component of the error of the robot's base frame, in the axes of that frame.
     Base(usize),
-    /// Component of the tool frame (TCP), in its own axes.
+    /// Component of the error of the tool frame (TCP), in the axes of that frame.
     Tool(usize),
-    /// Joint and component of its frame ([`super::Robot::joint_frames`]), in its own axes.
+    /// Index of a joint, and component of the error of the joint frame ([`super::Robot::joint_frames`]) in
+    /// its axes.
     ///
-    /// The error moves everything from the joint on.
+    /// The error moves this joint and everything after it in the chain.
     Joint(usize, usize),
-    /// Equipment and component of its placement or fixture, in its own frame.
+    /// Index of the equipment, and component of the error of its placement or fixture, in the equipment's
+    /// frame.
     Equipment(usize, usize),
 }
 
 impl Parameter {
-    /// Returns the parameters of a robot with `axes` joints, in the order of every list of their values.
+    /// Returns the parameters of a robot with `axes` joints, in the order in which all lists hold their
+    /// values.
     ///
     /// The order is link by link, then base, then tool, then joint frame by joint frame.
     pub fn of_robot(axes: usize) -> impl Iterator<Item = Parameter> {
@@ -47,7 +53,9 @@ impl Parameter {
         links.chain((0..PER_FRAME).map(Self::Base)).chain((0..PER_FRAME).map(Self::Tool)).chain(joints)
     }
 
-    /// Returns the name used in files: `dl2`, `base rx`, `joint3 rx`; for equipment the component alone.
+    /// Returns the name of the parameter in files: `dl2`, `base rx`, `joint3 rx`.
+    ///
+    /// For a parameter of equipment, this is the name of the component alone.
     pub fn name(self) -> String {
         match self {
             Self::Dq(i) => format!("dq{}", i + 1),
@@ -62,7 +70,8 @@ impl Parameter {
         }
     }
 
-    /// Returns the index of the first joint-frame parameter, which follows those of links, base and tool.
+    /// Returns the index of the first joint-frame parameter, which follows the parameters of links, base and
+    /// tool.
     pub const fn first_joint(axes: usize) -> usize {
         PER_LINK * axes + 2 * PER_FRAME
     }
@@ -78,7 +87,8 @@ pub const COMPONENTS: [&str; PER_FRAME] = ["x", "y", "z", "rx", "ry", "rz"];
 
 /// Signed sample of the kinematic errors, with one value per joint.
 ///
-/// It is how the seed paper reads its Tables 2 and 3. It is not a tolerance: the signs are part of the data.
+/// The seed paper interprets its Tables 2 and 3 as such a sample. A sample is not a tolerance, because its
+/// signs are part of the data.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SignedErrors {
     pub name: String,
@@ -147,7 +157,7 @@ impl Distribution {
         }
     }
 
-    /// Returns the excess kurtosis: the fourth cumulant at unit variance.
+    /// Returns the excess kurtosis of the distribution: its fourth cumulant when scaled to unit variance.
     pub fn excess_kurtosis(self) -> f64 {
         match self {
             Distribution::Normal => 0.0,
@@ -157,17 +167,17 @@ impl Distribution {
     }
 }
 
-/// Tolerance of one parameter with its distribution, m or rad.
+/// Tolerance of one parameter (half width, m or rad), with the distribution of the parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spread {
     pub plus_minus: f64,
     pub distribution: Distribution,
-    /// Half width in standard deviations, for a normal distribution.
+    /// Half width as a number of standard deviations; used for the normal distribution only.
     pub sigmas: f64,
 }
 
 impl Spread {
-    /// Usual half width of a tolerance in standard deviations.
+    /// Default half width of a tolerance as a number of standard deviations.
     pub const SIGMAS: f64 = 3.0;
 
     /// Returns a normal spread whose half width is the absolute value of a signed value.
@@ -177,7 +187,7 @@ impl Spread {
         Self { plus_minus: value.abs(), distribution: Distribution::Normal, sigmas: Self::SIGMAS }
     }
 
-    /// Returns the standard deviation.
+    /// Returns the standard deviation, m or rad.
     pub fn deviation(&self) -> f64 {
         match self.distribution {
             Distribution::Normal => self.plus_minus / self.sigmas,
@@ -190,20 +200,20 @@ impl Spread {
 /// Covariance of normally distributed parameters, as a calibration reports it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Covariance {
-    /// Indices of the parameters in the order of [`Parameter::of_robot`].
+    /// Parameters of the rows of the matrix, as indices into the list of [`Parameter::of_robot`].
     pub parameters: Vec<usize>,
-    /// Symmetric, positive semidefinite matrix (products of m and rad).
+    /// Covariance matrix: symmetric and positive semidefinite; entries in products of m and rad.
     pub matrix: DMatrix<f64>,
 }
 
 /// Tolerances of the parameters of a robot.
 ///
-/// They are not a sample, since they have no signs.
+/// Tolerances are not a sample, since they have no signs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tolerance {
     pub name: String,
-    /// Spreads in the order of [`Parameter::of_robot`]. Parameters of the covariance take theirs from its
-    /// diagonal.
+    /// Spreads of all parameters in the order of [`Parameter::of_robot`]. For a parameter in `covariance`,
+    /// the spread follows from the diagonal of that matrix.
     pub spreads: Vec<Spread>,
     pub covariance: Option<Covariance>,
 }
@@ -223,7 +233,8 @@ impl ErrorSet {
         }
     }
 
-    /// Returns the set as a tolerance; a signed sample gives the magnitudes of its values.
+    /// Returns the error set as tolerances. For a signed sample, the half widths are the magnitudes of its
+    /// values.
     pub fn tolerance(&self) -> Tolerance {
         match self {
             ErrorSet::Tolerance(t) => t.clone(),
@@ -244,7 +255,7 @@ pub enum FrameErrors {
 }
 
 impl FrameErrors {
-    /// Returns the signed sample; None for a tolerance.
+    /// Returns the signed sample; None if the errors are tolerances.
     pub fn signed(&self) -> Option<&[f64; PER_FRAME]> {
         match self {
             FrameErrors::Signed(values) => Some(values),

@@ -1,26 +1,27 @@
-//! Goals of a layout, for a search with several of them (Pareto search).
+//! Goals of a layout, for a search with several goals (Pareto search).
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Largest number of layouts that a search may keep.
+/// Largest number of layouts that a search may be asked to report.
 pub const MAX_KEPT: usize = 100;
 
 /// Goal of a layout, which a search minimizes or maximizes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Goal {
-    /// Objective, minimized: m, rad or a share.
+    /// Objective (combined error of the operations), minimized: m, rad or a share.
     Error,
-    /// Distance of the robot at its spots, and of the floor spaces, from everything else, m, maximized.
+    /// Least clearance of the robot at its spots, and of the floor spaces, from all other objects, m,
+    /// maximized.
     Clearance,
-    /// Distance of a joint from its nearer limit, as a share of half its range, maximized.
+    /// Least distance of a joint from its nearer limit, as a share of half the joint's range, maximized.
     JointLimits,
     /// Least singular value of the Jacobian, with lengths divided by the arm reach, maximized.
     Singularity,
     /// Joint travel from operation to operation, rad, minimized.
     Travel,
-    /// Floor space, m2, minimized.
+    /// Floor area, m2, minimized.
     Footprint,
 }
 
@@ -44,13 +45,13 @@ impl Goal {
         matches!(self, Goal::Clearance | Goal::JointLimits | Goal::Singularity)
     }
 
-    /// Returns the value to minimize: a goal that is maximized is negated.
+    /// Returns the value to minimize: `value` itself, or `-value` if the goal is maximized.
     pub fn loss(self, value: f64) -> f64 {
         if self.is_gain() { -value } else { value }
     }
 }
 
-/// Distinct goals, in the order in which they were named.
+/// List of distinct goals, in the order in which they were named.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Goals([Option<Goal>; Goal::ALL.len()]);
 
@@ -58,7 +59,7 @@ impl Goals {
     /// No goals: the search minimizes the error alone.
     pub const NONE: Self = Self([None; Goal::ALL.len()]);
 
-    /// Returns the named goals; None if one is named twice.
+    /// Returns the list of the named goals; None if a goal is named twice.
     pub fn of(named: &[Goal]) -> Option<Self> {
         let mut goals = Self::default();
         for (k, goal) in named.iter().enumerate() {

@@ -4,14 +4,16 @@ use super::attitude::{Attitude, Azimuth, Spin};
 use super::coordinate::Coordinate;
 use super::model::{Cell, Placement, PlacementTolerance};
 
-/// Place of a coordinate in a layout.
+/// Address of a coordinate in a layout.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Slot {
-    /// Coordinate of the robot base: x, y, z, yaw.
+    /// Coordinate of the robot base by its index: x, y, z, yaw.
     Base(usize),
-    /// Index of the equipment, and coordinate (x, y, z, yaw) in the frame of what it stands on.
+    /// Index of the equipment, and index of its coordinate: x, y, z, yaw.
+    ///
+    /// The coordinate is in the world frame, or in the frame of the equipment that carries this one.
     Equipment(usize, usize),
-    /// Index of the operation, and angle of its attitude: elevation, azimuth, spin.
+    /// Index of the operation, and index of the angle of its attitude: elevation, azimuth, spin.
     Attitude(usize, usize),
 }
 
@@ -22,14 +24,14 @@ impl Slot {
     }
 }
 
-/// Candidate of a search: robot base, equipment and attitudes.
+/// Candidate of a search: placements of robot base and equipment, and attitudes of the operations.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Layout {
-    /// Robot base in the world.
+    /// Placement of the robot base in the world.
     pub base: Placement,
-    /// Placements in the world, in the order of [`Cell::equipment`].
+    /// Placements of the equipment in the world, in the order of [`Cell::equipment`].
     pub placements: Vec<Placement>,
-    /// Attitudes in the order of [`Cell::operations`].
+    /// Attitudes of the tool, in the order of [`Cell::operations`].
     pub attitudes: Vec<Attitude>,
 }
 
@@ -57,7 +59,7 @@ impl Cell {
         self.layout(|_, coordinate| coordinate.start())
     }
 
-    /// Returns the layout in which every coordinate has the value that `value` returns.
+    /// Returns the layout in which every coordinate has the value that `value` returns for it, m or rad.
     pub fn layout(&self, mut value: impl FnMut(Slot, &Coordinate) -> f64) -> Layout {
         let mut four = |slot: &dyn Fn(usize) -> Slot, c: &[Coordinate; 4]| {
             Placement::from_values([0, 1, 2, 3].map(|axis| value(slot(axis), &c[axis])))
@@ -97,7 +99,9 @@ impl Cell {
         base.chain(equipment).chain(attitudes).filter(|(_, c)| c.is_free()).collect()
     }
 
-    /// Returns the placement of a piece of equipment in the frame of what it stands on, as in its file.
+    /// Returns the placement of a piece of equipment in the frame that the cell file uses.
+    ///
+    /// That is the frame of the equipment that carries it, or the world frame.
     pub fn own_placement(&self, layout: &Layout, equipment: usize) -> Placement {
         let at = layout.placements[equipment];
         match self.equipment[equipment].on {
@@ -106,9 +110,10 @@ impl Cell {
         }
     }
 
-    /// Returns the coordinates of robot base and equipment that may be misplaced, with half widths (m, rad).
+    /// Returns the coordinates of robot base and equipment that have a tolerance, with its half width (m,
+    /// rad).
     ///
-    /// There is one group for each body that has a tolerance.
+    /// The coordinates form one group for each body (robot base or piece of equipment) that has a tolerance.
     pub fn placement_tolerances(&self) -> Vec<Vec<(Slot, f64)>> {
         let off = |t: PlacementTolerance, slot: &dyn Fn(usize) -> Slot| {
             let axes = t.0.into_iter().enumerate().filter(|(_, half)| *half > 0.0);
@@ -124,7 +129,8 @@ impl Cell {
         !self.placement_tolerances().is_empty()
     }
 
-    /// Returns the layout with `moves` (m, rad) added to its coordinates.
+    /// Returns the layout with `moves` (m, rad) added to its coordinates; equipment takes along what stands
+    /// on it.
     pub fn misplaced(&self, layout: &Layout, moves: &[(Slot, f64)]) -> Layout {
         let mut moved = layout.clone();
         let off = |slot: Slot| moves.iter().filter(|(s, _)| *s == slot).map(|(_, by)| by).sum::<f64>();
@@ -148,7 +154,9 @@ impl Cell {
         moved
     }
 
-    /// Returns whether a piece of equipment moves with another: it is that one, or stands on it.
+    /// Returns whether a piece of equipment moves with `other`.
+    ///
+    /// That is so if it is `other` itself, or if it stands on `other`, directly or on equipment in between.
     pub fn rides_on(&self, equipment: usize, other: usize) -> bool {
         equipment == other || self.equipment[equipment].on.is_some_and(|under| self.rides_on(under, other))
     }

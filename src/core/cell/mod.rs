@@ -1,6 +1,6 @@
-//! Model of what exists: robot, equipment and operations, and how the errors are interpreted.
+//! Model of a workcell: robot, equipment and operations, and how the errors are interpreted.
 //!
-//! A [`Cell`] is plain data in m and rad. The reader of files validates it, so nothing downstream checks it
+//! A [`Cell`] is plain data in m and rad. The reader of cell files validates it, so no other code checks it
 //! again.
 
 mod attitude;

@@ -11,7 +11,9 @@ use super::shape::{Rectangle, Solid};
 use crate::pose::Pose;
 use nalgebra::{Matrix3, Vector3};
 
-/// Placement of the robot base or of equipment, m and rad, in the world or in the frame of what it stands on.
+/// Placement of the robot base or of equipment, m and rad.
+///
+/// It is given in the world frame, or in the frame of the equipment that carries the placed one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Placement {
     pub x: f64,
@@ -25,13 +27,13 @@ impl Placement {
         Pose::from_translation_yaw(Vector3::new(self.x, self.y, self.z), self.yaw)
     }
 
-    /// Returns the rotation from world axes to the axes of this frame.
+    /// Returns the rotation matrix that converts vectors from world axes to the axes of this placement.
     pub fn from_world(&self) -> Matrix3<f64> {
         let (s, c) = self.yaw.sin_cos();
         Matrix3::new(c, s, 0.0, -s, c, 0.0, 0.0, 0.0, 1.0)
     }
 
-    /// Returns x, y, z and yaw.
+    /// Returns x, y, z (m) and yaw (rad).
     pub fn values(&self) -> [f64; 4] {
         [self.x, self.y, self.z, self.yaw]
     }
@@ -40,7 +42,7 @@ impl Placement {
         Self { x, y, z, yaw }
     }
 
-    /// Converts a placement from this frame to the frame in which `self` is given.
+    /// Converts `own`, a placement relative to this one, to the frame in which `self` is given.
     pub fn carrying(&self, own: &Placement) -> Placement {
         let (s, c) = self.yaw.sin_cos();
         Placement {
@@ -51,7 +53,7 @@ impl Placement {
         }
     }
 
-    /// Returns this placement in the frame of another one.
+    /// Returns this placement relative to `other`; both are given in one frame.
     pub fn seen_from(&self, other: &Placement) -> Placement {
         let (dx, dy) = (self.x - other.x, self.y - other.y);
         let (s, c) = other.yaw.sin_cos();
@@ -59,10 +61,11 @@ impl Placement {
     }
 }
 
-/// Placement tolerance: half widths of x, y, z (m) and yaw (rad), in the frame of the placement.
+/// Placement tolerance: half widths of x, y, z (m) and yaw (rad), in the frame in which the placement is
+/// given.
 ///
-/// The programmer of the robot knows the actual placement and programs for it. Errors of the placement that
-/// remain unknown belong to the `errors` of the equipment.
+/// The programmer of the robot knows the actual placement and programs for it. A placement error that stays
+/// unknown belongs to the `errors` of the equipment instead.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PlacementTolerance(pub [f64; 4]);
 
@@ -70,7 +73,7 @@ pub struct PlacementTolerance(pub [f64; 4]);
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
     Equipment,
-    /// It never moves; two obstacles may overlap.
+    /// Equipment that the search never moves; two obstacles may overlap.
     Obstacle,
 }
 
@@ -78,14 +81,14 @@ pub enum Role {
 pub struct Equipment {
     pub name: String,
     pub role: Role,
-    /// Work surface: horizontal rectangle at z = 0 of the equipment's frame.
+    /// Work surface: horizontal rectangle at z = 0 of the equipment's frame; None without a surface.
     pub surface: Option<Rectangle>,
-    /// Floor space, which contains every solid in plan.
+    /// Floor space, which contains all solids of the equipment in plan.
     pub footprint: Rectangle,
     pub solids: Vec<Solid>,
-    /// Index of the equipment that this one stands on and moves with.
+    /// Index of the equipment that carries this one, which moves with it; None if it stands on the floor.
     pub on: Option<usize>,
-    /// Coordinates x, y, z, yaw, in the world or in the frame of what it stands on.
+    /// Coordinates x, y, z, yaw in the world frame, or in the frame of the equipment that carries this one.
     pub placement: [Coordinate; 4],
     /// Errors of the placement or fixture, in the equipment's frame (m, rad).
     pub errors: Option<FrameErrors>,
@@ -101,10 +104,10 @@ pub struct KeepOut {
     pub max: Vector3<f64>,
 }
 
-/// Least height, m, of the triangle of three points that teach a frame.
+/// Least height, m, of the triangle formed by the three points at which a frame is taught.
 ///
-/// The rotation error of a taught frame is about the error of its points divided by this height. So a flatter
-/// triangle is refused.
+/// The rotation error of a taught frame is about the error of its points divided by the height of the
+/// triangle. So a flatter triangle is refused.
 pub const TEACH_HEIGHT: f64 = 0.02;
 
 /// Part that the robot carries to or from an operation.
@@ -112,21 +115,23 @@ pub const TEACH_HEIGHT: f64 = 0.02;
 pub struct HeldPart {
     /// Solids of the part, in the frame of the TCP.
     pub solids: Vec<Solid>,
-    /// Whether the part rests on the equipment of the operation, so that touching it is no collision.
+    /// Whether the part rests on the equipment of the operation. If so, contact of the two is no collision.
     pub touches_surface: bool,
 }
 
-/// Nodes of an operation, in the frame of its equipment.
+/// Nodes of an operation: a grid or listed points, in the frame of the operation's equipment.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Place {
-    /// Grid of (m + 1)(n + 1) nodes on a part of the surface, with m and n divisions along x and y.
+    /// Grid on a part of the surface: m and n divisions along x and y give (m + 1)(n + 1) nodes.
     Grid { area: Rectangle, divisions: (usize, usize) },
-    /// Listed nodes (x, y), m.
+    /// List of nodes (x, y), m.
     Points(Vec<(f64, f64)>),
 }
 
 impl Place {
-    /// Returns the number of divisions along x and y; n listed points count as n - 1 divisions along x.
+    /// Returns the numbers of divisions along x and y.
+    ///
+    /// A list of n points counts as n - 1 divisions along x and none along y.
     pub fn divisions(&self) -> (usize, usize) {
         match self {
             Place::Grid { divisions, .. } => *divisions,
@@ -134,7 +139,7 @@ impl Place {
         }
     }
 
-    /// Returns a description: "grid 10 by 8" or "4 points".
+    /// Returns a description of the nodes: "grid 10 by 8" or "4 points".
     pub fn in_words(&self) -> String {
         match self {
             Place::Grid { divisions: (m, n), .. } => format!("grid {m} by {n}"),
@@ -143,7 +148,7 @@ impl Place {
     }
 }
 
-/// Precision operation: what the robot does on a surface.
+/// Precision operation: a task of the robot on a work surface.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Operation {
     pub name: String,
@@ -151,7 +156,7 @@ pub struct Operation {
     pub equipment: usize,
     /// Nodes on the surface.
     pub place: Place,
-    /// Rule that combines the values of the nodes.
+    /// Rule that combines the values of the nodes into the value of the operation.
     pub over: NodeAggregation,
     /// Height of the TCP above the surface, m.
     pub standoff: f64,
@@ -162,19 +167,22 @@ pub struct Operation {
     pub sense: Sense,
     /// Largest error in the sense (m or rad) with which the operation succeeds.
     pub limit: Option<f64>,
-    /// Index of the earlier operation that picks the part.
+    /// Index of the earlier operation that picks the part which this operation places; None without a pick.
     ///
-    /// The error of the placed part then counts, in which errors common to both operations cancel.
+    /// The operation is then judged by the error of the placed part, in which errors common to pick and place
+    /// cancel.
     pub relative_to: Option<usize>,
-    /// Points (x, y) of the surface at which its frame is taught, in that frame, m.
+    /// Points (x, y) at which the frame of the surface is taught, in the nominal frame of the surface, m.
     ///
-    /// None means the reachable nodes nearest to three corners of the grid.
+    /// If None, the points are the reachable nodes nearest to three corners of the grid.
     pub teach: Option<[(f64, f64); 3]>,
     pub weight: f64,
     pub held: HeldPart,
-    /// Length of the straight approach along the tool axis to the spot, m; 0 means that it is not checked.
+    /// Length of the straight approach along the tool axis to the spot, m; 0 means that no approach is
+    /// checked.
     pub approach: f64,
-    /// Length of the straight retract along the tool axis from the spot, m; 0 means that it is not checked.
+    /// Length of the straight retract along the tool axis from the spot, m; 0 means that no retract is
+    /// checked.
     pub retract: f64,
 }
 
@@ -190,7 +198,7 @@ impl Operation {
 pub struct Cell {
     pub name: String,
     pub robot: Robot,
-    /// Robot base in the world: x, y, z, yaw.
+    /// Coordinates of the robot base in the world: x, y, z, yaw.
     pub base: [Coordinate; 4],
     /// Tolerance of the placement of the robot base.
     pub base_tolerance: PlacementTolerance,
@@ -201,16 +209,17 @@ pub struct Cell {
     /// Quantity that the search minimizes in the statistical reading.
     pub quantity: Quantity,
     pub registration: Registration,
-    /// Largest deviation of a trusted error model, as a share of the resultant error.
+    /// Guard: largest deviation from the nonlinear model at which an error model is trusted, as a share of
+    /// the error.
     pub guard: f64,
     pub equipment: Vec<Equipment>,
     pub keep_out: Vec<KeepOut>,
     pub operations: Vec<Operation>,
     /// Senses that the cell file defines.
     pub senses: Vec<Sense>,
-    /// Whether collisions and overlaps are checked.
+    /// Whether collisions of the robot and overlaps of equipment are checked.
     pub collision: bool,
-    /// Least distance between solids, m; at 0 touching counts as collision.
+    /// Least allowed distance between solids, m; even with 0, contact counts as collision.
     pub clearance: f64,
     /// Height of the floor in the world, m.
     pub floor: f64,
@@ -227,7 +236,7 @@ impl Cell {
         &self.robot.errors[self.errors]
     }
 
-    /// Returns a sense by its name: a plain one, or one that the cell file defines.
+    /// Returns a sense by its name: a built-in sense, or one that the cell file defines.
     pub fn sense(&self, word: &str) -> Option<Sense> {
         Sense::plain(word).or_else(|| self.senses.iter().find(|s| s.name == word).cloned())
     }

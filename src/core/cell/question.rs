@@ -1,35 +1,36 @@
 //! Interpretation of a cell's errors: error model, reading, quantity, registration and sense together.
 //!
-//! Cell files, flags, the page of `view` and every table of readings are checked by [`Cell::with_interpretation`] or
-//! [`Cell::interpretation_faults`]. So the rules are stated only here.
+//! Cell files, flags, the page of `view` and every table of readings are checked by
+//! [`Cell::with_interpretation`] or [`Cell::interpretation_faults`]. So the rules are stated only in this
+//! file.
 
 use super::choices::{Model, Quantity, Reading, Registration};
 use super::error_model::{ErrorSet, FrameErrors};
 use super::model::*;
 use super::sense::Sense;
 
-/// Interpretation of the errors of a cell: how they are modelled, read, registered and measured.
+/// Interpretation of the errors of a cell: error model, reading, quantity, registration and sense.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Interpretation {
     pub model: Model,
     pub reading: Reading,
-    /// Quantity of the statistical reading that is minimized.
+    /// Quantity that the search minimizes in the statistical reading.
     pub quantity: Quantity,
     pub registration: Registration,
-    /// Sense in which every operation is measured; None: each in its own.
+    /// Sense in which every operation is measured; None if each operation keeps its own sense.
     pub sense: Option<Sense>,
 }
 
-/// Key of the interpretation that a fault concerns.
+/// Part of the interpretation that a fault concerns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum About {
     Reading,
-    /// Operation by its index.
+    /// Limit of the operation with this index.
     Operation(usize),
     Sense(usize),
 }
 
-/// Reason why the errors of a cell cannot be interpreted as requested, and what to do.
+/// Reason why the errors of a cell cannot be interpreted as requested, with advice on what to do.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct QuestionFault {
     pub about: About,
@@ -43,19 +44,24 @@ impl Interpretation {
         self.sense.as_ref().unwrap_or(&operation.sense)
     }
 
-    /// Returns the limit of an operation under this interpretation; one in another unit does not apply.
+    /// Returns the limit of an operation under this interpretation.
+    ///
+    /// Returns None without a limit, or if the sense of this interpretation has another unit than the limit.
     fn limit_of(&self, operation: &Operation) -> Option<f64> {
         operation.limit.filter(|_| operation.sense.unit == self.sense_of(operation).unit)
     }
 
-    /// Returns whether the objective adds up shares of failures.
+    /// Returns whether the values of the operations are shares of failures (statistical reading, quantity
+    /// yield).
     fn is_yield(&self) -> bool {
         (self.reading, self.quantity) == (Reading::Statistical, Quantity::Yield)
     }
 }
 
 impl Cell {
-    /// Returns the reading that applies if none is stated: signed for a sample, worst case for any tolerance.
+    /// Returns the reading that applies if the cell file states none.
+    ///
+    /// The reading is worst-case if any error set in use is a tolerance, otherwise signed.
     pub fn default_reading(&self) -> Reading {
         if self.tolerances(self.registration).is_empty() { Reading::Signed } else { Reading::WorstCase }
     }
@@ -71,7 +77,7 @@ impl Cell {
         }
     }
 
-    /// Returns this cell under another interpretation of its errors.
+    /// Returns a copy of this cell with another interpretation of its errors.
     ///
     /// # Errors
     /// Returns every fault of the interpretation.
@@ -79,12 +85,12 @@ impl Cell {
         self.asked_but_for(interpretation, |_| false)
     }
 
-    /// Returns this cell under another interpretation in which each operation is judged alone.
+    /// Returns a copy of this cell with another interpretation, for uses that do not combine operations.
     ///
-    /// Senses of different units are allowed then, since their values are not added up.
+    /// Senses of different units are therefore allowed, since their values are not added up.
     ///
     /// # Errors
-    /// Returns every other fault of the interpretation.
+    /// Returns every fault of the interpretation, except senses of different units.
     pub fn with_interpretation_per_operation(
         &self,
         interpretation: &Interpretation,
@@ -113,7 +119,8 @@ impl Cell {
         Ok(cell)
     }
 
-    /// Returns every fault of this cell's own interpretation; a cell read from a file has none.
+    /// Returns every fault of the interpretation that this cell states; a cell read from a file has no
+    /// faults.
     pub fn interpretation_faults(&self) -> Vec<QuestionFault> {
         self.faults_of(&self.interpretation())
     }
@@ -151,7 +158,8 @@ impl Cell {
         faults
     }
 
-    /// Returns the errors that count and are tolerances, each as the beginning of a sentence: "`name` is".
+    /// Returns the error sets that are in use and are tolerances, each as the beginning of a sentence:
+    /// "`name` is".
     fn tolerances(&self, registration: Registration) -> Vec<String> {
         let robot = self.robot.errors.get(self.errors);
         let robot = robot.filter(|set| matches!(set, ErrorSet::Tolerance(_)));

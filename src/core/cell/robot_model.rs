@@ -5,13 +5,15 @@ use super::shape::{Rectangle, Solid};
 use crate::pose::Pose;
 use nalgebra::Vector3;
 
-/// Longest chain of joints. Joint vectors are arrays of this length; the unused tail is zero.
+/// Largest number of joints of a robot. Joint vectors are arrays of this length, whose unused entries are
+/// zero.
 pub const MAX_JOINTS: usize = 8;
 
 /// Largest number of error parameters of a robot: those of its links, base, tool and joint frames.
 pub const MAX_PARAMETERS: usize = (PER_LINK + PER_FRAME) * MAX_JOINTS + 2 * PER_FRAME;
 
-/// Actuator coordinates, rad (revolute) or m (prismatic), counted from the zero posture as in the seed paper.
+/// Actuator coordinates, rad (revolute) or m (prismatic), measured from the zero posture as in the seed
+/// paper.
 pub type JointVector = [f64; MAX_JOINTS];
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -20,12 +22,13 @@ pub enum JointKind {
     Prismatic,
 }
 
-/// Denavit-Hartenberg convention of the rows of a file. The crate itself uses standard rows only.
+/// Denavit-Hartenberg convention of the rows in a robot file. In memory, all rows are standard rows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Convention {
-    /// `A = Rz(theta) Tz(r) Tx(l) Rx(alpha)`: a row ends with its common normal.
+    /// Standard row `A = Rz(theta) Tz(r) Tx(l) Rx(alpha)`, which ends with the common normal and the twist.
     Standard,
-    /// Craig's `A = Tx(l) Rx(alpha) Rz(theta) Tz(r)`: a row begins with its common normal.
+    /// Modified row (Craig) `A = Tx(l) Rx(alpha) Rz(theta) Tz(r)`, which begins with the common normal and
+    /// the twist.
     Modified,
 }
 
@@ -40,22 +43,23 @@ impl Convention {
     }
 }
 
-/// One row of the standard Denavit-Hartenberg table, eq. (1): `A = Rz(theta) Tz(r) Tx(l) Rx(alpha)`.
+/// Joint as a standard Denavit-Hartenberg row, eq. (1) of the seed paper: `A = Rz(theta) Tz(r) Tx(l)
+/// Rx(alpha)`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Joint {
     pub name: String,
     pub kind: JointKind,
-    /// Angle theta at coordinate 0, rad (a revolute joint adds its coordinate).
+    /// Angle theta at joint coordinate 0, rad; a revolute joint adds its coordinate.
     pub theta: f64,
-    /// Axial offset at coordinate 0, m (a prismatic joint adds its coordinate).
+    /// Axial offset r at joint coordinate 0, m; a prismatic joint adds its coordinate.
     pub r: f64,
-    /// Common normal, m.
+    /// Common normal l: distance of this joint axis from the next one, m.
     pub l: f64,
-    /// Twist, rad.
+    /// Twist alpha: angle from this joint axis to the next one, rad.
     pub alpha: f64,
     /// Lower and upper limit of the actuator coordinate, rad or m.
     ///
-    /// Both are 0 for a passive joint, which follows the others through the coupling alone.
+    /// Both limits are 0 for a passive joint, which has no actuator and moves through the coupling alone.
     pub limits: (f64, f64),
 }
 
@@ -65,18 +69,21 @@ impl Joint {
     }
 }
 
-/// Solid that moves with a link: link 0 is the robot base, link k has the frame after `A_k`.
+/// Solid that moves with a link.
+///
+/// Link 0 is the robot base. Link k moves with the frame after the k-th Denavit-Hartenberg row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinkSolid {
     pub link: usize,
     pub solid: Solid,
 }
 
-/// Self-collision check of a robot.
+/// Settings of the self-collision check of a robot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SelfCollision {
     pub checked: bool,
-    /// Pairs of [`Robot::solids`] that may touch, besides those of one link and of neighbours.
+    /// Pairs of [`Robot::solids`] that may touch. Solids of one link and of neighbouring links may always
+    /// touch.
     pub allowed: Vec<(usize, usize)>,
 }
 
@@ -90,47 +97,52 @@ impl Default for SelfCollision {
 pub struct Robot {
     pub name: String,
     pub source: String,
-    /// Convention of the rows in the robot's file, by which reports name the parameters.
+    /// Convention of the rows in the robot file; reports state the parameters in this convention.
     pub convention: Convention,
-    /// Pose of D-H frame 0 in the robot base.
+    /// Pose of Denavit-Hartenberg frame 0 in the frame of the robot base.
     pub mount: Pose,
     pub joints: Vec<Joint>,
-    /// Pose of every joint frame in the D-H frame before its row, fixed to the link before the joint.
+    /// Pose of every joint frame, which is fixed to the link before the joint.
     ///
-    /// It is the origin frame of a URDF joint, and the identity for D-H rows.
+    /// The pose is given in the Denavit-Hartenberg frame before the row of the joint.
+    ///
+    /// For a URDF, the joint frame is the origin frame of the URDF joint. For a robot written as
+    /// Denavit-Hartenberg rows, the pose is the identity.
     pub joint_frames: Vec<Pose>,
-    /// Matrix that maps actuator to D-H coordinates: lower triangular with a unit diagonal.
+    /// Matrix that maps actuator coordinates to Denavit-Hartenberg coordinates: lower triangular, unit
+    /// diagonal.
     ///
-    /// Row i gives D-H coordinate i. A serial arm has the identity.
+    /// Row i gives Denavit-Hartenberg coordinate i. For an arm without coupled joints, the matrix is the
+    /// identity.
     pub coupling: Vec<Vec<f64>>,
-    /// Home posture: actuator coordinates inside the limits, rad or m.
+    /// Home posture: actuator coordinates within the limits, rad or m.
     pub home: JointVector,
-    /// Pose of the TCP in the last D-H frame.
+    /// Pose of the TCP in the last Denavit-Hartenberg frame.
     ///
     /// For a URDF it is the pose of the tip link, followed by the pose of the tool on that link.
     pub tool: Pose,
     /// Working direction of the tool in the frame of the TCP, unit length.
     pub tool_axis: Vector3<f64>,
-    /// Solids on the links; those of the tool come last and move with the mechanical interface.
+    /// Solids on the links. Solids of the tool come last and move with the mechanical interface (flange).
     pub solids: Vec<LinkSolid>,
     /// Number of the solids that belong to the tool.
     pub tool_solids: usize,
     pub self_collision: SelfCollision,
-    /// Floor space of the base, in its frame.
+    /// Floor space of the robot base, in the base frame.
     pub footprint: Rectangle,
     pub errors: Vec<ErrorSet>,
-    /// URDF from which the rows were derived; None for a robot written as D-H rows.
+    /// URDF from which the rows were derived; None for a robot written as Denavit-Hartenberg rows.
     pub urdf: Option<UrdfOrigin>,
 }
 
-/// Origin of D-H rows that were derived from a URDF.
+/// Source of Denavit-Hartenberg rows that were derived from a URDF.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UrdfOrigin {
     /// Path of the URDF, relative to the folder of the cell.
     pub file: String,
     pub base_link: String,
     pub tip_link: String,
-    /// Pose of the tip link in the last D-H frame.
+    /// Pose of the tip link in the last Denavit-Hartenberg frame.
     pub tip: Pose,
     /// Elements of the URDF that are not used, and how often each occurs.
     pub ignored: Vec<(String, usize)>,
@@ -143,7 +155,7 @@ impl Robot {
 
     /// Returns theta, r, l and alpha (rad, m) of every row in the convention of the robot file.
     ///
-    /// Theta and r are those at coordinate 0.
+    /// Theta and r are the values at joint coordinate 0.
     pub fn rows_of_file(&self) -> Vec<[f64; 4]> {
         let turned = &self.mount.rotation;
         let first = (self.mount.translation.x, turned[(2, 1)].atan2(turned[(1, 1)]));
@@ -156,7 +168,7 @@ impl Robot {
         .collect()
     }
 
-    /// Returns an upper bound of the distance of the TCP from the base axis, m.
+    /// Returns an upper bound of the horizontal distance of the TCP from the base axis, m.
     pub fn reach(&self) -> f64 {
         let upright = self.mount.rotation.m33.abs() > 1.0 - 1e-12;
         let links = self.joints.iter().enumerate().map(|(i, joint)| {
@@ -168,8 +180,9 @@ impl Robot {
         aside + links.sum::<f64>() + self.tool.translation.norm()
     }
 
-    /// Returns the largest distance of a prismatic D-H coordinate from 0, m, with all coupled actuators; 0 if
-    /// revolute.
+    /// Returns the largest absolute value of the Denavit-Hartenberg coordinate `i`, m.
+    ///
+    /// The value includes all actuators that are coupled to it. Returns 0 for a revolute joint.
     fn travel(&self, i: usize) -> f64 {
         let farthest = |joint: &Joint| joint.limits.0.abs().max(joint.limits.1.abs());
         match self.joints[i].kind {

@@ -1,4 +1,4 @@
-//! Senses: which components of an error count, as weighted rows of the error of a point.
+//! Senses: the components of an error that count, as weighted rows applied to the error at a point.
 
 use crate::units;
 use nalgebra::Vector3;
@@ -8,13 +8,13 @@ use serde::{Deserialize, Serialize};
 /// Largest number of rows of a sense: three of position, three of rotation.
 pub const MAX_ROWS: usize = 6;
 
-/// Frame in which directions are given.
+/// Frame in which the directions of a sense are given.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Frame {
     World,
     /// Frame of the equipment that carries the operation.
     Surface,
-    /// Frame of the TCP at the posture.
+    /// Frame of the TCP in the evaluated posture.
     Tool,
 }
 
@@ -30,10 +30,10 @@ impl Frame {
     }
 }
 
-/// Row of a sense: the error along a direction, or the rotation about it.
+/// Row of a sense: the position error along a direction, or the rotation error about that direction.
 ///
-/// The length of the direction is the weight. It is 1 for plain senses, and in m for a rotation that is added
-/// to lengths.
+/// The length of the direction is the weight of the row. Built-in senses have weight 1. If a rotation is
+/// added to lengths, the weight of its row is in m.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Row {
     pub turns: bool,
@@ -52,7 +52,7 @@ pub enum Unit {
     Length,
     #[serde(rename = "deg")]
     Angle,
-    /// A share of all trials, 0 to 1.
+    /// Share of failures among all trials, 0 to 1.
     Share,
 }
 
@@ -83,7 +83,7 @@ impl Unit {
 pub struct Sense {
     pub name: String,
     pub frame: Frame,
-    /// Point whose error counts, from the TCP in the tool frame, m.
+    /// Point whose error counts: vector from the TCP in the tool frame, m.
     pub point: Vector3<f64>,
     pub unit: Unit,
     rows: [Row; MAX_ROWS],
@@ -93,11 +93,11 @@ pub struct Sense {
 /// Names of the built-in senses, which exist in world, surface and tool axes.
 pub const PLAIN: [&str; 9] = ["x", "y", "z", "xy", "xyz", "rx", "ry", "rz", "rotation"];
 
-/// Names of the seed paper's senses, in which every node is reported.
+/// Names of the seed paper's senses, in which error maps report every node.
 pub const PAPER: [&str; 5] = ["x", "y", "z", "xy", "xyz"];
 
 impl Sense {
-    /// Returns a sense of at most [`MAX_ROWS`] rows; further ones are left out.
+    /// Returns a sense with the rows `given`; rows after the first [`MAX_ROWS`] are left out.
     pub fn new(name: &str, frame: Frame, point: Vector3<f64>, unit: Unit, given: &[Row]) -> Self {
         let mut rows = [Row::ZERO; MAX_ROWS];
         let count = given.len().min(MAX_ROWS);
@@ -105,7 +105,9 @@ impl Sense {
         Self { name: name.to_string(), frame, point, unit, rows, count }
     }
 
-    /// Returns one of [`PLAIN`] by name, in world axes, or in other axes as in `xy@tool` and `xy@surface`.
+    /// Returns the built-in sense with a name of [`PLAIN`], in world axes; None for any other name.
+    ///
+    /// Names such as `xy@tool` and `xy@surface` give the sense in other axes.
     pub fn plain(name: &str) -> Option<Self> {
         let (word, frame) = match name.split_once('@') {
             Some((word, frame)) => (word, Frame::ALL.into_iter().find(|f| f.name() == frame)?),
@@ -118,7 +120,7 @@ impl Sense {
         Some(Self::new(name, frame, Vector3::zeros(), unit, &rows))
     }
 
-    /// Returns the rows of one of [`PLAIN`]; None for any other word.
+    /// Returns the rows of the built-in sense with a name of [`PLAIN`]; None for any other word.
     pub fn plain_rows(word: &str) -> Option<Vec<Row>> {
         let (turns, axes) = match word {
             "rotation" => (true, "xyz"),
@@ -134,7 +136,7 @@ impl Sense {
         Some(axes.chars().map(|c| Row { turns, direction: axis(c) }).collect())
     }
 
-    /// Returns the five senses of the seed paper.
+    /// Returns the five senses of the seed paper ([`PAPER`]) in world axes.
     pub fn paper() -> Vec<Self> {
         PAPER.iter().filter_map(|name| Self::plain(name)).collect()
     }
@@ -143,7 +145,7 @@ impl Sense {
         &self.rows[..self.count]
     }
 
-    /// Returns whether the sense needs only the position error of the TCP in world axes.
+    /// Returns whether the sense depends on the position error of the TCP in world axes alone.
     pub fn is_of_position(&self) -> bool {
         self.frame == Frame::World && self.point == Vector3::zeros() && self.rows().iter().all(|r| !r.turns)
     }

@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 /// Shape of a solid, in the frame of the link or equipment that carries it, m.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Shape {
-    /// Box with full edge lengths `size` and its centre at `pose`.
+    /// Box with full edge lengths `size`; `pose` is the pose of its centre and axes.
     Box {
         pose: Pose,
         size: Vector3<f64>,
@@ -15,13 +15,13 @@ pub enum Shape {
         centre: Vector3<f64>,
         radius: f64,
     },
-    /// Segment from `a` to `b` swept by a ball.
+    /// Capsule: all points within `radius` of the segment from `a` to `b`.
     Capsule {
         a: Vector3<f64>,
         b: Vector3<f64>,
         radius: f64,
     },
-    /// Round bar with flat ends at `a` and `b`.
+    /// Circular cylinder with flat ends, whose axis runs from `a` to `b`.
     Cylinder {
         a: Vector3<f64>,
         b: Vector3<f64>,
@@ -36,7 +36,7 @@ pub enum Shape {
         size: (f64, f64),
         top: f64,
     },
-    /// Triangle mesh.
+    /// Triangle mesh with its vertices in the frame `pose`; `closed` tells whether it bounds a solid.
     Mesh {
         pose: Pose,
         vertices: Vec<Vector3<f64>>,
@@ -70,17 +70,17 @@ pub struct Solid {
     pub shape: Shape,
 }
 
-/// Rectangle in plan: centre and full size, m, in the frame of the object that it belongs to.
+/// Rectangle in plan: centre and full side lengths, m, in the frame of the object to which it belongs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rectangle {
     pub centre: (f64, f64),
     pub size: (f64, f64),
 }
 
-/// Low and high corner of an axis-aligned box.
+/// Axis-aligned box, as its corners of least and of greatest coordinates.
 pub type Extent = (Vector3<f64>, Vector3<f64>);
 
-/// Returns the bounding box of a shape in the frame of its carrier, m.
+/// Returns the axis-aligned bounding box of a shape in the frame of its carrier, m.
 ///
 /// The box of a leg is flat, at the height of its top, because its lower end depends on the placement.
 pub fn extent(shape: &Shape) -> Extent {

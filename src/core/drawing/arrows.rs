@@ -1,26 +1,28 @@
 //! Errors as arrows and unusable nodes as circles: the lines that every picture and CAD file shows.
 //!
-//! World frame, m. Errors are too small to be seen. One factor, the [`exaggeration`], therefore enlarges all
-//! arrows of a drawing under one model and reading, so that they can be compared.
+//! Coordinates are in the world frame, m. Errors are too small to be seen at true size. So one factor, the
+//! [`exaggeration`], enlarges all arrows of a drawing under one model and reading. Arrows of different
+//! operations can therefore be compared.
 
 use super::round_numbers::{HALF_DIGITS, round_down};
 use super::{Drawing, Field, Mesh};
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 
-/// Length of the longest arrow in distances between nodes.
+/// Length of the longest arrow, as a multiple of the distance between nodes.
 const LONGEST_ARROW: f64 = 1.5;
-/// Length of an arrow head: as a share of its arrow, and at most this share of the distance between nodes.
+/// Length of an arrow head as a share of the arrow length; the second value limits it, as a share of the node
+/// distance.
 const HEAD_LENGTH: (f64, f64) = (0.3, 0.25);
-/// Half width of an arrow head and half width of the shaft, both as shares of the head's length.
+/// Half width of an arrow head and half width of its shaft, each as a share of the length of the head.
 const HALF_WIDTH: (f64, f64) = (0.35, 0.12);
 /// Radius of the circle round a node as a share of the distance between nodes.
 const CIRCLE_RADIUS: f64 = 0.25;
 /// Distance between nodes that is assumed for a map of one node, m.
 const LONE_SPACING: f64 = 0.1;
-/// Corners of a circle round a node.
+/// Number of corners of the polygon that draws a circle round a node.
 const CIRCLE_CORNERS: usize = 24;
-/// Sides of the shaft of a solid arrow.
+/// Number of sides of the shaft of an arrow that is drawn as a solid.
 const SHAFT_SIDES: usize = 6;
 /// Length below which an arrow is not drawn, m.
 const MIN_LENGTH: f64 = 1e-6;
@@ -46,12 +48,14 @@ impl Component {
         }
     }
 
-    /// Returns the sense in which the size of the component is reported.
+    /// Returns the name of the sense whose value is the size of this component.
     fn sense(self) -> &'static str {
         if self == Self::Resultant { "xyz" } else { self.name() }
     }
 
-    /// Returns the direction of the component of an error (world); None for the resultant of a zero error.
+    /// Returns the unit vector along this component of an error, world frame.
+    ///
+    /// Returns None for the resultant if the error is zero.
     fn direction(self, error: &Vector3<f64>) -> Option<Vector3<f64>> {
         match self {
             Self::X => Some(Vector3::x()),
@@ -65,9 +69,9 @@ impl Component {
 /// Arrow that shows the error of a node, world frame, m.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Arrow {
-    /// Index into [`Field::nodes`].
+    /// Node at which the arrow starts, as an index into [`Field::nodes`].
     pub node: usize,
-    /// Place of the node.
+    /// Start of the arrow: the position of the node.
     pub tail: Vector3<f64>,
     pub tip: Vector3<f64>,
     /// Length of the head, m.
@@ -75,15 +79,17 @@ pub struct Arrow {
 }
 
 impl Arrow {
-    /// Returns the ends of the four lines that make the head: two are seen from above, two from the side.
+    /// Returns the ends of the four lines from the tip that draw the head, m.
+    ///
+    /// The first two lines show the head in a view from above, the last two in a view from the side.
     pub fn barbs(&self) -> [Vector3<f64>; 4] {
         let [along, level, upright] = self.axes();
         let (neck, half) = (self.tip - along * self.head, self.head * HALF_WIDTH.0);
         [neck + level * half, neck - level * half, neck + upright * half, neck - upright * half]
     }
 
-    /// Returns three axes: along the arrow, horizontal and perpendicular to it, and perpendicular to
-    /// both.
+    /// Returns three unit vectors: along the arrow, horizontal across the arrow, and perpendicular to these
+    /// two.
     fn axes(&self) -> [Vector3<f64>; 3] {
         let along = (self.tip - self.tail).try_normalize(0.0).unwrap_or_else(Vector3::z);
         // Every direction across an upright arrow is level.
@@ -91,7 +97,7 @@ impl Arrow {
         [along, level, along.cross(&level)]
     }
 
-    /// Returns the arrow as a closed solid: shaft and pointed head.
+    /// Returns the arrow as the mesh of a closed solid with a shaft and a pointed head.
     pub fn mesh(&self) -> Mesh {
         let [along, level, upright] = self.axes();
         let neck = self.tip - along * self.head;
@@ -119,10 +125,11 @@ impl Arrow {
 }
 
 impl Field {
-    /// Returns the mean distance between neighbouring nodes, m: the smaller of the means along the two grid
-    /// axes.
+    /// Returns the mean distance between neighbouring nodes, m.
     ///
-    /// Single points are neighbours in the order of the list.
+    /// The means along the two grid axes are computed apart, and the smaller one is returned.
+    ///
+    /// Listed points have no grid: each point is a neighbour of the next one in the list.
     pub fn spacing(&self) -> f64 {
         let (along, _) = self.size;
         let mean = |pairs: Vec<(usize, usize)>| {
@@ -138,7 +145,7 @@ impl Field {
         both.into_iter().flatten().reduce(f64::min).unwrap_or(LONE_SPACING)
     }
 
-    /// Returns the level circle round an unusable node: a closed line in the world frame, m.
+    /// Returns the corners of a horizontal circle round a node, as a closed line in the world frame, m.
     pub fn circle(&self, node: usize) -> [Vector3<f64>; CIRCLE_CORNERS] {
         let (centre, radius) = (self.nodes[node].position, self.radius());
         std::array::from_fn(|k| {
@@ -147,7 +154,7 @@ impl Field {
         })
     }
 
-    /// Returns the radius of the circles round nodes, m.
+    /// Returns the radius of the circles that are drawn round unusable nodes, m.
     pub fn radius(&self) -> f64 {
         CIRCLE_RADIUS * self.spacing()
     }
@@ -155,8 +162,8 @@ impl Field {
     /// Returns the size of one component of the error at a node, m.
     ///
     /// `take` selects model and reading (index into [`Field::takes`]). If `is_signed` is true, the component
-    /// along an axis is returned with its sign; otherwise the unsigned figure of the reading is returned.
-    /// Returns None for a node without a posture.
+    /// along an axis has its sign; otherwise the result is the unsigned figure of the reading. Returns None
+    /// for a node without a usable posture.
     pub fn size_of(&self, take: usize, component: Component, node: usize, is_signed: bool) -> Option<f64> {
         let take = &self.takes[take];
         let error = take.error[node]?;
@@ -170,11 +177,11 @@ impl Field {
 }
 
 impl Drawing<'_> {
-    /// Returns the factor by which arrows are longer than the errors.
+    /// Returns the factor by which arrows are longer than the errors that they show.
     ///
-    /// `take` selects model and reading (index into [`Field::takes`]).
-    /// The longest arrow of any operation spans about 1.5 distances between its nodes. The factor is 1, 1.5,
-    /// 2, ... 9.5 times a power of ten. Without errors it is 1.
+    /// `take` selects model and reading (index into [`Field::takes`]). In every operation, the longest arrow
+    /// is at most 1.5 times as long as the distance between nodes. The factor is rounded down to 1, 1.5, 2,
+    /// ... 9.5 times a power of ten. If there are no errors, the factor is 1.
     pub fn exaggeration(&self, take: usize) -> f64 {
         let is_signed = self.lenses[take].is_signed();
         let raw = self.fields.iter().filter_map(|field| {
@@ -188,8 +195,8 @@ impl Drawing<'_> {
 
     /// Returns the errors of the usable nodes of an operation as arrows, enlarged by [`Self::exaggeration`].
     ///
-    /// `take` selects model and reading (index into [`Field::takes`]). An error without a sign has two arrows
-    /// in opposite directions.
+    /// `take` selects model and reading (index into [`Field::takes`]). If the reading gives errors without a
+    /// sign, each node has two arrows in opposite directions.
     pub fn arrows(&self, field: usize, take: usize, component: Component) -> Vec<Arrow> {
         let (is_signed, enlarged) = (self.lenses[take].is_signed(), self.exaggeration(take));
         let field = &self.fields[field];

@@ -1,25 +1,26 @@
-//! Working envelope as closed lines: level cuts at several heights, and a vertical section.
+//! Working envelope as closed lines: horizontal sections at several heights, and one vertical section.
 
 use crate::assess::{Assessment, step_of, tolerance_of};
 use crate::reach::{Envelope, EnvelopeSection, Fineness};
 use nalgebra::Vector3;
 
-/// Number of level cuts from the lowest to the highest reach.
+/// Number of horizontal sections between the lowest and the highest point of the envelope.
 const LEVELS: usize = 9;
 
 /// Closed lines of a working envelope, world, m. The last point is joined to the first.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Rings {
-    /// Cut at the height of the TCP of the operation.
+    /// Outlines of the horizontal section at the height of the operation's TCP.
     pub at_work: Vec<Vec<Vector3<f64>>>,
-    /// Cuts at other heights, and a vertical section through the base axis, at the azimuth of the TCP with
-    /// every joint in mid-range.
+    /// Outlines of the horizontal sections at other heights, and of a vertical section through the base axis.
+    ///
+    /// The azimuth of the vertical section is that of the TCP when every joint is in the middle of its range.
     pub around: Vec<Vec<Vector3<f64>>>,
 }
 
-/// Returns the working envelope of an operation in its tool orientation, within the joint limits.
+/// Returns the working envelope for the tool attitude of an operation, within the joint limits.
 ///
-/// The distance between sampled points is twice the one of [`step_of`].
+/// The distance between sampled points is twice the value that [`step_of`] returns.
 pub fn rings(a: &Assessment<'_>, operation: usize) -> Rings {
     let inverse = a.workcell.inverse();
     let attitude = &a.layout.attitudes[operation];

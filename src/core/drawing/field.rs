@@ -1,4 +1,4 @@
-//! Error maps as they are drawn: all nodes under each model and reading.
+//! Error maps as plain data for pictures: the nodes, with their errors under each model and reading.
 
 use super::Detail;
 use crate::assess::Assessment;
@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 pub struct ErrorView {
     pub model: Model,
     pub reading: Reading,
-    /// Statistic of the statistical reading.
+    /// Figure that the statistical reading shows (RMS, mean, percentile, yield).
     pub quantity: Quantity,
 }
 
@@ -27,13 +27,13 @@ impl ErrorView {
         Interpretation { model, reading, quantity, ..cell.interpretation() }
     }
 
-    /// Returns whether errors have a sign in this reading. Otherwise they are magnitudes, to be read as plus
-    /// or minus.
+    /// Returns whether errors have a sign in this reading. Without a sign, a value v means an error from -v
+    /// to +v.
     pub fn is_signed(&self) -> bool {
         self.reading == Reading::Signed
     }
 
-    /// Returns the name of the figure shown: signed sample, worst case, p95 ...
+    /// Returns the name of the figure that this reading shows: signed sample, worst case, p95 ...
     pub fn reading_word(&self) -> &'static str {
         match (self.reading, self.quantity) {
             (Reading::Signed, _) => "signed sample",
@@ -45,7 +45,9 @@ impl ErrorView {
     }
 }
 
-/// Returns the combinations of model and reading under which a cell can be evaluated, its own first.
+/// Returns the combinations of model and reading under which a cell can be evaluated.
+///
+/// The first is the combination that the cell states.
 pub fn lenses(cell: &Cell) -> Vec<ErrorView> {
     let own = ErrorView::of(cell);
     let quantity = if cell.reading == Reading::Statistical { cell.quantity } else { Quantity::P95 };
@@ -66,10 +68,10 @@ pub fn lenses(cell: &Cell) -> Vec<ErrorView> {
 pub struct FieldNode {
     pub i: usize,
     pub j: usize,
-    /// TCP at the node, world, m.
+    /// Position of the TCP at the node, world frame, m.
     pub position: Vector3<f64>,
     pub sign: NodeSign,
-    /// Reason why the node cannot be used; empty if it can.
+    /// Reason why the node cannot be used; empty if the node is usable.
     pub reason: String,
     pub joints: Option<JointVector>,
 }
@@ -80,41 +82,46 @@ impl FieldNode {
     }
 }
 
-/// Errors of all nodes under one model and reading. A node without a usable posture has no values.
+/// Errors of all nodes under one model and reading; None for a node without a usable posture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ViewedErrors {
-    /// Index into [`super::Drawing::lenses`].
+    /// Model and reading of these errors, as an index into [`super::Drawing::lenses`].
     pub lens: usize,
-    /// Error of each node (world, m).
+    /// Error vector of the TCP at each node, world frame, m.
     ///
-    /// In a signed reading it is the error of the signed sample. Otherwise it is the error at the worst
-    /// corner of the tolerance box, in the sense of the operation.
+    /// In the signed reading this is the error of the signed sample. Otherwise it is the error at the corner
+    /// of the tolerance box that is worst in the sense of the operation.
     pub error: Vec<Option<Vector3<f64>>>,
-    /// Figures of the reading, one list per sense, m or rad.
+    /// Values of the reading, m, rad or a share: one list per sense, with one entry per node.
     pub values: Vec<Vec<Option<f64>>>,
-    /// Spot under this model and reading: index into [`Field::nodes`].
+    /// Spot under this model and reading, as an index into [`Field::nodes`].
+    ///
+    /// The field is None if there is no spot, or if its node is not kept.
     pub best: Option<usize>,
 }
 
 /// Error map of an operation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Field {
-    /// Index into the operations of the cell.
+    /// Mapped operation, as an index into the operations of the cell.
     pub operation: usize,
     pub senses: Vec<Sense>,
-    /// Index of the sense of the operation.
+    /// Sense of the operation, as an index into [`Self::senses`].
     pub sense: usize,
-    /// Number of nodes along the first and the second axis of the grid; single points lie along the first.
+    /// Number of kept nodes along the first and the second axis of the grid; listed points lie along the
+    /// first axis.
     pub size: (usize, usize),
-    /// Nodes row by row along the first axis.
+    /// Kept nodes, row by row; the nodes of a row follow the first axis of the grid.
     pub nodes: Vec<FieldNode>,
-    /// Spot of the operation: index into [`Self::nodes`].
+    /// Spot of the operation, as an index into [`Self::nodes`].
+    ///
+    /// The field is None if there is no spot, or if its node is not kept.
     pub best: Option<usize>,
-    /// Position of the spot (world, m), given even if its node is not kept.
+    /// Position of the spot, world frame, m; present even if the node of the spot is not kept.
     pub spot: Option<Vector3<f64>>,
-    /// Refined spot between the nodes, world, m.
+    /// Position of the spot refined between the nodes, world frame, m; None if it was not refined.
     pub refined: Option<Vector3<f64>>,
-    /// Stride k of the nodes that are kept: every k-th mapped node along each axis.
+    /// Stride of the kept nodes: 1 keeps every mapped node, 2 every second node along each axis, and so on.
     pub every: usize,
     pub takes: Vec<ViewedErrors>,
 }
@@ -125,7 +132,7 @@ impl Field {
         self.nodes.iter().enumerate().filter(|(_, n)| n.is_ok()).map(|(k, _)| k)
     }
 
-    /// Returns the least and the greatest value of the usable nodes in a sense, m or rad.
+    /// Returns the least and the greatest value of the usable nodes in a sense, m, rad or a share.
     ///
     /// `take` selects model and reading (index into [`Self::takes`]).
     pub fn range(&self, take: usize, sense: usize) -> Option<(f64, f64)> {
@@ -135,7 +142,8 @@ impl Field {
     }
 }
 
-/// Maps a layout under the model and reading of the cell or, if `detail` asks for them, under all.
+/// Maps a layout under the cell's model and reading, or under every model and reading if `detail` asks for
+/// it.
 pub(super) fn fields(a: &Assessment<'_>, detail: &Detail) -> Result<(Vec<ErrorView>, Vec<Field>), String> {
     let lenses = if detail.lenses { lenses(a.cell) } else { vec![ErrorView::of(a.cell)] };
     let mut fields: Vec<Field> = (0..a.maps.len()).map(|k| field(a, k, detail)).collect();

@@ -5,8 +5,8 @@ use crate::pose::Pose;
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// Number of sides of a round solid. The normals of neighbouring sides differ by less than 25 degrees, the
-/// angle of [`CREASE`], so the edges are smooth.
+/// Number of sides of a round solid. The normals of neighbouring sides differ by less than 25 degrees
+/// ([`CREASE`]), so the solid is shaded without visible edges.
 const SIDES: usize = 32;
 
 /// Cosine of 25 degrees: the edge between two faces is drawn sharp if their normals differ by at least this
@@ -17,13 +17,14 @@ const CREASE: f64 = 0.906_307_787_036_65;
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Mesh {
     pub positions: Vec<Vector3<f64>>,
-    /// Unit vectors, outwards.
+    /// Unit normals, one per corner, that point out of the solid.
     pub normals: Vec<Vector3<f64>>,
     pub triangles: Vec<[u32; 3]>,
 }
 
 impl Mesh {
-    /// Returns the surface of a solid in the frame of its carrier. A leg ends at the height `floor`.
+    /// Returns the surface of a solid in the frame of its carrier. A leg ends at `floor`, the height of the
+    /// floor in that frame.
     pub fn of(shape: &Shape, floor: f64) -> Self {
         let (vertices, triangles) = match shape {
             Shape::Box { pose, size } => cuboid(pose, size),
@@ -42,7 +43,8 @@ impl Mesh {
         Self::creased(&vertices, &triangles)
     }
 
-    /// Returns a shaded surface: edges are smooth or sharp, depending on the angle between the faces.
+    /// Returns a mesh with normals for shading. An edge is smooth or sharp depending on the angle between its
+    /// faces.
     ///
     /// Triangles without area are left out.
     pub fn creased(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Self {
@@ -85,7 +87,7 @@ impl Mesh {
         i
     }
 
-    /// Returns the mesh transformed by `pose`, the pose of the mesh's own frame in the new frame.
+    /// Returns the mesh in another frame; `pose` is the pose of its present frame in the new one.
     pub fn seen_from(&self, pose: &Pose) -> Self {
         Self {
             positions: self.positions.iter().map(|p| pose.transform(p)).collect(),
@@ -94,7 +96,7 @@ impl Mesh {
         }
     }
 
-    /// Returns the bounding box; nothing for an empty mesh.
+    /// Returns the bounding box of the mesh, m; None if the mesh is empty.
     pub fn extent(&self) -> Option<Extent> {
         let point = self.positions.iter().map(|p| (*p, *p));
         point.reduce(|(lo, hi), (p, q)| (lo.inf(&p), hi.sup(&q)))
@@ -113,7 +115,7 @@ fn cuboid(pose: &Pose, size: &Vector3<f64>) -> Surface {
     ((0..8).map(corner).collect(), halves.collect())
 }
 
-/// Returns a round bar from `a` to `b` whose ends are half balls or flat.
+/// Returns a round bar from `a` to `b`. The ends are half balls if `round` is true, otherwise flat.
 fn bar(a: &Vector3<f64>, b: &Vector3<f64>, radius: f64, round: bool) -> Surface {
     let axis = (b - a).try_normalize(1e-12).unwrap_or_else(Vector3::z);
     let across = axis.cross(&axis.map(|c| if c.abs() == axis.amax() { 0.0 } else { 1.0 })).normalize();
@@ -143,7 +145,9 @@ fn bar(a: &Vector3<f64>, b: &Vector3<f64>, radius: f64, round: bool) -> Surface 
     (vertices, bar_triangles(rings.len()))
 }
 
-/// Returns the triangles between a first point, rings of [`SIDES`] corners and a last point.
+/// Returns the triangles of a bar with `rings` rings of [`SIDES`] corners.
+///
+/// The bar begins and ends with a single point, so the corners are: first point, rings, last point.
 fn bar_triangles(rings: usize) -> Vec<[u32; 3]> {
     let at = |ring: usize, k: usize| (1 + ring * SIDES + k % SIDES) as u32;
     let last = (1 + rings * SIDES) as u32;

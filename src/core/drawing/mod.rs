@@ -1,7 +1,8 @@
-//! Layouts as plain data for pictures: solids, error maps, envelopes, motion. World frame, m and rad.
+//! Layouts as plain data for pictures: solids, error maps, envelopes and motion, in the world frame, m and
+//! rad.
 //!
-//! A [`Drawing`] is plain data made once from an [`Assessment`]; every picture, page and CAD file is
-//! rendered from it, so that all of them show the same.
+//! A [`Drawing`] is made once from an [`Assessment`]. Every picture, page and CAD file is rendered from that
+//! drawing, so all of them show the same content.
 
 mod arrows;
 mod envelope;
@@ -31,19 +32,20 @@ use nalgebra::Vector3;
 /// Layout as pictures show it.
 pub struct Drawing<'a> {
     pub cell: &'a Cell,
-    /// Name among other layouts: start, best ...
+    /// Name that distinguishes this layout from others: start, best ...
     pub name: String,
     pub layout: Layout,
     /// Pose of the robot base in the world.
     pub base: Pose,
-    /// Height of the floor, m.
+    /// Height of the floor in the world frame, m.
     pub floor: f64,
     pub parts: Vec<DrawnPart>,
-    /// Model and reading of each entry of [`Field::takes`]. The first are those of the cell.
+    /// Model and reading of each entry of [`Field::takes`]. The first entry has the model and reading of the
+    /// cell.
     pub lenses: Vec<ErrorView>,
     /// Error map of every operation.
     pub fields: Vec<Field>,
-    /// Working envelope of each operation; empty if not asked for.
+    /// Working envelope of each operation; empty if [`Detail::envelopes`] is false.
     pub envelopes: Vec<Rings>,
     /// Motion from home to every spot and back.
     pub movement: Movement,
@@ -52,10 +54,10 @@ pub struct Drawing<'a> {
 /// Amount of detail of a drawing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Detail {
-    /// Whether every model and reading is evaluated. Otherwise only those of the cell are.
+    /// Whether errors are computed under every model and reading, or only under those of the cell.
     pub lenses: bool,
     pub envelopes: bool,
-    /// Largest number of nodes of a field. A larger field keeps every second, third, ... node along both
+    /// Largest number of nodes of an error map. A larger map keeps every second, third, ... node along both
     /// axes.
     pub nodes: usize,
 }
@@ -92,8 +94,8 @@ impl<'a> Drawing<'a> {
         })
     }
 
-    /// Returns the pose of a part in the world frame. `frames` are the robot's frames in its posture, world
-    /// frame.
+    /// Returns the pose of a part in the world frame. `frames` are the robot's link frames in its present
+    /// posture, also in the world frame.
     pub fn pose_of(&self, part: &DrawnPart, frames: &[Pose]) -> Pose {
         match part.carrier {
             PartCarrier::World(pose) => pose,
@@ -101,9 +103,10 @@ impl<'a> Drawing<'a> {
         }
     }
 
-    /// Returns the parts that are visible at an operation, with their poses.
+    /// Returns the parts that are visible at an operation, with their world poses for the robot's link frames
+    /// `frames`.
     ///
-    /// If the operation is None, these are the parts that are always visible.
+    /// If `operation` is None, only the parts that are always visible are returned.
     pub fn posed<'d>(
         &'d self,
         operation: Option<usize>,
@@ -113,7 +116,7 @@ impl<'a> Drawing<'a> {
         self.parts.iter().filter(seen).map(move |part| (part, self.pose_of(part, frames)))
     }
 
-    /// Returns the bounding box of all visible parts in the world frame, m, with the robot at home.
+    /// Returns the bounding box of all parts that are always visible, world frame, m, with the robot at home.
     pub fn extent(&self) -> (Vector3<f64>, Vector3<f64>) {
         let home = self.movement.home();
         let base = (self.base.translation, self.base.translation);

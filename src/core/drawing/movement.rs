@@ -7,40 +7,40 @@ use crate::robot::Chain;
 
 /// Speed of the fastest joint, rad/s. A prismatic travel equal to the reach of the arm counts as 1 rad.
 const SPEED: f64 = 0.8;
-/// Rest at a spot, s.
+/// Duration of a rest at home or at a spot, s.
 const REST: f64 = 0.6;
 /// Time between two frames of the animation, s.
 const TICK: f64 = 0.05;
-/// Longest duration of a move, s.
+/// Longest duration of a straight move in joint coordinates, s.
 const MAX_DURATION: f64 = 6.0;
 
-/// Posture in which the robot rests.
+/// Stop of the animation: a posture in which the robot rests.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MovementStop {
-    /// Operation of the spot; none at home.
+    /// Operation at whose spot the robot rests; None at home.
     pub operation: Option<usize>,
     pub joints: JointVector,
-    /// Start of the rest, s.
+    /// Time at which the rest starts, s.
     pub time: f64,
 }
 
-/// Motion in joint coordinates, with the frames of every moment.
+/// Motion of the robot as an animation: the stops, and the robot's link frames at each time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Movement {
     pub stops: Vec<MovementStop>,
-    /// Time of each frame of the animation, s, in ascending order.
+    /// Times for which the animation has a picture, s, in ascending order.
     pub times: Vec<f64>,
-    /// Operation whose part the gripper holds at each moment.
+    /// Operation whose part the gripper holds, one entry per time; None if the gripper is empty.
     pub holding: Vec<Option<usize>>,
-    /// Frames 0 (base) to N of the chain and the TCP at each moment, world.
+    /// Link frames 0 (base) to N and the TCP frame, world frame, one list per entry of [`Self::times`].
     pub frames: Vec<Vec<Pose>>,
     /// Whether the moves between the spots were checked for collision.
     pub is_checked: bool,
 }
 
 impl Movement {
-    /// Returns the motion over the spots of a layout in the order of the operations. Operations without a
-    /// spot are left out.
+    /// Returns the motion from home over the spots of a layout and back. Spots follow the order of the
+    /// operations; operations without a spot are left out.
     pub fn new(a: &Assessment<'_>) -> Self {
         let chain = Chain::new(&a.cell.robot);
         let base = a.layout.base.pose();
@@ -71,30 +71,30 @@ impl Movement {
         Self { stops: Vec::new(), times: Vec::new(), holding: Vec::new(), frames: Vec::new(), is_checked }
     }
 
-    /// Returns the frames at home.
+    /// Returns the link frames and the TCP frame at home, world frame.
     pub fn home(&self) -> &[Pose] {
         self.frames.first().map_or(&[], Vec::as_slice)
     }
 
-    /// Returns the frames at the spot of an operation, if it has one.
+    /// Returns the link frames and the TCP frame at the spot of an operation; None if it has no spot.
     pub fn at(&self, operation: usize) -> Option<&[Pose]> {
         let stop = self.stops.iter().find(|s| s.operation == Some(operation))?;
         let k = self.times.iter().position(|t| *t >= stop.time)?;
         self.frames.get(k).map(Vec::as_slice)
     }
 
-    /// Returns the frames at the spot of an operation; those at home if there is no spot.
+    /// Returns the link frames and the TCP frame at the spot of an operation, or at home if there is no spot.
     pub fn frames(&self, operation: Option<usize>) -> &[Pose] {
         operation.and_then(|k| self.at(k)).unwrap_or(self.home())
     }
 
-    /// Returns the duration, s.
+    /// Returns the duration of the whole motion, s.
     pub fn duration(&self) -> f64 {
         self.times.last().copied().unwrap_or(0.0)
     }
 }
 
-/// Motion under construction.
+/// Builder of a [`Movement`], which appends moves and rests.
 struct MovementBuilder<'a> {
     chain: &'a Chain,
     base: Pose,
@@ -110,7 +110,8 @@ impl MovementBuilder<'_> {
         self.show(time + REST, joints, operation);
     }
 
-    /// Adds straight moves in joint coordinates from the last rest. Each starts and ends with zero speed.
+    /// Appends straight moves in joint coordinates from the last stop through all `knots`. Each move starts
+    /// and ends with zero speed.
     fn go<'j>(&mut self, knots: impl Iterator<Item = &'j JointVector>, holding: Option<usize>) {
         let Some(mut from) = self.movement.stops.last().map(|s| s.joints) else { return };
         for to in knots {
@@ -128,7 +129,8 @@ impl MovementBuilder<'_> {
         }
     }
 
-    /// Returns the largest travel of a joint, rad. A prismatic travel is divided by the reach.
+    /// Returns the largest travel of a joint between two postures, rad. A prismatic travel (m) is divided by
+    /// the reach and counts as rad.
     fn way(&self, from: &JointVector, to: &JointVector) -> f64 {
         let links = self.chain.links.iter().zip(from.iter().zip(to));
         let gone = links.map(|(link, (a, b))| match link.kind {

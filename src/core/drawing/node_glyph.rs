@@ -1,10 +1,11 @@
 //! Glyphs of nodes: one table that all pictures use to mark unusable nodes.
 //!
-//! The pictures in Rust use it directly; the JavaScript of the viewer and of the live page gets it as JSON.
+//! Pictures made in Rust use the table directly. The JavaScript of the viewer and of the live page gets the
+//! table as JSON.
 
 use crate::error_map::NodeSign;
 
-/// Circle round a node.
+/// Style of the circle round a node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum GlyphRing {
     None,
@@ -19,12 +20,12 @@ pub enum GlyphTone {
     Quiet,
     /// The posture is nearly singular.
     Warning,
-    /// A collision is in the way.
+    /// A collision prevents the posture, or a path to or from the node.
     Alarm,
 }
 
 impl GlyphTone {
-    /// Returns the name of the style sheet class with the glyph's colour.
+    /// Returns the name of the CSS class that sets the colour of the glyph.
     pub fn name(self) -> &'static str {
         match self {
             Self::Quiet => "grey",
@@ -37,7 +38,7 @@ impl GlyphTone {
 /// Open polyline of a glyph: x to the right, y down, in units of the radius of its ring.
 pub type GlyphStroke = &'static [(f64, f64)];
 
-/// Line drawing on a node that cannot be used.
+/// Glyph that marks an unusable node: a circle and strokes of one colour.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NodeGlyph {
     pub ring: GlyphRing,
@@ -45,7 +46,7 @@ pub struct NodeGlyph {
     pub tone: GlyphTone,
 }
 
-/// Size of both coordinates of the points at 45 degrees on the ring, in units of its radius.
+/// Absolute x and y of the points at 45 degrees on the ring, in units of the radius of the ring.
 const C: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 const RISING: GlyphStroke = &[(-C, C), (C, -C)];
@@ -56,7 +57,9 @@ const SQUARE: GlyphStroke = &[(-C, -C), (C, -C), (C, C), (-C, C), (-C, -C)];
 const DOWN: GlyphStroke = &[(-C, -0.6 * C), (0.0, 0.7 * C), (C, -0.6 * C)];
 const UP: GlyphStroke = &[(-C, 0.6 * C), (0.0, -0.7 * C), (C, 0.6 * C)];
 
-/// Returns the glyph of a sign; none for a usable node, which is a dot in the colour of its error.
+/// Returns the glyph for the state of a node (usable, or why not).
+///
+/// Returns None for a usable node, which is drawn as a dot in the colour of its error.
 pub fn node_glyph(sign: NodeSign) -> Option<NodeGlyph> {
     let glyph = |ring, strokes, tone| Some(NodeGlyph { ring, strokes, tone });
     match sign {

@@ -1,4 +1,4 @@
-//! Solids of a layout as parts, each with its carrier.
+//! Solids of a layout as parts of a picture, each with the frame that carries it.
 
 use super::mesh::Mesh;
 use crate::assess::Assessment;
@@ -33,12 +33,12 @@ impl PartKind {
     }
 }
 
-/// Carrier of a part: what it moves with.
+/// Carrier of a part: the world, or the link frame with which the part moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PartCarrier {
-    /// Pose of a part that stands still, world.
+    /// Part that stands still, with its pose in the world frame.
     World(Pose),
-    /// Frame of the chain: 0 is the robot base, k the frame after link k.
+    /// Part that moves with a link frame: 0 is the robot base, k the frame after link k.
     Link(usize),
 }
 
@@ -46,11 +46,11 @@ pub enum PartCarrier {
 #[derive(Debug, Clone, PartialEq)]
 pub struct DrawnPart {
     pub name: String,
-    /// Name of the robot, equipment, operation, ...
+    /// Name of the object that the solid belongs to: robot, equipment, operation, ...
     pub owner: String,
     pub kind: PartKind,
     pub carrier: PartCarrier,
-    /// Index of the equipment that the solid belongs to.
+    /// Index of the equipment that the solid belongs to; None for any other solid.
     pub equipment: Option<usize>,
     /// The only operation at which the part is visible; None if it is always visible.
     pub operation: Option<usize>,
@@ -58,9 +58,9 @@ pub struct DrawnPart {
     pub mesh: Mesh,
 }
 
-/// Radius of the bars drawn for links without solids, as a share of the reach.
+/// Radius of the bars that are drawn for a robot without solids, as a share of the reach.
 const BAR: f64 = 0.018;
-/// Thickness of a wall of the fence, m.
+/// Thickness of a wall of the fence, and height of the wall if the fence has no height, m.
 const WALL: f64 = 0.01;
 
 /// Returns all parts of a layout.
@@ -116,9 +116,9 @@ fn robot(cell: &Cell) -> Vec<DrawnPart> {
     parts
 }
 
-/// Returns bars along the links of a chain, each with the index of its frame.
+/// Returns bars along the links of a chain, each with the index of the link frame that carries it.
 ///
-/// They are drawn for a robot without solids.
+/// These bars are drawn if the robot has no solids.
 fn skeleton(chain: &Chain, radius: f64) -> Vec<(usize, Shape)> {
     let mut bars = Vec::new();
     let mut bar = |link: usize, a: Vector3<f64>, b: Vector3<f64>| {
@@ -158,7 +158,7 @@ fn stand(equipment: &Equipment, index: usize, pose: Pose, floor: f64) -> Vec<Dra
     equipment.solids.iter().map(part).collect()
 }
 
-/// Returns the walls of a fence. A fence without a height is drawn as a low kerb.
+/// Returns the walls of a fence. If the fence has no height, its walls are drawn 10 mm high.
 fn fence(cell: &Cell) -> Vec<DrawnPart> {
     let Some(Fence { corners, height }) = &cell.fence else { return Vec::new() };
     let height = height.unwrap_or(WALL);

@@ -6,33 +6,35 @@ use crate::pose::Pose;
 use nalgebra::{Vector2, Vector3};
 use std::collections::BTreeMap;
 
-/// Axes of a view in the world: right, up, and towards the eye; right-handed.
+/// Axes of a view in the world frame: unit vectors to the right, up and towards the eye (right-handed).
 pub type ViewAxes = [Vector3<f64>; 3];
 
-/// View from above; [`FRONT`] is the view from the front, along y.
+/// View from above, against z; [`FRONT`] is the view from the front, along y.
 pub const ABOVE: ViewAxes =
     [Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 1.0, 0.0), Vector3::new(0.0, 0.0, 1.0)];
 pub const FRONT: ViewAxes =
     [Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 0.0, 1.0), Vector3::new(0.0, -1.0, 0.0)];
 
-/// Projected area, as a share of the area of the face, up to which a face counts as edge-on.
+/// Largest projected area of a face that counts as edge-on, as a share of the true area of the face.
 const EDGE_ON: f64 = 1e-6;
-/// Cosine of 60 degrees: an edge is drawn if the angle between the normals of its two faces is larger.
+/// Cosine of 60 degrees. An edge is drawn as sharp if the normals of its two faces differ by more than this
+/// angle.
 const SHARP: f64 = 0.5;
 
 /// Outline of a solid in the plane of a view (right, up), m.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Silhouette {
-    /// Closed outlines. Filled by the nonzero rule, they cover the area of the solid.
+    /// Closed outlines. If they are filled by the nonzero rule, the filled area is that of the solid.
     pub loops: Vec<Vec<Vector2<f64>>>,
-    /// Sharp edges inside of the outlines.
+    /// Sharp edges inside the outlines.
     pub edges: Vec<[Vector2<f64>; 2]>,
-    /// Mean coordinate of the corners towards the eye, m; nearer solids are drawn later.
+    /// Coordinate along the direction to the eye, averaged over all corners, m; nearer solids are drawn
+    /// later.
     pub depth: f64,
 }
 
-/// Returns the silhouette of a solid. Its outline consists of the edges that belong to only one face towards
-/// the eye.
+/// Returns the silhouette of a solid. The outline consists of the edges at which exactly one adjacent face is
+/// turned towards the eye.
 pub fn silhouette(mesh: &Mesh, pose: &Pose, [right, up, eye]: &ViewAxes) -> Silhouette {
     let placed: Vec<Vector3<f64>> = mesh.positions.iter().map(|p| pose.transform(p)).collect();
     let joined = joined(&mesh.positions);
@@ -55,8 +57,8 @@ pub fn silhouette(mesh: &Mesh, pose: &Pose, [right, up, eye]: &ViewAxes) -> Silh
     Silhouette { loops, edges, depth: sum / placed.len().max(1) as f64 }
 }
 
-/// Returns for every corner the index of the first corner at the same place. A mesh repeats a corner for
-/// every normal.
+/// Returns for every corner the index of the first corner at the same place. A mesh has several corners at
+/// one place if their normals differ.
 fn joined(positions: &[Vector3<f64>]) -> Vec<usize> {
     let mut first: BTreeMap<[u64; 3], usize> = BTreeMap::new();
     let key = |p: &Vector3<f64>| [p.x, p.y, p.z].map(|v| (v + 0.0).to_bits());

@@ -5,13 +5,13 @@ use nalgebra::{Point2, Vector3};
 /// Direction of view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ViewDirection {
-    /// Isometric view in which the work lies in front of the robot.
+    /// Isometric view from the side of the work, so that the work lies in front of the robot.
     #[default]
     Iso,
     Top,
-    /// View along y.
+    /// View along the y axis of the world.
     Front,
-    /// View along negative x.
+    /// View along the negative x axis of the world.
     Side,
 }
 
@@ -27,8 +27,9 @@ impl ViewDirection {
         }
     }
 
-    /// Returns the right, up and backward (towards the eye) directions of the view in the world frame. `work`
-    /// is the direction from the robot to the work.
+    /// Returns three unit vectors of the view in the world frame: right, up and backward (towards the eye).
+    ///
+    /// The argument `work` is the direction from the robot base to the nodes of the operations.
     pub fn axes(self, perspective: bool, work: &Vector3<f64>) -> [Vector3<f64>; 3] {
         let (x, y, z) = (Vector3::x(), Vector3::y(), Vector3::z());
         match self {
@@ -48,15 +49,17 @@ impl ViewDirection {
     }
 }
 
-/// Projected point, px to the right and down. `near` orders points that cover each other, and is linear over
-/// every plane.
+/// Projected point: position in the picture (px to the right and down) and nearness to the eye.
+///
+/// The value `near` is larger for points nearer to the eye. It is linear in the picture over every plane, so
+/// it may be interpolated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ScreenPoint {
     pub at: Point2<f64>,
     pub near: f64,
 }
 
-/// Part of the picture that shows the world, px.
+/// Rectangle of the picture in which the world is shown, px.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PictureFrame {
     pub left: f64,
@@ -65,7 +68,7 @@ pub struct PictureFrame {
     pub height: f64,
 }
 
-/// Camera that fits its subject into a frame.
+/// Camera: directions of view, projection and scale.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Camera {
     pub right: Vector3<f64>,
@@ -73,18 +76,18 @@ pub struct Camera {
     /// Direction towards the eye, world frame.
     pub back: Vector3<f64>,
     centre: Vector3<f64>,
-    /// Distance of the eye from the centre, m; None for a parallel projection.
+    /// Distance of the eye from the centre of the scene, m; None for a parallel projection.
     distance: Option<f64>,
-    /// Scale at the centre, px per m.
+    /// Scale of the picture at the centre of the scene, px per m.
     pub scale: f64,
     shift: (f64, f64),
 }
 
-/// Distance of the eye from the centre in radii of the scene.
+/// Distance of the eye from the centre of the scene, as a multiple of the radius of the scene.
 const EYE_DISTANCE: f64 = 4.2;
 
 impl Camera {
-    /// Returns a camera that shows all `points` in the frame.
+    /// Returns a camera that shows all `points` (world frame, m) inside the rectangle `frame` of the picture.
     pub fn fitted(
         view: ViewDirection,
         perspective: bool,
@@ -134,7 +137,8 @@ impl Camera {
         }
     }
 
-    /// Returns a point `lift` (m) in front of `p`, at the same place of the picture.
+    /// Returns the point `p` shifted towards the eye by `lift` (m); the shift does not move the point in the
+    /// picture.
     pub fn before(&self, p: &Vector3<f64>, lift: f64) -> Vector3<f64> {
         p + self.to_eye(p) * lift
     }

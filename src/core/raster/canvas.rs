@@ -1,16 +1,16 @@
-//! Depth buffer: draws triangles and lines into samples, where the nearest surface wins.
+//! Depth buffer: draws triangles and lines into samples; each sample keeps the nearest surface.
 
 use super::camera::ScreenPoint;
 use nalgebra::{Point2, Vector2};
 
-/// Number of subdivisions of a sample along each side. Corners are rounded to this grid, so that integers
-/// decide exactly which triangle covers a sample.
+/// Number of subdivisions of a sample along each side. Corners of triangles are rounded to this grid. So
+/// integer arithmetic decides exactly which triangle covers a sample.
 const PARTS: f64 = 256.0;
 const PART: i64 = 256;
-/// Largest coordinate of a drawn corner, samples.
+/// Largest absolute coordinate of a corner, in samples; triangles with a corner beyond it are not drawn.
 const FARTHEST: f64 = 1e5;
 
-/// Samples row by row from the top left, each with the nearest surface.
+/// Grid of samples, row by row from the top left, each with the value and nearness of the nearest surface.
 pub struct DepthBuffer<T> {
     pub width: usize,
     pub height: usize,
@@ -23,8 +23,11 @@ impl<T: Copy> DepthBuffer<T> {
         Self { width, height, near: vec![f32::MIN; width * height], value: vec![value; width * height] }
     }
 
-    /// Paints a triangle where it is nearest. `paint` gets the barycentric coordinates. Triangles with a
-    /// common edge leave no gap and have no sample in common. A triangle that is not `solid` hides nothing.
+    /// Paints the samples at which a triangle is nearer to the eye than all surfaces drawn so far.
+    ///
+    /// For each such sample, `paint` receives the value of the sample and the barycentric coordinates. Two
+    /// triangles with a common edge leave no sample between them unpainted and share none. If `solid` is
+    /// false, the triangle does not hide what is drawn later.
     pub fn fill(&mut self, corners: &[ScreenPoint; 3], solid: bool, mut paint: impl FnMut(&mut T, [f32; 3])) {
         let is_drawn = |c: &ScreenPoint| c.near.is_finite() && c.at.coords.iter().all(|v| v.abs() < FARTHEST);
         if !corners.iter().all(is_drawn) {
@@ -64,7 +67,7 @@ impl<T: Copy> DepthBuffer<T> {
         }
     }
 
-    /// Paints a line. Its width is in samples.
+    /// Paints a line from `a` to `b` where it is nearest to the eye; `width` is in samples.
     pub fn stroke(&mut self, a: &ScreenPoint, b: &ScreenPoint, width: f64, mut paint: impl FnMut(&mut T)) {
         let along = (b.at - a.at).try_normalize(1e-9).unwrap_or_else(Vector2::x);
         let (side, end) = (Vector2::new(-along.y, along.x) * (width / 2.0), along * (width / 4.0));
@@ -79,7 +82,7 @@ impl<T: Copy> DepthBuffer<T> {
     }
 }
 
-/// Returns twice the signed area of a triangle, in squared grid units ([`PARTS`]).
+/// Returns twice the signed area of the triangle `a`, `b`, `c`, in squared units of the grid of [`PARTS`].
 fn cross(a: [i64; 2], b: [i64; 2], c: [i64; 2]) -> i64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
@@ -89,21 +92,26 @@ fn least(p: &[[i64; 2]; 3], axis: usize) -> (i64, i64) {
     (all.into_iter().fold(i64::MAX, i64::min), all.into_iter().fold(i64::MIN, i64::max))
 }
 
-/// Returns the indices of the samples whose centres lie between two coordinates.
+/// Returns the indices of the samples whose centres lie from `low` to `high`, in units of the grid of
+/// [`PARTS`].
+///
+/// All indices are below `count`.
 fn range((low, high): (i64, i64), count: usize) -> std::ops::Range<usize> {
     let first = (low - PART / 2).div_euclid(PART).max(0);
     let last = (high - PART / 2).div_euclid(PART) + 1;
     first as usize..last.clamp(first, count.max(first as usize) as i64) as usize
 }
 
-/// Edge function of a triangle's side, which grows inwards.
+/// Edge function of a side of a triangle: zero on the side, positive inside the triangle.
 struct TriangleEdge {
     from: [i64; 2],
     along: [i64; 2],
-    /// Change of the edge function from one sample to the next on the right.
+    /// Change of the edge function from a sample to its right neighbour.
     step: i64,
-    /// Least value of the edge function at a covered sample. A sample on a common edge belongs to only one of
-    /// the two triangles.
+    /// Least value of the edge function at a sample that the triangle covers, 0 or 1.
+    ///
+    /// If two triangles have a common edge, only one of them has 0. So a sample on that edge belongs to one
+    /// triangle alone.
     least: i64,
 }
 

@@ -1,11 +1,11 @@
-//! Feature edges of a body: sharp edges, open edges and the outline.
+//! Feature edges of a body, which are drawn as lines: sharp edges, open edges and the outline.
 
 use super::camera::Camera;
 use super::scene::SceneBody;
 use nalgebra::Vector3;
 use std::collections::HashMap;
 
-/// Edge of a mesh: positions of its ends, indices of the corners there, and properties of the adjacent
+/// Edge of a mesh: positions of the ends, indices of the corners at the ends, and properties of the adjacent
 /// triangles.
 struct FeatureEdge {
     ends: [Vector3<f64>; 2],
@@ -16,8 +16,8 @@ struct FeatureEdge {
     is_sharp: bool,
 }
 
-/// A body with at least this number of sharp edges is drawn without them: it is a scan, which is sharp
-/// everywhere.
+/// Number of sharp edges from which on a body is drawn without sharp edges. Such a body is a scanned surface,
+/// on which nearly every edge is sharp.
 const MAX_SHARP_EDGES: usize = 400;
 
 pub fn of(body: &SceneBody, camera: &Camera) -> Vec<[Vector3<f64>; 2]> {
@@ -58,8 +58,8 @@ pub fn of(body: &SceneBody, camera: &Camera) -> Vec<[Vector3<f64>; 2]> {
     sides.into_iter().filter(is_drawn).map(|s| s.ends).collect()
 }
 
-/// Returns for each corner an index that is equal for corners at the same place. Such corners may differ in
-/// their normals.
+/// Returns for each corner an index of the place. Corners at one place, which may differ in their normals,
+/// get the same index.
 fn places(positions: &[Vector3<f64>]) -> Vec<u32> {
     let mut known: HashMap<[u64; 3], u32> = HashMap::new();
     let key = |p: &Vector3<f64>| [p.x, p.y, p.z].map(f64::to_bits);

@@ -1,4 +1,4 @@
-//! Floor: a plate with a grid, darkened under solids on it or close above it.
+//! Floor: a plate with grid lines, darkened below solids that stand on it or are close above it.
 
 use super::camera::ScreenPoint;
 use super::canvas::DepthBuffer;
@@ -11,10 +11,10 @@ use nalgebra::{Point2, Vector3};
 const FIELDS: usize = 160;
 /// Height above the floor, m, at which a solid darkens the floor half as much as a solid that stands on it.
 const HALF_SHADE_HEIGHT: f64 = 0.35;
-/// Distance of the grid lines, m.
+/// Distance between neighbouring grid lines, m.
 const GRID: f64 = 0.5;
 
-/// Adds the floor under the scene.
+/// Adds the floor at `height` (m) to the scene, below all bodies that the scene already holds.
 pub fn lay(scene: &mut RasterScene, palette: &Palette, height: f64) {
     let points: Vec<Vector3<f64>> = scene.bodies.iter().flat_map(|b| &b.mesh.positions).copied().collect();
     let bounds = points.iter().map(|p| (*p, *p)).reduce(|(lo, hi), (p, q)| (lo.inf(&p), hi.sup(&q)));
@@ -70,7 +70,7 @@ fn add_grid(scene: &mut RasterScene, colour: Colour, low: [f64; 2], high: [f64; 
     }
 }
 
-/// Returns the blurred share of the light from above that is blocked at the corners of the tiles.
+/// Returns the share of the light from above that solids block at each corner of the tiles, blurred.
 fn shade(scene: &RasterScene, low: [f64; 2], high: [f64; 2], floor: f64) -> Vec<f32> {
     let across = FIELDS + 1;
     let mut lowest = DepthBuffer::new(across, across, ());
@@ -101,7 +101,10 @@ fn shade(scene: &RasterScene, low: [f64; 2], high: [f64; 2], floor: f64) -> Vec<
     dark
 }
 
-/// Returns for each value of a square grid the mean of itself and its neighbours along one direction.
+/// Returns for each value of a square grid the mean of this value and its neighbours along one direction.
+///
+/// The grid has `across` values per row. The direction is along rows if `step` is 1, along columns if `step`
+/// is `across`.
 fn blurred(values: &[f32], across: usize, step: usize) -> Vec<f32> {
     const REACH: isize = 2;
     let place = |k: usize| if step == 1 { k % across } else { k / across };

@@ -1,19 +1,19 @@
-//! Stroke font, so that a picture has text without font files.
+//! Stroke font: letters as polylines, so pictures have text without font files.
 //!
-//! The grid has the baseline at 3, small letters up to 9, capitals up to 12 (hexadecimal c) and descenders
-//! down to 0. Two hexadecimal digits give a point: right, then up. A stroke that begins with ~ is round; a
-//! stroke of one point is a dot.
+//! Each letter is drawn on a grid. The baseline is at height 3; small letters go up to 9, capitals up to 12
+//! (hexadecimal c) and descenders down to 0. Two hexadecimal digits give a point: distance to the right, then
+//! height. A stroke that begins with ~ is a curve; a stroke of one point is a dot.
 
 use nalgebra::Vector2;
 
-/// Height of capitals on the grid.
+/// Height of capitals above the baseline, in steps of the font's grid.
 pub const CAPITAL: f64 = 9.0;
 const BASE: f64 = 3.0;
-/// Gap between letters, in steps of the grid.
+/// Space between two letters, in steps of the font's grid.
 const LETTER_GAP: f64 = 2.3;
 const SPACE: f64 = 2.2;
 
-/// Glyphs from the space (32) to the tilde (126).
+/// Strokes of the characters from the space (code 32) to the tilde (code 126).
 const GLYPHS: [&str; 95] = [
     "",
     "0c06 03",
@@ -112,7 +112,7 @@ const GLYPHS: [&str; 95] = [
     "~06184658",
 ];
 
-/// Glyph of a character that the font does not have.
+/// Strokes of a box, drawn for a character that the font does not have.
 const UNKNOWN: &str = "030c6c6303";
 
 fn glyph(c: char) -> &'static str {
@@ -120,7 +120,7 @@ fn glyph(c: char) -> &'static str {
     index.and_then(|k| GLYPHS.get(k).copied()).unwrap_or(UNKNOWN)
 }
 
-/// Returns the width of a text without margins, with capitals `capital` high.
+/// Returns the width of a text without margins, in the unit of `capital`, the height of its capitals.
 pub fn width(text: &str, capital: f64) -> f64 {
     let all: f64 = text.chars().map(advance).sum();
     (all - LETTER_GAP).max(0.0) * capital / CAPITAL
@@ -131,7 +131,9 @@ fn advance(c: char) -> f64 {
     if c == ' ' { SPACE + LETTER_GAP } else { strokes.map(|p| p.x).fold(0.0, f64::max) + LETTER_GAP }
 }
 
-/// Returns the strokes of a text that starts at `at` on the baseline; y points down.
+/// Returns the strokes of a text that starts at the point `at` of the baseline; y points down.
+///
+/// Capitals have the height `capital`.
 pub fn strokes(text: &str, at: Vector2<f64>, capital: f64) -> Vec<Vec<Vector2<f64>>> {
     let unit = capital / CAPITAL;
     let (mut x, mut all) = (0.0, Vec::new());
@@ -151,8 +153,8 @@ fn points(stroke: &str) -> Vec<Vector2<f64>> {
     digits.chunks_exact(2).map(|p| Vector2::new(p[0], p[1])).collect()
 }
 
-/// Returns a line after two rounds of corner cutting (Chaikin 1974). The ends stay, and a closed line stays
-/// closed.
+/// Returns a line smoothed by two rounds of corner cutting (Chaikin 1974). The ends of an open line stay in
+/// place, and a closed line stays closed.
 fn rounded(line: &[Vector2<f64>]) -> Vec<Vector2<f64>> {
     let closed = line.first() == line.last();
     let mut line = line.to_vec();

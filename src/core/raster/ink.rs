@@ -1,11 +1,11 @@
-//! Finished picture: pixels averaged from samples, with text and signs on top.
+//! Picture of pixels: averages of the samples, with text and the symbols of the legend drawn on top.
 
 use super::canvas::DepthBuffer;
 use super::font;
 use super::palette::Colour;
 use nalgebra::Vector2;
 
-/// Pixels row by row, 0 to 1.
+/// Picture as pixels, row by row from the top left; colour components are from 0 to 1.
 pub struct PixelImage {
     pub width: usize,
     pub height: usize,
@@ -29,7 +29,7 @@ impl PixelImage {
         Self { width, height, pixels }
     }
 
-    /// Draws a line with round ends; points and width in px.
+    /// Draws a polyline with round ends; points and width are in px.
     pub fn line(&mut self, points: &[Vector2<f64>], width: f64, colour: Colour) {
         let dot = [points.first().copied().unwrap_or_default(); 2];
         let spans: Vec<&[Vector2<f64>]> =
@@ -44,7 +44,7 @@ impl PixelImage {
         });
     }
 
-    /// Fills a rectangle, px.
+    /// Fills the rectangle between two corners, px.
     pub fn rectangle(&mut self, low: Vector2<f64>, high: Vector2<f64>, colour: Colour) {
         self.cover(low, high, 1.0, colour, |p| {
             let inside = |k: usize| (p[k] - low[k] + 0.5).min(high[k] - p[k] + 0.5).clamp(0.0, 1.0);
@@ -73,14 +73,14 @@ impl PixelImage {
         }
     }
 
-    /// Writes a text that starts at `at` on the baseline, with capitals `capital` px high.
+    /// Writes a text that starts at the point `at` of the baseline, with capitals `capital` px high.
     pub fn text(&mut self, text: &str, at: Vector2<f64>, capital: f64, colour: Colour) {
         for stroke in font::strokes(text, at, capital) {
             self.line(&stroke, weight(capital), colour);
         }
     }
 
-    /// Writes a text with a rim that keeps it readable over any background.
+    /// Writes a text with a rim of another colour, which keeps the text readable over any background.
     pub fn rimmed(&mut self, text: &str, at: Vector2<f64>, capital: f64, colour: Colour, rim: Colour) {
         for stroke in font::strokes(text, at, capital) {
             self.line(&stroke, weight(capital) + 0.55 * capital, rim);
@@ -89,12 +89,12 @@ impl PixelImage {
     }
 }
 
-/// Returns the width of the pen, px.
+/// Returns the line width, px, of a text whose capitals are `capital` px high.
 fn weight(capital: f64) -> f64 {
     (0.135 * capital).max(1.0)
 }
 
-/// Returns the distance of a point from the segment between two points.
+/// Returns the distance of the point `p` from the segment between `a` and `b`.
 pub fn distance(p: Vector2<f64>, a: Vector2<f64>, b: Vector2<f64>) -> f64 {
     let along = b - a;
     let share = ((p - a).dot(&along) / along.norm_squared().max(1e-12)).clamp(0.0, 1.0);

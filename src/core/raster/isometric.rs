@@ -1,7 +1,7 @@
-//! The scene as SVG with hidden lines removed, for print and for browsers without WebGL.
+//! Picture of the scene as SVG with hidden lines removed, for print and for browsers without WebGL.
 //!
-//! A depth buffer decides visibility sample by sample, as for the PNG. Areas of one tone are traced, and
-//! lines are cut to their visible parts.
+//! As in the PNG, a depth buffer decides what is visible at each sample. Areas of equal tone become outlines
+//! (contour tracing), and lines are cut to their visible parts.
 
 use super::camera::{Camera, ScreenPoint};
 use super::canvas::DepthBuffer;
@@ -16,16 +16,17 @@ use std::fmt::Write;
 
 /// Number of samples per pixel along each side.
 const SAMPLES: f64 = 2.0;
-/// Number of tones of a body.
+/// Number of tones (steps of brightness) with which a body is drawn.
 const TONES: f32 = 16.0;
-/// Tolerance of an outline, samples; [`MIN_AREA`] is its least area, squared samples.
+/// Tolerance of the simplification of an outline, samples. Smaller areas than [`MIN_AREA`] (squared samples)
+/// are not drawn.
 const TOLERANCE: f64 = 0.8;
 const MIN_AREA: f64 = 8.0;
 
 /// Returns the picture as SVG, always in parallel projection.
 ///
 /// # Errors
-/// Fails as [`super::png`] does.
+/// Fails for the same reasons as [`super::png`].
 pub fn isometric(drawing: &Drawing<'_>, shot: &Shot) -> Result<String, String> {
     let shot = &Shot { perspective: false, ..shot.clone() };
     let stage = staged(drawing, shot)?;
@@ -61,7 +62,7 @@ fn sampled(camera: &Camera, p: &Vector3<f64>) -> ScreenPoint {
     ScreenPoint { at: seen.at * SAMPLES, ..seen }
 }
 
-/// Draws solids and floor as areas of uniform tone. Returns the depth buffer.
+/// Draws solids and floor as areas of uniform tone, and returns the depth buffer that decides visibility.
 fn draw_areas(out: &mut String, stage: &FittedScene, shot: &Shot) -> DepthBuffer<u32> {
     let size = [shot.width, shot.height].map(|side| (side as f64 * SAMPLES) as usize);
     let mut canvas = DepthBuffer::new(size[0], size[1], 0u32);
@@ -98,7 +99,7 @@ fn draw_areas(out: &mut String, stage: &FittedScene, shot: &Shot) -> DepthBuffer
     canvas
 }
 
-/// Visibility test of points.
+/// Visibility test of points of the scene against the depth buffer.
 struct VisibilityTest<'a> {
     camera: &'a Camera,
     canvas: &'a DepthBuffer<u32>,
@@ -117,7 +118,9 @@ impl VisibilityTest<'_> {
         })
     }
 
-    /// Appends the visible parts of a line to the path data `d`, px.
+    /// Appends the visible parts of a segment (world frame) to the SVG path data `d`, px.
+    ///
+    /// Before the test, the segment is shifted towards the eye by `lift` (m).
     fn add(&self, d: &mut String, [a, b]: &[Vector3<f64>; 2], lift: f64) {
         let [a, b] = [a, b].map(|p| self.camera.before(p, lift));
         let far = (self.camera.seen(&b).at - self.camera.seen(&a).at).norm();
@@ -143,7 +146,7 @@ impl VisibilityTest<'_> {
     }
 }
 
-/// Draws edges and lines in groups of equal colour and width.
+/// Draws the edges of bodies and the lines of the scene, grouped by colour and width.
 fn draw_lines(out: &mut String, stage: &FittedScene, seeing: &VisibilityTest<'_>, pixel: f64) {
     let lift = stage.scene.size * 0.002;
     let mut groups: Vec<(Colour, f64, String)> = Vec::new();
@@ -169,7 +172,7 @@ fn draw_lines(out: &mut String, stage: &FittedScene, seeing: &VisibilityTest<'_>
     }
 }
 
-/// Draws transparent bodies: their far sides first, then their near sides.
+/// Draws each transparent body: first the sides that face away from the eye, then those that face it.
 fn draw_clear(out: &mut String, stage: &FittedScene, canvas: &DepthBuffer<u32>) {
     for body in stage.scene.bodies.iter().filter(|b| b.opacity < 1.0) {
         for front in [false, true] {
@@ -195,7 +198,7 @@ fn draw_clear(out: &mut String, stage: &FittedScene, canvas: &DepthBuffer<u32>) 
     }
 }
 
-/// Draws nodes and the arrows on them, the farthest first.
+/// Draws the visible nodes, then the arrows; farther arrows are drawn first.
 fn draw_nodes(out: &mut String, stage: &FittedScene, seeing: &VisibilityTest<'_>, pixel: f64) {
     let lift = stage.scene.size * 0.006;
     for mark in &stage.scene.nodes {

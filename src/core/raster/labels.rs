@@ -1,4 +1,4 @@
-//! Labels: placement of names and values where they cover the least.
+//! Labels: placement of names and values at places where they cover few nodes and other labels.
 
 use super::font;
 use super::ink::{PixelImage, distance};
@@ -12,9 +12,9 @@ use std::f64::consts::TAU;
 /// Label with its place in the picture, px.
 pub struct PlacedLabel {
     pub text: String,
-    /// Left end of the baseline.
+    /// Left end of the baseline of the text, px.
     pub at: Vector2<f64>,
-    /// Line from a spot to its label.
+    /// Leader line from a spot to its label, px; None for a label without such a line.
     pub leader: Option<[Vector2<f64>; 2]>,
     low: Vector2<f64>,
     high: Vector2<f64>,
@@ -33,7 +33,8 @@ pub fn write(sheet: &mut PixelImage, stage: &FittedScene, shot: &Shot) {
     }
 }
 
-/// Returns the labels with their places. Labels of spots are placed first.
+/// Returns all labels with their places in the picture. Labels of spots are placed first, so they get the
+/// better places.
 pub fn placed(stage: &FittedScene, shot: &Shot) -> Vec<PlacedLabel> {
     let place = |p: &nalgebra::Vector3<f64>| stage.camera.seen(p).at.coords;
     let mut taken: Vec<Vector2<f64>> = stage.scene.nodes.iter().map(|n| place(&n.at)).collect();
@@ -51,7 +52,7 @@ pub fn placed(stage: &FittedScene, shot: &Shot) -> Vec<PlacedLabel> {
     all
 }
 
-/// Returns the possible places of a label, the best first.
+/// Returns the possible places of a label; of places with equal cost, the earlier one is preferred.
 fn choices(label: &Label, stage: &FittedScene, shot: &Shot) -> Vec<PlacedLabel> {
     let unit = shot.capital();
     let text: String = shown(&label.text);
@@ -99,8 +100,11 @@ fn choices(label: &Label, stage: &FittedScene, shot: &Shot) -> Vec<PlacedLabel> 
     }
 }
 
-/// Returns the cost of a place. Covered nodes and labels add to it, and so does the distance outside the
-/// frame.
+/// Returns the cost of the place `p` of a label.
+///
+/// The cost grows with the number of points `taken` and labels `all` that the label would cover. It also
+/// grows with the distance by which the label would stick out of the frame, and with the length of the leader
+/// line.
 fn cost(p: &PlacedLabel, all: &[PlacedLabel], taken: &[Vector2<f64>], frame: &PictureFrame) -> f64 {
     let inside = |q: &&Vector2<f64>| (0..2).all(|k| p.low[k] < q[k] && q[k] < p.high[k]);
     let nodes = taken.iter().filter(inside).count() as f64;

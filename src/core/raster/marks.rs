@@ -1,4 +1,4 @@
-//! Error maps in the scene: nodes, glyphs, arrows, spots.
+//! Error maps in the scene: nodes, glyphs of unusable nodes, arrows and spots.
 
 use super::Shot;
 use super::palette::{Colour, Palette, scale as colour_of};
@@ -81,7 +81,7 @@ fn add_glyph(
     scene.lines.extend(strokes);
 }
 
-/// Returns a dot that lies on the surface.
+/// Returns a horizontal dot at a node; `radius` and the size of the scene, `size`, are in m.
 fn disc(node: &FieldNode, radius: f64, colour: Colour, size: f64) -> SceneBody {
     const SIDES: u32 = 12;
     let rim = (0..SIDES).map(|k| {

@@ -1,8 +1,8 @@
-//! 3-D pictures without a browser: PNG by a software rasteriser, SVG with hidden lines.
+//! 3-D pictures without a browser: PNG by a software rasteriser, SVG with hidden lines removed.
 //!
-//! A [`Drawing`] becomes a scene of bodies, lines and labels in the world, with a camera fitted to it. Both
-//! formats show that scene. The same drawing gives the same bytes, because no font file, driver or random
-//! number is used.
+//! A [`Drawing`] becomes a scene of bodies, lines and labels in the world frame, and a camera is fitted to
+//! the scene. PNG and SVG show the same scene. Equal drawings give equal bytes, because no font file,
+//! graphics driver or random number is used.
 
 #[doc(hidden)] // open for tests/it
 pub mod camera;
@@ -39,7 +39,8 @@ use scene::{RasterScene, SceneBody};
 /// Settings of a picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shot {
-    /// Operation whose error map alone is shown, with the robot at its spot. None shows all maps.
+    /// Operation whose error map is shown alone, with the robot at the spot of that operation. If None, all
+    /// maps are shown.
     pub operation: Option<usize>,
     /// Operation at whose spot the robot stands if `operation` is None. If both are None, the robot is at
     /// home.
@@ -48,12 +49,13 @@ pub struct Shot {
     pub width: usize,
     pub height: usize,
     pub view: ViewDirection,
-    /// Whether the projection is in perspective; otherwise it is parallel.
+    /// Whether the projection is in perspective; otherwise it is parallel. SVG always uses parallel
+    /// projection.
     pub perspective: bool,
     pub show: Show,
-    /// Model and reading shown: index into [`Drawing::lenses`].
+    /// Model and reading whose errors are shown, as an index into [`Drawing::lenses`].
     pub take: usize,
-    /// Name of the sense that the colours show; None for the sense of the operation.
+    /// Name of the sense whose values the colours show; None for the sense of each operation.
     pub sense: Option<String>,
     pub envelope: bool,
     /// Whether equipment names and spot values are drawn.
@@ -85,14 +87,15 @@ impl Default for Shot {
 
 /// Largest width and height of a picture, px.
 const MAX_SIDE: usize = 6000;
-/// Samples of a pixel along each side.
+/// Number of samples per pixel along each side.
 const SAMPLES: usize = 3;
 
 impl Shot {
-    /// Checks the settings against the drawing.
+    /// Checks that the settings are possible and suit the drawing.
     ///
     /// # Errors
-    /// Fails if the settings do not suit the drawing. The message says why.
+    /// Fails if the size is out of range. Also fails if the drawing lacks the operation or the combination of
+    /// model and reading. The message says why.
     fn check(&self, drawing: &Drawing<'_>) -> Result<(), String> {
         if !(64..=MAX_SIDE).contains(&self.width) || !(64..=MAX_SIDE).contains(&self.height) {
             return Err(format!(
@@ -113,12 +116,12 @@ impl Shot {
         }
     }
 
-    /// Returns the height of capitals, px.
+    /// Returns the height of capital letters in this picture, px; other sizes are multiples of this height.
     fn capital(&self) -> f64 {
         ((self.width as f64).min(1.6 * self.height as f64) / 125.0).clamp(7.0, 22.0)
     }
 
-    /// Returns the part of the picture that shows the world, px.
+    /// Returns the rectangle of the picture in which the world is shown, px.
     fn frame(&self) -> PictureFrame {
         let (width, height, unit) = (self.width as f64, self.height as f64, self.capital());
         let side = 2.2 * unit;
@@ -128,7 +131,7 @@ impl Shot {
     }
 }
 
-/// Scene with the camera that is fitted to it.
+/// Scene with its camera, colours and error scale.
 struct FittedScene {
     scene: RasterScene,
     camera: Camera,
@@ -159,8 +162,8 @@ fn staged(drawing: &Drawing<'_>, shot: &Shot) -> Result<FittedScene, String> {
 /// Returns the picture as PNG with 8 bits per colour.
 ///
 /// # Errors
-/// Fails if the size is out of range, or if `shot` names a missing operation or combination of model and
-/// reading.
+/// Fails if the size is out of range. Also fails if the operation or the combination of model and reading in
+/// `shot` does not exist.
 pub fn png(drawing: &Drawing<'_>, shot: &Shot) -> Result<Vec<u8>, String> {
     let stage = staged(drawing, shot)?;
     let mut sheet = PixelImage::of(&rendered(&stage, shot), SAMPLES);
@@ -206,7 +209,7 @@ fn sampled(camera: &Camera, p: &Vector3<f64>) -> camera::ScreenPoint {
     camera::ScreenPoint { at: seen.at * SAMPLES as f64, ..seen }
 }
 
-/// Paints a body with the colours of its corners, interpolated.
+/// Paints a body with colours that are interpolated between its corners.
 fn paint(canvas: &mut DepthBuffer<[u8; 3]>, body: &SceneBody, camera: &Camera, light: &Light) {
     let corners: Vec<camera::ScreenPoint> =
         body.mesh.positions.iter().map(|p| sampled(camera, &camera.before(p, body.lift))).collect();
@@ -220,7 +223,7 @@ fn paint(canvas: &mut DepthBuffer<[u8; 3]>, body: &SceneBody, camera: &Camera, l
     }
 }
 
-/// Paints transparent bodies, the farthest first.
+/// Paints the triangles of transparent bodies; farther triangles are painted first.
 fn paint_clear(canvas: &mut DepthBuffer<[u8; 3]>, bodies: &[&SceneBody], camera: &Camera) {
     let mut faces = Vec::new();
     for body in bodies {

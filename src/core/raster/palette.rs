@@ -1,14 +1,14 @@
-//! Colours and light.
+//! Colours and lighting of pictures.
 
 use super::camera::Camera;
 use crate::colours;
 use crate::drawing::{GlyphTone, PartKind};
 use nalgebra::Vector3;
 
-/// Red, green and blue, 0 to 1.
+/// Colour as red, green and blue components, each from 0 to 1.
 pub type Colour = [f32; 3];
 
-/// Colours of everything except the errors.
+/// Colours of a picture, except those of the error scale.
 pub struct Palette {
     pub paper: Colour,
     pub floor: Colour,
@@ -40,7 +40,7 @@ impl Palette {
         Self { paper, floor, grid, text, faint, ring, warning, alarm, spot, envelope, is_dark }
     }
 
-    /// Returns the colour of a glyph.
+    /// Returns the colour of a glyph of this severity.
     pub fn of_tone(&self, tone: GlyphTone) -> Colour {
         match tone {
             GlyphTone::Quiet => self.ring,
@@ -63,12 +63,12 @@ impl Palette {
         (rgb(if self.is_dark { dark } else { light }), opacity)
     }
 
-    /// Returns the colour of the edges of a solid.
+    /// Returns the colour of the edges of a solid whose surface has the colour `colour`.
     pub fn edge(&self, colour: Colour) -> Colour {
         mixed(colour, [0.0, 0.0, 0.05], if self.is_dark { 0.62 } else { 0.58 })
     }
 
-    /// Returns a colour for the rim of an arrow that contrasts with the background.
+    /// Returns the colour of the rim of an arrow; the rim contrasts with the background.
     pub fn rim(&self, colour: Colour) -> Colour {
         if self.is_dark { mixed(colour, [1.0; 3], 0.4) } else { mixed(colour, [0.0; 3], 0.35) }
     }
@@ -78,12 +78,12 @@ pub fn rgb(code: u32) -> Colour {
     [16, 8, 0].map(|shift| (code >> shift & 0xff) as f32 / 255.0)
 }
 
-/// Returns the colour of the error scale at a share from 0 to 1.
+/// Returns the colour of the error scale at a position from 0 (least error) to 1 (greatest).
 pub fn scale(share: f64) -> Colour {
     colours::viridis(share).map(|c| f32::from(c) / 255.0)
 }
 
-/// Returns the mixture of two colours; share 0 is `a`.
+/// Returns a mixture of two colours; share 0 gives `a`, share 1 gives `b`.
 pub fn mixed(a: Colour, b: Colour, share: f32) -> Colour {
     std::array::from_fn(|k| a[k] + (b[k] - a[k]) * share)
 }
@@ -97,7 +97,7 @@ pub fn hex(colour: Colour) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// Lambertian shading by ambient light and by two lamps that move with the eye.
+/// Lambertian shading: ambient light and two lamps that move with the eye.
 pub struct Light {
     key: Vector3<f64>,
     fill: Vector3<f64>,
@@ -110,7 +110,7 @@ impl Light {
         Self { key: towards(-0.55, 0.75, 0.45), fill: towards(0.85, 0.1, 0.4) }
     }
 
-    /// Returns the brightness of a surface from its normal.
+    /// Returns the brightness of a surface with this unit normal, as a factor of its colour.
     pub fn on(&self, normal: &Vector3<f64>) -> f32 {
         let (key, fill) = (normal.dot(&self.key).max(0.0), normal.dot(&self.fill).max(0.0));
         (0.56 + 0.46 * key + 0.16 * fill) as f32

@@ -1,25 +1,25 @@
-//! Scales of the colours and the arrows.
+//! Colour scale of the errors, and the choice of the error component that the arrows show.
 
 use super::Shot;
 use crate::cell::{Quantity, Reading, Unit};
 use crate::drawing::{Arrow, Component, Drawing, Field};
 
-/// Component of the errors that arrows show.
+/// Component of the errors that the arrows of a picture show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Show {
-    /// No component: a picture without error maps.
+    /// No component: the picture has no error maps.
     Nothing,
     X,
     Y,
     Z,
-    /// Error vector in the x-y plane.
+    /// Part of the error vector that lies in the x-y plane.
     InPlane,
     #[default]
     Resultant,
 }
 
 impl Show {
-    /// Returns the name of the sense that measures the component.
+    /// Returns the name of the sense that measures this component; None if no component is shown.
     pub fn sense(self) -> Option<&'static str> {
         match self {
             Self::Nothing => None,
@@ -31,7 +31,10 @@ impl Show {
         }
     }
 
-    /// Returns the errors of an error map (field) as arrows.
+    /// Returns the errors of an error map as arrows that show this component.
+    ///
+    /// `field` is an index into [`Drawing::fields`], and `take` selects model and reading (index into
+    /// [`Field::takes`]).
     pub fn arrows(self, drawing: &Drawing<'_>, field: usize, take: usize) -> Vec<Arrow> {
         let component = match self {
             Self::Nothing => return Vec::new(),
@@ -55,9 +58,9 @@ impl Show {
 
 /// Colour scale of all error maps in the picture.
 pub struct ErrorScale {
-    /// Names of the senses that the colours show.
+    /// Names of the senses whose values the colours show.
     pub senses: Vec<String>,
-    /// Least and greatest value, m, rad or share; None without usable nodes.
+    /// Least and greatest value of the shown error maps, m, rad or a share; None without usable nodes.
     pub range: Option<(f64, f64)>,
     pub unit: Unit,
 }
@@ -88,25 +91,26 @@ impl ErrorScale {
         if high > low { (value - low) / (high - low) } else { 0.5 }
     }
 
-    /// Returns a value with its unit.
+    /// Returns a value (SI) as text in the unit of reports, with the name of that unit.
     pub fn said(&self, value: f64) -> String {
         format!("{:.3} {}", self.unit.from_si(value), self.unit.word())
     }
 }
 
-/// Returns the index of the sense that the colours of an error map (field) show.
+/// Returns the sense that the colours of an error map show, as an index into [`Field::senses`].
 pub fn sense(field: &Field, shot: &Shot) -> usize {
     let named = |name: &str| field.senses.iter().position(|s| s.name == name);
     shot.sense.as_deref().and_then(named).unwrap_or(field.sense)
 }
 
-/// Returns the figure of a node in the sense, model and reading shown.
+/// Returns the value of a node in the sense, model and reading that the picture shows.
 pub fn value(field: &Field, shot: &Shot, node: usize) -> Option<f64> {
     *field.takes.get(shot.take)?.values[sense(field, shot)].get(node)?
 }
 
-/// Returns the best node in the sense shown: the spot for the sense of the operation, otherwise the usable
-/// node of least value.
+/// Returns the best node in the sense that the picture shows.
+///
+/// In the sense of the operation this is the spot; in any other sense it is the usable node of least value.
 pub fn best(field: &Field, shot: &Shot) -> Option<usize> {
     if sense(field, shot) == field.sense {
         return field.takes.get(shot.take)?.best;

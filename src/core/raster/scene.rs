@@ -7,26 +7,30 @@ use crate::drawing::{Arrow, Drawing, Mesh, PartKind};
 use crate::pose::Pose;
 use nalgebra::Vector3;
 
-/// Surface in the scene.
+/// Body of the scene: a surface with its colours.
 pub struct SceneBody {
     pub mesh: Mesh,
     pub colour: Colour,
-    /// Colour of a corner of share 0 if the body is unlit; a corner of share 1 has `colour`. `shares` has one
-    /// share per corner; if it is empty, every share is 1.
+    /// Colour of the darkest corners of an unlit body.
+    ///
+    /// A corner has the mixture of `dark` (share 0) and `colour` (share 1) that its entry in `shares` states.
+    /// If `shares` is empty, every share is 1.
     pub dark: Colour,
     pub shares: Vec<f32>,
     pub opacity: f32,
-    /// Whether lamps light the body. An unlit body, such as a sign, looks the same from all sides.
+    /// Whether lamps light the body. An unlit body, such as a node or an arrow, is equally bright from all
+    /// sides.
     pub is_lit: bool,
-    /// Whether the body is an arrow or a node, which SVG draws in its own way.
+    /// Whether the body is an arrow or a node. SVG draws these as shapes of their own, not as bodies.
     pub is_sign: bool,
     pub has_edges: bool,
-    /// Shift towards the eye, m.
+    /// Distance by which the body is shifted towards the eye when it is drawn, m.
     pub lift: f64,
 }
 
 impl SceneBody {
-    /// Returns the brightness of each corner.
+    /// Returns the tone of each corner: the brightness of a lit body, or the share of `colour` in an unlit
+    /// one.
     pub fn tones(&self, light: &Light) -> Vec<f32> {
         match (self.is_lit, self.shares.is_empty()) {
             (true, _) => self.mesh.normals.iter().map(|n| light.on(n)).collect(),
@@ -40,20 +44,20 @@ impl SceneBody {
     }
 }
 
-/// Line through points.
+/// Polyline of the scene, world frame.
 pub struct SceneLine {
     pub points: Vec<Vector3<f64>>,
     pub closed: bool,
-    /// Whether every second pair of segments is left out.
+    /// Whether the line is dashed: two segments are drawn, the next two are left out, and so on.
     pub dashed: bool,
     pub colour: Colour,
-    /// Width in tenths of the height of capitals.
+    /// Width of the line, in tenths of the height of capital letters.
     pub width: f64,
     pub lift: f64,
 }
 
 impl SceneLine {
-    /// Returns the segments that are drawn.
+    /// Returns the segments of the line that are drawn, each with its two ends.
     pub fn spans(&self) -> impl Iterator<Item = [Vector3<f64>; 2]> {
         let count = if self.closed { self.points.len() } else { self.points.len().saturating_sub(1) };
         let kept = (0..count).filter(|k| !self.dashed || k % 4 < 2);
@@ -61,30 +65,30 @@ impl SceneLine {
     }
 }
 
-/// Position of a label relative to its object.
+/// Position of a label relative to the object that it names.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LabelSide {
     Above,
-    /// Below the nearest of the object's points.
+    /// Below those points of the object that are lowest in the picture.
     Below,
-    /// Beside a spot, with a leader line to the spot.
+    /// Beside a spot, to which a leader line is drawn.
     Spot,
 }
 
-/// Text beside an object.
+/// Text that names an object or states its value.
 pub struct Label {
     pub text: String,
-    /// Points of the labelled object.
+    /// Points of the labelled object, world frame, m.
     pub points: Vec<Vector3<f64>>,
     pub side: LabelSide,
 }
 
-/// Node of an error map.
+/// Node of an error map, as SVG draws it.
 pub struct NodeMark {
     pub at: Vector3<f64>,
-    /// Colour of a usable node.
+    /// Colour of a usable node; None if the node is unusable.
     pub colour: Option<Colour>,
-    /// Tooltip of the node.
+    /// Text of the node's tooltip: the value, or why the node cannot be used.
     pub title: String,
 }
 
@@ -101,7 +105,7 @@ pub struct RasterScene {
 }
 
 impl RasterScene {
-    /// Returns the scene with its solids and working envelopes, before maps and names are added.
+    /// Returns a scene with solids and working envelopes only; error maps and names are added later.
     pub fn of(drawing: &Drawing<'_>, shot: &Shot, palette: &Palette) -> Self {
         let context = shot.operation.or(shot.context);
         let frames = drawing.movement.frames(context);
@@ -128,7 +132,7 @@ impl RasterScene {
         scene
     }
 
-    /// Returns all points of bodies and lines, which the picture must show.
+    /// Returns all points of bodies and lines, world frame, m; the camera is fitted to them.
     pub fn points(&self) -> Vec<Vector3<f64>> {
         let bodies = self.bodies.iter().flat_map(|b| &b.mesh.positions);
         bodies.chain(self.lines.iter().flat_map(|l| &l.points)).copied().collect()
@@ -159,7 +163,7 @@ impl RasterScene {
         }
     }
 
-    /// Adds the names of equipment and keep-out spaces.
+    /// Adds a label with the name of each piece of equipment and each keep-out box.
     pub fn add_names(&mut self, drawing: &Drawing<'_>, shot: &Shot) {
         let frames = drawing.movement.frames(shot.operation.or(shot.context));
         for (k, equipment) in drawing.cell.equipment.iter().enumerate() {
@@ -198,7 +202,9 @@ impl SceneBody {
     }
 }
 
-/// Returns the corners of the bounding box of a mesh in the world.
+/// Returns the corners of the bounding box of a mesh, transformed by `pose` to the world frame.
+///
+/// Returns None if the mesh is empty.
 fn corners(mesh: &Mesh, pose: &Pose) -> Option<[Vector3<f64>; 8]> {
     let (low, high) = mesh.extent()?;
     Some(std::array::from_fn(|k| {

@@ -1,4 +1,4 @@
-//! Title and legend of a picture: the meaning of colours, arrows and signs.
+//! Title and legend of a picture: the meaning of colours, arrows and symbols.
 
 use super::ink::PixelImage;
 use super::palette::{Colour, Palette, hex, scale as colour_of};
@@ -15,17 +15,17 @@ use nalgebra::Vector2;
 use std::f64::consts::TAU;
 use std::fmt::Write;
 
-/// Height of the legend, in heights of capitals.
+/// Height of the legend, as a multiple of the height of capital letters.
 pub const HEIGHT: f64 = 8.6;
 
-/// Font size in a browser for capitals of height 1.
+/// Ratio of the SVG font size to the height of capital letters.
 pub const TEXT: f64 = 1.38;
 
-/// Entry of the legend for a sign in the picture.
+/// Symbol of the picture that the legend explains.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LegendSign {
     Spot,
-    /// Sign of unusable nodes.
+    /// Glyph of the nodes that are unusable for this reason.
     Node(NodeSign),
     Envelope,
 }
@@ -40,13 +40,13 @@ impl LegendSign {
     }
 }
 
-/// Texts of the title and the legend.
+/// Content of the title and the legend.
 pub struct LegendTexts {
     pub title: String,
     pub line: String,
-    /// Colour scale: quantity, least and greatest value.
+    /// Texts of the colour scale: quantity, least value and greatest value; None without a colour scale.
     pub colours: Option<[String; 3]>,
-    /// Arrows: length of the scale bar (m of the world) and its meaning.
+    /// Scale bar of the arrows: its length (m in the world) and its text; None without arrows.
     pub arrows: Option<(f64, String)>,
     pub signs: Vec<LegendSign>,
 }
@@ -89,7 +89,7 @@ impl LegendTexts {
     }
 }
 
-/// Returns the legend entries of the signs in the picture.
+/// Returns every symbol that occurs in the picture, for the legend.
 pub fn signs(drawing: &Drawing<'_>, shot: &Shot) -> Vec<LegendSign> {
     let shown = || drawing.fields.iter().filter(|f| shot.operation.is_none_or(|o| o == f.operation));
     let occurs = |sign: &NodeSign| shown().flat_map(|f| &f.nodes).any(|n| n.sign == *sign);
@@ -107,21 +107,21 @@ pub fn signs(drawing: &Drawing<'_>, shot: &Shot) -> Vec<LegendSign> {
     signs
 }
 
-/// Positions of the columns of the legend, in heights of capitals.
+/// Distances of the legend's columns from the left edge, as multiples of the height of capital letters.
 pub const COLUMNS: [f64; 3] = [2.2, 38.5, 78.0];
-/// Largest number of signs in a column.
+/// Largest number of symbols in a column of the legend.
 const MAX_ROWS: usize = 4;
 pub const BAR: f64 = 31.0;
 
-/// Item of the legend, px.
+/// Item of the title or legend to draw, px.
 pub enum LegendItem {
-    /// Text with its position, height of capitals and colour.
+    /// Text with its position, the height of its capital letters, and its colour.
     Text(String, Vector2<f64>, f64, Colour),
     Line(Vec<Vector2<f64>>, f64, Colour),
     Area(Vector2<f64>, Vector2<f64>, Colour),
 }
 
-/// Returns title and legend.
+/// Returns the title and the legend as items to draw.
 pub fn items(drawing: &Drawing<'_>, stage: &FittedScene, shot: &Shot) -> Vec<LegendItem> {
     let (unit, palette) = (shot.capital(), &stage.palette);
     let words = LegendTexts::of(drawing, stage, shot);
@@ -167,7 +167,8 @@ pub fn items(drawing: &Drawing<'_>, stage: &FittedScene, shot: &Shot) -> Vec<Leg
     items
 }
 
-/// Returns the signs with their labels, column by column, scaled down if they would not fit.
+/// Returns the symbols with their labels, column by column. The table is scaled down if it is wider than
+/// `room` px.
 fn sign_table(
     signs: &[LegendSign],
     place: Vector2<f64>,
@@ -228,7 +229,7 @@ fn glyph_items(glyph: &NodeGlyph, at: Vector2<f64>, unit: f64, palette: &Palette
     lines.map(|points| LegendItem::Line(points, thin, colour)).collect()
 }
 
-/// Returns points on an arc between two angles, rad.
+/// Returns points on a circular arc from angle `from` to angle `to`, rad.
 fn arc(at: Vector2<f64>, radius: f64, from: f64, to: f64) -> Vec<Vector2<f64>> {
     let angle = |k: usize| from + (to - from) * k as f64 / 24.0;
     (0..=24).map(|k| at + Vector2::new(angle(k).cos(), angle(k).sin()) * radius).collect()
@@ -246,7 +247,7 @@ pub fn write(sheet: &mut PixelImage, items: &[LegendItem]) {
     }
 }
 
-/// Writes the items as SVG.
+/// Appends the items to `out` as SVG elements.
 pub fn draw(out: &mut String, items: &[LegendItem]) {
     for item in items {
         // Writing to a String cannot fail.

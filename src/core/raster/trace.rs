@@ -1,14 +1,16 @@
-//! Contour tracing: outlines of the areas of equal value in a grid.
+//! Contour tracing: outlines of the areas with equal values in a grid of cells.
 
 use crate::geometry::{join_edges, simplified_line};
 use nalgebra::Vector2;
 use std::collections::BTreeMap;
 
-/// Corner of the grid.
+/// Corner of grid cells: column and row.
 type GridPoint = [i32; 2];
 
-/// Returns the closed outlines of all areas of each value, as grid corners. Areas below `least_area` are left
-/// out. Outlines are simplified within `tolerance`.
+/// Returns for each value the closed outlines of all areas that have this value, as corners of grid cells.
+///
+/// Outlines that enclose less than `least_area` are left out. The other outlines are simplified within
+/// `tolerance`, in cells.
 pub fn outlines(
     values: &[u32],
     width: usize,
@@ -23,8 +25,8 @@ pub fn outlines(
     loops.filter(|(_, rings): &(u32, Vec<_>)| !rings.is_empty()).collect()
 }
 
-/// Returns for each value the sides of grid cells that separate it from other values. A side is directed,
-/// with the value on its right.
+/// Returns for each value the sides of grid cells between a cell of this value and a cell of another value. A
+/// side is directed so that the cell of this value is on the right.
 fn sides(values: &[u32], width: usize) -> BTreeMap<u32, Vec<(GridPoint, GridPoint)>> {
     let height = values.len() / width.max(1);
     let at = |x: i32, y: i32| {
@@ -49,7 +51,8 @@ fn sides(values: &[u32], width: usize) -> BTreeMap<u32, Vec<(GridPoint, GridPoin
     sides
 }
 
-/// Joins sides to closed rings. Where two areas meet only in a corner, each ring stays with its own area.
+/// Joins directed sides to closed rings. Where two areas of equal value meet only in a corner, their rings
+/// stay separate.
 fn rings(sides: &[(GridPoint, GridPoint)]) -> Vec<Vec<GridPoint>> {
     let way = |k: usize| {
         let (a, b) = sides[k];
@@ -62,15 +65,17 @@ fn rings(sides: &[(GridPoint, GridPoint)]) -> Vec<Vec<GridPoint>> {
     join_edges(sides, sharpest).into_iter().map(|line| line.corners).collect()
 }
 
-/// Returns the signed area of a ring.
+/// Returns the area that a ring encloses; the sign depends on the direction of the ring.
 fn area(ring: &[GridPoint]) -> f64 {
     let pairs = ring.iter().zip(ring.iter().cycle().skip(1));
     pairs.map(|(a, b)| f64::from(a[0]) * f64::from(b[1]) - f64::from(a[1]) * f64::from(b[0])).sum::<f64>()
         / 2.0
 }
 
-/// Returns a ring with fewer points (Douglas and Peucker 1973). The ring is split at two points: its leftmost
-/// point (the uppermost if there are several), which is a corner, and the point farthest from that corner.
+/// Returns a ring with fewer points (Douglas and Peucker 1973).
+///
+/// For this, the ring is split at two points. One is the leftmost point (the uppermost of several), which is
+/// always a corner; the other is the point farthest from it.
 fn simplified(ring: &[GridPoint], tolerance: f64) -> Vec<GridPoint> {
     let Some(start) = (0..ring.len()).min_by_key(|k| ring[*k]) else { return Vec::new() };
     let ring: Vec<GridPoint> = ring[start..].iter().chain(&ring[..=start]).copied().collect();
@@ -91,7 +96,7 @@ fn thinned(line: &[GridPoint], tolerance: f64) -> Vec<GridPoint> {
     simplified_line(&places, tolerance).into_iter().map(|k| line[k]).collect()
 }
 
-/// Returns the SVG path data of rings, as whole numbers.
+/// Returns the SVG path data of closed rings, with integer coordinates.
 pub fn path(rings: &[Vec<GridPoint>]) -> String {
     use std::fmt::Write;
     let mut d = String::new();
