@@ -31,7 +31,7 @@ struct FolderOrigin {
     resolved: Option<ResolvedSettings>,
 }
 
-/// Reads the folder of a search, and prints what is wrong with it.
+/// Reads the folder of a search. Prints every fault that makes the folder unusable.
 pub fn read(folder: &Path, packages: &PackageFolders) -> Result<SearchFolder, Exit> {
     let FolderOrigin { manifest, settings, resolved } = origin(folder)?;
     untouched(folder, &manifest)?;

@@ -246,7 +246,8 @@ impl LiveView {
         Ok(())
     }
 
-    /// Returns the revision and the state of the search, which may change without a request of this page.
+    /// Returns the revision of the session and the state of the search. Both may change without a request of
+    /// this page.
     fn pulse(&self) -> Value {
         let search = locked(&self.job).as_ref().map(SearchThread::document);
         json!({ "revision": locked(&self.session).revision, "search": search })
