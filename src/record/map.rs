@@ -39,7 +39,7 @@ pub struct MapDocument<'a> {
     pub overlaps: Vec<String>,
     /// Reasons why the layout is not feasible.
     pub reasons: Vec<String>,
-    /// Motions between consecutive operations, empty if one is blocked; left out for a cell without
+    /// Motions between consecutive operations; empty if a motion is blocked. Left out for a cell without
     /// `[transfer]`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub transfers: Option<Vec<TransferEntry>>,
@@ -159,7 +159,8 @@ impl<'a> OperationMapEntry<'a> {
     }
 }
 
-/// Numbers of nodes by status. Each of the last three is left out if no node has that status.
+/// Numbers of nodes by status. Each of the last three fields is left out if no node has the status that it
+/// counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub struct StatusCounts {
