@@ -34,7 +34,7 @@ use values::LayoutValues;
 const DIGITS: i32 = 9;
 /// Detail of drawings: one model and reading, no envelope, and few nodes.
 ///
-/// The page can redraw such a drawing while the mouse drags.
+/// A drawing of this detail can be redrawn while the user drags equipment.
 const DETAIL: Detail = Detail { lenses: false, envelopes: false, nodes: 1500 };
 
 /// Cell and session that all open pages share.
