@@ -51,7 +51,7 @@ pub enum VerdictSubject {
     Layout,
 }
 
-/// Answer of a report: yes if a feasible layout was found and every operation with a limit meets it.
+/// Answer of a report: yes if a feasible layout was found and the field `requirement` is not `missed`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum VerdictAnswer {
