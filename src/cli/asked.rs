@@ -8,7 +8,7 @@ use crate::cell::{Cell, ErrorSet, Interpretation, Quantity, Reading};
 use crate::files::{Loaded, Setting, shown, toml_string};
 use std::path::Path;
 
-/// Loads a cell with the settings of the flags, and prints notes on the chosen errors and limits.
+/// Loads a cell with the settings of the flags. Prints notes on the chosen errors and limits.
 pub fn load(file: &Path, packages: &PackageFolders, flags: &QuestionFlags) -> Result<Loaded, Exit> {
     let settings = flags.settings();
     let loaded = loading::load_with(file, packages, &settings)?;
@@ -31,7 +31,8 @@ pub fn load_for_readings(file: &Path, packages: &PackageFolders, flags: &ErrorFl
     Ok(loaded)
 }
 
-/// Refuses `--set` for a command that writes cell files, because those files could not state such keys.
+/// Refuses `--set` for a command that writes cell files, because those files cannot state the keys that it
+/// sets.
 pub fn refuse_sets(settings: &[Setting], command: &str) -> Result<(), Exit> {
     let Some(set) = settings.iter().find(|setting| setting.flag.is_none()) else { return Ok(()) };
     output::error(&format!(

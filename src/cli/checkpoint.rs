@@ -151,7 +151,8 @@ impl StoppedSearch {
         self.content.state.evaluations()
     }
 
-    /// Refuses to resume with other inputs or impossible stopping rules.
+    /// Refuses to resume with changed inputs, or with settings that do not fit the state of the stopped
+    /// search.
     pub fn check(&self, inputs: &[InputHash], workcell: &Workcell, bound: Option<f64>) -> Result<(), Exit> {
         let changes = changes(&self.content.inputs, inputs);
         changes.iter().for_each(|change| output::error(change));

@@ -45,7 +45,8 @@ pub fn read_cell(path: &Path, packages: &PackageFolders) -> Result<Loaded, Vec<F
     read_cell_with(path, packages, &[], &FileSnapshot::default())
 }
 
-/// Snapshot of the files at their first read, so that every combination of a sweep sees the same bytes.
+/// Snapshot of files. Each file is read from disk once; every combination of a sweep gets the bytes of that
+/// read.
 #[derive(Default)]
 pub struct FileSnapshot(Mutex<HashMap<String, Result<Vec<u8>, String>>>);
 
@@ -193,7 +194,8 @@ pub fn sweep(folder: &Path) {
     }
 }
 
-/// Makes a temporary file readable for everyone who may read its folder. It is created private.
+/// Makes a temporary file readable for everyone who may read its folder. Temporary files are created with
+/// access for the owner alone.
 #[cfg(unix)]
 fn share(file: &tempfile::NamedTempFile) -> std::io::Result<()> {
     use std::os::unix::fs::PermissionsExt;

@@ -87,8 +87,8 @@ impl RunDescription {
     }
 }
 
-/// Returns the files of the alternative layouts: a cell file for each, front.csv, and front.svg for a Pareto
-/// front.
+/// Returns the files of the alternative layouts: one cell file per layout, and front.csv. A Pareto front also
+/// gets front.svg.
 fn alternatives(
     cell: &Cell,
     record: &SearchRecord,
@@ -175,7 +175,8 @@ fn write_outputs<N: AsRef<str>>(folder: &Path, outputs: &[(N, Vec<u8>)]) -> Resu
 
 /// Returns a document as the text of a JSON file.
 ///
-/// Every document becomes a [`serde_json::Value`] first, so that each is compiled for one serializer only.
+/// Every document becomes a [`serde_json::Value`] first, so that each document type is compiled for one
+/// serializer only.
 pub fn pretty(document: &impl Serialize) -> Result<Vec<u8>, Exit> {
     let value = serde_json::to_value(document).map_err(not_json)?;
     let mut bytes = serde_json::to_vec_pretty(&value).map_err(not_json)?;

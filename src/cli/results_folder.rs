@@ -31,7 +31,7 @@ struct FolderOrigin {
     resolved: Option<ResolvedSettings>,
 }
 
-/// Reads the folder of a search, and prints what is wrong with it.
+/// Reads the folder of a search. Prints every fault that makes the folder unusable.
 pub fn read(folder: &Path, packages: &PackageFolders) -> Result<SearchFolder, Exit> {
     let FolderOrigin { manifest, settings, resolved } = origin(folder)?;
     untouched(folder, &manifest)?;
@@ -67,7 +67,7 @@ pub fn best_of(folder: &Path) -> Result<PathBuf, Exit> {
     Err(Exit::BadInput)
 }
 
-/// Returns the layout if it has the coordinates of the cell, otherwise refuses best.toml.
+/// Returns the layout if it has as many placements and attitudes as the cell. Otherwise refuses best.toml.
 fn fitting(folder: &Path, layout: Layout, loaded: &Loaded) -> Result<Layout, Exit> {
     let start = loaded.cell.start();
     let sizes = |l: &Layout| (l.placements.len(), l.attitudes.len());
@@ -143,7 +143,7 @@ fn bytes(folder: &Path, place: &str) -> Result<Vec<u8>, Exit> {
         .map_err(|why| refused(folder, place, &format!("it cannot be read: {why}")))
 }
 
-/// Reports a file of the folder that cannot be used.
+/// Prints why the file `place` of the folder cannot be used, and returns the exit code.
 pub fn refused(folder: &Path, place: &str, why: &str) -> Exit {
     output::error(&format!("{}: {}", path_word(&folder.join(place)), shown(why)));
     output::talk("  help: run the search again, or report the cell file alone");

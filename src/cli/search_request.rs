@@ -94,7 +94,7 @@ fn typed(setting: &Setting) -> (String, String) {
     }
 }
 
-/// Replaces the value of an option in a command.
+/// Appends a setting to a command line as an option, and removes the same flag with its old value.
 fn restate(command: &mut Vec<String>, setting: &Setting) {
     if setting.flag.is_none() {
         command.extend(["--set".to_string(), setting.words()]);

@@ -69,7 +69,7 @@ pub struct TotalEntry {
     pub mean: f64,
     pub p95: f64,
     pub p99: f64,
-    /// Share of the arms built to the tolerances whose error does not exceed the limit.
+    /// Yield: share of arms, built within the tolerances, whose error does not exceed the limit.
     pub r#yield: Option<f64>,
 }
 
@@ -83,13 +83,13 @@ pub struct ShareEntry {
     pub plus_minus: f64,
     /// Linear effect of the signed value on the TCP, world frame.
     pub linear_term_mm: [f64; 3],
-    /// Error in the sense if all other tolerances were zero.
+    /// Error in the sense of the operation if the tolerances of all other parameters were zero.
     pub alone: f64,
     pub share_of_worst: f64,
     pub share_of_variance: f64,
 }
 
-/// Gain of halving the tolerance of some parameters.
+/// Change of the error when the tolerances of the parameters in `halved` are halved.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TightenEntry {

@@ -31,7 +31,7 @@ pub struct ComparedLayout {
     /// Objective in `unit`.
     pub objective: Option<f64>,
     pub unit: Unit,
-    /// Change of the objective from the first layout, percent.
+    /// Change of the objective relative to the first layout, percent.
     pub change_percent: Option<f64>,
     /// Reasons why the layout is not feasible.
     pub reasons: Vec<String>,

@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 /// Name and version of the document of `explain --json`.
 pub const EXPLANATION_SCHEMA: &str = "sweetspot/explain/1";
 
-/// Error calculation of one posture, step by step, so that it can be checked by hand. Lengths in mm, angles
+/// Error calculation of one posture with all intermediate results, for a check by hand. Lengths in mm, angles
 /// in degrees.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -65,7 +65,8 @@ pub struct ExplanationDocument {
     pub nonlinear: DisplacementEntry,
     /// Error of the robot alone, before registration and equipment errors are subtracted, world frame.
     pub robot_alone_nonlinear: DisplacementEntry,
-    /// Part that registration and the errors of the equipment subtract, world frame.
+    /// Displacement that registration and the errors of the equipment subtract from the nonlinear error of
+    /// the robot alone, world frame.
     pub taken_off_nonlinear: DisplacementEntry,
     pub guard: PostureGuardEntry,
     /// Rows of the sense, each with its error.
@@ -136,7 +137,7 @@ pub struct ParameterEntry {
     pub standard_deviation: f64,
     pub motions: Vec<MotionEntry>,
     pub effect_base_mm_per_unit: [f64; 3],
-    /// Part of the effect that registration subtracts.
+    /// Part of the effect that registration subtracts, base frame.
     pub taken_off_base_mm_per_unit: [f64; 3],
     pub linear_term_mm: [f64; 3],
     pub linear_term_deg: [f64; 3],
@@ -177,14 +178,15 @@ pub struct DisplacementEntry {
     pub rotation_deg: [f64; 3],
 }
 
-/// Distance of the approximate error models from the nonlinear one at a posture.
+/// Discrepancy of the approximate error models at a posture: length of the difference from the nonlinear
+/// error, in percent of the nonlinear error.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PostureGuardEntry {
     pub threshold_percent: f64,
     pub linear_off_percent: f64,
     pub second_order_off_percent: f64,
-    /// Distance of the chosen model from the nonlinear one.
+    /// Discrepancy between the chosen error model and the nonlinear one, percent.
     pub off_percent: f64,
     pub trusted: bool,
 }

@@ -95,7 +95,8 @@ pub fn head(cell: &Cell, goal: Goal) -> String {
     format!("{} {}", goal.name(), word(cell, goal)).trim_end().to_string()
 }
 
-/// Returns the key of a goal in documents. The unit of the error is the unit of the document.
+/// Returns the key of a goal in documents. The key `error` contains no unit, because the unit of the error
+/// depends on the cell.
 pub fn key(goal: Goal) -> &'static str {
     match goal {
         Goal::Error => "error",

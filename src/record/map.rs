@@ -39,7 +39,7 @@ pub struct MapDocument<'a> {
     pub overlaps: Vec<String>,
     /// Reasons why the layout is not feasible.
     pub reasons: Vec<String>,
-    /// Motions between consecutive operations, empty if one is blocked; left out for a cell without
+    /// Motions between consecutive operations; empty if a motion is blocked. Left out for a cell without
     /// `[transfer]`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub transfers: Option<Vec<TransferEntry>>,
@@ -90,7 +90,7 @@ pub struct OperationMapEntry<'a> {
     pub registration: Registration,
     /// Largest allowed error of the operation, in the unit of its sense.
     pub limit: Option<f64>,
-    /// Distance to the limit; negative if the limit is missed.
+    /// Limit minus the value of the operation; negative if the value exceeds the limit.
     pub margin: Option<f64>,
     pub over: NodeAggregation,
     /// Value of the operation: the value of its best node, or the combined value of all its nodes.
@@ -159,7 +159,8 @@ impl<'a> OperationMapEntry<'a> {
     }
 }
 
-/// Numbers of nodes by status. Each of the last three is left out if no node has that status.
+/// Numbers of nodes by status. Each of the last three fields is left out if no node has the status that it
+/// counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub struct StatusCounts {
@@ -203,16 +204,16 @@ pub struct GuardEntry {
     pub threshold_percent: f64,
     pub linear: ModelGuardEntry,
     pub second_order: ModelGuardEntry,
-    /// Whether the chosen model is within the threshold at every usable node.
+    /// Whether the discrepancy of the chosen error model is within the threshold at every usable node.
     pub trusted: bool,
 }
 
-/// Difference of one error model from the nonlinear one.
+/// Discrepancy between one error model and the nonlinear one.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ModelGuardEntry {
     pub most_percent: f64,
-    /// Number of nodes above the threshold.
+    /// Number of usable nodes at which the discrepancy of the model exceeds the threshold.
     pub nodes_above: usize,
 }
 
@@ -291,7 +292,8 @@ pub struct TransferEntry {
     pub from: String,
     pub to: String,
     pub way: String,
-    /// Measure of the transfer time: the sum over the moves of the largest joint travel.
+    /// Measure of the transfer time, degrees: the largest joint travel of each straight move, summed over the
+    /// moves.
     pub travel_deg: f64,
     /// Joint vectors along the motion, with straight moves between them.
     pub joints_deg: Vec<Vec<f64>>,

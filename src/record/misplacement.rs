@@ -57,13 +57,14 @@ pub struct MisplacedOperation {
 pub struct RobustnessEntry {
     /// Value as drawn, in the unit of the objective.
     pub value: f64,
-    /// Placement tolerances, which span a box; empty if everything is placed exactly.
+    /// Placement tolerances: half widths of the box of misplacements; empty if no placement has a tolerance.
     pub tolerance: MovesByName,
-    /// Number of corners of the box that were evaluated.
+    /// Number of evaluated corners of the box of misplacements.
     pub corners: usize,
-    /// Corner with the greatest value; null without tolerances, or if the operation is lost at all corners.
+    /// Corner of the box with the greatest value. Null without tolerances, or if the operation cannot be done
+    /// at any corner.
     pub worst: Option<CornerEntry>,
-    /// Corners at which the operation cannot be done.
+    /// Corners of the box at which the operation cannot be done.
     pub lost: Vec<LostEntry>,
     /// Gradient: change of the value per mm or degree of every coordinate.
     pub gradient: Vec<SlopeEntry>,
@@ -94,7 +95,7 @@ pub struct MoveEntry {
     pub yaw_deg: Option<f64>,
 }
 
-/// Misplacement, and the value of the operation there.
+/// Misplacement, with the value that the operation then has.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CornerEntry {
@@ -119,7 +120,7 @@ pub struct SlopeEntry {
     pub of: String,
     /// Name of the coordinate: `x_mm`, `y_mm`, `z_mm` or `yaw_deg`.
     pub number: String,
-    /// Slope; null at the end of reach.
+    /// Change of the value per unit of the coordinate; null at the end of reach.
     pub value: Option<f64>,
     /// Unit of the coordinate.
     pub per: Unit,
@@ -130,7 +131,8 @@ pub struct SlopeEntry {
 #[serde(deny_unknown_fields)]
 pub struct LargestEntry {
     pub most: f64,
-    /// What happens beyond it; null if nothing happens up to the largest misplacement checked.
+    /// Reason why a larger misplacement fails; null if the operation withstands every misplacement that was
+    /// checked.
     pub ended: Option<EndedEntry>,
 }
 

@@ -36,16 +36,16 @@ pub struct MapNode {
     pub error_sense_deg: Option<f64>,
     /// Value of the figure that the search minimizes, in the unit of the document.
     pub value: Option<f64>,
-    /// Whether the node was touched to teach the frame, so that it cannot be the spot.
+    /// Whether the robot touched the node to teach the surface frame. Such a node cannot be the spot.
     pub touched: Option<bool>,
     /// Rotation error of the TCP as a rotation vector.
     pub rotation_deg: Option<[f64; 3]>,
     pub linear_error_mm: Option<[f64; 3]>,
     pub nonlinear_error_mm: Option<[f64; 3]>,
     pub discrepancy_percent: Option<DiscrepancyEntry>,
-    /// Distance of the linear error from the nonlinear one, in percent of the nonlinear one.
+    /// Length of the difference between linear and nonlinear error, in percent of the nonlinear error.
     pub linear_off_percent: Option<f64>,
-    /// Distance of the second-order error from the nonlinear one, in percent of the nonlinear one.
+    /// Length of the difference between second-order and nonlinear error, in percent of the nonlinear error.
     pub second_order_off_percent: Option<f64>,
     pub worst_mm: Option<BySense>,
     pub worst_linear_mm: Option<BySense>,
@@ -58,12 +58,13 @@ pub struct MapNode {
     pub mean_deg: Option<BySense>,
     pub p95_deg: Option<BySense>,
     pub p99_deg: Option<BySense>,
-    /// Share of the arms built to the tolerances whose error does not exceed the limit of the operation.
+    /// Yield: share of arms, built within the tolerances, whose error does not exceed the limit of the
+    /// operation.
     pub r#yield: Option<f64>,
 }
 
-/// Discrepancy between linear and nonlinear error, eq. (9) of the seed paper, percent: per component and for
-/// the resultant r.
+/// Discrepancy between linear and nonlinear error, eq. (9) of the seed paper, percent. Fields x, y and z
+/// compare the components; r compares the lengths of the two vectors.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DiscrepancyEntry {

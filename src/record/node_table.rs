@@ -30,7 +30,8 @@ pub enum TableValue {
     Number(Option<f64>),
 }
 
-/// Figure of a sense: its name, and a function that returns its values at a node for lengths and for angles.
+/// Name of a statistical or worst-case figure, and a function that returns the values of that figure at a
+/// node: those of senses in mm, then those in degrees.
 type FigureColumns = (&'static str, fn(&MapNode) -> [&Option<BySense>; 2]);
 
 const FIGURES: [FigureColumns; 5] = [
@@ -41,7 +42,8 @@ const FIGURES: [FigureColumns; 5] = [
     ("p99", |n| [&n.p99_mm, &n.p99_deg]),
 ];
 
-/// Columns before the joint coordinates. [`ERROR_COLUMNS`] come after them, [`REFINED_COLUMNS`] at the end.
+/// Columns before the joint coordinates. [`ERROR_COLUMNS`] follow the joint coordinates, and
+/// [`REFINED_COLUMNS`] are last.
 const PLACE_COLUMNS: [(&str, ColumnKind); 9] = [
     ("operation", ColumnKind::Text),
     ("equipment", ColumnKind::Text),
@@ -110,7 +112,7 @@ impl<'d> NodeTable<'d> {
         place.chain(joints).chain(errors).chain(figures.map(number)).chain([best]).chain(refined).collect()
     }
 
-    /// Iterates over the rows. A map can have a million of them, so they are made one by one.
+    /// Iterates over the rows. They are made one by one, because a map can have a million rows.
     pub fn rows(&self) -> impl Iterator<Item = Vec<TableValue>> + '_ {
         self.document
             .operations

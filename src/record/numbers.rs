@@ -57,7 +57,7 @@ pub fn joints(cell: &Cell, q: &JointVector) -> Vec<f64> {
     cell.robot.joints.iter().zip(q).map(|(joint, &q)| joint_coordinate(joint.kind, q)).collect()
 }
 
-/// Rounds a lower bound down, so that the written number is proven, too.
+/// Rounds a lower bound down, because a number rounded up would not be proven.
 pub fn rounded_down(bound: f64) -> f64 {
     (bound * 1e9).floor() / 1e9
 }

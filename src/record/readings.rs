@@ -22,7 +22,7 @@ pub struct ReadingsDocument {
     pub errors: String,
     pub model: Model,
     pub operations: Vec<OperationReadings>,
-    /// Largest cost of choosing the spot by the signed sample; null if no signed sample can choose one.
+    /// Largest regret of choosing the spot by the signed sample; null if the signed sample chooses no spot.
     pub largest_regret: Option<RegretEntry>,
     /// Findings in sentences.
     pub findings: Vec<String>,
@@ -58,9 +58,9 @@ pub struct ReadingEntry {
     pub at_signed_choice: Option<f64>,
     /// Value at the posture that is best without registration.
     pub at_unregistered_choice: Option<f64>,
-    /// Ratio of the value at the signed sample's choice to the least value.
+    /// Value at the posture that is best for the signed sample, divided by the least value.
     pub ratio: Option<f64>,
-    /// Distance between this spot and the spot of the signed sample.
+    /// Distance between the best node of this reading and that of the signed sample.
     pub moved_mm: Option<f64>,
     /// Reason why no node can be used.
     pub reason: Option<String>,
@@ -75,7 +75,7 @@ pub struct RegretEntry {
     #[schemars(extend("enum" = VALUE_WORDS))]
     pub quantity: String,
     pub registration: Registration,
-    /// Ratio of the value at the signed sample's choice to the least value.
+    /// Value at the posture that is best for the signed sample, divided by the least value.
     pub ratio: f64,
 }
 

@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 pub const SEARCH_SCHEMA: &str = "sweetspot/search/1";
 
 /// Result of a search: the best layout found, the layout as drawn and the proven bound. World frame, mm and
-/// degrees. The bytes do not depend on the number of threads.
+/// degrees. Every number of threads gives the same document, byte for byte.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SearchResult {
@@ -105,13 +105,13 @@ pub struct ProofEntry {
 #[serde(deny_unknown_fields)]
 pub struct ProvenOperation {
     pub name: String,
-    /// Value that no spot in any layout can beat.
+    /// Lower bound of the value of the operation at every spot of every layout.
     pub bound: Option<f64>,
     /// Unit of the operation's sense.
     pub unit: Unit,
     /// Reason why there is no bound.
     pub why_not: Option<String>,
-    /// Number of boxes that branch and bound visited.
+    /// Number of boxes of joint coordinates that branch and bound examined.
     pub boxes: u64,
 }
 

@@ -26,7 +26,7 @@ pub struct ResolvedSettings {
     pub budget: u64,
     /// Whether the worst case over the placement tolerances is minimized.
     pub robust: bool,
-    /// Relative gap above the proven bound at which a search ends.
+    /// Relative gap between the best layout and the proven lower bound at which a search ends.
     pub gap: Option<f64>,
     /// Number of evaluations without a better layout after which a search ends.
     pub stagnation: Option<u64>,

@@ -53,7 +53,7 @@ pub type OptionBySense = super::placement::ByName<Option<f64>>;
 #[serde(deny_unknown_fields)]
 pub struct RequirementEntry {
     pub limit: f64,
-    /// Distance to the limit; negative if it is missed.
+    /// Limit minus the value of the operation; negative if the value exceeds the limit.
     pub margin: f64,
     pub met: bool,
 }

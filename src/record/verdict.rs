@@ -51,7 +51,7 @@ pub enum VerdictSubject {
     Layout,
 }
 
-/// Answer of a report.
+/// Answer of a report: yes if a feasible layout was found and the field `requirement` is not `missed`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum VerdictAnswer {
@@ -120,7 +120,7 @@ pub struct VerdictSpot {
     pub position_mm: Option<[f64; 3]>,
     pub value: Option<f64>,
     pub limit: Option<f64>,
-    /// Distance to the limit; negative if the limit is missed.
+    /// Limit minus the value of the operation; negative if the value exceeds the limit.
     pub margin: Option<f64>,
     /// Spot, value and position in one sentence.
     pub text: String,

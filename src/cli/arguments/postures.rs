@@ -38,7 +38,7 @@ pub struct ExplainArguments {
     /// Node of the grid: `best`, or the indices along x and y
     #[arg(long, value_name = "best|I,J", value_parser = at, default_value = "best", hide_default_value = true, allow_hyphen_values = true)]
     pub at: NodeChoice,
-    /// Joint values instead of a node, in degrees or mm
+    /// Joint values (degrees or mm) that give the posture, instead of a node
     #[arg(
         long,
         value_name = "Q1,Q2,...",

@@ -60,7 +60,8 @@ fn page(comparison: &Comparison<'_>, paths: &[PathBuf]) -> Result<String, Exit> 
     })
 }
 
-/// Reads gap and clearance of the best layout from search.json in a result folder.
+/// Reads from search.json the gap between the best layout and the proven bound, and the clearance of that
+/// layout.
 fn told(folder: &Path) -> SearchFacts {
     let text = std::fs::read(folder.join("search.json")).unwrap_or_default();
     let found: Option<SearchResult> = serde_json::from_slice(&text).ok();

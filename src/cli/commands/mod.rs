@@ -68,7 +68,7 @@ fn warn_of_hopeless(workcell: &Workcell) {
     }
 }
 
-/// Warns where the chosen error model cannot be trusted.
+/// Warns of every operation in whose map the chosen error model cannot be trusted.
 fn warn_of_distrust(assessment: &Assessment<'_>) {
     for map in &assessment.maps {
         if let Some(said) = text::distrust(assessment.cell, map) {

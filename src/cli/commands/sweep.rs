@@ -103,7 +103,8 @@ fn check_all(plan: &mut SweepPlan, kept: &FileSnapshot, jobs: usize) -> Result<V
 }
 
 /// Appends the combinations that have a fault to its help text. Appends nothing if every combination has the
-/// fault, or every one with the `--set` value at fault.
+/// fault. Appends nothing either if the fault lies in a `--set` value and every combination with that value
+/// has the fault.
 fn whose(plan: &SweepPlan, (fault, first, count): (Fault, usize, usize)) -> Fault {
     let settings = plan.settings(first);
     let own = settings.iter().position(|s| fault.file == format!("--set {}", s.words()));
@@ -181,8 +182,8 @@ fn searched(workcell: &Workcell, stop: &AtomicBool) -> Option<SearchRecord> {
     (!proof.interrupted && record.ended != SearchEnd::Interrupted).then_some(record)
 }
 
-/// Writes NNNN.toml, the cell with its layout fixed. NNNN.toml includes a file with the settings of the
-/// combination, which is written to the folder of the inputs.
+/// Writes NNNN.toml, the cell with its layout fixed. Also writes a file with the settings of the combination
+/// to the folder of the inputs; NNNN.toml includes that file.
 fn write_cell(sweep: &CheckedSweep, index: usize, a: &Assessment<'_>) -> Result<(), Exit> {
     let settings = sweep.plan.settings(index);
     let lines: Vec<_> = settings.iter().map(|s| s.line()).collect();

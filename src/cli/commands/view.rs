@@ -48,7 +48,7 @@ fn failed(why: String) -> Exit {
     Exit::Io
 }
 
-/// Returns the cell of a result with the ranges of the search, so that the page can search it again.
+/// Returns the cell of a search result with the ranges of that search, in which the page can search again.
 fn searched(cell: Cell, sources: &[PathBuf], packages: &PackageFolders) -> Cell {
     // The first source is best.toml, the second the cell file that it is made from.
     let wide = sources.get(1).and_then(|file| loading::read_cell(file, packages).ok());

@@ -18,7 +18,8 @@ pub struct Sketch {
     work: SketchedEquipment,
     supply: SketchedEquipment,
     standoff: i32,
-    /// Whether fewer spins about the tool axis are tried, because each one takes long for a redundant arm.
+    /// Whether fewer spins about the tool axis are tried than usual: each spin takes long for a redundant
+    /// arm.
     few_spins: bool,
 }
 
@@ -30,7 +31,7 @@ struct SketchedEquipment {
     yaw: i32,
     within: i32,
     z: i32,
-    /// Range of z; None: z is fixed.
+    /// Range of z, mm; None if z is fixed.
     heights: Option<(i32, i32)>,
 }
 
@@ -57,7 +58,7 @@ const fn sketch(
     Sketch { name, robot, about, errors, pedestal, work, supply, standoff: 100, few_spins: false }
 }
 
-/// Returns the first cell of the arm of the seed paper, which has three robot files.
+/// Returns the first cell of the arm of the seed paper. Three robot files describe this arm.
 const fn hitachi(name: &'static str, about: &'static str, robot: &'static str) -> Sketch {
     let table = stand("worktable", (300, 1000, 600), 10, 1800).ranging(300, 900);
     sketch(

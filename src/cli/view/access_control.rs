@@ -1,10 +1,10 @@
-//! Access control of the local server: secret URL, Host check against DNS rebinding, Origin check against CSRF.
+//! Access control of the local server: secret URL, checks of Host (DNS rebinding) and Origin (CSRF).
 //!
-//! The URL contains 128 random bits; a request without them gets status 404. A page elsewhere may make its
-//! own domain name resolve to 127.0.0.1 (DNS rebinding), so the Host header must name this server. Such a
-//! page may also post to this server from the user's browser (cross-site request forgery, CSRF). The Origin
-//! header of every POST must therefore be that of our page. A content security policy keeps the page from
-//! loading anything else.
+//! The URL contains 128 random bits; a request without these bits gets status 404. A page of another site may
+//! make its own domain name resolve to 127.0.0.1 (DNS rebinding), so the Host header must name this server.
+//! Such a page may also post to this server from the user's browser (cross-site request forgery, CSRF). The
+//! Origin header of every POST must therefore be that of our page. A content security policy keeps the page
+//! from loading anything else.
 
 use std::io::Read;
 use tiny_http::{Header, Method, Request};

@@ -34,7 +34,7 @@ use values::LayoutValues;
 const DIGITS: i32 = 9;
 /// Detail of drawings: one model and reading, no envelope, and few nodes.
 ///
-/// The page can redraw such a drawing while the mouse drags.
+/// A drawing of this detail can be redrawn while the user drags equipment.
 const DETAIL: Detail = Detail { lenses: false, envelopes: false, nodes: 1500 };
 
 /// Cell and session that all open pages share.
@@ -246,7 +246,8 @@ impl LiveView {
         Ok(())
     }
 
-    /// Returns the revision and the state of the search, which may change without a request of this page.
+    /// Returns the revision of the session and the state of the search. Both may change without a request of
+    /// this page.
     fn pulse(&self) -> Value {
         let search = locked(&self.job).as_ref().map(SearchThread::document);
         json!({ "revision": locked(&self.session).revision, "search": search })

@@ -37,7 +37,8 @@ impl EvaluationSettings {
     }
 }
 
-/// Cache of the workcells for all evaluation settings used so far; the cell file's own comes first.
+/// Cache of the workcells for all evaluation settings used so far. The first entry has the settings of the
+/// cell file.
 pub struct Workcells {
     own: Arc<Workcell>,
     ready: Mutex<Vec<(EvaluationSettings, Arc<Workcell>)>>,

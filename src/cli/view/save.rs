@@ -16,7 +16,7 @@ const DEVICES: [&str; 6] = ["CON", "PRN", "AUX", "NUL", "CONIN$", "CONOUT$"];
 
 /// Reason why a layout was not saved.
 pub enum Unsaved {
-    /// The file exists; the page may ask again to overwrite it.
+    /// The file exists. The page may repeat the request with the permission to overwrite the file.
     OccupiedBoxes,
     /// The request is refused, with the reason for the page.
     Refused(String),

@@ -15,7 +15,8 @@ pub struct Step {
 
 /// Undo history and evaluation settings of one `view`.
 pub struct Session {
-    /// Number of changes, from which a page sees that another page made one.
+    /// Number of changes in this session. A page compares this number to notice a change that another page
+    /// made.
     pub revision: u64,
     pub question: EvaluationSettings,
     steps: Vec<Step>,

@@ -162,7 +162,7 @@ fn in_file(slot: Slot, si: f64) -> f64 {
     if slot.is_angle() { deg_from_rad(si) } else { mm_from_m(si) }
 }
 
-/// Converts a number of the page (mm or degrees) to SI. Fails if the coordinate does not allow it.
+/// Converts a number of the page (mm or degrees) to SI. Fails if the coordinate does not allow this value.
 fn allowed(coordinate: &Coordinate, slot: Slot, number: f64) -> Result<f64, String> {
     let si = if slot.is_angle() { rad_from_deg(number) } else { m_from_mm(number) };
     let same = |v: f64| rounded(in_file(slot, v), DIGITS) == rounded(number, DIGITS);
